@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What every stage shares: status codes (spec/drape.h), limits, and the
+ * table of stages. spec/README.md §2. */
+#ifndef REF_STAGE_H
+#define REF_STAGE_H
+
+#include "ref/real.h"
+#include "spec/drape.h"
+
+/* Threads take contiguous runs of items; no result depends on which. */
+#define EACH_ITEM _Pragma("omp parallel for schedule(static)")
+
+#endif

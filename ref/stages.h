@@ -1,0 +1,8 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Every stage's struct and entry point, in pipeline order. */
+#ifndef REF_STAGES_H
+#define REF_STAGES_H
+
+#include "ref/bounds.h"
+
+#endif

@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* drape: certified high-resolution cloth simulation (Tang et al. 2013).
+ * The whole public API. Units are SI; the up direction is the caller's.
+ * No function exits, prints, keeps global state or starts a thread that was
+ * not asked for. Calls on one world must not overlap; worlds are independent.
+ * Positions are [3] = x, y, z in metres, |x| ≤ 2^60. */
+#ifndef DRAPE_H
+#define DRAPE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define DRAPE_VERSION "0.1.0"
+
+/* Status of a call: DRAPE_OK or negative. */
+enum drape_status {
+    DRAPE_OK = 0,
+    DRAPE_EARG = -1,    /* a definition or an argument is out of its range */
+    DRAPE_EDATA = -2,   /* a number is not finite or beyond 2^60 */
+    DRAPE_ENOMEM = -3,  /* the allocator gave nothing */
+    DRAPE_EFULL = -4,   /* an output is too small; the needed size is given */
+    DRAPE_ESTART = -5,  /* the start state intersects itself or an obstacle */
+    DRAPE_EDEVICE = -6, /* no such backend here, or its device is lost */
+    DRAPE_EMATCH = -7,  /* a checkpoint of another scene, build or version */
+    DRAPE_EIO = -8,     /* the caller's reader or writer failed */
+    DRAPE_ELIMIT = -9   /* the scene forbids it, as a limit it set itself */
+};
+
+/* How a step ended: 0 is clean, else an or of these. */
+enum drape_outcome {
+    DRAPE_UNCONVERGED = 1, /* the linear solver missed its tolerance */
+    DRAPE_ZONES = 2,       /* impact zones were needed; the state is clean */
+    DRAPE_ROLLBACK = 4,    /* vertices were rolled back; the state is clean */
+    DRAPE_TRAPPED = 8,     /* obstacles left no room: the state intersects */
+    DRAPE_DIVERGED = 16,   /* energy blew up or a value is not finite: the
+                              last good state is kept and time stands still */
+    DRAPE_ASLEEP = 32      /* nothing moved, nothing was done */
+};
+
+enum drape_integrator {
+    DRAPE_EULER,    /* symplectic Euler, explicit, order 1 */
+    DRAPE_MIDPOINT, /* explicit midpoint, order 2 */
+    DRAPE_VERLET,   /* velocity Verlet, explicit, order 2 */
+    DRAPE_RK4,      /* classical Runge–Kutta, explicit, order 4 */
+    DRAPE_BW,       /* Baraff–Witkin 1998, implicit, order 1 */
+    DRAPE_CK        /* Choi–Ko 2002, semi-implicit BDF2, order 2 */
+};
+
+enum drape_precond { DRAPE_JACOBI, DRAPE_MULTIGRID };
+enum drape_matrix {
+    DRAPE_CDF,    /* the paper's 17 diagonals of 3 × 3 blocks */
+    DRAPE_COMPACT /* the symmetric half, blocks of 6 */
+};
+enum drape_backend { DRAPE_REF, DRAPE_GPU };
+
+/* What cloth is made of, independent of the grid that samples it. */
+typedef struct drape_material {
+    double density;   /* kg/m², > 0 */
+    double stretch;   /* N/m, tension a width for strain 1, > 0 */
+    double shear;     /* N/m, ≥ 0, at most stretch / 2 */
+    double bend;      /* N·m, moment a width for curvature 1, ≥ 0 */
+    double damping;   /* s, stiffness-proportional, ≥ 0 */
+    double thickness; /* m, distance at which contact begins, > 0 */
+    double friction;  /* Coulomb coefficient, ≥ 0 */
+} drape_material;
+
+/* A rigid motion by keyframes: x(t) = p(t) + R(q(t)) (x(0) - pivot). Linear
+ * in p, normalised linear in q between keys, constant before and after. */
+typedef struct drape_motion {
+    int keys;                    /* ≥ 1 */
+    const double *time;          /* [keys] s, strictly ascending */
+    const double (*position)[3]; /* [keys] p, m */
+    const double (*rotation)[4]; /* [keys] q = w, x, y, z; NULL: identity */
+    double pivot[3];             /* m */
+} drape_motion;
+
+/* Particle (i, j) of a cloth is held, or led by a motion. */
+typedef struct drape_pin {
+    int i, j;
+    int motion; /* index into drape_def.motions, -1: held where it starts */
+} drape_pin;
+
+/* A rectangular grid of m × n particles; (i, j) is number i + m·j. */
+typedef struct drape_cloth {
+    int m, n;             /* 2 … 32768 each */
+    double width, height; /* m at rest, along i and along j */
+    drape_material material;
+    const double (*x)[3]; /* [m·n] start; NULL: flat by origin, u and v */
+    double origin[3], u[3], v[3]; /* particle 0; unit axes along i and j */
+    const double (*velocity)[3];  /* [m·n] m/s; NULL: zero */
+    const uint8_t *hole; /* [m·n] 1: the particle is missing; NULL: none */
+    const uint8_t *cut;  /* [(m-1)·(n-1)] 1: the cell is missing; NULL */
+    const drape_pin *pins;
+    int n_pins;
+} drape_cloth;
+
+/* A triangle mesh that moves as told; open, closed or non-manifold. */
+typedef struct drape_obstacle {
+    int64_t n_vertices, n_triangles;
+    const double (*x)[3];     /* [n_vertices] m, at time 0 */
+    const int32_t (*tri)[3];  /* [n_triangles] vertices of this obstacle */
+    double friction;          /* the pair's is the larger of the two */
+    int motion;               /* index into drape_def.motions, -1: none */
+    int frames;               /* deforming: number of frames, else 0 */
+    double frame_dt;          /* s between frames, linear in between */
+    const double (*frame)[3]; /* [frames][n_vertices] m */
+} drape_obstacle;
+
+typedef struct drape_wind {
+    double velocity[3]; /* m/s */
+    double density;     /* kg/m³ of air; 0: no air at all */
+    double drag, lift;  /* coefficients of a triangle, ≥ 0 */
+} drape_wind;
+
+typedef struct drape_allocator {
+    void *(*allocate)(void *user, size_t bytes); /* aligned to 64; or NULL */
+    void (*release)(void *user, void *p, size_t bytes);
+    void *user;
+} drape_allocator;
+
+/* Called after a stage of a step, where asked for. digest: FNV-1a of the
+ * stage's outputs, in stream order. */
+typedef void drape_trace(void *user, int64_t step, const char *stage,
+                         uint64_t digest, double seconds);
+
+/* A scene. Everything it points to is copied by drape_create. */
+typedef struct drape_def {
+    int backend;   /* enum drape_backend */
+    int precision; /* 32 or 64: bits of a number in the state */
+    int threads;   /* of the reference; 0: as many as cores. Same bits. */
+
+    double dt; /* s a step */
+    double gravity[3];
+    drape_wind wind;
+    int integrator;   /* enum drape_integrator */
+    int max_substeps; /* explicit: refuse (DRAPE_ELIMIT) beyond, ≥ 1 */
+    int precond;      /* enum drape_precond */
+    int matrix;       /* enum drape_matrix */
+    double tolerance; /* of the relative residual */
+    int max_iterations;
+
+    int self_collision; /* 0: cloth does not see cloth */
+    int max_rounds;     /* of collision impulses before the fail-safe, ≥ 0 */
+    int allow_intersecting; /* 1: a start that intersects is accepted */
+    int sleep;              /* 1: a scene at rest is skipped until it wakes */
+
+    const drape_cloth *cloths;
+    int n_cloths;
+    const drape_obstacle *obstacles;
+    int n_obstacles;
+    const drape_motion *motions;
+    int n_motions;
+
+    drape_allocator allocator; /* zero: malloc and free */
+    drape_trace *trace;        /* NULL: none, and no digest is computed */
+    void *trace_user;
+} drape_def;
+
+/* What went wrong, in one line: what, where, and what was expected. */
+typedef struct drape_error {
+    char text[256];
+} drape_error;
+
+/* Stages whose time and work a step reports. */
+enum drape_part {
+    DRAPE_PART_INTEGRATION,
+    DRAPE_PART_SOLVER,
+    DRAPE_PART_BROAD,
+    DRAPE_PART_PROXIMITY,
+    DRAPE_PART_PENETRATION,
+    DRAPE_PART_FAILSAFE,
+    DRAPE_PART_COUNT
+};
+
+typedef struct drape_step_report {
+    int64_t step;       /* steps done so far, this one included */
+    double time;        /* s, at the end of the step */
+    int outcome;        /* or of enum drape_outcome */
+    int substeps;       /* of the integrator */
+    int iterations;     /* of the linear solver, all solves */
+    double residual;    /* relative, the worst of its solves */
+    int rounds;         /* of penetration, the last finds nothing */
+    int64_t contacts;   /* pairs in proximity */
+    int64_t impacts;    /* pairs that penetrated, all rounds */
+    int64_t candidates; /* pairs given to the narrow phase, all rounds */
+    int64_t zone_vertices, rolled_back; /* touched by the fail-safe */
+    double kinetic, elastic, potential; /* J; potential: gravity, from 0 */
+    double seconds[DRAPE_PART_COUNT];   /* wall time by part */
+} drape_step_report;
+
+/* One row of the plan: a stage, whether it exists in this scene, and why. */
+typedef struct drape_plan_row {
+    const char *stage; /* static */
+    int on;
+    const char *why; /* static */
+    size_t bytes;    /* held now for its streams */
+} drape_plan_row;
+
+typedef struct drape_world drape_world;
+
+/* Defaults: the reference, 32 bits, dt 1/60, gravity -9.81 y, still air
+ * absent, Choi–Ko with multigrid, self-collision. Never fails. */
+void drape_default(drape_def *def);
+/* Defaults: 101 × 101, 1 m × 1 m, flat in the xz plane, light cotton. */
+void drape_default_cloth(drape_cloth *cloth);
+void drape_default_obstacle(drape_obstacle *obstacle);
+
+/* Checks the whole definition and makes a world. On failure *world is NULL
+ * and error (may be NULL) says what and where. The caller destroys it. */
+int drape_create(const drape_def *def, drape_world **world, drape_error *error);
+void drape_destroy(drape_world *world); /* NULL is allowed */
+
+/* Advances by dt. report may be NULL. Negative: nothing has changed. */
+int drape_step(drape_world *world, drape_step_report *report);
+
+/* Counts of the whole scene: cloth first, then obstacles. */
+int64_t drape_vertices(const drape_world *world);
+int64_t drape_triangles(const drape_world *world);
+/* The first vertex (triangle) of cloth or obstacle k counts on from the
+ * cloths: body k in 0 … n_cloths + n_obstacles; the last is the total. */
+int64_t drape_first_vertex(const drape_world *world, int body);
+int64_t drape_first_triangle(const drape_world *world, int body);
+/* Copies of the current state: x, v [drape_vertices][3], v in m/s. */
+int drape_read(const drape_world *world, double (*x)[3], double (*v)[3]);
+/* Copies of the connectivity: tri [drape_triangles][3]. */
+int drape_read_triangles(const drape_world *world, int32_t (*tri)[3]);
+
+/* Wakes a sleeping scene. */
+void drape_wake(drape_world *world);
+/* From the next step on; wakes. DRAPE_EARG or DRAPE_EDATA: unchanged. */
+int drape_set_wind(drape_world *world, const drape_wind *wind);
+
+/* Rows of the plan into row[capacity]; returns how many there are. */
+int drape_plan(const drape_world *world, drape_plan_row *row, int capacity);
+
+/* A checkpoint through the caller's functions, which return 0 when all
+ * bytes went through. A loaded world goes on bit for bit; it must have been
+ * made from the same definition. On failure the world is unchanged. */
+typedef int drape_write(void *user, const void *data, size_t bytes);
+typedef int drape_read_bytes(void *user, void *data, size_t bytes);
+int drape_save(const drape_world *world, drape_write *write, void *user);
+int drape_load(drape_world *world, drape_read_bytes *read, void *user);
+
+/* Intersecting pairs of triangles, decided exactly (spec/40_audit.md).
+ * group: [nt] or NULL; two triangles of group 0 (obstacles) are not
+ * compared. The first `capacity` pairs go to pair; *found counts all.
+ * Returns DRAPE_OK also when more were found than fit. */
+typedef struct drape_mesh {
+    int64_t nv, nt;
+    const double (*x)[3];
+    const int32_t (*tri)[3];
+    const int32_t *group;
+} drape_mesh;
+int drape_audit(const drape_mesh *mesh, int64_t capacity, int32_t (*pair)[2],
+                int64_t *found, int64_t *degenerate);
+
+/* Whether a vertex x[0] and a face x[1..3] (kind 0), or two edges x[0]x[1]
+ * and x[2]x[3] (kind 1), moving linearly from x0 to x1, touch in [0, 1]:
+ * 1 and *toi (never late, at most 2^-30 early), 0, or DRAPE_EDATA. */
+int drape_ccd(int kind, const double x0[4][3], const double x1[4][3],
+              double *toi);
+
+/* One line a version: library, precisions, backends, certificate. */
+const char *drape_info(void);
+const char *drape_status_text(int status);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The tests' external names, one set a precision; see ref/names.h. Sorted. */
+#ifndef TESTS_NAMES_H
+#define TESTS_NAMES_H
+
+#define fields_bounds REAL_NAME(fields_bounds)
+#define gen_bounds REAL_NAME(gen_bounds)
+#define pick_real REAL_NAME(pick_real)
+#define pick_uniform REAL_NAME(pick_uniform)
+#define pick_vec REAL_NAME(pick_vec)
+#define prop_bounds REAL_NAME(prop_bounds)
+#define stages_table REAL_NAME(stages_table)
+#define tests_table REAL_NAME(tests_table)
+
+#endif

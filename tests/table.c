@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* spec/stages.def and tests/tests.def as tables, one build a precision. */
+#include "tests/harness.h"
+
+#include "ref/stages.h"
+
+#define STAGE(X, rule)                                                         \
+    extern const struct field fields_##X[];                                    \
+    void gen_##X(struct bytes *, struct X *);                                  \
+    const char *prop_##X(const struct X *);                                    \
+    static int ref_call_##X(void *s)                                           \
+    {                                                                          \
+        return ref_##X(s);                                                     \
+    }                                                                          \
+    static void gen_call_##X(struct bytes *b, void *s)                         \
+    {                                                                          \
+        gen_##X(b, s);                                                         \
+    }                                                                          \
+    static const char *prop_call_##X(const void *s)                            \
+    {                                                                          \
+        return prop_##X(s);                                                    \
+    }
+#include "spec/stages.def"
+#undef STAGE
+
+#define STAGE(X, rule)                                                         \
+    {#X,         sizeof(struct X), ref_call_##X,                               \
+     fields_##X, gen_call_##X,     prop_call_##X},
+const struct stage stages_table[] = {
+#include "spec/stages.def"
+    {NULL, 0, NULL, NULL, NULL, NULL}};
+#undef STAGE
+
+#define TEST(X) const char *test_##X(void);
+#include "tests/tests.def"
+#undef TEST
+
+#define TEST(X) {#X, test_##X},
+const struct test tests_table[] = {
+#include "tests/tests.def"
+    {NULL, NULL}};
+#undef TEST
