@@ -12,6 +12,22 @@
 #define REAL_PASTE(name, bits) REAL_PASTE_(name, bits)
 #define REAL_NAME(name) REAL_PASTE(name, REAL_BITS)
 
+#define filter_signs REAL_NAME(filter_signs)
+#define filter_split REAL_NAME(filter_split)
+#define motion_ee REAL_NAME(motion_ee)
+#define motion_vf REAL_NAME(motion_vf)
+#define narrow_ee REAL_NAME(narrow_ee)
+#define narrow_vf REAL_NAME(narrow_vf)
+#define ref_align REAL_NAME(ref_align)
+#define ref_audit REAL_NAME(ref_audit)
+#define ref_audit_nodes REAL_NAME(ref_audit_nodes)
 #define ref_bounds REAL_NAME(ref_bounds)
+#define ref_collinear REAL_NAME(ref_collinear)
+#define ref_narrow REAL_NAME(ref_narrow)
+#define ref_orient2 REAL_NAME(ref_orient2)
+#define ref_orient2_whole REAL_NAME(ref_orient2_whole)
+#define ref_orient3 REAL_NAME(ref_orient3)
+#define ref_orient3_whole REAL_NAME(ref_orient3_whole)
+#define ref_tritri REAL_NAME(ref_tritri)
 
 #endif

@@ -4,5 +4,6 @@
 #define REF_STAGES_H
 
 #include "ref/bounds.h"
+#include "ref/narrow.h"
 
 #endif
