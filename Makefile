@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# drape. `make help` lists what can be made. One Makefile, nothing recursive
-# but flavours: each flavour is this file again with another BUILD.
+# drape: `make help` lists what can be made. Nothing is recursive but the
+# flavours: a flavour is this file again with another BUILD and compiler.
 
 BUILD  ?= build
+PREFIX ?= /usr/local
 ifeq ($(origin CC),default)
 CC     := gcc
 endif
@@ -10,61 +11,129 @@ ifeq ($(origin CXX),default)
 CXX    := g++
 endif
 OPT    ?= -O2 -g
-WARN   := -Wall -Wextra -Wpedantic -Werror
-# The number model: no contraction, no reassociation, no traps, no errno.
-MODEL  := -ffp-contract=off -fno-math-errno -fno-fast-math
 OPENMP ?= -fopenmp
-FLAGS   = $(OPT) $(WARN) $(MODEL) $(OPENMP) $(SAN) -I. -Ispec -MMD -MP -fPIC
-CFLAGS_ = -std=c17 -D_POSIX_C_SOURCE=200809L $(FLAGS)
-PREFIX ?= /usr/local
+WARN   := -Wall -Wextra -Wpedantic -Werror
+# The number model (spec/README.md §1): no contraction, no reassociation.
+MODEL  := -ffp-contract=off -fno-math-errno -fno-fast-math
+COMMON  = $(OPT) $(WARN) $(MODEL) $(OPENMP) $(SAN) -I. -Ispec -MMD -MP -fPIC
+C17     = $(CC) -std=c17 -D_POSIX_C_SOURCE=200809L $(COMMON)
+CXX17   = $(CXX) -std=c++17 -O1 -I. -Ispec -MMD -MP -fPIC
 
-have   = $(shell printf '$(2)\n' | $(CXX) $(1) -x c++ -fsyntax-only - \
-           2>/dev/null && echo yes)
+# What is here to build with: each answer is `yes` or nothing.
+has     = $(shell printf '\#include <$(1)>\n' | $(CXX) -std=c++17 -x c++ \
+            -fsyntax-only - 2>/dev/null && echo yes)
+HAS_APP    := $(and $(call has,assimp/cimport.h),$(call \
+    has,cjson/cJSON.h),$(call has,embree3/rtcore.h),$(call \
+    has,png.h),$(call has,gmp.h))
+HAS_ORACLE := $(and $(call has,CGAL/version.h),$(call \
+    has,fcl/fcl.h),$(call has,ccd/ccd.h),$(call has,gmp.h))
+NVCC       := $(shell command -v nvcc)
 
 REF    := $(sort $(wildcard ref/*.c))
-TWICE  := $(sort $(filter-out tests/check.c tests/case.c tests/choices.c, \
-            $(wildcard tests/*.c)))
-ONCE   := tests/check.c tests/case.c tests/choices.c
+ONCE   := tests/check.c tests/case.c tests/choices.c tests/tally.c
+TWICE  := $(sort $(filter-out $(ONCE),$(wildcard tests/*.c)))
 APP    := $(sort $(wildcard app/*.c))
+ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
+APP_LIBS    := -lassimp -lcjson -lembree3 -lpng -lgmp -lm
+ORACLE_LIBS := -lfcl -lccd -lmpfr -lgmp -lstdc++ -lm
 
-obj     = $(patsubst %.c,$(BUILD)/%$(2).o,$(1))
+obj     = $(addprefix $(BUILD)/,$(addsuffix $(2).o,$(basename $(1))))
 REF_O  := $(call obj,$(REF),.32) $(call obj,$(REF),.64)
 TEST_O := $(call obj,$(TWICE),.32) $(call obj,$(TWICE),.64) \
           $(call obj,$(ONCE),)
 APP_O  := $(call obj,$(APP),)
+ORC_O  := $(call obj,$(ORACLE),)
 LIB    := $(BUILD)/libdrape.a
-APP_LIBS := -lassimp -lcjson -lembree3 -lpng -lgmp -lm
 
-.PHONY: all check stages bench golden help FORCE
+.PHONY: all demo check bench asan fuzz install help golden format tidy \
+        flavours soak prove say-gpu
 .DELETE_ON_ERROR:
 
-all: $(LIB) $(BUILD)/check
+all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu
+
+# The GPU part is issue 4's; what is not there is said, in one line.
+say-gpu:
+	@$(if $(NVCC),,echo 'drape: no nvcc here: CPU part only';) \
+	 $(if $(wildcard gpu/*.cu),,echo 'drape: gpu/ holds no kernels yet: CPU part only')
 
 $(BUILD)/%.32.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS_) -DREAL_BITS=32 -c $< -o $@
+	$(C17) -DREAL_BITS=32 -c $< -o $@
 $(BUILD)/%.64.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS_) -DREAL_BITS=64 -c $< -o $@
+	$(C17) -DREAL_BITS=64 -c $< -o $@
 $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS_) -c $< -o $@
+	$(C17) -c $< -o $@
+$(BUILD)/%.o: %.cpp
+	@mkdir -p $(@D)
+	$(CXX17) -c $< -o $@
 
 $(LIB): $(REF_O)
 	@rm -f $@
 	$(AR) rcs $@ $^
-
 $(BUILD)/check: $(TEST_O) $(LIB)
-	$(CC) $(CFLAGS_) $^ -o $@ -lm
+	$(C17) $(TEST_O) $(LIB) -o $@ -lm
+$(BUILD)/drape: $(APP_O) $(LIB)
+	$(C17) $(APP_O) $(LIB) -o $@ $(APP_LIBS)
 
-check: $(BUILD)/check
-	$(BUILD)/check --stages --tests --self-test \
-	    --golden tests/golden/stages.txt
+# For fuzzing: everything but check's main, both precisions.
+PARTS := $(filter-out $(BUILD)/tests/check.o,$(TEST_O)) $(REF_O) \
+         $(BUILD)/fuzz/stage.o
+$(BUILD)/parts.a: $(PARTS)
+	@rm -f $@
+	$(AR) rcs $@ $^
+$(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
+	$(C17) $^ -o $@ -lm
 
-bench: $(BUILD)/check
+# ---- what people call ----
+
+check: $(BUILD)/check ## everything that must hold, under 6 minutes
+	sh ci/check.sh $(BUILD)
+
+demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
+	sh ci/demo.sh $(BUILD)
+
+bench: $(BUILD)/check ## time and bytes of every stage, as csv
 	$(BUILD)/check --bench
 
 golden: $(BUILD)/check ## records the hashes of all stages anew
 	$(BUILD)/check --golden-write tests/golden/stages.txt
 
--include $(REF_O:.o=.d) $(TEST_O:.o=.d) $(APP_O:.o=.d)
+asan: ## every stage and test under address and undefined sanitizers
+	$(MAKE) BUILD=$(BUILD)/asan OPT='-O1 -g' OPENMP=-fopenmp \
+	  SAN='-fsanitize=address,undefined -fno-sanitize-recover=all' \
+	  $(BUILD)/asan/check
+	$(BUILD)/asan/check --cases 1 --stages --self-test
+
+# gcc and clang, -O0 to -O3: the same golden hashes, for 1 and 3 threads.
+flavours:
+	$(MAKE) BUILD=$(BUILD)/gcc-O0 OPT=-O0 $(BUILD)/gcc-O0/check
+	$(MAKE) BUILD=$(BUILD)/gcc-O3 OPT='-O3 -march=native' \
+	  $(BUILD)/gcc-O3/check
+	$(MAKE) BUILD=$(BUILD)/clang-O2 CC=clang OPT=-O2 \
+	  $(BUILD)/clang-O2/check
+
+fuzz: ## T=stage S=seconds: libFuzzer on one stage
+	sh ci/fuzz.sh $(BUILD) $(T) $(S)
+
+install: $(LIB) ## to $(DESTDIR)$(PREFIX): library, header, tool, man page
+	install -D -m 644 $(LIB) $(DESTDIR)$(PREFIX)/lib/libdrape.a
+	install -D -m 644 spec/drape.h $(DESTDIR)$(PREFIX)/include/drape.h
+	test ! -x $(BUILD)/drape || install -D $(BUILD)/drape \
+	  $(DESTDIR)$(PREFIX)/bin/drape
+	install -D -m 644 app/drape.1 \
+	  $(DESTDIR)$(PREFIX)/share/man/man1/drape.1
+
+format: ## clang-format everything in place
+	clang-format -i $(wildcard app/*.[ch] fuzz/*.[ch] gpu/* oracle/*.[ch]* \
+	  ref/*.[ch] spec/*.h tests/*.[ch])
+
+tidy: ## clang-tidy over our C
+	clang-tidy --quiet $(REF) $(ONCE) $(TWICE) -- -std=c17 -I. -Ispec \
+	  -D_POSIX_C_SOURCE=200809L 2>/dev/null
+
+help: ## this list
+	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
+
+-include $(REF_O:.o=.d) $(TEST_O:.o=.d) $(APP_O:.o=.d) $(ORC_O:.o=.d)

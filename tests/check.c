@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "tests/case.h"
+#include "tests/tally.h"
 
 extern const struct stage stages_table_32[], stages_table_64[];
 extern const struct test tests_table_32[], tests_table_64[];
@@ -29,29 +30,6 @@ static struct options {
 } options = {NULL, 3, 1};
 
 static int passed, failed, skipped;
-static int64_t ran_cases;
-static bool was_skipped;
-
-void ran(int64_t cases)
-{
-    ran_cases += cases;
-}
-
-const char *skip(const char *why)
-{
-    printf("skipped: %s\n", why);
-    was_skipped = true;
-    return NULL;
-}
-
-uint64_t hash_bytes(uint64_t hash, const void *data, size_t bytes)
-{
-    const uint8_t *p = data;
-    for (size_t k = 0; k < bytes; k++)
-        hash = (hash ^ p[k]) * UINT64_C(1099511628211);
-    return hash;
-}
-
 static bool wanted(const char *name)
 {
     return !options.only || !strcmp(options.only, name);
@@ -129,14 +107,13 @@ static void run_tests(void)
         for (const struct test *t = tests(k); t->name; t++) {
             if (!wanted(t->name))
                 continue;
-            ran_cases = 0;
-            was_skipped = false;
+            tally = (struct tally){0};
             const char *what = t->run();
-            if (was_skipped) {
+            if (tally.skipped) {
                 skipped++;
                 continue;
             }
-            if (!what && !ran_cases)
+            if (!what && !tally.cases)
                 what = "it ran no case";
             report("test", t->name, bits_of[k], what);
         }

@@ -1,0 +1,32 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Installs what drape is built and tested with, on Debian 12, and says nothing
+# when nothing is missing. The library itself needs a C compiler only.
+set -eu
+need='gcc g++ make clang clang-format clang-tidy libomp-dev
+      libassimp-dev libcjson-dev libembree-dev libpng-dev ffmpeg
+      libcgal-dev libfcl-dev libccd-dev libgmp-dev libmpfr-dev gappa
+      libclang-rt-dev python3'
+missing=
+for package in $need; do
+    state=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) ||
+        state=absent
+    [ "$state" = installed ] || missing="$missing $package"
+done
+[ -n "$missing" ] || exit 0
+install="apt-get update && apt-get install -y --no-install-recommends$missing"
+if [ "$(id -u)" -eq 0 ]; then
+    as=
+elif command -v sudo >/dev/null 2>&1 && sudo -n true 2>/dev/null; then
+    as=sudo
+else
+    echo "drape needs:$missing" >&2
+    echo "Type: sudo sh -c '$install'" >&2
+    exit 1
+fi
+echo "installing:$missing"
+$as sh -c "export DEBIAN_FRONTEND=noninteractive; $install" >/tmp/drape-deps.$$ 2>&1 || {
+    tail -n 20 /tmp/drape-deps.$$ >&2
+    exit 1
+}
+rm -f /tmp/drape-deps.$$
