@@ -23,11 +23,14 @@
 #define ref_audit_nodes REAL_NAME(ref_audit_nodes)
 #define ref_bounds REAL_NAME(ref_bounds)
 #define ref_collinear REAL_NAME(ref_collinear)
+#define ref_dot REAL_NAME(ref_dot)
 #define ref_narrow REAL_NAME(ref_narrow)
 #define ref_orient2 REAL_NAME(ref_orient2)
 #define ref_orient2_whole REAL_NAME(ref_orient2_whole)
 #define ref_orient3 REAL_NAME(ref_orient3)
 #define ref_orient3_whole REAL_NAME(ref_orient3_whole)
+#define ref_sum REAL_NAME(ref_sum)
+#define ref_sum_finish REAL_NAME(ref_sum_finish)
 #define ref_tritri REAL_NAME(ref_tritri)
 
 #endif

@@ -5,5 +5,6 @@
 
 #include "ref/bounds.h"
 #include "ref/narrow.h"
+#include "ref/sum.h"
 
 #endif

@@ -4,11 +4,17 @@
 #define TESTS_NAMES_H
 
 #define fields_bounds REAL_NAME(fields_bounds)
+#define fields_dot REAL_NAME(fields_dot)
+#define fields_sum REAL_NAME(fields_sum)
 #define gen_bounds REAL_NAME(gen_bounds)
+#define gen_dot REAL_NAME(gen_dot)
+#define gen_sum REAL_NAME(gen_sum)
 #define pick_real REAL_NAME(pick_real)
 #define pick_uniform REAL_NAME(pick_uniform)
 #define pick_vec REAL_NAME(pick_vec)
 #define prop_bounds REAL_NAME(prop_bounds)
+#define prop_dot REAL_NAME(prop_dot)
+#define prop_sum REAL_NAME(prop_sum)
 #define stages_table REAL_NAME(stages_table)
 #define tests_table REAL_NAME(tests_table)
 
