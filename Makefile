@@ -29,7 +29,8 @@ HAS_ORACLE := $(and $(call has,CGAL/version.h),$(call \
     has,fcl/fcl.h),$(call has,ccd/ccd.h),$(call has,gmp.h))
 NVCC       := $(shell command -v nvcc)
 
-REF    := $(sort $(wildcard ref/*.c))
+API    := ref/arena.c ref/define.c ref/drape.c ref/query.c
+REF    := $(sort $(filter-out $(API),$(wildcard ref/*.c)))
 ONCE   := tests/check.c tests/case.c tests/choices.c tests/tally.c
 TWICE  := $(sort $(filter-out $(ONCE),$(wildcard tests/*.c)))
 APP    := $(sort $(wildcard app/*.c))
@@ -38,7 +39,8 @@ APP_LIBS    := -lassimp -lcjson -lembree3 -lpng -lgmp -lm
 ORACLE_LIBS := -lfcl -lccd -lmpfr -lgmp -lstdc++ -lm
 
 obj     = $(addprefix $(BUILD)/,$(addsuffix $(2).o,$(basename $(1))))
-REF_O  := $(call obj,$(REF),.32) $(call obj,$(REF),.64)
+REF_O  := $(call obj,$(REF),.32) $(call obj,$(REF),.64) \
+          $(call obj,$(API),.64)
 TEST_O := $(call obj,$(TWICE),.32) $(call obj,$(TWICE),.64) \
           $(call obj,$(ONCE),)
 APP_O  := $(call obj,$(APP),)
@@ -130,7 +132,7 @@ format: ## clang-format everything in place
 	  ref/*.[ch] spec/*.h tests/*.[ch])
 
 tidy: ## clang-tidy over our C
-	clang-tidy --quiet $(REF) $(ONCE) $(TWICE) -- -std=c17 -I. -Ispec \
+	clang-tidy --quiet $(API) $(REF) $(ONCE) $(TWICE) -- -std=c17 -I. -Ispec \
 	  -D_POSIX_C_SOURCE=200809L 2>/dev/null
 
 help: ## this list

@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The API: checks, dispatches to a world of the asked precision, translates.
+ * The pipeline itself is ref/step.c. */
+#include "spec/drape.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ref/audit.h"
+#include "ref/define.h"
+#include "ref/narrow.h"
+#include "ref/world.h"
+
+struct drape_world {
+    struct arena arena;
+    const struct world_ops *ops;
+    struct world *world;
+    int bodies; /* cloths and obstacles */
+};
+
+static int refuse(drape_error *error, const char *text, int status)
+{
+    if (error)
+        strncpy(error->text, text, sizeof error->text - 1);
+    return status;
+}
+
+int drape_create(const drape_def *def, drape_world **world, drape_error *error)
+{
+    if (error)
+        memset(error, 0, sizeof *error);
+    *world = NULL;
+    int status = define_check(def, error);
+    if (status != DRAPE_OK)
+        return status;
+
+    struct arena arena;
+    arena_init(&arena, &def->allocator);
+    drape_world *d = arena_take(&arena, ARENA_OTHER, 1, sizeof *d);
+    if (!d)
+        return refuse(error, "out of memory", DRAPE_ENOMEM);
+    d->arena = arena;
+    d->ops = def->precision == 32 ? &world_ops_32 : &world_ops_64;
+    d->bodies = def->n_cloths + def->n_obstacles;
+    status = d->ops->make(def, &d->arena, &d->world, error);
+    if (status != DRAPE_OK) {
+        if (error && !error->text[0])
+            refuse(error, drape_status_text(status), status);
+        drape_destroy(d);
+        return status;
+    }
+    *world = d;
+    return DRAPE_OK;
+}
+
+void drape_destroy(drape_world *world)
+{
+    if (!world)
+        return;
+    struct arena arena = world->arena; /* the world lies in it */
+    arena_free(&arena);
+}
+
+int drape_step(drape_world *world, drape_step_report *report)
+{
+    drape_step_report unused;
+    return world->ops->step(world->world, report ? report : &unused);
+}
+
+int64_t drape_first_vertex(const drape_world *world, int body)
+{
+    if (body < 0 || body > world->bodies)
+        return DRAPE_EARG;
+    return world->ops->first_vertex(world->world, body);
+}
+
+int64_t drape_first_triangle(const drape_world *world, int body)
+{
+    if (body < 0 || body > world->bodies)
+        return DRAPE_EARG;
+    return world->ops->first_triangle(world->world, body);
+}
+
+int64_t drape_vertices(const drape_world *world)
+{
+    return drape_first_vertex(world, world->bodies);
+}
+
+int64_t drape_triangles(const drape_world *world)
+{
+    return drape_first_triangle(world, world->bodies);
+}
+
+int drape_read(const drape_world *world, double (*x)[3], double (*v)[3])
+{
+    world->ops->read(world->world, x, v);
+    return DRAPE_OK;
+}
+
+int drape_read_triangles(const drape_world *world, int32_t (*tri)[3])
+{
+    world->ops->read_triangles(world->world, tri);
+    return DRAPE_OK;
+}
+
+void drape_wake(drape_world *world)
+{
+    world->ops->wake(world->world);
+}
+
+int drape_set_wind(drape_world *world, const drape_wind *wind)
+{
+    const double number[] = {wind->velocity[0], wind->velocity[1],
+                             wind->velocity[2], wind->density,
+                             wind->drag,        wind->lift};
+    for (int k = 0; k < 6; k++) {
+        if (!(fabs(number[k]) <= 0x1p60))
+            return DRAPE_EDATA;
+        if (k >= 3 && number[k] < 0)
+            return DRAPE_EARG;
+    }
+    world->ops->set_wind(world->world, wind);
+    return DRAPE_OK;
+}
+
+int drape_plan(const drape_world *world, drape_plan_row *row, int capacity)
+{
+    return world->ops->plan(world->world, row, capacity);
+}
+
+int drape_save(const drape_world *world, drape_write *write, void *user)
+{
+    return world->ops->save(world->world, write, user);
+}
+
+int drape_load(drape_world *world, drape_read_bytes *read, void *user)
+{
+    return world->ops->load(world->world, read, user);
+}
+
+const char *drape_info(void)
+{
+    return "drape " DRAPE_VERSION "\n"
+           "backend ref: binary32, binary64\n"
+           "backend gpu: not built in\n"
+           "certificate: NOT CERTIFIED (no GPU has been compared)\n";
+}
+
+const char *drape_status_text(int status)
+{
+    switch (status) {
+    case DRAPE_OK:
+        return "no error";
+    case DRAPE_EARG:
+        return "an argument is out of its range";
+    case DRAPE_EDATA:
+        return "a number is not finite or beyond 2^60";
+    case DRAPE_ENOMEM:
+        return "out of memory";
+    case DRAPE_EFULL:
+        return "an output is too small";
+    case DRAPE_ESTART:
+        return "the start state intersects";
+    case DRAPE_EDEVICE:
+        return "no such backend here, or its device is lost";
+    case DRAPE_EMATCH:
+        return "a checkpoint of another scene, build or version";
+    case DRAPE_EIO:
+        return "reading or writing failed";
+    case DRAPE_ELIMIT:
+        return "the scene forbids it by a limit of its own";
+    default:
+        return "unknown status";
+    }
+}

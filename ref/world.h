@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A world of one precision, as drape.c sees it: ref/world.c makes it,
+ * ref/step.c advances it. */
+#ifndef REF_WORLD_H
+#define REF_WORLD_H
+
+#include "ref/arena.h"
+#include "spec/drape.h"
+
+struct world;
+
+/* What the API needs of a precision. */
+struct world_ops {
+    int (*make)(const drape_def *def, struct arena *arena, struct world **world,
+                drape_error *error);
+    int (*step)(struct world *w, drape_step_report *report);
+    void (*read)(const struct world *w, double (*x)[3], double (*v)[3]);
+    void (*read_triangles)(const struct world *w, int32_t (*tri)[3]);
+    int64_t (*first_vertex)(const struct world *w, int body);
+    int64_t (*first_triangle)(const struct world *w, int body);
+    void (*wake)(struct world *w);
+    void (*set_wind)(struct world *w, const drape_wind *wind);
+    int (*plan)(const struct world *w, drape_plan_row *row, int capacity);
+    int (*save)(const struct world *w, drape_write *write, void *user);
+    int (*load)(struct world *w, drape_read_bytes *read, void *user);
+};
+
+extern const struct world_ops world_ops_32, world_ops_64;
+
+#endif
