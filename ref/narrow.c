@@ -2,6 +2,7 @@
 /* Exact continuous collision of two primitives: spec/30_narrow.md. */
 #include "ref/narrow.h"
 
+#include "ref/exact.h"
 #include "ref/filter.h"
 #include "ref/stage.h"
 
@@ -19,36 +20,40 @@ static void widen(const vec x0[4], const vec x1[4], double x[2][4][3])
 }
 
 /* §1: the tiers in turn until one decides. */
-static uint32_t decide(const struct motion *m, int *tier)
+static uint32_t decide(double x[2][4][3], int kind, int *tier)
 {
+    struct motion m;
     struct forms s;
     bool inside;
-    uint32_t toi = 0;
+    uint32_t toi = 0, word[EXACT_WORDS];
+    if (kind)
+        motion_ee(x, &m);
+    else
+        motion_vf(x, &m);
     *tier = 1;
-    if (filter_signs(m, &s, &inside) == FILTER_MISS)
+    if (filter_signs(&m, &s, &inside) == FILTER_MISS)
         return NARROW_MISS;
     *tier = 2;
-    if (inside && filter_split(m, &s, &toi) == FILTER_MISS)
-        return NARROW_MISS;
+    int end = inside ? filter_split(&m, &s, &toi) : FILTER_UNSURE;
+    if (end != FILTER_UNSURE)
+        return end == FILTER_HIT ? toi : NARROW_MISS;
+    *tier = 3;
+    exact_first(x, kind, word, EXACT_WORDS, &toi);
     return toi;
 }
 
 uint32_t narrow_vf(const vec x0[4], const vec x1[4], int *tier)
 {
-    struct motion m;
     double x[2][4][3];
     widen(x0, x1, x);
-    motion_vf(x, &m);
-    return decide(&m, tier);
+    return decide(x, 0, tier);
 }
 
 uint32_t narrow_ee(const vec x0[4], const vec x1[4], int *tier)
 {
-    struct motion m;
     double x[2][4][3];
     widen(x0, x1, x);
-    motion_ee(x, &m);
-    return decide(&m, tier);
+    return decide(x, 1, tier);
 }
 
 static bool is_finite(vec a)

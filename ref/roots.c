@@ -1,0 +1,343 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Real roots of small polynomials, exactly: spec/30_narrow.md §6.2-6.4. */
+#include "ref/roots.h"
+
+#include <stddef.h>
+
+/* A time τ > 0 (or 0 or ∞ on the grid): a/b, or a root of a quadratic. */
+struct point {
+    const struct poly *q; /* NULL: τ = a/b, b ≥ 0 */
+    int which;            /* 0 the smaller, 1 the larger root of q */
+    struct big a, b;
+};
+
+bool poly_zero(const struct poly *p)
+{
+    for (int i = 0; i <= p->degree; i++)
+        if (p->c[i].sign)
+            return false;
+    return true;
+}
+
+/* The sign of Σ c[i]·a^i·b^(n-i). */
+static int sign_fraction(struct room *m, const struct poly *f, struct big a,
+                         struct big b)
+{
+    int mark = m->used;
+    struct big r = f->c[f->degree], power = b;
+    for (int i = f->degree - 1; i >= 0; i--) {
+        r = big_mul(m, r, a);
+        if (f->c[i].sign)
+            r = big_add(m, r, big_mul(m, f->c[i], power));
+        if (i > 0)
+            power = big_mul(m, power, b);
+    }
+    m->used = mark;
+    return r.sign;
+}
+
+/* f modulo the quadratic q times a positive number: l[1]·τ + l[0]. */
+static void reduce(struct room *m, const struct poly *f, const struct poly *q,
+                   struct big l[2])
+{
+    struct big a = q->c[2], b = q->c[1], c = q->c[0], zero = {0};
+    struct big f0 = f->c[0], f1 = f->degree > 0 ? f->c[1] : zero;
+    struct big f2 = f->degree > 1 ? f->c[2] : zero;
+    l[0] = f0;
+    l[1] = f1;
+    if (f->degree == 3 && f->c[3].sign) {
+        struct big f3 = f->c[3];
+        f2 = big_det(m, f2, a, f3, b);
+        f1 = big_det(m, f1, a, f3, c);
+        f0 = big_mul(m, f0, a);
+        if (a.sign < 0) {
+            f2 = big_negate(f2);
+            f1 = big_negate(f1);
+            f0 = big_negate(f0);
+        }
+        l[0] = f0;
+        l[1] = f1;
+    }
+    if (f2.sign == 0)
+        return;
+    l[1] = big_det(m, f1, a, f2, b);
+    l[0] = big_det(m, f0, a, f2, c);
+    if (a.sign < 0) {
+        l[1] = big_negate(l[1]);
+        l[0] = big_negate(l[0]);
+    }
+}
+
+/* The sign of f at a root of the quadratic q, which has two (§6.3). */
+static int sign_surd(struct room *m, const struct poly *f, const struct poly *q,
+                     int which)
+{
+    int mark = m->used;
+    struct big l[2], a = q->c[2], b = q->c[1], c = q->c[0];
+    reduce(m, f, q, l);
+    int result = l[0].sign;
+    if (l[1].sign) {
+        /* u = -l0/l1 against the roots: z = sign q(u), w = sign q'(u) */
+        struct big s = big_det(m, a, l[0], b, l[1]);
+        struct big t = big_mul(m, c, l[1]);
+        s = big_add(m, big_mul(m, s, l[0]), big_mul(m, t, l[1]));
+        struct big d = big_sub(m, big_mul(m, b, l[1]),
+                               big_times(m, big_mul(m, a, l[0]), 2));
+        int z = s.sign * a.sign, w = d.sign * a.sign * l[1].sign;
+        int past; /* sign of root - u */
+        if (z < 0)
+            past = which ? 1 : -1;
+        else if (z == 0)
+            past = w < 0 ? which : which - 1;
+        else
+            past = -w;
+        result = past * l[1].sign;
+    }
+    m->used = mark;
+    return result;
+}
+
+static int sign_point(struct room *m, const struct poly *f,
+                      const struct point *p)
+{
+    return p->q ? sign_surd(m, f, p->q, p->which)
+                : sign_fraction(m, f, p->a, p->b);
+}
+
+static struct point grid_point(struct room *m, uint32_t g)
+{
+    struct point p = {NULL, 0, big_small(m, g), big_small(m, ROOT_ONE - g)};
+    return p;
+}
+
+/* Sign variations, zeros skipped. */
+static int variations(const int *sign, int n)
+{
+    int last = 0, count = 0;
+    for (int i = 0; i < n; i++) {
+        count += sign[i] * last < 0;
+        last = sign[i] ? sign[i] : last;
+    }
+    return count;
+}
+
+/* Chops zero coefficients off both ends: roots at t = 0 and 1. */
+static struct poly trimmed(const struct poly *p)
+{
+    struct poly r = {0};
+    int lo = 0, hi = p->degree;
+    while (hi > 0 && p->c[hi].sign == 0)
+        hi--;
+    while (lo < hi && p->c[lo].sign == 0)
+        lo++;
+    r.degree = hi - lo;
+    for (int i = lo; i <= hi; i++)
+        r.c[i - lo] = p->c[i];
+    return r;
+}
+
+static struct poly linear(struct big c1, struct big c0)
+{
+    struct poly p = {1, {c0, c1}};
+    return p;
+}
+
+/* The Hessian of a cubic; its discriminant is -3 times the cubic's. */
+static void hessian(struct room *m, const struct big c[4], struct big h[3])
+{
+    h[2] = big_det(m, c[2], c[2], big_times(m, c[3], 3), c[1]);
+    h[1] = big_det(m, c[2], c[1], big_times(m, c[3], 9), c[0]);
+    h[0] = big_det(m, c[1], c[1], big_times(m, c[2], 3), c[0]);
+}
+
+/* b² - 4ac of a quadratic. */
+static struct big discriminant(struct room *m, const struct big c[3])
+{
+    return big_det(m, c[1], c[1], big_times(m, c[2], 4), c[0]);
+}
+
+int poly_split(struct room *m, const struct poly *p, struct poly part[2])
+{
+    int sign[4];
+    struct poly f = trimmed(p);
+    for (int i = 0; i <= f.degree; i++)
+        sign[i] = f.c[i].sign;
+    if (variations(sign, f.degree + 1) == 0) /* Descartes: none in (0, 1) */
+        return 0;
+    part[0] = f;
+    if (f.degree == 2 && discriminant(m, f.c).sign == 0)
+        part[0] = linear(big_times(m, f.c[2], 2), f.c[1]);
+    if (f.degree < 3)
+        return 1;
+    struct big h[3];
+    hessian(m, f.c, h);
+    if (discriminant(m, h).sign)
+        return 1;
+    struct big a = f.c[3], b = f.c[2];
+    if (h[2].sign == 0) { /* a triple root */
+        part[0] = linear(big_times(m, a, 3), b);
+        return 1;
+    }
+    part[0] = linear(big_times(m, h[2], 2), h[1]);
+    part[1] = linear(big_mul(m, a, h[2]), big_det(m, b, h[2], a, h[1]));
+    return 2;
+}
+
+/* The variations of the chain at a point, and the sign of p there. */
+static int chain_at(struct room *m, const struct chain *c,
+                    const struct point *p, int *zero)
+{
+    int sign[4] = {sign_point(m, &c->p, p), sign_point(m, &c->d, p), 0,
+                   c->tail};
+    if (c->p.degree == 3)
+        sign[2] = sign_point(m, &c->r, p);
+    *zero = sign[0] == 0;
+    return variations(sign, 4);
+}
+
+void chain_make(struct room *m, const struct poly *part, struct chain *c)
+{
+    struct poly none = {0};
+    struct poly p = *part;
+    int n = p.degree, s = p.c[n].sign;
+    c->p = p;
+    c->d = c->r = none;
+    c->d.degree = n - 1;
+    for (int i = 1; i <= n; i++)
+        c->d.c[i - 1] = big_times(m, p.c[i], (uint32_t)i);
+    c->tail = 0;
+    if (n == 2)
+        c->tail = discriminant(m, p.c).sign * s;
+    if (n == 3) {
+        struct big h[3];
+        hessian(m, p.c, h);
+        c->tail = -discriminant(m, h).sign * s;
+        c->r = linear(big_times(m, h[2], 2), h[1]);
+        if (s < 0)
+            c->r = linear(big_negate(c->r.c[1]), big_negate(c->r.c[0]));
+    }
+    int first[4] = {p.c[0].sign, c->d.c[0].sign, c->r.c[0].sign, c->tail};
+    int last[4] = {s, s, 0, c->tail};
+    if (n == 3)
+        last[2] = c->r.c[1].sign ? c->r.c[1].sign : c->r.c[0].sign;
+    c->start = variations(first, 4);
+    c->roots = c->start - variations(last, 4);
+}
+
+/* How many roots lie in (0, point]; whether the point is one. */
+static int roots_to(struct room *m, const struct chain *c,
+                    const struct point *p, int *zero)
+{
+    if (c->roots == 1) { /* the sign of p alone tells */
+        int sign = sign_point(m, &c->p, p);
+        *zero = sign == 0;
+        return sign != c->p.c[0].sign;
+    }
+    return c->start - chain_at(m, c, p, zero);
+}
+
+void root_locate(struct room *m, const struct chain *c, int i, struct root *r)
+{
+    uint32_t lo = 0, hi = ROOT_ONE; /* the root lies in (lo, hi] */
+    r->chain = c;
+    r->i = i;
+    r->on_grid = false;
+    while (hi - lo > 1) {
+        int mark = m->used, zero;
+        uint32_t mid = lo + (hi - lo) / 2;
+        struct point p = grid_point(m, mid);
+        int count = roots_to(m, c, &p, &zero);
+        m->used = mark;
+        if (count < i) {
+            lo = mid;
+            continue;
+        }
+        hi = mid;
+        r->on_grid = zero && count == i;
+    }
+    r->cell = r->on_grid ? hi : lo;
+}
+
+/* The sign of f inside the open cell where its Bernstein form on the cell
+ * tells, else 2. */
+static int sign_cell(struct room *m, const struct poly *f, uint32_t g)
+{
+    int mark = m->used, up = 0, down = 0, n = f->degree;
+    uint32_t t[2] = {g, g + 1}, s[2] = {ROOT_ONE - g, ROOT_ONE - g - 1};
+    for (int i = 0; i <= n; i++) {
+        /* the polar form at n - i times g and i times g + 1 */
+        uint32_t a = t[i > 0], b = s[i > 0], c = t[i == n], d = s[i == n];
+        struct big r;
+        if (n == 1)
+            r = big_add(m, big_times(m, f->c[0], b), big_times(m, f->c[1], a));
+        else {
+            struct big x = big_add(m, big_times(m, f->c[0], 2 * b),
+                                   big_times(m, f->c[1], a));
+            struct big y = big_add(m, big_times(m, f->c[1], b),
+                                   big_times(m, f->c[2], 2 * a));
+            r = big_add(m, big_times(m, x, d), big_times(m, y, c));
+        }
+        up += r.sign > 0;
+        down += r.sign < 0;
+    }
+    m->used = mark;
+    return up && down ? 2 : up ? 1 : -(down > 0);
+}
+
+/* Where the point s stands to root r: 1 before, 0 at, -1 after it. */
+static int before(struct room *m, const struct point *s, const struct root *r)
+{
+    int zero, count = roots_to(m, r->chain, s, &zero);
+    if (count < r->i)
+        return 1;
+    return zero && count == r->i ? 0 : -1;
+}
+
+/* The sign of f at a root that is not on the grid, by where f's own roots
+ * stand to it (§6.4). */
+static int sign_ordered(struct room *m, const struct poly *f,
+                        const struct root *r)
+{
+    struct poly q = trimmed(f);
+    int sign = q.c[0].sign, n = q.degree;
+    struct point s = {NULL, 0, {0}, {0}};
+    if (n == 2 && discriminant(m, q.c).sign > 0) {
+        struct poly tau = linear(big_small(m, 1), (struct big){0});
+        for (s.which = 0, s.q = &q; s.which < 2; s.which++) {
+            if (sign_point(m, &tau, &s) < 0)
+                continue;
+            int order = before(m, &s, r);
+            if (order == 0)
+                return 0;
+            sign = order > 0 ? -sign : sign;
+        }
+        return sign;
+    }
+    if (n == 0 || (n == 2 && discriminant(m, q.c).sign < 0))
+        return sign;
+    /* one rational root -c0/c1, simple or double */
+    struct poly l = n == 1 ? q : linear(big_times(m, q.c[2], 2), q.c[1]);
+    if (l.c[0].sign * l.c[1].sign >= 0)
+        return sign;
+    s.a = l.c[1].sign > 0 ? big_negate(l.c[0]) : l.c[0];
+    s.b = l.c[1].sign > 0 ? l.c[1] : big_negate(l.c[1]);
+    int order = before(m, &s, r);
+    return order == 0 ? 0 : order > 0 && n == 1 ? -sign : sign;
+}
+
+int root_sign(struct room *m, const struct poly *f, const struct root *r)
+{
+    if (poly_zero(f))
+        return 0;
+    int mark = m->used, sign;
+    if (r->on_grid) {
+        struct point p = grid_point(m, r->cell);
+        sign = sign_point(m, f, &p);
+    } else {
+        sign = sign_cell(m, f, r->cell);
+        if (sign == 2)
+            sign = sign_ordered(m, f, r);
+    }
+    m->used = mark;
+    return sign;
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Real roots of small polynomials, exactly: spec/30_narrow.md §6.2-6.4. */
+#ifndef REF_ROOTS_H
+#define REF_ROOTS_H
+
+#include "ref/big.h"
+
+#define ROOT_GRID 30 /* roots are located to 2^-30 in t */
+#define ROOT_ONE (UINT32_C(1) << ROOT_GRID)
+
+/* Σ c[i]·τ^i with τ = t/(1-t): the scaled Bernstein form on t in [0, 1].
+ * Leading coefficients may be zero: that is a root at t = 1. */
+struct poly {
+    int degree; /* at most 3 */
+    struct big c[4];
+};
+
+/* A Sturm chain of a polynomial without repeated roots, without roots at
+ * t = 0 and 1. */
+struct chain {
+    struct poly p, d, r; /* p, its derivative, the negated remainder */
+    int tail;            /* sign of the constant that ends the chain */
+    int start;           /* sign variations at t = 0 */
+    int roots;           /* in 0 < t < 1 */
+};
+
+/* Root i = 1, 2, … of a chain from t = 0 on, or a grid time. */
+struct root {
+    const struct chain *chain;
+    int i;
+    uint32_t cell; /* floor(2^30 t) */
+    bool on_grid;  /* t = cell·2^-30 */
+};
+
+/* Whether all coefficients are zero. */
+bool poly_zero(const struct poly *p);
+/* Polynomials without repeated roots whose roots in 0 < t < 1 together are
+ * those of p ≢ 0; returns how many, at most 2. */
+int poly_split(struct room *m, const struct poly *p, struct poly part[2]);
+/* The chain of a part. */
+void chain_make(struct room *m, const struct poly *part, struct chain *c);
+/* Root i of the chain, 1 ≤ i ≤ c->roots. */
+void root_locate(struct room *m, const struct chain *c, int i, struct root *r);
+/* The sign of f, of degree at most 2, at the root. */
+int root_sign(struct room *m, const struct poly *f, const struct root *r);
+
+#endif
