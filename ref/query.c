@@ -13,7 +13,6 @@ static int take_scratch(struct audit *s, struct arena *a)
         s->key[k] = arena_take(a, ARENA_OTHER, s->nt, sizeof **s->key);
         s->order[k] = arena_take(a, ARENA_OTHER, s->nt, sizeof **s->order);
     }
-    s->box = arena_take(a, ARENA_OTHER, s->nt, sizeof *s->box);
     s->node = arena_take(a, ARENA_OTHER, s->n_nodes, sizeof *s->node);
     s->count = arena_take(a, ARENA_OTHER, s->n_nodes, sizeof *s->count);
     s->degenerate = arena_take(a, ARENA_OTHER, s->nt, 1);

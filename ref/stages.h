@@ -4,6 +4,7 @@
 #define REF_STAGES_H
 
 #include "ref/bounds.h"
+#include "ref/kinematics.h"
 #include "ref/narrow.h"
 #include "ref/sum.h"
 
