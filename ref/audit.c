@@ -2,25 +2,26 @@
 /* Every intersecting pair of triangles of a mesh. spec/40_audit.md */
 #include "ref/audit.h"
 
+#include "ref/audit_sort.h"
 #include "ref/tritri.h"
 
-/* Triangles of a leaf, and most levels of the tree over 2^31 of them. */
-enum { LEAF = 4, LEVELS = 32 };
+/* Most levels of a tree of fours over 2^31 triangles. */
+enum { LEVELS = 17 };
 
-/* §4.2: level l holds ceil(leaves / 2^l) nodes from at[l] on. */
+/* §4.2: level l holds ceil(nt / 4^(l+1)) nodes, from at[l] on. */
 struct levels {
-    int64_t at[LEVELS], leaves;
+    int64_t at[LEVELS + 1];
     int top;
 };
 
 static struct levels levels_of(int64_t nt)
 {
-    struct levels r = {.leaves = (nt + LEAF - 1) / LEAF};
-    int64_t n = r.leaves;
-    while (n > 1) {
-        r.at[r.top + 1] = r.at[r.top] + n;
-        r.top++;
-        n = (n + 1) / 2;
+    struct levels r = {{0}, 0};
+    int64_t n = (nt + 3) / 4;
+    r.at[1] = n;
+    for (; n > 1; r.top++) {
+        n = (n + 3) / 4;
+        r.at[r.top + 2] = r.at[r.top + 1] + n;
     }
     return r;
 }
@@ -28,7 +29,7 @@ static struct levels levels_of(int64_t nt)
 int64_t ref_audit_nodes(int64_t nt)
 {
     struct levels l = levels_of(nt);
-    return nt > 0 ? l.at[l.top] + 1 : 0;
+    return l.at[l.top + 1];
 }
 
 /* ---- §4.1 Order ---- */
@@ -45,234 +46,177 @@ static int check(const struct audit *s)
     return DRAPE_OK;
 }
 
-static void load(const struct audit *s, const int32_t v[3], point p[3])
+static struct face face_of(const struct audit *s, int32_t t)
 {
+    struct face f;
     for (int j = 0; j < 3; j++) {
-        vec x = s->x[v[j]];
-        p[j][0] = (double)x.x;
-        p[j][1] = (double)x.y;
-        p[j][2] = (double)x.z;
+        f.v[j] = s->tri[t][j];
+        vec x = s->x[f.v[j]];
+        f.p[j][0] = (double)x.x;
+        f.p[j][1] = (double)x.y;
+        f.p[j][2] = (double)x.z;
     }
-}
-
-static struct audit_box box_of(const struct audit *s, int64_t t)
-{
-    const int32_t *v = s->tri[t];
-    vec a = s->x[v[0]], b = s->x[v[1]], c = s->x[v[2]];
-    struct audit_box r = {vec_min(vec_min(a, b), c), vec_max(vec_max(a, b), c),
-                          1};
-    if (s->group == NULL || s->group[t] != 0)
-        r.groups = 2;
-    return r;
-}
-
-static struct audit_box unite(struct audit_box a, struct audit_box b)
-{
-    struct audit_box r = {vec_min(a.lo, b.lo), vec_max(a.hi, b.hi),
-                          a.groups | b.groups};
-    return r;
-}
-
-/* The low 21 bits, two zeros between each. */
-static uint64_t spread(uint64_t b)
-{
-    b = (b | b << 32) & UINT64_C(0x001f00000000ffff);
-    b = (b | b << 16) & UINT64_C(0x001f0000ff0000ff);
-    b = (b | b << 8) & UINT64_C(0x100f00f00f00f00f);
-    b = (b | b << 4) & UINT64_C(0x10c30c30c30c30c3);
-    return (b | b << 2) & UINT64_C(0x1249249249249249);
-}
-
-static uint64_t cell(real lo, real hi, real from, real size)
-{
-    real c = lo + (hi - lo) * R(0.5);
-    return size > 0 ? (uint64_t)((c - from) / size * R(2097151.0)) : 0;
-}
-
-static void make_keys(struct audit *s)
-{
-    struct audit_box all = s->box[0];
-    for (int64_t t = 1; t < s->nt; t++)
-        all = unite(all, s->box[t]);
-    vec d = vec_sub(all.hi, all.lo);
-    real size = real_max(real_max(d.x, d.y), d.z);
-    EACH_ITEM
-    for (int64_t t = 0; t < s->nt; t++) {
-        struct audit_box b = s->box[t];
-        s->key[0][t] = spread(cell(b.lo.x, b.hi.x, all.lo.x, size)) |
-                       spread(cell(b.lo.y, b.hi.y, all.lo.y, size)) << 1 |
-                       spread(cell(b.lo.z, b.hi.z, all.lo.z, size)) << 2;
-        s->order[0][t] = (int32_t)t;
-    }
-}
-
-/* Stable, by the 11 bits from `shift` on, from side `from` to the other;
- * false where these bits are the same in all keys. */
-static bool sort_digit(struct audit *s, int from, int shift)
-{
-    int64_t at[2049] = {0};
-    const uint64_t *key = s->key[from];
-    for (int64_t t = 0; t < s->nt; t++)
-        at[(key[t] >> shift & 2047) + 1]++;
-    for (int k = 0; k < 2048; k++) {
-        if (at[k + 1] == s->nt)
-            return false;
-        at[k + 1] += at[k];
-    }
-    for (int64_t t = 0; t < s->nt; t++) {
-        int64_t to = at[key[t] >> shift & 2047]++;
-        s->key[!from][to] = key[t];
-        s->order[!from][to] = s->order[from][t];
-    }
-    return true;
-}
-
-/* Order[0] along a Morton curve through the boxes' middles. */
-static void sort_triangles(struct audit *s)
-{
-    make_keys(s);
-    int from = 0;
-    for (int shift = 0; shift < 63; shift += 11)
-        if (sort_digit(s, from, shift))
-            from = !from;
-    if (from == 1)
-        for (int64_t t = 0; t < s->nt; t++)
-            s->order[0][t] = s->order[1][t];
+    return f;
 }
 
 /* ---- §4.2 Tree ---- */
 
+static void put(struct audit_quad *q, int j, struct audit_box b)
+{
+    q->lo[0][j] = b.lo.x;
+    q->lo[1][j] = b.lo.y;
+    q->lo[2][j] = b.lo.z;
+    q->hi[0][j] = b.hi.x;
+    q->hi[1][j] = b.hi.y;
+    q->hi[2][j] = b.hi.z;
+}
+
+static struct audit_box lane(const struct audit_quad *q, int j)
+{
+    struct audit_box b = {vec_make(q->lo[0][j], q->lo[1][j], q->lo[2][j]),
+                          vec_make(q->hi[0][j], q->hi[1][j], q->hi[2][j])};
+    return b;
+}
+
+/* The box of all four. */
+static struct audit_box hull(const struct audit_quad *q)
+{
+    struct audit_box r = lane(q, 0);
+    for (int j = 1; j < 4; j++) {
+        struct audit_box b = lane(q, j);
+        r.lo = vec_min(r.lo, b.lo);
+        r.hi = vec_max(r.hi, b.hi);
+    }
+    return r;
+}
+
 static void build(struct audit *s, const struct levels *l)
 {
+    const struct audit_box none = {vec_make(REAL_BIG, REAL_BIG, REAL_BIG),
+                                   vec_make(-REAL_BIG, -REAL_BIG, -REAL_BIG)};
     EACH_ITEM
-    for (int64_t k = 0; k < s->nt; k++)
-        s->box[k] = box_of(s, s->order[0][k]);
-    EACH_ITEM
-    for (int64_t k = 0; k < l->leaves; k++) {
-        struct audit_box b = s->box[LEAF * k];
-        for (int64_t t = LEAF * k + 1; t < LEAF * k + LEAF && t < s->nt; t++)
-            b = unite(b, s->box[t]);
-        s->node[k] = b;
-    }
-    int64_t below = l->leaves;
+    for (int64_t k = 0; k < l->at[1]; k++)
+        for (int j = 0; j < 4; j++)
+            put(&s->node[k], j,
+                4 * k + j < s->nt ? ref_audit_box(s, s->order[0][4 * k + j])
+                                  : none);
     for (int level = 1; level <= l->top; level++) {
-        const struct audit_box *from = s->node + l->at[level - 1];
-        struct audit_box *to = s->node + l->at[level];
-        int64_t n = (below + 1) / 2;
+        int64_t from = l->at[level - 1], n = l->at[level] - from;
         EACH_ITEM
-        for (int64_t k = 0; k < n; k++)
-            to[k] = 2 * k + 1 < below ? unite(from[2 * k], from[2 * k + 1])
-                                      : from[2 * k];
-        below = n;
+        for (int64_t k = l->at[level]; k < l->at[level + 1]; k++)
+            for (int j = 0; j < 4; j++) {
+                int64_t child = 4 * (k - l->at[level]) + j;
+                put(&s->node[k], j,
+                    child < n ? hull(&s->node[from + child]) : none);
+            }
     }
 }
 
-/* Closed boxes with a common point, not both of group 0 alone. */
-static bool near(const struct audit_box *a, const struct audit_box *b)
+/* Bit j: box b and the j-th of q have a common point. */
+static unsigned hits(const struct audit_box *b, const struct audit_quad *q)
 {
-    return (a->lo.x <= b->hi.x) & (b->lo.x <= a->hi.x) &
-           (a->lo.y <= b->hi.y) & (b->lo.y <= a->hi.y) &
-           (a->lo.z <= b->hi.z) & (b->lo.z <= a->hi.z) &
-           ((a->groups | b->groups) != 1);
+    unsigned hit[4];
+    for (int j = 0; j < 4; j++)
+        hit[j] = (q->lo[0][j] <= b->hi.x) & (b->lo.x <= q->hi[0][j]) &
+                 (q->lo[1][j] <= b->hi.y) & (b->lo.y <= q->hi[1][j]) &
+                 (q->lo[2][j] <= b->hi.z) & (b->lo.z <= q->hi[2][j]);
+    return hit[0] | hit[1] << 1 | hit[2] << 2 | hit[3] << 3;
+}
+
+static int lowest(unsigned mask)
+{
+    return mask & 3 ? !(mask & 1) : 3 - !!(mask & 4);
 }
 
 /* ---- §4.3 Pairs ---- */
 
-static bool intersect(const struct audit *s, int32_t a, int32_t b)
+/* A run over the pairs of one leaf. */
+struct walk {
+    struct audit *s;
+    int64_t k;            /* the leaf */
+    int64_t n0;           /* triangles of group 0, which come first */
+    struct audit_box box; /* of the leaf */
+    int64_t at;           /* the next pair's place */
+    bool write;           /* or only count */
+};
+
+static void give(struct walk *w, int32_t p, int32_t q)
 {
-    int32_t v[2][3];
-    for (int j = 0; j < 3; j++) {
-        v[0][j] = s->tri[a][j];
-        v[1][j] = s->tri[b][j];
+    if (w->write) {
+        w->s->pair[w->at][0] = p < q ? p : q;
+        w->s->pair[w->at][1] = p < q ? q : p;
     }
-    int shared = ref_align(v[0], v[1]);
-    point p[3], q[3];
-    load(s, v[0], p);
-    load(s, v[1], q);
-    return ref_tritri((const double(*)[3])p, (const double(*)[3])q, shared);
+    w->at++;
 }
 
-/* Pairs of one triangle of leaf k with one of leaf m ≥ k, each once; written
- * from *at on where `write`. */
-static void visit(struct audit *s, int64_t k, int64_t m, int64_t *at,
-                  bool write)
+/* Pairs of a triangle of leaf w->k with one of leaf m ≥ w->k, each once. */
+static void visit(struct walk *w, int64_t m)
 {
-    int64_t end_i = LEAF * k + LEAF < s->nt ? LEAF * k + LEAF : s->nt;
-    int64_t end_j = LEAF * m + LEAF < s->nt ? LEAF * m + LEAF : s->nt;
-    for (int64_t i = LEAF * k; i < end_i; i++)
-        for (int64_t j = k == m ? i + 1 : LEAF * m; j < end_j; j++) {
-            int32_t a = s->order[0][i], b = s->order[0][j];
-            if (!near(&s->box[i], &s->box[j]) || s->degenerate[a] ||
-                s->degenerate[b] || !intersect(s, a, b))
+    const struct audit *s = w->s;
+    for (int64_t i = 4 * w->k; i < 4 * w->k + 4 && i < s->nt; i++) {
+        struct audit_box b = lane(&s->node[w->k], (int)(i % 4));
+        unsigned mask = hits(&b, &s->node[m]);
+        int32_t p = s->order[0][i];
+        if (mask == 0 || s->degenerate[p])
+            continue;
+        struct face f = face_of(s, p);
+        for (; mask != 0; mask &= mask - 1) {
+            int64_t j = 4 * m + lowest(mask);
+            int32_t q = s->order[0][j];
+            if (j <= i || j < w->n0 || s->degenerate[q])
                 continue;
-            if (write) {
-                s->pair[*at][0] = a < b ? a : b;
-                s->pair[*at][1] = a < b ? b : a;
-            }
-            ++*at;
+            struct face g = face_of(s, q);
+            if (ref_tritri(&f, &g))
+                give(w, p, q);
         }
+    }
 }
 
-/* Walks the tree from leaf k on, in leaf order, without a stack. */
-static int64_t walk(struct audit *s, const struct levels *l, int64_t k,
-                    int64_t at)
+/* All leaves from w->k on whose box meets that of leaf w->k. */
+static void walk(struct walk *w, const struct levels *l)
 {
-    bool write = at >= 0;
-    int64_t n = write ? at : 0, m = k;
-    int level = 0;
-    while (m << level < l->leaves) {
-        bool hit = near(&s->node[k], &s->node[l->at[level] + m]);
-        if (hit && level > 0) {
-            level--;
-            m *= 2;
+    struct audit *s = w->s;
+    int64_t first = w->k > w->n0 / 4 ? w->k : w->n0 / 4;
+    int64_t node[LEVELS] = {0};
+    unsigned mask[LEVELS];
+    int level = l->top;
+    w->box = hull(&s->node[w->k]);
+    mask[level] = hits(&w->box, &s->node[l->at[level]]);
+    if (level == 0)
+        visit(w, 0);
+    while (level > 0 && level <= l->top) {
+        if (mask[level] == 0) {
+            level++;
             continue;
         }
-        if (hit)
-            visit(s, k, m, &n, write);
-        m++;
-        while (m % 2 == 0 && level < l->top) {
-            m /= 2;
-            level++;
+        int64_t child = 4 * node[level] + lowest(mask[level]);
+        mask[level] &= mask[level] - 1;
+        if ((child + 1) << 2 * (level - 1) <= first)
+            continue;
+        if (level == 1) {
+            visit(w, child);
+            continue;
         }
-    }
-    return n;
-}
-
-/* ---- §4.4 Canonical order ---- */
-
-static bool before(const int32_t a[2], const int32_t b[2])
-{
-    return a[0] < b[0] || (a[0] == b[0] && a[1] < b[1]);
-}
-
-static void swap(int32_t a[2], int32_t b[2])
-{
-    for (int j = 0; j < 2; j++) {
-        int32_t v = a[j];
-        a[j] = b[j];
-        b[j] = v;
+        level--;
+        node[level] = child;
+        mask[level] = hits(&w->box, &s->node[l->at[level] + child]);
     }
 }
 
-static void sift(int32_t (*p)[2], int64_t k, int64_t n)
+/* §4.1: which triangles are degenerate. Returns those of group 0. */
+static int64_t mark(struct audit *s)
 {
-    for (int64_t c = 2 * k + 1; c < n; k = c, c = 2 * k + 1) {
-        if (c + 1 < n && before(p[c], p[c + 1]))
-            c++;
-        if (!before(p[k], p[c]))
-            return;
-        swap(p[k], p[c]);
+    EACH_ITEM
+    for (int64_t t = 0; t < s->nt; t++) {
+        struct face f = face_of(s, (int32_t)t);
+        s->degenerate[t] = ref_collinear(&f);
     }
-}
-
-static void sort_pairs(int32_t (*p)[2], int64_t n)
-{
-    for (int64_t k = n / 2; k-- > 0;)
-        sift(p, k, n);
-    while (n-- > 1) {
-        swap(p[0], p[n]);
-        sift(p, 0, n);
+    int64_t n0 = 0;
+    for (int64_t t = 0; t < s->nt; t++) {
+        s->n_degenerate += s->degenerate[t];
+        n0 += s->group != NULL && s->group[t] == 0;
     }
+    return n0;
 }
 
 int ref_audit(struct audit *s)
@@ -281,29 +225,25 @@ int ref_audit(struct audit *s)
     int status = check(s);
     if (status != DRAPE_OK || s->nt == 0)
         return status;
-    EACH_ITEM
-    for (int64_t t = 0; t < s->nt; t++) {
-        point p[3];
-        load(s, s->tri[t], p);
-        s->degenerate[t] = ref_collinear((const double(*)[3])p);
-        s->box[t] = box_of(s, t);
-    }
-    for (int64_t t = 0; t < s->nt; t++)
-        s->n_degenerate += s->degenerate[t];
-
+    int64_t n0 = mark(s);
     struct levels l = levels_of(s->nt);
-    sort_triangles(s);
+    ref_audit_order(s);
     build(s, &l);
     EACH_ITEM
-    for (int64_t k = 0; k < l.leaves; k++)
-        s->count[k] = walk(s, &l, k, -1);
-    for (int64_t k = 0; k < l.leaves; k++)
+    for (int64_t k = 0; k < l.at[1]; k++) {
+        struct walk w = {.s = s, .k = k, .n0 = n0};
+        walk(&w, &l);
+        s->count[k] = w.at;
+    }
+    for (int64_t k = 0; k < l.at[1]; k++)
         s->found += s->count[k];
     if (s->found > s->cap)
         return DRAPE_EFULL;
-    for (int64_t k = 0, at = 0; k < l.leaves; at += s->count[k], k++)
-        if (s->count[k] > 0)
-            walk(s, &l, k, at);
-    sort_pairs(s->pair, s->found);
+    for (int64_t k = 0, at = 0; k < l.at[1]; at += s->count[k], k++)
+        if (s->count[k] > 0) {
+            struct walk w = {.s = s, .k = k, .n0 = n0, .at = at, .write = true};
+            walk(&w, &l);
+        }
+    ref_audit_sort(s->pair, s->found);
     return DRAPE_OK;
 }

@@ -5,10 +5,9 @@
 
 #include "ref/stage.h"
 
-/* A box, and the groups below it: bit 0 for group 0, bit 1 for others. */
-struct audit_box {
-    vec lo, hi;
-    uint32_t groups;
+/* Four boxes side by side; an absent one is empty: lo > hi. */
+struct audit_quad {
+    real lo[3][4], hi[3][4];
 };
 
 struct audit {
@@ -21,15 +20,14 @@ struct audit {
     int64_t n_nodes;         /* ref_audit_nodes(nt) */
     uint64_t *key[2];        /* scratch: [nt] */
     int32_t *order[2];       /* scratch: [nt] */
-    struct audit_box *box;   /* scratch: [nt] */
-    struct audit_box *node;  /* scratch: [n_nodes] */
+    struct audit_quad *node; /* scratch: [n_nodes] */
     int64_t *count;          /* scratch: [n_nodes] */
 
-    int64_t cap;             /* pairs that fit */
-    int32_t (*pair)[2];      /* out: [found] triangles a < b, ascending */
-    uint8_t *degenerate;     /* out: [nt] 1: the corners lie on one line */
-    int64_t found;           /* out: pairs */
-    int64_t n_degenerate;    /* out: degenerate triangles, in no pair */
+    int64_t cap;          /* pairs that fit */
+    int32_t (*pair)[2];   /* out: [found] triangles a < b, ascending */
+    uint8_t *degenerate;  /* out: [nt] 1: the corners lie on one line */
+    int64_t found;        /* out: pairs */
+    int64_t n_degenerate; /* out: degenerate triangles, in no pair */
 };
 
 /* Nodes of the tree over nt triangles. */

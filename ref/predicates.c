@@ -174,8 +174,7 @@ int ref_orient3_whole(const point a, const point b, const point c,
     return compare(sum.word[0], sum.word[1], sum.n);
 }
 
-int ref_orient2_whole(const point a, const point b, const point c, int u,
-                      int v)
+int ref_orient2_whole(const point a, const point b, const point c, int u, int v)
 {
     struct parts p[6] = {take_apart(b[u]), take_apart(b[v]), take_apart(c[u]),
                          take_apart(c[v]), take_apart(a[u]), take_apart(a[v])};
@@ -193,8 +192,6 @@ int ref_orient2_whole(const point a, const point b, const point c, int u,
 
 /* ---- §2.1 Filters ---- */
 
-static double absolute(double a) { return a < 0 ? -a : a; }
-
 int ref_orient3(const point a, const point b, const point c, const point d)
 {
     double bx = b[0] - a[0], by = b[1] - a[1], bz = b[2] - a[2];
@@ -203,9 +200,9 @@ int ref_orient3(const point a, const point b, const point c, const point d)
     double yz = by * cz, zy = bz * cy, zx = bz * cx, xz = bx * cz;
     double xy = bx * cy, yx = by * cx;
     double det = (yz - zy) * dx + (zx - xz) * dy + (xy - yx) * dz;
-    double sum = (absolute(yz) + absolute(zy)) * absolute(dx) +
-                 (absolute(zx) + absolute(xz)) * absolute(dy) +
-                 (absolute(xy) + absolute(yx)) * absolute(dz);
+    double sum = (fabs(yz) + fabs(zy)) * fabs(dx) +
+                 (fabs(zx) + fabs(xz)) * fabs(dy) +
+                 (fabs(xy) + fabs(yx)) * fabs(dz);
     double err = 0x1p-49 * sum + 0x1p-1000;
     if (det > err)
         return 1;
@@ -224,7 +221,7 @@ int ref_orient2(const point a, const point b, const point c, int u, int v)
     double cu = c[u] - a[u], cv = c[v] - a[v];
     double p = bu * cv, q = bv * cu;
     double det = p - q;
-    double err = 0x1p-50 * (absolute(p) + absolute(q)) + 0x1p-1000;
+    double err = 0x1p-50 * (fabs(p) + fabs(q)) + 0x1p-1000;
     if (det > err)
         return 1;
     if (det < -err)

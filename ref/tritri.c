@@ -17,13 +17,16 @@ static int turn(const point t[3], int *at)
     return 0;
 }
 
-bool ref_collinear(const point t[3])
+bool ref_collinear(const struct face *t)
 {
     int at;
-    return turn(t, &at) == 0;
+    return turn(t->p, &at) == 0;
 }
 
-static bool same(int a, int b, int c) { return a != 0 && a == b && b == c; }
+static bool same(int a, int b, int c)
+{
+    return a != 0 && a == b && b == c;
+}
 
 /* §3.3: segment pq, in the plane of t, meets t. */
 static bool meets_in_plane(const point p, const point q, const point t[3])
@@ -84,9 +87,31 @@ static bool apart(const point t[3], const point s[3])
     return !edge_meets(s, of_s, t) && !edge_meets(t, of_t, s);
 }
 
-/* ---- §3.5 Filters for what is next to each other in a mesh ---- */
+/* ---- §3.4 What shares vertices: these come first in both, in one order ----
+ */
 
-static double absolute(double a) { return a < 0 ? -a : a; }
+/* t and s share their first two corners, and overlap. */
+static bool folded(const point t[3], const point s[3])
+{
+    if (ref_orient3(t[0], t[1], t[2], s[2]) != 0)
+        return false;
+    int at, side = turn(t, &at);
+    return ref_orient2(t[0], t[1], s[2], PLANE[at][0], PLANE[at][1]) == side;
+}
+
+/* t and s share their first corner, and meet elsewhere. */
+static bool crossed(const point t[3], const point s[3])
+{
+    int a = ref_orient3(t[0], t[1], t[2], s[1]);
+    int b = ref_orient3(t[0], t[1], t[2], s[2]);
+    if (meets(s[1], a, s[2], b, t))
+        return true;
+    a = ref_orient3(s[0], s[1], s[2], t[1]);
+    b = ref_orient3(s[0], s[1], s[2], t[2]);
+    return meets(t[1], a, t[2], b, s);
+}
+
+/* ---- §3.5 Filters: certain answers from rounded numbers ---- */
 
 static void from(const point o, const point p, point r)
 {
@@ -101,14 +126,40 @@ static double dot(const point a, const point b)
 
 static double dot_size(const point a, const point b)
 {
-    return absolute(a[0] * b[0]) + absolute(a[1] * b[1]) +
-           absolute(a[2] * b[2]);
+    return fabs(a[0] * b[0]) + fabs(a[1] * b[1]) + fabs(a[2] * b[2]);
 }
 
-/* u · v > 0 for certain, v being a rounded difference. */
-static bool ahead(const point u, const point v)
+/* Bit k: corner k of s is none of t's. */
+static unsigned others(const struct face *t, const struct face *s)
 {
-    return dot(u, v) > 0x1p-50 * dot_size(u, v) + 0x1p-1000;
+    unsigned r = 0;
+    for (int k = 0; k < 3; k++) {
+        int32_t v = s->v[k];
+        r |= (unsigned)((v != t->v[0]) & (v != t->v[1]) & (v != t->v[2])) << k;
+    }
+    return r;
+}
+
+/* The corners in `mask` of s lie on one side of the plane of t. */
+static bool beside(const struct face *t, const struct face *s, unsigned mask)
+{
+    point a, b, n, size, d;
+    from(t->p[0], t->p[1], a);
+    from(t->p[0], t->p[2], b);
+    for (int k = 0; k < 3; k++) {
+        double p = a[PLANE[k][0]] * b[PLANE[k][1]];
+        double q = a[PLANE[k][1]] * b[PLANE[k][0]];
+        n[k] = p - q;
+        size[k] = fabs(p) + fabs(q);
+    }
+    unsigned above = 0, below = 0;
+    for (int k = 0; k < 3; k++) {
+        from(t->p[0], s->p[k], d);
+        double h = dot(n, d), err = 0x1p-49 * dot_size(size, d) + 0x1p-1000;
+        above |= (unsigned)(h > err) << k;
+        below |= (unsigned)(h < -err) << k;
+    }
+    return (above & mask) == mask || (below & mask) == mask;
 }
 
 static void add_unit(point u, double sign, const point v)
@@ -119,21 +170,27 @@ static void add_unit(point u, double sign, const point v)
         u[k] += f * v[k];
 }
 
-/* A plane through the shared corner parts what remains of t and s. */
-static bool parted(const point t[3], const point s[3])
+/* A plane parts t from s, or from what is left of s without the first corner,
+ * which they share and which then lies in the plane. */
+static bool parted(const point t[3], const point s[3], int shared)
 {
-    point a, b, c, d, u = {0, 0, 0}, w;
-    from(t[0], t[1], a);
-    from(t[0], t[2], b);
-    from(s[0], s[1], c);
-    from(s[0], s[2], d);
-    add_unit(u, 1, a);
-    add_unit(u, 1, b);
-    add_unit(u, -1, c);
-    add_unit(u, -1, d);
-    for (int k = 0; k < 3; k++)
-        w[k] = -u[k];
-    return ahead(u, a) && ahead(u, b) && ahead(w, c) && ahead(w, d);
+    point d, u = {0, 0, 0};
+    double lo = 0, hi = 0;
+    for (int k = 0; k < 3; k++) {
+        from(t[0], s[k], d);
+        add_unit(u, shared ? 1 : 0x1p-2, d);
+        from(t[0], t[k], d);
+        add_unit(u, shared ? -1 : -0x1p-2, d);
+    }
+    for (int k = shared; k < 3; k++) {
+        from(t[0], s[k], d);
+        double h = dot(u, d), err = 0x1p-49 * dot_size(u, d) + 0x1p-1000;
+        lo = k == shared || h - err < lo ? h - err : lo;
+        from(t[0], t[k], d);
+        h = dot(u, d), err = 0x1p-49 * dot_size(u, d) + 0x1p-1000;
+        hi = k == shared || h + err > hi ? h + err : hi;
+    }
+    return shared ? lo > 0 && hi < 0 : lo > hi;
 }
 
 /* Across the shared edge the third corners lie more than 90° apart. */
@@ -144,54 +201,47 @@ static bool opened(const point t[3], const point s[3])
     from(t[0], t[2], c);
     from(t[0], s[2], d);
     double p = dot(e, e) * dot(c, d), q = dot(e, c) * dot(e, d);
-    double size = dot_size(e, e) * dot_size(c, d) +
-                  dot_size(e, c) * dot_size(e, d);
+    double size =
+        dot_size(e, e) * dot_size(c, d) + dot_size(e, c) * dot_size(e, d);
     return p - q < -(0x1p-48 * size + 0x1p-700);
 }
 
-/* §3.4: t and s share their first two corners; they overlap. */
-static bool folded(const point t[3], const point s[3])
+/* Copies t with the corners in `mask` last, the others by vertex number. */
+static void arrange(const struct face *t, unsigned mask, point r[3])
 {
-    if (opened(t, s) || ref_orient3(t[0], t[1], t[2], s[2]) != 0)
-        return false;
-    int at, side = turn(t, &at);
-    return ref_orient2(t[0], t[1], s[2], PLANE[at][0], PLANE[at][1]) == side;
-}
-
-/* §3.4: t and s share their first corner; they meet elsewhere. */
-static bool crossed(const point t[3], const point s[3])
-{
-    if (parted(t, s))
-        return false;
-    int a = ref_orient3(t[0], t[1], t[2], s[1]);
-    int b = ref_orient3(t[0], t[1], t[2], s[2]);
-    if (meets(s[1], a, s[2], b, t))
-        return true;
-    a = ref_orient3(s[0], s[1], s[2], t[1]);
-    b = ref_orient3(s[0], s[1], s[2], t[2]);
-    return meets(t[1], a, t[2], b, s);
-}
-
-int ref_align(int32_t t[3], int32_t s[3])
-{
-    int shared = 0;
-    for (int i = 0; i < 3; i++)
-        for (int j = shared; j < 3; j++)
-            if (t[i] == s[j]) {
-                int32_t v = t[i];
-                t[i] = t[shared];
-                t[shared] = v;
-                s[j] = s[shared];
-                s[shared] = v;
-                shared++;
-                break;
+    int order[3] = {0, 1, 2};
+    for (int k = 0; k < 3; k++)
+        for (int j = k; j > 0; j--) {
+            int a = order[j - 1], b = order[j];
+            bool last_a = mask >> a & 1, last_b = mask >> b & 1;
+            if (last_a > last_b || (last_a == last_b && t->v[a] > t->v[b])) {
+                order[j - 1] = b;
+                order[j] = a;
             }
-    return shared;
+        }
+    for (int k = 0; k < 3; k++)
+        memcpy(r[k], t->p[order[k]], sizeof r[k]);
 }
 
-bool ref_tritri(const point t[3], const point s[3], int shared)
+bool ref_tritri(const struct face *t, const struct face *s)
 {
-    if (shared == 0)
-        return !apart(t, s);
-    return shared == 1 ? crossed(t, s) : shared == 3 || folded(t, s);
+    unsigned of_s = others(t, s);
+    if (of_s == 0)
+        return true;
+    if (beside(t, s, of_s))
+        return false;
+    unsigned of_t = others(s, t);
+    if (beside(s, t, of_t))
+        return false;
+
+    point p[3], q[3];
+    arrange(t, of_t, p);
+    arrange(s, of_s, q);
+    const point *a = (const point *)p, *b = (const point *)q;
+    int shared = 3 - (int)((of_t & 1) + (of_t >> 1 & 1) + (of_t >> 2));
+    if (shared == 2)
+        return !opened(a, b) && folded(a, b);
+    if (parted(a, b, shared))
+        return false;
+    return shared == 1 ? crossed(a, b) : !apart(a, b);
 }

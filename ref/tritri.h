@@ -5,16 +5,17 @@
 
 #include "ref/predicates.h"
 
-/* True where the three points of a triangle lie on one line. */
-bool ref_collinear(const point t[3]);
+/* A triangle of a mesh: its vertices, and where they are. */
+struct face {
+    int32_t v[3];
+    point p[3]; /* m, |p| ≤ 2^60 */
+};
 
-/* Moves the corners that t and s share to the front of both, in one order,
- * and returns how many they are; each triangle has three different ones. */
-int ref_align(int32_t t[3], int32_t s[3]);
+/* True where the three corners lie on one line. */
+bool ref_collinear(const struct face *t);
 
-/* True where triangles t and s, neither collinear, have a common point beyond
- * what they share: `shared` of their corners are one vertex, and these come
- * first in both and in the same order. */
-bool ref_tritri(const point t[3], const point s[3], int shared);
+/* True where t and s have a common point beyond what the vertices that they
+ * share make common; neither is collinear. */
+bool ref_tritri(const struct face *t, const struct face *s);
 
 #endif
