@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Mass-splitting projected Jacobi (Tonge et al. 2012). spec/34_contacts.md */
+#include "ref/contacts.h"
+
+static bool pushes(const struct contacts *s, int64_t item)
+{
+    const struct contact *c = &s->contact[item / 4];
+    return c->c[item % 4] != 0 && s->w[c->v[item % 4]] > 0;
+}
+
+/* §1: the contacts of each free vertex, in their order. */
+static void index_vertices(struct contacts *s)
+{
+    int32_t *start = s->start;
+    memset(start, 0, (size_t)s->nv1 * sizeof *start);
+    for (int64_t k = 0; k < s->n4; k++)
+        if (pushes(s, k))
+            start[s->contact[k / 4].v[k % 4]]++;
+    int32_t at = 0;
+    s->vertices = 0;
+    for (int64_t i = 0; i < s->nv1; i++) {
+        int32_t count = start[i];
+        if (count)
+            s->vertex[s->vertices++] = (int32_t)i;
+        start[i] = at;
+        at += count;
+    }
+    for (int64_t k = 0; k < s->n4; k++)
+        if (pushes(s, k))
+            s->item[start[s->contact[k / 4].v[k % 4]]++] = (int32_t)k;
+    /* each start moved to the next one's */
+    for (int64_t i = s->nv; i > 0; i--)
+        start[i] = start[i - 1];
+    start[0] = 0;
+}
+
+/* §2: the mass that a contact moves when its vertices are split. */
+static real effective_mass(const struct contacts *s, const struct contact *c)
+{
+    real sum = 0, most = 0;
+    for (int k = 0; k < 4; k++) {
+        int32_t i = c->v[k];
+        real w = (real)(s->start[i + 1] - s->start[i]) * s->w[i];
+        sum += c->c[k] * c->c[k] * w;
+        most = real_max(c->c[k] != 0 ? w : 0, most);
+    }
+    sum = real_max(sum, R(0x1p-12) * most);
+    return sum > 0 ? 1 / sum : 0;
+}
+
+/* §3: the normal part of one iteration. */
+static void push_normal(struct contacts *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    real vn = vec_dot(c->n, pair_sum(c->v, c->c, s->u));
+    real next = real_max(c->impulse + s->mass[k] * (c->target - vn), 0);
+    s->push[k] = vec_scale(next - c->impulse, c->n);
+    c->impulse = next;
+}
+
+/* §4: the tangential part, within the cone. */
+static void push_tangent(struct contacts *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    vec u = pair_sum(c->v, c->c, s->u);
+    u = vec_axpy(u, -vec_dot(c->n, u), c->n);
+    vec next = vec_axpy(c->tangent, -s->mass[k], u);
+    real most = c->friction * c->impulse, length = vec_length(next);
+    if (length > most)
+        next = vec_scale(most / length, next);
+    s->push[k] = vec_sub(next, c->tangent);
+    c->tangent = next;
+}
+
+/* Σ c · push of the contacts of a vertex, in their order. */
+static vec gather(const struct contacts *s, int32_t i)
+{
+    vec sum = vec_make(0, 0, 0);
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+        int32_t item = s->item[k];
+        sum = vec_axpy(sum, s->contact[item / 4].c[item % 4],
+                       s->push[item / 4]);
+    }
+    return sum;
+}
+
+static void apply(const struct contacts *s, vec *u)
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < s->vertices; k++) {
+        int32_t i = s->vertex[k];
+        u[i] = vec_axpy(u[i], s->w[i], gather(s, i));
+    }
+}
+
+static void iterate(struct contacts *s, void part(struct contacts *, int64_t))
+{
+    for (int t = 0; t < s->iterations; t++) {
+        EACH_ITEM
+        for (int64_t k = 0; k < s->n; k++)
+            part(s, k);
+        apply(s, s->u);
+    }
+}
+
+int ref_contacts(struct contacts *s)
+{
+    if (s->iterations < 0 || s->nv1 != s->nv + 1 || s->n4 != 4 * s->n ||
+        s->n4 > INT32_MAX)
+        return DRAPE_EARG;
+    for (int64_t k = 0; k < s->n; k++)
+        if (!pair_valid(s->contact[k].v, s->nv))
+            return DRAPE_EARG;
+
+    index_vertices(s);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++) {
+        s->contact[k].impulse = 0;
+        s->contact[k].tangent = vec_make(0, 0, 0);
+        s->mass[k] = effective_mass(s, &s->contact[k]);
+    }
+    iterate(s, push_normal);
+    iterate(s, push_tangent);
+
+    /* the same impulses, all at once, on the velocity of the end */
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++) {
+        const struct contact *c = &s->contact[k];
+        s->push[k] = vec_axpy(c->tangent, c->impulse, c->n);
+    }
+    apply(s, s->v);
+    return DRAPE_OK;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage contacts: impulses with friction. spec/34_contacts.md */
+#ifndef REF_CONTACTS_H
+#define REF_CONTACTS_H
+
+#include "ref/contact.h"
+
+struct contacts {
+    int64_t nv, n;           /* vertices, contacts; 4 n < 2^31 */
+    const real *w;           /* [nv] 1/kg, ≥ 0; 0: led, never changed */
+    int iterations;          /* ≥ 0, of the normal and of the tangent part */
+    struct contact *contact; /* [n], out: impulse and tangent of each */
+    vec *u;                  /* in, out: [nv] m/s mean velocity of the step */
+    vec *v;                  /* in, out: [nv] m/s velocity at its end */
+
+    int64_t nv1, n4;  /* nv + 1, 4 n */
+    int32_t *start;   /* scratch: [nv1] */
+    int32_t *item;    /* scratch: [n4] */
+    real *mass;       /* scratch: [n] */
+    vec *push;        /* scratch: [n] */
+    int32_t *vertex;  /* out: [n4] free vertices in contact, ascending */
+    int64_t vertices; /* out: how many */
+};
+
+/* DRAPE_OK, or DRAPE_EARG for a bad vertex, iterations or nv1, n4. */
+int ref_contacts(struct contacts *s);
+
+#endif

@@ -1,0 +1,307 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The rounds of collision response. spec/37_response.md */
+#include "ref/response.h"
+
+#include "ref/contacts.h"
+#include "ref/impacts.h"
+#include "ref/impulses.h"
+#include "ref/narrow.h"
+#include "ref/proximity.h"
+#include "ref/rollback.h"
+
+static int grow(struct response *s, struct pool *p, int64_t need, size_t size)
+{
+    return need <= p->cap ? DRAPE_OK : s->grow(s->user, p, need, size);
+}
+
+int ref_response_start(struct response *s)
+{
+    if (!(s->dt > 0 && s->dt <= REAL_BIG && s->margin >= 0) ||
+        !(s->stiffness >= 0) || s->iterations < 0 || s->max_rounds < 0 ||
+        s->zone_rounds < 0 || s->roll_rounds < 0)
+        return DRAPE_EARG;
+    s->rounds = s->outcome = s->side = s->tangle_side = 0;
+    s->contacts = s->impacts = s->candidates = 0;
+    s->started = s->led = 0;
+    s->zone_vertices = s->rolled_back = 0;
+    s->hits = s->active = s->tangled = 0;
+    memset(s->rolled, 0, (size_t)s->nv);
+    EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++) {
+        vec d = vec_sub(s->x1[i], s->x0[i]);
+        s->u[i] = vec_make(d.x / s->dt, d.y / s->dt, d.z / s->dt);
+    }
+    return DRAPE_OK;
+}
+
+/* §1: ends of the step for the vertices whose mean velocity changed. */
+static void advance(struct response *s, int64_t n, const int32_t *vertex)
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < n; k++) {
+        int32_t i = vertex[k];
+        s->x1[i] = vec_axpy(s->x0[i], s->dt, s->u[i]);
+        s->touched[i] = 1;
+    }
+}
+
+/* Solves the contacts in contact[side] and moves their vertices. */
+static int solve_contacts(struct response *s, int64_t n)
+{
+    struct contacts c = {.nv = s->nv, .n = n, .w = s->w, .u = s->u, .v = s->v};
+    int status = grow(s, &s->item, 4 * n, sizeof *c.item);
+    if (status == DRAPE_OK)
+        status = grow(s, &s->mass, n, sizeof *c.mass);
+    if (status == DRAPE_OK)
+        status = grow(s, &s->push, n, sizeof *c.push);
+    if (status == DRAPE_OK)
+        status = grow(s, &s->vertex, 4 * n, sizeof *c.vertex);
+    if (status != DRAPE_OK)
+        return status;
+    c.iterations = s->iterations;
+    c.contact = s->contact[s->side].data;
+    c.nv1 = s->nv + 1;
+    c.n4 = 4 * n;
+    c.start = s->start;
+    c.item = s->item.data;
+    c.mass = s->mass.data;
+    c.push = s->push.data;
+    c.vertex = s->vertex.data;
+    status = ref_contacts(&c);
+    if (status == DRAPE_OK)
+        advance(s, c.vertices, c.vertex);
+    return status;
+}
+
+/* ---- §2 Repulsion ---- */
+
+int ref_response_repel(struct response *s, const struct pairs *near)
+{
+    struct proximity p = {.nv = s->nv, .n = near->n, .pair = near->pair,
+                          .kind = near->kind, .x = s->x0, .u = s->u,
+                          .w = s->w, .skin = s->skin, .dt = s->dt,
+                          .stiffness = s->stiffness};
+    struct pool *out = &s->contact[s->side];
+    int status = grow(s, &s->at, near->n, sizeof *p.at);
+    if (status != DRAPE_OK)
+        return status;
+    p.at = s->at.data;
+    do {
+        p.cap = out->cap;
+        p.contact = out->data;
+        status = ref_proximity(&p);
+    } while (status == DRAPE_EFULL &&
+             (status = grow(s, out, p.found, sizeof *p.contact)) == DRAPE_OK);
+    if (status != DRAPE_OK)
+        return status;
+    s->contacts = p.found;
+    return p.found ? solve_contacts(s, p.found) : DRAPE_OK;
+}
+
+/* ---- §3 Detection ---- */
+
+static int find_times(struct response *s, const struct pairs *p)
+{
+    struct narrow n = {.n = p->n, .pair = p->pair, .kind = p->kind,
+                       .x0 = s->x0, .x1 = s->x1, .nv = (int32_t)s->nv};
+    int status = grow(s, &s->toi, p->n, sizeof *n.toi);
+    if (status == DRAPE_OK)
+        status = grow(s, &s->tier, p->n, sizeof *n.tier);
+    if (status == DRAPE_OK)
+        status = grow(s, &s->at, p->n, sizeof(int32_t));
+    if (status != DRAPE_OK)
+        return status;
+    n.toi = s->toi.data;
+    n.tier = s->tier.data;
+    s->candidates += p->n;
+    return ref_narrow(&n);
+}
+
+static int grow_hits(struct response *s, int64_t n)
+{
+    int status = grow(s, &s->hit, 4 * n, sizeof(int32_t));
+    if (status == DRAPE_OK)
+        status = grow(s, &s->hit_kind, n, sizeof(uint8_t));
+    if (status == DRAPE_OK)
+        status = grow(s, &s->hit_toi, n, sizeof(uint32_t));
+    return status;
+}
+
+static int64_t hits_cap(const struct response *s)
+{
+    int64_t cap = s->hit.cap / 4;
+    if (s->hit_kind.cap < cap)
+        cap = s->hit_kind.cap;
+    return s->hit_toi.cap < cap ? s->hit_toi.cap : cap;
+}
+
+/* Fills hit with the pairs that touch, among those with a touched vertex. */
+static int detect(struct response *s, const uint8_t *touched)
+{
+    struct pairs p;
+    int status = s->broad(s->user, touched, &p);
+    if (status == DRAPE_OK)
+        status = find_times(s, &p);
+    if (status != DRAPE_OK)
+        return status;
+    struct impacts m = {.nv = s->nv, .n = p.n, .pair = p.pair, .kind = p.kind,
+                        .toi = s->toi.data, .x0 = s->x0, .w = s->w,
+                        .at = s->at.data};
+    do {
+        m.cap = hits_cap(s);
+        m.hit = s->hit.data;
+        m.hit_kind = s->hit_kind.data;
+        m.hit_toi = s->hit_toi.data;
+        status = ref_impacts(&m);
+    } while (status == DRAPE_EFULL &&
+             (status = grow_hits(s, m.found)) == DRAPE_OK);
+    s->hits = m.found;
+    s->impacts += m.found;
+    if (!touched) {
+        s->started = m.started;
+        s->led = m.led;
+    }
+    return status;
+}
+
+/* ---- §4 Impulses ---- */
+
+static int push(struct response *s)
+{
+    struct pool *from = &s->contact[s->side], *to = &s->contact[!s->side];
+    struct impulses m = {.nv = s->nv, .n = s->hits, .pair = s->hit.data,
+                         .kind = s->hit_kind.data, .toi = s->hit_toi.data,
+                         .x0 = s->x0, .x1 = s->x1, .skin = s->skin,
+                         .dt = s->dt, .margin = s->margin,
+                         .n_active = s->active, .active = from->data};
+    m.n_all = m.n + m.n_active;
+    int status = grow(s, &s->key[0], m.n_all, sizeof *m.key);
+    if (status == DRAPE_OK)
+        status = grow(s, &s->key[1], m.n_all, sizeof *m.key);
+    if (status != DRAPE_OK)
+        return status;
+    m.key = s->key[0].data;
+    m.spare = s->key[1].data;
+    do {
+        m.cap = to->cap;
+        m.contact = to->data;
+        status = ref_impulses(&m);
+    } while (status == DRAPE_EFULL &&
+             (status = grow(s, to, m.found, sizeof *m.contact)) == DRAPE_OK);
+    if (status != DRAPE_OK)
+        return status;
+    s->side = !s->side;
+    s->active = m.found;
+    return solve_contacts(s, m.found);
+}
+
+/* ---- §5 Zones ---- */
+
+/* Adds the hits to the pairs of the rounds before. */
+static int tangle(struct response *s)
+{
+    struct pool *from = &s->tangle[s->tangle_side];
+    struct pool *to = &s->tangle[!s->tangle_side];
+    int64_t n = s->tangled + s->hits;
+    int status = grow(s, to, 4 * n, sizeof(int32_t));
+    if (status != DRAPE_OK)
+        return status;
+    int32_t *pair = to->data;
+    if (s->tangled)
+        memcpy(pair, from->data, (size_t)s->tangled * 4 * sizeof *pair);
+    memcpy(pair + 4 * s->tangled, s->hit.data,
+           (size_t)s->hits * 4 * sizeof *pair);
+    s->tangled = n;
+    s->tangle_side = !s->tangle_side;
+    return DRAPE_OK;
+}
+
+static int grow_zones(struct response *s, int64_t n)
+{
+    int status = grow(s, &s->key[0], 4 * n, sizeof(struct key));
+    if (status == DRAPE_OK)
+        status = grow(s, &s->key[1], 4 * n, sizeof(struct key));
+    if (status == DRAPE_OK)
+        status = grow(s, &s->sum, 4 * n, sizeof(struct zone_sum));
+    if (status == DRAPE_OK)
+        status = grow(s, &s->zone, n, sizeof(struct zone));
+    if (status == DRAPE_OK)
+        status = grow(s, &s->vertex, 4 * n, sizeof(int32_t));
+    return status;
+}
+
+static int stiffen(struct response *s)
+{
+    int status = tangle(s);
+    if (status == DRAPE_OK)
+        status = grow_zones(s, s->tangled);
+    if (status != DRAPE_OK)
+        return status;
+    struct zones z = {.nv = s->nv, .n = s->tangled, .w = s->w, .x0 = s->x0,
+                      .pair = s->tangle[s->tangle_side].data, .dt = s->dt,
+                      .u = s->u, .n4 = 4 * s->tangled, .label = s->start,
+                      .key = s->key[0].data, .spare = s->key[1].data,
+                      .sum = s->sum.data, .zone = s->zone.data,
+                      .vertex = s->vertex.data};
+    status = ref_zones(&z);
+    if (status != DRAPE_OK)
+        return status;
+    s->outcome |= DRAPE_ZONES;
+    s->zone_vertices = z.vertices;
+    advance(s, z.vertices, z.vertex);
+    EACH_ITEM
+    for (int64_t k = 0; k < z.vertices; k++)
+        s->v[z.vertex[k]] = s->u[z.vertex[k]];
+    return DRAPE_OK;
+}
+
+/* ---- §6 Rollback ---- */
+
+/* DRAPE_OK with hits = 0 where nothing is left that could go back. */
+static int roll(struct response *s, int round)
+{
+    struct rollback r = {.nv = s->nv, .n = s->hits, .pair = s->hit.data,
+                         .w = s->w, .x0 = s->x0, .x1 = s->x1, .u = s->u,
+                         .v = s->v, .rolled = s->rolled,
+                         .touched = s->touched,
+                         .all = round >= s->roll_rounds};
+    int status = ref_rollback(&r);
+    if (status != DRAPE_OK)
+        return status;
+    s->rolled_back += r.grown;
+    if (r.grown)
+        s->outcome |= DRAPE_ROLLBACK;
+    if (r.trapped)
+        s->outcome |= DRAPE_TRAPPED;
+    s->hits = r.grown;
+    return DRAPE_OK;
+}
+
+static int resolve(struct response *s, int round)
+{
+    int rolls = round - s->max_rounds - s->zone_rounds;
+    if (rolls >= 0)
+        return roll(s, rolls);
+    memset(s->touched, 0, (size_t)s->nv);
+    const int32_t *hit = s->hit.data;
+    for (int64_t k = 0; k < 4 * s->hits; k++)
+        s->touched[hit[k]] = s->w[hit[k]] > 0;
+    return round < s->max_rounds ? push(s) : stiffen(s);
+}
+
+int ref_response_penetrate(struct response *s)
+{
+    s->active = 0; /* what repulsion left there is done */
+    int status = detect(s, NULL);
+    s->rounds = 1;
+    for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {
+        status = resolve(s, round);
+        if (status != DRAPE_OK || s->hits == 0)
+            break;
+        status = detect(s, s->touched);
+        s->rounds++;
+    }
+    if (s->started || s->led)
+        s->outcome |= DRAPE_TRAPPED;
+    return status;
+}
