@@ -145,6 +145,36 @@ static void fill_particle(const drape_cloth *d, struct cloth *c, int64_t p)
     c->mass[p] = (real)cells * (R(0.25) * c->cell_mass);
 }
 
+/* Sum of the bounds on the stiffness of all springs at p. */
+static double stiffness(const struct cloth *c, int64_t p)
+{
+    int64_t j = p / c->m, i = p % c->m;
+    double k = 0;
+    for (int o = 0; o < SPRINGS; o++) {
+        int64_t di = spring_di[o], dj = spring_dj[o];
+        if (c->springs[p] >> o & 1)
+            k += (double)c->law[o].stiff;
+        if (i - di < 0 || i - di >= c->m || j < dj)
+            continue;
+        if (c->springs[p - di - dj * c->m] >> o & 1)
+            k += (double)c->law[o].stiff;
+    }
+    return k;
+}
+
+/* §6: twice that by the mass, the largest. */
+static double gershgorin(const struct cloth *c)
+{
+    double bound = 0;
+    for (int64_t p = 0; p < c->count; p++) {
+        if (c->fixed[p])
+            continue;
+        double row = 2 * stiffness(c, p) / (double)c->mass[p];
+        bound = row > bound ? row : bound;
+    }
+    return bound;
+}
+
 int ref_cloth_fill(const drape_cloth *d, struct cloth *c, int64_t base)
 {
     EACH_ITEM
@@ -164,8 +194,10 @@ int ref_cloth_fill(const drape_cloth *d, struct cloth *c, int64_t base)
         int64_t p = d->pins[k].i + (int64_t)d->m * d->pins[k].j;
         if (c->fixed[p] == CLOTH_ABSENT)
             return DRAPE_EARG;
+        c->n_pinned += c->fixed[p] != CLOTH_PINNED;
         c->fixed[p] = CLOTH_PINNED;
     }
+    c->bound = gershgorin(c);
     return DRAPE_OK;
 }
 

@@ -34,6 +34,8 @@ struct cloth {
     real cell_mass;      /* kg */
     real beta;           /* s, damping / stiffness */
     struct law law[SPRINGS];
+    double bound;     /* out: 1/s², on the eigenvalues of M⁻¹K, §6 */
+    int64_t n_pinned; /* out: particles */
 
     uint8_t *cell;     /* out: [count] 1: the cell with lower corner p is */
     uint8_t *springs;  /* out: [count] bit o: forward spring o is */

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage blocks: the springs' part of the implicit matrix.
+ * spec/05_blocks.md */
+#ifndef REF_BLOCKS_H
+#define REF_BLOCKS_H
+
+#include "ref/cloth.h"
+
+struct blocks {
+    int64_t count;          /* particles */
+    int32_t m;              /* along i */
+    int64_t laws;           /* SPRINGS */
+    const struct law *law;  /* [laws] */
+    const uint8_t *springs; /* [count] bit o: forward spring o is there */
+    const vec *x;           /* [count] m */
+    real tau;               /* s, > 0 */
+    sym *block; /* out: [SPRINGS·count] kg, spring o of p at o·count + p */
+};
+
+/* DRAPE_OK. What is not finite stays so. */
+int ref_blocks(struct blocks *s);
+
+#endif

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The force on each particle: its springs, wind, weight.
+ * spec/04_springs.md */
+#include "ref/springs.h"
+
+#include "ref/law.h"
+
+/* §1: the pull on p of a spring to q; d = x_q - x_p. Exactly opposite for
+ * p and q exchanged. */
+static vec pull(const struct springs *s, const struct law *a, int64_t p,
+                int64_t q)
+{
+    vec d = vec_sub(s->x[q], s->x[p]);
+    real length = vec_length(d);
+    if (!(length > 0))
+        return vec_make(0, 0, 0);
+    vec u = vec_scale(1 / length, d);
+    real f = law_tension(a, length);
+    if (s->n_v)
+        f += a->damp * vec_dot(vec_sub(s->v[q], s->v[p]), u);
+    return vec_scale(f, u);
+}
+
+/* §2: forward and backward spring of each direction in turn. */
+static vec gather(const struct springs *s, int64_t p, int32_t i, int32_t j)
+{
+    vec f = vec_make(0, 0, 0);
+    for (int o = 0; o < SPRINGS; o++) {
+        int32_t di = spring_di[o], dj = spring_dj[o];
+        int64_t step = di + (int64_t)dj * s->m;
+        if (s->springs[p] >> o & 1)
+            f = vec_add(f, pull(s, &s->law[o], p, p + step));
+        if (i - di < 0 || i - di >= s->m || j < dj)
+            continue;
+        if (s->springs[p - step] >> o & 1)
+            f = vec_add(f, pull(s, &s->law[o], p, p - step));
+    }
+    return f;
+}
+
+int ref_springs(struct springs *s)
+{
+    EACH_ITEM
+    for (int64_t p = 0; p < s->count; p++) {
+        int32_t j = cloth_row(p, s->m), i = (int32_t)(p - (int64_t)j * s->m);
+        vec f = gather(s, p, i, j);
+        if (s->n_wind)
+            f = vec_add(f, s->wind[p]);
+        s->force[p] = vec_axpy(f, s->mass[p], s->gravity);
+    }
+    return DRAPE_OK;
+}
