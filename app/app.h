@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the commands of the tool share: exit codes, messages, options. */
+#ifndef APP_APP_H
+#define APP_APP_H
+
+#include <stddef.h>
+
+enum app_exit {
+    APP_OK = 0,
+    APP_FINDINGS = 1, /* audit found pairs, or a step is not clean */
+    APP_USAGE = 2,    /* a wrong command line or bad input */
+    APP_FAILED = 3,   /* disk, memory or device at run time */
+    APP_INTERRUPTED = 130
+};
+
+/* Prints "drape: …" as one line on standard error and returns code. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+int complain(int code, const char *format, ...);
+
+/* A table of options; each argument that is none of them is positional. */
+enum option_type { OPTION_FLAG, OPTION_INT, OPTION_TEXT };
+struct option {
+    const char *name; /* with its dashes */
+    enum option_type type;
+    void *out;   /* int *, int * or const char ** */
+    long lo, hi; /* of OPTION_INT */
+};
+/* Reads argv[0 … argc) by the table (its last row has no name). Positional
+ * arguments move to the front of argv and their number goes to *positional.
+ * APP_OK, or APP_USAGE after one line that names the argument. */
+int options_read(const struct option *table, int argc, char **argv,
+                 int *positional);
+
+/* The commands: arguments after the command's name. They return app_exit. */
+int command_run(int argc, char **argv);
+int command_plan(int argc, char **argv);
+int command_audit(int argc, char **argv);
+int command_render(int argc, char **argv);
+int command_ccd(int argc, char **argv);
+int command_convert(int argc, char **argv);
+
+#endif

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* drape audit: intersecting triangle pairs, counted by exact predicates. */
+#include "app/app.h"
+#include "app/file.h"
+#include "app/output.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Meshes side by side; obstacles are group 0. */
+struct merged {
+    struct pool pool;
+    struct mesh mesh;
+    int32_t *group;
+};
+
+/* Appends a mesh; the old memory stays in the pool until its end. */
+static int append(struct merged *all, const struct mesh *more, int group)
+{
+    struct mesh *m = &all->mesh;
+    int64_t nv = m->nv + more->nv, nt = m->nt + more->nt;
+    if (nv > INT32_MAX || nt > INT32_MAX)
+        return complain(APP_USAGE, "audit: more than 2^31 vertices");
+    double(*x)[3] = pool_take(&all->pool, (size_t)nv + 1, sizeof *x);
+    int32_t(*tri)[3] = pool_take(&all->pool, (size_t)nt + 1, sizeof *tri);
+    int32_t *groups = pool_take(&all->pool, (size_t)nt + 1, sizeof *groups);
+    if (!x || !tri || !groups)
+        return complain(APP_FAILED, "audit: out of memory");
+    for (int64_t k = 0; k < nv; k++)
+        memcpy(x[k], k < m->nv ? m->x[k] : more->x[k - m->nv], sizeof x[k]);
+    for (int64_t k = 0; k < nt; k++) {
+        bool old = k < m->nt;
+        for (int i = 0; i < 3; i++)
+            tri[k][i] = old ? m->tri[k][i]
+                            : more->tri[k - m->nt][i] + (int32_t)m->nv;
+        groups[k] = old ? all->group[k] : group;
+    }
+    *m = (struct mesh){nv, nt, x, tri};
+    all->group = groups;
+    return APP_OK;
+}
+
+static int append_file(struct merged *all, const char *path, int group)
+{
+    struct mesh mesh;
+    int status = mesh_load(&all->pool, path, &mesh);
+    return status == APP_OK ? append(all, &mesh, group) : status;
+}
+
+static int list_pairs(const drape_mesh *mesh, int64_t found)
+{
+    int64_t again, degenerate;
+    int32_t(*pair)[2] = malloc((size_t)found * sizeof *pair);
+    if (!pair)
+        return complain(APP_FAILED, "audit: out of memory");
+    int status = drape_audit(mesh, found, pair, &again, &degenerate);
+    for (int64_t k = 0; status == DRAPE_OK && k < found; k++)
+        printf("%d %d\n", (int)pair[k][0], (int)pair[k][1]);
+    free(pair);
+    return status == DRAPE_OK ? APP_OK
+                              : complain(APP_FAILED, "audit: %s",
+                                         drape_status_text(status));
+}
+
+/* Audits and says what was found in one line that begins with name; quiet:
+ * only where something was. */
+static int audit(const struct merged *all, const char *name, int list,
+                 bool quiet, int64_t *found)
+{
+    int64_t degenerate = 0;
+    drape_mesh mesh = {all->mesh.nv, all->mesh.nt,
+                       (const double(*)[3])all->mesh.x,
+                       (const int32_t(*)[3])all->mesh.tri, all->group};
+    int status = drape_audit(&mesh, 0, NULL, found, &degenerate);
+    if (status != DRAPE_OK)
+        return complain(APP_FAILED, "%s: %s", name,
+                        drape_status_text(status));
+    if (!quiet || *found) {
+        printf("%s: %" PRId64 " triangles, %" PRId64 " intersecting pairs",
+               name, all->mesh.nt, *found);
+        if (degenerate)
+            printf(", %" PRId64 " degenerate triangles", degenerate);
+        printf("\n");
+    }
+    return list && *found ? list_pairs(&mesh, *found) : APP_OK;
+}
+
+/* Frame k of a run: the cloths and the obstacles as they were then. */
+static int load_frame(struct merged *all, const char *directory, int k)
+{
+    char path[FILE_PATH], fixed[FILE_PATH];
+    if (!output_path(path, directory, "cloth", k))
+        return APP_USAGE;
+    int status = append_file(all, path, 1);
+    if (status != APP_OK)
+        return status;
+    if (!output_path(path, directory, "obstacles", k) ||
+        !file_join(fixed, directory, "obstacles.ply"))
+        return APP_USAGE;
+    if (file_exists(path))
+        return append_file(all, path, 0);
+    return file_exists(fixed) ? append_file(all, fixed, 0) : APP_OK;
+}
+
+static int audit_run(const char *directory, int list)
+{
+    int64_t sum = 0, bad = 0;
+    int k = 0;
+    for (;; k++) {
+        char path[FILE_PATH];
+        if (!output_path(path, directory, "cloth", k))
+            return APP_USAGE;
+        if (!file_exists(path))
+            break;
+        struct merged all = {0};
+        int64_t found = 0;
+        int status = load_frame(&all, directory, k);
+        if (status == APP_OK)
+            status = audit(&all, path, list, true, &found);
+        pool_free(&all.pool);
+        if (status != APP_OK)
+            return status;
+        sum += found;
+        bad += found > 0;
+    }
+    if (k == 0)
+        return complain(APP_USAGE, "%s: no frames/cloth_0000.ply here",
+                        directory);
+    printf("%s: %d frames, %" PRId64 " of them with intersecting pairs, "
+           "%" PRId64 " pairs\n",
+           directory, k, bad, sum);
+    return sum ? APP_FINDINGS : APP_OK;
+}
+
+static int audit_meshes(int count, char **path, const char *obstacle,
+                        int list)
+{
+    struct merged all = {0};
+    int64_t found = 0;
+    int status = APP_OK;
+    for (int k = 0; k < count && status == APP_OK; k++)
+        status = append_file(&all, path[k], k + 1);
+    if (status == APP_OK && obstacle)
+        status = append_file(&all, obstacle, 0);
+    if (status == APP_OK)
+        status = audit(&all, count > 1 ? "all" : path[0], list, false,
+                       &found);
+    pool_free(&all.pool);
+    return status == APP_OK && found ? APP_FINDINGS : status;
+}
+
+int command_audit(int argc, char **argv)
+{
+    int list = 0, positional;
+    const char *obstacle = NULL;
+    const struct option options[] = {
+        {"--list", OPTION_FLAG, &list, 0, 0},
+        {"--obstacle", OPTION_TEXT, &obstacle, 0, 0},
+        {0}};
+    int status = options_read(options, argc, argv, &positional);
+    if (status != APP_OK)
+        return status;
+    if (positional < 1)
+        return complain(APP_USAGE, "audit: expected MESH… or DIR");
+    if (positional == 1 && !obstacle && file_is_directory(argv[0]))
+        return audit_run(argv[0], list);
+    return audit_meshes(positional, argv, obstacle, list);
+}

@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Cloths of a scene: grid, start, material, holes, cuts and pins. */
+#include "app/app.h"
+#include "app/bodies.h"
+#include "app/cloth.h"
+
+#include <math.h>
+
+static int read_material(struct json *json, const cJSON *node, void *out)
+{
+#define MATERIAL(name, lo, hi)                                               \
+    NUMBER_KEY(#name, offsetof(drape_material, name), lo, hi)
+    static const struct json_key keys[] = {
+        MATERIAL(density, 1e-4, 1e3), MATERIAL(stretch, 1e-4, 1e9),
+        MATERIAL(shear, 0, 1e9),      MATERIAL(bend, 0, 1e6),
+        MATERIAL(damping, 0, 1e3),    MATERIAL(thickness, 1e-6, 1),
+        MATERIAL(friction, 0, 10),    {0}};
+    return json_object(json, node, keys, out);
+}
+
+static const char *const start_shapes[] = {"flat", "hung", "rolled", NULL};
+
+static int read_start(struct json *json, const cJSON *node, void *out)
+{
+#define START(name) offsetof(struct start, name)
+    static const struct json_key keys[] = {
+        CHOICE_KEY("shape", START(shape), start_shapes),
+        VECTOR_KEY("at", START(at), -1e6, 1e6, 3),
+        VECTOR_KEY("u", START(u), -1e6, 1e6, 3),
+        VECTOR_KEY("v", START(v), -1e6, 1e6, 3),
+        NUMBER_KEY("folds", START(folds), 0, 1e4),
+        NUMBER_KEY("depth", START(depth), 0, 1e3),
+        NUMBER_KEY("radius", START(radius), 1e-4, 1e3),
+        NUMBER_KEY("gap", START(gap), 1e-6, 1e3),
+        {0}};
+    struct start *start = out;
+    int status = json_object(json, node, keys, start);
+    const cJSON *v = cJSON_GetObjectItemCaseSensitive(node, "v");
+    if (status == APP_OK && start->shape == START_HUNG && !v) {
+        start->v[1] = -1;
+        start->v[2] = 0;
+    }
+    return status;
+}
+
+static int read_region(struct json *json, const cJSON *node, void *out)
+{
+    static const struct json_key keys[] = {
+        VECTOR_KEY("disc", offsetof(struct region, disc), 0, 1e6, 3),
+        VECTOR_KEY("rect", offsetof(struct region, rect), 0, 1e6, 4),
+        {0}};
+    struct region *region = out;
+    region->disc[2] = -1;
+    region->rect[2] = -1;
+    int status = json_object(json, node, keys, region);
+    if (status == APP_OK && region->disc[2] < 0 && region->rect[2] < 0)
+        return json_refuse(json, "expected disc or rect");
+    return status;
+}
+
+static int read_regions(struct json *json, const cJSON *node, void *out)
+{
+    struct regions *regions = out;
+    struct json_list list = {read_region, sizeof(struct region), 10000, NULL,
+                             0};
+    int status = json_array(json, node, &list);
+    regions->list = list.items;
+    regions->count = list.count;
+    return status;
+}
+
+static const char *const edges[] = {"u0", "u1", "v0", "v1", NULL};
+
+static int read_pin(struct json *json, const cJSON *node, void *out)
+{
+    static const struct json_key keys[] = {
+        CHOICE_KEY("edge", offsetof(struct pin, edge), edges),
+        VECTOR_KEY("at", offsetof(struct pin, at), 0, 1e6, 2),
+        NUMBER_KEY("every", offsetof(struct pin, every), 1e-6, 1e6),
+        NESTED_KEY("motion", offsetof(struct pin, motion), read_motion_name),
+        {0}};
+    struct pin *pin = out;
+    *pin = (struct pin){.edge = -1, .motion = -1, .at = {-1, -1}};
+    int status = json_object(json, node, keys, pin);
+    if (status == APP_OK && (pin->edge < 0) == (pin->at[0] < 0))
+        return json_refuse(json, "expected either edge or at");
+    return status;
+}
+
+static int read_pins(struct json *json, const cJSON *node, void *out)
+{
+    struct cloth *cloth = out;
+    struct json_list list = {read_pin, sizeof(struct pin), 10000, NULL, 0};
+    int status = json_array(json, node, &list);
+    cloth->pins = list.items;
+    cloth->n_pins = list.count;
+    return status;
+}
+
+
+static int read_cloth(struct json *json, const cJSON *node, void *out)
+{
+#define CLOTH(name) offsetof(struct cloth, name)
+    static const struct json_key keys[] = {
+        TEXT_KEY("name", CLOTH(name)),
+        VECTOR_KEY("particles", CLOTH(particles), 2, 32768, 2),
+        VECTOR_KEY("size", CLOTH(size), 1e-6, 1e6, 2),
+        NESTED_KEY("material", CLOTH(out.material), read_material),
+        NESTED_KEY("start", CLOTH(start), read_start),
+        VECTOR_KEY("velocity", CLOTH(velocity), -1e6, 1e6, 3),
+        NESTED_KEY("holes", CLOTH(holes), read_regions),
+        NESTED_KEY("cuts", CLOTH(cuts), read_regions),
+        NESTED_KEY("pins", 0, read_pins),
+        {0}};
+    struct cloth *cloth = out;
+    drape_cloth *c = &cloth->out;
+    drape_default_cloth(c);
+    cloth->particles[0] = c->m;
+    cloth->particles[1] = c->n;
+    cloth->size[0] = c->width;
+    cloth->size[1] = c->height;
+    cloth->start = (struct start){.u = {1, 0, 0}, .v = {0, 0, 1},
+                                  .radius = 0.05, .gap = 0.01};
+    int status = json_object(json, node, keys, cloth);
+    if (status != APP_OK)
+        return status;
+    const struct scene *scene = json->user;
+    double count = cloth->particles[0] * cloth->particles[1];
+    if (floor(cloth->particles[0]) != cloth->particles[0] ||
+        floor(cloth->particles[1]) != cloth->particles[1])
+        return json_refuse(json, "particles: expected whole numbers");
+    if (count * PARTICLE_BYTES > scene->memory * 1e9)
+        return json_refuse(json,
+                           "particles: %.0f need more than the memory limit "
+                           "of %.3g GB",
+                           count, scene->memory);
+    c->m = (int)cloth->particles[0];
+    c->n = (int)cloth->particles[1];
+    c->width = cloth->size[0];
+    c->height = cloth->size[1];
+    return cloth_sew(json, cloth);
+}
+
+int read_cloths(struct json *json, const cJSON *node, void *out)
+{
+    struct scene *scene = out;
+    struct json_list list = {read_cloth, sizeof(struct cloth), 1000, NULL, 0};
+    int status = json_array(json, node, &list);
+    if (status != APP_OK)
+        return status;
+    size_t count = (size_t)list.count;
+    const struct cloth *cloth = list.items;
+    drape_cloth *to = pool_take(json->pool, count + 1, sizeof *to);
+    scene->cloth_name = pool_take(json->pool, count + 1, sizeof(char *));
+    if (!to || !scene->cloth_name)
+        return complain(APP_FAILED, "out of memory");
+    for (size_t k = 0; k < count; k++) {
+        to[k] = cloth[k].out;
+        scene->cloth_name[k] =
+            cloth[k].name ? cloth[k].name : pool_text(json->pool, "cloth");
+    }
+    scene->def.cloths = to;
+    scene->def.n_cloths = list.count;
+    return APP_OK;
+}

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* drape convert: turns, sizes and levels a mesh, and writes it as PLY. */
+#include "app/app.h"
+#include "app/file.h"
+#include "app/mesh.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static int read_direction(const char *text, double d[3])
+{
+    char end;
+    if (sscanf(text, "%lf,%lf,%lf%c", &d[0], &d[1], &d[2], &end) == 3 &&
+        d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > 0)
+        return APP_OK;
+    return complain(APP_USAGE, "--up %s: expected X,Y,Z, not zero", text);
+}
+
+static int read_size(const char *text, double *size)
+{
+    char end;
+    if (sscanf(text, "%lf%c", size, &end) == 1 && *size > 0 && *size < 1e6)
+        return APP_OK;
+    return complain(APP_USAGE, "--size %s: expected metres above 0", text);
+}
+
+static int save(const char *path, const struct mesh *mesh)
+{
+    char directory[FILE_PATH] = ".";
+    const char *slash = strrchr(path, '/');
+    size_t length = slash ? (size_t)(slash - path) : 0;
+    if (length >= sizeof directory)
+        return complain(APP_USAGE, "the path of the output is too long");
+    if (slash) {
+        memcpy(directory, length ? path : "/", length ? length : 1);
+        directory[length ? length : 1] = 0;
+    }
+    bool saved = ply_save(directory, slash ? slash + 1 : path, mesh, 32);
+    return saved ? APP_OK : APP_FAILED;
+}
+
+int command_convert(int argc, char **argv)
+{
+    const char *up = NULL, *size = NULL;
+    const struct option options[] = {{"--up", OPTION_TEXT, &up, 0, 0},
+                                     {"--size", OPTION_TEXT, &size, 0, 0},
+                                     {0}};
+    int positional;
+    int status = options_read(options, argc, argv, &positional);
+    if (status != APP_OK)
+        return status;
+    if (positional != 2)
+        return complain(APP_USAGE, "convert: expected IN and OUT.ply");
+    struct placement placement = {.scale = 1, .stand = 1};
+    if (up)
+        status = read_direction(up, placement.up);
+    if (status == APP_OK && size)
+        status = read_size(size, &placement.size);
+    struct pool pool = {0};
+    struct mesh mesh;
+    if (status == APP_OK)
+        status = mesh_load(&pool, argv[0], &mesh);
+    if (status == APP_OK) {
+        mesh_place(&mesh, &placement);
+        status = save(argv[1], &mesh);
+    }
+    if (status == APP_OK)
+        printf("%s: %lld vertices, %lld triangles\n", argv[1],
+               (long long)mesh.nv, (long long)mesh.nt);
+    pool_free(&pool);
+    return status;
+}

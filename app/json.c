@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* JSON objects read by tables of keys. */
+#include "app/json.h"
+#include "app/app.h"
+#include "app/file.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int json_refuse(const struct json *json, const char *format, ...)
+{
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    return complain(APP_USAGE, "%s: %s: %s", json->file, json->where, text);
+}
+
+int json_choice(const char *const *choices, const char *text)
+{
+    for (int k = 0; choices[k]; k++)
+        if (strcmp(choices[k], text) == 0)
+            return k;
+    return -1;
+}
+
+/* Goes one level down; gives back what to cut the path to on the way up. */
+static size_t enter(struct json *json, const char *format, ...)
+{
+    size_t length = strlen(json->where);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(json->where + length, sizeof json->where - length, format,
+              arguments);
+    va_end(arguments);
+    return length;
+}
+
+static void leave(struct json *json, size_t length)
+{
+    json->where[length] = 0;
+}
+
+/* A number in lo … hi; whole: without a fraction. */
+static int read_number(struct json *json, const cJSON *node,
+                       const struct json_key *key, double *out)
+{
+    bool whole = key->type == JSON_INTEGER;
+    const char *what = whole ? "a whole number" : "a number";
+    if (!cJSON_IsNumber(node))
+        return json_refuse(json, "expected %s from %.15g to %.15g", what,
+                           key->lo, key->hi);
+    double value = node->valuedouble;
+    if (!(value >= key->lo && value <= key->hi) ||
+        (whole && value != floor(value)))
+        return json_refuse(json, "%.15g: expected %s from %.15g to %.15g",
+                           value, what, key->lo, key->hi);
+    *out = value;
+    return APP_OK;
+}
+
+static int read_vector(struct json *json, const cJSON *node,
+                       const struct json_key *key, double *out)
+{
+    if (!cJSON_IsArray(node) || cJSON_GetArraySize(node) != key->count)
+        return json_refuse(json, "expected a list of %d numbers", key->count);
+    int k = 0;
+    const cJSON *item;
+    cJSON_ArrayForEach(item, node)
+    {
+        size_t length = enter(json, "[%d]", k);
+        int status = read_number(json, item, key, &out[k++]);
+        if (status != APP_OK)
+            return status;
+        leave(json, length);
+    }
+    return APP_OK;
+}
+
+static int read_choice(struct json *json, const cJSON *node,
+                       const struct json_key *key, int *out)
+{
+    char names[256] = "";
+    for (int k = 0; key->choices[k]; k++) {
+        size_t length = strlen(names);
+        snprintf(names + length, sizeof names - length, "%s\"%s\"",
+                 k ? ", " : "", key->choices[k]);
+    }
+    if (!cJSON_IsString(node))
+        return json_refuse(json, "expected one of %s", names);
+    *out = json_choice(key->choices, node->valuestring);
+    if (*out < 0)
+        return json_refuse(json, "\"%s\": expected one of %s",
+                           node->valuestring, names);
+    return APP_OK;
+}
+
+static int read_text(struct json *json, const cJSON *node, char **out)
+{
+    if (!cJSON_IsString(node) || !node->valuestring[0])
+        return json_refuse(json, "expected a text that is not empty");
+    *out = pool_text(json->pool, node->valuestring);
+    return *out ? APP_OK : complain(APP_FAILED, "out of memory");
+}
+
+static int read_value(struct json *json, const cJSON *node,
+                      const struct json_key *key, void *out)
+{
+    double number = 0;
+    switch (key->type) {
+    case JSON_NUMBER:
+        return read_number(json, node, key, out);
+    case JSON_INTEGER: {
+        int status = read_number(json, node, key, &number);
+        if (status == APP_OK)
+            *(int *)out = (int)number;
+        return status;
+    }
+    case JSON_BOOLEAN:
+        if (!cJSON_IsBool(node))
+            return json_refuse(json, "expected true or false");
+        *(int *)out = cJSON_IsTrue(node);
+        return APP_OK;
+    case JSON_VECTOR:
+        return read_vector(json, node, key, out);
+    case JSON_CHOICE:
+        return read_choice(json, node, key, out);
+    case JSON_TEXT:
+        return read_text(json, node, out);
+    case JSON_NESTED:
+        break;
+    }
+    return key->read(json, node, out);
+}
+
+/* Each key of the object is in the table, and there once. */
+static int check_keys(const struct json *json, const cJSON *node,
+                      const struct json_key *keys)
+{
+    const cJSON *item, *other;
+    cJSON_ArrayForEach(item, node)
+    {
+        const struct json_key *key = keys;
+        while (key->name && strcmp(key->name, item->string) != 0)
+            key++;
+        if (!key->name) {
+            char names[400] = "";
+            for (key = keys; key->name; key++) {
+                size_t length = strlen(names);
+                snprintf(names + length, sizeof names - length, "%s%s",
+                         key == keys ? "" : ", ", key->name);
+            }
+            return json_refuse(json, "unknown key \"%s\"; expected one of %s",
+                               item->string, names);
+        }
+        for (other = item->next; other; other = other->next)
+            if (strcmp(other->string, item->string) == 0)
+                return json_refuse(json, "key \"%s\" is there twice",
+                                   item->string);
+    }
+    return APP_OK;
+}
+
+int json_object(struct json *json, const cJSON *node,
+                const struct json_key *keys, void *base)
+{
+    if (!cJSON_IsObject(node))
+        return json_refuse(json, "expected an object { … }");
+    int status = check_keys(json, node, keys);
+    for (; status == APP_OK && keys->name; keys++) {
+        const cJSON *item = cJSON_GetObjectItemCaseSensitive(node, keys->name);
+        if (!item)
+            continue;
+        size_t length = enter(json, ".%s", keys->name);
+        status = read_value(json, item, keys, (char *)base + keys->offset);
+        if (status == APP_OK)
+            leave(json, length);
+    }
+    return status;
+}
+
+int json_array(struct json *json, const cJSON *node, struct json_list *list)
+{
+    int count = cJSON_IsArray(node) ? cJSON_GetArraySize(node) : -1;
+    if (count < 0 || count > list->most)
+        return json_refuse(json, "expected a list of at most %d", list->most);
+    list->items = pool_take(json->pool, (size_t)count + 1, list->size);
+    if (!list->items)
+        return complain(APP_FAILED, "out of memory");
+    list->count = count;
+    int k = 0;
+    const cJSON *item;
+    cJSON_ArrayForEach(item, node)
+    {
+        size_t length = enter(json, "[%d]", k);
+        int status = list->read(json, item,
+                                (char *)list->items + (size_t)k * list->size);
+        if (status != APP_OK)
+            return status;
+        leave(json, length);
+        k++;
+    }
+    return APP_OK;
+}
+
+cJSON *json_parse(const char *file)
+{
+    size_t size;
+    char *text = file_read(file, &size);
+    if (!text)
+        return NULL;
+    const char *end = NULL;
+    cJSON *root = cJSON_ParseWithOpts(text, &end, 1);
+    if (!root || strlen(text) != size) {
+        int line = 1;
+        for (const char *p = text; p < end; p++)
+            line += *p == '\n';
+        cJSON_Delete(root);
+        root = NULL;
+        complain(APP_USAGE, "%s: line %d: not JSON here", file, line);
+    }
+    free(text);
+    return root;
+}

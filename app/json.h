@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* JSON objects read by tables of keys: an unknown or repeated key, a wrong
+ * type or a number out of its range is refused with its place in the file
+ * and what was expected there. */
+#ifndef APP_JSON_H
+#define APP_JSON_H
+
+#include "app/pool.h"
+
+#include <cjson/cJSON.h>
+#include <stddef.h>
+
+struct json {
+    const char *file;
+    char where[256];    /* the path of the value being read, as $.a[0].b */
+    struct pool *pool;  /* owns the texts that are read */
+    void *user;         /* for the readers of nested values */
+};
+
+enum json_type {
+    JSON_NUMBER,  /* double, lo … hi */
+    JSON_INTEGER, /* int, lo … hi */
+    JSON_BOOLEAN, /* int, 0 or 1 */
+    JSON_VECTOR,  /* double[count], each lo … hi */
+    JSON_CHOICE,  /* int, the place of the text in choices */
+    JSON_TEXT,    /* char *, not empty */
+    JSON_NESTED   /* whatever read() makes of it */
+};
+
+/* out: base + offset of the key's table. APP_OK or the exit code. */
+typedef int json_reader(struct json *json, const cJSON *node, void *out);
+
+struct json_key {
+    const char *name; /* NULL ends a table */
+    enum json_type type;
+    size_t offset;
+    double lo, hi;
+    int count;                  /* of a vector */
+    const char *const *choices; /* NULL-terminated */
+    json_reader *read;
+};
+
+#define NUMBER_KEY(key, at, least, most)                                     \
+    {.name = key, .type = JSON_NUMBER, .offset = at, .lo = least, .hi = most}
+#define INTEGER_KEY(key, at, least, most)                                    \
+    {.name = key, .type = JSON_INTEGER, .offset = at, .lo = least, .hi = most}
+#define VECTOR_KEY(key, at, least, most, n)                                  \
+    {.name = key, .type = JSON_VECTOR, .offset = at, .lo = least, .hi = most,\
+     .count = n}
+#define BOOLEAN_KEY(key, at) {.name = key, .type = JSON_BOOLEAN, .offset = at}
+#define TEXT_KEY(key, at) {.name = key, .type = JSON_TEXT, .offset = at}
+#define CHOICE_KEY(key, at, names)                                           \
+    {.name = key, .type = JSON_CHOICE, .offset = at, .choices = names}
+#define NESTED_KEY(key, at, reader)                                          \
+    {.name = key, .type = JSON_NESTED, .offset = at, .read = reader}
+
+/* Reads an object's keys in the table's order; absent keys leave what is
+ * there. */
+int json_object(struct json *json, const cJSON *node,
+                const struct json_key *keys, void *base);
+/* Reads a list: read(…, base + k·size) for each item; the items are zeroed
+ * memory of the pool. At most `most` items. */
+struct json_list {
+    json_reader *read;
+    size_t size;
+    int most;
+    void *items; /* out */
+    int count;   /* out */
+};
+int json_array(struct json *json, const cJSON *node, struct json_list *list);
+
+/* The name of a text's place in a NULL-terminated table, or -1. */
+int json_choice(const char *const *choices, const char *text);
+
+/* One line "file: path: …" on standard error; returns APP_USAGE. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+int json_refuse(const struct json *json, const char *format, ...);
+
+/* The parsed file, or NULL after one line that names file and line. The
+ * caller deletes it with cJSON_Delete. */
+cJSON *json_parse(const char *file);
+
+#endif

@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* drape, the command-line tool. It includes <drape.h> only, so it is also
+ * the example of how to embed the library. */
+#include "app/app.h"
+
+#include <drape.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+static int command_info(int argc, char **argv);
+static int command_help(int argc, char **argv);
+
+static const struct command {
+    const char *name;
+    int (*call)(int argc, char **argv);
+    const char *summary, *usage;
+} commands[] = {
+    {"run", command_run, "simulate a scene and write its frames",
+     "drape run SCENE.json [options]\n"
+     "  --frames N            frames to make (default: the scene's)\n"
+     "  --out DIR             where to write (default: the scene's name)\n"
+     "  --backend ref|gpu     who computes (default: the scene's)\n"
+     "  --precision 32|64     bits of a number in the state\n"
+     "  --threads N           of the reference, 0: as many as cores\n"
+     "  --checkpoint-every K  write DIR/checkpoint.drape every K frames\n"
+     "  --resume FILE         go on from a checkpoint, bit for bit\n"
+     "  --trace               write DIR/trace.csv, a digest a stage\n"
+     "  --no-obj              frames as PLY only\n"
+     "  --allow-intersecting  accept a start state that intersects\n"
+     "Ctrl-C finishes the step and leaves a checkpoint and the report.\n"},
+    {"plan", command_plan, "print the stages of a scene and their memory",
+     "drape plan SCENE.json [--backend ref|gpu] [--precision 32|64]\n"
+     "Each stage, whether it is on, its memory, and why.\n"},
+    {"audit", command_audit, "count intersecting triangle pairs, exactly",
+     "drape audit MESH... | DIR [--obstacle MESH] [--list]\n"
+     "Meshes are tested against themselves and each other; those given by\n"
+     "--obstacle not against themselves. DIR is what `run` wrote: every\n"
+     "frame is tested. --list prints the pairs. Exit status 1 on any.\n"},
+    {"render", command_render, "make pictures and a film of a run",
+     "drape render DIR [options]\n"
+     "  --frame N        this frame only (default: a film of all frames)\n"
+     "  --every K        every K-th frame\n"
+     "  --width W --height H   in pixels (default: 800 × 600)\n"
+     "  --samples S      a pixel (default: 8)\n"
+     "  --rate R         pictures a second of film (default: real time)\n"
+     "  --no-film        pictures only\n"},
+    {"ccd", command_ccd, "decide collision queries, exactly",
+     "drape ccd --kind vf|ee FILE.csv\n"
+     "Eight rows a query, xn,xd,yn,yd,zn,zd[,truth]: `v f0 f1 f2` or\n"
+     "`a0 a1 b0 b1` at time 0, then at time 1. Prints `0` or `1 TOI`.\n"},
+    {"convert", command_convert, "turn, size and level a mesh",
+     "drape convert IN OUT.ply [--up X,Y,Z] [--size S]\n"
+     "Direction --up becomes +y, the largest dimension S, and the mesh\n"
+     "stands on y = 0 in the middle of x and z.\n"},
+    {"info", command_info, "print versions, precisions and backends",
+     "drape info\n"},
+    {"help", command_help, "print this, or the help of one command",
+     "drape help [COMMAND]\n"},
+};
+enum { COMMANDS = sizeof commands / sizeof commands[0] };
+
+static const struct command *find(const char *name)
+{
+    for (int k = 0; k < COMMANDS; k++)
+        if (strcmp(commands[k].name, name) == 0)
+            return &commands[k];
+    return NULL;
+}
+
+static int command_info(int argc, char **argv)
+{
+    (void)argv;
+    if (argc)
+        return complain(APP_USAGE, "info takes no argument");
+    fputs(drape_info(), stdout);
+    return APP_OK;
+}
+
+static void list_commands(FILE *out)
+{
+    fputs("usage: drape COMMAND [arguments]\n\n", out);
+    for (int k = 0; k < COMMANDS; k++)
+        fprintf(out, "  %-8s %s\n", commands[k].name, commands[k].summary);
+    fputs("\nExit status: 0 done, 1 findings, 2 bad input, 3 failure, 130 "
+          "interrupted.\n",
+          out);
+}
+
+static int command_help(int argc, char **argv)
+{
+    if (argc == 0) {
+        list_commands(stdout);
+        return APP_OK;
+    }
+    const struct command *command = find(argv[0]);
+    if (!command)
+        return complain(APP_USAGE, "help %s: no such command", argv[0]);
+    printf("%s\n\nusage: %s", command->summary, command->usage);
+    return APP_OK;
+}
+
+/* Output that did not go through (a full disk, a closed pipe) is a failure
+ * of the whole call, unless something worse was already said. */
+static int flush(int status)
+{
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return status;
+    return complain(APP_FAILED, "standard output: cannot write");
+}
+
+int main(int argc, char **argv)
+{
+    signal(SIGPIPE, SIG_IGN);
+    if (argc < 2) {
+        list_commands(stderr);
+        return APP_USAGE;
+    }
+    const char *name = argv[1];
+    if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0)
+        name = "help";
+    if (strcmp(name, "--version") == 0)
+        name = "info";
+    const struct command *command = find(name);
+    if (!command)
+        return complain(APP_USAGE, "%s: no such command (try: drape help)",
+                        name);
+    if (argc == 3 && strcmp(argv[2], "--help") == 0)
+        return flush(command_help(1, argv + 1));
+    return flush(command->call(argc - 2, argv + 2));
+}

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A run's frames as models to take pictures of. */
+#include "app/model.h"
+#include "app/app.h"
+#include "app/file.h"
+#include "app/json.h"
+#include "app/output.h"
+#include "app/vec.h"
+
+#include <string.h>
+
+/* Number k of a list of numbers, else `otherwise`. */
+static double number(const cJSON *node, int k, double otherwise)
+{
+    const cJSON *item = k < 0 ? node : cJSON_GetArrayItem(node, k);
+    return cJSON_IsNumber(item) ? item->valuedouble : otherwise;
+}
+
+static const cJSON *get(const cJSON *node, const char *name)
+{
+    return cJSON_GetObjectItemCaseSensitive(node, name);
+}
+
+static void load_camera(const cJSON *node, struct camera *camera)
+{
+    for (int i = 0; i < 3; i++) {
+        camera->eye[i] = number(get(node, "eye"), i, 0);
+        camera->target[i] = number(get(node, "target"), i, 0);
+    }
+    camera->fov = number(get(node, "fov"), -1, 0);
+}
+
+int look_load(struct pool *pool, const char *directory,
+              struct run_look *look)
+{
+    char path[FILE_PATH];
+    *look = (struct run_look){.rate = 60};
+    if (!file_join(path, directory, "report.json"))
+        return APP_USAGE;
+    if (!file_exists(path))
+        return APP_OK;
+    cJSON *root = json_parse(path);
+    if (!root)
+        return APP_USAGE;
+    const cJSON *bodies = get(root, "bodies"), *body;
+    size_t count = (size_t)cJSON_GetArraySize(bodies);
+    look->cloths = pool_take(pool, count + 1, sizeof *look->cloths);
+    load_camera(get(root, "camera"), &look->camera);
+    look->rate = 1 / (number(get(root, "dt"), -1, 1.0 / 60) *
+                      number(get(root, "steps_per_frame"), -1, 1));
+    cJSON_ArrayForEach(body, bodies)
+    {
+        const cJSON *grid = get(body, "particles");
+        if (!look->cloths || !cJSON_IsArray(grid))
+            continue;
+        look->cloths[look->count++] = (struct look_cloth){
+            (int64_t)number(get(body, "first_vertex"), -1, 0),
+            (int)number(grid, 0, 2), (int)number(grid, 1, 2),
+            number(get(body, "size"), 0, 1), number(get(body, "size"), 1, 1)};
+    }
+    cJSON_Delete(root);
+    return look->cloths ? APP_OK : complain(APP_FAILED, "out of memory");
+}
+
+/* An obstacle without height is the floor, and not a thing in the picture. */
+static bool is_floor(const struct mesh *mesh, int64_t k, float *floor)
+{
+    const int32_t *t = mesh->tri[k];
+    double y = mesh->x[t[0]][1], area = 0;
+    if (mesh->x[t[1]][1] != y || mesh->x[t[2]][1] != y)
+        return false;
+    for (int i = 0; i < 3; i++) {
+        const double *a = mesh->x[t[i]], *b = mesh->x[t[(i + 1) % 3]];
+        area += (a[0] * b[2] - a[2] * b[0]) / 2;
+    }
+    if (!(area > 1 || area < -1))
+        return false;
+    *floor = (float)y;
+    return true;
+}
+
+static void append(struct model *m, const struct mesh *mesh, bool cloth)
+{
+    int64_t first = m->nv;
+    for (int64_t k = 0; k < mesh->nv; k++)
+        for (int i = 0; i < 3; i++)
+            m->x[first + k][i] = (float)mesh->x[k][i];
+    m->nv += mesh->nv;
+    for (int64_t k = 0; k < mesh->nt; k++) {
+        if (!cloth && is_floor(mesh, k, &m->floor))
+            continue;
+        for (int i = 0; i < 3; i++)
+            m->tri[m->nt][i] = (uint32_t)(first + mesh->tri[k][i]);
+        m->paint[m->nt++] = cloth ? 0 : PAINT_STONE;
+    }
+}
+
+static void set_box(struct model *m)
+{
+    for (int i = 0; i < 3; i++) {
+        m->lo[i] = INFINITY;
+        m->hi[i] = -INFINITY;
+    }
+    for (int64_t k = 0; k < 3 * m->nt; k++)
+        for (int i = 0; i < 3; i++) {
+            double x = (double)m->x[m->tri[k / 3][k % 3]][i];
+            m->lo[i] = fmin(m->lo[i], x);
+            m->hi[i] = fmax(m->hi[i], x);
+        }
+}
+
+/* A vertex's normal: those of its triangles by their areas. */
+static void set_normals(struct model *m)
+{
+    for (int64_t k = 0; k < m->nt; k++) {
+        const uint32_t *t = m->tri[k];
+        vec a = from(m->x[t[0]]);
+        vec n = cross(sub(from(m->x[t[1]]), a), sub(from(m->x[t[2]]), a));
+        for (int i = 0; i < 3; i++) {
+            float *sum = m->normal[t[i]];
+            sum[0] += n.x;
+            sum[1] += n.y;
+            sum[2] += n.z;
+        }
+    }
+    for (int64_t k = 0; k < m->nv; k++) {
+        vec n = unit(from(m->normal[k]));
+        m->normal[k][0] = n.x;
+        m->normal[k][1] = n.y;
+        m->normal[k][2] = n.z;
+    }
+}
+
+/* Each particle's place on its cloth at rest, each triangle's cloth. */
+static void set_paint(struct model *m, const struct run_look *look)
+{
+    for (int c = 0; c < look->count; c++) {
+        const struct look_cloth *l = &look->cloths[c];
+        int64_t count = (int64_t)l->m * l->n;
+        for (int64_t k = 0; k < count && l->first + k < m->nv; k++) {
+            float *uv = m->uv[l->first + k];
+            uv[0] = (float)(l->width * (double)(k % l->m) / (l->m - 1));
+            uv[1] = (float)(l->height * (double)(k / l->m) / (l->n - 1));
+        }
+    }
+    for (int64_t k = 0; k < m->nt; k++)
+        for (int c = 0; c < look->count && m->paint[k] != PAINT_STONE; c++)
+            if (m->tri[k][0] >= look->cloths[c].first)
+                m->paint[k] = (uint8_t)(c % 32);
+}
+
+int model_load(struct pool *pool, const char *directory, int k,
+               const struct run_look *look, struct model *model)
+{
+    struct mesh cloth, stone = {0};
+    char path[FILE_PATH];
+    if (!output_path(path, directory, "cloth", k))
+        return APP_USAGE;
+    int status = mesh_load(pool, path, &cloth);
+    if (status != APP_OK || !output_path(path, directory, "obstacles", k))
+        return APP_USAGE;
+    if (!file_exists(path) && !file_join(path, directory, "obstacles.ply"))
+        return APP_USAGE;
+    if (file_exists(path))
+        status = mesh_load(pool, path, &stone);
+    if (status != APP_OK)
+        return status;
+    size_t nv = (size_t)(cloth.nv + stone.nv);
+    size_t nt = (size_t)(cloth.nt + stone.nt);
+    *model = (struct model){.floor = NAN};
+    model->x = pool_take(pool, nv, sizeof *model->x);
+    model->normal = pool_take(pool, nv, sizeof *model->normal);
+    model->uv = pool_take(pool, nv, sizeof *model->uv);
+    model->tri = pool_take(pool, nt, sizeof *model->tri);
+    model->paint = pool_take(pool, nt, 1);
+    if (!model->x || !model->normal || !model->uv || !model->tri ||
+        !model->paint)
+        return complain(APP_FAILED, "render: out of memory");
+    append(model, &cloth, true);
+    append(model, &stone, false);
+    set_box(model);
+    set_normals(model);
+    set_paint(model, look);
+    return APP_OK;
+}

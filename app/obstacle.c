@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Obstacles of a scene: from a file or made in code, laid in place. */
+#include "app/app.h"
+#include "app/bodies.h"
+#include "app/file.h"
+#include "app/shapes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Deforming: the same mesh in numbered files. */
+struct series {
+    char *files; /* with one %d, as frames/wave_%04d.ply */
+    int first, count;
+    double dt;
+};
+struct obstacle {
+    drape_obstacle out;
+    char *name, *file;
+    struct shape shape;
+    struct placement placement;
+    struct series series;
+};
+
+static int read_series(struct json *json, const cJSON *node, void *out)
+{
+    static const struct json_key keys[] = {
+        TEXT_KEY("files", offsetof(struct series, files)),
+        INTEGER_KEY("first", offsetof(struct series, first), 0, 1e9),
+        INTEGER_KEY("count", offsetof(struct series, count), 1, 1e6),
+        NUMBER_KEY("dt", offsetof(struct series, dt), 1e-6, 1e6),
+        {0}};
+    struct series *series = out;
+    series->dt = 1.0 / 60;
+    int status = json_object(json, node, keys, series);
+    if (status != APP_OK)
+        return status;
+    const char *percent = series->files ? strchr(series->files, '%') : NULL;
+    const char *d = percent ? percent + 1 + strspn(percent + 1, "0123456789")
+                            : NULL;
+    if (!d || d - percent > 4 || *d != 'd' || strchr(d, '%') || !series->count)
+        return json_refuse(json, "expected files with one %%d or %%04d in "
+                                 "the name, and count");
+    return APP_OK;
+}
+
+/* Where a mesh is looked for: as named from the scene's folder, then in
+ * $DRAPE_MODELS, ../shared/models and build/models. */
+static int find_mesh(const struct scene *scene, const char *name,
+                     char path[FILE_PATH])
+{
+    char folder[FILE_PATH];
+    strcpy(folder, scene->file);
+    char *slash = strrchr(folder, '/');
+    strcpy(slash ? slash : folder, slash ? "" : ".");
+    if (name[0] == '/') {
+        if (snprintf(path, FILE_PATH, "%s", name) < FILE_PATH &&
+            file_exists(path))
+            return APP_OK;
+        return complain(APP_USAGE, "%s: %s: no such mesh file", scene->file,
+                        name);
+    }
+    const char *models = getenv("DRAPE_MODELS");
+    const char *folders[] = {*folder ? folder : "/", models ? models : ".",
+                             "../shared/models", "build/models"};
+    for (int k = 0; k < 4; k++)
+        if (file_join(path, folders[k], name) && file_exists(path))
+            return APP_OK;
+    return complain(APP_USAGE,
+                    "%s: mesh %s: found neither in %s, $DRAPE_MODELS, "
+                    "../shared/models nor build/models",
+                    scene->file, name, folders[0]);
+}
+
+static int load(struct json *json, const char *name, struct mesh *mesh)
+{
+    char path[FILE_PATH];
+    int status = find_mesh(json->user, name, path);
+    return status == APP_OK ? mesh_load(json->pool, path, mesh) : status;
+}
+
+/* Frames of a deforming obstacle; the first is also its mesh. */
+static int load_series(struct json *json, struct obstacle *o,
+                       struct mesh *mesh)
+{
+    drape_obstacle *out = &o->out;
+    const struct series *s = &o->series;
+    double(*frame)[3] = NULL;
+    for (int k = 0; k < s->count; k++) {
+        char name[FILE_PATH];
+        const char *percent = strchr(s->files, '%');
+        int width = atoi(percent + 1);
+        snprintf(name, sizeof name, "%.*s%0*d%s", (int)(percent - s->files),
+                 s->files, width, s->first + k, strchr(percent, 'd') + 1);
+        struct mesh here;
+        int status = load(json, name, &here);
+        if (status != APP_OK)
+            return status;
+        mesh_place(&here, &o->placement);
+        if (k == 0) {
+            *mesh = here;
+            frame = pool_take(json->pool, (size_t)s->count * (size_t)here.nv,
+                              sizeof *frame);
+            if (!frame)
+                return complain(APP_FAILED, "out of memory");
+        }
+        if (here.nv != mesh->nv || here.nt != mesh->nt)
+            return json_refuse(json, "%s: another number of vertices or "
+                                     "triangles than the first",
+                               name);
+        memcpy(frame + (size_t)k * (size_t)mesh->nv, here.x,
+               (size_t)mesh->nv * sizeof *frame);
+    }
+    out->frames = s->count;
+    out->frame_dt = s->dt;
+    out->frame = (const double(*)[3])frame;
+    return APP_OK;
+}
+
+/* Exactly one of mesh, shape and frames says what it is. */
+static int make(struct json *json, struct obstacle *o)
+{
+    struct mesh mesh = {0};
+    bool shape = o->shape.kind != SHAPE_NONE, series = o->series.files;
+    if (shape + series + (o->file != NULL) != 1)
+        return json_refuse(json, "expected one of mesh, shape and frames");
+    int status = series  ? load_series(json, o, &mesh)
+                 : shape ? shape_make(json->pool, &o->shape, &mesh)
+                         : load(json, o->file, &mesh);
+    if (status != APP_OK)
+        return status;
+    if (!series)
+        mesh_place(&mesh, &o->placement);
+    ((struct scene *)json->user)->degenerate += mesh_degenerate(&mesh);
+    o->out.n_vertices = mesh.nv;
+    o->out.n_triangles = mesh.nt;
+    o->out.x = (const double(*)[3])mesh.x;
+    o->out.tri = (const int32_t(*)[3])mesh.tri;
+    return APP_OK;
+}
+
+static const char *const shape_names[] = {
+    "plane", "box", "sphere", "capsule", "funnel", "statue", NULL};
+
+static int read_obstacle(struct json *json, const cJSON *node, void *out)
+{
+#define O(name) offsetof(struct obstacle, name)
+    static const struct json_key keys[] = {
+        TEXT_KEY("name", O(name)),
+        TEXT_KEY("mesh", O(file)),
+        CHOICE_KEY("shape", O(shape.kind), shape_names),
+        NESTED_KEY("frames", O(series), read_series),
+        VECTOR_KEY("extent", O(shape.extent), 1e-6, 1e6, 3),
+        NUMBER_KEY("radius", O(shape.radius), 1e-6, 1e6),
+        NUMBER_KEY("length", O(shape.length), 1e-6, 1e6),
+        NUMBER_KEY("throat", O(shape.throat), 1e-6, 1e6),
+        NUMBER_KEY("height", O(shape.height), 1e-6, 1e6),
+        INTEGER_KEY("detail", O(shape.detail), 8, 4096),
+        VECTOR_KEY("up", O(placement.up), -1e6, 1e6, 3),
+        NUMBER_KEY("size", O(placement.size), 1e-6, 1e6),
+        NUMBER_KEY("scale", O(placement.scale), 1e-9, 1e9),
+        BOOLEAN_KEY("stand", O(placement.stand)),
+        VECTOR_KEY("axis", O(placement.axis), -1e6, 1e6, 3),
+        NUMBER_KEY("angle", O(placement.angle), -36000, 36000),
+        VECTOR_KEY("at", O(placement.at), -1e6, 1e6, 3),
+        NUMBER_KEY("friction", O(out.friction), 0, 10),
+        NESTED_KEY("motion", O(out.motion), read_motion_name),
+        {0}};
+    struct obstacle *o = out;
+    drape_default_obstacle(&o->out);
+    o->out.motion = -1;
+    o->placement.scale = 1;
+    o->placement.axis[1] = 1;
+    o->shape = (struct shape){SHAPE_NONE, {1, 1, 1}, 0.5, 0.5, 0.1, 1, 64};
+    int status = json_object(json, node, keys, o);
+    return status == APP_OK ? make(json, o) : status;
+}
+
+int read_obstacles(struct json *json, const cJSON *node, void *out)
+{
+    struct scene *scene = out;
+    struct json_list list = {read_obstacle, sizeof(struct obstacle), 1000,
+                             NULL, 0};
+    int status = json_array(json, node, &list);
+    if (status != APP_OK)
+        return status;
+    size_t count = (size_t)list.count;
+    const struct obstacle *o = list.items;
+    drape_obstacle *to = pool_take(json->pool, count + 1, sizeof *to);
+    scene->obstacle_name = pool_take(json->pool, count + 1, sizeof(char *));
+    if (!to || !scene->obstacle_name)
+        return complain(APP_FAILED, "out of memory");
+    for (size_t k = 0; k < count; k++) {
+        to[k] = o[k].out;
+        scene->obstacle_name[k] =
+            o[k].name ? o[k].name : pool_text(json->pool, "obstacle");
+    }
+    scene->def.obstacles = to;
+    scene->def.n_obstacles = list.count;
+    return APP_OK;
+}

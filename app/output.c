@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The frames and the point cache of a run. */
+#include "app/output.h"
+#include "app/app.h"
+
+#include <string.h>
+
+/* Cloth and obstacles as meshes of their own, over the same memory. */
+static int make_views(struct output *o, const struct scene *scene,
+                      const drape_world *world)
+{
+    int cloths = scene->def.n_cloths;
+    struct mesh *all = &o->all;
+    all->nv = drape_vertices(world);
+    all->nt = drape_triangles(world);
+    all->x = pool_take(&o->pool, (size_t)all->nv + 1, sizeof *all->x);
+    all->tri = pool_take(&o->pool, (size_t)all->nt + 1, sizeof *all->tri);
+    if (!all->x || !all->tri)
+        return complain(APP_FAILED, "out of memory");
+    if (drape_read_triangles(world, all->tri) != DRAPE_OK)
+        return complain(APP_FAILED, "the triangles cannot be read");
+    int64_t nv = drape_first_vertex(world, cloths);
+    int64_t nt = drape_first_triangle(world, cloths);
+    o->cloth = (struct mesh){nv, nt, all->x, all->tri};
+    o->obstacles = (struct mesh){all->nv - nv, all->nt - nt, all->x + nv,
+                                 all->tri + nt};
+    for (int64_t k = 0; k < o->obstacles.nt; k++)
+        for (int i = 0; i < 3; i++)
+            o->obstacles.tri[k][i] -= (int32_t)nv;
+    return APP_OK;
+}
+
+int output_open(struct output *o, const struct scene *scene,
+                const drape_world *world, const char *directory)
+{
+    o->bits = scene->def.precision;
+    for (int k = 0; k < scene->def.n_obstacles; k++)
+        o->moving |= scene->def.obstacles[k].motion >= 0 ||
+                     scene->def.obstacles[k].frames > 0;
+    if (strlen(directory) >= sizeof o->directory - 100)
+        return complain(APP_USAGE, "--out: the path is too long");
+    strcpy(o->directory, directory);
+    if (!file_join(o->frames, directory, "frames"))
+        return APP_USAGE;
+    if (!file_make_directory(o->frames))
+        return APP_FAILED;
+    return make_views(o, scene, world);
+}
+
+void output_close(struct output *output)
+{
+    pool_free(&output->pool);
+}
+
+bool output_path(char path[FILE_PATH], const char *directory,
+                 const char *body, int k)
+{
+    char name[64];
+    snprintf(name, sizeof name, "frames/%s_%04d.ply", body, k);
+    return file_join(path, directory, name);
+}
+
+int output_frame(struct output *o, const drape_world *world, int k)
+{
+    char name[64];
+    int status = drape_read(world, o->all.x, NULL);
+    if (status != DRAPE_OK)
+        return complain(APP_FAILED, "frame %d: %s", k,
+                        drape_status_text(status));
+    snprintf(name, sizeof name, "cloth_%04d.ply", k);
+    if (!ply_save(o->frames, name, &o->cloth, o->bits))
+        return APP_FAILED;
+    snprintf(name, sizeof name, "cloth_%04d.obj", k);
+    if (o->obj && !obj_save(o->frames, name, &o->cloth, o->bits))
+        return APP_FAILED;
+    bool good = true;
+    snprintf(name, sizeof name, "obstacles_%04d.ply", k);
+    if (o->obstacles.nt && o->moving)
+        good = ply_save(o->frames, name, &o->obstacles, o->bits);
+    else if (o->obstacles.nt && k == 0)
+        good = ply_save(o->directory, "obstacles.ply", &o->obstacles, o->bits);
+    return good ? APP_OK : APP_FAILED;
+}
+
+/* Removes directory/name where it is. */
+static bool remove_file(const char *directory, const char *name)
+{
+    char path[FILE_PATH];
+    return file_join(path, directory, name) && remove(path) == 0;
+}
+
+void output_clear(const struct output *o)
+{
+    static const char *const endings[] = {"cloth_%04d.ply", "cloth_%04d.obj",
+                                          "obstacles_%04d.ply"};
+    static const char *const results[] = {"obstacles.ply", "cloth.pc2",
+                                          "report.json", "checkpoint.drape"};
+    for (int e = 0; e < 3; e++)
+        for (int k = 0, found = 1; found; k++) {
+            char name[64];
+            snprintf(name, sizeof name, endings[e], k);
+            found = remove_file(o->frames, name);
+        }
+    for (int k = 0; k < 4; k++)
+        remove_file(o->directory, results[k]);
+}
+
+/* The cache's numbers are little-endian. */
+static void put(FILE *out, const void *value)
+{
+    uint32_t bits;
+    memcpy(&bits, value, sizeof bits);
+    for (int k = 0; k < 4; k++)
+        fputc((int)(bits >> (8 * k) & 255), out);
+}
+
+static void put_header(FILE *out, int32_t points, int32_t samples)
+{
+    const int32_t version = 1;
+    const float start = 0, rate = 1;
+    fwrite("POINTCACHE2", 12, 1, out);
+    put(out, &version);
+    put(out, &points);
+    put(out, &start);
+    put(out, &rate);
+    put(out, &samples);
+}
+
+/* One sample: a frame's positions. */
+static int put_frame(const struct output *o, FILE *out, int k)
+{
+    char path[FILE_PATH];
+    struct pool pool = {0};
+    struct mesh mesh = {0};
+    if (!output_path(path, o->directory, "cloth", k))
+        return APP_USAGE;
+    int status = ply_load(&pool, path, &mesh);
+    if (status == APP_OK && mesh.nv != o->cloth.nv)
+        status = complain(APP_FAILED, "%s: a frame of another scene", path);
+    for (int64_t j = 0; status == APP_OK && j < mesh.nv; j++)
+        for (int i = 0; i < 3; i++) {
+            float value = (float)mesh.x[j][i];
+            put(out, &value);
+        }
+    pool_free(&pool);
+    return status;
+}
+
+int output_cache(const struct output *o, int last)
+{
+    struct file file;
+    if (!file_open(&file, o->directory, "cloth.pc2"))
+        return APP_FAILED;
+    put_header(file.stream, (int32_t)o->cloth.nv, last + 1);
+    for (int k = 0; k <= last; k++) {
+        int status = put_frame(o, file.stream, k);
+        if (status != APP_OK) {
+            file_drop(&file);
+            return status;
+        }
+    }
+    return file_close(&file) ? APP_OK : APP_FAILED;
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a run leaves in its directory:
+ *   frames/cloth_0000.ply .obj   the cloths, frame 0 is the start
+ *   obstacles.ply                the obstacles, where none of them moves
+ *   frames/obstacles_0000.ply    else, a frame each
+ *   cloth.pc2                    all frames, for Blender's Mesh Cache
+ *   report.json checkpoint.drape trace.csv */
+#ifndef APP_OUTPUT_H
+#define APP_OUTPUT_H
+
+#include "app/file.h"
+#include "app/scene.h"
+
+struct output {
+    char directory[FILE_PATH], frames[FILE_PATH];
+    struct mesh all, cloth, obstacles; /* views of the whole scene */
+    struct pool pool;
+    int bits;
+    bool obj, moving; /* moving: some obstacle moves */
+};
+
+/* Makes the directories and the views. app_exit after one line. */
+int output_open(struct output *output, const struct scene *scene,
+                const drape_world *world, const char *directory);
+/* Removes the frames and results of an earlier run. */
+void output_clear(const struct output *output);
+/* Writes the world's state as frame k. app_exit after one line. */
+int output_frame(struct output *output, const drape_world *world, int k);
+/* Writes the point cache of frames 0 … last from their PLY files. */
+int output_cache(const struct output *output, int last);
+void output_close(struct output *output);
+
+/* directory/frames/<body>_<k>.ply into path. */
+bool output_path(char path[FILE_PATH], const char *directory,
+                 const char *body, int k);
+
+#endif

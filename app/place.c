@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Meshes laid in place: levelled, sized, stood, turned and moved. */
+#include "app/mesh.h"
+#include "app/shapes.h"
+
+#include <math.h>
+#include <string.h>
+
+/* rows of a rotation by the angle of cosine c and sine s about unit a:
+ * c 1 + (1 - c) a aᵀ + s [a]×. */
+static void about(const double a[3], double c, double s, double r[3][3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            r[i][j] = (i == j ? c : 0) + (1 - c) * a[i] * a[j];
+    r[0][1] -= s * a[2];
+    r[0][2] += s * a[1];
+    r[1][0] += s * a[2];
+    r[1][2] -= s * a[0];
+    r[2][0] -= s * a[1];
+    r[2][1] += s * a[0];
+}
+
+static void apply(struct mesh *mesh, double r[3][3])
+{
+    for (int64_t k = 0; k < mesh->nv; k++) {
+        double *x = mesh->x[k], p[3] = {x[0], x[1], x[2]};
+        for (int i = 0; i < 3; i++)
+            x[i] = r[i][0] * p[0] + r[i][1] * p[1] + r[i][2] * p[2];
+    }
+}
+
+static double length(const double a[3])
+{
+    return square_root(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
+}
+
+/* The least rotation that takes direction `up` to +y. */
+static void level(struct mesh *mesh, const double up[3])
+{
+    double n = length(up), axis[3] = {-up[2] / n, 0, up[0] / n};
+    double s = length(axis), c = up[1] / n, r[3][3];
+    if (s == 0) {
+        axis[0] = 1;
+    } else {
+        axis[0] /= s;
+        axis[2] /= s;
+    }
+    about(axis, c, s, r);
+    apply(mesh, r);
+}
+
+static void move(struct mesh *mesh, const double by[3])
+{
+    for (int64_t k = 0; k < mesh->nv; k++)
+        for (int i = 0; i < 3; i++)
+            mesh->x[k][i] += by[i];
+}
+
+static void stretch(struct mesh *mesh, double factor)
+{
+    for (int64_t k = 0; k < mesh->nv; k++)
+        for (int i = 0; i < 3; i++)
+            mesh->x[k][i] *= factor;
+}
+
+static void stand(struct mesh *mesh)
+{
+    double lo[3], hi[3];
+    mesh_box(mesh, lo, hi);
+    double by[3] = {-(lo[0] + hi[0]) / 2, -lo[1], -(lo[2] + hi[2]) / 2};
+    move(mesh, by);
+}
+
+void mesh_place(struct mesh *mesh, const struct placement *p)
+{
+    double lo[3], hi[3], r[3][3];
+    if (length(p->up) > 0)
+        level(mesh, p->up);
+    mesh_box(mesh, lo, hi);
+    double largest = fmax(fmax(hi[0] - lo[0], hi[1] - lo[1]), hi[2] - lo[2]);
+    if (p->size > 0 && largest > 0)
+        stretch(mesh, p->size / largest);
+    if (p->scale != 1)
+        stretch(mesh, p->scale);
+    if (p->stand)
+        stand(mesh);
+    double n = length(p->axis);
+    if (p->angle != 0 && n > 0) {
+        double c, s, axis[3];
+        for (int i = 0; i < 3; i++)
+            axis[i] = p->axis[i] / n;
+        circle(p->angle / 360, &c, &s);
+        about(axis, c, s, r);
+        apply(mesh, r);
+    }
+    if (p->at[0] != 0 || p->at[1] != 0 || p->at[2] != 0)
+        move(mesh, p->at);
+}

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How far a run is: one moving line on a terminal, else plain lines. */
+#include "app/progress.h"
+#include "app/report.h"
+
+#include <stdio.h>
+#include <time.h>
+#include <unistd.h>
+
+double seconds_now(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+void progress_begin(struct progress *p, int64_t first, int64_t total)
+{
+    *p = (struct progress){isatty(STDERR_FILENO) != 0, first, total,
+                           seconds_now(), 0};
+}
+
+static void duration(double seconds, char text[32])
+{
+    int s = seconds < 359999 ? (int)(seconds + 0.5) : 359999;
+    if (s < 3600)
+        snprintf(text, 32, "%d:%02d", s / 60, s % 60);
+    else
+        snprintf(text, 32, "%d:%02d:%02d", s / 3600, s / 60 % 60, s % 60);
+}
+
+void progress_step(struct progress *p, const drape_step_report *step)
+{
+    double now = seconds_now();
+    int64_t done = step->step - p->first, left = p->total - step->step;
+    bool last = left <= 0;
+    /* Ten times a second is enough to look at, every 5 s to log. */
+    if (now - p->printed < (p->terminal ? 0.1 : 5) && !last)
+        return;
+    p->printed = now;
+    char eta[32], words[128], bar[21];
+    double spent = now - p->began;
+    duration(done > 0 ? spent / (double)done * (double)left : 0, eta);
+    for (int k = 0; k < 20; k++)
+        bar[k] = 20 * step->step > k * p->total ? '#' : '.';
+    bar[20] = 0;
+    fprintf(stderr,
+            "%s[%s] step %lld/%lld  contacts %lld  rounds %d  iterations %d  "
+            "%s  ETA %s%s",
+            p->terminal ? "\r" : "", bar, (long long)step->step,
+            (long long)p->total, (long long)step->contacts, step->rounds,
+            step->iterations, report_outcome(step->outcome, words), eta,
+            p->terminal ? "\033[K" : "\n");
+    fflush(stderr);
+}
+
+void progress_end(struct progress *p)
+{
+    if (p->terminal && p->printed > 0)
+        fputc('\n', stderr);
+}

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* drape render: pictures and a film of a run's frames. */
+#include "app/app.h"
+#include "app/file.h"
+#include "app/model.h"
+#include "app/output.h"
+
+#include <errno.h>
+#include <spawn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+
+extern char **environ;
+
+struct render {
+    const char *directory;
+    char pictures[FILE_PATH];
+    struct run_look look;
+    struct shot shot;
+    uint8_t *rgb;
+    int frame, every, no_film, rate;
+};
+
+static int take(struct render *r, int frame, int number)
+{
+    struct pool pool = {0};
+    struct model model;
+    char name[64];
+    snprintf(name, sizeof name, "%s_%04d.png", r->frame < 0 ? "film" : "frame",
+             number);
+    int status = model_load(&pool, r->directory, frame, &r->look, &model);
+    if (status == APP_OK)
+        status = picture_take(&model, &r->shot, r->rgb);
+    pool_free(&pool);
+    if (status == APP_OK && !picture_save(r->pictures, name, r->rgb,
+                                          r->shot.width, r->shot.height))
+        return APP_FAILED;
+    return status;
+}
+
+/* Runs a program found in PATH to its end: its exit status, or -1. */
+static int call(char *const argv[])
+{
+    pid_t child;
+    int status;
+    if (posix_spawnp(&child, argv[0], NULL, NULL, argv, environ) != 0)
+        return -1;
+    while (waitpid(child, &status, 0) < 0)
+        if (errno != EINTR)
+            return -1;
+    /* 127: the program was not there. */
+    return WIFEXITED(status) && WEXITSTATUS(status) != 127
+               ? WEXITSTATUS(status)
+               : -1;
+}
+
+/* The pictures become film.mp4, where ffmpeg is. */
+static int make_film(const struct render *r)
+{
+    char rate[32], pattern[FILE_PATH], part[FILE_PATH], film[FILE_PATH];
+    snprintf(rate, sizeof rate, "%d", r->rate);
+    if (!file_join(pattern, r->pictures, "film_%04d.png") ||
+        !file_join(part, r->directory, ".film.part.mp4") ||
+        !file_join(film, r->directory, "film.mp4"))
+        return APP_USAGE;
+    char *const argv[] = {"ffmpeg", "-v", "error", "-y", "-framerate", rate,
+                          "-i", pattern, "-vf",
+                          "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264",
+                          "-crf", "18", "-pix_fmt", "yuv420p", part, NULL};
+    int status = call(argv);
+    if (status < 0) {
+        complain(0, "note: no ffmpeg here, so no film; the pictures are in "
+                    "%s",
+                 r->pictures);
+        return APP_OK;
+    }
+    if (status == 0 && rename(part, film) == 0) {
+        printf("%s\n", film);
+        return APP_OK;
+    }
+    remove(part);
+    return complain(APP_FAILED, "render: ffmpeg failed on %s", film);
+}
+
+/* The number of frames that are there from the first on. */
+static int count_frames(const char *directory)
+{
+    char path[FILE_PATH];
+    int k = 0;
+    while (output_path(path, directory, "cloth", k) && file_exists(path))
+        k++;
+    return k;
+}
+
+/* Pictures of an earlier film would get into this one. */
+static void clear_film(const struct render *r)
+{
+    for (int k = 0, found = 1; found; k++) {
+        char name[64], path[FILE_PATH];
+        snprintf(name, sizeof name, "film_%04d.png", k);
+        found = file_join(path, r->pictures, name) && remove(path) == 0;
+    }
+}
+
+static int render(struct render *r)
+{
+    int frames = count_frames(r->directory), status = APP_OK;
+    if (frames == 0)
+        return complain(APP_USAGE, "%s: no frames/cloth_0000.ply here",
+                        r->directory);
+    if (r->frame >= frames)
+        return complain(APP_USAGE, "--frame %d: the last frame is %d",
+                        r->frame, frames - 1);
+    if (!file_join(r->pictures, r->directory, "pictures"))
+        return APP_USAGE;
+    if (!file_make_directory(r->pictures))
+        return APP_FAILED;
+    if (r->frame >= 0) {
+        status = take(r, r->frame, r->frame);
+        if (status == APP_OK)
+            printf("%s/frame_%04d.png\n", r->pictures, r->frame);
+        return status;
+    }
+    clear_film(r);
+    int made = 0;
+    for (int k = 0; k < frames && status == APP_OK; k += r->every)
+        status = take(r, k, made++);
+    if (status != APP_OK)
+        return status;
+    printf("%s: %d pictures\n", r->pictures, made);
+    if (!r->rate)
+        r->rate = (int)(r->look.rate / r->every + 0.5);
+    r->rate = r->rate < 1 ? 1 : r->rate;
+    return r->no_film ? APP_OK : make_film(r);
+}
+
+int command_render(int argc, char **argv)
+{
+    struct render r = {.frame = -1, .every = 1};
+    r.shot = (struct shot){.width = 800, .height = 600, .samples = 8};
+    const struct option options[] = {
+        {"--frame", OPTION_INT, &r.frame, 0, 1000000},
+        {"--every", OPTION_INT, &r.every, 1, 1000000},
+        {"--width", OPTION_INT, &r.shot.width, 16, 16384},
+        {"--height", OPTION_INT, &r.shot.height, 16, 16384},
+        {"--samples", OPTION_INT, &r.shot.samples, 1, 65536},
+        {"--rate", OPTION_INT, &r.rate, 1, 1000},
+        {"--no-film", OPTION_FLAG, &r.no_film, 0, 0},
+        {0}};
+    int positional;
+    int status = options_read(options, argc, argv, &positional);
+    if (status != APP_OK)
+        return status;
+    if (positional != 1 || !file_is_directory(argv[0]))
+        return complain(APP_USAGE, "render: expected one DIR of a run");
+    r.directory = argv[0];
+    struct pool pool = {0};
+    status = look_load(&pool, r.directory, &r.look);
+    r.shot.camera = r.look.camera;
+    r.rgb = malloc((size_t)r.shot.width * (size_t)r.shot.height * 3);
+    if (status == APP_OK)
+        status = r.rgb ? render(&r) : complain(APP_FAILED, "out of memory");
+    free(r.rgb);
+    pool_free(&pool);
+    return status;
+}

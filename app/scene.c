@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Scenes: the JSON file of app/scenes/README.md as a drape_def. */
+#include "app/scene.h"
+#include "app/app.h"
+#include "app/bodies.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static int read_wind(struct json *json, const cJSON *node, void *out)
+{
+#define WIND(name) offsetof(drape_wind, name)
+    static const struct json_key keys[] = {
+        VECTOR_KEY("velocity", WIND(velocity), -1e4, 1e4, 3),
+        NUMBER_KEY("density", WIND(density), 0, 1e4),
+        NUMBER_KEY("drag", WIND(drag), 0, 1e3),
+        NUMBER_KEY("lift", WIND(lift), 0, 1e3),
+        {0}};
+    drape_wind *wind = out;
+    *wind = (drape_wind){{0, 0, 0}, 1.2, 1, 0.3};
+    return json_object(json, node, keys, wind);
+}
+
+static int read_camera(struct json *json, const cJSON *node, void *out)
+{
+    static const struct json_key keys[] = {
+        VECTOR_KEY("eye", offsetof(struct camera, eye), -1e6, 1e6, 3),
+        VECTOR_KEY("target", offsetof(struct camera, target), -1e6, 1e6, 3),
+        NUMBER_KEY("fov", offsetof(struct camera, fov), 1, 150),
+        {0}};
+    struct camera *camera = out;
+    camera->fov = 35;
+    return json_object(json, node, keys, camera);
+}
+
+static const char *const backends[] = {"ref", "gpu", NULL};
+static const char *const integrators[] = {
+    "euler", "midpoint", "verlet", "rk4", "baraff-witkin", "choi-ko", NULL};
+static const char *const preconds[] = {"jacobi", "multigrid", NULL};
+static const char *const matrices[] = {"cdf", "compact", NULL};
+
+static int read_scene(struct json *json, const cJSON *root,
+                      struct scene *scene)
+{
+#define SCENE(name) offsetof(struct scene, name)
+    static const struct json_key keys[] = {
+        TEXT_KEY("name", SCENE(name)),
+        NUMBER_KEY("memory", SCENE(memory), 0.001, 1e6),
+        INTEGER_KEY("frames", SCENE(frames), 0, 1e6),
+        INTEGER_KEY("steps_per_frame", SCENE(steps_per_frame), 1, 1e4),
+        CHOICE_KEY("backend", SCENE(def.backend), backends),
+        INTEGER_KEY("precision", SCENE(def.precision), 32, 64),
+        INTEGER_KEY("threads", SCENE(def.threads), 0, 4096),
+        NUMBER_KEY("dt", SCENE(def.dt), 1e-7, 1),
+        VECTOR_KEY("gravity", SCENE(def.gravity), -1e4, 1e4, 3),
+        NESTED_KEY("wind", SCENE(def.wind), read_wind),
+        CHOICE_KEY("integrator", SCENE(def.integrator), integrators),
+        INTEGER_KEY("max_substeps", SCENE(def.max_substeps), 1, 1e9),
+        CHOICE_KEY("precond", SCENE(def.precond), preconds),
+        CHOICE_KEY("matrix", SCENE(def.matrix), matrices),
+        NUMBER_KEY("tolerance", SCENE(def.tolerance), 1e-15, 0.5),
+        INTEGER_KEY("max_iterations", SCENE(def.max_iterations), 1, 1e6),
+        BOOLEAN_KEY("self_collision", SCENE(def.self_collision)),
+        INTEGER_KEY("max_rounds", SCENE(def.max_rounds), 0, 1e6),
+        BOOLEAN_KEY("allow_intersecting", SCENE(def.allow_intersecting)),
+        BOOLEAN_KEY("sleep", SCENE(def.sleep)),
+        NESTED_KEY("motions", 0, read_motions),
+        NESTED_KEY("cloths", 0, read_cloths),
+        NESTED_KEY("obstacles", 0, read_obstacles),
+        NESTED_KEY("camera", SCENE(camera), read_camera),
+        {0}};
+    int status = json_object(json, root, keys, scene);
+    if (status != APP_OK)
+        return status;
+    if (scene->def.precision != 32 && scene->def.precision != 64)
+        return json_refuse(json, "precision: expected 32 or 64");
+    if (scene->def.n_cloths < 1)
+        return json_refuse(json, "cloths: expected at least one");
+    return APP_OK;
+}
+
+/* Four fifths of this machine's memory: a limit below which it does not
+ * begin to kill what runs on it. */
+static double default_memory(void)
+{
+    long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+    return pages > 0 && size > 0 ? 0.8e-9 * (double)pages * (double)size : 8;
+}
+
+/* The file's name without folder and ending. */
+static char *base_name(struct pool *pool, const char *file)
+{
+    const char *slash = strrchr(file, '/');
+    char *name = pool_text(pool, slash ? slash + 1 : file);
+    char *dot = name ? strrchr(name, '.') : NULL;
+    if (dot && dot != name)
+        *dot = 0;
+    return name;
+}
+
+int scene_load(struct scene *scene, const char *file)
+{
+    memset(scene, 0, sizeof *scene);
+    drape_default(&scene->def);
+    scene->frames = 120;
+    scene->steps_per_frame = 1;
+    scene->memory = default_memory();
+    if (strlen(file) >= sizeof scene->file)
+        return complain(APP_USAGE, "%.60s…: the path is too long", file);
+    strcpy(scene->file, file);
+    struct json json = {file, "$", &scene->pool, scene};
+    cJSON *root = json_parse(file);
+    if (!root)
+        return APP_USAGE;
+    int status = read_scene(&json, root, scene);
+    cJSON_Delete(root);
+    if (status == APP_OK && !scene->name)
+        scene->name = base_name(&scene->pool, file);
+    return status;
+}
+
+void scene_free(struct scene *scene)
+{
+    pool_free(&scene->pool);
+}
+
+/* The library's memory, held under the scene's limit. */
+static void *allocate(void *user, size_t bytes)
+{
+    struct budget *budget = user;
+    size_t rounded = (bytes + 63) / 64 * 64;
+    if (rounded < bytes || rounded > budget->most - budget->held)
+        return NULL;
+    void *p = aligned_alloc(64, rounded ? rounded : 64);
+    if (p)
+        budget->held += rounded;
+    return p;
+}
+
+static void release(void *user, void *p, size_t bytes)
+{
+    struct budget *budget = user;
+    if (p)
+        budget->held -= (bytes + 63) / 64 * 64;
+    free(p);
+}
+
+int scene_create(struct scene *scene, const struct overrides *overrides,
+                 drape_world **world)
+{
+    drape_def *def = &scene->def;
+    if (overrides->backend)
+        def->backend = json_choice(backends, overrides->backend);
+    if (def->backend < 0)
+        return complain(APP_USAGE, "--backend %s: expected ref or gpu",
+                        overrides->backend);
+    if (overrides->precision >= 0)
+        def->precision = overrides->precision;
+    if (def->precision != 32 && def->precision != 64)
+        return complain(APP_USAGE, "--precision: expected 32 or 64");
+    if (overrides->threads >= 0)
+        def->threads = overrides->threads;
+    if (overrides->allow_intersecting > 0)
+        def->allow_intersecting = 1;
+    scene->budget.most = (size_t)(scene->memory * 1e9);
+    def->allocator = (drape_allocator){allocate, release, &scene->budget};
+    drape_error error = {""};
+    int status = drape_create(def, world, &error);
+    if (status == DRAPE_OK)
+        return APP_OK;
+    int code = status == DRAPE_ENOMEM || status == DRAPE_EDEVICE ? APP_FAILED
+                                                                 : APP_USAGE;
+    if (status == DRAPE_ENOMEM)
+        return complain(code, "%s: needs more memory than the limit of "
+                              "%.3g GB (key memory)",
+                        scene->file, scene->memory);
+    return complain(code, "%s: %s", scene->file,
+                    *error.text ? error.text : drape_status_text(status));
+}

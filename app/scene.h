@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Scenes: the JSON file of app/scenes/README.md as a drape_def. */
+#ifndef APP_SCENE_H
+#define APP_SCENE_H
+
+#include "app/mesh.h"
+
+#include <drape.h>
+
+struct camera {
+    double eye[3], target[3]; /* m */
+    double fov;               /* degrees, of the picture's height; 0: unset */
+};
+
+struct scene {
+    drape_def def;
+    char file[4096];   /* as it was named */
+    char *name;
+    int frames;          /* to make */
+    int steps_per_frame;
+    double memory;       /* GB that the library may hold */
+    struct camera camera;
+    /* Names, NULL-terminated: [n_cloths], [n_obstacles], [n_motions]. */
+    char **cloth_name, **obstacle_name, **motion_name;
+    int64_t degenerate;  /* obstacle triangles without area */
+    struct pool pool;    /* owns all that def points to */
+    struct budget {
+        size_t held, most;
+    } budget; /* of def.allocator */
+};
+
+/* APP_OK, or the exit code after one line; scene_free in both cases. */
+int scene_load(struct scene *scene, const char *file);
+void scene_free(struct scene *scene);
+
+/* What the command line changes in a scene; -1 leaves it. */
+struct overrides {
+    const char *backend; /* ref, gpu or NULL */
+    int precision, threads, allow_intersecting;
+};
+/* Makes the scene's world under its memory limit. The exit code after one
+ * line where the library refuses. */
+int scene_create(struct scene *scene, const struct overrides *overrides,
+                 drape_world **world);
+
+#endif
