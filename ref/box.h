@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Boxes that move linearly, and whether two of them come within reach of
+ * each other at one time. spec/20_refit.md §2, §3. */
+#ifndef REF_BOX_H
+#define REF_BOX_H
+
+#include "ref/real.h"
+
+/* Half the gap between 1 and the next number: one rounding's relative error. */
+#define REAL_UNIT R(REAL_BITS == 32 ? 0x1p-24 : 0x1p-53)
+
+/* At time t the box is lo0 + t (lo1 - lo0) to hi0 + t (hi1 - hi0). */
+struct box {
+    vec lo0, hi0, lo1, hi1; /* m */
+};
+
+static inline struct box box_point(vec x0, vec x1)
+{
+    struct box b = {x0, x0, x1, x1};
+    return b;
+}
+
+static inline struct box box_join(struct box a, struct box b)
+{
+    struct box c = {vec_min(a.lo0, b.lo0), vec_max(a.hi0, b.hi0),
+                    vec_min(a.lo1, b.lo1), vec_max(a.hi1, b.hi1)};
+    return c;
+}
+
+static inline struct box box_vertex(const vec *x0, const vec *x1, int32_t v)
+{
+    return box_point(x0[v], x1[v]);
+}
+
+static inline struct box box_edge(const vec *x0, const vec *x1, int32_t a,
+                                  int32_t b)
+{
+    return box_join(box_vertex(x0, x1, a), box_vertex(x0, x1, b));
+}
+
+static inline struct box box_face(const vec *x0, const vec *x1,
+                                  const int32_t f[3])
+{
+    return box_join(box_edge(x0, x1, f[0], f[1]), box_vertex(x0, x1, f[2]));
+}
+
+/* The reach that box_meets wants, §3: r and the room for its roundings. */
+static inline real box_reach(real r)
+{
+    return r * (1 + 16 * REAL_UNIT);
+}
+
+/* When a gap g0 + t (g1 - g0) is not negative, in q = (1 - t) / t: q ≤ *late
+ * where it opens, q ≥ *early where it shuts. False if it never is. §3 */
+static inline bool box_gap(real g0, real g1, real *late, real *early)
+{
+    if (g0 < 0) {
+        if (g1 < 0)
+            return false;
+        *late = real_min(*late, g1 / -g0);
+    } else if (g1 < 0)
+        *early = real_max(*early, -g1 / g0);
+    return true;
+}
+
+/* False only if at no t in [0, 1] a point of a lies within r of a point of b
+ * on all three axes; reach = box_reach(r). Monotone in both boxes. §3 */
+static inline bool box_meets(const struct box *a, const struct box *b,
+                             real reach)
+{
+    real late = R(INFINITY), early = 0;
+    return box_gap((b->hi0.x - a->lo0.x) + reach, (b->hi1.x - a->lo1.x) + reach,
+                   &late, &early) &&
+           box_gap((a->hi0.x - b->lo0.x) + reach, (a->hi1.x - b->lo1.x) + reach,
+                   &late, &early) &&
+           box_gap((b->hi0.y - a->lo0.y) + reach, (b->hi1.y - a->lo1.y) + reach,
+                   &late, &early) &&
+           box_gap((a->hi0.y - b->lo0.y) + reach, (a->hi1.y - b->lo1.y) + reach,
+                   &late, &early) &&
+           box_gap((b->hi0.z - a->lo0.z) + reach, (b->hi1.z - a->lo1.z) + reach,
+                   &late, &early) &&
+           box_gap((a->hi0.z - b->lo0.z) + reach, (a->hi1.z - b->lo1.z) + reach,
+                   &late, &early) &&
+           !(late * (1 + 32 * REAL_UNIT) + R(0x1p-100) < early);
+}
+
+#endif

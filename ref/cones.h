@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage cones: which patches of cloth cannot touch themselves.
+ * spec/21_cones.md */
+#ifndef REF_CONES_H
+#define REF_CONES_H
+
+#include "ref/bvtt.h"
+
+/* Bounds of the tangents of a node's cells over the step, §2. */
+struct tangents {
+    vec ulo, uhi, vlo, vhi; /* m a cell */
+};
+
+struct cones {
+    struct tree tree;
+    struct tree_map map;
+    int64_t nv;
+    const vec *x0, *x1; /* [nv] m */
+    real r;             /* m, distance that must be kept, 0 ≤ r ≤ 2^60 */
+    struct tangents *tangents; /* scratch: [tree.n_cloth] */
+    uint8_t *clear;            /* out: [tree.n_cloth] bits of enum, bvtt.h */
+};
+
+/* DRAPE_OK, or DRAPE_EDATA for a bad r. */
+int ref_cones(struct cones *s);
+
+#endif

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Small scenes for the broad phase: grids, soups, and brute force. */
+#ifndef TESTS_FABRIC_H
+#define TESTS_FABRIC_H
+
+#include "ref/broad.h"
+#include "tests/harness.h"
+
+enum { FABRIC_MESHES = 8 };
+
+/* A scene under construction; its memory comes from an arena. */
+struct fabric {
+    struct arena arena;
+    struct tree_scene scene;
+    struct tree_mesh mesh[FABRIC_MESHES];
+    int32_t (*tri)[3];
+    vec *x0, *x1;
+    int32_t cap_v, cap_t;
+    uint64_t seed;
+};
+
+/* How a grid lies in space. */
+enum fabric_shape {
+    FABRIC_FLAT,
+    FABRIC_WAVY,
+    FABRIC_ROLLED,   /* a spiral of several turns */
+    FABRIC_FOLDED,   /* twice on itself */
+    FABRIC_CRUMPLED, /* every particle displaced by about a cell */
+    FABRIC_SHAPES
+};
+
+/* A candidate, comparable. */
+struct fabric_pair {
+    int32_t kind, v[4];
+};
+
+void fabric_make(struct fabric *f, int32_t vertices, int32_t tris,
+                 uint64_t seed);
+void fabric_free(struct fabric *f);
+/* Uniform in [-1, 1]. */
+real fabric_random(struct fabric *f);
+/* A cloth of unit size; holes: one cell in `holes` is not whole, 0: none. */
+void fabric_cloth(struct fabric *f, int32_t m, int32_t n,
+                  enum fabric_shape shape, int holes);
+/* A mesh of another class: a closed sphere of 4 k (k - 1) triangles. */
+void fabric_sphere(struct fabric *f, int class, int32_t k, vec centre,
+                   real radius);
+/* Random triangles. */
+void fabric_soup(struct fabric *f, int class, int32_t tris, real size);
+/* x1 = x0 + common + noise · random. */
+void fabric_move(struct fabric *f, vec common, real noise);
+
+/* All candidates by brute force, sorted, in the arena's memory. */
+struct fabric_pair *fabric_brute(struct fabric *f, bool self, real r,
+                                 int64_t *n);
+/* Those of a broad phase, sorted. */
+struct fabric_pair *fabric_found(struct fabric *f, const struct broad *b,
+                                 int64_t *n);
+int fabric_compare(const void *a, const void *b);
+
+#endif
