@@ -73,9 +73,10 @@ void closest_ee(const struct wide x[4], struct closest *r)
     double dq = -wide_dot(d, y[2]), eq = -wide_dot(e, y[2]);
     double det = dd * ee - de * de;
     if (det > 0) {
-        double s = (de * eq - dq * ee) / det, t = (dd * eq - de * dq) / det;
-        if (s >= 0 && s <= 1 && t >= 0 && t <= 1)
-            offer(r, y, (double[4]){1 - s, s, -(1 - t), -t});
+        /* each from the other: the second order of their errors remains */
+        double t = ratio(eq + ratio(de * eq - dq * ee, det) * de, ee);
+        double s = ratio(t * de - dq, dd);
+        offer(r, y, (double[4]){1 - s, s, -(1 - t), -t});
     }
     double t0 = ratio(eq, ee), t1 = ratio(eq + de, ee);
     double s0 = ratio(-dq, dd), s1 = ratio(de - dq, dd);
@@ -83,6 +84,35 @@ void closest_ee(const struct wide x[4], struct closest *r)
     offer(r, y, (double[4]){0, 1, -(1 - t1), -t1});
     offer(r, y, (double[4]){1 - s0, s0, -1, 0});
     offer(r, y, (double[4]){1 - s1, s1, 0, -1});
+}
+
+/* The nearest multiple of the quantum: 2^-22, or 2^-50 in binary64. */
+static double quantum(double a)
+{
+    double shift = REAL_BITS == 32 ? 0x1.8p30 : 0x1.8p2;
+    return a + shift - shift;
+}
+
+void closest_weights(const struct closest *r, int kind, real c[4])
+{
+    double s, t, w[4];
+    if (kind == 0) {
+        s = quantum(-r->c[2]);
+        t = quantum(-r->c[3]);
+        t = t < 1 - s ? t : 1 - s;
+        w[0] = 1;
+        w[1] = -(1 - s - t);
+        w[2] = -s;
+    } else {
+        s = quantum(r->c[1]);
+        t = quantum(-r->c[3]);
+        w[0] = 1 - s;
+        w[1] = s;
+        w[2] = -(1 - t);
+    }
+    w[3] = -t;
+    for (int k = 0; k < 4; k++)
+        c[k] = (real)w[k];
 }
 
 struct wide closest_normal(const struct wide x[4], int kind)

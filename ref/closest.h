@@ -17,6 +17,9 @@ struct closest {
 void closest_vf(const struct wide x[4], struct closest *r);
 /* The closed segments x[0] x[1] and x[2] x[3]. */
 void closest_ee(const struct wide x[4], struct closest *r);
+/* The weights in the build's precision, as multiples of a quantum, so that
+ * they add to 0 exactly; none is of the wrong sign. §2.3 */
+void closest_weights(const struct closest *r, int kind, real c[4]);
 /* The triangle's normal, or the cross product of the edges. Unscaled. */
 struct wide closest_normal(const struct wide x[4], int kind);
 /* a over its length, or the fallback where that is zero or not finite. */

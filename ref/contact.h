@@ -10,7 +10,7 @@ enum contact_kind { CONTACT_VF, CONTACT_EE };
 /* Two sides, A and B, that must not come closer. */
 struct contact {
     int32_t v[4];  /* vertices, as the pair names them */
-    int32_t kind;  /* enum contact_kind */
+    int64_t kind;  /* enum contact_kind; of 8 bytes, so that no build pads */
     real c[4];     /* weights: side A adds to 1, side B to -1 */
     vec n;         /* unit, from B to A */
     real gap;      /* m, n·Σ c x at the start of the step */
@@ -28,13 +28,12 @@ struct surface {
 
 /* Which surface each vertex has. */
 struct skin {
-    int64_t n;             /* surfaces, ≥ 1 */
-    const uint16_t *of;    /* [nv] in 0 … n - 1 */
+    int64_t n;                     /* surfaces, ≥ 1 */
+    const uint16_t *of;            /* [nv] in 0 … n - 1 */
     const struct surface *surface; /* [n] */
 };
 
-static inline struct surface skin_pair(const struct skin *s,
-                                       const int32_t v[4])
+static inline struct surface skin_pair(const struct skin *s, const int32_t v[4])
 {
     struct surface r = s->surface[s->of[v[0]]];
     for (int k = 1; k < 4; k++) {

@@ -78,8 +78,8 @@ static vec gather(const struct contacts *s, int32_t i)
     vec sum = vec_make(0, 0, 0);
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
         int32_t item = s->item[k];
-        sum = vec_axpy(sum, s->contact[item / 4].c[item % 4],
-                       s->push[item / 4]);
+        sum =
+            vec_axpy(sum, s->contact[item / 4].c[item % 4], s->push[item / 4]);
     }
     return sum;
 }

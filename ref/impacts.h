@@ -13,14 +13,14 @@ struct impacts {
     const vec *x0;       /* [nv] m, finite */
     const real *w;       /* [nv] 1/kg, ≥ 0; 0: led */
 
-    int32_t *at;        /* scratch: [n] */
-    int64_t cap;        /* impacts that fit */
-    int32_t *hit;       /* out: [found][4] in the candidates' order */
-    uint8_t *hit_kind;  /* out: [found] */
-    uint32_t *hit_toi;  /* out: [found] */
-    int64_t found;      /* out: impacts, also where they do not fit */
-    int64_t started;    /* out: pairs left out, §1: they touch at the start */
-    int64_t led;        /* out: pairs left out, §1: no vertex is free */
+    int32_t *at;       /* scratch: [n] */
+    int64_t cap;       /* impacts that fit */
+    int32_t *hit;      /* out: [found][4] in the candidates' order */
+    uint8_t *hit_kind; /* out: [found] */
+    uint32_t *hit_toi; /* out: [found] */
+    int64_t found;     /* out: impacts, also where they do not fit */
+    int64_t started;   /* out: pairs left out, §1: they touch at the start */
+    int64_t led;       /* out: pairs left out, §1: no vertex is free */
 };
 
 /* DRAPE_OK; DRAPE_EARG for a bad vertex or kind; DRAPE_EFULL: nothing is

@@ -28,7 +28,7 @@ static uint64_t edge(int32_t a, int32_t b)
 }
 
 /* The same key for the same pair, however its vertices are ordered. */
-static struct key identity(const int32_t v[4], int32_t kind, int64_t item)
+static struct key identity(const int32_t v[4], int64_t kind, int64_t item)
 {
     if (kind == CONTACT_EE) {
         uint64_t a = edge(v[0], v[1]), b = edge(v[2], v[3]);
@@ -72,13 +72,13 @@ static struct wide weigh(const double c[4], const struct wide a[4])
 
 /* §2.2: against the approach; along it where the primitives' own normal
  * cannot oppose it. */
-static struct wide normal_of(const struct impact *m, int32_t kind,
+static struct wide normal_of(const struct impact *m, int64_t kind,
                              const struct closest *r)
 {
     struct wide way = weigh(r->c, m->way), from = weigh(r->c, m->from);
     struct wide back = closest_unit(wide_scale(-1, way),
                                     closest_unit(from, wide_make(1, 0, 0)));
-    struct wide n = closest_unit(closest_normal(m->x, kind), back);
+    struct wide n = closest_unit(closest_normal(m->x, (int)kind), back);
     double closing = wide_dot(n, way);
     if (closing * closing <= 0x1p-32 * wide_dot(way, way))
         return back;
@@ -98,8 +98,7 @@ static void emit(const struct impulses *s, int64_t k, struct contact *c)
         closest_ee(m.x, &r);
     struct wide n = normal_of(&m, c->kind, &r);
     struct surface skin = skin_pair(&s->skin, c->v);
-    for (int j = 0; j < 4; j++)
-        c->c[j] = (real)r.c[j];
+    closest_weights(&r, (int)c->kind, c->c);
     c->n = wide_round(n);
     c->gap = (real)wide_dot(n, weigh(r.c, m.from));
     c->target = (s->margin * skin.thickness - c->gap) / s->dt;

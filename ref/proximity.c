@@ -71,9 +71,8 @@ static void emit(const struct proximity *s, int64_t k, struct contact *c)
     c->kind = s->kind[k];
     struct surface skin = skin_pair(&s->skin, c->v);
     measure(s, k, x, &r);
-    for (int j = 0; j < 4; j++)
-        c->c[j] = (real)r.c[j];
-    c->n = wide_round(direction(x, c->kind, &r));
+    closest_weights(&r, s->kind[k], c->c);
+    c->n = wide_round(direction(x, s->kind[k], &r));
     c->gap = (real)sqrt(r.length2);
     c->friction = skin.friction;
     c->target = push_target(s, c, real_max(skin.thickness - c->gap, 0));

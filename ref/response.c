@@ -77,9 +77,15 @@ static int solve_contacts(struct response *s, int64_t n)
 
 int ref_response_repel(struct response *s, const struct pairs *near)
 {
-    struct proximity p = {.nv = s->nv, .n = near->n, .pair = near->pair,
-                          .kind = near->kind, .x = s->x0, .u = s->u,
-                          .w = s->w, .skin = s->skin, .dt = s->dt,
+    struct proximity p = {.nv = s->nv,
+                          .n = near->n,
+                          .pair = near->pair,
+                          .kind = near->kind,
+                          .x = s->x0,
+                          .u = s->u,
+                          .w = s->w,
+                          .skin = s->skin,
+                          .dt = s->dt,
                           .stiffness = s->stiffness};
     struct pool *out = &s->contact[s->side];
     int status = grow(s, &s->at, near->n, sizeof *p.at);
@@ -102,8 +108,12 @@ int ref_response_repel(struct response *s, const struct pairs *near)
 
 static int find_times(struct response *s, const struct pairs *p)
 {
-    struct narrow n = {.n = p->n, .pair = p->pair, .kind = p->kind,
-                       .x0 = s->x0, .x1 = s->x1, .nv = (int32_t)s->nv};
+    struct narrow n = {.n = p->n,
+                       .pair = p->pair,
+                       .kind = p->kind,
+                       .x0 = s->x0,
+                       .x1 = s->x1,
+                       .nv = (int32_t)s->nv};
     int status = grow(s, &s->toi, p->n, sizeof *n.toi);
     if (status == DRAPE_OK)
         status = grow(s, &s->tier, p->n, sizeof *n.tier);
@@ -144,8 +154,13 @@ static int detect(struct response *s, const uint8_t *touched)
         status = find_times(s, &p);
     if (status != DRAPE_OK)
         return status;
-    struct impacts m = {.nv = s->nv, .n = p.n, .pair = p.pair, .kind = p.kind,
-                        .toi = s->toi.data, .x0 = s->x0, .w = s->w,
+    struct impacts m = {.nv = s->nv,
+                        .n = p.n,
+                        .pair = p.pair,
+                        .kind = p.kind,
+                        .toi = s->toi.data,
+                        .x0 = s->x0,
+                        .w = s->w,
                         .at = s->at.data};
     do {
         m.cap = hits_cap(s);
@@ -169,11 +184,18 @@ static int detect(struct response *s, const uint8_t *touched)
 static int push(struct response *s)
 {
     struct pool *from = &s->contact[s->side], *to = &s->contact[!s->side];
-    struct impulses m = {.nv = s->nv, .n = s->hits, .pair = s->hit.data,
-                         .kind = s->hit_kind.data, .toi = s->hit_toi.data,
-                         .x0 = s->x0, .x1 = s->x1, .skin = s->skin,
-                         .dt = s->dt, .margin = s->margin,
-                         .n_active = s->active, .active = from->data};
+    struct impulses m = {.nv = s->nv,
+                         .n = s->hits,
+                         .pair = s->hit.data,
+                         .kind = s->hit_kind.data,
+                         .toi = s->hit_toi.data,
+                         .x0 = s->x0,
+                         .x1 = s->x1,
+                         .skin = s->skin,
+                         .dt = s->dt,
+                         .margin = s->margin,
+                         .n_active = s->active,
+                         .active = from->data};
     m.n_all = m.n + m.n_active;
     int status = grow(s, &s->key[0], m.n_all, sizeof *m.key);
     if (status == DRAPE_OK)
@@ -237,11 +259,19 @@ static int stiffen(struct response *s)
         status = grow_zones(s, s->tangled);
     if (status != DRAPE_OK)
         return status;
-    struct zones z = {.nv = s->nv, .n = s->tangled, .w = s->w, .x0 = s->x0,
-                      .pair = s->tangle[s->tangle_side].data, .dt = s->dt,
-                      .u = s->u, .n4 = 4 * s->tangled, .label = s->start,
-                      .key = s->key[0].data, .spare = s->key[1].data,
-                      .sum = s->sum.data, .zone = s->zone.data,
+    struct zones z = {.nv = s->nv,
+                      .n = s->tangled,
+                      .w = s->w,
+                      .x0 = s->x0,
+                      .pair = s->tangle[s->tangle_side].data,
+                      .dt = s->dt,
+                      .u = s->u,
+                      .n4 = 4 * s->tangled,
+                      .label = s->start,
+                      .key = s->key[0].data,
+                      .spare = s->key[1].data,
+                      .sum = s->sum.data,
+                      .zone = s->zone.data,
                       .vertex = s->vertex.data};
     status = ref_zones(&z);
     if (status != DRAPE_OK)
@@ -260,9 +290,15 @@ static int stiffen(struct response *s)
 /* DRAPE_OK with hits = 0 where nothing is left that could go back. */
 static int roll(struct response *s, int round)
 {
-    struct rollback r = {.nv = s->nv, .n = s->hits, .pair = s->hit.data,
-                         .w = s->w, .x0 = s->x0, .x1 = s->x1, .u = s->u,
-                         .v = s->v, .rolled = s->rolled,
+    struct rollback r = {.nv = s->nv,
+                         .n = s->hits,
+                         .pair = s->hit.data,
+                         .w = s->w,
+                         .x0 = s->x0,
+                         .x1 = s->x1,
+                         .u = s->u,
+                         .v = s->v,
+                         .rolled = s->rolled,
                          .touched = s->touched,
                          .all = round >= s->roll_rounds};
     int status = ref_rollback(&r);

@@ -53,14 +53,14 @@ struct response {
     struct pool contact[2], item, mass, push, vertex;
     struct pool key[2], sum, zone, tangle[2];
 
-    int rounds;          /* out: of penetration, the last finds nothing */
-    int64_t contacts;    /* out: pairs in proximity */
-    int64_t impacts;     /* out: pairs that touched, all rounds */
-    int64_t candidates;  /* out: given to the narrow phase, all rounds */
+    int rounds;         /* out: of penetration, the last finds nothing */
+    int64_t contacts;   /* out: pairs in proximity */
+    int64_t impacts;    /* out: pairs that touched, all rounds */
+    int64_t candidates; /* out: given to the narrow phase, all rounds */
     int64_t zone_vertices, rolled_back; /* out: of the last zones; all */
     int64_t started, led; /* out: pairs that touch at the start, and pairs
                              without a free vertex that touch: left alone */
-    int outcome;         /* out: or of enum drape_outcome */
+    int outcome;          /* out: or of enum drape_outcome */
 
     int64_t hits, active, tangled; /* what the pools hold */
     int side, tangle_side;         /* which of two pools */

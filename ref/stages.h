@@ -3,9 +3,16 @@
 #ifndef REF_STAGES_H
 #define REF_STAGES_H
 
+#include "ref/audit.h"
 #include "ref/bounds.h"
 #include "ref/kinematics.h"
 #include "ref/narrow.h"
 #include "ref/sum.h"
+#include "ref/proximity.h"
+#include "ref/impacts.h"
+#include "ref/impulses.h"
+#include "ref/contacts.h"
+#include "ref/zones.h"
+#include "ref/rollback.h"
 
 #endif

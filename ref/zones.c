@@ -65,8 +65,8 @@ static int64_t list_members(struct zones *s, struct key **members)
     for (int64_t k = 0; k < s->n4; k++) {
         int32_t label = least_label(s, k / 4);
         if (label >= 0)
-            s->key[n++] = (struct key){(uint32_t)label,
-                                       (uint32_t)s->pair[k], 0};
+            s->key[n++] =
+                (struct key){(uint32_t)label, (uint32_t)s->pair[k], 0};
     }
     struct key *key = keys_sort(n, s->key, s->spare);
     int64_t m = 0;
@@ -82,8 +82,8 @@ static int64_t list_members(struct zones *s, struct key **members)
 static struct zone_sum sum_add(const struct zone_sum *p,
                                const struct zone_sum *q)
 {
-    struct zone_sum r = {p->m + q->m, vec_add(p->a, q->a),
-                         vec_add(p->b, q->b), sym_add(p->i, q->i)};
+    struct zone_sum r = {p->m + q->m, vec_add(p->a, q->a), vec_add(p->b, q->b),
+                         sym_add(p->i, q->i)};
     return r;
 }
 
@@ -107,8 +107,10 @@ static struct zone_sum linear(const struct zones *s, const struct zone *z,
                               int32_t i)
 {
     real m = mass_of(s, z, i);
-    struct zone_sum r = {m, vec_scale(m, vec_sub(s->x0[i], z->base)),
-                         vec_scale(m, s->u[i]), {0, 0, 0, 0, 0, 0}};
+    struct zone_sum r = {m,
+                         vec_scale(m, vec_sub(s->x0[i], z->base)),
+                         vec_scale(m, s->u[i]),
+                         {0, 0, 0, 0, 0, 0}};
     return r;
 }
 
@@ -123,7 +125,9 @@ static struct zone_sum angular(const struct zones *s, const struct zone *z,
     real m = mass_of(s, z, i);
     vec r = arm_of(s, z, i), mr = vec_scale(m, r);
     vec l = vec_cross(mr, vec_sub(s->u[i], z->velocity));
-    struct zone_sum sum = {m, l, l,
+    struct zone_sum sum = {m,
+                           l,
+                           l,
                            {mr.y * r.y + mr.z * r.z, -(mr.x * r.y),
                             -(mr.x * r.z), mr.x * r.x + mr.z * r.z,
                             -(mr.y * r.z), mr.x * r.x + mr.y * r.y}};
@@ -210,7 +214,7 @@ int ref_zones(struct zones *s)
     for (int64_t k = 0; k < s->found; k++)
         for (int64_t j = s->zone[k].first; j < s->zone[k].end; j++)
             if (is_free(s, (int32_t)member[j].lo))
-                s->u[member[j].lo] = carry(s, &s->zone[k],
-                                           (int32_t)member[j].lo);
+                s->u[member[j].lo] =
+                    carry(s, &s->zone[k], (int32_t)member[j].lo);
     return DRAPE_OK;
 }

@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage contacts: generator and properties. spec/34_contacts.md */
+#include "ref/contacts.h"
+
+#include "ref/proximity.h"
+#include "ref/wide.h"
+#include "tests/choices.h"
+
+const struct field fields_contacts[] = {
+    IN(contacts, w, nv, 1),
+    INOUT(contacts, contact, n, 1),
+    INOUT(contacts, u, nv, 1),
+    INOUT(contacts, v, nv, 1),
+    SCRATCH(contacts, start, nv1, 1),
+    SCRATCH(contacts, item, n4, 1),
+    SCRATCH(contacts, mass, n, 1),
+    SCRATCH(contacts, push, n, 1),
+    OUT_USED(contacts, vertex, n4, 1, vertices),
+    OUT_VALUE(contacts, vertices),
+    FIELD_END};
+
+static void pick_contact(struct bytes *b, int64_t nv, struct contact *c)
+{
+    real s = R(0.25) * (real)pick(b, 5), t = R(0.25) * (real)pick(b, 5);
+    c->kind = pick(b, 2);
+    for (int j = 0; j < 4; j++)
+        c->v[j] = (int32_t)pick(b, (uint32_t)nv);
+    c->c[0] = c->kind ? 1 - s : 1;
+    c->c[1] = c->kind ? s : -(1 - s) * (1 - t);
+    c->c[2] = c->kind ? -(1 - t) : -s;
+    c->c[3] = c->kind ? -t : -t * (1 - s);
+    vec n = vec_make(pick_uniform(b, -1, 1), pick_uniform(b, -1, 1), 1);
+    c->n = vec_scale(1 / vec_length(n), n);
+    c->gap = pick_uniform(b, 0, R(0.01));
+    c->target = pick(b, 2) ? 0 : pick_uniform(b, -1, 1);
+    c->friction = pick(b, 3) ? R(0.25) * (real)pick(b, 4) : 10;
+}
+
+void gen_contacts(struct bytes *b, struct contacts *s)
+{
+    s->n = for_bench(b) ? 1 << 16 : pick_size(b);
+    s->nv = for_bench(b) ? s->n : 4 + s->n / (1 + pick(b, 8));
+    s->nv1 = s->nv + 1;
+    s->n4 = 4 * s->n;
+    s->iterations = (int)pick(b, 9);
+    real *w = take(b, s->nv, sizeof *w);
+    struct contact *contact = take(b, s->n, sizeof *contact);
+    vec *u = take(b, s->nv, sizeof *u), *v = take(b, s->nv, sizeof *v);
+    for (int64_t i = 0; i < s->nv; i++) {
+        w[i] = pick(b, 4) ? pick_uniform(b, R(0.1), 1000) : 0;
+        u[i] = pick_vec(b, 10);
+        v[i] = pick(b, 2) ? u[i] : pick_vec(b, 10);
+    }
+    for (int64_t k = 0; k < s->n; k++)
+        pick_contact(b, s->nv, &contact[k]);
+    s->w = w;
+    s->contact = contact;
+    s->u = u;
+    s->v = v;
+}
+
+const char *prop_contacts(const struct contacts *s)
+{
+    for (int64_t k = 0; k < s->n; k++) {
+        const struct contact *c = &s->contact[k];
+        real most = c->friction * c->impulse;
+        /* §4: the cone, to rounding of the length and of the scale */
+        EXPECT(c->impulse >= 0);
+        EXPECT(vec_length(c->tangent) <= most * (1 + R(0x1p-20)));
+        EXPECT(real_abs(vec_dot(c->tangent, c->n)) <= most * R(0x1p-18));
+    }
+    int64_t at = 0;
+    for (int64_t i = 0; i < s->nv; i++) {
+        bool in = false;
+        for (int64_t k = 0; k < s->n4 && s->n <= 300; k++)
+            in |= s->contact[k / 4].v[k % 4] == i && s->w[i] > 0 &&
+                  s->contact[k / 4].c[k % 4] != 0;
+        bool listed = at < s->vertices && s->vertex[at] == i;
+        EXPECT(s->n > 300 || in == listed); /* §1 */
+        EXPECT(!listed || s->w[i] > 0);
+        EXPECT(vec_sane(s->u[i]) && vec_sane(s->v[i]));
+        at += listed;
+    }
+    EXPECT(at == s->vertices);
+    return NULL;
+}
+
+/* ---- §5 What impulses conserve and dissipate ---- */
+
+static const double eps = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
+
+struct sums {
+    struct wide p, l; /* linear and angular momentum */
+    double e;         /* kinetic energy */
+    double scale;     /* Σ m |v| */
+};
+
+static struct sums add_up(const struct contacts *s, const vec *x, const vec *v)
+{
+    struct sums r = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+    for (int64_t i = 0; i < s->nv; i++) {
+        if (!(s->w[i] > 0))
+            continue;
+        double m = 1 / (double)s->w[i];
+        struct wide a = wide_of(v[i]);
+        r.p = wide_axpy(r.p, m, a);
+        r.l = wide_axpy(r.l, m, wide_cross(wide_of(x[i]), a));
+        r.e += 0.5 * m * wide_dot(a, a);
+        r.scale += m * sqrt(wide_dot(a, a));
+    }
+    return r;
+}
+
+/* §5.1: what rounding may do to momentum: a vertex of d contacts errs by
+ * (d + 3) eps of its impulses and by eps of its velocity. */
+static double rounding(const struct contacts *s, const vec *v)
+{
+    double bound = 0;
+    for (int64_t k = 0; k < s->n4; k++) {
+        const struct contact *c = &s->contact[k / 4];
+        int32_t i = c->v[k % 4];
+        double push = (double)vec_length(c->tangent) + (double)c->impulse;
+        double d = s->start[i + 1] - s->start[i];
+        bound += (d + 3) * eps * (double)real_abs(c->c[k % 4]) * push;
+    }
+    for (int64_t i = 0; i < s->nv; i++)
+        bound += eps * (double)vec_length(v[i]) / (double)s->w[i];
+    return 2 * bound;
+}
+
+/* n contacts between nv free vertices, with what ref_contacts needs. */
+static void take_free(struct bytes *b, struct contacts *s, vec **x)
+{
+    s->n = 1 + pick(b, 200);
+    s->nv = 4 + pick(b, 300);
+    s->nv1 = s->nv + 1;
+    s->n4 = 4 * s->n;
+    s->iterations = (int)pick(b, 20);
+    real *w = take(b, s->nv, sizeof *w);
+    *x = take(b, s->nv, sizeof **x);
+    s->u = take(b, s->nv, sizeof *s->u);
+    s->v = take(b, s->nv, sizeof *s->v);
+    for (int64_t i = 0; i < s->nv; i++) {
+        w[i] = pick_uniform(b, R(0.5), 50);
+        (*x)[i] = vec_make(pick_uniform(b, -1, 1), pick_uniform(b, -1, 1),
+                           pick_uniform(b, -1, 1));
+        s->u[i] = s->v[i] =
+            vec_make(pick_uniform(b, -3, 3), pick_uniform(b, -3, 3), 0);
+    }
+    s->w = w;
+    s->start = take(b, s->nv1, sizeof *s->start);
+    s->item = take(b, s->n4, sizeof *s->item);
+    s->mass = take(b, s->n, sizeof *s->mass);
+    s->push = take(b, s->n, sizeof *s->push);
+    s->vertex = take(b, s->n4, sizeof *s->vertex);
+}
+
+/* Contacts of random pairs, as proximity makes them. */
+static int meet(struct bytes *b, struct contacts *s, const vec *x)
+{
+    struct surface surface = {10, R(0.25) * (real)pick(b, 4)};
+    int32_t *pair = take(b, s->n4, sizeof *pair);
+    uint8_t *kind = take(b, s->n, 1);
+    for (int64_t k = 0; k < s->n; k++) {
+        kind[k] = (uint8_t)pick(b, 2);
+        int32_t at = (int32_t)pick(b, (uint32_t)s->nv);
+        for (int j = 0; j < 4; j++) /* four different ones */
+            pair[4 * k + j] = (int32_t)((at + j * (s->nv / 4)) % s->nv);
+    }
+    struct proximity p = {.nv = s->nv,
+                          .n = s->n,
+                          .pair = pair,
+                          .kind = kind,
+                          .x = x,
+                          .u = s->u,
+                          .w = s->w,
+                          .dt = R(0.01),
+                          .stiffness = pick(b, 2) ? 0 : 1,
+                          .cap = s->n};
+    p.skin = (struct skin){1, take(b, s->nv, 2), &surface};
+    p.at = take(b, s->n, sizeof *p.at);
+    p.contact = take(b, s->n, sizeof *p.contact);
+    s->contact = p.contact;
+    return ref_proximity(&p);
+}
+
+static double distance(struct wide a, struct wide b)
+{
+    struct wide d = wide_sub(a, b);
+    return sqrt(wide_dot(d, d));
+}
+
+static const char *conserve(struct bytes *b)
+{
+    struct contacts s = {0};
+    vec *x;
+    take_free(b, &s, &x);
+    EXPECT(meet(b, &s, x) == DRAPE_OK);
+    struct sums before = add_up(&s, x, s.v);
+    EXPECT(ref_contacts(&s) == DRAPE_OK);
+    struct sums after = add_up(&s, x, s.v), other = add_up(&s, x, s.u);
+    double bound = rounding(&s, s.v), torque = 0, work = 0;
+    for (int64_t k = 0; k < s.n; k++) {
+        const struct contact *c = &s.contact[k];
+        double push = (double)vec_length(c->tangent) + (double)c->impulse;
+        torque +=
+            (double)c->gap * (double)vec_length(c->tangent) + 64 * eps * push;
+        work += (double)(real_max(c->target, 0) * c->impulse);
+    }
+    EXPECT(distance(after.p, before.p) <= bound);
+    /* §5.2: |x| ≤ √3 */
+    EXPECT(distance(after.l, before.l) <= 2 * bound + torque);
+    /* §5.3, and rounding of twenty iterations in either velocity */
+    double slack = 256 * eps * (before.e + after.e + work);
+    EXPECT(after.e <= before.e + work + slack);
+    EXPECT(other.e <= before.e + work + slack);
+    EXPECT(distance(other.p, before.p) <= 40 * bound + 40 * eps * after.scale);
+    return NULL;
+}
+
+const char *test_contacts_conserve(void)
+{
+    for (uint64_t k = 0; k < 400; k++) {
+        struct bytes b = {.seed = k, .size = -1};
+        const char *failed = conserve(&b);
+        choices_free(&b);
+        if (failed)
+            return failed;
+        ran(1);
+    }
+    return NULL;
+}

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage impacts: generator and properties. spec/32_impacts.md */
+#include "ref/impacts.h"
+
+#include "ref/narrow.h"
+#include "tests/choices.h"
+
+const struct field fields_impacts[] = {
+    IN(impacts, pair, n, 4),
+    IN(impacts, kind, n, 1),
+    IN(impacts, toi, n, 1),
+    IN(impacts, x0, nv, 1),
+    IN(impacts, w, nv, 1),
+    SCRATCH(impacts, at, n, 1),
+    OUT_USED(impacts, hit, cap, 4, found),
+    OUT_USED(impacts, hit_kind, cap, 1, found),
+    OUT_USED(impacts, hit_toi, cap, 1, found),
+    OUT_VALUE(impacts, found),
+    OUT_VALUE(impacts, started),
+    OUT_VALUE(impacts, led),
+    FIELD_END};
+
+void gen_impacts(struct bytes *b, struct impacts *s)
+{
+    s->n = for_bench(b) ? 1 << 20 : pick_size(b);
+    s->nv = 8 + s->n / 4;
+    int32_t *pair = take(b, 4 * s->n, sizeof *pair);
+    uint8_t *kind = take(b, s->n, 1);
+    uint32_t *toi = take(b, s->n, sizeof *toi);
+    vec *x = take(b, s->nv, sizeof *x);
+    real *w = take(b, s->nv, sizeof *w);
+    for (int64_t i = 0; i < s->nv; i++) {
+        x[i] = vec_make((real)pick(b, 3), (real)pick(b, 3), (real)pick(b, 3));
+        w[i] = (real)pick(b, 2);
+    }
+    for (int64_t k = 0; k < s->n; k++) {
+        kind[k] = (uint8_t)pick(b, 2);
+        toi[k] = pick(b, 3) ? NARROW_MISS : pick(b, 2) * 12345;
+        for (int j = 0; j < 4; j++)
+            pair[4 * k + j] = (int32_t)pick(b, (uint32_t)s->nv);
+    }
+    s->pair = pair;
+    s->kind = kind;
+    s->toi = toi;
+    s->x0 = x;
+    s->w = w;
+    s->cap = pick(b, 8) ? s->n : s->n / 16;
+}
+
+const char *prop_impacts(const struct impacts *s)
+{
+    int64_t at = 0, touching = 0;
+    for (int64_t k = 0; k < s->n; k++) {
+        const int32_t *v = s->pair + 4 * k;
+        if (s->toi[k] == NARROW_MISS)
+            continue;
+        touching++;
+        bool kept = at < s->found && !memcmp(s->hit + 4 * at, v, 16) &&
+                    s->hit_kind[at] == s->kind[k] &&
+                    s->hit_toi[at] == s->toi[k];
+        real w = 0;
+        for (int j = 0; j < 4; j++)
+            w += s->w[v[j]];
+        EXPECT(!kept || w > 0);
+        EXPECT(kept || w == 0 || s->toi[k] == 0);
+        at += kept;
+    }
+    EXPECT(at == s->found);
+    EXPECT(s->found + s->started + s->led == touching); /* §1: none is lost */
+    return NULL;
+}
