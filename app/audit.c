@@ -32,8 +32,8 @@ static int append(struct merged *all, const struct mesh *more, int group)
     for (int64_t k = 0; k < nt; k++) {
         bool old = k < m->nt;
         for (int i = 0; i < 3; i++)
-            tri[k][i] = old ? m->tri[k][i]
-                            : more->tri[k - m->nt][i] + (int32_t)m->nv;
+            tri[k][i] =
+                old ? m->tri[k][i] : more->tri[k - m->nt][i] + (int32_t)m->nv;
         groups[k] = old ? all->group[k] : group;
     }
     *m = (struct mesh){nv, nt, x, tri};
@@ -58,9 +58,9 @@ static int list_pairs(const drape_mesh *mesh, int64_t found)
     for (int64_t k = 0; status == DRAPE_OK && k < found; k++)
         printf("%d %d\n", (int)pair[k][0], (int)pair[k][1]);
     free(pair);
-    return status == DRAPE_OK ? APP_OK
-                              : complain(APP_FAILED, "audit: %s",
-                                         drape_status_text(status));
+    return status == DRAPE_OK
+               ? APP_OK
+               : complain(APP_FAILED, "audit: %s", drape_status_text(status));
 }
 
 /* Audits and says what was found in one line that begins with name; quiet:
@@ -74,8 +74,7 @@ static int audit(const struct merged *all, const char *name, int list,
                        (const int32_t(*)[3])all->mesh.tri, all->group};
     int status = drape_audit(&mesh, 0, NULL, found, &degenerate);
     if (status != DRAPE_OK)
-        return complain(APP_FAILED, "%s: %s", name,
-                        drape_status_text(status));
+        return complain(APP_FAILED, "%s: %s", name, drape_status_text(status));
     if (!quiet || *found) {
         printf("%s: %" PRId64 " triangles, %" PRId64 " intersecting pairs",
                name, all->mesh.nt, *found);
@@ -133,8 +132,7 @@ static int audit_run(const char *directory, int list)
     return sum ? APP_FINDINGS : APP_OK;
 }
 
-static int audit_meshes(int count, char **path, const char *obstacle,
-                        int list)
+static int audit_meshes(int count, char **path, const char *obstacle, int list)
 {
     struct merged all = {0};
     int64_t found = 0;
@@ -144,8 +142,7 @@ static int audit_meshes(int count, char **path, const char *obstacle,
     if (status == APP_OK && obstacle)
         status = append_file(&all, obstacle, 0);
     if (status == APP_OK)
-        status = audit(&all, count > 1 ? "all" : path[0], list, false,
-                       &found);
+        status = audit(&all, count > 1 ? "all" : path[0], list, false, &found);
     pool_free(&all.pool);
     return status == APP_OK && found ? APP_FINDINGS : status;
 }

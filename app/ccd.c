@@ -17,10 +17,10 @@ struct queries {
     const char *path;
     FILE *stream;
     long line;
-    int kind, columns;  /* columns: 6 or 7, as in the first row */
-    mpq_t exact, back;  /* scratch */
+    int kind, columns; /* columns: 6 or 7, as in the first row */
+    mpq_t exact, back; /* scratch */
     double x[ROWS][3];
-    int truth;          /* -1: none */
+    int truth; /* -1: none */
     long asked, missed, invented;
 };
 
@@ -45,8 +45,7 @@ static int read_rational(struct queries *q, const char *numerator,
     if (!is_integer(numerator) || !is_integer(denominator))
         return refuse(q, "whole numbers xn,xd,yn,yd,zn,zd");
     mpz_set_str(mpq_numref(q->exact), numerator + (*numerator == '+'), 10);
-    mpz_set_str(mpq_denref(q->exact), denominator + (*denominator == '+'),
-                10);
+    mpz_set_str(mpq_denref(q->exact), denominator + (*denominator == '+'), 10);
     if (mpz_sgn(mpq_denref(q->exact)) == 0)
         return refuse(q, "denominators other than 0");
     mpq_canonicalize(q->exact);
@@ -85,8 +84,8 @@ static int read_row(struct queries *q, char *line, int row)
         return refuse(q, "as many columns as in the rows before");
     q->columns = count;
     for (int i = 0; i < 3 && status == APP_OK; i++)
-        status = read_rational(q, column[2 * i], column[2 * i + 1],
-                               &q->x[row][i]);
+        status =
+            read_rational(q, column[2 * i], column[2 * i + 1], &q->x[row][i]);
     if (status != APP_OK)
         return status;
     int truth = -1;
@@ -124,7 +123,8 @@ static int read_all(struct queries *q)
     size_t room = 0;
     int row = 0, status = APP_OK;
     ssize_t length;
-    while (status == APP_OK && (length = getline(&line, &room, q->stream)) > 0) {
+    while (status == APP_OK &&
+           (length = getline(&line, &room, q->stream)) > 0) {
         q->line++;
         if (strlen(line) != (size_t)length)
             status = refuse(q, "text");
@@ -148,8 +148,7 @@ static int read_all(struct queries *q)
 int command_ccd(int argc, char **argv)
 {
     const char *kind = NULL;
-    const struct option options[] = {{"--kind", OPTION_TEXT, &kind, 0, 0},
-                                     {0}};
+    const struct option options[] = {{"--kind", OPTION_TEXT, &kind, 0, 0}, {0}};
     int positional;
     int status = options_read(options, argc, argv, &positional);
     if (status != APP_OK)
@@ -158,8 +157,8 @@ int command_ccd(int argc, char **argv)
         return complain(APP_USAGE, "ccd: expected --kind vf or --kind ee");
     if (positional != 1)
         return complain(APP_USAGE, "ccd: expected one FILE.csv");
-    struct queries q = {.path = argv[0], .kind = strcmp(kind, "ee") == 0,
-                        .truth = -1};
+    struct queries q = {
+        .path = argv[0], .kind = strcmp(kind, "ee") == 0, .truth = -1};
     q.stream = fopen(q.path, "r");
     if (!q.stream)
         return complain(APP_USAGE, "%s: %s", q.path, strerror(errno));

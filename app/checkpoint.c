@@ -55,10 +55,8 @@ static int load(FILE *stream, const char *path, struct report *report,
     struct header header;
     if (fread(&header, sizeof header, 1, stream) != 1 ||
         memcmp(header.magic, magic, sizeof magic) != 0 ||
-        header.report_bytes != sizeof(drape_step_report) ||
-        header.steps < 0)
-        return complain(APP_USAGE, "%s: not a checkpoint of this build",
-                        path);
+        header.report_bytes != sizeof(drape_step_report) || header.steps < 0)
+        return complain(APP_USAGE, "%s: not a checkpoint of this build", path);
     for (int64_t k = 0; k < header.steps; k++) {
         drape_step_report step;
         if (fread(&step, sizeof step, 1, stream) != 1)
@@ -76,8 +74,7 @@ static int load(FILE *stream, const char *path, struct report *report,
     return APP_OK;
 }
 
-int checkpoint_load(const char *path, struct report *report,
-                    drape_world *world)
+int checkpoint_load(const char *path, struct report *report, drape_world *world)
 {
     FILE *stream = fopen(path, "rb");
     if (!stream)

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Cloths of a scene: grid, start, material, holes, cuts and pins. */
+#include "app/cloth.h"
 #include "app/app.h"
 #include "app/bodies.h"
-#include "app/cloth.h"
 
 #include <math.h>
 
 static int read_material(struct json *json, const cJSON *node, void *out)
 {
-#define MATERIAL(name, lo, hi)                                               \
+#define MATERIAL(name, lo, hi)                                                 \
     NUMBER_KEY(#name, offsetof(drape_material, name), lo, hi)
     static const struct json_key keys[] = {
         MATERIAL(density, 1e-4, 1e3), MATERIAL(stretch, 1e-4, 1e9),
@@ -97,7 +97,6 @@ static int read_pins(struct json *json, const cJSON *node, void *out)
     return status;
 }
 
-
 static int read_cloth(struct json *json, const cJSON *node, void *out)
 {
 #define CLOTH(name) offsetof(struct cloth, name)
@@ -119,8 +118,8 @@ static int read_cloth(struct json *json, const cJSON *node, void *out)
     cloth->particles[1] = c->n;
     cloth->size[0] = c->width;
     cloth->size[1] = c->height;
-    cloth->start = (struct start){.u = {1, 0, 0}, .v = {0, 0, 1},
-                                  .radius = 0.05, .gap = 0.01};
+    cloth->start = (struct start){
+        .u = {1, 0, 0}, .v = {0, 0, 1}, .radius = 0.05, .gap = 0.01};
     int status = json_object(json, node, keys, cloth);
     if (status != APP_OK)
         return status;

@@ -17,8 +17,8 @@ struct regions {
     int count;
 };
 struct pin {
-    int edge, motion;     /* edge: 0 … 3, -1: none */
-    double at[2], every;  /* m at rest */
+    int edge, motion;    /* edge: 0 … 3, -1: none */
+    double at[2], every; /* m at rest */
 };
 struct cloth {
     drape_cloth out;

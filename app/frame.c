@@ -31,8 +31,8 @@ static void put_vertex(FILE *out, const double x[3], int bits)
     }
 }
 
-bool ply_save(const char *directory, const char *name,
-              const struct mesh *mesh, int bits)
+bool ply_save(const char *directory, const char *name, const struct mesh *mesh,
+              int bits)
 {
     struct file file;
     if (!file_open(&file, directory, name))
@@ -54,8 +54,8 @@ bool ply_save(const char *directory, const char *name,
     return file_close(&file);
 }
 
-bool obj_save(const char *directory, const char *name,
-              const struct mesh *mesh, int bits)
+bool obj_save(const char *directory, const char *name, const struct mesh *mesh,
+              int bits)
 {
     struct file file;
     if (!file_open(&file, directory, name))

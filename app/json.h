@@ -12,9 +12,9 @@
 
 struct json {
     const char *file;
-    char where[256];    /* the path of the value being read, as $.a[0].b */
-    struct pool *pool;  /* owns the texts that are read */
-    void *user;         /* for the readers of nested values */
+    char where[256];   /* the path of the value being read, as $.a[0].b */
+    struct pool *pool; /* owns the texts that are read */
+    void *user;        /* for the readers of nested values */
 };
 
 enum json_type {
@@ -40,19 +40,37 @@ struct json_key {
     json_reader *read;
 };
 
-#define NUMBER_KEY(key, at, least, most)                                     \
-    {.name = key, .type = JSON_NUMBER, .offset = at, .lo = least, .hi = most}
-#define INTEGER_KEY(key, at, least, most)                                    \
-    {.name = key, .type = JSON_INTEGER, .offset = at, .lo = least, .hi = most}
-#define VECTOR_KEY(key, at, least, most, n)                                  \
-    {.name = key, .type = JSON_VECTOR, .offset = at, .lo = least, .hi = most,\
-     .count = n}
-#define BOOLEAN_KEY(key, at) {.name = key, .type = JSON_BOOLEAN, .offset = at}
-#define TEXT_KEY(key, at) {.name = key, .type = JSON_TEXT, .offset = at}
-#define CHOICE_KEY(key, at, names)                                           \
-    {.name = key, .type = JSON_CHOICE, .offset = at, .choices = names}
-#define NESTED_KEY(key, at, reader)                                          \
-    {.name = key, .type = JSON_NESTED, .offset = at, .read = reader}
+#define NUMBER_KEY(key, at, least, most)                                       \
+    {                                                                          \
+        .name = key, .type = JSON_NUMBER, .offset = at, .lo = least,           \
+        .hi = most                                                             \
+    }
+#define INTEGER_KEY(key, at, least, most)                                      \
+    {                                                                          \
+        .name = key, .type = JSON_INTEGER, .offset = at, .lo = least,          \
+        .hi = most                                                             \
+    }
+#define VECTOR_KEY(key, at, least, most, n)                                    \
+    {                                                                          \
+        .name = key, .type = JSON_VECTOR, .offset = at, .lo = least,           \
+        .hi = most, .count = n                                                 \
+    }
+#define BOOLEAN_KEY(key, at)                                                   \
+    {                                                                          \
+        .name = key, .type = JSON_BOOLEAN, .offset = at                        \
+    }
+#define TEXT_KEY(key, at)                                                      \
+    {                                                                          \
+        .name = key, .type = JSON_TEXT, .offset = at                           \
+    }
+#define CHOICE_KEY(key, at, names)                                             \
+    {                                                                          \
+        .name = key, .type = JSON_CHOICE, .offset = at, .choices = names       \
+    }
+#define NESTED_KEY(key, at, reader)                                            \
+    {                                                                          \
+        .name = key, .type = JSON_NESTED, .offset = at, .read = reader         \
+    }
 
 /* Reads an object's keys in the table's order; absent keys leave what is
  * there. */

@@ -41,9 +41,10 @@ static void gather_mesh(struct gather *g, const struct aiMesh *from,
     for (unsigned k = 0; mesh->x && k < from->mNumVertices; k++) {
         const struct aiVector3D *p = &from->mVertices[k];
         for (int i = 0; i < 3; i++)
-            mesh->x[g->nv + k][i] =
-                matrix[4 * i] * (double)p->x + matrix[4 * i + 1] * (double)p->y +
-                matrix[4 * i + 2] * (double)p->z + matrix[4 * i + 3];
+            mesh->x[g->nv + k][i] = matrix[4 * i] * (double)p->x +
+                                    matrix[4 * i + 1] * (double)p->y +
+                                    matrix[4 * i + 2] * (double)p->z +
+                                    matrix[4 * i + 3];
     }
     for (unsigned k = 0; k < from->mNumFaces; k++) {
         const struct aiFace *face = &from->mFaces[k];
@@ -127,8 +128,7 @@ static int weld(struct mesh *mesh)
     return APP_OK;
 }
 
-static int load_assimp(struct pool *pool, const char *path,
-                       struct mesh *mesh)
+static int load_assimp(struct pool *pool, const char *path, struct mesh *mesh)
 {
     const struct aiScene *scene = aiImportFile(path, aiProcess_Triangulate);
     if (!scene || !scene->mRootNode) {
@@ -214,8 +214,8 @@ int64_t mesh_degenerate(const struct mesh *mesh)
         double n[3];
         for (int i = 0; i < 3; i++) {
             int j = (i + 1) % 3, l = (i + 2) % 3;
-            n[i] = (b[j] - a[j]) * (c[l] - a[l]) -
-                   (b[l] - a[l]) * (c[j] - a[j]);
+            n[i] =
+                (b[j] - a[j]) * (c[l] - a[l]) - (b[l] - a[l]) * (c[j] - a[j]);
         }
         count += n[0] == 0 && n[1] == 0 && n[2] == 0;
     }

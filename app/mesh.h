@@ -25,12 +25,12 @@ int64_t mesh_degenerate(const struct mesh *mesh);
 
 /* How a mesh is laid in the scene, in this order. */
 struct placement {
-    double up[3];           /* this direction becomes +y; 0: as it is */
-    double size;            /* largest dimension becomes this; 0: as it is */
-    double scale;           /* factor */
-    int stand;              /* least y becomes 0, x and z are centred */
-    double axis[3], angle;  /* turned about the axis by degrees */
-    double at[3];           /* moved */
+    double up[3];          /* this direction becomes +y; 0: as it is */
+    double size;           /* largest dimension becomes this; 0: as it is */
+    double scale;          /* factor */
+    int stand;             /* least y becomes 0, x and z are centred */
+    double axis[3], angle; /* turned about the axis by degrees */
+    double at[3];          /* moved */
 };
 void mesh_place(struct mesh *mesh, const struct placement *placement);
 
@@ -40,9 +40,9 @@ void mesh_box(const struct mesh *mesh, double lo[3], double hi[3]);
 /* PLY, see ply.c. */
 int ply_load(struct pool *pool, const char *path, struct mesh *mesh);
 /* bits: 32 writes floats, 64 doubles. false after one line. */
-bool ply_save(const char *directory, const char *name,
-              const struct mesh *mesh, int bits);
-bool obj_save(const char *directory, const char *name,
-              const struct mesh *mesh, int bits);
+bool ply_save(const char *directory, const char *name, const struct mesh *mesh,
+              int bits);
+bool obj_save(const char *directory, const char *name, const struct mesh *mesh,
+              int bits);
 
 #endif

@@ -30,8 +30,7 @@ static void load_camera(const cJSON *node, struct camera *camera)
     camera->fov = number(get(node, "fov"), -1, 0);
 }
 
-int look_load(struct pool *pool, const char *directory,
-              struct run_look *look)
+int look_load(struct pool *pool, const char *directory, struct run_look *look)
 {
     char path[FILE_PATH];
     *look = (struct run_look){.rate = 60};

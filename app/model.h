@@ -11,13 +11,12 @@ struct run_look {
         int64_t first; /* vertex */
         int m, n;
         double width, height;
-    } *cloths; /* [count], in the order of their vertices */
+    } * cloths; /* [count], in the order of their vertices */
     int count;
     struct camera camera;
     double rate; /* frames a second */
 };
-int look_load(struct pool *pool, const char *directory,
-              struct run_look *look);
+int look_load(struct pool *pool, const char *directory, struct run_look *look);
 
 /* Frame k of the run. app_exit after one line. */
 int model_load(struct pool *pool, const char *directory, int k,

@@ -84,10 +84,9 @@ static void place(const struct motion *motion, const struct key *a,
     circle((a->angle + t * (b->angle - a->angle)) / 720, &c, &s);
     rotation[k][0] = c;
     for (int i = 0; i < 3; i++) {
-        position[k][i] = motion->pivot[i] + a->move[i] +
-                         t * (b->move[i] - a->move[i]);
-        rotation[k][1 + i] =
-            s * (a->axis[i] + t * (b->axis[i] - a->axis[i]));
+        position[k][i] =
+            motion->pivot[i] + a->move[i] + t * (b->move[i] - a->move[i]);
+        rotation[k][1 + i] = s * (a->axis[i] + t * (b->axis[i] - a->axis[i]));
     }
 }
 
@@ -116,8 +115,7 @@ static int convert(struct pool *pool, const struct motion *motion,
 int read_motions(struct json *json, const cJSON *node, void *out)
 {
     struct scene *scene = out;
-    struct json_list list = {read_motion, sizeof(struct motion), 1000, NULL,
-                             0};
+    struct json_list list = {read_motion, sizeof(struct motion), 1000, NULL, 0};
     int status = json_array(json, node, &list);
     if (status != APP_OK)
         return status;

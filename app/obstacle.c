@@ -36,8 +36,8 @@ static int read_series(struct json *json, const cJSON *node, void *out)
     if (status != APP_OK)
         return status;
     const char *percent = series->files ? strchr(series->files, '%') : NULL;
-    const char *d = percent ? percent + 1 + strspn(percent + 1, "0123456789")
-                            : NULL;
+    const char *d =
+        percent ? percent + 1 + strspn(percent + 1, "0123456789") : NULL;
     if (!d || d - percent > 4 || *d != 'd' || strchr(d, '%') || !series->count)
         return json_refuse(json, "expected files with one %%d or %%04d in "
                                  "the name, and count");
@@ -80,8 +80,7 @@ static int load(struct json *json, const char *name, struct mesh *mesh)
 }
 
 /* Frames of a deforming obstacle; the first is also its mesh. */
-static int load_series(struct json *json, struct obstacle *o,
-                       struct mesh *mesh)
+static int load_series(struct json *json, struct obstacle *o, struct mesh *mesh)
 {
     drape_obstacle *out = &o->out;
     const struct series *s = &o->series;
@@ -105,8 +104,9 @@ static int load_series(struct json *json, struct obstacle *o,
                 return complain(APP_FAILED, "out of memory");
         }
         if (here.nv != mesh->nv || here.nt != mesh->nt)
-            return json_refuse(json, "%s: another number of vertices or "
-                                     "triangles than the first",
+            return json_refuse(json,
+                               "%s: another number of vertices or "
+                               "triangles than the first",
                                name);
         memcpy(frame + (size_t)k * (size_t)mesh->nv, here.x,
                (size_t)mesh->nv * sizeof *frame);
@@ -179,8 +179,8 @@ static int read_obstacle(struct json *json, const cJSON *node, void *out)
 int read_obstacles(struct json *json, const cJSON *node, void *out)
 {
     struct scene *scene = out;
-    struct json_list list = {read_obstacle, sizeof(struct obstacle), 1000,
-                             NULL, 0};
+    struct json_list list = {read_obstacle, sizeof(struct obstacle), 1000, NULL,
+                             0};
     int status = json_array(json, node, &list);
     if (status != APP_OK)
         return status;

@@ -27,8 +27,9 @@ static int read_int(const struct option *row, const char *text)
     errno = 0;
     long value = strtol(text, &end, 10);
     if (end == text || *end || errno || value < row->lo || value > row->hi)
-        return complain(APP_USAGE, "%s %s: expected a whole number from %ld "
-                                   "to %ld",
+        return complain(APP_USAGE,
+                        "%s %s: expected a whole number from %ld "
+                        "to %ld",
                         row->name, text, row->lo, row->hi);
     *(int *)row->out = (int)value;
     return APP_OK;

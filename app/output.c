@@ -22,8 +22,8 @@ static int make_views(struct output *o, const struct scene *scene,
     int64_t nv = drape_first_vertex(world, cloths);
     int64_t nt = drape_first_triangle(world, cloths);
     o->cloth = (struct mesh){nv, nt, all->x, all->tri};
-    o->obstacles = (struct mesh){all->nv - nv, all->nt - nt, all->x + nv,
-                                 all->tri + nt};
+    o->obstacles =
+        (struct mesh){all->nv - nv, all->nt - nt, all->x + nv, all->tri + nt};
     for (int64_t k = 0; k < o->obstacles.nt; k++)
         for (int i = 0; i < 3; i++)
             o->obstacles.tri[k][i] -= (int32_t)nv;
@@ -52,8 +52,8 @@ void output_close(struct output *output)
     pool_free(&output->pool);
 }
 
-bool output_path(char path[FILE_PATH], const char *directory,
-                 const char *body, int k)
+bool output_path(char path[FILE_PATH], const char *directory, const char *body,
+                 int k)
 {
     char name[64];
     snprintf(name, sizeof name, "frames/%s_%04d.ply", body, k);

@@ -31,7 +31,7 @@ int output_cache(const struct output *output, int last);
 void output_close(struct output *output);
 
 /* directory/frames/<body>_<k>.ply into path. */
-bool output_path(char path[FILE_PATH], const char *directory,
-                 const char *body, int k);
+bool output_path(char path[FILE_PATH], const char *directory, const char *body,
+                 int k);
 
 #endif

@@ -4,13 +4,13 @@
 
 vec sky(vec d)
 {
-    vec horizon = make(0.80f, 0.80f, 0.81f), top = make(0.62f, 0.72f, 0.90f);
+    vec horizon = make(0.40f, 0.41f, 0.43f), top = make(0.42f, 0.50f, 0.64f);
     return mix(horizon, top, clamp(d.y));
 }
 
 /* Outer and inner colour of each cloth, linear. */
 static const float dyes[][2][3] = {
-    {{.50f, .030f, .040f}, {.66f, .42f, .18f}},
+    {{.42f, .018f, .028f}, {.60f, .36f, .13f}},
     {{.020f, .12f, .34f}, {.55f, .56f, .60f}},
     {{.45f, .26f, .030f}, {.34f, .05f, .10f}},
     {{.020f, .24f, .13f}, {.62f, .58f, .42f}},
@@ -53,7 +53,7 @@ void randoms(uint32_t pixel, int k, float out[6])
 
 uint8_t develop(float light)
 {
-    float a = light * 1.02f;
+    float a = light * 0.78f;
     a = a * (2.51f * a + 0.03f) / (a * (2.43f * a + 0.59f) + 0.14f);
     a = clamp(a);
     a = a < 0.0031308f ? 12.92f * a : 1.055f * powf(a, 1 / 2.4f) - 0.055f;

@@ -28,7 +28,7 @@ static void paint(const struct model *m, uint32_t triangle, const float w[3],
 {
     int dye = m->paint[triangle];
     if (dye == PAINT_STONE) {
-        hit->colour = make(.66f, .62f, .56f);
+        hit->colour = make(.60f, .555f, .49f);
         hit->gloss = 0.05f;
         hit->sheen = 0;
         return;
@@ -59,8 +59,8 @@ static struct RTCRayHit ray_from(vec p, vec d)
     return r;
 }
 
-static void look_at_triangle(const struct studio *s, struct RTCRayHit *r,
-                             vec d, struct hit *hit)
+static void look_at_triangle(const struct studio *s, struct RTCRayHit *r, vec d,
+                             struct hit *hit)
 {
     const struct model *m = s->model;
     const uint32_t *t = m->tri[r->hit.primID];
@@ -97,7 +97,7 @@ static bool look(const struct studio *s, vec p, vec d, struct hit *hit)
     }
     hit->floor = true;
     hit->face = hit->normal = make(0, 1, 0);
-    hit->colour = make(.46f, .45f, .44f);
+    hit->colour = make(.36f, .35f, .345f);
     hit->gloss = hit->sheen = 0;
     return true;
 }
@@ -135,7 +135,7 @@ static vec shade(const struct studio *s, const struct hit *h, vec view,
         vec half = unit(add(sun, view));
         float shine = powf(clamp(dot(h->normal, half)), 40) * h->gloss * 12;
         light = add(scale(h->colour, lit), make(shine, shine, shine));
-        light = mul(light, make(2.1f, 1.98f, 1.80f));
+        light = mul(light, make(1.75f, 1.62f, 1.42f));
     }
     vec d = about(h->normal, random[2], random[3], 0.9999f);
     struct hit other;
@@ -147,8 +147,8 @@ static vec shade(const struct studio *s, const struct hit *h, vec view,
     /* Fibres that stand up catch the light at the edge. */
     float rim = 1 - clamp(dot(h->normal, view));
     float sheen = h->sheen * rim * rim * rim;
-    return add(light, scale(mul(bounce, mix(h->colour, make(1, 1, 1), 0.3f)),
-                            sheen));
+    return add(light,
+               scale(mul(bounce, mix(h->colour, make(1, 1, 1), 0.3f)), sheen));
 }
 
 static vec trace(const struct studio *s, vec d, const float random[4])
@@ -200,16 +200,15 @@ static void set_up(struct studio *s, const struct shot *shot)
             c.eye[i] = c.target[i] + way[i] * (double)reach;
         }
     }
-    vec target = make((float)c.target[0], (float)c.target[1],
-                      (float)c.target[2]);
+    vec target =
+        make((float)c.target[0], (float)c.target[1], (float)c.target[2]);
     s->eye = make((float)c.eye[0], (float)c.eye[1], (float)c.eye[2]);
     s->ahead = unit(sub(target, s->eye));
     s->far = 4 * sqrtf(dot(sub(target, s->eye), sub(target, s->eye)));
     float edge = tanf((float)c.fov * 0.00872664626f);
     vec right = unit(cross(s->ahead, make(0, 1, 0)));
     s->up = scale(cross(right, s->ahead), edge);
-    s->right = scale(right,
-                     edge * (float)shot->width / (float)shot->height);
+    s->right = scale(right, edge * (float)shot->width / (float)shot->height);
     /* The sun stands high, to the left behind the camera. */
     vec back = scale(s->ahead, -0.55f);
     s->sun = unit(add(add(back, scale(right, -0.75f)), make(0, 1.0f, 0)));
@@ -219,12 +218,12 @@ static RTCScene build(RTCDevice device, const struct model *m)
 {
     RTCScene scene = rtcNewScene(device);
     RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    void *x = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0,
-                                      RTC_FORMAT_FLOAT3, sizeof *m->x,
-                                      (size_t)m->nv);
-    void *tri = rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0,
-                                        RTC_FORMAT_UINT3, sizeof *m->tri,
-                                        (size_t)m->nt);
+    void *x =
+        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                sizeof *m->x, (size_t)m->nv);
+    void *tri =
+        rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                sizeof *m->tri, (size_t)m->nt);
     bool good = x && tri;
     if (good) {
         memcpy(x, m->x, (size_t)m->nv * sizeof *m->x);

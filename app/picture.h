@@ -28,7 +28,7 @@ struct shot {
 int picture_take(const struct model *model, const struct shot *shot,
                  uint8_t *rgb);
 /* Writes rgb as directory/name. false after one line. */
-bool picture_save(const char *directory, const char *name,
-                  const uint8_t *rgb, int width, int height);
+bool picture_save(const char *directory, const char *name, const uint8_t *rgb,
+                  int width, int height);
 
 #endif

@@ -21,8 +21,7 @@ static void print_plan(const struct scene *scene, const drape_world *world)
         sum += row[k].bytes;
     }
     printf("%s: %lld vertices, %lld triangles\n\n", scene->name,
-           (long long)drape_vertices(world),
-           (long long)drape_triangles(world));
+           (long long)drape_vertices(world), (long long)drape_triangles(world));
     printf("%-*s      %12s  why\n", width, "stage", "bytes");
     for (int k = 0; k < rows; k++)
         printf("%-*s  %-3s %12zu  %s\n", width, row[k].stage,
@@ -38,8 +37,8 @@ int command_plan(int argc, char **argv)
     const struct option options[] = {
         {"--backend", OPTION_TEXT, &overrides.backend, 0, 0},
         {"--precision", OPTION_INT, &overrides.precision, 32, 64},
-        {"--allow-intersecting", OPTION_FLAG, &overrides.allow_intersecting,
-         0, 0},
+        {"--allow-intersecting", OPTION_FLAG, &overrides.allow_intersecting, 0,
+         0},
         {0}};
     int status = options_read(options, argc, argv, &positional);
     if (status != APP_OK)

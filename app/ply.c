@@ -67,19 +67,33 @@ static double read_binary(struct reader *r, int type)
             (unsigned char)r->at[k];
     r->at += size;
     union {
-        int8_t i8; uint8_t u8; int16_t i16; uint16_t u16;
-        int32_t i32; uint32_t u32; float f32; double f64;
+        int8_t i8;
+        uint8_t u8;
+        int16_t i16;
+        uint16_t u16;
+        int32_t i32;
+        uint32_t u32;
+        float f32;
+        double f64;
     } u;
     memcpy(&u, b, (size_t)size);
     switch (type) {
-    case 0: return u.i8;
-    case 1: return u.u8;
-    case 2: return u.i16;
-    case 3: return u.u16;
-    case 4: return u.i32;
-    case 5: return u.u32;
-    case 6: return (double)u.f32;
-    default: return u.f64;
+    case 0:
+        return u.i8;
+    case 1:
+        return u.u8;
+    case 2:
+        return u.i16;
+    case 3:
+        return u.u16;
+    case 4:
+        return u.i32;
+    case 5:
+        return u.u32;
+    case 6:
+        return (double)u.f32;
+    default:
+        return u.f64;
     }
 }
 
@@ -89,8 +103,8 @@ static double read_number(struct reader *r, int type)
         return read_binary(r, type);
     char *end;
     /* A float's text means the nearest float. The file ends in a zero. */
-    double value = type == 6 ? (double)strtof(r->at, &end)
-                             : strtod(r->at, &end);
+    double value =
+        type == 6 ? (double)strtof(r->at, &end) : strtod(r->at, &end);
     if (end == r->at)
         r->short_of = true;
     r->at = end;
@@ -181,8 +195,7 @@ static int read_count(struct reader *r, const struct property *p)
     return 0;
 }
 
-static void read_vertex(struct reader *r, const struct element *e,
-                        double x[3])
+static void read_vertex(struct reader *r, const struct element *e, double x[3])
 {
     for (int k = 0; k < e->properties && !r->short_of; k++) {
         const struct property *p = &e->property[k];
@@ -207,8 +220,8 @@ static void read_face(struct reader *r, const struct element *e,
         int32_t first = 0, last = 0;
         for (int j = 0; j < count && !r->short_of; j++) {
             double value = read_number(r, p->type);
-            int32_t index = value >= 0 && value < INT32_MAX ? (int32_t)value
-                                                            : -1;
+            int32_t index =
+                value >= 0 && value < INT32_MAX ? (int32_t)value : -1;
             if (face && j >= 2 && mesh->nt < *room) {
                 int32_t *t = mesh->tri[mesh->nt];
                 t[0] = first;
@@ -249,14 +262,13 @@ static int read_mesh(struct pool *pool, struct reader *r, struct mesh *mesh)
         if (strcmp(r->element[k].name, "vertex") != 0)
             continue;
         if (mesh->nv)
-            return complain(APP_USAGE, "%s: vertices are there twice",
-                            r->path);
+            return complain(APP_USAGE, "%s: vertices are there twice", r->path);
         mesh->nv = r->element[k].count;
     }
     /* A vertex takes at least six bytes: a count that lies is caught here. */
     if (mesh->nv > r->end - r->at)
-        return complain(APP_USAGE, "%s: ends before its %lld vertices",
-                        r->path, (long long)mesh->nv);
+        return complain(APP_USAGE, "%s: ends before its %lld vertices", r->path,
+                        (long long)mesh->nv);
     mesh->x = pool_take(pool, (size_t)mesh->nv + 1, sizeof *mesh->x);
     const char *body = r->at;
     if (mesh->x)
@@ -269,8 +281,9 @@ static int read_mesh(struct pool *pool, struct reader *r, struct mesh *mesh)
     if (!r->short_of)
         read_body(r, mesh, room);
     if (r->short_of)
-        return complain(APP_USAGE, "%s: ends, or is not a number, where one "
-                                   "was expected",
+        return complain(APP_USAGE,
+                        "%s: ends, or is not a number, where one "
+                        "was expected",
                         r->path);
     return APP_OK;
 }

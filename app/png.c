@@ -30,8 +30,8 @@ static bool encode(FILE *out, const uint8_t *rgb, int width, int height)
     return true;
 }
 
-bool picture_save(const char *directory, const char *name,
-                  const uint8_t *rgb, int width, int height)
+bool picture_save(const char *directory, const char *name, const uint8_t *rgb,
+                  int width, int height)
 {
     struct file file;
     if (!file_open(&file, directory, name))

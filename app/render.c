@@ -33,8 +33,8 @@ static int take(struct render *r, int frame, int number)
     if (status == APP_OK)
         status = picture_take(&model, &r->shot, r->rgb);
     pool_free(&pool);
-    if (status == APP_OK && !picture_save(r->pictures, name, r->rgb,
-                                          r->shot.width, r->shot.height))
+    if (status == APP_OK &&
+        !picture_save(r->pictures, name, r->rgb, r->shot.width, r->shot.height))
         return APP_FAILED;
     return status;
 }
@@ -50,9 +50,8 @@ static int call(char *const argv[])
         if (errno != EINTR)
             return -1;
     /* 127: the program was not there. */
-    return WIFEXITED(status) && WEXITSTATUS(status) != 127
-               ? WEXITSTATUS(status)
-               : -1;
+    return WIFEXITED(status) && WEXITSTATUS(status) != 127 ? WEXITSTATUS(status)
+                                                           : -1;
 }
 
 /* The pictures become film.mp4, where ffmpeg is. */
@@ -64,14 +63,16 @@ static int make_film(const struct render *r)
         !file_join(part, r->directory, ".film.part.mp4") ||
         !file_join(film, r->directory, "film.mp4"))
         return APP_USAGE;
-    char *const argv[] = {"ffmpeg", "-v", "error", "-y", "-framerate", rate,
-                          "-i", pattern, "-vf",
-                          "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264",
-                          "-crf", "18", "-pix_fmt", "yuv420p", part, NULL};
+    char *const argv[] = {
+        "ffmpeg",  "-v",      "error", "-y",  "-framerate",
+        rate,      "-i",      pattern, "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+        "-c:v",    "libx264", "-crf",  "18",  "-pix_fmt",
+        "yuv420p", part,      NULL};
     int status = call(argv);
     if (status < 0) {
-        complain(0, "note: no ffmpeg here, so no film; the pictures are in "
-                    "%s",
+        complain(0,
+                 "note: no ffmpeg here, so no film; the pictures are in "
+                 "%s",
                  r->pictures);
         return APP_OK;
     }
@@ -110,8 +111,8 @@ static int render(struct render *r)
         return complain(APP_USAGE, "%s: no frames/cloth_0000.ply here",
                         r->directory);
     if (r->frame >= frames)
-        return complain(APP_USAGE, "--frame %d: the last frame is %d",
-                        r->frame, frames - 1);
+        return complain(APP_USAGE, "--frame %d: the last frame is %d", r->frame,
+                        frames - 1);
     if (!file_join(r->pictures, r->directory, "pictures"))
         return APP_USAGE;
     if (!file_make_directory(r->pictures))

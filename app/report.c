@@ -77,8 +77,7 @@ static void put_step(FILE *out, const drape_step_report *s)
     char words[128];
     fprintf(out, "    {\"step\": %lld", (long long)s->step);
     put_number(out, "time", s->time);
-    fprintf(out,
-            ", \"outcome\": \"%s\", \"substeps\": %d, \"iterations\": %d",
+    fprintf(out, ", \"outcome\": \"%s\", \"substeps\": %d, \"iterations\": %d",
             report_outcome(s->outcome, words), s->substeps, s->iterations);
     put_number(out, "residual", s->residual);
     fprintf(out,
@@ -165,8 +164,9 @@ static void put_plan(FILE *out, const drape_world *world)
     rows = rows < 64 ? rows : 64;
     fputs("  \"plan\": [\n", out);
     for (int k = 0; k < rows; k++) {
-        fprintf(out, "    {\"stage\": \"%s\", \"on\": %s, \"bytes\": %zu, "
-                     "\"why\": ",
+        fprintf(out,
+                "    {\"stage\": \"%s\", \"on\": %s, \"bytes\": %zu, "
+                "\"why\": ",
                 row[k].stage, row[k].on ? "true" : "false", row[k].bytes);
         put_text(out, row[k].why);
         fprintf(out, "}%s\n", k + 1 < rows ? "," : "");
@@ -202,8 +202,7 @@ bool report_write(const struct report *report, const struct scene *scene,
             "\"threads\": %d, \"dt\": %.17g, \"steps_per_frame\": %d,\n"
             "  \"held_bytes\": %zu,\n",
             end, def->backend == DRAPE_GPU ? "gpu" : "ref", def->precision,
-            def->threads, def->dt, scene->steps_per_frame,
-            scene->budget.held);
+            def->threads, def->dt, scene->steps_per_frame, scene->budget.held);
     put_camera(out, &scene->camera);
     put_bodies(out, scene, world);
     put_plan(out, world);

@@ -41,11 +41,32 @@ static void catch_signals(void)
     sigaction(SIGTERM, &action, NULL);
 }
 
-static void trace(void *user, int64_t step, const char *stage,
-                  uint64_t digest, double seconds)
+static void trace(void *user, int64_t step, const char *stage, uint64_t digest,
+                  double seconds)
 {
-    fprintf(user, "%lld,%s,%016llx,%.6g\n", (long long)step, stage,
-            (unsigned long long)digest, seconds);
+    struct file *file = user;
+    if (file->stream)
+        fprintf(file->stream, "%lld,%s,%016llx,%.6g\n", (long long)step, stage,
+                (unsigned long long)digest, seconds);
+}
+
+/* Nothing is written before the scene and the checkpoint have been taken. */
+static int open_output(struct run *run)
+{
+    const struct scene *scene = &run->scene;
+    char directory[FILE_PATH + 8];
+    snprintf(directory, sizeof directory, "%s.out", scene->name);
+    for (char *p = directory; *p; p++)
+        *p = *p == '/' ? '_' : *p;
+    const char *out = run->directory ? run->directory : directory;
+    run->output.obj = !run->no_obj;
+    int status = output_open(&run->output, scene, run->world, out);
+    if (status != APP_OK || !run->tracing)
+        return status;
+    if (!file_open(&run->trace, out, "trace.csv"))
+        return APP_FAILED;
+    fputs("step,stage,digest,seconds\n", run->trace.stream);
+    return APP_OK;
 }
 
 static int begin(struct run *run, const char *scene_file)
@@ -56,18 +77,9 @@ static int begin(struct run *run, const char *scene_file)
         return status;
     if (run->frames >= 0)
         scene->frames = run->frames;
-    char directory[FILE_PATH + 8];
-    snprintf(directory, sizeof directory, "%s.out", scene->name);
-    for (char *p = directory; *p; p++)
-        *p = *p == '/' ? '_' : *p;
-    const char *out = run->directory ? run->directory : directory;
     if (run->tracing) {
-        if (!file_make_directory(out) ||
-            !file_open(&run->trace, out, "trace.csv"))
-            return APP_FAILED;
-        fputs("step,stage,digest,seconds\n", run->trace.stream);
         scene->def.trace = trace;
-        scene->def.trace_user = run->trace.stream;
+        scene->def.trace_user = &run->trace;
     }
     status = scene_create(scene, &run->overrides, &run->world);
     if (status == APP_OK && run->resume)
@@ -77,8 +89,7 @@ static int begin(struct run *run, const char *scene_file)
     if (scene->degenerate)
         complain(0, "%s: note: obstacles have %lld triangles without area",
                  scene_file, (long long)scene->degenerate);
-    run->output.obj = !run->no_obj;
-    return output_open(&run->output, scene, run->world, out);
+    return open_output(run);
 }
 
 /* One step and what is due after it. */
@@ -104,8 +115,7 @@ static int step(struct run *run)
     if (done % each == 0)
         code = output_frame(&run->output, run->world, (int)(done / each));
     if (code == APP_OK && run->every && done % (each * run->every) == 0)
-        code = checkpoint_save(run->output.directory, &run->report,
-                               run->world);
+        code = checkpoint_save(run->output.directory, &run->report, run->world);
     return code;
 }
 
@@ -117,8 +127,8 @@ static int write_cache(const struct run *run, int last)
         if (!output_path(path, run->output.directory, "cloth", k))
             return APP_FAILED;
         if (!file_exists(path)) {
-            complain(0, "note: no cloth.pc2, because frame %d is not in %s",
-                     k, run->output.frames);
+            complain(0, "note: no cloth.pc2, because frame %d is not in %s", k,
+                     run->output.frames);
             return APP_OK;
         }
     }
@@ -133,8 +143,8 @@ static int finish(struct run *run, int code)
                       : code == APP_FINDINGS  ? "diverged"
                                               : "complete";
     if (code == APP_INTERRUPTED) {
-        int status = checkpoint_save(run->output.directory, &run->report,
-                                     run->world);
+        int status =
+            checkpoint_save(run->output.directory, &run->report, run->world);
         if (status != APP_OK)
             return status;
     }
@@ -186,8 +196,7 @@ static int simulate(struct run *run)
 
 int command_run(int argc, char **argv)
 {
-    struct run run = {.frames = -1,
-                      .overrides = {NULL, -1, -1, 0}};
+    struct run run = {.frames = -1, .overrides = {NULL, -1, -1, 0}};
     const struct option options[] = {
         {"--frames", OPTION_INT, &run.frames, 0, 1000000},
         {"--out", OPTION_TEXT, &run.directory, 0, 0},
@@ -198,8 +207,8 @@ int command_run(int argc, char **argv)
         {"--resume", OPTION_TEXT, &run.resume, 0, 0},
         {"--trace", OPTION_FLAG, &run.tracing, 0, 0},
         {"--no-obj", OPTION_FLAG, &run.no_obj, 0, 0},
-        {"--allow-intersecting", OPTION_FLAG,
-         &run.overrides.allow_intersecting, 0, 0},
+        {"--allow-intersecting", OPTION_FLAG, &run.overrides.allow_intersecting,
+         0, 0},
         {0}};
     int positional;
     int status = options_read(options, argc, argv, &positional);

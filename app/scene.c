@@ -40,8 +40,7 @@ static const char *const integrators[] = {
 static const char *const preconds[] = {"jacobi", "multigrid", NULL};
 static const char *const matrices[] = {"cdf", "compact", NULL};
 
-static int read_scene(struct json *json, const cJSON *root,
-                      struct scene *scene)
+static int read_scene(struct json *json, const cJSON *root, struct scene *scene)
 {
 #define SCENE(name) offsetof(struct scene, name)
     static const struct json_key keys[] = {
@@ -172,8 +171,9 @@ int scene_create(struct scene *scene, const struct overrides *overrides,
     int code = status == DRAPE_ENOMEM || status == DRAPE_EDEVICE ? APP_FAILED
                                                                  : APP_USAGE;
     if (status == DRAPE_ENOMEM)
-        return complain(code, "%s: needs more memory than the limit of "
-                              "%.3g GB (key memory)",
+        return complain(code,
+                        "%s: needs more memory than the limit of "
+                        "%.3g GB (key memory)",
                         scene->file, scene->memory);
     return complain(code, "%s: %s", scene->file,
                     *error.text ? error.text : drape_status_text(status));

@@ -14,16 +14,16 @@ struct camera {
 
 struct scene {
     drape_def def;
-    char file[4096];   /* as it was named */
+    char file[4096]; /* as it was named */
     char *name;
-    int frames;          /* to make */
+    int frames; /* to make */
     int steps_per_frame;
-    double memory;       /* GB that the library may hold */
+    double memory; /* GB that the library may hold */
     struct camera camera;
     /* Names, NULL-terminated: [n_cloths], [n_obstacles], [n_motions]. */
     char **cloth_name, **obstacle_name, **motion_name;
-    int64_t degenerate;  /* obstacle triangles without area */
-    struct pool pool;    /* owns all that def points to */
+    int64_t degenerate; /* obstacle triangles without area */
+    struct pool pool;   /* owns all that def points to */
     struct budget {
         size_t held, most;
     } budget; /* of def.allocator */

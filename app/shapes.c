@@ -98,8 +98,7 @@ static void band(struct mesh *mesh, int64_t a, int64_t b, bool pole[2],
     }
 }
 
-static int turn(struct pool *pool, const struct lathe *lathe,
-                struct mesh *mesh)
+static int turn(struct pool *pool, const struct lathe *lathe, struct mesh *mesh)
 {
     int64_t most = (int64_t)lathe->rings * lathe->around;
     int status = mesh_make(pool, most, 2 * most, mesh);
@@ -137,8 +136,7 @@ static int make_plane(struct pool *pool, const struct shape *s,
     return APP_OK;
 }
 
-static int make_box(struct pool *pool, const struct shape *s,
-                    struct mesh *mesh)
+static int make_box(struct pool *pool, const struct shape *s, struct mesh *mesh)
 {
     int status = mesh_make(pool, 8, 12, mesh);
     if (status != APP_OK)
@@ -156,8 +154,8 @@ static int make_box(struct pool *pool, const struct shape *s,
 }
 
 /* A sphere, drawn apart by `length` along y: a capsule. */
-static int make_capsule(struct pool *pool, const struct shape *s,
-                        double length, struct mesh *mesh)
+static int make_capsule(struct pool *pool, const struct shape *s, double length,
+                        struct mesh *mesh)
 {
     int half = (s->detail / 2 + 1) / 2, k = 0;
     struct lathe lathe = {.around = s->detail};
@@ -186,8 +184,8 @@ static int make_funnel(struct pool *pool, const struct shape *s,
     double profile[CONE + SPOUT + 1][2];
     for (int k = 0; k <= CONE + SPOUT; k++) {
         double t = (double)(k - SPOUT) / CONE;
-        profile[k][0] = k < SPOUT ? s->throat
-                                  : s->throat + t * (s->radius - s->throat);
+        profile[k][0] =
+            k < SPOUT ? s->throat : s->throat + t * (s->radius - s->throat);
         profile[k][1] =
             k < SPOUT ? -s->length * (SPOUT - k) / SPOUT : t * s->height;
     }
@@ -201,12 +199,11 @@ static int make_statue(struct pool *pool, const struct shape *s,
 {
     /* Radius, height and fluting at the knots, of a statue 1 m high. */
     static const double knot[][3] = {
-        {0, 0, 0},          {.30, 0, 0},       {.30, .05, 0},
-        {.26, .08, 0},      {.27, .12, .03},   {.21, .30, .10},
-        {.16, .45, .12},    {.14, .52, .06},   {.19, .62, .04},
-        {.20, .68, .02},    {.12, .735, 0},    {.065, .76, 0},
-        {.065, .79, 0},     {.10, .83, .01},   {.115, .88, .02},
-        {.10, .94, .02},    {.06, .985, 0},    {0, 1, 0}};
+        {0, 0, 0},       {.30, 0, 0},     {.30, .05, 0},    {.26, .08, 0},
+        {.27, .12, .03}, {.21, .30, .10}, {.16, .45, .12},  {.14, .52, .06},
+        {.19, .62, .04}, {.20, .68, .02}, {.12, .735, 0},   {.065, .76, 0},
+        {.065, .79, 0},  {.10, .83, .01}, {.115, .88, .02}, {.10, .94, .02},
+        {.06, .985, 0},  {0, 1, 0}};
     enum { KNOTS = sizeof knot / sizeof knot[0], BETWEEN = 5 };
     double profile[(KNOTS - 1) * BETWEEN + 1][2];
     double depth[(KNOTS - 1) * BETWEEN + 1];
@@ -222,8 +219,7 @@ static int make_statue(struct pool *pool, const struct shape *s,
     return turn(pool, &lathe, mesh);
 }
 
-int shape_make(struct pool *pool, const struct shape *shape,
-               struct mesh *mesh)
+int shape_make(struct pool *pool, const struct shape *shape, struct mesh *mesh)
 {
     switch (shape->kind) {
     case SHAPE_PLANE:

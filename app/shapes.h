@@ -11,8 +11,13 @@ void circle(double turns, double *c, double *s);
 double square_root(double a);
 
 enum shape_kind {
-    SHAPE_PLANE, SHAPE_BOX, SHAPE_SPHERE, SHAPE_CAPSULE, SHAPE_FUNNEL,
-    SHAPE_STATUE, SHAPE_NONE
+    SHAPE_PLANE,
+    SHAPE_BOX,
+    SHAPE_SPHERE,
+    SHAPE_CAPSULE,
+    SHAPE_FUNNEL,
+    SHAPE_STATUE,
+    SHAPE_NONE
 };
 struct shape {
     int kind;
@@ -25,15 +30,14 @@ struct shape {
 };
 /* Closed but for plane and funnel, centred at the origin; the statue and
  * the funnel's cone stand on y = 0. APP_OK or APP_FAILED after one line. */
-int shape_make(struct pool *pool, const struct shape *shape,
-               struct mesh *mesh);
+int shape_make(struct pool *pool, const struct shape *shape, struct mesh *mesh);
 
 /* A cloth's start other than flat: each row i is a curve across v. */
 struct start {
     int shape; /* START_… */
     double at[3], u[3], v[3];
-    double folds, depth;  /* hung: number of folds, their amplitude m */
-    double radius, gap;   /* rolled: innermost radius, between layers, m */
+    double folds, depth; /* hung: number of folds, their amplitude m */
+    double radius, gap;  /* rolled: innermost radius, between layers, m */
 };
 enum { START_FLAT, START_HUNG, START_ROLLED };
 /* The curve's points for m particles h apart along it: (a, b) in the plane

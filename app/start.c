@@ -6,8 +6,8 @@
 /* Parameters of one curve and its point at t; t grows along the curve. */
 struct curve {
     void (*point)(const struct curve *curve, double t, double p[2]);
-    double wave, depth;  /* a sine: its wavelength and amplitude, m */
-    double radius, gap;  /* a spiral: at t = 0, and a turn further out, m */
+    double wave, depth; /* a sine: its wavelength and amplitude, m */
+    double radius, gap; /* a spiral: at t = 0, and a turn further out, m */
 };
 
 static void sine(const struct curve *curve, double t, double p[2])
@@ -35,8 +35,8 @@ static double distance(const double a[2], const double b[2])
 
 /* The first t after `from` at distance h from p, by bisection within
  * `reach`, in which the distance grows to h or more. */
-static double advance(const struct curve *curve, const double p[2],
-                      double from, double reach, double h)
+static double advance(const struct curve *curve, const double p[2], double from,
+                      double reach, double h)
 {
     double lo = from, hi = from + reach, q[2];
     for (int k = 0; k < 60; k++) {
@@ -82,12 +82,10 @@ static bool fit_wave(struct curve *curve, double length)
     return true;
 }
 
-bool start_curve(const struct start *start, int m, double h,
-                 double (*out)[2])
+bool start_curve(const struct start *start, int m, double h, double (*out)[2])
 {
-    struct curve curve = {.depth = start->depth,
-                          .radius = start->radius,
-                          .gap = start->gap};
+    struct curve curve = {
+        .depth = start->depth, .radius = start->radius, .gap = start->gap};
     bool rolled = start->shape == START_ROLLED;
     curve.point = rolled ? spiral : sine;
     if (!rolled && !fit_wave(&curve, h * (m - 1) / start->folds))

@@ -9,13 +9,34 @@ typedef struct {
     float x, y, z;
 } vec;
 
-static inline vec make(float x, float y, float z) { return (vec){x, y, z}; }
-static inline vec from(const float p[3]) { return make(p[0], p[1], p[2]); }
-static inline vec add(vec a, vec b) { return make(a.x + b.x, a.y + b.y, a.z + b.z); }
-static inline vec sub(vec a, vec b) { return make(a.x - b.x, a.y - b.y, a.z - b.z); }
-static inline vec mul(vec a, vec b) { return make(a.x * b.x, a.y * b.y, a.z * b.z); }
-static inline vec scale(vec a, float s) { return make(a.x * s, a.y * s, a.z * s); }
-static inline float dot(vec a, vec b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+static inline vec make(float x, float y, float z)
+{
+    return (vec){x, y, z};
+}
+static inline vec from(const float p[3])
+{
+    return make(p[0], p[1], p[2]);
+}
+static inline vec add(vec a, vec b)
+{
+    return make(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+static inline vec sub(vec a, vec b)
+{
+    return make(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+static inline vec mul(vec a, vec b)
+{
+    return make(a.x * b.x, a.y * b.y, a.z * b.z);
+}
+static inline vec scale(vec a, float s)
+{
+    return make(a.x * s, a.y * s, a.z * s);
+}
+static inline float dot(vec a, vec b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 static inline vec mix(vec a, vec b, float t)
 {
     return add(scale(a, 1 - t), scale(b, t));
@@ -30,6 +51,9 @@ static inline vec unit(vec a)
     float n = sqrtf(dot(a, a));
     return n > 0 ? scale(a, 1 / n) : make(0, 1, 0);
 }
-static inline float clamp(float a) { return a < 0 ? 0 : a > 1 ? 1 : a; }
+static inline float clamp(float a)
+{
+    return a < 0 ? 0 : a > 1 ? 1 : a;
+}
 
 #endif
