@@ -12,11 +12,9 @@ static int check(const struct proximity *s)
         if (!pair_valid(s->pair + 4 * k, s->nv) || s->kind[k] > CONTACT_EE)
             return DRAPE_EARG;
     for (int64_t k = 0; k < s->n; k++)
-        for (int j = 0; j < 4; j++) {
-            int32_t v = s->pair[4 * k + j];
-            if (!vec_sane(s->x[v]) || !vec_sane(s->u[v]))
+        for (int j = 0; j < 4; j++)
+            if (!vec_sane(s->x[s->pair[4 * k + j]]))
                 return DRAPE_EDATA;
-        }
     return DRAPE_OK;
 }
 
@@ -58,9 +56,8 @@ static real push_target(const struct proximity *s, const struct contact *c,
     real w = 0;
     for (int k = 0; k < 4; k++)
         w += c->c[k] * c->c[k] * s->w[c->v[k]];
-    real vn = vec_dot(c->n, pair_sum(c->v, c->c, s->u));
     real spring = s->dt * s->stiffness * overlap * w;
-    return real_min(real_max(vn, 0) + spring, R(0.1) * overlap / s->dt);
+    return real_min(spring, R(0.1) * overlap / s->dt);
 }
 
 static void emit(const struct proximity *s, int64_t k, struct contact *c)

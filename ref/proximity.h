@@ -10,7 +10,6 @@ struct proximity {
     const int32_t *pair; /* [n][4] v f f f or a a b b */
     const uint8_t *kind; /* [n] enum contact_kind */
     const vec *x;        /* [nv] m, at the start of the step */
-    const vec *u;        /* [nv] m/s, predicted mean velocity of the step */
     const real *w;       /* [nv] 1/kg, 0: led */
     struct skin skin;    /* of the vertices */
     real dt;             /* s, > 0 */
@@ -23,7 +22,7 @@ struct proximity {
 };
 
 /* DRAPE_OK; DRAPE_EARG for a bad vertex, kind or dt; DRAPE_EDATA for a
- * position or velocity out of range; DRAPE_EFULL: nothing is written. */
+ * position out of range; DRAPE_EFULL: nothing is written. */
 int ref_proximity(struct proximity *s);
 
 #endif

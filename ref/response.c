@@ -82,7 +82,6 @@ int ref_response_repel(struct response *s, const struct pairs *near)
                           .pair = near->pair,
                           .kind = near->kind,
                           .x = s->x0,
-                          .u = s->u,
                           .w = s->w,
                           .skin = s->skin,
                           .dt = s->dt,

@@ -172,7 +172,6 @@ static int meet(struct bytes *b, struct contacts *s, const vec *x)
                           .pair = pair,
                           .kind = kind,
                           .x = x,
-                          .u = s->u,
                           .w = s->w,
                           .dt = R(0.01),
                           .stiffness = pick(b, 2) ? 0 : 1,

@@ -10,7 +10,6 @@ const struct field fields_proximity[] = {
     IN(proximity, pair, n, 4),
     IN(proximity, kind, n, 1),
     IN(proximity, x, nv, 1),
-    IN(proximity, u, nv, 1),
     IN(proximity, w, nv, 1),
     IN(proximity, skin.of, nv, 1),
     IN(proximity, skin.surface, skin.n, 1),
@@ -39,7 +38,7 @@ void gen_proximity(struct bytes *b, struct proximity *s)
     s->stiffness = pick(b, 2) ? 0 : 100;
     int32_t *pair = take(b, 4 * s->n, sizeof *pair);
     uint8_t *kind = take(b, s->n, 1);
-    vec *x = take(b, s->nv, sizeof *x), *u = take(b, s->nv, sizeof *u);
+    vec *x = take(b, s->nv, sizeof *x);
     real *w = take(b, s->nv, sizeof *w);
     uint16_t *of = take(b, s->nv, sizeof *of);
     struct surface *surface = take(b, 2, sizeof *surface);
@@ -48,7 +47,6 @@ void gen_proximity(struct bytes *b, struct proximity *s)
     bool flat = pick(b, 4) == 0;
     for (int64_t i = 0; i < s->nv; i++) {
         x[i] = pick_place(b, for_bench(b) ? 10 : 2, flat);
-        u[i] = pick_vec(b, 10);
         w[i] = pick(b, 4) ? real_abs(pick_real(b, 1000)) : 0;
         of[i] = (uint16_t)pick(b, 2);
     }
@@ -60,7 +58,6 @@ void gen_proximity(struct bytes *b, struct proximity *s)
     s->pair = pair;
     s->kind = kind;
     s->x = x;
-    s->u = u;
     s->w = w;
     s->skin.of = of;
     s->skin.surface = surface;
