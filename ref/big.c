@@ -147,11 +147,14 @@ struct big big_mul(struct room *m, struct big a, struct big b)
     int n = a.n + b.n;
     uint32_t *d = take_words(m, n);
     memset(d, 0, (size_t)n * sizeof *d);
+    int low = 0; /* numbers of mixed sizes are mostly zeros */
+    while (low < b.n && b.d[low] == 0)
+        low++;
     for (int i = 0; i < a.n; i++) {
         uint64_t carry = 0, x = a.d[i];
-        if (x == 0) /* numbers of mixed sizes are mostly zeros */
+        if (x == 0)
             continue;
-        for (int j = 0; j < b.n; j++) {
+        for (int j = low; j < b.n; j++) {
             carry += x * b.d[j] + d[i + j];
             d[i + j] = (uint32_t)carry;
             carry >>= 32;
@@ -167,8 +170,21 @@ struct big big_times(struct room *m, struct big a, uint32_t k)
     return big_mul(m, a, b);
 }
 
+struct big big_keep(struct room *m, int mark, struct big r)
+{
+    if (m->full)
+        return r;
+    uint32_t *d = m->word + mark;
+    memmove(d, r.d, (size_t)r.n * sizeof *d);
+    m->used = mark + r.n;
+    r.d = d;
+    return r;
+}
+
 struct big big_det(struct room *m, struct big a, struct big b, struct big c,
                    struct big d)
 {
-    return big_sub(m, big_mul(m, a, b), big_mul(m, c, d));
+    int mark = m->used;
+    struct big x = big_mul(m, a, b);
+    return big_keep(m, mark, big_sub(m, x, big_mul(m, c, d)));
 }

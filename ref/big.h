@@ -34,7 +34,9 @@ struct big big_sub(struct room *m, struct big a, struct big b);
 struct big big_mul(struct room *m, struct big a, struct big b);
 struct big big_times(struct room *m, struct big a, uint32_t k);
 struct big big_negate(struct big a);
-/* a·b - c·d. */
+/* r, made since the mark, moved down to it; all else since is given back. */
+struct big big_keep(struct room *m, int mark, struct big r);
+/* a·b - c·d, leaving nothing else in the room. */
 struct big big_det(struct room *m, struct big a, struct big b, struct big c,
                    struct big d);
 

@@ -46,13 +46,16 @@ static struct line edge(struct room *m, struct line p[4], int a, int b)
 static struct poly cross(struct room *m, const struct line *f,
                          const struct line *g, int k)
 {
-    struct poly p = {2, {{0}}};
+    struct poly p = {2, {{NULL, 0, 0}}};
     int i = k == 2 ? 0 : k + 1, j = 3 - k - i;
-    for (int s = 0; s < 2; s++)
-        for (int t = 0; t < 2; t++)
-            p.c[s + t] = big_add(
-                m, p.c[s + t],
-                big_det(m, f->at[s][i], g->at[t][j], f->at[s][j], g->at[t][i]));
+    for (int n = 0; n <= 2; n++) {
+        int mark = m->used;
+        for (int s = n > 1; s <= (n > 0); s++)
+            p.c[n] = big_add(m, p.c[n],
+                             big_det(m, f->at[s][i], g->at[n - s][j],
+                                     f->at[s][j], g->at[n - s][i]));
+        p.c[n] = big_keep(m, mark, p.c[n]);
+    }
     return p;
 }
 
@@ -60,7 +63,7 @@ static struct poly cross(struct room *m, const struct line *f,
 static struct poly plus(struct room *m, const struct poly *a, int sign,
                         const struct poly *b)
 {
-    struct poly p = {a->degree, {{0}}};
+    struct poly p = {a->degree, {{NULL, 0, 0}}};
     for (int i = 0; i <= a->degree; i++)
         p.c[i] = sign > 0 ? big_add(m, a->c[i], b->c[i])
                           : big_sub(m, a->c[i], b->c[i]);
@@ -71,12 +74,15 @@ static struct poly plus(struct room *m, const struct poly *a, int sign,
 static struct poly dot(struct room *m, const struct line *f,
                        const struct poly w[3])
 {
-    struct poly p = {3, {{0}}};
-    for (int k = 0; k < 3; k++)
-        for (int s = 0; s < 2; s++)
-            for (int i = 0; i < 3; i++)
-                p.c[s + i] =
-                    big_add(m, p.c[s + i], big_mul(m, f->at[s][k], w[k].c[i]));
+    struct poly p = {3, {{NULL, 0, 0}}};
+    for (int n = 0; n <= 3; n++) {
+        int mark = m->used;
+        for (int s = n > 2; s <= (n > 0); s++)
+            for (int k = 0; k < 3; k++)
+                p.c[n] =
+                    big_add(m, p.c[n], big_mul(m, f->at[s][k], w[k].c[n - s]));
+        p.c[n] = big_keep(m, mark, p.c[n]);
+    }
     return p;
 }
 
@@ -173,20 +179,17 @@ static bool touching_end(struct room *m, const struct system *s, uint32_t cell)
 static uint32_t first(struct room *m, const struct system *s,
                       const struct poly *p, uint32_t toi)
 {
-    struct poly part[2];
-    int mark = m->used, parts = poly_split(m, p, part);
-    for (int i = 0; i < parts; i++) {
-        struct chain c;
-        struct root r;
-        chain_make(m, &part[i], &c);
-        for (int j = 1; j <= c.roots; j++) {
-            root_locate(m, &c, j, &r);
+    struct chain c[2];
+    struct root r;
+    int mark = m->used, chains = chains_make(m, p, c);
+    for (int i = 0; i < chains; i++)
+        for (int j = 1; j <= c[i].roots; j++) {
+            root_locate(m, &c[i], j, &r);
             if (r.cell >= toi)
                 break;
             if (touching(m, s, &r))
                 toi = r.cell;
         }
-    }
     m->used = mark;
     return toi;
 }

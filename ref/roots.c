@@ -156,7 +156,57 @@ static struct big discriminant(struct room *m, const struct big c[3])
     return big_det(m, c[1], c[1], big_times(m, c[2], 4), c[0]);
 }
 
-int poly_split(struct room *m, const struct poly *p, struct poly part[2])
+/* Fills in the counts of a chain with p, d, r and tail set. */
+static void count_roots(struct chain *c)
+{
+    int s = c->p.c[c->p.degree].sign;
+    int first[4] = {c->p.c[0].sign, c->d.c[0].sign, c->r.c[0].sign, c->tail};
+    int last[4] = {s, s, c->r.c[1].sign ? c->r.c[1].sign : c->r.c[0].sign,
+                   c->tail};
+    c->start = variations(first, 4);
+    c->roots = c->start - variations(last, 4);
+}
+
+/* p without repeated roots and its derivative; the chain's end is zero. */
+static void start_chain(struct room *m, struct poly p, struct chain *c)
+{
+    struct chain none = {0};
+    *c = none;
+    c->p = p;
+    c->d.degree = p.degree - 1;
+    for (int i = 1; i <= p.degree; i++)
+        c->d.c[i - 1] = big_times(m, p.c[i], (uint32_t)i);
+}
+
+/* A cubic: §6.2. */
+static int cubic_chains(struct room *m, struct poly p, struct chain c[2])
+{
+    struct big h[3], a = p.c[3], b = p.c[2];
+    hessian(m, p.c, h);
+    int disc = discriminant(m, h).sign, s = a.sign;
+    if (disc) {
+        start_chain(m, p, &c[0]);
+        c[0].tail = -disc * s;
+        c[0].r = linear(big_times(m, h[2], 2), h[1]);
+        if (s < 0)
+            c[0].r = linear(big_negate(c[0].r.c[1]), big_negate(h[1]));
+        count_roots(&c[0]);
+        return 1;
+    }
+    if (h[2].sign == 0) { /* a triple root */
+        start_chain(m, linear(big_times(m, a, 3), b), &c[0]);
+        count_roots(&c[0]);
+        return 1;
+    }
+    start_chain(m, linear(big_times(m, h[2], 2), h[1]), &c[0]);
+    start_chain(m, linear(big_mul(m, a, h[2]), big_det(m, b, h[2], a, h[1])),
+                &c[1]);
+    count_roots(&c[0]);
+    count_roots(&c[1]);
+    return 2;
+}
+
+int chains_make(struct room *m, const struct poly *p, struct chain c[2])
 {
     int sign[4];
     struct poly f = trimmed(p);
@@ -164,23 +214,18 @@ int poly_split(struct room *m, const struct poly *p, struct poly part[2])
         sign[i] = f.c[i].sign;
     if (variations(sign, f.degree + 1) == 0) /* Descartes: none in (0, 1) */
         return 0;
-    part[0] = f;
-    if (f.degree == 2 && discriminant(m, f.c).sign == 0)
-        part[0] = linear(big_times(m, f.c[2], 2), f.c[1]);
-    if (f.degree < 3)
-        return 1;
-    struct big h[3];
-    hessian(m, f.c, h);
-    if (discriminant(m, h).sign)
-        return 1;
-    struct big a = f.c[3], b = f.c[2];
-    if (h[2].sign == 0) { /* a triple root */
-        part[0] = linear(big_times(m, a, 3), b);
-        return 1;
+    if (f.degree == 3)
+        return cubic_chains(m, f, c);
+    int tail = 0;
+    if (f.degree == 2) {
+        tail = discriminant(m, f.c).sign * f.c[2].sign;
+        if (tail == 0)
+            f = linear(big_times(m, f.c[2], 2), f.c[1]);
     }
-    part[0] = linear(big_times(m, h[2], 2), h[1]);
-    part[1] = linear(big_mul(m, a, h[2]), big_det(m, b, h[2], a, h[1]));
-    return 2;
+    start_chain(m, f, &c[0]);
+    c[0].tail = tail;
+    count_roots(&c[0]);
+    return 1;
 }
 
 /* The variations of the chain at a point, and the sign of p there. */
@@ -193,35 +238,6 @@ static int chain_at(struct room *m, const struct chain *c,
         sign[2] = sign_point(m, &c->r, p);
     *zero = sign[0] == 0;
     return variations(sign, 4);
-}
-
-void chain_make(struct room *m, const struct poly *part, struct chain *c)
-{
-    struct poly none = {0};
-    struct poly p = *part;
-    int n = p.degree, s = p.c[n].sign;
-    c->p = p;
-    c->d = c->r = none;
-    c->d.degree = n - 1;
-    for (int i = 1; i <= n; i++)
-        c->d.c[i - 1] = big_times(m, p.c[i], (uint32_t)i);
-    c->tail = 0;
-    if (n == 2)
-        c->tail = discriminant(m, p.c).sign * s;
-    if (n == 3) {
-        struct big h[3];
-        hessian(m, p.c, h);
-        c->tail = -discriminant(m, h).sign * s;
-        c->r = linear(big_times(m, h[2], 2), h[1]);
-        if (s < 0)
-            c->r = linear(big_negate(c->r.c[1]), big_negate(c->r.c[0]));
-    }
-    int first[4] = {p.c[0].sign, c->d.c[0].sign, c->r.c[0].sign, c->tail};
-    int last[4] = {s, s, 0, c->tail};
-    if (n == 3)
-        last[2] = c->r.c[1].sign ? c->r.c[1].sign : c->r.c[0].sign;
-    c->start = variations(first, 4);
-    c->roots = c->start - variations(last, 4);
 }
 
 /* How many roots lie in (0, point]; whether the point is one. */

@@ -34,11 +34,9 @@ struct root {
 
 /* Whether all coefficients are zero. */
 bool poly_zero(const struct poly *p);
-/* Polynomials without repeated roots whose roots in 0 < t < 1 together are
- * those of p ≢ 0; returns how many, at most 2. */
-int poly_split(struct room *m, const struct poly *p, struct poly part[2]);
-/* The chain of a part. */
-void chain_make(struct room *m, const struct poly *part, struct chain *c);
+/* Chains whose roots together are the roots of p ≢ 0 in 0 < t < 1, repeated
+ * ones once; returns how many chains, at most 2. */
+int chains_make(struct room *m, const struct poly *p, struct chain c[2]);
 /* Root i of the chain, 1 ≤ i ≤ c->roots. */
 void root_locate(struct room *m, const struct chain *c, int i, struct root *r);
 /* The sign of f, of degree at most 2, at the root. */
