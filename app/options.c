@@ -11,12 +11,16 @@
 
 int complain(int code, const char *format, ...)
 {
+    char line[2048];
     va_list arguments;
     va_start(arguments, format);
-    fputs("drape: ", stderr);
-    vfprintf(stderr, format, arguments);
-    fputc('\n', stderr);
+    vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
+    /* What comes from a file may not break the line or the terminal. */
+    for (char *p = line; *p; p++)
+        if ((unsigned char)*p < 32 || *p == 127)
+            *p = '?';
+    fprintf(stderr, "drape: %s\n", line);
     return code;
 }
 

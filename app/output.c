@@ -15,7 +15,8 @@ static int make_views(struct output *o, const struct scene *scene,
     all->nt = drape_triangles(world);
     all->x = pool_take(&o->pool, (size_t)all->nv + 1, sizeof *all->x);
     all->tri = pool_take(&o->pool, (size_t)all->nt + 1, sizeof *all->tri);
-    if (!all->x || !all->tri)
+    o->v = pool_take(&o->pool, (size_t)all->nv + 1, sizeof *o->v);
+    if (!all->x || !all->tri || !o->v)
         return complain(APP_FAILED, "out of memory");
     if (drape_read_triangles(world, all->tri) != DRAPE_OK)
         return complain(APP_FAILED, "the triangles cannot be read");
@@ -63,7 +64,7 @@ bool output_path(char path[FILE_PATH], const char *directory, const char *body,
 int output_frame(struct output *o, const drape_world *world, int k)
 {
     char name[64];
-    int status = drape_read(world, o->all.x, NULL);
+    int status = drape_read(world, o->all.x, o->v);
     if (status != DRAPE_OK)
         return complain(APP_FAILED, "frame %d: %s", k,
                         drape_status_text(status));

@@ -14,6 +14,7 @@
 struct output {
     char directory[FILE_PATH], frames[FILE_PATH];
     struct mesh all, cloth, obstacles; /* views of the whole scene */
+    double (*v)[3]; /* scratch: velocities, which no file holds */
     struct pool pool;
     int bits;
     bool obj, moving; /* moving: some obstacle moves */
