@@ -50,17 +50,39 @@ static inline real box_reach(real r)
     return r * (1 + 16 * REAL_UNIT);
 }
 
-/* When a gap g0 + t (g1 - g0) is not negative, in q = (1 - t) / t: q ≤ *late
- * where it opens, q ≥ *early where it shuts. False if it never is. §3 */
-static inline bool box_gap(real g0, real g1, real *late, real *early)
+/* The gaps between two boxes on one axis, negative where they are apart: of
+ * the near side of either and the far side of the other, at t = 0 and 1. */
+struct box_gaps {
+    real g0, g1, h0, h1;
+};
+
+static inline struct box_gaps box_axis(real alo0, real ahi0, real alo1,
+                                       real ahi1, real blo0, real bhi0,
+                                       real blo1, real bhi1, real reach)
 {
-    if (g0 < 0) {
-        if (g1 < 0)
-            return false;
+    struct box_gaps g = {(bhi0 - alo0) + reach, (bhi1 - alo1) + reach,
+                         (ahi0 - blo0) + reach, (ahi1 - blo1) + reach};
+    return g;
+}
+
+/* When a gap g0 + t (g1 - g0) is not negative, in q = (1 - t) / t: q ≤ *late
+ * where it opens, q ≥ *early where it shuts; one of g0, g1 is ≥ 0. §3 */
+static inline void box_times(real g0, real g1, real *late, real *early)
+{
+    if (g0 < 0)
         *late = real_min(*late, g1 / -g0);
-    } else if (g1 < 0)
+    else if (g1 < 0)
         *early = real_max(*early, -g1 / g0);
-    return true;
+}
+
+static inline bool box_meets_late(const struct box_gaps g[3])
+{
+    real late = R(INFINITY), early = 0;
+    for (int k = 0; k < 3; k++) {
+        box_times(g[k].g0, g[k].g1, &late, &early);
+        box_times(g[k].h0, g[k].h1, &late, &early);
+    }
+    return !(late * (1 + 32 * REAL_UNIT) + R(0x1p-100) < early);
 }
 
 /* False only if at no t in [0, 1] a point of a lies within r of a point of b
@@ -68,20 +90,24 @@ static inline bool box_gap(real g0, real g1, real *late, real *early)
 static inline bool box_meets(const struct box *a, const struct box *b,
                              real reach)
 {
-    real late = R(INFINITY), early = 0;
-    return box_gap((b->hi0.x - a->lo0.x) + reach, (b->hi1.x - a->lo1.x) + reach,
-                   &late, &early) &&
-           box_gap((a->hi0.x - b->lo0.x) + reach, (a->hi1.x - b->lo1.x) + reach,
-                   &late, &early) &&
-           box_gap((b->hi0.y - a->lo0.y) + reach, (b->hi1.y - a->lo1.y) + reach,
-                   &late, &early) &&
-           box_gap((a->hi0.y - b->lo0.y) + reach, (a->hi1.y - b->lo1.y) + reach,
-                   &late, &early) &&
-           box_gap((b->hi0.z - a->lo0.z) + reach, (b->hi1.z - a->lo1.z) + reach,
-                   &late, &early) &&
-           box_gap((a->hi0.z - b->lo0.z) + reach, (a->hi1.z - b->lo1.z) + reach,
-                   &late, &early) &&
-           !(late * (1 + 32 * REAL_UNIT) + R(0x1p-100) < early);
+    struct box_gaps g[3];
+    g[0] = box_axis(a->lo0.x, a->hi0.x, a->lo1.x, a->hi1.x, b->lo0.x, b->hi0.x,
+                    b->lo1.x, b->hi1.x, reach);
+    g[1] = box_axis(a->lo0.y, a->hi0.y, a->lo1.y, a->hi1.y, b->lo0.y, b->hi0.y,
+                    b->lo1.y, b->hi1.y, reach);
+    g[2] = box_axis(a->lo0.z, a->hi0.z, a->lo1.z, a->hi1.z, b->lo0.z, b->hi0.z,
+                    b->lo1.z, b->hi1.z, reach);
+    /* Apart on one axis all the time, or together all the time: no times. */
+    real shut = 0, least = 0;
+    for (int k = 0; k < 3; k++) {
+        real top =
+            real_min(real_max(g[k].g0, g[k].g1), real_max(g[k].h0, g[k].h1));
+        real low =
+            real_min(real_min(g[k].g0, g[k].g1), real_min(g[k].h0, g[k].h1));
+        shut = real_min(shut, top);
+        least = real_min(least, low);
+    }
+    return !(shut < 0) && (!(least < 0) || box_meets_late(g));
 }
 
 #endif

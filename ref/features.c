@@ -7,35 +7,80 @@
 
 /* Feature pairs of triangles f and g by number, §1: 0–2 vertex of f and g,
  * 3–5 vertex of g and f, 6 + 3 i + j edge i of f and edge j of g. */
-enum { VF_BITS = 6, ALL_BITS = 15 };
+enum { VF_BITS = 6 };
 
 static bool has(const int32_t f[3], int32_t v)
 {
     return f[0] == v || f[1] == v || f[2] == v;
 }
 
-/* The vertices of feature pair k; false where the triangles do not represent
- * it or a vertex is shared. */
-static bool make(const struct features *s, const int32_t both[2], int k,
-                 int32_t to[4])
+/* One triangle of a pair. */
+struct side {
+    const int32_t *v;
+    int own; /* bits as in tree.own */
+    struct box face;
+};
+
+static bool moves(const struct features *s, int32_t a, int32_t b)
 {
-    const int32_t *f = s->tri[both[0]], *g = s->tri[both[1]];
-    int own_f = s->own[both[0]], own_g = s->own[both[1]];
-    if (k < VF_BITS) {
-        const int32_t *face = k < 3 ? g : f;
-        to[0] = k < 3 ? f[k] : g[k - 3];
-        to[1] = face[0];
-        to[2] = face[1];
-        to[3] = face[2];
-        return (k < 3 ? own_f >> k : own_g >> (k - 3)) & 1 && !has(face, to[0]);
+    return s->n_moved == 0 || (s->moved[a] | s->moved[b]);
+}
+
+/* Vertices of f that face g: bit k for vertex k of f. */
+static int look_vertices(const struct features *s, real reach,
+                         const struct side *f, const struct side *g)
+{
+    int mask = 0;
+    for (int k = 0; k < 3; k++) {
+        int32_t v = f->v[k];
+        if (!(f->own >> k & 1) || has(g->v, v))
+            continue;
+        struct box b = box_vertex(s->x0, s->x1, v);
+        if (box_meets(&b, &g->face, reach) &&
+            (moves(s, v, g->v[0]) || moves(s, g->v[1], g->v[2])))
+            mask |= 1 << k;
     }
-    int i = (k - VF_BITS) / 3, j = (k - VF_BITS) % 3;
-    to[0] = f[i];
-    to[1] = f[(i + 1) % 3];
-    to[2] = g[j];
-    to[3] = g[(j + 1) % 3];
-    return own_f >> (3 + i) & own_g >> (3 + j) & 1 && to[0] != to[2] &&
-           to[0] != to[3] && to[1] != to[2] && to[1] != to[3];
+    return mask;
+}
+
+/* Edges of f and g: bit 3 i + j for edge i of f and j of g. An edge that does
+ * not meet the other face meets none of its edges, as they lie in its box. */
+static int look_edges(const struct features *s, real reach,
+                      const struct side *f, const struct side *g)
+{
+    int mask = 0;
+    for (int i = 0; i < 3; i++) {
+        int32_t a = f->v[i], b = f->v[(i + 1) % 3];
+        if (!(f->own >> (3 + i) & 1))
+            continue;
+        struct box e = box_edge(s->x0, s->x1, a, b);
+        if (!box_meets(&e, &g->face, reach))
+            continue;
+        for (int j = 0; j < 3; j++) {
+            int32_t c = g->v[j], d = g->v[(j + 1) % 3];
+            if (!(g->own >> (3 + j) & 1) || a == c || a == d || b == c ||
+                b == d)
+                continue;
+            struct box h = box_edge(s->x0, s->x1, c, d);
+            if (box_meets(&e, &h, reach) && (moves(s, a, b) || moves(s, c, d)))
+                mask |= 1 << (3 * i + j);
+        }
+    }
+    return mask;
+}
+
+static uint16_t look(const struct features *s, real reach, int64_t n)
+{
+    int32_t tf = s->both[n][0], tg = s->both[n][1];
+    struct side f = {.v = s->tri[tf], .own = s->own[tf]};
+    struct side g = {.v = s->tri[tg], .own = s->own[tg]};
+    if (!(f.own | g.own))
+        return 0;
+    f.face = box_face(s->x0, s->x1, f.v);
+    g.face = box_face(s->x0, s->x1, g.v);
+    return (uint16_t)(look_vertices(s, reach, &f, &g) |
+                      look_vertices(s, reach, &g, &f) << 3 |
+                      look_edges(s, reach, &f, &g) << VF_BITS);
 }
 
 static void swap(int32_t *a, int32_t *b)
@@ -58,45 +103,32 @@ static void order_edges(int32_t e[4])
     }
 }
 
-static bool moves(const struct features *s, const int32_t v[4])
+/* The vertices of feature pair k. */
+static void make(const int32_t f[3], const int32_t g[3], int k, int32_t to[4])
 {
-    return s->n_moved == 0 ||
-           (s->moved[v[0]] | s->moved[v[1]] | s->moved[v[2]] | s->moved[v[3]]);
-}
-
-static bool meets(const struct features *s, real reach, int k,
-                  const int32_t v[4])
-{
-    struct box a, b;
     if (k < VF_BITS) {
-        a = box_vertex(s->x0, s->x1, v[0]);
-        b = box_face(s->x0, s->x1, v + 1);
-    } else {
-        a = box_edge(s->x0, s->x1, v[0], v[1]);
-        b = box_edge(s->x0, s->x1, v[2], v[3]);
+        const int32_t *face = k < 3 ? g : f;
+        to[0] = k < 3 ? f[k] : g[k - 3];
+        to[1] = face[0];
+        to[2] = face[1];
+        to[3] = face[2];
+        return;
     }
-    return box_meets(&a, &b, reach);
-}
-
-static uint16_t look(const struct features *s, real reach, int64_t n)
-{
-    int mask = 0;
-    int32_t v[4];
-    for (int k = 0; k < ALL_BITS; k++)
-        if (make(s, s->both[n], k, v) && moves(s, v) && meets(s, reach, k, v))
-            mask |= 1 << k;
-    return (uint16_t)mask;
+    int i = (k - VF_BITS) / 3, j = (k - VF_BITS) % 3;
+    to[0] = f[i];
+    to[1] = f[(i + 1) % 3];
+    to[2] = g[j];
+    to[3] = g[(j + 1) % 3];
+    order_edges(to);
 }
 
 static void emit(const struct features *s, int64_t n, int64_t *vf, int64_t *ee)
 {
-    for (int k = 0; k < ALL_BITS; k++) {
+    for (int k = 0; s->mask[n] >> k; k++) {
         if (!(s->mask[n] >> k & 1))
             continue;
         int64_t at = k < VF_BITS ? (*vf)++ : (*ee)++;
-        make(s, s->both[n], k, s->pair[at]);
-        if (k >= VF_BITS)
-            order_edges(s->pair[at]);
+        make(s->tri[s->both[n][0]], s->tri[s->both[n][1]], k, s->pair[at]);
         s->kind[at] = k < VF_BITS ? FEATURES_VF : FEATURES_EE;
     }
 }
