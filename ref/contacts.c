@@ -72,6 +72,11 @@ static void push_tangent(struct contacts *s, int64_t k)
     c->tangent = next;
 }
 
+static vec total(const struct contact *c)
+{
+    return vec_axpy(c->tangent, c->impulse, c->n);
+}
+
 /* Σ c · push of the contacts of a vertex, in their order. */
 static vec gather(const struct contacts *s, int32_t i)
 {
@@ -115,19 +120,21 @@ int ref_contacts(struct contacts *s)
     index_vertices(s);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++) {
-        s->contact[k].impulse = 0;
-        s->contact[k].tangent = vec_make(0, 0, 0);
-        s->mass[k] = effective_mass(s, &s->contact[k]);
+        struct contact *c = &s->contact[k];
+        s->mass[k] = effective_mass(s, c);
+        s->before[k] = total(c);
+        if (!s->warm) {
+            c->impulse = 0;
+            c->tangent = s->before[k] = vec_make(0, 0, 0);
+        }
     }
     iterate(s, push_normal);
     iterate(s, push_tangent);
 
     /* the same impulses, all at once, on the velocity of the end */
     EACH_ITEM
-    for (int64_t k = 0; k < s->n; k++) {
-        const struct contact *c = &s->contact[k];
-        s->push[k] = vec_axpy(c->tangent, c->impulse, c->n);
-    }
+    for (int64_t k = 0; k < s->n; k++)
+        s->push[k] = vec_sub(total(&s->contact[k]), s->before[k]);
     apply(s, s->v);
     return DRAPE_OK;
 }

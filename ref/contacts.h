@@ -9,7 +9,8 @@ struct contacts {
     int64_t nv, n;           /* vertices, contacts; 4 n < 2^31 */
     const real *w;           /* [nv] 1/kg, ≥ 0; 0: led, never changed */
     int iterations;          /* ≥ 0, of the normal and of the tangent part */
-    struct contact *contact; /* [n], out: impulse and tangent of each */
+    int warm;                /* 1: go on from the impulses in contact */
+    struct contact *contact; /* in, out: [n] impulse and tangent change */
     vec *u;                  /* in, out: [nv] m/s mean velocity of the step */
     vec *v;                  /* in, out: [nv] m/s velocity at its end */
 
@@ -18,6 +19,7 @@ struct contacts {
     int32_t *item;    /* scratch: [n4] */
     real *mass;       /* scratch: [n] */
     vec *push;        /* scratch: [n] */
+    vec *before;      /* scratch: [n] */
     int32_t *vertex;  /* out: [n4] free vertices in contact, ascending */
     int64_t vertices; /* out: how many */
 };

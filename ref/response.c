@@ -46,14 +46,14 @@ static void advance(struct response *s, int64_t n, const int32_t *vertex)
 }
 
 /* Solves the contacts in contact[side] and moves their vertices. */
-static int solve_contacts(struct response *s, int64_t n)
+static int solve_contacts(struct response *s, int64_t n, int warm)
 {
     struct contacts c = {.nv = s->nv, .n = n, .w = s->w, .u = s->u, .v = s->v};
     int status = grow(s, &s->item, 4 * n, sizeof *c.item);
     if (status == DRAPE_OK)
         status = grow(s, &s->mass, n, sizeof *c.mass);
     if (status == DRAPE_OK)
-        status = grow(s, &s->push, n, sizeof *c.push);
+        status = grow(s, &s->push, 2 * n, sizeof *c.push);
     if (status == DRAPE_OK)
         status = grow(s, &s->vertex, 4 * n, sizeof *c.vertex);
     if (status != DRAPE_OK)
@@ -66,6 +66,8 @@ static int solve_contacts(struct response *s, int64_t n)
     c.item = s->item.data;
     c.mass = s->mass.data;
     c.push = s->push.data;
+    c.before = c.push + n;
+    c.warm = warm;
     c.vertex = s->vertex.data;
     status = ref_contacts(&c);
     if (status == DRAPE_OK)
@@ -100,7 +102,7 @@ int ref_response_repel(struct response *s, const struct pairs *near)
     if (status != DRAPE_OK)
         return status;
     s->contacts = p.found;
-    return p.found ? solve_contacts(s, p.found) : DRAPE_OK;
+    return p.found ? solve_contacts(s, p.found, 0) : DRAPE_OK;
 }
 
 /* ---- §3 Detection ---- */
@@ -213,7 +215,7 @@ static int push(struct response *s)
         return status;
     s->side = !s->side;
     s->active = m.found;
-    return solve_contacts(s, m.found);
+    return solve_contacts(s, m.found, 1);
 }
 
 /* ---- §5 Zones ---- */

@@ -15,6 +15,7 @@ const struct field fields_contacts[] = {
     SCRATCH(contacts, item, n4, 1),
     SCRATCH(contacts, mass, n, 1),
     SCRATCH(contacts, push, n, 1),
+    SCRATCH(contacts, before, n, 1),
     OUT_USED(contacts, vertex, n4, 1, vertices),
     OUT_VALUE(contacts, vertices),
     FIELD_END};
@@ -34,6 +35,7 @@ static void pick_contact(struct bytes *b, int64_t nv, struct contact *c)
     c->gap = pick_uniform(b, 0, R(0.01));
     c->target = pick(b, 2) ? 0 : pick_uniform(b, -1, 1);
     c->friction = pick(b, 3) ? R(0.25) * (real)pick(b, 4) : 10;
+    c->impulse = pick(b, 2) ? pick_uniform(b, 0, R(0.1)) : 0;
 }
 
 void gen_contacts(struct bytes *b, struct contacts *s)
@@ -43,6 +45,7 @@ void gen_contacts(struct bytes *b, struct contacts *s)
     s->nv1 = s->nv + 1;
     s->n4 = 4 * s->n;
     s->iterations = (int)pick(b, 9);
+    s->warm = (int)pick(b, 2);
     real *w = take(b, s->nv, sizeof *w);
     struct contact *contact = take(b, s->n, sizeof *contact);
     vec *u = take(b, s->nv, sizeof *u), *v = take(b, s->nv, sizeof *v);
@@ -152,6 +155,7 @@ static void take_free(struct bytes *b, struct contacts *s, vec **x)
     s->item = take(b, s->n4, sizeof *s->item);
     s->mass = take(b, s->n, sizeof *s->mass);
     s->push = take(b, s->n, sizeof *s->push);
+    s->before = take(b, s->n, sizeof *s->before);
     s->vertex = take(b, s->n4, sizeof *s->vertex);
 }
 
