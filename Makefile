@@ -17,11 +17,15 @@ WARN   := -Wall -Wextra -Wpedantic -Werror
 MODEL  := -ffp-contract=off -fno-math-errno -fno-fast-math
 COMMON  = $(OPT) $(WARN) $(MODEL) $(OPENMP) $(SAN) -I. -Ispec -MMD -MP -fPIC
 C17     = $(CC) -std=c17 -D_POSIX_C_SOURCE=200809L $(COMMON)
-CXX17   = $(CXX) -std=c++17 -O1 -I. -Ispec -MMD -MP -fPIC
+CXX17   = $(CXX) -std=c++17 -O1 -I. -Ispec $(EIGEN) -MMD -MP -fPIC
+
+# FCL's headers want Eigen's.
+EIGEN   := -isystem /usr/include/eigen3
 
 # What is here to build with: each answer is `yes` or nothing.
-has     = $(shell printf '\#include <$(1)>\n' | $(CXX) -std=c++17 -x c++ \
-            -fsyntax-only - 2>/dev/null && echo yes)
+HASH    := \#
+has     = $(shell printf '$(HASH)include <$(1)>\n' | $(CXX) -std=c++17 -x c++ \
+            $(EIGEN) -fsyntax-only - 2>/dev/null && echo yes)
 HAS_APP    := $(and $(call has,assimp/cimport.h),$(call \
     has,cjson/cJSON.h),$(call has,embree3/rtcore.h),$(call \
     has,png.h),$(call has,gmp.h))
@@ -36,7 +40,7 @@ TWICE  := $(sort $(filter-out $(ONCE),$(wildcard tests/*.c)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
 APP_LIBS    := -lassimp -lcjson -lembree3 -lpng -lgmp -lm
-ORACLE_LIBS := -lfcl -lccd -lmpfr -lgmp -lstdc++ -lm
+ORACLE_LIBS := -lfcl -lccd -lmpfr -lgmpxx -lgmp -lstdc++ -lm
 
 obj     = $(addprefix $(BUILD)/,$(addsuffix $(2).o,$(basename $(1))))
 REF_O  := $(call obj,$(REF),.32) $(call obj,$(REF),.64) \
@@ -44,7 +48,10 @@ REF_O  := $(call obj,$(REF),.32) $(call obj,$(REF),.64) \
 TEST_O := $(call obj,$(TWICE),.32) $(call obj,$(TWICE),.64) \
           $(call obj,$(ONCE),)
 APP_O  := $(call obj,$(APP),)
-ORC_O  := $(call obj,$(ORACLE),)
+# Without their libraries one file stands in for all oracles but brute force.
+ORC_O  := $(call obj,$(if $(HAS_ORACLE),$(filter-out \
+          oracle/absent.c,$(ORACLE)),oracle/absent.c oracle/brute.c),)
+ORC_L  := $(if $(HAS_ORACLE),$(ORACLE_LIBS))
 LIB    := $(BUILD)/libdrape.a
 
 .PHONY: all demo check bench asan fuzz install help golden format tidy \
@@ -74,19 +81,19 @@ $(BUILD)/%.o: %.cpp
 $(LIB): $(REF_O)
 	@rm -f $@
 	$(AR) rcs $@ $^
-$(BUILD)/check: $(TEST_O) $(LIB)
-	$(C17) $(TEST_O) $(LIB) -o $@ -lm
+$(BUILD)/check: $(TEST_O) $(ORC_O) $(LIB)
+	$(C17) $(TEST_O) $(ORC_O) $(LIB) -o $@ $(ORC_L) -lm
 $(BUILD)/drape: $(APP_O) $(LIB)
 	$(C17) $(APP_O) $(LIB) -o $@ $(APP_LIBS)
 
 # For fuzzing: everything but check's main, both precisions.
-PARTS := $(filter-out $(BUILD)/tests/check.o,$(TEST_O)) $(REF_O) \
+PARTS := $(filter-out $(BUILD)/tests/check.o,$(TEST_O)) $(REF_O) $(ORC_O) \
          $(BUILD)/fuzz/stage.o
 $(BUILD)/parts.a: $(PARTS)
 	@rm -f $@
 	$(AR) rcs $@ $^
 $(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
-	$(C17) $^ -o $@ -lm
+	$(C17) $^ -o $@ $(ORC_L) -lm
 
 # ---- what people call ----
 

@@ -11,12 +11,16 @@
 #include <utility>
 #include <vector>
 
-namespace {
+namespace
+{
 
 using K = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Pairs = std::vector<std::pair<int32_t, int32_t>>;
 
-K::Point_3 point(const double p[3]) { return K::Point_3(p[0], p[1], p[2]); }
+K::Point_3 point(const double p[3])
+{
+    return K::Point_3(p[0], p[1], p[2]);
+}
 
 int64_t give(Pairs &found, int64_t cap, int32_t (*pair)[2])
 {

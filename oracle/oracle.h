@@ -9,6 +9,10 @@
 extern "C" {
 #endif
 
+/* 1; 0 where the libraries were missing and no oracle but brute force was
+ * built, so that all others answer -1. */
+int orc_present(void);
+
 /* Collision queries: the closed primitives move linearly from x0 to x1 over
  * t in [0, 1], both ends included. kind 0: vertex x[0] and face x[1..3];
  * kind 1: edges x[0]x[1] and x[2]x[3]. Every finite input has an answer. */

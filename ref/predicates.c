@@ -15,9 +15,10 @@ struct parts {
     bool negative;
 };
 
-/* A magnitude of at most WORDS words, least first, and a sign. */
+/* A magnitude of n ≤ WORDS words, least first, the last not 0; and a sign. */
 struct whole {
     uint32_t word[WORDS];
+    int n;
     bool negative;
 };
 
@@ -115,6 +116,8 @@ static struct whole subtract(struct parts x, struct parts y, struct span s)
         r.word[k] = (uint32_t)d;
         borrow = d >> 63;
     }
+    for (r.n = s.words; r.n > 0 && r.word[r.n - 1] == 0;)
+        r.n--;
     return r;
 }
 
@@ -159,17 +162,18 @@ int ref_orient3_whole(const point a, const point b, const point c,
     for (int k = 0; k < 9; k++)
         m[k / 3][k % 3] = subtract(p[k], p[9 + k % 3], s);
 
-    int n = s.words;
-    struct balance sum = {.n = 3 * n + 1};
+    struct balance sum = {.n = 3 * s.words + 1};
     uint32_t two[2 * WORDS], three[3 * WORDS];
     for (int k = 0; k < 6; k++) {
         /* The permutations (i j l) of the columns: even for k < 3. */
         int i = k % 3, j = (i + (k < 3 ? 1 : 2)) % 3, l = 3 - i - j;
         const struct whole *x = &m[0][i], *y = &m[1][j], *z = &m[2][l];
-        multiply(two, x->word, n, y->word, n);
-        multiply(three, two, 2 * n, z->word, n);
+        if (x->n == 0 || y->n == 0 || z->n == 0)
+            continue;
+        multiply(two, x->word, x->n, y->word, y->n);
+        multiply(three, two, x->n + y->n, z->word, z->n);
         weigh(&sum, (k >= 3) ^ x->negative ^ y->negative ^ z->negative, three,
-              3 * n);
+              x->n + y->n + z->n);
     }
     return compare(sum.word[0], sum.word[1], sum.n);
 }
@@ -183,10 +187,10 @@ int ref_orient2_whole(const point a, const point b, const point c, int u, int v)
     struct whole cu = subtract(p[2], p[4], s), cv = subtract(p[3], p[5], s);
     struct balance sum = {.n = 2 * s.words + 1};
     uint32_t two[2 * WORDS];
-    multiply(two, bu.word, s.words, cv.word, s.words);
-    weigh(&sum, bu.negative ^ cv.negative, two, 2 * s.words);
-    multiply(two, bv.word, s.words, cu.word, s.words);
-    weigh(&sum, !(bv.negative ^ cu.negative), two, 2 * s.words);
+    multiply(two, bu.word, bu.n, cv.word, cv.n);
+    weigh(&sum, bu.negative ^ cv.negative, two, bu.n + cv.n);
+    multiply(two, bv.word, bv.n, cu.word, cu.n);
+    weigh(&sum, !(bv.negative ^ cu.negative), two, bv.n + cu.n);
     return compare(sum.word[0], sum.word[1], sum.n);
 }
 

@@ -5,8 +5,12 @@
 
 #include "ref/audit.h"
 #include "ref/bounds.h"
+#include "ref/jacobi.h"
 #include "ref/kinematics.h"
+#include "ref/matrix.h"
 #include "ref/narrow.h"
+#include "ref/pcg.h"
+#include "ref/product.h"
 #include "ref/sum.h"
 #include "ref/proximity.h"
 #include "ref/impacts.h"
