@@ -27,6 +27,7 @@ void drape_default(drape_def *def)
     def->max_iterations = 2000;
     def->self_collision = 1;
     def->max_rounds = 16;
+    def->threads = 1;
     def->sleep = 1;
 }
 

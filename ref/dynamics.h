@@ -58,4 +58,8 @@ static inline int64_t dynamics_vecs(int method, int windy)
  * returned. An outcome with DRAPE_DIVERGED leaves x1 = x and v1 = v. */
 int ref_dynamics(struct dynamics *s);
 
+/* Kinetic, elastic and gravitational energy of a state, J; uses chunk. */
+void dynamics_energy(const struct dynamics *s, const vec *x, const vec *v,
+                     double value[3]);
+
 #endif

@@ -224,7 +224,8 @@ int64_t drape_triangles(const drape_world *world);
  * cloths: body k in 0 … n_cloths + n_obstacles; the last is the total. */
 int64_t drape_first_vertex(const drape_world *world, int body);
 int64_t drape_first_triangle(const drape_world *world, int body);
-/* Copies of the current state: x, v [drape_vertices][3], v in m/s. */
+/* Copies of the current state: x, v [drape_vertices][3], v in m/s. Either
+ * may be NULL. */
 int drape_read(const drape_world *world, double (*x)[3], double (*v)[3]);
 /* Copies of the connectivity: tri [drape_triangles][3]. */
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3]);

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The linear system of one cloth, as dynamics wants it solved. */
+#ifndef REF_SOLVER_H
+#define REF_SOLVER_H
+
+#include "ref/arena.h"
+#include "ref/dynamics.h"
+
+struct solver {
+  int matrix, precond; /* enum drape_matrix, enum drape_precond */
+  double tolerance;
+  int max_iterations;
+};
+
+/* Takes what the solver of this cloth needs. DRAPE_OK or DRAPE_ENOMEM. */
+int solver_make(struct solver *s, const drape_def *def,
+                const struct cloth *cloth, struct arena *arena);
+
+/* dynamics' solve. */
+int solver_solve(struct dynamics *d);
+
+#endif
