@@ -3,15 +3,25 @@
 #include "ref/response.h"
 
 #include "ref/contacts.h"
+#include "ref/failsafe.h"
 #include "ref/impacts.h"
 #include "ref/impulses.h"
 #include "ref/narrow.h"
 #include "ref/proximity.h"
-#include "ref/rollback.h"
 
-static int grow(struct response *s, struct pool *p, int64_t need, size_t size)
+int response_grow(struct response *s, int n, const struct room *room)
 {
-    return need <= p->cap ? DRAPE_OK : s->grow(s->user, p, need, size);
+    int status = DRAPE_OK;
+    for (int k = 0; k < n && status == DRAPE_OK; k++)
+        if (room[k].need > room[k].pool->cap)
+            status = s->grow(s->user, room[k].pool, room[k].need, room[k].size);
+    return status;
+}
+
+static int grow_one(struct response *s, struct pool *p, int64_t need,
+                    size_t size)
+{
+    return response_grow(s, 1, &(struct room){p, need, size});
 }
 
 int ref_response_start(struct response *s)
@@ -34,8 +44,7 @@ int ref_response_start(struct response *s)
     return DRAPE_OK;
 }
 
-/* §1: ends of the step for the vertices whose mean velocity changed. */
-static void advance(struct response *s, int64_t n, const int32_t *vertex)
+void response_advance(struct response *s, int64_t n, const int32_t *vertex)
 {
     EACH_ITEM
     for (int64_t k = 0; k < n; k++) {
@@ -48,30 +57,33 @@ static void advance(struct response *s, int64_t n, const int32_t *vertex)
 /* Solves the contacts in contact[side] and moves their vertices. */
 static int solve_contacts(struct response *s, int64_t n, int warm)
 {
-    struct contacts c = {.nv = s->nv, .n = n, .w = s->w, .u = s->u, .v = s->v};
-    int status = grow(s, &s->item, 4 * n, sizeof *c.item);
-    if (status == DRAPE_OK)
-        status = grow(s, &s->mass, n, sizeof *c.mass);
-    if (status == DRAPE_OK)
-        status = grow(s, &s->push, 2 * n, sizeof *c.push);
-    if (status == DRAPE_OK)
-        status = grow(s, &s->vertex, 4 * n, sizeof *c.vertex);
+    struct room room[] = {{&s->item, 4 * n, sizeof(int32_t)},
+                          {&s->mass, n, sizeof(real)},
+                          {&s->push, 2 * n, sizeof(vec)},
+                          {&s->vertex, 4 * n, sizeof(int32_t)}};
+    int status = response_grow(s, 4, room);
     if (status != DRAPE_OK)
         return status;
-    c.iterations = s->iterations;
-    c.contact = s->contact[s->side].data;
-    c.nv1 = s->nv + 1;
-    c.n4 = 4 * n;
-    c.start = s->start;
-    c.item = s->item.data;
-    c.mass = s->mass.data;
-    c.push = s->push.data;
-    c.before = c.push + n;
-    c.warm = warm;
-    c.vertex = s->vertex.data;
+    vec *push = s->push.data;
+    struct contacts c = {.nv = s->nv,
+                         .n = n,
+                         .w = s->w,
+                         .iterations = s->iterations,
+                         .warm = warm,
+                         .contact = s->contact[s->side].data,
+                         .u = s->u,
+                         .v = s->v,
+                         .nv1 = s->nv + 1,
+                         .n4 = 4 * n,
+                         .start = s->start,
+                         .item = s->item.data,
+                         .mass = s->mass.data,
+                         .push = push,
+                         .before = push + n,
+                         .vertex = s->vertex.data};
     status = ref_contacts(&c);
     if (status == DRAPE_OK)
-        advance(s, c.vertices, c.vertex);
+        response_advance(s, c.vertices, c.vertex);
     return status;
 }
 
@@ -89,7 +101,7 @@ int ref_response_repel(struct response *s, const struct pairs *near)
                           .dt = s->dt,
                           .stiffness = s->stiffness};
     struct pool *out = &s->contact[s->side];
-    int status = grow(s, &s->at, near->n, sizeof *p.at);
+    int status = grow_one(s, &s->at, near->n, sizeof *p.at);
     if (status != DRAPE_OK)
         return status;
     p.at = s->at.data;
@@ -98,7 +110,8 @@ int ref_response_repel(struct response *s, const struct pairs *near)
         p.contact = out->data;
         status = ref_proximity(&p);
     } while (status == DRAPE_EFULL &&
-             (status = grow(s, out, p.found, sizeof *p.contact)) == DRAPE_OK);
+             (status = grow_one(s, out, p.found, sizeof *p.contact)) ==
+                 DRAPE_OK);
     if (status != DRAPE_OK)
         return status;
     s->contacts = p.found;
@@ -115,11 +128,10 @@ static int find_times(struct response *s, const struct pairs *p)
                        .x0 = s->x0,
                        .x1 = s->x1,
                        .nv = (int32_t)s->nv};
-    int status = grow(s, &s->toi, p->n, sizeof *n.toi);
-    if (status == DRAPE_OK)
-        status = grow(s, &s->tier, p->n, sizeof *n.tier);
-    if (status == DRAPE_OK)
-        status = grow(s, &s->at, p->n, sizeof(int32_t));
+    struct room room[] = {{&s->toi, p->n, sizeof *n.toi},
+                          {&s->tier, p->n, sizeof *n.tier},
+                          {&s->at, p->n, sizeof(int32_t)}};
+    int status = response_grow(s, 3, room);
     if (status != DRAPE_OK)
         return status;
     n.toi = s->toi.data;
@@ -130,12 +142,10 @@ static int find_times(struct response *s, const struct pairs *p)
 
 static int grow_hits(struct response *s, int64_t n)
 {
-    int status = grow(s, &s->hit, 4 * n, sizeof(int32_t));
-    if (status == DRAPE_OK)
-        status = grow(s, &s->hit_kind, n, sizeof(uint8_t));
-    if (status == DRAPE_OK)
-        status = grow(s, &s->hit_toi, n, sizeof(uint32_t));
-    return status;
+    struct room room[] = {{&s->hit, 4 * n, sizeof(int32_t)},
+                          {&s->hit_kind, n, sizeof(uint8_t)},
+                          {&s->hit_toi, n, sizeof(uint32_t)}};
+    return response_grow(s, 3, room);
 }
 
 static int64_t hits_cap(const struct response *s)
@@ -198,9 +208,9 @@ static int push(struct response *s)
                          .n_active = s->active,
                          .active = from->data};
     m.n_all = m.n + m.n_active;
-    int status = grow(s, &s->key[0], m.n_all, sizeof *m.key);
-    if (status == DRAPE_OK)
-        status = grow(s, &s->key[1], m.n_all, sizeof *m.key);
+    struct room room[] = {{&s->key[0], m.n_all, sizeof *m.key},
+                          {&s->key[1], m.n_all, sizeof *m.key}};
+    int status = response_grow(s, 2, room);
     if (status != DRAPE_OK)
         return status;
     m.key = s->key[0].data;
@@ -210,7 +220,8 @@ static int push(struct response *s)
         m.contact = to->data;
         status = ref_impulses(&m);
     } while (status == DRAPE_EFULL &&
-             (status = grow(s, to, m.found, sizeof *m.contact)) == DRAPE_OK);
+             (status = grow_one(s, to, m.found, sizeof *m.contact)) ==
+                 DRAPE_OK);
     if (status != DRAPE_OK)
         return status;
     s->side = !s->side;
@@ -218,112 +229,16 @@ static int push(struct response *s)
     return solve_contacts(s, m.found, 1);
 }
 
-/* ---- §5 Zones ---- */
-
-/* Adds the hits to the pairs of the rounds before. */
-static int tangle(struct response *s)
-{
-    struct pool *from = &s->tangle[s->tangle_side];
-    struct pool *to = &s->tangle[!s->tangle_side];
-    int64_t n = s->tangled + s->hits;
-    int status = grow(s, to, 4 * n, sizeof(int32_t));
-    if (status != DRAPE_OK)
-        return status;
-    int32_t *pair = to->data;
-    if (s->tangled)
-        memcpy(pair, from->data, (size_t)s->tangled * 4 * sizeof *pair);
-    memcpy(pair + 4 * s->tangled, s->hit.data,
-           (size_t)s->hits * 4 * sizeof *pair);
-    s->tangled = n;
-    s->tangle_side = !s->tangle_side;
-    return DRAPE_OK;
-}
-
-static int grow_zones(struct response *s, int64_t n)
-{
-    int status = grow(s, &s->key[0], 4 * n, sizeof(struct key));
-    if (status == DRAPE_OK)
-        status = grow(s, &s->key[1], 4 * n, sizeof(struct key));
-    if (status == DRAPE_OK)
-        status = grow(s, &s->sum, 4 * n, sizeof(struct zone_sum));
-    if (status == DRAPE_OK)
-        status = grow(s, &s->zone, n, sizeof(struct zone));
-    if (status == DRAPE_OK)
-        status = grow(s, &s->vertex, 4 * n, sizeof(int32_t));
-    return status;
-}
-
-static int stiffen(struct response *s)
-{
-    int status = tangle(s);
-    if (status == DRAPE_OK)
-        status = grow_zones(s, s->tangled);
-    if (status != DRAPE_OK)
-        return status;
-    struct zones z = {.nv = s->nv,
-                      .n = s->tangled,
-                      .w = s->w,
-                      .x0 = s->x0,
-                      .pair = s->tangle[s->tangle_side].data,
-                      .dt = s->dt,
-                      .u = s->u,
-                      .n4 = 4 * s->tangled,
-                      .label = s->start,
-                      .key = s->key[0].data,
-                      .spare = s->key[1].data,
-                      .sum = s->sum.data,
-                      .zone = s->zone.data,
-                      .vertex = s->vertex.data};
-    status = ref_zones(&z);
-    if (status != DRAPE_OK)
-        return status;
-    s->outcome |= DRAPE_ZONES;
-    s->zone_vertices = z.vertices;
-    advance(s, z.vertices, z.vertex);
-    EACH_ITEM
-    for (int64_t k = 0; k < z.vertices; k++)
-        s->v[z.vertex[k]] = s->u[z.vertex[k]];
-    return DRAPE_OK;
-}
-
-/* ---- §6 Rollback ---- */
-
-/* DRAPE_OK with hits = 0 where nothing is left that could go back. */
-static int roll(struct response *s, int round)
-{
-    struct rollback r = {.nv = s->nv,
-                         .n = s->hits,
-                         .pair = s->hit.data,
-                         .w = s->w,
-                         .x0 = s->x0,
-                         .x1 = s->x1,
-                         .u = s->u,
-                         .v = s->v,
-                         .rolled = s->rolled,
-                         .touched = s->touched,
-                         .all = round >= s->roll_rounds};
-    int status = ref_rollback(&r);
-    if (status != DRAPE_OK)
-        return status;
-    s->rolled_back += r.grown;
-    if (r.grown)
-        s->outcome |= DRAPE_ROLLBACK;
-    if (r.trapped)
-        s->outcome |= DRAPE_TRAPPED;
-    s->hits = r.grown;
-    return DRAPE_OK;
-}
-
 static int resolve(struct response *s, int round)
 {
     int rolls = round - s->max_rounds - s->zone_rounds;
     if (rolls >= 0)
-        return roll(s, rolls);
+        return response_roll(s, rolls);
     memset(s->touched, 0, (size_t)s->nv);
     const int32_t *hit = s->hit.data;
     for (int64_t k = 0; k < 4 * s->hits; k++)
         s->touched[hit[k]] = s->w[hit[k]] > 0;
-    return round < s->max_rounds ? push(s) : stiffen(s);
+    return round < s->max_rounds ? push(s) : response_stiffen(s);
 }
 
 int ref_response_penetrate(struct response *s)
