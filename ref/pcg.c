@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Preconditioned conjugate gradients. spec/15_pcg.md */
+#include "ref/pcg.h"
+
+#include "ref/jacobi.h"
+#include "ref/product.h"
+#include "ref/sum.h"
+
+int64_t ref_pcg_size(struct pcg *s)
+{
+    s->count = (int64_t)s->m * s->n;
+    s->n_blocks = SPRINGS * s->count;
+    s->n_chunks = sum_chunks(s->count);
+    s->n_cdf = s->form == DRAPE_CDF ? ref_cdf(s->m, s->n).blocks : 0;
+    return s->n_cdf * (int64_t)sizeof(mat) +
+           s->count * (int64_t)(2 * sizeof(sym) + 4 * sizeof(vec)) +
+           s->n_chunks * (int64_t)sizeof(real);
+}
+
+static real dot(struct pcg *s, const vec *a, const vec *b)
+{
+    struct dot d = {s->count, a, b, s->n_chunks, s->chunk, 0};
+    ref_dot(&d);
+    return d.value;
+}
+
+static void multiply(struct pcg *s, const vec *x, vec *y)
+{
+    struct product a = {.m = s->m,
+                        .n = s->n,
+                        .count = s->count,
+                        .mass = s->mass,
+                        .n_extra = s->n_extra,
+                        .extra = s->extra,
+                        .n_blocks = s->n_cdf ? 0 : s->n_blocks,
+                        .block = s->block,
+                        .n_cdf = s->n_cdf,
+                        .cdf = s->cdf,
+                        .x = x,
+                        .y = y};
+    ref_product(&a);
+}
+
+/* s->s = M⁻¹ r. */
+static void precondition(struct pcg *s)
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < s->count; k++)
+        s->s[k] = factor_solve(s->factor[k], s->r[k]);
+}
+
+/* §2: r = b - A dv where free, 0 where fixed. */
+static void true_residual(struct pcg *s)
+{
+    multiply(s, s->dv, s->q);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->count; k++)
+        s->r[k] = s->fixed[k] ? vec_make(0, 0, 0) : vec_sub(s->b[k], s->q[k]);
+}
+
+static int set_up(struct pcg *s)
+{
+    struct matrix a = {s->m,       s->n,        s->count,    s->mass,
+                       s->n_extra, s->extra,    s->n_blocks, s->block,
+                       s->n_cdf,   s->diagonal, s->cdf};
+    struct jacobi j = {s->m,     s->n,        s->count, s->mass,  s->n_extra,
+                       s->extra, s->n_blocks, s->block, s->fixed, s->factor};
+    int status = s->n_cdf ? ref_matrix(&a) : DRAPE_OK;
+    if (status == DRAPE_OK)
+        status = ref_jacobi(&j);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->count; k++)
+        s->dv[k] = s->fixed[k] && s->n_z ? s->z[k] : vec_make(0, 0, 0);
+    return status;
+}
+
+static bool finite_positive(real a)
+{
+    return a > 0 && a - a == 0;
+}
+
+/* §3: the direction p from s = M⁻¹ r, its image q, and a step along it. */
+static bool step(struct pcg *s, real *rho, bool first)
+{
+    precondition(s);
+    real next = dot(s, s->r, s->s);
+    if (!finite_positive(next))
+        return false;
+    real beta = first ? 0 : next / *rho;
+    *rho = next;
+    EACH_ITEM
+    for (int64_t k = 0; k < s->count; k++)
+        s->p[k] = first ? s->s[k] : vec_axpy(s->s[k], beta, s->p[k]);
+
+    multiply(s, s->p, s->q);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->count; k++)
+        if (s->fixed[k])
+            s->q[k] = vec_make(0, 0, 0);
+    real curvature = dot(s, s->p, s->q);
+    if (!finite_positive(curvature))
+        return false;
+    real alpha = next / curvature;
+    EACH_ITEM
+    for (int64_t k = 0; k < s->count; k++) {
+        if (!s->fixed[k])
+            s->dv[k] = vec_axpy(s->dv[k], alpha, s->p[k]);
+        s->r[k] = vec_axpy(s->r[k], -alpha, s->q[k]);
+    }
+    return true;
+}
+
+/* §4: iterates until the recurrence meets the tolerance. */
+static int iterate(struct pcg *s, real square)
+{
+    real rho = 0;
+    for (bool first = true; s->iterations < s->max_iterations; first = false) {
+        if (!step(s, &rho, first))
+            return PCG_BREAKDOWN;
+        s->iterations++;
+        s->recurrence = real_sqrt(dot(s, s->r, s->r) / square);
+        if (!(s->recurrence > s->tolerance))
+            return s->recurrence <= s->tolerance ? PCG_CONVERGED
+                                                 : PCG_BREAKDOWN;
+    }
+    return PCG_LIMIT;
+}
+
+int ref_pcg(struct pcg *s)
+{
+    if (s->n_chunks != sum_chunks(s->count) || !(s->tolerance >= 0) ||
+        s->max_iterations < 0 || (s->n_z && s->n_z != s->count) ||
+        s->precond != DRAPE_JACOBI || s->form < DRAPE_CDF ||
+        s->form > DRAPE_COMPACT)
+        return DRAPE_EARG;
+    int status = set_up(s);
+    if (status != DRAPE_OK)
+        return status;
+
+    s->iterations = 0;
+    s->recurrence = s->residual = 0;
+    s->outcome = PCG_CONVERGED;
+    true_residual(s);
+    real square = dot(s, s->r, s->r), before = 2;
+    if (square == 0)
+        return DRAPE_OK;
+    s->recurrence = s->residual = 1;
+    if (!finite_positive(square))
+        s->outcome = PCG_BREAKDOWN;
+    /* §4: restarts from the true residual while that at least halves. */
+    while (s->outcome == PCG_CONVERGED && !(s->residual <= s->tolerance)) {
+        if (!(s->residual <= before / 2)) {
+            s->outcome = PCG_STALLED;
+            break;
+        }
+        before = s->residual;
+        s->outcome = iterate(s, square);
+        true_residual(s);
+        s->residual = real_sqrt(dot(s, s->r, s->r) / square);
+    }
+    return DRAPE_OK;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage product: the system's matrix times a vector, from either form.
+ * spec/12_product.md */
+#ifndef REF_PRODUCT_H
+#define REF_PRODUCT_H
+
+#include "ref/matrix.h"
+
+struct product {
+    int32_t m, n;     /* particles along i and j */
+    int64_t count;    /* m·n */
+    const real *mass; /* [count] kg */
+    int64_t n_extra;  /* count, or 0: none */
+    const sym *extra; /* [n_extra] kg */
+    int64_t n_blocks; /* SPRINGS·count: the compact form is used, or 0 */
+    const sym *block; /* [n_blocks] kg, spring o of p at o·count + p */
+    int64_t n_cdf;    /* ref_cdf(m, n).blocks where n_blocks is 0, else 0 */
+    const mat *cdf;   /* [n_cdf] kg, from ref_matrix */
+    const vec *x;     /* [count] */
+    vec *y;           /* out: [count] A x */
+};
+
+/* DRAPE_OK. Both forms give the same bits. */
+int ref_product(struct product *s);
+
+#endif
