@@ -54,19 +54,6 @@ static struct share bending(const drape_material *a, struct angle t)
     return s;
 }
 
-/* §5: the knee and the energy there. */
-static void set_knee(struct law *a)
-{
-    a->knee = a->well = 0;
-    if (!(a->bend > 0))
-        a->knee = a->rest;
-    else
-        a->knee = a->rest * law_knee(a->k * a->rest / a->bend);
-    real d = a->knee - a->rest;
-    real t = law_s(a->knee / a->rest) - R(LAW_MIDDLE);
-    a->well = R(0.5) * a->k * d * d + a->bend * a->rest * (2 * law_ip(t));
-}
-
 /* One direction's law, §4: half the stretch goes to single springs of the
  * given length, half to double ones, which take the bending too. */
 static void set_law(struct cloth *c, int o, double length, double stretch,
@@ -77,13 +64,15 @@ static void set_law(struct cloth *c, int o, double length, double stretch,
     bool two = o >= SPRINGS_SINGLE;
     double rest = two ? 2 * length : length;
     double k = 0.5 * stretch * area / (rest * rest);
+    double press = two ? 4 * k : k; /* of the single spring along it */
     double b = two && bend > 0 ? bend * area / (rest * rest * rest) : 0;
     double slope = LAW_STEEPEST * b / rest;
-    *a = (struct law){.k = (real)k, .rest = (real)rest, .bend = (real)b};
+    *a = (struct law){.k = (real)k, .press = (real)press};
+    a->rest = (real)rest;
+    a->bend = (real)b;
     a->damp = (real)((double)c->beta * k);
-    a->stiff = (real)(slope > k ? slope : k);
-    if (two)
-        set_knee(a);
+    a->stiff = (real)(slope > press ? slope : press);
+    law_set_knee(a, two);
 }
 
 int ref_cloth_size(const drape_cloth *d, struct cloth *c)

@@ -14,10 +14,11 @@ static const int8_t spring_dj[SPRINGS] = {0, 1, 1, 1, 0, 2, 2, 2};
 /* Why a particle has no freedom; 0: it has. */
 enum { CLOTH_PINNED = 1, CLOTH_ABSENT = 2 };
 
-/* One direction's springs, §4: linear above the knee, buckled below. Single
- * springs have their knee at 0 and so are linear throughout. */
+/* One direction's springs, §4: linear in tension, linear in compression down
+ * to the knee, buckled below it. Single springs have their knee at 0. */
 struct law {
-    real k;     /* N/m, along the spring */
+    real k;     /* N/m, along the spring, in tension */
+    real press; /* N/m, in compression: c_b of a double spring */
     real rest;  /* m, > 0 */
     real knee;  /* m, 0 … rest */
     real bend;  /* N, k_b / rest² of a double spring; 0 for a single one */

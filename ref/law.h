@@ -62,7 +62,8 @@ static inline real law_g(real q)
 }
 
 /* Length of a double spring's knee as a part of its rest length, §5: the
- * largest root of stiff·(q − 1) + g(q), stiff = k·rest / bend; 0: none.
+ * largest root of stiff·(q − 1) + g(q), stiff = press·rest / bend;
+ * 0: none.
  * g is convex, so Newton from 1 comes down to that root and not below. */
 static inline real law_knee(real stiff)
 {
@@ -78,11 +79,31 @@ static inline real law_knee(real stiff)
     return q;
 }
 
+/* Fills knee and well from the rest. */
+static inline void law_set_knee(struct law *a, bool two)
+{
+    a->knee = a->well = 0;
+    if (!two)
+        return;
+    real part = 1;
+    if (a->bend > 0)
+        part = law_knee(a->press * a->rest / a->bend);
+    a->knee = a->rest * part;
+    real d = a->knee - a->rest, t = law_s(part) - R(LAW_MIDDLE);
+    a->well = R(0.5) * a->press * d * d + a->bend * a->rest * (2 * law_ip(t));
+}
+
+/* The constant of a spring that is not buckled. */
+static inline real law_constant(const struct law *a, real length)
+{
+    return length >= a->rest ? a->k : a->press;
+}
+
 /* Tension, N, of a spring of the given length. */
 static inline real law_tension(const struct law *a, real length)
 {
     if (length >= a->knee)
-        return a->k * (length - a->rest);
+        return law_constant(a, length) * (length - a->rest);
     return -(a->bend * law_g(length / a->rest));
 }
 
@@ -90,7 +111,7 @@ static inline real law_tension(const struct law *a, real length)
 static inline real law_slope(const struct law *a, real length)
 {
     if (length >= a->knee)
-        return a->k;
+        return law_constant(a, length);
     real s = law_s(length / a->rest), t = s - R(LAW_MIDDLE);
     real slope = (law_p(t) / s - law_dp(t)) / (2 * s * s);
     return a->bend * slope / a->rest;
@@ -101,7 +122,7 @@ static inline real law_energy(const struct law *a, real length)
 {
     real d = length - a->rest;
     if (length >= a->knee)
-        return R(0.5) * a->k * d * d;
+        return R(0.5) * law_constant(a, length) * d * d;
     real t = law_s(length / a->rest) - R(LAW_MIDDLE);
     return a->well - a->bend * a->rest * (2 * law_ip(t));
 }

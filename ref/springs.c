@@ -21,21 +21,19 @@ static vec pull(const struct springs *s, const struct law *a, int64_t p,
     return vec_scale(f, u);
 }
 
-/* §2: forward and backward spring of each direction in turn. */
-static vec gather(const struct springs *s, int64_t p, int32_t i, int32_t j)
+/* The particle that spring k of p = (i, j) leads to, or -1: forward and
+ * backward spring of each direction in turn, §2. */
+static int64_t other_end(const struct springs *s, int64_t p, int32_t i,
+                         int32_t j, int k)
 {
-    vec f = vec_make(0, 0, 0);
-    for (int o = 0; o < SPRINGS; o++) {
-        int32_t di = spring_di[o], dj = spring_dj[o];
-        int64_t step = di + (int64_t)dj * s->m;
-        if (s->springs[p] >> o & 1)
-            f = vec_add(f, pull(s, &s->law[o], p, p + step));
-        if (i - di < 0 || i - di >= s->m || j < dj)
-            continue;
-        if (s->springs[p - step] >> o & 1)
-            f = vec_add(f, pull(s, &s->law[o], p, p - step));
-    }
-    return f;
+    int o = k / 2;
+    int32_t di = spring_di[o], dj = spring_dj[o];
+    int64_t step = di + (int64_t)dj * s->m;
+    if (k % 2 == 0)
+        return s->springs[p] >> o & 1 ? p + step : -1;
+    if (i < di || i - di >= s->m || j < dj)
+        return -1;
+    return s->springs[p - step] >> o & 1 ? p - step : -1;
 }
 
 int ref_springs(struct springs *s)
@@ -43,7 +41,12 @@ int ref_springs(struct springs *s)
     EACH_ITEM
     for (int64_t p = 0; p < s->count; p++) {
         int32_t j = cloth_row(p, s->m), i = (int32_t)(p - (int64_t)j * s->m);
-        vec f = gather(s, p, i, j);
+        vec f = vec_make(0, 0, 0);
+        for (int k = 0; k < 2 * SPRINGS; k++) {
+            int64_t q = other_end(s, p, i, j, k);
+            if (q >= 0)
+                f = vec_add(f, pull(s, &s->law[k / 2], p, q));
+        }
         if (s->n_wind)
             f = vec_add(f, s->wind[p]);
         s->force[p] = vec_axpy(f, s->mass[p], s->gravity);

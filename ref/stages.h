@@ -3,20 +3,28 @@
 #ifndef REF_STAGES_H
 #define REF_STAGES_H
 
+#include "ref/advance.h"
 #include "ref/audit.h"
+#include "ref/blocks.h"
 #include "ref/bounds.h"
+#include "ref/cloth.h"
+#include "ref/contacts.h"
+#include "ref/dynamics.h"
+#include "ref/energy.h"
+#include "ref/impacts.h"
+#include "ref/implicit.h"
+#include "ref/impulses.h"
 #include "ref/jacobi.h"
 #include "ref/kinematics.h"
 #include "ref/matrix.h"
 #include "ref/narrow.h"
 #include "ref/pcg.h"
 #include "ref/product.h"
-#include "ref/sum.h"
 #include "ref/proximity.h"
-#include "ref/impacts.h"
-#include "ref/impulses.h"
-#include "ref/contacts.h"
-#include "ref/zones.h"
 #include "ref/rollback.h"
+#include "ref/springs.h"
+#include "ref/sum.h"
+#include "ref/wind.h"
+#include "ref/zones.h"
 
 #endif
