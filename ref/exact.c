@@ -226,5 +226,5 @@ int exact_first(double x[2][4][3], int kind, uint32_t *word, int n,
     else
         make_vf(&m, p, &s);
     *toi = solve(&m, &s);
-    return m.full ? 0 : m.most;
+    return m.full ? -1 : m.most;
 }

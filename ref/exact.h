@@ -13,7 +13,7 @@
 
 /* Finite positions x[t][vertex][axis] of a vertex and a face (kind 0) or of
  * two edges (kind 1): *toi = floor(2^30 t) of the first contact in [0, 1] or
- * UINT32_MAX. Works in word[n]; returns the most words that it held, or 0
+ * UINT32_MAX. Works in word[n]; returns the most words that it held, or -1
  * and decides nothing where n are too few. */
 int exact_first(double x[2][4][3], int kind, uint32_t *word, int n,
                 uint32_t *toi);

@@ -133,23 +133,22 @@ static int sign(const double *c, int n, double e)
     return lo > e ? 1 : hi < -e ? -1 : 0;
 }
 
-/* The forms L and the normal of §2; n and V's factor f·(g × h) agree. */
+/* The forms of §2; g × h stands in s->q[0]. */
 static void make_forms(const struct motion *m, struct forms *s)
 {
     for (int k = 0; k < 3; k++) {
+        double n[3];
         if (m->count == 3) {
             cross(&m->f[2], &m->f[0], k, s->q[1][k]);
             cross(&m->f[0], &m->f[1], k, s->q[2][k]);
-            for (int i = 0; i < 3; i++)
-                s->n[k][i] = s->q[0][k][i] + s->q[1][k][i] + s->q[2][k][i];
             continue;
         }
-        memcpy(s->n[k], s->q[0][k], sizeof s->n[k]);
+        memcpy(n, s->q[0][k], sizeof n);
         cross(&m->f[0], &m->f[2], k, s->q[0][k]);
         cross(&m->f[0], &m->f[1], k, s->q[2][k]);
         for (int i = 0; i < 3; i++) {
-            s->q[1][k][i] = s->n[k][i] - s->q[0][k][i];
-            s->q[3][k][i] = s->n[k][i] - s->q[2][k][i];
+            s->q[1][k][i] = n[i] - s->q[0][k][i];
+            s->q[3][k][i] = n[i] - s->q[2][k][i];
         }
     }
 }

@@ -28,9 +28,8 @@ struct motion {
 struct forms {
     double v[4];       /* the cubic V */
     double q[4][3][3]; /* form j, axis k, coefficient i */
-    double n[3][3];    /* the normal, axis k, coefficient i */
     double ev;         /* error of any value of V */
-    double eq[3];      /* of any value of a form or the normal, by axis */
+    double eq[3];      /* of any value of a form, by axis */
     double eb[3];      /* of any value of a box form, by axis */
 };
 

@@ -19,13 +19,21 @@ static void widen(const vec x0[4], const vec x1[4], double x[2][4][3])
     }
 }
 
+/* §6: the third tier. A lower bound stands where the room is too small,
+ * which §6.5 excludes. */
+static uint32_t decide_exactly(double x[2][4][3], int kind, uint32_t least)
+{
+    uint32_t word[EXACT_WORDS], toi;
+    return exact_first(x, kind, word, EXACT_WORDS, &toi) < 0 ? least : toi;
+}
+
 /* §1: the tiers in turn until one decides. */
 static uint32_t decide(double x[2][4][3], int kind, int *tier)
 {
     struct motion m;
     struct forms s;
     bool inside;
-    uint32_t toi = 0, word[EXACT_WORDS];
+    uint32_t toi = 0;
     if (kind)
         motion_ee(x, &m);
     else
@@ -38,8 +46,7 @@ static uint32_t decide(double x[2][4][3], int kind, int *tier)
     if (end != FILTER_UNSURE)
         return end == FILTER_HIT ? toi : NARROW_MISS;
     *tier = 3;
-    exact_first(x, kind, word, EXACT_WORDS, &toi);
-    return toi;
+    return decide_exactly(x, kind, toi);
 }
 
 uint32_t narrow_vf(const vec x0[4], const vec x1[4], int *tier)
@@ -64,7 +71,7 @@ static bool is_finite(vec a)
 
 int ref_narrow(struct narrow *s)
 {
-    for (int32_t i = 0; i < s->nv; i++)
+    for (int64_t i = 0; i < s->nv; i++)
         if (!is_finite(s->x0[i]) || !is_finite(s->x1[i]))
             return DRAPE_EDATA;
     for (int64_t i = 0; i < 4 * s->n; i++)

@@ -13,7 +13,7 @@ struct narrow {
     const int32_t *pair; /* [n][4] vertices: v, f f f or a a, b b */
     const uint8_t *kind; /* [n] 0 vertex-face, 1 edge-edge */
     const vec *x0, *x1;  /* [nv] positions at t = 0 and t = 1, m */
-    int32_t nv;
+    int64_t nv;
     uint32_t *toi; /* out: [n] floor(2^30 t) of the first contact or MISS */
     uint8_t *tier; /* out: [n] 1 to 3, the tier that settled the pair */
 };
