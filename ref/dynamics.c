@@ -128,7 +128,7 @@ static int go_implicit(struct dynamics *s)
     return DRAPE_OK;
 }
 
-static void find_energy(struct dynamics *s, const vec *x, const vec *v,
+void dynamics_energy(const struct dynamics *s, const vec *x, const vec *v,
                         double value[3])
 {
     const struct cloth *c = s->cloth;
@@ -212,8 +212,8 @@ int ref_dynamics(struct dynamics *s)
         dynamics_implicit(s->method) ? go_implicit(s) : dynamics_explicit(s);
     if (status != DRAPE_OK)
         return status;
-    find_energy(s, s->x, s->v, before);
-    find_energy(s, s->x1, s->v1, s->energy);
+    dynamics_energy(s, s->x, s->v, before);
+    dynamics_energy(s, s->x1, s->v1, s->energy);
     if (sane(s) && bounded(s, before))
         return DRAPE_OK;
     s->outcome |= DRAPE_DIVERGED;
