@@ -123,8 +123,10 @@ static struct zone_sum angular(const struct zones *s, const struct zone *z,
                                int32_t i)
 {
     real m = mass_of(s, z, i);
-    vec r = arm_of(s, z, i), mr = vec_scale(m, r);
-    vec l = vec_cross(mr, vec_sub(s->u[i], z->velocity));
+    vec r = arm_of(s, z, i), d = vec_sub(s->u[i], z->velocity);
+    if (z->led) /* §3.4: half way, where chords are turns */
+        r = vec_axpy(r, R(0.5) * s->dt, d);
+    vec mr = vec_scale(m, r), l = vec_cross(mr, d);
     struct zone_sum sum = {m,
                            l,
                            l,

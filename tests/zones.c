@@ -166,3 +166,65 @@ const char *test_zones_conserve(void)
     }
     return NULL;
 }
+
+/* §3.4: a plate turns by h about its middle, which moves; what is in one zone
+ * with it keeps its distances from the plate's corners. */
+static const char *follow(struct bytes *b)
+{
+    enum { NV = 8, N = 2 };
+    static const int32_t pair[4 * N] = {4, 0, 1, 2, 5, 4, 2, 3};
+    static const real w[NV] = {0, 0, 0, 0, 1, 2, 3, 4};
+    int32_t label[NV], vertex[4 * N];
+    struct key key[4 * N], spare[4 * N];
+    struct zone_sum sum[4 * N];
+    struct zone zone[N];
+    vec x0[NV], u[NV], x1[NV];
+    vec h = vec_scale(R(0.5), pick_vec(b, 1)), way = pick_vec(b, 2);
+    real dt = R(0.01), f = 2 / (1 + vec_dot(h, h));
+    for (int k = 0; k < NV; k++) {
+        vec r = vec_make(k & 1 ? 1 : -1, k & 2 ? 1 : -1, 0);
+        if (k >= 4)
+            r = pick_vec(b, 2);
+        vec turn = vec_cross(h, r);
+        vec d = vec_axpy(way, f, vec_add(turn, vec_cross(h, turn)));
+        x0[k] = vec_add(r, vec_make(3, 2, 1));
+        u[k] = k < 4 ? vec_scale(1 / dt, d) : pick_vec(b, 50);
+    }
+    struct zones s = {.nv = NV,
+                      .n = N,
+                      .pair = pair,
+                      .w = w,
+                      .x0 = x0,
+                      .dt = dt,
+                      .u = u,
+                      .n4 = 4 * N,
+                      .label = label,
+                      .key = key,
+                      .spare = spare,
+                      .sum = sum,
+                      .zone = zone,
+                      .vertex = vertex};
+    EXPECT(ref_zones(&s) == DRAPE_OK && s.found == 1 && s.vertices == 2);
+    for (int k = 0; k < NV; k++)
+        x1[k] = vec_axpy(x0[k], dt, u[k]);
+    for (int k = 4; k < 6; k++)
+        for (int j = 0; j < 4; j++) {
+            real d0 = vec_length(vec_sub(x0[k], x0[j]));
+            real d1 = vec_length(vec_sub(x1[k], x1[j]));
+            EXPECT(real_abs(d1 - d0) <= (REAL_BITS == 32 ? R(3e-5) : R(1e-13)));
+        }
+    return NULL;
+}
+
+const char *test_zones_follow(void)
+{
+    for (int k = 0; k < 200; k++) {
+        struct bytes b = {.seed = (uint64_t)k, .size = -1};
+        const char *failed = follow(&b);
+        choices_free(&b);
+        if (failed)
+            return failed;
+        ran(1);
+    }
+    return NULL;
+}
