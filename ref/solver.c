@@ -1,19 +1,51 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The linear system of one cloth. */
+/* The linear system of one cloth: pcg with memory and a clock. */
 #include "ref/solver.h"
 
-int solver_make(struct solver *s, const drape_def *def,
-                const struct cloth *cloth, struct arena *arena) {
-  (void)cloth;
-  (void)arena;
-  s->matrix = def->matrix;
-  s->precond = def->precond;
-  s->tolerance = def->tolerance;
-  s->max_iterations = def->max_iterations;
-  return DRAPE_OK;
+#include "ref/clock.h"
+
+static void *take(struct arena *a, int64_t n, size_t size)
+{
+    return arena_take(a, ARENA_SOLVER, n, size);
 }
 
-int solver_solve(struct dynamics *d) {
-  memset(d->dv, 0, (size_t)d->cloth->count * sizeof *d->dv);
-  return DRAPE_OK;
+int solver_make(struct solver *s, const drape_def *def,
+                const struct cloth *cloth, struct arena *arena)
+{
+    struct pcg *p = &s->pcg;
+    p->m = cloth->m;
+    p->n = cloth->n;
+    p->count = cloth->count;
+    p->precond = def->precond;
+    p->form = def->matrix;
+    p->tolerance = (real)def->tolerance;
+    p->max_iterations = def->max_iterations;
+    p->mass = cloth->mass;
+    p->fixed = cloth->fixed;
+    ref_pcg_size(p);
+    p->cdf = take(arena, p->n_cdf, sizeof *p->cdf);
+    p->diagonal = take(arena, p->count, sizeof *p->diagonal);
+    p->factor = take(arena, p->count, sizeof *p->factor);
+    p->r = take(arena, p->count, sizeof *p->r);
+    p->s = take(arena, p->count, sizeof *p->s);
+    p->p = take(arena, p->count, sizeof *p->p);
+    p->q = take(arena, p->count, sizeof *p->q);
+    p->chunk = take(arena, p->n_chunks, sizeof *p->chunk);
+    return arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+}
+
+int solver_solve(struct dynamics *d)
+{
+    struct solver *s = d->solver;
+    double start = clock_now();
+    s->pcg.block = d->block;
+    s->pcg.b = d->b;
+    s->pcg.dv = d->dv;
+    int status = ref_pcg(&s->pcg);
+    d->iterations += s->pcg.iterations;
+    d->residual = (double)s->pcg.residual;
+    if (status == DRAPE_OK && s->pcg.outcome != PCG_CONVERGED)
+        d->outcome |= DRAPE_UNCONVERGED;
+    s->seconds = clock_now() - start;
+    return status;
 }

@@ -5,11 +5,11 @@
 
 #include "ref/arena.h"
 #include "ref/dynamics.h"
+#include "ref/pcg.h"
 
 struct solver {
-  int matrix, precond; /* enum drape_matrix, enum drape_precond */
-  double tolerance;
-  int max_iterations;
+    struct pcg pcg;
+    double seconds; /* out: of the last solve */
 };
 
 /* Takes what the solver of this cloth needs. DRAPE_OK or DRAPE_ENOMEM. */
