@@ -49,13 +49,13 @@ TEST_O := $(call obj,$(TWICE),.32) $(call obj,$(TWICE),.64) \
           $(call obj,$(ONCE),)
 APP_O  := $(call obj,$(APP),)
 # Without their libraries one file stands in for all oracles but brute force.
-ORC_O  := $(call obj,$(if $(HAS_ORACLE),$(filter-out \
-          oracle/absent.c,$(ORACLE)),oracle/absent.c oracle/brute.c),)
+ORC_O  := $(call obj,$(if $(HAS_ORACLE),$(filter-out oracle/absent.c \
+          oracle/table.cpp,$(ORACLE)),oracle/absent.c oracle/brute.c),)
 ORC_L  := $(if $(HAS_ORACLE),$(ORACLE_LIBS))
 LIB    := $(BUILD)/libdrape.a
 
 .PHONY: all demo check bench asan fuzz install help golden format tidy \
-        flavours soak prove say-gpu
+        flavours soak prove oracles say-gpu
 .DELETE_ON_ERROR:
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu
@@ -105,6 +105,12 @@ demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 
 bench: $(BUILD)/check ## time and bytes of every stage, as csv
 	$(BUILD)/check --bench
+
+$(BUILD)/table: $(BUILD)/oracle/table.o $(ORC_O)
+	$(CXX17) $^ -o $@ $(ORC_L)
+QUERIES ?= ../shared/ccd/queries
+oracles: $(BUILD)/table ## the tables of oracle/README.md, from QUERIES=DIR
+	$(BUILD)/table $(QUERIES)/*.csv
 
 golden: $(BUILD)/check ## records the hashes of all stages anew
 	$(BUILD)/check --golden-write tests/golden/stages.txt
