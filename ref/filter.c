@@ -4,10 +4,10 @@
 
 #include "ref/real.h"
 
-/* §4.3; proven in spec/proofs/. δ is the largest component on an axis. */
-#define ERROR_FORM 0x1p-46  /* times δiδj */
-#define ERROR_CUBIC 0x1p-46 /* times δxδyδz */
-#define ERROR_BOX 0x1p-50   /* times the largest box form */
+/* §4.3; proven in spec/proofs/narrow_*.gappa. δ is the largest component on an axis. */
+#define ERROR_FORM 0x1p-47  /* times δiδj */
+#define ERROR_CUBIC 0x1p-45 /* times δxδyδz */
+#define ERROR_BOX 0x1p-51   /* times the largest box form */
 #define UNDERFLOW 0x1p-800  /* what products below 2^-1022 can lose */
 #define RANGE 0x1p200       /* the largest δ that the proof covers */
 
@@ -176,7 +176,7 @@ int filter_signs(const struct motion *m, struct forms *s, bool *inside)
         double most;
         if (apart(m, k, &most))
             return FILTER_MISS;
-        s->eb[k] = ERROR_BOX * most;
+        s->eb[k] = ERROR_BOX * most + UNDERFLOW;
     }
     if (!bounds(m, s)) {
         *inside = false;
