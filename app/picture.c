@@ -70,8 +70,9 @@ static void look_at_triangle(const struct studio *s, struct RTCRayHit *r, vec d,
         n = add(n, scale(from(m->normal[t[i]]), w[i]));
     hit->face = unit(make(r->hit.Ng_x, r->hit.Ng_y, r->hit.Ng_z));
     hit->normal = unit(n);
-    bool outside = dot(hit->face, d) < 0;
-    if (!outside)
+    /* A flat sheet's triangles turn down; its outside is above. */
+    bool outside = dot(hit->face, d) > 0;
+    if (outside)
         hit->face = scale(hit->face, -1);
     if (dot(hit->normal, hit->face) < 0)
         hit->normal = scale(hit->normal, -1);

@@ -45,56 +45,29 @@ static int find_type(const char *name)
     return -1;
 }
 
-static bool host_is_little(void)
-{
-    const uint16_t one = 1;
-    unsigned char byte;
-    memcpy(&byte, &one, 1);
-    return byte == 1;
-}
-
 /* The next binary number as binary64: exact for all types. */
 static double read_binary(struct reader *r, int type)
 {
-    unsigned char b[8];
     int size = types[type].size;
     if (r->end - r->at < size) {
         r->short_of = true;
         return 0;
     }
-    for (int k = 0; k < size; k++)
-        b[(r->format == LITTLE) == host_is_little() ? k : size - 1 - k] =
-            (unsigned char)r->at[k];
-    r->at += size;
-    union {
-        int8_t i8;
-        uint8_t u8;
-        int16_t i16;
-        uint16_t u16;
-        int32_t i32;
-        uint32_t u32;
-        float f32;
-        double f64;
-    } u;
-    memcpy(&u, b, (size_t)size);
-    switch (type) {
-    case 0:
-        return u.i8;
-    case 1:
-        return u.u8;
-    case 2:
-        return u.i16;
-    case 3:
-        return u.u16;
-    case 4:
-        return u.i32;
-    case 5:
-        return u.u32;
-    case 6:
-        return (double)u.f32;
-    default:
-        return u.f64;
+    uint64_t bits = 0;
+    for (int k = 0; k < size; k++) {
+        int place = r->format == LITTLE ? k : size - 1 - k;
+        bits |= (uint64_t)(unsigned char)r->at[k] << 8 * place;
     }
+    r->at += size;
+    uint32_t half = (uint32_t)bits;
+    float single;
+    double value;
+    memcpy(&single, &half, sizeof single);
+    memcpy(&value, &bits, sizeof value);
+    if (type >= 6)
+        return type == 6 ? (double)single : value;
+    bool negative = type % 2 == 0 && bits >> (8 * size - 1);
+    return (double)bits - (negative ? (double)((uint64_t)1 << 8 * size) : 0);
 }
 
 static double read_number(struct reader *r, int type)

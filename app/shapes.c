@@ -193,6 +193,14 @@ static int make_funnel(struct pool *pool, const struct shape *s,
     return turn(pool, &lathe, mesh);
 }
 
+/* Catmull and Rom's cubic between p[1] and p[2]. */
+static double spline(const double p[4], double t)
+{
+    double a = p[2] - p[0], b = 2 * p[0] - 5 * p[1] + 4 * p[2] - p[3];
+    double c = 3 * (p[1] - p[2]) + p[3] - p[0];
+    return p[1] + t * (a + t * (b + t * c)) / 2;
+}
+
 /* A figure on a pedestal: a fluted robe, shoulders and a head. */
 static int make_statue(struct pool *pool, const struct shape *s,
                        struct mesh *mesh)
@@ -204,16 +212,23 @@ static int make_statue(struct pool *pool, const struct shape *s,
         {.19, .62, .04}, {.20, .68, .02}, {.12, .735, 0},   {.065, .76, 0},
         {.065, .79, 0},  {.10, .83, .01}, {.115, .88, .02}, {.10, .94, .02},
         {.06, .985, 0},  {0, 1, 0}};
-    enum { KNOTS = sizeof knot / sizeof knot[0], BETWEEN = 5 };
+    enum { KNOTS = sizeof knot / sizeof knot[0], BETWEEN = 5, PEDESTAL = 3 };
     double profile[(KNOTS - 1) * BETWEEN + 1][2];
     double depth[(KNOTS - 1) * BETWEEN + 1];
     int rings = (KNOTS - 1) * BETWEEN + 1;
     for (int k = 0; k < rings; k++) {
-        int a = k / BETWEEN, b = a + 1 < KNOTS ? a + 1 : a;
-        double t = (double)(k % BETWEEN) / BETWEEN;
-        profile[k][0] = s->height * (knot[a][0] * (1 - t) + knot[b][0] * t);
-        profile[k][1] = s->height * (knot[a][1] * (1 - t) + knot[b][1] * t);
-        depth[k] = knot[a][2] * (1 - t) + knot[b][2] * t;
+        int a = k / BETWEEN;
+        double at[3][4], t = (double)(k % BETWEEN) / BETWEEN;
+        for (int j = 0; j < 4; j++) {
+            /* The pedestal's edges are sharp: no knots from below them. */
+            int from = j == 0 && a <= PEDESTAL ? a : a + j - 1;
+            from = from < KNOTS ? from : KNOTS - 1;
+            for (int i = 0; i < 3; i++)
+                at[i][j] = knot[from][i];
+        }
+        profile[k][0] = s->height * spline(at[0], t);
+        profile[k][1] = s->height * spline(at[1], t);
+        depth[k] = spline(at[2], t);
     }
     struct lathe lathe = {rings, s->detail, profile, depth, 7};
     return turn(pool, &lathe, mesh);

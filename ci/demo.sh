@@ -39,8 +39,8 @@ fi
 start=$(date +%s)
 DRAPE_MODELS=$models "$build/drape" run "$scene" --frames 120 --out "$out"
 "$build/drape" audit "$out"
-for frame in 15 30 60 120; do
-    "$build/drape" render "$out" --frame $frame --samples 32
+for frame in 20 40 120; do
+    "$build/drape" render "$out" --frame $frame --samples 24
 done
-"$build/drape" render "$out" --width 640 --height 480 --samples 6
+"$build/drape" render "$out" --every 2 --width 640 --height 480 --samples 6
 echo "demo: $(($(date +%s) - start)) s, see $out"
