@@ -8,77 +8,82 @@ const struct field fields_blocks[] = {
     IN(blocks, law, laws, 1), IN(blocks, springs, count, 1),
     IN(blocks, x, count, 1), OUT(blocks, block, count, SPRINGS), FIELD_END};
 
-void gen_blocks(struct bytes *b, struct blocks *s) {
-  struct grid g = pick_grid(b);
-  s->m = g.m;
-  s->count = g.count;
-  s->laws = SPRINGS;
-  s->law = g.law;
-  s->springs = g.springs;
-  s->x = pick_state(b, &g);
-  s->tau = pick_uniform(b, R(1e-4), R(0.05));
+void gen_blocks(struct bytes *b, struct blocks *s)
+{
+    struct grid g = pick_grid(b);
+    s->m = g.m;
+    s->count = g.count;
+    s->laws = SPRINGS;
+    s->law = g.law;
+    s->springs = g.springs;
+    s->x = pick_state(b, &g);
+    s->tau = pick_uniform(b, R(1e-4), R(0.05));
 }
 
 /* §3: the block against a u uᵀ + b (I - u uᵀ) in binary64. */
 static const char *check(const struct blocks *s, const struct law *law, vec p,
-                         vec q, const sym *block) {
-  double d[3] = {(double)q.x - (double)p.x, (double)q.y - (double)p.y,
-                 (double)q.z - (double)p.z};
-  double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-  if (!(length > 1e-15 && length < 1e15))
+                         vec q, const sym *block)
+{
+    double d[3] = {(double)q.x - (double)p.x, (double)q.y - (double)p.y,
+                   (double)q.z - (double)p.z};
+    double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    if (!(length > 1e-15 && length < 1e15))
+        return NULL;
+    double tau = (double)s->tau, slope, tension = law_oracle(law, length);
+    /* Where rounding or the fit may put the length beyond a kink. */
+    double blur = 16 * REAL_U * (length + (double)law->rest);
+    double shift = 13 * LAW_ERROR * (double)law->bend / (double)law->press;
+    bool kink = fabs(length - (double)law->rest) <= blur ||
+                fabs(length - (double)law->knee) <= blur + shift;
+    slope = law_oracle_slope(law, length);
+    double a = tau * (double)law->damp + tau * tau * slope;
+    double b = tension > 0 ? tau * tau * tension / length : 0;
+    const real *entry = &block->xx;
+    double fit = LAW_SLOPE_ERROR * (double)law->bend / (double)law->rest;
+    double stiff = (double)law->stiff * (40 * REAL_U + (kink ? 1 : 0));
+    double error = tau * tau * (fit + stiff) + 40 * REAL_U * a + 1e-35;
+    for (int i = 0, e = 0; i < 3; i++)
+        for (int j = i; j < 3; j++, e++) {
+            double uu = d[i] * d[j] / (length * length);
+            double want = (a - b) * uu + (i == j ? b : 0);
+            EXPECT(fabs((double)entry[e] - want) <= error);
+        }
     return NULL;
-  double tau = (double)s->tau, slope, tension = law_oracle(law, length);
-  /* Where rounding may put the length on either side of a kink. */
-  double blur = 16 * REAL_U * (length + (double)law->rest);
-  bool kink = fabs(length - (double)law->rest) <= blur ||
-              fabs(length - (double)law->knee) <= blur;
-  slope = law_oracle_slope(law, length);
-  double a = tau * (double)law->damp + tau * tau * slope;
-  double b = tension > 0 ? tau * tau * tension / length : 0;
-  const real *entry = &block->xx;
-  double error =
-      tau * tau * (double)law->stiff * (40 * REAL_U + 2e-6 + (kink ? 1 : 0)) +
-      40 * REAL_U * a + 1e-35;
-  for (int i = 0, e = 0; i < 3; i++)
-    for (int j = i; j < 3; j++, e++) {
-      double uu = d[i] * d[j] / (length * length);
-      double want = (a - b) * uu + (i == j ? b : 0);
-      EXPECT(fabs((double)entry[e] - want) <= error);
-    }
-  return NULL;
 }
 
 /* §2: no direction z of a small lattice has zᵀ B z < 0, to rounding. */
-static const char *semidefinite(const sym *a) {
-  double trace = (double)a->xx + (double)a->yy + (double)a->zz;
-  EXPECT(trace >= 0 && trace <= 1e30);
-  for (int k = 0; k < 343; k++) {
-    double x = k % 7 - 3, y = k / 7 % 7 - 3, z = k / 49 - 3;
-    double form = (double)a->xx * x * x + (double)a->yy * y * y +
-                  (double)a->zz * z * z +
-                  2 * ((double)a->xy * x * y + (double)a->xz * x * z +
-                       (double)a->yz * y * z);
-    double square = x * x + y * y + z * z;
-    EXPECT(form >= -(8 * REAL_U * trace + 1e-35) * square);
-  }
-  return NULL;
+static const char *semidefinite(const sym *a)
+{
+    double trace = (double)a->xx + (double)a->yy + (double)a->zz;
+    EXPECT(trace >= 0 && trace <= 1e30);
+    for (int k = 0; k < 343; k++) {
+        double x = k % 7 - 3, y = k / 7 % 7 - 3, z = k / 49 - 3;
+        double form = (double)a->xx * x * x + (double)a->yy * y * y +
+                      (double)a->zz * z * z +
+                      2 * ((double)a->xy * x * y + (double)a->xz * x * z +
+                           (double)a->yz * y * z);
+        double square = x * x + y * y + z * z;
+        EXPECT(form >= -(8 * REAL_U * trace + 1e-35) * square);
+    }
+    return NULL;
 }
 
-const char *prop_blocks(const struct blocks *s) {
-  static const sym zero;
-  for (int64_t k = 0; k < SPRINGS * s->count; k++) {
-    int64_t o = k / s->count, p = k % s->count;
-    const sym *block = &s->block[k];
-    if (!(s->springs[p] >> o & 1)) {
-      EXPECT(!memcmp(block, &zero, sizeof zero));
-      continue;
+const char *prop_blocks(const struct blocks *s)
+{
+    static const sym zero;
+    for (int64_t k = 0; k < SPRINGS * s->count; k++) {
+        int64_t o = k / s->count, p = k % s->count;
+        const sym *block = &s->block[k];
+        if (!(s->springs[p] >> o & 1)) {
+            EXPECT(!memcmp(block, &zero, sizeof zero));
+            continue;
+        }
+        int64_t q = p + spring_di[o] + (int64_t)spring_dj[o] * s->m;
+        const char *bad = check(s, &s->law[o], s->x[p], s->x[q], block);
+        if (!bad)
+            bad = semidefinite(block);
+        if (bad)
+            return bad;
     }
-    int64_t q = p + spring_di[o] + (int64_t)spring_dj[o] * s->m;
-    const char *bad = check(s, &s->law[o], s->x[p], s->x[q], block);
-    if (!bad)
-      bad = semidefinite(block);
-    if (bad)
-      return bad;
-  }
-  return NULL;
+    return NULL;
 }
