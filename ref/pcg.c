@@ -12,7 +12,13 @@ int64_t ref_pcg_size(struct pcg *s)
     s->n_blocks = SPRINGS * s->count;
     s->n_chunks = sum_chunks(s->count);
     s->n_cdf = s->form == DRAPE_CDF ? ref_cdf(s->m, s->n).blocks : 0;
-    return s->n_cdf * (int64_t)sizeof(mat) +
+    struct multigrid none = {0};
+    s->grid = none;
+    if (s->precond == DRAPE_MULTIGRID) {
+        s->grid.m = s->m;
+        s->grid.n = s->n;
+    }
+    return ref_multigrid_size(&s->grid) + s->n_cdf * (int64_t)sizeof(mat) +
            s->count * (int64_t)(2 * sizeof(sym) + 4 * sizeof(vec)) +
            s->n_chunks * (int64_t)sizeof(real);
 }
@@ -44,6 +50,10 @@ static void multiply(struct pcg *s, const vec *x, vec *y)
 /* s->s = M⁻¹ r. */
 static void precondition(struct pcg *s)
 {
+    if (s->precond == DRAPE_MULTIGRID && !s->fell_back) {
+        ref_multigrid_cycle(&s->grid);
+        return;
+    }
     EACH_ITEM
     for (int64_t k = 0; k < s->count; k++)
         s->s[k] = factor_solve(s->factor[k], s->r[k]);
@@ -58,6 +68,19 @@ static void true_residual(struct pcg *s)
         s->r[k] = s->fixed[k] ? vec_make(0, 0, 0) : vec_sub(s->b[k], s->q[k]);
 }
 
+static int set_up_grid(struct pcg *s)
+{
+    s->grid.mass = s->mass;
+    s->grid.n_extra = s->n_extra;
+    s->grid.extra = s->extra;
+    s->grid.block = s->block;
+    s->grid.fixed = s->fixed;
+    s->grid.factor = s->factor;
+    s->grid.r = s->r;
+    s->grid.z = s->s;
+    return ref_multigrid_build(&s->grid);
+}
+
 static int set_up(struct pcg *s)
 {
     struct matrix a = {s->m,       s->n,        s->count,    s->mass,
@@ -68,6 +91,8 @@ static int set_up(struct pcg *s)
     int status = s->n_cdf ? ref_matrix(&a) : DRAPE_OK;
     if (status == DRAPE_OK)
         status = ref_jacobi(&j);
+    if (status == DRAPE_OK && s->precond == DRAPE_MULTIGRID)
+        status = set_up_grid(s);
     EACH_ITEM
     for (int64_t k = 0; k < s->count; k++)
         s->dv[k] = s->fixed[k] && s->n_z ? s->z[k] : vec_make(0, 0, 0);
@@ -130,14 +155,14 @@ int ref_pcg(struct pcg *s)
 {
     if (s->n_chunks != sum_chunks(s->count) || !(s->tolerance >= 0) ||
         s->max_iterations < 0 || (s->n_z && s->n_z != s->count) ||
-        s->precond != DRAPE_JACOBI || s->form < DRAPE_CDF ||
-        s->form > DRAPE_COMPACT)
+        s->precond < DRAPE_JACOBI || s->precond > DRAPE_MULTIGRID ||
+        s->form < DRAPE_CDF || s->form > DRAPE_COMPACT)
         return DRAPE_EARG;
     int status = set_up(s);
     if (status != DRAPE_OK)
         return status;
 
-    s->iterations = 0;
+    s->iterations = s->fell_back = 0;
     s->recurrence = s->residual = 0;
     s->outcome = PCG_CONVERGED;
     true_residual(s);
@@ -157,6 +182,13 @@ int ref_pcg(struct pcg *s)
         s->outcome = iterate(s, square);
         true_residual(s);
         s->residual = real_sqrt(dot(s, s->r, s->r) / square);
+        /* §5: a matrix that is not quite definite may still yield. */
+        if (s->outcome == PCG_BREAKDOWN && s->residual - s->residual == 0 &&
+            s->precond == DRAPE_MULTIGRID && !s->fell_back) {
+            s->fell_back = 1;
+            s->outcome = PCG_CONVERGED;
+            before = 2 * s->residual;
+        }
     }
     return DRAPE_OK;
 }

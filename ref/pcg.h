@@ -4,7 +4,7 @@
 #ifndef REF_PCG_H
 #define REF_PCG_H
 
-#include "ref/matrix.h"
+#include "ref/multigrid.h"
 
 enum pcg_outcome {
     PCG_CONVERGED, /* the true residual is within the tolerance */
@@ -33,14 +33,17 @@ struct pcg {
 
     int64_t n_cdf, n_chunks; /* from ref_pcg_size */
     mat *cdf;                /* scratch: [n_cdf] */
-    sym *diagonal;           /* scratch: [count] */
+    sym *diagonal;           /* scratch: [count] where n_cdf, else unused */
     sym *factor;             /* scratch: [count] */
     vec *r, *s, *p, *q;      /* scratch: [count] */
     real *chunk;             /* scratch: [n_chunks] */
+    struct multigrid grid;   /* scratch: its pool, room, live and dense, of
+                                its sizes, 0 but where precond is multigrid */
 
     vec *dv;            /* out: [count] m/s */
     int32_t iterations; /* out: products with a search direction */
     int32_t outcome;    /* out: enum pcg_outcome */
+    int32_t fell_back;  /* out: 1: multigrid broke down, Jacobi went on */
     real recurrence;    /* out: relative residual, as the iteration has it */
     real residual;      /* out: |b - A dv| / |b - A z| over free particles */
 };

@@ -9,5 +9,9 @@
 
 /* Threads take contiguous runs of items; no result depends on which. */
 #define EACH_ITEM _Pragma("omp parallel for schedule(static)")
+/* The same where there may be few of them: n light items. */
+#define STAGE_PRAGMA(x) _Pragma(#x)
+#define EACH_MANY(n)                                                           \
+    STAGE_PRAGMA(omp parallel for schedule(static) if ((n) > 4096))
 
 #endif

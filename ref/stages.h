@@ -17,6 +17,7 @@
 #include "ref/jacobi.h"
 #include "ref/kinematics.h"
 #include "ref/matrix.h"
+#include "ref/multigrid.h"
 #include "ref/narrow.h"
 #include "ref/pcg.h"
 #include "ref/product.h"

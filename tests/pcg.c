@@ -6,17 +6,31 @@
 
 #include "tests/system.h"
 
-const struct field fields_pcg[] = {
-    IN(pcg, mass, count, 1),        IN(pcg, extra, n_extra, 1),
-    IN(pcg, block, n_blocks, 1),    IN(pcg, fixed, count, 1),
-    IN(pcg, b, count, 1),           IN(pcg, z, n_z, 1),
-    SCRATCH(pcg, cdf, n_cdf, 1),    SCRATCH(pcg, diagonal, count, 1),
-    SCRATCH(pcg, factor, count, 1), SCRATCH(pcg, r, count, 1),
-    SCRATCH(pcg, s, count, 1),      SCRATCH(pcg, p, count, 1),
-    SCRATCH(pcg, q, count, 1),      SCRATCH(pcg, chunk, n_chunks, 1),
-    OUT(pcg, dv, count, 1),         OUT_VALUE(pcg, iterations),
-    OUT_VALUE(pcg, outcome),        OUT_VALUE(pcg, recurrence),
-    OUT_VALUE(pcg, residual),       FIELD_END};
+const struct field fields_pcg[] = {IN(pcg, mass, count, 1),
+                                   IN(pcg, extra, n_extra, 1),
+                                   IN(pcg, block, n_blocks, 1),
+                                   IN(pcg, fixed, count, 1),
+                                   IN(pcg, b, count, 1),
+                                   IN(pcg, z, n_z, 1),
+                                   SCRATCH(pcg, cdf, n_cdf, 1),
+                                   SCRATCH(pcg, diagonal, count, 1),
+                                   SCRATCH(pcg, factor, count, 1),
+                                   SCRATCH(pcg, r, count, 1),
+                                   SCRATCH(pcg, s, count, 1),
+                                   SCRATCH(pcg, p, count, 1),
+                                   SCRATCH(pcg, q, count, 1),
+                                   SCRATCH(pcg, chunk, n_chunks, 1),
+                                   SCRATCH(pcg, grid.pool, grid.n_pool, 1),
+                                   SCRATCH(pcg, grid.room, grid.n_room, 1),
+                                   SCRATCH(pcg, grid.live, grid.count, 1),
+                                   SCRATCH(pcg, grid.dense, grid.n_dense, 1),
+                                   OUT(pcg, dv, count, 1),
+                                   OUT_VALUE(pcg, iterations),
+                                   OUT_VALUE(pcg, outcome),
+                                   OUT_VALUE(pcg, fell_back),
+                                   OUT_VALUE(pcg, recurrence),
+                                   OUT_VALUE(pcg, residual),
+                                   FIELD_END};
 
 static void give(struct pcg *s, const struct system *a)
 {
@@ -35,7 +49,7 @@ void gen_pcg(struct bytes *b, struct pcg *s)
 {
     struct system a;
     pick_system(b, &a);
-    s->precond = DRAPE_JACOBI;
+    s->precond = pick(b, 2) ? DRAPE_MULTIGRID : DRAPE_JACOBI;
     s->form = pick(b, 2) ? DRAPE_CDF : DRAPE_COMPACT;
     s->tolerance = pick(b, 2) ? R(1e-3) : 0;
     s->max_iterations = (int32_t)pick(b, 40);
@@ -90,6 +104,10 @@ static void open_pcg(struct pcg *s, const struct system *a)
     s->p = room(s->count, sizeof *s->p);
     s->q = room(s->count, sizeof *s->q);
     s->chunk = room(s->n_chunks, sizeof *s->chunk);
+    s->grid.pool = room(s->grid.n_pool, sizeof *s->grid.pool);
+    s->grid.room = room(s->grid.n_room, sizeof *s->grid.room);
+    s->grid.live = room(s->grid.count, sizeof *s->grid.live);
+    s->grid.dense = room(s->grid.n_dense, sizeof *s->grid.dense);
     s->dv = room(s->count, sizeof *s->dv);
 }
 
@@ -103,6 +121,10 @@ static void close_pcg(struct pcg *s)
     free(s->p);
     free(s->q);
     free(s->chunk);
+    free(s->grid.pool);
+    free(s->grid.room);
+    free(s->grid.live);
+    free(s->grid.dense);
     free(s->dv);
 }
 
@@ -194,7 +216,7 @@ const char *test_pcg_dense(void)
         struct design d = {4 + k % 3, 3 + k % 4, (enum shape)(k % SHAPES),
                            k % 2 ? TRIM_HOLE | TRIM_CUT | TRIM_PINS : 0, 0.1};
         make_system(&d, &a);
-        struct pcg s = {.precond = DRAPE_JACOBI,
+        struct pcg s = {.precond = k / 4 % 2 ? DRAPE_MULTIGRID : DRAPE_JACOBI,
                         .form = k % 4 < 2 ? DRAPE_CDF : DRAPE_COMPACT,
                         .tolerance = REAL_BITS == 32 ? R(1e-4) : R(1e-9),
                         .max_iterations = 1000};
