@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The binary64 tiers of the narrow phase: spec/30_narrow.md §4 and §5. */
+/* The first tier of the narrow phase: spec/30_narrow.md §4. */
 #ifndef REF_FILTER_H
 #define REF_FILTER_H
 
@@ -41,8 +41,26 @@ void motion_ee(double x[2][4][3], struct motion *m);
  * the proof's range is left, *inside is false and s is not to be used. */
 int filter_signs(const struct motion *m, struct forms *s, bool *inside);
 
-/* Second tier (§5): FILTER_MISS; FILTER_HIT, *toi canonical; FILTER_UNSURE,
- * *toi a lower bound. */
-int filter_split(const struct motion *m, const struct forms *s, uint32_t *toi);
+/* The larger and the smaller of two, the second of equals. */
+static inline double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static inline double smaller(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+/* 1 or -1 where all n coefficients have that sign beyond error e, else 0. */
+static inline int filter_sign(const double *c, int n, double e)
+{
+    double lo = c[0], hi = c[0];
+    for (int i = 1; i < n; i++) {
+        lo = smaller(lo, c[i]);
+        hi = larger(hi, c[i]);
+    }
+    return lo > e ? 1 : hi < -e ? -1 : 0;
+}
 
 #endif

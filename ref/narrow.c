@@ -3,7 +3,7 @@
 #include "ref/narrow.h"
 
 #include "ref/exact.h"
-#include "ref/filter.h"
+#include "ref/split.h"
 #include "ref/stage.h"
 
 /* Positions in binary64: exact. */

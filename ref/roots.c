@@ -1,114 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Real roots of small polynomials, exactly: spec/30_narrow.md §6.2-6.4. */
+/* Real roots of small polynomials, exactly: spec/30_narrow.md §6.2 and §6.4. */
 #include "ref/roots.h"
 
 #include <stddef.h>
-
-/* A time τ > 0 (or 0 or ∞ on the grid): a/b, or a root of a quadratic. */
-struct point {
-    const struct poly *q; /* NULL: τ = a/b, b ≥ 0 */
-    int which;            /* 0 the smaller, 1 the larger root of q */
-    struct big a, b;
-};
-
-bool poly_zero(const struct poly *p)
-{
-    for (int i = 0; i <= p->degree; i++)
-        if (p->c[i].sign)
-            return false;
-    return true;
-}
-
-/* The sign of Σ c[i]·a^i·b^(n-i). */
-static int sign_fraction(struct room *m, const struct poly *f, struct big a,
-                         struct big b)
-{
-    int mark = m->used;
-    struct big r = f->c[f->degree], power = b;
-    for (int i = f->degree - 1; i >= 0; i--) {
-        r = big_mul(m, r, a);
-        if (f->c[i].sign)
-            r = big_add(m, r, big_mul(m, f->c[i], power));
-        if (i > 0)
-            power = big_mul(m, power, b);
-    }
-    m->used = mark;
-    return r.sign;
-}
-
-/* f modulo the quadratic q times a positive number: l[1]·τ + l[0]. */
-static void reduce(struct room *m, const struct poly *f, const struct poly *q,
-                   struct big l[2])
-{
-    struct big a = q->c[2], b = q->c[1], c = q->c[0], zero = {0};
-    struct big f0 = f->c[0], f1 = f->degree > 0 ? f->c[1] : zero;
-    struct big f2 = f->degree > 1 ? f->c[2] : zero;
-    l[0] = f0;
-    l[1] = f1;
-    if (f->degree == 3 && f->c[3].sign) {
-        struct big f3 = f->c[3];
-        f2 = big_det(m, f2, a, f3, b);
-        f1 = big_det(m, f1, a, f3, c);
-        f0 = big_mul(m, f0, a);
-        if (a.sign < 0) {
-            f2 = big_negate(f2);
-            f1 = big_negate(f1);
-            f0 = big_negate(f0);
-        }
-        l[0] = f0;
-        l[1] = f1;
-    }
-    if (f2.sign == 0)
-        return;
-    l[1] = big_det(m, f1, a, f2, b);
-    l[0] = big_det(m, f0, a, f2, c);
-    if (a.sign < 0) {
-        l[1] = big_negate(l[1]);
-        l[0] = big_negate(l[0]);
-    }
-}
-
-/* The sign of f at a root of the quadratic q, which has two (§6.3). */
-static int sign_surd(struct room *m, const struct poly *f, const struct poly *q,
-                     int which)
-{
-    int mark = m->used;
-    struct big l[2], a = q->c[2], b = q->c[1], c = q->c[0];
-    reduce(m, f, q, l);
-    int result = l[0].sign;
-    if (l[1].sign) {
-        /* u = -l0/l1 against the roots: z = sign q(u), w = sign q'(u) */
-        struct big s = big_det(m, a, l[0], b, l[1]);
-        struct big t = big_mul(m, c, l[1]);
-        s = big_add(m, big_mul(m, s, l[0]), big_mul(m, t, l[1]));
-        struct big d = big_sub(m, big_mul(m, b, l[1]),
-                               big_times(m, big_mul(m, a, l[0]), 2));
-        int z = s.sign * a.sign, w = d.sign * a.sign * l[1].sign;
-        int past; /* sign of root - u */
-        if (z < 0)
-            past = which ? 1 : -1;
-        else if (z == 0)
-            past = w < 0 ? which : which - 1;
-        else
-            past = -w;
-        result = past * l[1].sign;
-    }
-    m->used = mark;
-    return result;
-}
-
-static int sign_point(struct room *m, const struct poly *f,
-                      const struct point *p)
-{
-    return p->q ? sign_surd(m, f, p->q, p->which)
-                : sign_fraction(m, f, p->a, p->b);
-}
-
-static struct point grid_point(struct room *m, uint32_t g)
-{
-    struct point p = {NULL, 0, big_small(m, g), big_small(m, ROOT_ONE - g)};
-    return p;
-}
 
 /* Sign variations, zeros skipped. */
 static int variations(const int *sign, int n)
@@ -150,12 +44,6 @@ static void hessian(struct room *m, const struct big c[4], struct big h[3])
     h[0] = big_det(m, c[1], c[1], big_times(m, c[2], 3), c[0]);
 }
 
-/* b² - 4ac of a quadratic. */
-static struct big discriminant(struct room *m, const struct big c[3])
-{
-    return big_det(m, c[1], c[1], big_times(m, c[2], 4), c[0]);
-}
-
 /* Fills in the counts of a chain with p, d, r and tail set. */
 static void count_roots(struct chain *c)
 {
@@ -183,7 +71,7 @@ static int cubic_chains(struct room *m, struct poly p, struct chain c[2])
 {
     struct big h[3], a = p.c[3], b = p.c[2];
     hessian(m, p.c, h);
-    int disc = discriminant(m, h).sign, s = a.sign;
+    int disc = poly_discriminant(m, h).sign, s = a.sign;
     if (disc) {
         start_chain(m, p, &c[0]);
         c[0].tail = -disc * s;
@@ -218,7 +106,7 @@ int chains_make(struct room *m, const struct poly *p, struct chain c[2])
         return cubic_chains(m, f, c);
     int tail = 0;
     if (f.degree == 2) {
-        tail = discriminant(m, f.c).sign * f.c[2].sign;
+        tail = poly_discriminant(m, f.c).sign * f.c[2].sign;
         if (tail == 0)
             f = linear(big_times(m, f.c[2], 2), f.c[1]);
     }
@@ -232,10 +120,10 @@ int chains_make(struct room *m, const struct poly *p, struct chain c[2])
 static int chain_at(struct room *m, const struct chain *c,
                     const struct point *p, int *zero)
 {
-    int sign[4] = {sign_point(m, &c->p, p), sign_point(m, &c->d, p), 0,
+    int sign[4] = {point_sign(m, &c->p, p), point_sign(m, &c->d, p), 0,
                    c->tail};
     if (c->p.degree == 3)
-        sign[2] = sign_point(m, &c->r, p);
+        sign[2] = point_sign(m, &c->r, p);
     *zero = sign[0] == 0;
     return variations(sign, 4);
 }
@@ -245,7 +133,7 @@ static int roots_to(struct room *m, const struct chain *c,
                     const struct point *p, int *zero)
 {
     if (c->roots == 1) { /* the sign of p alone tells */
-        int sign = sign_point(m, &c->p, p);
+        int sign = point_sign(m, &c->p, p);
         *zero = sign == 0;
         return sign != c->p.c[0].sign;
     }
@@ -261,7 +149,7 @@ void root_locate(struct room *m, const struct chain *c, int i, struct root *r)
     while (hi - lo > 1) {
         int mark = m->used, zero;
         uint32_t mid = lo + (hi - lo) / 2;
-        struct point p = grid_point(m, mid);
+        struct point p = point_grid(m, mid);
         int count = roots_to(m, c, &p, &zero);
         m->used = mark;
         if (count < i) {
@@ -317,10 +205,10 @@ static int sign_ordered(struct room *m, const struct poly *f,
     struct poly q = trimmed(f);
     int sign = q.c[0].sign, n = q.degree;
     struct point s = {NULL, 0, {0}, {0}};
-    if (n == 2 && discriminant(m, q.c).sign > 0) {
+    if (n == 2 && poly_discriminant(m, q.c).sign > 0) {
         struct poly tau = linear(big_small(m, 1), (struct big){0});
         for (s.which = 0, s.q = &q; s.which < 2; s.which++) {
-            if (sign_point(m, &tau, &s) < 0)
+            if (point_sign(m, &tau, &s) < 0)
                 continue;
             int order = before(m, &s, r);
             if (order == 0)
@@ -329,7 +217,7 @@ static int sign_ordered(struct room *m, const struct poly *f,
         }
         return sign;
     }
-    if (n == 0 || (n == 2 && discriminant(m, q.c).sign < 0))
+    if (n == 0 || (n == 2 && poly_discriminant(m, q.c).sign < 0))
         return sign;
     /* one rational root -c0/c1, simple or double */
     struct poly l = n == 1 ? q : linear(big_times(m, q.c[2], 2), q.c[1]);
@@ -347,8 +235,8 @@ int root_sign(struct room *m, const struct poly *f, const struct root *r)
         return 0;
     int mark = m->used, sign;
     if (r->on_grid) {
-        struct point p = grid_point(m, r->cell);
-        sign = sign_point(m, f, &p);
+        struct point p = point_grid(m, r->cell);
+        sign = point_sign(m, f, &p);
     } else {
         sign = sign_cell(m, f, r->cell);
         if (sign == 2)

@@ -1,19 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Real roots of small polynomials, exactly: spec/30_narrow.md §6.2-6.4. */
+/* Real roots of small polynomials, exactly: spec/30_narrow.md §6.2 and §6.4. */
 #ifndef REF_ROOTS_H
 #define REF_ROOTS_H
 
-#include "ref/big.h"
-
-#define ROOT_GRID 30 /* roots are located to 2^-30 in t */
-#define ROOT_ONE (UINT32_C(1) << ROOT_GRID)
-
-/* Σ c[i]·τ^i with τ = t/(1-t): the scaled Bernstein form on t in [0, 1].
- * Leading coefficients may be zero: that is a root at t = 1. */
-struct poly {
-    int degree; /* at most 3 */
-    struct big c[4];
-};
+#include "ref/point.h"
 
 /* A Sturm chain of a polynomial without repeated roots, without roots at
  * t = 0 and 1. */
@@ -32,8 +22,6 @@ struct root {
     bool on_grid;  /* t = cell·2^-30 */
 };
 
-/* Whether all coefficients are zero. */
-bool poly_zero(const struct poly *p);
 /* Chains whose roots together are the roots of p ≢ 0 in 0 < t < 1, repeated
  * ones once; returns how many chains, at most 2. */
 int chains_make(struct room *m, const struct poly *p, struct chain c[2]);

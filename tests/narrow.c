@@ -2,14 +2,9 @@
 /* Stage narrow: generator, properties, tests. spec/30_narrow.md */
 #include "ref/narrow.h"
 
-#include <dirent.h>
-#include <stdio.h>
-#include <stdlib.h>
-
 #include "oracle/oracle.h"
 #include "ref/exact.h"
-#include "tests/choices.h"
-#include "tests/ply.h"
+#include "tests/query.h"
 
 const struct field fields_narrow[] = {IN(narrow, pair, n, 4),
                                       IN(narrow, kind, n, 1),
@@ -21,11 +16,6 @@ const struct field fields_narrow[] = {IN(narrow, pair, n, 4),
 
 /* ---- Queries ---- */
 
-struct query {
-    int kind;
-    vec x[2][4];
-};
-
 static real power(int e)
 {
     real r = 1;
@@ -34,7 +24,7 @@ static real power(int e)
     return r;
 }
 
-static real *component(struct query *q, int i)
+real *query_at(struct query *q, int i)
 {
     vec *x = &q->x[i / 12][i / 3 % 4];
     return i % 3 == 0 ? &x->x : i % 3 == 1 ? &x->y : &x->z;
@@ -146,7 +136,7 @@ static void make_wild(struct bytes *b, struct query *q)
     int reach = REAL_BITS == 32 ? 120 : 900;
     for (int i = 0; i < 24; i++) {
         real a = power((int)pick(b, 2 * (uint32_t)reach) - reach);
-        *component(q, i) = a * pick_real(b, 2);
+        *query_at(q, i) = a * pick_real(b, 2);
     }
 }
 
@@ -156,7 +146,7 @@ static void transform(struct bytes *b, struct query *q, int family)
     if (pick(b, 4))
         scale = 1;
     for (int i = 0; i < 24; i++) {
-        real *a = component(q, i);
+        real *a = query_at(q, i);
         if (family == OFFSET)
             *a += R(1048576.0);
         if (family == NUDGED && pick(b, 4) == 0)
@@ -198,18 +188,18 @@ static struct query pick_query(struct bytes *b)
     return q;
 }
 
-static uint32_t toi_of(const struct query *q)
+uint32_t query_toi(const struct query *q)
 {
     int tier;
     return q->kind ? narrow_ee(q->x[0], q->x[1], &tier)
                    : narrow_vf(q->x[0], q->x[1], &tier);
 }
 
-static void to_double(const struct query *q, double x[2][4][3])
+void query_double(const struct query *q, double x[2][4][3])
 {
     struct query c = *q;
     for (int i = 0; i < 24; i++)
-        x[i / 12][i / 3 % 4][i % 3] = (double)*component(&c, i);
+        x[i / 12][i / 3 % 4][i % 3] = (double)*query_at(&c, i);
 }
 
 /* ---- The stage ---- */
@@ -245,12 +235,12 @@ static bool middle(const struct query *q, vec half[4])
 {
     struct query c = *q;
     for (int i = 0; i < 12; i++) {
-        real a = *component(&c, i), d = *component(&c, i + 12);
+        real a = *query_at(&c, i), d = *query_at(&c, i + 12);
         real s = a + d, v = s - a;
         real lost = (a - (s - v)) + (d - v), h = s * R(0.5);
         if (!(lost == 0 && h + h == s))
             return false;
-        *component(&c, i) = h;
+        *query_at(&c, i) = h;
     }
     memcpy(half, c.x[0], sizeof c.x[0]);
     return true;
@@ -265,7 +255,7 @@ static const char *check_halves(const struct query *q, uint32_t toi)
     struct query first = *q, second = *q;
     memcpy(first.x[1], half, sizeof half);
     memcpy(second.x[0], half, sizeof half);
-    uint32_t a = toi_of(&first), b = toi_of(&second);
+    uint32_t a = query_toi(&first), b = query_toi(&second);
     if (a != NARROW_MISS)
         EXPECT(toi == a / 2);
     else if (b != NARROW_MISS)
@@ -276,7 +266,7 @@ static const char *check_halves(const struct query *q, uint32_t toi)
 }
 
 /* §7.2: names of vertices, axes and primitives do not matter. */
-static const char *check_symmetry(const struct query *q, uint32_t toi)
+const char *query_symmetry(const struct query *q, uint32_t toi)
 {
     static const int order[2][3][4] = {
         {{0, 2, 3, 1}, {0, 2, 1, 3}, {0, 1, 3, 2}},
@@ -287,7 +277,7 @@ static const char *check_symmetry(const struct query *q, uint32_t toi)
             vec a = q->x[i / 4][order[q->kind][k][i % 4]];
             p.x[i / 4][i % 4] = vec_make(a.z, -a.x, a.y);
         }
-        EXPECT(toi_of(&p) == toi);
+        EXPECT(query_toi(&p) == toi);
     }
     return NULL;
 }
@@ -299,16 +289,17 @@ static const char *check_time(const struct query *q, uint32_t toi)
     struct query p = *q;
     memcpy(p.x[0], q->x[1], sizeof p.x[0]);
     memcpy(p.x[1], q->x[0], sizeof p.x[0]);
-    uint32_t back = toi_of(&p);
+    uint32_t back = query_toi(&p);
     EXPECT((back == NARROW_MISS) == (toi == NARROW_MISS));
     EXPECT(back == NARROW_MISS || back <= NARROW_ONE - toi);
     p = *q;
     memcpy(p.x[1], q->x[0], sizeof p.x[0]);
-    uint32_t start = toi_of(&p);
+    uint32_t start = query_toi(&p);
     EXPECT(start == 0 ? toi == 0 : start == NARROW_MISS);
     memcpy(p.x[0], q->x[1], sizeof p.x[0]);
     memcpy(p.x[1], q->x[1], sizeof p.x[0]);
-    EXPECT(toi_of(&p) == NARROW_MISS ? toi != NARROW_ONE : toi <= NARROW_ONE);
+    EXPECT(query_toi(&p) == NARROW_MISS ? toi != NARROW_ONE
+                                        : toi <= NARROW_ONE);
     return NULL;
 }
 
@@ -317,12 +308,12 @@ static const char *check_scale(const struct query *q, uint32_t toi)
 {
     struct query p = *q;
     for (int i = 0; i < 24; i++) {
-        real a = *component(&p, i);
-        *component(&p, i) = a + a;
+        real a = *query_at(&p, i);
+        *query_at(&p, i) = a + a;
         if (!(a + a - a == a))
             return NULL;
     }
-    EXPECT(toi_of(&p) == toi);
+    EXPECT(query_toi(&p) == toi);
     return NULL;
 }
 
@@ -332,7 +323,7 @@ static const char *check_tiers(const struct query *q, uint32_t toi)
     static _Thread_local uint32_t word[EXACT_WORDS];
     double x[2][4][3];
     uint32_t exact;
-    to_double(q, x);
+    query_double(q, x);
     EXPECT(exact_first(x, q->kind, word, EXACT_WORDS, &exact) >= 0);
     EXPECT(exact == toi);
     return NULL;
@@ -344,7 +335,7 @@ static const char *check_oracle(const struct query *q, uint32_t toi)
     uint32_t other;
     if (!orc_present())
         return NULL;
-    to_double(q, x);
+    query_double(q, x);
     int touch = orc_ccd_gmp(q->kind, (const double(*)[3])x[0],
                             (const double(*)[3])x[1], &other);
     EXPECT(touch == (toi != NARROW_MISS));
@@ -371,7 +362,7 @@ const char *prop_narrow(const struct narrow *s)
         EXPECT(s->tier[i] >= 1 && s->tier[i] <= 3);
         const char *failed = check_tiers(&q, toi);
         failed = failed ? failed : check_halves(&q, toi);
-        failed = failed ? failed : check_symmetry(&q, toi);
+        failed = failed ? failed : query_symmetry(&q, toi);
         failed = failed ? failed : check_time(&q, toi);
         failed = failed ? failed : check_scale(&q, toi);
         if (i % 8 == 0)
@@ -380,265 +371,4 @@ const char *prop_narrow(const struct narrow *s)
             return failed;
     }
     return NULL;
-}
-
-/* ---- Tests ---- */
-
-/* §1: what is not finite, or no vertex, is refused. */
-const char *test_narrow_status(void)
-{
-    vec x0[4] = {{0, 0, 0}}, x1[4] = {{0, 0, 0}};
-    int32_t pair[4] = {0, 1, 2, 3};
-    uint8_t kind = 0, tier;
-    uint32_t toi;
-    struct narrow s = {1, pair, &kind, x0, x1, 4, &toi, &tier};
-    EXPECT(ref_narrow(&s) == DRAPE_OK && toi == 0);
-    real bad[3] = {HUGE_VAL, -HUGE_VAL, 0};
-    bad[2] = bad[0] + bad[1];
-    for (int i = 0; i < 6; i++) {
-        vec *x = i < 3 ? &x0[3] : &x1[1];
-        x->y = bad[i % 3];
-        EXPECT(ref_narrow(&s) == DRAPE_EDATA);
-        x->y = 0;
-    }
-    pair[2] = 4;
-    EXPECT(ref_narrow(&s) == DRAPE_EDATA);
-    pair[2] = -1;
-    EXPECT(ref_narrow(&s) == DRAPE_EDATA);
-    pair[2] = 2;
-    kind = 2;
-    EXPECT(ref_narrow(&s) == DRAPE_EDATA);
-    ran(1);
-    return NULL;
-}
-
-/* Contacts whose times are known on paper, as one over 2^30. */
-const char *test_narrow_known(void)
-{
-    static const struct {
-        int kind;
-        signed char x[2][4][3];
-        uint32_t toi;
-    } known[] = {
-        /* falls through the middle of the face at 1/2, 1/3, 1, 0 */
-        {0,
-         {{{1, 1, 1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
-          {{1, 1, -1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
-         1u << 29},
-        {0,
-         {{{1, 1, 1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
-          {{1, 1, -2}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
-         357913941},
-        {0,
-         {{{1, 1, 1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
-          {{1, 1, 0}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
-         1u << 30},
-        {0,
-         {{{1, 1, 0}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
-          {{1, 1, 1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
-         0},
-        /* on the corner at 1/3; one beside it */
-        {0,
-         {{{0, 0, 1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
-          {{0, 0, -2}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
-         357913941},
-        {0,
-         {{{-1, 0, 1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
-          {{-1, 0, -2}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
-         NARROW_MISS},
-        /* in the plane: reaches the side x = 0 at 1/4 */
-        {0,
-         {{{-1, 1, 0}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
-          {{3, 1, 0}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
-         1u << 28},
-        /* a face that is a segment, then one that is a point */
-        {0,
-         {{{1, 2, 0}, {0, 0, 0}, {4, 0, 0}, {2, 0, 0}},
-          {{1, -1, 0}, {0, 0, 0}, {4, 0, 0}, {2, 0, 0}}},
-         715827882},
-        {0,
-         {{{1, 1, 1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
-          {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}},
-         1u << 29},
-        /* edges that cross at 1/2, touch end to end, miss */
-        {1,
-         {{{-1, 0, 1}, {1, 0, 1}, {0, -1, 0}, {0, 1, 0}},
-          {{-1, 0, -1}, {1, 0, -1}, {0, -1, 0}, {0, 1, 0}}},
-         1u << 29},
-        {1,
-         {{{-1, 0, 1}, {0, 0, 1}, {0, 0, 0}, {0, 1, 0}},
-          {{-1, 0, -1}, {0, 0, -1}, {0, 0, 0}, {0, 1, 0}}},
-         1u << 29},
-        {1,
-         {{{-2, 0, 1}, {-1, 0, 1}, {0, 0, 0}, {0, 1, 0}},
-          {{-2, 0, -1}, {-1, 0, -1}, {0, 0, 0}, {0, 1, 0}}},
-         NARROW_MISS},
-        /* on one line: at 1/3; parallel beside it: never */
-        {1,
-         {{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}},
-          {{3, 0, 0}, {4, 0, 0}, {2, 0, 0}, {3, 0, 0}}},
-         357913941},
-        {1,
-         {{{0, 1, 0}, {1, 1, 0}, {2, 0, 0}, {3, 0, 0}},
-          {{3, 1, 0}, {4, 1, 0}, {2, 0, 0}, {3, 0, 0}}},
-         NARROW_MISS},
-        /* in the plane, where t² + 2t = 1 */
-        {0,
-         {{{0, 0, 0}, {-1, 0, 0}, {2, -1, 0}, {0, -9, 0}},
-          {{0, 0, 0}, {-1, 1, 0}, {3, -1, 0}, {0, -9, 0}}},
-         444758425},
-    };
-    int n = (int)(sizeof known / sizeof *known);
-    for (int k = 0; k < n; k++) {
-        struct query q = {.kind = known[k].kind};
-        for (int i = 0; i < 24; i++)
-            *component(&q, i) = known[k].x[i / 12][i / 3 % 4][i % 3];
-        EXPECT(toi_of(&q) == known[k].toi);
-    }
-    ran(n);
-    return NULL;
-}
-
-/* A row of a query file, xn,xd,yn,yd,zn,zd,truth: each quotient is exactly a
- * binary64 number. False where one is no number of this precision. */
-static bool read_row(const char *line, vec *x, int *truth)
-{
-    double a[7];
-    const char *at = line;
-    for (int i = 0; i < 7; i++) {
-        char *end;
-        a[i] = strtod(at, &end);
-        if (end == at)
-            return false;
-        at = end + (*end == ',');
-    }
-    *truth = (int)a[6];
-    *x =
-        vec_make((real)(a[0] / a[1]), (real)(a[2] / a[3]), (real)(a[4] / a[5]));
-    return (double)x->x == a[0] / a[1] && (double)x->y == a[2] / a[3] &&
-           (double)x->z == a[4] / a[5];
-}
-
-static const char *check_file(const char *path, int kind)
-{
-    char line[4096];
-    struct query q = {.kind = kind};
-    int row = 0, truth;
-    bool whole = true;
-    FILE *f = fopen(path, "r");
-    EXPECT(f);
-    while (fgets(line, sizeof line, f)) {
-        whole = read_row(line, &q.x[row / 4][row % 4], &truth) && whole;
-        row = (row + 1) % 8;
-        if (row)
-            continue;
-        if (whole && (toi_of(&q) != NARROW_MISS) != truth) {
-            fclose(f);
-            return path;
-        }
-        ran(whole);
-        whole = true;
-    }
-    fclose(f);
-    EXPECT(row == 0);
-    return NULL;
-}
-
-/* 0 missed and 0 invented of the public queries with exact truth. */
-const char *test_narrow_queries(void)
-{
-    static char path[512];
-    const char *home = "../shared/ccd/queries", *failed = NULL;
-    DIR *d = opendir(home);
-    if (!d)
-        return skip("no ../shared/ccd/queries here");
-    for (struct dirent *e; !failed && (e = readdir(d));) {
-        const char *dot = strrchr(e->d_name, '.');
-        if (!dot || strcmp(dot, ".csv") || dot - e->d_name < 2)
-            continue;
-        snprintf(path, sizeof path, "%s/%s", home, e->d_name);
-        failed = check_file(path, !strncmp(dot - 2, "ee", 2));
-    }
-    closedir(d);
-    return failed;
-}
-
-static const char *check_hits(const char *scene)
-{
-    static char path[512];
-    struct ply a = {0}, b = {0};
-    struct query q;
-    const char *failed = NULL;
-    char kind[8];
-    int32_t v[4];
-    snprintf(path, sizeof path, "../shared/ccd/frames/%s/t0.ply", scene);
-    bool ok = ply_read(path, &a);
-    snprintf(path, sizeof path, "../shared/ccd/frames/%s/t1.ply", scene);
-    ok = ply_read(path, &b) && ok;
-    snprintf(path, sizeof path, "../shared/ccd/frames/%s/hits.txt", scene);
-    FILE *f = ok ? fopen(path, "r") : NULL;
-    failed = f ? NULL : path;
-    while (f && !failed &&
-           fscanf(f, "%7s%d%d%d%d", kind, v, v + 1, v + 2, v + 3) == 5) {
-        q.kind = kind[0] == 'e';
-        for (int j = 0; j < 4; j++) {
-            q.x[0][j] = a.x[v[j]];
-            q.x[1][j] = b.x[v[j]];
-        }
-        failed = toi_of(&q) == NARROW_MISS ? path : NULL;
-        ran(1);
-    }
-    if (f)
-        fclose(f);
-    ply_free(&a);
-    ply_free(&b);
-    return failed;
-}
-
-/* Every pair that touches in the shared frames is found. cloth-funnel is in
- * binary64 and would move if it were rounded. */
-const char *test_narrow_frames(void)
-{
-    FILE *f = fopen("../shared/ccd/frames/cloth-ball/hits.txt", "r");
-    if (!f)
-        return skip("no ../shared/ccd/frames here");
-    fclose(f);
-    const char *failed = check_hits("cloth-ball");
-    failed = failed ? failed : check_hits("n-body-simulation");
-    if (REAL_BITS == 64)
-        failed = failed ? failed : check_hits("cloth-funnel");
-    return failed;
-}
-
-/* §6.5: any exponents at all fit the room, and names do not matter there. */
-const char *test_narrow_range(void)
-{
-    static uint32_t word[EXACT_WORDS];
-    struct bytes b = {.seed = 30, .size = -1};
-    int top = REAL_BITS == 32 ? 127 : 1023, low = REAL_BITS == 32 ? 149 : 1074;
-    const char *failed = NULL;
-    for (int k = 0; k < 100 && !failed; k++) {
-        struct query q = {.kind = k & 1};
-        double x[2][4][3];
-        uint32_t toi;
-        for (int i = 0; i < 24; i++) {
-            int e = pick(&b, 2) ? top : (int)pick(&b, (uint32_t)(top + low));
-            real a = power(e > top ? top - e : e);
-            a *= pick(&b, 3) ? 1 : 1 + pick_uniform(&b, 0, 1);
-            *component(&q, i) = pick(&b, 8) ? (pick(&b, 2) ? a : -a) : 0;
-            if (!(real_abs(*component(&q, i)) <= power(top)))
-                *component(&q, i) = power(top);
-        }
-        for (int j = 0; j < 4 && k % 3 == 0; j++)
-            q.x[0][j].z = q.x[1][j].z = 0;
-        to_double(&q, x);
-        int words = exact_first(x, q.kind, word, EXACT_WORDS, &toi);
-        if (words < 0 || 2 * words > EXACT_WORDS)
-            failed = "a query needs more room than half of what is given";
-        failed = failed ? failed : toi_of(&q) == toi ? NULL : "tiers differ";
-        failed = failed ? failed : check_symmetry(&q, toi);
-        ran(1);
-    }
-    choices_free(&b);
-    return failed;
 }

@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Narrow phase: times known on paper, public queries, any exponents.
+ * spec/30_narrow.md */
+#include "ref/narrow.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "ref/exact.h"
+#include "tests/choices.h"
+#include "tests/ply.h"
+#include "tests/query.h"
+
+static real power(int e)
+{
+    real r = 1;
+    for (; e != 0; e += e < 0 ? 1 : -1)
+        r *= e < 0 ? R(0.5) : R(2.0);
+    return r;
+}
+
+/* §1: what is not finite, or no vertex, is refused. */
+const char *test_narrow_status(void)
+{
+    vec x0[4] = {{0, 0, 0}}, x1[4] = {{0, 0, 0}};
+    int32_t pair[4] = {0, 1, 2, 3};
+    uint8_t kind = 0, tier;
+    uint32_t toi;
+    struct narrow s = {1, pair, &kind, x0, x1, 4, &toi, &tier};
+    EXPECT(ref_narrow(&s) == DRAPE_OK && toi == 0);
+    real bad[3] = {HUGE_VAL, -HUGE_VAL, 0};
+    bad[2] = bad[0] + bad[1];
+    for (int i = 0; i < 6; i++) {
+        vec *x = i < 3 ? &x0[3] : &x1[1];
+        x->y = bad[i % 3];
+        EXPECT(ref_narrow(&s) == DRAPE_EDATA);
+        x->y = 0;
+    }
+    pair[2] = 4;
+    EXPECT(ref_narrow(&s) == DRAPE_EDATA);
+    pair[2] = -1;
+    EXPECT(ref_narrow(&s) == DRAPE_EDATA);
+    pair[2] = 2;
+    kind = 2;
+    EXPECT(ref_narrow(&s) == DRAPE_EDATA);
+    ran(1);
+    return NULL;
+}
+
+/* Contacts whose times are known on paper, as one over 2^30. */
+const char *test_narrow_known(void)
+{
+    static const struct {
+        int kind;
+        signed char x[2][4][3];
+        uint32_t toi;
+    } known[] = {
+        /* falls through the middle of the face at 1/2, 1/3, 1, 0 */
+        {0,
+         {{{1, 1, 1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
+          {{1, 1, -1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
+         1u << 29},
+        {0,
+         {{{1, 1, 1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
+          {{1, 1, -2}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
+         357913941},
+        {0,
+         {{{1, 1, 1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
+          {{1, 1, 0}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
+         1u << 30},
+        {0,
+         {{{1, 1, 0}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
+          {{1, 1, 1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
+         0},
+        /* on the corner at 1/3; one beside it */
+        {0,
+         {{{0, 0, 1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
+          {{0, 0, -2}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
+         357913941},
+        {0,
+         {{{-1, 0, 1}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
+          {{-1, 0, -2}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
+         NARROW_MISS},
+        /* in the plane: reaches the side x = 0 at 1/4 */
+        {0,
+         {{{-1, 1, 0}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}},
+          {{3, 1, 0}, {0, 0, 0}, {4, 0, 0}, {0, 4, 0}}},
+         1u << 28},
+        /* a face that is a segment, then one that is a point */
+        {0,
+         {{{1, 2, 0}, {0, 0, 0}, {4, 0, 0}, {2, 0, 0}},
+          {{1, -1, 0}, {0, 0, 0}, {4, 0, 0}, {2, 0, 0}}},
+         715827882},
+        {0,
+         {{{1, 1, 1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
+          {{-1, -1, -1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}}},
+         1u << 29},
+        /* edges that cross at 1/2, touch end to end, miss */
+        {1,
+         {{{-1, 0, 1}, {1, 0, 1}, {0, -1, 0}, {0, 1, 0}},
+          {{-1, 0, -1}, {1, 0, -1}, {0, -1, 0}, {0, 1, 0}}},
+         1u << 29},
+        {1,
+         {{{-1, 0, 1}, {0, 0, 1}, {0, 0, 0}, {0, 1, 0}},
+          {{-1, 0, -1}, {0, 0, -1}, {0, 0, 0}, {0, 1, 0}}},
+         1u << 29},
+        {1,
+         {{{-2, 0, 1}, {-1, 0, 1}, {0, 0, 0}, {0, 1, 0}},
+          {{-2, 0, -1}, {-1, 0, -1}, {0, 0, 0}, {0, 1, 0}}},
+         NARROW_MISS},
+        /* on one line: at 1/3; parallel beside it: never */
+        {1,
+         {{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}},
+          {{3, 0, 0}, {4, 0, 0}, {2, 0, 0}, {3, 0, 0}}},
+         357913941},
+        {1,
+         {{{0, 1, 0}, {1, 1, 0}, {2, 0, 0}, {3, 0, 0}},
+          {{3, 1, 0}, {4, 1, 0}, {2, 0, 0}, {3, 0, 0}}},
+         NARROW_MISS},
+        /* in the plane, where t² + 2t = 1 */
+        {0,
+         {{{0, 0, 0}, {-1, 0, 0}, {2, -1, 0}, {0, -9, 0}},
+          {{0, 0, 0}, {-1, 1, 0}, {3, -1, 0}, {0, -9, 0}}},
+         444758425},
+    };
+    int n = (int)(sizeof known / sizeof *known);
+    for (int k = 0; k < n; k++) {
+        struct query q = {.kind = known[k].kind};
+        for (int i = 0; i < 24; i++)
+            *query_at(&q, i) = known[k].x[i / 12][i / 3 % 4][i % 3];
+        EXPECT(query_toi(&q) == known[k].toi);
+    }
+    ran(n);
+    return NULL;
+}
+
+/* A row of a query file, xn,xd,yn,yd,zn,zd,truth: each quotient is exactly a
+ * binary64 number. False where one is no number of this precision. */
+static bool read_row(const char *line, vec *x, int *truth)
+{
+    double a[7];
+    const char *at = line;
+    for (int i = 0; i < 7; i++) {
+        char *end;
+        a[i] = strtod(at, &end);
+        if (end == at)
+            return false;
+        at = end + (*end == ',');
+    }
+    *truth = (int)a[6];
+    *x =
+        vec_make((real)(a[0] / a[1]), (real)(a[2] / a[3]), (real)(a[4] / a[5]));
+    return (double)x->x == a[0] / a[1] && (double)x->y == a[2] / a[3] &&
+           (double)x->z == a[4] / a[5];
+}
+
+static const char *check_file(const char *path, int kind)
+{
+    char line[4096];
+    struct query q = {.kind = kind};
+    int row = 0, truth;
+    bool whole = true;
+    FILE *f = fopen(path, "r");
+    EXPECT(f);
+    while (fgets(line, sizeof line, f)) {
+        whole = read_row(line, &q.x[row / 4][row % 4], &truth) && whole;
+        row = (row + 1) % 8;
+        if (row)
+            continue;
+        if (whole && (query_toi(&q) != NARROW_MISS) != truth) {
+            fclose(f);
+            return path;
+        }
+        ran(whole);
+        whole = true;
+    }
+    fclose(f);
+    EXPECT(row == 0);
+    return NULL;
+}
+
+/* 0 missed and 0 invented of the public queries with exact truth. */
+const char *test_narrow_queries(void)
+{
+    static char path[512];
+    const char *home = "../shared/ccd/queries", *failed = NULL;
+    DIR *d = opendir(home);
+    if (!d)
+        return skip("no ../shared/ccd/queries here");
+    for (struct dirent *e; !failed && (e = readdir(d));) {
+        const char *dot = strrchr(e->d_name, '.');
+        if (!dot || strcmp(dot, ".csv") || dot - e->d_name < 2)
+            continue;
+        snprintf(path, sizeof path, "%s/%s", home, e->d_name);
+        failed = check_file(path, !strncmp(dot - 2, "ee", 2));
+    }
+    closedir(d);
+    return failed;
+}
+
+static const char *check_hits(const char *scene)
+{
+    static char path[512];
+    struct ply a = {0}, b = {0};
+    struct query q;
+    const char *failed = NULL;
+    char kind[8];
+    int32_t v[4];
+    snprintf(path, sizeof path, "../shared/ccd/frames/%s/t0.ply", scene);
+    bool ok = ply_read(path, &a);
+    snprintf(path, sizeof path, "../shared/ccd/frames/%s/t1.ply", scene);
+    ok = ply_read(path, &b) && ok;
+    snprintf(path, sizeof path, "../shared/ccd/frames/%s/hits.txt", scene);
+    FILE *f = ok ? fopen(path, "r") : NULL;
+    failed = f ? NULL : path;
+    while (f && !failed &&
+           fscanf(f, "%7s%d%d%d%d", kind, v, v + 1, v + 2, v + 3) == 5) {
+        q.kind = kind[0] == 'e';
+        for (int j = 0; j < 4; j++) {
+            q.x[0][j] = a.x[v[j]];
+            q.x[1][j] = b.x[v[j]];
+        }
+        failed = query_toi(&q) == NARROW_MISS ? path : NULL;
+        ran(1);
+    }
+    if (f)
+        fclose(f);
+    ply_free(&a);
+    ply_free(&b);
+    return failed;
+}
+
+/* Every pair that touches in the shared frames is found. cloth-funnel is in
+ * binary64 and would move if it were rounded. */
+const char *test_narrow_frames(void)
+{
+    FILE *f = fopen("../shared/ccd/frames/cloth-ball/hits.txt", "r");
+    if (!f)
+        return skip("no ../shared/ccd/frames here");
+    fclose(f);
+    const char *failed = check_hits("cloth-ball");
+    failed = failed ? failed : check_hits("n-body-simulation");
+    if (REAL_BITS == 64)
+        failed = failed ? failed : check_hits("cloth-funnel");
+    return failed;
+}
+
+/* §6.5: any exponents at all fit the room, and names do not matter there. */
+const char *test_narrow_range(void)
+{
+    static uint32_t word[EXACT_WORDS];
+    struct bytes b = {.seed = 30, .size = -1};
+    int top = REAL_BITS == 32 ? 127 : 1023, low = REAL_BITS == 32 ? 149 : 1074;
+    const char *failed = NULL;
+    for (int k = 0; k < 100 && !failed; k++) {
+        struct query q = {.kind = k & 1};
+        double x[2][4][3];
+        uint32_t toi;
+        for (int i = 0; i < 24; i++) {
+            int e = pick(&b, 2) ? top : (int)pick(&b, (uint32_t)(top + low));
+            real a = power(e > top ? top - e : e);
+            a *= pick(&b, 3) ? 1 : 1 + pick_uniform(&b, 0, 1);
+            *query_at(&q, i) = pick(&b, 8) ? (pick(&b, 2) ? a : -a) : 0;
+            if (!(real_abs(*query_at(&q, i)) <= power(top)))
+                *query_at(&q, i) = power(top);
+        }
+        for (int j = 0; j < 4 && k % 3 == 0; j++)
+            q.x[0][j].z = q.x[1][j].z = 0;
+        query_double(&q, x);
+        int words = exact_first(x, q.kind, word, EXACT_WORDS, &toi);
+        if (words < 0 || 2 * words > EXACT_WORDS)
+            failed = "a query needs more room than half of what is given";
+        failed = failed ? failed : query_toi(&q) == toi ? NULL : "tiers differ";
+        failed = failed ? failed : query_symmetry(&q, toi);
+        ran(1);
+    }
+    choices_free(&b);
+    return failed;
+}
