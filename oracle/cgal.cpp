@@ -42,18 +42,29 @@ Poly triple(const Vec &a, const Vec &b, const Vec &c)
            cross(a, b, 2) * c.c[2];
 }
 
-// CGAL 5.5's Sign_at_1 throws on a root that is held as a rational number: so
-// that case is evaluated here.
-int sign_at(const Poly &p, const Time &t)
+int sign_at(const Poly &p, const Rational &x)
 {
-    if (CGAL::is_zero(p))
-        return 0;
-    if (!t.is_rational())
-        return (int)Kernel().sign_at_1_object()(p, t);
-    Rational x = t.rational(), sum(0);
+    Rational sum(0);
     for (int k = CGAL::degree(p); k >= 0; k--)
         sum = sum * x + Rational(p[k]);
     return (int)CGAL::sign(sum);
+}
+
+// CGAL 5.5's Sign_at_1 throws where refining a root hits it, so that it is held
+// as a rational number from then on: so we refine ourselves.
+int sign_at(const Poly &p, const Time &t)
+{
+    if (CGAL::is_zero(p) || Kernel().is_zero_at_1_object()(p, t))
+        return 0;
+    for (;; t.refine()) {
+        const Rational low = t.low(), high = t.high();
+        int sign = sign_at(p, low);
+        if (low == high)
+            return sign;
+        if (sign != 0 && sign == sign_at(p, high) &&
+            CGAL::internal::descartes(p, low, high) == 0)
+            return sign;
+    }
 }
 
 // p lies on the closed segment q r: on its line, and nowhere beyond an end.

@@ -228,11 +228,15 @@ Dyadic right_of(const Dyadic &a)
 // The level of the only root of e in (a, a + 2^-a.s).
 uint32_t refine(const Poly &e, const Chain &chain, Dyadic a)
 {
+    // A root of even multiplicity shows in the chain only.
+    int from = sign_at(e, a);
+    bool odd = sign_at(e, {a.k + 1, a.s}) != from;
     while (a.s < 30) {
         Dyadic middle = middle_of(a);
-        if (sign_at(e, middle) == 0)
+        int sign = sign_at(e, middle);
+        if (sign == 0)
             return level(middle);
-        bool left = chain.query(left_of(a), middle) == 1;
+        bool left = odd ? sign != from : chain.query(left_of(a), middle) == 1;
         a = left ? left_of(a) : middle;
     }
     return level(a);
@@ -368,32 +372,33 @@ bool on_segment_at_0(const Vec &p, const Vec &q, const Vec &r)
     return sign_at(dot(a, b), zero) <= 0;
 }
 
-// Vertex p[0] within face p[1] p[2] p[3], in general position.
-Event in_face(const Vec p[4])
+// The normal of the face, or the product of the edges' directions.
+Vec normal(int kind, const Vec p[4])
 {
-    Vec n = cross(p[2] - p[1], p[3] - p[1]);
-    Event v;
-    v.e = dot(n, p[0] - p[1]);
-    v.conditions = {{dot(n, n), true}};
-    for (int k = 0; k < 3; k++) {
-        Vec a = p[1 + k] - p[0], b = p[1 + (k + 1) % 3] - p[0];
-        v.conditions.push_back({dot(n, cross(a, b)), false});
-    }
-    return v;
+    return kind == 0 ? cross(p[2] - p[1], p[3] - p[1])
+                     : cross(p[1] - p[0], p[3] - p[2]);
 }
 
-// Edges p[0] p[1] and p[2] p[3] cross, in general position.
-Event crossing(const Vec p[4])
+// Vertex p[0] is within face p[1] p[2] p[3] where these are coplanar.
+Conditions in_face(const Vec p[4], const Vec &n)
 {
-    Vec d = p[1] - p[0], e = p[3] - p[2], n = cross(d, e);
-    Event v;
-    v.e = dot(n, p[2] - p[0]);
-    v.conditions = {{dot(n, n), true},
-                    {dot(n, cross(p[2] - p[0], d)), false},
-                    {dot(n, cross(d, p[3] - p[0])), false},
-                    {dot(n, cross(e, p[0] - p[2])), false},
-                    {dot(n, cross(p[1] - p[2], e)), false}};
-    return v;
+    Conditions c{{dot(n, n), true}};
+    for (int k = 0; k < 3; k++) {
+        Vec a = p[1 + k] - p[0], b = p[1 + (k + 1) % 3] - p[0];
+        c.push_back({dot(n, cross(a, b)), false});
+    }
+    return c;
+}
+
+// Edges p[0] p[1] and p[2] p[3] cross where they are coplanar.
+Conditions crossing(const Vec p[4], const Vec &n)
+{
+    Vec d = p[1] - p[0], e = p[3] - p[2];
+    return {{dot(n, n), true},
+            {dot(n, cross(p[2] - p[0], d)), false},
+            {dot(n, cross(d, p[3] - p[0])), false},
+            {dot(n, cross(e, p[0] - p[2])), false},
+            {dot(n, cross(p[1] - p[2], e)), false}};
 }
 
 // The points and segments whose contact is one of the pair's.
@@ -402,9 +407,11 @@ const int BORDER[2][4][3] = {{{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {0, 3, 1}},
 
 uint32_t first_contact(int kind, const Vec p[4])
 {
-    Event main = kind == 0 ? in_face(p) : crossing(p);
+    Vec n = normal(kind, p);
+    Event main{dot(n, p[kind == 0 ? 0 : 2] - p[kind == 0 ? 1 : 0]), {}};
     if (one_sign(main.e))
         return ORC_NEVER;
+    main.conditions = kind == 0 ? in_face(p, n) : crossing(p, n);
     Dyadic zero{0, 0};
     if (sign_at(main.e, zero) == 0 && hold_at(main.conditions, zero))
         return 0;
@@ -412,10 +419,11 @@ uint32_t first_contact(int kind, const Vec p[4])
         if (on_segment_at_0(p[b[0]], p[b[1]], p[b[2]]))
             return 0;
     // Contact needs a common plane; where all is always in one, it begins at
-    // the border.
-    if (!main.e.empty() && first_root(main.e, {}) == ORC_NEVER)
-        return ORC_NEVER;
+    // the border, as it may where n is 0 at a root of the cubic.
     uint32_t first = first_root(main.e, main.conditions);
+    const Poly &n2 = main.conditions[0].g;
+    if (!main.e.empty() && common_divisor(main.e, n2).size() == 1)
+        return first;
     for (const auto &b : BORDER[kind]) {
         Event v = on_segment(p[b[0]], p[b[1]], p[b[2]]);
         first = std::min(first, first_root(v.e, v.conditions));
