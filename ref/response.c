@@ -115,7 +115,12 @@ int ref_response_repel(struct response *s, const struct pairs *near)
     if (status != DRAPE_OK)
         return status;
     s->contacts = p.found;
-    return p.found ? solve_contacts(s, p.found, 0) : DRAPE_OK;
+    if (!p.found)
+        return DRAPE_OK;
+    if (!s->solve)
+        return solve_contacts(s, p.found, 0);
+    s->active = p.found; /* they go on through the rounds */
+    return s->solve(s->user, p.found, out->data);
 }
 
 /* ---- §3 Detection ---- */
@@ -192,7 +197,7 @@ static int detect(struct response *s, const uint8_t *touched)
 
 /* ---- §4 Impulses ---- */
 
-static int push(struct response *s)
+static int push(struct response *s, int round)
 {
     struct pool *from = &s->contact[s->side], *to = &s->contact[!s->side];
     struct impulses m = {.nv = s->nv,
@@ -226,6 +231,8 @@ static int push(struct response *s)
         return status;
     s->side = !s->side;
     s->active = m.found;
+    if (s->solve && round < s->solve_rounds)
+        return s->solve(s->user, m.found, m.contact);
     return solve_contacts(s, m.found, 1);
 }
 
@@ -238,12 +245,13 @@ static int resolve(struct response *s, int round)
     const int32_t *hit = s->hit.data;
     for (int64_t k = 0; k < 4 * s->hits; k++)
         s->touched[hit[k]] = s->w[hit[k]] > 0;
-    return round < s->max_rounds ? push(s) : response_stiffen(s);
+    return round < s->max_rounds ? push(s, round) : response_stiffen(s);
 }
 
 int ref_response_penetrate(struct response *s)
 {
-    s->active = 0; /* what repulsion left there is done */
+    if (!s->solve)
+        s->active = 0; /* what repulsion left there is done */
     int status = detect(s, NULL);
     s->rounds = 1;
     for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {

@@ -41,6 +41,11 @@ struct response {
     int (*broad)(void *user, const uint8_t *touched, struct pairs *out);
     /* Makes room for `need` items of `size` bytes. DRAPE_OK or an error. */
     int (*grow)(void *user, struct pool *pool, int64_t need, size_t size);
+    /* NULL, or moves u, v, x1 by contacts within an implicit solve and sets
+     * touched, in place of the repulsion's and the first solve_rounds rounds'
+     * own solve: spec/38_penalty.md. DRAPE_OK or an error. */
+    int (*solve)(void *user, int64_t n, struct contact *contact);
+    int solve_rounds;
     void *user;
 
     vec *u;           /* scratch: [nv] m/s, (x1 - x0) / dt as it changes */

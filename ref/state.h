@@ -6,6 +6,7 @@
 
 #include "ref/arena.h"
 #include "ref/broad.h"
+#include "ref/couple.h"
 #include "ref/dynamics.h"
 #include "ref/kinematics.h"
 #include "ref/plan.h"
@@ -15,55 +16,56 @@
 
 /* One cloth: its model, its part of the streams, and its pins. */
 struct sheet {
-  struct cloth cloth;
-  int64_t first, first_triangle; /* in the scene's streams */
-  struct dynamics dynamics;
-  struct solver solver;
-  struct kinematics pins;
-  int32_t *pinned; /* [pins.n] particle of each pin */
+    struct cloth cloth;
+    int64_t first, first_triangle; /* in the scene's streams */
+    struct dynamics dynamics;
+    struct solver solver;
+    struct kinematics pins;
+    int32_t *pinned; /* [pins.n] particle of each pin */
 };
 
 /* One obstacle: how it is told to move. */
 struct prop {
-  int64_t first, first_triangle;
-  struct kinematics place;
-  double *frame; /* [frames][place.n][3], or NULL */
-  int frames;
-  double frame_dt;
-  bool moves; /* ever */
+    int64_t first, first_triangle;
+    struct kinematics place;
+    double *frame; /* [frames][place.n][3], or NULL */
+    int frames;
+    double frame_dt;
+    bool moves; /* ever */
 };
 
 struct world {
-  drape_def def; /* scalars and motions; of the rest, no pointer is read */
-  struct plan plan;
-  struct arena *arena;
-  uint64_t fingerprint; /* of the whole definition, for checkpoints */
+    drape_def def; /* scalars and motions; of the rest, no pointer is read */
+    struct plan plan;
+    struct arena *arena;
+    uint64_t fingerprint; /* of the whole definition, for checkpoints */
 
-  int64_t nv, nt;          /* vertices and triangles of the scene */
-  int64_t nc, ntc;         /* of these, the cloths' */
-  vec *x0, *v0;            /* [nv] at the start of the step */
-  vec *x1, *v1;            /* [nv] at its end */
-  vec *free_x, *free_v;    /* [nc] as dynamics gave it, before contact */
-  vec *past_x, *past_v;    /* [nc] the step before, for Choi–Ko */
-  vec *to;                 /* [nc] where pins end */
-  double (*watch)[2];      /* [n_cloths] dynamics' reference and surplus */
-  real *w;                 /* [nv] inverse mass, 0 for what does not yield */
-  int32_t (*tri)[3];       /* [nt] */
-  uint16_t *body;          /* [nv] cloth or obstacle, the skin of each */
-  struct surface *surface; /* [bodies] */
+    int64_t nv, nt;          /* vertices and triangles of the scene */
+    int64_t nc, ntc;         /* of these, the cloths' */
+    vec *x0, *v0;            /* [nv] at the start of the step */
+    vec *x1, *v1;            /* [nv] at its end */
+    vec *free_x, *free_v;    /* [nc] as dynamics gave it, before contact */
+    vec *past_x, *past_v;    /* [nc] the step before, for Choi–Ko */
+    vec *to;                 /* [nc] where pins end */
+    double (*watch)[2];      /* [n_cloths] dynamics' reference and surplus */
+    real *w;                 /* [nv] inverse mass, 0 for what does not yield */
+    int32_t (*tri)[3];       /* [nt] */
+    uint16_t *body;          /* [nv] cloth or obstacle, the skin of each */
+    struct surface *surface; /* [bodies] */
 
-  struct sheet *sheet; /* [n_cloths] */
-  struct prop *prop;   /* [n_obstacles] */
-  struct pose *pose;   /* [n_motions] at the time being led to */
-  real reach;          /* m, at which contact begins, the largest */
-  struct broad broad;
-  struct response response;
+    struct sheet *sheet; /* [n_cloths] */
+    struct prop *prop;   /* [n_obstacles] */
+    struct pose *pose;   /* [n_motions] at the time being led to */
+    real reach;          /* m, at which contact begins, the largest */
+    struct broad broad;
+    struct response response;
+    struct couple couple; /* of implicit integrators */
 
-  int64_t step;
-  double time;
-  int resting; /* steps in a row in which nothing moved */
-  bool asleep;
-  bool has_past; /* past_x and past_v hold the step before */
+    int64_t step;
+    double time;
+    int resting; /* steps in a row in which nothing moved */
+    bool asleep;
+    bool has_past; /* past_x and past_v hold the step before */
 };
 
 /* What ref/world.c lends to the other files of a world. */

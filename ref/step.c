@@ -205,6 +205,8 @@ static int collide(struct world *w, drape_step_report *r, double *last)
     c->x1 = w->x1;
     c->v = w->v1;
     int status = ref_response_start(c);
+    if (w->plan.implicit)
+        couple_start(w);
     if (status == DRAPE_OK)
         status = repel(w);
     charge(r, DRAPE_PART_PROXIMITY, last);
@@ -214,6 +216,7 @@ static int collide(struct world *w, drape_step_report *r, double *last)
     charge(r, DRAPE_PART_PENETRATION, last);
     trace(w, "penetration", *last);
     count_contacts(c, r);
+    r->iterations += w->couple.iterations;
     return status;
 }
 

@@ -9,357 +9,389 @@
 #include "ref/step.h"
 #include "ref/sum.h"
 
-static void *take(struct world *w, enum arena_part part, int64_t n,
-                  size_t size) {
-  return arena_take(w->arena, part, n, size);
+static void *take(struct world *w, enum arena_part part, int64_t n, size_t size)
+{
+    return arena_take(w->arena, part, n, size);
 }
 
-static int say(drape_error *error, int status, const char *what, int k) {
-  if (error)
-    snprintf(error->text, sizeof error->text, what, k);
-  return status;
+static int say(drape_error *error, int status, const char *what, int k)
+{
+    if (error)
+        snprintf(error->text, sizeof error->text, what, k);
+    return status;
 }
 
 static int size_cloths(struct world *w, const drape_def *def,
-                       drape_error *error) {
-  for (int k = 0; k < def->n_cloths; k++) {
-    struct sheet *s = &w->sheet[k];
-    if (ref_cloth_size(&def->cloths[k], &s->cloth) != DRAPE_OK)
-      return say(error, DRAPE_EARG,
-                 "cloth %d: cells are too oblong for this shear", k);
-    s->first = w->nv;
-    s->first_triangle = w->nt;
-    s->pins.n = def->cloths[k].n_pins;
-    w->nv += s->cloth.count;
-    w->nt += s->cloth.n_triangles;
-  }
-  w->nc = w->nv;
-  w->ntc = w->nt;
-  for (int k = 0; k < def->n_obstacles; k++) {
-    struct prop *p = &w->prop[k];
-    p->first = w->nv;
-    p->first_triangle = w->nt;
-    p->place.n = def->obstacles[k].n_vertices;
-    w->nv += def->obstacles[k].n_vertices;
-    w->nt += def->obstacles[k].n_triangles;
-  }
-  return DRAPE_OK;
+                       drape_error *error)
+{
+    for (int k = 0; k < def->n_cloths; k++) {
+        struct sheet *s = &w->sheet[k];
+        if (ref_cloth_size(&def->cloths[k], &s->cloth) != DRAPE_OK)
+            return say(error, DRAPE_EARG,
+                       "cloth %d: cells are too oblong for this shear", k);
+        s->first = w->nv;
+        s->first_triangle = w->nt;
+        s->pins.n = def->cloths[k].n_pins;
+        w->nv += s->cloth.count;
+        w->nt += s->cloth.n_triangles;
+    }
+    w->nc = w->nv;
+    w->ntc = w->nt;
+    for (int k = 0; k < def->n_obstacles; k++) {
+        struct prop *p = &w->prop[k];
+        p->first = w->nv;
+        p->first_triangle = w->nt;
+        p->place.n = def->obstacles[k].n_vertices;
+        w->nv += def->obstacles[k].n_vertices;
+        w->nt += def->obstacles[k].n_triangles;
+    }
+    return DRAPE_OK;
 }
 
-static void copy_motions(struct world *w, const drape_def *def) {
-  drape_motion *motion = take(w, ARENA_OTHER, def->n_motions, sizeof *motion);
-  w->pose = take(w, ARENA_OTHER, def->n_motions, sizeof *w->pose);
-  for (int k = 0; k < def->n_motions && motion; k++) {
-    const drape_motion *m = &def->motions[k];
-    size_t n = (size_t)m->keys;
-    double *time = take(w, ARENA_OTHER, m->keys, sizeof *time);
-    double(*p)[3] = take(w, ARENA_OTHER, m->keys, sizeof *p);
-    double(*q)[4] = take(w, ARENA_OTHER, m->keys, sizeof *q);
-    if (!time || !p || !q)
-      return;
-    memcpy(time, m->time, n * sizeof *time);
-    memcpy(p, m->position, n * sizeof *p);
-    if (m->rotation)
-      memcpy(q, m->rotation, n * sizeof *q);
-    motion[k] = *m;
-    motion[k].time = time;
-    motion[k].position = (const double(*)[3])p;
-    motion[k].rotation = m->rotation ? (const double(*)[4])q : NULL;
-  }
-  w->def.motions = motion;
+static void copy_motions(struct world *w, const drape_def *def)
+{
+    drape_motion *motion = take(w, ARENA_OTHER, def->n_motions, sizeof *motion);
+    w->pose = take(w, ARENA_OTHER, def->n_motions, sizeof *w->pose);
+    for (int k = 0; k < def->n_motions && motion; k++) {
+        const drape_motion *m = &def->motions[k];
+        size_t n = (size_t)m->keys;
+        double *time = take(w, ARENA_OTHER, m->keys, sizeof *time);
+        double(*p)[3] = take(w, ARENA_OTHER, m->keys, sizeof *p);
+        double(*q)[4] = take(w, ARENA_OTHER, m->keys, sizeof *q);
+        if (!time || !p || !q)
+            return;
+        memcpy(time, m->time, n * sizeof *time);
+        memcpy(p, m->position, n * sizeof *p);
+        if (m->rotation)
+            memcpy(q, m->rotation, n * sizeof *q);
+        motion[k] = *m;
+        motion[k].time = time;
+        motion[k].position = (const double(*)[3])p;
+        motion[k].rotation = m->rotation ? (const double(*)[4])q : NULL;
+    }
+    w->def.motions = motion;
 }
 
 static int fill_cloth(struct world *w, const drape_cloth *def, int k,
-                      drape_error *error) {
-  struct sheet *s = &w->sheet[k];
-  struct cloth *c = &s->cloth;
-  c->cell = take(w, ARENA_CLOTH, c->count, 1);
-  c->springs = take(w, ARENA_CLOTH, c->count, 1);
-  c->fixed = take(w, ARENA_CLOTH, c->count, 1);
-  c->mass = take(w, ARENA_CLOTH, c->count, sizeof *c->mass);
-  c->tri = w->tri + s->first_triangle;
-  if (w->arena->failed)
-    return DRAPE_ENOMEM;
-  if (ref_cloth_fill(def, c, s->first) != DRAPE_OK)
-    return say(error, DRAPE_EARG, "cloth %d: a pin holds a missing particle",
-               k);
-  if (ref_cloth_start(def, w->x0 + s->first, w->v0 + s->first) != DRAPE_OK)
-    return say(error, DRAPE_EDATA,
-               "cloth %d: its flat start leaves |x| up to 2^60", k);
-  for (int64_t p = 0; p < c->count; p++) {
-    w->w[s->first + p] = c->fixed[p] ? 0 : 1 / c->mass[p];
-    w->to[s->first + p] = w->x0[s->first + p];
-    w->body[s->first + p] = (uint16_t)k;
-    if (c->fixed[p])
-      w->v0[s->first + p] = vec_make(0, 0, 0);
-  }
-  w->surface[k] = (struct surface){(real)def->material.thickness,
-                                   (real)def->material.friction};
-  w->reach = real_max(w->reach, w->surface[k].thickness);
-  return DRAPE_OK;
+                      drape_error *error)
+{
+    struct sheet *s = &w->sheet[k];
+    struct cloth *c = &s->cloth;
+    c->cell = take(w, ARENA_CLOTH, c->count, 1);
+    c->springs = take(w, ARENA_CLOTH, c->count, 1);
+    c->fixed = take(w, ARENA_CLOTH, c->count, 1);
+    c->mass = take(w, ARENA_CLOTH, c->count, sizeof *c->mass);
+    c->tri = w->tri + s->first_triangle;
+    if (w->arena->failed)
+        return DRAPE_ENOMEM;
+    if (ref_cloth_fill(def, c, s->first) != DRAPE_OK)
+        return say(error, DRAPE_EARG,
+                   "cloth %d: a pin holds a missing particle", k);
+    if (ref_cloth_start(def, w->x0 + s->first, w->v0 + s->first) != DRAPE_OK)
+        return say(error, DRAPE_EDATA,
+                   "cloth %d: its flat start leaves |x| up to 2^60", k);
+    for (int64_t p = 0; p < c->count; p++) {
+        w->w[s->first + p] = c->fixed[p] ? 0 : 1 / c->mass[p];
+        w->to[s->first + p] = w->x0[s->first + p];
+        w->body[s->first + p] = (uint16_t)k;
+        if (c->fixed[p])
+            w->v0[s->first + p] = vec_make(0, 0, 0);
+    }
+    w->surface[k] = (struct surface){(real)def->material.thickness,
+                                     (real)def->material.friction};
+    w->reach = real_max(w->reach, w->surface[k].thickness);
+    return DRAPE_OK;
 }
 
-static int fill_pins(struct world *w, const drape_cloth *def, int k) {
-  struct sheet *s = &w->sheet[k];
-  double *rest = take(w, ARENA_CLOTH, 3 * s->pins.n, sizeof *rest);
-  int32_t *motion = take(w, ARENA_CLOTH, s->pins.n, sizeof *motion);
-  s->pinned = take(w, ARENA_CLOTH, s->pins.n, sizeof *s->pinned);
-  s->pins.x = take(w, ARENA_CLOTH, s->pins.n, sizeof *s->pins.x);
-  if (w->arena->failed)
-    return DRAPE_ENOMEM;
-  for (int64_t i = 0; i < s->pins.n; i++) {
-    const drape_pin *pin = &def->pins[i];
-    s->pinned[i] = pin->i + def->m * pin->j;
-    motion[i] = pin->motion;
-    vec x = w->x0[s->first + s->pinned[i]];
-    rest[3 * i] = (double)x.x;
-    rest[3 * i + 1] = (double)x.y;
-    rest[3 * i + 2] = (double)x.z;
-  }
-  s->pins.rest = rest;
-  s->pins.motion = motion;
-  s->pins.pose = w->pose;
-  s->pins.poses = w->def.n_motions;
-  return DRAPE_OK;
+static int fill_pins(struct world *w, const drape_cloth *def, int k)
+{
+    struct sheet *s = &w->sheet[k];
+    double *rest = take(w, ARENA_CLOTH, 3 * s->pins.n, sizeof *rest);
+    int32_t *motion = take(w, ARENA_CLOTH, s->pins.n, sizeof *motion);
+    s->pinned = take(w, ARENA_CLOTH, s->pins.n, sizeof *s->pinned);
+    s->pins.x = take(w, ARENA_CLOTH, s->pins.n, sizeof *s->pins.x);
+    if (w->arena->failed)
+        return DRAPE_ENOMEM;
+    for (int64_t i = 0; i < s->pins.n; i++) {
+        const drape_pin *pin = &def->pins[i];
+        s->pinned[i] = pin->i + def->m * pin->j;
+        motion[i] = pin->motion;
+        vec x = w->x0[s->first + s->pinned[i]];
+        rest[3 * i] = (double)x.x;
+        rest[3 * i + 1] = (double)x.y;
+        rest[3 * i + 2] = (double)x.z;
+    }
+    s->pins.rest = rest;
+    s->pins.motion = motion;
+    s->pins.pose = w->pose;
+    s->pins.poses = w->def.n_motions;
+    return DRAPE_OK;
 }
 
-static int fill_obstacle(struct world *w, const drape_obstacle *def, int k) {
-  struct prop *p = &w->prop[k];
-  int64_t n = def->n_vertices;
-  double *rest = take(w, ARENA_OBSTACLE, 3 * n, sizeof *rest);
-  int32_t *motion = take(w, ARENA_OBSTACLE, n, sizeof *motion);
-  if (def->frames)
-    p->frame = take(w, ARENA_OBSTACLE, 3 * n * def->frames, sizeof *p->frame);
-  if (w->arena->failed)
-    return DRAPE_ENOMEM;
-  memcpy(rest, def->x, (size_t)(3 * n) * sizeof *rest);
-  if (def->frames)
-    memcpy(p->frame, def->frame,
-           (size_t)(3 * n * def->frames) * sizeof *p->frame);
-  for (int64_t i = 0; i < n; i++) {
-    motion[i] = def->motion;
-    w->body[p->first + i] = (uint16_t)(w->def.n_cloths + k);
-  }
-  for (int64_t t = 0; t < def->n_triangles; t++)
-    for (int i = 0; i < 3; i++)
-      w->tri[p->first_triangle + t][i] = (int32_t)(p->first + def->tri[t][i]);
-  w->surface[w->def.n_cloths + k].friction = (real)def->friction;
-  p->place.rest = rest;
-  p->place.motion = motion;
-  p->place.pose = w->pose;
-  p->place.poses = w->def.n_motions;
-  p->frames = def->frames;
-  p->frame_dt = def->frame_dt;
-  p->moves = def->motion >= 0 || def->frames > 0;
-  return DRAPE_OK;
+static int fill_obstacle(struct world *w, const drape_obstacle *def, int k)
+{
+    struct prop *p = &w->prop[k];
+    int64_t n = def->n_vertices;
+    double *rest = take(w, ARENA_OBSTACLE, 3 * n, sizeof *rest);
+    int32_t *motion = take(w, ARENA_OBSTACLE, n, sizeof *motion);
+    if (def->frames)
+        p->frame =
+            take(w, ARENA_OBSTACLE, 3 * n * def->frames, sizeof *p->frame);
+    if (w->arena->failed)
+        return DRAPE_ENOMEM;
+    memcpy(rest, def->x, (size_t)(3 * n) * sizeof *rest);
+    if (def->frames)
+        memcpy(p->frame, def->frame,
+               (size_t)(3 * n * def->frames) * sizeof *p->frame);
+    for (int64_t i = 0; i < n; i++) {
+        motion[i] = def->motion;
+        w->body[p->first + i] = (uint16_t)(w->def.n_cloths + k);
+    }
+    for (int64_t t = 0; t < def->n_triangles; t++)
+        for (int i = 0; i < 3; i++)
+            w->tri[p->first_triangle + t][i] =
+                (int32_t)(p->first + def->tri[t][i]);
+    w->surface[w->def.n_cloths + k].friction = (real)def->friction;
+    p->place.rest = rest;
+    p->place.motion = motion;
+    p->place.pose = w->pose;
+    p->place.poses = w->def.n_motions;
+    p->frames = def->frames;
+    p->frame_dt = def->frame_dt;
+    p->moves = def->motion >= 0 || def->frames > 0;
+    return DRAPE_OK;
 }
 
-static int take_streams(struct world *w) {
-  const struct plan *p = &w->plan;
-  int64_t bodies = w->def.n_cloths + w->def.n_obstacles;
-  w->x0 = take(w, ARENA_STATE, w->nv, sizeof *w->x0);
-  w->v0 = take(w, ARENA_STATE, w->nv, sizeof *w->v0);
-  w->x1 = take(w, ARENA_STATE, w->nv, sizeof *w->x1);
-  w->v1 = take(w, ARENA_STATE, w->nv, sizeof *w->v1);
-  w->to = take(w, ARENA_STATE, w->nc, sizeof *w->to);
-  w->w = take(w, ARENA_STATE, w->nv, sizeof *w->w);
-  w->body = take(w, ARENA_STATE, w->nv, sizeof *w->body);
-  w->surface = take(w, ARENA_STATE, bodies, sizeof *w->surface);
-  w->tri = take(w, ARENA_STATE, w->nt, sizeof *w->tri);
-  w->watch = take(w, ARENA_STATE, w->def.n_cloths, sizeof *w->watch);
-  if (p->history) {
-    w->past_x = take(w, ARENA_STATE, w->nc, sizeof *w->past_x);
-    w->past_v = take(w, ARENA_STATE, w->nc, sizeof *w->past_v);
-  }
-  if (p->history && p->collides) {
-    w->free_x = take(w, ARENA_STATE, w->nc, sizeof *w->free_x);
-    w->free_v = take(w, ARENA_STATE, w->nc, sizeof *w->free_v);
-  }
-  return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+static int take_streams(struct world *w)
+{
+    const struct plan *p = &w->plan;
+    int64_t bodies = w->def.n_cloths + w->def.n_obstacles;
+    w->x0 = take(w, ARENA_STATE, w->nv, sizeof *w->x0);
+    w->v0 = take(w, ARENA_STATE, w->nv, sizeof *w->v0);
+    w->x1 = take(w, ARENA_STATE, w->nv, sizeof *w->x1);
+    w->v1 = take(w, ARENA_STATE, w->nv, sizeof *w->v1);
+    w->to = take(w, ARENA_STATE, w->nc, sizeof *w->to);
+    w->w = take(w, ARENA_STATE, w->nv, sizeof *w->w);
+    w->body = take(w, ARENA_STATE, w->nv, sizeof *w->body);
+    w->surface = take(w, ARENA_STATE, bodies, sizeof *w->surface);
+    w->tri = take(w, ARENA_STATE, w->nt, sizeof *w->tri);
+    w->watch = take(w, ARENA_STATE, w->def.n_cloths, sizeof *w->watch);
+    if (p->history) {
+        w->past_x = take(w, ARENA_STATE, w->nc, sizeof *w->past_x);
+        w->past_v = take(w, ARENA_STATE, w->nc, sizeof *w->past_v);
+    }
+    if (p->history && p->collides) {
+        w->free_x = take(w, ARENA_STATE, w->nc, sizeof *w->free_x);
+        w->free_v = take(w, ARENA_STATE, w->nc, sizeof *w->free_v);
+    }
+    return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
 
-static int fill(struct world *w, const drape_def *def, drape_error *error) {
-  int status = take_streams(w);
-  for (int k = 0; k < def->n_cloths && status == DRAPE_OK; k++) {
-    status = fill_cloth(w, &def->cloths[k], k, error);
+static int fill(struct world *w, const drape_def *def, drape_error *error)
+{
+    int status = take_streams(w);
+    for (int k = 0; k < def->n_cloths && status == DRAPE_OK; k++) {
+        status = fill_cloth(w, &def->cloths[k], k, error);
+        if (status == DRAPE_OK)
+            status = fill_pins(w, &def->cloths[k], k);
+    }
+    for (int k = 0; k < def->n_obstacles && status == DRAPE_OK; k++)
+        status = fill_obstacle(w, &def->obstacles[k], k);
     if (status == DRAPE_OK)
-      status = fill_pins(w, &def->cloths[k], k);
-  }
-  for (int k = 0; k < def->n_obstacles && status == DRAPE_OK; k++)
-    status = fill_obstacle(w, &def->obstacles[k], k);
-  if (status == DRAPE_OK)
-    status = step_lead(w, 0, w->x0);
-  if (status == DRAPE_OK)
-    memcpy(w->x1, w->x0, (size_t)w->nv * sizeof *w->x0);
-  return status;
+        status = step_lead(w, 0, w->x0);
+    if (status == DRAPE_OK)
+        memcpy(w->x1, w->x0, (size_t)w->nv * sizeof *w->x0);
+    return status;
 }
 
 /* ---- Stages ---- */
 
-static int make_dynamics(struct world *w, struct sheet *s,
-                         const drape_def *def) {
-  struct dynamics *d = &s->dynamics;
-  const struct cloth *c = &s->cloth;
-  d->cloth = c;
-  d->method = def->integrator;
-  d->dt = def->dt;
-  d->max_substeps = def->max_substeps;
-  d->gravity = vec_make((real)def->gravity[0], (real)def->gravity[1],
-                        (real)def->gravity[2]);
-  d->windy = w->plan.wind;
-  d->work = take(w, ARENA_SOLVER, dynamics_vecs(d->method, d->windy) * c->count,
-                 sizeof *d->work);
-  d->chunk = take(w, ARENA_SOLVER, 3 * sum_chunks(c->count), sizeof *d->chunk);
-  if (w->arena->failed)
-    return DRAPE_ENOMEM;
-  if (!w->plan.implicit)
-    return DRAPE_OK;
-  d->block = take(w, ARENA_SOLVER, SPRINGS * c->count, sizeof *d->block);
-  d->solve = solver_solve;
-  d->solver = &s->solver;
-  return d->block ? solver_make(&s->solver, def, c, w->arena) : DRAPE_ENOMEM;
+static int make_dynamics(struct world *w, struct sheet *s, const drape_def *def)
+{
+    struct dynamics *d = &s->dynamics;
+    const struct cloth *c = &s->cloth;
+    d->cloth = c;
+    d->method = def->integrator;
+    d->dt = def->dt;
+    d->max_substeps = def->max_substeps;
+    d->gravity = vec_make((real)def->gravity[0], (real)def->gravity[1],
+                          (real)def->gravity[2]);
+    d->windy = w->plan.wind;
+    d->work =
+        take(w, ARENA_SOLVER, dynamics_vecs(d->method, d->windy) * c->count,
+             sizeof *d->work);
+    d->chunk =
+        take(w, ARENA_SOLVER, 3 * sum_chunks(c->count), sizeof *d->chunk);
+    if (w->arena->failed)
+        return DRAPE_ENOMEM;
+    if (!w->plan.implicit)
+        return DRAPE_OK;
+    d->block = take(w, ARENA_SOLVER, SPRINGS * c->count, sizeof *d->block);
+    d->solve = solver_solve;
+    d->solver = &s->solver;
+    return d->block ? solver_make(&s->solver, def, c, w->arena) : DRAPE_ENOMEM;
 }
 
-static int make_broad(struct world *w, const drape_def *def) {
-  int bodies = def->n_cloths + def->n_obstacles;
-  struct tree_mesh *mesh = take(w, ARENA_TREE, bodies, sizeof *mesh);
-  if (!mesh)
-    return DRAPE_ENOMEM;
-  for (int k = 0; k < bodies; k++) {
-    bool grid = k < def->n_cloths;
-    int64_t first = world_first_triangle(w, k);
-    mesh[k].first_tri = (int32_t)first;
-    mesh[k].tris = (int32_t)(world_first_triangle(w, k + 1) - first);
-    if (grid) {
-      mesh[k].class = TREE_CLOTH;
-      mesh[k].base = (int32_t)w->sheet[k].first;
-      mesh[k].m = w->sheet[k].cloth.m;
-      mesh[k].n = w->sheet[k].cloth.n;
-      mesh[k].self = def->self_collision;
-    } else
-      mesh[k].class =
-          w->prop[k - def->n_cloths].moves ? TREE_MOVING : TREE_STATIC;
-  }
-  struct tree_scene scene = {
-      bodies, (int32_t)w->nv, (int32_t)w->nt, mesh, (const int32_t(*)[3])w->tri,
-      w->x0};
-  return broad_make(&w->broad, &scene, def->self_collision, w->arena);
+static int make_broad(struct world *w, const drape_def *def)
+{
+    int bodies = def->n_cloths + def->n_obstacles;
+    struct tree_mesh *mesh = take(w, ARENA_TREE, bodies, sizeof *mesh);
+    if (!mesh)
+        return DRAPE_ENOMEM;
+    for (int k = 0; k < bodies; k++) {
+        bool grid = k < def->n_cloths;
+        int64_t first = world_first_triangle(w, k);
+        mesh[k].first_tri = (int32_t)first;
+        mesh[k].tris = (int32_t)(world_first_triangle(w, k + 1) - first);
+        if (grid) {
+            mesh[k].class = TREE_CLOTH;
+            mesh[k].base = (int32_t)w->sheet[k].first;
+            mesh[k].m = w->sheet[k].cloth.m;
+            mesh[k].n = w->sheet[k].cloth.n;
+            mesh[k].self = def->self_collision;
+        } else
+            mesh[k].class =
+                w->prop[k - def->n_cloths].moves ? TREE_MOVING : TREE_STATIC;
+    }
+    struct tree_scene scene = {bodies,
+                               (int32_t)w->nv,
+                               (int32_t)w->nt,
+                               mesh,
+                               (const int32_t(*)[3])w->tri,
+                               w->x0};
+    return broad_make(&w->broad, &scene, def->self_collision, w->arena);
 }
 
-static int make_response(struct world *w, const drape_def *def) {
-  struct response *c = &w->response;
-  c->nv = w->nv;
-  c->w = w->w;
-  c->skin.n = def->n_cloths + def->n_obstacles;
-  c->skin.of = w->body;
-  c->skin.surface = w->surface;
-  c->dt = (real)def->dt;
-  for (int k = 0; k < def->n_cloths; k++)
-    c->stiffness =
-        real_max(c->stiffness, (real)def->cloths[k].material.stretch);
-  c->margin = R(0.125);
-  c->iterations = 16;
-  c->max_rounds = def->max_rounds;
-  c->zone_rounds = 4;
-  c->roll_rounds = 16;
-  c->broad = step_broad;
-  c->grow = step_grow;
-  c->user = w;
-  c->u = take(w, ARENA_RESPONSE, w->nv, sizeof *c->u);
-  c->touched = take(w, ARENA_RESPONSE, w->nv, 1);
-  c->rolled = take(w, ARENA_RESPONSE, w->nv, 1);
-  c->start = take(w, ARENA_RESPONSE, w->nv + 1, sizeof *c->start);
-  return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+static int make_response(struct world *w, const drape_def *def)
+{
+    struct response *c = &w->response;
+    c->nv = w->nv;
+    c->w = w->w;
+    c->skin.n = def->n_cloths + def->n_obstacles;
+    c->skin.of = w->body;
+    c->skin.surface = w->surface;
+    c->dt = (real)def->dt;
+    for (int k = 0; k < def->n_cloths; k++)
+        c->stiffness =
+            real_max(c->stiffness, (real)def->cloths[k].material.stretch);
+    c->margin = R(0.125);
+    c->iterations = 16;
+    c->max_rounds = def->max_rounds;
+    c->zone_rounds = 4;
+    c->roll_rounds = 16;
+    c->broad = step_broad;
+    c->grow = step_grow;
+    c->user = w;
+    c->u = take(w, ARENA_RESPONSE, w->nv, sizeof *c->u);
+    c->touched = take(w, ARENA_RESPONSE, w->nv, 1);
+    c->rolled = take(w, ARENA_RESPONSE, w->nv, 1);
+    c->start = take(w, ARENA_RESPONSE, w->nv + 1, sizeof *c->start);
+    if (w->plan.implicit) {
+        c->solve = couple_solve;
+        c->solve_rounds = 4;
+    }
+    if (w->arena->failed)
+        return DRAPE_ENOMEM;
+    return w->plan.implicit ? couple_make(w) : DRAPE_OK;
 }
 
-static int make_stages(struct world *w, const drape_def *def) {
-  int status = DRAPE_OK;
-  for (int k = 0; k < def->n_cloths && status == DRAPE_OK; k++)
-    status = make_dynamics(w, &w->sheet[k], def);
-  if (status == DRAPE_OK && w->plan.collides)
-    status = make_broad(w, def);
-  if (status == DRAPE_OK && w->plan.collides)
-    status = make_response(w, def);
-  return status;
+static int make_stages(struct world *w, const drape_def *def)
+{
+    int status = DRAPE_OK;
+    for (int k = 0; k < def->n_cloths && status == DRAPE_OK; k++)
+        status = make_dynamics(w, &w->sheet[k], def);
+    if (status == DRAPE_OK && w->plan.collides)
+        status = make_broad(w, def);
+    if (status == DRAPE_OK && w->plan.collides)
+        status = make_response(w, def);
+    return status;
 }
 
 static int make(const drape_def *def, struct arena *arena, struct world **world,
-                drape_error *error) {
-  struct world *w = arena_take(arena, ARENA_OTHER, 1, sizeof *w);
-  if (!w)
-    return DRAPE_ENOMEM;
-  w->arena = arena;
-  w->def = *def;
-  w->plan = plan_make(def);
-  w->fingerprint = checkpoint_fingerprint(def);
-  w->sheet = take(w, ARENA_OTHER, def->n_cloths, sizeof *w->sheet);
-  w->prop = take(w, ARENA_OTHER, def->n_obstacles, sizeof *w->prop);
-  copy_motions(w, def);
-  if (arena->failed)
-    return DRAPE_ENOMEM;
-  int status = size_cloths(w, def, error);
-  if (status == DRAPE_OK)
-    status = fill(w, def, error);
-  if (status == DRAPE_OK && w->plan.collides && !def->allow_intersecting)
-    status = start_audit(w, error);
-  if (status == DRAPE_OK)
-    status = make_stages(w, def);
-  if (status == DRAPE_OK)
-    status = step_check(w, error);
-  world_set_wind(w, &def->wind);
-  *world = w;
-  return status;
+                drape_error *error)
+{
+    struct world *w = arena_take(arena, ARENA_OTHER, 1, sizeof *w);
+    if (!w)
+        return DRAPE_ENOMEM;
+    w->arena = arena;
+    w->def = *def;
+    w->plan = plan_make(def);
+    w->fingerprint = checkpoint_fingerprint(def);
+    w->sheet = take(w, ARENA_OTHER, def->n_cloths, sizeof *w->sheet);
+    w->prop = take(w, ARENA_OTHER, def->n_obstacles, sizeof *w->prop);
+    copy_motions(w, def);
+    if (arena->failed)
+        return DRAPE_ENOMEM;
+    int status = size_cloths(w, def, error);
+    if (status == DRAPE_OK)
+        status = fill(w, def, error);
+    if (status == DRAPE_OK && w->plan.collides && !def->allow_intersecting)
+        status = start_audit(w, error);
+    if (status == DRAPE_OK)
+        status = make_stages(w, def);
+    if (status == DRAPE_OK)
+        status = step_check(w, error);
+    world_set_wind(w, &def->wind);
+    *world = w;
+    return status;
 }
 
 /* ---- What the API asks ---- */
 
-static void copy_out(double (*out)[3], const vec *a, int64_t n) {
-  for (int64_t i = 0; i < n; i++) {
-    out[i][0] = (double)a[i].x;
-    out[i][1] = (double)a[i].y;
-    out[i][2] = (double)a[i].z;
-  }
+static void copy_out(double (*out)[3], const vec *a, int64_t n)
+{
+    for (int64_t i = 0; i < n; i++) {
+        out[i][0] = (double)a[i].x;
+        out[i][1] = (double)a[i].y;
+        out[i][2] = (double)a[i].z;
+    }
 }
 
-static void read_state(const struct world *w, double (*x)[3], double (*v)[3]) {
-  copy_out(x, w->x0, w->nv);
-  copy_out(v, w->v0, w->nv);
+static void read_state(const struct world *w, double (*x)[3], double (*v)[3])
+{
+    copy_out(x, w->x0, w->nv);
+    copy_out(v, w->v0, w->nv);
 }
 
-static void read_triangles(const struct world *w, int32_t (*tri)[3]) {
-  memcpy(tri, w->tri, (size_t)w->nt * sizeof *tri);
+static void read_triangles(const struct world *w, int32_t (*tri)[3])
+{
+    memcpy(tri, w->tri, (size_t)w->nt * sizeof *tri);
 }
 
-static int64_t first_vertex(const struct world *w, int body) {
-  int cloths = w->def.n_cloths;
-  if (body >= cloths + w->def.n_obstacles)
-    return w->nv;
-  return body < cloths ? w->sheet[body].first : w->prop[body - cloths].first;
+static int64_t first_vertex(const struct world *w, int body)
+{
+    int cloths = w->def.n_cloths;
+    if (body >= cloths + w->def.n_obstacles)
+        return w->nv;
+    return body < cloths ? w->sheet[body].first : w->prop[body - cloths].first;
 }
 
-int64_t world_first_triangle(const struct world *w, int body) {
-  int cloths = w->def.n_cloths;
-  if (body >= cloths + w->def.n_obstacles)
-    return w->nt;
-  return body < cloths ? w->sheet[body].first_triangle
-                       : w->prop[body - cloths].first_triangle;
+int64_t world_first_triangle(const struct world *w, int body)
+{
+    int cloths = w->def.n_cloths;
+    if (body >= cloths + w->def.n_obstacles)
+        return w->nt;
+    return body < cloths ? w->sheet[body].first_triangle
+                         : w->prop[body - cloths].first_triangle;
 }
 
-static void wake(struct world *w) {
-  w->asleep = false;
-  w->resting = 0;
+static void wake(struct world *w)
+{
+    w->asleep = false;
+    w->resting = 0;
 }
 
-void world_set_wind(struct world *w, const drape_wind *wind) {
-  w->def.wind = *wind;
-  for (int k = 0; k < w->def.n_cloths; k++) {
-    struct dynamics *d = &w->sheet[k].dynamics;
-    d->air = vec_make((real)wind->velocity[0], (real)wind->velocity[1],
-                      (real)wind->velocity[2]);
-    d->drag = (real)(0.5 * wind->density * wind->drag);
-    d->lift = (real)(0.5 * wind->density * wind->lift);
-  }
-  wake(w);
+void world_set_wind(struct world *w, const drape_wind *wind)
+{
+    w->def.wind = *wind;
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        struct dynamics *d = &w->sheet[k].dynamics;
+        d->air = vec_make((real)wind->velocity[0], (real)wind->velocity[1],
+                          (real)wind->velocity[2]);
+        d->drag = (real)(0.5 * wind->density * wind->drag);
+        d->lift = (real)(0.5 * wind->density * wind->lift);
+    }
+    wake(w);
 }
 
 const struct world_ops world_ops = {

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Contacts within the implicit solve of every cloth. spec/38_penalty.md §4 */
+#include "ref/couple.h"
+
+#include "ref/clock.h"
+#include "ref/state.h"
+
+enum { TURNS = 2 };
+
+static void *take(struct world *w, int64_t n, size_t size)
+{
+    return arena_take(w->arena, ARENA_RESPONSE, n, size);
+}
+
+int couple_make(struct world *w)
+{
+    struct couple *c = &w->couple;
+    struct penalty *p = &c->penalty;
+    p->nv = w->nv;
+    p->nv1 = w->nv + 1;
+    p->w = w->w;
+    p->u = w->response.u;
+    p->stiffness = w->response.stiffness;
+    p->dt = w->response.dt;
+    p->slip = R(0.01) * w->reach / p->dt;
+    p->start = w->response.start;
+    p->force = take(w, w->nv, sizeof *p->force);
+    p->hold = take(w, w->nv, sizeof *p->hold);
+    c->g = take(w, w->nc, sizeof *c->g);
+    c->b = take(w, w->nc, sizeof *c->b);
+    c->dv = take(w, w->nc, sizeof *c->dv);
+    return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+}
+
+void couple_start(struct world *w)
+{
+    struct couple *c = &w->couple;
+    bool past = w->plan.history && w->has_past;
+    c->penalty.tau = (real)(past ? w->def.dt * 2 / 3 : w->def.dt);
+    c->iterations = 0;
+    c->seconds = 0;
+    memset(c->g, 0, (size_t)w->nc * sizeof *c->g);
+}
+
+static int make_room(struct world *w, int64_t n)
+{
+    struct couple *c = &w->couple;
+    struct penalty *p = &c->penalty;
+    if (n <= c->cap)
+        return DRAPE_OK;
+    arena_give(w->arena, p->item);
+    arena_give(w->arena, p->vertex);
+    arena_give(w->arena, p->slide);
+    arena_give(w->arena, p->share);
+    c->cap = n + n / 4 + 64;
+    p->item = take(w, 4 * c->cap, sizeof *p->item);
+    p->vertex = take(w, 4 * c->cap, sizeof *p->vertex);
+    p->slide = take(w, c->cap, sizeof *p->slide);
+    p->share = take(w, c->cap, sizeof *p->share);
+    return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+}
+
+/* One cloth: (A + hold) dv = force - g; what moves is moved. */
+static int solve_sheet(struct world *w, struct sheet *s)
+{
+    struct couple *c = &w->couple;
+    struct pcg *p = &s->solver.pcg;
+    const vec *force = c->penalty.force + s->first;
+    const sym *hold = c->penalty.hold + s->first;
+    vec *g = c->g + s->first, *b = c->b + s->first, *dv = c->dv + s->first;
+    real span = c->penalty.tau / c->penalty.dt;
+    EACH_ITEM
+    for (int64_t i = 0; i < s->cloth.count; i++)
+        b[i] = s->cloth.fixed[i] ? vec_make(0, 0, 0) : vec_sub(force[i], g[i]);
+    p->block = s->dynamics.block;
+    p->b = b;
+    p->dv = dv;
+    p->n_extra = s->cloth.count;
+    p->extra = hold;
+    int status = ref_pcg(p);
+    p->n_extra = 0;
+    c->iterations += p->iterations;
+    if (status != DRAPE_OK || p->outcome == PCG_BREAKDOWN)
+        return status; /* the exact rounds go on without */
+    vec *u = w->response.u + s->first, *v = w->v1 + s->first;
+    vec *x1 = w->x1 + s->first;
+    const vec *x0 = w->x0 + s->first;
+    EACH_ITEM
+    for (int64_t i = 0; i < s->cloth.count; i++) {
+        if (s->cloth.fixed[i])
+            continue;
+        g[i] = vec_add(g[i], vec_sub(b[i], sym_apply(hold[i], dv[i])));
+        u[i] = vec_axpy(u[i], span, dv[i]);
+        v[i] = vec_add(v[i], dv[i]);
+        x1[i] = vec_axpy(x0[i], w->response.dt, u[i]);
+        w->response.touched[s->first + i] = 1;
+    }
+    return DRAPE_OK;
+}
+
+int couple_solve(void *user, int64_t n, struct contact *contact)
+{
+    struct world *w = user;
+    struct penalty *p = &w->couple.penalty;
+    double start = clock_now();
+    int status = make_room(w, n);
+    p->n = n;
+    p->n4 = 4 * n;
+    p->contact = contact;
+    for (int k = 0; k < TURNS && status == DRAPE_OK; k++) {
+        status = ref_penalty(p);
+        for (int i = 0; i < w->def.n_cloths && status == DRAPE_OK; i++)
+            status = solve_sheet(w, &w->sheet[i]);
+    }
+    w->couple.seconds += clock_now() - start;
+    return status;
+}

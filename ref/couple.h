@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Contacts within the implicit solve of every cloth. spec/38_penalty.md §4 */
+#ifndef REF_COUPLE_H
+#define REF_COUPLE_H
+
+#include "ref/arena.h"
+#include "ref/penalty.h"
+
+struct world;
+
+struct couple {
+    struct penalty penalty; /* nv, w, stiffness, dt, tau, slip, streams */
+    vec *g;                 /* [nc] A times the change so far */
+    vec *b, *dv;            /* [nc] */
+    int64_t cap;            /* contacts that the scratch is for */
+    int iterations;         /* out: of pcg, this step */
+    double seconds;         /* out: this step */
+};
+
+/* Takes its streams. DRAPE_OK or DRAPE_ENOMEM. */
+int couple_make(struct world *w);
+/* Before the first contacts of a step. */
+void couple_start(struct world *w);
+/* response's solve; user is the world. */
+int couple_solve(void *user, int64_t n, struct contact *contact);
+
+#endif

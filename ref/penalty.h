@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage penalty: contacts as the implicit system feels them.
+ * spec/38_penalty.md */
+#ifndef REF_PENALTY_H
+#define REF_PENALTY_H
+
+#include "ref/contact.h"
+
+struct penalty {
+    int64_t nv, n;           /* vertices, contacts; 4 n < 2^31 */
+    const real *w;           /* [nv] 1/kg, ≥ 0; 0: led */
+    const vec *u;            /* [nv] m/s, mean velocity of the step */
+    real stiffness;          /* N/m, > 0, of a contact */
+    real dt, tau;            /* s, > 0: step, and the solver's span */
+    real slip;               /* m/s, > 0: friction is viscous below */
+    struct contact *contact; /* [n], out: impulse and tangent of each */
+
+    int64_t nv1, n4; /* nv + 1, 4 n */
+    int32_t *start;  /* scratch: [nv1] */
+    int32_t *item;   /* scratch: [n4] */
+    int32_t *vertex; /* scratch: [n4] */
+    real *slide;     /* scratch: [n] kg */
+    real *share;     /* scratch: [n] */
+    vec *force;      /* out: [nv] N·s, 0 where no contact pushes */
+    sym *hold;       /* out: [nv] kg, 0 likewise; §3 */
+};
+
+/* DRAPE_OK, or DRAPE_EARG for a bad vertex or setting. */
+int ref_penalty(struct penalty *s);
+
+#endif
