@@ -272,6 +272,9 @@ const char *test_narrow_range(void)
         if (words < 0 || 2 * words > EXACT_WORDS)
             failed = "a query needs more room than half of what is given";
         failed = failed ? failed : query_toi(&q) == toi ? NULL : "tiers differ";
+        uint32_t other;
+        if (exact_first(x, q.kind, word, EXACT_LEAST, &other) >= 0)
+            failed = other == toi ? failed : "the room matters";
         failed = failed ? failed : query_symmetry(&q, toi);
         ran(1);
     }
