@@ -49,13 +49,16 @@ TEST_O := $(call obj,$(TWICE),.32) $(call obj,$(TWICE),.64) \
           $(call obj,$(ONCE),)
 APP_O  := $(call obj,$(APP),)
 # Without their libraries one file stands in for all oracles but brute force.
-ORC_O  := $(call obj,$(if $(HAS_ORACLE),$(filter-out oracle/absent.c \
-          oracle/table.cpp,$(ORACLE)),oracle/absent.c oracle/brute.c),)
+# CGAL's take a minute to compile, so the flavours share ROOT's.
+ROOT   ?= $(BUILD)
+ORC_O  := $(addprefix $(ROOT)/,$(addsuffix .o,$(basename $(if \
+          $(HAS_ORACLE),$(filter-out oracle/absent.c oracle/table.cpp, \
+          $(ORACLE)),oracle/absent.c oracle/brute.c))))
 ORC_L  := $(if $(HAS_ORACLE),$(ORACLE_LIBS))
 LIB    := $(BUILD)/libdrape.a
 
 .PHONY: all demo check bench asan fuzz install help golden format tidy \
-        flavours soak prove oracles say-gpu
+        flavours soak prove oracles oracle-libs say-gpu
 .DELETE_ON_ERROR:
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu
@@ -74,7 +77,10 @@ $(BUILD)/%.64.o: %.c
 $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
 	$(C17) -c $< -o $@
-$(BUILD)/%.o: %.cpp
+$(ROOT)/oracle/%.o: oracle/%.c
+	@mkdir -p $(@D)
+	$(CC) -std=c17 -O1 $(WARN) -I. -MMD -MP -fPIC -c $< -o $@
+$(ROOT)/oracle/%.o: oracle/%.cpp
 	@mkdir -p $(@D)
 	$(CXX17) -c $< -o $@
 
@@ -106,27 +112,30 @@ demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 bench: $(BUILD)/check ## time and bytes of every stage, as csv
 	$(BUILD)/check --bench
 
-$(BUILD)/table: $(BUILD)/oracle/table.o $(ORC_O)
+$(BUILD)/table: $(ROOT)/oracle/table.o $(ORC_O)
 	$(CXX17) $^ -o $@ $(ORC_L)
 QUERIES ?= ../shared/ccd/queries
 oracles: $(BUILD)/table ## the tables of oracle/README.md, from QUERIES=DIR
 	$(BUILD)/table $(QUERIES)/*.csv
 
+oracle-libs: # what links with parts.a, for ci/fuzz.sh
+	@echo $(ORC_L)
+
 golden: $(BUILD)/check ## records the hashes of all stages anew
 	$(BUILD)/check --golden-write tests/golden/stages.txt
 
 asan: ## every stage and test under address and undefined sanitizers
-	$(MAKE) BUILD=$(BUILD)/asan OPT='-O1 -g' OPENMP=-fopenmp \
+	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/asan OPT='-O1 -g' OPENMP=-fopenmp \
 	  SAN='-fsanitize=address,undefined -fno-sanitize-recover=all' \
 	  $(BUILD)/asan/check
 	$(BUILD)/asan/check --cases 1 --stages --self-test
 
 # gcc and clang, -O0 to -O3: the same golden hashes, for 1 and 3 threads.
 flavours:
-	$(MAKE) BUILD=$(BUILD)/gcc-O0 OPT=-O0 $(BUILD)/gcc-O0/check
-	$(MAKE) BUILD=$(BUILD)/gcc-O3 OPT='-O3 -march=native' \
+	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/gcc-O0 OPT=-O0 $(BUILD)/gcc-O0/check
+	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/gcc-O3 OPT='-O3 -march=native' \
 	  $(BUILD)/gcc-O3/check
-	$(MAKE) BUILD=$(BUILD)/clang-O2 CC=clang OPT=-O2 \
+	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/clang-O2 CC=clang OPT=-O2 \
 	  $(BUILD)/clang-O2/check
 
 fuzz: ## T=stage S=seconds: libFuzzer on one stage

@@ -13,11 +13,11 @@ if [ -n "$stage" ]; then
     }
     out=$build/fuzz
     san='-fsanitize=address,undefined,fuzzer-no-link'
-    make -s BUILD="$out" CC=clang OPT='-O1 -g' OPENMP= \
+    make -s ROOT="$build" BUILD="$out" CC=clang OPT='-O1 -g' OPENMP= \
         SAN="$san" "$out/parts.a"
     clang -std=c17 -O1 -g -I. -Ispec -DTARGET="\"$stage\"" \
         -fsanitize=address,undefined,fuzzer fuzz/target.c \
-        "$out/parts.a" -lm -o "$out/$stage"
+        "$out/parts.a" $(make -s oracle-libs) -lm -o "$out/$stage"
     mkdir -p "fuzz/corpus/$stage" "$out/found-$stage"
     "$out/$stage" -max_total_time="$seconds" -max_len=4096 -timeout=20 \
         -artifact_prefix="$out/$stage-" "$out/found-$stage" \
