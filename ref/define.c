@@ -19,7 +19,7 @@ void drape_default(drape_def *def)
     def->gravity[1] = -9.81;
     def->wind.drag = 1;
     def->wind.lift = 1;
-    def->integrator = DRAPE_CK;
+    def->integrator = DRAPE_BW;
     def->max_substeps = 100000;
     def->precond = DRAPE_MULTIGRID;
     def->matrix = DRAPE_COMPACT;

@@ -203,7 +203,7 @@ typedef struct drape_plan_row {
 typedef struct drape_world drape_world;
 
 /* Defaults: the reference, 32 bits, dt 1/60, gravity -9.81 y, still air
- * absent, Choi–Ko with multigrid, self-collision. Never fails. */
+ * absent, Baraff–Witkin with multigrid, self-collision. Never fails. */
 void drape_default(drape_def *def);
 /* Defaults: 101 × 101, 1 m × 1 m, flat in the xz plane, light cotton. */
 void drape_default_cloth(drape_cloth *cloth);
