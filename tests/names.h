@@ -189,6 +189,8 @@
 #define test_narrow_queries REAL_NAME(test_narrow_queries)
 #define test_narrow_range REAL_NAME(test_narrow_range)
 #define test_narrow_status REAL_NAME(test_narrow_status)
+#define test_oracle_agreement REAL_NAME(test_oracle_agreement)
+#define test_oracle_known REAL_NAME(test_oracle_known)
 #define test_orders REAL_NAME(test_orders)
 #define test_pcg_dense REAL_NAME(test_pcg_dense)
 #define test_pcg_outcomes REAL_NAME(test_pcg_outcomes)
