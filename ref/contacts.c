@@ -2,37 +2,7 @@
 /* Mass-splitting projected Jacobi (Tonge et al. 2012). spec/34_contacts.md */
 #include "ref/contacts.h"
 
-static bool pushes(const struct contacts *s, int64_t item)
-{
-    const struct contact *c = &s->contact[item / 4];
-    return c->c[item % 4] != 0 && s->w[c->v[item % 4]] > 0;
-}
-
-/* §1: the contacts of each free vertex, in their order. */
-static void index_vertices(struct contacts *s)
-{
-    int32_t *start = s->start;
-    memset(start, 0, (size_t)s->nv1 * sizeof *start);
-    for (int64_t k = 0; k < s->n4; k++)
-        if (pushes(s, k))
-            start[s->contact[k / 4].v[k % 4]]++;
-    int32_t at = 0;
-    s->vertices = 0;
-    for (int64_t i = 0; i < s->nv1; i++) {
-        int32_t count = start[i];
-        if (count)
-            s->vertex[s->vertices++] = (int32_t)i;
-        start[i] = at;
-        at += count;
-    }
-    for (int64_t k = 0; k < s->n4; k++)
-        if (pushes(s, k))
-            s->item[start[s->contact[k / 4].v[k % 4]]++] = (int32_t)k;
-    /* each start moved to the next one's */
-    for (int64_t i = s->nv; i > 0; i--)
-        start[i] = start[i - 1];
-    start[0] = 0;
-}
+#include "ref/incidence.h"
 
 /* §2: the mass that a contact moves when its vertices are split. */
 static real effective_mass(const struct contacts *s, const struct contact *c)
@@ -117,7 +87,10 @@ int ref_contacts(struct contacts *s)
         if (!pair_valid(s->contact[k].v, s->nv))
             return DRAPE_EARG;
 
-    index_vertices(s);
+    struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
+                           s->start, s->item, s->vertex, 0};
+    ref_incidence(&by); /* §1 */
+    s->vertices = by.vertices;
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++) {
         struct contact *c = &s->contact[k];
