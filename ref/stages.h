@@ -20,6 +20,7 @@
 #include "ref/multigrid.h"
 #include "ref/narrow.h"
 #include "ref/pcg.h"
+#include "ref/penalty.h"
 #include "ref/product.h"
 #include "ref/proximity.h"
 #include "ref/rollback.h"
