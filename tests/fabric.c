@@ -4,12 +4,11 @@
 
 #include <stdlib.h>
 
-void fabric_make(struct fabric *f, int32_t vertices, int32_t tris,
-                 uint64_t seed)
+static void make_in(struct fabric *f, int32_t vertices, int32_t tris,
+                    uint64_t seed, const drape_allocator *allocator)
 {
-    drape_allocator allocator = {0};
     memset(f, 0, sizeof *f);
-    arena_init(&f->arena, &allocator);
+    arena_init(&f->arena, allocator);
     f->tri = arena_take(&f->arena, ARENA_OTHER, tris, sizeof *f->tri);
     f->x0 = arena_take(&f->arena, ARENA_OTHER, vertices, sizeof *f->x0);
     f->x1 = arena_take(&f->arena, ARENA_OTHER, vertices, sizeof *f->x1);
@@ -21,6 +20,13 @@ void fabric_make(struct fabric *f, int32_t vertices, int32_t tris,
     f->scene.x = f->x0;
     if (f->arena.failed)
         abort();
+}
+
+void fabric_make(struct fabric *f, int32_t vertices, int32_t tris,
+                 uint64_t seed)
+{
+    drape_allocator allocator = {0};
+    make_in(f, vertices, tris, seed, &allocator);
 }
 
 void fabric_free(struct fabric *f)
@@ -165,6 +171,116 @@ void fabric_move(struct fabric *f, vec common, real noise)
         vec d = vec_make(x, y, fabric_random(f));
         f->x1[k] = vec_axpy(vec_add(f->x0[k], common), noise, d);
     }
+}
+
+/* ---- Generators ---- */
+
+static void *take_bytes(void *user, size_t bytes)
+{
+    return take(user, (int64_t)bytes, 1);
+}
+
+static void give_bytes(void *user, void *p, size_t bytes)
+{
+    (void)user, (void)p, (void)bytes;
+}
+
+/* Meshes of about `size` triangles in all. */
+static void choose_meshes(struct bytes *b, struct fabric *f, int32_t size)
+{
+    enum fabric_shape shape = (enum fabric_shape)pick(b, FABRIC_SHAPES);
+    int32_t m = 2;
+    while (m * m < size / 4)
+        m++;
+    if (size > 0)
+        fabric_cloth(f, m, 2 + (int32_t)pick(b, (uint32_t)m), shape,
+                     (int)pick(b, 2));
+    if (pick(b, 2))
+        fabric_cloth(f, 2, 3, FABRIC_FLAT, 0);
+    if (size > 3 && pick(b, 2)) {
+        fabric_soup(f, TREE_MOVING, size / 4, R(0.3));
+        f->mesh[f->scene.meshes - 1].self = pick(b, 2);
+    }
+    if (size > 60 && pick(b, 4))
+        fabric_sphere(f, TREE_STATIC, 4, vec_make(R(0.5), 0, R(0.2)), R(0.3));
+}
+
+void fabric_choose(struct bytes *b, struct fabric *f, struct tree *tree,
+                   struct tree_map *map)
+{
+    drape_allocator allocator = {take_bytes, give_bytes, b};
+    int32_t size = for_bench(b) ? 1000 : (int32_t)pick_size(b);
+    make_in(f, 40000, 80000, pick(b, UINT32_MAX), &allocator);
+    if (for_bench(b)) {
+        fabric_cloth(f, 101, 101, FABRIC_WAVY, 0);
+        fabric_sphere(f, TREE_STATIC, 71, vec_make(R(0.5), R(-0.38), R(0.5)),
+                      R(0.4));
+    } else
+        choose_meshes(b, f, size);
+    fabric_move(f, vec_make(0, R(-0.01), 0), pick(b, 2) ? R(0.004) : 0);
+    bool wild = !for_bench(b) && pick(b, 3) == 0;
+    for (int32_t v = 0; v < f->scene.vertices && wild; v++) {
+        f->x0[v] = pick_vec(b, 1);
+        f->x1[v] = pick(b, 3) ? pick_vec(b, 1) : f->x0[v];
+    }
+    if (tree_build(&f->scene, &f->arena, tree, map) != DRAPE_OK)
+        abort();
+}
+
+struct box *fabric_boxes(struct bytes *b, const struct fabric *f,
+                         const struct tree *tree, uint8_t *stir)
+{
+    struct refit s = {.tree = *tree,
+                      .nv = f->scene.vertices,
+                      .x0 = f->x0,
+                      .x1 = f->x1,
+                      .all = 1,
+                      .stir = stir};
+    s.box = take(b, tree->n, sizeof *s.box);
+    if (ref_refit(&s) != DRAPE_OK)
+        abort();
+    return s.box;
+}
+
+/* Every pair of meshes, but never two that do not move by themselves. */
+static void choose_roots(struct bytes *b, struct fabric_walk *w)
+{
+    const struct tree *t = &w->in.tree;
+    w->root = take(b, FABRIC_MESHES * FABRIC_MESHES, sizeof *w->root);
+    for (int32_t a = 0; a < t->n; a++)
+        for (int32_t c = a; c < t->n; c++) {
+            bool soft = a < t->n_cloth || c < t->n_cloth;
+            if (t->parent[a] >= 0)
+                break;
+            if (t->parent[c] >= 0 ||
+                !(soft || (a == c && w->f.mesh[t->mesh[a]].self)))
+                continue;
+            w->root[w->roots][0] = a;
+            w->root[w->roots++][1] = c;
+        }
+}
+
+void fabric_walk(struct bytes *b, struct fabric_walk *w)
+{
+    struct tree_map map;
+    memset(w, 0, sizeof *w);
+    fabric_choose(b, &w->f, &w->in.tree, &map);
+    const struct tree *t = &w->in.tree;
+    w->stir = take(b, t->n, 1);
+    w->in.box = fabric_boxes(b, &w->f, t, w->stir);
+    w->in.r = pick(b, 2) ? 0 : R(0.01);
+    struct cones s = {.tree = *t,
+                      .map = map,
+                      .nv = w->f.scene.vertices,
+                      .x0 = w->f.x0,
+                      .x1 = w->f.x1,
+                      .r = w->in.r};
+    s.tangents = take(b, t->n_cloth, sizeof *s.tangents);
+    s.clear = take(b, t->n_cloth, 1);
+    if (pick(b, 3) && ref_cones(&s) != DRAPE_OK)
+        abort();
+    w->in.clear = s.clear;
+    choose_roots(b, w);
 }
 
 /* ---- Brute force ---- */

@@ -29,6 +29,18 @@ enum fabric_shape {
     FABRIC_SHAPES
 };
 
+/* Fields of a struct tree t inside a stage's struct. */
+#define FABRIC_TREE(X, t)                                                      \
+    IN(X, t.first, t.n, 1), IN(X, t.parent, t.n, 1), IN(X, t.count, t.n, 1),   \
+        IN(X, t.level, t.n, 1), IN(X, t.rank, t.n, 1), IN(X, t.mesh, t.n, 1),  \
+        IN(X, t.order, t.n_tri, 1), IN(X, t.tri, t.n_tri, 1),                  \
+        IN(X, t.own, t.n_tri, 1), IN(X, t.place, t.n_cloth, 1),                \
+        IN(X, t.range, t.n_range, 1)
+/* Of a struct bvtt named in. */
+#define FABRIC_BVTT(X)                                                         \
+    FABRIC_TREE(X, in.tree), IN(X, in.box, in.tree.n, 1),                      \
+        IN(X, in.clear, in.tree.n_cloth, 1)
+
 /* A candidate, comparable. */
 struct fabric_pair {
     int32_t kind, v[4];
@@ -49,6 +61,23 @@ void fabric_sphere(struct fabric *f, int class, int32_t k, vec centre,
 void fabric_soup(struct fabric *f, int class, int32_t tris, real size);
 /* x1 = x0 + common + noise · random. */
 void fabric_move(struct fabric *f, vec common, real noise);
+
+/* A scene of choices with about pick_size triangles, or the benchmark's:
+ * 101 × 101 over 20,000 triangles; its memory is the harness's. */
+void fabric_choose(struct bytes *b, struct fabric *f, struct tree *tree,
+                   struct tree_map *map);
+/* What a walk reads: boxes and cones of the scene's motion, roots. */
+struct fabric_walk {
+    struct fabric f;
+    struct bvtt in;
+    uint8_t *stir;
+    int32_t (*root)[2];
+    int64_t roots;
+};
+void fabric_walk(struct bytes *b, struct fabric_walk *w);
+/* The boxes of the tree between f->x0 and f->x1, by ref_refit. */
+struct box *fabric_boxes(struct bytes *b, const struct fabric *f,
+                         const struct tree *tree, uint8_t *stir);
 
 /* All candidates by brute force, sorted, in the arena's memory. */
 struct fabric_pair *fabric_brute(struct fabric *f, bool self, real r,
