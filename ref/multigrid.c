@@ -70,43 +70,22 @@ int64_t ref_multigrid_size(struct multigrid *s)
 
 /* ---- products ---- */
 
-/* y += C (x - x of the neighbour), along one row. */
-static void add_row(int32_t n, const sym *c, const vec *x, int64_t step, vec *y)
-{
-    for (int32_t i = 0; i < n; i++)
-        y[i] = vec_add(y[i], sym_apply(c[i], vec_sub(x[i], x[i + step])));
-}
-
-/* §3: row j of y = A x on a coarse grid, as spec/12 §1. */
-static void multiply_row(const struct level *l, int32_t j)
-{
-    int64_t row = (int64_t)l->m * j;
-    for (int64_t p = row; p < row + l->m; p++)
-        l->y[p] = sym_apply(l->excess[p], l->x[p]);
-    for (int k = 0; k < 2 * STENCIL; k++) {
-        int o = k / 2, sign = k % 2 ? -1 : 1;
-        int32_t di = sign * stencil_di[o], b = j + sign * stencil_dj[o];
-        int32_t from = di < 0 ? -di : 0, to = di > 0 ? l->m - di : l->m;
-        int64_t step = di + (int64_t)l->m * (b - j), p = row + from;
-        if (b >= 0 && b < l->n && from < to)
-            add_row(to - from,
-                    l->block + (o * l->count + p + (sign < 0 ? step : 0)),
-                    l->x + p, step, l->y + p);
-    }
-}
-
+/* §3: y = A x; on the coarse grids as spec/12 §1 with what they have. */
 static void multiply(const struct multigrid *s, const struct level *l)
 {
     struct product a = {s->m,       s->n,     s->count,    s->mass,
                         s->n_extra, s->extra, s->n_blocks, s->block,
                         0,          NULL,     l->x,        l->y};
+    struct couplings c = {l->m,       l->n,     l->count, STENCIL, stencil_di,
+                          stencil_dj, l->block, l->x,     l->y};
     if (l->block == NULL) {
         ref_product(&a);
         return;
     }
     EACH_MANY(l->count)
-    for (int32_t j = 0; j < l->n; j++)
-        multiply_row(l, j);
+    for (int64_t p = 0; p < l->count; p++)
+        l->y[p] = vec_add(sym_apply(l->excess[p], l->x[p]), vec_make(0, 0, 0));
+    product_couplings(&c);
 }
 
 /* ---- smoothing, §4 ---- */

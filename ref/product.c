@@ -2,46 +2,108 @@
 /* Sparse matrix times vector by differences. spec/12_product.md */
 #include "ref/product.h"
 
-/* The particles of a row from which direction o, sign ±1, leads inside. */
-struct range {
-    int32_t from, to;
-};
+/* §3: rows that one thread does; it computes a spring once for both ends. */
+enum { BAND = 16 };
 
-static struct range reach(const struct product *s, int32_t j, int o, int sign)
+/* ---- from blocks of forward springs ---- */
+
+/* B (x - x of the neighbour), §1. */
+static vec pull(sym b, const vec *x, int64_t step)
 {
-    struct range r = {0, 0};
-    int32_t di = sign * spring_di[o], b = j + sign * spring_dj[o];
-    if (b >= 0 && b < s->n) {
-        r.from = di < 0 ? -di : 0;
-        r.to = di > 0 ? s->m - di : s->m;
-    }
-    return r;
+    return sym_apply(b, vec_sub(x[0], x[step]));
 }
 
-/* y += B (x - x of the neighbour), §1. */
-static void add_springs(int32_t n, const sym *b, const vec *x, int64_t step,
+/* To both ends. In ascending order an end has the spring that leads to it
+ * before the one that starts from it. */
+static void pull_both(int32_t n, const sym *b, const vec *x, int64_t step,
+                      vec *y)
+{
+    for (int32_t i = 0; i < n; i++) {
+        vec f = pull(b[i], x + i, step);
+        y[i] = vec_add(y[i], f);
+        y[i + step] = vec_sub(y[i + step], f);
+    }
+}
+
+static void pull_first(int32_t n, const sym *b, const vec *x, int64_t step,
+                       vec *y)
+{
+    for (int32_t i = 0; i < n; i++)
+        y[i] = vec_add(y[i], pull(b[i], x + i, step));
+}
+
+static void pull_second(int32_t n, const sym *b, const vec *x, int64_t step,
                         vec *y)
 {
     for (int32_t i = 0; i < n; i++)
-        y[i] = vec_add(y[i], sym_apply(b[i], vec_sub(x[i], x[i + step])));
+        y[i + step] = vec_sub(y[i + step], pull(b[i], x + i, step));
 }
 
-/* The same from the blocks -B of the compressed diagonal format. */
-static void subtract_blocks(int32_t n, const mat *a, const vec *x, int64_t step,
-                            vec *y)
+/* Direction o of row j, for the ends within rows from … to - 1. */
+static void pull_row(const struct couplings *c, int o, int32_t j, int32_t from,
+                     int32_t to)
 {
-    for (int32_t i = 0; i < n; i++) {
-        vec d = vec_sub(x[i], x[i + step]);
-        vec r = vec_make(vec_dot(a[i].x, d), vec_dot(a[i].y, d),
-                         vec_dot(a[i].z, d));
-        y[i] = vec_sub(y[i], r);
+    int32_t di = c->di[o], dj = c->dj[o], first = di < 0 ? -di : 0;
+    int32_t n = c->m - (di < 0 ? -di : di);
+    int64_t p = first + (int64_t)c->m * j, step = di + (int64_t)c->m * dj;
+    const sym *b = c->block + (o * c->count + p);
+    if (j < 0 || j + dj >= c->n)
+        return;
+    if (j >= from && j + dj < to)
+        pull_both(n, b, c->x + p, step, c->y + p);
+    else if (j >= from)
+        pull_first(n, b, c->x + p, step, c->y + p);
+    else
+        pull_second(n, b, c->x + p, step, c->y + p);
+}
+
+void product_couplings(const struct couplings *c)
+{
+    EACH_MANY(c->count)
+    for (int32_t from = 0; from < c->n; from += BAND) {
+        int32_t to = c->n - from > BAND ? from + BAND : c->n;
+        for (int o = 0; o < c->directions; o++)
+            for (int32_t j = from - c->dj[o]; j < to; j++)
+                pull_row(c, o, j, from, to);
     }
 }
 
-/* All that is not a spring; + 0 turns -0 into +0. */
-static void start_row(const struct product *s, int64_t p)
+/* ---- from the compressed diagonal format ---- */
+
+/* y += A (x of the neighbour - x), along one row. */
+static void add_blocks(int32_t n, const mat *a, const vec *x, int64_t step,
+                       vec *y)
 {
-    for (int32_t i = 0; i < s->m; i++, p++) {
+    for (int32_t i = 0; i < n; i++) {
+        vec d = vec_sub(x[i + step], x[i]);
+        y[i] = vec_add(y[i], vec_make(vec_dot(a[i].x, d), vec_dot(a[i].y, d),
+                                      vec_dot(a[i].z, d)));
+    }
+}
+
+static void add_diagonals(const struct product *s, const struct cdf *c,
+                          int32_t j)
+{
+    for (int k = 1; k < DIAGONALS; k++) {
+        int o = (k - 1) / 2, sign = k % 2 ? -1 : 1;
+        int diagonal = k % 2 ? k + 1 : k - 1; /* backward before forward */
+        int32_t di = sign * spring_di[o], b = j + sign * spring_dj[o];
+        int32_t first = di < 0 ? -di : 0;
+        int64_t p = first + (int64_t)s->m * j;
+        if (b >= 0 && b < s->n)
+            add_blocks(s->m - (di < 0 ? -di : di),
+                       s->cdf + (c->start[diagonal] + p), s->x + p,
+                       c->offset[diagonal], s->y + p);
+    }
+}
+
+/* ---- the stage ---- */
+
+/* All that is not a spring; + 0 turns -0 into +0. */
+static void start(const struct product *s)
+{
+    EACH_MANY(s->count)
+    for (int64_t p = 0; p < s->count; p++) {
         vec y = vec_add(vec_scale(s->mass[p], s->x[p]), vec_make(0, 0, 0));
         s->y[p] = s->n_extra ? vec_add(y, sym_apply(s->extra[p], s->x[p])) : y;
     }
@@ -49,25 +111,17 @@ static void start_row(const struct product *s, int64_t p)
 
 int ref_product(struct product *s)
 {
+    struct couplings springs = {s->m,     s->n,      s->count,
+                                SPRINGS,  spring_di, spring_dj,
+                                s->block, s->x,      s->y};
     struct cdf c = ref_cdf(s->m, s->n);
-    EACH_ITEM
-    for (int32_t j = 0; j < s->n; j++) {
-        int64_t row = (int64_t)s->m * j;
-        start_row(s, row);
-        for (int k = 1; k < DIAGONALS; k++) {
-            int o = (k - 1) / 2, sign = k % 2 ? 1 : -1;
-            struct range r = reach(s, j, o, sign);
-            int64_t p = row + r.from, step = c.offset[k];
-            const vec *x = s->x + p;
-            if (s->n_cdf)
-                subtract_blocks(r.to - r.from, s->cdf + (c.start[k] + p), x,
-                                step, s->y + p);
-            else
-                add_springs(r.to - r.from,
-                            s->block +
-                                (o * s->count + p + (sign < 0 ? step : 0)),
-                            x, step, s->y + p);
-        }
+    start(s);
+    if (!s->n_cdf) {
+        product_couplings(&springs);
+        return DRAPE_OK;
     }
+    EACH_MANY(s->count)
+    for (int32_t j = 0; j < s->n; j++)
+        add_diagonals(s, &c, j);
     return DRAPE_OK;
 }

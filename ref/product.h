@@ -20,6 +20,20 @@ struct product {
     vec *y;           /* out: [count] A x */
 };
 
+/* Blocks between a particle and its neighbours in some forward directions. */
+struct couplings {
+    int32_t m, n;          /* particles along i and j */
+    int64_t count;         /* m·n */
+    int32_t directions;    /* forward: dj > 0, or dj = 0 and di > 0 */
+    const int8_t *di, *dj; /* [directions] */
+    const sym *block;      /* [directions·count] kg, o of p at o·count + p */
+    const vec *x;          /* [count] */
+    vec *y;                /* in and out: [count] += the springs' part of A x */
+};
+
+/* §1: adds the springs' part of the product to y. */
+void product_couplings(const struct couplings *c);
+
 /* DRAPE_OK. Both forms give the same bits. */
 int ref_product(struct product *s);
 
