@@ -38,7 +38,7 @@ static void paint(const struct model *m, uint32_t triangle, const float w[3],
         for (int k = 0; k < 2; k++)
             uv[k] += w[i] * m->uv[m->tri[triangle][i]][k];
     hit->colour = cloth_colour(dye, uv, outside);
-    hit->gloss = 0.02f;
+    hit->gloss = 0.007f;
     hit->sheen = 0.35f;
 }
 
