@@ -146,7 +146,7 @@ int ref_cones(struct cones *s)
         return DRAPE_EDATA;
     for (int64_t l = 0; l < s->tree.levels; l++) {
         const int32_t *run = s->tree.range + l;
-        EACH_ITEM
+        EACH_MANY(run[1] - run[0])
         for (int32_t a = run[0]; a < run[1]; a++)
             if (l == 0)
                 fit_leaf(s, a);
@@ -155,7 +155,7 @@ int ref_cones(struct cones *s)
     }
     for (int64_t l = s->tree.levels - 1; l >= 0; l--) {
         const int32_t *run = s->tree.range + l;
-        EACH_ITEM
+        EACH_MANY(run[1] - run[0])
         for (int32_t a = run[0]; a < run[1]; a++)
             mark(s, &above, a);
     }

@@ -140,7 +140,7 @@ int ref_features(struct features *s)
     s->n_pair = s->n_vf = 0;
     if (!(s->r >= 0 && s->r <= REAL_BIG))
         return DRAPE_EDATA;
-    EACH_ITEM
+    EACH_MANY(s->n)
     for (int64_t block = 0; block < blocks; block++) {
         int64_t end = (block + 1) * BVTT_BLOCK, vf = 0, all = 0;
         for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++) {
@@ -155,7 +155,7 @@ int ref_features(struct features *s)
     s->need = n_vf + bvtt_scan(s->sum + blocks, blocks);
     if (s->need > s->cap)
         return DRAPE_EFULL;
-    EACH_ITEM
+    EACH_MANY(s->n)
     for (int64_t block = 0; block < blocks; block++) {
         int64_t end = (block + 1) * BVTT_BLOCK;
         int64_t vf = s->sum[block], ee = n_vf + s->sum[blocks + block];

@@ -67,7 +67,7 @@ static int64_t emit(const struct front *s, int64_t k, int64_t at)
 static bool pass(struct front *s)
 {
     int64_t blocks = bvtt_blocks(s->n);
-    EACH_ITEM
+    EACH_MANY(s->n)
     for (int64_t block = 0; block < blocks; block++) {
         int64_t end = (block + 1) * BVTT_BLOCK, count = 0;
         for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++)
@@ -77,7 +77,7 @@ static bool pass(struct front *s)
     s->need = bvtt_scan(s->sum, blocks);
     if (s->need > s->cap)
         return false;
-    EACH_ITEM
+    EACH_MANY(s->n)
     for (int64_t block = 0; block < blocks; block++) {
         int64_t end = (block + 1) * BVTT_BLOCK, at = s->sum[block];
         for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++)
@@ -97,7 +97,7 @@ static bool pass(struct front *s)
 static int64_t judge_new(struct front *s, real reach)
 {
     int64_t blocks = bvtt_blocks(s->n);
-    EACH_ITEM
+    EACH_MANY(s->n)
     for (int64_t block = 0; block < blocks; block++) {
         int64_t end = (block + 1) * BVTT_BLOCK, count = 0;
         for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++)
@@ -119,7 +119,7 @@ int ref_front(struct front *s)
     if (!(s->in.r >= 0 && s->in.r <= REAL_BIG))
         return DRAPE_EDATA;
     s->visited = s->n;
-    EACH_ITEM
+    EACH_MANY(s->n)
     for (int64_t k = 0; k < s->n; k++)
         raise(s, reach, k);
     for (int64_t tested = 1; tested > 0; s->visited += tested) {
@@ -128,7 +128,7 @@ int ref_front(struct front *s)
         tested = judge_new(s, reach);
     }
     if (s->pair != home) {
-        EACH_ITEM
+        EACH_MANY(s->n)
         for (int64_t k = 0; k < s->n; k++) {
             home[k][0] = s->pair[k][0];
             home[k][1] = s->pair[k][1];

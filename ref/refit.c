@@ -44,7 +44,7 @@ int ref_refit(struct refit *s)
     for (int64_t l = 0; l < s->tree.levels; l++)
         for (int c = 0; c < classes; c++) {
             const int32_t *run = s->tree.range + c * s->tree.levels + l;
-            EACH_ITEM
+            EACH_MANY(run[1] - run[0])
             for (int32_t a = run[0]; a < run[1]; a++)
                 if (l == 0)
                     fit_leaf(s, a);

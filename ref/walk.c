@@ -57,7 +57,7 @@ static uint32_t look_leaves(const struct walk *s, real reach,
 static int64_t place(const struct walk *s, int64_t n)
 {
     int64_t blocks = bvtt_blocks(n);
-    EACH_ITEM
+    EACH_MANY(n)
     for (int64_t block = 0; block < blocks; block++) {
         int64_t end = (block + 1) * BVTT_BLOCK, count = 0;
         for (int64_t k = block * BVTT_BLOCK; k < n && k < end; k++)
@@ -72,7 +72,7 @@ static void write(const struct walk *s, const struct pass *p, bool triangles)
 {
     const struct tree *t = &s->in.tree;
     int64_t blocks = bvtt_blocks(p->n);
-    EACH_ITEM
+    EACH_MANY(p->n)
     for (int64_t block = 0; block < blocks; block++) {
         int64_t end = (block + 1) * BVTT_BLOCK, at = s->sum[block];
         for (int64_t k = block * BVTT_BLOCK; k < p->n && k < end; k++) {
@@ -101,7 +101,7 @@ static int descend(struct walk *s, real reach, struct pass *p)
     p->to = s->pair;
     for (int64_t l = 0; l <= 2 * s->in.tree.levels; l++) {
         s->visited += p->n;
-        EACH_ITEM
+        EACH_MANY(p->n)
         for (int64_t k = 0; k < p->n; k++) {
             const int32_t *e = p->from[k];
             bool in = l > 0 || passes(s, reach, e[0], e[1]);
@@ -134,7 +134,7 @@ int ref_walk(struct walk *s)
     s->need = s->n_front;
     if (s->n_front > s->cap || descend(s, reach, &p) != DRAPE_OK)
         return DRAPE_EFULL;
-    EACH_ITEM
+    EACH_MANY(p.n)
     for (int64_t k = 0; k < p.n; k++)
         s->mask[k] = (uint16_t)look_leaves(s, reach, p.from[k]);
     s->need_tri = place(s, p.n);
