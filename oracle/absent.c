@@ -3,7 +3,10 @@
  * orc_present and are skipped. oracle/README.md */
 #include "oracle/oracle.h"
 
-int orc_present(void) { return 0; }
+int orc_present(void)
+{
+    return 0;
+}
 
 int orc_ccd_gmp(int kind, const double x0[4][3], const double x1[4][3],
                 uint32_t *toi)

@@ -180,6 +180,9 @@ static void walk(struct walk *w, const struct levels *l)
     int64_t node[LEVELS] = {0};
     unsigned mask[LEVELS];
     int level = l->top;
+    int64_t span = 1; /* leaves below a child of the level's */
+    for (int k = 1; k < level; k++)
+        span *= 4;
     w->box = hull(&s->node[w->k]);
     mask[level] = hits(&w->box, &s->node[l->at[level]]);
     if (level == 0)
@@ -187,17 +190,19 @@ static void walk(struct walk *w, const struct levels *l)
     while (level > 0 && level <= l->top) {
         if (mask[level] == 0) {
             level++;
+            span *= 4;
             continue;
         }
         int64_t child = 4 * node[level] + lowest(mask[level]);
         mask[level] &= mask[level] - 1;
-        if ((child + 1) << 2 * (level - 1) <= first)
+        if ((child + 1) * span <= first)
             continue;
         if (level == 1) {
             visit(w, child);
             continue;
         }
         level--;
+        span /= 4;
         node[level] = child;
         mask[level] = hits(&w->box, &s->node[l->at[level] + child]);
     }

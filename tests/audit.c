@@ -7,6 +7,7 @@
 #include "oracle/oracle.h"
 #include "ref/tritri.h"
 #include "tests/choices.h"
+#include "tests/ply.h"
 
 const struct field fields_audit[] = {IN(audit, x, nv, 1),
                                      IN(audit, tri, nt, 1),
@@ -268,31 +269,29 @@ static const char *same(const struct audit *s, int64_t found,
     return NULL;
 }
 
-static const char *against_cgal(struct bytes *b)
+static const char *against_cgal(struct bytes *b, struct audit *s)
 {
-    struct audit s = {0};
-    gen_audit(b, &s);
-    s.cap = s.nt * (s.nt - 1) / 2;
-    void *memory = allocate(&s);
-    double(*x)[3] = take(b, s.nv, sizeof *x);
-    int32_t(*pair)[2] = take(b, s.cap, sizeof *pair);
+    void *memory = allocate(s);
+    double(*x)[3] = take(b, s->nv, sizeof *x);
+    int32_t(*pair)[2] = take(b, s->cap, sizeof *pair);
     bool all = true;
-    for (int64_t k = 0; k < s.nv; k++) {
-        x[k][0] = (double)s.x[k].x;
-        x[k][1] = (double)s.x[k].y;
-        x[k][2] = (double)s.x[k].z;
+    for (int64_t k = 0; k < s->nv; k++) {
+        x[k][0] = (double)s->x[k].x;
+        x[k][1] = (double)s->x[k].y;
+        x[k][2] = (double)s->x[k].z;
     }
-    for (int64_t t = 0; t < s.nt; t++)
-        all &= s.group[t] != 0;
+    for (int64_t t = 0; t < s->nt && s->group; t++)
+        all &= s->group[t] != 0;
     int64_t degenerate, found;
     const double(*p)[3] = (const double(*)[3])x;
-    const char *what = ref_audit(&s) == DRAPE_OK ? NULL : "audit failed";
+    const char *what = ref_audit(s) == DRAPE_OK ? NULL : "audit failed";
+    found = orc_self_pairs(s->nv, p, s->nt, s->tri, s->group, s->cap, pair,
+                           &degenerate);
+    what = what ? what : same(s, found, degenerate, pair);
     found =
-        orc_self_pairs(s.nv, p, s.nt, s.tri, s.group, s.cap, pair, &degenerate);
-    what = what ? what : same(&s, found, degenerate, pair);
-    found =
-        all ? orc_self_pmp(s.nv, p, s.nt, s.tri, s.cap, pair, &degenerate) : -1;
-    what = what ? what : same(&s, found, degenerate, pair);
+        all ? orc_self_pmp(s->nv, p, s->nt, s->tri, s->cap, pair, &degenerate)
+            : -1;
+    what = what ? what : same(s, found, degenerate, pair);
     free(memory);
     return what;
 }
@@ -305,8 +304,39 @@ const char *test_audit_cgal(void)
     const char *what = NULL;
     for (int k = 0; k < 120 && !what; k++) {
         struct bytes b = {.seed = (uint64_t)k, .size = k < 110 ? 1 + k : 1000};
-        what = against_cgal(&b);
+        struct audit s = {0};
+        gen_audit(&b, &s);
+        s.cap = s.nt * (s.nt - 1) / 2;
+        what = against_cgal(&b, &s);
         choices_free(&b);
+    }
+    return what;
+}
+
+/* The same on whole statues and frames, some of which intersect. */
+const char *test_audit_shared(void)
+{
+    static const char *const files[] = {
+        "../shared/models/lion_20k.ply",
+        "../shared/ccd/frames/cloth-funnel/t0.ply",
+        "../shared/ccd/frames/cloth-funnel/t1.ply"};
+    const char *what = NULL;
+    if (!orc_present())
+        return skip("the oracles' libraries are not installed");
+    for (size_t k = 0; k < sizeof files / sizeof *files && !what; k++) {
+        struct bytes b = {.size = 0};
+        struct ply p;
+        if (!ply_read(files[k], &p)) {
+            ply_free(&p);
+            return skip("no ../shared/models or frames here");
+        }
+        struct audit s = {0};
+        struct mesh m = {p.nv, p.nt, p.x, p.tri};
+        set_mesh(&s, m);
+        s.cap = 1 << 16;
+        what = against_cgal(&b, &s);
+        choices_free(&b);
+        ply_free(&p);
     }
     return what;
 }
