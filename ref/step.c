@@ -11,7 +11,7 @@
 #include "ref/implicit.h"
 #include "ref/threads.h"
 
-enum { REST_STEPS = 30 };
+enum { REST_STEPS = 30, SMALL_SCENE = 4096 };
 static const double REST_PART = 1e-3; /* of the thickness, a step */
 
 /* ---- §1 Time ---- */
@@ -338,7 +338,9 @@ static int pipeline(struct world *w, drape_step_report *r)
 int step_advance(struct world *w, drape_step_report *report)
 {
     memset(report, 0, sizeof *report);
-    int threads = threads_set(w->def.threads);
+    /* waking threads costs more than a small scene's loops */
+    bool small = w->nv < SMALL_SCENE;
+    int threads = threads_set(small ? 1 : w->def.threads);
     int status = pipeline(w, report);
     threads_set(threads);
     return status;
