@@ -8,8 +8,6 @@
 #include <stdlib.h>
 
 #include "ref/exact.h"
-#include "tests/choices.h"
-#include "tests/ply.h"
 #include "tests/query.h"
 
 static real power(int e)
@@ -196,53 +194,6 @@ const char *test_narrow_queries(void)
         failed = check_file(path, !strncmp(dot - 2, "ee", 2));
     }
     closedir(d);
-    return failed;
-}
-
-static const char *check_hits(const char *scene)
-{
-    static char path[512];
-    struct ply a = {0}, b = {0};
-    struct query q;
-    const char *failed = NULL;
-    char kind[8];
-    int32_t v[4];
-    snprintf(path, sizeof path, "../shared/ccd/frames/%s/t0.ply", scene);
-    bool ok = ply_read(path, &a);
-    snprintf(path, sizeof path, "../shared/ccd/frames/%s/t1.ply", scene);
-    ok = ply_read(path, &b) && ok;
-    snprintf(path, sizeof path, "../shared/ccd/frames/%s/hits.txt", scene);
-    FILE *f = ok ? fopen(path, "r") : NULL;
-    failed = f ? NULL : path;
-    while (f && !failed &&
-           fscanf(f, "%7s%d%d%d%d", kind, v, v + 1, v + 2, v + 3) == 5) {
-        q.kind = kind[0] == 'e';
-        for (int j = 0; j < 4; j++) {
-            q.x[0][j] = a.x[v[j]];
-            q.x[1][j] = b.x[v[j]];
-        }
-        failed = query_toi(&q) == NARROW_MISS ? path : NULL;
-        ran(1);
-    }
-    if (f)
-        fclose(f);
-    ply_free(&a);
-    ply_free(&b);
-    return failed;
-}
-
-/* Every pair that touches in the shared frames is found. cloth-funnel is in
- * binary64 and would move if it were rounded. */
-const char *test_narrow_frames(void)
-{
-    FILE *f = fopen("../shared/ccd/frames/cloth-ball/hits.txt", "r");
-    if (!f)
-        return skip("no ../shared/ccd/frames here");
-    fclose(f);
-    const char *failed = check_hits("cloth-ball");
-    failed = failed ? failed : check_hits("n-body-simulation");
-    if (REAL_BITS == 64)
-        failed = failed ? failed : check_hits("cloth-funnel");
     return failed;
 }
 
