@@ -231,9 +231,11 @@ static int push(struct response *s, int round)
         return status;
     s->side = !s->side;
     s->active = m.found;
-    if (s->solve && round < s->solve_rounds)
+    int solved = s->solve ? s->solve_rounds : 0;
+    if (round < solved)
         return s->solve(s->user, m.found, m.contact);
-    return solve_contacts(s, m.found, 1);
+    /* only impulses that contacts gave can it withdraw */
+    return solve_contacts(s, m.found, round > solved);
 }
 
 static int resolve(struct response *s, int round)
