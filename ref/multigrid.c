@@ -11,6 +11,7 @@ struct level {
     int32_t m, n;
     int64_t count;
     const uint8_t *fixed; /* NULL: all free */
+    uint8_t *rule;        /* interpolation to it from the next */
     sym *excess, *block;
     const sym *factor;
     const vec *b;   /* right-hand side */
@@ -22,8 +23,17 @@ static int lay_out(const struct multigrid *s, struct level *l)
 {
     sym *a = s->pool;
     vec *v = s->room;
-    struct level fine = {s->m,      s->n, s->count, s->fixed, a,           NULL,
-                         s->factor, s->r, s->z,     v,        v + s->count};
+    struct level fine = {.m = s->m,
+                         .n = s->n,
+                         .count = s->count,
+                         .fixed = s->fixed,
+                         .rule = s->live + s->count,
+                         .excess = a,
+                         .factor = s->factor,
+                         .b = s->r,
+                         .x = s->z,
+                         .y = v,
+                         .d = v + s->count};
     int levels = 1;
     l[0] = fine;
     a += s->count;
@@ -34,6 +44,7 @@ static int lay_out(const struct multigrid *s, struct level *l)
         c->n = coarse_size(f->n);
         int64_t k = c->count = (int64_t)c->m * c->n;
         c->fixed = NULL;
+        c->rule = f->rule + f->count;
         c->excess = a;
         c->factor = a + k;
         c->block = a + 2 * k;
@@ -57,15 +68,17 @@ int64_t ref_multigrid_size(struct multigrid *s)
     s->n_blocks = SPRINGS * s->count;
     s->n_pool = s->count;
     s->n_room = 2 * s->count;
+    s->n_live = 2 * s->count;
     s->n_dense = DENSE * (DENSE + 1);
     do {
         m = coarse_size(m);
         n = coarse_size(n);
         s->n_pool += (2 + STENCIL) * (int64_t)m * n;
         s->n_room += 4 * (int64_t)m * n;
+        s->n_live += (int64_t)m * n;
     } while ((int64_t)m * n > COARSEST);
     return s->n_pool * (int64_t)sizeof(sym) + s->n_room * (int64_t)sizeof(vec) +
-           s->count + s->n_dense * (int64_t)sizeof(double);
+           s->n_live + s->n_dense * (int64_t)sizeof(double);
 }
 
 /* ---- products ---- */
@@ -148,9 +161,11 @@ static vec restricted(const struct level *f, int32_t i, int32_t j)
     for (int dj = -1; dj <= 1; dj++)
         for (int di = -1; di <= 1; di++) {
             int32_t x = 2 * i + di, y = 2 * j + dj;
-            real w = (di ? R(0.5) : 1) * (dj ? R(0.5) : 1);
+            int64_t p = x + (int64_t)f->m * y;
             if (x >= 0 && x < f->m && y >= 0 && y < f->n)
-                sum = vec_axpy(sum, w, f->y[x + (int64_t)f->m * y]);
+                sum =
+                    vec_axpy(sum, R(0.25) * (real)weight_of(f->rule[p], di, dj),
+                             f->y[p]);
         }
     return sum;
 }
@@ -165,13 +180,14 @@ static void restrict_to(const struct level *f, const struct level *c)
 }
 
 /* Fine (i, j) gathers the correction of the coarse ones around it. */
-static vec prolonged(const struct level *c, int32_t i, int32_t j)
+static vec prolonged(const struct level *c, uint8_t rule, int32_t i, int32_t j)
 {
     vec sum = {0, 0, 0};
-    real w = (i % 2 ? R(0.5) : 1) * (j % 2 ? R(0.5) : 1);
     for (int32_t y = j / 2; y <= (j + 1) / 2; y++)
         for (int32_t x = i / 2; x <= (i + 1) / 2; x++)
-            sum = vec_axpy(sum, w, c->x[x + (int64_t)c->m * y]);
+            sum = vec_axpy(
+                sum, R(0.25) * (real)weight_of(rule, i - 2 * x, j - 2 * y),
+                c->x[x + (int64_t)c->m * y]);
     return sum;
 }
 
@@ -182,7 +198,7 @@ static void prolong(const struct level *c, const struct level *f)
         for (int32_t i = 0; i < f->m; i++) {
             int64_t p = i + (int64_t)f->m * j;
             if (!f->fixed || !f->fixed[p])
-                f->x[p] = vec_add(f->x[p], prolonged(c, i, j));
+                f->x[p] = vec_add(f->x[p], prolonged(c, f->rule[p], i, j));
         }
 }
 
@@ -201,13 +217,15 @@ int ref_multigrid_build(struct multigrid *s)
     int levels = lay_out(s, l);
     struct excess e = {s->m,       s->n,        s->count,    s->mass,
                        s->n_extra, s->extra,    s->n_blocks, s->block,
-                       s->fixed,   l[0].excess, s->live};
+                       s->fixed,   l[0].excess, s->live,     l[0].rule};
     int status = ref_excess(&e);
     for (int k = 1; k < levels && status == DRAPE_OK; k++) {
         struct coarsen c = {.m = l[k - 1].m,
                             .n = l[k - 1].n,
                             .count = l[k - 1].count,
                             .excess = l[k - 1].excess,
+                            .rule = l[k - 1].rule,
+                            .coarse_rule = l[k].rule,
                             .n_blocks = STENCIL * l[k - 1].count,
                             .block = l[k - 1].block,
                             .n_coarse = l[k].count,

@@ -20,11 +20,11 @@ struct multigrid {
     const sym *factor;    /* [count] from ref_jacobi */
     const vec *r;         /* [count] 0 where fixed */
 
-    int64_t n_pool, n_room, n_dense; /* from ref_multigrid_size */
-    sym *pool;                       /* scratch: [n_pool] coarse operators */
-    vec *room;                       /* scratch: [n_room] */
-    uint8_t *live;                   /* scratch: [count] */
-    double *dense;                   /* scratch: [n_dense] coarsest factor */
+    int64_t n_pool, n_room, n_live, n_dense; /* from ref_multigrid_size */
+    sym *pool;     /* scratch: [n_pool] coarse operators */
+    vec *room;     /* scratch: [n_room] */
+    uint8_t *live; /* scratch: [n_live] */
+    double *dense; /* scratch: [n_dense] coarsest factor */
 
     vec *z; /* out: [count] M⁻¹ r, 0 where fixed */
 };

@@ -40,7 +40,7 @@ int solver_make(struct solver *s, const drape_def *def,
     }
     p->grid.pool = take(arena, p->grid.n_pool, sizeof *p->grid.pool);
     p->grid.room = take(arena, p->grid.n_room, sizeof *p->grid.room);
-    p->grid.live = take(arena, p->grid.count, sizeof *p->grid.live);
+    p->grid.live = take(arena, p->grid.n_live, sizeof *p->grid.live);
     p->grid.dense = take(arena, p->grid.n_dense, sizeof *p->grid.dense);
     return arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }

@@ -8,17 +8,17 @@
 #include "ref/jacobi.h"
 #include "tests/system.h"
 
-const struct field fields_excess[] = {IN(excess, mass, count, 1),
-                                      IN(excess, extra, n_extra, 1),
-                                      IN(excess, block, n_blocks, 1),
-                                      IN(excess, fixed, count, 1),
-                                      OUT(excess, excess, count, 1),
-                                      OUT(excess, live, count, 1),
-                                      FIELD_END};
+const struct field fields_excess[] = {
+    IN(excess, mass, count, 1),     IN(excess, extra, n_extra, 1),
+    IN(excess, block, n_blocks, 1), IN(excess, fixed, count, 1),
+    OUT(excess, excess, count, 1),  OUT(excess, live, count, 1),
+    OUT(excess, rule, count, 1),    FIELD_END};
 
 const struct field fields_coarsen[] = {IN(coarsen, excess, count, 1),
                                        IN(coarsen, block, n_blocks, 1),
                                        IN(coarsen, live, n_live, 1),
+                                       IN(coarsen, rule, count, 1),
+                                       OUT(coarsen, coarse_rule, n_coarse, 1),
                                        OUT(coarsen, coarse_excess, n_coarse, 1),
                                        OUT(coarsen, coarse_block, n_out, 1),
                                        OUT(coarsen, factor, n_coarse, 1),
@@ -29,7 +29,7 @@ const struct field fields_multigrid[] = {
     IN(multigrid, block, n_blocks, 1),   IN(multigrid, fixed, count, 1),
     IN(multigrid, factor, count, 1),     IN(multigrid, r, count, 1),
     SCRATCH(multigrid, pool, n_pool, 1), SCRATCH(multigrid, room, n_room, 1),
-    SCRATCH(multigrid, live, count, 1),  SCRATCH(multigrid, dense, n_dense, 1),
+    SCRATCH(multigrid, live, n_live, 1), SCRATCH(multigrid, dense, n_dense, 1),
     OUT(multigrid, z, count, 1),         FIELD_END};
 
 static void excess_of(const struct system *a, struct excess *s)
@@ -61,6 +61,7 @@ void gen_coarsen(struct bytes *b, struct coarsen *s)
     excess_of(&a, &e);
     e.excess = take(b, a.count, sizeof *e.excess);
     e.live = take(b, a.count, sizeof *e.live);
+    e.rule = take(b, a.count, sizeof *e.rule);
     ref_excess(&e);
     struct coarsen c = {.m = a.m,
                         .n = a.n,
@@ -69,7 +70,8 @@ void gen_coarsen(struct bytes *b, struct coarsen *s)
                         .n_blocks = a.n_blocks,
                         .block = a.block,
                         .n_live = a.count,
-                        .live = e.live};
+                        .live = e.live,
+                        .rule = e.rule};
     for (uint32_t twice = pick(b, 2);; twice--) {
         c.n_coarse = (int64_t)coarse_size(c.m) * coarse_size(c.n);
         c.n_out = STENCIL * c.n_coarse;
@@ -78,13 +80,15 @@ void gen_coarsen(struct bytes *b, struct coarsen *s)
         c.coarse_excess = take(b, c.n_coarse, sizeof(sym));
         c.coarse_block = take(b, c.n_out, sizeof(sym));
         c.factor = take(b, c.n_coarse, sizeof(sym));
+        c.coarse_rule = take(b, c.n_coarse, 1);
         ref_coarsen(&c);
         struct coarsen d = {.m = coarse_size(c.m),
                             .n = coarse_size(c.n),
                             .count = c.n_coarse,
                             .excess = c.coarse_excess,
                             .n_blocks = c.n_out,
-                            .block = c.coarse_block};
+                            .block = c.coarse_block,
+                            .rule = c.coarse_rule};
         c = d;
     }
     *s = c;
@@ -151,8 +155,8 @@ static double fine_value(const struct coarsen *s, int64_t p, int c)
     double sum = 0;
     for (int64_t y = j / 2; y <= (j + 1) / 2; y++)
         for (int64_t x = i / 2; x <= (i + 1) / 2; x++)
-            sum += (i % 2 ? 0.5 : 1) * (j % 2 ? 0.5 : 1) *
-                   coarse_value(x + y * coarse_size(s->m), c);
+            sum += weight_of(s->rule[p], (int)(i - 2 * x), (int)(j - 2 * y)) /
+                   4.0 * coarse_value(x + y * coarse_size(s->m), c);
     return sum;
 }
 
@@ -275,7 +279,7 @@ static void open_grid(const struct system *a, struct multigrid *s)
     ref_jacobi(&j);
     s->pool = room(s->n_pool, sizeof *s->pool);
     s->room = room(s->n_room, sizeof *s->room);
-    s->live = room(s->count, sizeof *s->live);
+    s->live = room(s->n_live, sizeof *s->live);
     s->dense = room(s->n_dense, sizeof *s->dense);
     ref_multigrid_build(s);
 }

@@ -22,7 +22,7 @@ const struct field fields_pcg[] = {IN(pcg, mass, count, 1),
                                    SCRATCH(pcg, chunk, n_chunks, 1),
                                    SCRATCH(pcg, grid.pool, grid.n_pool, 1),
                                    SCRATCH(pcg, grid.room, grid.n_room, 1),
-                                   SCRATCH(pcg, grid.live, grid.count, 1),
+                                   SCRATCH(pcg, grid.live, grid.n_live, 1),
                                    SCRATCH(pcg, grid.dense, grid.n_dense, 1),
                                    OUT(pcg, dv, count, 1),
                                    OUT_VALUE(pcg, iterations),
@@ -106,7 +106,7 @@ static void open_pcg(struct pcg *s, const struct system *a)
     s->chunk = room(s->n_chunks, sizeof *s->chunk);
     s->grid.pool = room(s->grid.n_pool, sizeof *s->grid.pool);
     s->grid.room = room(s->grid.n_room, sizeof *s->grid.room);
-    s->grid.live = room(s->grid.count, sizeof *s->grid.live);
+    s->grid.live = room(s->grid.n_live, sizeof *s->grid.live);
     s->grid.dense = room(s->grid.n_dense, sizeof *s->grid.dense);
     s->dv = room(s->count, sizeof *s->dv);
 }

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How many iterations the solver needs, spec/14_multigrid.md §6. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "ref/pcg.h"
+#include "tests/system.h"
+
+static void *room(int64_t count, size_t size)
+{
+    return calloc((size_t)count + 1, size);
+}
+
+static void open_solver(struct pcg *s, const struct system *a)
+{
+    s->m = a->m;
+    s->n = a->n;
+    s->mass = a->mass;
+    s->block = a->block;
+    s->fixed = a->fixed;
+    s->b = a->b;
+    ref_pcg_size(s);
+    s->cdf = room(s->n_cdf, sizeof *s->cdf);
+    s->diagonal = room(s->count, sizeof *s->diagonal);
+    s->factor = room(s->count, sizeof *s->factor);
+    s->r = room(s->count, sizeof *s->r);
+    s->s = room(s->count, sizeof *s->s);
+    s->p = room(s->count, sizeof *s->p);
+    s->q = room(s->count, sizeof *s->q);
+    s->chunk = room(s->n_chunks, sizeof *s->chunk);
+    s->grid.pool = room(s->grid.n_pool, sizeof *s->grid.pool);
+    s->grid.room = room(s->grid.n_room, sizeof *s->grid.room);
+    s->grid.live = room(s->grid.n_live, sizeof *s->grid.live);
+    s->grid.dense = room(s->grid.n_dense, sizeof *s->grid.dense);
+    s->dv = room(s->count, sizeof *s->dv);
+}
+
+static void close_solver(struct pcg *s)
+{
+    void *all[] = {s->cdf,       s->diagonal,  s->factor,    s->r,
+                   s->s,         s->p,         s->q,         s->chunk,
+                   s->grid.pool, s->grid.room, s->grid.live, s->grid.dense,
+                   s->dv};
+    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
+        free(all[k]);
+}
+
+/* Iterations to a true relative residual of 1e-3, or limit + 1. */
+static int32_t iterations(const struct design *d, int32_t limit)
+{
+    struct system a;
+    struct pcg s = {.precond = DRAPE_MULTIGRID,
+                    .form = DRAPE_COMPACT,
+                    .tolerance = R(1e-3),
+                    .max_iterations = limit};
+    make_system(d, &a);
+    open_solver(&s, &a);
+    int status = ref_pcg(&s);
+    bool good = status == DRAPE_OK && s.outcome == PCG_CONVERGED &&
+                s.residual <= s.tolerance && !s.fell_back;
+    close_solver(&s);
+    free_system(&a);
+    ran(1);
+    if (getenv("DRAPE_ITERATIONS"))
+        printf("%d bits, %d x %d, shape %d, trim %d: %d iterations\n",
+               REAL_BITS, d->m, d->n, (int)d->shape, d->trim, s.iterations);
+    return good ? s.iterations : limit + 1;
+}
+
+/* A crease as sharp as this has no isometric neighbour: springs there are
+ * uneven by 5 % of a cell. */
+static double uneven_of(int shape)
+{
+    return shape == SHAPE_FOLDED ? 0.05 : 0;
+}
+
+static const int trims[] = {TRIM_NONE,
+                            TRIM_HOLE,
+                            TRIM_CUT,
+                            TRIM_PINS,
+                            TRIM_SLIT | TRIM_MOTHS,
+                            TRIM_HOLE | TRIM_CUT | TRIM_MOTHS | TRIM_PINS};
+
+/* §6: 20 thousand triangles, every shape and trim. */
+const char *test_multigrid_20k(void)
+{
+    for (int shape = 0; shape < SHAPES; shape++)
+        for (size_t k = 0; k < sizeof trims / sizeof *trims; k++) {
+            struct design d = {101, 101, (enum shape)shape, trims[k],
+                               uneven_of(shape)};
+            EXPECT(iterations(&d, 30) < 15);
+        }
+    return NULL;
+}
+
+/* §6: other sizes: no power of two, not square. */
+const char *test_multigrid_sizes(void)
+{
+    static const int32_t sizes[][2] = {{254, 259}, {63, 1008}, {2, 300}};
+    for (int k = 0; k < 3; k++)
+        for (int t = 0; t < 2; t++) {
+            struct design d = {sizes[k][0], sizes[k][1],
+                               t ? SHAPE_DRAPED : SHAPE_WRINKLED,
+                               t ? TRIM_HOLE | TRIM_PINS : TRIM_NONE, 0};
+            EXPECT(iterations(&d, 30) < 15);
+        }
+    return NULL;
+}
+
+/* §6: 2 million triangles, in binary32 as in binary64. */
+const char *test_multigrid_2m(void)
+{
+    if (!getenv("DRAPE_SOAK"))
+        return skip("2 million triangles take a minute: set DRAPE_SOAK");
+    for (int shape = 0; shape < SHAPES; shape++) {
+        struct design d = {1008, 1008, (enum shape)shape,
+                           shape % 2 ? TRIM_HOLE | TRIM_PINS : TRIM_NONE,
+                           uneven_of(shape)};
+        EXPECT(iterations(&d, 30) < 15);
+    }
+    return NULL;
+}
