@@ -160,13 +160,14 @@ static void visit(struct walk *w, int64_t m)
         if (mask == 0 || s->degenerate[p])
             continue;
         struct face f = face_of(s, p);
+        struct plane of_f = ref_plane(&f);
         for (; mask != 0; mask &= mask - 1) {
             int64_t j = 4 * m + lowest(mask);
             int32_t q = s->order[0][j];
             if (j <= i || j < w->n0 || s->degenerate[q])
                 continue;
             struct face g = face_of(s, q);
-            if (ref_tritri(&f, &g))
+            if (ref_tritri(&f, &of_f, &g))
                 give(w, p, q);
         }
     }

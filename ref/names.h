@@ -104,6 +104,7 @@
 #define ref_pcg REAL_NAME(ref_pcg)
 #define ref_pcg_size REAL_NAME(ref_pcg_size)
 #define ref_penalty REAL_NAME(ref_penalty)
+#define ref_plane REAL_NAME(ref_plane)
 #define ref_predict REAL_NAME(ref_predict)
 #define ref_product REAL_NAME(ref_product)
 #define ref_proximity REAL_NAME(ref_proximity)

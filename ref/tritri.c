@@ -140,22 +140,31 @@ static unsigned others(const struct face *t, const struct face *s)
     return r;
 }
 
-/* The corners in `mask` of s lie on one side of the plane of t. */
-static bool beside(const struct face *t, const struct face *s, unsigned mask)
+struct plane ref_plane(const struct face *t)
 {
-    point a, b, n, size, d;
+    struct plane r;
+    point a, b;
     from(t->p[0], t->p[1], a);
     from(t->p[0], t->p[2], b);
     for (int k = 0; k < 3; k++) {
         double p = a[PLANE[k][0]] * b[PLANE[k][1]];
         double q = a[PLANE[k][1]] * b[PLANE[k][0]];
-        n[k] = p - q;
-        size[k] = fabs(p) + fabs(q);
+        r.o[k] = t->p[0][k];
+        r.n[k] = p - q;
+        r.size[k] = fabs(p) + fabs(q);
     }
+    return r;
+}
+
+/* The corners in `mask` of s lie on one side of the plane of t. */
+static bool beside(const struct plane *t, const struct face *s, unsigned mask)
+{
+    point d;
     unsigned above = 0, below = 0;
     for (int k = 0; k < 3; k++) {
-        from(t->p[0], s->p[k], d);
-        double h = dot(n, d), err = 0x1p-49 * dot_size(size, d) + 0x1p-1000;
+        from(t->o, s->p[k], d);
+        double h = dot(t->n, d);
+        double err = 0x1p-49 * dot_size(t->size, d) + 0x1p-1000;
         above |= (unsigned)(h > err) << k;
         below |= (unsigned)(h < -err) << k;
     }
@@ -223,22 +232,24 @@ static void arrange(const struct face *t, unsigned mask, point r[3])
         memcpy(r[k], t->p[order[k]], sizeof r[k]);
 }
 
-bool ref_tritri(const struct face *t, const struct face *s)
+bool ref_tritri(const struct face *t, const struct plane *of_t,
+                const struct face *s)
 {
-    unsigned of_s = others(t, s);
-    if (of_s == 0)
+    unsigned left_s = others(t, s);
+    if (left_s == 0)
         return true;
-    if (beside(t, s, of_s))
+    if (beside(of_t, s, left_s))
         return false;
-    unsigned of_t = others(s, t);
-    if (beside(s, t, of_t))
+    unsigned left_t = others(s, t);
+    struct plane of_s = ref_plane(s);
+    if (beside(&of_s, t, left_t))
         return false;
 
     point p[3], q[3];
-    arrange(t, of_t, p);
-    arrange(s, of_s, q);
+    arrange(t, left_t, p);
+    arrange(s, left_s, q);
     const point *a = (const point *)p, *b = (const point *)q;
-    int shared = 3 - (int)((of_t & 1) + (of_t >> 1 & 1) + (of_t >> 2));
+    int shared = 3 - (int)((left_t & 1) + (left_t >> 1 & 1) + (left_t >> 2));
     if (shared == 2)
         return !opened(a, b) && folded(a, b);
     if (parted(a, b, shared))

@@ -11,11 +11,20 @@ struct face {
     point p[3]; /* m, |p| ≤ 2^60 */
 };
 
+/* Its plane, rounded, for filters: a corner, a normal, and the sum of the sizes
+ * of the two products in each of the normal's components. */
+struct plane {
+    point o, n, size;
+};
+
+struct plane ref_plane(const struct face *t);
+
 /* True where the three corners lie on one line. */
 bool ref_collinear(const struct face *t);
 
-/* True where t and s have a common point beyond what the vertices that they
- * share make common; neither is collinear. */
-bool ref_tritri(const struct face *t, const struct face *s);
+/* True where t, of which of_t is the plane, and s have a common point beyond
+ * what the vertices that they share make common; neither is collinear. */
+bool ref_tritri(const struct face *t, const struct plane *of_t,
+                const struct face *s);
 
 #endif

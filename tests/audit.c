@@ -223,8 +223,9 @@ const char *prop_audit(const struct audit *s)
     for (int64_t a = 0; a < s->nt && s->nt <= 300; a++)
         for (int64_t b = a + 1; b < s->nt; b++) {
             struct face f = face_of(s, a), g = face_of(s, b);
+            struct plane of_f = ref_plane(&f);
             bool hit = (s->group[a] || s->group[b]) && !s->degenerate[a] &&
-                       !s->degenerate[b] && ref_tritri(&f, &g);
+                       !s->degenerate[b] && ref_tritri(&f, &of_f, &g);
             bool listed =
                 at < s->found && s->pair[at][0] == a && s->pair[at][1] == b;
             EXPECT(hit == listed);
