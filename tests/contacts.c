@@ -30,7 +30,8 @@ static void pick_contact(struct bytes *b, int64_t nv, struct contact *c)
     c->c[1] = c->kind ? s : -(1 - s) * (1 - t);
     c->c[2] = c->kind ? -(1 - t) : -s;
     c->c[3] = c->kind ? -t : -t * (1 - s);
-    vec n = vec_make(pick_uniform(b, -1, 1), pick_uniform(b, -1, 1), 1);
+    real x = pick_uniform(b, -1, 1), y = pick_uniform(b, -1, 1);
+    vec n = vec_make(x, y, 1);
     c->n = vec_scale(1 / vec_length(n), n);
     c->gap = pick_uniform(b, 0, R(0.01));
     c->target = pick(b, 2) ? 0 : pick_uniform(b, -1, 1);
@@ -145,10 +146,8 @@ static void take_free(struct bytes *b, struct contacts *s, vec **x)
     s->v = take(b, s->nv, sizeof *s->v);
     for (int64_t i = 0; i < s->nv; i++) {
         w[i] = pick_uniform(b, R(0.5), 50);
-        (*x)[i] = vec_make(pick_uniform(b, -1, 1), pick_uniform(b, -1, 1),
-                           pick_uniform(b, -1, 1));
-        s->u[i] = s->v[i] =
-            vec_make(pick_uniform(b, -3, 3), pick_uniform(b, -3, 3), 0);
+        (*x)[i] = pick_vec(b, 1);
+        s->u[i] = s->v[i] = pick_vec(b, 3);
     }
     s->w = w;
     s->start = take(b, s->nv1, sizeof *s->start);

@@ -30,7 +30,9 @@ void gen_impacts(struct bytes *b, struct impacts *s)
     vec *x = take(b, s->nv, sizeof *x);
     real *w = take(b, s->nv, sizeof *w);
     for (int64_t i = 0; i < s->nv; i++) {
-        x[i] = vec_make((real)pick(b, 3), (real)pick(b, 3), (real)pick(b, 3));
+        x[i].x = (real)pick(b, 3);
+        x[i].y = (real)pick(b, 3);
+        x[i].z = (real)pick(b, 3);
         w[i] = (real)pick(b, 2);
     }
     for (int64_t k = 0; k < s->n; k++) {

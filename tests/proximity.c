@@ -7,23 +7,31 @@
 #include "tests/choices.h"
 
 const struct field fields_proximity[] = {
-    IN(proximity, pair, n, 4),
-    IN(proximity, kind, n, 1),
-    IN(proximity, x, nv, 1),
-    IN(proximity, w, nv, 1),
-    IN(proximity, skin.of, nv, 1),
-    IN(proximity, skin.surface, skin.n, 1),
-    SCRATCH(proximity, at, n, 1),
-    OUT_USED(proximity, contact, cap, 1, found),
-    OUT_VALUE(proximity, found),
-    FIELD_END};
+    IN(proximity, pair, n, 4),     IN(proximity, kind, n, 1),
+    IN(proximity, x, nv, 1),       IN(proximity, w, nv, 1),
+    IN(proximity, skin.of, nv, 1), IN(proximity, skin.surface, skin.n, 1),
+    SCRATCH(proximity, at, n, 1),  OUT_USED(proximity, contact, cap, 1, found),
+    OUT_VALUE(proximity, found),   FIELD_END};
+
+/* In turn: the order of a call's arguments is the compiler's. */
+static vec pick_grid(struct bytes *b)
+{
+    real x = (real)pick(b, 4), y = (real)pick(b, 4);
+    return vec_make(x, y, (real)pick(b, 4));
+}
+
+static struct wide pick_cube(struct bytes *b)
+{
+    real x = pick_uniform(b, -1, 1), y = pick_uniform(b, -1, 1);
+    return wide_of(vec_make(x, y, pick_uniform(b, -1, 1)));
+}
 
 /* Positions on a coarse grid, or any; flat now and then. */
 static vec pick_place(struct bytes *b, real scale, bool flat)
 {
     vec x = pick_vec(b, scale);
     if (pick(b, 2))
-        x = vec_make((real)pick(b, 4), (real)pick(b, 4), (real)pick(b, 4));
+        x = pick_grid(b);
     if (flat)
         x.y = 0;
     return x;
@@ -224,8 +232,7 @@ static void pick_pair(struct bytes *b, int family, struct wide x[4])
 {
     static const double thin[4] = {1, 1e-3, 1e-7, 0};
     for (int k = 0; k < 4; k++)
-        x[k] = wide_of(vec_make(pick_uniform(b, -1, 1), pick_uniform(b, -1, 1),
-                                pick_uniform(b, -1, 1)));
+        x[k] = pick_cube(b);
     struct wide d = wide_sub(x[2], x[1]), e = wide_sub(x[3], x[1]);
     double f = thin[family % 4];
     if (family >= 4) /* edges: the second along the first */
