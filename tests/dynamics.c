@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "ref/advance.h"
+#include "ref/implicit.h"
 #include "tests/sheet.h"
 
 enum { METHODS = DRAPE_CK + 1 };
@@ -314,6 +315,45 @@ const char *test_energy_behaviour(void)
         sheet_free(&s);
         ran(1);
     }
+    return NULL;
+}
+
+/* 07_implicit §4: a sheet that contact holds still step after step falls by
+ * g·dt in each prediction of Choi–Ko, as if there were no past to mislead. */
+const char *test_past_of_contact(void)
+{
+    drape_cloth d = sheet_default(5, 5);
+    struct sheet s;
+    EXPECT(sheet_make(&s, &d, DRAPE_CK) == DRAPE_OK);
+    s.d.gravity = vec_make(0, 0, R(-9.81));
+    for (int64_t p = 0; p < s.c.count; p++)
+        s.v[p] = vec_make(0, 0, -3);
+    for (int k = 0; k < 5; k++) {
+        vec start = s.x[0];
+        real speed = s.v[0].z - (real)(9.81 * s.d.dt);
+        EXPECT(sheet_step(&s) == DRAPE_OK && !s.d.outcome);
+        for (int64_t p = 0; p < s.c.count; p++)
+            EXPECT(fabs((double)(s.v[p].z - speed)) <= 64 * REAL_U * 3);
+        memset(s.v, 0, (size_t)s.c.count * sizeof *s.v);
+        for (int64_t p = 0; p < s.c.count; p++)
+            s.x[p].z = start.z;
+        vec *x0 = s.d.work, *v0 = x0 + s.c.count;
+        memcpy(x0, s.xp, (size_t)s.c.count * sizeof *x0);
+        memcpy(v0, s.vp, (size_t)s.c.count * sizeof *v0);
+        struct history h = {.count = s.c.count,
+                            .x0 = x0,
+                            .v0 = v0,
+                            .x1 = s.d.x1,
+                            .v1 = s.d.v1,
+                            .x = s.x,
+                            .v = s.v,
+                            .dt = (real)s.d.dt,
+                            .xp = s.xp,
+                            .vp = s.vp};
+        EXPECT(ref_history(&h) == DRAPE_OK);
+        ran(1);
+    }
+    sheet_free(&s);
     return NULL;
 }
 
