@@ -74,7 +74,9 @@ static void make_planar(struct bytes *b, struct query *q, int family)
 
 static void make_rigid(struct bytes *b, struct query *q, int family)
 {
-    vec d[2] = {whole(b, 3), whole(b, 3)};
+    vec d[2];
+    d[0] = whole(b, 3);
+    d[1] = whole(b, 3);
     for (int j = 0; j < 4; j++) {
         q->x[1][j] = q->x[0][j];
         if (family == TRANSLATION)
@@ -117,17 +119,21 @@ static void make_edge_on(struct bytes *b, struct query *q)
             q->x[t][0].z = q->x[t][a].z = q->x[t][a % 3 + 1].z = 0;
 }
 
+/* Uniform in a cube; one choice a statement, as C orders no others. */
+static vec pick_cube(struct bytes *b)
+{
+    real x = pick_uniform(b, -1, 1), y = pick_uniform(b, -1, 1);
+    return vec_make(x, y, pick_uniform(b, -1, 1));
+}
+
 static void make_smooth(struct bytes *b, struct query *q, int family)
 {
     real scale = family == CLOTH ? R(0.001) : 1;
     vec drop = vec_scale(scale, pick_vec(b, 1));
     for (int i = 0; i < 4; i++) {
-        vec a = vec_make(pick_uniform(b, -1, 1), pick_uniform(b, -1, 1),
-                         pick_uniform(b, -1, 1));
-        vec c = vec_make(pick_uniform(b, -1, 1), pick_uniform(b, -1, 1),
-                         pick_uniform(b, -1, 1));
-        q->x[0][i] = vec_scale(scale, a);
-        q->x[1][i] = vec_axpy(vec_add(q->x[0][i], drop), scale / 4, c);
+        q->x[0][i] = vec_scale(scale, pick_cube(b));
+        q->x[1][i] =
+            vec_axpy(vec_add(q->x[0][i], drop), scale / 4, pick_cube(b));
     }
 }
 
