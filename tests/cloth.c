@@ -188,7 +188,7 @@ const char *test_cloth_bending(void)
     return NULL;
 }
 
-/* §5: the fit of the arc's force over the whole range, and its slope. */
+/* §5: the fit of the arc's force over the whole range, its slope and energy. */
 const char *test_cloth_arc(void)
 {
     struct law a = {.k = 1, .press = 1e6, .rest = 1, .bend = 1, .stiff = 1e6};
@@ -203,6 +203,9 @@ const char *test_cloth_arc(void)
         EXPECT(fabs((double)law_slope(&a, length) - slope) <=
                LAW_SLOPE_ERROR + rounding * slope);
         EXPECT(law_slope(&a, length) <= LAW_STEEPEST);
+        double e = law_oracle_energy(&a, (double)length);
+        EXPECT(fabs((double)law_energy(&a, length) - e) <=
+               LAW_ERROR * e + 100 * REAL_U);
         ran(1);
     }
     return NULL;
