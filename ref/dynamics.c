@@ -129,7 +129,7 @@ static int go_implicit(struct dynamics *s)
 }
 
 void dynamics_energy(const struct dynamics *s, const vec *x, const vec *v,
-                        double value[3])
+                     double value[3])
 {
     const struct cloth *c = s->cloth;
     struct energy e = {.count = c->count,
