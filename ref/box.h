@@ -85,29 +85,33 @@ static inline bool box_meets_late(const struct box_gaps g[3])
     return !(late * (1 + 32 * REAL_UNIT) + R(0x1p-100) < early);
 }
 
+/* Whether a gap of an axis is negative all the time; *least: of all gaps. */
+static inline bool box_apart(const struct box_gaps *g, real *least)
+{
+    real low = real_min(real_min(g->g0, g->g1), real_min(g->h0, g->h1));
+    *least = real_min(*least, low);
+    return real_max(g->g0, g->g1) < 0 || real_max(g->h0, g->h1) < 0;
+}
+
 /* False only if at no t in [0, 1] a point of a lies within r of a point of b
  * on all three axes; reach = box_reach(r). Monotone in both boxes. §3 */
 static inline bool box_meets(const struct box *a, const struct box *b,
                              real reach)
 {
     struct box_gaps g[3];
+    real least = 0;
     g[0] = box_axis(a->lo0.x, a->hi0.x, a->lo1.x, a->hi1.x, b->lo0.x, b->hi0.x,
                     b->lo1.x, b->hi1.x, reach);
+    if (box_apart(&g[0], &least))
+        return false;
     g[1] = box_axis(a->lo0.y, a->hi0.y, a->lo1.y, a->hi1.y, b->lo0.y, b->hi0.y,
                     b->lo1.y, b->hi1.y, reach);
+    if (box_apart(&g[1], &least))
+        return false;
     g[2] = box_axis(a->lo0.z, a->hi0.z, a->lo1.z, a->hi1.z, b->lo0.z, b->hi0.z,
                     b->lo1.z, b->hi1.z, reach);
-    /* Apart on one axis all the time, or together all the time: no times. */
-    real shut = 0, least = 0;
-    for (int k = 0; k < 3; k++) {
-        real top =
-            real_min(real_max(g[k].g0, g[k].g1), real_max(g[k].h0, g[k].h1));
-        real low =
-            real_min(real_min(g[k].g0, g[k].g1), real_min(g[k].h0, g[k].h1));
-        shut = real_min(shut, top);
-        least = real_min(least, low);
-    }
-    return !(shut < 0) && (!(least < 0) || box_meets_late(g));
+    /* Together all the time: no times to compare. */
+    return !box_apart(&g[2], &least) && (!(least < 0) || box_meets_late(g));
 }
 
 #endif

@@ -78,7 +78,7 @@ static void write(const struct walk *s, const struct pass *p, bool triangles)
         for (int64_t k = block * BVTT_BLOCK; k < p->n && k < end; k++) {
             int32_t a = p->from[k][0], b = p->from[k][1];
             int d = triangles ? 3 : tree_descends(t, a, b);
-            for (int c = 0; c < 16; c++) {
+            for (int c = 0; s->mask[k] >> c; c++) {
                 if (!(s->mask[k] >> c & 1))
                     continue;
                 int32_t *to = p->to[at++];
