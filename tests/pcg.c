@@ -3,6 +3,9 @@
 #include "ref/pcg.h"
 
 #include <stdlib.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
 
 #include "tests/system.h"
 
@@ -281,5 +284,43 @@ const char *test_pcg_outcomes(void)
     EXPECT(infinite);
     EXPECT(refused);
     ran(7);
+    return NULL;
+}
+
+/* Two cloths solved in turn do not see each other, nor do threads show. */
+const char *test_pcg_repeats(void)
+{
+    struct system a[2];
+    struct pcg s[2] = {{0}};
+    uint64_t hash[2][4];
+    for (int c = 0; c < 2; c++) {
+        struct design d = {c ? 40 : 90, 71, c ? SHAPE_DRAPED : SHAPE_WRINKLED,
+                           TRIM_HOLE | TRIM_PINS, 0.1};
+        make_system(&d, &a[c]);
+        s[c].precond = DRAPE_MULTIGRID;
+        s[c].form = c ? DRAPE_CDF : DRAPE_COMPACT;
+        s[c].tolerance = R(1e-3);
+        s[c].max_iterations = 50;
+        open_pcg(&s[c], &a[c]);
+    }
+    for (int k = 0; k < 8; k++) {
+#ifdef _OPENMP
+        omp_set_num_threads(1 + k / 2);
+#endif
+        ref_pcg(&s[k % 2]);
+        hash[k % 2][k / 2] = hash_bytes(HASH_START, s[k % 2].dv,
+                                        (size_t)s[k % 2].count * sizeof(vec));
+    }
+#ifdef _OPENMP
+    omp_set_num_threads(omp_get_num_procs());
+#endif
+    for (int c = 0; c < 2; c++) {
+        close_pcg(&s[c]);
+        free_system(&a[c]);
+        EXPECT(s[c].outcome == PCG_CONVERGED);
+        for (int k = 1; k < 4; k++)
+            EXPECT(hash[c][k] == hash[c][0]);
+        ran(4);
+    }
     return NULL;
 }
