@@ -19,7 +19,7 @@ int64_t ref_pcg_size(struct pcg *s)
         s->grid.n = s->n;
     }
     return ref_multigrid_size(&s->grid) + s->n_cdf * (int64_t)sizeof(mat) +
-           s->count * (int64_t)(2 * sizeof(sym) + 4 * sizeof(vec)) +
+           s->count * (int64_t)(2 * sizeof(sym) + 5 * sizeof(vec)) +
            s->n_chunks * (int64_t)sizeof(real);
 }
 
@@ -59,13 +59,33 @@ static void precondition(struct pcg *s)
         s->s[k] = factor_solve(s->factor[k], s->r[k]);
 }
 
-/* §2: r = b - A dv where free, 0 where fixed. */
+/* §2: r = (b - A dv) - A low where free, 0 where fixed. */
 static void true_residual(struct pcg *s)
 {
-    multiply(s, s->dv, s->q);
+    multiply(s, s->dv, s->r);
+    multiply(s, s->low, s->q);
     EACH_ITEM
     for (int64_t k = 0; k < s->count; k++)
-        s->r[k] = s->fixed[k] ? vec_make(0, 0, 0) : vec_sub(s->b[k], s->q[k]);
+        s->r[k] = s->fixed[k] ? vec_make(0, 0, 0)
+                              : vec_sub(vec_sub(s->b[k], s->r[k]), s->q[k]);
+}
+
+/* *a + b rounded to *a; returns what is rounded off, exactly (Knuth). */
+static real two_sum(real *a, real b)
+{
+    real sum = *a + b, part = sum - *a;
+    real error = (*a - (sum - part)) + (b - part);
+    *a = sum;
+    return error;
+}
+
+/* §3: dv + low += alpha p. */
+static void advance(vec *dv, vec *low, real alpha, vec p)
+{
+    vec d = vec_scale(alpha, p);
+    low->x += two_sum(&dv->x, d.x);
+    low->y += two_sum(&dv->y, d.y);
+    low->z += two_sum(&dv->z, d.z);
 }
 
 static int set_up_grid(struct pcg *s)
@@ -94,8 +114,10 @@ static int set_up(struct pcg *s)
     if (status == DRAPE_OK && s->precond == DRAPE_MULTIGRID)
         status = set_up_grid(s);
     EACH_ITEM
-    for (int64_t k = 0; k < s->count; k++)
+    for (int64_t k = 0; k < s->count; k++) {
         s->dv[k] = s->fixed[k] && s->n_z ? s->z[k] : vec_make(0, 0, 0);
+        s->low[k] = vec_make(0, 0, 0);
+    }
     return status;
 }
 
@@ -129,7 +151,7 @@ static bool step(struct pcg *s, real *rho, bool first)
     EACH_ITEM
     for (int64_t k = 0; k < s->count; k++) {
         if (!s->fixed[k])
-            s->dv[k] = vec_axpy(s->dv[k], alpha, s->p[k]);
+            advance(&s->dv[k], &s->low[k], alpha, s->p[k]);
         s->r[k] = vec_axpy(s->r[k], -alpha, s->q[k]);
     }
     return true;

@@ -35,6 +35,7 @@ struct pcg {
     mat *cdf;                /* scratch: [n_cdf] */
     sym *diagonal;           /* scratch: [count] where n_cdf, else unused */
     sym *factor;             /* scratch: [count] */
+    vec *low;                /* scratch: [count] m/s, what dv rounds off */
     vec *r, *s, *p, *q;      /* scratch: [count] */
     real *chunk;             /* scratch: [n_chunks] */
     struct multigrid grid;   /* scratch: its pool, room, live and dense, of
@@ -45,7 +46,7 @@ struct pcg {
     int32_t outcome;    /* out: enum pcg_outcome */
     int32_t fell_back;  /* out: 1: multigrid broke down, Jacobi went on */
     real recurrence;    /* out: relative residual, as the iteration has it */
-    real residual;      /* out: |b - A dv| / |b - A z| over free particles */
+    real residual;      /* out: |b - A (dv + low)| / |b - A z|, where free */
 };
 
 /* Sets n_extra's companions: n_blocks and the sizes of the scratch, from m,

@@ -26,6 +26,7 @@ int solver_make(struct solver *s, const drape_def *def,
     p->cdf = take(arena, p->n_cdf, sizeof *p->cdf);
     p->diagonal = take(arena, p->count, sizeof *p->diagonal);
     p->factor = take(arena, p->count, sizeof *p->factor);
+    p->low = take(arena, p->count, sizeof *p->low);
     p->r = take(arena, p->count, sizeof *p->r);
     p->s = take(arena, p->count, sizeof *p->s);
     p->p = take(arena, p->count, sizeof *p->p);

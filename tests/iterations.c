@@ -23,6 +23,7 @@ static void open_solver(struct pcg *s, const struct system *a)
     s->cdf = room(s->n_cdf, sizeof *s->cdf);
     s->diagonal = room(s->count, sizeof *s->diagonal);
     s->factor = room(s->count, sizeof *s->factor);
+    s->low = room(s->count, sizeof *s->low);
     s->r = room(s->count, sizeof *s->r);
     s->s = room(s->count, sizeof *s->s);
     s->p = room(s->count, sizeof *s->p);
@@ -40,7 +41,7 @@ static void close_solver(struct pcg *s)
     void *all[] = {s->cdf,       s->diagonal,  s->factor,    s->r,
                    s->s,         s->p,         s->q,         s->chunk,
                    s->grid.pool, s->grid.room, s->grid.live, s->grid.dense,
-                   s->dv};
+                   s->low,       s->dv};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         free(all[k]);
 }
