@@ -192,9 +192,10 @@ static void choose_meshes(struct bytes *b, struct fabric *f, int32_t size)
     int32_t m = 2;
     while (m * m < size / 4)
         m++;
+    int32_t n = 2 + (int32_t)pick(b, (uint32_t)m);
+    int holes = (int)pick(b, 2);
     if (size > 0)
-        fabric_cloth(f, m, 2 + (int32_t)pick(b, (uint32_t)m), shape,
-                     (int)pick(b, 2));
+        fabric_cloth(f, m, n, shape, holes);
     if (pick(b, 2))
         fabric_cloth(f, 2, 3, FABRIC_FLAT, 0);
     if (size > 3 && pick(b, 2)) {
