@@ -8,15 +8,15 @@ enum { BAND = 16 };
 /* ---- from blocks of forward springs ---- */
 
 /* B (x - x of the neighbour), §1. */
-static vec pull(sym b, const vec *x, int64_t step)
+static inline vec pull(sym b, const vec *x, int64_t step)
 {
     return sym_apply(b, vec_sub(x[0], x[step]));
 }
 
 /* To both ends. In ascending order an end has the spring that leads to it
  * before the one that starts from it. */
-static void pull_both(int32_t n, const sym *b, const vec *x, int64_t step,
-                      vec *y)
+static void pull_both(int32_t n, const sym *restrict b, const vec *restrict x,
+                      int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++) {
         vec f = pull(b[i], x + i, step);
@@ -25,15 +25,15 @@ static void pull_both(int32_t n, const sym *b, const vec *x, int64_t step,
     }
 }
 
-static void pull_first(int32_t n, const sym *b, const vec *x, int64_t step,
-                       vec *y)
+static void pull_first(int32_t n, const sym *restrict b, const vec *restrict x,
+                       int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++)
         y[i] = vec_add(y[i], pull(b[i], x + i, step));
 }
 
-static void pull_second(int32_t n, const sym *b, const vec *x, int64_t step,
-                        vec *y)
+static void pull_second(int32_t n, const sym *restrict b, const vec *restrict x,
+                        int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++)
         y[i + step] = vec_sub(y[i + step], pull(b[i], x + i, step));
@@ -71,8 +71,8 @@ void product_couplings(const struct couplings *c)
 /* ---- from the compressed diagonal format ---- */
 
 /* y += A (x of the neighbour - x), along one row. */
-static void add_blocks(int32_t n, const mat *a, const vec *x, int64_t step,
-                       vec *y)
+static void add_blocks(int32_t n, const mat *restrict a, const vec *restrict x,
+                       int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++) {
         vec d = vec_sub(x[i + step], x[i]);
