@@ -160,6 +160,7 @@
 #define test_audit_signs REAL_NAME(test_audit_signs)
 #define test_audit_status REAL_NAME(test_audit_status)
 #define test_block_incline REAL_NAME(test_block_incline)
+#define test_broad_boxes REAL_NAME(test_broad_boxes)
 #define test_broad_brute REAL_NAME(test_broad_brute)
 #define test_broad_cones REAL_NAME(test_broad_cones)
 #define test_broad_frames REAL_NAME(test_broad_frames)
