@@ -77,8 +77,9 @@ static int solve_sheet(struct world *w, struct sheet *s)
     p->dv = dv;
     p->n_extra = s->cloth.count;
     p->extra = hold;
+    p->energy = 1;
     int status = ref_pcg(p);
-    p->n_extra = 0;
+    p->n_extra = p->energy = 0;
     c->iterations += p->iterations;
     if (status != DRAPE_OK || p->outcome == PCG_BREAKDOWN)
         return status; /* the exact rounds go on without */
@@ -89,7 +90,8 @@ static int solve_sheet(struct world *w, struct sheet *s)
     for (int64_t i = 0; i < s->cloth.count; i++) {
         if (s->cloth.fixed[i])
             continue;
-        g[i] = vec_add(g[i], vec_sub(b[i], sym_apply(hold[i], dv[i])));
+        vec done = vec_sub(vec_sub(b[i], p->r[i]), sym_apply(hold[i], dv[i]));
+        g[i] = vec_add(g[i], done); /* A dv, whatever pcg left over */
         u[i] = vec_axpy(u[i], span, dv[i]);
         v[i] = vec_add(v[i], dv[i]);
         x1[i] = vec_axpy(x0[i], w->response.dt, u[i]);

@@ -126,13 +126,10 @@ static bool finite_positive(real a)
     return a > 0 && a - a == 0;
 }
 
-/* §3: the direction p from s = M⁻¹ r, its image q, and a step along it. */
-static bool step(struct pcg *s, real *rho, bool first)
+/* §3: the direction p from s = M⁻¹ r with next = r·s, its image q, and a step
+ * along it. */
+static bool step(struct pcg *s, real next, real *rho, bool first)
 {
-    precondition(s);
-    real next = dot(s, s->r, s->s);
-    if (!finite_positive(next))
-        return false;
     real beta = first ? 0 : next / *rho;
     *rho = next;
     EACH_ITEM
@@ -157,14 +154,29 @@ static bool step(struct pcg *s, real *rho, bool first)
     return true;
 }
 
+/* §4.1: whether r·M⁻¹r has fallen far enough; *from is its first value. */
+static bool calm(struct pcg *s, real next, real *from)
+{
+    if (s->iterations == 0)
+        *from = next;
+    s->recurrence = real_sqrt(next / *from);
+    return next == 0 || s->recurrence <= s->tolerance;
+}
+
 /* §4: iterates until the recurrence meets the tolerance. */
-static int iterate(struct pcg *s, real square)
+static int iterate(struct pcg *s, real square, real *from)
 {
     real rho = 0;
     for (bool first = true; s->iterations < s->max_iterations; first = false) {
-        if (!step(s, &rho, first))
+        precondition(s);
+        real next = dot(s, s->r, s->s);
+        if (s->energy && calm(s, next, from))
+            return PCG_CONVERGED;
+        if (!finite_positive(next) || !step(s, next, &rho, first))
             return PCG_BREAKDOWN;
         s->iterations++;
+        if (s->energy)
+            continue;
         s->recurrence = real_sqrt(dot(s, s->r, s->r) / square);
         if (!(s->recurrence > s->tolerance))
             return s->recurrence <= s->tolerance ? PCG_CONVERGED
@@ -188,7 +200,7 @@ int ref_pcg(struct pcg *s)
     s->recurrence = s->residual = 0;
     s->outcome = PCG_CONVERGED;
     true_residual(s);
-    real square = dot(s, s->r, s->r), before = 2;
+    real square = dot(s, s->r, s->r), before = 2, from = 0;
     if (square == 0)
         return DRAPE_OK;
     s->recurrence = s->residual = 1;
@@ -201,9 +213,11 @@ int ref_pcg(struct pcg *s)
             break;
         }
         before = s->residual;
-        s->outcome = iterate(s, square);
+        s->outcome = iterate(s, square, &from);
         true_residual(s);
         s->residual = real_sqrt(dot(s, s->r, s->r) / square);
+        if (s->energy && s->outcome == PCG_CONVERGED)
+            break;
         /* §5: a matrix that is not quite definite may still yield. */
         if (s->outcome == PCG_BREAKDOWN && s->residual - s->residual == 0 &&
             s->precond == DRAPE_MULTIGRID && !s->fell_back) {

@@ -20,16 +20,17 @@ struct pcg {
     int32_t form;           /* enum drape_matrix */
     real tolerance;         /* of the relative residual, ≥ 0 */
     int32_t max_iterations; /* ≥ 0 */
-    const real *mass;       /* [count] kg, > 0 where free */
-    int64_t n_extra;        /* count, or 0: none */
-    const sym *extra;       /* [n_extra] kg, positive semidefinite */
-    int64_t n_blocks;       /* SPRINGS·count */
-    const sym *block;       /* [n_blocks] kg, positive semidefinite, spring o
-                               of p at o·count + p, 0 where missing */
-    const uint8_t *fixed;   /* [count] not 0: dv is given */
-    const vec *b;           /* [count] N·s */
-    int64_t n_z;            /* count, or 0: given dv are 0 */
-    const vec *z;           /* [n_z] m/s, read where fixed */
+    int32_t energy;   /* 1: tolerance is of √(r·M⁻¹r) instead, §4.1 */
+    const real *mass; /* [count] kg, > 0 where free */
+    int64_t n_extra;  /* count, or 0: none */
+    const sym *extra; /* [n_extra] kg, positive semidefinite */
+    int64_t n_blocks; /* SPRINGS·count */
+    const sym *block; /* [n_blocks] kg, positive semidefinite, spring o
+                         of p at o·count + p, 0 where missing */
+    const uint8_t *fixed; /* [count] not 0: dv is given */
+    const vec *b;         /* [count] N·s */
+    int64_t n_z;          /* count, or 0: given dv are 0 */
+    const vec *z;         /* [n_z] m/s, read where fixed */
 
     int64_t n_cdf, n_chunks; /* from ref_pcg_size */
     mat *cdf;                /* scratch: [n_cdf] */

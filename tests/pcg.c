@@ -57,6 +57,7 @@ void gen_pcg(struct bytes *b, struct pcg *s)
     s->form = pick(b, 2) ? DRAPE_CDF : DRAPE_COMPACT;
     s->tolerance = pick(b, 2) ? R(1e-3) : 0;
     s->max_iterations = (int32_t)pick(b, 40);
+    s->energy = !pick(b, 4);
     give(s, &a);
     if (pick(b, 2)) {
         vec *z = take(b, a.count, sizeof *z);
@@ -82,8 +83,9 @@ const char *prop_pcg(const struct pcg *s)
     }
     EXPECT(right); /* §1 */
     EXPECT(s->iterations >= 0 && s->iterations <= s->max_iterations);
-    if (s->outcome == PCG_CONVERGED)
-        EXPECT(s->residual <= s->tolerance || s->iterations == 0); /* §4 */
+    if (s->outcome == PCG_CONVERGED) /* §4, §4.1 */
+        EXPECT((s->energy ? s->recurrence : s->residual) <= s->tolerance ||
+               s->iterations == 0);
     if (s->outcome == PCG_LIMIT)
         EXPECT(s->iterations == s->max_iterations);
     EXPECT(s->outcome >= PCG_CONVERGED && s->outcome <= PCG_BREAKDOWN);
