@@ -9,7 +9,7 @@
 #include <string.h>
 
 static const char *const part_names[DRAPE_PART_COUNT] = {
-    "integration", "solver", "broad", "proximity", "penetration", "failsafe"};
+    "integration", "solver", "broad", "proximity", "penetration"};
 static const char *const outcome_names[] = {
     "unconverged", "zones", "rollback", "trapped", "diverged", "asleep"};
 enum { OUTCOMES = 6 };

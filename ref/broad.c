@@ -125,6 +125,7 @@ int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
     b->r = r;
     b->moved = moved;
     int status = ref_refit(&fit);
+    trace_stage(b->trace, "refit", b->box, (size_t)b->tree.n * sizeof *b->box);
     b->started = b->started || status == DRAPE_OK;
     if (status != DRAPE_OK || !b->cones)
         return status;
@@ -136,7 +137,9 @@ int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
                           .r = r,
                           .clear = b->clear,
                           .tangents = b->tangents};
-    return ref_cones(&cones);
+    status = ref_cones(&cones);
+    trace_stage(b->trace, "cones", b->clear, (size_t)b->tree.n_cloth);
+    return status;
 }
 
 int broad_update_front(struct broad *b)
@@ -155,10 +158,12 @@ int broad_update_front(struct broad *b)
         int status = ref_front(&s);
         b->n_front = s.n;
         b->front_visited = s.visited;
-        if (status == DRAPE_EFULL)
-            status = begin_front(b, s.need);
-        else
+        if (status != DRAPE_EFULL) {
+            trace_stage(b->trace, "front", b->front.data,
+                        (size_t)s.n * 2 * sizeof(int32_t));
             return status;
+        }
+        status = begin_front(b, s.need);
         if (status != DRAPE_OK)
             return status;
     }
@@ -186,8 +191,11 @@ static int walk(struct broad *b)
         int status = ref_walk(&s);
         b->n_both = s.n_tri;
         b->visited = s.visited;
-        if (status != DRAPE_EFULL)
+        if (status != DRAPE_EFULL) {
+            trace_stage(b->trace, "walk", s.tri,
+                        (size_t)s.n_tri * 2 * sizeof(int32_t));
             return status;
+        }
         status = grow_scratch(b, s.need);
         if (status == DRAPE_OK)
             status =
@@ -230,6 +238,8 @@ int broad_candidates(struct broad *b)
         if (status == DRAPE_OK)
             status = grow(b, &b->kind, ARENA_PAIRS, s.need, 1);
     }
+    trace_stage(b->trace, "features", s.pair,
+                (size_t)s.n_pair * 4 * sizeof(int32_t));
     b->n = s.n_pair;
     b->n_vf = s.n_vf;
     return status;

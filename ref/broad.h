@@ -8,6 +8,7 @@
 #include "ref/features.h"
 #include "ref/front.h"
 #include "ref/refit.h"
+#include "ref/trace.h"
 #include "ref/walk.h"
 
 /* A stream that grows; what it held is lost when it does. */
@@ -18,6 +19,7 @@ struct broad_pool {
 
 /* Made by broad_make, then read only from outside. */
 struct broad {
+    struct trace *trace; /* NULL: none */
     struct arena *arena; /* the caller's; holds all memory */
     struct tree tree;
     struct tree_map map;

@@ -79,6 +79,7 @@ static int solve_sheet(struct world *w, struct sheet *s)
     p->extra = hold;
     p->energy = 1;
     int status = ref_pcg(p);
+    trace_stage(w->tracing, "pcg", dv, (size_t)s->cloth.count * sizeof *dv);
     p->n_extra = p->energy = 0;
     c->iterations += p->iterations;
     if (status != DRAPE_OK || p->outcome == PCG_BREAKDOWN)
@@ -111,6 +112,8 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
     p->contact = contact;
     for (int k = 0; k < TURNS && status == DRAPE_OK; k++) {
         status = ref_penalty(p);
+        trace_stage(w->tracing, "penalty", p->force,
+                    (size_t)p->nv * sizeof *p->force);
         for (int i = 0; i < w->def.n_cloths && status == DRAPE_OK; i++)
             status = solve_sheet(w, &w->sheet[i]);
     }

@@ -16,6 +16,12 @@ static vec *stream(const struct dynamics *s, int k)
     return s->work + k * s->cloth->count;
 }
 
+static void trace_vecs(const struct dynamics *s, const char *stage,
+                       const vec *out)
+{
+    trace_stage(s->trace, stage, out, (size_t)s->cloth->count * sizeof *out);
+}
+
 /* The wind's three streams are the last. */
 void dynamics_force(struct dynamics *s, const vec *x, const vec *v,
                     const vec *damping)
@@ -36,6 +42,7 @@ void dynamics_force(struct dynamics *s, const vec *x, const vec *v,
                          .part = stream(s, last - 3),
                          .force = wind};
         ref_wind(&w);
+        trace_vecs(s, "wind", wind);
     }
     struct springs f = {.m = c->m,
                         .n = c->n,
@@ -52,6 +59,7 @@ void dynamics_force(struct dynamics *s, const vec *x, const vec *v,
                         .gravity = s->gravity,
                         .force = stream(s, 0)};
     ref_springs(&f);
+    trace_vecs(s, "springs", f.force);
 }
 
 void dynamics_copy(struct dynamics *s, const vec *x, const vec *v)
@@ -87,6 +95,7 @@ static int go_implicit(struct dynamics *s)
                             .back = back,
                             .q = q};
     ref_predict(&begin);
+    trace_vecs(s, "predict", star);
     dynamics_force(s, s->x, s->v, past ? back : NULL);
     struct blocks blocks = {.count = c->count,
                             .m = c->m,
@@ -97,6 +106,8 @@ static int go_implicit(struct dynamics *s)
                             .tau = tau,
                             .block = s->block};
     ref_blocks(&blocks);
+    trace_stage(s->trace, "blocks", s->block,
+                (size_t)(SPRINGS * c->count) * sizeof *s->block);
     struct rhs rhs = {.count = c->count,
                       .m = c->m,
                       .n = c->n,
@@ -109,7 +120,9 @@ static int go_implicit(struct dynamics *s)
                       .tau = tau,
                       .b = s->b};
     ref_rhs(&rhs);
+    trace_vecs(s, "rhs", s->b);
     int status = s->solve(s);
+    trace_vecs(s, "pcg", s->dv);
     if (status != DRAPE_OK)
         return status;
     struct update end = {.count = c->count,
@@ -125,6 +138,7 @@ static int go_implicit(struct dynamics *s)
                          .x1 = s->x1,
                          .v1 = s->v1};
     ref_update(&end);
+    trace_vecs(s, "update", s->v1);
     return DRAPE_OK;
 }
 

@@ -5,6 +5,7 @@
 #define REF_DYNAMICS_H
 
 #include "ref/cloth.h"
+#include "ref/trace.h"
 
 struct dynamics {
     const struct cloth *cloth;
@@ -31,6 +32,8 @@ struct dynamics {
     vec *work;   /* scratch: [dynamics_vecs()·count] */
     sym *block;  /* scratch: [SPRINGS·count] of an implicit method, or NULL */
     real *chunk; /* scratch: [3·sum_chunks(count)] */
+
+    struct trace *trace; /* NULL: none */
 
     vec *b, *dv; /* set for solve: [count], within work */
 

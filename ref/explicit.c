@@ -43,6 +43,7 @@ static void advance(struct dynamics *s, struct state from, const vec *rate,
                         .x1 = to.x,
                         .v1 = to.v};
     ref_advance(&a);
+    trace_stage(s->trace, "advance", a.v1, (size_t)a.count * sizeof *a.v1);
 }
 
 static void euler(struct dynamics *s, struct state *now, struct span t)

@@ -58,6 +58,7 @@ int response_stiffen(struct response *s)
                       .zone = s->zone.data,
                       .vertex = s->vertex.data};
     status = ref_zones(&z);
+    trace_stage(s->trace, "zones", s->u, (size_t)s->nv * sizeof *s->u);
     if (status != DRAPE_OK)
         return status;
     s->outcome |= DRAPE_ZONES;
@@ -85,6 +86,7 @@ int response_roll(struct response *s, int round)
                          .touched = s->touched,
                          .all = round >= s->roll_rounds};
     int status = ref_rollback(&r);
+    trace_stage(s->trace, "rollback", s->rolled, (size_t)s->nv);
     if (status != DRAPE_OK)
         return status;
     s->rolled_back += r.grown;

@@ -11,13 +11,13 @@ struct world;
 
 /* What a scene uses. Everything else follows from it. */
 struct plan {
-  bool led;       /* pins or obstacles that move */
-  bool wind;      /* air with drag or lift */
-  bool implicit;  /* a linear system */
-  bool history;   /* the state before the last, for BDF2 */
-  bool self;      /* cloth can meet cloth */
-  bool obstacles; /* cloth can meet an obstacle */
-  bool collides;  /* either */
+    bool led;       /* pins or obstacles that move */
+    bool wind;      /* air with drag or lift */
+    bool implicit;  /* a linear system */
+    bool history;   /* the state before the last, for BDF2 */
+    bool self;      /* cloth can meet cloth */
+    bool obstacles; /* cloth can meet an obstacle */
+    bool collides;  /* either */
 };
 
 struct plan plan_make(const drape_def *def);

@@ -82,6 +82,7 @@ static int solve_contacts(struct response *s, int64_t n, int warm)
                          .before = push + n,
                          .vertex = s->vertex.data};
     status = ref_contacts(&c);
+    trace_stage(s->trace, "contacts", s->u, (size_t)s->nv * sizeof *s->u);
     if (status == DRAPE_OK)
         response_advance(s, c.vertices, c.vertex);
     return status;
@@ -115,6 +116,8 @@ int ref_response_repel(struct response *s, const struct pairs *near)
     if (status != DRAPE_OK)
         return status;
     s->contacts = p.found;
+    trace_stage(s->trace, "proximity", p.contact,
+                (size_t)p.found * sizeof *p.contact);
     if (!p.found)
         return DRAPE_OK;
     if (!s->solve)
@@ -142,7 +145,9 @@ static int find_times(struct response *s, const struct pairs *p)
     n.toi = s->toi.data;
     n.tier = s->tier.data;
     s->candidates += p->n;
-    return ref_narrow(&n);
+    status = ref_narrow(&n);
+    trace_stage(s->trace, "narrow", n.toi, (size_t)n.n * sizeof *n.toi);
+    return status;
 }
 
 static int grow_hits(struct response *s, int64_t n)
@@ -187,6 +192,9 @@ static int detect(struct response *s, const uint8_t *touched)
     } while (status == DRAPE_EFULL &&
              (status = grow_hits(s, m.found)) == DRAPE_OK);
     s->hits = m.found;
+    if (status == DRAPE_OK)
+        trace_stage(s->trace, "impacts", m.hit,
+                    (size_t)m.found * 4 * sizeof *m.hit);
     s->impacts += m.found;
     if (!touched) {
         s->started = m.started;
@@ -231,6 +239,8 @@ static int push(struct response *s, int round)
         return status;
     s->side = !s->side;
     s->active = m.found;
+    trace_stage(s->trace, "impulses", m.contact,
+                (size_t)m.found * sizeof *m.contact);
     int solved = s->solve ? s->solve_rounds : 0;
     if (round < solved)
         return s->solve(s->user, m.found, m.contact);

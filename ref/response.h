@@ -6,6 +6,7 @@
 
 #include "ref/contact.h"
 #include "ref/keys.h"
+#include "ref/trace.h"
 #include "ref/zones.h"
 
 /* Candidates: each pair once; the memory is the broad phase's, valid until
@@ -47,6 +48,8 @@ struct response {
     int (*solve)(void *user, int64_t n, struct contact *contact);
     int solve_rounds;
     void *user;
+
+    struct trace *trace; /* NULL: none */
 
     vec *u;           /* scratch: [nv] m/s, (x1 - x0) / dt as it changes */
     uint8_t *touched; /* scratch: [nv] */

@@ -61,6 +61,9 @@ struct world {
     struct response response;
     struct couple couple; /* of implicit integrators */
 
+    double broad_seconds;         /* not charged yet */
+    struct trace trace, *tracing; /* tracing: NULL where nobody asked */
+
     int64_t step;
     double time;
     int resting; /* steps in a row in which nothing moved */

@@ -7,7 +7,6 @@
 
 #include "ref/advance.h"
 #include "ref/clock.h"
-#include "ref/hash.h"
 #include "ref/implicit.h"
 #include "ref/threads.h"
 
@@ -16,22 +15,14 @@ static const double REST_PART = 1e-3; /* of the thickness, a step */
 
 /* ---- §1 Time ---- */
 
-/* Adds the time since *last to a part of the report. */
-static void charge(drape_step_report *r, enum drape_part part, double *last)
+/* Adds the time since *last to a part of the report, but for the seconds
+ * within that are another part's. */
+static void charge(drape_step_report *r, enum drape_part part, double *last,
+                   double within)
 {
     double t = clock_now();
-    r->seconds[part] += t - *last;
+    r->seconds[part] += t - *last - within;
     *last = t;
-}
-
-static void trace(const struct world *w, const char *stage, double since)
-{
-    if (!w->def.trace)
-        return;
-    size_t bytes = (size_t)w->nv * sizeof(vec);
-    uint64_t digest = hash_mix(hash_mix(HASH_SEED, w->x1, bytes), w->v1, bytes);
-    w->def.trace(w->def.trace_user, w->step, stage, digest,
-                 clock_now() - since);
 }
 
 /* ---- §2 What is led: obstacles and pins ---- */
@@ -157,7 +148,9 @@ static int move(struct world *w, drape_step_report *r)
 int step_broad(void *user, const uint8_t *touched, struct pairs *out)
 {
     struct world *w = user;
+    double start = clock_now();
     int status = broad_query(&w->broad, w->x0, w->x1, 0, touched);
+    w->broad_seconds += clock_now() - start;
     out->n = w->broad.n;
     out->pair = w->broad.pair.data;
     out->kind = w->broad.kind.data;
@@ -180,7 +173,9 @@ int step_grow(void *user, struct pool *pool, int64_t need, size_t size)
 /* Pairs within reach of each other where the step starts are pushed apart. */
 static int repel(struct world *w)
 {
+    double start = clock_now();
     int status = broad_query(&w->broad, w->x0, w->x0, w->reach, NULL);
+    w->broad_seconds += clock_now() - start;
     if (status != DRAPE_OK)
         return status;
     struct pairs near = {w->broad.n, w->broad.pair.data, w->broad.kind.data};
@@ -198,6 +193,16 @@ static void count_contacts(const struct response *c, drape_step_report *r)
     r->rolled_back = c->rolled_back;
 }
 
+/* Broad phase and coupled solves within it are parts of their own. */
+static void charge_contact(struct world *w, drape_step_report *r,
+                           enum drape_part part, double *last)
+{
+    charge(r, part, last, w->broad_seconds + w->couple.seconds);
+    r->seconds[DRAPE_PART_BROAD] += w->broad_seconds;
+    r->seconds[DRAPE_PART_SOLVER] += w->couple.seconds;
+    w->broad_seconds = w->couple.seconds = 0;
+}
+
 static int collide(struct world *w, drape_step_report *r, double *last)
 {
     struct response *c = &w->response;
@@ -209,12 +214,10 @@ static int collide(struct world *w, drape_step_report *r, double *last)
         couple_start(w);
     if (status == DRAPE_OK)
         status = repel(w);
-    charge(r, DRAPE_PART_PROXIMITY, last);
-    trace(w, "proximity", *last);
+    charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
     if (status == DRAPE_OK)
         status = ref_response_penetrate(c);
-    charge(r, DRAPE_PART_PENETRATION, last);
-    trace(w, "penetration", *last);
+    charge_contact(w, r, DRAPE_PART_PENETRATION, last);
     count_contacts(c, r);
     r->iterations += w->couple.iterations;
     return status;
@@ -236,6 +239,8 @@ static void remember(struct world *w)
                         .xp = w->past_x,
                         .vp = w->past_v};
     ref_history(&h);
+    trace_stage(w->tracing, "history", w->past_v,
+                (size_t)w->nc * sizeof *w->past_v);
     w->has_past = true;
 }
 
@@ -309,7 +314,11 @@ static int pipeline(struct world *w, drape_step_report *r)
 {
     double last = clock_now();
     double end = (double)(w->step + 1) * w->def.dt;
+    w->trace.step = w->step;
+    w->trace.last = last;
     int status = step_lead(w, end, w->x1); /* 01 kinematics */
+    trace_stage(w->tracing, "kinematics", w->x1 + w->nc,
+                (size_t)(w->nv - w->nc) * sizeof *w->x1);
     if (status != DRAPE_OK)
         return status;
     if (w->asleep && !led_moves(w)) {
@@ -320,8 +329,9 @@ static int pipeline(struct world *w, drape_step_report *r)
         return DRAPE_OK;
     }
     status = move(w, r); /* 03 wind … 09 dynamics, 10 sum … 15 pcg */
-    charge(r, DRAPE_PART_INTEGRATION, &last);
-    trace(w, "dynamics", last);
+    for (int k = 0; k < w->def.n_cloths; k++)
+        r->seconds[DRAPE_PART_SOLVER] += w->sheet[k].solver.seconds;
+    charge(r, DRAPE_PART_INTEGRATION, &last, r->seconds[DRAPE_PART_SOLVER]);
     if (status != DRAPE_OK)
         return status;
     if (!(r->outcome & DRAPE_DIVERGED)) {

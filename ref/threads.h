@@ -8,13 +8,14 @@
 #endif
 
 /* Sets it, 0: as many as processors; returns what it was. */
-static inline int threads_set(int threads) {
+static inline int threads_set(int threads)
+{
 #ifdef _OPENMP
-  int before = omp_get_max_threads();
-  omp_set_num_threads(threads > 0 ? threads : omp_get_num_procs());
-  return before;
+    int before = omp_get_max_threads();
+    omp_set_num_threads(threads > 0 ? threads : omp_get_num_procs());
+    return before;
 #else
-  return threads;
+    return threads;
 #endif
 }
 

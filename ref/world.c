@@ -97,8 +97,11 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
         if (c->fixed[p])
             w->v0[s->first + p] = vec_make(0, 0, 0);
     }
-    w->surface[k] = (struct surface){(real)def->material.thickness,
-                                     (real)def->material.friction};
+    /* beyond half a cell, neighbours at rest would be in contact */
+    real most = R(0.5) * real_min(c->hu, c->hv);
+    w->surface[k] =
+        (struct surface){real_min((real)def->material.thickness, most),
+                         (real)def->material.friction};
     w->reach = real_max(w->reach, w->surface[k].thickness);
     return DRAPE_OK;
 }
@@ -217,6 +220,7 @@ static int make_dynamics(struct world *w, struct sheet *s, const drape_def *def)
     d->gravity = vec_make((real)def->gravity[0], (real)def->gravity[1],
                           (real)def->gravity[2]);
     d->windy = w->plan.wind;
+    d->trace = w->tracing;
     d->work =
         take(w, ARENA_SOLVER, dynamics_vecs(d->method, d->windy) * c->count,
              sizeof *d->work);
@@ -259,13 +263,16 @@ static int make_broad(struct world *w, const drape_def *def)
                                mesh,
                                (const int32_t(*)[3])w->tri,
                                w->x0};
-    return broad_make(&w->broad, &scene, def->self_collision, w->arena);
+    int status = broad_make(&w->broad, &scene, def->self_collision, w->arena);
+    w->broad.trace = w->tracing;
+    return status;
 }
 
 static int make_response(struct world *w, const drape_def *def)
 {
     struct response *c = &w->response;
     c->nv = w->nv;
+    c->trace = w->tracing;
     c->w = w->w;
     c->skin.n = def->n_cloths + def->n_obstacles;
     c->skin.of = w->body;
@@ -317,6 +324,8 @@ static int make(const drape_def *def, struct arena *arena, struct world **world,
     w->def = *def;
     w->plan = plan_make(def);
     w->fingerprint = checkpoint_fingerprint(def);
+    w->trace = (struct trace){def->trace, def->trace_user, 0, 0};
+    w->tracing = def->trace ? &w->trace : NULL;
     w->sheet = take(w, ARENA_OTHER, def->n_cloths, sizeof *w->sheet);
     w->prop = take(w, ARENA_OTHER, def->n_obstacles, sizeof *w->prop);
     copy_motions(w, def);

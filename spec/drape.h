@@ -64,7 +64,8 @@ typedef struct drape_material {
     double shear;     /* N/m, ≥ 0, at most stretch / 2 */
     double bend;      /* N·m, moment a width for curvature 1, ≥ 0 */
     double damping;   /* s, stiffness-proportional, ≥ 0 */
-    double thickness; /* m, distance at which contact begins, > 0 */
+    double thickness; /* m, distance at which contact begins, > 0; at most
+                         half the smaller side of a cell counts */
     double friction;  /* Coulomb coefficient, ≥ 0 */
 } drape_material;
 
@@ -122,8 +123,8 @@ typedef struct drape_allocator {
     void *user;
 } drape_allocator;
 
-/* Called after a stage of a step, where asked for. digest: FNV-1a of the
- * stage's outputs, in stream order. */
+/* Called after each stage of a step, where asked for. digest: 64 bits of the
+ * stage's main output, in stream order; seconds: since the stage before. */
 typedef void drape_trace(void *user, int64_t step, const char *stage,
                          uint64_t digest, double seconds);
 
@@ -172,7 +173,6 @@ enum drape_part {
     DRAPE_PART_BROAD,
     DRAPE_PART_PROXIMITY,
     DRAPE_PART_PENETRATION,
-    DRAPE_PART_FAILSAFE,
     DRAPE_PART_COUNT
 };
 
