@@ -327,13 +327,20 @@ vec *pick_state(struct bytes *b, const struct grid *g)
     return x;
 }
 
+/* One statement a choice: C leaves the order of arguments open. */
+static vec pick_in_box(struct bytes *b, real scale)
+{
+    vec r;
+    r.x = pick_uniform(b, -scale, scale);
+    r.y = pick_uniform(b, -scale, scale);
+    r.z = pick_uniform(b, -scale, scale);
+    return r;
+}
+
 vec *pick_vecs(struct bytes *b, int64_t count, real scale)
 {
     vec *v = take(b, count, sizeof *v);
     for (int64_t p = 0; p < count; p++)
-        v[p] = pick(b, 4) ? vec_make(pick_uniform(b, -scale, scale),
-                                     pick_uniform(b, -scale, scale),
-                                     pick_uniform(b, -scale, scale))
-                          : pick_vec(b, scale);
+        v[p] = pick(b, 4) ? pick_in_box(b, scale) : pick_vec(b, scale);
     return v;
 }
