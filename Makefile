@@ -33,7 +33,7 @@ HAS_ORACLE := $(and $(call has,CGAL/version.h),$(call \
     has,fcl/fcl.h),$(call has,ccd/ccd.h),$(call has,gmp.h))
 NVCC       := $(shell command -v nvcc)
 
-API    := ref/arena.c ref/define.c ref/drape.c ref/query.c
+API    := ref/arena.c ref/define.c ref/drape.c ref/frames.c ref/query.c
 REF    := $(sort $(filter-out $(API),$(wildcard ref/*.c)))
 ONCE   := tests/check.c tests/case.c tests/choices.c tests/tally.c
 TWICE  := $(sort $(filter-out $(ONCE),$(wildcard tests/*.c)))

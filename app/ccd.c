@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* drape ccd: collision queries from exact rationals. */
+/* drape ccd: collision queries from exact rationals, and all of a mesh. */
 #include "app/app.h"
+#include "app/mesh.h"
 
 #include <drape.h>
 #include <errno.h>
@@ -145,26 +146,16 @@ static int read_all(struct queries *q)
     return status;
 }
 
-int command_ccd(int argc, char **argv)
+static int answer_file(const char *path, const char *kind)
 {
-    const char *kind = NULL;
-    const struct option options[] = {{"--kind", OPTION_TEXT, &kind, 0, 0}, {0}};
-    int positional;
-    int status = options_read(options, argc, argv, &positional);
-    if (status != APP_OK)
-        return status;
-    if (!kind || (strcmp(kind, "vf") != 0 && strcmp(kind, "ee") != 0))
-        return complain(APP_USAGE, "ccd: expected --kind vf or --kind ee");
-    if (positional != 1)
-        return complain(APP_USAGE, "ccd: expected one FILE.csv");
     struct queries q = {
-        .path = argv[0], .kind = strcmp(kind, "ee") == 0, .truth = -1};
+        .path = path, .kind = strcmp(kind, "ee") == 0, .truth = -1};
     q.stream = fopen(q.path, "r");
     if (!q.stream)
         return complain(APP_USAGE, "%s: %s", q.path, strerror(errno));
     mpq_init(q.exact);
     mpq_init(q.back);
-    status = read_all(&q);
+    int status = read_all(&q);
     mpq_clear(q.exact);
     mpq_clear(q.back);
     fclose(q.stream);
@@ -172,4 +163,105 @@ int command_ccd(int argc, char **argv)
         fprintf(stderr, "%ld queries, %ld missed, %ld invented\n", q.asked,
                 q.missed, q.invented);
     return status == APP_OK && q.missed + q.invented ? APP_FINDINGS : status;
+}
+
+/* The pairs that touch: kind, vertices. */
+struct touches {
+    int32_t (*pair)[5];
+    size_t n, room;
+};
+
+/* A drape_touch; an edge begins at its smaller vertex, as do the two. */
+static int keep(void *user, int kind, const int32_t v[4], double toi)
+{
+    struct touches *all = user;
+    (void)toi;
+    if (all->n == all->room) {
+        size_t room = all->room ? 2 * all->room : 1024;
+        void *more = realloc(all->pair, room * sizeof *all->pair);
+        if (!more)
+            return 1;
+        all->pair = more;
+        all->room = room;
+    }
+    int a = kind && v[0] > v[1], b = kind && v[2] > v[3];
+    int swap = kind && v[a] > v[2 + b] ? 2 : 0;
+    int32_t *p = all->pair[all->n++];
+    p[0] = kind;
+    p[1 + swap] = v[a];
+    p[2 + swap] = v[1 - a];
+    p[3 - swap] = v[2 + b];
+    p[4 - swap] = v[3 - b];
+    return 0;
+}
+
+static int by_kind(const void *a, const void *b)
+{
+    const int32_t *p = a, *q = b;
+    for (int k = 0; k < 5; k++)
+        if (p[k] != q[k])
+            return p[k] < q[k] ? -1 : 1;
+    return 0;
+}
+
+static int answer_meshes(struct pool *pool, char **path)
+{
+    struct mesh at[2];
+    struct touches all = {0};
+    int64_t asked[2];
+    int status = mesh_load(pool, path[0], &at[0]);
+    if (status == APP_OK)
+        status = mesh_load(pool, path[1], &at[1]);
+    if (status != APP_OK)
+        return status;
+    if (at[0].nv != at[1].nv || at[0].nt != at[1].nt ||
+        memcmp(at[0].tri, at[1].tri, (size_t)at[0].nt * sizeof *at[0].tri))
+        return complain(APP_USAGE, "%s: expected the triangles of %s", path[1],
+                        path[0]);
+    drape_mesh mesh = {.nv = at[0].nv,
+                       .nt = at[0].nt,
+                       .x = (const double(*)[3])at[0].x,
+                       .tri = (const int32_t(*)[3])at[0].tri};
+    int end =
+        drape_ccd_frames(&mesh, (const double(*)[3])at[1].x, keep, &all, asked);
+    if (all.n)
+        qsort(all.pair, all.n, sizeof *all.pair, by_kind);
+    for (size_t k = 0; end == DRAPE_OK && k < all.n; k++) {
+        const int32_t *p = all.pair[k];
+        printf("%s %d %d %d %d\n", p[0] ? "ee" : "vf", (int)p[1], (int)p[2],
+               (int)p[3], (int)p[4]);
+    }
+    if (end == DRAPE_OK)
+        fprintf(stderr, "%lld vf and %lld ee candidates, %zu touch\n",
+                (long long)asked[0], (long long)asked[1], all.n);
+    free(all.pair);
+    return end == DRAPE_OK
+               ? APP_OK
+               : complain(end == DRAPE_EDATA ? APP_USAGE : APP_FAILED,
+                          "ccd: %s", drape_status_text(end));
+}
+
+int command_ccd(int argc, char **argv)
+{
+    const char *kind = NULL;
+    int frames = 0, positional;
+    const struct option options[] = {{"--kind", OPTION_TEXT, &kind, 0, 0},
+                                     {"--frames", OPTION_FLAG, &frames, 0, 0},
+                                     {0}};
+    int status = options_read(options, argc, argv, &positional);
+    if (status != APP_OK)
+        return status;
+    if (frames && (kind || positional != 2))
+        return complain(APP_USAGE, "ccd --frames: expected two meshes");
+    if (frames) {
+        struct pool pool = {0};
+        status = answer_meshes(&pool, argv);
+        pool_free(&pool);
+        return status;
+    }
+    if (!kind || (strcmp(kind, "vf") != 0 && strcmp(kind, "ee") != 0))
+        return complain(APP_USAGE, "ccd: expected --kind vf or --kind ee");
+    if (positional != 1)
+        return complain(APP_USAGE, "ccd: expected one FILE.csv");
+    return answer_file(argv[0], kind);
 }

@@ -46,9 +46,11 @@ static const struct command {
      "  --rate R         pictures a second of film (default: real time)\n"
      "  --no-film        pictures only\n"},
     {"ccd", command_ccd, "decide collision queries, exactly",
-     "drape ccd --kind vf|ee FILE.csv\n"
+     "drape ccd --kind vf|ee FILE.csv | --frames A.ply B.ply\n"
      "Eight rows a query, xn,xd,yn,yd,zn,zd[,truth]: `v f0 f1 f2` or\n"
-     "`a0 a1 b0 b1` at time 0, then at time 1. Prints `0` or `1 TOI`.\n"},
+     "`a0 a1 b0 b1` at time 0, then at time 1. Prints `0` or `1 TOI`.\n"
+     "--frames: a mesh at time 0 and 1. Prints all pairs that share no\n"
+     "vertex and touch, `vf v f0 f1 f2` or `ee a0 a1 b0 b1`.\n"},
     {"convert", command_convert, "turn, size and level a mesh",
      "drape convert IN OUT.ply [--up X,Y,Z] [--size S]\n"
      "Direction --up becomes +y, the largest dimension S, and the mesh\n"

@@ -265,6 +265,17 @@ int drape_audit(const drape_mesh *mesh, int64_t capacity, int32_t (*pair)[2],
 int drape_ccd(int kind, const double x0[4][3], const double x1[4][3],
               double *toi);
 
+/* Called for each pair of primitives that touch: v f0 f1 f2 (kind 0) or
+ * a0 a1 b0 b1 (kind 1), and when, as above. Other than 0 ends the query. */
+typedef int drape_touch(void *user, int kind, const int32_t v[4], double toi);
+/* Every vertex and face, and every two edges, of the mesh's triangles that
+ * share no vertex and touch in [0, 1], as it moves linearly from x to x1
+ * [nv]: each once, faces before edges, in the same order on every run.
+ * group must be NULL. candidates, or NULL: pairs of each kind that were
+ * decided exactly. DRAPE_EIO where touch ended it. */
+int drape_ccd_frames(const drape_mesh *mesh, const double (*x1)[3],
+                     drape_touch *touch, void *user, int64_t candidates[2]);
+
 /* One line a version: library, precisions, backends, certificate. */
 const char *drape_info(void);
 const char *drape_status_text(int status);

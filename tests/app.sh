@@ -344,6 +344,42 @@ sed "5s/.*/$long,4$(echo $long | cut -c2-),1,4,-1,1/" hit.csv >long.csv
 exits 'ccd of long rationals' 0 ccd --kind vf long.csv
 is 'the same answer' awk '{ exit !($1 == 1 && $2 > 0.49) }' out
 refused 'ccd without kind' '--kind' ccd hit.csv
+head -n 8 good.ply >before.ply
+sed -i 's/vertex 3/vertex 6/; s/face 1/face 2/' before.ply
+cp before.ply after.ply
+# A triangle falls through the middle of another, flat one.
+for z in 1 -1; do
+    file=before.ply
+    [ $z = 1 ] || file=after.ply
+    printf '%s\n' 'end_header' '0 0 0' '4 0 0' '0 4 0' \
+        "1 1 $z" "1 2 $((z + 9))" "2 1 $((z + 9))" '3 0 1 2' '3 3 4 5' >>$file
+done
+exits 'ccd of two frames' 0 ccd --frames before.ply after.ply
+is 'the vertex that falls through' test "$(cat out)" = 'vf 3 0 1 2'
+exits 'ccd of a mesh at rest' 0 ccd --frames before.ply before.ply
+is 'nothing touches' test ! -s out
+refused 'ccd of one frame' 'two meshes' ccd --frames before.ply
+refused 'ccd of two meshes' 'good.ply' ccd --frames before.ply good.ply
+# Pairs in any order of their vertices, one form for each.
+pairs() {
+    python3 -c '
+import sys
+for line in sys.stdin:
+    kind, *v = line.split()
+    v = list(map(int, v))
+    w = [v[:1], sorted(v[1:])] if kind == "vf" else sorted(
+        [sorted(v[:2]), sorted(v[2:])])
+    print(kind, *w[0], *w[1])' | sort
+}
+frames=$root/../shared/ccd/frames/cloth-funnel
+if [ -e "$frames/hits.txt" ]; then
+    exits 'ccd of cloth-funnel' 0 ccd --frames "$frames/t0.ply" "$frames/t1.ply"
+    pairs <out >got.txt
+    pairs <"$frames/hits.txt" >expected.txt
+    is 'all its 134 pairs, and no other' cmp got.txt expected.txt
+else
+    skip 'ccd of cloth-funnel: the frames are not here'
+fi
 exits 'render' 0 render 'an out' --frame 6 --width 64 --height 48 --samples 1
 cp 'an out/pictures/frame_0006.png' once.png
 exits 'render again' 0 render 'an out' --frame 6 --width 64 --height 48 \
