@@ -159,6 +159,8 @@ static struct case_result run_once(const struct stage *stage, const uint8_t *s,
         c.failed = "a guard beside an output or scratch was overwritten";
     else if (hash_inputs(&r) != inputs)
         c.failed = "an input was changed";
+    if (c.faulted && fault == FAULT_INPUT)
+        plant(&r, fault, poison); /* a second flip undoes it */
     c.hash = hash_outputs(&r, c.status);
     if (!c.failed && c.status == DRAPE_OK && fault == FAULT_NONE)
         c.failed = stage->prop(r.s);
