@@ -1,14 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# usage: ci/fuzz.sh BUILD               replays every committed corpus
-#        ci/fuzz.sh BUILD STAGE SECONDS fuzzes a stage; finds go to its corpus
+# usage: ci/fuzz.sh BUILD               replays every corpus, `api` too
+#        ci/fuzz.sh BUILD STAGE SECONDS fuzzes one; finds go to its corpus
 set -eu
 build=$1 stage=${2-} seconds=${3-60}
-stages=$(sed -n 's/^STAGE(\([a-z0-9_]*\),.*/\1/p' spec/stages.def)
+targets="api $(sed -n 's/^STAGE(\([a-z0-9_]*\),.*/\1/p' spec/stages.def)"
 
 if [ -n "$stage" ]; then
-    echo "$stages" | grep -qx "$stage" || {
-        echo "no stage '$stage'; there are:" $stages >&2
+    echo "$targets" | grep -qx "$stage" || {
+        echo "no target '$stage'; there are:" $targets >&2
         exit 2
     }
     out=$build/fuzz
@@ -19,7 +19,7 @@ if [ -n "$stage" ]; then
         -fsanitize=address,undefined,fuzzer fuzz/target.c \
         "$out/parts.a" $(make -s oracle-libs) -lm -o "$out/$stage"
     mkdir -p "fuzz/corpus/$stage" "$out/found-$stage"
-    "$out/$stage" -max_total_time="$seconds" -max_len=4096 -timeout=20 \
+    "$out/$stage" -max_total_time="$seconds" -max_len=4096 -timeout=60 \
         -artifact_prefix="$out/$stage-" "$out/found-$stage" \
         "fuzz/corpus/$stage"
     "$out/$stage" -merge=1 -max_len=4096 "fuzz/corpus/$stage" \
@@ -29,7 +29,7 @@ fi
 
 make -s BUILD="$build" "$build/replay"
 passed=0 failed=0
-for s in $stages; do
+for s in $targets; do
     set -- fuzz/corpus/"$s"/*
     [ -e "$1" ] || {
         echo "FAILED fuzz/corpus/$s holds nothing"

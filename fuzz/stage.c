@@ -1,32 +1,44 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One source, one fuzz target a row of spec/stages.def: the fuzzer's bytes
- * are the choices of the stage's generator. */
+ * are the choices of the stage's generator. `api` is whole steps. */
 #include "fuzz/stage.h"
 
 #include "tests/case.h"
 
 extern const struct stage stages_table_32[], stages_table_64[];
+const char *scene_random_32(struct bytes *b);
+const char *scene_random_64(struct bytes *b);
 
-static const char *run(const struct stage *s, const char *name,
-                       const uint8_t *data, size_t size)
+struct target {
+    const struct stage *stages;
+    const char *(*scene)(struct bytes *b); /* whole steps: the name `api` */
+};
+
+static const char *run(const struct target *t, const char *name,
+                       struct bytes *b)
 {
-    enum { WORDS = 1 << 14 };
-    static uint32_t words[WORDS];
-    size_t n = size / sizeof *words < WORDS ? size / sizeof *words : WORDS;
-    if (n)
-        memcpy(words, data, n * sizeof *words);
+    if (!strcmp(name, "api"))
+        return t->scene(b);
+    const struct stage *s = t->stages;
     while (s->name && strcmp(s->name, name))
         s++;
-    if (!s->name)
-        return "no such stage";
-    struct bytes b = {.data = words, .n_data = n, .size = -1};
-    const char *failed = case_run(s, &b, FAULT_NONE).failed;
-    choices_free(&b);
-    return failed;
+    return s->name ? case_run(s, b, FAULT_NONE).failed : "no such stage";
 }
 
 const char *fuzz_stage(const char *name, const uint8_t *data, size_t size)
 {
-    const char *failed = run(stages_table_32, name, data, size);
-    return failed ? failed : run(stages_table_64, name, data, size);
+    enum { WORDS = 1 << 14 };
+    static uint32_t words[WORDS];
+    static const struct target target[2] = {{stages_table_32, scene_random_32},
+                                            {stages_table_64, scene_random_64}};
+    size_t n = size / sizeof *words < WORDS ? size / sizeof *words : WORDS;
+    const char *failed = NULL;
+    if (n)
+        memcpy(words, data, n * sizeof *words);
+    for (int k = 0; k < 2 && !failed; k++) {
+        struct bytes b = {.data = words, .n_data = n, .size = -1};
+        failed = run(&target[k], name, &b);
+        choices_free(&b);
+    }
+    return failed;
 }

@@ -6,7 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Runs the stage in both precisions on these choices; NULL or what fails. */
+/* Runs the stage, or a small scene if the name is `api`, in both precisions
+ * on these choices; NULL or what fails. */
 const char *fuzz_stage(const char *name, const uint8_t *data, size_t size);
 
 #endif

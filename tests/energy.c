@@ -26,20 +26,24 @@ void gen_energy(struct bytes *b, struct energy *s)
     s->n_chunks = sum_chunks(g.count);
 }
 
-/* A sum in binary64 and a bound on the stage's error. */
+/* A sum in binary64, what its additions rounded off (Knuth's two-sum; else
+ * the plain sum of many equal terms is worse than the stage's tree), and a
+ * bound on the stage's error. */
 struct total {
-    double sum, error;
+    double sum, low, error;
 };
 
 static void add(struct total *t, double term, double size)
 {
-    t->sum += term;
+    double sum = t->sum + term, back = sum - t->sum;
+    t->low += (t->sum - (sum - back)) + (term - back);
+    t->sum = sum;
     t->error += 40 * REAL_U * size + 1e-35;
 }
 
 static bool agrees(real have, struct total t)
 {
-    return fabs((double)have - t.sum) <= t.error;
+    return fabs((double)have - t.sum - t.low) <= t.error;
 }
 
 static void add_spring(const struct energy *s, const struct law *a, int64_t p,
@@ -58,7 +62,7 @@ static void add_spring(const struct energy *s, const struct law *a, int64_t p,
 
 const char *prop_energy(const struct energy *s)
 {
-    struct total t[3] = {{0, 0}};
+    struct total t[3] = {{0, 0, 0}};
     for (int64_t p = 0; p < s->count; p++) {
         const real *x = &s->x[p].x, *v = &s->v[p].x, *g = &s->gravity.x;
         double m = (double)s->mass[p];
