@@ -76,19 +76,21 @@ static uint64_t run(drape_world *world, int n)
  * step to use its threads. */
 const char *test_world_threads(void)
 {
-    for (int integrator = 0; integrator <= DRAPE_CK; integrator++) {
+    static const int some[] = {DRAPE_EULER, DRAPE_BW, DRAPE_CK};
+    for (int k = 0; k < 3; k++) {
+        int integrator = some[k];
         uint64_t want = 0;
-        for (int threads = 1; threads <= 3; threads++) {
+        for (int threads = 1; threads <= 3; threads += 2) {
             struct demo d;
             make_demo(&d, integrator);
-            d.cloth.m = d.cloth.n = 72;
+            d.cloth.m = d.cloth.n = 65;
             d.def.threads = threads;
             if (integrator < DRAPE_BW)
-                d.def.dt = 2e-4; /* a few substeps, else it takes long */
+                d.def.dt = 1e-4; /* a few substeps, else it takes long */
             d.cloth.origin[1] = 0.1041;
             drape_world *world = make(&d);
             EXPECT(world);
-            uint64_t hash = run(world, 3);
+            uint64_t hash = run(world, 2);
             drape_destroy(world);
             EXPECT(hash);
             EXPECT(threads == 1 || hash == want);
@@ -170,7 +172,7 @@ const char *test_world_resume(void)
 /* Small random scenes end every step without an intersection. */
 const char *test_world_random(void)
 {
-    for (uint64_t seed = 1; seed <= 60; seed++) {
+    for (uint64_t seed = 1; seed <= 24; seed++) {
         struct bytes b = {.seed = seed, .size = -1};
         const char *failed = scene_random(&b);
         choices_free(&b);
