@@ -138,6 +138,12 @@ flavours:
 	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/clang-O2 CC=clang OPT=-O2 \
 	  $(BUILD)/clang-O2/check
 
+prove: ## Gappa bounds every constant of the filters anew
+	sh ci/prove.sh
+
+soak: $(BUILD)/check ## the tests' long forms: whole frames, 2M triangles
+	DRAPE_SOAK=1 $(BUILD)/check --tests
+
 fuzz: ## T=stage S=seconds: libFuzzer on one stage
 	sh ci/fuzz.sh $(BUILD) $(T) $(S)
 
