@@ -8,6 +8,7 @@
 #include "ref/advance.h"
 #include "ref/clock.h"
 #include "ref/implicit.h"
+#include "ref/lead.h"
 #include "ref/threads.h"
 
 enum { REST_STEPS = 30, SMALL_SCENE = 4096 };
@@ -23,68 +24,6 @@ static void charge(drape_step_report *r, enum drape_part part, double *last,
     double t = clock_now();
     r->seconds[part] += t - *last - within;
     *last = t;
-}
-
-/* ---- §2 What is led: obstacles and pins ---- */
-
-/* The frames about t, and how far between them. */
-static void find_frame(struct prop *p, double t)
-{
-    struct kinematics *k = &p->place;
-    double at = t / p->frame_dt;
-    int last = p->frames - 1, f = 0;
-    k->blend = 0;
-    if (at >= last)
-        f = last;
-    else if (at > 0) {
-        f = (int)at;
-        k->blend = at - f;
-    }
-    k->rest = p->frame + 3 * k->n * f;
-    k->next = k->blend > 0 ? k->rest + 3 * k->n : NULL;
-}
-
-int step_lead(struct world *w, double t, vec *x)
-{
-    int status = DRAPE_OK;
-    for (int k = 0; k < w->def.n_motions; k++)
-        w->pose[k] = kinematics_pose(&w->def.motions[k], t);
-    for (int k = 0; k < w->def.n_obstacles && status == DRAPE_OK; k++) {
-        struct prop *p = &w->prop[k];
-        if (!p->moves && t > 0)
-            continue;
-        if (p->frames)
-            find_frame(p, t);
-        p->place.x = x + p->first;
-        status = ref_kinematics(&p->place);
-    }
-    for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
-        struct sheet *s = &w->sheet[k];
-        if (s->pins.n)
-            status = ref_kinematics(&s->pins);
-        for (int64_t i = 0; i < s->pins.n; i++)
-            w->to[s->first + s->pinned[i]] = s->pins.x[i];
-    }
-    return status;
-}
-
-/* Whether anything led is elsewhere at the end of the step. */
-static bool led_moves(const struct world *w)
-{
-    if (!w->plan.led)
-        return false;
-    for (int64_t i = w->nc; i < w->nv; i++)
-        if (memcmp(&w->x0[i], &w->x1[i], sizeof *w->x0) != 0)
-            return true;
-    for (int k = 0; k < w->def.n_cloths; k++) {
-        const struct sheet *s = &w->sheet[k];
-        for (int64_t i = 0; i < s->pins.n; i++) {
-            const vec *x = w->x0 + s->first + s->pinned[i];
-            if (memcmp(x, &s->pins.x[i], sizeof *x) != 0)
-                return true;
-        }
-    }
-    return false;
 }
 
 /* ---- §3 Motion without contact ---- */
@@ -116,17 +55,6 @@ static int move_sheet(struct world *w, int k, drape_step_report *r)
     return DRAPE_OK;
 }
 
-/* What is led moves at its mean velocity. */
-static void finish_led(struct world *w)
-{
-    real dt = (real)w->def.dt;
-    EACH_ITEM
-    for (int64_t i = w->nc; i < w->nv; i++) {
-        vec d = vec_sub(w->x1[i], w->x0[i]);
-        w->v1[i] = vec_make(d.x / dt, d.y / dt, d.z / dt);
-    }
-}
-
 static int move(struct world *w, drape_step_report *r)
 {
     int status = DRAPE_OK;
@@ -135,7 +63,7 @@ static int move(struct world *w, drape_step_report *r)
     if (status != DRAPE_OK)
         return status;
     if (w->plan.led)
-        finish_led(w);
+        lead_velocities(w);
     if (w->plan.history && w->plan.collides) {
         memcpy(w->free_x, w->x1, (size_t)w->nc * sizeof *w->x1);
         memcpy(w->free_v, w->v1, (size_t)w->nc * sizeof *w->v1);
@@ -316,12 +244,12 @@ static int pipeline(struct world *w, drape_step_report *r)
     double end = (double)(w->step + 1) * w->def.dt;
     w->trace.step = w->step;
     w->trace.last = last;
-    int status = step_lead(w, end, w->x1); /* 01 kinematics */
+    int status = lead(w, end, w->x1); /* 01 kinematics */
     trace_stage(w->tracing, "kinematics", w->x1 + w->nc,
                 (size_t)(w->nv - w->nc) * sizeof *w->x1);
     if (status != DRAPE_OK)
         return status;
-    if (w->asleep && !led_moves(w)) {
+    if (w->asleep && !lead_moves(w)) {
         r->outcome = DRAPE_ASLEEP;
         w->step++;
         w->time = end;

@@ -8,10 +8,6 @@
 /* As drape_step. Negative: nothing has changed. */
 int step_advance(struct world *w, drape_step_report *report);
 
-/* Puts obstacles and pins where they are at time t; x [nv] gets the obstacles,
- * the sheets' pins get theirs. DRAPE_OK or DRAPE_EDATA. */
-int step_lead(struct world *w, double t, vec *x);
-
 /* DRAPE_ELIMIT and a text where the scene cannot be stepped at all. */
 int step_check(struct world *w, drape_error *error);
 
