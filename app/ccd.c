@@ -215,7 +215,7 @@ static int answer_meshes(struct pool *pool, char **path)
     if (status != APP_OK)
         return status;
     if (at[0].nv != at[1].nv || at[0].nt != at[1].nt ||
-        memcmp(at[0].tri, at[1].tri, (size_t)at[0].nt * sizeof *at[0].tri))
+        memcmp(at[0].tri, at[1].tri, (size_t)at[0].nt * sizeof *at[0].tri) != 0)
         return complain(APP_USAGE, "%s: expected the triangles of %s", path[1],
                         path[0]);
     drape_mesh mesh = {.nv = at[0].nv,

@@ -91,8 +91,10 @@ static int by_position(const void *a, const void *b)
 static int weld(struct mesh *mesh)
 {
     size_t nv = (size_t)mesh->nv;
-    double(*key)[4] = malloc(nv * sizeof *key);
-    int32_t *leader = malloc(nv * sizeof *leader);
+    if (!nv || !mesh->x)
+        return APP_OK;
+    double(*key)[4] = calloc(nv, sizeof *key);
+    int32_t *leader = calloc(nv, sizeof *leader);
     if (!key || !leader) {
         free(key);
         free(leader);

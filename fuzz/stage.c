@@ -17,10 +17,10 @@ struct target {
 static const char *run(const struct target *t, const char *name,
                        struct bytes *b)
 {
-    if (!strcmp(name, "api"))
+    if (strcmp(name, "api") == 0)
         return t->scene(b);
     const struct stage *s = t->stages;
-    while (s->name && strcmp(s->name, name))
+    while (s->name && strcmp(s->name, name) != 0)
         s++;
     return s->name ? case_run(s, b, FAULT_NONE).failed : "no such stage";
 }

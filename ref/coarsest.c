@@ -63,7 +63,7 @@ void coarsest_solve(const struct coarsest *s, const vec *b, vec *z)
 {
     int n = 3 * (int)s->count;
     const double *a = s->dense, *inverse = s->dense + DENSE * DENSE;
-    double x[DENSE];
+    double x[DENSE] = {0};
     for (int64_t p = 0; p < s->count; p++) {
         x[3 * p] = (double)b[p].x;
         x[3 * p + 1] = (double)b[p].y;

@@ -39,7 +39,7 @@ static void give_audit(struct world *w, struct audit *s)
     arena_give(w->arena, s->count);
     arena_give(w->arena, s->degenerate);
     arena_give(w->arena, s->pair);
-    arena_give(w->arena, (void *)(uintptr_t)s->group);
+    arena_give(w->arena, (void *)s->group);
 }
 
 /* Where cloth does not see cloth, such pairs are left out. */

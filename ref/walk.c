@@ -41,13 +41,14 @@ static uint32_t look_leaves(const struct walk *s, real reach,
     const int32_t *of_a = t->order + t->first[e[0]];
     const int32_t *of_b = t->order + t->first[e[1]];
     struct box a[4], b[4];
+    int na = t->count[e[0]], nb = t->count[e[1]];
     uint32_t mask = 0;
-    for (int i = 0; i < t->count[e[0]]; i++)
+    for (int i = 0; i < na; i++)
         a[i] = box_face(s->x0, s->x1, t->tri[of_a[i]]);
-    for (int j = 0; j < t->count[e[1]]; j++)
+    for (int j = 0; j < nb; j++)
         b[j] = box_face(s->x0, s->x1, t->tri[of_b[j]]);
-    for (int i = 0; i < t->count[e[0]]; i++)
-        for (int j = e[0] == e[1] ? i + 1 : 0; j < t->count[e[1]]; j++)
+    for (int i = 0; i < na; i++)
+        for (int j = e[0] == e[1] ? i + 1 : 0; j < nb; j++)
             if (box_meets(&a[i], &b[j], reach))
                 mask |= 1u << (4 * i + j);
     return mask;

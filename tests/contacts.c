@@ -164,7 +164,7 @@ static int meet(struct bytes *b, struct contacts *s, const vec *x)
     struct surface surface = {10, R(0.25) * (real)pick(b, 4)};
     int32_t *pair = take(b, s->n4, sizeof *pair);
     uint8_t *kind = take(b, s->n, 1);
-    for (int64_t k = 0; k < s->n; k++) {
+    for (int64_t k = 0; k < s->n && s->nv > 0; k++) {
         kind[k] = (uint8_t)pick(b, 2);
         int32_t at = (int32_t)pick(b, (uint32_t)s->nv);
         for (int j = 0; j < 4; j++) /* four different ones */

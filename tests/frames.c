@@ -67,7 +67,8 @@ static void add_edges(struct scene *s)
         e[n][0] = a < b ? a : b;
         e[n++][1] = a < b ? b : a;
     }
-    qsort(e, (size_t)n, sizeof *e, by_ends);
+    if (n)
+        qsort(e, (size_t)n, sizeof *e, by_ends);
     for (int64_t k = 0; k < n; k++)
         if (k == 0 || by_ends(e[k], e[k - 1]))
             add_item(s, EDGE, 2, e[k]);
