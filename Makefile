@@ -159,8 +159,8 @@ format: ## clang-format everything in place
 	clang-format -i $(wildcard app/*.[ch] fuzz/*.[ch] gpu/* oracle/*.[ch]* \
 	  ref/*.[ch] spec/*.h tests/*.[ch])
 
-# The analyzer's search is cut at a tenth of its usual nodes: the same
-# findings here in a fifth of the time.
+# The analyzer's search is cut at 20000 nodes (225000 usually) for the time
+# it takes: paths that only a longer search finds are not looked at.
 TIDY := -std=c17 -I. -Ispec -D_POSIX_C_SOURCE=200809L -DTARGET=NULL \
         -Xclang -analyzer-config -Xclang max-nodes=20000
 tidy: ## clang-tidy over our C
