@@ -62,6 +62,7 @@ one 'format' sh -c 'clang-format --dry-run -Werror app/*.[ch] fuzz/*.[ch] \
     oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch]'
 one 'tidy' make BUILD="$build" tidy
 [ ! -x "$build/drape" ] || count 'tool' sh tests/app.sh "$build/drape"
+[ ! -x "$build/drape" ] || count 'buddha, 120 steps' sh ci/scenes.sh "$build"
 count 'fuzz corpus' sh ci/fuzz.sh "$build"
 [ ! -f ci/prove.sh ] || count 'proofs' sh ci/prove.sh
 [ -f ci/certificate.json ] || echo 'NOT CERTIFIED: no GPU has been compared'
