@@ -8,14 +8,14 @@ enum { SIDE = 14, PINS = 3, KEYS = 2 };
 
 /* Everything that a random definition points to. */
 struct scene {
-  drape_def def;
-  drape_cloth cloth[2];
-  drape_obstacle obstacle[2];
-  drape_motion motion;
-  double time[KEYS], position[KEYS][3], rotation[KEYS][4];
-  drape_pin pin[PINS];
-  uint8_t hole[SIDE * SIDE], cut[SIDE * SIDE];
-  double box_x[8][3], ground_x[4][3];
+    drape_def def;
+    drape_cloth cloth[2];
+    drape_obstacle obstacle[2];
+    drape_motion motion;
+    double time[KEYS], position[KEYS][3], rotation[KEYS][4];
+    drape_pin pin[PINS];
+    uint8_t hole[SIDE * SIDE], cut[SIDE * SIDE];
+    double box_x[8][3], ground_x[4][3];
 };
 
 static const int32_t ground_tri[2][3] = {{0, 2, 1}, {1, 2, 3}};
@@ -23,154 +23,160 @@ static const int32_t box_tri[12][3] = {
     {0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
 
-static void pick_cloth(struct bytes *b, struct scene *s, int k) {
-  drape_cloth *c = &s->cloth[k];
-  drape_default_cloth(c);
-  c->m = 2 + (int)pick(b, SIDE - 2);
-  c->n = 2 + (int)pick(b, SIDE - 2);
-  c->width = c->m * 0.02;
-  c->height = c->n * 0.02;
-  c->material.thickness = 0.002;
-  c->material.bend = pick(b, 2) ? 1e-4 : 0;
-  c->material.friction = 0.25 * pick(b, 5);
-  c->origin[1] = 0.12 + 0.05 * k;
-  c->origin[0] = -0.5 * c->width;
-  c->origin[2] = -0.5 * c->height;
-  static double velocity[SIDE * SIDE][3];
-  for (int p = 0; p < c->m * c->n; p++)
+static void pick_cloth(struct bytes *b, struct scene *s, int k)
+{
+    drape_cloth *c = &s->cloth[k];
+    drape_default_cloth(c);
+    c->m = 2 + (int)pick(b, SIDE - 2);
+    c->n = 2 + (int)pick(b, SIDE - 2);
+    c->width = c->m * 0.02;
+    c->height = c->n * 0.02;
+    c->material.thickness = 0.002;
+    c->material.bend = pick(b, 2) ? 1e-4 : 0;
+    c->material.friction = 0.25 * pick(b, 5);
+    c->origin[1] = 0.12 + 0.05 * k;
+    c->origin[0] = -0.5 * c->width;
+    c->origin[2] = -0.5 * c->height;
+    static double velocity[SIDE * SIDE][3];
+    for (int p = 0; p < c->m * c->n; p++)
+        for (int i = 0; i < 3; i++)
+            velocity[p][i] = (double)pick_uniform(b, -3, 3);
+    if (pick(b, 2))
+        c->velocity = (const double(*)[3])velocity;
+    if (k == 0 && !pick(b, 3)) {
+        for (int p = 0; p < SIDE * SIDE; p++)
+            s->hole[p] = !pick(b, 12), s->cut[p] = !pick(b, 12);
+        c->hole = s->hole;
+        c->cut = s->cut;
+    }
+    if (k == 0 && !pick(b, 3)) {
+        c->n_pins = 1 + (int)pick(b, PINS);
+        c->pins = s->pin;
+        for (int p = 0; p < c->n_pins; p++)
+            s->pin[p] =
+                (drape_pin){(int)pick(b, (uint32_t)c->m),
+                            (int)pick(b, (uint32_t)c->n), (int)pick(b, 2) - 1};
+    }
+}
+
+static void pick_obstacles(struct bytes *b, struct scene *s)
+{
+    for (int k = 0; k < 4; k++) {
+        s->ground_x[k][0] = k & 1 ? 2 : -2;
+        s->ground_x[k][2] = k & 2 ? 2 : -2;
+    }
+    double side = 0.02 + 0.02 * pick(b, 4);
+    for (int k = 0; k < 8; k++) {
+        s->box_x[k][0] = (k & 1 ? 0.5 : -0.5) * side;
+        s->box_x[k][1] = 0.005 + (k & 4 ? side : 0);
+        s->box_x[k][2] = (k & 2 ? 0.5 : -0.5) * side;
+    }
+    for (int k = 0; k < 2; k++)
+        drape_default_obstacle(&s->obstacle[k]);
+    s->obstacle[0].n_vertices = 4;
+    s->obstacle[0].n_triangles = 2;
+    s->obstacle[0].x = (const double(*)[3])s->ground_x;
+    s->obstacle[0].tri = ground_tri;
+    s->obstacle[1].n_vertices = 8;
+    s->obstacle[1].n_triangles = 12;
+    s->obstacle[1].x = (const double(*)[3])s->box_x;
+    s->obstacle[1].tri = box_tri;
+    s->obstacle[1].motion = pick(b, 2) ? 0 : -1;
+}
+
+static void pick_scene(struct bytes *b, struct scene *s)
+{
+    memset(s, 0, sizeof *s);
+    drape_default(&s->def);
+    s->time[1] = 0.1;
     for (int i = 0; i < 3; i++)
-      velocity[p][i] = (double)pick_uniform(b, -3, 3);
-  if (pick(b, 2))
-    c->velocity = (const double(*)[3])velocity;
-  if (k == 0 && !pick(b, 3)) {
-    for (int p = 0; p < SIDE * SIDE; p++)
-      s->hole[p] = !pick(b, 12), s->cut[p] = !pick(b, 12);
-    c->hole = s->hole;
-    c->cut = s->cut;
-  }
-  if (k == 0 && !pick(b, 3)) {
-    c->n_pins = 1 + (int)pick(b, PINS);
-    c->pins = s->pin;
-    for (int p = 0; p < c->n_pins; p++)
-      s->pin[p] =
-          (drape_pin){(int)pick(b, (uint32_t)c->m),
-                      (int)pick(b, (uint32_t)c->n), (int)pick(b, 2) - 1};
-  }
+        s->position[1][i] = 0.03 * ((int)pick(b, 5) - 2);
+    s->rotation[0][0] = s->rotation[1][pick(b, 4)] = 1;
+    s->motion = (drape_motion){KEYS,
+                               s->time,
+                               (const double(*)[3])s->position,
+                               (const double(*)[4])s->rotation,
+                               {0, 0, 0}};
+    s->def.motions = &s->motion;
+    s->def.n_motions = 1;
+    s->def.cloths = s->cloth;
+    s->def.n_cloths = 1 + (int)pick(b, 2);
+    for (int k = 0; k < s->def.n_cloths; k++)
+        pick_cloth(b, s, k);
+    pick_obstacles(b, s);
+    s->def.obstacles = s->obstacle;
+    s->def.n_obstacles = (int)pick(b, 3);
+    s->def.precision = REAL_BITS;
+    s->def.threads = 1 + (int)pick(b, 2);
+    s->def.integrator = (int)pick(b, DRAPE_CK + 1);
+    s->def.precond = (int)pick(b, 2);
+    s->def.matrix = (int)pick(b, 2);
+    s->def.max_rounds = (int)pick(b, 9);
+    s->def.wind.density = pick(b, 2) ? 1.2 : 0;
+    s->def.wind.velocity[0] = 4;
+    s->def.gravity[1] = pick(b, 4) ? -9.81 : -200;
 }
 
-static void pick_obstacles(struct bytes *b, struct scene *s) {
-  for (int k = 0; k < 4; k++) {
-    s->ground_x[k][0] = k & 1 ? 2 : -2;
-    s->ground_x[k][2] = k & 2 ? 2 : -2;
-  }
-  double side = 0.02 + 0.02 * pick(b, 4);
-  for (int k = 0; k < 8; k++) {
-    s->box_x[k][0] = (k & 1 ? 0.5 : -0.5) * side;
-    s->box_x[k][1] = 0.005 + (k & 4 ? side : 0);
-    s->box_x[k][2] = (k & 2 ? 0.5 : -0.5) * side;
-  }
-  for (int k = 0; k < 2; k++)
-    drape_default_obstacle(&s->obstacle[k]);
-  s->obstacle[0].n_vertices = 4;
-  s->obstacle[0].n_triangles = 2;
-  s->obstacle[0].x = (const double(*)[3])s->ground_x;
-  s->obstacle[0].tri = ground_tri;
-  s->obstacle[1].n_vertices = 8;
-  s->obstacle[1].n_triangles = 12;
-  s->obstacle[1].x = (const double(*)[3])s->box_x;
-  s->obstacle[1].tri = box_tri;
-  s->obstacle[1].motion = pick(b, 2) ? 0 : -1;
+int64_t scene_audit(const drape_world *world, int n_cloths)
+{
+    int64_t nv = drape_vertices(world), nt = drape_triangles(world);
+    double(*x)[3] = malloc((size_t)nv * sizeof *x);
+    double(*v)[3] = malloc((size_t)nv * sizeof *v);
+    int32_t(*tri)[3] = malloc((size_t)nt * sizeof *tri);
+    int32_t *group = malloc((size_t)nt * sizeof *group);
+    int64_t found = -1;
+    if (x && v && tri && group) {
+        drape_read(world, x, v);
+        drape_read_triangles(world, tri);
+        for (int64_t k = 0; k < nt; k++)
+            group[k] = k < drape_first_triangle(world, n_cloths);
+        drape_mesh mesh = {nv, nt, (const double(*)[3])x,
+                           (const int32_t(*)[3])tri, group};
+        if (drape_audit(&mesh, 0, NULL, &found, NULL) != DRAPE_OK)
+            found = -1;
+    }
+    free(x);
+    free(v);
+    free(tri);
+    free(group);
+    return found;
 }
 
-static void pick_scene(struct bytes *b, struct scene *s) {
-  memset(s, 0, sizeof *s);
-  drape_default(&s->def);
-  s->time[1] = 0.1;
-  for (int i = 0; i < 3; i++)
-    s->position[1][i] = 0.03 * ((int)pick(b, 5) - 2);
-  s->rotation[0][0] = s->rotation[1][pick(b, 4)] = 1;
-  s->motion = (drape_motion){KEYS,
-                             s->time,
-                             (const double(*)[3])s->position,
-                             (const double(*)[4])s->rotation,
-                             {0, 0, 0}};
-  s->def.motions = &s->motion;
-  s->def.n_motions = 1;
-  s->def.cloths = s->cloth;
-  s->def.n_cloths = 1 + (int)pick(b, 2);
-  for (int k = 0; k < s->def.n_cloths; k++)
-    pick_cloth(b, s, k);
-  pick_obstacles(b, s);
-  s->def.obstacles = s->obstacle;
-  s->def.n_obstacles = (int)pick(b, 3);
-  s->def.precision = REAL_BITS;
-  s->def.threads = 1 + (int)pick(b, 2);
-  s->def.integrator = (int)pick(b, DRAPE_CK + 1);
-  s->def.precond = (int)pick(b, 2);
-  s->def.matrix = (int)pick(b, 2);
-  s->def.max_rounds = (int)pick(b, 9);
-  s->def.wind.density = pick(b, 2) ? 1.2 : 0;
-  s->def.wind.velocity[0] = 4;
-  s->def.gravity[1] = pick(b, 4) ? -9.81 : -200;
+uint64_t scene_hash(const drape_world *world)
+{
+    size_t nv = (size_t)drape_vertices(world);
+    double *x = malloc(6 * nv * sizeof *x);
+    if (!x)
+        abort();
+    drape_read(world, (double(*)[3])(void *)x,
+               (double(*)[3])(void *)(x + 3 * nv));
+    uint64_t hash = hash_bytes(HASH_START, x, 6 * nv * sizeof *x);
+    free(x);
+    return hash;
 }
 
-int64_t scene_audit(const drape_world *world, int n_cloths) {
-  int64_t nv = drape_vertices(world), nt = drape_triangles(world);
-  double(*x)[3] = malloc((size_t)nv * sizeof *x);
-  double(*v)[3] = malloc((size_t)nv * sizeof *v);
-  int32_t(*tri)[3] = malloc((size_t)nt * sizeof *tri);
-  int32_t *group = malloc((size_t)nt * sizeof *group);
-  int64_t found = -1;
-  if (x && v && tri && group) {
-    drape_read(world, x, v);
-    drape_read_triangles(world, tri);
-    for (int64_t k = 0; k < nt; k++)
-      group[k] = k < drape_first_triangle(world, n_cloths);
-    drape_mesh mesh = {nv, nt, (const double(*)[3])x, (const int32_t(*)[3])tri,
-                       group};
-    if (drape_audit(&mesh, 0, NULL, &found, NULL) != DRAPE_OK)
-      found = -1;
-  }
-  free(x);
-  free(v);
-  free(tri);
-  free(group);
-  return found;
-}
-
-uint64_t scene_hash(const drape_world *world) {
-  size_t nv = (size_t)drape_vertices(world);
-  double *x = malloc(6 * nv * sizeof *x);
-  if (!x)
-    abort();
-  drape_read(world, (double(*)[3])(void *)x,
-             (double(*)[3])(void *)(x + 3 * nv));
-  uint64_t hash = hash_bytes(HASH_START, x, 6 * nv * sizeof *x);
-  free(x);
-  return hash;
-}
-
-const char *scene_random(struct bytes *b) {
-  static struct scene s;
-  drape_world *world;
-  drape_error error;
-  pick_scene(b, &s);
-  int status = drape_create(&s.def, &world, &error);
-  if (status != DRAPE_OK) { /* a refusal says why */
-    EXPECT(error.text[0] && !world);
-    return NULL;
-  }
-  const char *failed = NULL;
-  for (int k = 0; k < 6 && !failed; k++) {
-    drape_step_report report;
-    status = drape_step(world, &report);
-    if (status != DRAPE_OK)
-      failed = "a step failed";
-    else if (report.outcome & DRAPE_TRAPPED)
-      break;
-    else if (scene_audit(world, s.def.n_cloths) != 0)
-      failed = "a step that says it is clean intersects";
-  }
-  drape_destroy(world);
-  return failed;
+const char *scene_random(struct bytes *b)
+{
+    static struct scene s;
+    drape_world *world;
+    drape_error error;
+    pick_scene(b, &s);
+    int status = drape_create(&s.def, &world, &error);
+    if (status != DRAPE_OK) { /* a refusal says why */
+        EXPECT(error.text[0] && !world);
+        return NULL;
+    }
+    const char *failed = NULL;
+    for (int k = 0; k < 6 && !failed; k++) {
+        drape_step_report report;
+        status = drape_step(world, &report);
+        if (status != DRAPE_OK)
+            failed = "a step failed";
+        else if (report.outcome & DRAPE_TRAPPED)
+            break;
+        else if (scene_audit(world, s.def.n_cloths) != 0)
+            failed = "a step that says it is clean intersects";
+    }
+    drape_destroy(world);
+    return failed;
 }
