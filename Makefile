@@ -124,13 +124,13 @@ oracle-libs: # what links with parts.a, for ci/fuzz.sh
 golden: $(BUILD)/check ## records the hashes of all stages anew
 	$(BUILD)/check --golden-write tests/golden/stages.txt
 
-asan: ## every stage and test under address and undefined sanitizers
+asan: ## every stage under address and undefined sanitizers
 	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/asan OPT='-O1 -g' OPENMP=-fopenmp \
 	  SAN='-fsanitize=address,undefined -fno-sanitize-recover=all' \
 	  $(BUILD)/asan/check
 	$(BUILD)/asan/check --cases 1 --stages --self-test
 
-# gcc and clang, -O0 to -O3: the same golden hashes, for 1 and 3 threads.
+# gcc and clang, -O0 to -O3: ci/check.sh compares their golden hashes.
 flavours:
 	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/gcc-O0 OPT=-O0 $(BUILD)/gcc-O0/check
 	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/gcc-O3 OPT='-O3 -march=native' \
