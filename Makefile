@@ -19,6 +19,19 @@ COMMON  = $(OPT) $(WARN) $(MODEL) $(OPENMP) $(SAN) -I. -Ispec -MMD -MP -fPIC
 C17     = $(CC) -std=c17 -D_POSIX_C_SOURCE=200809L $(COMMON)
 CXX17   = $(CXX) -std=c++17 -O1 -I. -Ispec $(EIGEN) -MMD -MP -fPIC
 
+# The same for kernels, by nvcc and, emulated, by the host's compiler.
+ARCHES ?= 90
+CUDA    = nvcc -std=c++20 -O2 -lineinfo --fmad=false -prec-div=true \
+          -prec-sqrt=true -ftz=false $(foreach a,$(ARCHES),-gencode \
+          arch=compute_$(a),code=sm_$(a)) -gencode \
+          arch=compute_$(lastword $(ARCHES)),code=compute_$(lastword $(ARCHES)) \
+          -Xcompiler -Wall,-Wextra,-Werror,-fPIC,-ffp-contract=off -I. -Ispec \
+          -MMD -MP
+CUDA_L := -lcudart_static -lstdc++ \
+          -lpthread -ldl -lrt -lm
+EMU     = $(CXX) -x c++ -std=c++20 $(OPT) -Wall -Wextra -Werror $(MODEL) \
+          $(SAN) -I. -Ispec -MMD -MP -fPIC
+
 # FCL's headers want Eigen's.
 EIGEN   := -isystem /usr/include/eigen3
 
@@ -35,8 +48,12 @@ NVCC       := $(shell command -v nvcc)
 
 API    := ref/arena.c ref/define.c ref/drape.c ref/frames.c ref/query.c
 REF    := $(sort $(filter-out $(API),$(wildcard ref/*.c)))
-ONCE   := tests/check.c tests/case.c tests/choices.c tests/tally.c
+ONCE   := tests/check.c tests/case.c tests/choices.c tests/device.c \
+          tests/tally.c
 TWICE  := $(sort $(filter-out $(ONCE),$(wildcard tests/*.c)))
+# Kernels; device.cu and prim.cu are CUDA's own, which gpu/emulate.cpp replaces.
+DEVICE := gpu/device.cu gpu/prim.cu
+GPU    := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
 APP_LIBS    := -lassimp -lcjson -lembree3 -lpng -lgmp -lm
@@ -48,6 +65,13 @@ REF_O  := $(call obj,$(REF),.32) $(call obj,$(REF),.64) \
 TEST_O := $(call obj,$(TWICE),.32) $(call obj,$(TWICE),.64) \
           $(call obj,$(ONCE),)
 APP_O  := $(call obj,$(APP),)
+# gpu/ twice: as CUDA, and emulated on the host for build/check.
+EMU_O  := $(call obj,$(GPU),.32) $(call obj,$(GPU),.64) \
+          $(call obj,gpu/missing,.32) $(call obj,gpu/missing,.64) \
+          $(BUILD)/gpu/emulate.o
+CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(GPU),.32) \
+          $(call obj,$(GPU),.64) $(call obj,$(DEVICE),)) \
+          $(call obj,gpu/missing,.32) $(call obj,gpu/missing,.64)
 # Without their libraries one file stands in for all oracles but brute force.
 # CGAL's take a minute to compile, so the flavours share ROOT's.
 ROOT   ?= $(BUILD)
@@ -77,6 +101,24 @@ $(BUILD)/%.64.o: %.c
 $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
 	$(C17) -c $< -o $@
+$(BUILD)/gpu/%.32.o: gpu/%.cu
+	@mkdir -p $(@D)
+	$(EMU) -DREAL_BITS=32 -c $< -o $@
+$(BUILD)/gpu/%.64.o: gpu/%.cu
+	@mkdir -p $(@D)
+	$(EMU) -DREAL_BITS=64 -c $< -o $@
+$(BUILD)/gpu/emulate.o: gpu/emulate.cpp
+	@mkdir -p $(@D)
+	$(EMU) -c $< -o $@
+$(BUILD)/cuda/gpu/%.32.o: gpu/%.cu
+	@mkdir -p $(@D)
+	$(CUDA) -DREAL_BITS=32 -c $< -o $@
+$(BUILD)/cuda/gpu/%.64.o: gpu/%.cu
+	@mkdir -p $(@D)
+	$(CUDA) -DREAL_BITS=64 -c $< -o $@
+$(BUILD)/cuda/gpu/%.o: gpu/%.cu
+	@mkdir -p $(@D)
+	$(CUDA) -c $< -o $@
 $(ROOT)/oracle/%.o: oracle/%.c
 	@mkdir -p $(@D)
 	$(CC) -std=c17 -O1 $(WARN) -I. -MMD -MP -fPIC -c $< -o $@
@@ -87,19 +129,21 @@ $(ROOT)/oracle/%.o: oracle/%.cpp
 $(LIB): $(REF_O)
 	@rm -f $@
 	$(AR) rcs $@ $^
-$(BUILD)/check: $(TEST_O) $(ORC_O) $(LIB)
-	$(C17) $(TEST_O) $(ORC_O) $(LIB) -o $@ $(ORC_L) -lm
+$(BUILD)/check: $(TEST_O) $(EMU_O) $(ORC_O) $(LIB)
+	$(C17) $(TEST_O) $(EMU_O) $(ORC_O) $(LIB) -o $@ $(ORC_L) -lstdc++ -lm
+$(BUILD)/check-cuda: $(TEST_O) $(CUDA_O) $(ORC_O) $(LIB)
+	$(C17) $(TEST_O) $(CUDA_O) $(ORC_O) $(LIB) -o $@ $(ORC_L) $(CUDA_L)
 $(BUILD)/drape: $(APP_O) $(LIB)
 	$(C17) $(APP_O) $(LIB) -o $@ $(APP_LIBS)
 
 # For fuzzing: everything but check's main, both precisions.
-PARTS := $(filter-out $(BUILD)/tests/check.o,$(TEST_O)) $(REF_O) $(ORC_O) \
-         $(BUILD)/fuzz/stage.o
+PARTS := $(filter-out $(BUILD)/tests/check.o,$(TEST_O)) $(REF_O) $(EMU_O) \
+         $(ORC_O) $(BUILD)/fuzz/stage.o
 $(BUILD)/parts.a: $(PARTS)
 	@rm -f $@
 	$(AR) rcs $@ $^
 $(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
-	$(C17) $^ -o $@ $(ORC_L) -lm
+	$(C17) $^ -o $@ $(ORC_L) -lstdc++ -lm
 
 # ---- what people call ----
 
@@ -119,7 +163,7 @@ oracles: $(BUILD)/table ## the tables of oracle/README.md, from QUERIES=DIR
 	$(BUILD)/table $(QUERIES)/*.csv
 
 oracle-libs: # what links with parts.a, for ci/fuzz.sh
-	@echo $(ORC_L)
+	@echo $(ORC_L) -lstdc++
 
 golden: $(BUILD)/check ## records the hashes of all stages anew
 	$(BUILD)/check --golden-write tests/golden/stages.txt
@@ -170,4 +214,5 @@ tidy: ## clang-tidy over our C
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
 
--include $(REF_O:.o=.d) $(TEST_O:.o=.d) $(APP_O:.o=.d) $(ORC_O:.o=.d)
+-include $(patsubst %.o,%.d,$(REF_O) $(TEST_O) $(APP_O) $(ORC_O) $(EMU_O) \
+  $(CUDA_O))

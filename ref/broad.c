@@ -38,7 +38,7 @@ static int grow_scratch(struct broad *b, int64_t need)
 static bool compared(const struct tree_mesh *k, const struct tree_mesh *l,
                      bool self)
 {
-    bool cloth = k->class == TREE_CLOTH, other = l->class == TREE_CLOTH;
+    bool cloth = k->kind == TREE_CLOTH, other = l->kind == TREE_CLOTH;
     if (!k->tris || !l->tris)
         return false;
     if (cloth && other)

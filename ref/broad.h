@@ -80,7 +80,7 @@ static inline const int32_t (*broad_pairs(const struct broad *b))[4]
 
 static inline const uint8_t *broad_kinds(const struct broad *b)
 {
-    return b->kind.data;
+    return (const uint8_t *)b->kind.data;
 }
 
 #endif

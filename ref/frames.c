@@ -48,7 +48,7 @@ static int find_candidates(struct frames *f)
     const drape_mesh *m = f->mesh;
     const vec *x0 = (const vec *)(const void *)m->x;
     struct tree_mesh whole = {
-        .class = TREE_MOVING, .tris = (int32_t)m->nt, .self = true};
+        .kind = TREE_MOVING, .tris = (int32_t)m->nt, .self = true};
     struct tree_scene scene = {.meshes = 1,
                                .vertices = (int32_t)m->nv,
                                .tris = (int32_t)m->nt,

@@ -12,7 +12,7 @@
 
 static inline uint64_t hash_mix(uint64_t hash, const void *data, size_t bytes)
 {
-    const uint8_t *p = data;
+    const uint8_t *p = (const uint8_t *)data;
     for (; bytes >= 8; bytes -= 8, p += 8) {
         uint64_t word;
         memcpy(&word, p, 8);

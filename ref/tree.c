@@ -4,7 +4,7 @@
 
 static int mesh_levels(const struct tree_mesh *g)
 {
-    if (g->class == TREE_CLOTH)
+    if (g->kind == TREE_CLOTH)
         return tree_grid_levels(g);
     int l = 1;
     for (int64_t nodes = (g->tris + 3) / 4; nodes > 1; nodes = (nodes + 3) / 4)
@@ -19,7 +19,7 @@ static int measure(struct tree_plan *p)
     int32_t at_tri = 0;
     for (int32_t k = 0; k < s->meshes; k++) {
         const struct tree_mesh *g = &s->mesh[k];
-        bool grid = g->class == TREE_CLOTH;
+        bool grid = g->kind == TREE_CLOTH;
         if (g->first_tri != at_tri || g->tris < 0 || (grid && p->grids != k) ||
             (grid && (g->m < 2 || g->n < 2 || g->m > 32768 || g->n > 32768)))
             return DRAPE_EARG;
@@ -173,7 +173,7 @@ static void number_nodes(struct tree_plan *p, struct tree_run *run)
         for (int64_t l = 0; l < levels; l++) {
             p->range[c * levels + l] = next;
             for (int32_t k = 0; k < p->scene->meshes; k++) {
-                if (p->scene->mesh[k].class != c)
+                if (p->scene->mesh[k].kind != c)
                     continue;
                 run[k].first[l] = next;
                 next += run[k].nodes[l];
@@ -191,7 +191,7 @@ static int fill(struct tree_plan *p, struct item *item, struct tree_run *run)
     p->n_at = 0;
     for (int32_t k = 0; k < s->meshes; k++) {
         const struct tree_mesh *g = &s->mesh[k];
-        if (g->class == TREE_CLOTH) {
+        if (g->kind == TREE_CLOTH) {
             if (tree_grid_mark(p, k, &run[k]) != DRAPE_OK)
                 return DRAPE_EARG;
             continue;
@@ -205,7 +205,7 @@ static int fill(struct tree_plan *p, struct item *item, struct tree_run *run)
     for (int32_t k = 0; k < s->meshes; k++) {
         const struct tree_mesh *g = &s->mesh[k];
         int low = 100 + size_of(s, g) - mesh_levels(g);
-        if (g->class == TREE_CLOTH)
+        if (g->kind == TREE_CLOTH)
             tree_grid_fill(p, k, &run[k]);
         else
             fill_mesh(p, k, &run[k]);

@@ -14,7 +14,7 @@ enum tree_class { TREE_CLOTH, TREE_MOVING, TREE_STATIC };
 
 /* A mesh: a run of the scene's triangles. */
 struct tree_mesh {
-    int class;               /* enum tree_class; cloth: a grid */
+    int kind;                /* enum tree_class; cloth: a grid */
     int32_t base, m, n;      /* of a grid: particle (i,j) is base + i + m j */
     int32_t first_tri, tris; /* a grid's: cell after cell, row-major */
     bool self;               /* its own triangles may touch */

@@ -49,13 +49,13 @@ static int make_broad(struct world *w, const drape_def *def)
         mesh[k].first_tri = (int32_t)first;
         mesh[k].tris = (int32_t)(world_first_triangle(w, k + 1) - first);
         if (grid) {
-            mesh[k].class = TREE_CLOTH;
+            mesh[k].kind = TREE_CLOTH;
             mesh[k].base = (int32_t)w->sheet[k].first;
             mesh[k].m = w->sheet[k].cloth.m;
             mesh[k].n = w->sheet[k].cloth.n;
             mesh[k].self = def->self_collision;
         } else
-            mesh[k].class =
+            mesh[k].kind =
                 w->prop[k - def->n_cloths].moves ? TREE_MOVING : TREE_STATIC;
     }
     struct tree_scene scene = {bodies,

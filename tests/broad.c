@@ -56,7 +56,7 @@ static const char *brute_scene(int k)
         fabric_move(&f, vec_make(0, R(-0.3), R(0.05)), noise);
         for (int32_t v = 0; v < f.scene.vertices; v++)
             if (f.scene.meshes > 1 &&
-                f.mesh[f.scene.meshes - 1].class == TREE_STATIC &&
+                f.mesh[f.scene.meshes - 1].kind == TREE_STATIC &&
                 v >= f.mesh[f.scene.meshes - 1].base)
                 f.x1[v] = f.x0[v];
         if (broad_query(&b, f.x0, f.x1, r, NULL) != DRAPE_OK)
@@ -248,7 +248,7 @@ static const char *front_steps(int k)
         fabric_move(&f, vec_make(0, R(-0.05), R(0.02)), noise);
         for (int32_t c = 0; c < f.scene.meshes; c++)
             for (int32_t v = f.mesh[c].base; v < f.scene.vertices; v++)
-                if (f.mesh[c].class == TREE_STATIC)
+                if (f.mesh[c].kind == TREE_STATIC)
                     f.x1[v] = f.x0[v];
         const vec *x1 = r > 0 ? f.x0 : f.x1;
         if (broad_query(&kept, f.x0, x1, r, NULL) != DRAPE_OK ||

@@ -86,7 +86,7 @@ static void query_frame(struct frame *u, const uint8_t *mark)
     struct ply *p = &u->at[0];
     fabric_make(&u->f, p->nv, p->nt, 1);
     struct tree_scene *s = &u->f.scene;
-    u->f.mesh[0].class = TREE_MOVING;
+    u->f.mesh[0].kind = TREE_MOVING;
     u->f.mesh[0].self = true;
     s->meshes = 1;
     s->vertices = p->nv;

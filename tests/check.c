@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "tests/case.h"
+#include "tests/device.h"
 #include "tests/tally.h"
 
 extern const struct stage stages_table_32[], stages_table_64[];
@@ -99,6 +100,45 @@ static void run_stages(void)
         for (const struct stage *s = stages(k); s->name; s++)
             if (wanted(s->name))
                 run_stage(s, bits_of[k], false);
+}
+
+/* All cases of a stage on the device, against the reference. */
+static void run_device(struct gpu *g, const struct stage *stage, int bits)
+{
+    const char *what = NULL;
+    int64_t good = 0;
+    for (int z = 0; z < SIZES && !what; z++)
+        for (int k = 0; k < options.cases && !what; k++) {
+            struct bytes b = seeded(sizes[z], k);
+            struct case_result c = device_case(stage, &b, g);
+            what = c.failed;
+            good += c.status == DRAPE_OK;
+            if (what && what != device_none)
+                save_case(stage->name, bits, &b);
+            choices_free(&b);
+        }
+    if (what == device_none) {
+        printf("skipped device %s, %d bits: %s\n", stage->name, bits, what);
+        skipped++;
+        return;
+    }
+    if (!what && !good)
+        what = "no case ran to its end";
+    report("device", stage->name, bits, what);
+}
+
+static void run_devices(void)
+{
+    int status;
+    struct gpu *g = gpu_open(&status);
+    printf("device: %s\n", g ? gpu_name(g) : drape_status_text(status));
+    if (!g)
+        report("device", "gpu_open", 0, "there is none");
+    for (int k = 0; k < 2 && g; k++)
+        for (const struct stage *s = stages(k); s->name; s++)
+            if (wanted(s->name))
+                run_device(g, s, bits_of[k]);
+    gpu_close(g);
 }
 
 static void run_tests(void)
@@ -216,15 +256,34 @@ static void bench(void)
         }
 }
 
+static void bench_gpu(void)
+{
+    int status;
+    struct gpu *g = gpu_open(&status);
+    printf("stage,bits,us,MiB,GB/s\n");
+    for (int k = 0; k < 2 && g; k++)
+        for (const struct stage *s = stages(k); s->name; s++) {
+            int64_t bytes;
+            if (!wanted(s->name))
+                continue;
+            double t = device_bench(s, g, &bytes);
+            printf("%s,%d,%.4g,%.4g,%.4g\n", s->name, bits_of[k], 1e6 * t,
+                   (double)bytes / 1048576, (double)bytes / t / 1e9);
+            fflush(stdout);
+        }
+    gpu_close(g);
+}
+
 static int usage(void)
 {
     fputs("usage: check [--only NAME] [--cases N] [--seed N] MODE...\n"
           "  --stages        every stage on generated inputs\n"
+          "  --gpu           every stage on the device, against the reference\n"
           "  --tests         every test of tests/tests.def\n"
           "  --self-test     planted faults must be caught\n"
           "  --golden FILE   recorded hashes   --golden-write FILE\n"
           "  --replay FILE   one recorded case\n"
-          "  --bench         time of each stage as csv\n",
+          "  --bench         time of each stage as csv, --bench-gpu there\n",
           stderr);
     return 2;
 }
@@ -235,12 +294,17 @@ int main(int argc, char **argv)
         const char *a = argv[k], *value = k + 1 < argc ? argv[k + 1] : NULL;
         if (!strcmp(a, "--stages"))
             run_stages();
+        else if (!strcmp(a, "--gpu"))
+            run_devices();
         else if (!strcmp(a, "--tests"))
             run_tests();
         else if (!strcmp(a, "--self-test"))
             self_test();
         else if (!strcmp(a, "--bench")) {
             bench();
+            return 0;
+        } else if (!strcmp(a, "--bench-gpu")) {
+            bench_gpu();
             return 0;
         } else if (!value)
             return usage();

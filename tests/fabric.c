@@ -40,10 +40,10 @@ real fabric_random(struct fabric *f)
     return (real)((double)(f->seed >> 33) / 1073741824.0 - 1);
 }
 
-static struct tree_mesh *add_mesh(struct fabric *f, int class)
+static struct tree_mesh *add_mesh(struct fabric *f, int kind)
 {
     struct tree_mesh *g = &f->mesh[f->scene.meshes++];
-    g->class = class;
+    g->kind = kind;
     g->base = f->scene.vertices;
     g->first_tri = f->scene.tris;
     g->tris = 0;
@@ -120,10 +120,10 @@ void fabric_cloth(struct fabric *f, int32_t m, int32_t n,
         }
 }
 
-void fabric_sphere(struct fabric *f, int class, int32_t k, vec centre,
+void fabric_sphere(struct fabric *f, int kind, int32_t k, vec centre,
                    real radius)
 {
-    struct tree_mesh *g = add_mesh(f, class);
+    struct tree_mesh *g = add_mesh(f, kind);
     double pi = 3.14159265358979323846;
     int32_t around = 2 * k;
     add_vertex(f, centre.x, centre.y + radius, centre.z);
@@ -147,9 +147,9 @@ void fabric_sphere(struct fabric *f, int class, int32_t k, vec centre,
     }
 }
 
-void fabric_soup(struct fabric *f, int class, int32_t tris, real size)
+void fabric_soup(struct fabric *f, int kind, int32_t tris, real size)
 {
-    struct tree_mesh *g = add_mesh(f, class);
+    struct tree_mesh *g = add_mesh(f, kind);
     int32_t vertices = tris / 2 + 3;
     for (int32_t k = 0; k < vertices; k++) {
         real x = fabric_random(f), y = fabric_random(f);
@@ -309,7 +309,7 @@ int fabric_compare(const void *a, const void *b)
 static bool compared(const struct brute *u, int32_t k, int32_t l)
 {
     const struct tree_mesh *a = &u->f->mesh[k], *b = &u->f->mesh[l];
-    int cloths = (a->class == TREE_CLOTH) + (b->class == TREE_CLOTH);
+    int cloths = (a->kind == TREE_CLOTH) + (b->kind == TREE_CLOTH);
     return cloths == 2 ? u->self : cloths == 1 || (k == l && a->self);
 }
 

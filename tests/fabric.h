@@ -55,10 +55,10 @@ real fabric_random(struct fabric *f);
 void fabric_cloth(struct fabric *f, int32_t m, int32_t n,
                   enum fabric_shape shape, int holes);
 /* A mesh of another class: a closed sphere of 4 k (k - 1) triangles. */
-void fabric_sphere(struct fabric *f, int class, int32_t k, vec centre,
+void fabric_sphere(struct fabric *f, int kind, int32_t k, vec centre,
                    real radius);
 /* Random triangles. */
-void fabric_soup(struct fabric *f, int class, int32_t tris, real size);
+void fabric_soup(struct fabric *f, int kind, int32_t tris, real size);
 /* x1 = x0 + common + noise · random. */
 void fabric_move(struct fabric *f, vec common, real noise);
 

@@ -25,12 +25,14 @@ struct field {
     int per;
     long count_at, used_at; /* offset, or -1 */
     int64_t fixed;
+    bool reals; /* of reals: any NaN equals any other */
 };
 
+#define REALS_(lvalue) _Generic(lvalue, real : 1, vec : 1, sym : 1, default : 0)
 #define FIELD_(k, X, m, per, count, used, fixed)                               \
     {                                                                          \
 #m, k, offsetof(struct X, m), sizeof *((struct X *)0)->m, per, count,  \
-            used, fixed                                                        \
+            used, fixed, REALS_(*((struct X *)0)->m)                           \
     }
 /* Input, output and scratch streams of s->n·per elements; n is named. gen_X
  * takes the inputs, the harness allocates outputs and scratch. */
@@ -55,11 +57,11 @@ struct field {
 #define OUT_VALUE(X, m)                                                        \
     {                                                                          \
 #m, FIELD_OUT, offsetof(struct X, m), 0, sizeof((struct X *)0)->m, -1, \
-            -1, 0                                                              \
+            -1, 0, REALS_(((struct X *)0)->m)                                  \
     }
 #define FIELD_END                                                              \
     {                                                                          \
-        NULL, FIELD_IN, 0, 0, 0, -1, -1, 0                                     \
+        NULL, FIELD_IN, 0, 0, 0, -1, -1, 0, 0                                  \
     }
 
 /* ---- Choices: one stream of them drives every generator ---- */
@@ -102,10 +104,14 @@ uint64_t hash_bytes(uint64_t hash, const void *data, size_t bytes);
 
 /* ---- The tables ---- */
 
+struct gpu;
+
 struct stage {
     const char *name;
+    int bits;    /* of a real */
     size_t size; /* of struct X */
     int (*ref)(void *);
+    int (*gpu)(struct gpu *, void *);
     const struct field *fields;
     void (*gen)(struct bytes *, void *);
     const char *(*prop)(const void *);

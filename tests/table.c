@@ -2,7 +2,7 @@
 /* spec/stages.def and tests/tests.def as tables, one build a precision. */
 #include "tests/harness.h"
 
-#include "ref/stages.h"
+#include "gpu/stages.h"
 
 #define STAGE(X, rule)                                                         \
     extern const struct field fields_##X[];                                    \
@@ -11,6 +11,10 @@
     static int ref_call_##X(void *s)                                           \
     {                                                                          \
         return ref_##X(s);                                                     \
+    }                                                                          \
+    static int gpu_call_##X(struct gpu *g, void *s)                            \
+    {                                                                          \
+        return gpu_##X(g, s);                                                  \
     }                                                                          \
     static void gen_call_##X(struct bytes *b, void *s)                         \
     {                                                                          \
@@ -24,11 +28,11 @@
 #undef STAGE
 
 #define STAGE(X, rule)                                                         \
-    {#X,         sizeof(struct X), ref_call_##X,                               \
-     fields_##X, gen_call_##X,     prop_call_##X},
+    {#X,           REAL_BITS,  sizeof(struct X), ref_call_##X,                 \
+     gpu_call_##X, fields_##X, gen_call_##X,     prop_call_##X},
 const struct stage stages_table[] = {
 #include "spec/stages.def"
-    {NULL, 0, NULL, NULL, NULL, NULL}};
+    {NULL, 0, 0, NULL, NULL, NULL, NULL, NULL}};
 #undef STAGE
 
 #define TEST(X) const char *test_##X(void);

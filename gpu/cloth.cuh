@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The cloth's grid and its law of a spring on the device.
+ * spec/02_cloth.md §3 and §5 */
+#ifndef GPU_CLOTH_CUH
+#define GPU_CLOTH_CUH
+
+#include "gpu/real.cuh"
+
+/* Forward direction o: (1,0) (0,1) (1,1) (-1,1) and twice each. */
+__device__ inline int forward_i(int o)
+{
+    int one = o % 4 == 0 || o % 4 == 2 ? 1 : o % 4 == 3 ? -1 : 0;
+    return o < SPRINGS_SINGLE ? one : 2 * one;
+}
+__device__ inline int forward_j(int o)
+{
+    int one = o % 4 == 0 ? 0 : 1;
+    return o < SPRINGS_SINGLE ? one : 2 * one;
+}
+
+/* ---- §5: the law of a spring, s = √(q + shift), t = s − 25/32 ---- */
+
+__device__ inline real spring_s(real q)
+{
+    return root(q + R(0.21723362821122166));
+}
+
+/* P by Horner's rule. */
+__device__ inline real spring_p(real t)
+{
+    real p = R(0.94535780075) * t - R(1.41489955139);
+    p = p * t + R(1.94328409844);
+    p = p * t - R(2.96088097053);
+    p = p * t + R(4.67227098415);
+    p = p * t - R(7.81897177916);
+    return p * t + R(15.3546581234);
+}
+
+/* Tension, N, at a length. */
+__device__ inline real spring_tension(const struct law *a, real length)
+{
+    if (length >= a->knee) {
+        real k = length >= a->rest ? a->k : a->press;
+        return k * (length - a->rest);
+    }
+    real s = spring_s(length / a->rest);
+    return -(a->bend * (spring_p(s - R(0.78125)) / s));
+}
+
+#endif

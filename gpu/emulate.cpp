@@ -1,0 +1,275 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The device, its primitives and its threads, on the host. */
+#include "gpu/gpu.cuh"
+
+#include <algorithm>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+#include <ucontext.h>
+#include <vector>
+
+#include "ref/keys.h"
+
+struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
+
+/* ---- Threads ---- */
+
+enum { STACK = 1 << 20 };
+static ucontext_t scheduler;
+static std::vector<ucontext_t> fiber;
+static std::vector<char> stack;
+static std::vector<bool> done;
+static const std::function<void()> *running; /* NULL: no fibers */
+
+void emulate_items(int64_t n, int threads, const std::function<void()> &kernel)
+{
+    int64_t blocks = n > 0 ? (n + threads - 1) / threads : 0;
+    gridDim = {(unsigned)blocks, 1, 1};
+    blockDim = {(unsigned)threads, 1, 1};
+    for (int64_t b = blocks - 1; b >= 0; b--)
+        for (int t = 0; t < threads; t++) {
+            blockIdx = {(unsigned)b, 0, 0};
+            threadIdx = {(unsigned)t, 0, 0};
+            kernel();
+        }
+}
+
+void __syncthreads(void)
+{
+    if (!running) {
+        fputs("emulate: __syncthreads in a kernel of items\n", stderr);
+        abort();
+    }
+    unsigned t = threadIdx.x;
+    swapcontext(&fiber[t], &scheduler);
+    threadIdx = {t, 0, 0};
+}
+
+static void begin(void)
+{
+    unsigned t = threadIdx.x;
+    (*running)();
+    done[t] = true;
+}
+
+/* All threads go on from barrier to barrier until all have returned. */
+static void run_block(int threads)
+{
+    for (int t = 0; t < threads; t++) {
+        getcontext(&fiber[t]);
+        fiber[t].uc_stack.ss_sp = &stack[(size_t)t * STACK];
+        fiber[t].uc_stack.ss_size = STACK;
+        fiber[t].uc_link = &scheduler;
+        makecontext(&fiber[t], begin, 0);
+        done[t] = false;
+    }
+    for (bool some = true; some;) {
+        some = false;
+        for (int t = 0; t < threads; t++) {
+            if (done[t])
+                continue;
+            threadIdx = {(unsigned)t, 0, 0};
+            swapcontext(&scheduler, &fiber[t]);
+            some = true;
+        }
+    }
+}
+
+void emulate_blocks(int64_t blocks, int threads,
+                    const std::function<void()> &kernel)
+{
+    if (fiber.size() < (size_t)threads) {
+        fiber.resize(threads);
+        done.resize(threads);
+        stack.resize((size_t)threads * STACK);
+    }
+    gridDim = {(unsigned)(blocks > 0 ? blocks : 0), 1, 1};
+    blockDim = {(unsigned)threads, 1, 1};
+    running = &kernel;
+    for (int64_t b = blocks - 1; b >= 0; b--) {
+        blockIdx = {(unsigned)b, 0, 0};
+        run_block(threads);
+    }
+    running = NULL;
+}
+
+/* ---- The device ---- */
+
+struct gpu_block {
+    struct gpu_block *next, *prev;
+    size_t bytes;
+    enum arena_part part;
+};
+enum { HEADER = 64 };
+
+struct gpu *gpu_open(int *status)
+{
+    struct gpu *g = (struct gpu *)calloc(1, sizeof *g);
+    *status = g ? DRAPE_OK : DRAPE_ENOMEM;
+    if (!g)
+        return NULL;
+    g->block = GPU_BLOCK;
+    snprintf(g->name, sizeof g->name, "emulated on the host");
+    g->words = (int64_t *)calloc(GPU_WORDS, sizeof *g->words);
+    g->seen = (int64_t *)calloc(GPU_WORDS, sizeof *g->seen);
+    return g;
+}
+
+void gpu_close(struct gpu *g)
+{
+    if (!g)
+        return;
+    while (g->blocks)
+        gpu_give(g, (char *)g->blocks + HEADER);
+    for (int k = 0; k < GPU_SLOTS; k++)
+        free(g->slot[k].data);
+    free(g->words);
+    free(g->seen);
+    free(g);
+}
+
+const char *gpu_name(const struct gpu *g)
+{
+    return g->name;
+}
+
+void gpu_set_block(struct gpu *g, int threads)
+{
+    g->block = threads;
+}
+
+void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size)
+{
+    size_t bytes = HEADER + (size_t)count * size;
+    struct gpu_block *b = (struct gpu_block *)aligned_alloc(
+        HEADER, (bytes + HEADER - 1) / HEADER * HEADER);
+    if (!b) {
+        g->failed = g->failed ? g->failed : DRAPE_ENOMEM;
+        return NULL;
+    }
+    memset((void *)b, 0, bytes);
+    b->bytes = bytes - HEADER;
+    b->part = part;
+    b->next = g->blocks;
+    b->prev = NULL;
+    if (g->blocks)
+        g->blocks->prev = b;
+    g->blocks = b;
+    g->bytes[part] += b->bytes;
+    return (char *)b + HEADER;
+}
+
+void gpu_give(struct gpu *g, void *p)
+{
+    if (!p)
+        return;
+    struct gpu_block *b = (struct gpu_block *)((char *)p - HEADER);
+    (b->prev ? b->prev->next : g->blocks) = b->next;
+    if (b->next)
+        b->next->prev = b->prev;
+    g->bytes[b->part] -= b->bytes;
+    free(b);
+}
+
+size_t gpu_bytes(const struct gpu *g, enum arena_part part)
+{
+    return g->bytes[part];
+}
+
+void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes)
+{
+    gpu_copy(g, device, host, bytes);
+}
+
+void gpu_down(struct gpu *g, void *host, const void *device, size_t bytes)
+{
+    gpu_copy(g, host, device, bytes);
+}
+
+void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes)
+{
+    if (bytes && !g->failed)
+        memcpy(to, from, bytes);
+}
+
+void gpu_clear(struct gpu *g, void *device, size_t bytes)
+{
+    if (bytes && !g->failed)
+        memset(device, 0, bytes);
+}
+
+void gpu_wait(struct gpu *g)
+{
+    (void)g;
+}
+
+int gpu_status(struct gpu *g)
+{
+    return g->failed;
+}
+
+void gpu_clock_start(struct gpu *g)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    g->event = (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+double gpu_clock_stop(struct gpu *g)
+{
+    double start = g->event;
+    gpu_clock_start(g);
+    return g->event - start;
+}
+
+int64_t *gpu_words(struct gpu *g)
+{
+    memset(g->words, 0, GPU_WORDS * sizeof *g->words);
+    return g->words;
+}
+
+const int64_t *gpu_read_words(struct gpu *g, int n)
+{
+    memcpy(g->seen, g->words, (size_t)n * sizeof *g->seen);
+    return g->seen;
+}
+
+/* ---- Primitives ---- */
+
+void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size)
+{
+    struct gpu_slot *s = &g->slot[slot];
+    size_t bytes = (size_t)count * size + 1;
+    if (bytes > s->bytes) {
+        free(s->data);
+        s->data = malloc(bytes);
+        s->bytes = s->data ? bytes : 0;
+        if (!s->data)
+            g->failed = g->failed ? g->failed : DRAPE_ENOMEM;
+    }
+    return s->data;
+}
+
+void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
+{
+    int64_t sum = 0;
+    for (int64_t k = 0; k < n && !g->failed; k++) {
+        int64_t here = a[k];
+        a[k] = sum;
+        sum += here;
+    }
+}
+
+struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
+                     struct key *spare)
+{
+    (void)spare;
+    if (!g->failed)
+        std::sort(key, key + n, [](const struct key &a, const struct key &b) {
+            if (a.hi != b.hi)
+                return a.hi < b.hi;
+            return a.lo != b.lo ? a.lo < b.lo : a.item < b.item;
+        });
+    return key;
+}

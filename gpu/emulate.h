@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* CUDA's words on the host, as far as gpu/ uses them: so the kernels are
+ * compiled, run and compared with ref/ where there is no GPU. Blocks run one
+ * after another, last first; threads of a block one after another, or, where
+ * they synchronise, as fibers. It finds wrong results, not races. */
+#ifndef GPU_EMULATE_H
+#define GPU_EMULATE_H
+
+#include <functional>
+
+#include <stdint.h>
+
+#define __global__
+#define __device__
+#define __host__
+#define __forceinline__ inline
+#define __constant__ static const
+#define __shared__ static
+#define __launch_bounds__(...)
+#define __restrict__
+
+struct emulate_dim {
+    unsigned x, y, z;
+};
+extern struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
+
+void emulate_items(int64_t n, int threads, const std::function<void()> &kernel);
+void emulate_blocks(int64_t blocks, int threads,
+                    const std::function<void()> &kernel);
+
+/* Aborts in a kernel that was not started by emulate_blocks. */
+void __syncthreads(void);
+
+/* Whole numbers only: what a and b make, whatever the order. */
+template <class T, class V> T atomicAdd(T *a, V b)
+{
+    T old = *a;
+    *a = (T)(old + (T)b);
+    return old;
+}
+template <class T, class V> T atomicMin(T *a, V b)
+{
+    T old = *a;
+    *a = (T)b < old ? (T)b : old;
+    return old;
+}
+template <class T, class V> T atomicMax(T *a, V b)
+{
+    T old = *a;
+    *a = (T)b > old ? (T)b : old;
+    return old;
+}
+template <class T, class V> T atomicOr(T *a, V b)
+{
+    T old = *a;
+    *a = (T)(old | (T)b);
+    return old;
+}
+template <class T, class U, class V> T atomicCAS(T *a, U want, V b)
+{
+    T old = *a;
+    *a = old == (T)want ? (T)b : old;
+    return old;
+}
+
+static inline int __popc(unsigned a)
+{
+    return __builtin_popcount(a);
+}
+static inline int __clz(int a)
+{
+    return a ? __builtin_clz((unsigned)a) : 32;
+}
+static inline int __clzll(long long a)
+{
+    return a ? __builtin_clzll((unsigned long long)a) : 64;
+}
+static inline uint64_t __umul64hi(uint64_t a, uint64_t b)
+{
+    __extension__ typedef unsigned __int128 wide;
+    return (uint64_t)((wide)a * b >> 64);
+}
+
+#endif

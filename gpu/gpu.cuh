@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What every kernel file includes: the device, launches, and small results.
+ * Without nvcc gpu/emulate.h stands in for CUDA, so that the same kernels run,
+ * one thread after another, on any machine. spec/50_gpu.md */
+#ifndef GPU_GPU_CUH
+#define GPU_GPU_CUH
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#ifdef __CUDACC__
+#include <cuda_runtime.h>
+#else
+#include "gpu/emulate.h"
+#endif
+
+#include "gpu/stages.h"
+
+/* Most threads of a block of an item kernel. */
+enum { GPU_BLOCK = 256, GPU_WORDS = 32, GPU_SLOTS = 8 };
+
+/* Scratch that grows and is kept; what a slot held is lost when it does. */
+struct gpu_slot {
+    void *data;
+    size_t bytes;
+};
+
+struct gpu {
+#ifdef __CUDACC__
+    cudaStream_t stream;
+    cudaEvent_t event[2];
+#else
+    double event;
+#endif
+    int block;  /* threads of a block of item kernels */
+    int failed; /* the first failure, or DRAPE_OK */
+    char name[320];
+    int64_t *words; /* device [GPU_WORDS] small results of a stage */
+    int64_t *seen;  /* host, pinned [GPU_WORDS] as last read */
+    struct gpu_slot slot[GPU_SLOTS];
+    struct gpu_block *blocks; /* all that was taken */
+    size_t bytes[ARENA_PARTS];
+};
+
+/* Notes a failure of CUDA's, the first of which stays. */
+#ifdef __CUDACC__
+void gpu_note(struct gpu *g, cudaError_t error);
+#endif
+
+/* ---- Kernels of one thread an item ---- */
+
+/* In a kernel: k is the thread's item of n; threads beyond return. */
+#define ITEM(k, n)                                                             \
+    int64_t k = (int64_t)blockIdx.x * blockDim.x + threadIdx.x;                \
+    if (k >= (n))                                                              \
+    return
+
+/* LAUNCH(g, n, kernel, arguments…): a thread for each of n items, which must
+ * not synchronise. LAUNCH_BLOCKS: blocks of a fixed number of threads, which
+ * may (__syncthreads), all of them. Nothing for n or blocks < 1. */
+#ifdef __CUDACC__
+#define LAUNCH(g, n, kernel, ...)                                              \
+    do {                                                                       \
+        int64_t items_ = (n);                                                  \
+        unsigned threads_ = (unsigned)(g)->block;                              \
+        if (items_ > 0 && !(g)->failed)                                        \
+            kernel<<<(unsigned)((items_ + threads_ - 1) / threads_), threads_, \
+                     0, (g)->stream>>>(__VA_ARGS__);                           \
+    } while (0)
+#define LAUNCH_BLOCKS(g, blocks, threads, kernel, ...)                         \
+    do {                                                                       \
+        int64_t blocks_ = (blocks);                                            \
+        if (blocks_ > 0 && !(g)->failed)                                       \
+            kernel<<<(unsigned)blocks_, (unsigned)(threads), 0,                \
+                     (g)->stream>>>(__VA_ARGS__);                              \
+    } while (0)
+#else
+#define LAUNCH(g, n, kernel, ...)                                              \
+    emulate_items((g)->failed ? 0 : (n), (g)->block,                           \
+                  [&] { kernel(__VA_ARGS__); })
+#define LAUNCH_BLOCKS(g, blocks, threads, kernel, ...)                         \
+    emulate_blocks((g)->failed ? 0 : (blocks), (threads),                      \
+                   [&] { kernel(__VA_ARGS__); })
+#endif
+
+/* ---- Small results: counts, flags, a stage's scalars ---- */
+
+/* g->words, all zero from here on in the stream. */
+int64_t *gpu_words(struct gpu *g);
+/* g->seen with the first n words; waits for the stream. */
+const int64_t *gpu_read_words(struct gpu *g, int n);
+
+/* ---- Primitives, gpu/prim.cu ---- */
+
+/* At least count · size bytes of scratch, NULL if there is none. */
+void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size);
+/* a[k] = a[0] + … + a[k-1]; the total is a[n-1] after if the last was 0.
+ * Whole numbers: no order shows. */
+void gpu_scan(struct gpu *g, int64_t *a, int64_t n);
+/* Ascending by hi, lo, item, as ref/keys.h; both [n]. The sorted keys are in
+ * the one returned. bits: hi and lo are below 2^bits. */
+struct key;
+struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
+                     struct key *spare);
+/* Slots of scratch that the primitives use; stages use those below. */
+enum { SLOT_STAGE = 0, SLOT_SORT = 5, SLOT_SCAN = 7 };
+
+#endif

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A device as the rest of drape sees it: memory, copies, and every stage as
+ * gpu_X beside ref_X. C and C++. spec/50_gpu.md */
+#ifndef GPU_GPU_H
+#define GPU_GPU_H
+
+#include "gpu/names.h"
+#include "ref/arena.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct gpu; /* a device, one stream of it, and what was taken there */
+
+/* Device 0 and a stream of its own; *status: DRAPE_OK, DRAPE_EDEVICE or
+ * DRAPE_ENOMEM, and then NULL. The caller closes it. */
+struct gpu *gpu_open(int *status);
+void gpu_close(struct gpu *g); /* gives back all memory; NULL is allowed */
+
+/* The device in words: name, driver, runtime; valid until gpu_close. */
+const char *gpu_name(const struct gpu *g);
+
+/* Threads of a block, 32 … 256 by 32. No result depends on it. */
+void gpu_set_block(struct gpu *g, int threads);
+
+/* Zeroed device memory of a part, NULL if there is none: then gpu_status says
+ * DRAPE_ENOMEM from there on. */
+void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size);
+void gpu_give(struct gpu *g, void *p); /* back; NULL is allowed */
+size_t gpu_bytes(const struct gpu *g, enum arena_part part); /* held now */
+
+/* In the order of the stream; gpu_down and gpu_wait end when it is done. */
+void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes);
+void gpu_down(struct gpu *g, void *host, const void *device, size_t bytes);
+void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes);
+void gpu_clear(struct gpu *g, void *device, size_t bytes);
+void gpu_wait(struct gpu *g);
+
+/* The first failure since gpu_open: DRAPE_OK, DRAPE_ENOMEM, DRAPE_EDEVICE. */
+int gpu_status(struct gpu *g);
+
+/* Seconds that the stream took between the two calls. */
+void gpu_clock_start(struct gpu *g);
+double gpu_clock_stop(struct gpu *g);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

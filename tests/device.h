@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A stage's case on the device, compared with the reference. */
+#ifndef TESTS_DEVICE_H
+#define TESTS_DEVICE_H
+
+#include "gpu/gpu.h"
+#include "tests/case.h"
+
+/* Runs ref_X once and gpu_X twice, with other block sizes and other poison in
+ * outputs and scratch: same status, same bits in every output, guards and
+ * inputs untouched. hash is not set; failed is device_none
+ * where the device has no such stage. */
+extern const char device_none[];
+struct case_result device_case(const struct stage *stage, struct bytes *b,
+                               struct gpu *g);
+/* Median seconds of gpu_X on the benchmark's input; *bytes: its streams. */
+double device_bench(const struct stage *stage, struct gpu *g, int64_t *bytes);
+
+#endif
