@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The trace of a run on the device. spec/50_gpu.md §6 */
+#include <stdlib.h>
+
+#include "gpu/gpu.cuh"
+#include "gpu/world.h"
+
+void gpu_trace(struct gpu *g, struct trace *t, const char *stage,
+               const void *out, size_t bytes)
+{
+    if (!t)
+        return;
+    void *copy = malloc(bytes + 1);
+    if (copy) {
+        gpu_down(g, copy, out, bytes);
+        trace_stage(t, stage, copy, bytes);
+    }
+    free(copy);
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A world on the device: the streams of ref/state.h there, and who steps
+ * them. Names and meanings are those of struct world. spec/50_gpu.md §6 */
+#ifndef GPU_WORLD_H
+#define GPU_WORLD_H
+
+#include "gpu/stages.h"
+#include "ref/state.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One cloth. The structs are the host's, their streams the device's. */
+struct gpu_sheet {
+    int64_t first;
+    struct cloth cloth;
+    struct law *law;          /* device [SPRINGS] */
+    struct dynamics dynamics; /* cloth is the one above; solve is not used */
+    struct pcg pcg;
+    double solver_seconds; /* out: of the last solve */
+};
+
+struct gpu_world {
+    struct world *host; /* made by ref/world.c; never stepped itself */
+    struct gpu *gpu;
+    vec *x0, *v0, *x1, *v1;   /* device [nv] */
+    vec *free_x, *free_v;     /* device [nc] or NULL */
+    vec *past_x, *past_v;     /* device [nc] or NULL */
+    vec *to;                  /* device [nc] */
+    real *w;                  /* device [nv] */
+    uint16_t *body;           /* device [nv] */
+    struct surface *surface;  /* device [bodies] */
+    struct gpu_sheet *sheet;  /* [n_cloths] */
+    struct broad broad;       /* arena is NULL: memory is gpu_take's */
+    struct response response; /* grow is not used: gpu_take likewise */
+    struct couple couple;
+    double broad_seconds; /* not charged yet */
+};
+
+/* As trace_stage, of a stream on the device; waits only where t asks. */
+void gpu_trace(struct gpu *g, struct trace *t, const char *stage,
+               const void *out, size_t bytes);
+
+/* gpu/motion.cu: ref_dynamics and dynamics_energy on the device. */
+int gpu_motion(struct gpu *g, struct gpu_sheet *s);
+void gpu_motion_energy(struct gpu *g, struct gpu_sheet *s, const vec *x,
+                       const vec *v, double value[3]);
+
+/* gpu/broad.cu: broad_make's result copied from the host's; broad_query. */
+int gpu_broad_make(struct gpu *g, const struct broad *host, struct broad *b);
+int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
+                    const vec *x1, real r, const uint8_t *moved);
+
+/* gpu/response.cu, gpu/failsafe.cu: ref/response.h on the device. broad and
+ * solve are called as there; pairs and contacts are on the device. */
+int gpu_response_start(struct gpu *g, struct response *s);
+int gpu_response_repel(struct gpu *g, struct response *s,
+                       const struct pairs *near);
+int gpu_response_penetrate(struct gpu *g, struct response *s);
+
+/* gpu/couple.cu: ref/couple.h on the device; user is the gpu_world. */
+int gpu_couple_make(struct gpu_world *w);
+void gpu_couple_start(struct gpu_world *w);
+int gpu_couple_solve(void *user, int64_t n, struct contact *contact);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
