@@ -288,41 +288,53 @@ static int usage(void)
     return 2;
 }
 
+/* Sets an option, or runs a mode where `modes`: options hold for all modes,
+ * wherever they stand. Returns the words read, 0 if it is neither. */
+static int obey(const char *a, const char *value, bool modes)
+{
+    static const struct {
+        const char *name;
+        void (*run)(void);
+    } plain[] = {{"--stages", run_stages}, {"--gpu", run_devices},
+                 {"--tests", run_tests},   {"--self-test", self_test},
+                 {"--bench", bench},       {"--bench-gpu", bench_gpu}};
+    for (size_t k = 0; k < sizeof plain / sizeof *plain; k++)
+        if (!strcmp(a, plain[k].name)) {
+            if (modes)
+                plain[k].run();
+            return 1;
+        }
+    if (!value)
+        return 0;
+    if (!strcmp(a, "--only"))
+        options.only = value;
+    else if (!strcmp(a, "--cases"))
+        options.cases = atoi(value);
+    else if (!strcmp(a, "--seed"))
+        options.seed = strtoull(value, NULL, 10);
+    else if (!strcmp(a, "--golden") || !strcmp(a, "--golden-write")) {
+        if (modes)
+            golden(value, a[8] == '-');
+    } else if (!strcmp(a, "--replay")) {
+        if (modes)
+            replay(value);
+    } else
+        return 0;
+    return 2;
+}
+
 int main(int argc, char **argv)
 {
-    for (int k = 1; k < argc; k++) {
-        const char *a = argv[k], *value = k + 1 < argc ? argv[k + 1] : NULL;
-        if (!strcmp(a, "--stages"))
-            run_stages();
-        else if (!strcmp(a, "--gpu"))
-            run_devices();
-        else if (!strcmp(a, "--tests"))
-            run_tests();
-        else if (!strcmp(a, "--self-test"))
-            self_test();
-        else if (!strcmp(a, "--bench")) {
-            bench();
-            return 0;
-        } else if (!strcmp(a, "--bench-gpu")) {
-            bench_gpu();
-            return 0;
-        } else if (!value)
-            return usage();
-        else if (k++, !strcmp(a, "--only"))
-            options.only = value;
-        else if (!strcmp(a, "--cases"))
-            options.cases = atoi(value);
-        else if (!strcmp(a, "--seed"))
-            options.seed = strtoull(value, NULL, 10);
-        else if (!strcmp(a, "--golden"))
-            golden(value, false);
-        else if (!strcmp(a, "--golden-write"))
-            golden(value, true);
-        else if (!strcmp(a, "--replay"))
-            replay(value);
-        else
-            return usage();
-    }
+    bool timed = false;
+    for (int modes = 0; modes < 2; modes++)
+        for (int k = 1, words; k < argc; k += words) {
+            words = obey(argv[k], k + 1 < argc ? argv[k + 1] : NULL, modes);
+            if (!words)
+                return usage();
+            timed |= !strncmp(argv[k], "--bench", 7);
+        }
+    if (timed)
+        return 0;
     printf("%d passed, %d failed", passed, failed);
     printf(skipped ? ", %d skipped\n" : "\n", skipped);
     return failed || !(passed + skipped) ? 1 : 0;
