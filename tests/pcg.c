@@ -298,6 +298,9 @@ const char *test_pcg_repeats(void)
     struct system a[2];
     struct pcg s[2] = {{0}};
     uint64_t hash[2][2];
+#ifdef _OPENMP
+    int before = omp_get_max_threads();
+#endif
     for (int c = 0; c < 2; c++) {
         struct design d = {c ? 40 : 90, 71, c ? SHAPE_DRAPED : SHAPE_WRINKLED,
                            TRIM_HOLE | TRIM_PINS, 0.1};
@@ -317,7 +320,7 @@ const char *test_pcg_repeats(void)
                                         (size_t)s[k % 2].count * sizeof(vec));
     }
 #ifdef _OPENMP
-    omp_set_num_threads(omp_get_num_procs());
+    omp_set_num_threads(before);
 #endif
     for (int c = 0; c < 2; c++) {
         close_pcg(&s[c]);
