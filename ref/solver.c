@@ -32,13 +32,6 @@ int solver_make(struct solver *s, const drape_def *def,
     p->p = take(arena, p->count, sizeof *p->p);
     p->q = take(arena, p->count, sizeof *p->q);
     p->chunk = take(arena, p->n_chunks, sizeof *p->chunk);
-    if (p->precond == DRAPE_MULTIGRID) {
-        struct multigrid *g = &p->grid;
-        g->pool = take(arena, g->n_pool, sizeof *g->pool);
-        g->room = take(arena, g->n_room, sizeof *g->room);
-        g->live = take(arena, p->count, sizeof *g->live);
-        g->dense = take(arena, g->n_dense, sizeof *g->dense);
-    }
     p->grid.pool = take(arena, p->grid.n_pool, sizeof *p->grid.pool);
     p->grid.room = take(arena, p->grid.n_room, sizeof *p->grid.room);
     p->grid.live = take(arena, p->grid.n_live, sizeof *p->grid.live);
