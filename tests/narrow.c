@@ -16,189 +16,22 @@ const struct field fields_narrow[] = {IN(narrow, pair, n, 4),
 
 /* ---- Queries ---- */
 
-static real power(int e)
-{
-    real r = 1;
-    for (; e != 0; e += e < 0 ? 1 : -1)
-        r *= e < 0 ? R(0.5) : R(2.0);
-    return r;
-}
-
 real *query_at(struct query *q, int i)
 {
     vec *x = &q->x[i / 12][i / 3 % 4];
     return i % 3 == 0 ? &x->x : i % 3 == 1 ? &x->y : &x->z;
 }
 
-static vec whole(struct bytes *b, int size)
+uint32_t query_tier(const struct query *q, int *tier)
 {
-    int n = 2 * size + 1;
-    real x = (real)((int)pick(b, (uint32_t)n) - size);
-    real y = (real)((int)pick(b, (uint32_t)n) - size);
-    return vec_make(x, y, (real)((int)pick(b, (uint32_t)n) - size));
-}
-
-/* The families of degenerate motion; all begin as a small lattice. */
-enum {
-    LATTICE,
-    PLANE,
-    OBLIQUE,
-    LINE,
-    TRANSLATION,
-    STILL,
-    COLLAPSED,
-    AT_A_TIME,
-    EDGE_ON,
-    GRAZING,
-    OFFSET,
-    CLOTH,
-    SMOOTH,
-    NUDGED,
-    WILD,
-    FAMILIES
-};
-
-static void make_planar(struct bytes *b, struct query *q, int family)
-{
-    vec d = whole(b, 2);
-    for (int i = 0; i < 8; i++) {
-        vec *x = &q->x[i / 4][i % 4];
-        if (family == PLANE)
-            x->z = d.x;
-        else if (family == OBLIQUE)
-            x->z = d.x * x->x + d.y * x->y;
-        else
-            *x = vec_scale(x->x, d);
-    }
-}
-
-static void make_rigid(struct bytes *b, struct query *q, int family)
-{
-    vec d[2];
-    d[0] = whole(b, 3);
-    d[1] = whole(b, 3);
-    for (int j = 0; j < 4; j++) {
-        q->x[1][j] = q->x[0][j];
-        if (family == TRANSLATION)
-            q->x[1][j] = vec_add(q->x[0][j], d[q->kind ? j / 2 : j > 0]);
-    }
-}
-
-/* Contact at time r/s: a vertex in the face, edges that cross, sometimes at
- * a corner. */
-static void make_contact(struct bytes *b, struct query *q)
-{
-    real s = (real)(1 + pick(b, 7)), r = (real)pick(b, (uint32_t)s + 1);
-    real u = (real)pick(b, 5), v = (real)pick(b, 5 - (uint32_t)u);
-    vec p[4], d[4];
-    for (int j = 0; j < 4; j++) {
-        p[j] = vec_scale(4, whole(b, 3));
-        d[j] = whole(b, 3);
-    }
-    if (q->kind == 0) {
-        vec a = vec_sub(p[2], p[1]), c = vec_sub(p[3], p[1]);
-        p[0] = vec_axpy(vec_axpy(p[1], u / 4, a), v / 4, c);
-    } else {
-        vec a = vec_axpy(p[0], u / 4, vec_sub(p[1], p[0]));
-        p[3] = pick(b, 2) ? a : vec_sub(vec_scale(2, a), p[2]);
-    }
-    for (int j = 0; j < 4; j++) {
-        q->x[0][j] = vec_axpy(p[j], -r, d[j]);
-        q->x[1][j] = vec_axpy(p[j], s - r, d[j]);
-    }
-}
-
-/* A vertex that only ever meets an edge's line, at irrational times too. */
-static void make_edge_on(struct bytes *b, struct query *q)
-{
-    int a = 1 + (int)pick(b, 3);
-    for (int t = 0; t < 2; t++)
-        if (q->kind)
-            q->x[t][0].z = q->x[t][2].z = q->x[t][3].z = 0;
-        else
-            q->x[t][0].z = q->x[t][a].z = q->x[t][a % 3 + 1].z = 0;
-}
-
-/* Uniform in a cube; one choice a statement, as C orders no others. */
-static vec pick_cube(struct bytes *b)
-{
-    real x = pick_uniform(b, -1, 1), y = pick_uniform(b, -1, 1);
-    return vec_make(x, y, pick_uniform(b, -1, 1));
-}
-
-static void make_smooth(struct bytes *b, struct query *q, int family)
-{
-    real scale = family == CLOTH ? R(0.001) : 1;
-    vec drop = vec_scale(scale, pick_vec(b, 1));
-    for (int i = 0; i < 4; i++) {
-        q->x[0][i] = vec_scale(scale, pick_cube(b));
-        q->x[1][i] =
-            vec_axpy(vec_add(q->x[0][i], drop), scale / 4, pick_cube(b));
-    }
-}
-
-static void make_wild(struct bytes *b, struct query *q)
-{
-    int reach = REAL_BITS == 32 ? 120 : 900;
-    for (int i = 0; i < 24; i++) {
-        real a = power((int)pick(b, 2 * (uint32_t)reach) - reach);
-        *query_at(q, i) = a * pick_real(b, 2);
-    }
-}
-
-static void transform(struct bytes *b, struct query *q, int family)
-{
-    real scale = power((int)pick(b, 121) - 60);
-    if (pick(b, 4))
-        scale = 1;
-    for (int i = 0; i < 24; i++) {
-        real *a = query_at(q, i);
-        if (family == OFFSET)
-            *a += R(1048576.0);
-        if (family == NUDGED && pick(b, 4) == 0)
-            *a = pick(b, 2) ? real_up(*a) : real_down(*a);
-        *a *= scale;
-    }
-}
-
-static struct query pick_query(struct bytes *b)
-{
-    struct query q = {.kind = (int)pick(b, 2)};
-    int family = (int)pick(b, FAMILIES), size = 1 + (int)pick(b, 4);
-    if (family == WILD && pick(b, 16)) /* slow, so rare */
-        family = LATTICE;
-    for (int i = 0; i < 8; i++)
-        q.x[i / 4][i % 4] = whole(b, size);
-    if (family == PLANE || family == OBLIQUE || family == LINE)
-        make_planar(b, &q, family);
-    if (family == TRANSLATION || family == STILL)
-        make_rigid(b, &q, family);
-    if (family == COLLAPSED) {
-        uint32_t j = pick(b, 4), k = pick(b, 4);
-        q.x[0][j] = q.x[0][k];
-        if (pick(b, 3))
-            q.x[1][j] = q.x[1][k];
-    }
-    if (family == AT_A_TIME || family == NUDGED)
-        make_contact(b, &q);
-    if (family == EDGE_ON)
-        make_edge_on(b, &q);
-    if (family == GRAZING) /* the plane comes and goes again */
-        for (int j = 1; j < 4; j++)
-            q.x[1][j] = vec_make(q.x[1][j].x, q.x[1][j].y, -q.x[0][j].z);
-    if (family == CLOTH || family == SMOOTH)
-        make_smooth(b, &q, family);
-    if (family == WILD)
-        make_wild(b, &q);
-    transform(b, &q, family);
-    return q;
+    return q->kind ? narrow_ee(q->x[0], q->x[1], tier)
+                   : narrow_vf(q->x[0], q->x[1], tier);
 }
 
 uint32_t query_toi(const struct query *q)
 {
     int tier;
-    return q->kind ? narrow_ee(q->x[0], q->x[1], &tier)
-                   : narrow_vf(q->x[0], q->x[1], &tier);
+    return query_tier(q, &tier);
 }
 
 void query_double(const struct query *q, double x[2][4][3])
@@ -210,6 +43,15 @@ void query_double(const struct query *q, double x[2][4][3])
 
 /* ---- The stage ---- */
 
+/* A query of any family, seldom of the slow one. */
+static struct query pick_query(struct bytes *b)
+{
+    int kind = (int)pick(b, 2), family = (int)pick(b, QUERY_FAMILIES);
+    if (family == QUERY_WILD && pick(b, 16))
+        family = QUERY_LATTICE;
+    return query_pick(b, kind, family);
+}
+
 void gen_narrow(struct bytes *b, struct narrow *s)
 {
     s->n = for_bench(b) ? 1 << 18 : pick_size(b);
@@ -218,9 +60,9 @@ void gen_narrow(struct bytes *b, struct narrow *s)
     uint8_t *kind = take(b, s->n, 1);
     vec *x[2] = {take(b, s->nv, sizeof(vec)), take(b, s->nv, sizeof(vec))};
     for (int64_t i = 0; i < s->n; i++) {
-        struct query q = {.kind = (int)(i & 1)};
+        struct query q;
         if (for_bench(b))
-            make_smooth(b, &q, CLOTH);
+            q = query_typical(b, (int)(i & 1));
         else
             q = pick_query(b);
         kind[i] = (uint8_t)q.kind;
