@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Which place an item that is kept has among those of its block. */
+#ifndef GPU_PLACE_CUH
+#define GPU_PLACE_CUH
+
+#include "gpu/gpu.cuh"
+
+enum { PLACE_BLOCK = 256 };
+
+/* The number of threads before this one that keep theirs; *total: of all.
+ * Every thread of a block of PLACE_BLOCK must call it. */
+__device__ inline int block_place(bool keep, int *total)
+{
+    __shared__ unsigned word[PLACE_BLOCK / 32];
+    int t = (int)threadIdx.x, rank = 0, sum = 0;
+    __syncthreads(); /* word may be read still from the call before */
+    if (t % 32 == 0)
+        word[t / 32] = 0;
+    __syncthreads();
+    if (keep)
+        atomicOr(&word[t / 32], 1u << t % 32);
+    __syncthreads();
+    for (int k = 0; k < PLACE_BLOCK / 32; k++) {
+        int here = __popc(word[k]);
+        rank += k < t / 32 ? here : 0;
+        sum += here;
+    }
+    *total = sum;
+    return rank + __popc(word[t / 32] & ((1u << t % 32) - 1));
+}
+
+#endif
