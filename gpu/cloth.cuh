@@ -36,6 +36,26 @@ __device__ inline real spring_p(real t)
     return p * t + R(15.3546581234);
 }
 
+/* dP/dt, and the integral of P from 0. */
+__device__ inline real spring_dp(real t)
+{
+    real p = R(5.6721468045) * t - R(7.07449775695);
+    p = p * t + R(7.77313639376);
+    p = p * t - R(8.88264291159);
+    p = p * t + R(9.3445419683);
+    return p * t - R(7.81897177916);
+}
+__device__ inline real spring_ip(real t)
+{
+    real p = R(0.13505111439285714) * t - R(0.23581659189833333);
+    p = p * t + R(0.388656819688);
+    p = p * t - R(0.7402202426325);
+    p = p * t + R(1.5574236613833333);
+    p = p * t - R(3.90948588958);
+    p = p * t + R(15.3546581234);
+    return p * t;
+}
+
 /* Tension, N, at a length. */
 __device__ inline real spring_tension(const struct law *a, real length)
 {
@@ -45,6 +65,28 @@ __device__ inline real spring_tension(const struct law *a, real length)
     }
     real s = spring_s(length / a->rest);
     return -(a->bend * (spring_p(s - R(0.78125)) / s));
+}
+
+/* Its slope, N/m. */
+__device__ inline real spring_slope(const struct law *a, real length)
+{
+    if (length >= a->knee)
+        return length >= a->rest ? a->k : a->press;
+    real s = spring_s(length / a->rest), t = s - R(0.78125);
+    real slope = (spring_p(t) / s - spring_dp(t)) / (2 * s * s);
+    return a->bend * slope / a->rest;
+}
+
+/* Its energy, J. */
+__device__ inline real spring_energy(const struct law *a, real length)
+{
+    real d = length - a->rest;
+    if (length >= a->knee) {
+        real k = length >= a->rest ? a->k : a->press;
+        return R(0.5) * k * d * d;
+    }
+    real t = spring_s(length / a->rest) - R(0.78125);
+    return a->well - a->bend * a->rest * (2 * spring_ip(t));
 }
 
 #endif

@@ -86,6 +86,13 @@ void gpu_note(struct gpu *g, cudaError_t error);
                    [&] { kernel(__VA_ARGS__); })
 #endif
 
+/* Before a short loop: its counter is a constant in each turn. */
+#ifdef __CUDACC__
+#define UNROLL _Pragma("unroll")
+#else
+#define UNROLL
+#endif
+
 /* ---- Small results: counts, flags, a stage's scalars ---- */
 
 /* g->words, all zero from here on in the stream. */

@@ -9,15 +9,6 @@
         (void)s;                                                               \
         return DRAPE_EDEVICE;                                                  \
     }
-MISSING(kinematics)
-MISSING(wind)
-MISSING(blocks)
-MISSING(advance)
-MISSING(predict)
-MISSING(rhs)
-MISSING(update)
-MISSING(history)
-MISSING(energy)
 MISSING(matrix)
 MISSING(product)
 MISSING(jacobi)

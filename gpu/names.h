@@ -18,6 +18,7 @@
 #define gpu_couple_start REAL_NAME(gpu_couple_start)
 #define gpu_dot REAL_NAME(gpu_dot)
 #define gpu_energy REAL_NAME(gpu_energy)
+#define gpu_energy_into REAL_NAME(gpu_energy_into)
 #define gpu_excess REAL_NAME(gpu_excess)
 #define gpu_features REAL_NAME(gpu_features)
 #define gpu_front REAL_NAME(gpu_front)

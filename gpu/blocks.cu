@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One positive semidefinite block a spring. spec/05_blocks.md */
+#include "gpu/cloth.cuh"
+
+enum { SIX = sizeof(sym) / sizeof(real) };
+
+/* §2: (a - b) u uᵀ + b I. */
+static __device__ sym spring_block(const struct law *law, real tau, vec d)
+{
+    real l = length(d);
+    if (!(l > 0))
+        return sym{0, 0, 0, 0, 0, 0};
+    vec u = scale(1 / l, d);
+    real square = tau * tau;
+    real a = tau * law->damp + square * spring_slope(law, l);
+    real b = square * most(spring_tension(law, l) / l, R(0));
+    vec w = scale(a - b, u);
+    return sym{w.x * u.x + b, w.x * u.y, w.x * u.z,
+               w.y * u.y + b, w.y * u.z, w.z * u.z + b};
+}
+
+/* Thread t of block k owns particle 256 k + t: reads it and the far ends of
+ * its forward springs. The blocks of a direction go through `s`, so that the
+ * threads write them side by side. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    blocks_kernel(struct blocks a)
+{
+    __shared__ sym s[GPU_BLOCK];
+    int t = (int)threadIdx.x, base = (int)blockIdx.x * GPU_BLOCK, p = base + t;
+    int n = (int)a.count - base;
+    int reals = SIX * (n < GPU_BLOCK ? n : GPU_BLOCK);
+    int mask = t < n ? a.springs[p] : 0;
+    vec here = t < n ? a.x[p] : make(0, 0, 0);
+    UNROLL
+    for (int o = 0; o < SPRINGS; o++) {
+        vec d = make(0, 0, 0);
+        if (mask >> o & 1)
+            d = sub(a.x[p + forward_i(o) + forward_j(o) * a.m], here);
+        s[t] = spring_block(&a.law[o], a.tau, d);
+        __syncthreads();
+        real *to = (real *)(a.block + o * a.count + base);
+        for (int r = t; r < reals; r += GPU_BLOCK)
+            to[r] = ((const real *)s)[r];
+        __syncthreads();
+    }
+}
+
+int gpu_blocks(struct gpu *g, struct blocks *s)
+{
+    int64_t blocks = (s->count + GPU_BLOCK - 1) / GPU_BLOCK;
+    LAUNCH_BLOCKS(g, blocks, GPU_BLOCK, blocks_kernel, *s);
+    return gpu_status(g);
+}
