@@ -44,16 +44,18 @@ HAS_APP    := $(and $(call has,assimp/cimport.h),$(call \
     has,png.h),$(call has,gmp.h))
 HAS_ORACLE := $(and $(call has,CGAL/version.h),$(call \
     has,fcl/fcl.h),$(call has,ccd/ccd.h),$(call has,gmp.h))
-NVCC       := $(shell command -v nvcc)
 
 API    := ref/arena.c ref/define.c ref/drape.c ref/frames.c ref/query.c
+# The GPU part is built where nvcc and a device are, or by GPU=yes.
+NVCC   := $(shell command -v nvcc)
+GPU    ?= $(and $(NVCC),$(wildcard /dev/nvidia0 /dev/nvidiactl),yes)
 REF    := $(sort $(filter-out $(API),$(wildcard ref/*.c)))
 ONCE   := tests/check.c tests/case.c tests/choices.c tests/device.c \
           tests/tally.c
 TWICE  := $(sort $(filter-out $(ONCE),$(wildcard tests/*.c)))
 # Kernels; device.cu and prim.cu are CUDA's own, which gpu/emulate.cpp replaces.
 DEVICE := gpu/device.cu gpu/prim.cu
-GPU    := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*.cu)))
+KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
 APP_LIBS    := -lassimp -lcjson -lembree3 -lpng -lgmp -lm
@@ -66,11 +68,11 @@ TEST_O := $(call obj,$(TWICE),.32) $(call obj,$(TWICE),.64) \
           $(call obj,$(ONCE),)
 APP_O  := $(call obj,$(APP),)
 # gpu/ twice: as CUDA, and emulated on the host for build/check.
-EMU_O  := $(call obj,$(GPU),.32) $(call obj,$(GPU),.64) \
+EMU_O  := $(call obj,$(KERNEL),.32) $(call obj,$(KERNEL),.64) \
           $(call obj,gpu/missing,.32) $(call obj,gpu/missing,.64) \
           $(BUILD)/gpu/emulate.o
-CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(GPU),.32) \
-          $(call obj,$(GPU),.64) $(call obj,$(DEVICE),)) \
+CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(KERNEL),.32) \
+          $(call obj,$(KERNEL),.64) $(call obj,$(DEVICE),)) \
           $(call obj,gpu/missing,.32) $(call obj,gpu/missing,.64)
 # Without their libraries one file stands in for all oracles but brute force.
 # CGAL's take a minute to compile, so the flavours share ROOT's.
@@ -87,10 +89,8 @@ LIB    := $(BUILD)/libdrape.a
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu
 
-# The GPU part is issue 4's; what is not there is said, in one line.
 say-gpu:
-	@$(if $(NVCC),,echo 'drape: no nvcc here: CPU part only';) \
-	 $(if $(wildcard gpu/*.cu),,echo 'drape: gpu/ holds no kernels yet: CPU part only')
+	@$(if $(GPU),,echo 'drape: $(if $(NVCC),no device,no nvcc) here: CPU part only')
 
 $(BUILD)/%.32.o: %.c
 	@mkdir -p $(@D)
@@ -126,7 +126,7 @@ $(ROOT)/oracle/%.o: oracle/%.cpp
 	@mkdir -p $(@D)
 	$(CXX17) -c $< -o $@
 
-$(LIB): $(REF_O)
+$(LIB): $(REF_O) $(if $(GPU),$(CUDA_O),$(BUILD)/gpu/absent.o)
 	@rm -f $@
 	$(AR) rcs $@ $^
 $(BUILD)/check: $(TEST_O) $(EMU_O) $(ORC_O) $(LIB)
@@ -134,7 +134,7 @@ $(BUILD)/check: $(TEST_O) $(EMU_O) $(ORC_O) $(LIB)
 $(BUILD)/check-cuda: $(TEST_O) $(CUDA_O) $(ORC_O) $(LIB)
 	$(C17) $(TEST_O) $(CUDA_O) $(ORC_O) $(LIB) -o $@ $(ORC_L) $(CUDA_L)
 $(BUILD)/drape: $(APP_O) $(LIB)
-	$(C17) $(APP_O) $(LIB) -o $@ $(APP_LIBS)
+	$(C17) $(APP_O) $(LIB) -o $@ $(APP_LIBS) $(if $(GPU),$(CUDA_L))
 
 # For fuzzing: everything but check's main, both precisions.
 PARTS := $(filter-out $(BUILD)/tests/check.o,$(TEST_O)) $(REF_O) $(EMU_O) \

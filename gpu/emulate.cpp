@@ -9,8 +9,6 @@
 #include <ucontext.h>
 #include <vector>
 
-#include "ref/keys.h"
-
 struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
 
 /* ---- Threads ---- */

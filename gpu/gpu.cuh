@@ -10,6 +10,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
+#include <time.h>
 
 #ifdef __CUDACC__
 #include <cuda_runtime.h>
@@ -17,7 +18,17 @@
 #include "gpu/emulate.h"
 #endif
 
+/* ref/'s headers are C's; all of them are included here and only here. */
+extern "C" {
 #include "gpu/stages.h"
+#include "gpu/world.h"
+#include "ref/advance.h"
+#include "ref/blocks.h"
+#include "ref/checkpoint.h"
+#include "ref/implicit.h"
+#include "ref/keys.h"
+#include "ref/sum.h"
+}
 
 /* Most threads of a block of an item kernel. */
 enum { GPU_BLOCK = 256, GPU_WORDS = 32, GPU_SLOTS = 8 };

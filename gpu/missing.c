@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stages that are not on the device yet. */
-#include "gpu/stages.h"
+#include "gpu/world.h"
 
 #define MISSING(X)                                                             \
     int gpu_##X(struct gpu *g, struct X *s)                                    \
@@ -29,3 +29,86 @@ MISSING(contacts)
 MISSING(penalty)
 MISSING(zones)
 MISSING(rollback)
+
+/* ---- Parts of the pipeline, gpu/world.h ---- */
+
+#define UNUSED(a) (void)(a)
+
+int gpu_motion(struct gpu *g, struct gpu_sheet *s)
+{
+    UNUSED(g);
+    UNUSED(s);
+    return DRAPE_EDEVICE;
+}
+
+void gpu_motion_energy(struct gpu *g, struct gpu_sheet *s, const vec *x,
+                       const vec *v, double value[3])
+{
+    UNUSED(g);
+    UNUSED(s);
+    UNUSED(x);
+    UNUSED(v);
+    value[0] = value[1] = value[2] = 0;
+}
+
+int gpu_broad_make(struct gpu *g, const struct broad *host, struct broad *b)
+{
+    UNUSED(g);
+    UNUSED(host);
+    UNUSED(b);
+    return DRAPE_EDEVICE;
+}
+
+int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
+                    const vec *x1, real r, const uint8_t *moved)
+{
+    UNUSED(g);
+    UNUSED(b);
+    UNUSED(x0);
+    UNUSED(x1);
+    UNUSED(r);
+    UNUSED(moved);
+    return DRAPE_EDEVICE;
+}
+
+int gpu_response_start(struct gpu *g, struct response *s)
+{
+    UNUSED(g);
+    UNUSED(s);
+    return DRAPE_EDEVICE;
+}
+
+int gpu_response_repel(struct gpu *g, struct response *s,
+                       const struct pairs *near)
+{
+    UNUSED(g);
+    UNUSED(s);
+    UNUSED(near);
+    return DRAPE_EDEVICE;
+}
+
+int gpu_response_penetrate(struct gpu *g, struct response *s)
+{
+    UNUSED(g);
+    UNUSED(s);
+    return DRAPE_EDEVICE;
+}
+
+int gpu_couple_make(struct gpu_world *w)
+{
+    UNUSED(w);
+    return DRAPE_EDEVICE;
+}
+
+void gpu_couple_start(struct gpu_world *w)
+{
+    UNUSED(w);
+}
+
+int gpu_couple_solve(void *user, int64_t n, struct contact *contact)
+{
+    UNUSED(user);
+    UNUSED(n);
+    UNUSED(contact);
+    return DRAPE_EDEVICE;
+}

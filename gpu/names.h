@@ -27,6 +27,9 @@
 #define gpu_impulses REAL_NAME(gpu_impulses)
 #define gpu_jacobi REAL_NAME(gpu_jacobi)
 #define gpu_kinematics REAL_NAME(gpu_kinematics)
+#define gpu_lead REAL_NAME(gpu_lead)
+#define gpu_lead_moves REAL_NAME(gpu_lead_moves)
+#define gpu_lead_velocities REAL_NAME(gpu_lead_velocities)
 #define gpu_matrix REAL_NAME(gpu_matrix)
 #define gpu_motion REAL_NAME(gpu_motion)
 #define gpu_motion_energy REAL_NAME(gpu_motion_energy)
@@ -44,6 +47,7 @@
 #define gpu_rhs REAL_NAME(gpu_rhs)
 #define gpu_rollback REAL_NAME(gpu_rollback)
 #define gpu_springs REAL_NAME(gpu_springs)
+#define gpu_step_broad REAL_NAME(gpu_step_broad)
 #define gpu_step REAL_NAME(gpu_step)
 #define gpu_sum REAL_NAME(gpu_sum)
 #define gpu_sum_finish REAL_NAME(gpu_sum_finish)
@@ -52,6 +56,5 @@
 #define gpu_walk REAL_NAME(gpu_walk)
 #define gpu_wind REAL_NAME(gpu_wind)
 #define gpu_zones REAL_NAME(gpu_zones)
-#define world_ops_gpu REAL_NAME(world_ops_gpu)
 
 #endif

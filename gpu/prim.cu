@@ -5,8 +5,6 @@
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
-#include "ref/keys.h"
-
 void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
 {
     size_t bytes = 0;

@@ -3,7 +3,6 @@
 #include <stdlib.h>
 
 #include "gpu/gpu.cuh"
-#include "gpu/world.h"
 
 void gpu_trace(struct gpu *g, struct trace *t, const char *stage,
                const void *out, size_t bytes)

@@ -19,6 +19,14 @@ struct gpu_sheet {
     struct dynamics dynamics; /* cloth is the one above; solve is not used */
     struct pcg pcg;
     double solver_seconds; /* out: of the last solve */
+    struct kinematics pins;
+    int32_t *pinned; /* device [pins.n] particle of each pin */
+};
+
+/* One obstacle. */
+struct gpu_prop {
+    struct kinematics place; /* rest: of the start, or set to a frame */
+    double *frame;           /* device, or NULL */
 };
 
 struct gpu_world {
@@ -31,12 +39,25 @@ struct gpu_world {
     real *w;                  /* device [nv] */
     uint16_t *body;           /* device [nv] */
     struct surface *surface;  /* device [bodies] */
+    struct pose *pose;        /* device [n_motions] */
+    struct gpu_prop *prop;    /* [n_obstacles] */
     struct gpu_sheet *sheet;  /* [n_cloths] */
     struct broad broad;       /* arena is NULL: memory is gpu_take's */
     struct response response; /* grow is not used: gpu_take likewise */
     struct couple couple;
     double broad_seconds; /* not charged yet */
 };
+
+/* gpu/pipeline.cu: step_advance on the device. */
+int gpu_step(struct world *w, drape_step_report *report);
+
+/* The response's broad; user is the gpu_world. */
+int gpu_step_broad(void *user, const uint8_t *touched, struct pairs *out);
+
+/* gpu/lead.cu: ref/lead.h on the device. */
+int gpu_lead(struct gpu_world *w, double t, vec *x);
+bool gpu_lead_moves(struct gpu_world *w);
+void gpu_lead_velocities(struct gpu_world *w);
 
 /* As trace_stage, of a stream on the device; waits only where t asks. */
 void gpu_trace(struct gpu *g, struct trace *t, const char *stage,

@@ -222,8 +222,8 @@ static void check_obstacle(struct check *c, const drape_obstacle *o,
 
 static void check_world(struct check *c, const drape_def *def)
 {
-    if (def->backend != DRAPE_REF)
-        fail(c, DRAPE_EDEVICE, "backend %d: only the reference is built in",
+    if (def->backend != DRAPE_REF && def->backend != DRAPE_GPU)
+        fail(c, DRAPE_EARG, "backend is %d, expected 0 (ref) or 1 (gpu)",
              def->backend);
     if (def->precision != 32 && def->precision != 64)
         fail(c, DRAPE_EARG, "precision is %d, expected 32 or 64",

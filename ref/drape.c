@@ -26,6 +26,13 @@ static int refuse(drape_error *error, const char *text, int status)
     return status;
 }
 
+static const struct world_ops *choose_ops(const drape_def *def)
+{
+    if (def->backend == DRAPE_GPU)
+        return def->precision == 32 ? &world_ops_gpu_32 : &world_ops_gpu_64;
+    return def->precision == 32 ? &world_ops_32 : &world_ops_64;
+}
+
 int drape_create(const drape_def *def, drape_world **world, drape_error *error)
 {
     if (error)
@@ -41,7 +48,7 @@ int drape_create(const drape_def *def, drape_world **world, drape_error *error)
     if (!d)
         return refuse(error, "out of memory", DRAPE_ENOMEM);
     d->arena = arena;
-    d->ops = def->precision == 32 ? &world_ops_32 : &world_ops_64;
+    d->ops = choose_ops(def);
     d->bodies = def->n_cloths + def->n_obstacles;
     status = d->ops->make(def, &d->arena, &d->world, error);
     if (status != DRAPE_OK) {
@@ -58,6 +65,8 @@ void drape_destroy(drape_world *world)
 {
     if (!world)
         return;
+    if (world->ops->end && world->world)
+        world->ops->end(world->world);
     struct arena arena = world->arena; /* the world lies in it */
     arena_free(&arena);
 }

@@ -132,6 +132,7 @@
 #define root_locate REAL_NAME(root_locate)
 #define root_sign REAL_NAME(root_sign)
 #define solver_make REAL_NAME(solver_make)
+#define solver_size REAL_NAME(solver_size)
 #define solver_solve REAL_NAME(solver_solve)
 #define start_audit REAL_NAME(start_audit)
 #define step_advance REAL_NAME(step_advance)
@@ -145,7 +146,13 @@
 #define tree_own REAL_NAME(tree_own)
 #define wire_stages REAL_NAME(wire_stages)
 #define world_first_triangle REAL_NAME(world_first_triangle)
+#define world_first_vertex REAL_NAME(world_first_vertex)
+#define world_make REAL_NAME(world_make)
 #define world_ops REAL_NAME(world_ops)
+#define world_ops_gpu REAL_NAME(world_ops_gpu)
+#define world_read REAL_NAME(world_read)
+#define world_read_triangles REAL_NAME(world_read_triangles)
 #define world_set_wind REAL_NAME(world_set_wind)
+#define world_wake REAL_NAME(world_wake)
 
 #endif

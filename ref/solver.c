@@ -9,10 +9,8 @@ static void *take(struct arena *a, int64_t n, size_t size)
     return arena_take(a, ARENA_SOLVER, n, size);
 }
 
-int solver_make(struct solver *s, const drape_def *def,
-                const struct cloth *cloth, struct arena *arena)
+void solver_size(struct pcg *p, const drape_def *def, const struct cloth *cloth)
 {
-    struct pcg *p = &s->pcg;
     p->m = cloth->m;
     p->n = cloth->n;
     p->count = cloth->count;
@@ -23,6 +21,13 @@ int solver_make(struct solver *s, const drape_def *def,
     p->mass = cloth->mass;
     p->fixed = cloth->fixed;
     ref_pcg_size(p);
+}
+
+int solver_make(struct solver *s, const drape_def *def,
+                const struct cloth *cloth, struct arena *arena)
+{
+    struct pcg *p = &s->pcg;
+    solver_size(p, def, cloth);
     p->cdf = take(arena, p->n_cdf, sizeof *p->cdf);
     p->diagonal = take(arena, p->count, sizeof *p->diagonal);
     p->factor = take(arena, p->count, sizeof *p->factor);

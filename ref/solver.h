@@ -12,6 +12,10 @@ struct solver {
     double seconds; /* out: of the last solve */
 };
 
+/* Settings and sizes of the cloth's system; no streams. */
+void solver_size(struct pcg *p, const drape_def *def,
+                 const struct cloth *cloth);
+
 /* Takes what the solver of this cloth needs. DRAPE_OK or DRAPE_ENOMEM. */
 int solver_make(struct solver *s, const drape_def *def,
                 const struct cloth *cloth, struct arena *arena);

@@ -36,6 +36,7 @@ struct prop {
 
 struct world {
     drape_def def; /* scalars and motions; of the rest, no pointer is read */
+    struct gpu_world *device; /* NULL: the reference steps it */
     struct plan plan;
     struct arena *arena;
     uint64_t fingerprint; /* of the whole definition, for checkpoints */
@@ -71,8 +72,14 @@ struct world {
     bool has_past; /* past_x and past_v hold the step before */
 };
 
-/* What ref/world.c lends to the other files of a world. */
+/* What ref/world.c lends to the other files of a world, and to gpu/. */
+int world_make(const drape_def *def, struct arena *arena, struct world **world,
+               drape_error *error);
+void world_read(const struct world *w, double (*x)[3], double (*v)[3]);
+void world_read_triangles(const struct world *w, int32_t (*tri)[3]);
+int64_t world_first_vertex(const struct world *w, int body);
 int64_t world_first_triangle(const struct world *w, int body);
+void world_wake(struct world *w);
 void world_set_wind(struct world *w, const drape_wind *wind);
 
 #endif

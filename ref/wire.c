@@ -22,6 +22,10 @@ static int make_dynamics(struct world *w, struct sheet *s, const drape_def *def)
                           (real)def->gravity[2]);
     d->windy = w->plan.wind;
     d->trace = w->tracing;
+    if (w->def.backend != DRAPE_REF) {
+        solver_size(&s->solver.pcg, def, c);
+        return DRAPE_OK; /* the device has the streams */
+    }
     d->work =
         take(w, ARENA_SOLVER, dynamics_vecs(d->method, d->windy) * c->count,
              sizeof *d->work);
@@ -90,6 +94,8 @@ static int make_response(struct world *w, const drape_def *def)
     c->broad = step_broad;
     c->grow = step_grow;
     c->user = w;
+    if (w->def.backend != DRAPE_REF)
+        return DRAPE_OK; /* the device has the streams */
     c->u = take(w, ARENA_RESPONSE, w->nv, sizeof *c->u);
     c->touched = take(w, ARENA_RESPONSE, w->nv, 1);
     c->rolled = take(w, ARENA_RESPONSE, w->nv, 1);

@@ -208,8 +208,8 @@ static int fill(struct world *w, const drape_def *def, drape_error *error)
     return status;
 }
 
-static int make(const drape_def *def, struct arena *arena, struct world **world,
-                drape_error *error)
+int world_make(const drape_def *def, struct arena *arena, struct world **world,
+               drape_error *error)
 {
     struct world *w = arena_take(arena, ARENA_OTHER, 1, sizeof *w);
     if (!w)
@@ -250,18 +250,18 @@ static void copy_out(double (*out)[3], const vec *a, int64_t n)
     }
 }
 
-static void read_state(const struct world *w, double (*x)[3], double (*v)[3])
+void world_read(const struct world *w, double (*x)[3], double (*v)[3])
 {
     copy_out(x, w->x0, w->nv);
     copy_out(v, w->v0, w->nv);
 }
 
-static void read_triangles(const struct world *w, int32_t (*tri)[3])
+void world_read_triangles(const struct world *w, int32_t (*tri)[3])
 {
     memcpy(tri, w->tri, (size_t)w->nt * sizeof *tri);
 }
 
-static int64_t first_vertex(const struct world *w, int body)
+int64_t world_first_vertex(const struct world *w, int body)
 {
     int cloths = w->def.n_cloths;
     if (body >= cloths + w->def.n_obstacles)
@@ -278,7 +278,7 @@ int64_t world_first_triangle(const struct world *w, int body)
                          : w->prop[body - cloths].first_triangle;
 }
 
-static void wake(struct world *w)
+void world_wake(struct world *w)
 {
     w->asleep = false;
     w->resting = 0;
@@ -294,10 +294,17 @@ void world_set_wind(struct world *w, const drape_wind *wind)
         d->drag = (real)(0.5 * wind->density * wind->drag);
         d->lift = (real)(0.5 * wind->density * wind->lift);
     }
-    wake(w);
+    world_wake(w);
 }
 
-const struct world_ops world_ops = {
-    make,         step_advance,         read_state,     read_triangles,
-    first_vertex, world_first_triangle, wake,           world_set_wind,
-    plan_rows,    checkpoint_save,      checkpoint_load};
+const struct world_ops world_ops = {.make = world_make,
+                                    .step = step_advance,
+                                    .read = world_read,
+                                    .read_triangles = world_read_triangles,
+                                    .first_vertex = world_first_vertex,
+                                    .first_triangle = world_first_triangle,
+                                    .wake = world_wake,
+                                    .set_wind = world_set_wind,
+                                    .plan = plan_rows,
+                                    .save = checkpoint_save,
+                                    .load = checkpoint_load};

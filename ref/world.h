@@ -23,8 +23,11 @@ struct world_ops {
     int (*plan)(const struct world *w, drape_plan_row *row, int capacity);
     int (*save)(const struct world *w, drape_write *write, void *user);
     int (*load)(struct world *w, drape_read_bytes *read, void *user);
+    void (*end)(struct world *w); /* NULL: the arena holds everything */
 };
 
 extern const struct world_ops world_ops_32, world_ops_64;
+/* On the device; in a build without CUDA make refuses. */
+extern const struct world_ops world_ops_gpu_32, world_ops_gpu_64;
 
 #endif

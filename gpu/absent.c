@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stands in for the device in a build without CUDA. */
+#include <stdio.h>
+
+#include "ref/world.h"
+
+static int refuse(const drape_def *def, struct arena *arena,
+                  struct world **world, drape_error *error)
+{
+    (void)def;
+    (void)arena;
+    *world = NULL;
+    if (error)
+        snprintf(error->text, sizeof error->text,
+                 "backend gpu: this build has none (it was made without nvcc)");
+    return DRAPE_EDEVICE;
+}
+
+const struct world_ops world_ops_gpu_32 = {.make = refuse};
+const struct world_ops world_ops_gpu_64 = {.make = refuse};

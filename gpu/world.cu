@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A world on the device: made by ref/world.c, then copied there stream by
+ * stream. spec/50_gpu.md §6 */
+#include <stdio.h>
+
+#include "gpu/gpu.cuh"
+
+/* A stream on the device with what the host's holds; NULL: zero. */
+static void *give(struct gpu_world *w, enum arena_part part, const void *host,
+                  int64_t n, size_t size)
+{
+    void *p = gpu_take(w->gpu, part, n, size);
+    if (p && host)
+        gpu_up(w->gpu, p, host, (size_t)n * size);
+    return p;
+}
+
+/* GIVE(pointer, part, host, n): with the size of what pointer points to. */
+#define GIVE(p, part, host, n)                                                 \
+    (p) = (decltype(p))give(w, part, host, n, sizeof *(p))
+
+static void give_state(struct gpu_world *w)
+{
+    const struct world *h = w->host;
+    GIVE(w->x0, ARENA_STATE, h->x0, h->nv);
+    GIVE(w->v0, ARENA_STATE, h->v0, h->nv);
+    GIVE(w->x1, ARENA_STATE, h->x0, h->nv);
+    GIVE(w->v1, ARENA_STATE, h->v0, h->nv);
+    GIVE(w->to, ARENA_STATE, h->to, h->nc);
+    GIVE(w->w, ARENA_STATE, h->w, h->nv);
+    GIVE(w->body, ARENA_STATE, h->body, h->nv);
+    GIVE(w->surface, ARENA_STATE, h->surface,
+         h->def.n_cloths + h->def.n_obstacles);
+    GIVE(w->pose, ARENA_OTHER, h->pose, h->def.n_motions);
+    if (h->plan.history) {
+        GIVE(w->past_x, ARENA_STATE, h->past_x, h->nc);
+        GIVE(w->past_v, ARENA_STATE, h->past_v, h->nc);
+    }
+    if (h->plan.history && h->plan.collides) {
+        GIVE(w->free_x, ARENA_STATE, NULL, h->nc);
+        GIVE(w->free_v, ARENA_STATE, NULL, h->nc);
+    }
+}
+
+static void give_place(struct gpu_world *w, enum arena_part part,
+                       const struct kinematics *host, struct kinematics *k)
+{
+    *k = *host;
+    k->rest = k->next = NULL;
+    double *rest = NULL;
+    int32_t *motion = NULL;
+    GIVE(rest, part, host->rest, 3 * host->n);
+    GIVE(motion, part, host->motion, host->n);
+    k->rest = rest;
+    k->motion = motion;
+    k->pose = w->pose;
+}
+
+static void give_pcg(struct gpu_world *w, struct pcg *p)
+{
+    GIVE(p->cdf, ARENA_SOLVER, NULL, p->n_cdf);
+    GIVE(p->diagonal, ARENA_SOLVER, NULL, p->n_cdf ? p->count : 0);
+    GIVE(p->factor, ARENA_SOLVER, NULL, p->count);
+    GIVE(p->low, ARENA_SOLVER, NULL, p->count);
+    GIVE(p->r, ARENA_SOLVER, NULL, p->count);
+    GIVE(p->s, ARENA_SOLVER, NULL, p->count);
+    GIVE(p->p, ARENA_SOLVER, NULL, p->count);
+    GIVE(p->q, ARENA_SOLVER, NULL, p->count);
+    GIVE(p->chunk, ARENA_SOLVER, NULL, p->n_chunks);
+    GIVE(p->grid.pool, ARENA_SOLVER, NULL, p->grid.n_pool);
+    GIVE(p->grid.room, ARENA_SOLVER, NULL, p->grid.n_room);
+    GIVE(p->grid.live, ARENA_SOLVER, NULL, p->grid.n_live);
+    GIVE(p->grid.dense, ARENA_SOLVER, NULL, p->grid.n_dense);
+}
+
+static void give_sheet(struct gpu_world *w, int k)
+{
+    struct sheet *h = &w->host->sheet[k];
+    struct gpu_sheet *s = &w->sheet[k];
+    struct cloth *c = &s->cloth;
+    struct dynamics *d = &s->dynamics;
+    s->first = h->first;
+    *c = h->cloth;
+    c->tri = NULL;
+    GIVE(c->cell, ARENA_CLOTH, h->cloth.cell, c->count);
+    GIVE(c->springs, ARENA_CLOTH, h->cloth.springs, c->count);
+    GIVE(c->fixed, ARENA_CLOTH, h->cloth.fixed, c->count);
+    GIVE(c->mass, ARENA_CLOTH, h->cloth.mass, c->count);
+    GIVE(s->law, ARENA_CLOTH, c->law, SPRINGS);
+    GIVE(s->pinned, ARENA_CLOTH, h->pinned, h->pins.n);
+    give_place(w, ARENA_CLOTH, &h->pins, &s->pins);
+    GIVE(s->pins.x, ARENA_CLOTH, h->pins.x, h->pins.n);
+    *d = h->dynamics;
+    d->cloth = c;
+    GIVE(d->work, ARENA_SOLVER, NULL,
+         dynamics_vecs(d->method, d->windy) * c->count);
+    GIVE(d->chunk, ARENA_SOLVER, NULL, 3 * sum_chunks(c->count));
+    if (!w->host->plan.implicit)
+        return;
+    GIVE(d->block, ARENA_SOLVER, NULL, SPRINGS * c->count);
+    s->pcg = h->solver.pcg;
+    s->pcg.mass = c->mass;
+    s->pcg.fixed = c->fixed;
+    give_pcg(w, &s->pcg);
+}
+
+static void give_prop(struct gpu_world *w, int k)
+{
+    const struct prop *h = &w->host->prop[k];
+    struct gpu_prop *p = &w->prop[k];
+    give_place(w, ARENA_OBSTACLE, &h->place, &p->place);
+    if (h->frames)
+        GIVE(p->frame, ARENA_OBSTACLE, h->frame, 3 * h->place.n * h->frames);
+}
+
+static int give_response(struct gpu_world *w)
+{
+    struct response *c = &w->response;
+    const struct world *h = w->host;
+    *c = h->response;
+    c->w = w->w;
+    c->skin.of = w->body;
+    c->skin.surface = w->surface;
+    c->user = w;
+    c->broad = gpu_step_broad;
+    c->grow = NULL;
+    GIVE(c->u, ARENA_RESPONSE, NULL, h->nv);
+    GIVE(c->touched, ARENA_RESPONSE, NULL, h->nv);
+    GIVE(c->rolled, ARENA_RESPONSE, NULL, h->nv);
+    GIVE(c->start, ARENA_RESPONSE, NULL, h->nv + 1);
+    if (!h->plan.implicit)
+        return gpu_status(w->gpu);
+    c->solve = gpu_couple_solve;
+    c->solve_rounds = 4;
+    return gpu_couple_make(w);
+}
+
+static int open_device(struct world *h, drape_error *error)
+{
+    int status;
+    struct gpu_world *w =
+        (struct gpu_world *)arena_take(h->arena, ARENA_OTHER, 1, sizeof *w);
+    if (!w)
+        return DRAPE_ENOMEM;
+    h->device = w;
+    w->host = h;
+    w->gpu = gpu_open(&status);
+    if (!w->gpu && error)
+        snprintf(error->text, sizeof error->text,
+                 "backend gpu: there is no device here that can be used");
+    return status;
+}
+
+static int make(const drape_def *def, struct arena *arena, struct world **world,
+                drape_error *error)
+{
+    int status = world_make(def, arena, world, error);
+    struct world *h = *world;
+    if (status == DRAPE_OK)
+        status = open_device(h, error);
+    if (status != DRAPE_OK)
+        return status;
+    struct gpu_world *w = h->device;
+    w->sheet = (struct gpu_sheet *)arena_take(arena, ARENA_OTHER, def->n_cloths,
+                                              sizeof *w->sheet);
+    w->prop = (struct gpu_prop *)arena_take(arena, ARENA_OTHER,
+                                            def->n_obstacles, sizeof *w->prop);
+    if (arena->failed)
+        return DRAPE_ENOMEM;
+    give_state(w);
+    for (int k = 0; k < def->n_cloths; k++)
+        give_sheet(w, k);
+    for (int k = 0; k < def->n_obstacles; k++)
+        give_prop(w, k);
+    status = gpu_status(w->gpu);
+    if (status == DRAPE_OK && h->plan.collides)
+        status = gpu_broad_make(w->gpu, &h->broad, &w->broad);
+    if (status == DRAPE_OK && h->plan.collides)
+        status = give_response(w);
+    gpu_wait(w->gpu);
+    return status == DRAPE_OK ? gpu_status(w->gpu) : status;
+}
+
+static void end(struct world *h)
+{
+    if (h->device)
+        gpu_close(h->device->gpu);
+}
+
+/* ---- The state, from and to the host's streams ---- */
+
+static void fetch(const struct world *h)
+{
+    struct gpu_world *w = h->device;
+    size_t bytes = (size_t)h->nv * sizeof *w->x0;
+    size_t past = w->past_x ? (size_t)h->nc * sizeof *w->past_x : 0;
+    gpu_down(w->gpu, h->x0, w->x0, bytes);
+    gpu_down(w->gpu, h->v0, w->v0, bytes);
+    gpu_down(w->gpu, h->past_x, w->past_x, past);
+    gpu_down(w->gpu, h->past_v, w->past_v, past);
+}
+
+static void read(const struct world *h, double (*x)[3], double (*v)[3])
+{
+    fetch(h);
+    world_read(h, x, v);
+}
+
+static int save(const struct world *h, drape_write *write, void *user)
+{
+    fetch(h);
+    int status = gpu_status(h->device->gpu);
+    return status == DRAPE_OK ? checkpoint_save(h, write, user) : status;
+}
+
+static void give_air(struct world *h)
+{
+    for (int k = 0; k < h->def.n_cloths; k++) {
+        struct dynamics *d = &h->device->sheet[k].dynamics;
+        d->air = h->sheet[k].dynamics.air;
+        d->drag = h->sheet[k].dynamics.drag;
+        d->lift = h->sheet[k].dynamics.lift;
+    }
+}
+
+static int load(struct world *h, drape_read_bytes *read, void *user)
+{
+    struct gpu_world *w = h->device;
+    int status = checkpoint_load(h, read, user);
+    if (status != DRAPE_OK)
+        return status;
+    size_t bytes = (size_t)h->nv * sizeof *w->x0;
+    size_t past = w->past_x ? (size_t)h->nc * sizeof *w->past_x : 0;
+    gpu_up(w->gpu, w->x0, h->x0, bytes);
+    gpu_up(w->gpu, w->v0, h->v0, bytes);
+    gpu_up(w->gpu, w->x1, h->x0, bytes); /* what never moves is not led */
+    gpu_up(w->gpu, w->past_x, h->past_x, past);
+    gpu_up(w->gpu, w->past_v, h->past_v, past);
+    gpu_wait(w->gpu);
+    give_air(h);
+    return gpu_status(w->gpu);
+}
+
+static void set_wind(struct world *h, const drape_wind *wind)
+{
+    world_set_wind(h, wind);
+    give_air(h);
+}
+
+const struct world_ops world_ops_gpu = {.make = make,
+                                        .step = gpu_step,
+                                        .read = read,
+                                        .read_triangles = world_read_triangles,
+                                        .first_vertex = world_first_vertex,
+                                        .first_triangle = world_first_triangle,
+                                        .wake = world_wake,
+                                        .set_wind = set_wind,
+                                        .plan = plan_rows,
+                                        .save = save,
+                                        .load = load,
+                                        .end = end};
