@@ -125,6 +125,7 @@
 #define ref_walk REAL_NAME(ref_walk)
 #define ref_wind REAL_NAME(ref_wind)
 #define ref_zones REAL_NAME(ref_zones)
+#define residual_find REAL_NAME(residual_find)
 #define response_advance REAL_NAME(response_advance)
 #define response_grow REAL_NAME(response_grow)
 #define response_roll REAL_NAME(response_roll)

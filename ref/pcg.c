@@ -4,6 +4,7 @@
 
 #include "ref/jacobi.h"
 #include "ref/product.h"
+#include "ref/residual.h"
 #include "ref/sum.h"
 
 int64_t ref_pcg_size(struct pcg *s)
@@ -59,15 +60,13 @@ static void precondition(struct pcg *s)
         s->s[k] = factor_solve(s->factor[k], s->r[k]);
 }
 
-/* §2: r = (b - A dv) - A low where free, 0 where fixed. */
+/* §2: r = b - A (dv + low). */
 static void true_residual(struct pcg *s)
 {
-    multiply(s, s->dv, s->r);
-    multiply(s, s->low, s->q);
-    EACH_ITEM
-    for (int64_t k = 0; k < s->count; k++)
-        s->r[k] = s->fixed[k] ? vec_make(0, 0, 0)
-                              : vec_sub(vec_sub(s->b[k], s->r[k]), s->q[k]);
+    struct residual a = {s->m,       s->n,     s->count, s->mass,
+                         s->n_extra, s->extra, s->block, s->fixed,
+                         s->b,       s->dv,    s->low,   s->r};
+    residual_find(&a);
 }
 
 /* *a + b rounded to *a; returns what is rounded off, exactly (Knuth). */
