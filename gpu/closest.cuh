@@ -13,8 +13,8 @@ struct closest_pair {
     struct closest best; /* length2 < 0: nothing offered yet */
 };
 
-__device__ inline void closest_from(const struct wide x[4],
-                                    struct closest_pair *p)
+static __device__ inline void closest_from(const struct wide x[4],
+                                           struct closest_pair *p)
 {
     p->best.length2 = -1;
     p->best.size2 = 0;
@@ -26,8 +26,8 @@ __device__ inline void closest_from(const struct wide x[4],
 
 /* The weights become the best if they bring the points closer: the first of
  * a tie stays. */
-__device__ inline void closest_offer(struct closest_pair *p, double c0,
-                                     double c1, double c2, double c3)
+static __device__ inline void closest_offer(struct closest_pair *p, double c0,
+                                            double c1, double c2, double c3)
 {
     struct wide d = scale(c1, p->y[1]);
     d = axpy(d, c2, p->y[2]);
@@ -44,7 +44,7 @@ __device__ inline void closest_offer(struct closest_pair *p, double c0,
 }
 
 /* a / b within [0, 1]; 0 where either is not above 0. */
-__device__ inline double closest_ratio(double a, double b)
+static __device__ inline double closest_ratio(double a, double b)
 {
     if (!(a > 0 && b > 0))
         return 0;
@@ -52,14 +52,14 @@ __device__ inline double closest_ratio(double a, double b)
 }
 
 /* Where on the edge from a to b the origin y[0] projects. */
-__device__ inline double closest_along(struct wide a, struct wide b)
+static __device__ inline double closest_along(struct wide a, struct wide b)
 {
     struct wide d = sub(b, a);
     return closest_ratio(-dot(a, d), dot(d, d));
 }
 
 /* §1.1: the vertex x[0] and the closed triangle x[1] x[2] x[3]. */
-__device__ inline struct closest nearest_vf(const struct wide x[4])
+static __device__ inline struct closest nearest_vf(const struct wide x[4])
 {
     struct closest_pair p;
     closest_from(x, &p);
@@ -82,7 +82,7 @@ __device__ inline struct closest nearest_vf(const struct wide x[4])
 }
 
 /* §1.2: the closed segments x[0] x[1] and x[2] x[3]. */
-__device__ inline struct closest nearest_ee(const struct wide x[4])
+static __device__ inline struct closest nearest_ee(const struct wide x[4])
 {
     struct closest_pair p;
     closest_from(x, &p);
@@ -108,21 +108,22 @@ __device__ inline struct closest nearest_ee(const struct wide x[4])
 }
 
 /* kind: enum contact_kind. */
-__device__ inline struct closest nearest(const struct wide x[4], int kind)
+static __device__ inline struct closest nearest(const struct wide x[4],
+                                                int kind)
 {
     return kind == 0 ? nearest_vf(x) : nearest_ee(x);
 }
 
 /* The nearest multiple of 2^-22, or 2^-50 in binary64. */
-__device__ inline double closest_quantum(double a)
+static __device__ inline double closest_quantum(double a)
 {
     const double shift = REAL_BITS == 32 ? 0x1.8p30 : 0x1.8p2;
     return (a + shift) - shift;
 }
 
 /* §2.3: the weights as contacts have them. */
-__device__ inline void nearest_weights(const struct closest *r, int kind,
-                                       real c[4])
+static __device__ inline void nearest_weights(const struct closest *r, int kind,
+                                              real c[4])
 {
     double t = closest_quantum(-r->c[3]);
     if (kind == 0) {
@@ -141,7 +142,8 @@ __device__ inline void nearest_weights(const struct closest *r, int kind,
 }
 
 /* The triangle's normal, or the cross product of the edges. Unscaled. */
-__device__ inline struct wide nearest_normal(const struct wide x[4], int kind)
+static __device__ inline struct wide nearest_normal(const struct wide x[4],
+                                                    int kind)
 {
     struct wide a = kind == 0 ? sub(x[2], x[1]) : sub(x[1], x[0]);
     struct wide b = kind == 0 ? sub(x[3], x[1]) : sub(x[3], x[2]);
@@ -149,7 +151,7 @@ __device__ inline struct wide nearest_normal(const struct wide x[4], int kind)
 }
 
 /* a over its length, or the fallback where that is zero or not finite. */
-__device__ inline struct wide unit(struct wide a, struct wide fallback)
+static __device__ inline struct wide unit(struct wide a, struct wide fallback)
 {
     double l = sqrt(dot(a, a));
     if (!(l > 0 && l - l == 0))

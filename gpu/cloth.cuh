@@ -7,12 +7,12 @@
 #include "gpu/real.cuh"
 
 /* Forward direction o: (1,0) (0,1) (1,1) (-1,1) and twice each. */
-__device__ inline int forward_i(int o)
+static __device__ inline int forward_i(int o)
 {
     int one = o % 4 == 0 || o % 4 == 2 ? 1 : o % 4 == 3 ? -1 : 0;
     return o < SPRINGS_SINGLE ? one : 2 * one;
 }
-__device__ inline int forward_j(int o)
+static __device__ inline int forward_j(int o)
 {
     int one = o % 4 == 0 ? 0 : 1;
     return o < SPRINGS_SINGLE ? one : 2 * one;
@@ -20,13 +20,13 @@ __device__ inline int forward_j(int o)
 
 /* ---- §5: the law of a spring, s = √(q + shift), t = s − 25/32 ---- */
 
-__device__ inline real spring_s(real q)
+static __device__ inline real spring_s(real q)
 {
     return root(q + R(0.21723362821122166));
 }
 
 /* P by Horner's rule. */
-__device__ inline real spring_p(real t)
+static __device__ inline real spring_p(real t)
 {
     real p = R(0.94535780075) * t - R(1.41489955139);
     p = p * t + R(1.94328409844);
@@ -37,7 +37,7 @@ __device__ inline real spring_p(real t)
 }
 
 /* dP/dt, and the integral of P from 0. */
-__device__ inline real spring_dp(real t)
+static __device__ inline real spring_dp(real t)
 {
     real p = R(5.6721468045) * t - R(7.07449775695);
     p = p * t + R(7.77313639376);
@@ -45,7 +45,7 @@ __device__ inline real spring_dp(real t)
     p = p * t + R(9.3445419683);
     return p * t - R(7.81897177916);
 }
-__device__ inline real spring_ip(real t)
+static __device__ inline real spring_ip(real t)
 {
     real p = R(0.13505111439285714) * t - R(0.23581659189833333);
     p = p * t + R(0.388656819688);
@@ -57,7 +57,7 @@ __device__ inline real spring_ip(real t)
 }
 
 /* Tension, N, at a length. */
-__device__ inline real spring_tension(const struct law *a, real length)
+static __device__ inline real spring_tension(const struct law *a, real length)
 {
     if (length >= a->knee) {
         real k = length >= a->rest ? a->k : a->press;
@@ -68,7 +68,7 @@ __device__ inline real spring_tension(const struct law *a, real length)
 }
 
 /* Its slope, N/m. */
-__device__ inline real spring_slope(const struct law *a, real length)
+static __device__ inline real spring_slope(const struct law *a, real length)
 {
     if (length >= a->knee)
         return length >= a->rest ? a->k : a->press;
@@ -78,7 +78,7 @@ __device__ inline real spring_slope(const struct law *a, real length)
 }
 
 /* Its energy, J. */
-__device__ inline real spring_energy(const struct law *a, real length)
+static __device__ inline real spring_energy(const struct law *a, real length)
 {
     real d = length - a->rest;
     if (length >= a->knee) {

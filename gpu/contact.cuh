@@ -7,7 +7,8 @@
 #include "ref/contact.h"
 
 /* Candidate k's vertices, in one load. */
-__device__ inline void load_pair(const int32_t *pair, int64_t k, int32_t v[4])
+static __device__ inline void load_pair(const int32_t *pair, int64_t k,
+                                        int32_t v[4])
 {
     struct alignas(16) four {
         int32_t v[4];
@@ -16,7 +17,7 @@ __device__ inline void load_pair(const int32_t *pair, int64_t k, int32_t v[4])
         v[j] = f.v[j];
 }
 
-__device__ inline bool in_range(const int32_t v[4], int64_t nv)
+static __device__ inline bool in_range(const int32_t v[4], int64_t nv)
 {
     bool good = true;
     for (int j = 0; j < 4; j++)
@@ -25,8 +26,8 @@ __device__ inline bool in_range(const int32_t v[4], int64_t nv)
 }
 
 /* The larger thickness and friction of the four vertices' surfaces. */
-__device__ inline struct surface surface_of(const struct skin *s,
-                                            const int32_t v[4])
+static __device__ inline struct surface surface_of(const struct skin *s,
+                                                   const int32_t v[4])
 {
     struct surface r = s->surface[s->of[v[0]]];
     for (int j = 1; j < 4; j++) {

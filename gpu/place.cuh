@@ -9,7 +9,7 @@ enum { PLACE_BLOCK = 256 };
 
 /* The number of threads before this one that keep theirs; *total: of all.
  * Every thread of a block of PLACE_BLOCK must call it. */
-__device__ inline int block_place(bool keep, int *total)
+static __device__ inline int block_place(bool keep, int *total)
 {
     __shared__ unsigned word[PLACE_BLOCK / 32];
     int t = (int)threadIdx.x, rank = 0, sum = 0;

@@ -7,7 +7,7 @@
 
 /* §2: the sum of the block's SUM_CHUNK values, in all of its threads, halving
  * strides. Every thread of a block of SUM_CHUNK must call it. */
-__device__ inline real chunk_sum(real value)
+static __device__ inline real chunk_sum(real value)
 {
     __shared__ real s[SUM_CHUNK];
     int t = (int)threadIdx.x;
