@@ -9,9 +9,6 @@
         (void)s;                                                               \
         return DRAPE_EDEVICE;                                                  \
     }
-MISSING(matrix)
-MISSING(product)
-MISSING(jacobi)
 MISSING(excess)
 MISSING(coarsen)
 MISSING(multigrid)

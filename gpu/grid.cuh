@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Grids of particles on the device, and who is tied to whom: by the springs
+ * of a cloth, or by the couplings of a coarse grid. spec/11_matrix.md,
+ * spec/14_multigrid.md §2 */
+#ifndef GPU_GRID_CUH
+#define GPU_GRID_CUH
+
+#include "gpu/cloth.cuh"
+#include "ref/coarsen.h"
+
+struct grid {
+    int32_t m, n; /* particles along i and j; m·n ≤ 2^30 */
+};
+
+/* Particle p = i + m·j. */
+struct place {
+    int32_t p, i, j;
+};
+
+static __device__ inline struct place place_of(struct grid g, int64_t item)
+{
+    int32_t p = (int32_t)item, j = p / g.m;
+    return place{p, p - j * g.m, j};
+}
+
+/* Forward direction o of DIRECTIONS: SPRINGS or STENCIL of them. */
+template <int DIRECTIONS> static __device__ inline int toward_i(int o)
+{
+    if (DIRECTIONS == SPRINGS)
+        return forward_i(o);
+    return o < 2 ? o + 1 : (o - 2) % 5 - 2;
+}
+
+template <int DIRECTIONS> static __device__ inline int toward_j(int o)
+{
+    return DIRECTIONS == SPRINGS ? forward_j(o) : (o + 3) / 5;
+}
+
+static __device__ inline bool within(struct grid g, int32_t i, int32_t j)
+{
+    return (uint32_t)i < (uint32_t)g.m && (uint32_t)j < (uint32_t)g.n;
+}
+
+/* §3 of 11: where the blocks of the compressed diagonals are. */
+static inline struct cdf cdf_of(int32_t m, int32_t n)
+{
+    static const int di[SPRINGS] = {1, 0, 1, -1, 2, 0, 2, -2};
+    static const int dj[SPRINGS] = {0, 1, 1, 1, 0, 2, 2, 2};
+    int64_t count = (int64_t)m * n;
+    struct cdf c = {{0}, {0}, count};
+    for (int k = 1; k < DIAGONALS; k++) {
+        int o = (k - 1) / 2;
+        int64_t step = di[o] + (int64_t)m * dj[o];
+        bool forward = k % 2;
+        c.offset[k] = forward ? step : -step;
+        c.start[k] = forward ? c.blocks : c.blocks - step;
+        c.blocks += step < count ? count - step : 0;
+    }
+    return c;
+}
+
+#endif
