@@ -170,6 +170,15 @@ struct big big_times(struct room *m, struct big a, uint32_t k)
     return big_mul(m, a, b);
 }
 
+struct big big_shift(struct room *m, struct big a, int k)
+{
+    uint32_t *d = take_words(m, a.n + k);
+    memset(d, 0, (size_t)k * sizeof *d);
+    if (a.n)
+        memcpy(d + k, a.d, (size_t)a.n * sizeof *d);
+    return trim(m, d, a.n + k, a.sign);
+}
+
 struct big big_keep(struct room *m, int mark, struct big r)
 {
     if (m->full)

@@ -14,6 +14,7 @@ struct room {
     int size, used;
     int most;  /* out: the largest `used` */
     bool full; /* out: a number did not fit: results are void */
+    int keep;  /* leading words that a near number keeps: ref/near.h */
 };
 
 /* sign · Σ d[i]·2^(32i); n = 0 exactly where sign = 0, else d[n-1] ≠ 0. */
@@ -34,6 +35,8 @@ struct big big_sub(struct room *m, struct big a, struct big b);
 struct big big_mul(struct room *m, struct big a, struct big b);
 struct big big_times(struct room *m, struct big a, uint32_t k);
 struct big big_negate(struct big a);
+/* a·2^(32 k). */
+struct big big_shift(struct room *m, struct big a, int k);
 /* r, made since the mark, moved down to it; all else since is given back. */
 struct big big_keep(struct room *m, int mark, struct big r);
 /* a·b - c·d, leaving nothing else in the room. */

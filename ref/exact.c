@@ -214,7 +214,7 @@ static uint32_t solve(struct room *m, const struct system *s)
 int exact_first(double x[2][4][3], int kind, uint32_t *word, int n,
                 uint32_t *toi)
 {
-    struct room m = {word, n, 0, 0, false};
+    struct room m = {word, n, 0, 0, false, 0};
     struct line p[4];
     struct system s;
     int e = common_exponent(x);

@@ -28,7 +28,7 @@ bool poly_zero(const struct poly *p);
 struct point point_grid(struct room *m, uint32_t g);
 /* The sign of f at the point. */
 int point_sign(struct room *m, const struct poly *f, const struct point *p);
-/* b² - 4ac of c + bτ + aτ². */
-struct big poly_discriminant(struct room *m, const struct big c[3]);
+/* The sign of b² - 4ac of c + bτ + aτ². */
+int poly_discriminant(struct room *m, const struct big c[3]);
 
 #endif

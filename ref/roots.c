@@ -71,7 +71,7 @@ static int cubic_chains(struct room *m, struct poly p, struct chain c[2])
 {
     struct big h[3], a = p.c[3], b = p.c[2];
     hessian(m, p.c, h);
-    int disc = poly_discriminant(m, h).sign, s = a.sign;
+    int disc = poly_discriminant(m, h), s = a.sign;
     if (disc) {
         start_chain(m, p, &c[0]);
         c[0].tail = -disc * s;
@@ -106,7 +106,7 @@ int chains_make(struct room *m, const struct poly *p, struct chain c[2])
         return cubic_chains(m, f, c);
     int tail = 0;
     if (f.degree == 2) {
-        tail = poly_discriminant(m, f.c).sign * f.c[2].sign;
+        tail = poly_discriminant(m, f.c) * f.c[2].sign;
         if (tail == 0)
             f = linear(big_times(m, f.c[2], 2), f.c[1]);
     }
@@ -205,7 +205,7 @@ static int sign_ordered(struct room *m, const struct poly *f,
     struct poly q = trimmed(f);
     int sign = q.c[0].sign, n = q.degree;
     struct point s = {NULL, 0, {0}, {0}};
-    if (n == 2 && poly_discriminant(m, q.c).sign > 0) {
+    if (n == 2 && poly_discriminant(m, q.c) > 0) {
         struct poly tau = linear(big_small(m, 1), (struct big){0});
         for (s.which = 0, s.q = &q; s.which < 2; s.which++) {
             if (point_sign(m, &tau, &s) < 0)
@@ -217,7 +217,7 @@ static int sign_ordered(struct room *m, const struct poly *f,
         }
         return sign;
     }
-    if (n == 0 || (n == 2 && poly_discriminant(m, q.c).sign < 0))
+    if (n == 0 || (n == 2 && poly_discriminant(m, q.c) < 0))
         return sign;
     /* one rational root -c0/c1, simple or double */
     struct poly l = n == 1 ? q : linear(big_times(m, q.c[2], 2), q.c[1]);

@@ -206,6 +206,7 @@
 #define test_narrow_range REAL_NAME(test_narrow_range)
 #define test_narrow_soak REAL_NAME(test_narrow_soak)
 #define test_narrow_status REAL_NAME(test_narrow_status)
+#define test_near_signs REAL_NAME(test_near_signs)
 #define test_oracle_agreement REAL_NAME(test_oracle_agreement)
 #define test_oracle_known REAL_NAME(test_oracle_known)
 #define test_orders REAL_NAME(test_orders)
