@@ -18,6 +18,7 @@
 #define __shared__ static
 #define __launch_bounds__(...)
 #define __restrict__
+#define __grid_constant__
 
 struct emulate_dim {
     unsigned x, y, z;

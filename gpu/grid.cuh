@@ -24,14 +24,14 @@ static __device__ inline struct place place_of(struct grid g, int64_t item)
 }
 
 /* Forward direction o of DIRECTIONS: SPRINGS or STENCIL of them. */
-template <int DIRECTIONS> static __device__ inline int toward_i(int o)
+template <int DIRECTIONS> static __host__ __device__ inline int toward_i(int o)
 {
     if (DIRECTIONS == SPRINGS)
         return forward_i(o);
     return o < 2 ? o + 1 : (o - 2) % 5 - 2;
 }
 
-template <int DIRECTIONS> static __device__ inline int toward_j(int o)
+template <int DIRECTIONS> static __host__ __device__ inline int toward_j(int o)
 {
     return DIRECTIONS == SPRINGS ? forward_j(o) : (o + 3) / 5;
 }
@@ -44,13 +44,11 @@ static __device__ inline bool within(struct grid g, int32_t i, int32_t j)
 /* §3 of 11: where the blocks of the compressed diagonals are. */
 static inline struct cdf cdf_of(int32_t m, int32_t n)
 {
-    static const int di[SPRINGS] = {1, 0, 1, -1, 2, 0, 2, -2};
-    static const int dj[SPRINGS] = {0, 1, 1, 1, 0, 2, 2, 2};
     int64_t count = (int64_t)m * n;
     struct cdf c = {{0}, {0}, count};
     for (int k = 1; k < DIAGONALS; k++) {
         int o = (k - 1) / 2;
-        int64_t step = di[o] + (int64_t)m * dj[o];
+        int64_t step = forward_i(o) + (int64_t)m * forward_j(o);
         bool forward = k % 2;
         c.offset[k] = forward ? step : -step;
         c.start[k] = forward ? c.blocks : c.blocks - step;

@@ -9,8 +9,6 @@
         (void)s;                                                               \
         return DRAPE_EDEVICE;                                                  \
     }
-MISSING(excess)
-MISSING(coarsen)
 MISSING(multigrid)
 MISSING(pcg)
 MISSING(refit)
