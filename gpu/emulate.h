@@ -14,6 +14,7 @@
 #define __device__
 #define __host__
 #define __forceinline__ inline
+#define __noinline__
 #define __constant__ static const
 #define __shared__ static
 #define __launch_bounds__(...)
