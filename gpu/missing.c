@@ -28,23 +28,6 @@ MISSING(rollback)
 
 #define UNUSED(a) (void)(a)
 
-int gpu_motion(struct gpu *g, struct gpu_sheet *s)
-{
-    UNUSED(g);
-    UNUSED(s);
-    return DRAPE_EDEVICE;
-}
-
-void gpu_motion_energy(struct gpu *g, struct gpu_sheet *s, const vec *x,
-                       const vec *v, double value[3])
-{
-    UNUSED(g);
-    UNUSED(s);
-    UNUSED(x);
-    UNUSED(v);
-    value[0] = value[1] = value[2] = 0;
-}
-
 int gpu_broad_make(struct gpu *g, const struct broad *host, struct broad *b)
 {
     UNUSED(g);

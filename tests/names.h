@@ -194,6 +194,7 @@
 #define test_hanging REAL_NAME(test_hanging)
 #define test_matrix_dense REAL_NAME(test_matrix_dense)
 #define test_momentum REAL_NAME(test_momentum)
+#define test_motion_device REAL_NAME(test_motion_device)
 #define test_motion_keys REAL_NAME(test_motion_keys)
 #define test_moving_pins REAL_NAME(test_moving_pins)
 #define test_multigrid_20k REAL_NAME(test_multigrid_20k)
