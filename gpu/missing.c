@@ -17,12 +17,6 @@ MISSING(front)
 MISSING(walk)
 MISSING(features)
 MISSING(audit)
-MISSING(impacts)
-MISSING(impulses)
-MISSING(contacts)
-MISSING(penalty)
-MISSING(zones)
-MISSING(rollback)
 
 /* ---- Parts of the pipeline, gpu/world.h ---- */
 

@@ -29,4 +29,20 @@ static __device__ inline int block_place(bool keep, int *total)
     return rank + __popc(word[t / 32] & ((1u << t % 32) - 1));
 }
 
+/* Blocks of n items, and a thread's item. */
+static inline int64_t place_blocks(int64_t n)
+{
+    return (n + PLACE_BLOCK - 1) / PLACE_BLOCK;
+}
+static __device__ inline int64_t place_item(void)
+{
+    return (int64_t)blockIdx.x * PLACE_BLOCK + threadIdx.x;
+}
+
+/* Adds to a counter of gpu_words, whose order does not show. */
+static __device__ inline void count_up(int64_t *word, int64_t by)
+{
+    atomicAdd((unsigned long long *)word, (unsigned long long)by);
+}
+
 #endif

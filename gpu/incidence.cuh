@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Which contacts each free vertex is in, on the device.
+ * spec/34_contacts.md §1 */
+#ifndef GPU_INCIDENCE_CUH
+#define GPU_INCIDENCE_CUH
+
+#include "gpu/contact.cuh"
+#include "ref/incidence.h"
+
+/* Words that gpu_incidence writes: whether a contact names no vertex, and
+ * then nothing else is valid; free vertices in contact. */
+enum { INCIDENCE_BAD, INCIDENCE_VERTICES, INCIDENCE_WORDS };
+
+/* As ref_incidence, but `vertices` goes to words, which are zero before. Uses
+ * scratch slots 0 to 2. */
+void gpu_incidence(struct gpu *g, const struct incidence *s, int64_t *words);
+
+#endif
