@@ -87,23 +87,33 @@ int64_t orc_self_pairs(int64_t nv, const double (*x)[3], int64_t nt,
         CGAL::Box_intersection_d::Box_with_info_d<double, 3, int32_t, Policy>;
     (void)nv;
     Soup soup{x, tri};
-    std::vector<Box> boxes;
+    std::vector<Box> free, still; // of group 0
+    CGAL::Bbox_3 all;
     *degenerate = 0;
     for (int32_t t = 0; t < nt; t++) {
-        if (CGAL::collinear(soup.at(t, 0), soup.at(t, 1), soup.at(t, 2)))
+        if (CGAL::collinear(soup.at(t, 0), soup.at(t, 1), soup.at(t, 2))) {
             ++*degenerate;
-        else
-            boxes.push_back(Box(soup.triangle(t).bbox(), t));
+            continue;
+        }
+        bool moves = group == nullptr || group[t] != 0;
+        CGAL::Bbox_3 box = soup.triangle(t).bbox();
+        (moves ? free : still).push_back(Box(box, t));
+        if (moves)
+            all += box;
     }
+    still.erase(std::remove_if(still.begin(), still.end(),
+                               [&](const Box &b) {
+                                   return !CGAL::do_overlap(b.bbox(), all);
+                               }),
+                still.end());
     Pairs found;
-    CGAL::box_self_intersection_d(
-        boxes.begin(), boxes.end(), [&](const Box &p, const Box &q) {
-            int32_t a = p.info(), b = q.info();
-            if (group != nullptr && group[a] == 0 && group[b] == 0)
-                return;
-            if (soup.intersect(a, b))
-                found.push_back({a, b});
-        });
+    auto test = [&](const Box &p, const Box &q) {
+        if (soup.intersect(p.info(), q.info()))
+            found.push_back({p.info(), q.info()});
+    };
+    CGAL::box_self_intersection_d(free.begin(), free.end(), test);
+    CGAL::box_intersection_d(free.begin(), free.end(), still.begin(),
+                             still.end(), test);
     return give(found, cap, pair);
 }
 

@@ -1,0 +1,86 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# One part of `make check`: runs it, shows its counts, time and what failed,
+# and adds the counts to BUILD/check.counts. Parts may run side by side.
+# usage: ci/part.sh BUILD PART [JOBS]
+set -u
+build=$1 part=$2 jobs=${3-1}
+log=$build/check-$part.log
+tool=$build/drape
+
+# Runs a command that ends with `N passed, N failed[, N skipped]`.
+count() {
+    name=$1
+    shift
+    start=$(date +%s)
+    "$@" >"$log" 2>&1
+    status=$?
+    line=$(tail -n 1 "$log")
+    case $line in
+    *' passed, '*' failed'*) ;;
+    *) line='0 passed, 1 failed' ;;
+    esac
+    [ $status -eq 0 ] || case $line in
+    *' 0 failed'*) line='0 passed, 1 failed' ;;
+    esac
+    set -- $(echo "$line" | tr -dc '0-9 ')
+    echo "$1 $2 ${3:-0}" >>"$build/check.counts"
+    # one write, so that lines of other parts do not get between
+    shown=$(printf '%-28s %s (%d s)' "$name" "$line" $(($(date +%s) - start))
+        echo
+        grep '^skipped' "$log"
+        [ "$2" -eq 0 ] || grep -v '^ok' "$log" | tail -n 40)
+    printf '%s\n' "$shown"
+    rm -f "$log"
+}
+
+# Runs a command that succeeds or fails as one check.
+one() {
+    name=$1
+    shift
+    # shellcheck disable=SC2016
+    count "$name" sh -c \
+        '"$@" && echo "1 passed, 0 failed" || echo "0 passed, 1 failed"' \
+        sh "$@"
+}
+
+# The recorded hashes by a build of other flags.
+flavour() {
+    count "golden, $part" sh -c "make -j$jobs ROOT='$build' BUILD='$build' \
+        $part && '$build/$part/check' --golden tests/golden/stages.txt"
+}
+
+# What needs the tool is skipped where its libraries are not installed.
+with_tool() {
+    if [ -x "$tool" ]; then
+        count "$@"
+    else
+        count "$1" echo '0 passed, 0 failed, 1 skipped'
+    fi
+}
+
+export DRAPE_FAILURES="$build"
+export OMP_WAIT_POLICY=passive # more threads than processors must not spin
+export OMP_NUM_THREADS=1       # what wants more asks for them
+case $part in
+build) one build make -j"$jobs" BUILD="$build" check-parts ;;
+stages) count stages "$build/check" --stages --self-test ;;
+tests) count tests "$build/check" --tests ;;
+golden-*)
+    count "golden, ${part#*-} threads" env OMP_NUM_THREADS="${part#*-}" \
+        "$build/check" --golden tests/golden/stages.txt
+    ;;
+gcc-O0 | gcc-O3 | clang-O2) flavour ;;
+asan) one sanitizers make -j"$jobs" BUILD="$build" asan ;;
+format)
+    one format sh -c 'clang-format --dry-run -Werror app/*.[ch] \
+        fuzz/*.[ch] gpu/* oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch]'
+    ;;
+tidy) one tidy make BUILD="$build" tidy ;;
+tool) with_tool tool sh tests/app.sh "$tool" ;;
+demo) with_tool "the demo's frames" sh ci/scenes.sh "$build" demo ;;
+buddha) with_tool 'buddha, 120 steps' sh ci/scenes.sh "$build" buddha ;;
+fuzz) count 'fuzz corpus' sh ci/fuzz.sh "$build" ;;
+prove) count proofs sh ci/prove.sh ;;
+*) one "unknown part $part" false ;;
+esac
