@@ -10,6 +10,7 @@
 #include <vector>
 
 struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
+unsigned char emulate_lane[1024][8];
 
 /* ---- Threads ---- */
 

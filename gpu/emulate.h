@@ -9,6 +9,7 @@
 #include <functional>
 
 #include <stdint.h>
+#include <string.h>
 
 #define __global__
 #define __device__
@@ -32,6 +33,26 @@ void emulate_blocks(int64_t blocks, int threads,
 
 /* Aborts in a kernel that was not started by emulate_blocks. */
 void __syncthreads(void);
+
+/* The value of the thread of the same warp whose number differs by `mask`.
+ * All threads of a block must call it, as it synchronises them here. */
+extern unsigned char emulate_lane[1024][8];
+template <class T> T __shfl_xor_sync(unsigned, T value, int mask)
+{
+    unsigned t = threadIdx.x;
+    memcpy(emulate_lane[t], &value, sizeof value);
+    __syncthreads();
+    memcpy(&value, emulate_lane[t ^ (unsigned)mask], sizeof value);
+    __syncthreads();
+    return value;
+}
+
+/* Blocks run one after another, and nothing is cached. */
+static inline void __threadfence(void) {}
+template <class T> T __ldcg(const T *a)
+{
+    return *a;
+}
 
 /* Whole numbers only: what a and b make, whatever the order. */
 template <class T, class V> T atomicAdd(T *a, V b)

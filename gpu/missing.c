@@ -9,7 +9,6 @@
         (void)s;                                                               \
         return DRAPE_EDEVICE;                                                  \
     }
-MISSING(multigrid)
 MISSING(pcg)
 MISSING(refit)
 MISSING(cones)

@@ -1,29 +1,104 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The end of every sum on the device. spec/10_sum.md §3 */
+/* Sums on the device, all in one shape. spec/10_sum.md §2, §3 */
 #ifndef GPU_SUM_CUH
 #define GPU_SUM_CUH
 
 #include "gpu/real.cuh"
 
-/* §2: the sum of the block's SUM_CHUNK values, in all of its threads, halving
- * strides. Every thread of a block of SUM_CHUNK must call it. */
-static __device__ inline real chunk_sum(real value)
+enum { SUM_WARPS = SUM_CHUNK / 32 };
+
+/* §2: the sum of s[0 … 255], in all threads of the warp. Strides of 32 and
+ * more are within a thread, those below between threads: there each lane adds
+ * what its partner adds, the other way round. */
+static __device__ inline real warp_sum(real s[SUM_WARPS])
 {
-    __shared__ real s[SUM_CHUNK];
-    int t = (int)threadIdx.x;
-    __syncthreads(); /* s may be read still from the sum before */
-    s[t] = value;
-    __syncthreads();
-    for (int h = SUM_CHUNK / 2; h > 0; h /= 2) {
-        if (t < h)
-            s[t] += s[t + h];
-        __syncthreads();
-    }
+    UNROLL
+    for (int h = SUM_WARPS / 2; h > 0; h /= 2)
+        for (int k = 0; k < h; k++)
+            s[k] += s[k + h];
+    UNROLL
+    for (int h = 16; h > 0; h /= 2)
+        s[0] += __shfl_xor_sync(0xffffffffu, s[0], h);
     return s[0];
 }
 
-/* The sum of n chunk sums in `chunk`, which are used up, into *out on the
- * device; 0 where n is 0. */
-void gpu_sum_finish(struct gpu *g, int64_t n, real *chunk, real *out);
+/* The sums of N values of each thread of a block of SUM_CHUNK, which all must
+ * call it, in all of its threads. */
+template <int N>
+static __device__ inline void chunk_sums(const real value[N], real sum[N])
+{
+    __shared__ real s[N][SUM_CHUNK];
+    int t = (int)threadIdx.x;
+    __syncthreads(); /* s may be read still from the sums before */
+    for (int e = 0; e < N; e++)
+        s[e][t] = value[e];
+    __syncthreads();
+    for (int e = 0; e < N; e++) {
+        real a[SUM_WARPS];
+        UNROLL
+        for (int k = 0; k < SUM_WARPS; k++)
+            a[k] = s[e][t % 32 + 32 * k];
+        sum[e] = warp_sum(a);
+    }
+}
+
+static __device__ inline real chunk_sum(real value)
+{
+    real sum;
+    chunk_sums<1>(&value, &sum);
+    return sum;
+}
+
+/* §3: the sum of n chunk sums, which are used up, by one block of SUM_CHUNK,
+ * in all of its threads; a warp a chunk. In place: no chunk of the next level
+ * is written before those that it overwrites are read. */
+static __device__ inline real finish_sum(int64_t n, real *chunk)
+{
+    int t = (int)threadIdx.x;
+    int64_t left = n;
+    while (left > 1) {
+        int64_t chunks = (left + SUM_CHUNK - 1) / SUM_CHUNK;
+        for (int64_t base = 0; base < chunks; base += SUM_WARPS) {
+            int64_t here = base + t / 32, item = SUM_CHUNK * here + t % 32;
+            real a[SUM_WARPS];
+            UNROLL
+            for (int k = 0; k < SUM_WARPS; k++)
+                a[k] = item + 32 * k < left ? __ldcg(&chunk[item + 32 * k]) : 0;
+            real sum = warp_sum(a);
+            __syncthreads();
+            if (t % 32 == 0 && here < chunks)
+                chunk[here] = sum;
+            __syncthreads();
+        }
+        left = chunks;
+    }
+    return n ? __ldcg(chunk) : 0;
+}
+
+/* The sums of N values of each thread of all blocks of SUM_CHUNK, block k
+ * being chunk k: true in the threads of the block that ends last, which get
+ * them. chunk [N·gridDim.x] is used up; *ticket is 0 before and after. */
+template <int N>
+static __device__ inline bool grid_sums(const real value[N], real *chunk,
+                                        unsigned *ticket, real sum[N])
+{
+    __shared__ bool last;
+    chunk_sums<N>(value, sum);
+    if (threadIdx.x == 0) {
+        for (int e = 0; e < N; e++)
+            chunk[e * (int64_t)gridDim.x + blockIdx.x] = sum[e];
+        __threadfence(); /* the sums are there before the ticket is drawn */
+        last = atomicAdd(ticket, 1u) == gridDim.x - 1;
+    }
+    __syncthreads();
+    if (!last)
+        return false;
+    __threadfence();
+    for (int e = 0; e < N; e++)
+        sum[e] = finish_sum(gridDim.x, chunk + e * (int64_t)gridDim.x);
+    if (threadIdx.x == 0)
+        *ticket = 0;
+    return true;
+}
 
 #endif

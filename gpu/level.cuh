@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The grids of multigrid on the device. spec/14_multigrid.md §4, §5 */
+#ifndef GPU_LEVEL_CUH
+#define GPU_LEVEL_CUH
+
+#include "gpu/coarsest.cuh"
+#include "ref/multigrid.h"
+
+/* One grid and its streams, fit for a kernel. */
+struct level {
+    struct grid g;
+    int32_t count;
+    const real *mass;     /* of the finest grid, where excess is not read */
+    const sym *extra;     /* there, or NULL */
+    const uint8_t *fixed; /* NULL: all free */
+    uint8_t *rule;        /* interpolation to it from the next */
+    sym *excess;
+    const sym *block; /* [SPRINGS or STENCIL · count] */
+    const sym *factor;
+    const vec *b; /* right-hand side */
+    vec *x, *y, *d;
+    const int32_t *go; /* NULL, or on the device: 0: do nothing */
+};
+
+/* §4: the Chebyshev polynomial of degree 2. */
+struct weights {
+    real first, keep, second;
+};
+
+/* The two halves of gpu_multigrid; go as in struct level. */
+int gpu_multigrid_build(struct gpu *g, struct multigrid *s);
+void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go);
+
+#endif

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Geometric multigrid V-cycle. spec/14_multigrid.md */
+#include "gpu/coarsen.cuh"
+#include "gpu/jacobi.cuh"
+#include "gpu/level.cuh"
+#include "gpu/product.cuh"
+
+/* §5: the grids from fine to coarse and where their streams are. */
+static int lay_out(const struct multigrid *s, const int32_t *go,
+                   struct level *l)
+{
+    sym *a = s->pool + s->count;
+    vec *v = s->room + 2 * s->count;
+    struct level fine = {};
+    fine.g = grid{s->m, s->n};
+    fine.count = (int32_t)s->count;
+    fine.mass = s->mass;
+    fine.extra = s->n_extra ? s->extra : NULL;
+    fine.fixed = s->fixed;
+    fine.rule = s->live + s->count;
+    fine.excess = s->pool;
+    fine.block = s->block;
+    fine.factor = s->factor;
+    fine.b = s->r;
+    fine.x = s->z;
+    fine.y = s->room;
+    fine.d = s->room + s->count;
+    fine.go = go;
+    l[0] = fine;
+    int levels = 1;
+    while (levels == 1 || l[levels - 1].count > COARSEST) {
+        const struct level *f = &l[levels - 1];
+        struct level c = {};
+        c.g = grid{f->g.m / 2 + 1, f->g.n / 2 + 1};
+        c.count = c.g.m * c.g.n;
+        c.rule = f->rule + f->count;
+        c.excess = a;
+        c.factor = a + c.count;
+        c.block = a + 2 * (int64_t)c.count;
+        c.x = v;
+        c.b = v + c.count;
+        c.y = v + 2 * (int64_t)c.count;
+        c.d = v + 3 * (int64_t)c.count;
+        c.go = go;
+        a += (2 + STENCIL) * (int64_t)c.count;
+        v += 4 * (int64_t)c.count;
+        l[levels++] = c;
+    }
+    return levels;
+}
+
+/* §4: for eigenvalues of [high / 8, high], in binary64. */
+static struct weights weights_of(double high)
+{
+    double low = high / 8, mid = (high + low) / 2, half = (high - low) / 2;
+    double sigma = mid / half, rho = 1 / (2 * sigma - 1 / sigma);
+    return weights{(real)(1 / mid), (real)(rho / sigma),
+                   (real)(2 * rho / half)};
+}
+
+/* ---- smoothing ---- */
+
+static __device__ bool idle(const struct level *l)
+{
+    return l->go && !*l->go;
+}
+
+/* Row p of A x; TIES: SPRINGS on the finest grid, STENCIL on others. */
+template <int TIES>
+static __device__ vec multiplied(const struct level *l, struct place at,
+                                 const vec *x)
+{
+    vec here = x[at.p], y;
+    if (TIES == SPRINGS) {
+        y = own(l->mass[at.p], here);
+        if (l->extra)
+            y = add(y, apply(l->extra[at.p], here));
+    } else
+        y = own(l->excess[at.p], here);
+    return pulled<TIES>(l->g, at, l->block, x, y);
+}
+
+/* Thread p owns y[p], the first half-step from 0: first·F b. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    multigrid_first_kernel(struct level l, real first)
+{
+    ITEM(p, l.count);
+    if (!idle(&l))
+        l.y[p] = scale(first, solved(l.factor[p], l.b[p]));
+}
+
+/* A half-step: d = keep·d + gain·F (b - A from), to = from + d. */
+struct half {
+    const vec *from, *d; /* d: NULL for 0 */
+    vec *to, *next_d;    /* next_d: NULL where nothing reads it */
+    real keep, gain;
+};
+
+/* Thread p owns to[p] and next_d[p]; others read from[p]. */
+template <int TIES>
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    multigrid_smooth_kernel(struct level l, struct half h)
+{
+    ITEM(item, l.count);
+    if (idle(&l))
+        return;
+    struct place at = place_of(l.g, item);
+    vec r = sub(l.b[at.p], multiplied<TIES>(&l, at, h.from));
+    vec d = scale(h.gain, solved(l.factor[at.p], r));
+    if (h.d)
+        d = axpy(d, h.keep, h.d[at.p]);
+    if (h.next_d)
+        h.next_d[at.p] = d;
+    h.to[at.p] = add(h.from[at.p], d);
+}
+
+/* Thread p owns y[p] = b - A x, 0 where fixed. */
+template <int TIES>
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    multigrid_residual_kernel(struct level l)
+{
+    ITEM(item, l.count);
+    if (idle(&l))
+        return;
+    struct place at = place_of(l.g, item);
+    bool fixed = l.fixed && l.fixed[at.p];
+    l.y[at.p] =
+        fixed ? make(0, 0, 0) : sub(l.b[at.p], multiplied<TIES>(&l, at, l.x));
+}
+
+/* ---- between grids, §2 ---- */
+
+/* Thread p of the coarse grid owns its right-hand side to[p], gathered from
+ * the fine residual, and, unless it is the coarsest, its first half-step. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    multigrid_restrict_kernel(struct level f, struct level c, vec *to,
+                              real first)
+{
+    ITEM(item, c.count);
+    if (idle(&c))
+        return;
+    struct place at = place_of(c.g, item);
+    vec sum = make(0, 0, 0);
+    for (int k = 0; k < 9; k++) {
+        int di = k % 3 - 1, dj = k / 3 - 1;
+        int x = 2 * at.i + di, y = 2 * at.j + dj, p = x + f.g.m * y;
+        if (within(f.g, x, y))
+            sum = axpy(sum, R(0.25) * (real)part_of(f.rule[p], di, dj), f.y[p]);
+    }
+    to[at.p] = sum;
+    if (first != 0)
+        c.y[at.p] = scale(first, solved(c.factor[at.p], sum));
+}
+
+/* Thread p of the fine grid owns x[p], to which the correction of the coarse
+ * ones around it is added. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    multigrid_prolong_kernel(struct level c, struct level f)
+{
+    ITEM(item, f.count);
+    if (idle(&f) || (f.fixed && f.fixed[item]))
+        return;
+    struct place at = place_of(f.g, item);
+    int rule = f.rule[at.p];
+    vec sum = make(0, 0, 0);
+    for (int y = at.j / 2; y <= (at.j + 1) / 2; y++)
+        for (int x = at.i / 2; x <= (at.i + 1) / 2; x++) {
+            int part = part_of(rule, at.i - 2 * x, at.j - 2 * y);
+            sum = axpy(sum, R(0.25) * (real)part, c.x[x + c.g.m * y]);
+        }
+    f.x[at.p] = add(f.x[at.p], sum);
+}
+
+/* ---- the stage ---- */
+
+static void smooth(struct gpu *g, const struct level *l, struct half h)
+{
+    if (l->mass)
+        LAUNCH(g, l->count, multigrid_smooth_kernel<SPRINGS>, *l, h);
+    else
+        LAUNCH(g, l->count, multigrid_smooth_kernel<STENCIL>, *l, h);
+}
+
+/* From b to x, the first half-step being in y; then b of the next. */
+static void go_down(struct gpu *g, const struct level *l, struct weights w,
+                    real next_first)
+{
+    const struct level *c = l + 1;
+    smooth(g, l, half{l->y, l->y, l->x, NULL, w.keep, w.second});
+    if (l->mass)
+        LAUNCH(g, l->count, multigrid_residual_kernel<SPRINGS>, *l);
+    else
+        LAUNCH(g, l->count, multigrid_residual_kernel<STENCIL>, *l);
+    LAUNCH(g, c->count, multigrid_restrict_kernel, *l, *c, (vec *)c->b,
+           next_first);
+}
+
+static void go_up(struct gpu *g, const struct level *l, struct weights w)
+{
+    LAUNCH(g, l->count, multigrid_prolong_kernel, l[1], *l);
+    smooth(g, l, half{l->x, NULL, l->y, l->d, 0, w.first});
+    smooth(g, l, half{l->y, l->d, l->x, NULL, w.keep, w.second});
+}
+
+static struct coarsest coarsest_of(const struct multigrid *s,
+                                   const struct level *l)
+{
+    struct coarsest c = {l->g.m,    l->g.n,   l->count,
+                         l->excess, l->block, s->dense};
+    return c;
+}
+
+void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go)
+{
+    struct level l[LEVELS];
+    int last = lay_out(s, go, l) - 1;
+    struct weights fine = weights_of(2), coarse = weights_of(2.5);
+    LAUNCH(g, l->count, multigrid_first_kernel, *l, fine.first);
+    for (int k = 0; k < last; k++)
+        go_down(g, &l[k], k ? coarse : fine, k + 1 < last ? coarse.first : 0);
+    struct coarsest d = coarsest_of(s, &l[last]);
+    gpu_coarsest_solve(g, &d, l[last].b, l[last].x, go);
+    for (int k = last - 1; k >= 0; k--)
+        go_up(g, &l[k], k ? coarse : fine);
+}
+
+int gpu_multigrid_build(struct gpu *g, struct multigrid *s)
+{
+    struct level l[LEVELS];
+    struct excess e = {s->m,       s->n,     s->count,    s->mass,
+                       s->n_extra, s->extra, s->n_blocks, s->block,
+                       s->fixed,   s->pool,  s->live,     s->live + s->count};
+    int status = gpu_excess(g, &e);
+    int levels = status == DRAPE_OK ? lay_out(s, NULL, l) : 0;
+    for (int k = 1; k < levels && status == DRAPE_OK; k++) {
+        const struct level *f = &l[k - 1], *to = &l[k];
+        struct coarsen c = {};
+        c.m = f->g.m;
+        c.n = f->g.n;
+        c.count = f->count;
+        c.excess = f->excess;
+        c.n_blocks = (k == 1 ? (int)SPRINGS : (int)STENCIL) * c.count;
+        c.block = f->block;
+        c.n_live = k == 1 ? c.count : 0;
+        c.live = s->live;
+        c.rule = f->rule;
+        c.n_coarse = to->count;
+        c.n_out = STENCIL * c.n_coarse;
+        c.coarse_excess = to->excess;
+        c.coarse_block = to->excess + 2 * c.n_coarse;
+        c.factor = to->excess + c.n_coarse;
+        c.coarse_rule = to->rule;
+        status = gpu_coarsen(g, &c);
+    }
+    if (status == DRAPE_OK) {
+        struct coarsest d = coarsest_of(s, &l[levels - 1]);
+        gpu_coarsest_factor(g, &d);
+    }
+    return status;
+}
+
+int gpu_multigrid(struct gpu *g, struct multigrid *s)
+{
+    int status = gpu_multigrid_build(g, s);
+    if (status == DRAPE_OK)
+        gpu_multigrid_cycle(g, s, NULL);
+    return status == DRAPE_OK ? gpu_status(g) : status;
+}
