@@ -10,11 +10,6 @@
         return DRAPE_EDEVICE;                                                  \
     }
 MISSING(pcg)
-MISSING(refit)
-MISSING(cones)
-MISSING(front)
-MISSING(walk)
-MISSING(features)
 MISSING(audit)
 
 /* ---- Parts of the pipeline, gpu/world.h ---- */

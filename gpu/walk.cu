@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Walks from the front down to pairs of triangles. spec/23_walk.md */
+#include "gpu/bvtt.cuh"
+
+enum { WORD_NEED, WORD_DEEPER, WORDS };
+/* Threads to an item where its children are tested, one for each. */
+enum { KIDS = 16, AT_ONCE = BVTT_BLOCK / KIDS };
+
+/* What a pass reads, and where it writes. */
+struct pass {
+    const int32_t (*from)[2];
+    int64_t n;
+    int32_t (*to)[2];
+    real reach;
+    bool front; /* the front's own pairs are not tested yet */
+    int64_t *word;
+};
+
+static __device__ bool looks(const struct walk *s, real reach, struct duo e)
+{
+    return (s->stir[e.a] | s->stir[e.b]) && passes(&s->in, reach, e);
+}
+
+/* Thread t's mask is known: writes it and the block's count. */
+static __device__ void count(const struct walk *s, const struct pass *p,
+                             uint32_t mask)
+{
+    int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
+    uint32_t total;
+    if (k < p->n)
+        s->mask[k] = (uint16_t)mask;
+    block_scan((uint32_t)__popc(mask), &total);
+    if (threadIdx.x == 0) {
+        s->sum[blockIdx.x] = total;
+        word_add(&p->word[WORD_NEED], total);
+    }
+}
+
+/* Block k owns items 256 k …: §1, children that pass, into mask, their number
+ * into sum[k] and the words. A thread finds an item's children; sixteen test
+ * them, since they read the same few boxes. */
+static __global__ void __launch_bounds__(BVTT_BLOCK)
+    walk_look_kernel(struct walk s, struct pass p)
+{
+    __shared__ struct duo item[BVTT_BLOCK];
+    __shared__ uint32_t kids[BVTT_BLOCK], in[BVTT_BLOCK], deeper;
+    int t = (int)threadIdx.x, c = t % KIDS;
+    int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + t;
+    kids[t] = in[t] = 0;
+    if (t == 0)
+        deeper = 0;
+    if (k < p.n) {
+        struct duo e = fetch_duo(&p.from[k]);
+        int d = descent(&s.in.tree, e);
+        item[t] = e;
+        if (!p.front || looks(&s, p.reach, e)) {
+            in[t] = d == 0; /* a pair of leaves is its own child */
+            kids[t] = d ? children(&s.in.tree, d, e) | (uint32_t)d << KIDS : 0;
+        }
+    }
+    __syncthreads();
+    for (int i = t / KIDS; i < BVTT_BLOCK; i += AT_ONCE) {
+        if (!(kids[i] >> c & 1))
+            continue;
+        struct duo e = child(&s.in.tree, kids[i] >> KIDS, c, item[i]);
+        if (!looks(&s, p.reach, e))
+            continue;
+        atomicOr(&in[i], 1u << c);
+        if (descent(&s.in.tree, e))
+            deeper = 1;
+    }
+    __syncthreads();
+    count(&s, &p, in[t]);
+    if (t == 0)
+        word_add(&p.word[WORD_DEEPER], deeper);
+}
+
+/* §2: the pairs of triangles of two leaves whose boxes meet. */
+static __device__ uint32_t look_leaves(const struct walk *s, real reach,
+                                       struct duo e)
+{
+    const struct tree *t = &s->in.tree;
+    const int32_t *of_a = t->order + t->first[e.a];
+    const int32_t *of_b = t->order + t->first[e.b];
+    int na = t->count[e.a], nb = t->count[e.b];
+    struct box b[4];
+    uint32_t mask = 0;
+    for (int j = 0; j < nb; j++)
+        b[j] = face_box(s->x0, s->x1, t->tri[of_b[j]]);
+    for (int i = 0; i < na; i++) {
+        struct box a = face_box(s->x0, s->x1, t->tri[of_a[i]]);
+        for (int j = e.a == e.b ? i + 1 : 0; j < nb; j++)
+            if (meets(a, b[j], reach))
+                mask |= 1u << (4 * i + j);
+    }
+    return mask;
+}
+
+/* Block k owns pairs of leaves 256 k …: masks and counts as above. */
+static __global__ void __launch_bounds__(BVTT_BLOCK)
+    walk_leaves_kernel(struct walk s, struct pass p)
+{
+    int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
+    count(&s, &p,
+          k < p.n ? look_leaves(&s, p.reach, fetch_duo(&p.from[k])) : 0);
+}
+
+/* Block k owns the same items: writes the children in mask, or their
+ * triangles, from sum[k] on. */
+static __global__ void __launch_bounds__(BVTT_BLOCK)
+    walk_emit_kernel(struct walk s, struct pass p, bool triangles)
+{
+    int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
+    const struct tree *t = &s.in.tree;
+    uint32_t mask = k < p.n ? s.mask[k] : 0, total;
+    int64_t at = s.sum[blockIdx.x] + block_scan((uint32_t)__popc(mask), &total);
+    if (!mask)
+        return;
+    struct duo e = fetch_duo(&p.from[k]);
+    int d = triangles ? 3 : descent(t, e);
+    for (int c = 0; mask; c++, mask >>= 1)
+        if (mask & 1) {
+            struct duo to = child(t, d, c, e);
+            if (triangles)
+                to = {t->order[to.a], t->order[to.b]};
+            put_duo(&p.to[at++], to);
+        }
+}
+
+/* After a kernel that counts: its words, and the blocks' places. */
+static const int64_t *place(struct gpu *g, const struct walk *s, int64_t n)
+{
+    gpu_scan(g, s->sum, blocks_of(n));
+    return gpu_read_words(g, WORDS);
+}
+
+/* Passes until all pairs are leaves. */
+static int go_down(struct gpu *g, struct walk *s, struct pass *p)
+{
+    for (bool deeper = true; deeper; p->front = false) {
+        s->visited += p->n;
+        p->word = gpu_words(g);
+        LAUNCH_BLOCKS(g, blocks_of(p->n), BVTT_BLOCK, walk_look_kernel, *s, *p);
+        const int64_t *seen = place(g, s, p->n);
+        if (gpu_status(g) != DRAPE_OK)
+            return gpu_status(g);
+        s->need = seen[WORD_NEED] > s->need ? seen[WORD_NEED] : s->need;
+        if (s->need > s->cap)
+            return DRAPE_EFULL;
+        LAUNCH_BLOCKS(g, blocks_of(p->n), BVTT_BLOCK, walk_emit_kernel, *s, *p,
+                      false);
+        p->from = (const int32_t(*)[2])p->to;
+        p->to = p->to == s->pair ? s->other : s->pair;
+        p->n = seen[WORD_NEED];
+        deeper = seen[WORD_DEEPER] > 0;
+    }
+    return DRAPE_OK;
+}
+
+int gpu_walk(struct gpu *g, struct walk *s)
+{
+    struct pass p = {s->front,          s->n_front, s->pair,
+                     reach_of(s->in.r), true,       NULL};
+    if (!(s->in.r >= 0 && s->in.r <= REAL_BIG))
+        return DRAPE_EDATA;
+    s->n_tri = s->need_tri = s->visited = 0;
+    s->need = s->n_front;
+    if (s->n_front > s->cap)
+        return DRAPE_EFULL;
+    int status = go_down(g, s, &p);
+    if (status != DRAPE_OK)
+        return status;
+    p.word = gpu_words(g);
+    LAUNCH_BLOCKS(g, blocks_of(p.n), BVTT_BLOCK, walk_leaves_kernel, *s, p);
+    s->need_tri = place(g, s, p.n)[WORD_NEED];
+    if (gpu_status(g) != DRAPE_OK)
+        return gpu_status(g);
+    if (s->need_tri > s->cap_tri)
+        return DRAPE_EFULL;
+    p.to = s->tri;
+    LAUNCH_BLOCKS(g, blocks_of(p.n), BVTT_BLOCK, walk_emit_kernel, *s, p, true);
+    s->n_tri = s->need_tri;
+    return gpu_status(g);
+}
