@@ -3,48 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "ref/pcg.h"
-#include "tests/system.h"
-
-static void *room(int64_t count, size_t size)
-{
-    return calloc((size_t)count + 1, size);
-}
-
-static void open_solver(struct pcg *s, const struct system *a)
-{
-    s->m = a->m;
-    s->n = a->n;
-    s->mass = a->mass;
-    s->block = a->block;
-    s->fixed = a->fixed;
-    s->b = a->b;
-    ref_pcg_size(s);
-    s->cdf = room(s->n_cdf, sizeof *s->cdf);
-    s->diagonal = room(s->count, sizeof *s->diagonal);
-    s->factor = room(s->count, sizeof *s->factor);
-    s->low = room(s->count, sizeof *s->low);
-    s->r = room(s->count, sizeof *s->r);
-    s->s = room(s->count, sizeof *s->s);
-    s->p = room(s->count, sizeof *s->p);
-    s->q = room(s->count, sizeof *s->q);
-    s->chunk = room(s->n_chunks, sizeof *s->chunk);
-    s->grid.pool = room(s->grid.n_pool, sizeof *s->grid.pool);
-    s->grid.room = room(s->grid.n_room, sizeof *s->grid.room);
-    s->grid.live = room(s->grid.n_live, sizeof *s->grid.live);
-    s->grid.dense = room(s->grid.n_dense, sizeof *s->grid.dense);
-    s->dv = room(s->count, sizeof *s->dv);
-}
-
-static void close_solver(struct pcg *s)
-{
-    void *all[] = {s->cdf,       s->diagonal,  s->factor,    s->r,
-                   s->s,         s->p,         s->q,         s->chunk,
-                   s->grid.pool, s->grid.room, s->grid.live, s->grid.dense,
-                   s->low,       s->dv};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        free(all[k]);
-}
+#include "tests/solver.h"
 
 /* Iterations to a true relative residual of 1e-3, or limit + 1. */
 static int32_t iterations(const struct design *d, int32_t limit)
@@ -55,11 +14,11 @@ static int32_t iterations(const struct design *d, int32_t limit)
                     .tolerance = R(1e-3),
                     .max_iterations = limit};
     make_system(d, &a);
-    open_solver(&s, &a);
+    solver_open(&s, &a);
     int status = ref_pcg(&s);
     bool good = status == DRAPE_OK && s.outcome == PCG_CONVERGED &&
                 s.residual <= s.tolerance && !s.fell_back;
-    close_solver(&s);
+    solver_close(&s);
     free_system(&a);
     ran(1);
     if (getenv("DRAPE_ITERATIONS"))

@@ -7,7 +7,7 @@
 #include <omp.h>
 #endif
 
-#include "tests/system.h"
+#include "tests/solver.h"
 
 const struct field fields_pcg[] = {IN(pcg, mass, count, 1),
                                    IN(pcg, extra, n_extra, 1),
@@ -36,19 +36,6 @@ const struct field fields_pcg[] = {IN(pcg, mass, count, 1),
                                    OUT_VALUE(pcg, residual),
                                    FIELD_END};
 
-static void give(struct pcg *s, const struct system *a)
-{
-    s->m = a->m;
-    s->n = a->n;
-    s->mass = a->mass;
-    s->n_extra = a->n_extra;
-    s->extra = a->extra;
-    s->block = a->block;
-    s->fixed = a->fixed;
-    s->b = a->b;
-    ref_pcg_size(s);
-}
-
 void gen_pcg(struct bytes *b, struct pcg *s)
 {
     struct system a;
@@ -58,7 +45,7 @@ void gen_pcg(struct bytes *b, struct pcg *s)
     s->tolerance = pick(b, 2) ? R(1e-3) : 0;
     s->max_iterations = (int32_t)pick(b, 40);
     s->energy = !pick(b, 4);
-    give(s, &a);
+    solver_give(s, &a);
     if (pick(b, 2)) {
         vec *z = take(b, a.count, sizeof *z);
         for (int64_t p = 0; p < a.count; p++)
@@ -92,51 +79,12 @@ const char *prop_pcg(const struct pcg *s)
     return NULL;
 }
 
-/* ---- a solver with memory of its own ---- */
+/* ---- a dense solution in binary64 ---- */
 
 static void *room(int64_t count, size_t size)
 {
     return calloc((size_t)count + 1, size);
 }
-
-static void open_pcg(struct pcg *s, const struct system *a)
-{
-    give(s, a);
-    s->cdf = room(s->n_cdf, sizeof *s->cdf);
-    s->diagonal = room(s->count, sizeof *s->diagonal);
-    s->factor = room(s->count, sizeof *s->factor);
-    s->low = room(s->count, sizeof *s->low);
-    s->r = room(s->count, sizeof *s->r);
-    s->s = room(s->count, sizeof *s->s);
-    s->p = room(s->count, sizeof *s->p);
-    s->q = room(s->count, sizeof *s->q);
-    s->chunk = room(s->n_chunks, sizeof *s->chunk);
-    s->grid.pool = room(s->grid.n_pool, sizeof *s->grid.pool);
-    s->grid.room = room(s->grid.n_room, sizeof *s->grid.room);
-    s->grid.live = room(s->grid.n_live, sizeof *s->grid.live);
-    s->grid.dense = room(s->grid.n_dense, sizeof *s->grid.dense);
-    s->dv = room(s->count, sizeof *s->dv);
-}
-
-static void close_pcg(struct pcg *s)
-{
-    free(s->cdf);
-    free(s->diagonal);
-    free(s->factor);
-    free(s->low);
-    free(s->r);
-    free(s->s);
-    free(s->p);
-    free(s->q);
-    free(s->chunk);
-    free(s->grid.pool);
-    free(s->grid.room);
-    free(s->grid.live);
-    free(s->grid.dense);
-    free(s->dv);
-}
-
-/* ---- a dense solution in binary64 ---- */
 
 /* Cholesky of the free rows, in place; fixed rows are those of I. */
 static bool cholesky(double *a, int64_t n)
@@ -231,14 +179,14 @@ const char *test_pcg_dense(void)
         vec *z = room(a.count, sizeof *z);
         for (int64_t p = 0; p < a.count; p++)
             z[p] = vec_make((real)noise_of((uint64_t)p), R(0.5), 0);
-        open_pcg(&s, &a);
+        solver_open(&s, &a);
         s.z = z;
         s.n_z = k % 3 ? s.count : 0;
         int status = ref_pcg(&s);
         const char *failed = expect_solution(&a, &s);
         if (!failed)
             failed = prop_pcg(&s);
-        close_pcg(&s);
+        solver_close(&s);
         free(z);
         free_system(&a);
         EXPECT(status == DRAPE_OK);
@@ -259,7 +207,7 @@ const char *test_pcg_outcomes(void)
                     .form = DRAPE_COMPACT,
                     .tolerance = R(1e-3),
                     .max_iterations = 3};
-    open_pcg(&s, &a);
+    solver_open(&s, &a);
     bool limit = ref_pcg(&s) == DRAPE_OK && s.outcome == PCG_LIMIT &&
                  s.iterations == 3 && s.residual > s.tolerance;
     s.max_iterations = 1000;
@@ -279,7 +227,7 @@ const char *test_pcg_outcomes(void)
     bool infinite = ref_pcg(&s) == DRAPE_OK && s.outcome == PCG_BREAKDOWN;
     s.tolerance = -1;
     bool refused = ref_pcg(&s) == DRAPE_EARG;
-    close_pcg(&s);
+    solver_close(&s);
     free_system(&a);
     EXPECT(limit);
     EXPECT(good);
@@ -309,7 +257,7 @@ const char *test_pcg_repeats(void)
         s[c].form = c ? DRAPE_CDF : DRAPE_COMPACT;
         s[c].tolerance = R(1e-3);
         s[c].max_iterations = 50;
-        open_pcg(&s[c], &a[c]);
+        solver_open(&s[c], &a[c]);
     }
     for (int k = 0; k < 4; k++) {
 #ifdef _OPENMP
@@ -323,7 +271,7 @@ const char *test_pcg_repeats(void)
     omp_set_num_threads(before);
 #endif
     for (int c = 0; c < 2; c++) {
-        close_pcg(&s[c]);
+        solver_close(&s[c]);
         free_system(&a[c]);
         EXPECT(s[c].outcome == PCG_CONVERGED);
         EXPECT(hash[c][1] == hash[c][0]);
