@@ -84,8 +84,8 @@ ORC_L  := $(if $(HAS_ORACLE),$(ORACLE_LIBS))
 LIB    := $(BUILD)/libdrape.a
 
 .PHONY: all demo check bench asan fuzz install help golden format tidy \
-        check-parts flavours gcc-O0 gcc-O3 clang-O2 soak prove oracles \
-        oracle-libs say-gpu
+        check-parts flavours gcc-O0 gcc-O3 clang-O2 soak outcomes prove \
+        oracles oracle-libs say-gpu
 .DELETE_ON_ERROR:
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu
@@ -193,6 +193,9 @@ prove: ## Gappa bounds every constant of the filters anew
 
 soak: $(BUILD)/check ## the tests' long forms: whole frames, 2M triangles
 	DRAPE_SOAK=1 $(BUILD)/check --tests
+
+outcomes: $(BUILD)/drape ## whole scenes for 120 frames: the table of 00_step.md
+	sh ci/outcomes.sh $(BUILD)
 
 fuzz: ## T=stage S=seconds: libFuzzer on one stage
 	sh ci/fuzz.sh $(BUILD) $(T) $(S)

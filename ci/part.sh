@@ -25,13 +25,16 @@ count() {
     esac
     set -- $(echo "$line" | tr -dc '0-9 ')
     echo "$1 $2 ${3:-0}" >>"$build/check.counts"
+    times >"$log.cpu" # the second line: user and system time of children
+    cpu=$(sed -n '2s/[ms]/ /gp' "$log.cpu" |
+        awk '{ printf "%d", 60 * $1 + $2 + 60 * $3 + $4 + 0.5 }')
     # one write, so that lines of other parts do not get between
-    shown=$(printf '%-28s %s (%d s)' "$name" "$line" $(($(date +%s) - start))
-        echo
+    shown=$(printf '%-28s %s (%d s, CPU %d s)\n' "$name" "$line" \
+        $(($(date +%s) - start)) "$cpu"
         grep '^skipped' "$log"
         [ "$2" -eq 0 ] || grep -v '^ok' "$log" | tail -n 40)
     printf '%s\n' "$shown"
-    rm -f "$log"
+    rm -f "$log" "$log.cpu"
 }
 
 # Runs a command that succeeds or fails as one check.
