@@ -7,11 +7,11 @@
 
 /* The step's small results. */
 enum {
-    WORD_BEFORE = 0, /* energies, of each the first bytes are a real */
-    WORD_AFTER = 3,
-    WORD_WILD = 6,  /* 1: a coordinate is not sane */
-    WORD_REACH = 7, /* bits of a pin's longest way */
-    WORDS = 8
+    WORD_BEFORE = 0, /* energies: of each the first bytes are a real */
+    WORD_AFTER = 4,
+    WORD_WILD = 8,  /* 1: a coordinate is not sane */
+    WORD_REACH = 9, /* bits of a pin's longest way */
+    WORDS = 10
 };
 
 /* Thread p owns particle p: reads its new state, and of a pin the way that it

@@ -5,8 +5,8 @@
 
 #include "gpu/gpu.cuh"
 
-/* The three energies of s into the first bytes of word[0 … 2], words on the
- * device; s->chunk is used up and s->value not written. */
+/* The three energies of s into the first bytes of word[0 … 2] on the device;
+ * word[0 … 3] are 0 before. s->chunk is used up, s->value not written. */
 void gpu_energy_into(struct gpu *g, const struct energy *s, int64_t *word);
 
 #endif
