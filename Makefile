@@ -50,8 +50,8 @@ API    := ref/arena.c ref/define.c ref/drape.c ref/frames.c ref/query.c
 NVCC   := $(shell command -v nvcc)
 GPU    ?= $(and $(NVCC),$(wildcard /dev/nvidia0 /dev/nvidiactl),yes)
 REF    := $(sort $(filter-out $(API),$(wildcard ref/*.c)))
-ONCE   := tests/check.c tests/case.c tests/choices.c tests/device.c \
-          tests/tally.c
+ONCE   := tests/check.c tests/case.c tests/certify.c tests/choices.c \
+          tests/device.c tests/tally.c
 TWICE  := $(sort $(filter-out $(ONCE),$(wildcard tests/*.c)))
 # Kernels; device.cu and prim.cu are CUDA's own, which gpu/emulate.cpp replaces.
 DEVICE := gpu/device.cu gpu/prim.cu
@@ -132,13 +132,16 @@ $(LIB): $(REF_O) $(if $(GPU),$(CUDA_O),$(BUILD)/gpu/absent.o)
 	$(AR) rcs $@ $^
 $(BUILD)/check: $(TEST_O) $(EMU_O) $(ORC_O) $(LIB)
 	$(C17) $(TEST_O) $(EMU_O) $(ORC_O) $(LIB) -o $@ $(ORC_L) -lstdc++ -lm
-$(BUILD)/check-cuda: $(TEST_O) $(CUDA_O) $(ORC_O) $(LIB)
-	$(C17) $(TEST_O) $(CUDA_O) $(ORC_O) $(LIB) -o $@ $(ORC_L) $(CUDA_L)
+# Without the oracles: so it runs on a device's machine that has none.
+$(BUILD)/check-cuda: $(TEST_O) $(CUDA_O) $(ROOT)/oracle/absent.o \
+    $(ROOT)/oracle/brute.o $(LIB)
+	$(C17) $^ -o $@ $(CUDA_L)
 $(BUILD)/drape: $(APP_O) $(LIB)
 	$(C17) $(APP_O) $(LIB) -o $@ $(APP_LIBS) $(if $(GPU),$(CUDA_L))
 
 # For fuzzing: everything but check's main, both precisions.
-PARTS := $(filter-out $(BUILD)/tests/check.o,$(TEST_O)) $(REF_O) $(EMU_O) \
+PARTS := $(filter-out $(BUILD)/tests/check.o $(BUILD)/tests/certify.o, \
+         $(TEST_O)) $(REF_O) $(EMU_O) \
          $(ORC_O) $(BUILD)/fuzz/stage.o
 $(BUILD)/parts.a: $(PARTS)
 	@rm -f $@

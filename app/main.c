@@ -23,6 +23,7 @@ static const struct command {
      "  --backend ref|gpu     who computes (default: the scene's)\n"
      "  --precision 32|64     bits of a number in the state\n"
      "  --threads N           of the reference, 0: as many as cores\n"
+     "  --block N             threads of a block on the device, to 256\n"
      "  --checkpoint-every K  write DIR/checkpoint.drape every K frames\n"
      "  --resume FILE         go on from a checkpoint, bit for bit\n"
      "  --trace               write DIR/trace.csv, a digest a stage\n"

@@ -32,7 +32,7 @@ static void print_plan(const struct scene *scene, const drape_world *world)
 
 int command_plan(int argc, char **argv)
 {
-    struct overrides overrides = {NULL, -1, -1, 0};
+    struct overrides overrides = {NULL, -1, -1, -1, 0};
     int positional;
     const struct option options[] = {
         {"--backend", OPTION_TEXT, &overrides.backend, 0, 0},

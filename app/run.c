@@ -196,13 +196,14 @@ static int simulate(struct run *run)
 
 int command_run(int argc, char **argv)
 {
-    struct run run = {.frames = -1, .overrides = {NULL, -1, -1, 0}};
+    struct run run = {.frames = -1, .overrides = {NULL, -1, -1, -1, 0}};
     const struct option options[] = {
         {"--frames", OPTION_INT, &run.frames, 0, 1000000},
         {"--out", OPTION_TEXT, &run.directory, 0, 0},
         {"--backend", OPTION_TEXT, &run.overrides.backend, 0, 0},
         {"--precision", OPTION_INT, &run.overrides.precision, 32, 64},
         {"--threads", OPTION_INT, &run.overrides.threads, 0, 4096},
+        {"--block", OPTION_INT, &run.overrides.block, 0, 256},
         {"--checkpoint-every", OPTION_INT, &run.every, 1, 1000000},
         {"--resume", OPTION_TEXT, &run.resume, 0, 0},
         {"--trace", OPTION_FLAG, &run.tracing, 0, 0},

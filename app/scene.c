@@ -51,6 +51,7 @@ static int read_scene(struct json *json, const cJSON *root, struct scene *scene)
         CHOICE_KEY("backend", SCENE(def.backend), backends),
         INTEGER_KEY("precision", SCENE(def.precision), 32, 64),
         INTEGER_KEY("threads", SCENE(def.threads), 0, 4096),
+        INTEGER_KEY("block", SCENE(def.block), 0, 256),
         NUMBER_KEY("dt", SCENE(def.dt), 1e-7, 1),
         VECTOR_KEY("gravity", SCENE(def.gravity), -1e4, 1e4, 3),
         NESTED_KEY("wind", SCENE(def.wind), read_wind),
@@ -160,6 +161,8 @@ int scene_create(struct scene *scene, const struct overrides *overrides,
         return complain(APP_USAGE, "--precision: expected 32 or 64");
     if (overrides->threads >= 0)
         def->threads = overrides->threads;
+    if (overrides->block >= 0)
+        def->block = overrides->block;
     if (overrides->allow_intersecting > 0)
         def->allow_intersecting = 1;
     scene->budget.most = (size_t)(scene->memory * 1e9);

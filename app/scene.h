@@ -36,7 +36,7 @@ void scene_free(struct scene *scene);
 /* What the command line changes in a scene; -1 leaves it. */
 struct overrides {
     const char *backend; /* ref, gpu or NULL */
-    int precision, threads, allow_intersecting;
+    int precision, threads, block, allow_intersecting;
 };
 /* Makes the scene's world under its memory limit. The exit code after one
  * line where the library refuses. */

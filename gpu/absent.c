@@ -16,5 +16,10 @@ static int refuse(const drape_def *def, struct arena *arena,
     return DRAPE_EDEVICE;
 }
 
+const char *gpu_kind(void)
+{
+    return "not built in";
+}
+
 const struct world_ops world_ops_gpu_32 = {.make = refuse};
 const struct world_ops world_ops_gpu_64 = {.make = refuse};

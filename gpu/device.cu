@@ -77,6 +77,11 @@ void gpu_close(struct gpu *g)
     free(g);
 }
 
+const char *gpu_kind(void)
+{
+    return "CUDA, binary32, binary64";
+}
+
 const char *gpu_name(const struct gpu *g)
 {
     return g->name;
@@ -125,9 +130,9 @@ void gpu_give(struct gpu *g, void *p)
         }
 }
 
-size_t gpu_bytes(const struct gpu *g, enum arena_part part)
+const size_t *gpu_held(const struct gpu *g)
 {
-    return g->bytes[part];
+    return g->bytes;
 }
 
 static void copy(struct gpu *g, void *to, const void *from, size_t bytes,

@@ -128,6 +128,11 @@ void gpu_close(struct gpu *g)
     free(g);
 }
 
+const char *gpu_kind(void)
+{
+    return "emulated on the host";
+}
+
 const char *gpu_name(const struct gpu *g)
 {
     return g->name;
@@ -171,9 +176,9 @@ void gpu_give(struct gpu *g, void *p)
     free(b);
 }
 
-size_t gpu_bytes(const struct gpu *g, enum arena_part part)
+const size_t *gpu_held(const struct gpu *g)
 {
-    return g->bytes[part];
+    return g->bytes;
 }
 
 void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes)

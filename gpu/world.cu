@@ -145,9 +145,15 @@ static int open_device(struct world *h, drape_error *error)
     h->device = w;
     w->host = h;
     w->gpu = gpu_open(&status);
-    if (!w->gpu && error)
-        snprintf(error->text, sizeof error->text,
-                 "backend gpu: there is no device here that can be used");
+    if (!w->gpu) {
+        if (error)
+            snprintf(error->text, sizeof error->text,
+                     "backend gpu: there is no device here that can be used");
+        return status;
+    }
+    h->held = gpu_held(w->gpu);
+    if (h->def.block)
+        gpu_set_block(w->gpu, h->def.block);
     return status;
 }
 

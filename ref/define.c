@@ -229,6 +229,10 @@ static void check_world(struct check *c, const drape_def *def)
         fail(c, DRAPE_EARG, "precision is %d, expected 32 or 64",
              def->precision);
     integer(c, "threads", def->threads, 0, 4096);
+    integer(c, "block", def->block, 0, 256);
+    if (def->block % 32)
+        fail(c, DRAPE_EARG, "block is %d, expected a multiple of 32",
+             def->block);
     number(c, "dt", def->dt, 1e-9, 1e3);
     vectors(c, "gravity", 1, &def->gravity);
     vectors(c, "wind velocity", 1, &def->wind.velocity);

@@ -76,7 +76,7 @@ int plan_rows(const struct world *w, drape_plan_row *row, int capacity)
         row[k].stage = rows[k].stage;
         row[k].on = rows[k].on;
         row[k].why = rows[k].on ? rows[k].yes : rows[k].no;
-        row[k].bytes = rows[k].shows ? w->arena->bytes[rows[k].part] : 0;
+        row[k].bytes = rows[k].shows ? w->held[rows[k].part] : 0;
     }
     return n;
 }

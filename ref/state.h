@@ -39,6 +39,7 @@ struct world {
     struct gpu_world *device; /* NULL: the reference steps it */
     struct plan plan;
     struct arena *arena;
+    const size_t *held;   /* [ARENA_PARTS] bytes, here or on the device */
     uint64_t fingerprint; /* of the whole definition, for checkpoints */
 
     int64_t nv, nt;          /* vertices and triangles of the scene */

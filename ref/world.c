@@ -215,6 +215,7 @@ int world_make(const drape_def *def, struct arena *arena, struct world **world,
     if (!w)
         return DRAPE_ENOMEM;
     w->arena = arena;
+    w->held = arena->bytes;
     w->def = *def;
     w->plan = plan_make(def);
     w->fingerprint = checkpoint_fingerprint(def);

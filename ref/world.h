@@ -29,5 +29,7 @@ struct world_ops {
 extern const struct world_ops world_ops_32, world_ops_64;
 /* On the device; in a build without CUDA make refuses. */
 extern const struct world_ops world_ops_gpu_32, world_ops_gpu_64;
+/* What that device is, in words for drape_info; static. */
+const char *gpu_kind(void);
 
 #endif

@@ -133,6 +133,8 @@ typedef struct drape_def {
     int backend;   /* enum drape_backend */
     int precision; /* 32 or 64: bits of a number in the state */
     int threads;   /* of the reference; 0: as many as cores. Same bits. */
+    int block;     /* threads of a block of the device, a multiple of 32 up
+                      to 256; 0: 256. Same bits. */
 
     double dt; /* s a step */
     double gravity[3];

@@ -4,15 +4,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "tests/case.h"
-#include "tests/device.h"
+#include "tests/modes.h"
 #include "tests/tally.h"
 
 extern const struct stage stages_table_32[], stages_table_64[];
 extern const struct test tests_table_32[], tests_table_64[];
 
-static const int bits_of[2] = {32, 64};
-static const struct stage *stages(int k)
+const int bits_of[2] = {32, 64};
+const struct stage *stages(int k)
 {
     return k ? stages_table_64 : stages_table_32;
 }
@@ -21,23 +20,16 @@ static const struct test *tests(int k)
     return k ? tests_table_64 : tests_table_32;
 }
 
-static const int64_t sizes[] = {0, 1, 2, 3, 31, 32, 33, 255, 256, 257, 1000};
-enum { SIZES = sizeof sizes / sizeof *sizes };
+const int64_t sizes[SIZES] = {0, 1, 2, 3, 31, 32, 33, 255, 256, 257, 1000};
+struct options options = {NULL, 3, 1};
+int passed, failed, skipped;
 
-static struct options {
-    const char *only; /* one stage or test */
-    int cases;        /* of each size */
-    uint64_t seed;
-} options = {NULL, 3, 1};
-
-static int passed, failed, skipped;
-static bool wanted(const char *name)
+bool wanted(const char *name)
 {
     return !options.only || !strcmp(options.only, name);
 }
 
-/* A failure is a file of choices: check --replay runs it again. */
-static void save_case(const char *stage, int bits, const struct bytes *b)
+void save_case(const char *stage, int bits, const struct bytes *b)
 {
     char path[256];
     const char *dir = getenv("DRAPE_FAILURES");
@@ -51,8 +43,7 @@ static void save_case(const char *stage, int bits, const struct bytes *b)
     printf("  again: check --replay %s\n", path);
 }
 
-static void report(const char *kind, const char *name, int bits,
-                   const char *what)
+void report(const char *kind, const char *name, int bits, const char *what)
 {
     if (what) {
         printf("FAILED %s %s, %d bits: %s\n", kind, name, bits, what);
@@ -62,7 +53,7 @@ static void report(const char *kind, const char *name, int bits,
     fflush(stdout);
 }
 
-static struct bytes seeded(int64_t size, int k)
+struct bytes seeded(int64_t size, int k)
 {
     struct bytes b = {.seed = options.seed * 1000003 + (uint64_t)size * 101 +
                               (uint64_t)k,
@@ -70,8 +61,7 @@ static struct bytes seeded(int64_t size, int k)
     return b;
 }
 
-/* All cases of a stage; returns the hash of all their outputs. */
-static uint64_t run_stage(const struct stage *stage, int bits, bool quiet)
+uint64_t run_stage(const struct stage *stage, int bits, bool quiet)
 {
     uint64_t hash = HASH_START;
     int64_t good = 0;
@@ -100,45 +90,6 @@ static void run_stages(void)
         for (const struct stage *s = stages(k); s->name; s++)
             if (wanted(s->name))
                 run_stage(s, bits_of[k], false);
-}
-
-/* All cases of a stage on the device, against the reference. */
-static void run_device(struct gpu *g, const struct stage *stage, int bits)
-{
-    const char *what = NULL;
-    int64_t good = 0;
-    for (int z = 0; z < SIZES && !what; z++)
-        for (int k = 0; k < options.cases && !what; k++) {
-            struct bytes b = seeded(sizes[z], k);
-            struct case_result c = device_case(stage, &b, g);
-            what = c.failed;
-            good += c.status == DRAPE_OK;
-            if (what && what != device_none)
-                save_case(stage->name, bits, &b);
-            choices_free(&b);
-        }
-    if (what == device_none) {
-        printf("skipped device %s, %d bits: %s\n", stage->name, bits, what);
-        skipped++;
-        return;
-    }
-    if (!what && !good)
-        what = "no case ran to its end";
-    report("device", stage->name, bits, what);
-}
-
-static void run_devices(void)
-{
-    int status;
-    struct gpu *g = gpu_open(&status);
-    printf("device: %s\n", g ? gpu_name(g) : drape_status_text(status));
-    if (!g)
-        report("device", "gpu_open", 0, "there is none");
-    for (int k = 0; k < 2 && g; k++)
-        for (const struct stage *s = stages(k); s->name; s++)
-            if (wanted(s->name))
-                run_device(g, s, bits_of[k]);
-    gpu_close(g);
 }
 
 static void run_tests(void)
@@ -256,29 +207,12 @@ static void bench(void)
         }
 }
 
-static void bench_gpu(void)
-{
-    int status;
-    struct gpu *g = gpu_open(&status);
-    printf("stage,bits,us,MiB,GB/s\n");
-    for (int k = 0; k < 2 && g; k++)
-        for (const struct stage *s = stages(k); s->name; s++) {
-            int64_t bytes;
-            if (!wanted(s->name))
-                continue;
-            double t = device_bench(s, g, &bytes);
-            printf("%s,%d,%.4g,%.4g,%.4g\n", s->name, bits_of[k], 1e6 * t,
-                   (double)bytes / 1048576, (double)bytes / t / 1e9);
-            fflush(stdout);
-        }
-    gpu_close(g);
-}
-
 static int usage(void)
 {
     fputs("usage: check [--only NAME] [--cases N] [--seed N] MODE...\n"
           "  --stages        every stage on generated inputs\n"
           "  --gpu           every stage on the device, against the reference\n"
+          "  --certify DIR   rows of a certificate; DIR: the fuzz corpora\n"
           "  --tests         every test of tests/tests.def\n"
           "  --self-test     planted faults must be caught\n"
           "  --golden FILE   recorded hashes   --golden-write FILE\n"
@@ -315,6 +249,9 @@ static int obey(const char *a, const char *value, bool modes)
     else if (!strcmp(a, "--golden") || !strcmp(a, "--golden-write")) {
         if (modes)
             golden(value, a[8] == '-');
+    } else if (!strcmp(a, "--certify")) {
+        if (modes)
+            certify(value);
     } else if (!strcmp(a, "--replay")) {
         if (modes)
             replay(value);

@@ -149,6 +149,7 @@
 #define scene_audit REAL_NAME(scene_audit)
 #define scene_hash REAL_NAME(scene_hash)
 #define scene_random REAL_NAME(scene_random)
+#define scene_twins REAL_NAME(scene_twins)
 #define sheet_default REAL_NAME(sheet_default)
 #define sheet_energy REAL_NAME(sheet_energy)
 #define sheet_force REAL_NAME(sheet_force)
@@ -232,6 +233,7 @@
 #define test_tangle_energy REAL_NAME(test_tangle_energy)
 #define test_tangle_plates REAL_NAME(test_tangle_plates)
 #define test_tangle_soup REAL_NAME(test_tangle_soup)
+#define test_world_device REAL_NAME(test_world_device)
 #define test_world_random REAL_NAME(test_world_random)
 #define test_world_refusals REAL_NAME(test_world_refusals)
 #define test_world_resume REAL_NAME(test_world_resume)
@@ -239,5 +241,6 @@
 #define test_zones_conserve REAL_NAME(test_zones_conserve)
 #define test_zones_follow REAL_NAME(test_zones_follow)
 #define tests_table REAL_NAME(tests_table)
+#define twin_run REAL_NAME(twin_run)
 
 #endif

@@ -4,6 +4,8 @@
 
 #include <stdlib.h>
 
+#include "tests/twin.h"
+
 enum { SIDE = 14, PINS = 3, KEYS = 2 };
 
 /* Everything that a random definition points to. */
@@ -179,4 +181,11 @@ const char *scene_random(struct bytes *b)
     }
     drape_destroy(world);
     return failed;
+}
+
+const char *scene_twins(struct bytes *b, int64_t *steps)
+{
+    static struct scene s;
+    pick_scene(b, &s);
+    return twin_run(&s.def, 6, steps);
 }

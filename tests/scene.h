@@ -9,6 +9,10 @@
  * step that does not say otherwise ends without an intersecting pair. */
 const char *scene_random(struct bytes *b);
 
+/* The same scene for a few steps on both backends: NULL, or what differs
+ * first. */
+const char *scene_twins(struct bytes *b, int64_t *steps);
+
 /* Intersecting pairs that involve cloth, by the exact audit. */
 int64_t scene_audit(const drape_world *world, int n_cloths);
 
