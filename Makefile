@@ -27,7 +27,7 @@ CUDA    = nvcc -std=c++20 -O2 -lineinfo --fmad=false -prec-div=true \
           arch=compute_$(lastword $(ARCHES)),code=compute_$(lastword $(ARCHES)) \
           -Xcompiler -Wall,-Wextra,-Werror,-fPIC,-ffp-contract=off -I. -Ispec \
           -MMD -MP
-CUDA_L := -lcudart_static -lstdc++ \
+CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
           -lpthread -ldl -lrt -lm
 EMU     = $(CXX) -x c++ -std=c++20 $(OPT) -Wall -Wextra -Werror $(MODEL) \
           $(SAN) -I. -Ispec -MMD -MP -fPIC
