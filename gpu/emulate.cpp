@@ -3,22 +3,25 @@
 #include "gpu/gpu.cuh"
 
 #include <algorithm>
+#include <setjmp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
 #include <ucontext.h>
-#include <vector>
 
 struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
 unsigned char emulate_lane[1024][8];
 
 /* ---- Threads ---- */
 
-enum { STACK = 1 << 20 };
-static ucontext_t scheduler;
-static std::vector<ucontext_t> fiber;
-static std::vector<char> stack;
-static std::vector<bool> done;
+/* A thread of a block is a fiber that runs kernel after kernel. It is started
+ * with a stack of its own; after that jumps lead there and back, which make
+ * no system call. */
+enum { STACK = 1 << 20, THREADS = 1024 };
+static ucontext_t begun, starter;
+static sigjmp_buf scheduler, fiber[THREADS];
+static char *stack;
+static bool done[THREADS], started[THREADS];
 static const std::function<void()> *running; /* NULL: no fibers */
 
 void emulate_items(int64_t n, int threads, const std::function<void()> &kernel)
@@ -34,61 +37,74 @@ void emulate_items(int64_t n, int threads, const std::function<void()> &kernel)
         }
 }
 
+/* From a fiber to the scheduler; returns when it is resumed. */
+static __attribute__((noinline)) void leave(unsigned t)
+{
+    if (!sigsetjmp(fiber[t], 0))
+        siglongjmp(scheduler, 1);
+}
+
+static void live(void)
+{
+    for (;;) {
+        unsigned t = threadIdx.x;
+        (*running)();
+        done[t] = true;
+        leave(t);
+    }
+}
+
+/* Runs fiber t until it leaves. */
+static __attribute__((noinline)) void resume(unsigned t)
+{
+    threadIdx = {t, 0, 0};
+    if (sigsetjmp(scheduler, 0))
+        return;
+    if (started[t])
+        siglongjmp(fiber[t], 1);
+    started[t] = true;
+    getcontext(&begun);
+    begun.uc_stack.ss_sp = &stack[(size_t)t * STACK];
+    begun.uc_stack.ss_size = STACK;
+    makecontext(&begun, live, 0);
+    swapcontext(&starter, &begun);
+}
+
 void __syncthreads(void)
 {
     if (!running) {
         fputs("emulate: __syncthreads in a kernel of items\n", stderr);
         abort();
     }
-    unsigned t = threadIdx.x;
-    swapcontext(&fiber[t], &scheduler);
-    threadIdx = {t, 0, 0};
-}
-
-static void begin(void)
-{
-    unsigned t = threadIdx.x;
-    (*running)();
-    done[t] = true;
+    leave(threadIdx.x);
 }
 
 /* All threads go on from barrier to barrier until all have returned. */
-static void run_block(int threads)
+static void run_block(unsigned threads)
 {
-    for (int t = 0; t < threads; t++) {
-        getcontext(&fiber[t]);
-        fiber[t].uc_stack.ss_sp = &stack[(size_t)t * STACK];
-        fiber[t].uc_stack.ss_size = STACK;
-        fiber[t].uc_link = &scheduler;
-        makecontext(&fiber[t], begin, 0);
+    for (unsigned t = 0; t < threads; t++)
         done[t] = false;
-    }
     for (bool some = true; some;) {
         some = false;
-        for (int t = 0; t < threads; t++) {
-            if (done[t])
-                continue;
-            threadIdx = {(unsigned)t, 0, 0};
-            swapcontext(&scheduler, &fiber[t]);
-            some = true;
-        }
+        for (unsigned t = 0; t < threads; t++)
+            if (!done[t]) {
+                resume(t);
+                some = true;
+            }
     }
 }
 
 void emulate_blocks(int64_t blocks, int threads,
                     const std::function<void()> &kernel)
 {
-    if (fiber.size() < (size_t)threads) {
-        fiber.resize(threads);
-        done.resize(threads);
-        stack.resize((size_t)threads * STACK);
-    }
+    if (!stack)
+        stack = (char *)malloc((size_t)THREADS * STACK);
     gridDim = {(unsigned)(blocks > 0 ? blocks : 0), 1, 1};
     blockDim = {(unsigned)threads, 1, 1};
     running = &kernel;
     for (int64_t b = blocks - 1; b >= 0; b--) {
         blockIdx = {(unsigned)b, 0, 0};
-        run_block(threads);
+        run_block((unsigned)threads);
     }
     running = NULL;
 }
