@@ -9,7 +9,6 @@
         (void)s;                                                               \
         return DRAPE_EDEVICE;                                                  \
     }
-MISSING(pcg)
 MISSING(audit)
 
 /* ---- Parts of the pipeline, gpu/world.h ---- */

@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Preconditioned conjugate gradients. spec/15_pcg.md */
+#include "gpu/pcg.cuh"
+
+#include "gpu/jacobi.cuh"
+#include "gpu/level.cuh"
+#include "gpu/product.cuh"
+#include "gpu/residual.cuh"
+#include "gpu/sum.cuh"
+
+/* Iterations that are queued before the host looks. */
+enum { BATCH = 8, BATCH_MOST = 32 };
+
+static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
+
+/* ---- kernels: block k owns chunk k of the particles, a thread a particle;
+ * the block that ends last moves the course on ---- */
+
+#define PARTICLE(k) int64_t k = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x
+
+/* Writes dv[k] and low[k]. §1 */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    pcg_start_kernel(struct pcg s)
+{
+    ITEM(k, s.count);
+    s.dv[k] = s.fixed[k] && s.n_z ? s.z[k] : make(0, 0, 0);
+    s.low[k] = make(0, 0, 0);
+}
+
+/* Writes r[k]; reads dv and low of the neighbours. §2 */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    pcg_residual_kernel(struct pcg s, struct course *c, real *chunk)
+{
+    PARTICLE(k);
+    int phase = c->phase;
+    if (phase != PHASE_OPEN && phase != PHASE_ENDED)
+        return;
+    struct residual a = {s.m,     s.n,     s.count, s.mass, s.n_extra, s.extra,
+                         s.block, s.fixed, s.b,     s.dv,   s.low,     s.r};
+    vec r = make(0, 0, 0);
+    if (k < s.count) {
+        if (!s.fixed[k])
+            r = left_over(&a, place_of(grid{s.m, s.n}, k));
+        s.r[k] = r;
+    }
+    real value = dot(r, r), sum;
+    if (!grid_sums<1>(&value, chunk, &c->ticket, &sum) || threadIdx.x)
+        return;
+    if (phase == PHASE_OPEN)
+        begin(&s, c, sum);
+    else
+        judge(&s, c, sum);
+}
+
+/* M⁻¹r by Jacobi into s[k] after a restart; later pcg_update_kernel's. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    pcg_jacobi_kernel(struct pcg s, struct course *c, real *chunk)
+{
+    PARTICLE(k);
+    if (!c->go || !c->fresh)
+        return;
+    real value = 0, sum;
+    if (k < s.count) {
+        vec r = s.r[k], z = solved(s.factor[k], r);
+        s.s[k] = z;
+        value = dot(r, z);
+    }
+    if (grid_sums<1>(&value, chunk, &c->ticket, &sum) && threadIdx.x == 0)
+        enter(&s, c, sum);
+}
+
+/* r·M⁻¹r by multigrid, which has filled s[k]. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    pcg_enter_kernel(struct pcg s, struct course *c, real *chunk)
+{
+    PARTICLE(k);
+    if (!c->go)
+        return;
+    real value = k < s.count ? dot(s.r[k], s.s[k]) : 0, sum;
+    if (grid_sums<1>(&value, chunk, &c->ticket, &sum) && threadIdx.x == 0)
+        enter(&s, c, sum);
+}
+
+/* Writes p[k]. §3 */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    pcg_direction_kernel(struct pcg s, const struct course *c)
+{
+    ITEM(k, s.count);
+    if (c->go)
+        s.p[k] = c->first ? s.s[k] : axpy(s.s[k], c->beta, s.p[k]);
+}
+
+/* Writes q[k]; reads p of the neighbours. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    pcg_product_kernel(struct pcg s, struct product a, struct cdf d,
+                       struct course *c, real *chunk)
+{
+    PARTICLE(k);
+    if (!c->go)
+        return;
+    real value = 0, sum;
+    if (k < s.count) {
+        vec q = make(0, 0, 0);
+        if (!s.fixed[k])
+            q = system_row(&a, &d, place_of(grid{s.m, s.n}, k), s.p);
+        s.q[k] = q;
+        value = dot(s.p[k], q);
+    }
+    if (grid_sums<1>(&value, chunk, &c->ticket, &sum) && threadIdx.x == 0)
+        measure(c, sum);
+}
+
+/* *a + b rounded to *a; what is rounded off, exactly (Knuth). */
+static __device__ real two_sum(real *a, real b)
+{
+    real sum = *a + b, part = sum - *a;
+    real error = (*a - (sum - part)) + (b - part);
+    *a = sum;
+    return error;
+}
+
+/* dv + low += d at particle k. */
+static __device__ void advance(const struct pcg *s, int64_t k, vec d)
+{
+    vec x = s->dv[k], low = s->low[k];
+    low.x += two_sum(&x.x, d.x);
+    low.y += two_sum(&x.y, d.y);
+    low.z += two_sum(&x.z, d.z);
+    s->dv[k] = x;
+    s->low[k] = low;
+}
+
+/* Writes dv[k], low[k], r[k] and, with Jacobi, s[k]. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    pcg_update_kernel(struct pcg s, struct course *c, real *chunk, bool jacobi)
+{
+    PARTICLE(k);
+    if (!c->go)
+        return;
+    real value[2] = {0, 0}, sum[2];
+    if (k < s.count) {
+        real alpha = c->alpha;
+        if (!s.fixed[k])
+            advance(&s, k, scale(alpha, s.p[k]));
+        vec r = axpy(s.r[k], -alpha, s.q[k]);
+        s.r[k] = r;
+        value[0] = dot(r, r);
+        if (jacobi) {
+            vec z = solved(s.factor[k], r);
+            s.s[k] = z;
+            value[1] = dot(r, z);
+        }
+    }
+    if (!grid_sums<2>(value, chunk, &c->ticket, sum) || threadIdx.x)
+        return;
+    leave(&s, c, sum[0]);
+    if (jacobi && c->go)
+        enter(&s, c, sum[1]);
+}
+
+/* ---- the stage ---- */
+
+static int set_up(struct gpu *g, struct pcg *s)
+{
+    struct matrix a = {s->m,       s->n,        s->count,    s->mass,
+                       s->n_extra, s->extra,    s->n_blocks, s->block,
+                       s->n_cdf,   s->diagonal, s->cdf};
+    struct jacobi j = {s->m,     s->n,        s->count, s->mass,  s->n_extra,
+                       s->extra, s->n_blocks, s->block, s->fixed, s->factor};
+    int status = s->n_cdf ? gpu_matrix(g, &a) : DRAPE_OK;
+    if (status == DRAPE_OK)
+        status = gpu_jacobi(g, &j);
+    if (status != DRAPE_OK || s->precond != DRAPE_MULTIGRID)
+        return status;
+    s->grid.mass = s->mass;
+    s->grid.n_extra = s->n_extra;
+    s->grid.extra = s->extra;
+    s->grid.block = s->block;
+    s->grid.fixed = s->fixed;
+    s->grid.factor = s->factor;
+    s->grid.r = s->r;
+    s->grid.z = s->s;
+    return gpu_multigrid_build(g, &s->grid);
+}
+
+static void iterate(struct gpu *g, struct pcg *s, struct course *c, real *chunk,
+                    bool jacobi)
+{
+    struct product a = {s->m, s->n,     s->count, s->mass, s->n_extra, s->extra,
+                        0,    s->block, s->n_cdf, s->cdf,  s->p,       s->q};
+    if (!jacobi) {
+        gpu_multigrid_cycle(g, &s->grid, &c->go);
+        LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_enter_kernel, *s, c,
+                      chunk);
+    }
+    LAUNCH(g, s->count, pcg_direction_kernel, *s, c);
+    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_product_kernel, *s, a,
+                  cdf_of(s->m, s->n), c, chunk);
+    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_update_kernel, *s, c, chunk,
+                  jacobi);
+}
+
+/* Queues iterations until one of them, or the residual behind, ends it. */
+static struct course solve(struct gpu *g, struct pcg *s, real *chunk)
+{
+    struct course *c = (struct course *)gpu_words(g), seen = {};
+    int words = (int)((sizeof seen + sizeof(int64_t) - 1) / sizeof(int64_t));
+    LAUNCH(g, s->count, pcg_start_kernel, *s);
+    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, chunk);
+    for (int batch = BATCH; seen.phase != PHASE_DONE; batch *= 2) {
+        bool jacobi = s->precond == DRAPE_JACOBI || seen.fell_back;
+        int most = jacobi ? batch < BATCH_MOST ? batch : BATCH_MOST : 1;
+        if (jacobi)
+            LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_jacobi_kernel, *s, c,
+                          chunk);
+        for (int k = 0; k < most; k++)
+            iterate(g, s, c, chunk, jacobi);
+        LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c,
+                      chunk);
+        memcpy((void *)&seen, gpu_read_words(g, words), sizeof seen);
+        if (gpu_status(g) != DRAPE_OK)
+            break;
+    }
+    return seen;
+}
+
+int gpu_pcg(struct gpu *g, struct pcg *s)
+{
+    if (s->n_chunks != sum_chunks(s->count) || !(s->tolerance >= 0) ||
+        s->max_iterations < 0 || (s->n_z && s->n_z != s->count) ||
+        s->precond < DRAPE_JACOBI || s->precond > DRAPE_MULTIGRID ||
+        s->form < DRAPE_CDF || s->form > DRAPE_COMPACT)
+        return DRAPE_EARG;
+    int status = set_up(g, s);
+    struct course c = {};
+    real *chunk =
+        (real *)gpu_scratch(g, SLOT_STAGE, 2 * s->n_chunks, sizeof *chunk);
+    if (status == DRAPE_OK && s->count > 0 && chunk)
+        c = solve(g, s, chunk);
+    s->iterations = c.iterations;
+    s->outcome = c.outcome;
+    s->fell_back = c.fell_back;
+    s->recurrence = c.recurrence;
+    s->residual = c.residual;
+    return status == DRAPE_OK ? gpu_status(g) : status;
+}
