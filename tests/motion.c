@@ -2,9 +2,7 @@
 /* Cloths without contact stepped by the reference and by the device beside
  * each other: the same bits after every stage. spec/09_dynamics.md, 50_gpu.md
  */
-#include <stdio.h>
-
-#include "tests/harness.h"
+#include "tests/notes.h"
 
 enum {
     WIDE = 13,
@@ -12,42 +10,8 @@ enum {
     COUNT = WIDE * HIGH,
     METHODS = DRAPE_BW, /* the explicit ones */
     SCENES = 4,
-    STEPS = 3,
-    NOTES = 8192
+    STEPS = 3
 };
-
-/* What the stages of a run gave, in order. */
-struct notes {
-    int n;
-    char stage[NOTES][16];
-    uint64_t digest[NOTES];
-};
-
-static void note(void *user, int64_t step, const char *stage, uint64_t digest,
-                 double seconds)
-{
-    struct notes *a = user;
-    (void)step;
-    (void)seconds;
-    if (a->n < NOTES) {
-        snprintf(a->stage[a->n], sizeof *a->stage, "%s", stage);
-        a->digest[a->n] = digest;
-    }
-    a->n++;
-}
-
-/* The first stage that gave something else; NULL if none did. */
-static const char *other_stage(const struct notes *a, const struct notes *b)
-{
-    static char text[64];
-    for (int k = 0; k < a->n && k < b->n && k < NOTES; k++)
-        if (a->digest[k] != b->digest[k] || strcmp(a->stage[k], b->stage[k])) {
-            snprintf(text, sizeof text, "the device's %s differs, as stage %d",
-                     a->stage[k], k);
-            return text;
-        }
-    return a->n == b->n ? NULL : "the device traces other stages";
-}
 
 /* A cloth, pinned, led, with holes, in wind or tearing away. */
 struct motion_scene {
@@ -96,7 +60,7 @@ static void make_scene(struct motion_scene *s, int integrator, int scene)
     s->def.n_cloths = 1;
     s->def.motions = &s->lead;
     s->def.n_motions = 1;
-    s->def.trace = note;
+    s->def.trace = notes_take;
     s->lead = (drape_motion){2, times, way, NULL, {0, 0, 0}};
     s->cloth.m = WIDE;
     s->cloth.n = HIGH;
@@ -161,7 +125,7 @@ static const char *walk(drape_world *const world[2], struct notes *notes,
             EXPECT(drape_step(world[k], &r[k]) == DRAPE_OK);
         }
         EXPECT(!(r[0].outcome & DRAPE_DIVERGED) == !diverges);
-        const char *other = other_stage(&notes[0], &notes[1]);
+        const char *other = notes_compare(&notes[0], &notes[1]);
         if (other && !diverges)
             return other;
         EXPECT(notes[0].n >= 2 && notes[0].n <= NOTES);

@@ -38,9 +38,7 @@ static const char *check_step(struct tangle *t, vec a)
 
 /* ---- Soups ---- */
 
-/* Triangles of a cell's size, one a cell of a cubic grid; `thin` of them are
- * collapsed to needles or points. */
-static void make_soup(struct tangle *t, struct bytes *b, int side, bool thin)
+void tangle_soup(struct tangle *t, struct bytes *b, int side, bool thin)
 {
     tangle_make(t, 3 * side * side * side, side * side * side);
     for (int64_t k = 0; k < t->nt; k++) {
@@ -88,7 +86,7 @@ const char *test_tangle_soup(void)
     for (int k = 0; k < 15 && !failed; k++) {
         struct bytes b = {.seed = (uint64_t)k, .size = -1};
         struct tangle t;
-        make_soup(&t, &b, 3 + k % 2, k >= 10);
+        tangle_soup(&t, &b, 3 + k % 2, k >= 10);
         t.r.max_rounds = rounds[k % 5][0];
         t.r.zone_rounds = rounds[k % 5][1];
         failed = run_soup(&t, 5, false);
@@ -105,7 +103,7 @@ const char *test_tangle_energy(void)
     for (int k = 0; k < 6 && !failed; k++) {
         struct bytes b = {.seed = 100 + (uint64_t)k, .size = -1};
         struct tangle t;
-        make_soup(&t, &b, 3, false);
+        tangle_soup(&t, &b, 3, false);
         t.r.stiffness = 0;
         t.r.margin = 0;
         t.surface.friction = R(0.5) * (real)(k % 3);
@@ -149,8 +147,7 @@ static void make_sheet(struct tangle *t, struct bytes *b, int m)
     }
 }
 
-/* A sheet between two plates that move at lo and hi m/s along y. */
-static void make_press(struct tangle *t, struct bytes *b, real lo, real hi)
+void tangle_press(struct tangle *t, struct bytes *b, real lo, real hi)
 {
     enum { M = 6 };
     int64_t cloth = 2 * (M - 1) * (M - 1);
@@ -202,7 +199,7 @@ const char *test_tangle_plates(void)
         struct bytes b = {.seed = k, .size = -1};
         struct tangle t;
         bool trapped;
-        make_press(&t, &b, row[k].lo, row[k].hi);
+        tangle_press(&t, &b, row[k].lo, row[k].hi);
         t.r.max_rounds = row[k].rounds[0];
         t.r.zone_rounds = row[k].rounds[1];
         failed = run_press(&t, row[k].steps, &trapped);

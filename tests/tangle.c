@@ -153,14 +153,19 @@ int tangle_broad(void *user, const uint8_t *touched, struct pairs *out)
     return DRAPE_OK;
 }
 
-int tangle_step(struct tangle *t, vec a)
+void tangle_start(struct tangle *t, vec a)
 {
-    struct pairs near;
     for (int64_t i = 0; i < t->nv; i++) {
         if (t->w[i] > 0)
             t->v[i] = vec_axpy(t->v[i], t->r.dt, a);
         t->x1[i] = vec_axpy(t->x0[i], t->r.dt, t->v[i]);
     }
+}
+
+int tangle_step(struct tangle *t, vec a)
+{
+    struct pairs near;
+    tangle_start(t, a);
     int status = ref_response_start(&t->r);
     t->reach = t->surface.thickness;
     if (status == DRAPE_OK)

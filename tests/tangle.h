@@ -25,9 +25,16 @@ void tangle_make(struct tangle *t, int64_t nv, int64_t nt);
 /* Finds the edges, once the triangles are set. */
 void tangle_edges(struct tangle *t);
 void tangle_free(struct tangle *t);
+/* tests/response.c: triangles of a cell's size, one a cell of a cubic grid;
+ * thin: some are collapsed to needles or points. */
+void tangle_soup(struct tangle *t, struct bytes *b, int side, bool thin);
+/* A sheet between two plates that move at lo and hi m/s along y. */
+void tangle_press(struct tangle *t, struct bytes *b, real lo, real hi);
 /* Every pair whose swept boxes overlap, as struct response asks for. */
 int tangle_broad(void *user, const uint8_t *touched, struct pairs *out);
-/* Gravity a; x1 = x0 + dt v; repulsion; penetration. Status. */
+/* Gravity a; x1 = x0 + dt v. */
+void tangle_start(struct tangle *t, vec a);
+/* The same, then repulsion and penetration. Status. */
 int tangle_step(struct tangle *t, vec a);
 /* Pairs that touch between x0 and x1, of all there are. */
 int64_t tangle_touching(struct tangle *t);

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Contacts within the implicit solve of every cloth, on the device.
+ * spec/38_penalty.md §4 */
+#include "gpu/real.cuh"
+#include "gpu/world.h"
+
+enum { TURNS = 2 };
+
+/* One cloth's part of the streams; hold and b are pcg's too. */
+struct part {
+    int64_t count;
+    const uint8_t *fixed;
+    const vec *force;
+    const sym *hold;
+    const vec *r, *dv; /* pcg's: residual and result */
+    vec *g, *b;
+    const vec *x0;
+    vec *u, *v, *x1;
+    uint8_t *touched;
+    real span, dt;
+};
+
+int gpu_couple_make(struct gpu_world *w)
+{
+    struct penalty *p = &w->couple.penalty;
+    int64_t nv = w->host->nv, nc = w->host->nc;
+    p->nv = nv;
+    p->nv1 = nv + 1;
+    p->w = w->w;
+    p->u = w->response.u;
+    p->stiffness = w->response.stiffness;
+    p->dt = w->response.dt;
+    p->slip = R(0.01) * w->host->reach / p->dt;
+    p->start = w->response.start;
+    struct gpu *g = w->gpu;
+    p->force = (vec *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(vec));
+    p->hold = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
+    w->couple.g = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
+    w->couple.b = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
+    w->couple.dv = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
+    return gpu_status(g);
+}
+
+void gpu_couple_start(struct gpu_world *w)
+{
+    const struct world *h = w->host;
+    bool past = h->plan.history && h->has_past;
+    w->couple.penalty.tau = (real)(past ? h->def.dt * 2 / 3 : h->def.dt);
+    w->couple.iterations = 0;
+    w->couple.seconds = 0;
+    gpu_clear(w->gpu, w->couple.g, (size_t)h->nc * sizeof *w->couple.g);
+}
+
+static int make_room(struct gpu_world *w, int64_t n)
+{
+    struct couple *c = &w->couple;
+    struct penalty *p = &c->penalty;
+    struct gpu *g = w->gpu;
+    if (n <= c->cap)
+        return DRAPE_OK;
+    gpu_give(g, p->item);
+    gpu_give(g, p->vertex);
+    gpu_give(g, p->slide);
+    gpu_give(g, p->share);
+    c->cap = n + n / 4 + 64;
+    int64_t cap = c->cap;
+    p->item = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
+    p->vertex =
+        (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
+    p->slide = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
+    p->share = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
+    return gpu_status(g);
+}
+
+/* Thread i owns particle i: b = force - g, 0 where fixed. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    couple_rhs_kernel(struct part s)
+{
+    ITEM(i, s.count);
+    s.b[i] = s.fixed[i] ? make(0, 0, 0) : sub(s.force[i], s.g[i]);
+}
+
+/* Thread i owns particle i: g gains A dv, whatever pcg left over; u, v, x1
+ * move with dv. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    couple_move_kernel(struct part s)
+{
+    ITEM(i, s.count);
+    if (s.fixed[i])
+        return;
+    vec dv = s.dv[i];
+    vec done = sub(sub(s.b[i], s.r[i]), apply(s.hold[i], dv));
+    vec u = axpy(s.u[i], s.span, dv);
+    s.g[i] = add(s.g[i], done);
+    s.u[i] = u;
+    s.v[i] = add(s.v[i], dv);
+    s.x1[i] = axpy(s.x0[i], s.dt, u);
+    s.touched[i] = 1;
+}
+
+static struct part part_of(struct gpu_world *w, const struct gpu_sheet *s)
+{
+    const struct couple *c = &w->couple;
+    int64_t at = s->first;
+    struct part p = {s->cloth.count,
+                     s->cloth.fixed,
+                     c->penalty.force + at,
+                     c->penalty.hold + at,
+                     s->pcg.r,
+                     c->dv + at,
+                     c->g + at,
+                     c->b + at,
+                     w->x0 + at,
+                     w->response.u + at,
+                     w->v1 + at,
+                     w->x1 + at,
+                     w->response.touched + at,
+                     c->penalty.tau / c->penalty.dt,
+                     w->response.dt};
+    return p;
+}
+
+/* One cloth: (A + hold) dv = force - g; what moves is moved. */
+static int solve_sheet(struct gpu_world *w, struct gpu_sheet *s)
+{
+    struct part part = part_of(w, s);
+    struct pcg *p = &s->pcg;
+    LAUNCH(w->gpu, part.count, couple_rhs_kernel, part);
+    p->block = s->dynamics.block;
+    p->b = part.b;
+    p->dv = w->couple.dv + s->first;
+    p->n_extra = part.count;
+    p->extra = part.hold;
+    p->energy = 1;
+    int status = gpu_pcg(w->gpu, p);
+    gpu_trace(w->gpu, w->host->tracing, "pcg", p->dv,
+              (size_t)part.count * sizeof *p->dv);
+    p->n_extra = p->energy = 0;
+    w->couple.iterations += p->iterations;
+    if (status != DRAPE_OK || p->outcome == PCG_BREAKDOWN)
+        return status; /* the exact rounds go on without */
+    LAUNCH(w->gpu, part.count, couple_move_kernel, part);
+    return gpu_status(w->gpu);
+}
+
+int gpu_couple_solve(void *user, int64_t n, struct contact *contact)
+{
+    struct gpu_world *w = (struct gpu_world *)user;
+    struct penalty *p = &w->couple.penalty;
+    double start = clock_now();
+    int status = make_room(w, n);
+    p->n = n;
+    p->n4 = 4 * n;
+    p->contact = contact;
+    for (int k = 0; k < TURNS && status == DRAPE_OK; k++) {
+        status = gpu_penalty(w->gpu, p);
+        gpu_trace(w->gpu, w->host->tracing, "penalty", p->force,
+                  (size_t)p->nv * sizeof *p->force);
+        for (int i = 0; i < w->host->def.n_cloths && status == DRAPE_OK; i++)
+            status = solve_sheet(w, &w->sheet[i]);
+    }
+    w->couple.seconds += clock_now() - start;
+    return status;
+}

@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The rounds of collision response: ref/response.c again, with streams that
+ * stay on the device. spec/37_response.md */
+#include "gpu/response.cuh"
+
+#include "gpu/real.cuh"
+
+/* ---- Pools ---- */
+
+int gpu_response_grow(struct gpu *g, int n, const struct room *room)
+{
+    for (int k = 0; k < n; k++) {
+        struct pool *p = room[k].pool;
+        if (room[k].need <= p->cap)
+            continue;
+        int64_t cap = room[k].need + room[k].need / 4 + 256;
+        gpu_give(g, p->data);
+        p->data = gpu_take(g, ARENA_RESPONSE, cap, room[k].size);
+        p->cap = p->data ? cap : 0;
+    }
+    return gpu_status(g);
+}
+
+static int grow_one(struct gpu *g, struct pool *p, int64_t need, size_t size)
+{
+    struct room room = {p, need, size};
+    return gpu_response_grow(g, 1, &room);
+}
+
+/* ---- §1 ---- */
+
+/* Thread i owns vertex i: writes u[i]. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    response_start_kernel(struct response s)
+{
+    ITEM(i, s.nv);
+    vec d = sub(s.x1[i], s.x0[i]);
+    s.u[i] = make(d.x / s.dt, d.y / s.dt, d.z / s.dt);
+}
+
+int gpu_response_start(struct gpu *g, struct response *s)
+{
+    if (!(s->dt > 0 && s->dt <= REAL_BIG && s->margin >= 0) ||
+        !(s->stiffness >= 0) || s->iterations < 0 || s->max_rounds < 0 ||
+        s->zone_rounds < 0 || s->roll_rounds < 0)
+        return DRAPE_EARG;
+    s->rounds = s->outcome = s->side = s->tangle_side = 0;
+    s->contacts = s->impacts = s->candidates = 0;
+    s->started = s->led = 0;
+    s->zone_vertices = s->rolled_back = 0;
+    s->hits = s->active = s->tangled = 0;
+    gpu_clear(g, s->rolled, (size_t)s->nv);
+    LAUNCH(g, s->nv, response_start_kernel, *s);
+    return gpu_status(g);
+}
+
+/* Thread k owns vertex[k]: writes its x1 and touched, and v where it stops. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    response_advance_kernel(struct response s, int64_t n, const int32_t *vertex,
+                            bool stop)
+{
+    ITEM(k, n);
+    int32_t i = vertex[k];
+    s.x1[i] = axpy(s.x0[i], s.dt, s.u[i]);
+    s.touched[i] = 1;
+    if (stop)
+        s.v[i] = s.u[i];
+}
+
+void gpu_response_advance(struct gpu *g, struct response *s, int64_t n,
+                          const int32_t *vertex, bool stop)
+{
+    LAUNCH(g, n, response_advance_kernel, *s, n, vertex, stop);
+}
+
+/* Solves the contacts in contact[side] and moves their vertices. */
+static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
+                          int warm)
+{
+    struct room room[] = {{&s->item, 4 * n, sizeof(int32_t)},
+                          {&s->mass, n, sizeof(real)},
+                          {&s->push, 2 * n, sizeof(vec)},
+                          {&s->vertex, 4 * n, sizeof(int32_t)}};
+    int status = gpu_response_grow(g, 4, room);
+    if (status != DRAPE_OK)
+        return status;
+    struct contacts c = {};
+    c.nv = s->nv;
+    c.n = n;
+    c.w = s->w;
+    c.iterations = s->iterations;
+    c.warm = warm;
+    c.contact = (struct contact *)s->contact[s->side].data;
+    c.u = s->u;
+    c.v = s->v;
+    c.nv1 = s->nv + 1;
+    c.n4 = 4 * n;
+    c.start = s->start;
+    c.item = (int32_t *)s->item.data;
+    c.mass = (real *)s->mass.data;
+    c.push = (vec *)s->push.data;
+    c.before = c.push + n;
+    c.vertex = (int32_t *)s->vertex.data;
+    status = gpu_contacts(g, &c);
+    gpu_trace(g, s->trace, "contacts", s->u, (size_t)s->nv * sizeof *s->u);
+    if (status == DRAPE_OK)
+        gpu_response_advance(g, s, c.vertices, c.vertex, false);
+    return status;
+}
+
+/* ---- §2 Repulsion ---- */
+
+int gpu_response_repel(struct gpu *g, struct response *s,
+                       const struct pairs *near)
+{
+    struct proximity p = {};
+    struct pool *out = &s->contact[s->side];
+    p.nv = s->nv;
+    p.n = near->n;
+    p.pair = near->pair;
+    p.kind = near->kind;
+    p.x = s->x0;
+    p.w = s->w;
+    p.skin = s->skin;
+    p.dt = s->dt;
+    p.stiffness = s->stiffness;
+    int status = grow_one(g, &s->at, near->n, sizeof *p.at);
+    if (status != DRAPE_OK)
+        return status;
+    p.at = (int32_t *)s->at.data;
+    do {
+        p.cap = out->cap;
+        p.contact = (struct contact *)out->data;
+        status = gpu_proximity(g, &p);
+    } while (status == DRAPE_EFULL &&
+             (status = grow_one(g, out, p.found, sizeof *p.contact)) ==
+                 DRAPE_OK);
+    if (status != DRAPE_OK)
+        return status;
+    s->contacts = p.found;
+    gpu_trace(g, s->trace, "proximity", p.contact,
+              (size_t)p.found * sizeof *p.contact);
+    if (!p.found)
+        return DRAPE_OK;
+    if (!s->solve)
+        return solve_contacts(g, s, p.found, 0);
+    s->active = p.found; /* they go on through the rounds */
+    return s->solve(s->user, p.found, p.contact);
+}
+
+/* ---- §4 Impulses ---- */
+
+static int find_impulses(struct gpu *g, struct response *s, struct impulses *m)
+{
+    struct pool *from = &s->contact[s->side], *to = &s->contact[!s->side];
+    m->nv = s->nv;
+    m->n = s->hits;
+    m->pair = (int32_t *)s->hit.data;
+    m->kind = (uint8_t *)s->hit_kind.data;
+    m->toi = (uint32_t *)s->hit_toi.data;
+    m->x0 = s->x0;
+    m->x1 = s->x1;
+    m->skin = s->skin;
+    m->dt = s->dt;
+    m->margin = s->margin;
+    m->n_active = s->active;
+    m->active = (struct contact *)from->data;
+    m->n_all = m->n + m->n_active;
+    struct room room[] = {{&s->key[0], m->n_all, sizeof *m->key},
+                          {&s->key[1], m->n_all, sizeof *m->key}};
+    int status = gpu_response_grow(g, 2, room);
+    if (status != DRAPE_OK)
+        return status;
+    m->key = (struct key *)s->key[0].data;
+    m->spare = (struct key *)s->key[1].data;
+    do {
+        m->cap = to->cap;
+        m->contact = (struct contact *)to->data;
+        status = gpu_impulses(g, m);
+    } while (status == DRAPE_EFULL &&
+             (status = grow_one(g, to, m->found, sizeof *m->contact)) ==
+                 DRAPE_OK);
+    return status;
+}
+
+static int push(struct gpu *g, struct response *s, int round)
+{
+    struct impulses m = {};
+    int status = find_impulses(g, s, &m);
+    if (status != DRAPE_OK)
+        return status;
+    s->side = !s->side;
+    s->active = m.found;
+    gpu_trace(g, s->trace, "impulses", m.contact,
+              (size_t)m.found * sizeof *m.contact);
+    int solved = s->solve ? s->solve_rounds : 0;
+    if (round < solved)
+        return s->solve(s->user, m.found, m.contact);
+    /* only impulses that contacts gave can it withdraw */
+    return solve_contacts(g, s, m.found, round > solved);
+}
+
+/* Thread k owns corner k of the hits: marks its vertex where it is free. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    response_touch_kernel(struct response s, const int32_t *hit)
+{
+    ITEM(k, 4 * s.hits);
+    s.touched[hit[k]] = s.w[hit[k]] > 0;
+}
+
+static int resolve(struct gpu *g, struct response *s, int round)
+{
+    int rolls = round - s->max_rounds - s->zone_rounds;
+    if (rolls >= 0)
+        return gpu_response_roll(g, s, rolls);
+    gpu_clear(g, s->touched, (size_t)s->nv);
+    LAUNCH(g, 4 * s->hits, response_touch_kernel, *s,
+           (const int32_t *)s->hit.data);
+    return round < s->max_rounds ? push(g, s, round)
+                                 : gpu_response_stiffen(g, s);
+}
+
+int gpu_response_penetrate(struct gpu *g, struct response *s)
+{
+    if (!s->solve)
+        s->active = 0; /* what repulsion left there is done */
+    int status = gpu_response_detect(g, s, NULL);
+    s->rounds = 1;
+    for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {
+        status = resolve(g, s, round);
+        if (status != DRAPE_OK || s->hits == 0)
+            break;
+        status = gpu_response_detect(g, s, s->touched);
+        s->rounds++;
+    }
+    if (s->started || s->led)
+        s->outcome |= DRAPE_TRAPPED;
+    return status;
+}
