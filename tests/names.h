@@ -190,6 +190,8 @@
 #define test_broad_cones REAL_NAME(test_broad_cones)
 #define test_broad_frames REAL_NAME(test_broad_frames)
 #define test_broad_fronts REAL_NAME(test_broad_fronts)
+#define test_broad_gpu REAL_NAME(test_broad_gpu)
+#define test_broad_gpu_large REAL_NAME(test_broad_gpu_large)
 #define test_broad_moved REAL_NAME(test_broad_moved)
 #define test_broad_trap REAL_NAME(test_broad_trap)
 #define test_cdf_bytes REAL_NAME(test_cdf_bytes)
