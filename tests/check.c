@@ -207,6 +207,12 @@ static void bench(void)
         }
 }
 
+static void bench_solves(void)
+{
+    bench_solve_32();
+    bench_solve_64();
+}
+
 static int usage(void)
 {
     fputs("usage: check [--only NAME] [--cases N] [--seed N] MODE...\n"
@@ -217,7 +223,8 @@ static int usage(void)
           "  --self-test     planted faults must be caught\n"
           "  --golden FILE   recorded hashes   --golden-write FILE\n"
           "  --replay FILE   one recorded case\n"
-          "  --bench         time of each stage as csv, --bench-gpu there\n",
+          "  --bench         time of each stage as csv, --bench-gpu there\n"
+          "  --bench-solve   whole solves on the device, as csv\n",
           stderr);
     return 2;
 }
@@ -229,9 +236,13 @@ static int obey(const char *a, const char *value, bool modes)
     static const struct {
         const char *name;
         void (*run)(void);
-    } plain[] = {{"--stages", run_stages}, {"--gpu", run_devices},
-                 {"--tests", run_tests},   {"--self-test", self_test},
-                 {"--bench", bench},       {"--bench-gpu", bench_gpu}};
+    } plain[] = {{"--stages", run_stages},
+                 {"--gpu", run_devices},
+                 {"--tests", run_tests},
+                 {"--self-test", self_test},
+                 {"--bench", bench},
+                 {"--bench-gpu", bench_gpu},
+                 {"--bench-solve", bench_solves}};
     for (size_t k = 0; k < sizeof plain / sizeof *plain; k++)
         if (!strcmp(a, plain[k].name)) {
             if (modes)

@@ -31,6 +31,9 @@ uint64_t run_stage(const struct stage *stage, int bits, bool quiet);
 /* Modes on the device, tests/certify.c. */
 void run_devices(void);
 void bench_gpu(void);
+/* Whole solves there, tests/solve_gpu.c. */
+void bench_solve_32(void);
+void bench_solve_64(void);
 /* Rows `stage bits cases mismatches digest` of every stage: generated cases
  * and, in 64 bits and 32, the files of corpus/STAGE. */
 void certify(const char *corpus);

@@ -3,6 +3,7 @@
 #ifndef TESTS_NAMES_H
 #define TESTS_NAMES_H
 
+#define bench_solve REAL_NAME(bench_solve)
 #define dense_entry REAL_NAME(dense_entry)
 #define fabric_boxes REAL_NAME(fabric_boxes)
 #define fabric_brute REAL_NAME(fabric_brute)
@@ -236,6 +237,7 @@
 #define test_product_forms REAL_NAME(test_product_forms)
 #define test_refinement REAL_NAME(test_refinement)
 #define test_response_device REAL_NAME(test_response_device)
+#define test_solve_gpu REAL_NAME(test_solve_gpu)
 #define test_stability REAL_NAME(test_stability)
 #define test_substeps REAL_NAME(test_substeps)
 #define test_tangle_energy REAL_NAME(test_tangle_energy)

@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Whole solves on the device, against the reference, and timed.
+ * spec/15_pcg.md */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "gpu/stages.h"
+#include "ref/clock.h"
+#include "tests/solver.h"
+
+/* RUNS: of a timing, the least counts; SHORT: iterations of Jacobi that are
+ * compared, as all of them take the reference minutes. */
+enum { RUNS = 5, SHORT = 20 };
+
+/* A copy on the device, or only room there. */
+static void *put(struct gpu *g, const void *host, int64_t n, size_t size)
+{
+    void *p = gpu_take(g, ARENA_OTHER, n, size);
+    if (p && host)
+        gpu_up(g, p, host, (size_t)n * size);
+    return p;
+}
+
+/* s with streams of its own on the device. */
+static struct pcg on_device(struct gpu *g, const struct pcg *s)
+{
+    struct pcg d = *s;
+    d.mass = put(g, s->mass, s->count, sizeof *s->mass);
+    d.extra = put(g, s->extra, s->n_extra, sizeof *s->extra);
+    d.block = put(g, s->block, s->n_blocks, sizeof *s->block);
+    d.fixed = put(g, s->fixed, s->count, 1);
+    d.b = put(g, s->b, s->count, sizeof *s->b);
+    d.cdf = put(g, NULL, s->n_cdf, sizeof *s->cdf);
+    d.diagonal = put(g, NULL, s->count, sizeof *s->diagonal);
+    d.factor = put(g, NULL, s->count, sizeof *s->factor);
+    d.low = put(g, NULL, s->count, sizeof *s->low);
+    d.r = put(g, NULL, s->count, sizeof *s->r);
+    d.s = put(g, NULL, s->count, sizeof *s->s);
+    d.p = put(g, NULL, s->count, sizeof *s->p);
+    d.q = put(g, NULL, s->count, sizeof *s->q);
+    d.chunk = put(g, NULL, s->n_chunks, sizeof *s->chunk);
+    d.grid.pool = put(g, NULL, s->grid.n_pool, sizeof *s->grid.pool);
+    d.grid.room = put(g, NULL, s->grid.n_room, sizeof *s->grid.room);
+    d.grid.live = put(g, NULL, s->grid.n_live, sizeof *s->grid.live);
+    d.grid.dense = put(g, NULL, s->grid.n_dense, sizeof *s->grid.dense);
+    d.dv = put(g, NULL, s->count, sizeof *s->dv);
+    return d;
+}
+
+static bool same_result(struct gpu *g, const struct pcg *s, const struct pcg *d)
+{
+    size_t bytes = (size_t)s->count * sizeof *s->dv;
+    vec *dv = malloc(bytes + 1);
+    if (!dv)
+        return false;
+    gpu_down(g, dv, d->dv, bytes);
+    bool same = !memcmp(dv, s->dv, bytes) && s->iterations == d->iterations &&
+                s->outcome == d->outcome && s->fell_back == d->fell_back &&
+                s->recurrence == d->recurrence && s->residual == d->residual;
+    free(dv);
+    return same && gpu_status(g) == DRAPE_OK;
+}
+
+/* A drape on pins, solved to 1e-3 by at most `most` iterations. */
+static void open_both(struct gpu *g, int32_t n, int precond, int32_t most,
+                      struct system *a, struct pcg *s, struct pcg *d)
+{
+    struct design design = {n, n, SHAPE_DRAPED, TRIM_PINS, 0};
+    make_system(&design, a);
+    *s = (struct pcg){.precond = precond,
+                      .form = DRAPE_COMPACT,
+                      .tolerance = R(1e-3),
+                      .max_iterations = most};
+    solver_open(s, a);
+    *d = on_device(g, s);
+}
+
+/* The least seconds of some solves. */
+static double timed(struct gpu *g, struct pcg *d)
+{
+    double least = HUGE_VAL;
+    for (int k = 0; k < RUNS; k++) {
+        gpu_clock_start(g);
+        gpu_pcg(g, d);
+        double t = gpu_clock_stop(g);
+        least = t < least ? t : least;
+    }
+    return least;
+}
+
+/* One line; with SHORT iterations of Jacobi both results are compared. */
+static void bench_one(int32_t n, int precond)
+{
+    int status;
+    struct gpu *g = gpu_open(&status);
+    struct system a;
+    struct pcg s, d;
+    bool jacobi = precond == DRAPE_JACOBI;
+    open_both(g, n, precond, 0, &a, &s, &d);
+    double set_up = timed(g, &d);
+    d.max_iterations = 5000;
+    double all = timed(g, &d);
+    printf("%d,%d,%s,%d,%.3g,%.4g,%.4g,%.4g", REAL_BITS, n,
+           jacobi ? "jacobi" : "multigrid", d.iterations, (double)d.residual,
+           1e3 * all, 1e3 * set_up, 1e6 * (all - set_up) / d.iterations);
+    s.max_iterations = d.max_iterations = jacobi ? SHORT : 5000;
+    gpu_pcg(g, &d);
+    double start = clock_now();
+    ref_pcg(&s);
+    double seconds = clock_now() - start;
+    printf(",%.4g,%s\n", 1e3 * seconds / s.iterations,
+           same_result(g, &s, &d) ? "same" : "DIFFERENT");
+    fflush(stdout);
+    solver_close(&s);
+    free_system(&a);
+    gpu_close(g);
+}
+
+/* Of 20 thousand, 500 thousand and 2 million triangles; where the device is
+ * emulated the first only. */
+void bench_solve(void)
+{
+    static const int32_t sizes[] = {101, 504, 1008};
+    int status;
+    struct gpu *g = gpu_open(&status);
+    if (!g)
+        return;
+    int most = strncmp(gpu_name(g), "emulated", 8) ? 3 : 1;
+    gpu_close(g);
+    printf("bits,grid,precond,iterations,residual,ms,of them set-up,"
+           "us/iteration,reference ms/iteration,bits of dv\n");
+    for (int k = 0; k < most; k++)
+        for (int precond = DRAPE_JACOBI; precond <= DRAPE_MULTIGRID; precond++)
+            bench_one(sizes[k], precond);
+}
+
+/* 20 thousand triangles, both preconditioners: the same bits. */
+const char *test_solve_gpu(void)
+{
+    for (int precond = DRAPE_JACOBI; precond <= DRAPE_MULTIGRID; precond++) {
+        int status;
+        struct gpu *g = gpu_open(&status);
+        struct system a;
+        struct pcg s, d;
+        if (!g)
+            return skip("there is no device");
+        open_both(g, 101, precond, SHORT, &a, &s, &d);
+        bool good = ref_pcg(&s) == gpu_pcg(g, &d) && same_result(g, &s, &d);
+        solver_close(&s);
+        free_system(&a);
+        gpu_close(g);
+        EXPECT(good);
+        ran(1);
+    }
+    return NULL;
+}
