@@ -85,7 +85,7 @@ LIB    := $(BUILD)/libdrape.a
 
 .PHONY: all demo check bench asan fuzz install help golden format tidy \
         check-parts flavours gcc-O0 gcc-O3 clang-O2 soak outcomes prove \
-        oracles oracle-libs say-gpu
+        oracles oracle-libs price say-gpu
 .DELETE_ON_ERROR:
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu
@@ -162,6 +162,25 @@ demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 bench: $(BUILD)/check ## time and bytes of every stage, as csv
 	$(BUILD)/check --bench
 
+# The same kernels by the number model's flags, with fma, and as fast as nvcc
+# makes them.
+EXACT      := --fmad=false -prec-div=true -prec-sqrt=true -ftz=false
+LOOSE_exact = $(EXACT)
+LOOSE_fma   = $(subst --fmad=false,--fmad=true,$(EXACT))
+LOOSE_fast  = --use_fast_math
+LOOSE_O    := $(foreach f,exact fma fast,$(BUILD)/cuda/price/$(f).32.o \
+              $(BUILD)/cuda/price/$(f).64.o)
+PRICE_O    := $(call obj,ci/bench/price,.32) $(call obj,ci/bench/price,.64) \
+              $(call obj,ci/bench/main) $(LOOSE_O) $(BUILD)/cuda/gpu/device.o
+$(LOOSE_O): $(BUILD)/cuda/price/%.o: ci/bench/kernels.cu
+	@mkdir -p $(@D)
+	$(subst $(EXACT),$(LOOSE_$(basename $*)),$(CUDA)) -DFLAGS=$(basename $*) \
+	  -DREAL_BITS=$(subst .,,$(suffix $*)) -c $< -o $@
+$(BUILD)/price: $(PRICE_O) $(LIB)
+	$(C17) $^ -o $@ $(CUDA_L)
+price: $(BUILD)/price ## what exactness costs on a device, as csv
+	$(BUILD)/price
+
 $(BUILD)/table: $(ROOT)/oracle/table.o $(ORC_O)
 	$(CXX17) $^ -o $@ $(ORC_L)
 # CGAL's audit of a run's frames, beside `drape audit`.
@@ -227,4 +246,4 @@ help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
 
 -include $(patsubst %.o,%.d,$(REF_O) $(TEST_O) $(APP_O) $(ORC_O) $(EMU_O) \
-  $(CUDA_O))
+  $(CUDA_O) $(PRICE_O))

@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The kernels that the price is asked of: gpu/'s own sources, under names of
+ * the flags that FLAGS is the name of. */
+#include "ci/bench/price.h"
+#include "gpu/cloth.cuh"
+#include "gpu/sum.cuh"
+
+#define PASTE_(a, b) a##_##b
+#define PASTE(a, b) PASTE_(a, b)
+#define TEXT_(a) #a
+#define TEXT(a) TEXT_(a)
+
+/* Not the library's: these are compiled otherwise. */
+#undef gpu_springs
+#undef gpu_sum
+#undef gpu_dot
+#define gpu_springs PASTE(gpu_springs, PASTE(FLAGS, REAL_BITS))
+#define gpu_sum PASTE(gpu_sum, PASTE(FLAGS, REAL_BITS))
+#define gpu_dot PASTE(gpu_dot, PASTE(FLAGS, REAL_BITS))
+#include "gpu/springs.cu"
+#include "gpu/sum.cu"
+
+enum { LOOSE_BLOCKS = 132 * 8 };
+
+/* Each thread sums what it meets, a warp its threads, memory the warps. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    loose_kernel(struct dot s, int64_t *word)
+{
+    int64_t first = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x;
+    real sum = 0;
+    for (int64_t k = first; k < s.n; k += (int64_t)gridDim.x * SUM_CHUNK)
+        sum += dot(s.a[k], s.b[k]);
+    for (int h = 16; h > 0; h /= 2)
+        sum += __shfl_xor_sync(0xffffffffu, sum, h);
+    if (threadIdx.x % 32 == 0)
+        atomicAdd((real *)word, sum);
+}
+
+static void springs(struct gpu *g, const struct springs *s)
+{
+    struct springs copy = *s;
+    gpu_springs(g, &copy);
+}
+
+static void ordered(struct gpu *g, const struct dot *s, int64_t *word)
+{
+    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, dot_kernel, *s, word);
+}
+
+static void loose(struct gpu *g, const struct dot *s, int64_t *word)
+{
+    gpu_clear(g, word, sizeof *word);
+    LAUNCH_BLOCKS(g, LOOSE_BLOCKS, SUM_CHUNK, loose_kernel, *s, word);
+}
+
+/* price.h gives it the suffix of the precision. */
+const struct price PASTE(price, FLAGS) = {TEXT(FLAGS), springs, ordered, loose};

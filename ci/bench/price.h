@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The price of exactness: kernels of gpu/ compiled as they are, and with
+ * flags that let the compiler choose the bits. spec/50_gpu.md */
+#ifndef BENCH_PRICE_H
+#define BENCH_PRICE_H
+
+#include "gpu/gpu.h"
+#include "ref/springs.h"
+#include "ref/sum.h"
+
+#define price_run REAL_NAME(price_run)
+#define price_exact REAL_NAME(price_exact)
+#define price_fma REAL_NAME(price_fma)
+#define price_fast REAL_NAME(price_fast)
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The kernels by one set of flags. Streams are the device's. */
+struct price {
+    const char *flags;
+    void (*springs)(struct gpu *g, const struct springs *s);
+    /* The sum into the first bytes of word[0]; word[0 … 1] are 0 at first. */
+    void (*dot)(struct gpu *g, const struct dot *s, int64_t *word);
+    /* The same in any order, by an addition in memory that is not split. */
+    void (*loose)(struct gpu *g, const struct dot *s, int64_t *word);
+};
+extern const struct price price_exact, price_fma, price_fast;
+
+/* Prints the rows of this precision; 0 if all went well. */
+int price_run(struct gpu *g);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
