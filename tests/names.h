@@ -165,6 +165,7 @@
 #define soak_decide REAL_NAME(soak_decide)
 #define soak_head REAL_NAME(soak_head)
 #define soak_print REAL_NAME(soak_print)
+#define soak_query REAL_NAME(soak_query)
 #define solver_close REAL_NAME(solver_close)
 #define solver_give REAL_NAME(solver_give)
 #define solver_open REAL_NAME(solver_open)

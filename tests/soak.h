@@ -18,6 +18,8 @@ struct soak {
 uint32_t soak_decide(struct soak *s, const struct query *q);
 void soak_add(struct soak *a, const struct soak *b);
 bool soak_clean(const struct soak *s);
+/* A query from the choices, against the oracles: what does not hold. */
+const char *soak_query(struct bytes *b, int kind);
 void soak_head(void);
 void soak_print(const char *name, const struct soak *s);
 
