@@ -2,6 +2,7 @@
 /* In place of the oracles whose libraries are not installed: tests look at
  * orc_present and are skipped. oracle/README.md */
 #include "oracle/oracle.h"
+#include "oracle/rational.h"
 
 int orc_present(void)
 {
@@ -58,5 +59,17 @@ int orc_orient3(const double a[3], const double b[3], const double c[3],
                 const double d[3])
 {
     (void)a, (void)b, (void)c, (void)d;
+    return -1;
+}
+
+int orc_triangles(const double t[3][3], const double s[3][3], int shared)
+{
+    (void)t, (void)s, (void)shared;
+    return -1;
+}
+
+int orc_distance(int kind, const double x[4][3], double r)
+{
+    (void)kind, (void)x, (void)r;
     return -1;
 }

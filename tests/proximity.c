@@ -3,6 +3,8 @@
  * spec/31_proximity.md */
 #include "ref/proximity.h"
 
+#include "oracle/oracle.h"
+#include "oracle/rational.h"
 #include "ref/closest.h"
 #include "tests/choices.h"
 
@@ -176,6 +178,21 @@ static const char *check_contact(const struct contact *c,
     return NULL;
 }
 
+/* §2.1 in rational numbers: the distance is r within a bound. */
+static bool is_distance(const struct wide x[4], int kind, double r,
+                        double bound)
+{
+    double p[4][3];
+    for (int k = 0; k < 4; k++) {
+        p[k][0] = x[k].x;
+        p[k][1] = x[k].y;
+        p[k][2] = x[k].z;
+    }
+    const double(*q)[3] = (const double(*)[3])p;
+    return orc_distance(kind, q, r - bound) >= 0 &&
+           orc_distance(kind, q, r + bound) <= 0;
+}
+
 const char *prop_proximity(const struct proximity *s)
 {
     int64_t at = 0;
@@ -195,6 +212,8 @@ const char *prop_proximity(const struct proximity *s)
                ((double)c->gap <= d + bound && (double)c->gap >= d - bound));
         if (!kept)
             continue;
+        if (k % 8 == 0 && orc_present())
+            EXPECT(is_distance(x, s->kind[k], (double)c->gap, bound));
         const char *failed = check_contact(c, x);
         if (failed)
             return failed;
