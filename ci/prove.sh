@@ -1,15 +1,27 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Has Gappa bound every rounding error anew and compares each bound with the
-# constant in the code. One row a proof: script, constant, file that defines
-# the constant as a power of two. Bounds must stay a hundredth below.
+# constant in the code. One row a proof: script, constant, file that has it. A
+# constant is #defined as a power of two, or as a number of units u = 2^-24 and
+# 2^-53 (@P@ in the script); or it stands on a page as 2^-49 or 4u. Bounds must
+# stay a hundredth below.
 set -eu
 cd "$(dirname "$0")/.."
 
 rows='
-narrow_form   ERROR_FORM  ref/filter.c
-narrow_cubic  ERROR_CUBIC ref/filter.c
-narrow_box    ERROR_BOX   ref/filter.c
+narrow_form    ERROR_FORM    ref/filter.c
+narrow_cubic   ERROR_CUBIC   ref/filter.c
+narrow_box     ERROR_BOX     ref/filter.c
+audit_orient3  ERROR_ORIENT3 ref/predicates.c
+audit_orient2  ERROR_ORIENT2 ref/predicates.c
+audit_orient3  ERROR_BESIDE  ref/tritri.c
+audit_parted   ERROR_PARTED  ref/tritri.c
+audit_opened   ERROR_OPENED  ref/tritri.c
+box_gap        4u            spec/20_refit.md
+box_reach      BOX_REACH     ref/box.h
+box_late       BOX_LATE      ref/box.h
+cones_room     CONES_ROOM    ref/cones.c
+closest_point  2^-49         spec/31_proximity.md
 '
 
 command -v gappa >/dev/null || {
@@ -17,36 +29,52 @@ command -v gappa >/dev/null || {
     exit 1
 }
 
-# The exponent e of `#define NAME 0x1pe` in a file.
-exponent() {
-    sed -n "s/^#define $1 0x1p\(-[0-9]*\).*/\1/p" "$2"
+# What the file says of a constant: 0x1p-49, or 32 for 32 u, or nothing.
+constant() {
+    case $1 in
+    2^*) ! grep -qF -- "$1" "$2" || echo "0x1p${1#2^}" ;;
+    *u) ! grep -qF -- "$1" "$2" || echo "${1%u}" ;;
+    *) sed -n "s/^#define $1 \([0-9][0-9xp-]*\).*/\1/p" "$2" ;;
+    esac
 }
 
 # The upper end of the one interval that Gappa prints, as a decimal.
 bound() {
-    gappa "spec/proofs/$1.gappa" 2>&1 |
+    sed "s/@P@/$2/g" "spec/proofs/$1.gappa" | gappa 2>&1 |
         sed -n 's/.*in \[.*{\([0-9.e+-]*\), 2^.*/\1/p'
 }
 
-# Whether bound $1 > 0 lies below 0.99 · 2^$2.
+# Whether bound $1 > 0 lies below 0.99 · $2 · 2^$3.
 below() {
-    awk -v b="$1" -v e="$2" 'BEGIN { exit !(b > 0 && b <= 0.99 * 2 ^ e) }'
+    awk -v b="$1" -v n="$2" -v e="$3" \
+        'BEGIN { exit !(b > 0 && b <= 0.99 * n * 2 ^ e) }'
+}
+
+# Proves one row in one precision: script, name, n and e of n·2^e.
+prove() {
+    b=$(bound "$1" "${4#-}")
+    # a constant 64 times smaller must not pass, else nothing was compared
+    if [ -n "$3" ] && [ -n "$b" ] && below "$b" "$3" "$4" &&
+        ! below "$b" "$3" $(($4 - 6)); then
+        echo "proved $1: $b < $2 = $3 * 2^$4"
+        passed=$((passed + 1))
+    else
+        echo "FAILED proof $1: bound '$b' against $2 = $3 * 2^$4"
+        failed=$((failed + 1))
+    fi
 }
 
 passed=0 failed=0
 while read -r script name file; do
     [ -n "$script" ] || continue
-    e=$(exponent "$name" "$file")
-    b=$(bound "$script")
-    # a constant 64 times smaller must not pass, else nothing was compared
-    if [ -n "$e" ] && [ -n "$b" ] && below "$b" "$e" &&
-        ! below "$b" $((e - 6)); then
-        echo "proved $name: $b < 2^$e"
-        passed=$((passed + 1))
-    else
-        echo "FAILED proof $script: bound '$b' against $name = 2^$e in $file"
-        failed=$((failed + 1))
-    fi
+    value=$(constant "$name" "$file")
+    case $value in
+    0x1p*) prove "$script" "$name" 1 "${value#0x1p}" ;;
+    *)
+        prove "$script" "$name" "$value" -24
+        prove "$script" "$name" "$value" -53
+        ;;
+    esac
 done <<END
 $rows
 END

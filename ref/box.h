@@ -8,6 +8,9 @@
 
 /* Half the gap between 1 and the next number: one rounding's relative error. */
 #define REAL_UNIT R(REAL_BITS == 32 ? 0x1p-24 : 0x1p-53)
+/* Room for roundings, in such units, §3; proven in spec/proofs/box_*.gappa. */
+#define BOX_REACH 16 /* of the reach */
+#define BOX_LATE 32  /* of the times */
 
 /* At time t the box is lo0 + t (lo1 - lo0) to hi0 + t (hi1 - hi0). */
 struct box {
@@ -47,7 +50,7 @@ static inline struct box box_face(const vec *x0, const vec *x1,
 /* The reach that box_meets wants, §3: r and the room for its roundings. */
 static inline real box_reach(real r)
 {
-    return r * (1 + 16 * REAL_UNIT);
+    return r * (1 + BOX_REACH * REAL_UNIT);
 }
 
 /* The gaps between two boxes on one axis, negative where they are apart: of
@@ -82,7 +85,7 @@ static inline bool box_meets_late(const struct box_gaps g[3])
         box_times(g[k].g0, g[k].g1, &late, &early);
         box_times(g[k].h0, g[k].h1, &late, &early);
     }
-    return !(late * (1 + 32 * REAL_UNIT) + R(0x1p-100) < early);
+    return !(late * (1 + BOX_LATE * REAL_UNIT) + R(0x1p-100) < early);
 }
 
 /* Whether a gap of an axis is negative all the time; *least: of all gaps. */

@@ -3,6 +3,9 @@
  * spec/21_cones.md */
 #include "ref/cones.h"
 
+/* §3: room for roundings; proven in spec/proofs/cones_room.gappa. */
+#define CONES_ROOM 32
+
 static struct tangents join(struct tangents a, struct tangents b)
 {
     struct tangents c = {vec_min(a.ulo, b.ulo), vec_max(a.uhi, b.uhi),
@@ -69,7 +72,7 @@ static struct span span_dot(vec p, vec lo, vec hi)
 /* §3: whether the tangents keep every two points of the patch apart. */
 static bool apart(const struct tangents *b, real r)
 {
-    const real room = 32 * REAL_UNIT, least = R(0x1p-100);
+    const real room = CONES_ROOM * REAL_UNIT, least = R(0x1p-100);
     vec u = vec_scale(R(0.5), vec_add(b->ulo, b->uhi));
     vec v = vec_scale(R(0.5), vec_add(b->vlo, b->vhi));
     real uu = vec_dot(u, u), uv = vec_dot(u, v), vv = vec_dot(v, v);

@@ -3,6 +3,11 @@
  * of as many words as the operands need. spec/40_audit.md §2 */
 #include "ref/predicates.h"
 
+/* §2.1; proven in spec/proofs/audit_*.gappa. Times the sum of the sizes. */
+#define ERROR_ORIENT3 0x1p-49
+#define ERROR_ORIENT2 0x1p-50
+#define UNDERFLOW 0x1p-1000 /* what products below 2^-1022 can lose */
+
 /* ---- §2.2 Whole numbers ---- */
 
 /* Words of a difference: 2^61 down to 2^-1074 is 1135 bits. */
@@ -207,7 +212,7 @@ int ref_orient3(const point a, const point b, const point c, const point d)
     double sum = (fabs(yz) + fabs(zy)) * fabs(dx) +
                  (fabs(zx) + fabs(xz)) * fabs(dy) +
                  (fabs(xy) + fabs(yx)) * fabs(dz);
-    double err = 0x1p-49 * sum + 0x1p-1000;
+    double err = ERROR_ORIENT3 * sum + UNDERFLOW;
     if (det > err)
         return 1;
     if (det < -err)
@@ -225,7 +230,7 @@ int ref_orient2(const point a, const point b, const point c, int u, int v)
     double cu = c[u] - a[u], cv = c[v] - a[v];
     double p = bu * cv, q = bv * cu;
     double det = p - q;
-    double err = 0x1p-50 * (fabs(p) + fabs(q)) + 0x1p-1000;
+    double err = ERROR_ORIENT2 * (fabs(p) + fabs(q)) + UNDERFLOW;
     if (det > err)
         return 1;
     if (det < -err)

@@ -2,6 +2,13 @@
 /* Whether two triangles intersect, exactly. spec/40_audit.md §3 */
 #include "ref/tritri.h"
 
+/* §3.5; proven in spec/proofs/audit_*.gappa. Times the sum of the sizes. */
+#define ERROR_BESIDE 0x1p-49
+#define ERROR_PARTED 0x1p-49
+#define ERROR_OPENED 0x1p-48
+#define UNDERFLOW 0x1p-1000       /* what products below 2^-1022 can lose */
+#define UNDERFLOW_OPENED 0x1p-700 /* the same, of products of four */
+
 /* The coordinates that remain when the k-th is dropped. */
 static const int PLANE[3][2] = {{1, 2}, {2, 0}, {0, 1}};
 
@@ -164,7 +171,7 @@ static bool beside(const struct plane *t, const struct face *s, unsigned mask)
     for (int k = 0; k < 3; k++) {
         from(t->o, s->p[k], d);
         double h = dot(t->n, d);
-        double err = 0x1p-49 * dot_size(t->size, d) + 0x1p-1000;
+        double err = ERROR_BESIDE * dot_size(t->size, d) + UNDERFLOW;
         above |= (unsigned)(h > err) << k;
         below |= (unsigned)(h < -err) << k;
     }
@@ -193,10 +200,10 @@ static bool parted(const point t[3], const point s[3], int shared)
     }
     for (int k = shared; k < 3; k++) {
         from(t[0], s[k], d);
-        double h = dot(u, d), err = 0x1p-49 * dot_size(u, d) + 0x1p-1000;
+        double h = dot(u, d), err = ERROR_PARTED * dot_size(u, d) + UNDERFLOW;
         lo = k == shared || h - err < lo ? h - err : lo;
         from(t[0], t[k], d);
-        h = dot(u, d), err = 0x1p-49 * dot_size(u, d) + 0x1p-1000;
+        h = dot(u, d), err = ERROR_PARTED * dot_size(u, d) + UNDERFLOW;
         hi = k == shared || h + err > hi ? h + err : hi;
     }
     return shared ? lo > 0 && hi < 0 : lo > hi;
@@ -212,7 +219,7 @@ static bool opened(const point t[3], const point s[3])
     double p = dot(e, e) * dot(c, d), q = dot(e, c) * dot(e, d);
     double size =
         dot_size(e, e) * dot_size(c, d) + dot_size(e, c) * dot_size(e, d);
-    return p - q < -(0x1p-48 * size + 0x1p-700);
+    return p - q < -(ERROR_OPENED * size + UNDERFLOW_OPENED);
 }
 
 /* Copies t with the corners in `mask` last, the others by vertex number. */
