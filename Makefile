@@ -69,11 +69,9 @@ TEST_O := $(call obj,$(TWICE),.32) $(call obj,$(TWICE),.64) \
 APP_O  := $(call obj,$(APP),)
 # gpu/ twice: as CUDA, and emulated on the host for build/check.
 EMU_O  := $(call obj,$(KERNEL),.32) $(call obj,$(KERNEL),.64) \
-          $(call obj,gpu/missing,.32) $(call obj,gpu/missing,.64) \
           $(BUILD)/gpu/emulate.o
 CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(KERNEL),.32) \
-          $(call obj,$(KERNEL),.64) $(call obj,$(DEVICE),)) \
-          $(call obj,gpu/missing,.32) $(call obj,gpu/missing,.64)
+          $(call obj,$(KERNEL),.64) $(call obj,$(DEVICE),))
 # Without their libraries one file stands in for all oracles but brute force.
 # CGAL's take a minute to compile, so the flavours share ROOT's.
 ROOT   ?= $(BUILD)

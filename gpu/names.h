@@ -7,6 +7,10 @@
 
 #define gpu_advance REAL_NAME(gpu_advance)
 #define gpu_audit REAL_NAME(gpu_audit)
+#define gpu_audit_levels REAL_NAME(gpu_audit_levels)
+#define gpu_audit_look REAL_NAME(gpu_audit_look)
+#define gpu_audit_pairs REAL_NAME(gpu_audit_pairs)
+#define gpu_audit_tree REAL_NAME(gpu_audit_tree)
 #define gpu_blocks REAL_NAME(gpu_blocks)
 #define gpu_broad_make REAL_NAME(gpu_broad_make)
 #define gpu_broad_query REAL_NAME(gpu_broad_query)

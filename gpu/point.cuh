@@ -41,6 +41,21 @@ static __device__ inline struct poly poly_linear(struct big c1, struct big c0)
     return p;
 }
 
+/* a·k, k < 2^32. */
+static __device__ __noinline__ struct big big_times(struct room *m,
+                                                    struct big a, uint32_t k)
+{
+    int n = big_words(a), at = room_take(m, n + 1);
+    uint64_t carry = 0;
+    for (int i = 0; i < n; i++) {
+        carry += (uint64_t)m->word[a.at + i] * k;
+        m->word[at + i] = (uint32_t)carry;
+        carry >>= 32;
+    }
+    m->word[at + n] = (uint32_t)carry;
+    return big_trim(m, at, n + 1, a.n < 0);
+}
+
 /* b² - 4ac of c + bτ + aτ². */
 static __device__ inline struct big poly_discriminant(struct room *m,
                                                       const struct big c[3])
