@@ -8,7 +8,7 @@ enum {
     WIDE = 13,
     HIGH = 9,
     COUNT = WIDE * HIGH,
-    METHODS = DRAPE_BW, /* the explicit ones */
+    METHODS = DRAPE_CK + 1,
     SCENES = 4,
     STEPS = 3
 };
