@@ -68,13 +68,15 @@ TEST_O := $(call obj,$(TWICE),.32) $(call obj,$(TWICE),.64) \
           $(call obj,$(ONCE),)
 APP_O  := $(call obj,$(APP),)
 # gpu/ twice: as CUDA, and emulated on the host for build/check.
-EMU_O  := $(call obj,$(KERNEL),.32) $(call obj,$(KERNEL),.64) \
-          $(BUILD)/gpu/emulate.o
+# The flavours are about ref/ and share ROOT's emulation.
+ROOT   ?= $(BUILD)
+EMU_IN ?= $(BUILD)
+EMU_O  := $(patsubst $(BUILD)/%,$(EMU_IN)/%,$(call obj,$(KERNEL),.32) \
+          $(call obj,$(KERNEL),.64) $(BUILD)/gpu/emulate.o)
 CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(call obj,$(DEVICE),))
 # Without their libraries one file stands in for all oracles but brute force.
-# CGAL's take a minute to compile, so the flavours share ROOT's.
-ROOT   ?= $(BUILD)
+# CGAL's take a minute to compile, so the flavours share ROOT's too.
 ORC_O  := $(addprefix $(ROOT)/,$(addsuffix .o,$(basename $(if \
           $(HAS_ORACLE),$(filter-out oracle/absent.c oracle/frames.cpp \
           oracle/table.cpp,$(ORACLE)),oracle/absent.c oracle/brute.c))))
@@ -195,18 +197,19 @@ golden: $(BUILD)/check ## records the hashes of all stages anew
 	$(BUILD)/check --golden-write tests/golden/stages.txt
 
 asan: ## every stage under address and undefined sanitizers
-	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/asan OPT='-O1 -g1' \
+	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/asan GPU= OPT='-O1 -g1' \
 	  SAN='-fsanitize=address,undefined -fno-sanitize-recover=all' \
 	  $(BUILD)/asan/check
-	$(BUILD)/asan/check --cases 1 --stages --self-test
+	$(BUILD)/asan/check --cases 1 --stages --self-test --gpu
 
 # gcc and clang, -O0 to -O3: ci/part.sh compares their golden hashes.
 flavours: gcc-O0 gcc-O3 clang-O2
 gcc-O0: FLAVOUR = OPT=-O0
 gcc-O3: FLAVOUR = OPT='-O3 -march=native'
 clang-O2: FLAVOUR = OPT=-O2 CC=clang
-gcc-O0 gcc-O3 clang-O2:
-	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/$@ $(FLAVOUR) $(BUILD)/$@/check
+gcc-O0 gcc-O3 clang-O2: $(BUILD)/check
+	$(MAKE) ROOT=$(ROOT) EMU_IN=$(ROOT) BUILD=$(BUILD)/$@ GPU= $(FLAVOUR) \
+	  $(BUILD)/$@/check
 
 prove: ## Gappa bounds every constant of the filters anew
 	sh ci/prove.sh

@@ -12,8 +12,8 @@ cores=$(nproc)
 
 sh ci/part.sh "$build" build "$cores"
 # Long ones first; in CI also tidy, which is slow.
-parts="demo asan ${CI:+tidy} clang-O2 gcc-O3 buddha tests gcc-O0 tool stages
-       golden-1 golden-3 fuzz format prove"
+parts="demo asan ${CI:+tidy} clang-O2 gcc-O3 buddha tests gcc-O0 tool device
+       stages golden-1 golden-3 fuzz format prove"
 # shellcheck disable=SC2086
 printf '%s\n' $parts | xargs -P "$cores" -n 1 sh ci/part.sh "$build"
 [ -f ci/certificate.json ] || echo 'NOT CERTIFIED: no GPU has been compared'

@@ -68,6 +68,7 @@ export OMP_NUM_THREADS=1       # what wants more asks for them
 case $part in
 build) one build make -j"$jobs" BUILD="$build" check-parts ;;
 stages) count stages "$build/check" --stages --self-test ;;
+device) count 'kernels, emulated' "$build/check" --gpu ;;
 tests) count tests "$build/check" --tests ;;
 golden-*)
     count "golden, ${part#*-} threads" env OMP_NUM_THREADS="${part#*-}" \
