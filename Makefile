@@ -30,7 +30,7 @@ CUDA    = nvcc -std=c++20 -O2 -lineinfo --fmad=false -prec-div=true \
 CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
           -lpthread -ldl -lrt -lm
 EMU     = $(CXX) -x c++ -std=c++20 $(OPT) -Wall -Wextra -Werror $(MODEL) \
-          $(SAN) -I. -Ispec -MMD -MP -fPIC
+          -I. -Ispec -MMD -MP -fPIC
 
 # FCL's headers want Eigen's.
 EIGEN   := -isystem /usr/include/eigen3
@@ -104,10 +104,10 @@ $(BUILD)/%.o: %.c
 	$(C17) -c $< -o $@
 $(BUILD)/gpu/%.32.o: gpu/%.cu
 	@mkdir -p $(@D)
-	$(EMU) -DREAL_BITS=32 -c $< -o $@
+	$(EMU) $(SAN) -DREAL_BITS=32 -c $< -o $@
 $(BUILD)/gpu/%.64.o: gpu/%.cu
 	@mkdir -p $(@D)
-	$(EMU) -DREAL_BITS=64 -c $< -o $@
+	$(EMU) $(SAN) -DREAL_BITS=64 -c $< -o $@
 $(BUILD)/gpu/emulate.o: gpu/emulate.cpp
 	@mkdir -p $(@D)
 	$(EMU) -c $< -o $@
@@ -196,11 +196,16 @@ oracle-libs: # what links with parts.a, for ci/fuzz.sh
 golden: $(BUILD)/check ## records the hashes of all stages anew
 	$(BUILD)/check --golden-write tests/golden/stages.txt
 
-asan: ## every stage under address and undefined sanitizers
+# KERNELS= leaves the emulated kernels without sanitizers, as check does for
+# the time that compiling them takes.
+KERNELS ?= yes
+asan: ## stages and emulated kernels under address, undefined sanitizers
 	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/asan GPU= OPT='-O1 -g1' \
+	  $(if $(KERNELS),,EMU_IN=$(ROOT)) \
 	  SAN='-fsanitize=address,undefined -fno-sanitize-recover=all' \
 	  $(BUILD)/asan/check
-	$(BUILD)/asan/check --cases 1 --stages --self-test --gpu
+	$(BUILD)/asan/check --cases 1 --stages --self-test \
+	  $(if $(KERNELS),--gpu)
 
 # gcc and clang, -O0 to -O3: ci/part.sh compares their golden hashes.
 flavours: gcc-O0 gcc-O3 clang-O2
@@ -214,7 +219,7 @@ gcc-O0 gcc-O3 clang-O2: $(BUILD)/check
 prove: ## Gappa bounds every constant of the filters anew
 	sh ci/prove.sh
 
-soak: $(BUILD)/check ## the tests' long forms: whole frames, 2M triangles
+soak: $(BUILD)/check asan ## the tests' long forms: whole frames, 2M triangles
 	DRAPE_SOAK=1 $(BUILD)/check --tests
 
 outcomes: $(BUILD)/drape ## whole scenes for 120 frames: the table of 00_step.md

@@ -75,7 +75,7 @@ golden-*)
         "$build/check" --golden tests/golden/stages.txt
     ;;
 gcc-O0 | gcc-O3 | clang-O2) flavour ;;
-asan) one sanitizers make -j"$jobs" BUILD="$build" asan ;;
+asan) one sanitizers make -j"$jobs" BUILD="$build" KERNELS= asan ;;
 format)
     one format sh -c 'clang-format --dry-run -Werror app/*.[ch] \
         fuzz/*.[ch] gpu/* oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch]'
