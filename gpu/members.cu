@@ -18,15 +18,17 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 }
 
 /* The least vertex that labels lead to from i. Others lower them meanwhile,
- * along the same chains. */
-static __device__ int32_t root_of(const volatile int32_t *label, int32_t i)
+ * along the same chains; each label passed is set to its own label's, so that
+ * chains stay short: whoever sets it, it leads to the same end. */
+static __device__ int32_t root_of(volatile int32_t *label, int32_t i)
 {
-    int32_t to = label[i];
-    while (to != i) {
-        i = to;
-        to = label[i];
+    int32_t at = label[i];
+    for (int32_t to = label[at]; to != at; to = label[at]) {
+        label[i] = to;
+        i = at;
+        at = to;
     }
-    return i;
+    return at;
 }
 
 /* Makes the chains of a and b one: the larger root takes the smaller one as

@@ -3,8 +3,8 @@
 #include "gpu/members.cuh"
 #include "gpu/real.cuh"
 
-/* Threads of a block that owns a zone: most zones are small. */
-enum { ZONE_BLOCK = 64 };
+/* Threads of a block that owns a zone. */
+enum { ZONE_BLOCK = 256 };
 
 /* ---- §2 Sums ---- */
 
