@@ -227,6 +227,7 @@ static const char *large_query(struct twin *t, const char *name, bool still,
            (long long)t->ref.tree.n_tri, (long long)t->ref.n_front,
            (long long)t->ref.n_both, (long long)t->ref.n, 1e3 * t->seconds[1],
            1e3 * t->seconds[0]);
+    fflush(stdout);
     return failed;
 }
 
