@@ -12,11 +12,11 @@ const char device_none[] = "the device has no such stage";
 /* The streams of one run: the reference's, or the device's. */
 struct streams {
     const struct stage *stage;
-    struct gpu *g; /* NULL: of the host */
-    uint8_t *s;    /* struct X */
-    uint8_t *slab; /* guard, stream, guard, stream, … guard */
-    size_t bytes;  /* of the slab */
-    uint8_t *at[FIELDS];
+    struct gpu *g;     /* NULL: of the host */
+    uint8_t *s;        /* struct X */
+    uint8_t *slab;     /* guard, stream, guard, stream, … guard */
+    size_t bytes;      /* of the slab */
+    size_t at[FIELDS]; /* of each stream in the slab */
     size_t size[FIELDS];
 };
 
@@ -58,7 +58,7 @@ static uint8_t *fill(struct streams *r, const uint8_t *from, uint8_t poison)
         if (f->count_at >= 0)
             memcpy(&n, r->s + f->count_at, sizeof n);
         r->size[k] = (size_t)n * (size_t)f->per * f->element;
-        r->at[k] = (uint8_t *)0 + at;
+        r->at[k] = at;
         at += padded(r->size[k]);
     }
     r->bytes = at;
@@ -68,8 +68,7 @@ static uint8_t *fill(struct streams *r, const uint8_t *from, uint8_t poison)
         const struct field *f = &r->stage->fields[k];
         bool in = f->kind == FIELD_IN || f->kind == FIELD_INOUT;
         if (is_stream(f) && in && r->size[k])
-            memcpy(image + (r->at[k] - (uint8_t *)0), *pointer_of(r->s, f),
-                   r->size[k]);
+            memcpy(image + r->at[k], *pointer_of(r->s, f), r->size[k]);
     }
     return image;
 }
@@ -85,10 +84,8 @@ static void place(struct streams *r, const uint8_t *image)
     else
         memcpy(r->slab, image, r->bytes);
     for (int k = 0; r->stage->fields[k].name; k++)
-        if (is_stream(&r->stage->fields[k])) {
-            r->at[k] = r->slab + (r->at[k] - (uint8_t *)0);
-            *pointer_of(r->s, &r->stage->fields[k]) = r->at[k];
-        }
+        if (is_stream(&r->stage->fields[k]))
+            *pointer_of(r->s, &r->stage->fields[k]) = r->slab + r->at[k];
 }
 
 static void release(struct streams *r)
@@ -150,8 +147,8 @@ static const char *differs(const struct streams *ref, const struct streams *dev,
                          (size_t)f->per);
         else if (f->kind == FIELD_OUT || f->kind == FIELD_INOUT)
             equal = used_bytes(ref, k) == used_bytes(dev, k) &&
-                    same(ref->stage, f, ref->at[k],
-                         image + (dev->at[k] - dev->slab), used_bytes(ref, k));
+                    same(ref->stage, f, ref->slab + ref->at[k],
+                         image + dev->at[k], used_bytes(ref, k));
         if (equal)
             continue;
         snprintf(text, sizeof text, "the device's %s differs", f->name);
@@ -166,7 +163,7 @@ static const char *disturbed(const struct streams *dev, const uint8_t *sent,
 {
     for (int k = 0; dev->stage->fields[k].name; k++) {
         const struct field *f = &dev->stage->fields[k];
-        size_t at = (size_t)(dev->at[k] - dev->slab);
+        size_t at = dev->at[k];
         if (is_stream(f) && f->kind != FIELD_IN && dev->size[k])
             memcpy(image + at, sent + at, dev->size[k]);
     }
