@@ -15,7 +15,7 @@ OPENMP ?= -fopenmp
 WARN   := -Wall -Wextra -Wpedantic -Werror
 # The number model (spec/README.md §1): no contraction, no reassociation.
 MODEL  := -ffp-contract=off -fno-math-errno -fno-fast-math
-COMMON  = $(OPT) $(WARN) $(MODEL) $(OPENMP) $(SAN) -I. -Ispec -MMD -MP -fPIC
+COMMON  = $(OPT) $(WARN) $(MODEL) $(OPENMP) $(SAN) -I. -Ispec -I$(BUILD) -MMD -MP -fPIC
 C17     = $(CC) -std=c17 -D_POSIX_C_SOURCE=200809L $(COMMON)
 CXX17   = $(CXX) -std=c++17 -O1 -I. -Ispec $(EIGEN) -MMD -MP -fPIC
 
@@ -26,11 +26,11 @@ CUDA    = nvcc -std=c++20 -O2 -lineinfo --fmad=false -prec-div=true \
           arch=compute_$(a),code=sm_$(a)) -gencode \
           arch=compute_$(lastword $(ARCHES)),code=compute_$(lastword $(ARCHES)) \
           -Xcompiler -Wall,-Wextra,-Werror,-fPIC,-ffp-contract=off -I. -Ispec \
-          -MMD -MP
+          -I$(BUILD) -MMD -MP
 CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
           -lpthread -ldl -lrt -lm
 EMU     = $(CXX) -x c++ -std=c++20 $(OPT) -Wall -Wextra -Werror $(MODEL) \
-          -I. -Ispec -MMD -MP -fPIC
+          -I. -Ispec -I$(BUILD) -MMD -MP -fPIC
 
 # FCL's headers want Eigen's.
 EIGEN   := -isystem /usr/include/eigen3
@@ -83,7 +83,7 @@ ORC_O  := $(addprefix $(ROOT)/,$(addsuffix .o,$(basename $(if \
 ORC_L  := $(if $(HAS_ORACLE),$(ORACLE_LIBS))
 LIB    := $(BUILD)/libdrape.a
 
-.PHONY: all demo check bench asan fuzz install help golden format tidy \
+.PHONY: all demo check bench certify asan fuzz install help golden format tidy \
         check-parts flavours gcc-O0 gcc-O3 clang-O2 soak outcomes prove \
         oracles oracle-libs price say-gpu
 .DELETE_ON_ERROR:
@@ -120,6 +120,18 @@ $(BUILD)/cuda/gpu/%.64.o: gpu/%.cu
 $(BUILD)/cuda/gpu/%.o: gpu/%.cu
 	@mkdir -p $(@D)
 	$(CUDA) -c $< -o $@
+# What drape_info says of ci/certificate.json, rewritten where it changes.
+$(BUILD)/certificate.h: FORCE
+	@mkdir -p $(@D)
+	@echo "#define CERTIFICATE \"$$(python3 ci/certificate.py line \
+	  ci/certificate.json)\"" >$@.new
+	@cmp -s $@ $@.new && rm $@.new || mv $@.new $@
+FORCE:
+$(BUILD)/gpu/absent.o $(BUILD)/gpu/emulate.o $(BUILD)/cuda/gpu/device.o: \
+    $(BUILD)/certificate.h
+$(BUILD)/gpu/absent.o: gpu/absent.c
+	@mkdir -p $(@D)
+	$(C17) -I$(BUILD) -c $< -o $@
 $(ROOT)/oracle/%.o: oracle/%.c
 	@mkdir -p $(@D)
 	$(CC) -std=c17 -O1 $(WARN) -I. -MMD -MP -fPIC -c $< -o $@
@@ -195,6 +207,10 @@ oracle-libs: # what links with parts.a, for ci/fuzz.sh
 
 golden: $(BUILD)/check ## records the hashes of all stages anew
 	$(BUILD)/check --golden-write tests/golden/stages.txt
+
+certify: ## compares ref and gpu on the device: ci/certificate.json
+	$(MAKE) GPU=yes $(BUILD)/check-cuda $(BUILD)/drape
+	sh ci/certify.sh $(BUILD) ci/certificate.json
 
 # KERNELS= leaves the emulated kernels without sanitizers, as check does for
 # the time that compiling them takes.

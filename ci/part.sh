@@ -62,6 +62,16 @@ with_tool() {
     fi
 }
 
+# Whether it belongs to this tree, and the reference still gives its bits.
+certificate() {
+    if [ -f ci/certificate.json ] && [ -x "$tool" ]; then
+        count certificate python3 ci/certificate.py check \
+            ci/certificate.json "$build"
+    else
+        count certificate echo '0 passed, 0 failed, 1 skipped'
+    fi
+}
+
 export DRAPE_FAILURES="$build"
 export OMP_WAIT_POLICY=passive # more threads than processors must not spin
 export OMP_NUM_THREADS=1       # what wants more asks for them
@@ -86,5 +96,6 @@ demo) with_tool "the demo's frames" sh ci/scenes.sh "$build" demo ;;
 buddha) with_tool 'buddha, 120 steps' sh ci/scenes.sh "$build" buddha ;;
 fuzz) count 'fuzz corpus' sh ci/fuzz.sh "$build" ;;
 prove) count proofs sh ci/prove.sh ;;
+certificate) certificate ;;
 *) one "unknown part $part" false ;;
 esac

@@ -2,6 +2,7 @@
 /* Stands in for the device in a build without CUDA. */
 #include <stdio.h>
 
+#include "certificate.h"
 #include "ref/world.h"
 
 static int refuse(const drape_def *def, struct arena *arena,
@@ -16,9 +17,9 @@ static int refuse(const drape_def *def, struct arena *arena,
     return DRAPE_EDEVICE;
 }
 
-const char *gpu_kind(void)
+const char *gpu_info(void)
 {
-    return "not built in";
+    return WORLD_INFO("not built in");
 }
 
 const struct world_ops world_ops_gpu_32 = {.make = refuse};

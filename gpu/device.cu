@@ -2,6 +2,8 @@
 /* The device: its stream, memory and small results. spec/50_gpu.md */
 #include "gpu/gpu.cuh"
 
+#include "certificate.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -77,9 +79,9 @@ void gpu_close(struct gpu *g)
     free(g);
 }
 
-const char *gpu_kind(void)
+const char *gpu_info(void)
 {
-    return "CUDA, binary32, binary64";
+    return WORLD_INFO("CUDA, binary32, binary64");
 }
 
 const char *gpu_name(const struct gpu *g)

@@ -2,6 +2,8 @@
 /* The device, its primitives and its threads, on the host. */
 #include "gpu/gpu.cuh"
 
+#include "certificate.h"
+
 #include <algorithm>
 #include <setjmp.h>
 #include <stdio.h>
@@ -144,9 +146,9 @@ void gpu_close(struct gpu *g)
     free(g);
 }
 
-const char *gpu_kind(void)
+const char *gpu_info(void)
 {
-    return "emulated on the host";
+    return WORLD_INFO("emulated on the host");
 }
 
 const char *gpu_name(const struct gpu *g)

@@ -150,10 +150,7 @@ int drape_load(drape_world *world, drape_read_bytes *read, void *user)
 
 const char *drape_info(void)
 {
-    return "drape " DRAPE_VERSION "\n"
-           "backend ref: binary32, binary64\n"
-           "backend gpu: not built in\n"
-           "certificate: NOT CERTIFIED (no GPU has been compared)\n";
+    return gpu_info();
 }
 
 const char *drape_status_text(int status)

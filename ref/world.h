@@ -29,7 +29,11 @@ struct world_ops {
 extern const struct world_ops world_ops_32, world_ops_64;
 /* On the device; in a build without CUDA make refuses. */
 extern const struct world_ops world_ops_gpu_32, world_ops_gpu_64;
-/* What that device is, in words for drape_info; static. */
-const char *gpu_kind(void);
+/* drape_info's text, from where it is known what the device is; static. */
+const char *gpu_info(void);
+#define WORLD_INFO(gpu)                                                        \
+    "drape " DRAPE_VERSION                                                     \
+    "\nbackend ref: binary32, binary64\nbackend gpu: " gpu                     \
+    "\ncertificate: " CERTIFICATE "\n"
 
 #endif

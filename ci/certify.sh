@@ -1,0 +1,111 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# `make certify`, on a machine with a device: compares ref/ and gpu/ stage by
+# stage and scene by scene, and writes what it found to OUT, whatever it is.
+# spec/50_gpu.md §7. Needs BUILD/check-cuda and BUILD/drape made with GPU=yes.
+# usage: ci/certify.sh BUILD OUT [quick]
+set -u
+build=$1 out=$2 quick=${3-}
+work=$build/certify
+rows=$work/rows
+rm -rf "$work"
+mkdir -p "$work"
+export OMP_WAIT_POLICY=passive
+threads=$(nproc)
+
+# A row of the certificate: kind and fields, divided by tabs.
+row() { (IFS=$(printf '\t'); echo "$*") >>"$rows"; }
+
+# The stages' digests of a run, from its trace.
+digests() { cut -d, -f1-3 "$1/trace.csv"; }
+
+# run NAME BACKEND OPTION...: one run, its digests in NAME.BACKEND
+run() {
+    name=$1 backend=$2
+    shift 2
+    "$build/drape" run "$work/$name.json" --backend "$backend" --trace \
+        --no-obj --out "$work/run" "$@" >"$work/log" 2>&1 ||
+        tail -n 2 "$work/log"
+    digests "$work/run" >"$work/$name.$backend"
+}
+
+# same NAME WHAT STEPS FILE FILE: counts the lines that differ
+same() {
+    different=$(diff "$4" "$5" | grep -c '^[<>]')
+    lines=$(wc -l <"$4")
+    # an empty trace proves nothing
+    [ "$lines" -gt 1 ] || different=$((different + 1))
+    echo "$1, $2: $lines stages, $different different"
+    row scene "$1" "$2" "$3" "$((lines - 1))" "$different" \
+        "$(sha256sum <"$4" | cut -c1-16)" \
+        "$(head -n "$(awk -F, '$1 > 5 { exit } { n = NR } END { print n }' \
+            "$4")" "$4" | sha256sum | cut -c1-16)"
+}
+
+# scene NAME FILE STEPS KEYS OPTION...: on both backends; KEYS go into the
+# scene. The sixth digest is of the first six steps.
+scene() {
+    name=$1 file=$2 steps=$3 keys=$4
+    shift 4
+    sed "1s/{/{$keys/" "app/scenes/$file.json" >"$work/$name.json"
+    run "$name" ref --frames "$steps" --threads "$threads" "$@"
+    run "$name" gpu --frames "$steps" "$@"
+    same "$name" "ref and gpu" "$steps" "$work/$name.ref" "$work/$name.gpu"
+}
+
+# Run to run, with another block size, and after a checkpoint.
+again() {
+    mv "$work/$1.gpu" "$work/$1.first"
+    for block in 0 64 96; do
+        run "$1" gpu --frames "$2" --block $block
+        same "$1" "gpu again, block $block" "$2" "$work/$1.first" "$work/$1.gpu"
+    done
+    half=$(($2 / 2))
+    run "$1" gpu --frames $half --checkpoint-every $half
+    cp "$work/run/checkpoint.drape" "$work/checkpoint.drape"
+    run "$1" gpu --frames "$2" --resume "$work/checkpoint.drape"
+    tail -n +2 "$work/$1.gpu" >"$work/after"
+    awk -F, -v from=$half '$1 != "step" && $1 >= from' "$work/$1.first" \
+        >"$work/unbroken"
+    same "$1" "after a checkpoint" $half "$work/unbroken" "$work/after"
+}
+
+# Small cases of every stage under a tool of compute-sanitizer.
+sanitize() {
+    timeout 300 compute-sanitizer --tool "$1" --error-exitcode 9 \
+        "$build/check-cuda" --cases 1 --gpu >"$work/log" 2>&1
+    status=$?
+    echo "$1: exit $status, $(tail -n 1 "$work/log")"
+    row sanitizer "$1" "$status" "$(tail -n 1 "$work/log" | tr -d '=')"
+}
+
+row toolkit "$(nvcc --version | sed -n 's/.*release \([0-9.]*\).*/\1/p')"
+row driver "$(nvidia-smi --query-gpu=driver_version --format=csv,noheader |
+    head -n 1)"
+for part in spec ref gpu; do
+    row tree $part "$(sh ci/tree.sh $part)"
+done
+"$build/check-cuda" --certify fuzz/corpus >"$work/stages"
+tail -n 1 "$work/stages"
+sed -n 's/^device /device\t/p; s/^stage \(.*\) \(.*\) \(.*\) \(.*\) \(.*\)/stage\t\1\t\2\t\3\t\4\t\5/p' \
+    "$work/stages" >>"$rows"
+
+scene tiny tiny 6 ''
+scene tiny64 tiny 6 '"precision": 64,'
+for integrator in euler midpoint verlet rk4 baraff-witkin choi-ko; do
+    scene "lion_20k_$integrator" lion_20k "${quick:+2}${quick:-120}" \
+        "\"integrator\": \"$integrator\","
+done
+again lion_20k_baraff-witkin "${quick:+2}${quick:-120}"
+scene lion_20k_64 lion_20k 10 '"precision": 64,'
+scene lion_20k_jacobi lion_20k 10 '"precond": "jacobi", "matrix": "cdf",'
+for name in funnel twist curtain; do
+    scene $name $name 20 ''
+done
+scene flag flag 20 ''
+[ "$quick" ] || scene buddha_500k buddha_500k 10 ''
+[ "$quick" ] || scene buddha_2m buddha_2m 3 ''
+[ "$quick" ] || for tool in memcheck racecheck initcheck synccheck; do
+    sanitize $tool
+done
+python3 ci/certificate.py write "$rows" "$out"
