@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The product of spec/12_product.md §1 for a whole grid: blocks march down
+ * strips of columns and meet each tie once, which both its ends then add in
+ * their own order. Who marches reads 24 bytes a tie where a gather reads 48,
+ * and does half the arithmetic. */
+#ifndef GPU_MARCH_CUH
+#define GPU_MARCH_CUH
+
+#include "gpu/product.cuh"
+
+/* A symmetric system on a grid: mass and extra, or excess, and ties. */
+struct ties {
+    struct grid g;
+    const real *mass;  /* NULL: excess is */
+    const sym *extra;  /* NULL: none */
+    const sym *excess; /* NULL: mass is */
+    const sym *block;  /* [SPRINGS or STENCIL · m·n] */
+};
+
+/* REACH: columns and rows that a tie spans at most. MARCH_LEAST: particles
+ * from which on it pays; MARCH_BLOCKS: as many as a device runs at once. */
+#ifdef __CUDACC__
+enum { REACH = 2, MARCH_LEAST = 1 << 17, MARCH_BLOCKS = 264 };
+#else
+enum { REACH = 2, MARCH_LEAST = 256, MARCH_BLOCKS = 4 };
+#endif
+
+/* A block's memory: X_ROWS rows of x and, of two rows, the pulls of ties that
+ * lead to another column. Its threads, a column each, have 48 KiB of it. */
+enum { X_ROWS = 4 };
+template <int TIES> struct march_size {
+    static constexpr int passed = TIES == SPRINGS ? 6 : 10;
+    static constexpr int bytes = (2 * passed + X_ROWS) * (int)sizeof(vec);
+    static constexpr int threads = 49152 / bytes / 32 * 32;
+};
+
+/* How a grid is cut: strips of columns, rows of a block. */
+struct cut {
+    int strips, width, rows;
+};
+
+/* Tie o among those that lead to another column, in order. */
+template <int TIES> static __host__ __device__ constexpr int passed_at(int o)
+{
+    if (TIES == SPRINGS)
+        return o == 0 ? 0 : o < 5 ? o - 1 : o - 2;
+    return o < 4 ? o : o < 9 ? o - 1 : o - 2;
+}
+
+/* What of A x is no tie's. */
+static __device__ inline vec own_part(const struct ties *t, int p, vec x)
+{
+    if (!t->mass)
+        return own(t->excess[p], x);
+    vec y = own(t->mass[p], x);
+    return t->extra ? add(y, apply(t->extra[p], x)) : y;
+}
+
+/* A block of ties, once from memory: it is not read again soon. */
+static __device__ inline sym fetch(const sym *a)
+{
+#if defined __CUDACC__ && REAL_BITS == 32
+    const float2 *b = (const float2 *)a;
+    float2 x = __ldcs(b), y = __ldcs(b + 1), z = __ldcs(b + 2);
+    return sym{x.x, x.y, y.x, y.y, z.x, z.y};
+#elif defined __CUDACC__
+    const double2 *b = (const double2 *)a;
+    double2 x = __ldcs(b), y = __ldcs(b + 1), z = __ldcs(b + 2);
+    return sym{x.x, x.y, y.x, y.y, z.x, z.y};
+#else
+    return *a;
+#endif
+}
+
+/* What a thread carries down its column, all in registers. */
+template <int TIES> struct marcher {
+    int lane, i, j, top; /* top: the first row that the block owns */
+    struct grid g;
+    unsigned out, in; /* bit o: tie o from here, to here, is in the strip */
+    sym block[TIES];  /* of row j, or of the row below once it has pulled */
+    vec pull[TIES];   /* of row j */
+    vec one[TIES];    /* of the row above, by ties that end here */
+    vec two[TIES], older[TIES]; /* likewise of the two rows above */
+    vec here, next;             /* x of row j, of a row to come */
+};
+
+/* Which ties of a column lead to columns of its strip and grid. */
+template <int TIES>
+static __device__ inline unsigned columns(const struct marcher<TIES> *w,
+                                          int width, int sign)
+{
+    unsigned mask = 0;
+    UNROLL
+    for (int o = 0; o < TIES; o++) {
+        int di = sign * toward_i<TIES>(o);
+        if ((unsigned)w->i < (unsigned)w->g.m &&
+            (unsigned)(w->i + di) < (unsigned)w->g.m &&
+            (unsigned)(w->lane + di) < (unsigned)(width + 2 * REACH))
+            mask |= 1u << o;
+    }
+    return mask;
+}
+
+/* Whether someone in the block wants the pull of tie o from row j. */
+template <int TIES>
+static __device__ inline bool wanted(const struct marcher<TIES> *w, int o,
+                                     int j)
+{
+    int end = j + toward_j<TIES>(o);
+    return end >= w->top && end < w->g.n && w->out >> o & 1;
+}
+
+template <int TIES>
+static __device__ inline void fetch_row(struct marcher<TIES> *w,
+                                        const sym *block, int j)
+{
+    int count = w->g.m * w->g.n, p = w->i + w->g.m * j;
+    UNROLL
+    for (int o = 0; o < TIES; o++)
+        if (wanted(w, o, j))
+            w->block[o] = fetch(block + (int64_t)o * count + p);
+}
+
+/* x of row j, 0 where there is none. */
+template <int TIES>
+static __device__ inline vec x_of(const struct marcher<TIES> *w, const vec *x,
+                                  int j)
+{
+    return within(w->g, w->i, j) ? x[w->i + w->g.m * j] : make(0, 0, 0);
+}
+
+/* B (x_p - x_q) of all ties that start in row j. */
+template <int TIES, int THREADS>
+static __device__ inline void pull_row(struct marcher<TIES> *w,
+                                       const vec (*x)[THREADS],
+                                       vec (*passed)[THREADS])
+{
+    w->here = x[w->j % X_ROWS][w->lane];
+    UNROLL
+    for (int o = 0; o < TIES; o++) {
+        int di = toward_i<TIES>(o), dj = toward_j<TIES>(o);
+        if (!wanted(w, o, w->j))
+            continue;
+        vec there = x[(w->j + dj) % X_ROWS][w->lane + di];
+        w->pull[o] = apply(w->block[o], sub(w->here, there));
+        if (di != 0)
+            passed[passed_at<TIES>(o)][w->lane] = w->pull[o];
+    }
+}
+
+/* The pull of row j by tie o that ends in this column, below or beside. */
+template <int TIES, int THREADS>
+static __device__ inline vec pull_at(const struct marcher<TIES> *w,
+                                     const vec (*passed)[THREADS], int o)
+{
+    int di = toward_i<TIES>(o);
+    return di ? passed[passed_at<TIES>(o)][w->lane - di] : w->pull[o];
+}
+
+/* y of row j plus its ties' pulls, in their order. */
+template <int TIES, int THREADS>
+static __device__ inline vec add_pulls(const struct marcher<TIES> *w,
+                                       const vec (*passed)[THREADS], vec y)
+{
+    UNROLL
+    for (int o = 0; o < TIES; o++) {
+        int dj = toward_j<TIES>(o);
+        if (w->j >= dj && w->in >> o & 1)
+            y = sub(y, dj == 0   ? pull_at(w, passed, o)
+                       : dj == 1 ? w->one[o]
+                                 : w->older[o]);
+        if (w->j + dj < w->g.n && w->out >> o & 1)
+            y = add(y, w->pull[o]);
+    }
+    return y;
+}
+
+/* What ends one or two rows below is kept till there. */
+template <int TIES, int THREADS>
+static __device__ inline void keep_pulls(struct marcher<TIES> *w,
+                                         const vec (*passed)[THREADS])
+{
+    UNROLL
+    for (int o = 0; o < TIES; o++) {
+        int dj = toward_j<TIES>(o);
+        if (dj == 1)
+            w->one[o] = pull_at(w, passed, o);
+        if (dj == 2) {
+            w->older[o] = w->two[o];
+            w->two[o] = pull_at(w, passed, o);
+        }
+    }
+}
+
+/* Block k owns `rows` rows of a strip of columns, a thread a column, and those
+ * REACH to the left and right and above for what they pull. For each particle
+ * that it owns arrive(&end, place, x, A x) is called, by the same thread that
+ * alone may write there. x is only read. Of a row the barrier parts what is
+ * written for others, into passed and x, from its reading; the next row
+ * writes passed to the other half, and x where row j - 1 was, which none
+ * reads any more. */
+template <int TIES, class END>
+static __global__ void __launch_bounds__(march_size<TIES>::threads, 2)
+    march_kernel(struct ties t, struct cut c, const vec *x, END end,
+                 const int32_t *go)
+{
+    __shared__ vec row[X_ROWS][march_size<TIES>::threads];
+    __shared__ vec
+        passed[2][march_size<TIES>::passed][march_size<TIES>::threads];
+    struct marcher<TIES> w;
+    if (go && !*go)
+        return;
+    int strip = (int)blockIdx.x % c.strips, lane = (int)threadIdx.x;
+    w.lane = lane;
+    w.g = t.g;
+    w.i = strip * c.width + lane - REACH;
+    w.out = columns(&w, c.width, 1);
+    w.in = columns(&w, c.width, -1);
+    w.top = (int)blockIdx.x / c.strips * c.rows;
+    w.j = most(w.top - REACH, 0);
+    int bottom = least(w.top + c.rows, t.g.n);
+    bool mine = lane >= REACH && lane < c.width + REACH && w.i < t.g.m;
+    for (int k = 0; k < X_ROWS - 1; k++)
+        row[(w.j + k) % X_ROWS][lane] = x_of(&w, x, w.j + k);
+    w.next = x_of(&w, x, w.j + X_ROWS - 1);
+    fetch_row(&w, t.block, w.j);
+    __syncthreads();
+    for (; w.j < bottom; w.j++) {
+        vec(*pass)[march_size<TIES>::threads] = passed[w.j % 2];
+        pull_row(&w, row, pass);
+        row[(w.j + X_ROWS - 1) % X_ROWS][lane] = w.next;
+        w.next = x_of(&w, x, w.j + X_ROWS);
+        if (w.j + 1 < bottom)
+            fetch_row(&w, t.block, w.j + 1);
+        __syncthreads();
+        if (!mine)
+            continue;
+        if (w.j >= w.top) {
+            struct place at = {w.i + t.g.m * w.j, w.i, w.j};
+            vec y = own_part(&t, at.p, w.here);
+            arrive(&end, at, w.here, add_pulls(&w, pass, y));
+        }
+        keep_pulls(&w, pass);
+    }
+}
+
+/* Thread p owns particle p, for which it calls arrive as above. */
+template <int TIES, class END>
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    gather_kernel(struct ties t, const vec *x, END end, const int32_t *go)
+{
+    ITEM(item, (int64_t)t.g.m * t.g.n);
+    if (go && !*go)
+        return;
+    struct place at = place_of(t.g, item);
+    vec here = x[at.p], y = own_part(&t, at.p, here);
+    arrive(&end, at, here, pulled<TIES>(t.g, at, t.block, x, y));
+}
+
+static inline int cut_up(int a, int parts)
+{
+    return (a + parts - 1) / parts;
+}
+
+/* arrive(&end, place, x, A x) for all particles, in any order; nothing where
+ * *go is 0, go being NULL or on the device. */
+template <int TIES, class END>
+static void march(struct gpu *g, struct ties t, const vec *x, END end,
+                  const int32_t *go)
+{
+    const int most_wide = march_size<TIES>::threads - 2 * REACH;
+    int64_t count = (int64_t)t.g.m * t.g.n;
+    if (count < MARCH_LEAST) {
+        LAUNCH(g, count, (gather_kernel<TIES, END>), t, x, end, go);
+        return;
+    }
+    struct cut c;
+    c.strips = cut_up(t.g.m, most_wide);
+    c.width = cut_up(t.g.m, c.strips);
+    c.rows = cut_up(t.g.n * c.strips, MARCH_BLOCKS);
+    int threads = cut_up(c.width + 2 * REACH, 32) * 32;
+    LAUNCH_BLOCKS(g, c.strips * cut_up(t.g.n, c.rows), threads,
+                  (march_kernel<TIES, END>), t, c, x, end, go);
+}
+
+#endif
