@@ -27,8 +27,10 @@ struct weights {
     real first, keep, second;
 };
 
-/* The two halves of gpu_multigrid; go as in struct level. */
+/* The two halves of gpu_multigrid; go as in struct level, item [count], where
+ * it is not NULL, gets z[p]·r[p]. */
 int gpu_multigrid_build(struct gpu *g, struct multigrid *s);
-void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go);
+void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go,
+                         real *item);
 
 #endif

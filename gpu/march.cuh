@@ -31,7 +31,7 @@ enum { X_ROWS = 4 };
 template <int TIES> struct march_size {
     static constexpr int passed = TIES == SPRINGS ? 6 : 10;
     static constexpr int bytes = (2 * passed + X_ROWS) * (int)sizeof(vec);
-    static constexpr int threads = 49152 / bytes / 32 * 32;
+    static constexpr int threads = 49152 / bytes / 64 * 64;
 };
 
 /* How a grid is cut: strips of columns, rows of a block. */

@@ -3,7 +3,7 @@
 #include "gpu/coarsen.cuh"
 #include "gpu/jacobi.cuh"
 #include "gpu/level.cuh"
-#include "gpu/product.cuh"
+#include "gpu/march.cuh"
 
 /* §5: the grids from fine to coarse and where their streams are. */
 static int lay_out(const struct multigrid *s, const int32_t *go,
@@ -65,21 +65,6 @@ static __device__ bool idle(const struct level *l)
     return l->go && !*l->go;
 }
 
-/* Row p of A x; TIES: SPRINGS on the finest grid, STENCIL on others. */
-template <int TIES>
-static __device__ vec multiplied(const struct level *l, struct place at,
-                                 const vec *x)
-{
-    vec here = x[at.p], y;
-    if (TIES == SPRINGS) {
-        y = own(l->mass[at.p], here);
-        if (l->extra)
-            y = add(y, apply(l->extra[at.p], here));
-    } else
-        y = own(l->excess[at.p], here);
-    return pulled<TIES>(l->g, at, l->block, x, y);
-}
-
 /* Thread p owns y[p], the first half-step from 0: first·F b. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     multigrid_first_kernel(struct level l, real first)
@@ -89,43 +74,44 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         l.y[p] = scale(first, solved(l.factor[p], l.b[p]));
 }
 
-/* A half-step: d = keep·d + gain·F (b - A from), to = from + d. */
+/* A half-step: d = keep·d + gain·F (b - A x), to = x + d. */
 struct half {
-    const vec *from, *d; /* d: NULL for 0 */
-    vec *to, *next_d;    /* next_d: NULL where nothing reads it */
+    const vec *b;
+    const sym *factor;
+    const vec *d;     /* NULL for 0 */
+    vec *to, *next_d; /* next_d: NULL where nothing reads it */
+    real *item;       /* NULL, or to[p]·b[p] is wanted there */
     real keep, gain;
 };
 
-/* Thread p owns to[p] and next_d[p]; others read from[p]. */
-template <int TIES>
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    multigrid_smooth_kernel(struct level l, struct half h)
+static __device__ void arrive(const struct half *h, struct place at, vec x,
+                              vec y)
 {
-    ITEM(item, l.count);
-    if (idle(&l))
-        return;
-    struct place at = place_of(l.g, item);
-    vec r = sub(l.b[at.p], multiplied<TIES>(&l, at, h.from));
-    vec d = scale(h.gain, solved(l.factor[at.p], r));
-    if (h.d)
-        d = axpy(d, h.keep, h.d[at.p]);
-    if (h.next_d)
-        h.next_d[at.p] = d;
-    h.to[at.p] = add(h.from[at.p], d);
+    vec b = h->b[at.p];
+    vec d = scale(h->gain, solved(h->factor[at.p], sub(b, y)));
+    if (h->d)
+        d = axpy(d, h->keep, h->d[at.p]);
+    if (h->next_d)
+        h->next_d[at.p] = d;
+    vec to = add(x, d);
+    h->to[at.p] = to;
+    if (h->item)
+        h->item[at.p] = dot(b, to);
 }
 
-/* Thread p owns y[p] = b - A x, 0 where fixed. */
-template <int TIES>
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    multigrid_residual_kernel(struct level l)
+/* to = b - A x, 0 where fixed. */
+struct left {
+    const vec *b;
+    const uint8_t *fixed; /* NULL: all free */
+    vec *to;
+};
+
+static __device__ void arrive(const struct left *l, struct place at, vec x,
+                              vec y)
 {
-    ITEM(item, l.count);
-    if (idle(&l))
-        return;
-    struct place at = place_of(l.g, item);
-    bool fixed = l.fixed && l.fixed[at.p];
-    l.y[at.p] =
-        fixed ? make(0, 0, 0) : sub(l.b[at.p], multiplied<TIES>(&l, at, l.x));
+    (void)x;
+    bool fixed = l->fixed && l->fixed[at.p];
+    l->to[at.p] = fixed ? make(0, 0, 0) : sub(l->b[at.p], y);
 }
 
 /* ---- between grids, §2 ---- */
@@ -173,12 +159,15 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* ---- the stage ---- */
 
-static void smooth(struct gpu *g, const struct level *l, struct half h)
+template <class END>
+static void multiply(struct gpu *g, const struct level *l, const vec *x,
+                     END end)
 {
+    struct ties t = {l->g, l->mass, l->extra, l->excess, l->block};
     if (l->mass)
-        LAUNCH(g, l->count, multigrid_smooth_kernel<SPRINGS>, *l, h);
+        march<SPRINGS>(g, t, x, end, l->go);
     else
-        LAUNCH(g, l->count, multigrid_smooth_kernel<STENCIL>, *l, h);
+        march<STENCIL>(g, t, x, end, l->go);
 }
 
 /* From b to x, the first half-step being in y; then b of the next. */
@@ -186,20 +175,22 @@ static void go_down(struct gpu *g, const struct level *l, struct weights w,
                     real next_first)
 {
     const struct level *c = l + 1;
-    smooth(g, l, half{l->y, l->y, l->x, NULL, w.keep, w.second});
-    if (l->mass)
-        LAUNCH(g, l->count, multigrid_residual_kernel<SPRINGS>, *l);
-    else
-        LAUNCH(g, l->count, multigrid_residual_kernel<STENCIL>, *l);
+    multiply(g, l, l->y,
+             half{l->b, l->factor, l->y, l->x, NULL, NULL, w.keep, w.second});
+    multiply(g, l, l->x, left{l->b, l->fixed, l->y});
     LAUNCH(g, c->count, multigrid_restrict_kernel, *l, *c, (vec *)c->b,
            next_first);
 }
 
-static void go_up(struct gpu *g, const struct level *l, struct weights w)
+/* item as in struct half. */
+static void go_up(struct gpu *g, const struct level *l, struct weights w,
+                  real *item)
 {
     LAUNCH(g, l->count, multigrid_prolong_kernel, l[1], *l);
-    smooth(g, l, half{l->x, NULL, l->y, l->d, 0, w.first});
-    smooth(g, l, half{l->y, l->d, l->x, NULL, w.keep, w.second});
+    multiply(g, l, l->x,
+             half{l->b, l->factor, NULL, l->y, l->d, NULL, 0, w.first});
+    multiply(g, l, l->y,
+             half{l->b, l->factor, l->d, l->x, NULL, item, w.keep, w.second});
 }
 
 static struct coarsest coarsest_of(const struct multigrid *s,
@@ -210,7 +201,8 @@ static struct coarsest coarsest_of(const struct multigrid *s,
     return c;
 }
 
-void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go)
+void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go,
+                         real *item)
 {
     struct level l[LEVELS];
     int last = lay_out(s, go, l) - 1;
@@ -221,7 +213,7 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go)
     struct coarsest d = coarsest_of(s, &l[last]);
     gpu_coarsest_solve(g, &d, l[last].b, l[last].x, go);
     for (int k = last - 1; k >= 0; k--)
-        go_up(g, &l[k], k ? coarse : fine);
+        go_up(g, &l[k], k ? coarse : fine, k ? NULL : item);
 }
 
 int gpu_multigrid_build(struct gpu *g, struct multigrid *s)
@@ -263,6 +255,6 @@ int gpu_multigrid(struct gpu *g, struct multigrid *s)
 {
     int status = gpu_multigrid_build(g, s);
     if (status == DRAPE_OK)
-        gpu_multigrid_cycle(g, s, NULL);
+        gpu_multigrid_cycle(g, s, NULL, NULL);
     return status == DRAPE_OK ? gpu_status(g) : status;
 }

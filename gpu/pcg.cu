@@ -4,7 +4,7 @@
 
 #include "gpu/jacobi.cuh"
 #include "gpu/level.cuh"
-#include "gpu/product.cuh"
+#include "gpu/march.cuh"
 #include "gpu/residual.cuh"
 #include "gpu/sum.cuh"
 
@@ -12,6 +12,12 @@
 enum { BATCH = 8, BATCH_MOST = 32 };
 
 static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
+
+/* Scratch of its own. */
+struct room {
+    real *chunk; /* [2·n_chunks] */
+    real *item;  /* [count] */
+};
 
 /* ---- kernels: block k owns chunk k of the particles, a thread a particle;
  * the block that ends last moves the course on ---- */
@@ -29,7 +35,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* Writes r[k]; reads dv and low of the neighbours. §2 */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_residual_kernel(struct pcg s, struct course *c, real *chunk)
+    pcg_residual_kernel(struct pcg s, struct course *c, struct room room)
 {
     PARTICLE(k);
     int phase = c->phase;
@@ -44,7 +50,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         s.r[k] = r;
     }
     real value = dot(r, r), sum;
-    if (!grid_sums<1>(&value, chunk, &c->ticket, &sum) || threadIdx.x)
+    if (!grid_sums<1>(&value, room.chunk, &c->ticket, &sum) || threadIdx.x)
         return;
     if (phase == PHASE_OPEN)
         begin(&s, c, sum);
@@ -54,7 +60,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 
 /* M⁻¹r by Jacobi into s[k] after a restart; later pcg_update_kernel's. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_jacobi_kernel(struct pcg s, struct course *c, real *chunk)
+    pcg_jacobi_kernel(struct pcg s, struct course *c, struct room room)
 {
     PARTICLE(k);
     if (!c->go || !c->fresh)
@@ -65,19 +71,22 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         s.s[k] = z;
         value = dot(r, z);
     }
-    if (grid_sums<1>(&value, chunk, &c->ticket, &sum) && threadIdx.x == 0)
+    if (grid_sums<1>(&value, room.chunk, &c->ticket, &sum) && threadIdx.x == 0)
         enter(&s, c, sum);
 }
 
-/* r·M⁻¹r by multigrid, which has filled s[k]. */
+/* The sum of item[k] of all particles: r·M⁻¹r by multigrid, or p·A p. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_enter_kernel(struct pcg s, struct course *c, real *chunk)
+    pcg_sum_kernel(struct pcg s, struct course *c, struct room room,
+                   bool curvature)
 {
-    PARTICLE(k);
-    if (!c->go)
+    real sum;
+    if (!c->go || !item_sum(s.count, room.item, room.chunk, &c->ticket, &sum) ||
+        threadIdx.x)
         return;
-    real value = k < s.count ? dot(s.r[k], s.s[k]) : 0, sum;
-    if (grid_sums<1>(&value, chunk, &c->ticket, &sum) && threadIdx.x == 0)
+    if (curvature)
+        measure(c, sum);
+    else
         enter(&s, c, sum);
 }
 
@@ -90,24 +99,31 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         s.p[k] = c->first ? s.s[k] : axpy(s.s[k], c->beta, s.p[k]);
 }
 
-/* Writes q[k]; reads p of the neighbours. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_product_kernel(struct pcg s, struct product a, struct cdf d,
-                       struct course *c, real *chunk)
+/* Of A p: writes q[k] and item[k]. */
+struct image {
+    const uint8_t *fixed;
+    vec *q;
+    real *item;
+};
+
+static __device__ void arrive(const struct image *e, struct place at, vec x,
+                              vec y)
 {
-    PARTICLE(k);
-    if (!c->go)
+    vec q = e->fixed[at.p] ? make(0, 0, 0) : y;
+    e->q[at.p] = q;
+    e->item[at.p] = dot(x, q);
+}
+
+/* The same from the compressed diagonals. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    pcg_product_kernel(struct product a, struct cdf d, struct image e,
+                       const int32_t *go)
+{
+    ITEM(k, a.count);
+    if (!*go)
         return;
-    real value = 0, sum;
-    if (k < s.count) {
-        vec q = make(0, 0, 0);
-        if (!s.fixed[k])
-            q = system_row(&a, &d, place_of(grid{s.m, s.n}, k), s.p);
-        s.q[k] = q;
-        value = dot(s.p[k], q);
-    }
-    if (grid_sums<1>(&value, chunk, &c->ticket, &sum) && threadIdx.x == 0)
-        measure(c, sum);
+    struct place at = place_of(grid{a.m, a.n}, k);
+    arrive(&e, at, a.x[k], system_row(&a, &d, at, a.x));
 }
 
 /* *a + b rounded to *a; what is rounded off, exactly (Knuth). */
@@ -132,7 +148,8 @@ static __device__ void advance(const struct pcg *s, int64_t k, vec d)
 
 /* Writes dv[k], low[k], r[k] and, with Jacobi, s[k]. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_update_kernel(struct pcg s, struct course *c, real *chunk, bool jacobi)
+    pcg_update_kernel(struct pcg s, struct course *c, struct room room,
+                      bool jacobi)
 {
     PARTICLE(k);
     if (!c->go)
@@ -151,7 +168,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
             value[1] = dot(r, z);
         }
     }
-    if (!grid_sums<2>(value, chunk, &c->ticket, sum) || threadIdx.x)
+    if (!grid_sums<2>(value, room.chunk, &c->ticket, sum) || threadIdx.x)
         return;
     leave(&s, c, sum[0]);
     if (jacobi && c->go)
@@ -183,40 +200,55 @@ static int set_up(struct gpu *g, struct pcg *s)
     return gpu_multigrid_build(g, &s->grid);
 }
 
-static void iterate(struct gpu *g, struct pcg *s, struct course *c, real *chunk,
-                    bool jacobi)
+/* q = A p and the sum of p·q. */
+static void multiply(struct gpu *g, struct pcg *s, struct course *c,
+                     struct room room)
 {
+    struct image e = {s->fixed, s->q, room.item};
+    struct ties t = {
+        {s->m, s->n}, s->mass, s->n_extra ? s->extra : NULL, NULL, s->block};
     struct product a = {s->m, s->n,     s->count, s->mass, s->n_extra, s->extra,
                         0,    s->block, s->n_cdf, s->cdf,  s->p,       s->q};
+    if (s->n_cdf)
+        LAUNCH(g, s->count, pcg_product_kernel, a, cdf_of(s->m, s->n), e,
+               &c->go);
+    else
+        march<SPRINGS>(g, t, s->p, e, &c->go);
+    LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s, c,
+                  room, true);
+}
+
+static void iterate(struct gpu *g, struct pcg *s, struct course *c,
+                    struct room room, bool jacobi)
+{
     if (!jacobi) {
-        gpu_multigrid_cycle(g, &s->grid, &c->go);
-        LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_enter_kernel, *s, c,
-                      chunk);
+        gpu_multigrid_cycle(g, &s->grid, &c->go, room.item);
+        LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s,
+                      c, room, false);
     }
     LAUNCH(g, s->count, pcg_direction_kernel, *s, c);
-    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_product_kernel, *s, a,
-                  cdf_of(s->m, s->n), c, chunk);
-    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_update_kernel, *s, c, chunk,
+    multiply(g, s, c, room);
+    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_update_kernel, *s, c, room,
                   jacobi);
 }
 
 /* Queues iterations until one of them, or the residual behind, ends it. */
-static struct course solve(struct gpu *g, struct pcg *s, real *chunk)
+static struct course solve(struct gpu *g, struct pcg *s, struct room room)
 {
     struct course *c = (struct course *)gpu_words(g), seen = {};
     int words = (int)((sizeof seen + sizeof(int64_t) - 1) / sizeof(int64_t));
     LAUNCH(g, s->count, pcg_start_kernel, *s);
-    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, chunk);
+    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
     for (int batch = BATCH; seen.phase != PHASE_DONE; batch *= 2) {
         bool jacobi = s->precond == DRAPE_JACOBI || seen.fell_back;
         int most = jacobi ? batch < BATCH_MOST ? batch : BATCH_MOST : 1;
         if (jacobi)
             LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_jacobi_kernel, *s, c,
-                          chunk);
+                          room);
         for (int k = 0; k < most; k++)
-            iterate(g, s, c, chunk, jacobi);
+            iterate(g, s, c, room, jacobi);
         LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c,
-                      chunk);
+                      room);
         memcpy((void *)&seen, gpu_read_words(g, words), sizeof seen);
         if (gpu_status(g) != DRAPE_OK)
             break;
@@ -233,10 +265,11 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
         return DRAPE_EARG;
     int status = set_up(g, s);
     struct course c = {};
-    real *chunk =
-        (real *)gpu_scratch(g, SLOT_STAGE, 2 * s->n_chunks, sizeof *chunk);
-    if (status == DRAPE_OK && s->count > 0 && chunk)
-        c = solve(g, s, chunk);
+    int64_t sums = 2 * s->n_chunks;
+    real *scratch =
+        (real *)gpu_scratch(g, SLOT_STAGE, sums + s->count, sizeof *scratch);
+    if (status == DRAPE_OK && s->count > 0 && scratch)
+        c = solve(g, s, room{scratch, scratch + sums});
     s->iterations = c.iterations;
     s->outcome = c.outcome;
     s->fell_back = c.fell_back;

@@ -75,29 +75,65 @@ static __device__ inline real finish_sum(int64_t n, real *chunk)
     return n ? __ldcg(chunk) : 0;
 }
 
+/* After thread 0 has written its block's chunk sums: whether the block ends
+ * last, so that all sums are there, in all of its threads. *ticket is 0 before
+ * and after. */
+static __device__ inline bool ends_last(unsigned *ticket)
+{
+    __shared__ bool last;
+    if (threadIdx.x == 0) {
+        __threadfence(); /* the sums are there before the ticket is drawn */
+        last = atomicAdd(ticket, 1u) == gridDim.x - 1;
+        if (last)
+            *ticket = 0;
+    }
+    __syncthreads();
+    __threadfence();
+    return last;
+}
+
 /* The sums of N values of each thread of all blocks of SUM_CHUNK, block k
  * being chunk k: true in the threads of the block that ends last, which get
- * them. chunk [N·gridDim.x] is used up; *ticket is 0 before and after. */
+ * them. chunk [N·gridDim.x] is used up. */
 template <int N>
 static __device__ inline bool grid_sums(const real value[N], real *chunk,
                                         unsigned *ticket, real sum[N])
 {
-    __shared__ bool last;
     chunk_sums<N>(value, sum);
-    if (threadIdx.x == 0) {
+    if (threadIdx.x == 0)
         for (int e = 0; e < N; e++)
             chunk[e * (int64_t)gridDim.x + blockIdx.x] = sum[e];
-        __threadfence(); /* the sums are there before the ticket is drawn */
-        last = atomicAdd(ticket, 1u) == gridDim.x - 1;
-    }
-    __syncthreads();
-    if (!last)
+    if (!ends_last(ticket))
         return false;
-    __threadfence();
     for (int e = 0; e < N; e++)
         sum[e] = finish_sum(gridDim.x, chunk + e * (int64_t)gridDim.x);
-    if (threadIdx.x == 0)
-        *ticket = 0;
+    return true;
+}
+
+/* Blocks for item_sum over n items: a warp a chunk. */
+static inline int64_t item_blocks(int64_t n)
+{
+    return (sum_chunks(n) + SUM_WARPS - 1) / SUM_WARPS;
+}
+
+/* The sum of item [n], likewise; chunk [sum_chunks(n)] is used up. */
+static __device__ inline bool item_sum(int64_t n, const real *item, real *chunk,
+                                       unsigned *ticket, real *sum)
+{
+    int t = (int)threadIdx.x;
+    int64_t here = (int64_t)blockIdx.x * SUM_WARPS + t / 32;
+    int64_t chunks = sum_chunks(n), first = SUM_CHUNK * here + t % 32;
+    real a[SUM_WARPS];
+    UNROLL
+    for (int k = 0; k < SUM_WARPS; k++)
+        a[k] = first + 32 * k < n ? item[first + 32 * k] : 0;
+    *sum = warp_sum(a);
+    if (t % 32 == 0 && here < chunks)
+        chunk[here] = *sum;
+    __syncthreads();
+    if (!ends_last(ticket))
+        return false;
+    *sum = finish_sum(chunks, chunk);
     return true;
 }
 
