@@ -27,7 +27,7 @@ void gpu_set_block(struct gpu *g, int threads);
 /* Zeroed device memory of a part, NULL if there is none: then gpu_status says
  * DRAPE_ENOMEM from there on. */
 void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size);
-void gpu_give(struct gpu *g, void *p); /* back; NULL is allowed */
+void gpu_give(struct gpu *g, void *p);       /* back; NULL is allowed */
 const size_t *gpu_held(const struct gpu *g); /* [ARENA_PARTS] bytes now */
 
 /* In the order of the stream; gpu_down and gpu_wait end when it is done. */
