@@ -162,7 +162,7 @@ static void exact(struct gpu *g, struct narrow *s, struct list in,
 int gpu_narrow(struct gpu *g, struct narrow *s)
 {
     uint32_t *word = (uint32_t *)gpu_words(g), *bad = word + WORD_BAD;
-    if (s->n > UINT32_MAX) /* the lists' items; the pairs would fill 70 GB */
+    if (s->n > INT32_MAX) /* the lists' items; the pairs would fill 36 GB */
         return DRAPE_ENOMEM;
     uint32_t *item = (uint32_t *)gpu_scratch(g, SLOT_STAGE, 2 * s->n, 4);
     struct list a = {item, word + WORD_SPLIT};
