@@ -64,11 +64,12 @@ ORACLE_LIBS := -lfcl -lccd -lmpfr -lgmpxx -lgmp -lstdc++ -lm
 obj     = $(addprefix $(BUILD)/,$(addsuffix $(2).o,$(basename $(1))))
 REF_O  := $(call obj,$(REF),.32) $(call obj,$(REF),.64) \
           $(call obj,$(API),.64)
-TEST_O := $(call obj,$(TWICE),.32) $(call obj,$(TWICE),.64) \
-          $(call obj,$(ONCE),)
+TEST_IN ?= $(BUILD)
+TEST_O := $(patsubst $(BUILD)/%,$(TEST_IN)/%,$(call obj,$(TWICE),.32) \
+          $(call obj,$(TWICE),.64) $(call obj,$(ONCE),))
 APP_O  := $(call obj,$(APP),)
 # gpu/ twice: as CUDA, and emulated on the host for build/check.
-# The flavours are about ref/ and share ROOT's emulation.
+# The flavours are about ref/: they share ROOT's emulation, gcc's its tests.
 ROOT   ?= $(BUILD)
 EMU_IN ?= $(BUILD)
 EMU_O  := $(patsubst $(BUILD)/%,$(EMU_IN)/%,$(call obj,$(KERNEL),.32) \
@@ -225,8 +226,8 @@ asan: ## stages and emulated kernels under address, undefined sanitizers
 
 # gcc and clang, -O0 to -O3: ci/part.sh compares their golden hashes.
 flavours: gcc-O0 gcc-O3 clang-O2
-gcc-O0: FLAVOUR = OPT=-O0
-gcc-O3: FLAVOUR = OPT='-O3 -march=native'
+gcc-O0: FLAVOUR = OPT=-O0 TEST_IN=$(ROOT)
+gcc-O3: FLAVOUR = OPT='-O3 -march=native' TEST_IN=$(ROOT)
 clang-O2: FLAVOUR = OPT=-O2 CC=clang
 gcc-O0 gcc-O3 clang-O2: $(BUILD)/check
 	$(MAKE) ROOT=$(ROOT) EMU_IN=$(ROOT) BUILD=$(BUILD)/$@ GPU= $(FLAVOUR) \
