@@ -4,6 +4,7 @@
 #define GPU_LEVEL_CUH
 
 #include "gpu/coarsest.cuh"
+#include "gpu/jacobi.cuh"
 #include "ref/multigrid.h"
 
 /* One grid and its streams, fit for a kernel. */
@@ -27,8 +28,23 @@ struct weights {
     real first, keep, second;
 };
 
-/* The two halves of gpu_multigrid; go as in struct level, item [count], where
- * it is not NULL, gets z[p]·r[p]. */
+/* The first half-step from 0, which whoever makes the right-hand side takes:
+ * y = first·F b. */
+struct opening {
+    const sym *factor;
+    vec *y;
+    real first;
+};
+
+static __device__ inline void open_at(const struct opening *o, int p, vec b)
+{
+    o->y[p] = scale(o->first, solved(o->factor[p], b));
+}
+
+struct opening gpu_multigrid_opening(const struct multigrid *s);
+
+/* The two halves of gpu_multigrid; the cycle comes after its opening. go as in
+ * struct level; item [count], where it is not NULL, gets z[p]·r[p]. */
 int gpu_multigrid_build(struct gpu *g, struct multigrid *s);
 void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go,
                          real *item);

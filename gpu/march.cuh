@@ -47,6 +47,22 @@ template <int TIES> static __host__ __device__ constexpr int passed_at(int o)
     return o < 4 ? o : o < 9 ? o - 1 : o - 2;
 }
 
+/* Where x comes from: value_at(&source, place), which none writes meanwhile. */
+struct plain {
+    const vec *x;
+};
+
+static __device__ inline vec value_at(const struct plain *s, struct place at)
+{
+    return s->x[at.p];
+}
+
+static __device__ inline struct place beside(struct grid g, struct place at,
+                                             int di, int dj)
+{
+    return place{at.p + di + g.m * dj, at.i + di, at.j + dj};
+}
+
 /* What of A x is no tie's. */
 static __device__ inline vec own_part(const struct ties *t, int p, vec x)
 {
@@ -122,11 +138,13 @@ static __device__ inline void fetch_row(struct marcher<TIES> *w,
 }
 
 /* x of row j, 0 where there is none. */
-template <int TIES>
-static __device__ inline vec x_of(const struct marcher<TIES> *w, const vec *x,
+template <int TIES, class X>
+static __device__ inline vec x_of(const struct marcher<TIES> *w, const X *x,
                                   int j)
 {
-    return within(w->g, w->i, j) ? x[w->i + w->g.m * j] : make(0, 0, 0);
+    if (!within(w->g, w->i, j))
+        return make(0, 0, 0);
+    return value_at(x, place{w->i + w->g.m * j, w->i, j});
 }
 
 /* B (x_p - x_q) of all ties that start in row j. */
@@ -195,14 +213,13 @@ static __device__ inline void keep_pulls(struct marcher<TIES> *w,
 /* Block k owns `rows` rows of a strip of columns, a thread a column, and those
  * REACH to the left and right and above for what they pull. For each particle
  * that it owns arrive(&end, place, x, A x) is called, by the same thread that
- * alone may write there. x is only read. Of a row the barrier parts what is
+ * alone may write there. Of a row the barrier parts what is
  * written for others, into passed and x, from its reading; the next row
  * writes passed to the other half, and x where row j - 1 was, which none
  * reads any more. */
-template <int TIES, class END>
+template <int TIES, class X, class END>
 static __global__ void __launch_bounds__(march_size<TIES>::threads, 2)
-    march_kernel(struct ties t, struct cut c, const vec *x, END end,
-                 const int32_t *go)
+    march_kernel(struct ties t, struct cut c, X x, END end, const int32_t *go)
 {
     __shared__ vec row[X_ROWS][march_size<TIES>::threads];
     __shared__ vec
@@ -221,15 +238,15 @@ static __global__ void __launch_bounds__(march_size<TIES>::threads, 2)
     int bottom = least(w.top + c.rows, t.g.n);
     bool mine = lane >= REACH && lane < c.width + REACH && w.i < t.g.m;
     for (int k = 0; k < X_ROWS - 1; k++)
-        row[(w.j + k) % X_ROWS][lane] = x_of(&w, x, w.j + k);
-    w.next = x_of(&w, x, w.j + X_ROWS - 1);
+        row[(w.j + k) % X_ROWS][lane] = x_of(&w, &x, w.j + k);
+    w.next = x_of(&w, &x, w.j + X_ROWS - 1);
     fetch_row(&w, t.block, w.j);
     __syncthreads();
     for (; w.j < bottom; w.j++) {
         vec(*pass)[march_size<TIES>::threads] = passed[w.j % 2];
         pull_row(&w, row, pass);
         row[(w.j + X_ROWS - 1) % X_ROWS][lane] = w.next;
-        w.next = x_of(&w, x, w.j + X_ROWS);
+        w.next = x_of(&w, &x, w.j + X_ROWS);
         if (w.j + 1 < bottom)
             fetch_row(&w, t.block, w.j + 1);
         __syncthreads();
@@ -244,17 +261,29 @@ static __global__ void __launch_bounds__(march_size<TIES>::threads, 2)
     }
 }
 
-/* Thread p owns particle p, for which it calls arrive as above. */
-template <int TIES, class END>
+/* Thread p owns particle p, for which it calls arrive as above: it gathers
+ * from all neighbours, and each tie is met twice. */
+template <int TIES, class X, class END>
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    gather_kernel(struct ties t, const vec *x, END end, const int32_t *go)
+    gather_kernel(struct ties t, X x, END end, const int32_t *go)
 {
     ITEM(item, (int64_t)t.g.m * t.g.n);
     if (go && !*go)
         return;
     struct place at = place_of(t.g, item);
-    vec here = x[at.p], y = own_part(&t, at.p, here);
-    arrive(&end, at, here, pulled<TIES>(t.g, at, t.block, x, y));
+    vec here = value_at(&x, at), y = own_part(&t, at.p, here);
+    UNROLL
+    for (int o = 0; o < TIES; o++) {
+        const sym *b = t.block + (int64_t)o * t.g.m * t.g.n;
+        int di = toward_i<TIES>(o), dj = toward_j<TIES>(o);
+        struct place from = beside(t.g, at, -di, -dj);
+        struct place to = beside(t.g, at, di, dj);
+        if (within(t.g, from.i, from.j))
+            y = sub(y, apply(fetch(b + from.p), sub(value_at(&x, from), here)));
+        if (within(t.g, to.i, to.j))
+            y = add(y, apply(fetch(b + at.p), sub(here, value_at(&x, to))));
+    }
+    arrive(&end, at, here, y);
 }
 
 static inline int cut_up(int a, int parts)
@@ -264,14 +293,13 @@ static inline int cut_up(int a, int parts)
 
 /* arrive(&end, place, x, A x) for all particles, in any order; nothing where
  * *go is 0, go being NULL or on the device. */
-template <int TIES, class END>
-static void march(struct gpu *g, struct ties t, const vec *x, END end,
-                  const int32_t *go)
+template <int TIES, class X, class END>
+static void march(struct gpu *g, struct ties t, X x, END end, const int32_t *go)
 {
     const int most_wide = march_size<TIES>::threads - 2 * REACH;
     int64_t count = (int64_t)t.g.m * t.g.n;
     if (count < MARCH_LEAST) {
-        LAUNCH(g, count, (gather_kernel<TIES, END>), t, x, end, go);
+        LAUNCH(g, count, (gather_kernel<TIES, X, END>), t, x, end, go);
         return;
     }
     struct cut c;
@@ -280,7 +308,7 @@ static void march(struct gpu *g, struct ties t, const vec *x, END end,
     c.rows = cut_up(t.g.n * c.strips, MARCH_BLOCKS);
     int threads = cut_up(c.width + 2 * REACH, 32) * 32;
     LAUNCH_BLOCKS(g, c.strips * cut_up(t.g.n, c.rows), threads,
-                  (march_kernel<TIES, END>), t, c, x, end, go);
+                  (march_kernel<TIES, X, END>), t, c, x, end, go);
 }
 
 #endif

@@ -58,6 +58,11 @@ static struct weights weights_of(double high)
                    (real)(2 * rho / half)};
 }
 
+struct opening gpu_multigrid_opening(const struct multigrid *s)
+{
+    return opening{s->factor, s->room, weights_of(2).first};
+}
+
 /* ---- smoothing ---- */
 
 static __device__ bool idle(const struct level *l)
@@ -65,13 +70,12 @@ static __device__ bool idle(const struct level *l)
     return l->go && !*l->go;
 }
 
-/* Thread p owns y[p], the first half-step from 0: first·F b. */
+/* Thread p owns y[p]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    multigrid_first_kernel(struct level l, real first)
+    multigrid_first_kernel(struct opening o, int32_t count, const vec *b)
 {
-    ITEM(p, l.count);
-    if (!idle(&l))
-        l.y[p] = scale(first, solved(l.factor[p], l.b[p]));
+    ITEM(p, count);
+    open_at(&o, (int)p, b[p]);
 }
 
 /* A half-step: d = keep·d + gain·F (b - A x), to = x + d. */
@@ -138,30 +142,40 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         c.y[at.p] = scale(first, solved(c.factor[at.p], sum));
 }
 
-/* Thread p of the fine grid owns x[p], to which the correction of the coarse
- * ones around it is added. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    multigrid_prolong_kernel(struct level c, struct level f)
+/* x of the fine grid with the correction of the coarse ones around it. */
+struct raised {
+    const vec *x, *coarse;
+    int32_t m;                   /* of the coarse grid */
+    const uint8_t *rule, *fixed; /* fixed: NULL: all free */
+};
+
+static __device__ vec value_at(const struct raised *s, struct place at)
 {
-    ITEM(item, f.count);
-    if (idle(&f) || (f.fixed && f.fixed[item]))
-        return;
-    struct place at = place_of(f.g, item);
-    int rule = f.rule[at.p];
-    vec sum = make(0, 0, 0);
+    vec here = s->x[at.p], sum = make(0, 0, 0);
+    if (s->fixed && s->fixed[at.p])
+        return here;
+    int rule = s->rule[at.p];
     for (int y = at.j / 2; y <= (at.j + 1) / 2; y++)
         for (int x = at.i / 2; x <= (at.i + 1) / 2; x++) {
             int part = part_of(rule, at.i - 2 * x, at.j - 2 * y);
-            sum = axpy(sum, R(0.25) * (real)part, c.x[x + c.g.m * y]);
+            sum = axpy(sum, R(0.25) * (real)part, s->coarse[x + s->m * y]);
         }
-    f.x[at.p] = add(f.x[at.p], sum);
+    return add(here, sum);
+}
+
+/* Thread p of the fine grid owns to[p]. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    multigrid_prolong_kernel(struct level f, struct raised s, vec *to)
+{
+    ITEM(item, f.count);
+    if (!idle(&f))
+        to[item] = value_at(&s, place_of(f.g, item));
 }
 
 /* ---- the stage ---- */
 
-template <class END>
-static void multiply(struct gpu *g, const struct level *l, const vec *x,
-                     END end)
+template <class X, class END>
+static void multiply(struct gpu *g, const struct level *l, X x, END end)
 {
     struct ties t = {l->g, l->mass, l->extra, l->excess, l->block};
     if (l->mass)
@@ -175,9 +189,9 @@ static void go_down(struct gpu *g, const struct level *l, struct weights w,
                     real next_first)
 {
     const struct level *c = l + 1;
-    multiply(g, l, l->y,
+    multiply(g, l, plain{l->y},
              half{l->b, l->factor, l->y, l->x, NULL, NULL, w.keep, w.second});
-    multiply(g, l, l->x, left{l->b, l->fixed, l->y});
+    multiply(g, l, plain{l->x}, left{l->b, l->fixed, l->y});
     LAUNCH(g, c->count, multigrid_restrict_kernel, *l, *c, (vec *)c->b,
            next_first);
 }
@@ -186,11 +200,18 @@ static void go_down(struct gpu *g, const struct level *l, struct weights w,
 static void go_up(struct gpu *g, const struct level *l, struct weights w,
                   real *item)
 {
-    LAUNCH(g, l->count, multigrid_prolong_kernel, l[1], *l);
-    multiply(g, l, l->x,
-             half{l->b, l->factor, NULL, l->y, l->d, NULL, 0, w.first});
-    multiply(g, l, l->y,
-             half{l->b, l->factor, l->d, l->x, NULL, item, w.keep, w.second});
+    const struct level *c = l + 1;
+    struct raised x = {l->x, c->x, c->g.m, l->rule, l->fixed};
+    struct half one = {l->b, l->factor, NULL, l->y, l->d, NULL, 0, w.first};
+    struct half two = {l->b, l->factor, l->d,   l->x,
+                       NULL, item,      w.keep, w.second};
+    if (l->count >= MARCH_LEAST) {
+        multiply(g, l, x, one);
+    } else {
+        LAUNCH(g, l->count, multigrid_prolong_kernel, *l, x, l->x);
+        multiply(g, l, plain{l->x}, one);
+    }
+    multiply(g, l, plain{l->y}, two);
 }
 
 static struct coarsest coarsest_of(const struct multigrid *s,
@@ -207,7 +228,6 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go,
     struct level l[LEVELS];
     int last = lay_out(s, go, l) - 1;
     struct weights fine = weights_of(2), coarse = weights_of(2.5);
-    LAUNCH(g, l->count, multigrid_first_kernel, *l, fine.first);
     for (int k = 0; k < last; k++)
         go_down(g, &l[k], k ? coarse : fine, k + 1 < last ? coarse.first : 0);
     struct coarsest d = coarsest_of(s, &l[last]);
@@ -254,7 +274,10 @@ int gpu_multigrid_build(struct gpu *g, struct multigrid *s)
 int gpu_multigrid(struct gpu *g, struct multigrid *s)
 {
     int status = gpu_multigrid_build(g, s);
-    if (status == DRAPE_OK)
+    if (status == DRAPE_OK) {
+        LAUNCH(g, s->count, multigrid_first_kernel, gpu_multigrid_opening(s),
+               (int32_t)s->count, s->r);
         gpu_multigrid_cycle(g, s, NULL, NULL);
+    }
     return status == DRAPE_OK ? gpu_status(g) : status;
 }

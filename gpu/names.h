@@ -48,6 +48,7 @@
 #define gpu_multigrid REAL_NAME(gpu_multigrid)
 #define gpu_multigrid_build REAL_NAME(gpu_multigrid_build)
 #define gpu_multigrid_cycle REAL_NAME(gpu_multigrid_cycle)
+#define gpu_multigrid_opening REAL_NAME(gpu_multigrid_opening)
 #define gpu_narrow REAL_NAME(gpu_narrow)
 #define gpu_pcg REAL_NAME(gpu_pcg)
 #define gpu_penalty REAL_NAME(gpu_penalty)

@@ -13,10 +13,12 @@ enum { BATCH = 8, BATCH_MOST = 32 };
 
 static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
 
-/* Scratch of its own. */
+/* Scratch of its own, and how M⁻¹r begins once r is known. */
 struct room {
-    real *chunk; /* [2·n_chunks] */
-    real *item;  /* [count] */
+    real *chunk;            /* [2·n_chunks] */
+    real *item;             /* [count] */
+    bool jacobi;            /* M is Jacobi's, by now or from the start */
+    struct opening opening; /* else */
 };
 
 /* ---- kernels: block k owns chunk k of the particles, a thread a particle;
@@ -31,6 +33,19 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     ITEM(k, s.count);
     s.dv[k] = s.fixed[k] && s.n_z ? s.z[k] : make(0, 0, 0);
     s.low[k] = make(0, 0, 0);
+}
+
+/* s[k] = M⁻¹r by Jacobi, and r·s; or the first half-step of multigrid. */
+static __device__ real begin_from(const struct pcg *s, const struct room *room,
+                                  int k, vec r)
+{
+    if (!room->jacobi) {
+        open_at(&room->opening, k, r);
+        return 0;
+    }
+    vec z = solved(s->factor[k], r);
+    s->s[k] = z;
+    return dot(r, z);
 }
 
 /* Writes r[k]; reads dv and low of the neighbours. §2 */
@@ -48,6 +63,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         if (!s.fixed[k])
             r = left_over(&a, place_of(grid{s.m, s.n}, k));
         s.r[k] = r;
+        begin_from(&s, &room, (int)k, r);
     }
     real value = dot(r, r), sum;
     if (!grid_sums<1>(&value, room.chunk, &c->ticket, &sum) || threadIdx.x)
@@ -58,7 +74,8 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         judge(&s, c, sum);
 }
 
-/* M⁻¹r by Jacobi into s[k] after a restart; later pcg_update_kernel's. */
+/* r·M⁻¹r by Jacobi after a restart, or where multigrid gave up; later it is
+ * pcg_update_kernel's. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
     pcg_jacobi_kernel(struct pcg s, struct course *c, struct room room)
 {
@@ -66,11 +83,8 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
     if (!c->go || !c->fresh)
         return;
     real value = 0, sum;
-    if (k < s.count) {
-        vec r = s.r[k], z = solved(s.factor[k], r);
-        s.s[k] = z;
-        value = dot(r, z);
-    }
+    if (k < s.count)
+        value = begin_from(&s, &room, (int)k, s.r[k]);
     if (grid_sums<1>(&value, room.chunk, &c->ticket, &sum) && threadIdx.x == 0)
         enter(&s, c, sum);
 }
@@ -90,19 +104,22 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         enter(&s, c, sum);
 }
 
-/* Writes p[k]. §3 */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    pcg_direction_kernel(struct pcg s, const struct course *c)
+/* p = s + β p. §3 */
+struct mixed {
+    const vec *s, *p;
+    const struct course *c;
+};
+
+static __device__ vec value_at(const struct mixed *m, struct place at)
 {
-    ITEM(k, s.count);
-    if (c->go)
-        s.p[k] = c->first ? s.s[k] : axpy(s.s[k], c->beta, s.p[k]);
+    vec s = m->s[at.p];
+    return m->c->first ? s : axpy(s, m->c->beta, m->p[at.p]);
 }
 
-/* Of A p: writes q[k] and item[k]. */
+/* Of A p: writes p[k], q[k] and item[k]. */
 struct image {
     const uint8_t *fixed;
-    vec *q;
+    vec *p, *q;
     real *item;
 };
 
@@ -110,11 +127,20 @@ static __device__ void arrive(const struct image *e, struct place at, vec x,
                               vec y)
 {
     vec q = e->fixed[at.p] ? make(0, 0, 0) : y;
+    e->p[at.p] = x;
     e->q[at.p] = q;
     e->item[at.p] = dot(x, q);
 }
 
-/* The same from the compressed diagonals. */
+/* The same from the compressed diagonals, p being there. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    pcg_direction_kernel(struct mixed m, vec *p, int64_t count)
+{
+    ITEM(k, count);
+    if (m.c->go)
+        p[k] = value_at(&m, place{(int32_t)k, 0, 0});
+}
+
 static __global__ void __launch_bounds__(GPU_BLOCK)
     pcg_product_kernel(struct product a, struct cdf d, struct image e,
                        const int32_t *go)
@@ -123,7 +149,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (!*go)
         return;
     struct place at = place_of(grid{a.m, a.n}, k);
-    arrive(&e, at, a.x[k], system_row(&a, &d, at, a.x));
+    arrive(&e, at, a.x[k], cdf_row(&a, &d, at));
 }
 
 /* *a + b rounded to *a; what is rounded off, exactly (Knuth). */
@@ -146,10 +172,10 @@ static __device__ void advance(const struct pcg *s, int64_t k, vec d)
     s->low[k] = low;
 }
 
-/* Writes dv[k], low[k], r[k] and, with Jacobi, s[k]. */
+/* Writes dv[k], low[k], r[k] and what starts from r[k]; p of the step. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
     pcg_update_kernel(struct pcg s, struct course *c, struct room room,
-                      bool jacobi)
+                      const vec *p)
 {
     PARTICLE(k);
     if (!c->go)
@@ -158,20 +184,16 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
     if (k < s.count) {
         real alpha = c->alpha;
         if (!s.fixed[k])
-            advance(&s, k, scale(alpha, s.p[k]));
+            advance(&s, k, scale(alpha, p[k]));
         vec r = axpy(s.r[k], -alpha, s.q[k]);
         s.r[k] = r;
         value[0] = dot(r, r);
-        if (jacobi) {
-            vec z = solved(s.factor[k], r);
-            s.s[k] = z;
-            value[1] = dot(r, z);
-        }
+        value[1] = begin_from(&s, &room, (int)k, r);
     }
     if (!grid_sums<2>(value, room.chunk, &c->ticket, sum) || threadIdx.x)
         return;
     leave(&s, c, sum[0]);
-    if (jacobi && c->go)
+    if (room.jacobi && c->go)
         enter(&s, c, sum[1]);
 }
 
@@ -200,36 +222,44 @@ static int set_up(struct gpu *g, struct pcg *s)
     return gpu_multigrid_build(g, &s->grid);
 }
 
-/* q = A p and the sum of p·q. */
+/* to = s + β p, q = A to, and the sum of to·q. */
 static void multiply(struct gpu *g, struct pcg *s, struct course *c,
-                     struct room room)
+                     struct room room, const vec *p, vec *to)
 {
-    struct image e = {s->fixed, s->q, room.item};
+    struct mixed m = {s->s, p, c};
+    struct image e = {s->fixed, to, s->q, room.item};
     struct ties t = {
         {s->m, s->n}, s->mass, s->n_extra ? s->extra : NULL, NULL, s->block};
-    struct product a = {s->m, s->n,     s->count, s->mass, s->n_extra, s->extra,
-                        0,    s->block, s->n_cdf, s->cdf,  s->p,       s->q};
-    if (s->n_cdf)
+    struct product a = {s->m, s->n, s->count, s->mass, s->n_extra, s->extra,
+                        0,    NULL, s->n_cdf, s->cdf,  to,         s->q};
+    if (s->n_cdf) {
+        LAUNCH(g, s->count, pcg_direction_kernel, m, to, s->count);
         LAUNCH(g, s->count, pcg_product_kernel, a, cdf_of(s->m, s->n), e,
                &c->go);
-    else
-        march<SPRINGS>(g, t, s->p, e, &c->go);
+    } else
+        march<SPRINGS>(g, t, m, e, &c->go);
     LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s, c,
                   room, true);
 }
 
+/* Iteration k of all that are queued: where the matrix is compact p changes
+ * places, as neighbours read the last one; `diagonal` is of no other use. */
 static void iterate(struct gpu *g, struct pcg *s, struct course *c,
-                    struct room room, bool jacobi)
+                    struct room room, int k)
 {
-    if (!jacobi) {
+    vec *p = s->p, *to = s->p;
+    if (!s->n_cdf && k % 2)
+        to = (vec *)s->diagonal;
+    else if (!s->n_cdf)
+        p = (vec *)s->diagonal;
+    if (!room.jacobi) {
         gpu_multigrid_cycle(g, &s->grid, &c->go, room.item);
         LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s,
                       c, room, false);
     }
-    LAUNCH(g, s->count, pcg_direction_kernel, *s, c);
-    multiply(g, s, c, room);
+    multiply(g, s, c, room, p, to);
     LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_update_kernel, *s, c, room,
-                  jacobi);
+                  to);
 }
 
 /* Queues iterations until one of them, or the residual behind, ends it. */
@@ -237,16 +267,17 @@ static struct course solve(struct gpu *g, struct pcg *s, struct room room)
 {
     struct course *c = (struct course *)gpu_words(g), seen = {};
     int words = (int)((sizeof seen + sizeof(int64_t) - 1) / sizeof(int64_t));
+    int queued = 0;
     LAUNCH(g, s->count, pcg_start_kernel, *s);
     LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
-    for (int batch = BATCH; seen.phase != PHASE_DONE; batch *= 2) {
-        bool jacobi = s->precond == DRAPE_JACOBI || seen.fell_back;
-        int most = jacobi ? batch < BATCH_MOST ? batch : BATCH_MOST : 1;
-        if (jacobi)
+    for (int batch = BATCH; seen.phase != PHASE_DONE; batch = BATCH_MOST) {
+        room.jacobi = s->precond == DRAPE_JACOBI || seen.fell_back;
+        int most = room.jacobi ? batch : 1;
+        if (room.jacobi)
             LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_jacobi_kernel, *s, c,
                           room);
         for (int k = 0; k < most; k++)
-            iterate(g, s, c, room, jacobi);
+            iterate(g, s, c, room, queued++);
         LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c,
                       room);
         memcpy((void *)&seen, gpu_read_words(g, words), sizeof seen);
@@ -268,8 +299,13 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
     int64_t sums = 2 * s->n_chunks;
     real *scratch =
         (real *)gpu_scratch(g, SLOT_STAGE, sums + s->count, sizeof *scratch);
-    if (status == DRAPE_OK && s->count > 0 && scratch)
-        c = solve(g, s, room{scratch, scratch + sums});
+    if (status == DRAPE_OK && s->count > 0 && scratch) {
+        bool jacobi = s->precond == DRAPE_JACOBI;
+        struct opening opening = {};
+        if (!jacobi)
+            opening = gpu_multigrid_opening(&s->grid);
+        c = solve(g, s, room{scratch, scratch + sums, jacobi, opening});
+    }
     s->iterations = c.iterations;
     s->outcome = c.outcome;
     s->fell_back = c.fell_back;

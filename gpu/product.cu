@@ -2,13 +2,13 @@
 /* The system's matrix times a vector. spec/12_product.md */
 #include "gpu/march.cuh"
 
-/* Thread p owns y[p]: gathers from its sixteen neighbours. */
+/* Thread p owns y[p], from the compressed diagonals. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     product_kernel(struct product s, struct cdf c)
 {
     ITEM(item, s.count);
     struct place at = place_of(grid{s.m, s.n}, item);
-    s.y[at.p] = system_row(&s, &c, at, s.x);
+    s.y[at.p] = cdf_row(&s, &c, at);
 }
 
 struct product_end {
@@ -29,6 +29,6 @@ int gpu_product(struct gpu *g, struct product *s)
     if (s->n_cdf)
         LAUNCH(g, s->count, product_kernel, *s, cdf_of(s->m, s->n));
     else
-        march<SPRINGS>(g, t, s->x, product_end{s->y}, NULL);
+        march<SPRINGS>(g, t, plain{s->x}, product_end{s->y}, NULL);
     return gpu_status(g);
 }

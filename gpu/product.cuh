@@ -18,38 +18,14 @@ static __device__ inline vec own(sym excess, vec x)
     return add(apply(excess, x), make(0, 0, 0));
 }
 
-/* y of the particle plus what its ties pull: of each direction the tie that
- * ends here, then the one that starts here. x: of the whole grid. */
-template <int DIRECTIONS>
-static __device__ inline vec pulled(struct grid g, struct place at,
-                                    const sym *block, const vec *x, vec y)
-{
-    int32_t count = g.m * g.n;
-    vec here = x[at.p];
-    UNROLL
-    for (int o = 0; o < DIRECTIONS; o++) {
-        const sym *b = block + (int64_t)o * count;
-        int di = toward_i<DIRECTIONS>(o), dj = toward_j<DIRECTIONS>(o);
-        int32_t before = at.p - (di + g.m * dj), after = at.p + (di + g.m * dj);
-        if (within(g, at.i - di, at.j - dj))
-            y = sub(y, apply(b[before], sub(x[before], here)));
-        if (within(g, at.i + di, at.j + dj))
-            y = add(y, apply(b[at.p], sub(here, x[after])));
-    }
-    return y;
-}
-
-/* Row p of the system's matrix times x, in either form of the matrix. */
-static __device__ inline vec system_row(const struct product *s,
-                                        const struct cdf *c, struct place at,
-                                        const vec *x)
+/* Row p of the compressed diagonals times x. */
+static __device__ inline vec cdf_row(const struct product *s,
+                                     const struct cdf *c, struct place at)
 {
     struct grid g = {s->m, s->n};
-    vec here = x[at.p], y = own(s->mass[at.p], here);
+    vec here = s->x[at.p], y = own(s->mass[at.p], here);
     if (s->n_extra)
         y = add(y, apply(s->extra[at.p], here));
-    if (!s->n_cdf)
-        return pulled<SPRINGS>(g, at, s->block, x, y);
     UNROLL
     for (int k = 1; k < DIAGONALS; k++) {
         /* Of each direction backward before forward, §1. */
@@ -58,7 +34,7 @@ static __device__ inline vec system_row(const struct product *s,
         if (!within(g, at.i + sign * forward_i(o), at.j + sign * forward_j(o)))
             continue;
         const mat *a = s->cdf + (c->start[diagonal] + at.p);
-        vec d = sub(x[at.p + c->offset[diagonal]], here);
+        vec d = sub(s->x[at.p + c->offset[diagonal]], here);
         y = add(y, make(dot(a->x, d), dot(a->y, d), dot(a->z, d)));
     }
     return y;

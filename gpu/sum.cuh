@@ -122,7 +122,8 @@ static __device__ inline bool item_sum(int64_t n, const real *item, real *chunk,
 {
     int t = (int)threadIdx.x;
     int64_t here = (int64_t)blockIdx.x * SUM_WARPS + t / 32;
-    int64_t chunks = sum_chunks(n), first = SUM_CHUNK * here + t % 32;
+    int64_t chunks = (n + SUM_CHUNK - 1) / SUM_CHUNK;
+    int64_t first = SUM_CHUNK * here + t % 32;
     real a[SUM_WARPS];
     UNROLL
     for (int k = 0; k < SUM_WARPS; k++)
