@@ -86,7 +86,7 @@ LIB    := $(BUILD)/libdrape.a
 
 .PHONY: all demo check bench certify asan fuzz install help golden format tidy \
         check-parts flavours gcc-O0 gcc-O3 clang-O2 soak outcomes prove \
-        oracles oracle-libs price say-gpu
+        oracles fuzz-libs price say-gpu
 .DELETE_ON_ERROR:
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu
@@ -152,15 +152,17 @@ $(BUILD)/check-cuda: $(TEST_O) $(CUDA_O) $(ROOT)/oracle/absent.o \
 $(BUILD)/drape: $(APP_O) $(LIB)
 	$(C17) $(APP_O) $(LIB) -o $@ $(APP_LIBS) $(if $(GPU),$(CUDA_L))
 
-# For fuzzing: everything but check's main, both precisions.
+# For fuzzing: everything but the main functions, both precisions.
 PARTS := $(filter-out $(BUILD)/tests/check.o $(BUILD)/tests/certify.o, \
-         $(TEST_O)) $(REF_O) $(EMU_O) \
-         $(ORC_O) $(BUILD)/fuzz/stage.o
+         $(TEST_O)) $(REF_O) $(EMU_O) $(ORC_O) $(BUILD)/fuzz/stage.o \
+         $(if $(HAS_APP),$(filter-out $(BUILD)/app/main.o,$(APP_O)) \
+         $(BUILD)/fuzz/reader.o,$(BUILD)/fuzz/absent.o)
+FUZZ_L := $(ORC_L) $(if $(HAS_APP),$(APP_LIBS)) -lstdc++ -lm
 $(BUILD)/parts.a: $(PARTS)
 	@rm -f $@
 	$(AR) rcs $@ $^
 $(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
-	$(C17) $^ -o $@ $(ORC_L) -lstdc++ -lm
+	$(C17) $^ -o $@ $(FUZZ_L)
 
 # ---- what people call ----
 
@@ -175,25 +177,6 @@ demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 bench: $(BUILD)/check ## time and bytes of every stage, as csv
 	$(BUILD)/check --bench
 
-# The same kernels by the number model's flags, with fma, and as fast as nvcc
-# makes them.
-EXACT      := --fmad=false -prec-div=true -prec-sqrt=true -ftz=false
-LOOSE_exact = $(EXACT)
-LOOSE_fma   = $(subst --fmad=false,--fmad=true,$(EXACT))
-LOOSE_fast  = --use_fast_math
-LOOSE_O    := $(foreach f,exact fma fast,$(BUILD)/cuda/price/$(f).32.o \
-              $(BUILD)/cuda/price/$(f).64.o)
-PRICE_O    := $(call obj,ci/bench/price,.32) $(call obj,ci/bench/price,.64) \
-              $(call obj,ci/bench/main) $(LOOSE_O) $(BUILD)/cuda/gpu/device.o
-$(LOOSE_O): $(BUILD)/cuda/price/%.o: ci/bench/kernels.cu
-	@mkdir -p $(@D)
-	$(subst $(EXACT),$(LOOSE_$(basename $*)),$(CUDA)) -DFLAGS=$(basename $*) \
-	  -DREAL_BITS=$(subst .,,$(suffix $*)) -c $< -o $@
-$(BUILD)/price: $(PRICE_O) $(LIB)
-	$(C17) $^ -o $@ $(CUDA_L)
-price: $(BUILD)/price ## what exactness costs on a device, as csv
-	$(BUILD)/price
-
 $(BUILD)/table: $(ROOT)/oracle/table.o $(ORC_O)
 	$(CXX17) $^ -o $@ $(ORC_L)
 # CGAL's audit of a run's frames, beside `drape audit`.
@@ -203,8 +186,8 @@ QUERIES ?= ../shared/ccd/queries
 oracles: $(BUILD)/table ## the tables of oracle/README.md, from QUERIES=DIR
 	$(BUILD)/table $(QUERIES)/*.csv
 
-oracle-libs: # what links with parts.a, for ci/fuzz.sh
-	@echo $(ORC_L) -lstdc++
+fuzz-libs: # what links with parts.a, for ci/fuzz.sh
+	@echo $(FUZZ_L)
 
 golden: $(BUILD)/check ## records the hashes of all stages anew
 	$(BUILD)/check --golden-write tests/golden/stages.txt

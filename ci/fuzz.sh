@@ -1,10 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# usage: ci/fuzz.sh BUILD               replays every corpus, `api` too
+# usage: ci/fuzz.sh BUILD               replays every corpus
 #        ci/fuzz.sh BUILD STAGE SECONDS fuzzes one; finds go to its corpus
+# Beside the stages: api (whole steps), vf and ee (queries against the oracles)
+# and, where the tool is built, its readers of scenes and meshes.
 set -eu
 build=$1 stage=${2-} seconds=${3-60}
-targets="api $(sed -n 's/^STAGE(\([a-z0-9_]*\),.*/\1/p' spec/stages.def)"
+readers=
+[ ! -x "$build/drape" ] || readers='scene mesh'
+targets="api vf ee $readers $(sed -n 's/^STAGE(\([a-z0-9_]*\),.*/\1/p' spec/stages.def)"
 
 if [ -n "$stage" ]; then
     echo "$targets" | grep -qx "$stage" || {
@@ -13,11 +17,15 @@ if [ -n "$stage" ]; then
     }
     out=$build/fuzz
     san='-fsanitize=address,undefined,fuzzer-no-link'
-    make -s ROOT="$build" BUILD="$out" CC=clang OPT='-O1 -g' OPENMP= \
-        SAN="$san" "$out/parts.a"
-    clang -std=c17 -O1 -g -I. -Ispec -DTARGET="\"$stage\"" \
-        -fsanitize=address,undefined,fuzzer fuzz/target.c \
-        "$out/parts.a" $(make -s oracle-libs) -lm -o "$out/$stage"
+    make -s ROOT="$build" BUILD="$out" CC=clang CXX=clang++ WARN=-w \
+        OPT='-O1 -g1' OPENMP= SAN="$san" "$out/parts.a"
+    clang -std=c17 -O1 -g -I. -DTARGET="\"$stage\"" \
+        -fsanitize=address,undefined,fuzzer-no-link -c fuzz/target.c \
+        -o "$out/$stage.o"
+    # by clang++, as the emulated device's C++ has checks of its own
+    # shellcheck disable=SC2046
+    clang++ -fsanitize=address,undefined,fuzzer "$out/$stage.o" \
+        "$out/parts.a" $(make -s fuzz-libs) -o "$out/$stage"
     mkdir -p "fuzz/corpus/$stage" "$out/found-$stage"
     "$out/$stage" -max_total_time="$seconds" -max_len=4096 -timeout=60 \
         -artifact_prefix="$out/$stage-" "$out/found-$stage" \

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One source, one fuzz target a row of spec/stages.def: the fuzzer's bytes
- * are the choices of the stage's generator. `api` is whole steps. */
+ * are the choices of the stage's generator. `api` is whole steps, `vf` and
+ * `ee` one query of the narrow phase. */
 #include "fuzz/stage.h"
 
 #include "tests/case.h"
@@ -9,28 +10,44 @@ extern const struct stage stages_table_32[], stages_table_64[];
 const char *scene_random_32(struct bytes *b);
 const char *scene_random_64(struct bytes *b);
 
+const char *soak_query_32(struct bytes *b, int kind);
+const char *soak_query_64(struct bytes *b, int kind);
+
 struct target {
     const struct stage *stages;
     const char *(*scene)(struct bytes *b); /* whole steps: the name `api` */
+    const char *(*query)(struct bytes *b, int kind); /* `vf` and `ee` */
 };
+
+/* The stage's row, or the last, which has no name. */
+static const struct stage *find(const struct stage *s, const char *name)
+{
+    while (s->name && strcmp(s->name, name) != 0)
+        s++;
+    return s;
+}
 
 static const char *run(const struct target *t, const char *name,
                        struct bytes *b)
 {
     if (strcmp(name, "api") == 0)
         return t->scene(b);
-    const struct stage *s = t->stages;
-    while (s->name && strcmp(s->name, name) != 0)
-        s++;
-    return s->name ? case_run(s, b, FAULT_NONE).failed : "no such stage";
+    if (strcmp(name, "vf") == 0 || strcmp(name, "ee") == 0)
+        return t->query(b, name[0] == 'e');
+    return case_run(find(t->stages, name), b, FAULT_NONE).failed;
 }
 
 const char *fuzz_stage(const char *name, const uint8_t *data, size_t size)
 {
     enum { WORDS = 1 << 14 };
     static uint32_t words[WORDS];
-    static const struct target target[2] = {{stages_table_32, scene_random_32},
-                                            {stages_table_64, scene_random_64}};
+    static const struct target target[2] = {
+        {stages_table_32, scene_random_32, soak_query_32},
+        {stages_table_64, scene_random_64, soak_query_64}};
+    bool other =
+        !strcmp(name, "api") || !strcmp(name, "vf") || !strcmp(name, "ee");
+    if (!other && !find(stages_table_32, name)->name)
+        return fuzz_reader(name, data, size);
     size_t n = size / sizeof *words < WORDS ? size / sizeof *words : WORDS;
     const char *failed = NULL;
     if (n)
