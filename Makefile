@@ -174,8 +174,32 @@ check-parts: all $(BUILD)/replay $(if $(HAS_ORACLE),$(BUILD)/frames)
 demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 	sh ci/demo.sh $(BUILD)
 
-bench: $(BUILD)/check ## time and bytes of every stage, as csv
+bench: $(BUILD)/check $(BUILD)/speed ## time and bytes of every stage, as csv
 	$(BUILD)/check --bench
+	$(BUILD)/speed
+# The narrow phase beside FCL and GMP, on one thread.
+$(BUILD)/speed: $(BUILD)/ci/bench/narrow.32.o $(BUILD)/tests/ply.32.o \
+    $(ORC_O) $(LIB)
+	$(C17) $^ -o $@ $(ORC_L) -lstdc++ -lm
+
+# The same kernels by the number model's flags, with fma, and as fast as nvcc
+# makes them.
+EXACT      := --fmad=false -prec-div=true -prec-sqrt=true -ftz=false
+LOOSE_exact = $(EXACT)
+LOOSE_fma   = $(subst --fmad=false,--fmad=true,$(EXACT))
+LOOSE_fast  = --use_fast_math
+LOOSE_O    := $(foreach f,exact fma fast,$(BUILD)/cuda/price/$(f).32.o \
+              $(BUILD)/cuda/price/$(f).64.o)
+PRICE_O    := $(call obj,ci/bench/price,.32) $(call obj,ci/bench/price,.64) \
+              $(call obj,ci/bench/main) $(LOOSE_O) $(BUILD)/cuda/gpu/device.o
+$(LOOSE_O): $(BUILD)/cuda/price/%.o: ci/bench/kernels.cu
+	@mkdir -p $(@D)
+	$(subst $(EXACT),$(LOOSE_$(basename $*)),$(CUDA)) -DFLAGS=$(basename $*) \
+	  -DREAL_BITS=$(subst .,,$(suffix $*)) -c $< -o $@
+$(BUILD)/price: $(PRICE_O) $(LIB)
+	$(C17) $^ -o $@ $(CUDA_L)
+price: $(BUILD)/price ## what exactness costs on a device, as csv
+	$(BUILD)/price
 
 $(BUILD)/table: $(ROOT)/oracle/table.o $(ORC_O)
 	$(CXX17) $^ -o $@ $(ORC_L)
