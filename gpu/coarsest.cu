@@ -2,8 +2,7 @@
 /* The coarsest grid by a dense factorisation. spec/14_multigrid.md §5 */
 #include "gpu/coarsest.cuh"
 
-/* PITCH: of a row in shared memory, odd for the banks. */
-enum { FACTOR_BLOCK = 256, SOLVE_BLOCK = 64, PITCH = DENSE + 1 };
+enum { FACTOR_BLOCK = 256 };
 
 static __device__ double component(sym b, int r, int c)
 {
@@ -88,51 +87,7 @@ static __global__ void __launch_bounds__(FACTOR_BLOCK)
         s.dense[DENSE * DENSE + t] = inverse[t];
 }
 
-/* One block. Thread i owns x[i] on the way down; on the way up it owns
- * product i of row k, which thread 0 adds in their order. */
-static __global__ void __launch_bounds__(SOLVE_BLOCK)
-    coarsest_solve_kernel(struct coarsest s, const real *b, real *z,
-                          const int32_t *go)
-{
-    __shared__ double a[DENSE * (DENSE + 1)], x[DENSE], term[DENSE];
-    int n = 3 * (int)s.count, t = (int)threadIdx.x;
-    const double *inverse = s.dense + DENSE * DENSE;
-    if (go && !*go)
-        return;
-    for (int e = t; e < n * n; e += SOLVE_BLOCK)
-        a[e / n * PITCH + e % n] = s.dense[e / n * DENSE + e % n];
-    if (t < n)
-        x[t] = (double)b[t];
-    for (int k = 0; k < n; k++) {
-        __syncthreads();
-        if (t > k && t < n)
-            x[t] -= a[t * PITCH + k] * x[k];
-    }
-    for (int k = n - 1; k >= 0; k--) {
-        __syncthreads();
-        if (t > k && t < n)
-            term[t] = a[t * PITCH + k] * x[t];
-        __syncthreads();
-        if (t > 0)
-            continue;
-        double sum = x[k] * inverse[k];
-        for (int i = k + 1; i < n; i++)
-            sum -= term[i];
-        x[k] = sum;
-    }
-    __syncthreads();
-    if (t < n)
-        z[t] = (real)x[t];
-}
-
 void gpu_coarsest_factor(struct gpu *g, const struct coarsest *s)
 {
     LAUNCH_BLOCKS(g, 1, FACTOR_BLOCK, coarsest_factor_kernel, *s);
-}
-
-void gpu_coarsest_solve(struct gpu *g, const struct coarsest *s, const vec *b,
-                        vec *z, const int32_t *go)
-{
-    LAUNCH_BLOCKS(g, 1, SOLVE_BLOCK, coarsest_solve_kernel, *s, (const real *)b,
-                  (real *)z, go);
 }

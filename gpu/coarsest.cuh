@@ -9,8 +9,42 @@
 /* Fills s.dense with L and 1/D. */
 void gpu_coarsest_factor(struct gpu *g, const struct coarsest *s);
 
-/* z = A⁻¹ b; nothing where *go is 0, go being NULL or on the device. */
-void gpu_coarsest_solve(struct gpu *g, const struct coarsest *s, const vec *b,
-                        vec *z, const int32_t *go);
+/* Of a row in shared memory, odd for the banks. */
+enum { PITCH = DENSE + 1 };
+
+/* z = A⁻¹ b by one block of at least DENSE threads, all of which must call it.
+ * Thread i owns x[i] on the way down; on the way up it owns product i of row
+ * k, which thread 0 adds in their order. */
+static __device__ inline void solve_coarsest(const struct coarsest *s,
+                                             const vec *b, vec *z)
+{
+    __shared__ double a[DENSE * (DENSE + 1)], x[DENSE], term[DENSE];
+    int n = 3 * (int)s->count, t = (int)threadIdx.x;
+    const double *inverse = s->dense + DENSE * DENSE;
+    for (int e = t; e < n * n; e += (int)blockDim.x)
+        a[e / n * PITCH + e % n] = s->dense[e / n * DENSE + e % n];
+    if (t < n)
+        x[t] = (double)((const real *)b)[t];
+    for (int k = 0; k < n; k++) {
+        __syncthreads();
+        if (t > k && t < n)
+            x[t] -= a[t * PITCH + k] * x[k];
+    }
+    for (int k = n - 1; k >= 0; k--) {
+        __syncthreads();
+        if (t > k && t < n)
+            term[t] = a[t * PITCH + k] * x[t];
+        __syncthreads();
+        if (t > 0)
+            continue;
+        double sum = x[k] * inverse[k];
+        for (int i = k + 1; i < n; i++)
+            sum -= term[i];
+        x[k] = sum;
+    }
+    __syncthreads();
+    if (t < n)
+        ((real *)z)[t] = (real)x[t];
+}
 
 #endif

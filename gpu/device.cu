@@ -28,6 +28,7 @@ static void name_device(struct gpu *g)
     cudaDeviceProp p;
     int driver = 0, runtime = 0;
     gpu_note(g, cudaGetDeviceProperties(&p, 0));
+    g->teams = !g->failed && p.major >= 9;
     cudaDriverGetVersion(&driver);
     cudaRuntimeGetVersion(&runtime);
     snprintf(g->name, sizeof g->name, "%s, driver CUDA %d.%d, runtime %d.%d",

@@ -18,7 +18,7 @@ struct level {
     sym *excess;
     const sym *block; /* [SPRINGS or STENCIL · count] */
     const sym *factor;
-    const vec *b; /* right-hand side */
+    vec *b; /* right-hand side; of the finest grid the caller's */
     vec *x, *y, *d;
     const int32_t *go; /* NULL, or on the device: 0: do nothing */
 };

@@ -6,16 +6,7 @@
 #ifndef GPU_MARCH_CUH
 #define GPU_MARCH_CUH
 
-#include "gpu/product.cuh"
-
-/* A symmetric system on a grid: mass and extra, or excess, and ties. */
-struct ties {
-    struct grid g;
-    const real *mass;  /* NULL: excess is */
-    const sym *extra;  /* NULL: none */
-    const sym *excess; /* NULL: mass is */
-    const sym *block;  /* [SPRINGS or STENCIL · m·n] */
-};
+#include "gpu/ties.cuh"
 
 /* REACH: columns and rows that a tie spans at most. MARCH_LEAST: particles
  * from which on it pays; MARCH_BLOCKS: as many as a device runs at once. */
@@ -45,47 +36,6 @@ template <int TIES> static __host__ __device__ constexpr int passed_at(int o)
     if (TIES == SPRINGS)
         return o == 0 ? 0 : o < 5 ? o - 1 : o - 2;
     return o < 4 ? o : o < 9 ? o - 1 : o - 2;
-}
-
-/* Where x comes from: value_at(&source, place), which none writes meanwhile. */
-struct plain {
-    const vec *x;
-};
-
-static __device__ inline vec value_at(const struct plain *s, struct place at)
-{
-    return s->x[at.p];
-}
-
-static __device__ inline struct place beside(struct grid g, struct place at,
-                                             int di, int dj)
-{
-    return place{at.p + di + g.m * dj, at.i + di, at.j + dj};
-}
-
-/* What of A x is no tie's. */
-static __device__ inline vec own_part(const struct ties *t, int p, vec x)
-{
-    if (!t->mass)
-        return own(t->excess[p], x);
-    vec y = own(t->mass[p], x);
-    return t->extra ? add(y, apply(t->extra[p], x)) : y;
-}
-
-/* A block of ties, once from memory: it is not read again soon. */
-static __device__ inline sym fetch(const sym *a)
-{
-#if defined __CUDACC__ && REAL_BITS == 32
-    const float2 *b = (const float2 *)a;
-    float2 x = __ldcs(b), y = __ldcs(b + 1), z = __ldcs(b + 2);
-    return sym{x.x, x.y, y.x, y.y, z.x, z.y};
-#elif defined __CUDACC__
-    const double2 *b = (const double2 *)a;
-    double2 x = __ldcs(b), y = __ldcs(b + 1), z = __ldcs(b + 2);
-    return sym{x.x, x.y, y.x, y.y, z.x, z.y};
-#else
-    return *a;
-#endif
 }
 
 /* What a thread carries down its column, all in registers. */
@@ -134,7 +84,7 @@ static __device__ inline void fetch_row(struct marcher<TIES> *w,
     UNROLL
     for (int o = 0; o < TIES; o++)
         if (wanted(w, o, j))
-            w->block[o] = fetch(block + (int64_t)o * count + p);
+            w->block[o] = fetch_once(block + (int64_t)o * count + p);
 }
 
 /* x of row j, 0 where there is none. */
@@ -261,8 +211,8 @@ static __global__ void __launch_bounds__(march_size<TIES>::threads, 2)
     }
 }
 
-/* Thread p owns particle p, for which it calls arrive as above: it gathers
- * from all neighbours, and each tie is met twice. */
+/* Thread p owns particle p, for which it calls arrive as above; each tie is met
+ * twice. */
 template <int TIES, class X, class END>
 static __global__ void __launch_bounds__(GPU_BLOCK)
     gather_kernel(struct ties t, X x, END end, const int32_t *go)
@@ -271,18 +221,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (go && !*go)
         return;
     struct place at = place_of(t.g, item);
-    vec here = value_at(&x, at), y = own_part(&t, at.p, here);
-    UNROLL
-    for (int o = 0; o < TIES; o++) {
-        const sym *b = t.block + (int64_t)o * t.g.m * t.g.n;
-        int di = toward_i<TIES>(o), dj = toward_j<TIES>(o);
-        struct place from = beside(t.g, at, -di, -dj);
-        struct place to = beside(t.g, at, di, dj);
-        if (within(t.g, from.i, from.j))
-            y = sub(y, apply(fetch(b + from.p), sub(value_at(&x, from), here)));
-        if (within(t.g, to.i, to.j))
-            y = add(y, apply(fetch(b + at.p), sub(here, value_at(&x, to))));
-    }
+    vec here, y = gathered<TIES>(&t, &x, at, &here);
     arrive(&end, at, here, y);
 }
 

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Geometric multigrid V-cycle. spec/14_multigrid.md */
-#include "gpu/coarsen.cuh"
-#include "gpu/jacobi.cuh"
-#include "gpu/level.cuh"
 #include "gpu/march.cuh"
+#include "gpu/smooth.cuh"
+#include "gpu/tail.cuh"
 
 /* §5: the grids from fine to coarse and where their streams are. */
 static int lay_out(const struct multigrid *s, const int32_t *go,
@@ -21,7 +20,7 @@ static int lay_out(const struct multigrid *s, const int32_t *go,
     fine.excess = s->pool;
     fine.block = s->block;
     fine.factor = s->factor;
-    fine.b = s->r;
+    fine.b = (vec *)s->r; /* only read */
     fine.x = s->z;
     fine.y = s->room;
     fine.d = s->room + s->count;
@@ -63,12 +62,7 @@ struct opening gpu_multigrid_opening(const struct multigrid *s)
     return opening{s->factor, s->room, weights_of(2).first};
 }
 
-/* ---- smoothing ---- */
-
-static __device__ bool idle(const struct level *l)
-{
-    return l->go && !*l->go;
-}
+/* ---- kernels ---- */
 
 /* Thread p owns y[p]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
@@ -78,98 +72,22 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     open_at(&o, (int)p, b[p]);
 }
 
-/* A half-step: d = keep·d + gain·F (b - A x), to = x + d. */
-struct half {
-    const vec *b;
-    const sym *factor;
-    const vec *d;     /* NULL for 0 */
-    vec *to, *next_d; /* next_d: NULL where nothing reads it */
-    real *item;       /* NULL, or to[p]·b[p] is wanted there */
-    real keep, gain;
-};
-
-static __device__ void arrive(const struct half *h, struct place at, vec x,
-                              vec y)
-{
-    vec b = h->b[at.p];
-    vec d = scale(h->gain, solved(h->factor[at.p], sub(b, y)));
-    if (h->d)
-        d = axpy(d, h->keep, h->d[at.p]);
-    if (h->next_d)
-        h->next_d[at.p] = d;
-    vec to = add(x, d);
-    h->to[at.p] = to;
-    if (h->item)
-        h->item[at.p] = dot(b, to);
-}
-
-/* to = b - A x, 0 where fixed. */
-struct left {
-    const vec *b;
-    const uint8_t *fixed; /* NULL: all free */
-    vec *to;
-};
-
-static __device__ void arrive(const struct left *l, struct place at, vec x,
-                              vec y)
-{
-    (void)x;
-    bool fixed = l->fixed && l->fixed[at.p];
-    l->to[at.p] = fixed ? make(0, 0, 0) : sub(l->b[at.p], y);
-}
-
-/* ---- between grids, §2 ---- */
-
-/* Thread p of the coarse grid owns its right-hand side to[p], gathered from
- * the fine residual, and, unless it is the coarsest, its first half-step. */
+/* Thread p of the coarse grid owns b[p] and y[p]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    multigrid_restrict_kernel(struct level f, struct level c, vec *to,
-                              real first)
+    multigrid_restrict_kernel(struct level f, struct level c, real first)
 {
     ITEM(item, c.count);
-    if (idle(&c))
-        return;
-    struct place at = place_of(c.g, item);
-    vec sum = make(0, 0, 0);
-    for (int k = 0; k < 9; k++) {
-        int di = k % 3 - 1, dj = k / 3 - 1;
-        int x = 2 * at.i + di, y = 2 * at.j + dj, p = x + f.g.m * y;
-        if (within(f.g, x, y))
-            sum = axpy(sum, R(0.25) * (real)part_of(f.rule[p], di, dj), f.y[p]);
-    }
-    to[at.p] = sum;
-    if (first != 0)
-        c.y[at.p] = scale(first, solved(c.factor[at.p], sum));
+    if (!idle(c.go))
+        restrict_at(&f, &c, place_of(c.g, item), first);
 }
 
-/* x of the fine grid with the correction of the coarse ones around it. */
-struct raised {
-    const vec *x, *coarse;
-    int32_t m;                   /* of the coarse grid */
-    const uint8_t *rule, *fixed; /* fixed: NULL: all free */
-};
-
-static __device__ vec value_at(const struct raised *s, struct place at)
-{
-    vec here = s->x[at.p], sum = make(0, 0, 0);
-    if (s->fixed && s->fixed[at.p])
-        return here;
-    int rule = s->rule[at.p];
-    for (int y = at.j / 2; y <= (at.j + 1) / 2; y++)
-        for (int x = at.i / 2; x <= (at.i + 1) / 2; x++) {
-            int part = part_of(rule, at.i - 2 * x, at.j - 2 * y);
-            sum = axpy(sum, R(0.25) * (real)part, s->coarse[x + s->m * y]);
-        }
-    return add(here, sum);
-}
-
-/* Thread p of the fine grid owns to[p]. */
+/* Thread p of the fine grid owns x[p]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    multigrid_prolong_kernel(struct level f, struct raised s, vec *to)
+    multigrid_prolong_kernel(struct level f, struct raised s)
 {
     ITEM(item, f.count);
-    if (!idle(&f))
-        to[item] = value_at(&s, place_of(f.g, item));
+    if (!idle(f.go))
+        f.x[item] = value_at(&s, place_of(f.g, item));
 }
 
 /* ---- the stage ---- */
@@ -177,11 +95,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 template <class X, class END>
 static void multiply(struct gpu *g, const struct level *l, X x, END end)
 {
-    struct ties t = {l->g, l->mass, l->extra, l->excess, l->block};
     if (l->mass)
-        march<SPRINGS>(g, t, x, end, l->go);
+        march<SPRINGS>(g, ties_of(l), x, end, l->go);
     else
-        march<STENCIL>(g, t, x, end, l->go);
+        march<STENCIL>(g, ties_of(l), x, end, l->go);
 }
 
 /* From b to x, the first half-step being in y; then b of the next. */
@@ -189,27 +106,23 @@ static void go_down(struct gpu *g, const struct level *l, struct weights w,
                     real next_first)
 {
     const struct level *c = l + 1;
-    multiply(g, l, plain{l->y},
-             half{l->b, l->factor, l->y, l->x, NULL, NULL, w.keep, w.second});
-    multiply(g, l, plain{l->x}, left{l->b, l->fixed, l->y});
-    LAUNCH(g, c->count, multigrid_restrict_kernel, *l, *c, (vec *)c->b,
-           next_first);
+    multiply(g, l, plain{l->y}, half_down(l, w));
+    multiply(g, l, plain{l->x}, left_after(l));
+    LAUNCH(g, c->count, multigrid_restrict_kernel, *l, *c, next_first);
 }
 
 /* item as in struct half. */
 static void go_up(struct gpu *g, const struct level *l, struct weights w,
                   real *item)
 {
-    const struct level *c = l + 1;
-    struct raised x = {l->x, c->x, c->g.m, l->rule, l->fixed};
-    struct half one = {l->b, l->factor, NULL, l->y, l->d, NULL, 0, w.first};
-    struct half two = {l->b, l->factor, l->d,   l->x,
-                       NULL, item,      w.keep, w.second};
+    struct raised x = raised_from(l + 1, l);
+    struct half two = half_two(l, w);
+    two.item = item;
     if (l->count >= MARCH_LEAST) {
-        multiply(g, l, x, one);
+        multiply(g, l, x, half_one(l, w));
     } else {
-        LAUNCH(g, l->count, multigrid_prolong_kernel, *l, x, l->x);
-        multiply(g, l, plain{l->x}, one);
+        LAUNCH(g, l->count, multigrid_prolong_kernel, *l, x);
+        multiply(g, l, plain{l->x}, half_one(l, w));
     }
     multiply(g, l, plain{l->y}, two);
 }
@@ -226,13 +139,21 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go,
                          real *item)
 {
     struct level l[LEVELS];
-    int last = lay_out(s, go, l) - 1;
+    int levels = lay_out(s, go, l), first = 1;
     struct weights fine = weights_of(2), coarse = weights_of(2.5);
-    for (int k = 0; k < last; k++)
-        go_down(g, &l[k], k ? coarse : fine, k + 1 < last ? coarse.first : 0);
-    struct coarsest d = coarsest_of(s, &l[last]);
-    gpu_coarsest_solve(g, &d, l[last].b, l[last].x, go);
-    for (int k = last - 1; k >= 0; k--)
+    while (l[first].count > TAIL_MOST && first + 1 < levels)
+        first++;
+    for (int k = 0; k < first; k++)
+        go_down(g, &l[k], k ? coarse : fine, k + 2 < levels ? coarse.first : 0);
+    struct tail tail = {};
+    tail.levels = levels - first;
+    for (int k = first; k < levels; k++)
+        tail.level[k - first] = l[k];
+    tail.coarsest = coarsest_of(s, &l[levels - 1]);
+    tail.w = coarse;
+    tail.go = go;
+    LAUNCH_TEAM(g, TAIL_BLOCK, tail_kernel, tail);
+    for (int k = first - 1; k >= 0; k--)
         go_up(g, &l[k], k ? coarse : fine, k ? NULL : item);
 }
 

@@ -1,0 +1,137 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a cycle does at one particle, whoever comes there.
+ * spec/14_multigrid.md §2, §4 */
+#ifndef GPU_SMOOTH_CUH
+#define GPU_SMOOTH_CUH
+
+#include "gpu/coarsen.cuh"
+#include "gpu/level.cuh"
+#include "gpu/ties.cuh"
+
+static __device__ inline bool idle(const int32_t *go)
+{
+    return go && !*go;
+}
+
+static __host__ __device__ inline struct ties ties_of(const struct level *l)
+{
+    return ties{l->g, l->mass, l->extra, l->excess, l->block};
+}
+
+/* ---- smoothing ---- */
+
+/* A half-step: d = keep·d + gain·F (b - A x), to = x + d. */
+struct half {
+    const vec *b;
+    const sym *factor;
+    const vec *d;     /* NULL for 0 */
+    vec *to, *next_d; /* next_d: NULL where nothing reads it */
+    real *item;       /* NULL, or to[p]·b[p] is wanted there */
+    real keep, gain;
+};
+
+static __device__ inline void arrive(const struct half *h, struct place at,
+                                     vec x, vec y)
+{
+    vec b = h->b[at.p];
+    vec d = scale(h->gain, solved(h->factor[at.p], sub(b, y)));
+    if (h->d)
+        d = axpy(d, h->keep, h->d[at.p]);
+    if (h->next_d)
+        h->next_d[at.p] = d;
+    vec to = add(x, d);
+    h->to[at.p] = to;
+    if (h->item)
+        h->item[at.p] = dot(b, to);
+}
+
+/* to = b - A x, 0 where fixed. */
+struct left {
+    const vec *b;
+    const uint8_t *fixed; /* NULL: all free */
+    vec *to;
+};
+
+static __device__ inline void arrive(const struct left *l, struct place at,
+                                     vec x, vec y)
+{
+    (void)x;
+    bool fixed = l->fixed && l->fixed[at.p];
+    l->to[at.p] = fixed ? make(0, 0, 0) : sub(l->b[at.p], y);
+}
+
+/* ---- between grids ---- */
+
+/* The right-hand side of coarse particle p from the fine residual y around
+ * it, and, unless the grid is the coarsest, its first half-step. */
+static __device__ inline void restrict_at(const struct level *f,
+                                          const struct level *c,
+                                          struct place at, real first)
+{
+    vec sum = make(0, 0, 0);
+    UNROLL
+    for (int k = 0; k < 9; k++) {
+        int di = k % 3 - 1, dj = k / 3 - 1;
+        int x = 2 * at.i + di, y = 2 * at.j + dj, p = x + f->g.m * y;
+        if (within(f->g, x, y))
+            sum =
+                axpy(sum, R(0.25) * (real)part_of(f->rule[p], di, dj), f->y[p]);
+    }
+    c->b[at.p] = sum;
+    if (first != 0)
+        c->y[at.p] = scale(first, solved(c->factor[at.p], sum));
+}
+
+/* x of the fine grid with the correction of the coarse ones around it. */
+struct raised {
+    const vec *x, *coarse;
+    int32_t m;                   /* of the coarse grid */
+    const uint8_t *rule, *fixed; /* fixed: NULL: all free */
+};
+
+static __device__ inline vec value_at(const struct raised *s, struct place at)
+{
+    vec here = s->x[at.p], sum = make(0, 0, 0);
+    if (s->fixed && s->fixed[at.p])
+        return here;
+    int rule = s->rule[at.p];
+    for (int y = at.j / 2; y <= (at.j + 1) / 2; y++)
+        for (int x = at.i / 2; x <= (at.i + 1) / 2; x++) {
+            int part = part_of(rule, at.i - 2 * x, at.j - 2 * y);
+            sum = axpy(sum, R(0.25) * (real)part, s->coarse[x + s->m * y]);
+        }
+    return add(here, sum);
+}
+
+static __host__ __device__ inline struct raised
+raised_from(const struct level *c, const struct level *f)
+{
+    return raised{f->x, c->x, c->g.m, f->rule, f->fixed};
+}
+
+/* The two half-steps after the correction. */
+static __host__ __device__ inline struct half half_one(const struct level *l,
+                                                       struct weights w)
+{
+    return half{l->b, l->factor, NULL, l->y, l->d, NULL, 0, w.first};
+}
+
+static __host__ __device__ inline struct half half_two(const struct level *l,
+                                                       struct weights w)
+{
+    return half{l->b, l->factor, l->d, l->x, NULL, NULL, w.keep, w.second};
+}
+
+/* The second one before it, the first being y; and what is left then. */
+static __host__ __device__ inline struct half half_down(const struct level *l,
+                                                        struct weights w)
+{
+    return half{l->b, l->factor, l->y, l->x, NULL, NULL, w.keep, w.second};
+}
+
+static __host__ __device__ inline struct left left_after(const struct level *l)
+{
+    return left{l->b, l->fixed, l->y};
+}
+
+#endif

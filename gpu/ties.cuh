@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A system as ties between particles of a grid, and a row of its product.
+ * spec/12_product.md §1, spec/14_multigrid.md §3 */
+#ifndef GPU_TIES_CUH
+#define GPU_TIES_CUH
+
+#include "gpu/product.cuh"
+
+/* A symmetric system on a grid: mass and extra, or excess, and ties. */
+struct ties {
+    struct grid g;
+    const real *mass;  /* NULL: excess is */
+    const sym *extra;  /* NULL: none */
+    const sym *excess; /* NULL: mass is */
+    const sym *block;  /* [SPRINGS or STENCIL · m·n] */
+};
+
+/* Where x comes from: value_at(&source, place), which none writes meanwhile. */
+struct plain {
+    const vec *x;
+};
+
+static __device__ inline vec value_at(const struct plain *s, struct place at)
+{
+    return s->x[at.p];
+}
+
+static __device__ inline struct place beside(struct grid g, struct place at,
+                                             int di, int dj)
+{
+    return place{at.p + di + g.m * dj, at.i + di, at.j + dj};
+}
+
+/* What of A x is no tie's. */
+static __device__ inline vec own_part(const struct ties *t, int p, vec x)
+{
+    if (!t->mass)
+        return own(t->excess[p], x);
+    vec y = own(t->mass[p], x);
+    return t->extra ? add(y, apply(t->extra[p], x)) : y;
+}
+
+/* A block, by words as wide as its place allows: fetch_once where it is not
+ * read again soon. */
+#if defined __CUDACC__
+#if REAL_BITS == 32
+typedef float2 real2;
+#else
+typedef double2 real2;
+#endif
+static __device__ inline sym joined(real2 x, real2 y, real2 z)
+{
+    return sym{x.x, x.y, y.x, y.y, z.x, z.y};
+}
+static __device__ inline sym fetch(const sym *a)
+{
+    const real2 *b = (const real2 *)a;
+    return joined(b[0], b[1], b[2]);
+}
+static __device__ inline sym fetch_once(const sym *a)
+{
+    const real2 *b = (const real2 *)a;
+    return joined(__ldcs(b), __ldcs(b + 1), __ldcs(b + 2));
+}
+#else
+static inline sym fetch(const sym *a)
+{
+    return *a;
+}
+static inline sym fetch_once(const sym *a)
+{
+    return *a;
+}
+#endif
+
+/* Row p of A x, gathered from all neighbours: y of the particle plus what its
+ * ties pull, of each direction the tie that ends here and then the one that
+ * starts here. GROUP directions are read before the first is needed, as a
+ * small grid waits for memory and for nothing else. *here: x[p]. */
+template <int TIES, class X>
+static __device__ inline vec gathered(const struct ties *t, const X *x,
+                                      struct place at, vec *here)
+{
+    enum { GROUP = 4 };
+    vec own = *here = value_at(x, at), y = own_part(t, at.p, own);
+    UNROLL
+    for (int first = 0; first < TIES; first += GROUP) {
+        sym before[GROUP], after[GROUP];
+        vec from[GROUP], to[GROUP];
+        bool ends[GROUP], starts[GROUP];
+        UNROLL
+        for (int k = 0; k < GROUP; k++) {
+            int di = toward_i<TIES>(first + k), dj = toward_j<TIES>(first + k);
+            const sym *b = t->block + (int64_t)(first + k) * t->g.m * t->g.n;
+            struct place p = beside(t->g, at, -di, -dj);
+            struct place q = beside(t->g, at, di, dj);
+            ends[k] = within(t->g, p.i, p.j);
+            starts[k] = within(t->g, q.i, q.j);
+            p = ends[k] ? p : at;
+            q = starts[k] ? q : at;
+            before[k] = fetch(b + p.p);
+            after[k] = fetch(b + at.p);
+            from[k] = value_at(x, p);
+            to[k] = value_at(x, q);
+        }
+        UNROLL
+        for (int k = 0; k < GROUP; k++) {
+            if (ends[k])
+                y = sub(y, apply(before[k], sub(from[k], own)));
+            if (starts[k])
+                y = add(y, apply(after[k], sub(own, to[k])));
+        }
+    }
+    return y;
+}
+
+#endif
