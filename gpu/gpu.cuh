@@ -167,7 +167,7 @@ void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size);
  * Whole numbers: no order shows. */
 void gpu_scan(struct gpu *g, int64_t *a, int64_t n);
 /* Ascending by hi, lo, item, as ref/keys.h; both [n]. The sorted keys are in
- * the one returned. bits: hi and lo are below 2^bits. */
+ * the one returned. */
 struct key;
 struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
                      struct key *spare);
