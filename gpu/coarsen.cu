@@ -34,7 +34,7 @@ static int hat(int i, int j)
 template <int TIES> static void write_recipe(struct recipe *r, int to)
 {
     int ci = 2 * toward_i<STENCIL>(to), cj = 2 * toward_j<STENCIL>(to);
-    r->terms = 0;
+    memset((void *)r, 0, sizeof *r);
     for (int k = 0; k < TIES * AROUND; k++) {
         int o = k / AROUND, di = k % AROUND % 7 - 3, dj = k % AROUND / 7 - 3;
         int zi = di + toward_i<TIES>(o), zj = dj + toward_j<TIES>(o);
@@ -79,20 +79,51 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.coarse_rule[at.p] = (uint8_t)cut;
 }
 
-/* The sum of a recipe at a coarse particle. */
+/* The sum of a recipe at a coarse particle. AHEAD terms are read before the
+ * first is added, as a thread has nothing else to wait for. */
 static __device__ sym cook(const struct coarsen *s, const struct recipe *r,
                            struct place at)
 {
+    enum { AHEAD = 8 };
     struct grid f = {s->m, s->n};
     sym sum = {0, 0, 0, 0, 0, 0};
-    for (int k = 0; k < r->terms; k++) {
-        struct term t = r->term[k];
-        int x = 2 * at.i + t.di, y = 2 * at.j + t.dj, p = x + s->m * y;
-        if (within(f, x, y) && (!s->n_live || s->live[p] >> t.o & 1))
-            sum = plus(sum, (real)t.weight * R(0.0625),
-                       s->block[t.o * s->count + p]);
+    for (int first = 0; first < r->terms; first += AHEAD) {
+        sym block[AHEAD];
+        real weight[AHEAD];
+        UNROLL
+        for (int k = 0; k < AHEAD; k++) {
+            struct term t = r->term[first + k]; /* 0 behind the last */
+            int x = 2 * at.i + t.di, y = 2 * at.j + t.dj, p = x + s->m * y;
+            bool good = t.weight && within(f, x, y) &&
+                        (!s->n_live || s->live[p] >> t.o & 1);
+            weight[k] = good ? (real)t.weight * R(0.0625) : 0;
+            block[k] = fetch(s->block + (good ? t.o * s->count + p : 0));
+        }
+        UNROLL
+        for (int k = 0; k < AHEAD; k++)
+            if (weight[k] != 0)
+                sum = plus(sum, weight[k], block[k]);
     }
     return sum;
+}
+
+/* Four times the weights of coarse (ci, cj) in the nine fine particles around
+ * its place, four bits each. */
+static __device__ uint64_t weights_near(const struct coarsen *s, int ci, int cj)
+{
+    uint64_t all = 0;
+    for (int k = 0; k < 9; k++) {
+        int x = 2 * ci + k % 3 - 1, y = 2 * cj + k / 3 - 1;
+        all |= (uint64_t)weight(s, x, y, ci, cj) << 4 * k;
+    }
+    return all;
+}
+
+/* The one that is (dx, dy) from the place. */
+static __device__ int pick_weight(uint64_t all, int dx, int dy)
+{
+    bool near = (unsigned)(dx + 1) < 3u && (unsigned)(dy + 1) < 3u;
+    return near ? (int)(all >> 4 * (dx + 1 + 3 * (dy + 1)) & 15) : 0;
 }
 
 /* The same terms in the same order from the rules, for coarse direction
@@ -103,22 +134,21 @@ static __device__ sym cook_cut(const struct coarsen *s, struct place at, int ci,
 {
     struct grid f = {s->m, s->n};
     sym sum = {0, 0, 0, 0, 0, 0};
-    ci += at.i;
-    cj += at.j;
+    uint64_t here = weights_near(s, at.i, at.j);
+    uint64_t there = weights_near(s, at.i + ci, at.j + cj);
     for (int k = 0; k < TIES * AROUND; k++) {
-        int o = k / AROUND, x = 2 * at.i + k % AROUND % 7 - 3;
-        int y = 2 * at.j + k % AROUND / 7 - 3, p = x + s->m * y;
-        int z = x + toward_i<TIES>(o), t = y + toward_j<TIES>(o);
-        if (!within(f, x, y) || !within(f, z, t) ||
+        int o = k / AROUND, dx = k % AROUND % 7 - 3, dy = k % AROUND / 7 - 3;
+        int zx = dx + toward_i<TIES>(o), zy = dy + toward_j<TIES>(o);
+        int a = pick_weight(here, dx, dy) - pick_weight(here, zx, zy);
+        int b = pick_weight(there, dx - 2 * ci, dy - 2 * cj) -
+                pick_weight(there, zx - 2 * ci, zy - 2 * cj);
+        int x = 2 * at.i + dx, y = 2 * at.j + dy, p = x + s->m * y;
+        if (a * b == 0 || !within(f, x, y) ||
+            !within(f, 2 * at.i + zx, 2 * at.j + zy) ||
             (TIES == SPRINGS && !(s->live[p] >> o & 1)))
             continue;
-        int a = weight(s, x, y, at.i, at.j) - weight(s, z, t, at.i, at.j);
-        if (a == 0)
-            continue;
-        int b = weight(s, x, y, ci, cj) - weight(s, z, t, ci, cj);
-        if (b != 0)
-            sum = plus(sum, (real)(-a * b) * R(0.0625),
-                       s->block[o * s->count + p]);
+        sum = plus(sum, (real)(-a * b) * R(0.0625),
+                   fetch(&s->block[o * s->count + p]));
     }
     return sum;
 }
@@ -178,9 +208,9 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     for (int o = 0; o < STENCIL; o++) {
         const sym *block = s.coarse_block + o * s.n_coarse;
         int di = toward_i<STENCIL>(o), dj = toward_j<STENCIL>(o);
-        d = add(d, block[at.p]);
+        d = add(d, fetch(block + at.p));
         if (within(c, at.i - di, at.j - dj))
-            d = add(d, block[at.p - (di + c.m * dj)]);
+            d = add(d, fetch(block + (at.p - (di + c.m * dj))));
     }
     s.factor[at.p] = factored(d);
     s.coarse_rule[at.p] = rule_at(c, at, s.coarse_block,

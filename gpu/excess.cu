@@ -20,12 +20,12 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         int di = forward_i(o), dj = forward_j(o), step = di + s.m * dj;
         if (within(g, at.i + di, at.j + dj)) {
             if (s.fixed[at.p + step])
-                e = add(e, block[at.p]);
+                e = add(e, fetch(block + at.p));
             else if (!here)
                 live |= 1 << o;
         }
         if (within(g, at.i - di, at.j - dj) && s.fixed[at.p - step])
-            e = add(e, block[at.p - step]);
+            e = add(e, fetch(block + (at.p - step)));
     }
     s.excess[at.p] = here ? sym{0, 0, 0, 0, 0, 0} : e;
     s.live[at.p] = (uint8_t)live;

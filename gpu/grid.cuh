@@ -41,6 +41,39 @@ static __device__ inline bool within(struct grid g, int32_t i, int32_t j)
     return (uint32_t)i < (uint32_t)g.m && (uint32_t)j < (uint32_t)g.n;
 }
 
+/* A block, by words as wide as its place allows: fetch_once where it is not
+ * read again soon. */
+#if defined __CUDACC__
+#if REAL_BITS == 32
+typedef float2 real2;
+#else
+typedef double2 real2;
+#endif
+static __device__ inline sym joined(real2 x, real2 y, real2 z)
+{
+    return sym{x.x, x.y, y.x, y.y, z.x, z.y};
+}
+static __device__ inline sym fetch(const sym *a)
+{
+    const real2 *b = (const real2 *)a;
+    return joined(b[0], b[1], b[2]);
+}
+static __device__ inline sym fetch_once(const sym *a)
+{
+    const real2 *b = (const real2 *)a;
+    return joined(__ldcs(b), __ldcs(b + 1), __ldcs(b + 2));
+}
+#else
+static inline sym fetch(const sym *a)
+{
+    return *a;
+}
+static inline sym fetch_once(const sym *a)
+{
+    return *a;
+}
+#endif
+
 /* §3 of 11: where the blocks of the compressed diagonals are. */
 static inline struct cdf cdf_of(int32_t m, int32_t n)
 {

@@ -4,6 +4,9 @@
 
 #include "gpu/grid.cuh"
 
+/* Directions that are read before the first is added. */
+enum { AHEAD = 4 };
+
 /* Thread p owns factor[p]: reads mass, extra and the blocks at p. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     jacobi_kernel(struct jacobi s)
@@ -18,13 +21,21 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     struct wide_sym d = widened(s.mass[at.p]);
     if (s.n_extra)
         d = add(d, s.extra[at.p]);
-    for (int o = 0; o < SPRINGS; o++) {
-        const sym *block = s.block + o * s.count;
-        int di = forward_i(o), dj = forward_j(o);
-        if (within(g, at.i + di, at.j + dj))
-            d = add(d, block[at.p]);
-        if (within(g, at.i - di, at.j - dj))
-            d = add(d, block[at.p - (di + s.m * dj)]);
+    UNROLL
+    for (int first = 0; first < SPRINGS; first += AHEAD) {
+        sym block[2 * AHEAD];
+        bool good[2 * AHEAD];
+        UNROLL
+        for (int k = 0; k < 2 * AHEAD; k++) {
+            int o = first + k / 2, sign = k % 2 ? -1 : 1;
+            int di = forward_i(o), dj = forward_j(o);
+            good[k] = within(g, at.i + sign * di, at.j + sign * dj);
+            int from = good[k] && k % 2 ? at.p - (di + s.m * dj) : at.p;
+            block[k] = fetch(s.block + o * s.count + from);
+        }
+        UNROLL
+        for (int k = 0; k < 2 * AHEAD; k++)
+            d = good[k] ? add(d, block[k]) : d;
     }
     s.factor[at.p] = factored(d);
 }

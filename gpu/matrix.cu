@@ -26,9 +26,9 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         const sym *block = s.block + o * s.count;
         int di = forward_i(o), dj = forward_j(o);
         if (within(g, at.i + di, at.j + dj))
-            d = add(d, block[at.p]);
+            d = add(d, fetch(block + at.p));
         if (within(g, at.i - di, at.j - dj))
-            d = add(d, block[at.p - (di + s.m * dj)]);
+            d = add(d, fetch(block + (at.p - (di + s.m * dj))));
     }
     s.diagonal[at.p] = d;
 }
@@ -50,7 +50,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         if (q < 0 || q >= s.count)
             continue;
         if (within(g, at.i + sign * forward_i(o), at.j + sign * forward_j(o)))
-            b = s.block[o * s.count + (sign > 0 ? at.p : q)];
+            b = fetch(&s.block[o * s.count + (sign > 0 ? at.p : q)]);
         s.cdf[c.start[k] + at.p] = negative(b);
     }
 }

@@ -37,9 +37,9 @@ static __device__ inline vec left_over(const struct residual *s,
         int di = forward_i(o), dj = forward_j(o);
         int before = at.p - (di + g.m * dj), after = at.p + (di + g.m * dj);
         if (within(g, at.i - di, at.j - dj))
-            r = less(r, block[before], sub(x, whole(s, before)));
+            r = less(r, fetch(block + before), sub(x, whole(s, before)));
         if (within(g, at.i + di, at.j + dj))
-            r = less(r, block[at.p], sub(x, whole(s, after)));
+            r = less(r, fetch(block + at.p), sub(x, whole(s, after)));
     }
     return narrowed(r);
 }

@@ -40,39 +40,6 @@ static __device__ inline vec own_part(const struct ties *t, int p, vec x)
     return t->extra ? add(y, apply(t->extra[p], x)) : y;
 }
 
-/* A block, by words as wide as its place allows: fetch_once where it is not
- * read again soon. */
-#if defined __CUDACC__
-#if REAL_BITS == 32
-typedef float2 real2;
-#else
-typedef double2 real2;
-#endif
-static __device__ inline sym joined(real2 x, real2 y, real2 z)
-{
-    return sym{x.x, x.y, y.x, y.y, z.x, z.y};
-}
-static __device__ inline sym fetch(const sym *a)
-{
-    const real2 *b = (const real2 *)a;
-    return joined(b[0], b[1], b[2]);
-}
-static __device__ inline sym fetch_once(const sym *a)
-{
-    const real2 *b = (const real2 *)a;
-    return joined(__ldcs(b), __ldcs(b + 1), __ldcs(b + 2));
-}
-#else
-static inline sym fetch(const sym *a)
-{
-    return *a;
-}
-static inline sym fetch_once(const sym *a)
-{
-    return *a;
-}
-#endif
-
 /* Row p of A x, gathered from all neighbours: y of the particle plus what its
  * ties pull, of each direction the tie that ends here and then the one that
  * starts here. GROUP directions are read before the first is needed, as a
