@@ -15,9 +15,10 @@ static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
 
 /* Scratch of its own, and how M⁻¹r begins once r is known. */
 struct room {
-    real *chunk;            /* [2·n_chunks] */
-    real *item;             /* [count] */
-    bool jacobi;            /* M is Jacobi's, by now or from the start */
+    real *chunk; /* [2·n_chunks] */
+    real *item;  /* [count] */
+    vec *other;  /* [count] every second p, where the matrix is compact */
+    bool jacobi; /* M is Jacobi's, by now or from the start */
     struct opening opening; /* else */
 };
 
@@ -243,15 +244,15 @@ static void multiply(struct gpu *g, struct pcg *s, struct course *c,
 }
 
 /* Iteration k of all that are queued: where the matrix is compact p changes
- * places, as neighbours read the last one; `diagonal` is of no other use. */
+ * places, as neighbours read the last one. */
 static void iterate(struct gpu *g, struct pcg *s, struct course *c,
                     struct room room, int k)
 {
     vec *p = s->p, *to = s->p;
     if (!s->n_cdf && k % 2)
-        to = (vec *)s->diagonal;
+        to = room.other;
     else if (!s->n_cdf)
-        p = (vec *)s->diagonal;
+        p = room.other;
     if (!room.jacobi) {
         gpu_multigrid_cycle(g, &s->grid, &c->go, room.item);
         LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s,
@@ -297,14 +298,17 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
     int status = set_up(g, s);
     struct course c = {};
     int64_t sums = 2 * s->n_chunks;
-    real *scratch =
-        (real *)gpu_scratch(g, SLOT_STAGE, sums + s->count, sizeof *scratch);
+    int64_t all = sums + (s->n_cdf ? 1 : 4) * s->count;
+    real *scratch = (real *)gpu_scratch(g, SLOT_STAGE, all, sizeof *scratch);
     if (status == DRAPE_OK && s->count > 0 && scratch) {
         bool jacobi = s->precond == DRAPE_JACOBI;
         struct opening opening = {};
         if (!jacobi)
             opening = gpu_multigrid_opening(&s->grid);
-        c = solve(g, s, room{scratch, scratch + sums, jacobi, opening});
+        real *item = scratch + sums;
+        c = solve(
+            g, s,
+            room{scratch, item, (vec *)(item + s->count), jacobi, opening});
     }
     s->iterations = c.iterations;
     s->outcome = c.outcome;
