@@ -100,7 +100,7 @@ for integrator in baraff-witkin choi-ko; do
 done
 again lion_20k_baraff-witkin $long
 for integrator in euler midpoint verlet rk4; do # hundreds of substeps each
-    scene "lion_20k_$integrator" lion_20k 4 \
+    scene "lion_20k_$integrator" lion_20k 2 \
         "1s/{/{\"integrator\": \"$integrator\",/"
 done
 scene lion_20k_64 lion_20k 30 '1s/{/{"precision": 64,/'
