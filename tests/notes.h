@@ -16,7 +16,8 @@ struct notes {
 /* A drape_trace; user is the notes. */
 void notes_take(void *user, int64_t step, const char *stage, uint64_t digest,
                 double seconds);
-/* The first stage of the device's that gave something else; NULL if none. */
-const char *notes_compare(const struct notes *ref, const struct notes *device);
+/* The first stage of b, the device, that gave something else than a; NULL if
+ * none. */
+const char *notes_compare(const struct notes *a, const struct notes *b);
 
 #endif

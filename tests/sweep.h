@@ -32,7 +32,7 @@ bool frames_sweep(const struct frames *f,
 
 /* The same for each line of the scene's hits.txt, wherever it lies; returns how
  * many lie in the slab, *lines: how many there are, 0 if they are not there. */
-int64_t frames_hits(const struct frames *f, const char *name,
+int64_t frames_hits(const struct frames *s, const char *name,
                     void (*pair)(void *user, int kind, const int32_t v[4]),
                     void *user, int64_t *lines);
 
