@@ -8,9 +8,7 @@
 
 /* Runs ref_X once and gpu_X twice, with other block sizes and other poison in
  * outputs and scratch: same status, same bits in every output, guards and
- * inputs untouched. hash is not set; failed is device_none
- * where the device has no such stage. */
-extern const char device_none[];
+ * inputs untouched. hash is not set. */
 struct case_result device_case(const struct stage *stage, struct bytes *b,
                                struct gpu *g);
 /* Median seconds of gpu_X on the benchmark's input; *bytes: its streams. */
