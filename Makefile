@@ -55,7 +55,7 @@ ONCE   := tests/check.c tests/case.c tests/certify.c tests/choices.c \
           tests/device.c tests/tally.c
 TWICE  := $(sort $(filter-out $(ONCE),$(wildcard tests/*.c)))
 # Kernels; device.cu and prim.cu are CUDA's own, which gpu/emulate.cpp replaces.
-DEVICE := gpu/device.cu gpu/prim.cu
+DEVICE := gpu/blas.cu gpu/device.cu gpu/prim.cu
 KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
@@ -74,7 +74,8 @@ APP_O  := $(call obj,$(APP),)
 ROOT   ?= $(BUILD)
 EMU_IN ?= $(BUILD)
 EMU_O  := $(patsubst $(BUILD)/%,$(EMU_IN)/%,$(call obj,$(KERNEL),.32) \
-          $(call obj,$(KERNEL),.64) $(BUILD)/gpu/emulate.o)
+          $(call obj,$(KERNEL),.64) $(BUILD)/gpu/emulate.o \
+          $(BUILD)/gpu/emulate_blas.o)
 CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(call obj,$(DEVICE),))
 # Without their libraries one file stands in for all oracles but brute force.
@@ -110,7 +111,7 @@ $(BUILD)/gpu/%.32.o: gpu/%.cu
 $(BUILD)/gpu/%.64.o: gpu/%.cu
 	@mkdir -p $(@D)
 	$(EMU) $(SAN) -DREAL_BITS=64 -c $< -o $@
-$(BUILD)/gpu/emulate.o: gpu/emulate.cpp
+$(BUILD)/gpu/%.o: gpu/%.cpp
 	@mkdir -p $(@D)
 	$(EMU) -c $< -o $@
 $(BUILD)/cuda/gpu/%.32.o: gpu/%.cu

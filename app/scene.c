@@ -38,6 +38,7 @@ static const char *const backends[] = {"ref", "gpu", NULL};
 static const char *const integrators[] = {
     "euler", "midpoint", "verlet", "rk4", "baraff-witkin", "choi-ko", NULL};
 static const char *const preconds[] = {"jacobi", "multigrid", NULL};
+static const char *const solvers[] = {"exact", "cublas", NULL};
 static const char *const matrices[] = {"cdf", "compact", NULL};
 
 static int read_scene(struct json *json, const cJSON *root, struct scene *scene)
@@ -59,6 +60,7 @@ static int read_scene(struct json *json, const cJSON *root, struct scene *scene)
         INTEGER_KEY("max_substeps", SCENE(def.max_substeps), 1, 1e9),
         CHOICE_KEY("precond", SCENE(def.precond), preconds),
         CHOICE_KEY("matrix", SCENE(def.matrix), matrices),
+        CHOICE_KEY("solver", SCENE(def.solver), solvers),
         NUMBER_KEY("tolerance", SCENE(def.tolerance), 1e-15, 0.5),
         INTEGER_KEY("max_iterations", SCENE(def.max_iterations), 1, 1e6),
         BOOLEAN_KEY("self_collision", SCENE(def.self_collision)),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The device: its stream, memory and small results. spec/50_gpu.md */
+#include "gpu/blas.h"
 #include "gpu/gpu.cuh"
 
 #include "certificate.h"
@@ -68,6 +69,7 @@ void gpu_close(struct gpu *g)
         return;
     while (g->blocks)
         gpu_give(g, g->blocks->data);
+    blas_close(g);
     for (int k = 0; k < GPU_SLOTS; k++)
         cudaFree(g->slot[k].data);
     cudaFree(g->words);

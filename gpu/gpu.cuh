@@ -56,6 +56,7 @@ struct gpu {
     int64_t *seen;  /* host, pinned [GPU_WORDS] as last read */
     struct gpu_slot slot[GPU_SLOTS];
     struct gpu_block *blocks; /* all that was taken */
+    struct gpu_blas *blas;    /* gpu/blas.h; NULL: not open */
     size_t bytes[ARENA_PARTS];
 };
 

@@ -153,26 +153,6 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     arrive(&e, at, a.x[k], cdf_row(&a, &d, at));
 }
 
-/* *a + b rounded to *a; what is rounded off, exactly (Knuth). */
-static __device__ real two_sum(real *a, real b)
-{
-    real sum = *a + b, part = sum - *a;
-    real error = (*a - (sum - part)) + (b - part);
-    *a = sum;
-    return error;
-}
-
-/* dv + low += d at particle k. */
-static __device__ void advance(const struct pcg *s, int64_t k, vec d)
-{
-    vec x = s->dv[k], low = s->low[k];
-    low.x += two_sum(&x.x, d.x);
-    low.y += two_sum(&x.y, d.y);
-    low.z += two_sum(&x.z, d.z);
-    s->dv[k] = x;
-    s->low[k] = low;
-}
-
 /* Writes dv[k], low[k], r[k] and what starts from r[k]; p of the step. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
     pcg_update_kernel(struct pcg s, struct course *c, struct room room,
@@ -200,7 +180,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 
 /* ---- the stage ---- */
 
-static int set_up(struct gpu *g, struct pcg *s)
+static int build(struct gpu *g, struct pcg *s)
 {
     struct matrix a = {s->m,       s->n,        s->count,    s->mass,
                        s->n_extra, s->extra,    s->n_blocks, s->block,
@@ -221,6 +201,13 @@ static int set_up(struct gpu *g, struct pcg *s)
     s->grid.r = s->r;
     s->grid.z = s->s;
     return gpu_multigrid_build(g, &s->grid);
+}
+
+int gpu_pcg_set_up(struct gpu *g, struct pcg *s)
+{
+    int status = build(g, s);
+    LAUNCH(g, s->count, pcg_start_kernel, *s);
+    return status;
 }
 
 /* to = s + β p, q = A to, and the sum of to·q. */
@@ -269,7 +256,6 @@ static struct course solve(struct gpu *g, struct pcg *s, struct room room)
     struct course *c = (struct course *)gpu_words(g), seen = {};
     int words = (int)((sizeof seen + sizeof(int64_t) - 1) / sizeof(int64_t));
     int queued = 0;
-    LAUNCH(g, s->count, pcg_start_kernel, *s);
     LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
     for (int batch = BATCH; seen.phase != PHASE_DONE; batch = BATCH_MOST) {
         room.jacobi = s->precond == DRAPE_JACOBI || seen.fell_back;
@@ -295,7 +281,9 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
         s->precond < DRAPE_JACOBI || s->precond > DRAPE_MULTIGRID ||
         s->form < DRAPE_CDF || s->form > DRAPE_COMPACT)
         return DRAPE_EARG;
-    int status = set_up(g, s);
+    if (s->solver == DRAPE_CUBLAS)
+        return gpu_cublas(g, s);
+    int status = gpu_pcg_set_up(g, s);
     struct course c = {};
     int64_t sums = 2 * s->n_chunks;
     int64_t all = sums + (s->n_cdf ? 1 : 4) * s->count;

@@ -4,7 +4,7 @@
 #ifndef GPU_PCG_CUH
 #define GPU_PCG_CUH
 
-#include "gpu/real.cuh"
+#include "gpu/level.cuh"
 #include "ref/pcg.h"
 
 /* What is to be done next: the first residual, an iteration, the residual
@@ -137,5 +137,34 @@ static __device__ inline void leave(const struct pcg *s, struct course *c,
     if (c->iterations >= s->max_iterations)
         end(c, PCG_LIMIT);
 }
+
+/* ---- vectors ---- */
+
+/* *a + b rounded to *a; what is rounded off, exactly (Knuth). */
+static __device__ inline real two_sum(real *a, real b)
+{
+    real sum = *a + b, part = sum - *a;
+    real error = (*a - (sum - part)) + (b - part);
+    *a = sum;
+    return error;
+}
+
+/* §3: dv + low += d at particle k. */
+static __device__ inline void advance(const struct pcg *s, int64_t k, vec d)
+{
+    vec x = s->dv[k], low = s->low[k];
+    low.x += two_sum(&x.x, d.x);
+    low.y += two_sum(&x.y, d.y);
+    low.z += two_sum(&x.z, d.z);
+    s->dv[k] = x;
+    s->low[k] = low;
+}
+
+/* The matrix and its preconditioner; dv and low as they start. DRAPE_OK, or
+ * DRAPE_EARG as ref_pcg. */
+int gpu_pcg_set_up(struct gpu *g, struct pcg *s);
+
+/* §6: gpu_pcg by cuBLAS, arguments checked. DRAPE_EDEVICE without it. */
+int gpu_cublas(struct gpu *g, struct pcg *s);
 
 #endif

@@ -3,6 +3,7 @@
  * stream. spec/50_gpu.md §6 */
 #include <stdio.h>
 
+#include "gpu/blas.h"
 #include "gpu/gpu.cuh"
 
 /* A stream on the device with what the host's holds; NULL: zero. */
@@ -154,6 +155,11 @@ static int open_device(struct world *h, drape_error *error)
     h->held = gpu_held(w->gpu);
     if (h->def.block)
         gpu_set_block(w->gpu, h->def.block);
+    if (h->def.solver == DRAPE_CUBLAS)
+        status = blas_open(w->gpu);
+    if (status != DRAPE_OK && error)
+        snprintf(error->text, sizeof error->text,
+                 "solver cublas: libcublas is not to be found");
     return status;
 }
 

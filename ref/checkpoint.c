@@ -68,7 +68,8 @@ uint64_t checkpoint_fingerprint(const drape_def *d)
     const int choice[] = {d->precision,      d->integrator,  d->max_substeps,
                           d->precond,        d->matrix,      d->max_iterations,
                           d->self_collision, d->max_rounds,  d->sleep,
-                          d->n_cloths,       d->n_obstacles, d->n_motions};
+                          d->n_cloths,       d->n_obstacles, d->n_motions,
+                          d->solver};
     uint64_t h = hash_mix(HASH_SEED, choice, sizeof choice);
     h = hash_mix(h, &d->dt, sizeof d->dt);
     h = hash_mix(h, d->gravity, sizeof d->gravity);

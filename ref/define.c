@@ -243,6 +243,9 @@ static void check_world(struct check *c, const drape_def *def)
     integer(c, "max_substeps", def->max_substeps, 1, INT32_MAX);
     integer(c, "precond", def->precond, DRAPE_JACOBI, DRAPE_MULTIGRID);
     integer(c, "matrix", def->matrix, DRAPE_CDF, DRAPE_COMPACT);
+    integer(c, "solver", def->solver, DRAPE_EXACT, DRAPE_CUBLAS);
+    if (def->solver == DRAPE_CUBLAS && def->backend != DRAPE_GPU)
+        fail(c, DRAPE_EARG, "solver cublas needs backend gpu");
     number(c, "tolerance", def->tolerance, 1e-15, 1);
     integer(c, "max_iterations", def->max_iterations, 1, INT32_MAX);
     integer(c, "max_rounds", def->max_rounds, 0, 10000);

@@ -20,6 +20,7 @@ struct pcg {
     int32_t form;           /* enum drape_matrix */
     real tolerance;         /* of the relative residual, ≥ 0 */
     int32_t max_iterations; /* ≥ 0 */
+    int32_t solver;         /* enum drape_solver, for the device */
     int32_t energy;   /* 1: tolerance is of √(r·M⁻¹r) instead, §4.1 */
     const real *mass; /* [count] kg, > 0 where free */
     int64_t n_extra;  /* count, or 0: none */

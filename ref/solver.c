@@ -16,6 +16,7 @@ void solver_size(struct pcg *p, const drape_def *def, const struct cloth *cloth)
     p->count = cloth->count;
     p->precond = def->precond;
     p->form = def->matrix;
+    p->solver = def->solver;
     p->tolerance = (real)def->tolerance;
     p->max_iterations = def->max_iterations;
     p->mass = cloth->mass;

@@ -55,6 +55,10 @@ enum drape_matrix {
     DRAPE_CDF,    /* the paper's 17 diagonals of 3 × 3 blocks */
     DRAPE_COMPACT /* the symmetric half, blocks of 6 */
 };
+enum drape_solver {
+    DRAPE_EXACT, /* the same bits everywhere */
+    DRAPE_CUBLAS /* the paper's: cuBLAS adds in an order of its own */
+};
 enum drape_backend { DRAPE_REF, DRAPE_GPU };
 
 /* What cloth is made of, independent of the grid that samples it. */
@@ -143,6 +147,7 @@ typedef struct drape_def {
     int max_substeps; /* explicit: refuse (DRAPE_ELIMIT) beyond, ≥ 1 */
     int precond;      /* enum drape_precond */
     int matrix;       /* enum drape_matrix */
+    int solver;       /* enum drape_solver; DRAPE_CUBLAS: backend gpu only */
     double tolerance; /* of the relative residual */
     int max_iterations;
 

@@ -204,6 +204,7 @@
 #define test_cloth_material REAL_NAME(test_cloth_material)
 #define test_coincident REAL_NAME(test_coincident)
 #define test_contacts_conserve REAL_NAME(test_contacts_conserve)
+#define test_cublas REAL_NAME(test_cublas)
 #define test_diverged REAL_NAME(test_diverged)
 #define test_energy_behaviour REAL_NAME(test_energy_behaviour)
 #define test_factor_singular REAL_NAME(test_factor_singular)

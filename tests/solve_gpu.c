@@ -4,8 +4,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "gpu/blas.h"
 #include "gpu/stages.h"
 #include "ref/clock.h"
+#include "ref/residual.h"
 #include "tests/solver.h"
 
 /* RUNS: of a timing, the least counts; SHORT: iterations of Jacobi that are
@@ -88,28 +90,44 @@ static double timed(struct gpu *g, struct pcg *d)
     return least;
 }
 
+/* The rest of a line: the reference's time, and whether both agree. */
+static void compare_bits(struct gpu *g, struct pcg *s, struct pcg *d)
+{
+    s->max_iterations = s->precond == DRAPE_JACOBI ? SHORT : d->max_iterations;
+    d->max_iterations = s->max_iterations;
+    gpu_pcg(g, d);
+    double start = clock_now();
+    ref_pcg(s);
+    printf(",%.4g,%s", 1e3 * (clock_now() - start) / s->iterations,
+           same_result(g, s, d) ? "same" : "DIFFERENT");
+}
+
 /* One line; with SHORT iterations of Jacobi both results are compared. */
-static void bench_one(int32_t n, int precond)
+static void bench_one(int32_t n, int precond, int solver)
 {
     int status;
     struct gpu *g = gpu_open(&status);
     struct system a;
     struct pcg s, d;
     bool jacobi = precond == DRAPE_JACOBI;
+    if (solver == DRAPE_CUBLAS && blas_open(g) != DRAPE_OK) {
+        puts("no cuBLAS here");
+        gpu_close(g);
+        return;
+    }
     open_both(g, n, precond, 0, &a, &s, &d);
+    d.solver = solver;
     double set_up = timed(g, &d);
     d.max_iterations = 5000;
     double all = timed(g, &d);
-    printf("%d,%d,%s,%d,%.3g,%.4g,%.4g,%.4g", REAL_BITS, n,
-           jacobi ? "jacobi" : "multigrid", d.iterations, (double)d.residual,
-           1e3 * all, 1e3 * set_up, 1e6 * (all - set_up) / d.iterations);
-    s.max_iterations = d.max_iterations = jacobi ? SHORT : 5000;
-    gpu_pcg(g, &d);
-    double start = clock_now();
-    ref_pcg(&s);
-    double seconds = clock_now() - start;
-    printf(",%.4g,%s\n", 1e3 * seconds / s.iterations,
-           same_result(g, &s, &d) ? "same" : "DIFFERENT");
+    printf("%d,%d,%s,%s,%d,%.3g,%.4g,%.4g,%.4g", REAL_BITS, n,
+           jacobi ? "jacobi" : "multigrid",
+           solver == DRAPE_CUBLAS ? "cublas" : "exact", d.iterations,
+           (double)d.residual, 1e3 * all, 1e3 * set_up,
+           1e6 * (all - set_up) / d.iterations);
+    if (solver == DRAPE_EXACT)
+        compare_bits(g, &s, &d);
+    puts("");
     fflush(stdout);
     solver_close(&s);
     free_system(&a);
@@ -127,11 +145,11 @@ void bench_solve(void)
         return;
     int most = strncmp(gpu_name(g), "emulated", 8) ? 3 : 1;
     gpu_close(g);
-    printf("bits,grid,precond,iterations,residual,ms,of them set-up,"
+    printf("bits,grid,precond,solver,iterations,residual,ms,of them set-up,"
            "us/iteration,reference ms/iteration,bits of dv\n");
-    for (int k = 0; k < most; k++)
-        for (int precond = DRAPE_JACOBI; precond <= DRAPE_MULTIGRID; precond++)
-            bench_one(sizes[k], precond);
+    for (int k = 0; k < 4 * most; k++)
+        bench_one(sizes[k / 4], k / 2 % 2 ? DRAPE_MULTIGRID : DRAPE_JACOBI,
+                  k % 2 ? DRAPE_CUBLAS : DRAPE_EXACT);
 }
 
 /* 20 thousand triangles, both preconditioners: the same bits. */
@@ -150,6 +168,96 @@ const char *test_solve_gpu(void)
         free_system(&a);
         gpu_close(g);
         EXPECT(good);
+        ran(1);
+    }
+    return NULL;
+}
+
+/* ---- spec/15_pcg.md §6: cuBLAS's solution ---- */
+
+static double part(vec a, int64_t r)
+{
+    return (double)(r == 0 ? a.x : r == 1 ? a.y : a.z);
+}
+
+/* |b - A (dv + low)|, by the reference. */
+static double left_over(const struct pcg *s, const vec *dv, const vec *low)
+{
+    vec *r = calloc((size_t)s->count + 1, sizeof *r);
+    struct residual a = {s->m,       s->n,     s->count, s->mass,
+                         s->n_extra, s->extra, s->block, s->fixed,
+                         s->b,       dv,       low,      r};
+    double sum = 0;
+    residual_find(&a);
+    for (int64_t k = 0; k < 3 * s->count; k++)
+        sum += part(r[k / 3], k % 3) * part(r[k / 3], k % 3);
+    free(r);
+    return sqrt(sum);
+}
+
+/* s is solved by the reference, dv and low are cuBLAS's; zero [count] is 0. */
+static const char *expect_near(const struct pcg *s, const vec *dv,
+                               const vec *low, const vec *zero)
+{
+    const double u = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
+    double sums = 6 * (double)s->count * u, slack = 1 + sums / (1 - sums);
+    double b = left_over(s, zero, zero), tolerance = (double)s->tolerance;
+    double size = 0, error = 0, mass = HUGE_VAL;
+    for (int64_t k = 0; k < 3 * s->count; k++) {
+        double x = part(dv[k / 3], k % 3), y = part(s->dv[k / 3], k % 3);
+        double m = (double)s->mass[k / 3];
+        size += x * x + y * y;
+        error += (x - y) * (x - y);
+        mass = !s->fixed[k / 3] && m < mass ? m : mass;
+    }
+    EXPECT(left_over(s, dv, low) <= slack * tolerance * b);
+    EXPECT(sqrt(error) <=
+           2 * slack * tolerance * b / mass + 2 * u * sqrt(size));
+    EXPECT(size > 0);
+    return NULL;
+}
+
+static const char *check_cublas(struct gpu *g, int precond, int form)
+{
+    struct system a;
+    struct design design = {51, 47, SHAPE_DRAPED, TRIM_PINS, 0.1};
+    make_system(&design, &a);
+    struct pcg s = {.precond = precond,
+                    .form = form,
+                    .tolerance = REAL_BITS == 32 ? R(1e-4) : R(1e-9),
+                    .max_iterations = 2000};
+    solver_open(&s, &a);
+    struct pcg d = on_device(g, &s);
+    d.solver = DRAPE_CUBLAS;
+    size_t n = (size_t)s.count;
+    vec *copy = calloc(3 * n + 1, sizeof *copy);
+    bool good = ref_pcg(&s) == DRAPE_OK && gpu_pcg(g, &d) == DRAPE_OK &&
+                s.outcome == PCG_CONVERGED && d.outcome == PCG_CONVERGED;
+    gpu_down(g, copy, d.dv, n * sizeof *copy);
+    gpu_down(g, copy + n, d.low, n * sizeof *copy);
+    const char *failed = expect_near(&s, copy, copy + n, copy + 2 * n);
+    free(copy);
+    solver_close(&s);
+    free_system(&a);
+    EXPECT(good);
+    return failed;
+}
+
+const char *test_cublas(void)
+{
+    for (int k = 0; k < 4; k++) {
+        int status;
+        struct gpu *g = gpu_open(&status);
+        if (!g || blas_open(g) != DRAPE_OK) {
+            gpu_close(g);
+            return skip("there is no cuBLAS");
+        }
+        const char *failed =
+            check_cublas(g, k % 2 ? DRAPE_MULTIGRID : DRAPE_JACOBI,
+                         k / 2 ? DRAPE_COMPACT : DRAPE_CDF);
+        gpu_close(g);
+        if (failed)
+            return failed;
         ran(1);
     }
     return NULL;

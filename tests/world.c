@@ -223,6 +223,7 @@ const char *test_world_refusals(void)
     REFUSED(d.def.dt = -1, DRAPE_EARG, "dt");
     REFUSED(d.def.precision = 16, DRAPE_EARG, "precision");
     REFUSED(d.def.backend = 2, DRAPE_EARG, "backend");
+    REFUSED(d.def.solver = DRAPE_CUBLAS, DRAPE_EARG, "cublas");
     REFUSED(d.obstacle.motion = 3, DRAPE_EARG, "obstacle 0: motion");
     REFUSED(d.obstacle.n_vertices = 5, DRAPE_EARG, "names vertex");
     REFUSED(d.cloth.origin[1] = 0.1, DRAPE_ESTART, "intersecting");
