@@ -50,11 +50,16 @@ struct filtered {
     vec *q;
 };
 
-static __device__ void arrive(const struct filtered *e, struct place at, vec x,
-                              vec y)
+static __device__ bool about(const struct filtered *e, struct place at)
+{
+    return e->fixed[at.p];
+}
+
+static __device__ void arrive(const struct filtered *e, struct place at,
+                              bool fixed, vec x, vec y)
 {
     (void)x;
-    e->q[at.p] = e->fixed[at.p] ? make(0, 0, 0) : y;
+    e->q[at.p] = fixed ? make(0, 0, 0) : y;
 }
 
 static __global__ void __launch_bounds__(GPU_BLOCK)
@@ -62,7 +67,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 {
     ITEM(k, a.count);
     struct place at = place_of(grid{a.m, a.n}, k);
-    arrive(&e, at, a.x[k], cdf_row(&a, &d, at));
+    arrive(&e, at, about(&e, at), a.x[k], cdf_row(&a, &d, at));
 }
 
 /* ---- ref_pcg, on the host ---- */

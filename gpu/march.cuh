@@ -8,12 +8,13 @@
 
 #include "gpu/ties.cuh"
 
-/* REACH: columns and rows that a tie spans at most. MARCH_LEAST: particles
- * from which on it pays; MARCH_BLOCKS: as many as a device runs at once. */
+/* REACH: columns and rows that a tie spans at most. MARCH_LEAST, MARCH_WIDE:
+ * particles and columns from which on it pays; MARCH_BLOCKS: as many as a
+ * device runs at once. */
 #ifdef __CUDACC__
-enum { REACH = 2, MARCH_LEAST = 1 << 17, MARCH_BLOCKS = 264 };
+enum { REACH = 2, MARCH_LEAST = 1 << 17, MARCH_WIDE = 96, MARCH_BLOCKS = 264 };
 #else
-enum { REACH = 2, MARCH_LEAST = 256, MARCH_BLOCKS = 4 };
+enum { REACH = 2, MARCH_LEAST = 256, MARCH_WIDE = 2, MARCH_BLOCKS = 4 };
 #endif
 
 /* A block's memory: X_ROWS rows of x and, of two rows, the pulls of ties that
@@ -38,27 +39,29 @@ template <int TIES> static __host__ __device__ constexpr int passed_at(int o)
     return o < 4 ? o : o < 9 ? o - 1 : o - 2;
 }
 
-/* What a thread carries down its column, all in registers. */
+/* What a thread carries down its column, all in registers. A pull that nobody
+ * wants is +0: to add or subtract it changes no y, which is never -0. */
 template <int TIES> struct marcher {
     int lane, i, j, top; /* top: the first row that the block owns */
     struct grid g;
-    unsigned out, in; /* bit o: tie o from here, to here, is in the strip */
-    sym block[TIES];  /* of row j, or of the row below once it has pulled */
-    vec pull[TIES];   /* of row j */
-    vec one[TIES];    /* of the row above, by ties that end here */
+    unsigned out;    /* bit o: tie o leads to a column of strip and grid */
+    unsigned wanted; /* bit o: and someone wants its pull from the row of */
+    sym block[TIES]; /* row j, or the row below once row j has pulled */
+    vec pull[TIES];  /* of row j */
+    vec one[TIES];   /* of the row above, by ties that end here */
     vec two[TIES], older[TIES]; /* likewise of the two rows above */
     vec here, next;             /* x of row j, of a row to come */
 };
 
-/* Which ties of a column lead to columns of its strip and grid. */
+/* Which ties lead from a column to columns of its strip and grid. */
 template <int TIES>
 static __device__ inline unsigned columns(const struct marcher<TIES> *w,
-                                          int width, int sign)
+                                          int width)
 {
     unsigned mask = 0;
     UNROLL
     for (int o = 0; o < TIES; o++) {
-        int di = sign * toward_i<TIES>(o);
+        int di = toward_i<TIES>(o);
         if ((unsigned)w->i < (unsigned)w->g.m &&
             (unsigned)(w->i + di) < (unsigned)w->g.m &&
             (unsigned)(w->lane + di) < (unsigned)(width + 2 * REACH))
@@ -67,24 +70,30 @@ static __device__ inline unsigned columns(const struct marcher<TIES> *w,
     return mask;
 }
 
-/* Whether someone in the block wants the pull of tie o from row j. */
+/* Which of them lead from row j to rows that the block owns. */
 template <int TIES>
-static __device__ inline bool wanted(const struct marcher<TIES> *w, int o,
-                                     int j)
+static __device__ inline unsigned rows(const struct marcher<TIES> *w, int j)
 {
-    int end = j + toward_j<TIES>(o);
-    return end >= w->top && end < w->g.n && w->out >> o & 1;
+    unsigned mask = 0;
+    UNROLL
+    for (int o = 0; o < TIES; o++) {
+        int end = j + toward_j<TIES>(o);
+        mask |= end >= w->top && end < w->g.n ? 1u << o : 0;
+    }
+    return mask;
 }
 
 template <int TIES>
 static __device__ inline void fetch_row(struct marcher<TIES> *w,
                                         const sym *block, int j)
 {
-    int count = w->g.m * w->g.n, p = w->i + w->g.m * j;
+    int64_t count = (int64_t)w->g.m * w->g.n;
+    int p = w->i + w->g.m * j;
+    w->wanted = w->out & rows(w, j);
     UNROLL
     for (int o = 0; o < TIES; o++)
-        if (wanted(w, o, j))
-            w->block[o] = fetch_once(block + (int64_t)o * count + p);
+        w->block[o] =
+            fetch_once(block + o * count + (w->wanted >> o & 1 ? p : 0));
 }
 
 /* x of row j, 0 where there is none. */
@@ -107,10 +116,10 @@ static __device__ inline void pull_row(struct marcher<TIES> *w,
     UNROLL
     for (int o = 0; o < TIES; o++) {
         int di = toward_i<TIES>(o), dj = toward_j<TIES>(o);
-        if (!wanted(w, o, w->j))
-            continue;
-        vec there = x[(w->j + dj) % X_ROWS][w->lane + di];
-        w->pull[o] = apply(w->block[o], sub(w->here, there));
+        int lane = least(most(w->lane + di, 0), THREADS - 1);
+        vec there = x[(w->j + dj) % X_ROWS][lane];
+        vec f = apply(w->block[o], sub(w->here, there));
+        w->pull[o] = w->wanted >> o & 1 ? f : make(0, 0, 0);
         if (di != 0)
             passed[passed_at<TIES>(o)][w->lane] = w->pull[o];
     }
@@ -133,12 +142,10 @@ static __device__ inline vec add_pulls(const struct marcher<TIES> *w,
     UNROLL
     for (int o = 0; o < TIES; o++) {
         int dj = toward_j<TIES>(o);
-        if (w->j >= dj && w->in >> o & 1)
-            y = sub(y, dj == 0   ? pull_at(w, passed, o)
-                       : dj == 1 ? w->one[o]
-                                 : w->older[o]);
-        if (w->j + dj < w->g.n && w->out >> o & 1)
-            y = add(y, w->pull[o]);
+        y = sub(y, dj == 0   ? pull_at(w, passed, o)
+                   : dj == 1 ? w->one[o]
+                             : w->older[o]);
+        y = add(y, w->pull[o]);
     }
     return y;
 }
@@ -162,9 +169,9 @@ static __device__ inline void keep_pulls(struct marcher<TIES> *w,
 
 /* Block k owns `rows` rows of a strip of columns, a thread a column, and those
  * REACH to the left and right and above for what they pull. For each particle
- * that it owns arrive(&end, place, x, A x) is called, by the same thread that
- * alone may write there. Of a row the barrier parts what is
- * written for others, into passed and x, from its reading; the next row
+ * that it owns arrive(&end, place, about(&end, place), x, A x) is called, by
+ * the same thread that alone may write there. Of a row the barrier parts what
+ * is written for others, into passed and x, from its reading; the next row
  * writes passed to the other half, and x where row j - 1 was, which none
  * reads any more. */
 template <int TIES, class X, class END>
@@ -174,15 +181,15 @@ static __global__ void __launch_bounds__(march_size<TIES>::threads, 2)
     __shared__ vec row[X_ROWS][march_size<TIES>::threads];
     __shared__ vec
         passed[2][march_size<TIES>::passed][march_size<TIES>::threads];
-    struct marcher<TIES> w;
+    struct marcher<TIES> w = {
+    };
     if (go && !*go)
         return;
     int strip = (int)blockIdx.x % c.strips, lane = (int)threadIdx.x;
     w.lane = lane;
     w.g = t.g;
     w.i = strip * c.width + lane - REACH;
-    w.out = columns(&w, c.width, 1);
-    w.in = columns(&w, c.width, -1);
+    w.out = columns(&w, c.width);
     w.top = (int)blockIdx.x / c.strips * c.rows;
     w.j = most(w.top - REACH, 0);
     int bottom = least(w.top + c.rows, t.g.n);
@@ -204,8 +211,9 @@ static __global__ void __launch_bounds__(march_size<TIES>::threads, 2)
             continue;
         if (w.j >= w.top) {
             struct place at = {w.i + t.g.m * w.j, w.i, w.j};
-            vec y = own_part(&t, at.p, w.here);
-            arrive(&end, at, w.here, add_pulls(&w, pass, y));
+            vec y = own_part<TIES>(&t, at.p, w.here);
+            y = add_pulls(&w, pass, y);
+            arrive(&end, at, about(&end, at), w.here, y);
         }
         keep_pulls(&w, pass);
     }
@@ -221,8 +229,15 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (go && !*go)
         return;
     struct place at = place_of(t.g, item);
-    vec here, y = gathered<TIES>(&t, &x, at, &here);
-    arrive(&end, at, here, y);
+    auto own = about(&end, at);
+    vec here, y = gathered<TIES, 4>(&t, &x, at, &here);
+    arrive(&end, at, own, here, y);
+}
+
+/* Whether the product of a grid marches. */
+static inline bool marches(struct grid g)
+{
+    return (int64_t)g.m * g.n >= MARCH_LEAST && g.m >= MARCH_WIDE;
 }
 
 static inline int cut_up(int a, int parts)
@@ -230,15 +245,15 @@ static inline int cut_up(int a, int parts)
     return (a + parts - 1) / parts;
 }
 
-/* arrive(&end, place, x, A x) for all particles, in any order; nothing where
+/* arrive(&end, place, …, x, A x) for all particles, in any order; nothing where
  * *go is 0, go being NULL or on the device. */
 template <int TIES, class X, class END>
 static void march(struct gpu *g, struct ties t, X x, END end, const int32_t *go)
 {
     const int most_wide = march_size<TIES>::threads - 2 * REACH;
-    int64_t count = (int64_t)t.g.m * t.g.n;
-    if (count < MARCH_LEAST) {
-        LAUNCH(g, count, (gather_kernel<TIES, X, END>), t, x, end, go);
+    if (!marches(t.g)) {
+        LAUNCH(g, (int64_t)t.g.m * t.g.n, (gather_kernel<TIES, X, END>), t, x,
+               end, go);
         return;
     }
     struct cut c;

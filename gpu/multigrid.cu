@@ -118,7 +118,7 @@ static void go_up(struct gpu *g, const struct level *l, struct weights w,
     struct raised x = raised_from(l + 1, l);
     struct half two = half_two(l, w);
     two.item = item;
-    if (l->count >= MARCH_LEAST) {
+    if (marches(l->g)) {
         multiply(g, l, x, half_one(l, w));
     } else {
         LAUNCH(g, l->count, multigrid_prolong_kernel, *l, x);

@@ -124,10 +124,15 @@ struct image {
     real *item;
 };
 
-static __device__ void arrive(const struct image *e, struct place at, vec x,
-                              vec y)
+static __device__ bool about(const struct image *e, struct place at)
 {
-    vec q = e->fixed[at.p] ? make(0, 0, 0) : y;
+    return e->fixed[at.p];
+}
+
+static __device__ void arrive(const struct image *e, struct place at,
+                              bool fixed, vec x, vec y)
+{
+    vec q = fixed ? make(0, 0, 0) : y;
     e->p[at.p] = x;
     e->q[at.p] = q;
     e->item[at.p] = dot(x, q);
@@ -150,7 +155,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (!*go)
         return;
     struct place at = place_of(grid{a.m, a.n}, k);
-    arrive(&e, at, a.x[k], cdf_row(&a, &d, at));
+    arrive(&e, at, about(&e, at), a.x[k], cdf_row(&a, &d, at));
 }
 
 /* Writes dv[k], low[k], r[k] and what starts from r[k]; p of the step. */

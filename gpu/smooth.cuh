@@ -30,19 +30,30 @@ struct half {
     real keep, gain;
 };
 
-static __device__ inline void arrive(const struct half *h, struct place at,
-                                     vec x, vec y)
+struct half_at {
+    vec b, d;
+    sym factor;
+};
+
+static __device__ inline struct half_at about(const struct half *h,
+                                              struct place at)
 {
-    vec b = h->b[at.p];
-    vec d = scale(h->gain, solved(h->factor[at.p], sub(b, y)));
+    vec d = h->d ? h->d[at.p] : make(0, 0, 0);
+    return half_at{h->b[at.p], d, fetch(h->factor + at.p)};
+}
+
+static __device__ inline void arrive(const struct half *h, struct place at,
+                                     struct half_at own, vec x, vec y)
+{
+    vec d = scale(h->gain, solved(own.factor, sub(own.b, y)));
     if (h->d)
-        d = axpy(d, h->keep, h->d[at.p]);
+        d = axpy(d, h->keep, own.d);
     if (h->next_d)
         h->next_d[at.p] = d;
     vec to = add(x, d);
     h->to[at.p] = to;
     if (h->item)
-        h->item[at.p] = dot(b, to);
+        h->item[at.p] = dot(own.b, to);
 }
 
 /* to = b - A x, 0 where fixed. */
@@ -52,12 +63,22 @@ struct left {
     vec *to;
 };
 
+struct left_at {
+    vec b;
+    bool fixed;
+};
+
+static __device__ inline struct left_at about(const struct left *l,
+                                              struct place at)
+{
+    return left_at{l->b[at.p], l->fixed && l->fixed[at.p]};
+}
+
 static __device__ inline void arrive(const struct left *l, struct place at,
-                                     vec x, vec y)
+                                     struct left_at own, vec x, vec y)
 {
     (void)x;
-    bool fixed = l->fixed && l->fixed[at.p];
-    l->to[at.p] = fixed ? make(0, 0, 0) : sub(l->b[at.p], y);
+    l->to[at.p] = own.fixed ? make(0, 0, 0) : sub(own.b, y);
 }
 
 /* ---- between grids ---- */

@@ -8,12 +8,15 @@
 
 /* TAIL_MOST: particles of its first grid, where a pass is as fast in a kernel
  * of its own; TAIL_LEVELS: so many halvings of those lead to the coarsest. */
-enum { TAIL_BLOCK = 512, TAIL_LEVELS = 16 };
+enum { TAIL_BLOCK = 256, TAIL_LEVELS = 16 };
 #ifdef __CUDACC__
 enum { TAIL_MOST = 5000 };
 #else
 enum { TAIL_MOST = 100 };
 #endif
+
+/* Couplings that are read at once: all, where registers hold them. */
+enum { TAIL_AHEAD = REAL_BITS == 32 ? (int)STENCIL : 4 };
 
 struct tail {
     int levels; /* the last is the coarsest */
@@ -36,8 +39,9 @@ static __device__ inline void pass(const struct level *l, const vec *from,
     struct plain x = {from};
     EACH_OF(l->g, at)
     {
-        vec here, y = gathered<STENCIL>(&t, &x, at, &here);
-        arrive(&end, at, here, y);
+        auto own = about(&end, at);
+        vec here, y = gathered<STENCIL, TAIL_AHEAD>(&t, &x, at, &here);
+        arrive(&end, at, own, here, y);
     }
     team_sync();
 }

@@ -31,10 +31,11 @@ static __device__ inline struct place beside(struct grid g, struct place at,
     return place{at.p + di + g.m * dj, at.i + di, at.j + dj};
 }
 
-/* What of A x is no tie's. */
+/* What of A x is no tie's: of springs by mass, of couplings by excess. */
+template <int TIES>
 static __device__ inline vec own_part(const struct ties *t, int p, vec x)
 {
-    if (!t->mass)
+    if (TIES == STENCIL)
         return own(t->excess[p], x);
     vec y = own(t->mass[p], x);
     return t->extra ? add(y, apply(t->extra[p], x)) : y;
@@ -44,12 +45,11 @@ static __device__ inline vec own_part(const struct ties *t, int p, vec x)
  * ties pull, of each direction the tie that ends here and then the one that
  * starts here. GROUP directions are read before the first is needed, as a
  * small grid waits for memory and for nothing else. *here: x[p]. */
-template <int TIES, class X>
+template <int TIES, int GROUP, class X>
 static __device__ inline vec gathered(const struct ties *t, const X *x,
                                       struct place at, vec *here)
 {
-    enum { GROUP = 4 };
-    vec own = *here = value_at(x, at), y = own_part(t, at.p, own);
+    vec own = *here = value_at(x, at), y = own_part<TIES>(t, at.p, own);
     UNROLL
     for (int first = 0; first < TIES; first += GROUP) {
         sym before[GROUP], after[GROUP];
