@@ -102,33 +102,38 @@ static int load_frame(struct merged *all, const char *directory, int k)
     return file_exists(fixed) ? append_file(all, fixed, 0) : APP_OK;
 }
 
+static int audit_frame(const char *directory, int k, int list, int64_t *found)
+{
+    char path[FILE_PATH];
+    struct merged all = {0};
+    if (!output_path(path, directory, "cloth", k))
+        return APP_USAGE;
+    int status = load_frame(&all, directory, k);
+    if (status == APP_OK)
+        status = audit(&all, path, list, true, found);
+    pool_free(&all.pool);
+    return status;
+}
+
 static int audit_run(const char *directory, int list)
 {
     int64_t sum = 0, bad = 0;
-    int k = 0;
-    for (;; k++) {
-        char path[FILE_PATH];
-        if (!output_path(path, directory, "cloth", k))
-            return APP_USAGE;
-        if (!file_exists(path))
-            break;
-        struct merged all = {0};
+    int count, status = APP_OK;
+    int *frame = output_frames(directory, &count);
+    if (!frame)
+        return APP_USAGE;
+    for (int k = 0; k < count && status == APP_OK; k++) {
         int64_t found = 0;
-        int status = load_frame(&all, directory, k);
-        if (status == APP_OK)
-            status = audit(&all, path, list, true, &found);
-        pool_free(&all.pool);
-        if (status != APP_OK)
-            return status;
+        status = audit_frame(directory, frame[k], list, &found);
         sum += found;
         bad += found > 0;
     }
-    if (k == 0)
-        return complain(APP_USAGE, "%s: no frames/cloth_0000.ply here",
-                        directory);
+    free(frame);
+    if (status != APP_OK)
+        return status;
     printf("%s: %d frames, %" PRId64 " of them with intersecting pairs, "
            "%" PRId64 " pairs\n",
-           directory, k, bad, sum);
+           directory, count, bad, sum);
     return sum ? APP_FINDINGS : APP_OK;
 }
 

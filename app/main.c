@@ -24,6 +24,7 @@ static const struct command {
      "  --precision 32|64     bits of a number in the state\n"
      "  --threads N           of the reference, 0: as many as cores\n"
      "  --block N             threads of a block on the device, to 256\n"
+     "  --every N             write every N-th frame only\n"
      "  --checkpoint-every K  write DIR/checkpoint.drape every K frames\n"
      "  --resume FILE         go on from a checkpoint, bit for bit\n"
      "  --trace               write DIR/trace.csv, a digest a stage\n"
@@ -37,11 +38,12 @@ static const struct command {
      "drape audit MESH... | DIR [--obstacle MESH] [--list]\n"
      "Meshes are tested against themselves and each other; those given by\n"
      "--obstacle not against themselves. DIR is what `run` wrote: every\n"
-     "frame is tested. --list prints the pairs. Exit status 1 on any.\n"},
+     "frame there is tested. --list prints the pairs. Exit status 1 on any.\n"},
     {"render", command_render, "make pictures and a film of a run",
      "drape render DIR [options]\n"
-     "  --frame N        this frame only (default: a film of all frames)\n"
-     "  --every K        every K-th frame\n"
+     "  --frame N        this frame only (default: a film of all that are "
+     "there)\n"
+     "  --every K        every K-th of the frames there\n"
      "  --width W --height H   in pixels (default: 800 × 600)\n"
      "  --samples S      a pixel (default: 8)\n"
      "  --rate R         pictures a second of film (default: real time)\n"

@@ -3,6 +3,8 @@
 #include "app/output.h"
 #include "app/app.h"
 
+#include <dirent.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Cloth and obstacles as meshes of their own, over the same memory. */
@@ -64,6 +66,8 @@ bool output_path(char path[FILE_PATH], const char *directory, const char *body,
 int output_frame(struct output *o, const drape_world *world, int k)
 {
     char name[64];
+    if (k % o->every)
+        return APP_OK;
     int status = drape_read(world, o->all.x, o->v);
     if (status != DRAPE_OK)
         return complain(APP_FAILED, "frame %d: %s", k,
@@ -83,25 +87,92 @@ int output_frame(struct output *o, const drape_world *world, int k)
     return good ? APP_OK : APP_FAILED;
 }
 
+/* The number of the frame that this file holds, -1 where it holds none. */
+static int frame_number(const char *name, const char *body, const char *end)
+{
+    char expected[64];
+    size_t length = strlen(body);
+    if (strncmp(name, body, length) || name[length] != '_')
+        return -1;
+    long k = strtol(name + length + 1, NULL, 10);
+    snprintf(expected, sizeof expected, "%s_%04ld.%s", body, k, end);
+    return k >= 0 && k <= 1000000 && !strcmp(name, expected) ? (int)k : -1;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    return *(const int *)a - *(const int *)b;
+}
+
+/* The frames of one kind of file, room for one more behind them. */
+static int *list(const char *frames, const char *body, const char *end,
+                 int *count)
+{
+    DIR *directory = opendir(frames);
+    int room = 64, *frame = malloc((size_t)room * sizeof *frame);
+    *count = 0;
+    struct dirent *entry;
+    while (directory && frame && (entry = readdir(directory)) != NULL) {
+        int k = frame_number(entry->d_name, body, end);
+        if (k < 0)
+            continue;
+        frame[(*count)++] = k;
+        if (*count < room)
+            continue;
+        int *larger = realloc(frame, 2 * (size_t)room * sizeof *frame);
+        if (!larger)
+            free(frame);
+        frame = larger;
+        room *= 2;
+    }
+    if (directory)
+        closedir(directory);
+    if (frame)
+        qsort(frame, (size_t)*count, sizeof *frame, ascending);
+    else
+        complain(APP_FAILED, "%s: out of memory", frames);
+    return frame;
+}
+
+int *output_frames(const char *directory, int *count)
+{
+    char frames[FILE_PATH];
+    if (!file_join(frames, directory, "frames"))
+        return NULL;
+    int *frame = list(frames, "cloth", "ply", count);
+    if (frame && *count == 0) {
+        complain(APP_USAGE, "%s: no frames/cloth_0000.ply here", directory);
+        free(frame);
+        return NULL;
+    }
+    return frame;
+}
+
 /* Removes directory/name where it is. */
-static bool remove_file(const char *directory, const char *name)
+static void remove_file(const char *directory, const char *name)
 {
     char path[FILE_PATH];
-    return file_join(path, directory, name) && remove(path) == 0;
+    if (file_join(path, directory, name))
+        remove(path);
 }
 
 void output_clear(const struct output *o)
 {
-    static const char *const endings[] = {"cloth_%04d.ply", "cloth_%04d.obj",
-                                          "obstacles_%04d.ply"};
+    static const char *const kinds[][2] = {
+        {"cloth", "ply"}, {"cloth", "obj"}, {"obstacles", "ply"}};
     static const char *const results[] = {"obstacles.ply", "cloth.pc2",
                                           "report.json", "checkpoint.drape"};
-    for (int e = 0; e < 3; e++)
-        for (int k = 0, found = 1; found; k++) {
+    for (int e = 0; e < 3; e++) {
+        int count;
+        int *frame = list(o->frames, kinds[e][0], kinds[e][1], &count);
+        for (int k = 0; frame && k < count; k++) {
             char name[64];
-            snprintf(name, sizeof name, endings[e], k);
-            found = remove_file(o->frames, name);
+            snprintf(name, sizeof name, "%s_%04d.%s", kinds[e][0], frame[k],
+                     kinds[e][1]);
+            remove_file(o->frames, name);
         }
+        free(frame);
+    }
     for (int k = 0; k < 4; k++)
         remove_file(o->directory, results[k]);
 }
@@ -115,10 +186,11 @@ static void put(FILE *out, const void *value)
         fputc((int)(bits >> (8 * k) & 255), out);
 }
 
-static void put_header(FILE *out, int32_t points, int32_t samples)
+/* Samples are `every` frames apart. */
+static void put_header(FILE *out, int32_t points, int every, int32_t samples)
 {
     const int32_t version = 1;
-    const float start = 0, rate = 1;
+    const float start = 0, rate = (float)every;
     fwrite("POINTCACHE2", 12, 1, out);
     put(out, &version);
     put(out, &points);
@@ -150,10 +222,21 @@ static int put_frame(const struct output *o, FILE *out, int k)
 int output_cache(const struct output *o, int last)
 {
     struct file file;
+    char path[FILE_PATH];
+    for (int k = 0; k <= last; k += o->every) {
+        if (!output_path(path, o->directory, "cloth", k))
+            return APP_FAILED;
+        if (!file_exists(path)) {
+            complain(0, "note: no cloth.pc2, because frame %d is not in %s", k,
+                     o->frames);
+            return APP_OK;
+        }
+    }
     if (!file_open(&file, o->directory, "cloth.pc2"))
         return APP_FAILED;
-    put_header(file.stream, (int32_t)o->cloth.nv, last + 1);
-    for (int k = 0; k <= last; k++) {
+    put_header(file.stream, (int32_t)o->cloth.nv, o->every,
+               last / o->every + 1);
+    for (int k = 0; k <= last; k += o->every) {
         int status = put_frame(o, file.stream, k);
         if (status != APP_OK) {
             file_drop(&file);

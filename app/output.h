@@ -17,6 +17,7 @@ struct output {
     double (*v)[3]; /* scratch: velocities, which no file holds */
     struct pool pool;
     int bits;
+    int every;        /* of the frames, every how many-th is written */
     bool obj, moving; /* moving: some obstacle moves */
 };
 
@@ -25,12 +26,18 @@ int output_open(struct output *output, const struct scene *scene,
                 const drape_world *world, const char *directory);
 /* Removes the frames and results of an earlier run. */
 void output_clear(const struct output *output);
-/* Writes the world's state as frame k. app_exit after one line. */
+/* Writes the world's state as frame k, where k is a multiple of every.
+ * app_exit after one line. */
 int output_frame(struct output *output, const drape_world *world, int k);
-/* Writes the point cache of frames 0 … last from their PLY files. */
+/* Writes the point cache of the multiples of every in 0 … last from their PLY
+ * files, or a note where one is missing. */
 int output_cache(const struct output *output, int last);
 void output_close(struct output *output);
 
+/* The numbers, ascending, of the frames of the cloth that a run left in the
+ * directory; the caller frees. NULL after one line, also where there are none.
+ */
+int *output_frames(const char *directory, int *count);
 /* directory/frames/<body>_<k>.ply into path. */
 bool output_path(char path[FILE_PATH], const char *directory, const char *body,
                  int k);

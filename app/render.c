@@ -20,6 +20,7 @@ struct render {
     struct shot shot;
     uint8_t *rgb;
     int frame, every, no_film, rate;
+    int *frames, count; /* those that are there, ascending */
 };
 
 static int take(struct render *r, int frame, int number)
@@ -84,16 +85,6 @@ static int make_film(const struct render *r)
     return complain(APP_FAILED, "render: ffmpeg failed on %s", film);
 }
 
-/* The number of frames that are there from the first on. */
-static int count_frames(const char *directory)
-{
-    char path[FILE_PATH];
-    int k = 0;
-    while (output_path(path, directory, "cloth", k) && file_exists(path))
-        k++;
-    return k;
-}
-
 /* Pictures of an earlier film would get into this one. */
 static void clear_film(const struct render *r)
 {
@@ -104,36 +95,44 @@ static void clear_film(const struct render *r)
     }
 }
 
+static int take_one(struct render *r)
+{
+    int status = take(r, r->frame, r->frame);
+    if (status == APP_OK)
+        printf("%s/frame_%04d.png\n", r->pictures, r->frame);
+    return status;
+}
+
+static int take_all(struct render *r)
+{
+    int made = 0, status = APP_OK;
+    clear_film(r);
+    for (int k = 0; k < r->count && status == APP_OK; k += r->every)
+        status = take(r, r->frames[k], made++);
+    if (status != APP_OK)
+        return status;
+    printf("%s: %d pictures\n", r->pictures, made);
+    /* A run may have kept every so many-th frame only. */
+    int apart = r->count > 1 ? r->frames[1] - r->frames[0] : 1;
+    if (!r->rate)
+        r->rate = (int)(r->look.rate / r->every / apart + 0.5);
+    r->rate = r->rate < 1 ? 1 : r->rate;
+    return r->no_film ? APP_OK : make_film(r);
+}
+
 static int render(struct render *r)
 {
-    int frames = count_frames(r->directory), status = APP_OK;
-    if (frames == 0)
-        return complain(APP_USAGE, "%s: no frames/cloth_0000.ply here",
-                        r->directory);
-    if (r->frame >= frames)
-        return complain(APP_USAGE, "--frame %d: the last frame is %d", r->frame,
-                        frames - 1);
+    char path[FILE_PATH];
+    if (r->frame >= 0 && (!output_path(path, r->directory, "cloth", r->frame) ||
+                          !file_exists(path)))
+        return complain(APP_USAGE,
+                        "--frame %d: it is not there; the last frame is %d",
+                        r->frame, r->frames[r->count - 1]);
     if (!file_join(r->pictures, r->directory, "pictures"))
         return APP_USAGE;
     if (!file_make_directory(r->pictures))
         return APP_FAILED;
-    if (r->frame >= 0) {
-        status = take(r, r->frame, r->frame);
-        if (status == APP_OK)
-            printf("%s/frame_%04d.png\n", r->pictures, r->frame);
-        return status;
-    }
-    clear_film(r);
-    int made = 0;
-    for (int k = 0; k < frames && status == APP_OK; k += r->every)
-        status = take(r, k, made++);
-    if (status != APP_OK)
-        return status;
-    printf("%s: %d pictures\n", r->pictures, made);
-    if (!r->rate)
-        r->rate = (int)(r->look.rate / r->every + 0.5);
-    r->rate = r->rate < 1 ? 1 : r->rate;
-    return r->no_film ? APP_OK : make_film(r);
+    return r->frame >= 0 ? take_one(r) : take_all(r);
 }
 
 int command_render(int argc, char **argv)
@@ -156,6 +155,9 @@ int command_render(int argc, char **argv)
     if (positional != 1 || !file_is_directory(argv[0]))
         return complain(APP_USAGE, "render: expected one DIR of a run");
     r.directory = argv[0];
+    r.frames = output_frames(r.directory, &r.count);
+    if (!r.frames)
+        return APP_USAGE;
     struct pool pool = {0};
     status = look_load(&pool, r.directory, &r.look);
     r.shot.camera = r.look.camera;
@@ -163,6 +165,7 @@ int command_render(int argc, char **argv)
     if (status == APP_OK)
         status = r.rgb ? render(&r) : complain(APP_FAILED, "out of memory");
     free(r.rgb);
+    free(r.frames);
     pool_free(&pool);
     return status;
 }

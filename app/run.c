@@ -18,7 +18,7 @@ struct run {
     struct progress progress;
     struct file trace;
     const char *resume, *directory;
-    int frames, every, tracing, no_obj;
+    int frames, checkpoint_every, tracing, no_obj;
 };
 
 /* Set by Ctrl-C, looked at between steps. */
@@ -114,25 +114,10 @@ static int step(struct run *run)
     int code = APP_OK;
     if (done % each == 0)
         code = output_frame(&run->output, run->world, (int)(done / each));
-    if (code == APP_OK && run->every && done % (each * run->every) == 0)
+    if (code == APP_OK && run->checkpoint_every &&
+        done % (each * run->checkpoint_every) == 0)
         code = checkpoint_save(run->output.directory, &run->report, run->world);
     return code;
-}
-
-/* The point cache, where all frames from the start are here. */
-static int write_cache(const struct run *run, int last)
-{
-    char path[FILE_PATH];
-    for (int k = 0; k <= last; k++) {
-        if (!output_path(path, run->output.directory, "cloth", k))
-            return APP_FAILED;
-        if (!file_exists(path)) {
-            complain(0, "note: no cloth.pc2, because frame %d is not in %s", k,
-                     run->output.frames);
-            return APP_OK;
-        }
-    }
-    return output_cache(&run->output, last);
 }
 
 /* Everything that a run leaves at its end, however it ended. */
@@ -148,7 +133,7 @@ static int finish(struct run *run, int code)
         if (status != APP_OK)
             return status;
     }
-    int status = write_cache(run, (int)(done / each));
+    int status = output_cache(&run->output, (int)(done / each));
     if (status != APP_OK ||
         !report_write(&run->report, &run->scene, run->world,
                       run->output.directory, end) ||
@@ -197,6 +182,7 @@ static int simulate(struct run *run)
 int command_run(int argc, char **argv)
 {
     struct run run = {.frames = -1, .overrides = {NULL, -1, -1, -1, 0}};
+    run.output.every = 1;
     const struct option options[] = {
         {"--frames", OPTION_INT, &run.frames, 0, 1000000},
         {"--out", OPTION_TEXT, &run.directory, 0, 0},
@@ -204,7 +190,8 @@ int command_run(int argc, char **argv)
         {"--precision", OPTION_INT, &run.overrides.precision, 32, 64},
         {"--threads", OPTION_INT, &run.overrides.threads, 0, 4096},
         {"--block", OPTION_INT, &run.overrides.block, 0, 256},
-        {"--checkpoint-every", OPTION_INT, &run.every, 1, 1000000},
+        {"--every", OPTION_INT, &run.output.every, 1, 1000000},
+        {"--checkpoint-every", OPTION_INT, &run.checkpoint_every, 1, 1000000},
         {"--resume", OPTION_TEXT, &run.resume, 0, 0},
         {"--trace", OPTION_FLAG, &run.tracing, 0, 0},
         {"--no-obj", OPTION_FLAG, &run.no_obj, 0, 0},

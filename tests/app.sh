@@ -206,6 +206,28 @@ assert len(d) == 32 + 7 * 81 * 12
 p = open("an out/frames/cloth_0006.ply", "rb").read()
 p = p[p.index(b"end_header\n") + 11:][:81 * 12]
 assert d[-81 * 12:] == p'
+exits 'every second frame' 0 run tiny.json --out second --every 2
+is 'frames 0, 2, 4, 6' sh -c 'cd second/frames && [ "$(echo *.ply)" = \
+    "cloth_0000.ply cloth_0002.ply cloth_0004.ply cloth_0006.ply" ]'
+is 'the same frame' cmp second/frames/cloth_0004.ply \
+    'an out/frames/cloth_0004.ply'
+is 'cloth.pc2 holds those, two frames apart' python3 -c '
+import struct
+head = open("second/cloth.pc2", "rb").read(32)
+assert struct.unpack("<12siiffi", head)[2:] == (81, 0.0, 2.0, 4)'
+exits 'audit of every second frame' 0 audit second
+is 'audit counts those that are there' grep -q '4 frames, 0 of them' out
+exits 'picture of a kept frame' 0 render second --frame 4 --width 64 \
+    --height 48 --samples 1
+refused 'picture of a frame that was left out' 'last frame is 6' \
+    render second --frame 3
+exits 'film of what is there' 0 render second --width 64 --height 48 \
+    --samples 1 --no-film
+is 'four pictures' grep -q ': 4 pictures' out
+exits 'all frames over those' 0 run tiny.json --out second --frames 1
+is 'nothing of the run before is left' sh -c 'cd second/frames &&
+    [ "$(echo *)" = "cloth_0000.obj cloth_0000.ply cloth_0001.obj \
+cloth_0001.ply" ]'
 exits 'audit of the run' 0 audit 'an out'
 is 'audit says 0 pairs' grep -q '7 frames, 0 of them .*, 0 pairs' out
 exits '64 bits' 0 run tiny.json --out wide --precision 64
