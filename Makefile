@@ -21,11 +21,19 @@ C17     = $(CC) -std=c17 -D_POSIX_C_SOURCE=200809L $(COMMON)
 CXX17   = $(CXX) -std=c++17 -O1 -I. -Ispec $(EIGEN) -MMD -MP -fPIC
 
 # The same for kernels, by nvcc and, emulated, by the host's compiler.
-ARCHES ?= 90
+# For the devices that are here, else for an H100; ARCHES=all: for every one
+# that nvcc knows. PTX of the last is for those that come after it.
+NATIVE  = $(shell nvidia-smi --query-gpu=compute_cap --format=csv,noheader \
+          2>/dev/null | tr -d . | sort -nu)
+ARCHES ?= $(or $(if $(GPU),$(NATIVE)),90)
+KNOWN   = $(shell nvcc --list-gpu-code | sed -n 's/^sm_//p' | sort -nu)
+# Asked once, when first used.
+REALS   = $(eval REALS := $(if $(filter all,$(ARCHES)),$(KNOWN),$(ARCHES)))$(\
+          )$(REALS)
 CUDA    = nvcc -std=c++20 -O2 -lineinfo --fmad=false -prec-div=true \
-          -prec-sqrt=true -ftz=false $(foreach a,$(ARCHES),-gencode \
+          -prec-sqrt=true -ftz=false $(foreach a,$(REALS),-gencode \
           arch=compute_$(a),code=sm_$(a)) -gencode \
-          arch=compute_$(lastword $(ARCHES)),code=compute_$(lastword $(ARCHES)) \
+          arch=compute_$(lastword $(REALS)),code=compute_$(lastword $(REALS)) \
           -Xcompiler -Wall,-Wextra,-Werror,-fPIC,-ffp-contract=off -I. -Ispec \
           -I$(BUILD) -MMD -MP
 CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
@@ -274,6 +282,8 @@ tidy: ## clang-tidy over our C
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
+	@echo 'GPU=yes   with any of them: builds the device part without a device'
+	@echo 'ARCHES=   "80 90", say: for which devices; all: every one nvcc knows'
 
 -include $(patsubst %.o,%.d,$(REF_O) $(TEST_O) $(APP_O) $(ORC_O) $(EMU_O) \
   $(CUDA_O) $(PRICE_O))

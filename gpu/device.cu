@@ -24,12 +24,18 @@ void gpu_note(struct gpu *g, cudaError_t error)
         error == cudaErrorMemoryAllocation ? DRAPE_ENOMEM : DRAPE_EDEVICE;
 }
 
+/* Does nothing; how it was compiled holds for all kernels. */
+static __global__ void probe_kernel(void) {}
+
 static void name_device(struct gpu *g)
 {
     cudaDeviceProp p;
+    cudaFuncAttributes code;
     int driver = 0, runtime = 0;
     gpu_note(g, cudaGetDeviceProperties(&p, 0));
-    g->teams = !g->failed && p.major >= 9;
+    /* fails where ARCHES left this device out */
+    gpu_note(g, cudaFuncGetAttributes(&code, probe_kernel));
+    g->teams = !g->failed && p.major >= 9 && code.ptxVersion >= 90;
     cudaDriverGetVersion(&driver);
     cudaRuntimeGetVersion(&runtime);
     snprintf(g->name, sizeof g->name, "%s, driver CUDA %d.%d, runtime %d.%d",
