@@ -12,8 +12,9 @@ static int refuse(const drape_def *def, struct arena *arena,
     (void)arena;
     *world = NULL;
     if (error)
-        snprintf(error->text, sizeof error->text,
-                 "backend gpu: this build has none (it was made without nvcc)");
+        snprintf(
+            error->text, sizeof error->text,
+            "backend gpu: not in this build (GPU=yes makes it, with nvcc)");
     return DRAPE_EDEVICE;
 }
 
