@@ -244,7 +244,7 @@ int world_make(const drape_def *def, struct arena *arena, struct world **world,
 
 static void copy_out(double (*out)[3], const vec *a, int64_t n)
 {
-    for (int64_t i = 0; i < n; i++) {
+    for (int64_t i = 0; i < n && out; i++) {
         out[i][0] = (double)a[i].x;
         out[i][1] = (double)a[i].y;
         out[i][2] = (double)a[i].z;

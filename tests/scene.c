@@ -123,12 +123,11 @@ int64_t scene_audit(const drape_world *world, int n_cloths)
 {
     int64_t nv = drape_vertices(world), nt = drape_triangles(world);
     double(*x)[3] = malloc((size_t)nv * sizeof *x);
-    double(*v)[3] = malloc((size_t)nv * sizeof *v);
     int32_t(*tri)[3] = malloc((size_t)nt * sizeof *tri);
     int32_t *group = malloc((size_t)nt * sizeof *group);
     int64_t found = -1;
-    if (x && v && tri && group) {
-        drape_read(world, x, v);
+    if (x && tri && group) {
+        drape_read(world, x, NULL);
         drape_read_triangles(world, tri);
         for (int64_t k = 0; k < nt; k++)
             group[k] = k < drape_first_triangle(world, n_cloths);
@@ -138,7 +137,6 @@ int64_t scene_audit(const drape_world *world, int n_cloths)
             found = -1;
     }
     free(x);
-    free(v);
     free(tri);
     free(group);
     return found;
