@@ -96,7 +96,7 @@ LIB    := $(BUILD)/libdrape.a
 
 .PHONY: all demo check bench certify asan fuzz install help golden format tidy \
         check-parts flavours gcc-O0 gcc-O3 clang-O2 soak outcomes prove \
-        oracles fuzz-libs price say-gpu
+        oracles fuzz-libs price say-gpu tables
 .DELETE_ON_ERROR:
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu
@@ -185,6 +185,11 @@ demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 bench: $(BUILD)/check $(BUILD)/speed ## time and bytes of every stage, as csv
 	$(BUILD)/check --bench
 	$(BUILD)/speed
+	$(if $(GPU),$(MAKE) tables)
+# What ci/bench/scenes.sh asks for may be given: make tables SCENES=lion_20k
+tables: $(BUILD)/drape ## on a device: the paper's figures, in ci/bench/MACHINE
+	sh ci/bench/scenes.sh $(BUILD) $(BUILD)/bench; status=$$?; \
+	  python3 ci/bench/tables.py $(BUILD)/bench/results; exit $$status
 # The narrow phase beside FCL and GMP, on one thread.
 $(BUILD)/speed: $(BUILD)/ci/bench/narrow.32.o $(BUILD)/tests/ply.32.o \
     $(ORC_O) $(LIB)

@@ -414,6 +414,20 @@ is 'film or a word' sh -c 'test -s "an out/film.mp4" || grep -q ffmpeg err'
 exits 'plan' 0 plan tiny.json
 is 'plan says on and off' sh -c 'grep -q " on " out && grep -q " off " out'
 
+# The tables of the paper's figures, of a scene that takes no time.
+is 'runs for the tables' sh -c 'cd "$1" && SCENES=tiny FRAMES=6 SHORT=4 \
+    EVERY=2 STEPS=1 THREADS="1 2" BACKEND=ref sh ci/bench/scenes.sh \
+    "${2%/*}" "$3/bench"' sh "$root" "$drape" "$work"
+is 'tables of them' python3 "$root/ci/bench/tables.py" bench/results tables
+is 'steps of frames 5 and 6 by the reference, the same' sh -c \
+    '[ "$(cut -d, -f1-4,8 tables/figure12.csv | tr "\n" " ")" = "scene,from \
+step,steps,threads,same counts and energies tiny,5,1,1,yes tiny,5,1,2,yes " ]'
+is 'the paper beside them' grep -q '^scene.*GTX 680' tables/figure8.csv
+is 'plots are XML' python3 -c '
+import xml.dom.minidom
+for k in range(8, 13):
+    xml.dom.minidom.parse("tables/figure%d.svg" % k)'
+
 for json in "$root"/app/scenes/*.json; do
     name=$(basename "$json" .json)
     case $name in

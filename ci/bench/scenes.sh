@@ -1,0 +1,206 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Runs the paper's scenes for ci/bench/tables.py. What lies in WORK is not done
+# again: a call that was too short is simply made again.
+# usage: [NAME=VALUE...] ci/bench/scenes.sh BUILD WORK
+#   SCENES         the nine by default, e.g. "buddha_20k lion_2m"
+#   FRAMES   120   of each scene, 1/60 s each
+#   MODES    "ours jacobi cdf paper": how the linear systems are solved
+#   SHORT    30    frames of the modes other than ours
+#   EVERY    10    every how many-th frame is kept, and audited
+#   STEPS    2     of the reference, from the state of frame 2/3 FRAMES
+#   THREADS        of the reference: "1" and as many as there are processors
+#   LIMIT          s after which no more is begun; what runs stops orderly
+#   BACKEND  gpu   ref: to try this where no device is
+# Leaves reports, audits, memory and machine in WORK/results, which is small;
+# frames and checkpoints in WORK/runs. Exit status 3 at the limit.
+set -u
+build=$1 work=$2
+scenes=${SCENES:-buddha_20k lion_20k dragon_20k buddha_500k lion_500k \
+dragon_500k buddha_2m lion_2m dragon_2m}
+frames=${FRAMES:-120} short=${SHORT:-30} every=${EVERY:-10} steps=${STEPS:-2}
+cores=$(nproc)
+threads=${THREADS:-1 $cores}
+backend=${BACKEND:-gpu}
+modes=${MODES:-ours jacobi cdf paper}
+draped=$((frames * 2 / 3 / every * every))
+end=$(($(date +%s) + ${LIMIT:-1000000}))
+runs=$work/runs results=$work/results
+export DRAPE_MODELS="${DRAPE_MODELS:-../shared/models}"
+failed=0
+mkdir -p "$runs" "$results"
+
+# ---- The machine ----
+
+row() { printf '%s\t%s\n' "$1" "$2"; }
+ask() { nvidia-smi --query-gpu="$1" --format=csv,noheader,nounits | head -n 1; }
+trees() {
+    for part in spec ref gpu; do
+        row "tree $part" "$(sh ci/tree.sh $part)"
+    done
+}
+describe() {
+    row backend "$backend"
+    row cpu "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1)"
+    row cores "$cores"
+    if command -v nvidia-smi >/dev/null; then
+        row gpu "$(ask name)"
+        row driver "$(ask driver_version)"
+    fi
+    row date "$(date -u +%Y-%m-%d)"
+    trees
+}
+if [ ! -f "$results/machine" ]; then
+    describe >"$results/machine"
+elif [ "$(trees)" != "$(grep '^tree' "$results/machine")" ]; then
+    echo "$work holds runs of another tree: remove it, or name another" >&2
+    exit 2
+fi
+
+# ---- One run ----
+
+# What a mode changes in a scene, as keys for its first line.
+keys() {
+    case $1 in
+    ours) ;;
+    jacobi) echo '"precond": "jacobi",' ;;
+    cdf) echo '"precond": "jacobi", "matrix": "cdf",' ;;
+    paper) echo '"precond": "jacobi", "matrix": "cdf", "solver": "cublas",' ;;
+    explicit) echo '"integrator": "rk4",' ;;
+    *) echo "no mode $1" >&2 ;;
+    esac
+}
+
+say() { printf '%s %s\n' "$(date +%H:%M:%S)" "$*"; }
+stop() {
+    say "stopped at the limit of ${LIMIT:-} s: call it again to go on"
+    exit 3
+}
+left() { echo $((end - $(date +%s))); }
+
+# tool ARGUMENTS...: drape within the limit. Ends this script where that was
+# interrupted, and counts a failure.
+tool() {
+    [ "$(left)" -gt 0 ] || stop
+    # in the foreground it gets one signal: a second one would kill it
+    timeout --foreground -s INT -k 60 "$(left)" "$build/drape" "$@" \
+        >"$work/log" 2>&1
+    status=$?
+    case $status in
+    124 | 130 | 137) stop ;;
+    0 | 1) return 0 ;; # 1: a step was not clean, which its report says
+    esac
+    say "failed: drape $*"
+    tail -n 1 "$work/log"
+    failed=$((failed + 1))
+    return 1
+}
+
+# number NAME REPORT: the first number of that name
+number() { sed -n "s/.*\"$1\": \([0-9][0-9]*\).*/\1/p" "$2" | head -n 1; }
+# has REPORT FRAMES: it has so many, or cannot be brought further
+has() {
+    [ -f "$1" ] || return 1
+    ! grep -q '"end": "diverged"' "$1" || return 0
+    [ "$(number steps "$1")" -ge $(($2 * $(number steps_per_frame "$1"))) ]
+}
+
+# The device's memory in use, MiB: once before a run, then while it is there.
+watch() {
+    ! command -v nvidia-smi >/dev/null || while :; do
+        ask memory.used >>"$1"
+        sleep 0.2
+    done
+}
+
+# However this ends: reports of what has run so far, and no watcher left.
+collect() {
+    kill "$watcher" 2>/dev/null
+    for report in "$runs"/*/report.json; do
+        run=${report%/*}
+        [ ! -f "$report" ] || cp "$report" "$results/${run##*/}.json"
+    done
+}
+watcher=
+trap collect EXIT
+
+# go SCENE MODE FRAMES: brings this run to that frame, from where it is
+go() {
+    run=$runs/$1.$2
+    ! has "$run/report.json" "$3" || return 0
+    sed "1s/{/{$(keys "$2")/" "app/scenes/$1.json" >"$run.json"
+    set -- "$run.json" --backend "$backend" --frames "$3" --out "$run" \
+        --every "$every" --checkpoint-every "$every" --no-obj
+    [ ! -f "$run/checkpoint.drape" ] ||
+        set -- "$@" --resume "$run/checkpoint.drape"
+    watch "$results/${run##*/}.memory" &
+    watcher=$!
+    sleep 0.5
+    tool run "$@"
+    kill "$watcher" 2>/dev/null
+}
+
+# ---- What is measured of a scene ----
+
+# Ours stops at the draped state, for the reference to go on from there.
+ours() {
+    if [ $draped -gt 0 ] && [ ! -f "$runs/$1.draped" ]; then
+        go "$1" ours $draped
+        cp "$runs/$1.ours/checkpoint.drape" "$runs/$1.draped" || return
+        number steps "$runs/$1.ours/report.json" >"$runs/$1.from"
+    fi
+    go "$1" ours "$frames"
+}
+
+# The explicit integrator's world as it starts: for its memory.
+explicit() {
+    go "$1" explicit 0
+    rm -rf "$runs/$1.explicit/frames"
+}
+
+# reference SCENE THREADS: some steps from the draped state
+reference() {
+    twin=$runs/$1.ref$2
+    [ -f "$runs/$1.draped" ] || return 0
+    to=$(($(cat "$runs/$1.from") + steps))
+    ! has "$twin/report.json" $to || return 0
+    sed '/steps_per_frame/d' "$runs/$1.ours.json" >"$twin.json"
+    tool run "$twin.json" --backend ref --threads "$2" --frames $to --no-obj \
+        --resume "$runs/$1.draped" --every 1000000 --out "$twin"
+}
+
+# The last line of an audit of all frames kept, if there is time for it.
+audit() {
+    ! grep -qs ' frames, ' "$results/$1.audit" || return 0
+    timeout "$(left)" "$build/drape" audit "$runs/$1.ours" 2>&1 |
+        tail -n 1 >"$results/$1.audit"
+}
+
+for name in $scenes; do
+    for mode in $modes; do
+        case $mode$backend in
+        paperref) say "$name: mode paper needs a device" && continue ;;
+        ours*) say "$name, ours" && ours "$name" ;;
+        *) say "$name, $mode" && go "$name" "$mode" "$short" ;;
+        esac
+    done
+    say "$name, explicit and reference"
+    explicit "$name"
+    for n in $threads; do
+        reference "$name" "$n"
+    done
+done
+[ "$(left)" -gt 0 ] || stop
+say 'audits, side by side'
+for name in $scenes; do
+    audit "$name" &
+done
+wait
+[ "$(left)" -gt 0 ] || stop
+for name in $scenes; do
+    cat "$results/$name.audit"
+    grep -q ' frames, 0 of them' "$results/$name.audit" ||
+        failed=$((failed + 1))
+done
+say "$failed failed"
+[ $failed -eq 0 ]

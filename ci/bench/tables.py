@@ -1,0 +1,364 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The paper's figures 8 to 12 from what ci/bench/scenes.sh left.
+
+usage: ci/bench/tables.py WORK/results [OUT]
+Writes OUT/figure8.csv ... figure12.csv, modes.csv and tables.md, and draws
+them (ci/bench/plots.py). OUT is the machine's folder, as ci/bench/h200.
+"""
+import csv
+import json
+import math
+import os
+import statistics
+import sys
+
+import plots
+
+PARTS = ["integration", "solver", "broad", "proximity", "penetration"]
+MODES = {
+    "paper": "17 diagonals, Jacobi, cuBLAS",
+    "cdf": "17 diagonals, Jacobi, exact sums",
+    "jacobi": "symmetric half, Jacobi, exact sums",
+    "ours": "symmetric half, multigrid, exact sums",
+}
+# Rows of the plan by the paper's names for the parts of memory.
+MEMORY = {
+    "solver": ["implicit"],
+    "collision": ["features", "proximity"],
+    "obstacles": ["kinematics"],
+    "cloth": ["state", "springs"],
+    "fronts": ["front, obstacles", "front, self"],
+    "auxiliary": ["refit", "sleep"],
+}
+COLLISION = ["features", "proximity", "front, obstacles", "front, self"]
+
+
+def order(scene):
+    sizes = ["20k", "500k", "2m"]
+    bodies = ["buddha", "lion", "dragon"]
+    body, _, size = scene.partition("_")
+    return (sizes.index(size) if size in sizes else 9,
+            bodies.index(body) if body in bodies else 9, scene)
+
+
+class Results:
+    """What lies in the folder: runs[scene][mode] and some files of text."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.runs = {}
+        for name in os.listdir(folder):
+            if name.endswith(".json"):
+                scene, mode = name[:-5].rsplit(".", 1)
+                with open(os.path.join(folder, name)) as file:
+                    self.runs.setdefault(scene, {})[mode] = json.load(file)
+        self.scenes = sorted(self.runs, key=order)
+        rows = [line.split("\t") for line in self.text("machine").splitlines()]
+        self.machine = dict(rows)
+
+    def text(self, name):
+        path = os.path.join(self.folder, name)
+        if not os.path.exists(path):
+            return ""
+        with open(path) as file:
+            return file.read().strip()
+
+    def ours(self):
+        return [(s, self.runs[s]["ours"]) for s in self.scenes
+                if "ours" in self.runs[s]]
+
+
+def seconds(step):
+    return sum(step["seconds"].values())
+
+
+def frames(run):
+    """The steps of each whole frame."""
+    each, steps = run["steps_per_frame"], run["steps"]
+    return [steps[k:k + each] for k in range(0, len(steps) - each + 1, each)]
+
+
+def percentile(values, part):
+    return sorted(values)[max(0, math.ceil(part * len(values)) - 1)]
+
+
+def short(value):
+    """Three digits or more; what is no number stays as it is."""
+    if not isinstance(value, float):
+        return str(value)
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
+def ratio(a, b):
+    return float(a) / b if a not in ("", None) and b else ""
+
+
+# ---- Figure 8: seconds a frame ----
+
+def audited(results, scene):
+    """Frames audited and pairs found, of the audit's last line."""
+    words = results.text(scene + ".audit").split()
+    if len(words) < 3 or "frames," not in words:
+        return "", ""
+    return int(words[words.index("frames,") - 1]), int(words[-2])
+
+
+def figure8(results, paper):
+    rows = []
+    for scene, run in results.ours():
+        times = [sum(map(seconds, f)) for f in frames(run)]
+        steps = [1e3 * seconds(s) for s in run["steps"]]
+        if not times:
+            continue
+        outcome = run["summary"]["outcomes"]
+        of_paper = paper.get(scene, {})
+        count, pairs = audited(results, scene)
+        rows.append({
+            "scene": scene, "triangles of all": run["triangles"],
+            "frames": len(times), "steps a frame": run["steps_per_frame"],
+            "s a frame, mean": statistics.mean(times),
+            "median": statistics.median(times),
+            "p95": percentile(times, 0.95),
+            "ms a step, median": statistics.median(steps),
+            "p95 of steps": percentile(steps, 0.95),
+            "paper: GTX 580": of_paper.get("GTX 580 s", ""),
+            "GTX 680": of_paper.get("GTX 680 s", ""),
+            "K20c": of_paper.get("K20c s", ""),
+            "K20c / mean": ratio(of_paper.get("K20c s"),
+                                 statistics.mean(times)),
+            "steps": len(steps), "with zones": outcome["zones"],
+            "with rollback": outcome["rollback"],
+            "unconverged": outcome["unconverged"],
+            "not clean": outcome["trapped"] + outcome["diverged"],
+            "asleep": outcome["asleep"],
+            "frames audited": count, "intersecting pairs": pairs})
+    return rows
+
+
+# ---- Figures 9 and 10: memory ----
+
+def plan_bytes(run):
+    return {row["stage"]: row["bytes"] for row in run["plan"]}
+
+
+def explicit_bytes(start, implicit):
+    """Explicit streams at the start; of what collisions fill, what the
+    implicit run came to."""
+    return {stage: max(count, implicit[stage]) if stage in COLLISION else count
+            for stage, count in start.items()}
+
+
+def memory(results):
+    """(scene, integration, bytes by stage) of the plans."""
+    for scene, run in results.ours():
+        implicit = plan_bytes(run)
+        explicit = results.runs[scene].get("explicit")
+        if explicit:
+            yield scene, "explicit", explicit_bytes(plan_bytes(explicit),
+                                                    implicit)
+        yield scene, "implicit", implicit
+
+
+def device_mb(results, scene):
+    """The device's memory in use while the scene ran, less that before."""
+    samples = [int(word) for word in
+               results.text(scene + ".ours.memory").split() if word.isdigit()]
+    return (max(samples) - min(samples)) * 1.048576 if samples else ""
+
+
+def figure9(results, paper):
+    rows = {}
+    for scene, kind, held in memory(results):
+        of_paper = paper.get(scene, {})
+        row = rows.setdefault(scene, {
+            "scene": scene, "explicit MB": "", "implicit MB": "",
+            "device in use, implicit MB": device_mb(results, scene),
+            "paper: explicit GB": of_paper.get("explicit GB", ""),
+            "implicit GB": of_paper.get("implicit GB", "")})
+        row[kind + " MB"] = sum(held.values()) / 1e6
+    return list(rows.values())
+
+
+def figure10(results, _):
+    rows = []
+    for scene, kind, held in memory(results):
+        row = {"scene": scene, "integration": kind}
+        for part, stages in MEMORY.items():
+            row[part + " MB"] = sum(held[s] for s in stages) / 1e6
+        rows.append(row)
+    return rows
+
+
+# ---- Figure 11: time by stage ----
+
+def figure11(results, _):
+    rows = []
+    for scene, run in results.ours():
+        for k, steps in enumerate(frames(run)):
+            row = {"scene": scene, "frame": k + 1}
+            for part in PARTS:
+                row[part + " s"] = sum(s["seconds"][part] for s in steps)
+            rows.append(row)
+    return rows
+
+
+# ---- Figure 12: speed-up over the reference ----
+
+def without_time(step):
+    return {key: value for key, value in step.items() if key != "seconds"}
+
+
+def speed_row(scene, ours, ref, of_paper):
+    """The steps that the reference did itself: the others, from before its
+    checkpoint, have ours' times."""
+    both = [(a, b) for a, b in zip(ours["steps"], ref["steps"])
+            if a["seconds"] != b["seconds"]]
+    if not both:
+        return None
+    fast = statistics.mean(seconds(a) for a, _ in both)
+    slow = statistics.mean(seconds(b) for _, b in both)
+    same = all(without_time(a) == without_time(b) for a, b in both)
+    return {"scene": scene, "from step": both[0][0]["step"],
+            "steps": len(both), "threads": ref["threads"],
+            "ms a step": 1e3 * fast, "reference ms a step": 1e3 * slow,
+            "speed-up": slow / fast, "same counts and energies":
+            "yes" if same else "NO",
+            "paper: K20c": of_paper.get("K20c speed-up", ""),
+            "GTX 680": of_paper.get("GTX 680 speed-up", "")}
+
+
+def figure12(results, paper):
+    rows = []
+    for scene, ours in results.ours():
+        refs = [run for mode, run in results.runs[scene].items()
+                if mode.startswith("ref")]
+        for ref in sorted(refs, key=lambda run: run["threads"]):
+            row = speed_row(scene, ours, ref, paper.get(scene, {}))
+            if row and row["threads"] != 1:
+                row["paper: K20c"] = row["GTX 680"] = ""
+            rows += [row] if row else []
+    return rows
+
+
+# ---- What each choice in the solver is worth ----
+
+def modes(results, _):
+    rows = []
+    for scene in results.scenes:
+        there = [m for m in MODES if m in results.runs[scene]]
+        if len(there) < 2:
+            continue
+        steps = {m: results.runs[scene][m]["steps"] for m in there}
+        count = min(map(len, steps.values()))
+        before = None
+        for mode in there if count else []:
+            part = steps[mode][:count]
+            mean = statistics.mean(map(seconds, part))
+            rows.append({
+                "scene": scene, "mode": mode, "what": MODES[mode],
+                "steps": count, "ms a step": 1e3 * mean,
+                "of it solver": 1e3 * statistics.mean(
+                    s["seconds"]["solver"] for s in part),
+                "iterations a step": statistics.mean(
+                    s["iterations"] for s in part),
+                "faster than the row before": ratio(before, mean)})
+            before = mean
+    return rows
+
+
+# ---- Writing ----
+
+def write_csv(path, rows):
+    with open(path, "w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(rows[0])
+        out.writerows([short(v) for v in row.values()] for row in rows)
+
+
+def markdown(rows):
+    lines = ["| " + " | ".join(rows[0]) + " |", "| --- " * len(rows[0]) + "|"]
+    lines += ["| " + " | ".join(short(v) for v in row.values()) + " |"
+              for row in rows]
+    return "\n".join(lines)
+
+
+def means(rows):
+    """Figure 11's frames, one row a scene, with the paper's three parts."""
+    short_rows = []
+    for scene in dict.fromkeys(row["scene"] for row in rows):
+        mine = [row for row in rows if row["scene"] == scene]
+        row = {"scene": scene}
+        for part in PARTS:
+            row[part + ", ms a frame"] = 1e3 * statistics.mean(
+                r[part + " s"] for r in mine)
+        whole = sum(v for v in row.values() if isinstance(v, float))
+        row["time integration"] = "%.0f %%" % (100 / whole * (
+            row["integration, ms a frame"] + row["solver, ms a frame"]))
+        short_rows.append(row)
+    return short_rows
+
+
+FIGURES = [
+    ("figure8", figure8, "Figure 8: seconds a frame",
+     "A frame is 1/60 s, in as many steps as the scene says. The paper's are "
+     "means of 2,000 frames. A step with zones or rollback ends clean. "
+     "`drape audit` counted the pairs in every tenth frame, exactly."),
+    ("figure9", figure9, "Figure 9: memory",
+     "Sums of `drape plan`'s rows at the end of the run. Explicit: RK4's "
+     "world at its start, but what collisions fill as in the implicit run. "
+     "In use: what nvidia-smi shows, with CUDA's own."),
+    ("figure10", figure10, "Figure 10: memory by part",
+     "The paper draws these as shares, without numbers; up to half is its "
+     "solver's."),
+    ("figure11", figure11, "Figure 11: time by stage",
+     "Means over all frames; the csv has every frame. `solver` is all linear "
+     "solves, those with contacts too; `broad` is trees and fronts for both "
+     "proximity and penetration."),
+    ("figure12", figure12, "Figure 12: speed-up over the reference",
+     "The same steps, from a checkpoint of the draped state, by ref/ on this "
+     "machine's processor. The paper: one thread; 10 to 14 times over 16 "
+     "cores."),
+    ("modes", modes, "What each choice in the solver is worth",
+     "The first steps of each scene. Mode paper is the paper's solver within "
+     "our pipeline: contacts are found the same way in all rows."),
+]
+
+
+def machine_folder(machine):
+    """As "h200" of "NVIDIA H200"."""
+    words = machine.get("gpu", "no device").lower().split()
+    return "-".join(w for w in words if w not in ("nvidia", "geforce"))
+
+
+def main():
+    if len(sys.argv) not in (2, 3):
+        sys.exit(__doc__)
+    here = os.path.dirname(os.path.abspath(__file__))
+    results = Results(sys.argv[1])
+    out = os.path.join(here, machine_folder(results.machine))
+    out = sys.argv[2] if len(sys.argv) == 3 else out
+    os.makedirs(out, exist_ok=True)
+    with open(os.path.join(here, "tang2013.csv")) as file:
+        lines = [line for line in file if not line.startswith("#")]
+    paper = {row["scene"]: row for row in csv.DictReader(lines)}
+    facts = "; ".join(f"{k} {v}" for k, v in results.machine.items())
+    text = ["# The paper's figures, on this machine\n",
+            f"Made by `make tables`. {facts}.\n"]
+    for name, make, title, words in FIGURES:
+        rows = make(results, paper)
+        if not rows:
+            text.append(f"## {title}\n\nNothing was run for it.\n")
+            continue
+        write_csv(os.path.join(out, name + ".csv"), rows)
+        shown = means(rows) if name == "figure11" else rows
+        text.append(f"## {title}\n\n{words}\n\n{markdown(shown)}\n")
+        if plots.draw(out, name):
+            text.append(f"![{title}]({name}.svg)\n")
+    with open(os.path.join(out, "tables.md"), "w") as file:
+        file.write("\n".join(text))
+    print(os.path.join(out, "tables.md"))
+
+
+if __name__ == "__main__":
+    main()
