@@ -208,6 +208,47 @@ int json_array(struct json *json, const cJSON *node, struct json_list *list)
     return APP_OK;
 }
 
+static void write_value(FILE *out, const struct json_key *key, const void *at)
+{
+    const double *number = at;
+    const int *whole = at;
+    switch (key->type) {
+    case JSON_NUMBER:
+        fprintf(out, "%.17g", *number);
+        break;
+    case JSON_INTEGER:
+        fprintf(out, "%d", *whole);
+        break;
+    case JSON_BOOLEAN:
+        fputs(*whole ? "true" : "false", out);
+        break;
+    case JSON_VECTOR:
+        for (int k = 0; k < key->count; k++)
+            fprintf(out, "%s%.17g", k ? ", " : "[", number[k]);
+        fputc(']', out);
+        break;
+    case JSON_CHOICE:
+        fprintf(out, "\"%s\"", key->choices[*whole]);
+        break;
+    case JSON_TEXT:
+    case JSON_NESTED:
+        break;
+    }
+}
+
+void json_write(FILE *out, const struct json_key *keys, const void *base)
+{
+    const char *before = "{";
+    for (; keys->name; keys++) {
+        if (keys->type == JSON_TEXT || keys->type == JSON_NESTED)
+            continue;
+        fprintf(out, "%s\"%s\": ", before, keys->name);
+        write_value(out, keys, (const char *)base + keys->offset);
+        before = ", ";
+    }
+    fputc('}', out);
+}
+
 cJSON *json_parse(const char *file)
 {
     size_t size;

@@ -9,6 +9,7 @@
 
 #include <cjson/cJSON.h>
 #include <stddef.h>
+#include <stdio.h>
 
 struct json {
     const char *file;
@@ -86,6 +87,9 @@ struct json_list {
     int count;   /* out */
 };
 int json_array(struct json *json, const cJSON *node, struct json_list *list);
+
+/* Writes the object of a table's numbers, truths, vectors and choices. */
+void json_write(FILE *out, const struct json_key *keys, const void *base);
 
 /* The name of a text's place in a NULL-terminated table, or -1. */
 int json_choice(const char *const *choices, const char *text);

@@ -203,6 +203,9 @@ bool report_write(const struct report *report, const struct scene *scene,
             "  \"held_bytes\": %zu,\n",
             end, def->backend == DRAPE_GPU ? "gpu" : "ref", def->precision,
             def->threads, def->dt, scene->steps_per_frame, scene->budget.held);
+    fputs("  \"settings\": ", out);
+    scene_settings(out, scene);
+    fputs(",\n", out);
     put_camera(out, &scene->camera);
     put_bodies(out, scene, world);
     put_plan(out, world);

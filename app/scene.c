@@ -18,7 +18,7 @@ static int read_wind(struct json *json, const cJSON *node, void *out)
         NUMBER_KEY("lift", WIND(lift), 0, 1e3),
         {0}};
     drape_wind *wind = out;
-    *wind = (drape_wind){{0, 0, 0}, 1.2, 1, 0.3};
+    wind->density = 1.2; /* a scene that speaks of wind has air */
     return json_object(json, node, keys, wind);
 }
 
@@ -41,38 +41,44 @@ static const char *const preconds[] = {"jacobi", "multigrid", NULL};
 static const char *const solvers[] = {"exact", "cublas", NULL};
 static const char *const matrices[] = {"cdf", "compact", NULL};
 
+#define SCENE(name) offsetof(struct scene, name)
+static const struct json_key scene_keys[] = {
+    TEXT_KEY("name", SCENE(name)),
+    NUMBER_KEY("memory", SCENE(memory), 0.001, 1e6),
+    INTEGER_KEY("frames", SCENE(frames), 0, 1e6),
+    INTEGER_KEY("steps_per_frame", SCENE(steps_per_frame), 1, 1e4),
+    CHOICE_KEY("backend", SCENE(def.backend), backends),
+    INTEGER_KEY("precision", SCENE(def.precision), 32, 64),
+    INTEGER_KEY("threads", SCENE(def.threads), 0, 4096),
+    INTEGER_KEY("block", SCENE(def.block), 0, 256),
+    NUMBER_KEY("dt", SCENE(def.dt), 1e-7, 1),
+    VECTOR_KEY("gravity", SCENE(def.gravity), -1e4, 1e4, 3),
+    NESTED_KEY("wind", SCENE(def.wind), read_wind),
+    CHOICE_KEY("integrator", SCENE(def.integrator), integrators),
+    INTEGER_KEY("max_substeps", SCENE(def.max_substeps), 1, 1e9),
+    CHOICE_KEY("precond", SCENE(def.precond), preconds),
+    CHOICE_KEY("matrix", SCENE(def.matrix), matrices),
+    CHOICE_KEY("solver", SCENE(def.solver), solvers),
+    NUMBER_KEY("tolerance", SCENE(def.tolerance), 1e-15, 0.5),
+    INTEGER_KEY("max_iterations", SCENE(def.max_iterations), 1, 1e6),
+    BOOLEAN_KEY("self_collision", SCENE(def.self_collision)),
+    INTEGER_KEY("max_rounds", SCENE(def.max_rounds), 0, 1e4),
+    BOOLEAN_KEY("allow_intersecting", SCENE(def.allow_intersecting)),
+    BOOLEAN_KEY("sleep", SCENE(def.sleep)),
+    NESTED_KEY("motions", 0, read_motions),
+    NESTED_KEY("cloths", 0, read_cloths),
+    NESTED_KEY("obstacles", 0, read_obstacles),
+    NESTED_KEY("camera", SCENE(camera), read_camera),
+    {0}};
+
+void scene_settings(FILE *out, const struct scene *scene)
+{
+    json_write(out, scene_keys, scene);
+}
+
 static int read_scene(struct json *json, const cJSON *root, struct scene *scene)
 {
-#define SCENE(name) offsetof(struct scene, name)
-    static const struct json_key keys[] = {
-        TEXT_KEY("name", SCENE(name)),
-        NUMBER_KEY("memory", SCENE(memory), 0.001, 1e6),
-        INTEGER_KEY("frames", SCENE(frames), 0, 1e6),
-        INTEGER_KEY("steps_per_frame", SCENE(steps_per_frame), 1, 1e4),
-        CHOICE_KEY("backend", SCENE(def.backend), backends),
-        INTEGER_KEY("precision", SCENE(def.precision), 32, 64),
-        INTEGER_KEY("threads", SCENE(def.threads), 0, 4096),
-        INTEGER_KEY("block", SCENE(def.block), 0, 256),
-        NUMBER_KEY("dt", SCENE(def.dt), 1e-7, 1),
-        VECTOR_KEY("gravity", SCENE(def.gravity), -1e4, 1e4, 3),
-        NESTED_KEY("wind", SCENE(def.wind), read_wind),
-        CHOICE_KEY("integrator", SCENE(def.integrator), integrators),
-        INTEGER_KEY("max_substeps", SCENE(def.max_substeps), 1, 1e9),
-        CHOICE_KEY("precond", SCENE(def.precond), preconds),
-        CHOICE_KEY("matrix", SCENE(def.matrix), matrices),
-        CHOICE_KEY("solver", SCENE(def.solver), solvers),
-        NUMBER_KEY("tolerance", SCENE(def.tolerance), 1e-15, 0.5),
-        INTEGER_KEY("max_iterations", SCENE(def.max_iterations), 1, 1e6),
-        BOOLEAN_KEY("self_collision", SCENE(def.self_collision)),
-        INTEGER_KEY("max_rounds", SCENE(def.max_rounds), 0, 1e6),
-        BOOLEAN_KEY("allow_intersecting", SCENE(def.allow_intersecting)),
-        BOOLEAN_KEY("sleep", SCENE(def.sleep)),
-        NESTED_KEY("motions", 0, read_motions),
-        NESTED_KEY("cloths", 0, read_cloths),
-        NESTED_KEY("obstacles", 0, read_obstacles),
-        NESTED_KEY("camera", SCENE(camera), read_camera),
-        {0}};
-    int status = json_object(json, root, keys, scene);
+    int status = json_object(json, root, scene_keys, scene);
     if (status != APP_OK)
         return status;
     if (scene->def.precision != 32 && scene->def.precision != 64)

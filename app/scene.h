@@ -6,6 +6,7 @@
 #include "app/mesh.h"
 
 #include <drape.h>
+#include <stdio.h>
 
 struct camera {
     double eye[3], target[3]; /* m */
@@ -32,6 +33,8 @@ struct scene {
 /* APP_OK, or the exit code after one line; scene_free in both cases. */
 int scene_load(struct scene *scene, const char *file);
 void scene_free(struct scene *scene);
+/* Writes what the scene's plain keys are, given or by default, as JSON. */
+void scene_settings(FILE *out, const struct scene *scene);
 
 /* What the command line changes in a scene; -1 leaves it. */
 struct overrides {

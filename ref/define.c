@@ -18,7 +18,7 @@ void drape_default(drape_def *def)
     def->dt = 1.0 / 60;
     def->gravity[1] = -9.81;
     def->wind.drag = 1;
-    def->wind.lift = 1;
+    def->wind.lift = 0.3;
     def->integrator = DRAPE_BW;
     def->max_substeps = 100000;
     def->precond = DRAPE_MULTIGRID;

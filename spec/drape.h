@@ -209,11 +209,16 @@ typedef struct drape_plan_row {
 
 typedef struct drape_world drape_world;
 
-/* Defaults: the reference, 32 bits, dt 1/60, gravity -9.81 y, still air
- * absent, Baraff–Witkin with multigrid, self-collision. Never fails. */
+/* Defaults: the reference on one thread, 32 bits, dt 1/60, gravity -9.81 y, no
+ * air (drag 1 and lift 0.3 once it has a density), Baraff–Witkin, multigrid
+ * and the symmetric half to 1e-3 within 2000 iterations, at most 100000
+ * substeps, self-collision, 16 rounds, sleep. Never fails. */
 void drape_default(drape_def *def);
-/* Defaults: 101 × 101, 1 m × 1 m, flat in the xz plane, light cotton. */
+/* Defaults: 101 × 101, 1 m × 1 m, flat in the xz plane, and light cotton:
+ * density 0.2, stretch 1000, shear 300, bend 1e-4, damping 1e-3, thickness
+ * 0.002, friction 0.3. */
 void drape_default_cloth(drape_cloth *cloth);
+/* Defaults: friction 0.3, no motion. */
 void drape_default_obstacle(drape_obstacle *obstacle);
 
 /* Checks the whole definition and makes a world. On failure *world is NULL

@@ -414,6 +414,13 @@ is 'film or a word' sh -c 'test -s "an out/film.mp4" || grep -q ffmpeg err'
 exits 'plan' 0 plan tiny.json
 is 'plan says on and off' sh -c 'grep -q " on " out && grep -q " off " out'
 
+# What is written of ranges and defaults, against what is so.
+line=$(python3 "$root/tests/defaults.py" "$drape" \
+    "$root/app/scenes/README.md" | tee defaults | tail -n 1)
+grep '^not ok' defaults
+passed=$((passed + ${line%% *}))
+failed=$((failed + $(echo "$line" | cut -d' ' -f3)))
+
 # The tables of the paper's figures, of a scene that takes no time.
 is 'runs for the tables' sh -c 'cd "$1" && SCENES=tiny FRAMES=6 SHORT=4 \
     EVERY=2 STEPS=1 THREADS="1 2" BACKEND=ref sh ci/bench/scenes.sh \
