@@ -2,7 +2,7 @@
 /* Cloths without contact stepped by the reference and by the device beside
  * each other: the same bits after every stage. spec/09_dynamics.md, 50_gpu.md
  */
-#include "tests/notes.h"
+#include "tests/twin.h"
 
 enum {
     WIDE = 13,
@@ -60,7 +60,6 @@ static void make_scene(struct motion_scene *s, int integrator, int scene)
     s->def.n_cloths = 1;
     s->def.motions = &s->lead;
     s->def.n_motions = 1;
-    s->def.trace = notes_take;
     s->lead = (drape_motion){2, times, way, NULL, {0, 0, 0}};
     s->cloth.m = WIDE;
     s->cloth.n = HIGH;
@@ -79,79 +78,16 @@ static void make_scene(struct motion_scene *s, int integrator, int scene)
     }
 }
 
-static bool same_report(const drape_step_report *a, const drape_step_report *b)
+static const char *compare(const struct motion_scene *s, bool diverges)
 {
-    return a->outcome == b->outcome && a->substeps == b->substeps &&
-           a->iterations == b->iterations && a->residual == b->residual &&
-           a->kinetic == b->kinetic && a->elastic == b->elastic &&
-           a->potential == b->potential;
-}
-
-static bool same_state(drape_world *const world[2])
-{
-    static double state[2][2][COUNT][3];
-    for (int k = 0; k < 2; k++)
-        if (drape_read(world[k], state[k][0], state[k][1]) != DRAPE_OK)
-            return false;
-    return !memcmp(state[0], state[1], sizeof state[0]);
-}
-
-static int hash_written(void *user, const void *data, size_t bytes)
-{
-    uint64_t *hash = user;
-    *hash = hash_bytes(*hash, data, bytes);
-    return 0;
-}
-
-/* Their checkpoints hold all that the next step reads. */
-static bool same_memory(drape_world *const world[2])
-{
-    uint64_t hash[2] = {HASH_START, HASH_START};
-    for (int k = 0; k < 2; k++)
-        if (drape_save(world[k], hash_written, &hash[k]) != DRAPE_OK)
-            return false;
-    return hash[0] == hash[1];
-}
-
-/* Both worlds side by side. Stages are not compared in a step that diverges:
- * it may make a NaN, whose payload is free. */
-static const char *walk(drape_world *const world[2], struct notes *notes,
-                        bool diverges)
-{
-    for (int step = 0; step < STEPS; step++) {
-        drape_step_report r[2];
-        for (int k = 0; k < 2; k++) {
-            notes[k].n = 0;
-            EXPECT(drape_step(world[k], &r[k]) == DRAPE_OK);
-        }
-        EXPECT(!(r[0].outcome & DRAPE_DIVERGED) == !diverges);
-        const char *other = notes_compare(&notes[0], &notes[1]);
-        if (other && !diverges)
-            return other;
-        EXPECT(notes[0].n >= 2 && notes[0].n <= NOTES);
-        EXPECT(same_report(&r[0], &r[1]));
-        EXPECT(same_state(world) && same_memory(world));
-        ran(1);
-    }
+    struct twin twin;
+    const char *failed = twin_run(&s->def, STEPS, &twin);
+    if (failed)
+        return failed;
+    EXPECT(twin.steps == STEPS);
+    EXPECT((diverges ? twin.all : ~twin.some) & DRAPE_DIVERGED);
+    ran(twin.steps);
     return NULL;
-}
-
-static const char *compare(struct motion_scene *s, bool diverges)
-{
-    static struct notes notes[2];
-    drape_world *world[2] = {NULL, NULL};
-    const char *failed = NULL;
-    for (int k = 0; k < 2 && !failed; k++) {
-        s->def.backend = k ? DRAPE_GPU : DRAPE_REF;
-        s->def.trace_user = &notes[k];
-        if (drape_create(&s->def, &world[k], NULL) != DRAPE_OK)
-            failed = k ? "no world on the device" : "no world";
-    }
-    if (!failed)
-        failed = walk(world, notes, diverges);
-    for (int k = 0; k < 2; k++)
-        drape_destroy(world[k]);
-    return failed;
 }
 
 /* A free sheet, all of it as fast as may be: 0, gravity takes it beyond what

@@ -96,6 +96,7 @@
 #define make_system REAL_NAME(make_system)
 #define noise_of REAL_NAME(noise_of)
 #define notes_compare REAL_NAME(notes_compare)
+#define notes_free REAL_NAME(notes_free)
 #define notes_take REAL_NAME(notes_take)
 #define pick_grid REAL_NAME(pick_grid)
 #define pick_real REAL_NAME(pick_real)

@@ -3,6 +3,7 @@
 #include "tests/notes.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 void notes_take(void *user, int64_t step, const char *stage, uint64_t digest,
                 double seconds)
@@ -10,21 +11,34 @@ void notes_take(void *user, int64_t step, const char *stage, uint64_t digest,
     struct notes *a = user;
     (void)step;
     (void)seconds;
-    if (a->n < NOTES) {
-        snprintf(a->stage[a->n], sizeof *a->stage, "%s", stage);
-        a->digest[a->n] = digest;
+    if (a->n == a->room) {
+        a->room = 2 * a->room + 64;
+        a->note = realloc(a->note, a->room * sizeof *a->note);
+        if (!a->note)
+            abort();
     }
-    a->n++;
+    struct note *last = &a->note[a->n++];
+    snprintf(last->stage, sizeof last->stage, "%s", stage);
+    last->digest = digest;
 }
 
 const char *notes_compare(const struct notes *a, const struct notes *b)
 {
-    static char text[64];
-    for (int k = 0; k < a->n && k < b->n && k < NOTES; k++)
-        if (a->digest[k] != b->digest[k] || strcmp(a->stage[k], b->stage[k])) {
-            snprintf(text, sizeof text, "the device's %s differs, as stage %d",
-                     a->stage[k], k);
-            return text;
-        }
-    return a->n == b->n ? NULL : "the device traces other stages";
+    static char text[96];
+    for (size_t k = 0; k < a->n || k < b->n; k++) {
+        const char *p = k < a->n ? a->note[k].stage : "nothing";
+        const char *q = k < b->n ? b->note[k].stage : "nothing";
+        if (!strcmp(p, q) && a->note[k].digest == b->note[k].digest)
+            continue;
+        snprintf(text, sizeof text, "stage %d: ref ends %s, gpu %s with %s",
+                 (int)k, p, q, strcmp(p, q) ? "another stage" : "other bits");
+        return text;
+    }
+    return NULL;
+}
+
+void notes_free(struct notes *a)
+{
+    free(a->note);
+    *a = (struct notes){0};
 }

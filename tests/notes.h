@@ -5,19 +5,20 @@
 
 #include "tests/harness.h"
 
-enum { NOTES = 8192 };
-
 struct notes {
-    int n; /* those beyond NOTES are counted only */
-    char stage[NOTES][16];
-    uint64_t digest[NOTES];
+    size_t n, room;
+    struct note {
+        char stage[16];
+        uint64_t digest;
+    } * note;
 };
 
 /* A drape_trace; user is the notes. */
 void notes_take(void *user, int64_t step, const char *stage, uint64_t digest,
                 double seconds);
 /* The first stage of b, the device, that gave something else than a; NULL if
- * none. */
+ * none. The text lasts until the next call. */
 const char *notes_compare(const struct notes *a, const struct notes *b);
+void notes_free(struct notes *a);
 
 #endif

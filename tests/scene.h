@@ -10,7 +10,7 @@
 const char *scene_random(struct bytes *b);
 
 /* The same scene for a few steps on both backends: NULL, or what differs
- * first. */
+ * first; *steps: how many were compared. */
 const char *scene_twins(struct bytes *b, int64_t *steps);
 
 /* Intersecting pairs that involve cloth, by the exact audit. */

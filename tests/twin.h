@@ -5,10 +5,14 @@
 
 #include "tests/harness.h"
 
+struct twin {
+    int64_t steps; /* compared; 0 where both refuse the scene alike */
+    int some, all; /* outcomes: or of all steps', and of all steps' */
+};
+
 /* Steps the scene on the reference and on the device: NULL, or what differs
- * first (a stage's digest, a report, a status, the state at the end). A scene
- * that both refuse for the same reason is equal. blocks: threads of a block.
- * *steps counts the steps that were compared. */
-const char *twin_run(const drape_def *def, int n, int64_t *steps);
+ * first (a refusal, a stage's digest, a status, a report, a checkpoint). The
+ * def's trace is not called. */
+const char *twin_run(const drape_def *def, int n, struct twin *out);
 
 #endif
