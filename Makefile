@@ -62,8 +62,9 @@ REF    := $(sort $(filter-out $(API),$(wildcard ref/*.c)))
 ONCE   := tests/check.c tests/case.c tests/certify.c tests/choices.c \
           tests/device.c tests/tally.c
 TWICE  := $(sort $(filter-out $(ONCE),$(wildcard tests/*.c)))
-# Kernels; device.cu and prim.cu are CUDA's own, which gpu/emulate.cpp replaces.
-DEVICE := gpu/blas.cu gpu/device.cu gpu/prim.cu
+# Kernels; but for memory.cu, these are CUDA's own, which gpu/emulate.cpp
+# replaces.
+DEVICE := gpu/blas.cu gpu/device.cu gpu/memory.cu gpu/prim.cu
 KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
@@ -83,7 +84,7 @@ ROOT   ?= $(BUILD)
 EMU_IN ?= $(BUILD)
 EMU_O  := $(patsubst $(BUILD)/%,$(EMU_IN)/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(BUILD)/gpu/emulate.o \
-          $(BUILD)/gpu/emulate_blas.o)
+          $(BUILD)/gpu/emulate_blas.o $(BUILD)/gpu/memory.o)
 CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(call obj,$(DEVICE),))
 # Without their libraries one file stands in for all oracles but brute force.
@@ -120,6 +121,9 @@ $(BUILD)/gpu/%.64.o: gpu/%.cu
 	@mkdir -p $(@D)
 	$(EMU) $(SAN) -DREAL_BITS=64 -c $< -o $@
 $(BUILD)/gpu/%.o: gpu/%.cpp
+	@mkdir -p $(@D)
+	$(EMU) -c $< -o $@
+$(BUILD)/gpu/%.o: gpu/%.cu
 	@mkdir -p $(@D)
 	$(EMU) -c $< -o $@
 $(BUILD)/cuda/gpu/%.32.o: gpu/%.cu

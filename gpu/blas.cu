@@ -5,7 +5,6 @@
 
 #include <cublas_v2.h>
 #include <dlfcn.h>
-#include <stdlib.h>
 
 struct gpu_blas {
     void *library;
@@ -56,7 +55,8 @@ int blas_open(struct gpu *g)
 {
     if (g->blas)
         return DRAPE_OK;
-    g->blas = (struct gpu_blas *)calloc(1, sizeof *g->blas);
+    g->blas = (struct gpu_blas *)arena_take(&g->host, ARENA_OTHER, 1,
+                                            sizeof *g->blas);
     if (!g->blas)
         return DRAPE_ENOMEM;
     if (load(g->blas, g->stream))
@@ -72,7 +72,7 @@ void blas_close(struct gpu *g)
         b->destroy(b->handle);
     if (b && b->library)
         dlclose(b->library);
-    free(b);
+    arena_give(&g->host, b);
     g->blas = NULL;
 }
 

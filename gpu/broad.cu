@@ -170,6 +170,8 @@ static int update_front(struct gpu *g, struct broad *b)
     struct front s = {};
     s.in = bvtt_of(b);
     s.stop = b->stop;
+    if (!b->n_front && begin_front(g, b, b->roots) != DRAPE_OK)
+        return gpu_status(g);
     for (;;) {
         s.cap = b->front.cap;
         s.n = b->n_front;
@@ -275,6 +277,19 @@ static int candidates(struct gpu *g, struct broad *b)
     return status;
 }
 
+/* Where memory was short, some pools have grown and others not: the next
+ * query begins without. */
+static void drop(struct gpu *g, struct broad *b)
+{
+    struct broad_pool *pool[] = {&b->other, &b->third, &b->mask, &b->act,
+                                 &b->sum};
+    for (int k = 0; k < 5; k++) {
+        gpu_give(g, pool[k]->data);
+        *pool[k] = {};
+    }
+    b->n_front = 0;
+}
+
 int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
                     const vec *x1, real r, const uint8_t *moved)
 {
@@ -287,5 +302,9 @@ int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
         status = cones(g, b);
     if (status == DRAPE_OK)
         status = update_front(g, b);
-    return status == DRAPE_OK ? candidates(g, b) : status;
+    if (status == DRAPE_OK)
+        status = candidates(g, b);
+    if (status == DRAPE_ENOMEM)
+        drop(g, b);
+    return status;
 }

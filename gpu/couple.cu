@@ -62,13 +62,13 @@ static int make_room(struct gpu_world *w, int64_t n)
     gpu_give(g, p->vertex);
     gpu_give(g, p->slide);
     gpu_give(g, p->share);
-    c->cap = n + n / 4 + 64;
-    int64_t cap = c->cap;
+    int64_t cap = n + n / 4 + 64;
     p->item = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
     p->vertex =
         (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
     p->slide = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
     p->share = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
+    c->cap = gpu_status(g) == DRAPE_OK ? cap : 0;
     return gpu_status(g);
 }
 

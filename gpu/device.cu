@@ -1,20 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The device: its stream, memory and small results. spec/50_gpu.md */
+/* The device: its stream, copies and small results. spec/50_gpu.md */
 #include "gpu/blas.h"
 #include "gpu/gpu.cuh"
 
 #include "certificate.h"
 
 #include <stdio.h>
-#include <stdlib.h>
-
-/* What was taken: a host record, found by its address on the device. */
-struct gpu_block {
-    struct gpu_block *next;
-    void *data;
-    size_t bytes;
-    enum arena_part part;
-};
 
 void gpu_note(struct gpu *g, cudaError_t error)
 {
@@ -31,8 +22,9 @@ static void name_device(struct gpu *g)
 {
     cudaDeviceProp p;
     cudaFuncAttributes code;
-    int driver = 0, runtime = 0;
-    gpu_note(g, cudaGetDeviceProperties(&p, 0));
+    int device = 0, driver = 0, runtime = 0;
+    gpu_note(g, cudaGetDevice(&device));
+    gpu_note(g, cudaGetDeviceProperties(&p, device));
     /* fails where ARCHES left this device out */
     gpu_note(g, cudaFuncGetAttributes(&code, probe_kernel));
     g->teams = !g->failed && p.major >= 9 && code.ptxVersion >= 90;
@@ -43,24 +35,41 @@ static void name_device(struct gpu *g)
              runtime / 1000, runtime % 1000 / 10);
 }
 
-struct gpu *gpu_open(int *status)
+/* What fails for another reason than room stays CUDA's last error. */
+static void *allocate(void *user, size_t bytes)
 {
+    void *p = NULL;
+    (void)user;
+    if (cudaMalloc(&p, bytes) == cudaErrorMemoryAllocation)
+        cudaGetLastError();
+    return p;
+}
+
+static void release(void *user, void *p, size_t bytes)
+{
+    (void)user;
+    (void)bytes;
+    cudaFree(p);
+}
+
+struct gpu *gpu_open(const drape_def *def, int *status)
+{
+    static const drape_allocator native = {allocate, release, NULL};
     int devices = 0;
     *status = DRAPE_EDEVICE;
     if (cudaGetDeviceCount(&devices) != cudaSuccess || devices < 1)
         return NULL;
-    struct gpu *g = (struct gpu *)calloc(1, sizeof *g);
+    struct gpu *g = gpu_make(def, &native);
     *status = DRAPE_ENOMEM;
     if (!g)
         return NULL;
-    g->block = GPU_BLOCK;
-    gpu_note(g, cudaSetDevice(0));
+    name_device(g);
     gpu_note(g, cudaStreamCreate(&g->stream));
     for (int k = 0; k < 2; k++)
         gpu_note(g, cudaEventCreate(&g->event[k]));
-    gpu_note(g, cudaMalloc(&g->words, GPU_WORDS * sizeof *g->words));
     gpu_note(g, cudaMallocHost(&g->seen, GPU_WORDS * sizeof *g->seen));
-    name_device(g);
+    g->words =
+        (int64_t *)gpu_take(g, ARENA_SCRATCH, GPU_WORDS, sizeof *g->words);
     *status = g->failed;
     if (g->failed) {
         gpu_close(g);
@@ -73,19 +82,17 @@ void gpu_close(struct gpu *g)
 {
     if (!g)
         return;
-    while (g->blocks)
-        gpu_give(g, g->blocks->data);
+    gpu_wait(g);
     blas_close(g);
-    for (int k = 0; k < GPU_SLOTS; k++)
-        cudaFree(g->slot[k].data);
-    cudaFree(g->words);
     cudaFreeHost(g->seen);
+    cudaStream_t stream = g->stream;
+    cudaEvent_t event[2] = {g->event[0], g->event[1]};
+    gpu_unmake(g);
     for (int k = 0; k < 2; k++)
-        if (g->event[k])
-            cudaEventDestroy(g->event[k]);
-    if (g->stream)
-        cudaStreamDestroy(g->stream);
-    free(g);
+        if (event[k])
+            cudaEventDestroy(event[k]);
+    if (stream)
+        cudaStreamDestroy(stream);
 }
 
 const char *gpu_info(void)
@@ -101,49 +108,6 @@ const char *gpu_name(const struct gpu *g)
 void gpu_set_block(struct gpu *g, int threads)
 {
     g->block = threads;
-}
-
-void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size)
-{
-    struct gpu_block *b = (struct gpu_block *)calloc(1, sizeof *b);
-    size_t bytes = (size_t)count * size;
-    if (!b) {
-        gpu_note(g, cudaErrorMemoryAllocation);
-        return NULL;
-    }
-    cudaError_t error = cudaMalloc(&b->data, bytes ? bytes : 1);
-    gpu_note(g, error);
-    if (error != cudaSuccess) {
-        cudaGetLastError(); /* it is noted */
-        free(b);
-        return NULL;
-    }
-    b->bytes = bytes;
-    b->part = part;
-    b->next = g->blocks;
-    g->blocks = b;
-    g->bytes[part] += bytes;
-    gpu_clear(g, b->data, bytes);
-    return b->data;
-}
-
-void gpu_give(struct gpu *g, void *p)
-{
-    for (struct gpu_block **at = &g->blocks; p && *at; at = &(*at)->next)
-        if ((*at)->data == p) {
-            struct gpu_block *b = *at;
-            *at = b->next;
-            g->bytes[b->part] -= b->bytes;
-            gpu_wait(g);
-            cudaFree(p);
-            free(b);
-            return;
-        }
-}
-
-const size_t *gpu_held(const struct gpu *g)
-{
-    return g->bytes;
 }
 
 static void copy(struct gpu *g, void *to, const void *from, size_t bytes,
@@ -186,6 +150,13 @@ int gpu_status(struct gpu *g)
     return g->failed;
 }
 
+void gpu_begin(struct gpu *g)
+{
+    cudaGetLastError(); /* what makes a device unusable comes again */
+    if (g->failed == DRAPE_ENOMEM)
+        g->failed = DRAPE_OK;
+}
+
 void gpu_clock_start(struct gpu *g)
 {
     gpu_note(g, cudaEventRecord(g->event[0], g->stream));
@@ -209,25 +180,7 @@ int64_t *gpu_words(struct gpu *g)
 const int64_t *gpu_read_words(struct gpu *g, int n)
 {
     gpu_down(g, g->seen, g->words, (size_t)n * sizeof *g->seen);
+    if (g->failed)
+        memset(g->seen, 0, GPU_WORDS * sizeof *g->seen);
     return g->seen;
-}
-
-void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size)
-{
-    struct gpu_slot *s = &g->slot[slot];
-    size_t bytes = (size_t)count * size + 1;
-    if (bytes <= s->bytes)
-        return s->data;
-    gpu_wait(g);
-    cudaFree(s->data);
-    s->data = NULL;
-    s->bytes = 0;
-    bytes += bytes / 4; /* so that growth is rare */
-    cudaError_t error = cudaMalloc(&s->data, bytes);
-    gpu_note(g, error);
-    if (error == cudaSuccess)
-        s->bytes = bytes;
-    else
-        cudaGetLastError();
-    return s->data;
 }

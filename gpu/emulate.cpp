@@ -11,8 +11,8 @@
 #include <time.h>
 #include <ucontext.h>
 
-struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
-unsigned char emulate_lane[1024][8];
+__thread struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
+__thread unsigned char emulate_lane[1024][8];
 
 /* ---- Threads ---- */
 
@@ -20,11 +20,14 @@ unsigned char emulate_lane[1024][8];
  * with a stack of its own; after that jumps lead there and back, which make
  * no system call. */
 enum { STACK = 1 << 20, THREADS = 1024 };
-static ucontext_t begun, starter;
-static sigjmp_buf scheduler, fiber[THREADS];
-static char *stack;
-static bool done[THREADS], started[THREADS];
-static const std::function<void()> *running; /* NULL: no fibers */
+static __thread ucontext_t begun, starter;
+static __thread sigjmp_buf scheduler, fiber[THREADS];
+static __thread bool done[THREADS], started[THREADS];
+static __thread const std::function<void()> *running; /* NULL: no fibers */
+static thread_local struct stacks {
+    char *of = NULL; /* the first fiber's */
+    ~stacks() { free(of); }
+} stack;
 
 void emulate_items(int64_t n, int threads, const std::function<void()> &kernel)
 {
@@ -66,7 +69,7 @@ static __attribute__((noinline)) void resume(unsigned t)
         siglongjmp(fiber[t], 1);
     started[t] = true;
     getcontext(&begun);
-    begun.uc_stack.ss_sp = &stack[(size_t)t * STACK];
+    begun.uc_stack.ss_sp = &stack.of[(size_t)t * STACK];
     begun.uc_stack.ss_size = STACK;
     makecontext(&begun, live, 0);
     swapcontext(&starter, &begun);
@@ -99,8 +102,8 @@ static void run_block(unsigned threads)
 void emulate_blocks(int64_t blocks, int threads,
                     const std::function<void()> &kernel)
 {
-    if (!stack)
-        stack = (char *)malloc((size_t)THREADS * STACK);
+    if (!stack.of)
+        stack.of = (char *)malloc((size_t)THREADS * STACK);
     gridDim = {(unsigned)(blocks > 0 ? blocks : 0), 1, 1};
     blockDim = {(unsigned)threads, 1, 1};
     running = &kernel;
@@ -113,37 +116,42 @@ void emulate_blocks(int64_t blocks, int threads,
 
 /* ---- The device ---- */
 
-struct gpu_block {
-    struct gpu_block *next, *prev;
-    size_t bytes;
-    enum arena_part part;
-};
-enum { HEADER = 64 };
-
-struct gpu *gpu_open(int *status)
+static void *allocate(void *user, size_t bytes)
 {
-    struct gpu *g = (struct gpu *)calloc(1, sizeof *g);
-    *status = g ? DRAPE_OK : DRAPE_ENOMEM;
+    (void)user;
+    return aligned_alloc(64, (bytes + 63) / 64 * 64);
+}
+
+static void release(void *user, void *p, size_t bytes)
+{
+    (void)user;
+    (void)bytes;
+    free(p);
+}
+
+struct gpu *gpu_open(const drape_def *def, int *status)
+{
+    static const drape_allocator native = {allocate, release, NULL};
+    struct gpu *g = gpu_make(def, &native);
+    *status = DRAPE_ENOMEM;
     if (!g)
         return NULL;
-    g->block = GPU_BLOCK;
     snprintf(g->name, sizeof g->name, "emulated on the host");
-    g->words = (int64_t *)calloc(GPU_WORDS, sizeof *g->words);
-    g->seen = (int64_t *)calloc(GPU_WORDS, sizeof *g->seen);
-    return g;
+    g->words =
+        (int64_t *)gpu_take(g, ARENA_SCRATCH, GPU_WORDS, sizeof *g->words);
+    g->seen = (int64_t *)arena_take(&g->host, ARENA_OTHER, GPU_WORDS,
+                                    sizeof *g->seen);
+    *status = g->seen ? g->failed : DRAPE_ENOMEM;
+    if (*status == DRAPE_OK)
+        return g;
+    gpu_close(g);
+    return NULL;
 }
 
 void gpu_close(struct gpu *g)
 {
-    if (!g)
-        return;
-    while (g->blocks)
-        gpu_give(g, (char *)g->blocks + HEADER);
-    for (int k = 0; k < GPU_SLOTS; k++)
-        free(g->slot[k].data);
-    free(g->words);
-    free(g->seen);
-    free(g);
+    if (g)
+        gpu_unmake(g);
 }
 
 const char *gpu_info(void)
@@ -159,44 +167,6 @@ const char *gpu_name(const struct gpu *g)
 void gpu_set_block(struct gpu *g, int threads)
 {
     g->block = threads;
-}
-
-void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size)
-{
-    size_t bytes = HEADER + (size_t)count * size;
-    struct gpu_block *b = (struct gpu_block *)aligned_alloc(
-        HEADER, (bytes + HEADER - 1) / HEADER * HEADER);
-    if (!b) {
-        g->failed = g->failed ? g->failed : DRAPE_ENOMEM;
-        return NULL;
-    }
-    memset((void *)b, 0, bytes);
-    b->bytes = bytes - HEADER;
-    b->part = part;
-    b->next = g->blocks;
-    b->prev = NULL;
-    if (g->blocks)
-        g->blocks->prev = b;
-    g->blocks = b;
-    g->bytes[part] += b->bytes;
-    return (char *)b + HEADER;
-}
-
-void gpu_give(struct gpu *g, void *p)
-{
-    if (!p)
-        return;
-    struct gpu_block *b = (struct gpu_block *)((char *)p - HEADER);
-    (b->prev ? b->prev->next : g->blocks) = b->next;
-    if (b->next)
-        b->next->prev = b->prev;
-    g->bytes[b->part] -= b->bytes;
-    free(b);
-}
-
-const size_t *gpu_held(const struct gpu *g)
-{
-    return g->bytes;
 }
 
 void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes)
@@ -231,6 +201,12 @@ int gpu_status(struct gpu *g)
     return g->failed;
 }
 
+void gpu_begin(struct gpu *g)
+{
+    if (g->failed == DRAPE_ENOMEM)
+        g->failed = DRAPE_OK;
+}
+
 void gpu_clock_start(struct gpu *g)
 {
     struct timespec t;
@@ -247,31 +223,19 @@ double gpu_clock_stop(struct gpu *g)
 
 int64_t *gpu_words(struct gpu *g)
 {
-    memset(g->words, 0, GPU_WORDS * sizeof *g->words);
+    gpu_clear(g, g->words, GPU_WORDS * sizeof *g->words);
     return g->words;
 }
 
 const int64_t *gpu_read_words(struct gpu *g, int n)
 {
-    memcpy(g->seen, g->words, (size_t)n * sizeof *g->seen);
+    gpu_down(g, g->seen, g->words, (size_t)n * sizeof *g->seen);
+    if (g->failed)
+        memset(g->seen, 0, GPU_WORDS * sizeof *g->seen);
     return g->seen;
 }
 
 /* ---- Primitives ---- */
-
-void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size)
-{
-    struct gpu_slot *s = &g->slot[slot];
-    size_t bytes = (size_t)count * size + 1;
-    if (bytes > s->bytes) {
-        free(s->data);
-        s->data = malloc(bytes);
-        s->bytes = s->data ? bytes : 0;
-        if (!s->data)
-            g->failed = g->failed ? g->failed : DRAPE_ENOMEM;
-    }
-    return s->data;
-}
 
 void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
 {

@@ -2,7 +2,8 @@
 /* CUDA's words on the host, as far as gpu/ uses them: so the kernels are
  * compiled, run and compared with ref/ where there is no GPU. Blocks run one
  * after another, last first; threads of a block one after another, or, where
- * they synchronise, as fibers. It finds wrong results, not races. */
+ * they synchronise, as fibers. It finds wrong results, not races. Each thread
+ * of the host has a device of its own. */
 #ifndef GPU_EMULATE_H
 #define GPU_EMULATE_H
 
@@ -17,7 +18,7 @@
 #define __forceinline__ inline
 #define __noinline__
 #define __constant__ static const
-#define __shared__ static
+#define __shared__ static thread_local
 #define __launch_bounds__(...)
 #define __restrict__
 #define __grid_constant__
@@ -25,7 +26,7 @@
 struct emulate_dim {
     unsigned x, y, z;
 };
-extern struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
+extern __thread struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
 
 void emulate_items(int64_t n, int threads, const std::function<void()> &kernel);
 void emulate_blocks(int64_t blocks, int threads,
@@ -36,7 +37,7 @@ void __syncthreads(void);
 
 /* The value of the thread of the same warp whose number differs by `mask`.
  * All threads of a block must call it, as it synchronises them here. */
-extern unsigned char emulate_lane[1024][8];
+extern __thread unsigned char emulate_lane[1024][8];
 template <class T> T __shfl_xor_sync(unsigned, T value, int mask)
 {
     unsigned t = threadIdx.x;

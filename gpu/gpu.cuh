@@ -35,7 +35,7 @@ extern "C" {
 /* Most threads of a block of an item kernel. */
 enum { GPU_BLOCK = 256, GPU_WORDS = 32, GPU_SLOTS = 8 };
 
-/* Scratch that grows and is kept; what a slot held is lost when it does. */
+/* Room that grows and is kept; what a slot held is lost when it does. */
 struct gpu_slot {
     void *data;
     size_t bytes;
@@ -55,9 +55,13 @@ struct gpu {
     int64_t *words; /* device [GPU_WORDS] small results of a stage */
     int64_t *seen;  /* host, pinned [GPU_WORDS] as last read */
     struct gpu_slot slot[GPU_SLOTS];
-    struct gpu_block *blocks; /* all that was taken */
+    struct gpu_slot aside;    /* on the host */
     struct gpu_blas *blas;    /* gpu/blas.h; NULL: not open */
+    struct arena host;        /* this struct lies in it, too */
+    drape_allocator device;   /* of the device's memory */
+    struct gpu_block *blocks; /* all that was taken there */
     size_t bytes[ARENA_PARTS];
+    int64_t taken; /* how often */
 };
 
 /* Notes a failure of CUDA's, the first of which stays. */
@@ -157,13 +161,22 @@ static __device__ inline void team_sync(void)
 
 /* g->words, all zero from here on in the stream. */
 int64_t *gpu_words(struct gpu *g);
-/* g->seen with the first n words; waits for the stream. */
+/* g->seen with the first n words, 0 after a failure; waits for the stream. */
 const int64_t *gpu_read_words(struct gpu *g, int n);
 
-/* ---- Primitives, gpu/prim.cu ---- */
+/* ---- Memory, gpu/memory.cu ---- */
 
 /* At least count · size bytes of scratch, NULL if there is none. */
 void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size);
+/* The same of the host, of which there is one. */
+void *gpu_aside(struct gpu *g, size_t bytes);
+/* A struct gpu with all but CUDA's in it, NULL if there is no memory; native
+ * stands for the allocator that def may leave out. Its end. */
+struct gpu *gpu_make(const drape_def *def, const drape_allocator *native);
+void gpu_unmake(struct gpu *g);
+
+/* ---- Primitives, gpu/prim.cu ---- */
+
 /* a[k] = a[0] + … + a[k-1]; the total is a[n-1] after if the last was 0.
  * Whole numbers: no order shows. */
 void gpu_scan(struct gpu *g, int64_t *a, int64_t n);

@@ -13,9 +13,10 @@ extern "C" {
 
 struct gpu; /* a device, one stream of it, and what was taken there */
 
-/* Device 0 and a stream of its own; *status: DRAPE_OK, DRAPE_EDEVICE or
- * DRAPE_ENOMEM, and then NULL. The caller closes it. */
-struct gpu *gpu_open(int *status);
+/* The device that is current in this thread, with def's allocators and block;
+ * def NULL: the defaults. *status: DRAPE_OK, DRAPE_EDEVICE or DRAPE_ENOMEM, and
+ * then NULL. The caller closes it. */
+struct gpu *gpu_open(const drape_def *def, int *status);
 void gpu_close(struct gpu *g); /* gives back all memory; NULL is allowed */
 
 /* The device in words: name, driver, runtime; valid until gpu_close. */
@@ -29,6 +30,7 @@ void gpu_set_block(struct gpu *g, int threads);
 void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size);
 void gpu_give(struct gpu *g, void *p);       /* back; NULL is allowed */
 const size_t *gpu_held(const struct gpu *g); /* [ARENA_PARTS] bytes now */
+void gpu_count(const struct gpu *g, drape_memory *m); /* added to m */
 
 /* In the order of the stream; gpu_down and gpu_wait end when it is done. */
 void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes);
@@ -37,8 +39,12 @@ void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes);
 void gpu_clear(struct gpu *g, void *device, size_t bytes);
 void gpu_wait(struct gpu *g);
 
-/* The first failure since gpu_open: DRAPE_OK, DRAPE_ENOMEM, DRAPE_EDEVICE. */
+/* The first failure since gpu_begin: DRAPE_OK, DRAPE_ENOMEM, DRAPE_EDEVICE.
+ * After one nothing is launched or copied. */
 int gpu_status(struct gpu *g);
+/* A call of the API begins: room may have come since the last, but a lost
+ * device stays lost; errors of the caller's own calls are not counted. */
+void gpu_begin(struct gpu *g);
 
 /* Seconds that the stream took between the two calls. */
 void gpu_clock_start(struct gpu *g);

@@ -107,12 +107,12 @@ static int64_t *place(struct gpu *g, const struct impacts *s, int32_t want)
     return first;
 }
 
-/* Asks narrow about n candidates that seem to touch at the start. Rare: its
- * memory is taken anew. */
+/* Asks narrow about n candidates that seem to touch at the start. */
 static int ask(struct gpu *g, struct impacts *s, int64_t n)
 {
     struct asked a;
-    int32_t *room = (int32_t *)gpu_take(g, ARENA_RESPONSE, 26 * n, 1);
+    /* narrow has the slots before */
+    int32_t *room = (int32_t *)gpu_scratch(g, SLOT_STAGE + 2, 26 * n, 1);
     if (!room)
         return gpu_status(g);
     a.pair = room;
@@ -137,7 +137,6 @@ static int ask(struct gpu *g, struct impacts *s, int64_t n)
     int64_t hits = gpu_read_words(g, WORDS)[HITS];
     s->found += hits;
     s->started = n - hits;
-    gpu_give(g, room);
     return status == DRAPE_OK ? gpu_status(g) : status;
 }
 

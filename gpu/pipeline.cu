@@ -215,6 +215,7 @@ int gpu_step(struct world *h, drape_step_report *r)
     struct gpu_world *w = h->device;
     double last = clock_now(), end = (double)(h->step + 1) * h->def.dt;
     memset(r, 0, sizeof *r);
+    gpu_begin(w->gpu);
     h->trace.step = h->step;
     h->trace.last = last;
     int status = gpu_lead(w, end, w->x1); /* 01 kinematics */

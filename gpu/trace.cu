@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The trace of a run on the device. spec/50_gpu.md §6 */
-#include <stdlib.h>
-
 #include "gpu/gpu.cuh"
 
 void gpu_trace(struct gpu *g, struct trace *t, const char *stage,
@@ -9,10 +7,9 @@ void gpu_trace(struct gpu *g, struct trace *t, const char *stage,
 {
     if (!t)
         return;
-    void *copy = malloc(bytes + 1);
+    void *copy = gpu_aside(g, bytes);
     if (copy) {
         gpu_down(g, copy, out, bytes);
         trace_stage(t, stage, copy, bytes);
     }
-    free(copy);
 }

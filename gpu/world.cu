@@ -145,7 +145,7 @@ static int open_device(struct world *h, drape_error *error)
         return DRAPE_ENOMEM;
     h->device = w;
     w->host = h;
-    w->gpu = gpu_open(&status);
+    w->gpu = gpu_open(&h->def, &status);
     if (!w->gpu) {
         if (error)
             snprintf(error->text, sizeof error->text,
@@ -153,8 +153,6 @@ static int open_device(struct world *h, drape_error *error)
         return status;
     }
     h->held = gpu_held(w->gpu);
-    if (h->def.block)
-        gpu_set_block(w->gpu, h->def.block);
     if (h->def.solver == DRAPE_CUBLAS)
         status = blas_open(w->gpu);
     if (status != DRAPE_OK && error)
@@ -185,12 +183,19 @@ static int make(const drape_def *def, struct arena *arena, struct world **world,
     for (int k = 0; k < def->n_obstacles; k++)
         give_prop(w, k);
     status = gpu_status(w->gpu);
+    if (h->tracing) /* so that a step that is done has room for its trace */
+        gpu_aside(w->gpu, (size_t)h->nv * sizeof(vec));
     if (status == DRAPE_OK && h->plan.collides)
         status = gpu_broad_make(w->gpu, &h->broad, &w->broad);
     if (status == DRAPE_OK && h->plan.collides)
         status = give_response(w);
     gpu_wait(w->gpu);
     return status == DRAPE_OK ? gpu_status(w->gpu) : status;
+}
+
+static void count(const struct world *h, drape_memory *m)
+{
+    gpu_count(h->device->gpu, m);
 }
 
 static void end(struct world *h)
@@ -201,27 +206,28 @@ static void end(struct world *h)
 
 /* ---- The state, from and to the host's streams ---- */
 
-static void fetch(const struct world *h)
+static int fetch(const struct world *h)
 {
     struct gpu_world *w = h->device;
     size_t bytes = (size_t)h->nv * sizeof *w->x0;
     size_t past = w->past_x ? (size_t)h->nc * sizeof *w->past_x : 0;
+    gpu_begin(w->gpu);
     gpu_down(w->gpu, h->x0, w->x0, bytes);
     gpu_down(w->gpu, h->v0, w->v0, bytes);
     gpu_down(w->gpu, h->past_x, w->past_x, past);
     gpu_down(w->gpu, h->past_v, w->past_v, past);
+    return gpu_status(w->gpu);
 }
 
-static void read(const struct world *h, double (*x)[3], double (*v)[3])
+static int read(const struct world *h, double (*x)[3], double (*v)[3])
 {
-    fetch(h);
-    world_read(h, x, v);
+    int status = fetch(h);
+    return status == DRAPE_OK ? world_read(h, x, v) : status;
 }
 
 static int save(const struct world *h, drape_write *write, void *user)
 {
-    fetch(h);
-    int status = gpu_status(h->device->gpu);
+    int status = fetch(h);
     return status == DRAPE_OK ? checkpoint_save(h, write, user) : status;
 }
 
@@ -241,6 +247,7 @@ static int load(struct world *h, drape_read_bytes *read, void *user)
     int status = checkpoint_load(h, read, user);
     if (status != DRAPE_OK)
         return status;
+    gpu_begin(w->gpu);
     size_t bytes = (size_t)h->nv * sizeof *w->x0;
     size_t past = w->past_x ? (size_t)h->nc * sizeof *w->past_x : 0;
     gpu_up(w->gpu, w->x0, h->x0, bytes);
@@ -270,4 +277,5 @@ const struct world_ops world_ops_gpu = {.make = make,
                                         .plan = plan_rows,
                                         .save = save,
                                         .load = load,
+                                        .count = count,
                                         .end = end};

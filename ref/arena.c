@@ -44,6 +44,7 @@ void *arena_take(struct arena *a, enum arena_part part, int64_t count,
         a->failed = true;
         return NULL;
     }
+    a->taken++;
     uint8_t *p = a->allocator.allocate(a->allocator.user, HEADER + n * size);
     if (!p) {
         a->failed = true;

@@ -20,6 +20,7 @@ enum arena_part {
     ARENA_FRONT,
     ARENA_PAIRS,
     ARENA_RESPONSE,
+    ARENA_SCRATCH, /* of a device's stages; the reference's is in the others */
     ARENA_OTHER,
     ARENA_PARTS
 };
@@ -28,6 +29,7 @@ struct arena {
     drape_allocator allocator;
     struct arena_block *blocks;
     size_t bytes[ARENA_PARTS]; /* held now */
+    int64_t taken;             /* how often something was */
     bool failed;               /* an allocation gave nothing since create */
 };
 

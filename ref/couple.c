@@ -52,11 +52,12 @@ static int make_room(struct world *w, int64_t n)
     arena_give(w->arena, p->vertex);
     arena_give(w->arena, p->slide);
     arena_give(w->arena, p->share);
-    c->cap = n + n / 4 + 64;
-    p->item = take(w, 4 * c->cap, sizeof *p->item);
-    p->vertex = take(w, 4 * c->cap, sizeof *p->vertex);
-    p->slide = take(w, c->cap, sizeof *p->slide);
-    p->share = take(w, c->cap, sizeof *p->share);
+    int64_t cap = n + n / 4 + 64;
+    p->item = take(w, 4 * cap, sizeof *p->item);
+    p->vertex = take(w, 4 * cap, sizeof *p->vertex);
+    p->slide = take(w, cap, sizeof *p->slide);
+    p->share = take(w, cap, sizeof *p->share);
+    c->cap = w->arena->failed ? 0 : cap;
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
 

@@ -233,6 +233,9 @@ static void check_world(struct check *c, const drape_def *def)
     if (def->block % 32)
         fail(c, DRAPE_EARG, "block is %d, expected a multiple of 32",
              def->block);
+    if (!def->allocator.allocate != !def->allocator.release ||
+        !def->device_allocator.allocate != !def->device_allocator.release)
+        fail(c, DRAPE_EARG, "an allocator needs both its functions, or none");
     number(c, "dt", def->dt, 1e-9, 1e3);
     vectors(c, "gravity", 1, &def->gravity);
     vectors(c, "wind velocity", 1, &def->wind.velocity);

@@ -74,6 +74,7 @@ void drape_destroy(drape_world *world)
 int drape_step(drape_world *world, drape_step_report *report)
 {
     drape_step_report unused;
+    world->arena.failed = false; /* room may have come since */
     return world->ops->step(world->world, report ? report : &unused);
 }
 
@@ -103,8 +104,7 @@ int64_t drape_triangles(const drape_world *world)
 
 int drape_read(const drape_world *world, double (*x)[3], double (*v)[3])
 {
-    world->ops->read(world->world, x, v);
-    return DRAPE_OK;
+    return world->ops->read(world->world, x, v);
 }
 
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3])
@@ -136,6 +136,17 @@ int drape_set_wind(drape_world *world, const drape_wind *wind)
 int drape_plan(const drape_world *world, drape_plan_row *row, int capacity)
 {
     return world->ops->plan(world->world, row, capacity);
+}
+
+int drape_count(const drape_world *world, drape_memory *memory)
+{
+    const struct arena *a = &world->arena;
+    *memory = (drape_memory){.host_allocations = a->taken};
+    for (int k = 0; k < ARENA_PARTS; k++)
+        memory->host_bytes += a->bytes[k];
+    if (world->ops->count)
+        world->ops->count(world->world, memory);
+    return DRAPE_OK;
 }
 
 int drape_save(const drape_world *world, drape_write *write, void *user)

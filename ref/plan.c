@@ -68,6 +68,8 @@ int plan_rows(const struct world *w, drape_plan_row *row, int capacity)
          false},
         {"rollback", p->collides, "only if zones do not suffice", alone, 0,
          false},
+        {"scratch", w->device, "sorts and scans of the device",
+         "the reference needs none", ARENA_SCRATCH, true},
         {"sleep", w->def.sleep, "a scene at rest is skipped", "sleep is off",
          ARENA_OTHER, true},
     };

@@ -76,7 +76,7 @@ struct world {
 /* What ref/world.c lends to the other files of a world, and to gpu/. */
 int world_make(const drape_def *def, struct arena *arena, struct world **world,
                drape_error *error);
-void world_read(const struct world *w, double (*x)[3], double (*v)[3]);
+int world_read(const struct world *w, double (*x)[3], double (*v)[3]);
 void world_read_triangles(const struct world *w, int32_t (*tri)[3]);
 int64_t world_first_vertex(const struct world *w, int body);
 int64_t world_first_triangle(const struct world *w, int body);

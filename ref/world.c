@@ -251,10 +251,11 @@ static void copy_out(double (*out)[3], const vec *a, int64_t n)
     }
 }
 
-void world_read(const struct world *w, double (*x)[3], double (*v)[3])
+int world_read(const struct world *w, double (*x)[3], double (*v)[3])
 {
     copy_out(x, w->x0, w->nv);
     copy_out(v, w->v0, w->nv);
+    return DRAPE_OK;
 }
 
 void world_read_triangles(const struct world *w, int32_t (*tri)[3])

@@ -14,7 +14,7 @@ struct world_ops {
     int (*make)(const drape_def *def, struct arena *arena, struct world **world,
                 drape_error *error);
     int (*step)(struct world *w, drape_step_report *report);
-    void (*read)(const struct world *w, double (*x)[3], double (*v)[3]);
+    int (*read)(const struct world *w, double (*x)[3], double (*v)[3]);
     void (*read_triangles)(const struct world *w, int32_t (*tri)[3]);
     int64_t (*first_vertex)(const struct world *w, int body);
     int64_t (*first_triangle)(const struct world *w, int body);
@@ -23,7 +23,9 @@ struct world_ops {
     int (*plan)(const struct world *w, drape_plan_row *row, int capacity);
     int (*save)(const struct world *w, drape_write *write, void *user);
     int (*load)(struct world *w, drape_read_bytes *read, void *user);
-    void (*end)(struct world *w); /* NULL: the arena holds everything */
+    /* NULL: the arena holds everything. Adds to m; ends what is held. */
+    void (*count)(const struct world *w, drape_memory *m);
+    void (*end)(struct world *w);
 };
 
 extern const struct world_ops world_ops_32, world_ops_64;

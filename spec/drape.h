@@ -121,8 +121,10 @@ typedef struct drape_wind {
     double drag, lift;  /* coefficients of a triangle, ≥ 0 */
 } drape_wind;
 
+/* Called within calls on the worlds that have it, and nowhere else. Memory of
+ * the host is aligned to 64, of a device to 256. */
 typedef struct drape_allocator {
-    void *(*allocate)(void *user, size_t bytes); /* aligned to 64; or NULL */
+    void *(*allocate)(void *user, size_t bytes); /* NULL: there is none */
     void (*release)(void *user, void *p, size_t bytes);
     void *user;
 } drape_allocator;
@@ -163,8 +165,9 @@ typedef struct drape_def {
     const drape_motion *motions;
     int n_motions;
 
-    drape_allocator allocator; /* zero: malloc and free */
-    drape_trace *trace;        /* NULL: none, and no digest is computed */
+    drape_allocator allocator;        /* zero: malloc and free */
+    drape_allocator device_allocator; /* zero: cudaMalloc and cudaFree */
+    drape_trace *trace; /* NULL: none, and no digest is computed */
     void *trace_user;
 } drape_def;
 
@@ -249,6 +252,14 @@ int drape_set_wind(drape_world *world, const drape_wind *wind);
 
 /* Rows of the plan into row[capacity]; returns how many there are. */
 int drape_plan(const drape_world *world, drape_plan_row *row, int capacity);
+
+/* A world's streams and records, without what CUDA keeps for itself. Where a
+ * scene has settled, a step allocates nothing. */
+typedef struct drape_memory {
+    size_t host_bytes, device_bytes;              /* held now */
+    int64_t host_allocations, device_allocations; /* since drape_create */
+} drape_memory;
+int drape_count(const drape_world *world, drape_memory *memory);
 
 /* A checkpoint through the caller's functions, which return 0 when all
  * bytes went through. A loaded world goes on bit for bit; it must have been

@@ -198,7 +198,7 @@ const char *test_broad_gpu(void)
 {
     for (int k = 0; k < 10; k++) {
         int status;
-        struct twin t = {.g = gpu_open(&status)};
+        struct twin t = {.g = gpu_open(NULL, &status)};
         if (!t.g)
             return skip("there is no device");
         make_scene(&t.f, k);
@@ -244,7 +244,7 @@ static const char *large_sheet(const char *name, int32_t n, real noise)
 {
     int status;
     real cell = 1 / (real)(n - 1);
-    struct twin t = {.g = gpu_open(&status)};
+    struct twin t = {.g = gpu_open(NULL, &status)};
     fabric_make(&t.f, n * n + 51000, 2 * n * n + 101000, 1);
     fabric_cloth(&t.f, n, n, FABRIC_WAVY, 0);
     fabric_sphere(&t.f, TREE_STATIC, 159, vec_make(R(0.5), R(-0.38), R(0.5)),
@@ -264,7 +264,7 @@ static const char *large_frame(const char *name)
     char path[160];
     struct ply p[2] = {{0}, {0}};
     bool good = true;
-    struct twin t = {.g = gpu_open(&status)};
+    struct twin t = {.g = gpu_open(NULL, &status)};
     for (int k = 0; k < 2; k++) {
         snprintf(path, sizeof path, "../shared/ccd/frames/%s/t%d.ply", name, k);
         good = ply_read(path, &p[k]) && good;
@@ -292,7 +292,7 @@ static const char *large_frame(const char *name)
 const char *test_broad_gpu_large(void)
 {
     int status;
-    struct gpu *g = gpu_open(&status);
+    struct gpu *g = gpu_open(NULL, &status);
     bool there = g != NULL;
     gpu_close(g);
     if (!there || !getenv("DRAPE_SOAK"))

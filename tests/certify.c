@@ -29,7 +29,7 @@ static void run_device(struct gpu *g, const struct stage *stage, int bits)
 void run_devices(void)
 {
     int status;
-    struct gpu *g = gpu_open(&status);
+    struct gpu *g = gpu_open(NULL, &status);
     printf("device: %s\n", g ? gpu_name(g) : drape_status_text(status));
     if (!g)
         report("device", "gpu_open", 0, "there is none");
@@ -43,7 +43,7 @@ void run_devices(void)
 void bench_gpu(void)
 {
     int status;
-    struct gpu *g = gpu_open(&status);
+    struct gpu *g = gpu_open(NULL, &status);
     printf("stage,bits,us,MiB,GB/s\n");
     for (int k = 0; k < 2 && g; k++)
         for (const struct stage *s = stages(k); s->name; s++) {
@@ -115,7 +115,7 @@ static void certify_corpus(struct gpu *g, const struct stage *s,
 void certify(const char *corpus)
 {
     int status;
-    struct gpu *g = gpu_open(&status);
+    struct gpu *g = gpu_open(NULL, &status);
     if (!g) {
         report("certify", "gpu_open", 0, drape_status_text(status));
         return;

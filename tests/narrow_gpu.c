@@ -72,7 +72,7 @@ static const char *compare(const char *name, struct narrow *s, int64_t hits,
 {
     int status, touching = 0, tiers[3] = {0};
     double seconds;
-    struct gpu *g = gpu_open(&status);
+    struct gpu *g = gpu_open(NULL, &status);
     if (!g)
         return skip("there is no device");
     status = run(g, s, &seconds);

@@ -249,7 +249,7 @@ static const char *run_scene(struct rival *t, int k, int *status)
     enum { STEPS = 8 };
     make_scene(&t->ref, k);
     make_scene(&t->a, k);
-    t->g = gpu_open(status);
+    t->g = gpu_open(NULL, status);
     const char *failed = NULL;
     if (t->g) {
         gpu_set_block(t->g, k % 2 ? 96 : 256);

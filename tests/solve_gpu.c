@@ -106,7 +106,7 @@ static void compare_bits(struct gpu *g, struct pcg *s, struct pcg *d)
 static void bench_one(int32_t n, int precond, int solver)
 {
     int status;
-    struct gpu *g = gpu_open(&status);
+    struct gpu *g = gpu_open(NULL, &status);
     struct system a;
     struct pcg s, d;
     bool jacobi = precond == DRAPE_JACOBI;
@@ -140,7 +140,7 @@ void bench_solve(void)
 {
     static const int32_t sizes[] = {101, 504, 1008};
     int status;
-    struct gpu *g = gpu_open(&status);
+    struct gpu *g = gpu_open(NULL, &status);
     if (!g)
         return;
     int most = strncmp(gpu_name(g), "emulated", 8) ? 3 : 1;
@@ -157,7 +157,7 @@ const char *test_solve_gpu(void)
 {
     for (int precond = DRAPE_JACOBI; precond <= DRAPE_MULTIGRID; precond++) {
         int status;
-        struct gpu *g = gpu_open(&status);
+        struct gpu *g = gpu_open(NULL, &status);
         struct system a;
         struct pcg s, d;
         if (!g)
@@ -247,7 +247,7 @@ const char *test_cublas(void)
 {
     for (int k = 0; k < 4; k++) {
         int status;
-        struct gpu *g = gpu_open(&status);
+        struct gpu *g = gpu_open(NULL, &status);
         if (!g || blas_open(g) != DRAPE_OK) {
             gpu_close(g);
             return skip("there is no cuBLAS");

@@ -10,7 +10,7 @@ int price_run_64(struct gpu *g);
 int main(void)
 {
     int status;
-    struct gpu *g = gpu_open(&status);
+    struct gpu *g = gpu_open(NULL, &status);
     if (!g) {
         fputs("price: there is no device here\n", stderr);
         return 1;

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Memory of a device: the only place that takes any. As ref/arena.c, but a
+ * block's record lies on the host. spec/50_gpu.md §10 */
+#include "gpu/gpu.cuh"
+
+/* What was taken, found by its address. */
+struct gpu_block {
+    struct gpu_block *next;
+    void *data;
+    size_t bytes;
+    enum arena_part part;
+};
+
+/* There was none: of the device, unless that is lost. */
+static void *none(struct gpu *g)
+{
+    if (gpu_status(g) == DRAPE_OK)
+        g->failed = DRAPE_ENOMEM;
+    return NULL;
+}
+
+/* As gpu_take, but not zeroed. */
+static void *take(struct gpu *g, enum arena_part part, size_t bytes)
+{
+    struct gpu_block *b =
+        (struct gpu_block *)arena_take(&g->host, ARENA_OTHER, 1, sizeof *b);
+    if (!b)
+        return none(g);
+    g->taken++;
+    b->data = g->device.allocate(g->device.user, bytes);
+    if (!b->data) {
+        arena_give(&g->host, b);
+        return none(g);
+    }
+    b->bytes = bytes;
+    b->part = part;
+    b->next = g->blocks;
+    g->blocks = b;
+    g->bytes[part] += bytes;
+    return b->data;
+}
+
+void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size)
+{
+    size_t n = (size_t)(count > 0 ? count : 0);
+    void *p = n > SIZE_MAX / size ? none(g) : take(g, part, n * size + !n);
+    if (p)
+        gpu_clear(g, p, n * size);
+    return p;
+}
+
+void gpu_give(struct gpu *g, void *p)
+{
+    for (struct gpu_block **at = &g->blocks; p && *at; at = &(*at)->next)
+        if ((*at)->data == p) {
+            struct gpu_block *b = *at;
+            *at = b->next;
+            g->bytes[b->part] -= b->bytes;
+            gpu_wait(g);
+            g->device.release(g->device.user, p, b->bytes);
+            arena_give(&g->host, b);
+            return;
+        }
+}
+
+struct gpu *gpu_make(const drape_def *def, const drape_allocator *native)
+{
+    struct arena arena;
+    const drape_def plain = {};
+    def = def ? def : &plain;
+    arena_init(&arena, &def->allocator);
+    struct gpu *g = (struct gpu *)arena_take(&arena, ARENA_OTHER, 1, sizeof *g);
+    if (!g)
+        return NULL;
+    g->host = arena;
+    g->device =
+        def->device_allocator.allocate ? def->device_allocator : *native;
+    g->block = def->block ? def->block : GPU_BLOCK;
+    return g;
+}
+
+void gpu_unmake(struct gpu *g)
+{
+    while (g->blocks)
+        gpu_give(g, g->blocks->data);
+    struct arena arena = g->host; /* g lies in it */
+    arena_free(&arena);
+}
+
+void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size)
+{
+    struct gpu_slot *s = &g->slot[slot];
+    size_t bytes = (size_t)count * size + 1;
+    if (bytes <= s->bytes)
+        return s->data;
+    gpu_give(g, s->data);
+    bytes += bytes / 4; /* so that growth is rare */
+    s->data = take(g, ARENA_SCRATCH, bytes);
+    s->bytes = s->data ? bytes : 0;
+    return s->data;
+}
+
+void *gpu_aside(struct gpu *g, size_t bytes)
+{
+    struct gpu_slot *s = &g->aside;
+    if (bytes <= s->bytes && s->data)
+        return s->data;
+    arena_give(&g->host, s->data);
+    s->data = arena_take(&g->host, ARENA_OTHER, (int64_t)bytes, 1);
+    s->bytes = s->data ? bytes : 0;
+    return s->data ? s->data : none(g);
+}
+
+const size_t *gpu_held(const struct gpu *g)
+{
+    return g->bytes;
+}
+
+void gpu_count(const struct gpu *g, drape_memory *m)
+{
+    for (int k = 0; k < ARENA_PARTS; k++) {
+        m->host_bytes += g->host.bytes[k];
+        m->device_bytes += g->bytes[k];
+    }
+    m->host_allocations += g->host.taken;
+    m->device_allocations += g->taken;
+}
