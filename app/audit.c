@@ -69,9 +69,11 @@ static int audit(const struct merged *all, const char *name, int list,
                  bool quiet, int64_t *found)
 {
     int64_t degenerate = 0;
-    drape_mesh mesh = {all->mesh.nv, all->mesh.nt,
-                       (const double(*)[3])all->mesh.x,
-                       (const int32_t(*)[3])all->mesh.tri, all->group};
+    drape_mesh mesh = {.nv = all->mesh.nv,
+                       .nt = all->mesh.nt,
+                       .x = (const double(*)[3])all->mesh.x,
+                       .tri = (const int32_t(*)[3])all->mesh.tri,
+                       .group = all->group};
     int status = drape_audit(&mesh, 0, NULL, found, &degenerate);
     if (status != DRAPE_OK)
         return complain(APP_FAILED, "%s: %s", name, drape_status_text(status));

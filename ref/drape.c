@@ -10,6 +10,7 @@
 #include "ref/audit.h"
 #include "ref/define.h"
 #include "ref/narrow.h"
+#include "ref/threads.h"
 #include "ref/world.h"
 
 struct drape_world {
@@ -50,7 +51,9 @@ int drape_create(const drape_def *def, drape_world **world, drape_error *error)
     d->arena = arena;
     d->ops = choose_ops(def);
     d->bodies = def->n_cloths + def->n_obstacles;
+    int threads = threads_set(def->threads);
     status = d->ops->make(def, &d->arena, &d->world, error);
+    threads_set(threads);
     if (status != DRAPE_OK) {
         if (error && !error->text[0])
             refuse(error, drape_status_text(status), status);

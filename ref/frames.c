@@ -6,6 +6,7 @@
 #include "ref/arena.h"
 #include "ref/broad.h"
 #include "ref/narrow.h"
+#include "ref/threads.h"
 
 /* Candidates decided at once: bounds what is held beside them. A triangle
  * more than FRAMES_MOST would let 3 · nt overflow. */
@@ -102,12 +103,13 @@ static int query(struct frames *f, drape_touch *touch, void *user)
 int drape_ccd_frames(const drape_mesh *mesh, const double (*x1)[3],
                      drape_touch *touch, void *user, int64_t candidates[2])
 {
-    drape_allocator plain = {0};
     struct frames f = {.mesh = mesh, .x1 = (const vec *)(const void *)x1};
     int status = check(mesh, x1);
     if (status == DRAPE_OK && mesh->nt > 0) {
-        arena_init(&f.arena, &plain);
+        arena_init(&f.arena, &mesh->allocator);
+        int threads = threads_set(mesh->threads);
         status = query(&f, touch, user);
+        threads_set(threads);
         arena_free(&f.arena);
     }
     if (status == DRAPE_OK && candidates) {

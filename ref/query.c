@@ -5,6 +5,7 @@
 #include "ref/arena.h"
 #include "ref/audit.h"
 #include "ref/narrow.h"
+#include "ref/threads.h"
 
 static int take_scratch(struct audit *s, struct arena *a)
 {
@@ -35,7 +36,6 @@ int drape_audit(const drape_mesh *mesh, int64_t capacity, int32_t (*pair)[2],
                 int64_t *found, int64_t *degenerate)
 {
     struct arena arena;
-    drape_allocator plain = {0};
     struct audit s = {.nv = mesh->nv,
                       .nt = mesh->nt,
                       .tri = mesh->tri,
@@ -44,11 +44,13 @@ int drape_audit(const drape_mesh *mesh, int64_t capacity, int32_t (*pair)[2],
     if (mesh->nv < 0 || mesh->nt < 0 || mesh->nv > INT32_MAX ||
         mesh->nt > INT32_MAX)
         return DRAPE_EARG;
-    arena_init(&arena, &plain);
+    arena_init(&arena, &mesh->allocator);
     s.x = (const vec *)(const void *)mesh->x;
+    int threads = threads_set(mesh->threads);
     int status = take_scratch(&s, &arena);
     if (status == DRAPE_OK)
         status = run(&s, &arena);
+    threads_set(threads);
     if (status == DRAPE_OK) {
         *found = s.found;
         if (degenerate)

@@ -278,6 +278,8 @@ typedef struct drape_mesh {
     const double (*x)[3];
     const int32_t (*tri)[3];
     const int32_t *group;
+    int threads;               /* 0: as many as cores. Same results. */
+    drape_allocator allocator; /* zero: malloc and free */
 } drape_mesh;
 int drape_audit(const drape_mesh *mesh, int64_t capacity, int32_t (*pair)[2],
                 int64_t *found, int64_t *degenerate);
