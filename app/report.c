@@ -160,6 +160,13 @@ static void put_bodies(FILE *out, const struct scene *scene,
 static void put_plan(FILE *out, const drape_world *world)
 {
     drape_plan_row row[64];
+    drape_memory m;
+    drape_count(world, &m);
+    fprintf(out,
+            "  \"memory\": {\"host_bytes\": %zu, \"device_bytes\": %zu, "
+            "\"host_allocations\": %lld, \"device_allocations\": %lld},\n",
+            m.host_bytes, m.device_bytes, (long long)m.host_allocations,
+            (long long)m.device_allocations);
     int rows = drape_plan(world, row, 64);
     rows = rows < 64 ? rows : 64;
     fputs("  \"plan\": [\n", out);

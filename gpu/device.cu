@@ -52,14 +52,19 @@ static void release(void *user, void *p, size_t bytes)
     cudaFree(p);
 }
 
-struct gpu *gpu_open(const drape_def *def, int *status)
+const drape_allocator *gpu_native(void)
 {
     static const drape_allocator native = {allocate, release, NULL};
+    return &native;
+}
+
+struct gpu *gpu_open(const drape_def *def, int *status)
+{
     int devices = 0;
     *status = DRAPE_EDEVICE;
     if (cudaGetDeviceCount(&devices) != cudaSuccess || devices < 1)
         return NULL;
-    struct gpu *g = gpu_make(def, &native);
+    struct gpu *g = gpu_make(def);
     *status = DRAPE_ENOMEM;
     if (!g)
         return NULL;

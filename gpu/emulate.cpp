@@ -129,10 +129,15 @@ static void release(void *user, void *p, size_t bytes)
     free(p);
 }
 
-struct gpu *gpu_open(const drape_def *def, int *status)
+const drape_allocator *gpu_native(void)
 {
     static const drape_allocator native = {allocate, release, NULL};
-    struct gpu *g = gpu_make(def, &native);
+    return &native;
+}
+
+struct gpu *gpu_open(const drape_def *def, int *status)
+{
+    struct gpu *g = gpu_make(def);
     *status = DRAPE_ENOMEM;
     if (!g)
         return NULL;

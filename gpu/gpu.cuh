@@ -170,9 +170,8 @@ const int64_t *gpu_read_words(struct gpu *g, int n);
 void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size);
 /* The same of the host, of which there is one. */
 void *gpu_aside(struct gpu *g, size_t bytes);
-/* A struct gpu with all but CUDA's in it, NULL if there is no memory; native
- * stands for the allocator that def may leave out. Its end. */
-struct gpu *gpu_make(const drape_def *def, const drape_allocator *native);
+/* A struct gpu with all but CUDA's in it, NULL if there is no memory. */
+struct gpu *gpu_make(const drape_def *def);
 void gpu_unmake(struct gpu *g);
 
 /* ---- Primitives, gpu/prim.cu ---- */

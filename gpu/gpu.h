@@ -25,6 +25,9 @@ const char *gpu_name(const struct gpu *g);
 /* Threads of a block, 32 … 256 by 32. No result depends on it. */
 void gpu_set_block(struct gpu *g, int threads);
 
+/* The allocator of a device's memory where def has none; static. */
+const drape_allocator *gpu_native(void);
+
 /* Zeroed device memory of a part, NULL if there is none: then gpu_status says
  * DRAPE_ENOMEM from there on. */
 void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size);

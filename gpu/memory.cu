@@ -63,7 +63,7 @@ void gpu_give(struct gpu *g, void *p)
         }
 }
 
-struct gpu *gpu_make(const drape_def *def, const drape_allocator *native)
+struct gpu *gpu_make(const drape_def *def)
 {
     struct arena arena;
     const drape_def plain = {};
@@ -74,7 +74,7 @@ struct gpu *gpu_make(const drape_def *def, const drape_allocator *native)
         return NULL;
     g->host = arena;
     g->device =
-        def->device_allocator.allocate ? def->device_allocator : *native;
+        def->device_allocator.allocate ? def->device_allocator : *gpu_native();
     g->block = def->block ? def->block : GPU_BLOCK;
     return g;
 }

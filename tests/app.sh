@@ -196,7 +196,10 @@ is 'report.json is JSON with 6 steps' python3 -c '
 import json
 r = json.load(open("an out/report.json"))
 assert [s["step"] for s in r["steps"]] == [1, 2, 3, 4, 5, 6]
-assert r["end"] == "complete" and r["summary"]["steps"] == 6'
+assert r["end"] == "complete" and r["summary"]["steps"] == 6
+m = r["memory"]
+assert m["host_bytes"] == sum(row["bytes"] for row in r["plan"]) > 0
+assert 0 < m["host_bytes"] < r["held_bytes"] and m["device_bytes"] == 0'
 is 'cloth.pc2 holds all frames' python3 -c '
 import struct
 d = open("an out/cloth.pc2", "rb").read()

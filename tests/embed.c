@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* drape as a guest in another program: memory is the caller's, short memory
+ * is a status, worlds in several threads do not meet. spec/drape.h */
+#include <dirent.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "gpu/gpu.h"
+#include "tests/scene.h"
+
+enum { SETTLE = 12, SHORT = 3, THREADS = 4 };
+
+/* An allocator that counts, and gives nothing from call `most` on. */
+struct purse {
+    const drape_allocator *from; /* NULL: the host's */
+    size_t held;
+    int64_t calls, most;
+};
+
+static void *pay(void *user, size_t bytes)
+{
+    struct purse *p = user;
+    if (p->calls++ >= p->most)
+        return NULL;
+    void *q = p->from ? p->from->allocate(p->from->user, bytes)
+                      : aligned_alloc(64, (bytes + 63) / 64 * 64);
+    p->held += q ? bytes : 0;
+    return q;
+}
+
+static void give(void *user, void *q, size_t bytes)
+{
+    struct purse *p = user;
+    p->held -= bytes;
+    if (p->from)
+        p->from->release(p->from->user, q, bytes);
+    else
+        free(q);
+}
+
+/* A sheet falls a little on a plate that it overhangs. */
+struct guest {
+    drape_def def;
+    drape_cloth cloth;
+    drape_obstacle plate;
+    struct purse host, device;
+};
+
+static const double plate_x[4][3] = {
+    {-.05, 0, -.06}, {.05, 0, -.06}, {-.05, 0, .06}, {.05, 0, .06}};
+static const int32_t plate_tri[2][3] = {{0, 2, 1}, {1, 2, 3}};
+
+static void make_guest(struct guest *s, int backend)
+{
+    memset(s, 0, sizeof *s);
+    drape_default(&s->def);
+    drape_default_cloth(&s->cloth);
+    drape_default_obstacle(&s->plate);
+    s->cloth.m = 7;
+    s->cloth.n = 6;
+    s->cloth.width = s->cloth.height = 0.2;
+    s->cloth.origin[0] = s->cloth.origin[2] = -0.1;
+    s->cloth.origin[1] = 0.003;
+    s->cloth.material.damping = 0.01;
+    s->plate.n_vertices = 4;
+    s->plate.n_triangles = 2;
+    s->plate.x = plate_x;
+    s->plate.tri = plate_tri;
+    s->def.backend = backend;
+    s->def.precision = REAL_BITS;
+    s->def.sleep = 0;
+    s->def.cloths = &s->cloth;
+    s->def.n_cloths = 1;
+    s->def.obstacles = &s->plate;
+    s->def.n_obstacles = 1;
+    s->device.from = gpu_native();
+    s->host.most = s->device.most = INT64_MAX;
+    s->def.allocator = (drape_allocator){pay, give, &s->host};
+    s->def.device_allocator = (drape_allocator){pay, give, &s->device};
+}
+
+/* DRAPE_OK, or what a step returned. */
+static int go(drape_world *world, int steps)
+{
+    int status = DRAPE_OK;
+    for (int k = 0; k < steps && status == DRAPE_OK; k++)
+        status = drape_step(world, NULL);
+    return status;
+}
+
+static size_t planned(const drape_world *world)
+{
+    drape_plan_row row[64];
+    size_t sum = 0;
+    int rows = drape_plan(world, row, 64);
+    for (int k = 0; k < rows; k++)
+        sum += row[k].bytes;
+    return sum;
+}
+
+/* What is counted is what was taken; once the scene has settled nothing is;
+ * in the end all is back. */
+const char *test_embed_memory(void)
+{
+    for (int backend = DRAPE_REF; backend <= DRAPE_GPU; backend++) {
+        struct guest s;
+        drape_world *world;
+        drape_memory a, b;
+        make_guest(&s, backend);
+        int status = drape_create(&s.def, &world, NULL);
+        if (status == DRAPE_EDEVICE)
+            return skip("there is no device");
+        EXPECT(status == DRAPE_OK);
+        EXPECT(go(world, SETTLE) == DRAPE_OK);
+        EXPECT(drape_count(world, &a) == DRAPE_OK);
+        EXPECT(go(world, SETTLE) == DRAPE_OK);
+        EXPECT(drape_count(world, &b) == DRAPE_OK);
+        EXPECT(!memcmp(&a, &b, sizeof a));
+        EXPECT(b.host_allocations == s.host.calls);
+        EXPECT(b.device_allocations == s.device.calls);
+        EXPECT(b.device_bytes == s.device.held);
+        /* each block of the host's has a header of 64 bytes */
+        EXPECT(b.host_bytes < s.host.held);
+        EXPECT(planned(world) == (backend ? b.device_bytes : b.host_bytes));
+        drape_destroy(world);
+        EXPECT(s.host.held == 0 && s.device.held == 0);
+        ran(1);
+    }
+    return NULL;
+}
+
+/* Whichever allocation of drape_create fails: a status, and nothing stays. */
+static const char *short_making(struct guest *s, struct purse *purse)
+{
+    for (purse->most = 0;; purse->most++) {
+        drape_world *world;
+        s->host.calls = s->device.calls = 0;
+        int status = drape_create(&s->def, &world, NULL);
+        if (status == DRAPE_OK) {
+            drape_destroy(world);
+            EXPECT(purse->most > 20);
+            EXPECT(s->host.held == 0 && s->device.held == 0);
+            purse->most = INT64_MAX;
+            return NULL;
+        }
+        EXPECT(status == DRAPE_ENOMEM && !world);
+        EXPECT(s->host.held == 0 && s->device.held == 0);
+        ran(1);
+    }
+}
+
+/* Allocation k after drape_create fails: that step changes nothing, and when
+ * there is room again the world goes on to the same end. */
+static const char *short_run(struct guest *s, struct purse *purse, int64_t k,
+                             uint64_t want, bool *failed)
+{
+    drape_world *world;
+    *failed = false;
+    EXPECT(drape_create(&s->def, &world, NULL) == DRAPE_OK);
+    purse->most = purse->calls + k;
+    for (int step = 0; step < SHORT; step++) {
+        uint64_t before = scene_hash(world);
+        int status = drape_step(world, NULL);
+        if (status == DRAPE_OK)
+            continue;
+        EXPECT(status == DRAPE_ENOMEM && !*failed);
+        EXPECT(scene_hash(world) == before);
+        purse->most = INT64_MAX;
+        *failed = true;
+        step--;
+    }
+    purse->most = INT64_MAX;
+    EXPECT(scene_hash(world) == want);
+    drape_destroy(world);
+    EXPECT(s->host.held == 0 && s->device.held == 0);
+    ran(*failed);
+    return NULL;
+}
+
+const char *test_embed_short(void)
+{
+    for (int backend = DRAPE_REF; backend <= DRAPE_GPU; backend++) {
+        struct guest s;
+        drape_world *world;
+        make_guest(&s, backend);
+        s.def.precond = DRAPE_JACOBI; /* emulated, the other takes long */
+        int status = drape_create(&s.def, &world, NULL);
+        if (status == DRAPE_EDEVICE)
+            return skip("there is no device");
+        EXPECT(status == DRAPE_OK && go(world, SHORT) == DRAPE_OK);
+        uint64_t want = scene_hash(world);
+        drape_destroy(world);
+        struct purse *purse = backend ? &s.device : &s.host;
+        const char *what = short_making(&s, &s.host);
+        if (!what && backend)
+            what = short_making(&s, &s.device);
+        int64_t k = 0;
+        for (bool failed = true; failed && !what; k++)
+            what = short_run(&s, purse, k, want, &failed);
+        if (what)
+            return what;
+        EXPECT(k > 3);
+    }
+    return NULL;
+}
+
+/* ---- Threads ---- */
+
+struct job {
+    int backend;
+    uint64_t hash; /* out: 0 where it failed */
+};
+
+static void *work(void *user)
+{
+    struct job *job = user;
+    struct guest s;
+    drape_world *world;
+    make_guest(&s, job->backend);
+    s.def.device_allocator = (drape_allocator){0};
+    job->hash = 0;
+    if (drape_create(&s.def, &world, NULL) != DRAPE_OK)
+        return NULL;
+    if (go(world, SHORT) == DRAPE_OK)
+        job->hash = scene_hash(world);
+    drape_destroy(world);
+    return NULL;
+}
+
+static int threads_now(void)
+{
+    int n = 0;
+    DIR *dir = opendir("/proc/self/task");
+    for (struct dirent *e; dir && (e = readdir(dir));)
+        n += e->d_name[0] != '.';
+    if (dir)
+        closedir(dir);
+    return n;
+}
+
+/* Worlds in threads of the caller's give what each gives alone, and on the
+ * reference no thread comes that was not asked for. */
+const char *test_embed_threads(void)
+{
+    pthread_t thread[THREADS];
+    struct job alone[2] = {{DRAPE_REF, 0}, {DRAPE_GPU, 0}}, job[THREADS];
+    int before = threads_now();
+    work(&alone[0]);
+    EXPECT(alone[0].hash && before == threads_now());
+    work(&alone[1]);
+    if (!alone[1].hash)
+        return skip("there is no device");
+    EXPECT(alone[0].hash == alone[1].hash);
+    for (int k = 0; k < THREADS; k++) {
+        job[k].backend = k % 2;
+        EXPECT(!pthread_create(&thread[k], NULL, work, &job[k]));
+    }
+    for (int k = 0; k < THREADS; k++)
+        pthread_join(thread[k], NULL);
+    for (int k = 0; k < THREADS; k++) {
+        EXPECT(job[k].hash == alone[0].hash);
+        ran(1);
+    }
+    return NULL;
+}
