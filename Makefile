@@ -94,6 +94,20 @@ ORC_O  := $(addprefix $(ROOT)/,$(addsuffix .o,$(basename $(if \
           oracle/table.cpp,$(ORACLE)),oracle/absent.c oracle/brute.c))))
 ORC_L  := $(if $(HAS_ORACLE),$(ORACLE_LIBS))
 LIB    := $(BUILD)/libdrape.a
+# Time against error, stability, skipped work: spec/accuracy.md. A few files
+# look inside; all else is the public API, so a device runs it too.
+MACHINE ?= $(shell uname -m)
+ACC     := $(BUILD)/accuracy $(BUILD)/accuracy-bare
+ACC_O   := $(call obj,$(addprefix ci/bench/,accuracy bisect contact drift \
+           never orders runs samples skip solids stability stages stress \
+           work $(if $(HAS_APP),lion,no_app)),) \
+           $(call obj,ci/bench/impact,.32) $(call obj,ci/bench/forced,.64) \
+           $(foreach p,.32 .64,$(call obj,ci/bench/solves tests/reals \
+           tests/sheet tests/solver tests/system,$(p))) \
+           $(call obj,tests/choices) $(if $(HAS_APP),$(filter-out \
+           $(BUILD)/app/main.o,$(APP_O))) $(ORC_O) $(LIB)
+ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
+           $(if $(GPU),$(CUDA_L))
 
 .PHONY: all demo check bench certify asan fuzz install help golden format tidy \
         check-parts flavours gcc-O0 gcc-O3 clang-O2 soak outcomes prove \
@@ -181,14 +195,13 @@ $(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
 check: ## everything that must hold, under 6 minutes on 2 cores
 	sh ci/check.sh $(BUILD)
 # What its parts share, so that they can run side by side.
-check-parts: all $(BUILD)/replay $(if $(HAS_ORACLE),$(BUILD)/frames)
+check-parts: all $(ACC) $(BUILD)/replay $(if $(HAS_ORACLE),$(BUILD)/frames)
 
 demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 	sh ci/demo.sh $(BUILD)
 
-bench: $(BUILD)/check $(BUILD)/speed ## time and bytes of every stage, as csv
-	$(BUILD)/check --bench
-	$(BUILD)/speed
+bench: $(BUILD)/check $(BUILD)/speed $(ACC) ## time, bytes, error, as csv, plots
+	sh ci/bench/run.sh $(BUILD) $(MACHINE)
 	$(if $(GPU),$(MAKE) tables)
 # What ci/bench/scenes.sh asks for may be given: make tables SCENES=lion_20k
 tables: $(BUILD)/drape ## on a device: the paper's figures, in ci/bench/MACHINE
@@ -198,6 +211,11 @@ tables: $(BUILD)/drape ## on a device: the paper's figures, in ci/bench/MACHINE
 $(BUILD)/speed: $(BUILD)/ci/bench/narrow.32.o $(BUILD)/tests/ply.32.o \
     $(ORC_O) $(LIB)
 	$(C17) $^ -o $@ $(ORC_L) -lstdc++ -lm
+
+$(BUILD)/accuracy: $(ACC_O)
+	$(C17) $^ -o $@ $(ACC_L)
+$(BUILD)/accuracy-bare: $(BUILD)/ci/bench/bare.o $(ACC_O)
+	$(C17) -Wl,--allow-multiple-definition $^ -o $@ $(ACC_L)
 
 # The same kernels by the number model's flags, with fma, and as fast as nvcc
 # makes them.
@@ -295,4 +313,4 @@ help: ## this list
 	@echo 'ARCHES=   "80 90", say: for which devices; all: every one nvcc knows'
 
 -include $(patsubst %.o,%.d,$(REF_O) $(TEST_O) $(APP_O) $(ORC_O) $(EMU_O) \
-  $(CUDA_O) $(PRICE_O))
+  $(CUDA_O) $(PRICE_O) $(filter %.o,$(ACC_O)))

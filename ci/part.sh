@@ -79,6 +79,7 @@ case $part in
 build) one build make -j"$jobs" BUILD="$build" check-parts ;;
 stages) count stages "$build/check" --stages --self-test ;;
 device) count 'kernels, emulated' "$build/check" --gpu ;;
+accuracy) count accuracy "$build/accuracy" --quick "$build" ;;
 tests) count tests "$build/check" --tests ;;
 golden-*)
     count "golden, ${part#*-} threads" env OMP_NUM_THREADS="${part#*-}" \

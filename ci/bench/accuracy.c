@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Run time against error, stability, skipped work: `make bench`, and with
+ * --quick a part of `make check`. spec/accuracy.md */
+#include "ci/bench/skip.h"
+
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const struct part {
+    const char *name;
+    void (*run)(struct bench *b);
+} parts[] = {{"orders", part_orders},
+             {"work", part_work},
+             {"stability", part_stability},
+             {"stress", part_stress},
+             {"contact", part_contact},
+             {"drift", part_drift},
+             {"skip", part_skip},
+             {"stages", part_stages},
+             {"lion", part_lion}};
+enum { PARTS = sizeof parts / sizeof *parts };
+
+FILE *bench_csv(const struct bench *b, const char *name, const char *header)
+{
+    char path[4096];
+    snprintf(path, sizeof path, "%s/%s.csv", b->directory, name);
+    FILE *out = fopen(path, "w");
+    if (!out) {
+        fprintf(stderr, "accuracy: %s: cannot be written\n", path);
+        exit(2);
+    }
+    fprintf(out, "%s\n", header);
+    return out;
+}
+
+void bench_check(struct bench *b, bool good, const char *format, ...)
+{
+    if (good) {
+        b->passed++;
+        return;
+    }
+    va_list arguments;
+    va_start(arguments, format);
+    printf("FAILED ");
+    vprintf(format, arguments);
+    printf("\n");
+    fflush(stdout);
+    va_end(arguments);
+    b->failed++;
+}
+
+void *bench_take(size_t count, size_t size)
+{
+    void *p = calloc(count + 1, size);
+    if (!p) {
+        fputs("accuracy: out of memory\n", stderr);
+        exit(2);
+    }
+    return p;
+}
+
+static int usage(void)
+{
+    fputs("usage: accuracy [--quick] [--backend ref|gpu] DIRECTORY [PART...]\n"
+          "Writes PART.csv: orders work stability stress contact drift skip\n"
+          "stages lion (default: all).\n",
+          stderr);
+    return 2;
+}
+
+static void run_part(struct bench *b, const struct part *part)
+{
+    double start = bench_clock(b);
+    part->run(b);
+    fprintf(stderr, "%s: %.1f s\n", part->name, bench_clock(b) - start);
+}
+
+int main(int argc, char **argv)
+{
+    struct bench b = {.program = argv[0]};
+    bool wanted[PARTS] = {0}, some = false, bare = false;
+    for (int k = 1; k < argc; k++) {
+        int part = 0;
+        while (part < PARTS && strcmp(argv[k], parts[part].name) != 0)
+            part++;
+        if (!strcmp(argv[k], "--quick"))
+            b.quick = true;
+        else if (!strcmp(argv[k], "--bare"))
+            bare = true;
+        else if (!strcmp(argv[k], "--backend") && k + 1 < argc)
+            b.backend = !strcmp(argv[++k], "gpu") ? DRAPE_GPU : DRAPE_REF;
+        else if (!b.directory && argv[k][0] != '-')
+            b.directory = argv[k];
+        else if (part < PARTS)
+            some = wanted[part] = true;
+        else
+            return usage();
+    }
+    if (bare) {
+        skip_print(&b);
+        return 0;
+    }
+    if (!b.directory)
+        return usage();
+    for (int k = 0; k < PARTS; k++)
+        if (wanted[k] || !some)
+            run_part(&b, &parts[k]);
+    printf("%d passed, %d failed\n", b.passed, b.failed);
+    return b.failed || !b.passed;
+}

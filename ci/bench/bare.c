@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A program without the stages that the bare scene does not use: each ends it.
+ * Linked before the library, whose own are then not taken. never.c */
+#include <stdlib.h>
+
+#define NEVER(name)                                                            \
+    void ref_##name##_32(void);                                                \
+    void ref_##name##_32(void)                                                 \
+    {                                                                          \
+        abort();                                                               \
+    }
+NEVER(kinematics)
+NEVER(wind)
+NEVER(blocks)
+NEVER(predict)
+NEVER(rhs)
+NEVER(update)
+NEVER(history)
+NEVER(matrix)
+NEVER(product)
+NEVER(jacobi)
+NEVER(excess)
+NEVER(coarsen)
+NEVER(multigrid)
+NEVER(pcg)
+NEVER(refit)
+NEVER(cones)
+NEVER(front)
+NEVER(walk)
+NEVER(features)
+NEVER(narrow)
+NEVER(proximity)
+NEVER(impacts)
+NEVER(impulses)
+NEVER(contacts)
+NEVER(penalty)
+NEVER(zones)
+NEVER(rollback)
