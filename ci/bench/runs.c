@@ -161,8 +161,11 @@ int64_t world_pairs(const drape_world *world, int n_cloths)
     drape_read_triangles(world, tri);
     for (int64_t k = 0; k < nt; k++)
         group[k] = k < drape_first_triangle(world, n_cloths);
-    drape_mesh mesh = {nv, nt, (const double(*)[3])x, (const int32_t(*)[3])tri,
-                       group};
+    drape_mesh mesh = {.nv = nv,
+                       .nt = nt,
+                       .x = (const double(*)[3])x,
+                       .tri = (const int32_t(*)[3])tri,
+                       .group = group};
     if (drape_audit(&mesh, 0, NULL, &found, NULL) != DRAPE_OK)
         found = -1;
     free(x);
