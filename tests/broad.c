@@ -5,28 +5,6 @@
 #include "ref/narrow.h"
 #include "tests/fabric.h"
 
-/* Scene k of the test: cloths, holes, spheres, soups, by number. */
-static void make_scene(struct fabric *f, int k)
-{
-    fabric_make(f, 4000, 8000, (uint64_t)k);
-    enum fabric_shape shape = (enum fabric_shape)(k % FABRIC_SHAPES);
-    int holes = k % 3 == 1 ? 3 : 0;
-    fabric_cloth(f, 9 + k % 7, 8 + k % 11, shape, holes);
-    if (k % 4 == 1)
-        fabric_cloth(f, 2 + k % 9, 2, FABRIC_FLAT, 0);
-    if (k % 4 == 2)
-        fabric_cloth(f, 17, 16, FABRIC_WAVY, 4);
-    if (k % 2)
-        fabric_sphere(f, TREE_MOVING, 3 + k % 5, vec_make(R(0.5), R(0.1), 0),
-                      R(0.3));
-    if (k % 5 == 0) {
-        fabric_soup(f, TREE_MOVING, 1 + 7 * k % 100, R(0.4));
-        f->mesh[f->scene.meshes - 1].self = k % 2;
-    }
-    if (k % 3 != 2)
-        fabric_sphere(f, TREE_STATIC, 4, vec_make(R(0.4), 0, R(0.5)), R(0.2));
-}
-
 static bool same(const struct fabric_pair *a, int64_t n,
                  const struct fabric_pair *b, int64_t m)
 {
@@ -44,7 +22,7 @@ static const char *brute_scene(int k)
     struct broad b;
     const char *failed = NULL;
     bool self = k % 6 != 5;
-    make_scene(&f, k);
+    fabric_scene(&f, k);
     if (broad_make(&b, &f.scene, self, &f.arena) != DRAPE_OK)
         failed = "broad_make failed";
     b.cones = false;
@@ -238,7 +216,7 @@ static const char *front_steps(int k)
     struct fabric f;
     struct broad kept;
     const char *failed = NULL;
-    make_scene(&f, k);
+    fabric_scene(&f, k);
     if (broad_make(&kept, &f.scene, true, &f.arena) != DRAPE_OK)
         failed = "broad_make failed";
     for (int step = 0; step < 20 && !failed; step++) {
@@ -288,7 +266,7 @@ const char *test_broad_moved(void)
         struct broad b;
         int64_t n, m, at = 0;
         bool bad = false;
-        make_scene(&f, k);
+        fabric_scene(&f, k);
         fabric_move(&f, vec_make(0, R(-0.05), 0), R(0.02));
         uint8_t *moved = arena_take(&f.arena, ARENA_OTHER, f.scene.vertices, 1);
         for (int32_t v = 0; v < f.scene.vertices; v++)

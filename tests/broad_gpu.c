@@ -6,42 +6,22 @@
 
 #include "gpu/world.h"
 #include "tests/fabric.h"
+#include "tests/notes.h"
 #include "tests/ply.h"
 
-enum { LINES = 8 };
-
-/* What a query traced. */
-struct lines {
-    struct trace trace;
-    int n;
-    const char *stage[LINES];
-    uint64_t digest[LINES];
-};
-
-static void note(void *user, int64_t step, const char *stage, uint64_t digest,
-                 double seconds)
-{
-    struct lines *l = user;
-    (void)step, (void)seconds;
-    if (l->n < LINES) {
-        l->stage[l->n] = stage;
-        l->digest[l->n] = digest;
-    }
-    l->n++;
-}
-
 /* A scene on both sides. */
-struct twin {
+struct both {
     struct gpu *g;
     struct fabric f;
     struct broad ref, dev;
-    struct lines of_ref, of_dev;
+    struct notes notes[2]; /* of the last query: reference, device */
+    struct trace trace[2];
     vec *x0, *x1;   /* on the device */
     uint8_t *moved; /* likewise */
     double seconds[2];
 };
 
-static bool make(struct twin *t, bool self)
+static bool make(struct both *t, bool self)
 {
     int64_t n = t->f.scene.vertices;
     bool good =
@@ -53,10 +33,12 @@ static bool make(struct twin *t, bool self)
     return good && t->x0 && t->x1 && t->moved;
 }
 
-static void unmake(struct twin *t)
+static void unmake(struct both *t)
 {
     gpu_close(t->g);
     fabric_free(&t->f);
+    for (int k = 0; k < 2; k++)
+        notes_free(&t->notes[k]);
 }
 
 static void limit(struct broad_pool *p, int64_t cap)
@@ -76,11 +58,15 @@ static void shrink(struct broad *b)
     limit(&b->kind, 0);
 }
 
-static void trace(struct broad *b, struct lines *l)
+/* Notes are taken of the next query alone. */
+static void trace(struct both *t)
 {
-    l->n = 0;
-    l->trace = (struct trace){note, l, 0, 0};
-    b->trace = &l->trace;
+    for (int k = 0; k < 2; k++) {
+        t->notes[k].n = 0;
+        t->trace[k] = (struct trace){notes_take, &t->notes[k], 0, 0};
+    }
+    t->ref.trace = &t->trace[0];
+    t->dev.trace = &t->trace[1];
 }
 
 static bool same_bytes(struct gpu *g, const void *want, const void *device,
@@ -95,7 +81,7 @@ static bool same_bytes(struct gpu *g, const void *want, const void *device,
     return same;
 }
 
-static const char *compare(struct twin *t)
+static const char *compare(struct both *t)
 {
     const struct broad *a = &t->ref, *b = &t->dev;
     size_t n = (size_t)a->n, front = (size_t)a->n_front;
@@ -110,19 +96,8 @@ static const char *compare(struct twin *t)
     return NULL;
 }
 
-static const char *compare_lines(const struct lines *a, const struct lines *b,
-                                 int least)
-{
-    EXPECT(a->n >= least && a->n <= LINES && a->n == b->n);
-    for (int k = 0; k < a->n; k++) {
-        EXPECT(!strcmp(a->stage[k], b->stage[k]));
-        EXPECT(a->digest[k] == b->digest[k]);
-    }
-    return NULL;
-}
-
 /* A query of both, timed. still: at one time. */
-static const char *query(struct twin *t, bool still, real r,
+static const char *query(struct both *t, bool still, real r,
                          const uint8_t *moved)
 {
     const struct fabric *f = &t->f;
@@ -145,28 +120,9 @@ static const char *query(struct twin *t, bool still, real r,
     return want == DRAPE_OK ? compare(t) : NULL;
 }
 
-static void make_scene(struct fabric *f, int k)
-{
-    enum fabric_shape shape = (enum fabric_shape)(k % FABRIC_SHAPES);
-    fabric_make(f, 4000, 8000, (uint64_t)k);
-    if (k != 7)
-        fabric_cloth(f, 9 + 5 * (k % 7), 8 + k % 11, shape, k % 3 == 1);
-    if (k % 4 == 2)
-        fabric_cloth(f, 17, 16, FABRIC_WAVY, 4);
-    if (k % 2)
-        fabric_sphere(f, TREE_MOVING, 3 + k % 5, vec_make(R(0.5), R(0.1), 0),
-                      R(0.3));
-    if (k % 5 == 0) {
-        fabric_soup(f, TREE_MOVING, 60, R(0.4));
-        f->mesh[f->scene.meshes - 1].self = k % 2;
-    }
-    if (k % 3 != 2)
-        fabric_sphere(f, TREE_STATIC, 4, vec_make(R(0.4), 0, R(0.5)), R(0.2));
-}
-
 /* Motions one after another: a fall, noise, a jump, rest; between them the
  * front is kept. The last but one is of bad numbers. */
-static const char *steps(struct twin *t, int k)
+static const char *steps(struct both *t, int k)
 {
     static const real noise[] = {0, R(0.004), R(0.05), 0, R(0.01), 0};
     int32_t n = t->f.scene.vertices;
@@ -182,12 +138,12 @@ static const char *steps(struct twin *t, int k)
             shrink(&t->ref);
             shrink(&t->dev);
         }
-        trace(&t->ref, &t->of_ref);
-        trace(&t->dev, &t->of_dev);
+        trace(t);
         failed = query(t, step % 3 == 2, step % 2 ? R(0.01) : 0,
                        step % 3 == 1 ? moved : NULL);
         if (!failed)
-            failed = compare_lines(&t->of_ref, &t->of_dev, step == 4 ? 1 : 4);
+            failed = notes_compare(&t->notes[0], &t->notes[1]);
+        EXPECT(failed || t->notes[0].n >= (step == 4 ? 1 : 4));
     }
     if (!failed)
         failed = query(t, false, R(-1), NULL);
@@ -198,10 +154,10 @@ const char *test_broad_gpu(void)
 {
     for (int k = 0; k < 10; k++) {
         int status;
-        struct twin t = {.g = gpu_open(NULL, &status)};
+        struct both t = {.g = gpu_open(NULL, &status)};
         if (!t.g)
             return skip("there is no device");
-        make_scene(&t.f, k);
+        fabric_scene(&t.f, k);
         const char *failed = make(&t, k % 6 != 5) ? NULL : "it was not made";
         t.ref.stop = t.dev.stop = k % 4 == 3 ? 0 : 2;
         if (!failed)
@@ -216,7 +172,7 @@ const char *test_broad_gpu(void)
 /* ---- Large scenes, timed ---- */
 
 /* Twice each, as the first makes room; of the second the time. */
-static const char *large_query(struct twin *t, const char *name, bool still,
+static const char *large_query(struct both *t, const char *name, bool still,
                                real r)
 {
     const char *failed = query(t, still, r, NULL);
@@ -231,7 +187,7 @@ static const char *large_query(struct twin *t, const char *name, bool still,
     return failed;
 }
 
-static const char *large(struct twin *t, const char *name, real r)
+static const char *large(struct both *t, const char *name, real r)
 {
     const char *failed = make(t, true) ? NULL : "it was not made";
     failed = failed ? failed : large_query(t, name, false, 0);
@@ -244,7 +200,7 @@ static const char *large_sheet(const char *name, int32_t n, real noise)
 {
     int status;
     real cell = 1 / (real)(n - 1);
-    struct twin t = {.g = gpu_open(NULL, &status)};
+    struct both t = {.g = gpu_open(NULL, &status)};
     fabric_make(&t.f, n * n + 51000, 2 * n * n + 101000, 1);
     fabric_cloth(&t.f, n, n, FABRIC_WAVY, 0);
     fabric_sphere(&t.f, TREE_STATIC, 159, vec_make(R(0.5), R(-0.38), R(0.5)),
@@ -264,7 +220,7 @@ static const char *large_frame(const char *name)
     char path[160];
     struct ply p[2] = {{0}, {0}};
     bool good = true;
-    struct twin t = {.g = gpu_open(NULL, &status)};
+    struct both t = {.g = gpu_open(NULL, &status)};
     for (int k = 0; k < 2; k++) {
         snprintf(path, sizeof path, "../shared/ccd/frames/%s/t%d.ply", name, k);
         good = ply_read(path, &p[k]) && good;

@@ -164,6 +164,28 @@ void fabric_soup(struct fabric *f, int kind, int32_t tris, real size)
     }
 }
 
+void fabric_scene(struct fabric *f, int k)
+{
+    fabric_make(f, 4000, 8000, (uint64_t)k);
+    enum fabric_shape shape = (enum fabric_shape)(k % FABRIC_SHAPES);
+    int holes = k % 3 == 1 ? 1 + 2 * (k % 2) : 0;
+    if (k != 7)
+        fabric_cloth(f, 9 + k % 7, 8 + k % 11, shape, holes);
+    if (k % 4 == 1)
+        fabric_cloth(f, 2 + k % 9, 2, FABRIC_FLAT, 0);
+    if (k % 4 == 2)
+        fabric_cloth(f, 17, 16, FABRIC_WAVY, 4);
+    if (k % 2)
+        fabric_sphere(f, TREE_MOVING, 3 + k % 5, vec_make(R(0.5), R(0.1), 0),
+                      R(0.3));
+    if (k % 5 == 0) {
+        fabric_soup(f, TREE_MOVING, 1 + 7 * k % 100, R(0.4));
+        f->mesh[f->scene.meshes - 1].self = k % 2;
+    }
+    if (k % 3 != 2)
+        fabric_sphere(f, TREE_STATIC, 4, vec_make(R(0.4), 0, R(0.5)), R(0.2));
+}
+
 void fabric_move(struct fabric *f, vec common, real noise)
 {
     for (int32_t k = 0; k < f->scene.vertices; k++) {

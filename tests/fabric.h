@@ -59,6 +59,8 @@ void fabric_sphere(struct fabric *f, int kind, int32_t k, vec centre,
                    real radius);
 /* Random triangles. */
 void fabric_soup(struct fabric *f, int kind, int32_t tris, real size);
+/* Scene k, k ≥ 0: cloths, holes, spheres, soups by number; 7 has no cloth. */
+void fabric_scene(struct fabric *f, int k);
 /* x1 = x0 + common + noise · random. */
 void fabric_move(struct fabric *f, vec common, real noise);
 

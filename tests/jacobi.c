@@ -13,14 +13,7 @@ void gen_jacobi(struct bytes *b, struct jacobi *s)
 {
     struct system a;
     pick_system(b, &a);
-    s->m = a.m;
-    s->n = a.n;
-    s->count = a.count;
-    s->mass = a.mass;
-    s->n_extra = a.n_extra;
-    s->extra = a.extra;
-    s->n_blocks = a.n_blocks;
-    s->block = a.block;
+    GIVE_SYSTEM(s, &a);
     s->fixed = a.fixed;
 }
 

@@ -15,14 +15,7 @@ void gen_matrix(struct bytes *b, struct matrix *s)
 {
     struct system a;
     pick_system(b, &a);
-    s->m = a.m;
-    s->n = a.n;
-    s->count = a.count;
-    s->mass = a.mass;
-    s->n_extra = a.n_extra;
-    s->extra = a.extra;
-    s->n_blocks = a.n_blocks;
-    s->block = a.block;
+    GIVE_SYSTEM(s, &a);
     s->n_cdf = pick(b, 4) ? ref_cdf(a.m, a.n).blocks : 0;
 }
 
@@ -112,11 +105,10 @@ const char *test_matrix_dense(void)
             2 + k % 7, 2 + k / 7 % 7, SHAPE_DRAPED,
             k < 49 ? TRIM_NONE : TRIM_HOLE | TRIM_CUT | TRIM_PINS, 0.1};
         make_system(&d, &a);
-        struct cdf c = ref_cdf(a.m, a.n);
-        struct matrix s = {a.m,        a.n,     a.count,  a.mass, 0,   NULL,
-                           a.n_blocks, a.block, c.blocks, NULL,   NULL};
+        struct matrix s = {.n_cdf = ref_cdf(a.m, a.n).blocks};
+        GIVE_SYSTEM(&s, &a);
         s.diagonal = calloc((size_t)a.count, sizeof *s.diagonal);
-        s.cdf = calloc((size_t)c.blocks, sizeof *s.cdf);
+        s.cdf = calloc((size_t)s.n_cdf, sizeof *s.cdf);
         int status = ref_matrix(&s);
         const char *failed = prop_matrix(&s);
         free(s.diagonal);

@@ -34,14 +34,7 @@ const struct field fields_multigrid[] = {
 
 static void excess_of(const struct system *a, struct excess *s)
 {
-    s->m = a->m;
-    s->n = a->n;
-    s->count = a->count;
-    s->mass = a->mass;
-    s->n_extra = a->n_extra;
-    s->extra = a->extra;
-    s->n_blocks = a->n_blocks;
-    s->block = a->block;
+    GIVE_SYSTEM(s, a);
     s->fixed = a->fixed;
 }
 
@@ -98,18 +91,11 @@ void gen_multigrid(struct bytes *b, struct multigrid *s)
 {
     struct system a;
     pick_system(b, &a);
-    s->m = a.m;
-    s->n = a.n;
+    GIVE_SYSTEM(s, &a);
     ref_multigrid_size(s);
-    s->count = a.count;
-    s->mass = a.mass;
-    s->n_extra = a.n_extra;
-    s->extra = a.extra;
-    s->n_blocks = a.n_blocks;
-    s->block = a.block;
     s->fixed = a.fixed;
-    struct jacobi j = {a.m,     a.n,        a.count, a.mass,  a.n_extra,
-                       a.extra, a.n_blocks, a.block, a.fixed, NULL};
+    struct jacobi j = {.fixed = a.fixed};
+    GIVE_SYSTEM(&j, &a);
     j.factor = take(b, a.count, sizeof *j.factor);
     if (a.count)
         ref_jacobi(&j);

@@ -15,6 +15,7 @@
 #define fabric_make REAL_NAME(fabric_make)
 #define fabric_move REAL_NAME(fabric_move)
 #define fabric_random REAL_NAME(fabric_random)
+#define fabric_scene REAL_NAME(fabric_scene)
 #define fabric_soup REAL_NAME(fabric_soup)
 #define fabric_sphere REAL_NAME(fabric_sphere)
 #define fabric_walk REAL_NAME(fabric_walk)

@@ -17,10 +17,8 @@ const struct field fields_product[] = {IN(product, mass, count, 1),
 /* The compressed diagonal format of a system. */
 static mat *assemble(struct bytes *b, const struct system *a)
 {
-    struct matrix s = {a->m,        a->n,       a->count,
-                       a->mass,     a->n_extra, a->extra,
-                       a->n_blocks, a->block,   ref_cdf(a->m, a->n).blocks,
-                       NULL,        NULL};
+    struct matrix s = {.n_cdf = ref_cdf(a->m, a->n).blocks};
+    GIVE_SYSTEM(&s, a);
     s.diagonal = take(b, a->count, sizeof *s.diagonal);
     s.cdf = take(b, s.n_cdf, sizeof *s.cdf);
     ref_matrix(&s);
@@ -35,14 +33,7 @@ void gen_product(struct bytes *b, struct product *s)
     real scale = pick(b, 3) ? 1 : R(0x1p-70);
     for (int64_t p = 0; p < a.count; p++)
         x[p] = vec_scale(scale, for_bench(b) ? a.b[p] : pick_vec(b, 1));
-    s->m = a.m;
-    s->n = a.n;
-    s->count = a.count;
-    s->mass = a.mass;
-    s->n_extra = a.n_extra;
-    s->extra = a.extra;
-    s->n_blocks = a.n_blocks;
-    s->block = a.block;
+    GIVE_SYSTEM(s, &a);
     s->x = x;
     if (a.count && !for_bench(b) && pick(b, 2)) {
         s->cdf = assemble(b, &a);
@@ -137,14 +128,12 @@ static const char *expect_forms(const struct system *a, vec *const v[3],
                                 mat *cdf, sym *diagonal)
 {
     const double u = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
-    struct matrix f = {a->m,        a->n,       a->count,
-                       a->mass,     a->n_extra, a->extra,
-                       a->n_blocks, a->block,   ref_cdf(a->m, a->n).blocks,
-                       diagonal,    cdf};
+    struct matrix f = {
+        .n_cdf = ref_cdf(a->m, a->n).blocks, .diagonal = diagonal, .cdf = cdf};
+    GIVE_SYSTEM(&f, a);
     EXPECT(ref_matrix(&f) == DRAPE_OK);
-    struct product s = {a->m,       a->n,     a->count,    a->mass,
-                        a->n_extra, a->extra, a->n_blocks, a->block,
-                        0,          NULL,     v[0],        v[1]};
+    struct product s = {.x = v[0], .y = v[1]};
+    GIVE_SYSTEM(&s, a);
     struct product t = s;
     t.n_blocks = 0;
     t.n_cdf = f.n_cdf;
@@ -208,8 +197,8 @@ const char *test_product_constant(void)
         a.mass[p] = R(2e-7);
         x[p] = vec_make(1, -3, R(0.7));
     }
-    struct product s = {a.m,        a.n,     a.count, a.mass, 0, NULL,
-                        a.n_blocks, a.block, 0,       NULL,   x, y};
+    struct product s = {.x = x, .y = y};
+    GIVE_SYSTEM(&s, &a);
     bool exact = ref_product(&s) == DRAPE_OK;
     for (int64_t p = 0; p < a.count; p++)
         exact &= y[p].x == a.mass[p] * 1 && y[p].y == a.mass[p] * -3 &&

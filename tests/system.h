@@ -16,6 +16,19 @@ struct system {
     vec *b; /* momentum of a falling, stretched cloth over one step */
 };
 
+/* Gives a stage of the solver the system's grid, masses and blocks. */
+#define GIVE_SYSTEM(stage, system)                                             \
+    do {                                                                       \
+        (stage)->m = (system)->m;                                              \
+        (stage)->n = (system)->n;                                              \
+        (stage)->count = (system)->count;                                      \
+        (stage)->mass = (system)->mass;                                        \
+        (stage)->n_extra = (system)->n_extra;                                  \
+        (stage)->extra = (system)->extra;                                      \
+        (stage)->n_blocks = (system)->n_blocks;                                \
+        (stage)->block = (system)->block;                                      \
+    } while (0)
+
 /* A small system: any shape of grid, blocks vvᵀ or zero, holes and pins. */
 void pick_system(struct bytes *b, struct system *s);
 
