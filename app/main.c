@@ -25,6 +25,7 @@ static const struct command {
      "  --threads N           of the reference, 0: as many as cores\n"
      "  --block N             threads of a block on the device, to 256\n"
      "  --every N             write every N-th frame only\n"
+     "  --error E             m: choose integrator, dt and tolerance by trial\n"
      "  --checkpoint-every K  write DIR/checkpoint.drape every K frames\n"
      "  --resume FILE         go on from a checkpoint, bit for bit\n"
      "  --trace               write DIR/trace.csv, a digest a stage\n"

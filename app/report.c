@@ -210,6 +210,12 @@ bool report_write(const struct report *report, const struct scene *scene,
             "  \"held_bytes\": %zu,\n",
             end, def->backend == DRAPE_GPU ? "gpu" : "ref", def->precision,
             def->threads, def->dt, scene->steps_per_frame, scene->budget.held);
+    if (report->estimate.asked > 0)
+        fprintf(out,
+                "  \"error\": {\"asked\": %.6g, \"estimated\": %.6g, "
+                "\"horizon\": %.6g},\n",
+                report->estimate.asked, report->estimate.error,
+                report->estimate.horizon);
     fputs("  \"settings\": ", out);
     scene_settings(out, scene);
     fputs(",\n", out);

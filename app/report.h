@@ -3,12 +3,13 @@
 #ifndef APP_REPORT_H
 #define APP_REPORT_H
 
-#include "app/scene.h"
+#include "app/error.h"
 
 struct report {
     drape_step_report *step; /* [count] */
     int64_t count, room;
     double seconds; /* wall time of the steps */
+    struct estimate estimate; /* of --error */
 };
 
 /* false after one line when memory is out. */

@@ -2,11 +2,13 @@
 /* drape run: simulates a scene and writes its frames. */
 #include "app/app.h"
 #include "app/checkpoint.h"
+#include "app/error.h"
 #include "app/output.h"
 #include "app/progress.h"
 
 #include <limits.h>
 #include <signal.h>
+#include <stdlib.h>
 #include <string.h>
 
 struct run {
@@ -17,7 +19,7 @@ struct run {
     struct report report;
     struct progress progress;
     struct file trace;
-    const char *resume, *directory;
+    const char *resume, *directory, *error;
     int frames, checkpoint_every, tracing, no_obj;
 };
 
@@ -69,6 +71,27 @@ static int open_output(struct run *run)
     return APP_OK;
 }
 
+/* --error: finds the settings before the run, and says which. */
+static int choose(struct run *run)
+{
+    struct scene *scene = &run->scene;
+    struct estimate *e = &run->report.estimate;
+    char *end;
+    double asked = strtod(run->error, &end);
+    if (*end || end == run->error || !(asked > 0 && asked <= 1e3))
+        return complain(APP_USAGE, "--error %s: expected m above 0, to 1000",
+                        run->error);
+    if (run->resume)
+        return complain(APP_USAGE, "--error: a resumed run has its settings");
+    int status = error_choose(scene, &run->overrides, asked, e);
+    if (status == APP_OK)
+        printf("--error %g: %s, dt %.4g s, tolerance %g; estimated %.2g m rms "
+               "after %.3g s, of time and solver\n",
+               asked, scene_integrator(scene), scene->def.dt,
+               scene->def.tolerance, e->error, e->horizon);
+    return status;
+}
+
 static int begin(struct run *run, const char *scene_file)
 {
     struct scene *scene = &run->scene;
@@ -77,6 +100,8 @@ static int begin(struct run *run, const char *scene_file)
         return status;
     if (run->frames >= 0)
         scene->frames = run->frames;
+    if (run->error && (status = choose(run)) != APP_OK)
+        return status;
     if (run->tracing) {
         scene->def.trace = trace;
         scene->def.trace_user = &run->trace;
@@ -192,6 +217,7 @@ int command_run(int argc, char **argv)
         {"--block", OPTION_INT, &run.overrides.block, 0, 256},
         {"--every", OPTION_INT, &run.output.every, 1, 1000000},
         {"--checkpoint-every", OPTION_INT, &run.checkpoint_every, 1, 1000000},
+        {"--error", OPTION_TEXT, &run.error, 0, 0},
         {"--resume", OPTION_TEXT, &run.resume, 0, 0},
         {"--trace", OPTION_FLAG, &run.tracing, 0, 0},
         {"--no-obj", OPTION_FLAG, &run.no_obj, 0, 0},

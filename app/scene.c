@@ -128,6 +128,11 @@ int scene_load(struct scene *scene, const char *file)
     return status;
 }
 
+const char *scene_integrator(const struct scene *scene)
+{
+    return integrators[scene->def.integrator];
+}
+
 void scene_free(struct scene *scene)
 {
     pool_free(&scene->pool);

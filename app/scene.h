@@ -36,6 +36,9 @@ void scene_free(struct scene *scene);
 /* Writes what the scene's plain keys are, given or by default, as JSON. */
 void scene_settings(FILE *out, const struct scene *scene);
 
+/* The integrator's name in a scene file. */
+const char *scene_integrator(const struct scene *scene);
+
 /* What the command line changes in a scene; -1 leaves it. */
 struct overrides {
     const char *backend; /* ref, gpu or NULL */

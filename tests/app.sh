@@ -246,6 +246,17 @@ is 'output to a pipe: plain lines' sh -c \
     '"$0" run tiny.json --out piped 2>&1 | grep -q "step 6/6"' "$drape"
 is 'no carriage return in a pipe' sh -c \
     '! "$0" run tiny.json --out piped 2>&1 | grep -q "$(printf "\r")"' "$drape"
+exits '--error' 0 run tiny.json --out near --frames 6 --error 0.004
+is '--error chooses shorter steps and says its estimate' python3 -c '
+import json
+r = json.load(open("near/report.json"))
+assert r["dt"] < 1 / 61 and 0 < r["error"]["estimated"] <= 0.004
+assert abs(r["dt"] * r["steps_per_frame"] - 1 / 60) < 1e-12
+assert len(r["steps"]) == 6 * r["steps_per_frame"]'
+refused '--error of no number' '--error' run tiny.json --error small
+refused '--error of 0' '--error' run tiny.json --error 0
+refused '--error and --resume' '--error' \
+    run tiny.json --error 1 --resume half/checkpoint.drape
 
 # ---- checkpoints ----
 exits 'checkpoint' 0 run tiny.json --out half --frames 4 --checkpoint-every 4

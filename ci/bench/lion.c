@@ -78,9 +78,9 @@ void part_lion(struct bench *b)
     d->threads = 1;
     int64_t n = (int64_t)d->cloths[0].m * d->cloths[0].n;
     for (int k = 0; k < 2; k++) { /* how far the converged run is from that */
-        struct setting finest = {DRAPE_BW, 8 << k, 1e-5, DRAPE_MULTIGRID, 64};
+        struct setting finest = {DRAPE_BW, 16 << k, 1e-5, DRAPE_MULTIGRID, 64};
         set(d, &finest);
-        run_scene(b, d, (int)(TIME * 60 + 0.5) * (8 << k), &exact[k]);
+        run_scene(b, d, (int)(TIME * 60 + 0.5) * (16 << k), &exact[k]);
     }
     fprintf(out, "%s,converged,64,multigrid,1e-05,%.6g,%lld,%.4g,%.3e,,,%s\n",
             backend_name[b->backend], d->dt, (long long)exact[1].iterations,

@@ -165,7 +165,8 @@ int64_t world_pairs(const drape_world *world, int n_cloths)
                        .nt = nt,
                        .x = (const double(*)[3])x,
                        .tri = (const int32_t(*)[3])tri,
-                       .group = group};
+                       .group = group,
+                       .threads = 1};
     if (drape_audit(&mesh, 0, NULL, &found, NULL) != DRAPE_OK)
         found = -1;
     free(x);

@@ -42,7 +42,7 @@ static void cell(struct bench *b, FILE *out, struct sample *s, double limit)
                 integrator_name[d->integrator], a->stretch, a->damping, d->dt,
                 limit, word);
     if (!implicit && b->backend == DRAPE_REF)
-        forced = forced_run(b, s, b->quick ? 40 : 10 * STEPS);
+        forced = forced_run(b, s, b->quick ? 40 : 4 * STEPS);
     fprintf(out, "%g,%s,%d,%g,%g,%.4g,%s,%lld,%.3g,%s\n", a->damping,
             integrator_name[d->integrator], d->precision, a->stretch, d->dt,
             limit, word, (long long)r.steps, r.residual, forced);
