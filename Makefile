@@ -114,7 +114,7 @@ ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
         oracles fuzz-libs price say-gpu tables
 .DELETE_ON_ERROR:
 
-all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu
+all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, tool
 
 say-gpu:
 	@$(if $(GPU),,echo 'drape: $(if $(NVCC),no device,no nvcc) here: CPU part only')
@@ -192,7 +192,7 @@ $(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
 
 # ---- what people call ----
 
-check: ## everything that must hold, under 6 minutes on 2 cores
+check: ## everything that must hold
 	sh ci/check.sh $(BUILD)
 # What its parts share, so that they can run side by side.
 check-parts: all $(ACC) $(BUILD)/replay $(if $(HAS_ORACLE),$(BUILD)/frames)
@@ -309,6 +309,7 @@ tidy: ## clang-tidy over our C
 
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
+	@echo 'tables also takes SCENES= FRAMES= MODES= LIMIT=: ci/bench/scenes.sh'
 	@echo 'GPU=yes   with any of them: builds the device part without a device'
 	@echo 'ARCHES=   "80 90", say: for which devices; all: every one nvcc knows'
 

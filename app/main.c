@@ -34,6 +34,7 @@ static const struct command {
      "Ctrl-C finishes the step and leaves a checkpoint and the report.\n"},
     {"plan", command_plan, "print the stages of a scene and their memory",
      "drape plan SCENE.json [--backend ref|gpu] [--precision 32|64]\n"
+     "  [--allow-intersecting]\n"
      "Each stage, whether it is on, its memory, and why.\n"},
     {"audit", command_audit, "count intersecting triangle pairs, exactly",
      "drape audit MESH... | DIR [--obstacle MESH] [--list]\n"

@@ -76,6 +76,16 @@ for command in run plan audit render ccd convert info help; do
     exits "help $command" 0 help $command
     is "help $command shows its usage" grep -q "usage: drape $command" out
 done
+# Every option in a command's table is in its help and in the manual.
+for command in run plan audit render ccd convert; do
+    "$drape" help $command >out
+    sed 's/\\-/-/g' "$root/app/drape.1" >manual
+    for o in $(sed -n 's/.*{"\(--[a-z-]*\)", OPTION.*/\1/p' \
+        "$root/app/$command.c"); do
+        is "help and manual have $command $o" sh -c \
+            'grep -qe "$1" out && grep -qe "$1" manual' sh "$o"
+    done
+done
 exits 'run --help' 0 run --help
 exits 'info' 0 info
 exits 'no command' 2

@@ -7,13 +7,13 @@ Writes OUT/figure8.csv ... figure12.csv, modes.csv and tables.md, and draws
 them (ci/bench/plots.py). OUT is the machine's folder, as ci/bench/h200.
 """
 import csv
-import json
 import math
 import os
 import statistics
 import sys
 
 import plots
+from results import Results, device_mb, machine_folder, memory, paper_rows
 
 PARTS = ["integration", "solver", "broad", "proximity", "penetration"]
 MODES = {
@@ -22,51 +22,15 @@ MODES = {
     "jacobi": "symmetric half, Jacobi, exact sums",
     "ours": "symmetric half, multigrid, exact sums",
 }
-# Rows of the plan by the paper's names for the parts of memory.
+# Rows of the plan by the paper's names for the parts of memory; what is in
+# none of them is its "auxiliary".
 MEMORY = {
     "solver": ["implicit"],
     "collision": ["features", "proximity"],
     "obstacles": ["kinematics"],
     "cloth": ["state", "springs"],
     "fronts": ["front, obstacles", "front, self"],
-    "auxiliary": ["refit", "sleep"],
 }
-COLLISION = ["features", "proximity", "front, obstacles", "front, self"]
-
-
-def order(scene):
-    sizes = ["20k", "500k", "2m"]
-    bodies = ["buddha", "lion", "dragon"]
-    body, _, size = scene.partition("_")
-    return (sizes.index(size) if size in sizes else 9,
-            bodies.index(body) if body in bodies else 9, scene)
-
-
-class Results:
-    """What lies in the folder: runs[scene][mode] and some files of text."""
-
-    def __init__(self, folder):
-        self.folder = folder
-        self.runs = {}
-        for name in os.listdir(folder):
-            if name.endswith(".json"):
-                scene, mode = name[:-5].rsplit(".", 1)
-                with open(os.path.join(folder, name)) as file:
-                    self.runs.setdefault(scene, {})[mode] = json.load(file)
-        self.scenes = sorted(self.runs, key=order)
-        rows = [line.split("\t") for line in self.text("machine").splitlines()]
-        self.machine = dict(rows)
-
-    def text(self, name):
-        path = os.path.join(self.folder, name)
-        if not os.path.exists(path):
-            return ""
-        with open(path) as file:
-            return file.read().strip()
-
-    def ours(self):
-        return [(s, self.runs[s]["ours"]) for s in self.scenes
-                if "ours" in self.runs[s]]
 
 
 def seconds(step):
@@ -138,35 +102,6 @@ def figure8(results, paper):
 
 # ---- Figures 9 and 10: memory ----
 
-def plan_bytes(run):
-    return {row["stage"]: row["bytes"] for row in run["plan"]}
-
-
-def explicit_bytes(start, implicit):
-    """Explicit streams at the start; of what collisions fill, what the
-    implicit run came to."""
-    return {stage: max(count, implicit[stage]) if stage in COLLISION else count
-            for stage, count in start.items()}
-
-
-def memory(results):
-    """(scene, integration, bytes by stage) of the plans."""
-    for scene, run in results.ours():
-        implicit = plan_bytes(run)
-        explicit = results.runs[scene].get("explicit")
-        if explicit:
-            yield scene, "explicit", explicit_bytes(plan_bytes(explicit),
-                                                    implicit)
-        yield scene, "implicit", implicit
-
-
-def device_mb(results, scene):
-    """The device's memory in use while the scene ran, less that before."""
-    samples = [int(word) for word in
-               results.text(scene + ".ours.memory").split() if word.isdigit()]
-    return (max(samples) - min(samples)) * 1.048576 if samples else ""
-
-
 def figure9(results, paper):
     rows = {}
     for scene, kind, held in memory(results):
@@ -185,7 +120,8 @@ def figure10(results, _):
     for scene, kind, held in memory(results):
         row = {"scene": scene, "integration": kind}
         for part, stages in MEMORY.items():
-            row[part + " MB"] = sum(held[s] for s in stages) / 1e6
+            row[part + " MB"] = sum(held.pop(s) for s in stages) / 1e6
+        row["auxiliary MB"] = sum(held.values()) / 1e6
         rows.append(row)
     return rows
 
@@ -325,12 +261,6 @@ FIGURES = [
 ]
 
 
-def machine_folder(machine):
-    """As "h200" of "NVIDIA H200"."""
-    words = machine.get("gpu", "no device").lower().split()
-    return "-".join(w for w in words if w not in ("nvidia", "geforce"))
-
-
 def main():
     if len(sys.argv) not in (2, 3):
         sys.exit(__doc__)
@@ -339,9 +269,7 @@ def main():
     out = os.path.join(here, machine_folder(results.machine))
     out = sys.argv[2] if len(sys.argv) == 3 else out
     os.makedirs(out, exist_ok=True)
-    with open(os.path.join(here, "tang2013.csv")) as file:
-        lines = [line for line in file if not line.startswith("#")]
-    paper = {row["scene"]: row for row in csv.DictReader(lines)}
+    paper = paper_rows(here)
     facts = "; ".join(f"{k} {v}" for k, v in results.machine.items())
     text = ["# The paper's figures, on this machine\n",
             f"Made by `make tables`. {facts}.\n"]

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What ci/bench/scenes.sh left, and the paper's numbers beside it."""
+import csv
+import json
+import os
+
+# Rows of the plan that collisions fill.
+COLLISION = ["features", "proximity", "front, obstacles", "front, self"]
+
+
+def order(scene):
+    sizes = ["20k", "500k", "2m"]
+    bodies = ["buddha", "lion", "dragon"]
+    body, _, size = scene.partition("_")
+    return (sizes.index(size) if size in sizes else 9,
+            bodies.index(body) if body in bodies else 9, scene)
+
+
+class Results:
+    """What lies in the folder: runs[scene][mode] and some files of text."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.runs = {}
+        for name in os.listdir(folder):
+            if name.endswith(".json"):
+                scene, mode = name[:-5].rsplit(".", 1)
+                with open(os.path.join(folder, name)) as file:
+                    self.runs.setdefault(scene, {})[mode] = json.load(file)
+        self.scenes = sorted(self.runs, key=order)
+        rows = [line.split("\t") for line in self.text("machine").splitlines()]
+        self.machine = dict(rows)
+
+    def text(self, name):
+        path = os.path.join(self.folder, name)
+        if not os.path.exists(path):
+            return ""
+        with open(path) as file:
+            return file.read().strip()
+
+    def ours(self):
+        return [(s, self.runs[s]["ours"]) for s in self.scenes
+                if "ours" in self.runs[s]]
+
+
+def plan_bytes(run):
+    return {row["stage"]: row["bytes"] for row in run["plan"]}
+
+
+def explicit_bytes(start, implicit):
+    """Explicit streams at the start; of what collisions fill, what the
+    implicit run came to."""
+    return {stage: max(count, implicit[stage]) if stage in COLLISION else count
+            for stage, count in start.items()}
+
+
+def memory(results):
+    """(scene, integration, bytes by stage) of the plans."""
+    for scene, run in results.ours():
+        implicit = plan_bytes(run)
+        explicit = results.runs[scene].get("explicit")
+        if explicit:
+            yield scene, "explicit", explicit_bytes(plan_bytes(explicit),
+                                                    implicit)
+        yield scene, "implicit", implicit
+
+
+def device_mb(results, scene):
+    """The device's memory in use while the scene ran, less that before."""
+    samples = [int(word) for word in
+               results.text(scene + ".ours.memory").split() if word.isdigit()]
+    return (max(samples) - min(samples)) * 1.048576 if samples else ""
+
+
+def machine_folder(machine):
+    """As "h200" of "NVIDIA H200"."""
+    words = machine.get("gpu", "no device").lower().split()
+    return "-".join(w for w in words if w not in ("nvidia", "geforce"))
+
+
+def paper_rows(folder):
+    """{scene: row} of the paper's numbers, as text."""
+    with open(os.path.join(folder, "tang2013.csv")) as file:
+        lines = [line for line in file if not line.startswith("#")]
+    return {row["scene"]: row for row in csv.DictReader(lines)}
