@@ -13,6 +13,10 @@ void gpu_note(struct gpu *g, cudaError_t error)
         return;
     g->failed =
         error == cudaErrorMemoryAllocation ? DRAPE_ENOMEM : DRAPE_EDEVICE;
+    size_t n = strlen(g->name);
+    if (g->failed == DRAPE_EDEVICE)
+        snprintf(g->name + n, sizeof g->name - n, ": %s",
+                 cudaGetErrorString(error));
 }
 
 /* Does nothing; how it was compiled holds for all kernels. */
@@ -22,9 +26,9 @@ static void name_device(struct gpu *g)
 {
     cudaDeviceProp p;
     cudaFuncAttributes code;
-    int device = 0, driver = 0, runtime = 0;
-    gpu_note(g, cudaGetDevice(&device));
-    gpu_note(g, cudaGetDeviceProperties(&p, device));
+    int driver = 0, runtime = 0;
+    gpu_note(g, cudaGetDevice(&g->number));
+    gpu_note(g, cudaGetDeviceProperties(&p, g->number));
     /* fails where ARCHES left this device out */
     gpu_note(g, cudaFuncGetAttributes(&code, probe_kernel));
     g->teams = !g->failed && p.major >= 9 && code.ptxVersion >= 90;
@@ -62,14 +66,21 @@ struct gpu *gpu_open(const drape_def *def, int *status)
 {
     int devices = 0;
     *status = DRAPE_EDEVICE;
-    if (cudaGetDeviceCount(&devices) != cudaSuccess || devices < 1)
+    if (cudaGetDeviceCount(&devices) != cudaSuccess || devices < 1) {
+        cudaGetLastError(); /* the caller's next call is not to see it */
         return NULL;
+    }
     struct gpu *g = gpu_make(def);
     *status = DRAPE_ENOMEM;
     if (!g)
         return NULL;
+    gpu_begin(g);
     name_device(g);
-    gpu_note(g, cudaStreamCreate(&g->stream));
+    g->lent = def && def->stream;
+    if (g->lent)
+        g->stream = (cudaStream_t)def->stream;
+    else
+        gpu_note(g, cudaStreamCreate(&g->stream));
     for (int k = 0; k < 2; k++)
         gpu_note(g, cudaEventCreate(&g->event[k]));
     gpu_note(g, cudaMallocHost(&g->seen, GPU_WORDS * sizeof *g->seen));
@@ -90,7 +101,7 @@ void gpu_close(struct gpu *g)
     gpu_wait(g);
     blas_close(g);
     cudaFreeHost(g->seen);
-    cudaStream_t stream = g->stream;
+    cudaStream_t stream = g->lent ? NULL : g->stream;
     cudaEvent_t event[2] = {g->event[0], g->event[1]};
     gpu_unmake(g);
     for (int k = 0; k < 2; k++)
@@ -103,16 +114,6 @@ void gpu_close(struct gpu *g)
 const char *gpu_info(void)
 {
     return WORLD_INFO("CUDA, binary32, binary64");
-}
-
-const char *gpu_name(const struct gpu *g)
-{
-    return g->name;
-}
-
-void gpu_set_block(struct gpu *g, int threads)
-{
-    g->block = threads;
 }
 
 static void copy(struct gpu *g, void *to, const void *from, size_t bytes,

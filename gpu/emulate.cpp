@@ -142,6 +142,8 @@ struct gpu *gpu_open(const drape_def *def, int *status)
     if (!g)
         return NULL;
     snprintf(g->name, sizeof g->name, "emulated on the host");
+    g->stream = def && def->stream ? def->stream : g;
+    g->number = -1;
     g->words =
         (int64_t *)gpu_take(g, ARENA_SCRATCH, GPU_WORDS, sizeof *g->words);
     g->seen = (int64_t *)arena_take(&g->host, ARENA_OTHER, GPU_WORDS,
@@ -162,16 +164,6 @@ void gpu_close(struct gpu *g)
 const char *gpu_info(void)
 {
     return WORLD_INFO("emulated on the host");
-}
-
-const char *gpu_name(const struct gpu *g)
-{
-    return g->name;
-}
-
-void gpu_set_block(struct gpu *g, int threads)
-{
-    g->block = threads;
 }
 
 void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes)

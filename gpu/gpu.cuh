@@ -45,9 +45,12 @@ struct gpu {
 #ifdef __CUDACC__
     cudaStream_t stream;
     cudaEvent_t event[2];
+    bool lent; /* the stream is the caller's */
 #else
+    void *stream;
     double event;
 #endif
+    int number; /* of the device; -1: emulated */
     int block;  /* threads of a block of item kernels */
     bool teams; /* blocks can form a team */
     int failed; /* the first failure, or DRAPE_OK */

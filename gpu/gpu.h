@@ -13,13 +13,17 @@ extern "C" {
 
 struct gpu; /* a device, one stream of it, and what was taken there */
 
-/* The device that is current in this thread, with def's allocators and block;
- * def NULL: the defaults. *status: DRAPE_OK, DRAPE_EDEVICE or DRAPE_ENOMEM, and
- * then NULL. The caller closes it. */
+/* The device that is current in this thread, with def's stream, allocators and
+ * block; def NULL: the defaults. *status: DRAPE_OK, DRAPE_EDEVICE or
+ * DRAPE_ENOMEM, and then NULL. The caller closes it. */
 struct gpu *gpu_open(const drape_def *def, int *status);
 void gpu_close(struct gpu *g); /* gives back all memory; NULL is allowed */
 
-/* The device in words: name, driver, runtime; valid until gpu_close. */
+int gpu_device(const struct gpu *g);   /* CUDA's number; -1: emulated */
+void *gpu_stream(const struct gpu *g); /* cudaStream_t */
+
+/* The device in words: name, driver, runtime, and why it was lost if it was;
+ * valid until gpu_close. */
 const char *gpu_name(const struct gpu *g);
 
 /* Threads of a block, 32 … 256 by 32. No result depends on it. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Memory of a device: the only place that takes any. As ref/arena.c, but a
- * block's record lies on the host. spec/50_gpu.md §10 */
+/* A device's record, CUDA's or emulated, and its memory, which only this file
+ * takes. As ref/arena.c, but a block's record lies on the host.
+ * spec/50_gpu.md §10 */
 #include "gpu/gpu.cuh"
 
 /* What was taken, found by its address. */
@@ -109,6 +110,26 @@ void *gpu_aside(struct gpu *g, size_t bytes)
     s->data = arena_take(&g->host, ARENA_OTHER, (int64_t)bytes, 1);
     s->bytes = s->data ? bytes : 0;
     return s->data ? s->data : none(g);
+}
+
+int gpu_device(const struct gpu *g)
+{
+    return g->number;
+}
+
+void *gpu_stream(const struct gpu *g)
+{
+    return g->stream;
+}
+
+const char *gpu_name(const struct gpu *g)
+{
+    return g->name;
+}
+
+void gpu_set_block(struct gpu *g, int threads)
+{
+    g->block = threads;
 }
 
 const size_t *gpu_held(const struct gpu *g)

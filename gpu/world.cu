@@ -225,6 +225,28 @@ static int read(const struct world *h, double (*x)[3], double (*v)[3])
     return status == DRAPE_OK ? world_read(h, x, v) : status;
 }
 
+static int borrow(struct world *h, drape_view *view)
+{
+    struct gpu_world *w = h->device;
+    gpu_begin(w->gpu);
+    if (!w->tri)
+        GIVE(w->tri, ARENA_STATE, h->tri, h->nt);
+    int status = gpu_status(w->gpu);
+    if (status != DRAPE_OK)
+        return status;
+    view->x = w->x0;
+    view->v = w->v0;
+    view->tri = w->tri;
+    view->device = gpu_device(w->gpu);
+    view->stream = gpu_stream(w->gpu);
+    return DRAPE_OK;
+}
+
+static const char *device(const struct world *h)
+{
+    return gpu_name(h->device->gpu);
+}
+
 static int save(const struct world *h, drape_write *write, void *user)
 {
     int status = fetch(h);
@@ -277,5 +299,7 @@ const struct world_ops world_ops_gpu = {.make = make,
                                         .plan = plan_rows,
                                         .save = save,
                                         .load = load,
+                                        .borrow = borrow,
                                         .count = count,
+                                        .device = device,
                                         .end = end};

@@ -38,6 +38,7 @@ struct gpu_world {
     vec *to;                  /* device [nc] */
     real *w;                  /* device [nv] */
     uint16_t *body;           /* device [nv] */
+    int32_t (*tri)[3];        /* device [nt]; NULL: nobody has borrowed it */
     struct surface *surface;  /* device [bodies] */
     struct pose *pose;        /* device [n_motions] */
     struct gpu_prop *prop;    /* [n_obstacles] */

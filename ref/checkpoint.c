@@ -64,7 +64,8 @@ static uint64_t mix_motion(uint64_t h, const drape_motion *m)
 
 uint64_t checkpoint_fingerprint(const drape_def *d)
 {
-    /* Not: backend, threads, allocator, trace. They leave the bits alone. */
+    /* Not: backend, threads, block, stream, allocators, log, trace. They leave
+     * the bits alone. */
     const int choice[] = {d->precision,      d->integrator,  d->max_substeps,
                           d->precond,        d->matrix,      d->max_iterations,
                           d->self_collision, d->max_rounds,  d->sleep,

@@ -4,6 +4,8 @@
 #include "spec/drape.h"
 
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -18,14 +20,70 @@ struct drape_world {
     const struct world_ops *ops;
     struct world *world;
     int bodies; /* cloths and obstacles */
+    int precision;
+    drape_log *log;
+    void *log_user;
+    int64_t steps; /* begun since it was made */
+    int64_t taken; /* allocations that the log knows of */
 };
 
-static int refuse(drape_error *error, const char *text, int status)
+/* ---- The log ---- */
+
+enum { LINE = 640 };
+
+static void tell(const drape_world *world, const char *format, ...)
 {
-    if (error)
-        strncpy(error->text, text, sizeof error->text - 1);
-    return status;
+    char line[LINE];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(line, sizeof line, format, args);
+    va_end(args);
+    world->log(world->log_user, line);
 }
+
+static int64_t allocations(const drape_world *world, drape_memory *m)
+{
+    drape_count(world, m);
+    return m->host_allocations + m->device_allocations;
+}
+
+static const char *device_of(const drape_world *world)
+{
+    return world->ops->device ? world->ops->device(world->world) : "";
+}
+
+static void tell_made(drape_world *world, const drape_def *def)
+{
+    drape_memory m;
+    if (!world->log)
+        return;
+    world->taken = allocations(world, &m);
+    tell(world,
+         "made: backend %s, %d bits, %lld vertices, %lld triangles, %zu bytes "
+         "here, %zu on the device%s%s",
+         def->backend == DRAPE_GPU ? "gpu" : "ref", def->precision,
+         (long long)drape_vertices(world), (long long)drape_triangles(world),
+         m.host_bytes, m.device_bytes, world->ops->device ? ": " : "",
+         device_of(world));
+}
+
+static void tell_step(drape_world *world, int status)
+{
+    drape_memory m;
+    if (!world->log)
+        return;
+    int64_t taken = allocations(world, &m);
+    if (taken != world->taken)
+        tell(world, "step %lld: memory grew: %zu bytes here, %zu on the device",
+             (long long)world->steps, m.host_bytes, m.device_bytes);
+    world->taken = taken;
+    if (status != DRAPE_OK)
+        tell(world, "step %lld: %s%s%s", (long long)world->steps,
+             drape_status_text(status), world->ops->device ? ": " : "",
+             device_of(world));
+}
+
+/* ---- The API ---- */
 
 static const struct world_ops *choose_ops(const drape_def *def)
 {
@@ -34,34 +92,47 @@ static const struct world_ops *choose_ops(const drape_def *def)
     return def->precision == 32 ? &world_ops_32 : &world_ops_64;
 }
 
-int drape_create(const drape_def *def, drape_world **world, drape_error *error)
+static int make(const drape_def *def, drape_world **world, drape_error *error)
 {
-    if (error)
-        memset(error, 0, sizeof *error);
-    *world = NULL;
-    int status = define_check(def, error);
-    if (status != DRAPE_OK)
-        return status;
-
     struct arena arena;
     arena_init(&arena, &def->allocator);
     drape_world *d = arena_take(&arena, ARENA_OTHER, 1, sizeof *d);
     if (!d)
-        return refuse(error, "out of memory", DRAPE_ENOMEM);
+        return DRAPE_ENOMEM;
     d->arena = arena;
     d->ops = choose_ops(def);
     d->bodies = def->n_cloths + def->n_obstacles;
+    d->precision = def->precision;
+    d->log = def->log;
+    d->log_user = def->log_user;
     int threads = threads_set(def->threads);
-    status = d->ops->make(def, &d->arena, &d->world, error);
+    int status = d->ops->make(def, &d->arena, &d->world, error);
     threads_set(threads);
-    if (status != DRAPE_OK) {
-        if (error && !error->text[0])
-            refuse(error, drape_status_text(status), status);
+    if (status == DRAPE_OK)
+        *world = d;
+    else
         drape_destroy(d);
-        return status;
+    return status;
+}
+
+int drape_create(const drape_def *def, drape_world **world, drape_error *error)
+{
+    drape_error unused;
+    error = error ? error : &unused;
+    memset(error, 0, sizeof *error);
+    *world = NULL;
+    int status = define_check(def, error);
+    if (status == DRAPE_OK)
+        status = make(def, world, error);
+    if (status == DRAPE_OK) {
+        tell_made(*world, def);
+        return DRAPE_OK;
     }
-    *world = d;
-    return DRAPE_OK;
+    if (!error->text[0])
+        strncpy(error->text, drape_status_text(status), sizeof error->text - 1);
+    if (def->log)
+        def->log(def->log_user, error->text);
+    return status;
 }
 
 void drape_destroy(drape_world *world)
@@ -78,7 +149,10 @@ int drape_step(drape_world *world, drape_step_report *report)
 {
     drape_step_report unused;
     world->arena.failed = false; /* room may have come since */
-    return world->ops->step(world->world, report ? report : &unused);
+    world->steps++;
+    int status = world->ops->step(world->world, report ? report : &unused);
+    tell_step(world, status);
+    return status;
 }
 
 int64_t drape_first_vertex(const drape_world *world, int body)
@@ -108,6 +182,14 @@ int64_t drape_triangles(const drape_world *world)
 int drape_read(const drape_world *world, double (*x)[3], double (*v)[3])
 {
     return world->ops->read(world->world, x, v);
+}
+
+int drape_borrow(drape_world *world, drape_view *view)
+{
+    view->vertices = drape_vertices(world);
+    view->triangles = drape_triangles(world);
+    view->precision = world->precision;
+    return world->ops->borrow(world->world, view);
 }
 
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3])

@@ -258,6 +258,16 @@ int world_read(const struct world *w, double (*x)[3], double (*v)[3])
     return DRAPE_OK;
 }
 
+static int borrow(struct world *w, drape_view *view)
+{
+    view->x = w->x0;
+    view->v = w->v0;
+    view->tri = (const int32_t(*)[3])w->tri;
+    view->device = -1;
+    view->stream = NULL;
+    return DRAPE_OK;
+}
+
 void world_read_triangles(const struct world *w, int32_t (*tri)[3])
 {
     memcpy(tri, w->tri, (size_t)w->nt * sizeof *tri);
@@ -309,4 +319,5 @@ const struct world_ops world_ops = {.make = world_make,
                                     .set_wind = world_set_wind,
                                     .plan = plan_rows,
                                     .save = checkpoint_save,
-                                    .load = checkpoint_load};
+                                    .load = checkpoint_load,
+                                    .borrow = borrow};

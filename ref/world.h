@@ -23,8 +23,12 @@ struct world_ops {
     int (*plan)(const struct world *w, drape_plan_row *row, int capacity);
     int (*save)(const struct world *w, drape_write *write, void *user);
     int (*load)(struct world *w, drape_read_bytes *read, void *user);
-    /* NULL: the arena holds everything. Adds to m; ends what is held. */
+    /* view: all but its counts and precision. */
+    int (*borrow)(struct world *w, drape_view *view);
+    /* Of a device, else NULL: adds to m; says which it is and how it fares;
+     * ends what the arena does not hold. */
     void (*count)(const struct world *w, drape_memory *m);
+    const char *(*device)(const struct world *w);
     void (*end)(struct world *w);
 };
 

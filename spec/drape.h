@@ -134,6 +134,10 @@ typedef struct drape_allocator {
 typedef void drape_trace(void *user, int64_t step, const char *stage,
                          uint64_t digest, double seconds);
 
+/* Called within calls on a world with a line for people, which lasts as long
+ * as the call: what was made, what failed and why, where memory grew. */
+typedef void drape_log(void *user, const char *line);
+
 /* A scene. Everything it points to is copied by drape_create. */
 typedef struct drape_def {
     int backend;   /* enum drape_backend */
@@ -167,6 +171,11 @@ typedef struct drape_def {
 
     drape_allocator allocator;        /* zero: malloc and free */
     drape_allocator device_allocator; /* zero: cudaMalloc and cudaFree */
+    void *stream;   /* of backend gpu: a cudaStream_t that outlives the world;
+                       NULL: one of its own. The device is that current in
+                       drape_create, and must be in all calls on the world. */
+    drape_log *log; /* NULL: none */
+    void *log_user;
     drape_trace *trace; /* NULL: none, and no digest is computed */
     void *trace_user;
 } drape_def;
@@ -244,6 +253,21 @@ int64_t drape_first_triangle(const drape_world *world, int body);
 int drape_read(const drape_world *world, double (*x)[3], double (*v)[3]);
 /* Copies of the connectivity: tri [drape_triangles][3]. */
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3]);
+
+/* Where the current state lies, to be read without a copy. It is the world's,
+ * and valid until the next drape_step, drape_load or drape_destroy. On a
+ * device it is complete in the order of `stream`: what the caller puts there
+ * comes after it and before the next step; other streams wait by an event. */
+typedef struct drape_view {
+    const void *x, *v;       /* [vertices][3] m, m/s: float or double */
+    const int32_t (*tri)[3]; /* [triangles] */
+    int64_t vertices, triangles;
+    int precision; /* 32: float, 64: double */
+    int device;    /* CUDA's number of it; -1: memory of the host */
+    void *stream;  /* cudaStream_t; NULL: of the reference */
+} drape_view;
+/* The first call on a device takes the triangles' memory there. */
+int drape_borrow(drape_world *world, drape_view *view);
 
 /* Wakes a sleeping scene. */
 void drape_wake(drape_world *world);

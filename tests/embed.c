@@ -6,88 +6,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "gpu/gpu.h"
+#include "tests/guest.h"
 #include "tests/scene.h"
 
 enum { SETTLE = 12, SHORT = 3, THREADS = 4 };
-
-/* An allocator that counts, and gives nothing from call `most` on. */
-struct purse {
-    const drape_allocator *from; /* NULL: the host's */
-    size_t held;
-    int64_t calls, most;
-};
-
-static void *pay(void *user, size_t bytes)
-{
-    struct purse *p = user;
-    if (p->calls++ >= p->most)
-        return NULL;
-    void *q = p->from ? p->from->allocate(p->from->user, bytes)
-                      : aligned_alloc(64, (bytes + 63) / 64 * 64);
-    p->held += q ? bytes : 0;
-    return q;
-}
-
-static void give(void *user, void *q, size_t bytes)
-{
-    struct purse *p = user;
-    p->held -= bytes;
-    if (p->from)
-        p->from->release(p->from->user, q, bytes);
-    else
-        free(q);
-}
-
-/* A sheet falls a little on a plate that it overhangs. */
-struct guest {
-    drape_def def;
-    drape_cloth cloth;
-    drape_obstacle plate;
-    struct purse host, device;
-};
-
-static const double plate_x[4][3] = {
-    {-.05, 0, -.06}, {.05, 0, -.06}, {-.05, 0, .06}, {.05, 0, .06}};
-static const int32_t plate_tri[2][3] = {{0, 2, 1}, {1, 2, 3}};
-
-static void make_guest(struct guest *s, int backend)
-{
-    memset(s, 0, sizeof *s);
-    drape_default(&s->def);
-    drape_default_cloth(&s->cloth);
-    drape_default_obstacle(&s->plate);
-    s->cloth.m = 7;
-    s->cloth.n = 6;
-    s->cloth.width = s->cloth.height = 0.2;
-    s->cloth.origin[0] = s->cloth.origin[2] = -0.1;
-    s->cloth.origin[1] = 0.003;
-    s->cloth.material.damping = 0.01;
-    s->plate.n_vertices = 4;
-    s->plate.n_triangles = 2;
-    s->plate.x = plate_x;
-    s->plate.tri = plate_tri;
-    s->def.backend = backend;
-    s->def.precision = REAL_BITS;
-    s->def.sleep = 0;
-    s->def.cloths = &s->cloth;
-    s->def.n_cloths = 1;
-    s->def.obstacles = &s->plate;
-    s->def.n_obstacles = 1;
-    s->device.from = gpu_native();
-    s->host.most = s->device.most = INT64_MAX;
-    s->def.allocator = (drape_allocator){pay, give, &s->host};
-    s->def.device_allocator = (drape_allocator){pay, give, &s->device};
-}
-
-/* DRAPE_OK, or what a step returned. */
-static int go(drape_world *world, int steps)
-{
-    int status = DRAPE_OK;
-    for (int k = 0; k < steps && status == DRAPE_OK; k++)
-        status = drape_step(world, NULL);
-    return status;
-}
 
 static size_t planned(const drape_world *world)
 {
@@ -107,14 +29,14 @@ const char *test_embed_memory(void)
         struct guest s;
         drape_world *world;
         drape_memory a, b;
-        make_guest(&s, backend);
+        guest_make(&s, backend);
         int status = drape_create(&s.def, &world, NULL);
         if (status == DRAPE_EDEVICE)
             return skip("there is no device");
         EXPECT(status == DRAPE_OK);
-        EXPECT(go(world, SETTLE) == DRAPE_OK);
+        EXPECT(guest_go(world, SETTLE) == DRAPE_OK);
         EXPECT(drape_count(world, &a) == DRAPE_OK);
-        EXPECT(go(world, SETTLE) == DRAPE_OK);
+        EXPECT(guest_go(world, SETTLE) == DRAPE_OK);
         EXPECT(drape_count(world, &b) == DRAPE_OK);
         EXPECT(!memcmp(&a, &b, sizeof a));
         EXPECT(b.host_allocations == s.host.calls);
@@ -183,12 +105,12 @@ const char *test_embed_short(void)
     for (int backend = DRAPE_REF; backend <= DRAPE_GPU; backend++) {
         struct guest s;
         drape_world *world;
-        make_guest(&s, backend);
+        guest_make(&s, backend);
         s.def.precond = DRAPE_JACOBI; /* emulated, the other takes long */
         int status = drape_create(&s.def, &world, NULL);
         if (status == DRAPE_EDEVICE)
             return skip("there is no device");
-        EXPECT(status == DRAPE_OK && go(world, SHORT) == DRAPE_OK);
+        EXPECT(status == DRAPE_OK && guest_go(world, SHORT) == DRAPE_OK);
         uint64_t want = scene_hash(world);
         drape_destroy(world);
         struct purse *purse = backend ? &s.device : &s.host;
@@ -217,12 +139,12 @@ static void *work(void *user)
     struct job *job = user;
     struct guest s;
     drape_world *world;
-    make_guest(&s, job->backend);
+    guest_make(&s, job->backend);
     s.def.device_allocator = (drape_allocator){0};
     job->hash = 0;
     if (drape_create(&s.def, &world, NULL) != DRAPE_OK)
         return NULL;
-    if (go(world, SHORT) == DRAPE_OK)
+    if (guest_go(world, SHORT) == DRAPE_OK)
         job->hash = scene_hash(world);
     drape_destroy(world);
     return NULL;
