@@ -77,8 +77,11 @@ static void put_step(FILE *out, const drape_step_report *s)
     char words[128];
     fprintf(out, "    {\"step\": %lld", (long long)s->step);
     put_number(out, "time", s->time);
-    fprintf(out, ", \"outcome\": \"%s\", \"substeps\": %d, \"iterations\": %d",
-            report_outcome(s->outcome, words), s->substeps, s->iterations);
+    fprintf(out,
+            ", \"outcome\": \"%s\", \"slices\": %d, \"substeps\": %d, "
+            "\"iterations\": %d",
+            report_outcome(s->outcome, words), s->slices, s->substeps,
+            s->iterations);
     put_number(out, "residual", s->residual);
     fprintf(out,
             ", \"rounds\": %d, \"contacts\": %lld, \"impacts\": %lld, "

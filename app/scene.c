@@ -63,6 +63,7 @@ static const struct json_key scene_keys[] = {
     INTEGER_KEY("max_iterations", SCENE(def.max_iterations), 1, 1e6),
     BOOLEAN_KEY("self_collision", SCENE(def.self_collision)),
     INTEGER_KEY("max_rounds", SCENE(def.max_rounds), 0, 1e4),
+    INTEGER_KEY("max_slices", SCENE(def.max_slices), 1, 64),
     BOOLEAN_KEY("allow_intersecting", SCENE(def.allow_intersecting)),
     BOOLEAN_KEY("sleep", SCENE(def.sleep)),
     NESTED_KEY("motions", 0, read_motions),

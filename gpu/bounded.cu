@@ -2,6 +2,7 @@
 /* Whether a cloth's step went well: sums and searches on the device, one read,
  * the decision on the host. spec/09_dynamics.md §3 */
 #include "gpu/energy.cuh"
+#include "gpu/largest.cuh"
 #include "gpu/motion.cuh"
 #include "gpu/real.cuh"
 
@@ -15,8 +16,7 @@ enum {
 };
 
 /* Thread p owns particle p: reads its new state, and of a pin the way that it
- * went. Any order: a flag that all set alike, and the largest of whole numbers,
- * as which positive reals are ordered. */
+ * went. Any order: a flag that all set alike, and the largest. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     look_kernel(struct dynamics d, struct cloth c, int64_t *word)
 {
@@ -25,12 +25,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         word[WORD_WILD] = 1;
     if (!c.n_pinned || c.fixed[p] != CLOTH_PINNED)
         return;
-    real way = length(sub(d.to[p], d.x[p]));
-    real_bits bits;
-    memcpy(&bits, &way, sizeof bits);
-    if (way > 0 && (int64_t)bits > word[WORD_REACH])
-        atomicMax((unsigned long long *)&word[WORD_REACH],
-                  (unsigned long long)bits);
+    note_largest(&word[WORD_REACH], length(sub(d.to[p], d.x[p])));
 }
 
 static struct energy energy_at(const struct gpu_sheet *s, const vec *x,
@@ -123,7 +118,7 @@ static bool bounded(struct gpu_sheet *s, const double before[3], double reach)
     return d->surplus <= 1024 * larger(d->reference, least);
 }
 
-bool gpu_motion_bounded(struct gpu *g, struct gpu_sheet *s, double before[3])
+bool gpu_motion_bounded(struct gpu *g, struct gpu_sheet *s)
 {
     struct dynamics *d = &s->dynamics;
     struct energy start = energy_at(s, d->x, d->v);
@@ -134,8 +129,9 @@ bool gpu_motion_bounded(struct gpu *g, struct gpu_sheet *s, double before[3])
     LAUNCH(g, s->cloth.count, look_kernel, *d, s->cloth, word);
     const int64_t *seen = gpu_read_words(g, WORDS);
     for (int k = 0; k < 3; k++) {
-        before[k] = real_of(seen + WORD_BEFORE + k);
+        d->before[k] = real_of(seen + WORD_BEFORE + k);
         d->energy[k] = real_of(seen + WORD_AFTER + k);
     }
-    return !seen[WORD_WILD] && bounded(s, before, real_of(seen + WORD_REACH));
+    return !seen[WORD_WILD] &&
+           bounded(s, d->before, real_of(seen + WORD_REACH));
 }

@@ -29,8 +29,6 @@ int gpu_couple_make(struct gpu_world *w)
     p->w = w->w;
     p->u = w->response.u;
     p->stiffness = w->response.stiffness;
-    p->dt = w->response.dt;
-    p->slip = R(0.01) * w->host->reach / p->dt;
     p->start = w->response.start;
     struct gpu *g = w->gpu;
     p->force = (vec *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(vec));
@@ -44,8 +42,11 @@ int gpu_couple_make(struct gpu_world *w)
 void gpu_couple_start(struct gpu_world *w)
 {
     const struct world *h = w->host;
-    bool past = h->plan.history && h->has_past;
-    w->couple.penalty.tau = (real)(past ? h->def.dt * 2 / 3 : h->def.dt);
+    struct penalty *p = &w->couple.penalty;
+    bool past = h->plan.history && state_has_past(h);
+    p->dt = w->response.dt;
+    p->slip = R(0.01) * h->reach / p->dt;
+    p->tau = (real)(past ? h->dt * 2 / 3 : h->dt);
     w->couple.iterations = 0;
     w->couple.seconds = 0;
     gpu_clear(w->gpu, w->couple.g, (size_t)h->nc * sizeof *w->couple.g);

@@ -103,5 +103,5 @@ void gpu_lead_velocities(struct gpu_world *w)
     const struct world *h = w->host;
     int64_t n = h->nv - h->nc;
     LAUNCH(w->gpu, n, velocities_kernel, n, w->x0 + h->nc, w->x1 + h->nc,
-           (real)h->def.dt, w->v1 + h->nc);
+           (real)h->dt, w->v1 + h->nc);
 }

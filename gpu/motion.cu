@@ -191,17 +191,17 @@ int gpu_motion(struct gpu *g, struct gpu_sheet *s)
     d->outcome = 0;
     d->iterations = 0;
     d->residual = 0;
-    double reference = d->reference, surplus = d->surplus, before[3];
+    double reference = d->reference, surplus = d->surplus;
     int status = dynamics_implicit(d->method) ? go_implicit(g, s)
                                               : gpu_motion_explicit(g, s);
     if (status != DRAPE_OK)
         return status;
-    if (gpu_motion_bounded(g, s, before))
+    if (gpu_motion_bounded(g, s))
         return gpu_status(g);
     d->outcome |= DRAPE_DIVERGED;
     d->reference = reference;
     d->surplus = surplus;
-    memcpy(d->energy, before, sizeof before);
+    memcpy(d->energy, d->before, sizeof d->energy);
     gpu_motion_copy(g, s, d->x, d->v);
     return gpu_status(g);
 }

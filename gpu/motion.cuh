@@ -31,8 +31,8 @@ void gpu_motion_copy(struct gpu *g, struct gpu_sheet *s, const vec *x,
 /* Substeps of the method from x, v to x1, v1. DRAPE_OK or DRAPE_ELIMIT. */
 int gpu_motion_explicit(struct gpu *g, struct gpu_sheet *s);
 
-/* §3: false where the step has diverged; the energies at its start and, in
- * dynamics, at its end, and its surplus and reference. Waits for the device. */
-bool gpu_motion_bounded(struct gpu *g, struct gpu_sheet *s, double before[3]);
+/* §3: false where the step has diverged; sets the energies at its start and
+ * end, its surplus and reference. Waits for the device. */
+bool gpu_motion_bounded(struct gpu *g, struct gpu_sheet *s);
 
 #endif

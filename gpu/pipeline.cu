@@ -1,21 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The pipeline of one step on the device: ref/step.c again, with streams that
  * stay there. spec/00_step.md, spec/50_gpu.md §6 */
-#include "gpu/real.cuh"
+#include "gpu/collide.cuh"
 
 enum { REST_STEPS = 30 };
 static const double REST_PART = 1e-3; /* of the thickness, a step */
-
-/* ---- §1 Time: of the host, which waits where a part ends ---- */
-
-static void charge(struct gpu_world *w, drape_step_report *r,
-                   enum drape_part part, double *last, double within)
-{
-    gpu_wait(w->gpu);
-    double t = clock_now();
-    r->seconds[part] += t - *last - within;
-    *last = t;
-}
 
 /* ---- §3 Motion without contact ---- */
 
@@ -28,7 +17,8 @@ static int move_sheet(struct gpu_world *w, int k, drape_step_report *r)
     d->v = w->v0 + s->first;
     d->xp = w->past_x ? w->past_x + s->first : NULL;
     d->vp = w->past_v ? w->past_v + s->first : NULL;
-    d->has_past = h->has_past;
+    d->dt = h->dt;
+    d->has_past = state_has_past(h);
     d->to = w->to + s->first;
     d->x1 = w->x1 + s->first;
     d->v1 = w->v1 + s->first;
@@ -65,73 +55,6 @@ static int move(struct gpu_world *w, drape_step_report *r)
     return gpu_status(w->gpu);
 }
 
-/* ---- §4 Contact ---- */
-
-int gpu_step_broad(void *user, const uint8_t *touched, struct pairs *out)
-{
-    struct gpu_world *w = (struct gpu_world *)user;
-    double start = clock_now();
-    int status = gpu_broad_query(w->gpu, &w->broad, w->x0, w->x1, 0, touched);
-    w->broad_seconds += clock_now() - start;
-    out->n = w->broad.n;
-    out->pair = (const int32_t *)w->broad.pair.data;
-    out->kind = (const uint8_t *)w->broad.kind.data;
-    return status;
-}
-
-static int repel(struct gpu_world *w)
-{
-    double start = clock_now();
-    int status =
-        gpu_broad_query(w->gpu, &w->broad, w->x0, w->x0, w->host->reach, NULL);
-    w->broad_seconds += clock_now() - start;
-    if (status != DRAPE_OK)
-        return status;
-    struct pairs near = {w->broad.n, (const int32_t *)w->broad.pair.data,
-                         (const uint8_t *)w->broad.kind.data};
-    return gpu_response_repel(w->gpu, &w->response, &near);
-}
-
-static void count_contacts(const struct response *c, drape_step_report *r)
-{
-    r->outcome |= c->outcome;
-    r->rounds = c->rounds;
-    r->contacts = c->contacts;
-    r->impacts = c->impacts;
-    r->candidates = c->candidates;
-    r->zone_vertices = c->zone_vertices;
-    r->rolled_back = c->rolled_back;
-}
-
-static void charge_contact(struct gpu_world *w, drape_step_report *r,
-                           enum drape_part part, double *last)
-{
-    charge(w, r, part, last, w->broad_seconds + w->couple.seconds);
-    r->seconds[DRAPE_PART_BROAD] += w->broad_seconds;
-    r->seconds[DRAPE_PART_SOLVER] += w->couple.seconds;
-    w->broad_seconds = w->couple.seconds = 0;
-}
-
-static int collide(struct gpu_world *w, drape_step_report *r, double *last)
-{
-    struct response *c = &w->response;
-    c->x0 = w->x0;
-    c->x1 = w->x1;
-    c->v = w->v1;
-    int status = gpu_response_start(w->gpu, c);
-    if (w->host->plan.implicit)
-        gpu_couple_start(w);
-    if (status == DRAPE_OK)
-        status = repel(w);
-    charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
-    if (status == DRAPE_OK)
-        status = gpu_response_penetrate(w->gpu, c);
-    charge_contact(w, r, DRAPE_PART_PENETRATION, last);
-    count_contacts(c, r);
-    r->iterations += w->couple.iterations;
-    return status;
-}
-
 /* ---- §5 The end of a step ---- */
 
 static void remember(struct gpu_world *w)
@@ -145,41 +68,30 @@ static void remember(struct gpu_world *w)
                         .v1 = collides ? w->free_v : w->v1,
                         .x = w->x1,
                         .v = w->v1,
-                        .dt = (real)h->def.dt,
+                        .dt = (real)h->dt,
                         .xp = w->past_x,
                         .vp = w->past_v};
     gpu_history(w->gpu, &s);
     gpu_trace(w->gpu, h->tracing, "history", w->past_v,
               (size_t)h->nc * sizeof *w->past_v);
-    h->has_past = true;
+    h->past = 1 + h->slicing.level;
 }
 
-/* Thread i owns particle i: notes one that went further than `most`. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    rests_kernel(int64_t n, const vec *x0, const vec *x1, real most,
-                 int64_t *moved)
+static bool rests(struct gpu_world *w, int outcome)
 {
-    ITEM(i, n);
-    vec d = sub(x1[i], x0[i]);
-    if (!(dot(d, d) <= most * most))
-        *moved = 1; /* whoever writes, writes the same */
+    const struct world *h = w->host;
+    real most = (real)REST_PART * h->reach;
+    bool clean = !(outcome & (DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED));
+    return h->def.sleep && clean && h->slicing.level == 0 &&
+           gpu_collide_furthest(w, h->nc) <= most * most;
 }
 
-static bool rests(struct gpu_world *w)
-{
-    real most = (real)REST_PART * w->host->reach;
-    int64_t *moved = gpu_words(w->gpu);
-    LAUNCH(w->gpu, w->host->nc, rests_kernel, w->host->nc, w->x0, w->x1, most,
-           moved);
-    return gpu_read_words(w->gpu, 1)[0] == 0;
-}
-
-static void commit(struct gpu_world *w)
+static void commit(struct gpu_world *w, int outcome)
 {
     struct world *h = w->host;
     if (h->plan.history)
         remember(w);
-    h->resting = h->def.sleep && rests(w) ? h->resting + 1 : 0;
+    h->resting = rests(w, outcome) ? h->resting + 1 : 0;
     h->asleep = h->resting >= REST_STEPS;
     for (int k = 0; k < h->def.n_cloths; k++) {
         h->watch[k][0] = w->sheet[k].dynamics.reference;
@@ -190,59 +102,109 @@ static void commit(struct gpu_world *w)
     w->v0 = w->v1;
     w->x1 = x;
     w->v1 = v;
-    h->step++;
-    h->time = (double)h->step * h->def.dt;
+    slice_keep(h);
 }
 
-static void weigh(struct gpu_world *w, drape_step_report *r)
+static void weigh(struct gpu_world *w, const vec *x, const vec *v,
+                  double energy[3])
 {
     for (int k = 0; k < w->host->def.n_cloths; k++) {
         struct gpu_sheet *s = &w->sheet[k];
         double value[3];
-        gpu_motion_energy(w->gpu, s, w->x0 + s->first, w->v0 + s->first, value);
-        r->kinetic += value[0];
-        r->elastic += value[1];
-        r->potential += value[2];
+        gpu_motion_energy(w->gpu, s, x + s->first, v + s->first, value);
+        for (int j = 0; j < 3; j++)
+            energy[j] += value[j];
     }
-    r->step = w->host->step;
-    r->time = w->host->time;
 }
 
 /* ---- The pipeline ---- */
 
-int gpu_step(struct world *h, drape_step_report *r)
+static void judge(struct gpu_world *w, drape_step_report *r, bool *again)
 {
-    struct gpu_world *w = h->device;
-    double last = clock_now(), end = (double)(h->step + 1) * h->def.dt;
-    memset(r, 0, sizeof *r);
-    gpu_begin(w->gpu);
-    h->trace.step = h->step;
-    h->trace.last = last;
-    int status = gpu_lead(w, end, w->x1); /* 01 kinematics */
+    double before[3] = {}, after[3] = {};
+    for (int k = 0; k < w->host->def.n_cloths; k++)
+        for (int j = 0; j < 3; j++)
+            before[j] += w->sheet[k].dynamics.before[j];
+    weigh(w, w->x1, w->v1, after);
+    r->kinetic = after[0];
+    r->elastic = after[1];
+    r->potential = after[2];
+    *again = w->host->plan.collides &&
+             slice_wrong(w->host, r->outcome, before, after);
+}
+
+/* One slice of a step, from the state to the state, or to a shorter slice. */
+static int slice(struct gpu_world *w, drape_step_report *all, double *last)
+{
+    struct world *h = w->host;
+    drape_step_report r = {};
+    bool again = false;
+    int status = gpu_lead(w, slice_time(h), w->x1); /* 01 kinematics */
     gpu_trace(w->gpu, h->tracing, "kinematics", w->x1 + h->nc,
               (size_t)(h->nv - h->nc) * sizeof *w->x1);
-    if (status != DRAPE_OK)
-        return status;
-    if (h->asleep && !gpu_lead_moves(w)) {
-        r->outcome = DRAPE_ASLEEP;
-        h->step++;
-        h->time = end;
-        weigh(w, r);
-        return gpu_status(w->gpu);
-    }
-    status = move(w, r); /* 03 wind … 09 dynamics, 10 sum … 15 pcg */
+    if (status == DRAPE_OK)
+        status = move(w, &r); /* 03 wind … 09 dynamics, 10 sum … 15 pcg */
     for (int k = 0; k < h->def.n_cloths; k++)
-        r->seconds[DRAPE_PART_SOLVER] += w->sheet[k].solver_seconds;
-    charge(w, r, DRAPE_PART_INTEGRATION, &last, r->seconds[DRAPE_PART_SOLVER]);
+        r.seconds[DRAPE_PART_SOLVER] += w->sheet[k].solver_seconds;
+    gpu_charge(w, &r, DRAPE_PART_INTEGRATION, last,
+               r.seconds[DRAPE_PART_SOLVER]);
+    bool diverged = r.outcome & DRAPE_DIVERGED;
+    if (status == DRAPE_OK && !diverged && h->plan.collides) {
+        status = gpu_collide_far(w, &r, last, &again); /* 26 travel */
+        if (status == DRAPE_OK && !again)
+            status = gpu_collide(w, &r, last); /* 20 refit … 37 response */
+    }
+    if (status == DRAPE_OK && !diverged && !again)
+        judge(w, &r, &again);
+    slice_report(all, &r, !again);
+    if (status != DRAPE_OK || diverged || again)
+        return status;
+    if (h->slicing.level > 0 && h->slicing.done == 0)
+        status = gpu_slice_save(w);
+    if (status == DRAPE_OK)
+        commit(w, r.outcome);
+    return status;
+}
+
+static int pipeline(struct gpu_world *w, drape_step_report *r)
+{
+    struct world *h = w->host;
+    double last = clock_now(), energy[3] = {};
+    int status = DRAPE_OK;
+    h->trace.step = h->step;
+    h->trace.last = last;
+    slice_begin(h);
+    if (h->asleep && h->plan.led)
+        status = gpu_lead(w, slice_time(h), w->x1);
     if (status != DRAPE_OK)
         return status;
-    if (!(r->outcome & DRAPE_DIVERGED)) {
-        if (h->plan.collides)
-            status = collide(w, r, &last); /* 20 refit … 37 response */
-        if (status != DRAPE_OK)
-            return status;
-        commit(w);
+    bool asleep = h->asleep && !gpu_lead_moves(w);
+    if (asleep)
+        r->outcome = DRAPE_ASLEEP;
+    while (!asleep && status == DRAPE_OK && !slice_last(h) &&
+           !(r->outcome & DRAPE_DIVERGED))
+        status = slice(w, r, &last);
+    bool failed = status != DRAPE_OK || r->outcome & DRAPE_DIVERGED;
+    if (failed && h->slicing.done > 0)
+        gpu_slice_restore(w);
+    if (status != DRAPE_OK)
+        return status;
+    h->step += !failed;
+    h->time = (double)h->step * h->def.dt;
+    if (failed || asleep) {
+        weigh(w, w->x0, w->v0, energy);
+        r->kinetic = energy[0];
+        r->elastic = energy[1];
+        r->potential = energy[2];
     }
-    weigh(w, r);
+    r->step = h->step;
+    r->time = h->time;
     return gpu_status(w->gpu);
+}
+
+int gpu_step(struct world *h, drape_step_report *r)
+{
+    memset(r, 0, sizeof *r);
+    gpu_begin(h->device->gpu);
+    return pipeline(h->device, r);
 }

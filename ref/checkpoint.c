@@ -11,7 +11,7 @@ struct header {
     uint64_t fingerprint, check; /* check: of all bytes of the state */
     int64_t step, vertices;
     double time;
-    uint32_t asleep, has_past;
+    uint32_t asleep, past;
     drape_wind wind;
 };
 static const char magic[8] = "drape-1";
@@ -70,7 +70,7 @@ uint64_t checkpoint_fingerprint(const drape_def *d)
                           d->precond,        d->matrix,      d->max_iterations,
                           d->self_collision, d->max_rounds,  d->sleep,
                           d->n_cloths,       d->n_obstacles, d->n_motions,
-                          d->solver};
+                          d->solver,         d->max_slices};
     uint64_t h = hash_mix(HASH_SEED, choice, sizeof choice);
     h = hash_mix(h, &d->dt, sizeof d->dt);
     h = hash_mix(h, d->gravity, sizeof d->gravity);
@@ -114,7 +114,7 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     h.vertices = w->nv;
     h.time = w->time;
     h.asleep = w->asleep;
-    h.has_past = w->has_past;
+    h.past = (uint32_t)w->past;
     h.wind = w->def.wind;
     for (int k = 0; k < STREAMS; k++)
         h.check = hash_mix(h.check, stream[k], bytes[k]);
@@ -166,6 +166,6 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
     world_set_wind(w, &h.wind);
     w->resting = (int)h.resting;
     w->asleep = h.asleep;
-    w->has_past = h.has_past;
+    w->past = (int)h.past;
     return DRAPE_OK;
 }

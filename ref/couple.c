@@ -21,8 +21,6 @@ int couple_make(struct world *w)
     p->w = w->w;
     p->u = w->response.u;
     p->stiffness = w->response.stiffness;
-    p->dt = w->response.dt;
-    p->slip = R(0.01) * w->reach / p->dt;
     p->start = w->response.start;
     p->force = take(w, w->nv, sizeof *p->force);
     p->hold = take(w, w->nv, sizeof *p->hold);
@@ -35,8 +33,11 @@ int couple_make(struct world *w)
 void couple_start(struct world *w)
 {
     struct couple *c = &w->couple;
-    bool past = w->plan.history && w->has_past;
-    c->penalty.tau = (real)(past ? w->def.dt * 2 / 3 : w->def.dt);
+    struct penalty *p = &c->penalty;
+    bool past = w->plan.history && state_has_past(w);
+    p->dt = w->response.dt;
+    p->slip = R(0.01) * w->reach / p->dt;
+    p->tau = (real)(past ? w->dt * 2 / 3 : w->dt);
     c->iterations = 0;
     c->seconds = 0;
     memset(c->g, 0, (size_t)w->nc * sizeof *c->g);

@@ -27,6 +27,7 @@ void drape_default(drape_def *def)
     def->max_iterations = 2000;
     def->self_collision = 1;
     def->max_rounds = 16;
+    def->max_slices = 32;
     def->threads = 1;
     def->sleep = 1;
 }
@@ -252,6 +253,10 @@ static void check_world(struct check *c, const drape_def *def)
     number(c, "tolerance", def->tolerance, 1e-15, 1);
     integer(c, "max_iterations", def->max_iterations, 1, INT32_MAX);
     integer(c, "max_rounds", def->max_rounds, 0, 10000);
+    integer(c, "max_slices", def->max_slices, 1, 64);
+    if (def->max_slices & (def->max_slices - 1))
+        fail(c, DRAPE_EARG, "max_slices is %d, expected a power of two",
+             def->max_slices);
     integer(c, "n_cloths", def->n_cloths, 1, 4096);
     integer(c, "n_obstacles", def->n_obstacles, 0, 4096);
     integer(c, "n_motions", def->n_motions, 0, 1 << 20);

@@ -221,19 +221,19 @@ int ref_dynamics(struct dynamics *s)
     s->outcome = 0;
     s->iterations = 0;
     s->residual = 0;
-    double before[3], reference = s->reference, surplus = s->surplus;
+    double reference = s->reference, surplus = s->surplus;
     int status =
         dynamics_implicit(s->method) ? go_implicit(s) : dynamics_explicit(s);
     if (status != DRAPE_OK)
         return status;
-    dynamics_energy(s, s->x, s->v, before);
+    dynamics_energy(s, s->x, s->v, s->before);
     dynamics_energy(s, s->x1, s->v1, s->energy);
-    if (sane(s) && bounded(s, before))
+    if (sane(s) && bounded(s, s->before))
         return DRAPE_OK;
     s->outcome |= DRAPE_DIVERGED;
     s->reference = reference;
     s->surplus = surplus;
-    memcpy(s->energy, before, sizeof before);
+    memcpy(s->energy, s->before, sizeof s->energy);
     dynamics_copy(s, s->x, s->v);
     return DRAPE_OK;
 }

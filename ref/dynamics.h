@@ -43,7 +43,8 @@ struct dynamics {
     int iterations;            /* out: of the solver */
     double residual;           /* out: relative, of the solver */
     int outcome;               /* out: or of enum drape_outcome */
-    double energy[3];          /* out: kinetic, elastic, of gravity, J */
+    double before[3];          /* out: kinetic, elastic, of gravity, J, at x */
+    double energy[3];          /* out: likewise at x1 */
 };
 
 static inline bool dynamics_implicit(int method)

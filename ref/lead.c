@@ -63,7 +63,7 @@ bool lead_moves(const struct world *w)
 
 void lead_velocities(struct world *w)
 {
-    real dt = (real)w->def.dt;
+    real dt = (real)w->dt;
     EACH_ITEM
     for (int64_t i = w->nc; i < w->nv; i++) {
         vec d = vec_sub(w->x1[i], w->x0[i]);

@@ -29,6 +29,7 @@
 #include "ref/rollback.h"
 #include "ref/springs.h"
 #include "ref/sum.h"
+#include "ref/travel.h"
 #include "ref/walk.h"
 #include "ref/wind.h"
 #include "ref/zones.h"

@@ -11,6 +11,7 @@
 #include "ref/kinematics.h"
 #include "ref/plan.h"
 #include "ref/response.h"
+#include "ref/slice.h"
 #include "ref/solver.h"
 #include "ref/world.h"
 
@@ -32,6 +33,14 @@ struct prop {
     int frames;
     double frame_dt;
     bool moves; /* ever */
+};
+
+/* The state where the step under way started. */
+struct start {
+    vec *x, *v;           /* [nv] */
+    vec *past_x, *past_v; /* [nc] or NULL */
+    double (*watch)[2];   /* [n_cloths]; NULL: no step was cut yet */
+    int past;
 };
 
 struct world {
@@ -59,6 +68,7 @@ struct world {
     struct prop *prop;   /* [n_obstacles] */
     struct pose *pose;   /* [n_motions] at the time being led to */
     real reach;          /* m, at which contact begins, the largest */
+    real cell;           /* m, the smallest side of a cloth's cells */
     struct broad broad;
     struct response response;
     struct couple couple; /* of implicit integrators */
@@ -70,8 +80,17 @@ struct world {
     double time;
     int resting; /* steps in a row in which nothing moved */
     bool asleep;
-    bool has_past; /* past_x and past_v hold the step before */
+    int past;  /* 1 + level of the slice that past_x and past_v hold, 0: none */
+    double dt; /* s, of the slice under way */
+    struct slicing slicing;
+    struct start start;
 };
+
+/* Whether past_x and past_v are those of a slice as long as this one. */
+static inline bool state_has_past(const struct world *w)
+{
+    return w->past == 1 + w->slicing.level;
+}
 
 /* What ref/world.c lends to the other files of a world, and to gpu/. */
 int world_make(const drape_def *def, struct arena *arena, struct world **world,

@@ -7,24 +7,14 @@
 
 #include "ref/advance.h"
 #include "ref/clock.h"
+#include "ref/collide.h"
 #include "ref/implicit.h"
 #include "ref/lead.h"
+#include "ref/slice.h"
 #include "ref/threads.h"
 
 enum { REST_STEPS = 30, SMALL_SCENE = 4096 };
 static const double REST_PART = 1e-3; /* of the thickness, a step */
-
-/* ---- §1 Time ---- */
-
-/* Adds the time since *last to a part of the report, but for the seconds
- * within that are another part's. */
-static void charge(drape_step_report *r, enum drape_part part, double *last,
-                   double within)
-{
-    double t = clock_now();
-    r->seconds[part] += t - *last - within;
-    *last = t;
-}
 
 /* ---- §3 Motion without contact ---- */
 
@@ -36,7 +26,8 @@ static int move_sheet(struct world *w, int k, drape_step_report *r)
     d->v = w->v0 + s->first;
     d->xp = w->past_x ? w->past_x + s->first : NULL;
     d->vp = w->past_v ? w->past_v + s->first : NULL;
-    d->has_past = w->has_past;
+    d->dt = w->dt;
+    d->has_past = state_has_past(w);
     d->to = w->to + s->first;
     d->x1 = w->x1 + s->first;
     d->v1 = w->v1 + s->first;
@@ -71,86 +62,6 @@ static int move(struct world *w, drape_step_report *r)
     return DRAPE_OK;
 }
 
-/* ---- §4 Contact ---- */
-
-int step_broad(void *user, const uint8_t *touched, struct pairs *out)
-{
-    struct world *w = user;
-    double start = clock_now();
-    int status = broad_query(&w->broad, w->x0, w->x1, 0, touched);
-    w->broad_seconds += clock_now() - start;
-    out->n = w->broad.n;
-    out->pair = w->broad.pair.data;
-    out->kind = w->broad.kind.data;
-    return status;
-}
-
-int step_grow(void *user, struct pool *pool, int64_t need, size_t size)
-{
-    struct world *w = user;
-    need += need / 4 + 64; /* so that growth is rare */
-    void *p = arena_take(w->arena, ARENA_RESPONSE, need, size);
-    if (!p)
-        return DRAPE_ENOMEM;
-    arena_give(w->arena, pool->data);
-    pool->data = p;
-    pool->cap = need;
-    return DRAPE_OK;
-}
-
-/* Pairs within reach of each other where the step starts are pushed apart. */
-static int repel(struct world *w)
-{
-    double start = clock_now();
-    int status = broad_query(&w->broad, w->x0, w->x0, w->reach, NULL);
-    w->broad_seconds += clock_now() - start;
-    if (status != DRAPE_OK)
-        return status;
-    struct pairs near = {w->broad.n, w->broad.pair.data, w->broad.kind.data};
-    return ref_response_repel(&w->response, &near);
-}
-
-static void count_contacts(const struct response *c, drape_step_report *r)
-{
-    r->outcome |= c->outcome;
-    r->rounds = c->rounds;
-    r->contacts = c->contacts;
-    r->impacts = c->impacts;
-    r->candidates = c->candidates;
-    r->zone_vertices = c->zone_vertices;
-    r->rolled_back = c->rolled_back;
-}
-
-/* Broad phase and coupled solves within it are parts of their own. */
-static void charge_contact(struct world *w, drape_step_report *r,
-                           enum drape_part part, double *last)
-{
-    charge(r, part, last, w->broad_seconds + w->couple.seconds);
-    r->seconds[DRAPE_PART_BROAD] += w->broad_seconds;
-    r->seconds[DRAPE_PART_SOLVER] += w->couple.seconds;
-    w->broad_seconds = w->couple.seconds = 0;
-}
-
-static int collide(struct world *w, drape_step_report *r, double *last)
-{
-    struct response *c = &w->response;
-    c->x0 = w->x0;
-    c->x1 = w->x1;
-    c->v = w->v1;
-    int status = ref_response_start(c);
-    if (w->plan.implicit)
-        couple_start(w);
-    if (status == DRAPE_OK)
-        status = repel(w);
-    charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
-    if (status == DRAPE_OK)
-        status = ref_response_penetrate(c);
-    charge_contact(w, r, DRAPE_PART_PENETRATION, last);
-    count_contacts(c, r);
-    r->iterations += w->couple.iterations;
-    return status;
-}
-
 /* ---- §5 The end of a step ---- */
 
 static void remember(struct world *w)
@@ -163,32 +74,29 @@ static void remember(struct world *w)
                         .v1 = collides ? w->free_v : w->v1,
                         .x = w->x1,
                         .v = w->v1,
-                        .dt = (real)w->def.dt,
+                        .dt = (real)w->dt,
                         .xp = w->past_x,
                         .vp = w->past_v};
     ref_history(&h);
     trace_stage(w->tracing, "history", w->past_v,
                 (size_t)w->nc * sizeof *w->past_v);
-    w->has_past = true;
+    w->past = 1 + w->slicing.level;
 }
 
 /* §6: whether no particle went further than a part of the thickness. */
-static bool rests(const struct world *w)
+static bool rests(const struct world *w, int outcome)
 {
     real most = (real)REST_PART * w->reach;
-    for (int64_t i = 0; i < w->nc; i++) {
-        vec d = vec_sub(w->x1[i], w->x0[i]);
-        if (!(vec_dot(d, d) <= most * most))
-            return false;
-    }
-    return true;
+    bool clean = !(outcome & (DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED));
+    return w->def.sleep && clean && w->slicing.level == 0 &&
+           collide_furthest(w, w->nc) <= most * most;
 }
 
-static void commit(struct world *w)
+static void commit(struct world *w, int outcome)
 {
     if (w->plan.history)
         remember(w);
-    w->resting = w->def.sleep && rests(w) ? w->resting + 1 : 0;
+    w->resting = rests(w, outcome) ? w->resting + 1 : 0;
     w->asleep = w->resting >= REST_STEPS;
     for (int k = 0; k < w->def.n_cloths; k++) {
         w->watch[k][0] = w->sheet[k].dynamics.reference;
@@ -199,23 +107,20 @@ static void commit(struct world *w)
     w->v0 = w->v1;
     w->x1 = x;
     w->v1 = v;
-    w->step++;
-    w->time = (double)w->step * w->def.dt;
+    slice_keep(w);
 }
 
-/* Energies where the step ended, all cloths. */
-static void weigh(const struct world *w, drape_step_report *r)
+/* Energies of a state of all cloths, which are 0 before. */
+static void weigh(const struct world *w, const vec *x, const vec *v,
+                  double energy[3])
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
         double value[3];
-        dynamics_energy(&w->sheet[k].dynamics, w->x0 + w->sheet[k].first,
-                        w->v0 + w->sheet[k].first, value);
-        r->kinetic += value[0];
-        r->elastic += value[1];
-        r->potential += value[2];
+        dynamics_energy(&w->sheet[k].dynamics, x + w->sheet[k].first,
+                        v + w->sheet[k].first, value);
+        for (int j = 0; j < 3; j++)
+            energy[j] += value[j];
     }
-    r->step = w->step;
-    r->time = w->time;
 }
 
 /* ---- The pipeline ---- */
@@ -238,38 +143,83 @@ int step_check(struct world *w, drape_error *error)
     return DRAPE_OK;
 }
 
-static int pipeline(struct world *w, drape_step_report *r)
+/* §7.3: *again: the slice ended badly, and a shorter one is wanted. */
+static void judge(struct world *w, drape_step_report *r, bool *again)
 {
-    double last = clock_now();
-    double end = (double)(w->step + 1) * w->def.dt;
-    w->trace.step = w->step;
-    w->trace.last = last;
-    int status = lead(w, end, w->x1); /* 01 kinematics */
+    double before[3] = {0}, after[3] = {0};
+    for (int k = 0; k < w->def.n_cloths; k++)
+        for (int j = 0; j < 3; j++)
+            before[j] += w->sheet[k].dynamics.before[j];
+    weigh(w, w->x1, w->v1, after);
+    r->kinetic = after[0];
+    r->elastic = after[1];
+    r->potential = after[2];
+    *again = w->plan.collides && slice_wrong(w, r->outcome, before, after);
+}
+
+/* One slice of a step, from the state to the state, or to a shorter slice. */
+static int slice(struct world *w, drape_step_report *all, double *last)
+{
+    drape_step_report r = {0};
+    bool again = false;
+    int status = lead(w, slice_time(w), w->x1); /* 01 kinematics */
     trace_stage(w->tracing, "kinematics", w->x1 + w->nc,
                 (size_t)(w->nv - w->nc) * sizeof *w->x1);
-    if (status != DRAPE_OK)
-        return status;
-    if (w->asleep && !lead_moves(w)) {
-        r->outcome = DRAPE_ASLEEP;
-        w->step++;
-        w->time = end;
-        weigh(w, r);
-        return DRAPE_OK;
-    }
-    status = move(w, r); /* 03 wind … 09 dynamics, 10 sum … 15 pcg */
+    if (status == DRAPE_OK)
+        status = move(w, &r); /* 03 wind … 09 dynamics, 10 sum … 15 pcg */
     for (int k = 0; k < w->def.n_cloths; k++)
-        r->seconds[DRAPE_PART_SOLVER] += w->sheet[k].solver.seconds;
-    charge(r, DRAPE_PART_INTEGRATION, &last, r->seconds[DRAPE_PART_SOLVER]);
+        r.seconds[DRAPE_PART_SOLVER] += w->sheet[k].solver.seconds;
+    step_charge(&r, DRAPE_PART_INTEGRATION, last, r.seconds[DRAPE_PART_SOLVER]);
+    bool diverged = r.outcome & DRAPE_DIVERGED;
+    if (status == DRAPE_OK && !diverged && w->plan.collides) {
+        status = collide_far(w, &r, last, &again); /* 26 travel */
+        if (status == DRAPE_OK && !again)
+            status = collide(w, &r, last); /* 20 refit … 37 response */
+    }
+    if (status == DRAPE_OK && !diverged && !again)
+        judge(w, &r, &again);
+    slice_report(all, &r, !again);
+    if (status != DRAPE_OK || diverged || again)
+        return status;
+    if (w->slicing.level > 0 && w->slicing.done == 0)
+        status = slice_save(w);
+    if (status == DRAPE_OK)
+        commit(w, r.outcome);
+    return status;
+}
+
+static int pipeline(struct world *w, drape_step_report *r)
+{
+    double last = clock_now(), energy[3] = {0};
+    int status = DRAPE_OK;
+    w->trace.step = w->step;
+    w->trace.last = last;
+    slice_begin(w);
+    if (w->asleep && w->plan.led)
+        status = lead(w, slice_time(w), w->x1);
     if (status != DRAPE_OK)
         return status;
-    if (!(r->outcome & DRAPE_DIVERGED)) {
-        if (w->plan.collides)
-            status = collide(w, r, &last); /* 20 refit … 37 response */
-        if (status != DRAPE_OK)
-            return status;
-        commit(w);
+    bool asleep = w->asleep && !lead_moves(w);
+    if (asleep)
+        r->outcome = DRAPE_ASLEEP;
+    while (!asleep && status == DRAPE_OK && !slice_last(w) &&
+           !(r->outcome & DRAPE_DIVERGED))
+        status = slice(w, r, &last);
+    bool failed = status != DRAPE_OK || r->outcome & DRAPE_DIVERGED;
+    if (failed && w->slicing.done > 0)
+        slice_restore(w);
+    if (status != DRAPE_OK)
+        return status;
+    w->step += !failed;
+    w->time = (double)w->step * w->def.dt;
+    if (failed || asleep) {
+        weigh(w, w->x0, w->v0, energy);
+        r->kinetic = energy[0];
+        r->elastic = energy[1];
+        r->potential = energy[2];
     }
-    weigh(w, r);
+    r->step = w->step;
+    r->time = w->time;
     return DRAPE_OK;
 }
 

@@ -16,7 +16,6 @@ static int make_dynamics(struct world *w, struct sheet *s, const drape_def *def)
     const struct cloth *c = &s->cloth;
     d->cloth = c;
     d->method = def->integrator;
-    d->dt = def->dt;
     d->max_substeps = def->max_substeps;
     d->gravity = vec_make((real)def->gravity[0], (real)def->gravity[1],
                           (real)def->gravity[2]);
@@ -82,7 +81,6 @@ static int make_response(struct world *w, const drape_def *def)
     c->skin.n = def->n_cloths + def->n_obstacles;
     c->skin.of = w->body;
     c->skin.surface = w->surface;
-    c->dt = (real)def->dt;
     for (int k = 0; k < def->n_cloths; k++)
         c->stiffness =
             real_max(c->stiffness, (real)def->cloths[k].material.stretch);

@@ -104,6 +104,8 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
         (struct surface){real_min((real)def->material.thickness, most),
                          (real)def->material.friction};
     w->reach = real_max(w->reach, w->surface[k].thickness);
+    real side = real_min(c->hu, c->hv);
+    w->cell = k ? real_min(w->cell, side) : side;
     return DRAPE_OK;
 }
 
@@ -218,6 +220,7 @@ int world_make(const drape_def *def, struct arena *arena, struct world **world,
     w->held = arena->bytes;
     w->def = *def;
     w->plan = plan_make(def);
+    w->dt = def->dt;
     w->fingerprint = checkpoint_fingerprint(def);
     w->trace = (struct trace){def->trace, def->trace_user, 0, 0};
     w->tracing = def->trace ? &w->trace : NULL;

@@ -159,6 +159,8 @@ typedef struct drape_def {
 
     int self_collision; /* 0: cloth does not see cloth */
     int max_rounds;     /* of collision impulses before the fail-safe, ≥ 0 */
+    int max_slices;     /* into which a step is cut where things move far or
+                           it goes wrong: a power of two, 1 (never) … 64 */
     int allow_intersecting; /* 1: a start that intersects is accepted */
     int sleep;              /* 1: a scene at rest is skipped until it wakes */
 
@@ -199,13 +201,15 @@ typedef struct drape_step_report {
     int64_t step;       /* steps done so far, this one included */
     double time;        /* s, at the end of the step */
     int outcome;        /* or of enum drape_outcome */
-    int substeps;       /* of the integrator */
+    int slices;         /* that the step was cut into */
+    int substeps;       /* of the integrator, of a slice the most */
     int iterations;     /* of the linear solver, all solves */
     double residual;    /* relative, the worst of its solves */
     int rounds;         /* of penetration, the last finds nothing */
-    int64_t contacts;   /* pairs in proximity */
+    int64_t contacts;   /* pairs in proximity, of the last slice */
     int64_t impacts;    /* pairs that penetrated, all rounds */
-    int64_t candidates; /* pairs given to the narrow phase, all rounds */
+    int64_t candidates; /* pairs given to the narrow phase, all rounds; this,
+                           iterations and rounds with slices taken again */
     int64_t zone_vertices, rolled_back; /* touched by the fail-safe */
     double kinetic, elastic, potential; /* J; potential: gravity, from 0 */
     double seconds[DRAPE_PART_COUNT];   /* wall time by part */

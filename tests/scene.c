@@ -114,6 +114,7 @@ static void pick_scene(struct bytes *b, struct scene *s)
     s->def.precond = (int)pick(b, 2);
     s->def.matrix = (int)pick(b, 2);
     s->def.max_rounds = (int)pick(b, 9);
+    s->def.max_slices = 1 << pick(b, 5);
     s->def.wind.density = pick(b, 2) ? 1.2 : 0;
     s->def.wind.velocity[0] = 4;
     s->def.gravity[1] = pick(b, 4) ? -9.81 : -200;

@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Contact in a slice of a step on the device: ref/collide.c again.
+ * spec/00_step.md §3, §7 */
+#include "gpu/collide.cuh"
+#include "gpu/largest.cuh"
+
+/* The time is the host's, which waits where a part ends. */
+void gpu_charge(struct gpu_world *w, drape_step_report *r, enum drape_part part,
+                double *last, double within)
+{
+    gpu_wait(w->gpu);
+    double t = clock_now();
+    r->seconds[part] += t - *last - within;
+    *last = t;
+}
+
+int gpu_step_broad(void *user, const uint8_t *touched, struct pairs *out)
+{
+    struct gpu_world *w = (struct gpu_world *)user;
+    double start = clock_now();
+    int status = gpu_broad_query(w->gpu, &w->broad, w->x0, w->x1, 0, touched);
+    w->broad_seconds += clock_now() - start;
+    out->n = w->broad.n;
+    out->pair = (const int32_t *)w->broad.pair.data;
+    out->kind = (const uint8_t *)w->broad.kind.data;
+    return status;
+}
+
+static void charge_contact(struct gpu_world *w, drape_step_report *r,
+                           enum drape_part part, double *last)
+{
+    gpu_charge(w, r, part, last, w->broad_seconds + w->couple.seconds);
+    r->seconds[DRAPE_PART_BROAD] += w->broad_seconds;
+    r->seconds[DRAPE_PART_SOLVER] += w->couple.seconds;
+    w->broad_seconds = w->couple.seconds = 0;
+}
+
+/* Thread i owns vertex i: the square of its way, m². */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    way_kernel(int64_t n, const vec *x0, const vec *x1, int64_t *most)
+{
+    ITEM(i, n);
+    vec d = sub(x1[i], x0[i]);
+    note_largest(most, dot(d, d));
+}
+
+real gpu_collide_furthest(struct gpu_world *w, int64_t n)
+{
+    int64_t *most = gpu_words(w->gpu);
+    LAUNCH(w->gpu, n, way_kernel, n, w->x0, w->x1, most);
+    return largest_of(gpu_read_words(w->gpu, 1));
+}
+
+int gpu_collide_far(struct gpu_world *w, drape_step_report *r, double *last,
+                    bool *again)
+{
+    struct pairs p;
+    struct world *h = w->host;
+    *again = slice_far(h, 4 * gpu_collide_furthest(w, h->nv));
+    if (!*again)
+        return gpu_status(w->gpu);
+    int status = gpu_step_broad(w, NULL, &p);
+    struct travel t = {h->nv, p.n, p.pair, p.kind, w->x0, w->x1, 0};
+    if (status == DRAPE_OK)
+        status = gpu_travel(w->gpu, &t);
+    if (h->tracing)
+        trace_stage(h->tracing, "travel", &t.most, sizeof t.most);
+    *again = slice_far(h, t.most);
+    if (*again)
+        slice_cut(h);
+    charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
+    return status;
+}
+
+static int repel(struct gpu_world *w)
+{
+    double start = clock_now();
+    int status =
+        gpu_broad_query(w->gpu, &w->broad, w->x0, w->x0, w->host->reach, NULL);
+    w->broad_seconds += clock_now() - start;
+    if (status != DRAPE_OK)
+        return status;
+    struct pairs near = {w->broad.n, (const int32_t *)w->broad.pair.data,
+                         (const uint8_t *)w->broad.kind.data};
+    return gpu_response_repel(w->gpu, &w->response, &near);
+}
+
+static void count_contacts(const struct response *c, drape_step_report *r)
+{
+    r->outcome |= c->outcome;
+    r->rounds = c->rounds;
+    r->contacts = c->contacts;
+    r->impacts = c->impacts;
+    r->candidates = c->candidates;
+    r->zone_vertices = c->zone_vertices;
+    r->rolled_back = c->rolled_back;
+}
+
+int gpu_collide(struct gpu_world *w, drape_step_report *r, double *last)
+{
+    struct response *c = &w->response;
+    c->x0 = w->x0;
+    c->x1 = w->x1;
+    c->v = w->v1;
+    c->dt = (real)w->host->dt;
+    int status = gpu_response_start(w->gpu, c);
+    if (w->host->plan.implicit)
+        gpu_couple_start(w);
+    if (status == DRAPE_OK)
+        status = repel(w);
+    charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
+    if (status == DRAPE_OK)
+        status = gpu_response_penetrate(w->gpu, c);
+    charge_contact(w, r, DRAPE_PART_PENETRATION, last);
+    count_contacts(c, r);
+    r->iterations += w->couple.iterations;
+    return status;
+}

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a step that fails in a later slice goes back to: ref/restore.c with
+ * streams on the device. spec/00_step.md §7 */
+#include "gpu/collide.cuh"
+
+static vec *take(struct gpu_world *w, int64_t n)
+{
+    return (vec *)gpu_take(w->gpu, ARENA_STATE, n, sizeof(vec));
+}
+
+int gpu_slice_save(struct gpu_world *w)
+{
+    struct world *h = w->host;
+    struct start *s = &w->start;
+    size_t n = (size_t)h->nv * sizeof(vec);
+    size_t past = w->past_x ? (size_t)h->nc * sizeof(vec) : 0;
+    size_t watch = (size_t)h->def.n_cloths * sizeof *s->watch;
+    if (!s->watch) {
+        s->x = take(w, h->nv);
+        s->v = take(w, h->nv);
+        s->past_x = past ? take(w, h->nc) : NULL;
+        s->past_v = past ? take(w, h->nc) : NULL;
+        s->watch = (double(*)[2])arena_take(h->arena, ARENA_OTHER,
+                                            h->def.n_cloths, sizeof *s->watch);
+    }
+    if (h->arena->failed)
+        return DRAPE_ENOMEM;
+    gpu_copy(w->gpu, s->x, w->x0, n);
+    gpu_copy(w->gpu, s->v, w->v0, n);
+    gpu_copy(w->gpu, s->past_x, w->past_x, past);
+    gpu_copy(w->gpu, s->past_v, w->past_v, past);
+    memcpy(s->watch, h->watch, watch);
+    s->past = h->past;
+    return gpu_status(w->gpu);
+}
+
+void gpu_slice_restore(struct gpu_world *w)
+{
+    struct world *h = w->host;
+    const struct start *s = &w->start;
+    gpu_begin(w->gpu); /* what failed may have been short memory */
+    size_t n = (size_t)h->nv * sizeof(vec);
+    size_t past = w->past_x ? (size_t)h->nc * sizeof(vec) : 0;
+    gpu_copy(w->gpu, w->x0, s->x, n);
+    gpu_copy(w->gpu, w->v0, s->v, n);
+    gpu_copy(w->gpu, w->past_x, s->past_x, past);
+    gpu_copy(w->gpu, w->past_v, s->past_v, past);
+    memcpy(h->watch, s->watch, (size_t)h->def.n_cloths * sizeof *s->watch);
+    h->past = s->past;
+}

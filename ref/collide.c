@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Contact in a slice of a step: how far candidates move, what repels, what
+ * penetrates. spec/00_step.md §3, §7 */
+#include "ref/collide.h"
+
+#include "ref/clock.h"
+#include "ref/step.h"
+#include "ref/travel.h"
+
+void step_charge(drape_step_report *r, enum drape_part part, double *last,
+                 double within)
+{
+    double t = clock_now();
+    r->seconds[part] += t - *last - within;
+    *last = t;
+}
+
+int step_broad(void *user, const uint8_t *touched, struct pairs *out)
+{
+    struct world *w = user;
+    double start = clock_now();
+    int status = broad_query(&w->broad, w->x0, w->x1, 0, touched);
+    w->broad_seconds += clock_now() - start;
+    out->n = w->broad.n;
+    out->pair = w->broad.pair.data;
+    out->kind = w->broad.kind.data;
+    return status;
+}
+
+int step_grow(void *user, struct pool *pool, int64_t need, size_t size)
+{
+    struct world *w = user;
+    need += need / 4 + 64; /* so that growth is rare */
+    void *p = arena_take(w->arena, ARENA_RESPONSE, need, size);
+    if (!p)
+        return DRAPE_ENOMEM;
+    arena_give(w->arena, pool->data);
+    pool->data = p;
+    pool->cap = need;
+    return DRAPE_OK;
+}
+
+/* Broad phase and coupled solves within it are parts of their own. */
+static void charge_contact(struct world *w, drape_step_report *r,
+                           enum drape_part part, double *last)
+{
+    step_charge(r, part, last, w->broad_seconds + w->couple.seconds);
+    r->seconds[DRAPE_PART_BROAD] += w->broad_seconds;
+    r->seconds[DRAPE_PART_SOLVER] += w->couple.seconds;
+    w->broad_seconds = w->couple.seconds = 0;
+}
+
+/* The square of the longest way of the first n vertices, m². */
+real collide_furthest(const struct world *w, int64_t n)
+{
+    real most = 0;
+    for (int64_t i = 0; i < n; i++) {
+        vec d = vec_sub(w->x1[i], w->x0[i]);
+        most = real_max(most, vec_dot(d, d));
+    }
+    return most;
+}
+
+/* §7.2: *again: a shorter slice is wanted. Candidates are asked only where
+ * two vertices can be far apart. */
+int collide_far(struct world *w, drape_step_report *r, double *last,
+                bool *again)
+{
+    struct pairs p;
+    *again = slice_far(w, 4 * collide_furthest(w, w->nv));
+    if (!*again)
+        return DRAPE_OK;
+    int status = step_broad(w, NULL, &p);
+    struct travel t = {.nv = w->nv,
+                       .n = p.n,
+                       .pair = p.pair,
+                       .kind = p.kind,
+                       .x0 = w->x0,
+                       .x1 = w->x1};
+    if (status == DRAPE_OK)
+        status = ref_travel(&t);
+    trace_stage(w->tracing, "travel", &t.most, sizeof t.most);
+    *again = slice_far(w, t.most);
+    if (*again)
+        slice_cut(w);
+    charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
+    return status;
+}
+
+/* Pairs within reach of each other where the step starts are pushed apart. */
+static int repel(struct world *w)
+{
+    double start = clock_now();
+    int status = broad_query(&w->broad, w->x0, w->x0, w->reach, NULL);
+    w->broad_seconds += clock_now() - start;
+    if (status != DRAPE_OK)
+        return status;
+    struct pairs near = {w->broad.n, w->broad.pair.data, w->broad.kind.data};
+    return ref_response_repel(&w->response, &near);
+}
+
+static void count_contacts(const struct response *c, drape_step_report *r)
+{
+    r->outcome |= c->outcome;
+    r->rounds = c->rounds;
+    r->contacts = c->contacts;
+    r->impacts = c->impacts;
+    r->candidates = c->candidates;
+    r->zone_vertices = c->zone_vertices;
+    r->rolled_back = c->rolled_back;
+}
+
+int collide(struct world *w, drape_step_report *r, double *last)
+{
+    struct response *c = &w->response;
+    c->x0 = w->x0;
+    c->x1 = w->x1;
+    c->v = w->v1;
+    c->dt = (real)w->dt;
+    int status = ref_response_start(c);
+    if (w->plan.implicit)
+        couple_start(w);
+    if (status == DRAPE_OK)
+        status = repel(w);
+    charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
+    if (status == DRAPE_OK)
+        status = ref_response_penetrate(c);
+    charge_contact(w, r, DRAPE_PART_PENETRATION, last);
+    count_contacts(c, r);
+    r->iterations += w->couple.iterations;
+    return status;
+}

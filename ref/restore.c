@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a step that fails in a later slice goes back to: its start. Taken when
+ * a step is first cut. spec/00_step.md §7 */
+#include "ref/slice.h"
+#include "ref/state.h"
+
+int slice_save(struct world *w)
+{
+    struct start *s = &w->start;
+    size_t n = (size_t)w->nv * sizeof(vec);
+    size_t past = w->past_x ? (size_t)w->nc * sizeof(vec) : 0;
+    if (!s->watch) {
+        s->x = arena_take(w->arena, ARENA_STATE, w->nv, sizeof *s->x);
+        s->v = arena_take(w->arena, ARENA_STATE, w->nv, sizeof *s->v);
+        if (past) {
+            s->past_x =
+                arena_take(w->arena, ARENA_STATE, w->nc, sizeof *s->past_x);
+            s->past_v =
+                arena_take(w->arena, ARENA_STATE, w->nc, sizeof *s->past_v);
+        }
+        s->watch = arena_take(w->arena, ARENA_STATE, w->def.n_cloths,
+                              sizeof *s->watch);
+    }
+    if (w->arena->failed)
+        return DRAPE_ENOMEM;
+    memcpy(s->x, w->x0, n);
+    memcpy(s->v, w->v0, n);
+    if (past) {
+        memcpy(s->past_x, w->past_x, past);
+        memcpy(s->past_v, w->past_v, past);
+    }
+    memcpy(s->watch, w->watch, (size_t)w->def.n_cloths * sizeof *s->watch);
+    s->past = w->past;
+    return DRAPE_OK;
+}
+
+void slice_restore(struct world *w)
+{
+    const struct start *s = &w->start;
+    size_t past = w->past_x ? (size_t)w->nc * sizeof(vec) : 0;
+    memcpy(w->x0, s->x, (size_t)w->nv * sizeof(vec));
+    memcpy(w->v0, s->v, (size_t)w->nv * sizeof(vec));
+    if (past) {
+        memcpy(w->past_x, s->past_x, past);
+        memcpy(w->past_v, s->past_v, past);
+    }
+    memcpy(w->watch, s->watch, (size_t)w->def.n_cloths * sizeof *s->watch);
+    w->past = s->past;
+}

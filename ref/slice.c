@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Into how many slices a step is cut. spec/00_step.md §7 */
+#include "ref/slice.h"
+
+#include "ref/state.h"
+
+enum { WHOLE = 64, TRIES = 3, JOLTS = 2 };
+static const real CELLS = 4; /* that candidates may move in a slice */
+
+static int unit(const struct slicing *s)
+{
+    return WHOLE >> s->level;
+}
+
+/* The square of the way that §7.2 allows, m². */
+static real allowed(const struct world *w)
+{
+    return (CELLS * w->cell) * (CELLS * w->cell);
+}
+
+void slice_begin(struct world *w)
+{
+    struct slicing s = {0};
+    while (2 << s.deepest <= w->def.max_slices)
+        s.deepest++;
+    w->slicing = s;
+}
+
+double slice_time(struct world *w)
+{
+    const struct slicing *s = &w->slicing;
+    w->dt = w->def.dt / (1 << s->level);
+    double part = (double)(s->done + unit(s)) / WHOLE;
+    return ((double)w->step + part) * w->def.dt;
+}
+
+bool slice_last(const struct world *w)
+{
+    return w->slicing.done == WHOLE;
+}
+
+bool slice_far(struct world *w, real travel)
+{
+    w->slicing.travel = travel;
+    return w->slicing.level < w->slicing.deepest && travel > allowed(w);
+}
+
+void slice_cut(struct world *w)
+{
+    for (; slice_far(w, w->slicing.travel); w->slicing.level++)
+        w->slicing.travel /= 4;
+}
+
+bool slice_wrong(struct world *w, int outcome, const double before[3],
+                 const double after[3])
+{
+    struct slicing *s = &w->slicing;
+    int failed = DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED;
+    double rise = (after[0] - before[0]) + (after[1] - before[1]) +
+                  (after[2] - before[2]);
+    double height = after[2] < 0 ? -after[2] : after[2];
+    bool fed = w->plan.led || w->plan.wind || !w->plan.implicit;
+    bool jolt = !fed && rise > (after[0] + after[1]) / 16 + height / 65536;
+    bool again =
+        (outcome & failed && s->tries < TRIES) || (jolt && s->jolts < JOLTS);
+    if (!again || s->level >= s->deepest)
+        return false;
+    s->tries += (outcome & failed) != 0;
+    s->jolts += jolt;
+    s->least = ++s->level;
+    return true;
+}
+
+void slice_keep(struct world *w)
+{
+    struct slicing *s = &w->slicing;
+    s->done += unit(s);
+    s->slices++;
+    bool even = s->done % (2 * unit(s)) == 0;
+    if (s->level > s->least && even && 4 * s->travel <= allowed(w))
+        s->level--;
+}
+
+void slice_report(drape_step_report *all, const drape_step_report *one,
+                  bool kept)
+{
+    all->iterations += one->iterations;
+    all->rounds += one->rounds;
+    all->candidates += one->candidates;
+    for (int k = 0; k < DRAPE_PART_COUNT; k++)
+        all->seconds[k] += one->seconds[k];
+    all->slices += kept;
+    if (!kept)
+        return;
+    all->outcome |= one->outcome;
+    all->residual =
+        one->residual > all->residual ? one->residual : all->residual;
+    all->substeps =
+        one->substeps > all->substeps ? one->substeps : all->substeps;
+    all->contacts = one->contacts;
+    all->impacts += one->impacts;
+    all->zone_vertices += one->zone_vertices;
+    all->rolled_back += one->rolled_back;
+    all->kinetic = one->kinetic;
+    all->elastic = one->elastic;
+    all->potential = one->potential;
+}

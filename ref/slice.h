@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Into how many slices a step is cut: the decisions, made on the host for
+ * either backend. spec/00_step.md §7 */
+#ifndef REF_SLICE_H
+#define REF_SLICE_H
+
+#include <stdbool.h>
+
+#include "ref/real.h"
+#include "spec/drape.h"
+
+struct world;
+
+/* The step that is under way. */
+struct slicing {
+    int level;        /* a slice is 2^-level of the step */
+    int least;        /* level that a slice which went wrong asks for */
+    int deepest;      /* level of def.max_slices */
+    int done;         /* 1/64 of the step */
+    int slices;       /* done so far */
+    int tries, jolts; /* slices taken again, of each kind */
+    real travel;      /* m², §7.2 of the slice under way, at most */
+};
+
+void slice_begin(struct world *w);
+/* Sets w->dt to the slice's; returns the time at its end. */
+double slice_time(struct world *w);
+/* Whether the step is done. */
+bool slice_last(const struct world *w);
+/* §7.2: whether candidates that move `travel` at most (m², its square) move
+ * too far for this slice; and makes it as short as they need. */
+bool slice_far(struct world *w, real travel);
+void slice_cut(struct world *w);
+/* §7.3: whether the slice is to be taken again, shorter, as it ended by the
+ * fail-safe, or with energy from nowhere: before, after [3]: kinetic, elastic,
+ * of gravity, J. */
+bool slice_wrong(struct world *w, int outcome, const double before[3],
+                 const double after[3]);
+/* The slice is the state: on to the next. */
+void slice_keep(struct world *w);
+/* Adds a slice's report to the step's; of one that is taken again, only what
+ * it cost. */
+void slice_report(drape_step_report *all, const drape_step_report *one,
+                  bool kept);
+
+/* ref/restore.c: what a step that fails half-way goes back to. */
+int slice_save(struct world *w); /* DRAPE_OK or DRAPE_ENOMEM */
+void slice_restore(struct world *w);
+
+#endif
