@@ -35,19 +35,20 @@ static void charge_contact(struct gpu_world *w, drape_step_report *r,
     w->broad_seconds = w->couple.seconds = 0;
 }
 
-/* Thread i owns vertex i: the square of its way, m². */
+/* Thread i owns vertex i: the square of its way, m²; a block its largest. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     way_kernel(int64_t n, const vec *x0, const vec *x1, int64_t *most)
 {
-    ITEM(i, n);
-    vec d = sub(x1[i], x0[i]);
-    note_largest(most, dot(d, d));
+    int64_t i = (int64_t)blockIdx.x * GPU_BLOCK + threadIdx.x;
+    vec d = i < n ? sub(x1[i], x0[i]) : make(0, 0, 0);
+    block_largest(most, dot(d, d));
 }
 
 real gpu_collide_furthest(struct gpu_world *w, int64_t n)
 {
     int64_t *most = gpu_words(w->gpu);
-    LAUNCH(w->gpu, n, way_kernel, n, w->x0, w->x1, most);
+    LAUNCH_BLOCKS(w->gpu, largest_blocks(n), GPU_BLOCK, way_kernel, n, w->x0,
+                  w->x1, most);
     return largest_of(gpu_read_words(w->gpu, 1));
 }
 

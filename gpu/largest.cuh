@@ -15,6 +15,26 @@ static __device__ inline void note_largest(int64_t *word, real value)
         atomicMax((unsigned long long *)word, (unsigned long long)bits);
 }
 
+/* The same of a block's values, one a thread, all of which must call it. */
+static __device__ inline void block_largest(int64_t *word, real value)
+{
+    __shared__ real a[GPU_BLOCK];
+    int t = (int)threadIdx.x;
+    a[t] = value;
+    for (int half = GPU_BLOCK / 2; half > 0; half /= 2) {
+        __syncthreads();
+        if (t < half)
+            a[t] = most(a[t], a[t + half]);
+    }
+    if (t == 0)
+        note_largest(word, a[0]);
+}
+
+static inline int64_t largest_blocks(int64_t n)
+{
+    return (n + GPU_BLOCK - 1) / GPU_BLOCK;
+}
+
 static inline real largest_of(const int64_t *word)
 {
     real value;

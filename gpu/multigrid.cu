@@ -140,7 +140,7 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go,
 {
     struct level l[LEVELS];
     int levels = lay_out(s, go, l), first = 1;
-    struct weights fine = weights_of(2), coarse = weights_of(2.5);
+    struct weights fine = weights_of(2), coarse = weights_of(s->n_extra ? 4 : 2.5);
     while (l[first].count > TAIL_MOST && first + 1 < levels)
         first++;
     for (int k = 0; k < first; k++)

@@ -2,35 +2,35 @@
 /* Ties the stages of the broad phase together. spec/25_broad.md */
 #include "ref/broad.h"
 
-/* Room for `need` items and some more. */
+/* Room for `need` items and some more; without memory the old room stays. */
 static int grow(struct broad *b, struct broad_pool *p, enum arena_part part,
                 int64_t need, size_t size)
 {
     if (need <= p->cap)
         return DRAPE_OK;
     int64_t cap = need + need / 4 + 256;
-    arena_give(b->arena, p->data);
-    p->cap = 0;
-    p->data = arena_take(b->arena, part, cap, size);
-    if (!p->data)
+    void *data = arena_take(b->arena, part, cap, size);
+    if (!data)
         return DRAPE_ENOMEM;
+    arena_give(b->arena, p->data);
+    p->data = data;
     p->cap = cap;
     return DRAPE_OK;
 }
 
-/* Scratch for streams of node pairs. */
+/* Scratch for streams of node pairs; last those whose room is asked for. */
 static int grow_scratch(struct broad *b, int64_t need)
 {
-    int status = grow(b, &b->other, ARENA_PAIRS, need, 2 * sizeof(int32_t));
-    if (status == DRAPE_OK)
-        status = grow(b, &b->third, ARENA_PAIRS, need, 2 * sizeof(int32_t));
-    if (status == DRAPE_OK)
-        status = grow(b, &b->mask, ARENA_PAIRS, need, sizeof(uint16_t));
+    int status = grow(b, &b->mask, ARENA_PAIRS, need, sizeof(uint16_t));
     if (status == DRAPE_OK)
         status = grow(b, &b->act, ARENA_PAIRS, need, sizeof(uint8_t));
     if (status == DRAPE_OK)
         status = grow(b, &b->sum, ARENA_PAIRS, need / BVTT_BLOCK + 1,
                       sizeof(int64_t));
+    if (status == DRAPE_OK)
+        status = grow(b, &b->other, ARENA_PAIRS, need, 2 * sizeof(int32_t));
+    if (status == DRAPE_OK)
+        status = grow(b, &b->third, ARENA_PAIRS, need, 2 * sizeof(int32_t));
     return status;
 }
 
@@ -71,18 +71,17 @@ static int make_roots(struct broad *b, const struct tree_scene *s, bool self)
     return DRAPE_OK;
 }
 
-/* The front at its beginning, with room for `need` pairs. */
+/* The front at its beginning, with room for `need` pairs, or for as many as
+ * before where there is no memory. */
 static int begin_front(struct broad *b, int64_t need)
 {
-    int status = grow(b, &b->front, ARENA_FRONT, need, 2 * sizeof(int32_t));
+    int status = grow_scratch(b, need + need / 4 + 256);
     if (status == DRAPE_OK)
-        status = grow_scratch(b, b->front.cap);
-    if (status != DRAPE_OK)
-        return status;
-    b->n_front = b->roots;
-    if (b->roots)
+        status = grow(b, &b->front, ARENA_FRONT, need, 2 * sizeof(int32_t));
+    b->n_front = b->front.data ? b->roots : 0;
+    if (b->n_front)
         memcpy(b->front.data, b->root, (size_t)b->roots * sizeof *b->root);
-    return DRAPE_OK;
+    return status;
 }
 
 int broad_make(struct broad *b, const struct tree_scene *scene, bool self,

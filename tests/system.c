@@ -209,6 +209,7 @@ void make_system(const struct design *d, struct system *s)
 void free_system(struct system *s)
 {
     free(s->mass);
+    free(s->extra);
     free(s->block);
     free(s->fixed);
     free(s->b);

@@ -6,58 +6,7 @@
 
 #include "tests/choices.h"
 #include "tests/scene.h"
-
-/* A 24 × 24 sheet falls on a slab that moves; 30 steps. */
-struct demo {
-    drape_def def;
-    drape_cloth cloth;
-    drape_obstacle obstacle;
-    drape_motion motion;
-};
-
-static const double slab_x[8][3] = {
-    {-.1, .0, -.1}, {.1, .0, -.1}, {-.1, .0, .1}, {.1, .0, .1},
-    {-.1, .1, -.1}, {.1, .1, -.1}, {-.1, .1, .1}, {.1, .1, .1}};
-static const int32_t slab_tri[12][3] = {
-    {0, 1, 2}, {1, 3, 2}, {4, 6, 5}, {5, 6, 7}, {0, 4, 1}, {1, 4, 5},
-    {2, 3, 6}, {3, 7, 6}, {0, 2, 4}, {2, 6, 4}, {1, 5, 3}, {3, 5, 7}};
-static const double times[2] = {0, 1};
-static const double way[2][3] = {{0, 0, 0}, {0.2, 0, 0}};
-
-static void make_demo(struct demo *d, int integrator)
-{
-    drape_default(&d->def);
-    drape_default_cloth(&d->cloth);
-    drape_default_obstacle(&d->obstacle);
-    d->motion = (drape_motion){2, times, way, NULL, {0, 0, 0}};
-    d->cloth.m = d->cloth.n = 24;
-    d->cloth.width = d->cloth.height = 0.46;
-    d->cloth.origin[0] = d->cloth.origin[2] = -0.23;
-    d->cloth.origin[1] = 0.12;
-    d->cloth.material.thickness = 0.004;
-    d->obstacle.n_vertices = 8;
-    d->obstacle.n_triangles = 12;
-    d->obstacle.x = slab_x;
-    d->obstacle.tri = slab_tri;
-    d->obstacle.motion = 0;
-    d->def.precision = REAL_BITS;
-    d->def.integrator = integrator;
-    d->def.cloths = &d->cloth;
-    d->def.n_cloths = 1;
-    d->def.obstacles = &d->obstacle;
-    d->def.n_obstacles = 1;
-    d->def.motions = &d->motion;
-    d->def.n_motions = 1;
-}
-
-static drape_world *make(const struct demo *d)
-{
-    drape_error error;
-    drape_world *world;
-    if (drape_create(&d->def, &world, &error) != DRAPE_OK)
-        printf("%s\n", error.text);
-    return world;
-}
+#include "tests/slab.h"
 
 /* Hash after n steps, 0 where one fails or is not clean. */
 static uint64_t run(drape_world *world, int n)
@@ -81,14 +30,14 @@ const char *test_world_threads(void)
         int integrator = some[k];
         uint64_t want = 0;
         for (int threads = 1; threads <= 3; threads += 2) {
-            struct demo d;
-            make_demo(&d, integrator);
+            struct slab d;
+            slab_make(&d, integrator);
             d.cloth.m = d.cloth.n = 65;
             d.def.threads = threads;
             if (integrator < DRAPE_BW)
                 d.def.dt = 1e-4; /* a few substeps, else it takes long */
             d.cloth.origin[1] = 0.1041;
-            drape_world *world = make(&d);
+            drape_world *world = slab_world(&d);
             EXPECT(world);
             uint64_t hash = run(world, 2);
             drape_destroy(world);
@@ -132,13 +81,13 @@ static int read_memory(void *user, void *data, size_t bytes)
  * nothing. */
 const char *test_world_resume(void)
 {
-    struct demo d;
+    struct slab d;
     for (int integrator = DRAPE_VERLET; integrator <= DRAPE_CK; integrator++) {
         struct memory m = {NULL, 0, 0};
-        make_demo(&d, integrator);
+        slab_make(&d, integrator);
         if (integrator < DRAPE_BW)
             d.def.dt = 2e-4;
-        drape_world *a = make(&d), *b = make(&d);
+        drape_world *a = slab_world(&d), *b = slab_world(&d);
         EXPECT(a && b);
         EXPECT(run(a, 10));
         EXPECT(drape_save(a, write_memory, &m) == DRAPE_OK);
@@ -155,7 +104,7 @@ const char *test_world_resume(void)
         drape_destroy(b);
 
         d.cloth.material.friction += 1e-3; /* another scene */
-        b = make(&d);
+        b = slab_world(&d);
         m.at = 0;
         EXPECT(drape_load(b, read_memory, &m) == DRAPE_EMATCH);
         m.at = 0;
@@ -206,12 +155,12 @@ const char *test_world_device(void)
 /* A definition out of range is refused by one line that names the place. */
 const char *test_world_refusals(void)
 {
-    struct demo d;
+    struct slab d;
     drape_world *world;
     drape_error e;
 #define REFUSED(change, status, text_)                                         \
     do {                                                                       \
-        make_demo(&d, DRAPE_BW);                                               \
+        slab_make(&d, DRAPE_BW);                                               \
         change;                                                                \
         EXPECT(drape_create(&d.def, &world, &e) == (status) && !world);        \
         EXPECT(strstr(e.text, text_));                                         \

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Steps cut into slices. spec/00_step.md §7 */
+#include <stdlib.h>
+
+#include "tests/scene.h"
+#include "tests/slab.h"
+
+/* An allocator that gives out once `left` is used up. */
+struct meter {
+    int left;
+};
+
+static void *take_metered(void *user, size_t bytes)
+{
+    struct meter *m = user;
+    return m->left-- > 0 ? aligned_alloc(64, (bytes + 63) / 64 * 64) : NULL;
+}
+
+static void give_metered(void *user, void *p, size_t bytes)
+{
+    (void)user;
+    (void)bytes;
+    free(p);
+}
+
+/* The demo with its sheet thrown down, 1 mm above the slab. */
+static void make_throw(struct slab *d, int integrator, double speed)
+{
+    static double v[24 * 24][3];
+    slab_make(d, integrator);
+    for (int k = 0; k < 24 * 24; k++)
+        v[k][1] = -speed;
+    d->cloth.velocity = (const double(*)[3])v;
+    d->cloth.origin[1] = 0.105;
+}
+
+/* 00 §7.2: a step is cut where a sheet is thrown at something, and ends clean;
+ * it is whole in free fall, however fast, and where that is asked for. */
+const char *test_world_slices(void)
+{
+    struct slab d;
+    drape_step_report r;
+    for (int k = 0; k < 4; k++) {
+        make_throw(&d, k % 2 ? DRAPE_CK : DRAPE_BW, 20);
+        bool free_fall = k == 2;
+        d.def.max_slices = k == 3 ? 1 : 32;
+        if (free_fall)
+            d.cloth.origin[1] = 2;
+        drape_world *world = slab_world(&d);
+        EXPECT(world);
+        EXPECT(drape_step(world, &r) == DRAPE_OK);
+        EXPECT(!(r.outcome & (DRAPE_TRAPPED | DRAPE_DIVERGED)));
+        EXPECT(scene_audit(world, 1) == 0);
+        EXPECT(k < 2 ? r.slices > 2 && r.slices <= 32 : r.slices == 1);
+        EXPECT(r.time == d.def.dt);
+        drape_destroy(world);
+        ran(1);
+    }
+    return NULL;
+}
+
+/* 00 §7: a step that fails for want of memory, in whichever slice, changes
+ * nothing, and done again it gives the same bits. */
+const char *test_world_restore(void)
+{
+    struct slab d;
+    int failed = 0;
+    for (int k = 0; k < 2; k++) {
+        struct meter m = {1 << 20};
+        make_throw(&d, k ? DRAPE_CK : DRAPE_BW, 20);
+        d.def.allocator = (drape_allocator){take_metered, give_metered, &m};
+        drape_world *a = slab_world(&d), *b = slab_world(&d);
+        EXPECT(a && b);
+        uint64_t before = scene_hash(a);
+        EXPECT(drape_step(a, NULL) == DRAPE_OK);
+        int status = DRAPE_ENOMEM;
+        for (int left = 0; status != DRAPE_OK && left < 200; left++) {
+            m.left = left;
+            status = drape_step(b, NULL);
+            EXPECT(status == DRAPE_OK || status == DRAPE_ENOMEM);
+            EXPECT(status == DRAPE_OK || scene_hash(b) == before);
+            failed += status != DRAPE_OK;
+        }
+        EXPECT(status == DRAPE_OK && scene_hash(a) == scene_hash(b));
+        m.left = 1 << 20;
+        drape_destroy(a);
+        drape_destroy(b);
+        ran(1);
+    }
+    EXPECT(failed > 0);
+    return NULL;
+}
