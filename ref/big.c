@@ -4,6 +4,9 @@
 
 #include <string.h>
 
+/* From as many words on two rows of a product at once are faster. */
+#define LONG 12
+
 /* Room for n words. Where there is none the room starts anew, so that all
  * accesses stay inside, and says that it is full. */
 static uint32_t *take_words(struct room *m, int n)
@@ -142,14 +145,55 @@ struct big big_sub(struct room *m, struct big a, struct big b)
     return big_add(m, a, big_negate(b));
 }
 
-struct big big_mul(struct room *m, struct big a, struct big b)
+/* d += (x0 + x1·2^32)·b, n words of b; d[n] and d[n + 1] are overwritten. */
+static void add_rows(uint32_t *d, uint64_t x0, uint64_t x1, const uint32_t *b,
+                     int n)
 {
-    int n = a.n + b.n;
+    uint64_t c0 = 0, c1 = 0, last = 0;
+    for (int j = 0; j < n; j++) {
+        uint64_t y = b[j];
+        c0 += x0 * y + d[j];
+        c1 += x1 * last + (uint32_t)c0;
+        d[j] = (uint32_t)c1;
+        c0 >>= 32;
+        c1 >>= 32;
+        last = y;
+    }
+    c1 += x1 * last + c0;
+    d[n] = (uint32_t)c1;
+    d[n + 1] = (uint32_t)(c1 >> 32);
+}
+
+/* The first word of b, not 0, from j on; numbers of mixed sizes are mostly
+ * zeros. */
+static int skip_zeros(struct big b, int j)
+{
+    while (j < b.n && b.d[j] == 0)
+        j++;
+    return j;
+}
+
+struct big big_mul_from(struct room *m, struct big a, struct big b, int from)
+{
+    int n = a.n + b.n - from + 1, low = skip_zeros(b, 0);
     uint32_t *d = take_words(m, n);
     memset(d, 0, (size_t)n * sizeof *d);
-    int low = 0; /* numbers of mixed sizes are mostly zeros */
-    while (low < b.n && b.d[low] == 0)
-        low++;
+    for (int i = skip_zeros(a, 0); i < a.n; i = skip_zeros(a, i + 2)) {
+        int j = from - i > low ? from - i : low;
+        uint32_t next = i + 1 < a.n ? a.d[i + 1] : 0;
+        if (j < b.n)
+            add_rows(d + i + j - from, a.d[i], next, b.d + j, b.n - j);
+    }
+    return trim(m, d, n, a.sign * b.sign);
+}
+
+struct big big_mul(struct room *m, struct big a, struct big b)
+{
+    if (a.n >= LONG && b.n >= LONG)
+        return big_mul_from(m, a, b, 0);
+    int n = a.n + b.n, low = skip_zeros(b, 0);
+    uint32_t *d = take_words(m, n);
+    memset(d, 0, (size_t)n * sizeof *d);
     for (int i = 0; i < a.n; i++) {
         uint64_t carry = 0, x = a.d[i];
         if (x == 0)
@@ -167,7 +211,7 @@ struct big big_mul(struct room *m, struct big a, struct big b)
 struct big big_times(struct room *m, struct big a, uint32_t k)
 {
     struct big b = {&k, k != 0, k != 0};
-    return big_mul(m, a, b);
+    return big_mul(m, b, a);
 }
 
 struct big big_shift(struct room *m, struct big a, int k)

@@ -33,6 +33,9 @@ struct big big_small(struct room *m, uint32_t a);
 struct big big_add(struct room *m, struct big a, struct big b);
 struct big big_sub(struct room *m, struct big a, struct big b);
 struct big big_mul(struct room *m, struct big a, struct big b);
+/* a·b over 2^(32 from), of which products of words below that are left out,
+ * and, where from > 0, some of the last word's. */
+struct big big_mul_from(struct room *m, struct big a, struct big b, int from);
 struct big big_times(struct room *m, struct big a, uint32_t k);
 struct big big_negate(struct big a);
 /* a·2^(32 k). */

@@ -16,7 +16,6 @@ struct system {
     int count;             /* of forms and box forms */
     struct poly v;         /* V */
     struct poly q[4][3];   /* forms, by axis */
-    struct poly n[3];      /* the normal, by axis */
     struct poly box[4][3]; /* box forms, by axis */
 };
 
@@ -59,14 +58,13 @@ static struct poly cross(struct room *m, const struct line *f,
     return p;
 }
 
-/* a + sign·b, of one degree. */
-static struct poly plus(struct room *m, const struct poly *a, int sign,
-                        const struct poly *b)
+/* a - b, of one degree. */
+static struct poly minus(struct room *m, const struct poly *a,
+                         const struct poly *b)
 {
     struct poly p = {a->degree, {{NULL, 0, 0}}};
     for (int i = 0; i <= a->degree; i++)
-        p.c[i] = sign > 0 ? big_add(m, a->c[i], b->c[i])
-                          : big_sub(m, a->c[i], b->c[i]);
+        p.c[i] = big_sub(m, a->c[i], b->c[i]);
     return p;
 }
 
@@ -105,8 +103,6 @@ static void make_vf(struct room *m, struct line p[4], struct system *s)
     for (int k = 0; k < 3; k++) {
         for (int j = 0; j < 3; j++)
             s->q[j][k] = cross(m, &f[(j + 1) % 3], &f[(j + 2) % 3], k);
-        s->n[k] = plus(m, &s->q[0][k], 1, &s->q[1][k]);
-        s->n[k] = plus(m, &s->n[k], 1, &s->q[2][k]);
     }
     struct poly w[3] = {s->q[0][0], s->q[0][1], s->q[0][2]};
     s->v = dot(m, &f[0], w);
@@ -114,6 +110,7 @@ static void make_vf(struct room *m, struct line p[4], struct system *s)
 
 static void make_ee(struct room *m, struct line p[4], struct system *s)
 {
+    struct poly n[3];
     static const int ends[4][2] = {{2, 0}, {3, 0}, {2, 1}, {3, 1}};
     struct line f[3] = {edge(m, p, 2, 0), edge(m, p, 1, 0), edge(m, p, 3, 2)};
     s->count = 4;
@@ -122,13 +119,13 @@ static void make_ee(struct room *m, struct line p[4], struct system *s)
         set_box(s, j, &e);
     }
     for (int k = 0; k < 3; k++) {
-        s->n[k] = cross(m, &f[1], &f[2], k);
+        n[k] = cross(m, &f[1], &f[2], k);
         s->q[0][k] = cross(m, &f[0], &f[2], k);
-        s->q[1][k] = plus(m, &s->n[k], -1, &s->q[0][k]);
+        s->q[1][k] = minus(m, &n[k], &s->q[0][k]);
         s->q[2][k] = cross(m, &f[0], &f[1], k);
-        s->q[3][k] = plus(m, &s->n[k], -1, &s->q[2][k]);
+        s->q[3][k] = minus(m, &n[k], &s->q[2][k]);
     }
-    s->v = dot(m, &f[0], s->n);
+    s->v = dot(m, &f[0], n);
 }
 
 /* All on one line or a point: whether the boxes meet (§3). */
@@ -148,30 +145,38 @@ static bool boxes_meet(struct room *m, const struct system *s,
     return true;
 }
 
+/* Whether the primitives touch at a root of V by the forms of axis k (§3), or
+ * ROOT_UNKNOWN: all are zero, or few words do not tell their signs. */
+static int touching_on(struct room *m, const struct system *s,
+                       const struct root *r, int k, bool few_words)
+{
+    int up = 0, down = 0, unknown = 0;
+    for (int j = 0; j < s->count; j++) {
+        const struct poly *q = &s->q[j][k];
+        int sign = few_words ? root_quick(m, q, r) : root_sign(m, q, r);
+        up += sign == 1;
+        down += sign == -1;
+        unknown += sign == ROOT_UNKNOWN;
+        if (up && down)
+            return false;
+    }
+    return unknown || !(up || down) ? ROOT_UNKNOWN : true;
+}
+
 /* Whether the primitives touch at a root of V (§3). */
 static bool touching(struct room *m, const struct system *s,
                      const struct root *r)
 {
-    for (int k = 0; k < 3; k++) {
-        int n = root_sign(m, &s->n[k], r);
-        if (n == 0)
-            continue;
-        for (int j = 0; j < s->count; j++)
-            if (root_sign(m, &s->q[j][k], r) == -n)
-                return false;
-        return true;
-    }
-    for (int k = 0; k < 3; k++)
-        for (int j = 0; j < s->count; j++)
-            if (root_sign(m, &s->q[j][k], r))
-                return false;
-    return boxes_meet(m, s, r);
+    int touch = ROOT_UNKNOWN;
+    for (int k = 0; k < 6 && touch == ROOT_UNKNOWN; k++)
+        touch = touching_on(m, s, r, k % 3, k < 3);
+    return touch == ROOT_UNKNOWN ? boxes_meet(m, s, r) : touch;
 }
 
 /* Whether they touch at t = 0 (cell 0) or t = 1 (cell ROOT_ONE). */
 static bool touching_end(struct room *m, const struct system *s, uint32_t cell)
 {
-    struct root r = {NULL, 0, cell, true};
+    struct root r = {NULL, NULL, 0, cell, true, 0};
     return s->v.c[cell ? 3 : 0].sign == 0 && touching(m, s, &r);
 }
 
@@ -180,7 +185,7 @@ static uint32_t first(struct room *m, const struct system *s,
                       const struct poly *p, uint32_t toi)
 {
     struct chain c[2];
-    struct root r;
+    struct root r = {.of = p};
     int mark = m->used, chains = chains_make(m, p, c);
     for (int i = 0; i < chains; i++)
         for (int j = 1; j <= c[i].roots; j++) {

@@ -74,21 +74,27 @@ struct near near_sub(struct room *m, struct near a, struct near b)
 
 struct near near_mul(struct room *m, struct near a, struct near b)
 {
-    struct near r = {big_mul(m, a.m, b.m), a.low + b.low, 0};
-    if (a.err == 0 && b.err == 0)
-        return drop(r, r.m.n - m->keep);
+    int k = a.m.n + b.m.n - 1 - m->keep;
+    if (k <= 0 && a.err == 0 && b.err == 0) {
+        struct near exact = {big_mul(m, a.m, b.m), a.low + b.low, 0};
+        return exact;
+    }
     /* a.err |b| + b.err |a| + a.err b.err, of which dropping as many words as
      * either factor has that meets an error leaves a.err + b.err + 1 */
-    int k = larger(a.err ? b.m.n : 0, b.err ? a.m.n : 0);
-    r = drop(r, larger(k > 0 ? k : 1, r.m.n - m->keep));
-    r.err = a.err + b.err + 2;
+    k = larger(k, larger(a.err ? b.m.n : 0, b.err ? a.m.n : 0));
+    k = larger(k, 1);
+    /* parts more than two words below those kept are less than a unit */
+    int from = larger(k - 3, 0);
+    struct near r = {big_mul_from(m, a.m, b.m, from), a.low + b.low + from, 0};
+    r = drop(r, k - from);
+    r.err = a.err + b.err + 3;
     return r;
 }
 
 struct near near_times(struct room *m, struct near a, uint32_t k)
 {
     struct near b = {{&k, k != 0, k != 0}, 0, 0};
-    return near_mul(m, a, b);
+    return near_mul(m, b, a);
 }
 
 int near_sign(struct near a)

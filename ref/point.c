@@ -16,11 +16,12 @@ bool poly_zero(const struct poly *p)
 
 /* ---- With as many words as m->keep says ---- */
 
-/* The sign of Σ c[i]·a^i·b^(n-i). */
-static int sign_fraction(struct room *m, const struct poly *f, struct big a0,
-                         struct big b0)
+/* The sign of Σ c[i]·a^i·b^(n-i) with 2^(32 k) in a. */
+static int sign_fraction(struct room *m, const struct poly *f,
+                         const struct point *p)
 {
-    struct near a = near_of(m, a0), b = near_of(m, b0), power = b;
+    struct near a = near_of(m, p->a), b = near_of(m, p->b), power = b;
+    a.low += p->k;
     struct near r = near_of(m, f->c[f->degree]);
     for (int i = f->degree - 1; i >= 0; i--) {
         r = near_mul(m, r, a);
@@ -67,54 +68,60 @@ static void reduce(struct room *m, const struct poly *f, const struct near q[3],
     l[0] = det(m, s, (struct near[4]){g[0], a, g[2], c});
 }
 
-/* The sign of f at a root of the quadratic, which has two (§6.3). */
-static int sign_surd(struct room *m, const struct poly *f,
-                     const struct poly *of, int which)
+/* The signs of f at the roots of the quadratic, which has two (§6.3). */
+static void sign_surd(struct room *m, const struct poly *f,
+                      const struct poly *of, int out[2])
 {
     struct near l[2], q[3];
     for (int i = 0; i < 3; i++)
         q[i] = near_of(m, of->c[i]);
     reduce(m, f, q, l);
     int sign = near_sign(l[1]), lead = of->c[2].sign;
+    out[0] = out[1] = sign ? sign : near_sign(l[0]);
     if (sign == 0 || sign == NEAR_UNKNOWN)
-        return sign ? sign : near_sign(l[0]);
+        return;
     /* u = -l0/l1 against the roots: z = sign q(u), w = sign q'(u) */
     struct near s = det(m, 1, (struct near[4]){q[2], l[0], q[1], l[1]});
     struct near t = near_mul(m, q[0], l[1]);
     s = near_add(m, near_mul(m, s, l[0]), near_mul(m, t, l[1]));
     struct near two = near_times(m, near_mul(m, q[2], l[0]), 2);
     struct near d = near_sub(m, near_mul(m, q[1], l[1]), two);
-    int z = near_sign(s), w = near_sign(d), past; /* sign of root - u */
+    int z = near_sign(s), w = near_sign(d);
+    for (int which = 0; which < 2; which++) {
+        int past; /* sign of root - u */
+        if (z * lead < 0)
+            past = which ? 1 : -1;
+        else if (z == 0)
+            past = w * lead * sign < 0 ? which : which - 1;
+        else
+            past = -w * lead * sign;
+        out[which] = past * sign;
+    }
     if (z == NEAR_UNKNOWN || w == NEAR_UNKNOWN)
-        return NEAR_UNKNOWN;
-    z *= lead;
-    w *= lead * sign;
-    if (z < 0)
-        past = which ? 1 : -1;
-    else if (z == 0)
-        past = w < 0 ? which : which - 1;
-    else
-        past = -w;
-    return past * sign;
+        out[0] = out[1] = NEAR_UNKNOWN;
 }
 
-/* ---- Few words first, then four times as many till these tell ---- */
+/* ---- Few words first, then twice as many till these tell ---- */
 
-int point_sign(struct room *m, const struct poly *f, const struct point *p)
+void point_sign(struct room *m, const struct poly *f, const struct point *p,
+                int sign[2])
 {
-    int mark = m->used, sign = NEAR_UNKNOWN;
-    for (m->keep = NEAR_FEW; sign == NEAR_UNKNOWN; m->keep *= 4) {
-        sign = p->q ? sign_surd(m, f, p->q, p->which)
-                    : sign_fraction(m, f, p->a, p->b);
+    int mark = m->used;
+    m->keep = NEAR_FEW;
+    do {
+        if (p->q)
+            sign_surd(m, f, p->q, sign);
+        else
+            sign[0] = sign[1] = sign_fraction(m, f, p);
         m->used = mark;
-    }
-    return sign;
+        m->keep *= 2;
+    } while (sign[0] == NEAR_UNKNOWN);
 }
 
 int poly_discriminant(struct room *m, const struct big c[3])
 {
     int mark = m->used, sign = NEAR_UNKNOWN;
-    for (m->keep = NEAR_FEW; sign == NEAR_UNKNOWN; m->keep *= 4) {
+    for (m->keep = NEAR_FEW; sign == NEAR_UNKNOWN; m->keep *= 2) {
         struct near a = near_times(m, near_of(m, c[2]), 4);
         struct near b = near_of(m, c[1]), d = near_of(m, c[0]);
         sign = near_sign(det(m, 1, (struct near[4]){b, b, a, d}));
@@ -123,8 +130,65 @@ int poly_discriminant(struct room *m, const struct big c[3])
     return sign;
 }
 
+int poly_sign_cell(struct room *m, const struct poly *f, uint32_t g)
+{
+    int mark = m->used, up = 0, down = 0, n = f->degree;
+    uint32_t t[2] = {g, g + 1}, s[2] = {ROOT_ONE - g, ROOT_ONE - g - 1};
+    m->keep = NEAR_FEW;
+    for (int i = 0; i <= n; i++) {
+        /* the polar form at n - i times g and i times g + 1 */
+        uint32_t a = t[i > 0], b = s[i > 0], c = t[i == n], d = s[i == n];
+        struct near f0 = near_of(m, f->c[0]), f1 = near_of(m, f->c[1]), r;
+        if (n == 1) {
+            r = near_add(m, near_times(m, f0, b), near_times(m, f1, a));
+        } else {
+            struct near f2 = near_of(m, f->c[2]);
+            struct near x = near_times(m, f0, 2 * b);
+            struct near y = near_times(m, f1, b);
+            x = near_add(m, x, near_times(m, f1, a));
+            y = near_add(m, y, near_times(m, f2, 2 * a));
+            r = near_add(m, near_times(m, x, d), near_times(m, y, c));
+        }
+        up += near_sign(r) > 0; /* also where it is not known */
+        down += near_sign(r) < 0 || near_sign(r) == NEAR_UNKNOWN;
+    }
+    m->used = mark;
+    return up && down ? 2 : up ? 1 : -(down > 0);
+}
+
+int poly_sign_octave(struct room *m, const struct poly *f, int e)
+{
+    /* twice the polar form at 1 and 1, 1 and 2, 2 and 2; the first, last */
+    static const uint32_t weight[3][3] = {{1, 1, 1}, {2, 3, 4}, {1, 2, 4}};
+    int mark = m->used, n = f->degree, up = 0, down = 0;
+    struct near c[3];
+    m->keep = NEAR_FEW;
+    for (int i = 0; i <= n; i++) { /* times such that all powers are whole */
+        int shift = e < 0 ? (i - n) * e : i * e;
+        c[i] = near_times(m, near_of(m, f->c[i]), UINT32_C(1) << shift % 32);
+        c[i].low += shift / 32;
+    }
+    for (int j = 0; j < 3; j += 3 - n) {
+        struct near sum = near_times(m, c[0], weight[j][0]);
+        for (int i = 1; i <= n; i++)
+            sum = near_add(m, sum, near_times(m, c[i], weight[j][i]));
+        up += near_sign(sum) == 1;
+        down += near_sign(sum) == -1;
+    }
+    m->used = mark;
+    return up == n + 1 ? 1 : down == n + 1 ? -1 : 2;
+}
+
+struct point point_power(struct room *m, int e)
+{
+    int k = e < 0 ? -((31 - e) / 32) : e / 32;
+    struct big a = big_small(m, UINT32_C(1) << (e - 32 * k));
+    struct point p = {NULL, a, big_small(m, 1), k};
+    return p;
+}
+
 struct point point_grid(struct room *m, uint32_t g)
 {
-    struct point p = {NULL, 0, big_small(m, g), big_small(m, ROOT_ONE - g)};
+    struct point p = {NULL, big_small(m, g), big_small(m, ROOT_ONE - g), 0};
     return p;
 }

@@ -15,19 +15,28 @@ struct poly {
     struct big c[4];
 };
 
-/* A time τ > 0 (or 0 or ∞ on the grid): a/b, or a root of a quadratic. */
+/* A time τ > 0 (or 0 or ∞ on the grid): a/b·2^(32 k), b ≥ 0; or both roots of
+ * a quadratic q. */
 struct point {
-    const struct poly *q; /* NULL: τ = a/b, b ≥ 0 */
-    int which;            /* 0 the smaller, 1 the larger root of q */
+    const struct poly *q; /* or NULL */
     struct big a, b;
+    int k;
 };
 
 /* Whether all coefficients are zero. */
 bool poly_zero(const struct poly *p);
 /* The time g·2^-30, g ≤ 2^30. */
 struct point point_grid(struct room *m, uint32_t g);
-/* The sign of f at the point. */
-int point_sign(struct room *m, const struct poly *f, const struct point *p);
+/* τ = 2^e. */
+struct point point_power(struct room *m, int e);
+/* The sign of f at the point: at the smaller root of q, at the larger. */
+void point_sign(struct room *m, const struct poly *f, const struct point *p,
+                int sign[2]);
+/* The sign of f, of degree 1 or 2, inside the open cell (g, g + 1)·2^-30, where
+ * its Bernstein form there, of few words, tells: else 2. */
+int poly_sign_cell(struct room *m, const struct poly *f, uint32_t g);
+/* The same for 2^e ≤ τ ≤ 2^(e + 1). */
+int poly_sign_octave(struct room *m, const struct poly *f, int e);
 /* The sign of b² - 4ac of c + bτ + aτ². */
 int poly_discriminant(struct room *m, const struct big c[3]);
 

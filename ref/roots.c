@@ -116,28 +116,55 @@ int chains_make(struct room *m, const struct poly *p, struct chain c[2])
     return 1;
 }
 
-/* The variations of the chain at a point, and the sign of p there. */
-static int chain_at(struct room *m, const struct chain *c,
-                    const struct point *p, int *zero)
+/* How many roots lie in (0, point], and whether the point is one. */
+struct stand {
+    int count;
+    bool zero;
+};
+
+static void stand_of(struct room *m, const struct chain *c,
+                     const struct point *p, struct stand s[2])
 {
-    int sign[4] = {point_sign(m, &c->p, p), point_sign(m, &c->d, p), 0,
-                   c->tail};
-    if (c->p.degree == 3)
-        sign[2] = point_sign(m, &c->r, p);
-    *zero = sign[0] == 0;
-    return variations(sign, 4);
+    int sign[4][2] = {{0}};
+    point_sign(m, &c->p, p, sign[0]);
+    if (c->roots > 1) { /* else the sign of p alone tells */
+        point_sign(m, &c->d, p, sign[1]);
+        if (c->p.degree == 3)
+            point_sign(m, &c->r, p, sign[2]);
+    }
+    for (int k = 0; k < (p->q ? 2 : 1); k++) {
+        int at[4] = {sign[0][k], sign[1][k], sign[2][k], c->tail};
+        s[k].zero = at[0] == 0;
+        s[k].count = c->roots == 1 ? at[0] != c->p.c[0].sign
+                                   : c->start - variations(at, 4);
+    }
 }
 
-/* How many roots lie in (0, point]; whether the point is one. */
-static int roots_to(struct room *m, const struct chain *c,
-                    const struct point *p, int *zero)
+static bool at_end(uint32_t cell)
 {
-    if (c->roots == 1) { /* the sign of p alone tells */
-        int sign = point_sign(m, &c->p, p);
-        *zero = sign == 0;
-        return sign != c->p.c[0].sign;
+    return cell == 0 || cell == ROOT_ONE - 1;
+}
+
+/* The octave of root i, in an end cell, which has all τ < 2^-29 or > 2^29. */
+static int octave_of(struct room *m, const struct chain *c, int i,
+                     uint32_t cell)
+{
+    int words = 0;
+    for (int k = 0; k <= c->p.degree; k++)
+        words = c->p.c[k].n > words ? c->p.c[k].n : words;
+    int lo = cell ? 29 : -32 * words, hi = cell ? 32 * words : -29;
+    while (hi - lo > 1) {
+        int mark = m->used, mid = lo + (hi - lo) / 2;
+        struct point p = point_power(m, mid);
+        struct stand s[2];
+        stand_of(m, c, &p, s);
+        m->used = mark;
+        if (s->count < i)
+            lo = mid;
+        else
+            hi = mid;
     }
-    return c->start - chain_at(m, c, p, zero);
+    return lo;
 }
 
 void root_locate(struct room *m, const struct chain *c, int i, struct root *r)
@@ -147,54 +174,50 @@ void root_locate(struct room *m, const struct chain *c, int i, struct root *r)
     r->i = i;
     r->on_grid = false;
     while (hi - lo > 1) {
-        int mark = m->used, zero;
+        int mark = m->used;
+        struct stand s[2];
         uint32_t mid = lo + (hi - lo) / 2;
         struct point p = point_grid(m, mid);
-        int count = roots_to(m, c, &p, &zero);
+        stand_of(m, c, &p, s);
         m->used = mark;
-        if (count < i) {
+        if (s->count < i) {
             lo = mid;
             continue;
         }
         hi = mid;
-        r->on_grid = zero && count == i;
+        r->on_grid = s->zero && s->count == i;
     }
     r->cell = r->on_grid ? hi : lo;
+    r->octave = !r->on_grid && at_end(lo) ? octave_of(m, c, i, lo) : 0;
 }
 
-/* The sign of f inside the open cell where its Bernstein form on the cell
- * tells, else 2. */
-static int sign_cell(struct room *m, const struct poly *f, uint32_t g)
+/* Where the point stands to root r: 1 before, 0 at, -1 after it. */
+static void before(struct room *m, const struct point *p, const struct root *r,
+                   int order[2])
 {
-    int mark = m->used, up = 0, down = 0, n = f->degree;
-    uint32_t t[2] = {g, g + 1}, s[2] = {ROOT_ONE - g, ROOT_ONE - g - 1};
-    for (int i = 0; i <= n; i++) {
-        /* the polar form at n - i times g and i times g + 1 */
-        uint32_t a = t[i > 0], b = s[i > 0], c = t[i == n], d = s[i == n];
-        struct big r;
-        if (n == 1)
-            r = big_add(m, big_times(m, f->c[0], b), big_times(m, f->c[1], a));
-        else {
-            struct big x = big_add(m, big_times(m, f->c[0], 2 * b),
-                                   big_times(m, f->c[1], a));
-            struct big y = big_add(m, big_times(m, f->c[1], b),
-                                   big_times(m, f->c[2], 2 * a));
-            r = big_add(m, big_times(m, x, d), big_times(m, y, c));
-        }
-        up += r.sign > 0;
-        down += r.sign < 0;
-    }
-    m->used = mark;
-    return up && down ? 2 : up ? 1 : -(down > 0);
+    struct stand s[2];
+    stand_of(m, r->chain, p, s);
+    for (int k = 0; k < (p->q ? 2 : 1); k++)
+        order[k] = s[k].count < r->i                 ? 1
+                   : s[k].zero && s[k].count == r->i ? 0
+                                                     : -1;
 }
 
-/* Where the point s stands to root r: 1 before, 0 at, -1 after it. */
-static int before(struct room *m, const struct point *s, const struct root *r)
+/* The sign at root r of a quadratic with two roots. */
+static int sign_surds(struct room *m, const struct poly *q,
+                      const struct root *r)
 {
-    int zero, count = roots_to(m, r->chain, s, &zero);
-    if (count < r->i)
-        return 1;
-    return zero && count == r->i ? 0 : -1;
+    struct poly tau = linear(big_small(m, 1), (struct big){0});
+    struct point p = {q, {0}, {0}, 0};
+    int sign = q->c[0].sign, right[2], order[2];
+    point_sign(m, &tau, &p, right);
+    if (right[1] < 0)
+        return sign;
+    before(m, &p, r, order);
+    for (int k = 0; k < 2; k++)
+        if (right[k] >= 0)
+            sign *= -order[k];
+    return sign;
 }
 
 /* The sign of f at a root that is not on the grid, by where f's own roots
@@ -203,45 +226,48 @@ static int sign_ordered(struct room *m, const struct poly *f,
                         const struct root *r)
 {
     struct poly q = trimmed(f);
-    int sign = q.c[0].sign, n = q.degree;
-    struct point s = {NULL, 0, {0}, {0}};
-    if (n == 2 && poly_discriminant(m, q.c) > 0) {
-        struct poly tau = linear(big_small(m, 1), (struct big){0});
-        for (s.which = 0, s.q = &q; s.which < 2; s.which++) {
-            if (point_sign(m, &tau, &s) < 0)
-                continue;
-            int order = before(m, &s, r);
-            if (order == 0)
-                return 0;
-            sign = order > 0 ? -sign : sign;
-        }
+    int sign = q.c[0].sign, n = q.degree, order[2];
+    if (n == 0)
         return sign;
+    if (n == 2) {
+        int roots = poly_discriminant(m, q.c);
+        if (roots)
+            return roots < 0 ? sign : sign_surds(m, &q, r);
     }
-    if (n == 0 || (n == 2 && poly_discriminant(m, q.c) < 0))
-        return sign;
     /* one rational root -c0/c1, simple or double */
     struct poly l = n == 1 ? q : linear(big_times(m, q.c[2], 2), q.c[1]);
     if (l.c[0].sign * l.c[1].sign >= 0)
         return sign;
-    s.a = l.c[1].sign > 0 ? big_negate(l.c[0]) : l.c[0];
-    s.b = l.c[1].sign > 0 ? l.c[1] : big_negate(l.c[1]);
-    int order = before(m, &s, r);
-    return order == 0 ? 0 : order > 0 && n == 1 ? -sign : sign;
+    struct point p = {NULL, l.c[0], l.c[1], 0};
+    if (p.b.sign > 0)
+        p.a = big_negate(p.a);
+    else
+        p.b = big_negate(p.b);
+    before(m, &p, r, order);
+    return *order > 0 && n == 1 ? -sign : *order ? sign : 0;
+}
+
+int root_quick(struct room *m, const struct poly *f, const struct root *r)
+{
+    int sign[2] = {0, 0};
+    if (f == r->of || poly_zero(f))
+        return 0;
+    if (!r->on_grid && at_end(r->cell))
+        return poly_sign_octave(m, f, r->octave);
+    if (!r->on_grid)
+        return poly_sign_cell(m, f, r->cell);
+    int mark = m->used;
+    struct point p = point_grid(m, r->cell);
+    point_sign(m, f, &p, sign);
+    m->used = mark;
+    return sign[0];
 }
 
 int root_sign(struct room *m, const struct poly *f, const struct root *r)
 {
-    if (poly_zero(f))
-        return 0;
-    int mark = m->used, sign;
-    if (r->on_grid) {
-        struct point p = point_grid(m, r->cell);
-        sign = point_sign(m, f, &p);
-    } else {
-        sign = sign_cell(m, f, r->cell);
-        if (sign == 2)
-            sign = sign_ordered(m, f, r);
-    }
+    int mark = m->used, sign = root_quick(m, f, r);
+    if (sign == ROOT_UNKNOWN)
+        sign = sign_ordered(m, f, r);
     m->used = mark;
     return sign;
 }

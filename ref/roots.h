@@ -5,6 +5,8 @@
 
 #include "ref/point.h"
 
+#define ROOT_UNKNOWN 2
+
 /* A Sturm chain of a polynomial without repeated roots, without roots at
  * t = 0 and 1. */
 struct chain {
@@ -16,10 +18,12 @@ struct chain {
 
 /* Root i = 1, 2, … of a chain from t = 0 on, or a grid time. */
 struct root {
+    const struct poly *of; /* NULL or a polynomial that is 0 there */
     const struct chain *chain;
     int i;
     uint32_t cell; /* floor(2^30 t) */
     bool on_grid;  /* t = cell·2^-30 */
+    int octave; /* else, in an end cell: 2^octave ≤ τ ≤ 2^(octave + 1) */
 };
 
 /* Chains whose roots together are the roots of p ≢ 0 in 0 < t < 1, repeated
@@ -27,6 +31,9 @@ struct root {
 int chains_make(struct room *m, const struct poly *p, struct chain c[2]);
 /* Root i of the chain, 1 ≤ i ≤ c->roots. */
 void root_locate(struct room *m, const struct chain *c, int i, struct root *r);
+/* The sign of f, of degree at most 2, at the root, or ROOT_UNKNOWN where few
+ * words of f do not tell. */
+int root_quick(struct room *m, const struct poly *f, const struct root *r);
 /* The sign of f, of degree at most 2, at the root. */
 int root_sign(struct room *m, const struct poly *f, const struct root *r);
 
