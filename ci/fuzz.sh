@@ -11,7 +11,8 @@ readers=
 targets="api vf ee $readers $(sed -n 's/^STAGE(\([a-z0-9_]*\),.*/\1/p' spec/stages.def)"
 
 if [ -n "$stage" ]; then
-    echo "$targets" | grep -qx "$stage" || {
+    # shellcheck disable=SC2086
+    printf '%s\n' $targets | grep -qx "$stage" || {
         echo "no target '$stage'; there are:" $targets >&2
         exit 2
     }
