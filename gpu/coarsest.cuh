@@ -13,14 +13,13 @@ void gpu_coarsest_factor(struct gpu *g, const struct coarsest *s);
 enum { PITCH = DENSE + 1 };
 
 /* z = A⁻¹ b by one block of at least DENSE threads, all of which must call it.
- * Thread i owns x[i] on the way down; on the way up it owns product i of row
- * k, which thread 0 adds in their order. */
+ * Thread i owns x[i]: both ways, each unknown that is known is taken from those
+ * that are not. */
 static __device__ inline void solve_coarsest(const struct coarsest *s,
                                              const vec *b, vec *z)
 {
-    __shared__ double a[DENSE * (DENSE + 1)], x[DENSE], term[DENSE];
+    __shared__ double a[DENSE * (DENSE + 1)], x[DENSE];
     int n = 3 * (int)s->count, t = (int)threadIdx.x;
-    const double *inverse = s->dense + DENSE * DENSE;
     for (int e = t; e < n * n; e += (int)blockDim.x)
         a[e / n * PITCH + e % n] = s->dense[e / n * DENSE + e % n];
     if (t < n)
@@ -30,19 +29,13 @@ static __device__ inline void solve_coarsest(const struct coarsest *s,
         if (t > k && t < n)
             x[t] -= a[t * PITCH + k] * x[k];
     }
+    if (t < n)
+        x[t] *= s->dense[DENSE * DENSE + t];
     for (int k = n - 1; k >= 0; k--) {
         __syncthreads();
-        if (t > k && t < n)
-            term[t] = a[t * PITCH + k] * x[t];
-        __syncthreads();
-        if (t > 0)
-            continue;
-        double sum = x[k] * inverse[k];
-        for (int i = k + 1; i < n; i++)
-            sum -= term[i];
-        x[k] = sum;
+        if (t < k)
+            x[t] -= a[k * PITCH + t] * x[k];
     }
-    __syncthreads();
     if (t < n)
         ((real *)z)[t] = (real)x[t];
 }

@@ -140,7 +140,8 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go,
 {
     struct level l[LEVELS];
     int levels = lay_out(s, go, l), first = 1;
-    struct weights fine = weights_of(2), coarse = weights_of(s->n_extra ? 4 : 2.5);
+    struct weights fine = weights_of(2),
+                   coarse = weights_of(s->n_extra ? 4 : 2.5);
     while (l[first].count > TAIL_MOST && first + 1 < levels)
         first++;
     for (int k = 0; k < first; k++)
@@ -150,6 +151,9 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go,
     for (int k = first; k < levels; k++)
         tail.level[k - first] = l[k];
     tail.coarsest = coarsest_of(s, &l[levels - 1]);
+    while (tail.level[tail.alone].count > TAIL_ALONE &&
+           tail.alone + 1 < tail.levels)
+        tail.alone++;
     tail.w = coarse;
     tail.go = go;
     LAUNCH_TEAM(g, TAIL_BLOCK, tail_kernel, tail);

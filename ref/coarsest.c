@@ -72,11 +72,11 @@ void coarsest_solve(const struct coarsest *s, const vec *b, vec *z)
     for (int k = 0; k < n; k++)
         for (int i = k + 1; i < n; i++)
             x[i] -= a[i * DENSE + k] * x[k];
-    for (int k = n - 1; k >= 0; k--) {
+    for (int k = 0; k < n; k++)
         x[k] *= inverse[k];
-        for (int i = k + 1; i < n; i++)
-            x[k] -= a[i * DENSE + k] * x[i];
-    }
+    for (int k = n - 1; k >= 0; k--)
+        for (int i = 0; i < k; i++)
+            x[i] -= a[k * DENSE + i] * x[k];
     for (int64_t p = 0; p < s->count; p++)
         z[p] = vec_make((real)x[3 * p], (real)x[3 * p + 1], (real)x[3 * p + 2]);
 }
