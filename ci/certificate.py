@@ -19,7 +19,7 @@ TOOLS = {"memcheck", "racecheck", "initcheck", "synccheck"}
 SCENES = {"tiny", "tiny64", "lion_20k_baraff-witkin", "lion_20k_choi-ko",
           "lion_20k_euler", "lion_20k_midpoint", "lion_20k_verlet",
           "lion_20k_rk4", "lion_20k_64", "lion_20k_jacobi", "funnel", "twist",
-          "curtain", "flag", "buddha_500k", "buddha_2m"}
+          "curtain", "flag", "thrown", "buddha_500k", "buddha_2m"}
 
 
 def number(text):
