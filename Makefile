@@ -152,10 +152,10 @@ $(BUILD)/cuda/gpu/%.o: gpu/%.cu
 # What drape_info says of ci/certificate.json, rewritten where it changes.
 $(BUILD)/certificate.h: FORCE
 	@mkdir -p $(@D)
-	@echo "#define CERTIFICATE \"$$(python3 ci/certificate.py line \
-	  ci/certificate.json 2>/dev/null || \
-	  echo 'NOT CERTIFIED (python3 and git must be there to tell)')\"" >$@.new
-	@cmp -s $@ $@.new && rm $@.new || mv $@.new $@
+	@new=$@.$$$$; echo "#define CERTIFICATE \"$$(python3 ci/certificate.py \
+	  line ci/certificate.json 2>/dev/null || \
+	  echo 'NOT CERTIFIED (python3 and git must be there to tell)')\"" >$$new; \
+	  cmp -s $@ $$new && rm $$new || mv $$new $@
 FORCE:
 $(BUILD)/gpu/absent.o $(BUILD)/gpu/emulate.o $(BUILD)/cuda/gpu/device.o: \
     $(BUILD)/certificate.h
@@ -236,6 +236,13 @@ $(BUILD)/price: $(PRICE_O) $(LIB)
 price: $(BUILD)/price ## what exactness costs on a device, as csv
 	$(BUILD)/price
 
+# A program that shares the device with a world: app/examples/share.cu.
+$(BUILD)/share.o: app/examples/share.cu
+	@mkdir -p $(@D)
+	$(CUDA) -c $< -o $@
+$(BUILD)/share: $(BUILD)/share.o $(LIB)
+	$(C17) $^ -o $@ $(CUDA_L)
+
 $(BUILD)/table: $(ROOT)/oracle/table.o $(ORC_O)
 	$(CXX17) $^ -o $@ $(ORC_L)
 # CGAL's audit of a run's frames, beside `drape audit`.
@@ -287,17 +294,24 @@ outcomes: $(BUILD)/drape ## whole scenes for 120 frames: the table of 00_step.md
 fuzz: ## T=stage S=seconds: libFuzzer on one stage
 	sh ci/fuzz.sh $(BUILD) $(T) $(S)
 
+VERSION = $(shell sed -n 's/.*DRAPE_VERSION "\(.*\)"/\1/p' spec/drape.h)
 install: $(LIB) ## to $(DESTDIR)$(PREFIX): library, header, tool, man page
 	install -D -m 644 $(LIB) $(DESTDIR)$(PREFIX)/lib/libdrape.a
 	install -D -m 644 spec/drape.h $(DESTDIR)$(PREFIX)/include/drape.h
+	install -d $(DESTDIR)$(PREFIX)/lib/pkgconfig
+	@printf '%s\n' 'prefix=$${pcfiledir}/../..' 'Name: drape' \
+	  'Description: certified high-resolution cloth simulation' \
+	  'Version: $(VERSION)' 'Cflags: -I$${prefix}/include' \
+	  'Libs: -L$${prefix}/lib -ldrape $(OPENMP) $(if $(GPU),$(CUDA_L),-lm)' \
+	  >$(DESTDIR)$(PREFIX)/lib/pkgconfig/drape.pc
 	test ! -x $(BUILD)/drape || install -D $(BUILD)/drape \
 	  $(DESTDIR)$(PREFIX)/bin/drape
 	install -D -m 644 app/drape.1 \
 	  $(DESTDIR)$(PREFIX)/share/man/man1/drape.1
 
 format: ## clang-format everything in place
-	clang-format -i $(wildcard app/*.[ch] fuzz/*.[ch] gpu/* oracle/*.[ch]* \
-	  ref/*.[ch] spec/*.h tests/*.[ch])
+	clang-format -i $(wildcard app/*.[ch] app/examples/* fuzz/*.[ch] \
+	  gpu/* oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch])
 
 # The analyzer's search is cut at 20000 nodes (225000 usually) for the time
 # it takes: paths that only a longer search finds are not looked at.

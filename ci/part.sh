@@ -88,11 +88,12 @@ golden-*)
 gcc-O0 | gcc-O3 | clang-O2) flavour ;;
 asan) one sanitizers make -j"$jobs" BUILD="$build" KERNELS= asan ;;
 format)
-    one format sh -c 'clang-format --dry-run -Werror app/*.[ch] \
+    one format sh -c 'clang-format --dry-run -Werror app/*.[ch] app/examples/* \
         fuzz/*.[ch] gpu/* oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch]'
     ;;
 tidy) one tidy make BUILD="$build" tidy ;;
 tool) with_tool tool sh tests/app.sh "$tool" ;;
+embed) count 'embedding examples' sh ci/embed.sh "$build" ;;
 demo) with_tool "the demo's frames" sh ci/scenes.sh "$build" demo ;;
 buddha) with_tool 'buddha, 120 steps' sh ci/scenes.sh "$build" buddha ;;
 fuzz) count 'fuzz corpus' sh ci/fuzz.sh "$build" ;;

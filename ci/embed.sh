@@ -1,0 +1,61 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Installs into a folder of its own and builds the examples against that alone:
+# runs hang; compiles share where nvcc is.
+# usage: ci/embed.sh BUILD
+set -u
+build=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+passed=0 failed=0 skipped=0
+
+# ok NAME COMMAND...: succeeds or fails as one check
+ok() {
+    name=$1
+    shift
+    if "$@" >"$work/log" 2>&1; then
+        passed=$((passed + 1))
+    else
+        failed=$((failed + 1))
+        echo "FAILED $name"
+        tail -n 20 "$work/log"
+    fi
+}
+
+ok install make BUILD="$build" DESTDIR="$work" PREFIX=/usr install
+export PKG_CONFIG_PATH="$work/usr/lib/pkgconfig"
+if command -v pkg-config >/dev/null; then
+    flags=$(pkg-config --cflags --libs drape)
+else
+    flags="-I$work/usr/include -L$work/usr/lib -ldrape -fopenmp -lm"
+fi
+strict="-Wall -Wextra -Wpedantic -Werror"
+# shellcheck disable=SC2086
+ok 'hang, against the installed library' ${CC:-gcc} -std=c17 $strict \
+    app/examples/hang.c $flags -o "$work/hang"
+# shellcheck disable=SC2016
+ok 'hang hangs' sh -c '"$0" | grep -q "^60 of 60 steps clean"' "$work/hang"
+echo '#include <drape.h>' >"$work/header.cpp"
+# shellcheck disable=SC2086
+ok 'the header in C++' ${CXX:-g++} -std=c++17 $strict -fsyntax-only \
+    -I"$work/usr/include" "$work/header.cpp"
+
+# It neither prints nor ends its host: what it takes from libc says so.
+# shellcheck disable=SC2016
+ok 'nm lists what it takes' sh -c 'nm -u "$0" | grep -qw malloc\\\|free' \
+    "$work/usr/lib/libdrape.a"
+# shellcheck disable=SC2016
+ok 'no printf, no exit' sh -c '! nm -u "$0" | grep -wE \
+    "_*(v?f?printf|puts|putchar|fputs|fputc|fwrite|perror|stdout|stderr|exit|\
+_Exit|abort|__assert_fail|getenv|system|signal|sigaction|pthread_create)\
+(_chk)?"' "$work/usr/lib/libdrape.a"
+
+if command -v nvcc >/dev/null; then
+    ok 'share compiles' nvcc -std=c++20 -Werror all-warnings \
+        -I"$work/usr/include" -c app/examples/share.cu -o "$work/share.o"
+else
+    skipped=1
+    echo 'skipped: share.cu: there is no nvcc'
+fi
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" -eq 0 ]
