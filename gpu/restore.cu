@@ -3,9 +3,26 @@
  * streams on the device. spec/00_step.md §7 */
 #include "gpu/collide.cuh"
 
-static vec *take(struct gpu_world *w, int64_t n)
+static vec *take(struct gpu_world *w, vec *had, int64_t n)
 {
-    return (vec *)gpu_take(w->gpu, ARENA_STATE, n, sizeof(vec));
+    return had ? had : (vec *)gpu_take(w->gpu, ARENA_STATE, n, sizeof(vec));
+}
+
+/* What is not there yet; a try before may have got a part of it. */
+static int take_start(struct gpu_world *w)
+{
+    struct world *h = w->host;
+    struct start *s = &w->start;
+    s->x = take(w, s->x, h->nv);
+    s->v = take(w, s->v, h->nv);
+    if (w->past_x) {
+        s->past_x = take(w, s->past_x, h->nc);
+        s->past_v = take(w, s->past_v, h->nc);
+    }
+    if (!s->watch)
+        s->watch = (double(*)[2])arena_take(h->arena, ARENA_OTHER,
+                                            h->def.n_cloths, sizeof *s->watch);
+    return h->arena->failed ? DRAPE_ENOMEM : gpu_status(w->gpu);
 }
 
 int gpu_slice_save(struct gpu_world *w)
@@ -15,16 +32,9 @@ int gpu_slice_save(struct gpu_world *w)
     size_t n = (size_t)h->nv * sizeof(vec);
     size_t past = w->past_x ? (size_t)h->nc * sizeof(vec) : 0;
     size_t watch = (size_t)h->def.n_cloths * sizeof *s->watch;
-    if (!s->watch) {
-        s->x = take(w, h->nv);
-        s->v = take(w, h->nv);
-        s->past_x = past ? take(w, h->nc) : NULL;
-        s->past_v = past ? take(w, h->nc) : NULL;
-        s->watch = (double(*)[2])arena_take(h->arena, ARENA_OTHER,
-                                            h->def.n_cloths, sizeof *s->watch);
-    }
-    if (h->arena->failed)
-        return DRAPE_ENOMEM;
+    int status = take_start(w);
+    if (status != DRAPE_OK)
+        return status;
     gpu_copy(w->gpu, s->x, w->x0, n);
     gpu_copy(w->gpu, s->v, w->v0, n);
     gpu_copy(w->gpu, s->past_x, w->past_x, past);

@@ -146,8 +146,6 @@ int broad_update_front(struct broad *b)
     struct front s = {
         .stop = b->stop,
         .in = {.tree = b->tree, .box = b->box, .clear = b->clear, .r = b->r}};
-    if (!b->n_front && begin_front(b, b->roots) != DRAPE_OK)
-        return DRAPE_ENOMEM;
     for (;;) {
         s.cap = b->front.cap;
         s.n = b->n_front;
@@ -246,28 +244,11 @@ int broad_candidates(struct broad *b)
     return status;
 }
 
-/* Where memory was short, some pools have grown and others not: the next
- * query begins without. */
-static void drop(struct broad *b)
-{
-    struct broad_pool *pool[] = {&b->other, &b->third, &b->mask, &b->act,
-                                 &b->sum};
-    for (int k = 0; k < 5; k++) {
-        arena_give(b->arena, pool[k]->data);
-        *pool[k] = (struct broad_pool){NULL, 0};
-    }
-    b->n_front = 0;
-}
-
 int broad_query(struct broad *b, const vec *x0, const vec *x1, real r,
                 const uint8_t *moved)
 {
     int status = broad_refit(b, x0, x1, r, moved);
     if (status == DRAPE_OK)
         status = broad_update_front(b);
-    if (status == DRAPE_OK)
-        status = broad_candidates(b);
-    if (status == DRAPE_ENOMEM)
-        drop(b);
-    return status;
+    return status == DRAPE_OK ? broad_candidates(b) : status;
 }

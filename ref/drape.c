@@ -148,8 +148,8 @@ void drape_destroy(drape_world *world)
 int drape_step(drape_world *world, drape_step_report *report)
 {
     drape_step_report unused;
-    world->arena.failed = false; /* room may have come since */
     world->steps++;
+    world->arena.failed = false; /* memory may be there again */
     int status = world->ops->step(world->world, report ? report : &unused);
     tell_step(world, status);
     return status;

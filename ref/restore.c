@@ -4,24 +4,33 @@
 #include "ref/slice.h"
 #include "ref/state.h"
 
+static vec *take(struct world *w, vec *had, int64_t n)
+{
+    return had ? had : arena_take(w->arena, ARENA_STATE, n, sizeof *had);
+}
+
+/* What is not there yet; a try before may have got a part of it. */
+static int take_start(struct world *w)
+{
+    struct start *s = &w->start;
+    s->x = take(w, s->x, w->nv);
+    s->v = take(w, s->v, w->nv);
+    if (w->past_x) {
+        s->past_x = take(w, s->past_x, w->nc);
+        s->past_v = take(w, s->past_v, w->nc);
+    }
+    if (!s->watch)
+        s->watch = arena_take(w->arena, ARENA_STATE, w->def.n_cloths,
+                              sizeof *s->watch);
+    return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+}
+
 int slice_save(struct world *w)
 {
     struct start *s = &w->start;
     size_t n = (size_t)w->nv * sizeof(vec);
     size_t past = w->past_x ? (size_t)w->nc * sizeof(vec) : 0;
-    if (!s->watch) {
-        s->x = arena_take(w->arena, ARENA_STATE, w->nv, sizeof *s->x);
-        s->v = arena_take(w->arena, ARENA_STATE, w->nv, sizeof *s->v);
-        if (past) {
-            s->past_x =
-                arena_take(w->arena, ARENA_STATE, w->nc, sizeof *s->past_x);
-            s->past_v =
-                arena_take(w->arena, ARENA_STATE, w->nc, sizeof *s->past_v);
-        }
-        s->watch = arena_take(w->arena, ARENA_STATE, w->def.n_cloths,
-                              sizeof *s->watch);
-    }
-    if (w->arena->failed)
+    if (take_start(w) != DRAPE_OK)
         return DRAPE_ENOMEM;
     memcpy(s->x, w->x0, n);
     memcpy(s->v, w->v0, n);

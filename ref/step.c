@@ -226,7 +226,6 @@ static int pipeline(struct world *w, drape_step_report *r)
 int step_advance(struct world *w, drape_step_report *report)
 {
     memset(report, 0, sizeof *report);
-    w->arena->failed = false; /* memory may be there again */
     /* waking threads costs more than a small scene's loops */
     bool small = w->nv < SMALL_SCENE;
     int threads = threads_set(small ? 1 : w->def.threads);

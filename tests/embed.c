@@ -102,6 +102,8 @@ static const char *short_run(struct guest *s, struct purse *purse, int64_t k,
 
 const char *test_embed_short(void)
 {
+    if (REAL_BITS == 64)
+        return skip("the same source in binary32 decides");
     for (int backend = DRAPE_REF; backend <= DRAPE_GPU; backend++) {
         struct guest s;
         drape_world *world;
@@ -113,16 +115,17 @@ const char *test_embed_short(void)
         EXPECT(status == DRAPE_OK && guest_go(world, SHORT) == DRAPE_OK);
         uint64_t want = scene_hash(world);
         drape_destroy(world);
-        struct purse *purse = backend ? &s.device : &s.host;
-        const char *what = short_making(&s, &s.host);
-        if (!what && backend)
-            what = short_making(&s, &s.device);
-        int64_t k = 0;
-        for (bool failed = true; failed && !what; k++)
-            what = short_run(&s, purse, k, want, &failed);
-        if (what)
-            return what;
-        EXPECT(k > 3);
+        struct purse *purse[] = {&s.host, &s.device};
+        for (int j = 0; j <= backend; j++) {
+            const char *what = short_making(&s, purse[j]);
+            int64_t k = 0;
+            int by = j < backend ? 5 : 1; /* records of the device's memory */
+            for (bool failed = true; failed && !what; k += by)
+                what = short_run(&s, purse[j], k, want, &failed);
+            if (what)
+                return what;
+            EXPECT(k > 3);
+        }
     }
     return NULL;
 }
