@@ -288,7 +288,7 @@ prove: ## Gappa bounds every constant of the filters anew
 soak: $(BUILD)/check asan ## the tests' long forms: whole frames, 2M triangles
 	DRAPE_SOAK=1 $(BUILD)/check --tests
 
-outcomes: $(BUILD)/drape ## whole scenes for 120 frames: the table of 00_step.md
+outcomes: $(BUILD)/drape ## whole scenes for 120 frames: table of bench/outcomes.md
 	sh ci/outcomes.sh $(BUILD)
 
 fuzz: ## T=stage S=seconds: libFuzzer on one stage

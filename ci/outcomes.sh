@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Runs whole scenes for 120 frames, audits every frame, and prints the table
-# of spec/00_step.md: how the steps ended, and what energy did.
-# usage: ci/outcomes.sh BUILD [SCENE...]
+# of ci/bench/outcomes.md: how the steps ended, and what energy did.
+# usage: [BACKEND=gpu] ci/outcomes.sh BUILD [SCENE...]
 set -eu
 build=$1
 shift
@@ -43,7 +43,7 @@ for scene in "$@"; do
     rm -rf "${out:?}/$scene"
     mkdir -p "$out"
     DRAPE_MODELS=$models "$build/drape" run "app/scenes/$scene.json" \
-        --frames 120 --no-obj --out "$out/$scene" >"$out/$scene.log" 2>&1 ||
+        --frames 120 --no-obj --backend "${BACKEND:-ref}" --out "$out/$scene" >"$out/$scene.log" 2>&1 ||
         tail -n 1 "$out/$scene.log"
     pairs=$("$build/drape" audit "$out/$scene" 2>&1 | tail -n 1) || :
     pairs=${pairs##*, }

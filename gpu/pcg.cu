@@ -8,8 +8,9 @@
 #include "gpu/residual.cuh"
 #include "gpu/sum.cuh"
 
-/* Iterations that are queued before the host looks. */
-enum { BATCH = 8, BATCH_MOST = 32 };
+/* Iterations that are queued before the host looks: of multigrid more than one
+ * where a look takes longer than what would be queued for nothing. */
+enum { BATCH = 8, BATCH_MOST = 32, BATCH_GRID = 4, SMALL_GRID = 1 << 17 };
 
 static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
 
@@ -264,7 +265,8 @@ static struct course solve(struct gpu *g, struct pcg *s, struct room room)
     LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
     for (int batch = BATCH; seen.phase != PHASE_DONE; batch = BATCH_MOST) {
         room.jacobi = s->precond == DRAPE_JACOBI || seen.fell_back;
-        int most = room.jacobi ? batch : 1;
+        int grids = s->count <= SMALL_GRID ? BATCH_GRID : 1;
+        int most = room.jacobi ? batch : grids;
         if (room.jacobi)
             LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_jacobi_kernel, *s, c,
                           room);

@@ -54,6 +54,7 @@ static void charge_contact(struct world *w, drape_step_report *r,
 real collide_furthest(const struct world *w, int64_t n)
 {
     real most = 0;
+#pragma omp parallel for schedule(static) reduction(max : most)
     for (int64_t i = 0; i < n; i++) {
         vec d = vec_sub(w->x1[i], w->x0[i]);
         most = real_max(most, vec_dot(d, d));
