@@ -3,7 +3,9 @@
 # usage: ci/fuzz.sh BUILD               replays every corpus
 #        ci/fuzz.sh BUILD STAGE SECONDS fuzzes one; finds go to its corpus
 # Beside the stages: api (whole steps), vf and ee (queries against the oracles)
-# and, where the tool is built, its readers of scenes and meshes.
+# and, where the tool is built, its readers of scenes and meshes. KERNELS=
+# leaves the emulated kernels without sanitizers, for the time they take to
+# compile.
 set -eu
 build=$1 stage=${2-} seconds=${3-60}
 readers=
@@ -16,10 +18,14 @@ if [ -n "$stage" ]; then
         echo "no target '$stage'; there are:" $targets >&2
         exit 2
     }
-    out=$build/fuzz
+    out=$build/fuzz kernels=$build/fuzz
+    [ "${KERNELS-yes}" ] || {
+        make -s BUILD="$build" "$build/check"
+        kernels=$build
+    }
     san='-fsanitize=address,undefined,fuzzer-no-link'
     make -s ROOT="$build" BUILD="$out" CC=clang CXX=clang++ WARN=-w \
-        OPT='-O1 -g1' OPENMP= SAN="$san" "$out/parts.a"
+        EMU_IN="$kernels" OPT='-O1 -g1' OPENMP= SAN="$san" "$out/parts.a"
     clang -std=c17 -O1 -g -I. -DTARGET="\"$stage\"" \
         -fsanitize=address,undefined,fuzzer-no-link -c fuzz/target.c \
         -o "$out/$stage.o"
