@@ -60,7 +60,7 @@ static void give_place(struct gpu_world *w, enum arena_part part,
 static void give_pcg(struct gpu_world *w, struct pcg *p)
 {
     GIVE(p->cdf, ARENA_SOLVER, NULL, p->n_cdf);
-    GIVE(p->diagonal, ARENA_SOLVER, NULL, p->count);
+    GIVE(p->diagonal, ARENA_SOLVER, NULL, p->n_cdf ? p->count : 0);
     GIVE(p->factor, ARENA_SOLVER, NULL, p->count);
     GIVE(p->low, ARENA_SOLVER, NULL, p->count);
     GIVE(p->r, ARENA_SOLVER, NULL, p->count);

@@ -35,13 +35,13 @@ struct pcg {
 
     int64_t n_cdf, n_chunks; /* from ref_pcg_size */
     mat *cdf;                /* scratch: [n_cdf] */
-    sym *diagonal;      /* scratch: [count] of the cdf; a device has p here */
-    sym *factor;        /* scratch: [count] */
-    vec *low;           /* scratch: [count] m/s, what dv rounds off */
-    vec *r, *s, *p, *q; /* scratch: [count] */
-    real *chunk;        /* scratch: [n_chunks] */
-    struct multigrid grid; /* scratch: its pool, room, live and dense, of
-                              its sizes, 0 but where precond is multigrid */
+    sym *diagonal;           /* scratch: [count], of the cdf alone */
+    sym *factor;             /* scratch: [count] */
+    vec *low;                /* scratch: [count] m/s, what dv rounds off */
+    vec *r, *s, *p, *q;      /* scratch: [count] */
+    real *chunk;             /* scratch: [n_chunks] */
+    struct multigrid grid;   /* scratch: its pool, room, live and dense, of
+                                its sizes, 0 but where precond is multigrid */
 
     vec *dv;            /* out: [count] m/s */
     int32_t iterations; /* out: products with a search direction */

@@ -30,7 +30,7 @@ int solver_make(struct solver *s, const drape_def *def,
     struct pcg *p = &s->pcg;
     solver_size(p, def, cloth);
     p->cdf = take(arena, p->n_cdf, sizeof *p->cdf);
-    p->diagonal = take(arena, p->count, sizeof *p->diagonal);
+    p->diagonal = take(arena, p->n_cdf ? p->count : 0, sizeof *p->diagonal);
     p->factor = take(arena, p->count, sizeof *p->factor);
     p->low = take(arena, p->count, sizeof *p->low);
     p->r = take(arena, p->count, sizeof *p->r);
