@@ -4,6 +4,21 @@
 
 #include "ref/penalty.h"
 
+/* §3: the weight of the side that vertex j of a contact is on. */
+static __device__ real side_of(const struct penalty *s, const struct contact *c,
+                               int j)
+{
+    int split = c->kind == CONTACT_VF ? 1 : 2;
+    int from = j < split ? 0 : split, to = j < split ? split : 4;
+    real least = 0;
+    for (int i = from; i < to; i++) {
+        real w = s->w[c->v[i]];
+        if (w > 0 && (least == 0 || w < least))
+            least = w;
+    }
+    return least;
+}
+
 /* §1, §2. Thread k owns contact k: reads u of its vertices, writes its
  * impulse and tangent, slide[k] and share[k]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
@@ -22,18 +37,18 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     real share = 0;
     for (int j = 0; j < 4; j++)
         if (s.w[c->v[j]] > 0)
-            share += magnitude(c->c[j]);
+            share += magnitude(c->c[j]) * side_of(&s, c, j);
     c->impulse = impulse;
     c->tangent = scale(-slide, across);
     s.slide[k] = slide;
     s.share[k] = share;
 }
 
-/* §3: what contact k adds to the hold of a vertex with weight c. */
-static __device__ sym hold_of(const struct penalty *s, int32_t k, real c)
+/* §3: what contact k adds to the hold of its vertex j. */
+static __device__ sym hold_of(const struct penalty *s, int32_t k, int j)
 {
     const struct contact *a = &s->contact[k];
-    real part = s->share[k] * magnitude(c);
+    real part = s->share[k] / side_of(s, a, j) * magnitude(a->c[j]);
     real along = a->impulse > 0 ? part * s->stiffness * s->tau * s->tau : 0;
     real across = part * s->slide[k] * (s->tau / s->dt);
     real d = along - across;
@@ -58,7 +73,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         const struct contact *c = &s.contact[at];
         real weight = c->c[s.item[j] % 4];
         force = axpy(force, weight, axpy(c->tangent, c->impulse, c->n));
-        hold = add(hold, hold_of(&s, at, weight));
+        hold = add(hold, hold_of(&s, at, s.item[j] % 4));
     }
     s.force[i] = force;
     s.hold[i] = hold;

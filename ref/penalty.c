@@ -15,6 +15,20 @@ static int check(const struct penalty *s)
     return DRAPE_OK;
 }
 
+/* §3: the weight of the side that vertex j of a contact is on. */
+static real side_of(const struct penalty *s, const struct contact *c, int j)
+{
+    int split = c->kind == CONTACT_VF ? 1 : 2;
+    int from = j < split ? 0 : split, to = j < split ? split : 4;
+    real least = 0;
+    for (int i = from; i < to; i++) {
+        real w = s->w[c->v[i]];
+        if (w > 0 && (least == 0 || w < least))
+            least = w;
+    }
+    return least;
+}
+
 /* §1, §2: the impulse of one contact at velocities u. */
 static void press(struct penalty *s, int64_t k)
 {
@@ -30,15 +44,15 @@ static void press(struct penalty *s, int64_t k)
     real share = 0;
     for (int j = 0; j < 4; j++)
         if (s->w[c->v[j]] > 0)
-            share += real_abs(c->c[j]);
+            share += real_abs(c->c[j]) * side_of(s, c, j);
     s->share[k] = share;
 }
 
-/* §3: what contact k adds to the hold of a vertex with weight c. */
-static sym hold_of(const struct penalty *s, int64_t k, real c)
+/* §3: what contact k adds to the hold of its vertex j. */
+static sym hold_of(const struct penalty *s, int64_t k, int j)
 {
     const struct contact *a = &s->contact[k];
-    real part = s->share[k] * real_abs(c);
+    real part = s->share[k] / side_of(s, a, j) * real_abs(a->c[j]);
     real along = a->impulse > 0 ? part * s->stiffness * s->tau * s->tau : 0;
     real across = part * s->slide[k] * (s->tau / s->dt);
     real d = along - across;
@@ -58,7 +72,7 @@ static void gather(const struct penalty *s, int32_t i)
         real weight = c->c[s->item[k] % 4];
         vec push = vec_axpy(c->tangent, c->impulse, c->n);
         force = vec_axpy(force, weight, push);
-        hold = sym_add(hold, hold_of(s, at, weight));
+        hold = sym_add(hold, hold_of(s, at, s->item[k] % 4));
     }
     s->force[i] = force;
     s->hold[i] = hold;

@@ -97,7 +97,7 @@ static void trace(struct skip *s)
 }
 static void contact(struct skip *s)
 {
-    add_body(s, 24, -0.103);
+    add_body(s, 24, -0.1015);
 }
 
 static const struct feature {

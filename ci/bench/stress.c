@@ -231,10 +231,10 @@ static void layers(struct stress *s)
     solid_plane(&s->solid[0], 2, 0);
     s->body[0] = s->solid[0].body;
     s->def.n_obstacles = 1;
-    s->def.n_cloths = 12;
+    s->def.n_cloths = 8;
     for (int k = 0; k < s->def.n_cloths; k++)
         cloth_flat(&s->cloth[k], 13, 0.4, 0.003 + 0.004 * k);
-    end(s, "layers", s->def.n_cloths, 60);
+    end(s, "layers", s->def.n_cloths, 30);
 }
 
 /* An obstacle of slivers: the ball squeezed along y, and with triangles of no
