@@ -69,12 +69,14 @@ static void slide_row(struct bench *b, FILE *out, const struct slope *s)
     fprintf(out, "%g,%g,%s,%.4g,%g,%.6g,%.6g,%.3g,%.1f,%s\n", s->tangent,
             s->friction, integrator_name[s->integrator], s->dt, s->tolerance,
             way, due, way - due, (double)r.iterations / n, run_word(&r));
-    /* Exact without friction; never faster than Coulomb with it. That it may
-     * stick where it should slide is in the table, and no check. */
+    /* Exact without friction; with it never faster than Coulomb, but for the
+     * creep of the viscous law. That it may stick where it should slide is in
+     * the table, and no check. */
     double below = s->friction > 0 ? due : 2e-3 * due;
-    bench_check(b, way <= 1.002 * due + 2e-3 && way >= due - below - 1e-3,
-                "slope %g, friction %g, %s: %g m, Coulomb %g m", s->tangent,
-                s->friction, integrator_name[s->integrator], way, due);
+    bench_check(
+        b, way <= 1.002 * due + 0.02 * n * s->dt && way >= due - below - 1e-3,
+        "slope %g, friction %g, %s: %g m, Coulomb %g m", s->tangent,
+        s->friction, integrator_name[s->integrator], way, due);
     run_free(&r);
 }
 
