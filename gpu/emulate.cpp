@@ -23,13 +23,13 @@ enum { STACK = 1 << 20, THREADS = 1024 };
 static __thread ucontext_t begun, starter;
 static __thread sigjmp_buf scheduler, fiber[THREADS];
 static __thread bool done[THREADS], started[THREADS];
-static __thread const std::function<void()> *running; /* NULL: no fibers */
+static __thread const emulate_call *running; /* NULL: no fibers */
 static thread_local struct stacks {
     char *of = NULL; /* the first fiber's */
     ~stacks() { free(of); }
 } stack;
 
-void emulate_items(int64_t n, int threads, const std::function<void()> &kernel)
+void emulate_items(int64_t n, int threads, emulate_call kernel)
 {
     int64_t blocks = n > 0 ? (n + threads - 1) / threads : 0;
     gridDim = {(unsigned)blocks, 1, 1};
@@ -38,7 +38,7 @@ void emulate_items(int64_t n, int threads, const std::function<void()> &kernel)
         for (int t = 0; t < threads; t++) {
             blockIdx = {(unsigned)b, 0, 0};
             threadIdx = {(unsigned)t, 0, 0};
-            kernel();
+            kernel.run(kernel.with);
         }
 }
 
@@ -53,7 +53,7 @@ static void live(void)
 {
     for (;;) {
         unsigned t = threadIdx.x;
-        (*running)();
+        running->run(running->with);
         done[t] = true;
         leave(t);
     }
@@ -99,8 +99,7 @@ static void run_block(unsigned threads)
     }
 }
 
-void emulate_blocks(int64_t blocks, int threads,
-                    const std::function<void()> &kernel)
+void emulate_blocks(int64_t blocks, int threads, emulate_call kernel)
 {
     if (!stack.of)
         stack.of = (char *)malloc((size_t)THREADS * STACK);
