@@ -76,7 +76,8 @@ def work():
         axes.set_xlabel("processor seconds for 0.1 s")
 
     figure, axes = plt.subplots(1, len(scenes), figsize=(10.5, 4),
-                                sharey=True)
+                                sharey=True, squeeze=False)
+    axes = axes[0]
     for a, scene in zip(axes, scenes):
         six(a, scene, "rms m")
         a.set_title(scene)
