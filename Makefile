@@ -329,3 +329,5 @@ help: ## this list
 
 -include $(patsubst %.o,%.d,$(REF_O) $(TEST_O) $(APP_O) $(ORC_O) $(EMU_O) \
   $(CUDA_O) $(PRICE_O) $(filter %.o,$(ACC_O)))
+-include $(patsubst %.o,%.d,$(PARTS) $(BUILD)/fuzz/main.o \
+  $(BUILD)/ci/bench/narrow.32.o $(ROOT)/oracle/frames.o $(ROOT)/oracle/table.o)

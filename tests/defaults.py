@@ -188,6 +188,9 @@ def main():
                     check_default(section, key[1], default, settings)
         os.chdir("/")
     check("every table was read", len(tables) == 7)
+    told = {name for row in tables["scene"]
+            for name in re.findall(r"`(\w+)`", row[0])}
+    check("every setting is in the table", set(settings) <= told)
     print(f"{counts[0]} passed, {counts[1]} failed")
     sys.exit(counts[1] > 0)
 
