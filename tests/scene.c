@@ -191,8 +191,10 @@ const char *scene_twins(struct bytes *b, int64_t *steps)
     pick_scene(b, &s);
     if (s.def.integrator < DRAPE_BW)
         s.def.dt = 1e-3; /* few substeps: an emulated device is slow */
+    if (s.def.max_slices > 2)
+        s.def.max_slices = 2;
     struct twin twin;
-    const char *failed = twin_run(&s.def, 6, &twin);
+    const char *failed = twin_run(&s.def, 4, &twin);
     *steps = twin.steps;
     return failed;
 }
