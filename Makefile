@@ -139,7 +139,7 @@ $(BUILD)/gpu/%.o: gpu/%.cpp
 	$(EMU) -c $< -o $@
 $(BUILD)/gpu/%.o: gpu/%.cu
 	@mkdir -p $(@D)
-	$(EMU) -c $< -o $@
+	$(EMU) $(SAN) -c $< -o $@
 $(BUILD)/cuda/gpu/%.32.o: gpu/%.cu
 	@mkdir -p $(@D)
 	$(CUDA) -DREAL_BITS=32 -c $< -o $@
@@ -318,7 +318,7 @@ format: ## clang-format everything in place
 TIDY := -std=c17 -I. -Ispec -D_POSIX_C_SOURCE=200809L -DTARGET=NULL \
         -Xclang -analyzer-config -Xclang max-nodes=20000
 tidy: ## clang-tidy over our C
-	ls app/*.c fuzz/*.c ref/*.c tests/*.c | xargs -P2 -n8 sh -c \
+	ls app/*.c app/examples/*.c fuzz/*.c ref/*.c tests/*.c | xargs -P2 -n8 sh -c \
 	  'clang-tidy --quiet "$$@" -- $(TIDY) 2>/dev/null' sh
 
 help: ## this list
