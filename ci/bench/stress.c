@@ -221,7 +221,7 @@ static void twist(struct stress *s, double turns)
     s->def.n_motions = 2;
     c->pins = s->pin;
     c->n_pins = 2 * side;
-    end(s, "twist: turns", turns, 240);
+    end(s, "twist: turns", turns, 120);
 }
 
 /* Sheets one above the other, falling on each other. */
