@@ -121,6 +121,9 @@ all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, t
 say-gpu:
 	@$(if $(GPU),,echo 'drape: $(if $(NVCC),no device,no nvcc) here: CPU part only')
 
+ifdef TEST_OPT
+$(TEST_O): override OPT := $(TEST_OPT)
+endif
 $(BUILD)/%.32.o: %.c
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=32 -c $< -o $@
@@ -269,6 +272,7 @@ certify: ## compares ref and gpu on the device: ci/certificate.json
 KERNELS ?= yes
 asan: ## stages and emulated kernels under address, undefined sanitizers
 	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/asan GPU= OPT='-O1 -g1' \
+	  TEST_OPT='-O0 -g1' \
 	  $(if $(KERNELS),,EMU_IN=$(ROOT)) \
 	  SAN='-fsanitize=address,undefined -fno-sanitize-recover=all' \
 	  $(BUILD)/asan/check
