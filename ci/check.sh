@@ -12,8 +12,8 @@ cores=$(nproc)
 
 sh ci/part.sh "$build" build "$cores"
 # Long ones first; in CI also tidy, which is slow.
-parts="demo asan ${CI:+tidy} clang-O2 gcc-O3 buddha tests gcc-O0 tool device
-       accuracy stages golden-1 golden-3 fuzz format prove certificate embed"
+parts="buddha tests asan ${CI:+tidy} demo gcc-O3 clang-O2 accuracy gcc-O0
+       device tool stages golden-1 golden-3 fuzz format prove certificate embed"
 # shellcheck disable=SC2086
 printf '%s\n' $parts | xargs -P "$cores" -n 1 sh ci/part.sh "$build"
 echo "certificate: $(python3 ci/certificate.py line ci/certificate.json)"
