@@ -2,6 +2,9 @@
 // Intersecting triangles by CGAL's exact predicates. oracle/README.md
 #include "oracle/oracle.h"
 
+// Without CGAL's checks of itself, which are half of the time that it takes.
+#define CGAL_NDEBUG
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
