@@ -8,7 +8,7 @@
 struct report {
     drape_step_report *step; /* [count] */
     int64_t count, room;
-    double seconds; /* wall time of the steps */
+    double seconds;           /* wall time of the steps */
     struct estimate estimate; /* of --error */
 };
 
