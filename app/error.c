@@ -141,7 +141,8 @@ static int search(struct scene *scene, const struct overrides *overrides,
 int error_choose(struct scene *scene, const struct overrides *overrides,
                  double asked, struct estimate *estimate)
 {
-    size_t n = (size_t)count_vertices(&scene->def, false);
+    /* one more than is needed: nothing may be given for nothing */
+    size_t n = (size_t)count_vertices(&scene->def, false) + 1;
     double(*x[2])[3] = {malloc(n * sizeof *x[0]), malloc(n * sizeof *x[1])};
     int frames = scene->frames < TRIAL_FRAMES ? scene->frames : TRIAL_FRAMES;
     *estimate = (struct estimate){.asked = asked};
