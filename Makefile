@@ -45,15 +45,16 @@ EMU     = $(CXX) -x c++ -std=c++20 $(OPT:-O2=-O1) -Wall -Wextra -Werror \
 # FCL's headers want Eigen's.
 EIGEN   := -isystem /usr/include/eigen3
 
-# What is here to build with: each answer is `yes` or nothing.
+# What is here to build with: each answer is `yes` or nothing. Each make asks,
+# so the headers are looked for, not compiled: FCL's take seconds.
 HASH    := \#
-has     = $(shell printf '$(HASH)include <$(1)>\n' | $(CXX) -std=c++17 -x c++ \
-            $(EIGEN) -fsyntax-only - 2>/dev/null && echo yes)
-HAS_APP    := $(and $(call has,assimp/cimport.h),$(call \
-    has,cjson/cJSON.h),$(call has,embree3/rtcore.h),$(call \
-    has,png.h),$(call has,gmp.h))
-HAS_ORACLE := $(and $(call has,CGAL/version.h),$(call \
-    has,fcl/fcl.h),$(call has,ccd/ccd.h),$(call has,gmp.h))
+has     = $(shell printf '$(HASH)if !__has_include(<%s>)\n$(HASH)error\n'$(\
+            )'$(HASH)endif\n' $(1) | $(CXX) -std=c++17 -x c++ $(EIGEN) \
+            -E - >/dev/null 2>&1 && echo yes)
+HAS_APP    := $(call has,assimp/cimport.h cjson/cJSON.h embree3/rtcore.h \
+    png.h gmp.h)
+HAS_ORACLE := $(call has,CGAL/version.h Eigen/Dense fcl/fcl.h ccd/ccd.h gmp.h \
+    mpfr.h)
 
 API    := ref/arena.c ref/define.c ref/drape.c ref/frames.c ref/query.c
 # The GPU part is built where nvcc and a device are, or by GPU=yes.
