@@ -5,7 +5,6 @@
 #include "certificate.h"
 
 #include <algorithm>
-#include <setjmp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
@@ -17,12 +16,15 @@ __thread unsigned char emulate_lane[1024][8];
 /* ---- Threads ---- */
 
 /* A thread of a block is a fiber that runs kernel after kernel. It is started
- * with a stack of its own; after that jumps lead there and back, which make
- * no system call. */
-enum { STACK = 1 << 20, THREADS = 1024 };
-static __thread ucontext_t begun, starter;
-static __thread sigjmp_buf scheduler, fiber[THREADS];
+ * with a stack of its own; after that jumps lead from each to the next. They
+ * are the compiler's, which keep three words where setjmp keeps registers,
+ * encrypted: changing threads is most of what a barrier costs. Stacks a power of
+ * two apart would share a few lines of the cache, hence the odd lines. */
+enum { STACK = (1 << 20) + 9 * 64, THREADS = 1024, JUMP = 5 };
+static __thread ucontext_t begun;
+static __thread void *scheduler[JUMP], *fiber[THREADS][JUMP];
 static __thread bool done[THREADS], started[THREADS];
+static __thread unsigned in_block, to_run;
 static __thread const emulate_call *running; /* NULL: no fibers */
 static thread_local struct stacks {
     char *of = NULL; /* the first fiber's */
@@ -42,11 +44,34 @@ void emulate_items(int64_t n, int threads, emulate_call kernel)
         }
 }
 
-/* From a fiber to the scheduler; returns when it is resumed. */
+static void live(void);
+
+/* Goes on with fiber t, and never returns. */
+static __attribute__((noinline)) void resume(unsigned t)
+{
+    threadIdx = {t, 0, 0};
+    if (started[t])
+        __builtin_longjmp(fiber[t], 1);
+    started[t] = true;
+    getcontext(&begun);
+    begun.uc_stack.ss_sp = &stack.of[(size_t)t * STACK];
+    begun.uc_stack.ss_size = STACK;
+    makecontext(&begun, live, 0);
+    setcontext(&begun);
+}
+
+/* From fiber t to the next that has not returned, in turn; to the scheduler
+ * when all have. Returns when fiber t is resumed. */
 static __attribute__((noinline)) void leave(unsigned t)
 {
-    if (!sigsetjmp(fiber[t], 0))
-        siglongjmp(scheduler, 1);
+    if (__builtin_setjmp(fiber[t]))
+        return;
+    if (to_run == 0)
+        __builtin_longjmp(scheduler, 1);
+    do
+        t = t + 1 < in_block ? t + 1 : 0;
+    while (done[t]);
+    resume(t);
 }
 
 static void live(void)
@@ -55,24 +80,9 @@ static void live(void)
         unsigned t = threadIdx.x;
         running->run(running->with);
         done[t] = true;
+        to_run--;
         leave(t);
     }
-}
-
-/* Runs fiber t until it leaves. */
-static __attribute__((noinline)) void resume(unsigned t)
-{
-    threadIdx = {t, 0, 0};
-    if (sigsetjmp(scheduler, 0))
-        return;
-    if (started[t])
-        siglongjmp(fiber[t], 1);
-    started[t] = true;
-    getcontext(&begun);
-    begun.uc_stack.ss_sp = &stack.of[(size_t)t * STACK];
-    begun.uc_stack.ss_size = STACK;
-    makecontext(&begun, live, 0);
-    swapcontext(&starter, &begun);
 }
 
 void __syncthreads(void)
@@ -85,18 +95,12 @@ void __syncthreads(void)
 }
 
 /* All threads go on from barrier to barrier until all have returned. */
-static void run_block(unsigned threads)
+static __attribute__((noinline)) void run_block(unsigned threads)
 {
-    for (unsigned t = 0; t < threads; t++)
-        done[t] = false;
-    for (bool some = true; some;) {
-        some = false;
-        for (unsigned t = 0; t < threads; t++)
-            if (!done[t]) {
-                resume(t);
-                some = true;
-            }
-    }
+    memset(done, 0, threads);
+    in_block = to_run = threads;
+    if (!__builtin_setjmp(scheduler))
+        resume(0);
 }
 
 void emulate_blocks(int64_t blocks, int threads, emulate_call kernel)
