@@ -74,9 +74,11 @@ static int trial(struct scene *scene, const struct overrides *overrides,
         }
         *good = !(report.outcome & (DRAPE_DIVERGED | DRAPE_TRAPPED));
     }
-    drape_read(world, x, NULL);
+    int read = drape_read(world, x, NULL);
     drape_destroy(world);
-    return APP_OK;
+    return read == DRAPE_OK
+               ? APP_OK
+               : complain(APP_FAILED, "--error: %s", drape_status_text(read));
 }
 
 static int64_t count_vertices(const drape_def *def, bool cloth_only)
@@ -127,7 +129,7 @@ static int search(struct scene *scene, const struct overrides *overrides,
         int status = measure(scene, overrides, &settings[k], x, &e->error);
         if (status != APP_OK)
             return status;
-        if (e->error > e->asked)
+        if (!(e->error <= e->asked))
             continue;
         apply(scene, &settings[k], 1);
         return APP_OK;

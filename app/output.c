@@ -161,7 +161,8 @@ void output_clear(const struct output *o)
     static const char *const kinds[][2] = {
         {"cloth", "ply"}, {"cloth", "obj"}, {"obstacles", "ply"}};
     static const char *const results[] = {"obstacles.ply", "cloth.pc2",
-                                          "report.json", "checkpoint.drape"};
+                                          "report.json", "checkpoint.drape",
+                                          "trace.csv"};
     for (int e = 0; e < 3; e++) {
         int count;
         int *frame = list(o->frames, kinds[e][0], kinds[e][1], &count);
@@ -173,7 +174,7 @@ void output_clear(const struct output *o)
         }
         free(frame);
     }
-    for (int k = 0; k < 4; k++)
+    for (size_t k = 0; k < sizeof results / sizeof *results; k++)
         remove_file(o->directory, results[k]);
 }
 

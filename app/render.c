@@ -65,10 +65,13 @@ static int make_film(const struct render *r)
         !file_join(film, r->directory, "film.mp4"))
         return APP_USAGE;
     char *const argv[] = {
-        "ffmpeg",  "-v",      "error", "-y",  "-framerate",
-        rate,      "-i",      pattern, "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2",
-        "-c:v",    "libx264", "-crf",  "18",  "-pix_fmt",
-        "yuv420p", part,      NULL};
+        "ffmpeg",   "-nostdin", "-v",
+        "error",    "-y",       "-framerate",
+        rate,       "-i",       pattern,
+        "-c:v",     "libx264",  "-crf",
+        "18",       "-vf",      "pad=ceil(iw/2)*2:ceil(ih/2)*2",
+        "-pix_fmt", "yuv420p",  part,
+        NULL};
     int status = call(argv);
     if (status < 0) {
         complain(0,

@@ -149,10 +149,11 @@ static void put_bodies(FILE *out, const struct scene *scene,
                 cloth ? "cloth" : "obstacle",
                 (long long)drape_first_vertex(world, k),
                 (long long)drape_first_triangle(world, k));
-        const drape_cloth *c = &def->cloths[k];
-        if (cloth)
+        if (cloth) {
+            const drape_cloth *c = &def->cloths[k];
             fprintf(out, ", \"particles\": [%d, %d], \"size\": [%.17g, %.17g]",
                     c->m, c->n, c->width, c->height);
+        }
         fprintf(out, "}%s\n", k + 1 < bodies ? "," : "");
     }
     fprintf(out, "  ],\n  \"vertices\": %lld, \"triangles\": %lld,\n",

@@ -21,6 +21,7 @@ struct run {
     struct file trace;
     const char *resume, *directory, *error;
     int frames, checkpoint_every, tracing, no_obj;
+    bool failed; /* a step did: the state before it is there */
 };
 
 /* Set by Ctrl-C, looked at between steps. */
@@ -123,7 +124,8 @@ static int step(struct run *run)
     drape_step_report report;
     double began = seconds_now();
     int status = drape_step(run->world, &report);
-    if (status != DRAPE_OK)
+    run->failed = status != DRAPE_OK;
+    if (run->failed)
         return complain(APP_FAILED, "step %lld: %s",
                         (long long)run->report.count + 1,
                         drape_status_text(status));
@@ -151,6 +153,7 @@ static int finish(struct run *run, int code)
     int64_t done = run->report.count, each = run->scene.steps_per_frame;
     const char *end = code == APP_INTERRUPTED ? "interrupted"
                       : code == APP_FINDINGS  ? "diverged"
+                      : run->failed           ? "failed"
                                               : "complete";
     if (code == APP_INTERRUPTED) {
         int status =
@@ -199,9 +202,9 @@ static int simulate(struct run *run)
         code = step(run);
     }
     progress_end(&run->progress);
-    if (code == APP_FAILED || code == APP_USAGE)
-        return code;
-    return finish(run, code);
+    /* where the disk failed it is not tried again */
+    bool left = code == APP_FAILED && !run->failed;
+    return left || code == APP_USAGE ? code : finish(run, code);
 }
 
 int command_run(int argc, char **argv)

@@ -139,6 +139,10 @@ refused 'cloth beyond the memory' 'memory' run big.json --out refused
 scene key.json ', "memory": 0.001}'
 sed 's/\[9, 9\]/[900, 900]/' key.json >big.json
 refused 'memory limit' 'memory limit' run big.json --out refused
+sed 's/\[9, 9\]/[29, 29]/' key.json >big.json
+exits 'no memory for a step' 3 run big.json --out short
+is 'what was done is reported' grep -q '"end": "failed"' short/report.json
+is 'and its frames are there' test -s short/cloth.pc2
 sed 's/\[9, 9\]/[9.5, 9]/' tiny.json >key.json
 refused 'half a particle' 'whole' run key.json
 sed 's/"at": \[0, 0.36, 0\]/"at": [0, 0.2, 0]/' tiny.json >start.json
