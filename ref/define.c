@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -107,16 +108,24 @@ static void integer(struct check *c, const char *name, int64_t a, int64_t lo,
              (long long)a, (long long)lo, (long long)hi);
 }
 
+/* Whether what n things are read from is there, and nothing failed so far. */
+static bool there(struct check *c, const char *name, int64_t n, const void *p)
+{
+    if (n > 0 && !p)
+        fail(c, DRAPE_EARG, "%s is NULL, expected %lld", name, (long long)n);
+    return c->status == DRAPE_OK;
+}
+
 static void vectors(struct check *c, const char *name, int64_t n,
                     const double (*x)[3])
 {
-    for (int64_t i = 0; i < n; i++)
+    for (int64_t i = 0; there(c, name, n, x) && i < n; i++)
         for (int k = 0; k < 3; k++)
             if (!(x[i][k] >= -BIG && x[i][k] <= BIG)) {
                 fail(c, DRAPE_EDATA,
                      "%s %lld has coordinate %g, expected |x| up to 2^60", name,
                      (long long)i, x[i][k]);
-                return;
+                break;
             }
 }
 
@@ -155,7 +164,8 @@ static void check_cloth(struct check *c, const drape_cloth *cloth,
     positive(c, "width", cloth->width);
     positive(c, "height", cloth->height);
     check_material(c, &cloth->material);
-    if (c->status != DRAPE_OK)
+    integer(c, "n_pins", cloth->n_pins, 0, INT32_MAX);
+    if (!there(c, "pins", cloth->n_pins, cloth->pins))
         return;
     int64_t n = (int64_t)cloth->m * cloth->n;
     if (cloth->x)
@@ -179,7 +189,7 @@ static void check_cloth(struct check *c, const drape_cloth *cloth,
 static void check_motion(struct check *c, const drape_motion *m)
 {
     integer(c, "keys", m->keys, 1, 1 << 24);
-    if (c->status != DRAPE_OK)
+    if (!there(c, "time", m->keys, m->time))
         return;
     vectors(c, "position", m->keys, m->position);
     vectors(c, "pivot", 1, &m->pivot);
@@ -203,16 +213,14 @@ static void check_obstacle(struct check *c, const drape_obstacle *o,
     number(c, "friction", o->friction, 0, 1e6);
     integer(c, "motion", o->motion, -1, n_motions - 1);
     integer(c, "frames", o->frames, 0, 1 << 24);
-    if (c->status != DRAPE_OK)
+    if (!there(c, "tri", o->n_triangles, o->tri))
         return;
     vectors(c, "vertex", o->n_vertices, o->x);
-    for (int64_t k = 0; k < o->n_triangles; k++)
+    for (int64_t k = 0; k < o->n_triangles && c->status == DRAPE_OK; k++)
         for (int i = 0; i < 3; i++)
-            if (o->tri[k][i] < 0 || o->tri[k][i] >= o->n_vertices) {
+            if (o->tri[k][i] < 0 || o->tri[k][i] >= o->n_vertices)
                 fail(c, DRAPE_EARG, "triangle %lld names vertex %d of %lld",
                      (long long)k, (int)o->tri[k][i], (long long)o->n_vertices);
-                return;
-            }
     if (o->frames) {
         if (o->motion >= 0)
             fail(c, DRAPE_EARG, "has both a motion and frames");
@@ -223,9 +231,7 @@ static void check_obstacle(struct check *c, const drape_obstacle *o,
 
 static void check_world(struct check *c, const drape_def *def)
 {
-    if (def->backend != DRAPE_REF && def->backend != DRAPE_GPU)
-        fail(c, DRAPE_EARG, "backend is %d, expected 0 (ref) or 1 (gpu)",
-             def->backend);
+    integer(c, "backend", def->backend, DRAPE_REF, DRAPE_GPU);
     if (def->precision != 32 && def->precision != 64)
         fail(c, DRAPE_EARG, "precision is %d, expected 32 or 64",
              def->precision);
@@ -260,6 +266,9 @@ static void check_world(struct check *c, const drape_def *def)
     integer(c, "n_cloths", def->n_cloths, 1, 4096);
     integer(c, "n_obstacles", def->n_obstacles, 0, 4096);
     integer(c, "n_motions", def->n_motions, 0, 1 << 20);
+    there(c, "cloths", def->n_cloths, def->cloths);
+    there(c, "obstacles", def->n_obstacles, def->obstacles);
+    there(c, "motions", def->n_motions, def->motions);
 }
 
 int define_check(const drape_def *def, drape_error *error)

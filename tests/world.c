@@ -175,6 +175,10 @@ const char *test_world_refusals(void)
     REFUSED(d.def.solver = DRAPE_CUBLAS, DRAPE_EARG, "cublas");
     REFUSED(d.obstacle.motion = 3, DRAPE_EARG, "obstacle 0: motion");
     REFUSED(d.obstacle.n_vertices = 5, DRAPE_EARG, "names vertex");
+    REFUSED(d.cloth.n_pins = -1, DRAPE_EARG, "n_pins is -1");
+    REFUSED(d.cloth.n_pins = 1, DRAPE_EARG, "cloth 0: pins is NULL");
+    REFUSED(d.def.obstacles = NULL, DRAPE_EARG, "obstacles is NULL");
+    REFUSED(d.motion.position = NULL, DRAPE_EARG, "motion 0: position");
     REFUSED(d.cloth.origin[1] = 0.1, DRAPE_ESTART, "intersecting");
     REFUSED(d.cloth.u[0] = 2, DRAPE_EARG, "unit");
     REFUSED((d.def.integrator = DRAPE_RK4, d.def.max_substeps = 1),
