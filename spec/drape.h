@@ -67,19 +67,21 @@ typedef struct drape_material {
     double stretch;   /* N/m, tension a width for strain 1, > 0 */
     double shear;     /* N/m, ≥ 0, at most stretch / 2 */
     double bend;      /* N·m, moment a width for curvature 1, ≥ 0 */
-    double damping;   /* s, stiffness-proportional, ≥ 0 */
+    double damping;   /* s, stiffness-proportional, 0 … 1e6 */
     double thickness; /* m, distance at which contact begins, > 0; at most
                          half the smaller side of a cell counts */
-    double friction;  /* Coulomb coefficient, ≥ 0 */
+    double friction;  /* Coulomb coefficient, 0 … 1e6; a pair takes the larger
+                         of its two */
 } drape_material;
 
 /* A rigid motion by keyframes: x(t) = p(t) + R(q(t)) (x(0) - pivot). Linear
  * in p, normalised linear in q between keys, constant before and after. */
 typedef struct drape_motion {
-    int keys;                    /* ≥ 1 */
+    int keys;                    /* 1 … 2^24 */
     const double *time;          /* [keys] s, strictly ascending */
     const double (*position)[3]; /* [keys] p, m */
-    const double (*rotation)[4]; /* [keys] q = w, x, y, z; NULL: identity */
+    const double (*rotation)[4]; /* [keys] q = w, x, y, z, unit to 1e-6; NULL:
+                                    identity */
     double pivot[3];             /* m */
 } drape_motion;
 
@@ -95,11 +97,12 @@ typedef struct drape_cloth {
     double width, height; /* m at rest, along i and along j */
     drape_material material;
     const double (*x)[3]; /* [m·n] start; NULL: flat by origin, u and v */
-    double origin[3], u[3], v[3]; /* particle 0; unit axes along i and j */
+    double origin[3], u[3], v[3]; /* particle 0, m; axes along i and j, unit and
+                                     at right angles to 1e-6 */
     const double (*velocity)[3];  /* [m·n] m/s; NULL: zero */
-    const uint8_t *hole; /* [m·n] 1: the particle is missing; NULL: none */
-    const uint8_t *cut;  /* [(m-1)·(n-1)] 1: the cell is missing; NULL */
-    const drape_pin *pins;
+    const uint8_t *hole;   /* [m·n] 1: the particle is missing; NULL: none */
+    const uint8_t *cut;    /* [(m-1)·(n-1)] 1: the cell is missing; NULL */
+    const drape_pin *pins; /* [n_pins] */
     int n_pins;
 } drape_cloth;
 
@@ -108,9 +111,10 @@ typedef struct drape_obstacle {
     int64_t n_vertices, n_triangles;
     const double (*x)[3];     /* [n_vertices] m, at time 0 */
     const int32_t (*tri)[3];  /* [n_triangles] vertices of this obstacle */
-    double friction;          /* the pair's is the larger of the two */
+    double friction;          /* as a material's */
     int motion;               /* index into drape_def.motions, -1: none */
-    int frames;               /* deforming: number of frames, else 0 */
+    int frames;               /* deforming: number of frames, to 2^24, and no
+                                 motion; else 0 */
     double frame_dt;          /* s between frames, linear in between */
     const double (*frame)[3]; /* [frames][n_vertices] m */
 } drape_obstacle;
@@ -118,7 +122,7 @@ typedef struct drape_obstacle {
 typedef struct drape_wind {
     double velocity[3]; /* m/s */
     double density;     /* kg/m³ of air; 0: no air at all */
-    double drag, lift;  /* coefficients of a triangle, ≥ 0 */
+    double drag, lift;  /* coefficients of a triangle, 0 … 1e6 */
 } drape_wind;
 
 /* Called within calls on the worlds that have it, and nowhere else. Memory of
@@ -142,34 +146,36 @@ typedef void drape_log(void *user, const char *line);
 typedef struct drape_def {
     int backend;   /* enum drape_backend */
     int precision; /* 32 or 64: bits of a number in the state */
-    int threads;   /* of the reference; 0: as many as cores. Same bits. */
+    int threads;   /* of the reference, to 4096; 0: as many as cores. Same
+                      bits. */
     int block;     /* threads of a block of the device, a multiple of 32 up
                       to 256; 0: 256. Same bits. */
 
-    double dt; /* s a step */
-    double gravity[3];
+    double dt;         /* s a step, 1e-9 … 1e3 */
+    double gravity[3]; /* m/s² */
     drape_wind wind;
-    int integrator;   /* enum drape_integrator */
-    int max_substeps; /* explicit: refuse (DRAPE_ELIMIT) beyond, ≥ 1 */
-    int precond;      /* enum drape_precond */
-    int matrix;       /* enum drape_matrix */
-    int solver;       /* enum drape_solver; DRAPE_CUBLAS: backend gpu only */
-    double tolerance; /* of the relative residual */
-    int max_iterations;
+    int integrator;     /* enum drape_integrator */
+    int max_substeps;   /* explicit: refuse (DRAPE_ELIMIT) beyond, ≥ 1 */
+    int precond;        /* enum drape_precond */
+    int matrix;         /* enum drape_matrix */
+    int solver;         /* enum drape_solver; DRAPE_CUBLAS: backend gpu only */
+    double tolerance;   /* of the relative residual, 1e-15 … 1 */
+    int max_iterations; /* of one solve, ≥ 1 */
 
-    int self_collision; /* 0: cloth does not see cloth */
-    int max_rounds;     /* of collision impulses before the fail-safe, ≥ 0 */
-    int max_slices;     /* into which a step is cut where things move far or
-                           it goes wrong: a power of two, 1 (never) … 64 */
+    int self_collision;     /* 0: cloth does not see cloth */
+    int max_rounds;         /* of collision impulses before the fail-safe, 0 …
+                               10000 */
+    int max_slices;         /* into which a step is cut where things move far or
+                               it goes wrong: a power of two, 1 (never) … 64 */
     int allow_intersecting; /* 1: a start that intersects is accepted */
     int sleep;              /* 1: a scene at rest is skipped until it wakes */
 
     const drape_cloth *cloths;
-    int n_cloths;
+    int n_cloths; /* 1 … 4096 */
     const drape_obstacle *obstacles;
-    int n_obstacles;
+    int n_obstacles; /* 0 … 4096 */
     const drape_motion *motions;
-    int n_motions;
+    int n_motions; /* 0 … 2^20; vertices, triangles of all: < 2^28 */
 
     drape_allocator allocator;        /* zero: malloc and free */
     drape_allocator device_allocator; /* zero: cudaMalloc and cudaFree */
@@ -228,7 +234,7 @@ typedef struct drape_world drape_world;
 /* Defaults: the reference on one thread, 32 bits, dt 1/60, gravity -9.81 y, no
  * air (drag 1 and lift 0.3 once it has a density), Baraff–Witkin, multigrid
  * and the symmetric half to 1e-3 within 2000 iterations, at most 100000
- * substeps, self-collision, 16 rounds, sleep. Never fails. */
+ * substeps, self-collision, 16 rounds, 32 slices, sleep. Never fails. */
 void drape_default(drape_def *def);
 /* Defaults: 101 × 101, 1 m × 1 m, flat in the xz plane, and light cotton:
  * density 0.2, stretch 1000, shear 300, bend 1e-4, damping 1e-3, thickness
@@ -237,23 +243,26 @@ void drape_default_cloth(drape_cloth *cloth);
 /* Defaults: friction 0.3, no motion. */
 void drape_default_obstacle(drape_obstacle *obstacle);
 
-/* Checks the whole definition and makes a world. On failure *world is NULL
- * and error (may be NULL) says what and where. The caller destroys it. */
+/* Checks the whole definition and makes a world, at time 0. On failure *world
+ * is NULL and error (may be NULL) says what and where: DRAPE_EARG, EDATA,
+ * ENOMEM, ESTART, EDEVICE, ELIMIT. The caller destroys it. */
 int drape_create(const drape_def *def, drape_world **world, drape_error *error);
 void drape_destroy(drape_world *world); /* NULL is allowed */
 
-/* Advances by dt. report may be NULL. Negative: nothing has changed. */
+/* Advances by dt. report may be NULL. Negative, as DRAPE_ENOMEM after which the
+ * next call may do, or DRAPE_EDEVICE: nothing has changed. */
 int drape_step(drape_world *world, drape_step_report *report);
 
 /* Counts of the whole scene: cloth first, then obstacles. */
 int64_t drape_vertices(const drape_world *world);
 int64_t drape_triangles(const drape_world *world);
 /* The first vertex (triangle) of cloth or obstacle k counts on from the
- * cloths: body k in 0 … n_cloths + n_obstacles; the last is the total. */
+ * cloths: body k in 0 … n_cloths + n_obstacles, the last is the total; else
+ * DRAPE_EARG. */
 int64_t drape_first_vertex(const drape_world *world, int body);
 int64_t drape_first_triangle(const drape_world *world, int body);
 /* Copies of the current state: x, v [drape_vertices][3], v in m/s. Either
- * may be NULL. */
+ * may be NULL. DRAPE_EDEVICE where a device was lost. */
 int drape_read(const drape_world *world, double (*x)[3], double (*v)[3]);
 /* Copies of the connectivity: tri [drape_triangles][3]. */
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3]);
@@ -270,12 +279,14 @@ typedef struct drape_view {
     int device;    /* CUDA's number of it; -1: memory of the host */
     void *stream;  /* cudaStream_t; NULL: of the reference */
 } drape_view;
-/* The first call on a device takes the triangles' memory there. */
+/* The first call on a device takes the triangles' memory there. DRAPE_OK,
+ * DRAPE_ENOMEM, DRAPE_EDEVICE. */
 int drape_borrow(drape_world *world, drape_view *view);
 
 /* Wakes a sleeping scene. */
 void drape_wake(drape_world *world);
-/* From the next step on; wakes. DRAPE_EARG or DRAPE_EDATA: unchanged. */
+/* From the next step on; wakes. wind is copied. DRAPE_EARG or DRAPE_EDATA:
+ * unchanged. */
 int drape_set_wind(drape_world *world, const drape_wind *wind);
 
 /* Rows of the plan into row[capacity]; returns how many there are. */
@@ -287,34 +298,36 @@ typedef struct drape_memory {
     size_t host_bytes, device_bytes;              /* held now */
     int64_t host_allocations, device_allocations; /* since drape_create */
 } drape_memory;
-int drape_count(const drape_world *world, drape_memory *memory);
+int drape_count(const drape_world *world, drape_memory *memory); /* DRAPE_OK */
 
 /* A checkpoint through the caller's functions, which return 0 when all
  * bytes went through. A loaded world goes on bit for bit; it must have been
- * made from the same definition. On failure the world is unchanged. */
+ * made from the same definition, but may be on the other backend. DRAPE_EIO,
+ * EMATCH, ENOMEM, EDEVICE: the world is unchanged. */
 typedef int drape_write(void *user, const void *data, size_t bytes);
 typedef int drape_read_bytes(void *user, void *data, size_t bytes);
 int drape_save(const drape_world *world, drape_write *write, void *user);
 int drape_load(drape_world *world, drape_read_bytes *read, void *user);
 
-/* Intersecting pairs of triangles, decided exactly (spec/40_audit.md).
- * group: [nt] or NULL; two triangles of group 0 (obstacles) are not
- * compared. The first `capacity` pairs go to pair; *found counts all.
- * Returns DRAPE_OK also when more were found than fit. */
 typedef struct drape_mesh {
-    int64_t nv, nt;
-    const double (*x)[3];
-    const int32_t (*tri)[3];
-    const int32_t *group;
+    int64_t nv, nt;            /* vertices, triangles */
+    const double (*x)[3];      /* [nv] m */
+    const int32_t (*tri)[3];   /* [nt] vertices */
+    const int32_t *group;      /* [nt], 0: an obstacle; NULL: none is */
     int threads;               /* 0: as many as cores. Same results. */
     drape_allocator allocator; /* zero: malloc and free */
 } drape_mesh;
+/* Intersecting pairs of triangles, decided exactly (spec/40_audit.md); two
+ * obstacles' are not compared. The first `capacity` go to pair; *found counts
+ * all, *degenerate (or NULL) triangles without area, which are in none.
+ * DRAPE_OK also when more were found than fit; DRAPE_EARG, EDATA, ENOMEM. */
 int drape_audit(const drape_mesh *mesh, int64_t capacity, int32_t (*pair)[2],
                 int64_t *found, int64_t *degenerate);
 
 /* Whether a vertex x[0] and a face x[1..3] (kind 0), or two edges x[0]x[1]
  * and x[2]x[3] (kind 1), moving linearly from x0 to x1, touch in [0, 1]:
- * 1 and *toi (never late, at most 2^-30 early), 0, or DRAPE_EDATA. */
+ * 1 and *toi (never late, at most 2^-30 early), 0, or DRAPE_EDATA where a
+ * coordinate is not finite, DRAPE_EARG for another kind. */
 int drape_ccd(int kind, const double x0[4][3], const double x1[4][3],
               double *toi);
 
@@ -325,7 +338,8 @@ typedef int drape_touch(void *user, int kind, const int32_t v[4], double toi);
  * share no vertex and touch in [0, 1], as it moves linearly from x to x1
  * [nv]: each once, faces before edges, in the same order on every run.
  * group must be NULL. candidates, or NULL: pairs of each kind that were
- * decided exactly. DRAPE_EIO where touch ended it. */
+ * decided exactly. DRAPE_EIO where touch ended it; DRAPE_EARG, EDATA, ENOMEM.
+ */
 int drape_ccd_frames(const drape_mesh *mesh, const double (*x1)[3],
                      drape_touch *touch, void *user, int64_t candidates[2]);
 
