@@ -20,6 +20,10 @@ SCENES = {"tiny", "tiny64", "lion_20k_baraff-witkin", "lion_20k_choi-ko",
           "lion_20k_euler", "lion_20k_midpoint", "lion_20k_verlet",
           "lion_20k_rk4", "lion_20k_64", "lion_20k_jacobi", "funnel", "twist",
           "curtain", "flag", "thrown", "buddha_500k", "buddha_2m"}
+AGAIN = {"gpu again, block 0", "gpu again, block 64", "gpu again, block 96",
+         "after a checkpoint"}
+WANTED = {(scene, "ref and gpu") for scene in SCENES} | {
+    ("lion_20k_baraff-witkin", what) for what in AGAIN}
 
 
 def number(text):
@@ -57,22 +61,32 @@ def tree(part):
 
 
 def stale(certificate):
-    """Folders that have changed since."""
-    return [part for part in ("spec", "ref", "gpu")
+    """Folders that have changed since, and the compiler's flags."""
+    return [part for part in ("spec", "ref", "gpu", "flags")
             if certificate["trees"].get(part) != tree(part)]
+
+
+def golden():
+    return {(name, int(bits)): digest for name, bits, digest in
+            (line.split() for line in open("tests/golden/stages.txt"))}
 
 
 def faults(certificate):
     """What was found not to be equal, not to be clean, or not at all."""
     found = [f"stage {r['stage']}, {r['bits']} bits"
-             for r in certificate["stages"] if r["mismatches"] or not r["cases"]]
+             for r in certificate["stages"]
+             if r["mismatches"] or not r["cases"]]
     found += [f"scene {r['scene']}, {r['what']}"
               for r in certificate["scenes"] if r["mismatches"]]
     found += [r["tool"] for r in certificate["sanitizers"] if r["status"]]
-    done = {r["scene"] for r in certificate["scenes"] if r["stages"]}
-    done |= {r["tool"] for r in certificate["sanitizers"]}
-    return found + [f"{what} is missing"
-                    for what in sorted((SCENES | TOOLS) - done)]
+    scenes = {(r["scene"], r["what"]) for r in certificate["scenes"]
+              if r["stages"]}
+    stages = {(r["stage"], r["bits"]) for r in certificate["stages"]}
+    missing = [f"scene {name}, {what}" for name, what in WANTED - scenes]
+    missing += [f"stage {name}, {bits} bits"
+                for name, bits in golden().keys() - stages]
+    missing += TOOLS - {r["tool"] for r in certificate["sanitizers"]}
+    return found + [f"{what} is missing" for what in sorted(missing)]
 
 
 def first_steps(build, scene, keys):
@@ -92,14 +106,9 @@ def first_steps(build, scene, keys):
     return hashlib.sha256("".join(lines).encode()).hexdigest()[:16]
 
 
-def golden():
-    return {(name, int(bits)): digest for name, bits, digest in
-            (line.split() for line in open("tests/golden/stages.txt"))}
-
-
 def check(path, build):
     certificate = json.load(open(path))
-    failed = [f"{part}/ has changed since" for part in stale(certificate)]
+    failed = [f"{part} changed since" for part in stale(certificate)]
     failed += [f"it records: {what}" for what in faults(certificate)]
     want = golden()
     got = {(r["stage"], r["bits"]): r["digest"] for r in certificate["stages"]}

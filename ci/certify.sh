@@ -32,25 +32,27 @@ run() {
     digests "$work/run" >"$work/$name.$backend"
 }
 
-# same NAME WHAT STEPS FILE FILE: counts the lines that differ
+# same NAME WHAT FRAMES FILE FILE: counts the lines that differ
 same() {
     different=$(diff "$4" "$5" | grep -c '^[<>]')
-    lines=$(wc -l <"$4")
-    # an empty trace proves nothing
-    [ "$lines" -gt 1 ] || different=$((different + 1))
-    echo "$1, $2: $lines stages, $different different"
-    row scene "$1" "$2" "$3" "$((lines - 1))" "$different" \
+    stages=$(grep -vc '^step,' "$4")
+    steps=$(grep -v '^step,' "$4" | cut -d, -f1 | uniq | wc -l)
+    each=$(sed -n 's/.*"steps_per_frame": \([0-9]*\).*/\1/p' "$work/$1.json")
+    # a trace that is empty, or ends early, proves nothing
+    [ "$steps" -eq $(($3 * ${each:-1})) ] || different=$((different + 1))
+    echo "$1, $2: $steps steps, $stages stages, $different different"
+    row scene "$1" "$2" "$steps" "$stages" "$different" \
         "$(sha256sum <"$4" | cut -c1-16)" \
         "$(awk -F, '$1 == "step" || $1 < 6' "$4" | sha256sum | cut -c1-16)"
 }
 
 # scene NAME FILE FRAMES EDIT: on both backends; EDIT is sed's, of the scene.
 scene() {
-    name=$1 file=$2 steps=$3
+    name=$1 file=$2 frames=$3
     sed "$4" "app/scenes/$file.json" >"$work/$name.json"
-    run "$name" ref --frames "$steps" --threads "$threads"
-    run "$name" gpu --frames "$steps"
-    same "$name" "ref and gpu" "$steps" "$work/$name.ref" "$work/$name.gpu"
+    run "$name" ref --frames "$frames" --threads "$threads"
+    run "$name" gpu --frames "$frames"
+    same "$name" "ref and gpu" "$frames" "$work/$name.ref" "$work/$name.gpu"
 }
 
 # Run to run, with another block size, and after a checkpoint.
@@ -67,28 +69,34 @@ again() {
     tail -n +2 "$work/$1.gpu" >"$work/after"
     awk -F, -v from=$half '$1 != "step" && $1 >= from' "$work/$1.first" \
         >"$work/unbroken"
-    same "$1" "after a checkpoint" $half "$work/unbroken" "$work/after"
+    same "$1" "after a checkpoint" $(($2 - half)) "$work/unbroken" "$work/after"
 }
 
 # Small cases of every stage under a tool of compute-sanitizer, the slower
-# ones side by side.
+# ones side by side. A tool that could not attach ends well, without a summary.
 sanitize() {
-    sed -n 's/^STAGE(\(.*\),.*/\1/p' spec/stages.def |
-        xargs -P 12 -I STAGE sh -c "timeout 150 compute-sanitizer --tool $1 \
-            --error-exitcode 9 $build/check-cuda --only STAGE --cases 1 --gpu \
-            >$work/$1-STAGE.log 2>&1 || echo STAGE" >"$work/$1"
+    sed -n 's/^STAGE(\(.*\),.*/\1/p' spec/stages.def >"$work/names"
+    xargs <"$work/names" -P 12 -I STAGE sh -c "
+        timeout 150 compute-sanitizer --tool $1 --error-exitcode 9 \
+            $build/check-cuda --only STAGE --cases 1 --gpu \
+            >$work/$1-STAGE.log 2>&1 &&
+            grep -Eq 'SUMMARY: (.*\()?0 errors' $work/$1-STAGE.log ||
+            echo STAGE" >"$work/$1"
+    [ -s "$work/names" ] || echo 'no stage' >"$work/$1"
     failed=$(tr '\n' ' ' <"$work/$1")
-    echo "$1: ${failed:-clean}"
-    row sanitizer "$1" "$(wc -l <"$work/$1")" "${failed:-clean}"
+    found=${failed:-clean, $(wc -l <"$work/names") stages}
+    echo "$1: $found"
+    row sanitizer "$1" "$(wc -l <"$work/$1")" "$found"
 }
 
 row toolkit "$(nvcc --version | sed -n 's/.*release \([0-9.]*\).*/\1/p')"
 row driver "$(nvidia-smi --query-gpu=driver_version --format=csv,noheader |
     head -n 1)"
-for part in spec ref gpu; do
+for part in spec ref gpu flags; do
     row tree $part "$(sh ci/tree.sh $part)"
 done
-"$build/check-cuda" --certify fuzz/corpus >"$work/stages"
+"$build/check-cuda" --certify fuzz/corpus >"$work/stages" ||
+    echo "check-cuda ended with $?"
 tail -n 1 "$work/stages"
 sed -n 's/^device /device\t/p; s/^stage \(.*\) \(.*\) \(.*\) \(.*\) \(.*\)/stage\t\1\t\2\t\3\t\4\t\5/p' \
     "$work/stages" >>"$rows"
