@@ -210,6 +210,12 @@ for name in $scenes; do
     cat "$runs/$name.ours"/frames/*.audit >"$results/$name.audit"
     grep ' [1-9][0-9]* intersecting' "$results/$name.audit" &&
         failed=$((failed + 1))
+    for frame in "$runs/$name.ours"/frames/cloth_*.ply; do
+        if [ -f "$frame" ] && [ ! -f "${frame%.ply}.audit" ]; then
+            say "not audited: $frame"
+            failed=$((failed + 1))
+        fi
+    done
 done
 say "$failed failed"
 [ $failed -eq 0 ]
