@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Installs into a folder of its own and builds the examples against that alone:
-# runs hang; compiles share where nvcc is.
+# runs hang; compiles the README's lines, and share where nvcc is.
 # usage: ci/embed.sh BUILD
 set -u
 build=$1
@@ -35,6 +35,14 @@ ok 'hang, against the installed library' ${CC:-gcc} -std=c17 $strict \
     app/examples/hang.c $flags -o "$work/hang"
 # shellcheck disable=SC2016
 ok 'hang hangs' sh -c '"$0" | grep -q "^60 of 60 steps clean"' "$work/hang"
+{
+    printf '#include <stdio.h>\n#include <drape.h>\nint main(void)\n{\n'
+    sed -n '/^```c$/,/^```$/{/^```/d;/^#include/d;p}' README.md
+    printf 'return 0;\n}\n'
+} >"$work/readme.c"
+# shellcheck disable=SC2086
+ok "README's lines" ${CC:-gcc} -std=c17 $strict "$work/readme.c" $flags \
+    -o "$work/readme"
 echo '#include <drape.h>' >"$work/header.cpp"
 # shellcheck disable=SC2086
 ok 'the header in C++' ${CXX:-g++} -std=c++17 $strict -fsyntax-only \
