@@ -80,8 +80,10 @@ done
 for command in run plan audit render ccd convert; do
     "$drape" help $command >out
     sed 's/\\-/-/g' "$root/app/drape.1" >manual
-    for o in $(sed -n 's/.*{"\(--[a-z-]*\)", OPTION.*/\1/p' \
-        "$root/app/$command.c"); do
+    options=$(sed -n 's/.*{"\(--[a-z-]*\)", OPTION.*/\1/p' \
+        "$root/app/$command.c")
+    is "$command has options" test -n "$options"
+    for o in $options; do
         is "help and manual have $command $o" sh -c \
             'grep -qe "$1" out && grep -qe "$1" manual' sh "$o"
     done
