@@ -161,7 +161,7 @@ int poly_sign_octave(struct room *m, const struct poly *f, int e)
     /* twice the polar form at 1 and 1, 1 and 2, 2 and 2; the first, last */
     static const uint32_t weight[3][3] = {{1, 1, 1}, {2, 3, 4}, {1, 2, 4}};
     int mark = m->used, n = f->degree, up = 0, down = 0;
-    struct near c[3];
+    struct near c[3] = {0};
     m->keep = NEAR_FEW;
     for (int i = 0; i <= n; i++) { /* times such that all powers are whole */
         int shift = e < 0 ? (i - n) * e : i * e;
