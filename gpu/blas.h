@@ -13,7 +13,8 @@ extern "C" {
 
 struct gpu;
 
-/* Opens it once; DRAPE_OK, or DRAPE_EDEVICE where there is no library. */
+/* Opens it once; DRAPE_OK, DRAPE_EDEVICE where there is no library that can be
+ * used, DRAPE_ENOMEM. */
 int blas_open(struct gpu *g);
 void blas_close(struct gpu *g);
 

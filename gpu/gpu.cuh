@@ -14,10 +14,8 @@
 
 #ifdef __CUDACC__
 #include <cuda_runtime.h>
-#define UNROLL _Pragma("unroll")
 #else
 #include "gpu/emulate.h"
-#define UNROLL
 #endif
 
 /* ref/'s headers are C's; all of them are included here and only here. */

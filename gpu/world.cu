@@ -146,18 +146,17 @@ static int open_device(struct world *h, drape_error *error)
     h->device = w;
     w->host = h;
     w->gpu = gpu_open(&h->def, &status);
-    if (!w->gpu) {
-        if (error)
-            snprintf(error->text, sizeof error->text,
-                     "backend gpu: there is no device here that can be used");
+    if (status == DRAPE_EDEVICE && error)
+        snprintf(error->text, sizeof error->text,
+                 "backend gpu: there is no device here that can be used");
+    if (!w->gpu)
         return status;
-    }
     h->held = gpu_held(w->gpu);
     if (h->def.solver == DRAPE_CUBLAS)
         status = blas_open(w->gpu);
-    if (status != DRAPE_OK && error)
+    if (status == DRAPE_EDEVICE && error)
         snprintf(error->text, sizeof error->text,
-                 "solver cublas: libcublas is not to be found");
+                 "solver cublas: libcublas cannot be found or used");
     return status;
 }
 

@@ -46,7 +46,7 @@ struct gpu_world {
     struct broad broad;       /* arena is NULL: memory is gpu_take's */
     struct response response; /* grow is not used: gpu_take likewise */
     struct couple couple;
-    struct start start; /* device, but for watch */
+    struct start start;   /* device, but for watch */
     double broad_seconds; /* not charged yet */
 };
 
