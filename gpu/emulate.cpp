@@ -18,8 +18,8 @@ __thread unsigned char emulate_lane[1024][8];
 /* A thread of a block is a fiber that runs kernel after kernel. It is started
  * with a stack of its own; after that jumps lead from each to the next. They
  * are the compiler's, which keep three words where setjmp keeps registers,
- * encrypted: changing threads is most of what a barrier costs. Stacks a power of
- * two apart would share a few lines of the cache, hence the odd lines. */
+ * encrypted: changing threads is most of what a barrier costs. Stacks whose
+ * distance is a power of two would share a few lines of the cache. */
 enum { STACK = (1 << 20) + 9 * 64, THREADS = 1024, JUMP = 5 };
 static __thread ucontext_t begun;
 static __thread void *scheduler[JUMP], *fiber[THREADS][JUMP];
