@@ -41,6 +41,8 @@ int gpu_slice_save(struct gpu_world *w)
     gpu_copy(w->gpu, s->past_v, w->past_v, past);
     memcpy(s->watch, h->watch, watch);
     s->past = h->past;
+    s->resting = h->resting;
+    s->asleep = h->asleep;
     return gpu_status(w->gpu);
 }
 
@@ -57,4 +59,6 @@ void gpu_slice_restore(struct gpu_world *w)
     gpu_copy(w->gpu, w->past_v, s->past_v, past);
     memcpy(h->watch, s->watch, (size_t)h->def.n_cloths * sizeof *s->watch);
     h->past = s->past;
+    h->resting = s->resting;
+    h->asleep = s->asleep;
 }

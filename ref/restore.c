@@ -40,6 +40,8 @@ int slice_save(struct world *w)
     }
     memcpy(s->watch, w->watch, (size_t)w->def.n_cloths * sizeof *s->watch);
     s->past = w->past;
+    s->resting = w->resting;
+    s->asleep = w->asleep;
     return DRAPE_OK;
 }
 
@@ -55,4 +57,6 @@ void slice_restore(struct world *w)
     }
     memcpy(w->watch, s->watch, (size_t)w->def.n_cloths * sizeof *s->watch);
     w->past = s->past;
+    w->resting = s->resting;
+    w->asleep = s->asleep;
 }

@@ -40,7 +40,8 @@ struct start {
     vec *x, *v;           /* [nv] */
     vec *past_x, *past_v; /* [nc] or NULL */
     double (*watch)[2];   /* [n_cloths]; NULL: no step was cut yet */
-    int past;
+    int past, resting;
+    bool asleep;
 };
 
 struct world {
