@@ -72,6 +72,20 @@ static void put_number(FILE *out, const char *name, double value)
         fprintf(out, ", \"%s\": null", name);
 }
 
+/* What was done, and beside it what was not. */
+static void put_work(FILE *out, const drape_work *w, int64_t rounds)
+{
+    fprintf(out,
+            "\"work\": {\"tries\": %d, \"solves\": %d, \"queries\": %d, "
+            "\"narrow\": %d, \"narrow_skipped\": %lld, \"boxes\": %lld, "
+            "\"boxes_kept\": %lld, \"walked\": %lld, \"near\": %lld, "
+            "\"later\": %lld}",
+            w->tries, w->solves, w->queries, w->narrow,
+            (long long)(rounds - w->narrow), (long long)w->boxes,
+            (long long)w->boxes_kept, (long long)w->walked, (long long)w->near,
+            (long long)w->later);
+}
+
 static void put_step(FILE *out, const drape_step_report *s)
 {
     char words[128];
@@ -97,12 +111,28 @@ static void put_step(FILE *out, const drape_step_report *s)
     for (int k = 0; k < DRAPE_PART_COUNT; k++)
         fprintf(out, "%s\"%s\": %.6g", k ? ", " : "", part_names[k],
                 s->seconds[k]);
-    fputs("}}", out);
+    fputs("}, ", out);
+    put_work(out, &s->work, s->rounds);
+    fputs("}", out);
+}
+
+static void add_work(drape_work *all, const drape_work *one)
+{
+    all->tries += one->tries;
+    all->solves += one->solves;
+    all->queries += one->queries;
+    all->narrow += one->narrow;
+    all->boxes += one->boxes;
+    all->boxes_kept += one->boxes_kept;
+    all->walked += one->walked;
+    all->near += one->near;
+    all->later += one->later;
 }
 
 static void put_summary(FILE *out, const struct report *report)
 {
-    int64_t outcomes[OUTCOMES] = {0}, contacts = 0;
+    int64_t outcomes[OUTCOMES] = {0}, contacts = 0, detections = 0;
+    drape_work work = {0};
     int rounds = 0, iterations = 0;
     double seconds[DRAPE_PART_COUNT] = {0};
     for (int64_t k = 0; k < report->count; k++) {
@@ -111,6 +141,8 @@ static void put_summary(FILE *out, const struct report *report)
             outcomes[j] += s->outcome >> j & 1;
         for (int j = 0; j < DRAPE_PART_COUNT; j++)
             seconds[j] += s->seconds[j];
+        add_work(&work, &s->work);
+        detections += s->rounds;
         contacts = s->contacts > contacts ? s->contacts : contacts;
         rounds = s->rounds > rounds ? s->rounds : rounds;
         iterations = s->iterations > iterations ? s->iterations : iterations;
@@ -128,7 +160,9 @@ static void put_summary(FILE *out, const struct report *report)
     for (int j = 0; j < DRAPE_PART_COUNT; j++)
         fprintf(out, "%s\"%s\": %.6g", j ? ", " : "", part_names[j],
                 seconds[j]);
-    fputs("}},\n", out);
+    fputs("},\n    ", out);
+    put_work(out, &work, detections);
+    fputs("},\n", out);
 }
 
 /* What render needs to know of the frames' vertices. */

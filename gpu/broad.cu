@@ -133,6 +133,10 @@ static int refit(struct gpu *g, struct broad *b)
     fit.box = b->box;
     fit.stir = b->stir;
     int status = gpu_refit(g, &fit);
+    int64_t kept = b->started ? b->n_static : 0;
+    b->queries++;
+    b->refitted += b->tree.n - kept;
+    b->kept += kept;
     gpu_trace(g, b->trace, "refit", b->box, (size_t)b->tree.n * sizeof *b->box);
     b->started = b->started || status == DRAPE_OK;
     return status;
@@ -217,6 +221,7 @@ static int walk(struct gpu *g, struct broad *b)
         b->n_both = s.n_tri;
         b->visited = s.visited;
         if (status != DRAPE_EFULL) {
+            b->walked += s.visited;
             gpu_trace(g, b->trace, "walk", s.tri,
                       (size_t)s.n_tri * sizeof(struct duo));
             return status;
@@ -269,7 +274,7 @@ static int candidates(struct gpu *g, struct broad *b)
     s.own = b->tree.own;
     s.both = (const int32_t(*)[2])b->both.data;
     b->n = b->n_vf = 0;
-    if (status != DRAPE_OK)
+    if (status != DRAPE_OK || !b->n_both)
         return status;
     status = find(g, b, &s);
     b->n = s.n_pair;

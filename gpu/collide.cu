@@ -33,6 +33,7 @@ static void charge_contact(struct gpu_world *w, drape_step_report *r,
     r->seconds[DRAPE_PART_BROAD] += w->broad_seconds;
     r->seconds[DRAPE_PART_SOLVER] += w->couple.seconds;
     w->broad_seconds = w->couple.seconds = 0;
+    slice_count(&r->work, &w->broad);
 }
 
 /* Thread i owns vertex i: the square of its way, m²; a block its largest. */
@@ -62,10 +63,11 @@ int gpu_collide_far(struct gpu_world *w, drape_step_report *r, double *last,
         return gpu_status(w->gpu);
     int status = gpu_step_broad(w, NULL, &p);
     struct travel t = {h->nv, p.n, p.pair, p.kind, w->x0, w->x1, 0};
-    if (status == DRAPE_OK)
+    if (status == DRAPE_OK && p.n) {
         status = gpu_travel(w->gpu, &t);
-    if (h->tracing)
-        trace_stage(h->tracing, "travel", &t.most, sizeof t.most);
+        if (h->tracing)
+            trace_stage(h->tracing, "travel", &t.most, sizeof t.most);
+    }
     *again = slice_far(h, t.most);
     if (*again)
         slice_cut(h);
@@ -95,6 +97,9 @@ static void count_contacts(const struct response *c, drape_step_report *r)
     r->candidates = c->candidates;
     r->zone_vertices = c->zone_vertices;
     r->rolled_back = c->rolled_back;
+    r->work.near = c->near;
+    r->work.later = c->later;
+    r->work.narrow = c->narrow;
 }
 
 int gpu_collide(struct gpu_world *w, drape_step_report *r, double *last)
@@ -115,5 +120,6 @@ int gpu_collide(struct gpu_world *w, drape_step_report *r, double *last)
     charge_contact(w, r, DRAPE_PART_PENETRATION, last);
     count_contacts(c, r);
     r->iterations += w->couple.iterations;
+    r->work.solves += w->couple.solves;
     return status;
 }

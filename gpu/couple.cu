@@ -47,7 +47,7 @@ void gpu_couple_start(struct gpu_world *w)
     p->dt = w->response.dt;
     p->slip = R(0.01) * h->reach / p->dt;
     p->tau = (real)(past ? h->dt * 2 / 3 : h->dt);
-    w->couple.iterations = 0;
+    w->couple.iterations = w->couple.solves = 0;
     w->couple.seconds = 0;
     gpu_clear(w->gpu, w->couple.g, (size_t)h->nc * sizeof *w->couple.g);
 }
@@ -138,6 +138,7 @@ static int solve_sheet(struct gpu_world *w, struct gpu_sheet *s)
               (size_t)part.count * sizeof *p->dv);
     p->n_extra = p->energy = 0;
     w->couple.iterations += p->iterations;
+    w->couple.solves++;
     if (status != DRAPE_OK || p->outcome == PCG_BREAKDOWN)
         return status; /* the exact rounds go on without */
     LAUNCH(w->gpu, part.count, couple_move_kernel, part);

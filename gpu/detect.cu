@@ -20,6 +20,7 @@ static int find_times(struct gpu *g, struct response *s, const struct pairs *p)
     n.toi = (uint32_t *)s->toi.data;
     n.tier = (uint8_t *)s->tier.data;
     s->candidates += p->n;
+    s->narrow++;
     status = gpu_narrow(g, &n);
     gpu_trace(g, s->trace, "narrow", n.toi, (size_t)n.n * sizeof *n.toi);
     return status;
@@ -47,8 +48,11 @@ int gpu_response_detect(struct gpu *g, struct response *s,
     struct pairs p;
     struct impacts m = {};
     int status = s->broad(s->user, touched, &p);
-    if (status == DRAPE_OK)
-        status = find_times(g, s, &p);
+    s->hits = 0;
+    if (status != DRAPE_OK || !p.n)
+        return status;
+    s->later += touched ? p.n : 0;
+    status = find_times(g, s, &p);
     if (status != DRAPE_OK)
         return status;
     m.nv = s->nv;

@@ -32,6 +32,7 @@ static int move_sheet(struct gpu_world *w, int k, drape_step_report *r)
         return status;
     r->outcome |= d->outcome;
     r->iterations += d->iterations;
+    r->work.solves += h->plan.implicit;
     r->residual = d->residual > r->residual ? d->residual : r->residual;
     r->substeps = d->substeps > r->substeps ? d->substeps : r->substeps;
     return DRAPE_OK;

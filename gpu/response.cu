@@ -46,6 +46,7 @@ int gpu_response_start(struct gpu *g, struct response *s)
         return DRAPE_EARG;
     s->rounds = s->outcome = s->side = s->tangle_side = 0;
     s->contacts = s->impacts = s->candidates = 0;
+    s->near = s->later = s->narrow = 0;
     s->started = s->led = 0;
     s->zone_vertices = s->rolled_back = 0;
     s->hits = s->active = s->tangled = 0;
@@ -113,6 +114,9 @@ static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
 int gpu_response_repel(struct gpu *g, struct response *s,
                        const struct pairs *near)
 {
+    s->near = near->n;
+    if (!near->n)
+        return DRAPE_OK;
     struct proximity p = {};
     struct pool *out = &s->contact[s->side];
     p.nv = s->nv;

@@ -95,6 +95,7 @@ int broad_make(struct broad *b, const struct tree_scene *scene, bool self,
     if (status != DRAPE_OK)
         return status;
     int64_t n = b->tree.n, n_cloth = b->tree.n_cloth;
+    b->n_static = n - b->tree.range[TREE_STATIC * b->tree.levels];
     b->cones = self && n_cloth > 0;
     b->box = arena_take(arena, ARENA_TREE, n, sizeof *b->box);
     b->stir = arena_take(arena, ARENA_TREE, n, sizeof *b->stir);
@@ -124,6 +125,10 @@ int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
     b->r = r;
     b->moved = moved;
     int status = ref_refit(&fit);
+    int64_t kept = b->started ? b->n_static : 0;
+    b->queries++;
+    b->refitted += b->tree.n - kept;
+    b->kept += kept;
     trace_stage(b->trace, "refit", b->box, (size_t)b->tree.n * sizeof *b->box);
     b->started = b->started || status == DRAPE_OK;
     if (status != DRAPE_OK || !b->cones)
@@ -191,6 +196,7 @@ static int walk(struct broad *b)
         b->n_both = s.n_tri;
         b->visited = s.visited;
         if (status != DRAPE_EFULL) {
+            b->walked += s.visited;
             trace_stage(b->trace, "walk", s.tri,
                         (size_t)s.n_tri * 2 * sizeof(int32_t));
             return status;
@@ -219,8 +225,9 @@ int broad_candidates(struct broad *b)
                          .own = b->tree.own,
                          .both = b->both.data};
     b->n = b->n_vf = 0;
-    if (status == DRAPE_OK)
-        status = grow(b, &b->mask, ARENA_PAIRS, s.n, sizeof *s.mask);
+    if (status != DRAPE_OK || !b->n_both)
+        return status;
+    status = grow(b, &b->mask, ARENA_PAIRS, s.n, sizeof *s.mask);
     if (status == DRAPE_OK)
         status =
             grow(b, &b->sum, ARENA_PAIRS, 2 * bvtt_blocks(s.n), sizeof *s.sum);

@@ -24,10 +24,11 @@ struct broad {
     struct tree tree;
     struct tree_map map;
     int64_t nv;
-    int64_t stop;  /* deferral of the front, spec/22_front.md §5 */
-    bool cones;    /* false: spec/21_cones.md is left out */
-    bool started;  /* static meshes have their boxes */
-    int64_t roots; /* pairs of meshes that may touch */
+    int64_t stop;     /* deferral of the front, spec/22_front.md §5 */
+    bool cones;       /* false: spec/21_cones.md is left out */
+    bool started;     /* static meshes have their boxes */
+    int64_t n_static; /* nodes of static meshes */
+    int64_t roots;    /* pairs of meshes that may touch */
     int32_t (*root)[2];
     struct box *box;
     uint8_t *stir, *clear;
@@ -46,6 +47,11 @@ struct broad {
     int64_t n_both;                 /* triangle pairs */
     int64_t n, n_vf;                /* candidates; the first n_vf are VF */
     int64_t front_visited, visited; /* pairs of nodes looked into */
+
+    /* Of all queries since the caller took these: nodes refitted, nodes of
+     * static meshes that were not, pairs of nodes walked. */
+    int queries;
+    int64_t refitted, kept, walked;
 };
 
 /* The scene's streams stay the caller's: tri must live as long as b, x is not

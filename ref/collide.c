@@ -48,6 +48,7 @@ static void charge_contact(struct world *w, drape_step_report *r,
     r->seconds[DRAPE_PART_BROAD] += w->broad_seconds;
     r->seconds[DRAPE_PART_SOLVER] += w->couple.seconds;
     w->broad_seconds = w->couple.seconds = 0;
+    slice_count(&r->work, &w->broad);
 }
 
 /* The square of the longest way of the first n vertices, m². */
@@ -78,9 +79,10 @@ int collide_far(struct world *w, drape_step_report *r, double *last,
                        .kind = p.kind,
                        .x0 = w->x0,
                        .x1 = w->x1};
-    if (status == DRAPE_OK)
+    if (status == DRAPE_OK && p.n) {
         status = ref_travel(&t);
-    trace_stage(w->tracing, "travel", &t.most, sizeof t.most);
+        trace_stage(w->tracing, "travel", &t.most, sizeof t.most);
+    }
     *again = slice_far(w, t.most);
     if (*again)
         slice_cut(w);
@@ -109,6 +111,9 @@ static void count_contacts(const struct response *c, drape_step_report *r)
     r->candidates = c->candidates;
     r->zone_vertices = c->zone_vertices;
     r->rolled_back = c->rolled_back;
+    r->work.near = c->near;
+    r->work.later = c->later;
+    r->work.narrow = c->narrow;
 }
 
 int collide(struct world *w, drape_step_report *r, double *last)
@@ -129,5 +134,6 @@ int collide(struct world *w, drape_step_report *r, double *last)
     charge_contact(w, r, DRAPE_PART_PENETRATION, last);
     count_contacts(c, r);
     r->iterations += w->couple.iterations;
+    r->work.solves += w->couple.solves;
     return status;
 }

@@ -38,7 +38,7 @@ void couple_start(struct world *w)
     p->dt = w->response.dt;
     p->slip = R(0.01) * w->reach / p->dt;
     p->tau = (real)(past ? w->dt * 2 / 3 : w->dt);
-    c->iterations = 0;
+    c->iterations = c->solves = 0;
     c->seconds = 0;
     memset(c->g, 0, (size_t)w->nc * sizeof *c->g);
 }
@@ -84,6 +84,7 @@ static int solve_sheet(struct world *w, struct sheet *s)
     trace_stage(w->tracing, "pcg", dv, (size_t)s->cloth.count * sizeof *dv);
     p->n_extra = p->energy = 0;
     c->iterations += p->iterations;
+    c->solves++;
     if (status != DRAPE_OK || p->outcome == PCG_BREAKDOWN)
         return status; /* the exact rounds go on without */
     vec *u = w->response.u + s->first, *v = w->v1 + s->first;

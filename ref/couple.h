@@ -13,7 +13,7 @@ struct couple {
     vec *g;                 /* [nc] A times the change so far */
     vec *b, *dv;            /* [nc] */
     int64_t cap;            /* contacts that the scratch is for */
-    int iterations;         /* out: of pcg, this step */
+    int iterations, solves; /* out: of pcg, this step */
     double seconds;         /* out: this step */
 };
 

@@ -32,6 +32,7 @@ int ref_response_start(struct response *s)
         return DRAPE_EARG;
     s->rounds = s->outcome = s->side = s->tangle_side = 0;
     s->contacts = s->impacts = s->candidates = 0;
+    s->near = s->later = s->narrow = 0;
     s->started = s->led = 0;
     s->zone_vertices = s->rolled_back = 0;
     s->hits = s->active = s->tangled = 0;
@@ -92,6 +93,9 @@ static int solve_contacts(struct response *s, int64_t n, int warm)
 
 int ref_response_repel(struct response *s, const struct pairs *near)
 {
+    s->near = near->n;
+    if (!near->n)
+        return DRAPE_OK;
     struct proximity p = {.nv = s->nv,
                           .n = near->n,
                           .pair = near->pair,
@@ -145,6 +149,7 @@ static int find_times(struct response *s, const struct pairs *p)
     n.toi = s->toi.data;
     n.tier = s->tier.data;
     s->candidates += p->n;
+    s->narrow++;
     status = ref_narrow(&n);
     trace_stage(s->trace, "narrow", n.toi, (size_t)n.n * sizeof *n.toi);
     return status;
@@ -171,8 +176,11 @@ static int detect(struct response *s, const uint8_t *touched)
 {
     struct pairs p;
     int status = s->broad(s->user, touched, &p);
-    if (status == DRAPE_OK)
-        status = find_times(s, &p);
+    s->hits = 0;
+    if (status != DRAPE_OK || !p.n)
+        return status;
+    s->later += touched ? p.n : 0;
+    status = find_times(s, &p);
     if (status != DRAPE_OK)
         return status;
     struct impacts m = {.nv = s->nv,

@@ -65,6 +65,9 @@ struct response {
     int64_t contacts;   /* out: pairs in proximity */
     int64_t impacts;    /* out: pairs that touched, all rounds */
     int64_t candidates; /* out: given to the narrow phase, all rounds */
+    int64_t near;       /* out: given to proximity */
+    int64_t later;      /* out: of candidates, those of later rounds */
+    int narrow;         /* out: detections that had a candidate */
     int64_t zone_vertices, rolled_back; /* out: of the last zones; all */
     int64_t started, led; /* out: pairs that touch at the start, and pairs
                              without a free vertex that touch: left alone */

@@ -81,12 +81,37 @@ void slice_keep(struct world *w)
         s->level--;
 }
 
+void slice_count(drape_work *work, struct broad *b)
+{
+    work->queries += b->queries;
+    work->boxes += b->refitted;
+    work->boxes_kept += b->kept;
+    work->walked += b->walked;
+    b->queries = 0;
+    b->refitted = b->kept = b->walked = 0;
+}
+
+/* A step's part of work is the sum of its tries'. */
+static void add_work(drape_work *all, const drape_work *one)
+{
+    all->tries++;
+    all->solves += one->solves;
+    all->queries += one->queries;
+    all->narrow += one->narrow;
+    all->boxes += one->boxes;
+    all->boxes_kept += one->boxes_kept;
+    all->walked += one->walked;
+    all->near += one->near;
+    all->later += one->later;
+}
+
 void slice_report(drape_step_report *all, const drape_step_report *one,
                   bool kept)
 {
     all->iterations += one->iterations;
     all->rounds += one->rounds;
     all->candidates += one->candidates;
+    add_work(&all->work, &one->work);
     for (int k = 0; k < DRAPE_PART_COUNT; k++)
         all->seconds[k] += one->seconds[k];
     all->slices += kept;

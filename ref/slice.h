@@ -9,6 +9,7 @@
 #include "ref/real.h"
 #include "spec/drape.h"
 
+struct broad;
 struct world;
 
 /* The step that is under way. */
@@ -38,6 +39,8 @@ bool slice_wrong(struct world *w, int outcome, const double before[3],
                  const double after[3]);
 /* The slice is the state: on to the next. */
 void slice_keep(struct world *w);
+/* Moves what the queries did into a report's work. */
+void slice_count(drape_work *work, struct broad *b);
 /* Adds a slice's report to the step's; of one that is taken again, only what
  * it cost. */
 void slice_report(drape_step_report *all, const drape_step_report *one,

@@ -41,6 +41,7 @@ static int move_sheet(struct world *w, int k, drape_step_report *r)
         return status;
     r->outcome |= d->outcome;
     r->iterations += d->iterations;
+    r->work.solves += w->plan.implicit;
     r->residual = d->residual > r->residual ? d->residual : r->residual;
     r->substeps = d->substeps > r->substeps ? d->substeps : r->substeps;
     return DRAPE_OK;

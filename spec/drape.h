@@ -203,6 +203,22 @@ enum drape_part {
     DRAPE_PART_COUNT
 };
 
+/* What a step did of what it might have had to do: of all its slices, those
+ * that were taken again too. All 0 in a step asleep. Both backends count the
+ * same. spec/00_step.md §10 */
+typedef struct drape_work {
+    int tries;          /* slices begun; slices of the report were kept */
+    int solves;         /* linear systems, a cloth's own and with contacts */
+    int queries;        /* of the broad phase */
+    int narrow;         /* narrow phases; rounds without a candidate had none */
+    int64_t boxes;      /* of the tree, refitted by the queries */
+    int64_t boxes_kept; /* of obstacles that never move: not refitted */
+    int64_t walked;     /* pairs of boxes looked into */
+    int64_t near;       /* pairs given to proximity */
+    int64_t later;      /* of candidates, those of rounds after the first: of
+                           what had moved since */
+} drape_work;
+
 typedef struct drape_step_report {
     int64_t step;       /* steps done so far, this one included */
     double time;        /* s, at the end of the step */
@@ -219,6 +235,7 @@ typedef struct drape_step_report {
     int64_t zone_vertices, rolled_back; /* touched by the fail-safe */
     double kinetic, elastic, potential; /* J; potential: gravity, from 0 */
     double seconds[DRAPE_PART_COUNT];   /* wall time by part */
+    drape_work work;
 } drape_step_report;
 
 /* One row of the plan: a stage, whether it exists in this scene, and why. */

@@ -267,6 +267,7 @@
 #define test_world_resume REAL_NAME(test_world_resume)
 #define test_world_slices REAL_NAME(test_world_slices)
 #define test_world_threads REAL_NAME(test_world_threads)
+#define test_world_work REAL_NAME(test_world_work)
 #define test_zones_conserve REAL_NAME(test_zones_conserve)
 #define test_zones_follow REAL_NAME(test_zones_follow)
 #define tests_table REAL_NAME(tests_table)
