@@ -63,6 +63,43 @@ static __device__ inline struct big poly_discriminant(struct room *m,
     return big_det(m, c[1], c[1], big_times(m, c[2], 4), c[0]);
 }
 
+/* ---- Modulo the prime 2^32 - 5 ---- */
+
+enum { PRIME_GAP = 5 };
+
+static __device__ inline uint64_t big_rest(const struct room *m, struct big a)
+{
+    uint64_t r = 0, prime = ((uint64_t)1 << 32) - PRIME_GAP;
+    for (int i = big_words(a) - 1; i >= 0; i--) /* r stays below 2^36 */
+        r = ((r >> 32) * PRIME_GAP + (uint32_t)r) * PRIME_GAP +
+            m->word[a.at + i];
+    r %= prime;
+    return a.n < 0 && r ? prime - r : r;
+}
+
+/* a·d - b·c. */
+static __device__ inline uint64_t det_rest(uint64_t a, uint64_t b, uint64_t c,
+                                           uint64_t d)
+{
+    uint64_t prime = ((uint64_t)1 << 32) - PRIME_GAP;
+    return (a * d % prime + prime - b * c % prime) % prime;
+}
+
+/* True only where p and f, of degree at most 2, have no root in common: their
+ * resultant as quadratics is not 0, by its rest. */
+static __device__ __noinline__ bool
+poly_coprime(const struct room *m, const struct poly *p, const struct poly *f)
+{
+    uint64_t a[3] = {0, 0, 0}, b[3] = {0, 0, 0};
+    for (int i = 0; i <= p->degree; i++)
+        a[i] = big_rest(m, p->c[i]);
+    for (int i = 0; i <= f->degree; i++)
+        b[i] = big_rest(m, f->c[i]);
+    uint64_t x = det_rest(a[2], b[2], a[0], b[0]);
+    uint64_t y = det_rest(a[2], b[2], a[1], b[1]);
+    return det_rest(x, y, det_rest(a[1], b[1], a[0], b[0]), x) != 0;
+}
+
 /* ---- Rounded ---- */
 
 /* a·2^(-32 top), top not below its words, by its three highest words: what is

@@ -281,4 +281,17 @@ root_sign(struct room *m, const struct poly *f, const struct root *r)
     return sign;
 }
 
+/* True only where f, of degree at most 2, is not 0 at the root. */
+static __device__ inline bool root_avoids(struct room *m, const struct poly *f,
+                                          const struct root *r)
+{
+    if (poly_zero(f))
+        return false;
+    int sign =
+        r->on_grid ? sign_grid(m, f, NULL, r->cell) : sign_cell(m, f, r->cell);
+    if (sign == 2)
+        return r->chain->p.degree < 3 && poly_coprime(m, &r->chain->p, f);
+    return sign != 0;
+}
+
 #endif

@@ -7,6 +7,9 @@
 /* From as many words on two rows of a product at once are faster. */
 #define LONG 12
 
+/* Two words times two. */
+__extension__ typedef unsigned __int128 twice;
+
 /* Room for n words. Where there is none the room starts anew, so that all
  * accesses stay inside, and says that it is full. */
 static uint32_t *take_words(struct room *m, int n)
@@ -145,23 +148,33 @@ struct big big_sub(struct room *m, struct big a, struct big b)
     return big_add(m, a, big_negate(b));
 }
 
-/* d += (x0 + x1·2^32)·b, n words of b; d[n] and d[n + 1] are overwritten. */
-static void add_rows(uint32_t *d, uint64_t x0, uint64_t x1, const uint32_t *b,
-                     int n)
+static uint64_t pair_of(const uint32_t *d)
 {
-    uint64_t c0 = 0, c1 = 0, last = 0;
-    for (int j = 0; j < n; j++) {
-        uint64_t y = b[j];
-        c0 += x0 * y + d[j];
-        c1 += x1 * last + (uint32_t)c0;
-        d[j] = (uint32_t)c1;
-        c0 >>= 32;
-        c1 >>= 32;
-        last = y;
+    return d[0] | (uint64_t)d[1] << 32;
+}
+
+static void set_pair(uint32_t *d, uint64_t a)
+{
+    uint32_t w[2] = {(uint32_t)a, (uint32_t)(a >> 32)};
+    memcpy(d, w, sizeof w);
+}
+
+/* d += x·b, n words of b; d[n] and d[n + 1], 0 before, are set. */
+static void add_rows(uint32_t *d, uint64_t x, const uint32_t *b, int n)
+{
+    twice t = 0;
+    int j = 0;
+    for (; j + 1 < n; j += 2) {
+        t += (twice)x * pair_of(b + j) + pair_of(d + j);
+        set_pair(d + j, (uint64_t)t);
+        t >>= 64;
     }
-    c1 += x1 * last + c0;
-    d[n] = (uint32_t)c1;
-    d[n + 1] = (uint32_t)(c1 >> 32);
+    if (j < n) {
+        t += (twice)x * b[j] + d[j];
+        d[j++] = (uint32_t)t;
+        t >>= 32;
+    }
+    set_pair(d + j, (uint64_t)t);
 }
 
 /* The first word of b, not 0, from j on; numbers of mixed sizes are mostly
@@ -180,9 +193,9 @@ struct big big_mul_from(struct room *m, struct big a, struct big b, int from)
     memset(d, 0, (size_t)n * sizeof *d);
     for (int i = skip_zeros(a, 0); i < a.n; i = skip_zeros(a, i + 2)) {
         int j = from - i > low ? from - i : low;
-        uint32_t next = i + 1 < a.n ? a.d[i + 1] : 0;
+        uint64_t x = i + 1 < a.n ? pair_of(a.d + i) : a.d[i];
         if (j < b.n)
-            add_rows(d + i + j - from, a.d[i], next, b.d + j, b.n - j);
+            add_rows(d + i + j - from, x, b.d + j, b.n - j);
     }
     return trim(m, d, n, a.sign * b.sign);
 }

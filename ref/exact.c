@@ -3,130 +3,9 @@
 #include "ref/exact.h"
 
 #include "ref/roots.h"
+#include "ref/whole.h"
 
 #include <stddef.h>
-
-/* A vector linear in t: whole numbers at t = 0 and 1. */
-struct line {
-    struct big at[2][3];
-};
-
-/* The polynomials of §2. */
-struct system {
-    int count;             /* of forms and box forms */
-    struct poly v;         /* V */
-    struct poly q[4][3];   /* forms, by axis */
-    struct poly box[4][3]; /* box forms, by axis */
-};
-
-/* The lowest exponent of a bit of all positions. */
-static int common_exponent(double x[2][4][3])
-{
-    int least = 2000;
-    for (int i = 0; i < 24; i++) {
-        double a = x[i / 12][i / 3 % 4][i % 3];
-        if (a != 0 && big_exponent(a) < least)
-            least = big_exponent(a);
-    }
-    return least;
-}
-
-/* Vertex a minus vertex b. */
-static struct line edge(struct room *m, struct line p[4], int a, int b)
-{
-    struct line r;
-    for (int i = 0; i < 6; i++)
-        r.at[i / 3][i % 3] =
-            big_sub(m, p[a].at[i / 3][i % 3], p[b].at[i / 3][i % 3]);
-    return r;
-}
-
-/* Axis k of f × g. */
-static struct poly cross(struct room *m, const struct line *f,
-                         const struct line *g, int k)
-{
-    struct poly p = {2, {{NULL, 0, 0}}};
-    int i = k == 2 ? 0 : k + 1, j = 3 - k - i;
-    for (int n = 0; n <= 2; n++) {
-        int mark = m->used;
-        for (int s = n > 1; s <= (n > 0); s++)
-            p.c[n] = big_add(m, p.c[n],
-                             big_det(m, f->at[s][i], g->at[n - s][j],
-                                     f->at[s][j], g->at[n - s][i]));
-        p.c[n] = big_keep(m, mark, p.c[n]);
-    }
-    return p;
-}
-
-/* a - b, of one degree. */
-static struct poly minus(struct room *m, const struct poly *a,
-                         const struct poly *b)
-{
-    struct poly p = {a->degree, {{NULL, 0, 0}}};
-    for (int i = 0; i <= a->degree; i++)
-        p.c[i] = big_sub(m, a->c[i], b->c[i]);
-    return p;
-}
-
-/* f · w. */
-static struct poly dot(struct room *m, const struct line *f,
-                       const struct poly w[3])
-{
-    struct poly p = {3, {{NULL, 0, 0}}};
-    for (int n = 0; n <= 3; n++) {
-        int mark = m->used;
-        for (int s = n > 2; s <= (n > 0); s++)
-            for (int k = 0; k < 3; k++)
-                p.c[n] =
-                    big_add(m, p.c[n], big_mul(m, f->at[s][k], w[k].c[n - s]));
-        p.c[n] = big_keep(m, mark, p.c[n]);
-    }
-    return p;
-}
-
-static void set_box(struct system *s, int j, const struct line *f)
-{
-    for (int k = 0; k < 3; k++) {
-        struct poly p = {1, {f->at[0][k], f->at[1][k]}};
-        s->box[j][k] = p;
-    }
-}
-
-static void make_vf(struct room *m, struct line p[4], struct system *s)
-{
-    struct line f[3];
-    s->count = 3;
-    for (int j = 0; j < 3; j++) {
-        f[j] = edge(m, p, j + 1, 0);
-        set_box(s, j, &f[j]);
-    }
-    for (int k = 0; k < 3; k++) {
-        for (int j = 0; j < 3; j++)
-            s->q[j][k] = cross(m, &f[(j + 1) % 3], &f[(j + 2) % 3], k);
-    }
-    struct poly w[3] = {s->q[0][0], s->q[0][1], s->q[0][2]};
-    s->v = dot(m, &f[0], w);
-}
-
-static void make_ee(struct room *m, struct line p[4], struct system *s)
-{
-    struct poly n[3];
-    static const int ends[4][2] = {{2, 0}, {3, 0}, {2, 1}, {3, 1}};
-    struct line f[3] = {edge(m, p, 2, 0), edge(m, p, 1, 0), edge(m, p, 3, 2)};
-    s->count = 4;
-    for (int j = 0; j < 4; j++) {
-        struct line e = edge(m, p, ends[j][0], ends[j][1]);
-        set_box(s, j, &e);
-    }
-    for (int k = 0; k < 3; k++) {
-        n[k] = cross(m, &f[1], &f[2], k);
-        s->q[0][k] = cross(m, &f[0], &f[2], k);
-        s->q[1][k] = minus(m, &n[k], &s->q[0][k]);
-        s->q[2][k] = cross(m, &f[0], &f[1], k);
-        s->q[3][k] = minus(m, &n[k], &s->q[2][k]);
-    }
-    s->v = dot(m, &f[0], n);
-}
 
 /* All on one line or a point: whether the boxes meet (§3). */
 static bool boxes_meet(struct room *m, const struct system *s,
@@ -173,6 +52,22 @@ static bool touching(struct room *m, const struct system *s,
     return touch == ROOT_UNKNOWN ? boxes_meet(m, s, r) : touch;
 }
 
+/* The same at a root of form j on axis k, where N_k is not 0: the lines meet
+ * at the primitive that the form is of (§6.5). */
+static bool touching_form(struct room *m, const struct system *s,
+                          const struct root *r, int j)
+{
+    static const int of[2][4][2] = {{{1, 2}, {2, 0}, {0, 1}, {0, 0}},
+                                    {{0, 1}, {2, 3}, {0, 2}, {1, 3}}};
+    const int *b = of[s->count == 4][j];
+    for (int k = 0; k < 3; k++) {
+        int sign = root_sign(m, &s->box[b[0]][k], r);
+        if (sign && sign == root_sign(m, &s->box[b[1]][k], r))
+            return false;
+    }
+    return true;
+}
+
 /* Whether they touch at t = 0 (cell 0) or t = 1 (cell ROOT_ONE). */
 static bool touching_end(struct room *m, const struct system *s, uint32_t cell)
 {
@@ -180,23 +75,92 @@ static bool touching_end(struct room *m, const struct system *s, uint32_t cell)
     return s->v.c[cell ? 3 : 0].sign == 0 && touching(m, s, &r);
 }
 
-/* The lesser of toi and the first root of p with contact. */
+/* Polynomials at whose roots a contact may begin. */
+struct list {
+    int n;
+    const struct poly *p[12];
+    int axis; /* of forms: p[j] is form j; else -1 */
+};
+
+/* Whether one of the first n polynomials, not always zero, is zero at r. */
+static bool tried(struct room *m, const struct list *l, int n,
+                  const struct root *r)
+{
+    for (int k = 0; k < n; k++)
+        if (!poly_zero(l->p[k]) && !root_avoids(m, l->p[k], r) &&
+            root_sign(m, l->p[k], r) == 0)
+            return true;
+    return false;
+}
+
+/* Whether they touch at root r of polynomial k, unless that has been tried. */
+static bool begins(struct room *m, const struct system *s, const struct list *l,
+                   int k, const struct root *r)
+{
+    if (l->axis >= 0 && root_avoids(m, &s->n[l->axis], r))
+        return touching_form(m, s, r, k);
+    return !tried(m, l, k, r) && touching(m, s, r);
+}
+
+/* The lesser of toi and the first root with contact of polynomial k, where
+ * those before have been tried. */
 static uint32_t first(struct room *m, const struct system *s,
-                      const struct poly *p, uint32_t toi)
+                      const struct list *l, int k, uint32_t toi)
 {
     struct chain c[2];
-    struct root r = {.of = p};
-    int mark = m->used, chains = chains_make(m, p, c);
+    struct root r = {.of = l->p[k]};
+    int mark = m->used, chains = chains_make(m, l->p[k], c);
     for (int i = 0; i < chains; i++)
         for (int j = 1; j <= c[i].roots; j++) {
             root_locate(m, &c[i], j, &r);
             if (r.cell >= toi)
                 break;
-            if (touching(m, s, &r))
+            if (begins(m, s, l, k, &r))
                 toi = r.cell;
         }
     m->used = mark;
     return toi;
+}
+
+/* The words of all forms of axis k. */
+static int words_of(const struct system *s, int k)
+{
+    int words = 0;
+    for (int j = 0; j < s->count; j++)
+        for (int i = 0; i <= s->q[j][k].degree; i++)
+            words += s->q[j][k].c[i].n;
+    return words;
+}
+
+/* The axis whose forms have the fewest words but not all none; -1: all forms
+ * of all axes are always zero. */
+static int short_axis(const struct system *s)
+{
+    int axis = -1, least = INT32_MAX;
+    for (int k = 0; k < 3; k++) {
+        int words = words_of(s, k);
+        if (words && words < least) {
+            least = words;
+            axis = k;
+        }
+    }
+    return axis;
+}
+
+/* The polynomials to try (§6.5). */
+static struct list to_try(const struct system *s)
+{
+    struct list l = {1, {&s->v}, -1};
+    if (!poly_zero(&s->v))
+        return l;
+    int axis = short_axis(s);
+    l.axis = axis;
+    l.n = 0;
+    for (int j = 0; j < s->count; j++)
+        for (int k = 0; k < 3; k++)
+            if (axis < 0 || k == axis)
+                l.p[l.n++] = axis < 0 ? &s->box[j][k] : &s->q[j][k];
+    return l;
 }
 
 static uint32_t solve(struct room *m, const struct system *s)
@@ -206,13 +170,9 @@ static uint32_t solve(struct room *m, const struct system *s)
         return 0;
     if (touching_end(m, s, ROOT_ONE))
         toi = ROOT_ONE;
-    if (!poly_zero(&s->v))
-        return first(m, s, &s->v, toi);
-    for (int j = 0; j < s->count; j++)
-        for (int k = 0; k < 3; k++) {
-            toi = first(m, s, &s->box[j][k], toi);
-            toi = first(m, s, &s->q[j][k], toi);
-        }
+    struct list l = to_try(s);
+    for (int k = 0; k < l.n; k++)
+        toi = first(m, s, &l, k, toi);
     return toi;
 }
 
@@ -220,16 +180,8 @@ int exact_first(double x[2][4][3], int kind, uint32_t *word, int n,
                 uint32_t *toi)
 {
     struct room m = {word, n, 0, 0, false, 0};
-    struct line p[4];
     struct system s;
-    int e = common_exponent(x);
-    for (int j = 0; j < 4; j++)
-        for (int i = 0; i < 6; i++)
-            p[j].at[i / 3][i % 3] = big_make(&m, x[i / 3][j][i % 3], e);
-    if (kind)
-        make_ee(&m, p, &s);
-    else
-        make_vf(&m, p, &s);
+    system_make(&m, x, kind, &s);
     *toi = solve(&m, &s);
     return m.full ? -1 : m.most;
 }

@@ -3,6 +3,15 @@
  * spec/30_narrow.md §6.6. */
 #include "ref/near.h"
 
+uint32_t near_rest(struct big a)
+{
+    uint64_t r = 0;
+    for (int i = a.n; i-- > 0;) /* 2^32 leaves 5; r stays below 2^36 */
+        r = ((r >> 32) * 5 + (uint32_t)r) * 5 + a.d[i];
+    r %= NEAR_PRIME;
+    return (uint32_t)(a.sign < 0 && r ? NEAR_PRIME - r : r);
+}
+
 /* Without its lowest k words: less than one unit of those left. */
 static struct near drop(struct near a, int k)
 {
@@ -22,8 +31,13 @@ static struct near drop(struct near a, int k)
 
 struct near near_of(const struct room *m, struct big a)
 {
-    struct near r = {a, 0, 0};
+    struct near r = {a, 0, 0, m->keep < NEAR_REST ? 0 : near_rest(a)};
     return drop(r, a.n - m->keep);
+}
+
+struct near near_few(struct near a)
+{
+    return drop(a, a.m.n - NEAR_FEW);
 }
 
 /* In units of 2^(32 low): words dropped, or, of an exact number, zeros added
@@ -57,13 +71,16 @@ struct near near_add(struct room *m, struct near a, struct near b)
     low = larger(low, b.err ? b.low : low);
     a = align(m, a, low);
     b = align(m, b, low);
-    struct near r = {big_add(m, a.m, b.m), low, a.err + b.err};
+    uint64_t rest = (uint64_t)a.rest + b.rest;
+    struct near r = {big_add(m, a.m, b.m), low, a.err + b.err,
+                     (uint32_t)(rest % NEAR_PRIME)};
     return r;
 }
 
 struct near near_negate(struct near a)
 {
     a.m = big_negate(a.m);
+    a.rest = a.rest ? NEAR_PRIME - a.rest : 0;
     return a;
 }
 
@@ -74,9 +91,10 @@ struct near near_sub(struct room *m, struct near a, struct near b)
 
 struct near near_mul(struct room *m, struct near a, struct near b)
 {
+    uint32_t rest = (uint32_t)((uint64_t)a.rest * b.rest % NEAR_PRIME);
     int k = a.m.n + b.m.n - 1 - m->keep;
     if (k <= 0 && a.err == 0 && b.err == 0) {
-        struct near exact = {big_mul(m, a.m, b.m), a.low + b.low, 0};
+        struct near exact = {big_mul(m, a.m, b.m), a.low + b.low, 0, rest};
         return exact;
     }
     /* a.err |b| + b.err |a| + a.err b.err, of which dropping as many words as
@@ -85,7 +103,8 @@ struct near near_mul(struct room *m, struct near a, struct near b)
     k = larger(k, 1);
     /* parts more than two words below those kept are less than a unit */
     int from = larger(k - 3, 0);
-    struct near r = {big_mul_from(m, a.m, b.m, from), a.low + b.low + from, 0};
+    struct near r = {big_mul_from(m, a.m, b.m, from), a.low + b.low + from, 0,
+                     rest};
     r = drop(r, k - from);
     r.err = a.err + b.err + 3;
     return r;
@@ -93,7 +112,7 @@ struct near near_mul(struct room *m, struct near a, struct near b)
 
 struct near near_times(struct room *m, struct near a, uint32_t k)
 {
-    struct near b = {{&k, k != 0, k != 0}, 0, 0};
+    struct near b = {{&k, k != 0, k != 0}, 0, 0, k};
     return near_mul(m, b, a);
 }
 
@@ -102,4 +121,12 @@ int near_sign(struct near a)
     if (a.err == 0 || a.m.n > 1 || (a.m.n == 1 && a.m.d[0] > a.err))
         return a.m.sign;
     return NEAR_UNKNOWN;
+}
+
+int near_tell(struct room *m, struct near a)
+{
+    int sign = near_sign(a);
+    if (sign == NEAR_UNKNOWN && a.rest == 0 && m->keep >= NEAR_REST)
+        m->keep = INT32_MAX / 4;
+    return sign;
 }

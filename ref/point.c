@@ -14,6 +14,24 @@ bool poly_zero(const struct poly *p)
     return true;
 }
 
+/* a·d - b·c modulo the prime. */
+static uint64_t det_rest(uint64_t a, uint64_t b, uint64_t c, uint64_t d)
+{
+    return (a * d % NEAR_PRIME + NEAR_PRIME - b * c % NEAR_PRIME) % NEAR_PRIME;
+}
+
+bool poly_coprime(const struct poly *p, const struct poly *f)
+{
+    uint32_t a[3] = {0}, b[3] = {0};
+    for (int i = 0; i <= p->degree; i++)
+        a[i] = near_rest(p->c[i]);
+    for (int i = 0; i <= f->degree; i++)
+        b[i] = near_rest(f->c[i]);
+    uint64_t x = det_rest(a[2], b[2], a[0], b[0]);
+    uint64_t y = det_rest(a[2], b[2], a[1], b[1]);
+    return det_rest(x, y, det_rest(a[1], b[1], a[0], b[0]), x) != 0;
+}
+
 /* ---- With as many words as m->keep says ---- */
 
 /* The sign of Σ c[i]·a^i·b^(n-i) with 2^(32 k) in a. */
@@ -30,7 +48,7 @@ static int sign_fraction(struct room *m, const struct poly *f,
         if (i > 0)
             power = near_mul(m, power, b);
     }
-    return near_sign(r);
+    return near_tell(m, r);
 }
 
 /* a·b - c·d, times a sign. */
@@ -43,53 +61,78 @@ static struct near det(struct room *m, int sign, const struct near v[4])
     return r;
 }
 
-/* f modulo the quadratic a τ² + b τ + c times a positive number:
- * l[1]·τ + l[0]. */
-static void reduce(struct room *m, const struct poly *f, const struct near q[3],
-                   struct near l[2])
+/* f modulo the quadratic a τ² + b τ + c times a positive number, of degree 2 at
+ * most: g. */
+static void lower(struct room *m, const struct poly *f, const struct near q[3],
+                  struct near g[3])
 {
-    struct near c = q[0], b = q[1], a = q[2], g[4];
+    struct near c = q[0], b = q[1], a = q[2];
     int s = a.m.sign;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 3; i++) {
         struct big zero = {0};
         g[i] = near_of(m, i <= f->degree ? f->c[i] : zero);
     }
-    if (f->degree == 3 && f->c[3].sign) {
-        g[2] = det(m, s, (struct near[4]){g[2], a, g[3], b});
-        g[1] = det(m, s, (struct near[4]){g[1], a, g[3], c});
-        g[0] = near_mul(m, g[0], a);
-        g[0] = s < 0 ? near_negate(g[0]) : g[0];
-    }
+    if (f->degree < 3 || f->c[3].sign == 0)
+        return;
+    struct near lead = near_of(m, f->c[3]);
+    g[2] = det(m, s, (struct near[4]){g[2], a, lead, b});
+    g[1] = det(m, s, (struct near[4]){g[1], a, lead, c});
+    g[0] = near_mul(m, g[0], a);
+    g[0] = s < 0 ? near_negate(g[0]) : g[0];
+}
+
+/* g modulo the quadratic q times a positive number is l[1]·τ + l[0]; returns
+ * the sign of their resultant: minus where -l[0]/l[1] lies between q's roots.
+ */
+static int reduce(struct room *m, const struct near g[3],
+                  const struct near q[3], struct near l[2])
+{
+    struct near c = q[0], b = q[1], a = q[2], r;
+    int s = a.m.sign;
+    struct near x = det(m, 1, (struct near[4]){b, g[0], c, g[1]});
+    bool linear = near_sign(g[2]) == 0;
     l[0] = g[0];
     l[1] = g[1];
-    if (near_sign(g[2]) == 0)
-        return;
-    l[1] = det(m, s, (struct near[4]){g[1], a, g[2], b});
-    l[0] = det(m, s, (struct near[4]){g[0], a, g[2], c});
+    if (!linear) {
+        l[1] = det(m, s, (struct near[4]){g[1], a, g[2], b});
+        l[0] = det(m, s, (struct near[4]){g[0], a, g[2], c});
+        x = s < 0 ? near_negate(x) : x;
+    }
+    r = linear ? near_mul(m, a, l[0]) : l[0];
+    r = det(m, linear ? s : 1, (struct near[4]){r, l[0], x, l[1]});
+    return near_tell(m, r);
+}
+
+/* The sign of b l1 - 2 a l0 of the quadratic a τ² + b τ + c. */
+static int slope(struct room *m, const struct near q[3], const struct near l[2])
+{
+    struct near b = near_few(q[1]), a = near_few(q[2]);
+    struct near two = near_times(m, l[0], 2);
+    int sign = near_sign(
+        det(m, 1, (struct near[4]){b, near_few(l[1]), a, near_few(two)}));
+    if (sign != NEAR_UNKNOWN)
+        return sign;
+    return near_tell(m, det(m, 1, (struct near[4]){q[1], l[1], q[2], two}));
 }
 
 /* The signs of f at the roots of the quadratic, which has two (§6.3). */
 static void sign_surd(struct room *m, const struct poly *f,
                       const struct poly *of, int out[2])
 {
-    struct near l[2], q[3];
+    struct near l[2], q[3], g[3];
     for (int i = 0; i < 3; i++)
         q[i] = near_of(m, of->c[i]);
-    reduce(m, f, q, l);
-    int sign = near_sign(l[1]), lead = of->c[2].sign;
+    lower(m, f, q, g);
+    int z = reduce(m, g, q, l), sign = near_tell(m, l[1]), w = 0;
+    int lead = of->c[2].sign;
     out[0] = out[1] = sign ? sign : near_sign(l[0]);
     if (sign == 0 || sign == NEAR_UNKNOWN)
         return;
-    /* u = -l0/l1 against the roots: z = sign q(u), w = sign q'(u) */
-    struct near s = det(m, 1, (struct near[4]){q[2], l[0], q[1], l[1]});
-    struct near t = near_mul(m, q[0], l[1]);
-    s = near_add(m, near_mul(m, s, l[0]), near_mul(m, t, l[1]));
-    struct near two = near_times(m, near_mul(m, q[2], l[0]), 2);
-    struct near d = near_sub(m, near_mul(m, q[1], l[1]), two);
-    int z = near_sign(s), w = near_sign(d);
+    if (z == 0 || z == 1) /* where -l0/l1 stands to both roots' middle */
+        w = slope(m, q, l);
     for (int which = 0; which < 2; which++) {
-        int past; /* sign of root - u */
-        if (z * lead < 0)
+        int past; /* sign of root + l0/l1 */
+        if (z < 0)
             past = which ? 1 : -1;
         else if (z == 0)
             past = w * lead * sign < 0 ? which : which - 1;
@@ -124,7 +167,7 @@ int poly_discriminant(struct room *m, const struct big c[3])
     for (m->keep = NEAR_FEW; sign == NEAR_UNKNOWN; m->keep *= 2) {
         struct near a = near_times(m, near_of(m, c[2]), 4);
         struct near b = near_of(m, c[1]), d = near_of(m, c[0]);
-        sign = near_sign(det(m, 1, (struct near[4]){b, b, a, d}));
+        sign = near_tell(m, det(m, 1, (struct near[4]){b, b, a, d}));
         m->used = mark;
     }
     return sign;

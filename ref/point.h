@@ -25,6 +25,9 @@ struct point {
 
 /* Whether all coefficients are zero. */
 bool poly_zero(const struct poly *p);
+/* True only where p and f, of degree at most 2, have no root in common: their
+ * resultant as quadratics is not 0, by its rest modulo a prime. */
+bool poly_coprime(const struct poly *p, const struct poly *f);
 /* The time g·2^-30, g ≤ 2^30. */
 struct point point_grid(struct room *m, uint32_t g);
 /* τ = 2^e. */

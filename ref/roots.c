@@ -116,12 +116,6 @@ int chains_make(struct room *m, const struct poly *p, struct chain c[2])
     return 1;
 }
 
-/* How many roots lie in (0, point], and whether the point is one. */
-struct stand {
-    int count;
-    bool zero;
-};
-
 static void stand_of(struct room *m, const struct chain *c,
                      const struct point *p, struct stand s[2])
 {
@@ -167,7 +161,7 @@ static int octave_of(struct room *m, const struct chain *c, int i,
     return lo;
 }
 
-void root_locate(struct room *m, const struct chain *c, int i, struct root *r)
+void root_locate(struct room *m, struct chain *c, int i, struct root *r)
 {
     uint32_t lo = 0, hi = ROOT_ONE; /* the root lies in (lo, hi] */
     r->chain = c;
@@ -191,60 +185,67 @@ void root_locate(struct room *m, const struct chain *c, int i, struct root *r)
     r->octave = !r->on_grid && at_end(lo) ? octave_of(m, c, i, lo) : 0;
 }
 
-/* Where the point stands to root r: 1 before, 0 at, -1 after it. */
-static void before(struct room *m, const struct point *p, const struct root *r,
-                   int order[2])
+/* Where the roots of f stand to those of the chain (§6.4). */
+static void make_turns(struct room *m, const struct poly *f,
+                       const struct chain *c, struct turns *t)
 {
-    struct stand s[2];
-    stand_of(m, r->chain, p, s);
-    for (int k = 0; k < (p->q ? 2 : 1); k++)
-        order[k] = s[k].count < r->i                 ? 1
-                   : s[k].zero && s[k].count == r->i ? 0
-                                                     : -1;
+    struct poly q = trimmed(f);
+    struct turns r = {.of = f, .sign = q.c[0].sign};
+    struct point p = {&q, {0}, {0}, 0};
+    int roots = q.degree == 2 ? poly_discriminant(m, q.c) : 0;
+    *t = r;
+    if (roots < 0)
+        return;
+    if (roots > 0) { /* of both signs, or of the sign of -c1/c2 */
+        bool mixed = q.c[0].sign * q.c[2].sign < 0;
+        t->n = mixed ? 1 : q.c[1].sign * q.c[2].sign < 0 ? 2 : 0;
+        if (t->n)
+            stand_of(m, c, &p, t->s);
+        if (t->n == 1)
+            t->s[0] = t->s[1];
+        return;
+    }
+    /* one rational root -c0/c1, simple or double */
+    t->twice = q.degree == 2;
+    if (t->twice)
+        q = linear(big_times(m, q.c[2], 2), q.c[1]);
+    if (q.degree == 0 || q.c[0].sign * q.c[1].sign >= 0)
+        return;
+    bool up = q.c[1].sign > 0;
+    p = (struct point){NULL, up ? big_negate(q.c[0]) : q.c[0],
+                       up ? q.c[1] : big_negate(q.c[1]), 0};
+    stand_of(m, c, &p, t->s);
+    t->n = 1;
 }
 
-/* The sign at root r of a quadratic with two roots. */
-static int sign_surds(struct room *m, const struct poly *q,
-                      const struct root *r)
+/* The same, made once. */
+static const struct turns *turns_of(struct room *m, const struct poly *f,
+                                    struct chain *c)
 {
-    struct poly tau = linear(big_small(m, 1), (struct big){0});
-    struct point p = {q, {0}, {0}, 0};
-    int sign = q->c[0].sign, right[2], order[2];
-    point_sign(m, &tau, &p, right);
-    if (right[1] < 0)
-        return sign;
-    before(m, &p, r, order);
-    for (int k = 0; k < 2; k++)
-        if (right[k] >= 0)
-            sign *= -order[k];
-    return sign;
+    int most = (int)(sizeof c->turns / sizeof *c->turns);
+    for (int k = 0; k < c->seen; k++)
+        if (c->turns[k].of == f)
+            return &c->turns[k];
+    struct turns *t = &c->turns[c->seen < most ? c->seen++ : most - 1];
+    make_turns(m, f, c, t);
+    return t;
 }
 
-/* The sign of f at a root that is not on the grid, by where f's own roots
- * stand to it (§6.4). */
+/* The sign of f at a root that is not on the grid: f's at 0+, turned by each
+ * root of f before it. */
 static int sign_ordered(struct room *m, const struct poly *f,
                         const struct root *r)
 {
-    struct poly q = trimmed(f);
-    int sign = q.c[0].sign, n = q.degree, order[2];
-    if (n == 0)
-        return sign;
-    if (n == 2) {
-        int roots = poly_discriminant(m, q.c);
-        if (roots)
-            return roots < 0 ? sign : sign_surds(m, &q, r);
+    const struct turns *t = turns_of(m, f, r->chain);
+    int sign = t->sign;
+    for (int k = 0; k < t->n; k++) {
+        int count = t->s[k].count;
+        if (count == r->i && t->s[k].zero)
+            return 0;
+        if (count < r->i && !t->twice)
+            sign = -sign;
     }
-    /* one rational root -c0/c1, simple or double */
-    struct poly l = n == 1 ? q : linear(big_times(m, q.c[2], 2), q.c[1]);
-    if (l.c[0].sign * l.c[1].sign >= 0)
-        return sign;
-    struct point p = {NULL, l.c[0], l.c[1], 0};
-    if (p.b.sign > 0)
-        p.a = big_negate(p.a);
-    else
-        p.b = big_negate(p.b);
-    before(m, &p, r, order);
-    return *order > 0 && n == 1 ? -sign : *order ? sign : 0;
+    return sign;
 }
 
 int root_quick(struct room *m, const struct poly *f, const struct root *r)
@@ -261,6 +262,14 @@ int root_quick(struct room *m, const struct poly *f, const struct root *r)
     point_sign(m, f, &p, sign);
     m->used = mark;
     return sign[0];
+}
+
+bool root_avoids(struct room *m, const struct poly *f, const struct root *r)
+{
+    int sign = root_quick(m, f, r);
+    if (sign == ROOT_UNKNOWN)
+        return r->chain->p.degree < 3 && poly_coprime(&r->chain->p, f);
+    return sign != 0;
 }
 
 int root_sign(struct room *m, const struct poly *f, const struct root *r)

@@ -5,6 +5,7 @@
 
 #include <stdlib.h>
 
+#include "oracle/oracle.h"
 #include "ref/exact.h"
 #include "tests/query.h"
 
@@ -184,4 +185,54 @@ const char *test_narrow_range(void)
     }
     choices_free(&b);
     return failed;
+}
+
+/* Numbers of any size, some the same, of vertices in a plane z = 0, x or y, or
+ * of two vertices that are one. */
+static struct query pick_flat(struct bytes *b, int kind)
+{
+    struct query q = {.kind = kind};
+    int top = REAL_BITS == 32 ? 127 : 1023, low = REAL_BITS == 32 ? 149 : 1074;
+    uint32_t plane = pick(b, 4), j = pick(b, 4), other = pick(b, 4);
+    for (int i = 0; i < 24; i++) {
+        int e = (int)pick(b, (uint32_t)(top + low)) - low;
+        real a = power(e) * (1 + pick_uniform(b, 0, 1));
+        if (i && pick(b, 3) == 0)
+            a = *query_at(&q, (int)pick(b, (uint32_t)i));
+        *query_at(&q, i) = pick(b, 2) ? a : -a;
+    }
+    for (int i = 0; i < 8; i++) {
+        vec *x = &q.x[i / 4][i % 4];
+        x->z = plane == 0 ? 0 : plane == 1 ? x->x : plane == 2 ? x->y : x->z;
+        if (plane == 3 && i % 4 == (int)j)
+            *x = q.x[i / 4][other];
+    }
+    return q;
+}
+
+/* §6.5: what is always in one plane, at any exponents: GMP's answers. */
+const char *test_narrow_flat(void)
+{
+    struct bytes b = {.seed = 65, .size = -1};
+    const char *failed = NULL;
+    int touching = 0, n = getenv("DRAPE_SOAK") ? 4000 : 80;
+    if (!orc_present())
+        return skip("the oracles' libraries are not installed");
+    for (int k = 0; k < n && !failed; k++) {
+        struct query q = pick_flat(&b, k & 1);
+        double x[2][4][3];
+        uint32_t toi = query_toi(&q), truth;
+        query_double(&q, x);
+        orc_ccd_gmp(q.kind, (const double(*)[3])x[0], (const double(*)[3])x[1],
+                    &truth);
+        if (toi == NARROW_MISS ? truth != ORC_NEVER : toi != truth)
+            failed = "an answer is not the oracle's";
+        failed = failed ? failed : query_symmetry(&q, toi);
+        touching += toi != NARROW_MISS && toi != 0;
+        ran(1);
+    }
+    choices_free(&b);
+    EXPECT(!failed);
+    EXPECT(touching > n / 20);
+    return NULL;
 }
