@@ -8,13 +8,13 @@
 struct header {
     char magic[8]; /* "drape" and the format's number */
     uint32_t bits, resting;
-    uint64_t fingerprint, check; /* check: of all bytes of the state */
+    uint64_t fingerprint, check; /* check: of all bytes but its own */
     int64_t step, vertices;
     double time;
     uint32_t asleep, past;
     drape_wind wind;
 };
-static const char magic[8] = "drape-1";
+static const char magic[8] = "drape-2";
 
 static uint64_t mix_if(uint64_t hash, const void *data, size_t bytes)
 {
@@ -99,6 +99,13 @@ static void streams(const struct world *w, void *stream[STREAMS],
     memcpy(bytes, b, sizeof b);
 }
 
+/* Where the check begins; the header's own is 0 meanwhile. */
+static uint64_t check_header(struct header *h)
+{
+    h->check = 0;
+    return hash_mix(HASH_SEED, h, sizeof *h);
+}
+
 int checkpoint_save(const struct world *w, drape_write *write, void *user)
 {
     struct header h;
@@ -116,8 +123,10 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     h.asleep = w->asleep;
     h.past = (uint32_t)w->past;
     h.wind = w->def.wind;
+    uint64_t check = check_header(&h);
     for (int k = 0; k < STREAMS; k++)
-        h.check = hash_mix(h.check, stream[k], bytes[k]);
+        check = hash_mix(check, stream[k], bytes[k]);
+    h.check = check;
     if (write(user, &h, sizeof h))
         return DRAPE_EIO;
     for (int k = 0; k < STREAMS; k++)
@@ -148,12 +157,12 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
     uint8_t *aside = arena_take(w->arena, ARENA_OTHER, (int64_t)all, 1);
     if (!aside)
         return DRAPE_ENOMEM;
-    uint64_t check = 0;
+    uint64_t want = h.check, check = check_header(&h);
     int status = read(user, aside, all) ? DRAPE_EIO : DRAPE_OK;
     size_t at = 0;
     for (int k = 0; k < STREAMS; at += bytes[k++])
         check = hash_mix(check, aside + at, bytes[k]);
-    if (status == DRAPE_OK && check != h.check)
+    if (status == DRAPE_OK && check != want)
         status = DRAPE_EMATCH;
     at = 0;
     for (int k = 0; k < STREAMS && status == DRAPE_OK; at += bytes[k++])
