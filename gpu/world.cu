@@ -281,10 +281,11 @@ static int load(struct world *h, drape_read_bytes *read, void *user)
     return gpu_status(w->gpu);
 }
 
-static void set_wind(struct world *h, const drape_wind *wind)
+static int set_wind(struct world *h, const drape_wind *wind)
 {
-    world_set_wind(h, wind);
+    int status = world_set_wind(h, wind);
     give_air(h);
+    return status;
 }
 
 const struct world_ops world_ops_gpu = {.make = make,

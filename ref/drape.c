@@ -211,11 +211,10 @@ int drape_set_wind(drape_world *world, const drape_wind *wind)
     for (int k = 0; k < 6; k++) {
         if (!(fabs(number[k]) <= 0x1p60))
             return DRAPE_EDATA;
-        if (k >= 3 && number[k] < 0)
+        if (k >= 3 && !(number[k] >= 0 && number[k] <= (k > 3 ? 1e6 : 0x1p60)))
             return DRAPE_EARG;
     }
-    world->ops->set_wind(world->world, wind);
-    return DRAPE_OK;
+    return world->ops->set_wind(world->world, wind);
 }
 
 int drape_plan(const drape_world *world, drape_plan_row *row, int capacity)

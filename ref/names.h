@@ -76,6 +76,7 @@
 #define near_times REAL_NAME(near_times)
 #define plan_make REAL_NAME(plan_make)
 #define plan_rows REAL_NAME(plan_rows)
+#define plan_windy REAL_NAME(plan_windy)
 #define point_grid REAL_NAME(point_grid)
 #define point_power REAL_NAME(point_power)
 #define point_sign REAL_NAME(point_sign)

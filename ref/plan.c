@@ -4,6 +4,11 @@
 
 #include "ref/state.h"
 
+bool plan_windy(const drape_wind *wind)
+{
+    return wind->density > 0 && (wind->drag > 0 || wind->lift > 0);
+}
+
 struct plan plan_make(const drape_def *def)
 {
     struct plan p = {0};
@@ -12,8 +17,7 @@ struct plan plan_make(const drape_def *def)
     for (int k = 0; k < def->n_cloths; k++)
         for (int i = 0; i < def->cloths[k].n_pins; i++)
             p.led |= def->cloths[k].pins[i].motion >= 0;
-    p.wind =
-        def->wind.density > 0 && (def->wind.drag > 0 || def->wind.lift > 0);
+    p.wind = plan_windy(&def->wind);
     p.implicit = def->integrator >= DRAPE_BW;
     p.history = def->integrator == DRAPE_CK;
     p.self = def->self_collision;

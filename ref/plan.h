@@ -21,6 +21,8 @@ struct plan {
 };
 
 struct plan plan_make(const drape_def *def);
+/* Whether this is wind at all. */
+bool plan_windy(const drape_wind *wind);
 /* As drape_plan. */
 int plan_rows(const struct world *w, drape_plan_row *row, int capacity);
 

@@ -101,6 +101,7 @@ void world_read_triangles(const struct world *w, int32_t (*tri)[3]);
 int64_t world_first_vertex(const struct world *w, int body);
 int64_t world_first_triangle(const struct world *w, int body);
 void world_wake(struct world *w);
-void world_set_wind(struct world *w, const drape_wind *wind);
+/* DRAPE_OK, or DRAPE_EARG where the plan has no wind and this is some. */
+int world_set_wind(struct world *w, const drape_wind *wind);
 
 #endif

@@ -299,8 +299,10 @@ void world_wake(struct world *w)
     w->resting = 0;
 }
 
-void world_set_wind(struct world *w, const drape_wind *wind)
+int world_set_wind(struct world *w, const drape_wind *wind)
 {
+    if (plan_windy(wind) && !w->plan.wind)
+        return DRAPE_EARG;
     w->def.wind = *wind;
     for (int k = 0; k < w->def.n_cloths; k++) {
         struct dynamics *d = &w->sheet[k].dynamics;
@@ -310,6 +312,7 @@ void world_set_wind(struct world *w, const drape_wind *wind)
         d->lift = (real)(0.5 * wind->density * wind->lift);
     }
     world_wake(w);
+    return DRAPE_OK;
 }
 
 const struct world_ops world_ops = {.make = world_make,

@@ -19,7 +19,7 @@ struct world_ops {
     int64_t (*first_vertex)(const struct world *w, int body);
     int64_t (*first_triangle)(const struct world *w, int body);
     void (*wake)(struct world *w);
-    void (*set_wind)(struct world *w, const drape_wind *wind);
+    int (*set_wind)(struct world *w, const drape_wind *wind);
     int (*plan)(const struct world *w, drape_plan_row *row, int capacity);
     int (*save)(const struct world *w, drape_write *write, void *user);
     int (*load)(struct world *w, drape_read_bytes *read, void *user);

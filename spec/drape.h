@@ -302,8 +302,9 @@ int drape_borrow(drape_world *world, drape_view *view);
 
 /* Wakes a sleeping scene. */
 void drape_wake(drape_world *world);
-/* From the next step on; wakes. wind is copied. DRAPE_EARG or DRAPE_EDATA:
- * unchanged. */
+/* From the next step on; wakes. wind is copied. A world made without air stays
+ * so: DRAPE_EARG; give it a density, drag or lift from the start. Ranges are
+ * those of a definition. DRAPE_EARG or DRAPE_EDATA: unchanged. */
 int drape_set_wind(drape_world *world, const drape_wind *wind);
 
 /* Rows of the plan into row[capacity]; returns how many there are. */

@@ -99,6 +99,10 @@ const char *test_world_resume(void)
         EXPECT(scene_hash(b) == before);
         m.data[m.size / 2] ^= 1;
         m.at = 0;
+        m.data[12] ^= 1; /* in the header: steps at rest */
+        EXPECT(drape_load(b, read_memory, &m) == DRAPE_EMATCH);
+        m.data[12] ^= 1;
+        m.at = 0;
         EXPECT(drape_load(b, read_memory, &m) == DRAPE_OK);
         EXPECT(run(b, 6) == want && want);
         drape_destroy(b);
@@ -110,6 +114,41 @@ const char *test_world_resume(void)
         m.at = 0;
         m.size /= 2;
         EXPECT(drape_load(b, read_memory, &m) < 0);
+        drape_destroy(a);
+        drape_destroy(b);
+        free(m.data);
+        ran(1);
+    }
+    return NULL;
+}
+
+/* Wind that is set is wind that was there from the start, and wakes; a world
+ * without air has none of it, and no checkpoint that does. */
+const char *test_world_wind(void)
+{
+    const drape_wind calm = {{0, 0, 0}, 1.2, 1, 0.3};
+    const drape_wind gale = {{6, 0, 2}, 1.2, 1, 0.3};
+    const drape_wind wrong = {{0, 0, 0}, -1, 1, 0.3};
+    for (int k = 0; k < 2; k++) {
+        struct memory m = {NULL, 0, 0};
+        struct slab d;
+        slab_make(&d, k ? DRAPE_CK : DRAPE_BW);
+        drape_world *airless = slab_world(&d);
+        d.def.wind = calm;
+        drape_world *a = slab_world(&d);
+        d.def.wind = gale;
+        drape_world *b = slab_world(&d);
+        EXPECT(airless && a && b);
+        EXPECT(drape_set_wind(airless, &gale) == DRAPE_EARG);
+        EXPECT(drape_set_wind(a, &wrong) == DRAPE_EARG);
+        EXPECT(drape_set_wind(a, &gale) == DRAPE_OK);
+        uint64_t want = run(b, 3);
+        EXPECT(want && run(a, 3) == want && run(airless, 3) != want);
+        EXPECT(drape_save(a, write_memory, &m) == DRAPE_OK);
+        uint64_t before = scene_hash(airless);
+        EXPECT(drape_load(airless, read_memory, &m) == DRAPE_EMATCH);
+        EXPECT(scene_hash(airless) == before);
+        drape_destroy(airless);
         drape_destroy(a);
         drape_destroy(b);
         free(m.data);
