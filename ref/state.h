@@ -93,7 +93,7 @@ static inline bool state_has_past(const struct world *w)
     return w->past == 1 + w->slicing.level;
 }
 
-/* What ref/world.c lends to the other files of a world, and to gpu/. */
+/* What ref/world.c and ask.c lend to the other files of a world, and gpu/. */
 int world_make(const drape_def *def, struct arena *arena, struct world **world,
                drape_error *error);
 int world_read(const struct world *w, double (*x)[3], double (*v)[3]);
