@@ -8,7 +8,7 @@ build=$1
 shift
 [ $# -gt 0 ] || set -- lion_20k buddha_20k dragon_20k statue_20k sphere \
     funnel twist curtain flag
-out=$build/outcomes
+out=$build/outcomes failed=0
 models=${DRAPE_MODELS:-../shared/models}
 
 row() {
@@ -43,9 +43,15 @@ for scene in "$@"; do
     rm -rf "${out:?}/$scene"
     mkdir -p "$out"
     DRAPE_MODELS=$models "$build/drape" run "app/scenes/$scene.json" \
-        --frames 120 --no-obj --backend "${BACKEND:-ref}" --out "$out/$scene" >"$out/$scene.log" 2>&1 ||
+        --frames 120 --no-obj --backend "${BACKEND:-ref}" \
+        --out "$out/$scene" >"$out/$scene.log" 2>&1 ||
         tail -n 1 "$out/$scene.log"
+    if [ ! -f "$out/$scene/report.json" ]; then
+        failed=1 # the others are still run
+        continue
+    fi
     pairs=$("$build/drape" audit "$out/$scene" 2>&1 | tail -n 1) || :
     pairs=${pairs##*, }
     row "$out/$scene" "${pairs% pairs}"
 done
+exit $failed
