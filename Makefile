@@ -100,7 +100,7 @@ LIB    := $(BUILD)/libdrape.a
 # look inside; all else is the public API, so a device runs it too.
 MACHINE ?= $(shell uname -m)
 ACC     := $(BUILD)/accuracy $(BUILD)/accuracy-bare
-ACC_O   := $(call obj,$(addprefix ci/bench/,accuracy bisect contact drift \
+ACC_O   := $(call obj,$(addprefix ci/bench/,accuracy backends bisect contact drift \
            never orders runs samples skip solids stability stages stress \
            work $(if $(HAS_APP),lion,no_app)),) \
            $(call obj,ci/bench/impact,.32) $(call obj,ci/bench/forced,.64) \
@@ -208,6 +208,7 @@ demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 
 bench: $(BUILD)/check $(BUILD)/speed $(ACC) ## time, bytes, error, as csv, plots
 	sh ci/bench/run.sh $(BUILD) $(MACHINE)
+	$(if $(GPU),$(BUILD)/accuracy --backend gpu ci/bench/$(MACHINE) backends)
 	$(if $(GPU),$(MAKE) tables)
 # What ci/bench/scenes.sh asks for may be given: make tables SCENES=lion_20k
 tables: $(BUILD)/drape ## on a device: the paper's figures, in ci/bench/MACHINE

@@ -18,7 +18,8 @@ static const struct part {
              {"drift", part_drift},
              {"skip", part_skip},
              {"stages", part_stages},
-             {"lion", part_lion}};
+             {"lion", part_lion},
+             {"backends", part_backends}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
 FILE *bench_csv(const struct bench *b, const char *name, const char *header)
@@ -64,7 +65,7 @@ static int usage(void)
 {
     fputs("usage: accuracy [--quick] [--backend ref|gpu] DIRECTORY [PART...]\n"
           "Writes PART.csv: orders work stability stress contact drift skip\n"
-          "stages lion (default: all).\n",
+          "stages lion backends (default: all).\n",
           stderr);
     return 2;
 }

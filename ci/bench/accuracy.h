@@ -13,6 +13,7 @@ struct bench {
     const char *program;   /* this one's path */
     const char *directory; /* of the csv files */
     int backend;           /* enum drape_backend */
+    bool wall;             /* time of the reference is wall time too */
     bool quick;            /* a small form, for make check */
     int passed, failed;
 };
@@ -69,7 +70,7 @@ void run_free(struct run *r);
 const char *run_word(const struct run *r);
 /* Root of the mean squared distance of the first n positions, m. */
 double run_distance(const struct run *a, const struct run *b, int64_t n);
-/* Processor seconds of the process, or wall time for a device. */
+/* Processor seconds of the process; wall time for a device or if asked. */
 double bench_clock(const struct bench *b);
 /* Pairs of triangles that intersect in the world as it is, by the audit. */
 int64_t world_pairs(const drape_world *world, int n_cloths);
@@ -126,5 +127,6 @@ void part_drift(struct bench *b);
 void part_skip(struct bench *b);
 void part_stages(struct bench *b);
 void part_lion(struct bench *b);
+void part_backends(struct bench *b); /* where a device is */
 
 #endif

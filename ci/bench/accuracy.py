@@ -269,6 +269,8 @@ def lion():
     axes.loglog([p[0] for p in front], [p[1] for p in front], color="#999999",
                 linewidth=4, alpha=0.5, label="front")
     for t, e, r in points:
+        axes.loglog([t, t], [number(r, "least m"), number(r, "most m")],
+                    color=COLOUR[r["integrator"]], linewidth=1, alpha=0.6)
         axes.loglog(t, e, marker="o" if r["precond"] == "multigrid" else "s",
                     color=COLOUR[r["integrator"]], markersize=5)
         axes.annotate("1/%d, %s%s%s" % (
@@ -286,10 +288,34 @@ def lion():
     save(figure, "lion")
 
 
+def backends():
+    """The reference, on one thread, and a device: the same error."""
+    table = [r for r in rows("backends") if r["integrator"] != "converged"]
+    if not table:
+        return
+    sides = list(dict.fromkeys(r["side"] for r in table))
+    figure, axes = plt.subplots(1, len(sides), figsize=(9, 3.8), squeeze=False)
+    for a, side in zip(axes[0], sides):
+        for m in COLOUR:
+            for backend, line in (("ref", "--"), ("gpu", "-")):
+                curve(a, [r for r in table if r["side"] == side and
+                          r["integrator"] == m and r["backend"] == backend and
+                          r["tolerance"] in ("0", "0.001") and
+                          r["precision"] == "32"],
+                      "rms m", "%s, %s" % (m, backend), color=COLOUR[m],
+                      linestyle=line, marker="o")
+        a.set(title="hanging, %s particles a side" % side,
+              xlabel="seconds for 0.1 s of one scene")
+    axes[0][0].set_ylabel("rms distance to the converged run, m")
+    save(figure, "backends", axes[0][0])
+
+
 def settings():
     """The cheapest row of each scene for each error level, as Markdown."""
     table = [r for r in rows("work") if r["integrator"] != "converged" and
              r["end"] == "stable" and r["rms m"]]
+    if not table:
+        return
     out = ["| scene | rms error up to, m | cheapest | seconds |",
            "| --- | --- | --- | --- |"]
     for scene in dict.fromkeys(r["scene"] for r in table):
@@ -312,5 +338,5 @@ def settings():
         f.write("\n".join(out) + "\n")
 
 
-for picture in (work, stability, drift, stages, lion, settings):
+for picture in (work, stability, drift, stages, lion, backends, settings):
     picture()

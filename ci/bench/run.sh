@@ -10,22 +10,17 @@ build=$1 status=0
 export OMP_NUM_THREADS=1 OMP_WAIT_POLICY=passive
 
 # The longest first. Times within a part are compared, so a part is one run.
-parts='work drift,orders,contact stability,stress skip,stages'
+parts='work stress drift contact orders stages skip stability'
 options="--backend ${BACKEND-ref}"
 if [ -n "${QUICK-}" ]; then
     out=$build/quick options="$options --quick"
 else
-    out=ci/bench/$2 parts="lion $parts"
+    out=ci/bench/$2 parts="lion $parts bench"
 fi
 mkdir -p "$out"
 # shellcheck disable=SC2086
-printf '%s\n' $parts | xargs -P 2 -I {} sh -c \
-    'exec "$0" $1 "$2" $(echo {} | tr , " ")' \
-    "$build/accuracy" "$options" "$out" || status=1
-if [ -z "${QUICK-}" ]; then
-    "$build/check" --bench >"$out/stages.csv"
-    "$build/speed" >"$out/narrow.csv"
-fi
+printf '%s\n' $parts | xargs -P 2 -I {} sh ci/bench/part.sh \
+    "$build" "$out" {} "$options" || status=1
 for python in python3 /usr/bin/python3 ''; do
     [ -z "$python" ] || "$python" -c 'import matplotlib' 2>/dev/null && break
 done

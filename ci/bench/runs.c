@@ -15,9 +15,8 @@ const char *const backend_name[] = {"ref", "gpu"};
 double bench_clock(const struct bench *b)
 {
     struct timespec t;
-    clock_gettime(b->backend == DRAPE_GPU ? CLOCK_MONOTONIC
-                                          : CLOCK_PROCESS_CPUTIME_ID,
-                  &t);
+    bool wall = b->wall || b->backend == DRAPE_GPU;
+    clock_gettime(wall ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 

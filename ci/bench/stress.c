@@ -90,7 +90,7 @@ static void mass_ratios(struct stress *s)
             s->cloth[upper].material.density = 0.2 * pow(10, k / 2.0);
             s->cloth[!upper].material.density = 0.2 / pow(10, k / 2.0);
             end(s, upper ? "mass ratio heavy above" : "mass ratio heavy below",
-                pow(10, k), 30);
+                pow(10, k), 16);
         }
 }
 
