@@ -51,6 +51,16 @@ void slice_cut(struct world *w)
         w->slicing.travel /= 4;
 }
 
+/* The energy that repulsion may add: it parts what overlaps by at most a tenth
+ * of the reach in a step. */
+static double lift(const struct world *w)
+{
+    const double *g = w->def.gravity;
+    double way = 0.1 * (double)w->reach, speed = way / w->dt;
+    double weight = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    return w->mass * (way * weight + speed * speed / 2);
+}
+
 bool slice_wrong(struct world *w, int outcome, const double before[3],
                  const double after[3])
 {
@@ -60,7 +70,8 @@ bool slice_wrong(struct world *w, int outcome, const double before[3],
                   (after[2] - before[2]);
     double height = after[2] < 0 ? -after[2] : after[2];
     bool fed = w->plan.led || w->plan.wind || !w->plan.implicit;
-    bool jolt = !fed && rise > (after[0] + after[1]) / 16 + height / 65536;
+    bool jolt =
+        !fed && rise > (after[0] + after[1]) / 16 + height / 65536 + lift(w);
     bool again =
         (outcome & failed && s->tries < TRIES) || (jolt && s->jolts < JOLTS);
     if (!again || s->level >= s->deepest)

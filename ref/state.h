@@ -70,6 +70,7 @@ struct world {
     struct pose *pose;   /* [n_motions] at the time being led to */
     real reach;          /* m, at which contact begins, the largest */
     real cell;           /* m, the smallest side of a cloth's cells */
+    double mass;         /* kg, of all cloths */
     struct broad broad;
     struct response response;
     struct couple couple; /* of implicit integrators */

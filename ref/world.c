@@ -94,6 +94,7 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
     for (int64_t p = 0; p < c->count; p++) {
         w->w[s->first + p] = c->fixed[p] ? 0 : 1 / c->mass[p];
         w->to[s->first + p] = w->x0[s->first + p];
+        w->mass += (double)c->mass[p];
         w->body[s->first + p] = (uint16_t)k;
         if (c->fixed[p])
             w->v0[s->first + p] = vec_make(0, 0, 0);
