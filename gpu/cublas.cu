@@ -112,6 +112,11 @@ static real size_of(real square)
     return (real)sqrt((double)square);
 }
 
+static real larger(real a, real b)
+{
+    return a > b ? a : b;
+}
+
 /* §3: a step along the direction from s = M⁻¹r, next = r·s. */
 static bool step(struct gpu *g, struct pcg *s, real next, real *rho, bool first)
 {
@@ -134,15 +139,15 @@ static bool step(struct gpu *g, struct pcg *s, real next, real *rho, bool first)
 }
 
 /* §4, §4.1: iterates until the recurrence meets the tolerance. */
-static int iterate(struct gpu *g, struct pcg *s, real square, real *from)
+static int iterate(struct gpu *g, struct pcg *s, real square)
 {
     real rho = 0;
     for (bool first = true; s->iterations < s->max_iterations; first = false) {
         precondition(g, s);
         real next = dotted(g, s, s->r, s->s);
         if (s->energy) {
-            *from = s->iterations ? *from : next;
-            s->recurrence = size_of(next / *from);
+            s->scale = s->iterations ? s->scale : larger(next, s->scale);
+            s->recurrence = size_of(next / s->scale);
             if (next == 0 || s->recurrence <= s->tolerance)
                 return PCG_CONVERGED;
         }
@@ -168,7 +173,7 @@ static real remain(struct gpu *g, struct pcg *s)
 
 static void solve(struct gpu *g, struct pcg *s)
 {
-    real square = remain(g, s), before = 2, from = 0;
+    real square = remain(g, s), before = 2;
     if (square == 0)
         return;
     s->recurrence = s->residual = 1;
@@ -180,7 +185,7 @@ static void solve(struct gpu *g, struct pcg *s)
             break;
         }
         before = s->residual;
-        s->outcome = iterate(g, s, square, &from);
+        s->outcome = iterate(g, s, square);
         s->residual = size_of(remain(g, s) / square);
         if (s->energy && s->outcome == PCG_CONVERGED)
             break;

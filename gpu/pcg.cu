@@ -308,6 +308,7 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
     s->iterations = c.iterations;
     s->outcome = c.outcome;
     s->fell_back = c.fell_back;
+    s->scale = s->energy ? c.from : s->scale;
     s->recurrence = c.recurrence;
     s->residual = c.residual;
     return status == DRAPE_OK ? gpu_status(g) : status;

@@ -21,7 +21,7 @@ struct course {
     int32_t fresh;   /* 1: M⁻¹ r is not known yet */
     int32_t outcome; /* enum pcg_outcome */
     int32_t iterations, fell_back;
-    real square, before, from; /* |r|² at first, residual, r·M⁻¹r at first */
+    real square, before, from; /* |r|² at first, residual, scale */
     real rho, alpha, beta;
     real recurrence, residual;
 };
@@ -61,6 +61,7 @@ static __device__ inline void begin(const struct pcg *s, struct course *c,
                                     real square)
 {
     c->square = square;
+    c->from = s->scale;
     c->before = 2;
     c->outcome = PCG_CONVERGED;
     c->phase = PHASE_DONE;
@@ -96,7 +97,7 @@ static __device__ inline void enter(const struct pcg *s, struct course *c,
     c->fresh = 0;
     if (s->energy) {
         if (c->iterations == 0)
-            c->from = next;
+            c->from = most(next, c->from);
         c->recurrence = root(next / c->from);
         if (next == 0 || c->recurrence <= s->tolerance) {
             end(c, PCG_CONVERGED);

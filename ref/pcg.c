@@ -153,23 +153,23 @@ static bool step(struct pcg *s, real next, real *rho, bool first)
     return true;
 }
 
-/* §4.1: whether r·M⁻¹r has fallen far enough; *from is its first value. */
-static bool calm(struct pcg *s, real next, real *from)
+/* §4.1: whether r·M⁻¹r has fallen far enough. */
+static bool calm(struct pcg *s, real next)
 {
     if (s->iterations == 0)
-        *from = next;
-    s->recurrence = real_sqrt(next / *from);
+        s->scale = real_max(next, s->scale);
+    s->recurrence = real_sqrt(next / s->scale);
     return next == 0 || s->recurrence <= s->tolerance;
 }
 
 /* §4: iterates until the recurrence meets the tolerance. */
-static int iterate(struct pcg *s, real square, real *from)
+static int iterate(struct pcg *s, real square)
 {
     real rho = 0;
     for (bool first = true; s->iterations < s->max_iterations; first = false) {
         precondition(s);
         real next = dot(s, s->r, s->s);
-        if (s->energy && calm(s, next, from))
+        if (s->energy && calm(s, next))
             return PCG_CONVERGED;
         if (!finite_positive(next) || !step(s, next, &rho, first))
             return PCG_BREAKDOWN;
@@ -199,7 +199,7 @@ int ref_pcg(struct pcg *s)
     s->recurrence = s->residual = 0;
     s->outcome = PCG_CONVERGED;
     true_residual(s);
-    real square = dot(s, s->r, s->r), before = 2, from = 0;
+    real square = dot(s, s->r, s->r), before = 2;
     if (square == 0)
         return DRAPE_OK;
     s->recurrence = s->residual = 1;
@@ -212,7 +212,7 @@ int ref_pcg(struct pcg *s)
             break;
         }
         before = s->residual;
-        s->outcome = iterate(s, square, &from);
+        s->outcome = iterate(s, square);
         true_residual(s);
         s->residual = real_sqrt(dot(s, s->r, s->r) / square);
         if (s->energy && s->outcome == PCG_CONVERGED)

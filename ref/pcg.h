@@ -22,6 +22,8 @@ struct pcg {
     int32_t max_iterations; /* ≥ 0 */
     int32_t solver;         /* enum drape_solver, for the device */
     int32_t energy;   /* 1: tolerance is of √(r·M⁻¹r) instead, §4.1 */
+    real scale;       /* ≥ 0, with energy: what r·M⁻¹r is relative to, at
+                         least; out: or its first value, if that is more */
     const real *mass; /* [count] kg, > 0 where free */
     int64_t n_extra;  /* count, or 0: none */
     const sym *extra; /* [n_extra] kg, positive semidefinite */

@@ -34,6 +34,7 @@ const struct field fields_pcg[] = {IN(pcg, mass, count, 1),
                                    OUT_VALUE(pcg, fell_back),
                                    OUT_VALUE(pcg, recurrence),
                                    OUT_VALUE(pcg, residual),
+                                   OUT_VALUE(pcg, scale),
                                    FIELD_END};
 
 void gen_pcg(struct bytes *b, struct pcg *s)
@@ -53,6 +54,8 @@ void gen_pcg(struct bytes *b, struct pcg *s)
         s->n_z = a.count;
         s->z = z;
     }
+    if (s->energy && pick(b, 2))
+        s->scale = pick_uniform(b, 0, 10);
 }
 
 static bool same(const void *a, const void *b, size_t bytes)
