@@ -33,7 +33,9 @@ int gpu_couple_make(struct gpu_world *w)
     struct gpu *g = w->gpu;
     p->force = (vec *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(vec));
     p->hold = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
-    w->couple.g = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
+    p->guess = (vec *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(vec));
+    p->brake = (real *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(real));
+    p->g = w->couple.g = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
     w->couple.b = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
     w->couple.dv = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
     return gpu_status(g);
@@ -45,10 +47,12 @@ void gpu_couple_start(struct gpu_world *w)
     struct penalty *p = &w->couple.penalty;
     bool past = h->plan.history && state_has_past(h);
     p->dt = w->response.dt;
-    p->slip = R(0.01) * h->reach / p->dt;
+    p->slip = real_min(R(1e-3), R(0.01) * h->reach / p->dt);
     p->tau = (real)(past ? h->dt * 2 / 3 : h->dt);
     w->couple.iterations = w->couple.solves = 0;
     w->couple.seconds = 0;
+    for (int i = 0; i < h->def.n_cloths; i++)
+        w->sheet[i].pcg.scale = 0;
     gpu_clear(w->gpu, w->couple.g, (size_t)h->nc * sizeof *w->couple.g);
 }
 
@@ -61,14 +65,16 @@ static int make_room(struct gpu_world *w, int64_t n)
         return DRAPE_OK;
     gpu_give(g, p->item);
     gpu_give(g, p->vertex);
-    gpu_give(g, p->slide);
     gpu_give(g, p->share);
+    gpu_give(g, p->most);
+    gpu_give(g, p->more);
     int64_t cap = n + n / 4 + 64;
     p->item = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
     p->vertex =
         (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
-    p->slide = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
     p->share = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
+    p->most = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
+    p->more = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
     c->cap = gpu_status(g) == DRAPE_OK ? cap : 0;
     return gpu_status(g);
 }

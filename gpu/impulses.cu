@@ -111,7 +111,8 @@ static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
     c.gap = (real)dot(n, blend(r.c, m.from));
     c.target = (s->margin * skin.thickness - c.gap) / s->dt;
     c.friction = skin.friction;
-    c.impulse = 0;
+    c.held = 0;
+    c.impulse = c.slide = 0;
     c.tangent = make(0, 0, 0);
     return c;
 }

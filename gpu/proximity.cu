@@ -72,7 +72,8 @@ static __device__ void emit(const struct proximity *s, int64_t k,
     c.gap = (real)sqrt(r.length2);
     c.friction = skin.friction;
     c.target = push_target(s, &c, most(skin.thickness - c.gap, R(0)));
-    c.impulse = 0;
+    c.held = 0;
+    c.impulse = c.slide = 0;
     c.tangent = make(0, 0, 0);
     *to = c;
 }

@@ -10,7 +10,8 @@ enum contact_kind { CONTACT_VF, CONTACT_EE };
 /* Two sides, A and B, that must not come closer. */
 struct contact {
     int32_t v[4];  /* vertices, as the pair names them */
-    int64_t kind;  /* enum contact_kind; of 8 bytes, so that no build pads */
+    int32_t kind;  /* enum contact_kind */
+    int32_t held;  /* 1: the implicit solve feels it; 38_penalty.md §1 */
     real c[4];     /* weights: side A adds to 1, side B to -1 */
     vec n;         /* unit, from B to A */
     real gap;      /* m, n·Σ c x at the start of the step */
@@ -18,6 +19,7 @@ struct contact {
     real friction; /* Coulomb coefficient */
     real impulse;  /* N·s along n, ≥ 0: what contacts found */
     vec tangent;   /* N·s across n, |tangent| ≤ friction · impulse */
+    real slide;    /* kg, of friction in the solve; 38_penalty.md §2 */
 };
 
 /* What a body's surface is like; a pair takes the larger of each. */

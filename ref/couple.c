@@ -24,7 +24,10 @@ int couple_make(struct world *w)
     p->start = w->response.start;
     p->force = take(w, w->nv, sizeof *p->force);
     p->hold = take(w, w->nv, sizeof *p->hold);
+    p->guess = take(w, w->nv, sizeof *p->guess);
+    p->brake = take(w, w->nv, sizeof *p->brake);
     c->g = take(w, w->nc, sizeof *c->g);
+    p->g = c->g;
     c->b = take(w, w->nc, sizeof *c->b);
     c->dv = take(w, w->nc, sizeof *c->dv);
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
@@ -36,9 +39,11 @@ void couple_start(struct world *w)
     struct penalty *p = &c->penalty;
     bool past = w->plan.history && state_has_past(w);
     p->dt = w->response.dt;
-    p->slip = R(0.01) * w->reach / p->dt;
+    p->slip = real_min(R(1e-3), R(0.01) * w->reach / p->dt);
     p->tau = (real)(past ? w->dt * 2 / 3 : w->dt);
     c->iterations = c->solves = 0;
+    for (int i = 0; i < w->def.n_cloths; i++)
+        w->sheet[i].solver.pcg.scale = 0;
     c->seconds = 0;
     memset(c->g, 0, (size_t)w->nc * sizeof *c->g);
 }
@@ -51,13 +56,15 @@ static int make_room(struct world *w, int64_t n)
         return DRAPE_OK;
     arena_give(w->arena, p->item);
     arena_give(w->arena, p->vertex);
-    arena_give(w->arena, p->slide);
     arena_give(w->arena, p->share);
+    arena_give(w->arena, p->most);
+    arena_give(w->arena, p->more);
     int64_t cap = n + n / 4 + 64;
     p->item = take(w, 4 * cap, sizeof *p->item);
     p->vertex = take(w, 4 * cap, sizeof *p->vertex);
-    p->slide = take(w, cap, sizeof *p->slide);
     p->share = take(w, cap, sizeof *p->share);
+    p->most = take(w, cap, sizeof *p->most);
+    p->more = take(w, cap, sizeof *p->more);
     c->cap = w->arena->failed ? 0 : cap;
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }

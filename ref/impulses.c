@@ -103,7 +103,8 @@ static void emit(const struct impulses *s, int64_t k, struct contact *c)
     c->gap = (real)wide_dot(n, weigh(r.c, m.from));
     c->target = (s->margin * skin.thickness - c->gap) / s->dt;
     c->friction = skin.friction;
-    c->impulse = 0;
+    c->held = 0;
+    c->impulse = c->slide = 0;
     c->tangent = vec_make(0, 0, 0);
 }
 

@@ -3,6 +3,7 @@
 #include "ref/penalty.h"
 
 #include "ref/incidence.h"
+#include "ref/jacobi.h"
 
 static int check(const struct penalty *s)
 {
@@ -29,18 +30,27 @@ static real side_of(const struct penalty *s, const struct contact *c, int j)
     return least;
 }
 
-/* §1, §2: the impulse of one contact at velocities u. */
+/* §1: what the spring of contact k pushes with at velocities u, N·s. */
+static real spring(const struct penalty *s, int64_t k, const vec *u)
+{
+    const struct contact *c = &s->contact[k];
+    real give = s->stiffness * s->dt * s->tau;
+    return give * (c->target - vec_dot(c->n, pair_sum(c->v, c->c, u)));
+}
+
+/* §1: where vertex i would be going but for what contacts gave it so far. */
+static void let_go(struct penalty *s, int64_t i)
+{
+    real w = s->w[i] * (s->tau / s->dt);
+    s->guess[i] = w > 0 ? vec_axpy(s->u[i], -w, s->g[i]) : s->u[i];
+}
+
+/* §1: those that would meet then are held. */
 static void press(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
-    vec u = pair_sum(c->v, c->c, s->u);
-    real vn = vec_dot(c->n, u);
-    vec across = vec_axpy(u, -vn, c->n);
-    real give = s->stiffness * s->dt * s->tau;
-    c->impulse = real_max(give * (c->target - vn), 0);
-    s->slide[k] =
-        c->friction * c->impulse / real_max(vec_length(across), s->slip);
-    c->tangent = vec_scale(-s->slide[k], across);
+    c->impulse = real_max(spring(s, k, s->guess), 0);
+    c->held = c->impulse > 0 || spring(s, k, s->u) > 0;
     real share = 0;
     for (int j = 0; j < 4; j++)
         if (s->w[c->v[j]] > 0)
@@ -49,18 +59,79 @@ static void press(struct penalty *s, int64_t k)
 }
 
 /* §3: what contact k adds to the hold of its vertex j. */
-static sym hold_of(const struct penalty *s, int64_t k, int j)
+static sym hold_of(const struct penalty *s, int64_t k, int j, real slide)
 {
     const struct contact *a = &s->contact[k];
     real part = s->share[k] / side_of(s, a, j) * real_abs(a->c[j]);
-    real along = a->impulse > 0 ? part * s->stiffness * s->tau * s->tau : 0;
-    real across = part * s->slide[k] * (s->tau / s->dt);
+    real along = part * s->stiffness * s->tau * s->tau;
+    real across = part * slide * (s->tau / s->dt);
     real d = along - across;
     vec n = a->n;
     sym r = {d * n.x * n.x + across, d * n.x * n.y, d * n.x * n.z,
              d * n.y * n.y + across, d * n.y * n.z, d * n.z * n.z + across};
     return r;
 }
+
+/* §2.1: where vertex i goes by what presses on it, without its neighbours. */
+static void guess(struct penalty *s, int64_t i)
+{
+    vec force = vec_make(0, 0, 0);
+    struct wide_sym a = {{0}};
+    a.a[0] = a.a[3] = a.a[5] = 1 / (double)s->w[i];
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+        int64_t at = s->item[k] / 4;
+        const struct contact *c = &s->contact[at];
+        if (!c->held)
+            continue;
+        int j = s->item[k] % 4;
+        force = vec_axpy(force, c->c[j] * c->impulse, c->n);
+        a = wide_sym_add(a, hold_of(s, at, j, 0));
+    }
+    vec move = factor_solve(ref_factor(a), force);
+    s->guess[i] = vec_axpy(s->guess[i], s->tau / s->dt, move);
+}
+
+static vec across(const struct contact *c, const vec *u)
+{
+    vec v = pair_sum(c->v, c->c, u);
+    return vec_axpy(v, -vec_dot(c->n, v), c->n);
+}
+
+/* §2.2: by how much friction can grow, from what it is: N·s. */
+static void load(struct penalty *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    vec slip = across(c, s->u);
+    real most = c->held ? c->friction * real_max(spring(s, k, s->guess), 0) : 0;
+    s->most[k] = most;
+    s->more[k] = most - c->slide * vec_length(slip);
+}
+
+/* §2.3: the speed that this takes from vertex i. */
+static void brake(struct penalty *s, int64_t i)
+{
+    real sum = 0;
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+        int32_t at = s->item[k] / 4;
+        sum += real_abs(s->contact[at].c[s->item[k] % 4]) * s->more[at];
+    }
+    s->brake[i] = sum * s->w[i] * (s->tau / s->dt);
+}
+
+/* §2.4: by the speed that is then left. */
+static void rub(struct penalty *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    vec slip = across(c, s->u);
+    real speed = vec_length(slip);
+    for (int j = 0; j < 4; j++)
+        speed -= real_abs(c->c[j]) * s->brake[c->v[j]];
+    c->slide = s->most[k] / real_max(speed, s->slip);
+    c->impulse = c->held ? spring(s, k, s->u) : 0;
+    c->tangent = vec_scale(-c->slide, slip);
+}
+
+/* ---- §3 ---- */
 
 static void gather(const struct penalty *s, int32_t i)
 {
@@ -69,10 +140,12 @@ static void gather(const struct penalty *s, int32_t i)
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
         int64_t at = s->item[k] / 4;
         const struct contact *c = &s->contact[at];
-        real weight = c->c[s->item[k] % 4];
+        if (!c->held)
+            continue;
+        int j = s->item[k] % 4;
         vec push = vec_axpy(c->tangent, c->impulse, c->n);
-        force = vec_axpy(force, weight, push);
-        hold = sym_add(hold, hold_of(s, at, s->item[k] % 4));
+        force = vec_axpy(force, c->c[j], push);
+        hold = sym_add(hold, hold_of(s, at, j, c->slide));
     }
     s->force[i] = force;
     s->hold[i] = hold;
@@ -87,8 +160,24 @@ int ref_penalty(struct penalty *s)
                            s->start, s->item, s->vertex, 0};
     ref_incidence(&by);
     EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++)
+        let_go(s, i);
+    EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
         press(s, k);
+    EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++)
+        if (s->start[i] < s->start[i + 1])
+            guess(s, i);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        load(s, k);
+    EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++)
+        brake(s, i);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        rub(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
         gather(s, (int32_t)i);

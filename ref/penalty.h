@@ -10,6 +10,7 @@ struct penalty {
     int64_t nv, n;           /* vertices, contacts; 4 n < 2^31 */
     const real *w;           /* [nv] 1/kg, ≥ 0; 0: led */
     const vec *u;            /* [nv] m/s, mean velocity of the step */
+    const vec *g;            /* [nv] N·s, what they took up so far, where free */
     real stiffness;          /* N/m, > 0, of a contact */
     real dt, tau;            /* s, > 0: step, and the solver's span */
     real slip;               /* m/s, > 0: friction is viscous below */
@@ -19,8 +20,11 @@ struct penalty {
     int32_t *start;  /* scratch: [nv1] */
     int32_t *item;   /* scratch: [n4] */
     int32_t *vertex; /* scratch: [n4] */
-    real *slide;     /* scratch: [n] kg */
     real *share;     /* scratch: [n] */
+    real *most;      /* scratch: [n] N·s */
+    real *more;      /* scratch: [n] N·s */
+    vec *guess;      /* scratch: [nv] m/s */
+    real *brake;     /* scratch: [nv] m/s */
     vec *force;      /* out: [nv] N·s, 0 where no contact pushes */
     sym *hold;       /* out: [nv] kg, 0 likewise; §3 */
 };

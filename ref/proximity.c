@@ -73,7 +73,8 @@ static void emit(const struct proximity *s, int64_t k, struct contact *c)
     c->gap = (real)sqrt(r.length2);
     c->friction = skin.friction;
     c->target = push_target(s, c, real_max(skin.thickness - c->gap, 0));
-    c->impulse = 0;
+    c->held = 0;
+    c->impulse = c->slide = 0;
     c->tangent = vec_make(0, 0, 0);
 }
 

@@ -37,6 +37,7 @@ static void pick_contact(struct bytes *b, int64_t nv, struct contact *c)
     c->target = pick(b, 2) ? 0 : pick_uniform(b, -1, 1);
     c->friction = pick(b, 3) ? R(0.25) * (real)pick(b, 4) : 10;
     c->impulse = pick(b, 2) ? pick_uniform(b, 0, R(0.1)) : 0;
+    c->slide = pick(b, 2) ? pick_uniform(b, 0, R(0.01)) : 0;
 }
 
 void gen_contacts(struct bytes *b, struct contacts *s)
