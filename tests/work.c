@@ -90,7 +90,7 @@ static const char *falls(int integrator)
     int64_t rounds = 0;
     slab_make(&d, integrator);
     d.obstacle.motion = -1;
-    drape_world *world = small_world(&d, &a, 0.1045);
+    drape_world *world = small_world(&d, &a, 0.15);
     EXPECT(world);
     for (int k = 0; k < 12; k++) {
         const char *failed = step(world, &a, &r);
