@@ -234,7 +234,7 @@ static void layers(struct stress *s)
     s->def.n_cloths = 8;
     for (int k = 0; k < s->def.n_cloths; k++)
         cloth_flat(&s->cloth[k], 13, 0.4, 0.003 + 0.004 * k);
-    end(s, "layers", s->def.n_cloths, 30);
+    end(s, "layers", s->def.n_cloths, 12);
 }
 
 /* An obstacle of slivers: the ball squeezed along y, and with triangles of no
