@@ -38,8 +38,9 @@ CUDA    = nvcc -std=c++20 -O2 -lineinfo --fmad=false -prec-div=true \
           -I$(BUILD) -MMD -MP
 CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
           -lpthread -ldl -lrt -lm
-# -O1: what is slow in emulated kernels is to change threads.
-EMU     = $(CXX) -x c++ -std=c++20 $(OPT:-O2=-O1) -Wall -Wextra -Werror \
+# -O1: what is slow in emulated kernels is to change threads. C++14, as after
+# it math.h alone takes as long to compile as a file of kernels.
+EMU     = $(CXX) -x c++ -std=gnu++14 $(OPT:-O2=-O1) -Wall -Wextra -Werror \
           $(MODEL) -I. -Ispec -I$(BUILD) -MMD -MP -fPIC
 
 # FCL's headers want Eigen's.
