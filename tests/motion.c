@@ -55,7 +55,7 @@ static void make_scene(struct motion_scene *s, int integrator, int scene)
     s->def.self_collision = s->def.sleep = 0;
     s->def.allow_intersecting = 1;
     s->def.max_substeps = 1 << 20;
-    s->def.dt = integrator < DRAPE_BW ? 2e-3 : 1.0 / 60;
+    s->def.dt = integrator < DRAPE_BW ? 5e-4 : 1.0 / 60;
     s->def.cloths = &s->cloth;
     s->def.n_cloths = 1;
     s->def.motions = &s->lead;
