@@ -292,6 +292,7 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
         return gpu_cublas(g, s);
     int status = gpu_pcg_set_up(g, s);
     struct course c = {};
+    c.from = s->scale; /* where there is nothing to solve */
     int64_t sums = 2 * s->n_chunks;
     int64_t all = sums + (s->n_cdf ? 1 : 4) * s->count;
     real *scratch = (real *)gpu_scratch(g, SLOT_STAGE, all, sizeof *scratch);
