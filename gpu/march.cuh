@@ -18,12 +18,14 @@ enum { REACH = 2, MARCH_LEAST = 256, MARCH_WIDE = 2, MARCH_BLOCKS = 4 };
 #endif
 
 /* A block's memory: X_ROWS rows of x and, of two rows, the pulls of ties that
- * lead to another column. Its threads, a column each, have 48 KiB of it. */
-enum { X_ROWS = 4 };
+ * lead to another column. Its threads, a column each, have 48 KiB of it, and
+ * not more of them than leaves each the registers to read ahead. */
+enum { X_ROWS = 4, MARCH_MOST = 192 };
 template <int TIES> struct march_size {
     static constexpr int passed = TIES == SPRINGS ? 6 : 10;
     static constexpr int bytes = (2 * passed + X_ROWS) * (int)sizeof(vec);
-    static constexpr int threads = 49152 / bytes / 64 * 64;
+    static constexpr int fit = 49152 / bytes / 64 * 64;
+    static constexpr int threads = fit < MARCH_MOST ? fit : MARCH_MOST;
 };
 
 /* How a grid is cut: strips of columns, rows of a block. */
@@ -39,6 +41,9 @@ template <int TIES> static __host__ __device__ constexpr int passed_at(int o)
     return o < 4 ? o : o < 9 ? o - 1 : o - 2;
 }
 
+/* Whether registers hold what a row reads besides its ties a while ahead. */
+enum { MARCH_AHEAD = REAL_BITS == 32 };
+
 /* What a thread carries down its column, all in registers. A pull that nobody
  * wants is +0: to add or subtract it changes no y, which is never -0. */
 template <int TIES> struct marcher {
@@ -50,7 +55,7 @@ template <int TIES> struct marcher {
     vec pull[TIES];  /* of row j */
     vec one[TIES];   /* of the row above, by ties that end here */
     vec two[TIES], older[TIES]; /* likewise of the two rows above */
-    vec here, next;             /* x of row j, of a row to come */
+    vec here;                   /* x of row j */
 };
 
 /* Which ties lead from a column to columns of its strip and grid. */
@@ -96,14 +101,14 @@ static __device__ inline void fetch_row(struct marcher<TIES> *w,
             fetch_once(block + o * count + (w->wanted >> o & 1 ? p : 0));
 }
 
-/* x of row j, 0 where there is none. */
-template <int TIES, class X>
-static __device__ inline vec x_of(const struct marcher<TIES> *w, const X *x,
-                                  int j)
+/* The column's particle of row j, or one near where there is none. */
+template <int TIES>
+static __device__ inline struct place place_in(const struct marcher<TIES> *w,
+                                               int j)
 {
-    if (!within(w->g, w->i, j))
-        return make(0, 0, 0);
-    return value_at(x, place{w->i + w->g.m * j, w->i, j});
+    int i = least(most(w->i, 0), w->g.m - 1);
+    j = least(j, w->g.n - 1);
+    return place{i + w->g.m * j, i, j};
 }
 
 /* B (x_p - x_q) of all ties that start in row j. */
@@ -195,27 +200,42 @@ static __global__ void __launch_bounds__(march_size<TIES>::threads, 2)
     int bottom = least(w.top + c.rows, t.g.n);
     bool mine = lane >= REACH && lane < c.width + REACH && w.i < t.g.m;
     for (int k = 0; k < X_ROWS - 1; k++)
-        row[(w.j + k) % X_ROWS][lane] = x_of(&w, &x, w.j + k);
-    w.next = x_of(&w, &x, w.j + X_ROWS - 1);
+        row[(w.j + k) % X_ROWS][lane] = value_at(&x, place_in(&w, w.j + k));
+    vec next = value_at(&x, place_in(&w, w.j + X_ROWS - 1));
     fetch_row(&w, t.block, w.j);
     __syncthreads();
     for (; w.j < bottom; w.j++) {
         vec(*pass)[march_size<TIES>::threads] = passed[w.j % 2];
+        struct place at = place_in(&w, w.j);
+        struct place come = place_in(&w, w.j + X_ROWS - 1);
+        decltype(take(&x, come)) parts = {};
+        decltype(about(&end, at)) own = {};
+        struct base base = {};
+        bool owns = mine && w.j >= w.top;
+        if (MARCH_AHEAD)
+            parts = take(&x, come);
+        if (MARCH_AHEAD && owns) {
+            own = about(&end, at);
+            base = base_of<TIES>(&t, at.p);
+        }
         pull_row(&w, row, pass);
-        row[(w.j + X_ROWS - 1) % X_ROWS][lane] = w.next;
-        w.next = x_of(&w, &x, w.j + X_ROWS);
+        row[(w.j + X_ROWS - 1) % X_ROWS][lane] =
+            MARCH_AHEAD ? made(&x, parts, come) : next;
+        if (!MARCH_AHEAD)
+            next = value_at(&x, place_in(&w, w.j + X_ROWS));
         if (w.j + 1 < bottom)
             fetch_row(&w, t.block, w.j + 1);
         __syncthreads();
-        if (!mine)
-            continue;
-        if (w.j >= w.top) {
-            struct place at = {w.i + t.g.m * w.j, w.i, w.j};
-            vec y = own_part<TIES>(&t, at.p, w.here);
+        if (MARCH_AHEAD && owns) {
+            vec y = own_part<TIES>(&t, base, w.here);
+            arrive(&end, at, own, w.here, add_pulls(&w, pass, y));
+        } else if (owns) {
+            vec y = own_part<TIES>(&t, base_of<TIES>(&t, at.p), w.here);
             y = add_pulls(&w, pass, y);
             arrive(&end, at, about(&end, at), w.here, y);
         }
-        keep_pulls(&w, pass);
+        if (mine)
+            keep_pulls(&w, pass);
     }
 }
 

@@ -112,10 +112,25 @@ struct mixed {
     const struct course *c;
 };
 
-static __device__ vec value_at(const struct mixed *m, struct place at)
+struct mixed_parts {
+    bool first;
+    vec s, p;
+};
+
+static __device__ struct mixed_parts take(const struct mixed *m,
+                                          struct place at)
 {
-    vec s = m->s[at.p];
-    return m->c->first ? s : axpy(s, m->c->beta, m->p[at.p]);
+    struct mixed_parts x = {m->c->first != 0, m->s[at.p], {0, 0, 0}};
+    if (!x.first)
+        x.p = m->p[at.p];
+    return x;
+}
+
+static __device__ vec made(const struct mixed *m, struct mixed_parts x,
+                           struct place at)
+{
+    (void)at;
+    return x.first ? x.s : axpy(x.s, m->c->beta, x.p);
 }
 
 /* Of A p: writes p[k], q[k] and item[k]. */

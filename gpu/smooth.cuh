@@ -110,18 +110,42 @@ struct raised {
     const uint8_t *rule, *fixed; /* fixed: NULL: all free */
 };
 
-static __device__ inline vec value_at(const struct raised *s, struct place at)
+/* Corner k of 4, x before y: its coarse particle is (i + k % 2) / 2 along i. */
+struct raised_parts {
+    vec here, corner[4];
+    int rule; /* -1 where fixed */
+};
+
+static __device__ inline struct raised_parts take(const struct raised *s,
+                                                  struct place at)
 {
-    vec here = s->x[at.p], sum = make(0, 0, 0);
-    if (s->fixed && s->fixed[at.p])
-        return here;
-    int rule = s->rule[at.p];
-    for (int y = at.j / 2; y <= (at.j + 1) / 2; y++)
-        for (int x = at.i / 2; x <= (at.i + 1) / 2; x++) {
-            int part = part_of(rule, at.i - 2 * x, at.j - 2 * y);
-            sum = axpy(sum, R(0.25) * (real)part, s->coarse[x + s->m * y]);
-        }
-    return add(here, sum);
+    struct raised_parts x;
+    x.here = s->x[at.p];
+    x.rule = s->fixed && s->fixed[at.p] ? -1 : s->rule[at.p];
+    UNROLL
+    for (int k = 0; k < 4; k++)
+        x.corner[k] =
+            s->coarse[(at.i + k % 2) / 2 + s->m * ((at.j + k / 2) / 2)];
+    return x;
+}
+
+static __device__ inline vec made(const struct raised *s, struct raised_parts x,
+                                  struct place at)
+{
+    (void)s;
+    vec sum = make(0, 0, 0);
+    if (x.rule < 0)
+        return x.here;
+    UNROLL
+    for (int k = 0; k < 4; k++) {
+        int right = k % 2, up = k / 2;
+        if ((right && at.i % 2 == 0) || (up && at.j % 2 == 0))
+            continue; /* the corner before is this one */
+        int part = part_of(x.rule, at.i - 2 * ((at.i + right) / 2),
+                           at.j - 2 * ((at.j + up) / 2));
+        sum = axpy(sum, R(0.25) * (real)part, x.corner[k]);
+    }
+    return add(x.here, sum);
 }
 
 static __host__ __device__ inline struct raised

@@ -15,14 +15,28 @@ struct ties {
     const sym *block;  /* [SPRINGS or STENCIL · m·n] */
 };
 
-/* Where x comes from: value_at(&source, place), which none writes meanwhile. */
+/* Where x comes from: made(&source, take(&source, place), place), which none
+ * writes meanwhile; take only reads, so that it may run ahead. */
 struct plain {
     const vec *x;
 };
 
-static __device__ inline vec value_at(const struct plain *s, struct place at)
+static __device__ inline vec take(const struct plain *s, struct place at)
 {
     return s->x[at.p];
+}
+
+static __device__ inline vec made(const struct plain *s, vec x, struct place at)
+{
+    (void)s;
+    (void)at;
+    return x;
+}
+
+template <class X>
+static __device__ inline vec value_at(const X *s, struct place at)
+{
+    return made(s, take(s, at), at);
 }
 
 static __device__ inline struct place beside(struct grid g, struct place at,
@@ -32,13 +46,33 @@ static __device__ inline struct place beside(struct grid g, struct place at,
 }
 
 /* What of A x is no tie's: of springs by mass, of couplings by excess. */
+struct base {
+    real mass;
+    sym extra; /* or excess */
+};
+
 template <int TIES>
-static __device__ inline vec own_part(const struct ties *t, int p, vec x)
+static __device__ inline struct base base_of(const struct ties *t, int p)
+{
+    struct base b = {};
+    if (TIES == STENCIL) {
+        b.extra = fetch(t->excess + p);
+        return b;
+    }
+    b.mass = t->mass[p];
+    if (t->extra)
+        b.extra = fetch(t->extra + p);
+    return b;
+}
+
+template <int TIES>
+static __device__ inline vec own_part(const struct ties *t, struct base b,
+                                      vec x)
 {
     if (TIES == STENCIL)
-        return own(t->excess[p], x);
-    vec y = own(t->mass[p], x);
-    return t->extra ? add(y, apply(t->extra[p], x)) : y;
+        return own(b.extra, x);
+    vec y = own(b.mass, x);
+    return t->extra ? add(y, apply(b.extra, x)) : y;
 }
 
 /* Row p of A x, gathered from all neighbours: y of the particle plus what its
@@ -49,7 +83,8 @@ template <int TIES, int GROUP, class X>
 static __device__ inline vec gathered(const struct ties *t, const X *x,
                                       struct place at, vec *here)
 {
-    vec own = *here = value_at(x, at), y = own_part<TIES>(t, at.p, own);
+    vec own = *here = value_at(x, at);
+    vec y = own_part<TIES>(t, base_of<TIES>(t, at.p), own);
     UNROLL
     for (int first = 0; first < TIES; first += GROUP) {
         sym before[GROUP], after[GROUP];
