@@ -10,12 +10,12 @@ build=$1 status=0
 export OMP_NUM_THREADS=1 OMP_WAIT_POLICY=passive
 
 # The longest first. Times within a part are compared, so a part is one run.
-parts='work stress drift contact orders stages skip stability'
+parts='stress work drift contact orders stages skip stability'
 options="--backend ${BACKEND-ref}"
 if [ -n "${QUICK-}" ]; then
     out=$build/quick options="$options --quick"
 else
-    out=ci/bench/$2 parts="lion $parts bench"
+    out=ci/bench/$2 parts="lion bench $parts"
 fi
 mkdir -p "$out"
 # shellcheck disable=SC2086
