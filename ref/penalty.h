@@ -7,13 +7,13 @@
 #include "ref/contact.h"
 
 struct penalty {
-    int64_t nv, n;           /* vertices, contacts; 4 n < 2^31 */
-    const real *w;           /* [nv] 1/kg, ≥ 0; 0: led */
-    const vec *u;            /* [nv] m/s, mean velocity of the step */
-    const vec *g;            /* [nv] N·s, what they took up so far, where free */
-    real stiffness;          /* N/m, > 0, of a contact */
-    real dt, tau;            /* s, > 0: step, and the solver's span */
-    real slip;               /* m/s, > 0: friction is viscous below */
+    int64_t nv, n;  /* vertices, contacts; 4 n < 2^31 */
+    const real *w;  /* [nv] 1/kg, ≥ 0; 0: led */
+    const vec *u;   /* [nv] m/s, mean velocity of the step */
+    const vec *g;   /* [nv] N·s, what they took up so far, where free */
+    real stiffness; /* N/m, > 0, of a contact */
+    real dt, tau;   /* s, > 0: step, and the solver's span */
+    real slip;      /* m/s, > 0: friction is viscous below */
     struct contact *contact; /* [n], out: impulse and tangent of each */
 
     int64_t nv1, n4; /* nv + 1, 4 n */
