@@ -123,9 +123,6 @@ all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, t
 say-gpu:
 	@$(if $(GPU),,echo 'drape: $(if $(NVCC),no device,no nvcc) here: CPU part only')
 
-ifdef TEST_OPT
-$(TEST_O): override OPT := $(TEST_OPT)
-endif
 $(BUILD)/%.32.o: %.c
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=32 -c $< -o $@
@@ -270,13 +267,13 @@ certify: ## compares ref and gpu on the device: ci/certificate.json
 	$(MAKE) GPU=yes $(BUILD)/check-cuda $(BUILD)/drape
 	sh ci/certify.sh $(BUILD) ci/certificate.json
 
-# KERNELS= leaves the emulated kernels without sanitizers, as check does for
-# the time that compiling them takes.
+# KERNELS= leaves the emulated kernels and the tests themselves without
+# sanitizers, as check does for the time that compiling them takes.
 KERNELS ?= yes
+asan: $(if $(KERNELS),,$(BUILD)/check)
 asan: ## stages and emulated kernels under address, undefined sanitizers
 	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/asan GPU= OPT='-O1 -g1' \
-	  TEST_OPT='-O0 -g1' \
-	  $(if $(KERNELS),,EMU_IN=$(ROOT)) \
+	  $(if $(KERNELS),,EMU_IN=$(ROOT) TEST_IN=$(ROOT)) \
 	  SAN='-fsanitize=address,undefined -fno-sanitize-recover=all' \
 	  $(BUILD)/asan/check
 	$(BUILD)/asan/check --cases 1 --stages --self-test \
