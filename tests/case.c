@@ -142,7 +142,7 @@ static bool plant(struct run *r, enum fault fault, uint8_t poison)
 }
 
 static struct case_result run_once(const struct stage *stage, const uint8_t *s,
-                                   uint8_t poison, enum fault fault)
+                                   uint8_t poison, enum fault fault, bool prop)
 {
     struct case_result c = {0};
     struct run r = {.stage = stage};
@@ -162,7 +162,7 @@ static struct case_result run_once(const struct stage *stage, const uint8_t *s,
     if (c.faulted && fault == FAULT_INPUT)
         plant(&r, fault, poison); /* a second flip undoes it */
     c.hash = hash_outputs(&r, c.status);
-    if (!c.failed && c.status == DRAPE_OK && fault == FAULT_NONE)
+    if (!c.failed && c.status == DRAPE_OK && prop)
         c.failed = stage->prop(r.s);
     release(&r);
     free(r.s);
@@ -176,8 +176,9 @@ struct case_result case_run(const struct stage *stage, struct bytes *b,
     if (!s)
         abort();
     stage->gen(b, s);
-    struct case_result a = run_once(stage, s, 0x55, fault);
-    struct case_result z = run_once(stage, s, 0xaa, fault);
+    /* Of the second run the hash is enough: it is the same outputs or fails. */
+    struct case_result a = run_once(stage, s, 0x55, fault, fault == FAULT_NONE);
+    struct case_result z = run_once(stage, s, 0xaa, fault, false);
     if (!a.failed)
         a.failed = z.failed;
     if (!a.failed && a.hash != z.hash)
