@@ -7,20 +7,8 @@ set -u
 build=$1
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-passed=0 failed=0 skipped=0
-
-# ok NAME COMMAND...: succeeds or fails as one check
-ok() {
-    name=$1
-    shift
-    if "$@" >"$work/log" 2>&1; then
-        passed=$((passed + 1))
-    else
-        failed=$((failed + 1))
-        echo "FAILED $name"
-        tail -n 20 "$work/log"
-    fi
-}
+log=$work/log
+. ci/ok.sh
 
 ok install make BUILD="$build" DESTDIR="$work" PREFIX=/usr install
 export PKG_CONFIG_PATH="$work/usr/lib/pkgconfig"

@@ -20,37 +20,24 @@ else
         exit 0
     fi
 fi
-passed=0 failed=0 skipped=0
-
-# Checks that a command succeeds.
-is() {
-    what=$1
-    shift
-    if "$@" >"$log" 2>&1; then
-        passed=$((passed + 1))
-    else
-        echo "FAILED $scene: $what"
-        tail -n 3 "$log"
-        failed=$((failed + 1))
-    fi
-}
+. ci/ok.sh
 
 # The last line of an audit of a directory, which counts its pairs.
 ours() { "$build/drape" audit "$1" 2>&1 | tail -n 1; }
 cgal() { "$build/frames" "$1" 2>&1 | tail -n 1; }
 
 rm -rf "$out"
-is 'runs' env DRAPE_MODELS="$models" "$build/drape" run "$scene" \
+ok 'runs' env DRAPE_MODELS="$models" "$build/drape" run "$scene" \
     --frames 120 --no-obj --threads 1 --out "$out"
 none="$out: 121 frames, 0 of them with intersecting pairs, 0 pairs"
-is 'no pair by our predicates' test "$(ours "$out")" = "$none"
+ok 'no pair by our predicates' test "$(ours "$out")" = "$none"
 if [ -x "$build/frames" ]; then
-    is 'no pair by CGAL' test "$(cgal "$out")" = "$none"
+    ok 'no pair by CGAL' test "$(cgal "$out")" = "$none"
     # Two frames laid into each other: both audits find the same pairs.
     mkdir -p "$out/two/frames"
     cp "$out/frames/cloth_0060.ply" "$out/two/frames/cloth_0000.ply"
     cp "$out/frames/cloth_0061.ply" "$out/two/obstacles.ply"
-    is 'pairs where there are some' sh -c \
+    ok 'pairs where there are some' sh -c \
         'echo "$1"; echo "$1" | grep -q "1 of them" && [ "$1" = "$2" ]' \
         sh "$(ours "$out/two")" "$(cgal "$out/two")"
 else

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2154
+# The commands that read and write frames, meshes and pictures.
+# Read by tests/app.sh, whose functions it calls.
+
+# ---- audit, convert, ccd, render ----
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.2 0.2 -1\nv 0.2 0.2 1\nv 0.9 0.9 0\n' >x.obj
+printf 'f 1 2 3\nf 4 5 6\n' >>x.obj
+exits 'audit finds a pair' 1 audit x.obj --list
+is 'audit counts it' grep -q '1 intersecting pairs' out
+is 'audit lists it' grep -qx '0 1' out
+exits 'audit of one against another' 1 audit good.ply x.obj
+refused 'audit of nothing' 'nowhere.ply' audit nowhere.ply
+refused 'audit of no run' 'frames' audit .
+exits 'convert' 0 convert x.obj x.ply --up 0,0,1 --size 2
+exits 'convert keeps the pair' 1 audit x.ply
+refused 'convert up nowhere' '--up' convert x.obj y.ply --up 0,0,0
+row='1,2,0,1,1,4'
+for z in 1 0 0 0 -1 0 0 0; do
+    case $z in
+    1 | -1) echo "1,4,1,4,$z,1" ;;
+    *) echo face ;;
+    esac
+done | awk '$0 == "face" {
+    f[0] = "0,1,0,1,0,1"; f[1] = "2,2,0,3,0,1"; f[2] = "0,1,8,8,0,1"
+    print f[n++ % 3]; next } { print }' >hit.csv
+exits 'ccd touches' 0 ccd --kind vf hit.csv
+is 'ccd gives a time up to one half' awk \
+    '{ exit !(NF == 2 && $1 == 1 && $2 > 0.49 && $2 <= 0.5) }' out
+sed 's/$/,1/' hit.csv >truth.csv
+exits 'ccd with its truth' 0 ccd --kind vf truth.csv
+is 'ccd says none missed' grep -q '1 queries, 0 missed, 0 invented' err
+sed 's/$/,0/' hit.csv >lie.csv
+exits 'ccd against a lie' 1 ccd --kind vf lie.csv
+{
+    sed -n 1,2p hit.csv
+    echo "$row,"
+} >row.csv
+refused 'ccd row, by line' 'line 3' ccd --kind vf row.csv
+sed '4s/.*/1,3,0,1,0,1/' hit.csv >third.csv
+sed -n 1,3p third.csv >none.csv
+refused 'ccd of a third' 'line 4' ccd --kind vf third.csv
+refused 'ccd of half a query' 'line 3' ccd --kind vf none.csv
+sed '2s/,1,0,1$/,0,0,1/' hit.csv >zero.csv
+refused 'ccd of a zero denominator' 'line 2' ccd --kind vf zero.csv
+: >none.csv
+refused 'ccd of nothing' 'query' ccd --kind vf none.csv
+long=100000000000000000000000000000000000000000
+sed "5s/.*/$long,4$(echo $long | cut -c2-),1,4,-1,1/" hit.csv >long.csv
+exits 'ccd of long rationals' 0 ccd --kind vf long.csv
+is 'the same answer' awk '{ exit !($1 == 1 && $2 > 0.49) }' out
+refused 'ccd without kind' '--kind' ccd hit.csv
+head -n 8 good.ply >before.ply
+sed -i 's/vertex 3/vertex 6/; s/face 1/face 2/' before.ply
+cp before.ply after.ply
+# A triangle falls through the middle of another, flat one.
+for z in 1 -1; do
+    file=before.ply
+    [ $z = 1 ] || file=after.ply
+    printf '%s\n' 'end_header' '0 0 0' '4 0 0' '0 4 0' \
+        "1 1 $z" "1 2 $((z + 9))" "2 1 $((z + 9))" '3 0 1 2' '3 3 4 5' >>$file
+done
+exits 'ccd of two frames' 0 ccd --frames before.ply after.ply
+is 'the vertex that falls through' test "$(cat out)" = 'vf 3 0 1 2'
+exits 'ccd of a mesh at rest' 0 ccd --frames before.ply before.ply
+is 'nothing touches' test ! -s out
+refused 'ccd of one frame' 'two meshes' ccd --frames before.ply
+refused 'ccd of two meshes' 'good.ply' ccd --frames before.ply good.ply
+# Pairs in any order of their vertices, one form for each.
+pairs() {
+    python3 -c '
+import sys
+for line in sys.stdin:
+    kind, *v = line.split()
+    v = list(map(int, v))
+    w = [v[:1], sorted(v[1:])] if kind == "vf" else sorted(
+        [sorted(v[:2]), sorted(v[2:])])
+    print(kind, *w[0], *w[1])' | sort
+}
+frames=$root/../shared/ccd/frames/cloth-funnel
+if [ -e "$frames/hits.txt" ]; then
+    exits 'ccd of cloth-funnel' 0 ccd --frames "$frames/t0.ply" "$frames/t1.ply"
+    pairs <out >got.txt
+    pairs <"$frames/hits.txt" >expected.txt
+    is 'all its 134 pairs, and no other' cmp got.txt expected.txt
+else
+    skip 'ccd of cloth-funnel: the frames are not here'
+fi
+exits 'render' 0 render 'an out' --frame 6 --width 64 --height 48 --samples 1
+cp 'an out/pictures/frame_0006.png' once.png
+exits 'render again' 0 render 'an out' --frame 6 --width 64 --height 48 \
+    --samples 1
+is 'the same picture' cmp once.png 'an out/pictures/frame_0006.png'
+refused 'render of no frame' 'last frame' render 'an out' --frame 7
+refused 'render of no run' 'frames' render .
+exits 'film' 0 render 'an out' --width 64 --height 48 --samples 1
+is 'film or a word' sh -c 'test -s "an out/film.mp4" || grep -q ffmpeg err'
+exits 'plan' 0 plan tiny.json
+is 'plan says on and off' sh -c 'grep -q " on " out && grep -q " off " out'
+
+# What is written of ranges and defaults, against what is so.
+line=$(python3 "$root/tests/defaults.py" "$drape" \
+    "$root/app/scenes/README.md" | tee defaults | tail -n 1)
+grep '^not ok' defaults
+passed=$((passed + ${line%% *}))
+failed=$((failed + $(echo "$line" | cut -d' ' -f3)))
+
+# The tables of the paper's figures, of a scene that takes no time.
+is 'runs for the tables' sh -c 'cd "$1" && SCENES=tiny FRAMES=6 SHORT=4 \
+    EVERY=2 STEPS=1 THREADS="1 2" BACKEND=ref sh ci/bench/scenes.sh \
+    "${2%/*}" "$3/bench"' sh "$root" "$drape" "$work"
+is 'tables of them' python3 "$root/ci/bench/tables.py" bench/results tables
+is 'steps of frames 5 and 6 by the reference, the same' sh -c \
+    '[ "$(cut -d, -f1-4,8 tables/figure12.csv | tr "\n" " ")" = "scene,from \
+step,steps,threads,same counts and energies tiny,5,1,1,yes tiny,5,1,2,yes " ]'
+is 'the paper beside them' grep -q '^scene.*GTX 680' tables/figure8.csv
+is 'plots are XML' python3 -c '
+import xml.dom.minidom
+for k in range(8, 13):
+    xml.dom.minidom.parse("tables/figure%d.svg" % k)'
+
+for json in "$root"/app/scenes/*.json; do
+    name=$(basename "$json" .json)
+    case $name in
+    buddha* | lion* | dragon*) continue ;; # their statues may not be here
+    esac
+    exits "scene $name" 0 plan "$json"
+done

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2154
+# What is asked of scenes and meshes.
+# Read by tests/app.sh, whose functions it calls.
+
+# ---- scenes ----
+printf '{"frames": 3,\n "cloths": [}\n' >broken.json
+refused 'malformed JSON, by line' 'broken.json: line 2' run broken.json
+: >empty.json
+refused 'empty scene' 'empty.json: line 1' run empty.json
+printf '[1]' >list.json
+refused 'scene is a list' 'expected an object' run list.json
+printf '{}' >bare.json
+refused 'no cloth' 'cloths' run bare.json
+refused 'missing scene' 'nowhere.json' run nowhere.json
+refused 'scene is a directory' 'directory' run .
+scene key.json ', "gravityy": [0, 0, 0]}'
+refused 'unknown key, by name' '"gravityy"' run key.json --out refused
+scene key.json ', "wind": {"speed": 3}}'
+refused 'unknown key, by path' '$.wind' run key.json --out refused
+scene key.json ', "frames": 5}'
+refused 'key twice' 'twice' run key.json --out refused
+scene key.json ', "dt": "fast"}'
+refused 'wrong type' '$.dt: expected a number' run key.json --out refused
+scene key.json ', "dt": -1}'
+refused 'out of range' '$.dt: -1' run key.json --out refused
+scene key.json ', "dt": 1e999}'
+refused 'number overflows' '$.dt' run key.json --out refused
+scene key.json ', "gravity": [0, 1]}'
+refused 'short vector' '$.gravity: expected a list of 3' run key.json
+scene key.json ', "gravity": [0, 1, null]}'
+refused 'vector of null' '$.gravity[2]' run key.json
+scene key.json ', "integrator": "magic"}'
+refused 'unknown choice' '"choi-ko"' run key.json
+scene key.json ', "precision": 48}'
+refused 'precision 48' 'precision' run key.json
+scene key.json ', "motions": [{"name": "a", "keys": []}]}'
+refused 'motion without keys' '$.motions[0]' run key.json
+sed 's/\[9, 9\]/[40000, 9]/' tiny.json >big.json
+refused 'cloth beyond 32768' '$.cloths[0].particles[0]' run big.json
+sed 's/\[9, 9\]/[32768, 32768]/' tiny.json >big.json
+refused 'cloth beyond the memory' 'memory' run big.json --out refused
+scene key.json ', "memory": 0.001}'
+sed 's/\[9, 9\]/[900, 900]/' key.json >big.json
+refused 'memory limit' 'memory limit' run big.json --out refused
+sed 's/\[9, 9\]/[29, 29]/' key.json >big.json
+exits 'no memory for a step' 3 run big.json --out short
+is 'what was done is reported' grep -q '"end": "failed"' short/report.json
+is 'and its frames are there' test -s short/cloth.pc2
+sed 's/\[9, 9\]/[9.5, 9]/' tiny.json >key.json
+refused 'half a particle' 'whole' run key.json
+sed 's/"at": \[0, 0.36, 0\]/"at": [0, 0.2, 0]/' tiny.json >start.json
+refused 'start that intersects, with its count' 'intersect' \
+    run start.json --out refused
+is 'the count is there' grep -q '[1-9][0-9]*' err
+exits 'start that intersects, allowed' 0 plan start.json --allow-intersecting
+sed 's/"thickness": 0.01/"thickness": 0/' tiny.json >key.json
+refused 'thickness 0' 'thickness' run key.json --out refused
+
+# ---- meshes ----
+obstacle nowhere.obj
+refused 'missing mesh' 'nowhere.obj' run mesh.json --out refused
+for end in ply obj off stl gltf; do
+    : >empty.$end
+    obstacle empty.$end
+    refused "empty $end" "empty.$end" run mesh.json --out refused
+done
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\n' >points.obj
+obstacle points.obj
+refused 'points only' 'points.obj' run mesh.json --out refused
+printf 'v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n' >nan.obj
+obstacle nan.obj
+refused 'NaN in OBJ' 'not finite' run mesh.json --out refused
+head='ply\nformat ascii 1.0\nelement vertex 3\nproperty double x
+property double y\nproperty double z\nelement face 1
+property list uchar int vertex_indices\nend_header\n'
+# shellcheck disable=SC2059
+{
+    printf "${head}0 0 0\n1 0 0\n0 inf 0\n3 0 1 2\n" >inf.ply
+    printf "${head}0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n" >index.ply
+    printf "${head}0 0 0\n1 0 0\n0 1\n" >short.ply
+    printf "${head}0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n" >good.ply
+}
+obstacle inf.ply
+refused 'infinity in PLY' 'not finite' run mesh.json --out refused
+obstacle index.ply
+refused 'index out of range' 'vertex 7' run mesh.json --out refused
+obstacle short.ply
+refused 'PLY that ends early' 'short.ply' run mesh.json --out refused
+printf 'ply\nformat martian 1.0\nend_header\n' >format.ply
+obstacle format.ply
+refused 'PLY of no format, by line' 'line 2' run mesh.json --out refused
+obstacle good.ply
+exits 'good PLY' 0 run mesh.json --out good
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 0 0\nf 1 2 3\nf 1 2 4\n' >flat.obj
+obstacle flat.obj
+exits 'degenerate faces are accepted' 0 run mesh.json --out flat
+is 'and reported' grep -q '1 triangles without area' err
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\n' \
+    >fins.obj
+obstacle fins.obj
+exits 'non-manifold obstacle is accepted' 0 run mesh.json --out fins

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2154
+# A run, its checkpoints, and a disk that is full.
+# Read by tests/app.sh, whose functions it calls.
+
+# ---- a run and what it leaves ----
+mkdir 'a path'
+cp tiny.json 'a path/my scene.json'
+exits 'path with spaces' 0 run 'a path/my scene.json' --out 'an out'
+for name in frames/cloth_0006.ply frames/cloth_0006.obj obstacles.ply \
+    cloth.pc2 report.json; do
+    is "leaves $name" test -s "an out/$name"
+done
+is 'no part is left' sh -c '! find "an out" -name "*.part" | grep -q .'
+is 'report.json is JSON with 6 steps' python3 -c '
+import json
+r = json.load(open("an out/report.json"))
+assert [s["step"] for s in r["steps"]] == [1, 2, 3, 4, 5, 6]
+assert r["end"] == "complete" and r["summary"]["steps"] == 6
+m = r["memory"]
+assert m["host_bytes"] == sum(row["bytes"] for row in r["plan"]) > 0
+assert 0 < m["host_bytes"] < r["held_bytes"] and m["device_bytes"] == 0'
+is 'cloth.pc2 holds all frames' python3 -c '
+import struct
+d = open("an out/cloth.pc2", "rb").read()
+assert struct.unpack("<12siiffi", d[:32]) == (
+    b"POINTCACHE2\0", 1, 81, 0.0, 1.0, 7)
+assert len(d) == 32 + 7 * 81 * 12
+p = open("an out/frames/cloth_0006.ply", "rb").read()
+p = p[p.index(b"end_header\n") + 11:][:81 * 12]
+assert d[-81 * 12:] == p'
+exits 'every second frame' 0 run tiny.json --out second --every 2
+is 'frames 0, 2, 4, 6' sh -c 'cd second/frames && [ "$(echo *.ply)" = \
+    "cloth_0000.ply cloth_0002.ply cloth_0004.ply cloth_0006.ply" ]'
+is 'the same frame' cmp second/frames/cloth_0004.ply \
+    'an out/frames/cloth_0004.ply'
+is 'cloth.pc2 holds those, two frames apart' python3 -c '
+import struct
+head = open("second/cloth.pc2", "rb").read(32)
+assert struct.unpack("<12siiffi", head)[2:] == (81, 0.0, 2.0, 4)'
+exits 'audit of every second frame' 0 audit second
+is 'audit counts those that are there' grep -q '4 frames, 0 of them' out
+exits 'picture of a kept frame' 0 render second --frame 4 --width 64 \
+    --height 48 --samples 1
+refused 'picture of a frame that was left out' 'last frame is 6' \
+    render second --frame 3
+exits 'film of what is there' 0 render second --width 64 --height 48 \
+    --samples 1 --no-film
+is 'four pictures' grep -q ': 4 pictures' out
+exits 'all frames over those' 0 run tiny.json --out second --frames 1
+is 'nothing of the run before is left' sh -c 'cd second/frames &&
+    [ "$(echo *)" = "cloth_0000.obj cloth_0000.ply cloth_0001.obj \
+cloth_0001.ply" ]'
+exits 'audit of the run' 0 audit 'an out'
+is 'audit says 0 pairs' grep -q '7 frames, 0 of them .*, 0 pairs' out
+exits '64 bits' 0 run tiny.json --out wide --precision 64
+is '64 bits writes doubles' grep -aq 'property double x' wide/obstacles.ply
+exits 'trace' 0 run tiny.json --out traced --trace
+is 'trace has stages' grep -q '^1,[a-z]' traced/trace.csv
+for threads in 1 3; do
+    exits "$threads threads" 0 run tiny.json --out t$threads \
+        --threads $threads
+done
+is 'same bits for 1 and 3 threads' cmp t1/cloth.pc2 t3/cloth.pc2
+is 'output to a pipe: plain lines' sh -c \
+    '"$0" run tiny.json --out piped 2>&1 | grep -q "step 6/6"' "$drape"
+is 'no carriage return in a pipe' sh -c \
+    '! "$0" run tiny.json --out piped 2>&1 | grep -q "$(printf "\r")"' "$drape"
+exits '--error' 0 run tiny.json --out near --frames 6 --error 0.004
+is '--error chooses shorter steps and says its estimate' python3 -c '
+import json
+r = json.load(open("near/report.json"))
+assert r["dt"] < 1 / 61 and 0 < r["error"]["estimated"] <= 0.004
+assert abs(r["dt"] * r["steps_per_frame"] - 1 / 60) < 1e-12
+assert len(r["steps"]) == 6 * r["steps_per_frame"]'
+refused '--error of no number' '--error' run tiny.json --error small
+refused '--error of 0' '--error' run tiny.json --error 0
+refused '--error and --resume' '--error' \
+    run tiny.json --error 1 --resume half/checkpoint.drape
+
+# ---- checkpoints ----
+exits 'checkpoint' 0 run tiny.json --out half --frames 4 --checkpoint-every 4
+exits 'resume' 0 run tiny.json --out half --resume half/checkpoint.drape
+is 'resumed equals unbroken' cmp half/cloth.pc2 'an out/cloth.pc2'
+is 'report has all steps' python3 -c '
+import json
+r = json.load(open("half/report.json"))
+assert [s["step"] for s in r["steps"]] == [1, 2, 3, 4, 5, 6]'
+refused 'resume from nothing' 'nothing.drape' \
+    run tiny.json --out refused --resume nothing.drape
+refused 'resume from no checkpoint' 'tiny.json' \
+    run tiny.json --out refused --resume tiny.json
+head -c 200 half/checkpoint.drape >cut.drape
+refused 'resume from a part' 'cut.drape' \
+    run tiny.json --out refused --resume cut.drape
+sed 's/\[9, 9\]/[8, 8]/' tiny.json >other.json
+refused 'resume another scene' 'half/checkpoint.drape' \
+    run other.json --out refused --resume half/checkpoint.drape
+scene long.json ', "steps_per_frame": 37, "sleep": false}'
+"$drape" run long.json --out cut --frames 100000 >out 2>err &
+child=$!
+for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do
+    sleep 0.25
+    [ ! -s cut/frames/cloth_0001.ply ] || break
+done
+kill -INT $child
+wait $child
+got=$?
+if [ $got -eq 130 ]; then ok 'Ctrl-C exits 130'; else bad "Ctrl-C: $got"; fi
+is 'Ctrl-C leaves a checkpoint' test -s cut/checkpoint.drape
+is 'and the report' grep -q '"end": "interrupted"' cut/report.json
+frames=$(python3 -c '
+import json
+print(len(json.load(open("cut/report.json"))["steps"]) // 37 + 1)')
+exits 'resume after Ctrl-C' 0 run long.json --out cut --frames "$frames" \
+    --resume cut/checkpoint.drape
+exits 'the same unbroken' 0 run long.json --out whole --frames "$frames"
+is 'equal bit for bit' cmp cut/cloth.pc2 whole/cloth.pc2
+
+# ---- a full disk ----
+if [ -e /dev/full ]; then
+    "$drape" help >/dev/full 2>err
+    got=$?
+    if [ $got -eq 3 ]; then ok 'full stdout'; else bad "full stdout: $got"; fi
+else
+    skip 'full stdout: no /dev/full here'
+fi
+# A limit on the size of a file makes write fail as a full disk does.
+(
+    trap '' XFSZ
+    ulimit -f 4
+    "$drape" run tiny.json --out full --frames 1 >out 2>err
+)
+got=$?
+if [ $got -eq 3 ] && grep -q 'cannot write' err; then
+    ok 'file too large'
+else
+    bad "file too large (exit $got)"
+fi
+is 'nothing half-written' sh -c '! find full -name "*.part" | grep -q . &&
+    [ ! -e full/report.json ] && [ ! -e full/cloth.pc2 ]'
+mkdir disk
+if mount -t tmpfs -o size=64k drape disk 2>/dev/null; then
+    exits 'full disk' 3 run tiny.json --out disk/run
+    is 'full disk, one line' test "$(grep -c 'cannot write' err)" -eq 1
+    is 'frames that are there are whole' sh -c '
+        for f in disk/run/frames/cloth_*.ply; do
+            "$0" audit "$f" >/dev/null || exit 1
+        done' "$drape"
+    is 'no part on the full disk' sh -c '! find disk -name "*.part" | grep -q .'
+    umount disk
+else
+    skip 'full disk: no right to mount a small one'
+fi
