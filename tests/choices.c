@@ -55,6 +55,12 @@ int64_t pick_size(struct bytes *b)
     return choose(b) % 1025;
 }
 
+void pick_four(struct bytes *b, int64_t n, int32_t four[4])
+{
+    for (int j = 0; j < 4; j++)
+        four[j] = (int32_t)pick(b, (uint32_t)n);
+}
+
 void *take(struct bytes *b, int64_t count, size_t size)
 {
     if (b->n_taken == b->cap_taken) {

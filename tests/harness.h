@@ -78,6 +78,8 @@ real pick_real(struct bytes *b, real scale);
 /* Uniform in [lo, hi]. */
 real pick_uniform(struct bytes *b, real lo, real hi);
 vec pick_vec(struct bytes *b, real scale);
+/* A pair of primitives: four of n vertices, some of them the same by chance. */
+void pick_four(struct bytes *b, int64_t n, int32_t four[4]);
 /* Memory for inputs, zeroed, freed by the harness after the case. */
 void *take(struct bytes *b, int64_t count, size_t size);
 /* True where gen should make the benchmark's input: large and typical. */

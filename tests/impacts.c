@@ -38,8 +38,7 @@ void gen_impacts(struct bytes *b, struct impacts *s)
     for (int64_t k = 0; k < s->n; k++) {
         kind[k] = (uint8_t)pick(b, 2);
         toi[k] = pick(b, 3) ? NARROW_MISS : pick(b, 2) * 12345;
-        for (int j = 0; j < 4; j++)
-            pair[4 * k + j] = (int32_t)pick(b, (uint32_t)s->nv);
+        pick_four(b, s->nv, pair + 4 * k);
     }
     s->pair = pair;
     s->kind = kind;

@@ -62,8 +62,7 @@ void gen_proximity(struct bytes *b, struct proximity *s)
     }
     for (int64_t k = 0; k < s->n; k++) {
         kind[k] = (uint8_t)pick(b, 2);
-        for (int j = 0; j < 4; j++)
-            pair[4 * k + j] = (int32_t)pick(b, (uint32_t)s->nv);
+        pick_four(b, s->nv, pair + 4 * k);
     }
     s->pair = pair;
     s->kind = kind;
