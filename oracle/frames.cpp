@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Audits a run's frames by CGAL, in the words of `drape audit`, for
 // ci/scenes.sh to compare. Reads what drape writes by a reader of its own.
-// usage: frames DIRECTORY
+// usage: frames DIRECTORY [EVERY]
 #include "oracle/oracle.h"
 
 #include <cinttypes>
@@ -111,20 +111,21 @@ int64_t pairs_of(const std::string &directory, int frame)
 
 int main(int argc, char **argv)
 {
-    if (argc != 2) {
-        std::fputs("usage: frames DIRECTORY\n", stderr);
+    const int every = argc > 2 ? std::atoi(argv[2]) : 1;
+    if (argc < 2 || argc > 3 || every < 1) {
+        std::fputs("usage: frames DIRECTORY [EVERY]\n", stderr);
         return 2;
     }
     int64_t sum = 0, bad = 0, found;
-    int frame = 0;
-    for (; (found = pairs_of(argv[1], frame)) >= 0; frame++) {
+    int frames = 0;
+    for (; (found = pairs_of(argv[1], frames * every)) >= 0; frames++) {
         sum += found;
         bad += found > 0;
     }
-    if (frame == 0)
+    if (frames == 0)
         fail(argv[1], "no frames/cloth_0000.ply here");
     std::printf("%s: %d frames, %" PRId64 " of them with intersecting pairs, "
                 "%" PRId64 " pairs\n",
-                argv[1], frame, bad, sum);
+                argv[1], frames, bad, sum);
     return sum != 0;
 }
