@@ -88,8 +88,8 @@ golden-*)
 gcc-O0 | gcc-O3 | clang-O2) flavour ;;
 asan) one sanitizers make -j"$jobs" BUILD="$build" KERNELS= asan ;;
 format)
-    one format sh -c 'ls app/*.[ch] app/examples/* fuzz/*.[ch] gpu/* \
-        oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch] |
+    one format sh -c 'ls app/*.[ch] app/examples/* ci/bench/*.[ch] fuzz/*.[ch] \
+        gpu/* oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch] |
         xargs clang-format --dry-run -Werror'
     ;;
 tidy) one tidy make BUILD="$build" tidy ;;

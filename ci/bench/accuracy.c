@@ -10,16 +10,11 @@
 static const struct part {
     const char *name;
     void (*run)(struct bench *b);
-} parts[] = {{"orders", part_orders},
-             {"work", part_work},
-             {"stability", part_stability},
-             {"stress", part_stress},
-             {"contact", part_contact},
-             {"drift", part_drift},
-             {"skip", part_skip},
-             {"stages", part_stages},
-             {"lion", part_lion},
-             {"backends", part_backends}};
+} parts[] = {{"orders", part_orders},       {"work", part_work},
+             {"stability", part_stability}, {"stress", part_stress},
+             {"contact", part_contact},     {"drift", part_drift},
+             {"skip", part_skip},           {"stages", part_stages},
+             {"lion", part_lion},           {"backends", part_backends}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
 FILE *bench_csv(const struct bench *b, const char *name, const char *header)
