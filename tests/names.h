@@ -266,6 +266,7 @@
 #define test_world_device REAL_NAME(test_world_device)
 #define test_world_random REAL_NAME(test_world_random)
 #define test_world_refusals REAL_NAME(test_world_refusals)
+#define test_world_rest REAL_NAME(test_world_rest)
 #define test_world_restore REAL_NAME(test_world_restore)
 #define test_world_resume REAL_NAME(test_world_resume)
 #define test_world_slices REAL_NAME(test_world_slices)

@@ -59,6 +59,34 @@ const char *test_world_slices(void)
     return NULL;
 }
 
+/* 00 §7.3: a sheet laid on a slope that friction holds is parted from it by
+ * repulsion, a thousandth of a joule against next to none of its own, and that
+ * is no reason to cut a step. */
+const char *test_world_rest(void)
+{
+    for (int k = 0; k < 2; k++) {
+        struct slab d;
+        slab_make(&d, k ? DRAPE_CK : DRAPE_BW);
+        d.cloth.width = d.cloth.height = 0.19;
+        d.cloth.origin[0] = d.cloth.origin[2] = -0.095;
+        d.cloth.origin[1] = 0.1039; /* 0.1 mm within its thickness */
+        d.cloth.material.friction = 0.8;
+        d.obstacle.motion = -1;
+        d.def.gravity[0] = 5.886; /* 9.81 on a slope of 3/4 */
+        d.def.gravity[1] = -7.848;
+        drape_world *world = slab_world(&d);
+        EXPECT(world);
+        for (int step = 0; step < 20; step++) {
+            drape_step_report r;
+            EXPECT(drape_step(world, &r) == DRAPE_OK && r.contacts > 0);
+            EXPECT(r.slices == 1 && r.work.tries == 1);
+            ran(1);
+        }
+        drape_destroy(world);
+    }
+    return NULL;
+}
+
 /* A sheet that rests in empty space until the slab hits it in step 4. */
 static void make_blow(struct slab *d, int integrator)
 {
