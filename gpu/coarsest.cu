@@ -2,7 +2,8 @@
 /* The coarsest grid by a dense factorisation. spec/14_multigrid.md §5 */
 #include "gpu/coarsest.cuh"
 
-enum { FACTOR_BLOCK = 256 };
+/* PITCH: of a row in shared memory, odd for the banks. */
+enum { FACTOR_BLOCK = 256, PITCH = DENSE + 1 };
 
 static __device__ double component(sym b, int r, int c)
 {

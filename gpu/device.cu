@@ -22,6 +22,50 @@ void gpu_note(struct gpu *g, cudaError_t error)
 /* Does nothing; how it was compiled holds for all kernels. */
 static __global__ void probe_kernel(void) {}
 
+cudaError_t gpu_allow_team(struct gpu *g, const void *kernel)
+{
+    if (g->team == kernel)
+        return cudaSuccess;
+    cudaError_t error = cudaFuncSetAttribute(
+        kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, g->room);
+    if (error == cudaSuccess && g->ranks > 1)
+        error = cudaFuncSetAttribute(
+            kernel, cudaFuncAttributeNonPortableClusterSizeAllowed, 1);
+    g->team = error == cudaSuccess ? kernel : NULL;
+    return error;
+}
+
+/* Whether a team of g->ranks can run. */
+static bool team_runs(struct gpu *g)
+{
+    cudaLaunchAttribute cluster = {};
+    cluster.id = cudaLaunchAttributeClusterDimension;
+    cluster.val.clusterDim = {(unsigned)g->ranks, 1, 1};
+    cudaLaunchConfig_t config = {};
+    config.gridDim = {(unsigned)g->ranks, 1, 1};
+    config.blockDim = {GPU_BLOCK, 1, 1};
+    config.dynamicSmemBytes = (size_t)g->room;
+    config.attrs = &cluster;
+    config.numAttrs = 1;
+    int teams = 0;
+    cudaError_t error = gpu_allow_team(g, (const void *)probe_kernel);
+    if (error == cudaSuccess)
+        error = cudaOccupancyMaxActiveClusters(&teams, probe_kernel, &config);
+    cudaGetLastError(); /* an error of these is an answer */
+    return error == cudaSuccess && teams > 0;
+}
+
+/* 16 blocks of a cluster are what a device of compute capability 9 has at
+ * most, 8 what every one has; where a part of it is lent, perhaps none. */
+static void make_team(struct gpu *g, const cudaDeviceProp *p, int ptx)
+{
+    bool clusters = p->major >= 9 && ptx >= 90;
+    g->room = (int)p->sharedMemPerBlockOptin;
+    g->ranks = clusters ? 16 : 1;
+    while (g->ranks > 1 && !team_runs(g))
+        g->ranks /= 2;
+}
+
 static void name_device(struct gpu *g)
 {
     cudaDeviceProp p;
@@ -31,7 +75,8 @@ static void name_device(struct gpu *g)
     gpu_note(g, cudaGetDeviceProperties(&p, g->number));
     /* fails where ARCHES left this device out */
     gpu_note(g, cudaFuncGetAttributes(&code, probe_kernel));
-    g->teams = !g->failed && p.major >= 9 && code.ptxVersion >= 90;
+    if (!g->failed)
+        make_team(g, &p, code.ptxVersion);
     cudaDriverGetVersion(&driver);
     cudaRuntimeGetVersion(&runtime);
     snprintf(g->name, sizeof g->name, "%s, driver CUDA %d.%d, runtime %d.%d",

@@ -147,6 +147,8 @@ struct gpu *gpu_open(const drape_def *def, int *status)
     snprintf(g->name, sizeof g->name, "emulated on the host");
     g->stream = def && def->stream ? def->stream : g;
     g->number = -1;
+    g->ranks = EMULATE_RANKS;
+    g->room = EMULATE_ROOM;
     g->words =
         (int64_t *)gpu_take(g, ARENA_SCRATCH, GPU_WORDS, sizeof *g->words);
     g->seen = (int64_t *)arena_take(&g->host, ARENA_OTHER, GPU_WORDS,

@@ -38,6 +38,9 @@ struct emulate_call {
     }
 };
 
+/* Of a team, gpu/team.cuh: its ranks, and bytes of a rank's room. */
+enum { EMULATE_RANKS = 3, EMULATE_ROOM = 1 << 16 };
+
 void emulate_items(int64_t n, int threads, emulate_call kernel);
 void emulate_blocks(int64_t blocks, int threads, emulate_call kernel);
 

@@ -48,10 +48,12 @@ struct gpu {
     void *stream;
     double event;
 #endif
-    int number; /* of the device; -1: emulated */
-    int block;  /* threads of a block of item kernels */
-    bool teams; /* blocks can form a team */
-    int failed; /* the first failure, or DRAPE_OK */
+    int number;       /* of the device; -1: emulated */
+    int block;        /* threads of a block of item kernels */
+    int ranks;        /* blocks of a team, gpu/team.cuh */
+    const void *team; /* the last kernel that may be a team's */
+    int room;         /* bytes of shared memory that a block of one may have */
+    int failed;       /* the first failure, or DRAPE_OK */
     char name[320];
     int64_t *words; /* device [GPU_WORDS] small results of a stage */
     int64_t *seen;  /* host, pinned [GPU_WORDS] as last read */
@@ -68,6 +70,8 @@ struct gpu {
 /* Notes a failure of CUDA's, the first of which stays. */
 #ifdef __CUDACC__
 void gpu_note(struct gpu *g, cudaError_t error);
+/* Lets a kernel be a team's. */
+cudaError_t gpu_allow_team(struct gpu *g, const void *kernel);
 #endif
 
 /* ---- Kernels of one thread an item ---- */
@@ -112,51 +116,6 @@ void gpu_note(struct gpu *g, cudaError_t error);
 #else
 #define UNROLL
 #endif
-
-/* LAUNCH_TEAM(g, threads, kernel, arguments…): one team of a few blocks that
- * run at once, one where the device cannot, and may all meet in team_sync(). */
-#ifdef __CUDACC__
-enum { TEAM = 8 };
-#define LAUNCH_TEAM(g, threads, kernel, ...)                                   \
-    do {                                                                       \
-        cudaLaunchAttribute cluster_ = {};                                     \
-        cluster_.id = cudaLaunchAttributeClusterDimension;                     \
-        cluster_.val.clusterDim = {TEAM, 1, 1};                                \
-        cudaLaunchConfig_t config_ = {};                                       \
-        config_.gridDim = {(g)->teams ? (unsigned)TEAM : 1u, 1, 1};            \
-        config_.blockDim = {(unsigned)(threads), 1, 1};                        \
-        config_.stream = (g)->stream;                                          \
-        config_.attrs = &cluster_;                                             \
-        config_.numAttrs = (g)->teams ? 1 : 0;                                 \
-        if (!(g)->failed)                                                      \
-            gpu_note((g), cudaLaunchKernelEx(&config_, kernel, __VA_ARGS__));  \
-    } while (0)
-#else
-#define LAUNCH_TEAM(g, threads, kernel, ...)                                   \
-    LAUNCH_BLOCKS(g, 1, threads, kernel, __VA_ARGS__)
-#endif
-
-static __device__ inline int team_thread(void)
-{
-    return (int)(blockIdx.x * blockDim.x + threadIdx.x);
-}
-
-static __device__ inline int team_threads(void)
-{
-    return (int)(gridDim.x * blockDim.x);
-}
-
-/* What was written before it, by any thread of the team, is seen after. */
-static __device__ inline void team_sync(void)
-{
-#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 900
-    asm volatile("barrier.cluster.arrive.release;\n"
-                 "barrier.cluster.wait.acquire;" ::
-                     : "memory");
-#else
-    __syncthreads();
-#endif
-}
 
 /* ---- Small results: counts, flags, a stage's scalars ---- */
 

@@ -64,6 +64,9 @@ static __device__ inline sym fetch_once(const sym *a)
     return joined(__ldcs(b), __ldcs(b + 1), __ldcs(b + 2));
 }
 #else
+struct real2 {
+    real x, y;
+};
 static inline sym fetch(const sym *a)
 {
     return *a;

@@ -142,21 +142,17 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go,
     int levels = lay_out(s, go, l), first = 1;
     struct weights fine = weights_of(2),
                    coarse = weights_of(s->n_extra ? 4 : 2.5);
-    while (l[first].count > TAIL_MOST && first + 1 < levels)
-        first++;
+    struct tail tail = {};
+    int64_t room = fit_tail(&tail, l, levels, &first, g);
     for (int k = 0; k < first; k++)
         go_down(g, &l[k], k ? coarse : fine, k + 2 < levels ? coarse.first : 0);
-    struct tail tail = {};
-    tail.levels = levels - first;
-    for (int k = first; k < levels; k++)
-        tail.level[k - first] = l[k];
     tail.coarsest = coarsest_of(s, &l[levels - 1]);
-    while (tail.level[tail.alone].count > TAIL_ALONE &&
-           tail.alone + 1 < tail.levels)
-        tail.alone++;
     tail.w = coarse;
+    tail.b = l[first].b;
+    tail.y = l[first].y;
+    tail.x = l[first].x;
     tail.go = go;
-    LAUNCH_TEAM(g, TAIL_BLOCK, tail_kernel, tail);
+    LAUNCH_TEAM(g, TAIL_BLOCK, room, tail_kernel, tail);
     for (int k = first - 1; k >= 0; k--)
         go_up(g, &l[k], k ? coarse : fine, k ? NULL : item);
 }

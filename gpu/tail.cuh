@@ -1,115 +1,370 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A cycle's small grids in one kernel: a few blocks that meet at barriers, as
- * a kernel a pass takes longer to start than to run. spec/14_multigrid.md */
+/* A cycle's small grids in one kernel of one team, which keeps them in its
+ * shared memory: a kernel a pass takes longer to start than to run, and a pass
+ * from the L2 cache longer than one from there. spec/14_multigrid.md */
 #ifndef GPU_TAIL_CUH
 #define GPU_TAIL_CUH
 
+#include "gpu/patch.cuh"
 #include "gpu/smooth.cuh"
 
-/* TAIL_MOST: particles of its first grid, where a pass is as fast in a kernel
- * of its own; TAIL_LEVELS: so many halvings of those lead to the coarsest. */
-enum { TAIL_BLOCK = 256, TAIL_LEVELS = 16 };
+/* TAIL_LEVELS: most grids; TAIL_ALONE: particles from which down a grid is
+ * rank 0's alone, if there is room: its barriers are quicker; TAIL_UNITED:
+ * particles of a rank, with fewer each has a thread for every direction. */
 #ifdef __CUDACC__
-enum { TAIL_MOST = 5000, TAIL_ALONE = 300 };
+enum { TAIL_BLOCK = 512, TAIL_LEVELS = 16, TAIL_ALONE = 200, TAIL_UNITED = 72 };
 #else
-enum { TAIL_MOST = 100, TAIL_ALONE = 30 };
+enum { TAIL_BLOCK = 64, TAIL_LEVELS = 16, TAIL_ALONE = 30, TAIL_UNITED = 12 };
 #endif
-
-/* Couplings that are read at once: all, where registers hold them. */
-enum { TAIL_AHEAD = REAL_BITS == 32 ? (int)STENCIL : 4 };
 
 struct tail {
     int levels; /* the last is the coarsest */
-    int alone;  /* from this one on by one block */
-    struct level level[TAIL_LEVELS];
+    struct patch patch[TAIL_LEVELS];
     struct coarsest coarsest;
+    int32_t pull;           /* place of the pulls of a united grid */
+    int32_t dense, unknown; /* of the coarsest's factor, of its unknowns */
     struct weights w;
+    const vec *b, *y; /* the first grid's right-hand side and half-step */
+    vec *x;           /* the result there */
     const int32_t *go;
 };
 
-/* Who works at a grid: the team, or one block alone, whose barriers are
- * quicker and whose streams stay in its cache. */
-struct crew {
-    int thread, threads;
-    bool alone;
-};
-
-static __device__ inline void meet(struct crew c)
+/* Of a grid's coefficients a rank's, without waiting for them: a warp takes
+ * block o of all, two more the others. */
+static __device__ inline void fetch_patch(const struct patch *l)
 {
-    if (c.alone)
-        __syncthreads();
-    else
-        team_sync();
+    enum { EACH = sizeof(sym) / sizeof(real2), WARP = 32 };
+    struct run r = run_of(l);
+    int t = rank_thread();
+    if (t < STENCIL)
+        ((int32_t *)(team_room() + l->table))[t] = l->tie[t];
+    for (int o = t / WARP; o < STENCIL + 2 && r.own > 0;
+         o += rank_threads() / WARP) {
+        bool tie = o < STENCIL;
+        int before = tie ? least(tie_step(l->g, o), r.first) : 0;
+        const sym *start = tie ? l->block_from + (int64_t)o * l->count
+                           : o == STENCIL ? l->factor_from
+                                          : l->excess_from;
+        int place = tie ? l->tie[o] : o == STENCIL ? l->factor : l->excess;
+        const real2 *from = (const real2 *)(start + (r.first - before));
+        real2 *to = (real2 *)syms(place);
+#ifdef __CUDACC__
+#pragma unroll 4
+#endif
+        for (int k = t % WARP; k < EACH * (r.own + before); k += WARP)
+            copy_ahead(to + k, from + k);
+    }
 }
 
-/* All threads of the crew take turns at the particles of a grid. */
-#define EACH_OF(c, g, at)                                                      \
-    for (struct place at = place_of(g, (c).thread); at.p < (g).m * (g).n;      \
-         at = place_of(g, at.p + (c).threads))
-
-template <class END>
-static __device__ inline void pass(struct crew c, const struct level *l,
-                                   const vec *from, END end)
+/* What the first grid starts from. */
+static __device__ inline void fetch_vectors(const struct tail *s)
 {
-    struct ties t = ties_of(l);
-    struct plain x = {from};
-    EACH_OF(c, l->g, at)
+    const struct patch *l = &s->patch[0];
+    struct run r = run_of(l);
+    int high = least(r.first + r.own + l->reach, l->count);
+    int n = s->levels > 1 ? 3 * (high - r.low) : 0; /* else no half-step */
+    const real *y = (const real *)(s->y + r.low);
+    const real *b = (const real *)(s->b + r.first);
+    UNROLL
+    for (int k = 0; k < 3; k++) {
+        int e = rank_thread() + k * rank_threads();
+        if (e < n)
+            ((real *)vecs(l->y))[e] = y[e];
+        if (e < 3 * r.own)
+            ((real *)vecs(l->b))[e] = b[e];
+    }
+    for (int e = rank_thread() + 3 * rank_threads(); e < n; e += rank_threads())
+        ((real *)vecs(l->y))[e] = y[e];
+    for (int e = rank_thread() + 3 * rank_threads(); e < 3 * r.own;
+         e += rank_threads())
+        ((real *)vecs(l->b))[e] = b[e];
+}
+
+/* ---- a row of A x ---- */
+
+/* The pulls of tie o, which is (di, dj), that ends at a particle and of the one
+ * that starts there, 0 where there is none: to add or subtract that changes no
+ * y, which is never -0. x: at the particle. */
+static __device__ inline void pulls_of(struct run r, struct place at, int o,
+                                       int di, int dj, const vec *x, vec f[2])
+{
+    int step = di + r.g.m * dj;
+    int k = at.p - r.first + least(most(step, 0), r.first);
+    bool ends = within(r.g, at.i - di, at.j - dj);
+    bool starts = within(r.g, at.i + di, at.j + dj);
+    const sym *block = syms(((const int32_t *)(team_room() + r.table))[o]);
+    sym in = fetch(block + (ends ? k - step : k)), out = fetch(block + k);
+    vec here = *x, from = x[ends ? -step : 0], to = x[starts ? step : 0];
+    vec none = make(0, 0, 0);
+    f[0] = ends ? apply(in, sub(from, here)) : none;
+    f[1] = starts ? apply(out, sub(here, to)) : none;
+}
+
+/* Adds the pulls of ties from di = FROM to 2 of row dj. */
+template <int FROM>
+static __device__ inline void pull_ties(struct run r, struct place at, int dj,
+                                        const vec *x, vec *y)
+{
+    UNROLL
+    for (int di = FROM; di <= 2; di++) {
+        vec f[2];
+        pulls_of(r, at, 5 * dj + di - 1, di, dj, x, f);
+        *y = add(sub(*y, f[0]), f[1]);
+    }
+}
+
+/* What the ties of a particle add to y, x at byte `from` of the room. One copy
+ * of it is all that the kernel has: what it runs through is soon cached. */
+static __device__ __noinline__ vec pulled(struct run r, struct place at,
+                                          int from, vec y)
+{
+    const vec *x = vecs(from) + (at.p - r.low);
+    pull_ties<1>(r, at, 0, x, &y);
+#ifdef __CUDACC__
+#pragma unroll 1
+#endif
+    for (int dj = 1; dj <= 2; dj++)
+        pull_ties<-2>(r, at, dj, x, &y);
+    return y;
+}
+
+/* The pulls of all particles of a rank, by a thread a direction: [2·STENCIL]
+ * [own] at byte `to`. */
+static __device__ __noinline__ void pull_united(struct run r, int from, int to)
+{
+    for (int u = rank_thread(); u < STENCIL * r.own; u += rank_threads()) {
+        int o = u / r.own, k = u - o * r.own;
+        struct place at = place_of(r.g, r.first + k);
+        vec f[2];
+        pulls_of(r, at, o, toward_i<STENCIL>(o), toward_j<STENCIL>(o),
+                 vecs(from) + (at.p - r.low), f);
+        vecs(to)[2 * o * r.own + k] = f[0];
+        vecs(to)[(2 * o + 1) * r.own + k] = f[1];
+    }
+    __syncthreads();
+}
+
+/* A x at a particle; of a united grid pull_united has run. */
+static __device__ inline vec patch_row(const struct tail *s,
+                                       const struct patch *l, struct run r,
+                                       struct place at, int from)
+{
+    int k = at.p - r.first;
+    vec y = own(fetch(syms(l->excess) + k), vecs(from)[at.p - r.low]);
+    if (!l->united)
+        return pulled(r, at, from, y);
+    const vec *pull = vecs(s->pull) + k;
+    UNROLL
+    for (int o = 0; o < STENCIL; o++)
+        y = add(sub(y, pull[2 * o * r.own]), pull[(2 * o + 1) * r.own]);
+    return y;
+}
+
+/* gain·F (b - A x) */
+static __device__ inline vec patch_step(const struct tail *s,
+                                        const struct patch *l, struct run r,
+                                        struct place at, int from, real gain)
+{
+    vec y = patch_row(s, l, r, at, from);
+    int k = at.p - r.first;
+    sym factor = fetch(syms(l->factor) + k);
+    return scale(gain, solved(factor, sub(vecs(l->b)[k], y)));
+}
+
+/* ---- the passes ---- */
+
+/* The second half-step down, the first being y, and what is left, in y. */
+static __device__ inline void smooth_down(const struct tail *s,
+                                          const struct patch *l)
+{
+    struct run r = run_of(l);
+    if (l->united)
+        pull_united(r, l->y, s->pull);
+    EACH_OF(r, at)
     {
-        auto own = about(&end, at);
-        vec here, y = gathered<STENCIL, TAIL_AHEAD>(&t, &x, at, &here);
-        arrive(&end, at, own, here, y);
+        vec d = patch_step(s, l, r, at, l->y, s->w.second);
+        vec here = vecs(l->y)[at.p - r.low];
+        spread(l, l->x, at.p, add(here, axpy(d, s->w.keep, here)));
     }
-    meet(c);
+    copies_end<0>(); /* of the grids to come */
+    team_sync(l->alone);
+    if (l->united)
+        pull_united(r, l->x, s->pull);
+    EACH_OF(r, at)
+    {
+        vec y = patch_row(s, l, r, at, l->x);
+        vecs(l->y)[at.p - r.low] = sub(vecs(l->b)[at.p - r.first], y);
+    }
+    team_sync(l->alone);
 }
 
-/* From grid `first` to `last`: b of the next one, and its first half-step. */
-static __device__ inline void tail_down(const struct tail *s, struct crew crew,
-                                        int first, int last)
+/* As restrict_at. */
+static __device__ inline void restrict_patch(const struct patch *f,
+                                             const struct patch *l, real first)
 {
-    for (int k = first; k < last; k++) {
-        const struct level *l = &s->level[k], *c = l + 1;
-        pass(crew, l, l->y, half_down(l, s->w));
-        pass(crew, l, l->x, left_after(l));
-        EACH_OF(crew, c->g, at)
-        restrict_at(l, c, at, k + 2 < s->levels ? s->w.first : 0);
-        meet(crew);
+    struct run r = run_of(l);
+    EACH_OF(r, at)
+    {
+        vec sum = make(0, 0, 0), y[9];
+        int rule[9];
+        UNROLL
+        for (int e = 0; e < 9; e++) {
+            int i = least(most(2 * at.i + e % 3 - 1, 0), f->g.m - 1);
+            int j = least(most(2 * at.j + e / 3 - 1, 0), f->g.n - 1);
+            rule[e] = f->rule[i + f->g.m * j];
+            y[e] = owned(f, f->y, i + f->g.m * j);
+        }
+        UNROLL
+        for (int e = 0; e < 9; e++) {
+            int di = e % 3 - 1, dj = e / 3 - 1;
+            if (within(f->g, 2 * at.i + di, 2 * at.j + dj))
+                sum = axpy(sum, R(0.25) * (real)part_of(rule[e], di, dj), y[e]);
+        }
+        int k = at.p - r.first;
+        vecs(l->b)[k] = sum;
+        if (first != 0) {
+            sym factor = fetch(syms(l->factor) + k);
+            spread(l, l->y, at.p, scale(first, solved(factor, sum)));
+        }
     }
+    team_sync(l->alone);
 }
 
-/* From grid `last` to `first`: x with the correction, smoothed. */
-static __device__ inline void tail_up(const struct tail *s, struct crew crew,
-                                      int first, int last)
+/* x with the correction of the coarser grid c. */
+static __device__ inline void prolong_patch(const struct patch *l,
+                                            const struct patch *c)
 {
-    for (int k = last - 1; k >= first; k--) {
-        const struct level *l = &s->level[k];
-        struct raised x = raised_from(l + 1, l);
-        EACH_OF(crew, l->g, at)
-        l->x[at.p] = value_at(&x, at);
-        meet(crew);
-        pass(crew, l, l->x, half_one(l, s->w));
-        pass(crew, l, l->y, half_two(l, s->w));
+    struct run r = run_of(l);
+    EACH_OF(r, at)
+    {
+        struct raised_parts x;
+        x.here = vecs(l->x)[at.p - r.low];
+        x.rule = l->rule[at.p];
+        UNROLL
+        for (int k = 0; k < 4; k++) {
+            int i = (at.i + k % 2) / 2, j = (at.j + k / 2) / 2;
+            x.corner[k] = owned(c, c->x, i + c->g.m * j);
+        }
+        spread(l, l->x, at.p, made((const struct raised *)NULL, x, at));
+    }
+    team_sync(l->alone);
+}
+
+/* Both half-steps up; the result to `to`, or to x where that is NULL. */
+static __device__ inline void smooth_up(const struct tail *s,
+                                        const struct patch *l, vec *to)
+{
+    struct run r = run_of(l);
+    if (l->united)
+        pull_united(r, l->x, s->pull);
+    EACH_OF(r, at)
+    {
+        vec d = patch_step(s, l, r, at, l->x, s->w.first);
+        vecs(l->d)[at.p - r.first] = d;
+        spread(l, l->y, at.p, add(vecs(l->x)[at.p - r.low], d));
+    }
+    team_sync(l->alone);
+    if (l->united)
+        pull_united(r, l->y, s->pull);
+    EACH_OF(r, at)
+    {
+        vec d = patch_step(s, l, r, at, l->y, s->w.second);
+        d = axpy(d, s->w.keep, vecs(l->d)[at.p - r.first]);
+        vec x = add(vecs(l->y)[at.p - r.low], d);
+        if (to)
+            to[at.p] = x;
+        else
+            vecs(l->x)[at.p - r.low] = x;
     }
 }
 
-/* One team. The right-hand side b of its first grid and the first half-step
- * there are given; its x is the result. */
-static __global__ void __launch_bounds__(TAIL_BLOCK)
+/* All that is read of global memory but rules; the first grid's is there when
+ * it returns. */
+static __device__ inline void fetch_all(const struct tail *s)
+{
+    int last = s->levels - 1;
+    if (last > 0)
+        fetch_patch(&s->patch[0]);
+    copies_group();
+    for (int k = 1; k < last; k++)
+        fetch_patch(&s->patch[k]);
+    copies_group();
+    fetch_vectors(s);
+    fetch_coarsest(&s->coarsest, (double *)(team_room() + s->dense));
+    copies_end<1>();
+    team_sync(false);
+}
+
+/* One team, its ranks together at every barrier, whoever has work between.
+ * What one rank writes for another lies between two barriers of the team; of
+ * a grid that is rank 0's alone the others own nothing. */
+static __global__ void __launch_bounds__(TAIL_BLOCK, 1)
     tail_kernel(const __grid_constant__ struct tail s)
 {
     if (idle(s.go))
         return;
-    struct crew team = {team_thread(), team_threads(), false};
-    struct crew block = {(int)threadIdx.x, (int)blockDim.x, true};
     int last = s.levels - 1;
-    tail_down(&s, team, 0, s.alone);
-    if (blockIdx.x == 0) {
-        tail_down(&s, block, s.alone, last);
-        solve_coarsest(&s.coarsest, s.level[last].b, s.level[last].x);
-        __syncthreads();
-        tail_up(&s, block, s.alone, last);
+    const struct patch *end = &s.patch[last];
+    fetch_all(&s);
+    for (int k = 0; k < last; k++) {
+        smooth_down(&s, &s.patch[k]);
+        restrict_patch(&s.patch[k], &s.patch[k + 1],
+                       k + 1 < last ? s.w.first : 0);
     }
-    team_sync();
-    tail_up(&s, team, 0, s.alone);
+    solve_coarsest(&s.coarsest, (const double *)(team_room() + s.dense),
+                   (double *)(team_room() + s.unknown), vecs(end->b),
+                   last || team_rank() ? vecs(end->x) : s.x);
+    for (int k = last - 1; k >= 0; k--) {
+        team_sync(s.patch[k].alone);
+        prolong_patch(&s.patch[k], &s.patch[k + 1]);
+        smooth_up(&s, &s.patch[k], k ? NULL : s.x);
+    }
+}
+
+/* ---- on the host ---- */
+
+/* Lays levels from `first` on out as patches, those from `alone` on of one
+ * rank: the bytes of a room. */
+static int64_t lay_tail(struct tail *s, const struct level *l, int levels,
+                        int first, int alone, int ranks)
+{
+    int64_t at = 0, n = 3 * (int64_t)l[levels - 1].count;
+    s->levels = levels - first;
+    int64_t united = 0;
+    for (int k = first; k < levels; k++) {
+        struct patch *p = &s->patch[k - first];
+        *p = patch_of(&l[k], k >= alone ? 1 : ranks);
+        p->united = k < levels - 1 && p->share <= TAIL_UNITED;
+        if (p->united && united < p->share)
+            united = p->share;
+        at = lay_patch(p, at, k == levels - 1);
+    }
+    s->dense = (int32_t)at;
+    at += (n * dense_pitch((int)n) + 1) / 2 * 2 * (int)sizeof(double);
+    s->unknown = (int32_t)at;
+    at += (n + 1) / 2 * 2 * (int)sizeof(double);
+    s->pull = (int32_t)at;
+    return at + 2 * STENCIL * united * (int)sizeof(vec);
+}
+
+/* The largest grid from which on all of them fit, and how they lie: *first,
+ * ≥ 1; the bytes of a room. */
+static int64_t fit_tail(struct tail *s, const struct level *l, int levels,
+                        int *first, const struct gpu *g)
+{
+    for (*first = 1; *first < levels - 1; ++*first) {
+        int alone = levels - 1;
+        if (levels - *first > TAIL_LEVELS || l[*first].count > 1 << 16)
+            continue;
+        for (int k = levels - 1; k >= *first && l[k].count <= TAIL_ALONE; k--)
+            alone = k;
+        for (; alone < levels; alone++) {
+            int64_t bytes = lay_tail(s, l, levels, *first, alone, g->ranks);
+            if (bytes <= g->room)
+                return bytes;
+        }
+    }
+    return lay_tail(s, l, levels, *first, levels - 1, g->ranks);
 }
 
 #endif

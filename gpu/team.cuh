@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A team: a few blocks, its ranks, that run at once, meet at barriers and see
+ * each other's shared memory. One block where the device cannot. */
+#ifndef GPU_TEAM_CUH
+#define GPU_TEAM_CUH
+
+#include "gpu/gpu.cuh"
+
+/* LAUNCH_TEAM(g, threads, bytes, kernel, arguments…): one team of g->ranks
+ * blocks, each of which has `bytes` ≤ g->room in team_room(). */
+#ifdef __CUDACC__
+#define LAUNCH_TEAM(g, threads, bytes, kernel, ...)                            \
+    do {                                                                       \
+        cudaLaunchAttribute cluster_ = {};                                     \
+        cluster_.id = cudaLaunchAttributeClusterDimension;                     \
+        cluster_.val.clusterDim = {(unsigned)(g)->ranks, 1, 1};                \
+        cudaLaunchConfig_t config_ = {};                                       \
+        config_.gridDim = {(unsigned)(g)->ranks, 1, 1};                        \
+        config_.blockDim = {(unsigned)(threads), 1, 1};                        \
+        config_.dynamicSmemBytes = (size_t)(bytes);                            \
+        config_.stream = (g)->stream;                                          \
+        config_.attrs = &cluster_;                                             \
+        config_.numAttrs = (g)->ranks > 1 ? 1 : 0;                             \
+        if (!(g)->failed)                                                      \
+            gpu_note((g), gpu_allow_team((g), (const void *)(kernel)));        \
+        if (!(g)->failed)                                                      \
+            gpu_note((g), cudaLaunchKernelEx(&config_, kernel, __VA_ARGS__));  \
+    } while (0)
+
+static __device__ inline int team_rank(void)
+{
+    return (int)blockIdx.x;
+}
+
+static __device__ inline int team_ranks(void)
+{
+    return (int)gridDim.x;
+}
+
+static __device__ inline int rank_thread(void)
+{
+    return (int)threadIdx.x;
+}
+
+static __device__ inline int rank_threads(void)
+{
+    return (int)blockDim.x;
+}
+
+static __device__ inline char *team_room(void)
+{
+    extern __shared__ double2 team_words[];
+    return (char *)team_words;
+}
+
+/* p of one's own room in the room of another rank. */
+template <class T> static __device__ inline T *team_at(T *p, int rank)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 900
+    T *there;
+    asm("mapa.u64 %0, %1, %2;" : "=l"(there) : "l"(p), "r"(rank));
+    return there;
+#else
+    (void)rank;
+    return p;
+#endif
+}
+
+/* What was written before it, by any thread of the team, or of the rank
+ * alone, is seen after. */
+static __device__ inline void team_sync(bool alone)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 900
+    if (!alone) {
+        asm volatile("barrier.cluster.arrive.release;\n"
+                     "barrier.cluster.wait.acquire;" ::
+                         : "memory");
+        return;
+    }
+#endif
+    __syncthreads();
+}
+
+/* Copies 8 or 16 bytes to the room, to be seen after copies_end and a barrier;
+ * copies_group ends a group of such copies. */
+template <class T>
+static __device__ inline void copy_ahead(T *to, const T *from)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 800
+    unsigned there = (unsigned)__cvta_generic_to_shared(to);
+    asm volatile("cp.async.ca.shared.global [%0], [%1], %2;" ::"r"(there),
+                 "l"(from), "n"(sizeof(T))
+                 : "memory");
+#else
+    *to = *from;
+#endif
+}
+
+static __device__ inline void copies_group(void)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 800
+    asm volatile("cp.async.commit_group;" ::: "memory");
+#endif
+}
+
+/* Waits for the thread's copies, but for those of the last LEFT groups. */
+template <int LEFT> static __device__ inline void copies_end(void)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 800
+    asm volatile("cp.async.wait_group %0;" ::"n"(LEFT) : "memory");
+#endif
+}
+
+#else /* the ranks of a team are parts of one block, and meet as one */
+
+#define LAUNCH_TEAM(g, threads, bytes, kernel, ...)                            \
+    LAUNCH_BLOCKS(g, (bytes) <= (g)->room, (g)->ranks * (threads), kernel,     \
+                  __VA_ARGS__)
+
+static inline int team_ranks(void)
+{
+    return EMULATE_RANKS;
+}
+
+static inline int rank_threads(void)
+{
+    return (int)blockDim.x / EMULATE_RANKS;
+}
+
+static inline int team_rank(void)
+{
+    return (int)threadIdx.x / rank_threads();
+}
+
+static inline int rank_thread(void)
+{
+    return (int)threadIdx.x % rank_threads();
+}
+
+static inline char *team_room(void)
+{
+    static thread_local double room[EMULATE_RANKS][EMULATE_ROOM / 8];
+    return (char *)room[team_rank()];
+}
+
+template <class T> static inline T *team_at(T *p, int rank)
+{
+    return (T *)((char *)p + (rank - team_rank()) * (int)EMULATE_ROOM);
+}
+
+static inline void team_sync(bool alone)
+{
+    (void)alone;
+    __syncthreads();
+}
+
+template <class T> static inline void copy_ahead(T *to, const T *from)
+{
+    *to = *from;
+}
+
+static inline void copies_group(void) {}
+
+template <int LEFT> static inline void copies_end(void) {}
+
+#endif
+#endif
