@@ -87,7 +87,8 @@ ROOT   ?= $(BUILD)
 EMU_IN ?= $(BUILD)
 EMU_O  := $(patsubst $(BUILD)/%,$(EMU_IN)/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(BUILD)/gpu/emulate.o \
-          $(BUILD)/gpu/emulate_blas.o $(BUILD)/gpu/memory.o)
+          $(BUILD)/gpu/emulate_blas.o $(BUILD)/gpu/emulate_threads.o \
+          $(BUILD)/gpu/memory.o)
 CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(call obj,$(DEVICE),))
 # Without their libraries one file stands in for all oracles but brute force.

@@ -107,6 +107,17 @@ const drape_allocator *gpu_native(void)
     return &native;
 }
 
+void gpu_set_ranks(struct gpu *g, int ranks)
+{
+    g->ranks = ranks < g->ranks ? ranks : g->ranks;
+}
+
+void gpu_set_way(struct gpu *g, struct gpu_way way)
+{
+    (void)g;
+    (void)way;
+}
+
 struct gpu *gpu_open(const drape_def *def, int *status)
 {
     int devices = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The device, its primitives and its threads, on the host. */
+/* The device and its primitives on the host. */
 #include "gpu/gpu.cuh"
 
 #include "certificate.h"
@@ -8,114 +8,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
-#include <ucontext.h>
-
-__thread struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
-__thread unsigned char emulate_lane[1024][8];
-
-/* ---- Threads ---- */
-
-/* A thread of a block is a fiber that runs kernel after kernel. It is started
- * with a stack of its own; after that jumps lead from each to the next. They
- * are the compiler's, which keep three words where setjmp keeps registers,
- * encrypted: changing threads is most of what a barrier costs. Stacks whose
- * distance is a power of two would share a few lines of the cache. */
-enum { STACK = (1 << 20) + 9 * 64, THREADS = 1024, JUMP = 5 };
-static __thread ucontext_t begun;
-static __thread void *scheduler[JUMP], *fiber[THREADS][JUMP];
-static __thread bool done[THREADS], started[THREADS];
-static __thread unsigned in_block, to_run;
-static __thread const emulate_call *running; /* NULL: no fibers */
-static thread_local struct stacks {
-    char *of = NULL; /* the first fiber's */
-    ~stacks() { free(of); }
-} stack;
-
-void emulate_items(int64_t n, int threads, emulate_call kernel)
-{
-    int64_t blocks = n > 0 ? (n + threads - 1) / threads : 0;
-    gridDim = {(unsigned)blocks, 1, 1};
-    blockDim = {(unsigned)threads, 1, 1};
-    for (int64_t b = blocks - 1; b >= 0; b--)
-        for (int t = 0; t < threads; t++) {
-            blockIdx = {(unsigned)b, 0, 0};
-            threadIdx = {(unsigned)t, 0, 0};
-            kernel.run(kernel.with);
-        }
-}
-
-static void live(void);
-
-/* Goes on with fiber t, and never returns. */
-static __attribute__((noinline)) void resume(unsigned t)
-{
-    threadIdx = {t, 0, 0};
-    if (started[t])
-        __builtin_longjmp(fiber[t], 1);
-    started[t] = true;
-    getcontext(&begun);
-    begun.uc_stack.ss_sp = &stack.of[(size_t)t * STACK];
-    begun.uc_stack.ss_size = STACK;
-    makecontext(&begun, live, 0);
-    setcontext(&begun);
-}
-
-/* From fiber t to the next that has not returned, in turn; to the scheduler
- * when all have. Returns when fiber t is resumed. */
-static __attribute__((noinline)) void leave(unsigned t)
-{
-    if (__builtin_setjmp(fiber[t]))
-        return;
-    if (to_run == 0)
-        __builtin_longjmp(scheduler, 1);
-    do
-        t = t + 1 < in_block ? t + 1 : 0;
-    while (done[t]);
-    resume(t);
-}
-
-static void live(void)
-{
-    for (;;) {
-        unsigned t = threadIdx.x;
-        running->run(running->with);
-        done[t] = true;
-        to_run--;
-        leave(t);
-    }
-}
-
-void __syncthreads(void)
-{
-    if (!running) {
-        fputs("emulate: __syncthreads in a kernel of items\n", stderr);
-        abort();
-    }
-    leave(threadIdx.x);
-}
-
-/* All threads go on from barrier to barrier until all have returned. */
-static __attribute__((noinline)) void run_block(unsigned threads)
-{
-    memset(done, 0, threads);
-    in_block = to_run = threads;
-    if (!__builtin_setjmp(scheduler))
-        resume(0);
-}
-
-void emulate_blocks(int64_t blocks, int threads, emulate_call kernel)
-{
-    if (!stack.of)
-        stack.of = (char *)malloc((size_t)THREADS * STACK);
-    gridDim = {(unsigned)(blocks > 0 ? blocks : 0), 1, 1};
-    blockDim = {(unsigned)threads, 1, 1};
-    running = &kernel;
-    for (int64_t b = blocks - 1; b >= 0; b--) {
-        blockIdx = {(unsigned)b, 0, 0};
-        run_block((unsigned)threads);
-    }
-    running = NULL;
-}
 
 /* ---- The device ---- */
 
@@ -158,6 +50,11 @@ struct gpu *gpu_open(const drape_def *def, int *status)
         return g;
     gpu_close(g);
     return NULL;
+}
+
+void gpu_set_ranks(struct gpu *g, int ranks)
+{
+    g->ranks = ranks < EMULATE_RANKS ? ranks : (int)EMULATE_RANKS;
 }
 
 void gpu_close(struct gpu *g)

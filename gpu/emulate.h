@@ -2,11 +2,15 @@
 /* CUDA's words on the host, as far as gpu/ uses them: so the kernels are
  * compiled, run and compared with ref/ where there is no GPU. Blocks run one
  * after another, last first; threads of a block one after another, or, where
- * they synchronise, as fibers. It finds wrong results, not races. Each thread
- * of the host has a device of its own. */
+ * they synchronise, as fibers from barrier to barrier; or all of it the other
+ * way round (gpu_set_way). If between two barriers a thread writes what another
+ * reads or writes, one way has other results than the other: so the two find
+ * wrong results and races, but no others (spec/50_gpu.md §5). Each thread of
+ * the host has a device of its own. */
 #ifndef GPU_EMULATE_H
 #define GPU_EMULATE_H
 
+#include <stddef.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -38,14 +42,27 @@ struct emulate_call {
     }
 };
 
-/* Of a team, gpu/team.cuh: its ranks, and bytes of a rank's room. */
+/* Of a team, gpu/team.cuh: its ranks at most, and bytes of a rank's room. */
 enum { EMULATE_RANKS = 3, EMULATE_ROOM = 1 << 16 };
 
 void emulate_items(int64_t n, int threads, emulate_call kernel);
 void emulate_blocks(int64_t blocks, int threads, emulate_call kernel);
+/* One block, whose ranks of `threads` threads have barriers of their own. */
+void emulate_team(int ranks, int threads, emulate_call kernel);
+extern __thread int emulate_ranks; /* of the team that runs */
+char *emulate_room(int rank);      /* [EMULATE_ROOM] poison at first */
 
-/* Aborts in a kernel that was not started by emulate_blocks. */
+/* Of the block, in a team of the rank. Aborts in a kernel of items, and where
+ * some threads meet at a barrier of the rank and some at one of the team. */
 void __syncthreads(void);
+void emulate_meet(void); /* the same, but never left out by gpu_set_way */
+void emulate_team_sync(bool alone);
+
+/* Copies that are made as late as may be: once copies_end waits for them; at
+ * once where threads ascend. */
+void emulate_copy(void *to, const void *from, size_t bytes);
+void emulate_copies_group(void);
+void emulate_copies_end(int left);
 
 /* The value of the thread of the same warp whose number differs by `mask`.
  * All threads of a block must call it, as it synchronises them here. */
@@ -54,9 +71,9 @@ template <class T> T __shfl_xor_sync(unsigned, T value, int mask)
 {
     unsigned t = threadIdx.x;
     memcpy(emulate_lane[t], &value, sizeof value);
-    __syncthreads();
+    emulate_meet();
     memcpy(&value, emulate_lane[t ^ (unsigned)mask], sizeof value);
-    __syncthreads();
+    emulate_meet();
     return value;
 }
 

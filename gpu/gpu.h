@@ -29,6 +29,17 @@ const char *gpu_name(const struct gpu *g);
 /* Threads of a block, 32 … 256 by 32. No result depends on it. */
 void gpu_set_block(struct gpu *g, int threads);
 
+/* For tests, as no result depends on them: the ranks of a team, where it can
+ * have as many; and how an emulated device runs its threads from here on, which
+ * does nothing on another. left_out: every kernel goes on without its n-th
+ * barrier, parted: with one of the rank in place of the team's; 0: none. */
+struct gpu_way {
+    bool descending;
+    int left_out, parted;
+};
+void gpu_set_ranks(struct gpu *g, int ranks);
+void gpu_set_way(struct gpu *g, struct gpu_way way);
+
 /* The allocator of a device's memory where def has none; static. */
 const drape_allocator *gpu_native(void);
 

@@ -111,20 +111,20 @@ template <int LEFT> static __device__ inline void copies_end(void)
 #endif
 }
 
-#else /* the ranks of a team are parts of one block, and meet as one */
+#else /* the ranks of a team are parts of one block, gpu/emulate.h */
 
 #define LAUNCH_TEAM(g, threads, bytes, kernel, ...)                            \
-    LAUNCH_BLOCKS(g, (bytes) <= (g)->room, (g)->ranks * (threads), kernel,     \
-                  __VA_ARGS__)
+    emulate_team((g)->failed || (bytes) > (g)->room ? 0 : (g)->ranks,          \
+                 (threads), [&] { kernel(__VA_ARGS__); })
 
 static inline int team_ranks(void)
 {
-    return EMULATE_RANKS;
+    return emulate_ranks;
 }
 
 static inline int rank_threads(void)
 {
-    return (int)blockDim.x / EMULATE_RANKS;
+    return (int)blockDim.x / emulate_ranks;
 }
 
 static inline int team_rank(void)
@@ -139,8 +139,7 @@ static inline int rank_thread(void)
 
 static inline char *team_room(void)
 {
-    static thread_local double room[EMULATE_RANKS][EMULATE_ROOM / 8];
-    return (char *)room[team_rank()];
+    return emulate_room(team_rank());
 }
 
 template <class T> static inline T *team_at(T *p, int rank)
@@ -150,18 +149,23 @@ template <class T> static inline T *team_at(T *p, int rank)
 
 static inline void team_sync(bool alone)
 {
-    (void)alone;
-    __syncthreads();
+    emulate_team_sync(alone);
 }
 
 template <class T> static inline void copy_ahead(T *to, const T *from)
 {
-    *to = *from;
+    emulate_copy(to, from, sizeof *to);
 }
 
-static inline void copies_group(void) {}
+static inline void copies_group(void)
+{
+    emulate_copies_group();
+}
 
-template <int LEFT> static inline void copies_end(void) {}
+template <int LEFT> static inline void copies_end(void)
+{
+    emulate_copies_end(LEFT);
+}
 
 #endif
 #endif

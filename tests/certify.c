@@ -33,10 +33,56 @@ void run_devices(void)
     printf("device: %s\n", g ? gpu_name(g) : drape_status_text(status));
     if (!g)
         report("device", "gpu_open", 0, "there is none");
+    if (g && options.ranks)
+        gpu_set_ranks(g, options.ranks);
     for (int k = 0; k < 2 && g; k++)
         for (const struct stage *s = stages(k); s->name; s++)
             if (wanted(s->name))
                 run_device(g, s, bits_of[k]);
+    gpu_close(g);
+}
+
+/* Whether some case of a stage differs in that way of running. */
+static bool caught(struct gpu *g, const struct stage *s, struct gpu_way way)
+{
+    static const int64_t size[] = {33, 257, 1000};
+    bool differs = false;
+    for (int k = 0; k < 3 && !differs; k++) {
+        struct bytes b = seeded(size[k], 0);
+        differs = device_differs(s, &b, g, way);
+        choices_free(&b);
+    }
+    return differs;
+}
+
+void self_test_races(void)
+{
+    static const struct {
+        const char *stage;
+        int left_out, parted;
+    } planted[] = {{"sum", 2, 0},
+                   {"sum", 3, 0},
+                   {"multigrid", 2, 0},
+                   {"multigrid", 0, 2},
+                   {"multigrid", 0, 3}};
+    int status, by[2] = {0, 0};
+    struct gpu *g = gpu_open(NULL, &status);
+    for (size_t k = 0; k < sizeof planted / sizeof *planted; k++)
+        for (const struct stage *s = stages(0); g && s->name; s++) {
+            if (gpu_device(g) >= 0 || strcmp(s->name, planted[k].stage))
+                continue;
+            struct gpu_way up = {false, planted[k].left_out, planted[k].parted};
+            struct gpu_way down = up;
+            down.descending = true;
+            bool one = caught(g, s, up), other = caught(g, s, down);
+            by[0] += one && !other;
+            by[1] += other && !one;
+            report("self-test of races", s->name, 32,
+                   one || other ? NULL : "a barrier left out");
+        }
+    if (g && gpu_device(g) < 0)
+        report("self-test of races", "both orders", 32,
+               by[0] && by[1] ? NULL : "one of them found nothing alone");
     gpu_close(g);
 }
 

@@ -21,7 +21,7 @@ static const struct test *tests(int k)
 }
 
 const int64_t sizes[SIZES] = {0, 1, 2, 3, 31, 32, 33, 255, 256, 257, 1000};
-struct options options = {NULL, 3, 1};
+struct options options = {NULL, 3, 1, 0};
 int passed, failed, skipped;
 
 bool wanted(const char *name)
@@ -128,6 +128,8 @@ static void self_test(void)
             if (planted)
                 report("self-test", s->name, 32, caught ? NULL : names[f]);
         }
+    if (!options.only)
+        self_test_races();
 }
 
 static void golden(const char *path, bool write)
@@ -215,7 +217,8 @@ static void bench_solves(void)
 
 static int usage(void)
 {
-    fputs("usage: check [--only NAME] [--cases N] [--seed N] MODE...\n"
+    fputs("usage: check [--only NAME] [--cases N] [--seed N] [--ranks N] "
+          "MODE...\n"
           "  --stages        every stage on generated inputs\n"
           "  --gpu           every stage on the device, against the reference\n"
           "  --certify DIR   rows of a certificate; DIR: the fuzz corpora\n"
@@ -257,6 +260,8 @@ static int obey(const char *a, const char *value, bool modes)
         options.cases = atoi(value);
     else if (!strcmp(a, "--seed"))
         options.seed = strtoull(value, NULL, 10);
+    else if (!strcmp(a, "--ranks"))
+        options.ranks = atoi(value);
     else if (!strcmp(a, "--golden") || !strcmp(a, "--golden-write")) {
         if (modes)
             golden(value, a[8] == '-');

@@ -191,8 +191,16 @@ static const char *run_device(const struct streams *ref, int want,
     return failed;
 }
 
-struct case_result device_case(const struct stage *stage, struct bytes *b,
-                               struct gpu *g)
+/* One run on the device. */
+struct device_run {
+    int block;
+    uint8_t poison;
+    struct gpu_way way;
+};
+
+static struct case_result compare(const struct stage *stage, struct bytes *b,
+                                  struct gpu *g, const struct device_run *run,
+                                  int runs)
 {
     struct case_result c = {0};
     uint8_t *s = must(calloc(1, stage->size));
@@ -201,15 +209,31 @@ struct case_result device_case(const struct stage *stage, struct bytes *b,
     uint8_t *image = fill(&ref, s, 0x55);
     place(&ref, image);
     c.status = stage->ref(ref.s);
-    gpu_set_block(g, 256);
-    c.failed = run_device(&ref, c.status, g, s, 0x55);
-    gpu_set_block(g, 96);
-    if (!c.failed)
-        c.failed = run_device(&ref, c.status, g, s, 0xaa);
+    for (int k = 0; k < runs && !c.failed; k++) {
+        gpu_set_block(g, run[k].block);
+        gpu_set_way(g, run[k].way);
+        c.failed = run_device(&ref, c.status, g, s, run[k].poison);
+    }
+    gpu_set_way(g, (struct gpu_way){0});
     release(&ref);
     free(image);
     free(s);
     return c;
+}
+
+struct case_result device_case(const struct stage *stage, struct bytes *b,
+                               struct gpu *g)
+{
+    static const struct device_run run[2] = {{256, 0x55, {0}},
+                                             {96, 0xaa, {.descending = true}}};
+    return compare(stage, b, g, run, 2);
+}
+
+bool device_differs(const struct stage *stage, struct bytes *b, struct gpu *g,
+                    struct gpu_way way)
+{
+    struct device_run run = {256, 0x55, way};
+    return compare(stage, b, g, &run, 1).failed != NULL;
 }
 
 static int ascending(const void *a, const void *b)

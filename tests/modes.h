@@ -13,6 +13,7 @@ struct options {
     const char *only; /* one stage or test, or NULL */
     int cases;        /* of each size */
     uint64_t seed;
+    int ranks; /* of a team on the device, at most; 0: as many as it has */
 };
 extern struct options options;
 extern int passed, failed, skipped;
@@ -30,6 +31,9 @@ uint64_t run_stage(const struct stage *stage, int bits, bool quiet);
 
 /* Modes on the device, tests/certify.c. */
 void run_devices(void);
+/* Emulated kernels without one of their barriers: some order of threads must
+ * have other results, and each of both orders where the other has not. */
+void self_test_races(void);
 void bench_gpu(void);
 /* Whole solves there, tests/solve_gpu.c. */
 void bench_solve_32(void);
