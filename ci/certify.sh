@@ -74,17 +74,25 @@ again() {
 
 # Small cases of every stage under a tool of compute-sanitizer, the slower
 # ones side by side. A tool that could not attach ends well, without a summary.
+# racecheck takes 5 s for each kernel of a team of 16 blocks: it gets smaller
+# ones, of one block, and in multigrid of two.
 sanitize() {
     sed -n 's/^STAGE(\(.*\),.*/\1/p' spec/stages.def >"$work/names"
+    ranks='' teams=''
+    if [ "$1" = racecheck ]; then
+        ranks='--ranks 1' teams='; teams of one block, in multigrid of two'
+    fi
     xargs <"$work/names" -P 12 -I STAGE sh -c "
-        timeout 150 compute-sanitizer --tool $1 --error-exitcode 9 \
-            $build/check-cuda --only STAGE --cases 1 --gpu \
+        ranks='$ranks'
+        [ STAGE != multigrid ] || ranks=\${ranks:+--ranks 2}
+        timeout 240 compute-sanitizer --tool $1 --error-exitcode 9 \
+            $build/check-cuda --only STAGE --cases 1 --gpu \$ranks \
             >$work/$1-STAGE.log 2>&1 &&
             grep -Eq 'SUMMARY: (.*\()?0 errors' $work/$1-STAGE.log ||
             echo STAGE" >"$work/$1"
     [ -s "$work/names" ] || echo 'no stage' >"$work/$1"
     failed=$(tr '\n' ' ' <"$work/$1")
-    found=${failed:-clean, $(wc -l <"$work/names") stages}
+    found=${failed:-clean, $(wc -l <"$work/names") stages}$teams
     echo "$1: $found"
     row sanitizer "$1" "$(wc -l <"$work/$1")" "$found"
 }
