@@ -33,6 +33,12 @@ static struct contact *pick_active(struct bytes *b, const struct impulses *s)
         pick_names(b, s->nv, c[k].v);
         c[k].kind = pick(b, 2);
         c[k].gap = -(real)(k + 1); /* tells it from a new one */
+        c[k].held = (int32_t)pick(b, 2);
+        c[k].c[0] = 1;
+        c[k].c[3] = -1;
+        c[k].n = vec_make(0, 0, 1);
+        c[k].target = pick_uniform(b, -100, 100);
+        c[k].slide = pick_uniform(b, 0, 1);
     }
     return c;
 }
@@ -119,6 +125,24 @@ static const char *check_new(const struct impulses *s, const struct contact *c)
     return NULL;
 }
 
+/* §3: what is asked for, and more only where a held one missed its target. */
+static const char *check_target(const struct impulses *s,
+                                const struct contact *c)
+{
+    struct surface skin = skin_pair(&s->skin, c->v);
+    real least = (s->margin * skin.thickness - c->gap) / s->dt;
+    bool known = false, held = false;
+    for (int64_t k = 0; k < s->n_active; k++)
+        if (s->active[k].kind == c->kind &&
+            same_pair(s->active[k].v, c->v, c->kind)) {
+            known = true;
+            held |= s->active[k].held;
+        }
+    EXPECT(held ? c->target >= least : c->target == least);
+    EXPECT(known || c->slide == 0);
+    return NULL;
+}
+
 const char *prop_impulses(const struct impulses *s)
 {
     if (s->n > 300)
@@ -128,6 +152,8 @@ const char *prop_impulses(const struct impulses *s)
         EXPECT(at >= 0);
         EXPECT(s->contact[at].impulse == 0 && s->contact[at].friction > 0);
         const char *failed = check_new(s, &s->contact[at]);
+        if (!failed)
+            failed = check_target(s, &s->contact[at]);
         if (failed)
             return failed;
     }
