@@ -114,6 +114,8 @@ int gpu_collide(struct gpu_world *w, drape_step_report *r, double *last)
         gpu_couple_start(w);
     if (status == DRAPE_OK)
         status = repel(w);
+    if (status == DRAPE_OK && w->couple.rough && w->couple.solves == 0)
+        status = gpu_couple_solve(w, 0, NULL);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
     if (status == DRAPE_OK)
         status = gpu_response_penetrate(w->gpu, c);
@@ -121,5 +123,9 @@ int gpu_collide(struct gpu_world *w, drape_step_report *r, double *last)
     count_contacts(c, r);
     r->iterations += w->couple.iterations;
     r->work.solves += w->couple.solves;
+    if (w->couple.solves) {
+        r->residual = w->couple.residual;
+        r->outcome |= w->couple.outcome;
+    }
     return status;
 }

@@ -5,6 +5,7 @@
 #include "gpu/world.h"
 
 enum { TURNS = 2 };
+static const real ROUGH = R(0.1); /* tolerance of a motion before contact */
 
 /* One cloth's part of the streams; hold and b are pcg's too. */
 struct part {
@@ -41,6 +42,17 @@ int gpu_couple_make(struct gpu_world *w)
     return gpu_status(g);
 }
 
+void gpu_couple_prepare(struct gpu_world *w, struct pcg *p)
+{
+    const struct world *h = w->host;
+    bool rough = h->touching && h->plan.implicit && !h->plan.history;
+    real asked = (real)h->def.tolerance;
+    w->couple.rough = rough;
+    p->energy = rough;
+    p->tolerance = rough ? real_max(asked, ROUGH) : asked;
+    p->scale = p->square = 0;
+}
+
 void gpu_couple_start(struct gpu_world *w)
 {
     const struct world *h = w->host;
@@ -49,10 +61,8 @@ void gpu_couple_start(struct gpu_world *w)
     p->dt = w->response.dt;
     p->slip = real_min(R(1e-3), R(0.01) * h->reach / p->dt);
     p->tau = (real)(past ? h->dt * 2 / 3 : h->dt);
-    w->couple.iterations = w->couple.solves = 0;
+    w->couple.iterations = w->couple.solves = w->couple.outcome = 0;
     w->couple.seconds = 0;
-    for (int i = 0; i < h->def.n_cloths; i++)
-        w->sheet[i].pcg.scale = 0;
     gpu_clear(w->gpu, w->couple.g, (size_t)h->nc * sizeof *w->couple.g);
 }
 
@@ -139,16 +149,38 @@ static int solve_sheet(struct gpu_world *w, struct gpu_sheet *s)
     p->n_extra = part.count;
     p->extra = part.hold;
     p->energy = 1;
+    p->tolerance = (real)w->host->def.tolerance;
     int status = gpu_pcg(w->gpu, p);
     gpu_trace(w->gpu, w->host->tracing, "pcg", p->dv,
               (size_t)part.count * sizeof *p->dv);
     p->n_extra = p->energy = 0;
     w->couple.iterations += p->iterations;
+    if (p->outcome != PCG_CONVERGED)
+        w->couple.outcome |= DRAPE_UNCONVERGED;
+    if ((double)p->residual > w->couple.residual)
+        w->couple.residual = (double)p->residual;
     w->couple.solves++;
     if (status != DRAPE_OK || p->outcome == PCG_BREAKDOWN)
         return status; /* the exact rounds go on without */
     LAUNCH(w->gpu, part.count, couple_move_kernel, part);
     return gpu_status(w->gpu);
+}
+
+/* Thread i owns particle i: what the solve of the free motion left over is the
+ * first turn's to do. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    couple_carry_kernel(struct part s)
+{
+    ITEM(i, s.count);
+    s.g[i] = scale(-1, s.r[i]);
+}
+
+static void carry(struct gpu_world *w)
+{
+    for (int k = 0; k < w->host->def.n_cloths; k++) {
+        struct part part = part_of(w, &w->sheet[k]);
+        LAUNCH(w->gpu, part.count, couple_carry_kernel, part);
+    }
 }
 
 int gpu_couple_solve(void *user, int64_t n, struct contact *contact)
@@ -160,10 +192,13 @@ int gpu_couple_solve(void *user, int64_t n, struct contact *contact)
     p->n = n;
     p->n4 = 4 * n;
     p->contact = contact;
-    for (int k = 0; k < TURNS && status == DRAPE_OK; k++) {
+    for (int k = n > 0 ? 0 : TURNS - 1; k < TURNS && status == DRAPE_OK; k++) {
         status = gpu_penalty(w->gpu, p);
         gpu_trace(w->gpu, w->host->tracing, "penalty", p->force,
                   (size_t)p->nv * sizeof *p->force);
+        if (w->couple.rough && w->couple.solves == 0)
+            carry(w);
+        w->couple.residual = 0;
         for (int i = 0; i < w->host->def.n_cloths && status == DRAPE_OK; i++)
             status = solve_sheet(w, &w->sheet[i]);
     }

@@ -141,22 +141,25 @@ static bool step(struct gpu *g, struct pcg *s, real next, real *rho, bool first)
 /* §4, §4.1: iterates until the recurrence meets the tolerance. */
 static int iterate(struct gpu *g, struct pcg *s, real square)
 {
-    real rho = 0;
+    real rho = 0, left = square;
     for (bool first = true; s->iterations < s->max_iterations; first = false) {
         precondition(g, s);
         real next = dotted(g, s, s->r, s->s);
         if (s->energy) {
             s->scale = s->iterations ? s->scale : larger(next, s->scale);
             s->recurrence = size_of(next / s->scale);
-            if (next == 0 || s->recurrence <= s->tolerance)
+            bool near = s->recurrence <= s->tolerance &&
+                        size_of(left / s->square) <= s->tolerance;
+            if (next == 0 || near)
                 return PCG_CONVERGED;
         }
         if (!sound(next) || !step(g, s, next, &rho, first))
             return PCG_BREAKDOWN;
         s->iterations++;
+        left = dotted(g, s, s->r, s->r);
         if (s->energy)
             continue;
-        s->recurrence = size_of(dotted(g, s, s->r, s->r) / square);
+        s->recurrence = size_of(left / square);
         if (!(s->recurrence > s->tolerance))
             return s->recurrence <= s->tolerance ? PCG_CONVERGED
                                                  : PCG_BREAKDOWN;
@@ -177,6 +180,9 @@ static void solve(struct gpu *g, struct pcg *s)
     if (square == 0)
         return;
     s->recurrence = s->residual = 1;
+    real most = square;
+    if (s->energy)
+        most = s->square = larger(square, s->square);
     if (!sound(square))
         s->outcome = PCG_BREAKDOWN;
     while (s->outcome == PCG_CONVERGED && !(s->residual <= s->tolerance)) {
@@ -186,7 +192,7 @@ static void solve(struct gpu *g, struct pcg *s)
         }
         before = s->residual;
         s->outcome = iterate(g, s, square);
-        s->residual = size_of(remain(g, s) / square);
+        s->residual = size_of(remain(g, s) / most);
         if (s->energy && s->outcome == PCG_CONVERGED)
             break;
         if (s->outcome == PCG_BREAKDOWN && s->residual - s->residual == 0 &&

@@ -308,6 +308,7 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
     int status = gpu_pcg_set_up(g, s);
     struct course c = {};
     c.from = s->scale; /* where there is nothing to solve */
+    c.most = s->square;
     int64_t sums = 2 * s->n_chunks;
     int64_t all = sums + (s->n_cdf ? 1 : 4) * s->count;
     real *scratch = (real *)gpu_scratch(g, SLOT_STAGE, all, sizeof *scratch);
@@ -325,6 +326,7 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
     s->outcome = c.outcome;
     s->fell_back = c.fell_back;
     s->scale = s->energy ? c.from : s->scale;
+    s->square = s->energy ? c.most : s->square;
     s->recurrence = c.recurrence;
     s->residual = c.residual;
     return status == DRAPE_OK ? gpu_status(g) : status;

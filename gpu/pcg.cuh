@@ -21,7 +21,8 @@ struct course {
     int32_t fresh;   /* 1: M⁻¹ r is not known yet */
     int32_t outcome; /* enum pcg_outcome */
     int32_t iterations, fell_back;
-    real square, before, from; /* |r|² at first, residual, scale */
+    real square, most;       /* |r|² at first, what residual is relative to */
+    real left, before, from; /* |r|² as it goes, residual, scale */
     real rho, alpha, beta;
     real recurrence, residual;
 };
@@ -50,6 +51,7 @@ static __device__ inline void restart(const struct pcg *s, struct course *c)
     }
     c->before = c->residual;
     c->rho = 0;
+    c->left = c->square;
     c->first = c->fresh = c->go = 1;
     c->phase = PHASE_ITERATE;
     if (c->iterations >= s->max_iterations)
@@ -62,6 +64,7 @@ static __device__ inline void begin(const struct pcg *s, struct course *c,
 {
     c->square = square;
     c->from = s->scale;
+    c->most = s->energy ? most(square, s->square) : square;
     c->before = 2;
     c->outcome = PCG_CONVERGED;
     c->phase = PHASE_DONE;
@@ -77,7 +80,7 @@ static __device__ inline void begin(const struct pcg *s, struct course *c,
 static __device__ inline void judge(const struct pcg *s, struct course *c,
                                     real square)
 {
-    c->residual = root(square / c->square);
+    c->residual = root(square / c->most);
     c->phase = PHASE_DONE;
     if (s->energy && c->outcome == PCG_CONVERGED)
         return;
@@ -99,7 +102,9 @@ static __device__ inline void enter(const struct pcg *s, struct course *c,
         if (c->iterations == 0)
             c->from = most(next, c->from);
         c->recurrence = root(next / c->from);
-        if (next == 0 || c->recurrence <= s->tolerance) {
+        bool near = c->recurrence <= s->tolerance &&
+                    root(c->left / c->most) <= s->tolerance;
+        if (next == 0 || near) {
             end(c, PCG_CONVERGED);
             return;
         }
@@ -127,6 +132,7 @@ static __device__ inline void leave(const struct pcg *s, struct course *c,
 {
     c->iterations++;
     c->first = 0;
+    c->left = square;
     if (!s->energy) {
         c->recurrence = root(square / c->square);
         if (!(c->recurrence > s->tolerance)) {

@@ -27,6 +27,7 @@ static int move_sheet(struct gpu_world *w, int k, drape_step_report *r)
     d->iterations = 0;
     d->residual = 0;
     d->outcome = 0;
+    gpu_couple_prepare(w, &s->pcg);
     int status = gpu_motion(w->gpu, s);
     if (status != DRAPE_OK)
         return status;
@@ -94,6 +95,7 @@ static void commit(struct gpu_world *w, int outcome)
         remember(w);
     h->resting = rests(w, outcome) ? h->resting + 1 : 0;
     h->asleep = h->resting >= REST_STEPS;
+    h->touching = h->plan.collides && w->response.contacts > 0;
     for (int k = 0; k < h->def.n_cloths; k++) {
         h->watch[k][0] = w->sheet[k].dynamics.reference;
         h->watch[k][1] = w->sheet[k].dynamics.surplus;

@@ -43,6 +43,7 @@ int gpu_slice_save(struct gpu_world *w)
     s->past = h->past;
     s->resting = h->resting;
     s->asleep = h->asleep;
+    s->touching = h->touching;
     return gpu_status(w->gpu);
 }
 
@@ -61,4 +62,5 @@ void gpu_slice_restore(struct gpu_world *w)
     h->past = s->past;
     h->resting = s->resting;
     h->asleep = s->asleep;
+    h->touching = s->touching;
 }

@@ -11,10 +11,11 @@ struct header {
     uint64_t fingerprint, check; /* check: of all bytes but its own */
     int64_t step, vertices;
     double time;
-    uint32_t asleep, past;
+    uint16_t asleep, touching;
+    uint32_t past;
     drape_wind wind;
 };
-static const char magic[8] = "drape-2";
+static const char magic[8] = "drape-3";
 
 static uint64_t mix_if(uint64_t hash, const void *data, size_t bytes)
 {
@@ -121,6 +122,7 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     h.vertices = w->nv;
     h.time = w->time;
     h.asleep = w->asleep;
+    h.touching = w->touching;
     h.past = (uint32_t)w->past;
     h.wind = w->def.wind;
     uint64_t check = check_header(&h);
@@ -175,6 +177,7 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
     world_set_wind(w, &h.wind);
     w->resting = (int)h.resting;
     w->asleep = h.asleep;
+    w->touching = h.touching;
     w->past = (int)h.past;
     return DRAPE_OK;
 }

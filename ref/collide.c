@@ -128,6 +128,8 @@ int collide(struct world *w, drape_step_report *r, double *last)
         couple_start(w);
     if (status == DRAPE_OK)
         status = repel(w);
+    if (status == DRAPE_OK && w->couple.rough && w->couple.solves == 0)
+        status = couple_solve(w, 0, NULL);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
     if (status == DRAPE_OK)
         status = ref_response_penetrate(c);
@@ -135,5 +137,9 @@ int collide(struct world *w, drape_step_report *r, double *last)
     count_contacts(c, r);
     r->iterations += w->couple.iterations;
     r->work.solves += w->couple.solves;
+    if (w->couple.solves) {
+        r->residual = w->couple.residual;
+        r->outcome |= w->couple.outcome;
+    }
     return status;
 }

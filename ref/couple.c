@@ -6,6 +6,7 @@
 #include "ref/state.h"
 
 enum { TURNS = 2 };
+static const real ROUGH = R(0.1); /* tolerance of a motion before contact */
 
 static void *take(struct world *w, int64_t n, size_t size)
 {
@@ -33,6 +34,16 @@ int couple_make(struct world *w)
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
 
+void couple_prepare(struct world *w, struct pcg *p)
+{
+    bool rough = w->touching && w->plan.implicit && !w->plan.history;
+    real asked = (real)w->def.tolerance;
+    w->couple.rough = rough;
+    p->energy = rough;
+    p->tolerance = rough ? real_max(asked, ROUGH) : asked;
+    p->scale = p->square = 0;
+}
+
 void couple_start(struct world *w)
 {
     struct couple *c = &w->couple;
@@ -41,9 +52,7 @@ void couple_start(struct world *w)
     p->dt = w->response.dt;
     p->slip = real_min(R(1e-3), R(0.01) * w->reach / p->dt);
     p->tau = (real)(past ? w->dt * 2 / 3 : w->dt);
-    c->iterations = c->solves = 0;
-    for (int i = 0; i < w->def.n_cloths; i++)
-        w->sheet[i].solver.pcg.scale = 0;
+    c->iterations = c->solves = c->outcome = 0;
     c->seconds = 0;
     memset(c->g, 0, (size_t)w->nc * sizeof *c->g);
 }
@@ -87,11 +96,16 @@ static int solve_sheet(struct world *w, struct sheet *s)
     p->n_extra = s->cloth.count;
     p->extra = hold;
     p->energy = 1;
+    p->tolerance = (real)w->def.tolerance;
     int status = ref_pcg(p);
     trace_stage(w->tracing, "pcg", dv, (size_t)s->cloth.count * sizeof *dv);
     p->n_extra = p->energy = 0;
     c->iterations += p->iterations;
     c->solves++;
+    if (p->outcome != PCG_CONVERGED)
+        c->outcome |= DRAPE_UNCONVERGED;
+    if ((double)p->residual > c->residual)
+        c->residual = (double)p->residual;
     if (status != DRAPE_OK || p->outcome == PCG_BREAKDOWN)
         return status; /* the exact rounds go on without */
     vec *u = w->response.u + s->first, *v = w->v1 + s->first;
@@ -111,6 +125,17 @@ static int solve_sheet(struct world *w, struct sheet *s)
     return DRAPE_OK;
 }
 
+/* What the solve of the free motion left over is the first turn's to do. */
+static void carry(struct world *w)
+{
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        const struct sheet *s = &w->sheet[k];
+        EACH_ITEM
+        for (int64_t i = 0; i < s->cloth.count; i++)
+            w->couple.g[s->first + i] = vec_scale(-1, s->solver.pcg.r[i]);
+    }
+}
+
 int couple_solve(void *user, int64_t n, struct contact *contact)
 {
     struct world *w = user;
@@ -120,10 +145,13 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
     p->n = n;
     p->n4 = 4 * n;
     p->contact = contact;
-    for (int k = 0; k < TURNS && status == DRAPE_OK; k++) {
+    for (int k = n > 0 ? 0 : TURNS - 1; k < TURNS && status == DRAPE_OK; k++) {
         status = ref_penalty(p);
         trace_stage(w->tracing, "penalty", p->force,
                     (size_t)p->nv * sizeof *p->force);
+        if (w->couple.rough && w->couple.solves == 0)
+            carry(w);
+        w->couple.residual = 0;
         for (int i = 0; i < w->def.n_cloths && status == DRAPE_OK; i++)
             status = solve_sheet(w, &w->sheet[i]);
     }

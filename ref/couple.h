@@ -6,6 +6,7 @@
 #include "ref/arena.h"
 #include "ref/penalty.h"
 
+struct pcg;
 struct world;
 
 struct couple {
@@ -13,15 +14,20 @@ struct couple {
     vec *g;                 /* [nc] A times the change so far */
     vec *b, *dv;            /* [nc] */
     int64_t cap;            /* contacts that the scratch is for */
+    bool rough;             /* the motion without contact was solved so */
     int iterations, solves; /* out: of pcg, this step */
+    int outcome;            /* out: enum drape_outcome, this step */
+    double residual;        /* out: of the last solves */
     double seconds;         /* out: this step */
 };
 
 /* Takes its streams. DRAPE_OK or DRAPE_ENOMEM. */
 int couple_make(struct world *w);
+/* How well the motion of a cloth without contact must be solved; each step. */
+void couple_prepare(struct world *w, struct pcg *p);
 /* Before the first contacts of a step. */
 void couple_start(struct world *w);
-/* response's solve; user is the world. */
+/* response's solve; user is the world. With n = 0 one turn. */
 int couple_solve(void *user, int64_t n, struct contact *contact);
 
 #endif

@@ -45,6 +45,7 @@
 #define collide REAL_NAME(collide)
 #define collide_far REAL_NAME(collide_far)
 #define collide_furthest REAL_NAME(collide_furthest)
+#define couple_prepare REAL_NAME(couple_prepare)
 #define couple_make REAL_NAME(couple_make)
 #define couple_solve REAL_NAME(couple_solve)
 #define couple_start REAL_NAME(couple_start)

@@ -153,30 +153,32 @@ static bool step(struct pcg *s, real next, real *rho, bool first)
     return true;
 }
 
-/* §4.1: whether r·M⁻¹r has fallen far enough. */
-static bool calm(struct pcg *s, real next)
+/* §4.1: whether r·M⁻¹r and |r|² have fallen far enough. */
+static bool calm(struct pcg *s, real next, real square)
 {
     if (s->iterations == 0)
         s->scale = real_max(next, s->scale);
     s->recurrence = real_sqrt(next / s->scale);
-    return next == 0 || s->recurrence <= s->tolerance;
+    return next == 0 || (s->recurrence <= s->tolerance &&
+                         real_sqrt(square / s->square) <= s->tolerance);
 }
 
 /* §4: iterates until the recurrence meets the tolerance. */
 static int iterate(struct pcg *s, real square)
 {
-    real rho = 0;
+    real rho = 0, left = square;
     for (bool first = true; s->iterations < s->max_iterations; first = false) {
         precondition(s);
         real next = dot(s, s->r, s->s);
-        if (s->energy && calm(s, next))
+        if (s->energy && calm(s, next, left))
             return PCG_CONVERGED;
         if (!finite_positive(next) || !step(s, next, &rho, first))
             return PCG_BREAKDOWN;
         s->iterations++;
+        left = dot(s, s->r, s->r);
         if (s->energy)
             continue;
-        s->recurrence = real_sqrt(dot(s, s->r, s->r) / square);
+        s->recurrence = real_sqrt(left / square);
         if (!(s->recurrence > s->tolerance))
             return s->recurrence <= s->tolerance ? PCG_CONVERGED
                                                  : PCG_BREAKDOWN;
@@ -203,6 +205,9 @@ int ref_pcg(struct pcg *s)
     if (square == 0)
         return DRAPE_OK;
     s->recurrence = s->residual = 1;
+    real most = square;
+    if (s->energy)
+        most = s->square = real_max(square, s->square);
     if (!finite_positive(square))
         s->outcome = PCG_BREAKDOWN;
     /* §4: restarts from the true residual while that at least halves. */
@@ -214,7 +219,7 @@ int ref_pcg(struct pcg *s)
         before = s->residual;
         s->outcome = iterate(s, square);
         true_residual(s);
-        s->residual = real_sqrt(dot(s, s->r, s->r) / square);
+        s->residual = real_sqrt(dot(s, s->r, s->r) / most);
         if (s->energy && s->outcome == PCG_CONVERGED)
             break;
         /* §5: a matrix that is not quite definite may still yield. */

@@ -24,6 +24,7 @@ struct pcg {
     int32_t energy;   /* 1: tolerance is of √(r·M⁻¹r) instead, §4.1 */
     real scale;       /* ≥ 0, with energy: what r·M⁻¹r is relative to, at
                          least; out: or its first value, if that is more */
+    real square;      /* ≥ 0, with energy: the same of r·r */
     const real *mass; /* [count] kg, > 0 where free */
     int64_t n_extra;  /* count, or 0: none */
     const sym *extra; /* [n_extra] kg, positive semidefinite */
@@ -50,7 +51,8 @@ struct pcg {
     int32_t outcome;    /* out: enum pcg_outcome */
     int32_t fell_back;  /* out: 1: multigrid broke down, Jacobi went on */
     real recurrence;    /* out: relative residual, as the iteration has it */
-    real residual;      /* out: |b - A (dv + low)| / |b - A z|, where free */
+    real residual;      /* out: |b - A (dv + low)| / √square, where free;
+                           without energy, / |b - A z| */
 };
 
 /* Sets n_extra's companions: n_blocks and the sizes of the scratch, from m,

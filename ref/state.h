@@ -41,7 +41,7 @@ struct start {
     vec *past_x, *past_v; /* [nc] or NULL */
     double (*watch)[2];   /* [n_cloths]; NULL: no step was cut yet */
     int past, resting;
-    bool asleep;
+    bool asleep, touching;
 };
 
 struct world {
@@ -82,6 +82,7 @@ struct world {
     double time;
     int resting; /* steps in a row in which nothing moved */
     bool asleep;
+    bool touching; /* the slice before had contacts */
     int past;  /* 1 + level of the slice that past_x and past_v hold, 0: none */
     double dt; /* s, of the slice under way */
     struct slicing slicing;

@@ -36,6 +36,7 @@ static int move_sheet(struct world *w, int k, drape_step_report *r)
     d->iterations = 0;
     d->residual = 0;
     d->outcome = 0;
+    couple_prepare(w, &s->solver.pcg);
     int status = ref_dynamics(d);
     if (status != DRAPE_OK)
         return status;
@@ -99,6 +100,7 @@ static void commit(struct world *w, int outcome)
         remember(w);
     w->resting = rests(w, outcome) ? w->resting + 1 : 0;
     w->asleep = w->resting >= REST_STEPS;
+    w->touching = w->plan.collides && w->response.contacts > 0;
     for (int k = 0; k < w->def.n_cloths; k++) {
         w->watch[k][0] = w->sheet[k].dynamics.reference;
         w->watch[k][1] = w->sheet[k].dynamics.surplus;

@@ -35,6 +35,7 @@ const struct field fields_pcg[] = {IN(pcg, mass, count, 1),
                                    OUT_VALUE(pcg, recurrence),
                                    OUT_VALUE(pcg, residual),
                                    OUT_VALUE(pcg, scale),
+                                   OUT_VALUE(pcg, square),
                                    FIELD_END};
 
 void gen_pcg(struct bytes *b, struct pcg *s)
@@ -55,7 +56,7 @@ void gen_pcg(struct bytes *b, struct pcg *s)
         s->z = z;
     }
     if (s->energy && pick(b, 2))
-        s->scale = pick_uniform(b, 0, 10);
+        s->scale = s->square = pick_uniform(b, 0, 10);
 }
 
 static bool same(const void *a, const void *b, size_t bytes)
