@@ -46,6 +46,21 @@ template <int TIES> static void write_recipe(struct recipe *r, int to)
     }
 }
 
+template <int TIES> static struct book write_book(void)
+{
+    struct book b;
+    for (int o = 0; o < STENCIL; o++)
+        write_recipe<TIES>(&b.recipe[o], o);
+    return b;
+}
+
+/* Written once: that takes as long as a grid's kernels. */
+template <int TIES> static const struct book *book_of(void)
+{
+    static const struct book book = write_book<TIES>();
+    return &book;
+}
+
 /* ---- kernels ---- */
 
 static __device__ sym plus(sym a, real w, sym b)
@@ -226,14 +241,9 @@ int gpu_coarsen(struct gpu *g, struct coarsen *s)
         (springs && s->n_live != s->count) ||
         s->n_coarse != (int64_t)c.m * c.n || s->n_out != STENCIL * s->n_coarse)
         return DRAPE_EARG;
-    struct book book;
-    for (int o = 0; o < STENCIL; o++)
-        if (springs)
-            write_recipe<SPRINGS>(&book.recipe[o], o);
-        else
-            write_recipe<STENCIL>(&book.recipe[o], o);
+    const struct book *book = springs ? book_of<SPRINGS>() : book_of<STENCIL>();
     LAUNCH(g, s->n_coarse, coarsen_find_kernel, *s, c);
-    LAUNCH(g, (STENCIL + 1) * s->n_coarse, coarsen_kernel, *s, c, book);
+    LAUNCH(g, (STENCIL + 1) * s->n_coarse, coarsen_kernel, *s, c, *book);
     LAUNCH(g, s->n_coarse, coarsen_factor_kernel, *s, c);
     return gpu_status(g);
 }
