@@ -67,7 +67,7 @@ ONCE   := tests/check.c tests/case.c tests/certify.c tests/choices.c \
 TWICE  := $(sort $(filter-out $(ONCE),$(wildcard tests/*.c)))
 # Kernels; but for memory.cu, these are CUDA's own, which gpu/emulate.cpp
 # replaces.
-DEVICE := gpu/blas.cu gpu/device.cu gpu/memory.cu gpu/prim.cu
+DEVICE := gpu/blas.cu gpu/device.cu gpu/loop.cu gpu/memory.cu gpu/prim.cu
 KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The device: its stream, copies and small results. spec/50_gpu.md */
 #include "gpu/blas.h"
-#include "gpu/gpu.cuh"
+#include "gpu/loop.cuh"
 
 #include "certificate.h"
 
@@ -114,8 +114,7 @@ void gpu_set_ranks(struct gpu *g, int ranks)
 
 void gpu_set_way(struct gpu *g, struct gpu_way way)
 {
-    (void)g;
-    (void)way;
+    g->hosted[0] = way.hosted;
 }
 
 struct gpu *gpu_open(const drape_def *def, int *status)
@@ -156,6 +155,7 @@ void gpu_close(struct gpu *g)
         return;
     gpu_wait(g);
     blas_close(g);
+    gpu_loops_close(g);
     cudaFreeHost(g->seen);
     cudaStream_t stream = g->lent ? NULL : g->stream;
     cudaEvent_t event[2] = {g->event[0], g->event[1]};

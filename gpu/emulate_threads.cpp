@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A device's threads on the host. gpu/emulate.h */
-#include "gpu/gpu.cuh"
+#include "gpu/loop.cuh"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +15,7 @@ static __thread struct gpu_way way;
 
 void gpu_set_way(struct gpu *g, struct gpu_way to)
 {
-    (void)g;
+    g->hosted[0] = to.hosted;
     way = to;
 }
 
@@ -190,6 +190,18 @@ static void run_blocks(int64_t blocks, int ranks, int threads,
 void emulate_blocks(int64_t blocks, int threads, emulate_call kernel)
 {
     run_blocks(blocks, 1, threads, &kernel);
+}
+
+bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
+              loop_turn turn)
+{
+    (void)key;
+    if (g->hosted[0] || g->hosted[1] || g->failed)
+        return false;
+    do
+        turn.run(turn.with);
+    while (*again && !g->failed);
+    return true;
 }
 
 /* ---- Teams ---- */

@@ -43,11 +43,13 @@ struct gpu {
 #ifdef __CUDACC__
     cudaStream_t stream;
     cudaEvent_t event[2];
-    bool lent; /* the stream is the caller's */
+    bool lent;               /* the stream is the caller's */
+    struct gpu_loops *loops; /* gpu/loop.cu; NULL: none yet */
 #else
     void *stream;
     double event;
 #endif
+    bool hosted[2];   /* no loops on the device now, or for good */
     int number;       /* of the device; -1: emulated */
     int block;        /* threads of a block of item kernels */
     int ranks;        /* blocks of a team, gpu/team.cuh */

@@ -30,15 +30,17 @@ const char *gpu_name(const struct gpu *g);
 void gpu_set_block(struct gpu *g, int threads);
 
 /* For tests, as no result depends on them: the ranks of a team, where it can
- * have as many; and how an emulated device runs its threads from here on, which
- * does nothing on another. left_out: every kernel goes on without its n-th
- * barrier, parted: with one of the rank in place of the team's; 0: none. */
+ * have as many, and how work is done from here on. The rest holds for emulated
+ * threads alone. */
 struct gpu_way {
-    bool descending;
-    int left_out, parted;
+    bool hosted;     /* the host ends loops, gpu/loop.cuh */
+    bool descending; /* blocks first to last, threads and ranks last to first */
+    int left_out;    /* kernels go on without this barrier of theirs; 0: none */
+    int parted;      /* where this one is the team's, it is the rank's */
 };
 void gpu_set_ranks(struct gpu *g, int ranks);
 void gpu_set_way(struct gpu *g, struct gpu_way way);
+void gpu_set_hosted(struct gpu *g); /* for good */
 
 /* The allocator of a device's memory where def has none; static. */
 const drape_allocator *gpu_native(void);

@@ -127,6 +127,11 @@ const char *gpu_name(const struct gpu *g)
     return g->name;
 }
 
+void gpu_set_hosted(struct gpu *g)
+{
+    g->hosted[1] = true;
+}
+
 void gpu_set_block(struct gpu *g, int threads)
 {
     g->block = threads;

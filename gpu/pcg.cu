@@ -2,15 +2,17 @@
 /* Preconditioned conjugate gradients. spec/15_pcg.md */
 #include "gpu/pcg.cuh"
 
+#include "gpu/direction.cuh"
 #include "gpu/jacobi.cuh"
 #include "gpu/level.cuh"
-#include "gpu/march.cuh"
+#include "gpu/loop.cuh"
 #include "gpu/residual.cuh"
 #include "gpu/sum.cuh"
 
-/* Iterations that are queued before the host looks: of multigrid more than one
- * where a look takes longer than what would be queued for nothing. */
-enum { BATCH = 8, BATCH_MOST = 32, BATCH_GRID = 4, SMALL_GRID = 1 << 17 };
+/* Iterations of a turn; of multigrid more than one where a look takes longer
+ * than what would be queued for nothing, and an even number in a loop. */
+enum { TURN = 8, TURN_MOST = 32, TURN_GRID = 4, SMALL_GRID = 1 << 17 };
+enum { TURN_LOOP = 2 };
 
 static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
 
@@ -74,6 +76,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         begin(&s, c, sum);
     else
         judge(&s, c, sum);
+    c->again = c->phase != PHASE_DONE && (room.jacobi || !c->fell_back);
 }
 
 /* r·M⁻¹r by Jacobi after a restart, or where multigrid gave up; later it is
@@ -104,74 +107,6 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         measure(c, sum);
     else
         enter(&s, c, sum);
-}
-
-/* p = s + β p. §3 */
-struct mixed {
-    const vec *s, *p;
-    const struct course *c;
-};
-
-struct mixed_parts {
-    bool first;
-    vec s, p;
-};
-
-static __device__ struct mixed_parts take(const struct mixed *m,
-                                          struct place at)
-{
-    struct mixed_parts x = {m->c->first != 0, m->s[at.p], {0, 0, 0}};
-    if (!x.first)
-        x.p = m->p[at.p];
-    return x;
-}
-
-static __device__ vec made(const struct mixed *m, struct mixed_parts x,
-                           struct place at)
-{
-    (void)at;
-    return x.first ? x.s : axpy(x.s, m->c->beta, x.p);
-}
-
-/* Of A p: writes p[k], q[k] and item[k]. */
-struct image {
-    const uint8_t *fixed;
-    vec *p, *q;
-    real *item;
-};
-
-static __device__ bool about(const struct image *e, struct place at)
-{
-    return e->fixed[at.p];
-}
-
-static __device__ void arrive(const struct image *e, struct place at,
-                              bool fixed, vec x, vec y)
-{
-    vec q = fixed ? make(0, 0, 0) : y;
-    e->p[at.p] = x;
-    e->q[at.p] = q;
-    e->item[at.p] = dot(x, q);
-}
-
-/* The same from the compressed diagonals, p being there. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    pcg_direction_kernel(struct mixed m, vec *p, int64_t count)
-{
-    ITEM(k, count);
-    if (m.c->go)
-        p[k] = value_at(&m, place{(int32_t)k, 0, 0});
-}
-
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    pcg_product_kernel(struct product a, struct cdf d, struct image e,
-                       const int32_t *go)
-{
-    ITEM(k, a.count);
-    if (!*go)
-        return;
-    struct place at = place_of(grid{a.m, a.n}, k);
-    arrive(&e, at, about(&e, at), a.x[k], cdf_row(&a, &d, at));
 }
 
 /* Writes dv[k], low[k], r[k] and what starts from r[k]; p of the step. */
@@ -271,25 +206,64 @@ static void iterate(struct gpu *g, struct pcg *s, struct course *c,
                   to);
 }
 
-/* Queues iterations until one of them, or the residual behind, ends it. */
+/* Queues iterations, of all so far from `queued` on, and the residual. */
+static void take_turn(struct gpu *g, struct pcg *s, struct course *c,
+                      struct room room, int queued, int iterations)
+{
+    if (room.jacobi)
+        LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_jacobi_kernel, *s, c,
+                      room);
+    for (int k = 0; k < iterations; k++)
+        iterate(g, s, c, room, queued + k);
+    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
+}
+
+/* Turns in a loop on the device, until they end or the host is to look. */
+static bool loop(struct gpu *g, struct pcg *s, struct course *c,
+                 struct room room)
+{
+    struct {
+        struct pcg s;
+        struct course *c;
+        real *chunk;
+    } key;
+    memset((void *)&key, 0, sizeof key); /* what lies between, too */
+    memcpy((void *)&key.s, (void *)s, sizeof key.s);
+    key.s.scale = key.s.recurrence = key.s.residual = 0; /* not read here */
+    key.s.iterations = key.s.outcome = key.s.fell_back = 0;
+    key.s.n_z = 0;
+    key.s.z = NULL;
+    key.c = c;
+    key.chunk = room.chunk;
+    return gpu_loop(g, loop_key{&key, sizeof key}, &c->again, [&] {
+        take_turn(g, s, c, room, 0, room.jacobi ? (int)TURN : (int)TURN_LOOP);
+    });
+}
+
+static struct course look(struct gpu *g)
+{
+    struct course seen;
+    int words = (int)((sizeof seen + sizeof(int64_t) - 1) / sizeof(int64_t));
+    memcpy((void *)&seen, gpu_read_words(g, words), sizeof seen);
+    return seen;
+}
+
+/* Iterates until one, or the residual behind it, ends it; the host looks after
+ * each turn where the device has no loops, or multigrid gave up. */
 static struct course solve(struct gpu *g, struct pcg *s, struct room room)
 {
     struct course *c = (struct course *)gpu_words(g), seen = {};
-    int words = (int)((sizeof seen + sizeof(int64_t) - 1) / sizeof(int64_t));
     int queued = 0;
     LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
-    for (int batch = BATCH; seen.phase != PHASE_DONE; batch = BATCH_MOST) {
+    if (loop(g, s, c, room))
+        seen = look(g);
+    for (int turn = TURN; seen.phase != PHASE_DONE; turn = TURN_MOST) {
         room.jacobi = s->precond == DRAPE_JACOBI || seen.fell_back;
-        int grids = s->count <= SMALL_GRID ? BATCH_GRID : 1;
-        int most = room.jacobi ? batch : grids;
-        if (room.jacobi)
-            LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_jacobi_kernel, *s, c,
-                          room);
-        for (int k = 0; k < most; k++)
-            iterate(g, s, c, room, queued++);
-        LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c,
-                      room);
-        memcpy((void *)&seen, gpu_read_words(g, words), sizeof seen);
+        int grids = s->count <= SMALL_GRID ? TURN_GRID : 1;
+        int iterations = room.jacobi ? turn : grids;
+        take_turn(g, s, c, room, queued, iterations);
+        queued += iterations;
+        seen = look(g);
         if (gpu_status(g) != DRAPE_OK)
             break;
     }

@@ -19,6 +19,7 @@ struct course {
     int32_t go;      /* 1: phase is PHASE_ITERATE */
     int32_t first;   /* 1: no direction yet */
     int32_t fresh;   /* 1: M⁻¹ r is not known yet */
+    int32_t again;   /* 1: more of the same, 0: the host is to look */
     int32_t outcome; /* enum pcg_outcome */
     int32_t iterations, fell_back;
     real square, most;       /* |r|² at first, what residual is relative to */

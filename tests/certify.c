@@ -35,6 +35,8 @@ void run_devices(void)
         report("device", "gpu_open", 0, "there is none");
     if (g && options.ranks)
         gpu_set_ranks(g, options.ranks);
+    if (g && options.hosted)
+        gpu_set_hosted(g);
     for (int k = 0; k < 2 && g; k++)
         for (const struct stage *s = stages(k); s->name; s++)
             if (wanted(s->name))
@@ -71,7 +73,8 @@ void self_test_races(void)
         for (const struct stage *s = stages(0); g && s->name; s++) {
             if (gpu_device(g) >= 0 || strcmp(s->name, planted[k].stage))
                 continue;
-            struct gpu_way up = {false, planted[k].left_out, planted[k].parted};
+            struct gpu_way up = {.left_out = planted[k].left_out,
+                                 .parted = planted[k].parted};
             struct gpu_way down = up;
             down.descending = true;
             bool one = caught(g, s, up), other = caught(g, s, down);

@@ -21,7 +21,7 @@ static const struct test *tests(int k)
 }
 
 const int64_t sizes[SIZES] = {0, 1, 2, 3, 31, 32, 33, 255, 256, 257, 1000};
-struct options options = {NULL, 3, 1, 0};
+struct options options = {NULL, 3, 1, 0, false};
 int passed, failed, skipped;
 
 bool wanted(const char *name)
@@ -218,7 +218,8 @@ static void bench_solves(void)
 static int usage(void)
 {
     fputs("usage: check [--only NAME] [--cases N] [--seed N] [--ranks N] "
-          "MODE...\n"
+          "[--hosted]\n"
+          "             MODE...\n"
           "  --stages        every stage on generated inputs\n"
           "  --gpu           every stage on the device, against the reference\n"
           "  --certify DIR   rows of a certificate; DIR: the fuzz corpora\n"
@@ -252,6 +253,8 @@ static int obey(const char *a, const char *value, bool modes)
                 plain[k].run();
             return 1;
         }
+    if (!strcmp(a, "--hosted"))
+        return options.hosted = true;
     if (!value)
         return 0;
     if (!strcmp(a, "--only"))

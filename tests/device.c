@@ -224,8 +224,8 @@ static struct case_result compare(const struct stage *stage, struct bytes *b,
 struct case_result device_case(const struct stage *stage, struct bytes *b,
                                struct gpu *g)
 {
-    static const struct device_run run[2] = {{256, 0x55, {0}},
-                                             {96, 0xaa, {.descending = true}}};
+    static const struct device_run run[2] = {
+        {256, 0x55, {0}}, {96, 0xaa, {.hosted = true, .descending = true}}};
     return compare(stage, b, g, run, 2);
 }
 

@@ -7,9 +7,9 @@
 #include "tests/case.h"
 
 /* Runs ref_X once and gpu_X twice, with other block sizes, other poison in
- * outputs and scratch and, emulated, the threads in the opposite order: same
- * status, same bits in every output, guards and inputs untouched. hash is not
- * set. */
+ * outputs and scratch, loops that the host ends and, emulated, the threads in
+ * the opposite order: same status, same bits in every output, guards and inputs
+ * untouched. hash is not set. */
 struct case_result device_case(const struct stage *stage, struct bytes *b,
                                struct gpu *g);
 /* Whether one run of the case differs, its threads being run in that way. */

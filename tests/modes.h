@@ -13,7 +13,8 @@ struct options {
     const char *only; /* one stage or test, or NULL */
     int cases;        /* of each size */
     uint64_t seed;
-    int ranks; /* of a team on the device, at most; 0: as many as it has */
+    int ranks;   /* of a team on the device, at most; 0: as many as it has */
+    bool hosted; /* the host ends loops on the device */
 };
 extern struct options options;
 extern int passed, failed, skipped;

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Loops on the device as CUDA graphs with a WHILE node. gpu/loop.cuh */
+#include "gpu/loop.cuh"
+
+/* Graphs that are kept, and launches after which one that was not among them
+ * may go. */
+enum { LOOPS = 64, LOOP_IDLE = 4096 };
+
+/* A graph, and what it was captured with; its key lies behind it. */
+struct kept {
+    struct kept *next;
+    cudaGraphExec_t graph;
+    size_t n;
+    int block, ranks;
+    int64_t used; /* the last launch, by number */
+};
+
+struct gpu_loops {
+    cudaStream_t stream; /* to capture in; the caller's may not allow it */
+    struct kept *first;
+    int count;
+    bool absent; /* the device has none */
+    int64_t launches;
+};
+
+#if CUDART_VERSION >= 12030
+
+static __global__ void loop_kernel(cudaGraphConditionalHandle handle,
+                                   const int32_t *again)
+{
+    cudaGraphSetConditional(handle, *again != 0);
+}
+
+/* *inner: the graph of one turn, which is still empty. */
+static cudaError_t add_while(cudaGraph_t graph, cudaGraph_t *inner,
+                             cudaGraphConditionalHandle *handle)
+{
+    cudaGraphNode_t node;
+    cudaGraphNodeParams p = {};
+    cudaError_t error = cudaGraphConditionalHandleCreate(
+        handle, graph, 1, cudaGraphCondAssignDefault);
+    if (error != cudaSuccess)
+        return error;
+    p.type = cudaGraphNodeTypeConditional;
+    p.conditional.handle = *handle;
+    p.conditional.type = cudaGraphCondTypeWhile;
+    p.conditional.size = 1;
+#if CUDART_VERSION >= 13000
+    error = cudaGraphAddNode(&node, graph, NULL, NULL, 0, &p);
+#else
+    error = cudaGraphAddNode(&node, graph, NULL, 0, &p);
+#endif
+    if (error == cudaSuccess)
+        *inner = p.conditional.phGraph_out[0];
+    return error;
+}
+
+/* What the turn queues becomes the graph, whose failure is not the device's. */
+static cudaError_t capture(struct gpu *g, cudaGraph_t inner,
+                           cudaGraphConditionalHandle handle,
+                           const int32_t *again, loop_turn turn)
+{
+    cudaStream_t stream = g->loops->stream, callers = g->stream;
+    size_t n = strlen(g->name);
+    cudaError_t error = cudaStreamBeginCaptureToGraph(
+        stream, inner, NULL, NULL, 0, cudaStreamCaptureModeRelaxed);
+    if (error != cudaSuccess)
+        return error;
+    g->stream = stream;
+    turn.run(turn.with);
+    loop_kernel<<<1, 1, 0, stream>>>(handle, again);
+    g->stream = callers;
+    error = cudaStreamEndCapture(stream, &inner);
+    if (!g->failed)
+        return error;
+    g->failed = DRAPE_OK;
+    g->name[n] = 0;
+    return cudaErrorUnknown;
+}
+
+static cudaError_t build(struct gpu *g, const int32_t *again, loop_turn turn,
+                         cudaGraphExec_t *exec)
+{
+    cudaGraph_t graph, inner;
+    cudaGraphConditionalHandle handle;
+    cudaError_t error = cudaGraphCreate(&graph, 0);
+    if (error != cudaSuccess)
+        return error;
+    error = add_while(graph, &inner, &handle);
+    if (error == cudaSuccess)
+        error = capture(g, inner, handle, again, turn);
+    if (error == cudaSuccess)
+        error = cudaGraphInstantiate(exec, graph, 0);
+    cudaGraphDestroy(graph);
+    return error;
+}
+
+#else
+
+static cudaError_t build(struct gpu *, const int32_t *, loop_turn,
+                         cudaGraphExec_t *)
+{
+    return cudaErrorNotSupported;
+}
+
+#endif
+
+static bool same(const struct kept *k, const struct gpu *g, struct loop_key key)
+{
+    return k->block == g->block && k->ranks == g->ranks && k->n == key.n &&
+           !memcmp(k + 1, key.bytes, key.n);
+}
+
+/* Makes room among those that are kept: false if all are in use. */
+static bool make_room(struct gpu *g)
+{
+    struct gpu_loops *l = g->loops;
+    struct kept **oldest = &l->first;
+    if (l->count < LOOPS)
+        return true;
+    for (struct kept **at = &l->first; *at; at = &(*at)->next)
+        if ((*at)->used < (*oldest)->used)
+            oldest = at;
+    struct kept *k = *oldest;
+    if (k->used + LOOP_IDLE > l->launches)
+        return false;
+    *oldest = k->next;
+    gpu_wait(g);
+    cudaGraphExecDestroy(k->graph);
+    arena_give(&g->host, k);
+    l->count--;
+    return true;
+}
+
+/* A new one, NULL if there is none. */
+static struct kept *make(struct gpu *g, struct loop_key key,
+                         const int32_t *again, loop_turn turn)
+{
+    struct gpu_loops *l = g->loops;
+    struct kept *k = NULL;
+    if (make_room(g))
+        k = (struct kept *)arena_take(&g->host, ARENA_OTHER,
+                                      (int64_t)(sizeof *k + key.n), 1);
+    if (!k)
+        return NULL;
+    if (build(g, again, turn, &k->graph) != cudaSuccess) {
+        cudaGetLastError(); /* it is an answer */
+        arena_give(&g->host, k);
+        l->absent = true;
+        return NULL;
+    }
+    k->n = key.n;
+    k->block = g->block;
+    k->ranks = g->ranks;
+    memcpy(k + 1, key.bytes, key.n);
+    k->next = l->first;
+    l->first = k;
+    l->count++;
+    return k;
+}
+
+static bool open_loops(struct gpu *g)
+{
+    if (!g->loops)
+        g->loops = (struct gpu_loops *)arena_take(&g->host, ARENA_OTHER, 1,
+                                                  sizeof *g->loops);
+    if (!g->loops || g->loops->absent)
+        return false;
+    if (!g->loops->stream)
+        gpu_note(g, cudaStreamCreateWithFlags(&g->loops->stream,
+                                              cudaStreamNonBlocking));
+    return !g->failed;
+}
+
+bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
+              loop_turn turn)
+{
+    if (g->hosted[0] || g->hosted[1] || g->failed || !open_loops(g))
+        return false;
+    struct kept *k = g->loops->first;
+    while (k && !same(k, g, key))
+        k = k->next;
+    if (!k)
+        k = make(g, key, again, turn);
+    if (!k)
+        return false;
+    k->used = ++g->loops->launches;
+    gpu_note(g, cudaGraphLaunch(k->graph, g->stream));
+    return true;
+}
+
+void gpu_loops_close(struct gpu *g)
+{
+    if (!g->loops)
+        return;
+    for (struct kept *k = g->loops->first; k; k = k->next)
+        cudaGraphExecDestroy(k->graph);
+    if (g->loops->stream)
+        cudaStreamDestroy(g->loops->stream);
+}
