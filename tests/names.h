@@ -269,6 +269,7 @@
 #define test_world_rest REAL_NAME(test_world_rest)
 #define test_world_restore REAL_NAME(test_world_restore)
 #define test_world_resume REAL_NAME(test_world_resume)
+#define test_world_rough REAL_NAME(test_world_rough)
 #define test_world_slices REAL_NAME(test_world_slices)
 #define test_world_threads REAL_NAME(test_world_threads)
 #define test_world_wind REAL_NAME(test_world_wind)
