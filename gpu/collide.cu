@@ -123,9 +123,8 @@ int gpu_collide(struct gpu_world *w, drape_step_report *r, double *last)
     count_contacts(c, r);
     r->iterations += w->couple.iterations;
     r->work.solves += w->couple.solves;
-    if (w->couple.solves) {
+    if (w->couple.rough || w->couple.residual > r->residual)
         r->residual = w->couple.residual;
-        r->outcome |= w->couple.outcome;
-    }
+    r->outcome |= w->couple.outcome;
     return status;
 }

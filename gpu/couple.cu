@@ -62,6 +62,7 @@ void gpu_couple_start(struct gpu_world *w)
     p->slip = real_min(R(1e-3), R(0.01) * h->reach / p->dt);
     p->tau = (real)(past ? h->dt * 2 / 3 : h->dt);
     w->couple.iterations = w->couple.solves = w->couple.outcome = 0;
+    w->couple.residual = 0;
     w->couple.seconds = 0;
     gpu_clear(w->gpu, w->couple.g, (size_t)h->nc * sizeof *w->couple.g);
 }

@@ -53,6 +53,7 @@ void couple_start(struct world *w)
     p->slip = real_min(R(1e-3), R(0.01) * w->reach / p->dt);
     p->tau = (real)(past ? w->dt * 2 / 3 : w->dt);
     c->iterations = c->solves = c->outcome = 0;
+    c->residual = 0;
     c->seconds = 0;
     memset(c->g, 0, (size_t)w->nc * sizeof *c->g);
 }
