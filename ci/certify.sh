@@ -72,18 +72,17 @@ again() {
     same "$1" "after a checkpoint" $(($2 - half)) "$work/unbroken" "$work/after"
 }
 
-# Small cases of every stage under a tool of compute-sanitizer, the slower
-# ones side by side. A tool that could not attach ends well, without a summary.
+# Small cases of every stage in $work/names under a tool of compute-sanitizer,
+# some side by side. A tool that could not attach ends well, without a summary.
 # racecheck takes 5 s for each kernel of a team of 16 blocks: it gets smaller
 # ones, of one block, and in multigrid of two. No tool knows graphs with loops:
 # the same kernels are launched by the host.
 sanitize() {
-    sed -n 's/^STAGE(\(.*\),.*/\1/p' spec/stages.def >"$work/names"
     ranks='' teams=''
     if [ "$1" = racecheck ]; then
         ranks='--ranks 1' teams='; teams of one block, in multigrid of two'
     fi
-    xargs <"$work/names" -P 12 -I STAGE sh -c "
+    xargs <"$work/names" -P 4 -I STAGE sh -c "
         ranks='$ranks'
         [ STAGE != multigrid ] || ranks=\${ranks:+--ranks 2}
         timeout 240 compute-sanitizer --tool $1 --error-exitcode 9 \
@@ -133,9 +132,11 @@ scene thrown lion_20k 8 \
     '1s/{/{"max_slices": 1, "max_rounds": 2, "gravity": [0, -900, 0],/'
 [ "$quick" ] || scene buddha_500k buddha_500k 10 ''
 [ "$quick" ] || scene buddha_2m buddha_2m 4 ''
+sed -n 's/^STAGE(\(.*\),.*/\1/p' spec/stages.def >"$work/names"
 [ "$quick" ] || for tool in memcheck racecheck initcheck synccheck; do
-    sanitize $tool
+    sanitize $tool &
 done
+wait
 python3 ci/certificate.py write "$rows" "$out"
 line=$(python3 ci/certificate.py line "$out")
 echo "$line"
