@@ -10,7 +10,7 @@ endif
 ifeq ($(origin CXX),default)
 CXX    := g++
 endif
-OPT    ?= -O2 -g
+OPT    ?= -O2
 OPENMP ?= -fopenmp
 WARN   := -Wall -Wextra -Wpedantic -Werror
 # The number model (spec/README.md §1): no contraction, no reassociation.
@@ -124,6 +124,8 @@ all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, t
 say-gpu:
 	@$(if $(GPU),,echo 'drape: $(if $(NVCC),no device,no nvcc) here: CPU part only')
 
+# Tests take longer to compile than to run.
+$(BUILD)/tests/%.o: OPT := -O1
 $(BUILD)/%.32.o: %.c
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=32 -c $< -o $@
@@ -336,6 +338,7 @@ tidy: ## clang-tidy over our C
 help: ## this list
 	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
 	@echo 'tables also takes SCENES= FRAMES= MODES= LIMIT=: ci/bench/scenes.sh'
+	@echo "OPT=      '-O2 -g', say: for a debugger"
 	@echo 'GPU=yes   with any of them: builds the device part without a device'
 	@echo 'ARCHES=   "80 90", say: for which devices; all: every one nvcc knows'
 
