@@ -313,6 +313,7 @@ struct brute {
     bool self;
     real reach;
     int32_t *edge, *of_edge, *of_vertex; /* edge: [2 n_edge]; mesh or -1 */
+    struct box *vertex, *side;           /* boxes of vertices and edges */
     int64_t n_edge, n, cap;
     struct fabric_pair *found;
 };
@@ -376,6 +377,15 @@ static void find_edges(struct brute *u)
         }
 }
 
+static void find_boxes(struct brute *u)
+{
+    const struct fabric *f = u->f;
+    for (int32_t v = 0; v < f->scene.vertices; v++)
+        u->vertex[v] = box_vertex(f->x0, f->x1, v);
+    for (int64_t k = 0; k < u->n_edge; k++)
+        u->side[k] = box_edge(f->x0, f->x1, u->edge[2 * k], u->edge[2 * k + 1]);
+}
+
 static void all_vf(struct brute *u)
 {
     struct fabric *f = u->f;
@@ -383,10 +393,9 @@ static void all_vf(struct brute *u)
         const int32_t *g = f->tri[t];
         struct box face = box_face(f->x0, f->x1, g);
         for (int32_t v = 0; v < f->scene.vertices; v++) {
-            struct box b = box_vertex(f->x0, f->x1, v);
             if (u->of_vertex[v] < 0 || v == g[0] || v == g[1] || v == g[2] ||
                 !compared(u, u->of_vertex[v], u->of_vertex[g[0]]) ||
-                !box_meets(&face, &b, u->reach))
+                !box_meets(&face, &u->vertex[v], u->reach))
                 continue;
             struct fabric_pair p = {0, {v, g[0], g[1], g[2]}};
             add(u, p);
@@ -396,16 +405,14 @@ static void all_vf(struct brute *u)
 
 static void all_ee(struct brute *u)
 {
-    struct fabric *f = u->f;
+    const struct box *box = u->side;
     for (int64_t k = 0; k < u->n_edge; k++) {
         const int32_t *e = u->edge + 2 * k;
-        struct box a = box_edge(f->x0, f->x1, e[0], e[1]);
         for (int64_t l = k + 1; l < u->n_edge; l++) {
             const int32_t *g = u->edge + 2 * l;
-            struct box b = box_edge(f->x0, f->x1, g[0], g[1]);
             if (e[0] == g[0] || e[0] == g[1] || e[1] == g[0] || e[1] == g[1] ||
                 !compared(u, u->of_edge[k], u->of_edge[l]) ||
-                !box_meets(&a, &b, u->reach))
+                !box_meets(&box[k], &box[l], u->reach))
                 continue;
             struct fabric_pair p = {1, {e[0], e[1], g[0], g[1]}};
             add(u, p);
@@ -423,6 +430,8 @@ struct fabric_pair *fabric_brute(struct fabric *f, bool self, real r,
     u.of_edge = arena_take(a, ARENA_OTHER, edges, sizeof *u.of_edge);
     u.of_vertex =
         arena_take(a, ARENA_OTHER, f->scene.vertices, sizeof *u.of_vertex);
+    u.vertex = arena_take(a, ARENA_OTHER, f->scene.vertices, sizeof *u.vertex);
+    u.side = arena_take(a, ARENA_OTHER, edges, sizeof *u.side);
     u.found = arena_take(a, ARENA_OTHER, u.cap, sizeof *u.found);
     if (a->failed)
         abort();
@@ -433,11 +442,14 @@ struct fabric_pair *fabric_brute(struct fabric *f, bool self, real r,
             for (int c = 0; c < 3; c++)
                 u.of_vertex[f->tri[f->mesh[k].first_tri + t][c]] = k;
     find_edges(&u);
+    find_boxes(&u);
     all_vf(&u);
     all_ee(&u);
     arena_give(a, u.edge);
     arena_give(a, u.of_edge);
     arena_give(a, u.of_vertex);
+    arena_give(a, u.vertex);
+    arena_give(a, u.side);
     qsort(u.found, (size_t)u.n, sizeof *u.found, fabric_compare);
     *n = u.n;
     return u.found;
