@@ -86,7 +86,7 @@ static void precondition(struct gpu *g, struct pcg *s)
     }
     LAUNCH(g, s->count, cublas_open_kernel, gpu_multigrid_opening(&s->grid),
            s->count, s->r);
-    gpu_multigrid_cycle(g, &s->grid, NULL, NULL);
+    gpu_multigrid_cycle(g, &s->grid, lent_by(s), NULL, NULL);
 }
 
 static void multiply(struct gpu *g, struct pcg *s)

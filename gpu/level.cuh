@@ -43,10 +43,17 @@ static __device__ inline void open_at(const struct opening *o, int p, vec b)
 
 struct opening gpu_multigrid_opening(const struct multigrid *s);
 
+/* Streams of the finest grid that the caller has room for, in place of the
+ * first [count] of pool and the second of room, which are not there then. */
+struct lent {
+    sym *excess; /* [count] only the build uses it */
+    vec *d;      /* [count] only a cycle does */
+};
+
 /* The two halves of gpu_multigrid; the cycle comes after its opening. go as in
  * struct level; item [count], where it is not NULL, gets z[p]·r[p]. */
-int gpu_multigrid_build(struct gpu *g, struct multigrid *s);
-void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go,
-                         real *item);
+int gpu_multigrid_build(struct gpu *g, struct multigrid *s, struct lent lent);
+void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, struct lent lent,
+                         const int32_t *go, real *item);
 
 #endif

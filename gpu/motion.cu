@@ -170,13 +170,13 @@ static int go_implicit(struct gpu *g, struct gpu_sheet *s)
     a.past = d->method == DRAPE_CK && d->has_past ? s->cloth.count : 0;
     a.tau = (real)(a.past ? d->dt * 2 / 3 : d->dt);
     a.star = motion_stream(s, 1);
-    a.back = motion_stream(s, 2);
-    a.q = a.past ? motion_stream(s, 3) : a.star;
-    d->b = motion_stream(s, 4);
-    d->dv = motion_stream(s, 5);
+    a.back = a.past ? motion_stream(s, 4) : NULL;
+    a.q = a.past ? motion_stream(s, 5) : a.star;
+    d->b = motion_stream(s, 2);
+    d->dv = motion_stream(s, 3);
     d->substeps = 1;
     predict(g, s, &a);
-    gpu_motion_force(g, s, d->x, d->v, a.past ? a.back : NULL);
+    gpu_motion_force(g, s, d->x, d->v, a.back);
     blocks(g, s, &a);
     rhs(g, s, &a);
     int status = solve(g, s);

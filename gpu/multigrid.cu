@@ -5,11 +5,11 @@
 #include "gpu/tail.cuh"
 
 /* §5: the grids from fine to coarse and where their streams are. */
-static int lay_out(const struct multigrid *s, const int32_t *go,
-                   struct level *l)
+static int lay_out(const struct multigrid *s, struct lent lent,
+                   const int32_t *go, struct level *l)
 {
-    sym *a = s->pool + s->count;
-    vec *v = s->room + 2 * s->count;
+    sym *a = lent.excess ? s->pool : s->pool + s->count;
+    vec *v = lent.d ? s->room + s->count : s->room + 2 * s->count;
     struct level fine = {};
     fine.g = grid{s->m, s->n};
     fine.count = (int32_t)s->count;
@@ -17,13 +17,13 @@ static int lay_out(const struct multigrid *s, const int32_t *go,
     fine.extra = s->n_extra ? s->extra : NULL;
     fine.fixed = s->fixed;
     fine.rule = s->live + s->count;
-    fine.excess = s->pool;
+    fine.excess = lent.excess ? lent.excess : s->pool;
     fine.block = s->block;
     fine.factor = s->factor;
     fine.b = (vec *)s->r; /* only read */
     fine.x = s->z;
     fine.y = s->room;
-    fine.d = s->room + s->count;
+    fine.d = lent.d ? lent.d : s->room + s->count;
     fine.go = go;
     l[0] = fine;
     int levels = 1;
@@ -135,11 +135,11 @@ static struct coarsest coarsest_of(const struct multigrid *s,
     return c;
 }
 
-void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go,
-                         real *item)
+void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, struct lent lent,
+                         const int32_t *go, real *item)
 {
     struct level l[LEVELS];
-    int levels = lay_out(s, go, l), first = 1;
+    int levels = lay_out(s, lent, go, l), first = 1;
     struct weights fine = weights_of(2),
                    coarse = weights_of(s->n_extra ? 4 : 2.5);
     struct tail tail = {};
@@ -157,14 +157,17 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, const int32_t *go,
         go_up(g, &l[k], k ? coarse : fine, k ? NULL : item);
 }
 
-int gpu_multigrid_build(struct gpu *g, struct multigrid *s)
+int gpu_multigrid_build(struct gpu *g, struct multigrid *s, struct lent lent)
 {
     struct level l[LEVELS];
-    struct excess e = {s->m,       s->n,     s->count,    s->mass,
-                       s->n_extra, s->extra, s->n_blocks, s->block,
-                       s->fixed,   s->pool,  s->live,     s->live + s->count};
+    struct excess e = {s->m,        s->n,
+                       s->count,    s->mass,
+                       s->n_extra,  s->extra,
+                       s->n_blocks, s->block,
+                       s->fixed,    lent.excess ? lent.excess : s->pool,
+                       s->live,     s->live + s->count};
     int status = gpu_excess(g, &e);
-    int levels = status == DRAPE_OK ? lay_out(s, NULL, l) : 0;
+    int levels = status == DRAPE_OK ? lay_out(s, lent, NULL, l) : 0;
     for (int k = 1; k < levels && status == DRAPE_OK; k++) {
         const struct level *f = &l[k - 1], *to = &l[k];
         struct coarsen c = {};
@@ -194,11 +197,11 @@ int gpu_multigrid_build(struct gpu *g, struct multigrid *s)
 
 int gpu_multigrid(struct gpu *g, struct multigrid *s)
 {
-    int status = gpu_multigrid_build(g, s);
+    int status = gpu_multigrid_build(g, s, lent{});
     if (status == DRAPE_OK) {
         LAUNCH(g, s->count, multigrid_first_kernel, gpu_multigrid_opening(s),
                (int32_t)s->count, s->r);
-        gpu_multigrid_cycle(g, s, NULL, NULL);
+        gpu_multigrid_cycle(g, s, lent{}, NULL, NULL);
     }
     return status == DRAPE_OK ? gpu_status(g) : status;
 }

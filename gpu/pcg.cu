@@ -156,7 +156,7 @@ static int build(struct gpu *g, struct pcg *s)
     s->grid.factor = s->factor;
     s->grid.r = s->r;
     s->grid.z = s->s;
-    return gpu_multigrid_build(g, &s->grid);
+    return gpu_multigrid_build(g, &s->grid, lent_by(s));
 }
 
 int gpu_pcg_set_up(struct gpu *g, struct pcg *s)
@@ -197,7 +197,7 @@ static void iterate(struct gpu *g, struct pcg *s, struct course *c,
     else if (!s->n_cdf)
         p = room.other;
     if (!room.jacobi) {
-        gpu_multigrid_cycle(g, &s->grid, &c->go, room.item);
+        gpu_multigrid_cycle(g, &s->grid, lent_by(s), &c->go, room.item);
         LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s,
                       c, room, false);
     }

@@ -168,6 +168,15 @@ static __device__ inline void advance(const struct pcg *s, int64_t k, vec d)
     s->low[k] = low;
 }
 
+/* What the search has no use for while M is built or applied; a world's p and
+ * q are one stream, so that a block fits in. */
+static inline struct lent lent_by(const struct pcg *s)
+{
+    if (s->q != s->p + s->count)
+        return lent{};
+    return lent{(sym *)s->p, s->q};
+}
+
 /* The matrix and its preconditioner; dv and low as they start. DRAPE_OK, or
  * DRAPE_EARG as ref_pcg. */
 int gpu_pcg_set_up(struct gpu *g, struct pcg *s);

@@ -57,19 +57,21 @@ static void give_place(struct gpu_world *w, enum arena_part part,
     k->pose = w->pose;
 }
 
+/* Of multigrid's finest grid pool and room lack what p and q lend it. */
 static void give_pcg(struct gpu_world *w, struct pcg *p)
 {
+    int64_t lent = p->grid.n_pool ? p->count : 0;
     GIVE(p->cdf, ARENA_SOLVER, NULL, p->n_cdf);
     GIVE(p->diagonal, ARENA_SOLVER, NULL, p->n_cdf ? p->count : 0);
     GIVE(p->factor, ARENA_SOLVER, NULL, p->count);
     GIVE(p->low, ARENA_SOLVER, NULL, p->count);
     GIVE(p->r, ARENA_SOLVER, NULL, p->count);
     GIVE(p->s, ARENA_SOLVER, NULL, p->count);
-    GIVE(p->p, ARENA_SOLVER, NULL, p->count);
-    GIVE(p->q, ARENA_SOLVER, NULL, p->count);
+    GIVE(p->p, ARENA_SOLVER, NULL, 2 * p->count);
+    p->q = p->p + p->count;
     GIVE(p->chunk, ARENA_SOLVER, NULL, p->n_chunks);
-    GIVE(p->grid.pool, ARENA_SOLVER, NULL, p->grid.n_pool);
-    GIVE(p->grid.room, ARENA_SOLVER, NULL, p->grid.n_room);
+    GIVE(p->grid.pool, ARENA_SOLVER, NULL, p->grid.n_pool - lent);
+    GIVE(p->grid.room, ARENA_SOLVER, NULL, p->grid.n_room - lent);
     GIVE(p->grid.live, ARENA_SOLVER, NULL, p->grid.n_live);
     GIVE(p->grid.dense, ARENA_SOLVER, NULL, p->grid.n_dense);
 }

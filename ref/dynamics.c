@@ -76,10 +76,10 @@ static int go_implicit(struct dynamics *s)
     const struct cloth *c = s->cloth;
     int64_t past = s->method == DRAPE_CK && s->has_past ? c->count : 0;
     real tau = (real)(past ? s->dt * 2 / 3 : s->dt);
-    vec *star = stream(s, 1), *back = stream(s, 2);
-    vec *q = past ? stream(s, 3) : star;
-    s->b = stream(s, 4);
-    s->dv = stream(s, 5);
+    vec *star = stream(s, 1), *back = past ? stream(s, 4) : NULL;
+    vec *q = past ? stream(s, 5) : star;
+    s->b = stream(s, 2);
+    s->dv = stream(s, 3);
     s->substeps = 1;
 
     struct predict begin = {.count = c->count,
@@ -96,7 +96,7 @@ static int go_implicit(struct dynamics *s)
                             .q = q};
     ref_predict(&begin);
     trace_vecs(s, "predict", star);
-    dynamics_force(s, s->x, s->v, past ? back : NULL);
+    dynamics_force(s, s->x, s->v, back);
     struct blocks blocks = {.count = c->count,
                             .m = c->m,
                             .laws = SPRINGS,

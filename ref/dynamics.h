@@ -55,7 +55,8 @@ static inline bool dynamics_implicit(int method)
 /* Streams of vec in work. */
 static inline int64_t dynamics_vecs(int method, int windy)
 {
-    return (dynamics_implicit(method) ? 6 : 5) + (windy ? 3 : 0);
+    int64_t own = method == DRAPE_BW ? 4 : method == DRAPE_CK ? 6 : 5;
+    return own + (windy ? 3 : 0);
 }
 
 /* DRAPE_OK; DRAPE_ELIMIT if max_substeps are not stable; or what solve

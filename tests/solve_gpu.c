@@ -23,10 +23,11 @@ static void *put(struct gpu *g, const void *host, int64_t n, size_t size)
     return p;
 }
 
-/* s with streams of its own on the device. */
+/* s with streams of its own on the device, as a world has them. */
 static struct pcg on_device(struct gpu *g, const struct pcg *s)
 {
     struct pcg d = *s;
+    int64_t lent = s->grid.n_pool ? s->count : 0;
     d.mass = put(g, s->mass, s->count, sizeof *s->mass);
     d.extra = put(g, s->extra, s->n_extra, sizeof *s->extra);
     d.block = put(g, s->block, s->n_blocks, sizeof *s->block);
@@ -38,11 +39,11 @@ static struct pcg on_device(struct gpu *g, const struct pcg *s)
     d.low = put(g, NULL, s->count, sizeof *s->low);
     d.r = put(g, NULL, s->count, sizeof *s->r);
     d.s = put(g, NULL, s->count, sizeof *s->s);
-    d.p = put(g, NULL, s->count, sizeof *s->p);
-    d.q = put(g, NULL, s->count, sizeof *s->q);
+    d.p = put(g, NULL, 2 * s->count, sizeof *s->p);
+    d.q = d.p + s->count;
     d.chunk = put(g, NULL, s->n_chunks, sizeof *s->chunk);
-    d.grid.pool = put(g, NULL, s->grid.n_pool, sizeof *s->grid.pool);
-    d.grid.room = put(g, NULL, s->grid.n_room, sizeof *s->grid.room);
+    d.grid.pool = put(g, NULL, s->grid.n_pool - lent, sizeof *s->grid.pool);
+    d.grid.room = put(g, NULL, s->grid.n_room - lent, sizeof *s->grid.room);
     d.grid.live = put(g, NULL, s->grid.n_live, sizeof *s->grid.live);
     d.grid.dense = put(g, NULL, s->grid.n_dense, sizeof *s->grid.dense);
     d.dv = put(g, NULL, s->count, sizeof *s->dv);
