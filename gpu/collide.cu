@@ -75,12 +75,18 @@ int gpu_collide_far(struct gpu_world *w, drape_step_report *r, double *last,
     return status;
 }
 
-static int repel(struct gpu_world *w)
+static int find_near(struct gpu_world *w, const vec *to)
 {
     double start = clock_now();
     int status =
-        gpu_broad_query(w->gpu, &w->broad, w->x0, w->x0, w->host->reach, NULL);
+        gpu_broad_query(w->gpu, &w->broad, w->x0, to, w->host->reach, NULL);
     w->broad_seconds += clock_now() - start;
+    return status;
+}
+
+static int repel(struct gpu_world *w)
+{
+    int status = find_near(w, w->x0);
     if (status != DRAPE_OK)
         return status;
     struct pairs near = {w->broad.n, (const int32_t *)w->broad.pair.data,
@@ -112,12 +118,15 @@ int gpu_collide(struct gpu_world *w, drape_step_report *r, double *last)
     int status = gpu_response_start(w->gpu, c);
     if (w->host->plan.implicit)
         gpu_couple_start(w);
-    if (status == DRAPE_OK)
+    if (status == DRAPE_OK && w->host->near == NEAR_NONE)
+        status = find_near(w, w->x1);
+    bool alone = w->host->near == NEAR_NONE && w->broad.n == 0;
+    if (status == DRAPE_OK && !alone)
         status = repel(w);
     if (status == DRAPE_OK && w->couple.rough && w->couple.solves == 0)
         status = gpu_couple_solve(w, 0, NULL);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
-    if (status == DRAPE_OK)
+    if (status == DRAPE_OK && !alone)
         status = gpu_response_penetrate(w->gpu, c);
     charge_contact(w, r, DRAPE_PART_PENETRATION, last);
     count_contacts(c, r);

@@ -45,7 +45,8 @@ int gpu_couple_make(struct gpu_world *w)
 void gpu_couple_prepare(struct gpu_world *w, struct pcg *p)
 {
     const struct world *h = w->host;
-    bool rough = h->touching && h->plan.implicit && !h->plan.history;
+    bool rough =
+        h->near == NEAR_CONTACTS && h->plan.implicit && !h->plan.history;
     real asked = (real)h->def.tolerance;
     w->couple.rough = rough;
     p->energy = rough;

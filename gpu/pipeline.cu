@@ -95,7 +95,7 @@ static void commit(struct gpu_world *w, int outcome)
         remember(w);
     h->resting = rests(w, outcome) ? h->resting + 1 : 0;
     h->asleep = h->resting >= REST_STEPS;
-    h->touching = h->plan.collides && w->response.contacts > 0;
+    h->near = state_nearness(&w->response);
     for (int k = 0; k < h->def.n_cloths; k++) {
         h->watch[k][0] = w->sheet[k].dynamics.reference;
         h->watch[k][1] = w->sheet[k].dynamics.surplus;

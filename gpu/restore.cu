@@ -43,7 +43,7 @@ int gpu_slice_save(struct gpu_world *w)
     s->past = h->past;
     s->resting = h->resting;
     s->asleep = h->asleep;
-    s->touching = h->touching;
+    s->near = h->near;
     return gpu_status(w->gpu);
 }
 
@@ -62,5 +62,5 @@ void gpu_slice_restore(struct gpu_world *w)
     h->past = s->past;
     h->resting = s->resting;
     h->asleep = s->asleep;
-    h->touching = s->touching;
+    h->near = s->near;
 }

@@ -11,7 +11,7 @@ struct header {
     uint64_t fingerprint, check; /* check: of all bytes but its own */
     int64_t step, vertices;
     double time;
-    uint16_t asleep, touching;
+    uint16_t asleep, near;
     uint32_t past;
     drape_wind wind;
 };
@@ -122,7 +122,7 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     h.vertices = w->nv;
     h.time = w->time;
     h.asleep = w->asleep;
-    h.touching = w->touching;
+    h.near = (uint16_t)w->near;
     h.past = (uint32_t)w->past;
     h.wind = w->def.wind;
     uint64_t check = check_header(&h);
@@ -177,7 +177,7 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
     world_set_wind(w, &h.wind);
     w->resting = (int)h.resting;
     w->asleep = h.asleep;
-    w->touching = h.touching;
+    w->near = (enum nearness)h.near;
     w->past = (int)h.past;
     return DRAPE_OK;
 }

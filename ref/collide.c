@@ -90,12 +90,19 @@ int collide_far(struct world *w, drape_step_report *r, double *last,
     return status;
 }
 
+/* The pairs that may come within reach on the way from x0 to `to`. */
+static int find_near(struct world *w, const vec *to)
+{
+    double start = clock_now();
+    int status = broad_query(&w->broad, w->x0, to, w->reach, NULL);
+    w->broad_seconds += clock_now() - start;
+    return status;
+}
+
 /* Pairs within reach of each other where the step starts are pushed apart. */
 static int repel(struct world *w)
 {
-    double start = clock_now();
-    int status = broad_query(&w->broad, w->x0, w->x0, w->reach, NULL);
-    w->broad_seconds += clock_now() - start;
+    int status = find_near(w, w->x0);
     if (status != DRAPE_OK)
         return status;
     struct pairs near = {w->broad.n, w->broad.pair.data, w->broad.kind.data};
@@ -126,12 +133,15 @@ int collide(struct world *w, drape_step_report *r, double *last)
     int status = ref_response_start(c);
     if (w->plan.implicit)
         couple_start(w);
-    if (status == DRAPE_OK)
+    if (status == DRAPE_OK && w->near == NEAR_NONE)
+        status = find_near(w, w->x1);
+    bool alone = w->near == NEAR_NONE && w->broad.n == 0;
+    if (status == DRAPE_OK && !alone)
         status = repel(w);
     if (status == DRAPE_OK && w->couple.rough && w->couple.solves == 0)
         status = couple_solve(w, 0, NULL);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
-    if (status == DRAPE_OK)
+    if (status == DRAPE_OK && !alone)
         status = ref_response_penetrate(c);
     charge_contact(w, r, DRAPE_PART_PENETRATION, last);
     count_contacts(c, r);

@@ -36,7 +36,8 @@ int couple_make(struct world *w)
 
 void couple_prepare(struct world *w, struct pcg *p)
 {
-    bool rough = w->touching && w->plan.implicit && !w->plan.history;
+    bool rough =
+        w->near == NEAR_CONTACTS && w->plan.implicit && !w->plan.history;
     real asked = (real)w->def.tolerance;
     w->couple.rough = rough;
     p->energy = rough;

@@ -42,7 +42,7 @@ int slice_save(struct world *w)
     s->past = w->past;
     s->resting = w->resting;
     s->asleep = w->asleep;
-    s->touching = w->touching;
+    s->near = w->near;
     return DRAPE_OK;
 }
 
@@ -60,5 +60,5 @@ void slice_restore(struct world *w)
     w->past = s->past;
     w->resting = s->resting;
     w->asleep = s->asleep;
-    w->touching = s->touching;
+    w->near = s->near;
 }

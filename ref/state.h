@@ -35,13 +35,17 @@ struct prop {
     bool moves; /* ever */
 };
 
+/* What may collide: nothing is near anything, some is, some is in contact. */
+enum nearness { NEAR_NONE, NEAR_PAIRS, NEAR_CONTACTS };
+
 /* The state where the step under way started. */
 struct start {
     vec *x, *v;           /* [nv] */
     vec *past_x, *past_v; /* [nc] or NULL */
     double (*watch)[2];   /* [n_cloths]; NULL: no step was cut yet */
     int past, resting;
-    bool asleep, touching;
+    bool asleep;
+    enum nearness near;
 };
 
 struct world {
@@ -82,7 +86,7 @@ struct world {
     double time;
     int resting; /* steps in a row in which nothing moved */
     bool asleep;
-    bool touching; /* the slice before had contacts */
+    enum nearness near; /* of the slice before */
     int past;  /* 1 + level of the slice that past_x and past_v hold, 0: none */
     double dt; /* s, of the slice under way */
     struct slicing slicing;
@@ -93,6 +97,14 @@ struct world {
 static inline bool state_has_past(const struct world *w)
 {
     return w->past == 1 + w->slicing.level;
+}
+
+/* What a slice found near. */
+static inline enum nearness state_nearness(const struct response *c)
+{
+    if (c->contacts > 0)
+        return NEAR_CONTACTS;
+    return c->near > 0 || c->candidates > 0 ? NEAR_PAIRS : NEAR_NONE;
 }
 
 /* What ref/world.c and ask.c lend to the other files of a world, and gpu/. */

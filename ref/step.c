@@ -100,7 +100,7 @@ static void commit(struct world *w, int outcome)
         remember(w);
     w->resting = rests(w, outcome) ? w->resting + 1 : 0;
     w->asleep = w->resting >= REST_STEPS;
-    w->touching = w->plan.collides && w->response.contacts > 0;
+    w->near = state_nearness(&w->response);
     for (int k = 0; k < w->def.n_cloths; k++) {
         w->watch[k][0] = w->sheet[k].dynamics.reference;
         w->watch[k][1] = w->sheet[k].dynamics.surplus;

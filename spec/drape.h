@@ -227,7 +227,8 @@ typedef struct drape_step_report {
     int substeps;       /* of the integrator, of a slice the most */
     int iterations;     /* of the linear solver, all solves */
     double residual;    /* relative, the worst of its solves */
-    int rounds;         /* of penetration, the last finds nothing */
+    int rounds;         /* of penetration, the last finds nothing; 0 where
+                           nothing was near anything */
     int64_t contacts;   /* pairs in proximity, of the last slice */
     int64_t impacts;    /* pairs that penetrated, all rounds */
     int64_t candidates; /* pairs given to the narrow phase, all rounds; this,
