@@ -104,7 +104,7 @@ static const char *falls(int integrator)
     }
     EXPECT(all.solves > 12 && all.near > 0);
     EXPECT(integrator == DRAPE_CK || all.later > 0);
-    EXPECT(all.narrow > 0 && all.narrow < rounds);
+    EXPECT(all.narrow > 0 && all.narrow <= rounds);
     drape_destroy(world);
     notes_free(&a);
     return NULL;
