@@ -7,7 +7,8 @@
 enum { TURNS = 2 };
 static const real ROUGH = R(0.1); /* tolerance of a motion before contact */
 
-/* One cloth's part of the streams; hold and b are pcg's too. */
+/* One cloth's part of the streams; hold, b and dv are pcg's too, b and dv those
+ * of the motion, which is done by then. */
 struct part {
     int64_t count;
     const uint8_t *fixed;
@@ -37,8 +38,6 @@ int gpu_couple_make(struct gpu_world *w)
     p->guess = (vec *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(vec));
     p->brake = (real *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(real));
     p->g = w->couple.g = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
-    w->couple.b = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
-    w->couple.dv = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
     return gpu_status(g);
 }
 
@@ -126,9 +125,9 @@ static struct part part_of(struct gpu_world *w, const struct gpu_sheet *s)
                      c->penalty.force + at,
                      c->penalty.hold + at,
                      s->pcg.r,
-                     c->dv + at,
+                     s->dynamics.dv,
                      c->g + at,
-                     c->b + at,
+                     s->dynamics.b,
                      w->x0 + at,
                      w->response.u + at,
                      w->v1 + at,
@@ -147,7 +146,7 @@ static int solve_sheet(struct gpu_world *w, struct gpu_sheet *s)
     LAUNCH(w->gpu, part.count, couple_rhs_kernel, part);
     p->block = s->dynamics.block;
     p->b = part.b;
-    p->dv = w->couple.dv + s->first;
+    p->dv = s->dynamics.dv;
     p->n_extra = part.count;
     p->extra = part.hold;
     p->energy = 1;

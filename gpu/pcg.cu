@@ -284,7 +284,8 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
     c.from = s->scale; /* where there is nothing to solve */
     c.most = s->square;
     int64_t sums = 2 * s->n_chunks;
-    int64_t all = sums + (s->n_cdf ? 1 : 4) * s->count;
+    bool lent = s->n_cdf || lies_before(s);
+    int64_t all = sums + (lent ? 1 : 4) * s->count;
     real *scratch = (real *)gpu_scratch(g, SLOT_STAGE, all, sizeof *scratch);
     if (status == DRAPE_OK && s->count > 0 && scratch) {
         bool jacobi = s->precond == DRAPE_JACOBI;
@@ -292,9 +293,8 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
         if (!jacobi)
             opening = gpu_multigrid_opening(&s->grid);
         real *item = scratch + sums;
-        c = solve(
-            g, s,
-            room{scratch, item, (vec *)(item + s->count), jacobi, opening});
+        vec *other = lent ? s->q + s->count : (vec *)(item + s->count);
+        c = solve(g, s, room{scratch, item, other, jacobi, opening});
     }
     s->iterations = c.iterations;
     s->outcome = c.outcome;

@@ -168,13 +168,17 @@ static __device__ inline void advance(const struct pcg *s, int64_t k, vec d)
     s->low[k] = low;
 }
 
-/* What the search has no use for while M is built or applied; a world's p and
- * q are one stream, so that a block fits in. */
+/* A world's p and q lie one behind the other, before a stream [count] that has
+ * no use while there is a solve. */
+static inline bool lies_before(const struct pcg *s)
+{
+    return s->q == s->p + s->count;
+}
+
+/* What the search has no use for while M is built or applied. */
 static inline struct lent lent_by(const struct pcg *s)
 {
-    if (s->q != s->p + s->count)
-        return lent{};
-    return lent{(sym *)s->p, s->q};
+    return lies_before(s) ? lent{(sym *)s->p, s->q} : lent{};
 }
 
 /* The matrix and its preconditioner; dv and low as they start. DRAPE_OK, or

@@ -67,8 +67,6 @@ static void give_pcg(struct gpu_world *w, struct pcg *p)
     GIVE(p->low, ARENA_SOLVER, NULL, p->count);
     GIVE(p->r, ARENA_SOLVER, NULL, p->count);
     GIVE(p->s, ARENA_SOLVER, NULL, p->count);
-    GIVE(p->p, ARENA_SOLVER, NULL, 2 * p->count);
-    p->q = p->p + p->count;
     GIVE(p->chunk, ARENA_SOLVER, NULL, p->n_chunks);
     GIVE(p->grid.pool, ARENA_SOLVER, NULL, p->grid.n_pool - lent);
     GIVE(p->grid.room, ARENA_SOLVER, NULL, p->grid.n_room - lent);
@@ -95,13 +93,17 @@ static void give_sheet(struct gpu_world *w, int k)
     GIVE(s->pins.x, ARENA_CLOTH, h->pins.x, h->pins.n);
     *d = h->dynamics;
     d->cloth = c;
-    GIVE(d->work, ARENA_SOLVER, NULL,
-         dynamics_vecs(d->method, d->windy) * c->count);
+    int64_t vecs = dynamics_vecs(d->method, d->windy);
+    bool implicit = w->host->plan.implicit;
+    GIVE(d->work, ARENA_SOLVER, NULL, (vecs + (implicit ? 2 : 0)) * c->count);
     GIVE(d->chunk, ARENA_SOLVER, NULL, 3 * sum_chunks(c->count));
-    if (!w->host->plan.implicit)
+    if (!implicit)
         return;
     GIVE(d->block, ARENA_SOLVER, NULL, SPRINGS * c->count);
     s->pcg = h->solver.pcg;
+    s->pcg.p = d->work; /* lies_before the force, which rhs alone reads */
+    s->pcg.q = s->pcg.p + c->count;
+    d->work = s->pcg.q + c->count;
     s->pcg.mass = c->mass;
     s->pcg.fixed = c->fixed;
     give_pcg(w, &s->pcg);

@@ -39,7 +39,7 @@ static struct pcg on_device(struct gpu *g, const struct pcg *s)
     d.low = put(g, NULL, s->count, sizeof *s->low);
     d.r = put(g, NULL, s->count, sizeof *s->r);
     d.s = put(g, NULL, s->count, sizeof *s->s);
-    d.p = put(g, NULL, 2 * s->count, sizeof *s->p);
+    d.p = put(g, NULL, 3 * s->count, sizeof *s->p);
     d.q = d.p + s->count;
     d.chunk = put(g, NULL, s->n_chunks, sizeof *s->chunk);
     d.grid.pool = put(g, NULL, s->grid.n_pool - lent, sizeof *s->grid.pool);
