@@ -13,7 +13,7 @@ cores=$(nproc)
 sh ci/part.sh "$build" build "$cores"
 # Long ones first; in CI also tidy, which is slow.
 parts="buddha demo tests ${CI:+tidy} gcc-O3 clang-O2 asan accuracy gcc-O0
-       device tool stages golden-1 golden-3 fuzz format prove certificate embed"
+       device tool golden-3 golden-1 fuzz format prove certificate embed self"
 # shellcheck disable=SC2086
 printf '%s\n' $parts | xargs -P "$cores" -n 1 sh ci/part.sh "$build"
 echo "certificate: $(python3 ci/certificate.py line ci/certificate.json)"

@@ -77,7 +77,7 @@ export OMP_WAIT_POLICY=passive # more threads than processors must not spin
 export OMP_NUM_THREADS=1       # what wants more asks for them
 case $part in
 build) one build make -j"$jobs" BUILD="$build" check-parts ;;
-stages) count stages "$build/check" --stages --self-test ;;
+self) count 'planted faults' "$build/check" --self-test ;;
 device) count 'kernels, emulated' "$build/check" --gpu ;;
 accuracy) count accuracy "$build/accuracy" --quick "$build" ;;
 tests) count tests "$build/check" --tests ;;

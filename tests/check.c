@@ -154,9 +154,10 @@ static void golden(const char *path, bool write)
         if (!wanted(name))
             continue;
         report("golden", name, bits,
-               !s->name                           ? "no such stage"
-               : run_stage(s, bits, true) == want ? NULL
-                                                  : "other bits than recorded");
+               !s->name ? "no such stage"
+               : run_stage(s, bits, false) == want
+                   ? NULL
+                   : "other bits than recorded");
     }
     /* A stage without a line is a failure, not a silence. */
     rewind(f);
@@ -225,7 +226,8 @@ static int usage(void)
           "  --certify DIR   rows of a certificate; DIR: the fuzz corpora\n"
           "  --tests         every test of tests/tests.def\n"
           "  --self-test     planted faults must be caught\n"
-          "  --golden FILE   recorded hashes   --golden-write FILE\n"
+          "  --golden FILE   --stages, against recorded hashes\n"
+          "  --golden-write FILE\n"
           "  --replay FILE   one recorded case\n"
           "  --bench         time of each stage as csv, --bench-gpu there\n"
           "  --bench-solve   whole solves on the device, as csv\n",
