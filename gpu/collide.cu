@@ -115,6 +115,7 @@ int gpu_collide(struct gpu_world *w, drape_step_report *r, double *last)
     c->x1 = w->x1;
     c->v = w->v1;
     c->dt = (real)w->host->dt;
+    c->brief = slice_brief(w->host);
     int status = gpu_response_start(w->gpu, c);
     if (w->host->plan.implicit)
         gpu_couple_start(w);

@@ -231,6 +231,10 @@ int gpu_response_penetrate(struct gpu *g, struct response *s)
     int status = gpu_response_detect(g, s, NULL);
     s->rounds = 1;
     for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {
+        if (s->brief && round >= s->max_rounds) {
+            s->outcome |= DRAPE_ZONES;
+            break;
+        }
         status = resolve(g, s, round);
         if (status != DRAPE_OK || s->hits == 0)
             break;

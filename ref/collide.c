@@ -130,6 +130,7 @@ int collide(struct world *w, drape_step_report *r, double *last)
     c->x1 = w->x1;
     c->v = w->v1;
     c->dt = (real)w->dt;
+    c->brief = slice_brief(w);
     int status = ref_response_start(c);
     if (w->plan.implicit)
         couple_start(w);

@@ -157,6 +157,7 @@
 #define root_quick REAL_NAME(root_quick)
 #define root_sign REAL_NAME(root_sign)
 #define slice_begin REAL_NAME(slice_begin)
+#define slice_brief REAL_NAME(slice_brief)
 #define slice_count REAL_NAME(slice_count)
 #define slice_cut REAL_NAME(slice_cut)
 #define slice_far REAL_NAME(slice_far)

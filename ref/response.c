@@ -275,6 +275,10 @@ int ref_response_penetrate(struct response *s)
     int status = detect(s, NULL);
     s->rounds = 1;
     for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {
+        if (s->brief && round >= s->max_rounds) {
+            s->outcome |= DRAPE_ZONES;
+            break;
+        }
         status = resolve(s, round);
         if (status != DRAPE_OK || s->hits == 0)
             break;

@@ -36,6 +36,7 @@ struct response {
     int max_rounds;   /* of impulses, ≥ 0 */
     int zone_rounds;  /* ≥ 0, after those */
     int roll_rounds;  /* ≥ 0: of growing rollback before all go back */
+    bool brief;       /* end where zones would begin: the step is tried anew */
 
     /* Every pair that may touch between x0 and x1 and has a vertex i with
      * touched[i] (NULL: every pair). DRAPE_OK or an error. */
@@ -84,7 +85,8 @@ int ref_response_start(struct response *s);
 int ref_response_repel(struct response *s, const struct pairs *near);
 
 /* Impulses, zones and rollback until nothing touches; u, v, x1 change.
- * outcome has DRAPE_TRAPPED if something does all the same. Ends always. */
+ * outcome has DRAPE_TRAPPED if something does all the same, and DRAPE_ZONES
+ * where `brief` left it so. Ends always. */
 int ref_response_penetrate(struct response *s);
 
 #endif

@@ -61,22 +61,28 @@ static double lift(const struct world *w)
     return w->mass * (way * weight + speed * speed / 2);
 }
 
+bool slice_brief(const struct world *w)
+{
+    const struct slicing *s = &w->slicing;
+    return s->tries < TRIES && s->level < s->deepest;
+}
+
 bool slice_wrong(struct world *w, int outcome, const double before[3],
                  const double after[3])
 {
     struct slicing *s = &w->slicing;
-    int failed = DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED;
+    bool failed = outcome & (DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED);
     double rise = (after[0] - before[0]) + (after[1] - before[1]) +
                   (after[2] - before[2]);
     double height = after[2] < 0 ? -after[2] : after[2];
     bool fed = w->plan.led || w->plan.wind || !w->plan.implicit;
     bool jolt =
         !fed && rise > (after[0] + after[1]) / 16 + height / 65536 + lift(w);
-    bool again =
-        (outcome & failed && s->tries < TRIES) || (jolt && s->jolts < JOLTS);
-    if (!again || s->level >= s->deepest)
+    failed = failed && s->tries < TRIES;
+    jolt = !failed && jolt && s->jolts < JOLTS;
+    if (!(failed || jolt) || s->level >= s->deepest)
         return false;
-    s->tries += (outcome & failed) != 0;
+    s->tries += failed;
     s->jolts += jolt;
     s->least = ++s->level;
     return true;

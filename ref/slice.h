@@ -32,6 +32,8 @@ bool slice_last(const struct world *w);
  * too far for this slice; and makes it as short as they need. */
 bool slice_far(struct world *w, real travel);
 void slice_cut(struct world *w);
+/* §7.3: whether it would be taken again if the fail-safe ended it. */
+bool slice_brief(const struct world *w);
 /* §7.3: whether the slice is to be taken again, shorter, as it ended by the
  * fail-safe, or with energy from nowhere: before, after [3]: kinetic, elastic,
  * of gravity, J. */

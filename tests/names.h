@@ -263,6 +263,7 @@
 #define test_tangle_energy REAL_NAME(test_tangle_energy)
 #define test_tangle_plates REAL_NAME(test_tangle_plates)
 #define test_tangle_soup REAL_NAME(test_tangle_soup)
+#define test_world_brief REAL_NAME(test_world_brief)
 #define test_world_device REAL_NAME(test_world_device)
 #define test_world_random REAL_NAME(test_world_random)
 #define test_world_refusals REAL_NAME(test_world_refusals)

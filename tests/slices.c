@@ -59,6 +59,28 @@ const char *test_world_slices(void)
     return NULL;
 }
 
+/* 00 §7.3: where no impulse is allowed, the fail-safe is left to the shortest
+ * slice: the longer ones end before their zones, and are taken again. */
+const char *test_world_brief(void)
+{
+    for (int slices = 1; slices <= 4; slices *= 2) {
+        struct slab d;
+        drape_step_report r;
+        make_throw(&d, DRAPE_BW, 2);
+        d.def.max_rounds = 0;
+        d.def.max_slices = slices;
+        drape_world *world = slab_world(&d);
+        EXPECT(world);
+        EXPECT(drape_step(world, &r) == DRAPE_OK && r.slices == slices);
+        EXPECT(r.outcome & DRAPE_ZONES && r.zone_vertices > 0);
+        EXPECT((r.work.tries > slices) == (slices > 1));
+        EXPECT(scene_audit(world, 1) == 0);
+        drape_destroy(world);
+        ran(1);
+    }
+    return NULL;
+}
+
 /* 00 §7.3: a sheet laid on a slope that friction holds is parted from it by
  * repulsion, a thousandth of a joule against next to none of its own, and that
  * is no reason to cut a step. */
