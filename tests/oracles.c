@@ -99,7 +99,8 @@ const char *test_oracle_agreement(void)
 {
     if (!orc_present())
         return skip("the oracles' libraries are not installed");
-    for (int k = 0; k < 200; k++) {
+    /* The oracles take binary64: half of the queries in either instance. */
+    for (int k = REAL_BITS == 32 ? 0 : 100, end = k + 100; k < end; k++) {
         struct bytes b = {.seed = (uint64_t)k, .size = 0};
         struct query q = pick_query(&b);
         choices_free(&b);
