@@ -34,7 +34,7 @@ static const char *run(const struct target *t, const char *name,
         return t->scene(b);
     if (strcmp(name, "vf") == 0 || strcmp(name, "ee") == 0)
         return t->query(b, name[0] == 'e');
-    return case_run(find(t->stages, name), b, FAULT_NONE).failed;
+    return case_run(find(t->stages, name), b, FAULT_NONE, true).failed;
 }
 
 const char *fuzz_stage(const char *name, const uint8_t *data, size_t size)

@@ -170,14 +170,14 @@ static struct case_result run_once(const struct stage *stage, const uint8_t *s,
 }
 
 struct case_result case_run(const struct stage *stage, struct bytes *b,
-                            enum fault fault)
+                            enum fault fault, bool prop)
 {
     uint8_t *s = calloc(1, stage->size);
     if (!s)
         abort();
     stage->gen(b, s);
     /* Of the second run the hash is enough: it is the same outputs or fails. */
-    struct case_result a = run_once(stage, s, 0x55, fault, fault == FAULT_NONE);
+    struct case_result a = run_once(stage, s, 0x55, fault, prop);
     struct case_result z = run_once(stage, s, 0xaa, fault, false);
     if (!a.failed)
         a.failed = z.failed;

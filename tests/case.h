@@ -23,8 +23,9 @@ struct case_result {
     bool faulted;       /* there was something to plant the fault in */
 };
 
+/* prop: the stage's properties must hold too. */
 struct case_result case_run(const struct stage *stage, struct bytes *b,
-                            enum fault fault);
+                            enum fault fault, bool prop);
 /* Median seconds of ref_X on the benchmark's input; *bytes: its streams. */
 double case_bench(const struct stage *stage, int64_t *bytes);
 

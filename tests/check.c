@@ -21,7 +21,7 @@ static const struct test *tests(int k)
 }
 
 const int64_t sizes[SIZES] = {0, 1, 2, 3, 31, 32, 33, 255, 256, 257, 1000};
-struct options options = {NULL, 3, 1, 0, false};
+struct options options = {.cases = 3, .seed = 1};
 int passed, failed, skipped;
 
 bool wanted(const char *name)
@@ -69,7 +69,8 @@ uint64_t run_stage(const struct stage *stage, int bits, bool quiet)
     for (int z = 0; z < SIZES && !what; z++)
         for (int k = 0; k < options.cases && !what; k++) {
             struct bytes b = seeded(sizes[z], k);
-            struct case_result c = case_run(stage, &b, FAULT_NONE);
+            struct case_result c =
+                case_run(stage, &b, FAULT_NONE, !options.plain);
             what = c.failed;
             good += c.status == DRAPE_OK;
             hash = hash_bytes(hash, &c.hash, sizeof c.hash);
@@ -120,7 +121,7 @@ static void self_test(void)
             bool planted = false, caught = false;
             for (int k = 0; k < 40 && !caught; k++) {
                 struct bytes b = seeded(33, k);
-                struct case_result c = case_run(s, &b, (enum fault)f);
+                struct case_result c = case_run(s, &b, (enum fault)f, false);
                 planted |= c.faulted;
                 caught |= c.faulted && c.failed;
                 choices_free(&b);
@@ -191,7 +192,8 @@ static void replay(const char *path)
     while (s->name && strcmp(s->name, name))
         s++;
     report("replay", path, bits,
-           s->name ? case_run(s, &b, FAULT_NONE).failed : "no such stage");
+           s->name ? case_run(s, &b, FAULT_NONE, true).failed
+                   : "no such stage");
     choices_free(&b);
 }
 
@@ -219,7 +221,7 @@ static void bench_solves(void)
 static int usage(void)
 {
     fputs("usage: check [--only NAME] [--cases N] [--seed N] [--ranks N] "
-          "[--hosted]\n"
+          "[--hosted] [--plain]\n"
           "             MODE...\n"
           "  --stages        every stage on generated inputs\n"
           "  --gpu           every stage on the device, against the reference\n"
@@ -257,6 +259,8 @@ static int obey(const char *a, const char *value, bool modes)
         }
     if (!strcmp(a, "--hosted"))
         return options.hosted = true;
+    if (!strcmp(a, "--plain"))
+        return options.plain = true;
     if (!value)
         return 0;
     if (!strcmp(a, "--only"))

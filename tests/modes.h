@@ -15,6 +15,7 @@ struct options {
     uint64_t seed;
     int ranks;   /* of a team on the device, at most; 0: as many as it has */
     bool hosted; /* the host ends loops on the device */
+    bool plain;  /* stages' properties are not looked at */
 };
 extern struct options options;
 extern int passed, failed, skipped;
