@@ -142,7 +142,8 @@ static int read_all(struct queries *q)
     if (status == APP_OK && row)
         return refuse(q, "8 rows a query; the file ends within one");
     if (status == APP_OK && !q->asked)
-        return refuse(q, "at least one query");
+        return complain(APP_USAGE, "%s: expected at least one query, is empty",
+                        q->path);
     return status;
 }
 

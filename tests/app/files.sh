@@ -44,7 +44,7 @@ refused 'ccd of half a query' 'line 3' ccd --kind vf none.csv
 sed '2s/,1,0,1$/,0,0,1/' hit.csv >zero.csv
 refused 'ccd of a zero denominator' 'line 2' ccd --kind vf zero.csv
 : >none.csv
-refused 'ccd of nothing' 'query' ccd --kind vf none.csv
+refused 'ccd of nothing' 'is empty' ccd --kind vf none.csv
 long=100000000000000000000000000000000000000000
 sed "5s/.*/$long,4$(echo $long | cut -c2-),1,4,-1,1/" hit.csv >long.csv
 exits 'ccd of long rationals' 0 ccd --kind vf long.csv
