@@ -229,7 +229,8 @@ static bool loop(struct gpu *g, struct pcg *s, struct course *c,
     } key;
     memset((void *)&key, 0, sizeof key); /* what lies between, too */
     memcpy((void *)&key.s, (void *)s, sizeof key.s);
-    key.s.scale = key.s.recurrence = key.s.residual = 0; /* not read here */
+    key.s.scale = key.s.square = 0; /* not read here, as these */
+    key.s.recurrence = key.s.residual = 0;
     key.s.iterations = key.s.outcome = key.s.fell_back = 0;
     key.s.n_z = 0;
     key.s.z = NULL;
