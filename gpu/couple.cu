@@ -4,8 +4,7 @@
 #include "gpu/real.cuh"
 #include "gpu/world.h"
 
-enum { TURNS = 2 };
-static const real ROUGH = R(0.1); /* tolerance of a motion before contact */
+enum { TURNS = 2 }; /* of the first contacts of a slice; later ones: 1 */
 
 /* One cloth's part of the streams; hold, b and dv are pcg's too, b and dv those
  * of the motion, which is done by then. */
@@ -39,18 +38,6 @@ int gpu_couple_make(struct gpu_world *w)
     p->brake = (real *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(real));
     p->g = w->couple.g = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
     return gpu_status(g);
-}
-
-void gpu_couple_prepare(struct gpu_world *w, struct pcg *p)
-{
-    const struct world *h = w->host;
-    bool rough =
-        h->near == NEAR_CONTACTS && h->plan.implicit && !h->plan.history;
-    real asked = (real)h->def.tolerance;
-    w->couple.rough = rough;
-    p->energy = rough;
-    p->tolerance = rough ? real_max(asked, ROUGH) : asked;
-    p->scale = p->square = 0;
 }
 
 void gpu_couple_start(struct gpu_world *w)
@@ -193,7 +180,8 @@ int gpu_couple_solve(void *user, int64_t n, struct contact *contact)
     p->n = n;
     p->n4 = 4 * n;
     p->contact = contact;
-    for (int k = n > 0 ? 0 : TURNS - 1; k < TURNS && status == DRAPE_OK; k++) {
+    int turns = n > 0 && w->couple.solves == 0 ? TURNS : 1;
+    for (int k = 0; k < turns && status == DRAPE_OK; k++) {
         status = gpu_penalty(w->gpu, p);
         gpu_trace(w->gpu, w->host->tracing, "penalty", p->force,
                   (size_t)p->nv * sizeof *p->force);

@@ -92,19 +92,7 @@ static __device__ struct wide normal_of(const struct impact *m, int kind,
     return closing > 0 ? scale(-1, n) : n;
 }
 
-/* §3: by how much a contact that a solve held missed its target, m/s. */
-static __device__ real missed(const struct impulses *s, const struct contact *c)
-{
-    vec way = make(0, 0, 0);
-    for (int k = 0; k < 4; k++)
-        way = axpy(way, c->c[k], sub(s->x1[c->v[k]], s->x0[c->v[k]]));
-    real lack = c->target - dot(c->n, way) / s->dt;
-    return c->held ? most(lack, R(0.0)) : R(0.0);
-}
-
-/* Impact k as a contact; old: the one of its identity, or NULL. */
-static __device__ struct contact contact_of(const struct impulses *s, int64_t k,
-                                            const struct contact *old)
+static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
 {
     struct impact m;
     struct contact c;
@@ -126,24 +114,16 @@ static __device__ struct contact contact_of(const struct impulses *s, int64_t k,
     c.held = 0;
     c.impulse = c.slide = 0;
     c.tangent = make(0, 0, 0);
-    if (old) {
-        c.target += missed(s, old);
-        c.slide = old->slide;
-    }
     return c;
 }
 
 /* ---- §3 The active set ---- */
 
-static __device__ bool same(const struct key *key, int64_t a, int64_t b)
-{
-    return key[a].hi == key[b].hi && key[a].lo == key[b].lo;
-}
-
 /* The newest of each identity stays: it comes last among its equals. */
 static __device__ bool stays(const struct key *key, int64_t n, int64_t k)
 {
-    return k < n && (k + 1 == n || !same(key, k, k + 1));
+    return k < n && (k + 1 == n || key[k].hi != key[k + 1].hi ||
+                     key[k].lo != key[k + 1].lo);
 }
 
 /* A block owns PLACE_BLOCK sorted keys: how many of them stay. */
@@ -172,13 +152,10 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
     if (!stay)
         return;
     int64_t item = key[k].item;
-    const struct contact *old = NULL;
-    if (k > 0 && same(key, k - 1, k) && key[k - 1].item < s.n_active)
-        old = &s.active[key[k - 1].item];
     if (item < s.n_active)
         s.contact[at] = s.active[item];
     else
-        s.contact[at] = contact_of(&s, item - s.n_active, old);
+        s.contact[at] = contact_of(&s, item - s.n_active);
 }
 
 int gpu_impulses(struct gpu *g, struct impulses *s)

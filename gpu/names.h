@@ -22,7 +22,6 @@
 #define gpu_cones REAL_NAME(gpu_cones)
 #define gpu_coarsest_factor REAL_NAME(gpu_coarsest_factor)
 #define gpu_contacts REAL_NAME(gpu_contacts)
-#define gpu_couple_prepare REAL_NAME(gpu_couple_prepare)
 #define gpu_couple_make REAL_NAME(gpu_couple_make)
 #define gpu_couple_solve REAL_NAME(gpu_couple_solve)
 #define gpu_couple_start REAL_NAME(gpu_couple_start)

@@ -27,7 +27,7 @@ static int move_sheet(struct gpu_world *w, int k, drape_step_report *r)
     d->iterations = 0;
     d->residual = 0;
     d->outcome = 0;
-    gpu_couple_prepare(w, &s->pcg);
+    w->couple.rough = couple_prepare(h, &s->pcg);
     int status = gpu_motion(w->gpu, s);
     if (status != DRAPE_OK)
         return status;

@@ -50,6 +50,7 @@ int gpu_response_start(struct gpu *g, struct response *s)
     s->started = s->led = 0;
     s->zone_vertices = s->rolled_back = 0;
     s->hits = s->active = s->tangled = 0;
+    s->impelled = false;
     gpu_clear(g, s->rolled, (size_t)s->nv);
     LAUNCH(g, s->nv, response_start_kernel, *s);
     return gpu_status(g);
@@ -194,14 +195,16 @@ static int push(struct gpu *g, struct response *s, int round)
     if (status != DRAPE_OK)
         return status;
     s->side = !s->side;
+    bool fresh = m.found > s->active;
     s->active = m.found;
     gpu_trace(g, s->trace, "impulses", m.contact,
               (size_t)m.found * sizeof *m.contact);
-    int solved = s->solve ? s->solve_rounds : 0;
-    if (round < solved)
+    if (fresh && s->solve && round == 0)
         return s->solve(s->user, m.found, m.contact);
     /* only impulses that contacts gave can it withdraw */
-    return solve_contacts(g, s, m.found, round > solved);
+    bool warm = s->impelled;
+    s->impelled = true;
+    return solve_contacts(g, s, m.found, warm);
 }
 
 /* Thread k owns corner k of the hits: marks its vertex where it is free. */

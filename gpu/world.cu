@@ -136,7 +136,6 @@ static int give_response(struct gpu_world *w)
     if (!h->plan.implicit)
         return gpu_status(w->gpu);
     c->solve = gpu_couple_solve;
-    c->solve_rounds = 4;
     return gpu_couple_make(w);
 }
 

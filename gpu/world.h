@@ -84,7 +84,6 @@ int gpu_response_penetrate(struct gpu *g, struct response *s);
 
 /* gpu/couple.cu: ref/couple.h on the device; user is the gpu_world. */
 int gpu_couple_make(struct gpu_world *w);
-void gpu_couple_prepare(struct gpu_world *w, struct pcg *p);
 void gpu_couple_start(struct gpu_world *w);
 int gpu_couple_solve(void *user, int64_t n, struct contact *contact);
 

@@ -5,7 +5,7 @@
 #include "ref/clock.h"
 #include "ref/state.h"
 
-enum { TURNS = 2 };
+enum { TURNS = 2 }; /* of the first contacts of a slice; later ones: 1 */
 static const real ROUGH = R(0.1); /* tolerance of a motion before contact */
 
 static void *take(struct world *w, int64_t n, size_t size)
@@ -34,15 +34,15 @@ int couple_make(struct world *w)
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
 
-void couple_prepare(struct world *w, struct pcg *p)
+bool couple_prepare(const struct world *w, struct pcg *p)
 {
     bool rough =
         w->near == NEAR_CONTACTS && w->plan.implicit && !w->plan.history;
     real asked = (real)w->def.tolerance;
-    w->couple.rough = rough;
     p->energy = rough;
     p->tolerance = rough ? real_max(asked, ROUGH) : asked;
     p->scale = p->square = 0;
+    return rough;
 }
 
 void couple_start(struct world *w)
@@ -147,7 +147,8 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
     p->n = n;
     p->n4 = 4 * n;
     p->contact = contact;
-    for (int k = n > 0 ? 0 : TURNS - 1; k < TURNS && status == DRAPE_OK; k++) {
+    int turns = n > 0 && w->couple.solves == 0 ? TURNS : 1;
+    for (int k = 0; k < turns && status == DRAPE_OK; k++) {
         status = ref_penalty(p);
         trace_stage(w->tracing, "penalty", p->force,
                     (size_t)p->nv * sizeof *p->force);

@@ -23,8 +23,9 @@ struct couple {
 
 /* Takes its streams. DRAPE_OK or DRAPE_ENOMEM. */
 int couple_make(struct world *w);
-/* How well the motion of a cloth without contact must be solved; each step. */
-void couple_prepare(struct world *w, struct pcg *p);
+/* How well the motion of a cloth without contact must be solved, on either
+ * backend: whether roughly. */
+bool couple_prepare(const struct world *w, struct pcg *p);
 /* Before the first contacts of a step. */
 void couple_start(struct world *w);
 /* response's solve; user is the world. With n = 0 one turn. */

@@ -85,19 +85,7 @@ static struct wide normal_of(const struct impact *m, int64_t kind,
     return closing > 0 ? wide_scale(-1, n) : n;
 }
 
-/* §3: by how much a contact that a solve held missed its target, m/s. */
-static real missed(const struct impulses *s, const struct contact *c)
-{
-    vec way = vec_make(0, 0, 0);
-    for (int k = 0; k < 4; k++)
-        way = vec_axpy(way, c->c[k], vec_sub(s->x1[c->v[k]], s->x0[c->v[k]]));
-    real lack = c->target - vec_dot(c->n, way) / s->dt;
-    return c->held ? real_max(lack, 0) : 0;
-}
-
-/* Impact k as a contact; old: the one of its identity, or NULL. */
-static void emit(const struct impulses *s, int64_t k, const struct contact *old,
-                 struct contact *c)
+static void emit(const struct impulses *s, int64_t k, struct contact *c)
 {
     struct impact m;
     struct closest r;
@@ -118,10 +106,6 @@ static void emit(const struct impulses *s, int64_t k, const struct contact *old,
     c->held = 0;
     c->impulse = c->slide = 0;
     c->tangent = vec_make(0, 0, 0);
-    if (old) {
-        c->target += missed(s, old);
-        c->slide = old->slide;
-    }
 }
 
 /* ---- §3 The active set ---- */
@@ -146,29 +130,21 @@ int ref_impulses(struct impulses *s)
     }
     struct key *key = keys_sort(s->n_all, s->key, s->spare);
 
-    /* the newest of each identity stays: it comes last among its equals, of
-     * which the one before goes along in the upper half of `item` */
+    /* the newest of each identity stays: it comes last among its equals */
     s->found = 0;
-    for (int64_t k = 0; k < s->n_all; k++) {
-        if (k + 1 < s->n_all && same(&key[k], &key[k + 1])) {
-            int64_t item = key[k].item & INT32_MAX;
-            if (item < s->n_active)
-                key[k + 1].item |= (item + 1) << 32;
-            continue;
-        }
-        key[s->found++] = key[k];
-    }
+    for (int64_t k = 0; k < s->n_all; k++)
+        if (k + 1 == s->n_all || !same(&key[k], &key[k + 1]))
+            key[s->found++] = key[k];
     if (s->found > s->cap)
         return DRAPE_EFULL;
 
     EACH_ITEM
     for (int64_t k = 0; k < s->found; k++) {
-        int64_t item = key[k].item & INT32_MAX, old = key[k].item >> 32;
+        int64_t item = key[k].item;
         if (item < s->n_active)
             s->contact[k] = s->active[item];
         else
-            emit(s, item - s->n_active, old ? &s->active[old - 1] : NULL,
-                 &s->contact[k]);
+            emit(s, item - s->n_active, &s->contact[k]);
     }
     return DRAPE_OK;
 }

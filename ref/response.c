@@ -36,6 +36,7 @@ int ref_response_start(struct response *s)
     s->started = s->led = 0;
     s->zone_vertices = s->rolled_back = 0;
     s->hits = s->active = s->tangled = 0;
+    s->impelled = false;
     memset(s->rolled, 0, (size_t)s->nv);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++) {
@@ -246,14 +247,16 @@ static int push(struct response *s, int round)
     if (status != DRAPE_OK)
         return status;
     s->side = !s->side;
+    bool fresh = m.found > s->active;
     s->active = m.found;
     trace_stage(s->trace, "impulses", m.contact,
                 (size_t)m.found * sizeof *m.contact);
-    int solved = s->solve ? s->solve_rounds : 0;
-    if (round < solved)
+    if (fresh && s->solve && round == 0)
         return s->solve(s->user, m.found, m.contact);
     /* only impulses that contacts gave can it withdraw */
-    return solve_contacts(s, m.found, round > solved);
+    bool warm = s->impelled;
+    s->impelled = true;
+    return solve_contacts(s, m.found, warm);
 }
 
 static int resolve(struct response *s, int round)

@@ -44,10 +44,9 @@ struct response {
     /* Makes room for `need` items of `size` bytes. DRAPE_OK or an error. */
     int (*grow)(void *user, struct pool *pool, int64_t need, size_t size);
     /* NULL, or moves u, v, x1 by contacts within an implicit solve and sets
-     * touched, in place of the repulsion's and the first solve_rounds rounds'
-     * own solve: spec/38_penalty.md. DRAPE_OK or an error. */
+     * touched, in place of the repulsion's and of the first round's own solve:
+     * spec/38_penalty.md. DRAPE_OK or an error. */
     int (*solve)(void *user, int64_t n, struct contact *contact);
-    int solve_rounds;
     void *user;
 
     struct trace *trace; /* NULL: none */
@@ -76,6 +75,7 @@ struct response {
 
     int64_t hits, active, tangled; /* what the pools hold */
     int side, tangle_side;         /* which of two pools */
+    bool impelled;                 /* contacts has solved a round */
 };
 
 /* Sets u and the counters for a step. DRAPE_EARG for a bad setting. */

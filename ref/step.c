@@ -36,7 +36,7 @@ static int move_sheet(struct world *w, int k, drape_step_report *r)
     d->iterations = 0;
     d->residual = 0;
     d->outcome = 0;
-    couple_prepare(w, &s->solver.pcg);
+    w->couple.rough = couple_prepare(w, &s->solver.pcg);
     int status = ref_dynamics(d);
     if (status != DRAPE_OK)
         return status;

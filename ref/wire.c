@@ -98,10 +98,8 @@ static int make_response(struct world *w, const drape_def *def)
     c->touched = take(w, ARENA_RESPONSE, w->nv, 1);
     c->rolled = take(w, ARENA_RESPONSE, w->nv, 1);
     c->start = take(w, ARENA_RESPONSE, w->nv + 1, sizeof *c->start);
-    if (w->plan.implicit) {
+    if (w->plan.implicit)
         c->solve = couple_solve;
-        c->solve_rounds = 4;
-    }
     if (w->arena->failed)
         return DRAPE_ENOMEM;
     return w->plan.implicit ? couple_make(w) : DRAPE_OK;

@@ -33,12 +33,6 @@ static struct contact *pick_active(struct bytes *b, const struct impulses *s)
         pick_names(b, s->nv, c[k].v);
         c[k].kind = pick(b, 2);
         c[k].gap = -(real)(k + 1); /* tells it from a new one */
-        c[k].held = (int32_t)pick(b, 2);
-        c[k].c[0] = 1;
-        c[k].c[3] = -1;
-        c[k].n = vec_make(0, 0, 1);
-        c[k].target = pick_uniform(b, -100, 100);
-        c[k].slide = pick_uniform(b, 0, 1);
     }
     return c;
 }
@@ -125,44 +119,6 @@ static const char *check_new(const struct impulses *s, const struct contact *c)
     return NULL;
 }
 
-/* §3: by what the ends of a step miss an active contact's target, m/s. */
-static real short_of(const struct impulses *s, const struct contact *a)
-{
-    vec way[4], sum = vec_make(0, 0, 0);
-    for (int j = 0; j < 4; j++) {
-        way[j] = vec_sub(s->x1[a->v[j]], s->x0[a->v[j]]);
-        sum = vec_axpy(sum, a->c[j], way[j]);
-    }
-    return a->target - vec_dot(a->n, sum) / s->dt;
-}
-
-/* §3: what is asked for, and what a held one of the same pair missed besides.
- * Only a generator makes several of a pair: one of them counts then, and none
- * where the pair touches twice. */
-static const char *check_target(const struct impulses *s,
-                                const struct contact *c)
-{
-    struct surface skin = skin_pair(&s->skin, c->v);
-    real least = (s->margin * skin.thickness - c->gap) / s->dt;
-    bool known = false, right = false;
-    int touching = 0;
-    for (int64_t k = 0; k < s->n; k++)
-        touching +=
-            s->kind[k] == c->kind && same_pair(s->pair + 4 * k, c->v, c->kind);
-    for (int64_t k = 0; k < s->n_active; k++) {
-        const struct contact *a = &s->active[k];
-        if (a->kind != c->kind || !same_pair(a->v, c->v, c->kind))
-            continue;
-        known = true;
-        real more = a->held ? real_max(short_of(s, a), 0) : 0;
-        right |= c->target == least + more && c->slide == a->slide;
-    }
-    if (!known || touching > 1)
-        right |= c->target == least && c->slide == 0;
-    EXPECT(right);
-    return NULL;
-}
-
 const char *prop_impulses(const struct impulses *s)
 {
     if (s->n > 300)
@@ -172,8 +128,6 @@ const char *prop_impulses(const struct impulses *s)
         EXPECT(at >= 0);
         EXPECT(s->contact[at].impulse == 0 && s->contact[at].friction > 0);
         const char *failed = check_new(s, &s->contact[at]);
-        if (!failed)
-            failed = check_target(s, &s->contact[at]);
         if (failed)
             return failed;
     }

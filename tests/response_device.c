@@ -237,10 +237,8 @@ static void make_scene(struct tangle *t, int k)
     t->r.zone_rounds = rounds[k % 4][1];
     if (k == 9) /* all go back at once */
         t->r.max_rounds = t->r.zone_rounds = t->r.roll_rounds = 0;
-    if (k % 3 == 0) {
+    if (k % 3 == 0)
         t->r.solve = ref_solve;
-        t->r.solve_rounds = 2;
-    }
     choices_free(&b);
 }
 
