@@ -88,14 +88,24 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 static __global__ void __launch_bounds__(GPU_BLOCK)
     contacts_apply_kernel(struct contacts s, vec *u, const int64_t *words)
 {
+    enum { AHEAD = 8 }; /* items read before the first is added */
     ITEM(k, s.n4);
     if (words[INCIDENCE_BAD] || k >= words[INCIDENCE_VERTICES])
         return;
     int32_t i = s.vertex[k], end = s.start[i + 1];
     vec sum = make(0, 0, 0);
-    for (int32_t j = s.start[i]; j < end; j++) {
-        int32_t item = s.item[j];
-        sum = axpy(sum, s.contact[item / 4].c[item % 4], s.push[item / 4]);
+    for (int32_t j = s.start[i]; j < end; j += AHEAD) {
+        real weight[AHEAD];
+        vec push[AHEAD];
+        UNROLL
+        for (int a = 0; a < AHEAD; a++) {
+            int32_t item = s.item[j + a < end ? j + a : j];
+            weight[a] = s.contact[item / 4].c[item % 4];
+            push[a] = s.push[item / 4];
+        }
+        UNROLL
+        for (int a = 0; a < AHEAD; a++)
+            sum = j + a < end ? axpy(sum, weight[a], push[a]) : sum;
     }
     u[i] = axpy(u[i], s.w[i], sum);
 }
@@ -108,18 +118,19 @@ int gpu_contacts(struct gpu *g, struct contacts *s)
     struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
                            s->start, s->item, s->vertex, 0};
     int64_t *words = gpu_words(g);
+    int64_t touched = s->nv < s->n4 ? s->nv : s->n4;
     gpu_incidence(g, &by, words); /* §1 */
     LAUNCH(g, s->n, contacts_begin_kernel, *s, words);
     for (int t = 0; t < s->iterations; t++) {
         LAUNCH(g, s->n, contacts_normal_kernel, *s, words);
-        LAUNCH(g, s->n4, contacts_apply_kernel, *s, s->u, words);
+        LAUNCH(g, touched, contacts_apply_kernel, *s, s->u, words);
     }
     for (int t = 0; t < s->iterations; t++) {
         LAUNCH(g, s->n, contacts_tangent_kernel, *s, words);
-        LAUNCH(g, s->n4, contacts_apply_kernel, *s, s->u, words);
+        LAUNCH(g, touched, contacts_apply_kernel, *s, s->u, words);
     }
     LAUNCH(g, s->n, contacts_end_kernel, *s, words);
-    LAUNCH(g, s->n4, contacts_apply_kernel, *s, s->v, words);
+    LAUNCH(g, touched, contacts_apply_kernel, *s, s->v, words);
 
     const int64_t *seen = gpu_read_words(g, INCIDENCE_WORDS);
     s->vertices = seen[INCIDENCE_VERTICES];
