@@ -3,7 +3,7 @@
 #include "gpu/coarsest.cuh"
 
 /* PITCH: of a row in shared memory, odd for the banks. */
-enum { FACTOR_BLOCK = 256, PITCH = DENSE + 1 };
+enum { SIDE = 16, FACTOR_BLOCK = SIDE * SIDE, PITCH = DENSE + 1 };
 
 static __device__ double component(sym b, int r, int c)
 {
@@ -16,74 +16,86 @@ static __device__ double component(sym b, int r, int c)
     return (double)a;
 }
 
-/* The direction from particle p to q, -1 if none leads there. */
-static __device__ int direction(int32_t m, int p, int q)
+/* The block that ties particles p < q of s, among those of all directions and
+ * then all excesses; -1 if none does. */
+static __device__ int tie_of(const struct coarsest *s, struct place p,
+                             struct place q)
 {
-    int di = q % m - p % m, dj = q / m - p / m;
+    int di = q.i - p.i, dj = q.j - p.j, o = -1;
     if (dj == 0)
-        return di == 1 || di == 2 ? di - 1 : -1;
-    bool near = di >= -2 && di <= 2;
-    return near && dj == 1 ? di + 4 : near && dj == 2 ? di + 9 : -1;
+        o = di == 1 || di == 2 ? di - 1 : -1;
+    else if (di >= -2 && di <= 2 && dj <= 2)
+        o = di + (dj == 1 ? 4 : 9);
+    return o < 0 ? -1 : o * (int)s->count + p.p;
 }
 
-/* Entry (r, c) of the dense matrix, its terms by ascending first particle. */
-static __device__ double entry(const struct coarsest *s, int r, int c)
+/* Entry (r, c), c <= r, of the dense matrix, its terms by ascending first
+ * particle. */
+static __device__ double entry(const struct coarsest *s, const sym *block,
+                               int r, int c)
 {
-    int p = r / 3, q = c / 3, count = (int)s->count;
-    double sum = 0;
-    if (p != q) {
-        int o = direction(s->m, p < q ? p : q, p < q ? q : p);
-        sym none = {0, 0, 0, 0, 0, 0};
-        sym b = o < 0 ? none : s->block[o * count + (p < q ? p : q)];
-        return o < 0 ? sum : sum + -component(b, r % 3, c % 3);
-    }
-    for (int k = 0; k < p; k++) {
-        int o = direction(s->m, k, p);
-        if (o >= 0)
-            sum += component(s->block[o * count + k], r % 3, c % 3);
-    }
-    sum += component(s->excess[p], r % 3, c % 3);
     struct grid g = {s->m, s->n};
-    for (int o = 0; o < STENCIL; o++)
-        if (within(g, p % s->m + toward_i<STENCIL>(o),
-                   p / s->m + toward_j<STENCIL>(o)))
-            sum += component(s->block[o * count + p], r % 3, c % 3);
+    struct place q = place_of(g, r / 3), p = {0, 0, 0};
+    double sum = 0;
+    r = r % 3;
+    if (q.p != c / 3) {
+        int tie = tie_of(s, place_of(g, c / 3), q);
+        return tie < 0 ? sum : sum + -component(block[tie], r, c % 3);
+    }
+    c = c % 3;
+    for (; p.p < q.p; p.p++) {
+        int tie = tie_of(s, p, q);
+        double b = component(block[tie < 0 ? 0 : tie], r, c);
+        sum = tie < 0 ? sum : sum + b;
+        p.i = p.i + 1 < g.m ? p.i + 1 : 0;
+        p.j += p.i == 0;
+    }
+    sum += component(block[STENCIL * (int)s->count + q.p], r, c);
+    for (int o = 0; o < STENCIL; o++) {
+        double b = component(block[o * (int)s->count + q.p], r, c);
+        bool good =
+            within(g, q.i + toward_i<STENCIL>(o), q.j + toward_j<STENCIL>(o));
+        sum = good ? sum + b : sum;
+    }
     return sum;
 }
 
-/* One block. Column after column; of a column its threads own the entries
- * that it changes. L is scaled at the end: no step reads a scaled column. */
+/* Whose entries a thread owns: of every SIDE-th row and column. */
+#define OWN_ENTRIES(i, j, n)                                                   \
+    for (int i = (int)threadIdx.x / SIDE; i < (n); i += SIDE)                  \
+        for (int j = (int)threadIdx.x % SIDE; j <= i; j += SIDE)
+
+/* One block. Column after column, of which each thread changes its entries. L
+ * is scaled at the end: no step reads a scaled column. */
 static __global__ void __launch_bounds__(FACTOR_BLOCK)
     coarsest_factor_kernel(struct coarsest s)
 {
-    __shared__ double a[DENSE * (DENSE + 1)];
-    __shared__ double inverse[DENSE];
+    __shared__ double a[DENSE * PITCH], inverse[DENSE];
+    __shared__ sym block[(STENCIL + 1) * COARSEST];
     int n = 3 * (int)s.count, t = (int)threadIdx.x;
+    int blocks = STENCIL * (int)s.count;
     double trace = 0;
-    for (int e = t; e < n * n; e += FACTOR_BLOCK)
-        a[e / n * PITCH + e % n] = entry(&s, e / n, e % n);
+    for (int e = t; e < blocks + (int)s.count; e += FACTOR_BLOCK)
+        block[e] = e < blocks ? s.block[e] : s.excess[e - blocks];
+    __syncthreads();
+    OWN_ENTRIES(i, j, n)
+    a[i * PITCH + j] = entry(&s, block, i, j);
     __syncthreads();
     for (int k = 0; k < n; k++)
         trace += a[k * PITCH + k];
     for (int k = 0; k < n; k++) {
         __syncthreads();
         double d = a[k * PITCH + k], scale = d > 0x1p-40 * trace ? 1 / d : 0;
-        int left = n - k - 1;
         if (t == 0)
             inverse[k] = scale;
-        for (int e = t; e < left * left; e += FACTOR_BLOCK) {
-            int i = k + 1 + e / left, j = k + 1 + e % left;
-            if (j <= i)
-                a[i * PITCH + j] -=
-                    (a[i * PITCH + k] * scale) * a[j * PITCH + k];
-        }
+        OWN_ENTRIES(i, j, n)
+        if (j > k)
+            a[i * PITCH + j] -= (a[i * PITCH + k] * scale) * a[j * PITCH + k];
     }
     __syncthreads();
-    for (int e = t; e < n * n; e += FACTOR_BLOCK) {
-        int i = e / n, k = e % n;
-        if (k < i)
-            s.dense[i * DENSE + k] = a[i * PITCH + k] * inverse[k];
-    }
+    OWN_ENTRIES(i, j, n)
+    if (j < i)
+        s.dense[i * DENSE + j] = a[i * PITCH + j] * inverse[j];
     if (t < n)
         s.dense[DENSE * DENSE + t] = inverse[t];
 }

@@ -41,6 +41,15 @@ static __device__ inline void open_at(const struct opening *o, int p, vec b)
     o->y[p] = scale(o->first, solved(o->factor[p], b));
 }
 
+/* gpu_coarsen of the second grid from the first and so on, by one team; none
+ * is the finest. */
+#ifdef __CUDACC__
+enum { CHAIN_BLOCK = 512, CHAIN_COUNT = 1200 };
+#else
+enum { CHAIN_BLOCK = 64, CHAIN_COUNT = 200 };
+#endif
+void gpu_coarsen_chain(struct gpu *g, const struct level *l, int levels);
+
 struct opening gpu_multigrid_opening(const struct multigrid *s);
 
 /* Streams of the finest grid that the caller has room for, in place of the

@@ -157,6 +157,30 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, struct lent lent,
         go_up(g, &l[k], k ? coarse : fine, k ? NULL : item);
 }
 
+/* Grid k, the first of which is of springs, from the one before. */
+static int coarsen(struct gpu *g, const struct multigrid *s,
+                   const struct level *l, int k)
+{
+    const struct level *f = &l[k - 1], *to = &l[k];
+    struct coarsen c = {};
+    c.m = f->g.m;
+    c.n = f->g.n;
+    c.count = f->count;
+    c.excess = f->excess;
+    c.n_blocks = (k == 1 ? (int)SPRINGS : (int)STENCIL) * c.count;
+    c.block = f->block;
+    c.n_live = k == 1 ? c.count : 0;
+    c.live = s->live;
+    c.rule = f->rule;
+    c.n_coarse = to->count;
+    c.n_out = STENCIL * c.n_coarse;
+    c.coarse_excess = to->excess;
+    c.coarse_block = to->excess + 2 * c.n_coarse;
+    c.factor = to->excess + c.n_coarse;
+    c.coarse_rule = to->rule;
+    return gpu_coarsen(g, &c);
+}
+
 int gpu_multigrid_build(struct gpu *g, struct multigrid *s, struct lent lent)
 {
     struct level l[LEVELS];
@@ -166,30 +190,17 @@ int gpu_multigrid_build(struct gpu *g, struct multigrid *s, struct lent lent)
                        s->n_blocks, s->block,
                        s->fixed,    lent.excess ? lent.excess : s->pool,
                        s->live,     s->live + s->count};
-    int status = gpu_excess(g, &e);
+    int status = gpu_excess(g, &e), k = 1;
     int levels = status == DRAPE_OK ? lay_out(s, lent, NULL, l) : 0;
-    for (int k = 1; k < levels && status == DRAPE_OK; k++) {
-        const struct level *f = &l[k - 1], *to = &l[k];
-        struct coarsen c = {};
-        c.m = f->g.m;
-        c.n = f->g.n;
-        c.count = f->count;
-        c.excess = f->excess;
-        c.n_blocks = (k == 1 ? (int)SPRINGS : (int)STENCIL) * c.count;
-        c.block = f->block;
-        c.n_live = k == 1 ? c.count : 0;
-        c.live = s->live;
-        c.rule = f->rule;
-        c.n_coarse = to->count;
-        c.n_out = STENCIL * c.n_coarse;
-        c.coarse_excess = to->excess;
-        c.coarse_block = to->excess + 2 * c.n_coarse;
-        c.factor = to->excess + c.n_coarse;
-        c.coarse_rule = to->rule;
-        status = gpu_coarsen(g, &c);
+    for (; k < levels && status == DRAPE_OK; k++) {
+        if (k > 1 && l[k].count <= CHAIN_COUNT)
+            break;
+        status = coarsen(g, s, l, k);
     }
     if (status == DRAPE_OK) {
         struct coarsest d = coarsest_of(s, &l[levels - 1]);
+        if (k < levels)
+            gpu_coarsen_chain(g, &l[k - 1], levels - k + 1);
         gpu_coarsest_factor(g, &d);
     }
     return status;

@@ -20,6 +20,7 @@
 #define gpu_collide_far REAL_NAME(gpu_collide_far)
 #define gpu_collide_furthest REAL_NAME(gpu_collide_furthest)
 #define gpu_cones REAL_NAME(gpu_cones)
+#define gpu_coarsen_chain REAL_NAME(gpu_coarsen_chain)
 #define gpu_coarsest_factor REAL_NAME(gpu_coarsest_factor)
 #define gpu_contacts REAL_NAME(gpu_contacts)
 #define gpu_couple_make REAL_NAME(gpu_couple_make)
