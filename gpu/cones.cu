@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Which patches of cloth cannot touch themselves. spec/21_cones.md */
 #include "gpu/bvtt.cuh"
+#include "gpu/cones.cuh"
 #include "gpu/nodes.cuh"
+#include "gpu/team.cuh"
 
-static __device__ struct tangents join(const struct tangents &a,
-                                       const struct tangents &b)
-{
-    struct tangents c = {least(a.ulo, b.ulo), most(a.uhi, b.uhi),
-                         least(a.vlo, b.vlo), most(a.vhi, b.vhi)};
-    return c;
-}
+/* BITS of a node, each of which has a thread; TOP_BLOCK: threads of a rank of
+ * the team that does the levels of few nodes. */
+enum { BITS = CLEAR_NW + 1 };
+#ifdef __CUDACC__
+enum { TOP_BLOCK = 512 };
+#else
+enum { TOP_BLOCK = 64 };
+#endif
 
 /* ---- §2, from the leaves up ---- */
 
@@ -43,55 +46,6 @@ static __device__ void fit_inner(const struct cones *s, int32_t a)
     for (int k = 1; k < s->tree.count[a]; k++)
         b = join(b, fetch_as<word16>(&s->tangents[c + k]));
     put_as<word16>(&s->tangents[a], b);
-}
-
-/* ---- §3 ---- */
-
-/* The range of p·x over a box, and the sum of its largest terms. */
-struct span {
-    real lo, hi, size;
-};
-
-static __device__ struct span span_axis(real p, real lo, real hi)
-{
-    real a = p * lo, b = p * hi;
-    struct span s = {least(a, b), most(a, b), most(magnitude(a), magnitude(b))};
-    return s;
-}
-
-static __device__ struct span span_dot(vec p, vec lo, vec hi)
-{
-    struct span x = span_axis(p.x, lo.x, hi.x);
-    struct span y = span_axis(p.y, lo.y, hi.y);
-    struct span z = span_axis(p.z, lo.z, hi.z);
-    struct span s = {(x.lo + y.lo) + z.lo, (x.hi + y.hi) + z.hi,
-                     (x.size + y.size) + z.size};
-    return s;
-}
-
-/* Whether the tangents keep every two points of the patch more than r apart. */
-static __device__ bool spread(const struct tangents &b, real r)
-{
-    const real room = 32 * REAL_UNIT, tiny = R(0x1p-100);
-    vec u = scale(R(0.5), add(b.ulo, b.uhi));
-    vec v = scale(R(0.5), add(b.vlo, b.vhi));
-    real uu = dot(u, u), uv = dot(u, v), vv = dot(v, v);
-    real det = uu * vv - uv * uv;
-    if (!(det > 0))
-        return false;
-    vec pu = scale(1 / det, sub(scale(vv, u), scale(uv, v)));
-    vec pv = scale(1 / det, sub(scale(uu, v), scale(uv, u)));
-    struct span a = span_dot(pu, b.ulo, b.uhi);
-    struct span d = span_dot(pv, b.vlo, b.vhi);
-    struct span e = span_dot(pu, b.vlo, b.vhi);
-    struct span f = span_dot(pv, b.ulo, b.uhi);
-    real norm = root(dot(pu, pu) + dot(pv, pv));
-    real mu = R(1.5) * r * norm * (1 + room) + tiny;
-    real am = a.lo - (a.size * room + mu);
-    real bm = d.lo - (d.size * room + mu);
-    real c = R(0.5) * most(magnitude(e.lo + f.lo), magnitude(e.hi + f.hi));
-    real cm = c + ((e.size + f.size) * room + tiny);
-    return am > 0 && bm > 0 && am * bm > cm * cm;
 }
 
 /* ---- §4, §5, from the roots down ---- */
@@ -143,25 +97,64 @@ static __device__ bool patch_spread(const struct cones *s, int32_t a,
     return spread(b, s->r);
 }
 
-/* §5: a pair of neighbours is clear if its parents are, or by itself. */
-static __device__ void mark(const struct cones *s, int32_t a)
+/* A node a and the one beside it that bit k is of; b is -1 where none is. */
+struct near {
+    struct spot p;
+    int di, dj;
+    struct duo e;
+};
+
+static __device__ struct near near_of(const struct cones *s, int32_t a, int k)
 {
+    /* (0,0) (1,0) (1,1) (0,1) (-1,1) */
+    int dj = k >= CLEAR_NE, di = k ? (dj ? CLEAR_N - k : 1) : 0;
     struct spot p = spot_of(s, a);
-    int32_t up = s->tree.parent[a];
-    bool full = s->map.full[a];
-    int bits = 0;
-    for (int k = CLEAR_SELF; k <= CLEAR_NW; k++) {
-        /* (0,0) (1,0) (1,1) (0,1) (-1,1) */
-        int dj = k >= CLEAR_NE, di = k ? (dj ? CLEAR_N - k : 1) : 0;
-        int32_t b = beside(s, &p, di, dj);
-        if (b < 0)
-            continue;
-        struct duo above = {up, up < 0 ? up : s->tree.parent[b]};
-        if ((up >= 0 && cleared(&s->tree, s->clear, above)) ||
-            (full && patch_spread(s, a, &p, di, dj)))
-            bits |= 1 << k;
+    return near{p, di, dj, {a, beside(s, &p, di, dj)}};
+}
+
+static __device__ bool spread_near(const struct cones *s, const struct near *n)
+{
+    return s->map.full[n->e.a] && patch_spread(s, n->e.a, &n->p, n->di, n->dj);
+}
+
+/* The pair of the parents of neighbours; a < 0 above roots. */
+static __device__ struct duo above(const struct tree *t, struct duo e)
+{
+    return duo{t->parent[e.a], t->parent[e.b]};
+}
+
+/* §5: a pair of neighbours is clear if its parents are, or by itself. */
+static __device__ bool clear_near(const struct cones *s, int32_t a, int k)
+{
+    struct near n = near_of(s, a, k);
+    if (n.e.b < 0)
+        return false;
+    struct duo up = above(&s->tree, n.e);
+    return (up.a >= 0 && cleared(&s->tree, s->clear, up)) || spread_near(s, &n);
+}
+
+/* The same where `clear` says of those above only what they are by
+ * themselves. */
+static __device__ bool clear_above(const struct cones *s, int32_t a, int k)
+{
+    struct duo e = near_of(s, a, k).e;
+    if (e.b < 0)
+        return false;
+    bool found = false;
+    for (e = above(&s->tree, e); e.a >= 0 && !found;) {
+        struct duo next = above(&s->tree, e); /* read ahead */
+        found = cleared(&s->tree, s->clear, e);
+        e = next;
     }
-    s->clear[a] = (uint8_t)bits;
+    return found;
+}
+
+static __device__ uint8_t joined(const uint8_t *bit)
+{
+    int bits = 0;
+    for (int k = 0; k < BITS; k++)
+        bits |= bit[k] << k;
+    return (uint8_t)bits;
 }
 
 /* ---- Kernels ---- */
@@ -182,28 +175,71 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     fit_inner(&s, a);
 }
 
-/* The same: writes clear; tangents and clear of the level above are written. */
+/* A thread owns a bit of every so-many-th node of level l, clear of which the
+ * first threads of its block write; tangents and clear of the level above are
+ * written. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     cones_mark_kernel(struct cones s, int l)
 {
-    EACH_NODE(a, s.tree, 1, l)
-    mark(&s, a);
+    enum { NODES = GPU_BLOCK / BITS };
+    __shared__ uint8_t bit[GPU_BLOCK];
+    int t = (int)threadIdx.x;
+    for (int64_t first = (int64_t)blockIdx.x * NODES;
+         level_node(&s.tree, 1, l, first) >= 0;
+         first += (int64_t)gridDim.x * NODES) {
+        int64_t a = level_node(&s.tree, 1, l, first + t / BITS);
+        bit[t] = a >= 0 && clear_near(&s, (int32_t)a, t % BITS);
+        __syncthreads();
+        a = level_node(&s.tree, 1, l, first + t);
+        if (t < NODES && a >= 0)
+            s.clear[a] = joined(bit + BITS * t);
+        __syncthreads();
+    }
 }
 
-/* One block: the levels from l up, and down again. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
+/* Bits of all nodes from the first of level l, one a thread as above: first
+ * what they are by themselves, then what those above make them; these may say
+ * either by then. A node's are joined where no rank reads them. */
+static __device__ void mark_top(const struct cones *s, int l, bool whole)
+{
+    uint8_t *bit = (uint8_t *)team_room();
+    int t = rank_thread(), nodes = rank_threads() / BITS;
+    int64_t end = s->tree.n_cloth, step = (int64_t)team_ranks() * nodes;
+    for (int64_t all = s->tree.range[l]; all < end; all += step) {
+        int64_t first = all + team_rank() * nodes, a = first + t / BITS;
+        bool mine = t < BITS * nodes && a < end;
+        struct near n;
+        if (mine && whole)
+            bit[t] = clear_above(s, (int32_t)a, t % BITS);
+        else if (mine) {
+            n = near_of(s, (int32_t)a, t % BITS);
+            bit[t] = n.e.b >= 0 && spread_near(s, &n);
+        }
+        team_sync(!whole);
+        a = first + t;
+        if (t < nodes && a < end)
+            s->clear[a] = joined(bit + BITS * t) | (whole ? s->clear[a] : 0);
+        team_sync(false);
+    }
+}
+
+/* One team: tangents of the levels from l up, then their bits. */
+static __global__ void __launch_bounds__(TOP_BLOCK)
     cones_top_kernel(struct cones s, int l)
 {
     for (int k = l; k < s.tree.levels; k++) {
         EACH_NODE(a, s.tree, 1, k)
         fit_inner(&s, a);
-        __syncthreads();
+        team_sync(false);
     }
-    for (int k = (int)s.tree.levels - 1; k >= l; k--) {
-        EACH_NODE(a, s.tree, 1, k)
-        mark(&s, a);
-        __syncthreads();
-    }
+    mark_top(&s, l, false);
+    mark_top(&s, l, true);
+}
+
+/* Blocks for level l of n nodes. */
+static int64_t mark_blocks(int64_t n, int l)
+{
+    return level_threads(n, l) * BITS / GPU_BLOCK + 1;
 }
 
 int gpu_cones(struct gpu *g, struct cones *s)
@@ -215,9 +251,10 @@ int gpu_cones(struct gpu *g, struct cones *s)
     LAUNCH(g, n, cones_leaves_kernel, *s);
     for (int l = 1; l < top; l++)
         LAUNCH(g, level_threads(n, l), cones_level_kernel, *s, l);
-    LAUNCH_BLOCKS(g, n > 0 && top < s->tree.levels, GPU_BLOCK, cones_top_kernel,
-                  *s, top);
+    if (n > 0 && top < s->tree.levels)
+        LAUNCH_TEAM(g, TOP_BLOCK, TOP_BLOCK, cones_top_kernel, *s, top);
     for (int l = top - 1; l >= 0 && n > 0; l--)
-        LAUNCH(g, level_threads(n, l), cones_mark_kernel, *s, l);
+        LAUNCH_BLOCKS(g, mark_blocks(n, l), GPU_BLOCK, cones_mark_kernel, *s,
+                      l);
     return gpu_status(g);
 }
