@@ -181,7 +181,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 static __global__ void __launch_bounds__(GPU_BLOCK)
     cones_mark_kernel(struct cones s, int l)
 {
-    enum { NODES = GPU_BLOCK / BITS };
+    enum { NODES = GPU_BLOCK / (int)BITS };
     __shared__ uint8_t bit[GPU_BLOCK];
     int t = (int)threadIdx.x;
     for (int64_t first = (int64_t)blockIdx.x * NODES;
