@@ -155,56 +155,63 @@ int gpu_response_repel(struct gpu *g, struct response *s,
 
 /* ---- §4 Impulses ---- */
 
-static int find_impulses(struct gpu *g, struct response *s, struct impulses *m)
+/* What touches joins the active set, contact[side]. */
+static int find_impulses(struct gpu *g, struct response *s)
 {
     struct pool *from = &s->contact[s->side], *to = &s->contact[!s->side];
-    m->nv = s->nv;
-    m->n = s->hits;
-    m->pair = (int32_t *)s->hit.data;
-    m->kind = (uint8_t *)s->hit_kind.data;
-    m->toi = (uint32_t *)s->hit_toi.data;
-    m->x0 = s->x0;
-    m->x1 = s->x1;
-    m->skin = s->skin;
-    m->dt = s->dt;
-    m->margin = s->margin;
-    m->n_active = s->active;
-    m->active = (struct contact *)from->data;
-    m->n_all = m->n + m->n_active;
-    struct room room[] = {{&s->key[0], m->n_all, sizeof *m->key},
-                          {&s->key[1], m->n_all, sizeof *m->key}};
+    struct impulses m = {};
+    m.nv = s->nv;
+    m.n = s->hits;
+    m.pair = (int32_t *)s->hit.data;
+    m.kind = (uint8_t *)s->hit_kind.data;
+    m.toi = (uint32_t *)s->hit_toi.data;
+    m.x0 = s->x0;
+    m.x1 = s->x1;
+    m.skin = s->skin;
+    m.dt = s->dt;
+    m.margin = s->margin;
+    m.n_active = s->active;
+    m.active = (struct contact *)from->data;
+    m.n_all = m.n + m.n_active;
+    struct room room[] = {{&s->key[0], m.n_all, sizeof *m.key},
+                          {&s->key[1], m.n_all, sizeof *m.key}};
     int status = gpu_response_grow(g, 2, room);
     if (status != DRAPE_OK)
         return status;
-    m->key = (struct key *)s->key[0].data;
-    m->spare = (struct key *)s->key[1].data;
+    m.key = (struct key *)s->key[0].data;
+    m.spare = (struct key *)s->key[1].data;
     do {
-        m->cap = to->cap;
-        m->contact = (struct contact *)to->data;
-        status = gpu_impulses(g, m);
+        m.cap = to->cap;
+        m.contact = (struct contact *)to->data;
+        status = gpu_impulses(g, &m);
     } while (status == DRAPE_EFULL &&
-             (status = grow_one(g, to, m->found, sizeof *m->contact)) ==
+             (status = grow_one(g, to, m.found, sizeof *m.contact)) ==
                  DRAPE_OK);
-    return status;
+    if (status != DRAPE_OK)
+        return status;
+    s->side = !s->side;
+    s->active = m.found;
+    gpu_trace(g, s->trace, "impulses", m.contact,
+              (size_t)m.found * sizeof *m.contact);
+    return DRAPE_OK;
 }
 
 static int push(struct gpu *g, struct response *s, int round)
 {
-    struct impulses m = {};
-    int status = find_impulses(g, s, &m);
-    if (status != DRAPE_OK)
-        return status;
-    s->side = !s->side;
-    bool fresh = m.found > s->active;
-    s->active = m.found;
-    gpu_trace(g, s->trace, "impulses", m.contact,
-              (size_t)m.found * sizeof *m.contact);
-    if (fresh && s->solve && round == 0)
-        return s->solve(s->user, m.found, m.contact);
-    /* only impulses that contacts gave can it withdraw */
-    bool warm = s->impelled;
+    int64_t held = s->active;
+    if (round == 0 && s->solve) {
+        int status = find_impulses(g, s);
+        if (status != DRAPE_OK)
+            return status;
+        struct contact *contact = (struct contact *)s->contact[s->side].data;
+        if (s->active > held)
+            return s->solve(s->user, s->active, contact);
+    }
+    if (!s->impelled)
+        s->active = 0; /* what a solve held is its own */
     s->impelled = true;
-    return solve_contacts(g, s, m.found, warm);
+    int status = find_impulses(g, s);
+    return status == DRAPE_OK ? solve_contacts(g, s, s->active, 1) : status;
 }
 
 /* Thread k owns corner k of the hits: marks its vertex where it is free. */
@@ -229,8 +236,6 @@ static int resolve(struct gpu *g, struct response *s, int round)
 
 int gpu_response_penetrate(struct gpu *g, struct response *s)
 {
-    if (!s->solve)
-        s->active = 0; /* what repulsion left there is done */
     int status = gpu_response_detect(g, s, NULL);
     s->rounds = 1;
     for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {

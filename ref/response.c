@@ -214,7 +214,8 @@ static int detect(struct response *s, const uint8_t *touched)
 
 /* ---- §4 Impulses ---- */
 
-static int push(struct response *s, int round)
+/* What touches joins the active set, contact[side]. */
+static int find_impulses(struct response *s)
 {
     struct pool *from = &s->contact[s->side], *to = &s->contact[!s->side];
     struct impulses m = {.nv = s->nv,
@@ -247,16 +248,27 @@ static int push(struct response *s, int round)
     if (status != DRAPE_OK)
         return status;
     s->side = !s->side;
-    bool fresh = m.found > s->active;
     s->active = m.found;
     trace_stage(s->trace, "impulses", m.contact,
                 (size_t)m.found * sizeof *m.contact);
-    if (fresh && s->solve && round == 0)
-        return s->solve(s->user, m.found, m.contact);
-    /* only impulses that contacts gave can it withdraw */
-    bool warm = s->impelled;
+    return DRAPE_OK;
+}
+
+static int push(struct response *s, int round)
+{
+    int64_t held = s->active;
+    if (round == 0 && s->solve) {
+        int status = find_impulses(s);
+        if (status != DRAPE_OK)
+            return status;
+        if (s->active > held)
+            return s->solve(s->user, s->active, s->contact[s->side].data);
+    }
+    if (!s->impelled)
+        s->active = 0; /* what a solve held is its own */
     s->impelled = true;
-    return solve_contacts(s, m.found, warm);
+    int status = find_impulses(s);
+    return status == DRAPE_OK ? solve_contacts(s, s->active, 1) : status;
 }
 
 static int resolve(struct response *s, int round)
@@ -273,8 +285,6 @@ static int resolve(struct response *s, int round)
 
 int ref_response_penetrate(struct response *s)
 {
-    if (!s->solve)
-        s->active = 0; /* what repulsion left there is done */
     int status = detect(s, NULL);
     s->rounds = 1;
     for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {
