@@ -1,17 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Contacts as the implicit system feels them. spec/38_penalty.md */
-#include "gpu/box.cuh"
 #include "gpu/incidence.cuh"
 #include "gpu/jacobi.cuh"
 #include "ref/penalty.h"
 
-/* What an item adds to its vertex, all 0 where the contact is not held: a sum
- * that begins with +0 is never -0, so that no 0 changes it. The matrix is
- * along·n nᵀ + across·I. */
-struct alignas(16) term {
-    vec push, n;
-    real along, across;
-};
+/* What an item adds to its vertex is PARTS numbers: PUSHES of force, then those
+ * of hold. GROUP vertices are a block's, a thread a part of each; GROUPS: the
+ * most blocks. */
+enum { PUSHES = 3, PARTS = 9, GROUP = 32, GROUP_BLOCK = PARTS * GROUP };
+enum { GROUPS = 1024 };
 
 /* §3: the weight of the side that vertex j of a contact is on. */
 static __device__ real side_of(const struct penalty *s, const struct contact *c,
@@ -66,10 +63,11 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.share[k] = share;
 }
 
-/* §3. Thread k owns place k of all lists: reads its item's contact, writes
- * term[k], of friction too where that is known. */
+/* §3. Thread k owns place k of all lists: reads its item's contact, writes its
+ * parts to part[o·n4 + k], all 0 where the contact is not held; of friction too
+ * where that is known. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_term_kernel(struct penalty s, struct term *term, bool rubbed,
+    penalty_part_kernel(struct penalty s, real *part, bool rubbed,
                         const int64_t *words)
 {
     ITEM(k, s.n4);
@@ -77,68 +75,90 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         return;
     int32_t item = s.item[k], j = item % 4;
     const struct contact *c = &s.contact[item / 4];
-    struct term t = {};
+    vec n = c->n, push = make(0, 0, 0);
+    real a = 0, b = 0;
     if (c->held) {
-        real part = s.share[item / 4] / side_of(&s, c, j) * magnitude(c->c[j]);
-        real along = part * s.stiffness * s.tau * s.tau;
-        vec rub = axpy(c->tangent, c->impulse, c->n);
-        t.across = part * (rubbed ? c->slide : 0) * (s.tau / s.dt);
-        t.along = along - t.across;
-        t.n = c->n;
-        t.push =
-            rubbed ? scale(c->c[j], rub) : scale(c->c[j] * c->impulse, t.n);
+        real share = s.share[item / 4] / side_of(&s, c, j) * magnitude(c->c[j]);
+        a = share * s.stiffness * s.tau * s.tau;
+        b = share * (rubbed ? c->slide : 0) * (s.tau / s.dt);
+        a = a - b;
+        push = rubbed ? scale(c->c[j], axpy(c->tangent, c->impulse, n))
+                      : scale(c->c[j] * c->impulse, n);
+    } else {
+        n = push;
     }
-    put_as<word16>(&term[k], t);
+    real all[PARTS] = {push.x,
+                       push.y,
+                       push.z,
+                       a * n.x * n.x + b,
+                       a * n.x * n.y,
+                       a * n.x * n.z,
+                       a * n.y * n.y + b,
+                       a * n.y * n.z,
+                       a * n.z * n.z + b};
+    UNROLL
+    for (int o = 0; o < PARTS; o++)
+        part[o * s.n4 + k] = all[o];
 }
 
-static __device__ sym hold_of(const struct term &t)
+/* A part of vertex i, in the order of its items: sum, which is not -0, and so
+ * never is and changes by no 0. AHEAD are read before the first is added, as a
+ * thread has nothing else to wait for. */
+template <class T>
+static __device__ T total(const struct penalty *s, const real *part, int32_t i,
+                          T sum)
 {
-    real a = t.along, b = t.across;
-    vec n = t.n;
-    return sym{a * n.x * n.x + b, a * n.x * n.y, a * n.x * n.z,
-               a * n.y * n.y + b, a * n.y * n.z, a * n.z * n.z + b};
-}
-
-/* Adds vertex i's terms in their order. AHEAD are read before the first is
- * added, as a thread has nothing else to wait for. */
-template <class HOLD>
-static __device__ void gather(const struct penalty *s, const struct term *term,
-                              int32_t i, vec *force, HOLD *hold)
-{
-    enum { AHEAD = 4 };
+    enum { AHEAD = 16 };
     int32_t end = s->start[i + 1];
     for (int32_t at = s->start[i]; at < end; at += AHEAD) {
-        struct term t[AHEAD], none = {};
+        real a[AHEAD];
         UNROLL
         for (int k = 0; k < AHEAD; k++)
-            t[k] = fetch_as<word16>(term + least(at + k, end - 1));
+            a[k] = at + k < end ? part[at + k] : 0;
         UNROLL
-        for (int k = 1; k < AHEAD; k++)
-            t[k] = at + k < end ? t[k] : none; /* adding it changes nothing */
-        UNROLL
-        for (int k = 0; k < AHEAD; k++) {
-            *force = add(*force, t[k].push);
-            *hold = add(*hold, hold_of(t[k]));
-        }
+        for (int k = 0; k < AHEAD; k++)
+            sum += (T)a[k];
     }
+    return sum;
 }
 
-/* §2.1. Thread k owns vertex[k]: reads its terms in their order, moves its
- * guess. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_guess_kernel(struct penalty s, const struct term *term,
+/* Vertices in contact, for kernels of blocks. */
+static __device__ int64_t vertices(const int64_t *words)
+{
+    return words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
+}
+
+/* §2.1. A block owns every so-many-th GROUP of vertex: its threads add up the
+ * parts, the first of them move the guesses. */
+static __global__ void __launch_bounds__(GROUP_BLOCK)
+    penalty_guess_kernel(struct penalty s, const real *part,
                          const int64_t *words)
 {
-    ITEM(k, s.n4);
-    if (words[INCIDENCE_BAD] || k >= words[INCIDENCE_VERTICES])
-        return;
-    int32_t i = s.vertex[k];
-    vec force = make(0, 0, 0);
-    double mass = 1 / (double)s.w[i];
-    struct wide_sym a = {{mass, 0, 0, mass, 0, mass}};
-    gather(&s, term, i, &force, &a);
-    vec move = solved(factored(a), force);
-    s.guess[i] = axpy(s.guess[i], s.tau / s.dt, move);
+    __shared__ double sum[PARTS][GROUP];
+    int t = (int)threadIdx.x, o = t / GROUP, at = t % GROUP;
+    for (int64_t first = (int64_t)blockIdx.x * GROUP; first < vertices(words);
+         first += (int64_t)gridDim.x * GROUP) {
+        bool mine = first + at < vertices(words);
+        int32_t i = mine ? s.vertex[first + at] : 0;
+        const real *from = part + o * s.n4;
+        double mass = 1 / (double)s.w[i];
+        bool square = o == PUSHES || o == PUSHES + 3 || o == PUSHES + 5;
+        if (mine && o < PUSHES)
+            sum[o][at] = (double)total(&s, from, i, R(0.0));
+        else if (mine)
+            sum[o][at] = total(&s, from, i, square ? mass : 0);
+        __syncthreads();
+        if (mine && o == 0) {
+            struct wide_sym a;
+            for (int k = PUSHES; k < PARTS; k++)
+                a.a[k - PUSHES] = sum[k][at];
+            vec force =
+                make((real)sum[0][at], (real)sum[1][at], (real)sum[2][at]);
+            vec move = solved(factored(a), force);
+            s.guess[i] = axpy(s.guess[i], s.tau / s.dt, move);
+        }
+        __syncthreads();
+    }
 }
 
 static __device__ vec across(const struct contact *c, const vec *u)
@@ -208,21 +228,22 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     c->tangent = scale(-slide, slip);
 }
 
-/* §3. Thread k owns vertex[k]: writes its force and hold, which are 0
- * elsewhere, from its terms in their order. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_gather_kernel(struct penalty s, const struct term *term,
+/* §3. A thread owns a part of every so-many-th vertex: writes it to force or
+ * hold, which are 0 elsewhere. */
+static __global__ void __launch_bounds__(GROUP_BLOCK)
+    penalty_gather_kernel(struct penalty s, const real *part,
                           const int64_t *words)
 {
-    ITEM(k, s.n4);
-    if (words[INCIDENCE_BAD] || k >= words[INCIDENCE_VERTICES])
-        return;
-    int32_t i = s.vertex[k];
-    vec force = make(0, 0, 0);
-    sym hold = {0, 0, 0, 0, 0, 0};
-    gather(&s, term, i, &force, &hold);
-    s.force[i] = force;
-    s.hold[i] = hold;
+    int t = (int)threadIdx.x, o = t / GROUP;
+    for (int64_t k = (int64_t)blockIdx.x * GROUP + t % GROUP;
+         k < vertices(words); k += (int64_t)gridDim.x * GROUP) {
+        int32_t i = s.vertex[k];
+        real sum = total(&s, part + o * s.n4, i, R(0.0));
+        if (o < PUSHES)
+            ((real *)&s.force[i])[o] = sum;
+        else
+            ((real *)&s.hold[i])[o - PUSHES] = sum;
+    }
 }
 
 int gpu_penalty(struct gpu *g, struct penalty *s)
@@ -234,20 +255,24 @@ int gpu_penalty(struct gpu *g, struct penalty *s)
                            s->start, s->item, s->vertex, 0};
     int64_t *words = gpu_words(g);
     gpu_incidence(g, &by, words);
-    struct term *term =
-        (struct term *)gpu_scratch(g, SLOT_STAGE, s->n4, sizeof *term);
+    real *part =
+        (real *)gpu_scratch(g, SLOT_STAGE, PARTS * s->n4, sizeof *part);
     int64_t touched = s->nv < s->n4 ? s->nv : s->n4;
+    int64_t groups = (touched + GROUP - 1) / GROUP;
+    int64_t blocks = groups < GROUPS ? groups : (int64_t)GROUPS;
     gpu_clear(g, s->force, (size_t)s->nv * sizeof *s->force);
     gpu_clear(g, s->hold, (size_t)s->nv * sizeof *s->hold);
     LAUNCH(g, s->nv, penalty_let_go_kernel, *s);
     LAUNCH(g, s->n, penalty_press_kernel, *s, words);
-    LAUNCH(g, s->n4, penalty_term_kernel, *s, term, false, words);
-    LAUNCH(g, touched, penalty_guess_kernel, *s, term, words);
+    LAUNCH(g, s->n4, penalty_part_kernel, *s, part, false, words);
+    LAUNCH_BLOCKS(g, blocks, GROUP_BLOCK, penalty_guess_kernel, *s, part,
+                  words);
     LAUNCH(g, s->n, penalty_load_kernel, *s, words);
     LAUNCH(g, touched, penalty_brake_kernel, *s, words);
     LAUNCH(g, s->n, penalty_rub_kernel, *s, words);
-    LAUNCH(g, s->n4, penalty_term_kernel, *s, term, true, words);
-    LAUNCH(g, touched, penalty_gather_kernel, *s, term, words);
+    LAUNCH(g, s->n4, penalty_part_kernel, *s, part, true, words);
+    LAUNCH_BLOCKS(g, blocks, GROUP_BLOCK, penalty_gather_kernel, *s, part,
+                  words);
     const int64_t *seen = gpu_read_words(g, INCIDENCE_WORDS);
     return seen[INCIDENCE_BAD] ? DRAPE_EARG : gpu_status(g);
 }
