@@ -141,6 +141,28 @@ static __device__ inline uint32_t block_scan(uint32_t count, uint32_t *total)
     return before + s[at];
 }
 
+/* Blocks' counts [n] become the places where each begins. All threads of one
+ * block of BVTT_BLOCK call it; a chunk has at most 2^19 · BVTT_BLOCK items. */
+static __device__ inline void place_blocks(int64_t *sum, int64_t n)
+{
+    enum { EACH = 8 };
+    int64_t base = 0;
+    for (int64_t first = 0; first < n; first += EACH * BVTT_BLOCK) {
+        int64_t at = first + EACH * (int64_t)threadIdx.x;
+        uint32_t mine[EACH], all = 0, total;
+        for (int k = 0; k < EACH; k++) {
+            mine[k] = at + k < n ? (uint32_t)sum[at + k] : 0;
+            all += mine[k];
+        }
+        int64_t before = base + block_scan(all, &total);
+        for (int k = 0; k < EACH && at + k < n; k++) {
+            sum[at + k] = before;
+            before += mine[k];
+        }
+        base += total;
+    }
+}
+
 /* Adds to a word of gpu_words: whole numbers, so no order shows. */
 static __device__ inline void word_add(int64_t *word, uint32_t count)
 {

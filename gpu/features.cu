@@ -5,7 +5,8 @@
 
 /* §1: bits of a mask that are of a vertex and a face, and all. */
 enum { VF_BITS = 6, VF_MASK = (1 << VF_BITS) - 1, BITS = 15 };
-enum { WORD_VF, WORD_EE, WORDS };
+/* The counts of both kinds, and 1: there is room for all. */
+enum { WORD_VF, WORD_EE, WORD_DONE, WORDS };
 
 /* The vertices of a triangle. */
 struct corners {
@@ -158,12 +159,25 @@ static __device__ struct quad vertices(const struct corners &f,
                    pick(g, j < 2 ? j + 1 : 0));
 }
 
+/* One block: where the candidates of a block and kind begin. */
+static __global__ void __launch_bounds__(BVTT_BLOCK)
+    features_place_kernel(struct features s, int64_t sums, int64_t *word)
+{
+    bool on = word[WORD_VF] + word[WORD_EE] <= s.cap;
+    if (on)
+        place_blocks(s.sum, sums);
+    if (threadIdx.x == 0)
+        word[WORD_DONE] = on;
+}
+
 /* Block k owns the same pairs: writes their candidates from the block's two
  * places on. One scan went over both halves of sum, so that the edges' begin
  * after all vertex-face. */
 static __global__ void __launch_bounds__(BVTT_BLOCK)
-    features_emit_kernel(struct features s)
+    features_emit_kernel(struct features s, const int64_t *word)
 {
+    if (!word[WORD_DONE])
+        return;
     int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
     uint32_t mask = k < s.n ? s.mask[k] : 0, total;
     uint32_t vf = (uint32_t)__popc(mask & VF_MASK);
@@ -195,14 +209,15 @@ int gpu_features(struct gpu *g, struct features *s)
     int64_t *word = gpu_words(g);
     LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_look_kernel, *s,
                   reach_of(s->r), word);
-    gpu_scan(g, s->sum, 2 * blocks);
+    LAUNCH_BLOCKS(g, 1, BVTT_BLOCK, features_place_kernel, *s, 2 * blocks,
+                  word);
+    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_emit_kernel, *s, word);
     const int64_t *seen = gpu_read_words(g, WORDS);
     if (gpu_status(g) != DRAPE_OK)
         return gpu_status(g);
     s->need = seen[WORD_VF] + seen[WORD_EE];
     if (s->need > s->cap)
         return DRAPE_EFULL;
-    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_emit_kernel, *s);
     s->n_pair = s->need;
     s->n_vf = seen[WORD_VF];
     return gpu_status(g);

@@ -2,7 +2,9 @@
 /* Walks from the front down to pairs of triangles. spec/23_walk.md */
 #include "gpu/bvtt.cuh"
 
-enum { WORD_NEED, WORD_DEEPER, WORDS };
+/* Passes that are queued before the host looks, and the words of each: how
+ * many children pass, 1: some are not leaves, 1: they are written. */
+enum { WORD_NEED, WORD_DEEPER, WORD_DONE, WORDS, PASSES = 3 };
 /* Threads to an item where its children are tested, one for each. */
 enum { KIDS = 16, AT_ONCE = BVTT_BLOCK / KIDS };
 
@@ -12,9 +14,23 @@ struct pass {
     int64_t n;
     int32_t (*to)[2];
     real reach;
-    bool front; /* the front's own pairs are not tested yet */
-    int64_t *word;
+    bool front;    /* the front's own pairs are not tested yet */
+    int64_t *word; /* [WORDS] of this pass, behind those of the ones before */
+    int64_t bound; /* of items: its blocks are enough for so many */
+    int64_t cap;   /* of to */
+    bool later;    /* its items are what the pass before has written, not n */
 };
+
+/* The items of a pass, none if it is not to be. */
+static __device__ int64_t items_of(const struct pass *p)
+{
+    const int64_t *before = p->word - WORDS;
+    if (!p->later)
+        return p->n;
+    bool good = before[WORD_DONE] && before[WORD_DEEPER] &&
+                before[WORD_NEED] <= p->bound;
+    return good ? before[WORD_NEED] : 0;
+}
 
 static __device__ bool looks(const struct walk *s, real reach, struct duo e)
 {
@@ -23,11 +39,11 @@ static __device__ bool looks(const struct walk *s, real reach, struct duo e)
 
 /* Thread t's mask is known: writes it and the block's count. */
 static __device__ void count(const struct walk *s, const struct pass *p,
-                             uint32_t mask)
+                             int64_t n, uint32_t mask)
 {
     int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
     uint32_t total;
-    if (k < p->n)
+    if (k < n)
         s->mask[k] = (uint16_t)mask;
     block_scan((uint32_t)__popc(mask), &total);
     if (threadIdx.x == 0) {
@@ -45,11 +61,14 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
     __shared__ struct duo item[BVTT_BLOCK];
     __shared__ uint32_t kids[BVTT_BLOCK], in[BVTT_BLOCK], deeper;
     int t = (int)threadIdx.x, c = t % KIDS;
-    int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + t;
+    int64_t first = (int64_t)blockIdx.x * BVTT_BLOCK, k = first + t;
+    int64_t n = items_of(&p);
+    if (first >= n)
+        return;
     kids[t] = in[t] = 0;
     if (t == 0)
         deeper = 0;
-    if (k < p.n) {
+    if (k < n) {
         struct duo e = fetch_duo(&p.from[k]);
         int d = descent(&s.in.tree, e);
         item[t] = e;
@@ -70,7 +89,7 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
             deeper = 1;
     }
     __syncthreads();
-    count(&s, &p, in[t]);
+    count(&s, &p, n, in[t]);
     if (t == 0)
         word_add(&p.word[WORD_DEEPER], deeper);
 }
@@ -101,8 +120,20 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
     walk_leaves_kernel(struct walk s, struct pass p)
 {
     int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
-    count(&s, &p,
+    count(&s, &p, p.n,
           k < p.n ? look_leaves(&s, p.reach, fetch_duo(&p.from[k])) : 0);
+}
+
+/* One block: where the blocks' children go, if there is room for all. */
+static __global__ void __launch_bounds__(BVTT_BLOCK)
+    walk_place_kernel(struct walk s, struct pass p)
+{
+    int64_t n = items_of(&p);
+    bool on = n > 0 && p.word[WORD_NEED] <= p.cap;
+    if (on)
+        place_blocks(s.sum, (n + BVTT_BLOCK - 1) / BVTT_BLOCK);
+    if (threadIdx.x == 0)
+        p.word[WORD_DONE] = on;
 }
 
 /* Block k owns the same items: writes the children in mask, or their
@@ -110,9 +141,12 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
 static __global__ void __launch_bounds__(BVTT_BLOCK)
     walk_emit_kernel(struct walk s, struct pass p, bool triangles)
 {
-    int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
+    int64_t first = (int64_t)blockIdx.x * BVTT_BLOCK, k = first + threadIdx.x;
     const struct tree *t = &s.in.tree;
-    uint32_t mask = k < p.n ? s.mask[k] : 0, total;
+    int64_t n = p.word[WORD_DONE] ? items_of(&p) : 0;
+    if (first >= n)
+        return;
+    uint32_t mask = k < n ? s.mask[k] : 0, total;
     int64_t at = s.sum[blockIdx.x] + block_scan((uint32_t)__popc(mask), &total);
     if (!mask)
         return;
@@ -127,40 +161,84 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
         }
 }
 
-/* After a kernel that counts: its words, and the blocks' places. */
-static const int64_t *place(struct gpu *g, const struct walk *s, int64_t n)
+static void turn(const struct walk *s, struct pass *p)
 {
-    gpu_scan(g, s->sum, blocks_of(n));
-    return gpu_read_words(g, WORDS);
+    p->from = (const int32_t(*)[2])p->to;
+    p->to = p->to == s->pair ? s->other : s->pair;
+    p->front = false;
+}
+
+/* PASSES passes, each if the one before was not the last, and what they
+ * counted. */
+static const int64_t *queue(struct gpu *g, const struct walk *s, struct pass p)
+{
+    int64_t blocks = blocks_of(p.n);
+    p.word = gpu_words(g);
+    for (int k = 0; k < PASSES; k++) {
+        LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, walk_look_kernel, *s, p);
+        LAUNCH_BLOCKS(g, 1, BVTT_BLOCK, walk_place_kernel, *s, p);
+        LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, walk_emit_kernel, *s, p, false);
+        turn(s, &p);
+        p.word += WORDS;
+        p.later = true;
+        blocks = blocks_of(p.bound);
+    }
+    return gpu_read_words(g, PASSES * WORDS);
 }
 
 /* Passes until all pairs are leaves. */
 static int go_down(struct gpu *g, struct walk *s, struct pass *p)
 {
-    for (bool deeper = true; deeper; p->front = false) {
-        s->visited += p->n;
-        p->word = gpu_words(g);
-        LAUNCH_BLOCKS(g, blocks_of(p->n), BVTT_BLOCK, walk_look_kernel, *s, *p);
-        const int64_t *seen = place(g, s, p->n);
+    for (bool deeper = true; deeper;) {
+        p->bound = p->n + p->n / 4 + 1024;
+        p->bound = p->bound < s->cap ? p->bound : s->cap;
+        const int64_t *seen = queue(g, s, *p);
         if (gpu_status(g) != DRAPE_OK)
             return gpu_status(g);
-        s->need = seen[WORD_NEED] > s->need ? seen[WORD_NEED] : s->need;
-        if (s->need > s->cap)
-            return DRAPE_EFULL;
-        LAUNCH_BLOCKS(g, blocks_of(p->n), BVTT_BLOCK, walk_emit_kernel, *s, *p,
-                      false);
-        p->from = (const int32_t(*)[2])p->to;
-        p->to = p->to == s->pair ? s->other : s->pair;
-        p->n = seen[WORD_NEED];
-        deeper = seen[WORD_DEEPER] > 0;
+        bool on = true;
+        for (int k = 0; k < PASSES && deeper && on; k++, seen += WORDS) {
+            int64_t need = seen[WORD_NEED];
+            s->visited += p->n;
+            s->need = need > s->need ? need : s->need;
+            if (s->need > s->cap)
+                return DRAPE_EFULL;
+            turn(s, p);
+            p->n = need;
+            deeper = seen[WORD_DEEPER] > 0;
+            on = need <= p->bound;
+        }
     }
+    return DRAPE_OK;
+}
+
+/* From pairs of leaves to those of triangles. */
+static int finish(struct gpu *g, struct walk *s, struct pass *p)
+{
+    p->to = s->tri;
+    p->cap = s->cap_tri;
+    p->word = gpu_words(g);
+    LAUNCH_BLOCKS(g, blocks_of(p->n), BVTT_BLOCK, walk_leaves_kernel, *s, *p);
+    LAUNCH_BLOCKS(g, 1, BVTT_BLOCK, walk_place_kernel, *s, *p);
+    LAUNCH_BLOCKS(g, blocks_of(p->n), BVTT_BLOCK, walk_emit_kernel, *s, *p,
+                  true);
+    s->need_tri = gpu_read_words(g, WORDS)[WORD_NEED];
+    if (gpu_status(g) != DRAPE_OK)
+        return gpu_status(g);
+    if (s->need_tri > s->cap_tri)
+        return DRAPE_EFULL;
+    s->n_tri = s->need_tri;
     return DRAPE_OK;
 }
 
 int gpu_walk(struct gpu *g, struct walk *s)
 {
-    struct pass p = {s->front,          s->n_front, s->pair,
-                     reach_of(s->in.r), true,       NULL};
+    struct pass p = {};
+    p.from = s->front;
+    p.n = s->n_front;
+    p.to = s->pair;
+    p.reach = reach_of(s->in.r);
+    p.front = true;
+    p.cap = s->cap;
     if (!(s->in.r >= 0 && s->in.r <= REAL_BIG))
         return DRAPE_EDATA;
     s->n_tri = s->need_tri = s->visited = 0;
@@ -168,17 +246,5 @@ int gpu_walk(struct gpu *g, struct walk *s)
     if (s->n_front > s->cap)
         return DRAPE_EFULL;
     int status = go_down(g, s, &p);
-    if (status != DRAPE_OK)
-        return status;
-    p.word = gpu_words(g);
-    LAUNCH_BLOCKS(g, blocks_of(p.n), BVTT_BLOCK, walk_leaves_kernel, *s, p);
-    s->need_tri = place(g, s, p.n)[WORD_NEED];
-    if (gpu_status(g) != DRAPE_OK)
-        return gpu_status(g);
-    if (s->need_tri > s->cap_tri)
-        return DRAPE_EFULL;
-    p.to = s->tri;
-    LAUNCH_BLOCKS(g, blocks_of(p.n), BVTT_BLOCK, walk_emit_kernel, *s, p, true);
-    s->n_tri = s->need_tri;
-    return gpu_status(g);
+    return status == DRAPE_OK ? finish(g, s, &p) : status;
 }
