@@ -210,7 +210,7 @@ static const int64_t *pairs(struct gpu *g, struct audit *s, struct lists *l,
     take_lists(g, l, s->nt + 1024);
     for (;;) {
         search(g, s, &v, *l, word);
-        const int64_t *seen = gpu_read_words(g, AUDIT_WORDS);
+        const int64_t *seen = gpu_look_words(g, AUDIT_WORDS);
         if (gpu_status(g) || seen[AUDIT_BAD] || seen[AUDIT_LEFT] <= l->room)
             return seen;
         take_lists(g, l, seen[AUDIT_LEFT]);

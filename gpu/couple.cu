@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Contacts within the implicit solve of every cloth, on the device.
  * spec/38_penalty.md §4 */
+#include "gpu/incidence.cuh"
 #include "gpu/real.cuh"
 #include "gpu/world.h"
 
@@ -182,7 +183,7 @@ int gpu_couple_solve(void *user, int64_t n, struct contact *contact)
     p->contact = contact;
     int turns = n > 0 && w->couple.solves == 0 ? TURNS : 1;
     for (int k = 0; k < turns && status == DRAPE_OK; k++) {
-        status = gpu_penalty(w->gpu, p);
+        status = gpu_penalty_queue(w->gpu, p, gpu_late_words(w->gpu));
         gpu_trace(w->gpu, w->host->tracing, "penalty", p->force,
                   (size_t)p->nv * sizeof *p->force);
         if (w->couple.rough && w->couple.solves == 0)
@@ -190,6 +191,8 @@ int gpu_couple_solve(void *user, int64_t n, struct contact *contact)
         w->couple.residual = 0;
         for (int i = 0; i < w->host->def.n_cloths && status == DRAPE_OK; i++)
             status = solve_sheet(w, &w->sheet[i]);
+        if (status == DRAPE_OK && gpu_late_seen(w->gpu)[INCIDENCE_BAD])
+            status = DRAPE_EARG;
     }
     w->couple.seconds += clock_now() - start;
     return status;

@@ -214,5 +214,6 @@ int gpu_cublas(struct gpu *g, struct pcg *s)
     s->outcome = PCG_CONVERGED;
     if (status == DRAPE_OK && s->count > 0)
         solve(g, s);
+    gpu_read_words(g, 0); /* for what is late, as gpu_pcg does */
     return status == DRAPE_OK ? gpu_status(g) : status;
 }

@@ -42,8 +42,8 @@ struct gpu *gpu_open(const drape_def *def, int *status)
     g->ranks = EMULATE_RANKS;
     g->room = EMULATE_ROOM;
     g->words =
-        (int64_t *)gpu_take(g, ARENA_SCRATCH, GPU_WORDS, sizeof *g->words);
-    g->seen = (int64_t *)arena_take(&g->host, ARENA_OTHER, GPU_WORDS,
+        (int64_t *)gpu_take(g, ARENA_SCRATCH, GPU_ALL_WORDS, sizeof *g->words);
+    g->seen = (int64_t *)arena_take(&g->host, ARENA_OTHER, GPU_ALL_WORDS,
                                     sizeof *g->seen);
     *status = g->seen ? g->failed : DRAPE_ENOMEM;
     if (*status == DRAPE_OK)
@@ -120,17 +120,20 @@ double gpu_clock_stop(struct gpu *g)
     return g->event - start;
 }
 
-int64_t *gpu_words(struct gpu *g)
-{
-    gpu_clear(g, g->words, GPU_WORDS * sizeof *g->words);
-    return g->words;
-}
-
 const int64_t *gpu_read_words(struct gpu *g, int n)
 {
-    gpu_down(g, g->seen, g->words, (size_t)n * sizeof *g->seen);
+    gpu_look_words(g, n);
+    gpu_clear(g, g->words, GPU_ALL_WORDS * sizeof *g->words);
+    g->clean[0] = g->clean[1] = true;
+    return g->seen;
+}
+
+const int64_t *gpu_look_words(struct gpu *g, int n)
+{
+    (void)n;
+    gpu_down(g, g->seen, g->words, GPU_ALL_WORDS * sizeof *g->seen);
     if (g->failed)
-        memset(g->seen, 0, GPU_WORDS * sizeof *g->seen);
+        memset(g->seen, 0, GPU_ALL_WORDS * sizeof *g->seen);
     return g->seen;
 }
 

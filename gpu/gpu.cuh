@@ -31,7 +31,8 @@ extern "C" {
 }
 
 /* Most threads of a block of an item kernel. */
-enum { GPU_BLOCK = 256, GPU_WORDS = 32, GPU_SLOTS = 8 };
+enum { GPU_BLOCK = 256, GPU_WORDS = 32, GPU_LATE = 4, GPU_SLOTS = 8 };
+enum { GPU_ALL_WORDS = GPU_WORDS + GPU_LATE };
 
 /* Room that grows and is kept; what a slot held is lost when it does. */
 struct gpu_slot {
@@ -57,8 +58,10 @@ struct gpu {
     int room;         /* bytes of shared memory that a block of one may have */
     int failed;       /* the first failure, or DRAPE_OK */
     char name[320];
-    int64_t *words; /* device [GPU_WORDS] small results of a stage */
-    int64_t *seen;  /* host, pinned [GPU_WORDS] as last read */
+    int64_t *words; /* device [GPU_ALL_WORDS] small results of a stage,
+                       and of one before it that nobody has read yet */
+    int64_t *seen;  /* host, pinned; the same as last read */
+    bool clean[2];  /* words are 0: the stage's, and the late ones */
     struct gpu_slot slot[GPU_SLOTS];
     struct gpu_slot aside;    /* on the host */
     struct gpu_blas *blas;    /* gpu/blas.h; NULL: not open */
@@ -123,8 +126,16 @@ cudaError_t gpu_allow_team(struct gpu *g, const void *kernel);
 
 /* g->words, all zero from here on in the stream. */
 int64_t *gpu_words(struct gpu *g);
-/* g->seen with the first n words, 0 after a failure; waits for the stream. */
+/* g->seen with the first n words, 0 after a failure; waits for the stream, in
+ * which they are 0 again behind this. */
 const int64_t *gpu_read_words(struct gpu *g, int n);
+/* The same, but they stay. */
+const int64_t *gpu_look_words(struct gpu *g, int n);
+/* Words [GPU_LATE] that another stage's gpu_words lets be, zero from here on:
+ * what a stage need not know before the next begins. Any read or look behind it
+ * brings them to gpu_late_seen. */
+int64_t *gpu_late_words(struct gpu *g);
+const int64_t *gpu_late_seen(const struct gpu *g);
 
 /* ---- Memory, gpu/memory.cu ---- */
 

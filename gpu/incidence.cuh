@@ -15,4 +15,9 @@ enum { INCIDENCE_BAD, INCIDENCE_VERTICES, INCIDENCE_WORDS };
  * scratch slots 0 to 2. */
 void gpu_incidence(struct gpu *g, const struct incidence *s, int64_t *words);
 
+/* gpu_penalty, but what gpu_incidence writes stays in words; where a contact
+ * is bad, force and hold are 0. */
+struct penalty;
+int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words);
+
 #endif

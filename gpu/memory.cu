@@ -101,6 +101,29 @@ void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size)
     return s->data;
 }
 
+static int64_t *cleared(struct gpu *g, bool late, int64_t *words, int n)
+{
+    if (!g->clean[late])
+        gpu_clear(g, words, (size_t)n * sizeof *words);
+    g->clean[late] = false;
+    return words;
+}
+
+int64_t *gpu_words(struct gpu *g)
+{
+    return cleared(g, false, g->words, GPU_WORDS);
+}
+
+int64_t *gpu_late_words(struct gpu *g)
+{
+    return cleared(g, true, g->words + GPU_WORDS, GPU_LATE);
+}
+
+const int64_t *gpu_late_seen(const struct gpu *g)
+{
+    return g->seen + GPU_WORDS;
+}
+
 void *gpu_aside(struct gpu *g, size_t bytes)
 {
     struct gpu_slot *s = &g->aside;

@@ -58,6 +58,7 @@
 #define gpu_pcg REAL_NAME(gpu_pcg)
 #define gpu_pcg_set_up REAL_NAME(gpu_pcg_set_up)
 #define gpu_penalty REAL_NAME(gpu_penalty)
+#define gpu_penalty_queue REAL_NAME(gpu_penalty_queue)
 #define gpu_predict REAL_NAME(gpu_predict)
 #define gpu_product REAL_NAME(gpu_product)
 #define gpu_proximity REAL_NAME(gpu_proximity)

@@ -245,7 +245,7 @@ static struct course look(struct gpu *g)
 {
     struct course seen;
     int words = (int)((sizeof seen + sizeof(int64_t) - 1) / sizeof(int64_t));
-    memcpy((void *)&seen, gpu_read_words(g, words), sizeof seen);
+    memcpy((void *)&seen, gpu_look_words(g, words), sizeof seen);
     return seen;
 }
 

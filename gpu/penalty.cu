@@ -246,14 +246,13 @@ static __global__ void __launch_bounds__(GROUP_BLOCK)
     }
 }
 
-int gpu_penalty(struct gpu *g, struct penalty *s)
+int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
 {
     if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->slip > 0) ||
         s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX)
         return DRAPE_EARG;
     struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
                            s->start, s->item, s->vertex, 0};
-    int64_t *words = gpu_words(g);
     gpu_incidence(g, &by, words);
     real *part =
         (real *)gpu_scratch(g, SLOT_STAGE, PARTS * s->n4, sizeof *part);
@@ -273,6 +272,14 @@ int gpu_penalty(struct gpu *g, struct penalty *s)
     LAUNCH(g, s->n4, penalty_part_kernel, *s, part, true, words);
     LAUNCH_BLOCKS(g, blocks, GROUP_BLOCK, penalty_gather_kernel, *s, part,
                   words);
+    return gpu_status(g);
+}
+
+int gpu_penalty(struct gpu *g, struct penalty *s)
+{
+    int status = gpu_penalty_queue(g, s, gpu_words(g));
+    if (status != DRAPE_OK)
+        return status;
     const int64_t *seen = gpu_read_words(g, INCIDENCE_WORDS);
     return seen[INCIDENCE_BAD] ? DRAPE_EARG : gpu_status(g);
 }
