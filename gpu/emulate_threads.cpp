@@ -199,8 +199,9 @@ bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
     if (g->hosted[0] || g->hosted[1] || g->failed)
         return false;
     do
-        turn.run(turn.with);
-    while (*again && !g->failed);
+        if (turn.run(turn.with) != DRAPE_OK)
+            return false;
+    while (again && *again && !g->failed);
     return true;
 }
 

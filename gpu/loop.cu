@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loops on the device as CUDA graphs with a WHILE node. gpu/loop.cuh */
+/* Launches as CUDA graphs, loops on the device with a WHILE node.
+ * gpu/loop.cuh */
 #include "gpu/loop.cuh"
 
 /* Graphs that are kept, and launches after which one that was not among them
@@ -13,6 +14,7 @@ struct kept {
     size_t n;
     int block, ranks;
     int64_t used; /* the last launch, by number */
+    int status;   /* of what was queued */
 };
 
 struct gpu_loops {
@@ -56,49 +58,62 @@ static cudaError_t add_while(cudaGraph_t graph, cudaGraph_t *inner,
 }
 
 /* What the turn queues becomes the graph, whose failure is not the device's. */
-static cudaError_t capture(struct gpu *g, cudaGraph_t inner,
-                           cudaGraphConditionalHandle handle,
-                           const int32_t *again, loop_turn turn)
+static cudaError_t capture(struct gpu *g, cudaGraph_t graph, loop_turn turn,
+                           int *status)
 {
     cudaStream_t stream = g->loops->stream, callers = g->stream;
     size_t n = strlen(g->name);
     cudaError_t error = cudaStreamBeginCaptureToGraph(
-        stream, inner, NULL, NULL, 0, cudaStreamCaptureModeRelaxed);
+        stream, graph, NULL, NULL, 0, cudaStreamCaptureModeRelaxed);
     if (error != cudaSuccess)
         return error;
     g->stream = stream;
-    turn.run(turn.with);
-    loop_kernel<<<1, 1, 0, stream>>>(handle, again);
+    *status = turn.run(turn.with);
     g->stream = callers;
-    error = cudaStreamEndCapture(stream, &inner);
-    if (!g->failed)
-        return error;
-    g->failed = DRAPE_OK;
-    g->name[n] = 0;
-    return cudaErrorUnknown;
+    error = cudaStreamEndCapture(stream, &graph);
+    if (g->failed) {
+        *status = g->failed = DRAPE_OK;
+        g->name[n] = 0;
+        return cudaErrorUnknown;
+    }
+    return *status == DRAPE_OK ? error : cudaErrorInvalidValue;
 }
 
-static cudaError_t build(struct gpu *g, const int32_t *again, loop_turn turn,
-                         cudaGraphExec_t *exec)
+static cudaError_t capture_loop(struct gpu *g, cudaGraph_t graph,
+                                const int32_t *again, loop_turn turn,
+                                int *status)
 {
-    cudaGraph_t graph, inner;
+    cudaGraph_t inner;
     cudaGraphConditionalHandle handle;
+    auto whole = [&] {
+        int done = turn.run(turn.with);
+        loop_kernel<<<1, 1, 0, g->stream>>>(handle, again);
+        return done;
+    };
+    cudaError_t error = add_while(graph, &inner, &handle);
+    return error == cudaSuccess ? capture(g, inner, whole, status) : error;
+}
+
+/* Writes graph and status of k. */
+static cudaError_t build(struct gpu *g, struct kept *k, const int32_t *again,
+                         loop_turn turn)
+{
+    cudaGraph_t graph;
     cudaError_t error = cudaGraphCreate(&graph, 0);
     if (error != cudaSuccess)
         return error;
-    error = add_while(graph, &inner, &handle);
+    error = again ? capture_loop(g, graph, again, turn, &k->status)
+                  : capture(g, graph, turn, &k->status);
     if (error == cudaSuccess)
-        error = capture(g, inner, handle, again, turn);
-    if (error == cudaSuccess)
-        error = cudaGraphInstantiate(exec, graph, 0);
+        error = cudaGraphInstantiate(&k->graph, graph, 0);
     cudaGraphDestroy(graph);
     return error;
 }
 
 #else
 
-static cudaError_t build(struct gpu *, const int32_t *, loop_turn,
-                         cudaGraphExec_t *)
+static cudaError_t build(struct gpu *, struct kept *, const int32_t *,
+                         loop_turn)
 {
     return cudaErrorNotSupported;
 }
@@ -143,10 +158,10 @@ static struct kept *make(struct gpu *g, struct loop_key key,
                                       (int64_t)(sizeof *k + key.n), 1);
     if (!k)
         return NULL;
-    if (build(g, again, turn, &k->graph) != cudaSuccess) {
+    if (build(g, k, again, turn) != cudaSuccess) {
         cudaGetLastError(); /* it is an answer */
+        l->absent = k->status == DRAPE_OK;
         arena_give(&g->host, k);
-        l->absent = true;
         return NULL;
     }
     k->n = key.n;

@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A loop that the device ends: its turns are queued once, so that the host
- * neither launches nor looks between them. spec/50_gpu.md §9 */
+/* Launches that are queued once and kept, as one or as a loop that the device
+ * ends, so that the host neither launches nor looks between them.
+ * spec/50_gpu.md §9 */
 #ifndef GPU_LOOP_CUH
 #define GPU_LOOP_CUH
 
 #include "gpu/gpu.cuh"
 
-/* A turn: launches in g->stream, and nothing else. */
+/* A turn: launches in g->stream, and nothing else. It returns DRAPE_OK, or why
+ * it did not queue them all. */
 struct loop_turn {
     const void *with;
-    void (*run)(const void *with);
+    int (*run)(const void *with);
     template <class F>
     loop_turn(const F &f)
-        : with(&f), run([](const void *g) { (*(const F *)g)(); })
+        : with(&f), run([](const void *g) { return (*(const F *)g)(); })
     {
     }
 };
@@ -24,9 +26,10 @@ struct loop_key {
     size_t n;
 };
 
-/* Queues turns until *again, on the device, is 0 after one, but at least one.
- * false: nothing is queued, as this device has no such loops, or is not to, or
- * has no room for one more. */
+/* Queues one turn, or more until *again, on the device, is 0 after one, where
+ * that is not NULL. false: nothing is queued, as this device has no such
+ * loops, or is not to, or has no room for one more, or the turn is not whole.
+ */
 bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
               loop_turn turn);
 

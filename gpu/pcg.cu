@@ -11,8 +11,13 @@
 
 /* Iterations of a turn; of multigrid more than one where a look takes longer
  * than what would be queued for nothing, and an even number in a loop. */
-enum { TURN = 8, TURN_MOST = 32, TURN_GRID = 4, SMALL_GRID = 1 << 17 };
-enum { TURN_LOOP = 2 };
+enum {
+    TURN = 8,
+    TURN_MOST = 32,
+    TURN_GRID = 4,
+    TURN_LOOP = 2,
+    SMALL_GRID = 1 << 17
+};
 
 static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
 
@@ -29,6 +34,18 @@ struct room {
  * the block that ends last moves the course on ---- */
 
 #define PARTICLE(k) int64_t k = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x
+
+/* One thread: the course at its beginning. scale and square are the only words
+ * that change from one solve of a cloth to the next; no other kernel has them,
+ * so that all others may be queued once. */
+static __global__ void pcg_open_kernel(struct course *c, real scale,
+                                       real square)
+{
+    struct course fresh = {};
+    fresh.from = scale;
+    fresh.most = square;
+    *c = fresh;
+}
 
 /* Writes dv[k] and low[k]. §1 */
 static __global__ void __launch_bounds__(GPU_BLOCK)
@@ -136,6 +153,19 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 
 /* ---- the stage ---- */
 
+/* What multigrid shares. */
+static void share(struct pcg *s)
+{
+    s->grid.mass = s->mass;
+    s->grid.n_extra = s->n_extra;
+    s->grid.extra = s->extra;
+    s->grid.block = s->block;
+    s->grid.fixed = s->fixed;
+    s->grid.factor = s->factor;
+    s->grid.r = s->r;
+    s->grid.z = s->s;
+}
+
 static int build(struct gpu *g, struct pcg *s)
 {
     struct matrix a = {s->m,       s->n,        s->count,    s->mass,
@@ -148,14 +178,6 @@ static int build(struct gpu *g, struct pcg *s)
         status = gpu_jacobi(g, &j);
     if (status != DRAPE_OK || s->precond != DRAPE_MULTIGRID)
         return status;
-    s->grid.mass = s->mass;
-    s->grid.n_extra = s->n_extra;
-    s->grid.extra = s->extra;
-    s->grid.block = s->block;
-    s->grid.fixed = s->fixed;
-    s->grid.factor = s->factor;
-    s->grid.r = s->r;
-    s->grid.z = s->s;
     return gpu_multigrid_build(g, &s->grid, lent_by(s));
 }
 
@@ -218,27 +240,34 @@ static void take_turn(struct gpu *g, struct pcg *s, struct course *c,
     LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
 }
 
-/* Turns in a loop on the device, until they end or the host is to look. */
-static bool loop(struct gpu *g, struct pcg *s, struct course *c,
-                 struct room room)
+/* The matrix, M and the first residual. */
+static int prepare(struct gpu *g, struct pcg *s, struct course *c,
+                   struct room room)
 {
-    struct {
-        struct pcg s;
-        struct course *c;
-        real *chunk;
-    } key;
-    memset((void *)&key, 0, sizeof key); /* what lies between, too */
-    memcpy((void *)&key.s, (void *)s, sizeof key.s);
-    key.s.scale = key.s.square = 0; /* not read here, as these */
-    key.s.recurrence = key.s.residual = 0;
-    key.s.iterations = key.s.outcome = key.s.fell_back = 0;
-    key.s.n_z = 0;
-    key.s.z = NULL;
-    key.c = c;
-    key.chunk = room.chunk;
-    return gpu_loop(g, loop_key{&key, sizeof key}, &c->again, [&] {
-        take_turn(g, s, c, room, 0, room.jacobi ? (int)TURN : (int)TURN_LOOP);
-    });
+    int status = gpu_pcg_set_up(g, s);
+    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
+    return status;
+}
+
+/* What the launches of a solve depend on. */
+struct solve_key {
+    struct pcg s;
+    struct course *c;
+    real *chunk;
+    int32_t loop; /* 0: what leads to a loop and its first turn */
+};
+
+static void write_key(struct solve_key *key, const struct pcg *s,
+                      struct course *c, const struct room *room)
+{
+    memset((void *)key, 0, sizeof *key); /* what lies between, too */
+    memcpy((void *)&key->s, (const void *)s, sizeof key->s);
+    key->s.scale = key->s.square = 0; /* not read there, as these */
+    key->s.recurrence = key->s.residual = 0;
+    key->s.iterations = key->s.outcome = key->s.fell_back = 0;
+    key->s.z = s->n_z ? s->z : NULL;
+    key->c = c;
+    key->chunk = room->chunk;
 }
 
 static struct course look(struct gpu *g)
@@ -249,19 +278,54 @@ static struct course look(struct gpu *g)
     return seen;
 }
 
+/* All up to the end of the first turn, queued as one where that can be. */
+static int first_turn(struct gpu *g, struct pcg *s, struct course *c,
+                      struct room room, int iterations)
+{
+    struct solve_key key;
+    auto launch = [&] {
+        int status = prepare(g, s, c, room);
+        take_turn(g, s, c, room, 0, iterations);
+        return status;
+    };
+    write_key(&key, s, c, &room);
+    LAUNCH(g, 1, pcg_open_kernel, c, s->scale, s->square);
+    return gpu_loop(g, loop_key{&key, sizeof key}, NULL, launch) ? (int)DRAPE_OK
+                                                                 : launch();
+}
+
+/* Turns in a loop on the device, until they end or the host is to look. */
+static bool loop(struct gpu *g, struct pcg *s, struct course *c,
+                 struct room room)
+{
+    struct solve_key key;
+    auto launch = [&] {
+        take_turn(g, s, c, room, 0, room.jacobi ? (int)TURN : (int)TURN_LOOP);
+        return (int)DRAPE_OK;
+    };
+    write_key(&key, s, c, &room);
+    key.loop = 1;
+    return gpu_loop(g, loop_key{&key, sizeof key}, &c->again, launch);
+}
+
 /* Iterates until one, or the residual behind it, ends it; the host looks after
- * each turn where the device has no loops, or multigrid gave up. */
-static struct course solve(struct gpu *g, struct pcg *s, struct room room)
+ * the first turn, and after each where the device has no loops, or multigrid
+ * gave up. */
+static struct course solve(struct gpu *g, struct pcg *s, struct room room,
+                           int *status)
 {
     struct course *c = (struct course *)gpu_words(g), seen = {};
-    int queued = 0;
-    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
-    if (loop(g, s, c, room))
+    bool small = s->count <= SMALL_GRID;
+    int queued = room.jacobi ? TURN : small ? TURN_GRID : TURN_LOOP;
+    *status = first_turn(g, s, c, room, queued);
+    if (*status == DRAPE_OK)
         seen = look(g);
-    for (int turn = TURN; seen.phase != PHASE_DONE; turn = TURN_MOST) {
+    if (*status == DRAPE_OK && seen.again && loop(g, s, c, room))
+        seen = look(g);
+    while (*status == DRAPE_OK && seen.phase != PHASE_DONE) {
         room.jacobi = s->precond == DRAPE_JACOBI || seen.fell_back;
-        int grids = s->count <= SMALL_GRID ? TURN_GRID : 1;
-        int iterations = room.jacobi ? turn : grids;
+        int grids = small ? TURN_GRID : 1;
+        int iterations = room.jacobi ? TURN_MOST : grids;
         take_turn(g, s, c, room, queued, iterations);
         queued += iterations;
         seen = look(g);
@@ -278,9 +342,10 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
         s->precond < DRAPE_JACOBI || s->precond > DRAPE_MULTIGRID ||
         s->form < DRAPE_CDF || s->form > DRAPE_COMPACT)
         return DRAPE_EARG;
+    share(s);
     if (s->solver == DRAPE_CUBLAS)
         return gpu_cublas(g, s);
-    int status = gpu_pcg_set_up(g, s);
+    int status = DRAPE_OK;
     struct course c = {};
     c.from = s->scale; /* where there is nothing to solve */
     c.most = s->square;
@@ -288,14 +353,16 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
     bool lent = s->n_cdf || lies_before(s);
     int64_t all = sums + (lent ? 1 : 4) * s->count;
     real *scratch = (real *)gpu_scratch(g, SLOT_STAGE, all, sizeof *scratch);
-    if (status == DRAPE_OK && s->count > 0 && scratch) {
+    if (s->count > 0 && scratch) {
         bool jacobi = s->precond == DRAPE_JACOBI;
         struct opening opening = {};
         if (!jacobi)
             opening = gpu_multigrid_opening(&s->grid);
         real *item = scratch + sums;
         vec *other = lent ? s->q + s->count : (vec *)(item + s->count);
-        c = solve(g, s, room{scratch, item, other, jacobi, opening});
+        c = solve(g, s, room{scratch, item, other, jacobi, opening}, &status);
+    } else {
+        status = gpu_pcg_set_up(g, s);
     }
     s->iterations = c.iterations;
     s->outcome = c.outcome;

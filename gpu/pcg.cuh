@@ -11,7 +11,7 @@
  * after the last one, nothing. */
 enum phase { PHASE_OPEN, PHASE_ITERATE, PHASE_ENDED, PHASE_DONE };
 
-/* Lies in gpu_words, zeroed. Every kernel of the solver reads it first and
+/* Lies in gpu_words. Every kernel of the solver reads it first and
  * does nothing out of its phase: so any number of iterations may be queued. */
 struct course {
     unsigned ticket; /* of grid_sums */
@@ -64,8 +64,7 @@ static __device__ inline void begin(const struct pcg *s, struct course *c,
                                     real square)
 {
     c->square = square;
-    c->from = s->scale;
-    c->most = s->energy ? most(square, s->square) : square;
+    c->most = s->energy ? most(square, c->most) : square;
     c->before = 2;
     c->outcome = PCG_CONVERGED;
     c->phase = PHASE_DONE;
