@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Preconditioned conjugate gradients. spec/15_pcg.md */
-#include "gpu/pcg.cuh"
+#include "gpu/pcg_kernels.cuh"
 
 #include "gpu/direction.cuh"
 #include "gpu/jacobi.cuh"
 #include "gpu/level.cuh"
 #include "gpu/loop.cuh"
-#include "gpu/residual.cuh"
-#include "gpu/sum.cuh"
 
 /* Iterations of a turn; of multigrid more than one where a look takes longer
  * than what would be queued for nothing, and an even number in a loop. */
@@ -20,138 +18,6 @@ enum {
 };
 
 static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
-
-/* Scratch of its own, and how M⁻¹r begins once r is known. */
-struct room {
-    real *chunk; /* [2·n_chunks] */
-    real *item;  /* [count] */
-    vec *other;  /* [count] every second p, where the matrix is compact */
-    bool jacobi; /* M is Jacobi's, by now or from the start */
-    struct opening opening; /* else */
-};
-
-/* ---- kernels: block k owns chunk k of the particles, a thread a particle;
- * the block that ends last moves the course on ---- */
-
-#define PARTICLE(k) int64_t k = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x
-
-/* One thread: the course at its beginning. scale and square are the only words
- * that change from one solve of a cloth to the next; no other kernel has them,
- * so that all others may be queued once. */
-static __global__ void pcg_open_kernel(struct course *c, real scale,
-                                       real square)
-{
-    struct course fresh = {};
-    fresh.from = scale;
-    fresh.most = square;
-    *c = fresh;
-}
-
-/* Writes dv[k] and low[k]. §1 */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    pcg_start_kernel(struct pcg s)
-{
-    ITEM(k, s.count);
-    s.dv[k] = s.fixed[k] && s.n_z ? s.z[k] : make(0, 0, 0);
-    s.low[k] = make(0, 0, 0);
-}
-
-/* s[k] = M⁻¹r by Jacobi, and r·s; or the first half-step of multigrid. */
-static __device__ real begin_from(const struct pcg *s, const struct room *room,
-                                  int k, vec r)
-{
-    if (!room->jacobi) {
-        open_at(&room->opening, k, r);
-        return 0;
-    }
-    vec z = solved(s->factor[k], r);
-    s->s[k] = z;
-    return dot(r, z);
-}
-
-/* Writes r[k]; reads dv and low of the neighbours. §2 */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_residual_kernel(struct pcg s, struct course *c, struct room room)
-{
-    PARTICLE(k);
-    int phase = c->phase;
-    if (phase != PHASE_OPEN && phase != PHASE_ENDED)
-        return;
-    struct residual a = {s.m,     s.n,     s.count, s.mass, s.n_extra, s.extra,
-                         s.block, s.fixed, s.b,     s.dv,   s.low,     s.r};
-    vec r = make(0, 0, 0);
-    if (k < s.count) {
-        if (!s.fixed[k])
-            r = left_over(&a, place_of(grid{s.m, s.n}, k));
-        s.r[k] = r;
-        begin_from(&s, &room, (int)k, r);
-    }
-    real value = dot(r, r), sum;
-    if (!grid_sums<1>(&value, room.chunk, &c->ticket, &sum) || threadIdx.x)
-        return;
-    if (phase == PHASE_OPEN)
-        begin(&s, c, sum);
-    else
-        judge(&s, c, sum);
-    c->again = c->phase != PHASE_DONE && (room.jacobi || !c->fell_back);
-}
-
-/* r·M⁻¹r by Jacobi after a restart, or where multigrid gave up; later it is
- * pcg_update_kernel's. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_jacobi_kernel(struct pcg s, struct course *c, struct room room)
-{
-    PARTICLE(k);
-    if (!c->go || !c->fresh)
-        return;
-    real value = 0, sum;
-    if (k < s.count)
-        value = begin_from(&s, &room, (int)k, s.r[k]);
-    if (grid_sums<1>(&value, room.chunk, &c->ticket, &sum) && threadIdx.x == 0)
-        enter(&s, c, sum);
-}
-
-/* The sum of item[k] of all particles: r·M⁻¹r by multigrid, or p·A p. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_sum_kernel(struct pcg s, struct course *c, struct room room,
-                   bool curvature)
-{
-    real sum;
-    if (!c->go || !item_sum(s.count, room.item, room.chunk, &c->ticket, &sum) ||
-        threadIdx.x)
-        return;
-    if (curvature)
-        measure(c, sum);
-    else
-        enter(&s, c, sum);
-}
-
-/* Writes dv[k], low[k], r[k] and what starts from r[k]; p of the step. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_update_kernel(struct pcg s, struct course *c, struct room room,
-                      const vec *p)
-{
-    PARTICLE(k);
-    if (!c->go)
-        return;
-    real value[2] = {0, 0}, sum[2];
-    if (k < s.count) {
-        real alpha = c->alpha;
-        if (!s.fixed[k])
-            advance(&s, k, scale(alpha, p[k]));
-        vec r = axpy(s.r[k], -alpha, s.q[k]);
-        s.r[k] = r;
-        value[0] = dot(r, r);
-        value[1] = begin_from(&s, &room, (int)k, r);
-    }
-    if (!grid_sums<2>(value, room.chunk, &c->ticket, sum) || threadIdx.x)
-        return;
-    leave(&s, c, sum[0]);
-    if (room.jacobi && c->go)
-        enter(&s, c, sum[1]);
-}
-
-/* ---- the stage ---- */
 
 /* What multigrid shares. */
 static void share(struct pcg *s)
