@@ -17,9 +17,11 @@ static __device__ real effective_mass(const struct contacts *s,
     real sum = 0, largest = 0;
     for (int k = 0; k < 4; k++) {
         int32_t i = c->v[k];
-        real w = (real)(s->start[i + 1] - s->start[i]) * s->w[i];
+        if (c->c[k] == 0 || !(s->w[i] > 0))
+            continue;
+        real w = (real)s->parts[i] * s->w[i];
         sum += c->c[k] * c->c[k] * w;
-        largest = most(c->c[k] != 0 ? w : 0, largest);
+        largest = most(w, largest);
     }
     sum = most(sum, R(0x1p-12) * largest);
     return sum > 0 ? 1 / sum : 0;
@@ -30,45 +32,83 @@ static __device__ vec total(const struct contact *c)
     return axpy(c->tangent, c->impulse, c->n);
 }
 
-/* Thread k owns contact k: writes its mass and what it pushed before. */
+/* Thread k owns contact k: writes what it pushed before. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     contacts_begin_kernel(struct contacts s, const int64_t *words)
 {
     CONTACT(k);
     struct contact *c = &s.contact[k];
-    s.mass[k] = effective_mass(&s, c);
-    if (s.warm) {
-        s.before[k] = total(c);
-        return;
+    if (!s.warm) {
+        c->impulse = 0;
+        c->tangent = make(0, 0, 0);
     }
-    c->impulse = 0;
-    c->tangent = s.before[k] = make(0, 0, 0);
+    s.before[k] = total(c);
 }
 
-/* §3. Thread k owns contact k: reads u of its vertices, writes push[k] and
+/* §2. Thread k owns vertex[k]: counts its contacts that act now. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    contacts_split_kernel(struct contacts s, const int64_t *words)
+{
+    ITEM(k, s.n4);
+    if (words[INCIDENCE_BAD] || k >= words[INCIDENCE_VERTICES])
+        return;
+    int32_t i = s.vertex[k], end = s.start[i + 1], parts = 0;
+    for (int32_t j = s.start[i]; j < end; j++)
+        parts += s.lack[s.item[j] / 4] != 0;
+    s.parts[i] = parts;
+}
+
+/* §3. Thread k owns contact k: reads u of its vertices, writes lack[k]. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    contacts_lack_kernel(struct contacts s, const int64_t *words)
+{
+    CONTACT(k);
+    const struct contact *c = &s.contact[k];
+    real lack = c->target - dot(c->n, weigh(c, s.u));
+    s.lack[k] = lack > 0 || c->impulse > 0 ? lack : R(0.0);
+}
+
+/* §3. Thread k owns contact k: reads parts of its vertices, writes push[k] and
  * its impulse. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     contacts_normal_kernel(struct contacts s, const int64_t *words)
 {
     CONTACT(k);
     struct contact *c = &s.contact[k];
-    real vn = dot(c->n, weigh(c, s.u));
-    real now = c->impulse;
-    real next = most(now + s.mass[k] * (c->target - vn), R(0.0));
-    s.push[k] = scale(next - now, c->n);
-    c->impulse = next;
+    real lack = s.lack[k], now = c->impulse;
+    vec push = make(0, 0, 0);
+    if (lack != 0) {
+        real next = most(now + effective_mass(&s, c) * lack, R(0.0));
+        push = scale(next - now, c->n);
+        c->impulse = next;
+    }
+    s.push[k] = push;
 }
 
-/* §4. Thread k owns contact k: reads u of its vertices, writes push[k] and
- * its tangent, within the cone. */
+/* §4. Thread k owns contact k: writes lack[k], not 0 if it can have friction.
+ */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    contacts_friction_kernel(struct contacts s, const int64_t *words)
+{
+    CONTACT(k);
+    const struct contact *c = &s.contact[k];
+    s.lack[k] = c->impulse > 0 || dot(c->tangent, c->tangent) > 0;
+}
+
+/* §4. Thread k owns contact k: reads u and parts of its vertices, writes
+ * push[k] and its tangent, within the cone. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     contacts_tangent_kernel(struct contacts s, const int64_t *words)
 {
     CONTACT(k);
     struct contact *c = &s.contact[k];
+    if (s.lack[k] == 0) {
+        s.push[k] = make(0, 0, 0);
+        return;
+    }
     vec u = weigh(c, s.u);
     u = axpy(u, -dot(c->n, u), c->n);
-    vec next = axpy(c->tangent, -s.mass[k], u);
+    vec next = axpy(c->tangent, -effective_mass(&s, c), u);
     real limit = c->friction * c->impulse, l = length(next);
     if (l > limit)
         next = scale(limit / l, next);
@@ -122,9 +162,13 @@ int gpu_contacts(struct gpu *g, struct contacts *s)
     gpu_incidence(g, &by, words); /* §1 */
     LAUNCH(g, s->n, contacts_begin_kernel, *s, words);
     for (int t = 0; t < s->iterations; t++) {
+        LAUNCH(g, s->n, contacts_lack_kernel, *s, words);
+        LAUNCH(g, touched, contacts_split_kernel, *s, words);
         LAUNCH(g, s->n, contacts_normal_kernel, *s, words);
         LAUNCH(g, touched, contacts_apply_kernel, *s, s->u, words);
     }
+    LAUNCH(g, s->n, contacts_friction_kernel, *s, words);
+    LAUNCH(g, touched, contacts_split_kernel, *s, words);
     for (int t = 0; t < s->iterations; t++) {
         LAUNCH(g, s->n, contacts_tangent_kernel, *s, words);
         LAUNCH(g, touched, contacts_apply_kernel, *s, s->u, words);

@@ -3,7 +3,7 @@
  * stay on the device. spec/37_response.md */
 #include "gpu/response.cuh"
 
-#include "gpu/real.cuh"
+#include "gpu/contact.cuh"
 
 /* ---- Pools ---- */
 
@@ -80,10 +80,11 @@ static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
                           int warm)
 {
     struct room room[] = {{&s->item, 4 * n, sizeof(int32_t)},
-                          {&s->mass, n, sizeof(real)},
+                          {&s->parts, s->nv, sizeof(int32_t)},
+                          {&s->lack, n, sizeof(real)},
                           {&s->push, 2 * n, sizeof(vec)},
                           {&s->vertex, 4 * n, sizeof(int32_t)}};
-    int status = gpu_response_grow(g, 4, room);
+    int status = gpu_response_grow(g, 5, room);
     if (status != DRAPE_OK)
         return status;
     struct contacts c = {};
@@ -99,7 +100,8 @@ static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
     c.n4 = 4 * n;
     c.start = s->start;
     c.item = (int32_t *)s->item.data;
-    c.mass = (real *)s->mass.data;
+    c.parts = (int32_t *)s->parts.data;
+    c.lack = (real *)s->lack.data;
     c.push = (vec *)s->push.data;
     c.before = c.push + n;
     c.vertex = (int32_t *)s->vertex.data;
@@ -199,19 +201,16 @@ static int find_impulses(struct gpu *g, struct response *s)
 static int push(struct gpu *g, struct response *s, int round)
 {
     int64_t held = s->active;
-    if (round == 0 && s->solve) {
-        int status = find_impulses(g, s);
-        if (status != DRAPE_OK)
-            return status;
-        struct contact *contact = (struct contact *)s->contact[s->side].data;
-        if (s->active > held)
-            return s->solve(s->user, s->active, contact);
-    }
-    if (!s->impelled)
-        s->active = 0; /* what a solve held is its own */
-    s->impelled = true;
     int status = find_impulses(g, s);
-    return status == DRAPE_OK ? solve_contacts(g, s, s->active, 1) : status;
+    if (status != DRAPE_OK)
+        return status;
+    struct contact *contact = (struct contact *)s->contact[s->side].data;
+    if (round == 0 && s->solve && s->active > held)
+        return s->solve(s->user, s->active, contact);
+    /* only impulses that contacts gave can it withdraw */
+    bool warm = s->impelled;
+    s->impelled = true;
+    return solve_contacts(g, s, s->active, warm);
 }
 
 /* Thread k owns corner k of the hits: marks its vertex where it is free. */
@@ -236,6 +235,8 @@ static int resolve(struct gpu *g, struct response *s, int round)
 
 int gpu_response_penetrate(struct gpu *g, struct response *s)
 {
+    if (!s->solve)
+        s->active = 0; /* what repulsion left there is done */
     int status = gpu_response_detect(g, s, NULL);
     s->rounds = 1;
     for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {

@@ -17,7 +17,8 @@ struct contacts {
     int64_t nv1, n4;  /* nv + 1, 4 n */
     int32_t *start;   /* scratch: [nv1] */
     int32_t *item;    /* scratch: [n4] */
-    real *mass;       /* scratch: [n] */
+    int32_t *parts;   /* scratch: [nv] */
+    real *lack;       /* scratch: [n] m/s */
     vec *push;        /* scratch: [n] */
     vec *before;      /* scratch: [n] */
     int32_t *vertex;  /* out: [n4] free vertices in contact, ascending */

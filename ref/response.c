@@ -60,10 +60,11 @@ void response_advance(struct response *s, int64_t n, const int32_t *vertex)
 static int solve_contacts(struct response *s, int64_t n, int warm)
 {
     struct room room[] = {{&s->item, 4 * n, sizeof(int32_t)},
-                          {&s->mass, n, sizeof(real)},
+                          {&s->parts, s->nv, sizeof(int32_t)},
+                          {&s->lack, n, sizeof(real)},
                           {&s->push, 2 * n, sizeof(vec)},
                           {&s->vertex, 4 * n, sizeof(int32_t)}};
-    int status = response_grow(s, 4, room);
+    int status = response_grow(s, 5, room);
     if (status != DRAPE_OK)
         return status;
     vec *push = s->push.data;
@@ -79,7 +80,8 @@ static int solve_contacts(struct response *s, int64_t n, int warm)
                          .n4 = 4 * n,
                          .start = s->start,
                          .item = s->item.data,
-                         .mass = s->mass.data,
+                         .parts = s->parts.data,
+                         .lack = s->lack.data,
                          .push = push,
                          .before = push + n,
                          .vertex = s->vertex.data};
@@ -257,18 +259,16 @@ static int find_impulses(struct response *s)
 static int push(struct response *s, int round)
 {
     int64_t held = s->active;
-    if (round == 0 && s->solve) {
-        int status = find_impulses(s);
-        if (status != DRAPE_OK)
-            return status;
-        if (s->active > held)
-            return s->solve(s->user, s->active, s->contact[s->side].data);
-    }
-    if (!s->impelled)
-        s->active = 0; /* what a solve held is its own */
-    s->impelled = true;
     int status = find_impulses(s);
-    return status == DRAPE_OK ? solve_contacts(s, s->active, 1) : status;
+    if (status != DRAPE_OK)
+        return status;
+    struct contact *contact = s->contact[s->side].data;
+    if (round == 0 && s->solve && s->active > held)
+        return s->solve(s->user, s->active, contact);
+    /* only impulses that contacts gave can it withdraw */
+    bool warm = s->impelled;
+    s->impelled = true;
+    return solve_contacts(s, s->active, warm);
 }
 
 static int resolve(struct response *s, int round)
@@ -285,6 +285,8 @@ static int resolve(struct response *s, int round)
 
 int ref_response_penetrate(struct response *s)
 {
+    if (!s->solve)
+        s->active = 0; /* what repulsion left there is done */
     int status = detect(s, NULL);
     s->rounds = 1;
     for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {

@@ -13,7 +13,8 @@ const struct field fields_contacts[] = {
     INOUT(contacts, v, nv, 1),
     SCRATCH(contacts, start, nv1, 1),
     SCRATCH(contacts, item, n4, 1),
-    SCRATCH(contacts, mass, n, 1),
+    SCRATCH(contacts, parts, nv, 1),
+    SCRATCH(contacts, lack, n, 1),
     SCRATCH(contacts, push, n, 1),
     SCRATCH(contacts, before, n, 1),
     OUT_USED(contacts, vertex, n4, 1, vertices),
@@ -156,7 +157,8 @@ static void take_free(struct bytes *b, struct contacts *s, vec **x)
     s->w = w;
     s->start = take(b, s->nv1, sizeof *s->start);
     s->item = take(b, s->n4, sizeof *s->item);
-    s->mass = take(b, s->n, sizeof *s->mass);
+    s->parts = take(b, s->nv, sizeof *s->parts);
+    s->lack = take(b, s->n, sizeof *s->lack);
     s->push = take(b, s->n, sizeof *s->push);
     s->before = take(b, s->n, sizeof *s->before);
     s->vertex = take(b, s->n4, sizeof *s->vertex);
@@ -234,5 +236,34 @@ const char *test_contacts_conserve(void)
             return failed;
         ran(1);
     }
+    return NULL;
+}
+
+/* §2: a free vertex above a led face, whose contact it violates, and beside 40
+ * others which it does not: they do not take a part of its mass. */
+const char *test_contacts_rest(void)
+{
+    enum { N = 41, NV = 4 };
+    static const real w[NV] = {1, 0, 0, 0};
+    vec u[NV] = {{0, -1, 0}}, v[NV] = {{0, -1, 0}}, push[N], before[N];
+    int32_t start[NV + 1], item[4 * N], vertex[4 * N], parts[NV];
+    real lack[N];
+    struct contact contact[N];
+    for (int k = 0; k < N; k++) {
+        struct contact one = {.v = {0, 1, 2, 3},
+                              .kind = CONTACT_VF,
+                              .c = {1, R(-0.5), R(-0.25), R(-0.25)},
+                              .n = {0, 1, 0},
+                              .target = k == N / 2 ? R(-0.5) : -2};
+        contact[k] = one;
+    }
+    struct contacts s = {NV,    N,    w,      1,      0,      contact,
+                         u,     v,    NV + 1, 4 * N,  start,  item,
+                         parts, lack, push,   before, vertex, 0};
+    EXPECT(ref_contacts(&s) == DRAPE_OK);
+    for (int k = 0; k < N; k++)
+        EXPECT(contact[k].impulse == (k == N / 2 ? R(0.5) : 0));
+    EXPECT(u[0].y == R(-0.5) && v[0].y == R(-0.5));
+    ran(1);
     return NULL;
 }

@@ -63,7 +63,8 @@ static int64_t find_contacts(const struct incline *s, real dt,
 static int push(struct incline *s, struct contact *contact, int64_t n, int warm)
 {
     int32_t start[BLOCK + 5], item[8 * BLOCK], vertex[8 * BLOCK];
-    real mass[2 * BLOCK];
+    int32_t parts[BLOCK + 4];
+    real lack[2 * BLOCK];
     vec pushes[2 * BLOCK], before[2 * BLOCK];
     struct contacts c = {.nv = BLOCK + 4,
                          .n = n,
@@ -76,7 +77,8 @@ static int push(struct incline *s, struct contact *contact, int64_t n, int warm)
                          .n4 = 4 * n,
                          .start = start,
                          .item = item,
-                         .mass = mass,
+                         .parts = parts,
+                         .lack = lack,
                          .push = pushes,
                          .before = before,
                          .warm = warm,

@@ -213,6 +213,7 @@
 #define test_cloth_material REAL_NAME(test_cloth_material)
 #define test_coincident REAL_NAME(test_coincident)
 #define test_contacts_conserve REAL_NAME(test_contacts_conserve)
+#define test_contacts_rest REAL_NAME(test_contacts_rest)
 #define test_cublas REAL_NAME(test_cublas)
 #define test_diverged REAL_NAME(test_diverged)
 #define test_embed_borrow REAL_NAME(test_embed_borrow)

@@ -75,15 +75,16 @@ static int solve(struct response *r, int64_t n, struct contact *contact)
                          .nv1 = r->nv + 1,
                          .n4 = 4 * n,
                          .start = r->start};
-    size_t bytes = 4 * sizeof *c.item + 4 * sizeof *c.vertex + sizeof *c.mass +
+    size_t bytes = 4 * sizeof *c.item + 4 * sizeof *c.vertex + sizeof *c.lack +
                    2 * sizeof *c.push;
-    c.push = calloc((size_t)n + 1, bytes);
+    c.push = calloc((size_t)(n + r->nv) + 1, bytes);
     if (!c.push)
         return DRAPE_ENOMEM;
     c.before = c.push + n;
-    c.mass = (real *)(c.before + n);
-    c.item = (int32_t *)(c.mass + n);
+    c.lack = (real *)(c.before + n);
+    c.item = (int32_t *)(c.lack + n);
     c.vertex = c.item + 4 * n;
+    c.parts = c.vertex + 4 * n;
     int status = ref_contacts(&c);
     if (status == DRAPE_OK)
         response_advance(r, c.vertices, c.vertex);

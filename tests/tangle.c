@@ -87,10 +87,10 @@ void tangle_free(struct tangle *t)
 {
     struct response *r = &t->r;
     struct pool *pool[] = {
-        &r->at,      &r->toi,        &r->tier,       &r->hit,    &r->hit_kind,
-        &r->hit_toi, &r->contact[0], &r->contact[1], &r->item,   &r->mass,
-        &r->push,    &r->vertex,     &r->key[0],     &r->key[1], &r->sum,
-        &r->zone,    &r->tangle[0],  &r->tangle[1]};
+        &r->at,      &r->toi,        &r->tier,       &r->hit,      &r->hit_kind,
+        &r->hit_toi, &r->contact[0], &r->contact[1], &r->item,     &r->parts,
+        &r->lack,    &r->push,       &r->vertex,     &r->key[0],   &r->key[1],
+        &r->sum,     &r->zone,       &r->tangle[0],  &r->tangle[1]};
     for (size_t k = 0; k < sizeof pool / sizeof *pool; k++)
         free(pool[k]->data);
     void *memory[] = {t->tri,     t->edge,   t->w,    t->x0,   t->x1,
