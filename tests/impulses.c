@@ -101,7 +101,8 @@ static int64_t find(const struct impulses *s, const int32_t v[4], int64_t kind)
     return at;
 }
 
-/* §2: the normal opposes the approach that the weights see. */
+/* §2: the normal opposes the approach that the weights see. §3: a margin of
+ * the thickness at the end, whatever an older contact of the pair asked for. */
 static const char *check_new(const struct impulses *s, const struct contact *c)
 {
     vec way = vec_make(0, 0, 0);
@@ -116,6 +117,8 @@ static const char *check_new(const struct impulses *s, const struct contact *c)
     EXPECT(sum == 0);
     EXPECT(real_abs(vec_length(c->n) - 1) < R(0x1p-20));
     EXPECT(vec_dot(c->n, way) <= R(0x1p-19) * size);
+    real keep = s->margin * skin_pair(&s->skin, c->v).thickness;
+    EXPECT(c->target == (keep - c->gap) / s->dt && c->slide == 0);
     return NULL;
 }
 
