@@ -198,6 +198,18 @@ struct device_run {
     struct gpu_way way;
 };
 
+/* Whether s still points to what the generator took, which is the host's: such
+ * a pointer has no row in the stage's fields, and only a device would tell. */
+static bool unlisted(const struct streams *r, const struct bytes *b)
+{
+    for (size_t at = 0; at + sizeof(void *) <= r->stage->size;
+         at += sizeof(void *))
+        for (size_t k = 0; k < b->n_taken; k++)
+            if (!memcmp(r->s + at, &b->taken[k], sizeof(void *)))
+                return true;
+    return false;
+}
+
 static struct case_result compare(const struct stage *stage, struct bytes *b,
                                   struct gpu *g, const struct device_run *run,
                                   int runs)
@@ -208,6 +220,8 @@ static struct case_result compare(const struct stage *stage, struct bytes *b,
     struct streams ref = {.stage = stage};
     uint8_t *image = fill(&ref, s, 0x55);
     place(&ref, image);
+    if (unlisted(&ref, b))
+        c.failed = "a pointer of its struct has no row in its fields";
     c.status = stage->ref(ref.s);
     for (int k = 0; k < runs && !c.failed; k++) {
         gpu_set_block(g, run[k].block);
