@@ -198,6 +198,17 @@ static int find_impulses(struct gpu *g, struct response *s)
     return DRAPE_OK;
 }
 
+/* Thread k owns contact k: what others ask for beside what touches: no more
+ * than that does. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    response_settle_kernel(struct response s, struct contact *contact)
+{
+    ITEM(k, s.active);
+    struct contact *c = &contact[k];
+    real keep = s.margin * surface_of(&s.skin, c->v).thickness;
+    c->target = least(c->target, (keep - c->gap) / s.dt);
+}
+
 static int push(struct gpu *g, struct response *s, int round)
 {
     int64_t held = s->active;
@@ -209,6 +220,8 @@ static int push(struct gpu *g, struct response *s, int round)
         return s->solve(s->user, s->active, contact);
     /* only impulses that contacts gave can it withdraw */
     bool warm = s->impelled;
+    if (!warm)
+        LAUNCH(g, s->active, response_settle_kernel, *s, contact);
     s->impelled = true;
     return solve_contacts(g, s, s->active, warm);
 }

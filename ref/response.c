@@ -256,6 +256,17 @@ static int find_impulses(struct response *s)
     return DRAPE_OK;
 }
 
+/* What others ask for beside what touches: no more than that does. */
+static void settle(const struct response *s, struct contact *contact)
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < s->active; k++) {
+        struct contact *c = &contact[k];
+        real keep = s->margin * skin_pair(&s->skin, c->v).thickness;
+        c->target = real_min(c->target, (keep - c->gap) / s->dt);
+    }
+}
+
 static int push(struct response *s, int round)
 {
     int64_t held = s->active;
@@ -267,6 +278,8 @@ static int push(struct response *s, int round)
         return s->solve(s->user, s->active, contact);
     /* only impulses that contacts gave can it withdraw */
     bool warm = s->impelled;
+    if (!warm)
+        settle(s, contact);
     s->impelled = true;
     return solve_contacts(s, s->active, warm);
 }
