@@ -36,9 +36,18 @@ int gpu_couple_make(struct gpu_world *w)
     p->force = (vec *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(vec));
     p->hold = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
     p->guess = (vec *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(vec));
+    w->couple.press = p->guess; /* which nobody reads between two penalties */
     p->brake = (real *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(real));
     p->g = w->couple.g = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
     return gpu_status(g);
+}
+
+/* Thread i owns particle i: g begins with what presses already. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    couple_begin_kernel(vec *g, const vec *press, real part, int64_t n)
+{
+    ITEM(i, n);
+    g[i] = scale(part, press[i]);
 }
 
 void gpu_couple_start(struct gpu_world *w)
@@ -52,7 +61,11 @@ void gpu_couple_start(struct gpu_world *w)
     w->couple.iterations = w->couple.solves = w->couple.outcome = 0;
     w->couple.residual = 0;
     w->couple.seconds = 0;
-    gpu_clear(w->gpu, w->couple.g, (size_t)h->nc * sizeof *w->couple.g);
+    if (w->couple.rough)
+        LAUNCH(w->gpu, h->nc, couple_begin_kernel, w->couple.g, w->press,
+               p->dt * state_press_part(h), h->nc);
+    else
+        gpu_clear(w->gpu, w->couple.g, (size_t)h->nc * sizeof *w->couple.g);
 }
 
 static int make_room(struct gpu_world *w, int64_t n)
@@ -161,7 +174,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     couple_carry_kernel(struct part s)
 {
     ITEM(i, s.count);
-    s.g[i] = scale(-1, s.r[i]);
+    s.g[i] = sub(s.g[i], s.r[i]);
 }
 
 static void carry(struct gpu_world *w)
@@ -170,6 +183,28 @@ static void carry(struct gpu_world *w)
         struct part part = part_of(w, &w->sheet[k]);
         LAUNCH(w->gpu, part.count, couple_carry_kernel, part);
     }
+}
+
+/* What these contacts press with in the next slice. 39_warm.md */
+static int keep_warm(struct gpu_world *w)
+{
+    struct couple *c = &w->couple;
+    struct penalty *p = &c->penalty;
+    struct warm s = {};
+    s.nv = p->nv;
+    s.n = p->n;
+    s.w = p->w;
+    s.g = c->g;
+    s.v = w->v0;
+    s.contact = p->contact;
+    s.part = COUPLE_KEPT / p->dt;
+    s.nv1 = p->nv1;
+    s.n4 = p->n4;
+    s.start = p->start;
+    s.item = p->item;
+    s.all = p->brake;
+    s.press = c->press;
+    return gpu_warm(w->gpu, &s);
 }
 
 int gpu_couple_solve(void *user, int64_t n, struct contact *contact)
@@ -193,6 +228,11 @@ int gpu_couple_solve(void *user, int64_t n, struct contact *contact)
             status = solve_sheet(w, &w->sheet[i]);
         if (status == DRAPE_OK && gpu_late_seen(w->gpu)[INCIDENCE_BAD])
             status = DRAPE_EARG;
+    }
+    if (status == DRAPE_OK && n > 0 && w->host->plan.warm) {
+        status = keep_warm(w);
+        gpu_trace(w->gpu, w->host->tracing, "warm", w->couple.press,
+                  (size_t)w->host->nc * sizeof *w->couple.press);
     }
     w->couple.seconds += clock_now() - start;
     return status;

@@ -96,7 +96,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK) rhs_kernel(struct rhs s)
         if (inside && s.springs[p - step] >> o & 1)
             f = add(f, pull(block + (p - step), here, s.q[p - step]));
     }
-    s.b[p] = sub(scale(s.tau, s.force[p]), f);
+    vec force = s.force[p];
+    if (s.n_press)
+        force = axpy(force, s.part, s.press[p]);
+    s.b[p] = sub(scale(s.tau, force), f);
 }
 
 static __device__ bool same(vec a, vec b)

@@ -83,6 +83,7 @@
 #define gpu_travel REAL_NAME(gpu_travel)
 #define gpu_update REAL_NAME(gpu_update)
 #define gpu_walk REAL_NAME(gpu_walk)
+#define gpu_warm REAL_NAME(gpu_warm)
 #define gpu_wind REAL_NAME(gpu_wind)
 #define gpu_zones REAL_NAME(gpu_zones)
 

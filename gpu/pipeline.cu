@@ -28,6 +28,8 @@ static int move_sheet(struct gpu_world *w, int k, drape_step_report *r)
     d->residual = 0;
     d->outcome = 0;
     w->couple.rough = couple_prepare(h, &s->pcg);
+    d->press = w->couple.rough ? w->press + s->first : NULL;
+    d->part = state_press_part(h);
     int status = gpu_motion(w->gpu, s);
     if (status != DRAPE_OK)
         return status;
@@ -79,12 +81,16 @@ static void remember(struct gpu_world *w)
     h->past = 1 + h->slicing.level;
 }
 
+static bool clean(int outcome)
+{
+    return !(outcome & (DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED));
+}
+
 static bool rests(struct gpu_world *w, int outcome)
 {
     const struct world *h = w->host;
     real most = (real)REST_PART * h->reach;
-    bool clean = !(outcome & (DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED));
-    return h->def.sleep && clean && h->slicing.level == 0 &&
+    return h->def.sleep && clean(outcome) && h->slicing.level == 0 &&
            gpu_collide_furthest(w, h->nc) <= most * most;
 }
 
@@ -96,6 +102,12 @@ static void commit(struct gpu_world *w, int outcome)
     h->resting = rests(w, outcome) ? h->resting + 1 : 0;
     h->asleep = h->resting >= REST_STEPS;
     h->near = state_nearness(&w->response);
+    size_t bytes = (size_t)h->nc * sizeof *w->press;
+    h->pressed = h->slicing.level;
+    if (h->plan.warm && !clean(outcome))
+        gpu_clear(w->gpu, w->press, bytes);
+    else if (h->plan.warm && h->near == NEAR_CONTACTS)
+        gpu_copy(w->gpu, w->press, w->couple.press, bytes);
     for (int k = 0; k < h->def.n_cloths; k++) {
         h->watch[k][0] = w->sheet[k].dynamics.reference;
         h->watch[k][1] = w->sheet[k].dynamics.surplus;
@@ -192,6 +204,8 @@ static int pipeline(struct gpu_world *w, drape_step_report *r)
         gpu_slice_restore(w);
     if (status != DRAPE_OK)
         return status;
+    if (!failed && !asleep)
+        slice_end(h);
     h->step += !failed;
     h->time = (double)h->step * h->def.dt;
     if (failed || asleep) {

@@ -19,6 +19,8 @@ static int take_start(struct gpu_world *w)
         s->past_x = take(w, s->past_x, h->nc);
         s->past_v = take(w, s->past_v, h->nc);
     }
+    if (w->press)
+        s->press = take(w, s->press, h->nc);
     if (!s->watch)
         s->watch = (double(*)[2])arena_take(h->arena, ARENA_OTHER,
                                             h->def.n_cloths, sizeof *s->watch);
@@ -31,6 +33,7 @@ int gpu_slice_save(struct gpu_world *w)
     struct start *s = &w->start;
     size_t n = (size_t)h->nv * sizeof(vec);
     size_t past = w->past_x ? (size_t)h->nc * sizeof(vec) : 0;
+    size_t press = w->press ? (size_t)h->nc * sizeof(vec) : 0;
     size_t watch = (size_t)h->def.n_cloths * sizeof *s->watch;
     int status = take_start(w);
     if (status != DRAPE_OK)
@@ -39,7 +42,9 @@ int gpu_slice_save(struct gpu_world *w)
     gpu_copy(w->gpu, s->v, w->v0, n);
     gpu_copy(w->gpu, s->past_x, w->past_x, past);
     gpu_copy(w->gpu, s->past_v, w->past_v, past);
+    gpu_copy(w->gpu, s->press, w->press, press);
     memcpy(s->watch, h->watch, watch);
+    s->pressed = h->pressed;
     s->past = h->past;
     s->resting = h->resting;
     s->asleep = h->asleep;
@@ -54,11 +59,14 @@ void gpu_slice_restore(struct gpu_world *w)
     gpu_begin(w->gpu); /* what failed may have been short memory */
     size_t n = (size_t)h->nv * sizeof(vec);
     size_t past = w->past_x ? (size_t)h->nc * sizeof(vec) : 0;
+    size_t press = w->press ? (size_t)h->nc * sizeof(vec) : 0;
     gpu_copy(w->gpu, w->x0, s->x, n);
     gpu_copy(w->gpu, w->v0, s->v, n);
     gpu_copy(w->gpu, w->past_x, s->past_x, past);
     gpu_copy(w->gpu, w->past_v, s->past_v, past);
+    gpu_copy(w->gpu, w->press, s->press, press);
     memcpy(h->watch, s->watch, (size_t)h->def.n_cloths * sizeof *s->watch);
+    h->pressed = s->pressed;
     h->past = s->past;
     h->resting = s->resting;
     h->asleep = s->asleep;

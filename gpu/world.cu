@@ -37,6 +37,8 @@ static void give_state(struct gpu_world *w)
         GIVE(w->past_x, ARENA_STATE, h->past_x, h->nc);
         GIVE(w->past_v, ARENA_STATE, h->past_v, h->nc);
     }
+    if (h->plan.warm)
+        GIVE(w->press, ARENA_STATE, h->press, h->nc);
     if (h->plan.history && h->plan.collides) {
         GIVE(w->free_x, ARENA_STATE, NULL, h->nc);
         GIVE(w->free_v, ARENA_STATE, NULL, h->nc);
@@ -213,11 +215,13 @@ static int fetch(const struct world *h)
     struct gpu_world *w = h->device;
     size_t bytes = (size_t)h->nv * sizeof *w->x0;
     size_t past = w->past_x ? (size_t)h->nc * sizeof *w->past_x : 0;
+    size_t press = w->press ? (size_t)h->nc * sizeof *w->press : 0;
     gpu_begin(w->gpu);
     gpu_down(w->gpu, h->x0, w->x0, bytes);
     gpu_down(w->gpu, h->v0, w->v0, bytes);
     gpu_down(w->gpu, h->past_x, w->past_x, past);
     gpu_down(w->gpu, h->past_v, w->past_v, past);
+    gpu_down(w->gpu, h->press, w->press, press);
     return gpu_status(w->gpu);
 }
 
@@ -274,11 +278,13 @@ static int load(struct world *h, drape_read_bytes *read, void *user)
     gpu_begin(w->gpu);
     size_t bytes = (size_t)h->nv * sizeof *w->x0;
     size_t past = w->past_x ? (size_t)h->nc * sizeof *w->past_x : 0;
+    size_t press = w->press ? (size_t)h->nc * sizeof *w->press : 0;
     gpu_up(w->gpu, w->x0, h->x0, bytes);
     gpu_up(w->gpu, w->v0, h->v0, bytes);
     gpu_up(w->gpu, w->x1, h->x0, bytes); /* what never moves is not led */
     gpu_up(w->gpu, w->past_x, h->past_x, past);
     gpu_up(w->gpu, w->past_v, h->past_v, past);
+    gpu_up(w->gpu, w->press, h->press, press);
     gpu_wait(w->gpu);
     give_air(h);
     return gpu_status(w->gpu);

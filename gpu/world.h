@@ -35,6 +35,7 @@ struct gpu_world {
     vec *x0, *v0, *x1, *v1;   /* device [nv] */
     vec *free_x, *free_v;     /* device [nc] or NULL */
     vec *past_x, *past_v;     /* device [nc] or NULL */
+    vec *press;               /* likewise */
     vec *to;                  /* device [nc] */
     real *w;                  /* device [nv] */
     uint16_t *body;           /* device [nv] */

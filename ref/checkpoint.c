@@ -13,9 +13,11 @@ struct header {
     double time;
     uint16_t asleep, near;
     uint32_t past;
+    uint16_t level, again, calm; /* struct caution */
+    uint16_t pressed;
     drape_wind wind;
 };
-static const char magic[8] = "drape-3";
+static const char magic[8] = "drape-4";
 
 static uint64_t mix_if(uint64_t hash, const void *data, size_t bytes)
 {
@@ -87,15 +89,16 @@ uint64_t checkpoint_fingerprint(const drape_def *d)
 }
 
 /* The streams that are state: what the next step reads. */
-enum { STREAMS = 5 };
+enum { STREAMS = 6 };
 static void streams(const struct world *w, void *stream[STREAMS],
                     size_t bytes[STREAMS])
 {
     size_t n = (size_t)w->nv * sizeof(vec);
     size_t past = w->past_x ? (size_t)w->nc * sizeof(vec) : 0;
-    void *s[STREAMS] = {w->x0, w->v0, w->watch, w->past_x, w->past_v};
-    const size_t b[STREAMS] = {n, n, (size_t)w->def.n_cloths * sizeof *w->watch,
-                               past, past};
+    size_t press = w->press ? (size_t)w->nc * sizeof(vec) : 0;
+    size_t watch = (size_t)w->def.n_cloths * sizeof *w->watch;
+    void *s[STREAMS] = {w->x0, w->v0, w->watch, w->past_x, w->past_v, w->press};
+    const size_t b[STREAMS] = {n, n, watch, past, past, press};
     memcpy(stream, s, sizeof s);
     memcpy(bytes, b, sizeof b);
 }
@@ -124,6 +127,10 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     h.asleep = w->asleep;
     h.near = (uint16_t)w->near;
     h.past = (uint32_t)w->past;
+    h.level = (uint16_t)w->caution.level;
+    h.again = (uint16_t)w->caution.again;
+    h.calm = (uint16_t)w->caution.calm;
+    h.pressed = (uint16_t)w->pressed;
     h.wind = w->def.wind;
     uint64_t check = check_header(&h);
     for (int k = 0; k < STREAMS; k++)
@@ -179,5 +186,7 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
     w->asleep = h.asleep;
     w->near = (enum nearness)h.near;
     w->past = (int)h.past;
+    w->pressed = h.pressed;
+    w->caution = (struct caution){h.level, h.again, h.calm};
     return DRAPE_OK;
 }

@@ -4,6 +4,7 @@
 
 #include "ref/clock.h"
 #include "ref/state.h"
+#include "ref/warm.h"
 
 enum { TURNS = 2 }; /* of the first contacts of a slice; later ones: 1 */
 static const real ROUGH = R(0.1); /* tolerance of a motion before contact */
@@ -26,6 +27,7 @@ int couple_make(struct world *w)
     p->force = take(w, w->nv, sizeof *p->force);
     p->hold = take(w, w->nv, sizeof *p->hold);
     p->guess = take(w, w->nv, sizeof *p->guess);
+    c->press = p->guess; /* which nobody reads between two penalties */
     p->brake = take(w, w->nv, sizeof *p->brake);
     c->g = take(w, w->nc, sizeof *c->g);
     p->g = c->g;
@@ -56,7 +58,11 @@ void couple_start(struct world *w)
     c->iterations = c->solves = c->outcome = 0;
     c->residual = 0;
     c->seconds = 0;
-    memset(c->g, 0, (size_t)w->nc * sizeof *c->g);
+    real pressed = p->dt * state_press_part(w);
+    EACH_ITEM
+    for (int64_t i = 0; i < w->nc; i++)
+        c->g[i] =
+            c->rough ? vec_scale(pressed, w->press[i]) : vec_make(0, 0, 0);
 }
 
 static int make_room(struct world *w, int64_t n)
@@ -132,10 +138,32 @@ static void carry(struct world *w)
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct sheet *s = &w->sheet[k];
+        vec *g = w->couple.g + s->first;
         EACH_ITEM
         for (int64_t i = 0; i < s->cloth.count; i++)
-            w->couple.g[s->first + i] = vec_scale(-1, s->solver.pcg.r[i]);
+            g[i] = vec_sub(g[i], s->solver.pcg.r[i]);
     }
+}
+
+/* What these contacts press with in the next slice. 39_warm.md */
+static int keep_warm(struct world *w)
+{
+    struct couple *c = &w->couple;
+    struct penalty *p = &c->penalty;
+    struct warm s = {.nv = p->nv,
+                     .n = p->n,
+                     .w = p->w,
+                     .g = c->g,
+                     .v = w->v0,
+                     .contact = p->contact,
+                     .part = COUPLE_KEPT / p->dt,
+                     .nv1 = p->nv1,
+                     .n4 = p->n4,
+                     .start = p->start,
+                     .item = p->item,
+                     .all = p->brake,
+                     .press = c->press};
+    return ref_warm(&s);
 }
 
 int couple_solve(void *user, int64_t n, struct contact *contact)
@@ -157,6 +185,11 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
         w->couple.residual = 0;
         for (int i = 0; i < w->def.n_cloths && status == DRAPE_OK; i++)
             status = solve_sheet(w, &w->sheet[i]);
+    }
+    if (status == DRAPE_OK && n > 0 && w->plan.warm) {
+        status = keep_warm(w);
+        trace_stage(w->tracing, "warm", w->couple.press,
+                    (size_t)w->nc * sizeof *w->couple.press);
     }
     w->couple.seconds += clock_now() - start;
     return status;

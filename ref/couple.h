@@ -9,12 +9,17 @@
 struct pcg;
 struct world;
 
+/* 39_warm.md §3: of what contacts pressed with, what is kept. */
+#define COUPLE_KEPT R(0.5)
+
 struct couple {
     struct penalty penalty; /* nv, w, stiffness, dt, tau, slip, streams */
     vec *g;                 /* [nc] A times the change so far */
+    vec *press;             /* [nv] N, 39_warm.md; penalty's guess */
     vec *b, *dv;            /* [nc] */
     int64_t cap;            /* contacts that the scratch is for */
-    bool rough;             /* the motion without contact was solved so */
+    bool rough;             /* the motion before contact was solved so, with
+                               the press of the slice before */
     int iterations, solves; /* out: of pcg, this step */
     int outcome;            /* out: enum drape_outcome, this step */
     double residual;        /* out: of the last solves */

@@ -116,6 +116,9 @@ static int go_implicit(struct dynamics *s)
                       .n_blocks = SPRINGS * c->count,
                       .block = s->block,
                       .force = stream(s, 0),
+                      .n_press = s->press ? c->count : 0,
+                      .press = s->press,
+                      .part = s->part,
                       .q = q,
                       .tau = tau,
                       .b = s->b};

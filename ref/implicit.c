@@ -56,8 +56,11 @@ int ref_rhs(struct rhs *s)
     for (int64_t p = 0; p < s->count; p++) {
         int32_t j = cloth_row(p, s->m), i = (int32_t)(p - (int64_t)j * s->m);
         vec b = vec_make(0, 0, 0);
+        vec f = s->force[p];
+        if (s->n_press)
+            f = vec_axpy(f, s->part, s->press[p]);
         if (!s->fixed[p])
-            b = vec_sub(vec_scale(s->tau, s->force[p]), pulls(s, p, i, j));
+            b = vec_sub(vec_scale(s->tau, f), pulls(s, p, i, j));
         s->b[p] = b;
     }
     return DRAPE_OK;

@@ -22,7 +22,8 @@ struct predict {
     vec *q;               /* out: [n_past] m/s, star - back */
 };
 
-/* §2: b = tau·force - Σ over the springs of p of block·(q_p - q_other). */
+/* §2: b = tau·(force + part·press) - Σ over the springs of p of
+ * block·(q_p - q_other). */
 struct rhs {
     int64_t count;          /* particles */
     int32_t m, n;           /* along i and j */
@@ -31,7 +32,10 @@ struct rhs {
     int64_t n_blocks;       /* SPRINGS·count */
     const sym *block;       /* [n_blocks] kg, spring o of p at o·count + p */
     const vec *force;       /* [count] N */
+    int64_t n_press;        /* count, or 0 */
+    const vec *press;       /* [n_press] N, of contacts; 39_warm.md */
     const vec *q;           /* [count] m/s */
+    real part;              /* of press, in (0, 1] */
     real tau;               /* s */
     vec *b;                 /* out: [count] N·s, 0 where fixed */
 };

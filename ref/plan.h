@@ -18,6 +18,7 @@ struct plan {
     bool self;      /* cloth can meet cloth */
     bool obstacles; /* cloth can meet an obstacle */
     bool collides;  /* either */
+    bool warm;      /* contacts press on in the next slice: 39_warm.md */
 };
 
 struct plan plan_make(const drape_def *def);

@@ -19,6 +19,8 @@ static int take_start(struct world *w)
         s->past_x = take(w, s->past_x, w->nc);
         s->past_v = take(w, s->past_v, w->nc);
     }
+    if (w->press)
+        s->press = take(w, s->press, w->nc);
     if (!s->watch)
         s->watch = arena_take(w->arena, ARENA_STATE, w->def.n_cloths,
                               sizeof *s->watch);
@@ -38,7 +40,10 @@ int slice_save(struct world *w)
         memcpy(s->past_x, w->past_x, past);
         memcpy(s->past_v, w->past_v, past);
     }
+    if (w->press)
+        memcpy(s->press, w->press, (size_t)w->nc * sizeof(vec));
     memcpy(s->watch, w->watch, (size_t)w->def.n_cloths * sizeof *s->watch);
+    s->pressed = w->pressed;
     s->past = w->past;
     s->resting = w->resting;
     s->asleep = w->asleep;
@@ -56,7 +61,10 @@ void slice_restore(struct world *w)
         memcpy(w->past_x, s->past_x, past);
         memcpy(w->past_v, s->past_v, past);
     }
+    if (w->press)
+        memcpy(w->press, s->press, (size_t)w->nc * sizeof(vec));
     memcpy(w->watch, s->watch, (size_t)w->def.n_cloths * sizeof *s->watch);
+    w->pressed = s->pressed;
     w->past = s->past;
     w->resting = s->resting;
     w->asleep = s->asleep;

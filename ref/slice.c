@@ -4,8 +4,8 @@
 
 #include "ref/state.h"
 
-enum { WHOLE = 64, TRIES = 3, JOLTS = 2 };
-static const real CELLS = 4; /* that candidates may move in a slice */
+enum { WHOLE = 64, TRIES = 3, JOLTS = 2, CALM = 8 };
+static const real CELLS = 8; /* that candidates may move in a slice */
 
 static int unit(const struct slicing *s)
 {
@@ -23,6 +23,9 @@ void slice_begin(struct world *w)
     struct slicing s = {0};
     while (2 << s.deepest <= w->def.max_slices)
         s.deepest++;
+    bool known = w->caution.level <= s.deepest;
+    s.level = s.least = s.jolts = known ? w->caution.level : s.deepest;
+    s.began = s.jolts;
     w->slicing = s;
 }
 
@@ -96,6 +99,22 @@ void slice_keep(struct world *w)
     bool even = s->done % (2 * unit(s)) == 0;
     if (s->level > s->least && even && 4 * s->travel <= allowed(w))
         s->level--;
+}
+
+void slice_end(struct world *w)
+{
+    const struct slicing *s = &w->slicing;
+    struct caution *c = &w->caution;
+    if (s->jolts > s->began) {
+        c->level = c->again ? s->jolts : c->level;
+        c->again = 1;
+        c->calm = 0;
+    } else if (c->level == 0) {
+        c->again = 0;
+    } else if (++c->calm == CALM) {
+        c->level--;
+        c->calm = 0;
+    }
 }
 
 void slice_count(drape_work *work, struct broad *b)

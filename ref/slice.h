@@ -20,7 +20,15 @@ struct slicing {
     int done;         /* 1/64 of the step */
     int slices;       /* done so far */
     int tries, jolts; /* slices taken again, of each kind */
+    int began;        /* of jolts, those of steps before: §7.5 */
     real travel;      /* m², §7.2 of the slice under way, at most */
+};
+
+/* What steps before have taught, §7.5; kept in checkpoints. */
+struct caution {
+    int level; /* at which a step begins */
+    int again; /* 1: the last step that could have jolts had one */
+    int calm;  /* steps without, of this level */
 };
 
 void slice_begin(struct world *w);
@@ -41,6 +49,8 @@ bool slice_wrong(struct world *w, int outcome, const double before[3],
                  const double after[3]);
 /* The slice is the state: on to the next. */
 void slice_keep(struct world *w);
+/* The step is done: what the next one is to know. */
+void slice_end(struct world *w);
 /* Moves what the queries did into a report's work. */
 void slice_count(drape_work *work, struct broad *b);
 /* Adds a slice's report to the step's; of one that is taken again, only what

@@ -31,6 +31,7 @@
 #include "ref/sum.h"
 #include "ref/travel.h"
 #include "ref/walk.h"
+#include "ref/warm.h"
 #include "ref/wind.h"
 #include "ref/zones.h"
 

@@ -42,8 +42,9 @@ enum nearness { NEAR_NONE, NEAR_PAIRS, NEAR_CONTACTS };
 struct start {
     vec *x, *v;           /* [nv] */
     vec *past_x, *past_v; /* [nc] or NULL */
+    vec *press;           /* likewise */
     double (*watch)[2];   /* [n_cloths]; NULL: no step was cut yet */
-    int past, resting;
+    int pressed, past, resting;
     bool asleep;
     enum nearness near;
 };
@@ -62,6 +63,7 @@ struct world {
     vec *x1, *v1;            /* [nv] at its end */
     vec *free_x, *free_v;    /* [nc] as dynamics gave it, before contact */
     vec *past_x, *past_v;    /* [nc] the step before, for Choi–Ko */
+    vec *press;              /* [nc] N, of contacts of the slice before */
     vec *to;                 /* [nc] where pins end */
     double (*watch)[2];      /* [n_cloths] dynamics' reference and surplus */
     real *w;                 /* [nv] inverse mass, 0 for what does not yield */
@@ -87,9 +89,11 @@ struct world {
     int resting; /* steps in a row in which nothing moved */
     bool asleep;
     enum nearness near; /* of the slice before */
+    int pressed;        /* level of the slice that press is of */
     int past;  /* 1 + level of the slice that past_x and past_v hold, 0: none */
     double dt; /* s, of the slice under way */
     struct slicing slicing;
+    struct caution caution;
     struct start start;
 };
 
@@ -97,6 +101,13 @@ struct world {
 static inline bool state_has_past(const struct world *w)
 {
     return w->past == 1 + w->slicing.level;
+}
+
+/* Of press, in a slice of this length: 39_warm.md §4. */
+static inline real state_press_part(const struct world *w)
+{
+    int longer = w->pressed - w->slicing.level;
+    return 1 / (real)(1 << (longer > 0 ? longer : 0));
 }
 
 /* What a slice found near. */

@@ -37,6 +37,8 @@ static int move_sheet(struct world *w, int k, drape_step_report *r)
     d->residual = 0;
     d->outcome = 0;
     w->couple.rough = couple_prepare(w, &s->solver.pcg);
+    d->press = w->couple.rough ? w->press + s->first : NULL;
+    d->part = state_press_part(w);
     int status = ref_dynamics(d);
     if (status != DRAPE_OK)
         return status;
@@ -85,12 +87,17 @@ static void remember(struct world *w)
     w->past = 1 + w->slicing.level;
 }
 
+/* Whether the fail-safe was not needed. */
+static bool clean(int outcome)
+{
+    return !(outcome & (DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED));
+}
+
 /* §6: whether no particle went further than a part of the thickness. */
 static bool rests(const struct world *w, int outcome)
 {
     real most = (real)REST_PART * w->reach;
-    bool clean = !(outcome & (DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED));
-    return w->def.sleep && clean && w->slicing.level == 0 &&
+    return w->def.sleep && clean(outcome) && w->slicing.level == 0 &&
            collide_furthest(w, w->nc) <= most * most;
 }
 
@@ -101,6 +108,12 @@ static void commit(struct world *w, int outcome)
     w->resting = rests(w, outcome) ? w->resting + 1 : 0;
     w->asleep = w->resting >= REST_STEPS;
     w->near = state_nearness(&w->response);
+    size_t bytes = (size_t)w->nc * sizeof *w->press;
+    w->pressed = w->slicing.level;
+    if (w->plan.warm && !clean(outcome))
+        memset(w->press, 0, bytes);
+    else if (w->plan.warm && w->near == NEAR_CONTACTS)
+        memcpy(w->press, w->couple.press, bytes);
     for (int k = 0; k < w->def.n_cloths; k++) {
         w->watch[k][0] = w->sheet[k].dynamics.reference;
         w->watch[k][1] = w->sheet[k].dynamics.surplus;
@@ -213,6 +226,8 @@ static int pipeline(struct world *w, drape_step_report *r)
         slice_restore(w);
     if (status != DRAPE_OK)
         return status;
+    if (!failed && !asleep)
+        slice_end(w);
     w->step += !failed;
     w->time = (double)w->step * w->def.dt;
     if (failed || asleep) {

@@ -187,6 +187,8 @@ static int take_streams(struct world *w)
         w->past_x = take(w, ARENA_STATE, w->nc, sizeof *w->past_x);
         w->past_v = take(w, ARENA_STATE, w->nc, sizeof *w->past_v);
     }
+    if (p->warm)
+        w->press = take(w, ARENA_STATE, w->nc, sizeof *w->press);
     if (p->history && p->collides) {
         w->free_x = take(w, ARENA_STATE, w->nc, sizeof *w->free_x);
         w->free_v = take(w, ARENA_STATE, w->nc, sizeof *w->free_v);

@@ -12,13 +12,11 @@ const struct field fields_predict[] = {
     OUT(predict, star, count, 1), OUT(predict, back, n_past, 1),
     OUT(predict, q, n_past, 1),   FIELD_END};
 
-const struct field fields_rhs[] = {IN(rhs, fixed, count, 1),
-                                   IN(rhs, springs, count, 1),
-                                   IN(rhs, block, n_blocks, 1),
-                                   IN(rhs, force, count, 1),
-                                   IN(rhs, q, count, 1),
-                                   OUT(rhs, b, count, 1),
-                                   FIELD_END};
+const struct field fields_rhs[] = {
+    IN(rhs, fixed, count, 1),    IN(rhs, springs, count, 1),
+    IN(rhs, block, n_blocks, 1), IN(rhs, force, count, 1),
+    IN(rhs, press, n_press, 1),  IN(rhs, q, count, 1),
+    OUT(rhs, b, count, 1),       FIELD_END};
 
 const struct field fields_update[] = {IN(update, fixed, count, 1),
                                       IN(update, x, count, 1),
@@ -70,6 +68,9 @@ void gen_rhs(struct bytes *b, struct rhs *s)
                 (&block[k].xx)[e] = pick_uniform(b, -1, 1);
     s->block = block;
     s->force = pick_vecs(b, g.count, 10);
+    s->n_press = pick(b, 2) ? g.count : 0;
+    s->press = pick_vecs(b, s->n_press, 10);
+    s->part = 1 / (real)(1 << pick(b, 4));
     s->q = pick_vecs(b, g.count, 10);
     s->tau = pick_uniform(b, R(1e-3), R(0.1));
 }
@@ -170,7 +171,11 @@ const char *prop_rhs(const struct rhs *s)
         }
         for (int k = 0; k < 3; k++) {
             double f = (double)s->tau * at(s->force, 3 * p + k);
-            double b = at(s->b, 3 * p + k), size = fabs(f) + 2 * row[3 + k];
+            double press = s->n_press ? at(s->press, 3 * p + k) : 0;
+            double pressed = (double)(s->tau * s->part) * press;
+            double b = at(s->b, 3 * p + k);
+            double size = fabs(f) + fabs(pressed) + 2 * row[3 + k];
+            f += pressed;
             EXPECT(s->fixed[p] ? b == 0 : near(b, f - row[k], size));
         }
     }

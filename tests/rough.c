@@ -16,6 +16,7 @@ struct ledger {
     struct wide dv[COUNT]; /* sum of all */
     double way[COUNT];     /* sum of |dv| */
     double size;           /* sum of |b| + |A + hold| |dv| */
+    vec pressed[COUNT];    /* N·s, by contacts of the slice before */
 };
 
 static double length(struct wide a)
@@ -43,12 +44,15 @@ static void listen(void *user, int64_t step, const char *stage, uint64_t digest,
         return;
     if (!p->n_extra)
         *a = (struct ledger){.w = a->w};
+    for (int k = 0; k < COUNT && !p->n_extra; k++)
+        a->pressed[k] = vec_scale((real)a->w->dt, a->w->press[k]);
     for (int k = 0; k < COUNT; k++) {
         struct wide b = wide_of(p->b[k]), dv = wide_of(p->dv[k]);
         double hold = p->n_extra ? weigh(p->extra[k]) : 0;
         a->dv[k] = wide_axpy(a->dv[k], 1, dv);
         a->way[k] += length(dv);
         a->size += length(b) + hold * length(dv);
+        a->size += p->n_extra ? 0 : length(wide_of(a->pressed[k]));
         square += wide_dot(b, b);
     }
     a->most = fmax(a->most, sqrt(square));
@@ -66,7 +70,8 @@ static struct wide less(struct wide r, sym a, struct wide d)
                      r.z - wide_dot(z, d));
 }
 
-/* |b + force - A Σ dv - hold dv|, of the last force, hold and dv. */
+/* |b - what pressed + force - A Σ dv - hold dv|, of the last force, hold and
+ * dv: that press is within b, and the force is instead of it. */
 static double left_over(struct ledger *a)
 {
     const struct sheet *s = &a->w->sheet[0];
@@ -76,6 +81,7 @@ static double left_over(struct ledger *a)
     for (int k = 0; k < COUNT; k++) {
         double m = (double)s->cloth.mass[k];
         r[k] = wide_axpy(wide_of(s->dynamics.b[k]), -m, a->dv[k]);
+        r[k] = wide_axpy(r[k], -1, wide_of(a->pressed[k]));
         r[k] = wide_axpy(r[k], 1, wide_of(c->penalty.force[k]));
         r[k] = less(r[k], c->penalty.hold[k], wide_of(c->dv[k]));
         a->size += m * a->way[k];
@@ -95,9 +101,10 @@ static double left_over(struct ledger *a)
 }
 
 /* It is what the last solve left over, as reported, but for rounding, as g is
- * A Σ dv - b until then. |r|, |g| and what is done are at most `size`. A solve
- * rounds b, r, dv, b - r, hold dv (3), what is done, and the report: 9 u of its
- * part; g: u of all. Chains in binary64, of residual and here, have at most 40
+ * what pressed + A Σ dv - b until then. |r|, |g| and what is done are at most
+ * `size`. A solve rounds b, r, dv, b - r, hold dv (3), what is done, and the
+ * report: 9 u of its part; g: u of all. Chains in binary64, of residual and
+ * here, have at most 40
  * + 60 + solves roundings. */
 static const char *balance(struct ledger *a, const drape_step_report *r)
 {

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What contacts still press with when the next slice begins.
+ * spec/39_warm.md */
+#include "ref/warm.h"
+
+/* §1: the weights of the held contacts of vertex i. */
+static void weigh(struct warm *s, int64_t i)
+{
+    real sum = 0;
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+        const struct contact *c = &s->contact[s->item[k] / 4];
+        if (c->held)
+            sum += real_abs(c->c[s->item[k] % 4]);
+    }
+    s->all[i] = sum;
+}
+
+/* §1: contact c's share of what corners from … to - 1 took up; false: they are
+ * all led. */
+static bool take_side(const struct warm *s, const struct contact *c, int from,
+                      int to, vec *sum)
+{
+    bool free = false;
+    *sum = vec_make(0, 0, 0);
+    for (int j = from; j < to; j++) {
+        int32_t i = c->v[j];
+        if (!(s->w[i] > 0) || c->c[j] == 0)
+            continue;
+        *sum = vec_axpy(*sum, c->c[j] / s->all[i], s->g[i]);
+        free = true;
+    }
+    return free;
+}
+
+/* §2: what both sides agree on, but for what stopped an approach. */
+static void agree(struct warm *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    int split = c->kind == CONTACT_VF ? 1 : 2;
+    vec a, b;
+    c->impulse = 0;
+    if (!c->held)
+        return;
+    bool free_a = take_side(s, c, 0, split, &a);
+    bool free_b = take_side(s, c, split, 4, &b);
+    a = free_a ? a : b;
+    b = free_b ? b : a;
+    real push = real_min(vec_dot(c->n, a), vec_dot(c->n, b));
+    real speed = real_min(vec_dot(c->n, pair_sum(c->v, c->c, s->v)), 0);
+    real give = 0;
+    for (int j = 0; j < 4; j++)
+        give += c->c[j] * c->c[j] * s->w[c->v[j]];
+    if (give > 0)
+        c->impulse = real_max(push + speed / give, 0);
+}
+
+/* §3 */
+static void gather(struct warm *s, int64_t i)
+{
+    vec sum = vec_make(0, 0, 0);
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+        const struct contact *c = &s->contact[s->item[k] / 4];
+        sum = vec_axpy(sum, c->c[s->item[k] % 4] * c->impulse, c->n);
+    }
+    s->press[i] = vec_scale(s->part, sum);
+}
+
+int ref_warm(struct warm *s)
+{
+    EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++)
+        weigh(s, i);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        agree(s, k);
+    EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++)
+        gather(s, i);
+    return DRAPE_OK;
+}

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What steps learn from those before. spec/00_step.md §7.5 */
+#include "ref/slice.h"
+#include "ref/state.h"
+#include "tests/choices.h"
+
+/* A step whose slices longer than dt/2^calm end with twice their energy.
+ * Returns how many were taken again. */
+static int make_step(struct world *w, int calm)
+{
+    const double before[3] = {1, 0, 0}, twice[3] = {2, 0, 0};
+    int again = 0;
+    slice_begin(w);
+    while (!slice_last(w)) {
+        bool jolt = w->slicing.level < calm;
+        if (slice_wrong(w, 0, before, jolt ? twice : before))
+            again++;
+        else
+            slice_keep(w);
+    }
+    slice_end(w);
+    return again;
+}
+
+/* One jolt teaches nothing, two running do, for eight steps; then one step
+ * tries, and either knows again or has forgotten. */
+const char *test_world_caution(void)
+{
+    for (int calm = 1; calm <= 2; calm++) {
+        struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
+        w.def.max_slices = 32;
+        w.def.dt = 1;
+        EXPECT(make_step(&w, calm) == calm && make_step(&w, 0) == 0);
+        EXPECT(w.caution.level == 0 && w.slicing.slices == 1);
+        for (int k = 0; k < 2; k++)
+            EXPECT(make_step(&w, calm) == calm);
+        for (int k = 0; k < 8; k++) {
+            EXPECT(make_step(&w, calm) == 0);
+            EXPECT(w.slicing.slices == 1 << calm);
+            ran(1);
+        }
+        EXPECT(make_step(&w, calm) == 1 && w.caution.level == calm);
+        for (int k = 0; k < 8 * calm; k++)
+            EXPECT(make_step(&w, 0) == 0 && w.slicing.slices > 1);
+        EXPECT(make_step(&w, 0) == 0 && w.slicing.slices == 1);
+        EXPECT(make_step(&w, calm) == calm && w.caution.level == 0);
+        w.def.max_slices = 1; /* what is asked for is the most */
+        w.caution.level = 2;
+        EXPECT(make_step(&w, calm) == 0 && w.slicing.slices == 1);
+    }
+    return NULL;
+}

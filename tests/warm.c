@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage warm: generator and properties. spec/39_warm.md */
+#include "ref/warm.h"
+
+#include "ref/contacts.h"
+#include "ref/incidence.h"
+#include "tests/choices.h"
+
+const struct field fields_warm[] = {
+    IN(warm, w, nv, 1),         IN(warm, g, nv, 1),      IN(warm, v, nv, 1),
+    INOUT(warm, contact, n, 1), IN(warm, start, nv1, 1), IN(warm, item, n4, 1),
+    SCRATCH(warm, all, nv, 1),  OUT(warm, press, nv, 1), FIELD_END};
+
+/* The same contacts as the stage that solves them otherwise. */
+void gen_contacts(struct bytes *b, struct contacts *s);
+
+void gen_warm(struct bytes *b, struct warm *s)
+{
+    struct contacts c = {0};
+    gen_contacts(b, &c);
+    s->nv = c.nv;
+    s->n = c.n;
+    s->nv1 = c.nv1;
+    s->n4 = c.n4;
+    s->w = c.w;
+    s->contact = c.contact;
+    s->part = R(15.0) * (real)(1 << pick(b, 7));
+    vec *g = take(b, s->nv, sizeof *g);
+    for (int64_t i = 0; i < s->nv; i++)
+        g[i] = pick_vec(b, R(0.01));
+    s->g = g;
+    vec *v = take(b, s->nv, sizeof *v);
+    bool still = pick(b, 2);
+    for (int64_t i = 0; i < s->nv && !still; i++)
+        v[i] = pick_vec(b, R(0.1));
+    s->v = v;
+    for (int64_t k = 0; k < s->n; k++)
+        s->contact[k].held = pick(b, 4) > 0;
+    int32_t *start = take(b, s->nv1, sizeof *start);
+    int32_t *item = take(b, s->n4, sizeof *item);
+    int32_t *vertex = take(b, s->n4, sizeof *vertex);
+    struct incidence by = {s->nv, s->n, s->w,   s->contact,
+                           start, item, vertex, 0};
+    ref_incidence(&by);
+    s->start = start;
+    s->item = item;
+}
+
+/* What side `b` of contact k can account for along its normal, at most. */
+static double side_part(const struct warm *s, const struct contact *c, int b)
+{
+    int split = c->kind == CONTACT_VF ? 1 : 2;
+    double sum = 0, free = 0;
+    for (int j = b ? split : 0; j < (b ? 4 : split); j++) {
+        int32_t i = c->v[j];
+        if (!(s->w[i] > 0) || c->c[j] == 0)
+            continue;
+        double all = 0;
+        for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+            const struct contact *o = &s->contact[s->item[k] / 4];
+            all += o->held ? fabs((double)o->c[s->item[k] % 4]) : 0;
+        }
+        const vec *g = &s->g[i];
+        sum += (double)c->c[j] / all *
+               ((double)c->n.x * (double)g->x + (double)c->n.y * (double)g->y +
+                (double)c->n.z * (double)g->z);
+        free = 1;
+    }
+    return free ? fmax(sum, 0) : HUGE_VAL;
+}
+
+const char *prop_warm(const struct warm *s)
+{
+    double total[3] = {0, 0, 0}, size = 0;
+    double unit = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
+    bool free_all = true;
+    for (int64_t k = 0; k < s->n; k++) {
+        const struct contact *c = &s->contact[k];
+        double impulse = (double)c->impulse;
+        /* §2: no pull, and no more than either side took up */
+        EXPECT(impulse >= 0 && (c->held || impulse == 0));
+        for (int b = 0; b < 2 && c->held; b++)
+            EXPECT(impulse <= side_part(s, c, b) + 0x1p8 * unit);
+        for (int j = 0; j < 4; j++)
+            free_all &= s->w[c->v[j]] > 0;
+        size += (double)s->part * impulse;
+    }
+    /* §3: nothing but contacts press, and what one side gains the other loses;
+     * the least numbers there are are not rounded in proportion */
+    size += (double)s->n * (REAL_BITS == 32 ? 0x1p-61 : 0x1p-509);
+    for (int64_t i = 0; i < s->nv; i++) {
+        vec f = s->press[i];
+        EXPECT(s->start[i] < s->start[i + 1] ||
+               (f.x == 0 && f.y == 0 && f.z == 0));
+        total[0] += (double)f.x;
+        total[1] += (double)f.y;
+        total[2] += (double)f.z;
+    }
+    for (int d = 0; d < 3 && free_all; d++)
+        EXPECT(fabs(total[d]) <= 8 * ((double)s->n + 8) * unit * size);
+    return NULL;
+}
