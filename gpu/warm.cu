@@ -30,45 +30,25 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.all[i] = sum;
 }
 
-/* §1: contact c's share of what corners from … to - 1 took up; false: they are
- * all led. */
-static __device__ bool take_side(const struct warm *s, const struct contact *c,
-                                 int from, int to, vec *sum)
-{
-    bool free = false;
-    *sum = make(0, 0, 0);
-    for (int j = from; j < to; j++) {
-        int32_t i = c->v[j];
-        if (!(s->w[i] > 0) || c->c[j] == 0)
-            continue;
-        *sum = axpy(*sum, c->c[j] / s->all[i], s->g[i]);
-        free = true;
-    }
-    return free;
-}
-
-/* §2. Thread k owns contact k: reads g and v of its vertices, writes its
+/* §2. Thread k owns contact k: reads g, all and v of its vertices, writes its
  * impulse. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     warm_agree_kernel(struct warm s)
 {
     ITEM(k, s.n);
     struct contact *c = &s.contact[k];
-    int split = c->kind == CONTACT_VF ? 1 : 2;
-    vec a, b;
-    real impulse = 0;
-    if (c->held) {
-        bool free_a = take_side(&s, c, 0, split, &a);
-        bool free_b = take_side(&s, c, split, 4, &b);
-        a = free_a ? a : b;
-        b = free_b ? b : a;
-        real push = least(dot(c->n, a), dot(c->n, b));
+    real push = R(0x1p60), give = 0, impulse = 0;
+    for (int j = 0; j < 4 && c->held; j++) {
+        int32_t i = c->v[j];
+        if (!(s.w[i] > 0) || c->c[j] == 0)
+            continue;
+        real along = dot(c->n, s.g[i]);
+        push = least((c->c[j] < 0 ? -along : along) / s.all[i], push);
+        give += c->c[j] * c->c[j] * s.w[i];
+    }
+    if (give > 0) {
         real speed = least(dot(c->n, weigh(c, s.v)), R(0.0));
-        real give = 0;
-        for (int j = 0; j < 4; j++)
-            give += c->c[j] * c->c[j] * s.w[c->v[j]];
-        if (give > 0)
-            impulse = most(push + speed / give, R(0.0));
+        impulse = most(push + speed / give, R(0.0));
     }
     c->impulse = impulse;
 }

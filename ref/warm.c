@@ -15,41 +15,23 @@ static void weigh(struct warm *s, int64_t i)
     s->all[i] = sum;
 }
 
-/* §1: contact c's share of what corners from … to - 1 took up; false: they are
- * all led. */
-static bool take_side(const struct warm *s, const struct contact *c, int from,
-                      int to, vec *sum)
-{
-    bool free = false;
-    *sum = vec_make(0, 0, 0);
-    for (int j = from; j < to; j++) {
-        int32_t i = c->v[j];
-        if (!(s->w[i] > 0) || c->c[j] == 0)
-            continue;
-        *sum = vec_axpy(*sum, c->c[j] / s->all[i], s->g[i]);
-        free = true;
-    }
-    return free;
-}
-
-/* §2: what both sides agree on, but for what stopped an approach. */
+/* §2: what all its free vertices agree on, but for what stopped an approach. */
 static void agree(struct warm *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
-    int split = c->kind == CONTACT_VF ? 1 : 2;
-    vec a, b;
+    real push = R(0x1p60), give = 0;
     c->impulse = 0;
     if (!c->held)
         return;
-    bool free_a = take_side(s, c, 0, split, &a);
-    bool free_b = take_side(s, c, split, 4, &b);
-    a = free_a ? a : b;
-    b = free_b ? b : a;
-    real push = real_min(vec_dot(c->n, a), vec_dot(c->n, b));
+    for (int j = 0; j < 4; j++) {
+        int32_t i = c->v[j];
+        if (!(s->w[i] > 0) || c->c[j] == 0)
+            continue;
+        real along = vec_dot(c->n, s->g[i]);
+        push = real_min((c->c[j] < 0 ? -along : along) / s->all[i], push);
+        give += c->c[j] * c->c[j] * s->w[i];
+    }
     real speed = real_min(vec_dot(c->n, pair_sum(c->v, c->c, s->v)), 0);
-    real give = 0;
-    for (int j = 0; j < 4; j++)
-        give += c->c[j] * c->c[j] * s->w[c->v[j]];
     if (give > 0)
         c->impulse = real_max(push + speed / give, 0);
 }
