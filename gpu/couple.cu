@@ -78,6 +78,7 @@ static int make_room(struct gpu_world *w, int64_t n)
     gpu_give(g, p->item);
     gpu_give(g, p->vertex);
     gpu_give(g, p->share);
+    gpu_give(g, p->gave);
     gpu_give(g, p->most);
     gpu_give(g, p->more);
     int64_t cap = n + n / 4 + 64;
@@ -85,6 +86,7 @@ static int make_room(struct gpu_world *w, int64_t n)
     p->vertex =
         (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
     p->share = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
+    p->gave = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
     p->most = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
     p->more = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
     c->cap = gpu_status(g) == DRAPE_OK ? cap : 0;
@@ -218,6 +220,7 @@ int gpu_couple_solve(void *user, int64_t n, struct contact *contact)
     p->contact = contact;
     int turns = n > 0 && w->couple.solves == 0 ? TURNS : 1;
     for (int k = 0; k < turns && status == DRAPE_OK; k++) {
+        p->first = w->couple.solves == 0;
         status = gpu_penalty_queue(w->gpu, p, gpu_late_words(w->gpu));
         gpu_trace(w->gpu, w->host->tracing, "penalty", p->force,
                   (size_t)p->nv * sizeof *p->force);

@@ -33,6 +33,31 @@ static __device__ real spring(const struct penalty *s, const struct contact *c,
     return give * (c->target - dot(c->n, weigh(c, u)));
 }
 
+/* §3: contact c's part for its vertex j, of all its parts' sum. */
+static __device__ real part_of(const struct penalty *s, const struct contact *c,
+                               real share, int j)
+{
+    return share / side_of(s, c, j) * magnitude(c->c[j]);
+}
+
+/* §1: of what its vertices took up along n, contact c's part by the holds that
+ * they had in the turn before, N·s. */
+static __device__ real gave(const struct penalty *s, const struct contact *c,
+                            real share)
+{
+    real push = 0, all = 0;
+    for (int j = 0; j < 4 && c->held; j++) {
+        int32_t i = c->v[j];
+        if (!(s->w[i] > 0) || c->c[j] == 0)
+            continue;
+        real along = part_of(s, c, share, j) * s->stiffness * s->tau * s->tau;
+        real hold = dot(c->n, apply(s->hold[i], c->n));
+        push += c->c[j] * (along / hold * dot(c->n, s->g[i]));
+        all += c->c[j] * c->c[j];
+    }
+    return all > 0 ? most(push / all, R(0.0)) : R(0.0);
+}
+
 /* §1. Thread i owns vertex i: writes guess[i], and brake[i] as without
  * contacts. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
@@ -40,12 +65,12 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 {
     ITEM(i, s.nv);
     real w = s.w[i] * (s.tau / s.dt);
-    s.guess[i] = w > 0 ? axpy(s.u[i], -w, s.g[i]) : s.u[i];
+    s.guess[i] = s.first && w > 0 ? axpy(s.u[i], -w, s.g[i]) : s.u[i];
     s.brake[i] = 0;
 }
 
-/* §1. Thread k owns contact k: reads guess of its vertices, writes share[k],
- * its impulse and whether it is held. */
+/* §1. Thread k owns contact k: reads guess, u, g and hold of its vertices,
+ * writes share[k], gave[k], its impulse and whether it is held. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     penalty_press_kernel(struct penalty s, const int64_t *words)
 {
@@ -53,14 +78,16 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (words[INCIDENCE_BAD])
         return;
     struct contact *c = &s.contact[k];
-    real impulse = most(spring(&s, c, s.guess), R(0.0));
     real share = 0;
     for (int j = 0; j < 4; j++)
         if (s.w[c->v[j]] > 0)
             share += magnitude(c->c[j]) * side_of(&s, c, j);
-    c->impulse = impulse;
-    c->held = impulse > 0 || spring(&s, c, s.u) > 0;
+    real before = s.first ? R(0.0) : gave(&s, c, share);
+    real impulse = most(spring(&s, c, s.guess), R(0.0));
     s.share[k] = share;
+    s.gave[k] = before;
+    c->impulse = impulse;
+    c->held = impulse > 0 || spring(&s, c, s.u) > 0 || before > 0;
 }
 
 /* §3. Thread k owns place k of all lists: reads its item's contact, writes its
@@ -78,7 +105,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     vec n = c->n, push = make(0, 0, 0);
     real a = 0, b = 0;
     if (c->held) {
-        real share = s.share[item / 4] / side_of(&s, c, j) * magnitude(c->c[j]);
+        real share = part_of(&s, c, s.share[item / 4], j);
         a = share * s.stiffness * s.tau * s.tau;
         b = share * (rubbed ? c->slide : 0) * (s.tau / s.dt);
         a = a - b;
@@ -176,9 +203,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (words[INCIDENCE_BAD])
         return;
     const struct contact *c = &s.contact[k];
-    real limit = 0;
-    if (c->held)
-        limit = c->friction * most(spring(&s, c, s.guess), R(0.0));
+    real push = most(spring(&s, c, s.guess), s.gave[k]);
+    real limit = c->held ? c->friction * push : R(0.0);
     s.most[k] = limit;
     s.more[k] = limit - c->slide * length(across(c, s.u));
 }
@@ -224,7 +250,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         speed -= magnitude(c->c[j]) * s.brake[c->v[j]];
     real slide = s.most[k] / most(speed, s.slip);
     c->slide = slide;
-    c->impulse = c->held ? spring(&s, c, s.u) : R(0.0);
+    c->impulse = c->held ? most(spring(&s, c, s.u), -s.gave[k]) : R(0.0);
     c->tangent = scale(-slide, slip);
 }
 
@@ -260,9 +286,9 @@ int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
     int64_t groups = (touched + GROUP - 1) / GROUP;
     int64_t blocks = groups < GROUPS ? groups : (int64_t)GROUPS;
     gpu_clear(g, s->force, (size_t)s->nv * sizeof *s->force);
-    gpu_clear(g, s->hold, (size_t)s->nv * sizeof *s->hold);
     LAUNCH(g, s->nv, penalty_let_go_kernel, *s);
     LAUNCH(g, s->n, penalty_press_kernel, *s, words);
+    gpu_clear(g, s->hold, (size_t)s->nv * sizeof *s->hold);
     LAUNCH(g, s->n4, penalty_part_kernel, *s, part, false, words);
     LAUNCH_BLOCKS(g, blocks, GROUP_BLOCK, penalty_guess_kernel, *s, part,
                   words);

@@ -74,12 +74,14 @@ static int make_room(struct world *w, int64_t n)
     arena_give(w->arena, p->item);
     arena_give(w->arena, p->vertex);
     arena_give(w->arena, p->share);
+    arena_give(w->arena, p->gave);
     arena_give(w->arena, p->most);
     arena_give(w->arena, p->more);
     int64_t cap = n + n / 4 + 64;
     p->item = take(w, 4 * cap, sizeof *p->item);
     p->vertex = take(w, 4 * cap, sizeof *p->vertex);
     p->share = take(w, cap, sizeof *p->share);
+    p->gave = take(w, cap, sizeof *p->gave);
     p->most = take(w, cap, sizeof *p->most);
     p->more = take(w, cap, sizeof *p->more);
     c->cap = w->arena->failed ? 0 : cap;
@@ -177,6 +179,7 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
     p->contact = contact;
     int turns = n > 0 && w->couple.solves == 0 ? TURNS : 1;
     for (int k = 0; k < turns && status == DRAPE_OK; k++) {
+        p->first = w->couple.solves == 0;
         status = ref_penalty(p);
         trace_stage(w->tracing, "penalty", p->force,
                     (size_t)p->nv * sizeof *p->force);

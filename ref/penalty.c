@@ -38,31 +38,58 @@ static real spring(const struct penalty *s, int64_t k, const vec *u)
     return give * (c->target - vec_dot(c->n, pair_sum(c->v, c->c, u)));
 }
 
-/* §1: where vertex i would be going but for what contacts gave it so far. */
+/* §3: contact k's part for its vertex j. */
+static real part_of(const struct penalty *s, int64_t k, int j)
+{
+    const struct contact *c = &s->contact[k];
+    return s->share[k] / side_of(s, c, j) * real_abs(c->c[j]);
+}
+
+/* §1: of what its vertices took up along n, contact k's part by the holds that
+ * they had in the turn before, N·s. */
+static real gave(const struct penalty *s, int64_t k)
+{
+    const struct contact *c = &s->contact[k];
+    real push = 0, all = 0;
+    for (int j = 0; j < 4 && c->held; j++) {
+        int32_t i = c->v[j];
+        if (!(s->w[i] > 0) || c->c[j] == 0)
+            continue;
+        real along = part_of(s, k, j) * s->stiffness * s->tau * s->tau;
+        real hold = vec_dot(c->n, sym_apply(s->hold[i], c->n));
+        push += c->c[j] * (along / hold * vec_dot(c->n, s->g[i]));
+        all += c->c[j] * c->c[j];
+    }
+    return all > 0 ? real_max(push / all, 0) : 0;
+}
+
+/* §1: where vertex i would be going but for what contacts gave it before. */
 static void let_go(struct penalty *s, int64_t i)
 {
     real w = s->w[i] * (s->tau / s->dt);
-    s->guess[i] = w > 0 ? vec_axpy(s->u[i], -w, s->g[i]) : s->u[i];
+    bool pushed = s->first && w > 0;
+    s->guess[i] = pushed ? vec_axpy(s->u[i], -w, s->g[i]) : s->u[i];
 }
 
-/* §1: those that would meet then are held. */
+/* §1: who meets, would meet then or pushed before is held. */
 static void press(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
-    c->impulse = real_max(spring(s, k, s->guess), 0);
-    c->held = c->impulse > 0 || spring(s, k, s->u) > 0;
     real share = 0;
     for (int j = 0; j < 4; j++)
         if (s->w[c->v[j]] > 0)
             share += real_abs(c->c[j]) * side_of(s, c, j);
     s->share[k] = share;
+    s->gave[k] = s->first ? 0 : gave(s, k);
+    c->impulse = real_max(spring(s, k, s->guess), 0);
+    c->held = c->impulse > 0 || spring(s, k, s->u) > 0 || s->gave[k] > 0;
 }
 
 /* §3: what contact k adds to the hold of its vertex j. */
 static sym hold_of(const struct penalty *s, int64_t k, int j, real slide)
 {
     const struct contact *a = &s->contact[k];
-    real part = s->share[k] / side_of(s, a, j) * real_abs(a->c[j]);
+    real part = part_of(s, k, j);
     real along = part * s->stiffness * s->tau * s->tau;
     real across = part * slide * (s->tau / s->dt);
     real d = along - across;
@@ -102,7 +129,8 @@ static void load(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
     vec slip = across(c, s->u);
-    real most = c->held ? c->friction * real_max(spring(s, k, s->guess), 0) : 0;
+    real push = real_max(spring(s, k, s->guess), s->gave[k]);
+    real most = c->held ? c->friction * push : 0;
     s->most[k] = most;
     s->more[k] = most - c->slide * vec_length(slip);
 }
@@ -127,7 +155,7 @@ static void rub(struct penalty *s, int64_t k)
     for (int j = 0; j < 4; j++)
         speed -= real_abs(c->c[j]) * s->brake[c->v[j]];
     c->slide = s->most[k] / real_max(speed, s->slip);
-    c->impulse = c->held ? spring(s, k, s->u) : 0;
+    c->impulse = c->held ? real_max(spring(s, k, s->u), -s->gave[k]) : 0;
     c->tangent = vec_scale(-c->slide, slip);
 }
 

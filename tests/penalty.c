@@ -6,21 +6,15 @@
 #include "ref/jacobi.h"
 #include "tests/choices.h"
 
-const struct field fields_penalty[] = {IN(penalty, w, nv, 1),
-                                       IN(penalty, u, nv, 1),
-                                       IN(penalty, g, nv, 1),
-                                       INOUT(penalty, contact, n, 1),
-                                       SCRATCH(penalty, start, nv1, 1),
-                                       SCRATCH(penalty, item, n4, 1),
-                                       SCRATCH(penalty, vertex, n4, 1),
-                                       SCRATCH(penalty, share, n, 1),
-                                       SCRATCH(penalty, most, n, 1),
-                                       SCRATCH(penalty, more, n, 1),
-                                       SCRATCH(penalty, guess, nv, 1),
-                                       SCRATCH(penalty, brake, nv, 1),
-                                       OUT(penalty, force, nv, 1),
-                                       OUT(penalty, hold, nv, 1),
-                                       FIELD_END};
+const struct field fields_penalty[] = {
+    IN(penalty, w, nv, 1),           IN(penalty, u, nv, 1),
+    IN(penalty, g, nv, 1),           INOUT(penalty, contact, n, 1),
+    SCRATCH(penalty, start, nv1, 1), SCRATCH(penalty, item, n4, 1),
+    SCRATCH(penalty, vertex, n4, 1), SCRATCH(penalty, share, n, 1),
+    SCRATCH(penalty, most, n, 1),    SCRATCH(penalty, gave, n, 1),
+    SCRATCH(penalty, more, n, 1),    SCRATCH(penalty, guess, nv, 1),
+    SCRATCH(penalty, brake, nv, 1),  OUT(penalty, force, nv, 1),
+    INOUT(penalty, hold, nv, 1),     FIELD_END};
 
 /* The same contacts as the stage that solves them otherwise. */
 void gen_contacts(struct bytes *b, struct contacts *s);
@@ -45,6 +39,14 @@ void gen_penalty(struct bytes *b, struct penalty *s)
     for (int64_t i = 0; i < s->nv && begun; i++)
         g[i] = pick_vec(b, R(0.01));
     s->g = g;
+    s->first = pick(b, 2);
+    s->hold = take(b, s->nv, sizeof *s->hold);
+    for (int64_t i = 0; i < s->nv; i++) {
+        real a = pick_uniform(b, R(1e-4), 1), d = pick_uniform(b, 0, a / 2);
+        s->hold[i] = (sym){a, d, -d, a, d, a};
+    }
+    for (int64_t k = 0; k < s->n; k++)
+        s->contact[k].held = !s->first && pick(b, 2);
 }
 
 static double dot(vec a, vec b)
@@ -105,6 +107,7 @@ const char *prop_penalty(const struct penalty *s)
         real length = vec_length(c->tangent);
         /* §1, §2: who meets is held, and rubs against what it does */
         EXPECT(c->held == 0 || c->held == 1);
+        EXPECT(c->impulse >= 0 || !s->first); /* it has nothing to take back */
         EXPECT(c->held || (c->impulse == 0 && length == 0 && c->slide == 0));
         EXPECT(c->held || !(approach(s, c) > 0));
         EXPECT(c->slide >= 0);
@@ -137,7 +140,7 @@ struct lone {
     struct penalty p;
     struct contact c;
     vec u[4], g[4], force[4], guess[4];
-    real w[4], share, most, more, brake[4];
+    real w[4], share, most, gave, more, brake[4];
     sym hold[4];
     int32_t start[5], item[4], vertex[4];
 };
@@ -149,12 +152,14 @@ static void make_lone(struct bytes *b, struct lone *s)
     p.w = s->w;
     p.u = s->u;
     p.g = s->g;
+    p.first = 1;
     p.contact = &s->c;
     p.start = s->start;
     p.item = s->item;
     p.vertex = s->vertex;
     p.share = &s->share;
     p.most = &s->most;
+    p.gave = &s->gave;
     p.more = &s->more;
     p.guess = s->guess;
     p.brake = s->brake;
@@ -186,6 +191,7 @@ static int turn(struct lone *s)
     vec r = vec_sub(s->force[0], s->g[0]), dv = factor_solve(factor, r);
     s->g[0] = vec_add(s->g[0], vec_sub(r, sym_apply(s->hold[0], dv)));
     s->u[0] = vec_axpy(s->u[0], s->p.tau / s->p.dt, dv);
+    s->p.first = 0;
     return status;
 }
 
