@@ -61,9 +61,10 @@ void gpu_couple_start(struct gpu_world *w)
     w->couple.iterations = w->couple.solves = w->couple.outcome = 0;
     w->couple.residual = 0;
     w->couple.seconds = 0;
-    if (w->couple.rough)
-        LAUNCH(w->gpu, h->nc, couple_begin_kernel, w->couple.g, w->press,
-               p->dt * state_press_part(h), h->nc);
+    real part = p->dt * state_press_part(h);
+    if (part > 0)
+        LAUNCH(w->gpu, h->nc, couple_begin_kernel, w->couple.g, w->press, part,
+               h->nc);
     else
         gpu_clear(w->gpu, w->couple.g, (size_t)h->nc * sizeof *w->couple.g);
 }
@@ -199,7 +200,10 @@ static int keep_warm(struct gpu_world *w)
     s.g = c->g;
     s.v = w->v0;
     s.contact = p->contact;
+    s.before = w->press;
     s.part = COUPLE_KEPT / p->dt;
+    s.again = COUPLE_GROWTH / COUPLE_KEPT * p->dt;
+    s.speed = COUPLE_GUST * w->host->reach / p->dt;
     s.nv1 = p->nv1;
     s.n4 = p->n4;
     s.start = p->start;

@@ -28,8 +28,8 @@ static int move_sheet(struct gpu_world *w, int k, drape_step_report *r)
     d->residual = 0;
     d->outcome = 0;
     w->couple.rough = couple_prepare(h, &s->pcg);
-    d->press = w->couple.rough ? w->press + s->first : NULL;
     d->part = state_press_part(h);
+    d->press = d->part > 0 ? w->press + s->first : NULL;
     int status = gpu_motion(w->gpu, s);
     if (status != DRAPE_OK)
         return status;
@@ -94,6 +94,19 @@ static bool rests(struct gpu_world *w, int outcome)
            gpu_collide_furthest(w, h->nc) <= most * most;
 }
 
+static void keep_press(struct gpu_world *w, bool held)
+{
+    struct world *h = w->host;
+    size_t bytes = (size_t)h->nc * sizeof *w->press;
+    if (!h->plan.warm)
+        return;
+    if (held)
+        gpu_copy(w->gpu, w->press, w->couple.press, bytes);
+    else if (h->pressed)
+        gpu_clear(w->gpu, w->press, bytes);
+    h->pressed = held ? 1 + h->slicing.level : 0;
+}
+
 static void commit(struct gpu_world *w, int outcome)
 {
     struct world *h = w->host;
@@ -102,12 +115,7 @@ static void commit(struct gpu_world *w, int outcome)
     h->resting = rests(w, outcome) ? h->resting + 1 : 0;
     h->asleep = h->resting >= REST_STEPS;
     h->near = state_nearness(&w->response);
-    size_t bytes = (size_t)h->nc * sizeof *w->press;
-    h->pressed = h->slicing.level;
-    if (h->plan.warm && !clean(outcome))
-        gpu_clear(w->gpu, w->press, bytes);
-    else if (h->plan.warm && h->near == NEAR_CONTACTS)
-        gpu_copy(w->gpu, w->press, w->couple.press, bytes);
+    keep_press(w, clean(outcome) && h->near == NEAR_CONTACTS);
     for (int k = 0; k < h->def.n_cloths; k++) {
         h->watch[k][0] = w->sheet[k].dynamics.reference;
         h->watch[k][1] = w->sheet[k].dynamics.surplus;
@@ -164,6 +172,8 @@ static int slice(struct gpu_world *w, drape_step_report *all, double *last)
     gpu_charge(w, &r, DRAPE_PART_INTEGRATION, last,
                r.seconds[DRAPE_PART_SOLVER]);
     bool diverged = r.outcome & DRAPE_DIVERGED;
+    if (diverged)
+        again = slice_cold(h);
     if (status == DRAPE_OK && !diverged && h->plan.collides) {
         status = gpu_collide_far(w, &r, last, &again); /* 26 travel */
         if (status == DRAPE_OK && !again)

@@ -30,8 +30,21 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.all[i] = sum;
 }
 
-/* §2. Thread k owns contact k: reads g, all and v of its vertices, writes its
- * impulse. */
+/* §2: what its free vertex j took up, as far as that is no blow. */
+static __device__ real took(const struct warm &s, const struct contact *c,
+                            int j)
+{
+    int32_t i = c->v[j];
+    real now = dot(c->n, s.g[i]), before = dot(c->n, s.before[i]);
+    if (c->c[j] < 0) {
+        now = -now;
+        before = -before;
+    }
+    return least(now, s.again * most(before, R(0.0)) + s.speed / s.w[i]);
+}
+
+/* §2. Thread k owns contact k: reads g, before, all and v of its vertices,
+ * writes its impulse. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     warm_agree_kernel(struct warm s)
 {
@@ -42,8 +55,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         int32_t i = c->v[j];
         if (!(s.w[i] > 0) || c->c[j] == 0)
             continue;
-        real along = dot(c->n, s.g[i]);
-        push = least((c->c[j] < 0 ? -along : along) / s.all[i], push);
+        push = least(took(s, c, j) / s.all[i], push);
         give += c->c[j] * c->c[j] * s.w[i];
     }
     if (give > 0) {

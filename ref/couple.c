@@ -58,11 +58,10 @@ void couple_start(struct world *w)
     c->iterations = c->solves = c->outcome = 0;
     c->residual = 0;
     c->seconds = 0;
-    real pressed = p->dt * state_press_part(w);
+    real part = p->dt * state_press_part(w);
     EACH_ITEM
     for (int64_t i = 0; i < w->nc; i++)
-        c->g[i] =
-            c->rough ? vec_scale(pressed, w->press[i]) : vec_make(0, 0, 0);
+        c->g[i] = part > 0 ? vec_scale(part, w->press[i]) : vec_make(0, 0, 0);
 }
 
 static int make_room(struct world *w, int64_t n)
@@ -158,7 +157,10 @@ static int keep_warm(struct world *w)
                      .g = c->g,
                      .v = w->v0,
                      .contact = p->contact,
+                     .before = w->press,
                      .part = COUPLE_KEPT / p->dt,
+                     .again = COUPLE_GROWTH / COUPLE_KEPT * p->dt,
+                     .speed = COUPLE_GUST * w->reach / p->dt,
                      .nv1 = p->nv1,
                      .n4 = p->n4,
                      .start = p->start,

@@ -9,8 +9,12 @@
 struct pcg;
 struct world;
 
-/* 39_warm.md §3: of what contacts pressed with, what is kept. */
-#define COUPLE_KEPT R(0.5)
+/* 39_warm.md §3, §2: how much is kept of what contacts pressed with; to how
+ * many times as much it may grow in a slice; by what part of the reach it may
+ * move what was not pressed. */
+#define COUPLE_KEPT R(0.75)
+#define COUPLE_GROWTH R(2.0)
+#define COUPLE_GUST R(0.25)
 
 struct couple {
     struct penalty penalty; /* nv, w, stiffness, dt, tau, slip, streams */

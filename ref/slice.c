@@ -82,7 +82,7 @@ bool slice_wrong(struct world *w, int outcome, const double before[3],
     bool jolt =
         !fed && rise > (after[0] + after[1]) / 16 + height / 65536 + lift(w);
     failed = failed && s->tries < TRIES;
-    jolt = !failed && jolt && s->jolts < JOLTS;
+    jolt = !failed && jolt && (s->jolts < JOLTS || s->jolts == s->began);
     if (!(failed || jolt) || s->level >= s->deepest)
         return false;
     s->tries += failed;
@@ -91,9 +91,17 @@ bool slice_wrong(struct world *w, int outcome, const double before[3],
     return true;
 }
 
+bool slice_cold(struct world *w)
+{
+    bool warm = state_press_part(w) > 0;
+    w->slicing.cold |= warm;
+    return warm;
+}
+
 void slice_keep(struct world *w)
 {
     struct slicing *s = &w->slicing;
+    s->cold = false;
     s->done += unit(s);
     s->slices++;
     bool even = s->done % (2 * unit(s)) == 0;
@@ -106,7 +114,8 @@ void slice_end(struct world *w)
     const struct slicing *s = &w->slicing;
     struct caution *c = &w->caution;
     if (s->jolts > s->began) {
-        c->level = c->again ? s->jolts : c->level;
+        int most = s->jolts < JOLTS ? s->jolts : JOLTS;
+        c->level = c->again ? most : c->level;
         c->again = 1;
         c->calm = 0;
     } else if (c->level == 0) {

@@ -37,8 +37,8 @@ static int move_sheet(struct world *w, int k, drape_step_report *r)
     d->residual = 0;
     d->outcome = 0;
     w->couple.rough = couple_prepare(w, &s->solver.pcg);
-    d->press = w->couple.rough ? w->press + s->first : NULL;
     d->part = state_press_part(w);
+    d->press = d->part > 0 ? w->press + s->first : NULL;
     int status = ref_dynamics(d);
     if (status != DRAPE_OK)
         return status;
@@ -101,6 +101,18 @@ static bool rests(const struct world *w, int outcome)
            collide_furthest(w, w->nc) <= most * most;
 }
 
+static void keep_press(struct world *w, bool held)
+{
+    size_t bytes = (size_t)w->nc * sizeof *w->press;
+    if (!w->plan.warm)
+        return;
+    if (held)
+        memcpy(w->press, w->couple.press, bytes);
+    else if (w->pressed)
+        memset(w->press, 0, bytes);
+    w->pressed = held ? 1 + w->slicing.level : 0;
+}
+
 static void commit(struct world *w, int outcome)
 {
     if (w->plan.history)
@@ -108,12 +120,7 @@ static void commit(struct world *w, int outcome)
     w->resting = rests(w, outcome) ? w->resting + 1 : 0;
     w->asleep = w->resting >= REST_STEPS;
     w->near = state_nearness(&w->response);
-    size_t bytes = (size_t)w->nc * sizeof *w->press;
-    w->pressed = w->slicing.level;
-    if (w->plan.warm && !clean(outcome))
-        memset(w->press, 0, bytes);
-    else if (w->plan.warm && w->near == NEAR_CONTACTS)
-        memcpy(w->press, w->couple.press, bytes);
+    keep_press(w, clean(outcome) && w->near == NEAR_CONTACTS);
     for (int k = 0; k < w->def.n_cloths; k++) {
         w->watch[k][0] = w->sheet[k].dynamics.reference;
         w->watch[k][1] = w->sheet[k].dynamics.surplus;
@@ -187,6 +194,8 @@ static int slice(struct world *w, drape_step_report *all, double *last)
         r.seconds[DRAPE_PART_SOLVER] += w->sheet[k].solver.seconds;
     step_charge(&r, DRAPE_PART_INTEGRATION, last, r.seconds[DRAPE_PART_SOLVER]);
     bool diverged = r.outcome & DRAPE_DIVERGED;
+    if (diverged)
+        again = slice_cold(w);
     if (status == DRAPE_OK && !diverged && w->plan.collides) {
         status = collide_far(w, &r, last, &again); /* 26 travel */
         if (status == DRAPE_OK && !again)

@@ -15,6 +15,19 @@ static void weigh(struct warm *s, int64_t i)
     s->all[i] = sum;
 }
 
+/* §2: what its free vertex j took up, as far as that is no blow. */
+static real took(const struct warm *s, const struct contact *c, int j)
+{
+    int32_t i = c->v[j];
+    real now = vec_dot(c->n, s->g[i]), before = vec_dot(c->n, s->before[i]);
+    if (c->c[j] < 0) {
+        now = -now;
+        before = -before;
+    }
+    real most = s->again * real_max(before, 0) + s->speed / s->w[i];
+    return real_min(now, most);
+}
+
 /* §2: what all its free vertices agree on, but for what stopped an approach. */
 static void agree(struct warm *s, int64_t k)
 {
@@ -27,8 +40,7 @@ static void agree(struct warm *s, int64_t k)
         int32_t i = c->v[j];
         if (!(s->w[i] > 0) || c->c[j] == 0)
             continue;
-        real along = vec_dot(c->n, s->g[i]);
-        push = real_min((c->c[j] < 0 ? -along : along) / s->all[i], push);
+        push = real_min(took(s, c, j) / s->all[i], push);
         give += c->c[j] * c->c[j] * s->w[i];
     }
     real speed = real_min(vec_dot(c->n, pair_sum(c->v, c->c, s->v)), 0);

@@ -12,7 +12,10 @@ struct warm {
     const vec *g;            /* [nv] N·s, what free ones took up */
     const vec *v;            /* [nv] m/s, when the slice began */
     struct contact *contact; /* [n] as penalty held them; out: impulse */
+    const vec *before;       /* [nv] N, press of the slice before */
     real part;               /* 1/s: of it, what press shall be */
+    real again;              /* s: what before may become, at most, */
+    real speed;              /* m/s: beside what gives this */
 
     int64_t nv1, n4;      /* nv + 1, 4 n */
     const int32_t *start; /* [nv1] lists of 34 §1 */

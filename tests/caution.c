@@ -23,7 +23,8 @@ static int make_step(struct world *w, int calm)
 }
 
 /* One jolt teaches nothing, two running do, for eight steps; then one step
- * tries, and either knows again or has forgotten. */
+ * tries, and either knows again or has forgotten. A step that knows goes one
+ * further, and that teaches no more. */
 const char *test_world_caution(void)
 {
     for (int calm = 1; calm <= 2; calm++) {
@@ -44,6 +45,8 @@ const char *test_world_caution(void)
             EXPECT(make_step(&w, 0) == 0 && w.slicing.slices > 1);
         EXPECT(make_step(&w, 0) == 0 && w.slicing.slices == 1);
         EXPECT(make_step(&w, calm) == calm && w.caution.level == 0);
+        w.caution = (struct caution){2, 1, 0};
+        EXPECT(make_step(&w, 2 + calm) == 1 && w.caution.level == 2);
         w.def.max_slices = 1; /* what is asked for is the most */
         w.caution.level = 2;
         EXPECT(make_step(&w, calm) == 0 && w.slicing.slices == 1);

@@ -4,12 +4,16 @@
 
 #include "ref/contacts.h"
 #include "ref/incidence.h"
-#include "tests/choices.h"
+#include "ref/state.h"
+#include "ref/step.h"
+#include "tests/slab.h"
 
 const struct field fields_warm[] = {
-    IN(warm, w, nv, 1),         IN(warm, g, nv, 1),      IN(warm, v, nv, 1),
-    INOUT(warm, contact, n, 1), IN(warm, start, nv1, 1), IN(warm, item, n4, 1),
-    SCRATCH(warm, all, nv, 1),  OUT(warm, press, nv, 1), FIELD_END};
+    IN(warm, w, nv, 1),        IN(warm, g, nv, 1),
+    IN(warm, v, nv, 1),        INOUT(warm, contact, n, 1),
+    IN(warm, start, nv1, 1),   IN(warm, item, n4, 1),
+    SCRATCH(warm, all, nv, 1), OUT(warm, press, nv, 1),
+    IN(warm, before, nv, 1),   FIELD_END};
 
 /* The same contacts as the stage that solves them otherwise. */
 void gen_contacts(struct bytes *b, struct contacts *s);
@@ -25,10 +29,17 @@ void gen_warm(struct bytes *b, struct warm *s)
     s->w = c.w;
     s->contact = c.contact;
     s->part = R(15.0) * (real)(1 << pick(b, 7));
+    s->again = 2 / s->part;
+    s->speed = R(0.01) * (real)pick(b, 9);
     vec *g = take(b, s->nv, sizeof *g);
     for (int64_t i = 0; i < s->nv; i++)
         g[i] = pick_vec(b, R(0.01));
     s->g = g;
+    vec *before = take(b, s->nv, sizeof *before);
+    bool first = pick(b, 2);
+    for (int64_t i = 0; i < s->nv && !first; i++)
+        before[i] = pick_vec(b, R(0.5));
+    s->before = before;
     vec *v = take(b, s->nv, sizeof *v);
     bool still = pick(b, 2);
     for (int64_t i = 0; i < s->nv && !still; i++)
@@ -64,9 +75,14 @@ const char *prop_warm(const struct warm *s)
     size += (double)s->n * (REAL_BITS == 32 ? 0x1p-61 : 0x1p-509);
     for (int64_t i = 0; i < s->nv; i++) {
         vec f = s->press[i];
-        double most = (double)s->part * (double)vec_length(s->g[i]);
+        double took = (double)vec_length(s->g[i]);
+        double grown = (double)s->again * (double)vec_length(s->before[i]);
         int items = s->start[i + 1] - s->start[i];
-        /* §2: no vertex is pressed by more than a part of what it took up */
+        if (s->w[i] > 0)
+            grown += (double)s->speed / (double)s->w[i];
+        /* §2: no vertex is pressed by more than a part of what it took up, nor
+         * by more than twice what it was pressed by and what parts it */
+        double most = (double)s->part * fmin(took, grown);
         EXPECT((double)vec_length(f) <=
                most * (1 + (items + 16) * unit) + 0x1p-60);
         EXPECT(items || (f.x == 0 && f.y == 0 && f.z == 0));
@@ -76,5 +92,57 @@ const char *prop_warm(const struct warm *s)
     }
     for (int d = 0; d < 3 && free_all; d++)
         EXPECT(fabs(total[d]) <= 8 * ((double)s->n + 8) * unit * size);
+    return NULL;
+}
+
+/* ---- §5 ---- */
+
+/* A sheet on a slab: four steps, the last with a press of `force` N upwards on
+ * its middle, or as one without press where that is 0. */
+static const char *press_once(real force, struct world **world,
+                              struct arena *arena, drape_step_report *r)
+{
+    struct slab d;
+    drape_error error;
+    slab_make(&d, DRAPE_BW);
+    d.cloth.width = d.cloth.height = 0.19;
+    d.cloth.origin[0] = d.cloth.origin[2] = -0.095;
+    d.cloth.origin[1] = 0.1039;
+    d.obstacle.motion = -1;
+    arena_init(arena, &d.def.allocator);
+    EXPECT(world_make(&d.def, arena, world, &error) == DRAPE_OK);
+    struct world *w = *world;
+    for (int step = 0; step < 4; step++) {
+        EXPECT(step == 0 || w->pressed > 0);
+        if (step == 3 && force > 0)
+            w->press[w->nc / 2].y = force;
+        if (step == 3 && !(force > 0))
+            w->pressed = 0;
+        EXPECT(step_advance(w, r) == DRAPE_OK && r->contacts > 0);
+        EXPECT(r->outcome == 0);
+    }
+    return NULL;
+}
+
+/* A press by which the motion diverges is done without, to the last bit. */
+const char *test_world_cold(void)
+{
+    struct world *w[2];
+    struct arena arena[2];
+    drape_step_report r[2];
+    const char *failed = press_once(0, &w[0], &arena[0], &r[0]);
+    if (!failed)
+        failed = press_once(R(1e9), &w[1], &arena[1], &r[1]);
+    if (failed)
+        return failed;
+    size_t bytes = (size_t)w[0]->nc * sizeof(vec);
+    EXPECT(r[1].work.tries == r[0].work.tries + 1);
+    EXPECT(r[1].slices == r[0].slices);
+    EXPECT(!memcmp(w[0]->x0, w[1]->x0, bytes));
+    EXPECT(!memcmp(w[0]->v0, w[1]->v0, bytes));
+    EXPECT(!memcmp(w[0]->press, w[1]->press, bytes));
+    for (int k = 0; k < 2; k++)
+        arena_free(&arena[k]);
+    ran(1);
     return NULL;
 }
