@@ -5,7 +5,8 @@
 #include "ref/state.h"
 
 enum { WHOLE = 64, TRIES = 3, JOLTS = 2, CALM = 8 };
-static const real CELLS = 8; /* that candidates may move in a slice */
+/* That candidates may move in a slice: implicit, explicit. */
+static const real CELLS = 8, FEW_CELLS = 4;
 
 static int unit(const struct slicing *s)
 {
@@ -15,7 +16,8 @@ static int unit(const struct slicing *s)
 /* The square of the way that §7.2 allows, m². */
 static real allowed(const struct world *w)
 {
-    return (CELLS * w->cell) * (CELLS * w->cell);
+    real way = (w->plan.implicit ? CELLS : FEW_CELLS) * w->cell;
+    return way * way;
 }
 
 void slice_begin(struct world *w)
