@@ -257,6 +257,7 @@
 #define test_pcg_outcomes REAL_NAME(test_pcg_outcomes)
 #define test_pcg_repeats REAL_NAME(test_pcg_repeats)
 #define test_penalty_cone REAL_NAME(test_penalty_cone)
+#define test_penalty_parts REAL_NAME(test_penalty_parts)
 #define test_product_constant REAL_NAME(test_product_constant)
 #define test_product_forms REAL_NAME(test_product_forms)
 #define test_refinement REAL_NAME(test_refinement)

@@ -229,3 +229,70 @@ const char *test_penalty_cone(void)
     EXPECT(slips > 100 && sticks > 100);
     return NULL;
 }
+
+/* ---- §1: who is held ---- */
+
+/* Vertex 0 is pressed down by contact 0, which it still meets, and parts from
+ * contact 1, which is on the same side. Returns contact 1 after a turn. */
+static struct contact part_from(bool first, bool held, real *gave)
+{
+    enum { NV = 7, N = 2 };
+    real w[NV] = {R(5e5)}, share[N], most[N], more[N], brake[NV];
+    vec u[NV] = {{0, R(-0.3), 0}}, g[NV] = {{0, R(-8e-4), 0}};
+    vec guess[NV], force[NV];
+    sym hold[NV] = {{R(0.02), 0, 0, R(0.02), 0, R(0.02)}};
+    int32_t start[NV + 1], item[4 * N], vertex[4 * N];
+    struct contact c[N] = {{.v = {0, 1, 2, 3},
+                            .held = !first,
+                            .target = R(0.5),
+                            .c = {1, R(-0.25), R(-0.25), R(-0.5)},
+                            .n = {0, -1, 0}}};
+    c[1] = c[0];
+    c[1].v[1] = 4;
+    c[1].v[2] = 5;
+    c[1].v[3] = 6;
+    c[1].held = held;
+    c[1].target = 0;
+    struct penalty s = {.nv = NV,
+                        .n = N,
+                        .w = w,
+                        .u = u,
+                        .g = g,
+                        .first = first,
+                        .stiffness = 1000,
+                        .dt = R(1.0) / 240,
+                        .tau = R(1.0) / 240,
+                        .slip = R(1e-3),
+                        .contact = c,
+                        .nv1 = NV + 1,
+                        .n4 = 4 * N,
+                        .start = start,
+                        .item = item,
+                        .vertex = vertex,
+                        .share = share,
+                        .most = most,
+                        .gave = gave,
+                        .more = more,
+                        .guess = guess,
+                        .brake = brake,
+                        .force = force,
+                        .hold = hold};
+    c[0].held = ref_penalty(&s) == DRAPE_OK && c[0].held;
+    c[1].held = c[0].held ? c[1].held : -1;
+    return c[1];
+}
+
+/* What bore nothing is not held by what its neighbour bears, and what bore some
+ * takes back no more; before any turn, what presses may be anyone's. */
+const char *test_penalty_parts(void)
+{
+    real gave[2];
+    struct contact c = part_from(false, false, gave);
+    EXPECT(c.held == 0 && c.impulse == 0 && gave[0] > 0 && gave[1] == 0);
+    c = part_from(false, true, gave);
+    EXPECT(c.held == 1 && gave[1] > 0 && c.impulse == -gave[1]);
+    c = part_from(true, false, gave);
+    EXPECT(c.held == 1 && c.impulse == 0);
+    ran(3);
+    return NULL;
+}
