@@ -5,6 +5,7 @@
 
 #include <drape.h>
 #include <signal.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -116,6 +117,15 @@ static int flush(int status)
     return complain(APP_FAILED, "standard output: cannot write");
 }
 
+/* Whether --help or -h is among the arguments of a command. */
+static bool asks_help(int argc, char **argv)
+{
+    for (int k = 2; k < argc && strcmp(argv[k], "--") != 0; k++)
+        if (strcmp(argv[k], "--help") == 0 || strcmp(argv[k], "-h") == 0)
+            return true;
+    return false;
+}
+
 int main(int argc, char **argv)
 {
     signal(SIGPIPE, SIG_IGN);
@@ -132,7 +142,7 @@ int main(int argc, char **argv)
     if (!command)
         return complain(APP_USAGE, "%s: no such command (try: drape help)",
                         name);
-    if (argc == 3 && strcmp(argv[2], "--help") == 0)
+    if (asks_help(argc, argv))
         return flush(command_help(1, argv + 1));
     return flush(command->call(argc - 2, argv + 2));
 }

@@ -104,8 +104,7 @@ static double left_over(struct ledger *a)
  * what pressed + A Σ dv - b until then. |r|, |g| and what is done are at most
  * `size`. A solve rounds b, r, dv, b - r, hold dv (3), what is done, and the
  * report: 9 u of its part; g: u of all. Chains in binary64, of residual and
- * here, have at most 40
- * + 60 + solves roundings. */
+ * here, have at most 40 + 60 + solves roundings. */
 static const char *balance(struct ledger *a, const drape_step_report *r)
 {
     double left = left_over(a), told = r->residual * a->most;

@@ -81,7 +81,10 @@ const char *prop_warm(const struct warm *s)
         if (s->w[i] > 0)
             grown += (double)s->speed / (double)s->w[i];
         /* §2: no vertex is pressed by more than a part of what it took up, nor
-         * by more than twice what it was pressed by and what parts it */
+         * by more than twice what it was pressed by and what moves it by a part
+         * of the reach. A term is rounded at most 16 times on its way here, and
+         * by each sum of a vertex's items; n to a few units in the last place
+         */
         double most = (double)s->part * fmin(took, grown);
         EXPECT((double)vec_length(f) <=
                most * (1 + (items + 16) * unit) + 0x1p-60);
