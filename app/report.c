@@ -78,12 +78,12 @@ static void put_work(FILE *out, const drape_work *w, int64_t rounds)
     fprintf(out,
             "\"work\": {\"tries\": %d, \"solves\": %d, \"queries\": %d, "
             "\"narrow\": %d, \"narrow_skipped\": %lld, \"boxes\": %lld, "
-            "\"boxes_kept\": %lld, \"walked\": %lld, \"near\": %lld, "
-            "\"later\": %lld}",
+            "\"boxes_kept\": %lld, \"walked\": %lld, \"cleared\": %lld, "
+            "\"near\": %lld, \"later\": %lld}",
             w->tries, w->solves, w->queries, w->narrow,
             (long long)(rounds - w->narrow), (long long)w->boxes,
-            (long long)w->boxes_kept, (long long)w->walked, (long long)w->near,
-            (long long)w->later);
+            (long long)w->boxes_kept, (long long)w->walked,
+            (long long)w->cleared, (long long)w->near, (long long)w->later);
 }
 
 static void put_step(FILE *out, const drape_step_report *s)
@@ -125,6 +125,7 @@ static void add_work(drape_work *all, const drape_work *one)
     all->boxes += one->boxes;
     all->boxes_kept += one->boxes_kept;
     all->walked += one->walked;
+    all->cleared += one->cleared;
     all->near += one->near;
     all->later += one->later;
 }

@@ -222,6 +222,7 @@ static int walk(struct gpu *g, struct broad *b)
         b->visited = s.visited;
         if (status != DRAPE_EFULL) {
             b->walked += s.visited;
+            b->cleared += s.cleared;
             gpu_trace(g, b->trace, "walk", s.tri,
                       (size_t)s.n_tri * sizeof(struct duo));
             return status;

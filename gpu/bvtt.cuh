@@ -93,13 +93,17 @@ static __device__ inline bool cleared(const struct tree *t,
     return clear[turn ? e.b : e.a] >> bit & 1;
 }
 
+static __device__ inline bool boxes_meet(const struct bvtt *s, real reach,
+                                         struct duo e)
+{
+    return e.a == e.b || meets(fetch_as<word16>(&s->box[e.a]),
+                               fetch_as<word16>(&s->box[e.b]), reach);
+}
+
 static __device__ inline bool passes(const struct bvtt *s, real reach,
                                      struct duo e)
 {
-    if (e.a != e.b && !meets(fetch_as<word16>(&s->box[e.a]),
-                             fetch_as<word16>(&s->box[e.b]), reach))
-        return false;
-    return !cleared(&s->tree, s->clear, e);
+    return boxes_meet(s, reach, e) && !cleared(&s->tree, s->clear, e);
 }
 
 /* ---- Places in a block of BVTT_BLOCK items ---- */

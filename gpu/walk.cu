@@ -3,8 +3,9 @@
 #include "gpu/bvtt.cuh"
 
 /* Passes that are queued before the host looks, and the words of each: how
- * many children pass, 1: some are not leaves, 1: they are written. */
-enum { WORD_NEED, WORD_DEEPER, WORD_DONE, WORDS, PASSES = 3 };
+ * many children pass, how many pairs cones stop, 1: some children are not
+ * leaves, 1: they are written. */
+enum { WORD_NEED, WORD_CLEARED, WORD_DEEPER, WORD_DONE, WORDS, PASSES = 3 };
 /* Threads to an item where its children are tested, one for each. */
 enum { KIDS = 16, AT_ONCE = BVTT_BLOCK / KIDS };
 
@@ -32,23 +33,31 @@ static __device__ int64_t items_of(const struct pass *p)
     return good ? before[WORD_NEED] : 0;
 }
 
-static __device__ bool looks(const struct walk *s, real reach, struct duo e)
+/* Whether a pair passes; one that only its cones stop is counted. */
+static __device__ bool looks(const struct walk *s, real reach, struct duo e,
+                             uint32_t *stopped)
 {
-    return (s->stir[e.a] | s->stir[e.b]) && passes(&s->in, reach, e);
+    if (!(s->stir[e.a] | s->stir[e.b]) || !boxes_meet(&s->in, reach, e))
+        return false;
+    bool clear = cleared(&s->in.tree, s->in.clear, e);
+    *stopped += clear;
+    return !clear;
 }
 
-/* Thread t's mask is known: writes it and the block's count. */
+/* Thread t's mask is known, and how many pairs it saw stopped: writes the mask
+ * and the block's counts. */
 static __device__ void count(const struct walk *s, const struct pass *p,
-                             int64_t n, uint32_t mask)
+                             int64_t n, uint32_t mask, uint32_t stopped)
 {
     int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
     uint32_t total;
     if (k < n)
         s->mask[k] = (uint16_t)mask;
-    block_scan((uint32_t)__popc(mask), &total);
+    block_scan((uint32_t)__popc(mask) | stopped << 16, &total);
     if (threadIdx.x == 0) {
-        s->sum[blockIdx.x] = total;
-        word_add(&p->word[WORD_NEED], total);
+        s->sum[blockIdx.x] = total & 0xffff;
+        word_add(&p->word[WORD_NEED], total & 0xffff);
+        word_add(&p->word[WORD_CLEARED], total >> 16);
     }
 }
 
@@ -63,6 +72,7 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
     int t = (int)threadIdx.x, c = t % KIDS;
     int64_t first = (int64_t)blockIdx.x * BVTT_BLOCK, k = first + t;
     int64_t n = items_of(&p);
+    uint32_t stopped = 0;
     if (first >= n)
         return;
     kids[t] = in[t] = 0;
@@ -72,7 +82,7 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
         struct duo e = fetch_duo(&p.from[k]);
         int d = descent(&s.in.tree, e);
         item[t] = e;
-        if (!p.front || looks(&s, p.reach, e)) {
+        if (!p.front || looks(&s, p.reach, e, &stopped)) {
             in[t] = d == 0; /* a pair of leaves is its own child */
             kids[t] = d ? children(&s.in.tree, d, e) | (uint32_t)d << KIDS : 0;
         }
@@ -82,14 +92,14 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
         if (!(kids[i] >> c & 1))
             continue;
         struct duo e = child(&s.in.tree, kids[i] >> KIDS, c, item[i]);
-        if (!looks(&s, p.reach, e))
+        if (!looks(&s, p.reach, e, &stopped))
             continue;
         atomicOr(&in[i], 1u << c);
         if (descent(&s.in.tree, e))
             deeper = 1;
     }
     __syncthreads();
-    count(&s, &p, n, in[t]);
+    count(&s, &p, n, in[t], stopped);
     if (t == 0)
         word_add(&p.word[WORD_DEEPER], deeper);
 }
@@ -121,7 +131,7 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
 {
     int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
     count(&s, &p, p.n,
-          k < p.n ? look_leaves(&s, p.reach, fetch_duo(&p.from[k])) : 0);
+          k < p.n ? look_leaves(&s, p.reach, fetch_duo(&p.from[k])) : 0, 0);
 }
 
 /* One block: where the blocks' children go, if there is room for all. */
@@ -199,6 +209,7 @@ static int go_down(struct gpu *g, struct walk *s, struct pass *p)
         for (int k = 0; k < PASSES && deeper && on; k++, seen += WORDS) {
             int64_t need = seen[WORD_NEED];
             s->visited += p->n;
+            s->cleared += seen[WORD_CLEARED];
             s->need = need > s->need ? need : s->need;
             if (s->need > s->cap)
                 return DRAPE_EFULL;
@@ -241,7 +252,7 @@ int gpu_walk(struct gpu *g, struct walk *s)
     p.cap = s->cap;
     if (!(s->in.r >= 0 && s->in.r <= REAL_BIG))
         return DRAPE_EDATA;
-    s->n_tri = s->need_tri = s->visited = 0;
+    s->n_tri = s->need_tri = s->visited = s->cleared = 0;
     s->need = s->n_front;
     if (s->n_front > s->cap)
         return DRAPE_EFULL;

@@ -197,6 +197,7 @@ static int walk(struct broad *b)
         b->visited = s.visited;
         if (status != DRAPE_EFULL) {
             b->walked += s.visited;
+            b->cleared += s.cleared;
             trace_stage(b->trace, "walk", s.tri,
                         (size_t)s.n_tri * 2 * sizeof(int32_t));
             return status;

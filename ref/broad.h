@@ -49,9 +49,10 @@ struct broad {
     int64_t front_visited, visited; /* pairs of nodes looked into */
 
     /* Of all queries since the caller took these: nodes refitted, nodes of
-     * static meshes that were not, pairs of nodes walked. */
+     * static meshes that were not, pairs of nodes walked, and left out of it
+     * as clear. */
     int queries;
-    int64_t refitted, kept, walked;
+    int64_t refitted, kept, walked, cleared;
 };
 
 /* The scene's streams stay the caller's: tri must live as long as b, x is not

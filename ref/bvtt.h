@@ -43,12 +43,17 @@ static inline bool bvtt_clear(const struct bvtt *s, int32_t a, int32_t b)
     return s->clear[turn ? b : a] >> (dj == 0 ? di : 3 - di) & 1;
 }
 
+static inline bool bvtt_meets(const struct bvtt *s, real reach, int32_t a,
+                              int32_t b)
+{
+    return a == b || box_meets(&s->box[a], &s->box[b], reach);
+}
+
 /* §2: whether a pair of nodes is looked into. */
 static inline bool bvtt_passes(const struct bvtt *s, real reach, int32_t a,
                                int32_t b)
 {
-    return (a == b || box_meets(&s->box[a], &s->box[b], reach)) &&
-           !bvtt_clear(s, a, b);
+    return bvtt_meets(s, reach, a, b) && !bvtt_clear(s, a, b);
 }
 
 /* Children of a pair are numbered 4 i + j by the child of either side. Bit

@@ -134,8 +134,9 @@ void slice_count(drape_work *work, struct broad *b)
     work->boxes += b->refitted;
     work->boxes_kept += b->kept;
     work->walked += b->walked;
+    work->cleared += b->cleared;
     b->queries = 0;
-    b->refitted = b->kept = b->walked = 0;
+    b->refitted = b->kept = b->walked = b->cleared = 0;
 }
 
 /* A step's part of work is the sum of its tries'. */
@@ -148,6 +149,7 @@ static void add_work(drape_work *all, const drape_work *one)
     all->boxes += one->boxes;
     all->boxes_kept += one->boxes_kept;
     all->walked += one->walked;
+    all->cleared += one->cleared;
     all->near += one->near;
     all->later += one->later;
 }

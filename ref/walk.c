@@ -9,13 +9,20 @@ struct pass {
     int32_t (*to)[2];
 };
 
-static bool passes(const struct walk *s, real reach, int32_t a, int32_t b)
+/* §1: whether a pair passes; one that only its cones stop is counted. */
+static bool passes(const struct walk *s, real reach, int32_t a, int32_t b,
+                   int64_t *cleared)
 {
-    return (s->stir[a] | s->stir[b]) && bvtt_passes(&s->in, reach, a, b);
+    if (!(s->stir[a] | s->stir[b]) || !bvtt_meets(&s->in, reach, a, b))
+        return false;
+    bool clear = bvtt_clear(&s->in, a, b);
+    *cleared += clear;
+    return !clear;
 }
 
-/* §1: the children of a pair that pass; a pair of leaves is its own child. */
-static uint32_t look(const struct walk *s, real reach, const int32_t e[2])
+/* The children of a pair that pass; a pair of leaves is its own child. */
+static uint32_t look(const struct walk *s, real reach, const int32_t e[2],
+                     int64_t *cleared)
 {
     const struct tree *t = &s->in.tree;
     int d = tree_descends(t, e[0], e[1]);
@@ -27,10 +34,29 @@ static uint32_t look(const struct walk *s, real reach, const int32_t e[2])
         if (!(mask >> k & 1))
             continue;
         bvtt_child(t, d, k, &a, &b);
-        if (!passes(s, reach, a, b))
+        if (!passes(s, reach, a, b, cleared))
             mask &= ~(1u << k);
     }
     return mask;
+}
+
+/* The masks of a pass, of which the first tests its pairs themselves; how many
+ * pairs cones stopped. */
+static int64_t look_all(const struct walk *s, real reach, const struct pass *p,
+                        bool first)
+{
+    int64_t blocks = bvtt_blocks(p->n);
+    EACH_MANY(p->n)
+    for (int64_t block = 0; block < blocks; block++) {
+        int64_t end = (block + 1) * BVTT_BLOCK, cleared = 0;
+        for (int64_t k = block * BVTT_BLOCK; k < p->n && k < end; k++) {
+            const int32_t *e = p->from[k];
+            bool in = !first || passes(s, reach, e[0], e[1], &cleared);
+            s->mask[k] = (uint16_t)(in ? look(s, reach, e, &cleared) : 0);
+        }
+        s->sum[block] = cleared;
+    }
+    return bvtt_scan(s->sum, blocks);
 }
 
 /* §2: the pairs of triangles of two leaves whose boxes meet. */
@@ -102,12 +128,7 @@ static int descend(struct walk *s, real reach, struct pass *p)
     p->to = s->pair;
     for (int64_t l = 0; l <= 2 * s->in.tree.levels; l++) {
         s->visited += p->n;
-        EACH_MANY(p->n)
-        for (int64_t k = 0; k < p->n; k++) {
-            const int32_t *e = p->from[k];
-            bool in = l > 0 || passes(s, reach, e[0], e[1]);
-            s->mask[k] = (uint16_t)(in ? look(s, reach, e) : 0);
-        }
+        s->cleared += look_all(s, reach, p, l == 0);
         int64_t n = place(s, p->n);
         s->need = n > s->need ? n : s->need;
         if (n > s->cap)
@@ -131,7 +152,7 @@ int ref_walk(struct walk *s)
     real reach = box_reach(s->in.r);
     if (!(s->in.r >= 0 && s->in.r <= REAL_BIG))
         return DRAPE_EDATA;
-    s->n_tri = s->need_tri = s->visited = 0;
+    s->n_tri = s->need_tri = s->visited = s->cleared = 0;
     s->need = s->n_front;
     if (s->n_front > s->cap || descend(s, reach, &p) != DRAPE_OK)
         return DRAPE_EFULL;

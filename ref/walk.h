@@ -23,6 +23,7 @@ struct walk {
     int64_t need;              /* out: node pairs that a level would hold */
     int64_t need_tri;          /* out: triangle pairs that there are */
     int64_t visited;           /* out: pairs of nodes looked into */
+    int64_t cleared;           /* out: that meet, left out as clear */
 };
 
 /* DRAPE_OK; DRAPE_EDATA for a bad r; DRAPE_EFULL: need > cap or

@@ -214,6 +214,8 @@ typedef struct drape_work {
     int64_t boxes;      /* of the tree, refitted by the queries */
     int64_t boxes_kept; /* of obstacles that never move: not refitted */
     int64_t walked;     /* pairs of boxes looked into */
+    int64_t cleared;    /* pairs of boxes that meet, not looked into as cones
+                           prove their cloth apart */
     int64_t near;       /* pairs given to proximity */
     int64_t later;      /* of candidates, those of rounds after the first: of
                            what had moved since */

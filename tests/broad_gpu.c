@@ -88,6 +88,7 @@ static const char *compare(struct both *t)
     EXPECT(a->n == b->n && a->n_vf == b->n_vf);
     EXPECT(a->n_front == b->n_front && a->n_both == b->n_both);
     EXPECT(a->front_visited == b->front_visited && a->visited == b->visited);
+    EXPECT(a->walked == b->walked && a->cleared == b->cleared);
     EXPECT(same_bytes(t->g, a->pair.data, b->pair.data, 16 * n));
     EXPECT(same_bytes(t->g, a->kind.data, b->kind.data, n));
     EXPECT(same_bytes(t->g, a->front.data, b->front.data, 8 * front));

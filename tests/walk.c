@@ -14,7 +14,18 @@ const struct field fields_walk[] = {FABRIC_BVTT(walk),
                                     OUT_USED(walk, tri, cap_tri, 1, n_tri),
                                     OUT_VALUE(walk, n_tri),
                                     OUT_VALUE(walk, visited),
+                                    OUT_VALUE(walk, cleared),
                                     FIELD_END};
+
+/* One leaf in four is stirred, and with it the nodes above. */
+static void stir_few(struct bytes *b, const struct tree *t, uint8_t *stir)
+{
+    memset(stir, 0, (size_t)t->n);
+    for (int32_t k = 0; k < t->n; k++)
+        if (t->level[k] == 0 && pick(b, 4) == 0)
+            for (int32_t a = k; a >= 0; a = t->parent[a])
+                stir[a] = 1;
+}
 
 void gen_walk(struct bytes *b, struct walk *s)
 {
@@ -25,8 +36,7 @@ void gen_walk(struct bytes *b, struct walk *s)
     s->x0 = w.f.x0;
     s->x1 = w.f.x1;
     if (pick(b, 3) == 0)
-        for (int64_t a = 0; a < s->in.tree.n; a++)
-            w.stir[a] = s->in.tree.level[a] > 0 || pick(b, 4) == 0;
+        stir_few(b, &s->in.tree, w.stir);
     s->stir = w.stir;
     s->n_front = w.roots;
     s->front = (const int32_t(*)[2])w.root;
@@ -72,6 +82,27 @@ static int64_t count_wanted(const struct walk *s, const int32_t root[2])
     return count;
 }
 
+/* §1: of the pairs (a, b) comes down to, those that cones alone stop. Their
+ * boxes need no test: neighbours have a vertex in common. */
+static int64_t count_cleared(const struct walk *s, int32_t a, int32_t b)
+{
+    const struct tree *t = &s->in.tree;
+    const struct box *box = s->in.box;
+    int64_t count = 0;
+    if (!(s->stir[a] | s->stir[b]))
+        return 0;
+    if (bvtt_clear(&s->in, a, b))
+        return 1;
+    if (a != b && !box_meets(&box[a], &box[b], box_reach(s->in.r)))
+        return 0;
+    int d = tree_descends(t, a, b);
+    for (int i = 0; d && i < (d & 1 ? t->count[a] : 1); i++)
+        for (int j = a == b ? i : 0; j < (d & 2 ? t->count[b] : 1); j++)
+            count += count_cleared(s, d & 1 ? t->first[a] + i : a,
+                                   d & 2 ? t->first[b] + j : b);
+    return count;
+}
+
 /* Where triangle t stands in the order of the leaves. */
 static int32_t rank_of(const struct tree *t, int32_t tri)
 {
@@ -81,15 +112,19 @@ static int32_t rank_of(const struct tree *t, int32_t tri)
     return k;
 }
 
-/* §2: all that meet, none twice; §3: two triangles of one pair of meshes come
- * in the order of the walk, so the same first triangle's come ascending. */
+/* §1: each pair that cones stop is counted; §2: all that meet, none twice; §3:
+ * two triangles of one pair of meshes come in the order of the walk, so the
+ * same first triangle's come ascending. */
 const char *prop_walk(const struct walk *s)
 {
     const struct tree *t = &s->in.tree;
-    int64_t count = 0;
-    for (int64_t k = 0; k < s->n_front; k++)
+    int64_t count = 0, cleared = 0;
+    for (int64_t k = 0; k < s->n_front; k++) {
         count += count_wanted(s, s->front[k]);
+        cleared += count_cleared(s, s->front[k][0], s->front[k][1]);
+    }
     EXPECT(count == s->n_tri);
+    EXPECT(cleared == s->cleared);
     for (int64_t k = 0; k < s->n_tri; k++) {
         EXPECT(s->tri[k][0] != s->tri[k][1]);
         if (k == 0 || s->tri[k][0] != s->tri[k - 1][0])

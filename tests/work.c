@@ -74,6 +74,7 @@ static const char *far_away(int integrator, bool moves)
         EXPECT((w->boxes_kept > 0) == (k > 0 && !moves));
         EXPECT(w->boxes_kept < w->boxes);
         EXPECT(w->walked <= 4);
+        EXPECT(w->cleared == 1); /* the sheet with itself */
     }
     drape_destroy(world);
     notes_free(&a);
@@ -100,9 +101,10 @@ static const char *falls(int integrator)
         all.solves += r.work.solves;
         all.narrow += r.work.narrow;
         all.near += r.work.near;
+        all.cleared += r.work.cleared;
         all.later += r.work.later;
     }
-    EXPECT(all.solves > 12 && all.near > 0);
+    EXPECT(all.solves > 12 && all.near > 0 && all.cleared >= 12);
     EXPECT(integrator == DRAPE_CK || all.later > 0);
     EXPECT(all.narrow > 0 && all.narrow <= rounds);
     drape_destroy(world);
