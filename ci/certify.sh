@@ -3,73 +3,138 @@
 # `make certify`, on a machine with a device: compares ref/ and gpu/ stage by
 # stage and scene by scene, and writes what it found to OUT, whatever it is.
 # spec/50_gpu.md §7. Needs BUILD/check-cuda and BUILD/drape made with GPU=yes.
+# The reference runs side by side with the device, whose runs take turns.
 # usage: ci/certify.sh BUILD OUT [quick]
 set -u
 build=$1 out=$2 quick=${3-}
-long=${quick:+2}
-long=${long:-120}
 work=$build/certify
 rows=$work/rows
 rm -rf "$work"
 mkdir -p "$work"
 export OMP_WAIT_POLICY=passive
-threads=$(nproc)
+cores=$(nproc)
+began=$(date +%s)
 
 # A row of the certificate: kind and fields, divided by tabs.
 row() { (IFS=$(printf '\t'); echo "$*") >>"$rows"; }
+took() { echo "$(($(date +%s) - began)) s: $*"; }
 
-# The stages' digests of a run, from its trace.
-digests() { [ ! -f "$1/trace.csv" ] || cut -d, -f1-3 "$1/trace.csv"; }
+# ---- One run ----
 
-# run NAME BACKEND OPTION...: one run, its digests in NAME.BACKEND
-run() {
-    name=$1 backend=$2
-    shift 2
-    rm -rf "$work/run" # a run that fails must leave no trace to compare
-    "$build/drape" run "$work/$name.json" --backend "$backend" --trace \
-        --no-obj --out "$work/run" "$@" >"$work/log" 2>&1 ||
-        tail -n 2 "$work/log"
-    digests "$work/run" >"$work/$name.$backend"
-}
-
-# same NAME WHAT FRAMES FILE FILE: counts the lines that differ
-same() {
-    different=$(diff "$4" "$5" | grep -c '^[<>]')
-    stages=$(grep -vc '^step,' "$4")
-    steps=$(grep -v '^step,' "$4" | cut -d, -f1 | uniq | wc -l)
-    each=$(sed -n 's/.*"steps_per_frame": \([0-9]*\).*/\1/p' "$work/$1.json")
-    # a trace that is empty, or ends early, proves nothing
-    [ "$steps" -eq $(($3 * ${each:-1})) ] || different=$((different + 1))
-    echo "$1, $2: $steps steps, $stages stages, $different different"
-    row scene "$1" "$2" "$steps" "$stages" "$different" \
-        "$(sha256sum <"$4" | cut -c1-16)" \
-        "$(awk -F, '$1 == "step" || $1 < 6' "$4" | sha256sum | cut -c1-16)"
-}
-
-# scene NAME FILE FRAMES EDIT: on both backends; EDIT is sed's, of the scene.
+# scene NAME FILE FRAMES [KEYS]: what is to run; KEYS come before the file's.
+# FRAMES: so many, all traced; or "A B C": C, to A and from B on traced.
+names=
 scene() {
-    name=$1 file=$2 frames=$3
-    sed "$4" "app/scenes/$file.json" >"$work/$name.json"
-    run "$name" ref --frames "$frames" --threads "$threads"
-    run "$name" gpu --frames "$frames"
-    same "$name" "ref and gpu" "$frames" "$work/$name.ref" "$work/$name.gpu"
+    sed "1s/{/{${4-}/" "app/scenes/$2.json" >"$work/$1.json"
+    echo "$3" >"$work/$1.frames"
+    names="$names $1"
 }
 
-# Run to run, with another block size, and after a checkpoint.
+# part TO OPTION...: brings the run in $dir to that frame.
+part() {
+    to=$1
+    shift
+    "$build/drape" run "$work/$name.json" --backend "$backend" --no-obj \
+        --frames "$to" --out "$dir" "$@" >"$dir.log" 2>&1 ||
+        tail -n 2 "$dir.log" >&2
+}
+
+# The stages' digests of what was traced last.
+digests() { [ ! -f "$dir/trace.csv" ] || cut -d, -f1-3 "$dir/trace.csv"; }
+
+# How each step ended: positions, and the report but for its times.
+ends() {
+    sha256sum "$dir"/frames/cloth_*.ply |
+        awk 'NR > 1 { print NR - 2 ",state," $1 }'
+    sed -n 's/"seconds": {[^}]*}, //; s/,/;/g; s/^ *{"step": //p' \
+        "$dir/report.json" | awk '{ print $1 - 1 ",report," $0 }'
+}
+
+# parts A B C OPTION...: traced to A and from B on, and all ends of steps.
+parts() {
+    a=$1 b=$2 c=$3
+    shift 3
+    part "$a" --checkpoint-every "$a" --trace "$@"
+    digests
+    rm -f "$dir/trace.csv"
+    part "$b" --checkpoint-every "$b" --resume "$dir/checkpoint.drape" "$@"
+    part "$c" --resume "$dir/checkpoint.drape" --trace "$@"
+    digests
+    ends
+}
+
+# run NAME BACKEND FRAMES OPTION...: its digests in NAME.BACKEND
+run() {
+    name=$1 backend=$2 frames=$3 dir=$work/$1-$2
+    shift 3
+    rm -rf "$dir" # a run that fails must leave no trace to compare
+    # shellcheck disable=SC2086
+    case $frames in
+    *' '*) parts $frames "$@" ;;
+    *) part "$frames" --trace "$@" && digests ;;
+    esac >"$work/$name.$backend"
+    rm -rf "$dir/frames"
+}
+
+frames_of() { cat "$work/$1.frames"; }
+
+# ---- Comparing ----
+
+# same NAME WHAT STEPS TRACED FILE FILE: counts the lines that differ
+same() {
+    different=$(diff "$5" "$6" | grep -c '^[<>]')
+    each=$(sed -n 's/.*"steps_per_frame": \([0-9]*\).*/\1/p' "$work/$1.json")
+    each=${each:-1}
+    grep -v '^step,' "$5" | cut -d, -f1 | sort -un >"$work/steps"
+    grep -v '^step,\|,state,\|,report,' "$5" >"$work/traced"
+    steps=$(wc -l <"$work/steps") stages=$(wc -l <"$work/traced")
+    traced=$(cut -d, -f1 "$work/traced" | uniq | wc -l)
+    # a trace that is empty, or ends early, proves nothing
+    [ "$steps $traced" = "$(($3 * each)) $(($4 * each))" ] ||
+        different=$((different + 1))
+    echo "$1, $2: $steps steps, $traced traced, $stages stages," \
+        "$different different"
+    row scene "$1" "$2" "$steps" "$traced" "$stages" "$different" \
+        "$(sha256sum <"$5" | cut -c1-16)" \
+        "$(awk -F, '$1 == "step" || $1 < 6' "$5" | sha256sum | cut -c1-16)"
+}
+
+# both NAME: what ref/ and gpu/ gave
+both() {
+    # shellcheck disable=SC2046
+    set -- "$1" $(frames_of "$1")
+    same "$1" 'ref and gpu' "${4-$2}" "$(($2 + ${4-0} - ${3-0}))" \
+        "$work/$1.ref" "$work/$1.gpu"
+}
+
+# again NAME FRAMES: run to run, with other block sizes, after a checkpoint
 again() {
-    mv "$work/$1.gpu" "$work/$1.first"
+    first=$work/$1.first half=$(($2 / 2))
+    cp "$work/$1.gpu" "$first"
     for block in 0 64 96; do
-        run "$1" gpu --frames "$2" --block $block
-        same "$1" "gpu again, block $block" "$2" "$work/$1.first" "$work/$1.gpu"
+        run "$1" gpu "$2" --block $block
+        same "$1" "gpu again, block $block" "$2" "$2" "$first" "$work/$1.gpu"
     done
-    half=$(($2 / 2))
-    run "$1" gpu --frames $half --checkpoint-every $half
-    cp "$work/run/checkpoint.drape" "$work/checkpoint.drape"
-    run "$1" gpu --frames "$2" --resume "$work/checkpoint.drape"
+    run "$1" gpu $half --checkpoint-every $half
+    cp "$work/$1-gpu/checkpoint.drape" "$work/checkpoint.drape"
+    run "$1" gpu "$2" --resume "$work/checkpoint.drape"
     tail -n +2 "$work/$1.gpu" >"$work/after"
-    awk -F, -v from=$half '$1 != "step" && $1 >= from' "$work/$1.first" \
+    awk -F, -v from=$half '$1 != "step" && $1 >= from' "$first" \
         >"$work/unbroken"
-    same "$1" "after a checkpoint" $(($2 - half)) "$work/unbroken" "$work/after"
+    same "$1" 'after a checkpoint' $(($2 - half)) $(($2 - half)) \
+        "$work/unbroken" "$work/after"
+    mv "$first" "$work/$1.gpu"
+}
+
+# references SHARE NAME...: one after another, on that many of 16 processors
+references() {
+    threads=$((cores * $1 / 16))
+    shift
+    for name; do
+        run "$name" ref "$(frames_of "$name")" \
+            --threads $((threads > 0 ? threads : 1))
+        took "reference of $name"
+    done
 }
 
 # Small cases of every stage in $work/names under a tool of compute-sanitizer,
@@ -98,45 +163,72 @@ sanitize() {
     row sanitizer "$1" "$(wc -l <"$work/$1")" "$found"
 }
 
+# ---- What is compared ----
+
 row toolkit "$(nvcc --version | sed -n 's/.*release \([0-9.]*\).*/\1/p')"
 row driver "$(nvidia-smi --query-gpu=driver_version --format=csv,noheader |
     head -n 1)"
 for part in spec ref gpu flags; do
     row tree $part "$(sh ci/tree.sh $part)"
 done
+
+long=120 parted='6 114 120'
+[ ! "$quick" ] || long=2 parted='1 2 3'
+scene tiny tiny 6
+scene tiny64 tiny 6 '"precision": 64,'
+for method in baraff-witkin choi-ko; do
+    scene "lion_20k_$method" lion_20k $long "\"integrator\": \"$method\","
+done
+# thousands of stages a step: tracing them all takes the device minutes more
+for method in euler midpoint verlet rk4; do
+    scene "lion_20k_$method" lion_20k "$parted" "\"integrator\": \"$method\","
+done
+scene lion_20k_64 lion_20k 30 '"precision": 64,'
+scene lion_20k_jacobi lion_20k 30 '"precond": "jacobi", "matrix": "cdf",'
+small='funnel twist curtain flag'
+for name in $small; do
+    scene "$name" "$name" 20
+done
+# thrown so hard, and so little allowed, that zones and rollback are at work
+scene thrown lion_20k 8 \
+    '"max_slices": 1, "max_rounds": 2, "gravity": [0, -900, 0],'
+large=
+[ "$quick" ] || large='buddha_500k buddha_2m'
+[ "$quick" ] || scene buddha_500k buddha_500k 10
+[ "$quick" ] || scene buddha_2m buddha_2m 4
+
+# The longest have most processors, so that all end at about the same time.
+# shellcheck disable=SC2086
+{
+    references 6 lion_20k_rk4 &
+    references 3 lion_20k_verlet &
+    references 3 lion_20k_midpoint &
+    references 2 lion_20k_euler lion_20k_baraff-witkin &
+    references 2 $large lion_20k_choi-ko lion_20k_64 lion_20k_jacobi $small \
+        thrown tiny tiny64 &
+}
 "$build/check-cuda" --certify fuzz/corpus >"$work/stages" ||
     echo "check-cuda ended with $?"
 tail -n 1 "$work/stages"
 sed -n 's/^device /device\t/p; s/^stage \(.*\) \(.*\) \(.*\) \(.*\) \(.*\)/stage\t\1\t\2\t\3\t\4\t\5/p' \
     "$work/stages" >>"$rows"
-
-scene tiny tiny 6 ''
-scene tiny64 tiny 6 '1s/{/{"precision": 64,/'
-for integrator in baraff-witkin choi-ko; do
-    scene "lion_20k_$integrator" lion_20k $long \
-        "1s/{/{\"integrator\": \"$integrator\",/"
+took stages
+for name in $names; do
+    run "$name" gpu "$(frames_of "$name")"
 done
 again lion_20k_baraff-witkin $long
-for integrator in euler midpoint verlet rk4; do # hundreds of substeps each
-    scene "lion_20k_$integrator" lion_20k 2 \
-        "1s/{/{\"integrator\": \"$integrator\",/"
+took 'runs of the device'
+wait
+for name in $names; do
+    both "$name"
 done
-scene lion_20k_64 lion_20k 30 '1s/{/{"precision": 64,/'
-scene lion_20k_jacobi lion_20k 30 \
-    '1s/{/{"precond": "jacobi", "matrix": "cdf",/'
-for name in funnel twist curtain flag; do
-    scene $name $name 20 ''
-done
-# thrown so hard, and so little allowed, that zones and rollback are at work
-scene thrown lion_20k 8 \
-    '1s/{/{"max_slices": 1, "max_rounds": 2, "gravity": [0, -900, 0],/'
-[ "$quick" ] || scene buddha_500k buddha_500k 10 ''
-[ "$quick" ] || scene buddha_2m buddha_2m 4 ''
+
 sed -n 's/^STAGE(\(.*\),.*/\1/p' spec/stages.def >"$work/names"
 [ "$quick" ] || for tool in memcheck racecheck initcheck synccheck; do
     sanitize $tool &
 done
 wait
+took sanitizers
 python3 ci/certificate.py write "$rows" "$out"
 line=$(python3 ci/certificate.py line "$out")
 echo "$line"

@@ -15,8 +15,8 @@ static int grow(struct gpu *g, struct broad_pool *p, enum arena_part part,
     gpu_give(g, p->data);
     p->cap = 0;
     p->data = gpu_take(g, part, cap, size);
-    if (!p->data)
-        return DRAPE_ENOMEM;
+    if (!p->data) /* there is no room, or no device any more */
+        return gpu_status(g);
     p->cap = cap;
     return DRAPE_OK;
 }

@@ -14,7 +14,8 @@
 static void *allocate(void *user, size_t bytes)
 {
     (void)user;
-    return aligned_alloc(64, (bytes + 63) / 64 * 64);
+    return emulate_lost(true) ? NULL
+                              : aligned_alloc(64, (bytes + 63) / 64 * 64);
 }
 
 static void release(void *user, void *p, size_t bytes)
@@ -28,6 +29,17 @@ const drape_allocator *gpu_native(void)
 {
     static const drape_allocator native = {allocate, release, NULL};
     return &native;
+}
+
+/* Whether g can do no more; notes why. */
+static bool fails(struct gpu *g, bool more)
+{
+    size_t n = strlen(g->name);
+    if (!g->failed && emulate_lost(more)) {
+        g->failed = DRAPE_EDEVICE;
+        snprintf(g->name + n, sizeof g->name - n, ": lost on purpose");
+    }
+    return g->failed;
 }
 
 struct gpu *gpu_open(const drape_def *def, int *status)
@@ -80,23 +92,24 @@ void gpu_down(struct gpu *g, void *host, const void *device, size_t bytes)
 
 void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes)
 {
-    if (bytes && !g->failed)
+    if (bytes && !fails(g, true))
         memcpy(to, from, bytes);
 }
 
 void gpu_clear(struct gpu *g, void *device, size_t bytes)
 {
-    if (bytes && !g->failed)
+    if (bytes && !fails(g, true))
         memset(device, 0, bytes);
 }
 
 void gpu_wait(struct gpu *g)
 {
-    (void)g;
+    fails(g, false);
 }
 
 int gpu_status(struct gpu *g)
 {
+    fails(g, false);
     return g->failed;
 }
 
@@ -142,7 +155,8 @@ const int64_t *gpu_look_words(struct gpu *g, int n)
 void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
 {
     int64_t sum = 0;
-    for (int64_t k = 0; k < n && !g->failed; k++) {
+    bool lost = g->failed || emulate_lost(true);
+    for (int64_t k = 0; k < n && !lost; k++) {
         int64_t here = a[k];
         a[k] = sum;
         sum += here;
@@ -153,7 +167,7 @@ struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
                      struct key *spare)
 {
     (void)spare;
-    if (!g->failed)
+    if (!g->failed && !emulate_lost(true))
         std::sort(key, key + n, [](const struct key &a, const struct key &b) {
             if (a.hi != b.hi)
                 return a.hi < b.hi;

@@ -45,6 +45,11 @@ struct emulate_call {
 /* Of a team, gpu/team.cuh: its ranks at most, and bytes of a rank's room. */
 enum { EMULATE_RANKS = 3, EMULATE_ROOM = 1 << 16 };
 
+/* Whether the device is lost (gpu_way.lost): to one more launch, copy or
+ * allocation, or to who only asks. What is launched then does nothing, and
+ * whoever waits for it is told. */
+bool emulate_lost(bool more);
+
 void emulate_items(int64_t n, int threads, emulate_call kernel);
 void emulate_blocks(int64_t blocks, int threads, emulate_call kernel);
 /* One block, whose ranks of `threads` threads have barriers of their own. */

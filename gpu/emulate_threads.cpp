@@ -12,11 +12,19 @@ __thread unsigned char emulate_lane[1024][8];
 __thread int emulate_ranks;
 
 static __thread struct gpu_way way;
+static __thread int64_t asked; /* of the device, since its way was set */
 
 void gpu_set_way(struct gpu *g, struct gpu_way to)
 {
     g->hosted[0] = to.hosted;
     way = to;
+    asked = 0;
+}
+
+bool emulate_lost(bool more)
+{
+    asked += more;
+    return way.lost && asked >= way.lost;
 }
 
 /* The k-th of n, from the first or from the last on. */
@@ -28,6 +36,8 @@ static unsigned turn(int64_t k, int64_t n, bool first)
 void emulate_items(int64_t n, int threads, emulate_call kernel)
 {
     int64_t blocks = n > 0 ? (n + threads - 1) / threads : 0;
+    if (blocks && emulate_lost(true))
+        return;
     gridDim = {(unsigned)blocks, 1, 1};
     blockDim = {(unsigned)threads, 1, 1};
     for (int64_t b = 0; b < blocks; b++)
@@ -179,6 +189,8 @@ static void run_blocks(int64_t blocks, int ranks, int threads,
     in_block = (unsigned)(ranks * threads);
     gridDim = {(unsigned)(blocks > 0 ? blocks : 0), 1, 1};
     blockDim = {in_block, 1, 1};
+    if (blocks > 0 && emulate_lost(true))
+        return;
     running = kernel;
     for (int64_t b = 0; b < blocks; b++) {
         blockIdx = {turn(b, blocks, way.descending), 0, 0};
@@ -201,7 +213,7 @@ bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
     do
         if (turn.run(turn.with) != DRAPE_OK)
             return false;
-    while (again && *again && !g->failed);
+    while (again && *again && !g->failed && !emulate_lost(false));
     return true;
 }
 

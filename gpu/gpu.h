@@ -37,6 +37,9 @@ struct gpu_way {
     bool descending; /* blocks first to last, threads and ranks last to first */
     int left_out;    /* kernels go on without this barrier of theirs; 0: none */
     int parted;      /* where this one is the team's, it is the rank's */
+    int64_t lost;    /* the launch, copy or allocation from here on with which
+                        the device is lost, to be back with the next way; 0:
+                        none */
 };
 void gpu_set_ranks(struct gpu *g, int ranks);
 void gpu_set_way(struct gpu *g, struct gpu_way way);

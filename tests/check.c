@@ -231,6 +231,7 @@ static int usage(void)
           "  --golden FILE   --stages, against recorded hashes\n"
           "  --golden-write FILE\n"
           "  --replay FILE   one recorded case\n"
+          "  --lose K        the device in the K-th stage of a run\n"
           "  --bench         time of each stage as csv, --bench-gpu there\n"
           "  --bench-solve   whole solves on the device, as csv\n",
           stderr);
@@ -277,6 +278,9 @@ static int obey(const char *a, const char *value, bool modes)
     } else if (!strcmp(a, "--certify")) {
         if (modes)
             certify(value);
+    } else if (!strcmp(a, "--lose")) {
+        if (modes)
+            report("device", "lost", 32, lose_device_32(atoi(value)));
     } else if (!strcmp(a, "--replay")) {
         if (modes)
             replay(value);

@@ -47,11 +47,12 @@ def plan_bytes(run):
     return {row["stage"]: row["bytes"] for row in run["plan"]}
 
 
-def explicit_bytes(start, implicit):
-    """Explicit streams at the start; of what collisions fill, what the
-    implicit run came to."""
-    return {stage: max(count, implicit[stage]) if stage in COLLISION else count
-            for stage, count in start.items()}
+def explicit_bytes(explicit, start, implicit):
+    """What an explicit run would come to: what its first step left, and where
+    collisions fill streams what the implicit run filled from its start on."""
+    return {stage: count + max(0, implicit[stage] - start[stage])
+            if stage in COLLISION else count
+            for stage, count in explicit.items()}
 
 
 def memory(results):
@@ -59,9 +60,10 @@ def memory(results):
     for scene, run in results.ours():
         implicit = plan_bytes(run)
         explicit = results.runs[scene].get("explicit")
-        if explicit:
-            yield scene, "explicit", explicit_bytes(plan_bytes(explicit),
-                                                    implicit)
+        start = results.runs[scene].get("start")
+        if explicit and start:
+            yield scene, "explicit", explicit_bytes(
+                plan_bytes(explicit), plan_bytes(start), implicit)
         yield scene, "implicit", implicit
 
 
