@@ -14,13 +14,15 @@ static int grow(struct gpu *g, struct broad_pool *p, enum arena_part part,
     int64_t cap = need + need / 4 + 256;
     gpu_give(g, p->data);
     p->cap = 0;
-    p->data = gpu_take(g, part, cap, size);
+    p->data = part == ARENA_FRONT ? gpu_take(g, part, cap, size)
+                                  : gpu_borrow(g, part, cap, size);
     if (!p->data)
         return DRAPE_ENOMEM;
     p->cap = cap;
     return DRAPE_OK;
 }
 
+/* Of a query and its candidates, which are read before contacts are solved. */
 static int grow_pairs(struct gpu *g, struct broad_pool *p, int64_t need,
                       size_t size)
 {
@@ -100,12 +102,12 @@ int gpu_broad_make(struct gpu *g, const struct broad *host, struct broad *b)
     b->front = b->other = b->third = b->mask = b->act = b->sum = b->both =
         b->pair = b->kind = {};
     b->n = b->n_vf = b->n_both = 0;
+    b->tangents = NULL; /* scratch of stage cones */
     copy_tree(g, &b->tree, &b->map);
     take_copy(g, ARENA_FRONT, &b->root, b->roots);
     take_new(g, &b->box, b->tree.n);
     take_new(g, &b->stir, b->tree.n);
     take_new(g, &b->clear, b->tree.n_cloth);
-    take_new(g, &b->tangents, b->cones ? b->tree.n_cloth : 0);
     int status = gpu_status(g);
     if (status == DRAPE_OK)
         status = begin_front(
@@ -152,8 +154,9 @@ static int cones(struct gpu *g, struct broad *b)
     s.x1 = b->x1;
     s.r = b->r;
     s.clear = b->clear;
-    s.tangents = b->tangents;
-    int status = gpu_cones(g, &s);
+    s.tangents = (struct tangents *)gpu_scratch(g, SLOT_STAGE, s.tree.n_cloth,
+                                                sizeof *s.tangents);
+    int status = s.tangents ? gpu_cones(g, &s) : gpu_status(g);
     gpu_trace(g, b->trace, "cones", b->clear, (size_t)b->tree.n_cloth);
     return status;
 }

@@ -35,9 +35,9 @@ int gpu_couple_make(struct gpu_world *w)
     struct gpu *g = w->gpu;
     p->force = (vec *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(vec));
     p->hold = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
-    p->guess = (vec *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(vec));
-    w->couple.press = p->guess; /* which nobody reads between two penalties */
-    p->brake = (real *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(real));
+    p->guess = (vec *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(vec));
+    w->couple.press = p->guess; /* of the last contacts: no solve is after */
+    p->brake = (real *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(real));
     p->g = w->couple.g = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
     return gpu_status(g);
 }
@@ -83,13 +83,14 @@ static int make_room(struct gpu_world *w, int64_t n)
     gpu_give(g, p->most);
     gpu_give(g, p->more);
     int64_t cap = n + n / 4 + 64;
+    /* The lists are warm's, too: the rest is penalty's alone. */
     p->item = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
     p->vertex =
-        (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
-    p->share = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
-    p->gave = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
-    p->most = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
-    p->more = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
+        (int32_t *)gpu_borrow(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
+    p->share = (real *)gpu_borrow(g, ARENA_RESPONSE, cap, sizeof(real));
+    p->gave = (real *)gpu_borrow(g, ARENA_RESPONSE, cap, sizeof(real));
+    p->most = (real *)gpu_borrow(g, ARENA_RESPONSE, cap, sizeof(real));
+    p->more = (real *)gpu_borrow(g, ARENA_RESPONSE, cap, sizeof(real));
     c->cap = gpu_status(g) == DRAPE_OK ? cap : 0;
     return gpu_status(g);
 }
@@ -155,7 +156,9 @@ static int solve_sheet(struct gpu_world *w, struct gpu_sheet *s)
     p->extra = part.hold;
     p->energy = 1;
     p->tolerance = (real)w->host->def.tolerance;
+    gpu_hand_over(w->gpu);
     int status = gpu_pcg(w->gpu, p);
+    gpu_hand_over(w->gpu);
     gpu_trace(w->gpu, w->host->tracing, "pcg", p->dv,
               (size_t)part.count * sizeof *p->dv);
     p->n_extra = p->energy = 0;

@@ -178,6 +178,7 @@ static int go_implicit(struct gpu *g, struct gpu_sheet *s)
     d->b = motion_stream(s, 2);
     d->dv = motion_stream(s, 3);
     d->substeps = 1;
+    gpu_hand_over(g);
     predict(g, s, &a);
     gpu_motion_force(g, s, d->x, d->v, a.back);
     blocks(g, s, &a);
@@ -185,6 +186,7 @@ static int go_implicit(struct gpu *g, struct gpu_sheet *s)
     int status = solve(g, s);
     if (status == DRAPE_OK)
         update(g, s, &a);
+    gpu_hand_over(g);
     return status;
 }
 

@@ -59,21 +59,57 @@ static void give_place(struct gpu_world *w, enum arena_part part,
     k->pose = w->pose;
 }
 
-/* Of multigrid's finest grid pool and room lack what p and q lend it. */
-static void give_pcg(struct gpu_world *w, struct pcg *p)
+/* Streams one behind the other in one block; without it, its size. */
+struct row {
+    char *block;
+    size_t at;
+};
+
+static void *next_in(struct row *row, int64_t n, size_t size)
 {
+    size_t align = 256, at = row->at; /* as cudaMalloc's */
+    row->at = (at + (size_t)n * size + align - 1) / align * align;
+    return row->block ? row->block + at : NULL;
+}
+
+#define NEXT(p, n) (p) = (decltype(p))next_in(&row, n, sizeof *(p))
+
+/* A cloth's solver in one block, sizes or streams. What outlasts a solve, r and
+ * dynamics' streams after the force, is at its ends: the rest is lent. Of
+ * multigrid's finest grid pool and room lack what p and q lend it; these lie
+ * before the force, which rhs alone reads. */
+static struct row lay_out(struct gpu_sheet *s, int64_t vecs, char *block)
+{
+    struct row row = {block, 0};
+    struct pcg *p = &s->pcg;
     int64_t lent = p->grid.n_pool ? p->count : 0;
-    GIVE(p->cdf, ARENA_SOLVER, NULL, p->n_cdf);
-    GIVE(p->diagonal, ARENA_SOLVER, NULL, p->n_cdf ? p->count : 0);
-    GIVE(p->factor, ARENA_SOLVER, NULL, p->count);
-    GIVE(p->low, ARENA_SOLVER, NULL, p->count);
-    GIVE(p->r, ARENA_SOLVER, NULL, p->count);
-    GIVE(p->s, ARENA_SOLVER, NULL, p->count);
+    NEXT(p->r, p->count);
+    NEXT(p->cdf, p->n_cdf);
+    NEXT(p->diagonal, p->n_cdf ? p->count : 0);
+    NEXT(p->factor, p->count);
+    NEXT(p->low, p->count);
+    NEXT(p->s, p->count);
+    NEXT(p->grid.pool, p->grid.n_pool - lent);
+    NEXT(p->grid.room, p->grid.n_room - lent);
+    NEXT(p->grid.live, p->grid.n_live);
+    NEXT(p->p, (2 + vecs) * p->count);
+    return row;
+}
+
+static void give_solver(struct gpu_world *w, struct gpu_sheet *s, int64_t vecs)
+{
+    struct pcg *p = &s->pcg;
+    char *block = NULL;
     GIVE(p->chunk, ARENA_SOLVER, NULL, p->n_chunks);
-    GIVE(p->grid.pool, ARENA_SOLVER, NULL, p->grid.n_pool - lent);
-    GIVE(p->grid.room, ARENA_SOLVER, NULL, p->grid.n_room - lent);
-    GIVE(p->grid.live, ARENA_SOLVER, NULL, p->grid.n_live);
     GIVE(p->grid.dense, ARENA_SOLVER, NULL, p->grid.n_dense);
+    GIVE(block, ARENA_SOLVER, NULL, (int64_t)lay_out(s, vecs, NULL).at);
+    if (!block)
+        return;
+    lay_out(s, vecs, block);
+    p->q = p->p + p->count;
+    s->dynamics.work = p->q + p->count;
+    vec *from = p->r + p->count, *to = s->dynamics.work + p->count;
+    gpu_lend(w->gpu, from, (size_t)((char *)to - (char *)from));
 }
 
 static void give_sheet(struct gpu_world *w, int k)
@@ -96,19 +132,16 @@ static void give_sheet(struct gpu_world *w, int k)
     *d = h->dynamics;
     d->cloth = c;
     int64_t vecs = dynamics_vecs(d->method, d->windy);
-    bool implicit = w->host->plan.implicit;
-    GIVE(d->work, ARENA_SOLVER, NULL, (vecs + (implicit ? 2 : 0)) * c->count);
     GIVE(d->chunk, ARENA_SOLVER, NULL, 3 * sum_chunks(c->count));
-    if (!implicit)
+    if (!w->host->plan.implicit) {
+        GIVE(d->work, ARENA_SOLVER, NULL, vecs * c->count);
         return;
+    }
     GIVE(d->block, ARENA_SOLVER, NULL, SPRINGS * c->count);
     s->pcg = h->solver.pcg;
-    s->pcg.p = d->work; /* lies_before the force, which rhs alone reads */
-    s->pcg.q = s->pcg.p + c->count;
-    d->work = s->pcg.q + c->count;
     s->pcg.mass = c->mass;
     s->pcg.fixed = c->fixed;
-    give_pcg(w, &s->pcg);
+    give_solver(w, s, vecs);
 }
 
 static void give_prop(struct gpu_world *w, int k)
