@@ -3,7 +3,7 @@
  * spec/38_penalty.md §4 */
 #include "gpu/incidence.cuh"
 #include "gpu/real.cuh"
-#include "gpu/world.h"
+#include "gpu/response.cuh"
 
 enum { TURNS = 2 }; /* of the first contacts of a slice; later ones: 1 */
 
@@ -69,29 +69,29 @@ void gpu_couple_start(struct gpu_world *w)
         gpu_clear(w->gpu, w->couple.g, (size_t)h->nc * sizeof *w->couple.g);
 }
 
+/* The lists are warm's, too; the rest is penalty's alone, in the pools of stage
+ * contacts, which comes later. */
 static int make_room(struct gpu_world *w, int64_t n)
 {
     struct couple *c = &w->couple;
     struct penalty *p = &c->penalty;
+    struct response *s = &w->response;
     struct gpu *g = w->gpu;
-    if (n <= c->cap)
-        return DRAPE_OK;
+    struct room room[] = {{&s->vertex, 4 * n, sizeof(int32_t)},
+                          {&s->lack, n, sizeof(real)},
+                          {&s->push, 2 * n, sizeof(vec)}};
+    int status = gpu_response_grow(g, 3, room);
+    p->vertex = (int32_t *)s->vertex.data;
+    p->share = (real *)s->lack.data;
+    p->gave = (real *)s->push.data;
+    p->most = p->gave + n;
+    p->more = p->most + n;
+    if (status != DRAPE_OK || n <= c->cap)
+        return status;
     gpu_give(g, p->item);
-    gpu_give(g, p->vertex);
-    gpu_give(g, p->share);
-    gpu_give(g, p->gave);
-    gpu_give(g, p->most);
-    gpu_give(g, p->more);
     int64_t cap = n + n / 4 + 64;
-    /* The lists are warm's, too: the rest is penalty's alone. */
     p->item = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
-    p->vertex =
-        (int32_t *)gpu_borrow(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
-    p->share = (real *)gpu_borrow(g, ARENA_RESPONSE, cap, sizeof(real));
-    p->gave = (real *)gpu_borrow(g, ARENA_RESPONSE, cap, sizeof(real));
-    p->most = (real *)gpu_borrow(g, ARENA_RESPONSE, cap, sizeof(real));
-    p->more = (real *)gpu_borrow(g, ARENA_RESPONSE, cap, sizeof(real));
-    c->cap = gpu_status(g) == DRAPE_OK ? cap : 0;
+    c->cap = p->item ? cap : 0;
     return gpu_status(g);
 }
 
