@@ -7,15 +7,14 @@
 
 enum { TURNS = 2 }; /* of the first contacts of a slice; later ones: 1 */
 
-/* One cloth's part of the streams; hold, b and dv are pcg's too, b and dv those
- * of the motion, which is done by then. */
+/* One cloth's part of the streams; hold, b and dv are pcg's too. g, b and dv
+ * are the motion's star, b and dv, as that is done by then. */
 struct part {
     int64_t count;
     const uint8_t *fixed;
-    const vec *force;
     const sym *hold;
     const vec *r, *dv; /* pcg's: residual and result */
-    vec *g, *b;
+    vec *g, *b;        /* b: penalty's force at first */
     const vec *x0;
     vec *u, *v, *x1;
     uint8_t *touched;
@@ -25,7 +24,7 @@ struct part {
 int gpu_couple_make(struct gpu_world *w)
 {
     struct penalty *p = &w->couple.penalty;
-    int64_t nv = w->host->nv, nc = w->host->nc;
+    int64_t nv = w->host->nv;
     p->nv = nv;
     p->nv1 = nv + 1;
     p->w = w->w;
@@ -33,12 +32,12 @@ int gpu_couple_make(struct gpu_world *w)
     p->stiffness = w->response.stiffness;
     p->start = w->response.start;
     struct gpu *g = w->gpu;
-    p->force = (vec *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(vec));
+    p->force = w->b;
+    p->g = w->couple.g = w->star;
     p->hold = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
     p->guess = (vec *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(vec));
     w->couple.press = p->guess; /* of the last contacts: no solve is after */
     p->brake = (real *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(real));
-    p->g = w->couple.g = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
     return gpu_status(g);
 }
 
@@ -95,12 +94,12 @@ static int make_room(struct gpu_world *w, int64_t n)
     return gpu_status(g);
 }
 
-/* Thread i owns particle i: b = force - g, 0 where fixed. */
+/* Thread i owns particle i: b -= g, but 0 where fixed. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     couple_rhs_kernel(struct part s)
 {
     ITEM(i, s.count);
-    s.b[i] = s.fixed[i] ? make(0, 0, 0) : sub(s.force[i], s.g[i]);
+    s.b[i] = s.fixed[i] ? make(0, 0, 0) : sub(s.b[i], s.g[i]);
 }
 
 /* Thread i owns particle i: g gains A dv, whatever pcg left over; u, v, x1
@@ -127,12 +126,11 @@ static struct part part_of(struct gpu_world *w, const struct gpu_sheet *s)
     int64_t at = s->first;
     struct part p = {s->cloth.count,
                      s->cloth.fixed,
-                     c->penalty.force + at,
                      c->penalty.hold + at,
                      s->pcg.r,
                      s->dynamics.dv,
                      c->g + at,
-                     s->dynamics.b,
+                     s->b,
                      w->x0 + at,
                      w->response.u + at,
                      w->v1 + at,
@@ -158,7 +156,6 @@ static int solve_sheet(struct gpu_world *w, struct gpu_sheet *s)
     p->tolerance = (real)w->host->def.tolerance;
     gpu_hand_over(w->gpu);
     int status = gpu_pcg(w->gpu, p);
-    gpu_hand_over(w->gpu);
     gpu_trace(w->gpu, w->host->tracing, "pcg", p->dv,
               (size_t)part.count * sizeof *p->dv);
     p->n_extra = p->energy = 0;
@@ -168,10 +165,11 @@ static int solve_sheet(struct gpu_world *w, struct gpu_sheet *s)
     if ((double)p->residual > w->couple.residual)
         w->couple.residual = (double)p->residual;
     w->couple.solves++;
-    if (status != DRAPE_OK || p->outcome == PCG_BREAKDOWN)
-        return status; /* the exact rounds go on without */
-    LAUNCH(w->gpu, part.count, couple_move_kernel, part);
-    return gpu_status(w->gpu);
+    /* After a breakdown the exact rounds go on without. */
+    if (status == DRAPE_OK && p->outcome != PCG_BREAKDOWN)
+        LAUNCH(w->gpu, part.count, couple_move_kernel, part);
+    gpu_hand_over(w->gpu);
+    return status == DRAPE_OK ? gpu_status(w->gpu) : status;
 }
 
 /* Thread i owns particle i: what the solve of the free motion left over is the

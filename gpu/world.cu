@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 #include "gpu/blas.h"
-#include "gpu/gpu.cuh"
+#include "gpu/motion.cuh"
 
 /* A stream on the device with what the host's holds; NULL: zero. */
 static void *give(struct gpu_world *w, enum arena_part part, const void *host,
@@ -27,7 +27,6 @@ static void give_state(struct gpu_world *w)
     GIVE(w->v0, ARENA_STATE, h->v0, h->nv);
     GIVE(w->x1, ARENA_STATE, h->x0, h->nv);
     GIVE(w->v1, ARENA_STATE, h->v0, h->nv);
-    GIVE(w->to, ARENA_STATE, h->to, h->nc);
     GIVE(w->w, ARENA_STATE, h->w, h->nv);
     GIVE(w->body, ARENA_STATE, h->body, h->nv);
     GIVE(w->surface, ARENA_STATE, h->surface,
@@ -43,6 +42,26 @@ static void give_state(struct gpu_world *w)
         GIVE(w->free_x, ARENA_STATE, NULL, h->nc);
         GIVE(w->free_v, ARENA_STATE, NULL, h->nc);
     }
+}
+
+/* Where pins end: an implicit method reads no more. */
+static bool reads_to(const struct world *h)
+{
+    bool reads = !h->plan.implicit;
+    for (int k = 0; k < h->def.n_cloths; k++)
+        reads |= h->sheet[k].cloth.n_pinned > 0;
+    return reads;
+}
+
+static void give_motion(struct gpu_world *w)
+{
+    const struct world *h = w->host;
+    if (reads_to(h))
+        GIVE(w->to, ARENA_STATE, h->to, h->nc);
+    if (!h->plan.implicit)
+        return;
+    GIVE(w->star, ARENA_SOLVER, NULL, h->nc);
+    GIVE(w->b, ARENA_SOLVER, NULL, h->plan.collides ? h->nv : h->nc);
 }
 
 static void give_place(struct gpu_world *w, enum arena_part part,
@@ -74,10 +93,10 @@ static void *next_in(struct row *row, int64_t n, size_t size)
 
 #define NEXT(p, n) (p) = (decltype(p))next_in(&row, n, sizeof *(p))
 
-/* A cloth's solver in one block, sizes or streams. What outlasts a solve, r and
- * dynamics' streams after the force, is at its ends: the rest is lent. Of
- * multigrid's finest grid pool and room lack what p and q lend it; these lie
- * before the force, which rhs alone reads. */
+/* A cloth's solver in one block, sizes or streams: r, which a slice's first
+ * contacts read, and all that is lent. Of multigrid's finest grid pool and room
+ * lack what p and q lend it; these lie before the force, which rhs alone reads.
+ */
 static struct row lay_out(struct gpu_sheet *s, int64_t vecs, char *block)
 {
     struct row row = {block, 0};
@@ -108,7 +127,7 @@ static void give_solver(struct gpu_world *w, struct gpu_sheet *s, int64_t vecs)
     lay_out(s, vecs, block);
     p->q = p->p + p->count;
     s->dynamics.work = p->q + p->count;
-    vec *from = p->r + p->count, *to = s->dynamics.work + p->count;
+    vec *from = p->r + p->count, *to = s->dynamics.work + vecs * p->count;
     gpu_lend(w->gpu, from, (size_t)((char *)to - (char *)from));
 }
 
@@ -131,12 +150,14 @@ static void give_sheet(struct gpu_world *w, int k)
     GIVE(s->pins.x, ARENA_CLOTH, h->pins.x, h->pins.n);
     *d = h->dynamics;
     d->cloth = c;
-    int64_t vecs = dynamics_vecs(d->method, d->windy);
+    int64_t vecs = motion_vecs(d);
     GIVE(d->chunk, ARENA_SOLVER, NULL, 3 * sum_chunks(c->count));
     if (!w->host->plan.implicit) {
         GIVE(d->work, ARENA_SOLVER, NULL, vecs * c->count);
         return;
     }
+    s->star = w->star + s->first;
+    s->b = w->b + s->first;
     GIVE(d->block, ARENA_SOLVER, NULL, SPRINGS * c->count);
     s->pcg = h->solver.pcg;
     s->pcg.mass = c->mass;
@@ -215,6 +236,7 @@ static int make(const drape_def *def, struct arena *arena, struct world **world,
     if (arena->failed)
         return DRAPE_ENOMEM;
     give_state(w);
+    give_motion(w);
     for (int k = 0; k < def->n_cloths; k++)
         give_sheet(w, k);
     for (int k = 0; k < def->n_obstacles; k++)
