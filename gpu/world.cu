@@ -290,7 +290,9 @@ static int borrow(struct world *h, drape_view *view)
 {
     struct gpu_world *w = h->device;
     gpu_begin(w->gpu);
-    if (!w->tri)
+    if (!w->tri && h->plan.collides)
+        w->tri = w->broad.tree.tri;
+    else if (!w->tri)
         GIVE(w->tri, ARENA_STATE, h->tri, h->nt);
     int status = gpu_status(w->gpu);
     if (status != DRAPE_OK)

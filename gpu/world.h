@@ -42,7 +42,8 @@ struct gpu_world {
                                  g and, [nv] if anything collides, force */
     real *w;                  /* device [nv] */
     uint16_t *body;           /* device [nv] */
-    int32_t (*tri)[3];        /* device [nt]; NULL: nobody has borrowed it */
+    const int32_t (*tri)[3];  /* device [nt], the tree's if anything collides;
+                                 NULL: nobody has borrowed it */
     struct surface *surface;  /* device [bodies] */
     struct pose *pose;        /* device [n_motions] */
     struct gpu_prop *prop;    /* [n_obstacles] */
