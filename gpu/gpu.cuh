@@ -69,6 +69,7 @@ struct gpu {
     drape_allocator device;   /* of the device's memory */
     struct gpu_block *blocks; /* all that was taken there */
     size_t bytes[ARENA_PARTS];
+    size_t borrowed;
     int64_t taken; /* how often */
 };
 

@@ -49,7 +49,7 @@ static void *take(struct gpu *g, enum arena_part part, size_t bytes, char *data)
     b->part = part;
     b->next = g->blocks;
     g->blocks = b;
-    g->bytes[part] += data ? 0 : bytes;
+    *(data ? &g->borrowed : &g->bytes[part]) += bytes;
     return b->data;
 }
 
@@ -125,8 +125,8 @@ void gpu_give(struct gpu *g, void *p)
         if ((*at)->data == p) {
             struct gpu_block *b = *at;
             *at = b->next;
+            *(b->borrowed ? &g->borrowed : &g->bytes[b->part]) -= b->bytes;
             if (!b->borrowed) {
-                g->bytes[b->part] -= b->bytes;
                 gpu_wait(g);
                 g->device.release(g->device.user, p, b->bytes);
             }
@@ -243,6 +243,7 @@ void gpu_count(const struct gpu *g, drape_memory *m)
         m->host_bytes += g->host.bytes[k];
         m->device_bytes += g->bytes[k];
     }
+    m->borrowed_bytes += g->borrowed;
     m->host_allocations += g->host.taken;
     m->device_allocations += g->taken;
 }

@@ -75,6 +75,8 @@ const char *test_embed_lent(void)
         EXPECT(drape_count(world, &b) == DRAPE_OK);
         /* the front, contacts, their lists, and what is too large */
         EXPECT(b.device_allocations - a.device_allocations < LENT);
+        EXPECT(backend ? b.borrowed_bytes > a.borrowed_bytes
+                       : b.borrowed_bytes == 0);
         hash[backend] = scene_hash(world);
         drape_destroy(world);
         ran(1);

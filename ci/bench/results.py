@@ -47,11 +47,13 @@ def plan_bytes(run):
     return {row["stage"]: row["bytes"] for row in run["plan"]}
 
 
-def explicit_bytes(start, implicit):
+def explicit_bytes(start, implicit, borrowed):
     """Explicit streams at the start; of what collisions fill, what the
-    implicit run came to."""
-    return {stage: max(count, implicit[stage]) if stage in COLLISION else count
+    implicit run came to, and in all borrowed from its solver."""
+    rows = {stage: max(count, implicit[stage]) if stage in COLLISION else count
             for stage, count in start.items()}
+    rows["scratch"] += borrowed
+    return rows
 
 
 def memory(results):
@@ -60,8 +62,9 @@ def memory(results):
         implicit = plan_bytes(run)
         explicit = results.runs[scene].get("explicit")
         if explicit:
-            yield scene, "explicit", explicit_bytes(plan_bytes(explicit),
-                                                    implicit)
+            yield scene, "explicit", explicit_bytes(
+                plan_bytes(explicit), implicit,
+                run["memory"].get("borrowed_bytes", 0))
         yield scene, "implicit", implicit
 
 
