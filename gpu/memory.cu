@@ -92,7 +92,7 @@ static char *gap(const struct gpu *g, const struct gpu_block *b, size_t bytes)
     return o ? NULL : at;
 }
 
-/* As gpu_borrow, but a block that is taken is not zeroed. */
+/* Bytes as gpu_borrow's: in the first gap that is enough. */
 static void *borrow(struct gpu *g, enum arena_part part, size_t bytes)
 {
     char *at = NULL;
