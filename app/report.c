@@ -203,9 +203,10 @@ static void put_plan(FILE *out, const drape_world *world)
     drape_count(world, &m);
     fprintf(out,
             "  \"memory\": {\"host_bytes\": %zu, \"device_bytes\": %zu, "
+            "\"borrowed_bytes\": %zu, "
             "\"host_allocations\": %lld, \"device_allocations\": %lld},\n",
-            m.host_bytes, m.device_bytes, (long long)m.host_allocations,
-            (long long)m.device_allocations);
+            m.host_bytes, m.device_bytes, m.borrowed_bytes,
+            (long long)m.host_allocations, (long long)m.device_allocations);
     int rows = drape_plan(world, row, 64);
     rows = rows < 64 ? rows : 64;
     fputs("  \"plan\": [\n", out);

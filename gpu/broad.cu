@@ -14,13 +14,15 @@ static int grow(struct gpu *g, struct broad_pool *p, enum arena_part part,
     int64_t cap = need + need / 4 + 256;
     gpu_give(g, p->data);
     p->cap = 0;
-    p->data = gpu_take(g, part, cap, size);
+    p->data = part == ARENA_FRONT ? gpu_take(g, part, cap, size)
+                                  : gpu_borrow(g, part, cap, size);
     if (!p->data) /* there is no room, or no device any more */
         return gpu_status(g);
     p->cap = cap;
     return DRAPE_OK;
 }
 
+/* Of a query and its candidates, which are read before contacts are solved. */
 static int grow_pairs(struct gpu *g, struct broad_pool *p, int64_t need,
                       size_t size)
 {
@@ -30,9 +32,7 @@ static int grow_pairs(struct gpu *g, struct broad_pool *p, int64_t need,
 /* Scratch for streams of node pairs. */
 static int grow_scratch(struct gpu *g, struct broad *b, int64_t need)
 {
-    int status = grow_pairs(g, &b->other, need, sizeof(struct duo));
-    if (status == DRAPE_OK)
-        status = grow_pairs(g, &b->third, need, sizeof(struct duo));
+    int status = grow_pairs(g, &b->pair, need, 2 * sizeof(struct duo));
     if (status == DRAPE_OK)
         status = grow_pairs(g, &b->mask, need, sizeof(uint16_t));
     if (status == DRAPE_OK)
@@ -97,15 +97,14 @@ int gpu_broad_make(struct gpu *g, const struct broad *host, struct broad *b)
     b->arena = NULL;
     /* Boxes are made here, also those that the host may have. */
     b->started = false;
-    b->front = b->other = b->third = b->mask = b->act = b->sum = b->both =
-        b->pair = b->kind = {};
+    b->front = b->mask = b->act = b->sum = b->both = b->pair = b->kind = {};
     b->n = b->n_vf = b->n_both = 0;
+    b->tangents = NULL; /* scratch of stage cones */
     copy_tree(g, &b->tree, &b->map);
     take_copy(g, ARENA_FRONT, &b->root, b->roots);
     take_new(g, &b->box, b->tree.n);
     take_new(g, &b->stir, b->tree.n);
     take_new(g, &b->clear, b->tree.n_cloth);
-    take_new(g, &b->tangents, b->cones ? b->tree.n_cloth : 0);
     int status = gpu_status(g);
     if (status == DRAPE_OK)
         status = begin_front(
@@ -152,8 +151,9 @@ static int cones(struct gpu *g, struct broad *b)
     s.x1 = b->x1;
     s.r = b->r;
     s.clear = b->clear;
-    s.tangents = b->tangents;
-    int status = gpu_cones(g, &s);
+    s.tangents = (struct tangents *)gpu_scratch(g, SLOT_STAGE, s.tree.n_cloth,
+                                                sizeof *s.tangents);
+    int status = s.tangents ? gpu_cones(g, &s) : gpu_status(g);
     gpu_trace(g, b->trace, "cones", b->clear, (size_t)b->tree.n_cloth);
     return status;
 }
@@ -180,7 +180,7 @@ static int update_front(struct gpu *g, struct broad *b)
         s.cap = b->front.cap;
         s.n = b->n_front;
         s.pair = (int32_t(*)[2])b->front.data;
-        s.other = (int32_t(*)[2])b->other.data;
+        s.other = (int32_t(*)[2])b->pair.data;
         s.act = (uint8_t *)b->act.data;
         s.act_other = (uint8_t *)b->mask.data;
         s.sum = (int64_t *)b->sum.data;
@@ -210,9 +210,9 @@ static int walk(struct gpu *g, struct broad *b)
     s.n_front = b->n_front;
     s.front = (const int32_t(*)[2])b->front.data;
     for (;;) {
-        s.cap = b->other.cap < b->third.cap ? b->other.cap : b->third.cap;
-        s.pair = (int32_t(*)[2])b->other.data;
-        s.other = (int32_t(*)[2])b->third.data;
+        s.cap = b->pair.cap < b->mask.cap ? b->pair.cap : b->mask.cap;
+        s.pair = (int32_t(*)[2])b->pair.data;
+        s.other = s.pair + s.cap;
         s.mask = (uint16_t *)b->mask.data;
         s.sum = (int64_t *)b->sum.data;
         s.cap_tri = b->both.cap;
@@ -287,9 +287,8 @@ static int candidates(struct gpu *g, struct broad *b)
  * query begins without. */
 static void drop(struct gpu *g, struct broad *b)
 {
-    struct broad_pool *pool[] = {&b->other, &b->third, &b->mask, &b->act,
-                                 &b->sum};
-    for (int k = 0; k < 5; k++) {
+    struct broad_pool *pool[] = {&b->pair, &b->mask, &b->act, &b->sum};
+    for (int k = 0; k < 4; k++) {
         gpu_give(g, pool[k]->data);
         *pool[k] = {};
     }

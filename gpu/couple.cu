@@ -3,19 +3,18 @@
  * spec/38_penalty.md §4 */
 #include "gpu/incidence.cuh"
 #include "gpu/real.cuh"
-#include "gpu/world.h"
+#include "gpu/response.cuh"
 
 enum { TURNS = 2 }; /* of the first contacts of a slice; later ones: 1 */
 
-/* One cloth's part of the streams; hold, b and dv are pcg's too, b and dv those
- * of the motion, which is done by then. */
+/* One cloth's part of the streams; hold, b and dv are pcg's too. g, b and dv
+ * are the motion's star, b and dv, as that is done by then. */
 struct part {
     int64_t count;
     const uint8_t *fixed;
-    const vec *force;
     const sym *hold;
     const vec *r, *dv; /* pcg's: residual and result */
-    vec *g, *b;
+    vec *g, *b;        /* b: penalty's force at first */
     const vec *x0;
     vec *u, *v, *x1;
     uint8_t *touched;
@@ -25,7 +24,7 @@ struct part {
 int gpu_couple_make(struct gpu_world *w)
 {
     struct penalty *p = &w->couple.penalty;
-    int64_t nv = w->host->nv, nc = w->host->nc;
+    int64_t nv = w->host->nv;
     p->nv = nv;
     p->nv1 = nv + 1;
     p->w = w->w;
@@ -33,12 +32,12 @@ int gpu_couple_make(struct gpu_world *w)
     p->stiffness = w->response.stiffness;
     p->start = w->response.start;
     struct gpu *g = w->gpu;
-    p->force = (vec *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(vec));
+    p->force = w->b;
+    p->g = w->couple.g = w->star;
     p->hold = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
-    p->guess = (vec *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(vec));
-    w->couple.press = p->guess; /* which nobody reads between two penalties */
-    p->brake = (real *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(real));
-    p->g = w->couple.g = (vec *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(vec));
+    p->guess = (vec *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(vec));
+    w->couple.press = p->guess; /* of the last contacts: no solve is after */
+    p->brake = (real *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(real));
     return gpu_status(g);
 }
 
@@ -69,37 +68,38 @@ void gpu_couple_start(struct gpu_world *w)
         gpu_clear(w->gpu, w->couple.g, (size_t)h->nc * sizeof *w->couple.g);
 }
 
+/* The lists are warm's, too; the rest is penalty's alone, in the pools of stage
+ * contacts, which comes later. */
 static int make_room(struct gpu_world *w, int64_t n)
 {
     struct couple *c = &w->couple;
     struct penalty *p = &c->penalty;
+    struct response *s = &w->response;
     struct gpu *g = w->gpu;
-    if (n <= c->cap)
-        return DRAPE_OK;
+    struct room room[] = {{&s->vertex, 4 * n, sizeof(int32_t)},
+                          {&s->lack, n, sizeof(real)},
+                          {&s->push, 2 * n, sizeof(vec)}};
+    int status = gpu_response_grow(g, 3, room);
+    p->vertex = (int32_t *)s->vertex.data;
+    p->share = (real *)s->lack.data;
+    p->gave = (real *)s->push.data;
+    p->most = p->gave + n;
+    p->more = p->most + n;
+    if (status != DRAPE_OK || n <= c->cap)
+        return status;
     gpu_give(g, p->item);
-    gpu_give(g, p->vertex);
-    gpu_give(g, p->share);
-    gpu_give(g, p->gave);
-    gpu_give(g, p->most);
-    gpu_give(g, p->more);
     int64_t cap = n + n / 4 + 64;
     p->item = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
-    p->vertex =
-        (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
-    p->share = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
-    p->gave = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
-    p->most = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
-    p->more = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
-    c->cap = gpu_status(g) == DRAPE_OK ? cap : 0;
+    c->cap = p->item ? cap : 0;
     return gpu_status(g);
 }
 
-/* Thread i owns particle i: b = force - g, 0 where fixed. */
+/* Thread i owns particle i: b -= g, but 0 where fixed. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     couple_rhs_kernel(struct part s)
 {
     ITEM(i, s.count);
-    s.b[i] = s.fixed[i] ? make(0, 0, 0) : sub(s.force[i], s.g[i]);
+    s.b[i] = s.fixed[i] ? make(0, 0, 0) : sub(s.b[i], s.g[i]);
 }
 
 /* Thread i owns particle i: g gains A dv, whatever pcg left over; u, v, x1
@@ -126,12 +126,11 @@ static struct part part_of(struct gpu_world *w, const struct gpu_sheet *s)
     int64_t at = s->first;
     struct part p = {s->cloth.count,
                      s->cloth.fixed,
-                     c->penalty.force + at,
                      c->penalty.hold + at,
                      s->pcg.r,
                      s->dynamics.dv,
                      c->g + at,
-                     s->dynamics.b,
+                     s->b,
                      w->x0 + at,
                      w->response.u + at,
                      w->v1 + at,
@@ -155,6 +154,7 @@ static int solve_sheet(struct gpu_world *w, struct gpu_sheet *s)
     p->extra = part.hold;
     p->energy = 1;
     p->tolerance = (real)w->host->def.tolerance;
+    gpu_hand_over(w->gpu);
     int status = gpu_pcg(w->gpu, p);
     gpu_trace(w->gpu, w->host->tracing, "pcg", p->dv,
               (size_t)part.count * sizeof *p->dv);
@@ -165,10 +165,11 @@ static int solve_sheet(struct gpu_world *w, struct gpu_sheet *s)
     if ((double)p->residual > w->couple.residual)
         w->couple.residual = (double)p->residual;
     w->couple.solves++;
-    if (status != DRAPE_OK || p->outcome == PCG_BREAKDOWN)
-        return status; /* the exact rounds go on without */
-    LAUNCH(w->gpu, part.count, couple_move_kernel, part);
-    return gpu_status(w->gpu);
+    /* After a breakdown the exact rounds go on without. */
+    if (status == DRAPE_OK && p->outcome != PCG_BREAKDOWN)
+        LAUNCH(w->gpu, part.count, couple_move_kernel, part);
+    gpu_hand_over(w->gpu);
+    return status == DRAPE_OK ? gpu_status(w->gpu) : status;
 }
 
 /* Thread i owns particle i: what the solve of the free motion left over is the

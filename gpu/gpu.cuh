@@ -69,6 +69,7 @@ struct gpu {
     drape_allocator device;   /* of the device's memory */
     struct gpu_block *blocks; /* all that was taken there */
     size_t bytes[ARENA_PARTS];
+    size_t borrowed;
     int64_t taken; /* how often */
 };
 
@@ -139,7 +140,8 @@ const int64_t *gpu_late_seen(const struct gpu *g);
 
 /* ---- Memory, gpu/memory.cu ---- */
 
-/* At least count · size bytes of scratch, NULL if there is none. */
+/* At least count · size bytes of scratch, NULL if there is none. All slots but
+ * the solver's are borrowed: what they hold is lost with the next solve. */
 void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size);
 /* The same of the host, of which there is one. */
 void *gpu_aside(struct gpu *g, size_t bytes);
@@ -158,6 +160,6 @@ struct key;
 struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
                      struct key *spare);
 /* Slots of scratch that the primitives use; stages use those below. */
-enum { SLOT_STAGE = 0, SLOT_SORT = 5, SLOT_SCAN = 7 };
+enum { SLOT_STAGE = 0, SLOT_SOLVE = 4, SLOT_SORT = 5, SLOT_SCAN = 7 };
 
 #endif

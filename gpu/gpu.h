@@ -51,6 +51,16 @@ const drape_allocator *gpu_native(void);
 /* Zeroed device memory of a part, NULL if there is none: then gpu_status says
  * DRAPE_ENOMEM from there on. */
 void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size);
+/* The bytes from p on, of a block of gpu_take's, hold nothing between two
+ * solves: gpu_borrow may give them to others meanwhile. */
+void gpu_lend(struct gpu *g, void *p, size_t bytes);
+/* Memory for what need not outlast the next solve, of any cloth: lent, where
+ * enough of that is free in one piece, else gpu_take's. It holds anything. */
+void *gpu_borrow(struct gpu *g, enum arena_part part, int64_t count,
+                 size_t size);
+/* A solve begins, or has ended: emulated, all that is lent is spoiled, so that
+ * what should have outlasted it shows. */
+void gpu_hand_over(struct gpu *g);
 void gpu_give(struct gpu *g, void *p);       /* back; NULL is allowed */
 const size_t *gpu_held(const struct gpu *g); /* [ARENA_PARTS] bytes now */
 void gpu_count(const struct gpu *g, drape_memory *m); /* added to m */

@@ -4,12 +4,18 @@
  * spec/50_gpu.md §10 */
 #include "gpu/gpu.cuh"
 
-/* What was taken, found by its address. */
+enum { ALIGN = 256 }; /* of what is borrowed, as cudaMalloc's */
+
+/* What was taken, or borrowed from another, found by its address: as the block
+ * that lends was there before, the later one is found. */
 struct gpu_block {
     struct gpu_block *next;
-    void *data;
+    char *data;
     size_t bytes;
+    char *lent; /* what it lends, and how much: whole ALIGNs */
+    size_t lent_bytes;
     enum arena_part part;
+    bool borrowed;
 };
 
 /* There was none: of the device, unless that is lost. */
@@ -20,15 +26,21 @@ static void *none(struct gpu *g)
     return NULL;
 }
 
-/* As gpu_take, but not zeroed. */
-static void *take(struct gpu *g, enum arena_part part, size_t bytes)
+static size_t whole(size_t bytes)
+{
+    return (bytes + ALIGN - 1) / ALIGN * ALIGN;
+}
+
+/* A block at data; NULL: it is taken, and not zeroed. */
+static void *take(struct gpu *g, enum arena_part part, size_t bytes, char *data)
 {
     struct gpu_block *b =
         (struct gpu_block *)arena_take(&g->host, ARENA_OTHER, 1, sizeof *b);
     if (!b)
         return none(g);
-    g->taken++;
-    b->data = g->device.allocate(g->device.user, bytes);
+    b->borrowed = data != NULL;
+    g->taken += !data;
+    b->data = data ? data : (char *)g->device.allocate(g->device.user, bytes);
     if (!b->data) {
         arena_give(&g->host, b);
         return none(g);
@@ -37,17 +49,74 @@ static void *take(struct gpu *g, enum arena_part part, size_t bytes)
     b->part = part;
     b->next = g->blocks;
     g->blocks = b;
-    g->bytes[part] += bytes;
+    *(data ? &g->borrowed : &g->bytes[part]) += bytes;
     return b->data;
 }
 
 void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size)
 {
     size_t n = (size_t)(count > 0 ? count : 0);
-    void *p = n > SIZE_MAX / size ? none(g) : take(g, part, n * size + !n);
+    void *p =
+        n > SIZE_MAX / size ? none(g) : take(g, part, n * size + !n, NULL);
     if (p)
         gpu_clear(g, p, n * size);
     return p;
+}
+
+/* ---- What is lent ---- */
+
+void gpu_lend(struct gpu *g, void *p, size_t bytes)
+{
+    char *from = (char *)p;
+    size_t skip = whole((size_t)(uintptr_t)from) - (size_t)(uintptr_t)from;
+    for (struct gpu_block *b = g->blocks; b; b = b->next)
+        if (b->data <= from && from + bytes <= b->data + b->bytes &&
+            bytes > skip) {
+            b->lent = from + skip;
+            b->lent_bytes = (bytes - skip) / ALIGN * ALIGN;
+            return;
+        }
+}
+
+/* The first bytes of what b lends that nobody has, or NULL. */
+static char *gap(const struct gpu *g, const struct gpu_block *b, size_t bytes)
+{
+    char *at = b->lent, *end = at + b->lent_bytes;
+    const struct gpu_block *o = g->blocks;
+    while (o && bytes <= (size_t)(end - at)) {
+        bool meets = o->borrowed && o->data < at + bytes &&
+                     at < o->data + whole(o->bytes);
+        at = meets ? o->data + whole(o->bytes) : at;
+        o = meets ? g->blocks : o->next;
+    }
+    return o ? NULL : at;
+}
+
+/* Bytes as gpu_borrow's: in the first gap that is enough. */
+static void *borrow(struct gpu *g, enum arena_part part, size_t bytes)
+{
+    char *at = NULL;
+    for (const struct gpu_block *b = g->blocks; b && !at; b = b->next)
+        at = b->lent ? gap(g, b, bytes) : NULL;
+    return take(g, part, bytes, at);
+}
+
+void *gpu_borrow(struct gpu *g, enum arena_part part, int64_t count,
+                 size_t size)
+{
+    size_t n = (size_t)(count > 0 ? count : 0);
+    return n > SIZE_MAX / size ? none(g) : borrow(g, part, n * size + !n);
+}
+
+void gpu_hand_over(struct gpu *g)
+{
+#ifndef __CUDACC__
+    for (struct gpu_block *b = g->blocks; b; b = b->next)
+        if (b->lent)
+            memset(b->lent, 0xff, b->lent_bytes);
+#else
+    (void)g;
+#endif
 }
 
 void gpu_give(struct gpu *g, void *p)
@@ -56,9 +125,11 @@ void gpu_give(struct gpu *g, void *p)
         if ((*at)->data == p) {
             struct gpu_block *b = *at;
             *at = b->next;
-            g->bytes[b->part] -= b->bytes;
-            gpu_wait(g);
-            g->device.release(g->device.user, p, b->bytes);
+            *(b->borrowed ? &g->borrowed : &g->bytes[b->part]) -= b->bytes;
+            if (!b->borrowed) {
+                gpu_wait(g);
+                g->device.release(g->device.user, p, b->bytes);
+            }
             arena_give(&g->host, b);
             return;
         }
@@ -95,8 +166,9 @@ void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size)
     if (bytes <= s->bytes)
         return s->data;
     gpu_give(g, s->data);
-    bytes += bytes / 4; /* so that growth is rare */
-    s->data = take(g, ARENA_SCRATCH, bytes);
+    bytes += s->bytes ? bytes / 4 : 0; /* so that growth is rare */
+    s->data = slot == SLOT_SOLVE ? take(g, ARENA_SCRATCH, bytes, NULL)
+                                 : borrow(g, ARENA_SCRATCH, bytes);
     s->bytes = s->data ? bytes : 0;
     return s->data;
 }
@@ -171,6 +243,7 @@ void gpu_count(const struct gpu *g, drape_memory *m)
         m->host_bytes += g->host.bytes[k];
         m->device_bytes += g->bytes[k];
     }
+    m->borrowed_bytes += g->borrowed;
     m->host_allocations += g->host.taken;
     m->device_allocations += g->taken;
 }

@@ -29,7 +29,7 @@ void gpu_motion_force(struct gpu *g, struct gpu_sheet *s, const vec *x,
 {
     const struct cloth *c = &s->cloth;
     const struct dynamics *d = &s->dynamics;
-    vec *part = motion_stream(s, (int)dynamics_vecs(d->method, d->windy) - 3);
+    vec *part = motion_stream(s, (int)motion_vecs(d) - 3);
     if (d->windy)
         wind(g, s, x, v, part);
     struct springs f = {};
@@ -172,12 +172,13 @@ static int go_implicit(struct gpu *g, struct gpu_sheet *s)
     struct about a;
     a.past = d->method == DRAPE_CK && d->has_past ? s->cloth.count : 0;
     a.tau = (real)(a.past ? d->dt * 2 / 3 : d->dt);
-    a.star = motion_stream(s, 1);
-    a.back = a.past ? motion_stream(s, 4) : NULL;
-    a.q = a.past ? motion_stream(s, 5) : a.star;
-    d->b = motion_stream(s, 2);
-    d->dv = motion_stream(s, 3);
+    a.star = s->star;
+    a.back = a.past ? motion_stream(s, 2) : NULL;
+    a.q = a.past ? motion_stream(s, 3) : a.star;
+    d->b = s->b;
+    d->dv = motion_stream(s, 1);
     d->substeps = 1;
+    gpu_hand_over(g);
     predict(g, s, &a);
     gpu_motion_force(g, s, d->x, d->v, a.back);
     blocks(g, s, &a);
@@ -185,6 +186,7 @@ static int go_implicit(struct gpu *g, struct gpu_sheet *s)
     int status = solve(g, s);
     if (status == DRAPE_OK)
         update(g, s, &a);
+    gpu_hand_over(g);
     return status;
 }
 

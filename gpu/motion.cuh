@@ -12,6 +12,13 @@ static inline vec *motion_stream(const struct gpu_sheet *s, int k)
     return s->dynamics.work + k * s->cloth.count;
 }
 
+/* How many there are: an implicit method's star and b lie elsewhere. */
+static inline int64_t motion_vecs(const struct dynamics *d)
+{
+    int64_t apart = dynamics_implicit(d->method) ? 2 : 0;
+    return dynamics_vecs(d->method, d->windy) - apart;
+}
+
 static inline void motion_trace(struct gpu *g, const struct gpu_sheet *s,
                                 const char *stage, const vec *out)
 {

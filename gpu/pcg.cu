@@ -218,7 +218,7 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
     int64_t sums = 2 * s->n_chunks;
     bool lent = s->n_cdf || lies_before(s);
     int64_t all = sums + (lent ? 1 : 4) * s->count;
-    real *scratch = (real *)gpu_scratch(g, SLOT_STAGE, all, sizeof *scratch);
+    real *scratch = (real *)gpu_scratch(g, SLOT_SOLVE, all, sizeof *scratch);
     if (s->count > 0 && scratch) {
         bool jacobi = s->precond == DRAPE_JACOBI;
         struct opening opening = {};

@@ -19,7 +19,7 @@ static int move_sheet(struct gpu_world *w, int k, drape_step_report *r)
     d->vp = w->past_v ? w->past_v + s->first : NULL;
     d->dt = h->dt;
     d->has_past = state_has_past(h);
-    d->to = w->to + s->first;
+    d->to = w->to ? w->to + s->first : NULL;
     d->x1 = w->x1 + s->first;
     d->v1 = w->v1 + s->first;
     d->reference = h->watch[k][0];

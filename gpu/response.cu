@@ -7,24 +7,30 @@
 
 /* ---- Pools ---- */
 
+typedef void *take(struct gpu *, enum arena_part, int64_t count, size_t size);
+
+static void grow(struct gpu *g, struct room r, take *from)
+{
+    if (r.need <= r.pool->cap)
+        return;
+    int64_t cap = r.need + r.need / 4 + 256;
+    gpu_give(g, r.pool->data);
+    r.pool->data = from(g, ARENA_RESPONSE, cap, r.size);
+    r.pool->cap = r.pool->data ? cap : 0;
+}
+
 int gpu_response_grow(struct gpu *g, int n, const struct room *room)
 {
-    for (int k = 0; k < n; k++) {
-        struct pool *p = room[k].pool;
-        if (room[k].need <= p->cap)
-            continue;
-        int64_t cap = room[k].need + room[k].need / 4 + 256;
-        gpu_give(g, p->data);
-        p->data = gpu_take(g, ARENA_RESPONSE, cap, room[k].size);
-        p->cap = p->data ? cap : 0;
-    }
+    for (int k = 0; k < n; k++)
+        grow(g, room[k], gpu_borrow);
     return gpu_status(g);
 }
 
-static int grow_one(struct gpu *g, struct pool *p, int64_t need, size_t size)
+/* The contacts: s->solve solves with them. */
+static int grow_contacts(struct gpu *g, struct pool *p, int64_t need)
 {
-    struct room room = {p, need, size};
-    return gpu_response_grow(g, 1, &room);
+    grow(g, {p, need, sizeof(struct contact)}, gpu_take);
+    return gpu_status(g);
 }
 
 /* ---- §1 ---- */
@@ -131,7 +137,8 @@ int gpu_response_repel(struct gpu *g, struct response *s,
     p.skin = s->skin;
     p.dt = s->dt;
     p.stiffness = s->stiffness;
-    int status = grow_one(g, &s->at, near->n, sizeof *p.at);
+    struct room room = {&s->at, near->n, sizeof *p.at};
+    int status = gpu_response_grow(g, 1, &room);
     if (status != DRAPE_OK)
         return status;
     p.at = (int32_t *)s->at.data;
@@ -140,8 +147,7 @@ int gpu_response_repel(struct gpu *g, struct response *s,
         p.contact = (struct contact *)out->data;
         status = gpu_proximity(g, &p);
     } while (status == DRAPE_EFULL &&
-             (status = grow_one(g, out, p.found, sizeof *p.contact)) ==
-                 DRAPE_OK);
+             (status = grow_contacts(g, out, p.found)) == DRAPE_OK);
     if (status != DRAPE_OK)
         return status;
     s->contacts = p.found;
@@ -187,8 +193,7 @@ static int find_impulses(struct gpu *g, struct response *s)
         m.contact = (struct contact *)to->data;
         status = gpu_impulses(g, &m);
     } while (status == DRAPE_EFULL &&
-             (status = grow_one(g, to, m.found, sizeof *m.contact)) ==
-                 DRAPE_OK);
+             (status = grow_contacts(g, to, m.found)) == DRAPE_OK);
     if (status != DRAPE_OK)
         return status;
     s->side = !s->side;

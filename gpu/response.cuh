@@ -6,8 +6,9 @@
 #include "gpu/world.h"
 #include "ref/failsafe.h"
 
-/* Makes the n pools hold what they must, and more where they grow. DRAPE_OK
- * or DRAPE_ENOMEM. */
+/* Makes the n pools hold what they must, and more where they grow. No solve
+ * comes between what is written to them and who reads it: they are borrowed.
+ * DRAPE_OK or DRAPE_ENOMEM. */
 int gpu_response_grow(struct gpu *g, int n, const struct room *room);
 
 /* §1: ends of the step for n vertices whose mean velocity changed; stop: v is

@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 #include "gpu/blas.h"
-#include "gpu/gpu.cuh"
+#include "gpu/motion.cuh"
 
 /* A stream on the device with what the host's holds; NULL: zero. */
 static void *give(struct gpu_world *w, enum arena_part part, const void *host,
@@ -27,7 +27,6 @@ static void give_state(struct gpu_world *w)
     GIVE(w->v0, ARENA_STATE, h->v0, h->nv);
     GIVE(w->x1, ARENA_STATE, h->x0, h->nv);
     GIVE(w->v1, ARENA_STATE, h->v0, h->nv);
-    GIVE(w->to, ARENA_STATE, h->to, h->nc);
     GIVE(w->w, ARENA_STATE, h->w, h->nv);
     GIVE(w->body, ARENA_STATE, h->body, h->nv);
     GIVE(w->surface, ARENA_STATE, h->surface,
@@ -45,6 +44,26 @@ static void give_state(struct gpu_world *w)
     }
 }
 
+/* Where pins end: an implicit method reads no more. */
+static bool reads_to(const struct world *h)
+{
+    bool reads = !h->plan.implicit;
+    for (int k = 0; k < h->def.n_cloths; k++)
+        reads |= h->sheet[k].cloth.n_pinned > 0;
+    return reads;
+}
+
+static void give_motion(struct gpu_world *w)
+{
+    const struct world *h = w->host;
+    if (reads_to(h))
+        GIVE(w->to, ARENA_STATE, h->to, h->nc);
+    if (!h->plan.implicit)
+        return;
+    GIVE(w->star, ARENA_SOLVER, NULL, h->nc);
+    GIVE(w->b, ARENA_SOLVER, NULL, h->plan.collides ? h->nv : h->nc);
+}
+
 static void give_place(struct gpu_world *w, enum arena_part part,
                        const struct kinematics *host, struct kinematics *k)
 {
@@ -59,21 +78,57 @@ static void give_place(struct gpu_world *w, enum arena_part part,
     k->pose = w->pose;
 }
 
-/* Of multigrid's finest grid pool and room lack what p and q lend it. */
-static void give_pcg(struct gpu_world *w, struct pcg *p)
+/* Streams one behind the other in one block; without it, its size. */
+struct row {
+    char *block;
+    size_t at;
+};
+
+static void *next_in(struct row *row, int64_t n, size_t size)
 {
+    size_t align = 256, at = row->at; /* as cudaMalloc's */
+    row->at = (at + (size_t)n * size + align - 1) / align * align;
+    return row->block ? row->block + at : NULL;
+}
+
+#define NEXT(p, n) (p) = (decltype(p))next_in(&row, n, sizeof *(p))
+
+/* A cloth's solver in one block, sizes or streams: r, which a slice's first
+ * contacts read, and all that is lent. Of multigrid's finest grid pool and room
+ * lack what p and q lend it; these lie before the force, which rhs alone reads.
+ */
+static struct row lay_out(struct gpu_sheet *s, int64_t vecs, char *block)
+{
+    struct row row = {block, 0};
+    struct pcg *p = &s->pcg;
     int64_t lent = p->grid.n_pool ? p->count : 0;
-    GIVE(p->cdf, ARENA_SOLVER, NULL, p->n_cdf);
-    GIVE(p->diagonal, ARENA_SOLVER, NULL, p->n_cdf ? p->count : 0);
-    GIVE(p->factor, ARENA_SOLVER, NULL, p->count);
-    GIVE(p->low, ARENA_SOLVER, NULL, p->count);
-    GIVE(p->r, ARENA_SOLVER, NULL, p->count);
-    GIVE(p->s, ARENA_SOLVER, NULL, p->count);
+    NEXT(p->r, p->count);
+    NEXT(p->cdf, p->n_cdf);
+    NEXT(p->diagonal, p->n_cdf ? p->count : 0);
+    NEXT(p->factor, p->count);
+    NEXT(p->low, p->count);
+    NEXT(p->s, p->count);
+    NEXT(p->grid.pool, p->grid.n_pool - lent);
+    NEXT(p->grid.room, p->grid.n_room - lent);
+    NEXT(p->grid.live, p->grid.n_live);
+    NEXT(p->p, (2 + vecs) * p->count);
+    return row;
+}
+
+static void give_solver(struct gpu_world *w, struct gpu_sheet *s, int64_t vecs)
+{
+    struct pcg *p = &s->pcg;
+    char *block = NULL;
     GIVE(p->chunk, ARENA_SOLVER, NULL, p->n_chunks);
-    GIVE(p->grid.pool, ARENA_SOLVER, NULL, p->grid.n_pool - lent);
-    GIVE(p->grid.room, ARENA_SOLVER, NULL, p->grid.n_room - lent);
-    GIVE(p->grid.live, ARENA_SOLVER, NULL, p->grid.n_live);
     GIVE(p->grid.dense, ARENA_SOLVER, NULL, p->grid.n_dense);
+    GIVE(block, ARENA_SOLVER, NULL, (int64_t)lay_out(s, vecs, NULL).at);
+    if (!block)
+        return;
+    lay_out(s, vecs, block);
+    p->q = p->p + p->count;
+    s->dynamics.work = p->q + p->count;
+    vec *from = p->r + p->count, *to = s->dynamics.work + vecs * p->count;
+    gpu_lend(w->gpu, from, (size_t)((char *)to - (char *)from));
 }
 
 static void give_sheet(struct gpu_world *w, int k)
@@ -95,20 +150,19 @@ static void give_sheet(struct gpu_world *w, int k)
     GIVE(s->pins.x, ARENA_CLOTH, h->pins.x, h->pins.n);
     *d = h->dynamics;
     d->cloth = c;
-    int64_t vecs = dynamics_vecs(d->method, d->windy);
-    bool implicit = w->host->plan.implicit;
-    GIVE(d->work, ARENA_SOLVER, NULL, (vecs + (implicit ? 2 : 0)) * c->count);
+    int64_t vecs = motion_vecs(d);
     GIVE(d->chunk, ARENA_SOLVER, NULL, 3 * sum_chunks(c->count));
-    if (!implicit)
+    if (!w->host->plan.implicit) {
+        GIVE(d->work, ARENA_SOLVER, NULL, vecs * c->count);
         return;
+    }
+    s->star = w->star + s->first;
+    s->b = w->b + s->first;
     GIVE(d->block, ARENA_SOLVER, NULL, SPRINGS * c->count);
     s->pcg = h->solver.pcg;
-    s->pcg.p = d->work; /* lies_before the force, which rhs alone reads */
-    s->pcg.q = s->pcg.p + c->count;
-    d->work = s->pcg.q + c->count;
     s->pcg.mass = c->mass;
     s->pcg.fixed = c->fixed;
-    give_pcg(w, &s->pcg);
+    give_solver(w, s, vecs);
 }
 
 static void give_prop(struct gpu_world *w, int k)
@@ -182,6 +236,7 @@ static int make(const drape_def *def, struct arena *arena, struct world **world,
     if (arena->failed)
         return DRAPE_ENOMEM;
     give_state(w);
+    give_motion(w);
     for (int k = 0; k < def->n_cloths; k++)
         give_sheet(w, k);
     for (int k = 0; k < def->n_obstacles; k++)
@@ -235,7 +290,9 @@ static int borrow(struct world *h, drape_view *view)
 {
     struct gpu_world *w = h->device;
     gpu_begin(w->gpu);
-    if (!w->tri)
+    if (!w->tri && h->plan.collides)
+        w->tri = w->broad.tree.tri;
+    else if (!w->tri)
         GIVE(w->tri, ARENA_STATE, h->tri, h->nt);
     int status = gpu_status(w->gpu);
     if (status != DRAPE_OK)

@@ -18,6 +18,7 @@ struct gpu_sheet {
     struct law *law;          /* device [SPRINGS] */
     struct dynamics dynamics; /* cloth is the one above; solve is not used */
     struct pcg pcg;
+    vec *star, *b;         /* device [count], within the world's */
     double solver_seconds; /* out: of the last solve */
     struct kinematics pins;
     int32_t *pinned; /* device [pins.n] particle of each pin */
@@ -36,10 +37,13 @@ struct gpu_world {
     vec *free_x, *free_v;     /* device [nc] or NULL */
     vec *past_x, *past_v;     /* device [nc] or NULL */
     vec *press;               /* likewise */
-    vec *to;                  /* device [nc] */
+    vec *to;                  /* device [nc], or NULL: it is not read */
+    vec *star, *b;            /* device [nc] of implicit motion, then couple's
+                                 g and, [nv] if anything collides, force */
     real *w;                  /* device [nv] */
     uint16_t *body;           /* device [nv] */
-    int32_t (*tri)[3];        /* device [nt]; NULL: nobody has borrowed it */
+    const int32_t (*tri)[3];  /* device [nt], the tree's if anything collides;
+                                 NULL: nobody has borrowed it */
     struct surface *surface;  /* device [bodies] */
     struct pose *pose;        /* device [n_motions] */
     struct gpu_prop *prop;    /* [n_obstacles] */

@@ -28,9 +28,7 @@ static int grow_scratch(struct broad *b, int64_t need)
         status = grow(b, &b->sum, ARENA_PAIRS, need / BVTT_BLOCK + 1,
                       sizeof(int64_t));
     if (status == DRAPE_OK)
-        status = grow(b, &b->other, ARENA_PAIRS, need, 2 * sizeof(int32_t));
-    if (status == DRAPE_OK)
-        status = grow(b, &b->third, ARENA_PAIRS, need, 2 * sizeof(int32_t));
+        status = grow(b, &b->pair, ARENA_PAIRS, need, 4 * sizeof(int32_t));
     return status;
 }
 
@@ -155,7 +153,7 @@ int broad_update_front(struct broad *b)
         s.cap = b->front.cap;
         s.n = b->n_front;
         s.pair = b->front.data;
-        s.other = b->other.data;
+        s.other = b->pair.data;
         s.act = b->act.data;
         s.act_other = b->mask.data;
         s.sum = b->sum.data;
@@ -185,9 +183,9 @@ static int walk(struct broad *b)
         .front = b->front.data,
         .in = {.tree = b->tree, .box = b->box, .clear = b->clear, .r = b->r}};
     for (;;) {
-        s.cap = b->other.cap < b->third.cap ? b->other.cap : b->third.cap;
-        s.pair = b->other.data;
-        s.other = b->third.data;
+        s.cap = b->pair.cap < b->mask.cap ? b->pair.cap : b->mask.cap;
+        s.pair = b->pair.data;
+        s.other = s.pair + s.cap;
         s.mask = b->mask.data;
         s.sum = b->sum.data;
         s.cap_tri = b->both.cap;

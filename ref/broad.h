@@ -40,9 +40,11 @@ struct broad {
     real r;
 
     int64_t n_front;
-    struct broad_pool front;                        /* kept */
-    struct broad_pool other, third, mask, act, sum; /* scratch */
-    struct broad_pool both, pair, kind;             /* results */
+    struct broad_pool front;          /* kept */
+    struct broad_pool mask, act, sum; /* scratch */
+    struct broad_pool both, kind;     /* results */
+    struct broad_pool pair;           /* scratch: two streams of node pairs;
+                                         then the candidates */
 
     int64_t n_both;                 /* triangle pairs */
     int64_t n, n_vf;                /* candidates; the first n_vf are VF */

@@ -299,8 +299,8 @@ typedef struct drape_view {
     int device;    /* CUDA's number of it; -1: memory of the host */
     void *stream;  /* cudaStream_t; NULL: of the reference */
 } drape_view;
-/* The first call on a device takes the triangles' memory there. DRAPE_OK,
- * DRAPE_ENOMEM, DRAPE_EDEVICE. */
+/* The first call on a device takes the triangles' memory there if nothing can
+ * collide. DRAPE_OK, DRAPE_ENOMEM, DRAPE_EDEVICE. */
 int drape_borrow(drape_world *world, drape_view *view);
 
 /* Wakes a sleeping scene. */
@@ -316,7 +316,9 @@ int drape_plan(const drape_world *world, drape_plan_row *row, int capacity);
 /* A world's streams and records, without what CUDA keeps for itself. Where a
  * scene has settled, a step allocates nothing. */
 typedef struct drape_memory {
-    size_t host_bytes, device_bytes;              /* held now */
+    size_t host_bytes, device_bytes; /* held now */
+    size_t borrowed_bytes; /* of device_bytes, the solver's that contact uses
+                              between solves */
     int64_t host_allocations, device_allocations; /* since drape_create */
 } drape_memory;
 int drape_count(const drape_world *world, drape_memory *memory); /* DRAPE_OK */

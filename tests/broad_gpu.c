@@ -51,10 +51,8 @@ static void limit(struct broad_pool *p, int64_t cap)
 static void shrink(struct broad *b)
 {
     limit(&b->front, b->n_front > 0 ? b->n_front : 1);
-    limit(&b->other, b->front.cap);
-    limit(&b->third, b->front.cap);
+    limit(&b->pair, b->front.cap);
     limit(&b->both, 0);
-    limit(&b->pair, 0);
     limit(&b->kind, 0);
 }
 

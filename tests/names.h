@@ -221,6 +221,7 @@
 #define test_cublas REAL_NAME(test_cublas)
 #define test_diverged REAL_NAME(test_diverged)
 #define test_embed_borrow REAL_NAME(test_embed_borrow)
+#define test_embed_lent REAL_NAME(test_embed_lent)
 #define test_embed_log REAL_NAME(test_embed_log)
 #define test_embed_lost REAL_NAME(test_embed_lost)
 #define test_embed_memory REAL_NAME(test_embed_memory)

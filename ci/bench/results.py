@@ -47,12 +47,15 @@ def plan_bytes(run):
     return {row["stage"]: row["bytes"] for row in run["plan"]}
 
 
-def explicit_bytes(explicit, start, implicit):
+def explicit_bytes(explicit, start, implicit, borrowed):
     """What an explicit run would come to: what its first step left, and where
-    collisions fill streams what the implicit run filled from its start on."""
-    return {stage: count + max(0, implicit[stage] - start[stage])
+    collisions fill streams what the implicit run filled from its start on, in
+    what it borrowed from its solver too."""
+    rows = {stage: count + max(0, implicit[stage] - start[stage])
             if stage in COLLISION else count
             for stage, count in explicit.items()}
+    rows["scratch"] += borrowed
+    return rows
 
 
 def memory(results):
@@ -63,7 +66,8 @@ def memory(results):
         start = results.runs[scene].get("start")
         if explicit and start:
             yield scene, "explicit", explicit_bytes(
-                plan_bytes(explicit), plan_bytes(start), implicit)
+                plan_bytes(explicit), plan_bytes(start), implicit,
+                run["memory"].get("borrowed_bytes", 0))
         yield scene, "implicit", implicit
 
 
