@@ -89,19 +89,6 @@ static __device__ void mark(const struct chain::small *c, struct place at)
                 c->rule[i + c->g.m * j] = 1;
 }
 
-/* The threads of a team, warp after warp of rank after rank: as all take long,
- * each rank gets as many. */
-#define EACH_OF_TEAM(e, n)                                                     \
-    for (int e = team_item(), n_ = (int)(n); e < n_;                           \
-         e += team_ranks() * rank_threads())
-
-static __device__ int team_item(void)
-{
-    enum { WARP = 32 };
-    int t = rank_thread(), warp = t / WARP * team_ranks() + team_rank();
-    return warp * WARP + t % WARP;
-}
-
 /* One team. A thread owns every so-many-th item of grid k, and factor of the
  * grid before, while the marks of the grid after are wiped; then rules of grid
  * k, which mark those of the grid after. */

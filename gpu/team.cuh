@@ -168,4 +168,18 @@ template <int LEFT> static inline void copies_end(void)
 }
 
 #endif
+
+/* The threads of a team, warp after warp of rank after rank: as all take long,
+ * each rank gets as many. */
+#define EACH_OF_TEAM(e, n)                                                     \
+    for (int e = team_item(), n_ = (int)(n); e < n_;                           \
+         e += team_ranks() * rank_threads())
+
+static __device__ inline int team_item(void)
+{
+    enum { WARP = 32 };
+    int t = rank_thread(), warp = t / WARP * team_ranks() + team_rank();
+    return warp * WARP + t % WARP;
+}
+
 #endif
