@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Contacts as the implicit system feels them. spec/38_penalty.md */
 #include "gpu/incidence.cuh"
-#include "gpu/jacobi.cuh"
 #include "ref/penalty.h"
 
 /* What an item adds to its vertex is PARTS numbers: PUSHES of force, then those
@@ -83,19 +82,40 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         if (s.w[c->v[j]] > 0)
             share += magnitude(c->c[j]) * side_of(&s, c, j);
     real before = s.first ? R(0.0) : gave(&s, c, share);
-    real impulse = most(spring(&s, c, s.guess), R(0.0));
     s.share[k] = share;
     s.gave[k] = before;
-    c->impulse = impulse;
-    c->held = impulse > 0 || spring(&s, c, s.u) > 0 || before > 0;
+    c->held =
+        spring(&s, c, s.guess) > 0 || spring(&s, c, s.u) > 0 || before > 0;
+}
+
+/* §2.1. Thread k owns vertex[k]: writes how many of its items are of held
+ * contacts to its brake. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    penalty_split_kernel(struct penalty s, const int64_t *words)
+{
+    ITEM(k, s.n4);
+    if (words[INCIDENCE_BAD] || k >= words[INCIDENCE_VERTICES])
+        return;
+    int32_t i = s.vertex[k], parts = 0;
+    for (int32_t at = s.start[i]; at < s.start[i + 1]; at++)
+        parts += s.contact[s.item[at] / 4].held;
+    s.brake[i] = (real)parts;
+}
+
+/* §2.1: what a contact's spring ends with where it stops its parts, N·s. */
+static __device__ real stop(const struct penalty *s, const struct contact *c)
+{
+    real give = 1 / (s->stiffness * s->tau * s->tau);
+    for (int j = 0; j < 4; j++)
+        give += c->c[j] * c->c[j] * (s->brake[c->v[j]] * s->w[c->v[j]]);
+    real lack = c->target - dot(c->n, weigh(c, s->guess));
+    return most(lack, R(0.0)) * (s->dt / s->tau) / give;
 }
 
 /* §3. Thread k owns place k of all lists: reads its item's contact, writes its
- * parts to part[o·n4 + k], all 0 where the contact is not held; of friction too
- * where that is known. */
+ * parts to part[o·n4 + k], all 0 where the contact is not held. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_part_kernel(struct penalty s, real *part, bool rubbed,
-                        const int64_t *words)
+    penalty_part_kernel(struct penalty s, real *part, const int64_t *words)
 {
     ITEM(k, s.n4);
     if (words[INCIDENCE_BAD] || k >= s.start[s.nv])
@@ -107,10 +127,9 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (c->held) {
         real share = part_of(&s, c, s.share[item / 4], j);
         a = share * s.stiffness * s.tau * s.tau;
-        b = share * (rubbed ? c->slide : 0) * (s.tau / s.dt);
+        b = share * c->slide * (s.tau / s.dt);
         a = a - b;
-        push = rubbed ? scale(c->c[j], axpy(c->tangent, c->impulse, n))
-                      : scale(c->c[j] * c->impulse, n);
+        push = scale(c->c[j], axpy(c->tangent, c->impulse, n));
     } else {
         n = push;
     }
@@ -128,14 +147,14 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         part[o * s.n4 + k] = all[o];
 }
 
-/* A part of vertex i, in the order of its items: sum, which is not -0, and so
- * never is and changes by no 0. AHEAD are read before the first is added, as a
- * thread has nothing else to wait for. */
-template <class T>
-static __device__ T total(const struct penalty *s, const real *part, int32_t i,
-                          T sum)
+/* A part of vertex i, in the order of its items: the sum is never -0, and so
+ * changes by no 0. AHEAD are read before the first is added, as a thread has
+ * nothing else to wait for. */
+static __device__ real total(const struct penalty *s, const real *part,
+                             int32_t i)
 {
     enum { AHEAD = 16 };
+    real sum = 0;
     int32_t end = s->start[i + 1];
     for (int32_t at = s->start[i]; at < end; at += AHEAD) {
         real a[AHEAD];
@@ -144,7 +163,7 @@ static __device__ T total(const struct penalty *s, const real *part, int32_t i,
             a[k] = at + k < end ? part[at + k] : 0;
         UNROLL
         for (int k = 0; k < AHEAD; k++)
-            sum += (T)a[k];
+            sum += a[k];
     }
     return sum;
 }
@@ -153,39 +172,6 @@ static __device__ T total(const struct penalty *s, const real *part, int32_t i,
 static __device__ int64_t vertices(const int64_t *words)
 {
     return words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
-}
-
-/* §2.1. A block owns every so-many-th GROUP of vertex: its threads add up the
- * parts, the first of them move the guesses. */
-static __global__ void __launch_bounds__(GROUP_BLOCK)
-    penalty_guess_kernel(struct penalty s, const real *part,
-                         const int64_t *words)
-{
-    __shared__ double sum[PARTS][GROUP];
-    int t = (int)threadIdx.x, o = t / GROUP, at = t % GROUP;
-    for (int64_t first = (int64_t)blockIdx.x * GROUP; first < vertices(words);
-         first += (int64_t)gridDim.x * GROUP) {
-        bool mine = first + at < vertices(words);
-        int32_t i = mine ? s.vertex[first + at] : 0;
-        const real *from = part + o * s.n4;
-        double mass = 1 / (double)s.w[i];
-        bool square = o == PUSHES || o == PUSHES + 3 || o == PUSHES + 5;
-        if (mine && o < PUSHES)
-            sum[o][at] = (double)total(&s, from, i, R(0.0));
-        else if (mine)
-            sum[o][at] = total(&s, from, i, square ? mass : 0);
-        __syncthreads();
-        if (mine && o == 0) {
-            struct wide_sym a;
-            for (int k = PUSHES; k < PARTS; k++)
-                a.a[k - PUSHES] = sum[k][at];
-            vec force =
-                make((real)sum[0][at], (real)sum[1][at], (real)sum[2][at]);
-            vec move = solved(factored(a), force);
-            s.guess[i] = axpy(s.guess[i], s.tau / s.dt, move);
-        }
-        __syncthreads();
-    }
 }
 
 static __device__ vec across(const struct contact *c, const vec *u)
@@ -203,7 +189,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (words[INCIDENCE_BAD])
         return;
     const struct contact *c = &s.contact[k];
-    real push = most(spring(&s, c, s.guess), s.gave[k]);
+    real push = most(stop(&s, c), s.gave[k]);
     real limit = c->held ? c->friction * push : R(0.0);
     s.most[k] = limit;
     s.more[k] = limit - c->slide * length(across(c, s.u));
@@ -264,7 +250,7 @@ static __global__ void __launch_bounds__(GROUP_BLOCK)
     for (int64_t k = (int64_t)blockIdx.x * GROUP + t % GROUP;
          k < vertices(words); k += (int64_t)gridDim.x * GROUP) {
         int32_t i = s.vertex[k];
-        real sum = total(&s, part + o * s.n4, i, R(0.0));
+        real sum = total(&s, part + o * s.n4, i);
         if (o < PUSHES)
             ((real *)&s.force[i])[o] = sum;
         else
@@ -289,13 +275,11 @@ int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
     LAUNCH(g, s->nv, penalty_let_go_kernel, *s);
     LAUNCH(g, s->n, penalty_press_kernel, *s, words);
     gpu_clear(g, s->hold, (size_t)s->nv * sizeof *s->hold);
-    LAUNCH(g, s->n4, penalty_part_kernel, *s, part, false, words);
-    LAUNCH_BLOCKS(g, blocks, GROUP_BLOCK, penalty_guess_kernel, *s, part,
-                  words);
+    LAUNCH(g, touched, penalty_split_kernel, *s, words);
     LAUNCH(g, s->n, penalty_load_kernel, *s, words);
     LAUNCH(g, touched, penalty_brake_kernel, *s, words);
     LAUNCH(g, s->n, penalty_rub_kernel, *s, words);
-    LAUNCH(g, s->n4, penalty_part_kernel, *s, part, true, words);
+    LAUNCH(g, s->n4, penalty_part_kernel, *s, part, words);
     LAUNCH_BLOCKS(g, blocks, GROUP_BLOCK, penalty_gather_kernel, *s, part,
                   words);
     return gpu_status(g);

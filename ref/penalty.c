@@ -3,7 +3,6 @@
 #include "ref/penalty.h"
 
 #include "ref/incidence.h"
-#include "ref/jacobi.h"
 
 static int check(const struct penalty *s)
 {
@@ -81,8 +80,8 @@ static void press(struct penalty *s, int64_t k)
             share += real_abs(c->c[j]) * side_of(s, c, j);
     s->share[k] = share;
     s->gave[k] = s->first ? 0 : gave(s, k);
-    c->impulse = real_max(spring(s, k, s->guess), 0);
-    c->held = c->impulse > 0 || spring(s, k, s->u) > 0 || s->gave[k] > 0;
+    c->held =
+        spring(s, k, s->guess) > 0 || spring(s, k, s->u) > 0 || s->gave[k] > 0;
 }
 
 /* §3: what contact k adds to the hold of its vertex j. */
@@ -99,23 +98,24 @@ static sym hold_of(const struct penalty *s, int64_t k, int j, real slide)
     return r;
 }
 
-/* §2.1: where vertex i goes by what presses on it, without its neighbours. */
-static void guess(struct penalty *s, int64_t i)
+/* §2.1: into how many parts vertex i is split. */
+static void split(struct penalty *s, int64_t i)
 {
-    vec force = vec_make(0, 0, 0);
-    struct wide_sym a = {{0}};
-    a.a[0] = a.a[3] = a.a[5] = 1 / (double)s->w[i];
-    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
-        int64_t at = s->item[k] / 4;
-        const struct contact *c = &s->contact[at];
-        if (!c->held)
-            continue;
-        int j = s->item[k] % 4;
-        force = vec_axpy(force, c->c[j] * c->impulse, c->n);
-        a = wide_sym_add(a, hold_of(s, at, j, 0));
-    }
-    vec move = factor_solve(ref_factor(a), force);
-    s->guess[i] = vec_axpy(s->guess[i], s->tau / s->dt, move);
+    int32_t parts = 0;
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++)
+        parts += s->contact[s->item[k] / 4].held;
+    s->brake[i] = (real)parts;
+}
+
+/* §2.1: what contact k's spring ends with where it stops its parts, N·s. */
+static real stop(const struct penalty *s, int64_t k)
+{
+    const struct contact *c = &s->contact[k];
+    real give = 1 / (s->stiffness * s->tau * s->tau);
+    for (int j = 0; j < 4; j++)
+        give += c->c[j] * c->c[j] * (s->brake[c->v[j]] * s->w[c->v[j]]);
+    real lack = c->target - vec_dot(c->n, pair_sum(c->v, c->c, s->guess));
+    return real_max(lack, 0) * (s->dt / s->tau) / give;
 }
 
 static vec across(const struct contact *c, const vec *u)
@@ -129,7 +129,7 @@ static void load(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
     vec slip = across(c, s->u);
-    real push = real_max(spring(s, k, s->guess), s->gave[k]);
+    real push = real_max(stop(s, k), s->gave[k]);
     real most = c->held ? c->friction * push : 0;
     s->most[k] = most;
     s->more[k] = most - c->slide * vec_length(slip);
@@ -195,8 +195,7 @@ int ref_penalty(struct penalty *s)
         press(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
-        if (s->start[i] < s->start[i + 1])
-            guess(s, i);
+        split(s, i);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
         load(s, k);

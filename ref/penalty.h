@@ -27,7 +27,7 @@ struct penalty {
     real *gave;      /* scratch: [n] N·s, ≥ 0 */
     real *more;      /* scratch: [n] N·s */
     vec *guess;      /* scratch: [nv] m/s */
-    real *brake;     /* scratch: [nv] m/s */
+    real *brake;     /* scratch: [nv] parts of a vertex, then m/s */
     vec *force;      /* out: [nv] N·s, 0 where no contact pushes */
     sym *hold;       /* out: [nv] kg, 0 likewise; in later turns in: §1 */
 };

@@ -60,6 +60,7 @@ static double dot(vec a, vec b)
 static double slack(const struct penalty *s, double *size)
 {
     double own = 0, hold = 0;
+    *size = 0;
     for (int64_t k = 0; k < s->n; k++) {
         const struct contact *c = &s->contact[k];
         double sum[3] = {0, 0, 0};
@@ -79,9 +80,10 @@ static double slack(const struct penalty *s, double *size)
     for (int64_t i = 0; i < s->nv; i++) {
         vec a =
             vec_make((real)(1 + i % 3), (real)(1 - i % 5), (real)(2 - i % 7));
-        hold += dot(a, sym_apply(s->hold[i], a));
+        sym h = s->hold[i];
+        hold += dot(a, sym_apply(h, a));
+        *size += dot(a, a) * (double)(h.xx + h.yy + h.zz);
     }
-    *size = hold;
     return hold - own;
 }
 
@@ -101,6 +103,7 @@ static vec slip_of(const struct contact *c, const vec *u)
 const char *prop_penalty(const struct penalty *s)
 {
     double total[3] = {0, 0, 0}, size = 0;
+    double unit = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
     bool free_all = true;
     for (int64_t k = 0; k < s->n; k++) {
         const struct contact *c = &s->contact[k];
@@ -112,8 +115,16 @@ const char *prop_penalty(const struct penalty *s)
         EXPECT(c->held || !(approach(s, c) > 0));
         EXPECT(c->slide >= 0);
         EXPECT(vec_dot(c->tangent, slip_of(c, s->u)) <= 0);
-        for (int j = 0; j < 4; j++)
+        /* §2.1: at first no more is guessed than what stops it alone */
+        double alone = 0, lack = (double)c->target;
+        lack -= (double)vec_dot(c->n, pair_sum(c->v, c->c, s->guess));
+        for (int j = 0; j < 4; j++) {
+            alone += (double)(c->c[j] * c->c[j] * s->w[c->v[j]]);
             free_all &= s->w[c->v[j]] > 0;
+        }
+        double stop = (double)c->friction * fmax(lack, 0);
+        double most = (double)(s->most[k] * s->tau / s->dt) * alone;
+        EXPECT(!s->first || most <= stop * (1 + 64 * unit));
         size += (double)(real_abs(c->impulse) + length);
     }
     for (int64_t i = 0; i < s->nv; i++) {
@@ -125,7 +136,6 @@ const char *prop_penalty(const struct penalty *s)
     }
     /* Weights sum to 0: what a contact gives one side it takes from the
      * other. At most n + 8 roundings touch each term. */
-    double unit = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
     double bound = 8 * ((double)s->n + 8) * unit * size;
     for (int d = 0; d < 3 && free_all; d++)
         EXPECT(fabs(total[d]) <= bound);
