@@ -116,6 +116,7 @@ int gpu_collide(struct gpu_world *w, drape_step_report *r, double *last)
     c->v = w->v1;
     c->dt = (real)w->host->dt;
     c->brief = slice_brief(w->host);
+    c->max_rounds = slice_rounds(w->host);
     int status = gpu_response_start(w->gpu, c);
     if (w->host->plan.implicit)
         gpu_couple_start(w);

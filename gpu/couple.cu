@@ -43,10 +43,10 @@ int gpu_couple_make(struct gpu_world *w)
 
 /* Thread i owns particle i: g begins with what presses already. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    couple_begin_kernel(vec *g, const vec *press, real part, int64_t n)
+    couple_begin_kernel(vec *g, const vec *press, real dt, int64_t n)
 {
     ITEM(i, n);
-    g[i] = scale(part, press[i]);
+    g[i] = scale(dt, press[i]);
 }
 
 void gpu_couple_start(struct gpu_world *w)
@@ -60,9 +60,8 @@ void gpu_couple_start(struct gpu_world *w)
     w->couple.iterations = w->couple.solves = w->couple.outcome = 0;
     w->couple.residual = 0;
     w->couple.seconds = 0;
-    real part = p->dt * state_press_part(h);
-    if (part > 0)
-        LAUNCH(w->gpu, h->nc, couple_begin_kernel, w->couple.g, w->press, part,
+    if (state_warm(h))
+        LAUNCH(w->gpu, h->nc, couple_begin_kernel, w->couple.g, w->press, p->dt,
                h->nc);
     else
         gpu_clear(w->gpu, w->couple.g, (size_t)h->nc * sizeof *w->couple.g);

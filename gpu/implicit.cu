@@ -98,7 +98,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK) rhs_kernel(struct rhs s)
     }
     vec force = s.force[p];
     if (s.n_press)
-        force = axpy(force, s.part, s.press[p]);
+        force = add(force, s.press[p]);
     s.b[p] = sub(scale(s.tau, force), f);
 }
 

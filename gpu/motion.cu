@@ -121,7 +121,6 @@ static void rhs(struct gpu *g, struct gpu_sheet *s, const struct about *a)
     r.force = motion_stream(s, 0);
     r.n_press = s->dynamics.press ? c->count : 0;
     r.press = s->dynamics.press;
-    r.part = s->dynamics.part;
     r.q = a->q;
     r.tau = a->tau;
     r.b = s->dynamics.b;

@@ -28,8 +28,7 @@ static int move_sheet(struct gpu_world *w, int k, drape_step_report *r)
     d->residual = 0;
     d->outcome = 0;
     w->couple.rough = couple_prepare(h, &s->pcg);
-    d->part = state_press_part(h);
-    d->press = d->part > 0 ? w->press + s->first : NULL;
+    d->press = state_warm(h) ? w->press + s->first : NULL;
     int status = gpu_motion(w->gpu, s);
     if (status != DRAPE_OK)
         return status;
@@ -81,16 +80,11 @@ static void remember(struct gpu_world *w)
     h->past = 1 + h->slicing.level;
 }
 
-static bool clean(int outcome)
-{
-    return !(outcome & (DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED));
-}
-
 static bool rests(struct gpu_world *w, int outcome)
 {
     const struct world *h = w->host;
     real most = (real)REST_PART * h->reach;
-    return h->def.sleep && clean(outcome) && h->slicing.level == 0 &&
+    return h->def.sleep && !slice_failed(outcome) && h->slicing.level == 0 &&
            gpu_collide_furthest(w, h->nc) <= most * most;
 }
 
@@ -104,7 +98,7 @@ static void keep_press(struct gpu_world *w, bool held)
         gpu_copy(w->gpu, w->press, w->couple.press, bytes);
     else if (h->pressed)
         gpu_clear(w->gpu, w->press, bytes);
-    h->pressed = held ? 1 + h->slicing.level : 0;
+    h->pressed = held;
 }
 
 static void commit(struct gpu_world *w, int outcome)
@@ -115,7 +109,7 @@ static void commit(struct gpu_world *w, int outcome)
     h->resting = rests(w, outcome) ? h->resting + 1 : 0;
     h->asleep = h->resting >= REST_STEPS;
     h->near = state_nearness(&w->response);
-    keep_press(w, clean(outcome) && h->near == NEAR_CONTACTS);
+    keep_press(w, !slice_failed(outcome) && h->near == NEAR_CONTACTS);
     for (int k = 0; k < h->def.n_cloths; k++) {
         h->watch[k][0] = w->sheet[k].dynamics.reference;
         h->watch[k][1] = w->sheet[k].dynamics.surplus;

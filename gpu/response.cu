@@ -97,7 +97,7 @@ static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
     c.nv = s->nv;
     c.n = n;
     c.w = s->w;
-    c.iterations = s->iterations;
+    c.iterations = response_iterations(s);
     c.warm = warm;
     c.contact = (struct contact *)s->contact[s->side].data;
     c.u = s->u;

@@ -17,7 +17,7 @@ struct header {
     uint16_t pressed;
     drape_wind wind;
 };
-static const char magic[8] = "drape-4";
+static const char magic[8] = "drape-5";
 
 static uint64_t mix_if(uint64_t hash, const void *data, size_t bytes)
 {

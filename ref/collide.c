@@ -131,6 +131,7 @@ int collide(struct world *w, drape_step_report *r, double *last)
     c->v = w->v1;
     c->dt = (real)w->dt;
     c->brief = slice_brief(w);
+    c->max_rounds = slice_rounds(w);
     int status = ref_response_start(c);
     if (w->plan.implicit)
         couple_start(w);

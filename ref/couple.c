@@ -58,10 +58,10 @@ void couple_start(struct world *w)
     c->iterations = c->solves = c->outcome = 0;
     c->residual = 0;
     c->seconds = 0;
-    real part = p->dt * state_press_part(w);
+    bool warm = state_warm(w);
     EACH_ITEM
     for (int64_t i = 0; i < w->nc; i++)
-        c->g[i] = part > 0 ? vec_scale(part, w->press[i]) : vec_make(0, 0, 0);
+        c->g[i] = warm ? vec_scale(p->dt, w->press[i]) : vec_make(0, 0, 0);
 }
 
 static int make_room(struct world *w, int64_t n)

@@ -118,7 +118,6 @@ static int go_implicit(struct dynamics *s)
                       .force = stream(s, 0),
                       .n_press = s->press ? c->count : 0,
                       .press = s->press,
-                      .part = s->part,
                       .q = q,
                       .tau = tau,
                       .b = s->b};

@@ -22,7 +22,6 @@ struct dynamics {
     const vec *xp, *vp; /* [count] or NULL */
     const vec *to;      /* [count] m, where pinned particles end */
     const vec *press;   /* [count] N, of contacts (39_warm.md), or NULL */
-    real part;          /* of press */
 
     /* Solves (mass + Σ blocks) dv = b with dv = 0 where fixed; reads cloth,
      * block and b, writes dv, iterations and residual, and ors

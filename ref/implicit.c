@@ -58,7 +58,7 @@ int ref_rhs(struct rhs *s)
         vec b = vec_make(0, 0, 0);
         vec f = s->force[p];
         if (s->n_press)
-            f = vec_axpy(f, s->part, s->press[p]);
+            f = vec_add(f, s->press[p]);
         if (!s->fixed[p])
             b = vec_sub(vec_scale(s->tau, f), pulls(s, p, i, j));
         s->b[p] = b;

@@ -22,7 +22,7 @@ struct predict {
     vec *q;               /* out: [n_past] m/s, star - back */
 };
 
-/* §2: b = tau·(force + part·press) - Σ over the springs of p of
+/* §2: b = tau·(force + press) - Σ over the springs of p of
  * block·(q_p - q_other). */
 struct rhs {
     int64_t count;          /* particles */
@@ -35,7 +35,6 @@ struct rhs {
     int64_t n_press;        /* count, or 0 */
     const vec *press;       /* [n_press] N, of contacts; 39_warm.md */
     const vec *q;           /* [count] m/s */
-    real part;              /* of press, in (0, 1] */
     real tau;               /* s */
     vec *b;                 /* out: [count] N·s, 0 where fixed */
 };

@@ -160,6 +160,7 @@
 #define slice_begin REAL_NAME(slice_begin)
 #define slice_end REAL_NAME(slice_end)
 #define slice_brief REAL_NAME(slice_brief)
+#define slice_rounds REAL_NAME(slice_rounds)
 #define slice_cold REAL_NAME(slice_cold)
 #define slice_count REAL_NAME(slice_count)
 #define slice_cut REAL_NAME(slice_cut)

@@ -71,7 +71,7 @@ static int solve_contacts(struct response *s, int64_t n, int warm)
     struct contacts c = {.nv = s->nv,
                          .n = n,
                          .w = s->w,
-                         .iterations = s->iterations,
+                         .iterations = response_iterations(s),
                          .warm = warm,
                          .contact = s->contact[s->side].data,
                          .u = s->u,

@@ -32,7 +32,7 @@ struct response {
     real dt;          /* s, > 0 */
     real stiffness;   /* N/m, ≥ 0, of the push apart in proximity */
     real margin;      /* of its thickness that an impact shall leave, ≥ 0 */
-    int iterations;   /* of contacts, ≥ 0 */
+    int iterations;   /* of contacts in an early round, ≥ 0 */
     int max_rounds;   /* of impulses, ≥ 0 */
     int zone_rounds;  /* ≥ 0, after those */
     int roll_rounds;  /* ≥ 0: of growing rollback before all go back */
@@ -77,6 +77,14 @@ struct response {
     int side, tangle_side;         /* which of two pools */
     bool impelled;                 /* contacts has solved a round */
 };
+
+/* §4: iterations of contacts in the round under way: as many more in each late
+ * one, as what is left by then moves little. */
+static inline int response_iterations(const struct response *s)
+{
+    enum { EARLY = 3 };
+    return s->iterations * (s->rounds > EARLY ? s->rounds - EARLY : 1);
+}
 
 /* Sets u and the counters for a step. DRAPE_EARG for a bad setting. */
 int ref_response_start(struct response *s);

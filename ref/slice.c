@@ -4,7 +4,7 @@
 
 #include "ref/state.h"
 
-enum { WHOLE = 64, TRIES = 3, JOLTS = 2, CALM = 8 };
+enum { WHOLE = 64, TRIES = 3, JOLTS = 2, CALM = 8, ROUNDS = 12 };
 /* That candidates may move in a slice: implicit, explicit. */
 static const real CELLS = 8, FEW_CELLS = 4;
 
@@ -72,19 +72,24 @@ bool slice_brief(const struct world *w)
     return s->tries < TRIES && s->level < s->deepest;
 }
 
+int slice_rounds(const struct world *w)
+{
+    bool few = w->slicing.level == 0 && slice_brief(w);
+    return few && w->def.max_rounds > ROUNDS ? ROUNDS : w->def.max_rounds;
+}
+
 bool slice_wrong(struct world *w, int outcome, const double before[3],
                  const double after[3])
 {
     struct slicing *s = &w->slicing;
-    bool failed = outcome & (DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED);
+    bool failed = slice_failed(outcome) && s->tries < TRIES;
     double rise = (after[0] - before[0]) + (after[1] - before[1]) +
                   (after[2] - before[2]);
     double height = after[2] < 0 ? -after[2] : after[2];
     bool fed = w->plan.led || w->plan.wind || !w->plan.implicit;
-    bool jolt =
-        !fed && rise > (after[0] + after[1]) / 16 + height / 65536 + lift(w);
-    failed = failed && s->tries < TRIES;
-    jolt = !failed && jolt && (s->jolts < JOLTS || s->jolts == s->began);
+    double most = (after[0] + after[1]) / 16 + height / 65536 + lift(w);
+    bool jolt = !failed && !fed && rise > most &&
+                (s->jolts < JOLTS || s->jolts == s->began);
     if (!(failed || jolt) || s->level >= s->deepest)
         return false;
     s->tries += failed;
@@ -95,7 +100,7 @@ bool slice_wrong(struct world *w, int outcome, const double before[3],
 
 bool slice_cold(struct world *w)
 {
-    bool warm = state_press_part(w) > 0;
+    bool warm = state_warm(w);
     w->slicing.cold |= warm;
     return warm;
 }
@@ -115,9 +120,10 @@ void slice_end(struct world *w)
 {
     const struct slicing *s = &w->slicing;
     struct caution *c = &w->caution;
-    if (s->jolts > s->began) {
-        int most = s->jolts < JOLTS ? s->jolts : JOLTS;
-        c->level = c->again ? most : c->level;
+    int wrong = s->jolts + s->tries;
+    if (wrong > s->began) {
+        if (c->again)
+            c->level = wrong < JOLTS ? wrong : JOLTS;
         c->again = 1;
         c->calm = 0;
     } else if (c->level == 0) {

@@ -41,8 +41,15 @@ bool slice_last(const struct world *w);
  * too far for this slice; and makes it as short as they need. */
 bool slice_far(struct world *w, real travel);
 void slice_cut(struct world *w);
-/* §7.3: whether it would be taken again if the fail-safe ended it. */
+/* Whether the fail-safe ended it. */
+static inline bool slice_failed(int outcome)
+{
+    return outcome & (DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED);
+}
+/* §7.3: whether it would be taken again if the fail-safe ended it; and the
+ * rounds of impulses before that would. */
 bool slice_brief(const struct world *w);
+int slice_rounds(const struct world *w);
 /* §7.3: whether the slice is to be taken again, shorter, as it ended by the
  * fail-safe, or with energy from nowhere: before, after [3]: kinetic, elastic,
  * of gravity, J. */

@@ -44,8 +44,8 @@ struct start {
     vec *past_x, *past_v; /* [nc] or NULL */
     vec *press;           /* likewise */
     double (*watch)[2];   /* [n_cloths]; NULL: no step was cut yet */
-    int pressed, past, resting;
-    bool asleep;
+    int past, resting;
+    bool pressed, asleep;
     enum nearness near;
 };
 
@@ -89,7 +89,7 @@ struct world {
     int resting; /* steps in a row in which nothing moved */
     bool asleep;
     enum nearness near; /* of the slice before */
-    int pressed; /* 1 + level of the slice that press is of, 0: all is 0 */
+    bool pressed;       /* not all of press is 0 */
     int past;  /* 1 + level of the slice that past_x and past_v hold, 0: none */
     double dt; /* s, of the slice under way */
     struct slicing slicing;
@@ -103,13 +103,10 @@ static inline bool state_has_past(const struct world *w)
     return w->past == 1 + w->slicing.level;
 }
 
-/* Of press, in a slice of this length: 39_warm.md §3, §5. */
-static inline real state_press_part(const struct world *w)
+/* Whether contacts press on in this slice: 39_warm.md §3, §5. */
+static inline bool state_warm(const struct world *w)
 {
-    int longer = w->pressed - 1 - w->slicing.level;
-    if (!w->pressed || w->slicing.cold)
-        return 0;
-    return 1 / (real)(1 << (longer > 0 ? longer : 0));
+    return w->pressed && !w->slicing.cold;
 }
 
 /* What a slice found near. */

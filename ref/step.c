@@ -37,8 +37,7 @@ static int move_sheet(struct world *w, int k, drape_step_report *r)
     d->residual = 0;
     d->outcome = 0;
     w->couple.rough = couple_prepare(w, &s->solver.pcg);
-    d->part = state_press_part(w);
-    d->press = d->part > 0 ? w->press + s->first : NULL;
+    d->press = state_warm(w) ? w->press + s->first : NULL;
     int status = ref_dynamics(d);
     if (status != DRAPE_OK)
         return status;
@@ -87,17 +86,11 @@ static void remember(struct world *w)
     w->past = 1 + w->slicing.level;
 }
 
-/* Whether the fail-safe was not needed. */
-static bool clean(int outcome)
-{
-    return !(outcome & (DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED));
-}
-
 /* §6: whether no particle went further than a part of the thickness. */
 static bool rests(const struct world *w, int outcome)
 {
     real most = (real)REST_PART * w->reach;
-    return w->def.sleep && clean(outcome) && w->slicing.level == 0 &&
+    return w->def.sleep && !slice_failed(outcome) && w->slicing.level == 0 &&
            collide_furthest(w, w->nc) <= most * most;
 }
 
@@ -110,7 +103,7 @@ static void keep_press(struct world *w, bool held)
         memcpy(w->press, w->couple.press, bytes);
     else if (w->pressed)
         memset(w->press, 0, bytes);
-    w->pressed = held ? 1 + w->slicing.level : 0;
+    w->pressed = held;
 }
 
 static void commit(struct world *w, int outcome)
@@ -120,7 +113,7 @@ static void commit(struct world *w, int outcome)
     w->resting = rests(w, outcome) ? w->resting + 1 : 0;
     w->asleep = w->resting >= REST_STEPS;
     w->near = state_nearness(&w->response);
-    keep_press(w, clean(outcome) && w->near == NEAR_CONTACTS);
+    keep_press(w, !slice_failed(outcome) && w->near == NEAR_CONTACTS);
     for (int k = 0; k < w->def.n_cloths; k++) {
         w->watch[k][0] = w->sheet[k].dynamics.reference;
         w->watch[k][1] = w->sheet[k].dynamics.surplus;

@@ -70,7 +70,6 @@ void gen_rhs(struct bytes *b, struct rhs *s)
     s->force = pick_vecs(b, g.count, 10);
     s->n_press = pick(b, 2) ? g.count : 0;
     s->press = pick_vecs(b, s->n_press, 10);
-    s->part = 1 / (real)(1 << pick(b, 4));
     s->q = pick_vecs(b, g.count, 10);
     s->tau = pick_uniform(b, R(1e-3), R(0.1));
 }
@@ -172,7 +171,7 @@ const char *prop_rhs(const struct rhs *s)
         for (int k = 0; k < 3; k++) {
             double f = (double)s->tau * at(s->force, 3 * p + k);
             double press = s->n_press ? at(s->press, 3 * p + k) : 0;
-            double pressed = (double)(s->tau * s->part) * press;
+            double pressed = (double)s->tau * press;
             double b = at(s->b, 3 * p + k);
             double size = fabs(f) + fabs(pressed) + 2 * row[3 + k];
             f += pressed;
