@@ -28,8 +28,8 @@ struct slicing {
 /* What steps before have taught, §7.5; kept in checkpoints. */
 struct caution {
     int level; /* at which a step begins */
-    int again; /* 1: the last step that could have jolts had one */
-    int calm;  /* steps without, of this level */
+    int again; /* 1: the last step that could go wrong did */
+    int calm;  /* steps that did not, of this level */
 };
 
 void slice_begin(struct world *w);

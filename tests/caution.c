@@ -53,3 +53,39 @@ const char *test_world_caution(void)
     }
     return NULL;
 }
+
+/* §7.3, §7.5: what the fail-safe ended teaches too; a whole step that can be
+ * taken again is given up after 12 rounds, all else after what is allowed. */
+const char *test_world_rounds(void)
+{
+    const double energy[3] = {1, 0, 0};
+    struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
+    w.def.max_slices = 32;
+    w.def.max_rounds = 16;
+    w.def.dt = 1;
+    for (int k = 0; k < 2; k++) {
+        slice_begin(&w);
+        EXPECT(w.slicing.level == 0 && slice_rounds(&w) == 12);
+        EXPECT(slice_wrong(&w, DRAPE_ZONES, energy, energy));
+        EXPECT(w.slicing.level == 1 && slice_rounds(&w) == 16);
+        while (!slice_last(&w))
+            slice_keep(&w);
+        slice_end(&w);
+        ran(1);
+    }
+    slice_begin(&w);
+    EXPECT(w.slicing.level == 1);
+    w.caution.level = 0;
+    slice_begin(&w);
+    w.def.max_rounds = 5;
+    EXPECT(slice_rounds(&w) == 5);
+    w.def.max_rounds = 16;
+    w.def.max_slices = 1; /* it cannot be cut: its zones are not for nothing */
+    slice_begin(&w);
+    EXPECT(!slice_brief(&w) && slice_rounds(&w) == 16);
+    struct response c = {.iterations = 16}; /* 37 §4 */
+    for (; c.rounds < 16; c.rounds++)
+        EXPECT(response_iterations(&c) ==
+               (c.rounds < 5 ? 16 : 16 * (c.rounds - 3)));
+    return NULL;
+}

@@ -273,6 +273,7 @@
 #define test_tangle_soup REAL_NAME(test_tangle_soup)
 #define test_world_brief REAL_NAME(test_world_brief)
 #define test_world_caution REAL_NAME(test_world_caution)
+#define test_world_rounds REAL_NAME(test_world_rounds)
 #define test_world_cold REAL_NAME(test_world_cold)
 #define test_world_device REAL_NAME(test_world_device)
 #define test_world_random REAL_NAME(test_world_random)
