@@ -198,7 +198,7 @@ static void launch(struct gpu *g, const struct contacts *s,
 
 /* ---- All passes by one team ---- */
 
-/* A pass, and a barrier after it. Contact k is the same thread's in all. */
+/* A pass, and a barrier after it. */
 template <void ACT(const struct contacts &, int64_t)>
 static __device__ void pass(const struct contacts &s, int64_t n)
 {

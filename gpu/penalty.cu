@@ -69,7 +69,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 }
 
 /* §1. Thread k owns contact k: reads guess, u, g and hold of its vertices,
- * writes share[k], gave[k], its impulse and whether it is held. */
+ * writes share[k], gave[k] and whether it is held. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     penalty_press_kernel(struct penalty s, const int64_t *words)
 {
@@ -93,12 +93,20 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 static __global__ void __launch_bounds__(GPU_BLOCK)
     penalty_split_kernel(struct penalty s, const int64_t *words)
 {
+    enum { AHEAD = 8 }; /* items that are read before the first counts */
     ITEM(k, s.n4);
     if (words[INCIDENCE_BAD] || k >= words[INCIDENCE_VERTICES])
         return;
-    int32_t i = s.vertex[k], parts = 0;
-    for (int32_t at = s.start[i]; at < s.start[i + 1]; at++)
-        parts += s.contact[s.item[at] / 4].held;
+    int32_t i = s.vertex[k], end = s.start[i + 1], parts = 0;
+    for (int32_t at = s.start[i]; at < end; at += AHEAD) {
+        int32_t held[AHEAD];
+        UNROLL
+        for (int a = 0; a < AHEAD; a++)
+            held[a] = s.contact[s.item[at + a < end ? at + a : at] / 4].held;
+        UNROLL
+        for (int a = 0; a < AHEAD; a++)
+            parts += at + a < end ? held[a] : 0;
+    }
     s.brake[i] = (real)parts;
 }
 
@@ -200,7 +208,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 static __global__ void __launch_bounds__(GPU_BLOCK)
     penalty_brake_kernel(struct penalty s, const int64_t *words)
 {
-    enum { AHEAD = 8 };
+    enum { AHEAD = 8 }; /* items that are read before the first counts */
     ITEM(k, s.n4);
     if (words[INCIDENCE_BAD] || k >= words[INCIDENCE_VERTICES])
         return;
