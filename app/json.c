@@ -263,7 +263,10 @@ cJSON *json_parse(const char *file)
             line += *p == '\n';
         cJSON_Delete(root);
         root = NULL;
-        complain(APP_USAGE, "%s: line %d: not JSON here", file, line);
+        if (size == 0)
+            complain(APP_USAGE, "%s: empty, where JSON is expected", file);
+        else
+            complain(APP_USAGE, "%s: line %d: not JSON here", file, line);
     }
     free(text);
     return root;

@@ -7,7 +7,7 @@
 printf '{"frames": 3,\n "cloths": [}\n' >broken.json
 refused 'malformed JSON, by line' 'broken.json: line 2' run broken.json
 : >empty.json
-refused 'empty scene' 'empty.json: line 1' run empty.json
+refused 'empty scene' 'empty.json: empty' run empty.json
 printf '[1]' >list.json
 refused 'scene is a list' 'expected an object' run list.json
 printf '{}' >bare.json
