@@ -3,9 +3,10 @@
 # `make certify`, on a machine with a device: compares ref/ and gpu/ stage by
 # stage and scene by scene, and writes what it found to OUT, whatever it is.
 # spec/50_gpu.md §7. Needs BUILD/check-cuda and BUILD/drape made with GPU=yes.
-# The reference runs side by side with the device, whose runs take turns.
-# EXPLICIT='6 114 120': 120 steps of explicit methods, traced to the 6th and from
-# the 114th on, which take a thread of the reference 12 minutes.
+# The reference runs side by side with the device, whose runs take turns. What
+# is long goes in segments: the device leaves a checkpoint where each ends, and
+# the reference does them at once, each from the one before it; where each ends
+# is compared, so that the segments are one run.
 # usage: ci/certify.sh BUILD OUT [quick]
 set -u
 build=$1 out=$2 quick=${3-}
@@ -24,7 +25,8 @@ took() { echo "$(($(date +%s) - began)) s: $*"; }
 # ---- One run ----
 
 # scene NAME FILE FRAMES [KEYS]: what is to run; KEYS come before the file's.
-# FRAMES: so many, all traced; or "A B C": C, to A and from B on traced.
+# FRAMES: so many, all traced; or "A B ... Z": segments to each of these, the
+# first and the last traced.
 names=
 scene() {
     sed "1s/{/{${4-}/" "app/scenes/$2.json" >"$work/$1.json"
@@ -36,46 +38,85 @@ scene() {
 part() {
     to=$1
     shift
+    rm -rf "$dir" # a run that fails must leave no trace to compare
     "$build/drape" run "$work/$name.json" --backend "$backend" --no-obj \
         --frames "$to" --out "$dir" "$@" >"$dir.log" 2>&1 ||
         tail -n 2 "$dir.log" >&2
 }
 
-# The stages' digests of what was traced last.
+# The stages' digests of what was traced.
 digests() { [ ! -f "$dir/trace.csv" ] || cut -d, -f1-3 "$dir/trace.csv"; }
 
-# How each step ended: positions, and the report but for its times.
+# How each step after FROM ended: positions, and the report but for its times.
 ends() {
-    sha256sum "$dir"/frames/cloth_*.ply |
-        awk 'NR > 1 { print NR - 2 ",state," $1 }'
+    sha256sum "$dir"/frames/cloth_*.ply | awk -v from="$1" '
+        { sub(/.*cloth_0*/, "", $2) }
+        $2 + 0 > from { print $2 - 1 ",state," $1 }'
     sed -n 's/"seconds": {[^}]*}, //; s/,/;/g; s/^ *{"step": //p' \
-        "$dir/report.json" | awk '{ print $1 - 1 ",report," $0 }'
+        "$dir/report.json" |
+        awk -v from="$1" '$1 > from { print $1 - 1 ",report," $0 }'
 }
 
-# parts A B C OPTION...: traced to A and from B on, and all ends of steps.
-parts() {
-    a=$1 b=$2 c=$3
-    shift 3
-    part "$a" --checkpoint-every "$a" --trace "$@"
-    digests
-    rm -f "$dir/trace.csv"
-    part "$b" --checkpoint-every "$b" --resume "$dir/checkpoint.drape" "$@"
-    part "$c" --resume "$dir/checkpoint.drape" --trace "$@"
-    digests
-    ends
+# The state of a checkpoint: what follows the reports, whose times differ.
+state() {
+    bytes=$(od -An -j16 -N8 -t d8 "$1") reports=$(od -An -j24 -N8 -t d8 "$1")
+    tail -c +$((41 + bytes * reports)) "$1" | sha256sum | cut -c1-16
+}
+
+# segment FROM TO OPTION...: steps FROM to TO, from the device's checkpoint
+segment() {
+    from=$1 end=$2 dir=$work/$name-$backend-$2
+    shift 2
+    [ "$from" = 0 ] || set -- "$@" --resume "$work/$name.$from.drape"
+    part "$end" --checkpoint-every "$end" "$@"
+    {
+        digests
+        ends "$from"
+        echo "$((end - 1)),checkpoint,$(state "$dir/checkpoint.drape")"
+    } >"$dir.lines"
+    [ "$backend" = ref ] ||
+        mv "$dir/checkpoint.drape" "$work/$name.$end.drape"
+    rm -rf "$dir"
+}
+
+# The reference waits for a checkpoint, until the device's run has ended.
+await() {
+    until [ "$1" = 0 ] || [ -f "$work/$name.$1.drape" ] ||
+        [ -f "$work/$name.gpu" ]; do
+        sleep 1
+    done
+}
+
+# segments "A ... Z" OPTION...: prints what was traced, and how all steps ended
+segments() {
+    at=0 all=$1 last=${1##* }
+    shift
+    for next in $all; do
+        trace=--trace
+        [ "$at" = 0 ] || [ "$next" = "$last" ] || trace=
+        # shellcheck disable=SC2086
+        if [ "$backend" = ref ]; then
+            (await "$at" && segment "$at" "$next" $trace "$@") &
+        else
+            segment "$at" "$next" $trace "$@"
+        fi
+        at=$next
+    done
+    [ "$backend" = gpu ] || wait
+    for next in $all; do
+        cat "$work/$name-$backend-$next.lines"
+    done
 }
 
 # run NAME BACKEND FRAMES OPTION...: its digests in NAME.BACKEND
 run() {
     name=$1 backend=$2 frames=$3 dir=$work/$1-$2
     shift 3
-    rm -rf "$dir" # a run that fails must leave no trace to compare
-    # shellcheck disable=SC2086
     case $frames in
-    *' '*) parts $frames "$@" ;;
-    *) part "$frames" --trace "$@" && digests ;;
-    esac >"$work/$name.$backend"
-    rm -rf "$dir/frames"
+    *' '*) segments "$frames" "$@" ;;
+    *) part "$frames" --trace "$@" && digests && rm -rf "$dir/frames" ;;
+    esac >"$work/lines.$name-$backend"
+    mv "$work/lines.$name-$backend" "$work/$name.$backend"
 }
 
 frames_of() { cat "$work/$1.frames"; }
@@ -88,7 +129,7 @@ same() {
     each=$(sed -n 's/.*"steps_per_frame": \([0-9]*\).*/\1/p' "$work/$1.json")
     each=${each:-1}
     grep -v '^step,' "$5" | cut -d, -f1 | sort -un >"$work/steps"
-    grep -v '^step,\|,state,\|,report,' "$5" >"$work/traced"
+    grep -v '^step,\|,state,\|,report,\|,checkpoint,' "$5" >"$work/traced"
     steps=$(wc -l <"$work/steps") stages=$(wc -l <"$work/traced")
     traced=$(cut -d, -f1 "$work/traced" | uniq | wc -l)
     # a trace that is empty, or ends early, proves nothing
@@ -103,10 +144,13 @@ same() {
 
 # both NAME: what ref/ and gpu/ gave
 both() {
-    # shellcheck disable=SC2046
-    set -- "$1" $(frames_of "$1")
-    same "$1" 'ref and gpu' "${4-$2}" "$(($2 + ${4-0} - ${3-0}))" \
-        "$work/$1.ref" "$work/$1.gpu"
+    before=0 last=0
+    for to in $(frames_of "$1"); do
+        before=$last last=$to
+    done
+    traced=$(frames_of "$1" | awk -v z="$last" -v y="$before" \
+        '{ print (NF > 1 ? $1 + z - y : z) }')
+    same "$1" 'ref and gpu' "$last" "$traced" "$work/$1.ref" "$work/$1.gpu"
 }
 
 # again NAME FRAMES: run to run, with other block sizes, after a checkpoint
@@ -174,16 +218,16 @@ for part in spec ref gpu flags; do
     row tree $part "$(sh ci/tree.sh $part)"
 done
 
-long=120 parted=${EXPLICIT:-6 24 30}
-[ ! "$quick" ] || long=2 parted='1 2 3'
+long=120 parted='6 33 60 87 114 120'
+[ ! "$quick" ] || long=2 parted='1 2 3 4'
 scene tiny tiny 6
 scene tiny64 tiny 6 '"precision": 64,'
+# Thousands of stages a step: tracing them all takes the device minutes more.
+for method in rk4 midpoint verlet euler; do
+    scene "lion_20k_$method" lion_20k "$parted" "\"integrator\": \"$method\","
+done
 for method in baraff-witkin choi-ko; do
     scene "lion_20k_$method" lion_20k $long "\"integrator\": \"$method\","
-done
-# thousands of stages a step: tracing them all takes the device minutes more
-for method in euler midpoint verlet rk4; do
-    scene "lion_20k_$method" lion_20k "$parted" "\"integrator\": \"$method\","
 done
 scene lion_20k_64 lion_20k 30 '"precision": 64,'
 scene lion_20k_jacobi lion_20k 30 '"precond": "jacobi", "matrix": "cdf",'
@@ -202,7 +246,7 @@ large=
 # A substep of 20K is too little for threads; 2M is not.
 # shellcheck disable=SC2086
 {
-    for method in rk4 verlet midpoint euler; do
+    for method in rk4 midpoint verlet euler; do
         references 1 lion_20k_$method &
     done
     references 4 lion_20k_baraff-witkin lion_20k_choi-ko lion_20k_64 \
@@ -220,17 +264,16 @@ for name in $names; do
 done
 again lion_20k_baraff-witkin $long
 took 'runs of the device'
-wait
-for name in $names; do
-    both "$name"
-done
 
 sed -n 's/^STAGE(\(.*\),.*/\1/p' spec/stages.def >"$work/names"
 [ "$quick" ] || for tool in memcheck racecheck initcheck synccheck; do
     sanitize $tool &
 done
 wait
-took sanitizers
+took 'sanitizers and references'
+for name in $names; do
+    both "$name"
+done
 python3 ci/certificate.py write "$rows" "$out"
 line=$(python3 ci/certificate.py line "$out")
 echo "$line"
