@@ -218,7 +218,7 @@ for part in spec ref gpu flags; do
     row tree $part "$(sh ci/tree.sh $part)"
 done
 
-long=120 parted='6 33 60 87 114 120'
+long=120 parted='6 18 30 42 54 66 78 90 102 114 120'
 [ ! "$quick" ] || long=2 parted='1 2 3 4'
 scene tiny tiny 6
 scene tiny64 tiny 6 '"precision": 64,'

@@ -60,7 +60,7 @@ int gpu_response_stiffen(struct gpu *g, struct response *s)
         return status;
     s->outcome |= DRAPE_ZONES;
     s->zone_vertices = z.vertices;
-    gpu_response_advance(g, s, z.vertices, z.vertex, true);
+    gpu_response_advance(g, s, z.vertices, z.vertex, NULL, true);
     return DRAPE_OK;
 }
 

@@ -65,9 +65,11 @@ int gpu_response_start(struct gpu *g, struct response *s)
 /* Thread k owns vertex[k]: writes its x1 and touched, and v where it stops. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     response_advance_kernel(struct response s, int64_t n, const int32_t *vertex,
-                            bool stop)
+                            const uint8_t *moved, bool stop)
 {
     ITEM(k, n);
+    if (moved && !moved[k])
+        return;
     int32_t i = vertex[k];
     s.x1[i] = axpy(s.x0[i], s.dt, s.u[i]);
     s.touched[i] = 1;
@@ -76,9 +78,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 }
 
 void gpu_response_advance(struct gpu *g, struct response *s, int64_t n,
-                          const int32_t *vertex, bool stop)
+                          const int32_t *vertex, const uint8_t *moved,
+                          bool stop)
 {
-    LAUNCH(g, n, response_advance_kernel, *s, n, vertex, stop);
+    LAUNCH(g, n, response_advance_kernel, *s, n, vertex, moved, stop);
 }
 
 /* Solves the contacts in contact[side] and moves their vertices. */
@@ -89,8 +92,10 @@ static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
                           {&s->parts, s->nv, sizeof(int32_t)},
                           {&s->lack, n, sizeof(real)},
                           {&s->push, 2 * n, sizeof(vec)},
-                          {&s->vertex, 4 * n, sizeof(int32_t)}};
-    int status = gpu_response_grow(g, 5, room);
+                          {&s->vertex, 4 * n, sizeof(int32_t)},
+                          {&s->moved, 4 * n, sizeof(uint8_t)},
+                          {&s->awake, n + s->nv, sizeof(uint8_t)}};
+    int status = gpu_response_grow(g, 7, room);
     if (status != DRAPE_OK)
         return status;
     struct contacts c = {};
@@ -111,10 +116,13 @@ static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
     c.push = (vec *)s->push.data;
     c.before = c.push + n;
     c.vertex = (int32_t *)s->vertex.data;
+    c.moved = (uint8_t *)s->moved.data;
+    c.awake = (uint8_t *)s->awake.data;
+    c.stirred = c.awake + n;
     status = gpu_contacts(g, &c);
     gpu_trace(g, s->trace, "contacts", s->u, (size_t)s->nv * sizeof *s->u);
     if (status == DRAPE_OK)
-        gpu_response_advance(g, s, c.vertices, c.vertex, false);
+        gpu_response_advance(g, s, c.vertices, c.vertex, c.moved, false);
     return status;
 }
 

@@ -11,10 +11,11 @@
  * DRAPE_OK or DRAPE_ENOMEM. */
 int gpu_response_grow(struct gpu *g, int n, const struct room *room);
 
-/* §1: ends of the step for n vertices whose mean velocity changed; stop: v is
- * u there, too. vertex is on the device. */
+/* §1: ends of the step for those of n vertices whose mean velocity changed,
+ * moved: NULL, all of them; stop: v is u there, too. Both are on the device. */
 void gpu_response_advance(struct gpu *g, struct response *s, int64_t n,
-                          const int32_t *vertex, bool stop);
+                          const int32_t *vertex, const uint8_t *moved,
+                          bool stop);
 
 /* §3: fills hit with the pairs that touch, among those with a touched vertex;
  * touched: on the device, or NULL for every pair. */

@@ -13,11 +13,11 @@ struct header {
     double time;
     uint16_t asleep, near;
     uint32_t past;
-    uint16_t level, again, calm; /* struct caution */
+    uint16_t level, again, calm, far, blind; /* struct caution */
     uint16_t pressed;
     drape_wind wind;
 };
-static const char magic[8] = "drape-5";
+static const char magic[8] = "drape-6";
 
 static uint64_t mix_if(uint64_t hash, const void *data, size_t bytes)
 {
@@ -130,6 +130,8 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     h.level = (uint16_t)w->caution.level;
     h.again = (uint16_t)w->caution.again;
     h.calm = (uint16_t)w->caution.calm;
+    h.far = (uint16_t)w->caution.far;
+    h.blind = (uint16_t)w->caution.blind;
     h.pressed = (uint16_t)w->pressed;
     h.wind = w->def.wind;
     uint64_t check = check_header(&h);
@@ -187,6 +189,6 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
     w->near = (enum nearness)h.near;
     w->past = (int)h.past;
     w->pressed = h.pressed;
-    w->caution = (struct caution){h.level, h.again, h.calm};
+    w->caution = (struct caution){h.level, h.again, h.calm, h.far, h.blind};
     return DRAPE_OK;
 }

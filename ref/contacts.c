@@ -4,14 +4,40 @@
 
 #include "ref/incidence.h"
 
-/* §2: into how many parts vertex i is split: its contacts that act now. */
-static void split(struct contacts *s, int32_t i)
+/* ---- §1 What takes part ---- */
+
+static void wake(struct contacts *s, int64_t k)
 {
-    int32_t parts = 0;
-    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++)
-        parts += s->lack[s->item[k] / 4] != 0;
-    s->parts[i] = parts;
+    const int32_t *v = s->contact[k].v;
+    s->awake[k] = AWAKE;
+    for (int j = 0; j < 4; j++)
+        if (s->stirred[v[j]] == ASLEEP)
+            s->stirred[v[j]] = AWAKE;
 }
+
+static void wake_acting(struct contacts *s)
+{
+    for (int64_t k = 0; k < s->n; k++)
+        if (s->lack[k] != 0 && !s->awake[k])
+            wake(s, k);
+}
+
+static void wake_around(struct contacts *s, int32_t i)
+{
+    s->stirred[i] = SPREAD;
+    for (int32_t j = s->start[i]; j < s->start[i + 1]; j++)
+        if (!s->awake[s->item[j] / 4])
+            wake(s, s->item[j] / 4);
+}
+
+static void spread(struct contacts *s)
+{
+    for (int64_t k = 0; k < s->vertices; k++)
+        if (s->moved[k] && s->stirred[s->vertex[k]] != SPREAD)
+            wake_around(s, s->vertex[k]);
+}
+
+/* ---- What is done of a contact ---- */
 
 /* §2: the mass that contact k moves when its vertices are split. */
 static real effective_mass(const struct contacts *s, const struct contact *c)
@@ -29,12 +55,30 @@ static real effective_mass(const struct contacts *s, const struct contact *c)
     return sum > 0 ? 1 / sum : 0;
 }
 
+static vec total(const struct contact *c)
+{
+    return vec_axpy(c->tangent, c->impulse, c->n);
+}
+
 /* §3: what contact k lacks, or has too much of and can give back. */
 static void find_lack(struct contacts *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
     real lack = c->target - vec_dot(c->n, pair_sum(c->v, c->c, s->u));
     s->lack[k] = lack > 0 || c->impulse > 0 ? lack : 0;
+}
+
+static void begin(struct contacts *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    if (!s->warm) {
+        c->impulse = 0;
+        c->tangent = vec_make(0, 0, 0);
+    }
+    s->awake[k] = ASLEEP;
+    s->before[k] = total(c);
+    s->push[k] = vec_make(0, 0, 0);
+    find_lack(s, k);
 }
 
 /* §3: the normal part of one iteration. */
@@ -73,9 +117,20 @@ static void push_tangent(struct contacts *s, int64_t k)
     c->tangent = next;
 }
 
-static vec total(const struct contact *c)
+static void end(struct contacts *s, int64_t k)
 {
-    return vec_axpy(c->tangent, c->impulse, c->n);
+    s->push[k] = vec_sub(total(&s->contact[k]), s->before[k]);
+}
+
+/* ---- What is done of a vertex ---- */
+
+/* §2: into how many parts vertex i is split: its contacts that act now. */
+static void split(struct contacts *s, int32_t i)
+{
+    int32_t parts = 0;
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++)
+        parts += s->lack[s->item[k] / 4] != 0;
+    s->parts[i] = parts;
 }
 
 /* Σ c · push of the contacts of a vertex, in their order. */
@@ -90,14 +145,7 @@ static vec gather(const struct contacts *s, int32_t i)
     return sum;
 }
 
-static void apply(const struct contacts *s, vec *u)
-{
-    EACH_ITEM
-    for (int64_t k = 0; k < s->vertices; k++) {
-        int32_t i = s->vertex[k];
-        u[i] = vec_axpy(u[i], s->w[i], gather(s, i));
-    }
-}
+/* ---- Passes ---- */
 
 static void each_contact(struct contacts *s,
                          void act(struct contacts *, int64_t))
@@ -107,26 +155,36 @@ static void each_contact(struct contacts *s,
         act(s, k);
 }
 
+static void each_awake(struct contacts *s, void act(struct contacts *, int64_t))
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        if (s->awake[k])
+            act(s, k);
+}
+
 static void split_all(struct contacts *s)
 {
     EACH_ITEM
     for (int64_t k = 0; k < s->vertices; k++)
-        split(s, s->vertex[k]);
+        if (s->stirred[s->vertex[k]])
+            split(s, s->vertex[k]);
 }
 
-static void begin(struct contacts *s, int64_t k)
+/* A vertex that nothing pushes keeps its bits. */
+static void apply(const struct contacts *s, vec *u)
 {
-    struct contact *c = &s->contact[k];
-    if (!s->warm) {
-        c->impulse = 0;
-        c->tangent = vec_make(0, 0, 0);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->vertices; k++) {
+        int32_t i = s->vertex[k];
+        if (!s->stirred[i])
+            continue;
+        vec sum = gather(s, i);
+        if (sum.x == 0 && sum.y == 0 && sum.z == 0)
+            continue;
+        u[i] = vec_axpy(u[i], s->w[i], sum);
+        s->moved[k] = 1;
     }
-    s->before[k] = total(c);
-}
-
-static void end(struct contacts *s, int64_t k)
-{
-    s->push[k] = vec_sub(total(&s->contact[k]), s->before[k]);
 }
 
 int ref_contacts(struct contacts *s)
@@ -142,20 +200,25 @@ int ref_contacts(struct contacts *s)
                            s->start, s->item, s->vertex, 0};
     ref_incidence(&by); /* §1 */
     s->vertices = by.vertices;
+    memset(s->moved, 0, (size_t)s->vertices);
+    memset(s->stirred, ASLEEP, (size_t)s->nv);
     each_contact(s, begin);
+    wake_acting(s);
     for (int t = 0; t < s->iterations; t++) {
-        each_contact(s, find_lack);
         split_all(s);
-        each_contact(s, push_normal);
+        each_awake(s, push_normal);
         apply(s, s->u);
+        spread(s);
+        each_awake(s, find_lack);
     }
     each_contact(s, find_friction);
+    wake_acting(s);
     split_all(s);
     for (int t = 0; t < s->iterations; t++) {
-        each_contact(s, push_tangent);
+        each_awake(s, push_tangent);
         apply(s, s->u);
     }
-    each_contact(s, end); /* the same impulses, all at once, on v */
+    each_awake(s, end); /* the same impulses, all at once, on v */
     apply(s, s->v);
     return DRAPE_OK;
 }

@@ -5,6 +5,9 @@
 
 #include "ref/contact.h"
 
+/* §1: what takes part. Others cannot change anything. */
+enum waking { ASLEEP, AWAKE, SPREAD }; /* SPREAD: woke all of its contacts */
+
 struct contacts {
     int64_t nv, n;           /* vertices, contacts; 4 n < 2^31 */
     const real *w;           /* [nv] 1/kg, ≥ 0; 0: led, never changed */
@@ -21,7 +24,10 @@ struct contacts {
     real *lack;       /* scratch: [n] m/s */
     vec *push;        /* scratch: [n] */
     vec *before;      /* scratch: [n] */
+    uint8_t *awake;   /* scratch: [n] enum waking */
+    uint8_t *stirred; /* scratch: [nv] enum waking, of vertices */
     int32_t *vertex;  /* out: [n4] free vertices in contact, ascending */
+    uint8_t *moved;   /* out: [n4] of vertex: 1 where anything pushed it */
     int64_t vertices; /* out: how many */
 };
 

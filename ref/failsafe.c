@@ -63,7 +63,7 @@ int response_stiffen(struct response *s)
         return status;
     s->outcome |= DRAPE_ZONES;
     s->zone_vertices = z.vertices;
-    response_advance(s, z.vertices, z.vertex);
+    response_advance(s, z.vertices, z.vertex, NULL);
     EACH_ITEM
     for (int64_t k = 0; k < z.vertices; k++)
         s->v[z.vertex[k]] = s->u[z.vertex[k]];

@@ -15,8 +15,10 @@ struct room {
 /* Makes the n pools hold what they must. DRAPE_OK or grow's error. */
 int response_grow(struct response *s, int n, const struct room *room);
 
-/* §1: ends of the step for n vertices whose mean velocity changed. */
-void response_advance(struct response *s, int64_t n, const int32_t *vertex);
+/* §1: ends of the step for those of n vertices whose mean velocity changed;
+ * moved: NULL, all of them. */
+void response_advance(struct response *s, int64_t n, const int32_t *vertex,
+                      const uint8_t *moved);
 
 /* §5: the vertices of all hits since impulses ended move in zones. */
 int response_stiffen(struct response *s);

@@ -46,11 +46,14 @@ int ref_response_start(struct response *s)
     return DRAPE_OK;
 }
 
-void response_advance(struct response *s, int64_t n, const int32_t *vertex)
+void response_advance(struct response *s, int64_t n, const int32_t *vertex,
+                      const uint8_t *moved)
 {
     EACH_ITEM
     for (int64_t k = 0; k < n; k++) {
         int32_t i = vertex[k];
+        if (moved && !moved[k])
+            continue;
         s->x1[i] = vec_axpy(s->x0[i], s->dt, s->u[i]);
         s->touched[i] = 1;
     }
@@ -63,8 +66,10 @@ static int solve_contacts(struct response *s, int64_t n, int warm)
                           {&s->parts, s->nv, sizeof(int32_t)},
                           {&s->lack, n, sizeof(real)},
                           {&s->push, 2 * n, sizeof(vec)},
-                          {&s->vertex, 4 * n, sizeof(int32_t)}};
-    int status = response_grow(s, 5, room);
+                          {&s->vertex, 4 * n, sizeof(int32_t)},
+                          {&s->moved, 4 * n, sizeof(uint8_t)},
+                          {&s->awake, n + s->nv, sizeof(uint8_t)}};
+    int status = response_grow(s, 7, room);
     if (status != DRAPE_OK)
         return status;
     vec *push = s->push.data;
@@ -84,11 +89,14 @@ static int solve_contacts(struct response *s, int64_t n, int warm)
                          .lack = s->lack.data,
                          .push = push,
                          .before = push + n,
-                         .vertex = s->vertex.data};
+                         .vertex = s->vertex.data,
+                         .moved = s->moved.data,
+                         .awake = s->awake.data};
+    c.stirred = c.awake + n;
     status = ref_contacts(&c);
     trace_stage(s->trace, "contacts", s->u, (size_t)s->nv * sizeof *s->u);
     if (status == DRAPE_OK)
-        response_advance(s, c.vertices, c.vertex);
+        response_advance(s, c.vertices, c.vertex, c.moved);
     return status;
 }
 

@@ -58,7 +58,7 @@ struct response {
 
     /* Pools, empty at first, kept from step to step. */
     struct pool at, toi, tier, hit, hit_kind, hit_toi;
-    struct pool contact[2], item, parts, lack, push, vertex;
+    struct pool contact[2], item, parts, lack, push, vertex, moved, awake;
     struct pool key[2], sum, zone, tangle[2];
 
     int rounds;         /* out: of penetration, the last finds nothing */

@@ -28,6 +28,8 @@ void slice_begin(struct world *w)
     bool known = w->caution.level <= s.deepest;
     s.level = s.least = s.jolts = known ? w->caution.level : s.deepest;
     s.began = s.jolts;
+    if (w->caution.far > s.level && w->caution.far <= s.deepest)
+        s.level = w->caution.far;
     w->slicing = s;
 }
 
@@ -116,10 +118,20 @@ void slice_keep(struct world *w)
         s->level--;
 }
 
+/* What the next step is to know of the way; every now and then nothing, as ways
+ * grow short. */
+static void foresee(struct caution *c, const struct slicing *s)
+{
+    int far = s->level > s->least ? s->level : 0;
+    c->blind = far && c->far ? c->blind + 1 : 0;
+    c->far = c->blind < CALM ? far : 0;
+}
+
 void slice_end(struct world *w)
 {
     const struct slicing *s = &w->slicing;
     struct caution *c = &w->caution;
+    foresee(c, s);
     int wrong = s->jolts + s->tries;
     if (wrong > s->began) {
         if (c->again)

@@ -30,6 +30,9 @@ struct caution {
     int level; /* at which a step begins */
     int again; /* 1: the last step that could go wrong did */
     int calm;  /* steps that did not, of this level */
+    int far;   /* 0, or the level at which the last step's way was short enough:
+                  §7.2's */
+    int blind; /* steps running that began at it */
 };
 
 void slice_begin(struct world *w);

@@ -45,11 +45,47 @@ const char *test_world_caution(void)
             EXPECT(make_step(&w, 0) == 0 && w.slicing.slices > 1);
         EXPECT(make_step(&w, 0) == 0 && w.slicing.slices == 1);
         EXPECT(make_step(&w, calm) == calm && w.caution.level == 0);
-        w.caution = (struct caution){2, 1, 0};
+        w.caution = (struct caution){.level = 2, .again = 1};
         EXPECT(make_step(&w, 2 + calm) == 1 && w.caution.level == 2);
         w.def.max_slices = 1; /* what is asked for is the most */
         w.caution.level = 2;
         EXPECT(make_step(&w, calm) == 0 && w.slicing.slices == 1);
+    }
+    return NULL;
+}
+
+/* A step whose way is that of 2^far slices. Returns how many were too long. */
+static int make_way(struct world *w, int far)
+{
+    int again = 0;
+    slice_begin(w);
+    while (!slice_last(w)) {
+        real way = 8 * w->cell * (real)ldexp(1, far - w->slicing.level);
+        again += slice_far(w, way * way);
+        if (slice_far(w, way * way))
+            slice_cut(w);
+        else
+            slice_keep(w);
+    }
+    slice_end(w);
+    return again;
+}
+
+/* §7.2: the step after one whose way was too long begins with slices that are
+ * short enough, eight times running; one whose way is short ends whole. */
+const char *test_world_way(void)
+{
+    struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
+    w.def.max_slices = 32;
+    w.def.dt = 1;
+    for (int far = 1; far <= 3; far++) {
+        for (int k = 0; k <= 9; k++) {
+            EXPECT(make_way(&w, far) == (k % 9 == 0));
+            EXPECT(w.slicing.slices == 1 << far);
+            ran(1);
+        }
+        EXPECT(make_way(&w, 0) == 0 && w.slicing.slices == far + 1);
+        EXPECT(make_way(&w, 0) == 0 && w.slicing.slices == 1);
     }
     return NULL;
 }

@@ -66,6 +66,7 @@ static int push(struct incline *s, struct contact *contact, int64_t n, int warm)
     int32_t parts[BLOCK + 4];
     real lack[2 * BLOCK];
     vec pushes[2 * BLOCK], before[2 * BLOCK];
+    uint8_t moved[8 * BLOCK], awake[2 * BLOCK], stirred[BLOCK + 4];
     struct contacts c = {.nv = BLOCK + 4,
                          .n = n,
                          .w = s->w,
@@ -82,7 +83,10 @@ static int push(struct incline *s, struct contact *contact, int64_t n, int warm)
                          .push = pushes,
                          .before = before,
                          .warm = warm,
-                         .vertex = vertex};
+                         .vertex = vertex,
+                         .awake = awake,
+                         .stirred = stirred,
+                         .moved = moved};
     return ref_contacts(&c);
 }
 

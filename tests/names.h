@@ -274,6 +274,7 @@
 #define test_world_brief REAL_NAME(test_world_brief)
 #define test_world_caution REAL_NAME(test_world_caution)
 #define test_world_rounds REAL_NAME(test_world_rounds)
+#define test_world_way REAL_NAME(test_world_way)
 #define test_world_cold REAL_NAME(test_world_cold)
 #define test_world_device REAL_NAME(test_world_device)
 #define test_world_random REAL_NAME(test_world_random)

@@ -76,7 +76,8 @@ static int solve(struct response *r, int64_t n, struct contact *contact)
                          .n4 = 4 * n,
                          .start = r->start};
     size_t bytes = 4 * sizeof *c.item + 4 * sizeof *c.vertex + sizeof *c.lack +
-                   2 * sizeof *c.push;
+                   2 * sizeof *c.push + 4 * sizeof *c.moved +
+                   2 * sizeof *c.awake;
     c.push = calloc((size_t)(n + r->nv) + 1, bytes);
     if (!c.push)
         return DRAPE_ENOMEM;
@@ -85,9 +86,12 @@ static int solve(struct response *r, int64_t n, struct contact *contact)
     c.item = (int32_t *)(c.lack + n);
     c.vertex = c.item + 4 * n;
     c.parts = c.vertex + 4 * n;
+    c.moved = (uint8_t *)(c.parts + r->nv);
+    c.awake = c.moved + 4 * n;
+    c.stirred = c.awake + n;
     int status = ref_contacts(&c);
     if (status == DRAPE_OK)
-        response_advance(r, c.vertices, c.vertex);
+        response_advance(r, c.vertices, c.vertex, c.moved);
     free(c.push);
     return status;
 }
