@@ -8,29 +8,24 @@
 
 #include "ref/contacts.h"
 
-/* §2: the mass that a contact moves when its vertices are split. */
-static __device__ real effective_mass(const struct contacts *s,
-                                      const struct contact *c)
-{
-    real sum = 0, largest = 0;
-    for (int k = 0; k < 4; k++) {
-        int32_t i = c->v[k];
-        if (c->c[k] == 0 || !(s->w[i] > 0))
-            continue;
-        real w = (real)s->parts[i] * s->w[i];
-        sum += c->c[k] * c->c[k] * w;
-        largest = most(w, largest);
-    }
-    sum = most(sum, R(0x1p-12) * largest);
-    return sum > 0 ? 1 / sum : 0;
-}
+/* What contact k pushes vertex j by stands at slot[4 k + j] of `pushed`, where
+ * all pushes of a vertex lie side by side: one reads them without a look at the
+ * contacts. */
+struct alignas(4 * sizeof(real)) pushed {
+    vec push; /* c times it, N·s */
+    real none;
+};
 
-static __device__ vec total(const struct contact *c)
-{
-    return axpy(c->tangent, c->impulse, c->n);
-}
+struct mass_splitting {
+    struct contacts s;
+    const int32_t *slot;   /* [4 n] -1: it pushes nothing */
+    struct pushed *pushed; /* [4 n] */
+};
 
 /* ---- §1 What takes part ---- */
+
+/* Of contacts, beside enum waking: what it pushed is not 0. */
+enum { PUSHED = AWAKE + 1 };
 
 /* Threads that wake the same one write the same; who reads it meanwhile finds
  * nothing to do in either case. */
@@ -55,6 +50,54 @@ static __device__ void spread(const struct contacts &s, int32_t i)
 
 /* ---- What a thread does of contact k ---- */
 
+static __device__ vec total(const struct contact *c)
+{
+    return axpy(c->tangent, c->impulse, c->n);
+}
+
+/* §2: the mass that a contact moves when its vertices are split. */
+static __device__ real effective_mass(const struct contacts &s,
+                                      const struct contact *c)
+{
+    real sum = 0, largest = 0;
+    for (int k = 0; k < 4; k++) {
+        int32_t i = c->v[k];
+        if (c->c[k] == 0 || !(s.w[i] > 0))
+            continue;
+        real w = (real)s.parts[i] * s.w[i];
+        sum += c->c[k] * c->c[k] * w;
+        largest = most(w, largest);
+    }
+    sum = most(sum, R(0x1p-12) * largest);
+    return sum > 0 ? 1 / sum : 0;
+}
+
+/* §2: it acts, so it counts for each of its vertices. */
+static __device__ void count(const struct mass_splitting &m, int64_t k)
+{
+    for (int j = 0; j < 4; j++)
+        if (m.slot[4 * k + j] >= 0)
+            atomicAdd(&m.s.parts[m.s.contact[k].v[j]], 1);
+}
+
+static __device__ void give(const struct mass_splitting &m, int64_t k, vec push)
+{
+    for (int j = 0; j < 4; j++) {
+        int32_t at = m.slot[4 * k + j];
+        if (at >= 0)
+            m.pushed[at] = {scale(m.s.contact[k].c[j], push), 0};
+    }
+    m.s.awake[k] = PUSHED;
+}
+
+static __device__ void give_nothing(const struct mass_splitting &m, int64_t k)
+{
+    if (m.s.awake[k] != PUSHED)
+        return;
+    give(m, k, make(0, 0, 0));
+    m.s.awake[k] = AWAKE;
+}
+
 /* §3. Of its vertices' u. */
 static __device__ real lack_of(const struct contacts &s,
                                const struct contact *c)
@@ -63,9 +106,10 @@ static __device__ real lack_of(const struct contacts &s,
     return lack > 0 || c->impulse > 0 ? lack : R(0.0);
 }
 
-/* Writes what it pushed before, lack[k] and push[k]. */
-static __device__ void begin(const struct contacts &s, int64_t k)
+/* Writes what it pushed before and lack[k]. */
+static __device__ void begin(const struct mass_splitting &m, int64_t k)
 {
+    const struct contacts &s = m.s;
     struct contact *c = &s.contact[k];
     if (!s.warm) {
         c->impulse = 0;
@@ -73,150 +117,125 @@ static __device__ void begin(const struct contacts &s, int64_t k)
     }
     s.awake[k] = ASLEEP;
     s.before[k] = total(c);
-    s.push[k] = make(0, 0, 0);
     s.lack[k] = lack_of(s, c);
     if (s.lack[k] != 0)
         wake(s, k);
 }
 
-/* §3. Reads u of its vertices, writes lack[k]. */
-static __device__ void find_lack(const struct contacts &s, int64_t k)
+/* §3. Reads u of its vertices, writes lack[k] and adds to their parts. */
+static __device__ void find_lack(const struct mass_splitting &m, int64_t k)
 {
-    if (s.awake[k])
-        s.lack[k] = lack_of(s, &s.contact[k]);
+    if (!m.s.awake[k])
+        return;
+    m.s.lack[k] = lack_of(m.s, &m.s.contact[k]);
+    if (m.s.lack[k] != 0)
+        count(m, k);
 }
 
-/* §3. Reads parts of its vertices, writes push[k] and its impulse. */
-static __device__ void push_normal(const struct contacts &s, int64_t k)
+/* §3. Reads parts of its vertices, writes what it pushes and its impulse. */
+static __device__ void push_normal(const struct mass_splitting &m, int64_t k)
 {
+    const struct contacts &s = m.s;
     if (!s.awake[k])
         return;
-    struct contact *c = &s.contact[k];
-    real lack = s.lack[k], now = c->impulse;
-    vec push = make(0, 0, 0);
-    if (lack != 0) {
-        real next = most(now + effective_mass(&s, c) * lack, R(0.0));
-        push = scale(next - now, c->n);
-        c->impulse = next;
-    }
-    s.push[k] = push;
-}
-
-/* §4. Writes lack[k], not 0 if it can have friction. */
-static __device__ void find_friction(const struct contacts &s, int64_t k)
-{
-    const struct contact *c = &s.contact[k];
-    s.lack[k] = c->impulse > 0 || dot(c->tangent, c->tangent) > 0;
-    if (s.lack[k] != 0)
-        wake(s, k);
-}
-
-/* §4. Reads u and parts of its vertices, writes push[k] and its tangent, within
- * the cone. */
-static __device__ void push_tangent(const struct contacts &s, int64_t k)
-{
-    if (!s.awake[k])
-        return;
-    struct contact *c = &s.contact[k];
     if (s.lack[k] == 0) {
-        s.push[k] = make(0, 0, 0);
+        give_nothing(m, k);
         return;
     }
+    struct contact *c = &s.contact[k];
+    real now = c->impulse;
+    real next = most(now + effective_mass(s, c) * s.lack[k], R(0.0));
+    c->impulse = next;
+    give(m, k, scale(next - now, c->n));
+}
+
+/* §4. Writes lack[k], not 0 if it can have friction, and adds to parts. */
+static __device__ void find_friction(const struct mass_splitting &m, int64_t k)
+{
+    const struct contact *c = &m.s.contact[k];
+    m.s.lack[k] = c->impulse > 0 || dot(c->tangent, c->tangent) > 0;
+    if (m.s.lack[k] == 0)
+        return;
+    if (!m.s.awake[k])
+        wake(m.s, k);
+    count(m, k);
+}
+
+/* §4. Reads u and parts of its vertices, writes what it pushes and its tangent,
+ * within the cone. */
+static __device__ void push_tangent(const struct mass_splitting &m, int64_t k)
+{
+    const struct contacts &s = m.s;
+    if (!s.awake[k])
+        return;
+    if (s.lack[k] == 0) {
+        give_nothing(m, k);
+        return;
+    }
+    struct contact *c = &s.contact[k];
     vec u = weigh(c, s.u);
     u = axpy(u, -dot(c->n, u), c->n);
-    vec next = axpy(c->tangent, -effective_mass(&s, c), u);
+    vec next = axpy(c->tangent, -effective_mass(s, c), u);
     real limit = c->friction * c->impulse, l = length(next);
     if (l > limit)
         next = scale(limit / l, next);
-    s.push[k] = sub(next, c->tangent);
+    vec push = sub(next, c->tangent);
     c->tangent = next;
+    give(m, k, push);
 }
 
-/* push[k] is all that this call gave. */
-static __device__ void end(const struct contacts &s, int64_t k)
+/* It pushes all that this call gave. */
+static __device__ void end(const struct mass_splitting &m, int64_t k)
 {
-    if (s.awake[k])
-        s.push[k] = sub(total(&s.contact[k]), s.before[k]);
+    if (m.s.awake[k])
+        give(m, k, sub(total(&m.s.contact[k]), m.s.before[k]));
 }
 
-/* ---- What a thread does of vertex[k]; AHEAD items are read at a time ---- */
+/* ---- What a thread does of vertex[k] ---- */
 
-enum { AHEAD = 8 };
-
-static __device__ void stay(const struct contacts &s, int64_t k)
+static __device__ void stay(const struct mass_splitting &m, int64_t k)
 {
-    s.moved[k] = 0;
-}
-
-/* §2. Counts its contacts that act now. */
-static __device__ void split(const struct contacts &s, int64_t k)
-{
-    int32_t i = s.vertex[k];
-    if (!s.stirred[i])
-        return;
-    int32_t last = s.start[i + 1], parts = 0;
-    for (int32_t j = s.start[i]; j < last; j += AHEAD) {
-        bool acts[AHEAD];
-        UNROLL
-        for (int a = 0; a < AHEAD; a++)
-            acts[a] = s.lack[s.item[j + a < last ? j + a : j] / 4] != 0;
-        UNROLL
-        for (int a = 0; a < AHEAD; a++)
-            parts += j + a < last && acts[a];
-    }
-    s.parts[i] = parts;
-}
-
-/* Σ c push of the items of vertex i, in their order. */
-static __device__ vec gather(const struct contacts &s, int32_t i)
-{
-    int32_t last = s.start[i + 1];
-    vec sum = make(0, 0, 0);
-    for (int32_t j = s.start[i]; j < last; j += AHEAD) {
-        real weight[AHEAD];
-        vec push[AHEAD];
-        UNROLL
-        for (int a = 0; a < AHEAD; a++) {
-            int32_t item = s.item[j + a < last ? j + a : j];
-            weight[a] = s.contact[item / 4].c[item % 4];
-            push[a] = s.push[item / 4];
-        }
-        UNROLL
-        for (int a = 0; a < AHEAD; a++)
-            sum = j + a < last ? axpy(sum, weight[a], push[a]) : sum;
-    }
-    return sum;
+    m.s.moved[k] = 0;
+    m.s.parts[m.s.vertex[k]] = 0;
 }
 
 /* Adds w Σ c push to u or v. False: nothing pushes it. */
-static __device__ bool apply(const struct contacts &s, vec *u, int64_t k)
+static __device__ bool apply(const struct mass_splitting &m, vec *u, int64_t k)
 {
-    int32_t i = s.vertex[k];
-    if (!s.stirred[i])
+    int32_t i = m.s.vertex[k];
+    if (!m.s.stirred[i])
         return false;
-    vec sum = gather(s, i);
-    bool pushed = sum.x != 0 || sum.y != 0 || sum.z != 0;
-    if (pushed) {
-        u[i] = axpy(u[i], s.w[i], sum);
-        s.moved[k] = 1;
+    vec sum = make(0, 0, 0);
+    int32_t last = m.s.start[i + 1];
+    UNROLL_8
+    for (int32_t j = m.s.start[i]; j < last; j++) {
+        struct pushed p = m.pushed[j];
+        sum = add(sum, p.push);
     }
-    return pushed;
+    bool any = sum.x != 0 || sum.y != 0 || sum.z != 0;
+    if (any) {
+        u[i] = axpy(u[i], m.s.w[i], sum);
+        m.s.moved[k] = 1;
+    }
+    return any;
 }
 
-static __device__ void apply_normal(const struct contacts &s, int64_t k)
+/* Leaves no parts, for the next iteration. */
+static __device__ void apply_normal(const struct mass_splitting &m, int64_t k)
 {
-    if (apply(s, s.u, k))
-        spread(s, s.vertex[k]);
+    if (apply(m, m.s.u, k))
+        spread(m.s, m.s.vertex[k]);
+    m.s.parts[m.s.vertex[k]] = 0;
 }
 
-static __device__ void apply_tangent(const struct contacts &s, int64_t k)
+static __device__ void apply_tangent(const struct mass_splitting &m, int64_t k)
 {
-    apply(s, s.u, k);
+    apply(m, m.s.u, k);
 }
 
-static __device__ void apply_all(const struct contacts &s, int64_t k)
+static __device__ void apply_all(const struct mass_splitting &m, int64_t k)
 {
-    apply(s, s.v, k);
+    apply(m, m.s.v, k);
 }
 
 #endif

@@ -60,6 +60,7 @@ static bool team_runs(struct gpu *g)
 static void make_team(struct gpu *g, const cudaDeviceProp *p, int ptx)
 {
     bool clusters = p->major >= 9 && ptx >= 90;
+    g->crowd = p->multiProcessorCount;
     g->room = (int)p->sharedMemPerBlockOptin;
     g->ranks = clusters ? 16 : 1;
     while (g->ranks > 1 && !team_runs(g))
@@ -110,6 +111,7 @@ const drape_allocator *gpu_native(void)
 void gpu_set_ranks(struct gpu *g, int ranks)
 {
     g->ranks = ranks < g->ranks ? ranks : g->ranks;
+    g->crowd = ranks < g->crowd ? ranks : g->crowd;
 }
 
 void gpu_set_way(struct gpu *g, struct gpu_way way)

@@ -54,6 +54,7 @@ struct gpu {
     int number;       /* of the device; -1: emulated */
     int block;        /* threads of a block of item kernels */
     int ranks;        /* blocks of a team, gpu/team.cuh */
+    int crowd;        /* and of a crowd, gpu/crowd.cuh */
     const void *team; /* the last kernel that may be a team's */
     int room;         /* bytes of shared memory that a block of one may have */
     int failed;       /* the first failure, or DRAPE_OK */
@@ -119,8 +120,10 @@ cudaError_t gpu_allow_team(struct gpu *g, const void *kernel);
 /* Before a short loop: its counter is a constant in each turn. */
 #ifdef __CUDACC__
 #define UNROLL _Pragma("unroll")
+#define UNROLL_8 _Pragma("unroll 8")
 #else
 #define UNROLL
+#define UNROLL_8
 #endif
 
 /* ---- Small results: counts, flags, a stage's scalars ---- */

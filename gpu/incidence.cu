@@ -7,7 +7,8 @@
  * gives where its items begin and how many vertices before it have some. */
 struct lists {
     int64_t *word; /* [nv + 1] */
-    int32_t *rank; /* [4 n] of an item among its vertex's, in any order */
+    int32_t *rank; /* [4 n] of an item among its vertex's, in any order; at
+                      last its place */
     int32_t *any;  /* [4 n] items by vertex, in that order */
 };
 
@@ -29,8 +30,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         words[INCIDENCE_BAD] = 1;
         return;
     }
-    if (!pushes(&s, k, &i))
+    if (!pushes(&s, k, &i)) {
+        l.rank[k] = -1;
         return;
+    }
     unsigned long long *word = (unsigned long long *)&l.word[i];
     int32_t rank = (int32_t)(uint32_t)atomicAdd(word, 1ull);
     if (rank == 0)
@@ -77,9 +80,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     for (int32_t j = first; j < end; j++)
         at += l.any[j] < item;
     s.item[at] = item;
+    l.rank[item] = at;
 }
 
-void gpu_incidence(struct gpu *g, const struct incidence *s, int64_t *words)
+int32_t *gpu_incidence(struct gpu *g, const struct incidence *s, int64_t *words)
 {
     struct lists l = {
         (int64_t *)gpu_scratch(g, SLOT_STAGE, s->nv + 1, sizeof *l.word),
@@ -91,4 +95,5 @@ void gpu_incidence(struct gpu *g, const struct incidence *s, int64_t *words)
     LAUNCH(g, s->nv + 1, incidence_start_kernel, *s, l, words);
     LAUNCH(g, 4 * s->n, incidence_place_kernel, *s, l, words);
     LAUNCH(g, 4 * s->n, incidence_order_kernel, *s, l, words);
+    return l.rank;
 }

@@ -12,8 +12,10 @@
 enum { INCIDENCE_BAD, INCIDENCE_VERTICES, INCIDENCE_WORDS };
 
 /* As ref_incidence, but `vertices` goes to words, which are zero before. Uses
- * scratch slots 0 to 2. */
-void gpu_incidence(struct gpu *g, const struct incidence *s, int64_t *words);
+ * scratch slots 0 to 2. Returns where each item [4 n] is in the lists, -1: it
+ * is not, in slot 1. */
+int32_t *gpu_incidence(struct gpu *g, const struct incidence *s,
+                       int64_t *words);
 
 /* gpu_penalty, but what gpu_incidence writes stays in words; where a contact
  * is bad, force and hold are 0. */
