@@ -39,7 +39,7 @@ static __global__ void __launch_bounds__(TEAM_BLOCK)
         pass<CROWD, apply_normal>(m, touched);
     }
     pass<CROWD, find_friction>(m, n);
-    for (int t = 0; t < m.s.slides; t++) {
+    for (int t = 0; t < m.s.iterations; t++) {
         pass<CROWD, push_tangent>(m, n);
         pass<CROWD, apply_tangent>(m, touched);
     }
@@ -49,8 +49,8 @@ static __global__ void __launch_bounds__(TEAM_BLOCK)
 
 int gpu_contacts(struct gpu *g, struct contacts *s)
 {
-    if (s->iterations < 0 || s->slides < 0 || s->nv1 != s->nv + 1 ||
-        s->n4 != 4 * s->n || s->n4 > INT32_MAX)
+    if (s->iterations < 0 || s->nv1 != s->nv + 1 || s->n4 != 4 * s->n ||
+        s->n4 > INT32_MAX)
         return DRAPE_EARG;
     struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
                            s->start, s->item, s->vertex, 0};

@@ -103,7 +103,6 @@ static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
     c.n = n;
     c.w = s->w;
     c.iterations = response_iterations(s);
-    c.slides = s->iterations;
     c.warm = warm;
     c.contact = (struct contact *)s->contact[s->side].data;
     c.u = s->u;

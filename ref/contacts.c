@@ -189,8 +189,8 @@ static void apply(const struct contacts *s, vec *u)
 
 int ref_contacts(struct contacts *s)
 {
-    if (s->iterations < 0 || s->slides < 0 || s->nv1 != s->nv + 1 ||
-        s->n4 != 4 * s->n || s->n4 > INT32_MAX)
+    if (s->iterations < 0 || s->nv1 != s->nv + 1 || s->n4 != 4 * s->n ||
+        s->n4 > INT32_MAX)
         return DRAPE_EARG;
     for (int64_t k = 0; k < s->n; k++)
         if (!pair_valid(s->contact[k].v, s->nv))
@@ -214,7 +214,7 @@ int ref_contacts(struct contacts *s)
     each_contact(s, find_friction);
     wake_acting(s);
     split_all(s);
-    for (int t = 0; t < s->slides; t++) {
+    for (int t = 0; t < s->iterations; t++) {
         each_awake(s, push_tangent);
         apply(s, s->u);
     }

@@ -11,7 +11,7 @@ enum waking { ASLEEP, AWAKE, SPREAD }; /* SPREAD: woke all of its contacts */
 struct contacts {
     int64_t nv, n;           /* vertices, contacts; 4 n < 2^31 */
     const real *w;           /* [nv] 1/kg, ≥ 0; 0: led, never changed */
-    int iterations, slides;  /* ≥ 0, of the normal and of the tangent part */
+    int iterations;          /* ≥ 0, of the normal and of the tangent part */
     int warm;                /* 1: go on from the impulses in contact */
     struct contact *contact; /* in, out: [n] impulse and tangent change */
     vec *u;                  /* in, out: [nv] m/s mean velocity of the step */

@@ -77,7 +77,6 @@ static int solve_contacts(struct response *s, int64_t n, int warm)
                          .n = n,
                          .w = s->w,
                          .iterations = response_iterations(s),
-                         .slides = s->iterations,
                          .warm = warm,
                          .contact = s->contact[s->side].data,
                          .u = s->u,

@@ -78,8 +78,8 @@ struct response {
     bool impelled;                 /* contacts has solved a round */
 };
 
-/* §4: of contacts' normal part in the round under way: as many more in each
- * late one, as what is left by then moves little. */
+/* §4: iterations of contacts in the round under way: as many more in each late
+ * one, as what is left by then moves little. */
 static inline int response_iterations(const struct response *s)
 {
     enum { EARLY = 1 };

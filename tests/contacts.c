@@ -51,7 +51,6 @@ void gen_contacts(struct bytes *b, struct contacts *s)
     s->nv1 = s->nv + 1;
     s->n4 = 4 * s->n;
     s->iterations = (int)pick(b, 9);
-    s->slides = (int)pick(b, 9);
     s->warm = (int)pick(b, 2);
     real *w = take(b, s->nv, sizeof *w);
     struct contact *contact = take(b, s->n, sizeof *contact);
@@ -155,7 +154,6 @@ static void take_free(struct bytes *b, struct contacts *s, vec **x)
     s->nv1 = s->nv + 1;
     s->n4 = 4 * s->n;
     s->iterations = (int)pick(b, 20);
-    s->slides = (int)pick(b, 20);
     real *w = take(b, s->nv, sizeof *w);
     *x = take(b, s->nv, sizeof **x);
     s->u = take(b, s->nv, sizeof *s->u);
@@ -278,7 +276,6 @@ const char *test_contacts_rest(void)
                          .n = N,
                          .w = w,
                          .iterations = 1,
-                         .slides = 1,
                          .contact = contact,
                          .u = u,
                          .v = v,

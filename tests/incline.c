@@ -71,7 +71,6 @@ static int push(struct incline *s, struct contact *contact, int64_t n, int warm)
                          .n = n,
                          .w = s->w,
                          .iterations = 8,
-                         .slides = 8,
                          .contact = contact,
                          .u = s->u,
                          .v = s->v,

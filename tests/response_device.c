@@ -69,7 +69,6 @@ static int solve(struct response *r, int64_t n, struct contact *contact)
                          .n = n,
                          .w = r->w,
                          .iterations = 3,
-                         .slides = 3,
                          .contact = contact,
                          .u = r->u,
                          .v = r->v,
