@@ -39,7 +39,9 @@ part() {
     to=$1
     shift
     rm -rf "$dir" # a run that fails must leave no trace to compare
-    "$build/drape" run "$work/$name.json" --backend "$backend" --no-obj \
+    after=
+    [ "$backend" = gpu ] || after='nice -n 19' # the device is not to wait
+    $after "$build/drape" run "$work/$name.json" --backend "$backend" --no-obj \
         --frames "$to" --out "$dir" "$@" >"$dir.log" 2>&1 ||
         tail -n 2 "$dir.log" >&2
 }
@@ -77,6 +79,7 @@ segment() {
     [ "$backend" = ref ] ||
         mv "$dir/checkpoint.drape" "$work/$name.$end.drape"
     rm -rf "$dir"
+    took "$backend: $name to $end" >&2
 }
 
 # The reference waits for a checkpoint, until the device's run has ended.

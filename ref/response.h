@@ -82,8 +82,7 @@ struct response {
  * one, as what is left by then moves little. */
 static inline int response_iterations(const struct response *s)
 {
-    enum { EARLY = 1 };
-    return s->iterations * (s->rounds > EARLY ? s->rounds - EARLY : 1);
+    return s->iterations * (s->rounds > 2 ? s->rounds - 1 : 1);
 }
 
 /* Sets u and the counters for a step. DRAPE_EARG for a bad setting. */
