@@ -124,10 +124,9 @@ ACC_O   := $(call obj,$(addprefix ci/bench/,accuracy backends bisect contact dri
 ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
            $(if $(GPU),$(CUDA_L))
 
-.PHONY: all demo check bench certify asan fuzz install help golden format \
-        tidy clang-tests \
-        check-parts flavours gcc-O0 gcc-O3 clang-O2 soak outcomes prove \
-        oracles fuzz-libs price say-gpu tables
+.PHONY: all demo check bench reference certify asan fuzz install help golden \
+        format tidy clang-tests check-parts flavours gcc-O0 gcc-O3 clang-O2 \
+        soak outcomes prove oracles fuzz-libs price say-gpu tables
 .DELETE_ON_ERROR:
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, tool
@@ -276,6 +275,9 @@ fuzz-libs: # what links with parts.a, for ci/fuzz.sh
 
 golden: $(BUILD)/check ## records the hashes of all stages anew
 	$(BUILD)/check --golden-write tests/golden/stages.txt
+
+reference: $(BUILD)/drape ## scenes of certify by ref/: ci/reference.txt, an hour
+	sh ci/certify.sh $(BUILD) none reference
 
 certify: ## compares ref and gpu on the device: ci/certificate.json
 	$(MAKE) GPU=yes $(BUILD)/check-cuda $(BUILD)/drape

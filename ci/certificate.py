@@ -120,10 +120,26 @@ def first_steps(build, scene, keys):
     return hashlib.sha256("".join(lines).encode()).hexdigest()[:16]
 
 
+def reference():
+    """Digests of scenes by ref/, of whatever tree that was."""
+    if not os.path.exists("ci/reference.txt"):
+        return {}
+    rows = (line.split() for line in open("ci/reference.txt"))
+    return {name: digest for name, key, digest in rows}
+
+
+def unlike(certificate, known):
+    """Scenes whose digests are not the reference's."""
+    return [f"scene {r['scene']}: other bits than the reference's"
+            for r in certificate["scenes"] if r["what"] == "ref and gpu" and
+            known.get(r["scene"], r["digest"]) != r["digest"]]
+
+
 def check(path, build):
     certificate = json.load(open(path))
     failed = [f"{part} changed since" for part in stale(certificate)]
     failed += [f"it records: {what}" for what in faults(certificate)]
+    failed += unlike(certificate, reference())
     want = golden()
     got = {(r["stage"], r["bits"]): r["digest"] for r in certificate["stages"]}
     failed += [f"stage {name}, {bits} bits: other bits than the reference's"

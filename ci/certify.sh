@@ -3,13 +3,14 @@
 # `make certify`, on a machine with a device: compares ref/ and gpu/ stage by
 # stage and scene by scene, and writes what it found to OUT, whatever it is.
 # spec/50_gpu.md §7. Needs BUILD/check-cuda and BUILD/drape made with GPU=yes.
-# The reference runs side by side with the device, whose runs take turns. What
-# is long goes in segments: the device leaves a checkpoint where each ends, and
-# the reference does them at once, each from the one before it; where each ends
-# is compared, so that the segments are one run.
-# usage: ci/certify.sh BUILD OUT [quick]
+# `reference` makes on any machine what takes hours there: digests of what the
+# reference computes, in ci/reference.txt. What is in it, of this ref/ and scene,
+# is not run again; else the reference runs side by side with the device.
+# usage: ci/certify.sh BUILD OUT [quick | reference]
 set -u
-build=$1 out=$2 quick=${3-}
+build=$1 out=$2 mode=${3-} known=ci/reference.txt
+quick=
+[ "$mode" != quick ] || quick=yes
 work=$build/certify
 rows=$work/rows
 rm -rf "$work"
@@ -25,8 +26,7 @@ took() { echo "$(($(date +%s) - began)) s: $*"; }
 # ---- One run ----
 
 # scene NAME FILE FRAMES [KEYS]: what is to run; KEYS come before the file's.
-# FRAMES: so many, all traced; or "A B ... Z": segments to each of these, the
-# first and the last traced.
+# FRAMES: so many, all traced; or "A B C": C, to A and from B on traced.
 names=
 scene() {
     sed "1s/{/{${4-}/" "app/scenes/$2.json" >"$work/$1.json"
@@ -38,122 +38,98 @@ scene() {
 part() {
     to=$1
     shift
-    rm -rf "$dir" # a run that fails must leave no trace to compare
-    after=
-    [ "$backend" = gpu ] || after='nice -n 19' # the device is not to wait
-    $after "$build/drape" run "$work/$name.json" --backend "$backend" --no-obj \
+    "$build/drape" run "$work/$name.json" --backend "$backend" --no-obj \
         --frames "$to" --out "$dir" "$@" >"$dir.log" 2>&1 ||
         tail -n 2 "$dir.log" >&2
 }
 
-# The stages' digests of what was traced.
+# The stages' digests of what was traced last.
 digests() { [ ! -f "$dir/trace.csv" ] || cut -d, -f1-3 "$dir/trace.csv"; }
 
-# How each step after FROM ended: positions, and the report but for its times.
+# How each step ended: positions, and the report but for its times.
 ends() {
-    sha256sum "$dir"/frames/cloth_*.ply | awk -v from="$1" '
-        { sub(/.*cloth_0*/, "", $2) }
-        $2 + 0 > from { print $2 - 1 ",state," $1 }'
+    sha256sum "$dir"/frames/cloth_*.ply |
+        awk 'NR > 1 { print NR - 2 ",state," $1 }'
     sed -n 's/"seconds": {[^}]*}, //; s/,/;/g; s/^ *{"step": //p' \
-        "$dir/report.json" |
-        awk -v from="$1" '$1 > from { print $1 - 1 ",report," $0 }'
+        "$dir/report.json" | awk '{ print $1 - 1 ",report," $0 }'
 }
 
-# The state of a checkpoint: what follows the reports, whose times differ.
-state() {
-    bytes=$(od -An -j16 -N8 -t d8 "$1") reports=$(od -An -j24 -N8 -t d8 "$1")
-    tail -c +$((41 + bytes * reports)) "$1" | sha256sum | cut -c1-16
-}
-
-# segment FROM TO OPTION...: steps FROM to TO, from the device's checkpoint
-segment() {
-    from=$1 end=$2 dir=$work/$name-$backend-$2
-    shift 2
-    [ "$from" = 0 ] || set -- "$@" --resume "$work/$name.$from.drape"
-    part "$end" --checkpoint-every "$end" "$@"
-    {
-        digests
-        ends "$from"
-        echo "$((end - 1)),checkpoint,$(state "$dir/checkpoint.drape")"
-    } >"$dir.lines"
-    [ "$backend" = ref ] ||
-        mv "$dir/checkpoint.drape" "$work/$name.$end.drape"
-    rm -rf "$dir"
-    took "$backend: $name to $end" >&2
-}
-
-# The reference waits for a checkpoint, until the device's run has ended.
-await() {
-    until [ "$1" = 0 ] || [ -f "$work/$name.$1.drape" ] ||
-        [ -f "$work/$name.gpu" ]; do
-        sleep 1
-    done
-}
-
-# segments "A ... Z" OPTION...: prints what was traced, and how all steps ended
-segments() {
-    at=0 all=$1 last=${1##* }
-    shift
-    for next in $all; do
-        trace=--trace
-        [ "$at" = 0 ] || [ "$next" = "$last" ] || trace=
-        # shellcheck disable=SC2086
-        if [ "$backend" = ref ]; then
-            (await "$at" && segment "$at" "$next" $trace "$@") &
-        else
-            segment "$at" "$next" $trace "$@"
-        fi
-        at=$next
-    done
-    [ "$backend" = gpu ] || wait
-    for next in $all; do
-        cat "$work/$name-$backend-$next.lines"
-    done
+# parts A B C OPTION...: traced to A and from B on, and all ends of steps.
+parts() {
+    a=$1 b=$2 c=$3
+    shift 3
+    part "$a" --checkpoint-every "$a" --trace "$@"
+    digests
+    rm -f "$dir/trace.csv"
+    part "$b" --checkpoint-every "$b" --resume "$dir/checkpoint.drape" "$@"
+    part "$c" --resume "$dir/checkpoint.drape" --trace "$@"
+    digests
+    ends
 }
 
 # run NAME BACKEND FRAMES OPTION...: its digests in NAME.BACKEND
 run() {
     name=$1 backend=$2 frames=$3 dir=$work/$1-$2
     shift 3
+    rm -rf "$dir" # a run that fails must leave no trace to compare
+    # shellcheck disable=SC2086
     case $frames in
-    *' '*) segments "$frames" "$@" ;;
-    *) part "$frames" --trace "$@" && digests && rm -rf "$dir/frames" ;;
-    esac >"$work/lines.$name-$backend"
-    mv "$work/lines.$name-$backend" "$work/$name.$backend"
+    *' '*) parts $frames "$@" ;;
+    *) part "$frames" --trace "$@" && digests ;;
+    esac >"$work/$name.$backend"
+    rm -rf "$dir/frames"
 }
 
 frames_of() { cat "$work/$1.frames"; }
 
+# What a scene's reference depends on, and its digest if that is known.
+key() {
+    { echo "$tree" && cat "$work/$1.frames" "$work/$1.json"; } |
+        sha256sum | cut -c1-16
+}
+known() { sed -n "s/^$1 $(key "$1") //p" $known 2>/dev/null; }
+digest() { sha256sum <"$1" | cut -c1-16; }
+
 # ---- Comparing ----
 
-# same NAME WHAT STEPS TRACED FILE FILE: counts the lines that differ
-same() {
-    different=$(diff "$5" "$6" | grep -c '^[<>]')
+# wanted NAME: how many frames are run, and how many of them traced
+wanted() {
+    frames_of "$1" | awk '{ print $NF, (NF > 1 ? $1 + $3 - $2 : $1) }'
+}
+
+# count NAME FILE FRAMES TRACED: steps, stages and traced of these lines; false:
+# they are not of so many. A trace that is empty, or ends early, proves nothing.
+count() {
     each=$(sed -n 's/.*"steps_per_frame": \([0-9]*\).*/\1/p' "$work/$1.json")
     each=${each:-1}
-    grep -v '^step,' "$5" | cut -d, -f1 | sort -un >"$work/steps"
-    grep -v '^step,\|,state,\|,report,\|,checkpoint,' "$5" >"$work/traced"
-    steps=$(wc -l <"$work/steps") stages=$(wc -l <"$work/traced")
-    traced=$(cut -d, -f1 "$work/traced" | uniq | wc -l)
-    # a trace that is empty, or ends early, proves nothing
-    [ "$steps $traced" = "$(($3 * each)) $(($4 * each))" ] ||
-        different=$((different + 1))
+    steps=$(grep -v '^step,' "$2" | cut -d, -f1 | sort -un | wc -l)
+    grep -v '^step,\|,state,\|,report,' "$2" >"$work/$1.traced"
+    stages=$(wc -l <"$work/$1.traced")
+    traced=$(cut -d, -f1 "$work/$1.traced" | uniq | wc -l)
+    [ "$steps $traced" = "$(($3 * each)) $(($4 * each))" ]
+}
+
+# same NAME WHAT FRAMES TRACED FILE FILE: counts the lines that differ
+same() {
+    different=$(diff "$5" "$6" | grep -c '^[<>]')
+    count "$1" "$5" "$3" "$4" || different=$((different + 1))
     echo "$1, $2: $steps steps, $traced traced, $stages stages," \
         "$different different"
     row scene "$1" "$2" "$steps" "$traced" "$stages" "$different" \
-        "$(sha256sum <"$5" | cut -c1-16)" \
+        "$(digest "$5")" \
         "$(awk -F, '$1 == "step" || $1 < 6' "$5" | sha256sum | cut -c1-16)"
 }
 
-# both NAME: what ref/ and gpu/ gave
+# both NAME: what ref/ and gpu/ gave. Where only the reference's digest is known,
+# all is equal or something is not: ref/ has to run to say what.
 both() {
-    before=0 last=0
-    for to in $(frames_of "$1"); do
-        before=$last last=$to
-    done
-    traced=$(frames_of "$1" | awk -v z="$last" -v y="$before" \
-        '{ print (NF > 1 ? $1 + z - y : z) }')
-    same "$1" 'ref and gpu' "$last" "$traced" "$work/$1.ref" "$work/$1.gpu"
+    told=$(known "$1")
+    if [ "$told" ]; then
+        cp "$work/$1.gpu" "$work/$1.ref"
+        [ "$told" = "$(digest "$work/$1.gpu")" ] || echo differs >>"$work/$1.ref"
+    fi
+    # shellcheck disable=SC2046
+    same "$1" 'ref and gpu' $(wanted "$1") "$work/$1.ref" "$work/$1.gpu"
 }
 
 # again NAME FRAMES: run to run, with other block sizes, after a checkpoint
@@ -175,15 +151,25 @@ again() {
     mv "$first" "$work/$1.gpu"
 }
 
-# references SHARE NAME...: one after another, on that many of 16 processors
+# references SHARE NAME...: those that are not known, one after another, on that
+# many of 16 processors
 references() {
     threads=$((cores * $1 / 16))
     shift
     for name; do
+        [ ! "$(known "$name")" ] || continue
         run "$name" ref "$(frames_of "$name")" \
             --threads $((threads > 0 ? threads : 1))
         took "reference of $name"
+        [ "$mode" != reference ] || remember "$name"
     done
+}
+
+# A reference that ended early is not remembered.
+remember() {
+    # shellcheck disable=SC2046
+    count "$1" "$work/$1.ref" $(wanted "$1") &&
+        echo "$1 $(key "$1") $(digest "$work/$1.ref")" >>$known
 }
 
 # Small cases of every stage in $work/names under a tool of compute-sanitizer,
@@ -214,15 +200,9 @@ sanitize() {
 
 # ---- What is compared ----
 
-row toolkit "$(nvcc --version | sed -n 's/.*release \([0-9.]*\).*/\1/p')"
-row driver "$(nvidia-smi --query-gpu=driver_version --format=csv,noheader |
-    head -n 1)"
-for part in spec ref gpu flags; do
-    row tree $part "$(sh ci/tree.sh $part)"
-done
-
-long=120 parted='6 18 30 42 54 66 78 90 102 114 120'
-[ ! "$quick" ] || long=2 parted='1 2 3 4'
+tree=$(sh ci/tree.sh ref)
+long=120 parted='6 114 120'
+[ ! "$quick" ] || long=2 parted='1 2 3'
 scene tiny tiny 6
 scene tiny64 tiny 6 '"precision": 64,'
 # Thousands of stages a step: tracing them all takes the device minutes more.
@@ -246,6 +226,14 @@ large=
 [ "$quick" ] || scene buddha_500k buddha_500k 10
 [ "$quick" ] || scene buddha_2m buddha_2m 4
 
+if [ "$mode" = reference ]; then
+    for name in $names; do
+        told=$(known "$name")
+        [ ! "$told" ] || echo "$name $(key "$name") $told"
+    done >"$work/known"
+    cp "$work/known" $known
+fi
+
 # A substep of 20K is too little for threads; 2M is not.
 # shellcheck disable=SC2086
 {
@@ -256,6 +244,17 @@ large=
         lion_20k_jacobi &
     references 8 $large $small thrown tiny tiny64 &
 }
+if [ "$mode" = reference ]; then
+    wait
+    exit
+fi
+
+row toolkit "$(nvcc --version | sed -n 's/.*release \([0-9.]*\).*/\1/p')"
+row driver "$(nvidia-smi --query-gpu=driver_version --format=csv,noheader |
+    head -n 1)"
+for part in spec ref gpu flags; do
+    row tree $part "$(sh ci/tree.sh $part)"
+done
 "$build/check-cuda" --certify fuzz/corpus >"$work/stages" ||
     echo "check-cuda ended with $?"
 tail -n 1 "$work/stages"

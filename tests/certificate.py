@@ -26,7 +26,7 @@ def whole():
         "stages": [{"stage": name, "bits": bits, "cases": 3, "mismatches": 0}
                    for name, bits in certificate.golden()],
         "scenes": [{"scene": name, "what": what, "mismatches": 0, "stages": 9,
-                    "steps": certificate.SCENES[name],
+                    "steps": certificate.SCENES[name], "digest": name,
                     "traced": certificate.SCENES[name]}
                    for name, what in certificate.WANTED],
         "sanitizers": [{"tool": name, "status": 0}
@@ -53,6 +53,10 @@ for k, scene in enumerate(whole()["scenes"]):
         few = scene["steps"] - 1
         planted(f"{title}: {few} steps", "scenes", "steps", few, k)
         planted(f"{title}: hardly traced", "scenes", "traced", 2, k)
+known = {name: name for name in certificate.SCENES}
+check("digests are the reference's", not certificate.unlike(whole(), known))
+known["flag"] = "0"
+check("one is not", len(certificate.unlike(whole(), known)) == 1)
 planted("left out", "stages", "", None)
 planted("a difference", "stages", "mismatches", 1)
 planted("no case", "stages", "cases", 0)
