@@ -3,7 +3,7 @@
 # `make certify`, on a machine with a device: compares ref/ and gpu/ stage by
 # stage and scene by scene, and writes what it found to OUT, whatever it is.
 # spec/50_gpu.md §7. Needs BUILD/check-cuda and BUILD/drape made with GPU=yes.
-# `reference` makes on any machine what takes hours there: digests of what the
+# `reference` makes on any machine what is slow there: digests of what the
 # reference computes, in ci/reference.txt. What is in it, of this ref/ and scene,
 # is not run again; else the reference runs side by side with the device.
 # usage: ci/certify.sh BUILD OUT [quick | reference]
@@ -38,7 +38,9 @@ scene() {
 part() {
     to=$1
     shift
-    "$build/drape" run "$work/$name.json" --backend "$backend" --no-obj \
+    polite=
+    [ "$backend" = gpu ] || polite='nice -n 19' # the device goes first
+    $polite "$build/drape" run "$work/$name.json" --backend "$backend" --no-obj \
         --frames "$to" --out "$dir" "$@" >"$dir.log" 2>&1 ||
         tail -n 2 "$dir.log" >&2
 }
