@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What steps learn from those before. spec/00_step.md §7.5 */
+#include "ref/checkpoint.h"
 #include "ref/slice.h"
 #include "ref/state.h"
 #include "tests/choices.h"
@@ -123,5 +124,49 @@ const char *test_world_rounds(void)
     for (; c.rounds < 16; c.rounds++)
         EXPECT(response_iterations(&c) ==
                (c.rounds < 3 ? 16 : 16 * (c.rounds - 1)));
+    return NULL;
+}
+
+struct tape {
+    uint8_t data[1024];
+    size_t size, at;
+};
+
+static int record(void *user, const void *data, size_t bytes)
+{
+    struct tape *t = user;
+    if (bytes > sizeof t->data - t->size)
+        return 1;
+    if (bytes)
+        memcpy(t->data + t->size, data, bytes);
+    t->size += bytes;
+    return 0;
+}
+
+static int play(void *user, void *data, size_t bytes)
+{
+    struct tape *t = user;
+    if (bytes > t->size - t->at)
+        return 1;
+    if (bytes)
+        memcpy(data, t->data + t->at, bytes);
+    t->at += bytes;
+    return 0;
+}
+
+/* A checkpoint keeps all that steps have learned. */
+const char *test_world_knows(void)
+{
+    const struct caution all = {1, 1, 5, 3, 7};
+    vec x[2] = {{0, 0, 0}}, v[2] = {{0, 0, 0}};
+    struct arena arena;
+    struct tape tape = {.size = 0};
+    arena_init(&arena, &(drape_allocator){0});
+    struct world a = {.caution = all, .nv = 1, .x0 = x, .v0 = v};
+    struct world b = {.arena = &arena, .nv = 1, .x0 = x + 1, .v0 = v + 1};
+    EXPECT(checkpoint_save(&a, record, &tape) == DRAPE_OK);
+    EXPECT(checkpoint_load(&b, play, &tape) == DRAPE_OK);
+    EXPECT(memcmp(&b.caution, &all, sizeof all) == 0);
+    ran(1);
     return NULL;
 }
