@@ -11,6 +11,8 @@ set -u
 build=$1 out=$2 mode=${3-} known=ci/reference.txt
 quick=
 [ "$mode" != quick ] || quick=yes
+# what runs in the background does not hear Ctrl-C
+trap 'trap - TERM; kill 0' INT TERM
 work=$build/certify
 rows=$work/rows
 rm -rf "$work"

@@ -90,12 +90,16 @@ static __device__ void give(const struct mass_splitting &m, int64_t k, vec push)
     m.s.awake[k] = PUSHED;
 }
 
-static __device__ void give_nothing(const struct mass_splitting &m, int64_t k)
+/* Whether it acts; if not, it pushes nothing from here on. */
+static __device__ bool acts(const struct mass_splitting &m, int64_t k)
 {
-    if (m.s.awake[k] != PUSHED)
-        return;
-    give(m, k, make(0, 0, 0));
-    m.s.awake[k] = AWAKE;
+    if (!m.s.awake[k] || m.s.lack[k] != 0)
+        return m.s.awake[k];
+    if (m.s.awake[k] == PUSHED) {
+        give(m, k, make(0, 0, 0));
+        m.s.awake[k] = AWAKE;
+    }
+    return false;
 }
 
 /* §3. Of its vertices' u. */
@@ -136,12 +140,8 @@ static __device__ void find_lack(const struct mass_splitting &m, int64_t k)
 static __device__ void push_normal(const struct mass_splitting &m, int64_t k)
 {
     const struct contacts &s = m.s;
-    if (!s.awake[k])
+    if (!acts(m, k))
         return;
-    if (s.lack[k] == 0) {
-        give_nothing(m, k);
-        return;
-    }
     struct contact *c = &s.contact[k];
     real now = c->impulse;
     real next = most(now + effective_mass(s, c) * s.lack[k], R(0.0));
@@ -166,12 +166,8 @@ static __device__ void find_friction(const struct mass_splitting &m, int64_t k)
 static __device__ void push_tangent(const struct mass_splitting &m, int64_t k)
 {
     const struct contacts &s = m.s;
-    if (!s.awake[k])
+    if (!acts(m, k))
         return;
-    if (s.lack[k] == 0) {
-        give_nothing(m, k);
-        return;
-    }
     struct contact *c = &s.contact[k];
     vec u = weigh(c, s.u);
     u = axpy(u, -dot(c->n, u), c->n);

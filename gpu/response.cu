@@ -91,7 +91,7 @@ static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
     struct room room[] = {{&s->item, 4 * n, sizeof(int32_t)},
                           {&s->parts, s->nv, sizeof(int32_t)},
                           {&s->lack, n, sizeof(real)},
-                          {&s->push, 2 * n, sizeof(vec)},
+                          {&s->push, n, sizeof(vec)},
                           {&s->vertex, 4 * n, sizeof(int32_t)},
                           {&s->moved, 4 * n, sizeof(uint8_t)},
                           {&s->awake, n + s->nv, sizeof(uint8_t)}};
@@ -113,8 +113,7 @@ static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
     c.item = (int32_t *)s->item.data;
     c.parts = (int32_t *)s->parts.data;
     c.lack = (real *)s->lack.data;
-    c.push = (vec *)s->push.data;
-    c.before = c.push + n;
+    c.before = (vec *)s->push.data; /* pushes lie by vertex there */
     c.vertex = (int32_t *)s->vertex.data;
     c.moved = (uint8_t *)s->moved.data;
     c.awake = (uint8_t *)s->awake.data;
