@@ -76,7 +76,7 @@ ORACLE_LIBS := -lfcl -lccd -lmpfr -lgmpxx -lgmp -lstdc++ -lm
 
 # What only whole steps run: golden and --stages enter no line of these, as
 # gcov says, so what is about stages takes ROOT's objects of them.
-WHOLE  := $(patsubst %,ref/%.c,ask broad checkpoint cloth collide couple \
+WHOLE  := $(patsubst %,ref/%.c,apart ask broad checkpoint cloth collide couple \
           define drape dynamics explicit failsafe frames lead plan query \
           response restore slice solver start step wire world)
 

@@ -295,6 +295,32 @@ static void drop(struct gpu *g, struct broad *b)
     b->n_front = 0;
 }
 
+int gpu_broad_ask(struct gpu *g, struct broad *b, const vec *x0, const vec *x1,
+                  real r, bool *apart)
+{
+    struct extent s = {};
+    s.nv = b->nv;
+    s.n_grid = b->map.n_grid;
+    s.grid = b->map.grid;
+    s.x0 = x0;
+    s.x1 = x1;
+    *apart = false;
+    if (!b->apart.able)
+        return DRAPE_OK;
+    size_t bytes = (size_t)s.n_grid * sizeof *s.whole;
+    s.whole =
+        (struct whole *)gpu_scratch(g, SLOT_STAGE, s.n_grid, sizeof *s.whole);
+    int status = s.whole ? gpu_extent(g, &s) : gpu_status(g);
+    gpu_trace(g, b->trace, "extent", s.whole, bytes);
+    gpu_down(g, b->apart.whole, s.whole, bytes);
+    if (status == DRAPE_OK)
+        status = gpu_status(g);
+    *apart = status == DRAPE_OK && apart_all(&b->apart, r);
+    if (*apart)
+        broad_answer(b);
+    return status;
+}
+
 int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
                     const vec *x1, real r, const uint8_t *moved)
 {

@@ -53,17 +53,35 @@ real gpu_collide_furthest(struct gpu_world *w, int64_t n)
     return largest_of(gpu_read_words(w->gpu, 1));
 }
 
+static int find_near(struct gpu_world *w, const vec *to, real r)
+{
+    double start = clock_now();
+    bool apart = false;
+    int status = DRAPE_OK;
+    if (w->host->near == NEAR_NONE)
+        status = gpu_broad_ask(w->gpu, &w->broad, w->x0, to, r, &apart);
+    if (status == DRAPE_OK && !apart)
+        status = gpu_broad_query(w->gpu, &w->broad, w->x0, to, r, NULL);
+    w->broad_seconds += clock_now() - start;
+    return status;
+}
+
 int gpu_collide_far(struct gpu_world *w, drape_step_report *r, double *last,
                     bool *again)
 {
-    struct pairs p;
     struct world *h = w->host;
     *again = slice_far(h, 4 * gpu_collide_furthest(w, h->nv));
     if (!*again)
         return gpu_status(w->gpu);
-    int status = gpu_step_broad(w, NULL, &p);
-    struct travel t = {h->nv, p.n, p.pair, p.kind, w->x0, w->x1, 0};
-    if (status == DRAPE_OK && p.n) {
+    int status = find_near(w, w->x1, 0);
+    struct travel t = {h->nv,
+                       w->broad.n,
+                       (const int32_t *)w->broad.pair.data,
+                       (const uint8_t *)w->broad.kind.data,
+                       w->x0,
+                       w->x1,
+                       0};
+    if (status == DRAPE_OK && t.n) {
         status = gpu_travel(w->gpu, &t);
         if (h->tracing)
             trace_stage(h->tracing, "travel", &t.most, sizeof t.most);
@@ -73,25 +91,6 @@ int gpu_collide_far(struct gpu_world *w, drape_step_report *r, double *last,
         slice_cut(h);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
     return status;
-}
-
-static int find_near(struct gpu_world *w, const vec *to)
-{
-    double start = clock_now();
-    int status =
-        gpu_broad_query(w->gpu, &w->broad, w->x0, to, w->host->reach, NULL);
-    w->broad_seconds += clock_now() - start;
-    return status;
-}
-
-static int repel(struct gpu_world *w)
-{
-    int status = find_near(w, w->x0);
-    if (status != DRAPE_OK)
-        return status;
-    struct pairs near = {w->broad.n, (const int32_t *)w->broad.pair.data,
-                         (const uint8_t *)w->broad.kind.data};
-    return gpu_response_repel(w->gpu, &w->response, &near);
 }
 
 static void count_contacts(const struct response *c, drape_step_report *r)
@@ -108,7 +107,7 @@ static void count_contacts(const struct response *c, drape_step_report *r)
     r->work.narrow = c->narrow;
 }
 
-int gpu_collide(struct gpu_world *w, drape_step_report *r, double *last)
+static int start(struct gpu_world *w)
 {
     struct response *c = &w->response;
     c->x0 = w->x0;
@@ -120,16 +119,45 @@ int gpu_collide(struct gpu_world *w, drape_step_report *r, double *last)
     int status = gpu_response_start(w->gpu, c);
     if (w->host->plan.implicit)
         gpu_couple_start(w);
-    if (status == DRAPE_OK && w->host->near == NEAR_NONE)
-        status = find_near(w, w->x1);
-    bool alone = w->host->near == NEAR_NONE && w->broad.n == 0;
-    if (status == DRAPE_OK && !alone)
-        status = repel(w);
+    return status;
+}
+
+static int repel(struct gpu_world *w)
+{
+    int status = start(w);
+    if (status == DRAPE_OK)
+        status = find_near(w, w->x0, w->host->reach);
+    struct pairs near = {w->broad.n, (const int32_t *)w->broad.pair.data,
+                         (const uint8_t *)w->broad.kind.data};
+    if (status == DRAPE_OK)
+        status = gpu_response_repel(w->gpu, &w->response, &near);
     if (status == DRAPE_OK && w->couple.rough && w->couple.solves == 0)
         status = gpu_couple_solve(w, 0, NULL);
-    charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
+    return status;
+}
+
+static int look(struct gpu_world *w, bool *alone)
+{
+    response_reset(&w->response);
+    *alone = false;
+    if (w->host->near != NEAR_NONE)
+        return DRAPE_OK;
+    int status = find_near(w, w->x1, w->host->reach);
+    *alone = w->broad.n == 0;
+    return status;
+}
+
+int gpu_collide(struct gpu_world *w, drape_step_report *r, double *last)
+{
+    struct response *c = &w->response;
+    bool alone;
+    int status = look(w, &alone);
     if (status == DRAPE_OK && !alone)
-        status = gpu_response_penetrate(w->gpu, c);
+        status = repel(w);
+    charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
+    if (status != DRAPE_OK || alone)
+        return status;
+    status = gpu_response_penetrate(w->gpu, c);
     charge_contact(w, r, DRAPE_PART_PENETRATION, last);
     count_contacts(c, r);
     r->iterations += w->couple.iterations;

@@ -50,13 +50,7 @@ int gpu_response_start(struct gpu *g, struct response *s)
         !(s->stiffness >= 0) || s->iterations < 0 || s->max_rounds < 0 ||
         s->zone_rounds < 0 || s->roll_rounds < 0)
         return DRAPE_EARG;
-    s->rounds = s->outcome = s->side = s->tangle_side = 0;
-    s->contacts = s->impacts = s->candidates = 0;
-    s->near = s->later = s->narrow = 0;
-    s->started = s->led = 0;
-    s->zone_vertices = s->rolled_back = 0;
-    s->hits = s->active = s->tangled = 0;
-    s->impelled = false;
+    response_reset(s);
     gpu_clear(g, s->rolled, (size_t)s->nv);
     LAUNCH(g, s->nv, response_start_kernel, *s);
     return gpu_status(g);

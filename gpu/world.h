@@ -75,8 +75,11 @@ int gpu_motion(struct gpu *g, struct gpu_sheet *s);
 void gpu_motion_energy(struct gpu *g, struct gpu_sheet *s, const vec *x,
                        const vec *v, double value[3]);
 
-/* gpu/broad.cu: broad_make's result copied from the host's; broad_query. */
+/* gpu/broad.cu: broad_make's result copied from the host's; broad_ask
+ * and broad_query. */
 int gpu_broad_make(struct gpu *g, const struct broad *host, struct broad *b);
+int gpu_broad_ask(struct gpu *g, struct broad *b, const vec *x0, const vec *x1,
+                  real r, bool *apart);
 int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
                     const vec *x1, real r, const uint8_t *moved);
 

@@ -103,7 +103,38 @@ int broad_make(struct broad *b, const struct tree_scene *scene, bool self,
     if (arena->failed)
         return DRAPE_ENOMEM;
     status = make_roots(b, scene, self);
+    if (status == DRAPE_OK)
+        status = apart_make(&b->apart, scene, &b->tree, &b->map, b->roots,
+                            (const int32_t(*)[2])b->root, arena);
     return status == DRAPE_OK ? begin_front(b, b->roots) : status;
+}
+
+void broad_answer(struct broad *b)
+{
+    b->queries++;
+    b->kept += b->tree.n;
+    b->n = b->n_vf = b->n_both = b->visited = 0;
+}
+
+int broad_ask(struct broad *b, const vec *x0, const vec *x1, real r,
+              bool *apart)
+{
+    struct extent s = {.nv = b->nv,
+                       .n_grid = b->map.n_grid,
+                       .grid = b->map.grid,
+                       .x0 = x0,
+                       .x1 = x1,
+                       .whole = b->apart.whole};
+    *apart = false;
+    if (!b->apart.able)
+        return DRAPE_OK;
+    int status = ref_extent(&s);
+    trace_stage(b->trace, "extent", s.whole,
+                (size_t)s.n_grid * sizeof *s.whole);
+    *apart = status == DRAPE_OK && apart_all(&b->apart, r);
+    if (*apart)
+        broad_answer(b);
+    return status;
 }
 
 int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,

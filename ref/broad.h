@@ -4,6 +4,7 @@
 #ifndef REF_BROAD_H
 #define REF_BROAD_H
 
+#include "ref/apart.h"
 #include "ref/cones.h"
 #include "ref/features.h"
 #include "ref/front.h"
@@ -33,6 +34,7 @@ struct broad {
     struct box *box;
     uint8_t *stir, *clear;
     struct tangents *tangents;
+    struct apart apart; /* the host's, with a device too */
 
     /* Of the last broad_refit. */
     const vec *x0, *x1;
@@ -50,8 +52,8 @@ struct broad {
     int64_t n, n_vf;                /* candidates; the first n_vf are VF */
     int64_t front_visited, visited; /* pairs of nodes looked into */
 
-    /* Of all queries since the caller took these: nodes refitted, nodes of
-     * static meshes that were not, pairs of nodes walked, and left out of it
+    /* Of all queries since the caller took these: nodes refitted, nodes that
+     * did not have to be, pairs of nodes walked, and left out of it
      * as clear. */
     int queries;
     int64_t refitted, kept, walked, cleared;
@@ -63,6 +65,14 @@ struct broad {
  * DRAPE_OK, DRAPE_ENOMEM or DRAPE_EARG. */
 int broad_make(struct broad *b, const struct tree_scene *scene, bool self,
                struct arena *arena);
+
+/* Whether a query would find nothing, as whole meshes are apart: then it is
+ * answered. False where that cannot be told. */
+int broad_ask(struct broad *b, const vec *x0, const vec *x1, real r,
+              bool *apart);
+
+/* Counts a query that whole meshes answered: without a pair. */
+void broad_answer(struct broad *b);
 
 /* Boxes and cones for a query: what comes within r on the way from x0 to x1
  * [nv], where x1 = x0 asks about one time. moved: [nv] or NULL: only pairs

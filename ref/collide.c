@@ -63,23 +63,37 @@ real collide_furthest(const struct world *w, int64_t n)
     return most;
 }
 
+/* The pairs that may come within r on the way from x0 to `to`. Where none were
+ * near, whole meshes may do. */
+static int find_near(struct world *w, const vec *to, real r)
+{
+    double start = clock_now();
+    bool apart = false;
+    int status = DRAPE_OK;
+    if (w->near == NEAR_NONE)
+        status = broad_ask(&w->broad, w->x0, to, r, &apart);
+    if (status == DRAPE_OK && !apart)
+        status = broad_query(&w->broad, w->x0, to, r, NULL);
+    w->broad_seconds += clock_now() - start;
+    return status;
+}
+
 /* §7.2: *again: a shorter slice is wanted. Candidates are asked only where
  * two vertices can be far apart. */
 int collide_far(struct world *w, drape_step_report *r, double *last,
                 bool *again)
 {
-    struct pairs p;
     *again = slice_far(w, 4 * collide_furthest(w, w->nv));
     if (!*again)
         return DRAPE_OK;
-    int status = step_broad(w, NULL, &p);
+    int status = find_near(w, w->x1, 0);
     struct travel t = {.nv = w->nv,
-                       .n = p.n,
-                       .pair = p.pair,
-                       .kind = p.kind,
+                       .n = w->broad.n,
+                       .pair = w->broad.pair.data,
+                       .kind = w->broad.kind.data,
                        .x0 = w->x0,
                        .x1 = w->x1};
-    if (status == DRAPE_OK && p.n) {
+    if (status == DRAPE_OK && t.n) {
         status = ref_travel(&t);
         trace_stage(w->tracing, "travel", &t.most, sizeof t.most);
     }
@@ -88,25 +102,6 @@ int collide_far(struct world *w, drape_step_report *r, double *last,
         slice_cut(w);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
     return status;
-}
-
-/* The pairs that may come within reach on the way from x0 to `to`. */
-static int find_near(struct world *w, const vec *to)
-{
-    double start = clock_now();
-    int status = broad_query(&w->broad, w->x0, to, w->reach, NULL);
-    w->broad_seconds += clock_now() - start;
-    return status;
-}
-
-/* Pairs within reach of each other where the step starts are pushed apart. */
-static int repel(struct world *w)
-{
-    int status = find_near(w, w->x0);
-    if (status != DRAPE_OK)
-        return status;
-    struct pairs near = {w->broad.n, w->broad.pair.data, w->broad.kind.data};
-    return ref_response_repel(&w->response, &near);
 }
 
 static void count_contacts(const struct response *c, drape_step_report *r)
@@ -123,7 +118,7 @@ static void count_contacts(const struct response *c, drape_step_report *r)
     r->work.narrow = c->narrow;
 }
 
-int collide(struct world *w, drape_step_report *r, double *last)
+static int start(struct world *w)
 {
     struct response *c = &w->response;
     c->x0 = w->x0;
@@ -135,16 +130,46 @@ int collide(struct world *w, drape_step_report *r, double *last)
     int status = ref_response_start(c);
     if (w->plan.implicit)
         couple_start(w);
-    if (status == DRAPE_OK && w->near == NEAR_NONE)
-        status = find_near(w, w->x1);
-    bool alone = w->near == NEAR_NONE && w->broad.n == 0;
-    if (status == DRAPE_OK && !alone)
-        status = repel(w);
+    return status;
+}
+
+/* Pairs within reach of each other where the step starts are pushed apart. */
+static int repel(struct world *w)
+{
+    int status = start(w);
+    if (status == DRAPE_OK)
+        status = find_near(w, w->x0, w->reach);
+    struct pairs near = {w->broad.n, w->broad.pair.data, w->broad.kind.data};
+    if (status == DRAPE_OK)
+        status = ref_response_repel(&w->response, &near);
     if (status == DRAPE_OK && w->couple.rough && w->couple.solves == 0)
         status = couple_solve(w, 0, NULL);
-    charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
+    return status;
+}
+
+/* *alone: nothing is near on the way. Asked where nothing was near before. */
+static int look(struct world *w, bool *alone)
+{
+    response_reset(&w->response);
+    *alone = false;
+    if (w->near != NEAR_NONE)
+        return DRAPE_OK;
+    int status = find_near(w, w->x1, w->reach);
+    *alone = w->broad.n == 0;
+    return status;
+}
+
+int collide(struct world *w, drape_step_report *r, double *last)
+{
+    struct response *c = &w->response;
+    bool alone;
+    int status = look(w, &alone);
     if (status == DRAPE_OK && !alone)
-        status = ref_response_penetrate(c);
+        status = repel(w);
+    charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
+    if (status != DRAPE_OK || alone)
+        return status;
+    status = ref_response_penetrate(c);
     charge_contact(w, r, DRAPE_PART_PENETRATION, last);
     count_contacts(c, r);
     r->iterations += w->couple.iterations;

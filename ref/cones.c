@@ -69,8 +69,7 @@ static struct span span_dot(vec p, vec lo, vec hi)
     return s;
 }
 
-/* §3: whether the tangents keep every two points of the patch apart. */
-static bool apart(const struct tangents *b, real r)
+bool cones_apart(const struct tangents *b, real r)
 {
     const real room = CONES_ROOM * REAL_UNIT, least = R(0x1p-100);
     vec u = vec_scale(R(0.5), vec_add(b->ulo, b->uhi));
@@ -122,7 +121,7 @@ static bool patch_apart(const struct cones *s, int32_t a, int di, int dj)
             return false;
         b = join(b, s->tangents[c]);
     }
-    return apart(&b, s->r);
+    return cones_apart(&b, s->r);
 }
 
 /* §5: a pair of neighbours is clear if its parents are, or by itself. */

@@ -24,4 +24,7 @@ struct cones {
 /* DRAPE_OK, or DRAPE_EDATA for a bad r. */
 int ref_cones(struct cones *s);
 
+/* §3: whether such tangents keep every two points of a patch apart. */
+bool cones_apart(const struct tangents *b, real r);
+
 #endif

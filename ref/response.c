@@ -30,13 +30,7 @@ int ref_response_start(struct response *s)
         !(s->stiffness >= 0) || s->iterations < 0 || s->max_rounds < 0 ||
         s->zone_rounds < 0 || s->roll_rounds < 0)
         return DRAPE_EARG;
-    s->rounds = s->outcome = s->side = s->tangle_side = 0;
-    s->contacts = s->impacts = s->candidates = 0;
-    s->near = s->later = s->narrow = 0;
-    s->started = s->led = 0;
-    s->zone_vertices = s->rolled_back = 0;
-    s->hits = s->active = s->tangled = 0;
-    s->impelled = false;
+    response_reset(s);
     memset(s->rolled, 0, (size_t)s->nv);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++) {

@@ -85,6 +85,18 @@ static inline int response_iterations(const struct response *s)
     return s->iterations * (s->rounds > 2 ? s->rounds - 1 : 1);
 }
 
+/* Counters of a step in which nothing came near. */
+static inline void response_reset(struct response *s)
+{
+    s->rounds = s->outcome = s->side = s->tangle_side = 0;
+    s->contacts = s->impacts = s->candidates = 0;
+    s->near = s->later = s->narrow = 0;
+    s->started = s->led = 0;
+    s->zone_vertices = s->rolled_back = 0;
+    s->hits = s->active = s->tangled = 0;
+    s->impelled = false;
+}
+
 /* Sets u and the counters for a step. DRAPE_EARG for a bad setting. */
 int ref_response_start(struct response *s);
 

@@ -11,6 +11,7 @@
 #include "ref/contacts.h"
 #include "ref/dynamics.h"
 #include "ref/energy.h"
+#include "ref/extent.h"
 #include "ref/features.h"
 #include "ref/front.h"
 #include "ref/impacts.h"

@@ -212,7 +212,8 @@ typedef struct drape_work {
     int queries;        /* of the broad phase */
     int narrow;         /* narrow phases; rounds without a candidate had none */
     int64_t boxes;      /* of the tree, refitted by the queries */
-    int64_t boxes_kept; /* of obstacles that never move: not refitted */
+    int64_t boxes_kept; /* not refitted: of obstacles that never move, or all
+                           where whole meshes are apart */
     int64_t walked;     /* pairs of boxes looked into */
     int64_t cleared;    /* pairs of boxes that meet, not looked into as cones
                            prove their cloth apart */
