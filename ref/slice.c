@@ -4,7 +4,7 @@
 
 #include "ref/state.h"
 
-enum { WHOLE = 64, TRIES = 3, JOLTS = 2, CALM = 8, ROUNDS = 12 };
+enum { WHOLE = 64, TRIES = 3, JOLTS = 1, CALM = 8, ROUNDS = 12 };
 /* That candidates may move in a slice: implicit, explicit. */
 static const real CELLS = 8, FEW_CELLS = 4;
 
