@@ -13,16 +13,51 @@ enum { RANK_CONTACTS = 2048, TEAM_BLOCK = 1024 };
 enum { RANK_CONTACTS = 10, TEAM_BLOCK = 64 };
 #endif
 
+template <bool CROWD> static __device__ void meet(void)
+{
+    if (CROWD)
+        crowd_sync();
+    else
+        team_sync(false);
+}
+
 /* A pass, and a barrier after it. */
 template <bool CROWD, void ACT(const struct mass_splitting &, int64_t)>
 static __device__ void pass(const struct mass_splitting &m, int64_t n)
 {
     EACH_OF_TEAM(k, n)
     ACT(m, k);
-    if (CROWD)
-        crowd_sync();
-    else
-        team_sync(false);
+    meet<CROWD>();
+}
+
+static __device__ real momentum(int age)
+{
+    return (real)age / ((real)age + 3);
+}
+
+/* §3. What the first pass writes to `over` all read behind its barrier, before
+ * the last one's. */
+template <bool CROWD>
+static __device__ void solve_normal(struct mass_splitting &m, int64_t n,
+                                    int64_t touched)
+{
+    for (int t = 0, age = 0; t < m.s.iterations; t++) {
+        real beta = momentum(age);
+        EACH_OF_TEAM(k, n)
+        find_lack(m, k, t, beta);
+        meet<CROWD>();
+        bool over = *m.over == t + 1;
+        age = over ? age / 2 : age + 1;
+        m.s.keep = t + 1 < m.s.iterations ? momentum(age) : R(0.0);
+        if (over) {
+            m.s.keep /= beta;
+            pass<CROWD, go_back>(m, n);
+        } else
+            pass<CROWD, push_normal>(m, n);
+        EACH_OF_TEAM(k, touched)
+        apply_normal(m, k, over);
+        meet<CROWD>();
+    }
 }
 
 template <bool CROWD>
@@ -31,13 +66,10 @@ static __global__ void __launch_bounds__(TEAM_BLOCK)
 {
     int64_t n = words[INCIDENCE_BAD] ? 0 : m.s.n;
     int64_t touched = words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
+    m.s.keep = 0;
     pass<CROWD, stay>(m, touched);
     pass<CROWD, begin>(m, n);
-    for (int t = 0; t < m.s.iterations; t++) {
-        pass<CROWD, find_lack>(m, n);
-        pass<CROWD, push_normal>(m, n);
-        pass<CROWD, apply_normal>(m, touched);
-    }
+    solve_normal<CROWD>(m, n, touched);
     pass<CROWD, find_friction>(m, n);
     for (int t = 0; t < m.s.iterations; t++) {
         pass<CROWD, push_tangent>(m, n);
@@ -55,7 +87,8 @@ int gpu_contacts(struct gpu *g, struct contacts *s)
     struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
                            s->start, s->item, s->vertex, 0};
     int64_t *words = gpu_words(g);
-    struct mass_splitting m = {*s, gpu_incidence(g, &by, words), NULL}; /* §1 */
+    struct mass_splitting m = {*s, gpu_incidence(g, &by, words), NULL,
+                               words + INCIDENCE_WORDS}; /* §1 */
     m.pushed = (struct pushed *)gpu_scratch(g, SLOT_STAGE + 3, s->n4,
                                             sizeof *m.pushed);
     gpu_clear(g, m.pushed, (size_t)s->n4 * sizeof *m.pushed);
@@ -64,7 +97,7 @@ int gpu_contacts(struct gpu *g, struct contacts *s)
         LAUNCH_TEAM(g, TEAM_BLOCK, 0, contacts_kernel<false>, m, words);
     else
         LAUNCH_CROWD(g, TEAM_BLOCK, contacts_kernel<true>, m, words);
-    const int64_t *seen = gpu_read_words(g, INCIDENCE_WORDS);
+    const int64_t *seen = gpu_read_words(g, INCIDENCE_WORDS + 1);
     s->vertices = seen[INCIDENCE_VERTICES];
     return seen[INCIDENCE_BAD] ? DRAPE_EARG : gpu_status(g);
 }

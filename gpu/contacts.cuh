@@ -20,6 +20,7 @@ struct mass_splitting {
     struct contacts s;
     const int32_t *slot;   /* [4 n] -1: it pushes nothing */
     struct pushed *pushed; /* [4 n] */
+    int64_t *over;         /* 1 + the last iteration of §3 that was void */
 };
 
 /* ---- §1 What takes part ---- */
@@ -55,6 +56,15 @@ static __device__ vec total(const struct contact *c)
     return axpy(c->tangent, c->impulse, c->n);
 }
 
+/* §3: into how many parts vertex i is split, if anything acts on it. */
+static __device__ int32_t split(const struct contacts &s, int32_t i)
+{
+    int32_t acting = s.acting[i], d = s.parts[i];
+    if (s.keep == 0 || (d > 0 && d < acting))
+        return acting;
+    return d == 0 ? acting + 1 : d; /* one may join */
+}
+
 /* §2: the mass that a contact moves when its vertices are split. */
 static __device__ real effective_mass(const struct contacts &s,
                                       const struct contact *c)
@@ -64,7 +74,7 @@ static __device__ real effective_mass(const struct contacts &s,
         int32_t i = c->v[k];
         if (c->c[k] == 0 || !(s.w[i] > 0))
             continue;
-        real w = (real)s.parts[i] * s.w[i];
+        real w = (real)split(s, i) * s.w[i];
         sum += c->c[k] * c->c[k] * w;
         largest = most(w, largest);
     }
@@ -72,12 +82,21 @@ static __device__ real effective_mass(const struct contacts &s,
     return sum > 0 ? 1 / sum : 0;
 }
 
-/* §2: it acts, so it counts for each of its vertices. */
-static __device__ void count(const struct mass_splitting &m, int64_t k)
+/* §3: it acts, so it counts for each of its vertices. True: that makes the
+ * iteration void. */
+static __device__ bool count(const struct mass_splitting &m, int64_t k,
+                             real beta)
 {
-    for (int j = 0; j < 4; j++)
-        if (m.slot[4 * k + j] >= 0)
-            atomicAdd(&m.s.parts[m.s.contact[k].v[j]], 1);
+    bool over = false;
+    for (int j = 0; j < 4; j++) {
+        int32_t i = m.s.contact[k].v[j];
+        if (m.slot[4 * k + j] < 0)
+            continue;
+        real acting = (real)(atomicAdd(&m.s.acting[i], 1) + 1);
+        real d = (real)m.s.parts[i];
+        over |= d > 0 && beta * beta * acting > d;
+    }
+    return over;
 }
 
 static __device__ void give(const struct mass_splitting &m, int64_t k, vec push)
@@ -93,7 +112,8 @@ static __device__ void give(const struct mass_splitting &m, int64_t k, vec push)
 /* Whether it acts; if not, it pushes nothing from here on. */
 static __device__ bool acts(const struct mass_splitting &m, int64_t k)
 {
-    if (!m.s.awake[k] || m.s.lack[k] != 0)
+    if (!m.s.awake[k] || m.s.lack[k] != 0 ||
+        m.s.ahead[k] != m.s.contact[k].impulse)
         return m.s.awake[k];
     if (m.s.awake[k] == PUSHED) {
         give(m, k, make(0, 0, 0));
@@ -103,14 +123,14 @@ static __device__ bool acts(const struct mass_splitting &m, int64_t k)
 }
 
 /* §3. Of its vertices' u. */
-static __device__ real lack_of(const struct contacts &s,
-                               const struct contact *c)
+static __device__ real lack_of(const struct contacts &s, int64_t k)
 {
+    const struct contact *c = &s.contact[k];
     real lack = c->target - dot(c->n, weigh(c, s.u));
-    return lack > 0 || c->impulse > 0 ? lack : R(0.0);
+    return lack > 0 || s.ahead[k] > 0 ? lack : R(0.0);
 }
 
-/* Writes what it pushed before and lack[k]. */
+/* Writes what it pushed before, ahead[k] and lack[k]. */
 static __device__ void begin(const struct mass_splitting &m, int64_t k)
 {
     const struct contacts &s = m.s;
@@ -121,35 +141,55 @@ static __device__ void begin(const struct mass_splitting &m, int64_t k)
     }
     s.awake[k] = ASLEEP;
     s.before[k] = total(c);
-    s.lack[k] = lack_of(s, c);
+    s.ahead[k] = c->impulse;
+    s.lack[k] = lack_of(s, k);
     if (s.lack[k] != 0)
         wake(s, k);
 }
 
-/* §3. Reads u of its vertices, writes lack[k] and adds to their parts. */
-static __device__ void find_lack(const struct mass_splitting &m, int64_t k)
+/* §3, of iteration t. Reads u and d of its vertices, writes lack[k], adds to
+ * what acts on them. */
+static __device__ void find_lack(const struct mass_splitting &m, int64_t k,
+                                 int t, real beta)
 {
     if (!m.s.awake[k])
         return;
-    m.s.lack[k] = lack_of(m.s, &m.s.contact[k]);
-    if (m.s.lack[k] != 0)
-        count(m, k);
+    m.s.lack[k] = lack_of(m.s, k);
+    if (m.s.lack[k] != 0 && count(m, k, beta))
+        *m.over = t + 1; /* whoever finds it writes the same */
 }
 
-/* §3. Reads parts of its vertices, writes what it pushes and its impulse. */
+/* §3: to the next y. u follows. */
+static __device__ void go_to(const struct mass_splitting &m, int64_t k, real y)
+{
+    give(m, k, scale(y - m.s.ahead[k], m.s.contact[k].n));
+    m.s.ahead[k] = y;
+}
+
+/* §3. Reads what splits its vertices, writes its impulse, where it goes and
+ * what it pushes for that. */
 static __device__ void push_normal(const struct mass_splitting &m, int64_t k)
 {
     const struct contacts &s = m.s;
     if (!acts(m, k))
         return;
     struct contact *c = &s.contact[k];
-    real now = c->impulse;
-    real next = most(now + effective_mass(s, c) * s.lack[k], R(0.0));
-    c->impulse = next;
-    give(m, k, scale(next - now, c->n));
+    real y = s.ahead[k], was = c->impulse, now = y;
+    if (s.lack[k] != 0)
+        now = most(y + effective_mass(s, c) * s.lack[k], R(0.0));
+    c->impulse = now;
+    go_to(m, k, most(now + s.keep * (now - was), R(0.0)));
 }
 
-/* §4. Writes lack[k], not 0 if it can have friction, and adds to parts. */
+/* §3: what a void iteration does instead. */
+static __device__ void go_back(const struct mass_splitting &m, int64_t k)
+{
+    real now = m.s.contact[k].impulse;
+    if (acts(m, k))
+        go_to(m, k, now + m.s.keep * (m.s.ahead[k] - now));
+}
+
+/* §4. Writes lack[k], not 0 if it can have friction, and adds to what acts. */
 static __device__ void find_friction(const struct mass_splitting &m, int64_t k)
 {
     const struct contact *c = &m.s.contact[k];
@@ -158,11 +198,11 @@ static __device__ void find_friction(const struct mass_splitting &m, int64_t k)
         return;
     if (!m.s.awake[k])
         wake(m.s, k);
-    count(m, k);
+    count(m, k, R(0.0));
 }
 
-/* §4. Reads u and parts of its vertices, writes what it pushes and its tangent,
- * within the cone. */
+/* §4. Reads u of its vertices and what splits them, writes what it pushes and
+ * its tangent, within the cone. */
 static __device__ void push_tangent(const struct mass_splitting &m, int64_t k)
 {
     const struct contacts &s = m.s;
@@ -189,10 +229,13 @@ static __device__ void end(const struct mass_splitting &m, int64_t k)
 
 /* ---- What a thread does of vertex[k] ---- */
 
+/* §3: where nothing acts yet; a single contact is never more. */
 static __device__ void stay(const struct mass_splitting &m, int64_t k)
 {
+    int32_t i = m.s.vertex[k];
     m.s.moved[k] = 0;
-    m.s.parts[m.s.vertex[k]] = 0;
+    m.s.acting[i] = 0;
+    m.s.parts[i] = m.s.start[i + 1] - m.s.start[i] == 1;
 }
 
 /* Adds w Σ c push to u or v. False: nothing pushes it. */
@@ -216,12 +259,16 @@ static __device__ bool apply(const struct mass_splitting &m, vec *u, int64_t k)
     return any;
 }
 
-/* Leaves no parts, for the next iteration. */
-static __device__ void apply_normal(const struct mass_splitting &m, int64_t k)
+/* Leaves nothing that acts, for the next iteration. */
+static __device__ void apply_normal(const struct mass_splitting &m, int64_t k,
+                                    bool over)
 {
+    int32_t i = m.s.vertex[k];
     if (apply(m, m.s.u, k))
-        spread(m.s, m.s.vertex[k]);
-    m.s.parts[m.s.vertex[k]] = 0;
+        spread(m.s, i);
+    if (m.s.acting[i] > 0 && !over)
+        m.s.parts[i] = split(m.s, i);
+    m.s.acting[i] = 0;
 }
 
 static __device__ void apply_tangent(const struct mass_splitting &m, int64_t k)

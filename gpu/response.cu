@@ -83,8 +83,8 @@ static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
                           int warm)
 {
     struct room room[] = {{&s->item, 4 * n, sizeof(int32_t)},
-                          {&s->parts, s->nv, sizeof(int32_t)},
-                          {&s->lack, n, sizeof(real)},
+                          {&s->parts, 2 * s->nv, sizeof(int32_t)},
+                          {&s->lack, 2 * n, sizeof(real)},
                           {&s->push, n, sizeof(vec)},
                           {&s->vertex, 4 * n, sizeof(int32_t)},
                           {&s->moved, 4 * n, sizeof(uint8_t)},
@@ -106,7 +106,9 @@ static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
     c.start = s->start;
     c.item = (int32_t *)s->item.data;
     c.parts = (int32_t *)s->parts.data;
+    c.acting = c.parts + s->nv;
     c.lack = (real *)s->lack.data;
+    c.ahead = c.lack + n;
     c.before = (vec *)s->push.data; /* pushes lie by vertex there */
     c.vertex = (int32_t *)s->vertex.data;
     c.moved = (uint8_t *)s->moved.data;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Mass-splitting projected Jacobi (Tonge et al. 2012). spec/34_contacts.md */
+/* Mass-splitting projected Jacobi (Tonge et al. 2012) with momentum (Nesterov
+ * 1983). spec/34_contacts.md */
 #include "ref/contacts.h"
 
 #include "ref/incidence.h"
@@ -65,7 +66,7 @@ static void find_lack(struct contacts *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
     real lack = c->target - vec_dot(c->n, pair_sum(c->v, c->c, s->u));
-    s->lack[k] = lack > 0 || c->impulse > 0 ? lack : 0;
+    s->lack[k] = lack > 0 || s->ahead[k] > 0 ? lack : 0;
 }
 
 static void begin(struct contacts *s, int64_t k)
@@ -76,21 +77,35 @@ static void begin(struct contacts *s, int64_t k)
         c->tangent = vec_make(0, 0, 0);
     }
     s->awake[k] = ASLEEP;
+    s->ahead[k] = c->impulse;
     s->before[k] = total(c);
     s->push[k] = vec_make(0, 0, 0);
     find_lack(s, k);
+}
+
+/* §3: to the next y. u follows. */
+static void go_to(struct contacts *s, int64_t k, real y)
+{
+    s->push[k] = vec_scale(y - s->ahead[k], s->contact[k].n);
+    s->ahead[k] = y;
 }
 
 /* §3: the normal part of one iteration. */
 static void push_normal(struct contacts *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
-    s->push[k] = vec_make(0, 0, 0);
-    if (s->lack[k] == 0)
-        return;
-    real next = real_max(c->impulse + effective_mass(s, c) * s->lack[k], 0);
-    s->push[k] = vec_scale(next - c->impulse, c->n);
-    c->impulse = next;
+    real y = s->ahead[k], was = c->impulse;
+    c->impulse = y;
+    if (s->lack[k] != 0)
+        c->impulse = real_max(y + effective_mass(s, c) * s->lack[k], 0);
+    go_to(s, k, real_max(c->impulse + s->keep * (c->impulse - was), 0));
+}
+
+/* §3: what a void iteration does instead. */
+static void go_back(struct contacts *s, int64_t k)
+{
+    real now = s->contact[k].impulse;
+    go_to(s, k, now + s->keep * (s->ahead[k] - now));
 }
 
 /* §4: who can have friction acts, the same ones in all iterations. */
@@ -124,13 +139,30 @@ static void end(struct contacts *s, int64_t k)
 
 /* ---- What is done of a vertex ---- */
 
-/* §2: into how many parts vertex i is split: its contacts that act now. */
+/* §3: where nothing acts yet; a single contact is never more. */
+static void stay(struct contacts *s, int32_t i)
+{
+    s->parts[i] = s->start[i + 1] - s->start[i] == 1;
+}
+
+/* §3: counts what acts on vertex i. True: that makes the iteration void. */
+static bool count(struct contacts *s, int32_t i, real beta)
+{
+    int32_t acting = 0;
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++)
+        acting += s->lack[s->item[k] / 4] != 0;
+    s->acting[i] = acting;
+    return s->parts[i] > 0 && beta * beta * (real)acting > (real)s->parts[i];
+}
+
+/* §3: into how many parts vertex i is split. */
 static void split(struct contacts *s, int32_t i)
 {
-    int32_t parts = 0;
-    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++)
-        parts += s->lack[s->item[k] / 4] != 0;
-    s->parts[i] = parts;
+    int32_t acting = s->acting[i], d = s->parts[i];
+    if (s->keep == 0 || (d > 0 && d < acting))
+        s->parts[i] = acting;
+    else if (d == 0 && acting > 0)
+        s->parts[i] = acting + 1; /* one may join */
 }
 
 /* Σ c · push of the contacts of a vertex, in their order. */
@@ -163,6 +195,16 @@ static void each_awake(struct contacts *s, void act(struct contacts *, int64_t))
             act(s, k);
 }
 
+static bool count_all(struct contacts *s, real beta)
+{
+    bool over = false;
+#pragma omp parallel for schedule(static) reduction(| : over)
+    for (int64_t k = 0; k < s->vertices; k++)
+        if (s->stirred[s->vertex[k]])
+            over |= count(s, s->vertex[k], beta);
+    return over;
+}
+
 static void split_all(struct contacts *s)
 {
     EACH_ITEM
@@ -187,6 +229,43 @@ static void apply(const struct contacts *s, vec *u)
     }
 }
 
+/* ---- §3, §4 ---- */
+
+static real momentum(int age)
+{
+    return (real)age / ((real)age + 3);
+}
+
+static void solve_normal(struct contacts *s)
+{
+    for (int t = 0, age = 0; t < s->iterations; t++) {
+        real beta = momentum(age);
+        bool over = count_all(s, beta);
+        age = over ? age / 2 : age + 1;
+        s->keep = t + 1 < s->iterations ? momentum(age) : 0;
+        if (over)
+            s->keep /= beta;
+        else
+            split_all(s);
+        each_awake(s, over ? go_back : push_normal);
+        apply(s, s->u);
+        spread(s);
+        each_awake(s, find_lack);
+    }
+}
+
+static void solve_tangent(struct contacts *s)
+{
+    each_contact(s, find_friction);
+    wake_acting(s);
+    count_all(s, 0);
+    split_all(s);
+    for (int t = 0; t < s->iterations; t++) {
+        each_awake(s, push_tangent);
+        apply(s, s->u);
+    }
+}
+
 int ref_contacts(struct contacts *s)
 {
     if (s->iterations < 0 || s->nv1 != s->nv + 1 || s->n4 != 4 * s->n ||
@@ -200,24 +279,15 @@ int ref_contacts(struct contacts *s)
                            s->start, s->item, s->vertex, 0};
     ref_incidence(&by); /* §1 */
     s->vertices = by.vertices;
+    s->keep = 0;
     memset(s->moved, 0, (size_t)s->vertices);
     memset(s->stirred, ASLEEP, (size_t)s->nv);
+    for (int64_t k = 0; k < s->vertices; k++)
+        stay(s, s->vertex[k]);
     each_contact(s, begin);
     wake_acting(s);
-    for (int t = 0; t < s->iterations; t++) {
-        split_all(s);
-        each_awake(s, push_normal);
-        apply(s, s->u);
-        spread(s);
-        each_awake(s, find_lack);
-    }
-    each_contact(s, find_friction);
-    wake_acting(s);
-    split_all(s);
-    for (int t = 0; t < s->iterations; t++) {
-        each_awake(s, push_tangent);
-        apply(s, s->u);
-    }
+    solve_normal(s);
+    solve_tangent(s);
     each_awake(s, end); /* the same impulses, all at once, on v */
     apply(s, s->v);
     return DRAPE_OK;

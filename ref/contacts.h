@@ -20,8 +20,11 @@ struct contacts {
     int64_t nv1, n4;  /* nv + 1, 4 n */
     int32_t *start;   /* scratch: [nv1] */
     int32_t *item;    /* scratch: [n4] */
-    int32_t *parts;   /* scratch: [nv] */
+    int32_t *acting;  /* scratch: [nv] contacts of a vertex that act */
+    int32_t *parts;   /* scratch: [nv] d, into how many it is split */
     real *lack;       /* scratch: [n] m/s */
+    real *ahead;      /* scratch: [n] N·s, y of §3: where u is */
+    real keep;        /* scratch: of §3, how far y goes */
     vec *push;        /* scratch: [n] */
     vec *before;      /* scratch: [n] */
     uint8_t *awake;   /* scratch: [n] enum waking */

@@ -57,8 +57,8 @@ void response_advance(struct response *s, int64_t n, const int32_t *vertex,
 static int solve_contacts(struct response *s, int64_t n, int warm)
 {
     struct room room[] = {{&s->item, 4 * n, sizeof(int32_t)},
-                          {&s->parts, s->nv, sizeof(int32_t)},
-                          {&s->lack, n, sizeof(real)},
+                          {&s->parts, 2 * s->nv, sizeof(int32_t)},
+                          {&s->lack, 2 * n, sizeof(real)},
                           {&s->push, 2 * n, sizeof(vec)},
                           {&s->vertex, 4 * n, sizeof(int32_t)},
                           {&s->moved, 4 * n, sizeof(uint8_t)},
@@ -86,6 +86,8 @@ static int solve_contacts(struct response *s, int64_t n, int warm)
                          .vertex = s->vertex.data,
                          .moved = s->moved.data,
                          .awake = s->awake.data};
+    c.acting = c.parts + s->nv;
+    c.ahead = c.lack + n;
     c.stirred = c.awake + n;
     status = ref_contacts(&c);
     trace_stage(s->trace, "contacts", s->u, (size_t)s->nv * sizeof *s->u);

@@ -13,8 +13,10 @@ const struct field fields_contacts[] = {
     INOUT(contacts, v, nv, 1),
     SCRATCH(contacts, start, nv1, 1),
     SCRATCH(contacts, item, n4, 1),
+    SCRATCH(contacts, acting, nv, 1),
     SCRATCH(contacts, parts, nv, 1),
     SCRATCH(contacts, lack, n, 1),
+    SCRATCH(contacts, ahead, n, 1),
     SCRATCH(contacts, push, n, 1),
     SCRATCH(contacts, before, n, 1),
     SCRATCH(contacts, awake, n, 1),
@@ -50,7 +52,7 @@ void gen_contacts(struct bytes *b, struct contacts *s)
     s->nv = for_bench(b) ? s->n : 4 + s->n / (1 + pick(b, 8));
     s->nv1 = s->nv + 1;
     s->n4 = 4 * s->n;
-    s->iterations = (int)pick(b, 9);
+    s->iterations = (int)pick(b, for_bench(b) ? 9 : 65);
     s->warm = (int)pick(b, 2);
     real *w = take(b, s->nv, sizeof *w);
     struct contact *contact = take(b, s->n, sizeof *contact);
@@ -146,6 +148,22 @@ static double rounding(const struct contacts *s, const vec *v)
     return 2 * bound;
 }
 
+static void take_scratch(struct bytes *b, struct contacts *s)
+{
+    s->start = take(b, s->nv1, sizeof *s->start);
+    s->item = take(b, s->n4, sizeof *s->item);
+    s->acting = take(b, s->nv, sizeof *s->acting);
+    s->parts = take(b, s->nv, sizeof *s->parts);
+    s->lack = take(b, s->n, sizeof *s->lack);
+    s->ahead = take(b, s->n, sizeof *s->ahead);
+    s->push = take(b, s->n, sizeof *s->push);
+    s->before = take(b, s->n, sizeof *s->before);
+    s->vertex = take(b, s->n4, sizeof *s->vertex);
+    s->moved = take(b, s->n4, sizeof *s->moved);
+    s->awake = take(b, s->n, sizeof *s->awake);
+    s->stirred = take(b, s->nv, sizeof *s->stirred);
+}
+
 /* n contacts between nv free vertices, with what ref_contacts needs. */
 static void take_free(struct bytes *b, struct contacts *s, vec **x)
 {
@@ -164,16 +182,7 @@ static void take_free(struct bytes *b, struct contacts *s, vec **x)
         s->u[i] = s->v[i] = pick_vec(b, 3);
     }
     s->w = w;
-    s->start = take(b, s->nv1, sizeof *s->start);
-    s->item = take(b, s->n4, sizeof *s->item);
-    s->parts = take(b, s->nv, sizeof *s->parts);
-    s->lack = take(b, s->n, sizeof *s->lack);
-    s->push = take(b, s->n, sizeof *s->push);
-    s->before = take(b, s->n, sizeof *s->before);
-    s->vertex = take(b, s->n4, sizeof *s->vertex);
-    s->moved = take(b, s->n4, sizeof *s->moved);
-    s->awake = take(b, s->n, sizeof *s->awake);
-    s->stirred = take(b, s->nv, sizeof *s->stirred);
+    take_scratch(b, s);
 }
 
 /* Contacts of random pairs, as proximity makes them. */
@@ -261,8 +270,8 @@ const char *test_contacts_rest(void)
     vec u[NV] = {[0] = {0, -1, 0}, [4] = {R(-0.0), 0, 0}};
     vec v[NV] = {[0] = {0, -1, 0}, [4] = {R(-0.0), 0, 0}}, push[N], before[N];
     uint8_t moved[4 * N], awake[N], stirred[NV];
-    int32_t start[NV + 1], item[4 * N], vertex[4 * N], parts[NV];
-    real lack[N];
+    int32_t start[NV + 1], item[4 * N], vertex[4 * N], acting[NV], parts[NV];
+    real lack[N], ahead[N];
     struct contact contact[N];
     for (int k = 0; k < N; k++) {
         struct contact one = {.v = {k > 0 ? 0 : 4, 1, 2, 3},
@@ -283,8 +292,10 @@ const char *test_contacts_rest(void)
                          .n4 = 4 * N,
                          .start = start,
                          .item = item,
+                         .acting = acting,
                          .parts = parts,
                          .lack = lack,
+                         .ahead = ahead,
                          .push = push,
                          .before = before,
                          .awake = awake,
@@ -297,6 +308,50 @@ const char *test_contacts_rest(void)
     EXPECT(u[0].y == R(-0.5) && v[0].y == R(-0.5));
     EXPECT(s.vertices == 2 && moved[0] && !moved[1]);
     EXPECT(signbit(u[4].x) && signbit(v[4].x));
+    ran(1);
+    return NULL;
+}
+
+/* A column of COLUMN vertices that falls on a led one: sum of what its contacts
+ * lack after `calls` of so many iterations, the second and later warm. */
+static double settle(struct bytes *b, int calls, int iterations)
+{
+    enum { COLUMN = 20 };
+    struct contacts s = {.n = COLUMN,
+                         .nv = COLUMN + 1,
+                         .nv1 = COLUMN + 2,
+                         .n4 = 4 * COLUMN,
+                         .iterations = iterations};
+    real *w = take(b, s.nv, sizeof *w);
+    s.u = take(b, s.nv, sizeof *s.u);
+    s.v = take(b, s.nv, sizeof *s.v);
+    s.contact = take(b, s.n, sizeof *s.contact);
+    for (int32_t k = 0; k < COLUMN; k++) {
+        s.contact[k] = (struct contact){
+            .v = {k + 1, k, k, k}, .c = {1, -1, 0, 0}, .n = {0, 1, 0}};
+        s.u[k + 1] = s.v[k + 1] = vec_make(0, -1, 0);
+        w[k + 1] = 1;
+    }
+    s.w = w;
+    take_scratch(b, &s);
+    for (int k = 0; k < calls; k++) {
+        s.warm = k > 0;
+        if (ref_contacts(&s) != DRAPE_OK)
+            return NAN;
+    }
+    double sum = 0;
+    for (int k = 0; k < COLUMN; k++)
+        sum += (double)real_max(s.u[k].y - s.u[k + 1].y, 0);
+    return sum;
+}
+
+/* §3: calls of one iteration have no momentum. */
+const char *test_contacts_momentum(void)
+{
+    struct bytes b = {.seed = 1, .size = -1};
+    double slow = settle(&b, 256, 1), fast = settle(&b, 1, 256);
+    choices_free(&b);
+    EXPECT(slow > 0.1 && fast < slow / 16);
     ran(1);
     return NULL;
 }

@@ -63,8 +63,8 @@ static int64_t find_contacts(const struct incline *s, real dt,
 static int push(struct incline *s, struct contact *contact, int64_t n, int warm)
 {
     int32_t start[BLOCK + 5], item[8 * BLOCK], vertex[8 * BLOCK];
-    int32_t parts[BLOCK + 4];
-    real lack[2 * BLOCK];
+    int32_t acting[BLOCK + 4], parts[BLOCK + 4];
+    real lack[2 * BLOCK], ahead[2 * BLOCK];
     vec pushes[2 * BLOCK], before[2 * BLOCK];
     uint8_t moved[8 * BLOCK], awake[2 * BLOCK], stirred[BLOCK + 4];
     struct contacts c = {.nv = BLOCK + 4,
@@ -78,8 +78,10 @@ static int push(struct incline *s, struct contact *contact, int64_t n, int warm)
                          .n4 = 4 * n,
                          .start = start,
                          .item = item,
+                         .acting = acting,
                          .parts = parts,
                          .lack = lack,
+                         .ahead = ahead,
                          .push = pushes,
                          .before = before,
                          .warm = warm,

@@ -223,6 +223,8 @@
 #define test_contacts_conserve REAL_NAME(test_contacts_conserve)
 #define test_contacts_rest REAL_NAME(test_contacts_rest)
 #define test_contacts_every REAL_NAME(test_contacts_every)
+#define test_contacts_momentum REAL_NAME(test_contacts_momentum)
+#define test_contacts_void REAL_NAME(test_contacts_void)
 #define test_cublas REAL_NAME(test_cublas)
 #define test_diverged REAL_NAME(test_diverged)
 #define test_embed_borrow REAL_NAME(test_embed_borrow)
