@@ -32,10 +32,11 @@ static void join(struct lanes *restrict l, const real *restrict v)
 static void join_few(struct lanes *l, const real *v, int64_t n)
 {
     real all[LANES];
+    if (n <= 0)
+        return;
     for (int k = 0; k < LANES; k++)
         all[k] = v[k < n ? k : k % 3];
-    if (n > 0)
-        join(l, all);
+    join(l, all);
 }
 
 /* Joins in a[0 … n). */
@@ -102,8 +103,8 @@ static bool measure(const struct extent *s, const struct tree_grid *g,
         }
     gather(&u, &w->tangents.ulo, &w->tangents.uhi);
     gather(&v, &w->tangents.vlo, &w->tangents.vhi);
-    return gather(&end[0], &w->box.lo0, &w->box.hi0) &
-           gather(&end[1], &w->box.lo1, &w->box.hi1);
+    bool good = gather(&end[0], &w->box.lo0, &w->box.hi0);
+    return gather(&end[1], &w->box.lo1, &w->box.hi1) && good;
 }
 
 int ref_extent(struct extent *s)
