@@ -15,6 +15,7 @@ struct bench {
     int backend;           /* enum drape_backend */
     bool wall;             /* time of the reference is wall time too */
     bool quick;            /* a small form, for make check */
+    bool mute;             /* no report is asked for: runs keep no counts */
     int passed, failed;
 };
 

@@ -90,11 +90,11 @@ void run_watched(struct bench *b, const drape_def *def, int64_t steps,
         memcpy(r->text, error.text, sizeof r->text);
         return;
     }
-    drape_step_report report;
+    drape_step_report report = {0};
     double first = INFINITY;
     for (int64_t k = 0; k < steps; k++) {
         double start = bench_clock(b);
-        r->status = drape_step(world, &report);
+        r->status = drape_step(world, b->mute ? NULL : &report);
         r->seconds += bench_clock(b) - start;
         if (r->status != DRAPE_OK)
             break;
