@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage contacts: generator and properties. spec/34_contacts.md */
-#include "ref/contacts.h"
 
+#include "tests/contacts.h"
 #include "ref/proximity.h"
 #include "ref/wide.h"
 #include "tests/choices.h"
@@ -148,7 +148,7 @@ static double rounding(const struct contacts *s, const vec *v)
     return 2 * bound;
 }
 
-static void take_scratch(struct bytes *b, struct contacts *s)
+void contacts_scratch(struct bytes *b, struct contacts *s)
 {
     s->start = take(b, s->nv1, sizeof *s->start);
     s->item = take(b, s->n4, sizeof *s->item);
@@ -182,7 +182,7 @@ static void take_free(struct bytes *b, struct contacts *s, vec **x)
         s->u[i] = s->v[i] = pick_vec(b, 3);
     }
     s->w = w;
-    take_scratch(b, s);
+    contacts_scratch(b, s);
 }
 
 /* Contacts of random pairs, as proximity makes them. */
@@ -333,7 +333,7 @@ static double settle(struct bytes *b, int calls, int iterations)
         w[k + 1] = 1;
     }
     s.w = w;
-    take_scratch(b, &s);
+    contacts_scratch(b, &s);
     for (int k = 0; k < calls; k++) {
         s.warm = k > 0;
         if (ref_contacts(&s) != DRAPE_OK)

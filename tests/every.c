@@ -2,9 +2,9 @@
 /* Stage contacts once more, by all contacts in all iterations and without
  * lists: whom it leaves out had nothing to do, and the bound of energy holds in
  * each. spec/34_contacts.md §1, §5.3 */
-#include "ref/contacts.h"
 #include "ref/wide.h"
 #include "tests/choices.h"
+#include "tests/contacts.h"
 #include "tests/harness.h"
 
 void gen_contacts(struct bytes *b, struct contacts *s);
@@ -249,22 +249,6 @@ static bool solve(struct every *e)
     return holds;
 }
 
-static void take_scratch(struct bytes *b, struct contacts *s)
-{
-    s->start = take(b, s->nv1, sizeof *s->start);
-    s->item = take(b, s->n4, sizeof *s->item);
-    s->acting = take(b, s->nv, sizeof *s->acting);
-    s->parts = take(b, s->nv, sizeof *s->parts);
-    s->lack = take(b, s->n, sizeof *s->lack);
-    s->ahead = take(b, s->n, sizeof *s->ahead);
-    s->push = take(b, s->n, sizeof *s->push);
-    s->before = take(b, s->n, sizeof *s->before);
-    s->awake = take(b, s->n, sizeof *s->awake);
-    s->stirred = take(b, s->nv, sizeof *s->stirred);
-    s->vertex = take(b, s->n4, sizeof *s->vertex);
-    s->moved = take(b, s->n4, sizeof *s->moved);
-}
-
 /* Equal but for the sign of zeros. */
 static bool alike(vec a, vec b)
 {
@@ -297,7 +281,7 @@ static void take_plain(struct bytes *b, struct every *e)
 static const char *compare(struct bytes *b, struct contacts *s, int *voids)
 {
     struct every e = {.s = s};
-    take_scratch(b, s);
+    contacts_scratch(b, s);
     take_plain(b, &e);
     EXPECT(solve(&e));
     *voids += e.voids;

@@ -4,6 +4,7 @@
 #define TESTS_NAMES_H
 
 #define bench_solve REAL_NAME(bench_solve)
+#define contacts_scratch REAL_NAME(contacts_scratch)
 #define dense_entry REAL_NAME(dense_entry)
 #define fabric_boxes REAL_NAME(fabric_boxes)
 #define fabric_brute REAL_NAME(fabric_brute)
