@@ -11,8 +11,8 @@ mkdir -p "$build"
 cores=$(nproc)
 
 sh ci/part.sh "$build" build "$cores"
-# Long ones first; in CI also tidy, which is slow.
-parts="tests buddha demo ${CI:+tidy} asan gcc-O3 clang-O2 accuracy tool device
+# Long ones first.
+parts="tests buddha demo tidy asan gcc-O3 clang-O2 accuracy tool device
        fuzz gcc-O0 prove golden-1 embed format golden-3 self certificate"
 # shellcheck disable=SC2086
 printf '%s\n' $parts | xargs -P "$cores" -n 1 sh ci/part.sh "$build"
