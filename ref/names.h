@@ -177,6 +177,7 @@
 #define slice_restore REAL_NAME(slice_restore)
 #define slice_save REAL_NAME(slice_save)
 #define slice_time REAL_NAME(slice_time)
+#define slice_weighs REAL_NAME(slice_weighs)
 #define slice_wrong REAL_NAME(slice_wrong)
 #define solver_make REAL_NAME(solver_make)
 #define solver_size REAL_NAME(solver_size)

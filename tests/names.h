@@ -294,6 +294,7 @@
 #define test_world_rough REAL_NAME(test_world_rough)
 #define test_world_slices REAL_NAME(test_world_slices)
 #define test_world_threads REAL_NAME(test_world_threads)
+#define test_world_touched REAL_NAME(test_world_touched)
 #define test_world_wind REAL_NAME(test_world_wind)
 #define test_world_work REAL_NAME(test_world_work)
 #define test_zones_conserve REAL_NAME(test_zones_conserve)
