@@ -97,7 +97,7 @@ int broad_make(struct broad *b, const struct tree_scene *scene, bool self,
     b->box = arena_take(arena, ARENA_TREE, n, sizeof *b->box);
     b->stir = arena_take(arena, ARENA_TREE, n, sizeof *b->stir);
     b->clear = arena_take(arena, ARENA_TREE, n_cloth, sizeof *b->clear);
-    b->n_inner = b->cones ? n_cloth - b->tree.range[1] : 0;
+    b->n_inner = b->cones ? tree_inner(&b->tree) : 0;
     b->tangents =
         arena_take(arena, ARENA_TREE, b->n_inner, sizeof *b->tangents);
     if (arena->failed)

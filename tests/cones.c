@@ -50,7 +50,7 @@ void gen_cones(struct bytes *b, struct cones *s)
     s->x0 = f.x0;
     s->x1 = pick(b, 3) ? f.x1 : f.x0;
     s->r = pick(b, 2) ? 0 : real_abs(pick_real(b, R(0.02)));
-    s->n_inner = s->tree.n_cloth - s->tree.range[1];
+    s->n_inner = tree_inner(&s->tree);
     s->tangents = take(b, s->n_inner, sizeof *s->tangents);
     s->clear = take(b, s->tree.n_cloth, 1);
     uint8_t *stir = take(b, s->tree.n, 1);

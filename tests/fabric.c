@@ -299,7 +299,7 @@ void fabric_walk(struct bytes *b, struct fabric_walk *w)
                       .x1 = w->f.x1,
                       .r = w->in.r,
                       .stir = w->stir,
-                      .n_inner = t->n_cloth - t->range[1]};
+                      .n_inner = tree_inner(t)};
     s.tangents = take(b, s.n_inner, sizeof *s.tangents);
     s.clear = take(b, t->n_cloth, 1);
     if (pick(b, 3) && ref_cones(&s) != DRAPE_OK)
