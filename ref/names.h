@@ -92,6 +92,7 @@
 #define poly_sign_octave REAL_NAME(poly_sign_octave)
 #define poly_zero REAL_NAME(poly_zero)
 #define product_couplings REAL_NAME(product_couplings)
+#define product_start REAL_NAME(product_start)
 #define ref_advance REAL_NAME(ref_advance)
 #define ref_audit REAL_NAME(ref_audit)
 #define ref_audit_box REAL_NAME(ref_audit_box)
