@@ -96,9 +96,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 template <class X, class END>
 static void multiply(struct gpu *g, const struct level *l, X x, END end)
 {
-    struct ties<struct thin> thin = {
-        l->g, l->mass, l->extra, NULL, l->thin
-    };
+    ties<struct thin> thin = {l->g, l->mass, l->extra, NULL, l->thin};
     if (l->thin)
         march<SPRINGS>(g, thin, x, end, l->go);
     else if (l->mass)

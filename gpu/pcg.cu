@@ -63,9 +63,8 @@ static void multiply(struct gpu *g, struct pcg *s, struct course *c,
 {
     struct mixed m = {s->s, p, c};
     struct image e = {s->fixed, to, s->q, room.item};
-    struct ties<sym> t = {
-        {s->m, s->n}, s->mass, s->n_extra ? s->extra : NULL, NULL, s->block
-    };
+    ties<sym> t = {
+        {s->m, s->n}, s->mass, s->n_extra ? s->extra : NULL, NULL, s->block};
     struct product a = {s->m, s->n, s->count, s->mass, s->n_extra, s->extra,
                         0,    NULL, s->n_cdf, s->cdf,  to,         s->q};
     if (s->n_cdf) {

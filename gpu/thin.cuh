@@ -66,15 +66,9 @@ static __device__ inline struct thin_parts opened(struct thin t)
 {
     real p = stepped(t.way >> 2 & THIN_MOST), q = stepped(t.way >> 17);
     uint32_t k = t.way & 3;
-    vec e = {k == 0   ? R(0.5)
-             : k == 1 ? q
-                      : p,
-             k == 0   ? p
-             : k == 1 ? R(0.5)
-                      : q,
-             k == 0   ? q
-             : k == 1 ? p
-                      : R(0.5)};
+    vec e = k == 0   ? make(R(0.5), p, q)
+            : k == 1 ? make(q, R(0.5), p)
+                     : make(p, q, R(0.5));
     return thin_parts{(real)float_of(t.both << 16),
                       (real)float_of(t.both & 0xffff0000u), e};
 }
