@@ -53,7 +53,7 @@ static int64_t fit(const struct refit *s, int32_t first, int32_t end,
                    bool still)
 {
     int64_t made = 0;
-#pragma omp parallel for schedule(static) reduction(+ : made)                      if (end - first > STAGE_MANY)
+    COUNT_MANY(end - first, made)
     for (int32_t a = first; a < end; a++) {
         s->stir[a] = still ? 0 : stir(s, a);
         if (!still && !s->stir[a])

@@ -14,5 +14,8 @@ enum { STAGE_MANY = 4096 };
 #define STAGE_PRAGMA(x) _Pragma(#x)
 #define EACH_MANY(n)                                                           \
     STAGE_PRAGMA(omp parallel for schedule(static) if ((n) > STAGE_MANY))
+/* The same, with a whole number that they add to. */
+#define COUNT_MANY(n, sum)                                                     \
+    STAGE_PRAGMA(omp parallel for reduction(+ : sum) if ((n) > STAGE_MANY))
 
 #endif
