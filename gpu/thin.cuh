@@ -14,32 +14,20 @@ static __device__ inline uint32_t steps_of(real t)
                  (uint32_t)THIN_MOST);
 }
 
-static __device__ inline uint32_t bits_of(float a)
-{
-#ifdef __CUDA_ARCH__
-    return __float_as_uint(a);
-#else
-    uint32_t bits;
-    memcpy(&bits, &a, sizeof bits);
-    return bits;
-#endif
-}
-
 static __device__ inline float float_of(uint32_t bits)
 {
-#ifdef __CUDA_ARCH__
-    return __uint_as_float(bits);
-#else
     float a;
     memcpy(&a, &bits, sizeof a);
     return a;
-#endif
 }
 
 /* The upper half of a > 0; 0 for what is not. */
 static __device__ inline uint32_t upper_of(real a)
 {
-    return a > 0 ? bits_of((float)least(a, R(0x1.fep127))) >> 16 : 0;
+    float f = (float)least(a, R(0x1.fep127));
+    uint32_t bits;
+    memcpy(&bits, &f, sizeof bits);
+    return a > 0 ? bits >> 16 : 0;
 }
 
 /* c u uᵀ + b I, u of length 1. */
