@@ -3,16 +3,13 @@
 #include "gpu/jacobi.cuh"
 
 #include "gpu/grid.cuh"
-#include "gpu/thin.cuh"
 
 /* Directions that are read before the first is added. */
 enum { AHEAD = 4 };
 
-/* Thread p owns factor[p]: reads mass, extra and the blocks at p, of which
- * `from` has the stream. */
-template <class B>
+/* Thread p owns factor[p]: reads mass, extra and the blocks at p. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    jacobi_kernel(struct jacobi s, const B *from)
+    jacobi_kernel(struct jacobi s)
 {
     ITEM(item, s.count);
     struct grid g = {s.m, s.n};
@@ -26,15 +23,15 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         d = add(d, s.extra[at.p]);
     UNROLL
     for (int first = 0; first < SPRINGS; first += AHEAD) {
-        B block[2 * AHEAD];
+        sym block[2 * AHEAD];
         bool good[2 * AHEAD];
         UNROLL
         for (int k = 0; k < 2 * AHEAD; k++) {
             int o = first + k / 2, sign = k % 2 ? -1 : 1;
             int di = forward_i(o), dj = forward_j(o);
             good[k] = within(g, at.i + sign * di, at.j + sign * dj);
-            int p = good[k] && k % 2 ? at.p - (di + s.m * dj) : at.p;
-            block[k] = fetch(from + o * s.count + p);
+            int from = good[k] && k % 2 ? at.p - (di + s.m * dj) : at.p;
+            block[k] = fetch(s.block + o * s.count + from);
         }
         UNROLL
         for (int k = 0; k < 2 * AHEAD; k++)
@@ -45,9 +42,6 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 int gpu_jacobi(struct gpu *g, struct jacobi *s)
 {
-    if (s->n_thin)
-        LAUNCH(g, s->count, jacobi_kernel<struct thin>, *s, s->thin);
-    else
-        LAUNCH(g, s->count, jacobi_kernel<sym>, *s, s->block);
+    LAUNCH(g, s->count, jacobi_kernel, *s);
     return gpu_status(g);
 }

@@ -34,14 +34,10 @@ static int make_dynamics(struct world *w, struct sheet *s, const drape_def *def)
         return DRAPE_ENOMEM;
     if (!w->plan.implicit)
         return DRAPE_OK;
-    int64_t springs = SPRINGS * c->count;
-    d->block = take(w, ARENA_SOLVER, springs, sizeof *d->block);
-    if (def->precond == DRAPE_MULTIGRID)
-        d->thin = take(w, ARENA_SOLVER, springs, sizeof *d->thin);
+    d->block = take(w, ARENA_SOLVER, SPRINGS * c->count, sizeof *d->block);
     d->solve = solver_solve;
     d->solver = &s->solver;
-    return !w->arena->failed ? solver_make(&s->solver, def, c, w->arena)
-                             : DRAPE_ENOMEM;
+    return d->block ? solver_make(&s->solver, def, c, w->arena) : DRAPE_ENOMEM;
 }
 
 static int make_broad(struct world *w, const drape_def *def)
