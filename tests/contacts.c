@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage contacts: generator and properties. spec/34_contacts.md */
-
 #include "tests/contacts.h"
+
 #include "ref/proximity.h"
 #include "ref/wide.h"
 #include "tests/choices.h"
