@@ -1,22 +1,33 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One positive semidefinite block a spring. spec/05_blocks.md */
 #include "gpu/cloth.cuh"
+#include "gpu/thin.cuh"
 
 enum { SIX = sizeof(sym) / sizeof(real) };
 
-/* §2: (a - b) u uᵀ + b I. */
-static __device__ sym spring_block(const struct law *law, real tau, vec d)
+/* §2: c u uᵀ + b I, where c = a - b. */
+struct parts {
+    real b, c;
+    vec u;
+};
+
+static __device__ struct parts spring_parts(const struct law *law, real tau,
+                                            vec d)
 {
     real l = length(d);
     if (!(l > 0))
-        return sym{0, 0, 0, 0, 0, 0};
-    vec u = scale(1 / l, d);
+        return parts{0, 0, make(0, 0, 0)};
     real square = tau * tau;
     real a = tau * law->damp + square * spring_slope(law, l);
     real b = square * most(spring_tension(law, l) / l, R(0));
-    vec w = scale(a - b, u);
-    return sym{w.x * u.x + b, w.x * u.y, w.x * u.z,
-               w.y * u.y + b, w.y * u.z, w.z * u.z + b};
+    return parts{b, a - b, scale(1 / l, d)};
+}
+
+static __device__ sym whole_block(const struct parts *s)
+{
+    vec u = s->u, w = scale(s->c, u);
+    return sym{w.x * u.x + s->b, w.x * u.y, w.x * u.z,
+               w.y * u.y + s->b, w.y * u.z, w.z * u.z + s->b};
 }
 
 /* Thread t of block k owns particle 256 k + t: reads it and the far ends of
@@ -36,7 +47,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         vec d = make(0, 0, 0);
         if (mask >> o & 1)
             d = sub(a.x[p + forward_i(o) + forward_j(o) * a.m], here);
-        s[t] = spring_block(&a.law[o], a.tau, d);
+        struct parts b = spring_parts(&a.law[o], a.tau, d);
+        s[t] = whole_block(&b);
+        if (a.n_thin && t < n)
+            a.thin[o * a.count + p] = thin_of(b.c, b.b, b.u);
         __syncthreads();
         real *to = (real *)(a.block + o * a.count + base);
         for (int r = t; r < reals; r += GPU_BLOCK)

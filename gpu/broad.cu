@@ -99,12 +99,12 @@ int gpu_broad_make(struct gpu *g, const struct broad *host, struct broad *b)
     b->started = false;
     b->front = b->mask = b->act = b->sum = b->both = b->pair = b->kind = {};
     b->n = b->n_vf = b->n_both = 0;
-    b->tangents = NULL; /* scratch of stage cones */
     copy_tree(g, &b->tree, &b->map);
     take_copy(g, ARENA_FRONT, &b->root, b->roots);
     take_new(g, &b->box, b->tree.n);
     take_new(g, &b->stir, b->tree.n);
     take_new(g, &b->clear, b->tree.n_cloth);
+    take_new(g, &b->tangents, b->n_inner);
     int status = gpu_status(g);
     if (status == DRAPE_OK)
         status = begin_front(
@@ -126,16 +126,15 @@ static int refit(struct gpu *g, struct broad *b)
     fit.nv = b->nv;
     fit.x0 = b->x0;
     fit.x1 = b->x1;
-    fit.n_moved = b->moved ? b->nv : 0;
+    fit.n_moved = b->later ? b->nv : 0;
     fit.moved = b->moved;
     fit.all = !b->started;
     fit.box = b->box;
     fit.stir = b->stir;
     int status = gpu_refit(g, &fit);
-    int64_t kept = b->started ? b->n_static : 0;
     b->queries++;
-    b->refitted += b->tree.n - kept;
-    b->kept += kept;
+    b->refitted += fit.made;
+    b->kept += b->tree.n - fit.made;
     gpu_trace(g, b->trace, "refit", b->box, (size_t)b->tree.n * sizeof *b->box);
     b->started = b->started || status == DRAPE_OK;
     return status;
@@ -150,10 +149,11 @@ static int cones(struct gpu *g, struct broad *b)
     s.x0 = b->x0;
     s.x1 = b->x1;
     s.r = b->r;
+    s.stir = b->stir;
+    s.n_inner = b->n_inner;
+    s.tangents = b->tangents;
     s.clear = b->clear;
-    s.tangents = (struct tangents *)gpu_scratch(g, SLOT_STAGE, s.tree.n_cloth,
-                                                sizeof *s.tangents);
-    int status = s.tangents ? gpu_cones(g, &s) : gpu_status(g);
+    int status = gpu_cones(g, &s);
     gpu_trace(g, b->trace, "cones", b->clear, (size_t)b->tree.n_cloth);
     return status;
 }
@@ -328,10 +328,11 @@ int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
     b->x1 = x1;
     b->r = r;
     b->moved = moved;
+    b->later = moved && b->started && b->n_front > 0;
     int status = refit(g, b);
     if (status == DRAPE_OK && b->cones)
         status = cones(g, b);
-    if (status == DRAPE_OK)
+    if (status == DRAPE_OK && !b->later)
         status = update_front(g, b);
     if (status == DRAPE_OK)
         status = candidates(g, b);

@@ -155,6 +155,7 @@ int gpu_collide(struct gpu_world *w, drape_step_report *r, double *last)
     if (status == DRAPE_OK && !alone)
         status = repel(w);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
+    w->host->met = !alone;
     if (status != DRAPE_OK || alone)
         return status;
     status = gpu_response_penetrate(w->gpu, c);

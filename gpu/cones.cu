@@ -17,7 +17,7 @@ enum { TOP_BLOCK = 64 };
 /* ---- §2, from the leaves up ---- */
 
 /* The four edges of the cell with corner v at one end of the step. */
-static __device__ struct tangents cell(const vec *x, int32_t v, int32_t m)
+static __device__ struct tangents edges(const vec *x, int32_t v, int32_t m)
 {
     vec a = x[v], b = x[v + 1], c = x[v + m], d = x[v + m + 1];
     vec u0 = sub(b, a), u1 = sub(d, c), v0 = sub(c, a), v1 = sub(d, b);
@@ -26,26 +26,36 @@ static __device__ struct tangents cell(const vec *x, int32_t v, int32_t m)
     return t;
 }
 
-static __device__ void fit_leaf(const struct cones *s, int32_t a)
+static __device__ struct tangents cell(const struct cones *s, int32_t a)
 {
-    if (!s->map.full[a])
-        return;
     const struct tree_grid *g = &s->map.grid[s->tree.mesh[a]];
     int32_t i = s->tree.place[a] & 0xffff, j = s->tree.place[a] >> 16;
     int32_t v = g->base + i + g->m * j;
-    put_as<word16>(&s->tangents[a],
-                   join(cell(s->x0, v, g->m), cell(s->x1, v, g->m)));
+    return join(edges(s->x0, v, g->m), edges(s->x1, v, g->m));
 }
 
-static __device__ void fit_inner(const struct cones *s, int32_t a)
+static __device__ struct tangents *inner(const struct cones *s, int32_t a)
 {
-    if (!s->map.full[a])
+    return &s->tangents[a - (s->tree.n_cloth - s->n_inner)];
+}
+
+/* Of a full node of level l; a leaf's are made anew, as few are asked for
+ * twice. */
+static __device__ struct tangents tangents_of(const struct cones *s, int l,
+                                              int32_t a)
+{
+    return l ? fetch_as<word16>(inner(s, a)) : cell(s, a);
+}
+
+static __device__ void fit(const struct cones *s, int l, int32_t a)
+{
+    if (!s->map.full[a] || !s->stir[a])
         return;
     int32_t c = s->tree.first[a];
-    struct tangents b = fetch_as<word16>(&s->tangents[c]);
+    struct tangents b = tangents_of(s, l - 1, c);
     for (int k = 1; k < s->tree.count[a]; k++)
-        b = join(b, fetch_as<word16>(&s->tangents[c + k]));
-    put_as<word16>(&s->tangents[a], b);
+        b = join(b, tangents_of(s, l - 1, c + k));
+    put_as<word16>(inner(s, a), b);
 }
 
 /* ---- §4, §5, from the roots down ---- */
@@ -85,14 +95,14 @@ static __device__ int32_t beside(const struct cones *s, const struct spot *p,
 static __device__ bool patch_spread(const struct cones *s, int32_t a,
                                     const struct spot *p, int di, int dj)
 {
-    struct tangents b = fetch_as<word16>(&s->tangents[a]);
+    struct tangents b = tangents_of(s, p->l, a);
     for (int k = 1; k < 4; k++) {
         if ((k & 1 && !di) || (k & 2 && !dj))
             continue;
         int32_t c = beside(s, p, k & 1 ? di : 0, k & 2 ? dj : 0);
         if (c < 0 || !s->map.full[c])
             return false;
-        b = join(b, fetch_as<word16>(&s->tangents[c]));
+        b = join(b, tangents_of(s, p->l, c));
     }
     return spread(b, s->r);
 }
@@ -123,22 +133,43 @@ static __device__ struct duo above(const struct tree *t, struct duo e)
     return duo{t->parent[e.a], t->parent[e.b]};
 }
 
+/* Bit k of a pair that has not moved stays what it was. */
+static __device__ bool stirs(const struct cones *s, struct duo e)
+{
+    return s->stir[e.a] | s->stir[e.b];
+}
+static __device__ bool kept(const struct cones *s, struct duo e, int k)
+{
+    return s->clear[e.a] >> k & 1;
+}
+
 /* §5: a pair of neighbours is clear if its parents are, or by itself. */
 static __device__ bool clear_near(const struct cones *s, int32_t a, int k)
 {
     struct near n = near_of(s, a, k);
     if (n.e.b < 0)
         return false;
+    if (!stirs(s, n.e))
+        return kept(s, n.e, k);
     struct duo up = above(&s->tree, n.e);
     return (up.a >= 0 && cleared(&s->tree, s->clear, up)) || spread_near(s, &n);
 }
 
-/* The same where `clear` says of those above only what they are by
+/* By itself, or as it was. */
+static __device__ bool clear_alone(const struct cones *s, int32_t a, int k)
+{
+    struct near n = near_of(s, a, k);
+    if (n.e.b < 0)
+        return false;
+    return stirs(s, n.e) ? spread_near(s, &n) : kept(s, n.e, k);
+}
+
+/* By those above, of which `clear` says at least what they are by
  * themselves. */
 static __device__ bool clear_above(const struct cones *s, int32_t a, int k)
 {
     struct duo e = near_of(s, a, k).e;
-    if (e.b < 0)
+    if (e.b < 0 || !stirs(s, e))
         return false;
     bool found = false;
     for (e = above(&s->tree, e); e.a >= 0 && !found;) {
@@ -159,20 +190,13 @@ static __device__ uint8_t joined(const uint8_t *bit)
 
 /* ---- Kernels ---- */
 
-/* A thread owns every so-many-th leaf: writes its tangents. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    cones_leaves_kernel(struct cones s)
-{
-    EACH_NODE(a, s.tree, 1, 0)
-    fit_leaf(&s, a);
-}
-
-/* The same of nodes of level l, of which the level below is written. */
+/* A thread owns every so-many-th node of level l: writes its tangents. Those
+ * of the level below are written. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     cones_level_kernel(struct cones s, int l)
 {
     EACH_NODE(a, s.tree, 1, l)
-    fit_inner(&s, a);
+    fit(&s, l, a);
 }
 
 /* A thread owns a bit of every so-many-th node of level l, clear of which the
@@ -207,14 +231,9 @@ static __device__ void mark_top(const struct cones *s, int l, bool whole)
     int64_t end = s->tree.n_cloth, step = (int64_t)team_ranks() * nodes;
     for (int64_t all = s->tree.range[l]; all < end; all += step) {
         int64_t first = all + team_rank() * nodes, a = first + t / BITS;
-        bool mine = t < BITS * nodes && a < end;
-        struct near n;
-        if (mine && whole)
-            bit[t] = clear_above(s, (int32_t)a, t % BITS);
-        else if (mine) {
-            n = near_of(s, (int32_t)a, t % BITS);
-            bit[t] = n.e.b >= 0 && spread_near(s, &n);
-        }
+        if (t < BITS * nodes && a < end)
+            bit[t] = whole ? clear_above(s, (int32_t)a, t % BITS)
+                           : clear_alone(s, (int32_t)a, t % BITS);
         team_sync(!whole);
         a = first + t;
         if (t < nodes && a < end)
@@ -229,7 +248,7 @@ static __global__ void __launch_bounds__(TOP_BLOCK)
 {
     for (int k = l; k < s.tree.levels; k++) {
         EACH_NODE(a, s.tree, 1, k)
-        fit_inner(&s, a);
+        fit(&s, k, a);
         team_sync(false);
     }
     mark_top(&s, l, false);
@@ -248,7 +267,6 @@ int gpu_cones(struct gpu *g, struct cones *s)
         return DRAPE_EDATA;
     int64_t n = s->tree.n_cloth;
     int top = level_top(n, s->tree.levels);
-    LAUNCH(g, n, cones_leaves_kernel, *s);
     for (int l = 1; l < top; l++)
         LAUNCH(g, level_threads(n, l), cones_level_kernel, *s, l);
     if (n > 0 && top < s->tree.levels)

@@ -147,6 +147,7 @@ static int solve_sheet(struct gpu_world *w, struct gpu_sheet *s)
     struct pcg *p = &s->pcg;
     LAUNCH(w->gpu, part.count, couple_rhs_kernel, part);
     p->block = s->dynamics.block;
+    p->thin = s->dynamics.thin;
     p->b = part.b;
     p->dv = s->dynamics.dv;
     p->n_extra = part.count;

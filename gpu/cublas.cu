@@ -92,7 +92,7 @@ static void precondition(struct gpu *g, struct pcg *s)
 static void multiply(struct gpu *g, struct pcg *s)
 {
     struct filtered e = {s->fixed, s->q};
-    struct ties t = {
+    ties<sym> t = {
         {s->m, s->n}, s->mass, s->n_extra ? s->extra : NULL, NULL, s->block};
     struct product a = {s->m, s->n, s->count, s->mass, s->n_extra, s->extra,
                         0,    NULL, s->n_cdf, s->cdf,  s->p,       s->q};

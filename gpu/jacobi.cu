@@ -3,13 +3,16 @@
 #include "gpu/jacobi.cuh"
 
 #include "gpu/grid.cuh"
+#include "gpu/thin.cuh"
 
 /* Directions that are read before the first is added. */
 enum { AHEAD = 4 };
 
-/* Thread p owns factor[p]: reads mass, extra and the blocks at p. */
+/* Thread p owns factor[p]: reads mass, extra and the blocks at p, of which
+ * `from` has the stream. */
+template <class B>
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    jacobi_kernel(struct jacobi s)
+    jacobi_kernel(struct jacobi s, const B *from)
 {
     ITEM(item, s.count);
     struct grid g = {s.m, s.n};
@@ -23,15 +26,15 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         d = add(d, s.extra[at.p]);
     UNROLL
     for (int first = 0; first < SPRINGS; first += AHEAD) {
-        sym block[2 * AHEAD];
+        B block[2 * AHEAD];
         bool good[2 * AHEAD];
         UNROLL
         for (int k = 0; k < 2 * AHEAD; k++) {
             int o = first + k / 2, sign = k % 2 ? -1 : 1;
             int di = forward_i(o), dj = forward_j(o);
             good[k] = within(g, at.i + sign * di, at.j + sign * dj);
-            int from = good[k] && k % 2 ? at.p - (di + s.m * dj) : at.p;
-            block[k] = fetch(s.block + o * s.count + from);
+            int p = good[k] && k % 2 ? at.p - (di + s.m * dj) : at.p;
+            block[k] = fetch(from + o * s.count + p);
         }
         UNROLL
         for (int k = 0; k < 2 * AHEAD; k++)
@@ -42,6 +45,9 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 int gpu_jacobi(struct gpu *g, struct jacobi *s)
 {
-    LAUNCH(g, s->count, jacobi_kernel, *s);
+    if (s->n_thin)
+        LAUNCH(g, s->count, jacobi_kernel<struct thin>, *s, s->thin);
+    else
+        LAUNCH(g, s->count, jacobi_kernel<sym>, *s, s->block);
     return gpu_status(g);
 }

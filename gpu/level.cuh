@@ -16,7 +16,8 @@ struct level {
     const uint8_t *fixed; /* NULL: all free */
     uint8_t *rule;        /* interpolation to it from the next */
     sym *excess;
-    const sym *block; /* [SPRINGS or STENCIL · count] */
+    const sym *block;        /* [SPRINGS or STENCIL · count] */
+    const struct thin *thin; /* read in its place, or NULL */
     const sym *factor;
     vec *b; /* right-hand side; of the finest grid the caller's */
     vec *x, *y, *d;

@@ -46,12 +46,12 @@ enum { MARCH_AHEAD = REAL_BITS == 32 };
 
 /* What a thread carries down its column, all in registers. A pull that nobody
  * wants is +0: to add or subtract it changes no y, which is never -0. */
-template <int TIES> struct marcher {
+template <int TIES, class B> struct marcher {
     int lane, i, j, top; /* top: the first row that the block owns */
     struct grid g;
     unsigned out;    /* bit o: tie o leads to a column of strip and grid */
     unsigned wanted; /* bit o: and someone wants its pull from the row of */
-    sym block[TIES]; /* row j, or the row below once row j has pulled */
+    B block[TIES];   /* row j, or the row below once row j has pulled */
     vec pull[TIES];  /* of row j */
     vec one[TIES];   /* of the row above, by ties that end here */
     vec two[TIES], older[TIES]; /* likewise of the two rows above */
@@ -59,8 +59,8 @@ template <int TIES> struct marcher {
 };
 
 /* Which ties lead from a column to columns of its strip and grid. */
-template <int TIES>
-static __device__ inline unsigned columns(const struct marcher<TIES> *w,
+template <int TIES, class B>
+static __device__ inline unsigned columns(const struct marcher<TIES, B> *w,
                                           int width)
 {
     unsigned mask = 0;
@@ -76,8 +76,8 @@ static __device__ inline unsigned columns(const struct marcher<TIES> *w,
 }
 
 /* Which of them lead from row j to rows that the block owns. */
-template <int TIES>
-static __device__ inline unsigned rows(const struct marcher<TIES> *w, int j)
+template <int TIES, class B>
+static __device__ inline unsigned rows(const struct marcher<TIES, B> *w, int j)
 {
     unsigned mask = 0;
     UNROLL
@@ -88,9 +88,9 @@ static __device__ inline unsigned rows(const struct marcher<TIES> *w, int j)
     return mask;
 }
 
-template <int TIES>
-static __device__ inline void fetch_row(struct marcher<TIES> *w,
-                                        const sym *block, int j)
+template <int TIES, class B>
+static __device__ inline void fetch_row(struct marcher<TIES, B> *w,
+                                        const B *block, int j)
 {
     int64_t count = (int64_t)w->g.m * w->g.n;
     int p = w->i + w->g.m * j;
@@ -102,8 +102,8 @@ static __device__ inline void fetch_row(struct marcher<TIES> *w,
 }
 
 /* The column's particle of row j, or one near where there is none. */
-template <int TIES>
-static __device__ inline struct place place_in(const struct marcher<TIES> *w,
+template <int TIES, class B>
+static __device__ inline struct place place_in(const struct marcher<TIES, B> *w,
                                                int j)
 {
     int i = least(most(w->i, 0), w->g.m - 1);
@@ -112,8 +112,8 @@ static __device__ inline struct place place_in(const struct marcher<TIES> *w,
 }
 
 /* B (x_p - x_q) of all ties that start in row j. */
-template <int TIES, int THREADS>
-static __device__ inline void pull_row(struct marcher<TIES> *w,
+template <int TIES, class B, int THREADS>
+static __device__ inline void pull_row(struct marcher<TIES, B> *w,
                                        const vec (*x)[THREADS],
                                        vec (*passed)[THREADS])
 {
@@ -131,8 +131,8 @@ static __device__ inline void pull_row(struct marcher<TIES> *w,
 }
 
 /* The pull of row j by tie o that ends in this column, below or beside. */
-template <int TIES, int THREADS>
-static __device__ inline vec pull_at(const struct marcher<TIES> *w,
+template <int TIES, class B, int THREADS>
+static __device__ inline vec pull_at(const struct marcher<TIES, B> *w,
                                      const vec (*passed)[THREADS], int o)
 {
     int di = toward_i<TIES>(o);
@@ -140,8 +140,8 @@ static __device__ inline vec pull_at(const struct marcher<TIES> *w,
 }
 
 /* y of row j plus its ties' pulls, in their order. */
-template <int TIES, int THREADS>
-static __device__ inline vec add_pulls(const struct marcher<TIES> *w,
+template <int TIES, class B, int THREADS>
+static __device__ inline vec add_pulls(const struct marcher<TIES, B> *w,
                                        const vec (*passed)[THREADS], vec y)
 {
     UNROLL
@@ -156,8 +156,8 @@ static __device__ inline vec add_pulls(const struct marcher<TIES> *w,
 }
 
 /* What ends one or two rows below is kept till there. */
-template <int TIES, int THREADS>
-static __device__ inline void keep_pulls(struct marcher<TIES> *w,
+template <int TIES, class B, int THREADS>
+static __device__ inline void keep_pulls(struct marcher<TIES, B> *w,
                                          const vec (*passed)[THREADS])
 {
     UNROLL
@@ -179,14 +179,15 @@ static __device__ inline void keep_pulls(struct marcher<TIES> *w,
  * is written for others, into passed and x, from its reading; the next row
  * writes passed to the other half, and x where row j - 1 was, which none
  * reads any more. */
-template <int TIES, class X, class END>
+template <int TIES, class B, class X, class END>
 static __global__ void __launch_bounds__(march_size<TIES>::threads, 2)
-    march_kernel(struct ties t, struct cut c, X x, END end, const int32_t *go)
+    march_kernel(struct ties<B> t, struct cut c, X x, END end,
+                 const int32_t *go)
 {
     __shared__ vec row[X_ROWS][march_size<TIES>::threads];
     __shared__ vec
         passed[2][march_size<TIES>::passed][march_size<TIES>::threads];
-    struct marcher<TIES> w = {
+    struct marcher<TIES, B> w = {
     };
     if (go && !*go)
         return;
@@ -241,9 +242,9 @@ static __global__ void __launch_bounds__(march_size<TIES>::threads, 2)
 
 /* Thread p owns particle p, for which it calls arrive as above; each tie is met
  * twice. */
-template <int TIES, class X, class END>
+template <int TIES, class B, class X, class END>
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    gather_kernel(struct ties t, X x, END end, const int32_t *go)
+    gather_kernel(struct ties<B> t, X x, END end, const int32_t *go)
 {
     ITEM(item, (int64_t)t.g.m * t.g.n);
     if (go && !*go)
@@ -267,13 +268,14 @@ static inline int cut_up(int a, int parts)
 
 /* arrive(&end, place, …, x, A x) for all particles, in any order; nothing where
  * *go is 0, go being NULL or on the device. */
-template <int TIES, class X, class END>
-static void march(struct gpu *g, struct ties t, X x, END end, const int32_t *go)
+template <int TIES, class B, class X, class END>
+static void march(struct gpu *g, struct ties<B> t, X x, END end,
+                  const int32_t *go)
 {
     const int most_wide = march_size<TIES>::threads - 2 * REACH;
     if (!marches(t.g)) {
-        LAUNCH(g, (int64_t)t.g.m * t.g.n, (gather_kernel<TIES, X, END>), t, x,
-               end, go);
+        LAUNCH(g, (int64_t)t.g.m * t.g.n, (gather_kernel<TIES, B, X, END>), t,
+               x, end, go);
         return;
     }
     struct cut c;
@@ -282,7 +284,7 @@ static void march(struct gpu *g, struct ties t, X x, END end, const int32_t *go)
     c.rows = cut_up(t.g.n * c.strips, MARCH_BLOCKS);
     int threads = cut_up(c.width + 2 * REACH, 32) * 32;
     LAUNCH_BLOCKS(g, c.strips * cut_up(t.g.n, c.rows), threads,
-                  (march_kernel<TIES, X, END>), t, c, x, end, go);
+                  (march_kernel<TIES, B, X, END>), t, c, x, end, go);
 }
 
 #endif

@@ -102,6 +102,8 @@ static void blocks(struct gpu *g, struct gpu_sheet *s, const struct about *a)
     b.x = s->dynamics.x;
     b.tau = a->tau;
     b.block = s->dynamics.block;
+    b.n_thin = s->dynamics.thin ? SPRINGS * c->count : 0;
+    b.thin = s->dynamics.thin;
     gpu_blocks(g, &b);
     gpu_trace(g, s->dynamics.trace, "blocks", b.block,
               (size_t)(SPRINGS * c->count) * sizeof *b.block);
@@ -132,6 +134,7 @@ static int solve(struct gpu *g, struct gpu_sheet *s)
 {
     struct dynamics *d = &s->dynamics;
     s->pcg.block = d->block;
+    s->pcg.thin = d->thin;
     s->pcg.b = d->b;
     s->pcg.dv = d->dv;
     gpu_clock_start(g);

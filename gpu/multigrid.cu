@@ -19,6 +19,7 @@ static int lay_out(const struct multigrid *s, struct lent lent,
     fine.rule = s->live + s->count;
     fine.excess = lent.excess ? lent.excess : s->pool;
     fine.block = s->block;
+    fine.thin = s->n_thin ? s->thin : NULL;
     fine.factor = s->factor;
     fine.b = (vec *)s->r; /* only read */
     fine.x = s->z;
@@ -95,7 +96,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 template <class X, class END>
 static void multiply(struct gpu *g, const struct level *l, X x, END end)
 {
-    if (l->mass)
+    ties<struct thin> thin = {l->g, l->mass, l->extra, NULL, l->thin};
+    if (l->thin)
+        march<SPRINGS>(g, thin, x, end, l->go);
+    else if (l->mass)
         march<SPRINGS>(g, ties_of(l), x, end, l->go);
     else
         march<STENCIL>(g, ties_of(l), x, end, l->go);

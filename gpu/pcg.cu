@@ -26,6 +26,8 @@ static void share(struct pcg *s)
     s->grid.n_extra = s->n_extra;
     s->grid.extra = s->extra;
     s->grid.block = s->block;
+    s->grid.n_thin = s->n_thin;
+    s->grid.thin = s->thin;
     s->grid.fixed = s->fixed;
     s->grid.factor = s->factor;
     s->grid.r = s->r;
@@ -37,8 +39,9 @@ static int build(struct gpu *g, struct pcg *s)
     struct matrix a = {s->m,       s->n,        s->count,    s->mass,
                        s->n_extra, s->extra,    s->n_blocks, s->block,
                        s->n_cdf,   s->diagonal, s->cdf};
-    struct jacobi j = {s->m,     s->n,        s->count, s->mass,  s->n_extra,
-                       s->extra, s->n_blocks, s->block, s->fixed, s->factor};
+    struct jacobi j = {s->m,       s->n,     s->count,    s->mass,
+                       s->n_extra, s->extra, s->n_blocks, s->block,
+                       s->n_thin,  s->thin,  s->fixed,    s->factor};
     int status = s->n_cdf ? gpu_matrix(g, &a) : DRAPE_OK;
     if (status == DRAPE_OK)
         status = gpu_jacobi(g, &j);
@@ -60,7 +63,7 @@ static void multiply(struct gpu *g, struct pcg *s, struct course *c,
 {
     struct mixed m = {s->s, p, c};
     struct image e = {s->fixed, to, s->q, room.item};
-    struct ties t = {
+    ties<sym> t = {
         {s->m, s->n}, s->mass, s->n_extra ? s->extra : NULL, NULL, s->block};
     struct product a = {s->m, s->n, s->count, s->mass, s->n_extra, s->extra,
                         0,    NULL, s->n_cdf, s->cdf,  to,         s->q};

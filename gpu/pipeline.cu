@@ -136,18 +136,28 @@ static void weigh(struct gpu_world *w, const vec *x, const vec *v,
 
 /* ---- The pipeline ---- */
 
+static void tell(drape_step_report *r, const double energy[3])
+{
+    r->kinetic = energy[0];
+    r->elastic = energy[1];
+    r->potential = energy[2];
+}
+
+/* Dynamics weighed what contact has left alone. */
 static void judge(struct gpu_world *w, drape_step_report *r, bool *again)
 {
+    struct world *h = w->host;
     double before[3] = {}, after[3] = {};
-    for (int k = 0; k < w->host->def.n_cloths; k++)
-        for (int j = 0; j < 3; j++)
+    bool anew = h->met && (h->reported || slice_weighs(h));
+    for (int k = 0; k < h->def.n_cloths; k++)
+        for (int j = 0; j < 3; j++) {
             before[j] += w->sheet[k].dynamics.before[j];
-    weigh(w, w->x1, w->v1, after);
-    r->kinetic = after[0];
-    r->elastic = after[1];
-    r->potential = after[2];
-    *again = w->host->plan.collides &&
-             slice_wrong(w->host, r->outcome, before, after);
+            after[j] += anew ? 0 : w->sheet[k].dynamics.energy[j];
+        }
+    if (anew)
+        weigh(w, w->x1, w->v1, after);
+    tell(r, after);
+    *again = h->plan.collides && slice_wrong(h, r->outcome, before, after);
 }
 
 /* One slice of a step, from the state to the state, or to a shorter slice. */
@@ -156,6 +166,7 @@ static int slice(struct gpu_world *w, drape_step_report *all, double *last)
     struct world *h = w->host;
     drape_step_report r = {};
     bool again = false;
+    h->met = false;
     int status = gpu_lead(w, slice_time(h), w->x1); /* 01 kinematics */
     gpu_trace(w->gpu, h->tracing, "kinematics", w->x1 + h->nc,
               (size_t)(h->nv - h->nc) * sizeof *w->x1);
@@ -214,9 +225,7 @@ static int pipeline(struct gpu_world *w, drape_step_report *r)
     h->time = (double)h->step * h->def.dt;
     if (failed || asleep) {
         weigh(w, w->x0, w->v0, energy);
-        r->kinetic = energy[0];
-        r->elastic = energy[1];
-        r->potential = energy[2];
+        tell(r, energy);
     }
     r->step = h->step;
     r->time = h->time;
@@ -225,6 +234,9 @@ static int pipeline(struct gpu_world *w, drape_step_report *r)
 
 int gpu_step(struct world *h, drape_step_report *r)
 {
+    drape_step_report unread;
+    h->reported = r != NULL;
+    r = r ? r : &unread;
     memset(r, 0, sizeof *r);
     gpu_begin(h->device->gpu);
     return pipeline(h->device, r);

@@ -31,7 +31,7 @@ static __device__ void arrive(const struct product_end *e, struct place at,
 
 int gpu_product(struct gpu *g, struct product *s)
 {
-    struct ties t = {
+    ties<sym> t = {
         {s->m, s->n}, s->mass, s->n_extra ? s->extra : NULL, NULL, s->block};
     if (s->n_cdf)
         LAUNCH(g, s->count, product_kernel, *s, cdf_of(s->m, s->n));

@@ -13,9 +13,9 @@ static __device__ inline bool idle(const int32_t *go)
     return go && !*go;
 }
 
-static __host__ __device__ inline struct ties ties_of(const struct level *l)
+static __host__ __device__ inline ties<sym> ties_of(const struct level *l)
 {
-    return ties{l->g, l->mass, l->extra, l->excess, l->block};
+    return ties<sym>{l->g, l->mass, l->extra, l->excess, l->block};
 }
 
 /* ---- smoothing ---- */

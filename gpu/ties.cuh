@@ -5,14 +5,16 @@
 #define GPU_TIES_CUH
 
 #include "gpu/product.cuh"
+#include "gpu/thin.cuh"
 
-/* A symmetric system on a grid: mass and extra, or excess, and ties. */
-struct ties {
+/* A symmetric system on a grid: mass and extra, or excess, and ties, each a
+ * B: a sym, or a struct thin. */
+template <class B> struct ties {
     struct grid g;
     const real *mass;  /* NULL: excess is */
     const sym *extra;  /* NULL: none */
     const sym *excess; /* NULL: mass is */
-    const sym *block;  /* [SPRINGS or STENCIL · m·n] */
+    const B *block;    /* [SPRINGS or STENCIL · m·n] */
 };
 
 /* Where x comes from: made(&source, take(&source, place), place), which none
@@ -51,8 +53,8 @@ struct base {
     sym extra; /* or excess */
 };
 
-template <int TIES>
-static __device__ inline struct base base_of(const struct ties *t, int p)
+template <int TIES, class B>
+static __device__ inline struct base base_of(const struct ties<B> *t, int p)
 {
     struct base b = {};
     if (TIES == STENCIL) {
@@ -65,8 +67,8 @@ static __device__ inline struct base base_of(const struct ties *t, int p)
     return b;
 }
 
-template <int TIES>
-static __device__ inline vec own_part(const struct ties *t, struct base b,
+template <int TIES, class B>
+static __device__ inline vec own_part(const struct ties<B> *t, struct base b,
                                       vec x)
 {
     if (TIES == STENCIL)
@@ -79,21 +81,21 @@ static __device__ inline vec own_part(const struct ties *t, struct base b,
  * ties pull, of each direction the tie that ends here and then the one that
  * starts here. GROUP directions are read before the first is needed, as a
  * small grid waits for memory and for nothing else. *here: x[p]. */
-template <int TIES, int GROUP, class X>
-static __device__ inline vec gathered(const struct ties *t, const X *x,
+template <int TIES, int GROUP, class B, class X>
+static __device__ inline vec gathered(const struct ties<B> *t, const X *x,
                                       struct place at, vec *here)
 {
     vec own = *here = value_at(x, at);
     vec y = own_part<TIES>(t, base_of<TIES>(t, at.p), own);
     UNROLL
     for (int first = 0; first < TIES; first += GROUP) {
-        sym before[GROUP], after[GROUP];
+        B before[GROUP], after[GROUP];
         vec from[GROUP], to[GROUP];
         bool ends[GROUP], starts[GROUP];
         UNROLL
         for (int k = 0; k < GROUP; k++) {
             int di = toward_i<TIES>(first + k), dj = toward_j<TIES>(first + k);
-            const sym *b = t->block + (int64_t)(first + k) * t->g.m * t->g.n;
+            const B *b = t->block + (int64_t)(first + k) * t->g.m * t->g.n;
             struct place p = beside(t->g, at, -di, -dj);
             struct place q = beside(t->g, at, di, dj);
             ends[k] = within(t->g, p.i, p.j);

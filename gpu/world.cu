@@ -160,6 +160,8 @@ static void give_sheet(struct gpu_world *w, int k)
     s->b = w->b + s->first;
     GIVE(d->block, ARENA_SOLVER, NULL, SPRINGS * c->count);
     s->pcg = h->solver.pcg;
+    if (s->pcg.n_thin)
+        GIVE(d->thin, ARENA_SOLVER, NULL, s->pcg.n_thin);
     s->pcg.mass = c->mass;
     s->pcg.fixed = c->fixed;
     give_solver(w, s, vecs);

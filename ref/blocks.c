@@ -4,19 +4,31 @@
 
 #include "ref/law.h"
 
-/* §2: (a − b) u uᵀ + b I, where a ≥ b ≥ 0. */
-static sym spring_block(const struct law *law, real tau, vec d)
+/* §2: c u uᵀ + b I, where c = a − b. */
+struct parts {
+    real b, c;
+    vec u;
+};
+
+static struct parts spring_parts(const struct law *law, real tau, vec d)
 {
+    struct parts s = {0, 0, {0, 0, 0}};
     real length = vec_length(d);
     if (!(length > 0))
-        return (sym){0, 0, 0, 0, 0, 0};
-    vec u = vec_scale(1 / length, d);
+        return s;
     real square = tau * tau;
     real a = tau * law->damp + square * law_slope(law, length);
-    real b = square * real_max(law_tension(law, length) / length, 0);
-    vec w = vec_scale(a - b, u);
-    return (sym){w.x * u.x + b, w.x * u.y, w.x * u.z,
-                 w.y * u.y + b, w.y * u.z, w.z * u.z + b};
+    s.b = square * real_max(law_tension(law, length) / length, 0);
+    s.c = a - s.b;
+    s.u = vec_scale(1 / length, d);
+    return s;
+}
+
+static sym whole_block(const struct parts *s)
+{
+    vec u = s->u, w = vec_scale(s->c, u);
+    return (sym){w.x * u.x + s->b, w.x * u.y, w.x * u.z,
+                 w.y * u.y + s->b, w.y * u.z, w.z * u.z + s->b};
 }
 
 int ref_blocks(struct blocks *s)
@@ -28,7 +40,10 @@ int ref_blocks(struct blocks *s)
         for (int64_t p = 0; p < s->count; p++) {
             bool is = s->springs[p] >> o & 1;
             vec d = is ? vec_sub(s->x[p + step], s->x[p]) : vec_make(0, 0, 0);
-            block[p] = spring_block(&s->law[o], s->tau, d);
+            struct parts a = spring_parts(&s->law[o], s->tau, d);
+            block[p] = whole_block(&a);
+            if (s->n_thin)
+                s->thin[o * s->count + p] = thin_make(a.c, a.b, a.u);
         }
     }
     return DRAPE_OK;

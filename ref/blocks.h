@@ -5,6 +5,7 @@
 #define REF_BLOCKS_H
 
 #include "ref/cloth.h"
+#include "ref/thin.h"
 
 struct blocks {
     int64_t count;          /* particles */
@@ -15,6 +16,8 @@ struct blocks {
     const vec *x;           /* [count] m */
     real tau;               /* s, > 0 */
     sym *block; /* out: [SPRINGS·count] kg, spring o of p at o·count + p */
+    int64_t n_thin;    /* SPRINGS·count, or 0: not wanted */
+    struct thin *thin; /* out: [n_thin] the same in brief, §5 */
 };
 
 /* DRAPE_OK. What is not finite stays so. */

@@ -41,7 +41,7 @@ static bool compared(const struct tree_mesh *k, const struct tree_mesh *l,
         return false;
     if (cloth && other)
         return self;
-    return k == l ? k->self : cloth || other;
+    return k == l ? k->self && k->kind != TREE_STATIC : cloth || other;
 }
 
 static int make_roots(struct broad *b, const struct tree_scene *s, bool self)
@@ -93,13 +93,13 @@ int broad_make(struct broad *b, const struct tree_scene *scene, bool self,
     if (status != DRAPE_OK)
         return status;
     int64_t n = b->tree.n, n_cloth = b->tree.n_cloth;
-    b->n_static = n - b->tree.range[TREE_STATIC * b->tree.levels];
     b->cones = self && n_cloth > 0;
     b->box = arena_take(arena, ARENA_TREE, n, sizeof *b->box);
     b->stir = arena_take(arena, ARENA_TREE, n, sizeof *b->stir);
     b->clear = arena_take(arena, ARENA_TREE, n_cloth, sizeof *b->clear);
-    b->tangents = arena_take(arena, ARENA_TREE, b->cones ? n_cloth : 0,
-                             sizeof *b->tangents);
+    b->n_inner = b->cones ? tree_inner(&b->tree) : 0;
+    b->tangents =
+        arena_take(arena, ARENA_TREE, b->n_inner, sizeof *b->tangents);
     if (arena->failed)
         return DRAPE_ENOMEM;
     status = make_roots(b, scene, self);
@@ -140,11 +140,12 @@ int broad_ask(struct broad *b, const vec *x0, const vec *x1, real r,
 int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
                 const uint8_t *moved)
 {
+    b->later = moved && b->started && b->n_front > 0;
     struct refit fit = {.tree = b->tree,
                         .nv = b->nv,
                         .x0 = x0,
                         .x1 = x1,
-                        .n_moved = moved ? b->nv : 0,
+                        .n_moved = b->later ? b->nv : 0,
                         .moved = moved,
                         .all = !b->started,
                         .box = b->box,
@@ -154,10 +155,9 @@ int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
     b->r = r;
     b->moved = moved;
     int status = ref_refit(&fit);
-    int64_t kept = b->started ? b->n_static : 0;
     b->queries++;
-    b->refitted += b->tree.n - kept;
-    b->kept += kept;
+    b->refitted += fit.made;
+    b->kept += b->tree.n - fit.made;
     trace_stage(b->trace, "refit", b->box, (size_t)b->tree.n * sizeof *b->box);
     b->started = b->started || status == DRAPE_OK;
     if (status != DRAPE_OK || !b->cones)
@@ -168,6 +168,8 @@ int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
                           .x0 = x0,
                           .x1 = x1,
                           .r = r,
+                          .stir = b->stir,
+                          .n_inner = b->n_inner,
                           .clear = b->clear,
                           .tangents = b->tangents};
     status = ref_cones(&cones);
@@ -285,7 +287,7 @@ int broad_query(struct broad *b, const vec *x0, const vec *x1, real r,
                 const uint8_t *moved)
 {
     int status = broad_refit(b, x0, x1, r, moved);
-    if (status == DRAPE_OK)
+    if (status == DRAPE_OK && !b->later)
         status = broad_update_front(b);
     return status == DRAPE_OK ? broad_candidates(b) : status;
 }

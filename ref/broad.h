@@ -25,14 +25,14 @@ struct broad {
     struct tree tree;
     struct tree_map map;
     int64_t nv;
-    int64_t stop;     /* deferral of the front, spec/22_front.md §5 */
-    bool cones;       /* false: spec/21_cones.md is left out */
-    bool started;     /* static meshes have their boxes */
-    int64_t n_static; /* nodes of static meshes */
-    int64_t roots;    /* pairs of meshes that may touch */
+    int64_t stop;  /* deferral of the front, spec/22_front.md §5 */
+    bool cones;    /* false: spec/21_cones.md is left out */
+    bool started;  /* static meshes have their boxes */
+    int64_t roots; /* pairs of meshes that may touch */
     int32_t (*root)[2];
     struct box *box;
     uint8_t *stir, *clear;
+    int64_t n_inner; /* cloth nodes that are no leaves */
     struct tangents *tangents;
     struct apart apart; /* the host's, with a device too */
 
@@ -40,6 +40,7 @@ struct broad {
     const vec *x0, *x1;
     const uint8_t *moved;
     real r;
+    bool later; /* it made what moved since the one before */
 
     int64_t n_front;
     struct broad_pool front;          /* kept */
@@ -52,8 +53,8 @@ struct broad {
     int64_t n, n_vf;                /* candidates; the first n_vf are VF */
     int64_t front_visited, visited; /* pairs of nodes looked into */
 
-    /* Of all queries since the caller took these: nodes refitted, nodes that
-     * did not have to be, pairs of nodes walked, and left out of it
+    /* Of all queries since the caller took these: boxes made, boxes that did
+     * not have to be, pairs of nodes walked, and left out of it
      * as clear. */
     int queries;
     int64_t refitted, kept, walked, cleared;
@@ -76,8 +77,8 @@ void broad_answer(struct broad *b);
 
 /* Boxes and cones for a query: what comes within r on the way from x0 to x1
  * [nv], where x1 = x0 asks about one time. moved: [nv] or NULL: only pairs
- * with a vertex that moved are candidates. All three are read until the
- * candidates are made. */
+ * with a vertex that moved are candidates; x0 and x1 of the others are as in
+ * the query before. All three are read until the candidates are made. */
 int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
                 const uint8_t *moved);
 
@@ -88,7 +89,7 @@ int broad_update_front(struct broad *b);
  * next call. */
 int broad_candidates(struct broad *b);
 
-/* All three. */
+/* All three; where flags are given, the front stays where it is. */
 int broad_query(struct broad *b, const vec *x0, const vec *x1, real r,
                 const uint8_t *moved);
 

@@ -167,6 +167,7 @@ int collide(struct world *w, drape_step_report *r, double *last)
     if (status == DRAPE_OK && !alone)
         status = repel(w);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
+    w->met = !alone;
     if (status != DRAPE_OK || alone)
         return status;
     status = ref_response_penetrate(c);

@@ -14,11 +14,9 @@ static struct tangents join(struct tangents a, struct tangents b)
 }
 
 /* §2 of a cell that has both its triangles. */
-static void fit_leaf(const struct cones *s, int32_t a)
+static struct tangents cell(const struct cones *s, int32_t a)
 {
     const struct tree_grid *g = &s->map.grid[s->tree.mesh[a]];
-    if (!s->map.full[a])
-        return;
     int32_t i = s->tree.place[a] & 0xffff, j = s->tree.place[a] >> 16;
     int32_t v = g->base + i + g->m * j, w = v + g->m;
     const vec *x[2] = {s->x0, s->x1};
@@ -32,18 +30,25 @@ static void fit_leaf(const struct cones *s, int32_t a)
                              vec_max(v0, v1)};
         b = k ? join(b, c) : c;
     }
-    s->tangents[a] = b;
+    return b;
 }
 
-static void fit_inner(const struct cones *s, int32_t a)
+/* Of a full node; a leaf's are made anew, as few are asked for twice. */
+static struct tangents tangents(const struct cones *s, int64_t a)
+{
+    int64_t leaves = s->tree.n_cloth - s->n_inner;
+    return a < leaves ? cell(s, (int32_t)a) : s->tangents[a - leaves];
+}
+
+static void fit(const struct cones *s, int64_t a)
 {
     int32_t c = s->tree.first[a];
-    if (!s->map.full[a])
+    if (!s->map.full[a] || !s->stir[a])
         return;
-    struct tangents b = s->tangents[c];
+    struct tangents b = tangents(s, c);
     for (int k = 1; k < s->tree.count[a]; k++)
-        b = join(b, s->tangents[c + k]);
-    s->tangents[a] = b;
+        b = join(b, tangents(s, c + k));
+    s->tangents[a - (s->tree.n_cloth - s->n_inner)] = b;
 }
 
 /* The range of p·x over a box, and the sum of its largest terms. */
@@ -111,20 +116,21 @@ static int32_t beside(const struct cones *s, int32_t a, int di, int dj)
  * is full and keeps its points apart. */
 static bool patch_apart(const struct cones *s, int32_t a, int di, int dj)
 {
-    struct tangents b = s->tangents[a];
     if (!s->map.full[a])
         return false;
+    struct tangents b = tangents(s, a);
     for (int k = 1; k < 4; k++) {
         int i = k & 1 ? di : 0, j = k & 2 ? dj : 0;
         int32_t c = i || j ? beside(s, a, i, j) : a;
         if (c < 0 || !s->map.full[c])
             return false;
-        b = join(b, s->tangents[c]);
+        b = join(b, tangents(s, c));
     }
     return cones_apart(&b, s->r);
 }
 
-/* §5: a pair of neighbours is clear if its parents are, or by itself. */
+/* §5: a pair of neighbours is clear if its parents are, or by itself. One that
+ * has not moved stays what it was. */
 static void mark(const struct cones *s, const struct bvtt *above, int32_t a)
 {
     static const int di[5] = {0, 1, 1, 0, -1}, dj[5] = {0, 0, 1, 1, 1};
@@ -134,8 +140,10 @@ static void mark(const struct cones *s, const struct bvtt *above, int32_t a)
         int32_t b = beside(s, a, di[k], dj[k]);
         if (b < 0)
             continue;
-        if ((up >= 0 && bvtt_clear(above, up, s->tree.parent[b])) ||
-            patch_apart(s, a, di[k], dj[k]))
+        if (!(s->stir[a] | s->stir[b]))
+            bits |= s->clear[a] & 1 << k;
+        else if ((up >= 0 && bvtt_clear(above, up, s->tree.parent[b])) ||
+                 patch_apart(s, a, di[k], dj[k]))
             bits |= 1 << k;
     }
     s->clear[a] = (uint8_t)bits;
@@ -146,14 +154,11 @@ int ref_cones(struct cones *s)
     struct bvtt above = {.tree = s->tree, .clear = s->clear};
     if (!(s->r >= 0 && s->r <= REAL_BIG))
         return DRAPE_EDATA;
-    for (int64_t l = 0; l < s->tree.levels; l++) {
+    for (int64_t l = 1; l < s->tree.levels; l++) {
         const int32_t *run = s->tree.range + l;
         EACH_MANY(run[1] - run[0])
         for (int32_t a = run[0]; a < run[1]; a++)
-            if (l == 0)
-                fit_leaf(s, a);
-            else
-                fit_inner(s, a);
+            fit(s, a);
     }
     for (int64_t l = s->tree.levels - 1; l >= 0; l--) {
         const int32_t *run = s->tree.range + l;

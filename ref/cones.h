@@ -15,10 +15,13 @@ struct cones {
     struct tree tree;
     struct tree_map map;
     int64_t nv;
-    const vec *x0, *x1; /* [nv] m */
-    real r;             /* m, distance that must be kept, 0 ≤ r ≤ 2^60 */
-    struct tangents *tangents; /* scratch: [tree.n_cloth] */
-    uint8_t *clear;            /* out: [tree.n_cloth] bits of enum, bvtt.h */
+    const vec *x0, *x1;  /* [nv] m */
+    real r;              /* m, distance that must be kept, 0 ≤ r ≤ 2^60 */
+    const uint8_t *stir; /* [tree.n_cloth] 0: none of its vertices has
+                            moved since tangents and clear were made */
+    int64_t n_inner;     /* cloth nodes that are no leaves; they follow */
+    struct tangents *tangents; /* inout: [n_inner] */
+    uint8_t *clear;            /* inout: [tree.n_cloth] bits of enum, bvtt.h */
 };
 
 /* DRAPE_OK, or DRAPE_EDATA for a bad r. */

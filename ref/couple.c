@@ -100,6 +100,7 @@ static int solve_sheet(struct world *w, struct sheet *s)
     for (int64_t i = 0; i < s->cloth.count; i++)
         b[i] = s->cloth.fixed[i] ? vec_make(0, 0, 0) : vec_sub(force[i], g[i]);
     p->block = s->dynamics.block;
+    p->thin = s->dynamics.thin;
     p->b = b;
     p->dv = dv;
     p->n_extra = s->cloth.count;

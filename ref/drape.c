@@ -147,10 +147,9 @@ void drape_destroy(drape_world *world)
 
 int drape_step(drape_world *world, drape_step_report *report)
 {
-    drape_step_report unused;
     world->steps++;
     world->arena.failed = false; /* memory may be there again */
-    int status = world->ops->step(world->world, report ? report : &unused);
+    int status = world->ops->step(world->world, report);
     tell_step(world, status);
     return status;
 }

@@ -104,7 +104,9 @@ static int go_implicit(struct dynamics *s)
                             .springs = c->springs,
                             .x = s->x,
                             .tau = tau,
-                            .block = s->block};
+                            .block = s->block,
+                            .n_thin = s->thin ? SPRINGS * c->count : 0,
+                            .thin = s->thin};
     ref_blocks(&blocks);
     trace_stage(s->trace, "blocks", s->block,
                 (size_t)(SPRINGS * c->count) * sizeof *s->block);

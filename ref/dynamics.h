@@ -5,6 +5,7 @@
 #define REF_DYNAMICS_H
 
 #include "ref/cloth.h"
+#include "ref/thin.h"
 #include "ref/trace.h"
 
 struct dynamics {
@@ -30,9 +31,10 @@ struct dynamics {
     int (*solve)(struct dynamics *s);
     void *solver; /* solve's own */
 
-    vec *work;   /* scratch: [dynamics_vecs()·count] */
-    sym *block;  /* scratch: [SPRINGS·count] of an implicit method, or NULL */
-    real *chunk; /* scratch: [3·sum_chunks(count)] */
+    vec *work;  /* scratch: [dynamics_vecs()·count] */
+    sym *block; /* scratch: [SPRINGS·count] of an implicit method, or NULL */
+    struct thin *thin; /* scratch: likewise, of one with multigrid, or NULL */
+    real *chunk;       /* scratch: [3·sum_chunks(count)] */
 
     struct trace *trace; /* NULL: none */
 

@@ -28,11 +28,12 @@ static void join(struct lanes *restrict l, const real *restrict v)
     }
 }
 
-/* The last n reals of a row; what is joined in twice changes nothing. */
+/* The last n reals of a row, whole vecs; what is joined in twice changes
+ * nothing. */
 static void join_few(struct lanes *l, const real *v, int64_t n)
 {
     real all[LANES];
-    if (n <= 0)
+    if (n < 3)
         return;
     for (int k = 0; k < LANES; k++)
         all[k] = v[k < n ? k : k % 3];

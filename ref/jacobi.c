@@ -34,6 +34,13 @@ sym ref_factor(struct wide_sym d)
     return f;
 }
 
+static struct wide_sym add_spring(const struct jacobi *s, struct wide_sym d,
+                                  int64_t k)
+{
+    return s->n_thin ? wide_sym_thin(d, s->thin[k])
+                     : wide_sym_add(d, s->block[k]);
+}
+
 /* §1: the diagonal block of p, at (i, j). */
 static struct wide_sym diagonal(const struct jacobi *s, int32_t i, int32_t j)
 {
@@ -43,11 +50,11 @@ static struct wide_sym diagonal(const struct jacobi *s, int32_t i, int32_t j)
     if (s->n_extra)
         d = wide_sym_add(d, s->extra[p]);
     for (int o = 0; o < SPRINGS; o++) {
-        const sym *block = s->block + o * s->count;
+        int64_t k = o * s->count + p;
         if (spring_inside(s->m, s->n, i, j, o, 1))
-            d = wide_sym_add(d, block[p]);
+            d = add_spring(s, d, k);
         if (spring_inside(s->m, s->n, i, j, o, -1))
-            d = wide_sym_add(d, block[p - spring_step(s->m, o)]);
+            d = add_spring(s, d, k - spring_step(s->m, o));
     }
     return d;
 }

@@ -5,17 +5,20 @@
 #define REF_JACOBI_H
 
 #include "ref/matrix.h"
+#include "ref/thin.h"
 
 struct jacobi {
-    int32_t m, n;         /* particles along i and j */
-    int64_t count;        /* m·n */
-    const real *mass;     /* [count] kg */
-    int64_t n_extra;      /* count, or 0: none */
-    const sym *extra;     /* [n_extra] kg */
-    int64_t n_blocks;     /* SPRINGS·count */
-    const sym *block;     /* [n_blocks] kg, spring o of p at o·count + p */
-    const uint8_t *fixed; /* [count] not 0: the factor is 0 */
-    sym *factor;          /* out: [count] 1/kg on its diagonal, §2 */
+    int32_t m, n;            /* particles along i and j */
+    int64_t count;           /* m·n */
+    const real *mass;        /* [count] kg */
+    int64_t n_extra;         /* count, or 0: none */
+    const sym *extra;        /* [n_extra] kg */
+    int64_t n_blocks;        /* SPRINGS·count */
+    const sym *block;        /* [n_blocks] kg, spring o of p at o·count + p */
+    int64_t n_thin;          /* SPRINGS·count, or 0: the blocks are read */
+    const struct thin *thin; /* [n_thin] kg, read in their place */
+    const uint8_t *fixed;    /* [count] not 0: the factor is 0 */
+    sym *factor;             /* out: [count] 1/kg on its diagonal, §2 */
 };
 
 /* DRAPE_OK. */
@@ -34,6 +37,21 @@ static inline struct wide_sym wide_sym_add(struct wide_sym d, sym b)
     d.a[3] += (double)b.yy;
     d.a[4] += (double)b.yz;
     d.a[5] += (double)b.zz;
+    return d;
+}
+
+/* The same of a thin block, whose products are exact. */
+static inline struct wide_sym wide_sym_thin(struct wide_sym d, struct thin t)
+{
+    struct thin_parts a = thin_open(t);
+    struct wide e = wide_of(a.e), w = wide_scale((double)a.size, e);
+    double all = (double)a.all;
+    d.a[0] += w.x * e.x + all;
+    d.a[1] += w.x * e.y;
+    d.a[2] += w.x * e.z;
+    d.a[3] += w.y * e.y + all;
+    d.a[4] += w.y * e.z;
+    d.a[5] += w.z * e.z + all;
     return d;
 }
 

@@ -66,6 +66,7 @@ int64_t ref_multigrid_size(struct multigrid *s)
     int32_t m = s->m, n = s->n;
     s->count = (int64_t)m * n;
     s->n_blocks = SPRINGS * s->count;
+    s->n_parts = s->n_thin ? s->n_blocks : 0;
     s->n_pool = s->count;
     s->n_room = 2 * s->count;
     s->n_live = 2 * s->count;
@@ -78,27 +79,38 @@ int64_t ref_multigrid_size(struct multigrid *s)
         s->n_live += (int64_t)m * n;
     } while ((int64_t)m * n > COARSEST);
     return s->n_pool * (int64_t)sizeof(sym) + s->n_room * (int64_t)sizeof(vec) +
-           s->n_live + s->n_dense * (int64_t)sizeof(double);
+           s->n_live + s->n_dense * (int64_t)sizeof(double) +
+           s->n_parts * (int64_t)sizeof *s->parts;
 }
 
 /* ---- products ---- */
 
-/* §3: y = A x; on the coarse grids as spec/12 §1 with what they have. */
+/* §3: y = A x on a coarse grid. */
+static void multiply_coarse(const struct level *l)
+{
+    struct couplings c = {l->m,       l->n,     l->count, STENCIL, stencil_di,
+                          stencil_dj, l->block, NULL,     l->x,    l->y};
+    EACH_MANY(l->count)
+    for (int64_t p = 0; p < l->count; p++)
+        l->y[p] = vec_add(sym_apply(l->excess[p], l->x[p]), vec_make(0, 0, 0));
+    product_couplings(&c);
+}
+
+/* On the finest grid as spec/12 §1, of the thin blocks where there are. */
 static void multiply(const struct multigrid *s, const struct level *l)
 {
     struct product a = {s->m,       s->n,     s->count,    s->mass,
                         s->n_extra, s->extra, s->n_blocks, s->block,
                         0,          NULL,     l->x,        l->y};
-    struct couplings c = {l->m,       l->n,     l->count, STENCIL, stencil_di,
-                          stencil_dj, l->block, l->x,     l->y};
-    if (l->block == NULL) {
-        ref_product(&a);
-        return;
+    struct couplings c = {l->m,      l->n,     l->count, SPRINGS, spring_di,
+                          spring_dj, s->block, NULL,     l->x,    l->y};
+    if (l->block) {
+        multiply_coarse(l);
+    } else {
+        c.thin = s->n_thin ? s->parts : NULL;
+        product_start(&a);
+        product_couplings(&c);
     }
-    EACH_MANY(l->count)
-    for (int64_t p = 0; p < l->count; p++)
-        l->y[p] = vec_add(sym_apply(l->excess[p], l->x[p]), vec_make(0, 0, 0));
-    product_couplings(&c);
 }
 
 /* ---- smoothing, §4 ---- */
@@ -219,6 +231,9 @@ int ref_multigrid_build(struct multigrid *s)
                        s->n_extra, s->extra,    s->n_blocks, s->block,
                        s->fixed,   l[0].excess, s->live,     l[0].rule};
     int status = ref_excess(&e);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n_thin; k++)
+        s->parts[k] = thin_open(s->thin[k]);
     for (int k = 1; k < levels && status == DRAPE_OK; k++) {
         struct coarsen c = {.m = l[k - 1].m,
                             .n = l[k - 1].n,

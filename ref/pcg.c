@@ -11,6 +11,7 @@ int64_t ref_pcg_size(struct pcg *s)
 {
     s->count = (int64_t)s->m * s->n;
     s->n_blocks = SPRINGS * s->count;
+    s->n_thin = s->precond == DRAPE_MULTIGRID ? s->n_blocks : 0;
     s->n_chunks = sum_chunks(s->count);
     s->n_cdf = s->form == DRAPE_CDF ? ref_cdf(s->m, s->n).blocks : 0;
     struct multigrid none = {0};
@@ -18,6 +19,7 @@ int64_t ref_pcg_size(struct pcg *s)
     if (s->precond == DRAPE_MULTIGRID) {
         s->grid.m = s->m;
         s->grid.n = s->n;
+        s->grid.n_thin = s->n_thin;
     }
     return ref_multigrid_size(&s->grid) + s->n_cdf * (int64_t)sizeof(mat) +
            s->count * (int64_t)(2 * sizeof(sym) + 5 * sizeof(vec)) +
@@ -93,6 +95,8 @@ static int set_up_grid(struct pcg *s)
     s->grid.n_extra = s->n_extra;
     s->grid.extra = s->extra;
     s->grid.block = s->block;
+    s->grid.n_thin = s->n_thin;
+    s->grid.thin = s->thin;
     s->grid.fixed = s->fixed;
     s->grid.factor = s->factor;
     s->grid.r = s->r;
@@ -105,8 +109,9 @@ static int set_up(struct pcg *s)
     struct matrix a = {s->m,       s->n,        s->count,    s->mass,
                        s->n_extra, s->extra,    s->n_blocks, s->block,
                        s->n_cdf,   s->diagonal, s->cdf};
-    struct jacobi j = {s->m,     s->n,        s->count, s->mass,  s->n_extra,
-                       s->extra, s->n_blocks, s->block, s->fixed, s->factor};
+    struct jacobi j = {s->m,       s->n,     s->count,    s->mass,
+                       s->n_extra, s->extra, s->n_blocks, s->block,
+                       s->n_thin,  s->thin,  s->fixed,    s->factor};
     int status = s->n_cdf ? ref_matrix(&a) : DRAPE_OK;
     if (status == DRAPE_OK)
         status = ref_jacobi(&j);

@@ -31,10 +31,13 @@ struct pcg {
     int64_t n_blocks; /* SPRINGS·count */
     const sym *block; /* [n_blocks] kg, positive semidefinite, spring o
                          of p at o·count + p, 0 where missing */
-    const uint8_t *fixed; /* [count] not 0: dv is given */
-    const vec *b;         /* [count] N·s */
-    int64_t n_z;          /* count, or 0: given dv are 0 */
-    const vec *z;         /* [n_z] m/s, read where fixed */
+    int64_t n_thin;   /* SPRINGS·count, or 0: the blocks themselves */
+    const struct thin *thin; /* [n_thin] kg, from ref_blocks, of which multigrid
+                                is made */
+    const uint8_t *fixed;    /* [count] not 0: dv is given */
+    const vec *b;            /* [count] N·s */
+    int64_t n_z;             /* count, or 0: given dv are 0 */
+    const vec *z;            /* [n_z] m/s, read where fixed */
 
     int64_t n_cdf, n_chunks; /* from ref_pcg_size */
     mat *cdf;                /* scratch: [n_cdf] */

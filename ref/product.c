@@ -7,36 +7,43 @@ enum { BAND = 16 };
 
 /* ---- from blocks of forward springs ---- */
 
+/* Where a row of ties lies; thin: read in place of block, or NULL. */
+struct ties {
+    const sym *block;
+    const struct thin_parts *thin;
+};
+
 /* B (x - x of the neighbour), §1. */
-static inline vec pull(sym b, const vec *x, int64_t step)
+static inline vec pull(struct ties b, int32_t i, const vec *x, int64_t step)
 {
-    return sym_apply(b, vec_sub(x[0], x[step]));
+    vec d = vec_sub(x[i], x[i + step]);
+    return b.thin ? thin_apply(b.thin[i], d) : sym_apply(b.block[i], d);
 }
 
 /* To both ends. In ascending order an end has the spring that leads to it
  * before the one that starts from it. */
-static void pull_both(int32_t n, const sym *restrict b, const vec *restrict x,
+static void pull_both(int32_t n, struct ties b, const vec *restrict x,
                       int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++) {
-        vec f = pull(b[i], x + i, step);
+        vec f = pull(b, i, x, step);
         y[i] = vec_add(y[i], f);
         y[i + step] = vec_sub(y[i + step], f);
     }
 }
 
-static void pull_first(int32_t n, const sym *restrict b, const vec *restrict x,
+static void pull_first(int32_t n, struct ties b, const vec *restrict x,
                        int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++)
-        y[i] = vec_add(y[i], pull(b[i], x + i, step));
+        y[i] = vec_add(y[i], pull(b, i, x, step));
 }
 
-static void pull_second(int32_t n, const sym *restrict b, const vec *restrict x,
+static void pull_second(int32_t n, struct ties b, const vec *restrict x,
                         int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++)
-        y[i + step] = vec_sub(y[i + step], pull(b[i], x + i, step));
+        y[i + step] = vec_sub(y[i + step], pull(b, i, x, step));
 }
 
 /* Direction o of row j, for the ends within rows from … to - 1. */
@@ -46,7 +53,8 @@ static void pull_row(const struct couplings *c, int o, int32_t j, int32_t from,
     int32_t di = c->di[o], dj = c->dj[o], first = di < 0 ? -di : 0;
     int32_t n = c->m - (di < 0 ? -di : di);
     int64_t p = first + (int64_t)c->m * j, step = di + (int64_t)c->m * dj;
-    const sym *b = c->block + (o * c->count + p);
+    int64_t at = o * c->count + p;
+    struct ties b = {c->block + at, c->thin ? c->thin + at : NULL};
     if (j < 0 || j + dj >= c->n)
         return;
     if (j >= from && j + dj < to)
@@ -99,8 +107,8 @@ static void add_diagonals(const struct product *s, const struct cdf *c,
 
 /* ---- the stage ---- */
 
-/* All that is not a spring; + 0 turns -0 into +0. */
-static void start(const struct product *s)
+/* + 0 turns -0 into +0. */
+void product_start(const struct product *s)
 {
     EACH_MANY(s->count)
     for (int64_t p = 0; p < s->count; p++) {
@@ -111,11 +119,11 @@ static void start(const struct product *s)
 
 int ref_product(struct product *s)
 {
-    struct couplings springs = {s->m,     s->n,      s->count,
-                                SPRINGS,  spring_di, spring_dj,
-                                s->block, s->x,      s->y};
+    struct couplings springs = {s->m,      s->n,      s->count, SPRINGS,
+                                spring_di, spring_dj, s->block, NULL,
+                                s->x,      s->y};
     struct cdf c = ref_cdf(s->m, s->n);
-    start(s);
+    product_start(s);
     if (!s->n_cdf) {
         product_couplings(&springs);
         return DRAPE_OK;

@@ -5,6 +5,7 @@
 #define REF_PRODUCT_H
 
 #include "ref/matrix.h"
+#include "ref/thin.h"
 
 struct product {
     int32_t m, n;     /* particles along i and j */
@@ -27,12 +28,16 @@ struct couplings {
     int32_t directions;    /* forward: dj > 0, or dj = 0 and di > 0 */
     const int8_t *di, *dj; /* [directions] */
     const sym *block;      /* [directions·count] kg, o of p at o·count + p */
-    const vec *x;          /* [count] */
-    vec *y;                /* in and out: [count] += the springs' part of A x */
+    const struct thin_parts *thin; /* likewise, in their place; or NULL */
+    const vec *x;                  /* [count] */
+    vec *y; /* in and out: [count] += the springs' part of A x */
 };
 
 /* §1: adds the springs' part of the product to y. */
 void product_couplings(const struct couplings *c);
+
+/* All of A x that is not a spring's. */
+void product_start(const struct product *s);
 
 /* DRAPE_OK. Both forms give the same bits. */
 int ref_product(struct product *s);

@@ -11,10 +11,12 @@ struct refit {
     int64_t nv;           /* vertices */
     const vec *x0, *x1;   /* [nv] m, start and end of the step, |x| ≤ 2^60 */
     int64_t n_moved;      /* nv, or 0: all have moved */
-    const uint8_t *moved; /* [n_moved] 1: x1 differs from the last round's */
+    const uint8_t *moved; /* [n_moved] 0: x0 and x1 are as in the last refit,
+                             of which box is */
     int64_t all;          /* 0: nodes of static meshes are left as they are */
     struct box *box;      /* inout: [tree.n] m */
     uint8_t *stir;        /* inout: [tree.n] 1: a vertex of it has moved */
+    int64_t made;         /* out: boxes made */
 };
 
 /* DRAPE_OK, or DRAPE_EDATA if a position is NaN or out of range. */

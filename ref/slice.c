@@ -80,6 +80,11 @@ int slice_rounds(const struct world *w)
     return few && w->def.max_rounds > ROUNDS ? ROUNDS : w->def.max_rounds;
 }
 
+bool slice_weighs(const struct world *w)
+{
+    return w->plan.implicit && !w->plan.led && !w->plan.wind;
+}
+
 bool slice_wrong(struct world *w, int outcome, const double before[3],
                  const double after[3])
 {
@@ -88,9 +93,8 @@ bool slice_wrong(struct world *w, int outcome, const double before[3],
     double rise = (after[0] - before[0]) + (after[1] - before[1]) +
                   (after[2] - before[2]);
     double height = after[2] < 0 ? -after[2] : after[2];
-    bool fed = w->plan.led || w->plan.wind || !w->plan.implicit;
     double most = (after[0] + after[1]) / 16 + height / 65536 + lift(w);
-    bool jolt = !failed && !fed && rise > most &&
+    bool jolt = !failed && slice_weighs(w) && rise > most &&
                 (s->jolts < JOLTS || s->jolts == s->began);
     if (!(failed || jolt) || s->level >= s->deepest)
         return false;

@@ -53,6 +53,8 @@ static inline bool slice_failed(int outcome)
  * rounds of impulses before that would. */
 bool slice_brief(const struct world *w);
 int slice_rounds(const struct world *w);
+/* §7.3: whether energy from nowhere is looked for: nothing feeds the scene. */
+bool slice_weighs(const struct world *w);
 /* §7.3: whether the slice is to be taken again, shorter, as it ended by the
  * fail-safe, or with energy from nowhere: before, after [3]: kinetic, elastic,
  * of gravity, J. */

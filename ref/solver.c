@@ -38,6 +38,7 @@ int solver_make(struct solver *s, const drape_def *def,
     p->p = take(arena, p->count, sizeof *p->p);
     p->q = take(arena, p->count, sizeof *p->q);
     p->chunk = take(arena, p->n_chunks, sizeof *p->chunk);
+    p->grid.parts = take(arena, p->grid.n_parts, sizeof *p->grid.parts);
     p->grid.pool = take(arena, p->grid.n_pool, sizeof *p->grid.pool);
     p->grid.room = take(arena, p->grid.n_room, sizeof *p->grid.room);
     p->grid.live = take(arena, p->grid.n_live, sizeof *p->grid.live);
@@ -50,6 +51,7 @@ int solver_solve(struct dynamics *d)
     struct solver *s = d->solver;
     double start = clock_now();
     s->pcg.block = d->block;
+    s->pcg.thin = d->thin;
     s->pcg.b = d->b;
     s->pcg.dv = d->dv;
     int status = ref_pcg(&s->pcg);

@@ -92,6 +92,8 @@ struct world {
     bool pressed;       /* not all of press is 0 */
     int past;  /* 1 + level of the slice that past_x and past_v hold, 0: none */
     double dt; /* s, of the slice under way */
+    bool met;  /* contact may have changed what dynamics made of it */
+    bool reported; /* somebody reads what steps report */
     struct slicing slicing;
     struct caution caution;
     struct start start;

@@ -159,17 +159,27 @@ int step_check(struct world *w, drape_error *error)
     return DRAPE_OK;
 }
 
-/* §7.3: *again: the slice ended badly, and a shorter one is wanted. */
+static void tell(drape_step_report *r, const double energy[3])
+{
+    r->kinetic = energy[0];
+    r->elastic = energy[1];
+    r->potential = energy[2];
+}
+
+/* §7.3: *again: the slice ended badly, and a shorter one is wanted. Dynamics
+ * weighed what contact has left alone. */
 static void judge(struct world *w, drape_step_report *r, bool *again)
 {
     double before[3] = {0}, after[3] = {0};
+    bool anew = w->met && (w->reported || slice_weighs(w));
     for (int k = 0; k < w->def.n_cloths; k++)
-        for (int j = 0; j < 3; j++)
+        for (int j = 0; j < 3; j++) {
             before[j] += w->sheet[k].dynamics.before[j];
-    weigh(w, w->x1, w->v1, after);
-    r->kinetic = after[0];
-    r->elastic = after[1];
-    r->potential = after[2];
+            after[j] += anew ? 0 : w->sheet[k].dynamics.energy[j];
+        }
+    if (anew)
+        weigh(w, w->x1, w->v1, after);
+    tell(r, after);
     *again = w->plan.collides && slice_wrong(w, r->outcome, before, after);
 }
 
@@ -178,6 +188,7 @@ static int slice(struct world *w, drape_step_report *all, double *last)
 {
     drape_step_report r = {0};
     bool again = false;
+    w->met = false;
     int status = lead(w, slice_time(w), w->x1); /* 01 kinematics */
     trace_stage(w->tracing, "kinematics", w->x1 + w->nc,
                 (size_t)(w->nv - w->nc) * sizeof *w->x1);
@@ -234,9 +245,7 @@ static int pipeline(struct world *w, drape_step_report *r)
     w->time = (double)w->step * w->def.dt;
     if (failed || asleep) {
         weigh(w, w->x0, w->v0, energy);
-        r->kinetic = energy[0];
-        r->elastic = energy[1];
-        r->potential = energy[2];
+        tell(r, energy);
     }
     r->step = w->step;
     r->time = w->time;
@@ -245,6 +254,9 @@ static int pipeline(struct world *w, drape_step_report *r)
 
 int step_advance(struct world *w, drape_step_report *report)
 {
+    drape_step_report unread;
+    w->reported = report != NULL;
+    report = report ? report : &unread;
     memset(report, 0, sizeof *report);
     /* waking threads costs more than a small scene's loops */
     bool small = w->nv < SMALL_SCENE;

@@ -5,7 +5,7 @@
 
 #include "ref/state.h"
 
-/* As drape_step. Negative: nothing has changed. */
+/* As drape_step; report may be NULL. Negative: nothing has changed. */
 int step_advance(struct world *w, drape_step_report *report);
 
 /* DRAPE_ELIMIT and a text where the scene cannot be stepped at all. */

@@ -69,6 +69,12 @@ struct tree_scene {
 int tree_build(const struct tree_scene *scene, struct arena *arena,
                struct tree *tree, struct tree_map *map);
 
+/* Cloth nodes that are no leaves; they follow these. */
+static inline int64_t tree_inner(const struct tree *t)
+{
+    return t->n_cloth > 0 ? t->n_cloth - t->range[1] : 0;
+}
+
 /* ---- Pairs of nodes: spec/22_front.md §1 ---- */
 
 /* Bit 0: a pair's first node descends, bit 1: its second. 0: leaves. */

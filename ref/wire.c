@@ -34,10 +34,14 @@ static int make_dynamics(struct world *w, struct sheet *s, const drape_def *def)
         return DRAPE_ENOMEM;
     if (!w->plan.implicit)
         return DRAPE_OK;
-    d->block = take(w, ARENA_SOLVER, SPRINGS * c->count, sizeof *d->block);
+    int64_t springs = SPRINGS * c->count;
+    d->block = take(w, ARENA_SOLVER, springs, sizeof *d->block);
+    if (def->precond == DRAPE_MULTIGRID)
+        d->thin = take(w, ARENA_SOLVER, springs, sizeof *d->thin);
     d->solve = solver_solve;
     d->solver = &s->solver;
-    return d->block ? solver_make(&s->solver, def, c, w->arena) : DRAPE_ENOMEM;
+    return !w->arena->failed ? solver_make(&s->solver, def, c, w->arena)
+                             : DRAPE_ENOMEM;
 }
 
 static int make_broad(struct world *w, const drape_def *def)

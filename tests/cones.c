@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage cones: generator and properties. spec/21_cones.md */
+#include <stdlib.h>
+
 #include "tests/fabric.h"
 
 const struct field fields_cones[] = {FABRIC_TREE(cones, tree),
@@ -8,9 +10,37 @@ const struct field fields_cones[] = {FABRIC_TREE(cones, tree),
                                      IN(cones, map.full, tree.n_cloth, 1),
                                      IN(cones, x0, nv, 1),
                                      IN(cones, x1, nv, 1),
-                                     SCRATCH(cones, tangents, tree.n_cloth, 1),
-                                     OUT(cones, clear, tree.n_cloth, 1),
+                                     IN(cones, stir, tree.n_cloth, 1),
+                                     INOUT(cones, tangents, n_inner, 1),
+                                     INOUT(cones, clear, tree.n_cloth, 1),
                                      FIELD_END};
+
+/* What was so before some vertices moved to where they are. */
+static void move_some(struct bytes *b, struct cones *s, struct fabric *f)
+{
+    uint8_t *moved = take(b, s->nv, 1);
+    vec *then = take(b, s->nv, sizeof *then);
+    struct refit fit = {.tree = s->tree,
+                        .nv = s->nv,
+                        .x0 = s->x0,
+                        .x1 = s->x1,
+                        .n_moved = s->nv,
+                        .moved = moved,
+                        .stir = (uint8_t *)s->stir};
+    const vec *now = s->x1;
+    uint32_t few = 2 + pick(b, 200);
+    for (int64_t v = 0; v < s->nv; v++) {
+        moved[v] = pick(b, few) == 0;
+        then[v] = moved[v] ? pick_vec(b, 1) : s->x1[v];
+    }
+    s->x1 = then;
+    if (ref_cones(s) != DRAPE_OK)
+        abort();
+    s->x1 = now;
+    fit.box = fabric_boxes(b, f, &s->tree, (uint8_t *)s->stir);
+    if (ref_refit(&fit) != DRAPE_OK)
+        abort();
+}
 
 void gen_cones(struct bytes *b, struct cones *s)
 {
@@ -20,6 +50,14 @@ void gen_cones(struct bytes *b, struct cones *s)
     s->x0 = f.x0;
     s->x1 = pick(b, 3) ? f.x1 : f.x0;
     s->r = pick(b, 2) ? 0 : real_abs(pick_real(b, R(0.02)));
+    s->n_inner = tree_inner(&s->tree);
+    s->tangents = take(b, s->n_inner, sizeof *s->tangents);
+    s->clear = take(b, s->tree.n_cloth, 1);
+    uint8_t *stir = take(b, s->tree.n, 1);
+    memset(stir, 1, (size_t)s->tree.n);
+    s->stir = stir;
+    if (pick(b, 2))
+        move_some(b, s, &f);
 }
 
 /* Squared distance of two vertices at time t, in binary64. */
@@ -73,12 +111,12 @@ static void extent(const struct cones *s, int32_t a, int32_t at[4])
     at[3] = at[1] + unit < g->n - 1 ? unit : g->n - 1 - at[1];
 }
 
-/* §3 of clear nodes; §5: what is clear stays so below. */
+/* §3 of clear nodes, also of those kept; §5: what is clear stays so below. */
 const char *prop_cones(const struct cones *s)
 {
     for (int32_t a = 0; a < s->tree.n_cloth; a++) {
         int32_t at[4], up = s->tree.parent[a];
-        if (up >= 0 && s->clear[up] & 1)
+        if (up >= 0 && s->stir[a] && s->clear[up] & 1)
             EXPECT(s->clear[a] & 1);
         if (!(s->clear[a] & 1))
             continue;

@@ -297,8 +297,10 @@ void fabric_walk(struct bytes *b, struct fabric_walk *w)
                       .nv = w->f.scene.vertices,
                       .x0 = w->f.x0,
                       .x1 = w->f.x1,
-                      .r = w->in.r};
-    s.tangents = take(b, t->n_cloth, sizeof *s.tangents);
+                      .r = w->in.r,
+                      .stir = w->stir,
+                      .n_inner = tree_inner(t)};
+    s.tangents = take(b, s.n_inner, sizeof *s.tangents);
     s.clear = take(b, t->n_cloth, 1);
     if (pick(b, 3) && ref_cones(&s) != DRAPE_OK)
         abort();

@@ -27,7 +27,8 @@ const struct field fields_coarsen[] = {IN(coarsen, excess, count, 1),
 const struct field fields_multigrid[] = {
     IN(multigrid, mass, count, 1),       IN(multigrid, extra, n_extra, 1),
     IN(multigrid, block, n_blocks, 1),   IN(multigrid, fixed, count, 1),
-    IN(multigrid, factor, count, 1),     IN(multigrid, r, count, 1),
+    IN(multigrid, thin, n_thin, 1),      IN(multigrid, factor, count, 1),
+    IN(multigrid, r, count, 1),          SCRATCH(multigrid, parts, n_parts, 1),
     SCRATCH(multigrid, pool, n_pool, 1), SCRATCH(multigrid, room, n_room, 1),
     SCRATCH(multigrid, live, n_live, 1), SCRATCH(multigrid, dense, n_dense, 1),
     OUT(multigrid, z, count, 1),         FIELD_END};
@@ -92,9 +93,11 @@ void gen_multigrid(struct bytes *b, struct multigrid *s)
     struct system a;
     pick_system(b, &a);
     GIVE_SYSTEM(s, &a);
+    s->n_thin = pick(b, 4) ? a.n_blocks : 0;
     ref_multigrid_size(s);
     s->fixed = a.fixed;
-    struct jacobi j = {.fixed = a.fixed};
+    s->thin = a.thin;
+    struct jacobi j = {.n_thin = s->n_thin, .thin = a.thin, .fixed = a.fixed};
     GIVE_SYSTEM(&j, &a);
     j.factor = take(b, a.count, sizeof *j.factor);
     if (a.count)
@@ -238,7 +241,7 @@ const char *prop_multigrid(const struct multigrid *s)
         if (s->fixed[p])
             EXPECT(z.x == 0 && z.y == 0 && z.z == 0); /* §2 */
         else
-            zero &= r.x == 0 && r.y == 0 && r.z == 0;
+            zero &= vec_length(r) == 0; /* or its square underflows */
     }
     EXPECT(zero || inner > 0); /* §4: positive definite */
     return NULL;
@@ -255,14 +258,18 @@ static void open_grid(const struct system *a, struct multigrid *s)
 {
     s->m = a->m;
     s->n = a->n;
+    s->n_thin = a->n_blocks;
     ref_multigrid_size(s);
     s->mass = a->mass;
     s->block = a->block;
+    s->thin = a->thin;
     s->fixed = a->fixed;
-    struct jacobi j = {a->m, a->n,        a->count, a->mass,  0,
-                       NULL, a->n_blocks, a->block, a->fixed, NULL};
+    struct jacobi j = {
+        .n_thin = a->n_blocks, .thin = a->thin, .fixed = a->fixed};
+    GIVE_SYSTEM(&j, a);
     s->factor = j.factor = room(a->count, sizeof *j.factor);
     ref_jacobi(&j);
+    s->parts = room(s->n_parts, sizeof *s->parts);
     s->pool = room(s->n_pool, sizeof *s->pool);
     s->room = room(s->n_room, sizeof *s->room);
     s->live = room(s->n_live, sizeof *s->live);
@@ -272,6 +279,7 @@ static void open_grid(const struct system *a, struct multigrid *s)
 
 static void close_grid(struct multigrid *s)
 {
+    free(s->parts);
     free(s->pool);
     free(s->room);
     free(s->live);

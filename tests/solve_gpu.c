@@ -31,6 +31,7 @@ static struct pcg on_device(struct gpu *g, const struct pcg *s)
     d.mass = put(g, s->mass, s->count, sizeof *s->mass);
     d.extra = put(g, s->extra, s->n_extra, sizeof *s->extra);
     d.block = put(g, s->block, s->n_blocks, sizeof *s->block);
+    d.thin = put(g, s->thin, s->n_thin, sizeof *s->thin);
     d.fixed = put(g, s->fixed, s->count, 1);
     d.b = put(g, s->b, s->count, sizeof *s->b);
     d.cdf = put(g, NULL, s->n_cdf, sizeof *s->cdf);

@@ -17,6 +17,7 @@ void solver_give(struct pcg *s, const struct system *a)
     s->n_extra = a->n_extra;
     s->extra = a->extra;
     s->block = a->block;
+    s->thin = a->thin;
     s->fixed = a->fixed;
     s->b = a->b;
     ref_pcg_size(s);
@@ -34,6 +35,7 @@ void solver_open(struct pcg *s, const struct system *a)
     s->p = room(s->count, sizeof *s->p);
     s->q = room(s->count, sizeof *s->q);
     s->chunk = room(s->n_chunks, sizeof *s->chunk);
+    s->grid.parts = room(s->grid.n_parts, sizeof *s->grid.parts);
     s->grid.pool = room(s->grid.n_pool, sizeof *s->grid.pool);
     s->grid.room = room(s->grid.n_room, sizeof *s->grid.room);
     s->grid.live = room(s->grid.n_live, sizeof *s->grid.live);
@@ -46,7 +48,7 @@ void solver_close(struct pcg *s)
     void *all[] = {s->cdf,       s->diagonal,  s->factor,    s->r,
                    s->s,         s->p,         s->q,         s->chunk,
                    s->grid.pool, s->grid.room, s->grid.live, s->grid.dense,
-                   s->low,       s->dv};
+                   s->low,       s->dv,        s->grid.parts};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         free(all[k]);
 }

@@ -35,6 +35,7 @@ void pick_system(struct bytes *b, struct system *s)
     s->mass = take(b, s->count, sizeof *s->mass);
     s->extra = take(b, s->n_extra, sizeof *s->extra);
     s->block = take(b, s->n_blocks, sizeof *s->block);
+    s->thin = take(b, s->n_blocks, sizeof *s->thin);
     s->fixed = take(b, s->count, sizeof *s->fixed);
     s->b = take(b, s->count, sizeof *s->b);
     uint32_t holes = pick(b, 3), flat = pick(b, 2);
@@ -56,7 +57,21 @@ void pick_system(struct bytes *b, struct system *s)
                 s->fixed[p + spring_step(s->m, o)] == CLOTH_ABSENT)
                 continue;
             s->block[o * s->count + p] = outer(v);
+            real length = vec_length(v), one = length > 0 ? 1 / length : 0;
+            s->thin[o * s->count + p] =
+                thin_make(vec_dot(v, v), 0, vec_scale(one, v));
         }
+}
+
+sym thin_sym(struct thin t)
+{
+    struct thin_parts a = thin_open(t);
+    double s = (double)a.size, all = (double)a.all;
+    struct wide e = wide_of(a.e);
+    sym r = {(real)(s * e.x * e.x + all), (real)(s * e.x * e.y),
+             (real)(s * e.x * e.z),       (real)(s * e.y * e.y + all),
+             (real)(s * e.y * e.z),       (real)(s * e.z * e.z + all)};
+    return r;
 }
 
 double noise_of(uint64_t k)
@@ -127,7 +142,7 @@ static bool severed(const struct design *d, int32_t i, int32_t j, int o)
 
 /* The spring from e's tail to its head: its block, and momentum to b. */
 static sym spring(const double e[3], double rest, double k, double dt,
-                  double push[3])
+                  double push[3], struct thin *thin)
 {
     double length = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
     double slack = 1 - rest / length, across = slack > 0 ? slack : 0;
@@ -140,6 +155,9 @@ static sym spring(const double e[3], double rest, double k, double dt,
         push[r] = dt * k * slack * e[r];
     sym s = {(real)a[0][0], (real)a[0][1], (real)a[0][2],
              (real)a[1][1], (real)a[1][2], (real)a[2][2]};
+    vec u = {(real)(e[0] / length), (real)(e[1] / length),
+             (real)(e[2] / length)};
+    *thin = thin_make((real)(w * (1 - across)), (real)(w * across), u);
     return s;
 }
 
@@ -163,8 +181,9 @@ static void add_springs(const struct design *d, struct system *s,
                     e[c] = x[q][c] - x[p][c];
                 double rest = h * sqrt((double)spring_di[o] * spring_di[o] +
                                        (double)spring_dj[o] * spring_dj[o]);
-                s->block[o * s->count + p] =
-                    spring(e, rest, stiffness[o], dt, push);
+                int64_t at = o * s->count + p;
+                s->block[at] =
+                    spring(e, rest, stiffness[o], dt, push, &s->thin[at]);
                 vec f = vec_make((real)push[0], (real)push[1], (real)push[2]);
                 s->b[p] = vec_add(s->b[p], f);
                 s->b[q] = vec_sub(s->b[q], f);
@@ -182,6 +201,7 @@ void make_system(const struct design *d, struct system *s)
     s->extra = NULL;
     s->mass = calloc((size_t)s->count, sizeof *s->mass);
     s->block = calloc((size_t)s->n_blocks, sizeof *s->block);
+    s->thin = calloc((size_t)s->n_blocks, sizeof *s->thin);
     s->fixed = calloc((size_t)s->count, sizeof *s->fixed);
     s->b = calloc((size_t)s->count, sizeof *s->b);
     double(*x)[3] = calloc((size_t)s->count, sizeof *x);
@@ -211,6 +231,7 @@ void free_system(struct system *s)
     free(s->mass);
     free(s->extra);
     free(s->block);
+    free(s->thin);
     free(s->fixed);
     free(s->b);
 }

@@ -5,6 +5,7 @@
 #define TESTS_SYSTEM_H
 
 #include "ref/matrix.h"
+#include "ref/thin.h"
 #include "tests/harness.h"
 
 struct system {
@@ -12,6 +13,7 @@ struct system {
     int64_t count, n_extra, n_blocks;
     real *mass;
     sym *extra, *block;
+    struct thin *thin; /* [n_blocks] of the blocks */
     uint8_t *fixed;
     vec *b; /* momentum of a falling, stretched cloth over one step */
 };
@@ -61,6 +63,9 @@ struct design {
 /* A cloth of cotton, longest side 1 m, dt = 1/60; memory from malloc. */
 void make_system(const struct design *design, struct system *s);
 void free_system(struct system *s);
+
+/* What a thin block is, rounded. */
+sym thin_sym(struct thin t);
 
 /* Block (p, q) of the dense matrix, by the definition of spec/11 §2. */
 mat dense_entry(const struct system *s, int64_t p, int64_t q);
