@@ -93,9 +93,11 @@ bool slice_wrong(struct world *w, int outcome, const double before[3],
     double rise = (after[0] - before[0]) + (after[1] - before[1]) +
                   (after[2] - before[2]);
     double height = after[2] < 0 ? -after[2] : after[2];
-    double most = (after[0] + after[1]) / 16 + height / 65536 + lift(w);
-    bool jolt = !failed && slice_weighs(w) && rise > most &&
-                (s->jolts < JOLTS || s->jolts == s->began);
+    double least = (after[0] + after[1]) / 16 + height / 65536 + lift(w);
+    bool gains = !failed && slice_weighs(w) && rise > least;
+    bool jolt =
+        gains && rise > 2 * least && (s->jolts < JOLTS || s->jolts == s->began);
+    s->gained |= gains;
     if (!(failed || jolt) || s->level >= s->deepest)
         return false;
     s->tries += failed;
@@ -137,9 +139,9 @@ void slice_end(struct world *w)
     struct caution *c = &w->caution;
     foresee(c, s);
     int wrong = s->jolts + s->tries;
-    if (wrong > s->began) {
-        if (c->again)
-            c->level = wrong < JOLTS ? wrong : JOLTS;
+    if (wrong > s->began || s->gained) {
+        if (c->again || s->gained)
+            c->level = JOLTS;
         c->again = 1;
         c->calm = 0;
     } else if (c->level == 0) {

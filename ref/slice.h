@@ -21,6 +21,7 @@ struct slicing {
     int slices;       /* done so far */
     int tries, jolts; /* slices taken again, of each kind */
     int began;        /* of jolts, those of steps before: §7.5 */
+    bool gained;      /* §7.5: a slice did, half of what is wrong or more */
     bool cold;        /* 39_warm.md §5: the slice does without press */
     real travel;      /* m², §7.2 of the slice under way, at most */
 };

@@ -5,16 +5,16 @@
 #include "ref/state.h"
 #include "tests/choices.h"
 
-/* A step whose slices longer than dt/2^calm end with twice their energy.
- * Returns how many were taken again. */
-static int make_step(struct world *w, int calm)
+/* A step whose slices longer than dt/2^calm end with `gain` times their
+ * energy. Returns how many were taken again. */
+static int make_step(struct world *w, int calm, double gain)
 {
-    const double before[3] = {1, 0, 0}, twice[3] = {2, 0, 0};
+    const double before[3] = {1, 0, 0}, more[3] = {gain, 0, 0};
     int again = 0;
     slice_begin(w);
     while (!slice_last(w)) {
-        bool jolt = w->slicing.level < calm;
-        if (slice_wrong(w, 0, before, jolt ? twice : before))
+        bool gains = w->slicing.level < calm;
+        if (slice_wrong(w, 0, before, gains ? more : before))
             again++;
         else
             slice_keep(w);
@@ -23,32 +23,32 @@ static int make_step(struct world *w, int calm)
     return again;
 }
 
-/* One jolt teaches nothing, two running do, for eight steps; then one step
- * tries, and either knows again or has forgotten. A step that knows goes one
- * further, and that teaches no more; else one jolt is all that is mended. */
+/* A step that gains a tenth is kept, one that doubles is halved, once; both
+ * teach the next eight; then one tries. A step that knows goes one further. */
 const char *test_world_caution(void)
 {
     struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
     w.def.max_slices = 32;
     w.def.dt = 1;
-    EXPECT(make_step(&w, 1) == 1 && make_step(&w, 0) == 0);
+    EXPECT(make_step(&w, 3, 1.05) == 0);
     EXPECT(w.caution.level == 0 && w.slicing.slices == 1);
-    for (int k = 0; k < 2; k++)
-        EXPECT(make_step(&w, 3) == 1 && w.slicing.slices == 2);
-    for (int k = 0; k < 8; k++) {
-        EXPECT(make_step(&w, 1) == 0 && w.slicing.slices == 2);
-        ran(1);
+    for (int doubles = 0; doubles < 2; doubles++) {
+        EXPECT(make_step(&w, 3, doubles ? 2 : 1.1) == doubles);
+        EXPECT(w.caution.level == 1 && w.slicing.slices == 1 + doubles);
+        for (int k = 0; k < 8; k++) {
+            EXPECT(make_step(&w, 1, 2) == 0 && w.slicing.slices == 2);
+            ran(1);
+        }
+        EXPECT(make_step(&w, 0, 2) == 0);
+        EXPECT(w.caution.level == 0 && w.slicing.slices == 1);
     }
-    EXPECT(make_step(&w, 1) == 1 && w.caution.level == 1);
-    for (int k = 0; k < 8; k++)
-        EXPECT(make_step(&w, 0) == 0 && w.slicing.slices == 2);
-    EXPECT(make_step(&w, 0) == 0 && w.slicing.slices == 1);
-    EXPECT(make_step(&w, 1) == 1 && w.caution.level == 0);
-    w.caution = (struct caution){.level = 1, .again = 1};
-    EXPECT(make_step(&w, 3) == 1 && w.slicing.slices == 4);
+    w.caution = (struct caution){.level = 1, .again = 1, .calm = 7};
+    EXPECT(make_step(&w, 3, 1.1) == 0 && w.slicing.slices == 2);
+    EXPECT(w.caution.level == 1 && w.caution.calm == 0);
+    EXPECT(make_step(&w, 3, 2) == 1 && w.slicing.slices == 4);
     EXPECT(w.caution.level == 1);
     w.def.max_slices = 1; /* what is asked for is the most */
-    EXPECT(make_step(&w, 1) == 0 && w.slicing.slices == 1);
+    EXPECT(make_step(&w, 1, 2) == 0 && w.slicing.slices == 1);
     return NULL;
 }
 
