@@ -56,7 +56,7 @@ static __device__ real begin_from(const struct pcg *s, const struct room *room,
     return dot(r, z);
 }
 
-/* Writes r[k]; reads dv and low of the neighbours. §2 */
+/* Writes r[k]; reads dv and low of the neighbours, unless all are 0. §2 */
 static __global__ void __launch_bounds__(SUM_CHUNK)
     pcg_residual_kernel(struct pcg s, struct course *c, struct room room)
 {
@@ -68,8 +68,9 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
                          s.block, s.fixed, s.b,     s.dv,   s.low,     s.r};
     vec r = make(0, 0, 0);
     if (k < s.count) {
+        bool zero = phase == PHASE_OPEN && !s.n_z;
         if (!s.fixed[k])
-            r = left_over(&a, place_of(grid{s.m, s.n}, k));
+            r = zero ? s.b[k] : left_over(&a, place_of(grid{s.m, s.n}, k));
         s.r[k] = r;
         begin_from(&s, &room, (int)k, r);
     }

@@ -62,6 +62,14 @@ static void precondition(struct pcg *s)
         s->s[k] = factor_solve(s->factor[k], s->r[k]);
 }
 
+/* §2: where dv and low are 0. */
+static void take_right_side(struct pcg *s)
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < s->count; k++)
+        s->r[k] = s->fixed[k] ? vec_make(0, 0, 0) : s->b[k];
+}
+
 /* §2: r = b - A (dv + low). */
 static void true_residual(struct pcg *s)
 {
@@ -205,7 +213,10 @@ int ref_pcg(struct pcg *s)
     s->iterations = s->fell_back = 0;
     s->recurrence = s->residual = 0;
     s->outcome = PCG_CONVERGED;
-    true_residual(s);
+    if (s->n_z)
+        true_residual(s);
+    else
+        take_right_side(s);
     real square = dot(s, s->r, s->r), before = 2;
     if (square == 0)
         return DRAPE_OK;
