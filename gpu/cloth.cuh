@@ -7,12 +7,12 @@
 #include "gpu/real.cuh"
 
 /* Forward direction o: (1,0) (0,1) (1,1) (-1,1) and twice each. */
-static __host__ __device__ inline int forward_i(int o)
+static __host__ __device__ constexpr int forward_i(int o)
 {
     int one = o % 4 == 0 || o % 4 == 2 ? 1 : o % 4 == 3 ? -1 : 0;
     return o < SPRINGS_SINGLE ? one : 2 * one;
 }
-static __host__ __device__ inline int forward_j(int o)
+static __host__ __device__ constexpr int forward_j(int o)
 {
     int one = o % 4 == 0 ? 0 : 1;
     return o < SPRINGS_SINGLE ? one : 2 * one;

@@ -2,6 +2,14 @@
 /* Galerkin coarsening with bilinear interpolation. spec/14_multigrid.md §2 */
 #include "gpu/galerkin.cuh"
 #include "gpu/level.cuh"
+#include "gpu/tile.cuh"
+
+/* From so many coarse particles on tiles pay. */
+#ifdef __CUDACC__
+enum { TILES_LEAST = 1 << 15 };
+#else
+enum { TILES_LEAST = 64 };
+#endif
 
 /* ---- one grid ---- */
 
@@ -13,13 +21,14 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     find(&s, place_of(c, item));
 }
 
-/* A thread owns an item. */
+/* A thread owns an item; where `cut`, those of tiles are done. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     coarsen_kernel(struct coarsen s, struct grid c,
-                   const __grid_constant__ struct book book)
+                   const __grid_constant__ struct book book, bool cut)
 {
     ITEM(item, (STENCIL + 1) * s.n_coarse);
-    make_item<8>(&s, c, &book, item);
+    if (!cut || s.coarse_rule[item % s.n_coarse])
+        make_item<8>(&s, c, &book, item);
 }
 
 /* Thread p of the coarse particles owns factor[p] and coarse_rule[p]; reads
@@ -44,7 +53,14 @@ int gpu_coarsen(struct gpu *g, struct coarsen *s)
         return DRAPE_EARG;
     const struct book *book = springs ? book_of<SPRINGS>() : book_of<STENCIL>();
     LAUNCH(g, s->n_coarse, coarsen_find_kernel, *s, c);
-    LAUNCH(g, (STENCIL + 1) * s->n_coarse, coarsen_kernel, *s, c, *book);
+    bool tiles = s->n_coarse >= TILES_LEAST;
+    if (tiles && springs)
+        LAUNCH_BLOCKS(g, tiles_of(c), TILE_BLOCK, coarsen_tile_kernel<SPRINGS>,
+                      *s, c);
+    else if (tiles)
+        LAUNCH_BLOCKS(g, tiles_of(c), TILE_BLOCK, coarsen_tile_kernel<STENCIL>,
+                      *s, c);
+    LAUNCH(g, (STENCIL + 1) * s->n_coarse, coarsen_kernel, *s, c, *book, tiles);
     LAUNCH(g, s->n_coarse, coarsen_factor_kernel, *s, c);
     return gpu_status(g);
 }

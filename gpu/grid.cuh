@@ -24,14 +24,16 @@ static __device__ inline struct place place_of(struct grid g, int64_t item)
 }
 
 /* Forward direction o of DIRECTIONS: SPRINGS or STENCIL of them. */
-template <int DIRECTIONS> static __host__ __device__ inline int toward_i(int o)
+template <int DIRECTIONS>
+static __host__ __device__ constexpr int toward_i(int o)
 {
     if (DIRECTIONS == SPRINGS)
         return forward_i(o);
     return o < 2 ? o + 1 : (o - 2) % 5 - 2;
 }
 
-template <int DIRECTIONS> static __host__ __device__ inline int toward_j(int o)
+template <int DIRECTIONS>
+static __host__ __device__ constexpr int toward_j(int o)
 {
     return DIRECTIONS == SPRINGS ? forward_j(o) : (o + 3) / 5;
 }

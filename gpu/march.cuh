@@ -9,23 +9,27 @@
 #include "gpu/ties.cuh"
 
 /* REACH: columns and rows that a tie spans at most. MARCH_LEAST, MARCH_WIDE:
- * particles and columns from which on it pays; MARCH_BLOCKS: as many as a
- * device runs at once. */
+ * particles and columns from which on it pays; MARCH_UNITS: multiprocessors, or
+ * as many as are cut for. */
 #ifdef __CUDACC__
-enum { REACH = 2, MARCH_LEAST = 1 << 17, MARCH_WIDE = 96, MARCH_BLOCKS = 264 };
+enum { REACH = 2, MARCH_LEAST = 1 << 17, MARCH_WIDE = 96, MARCH_UNITS = 132 };
 #else
-enum { REACH = 2, MARCH_LEAST = 256, MARCH_WIDE = 2, MARCH_BLOCKS = 4 };
+enum { REACH = 2, MARCH_LEAST = 256, MARCH_WIDE = 2, MARCH_UNITS = 2 };
 #endif
 
 /* A block's memory: X_ROWS rows of x and, of two rows, the pulls of ties that
  * lead to another column. Its threads, a column each, have 48 KiB of it, and
- * not more of them than leaves each the registers to read ahead. */
-enum { X_ROWS = 4, MARCH_MOST = 192 };
-template <int TIES> struct march_size {
+ * there are not more of them at once than leaves each the registers to read
+ * ahead: 128 for thin blocks of binary32, which need fewer. */
+enum { X_ROWS = 4 };
+template <int TIES, class B> struct march_size {
+    static constexpr bool slim = REAL_BITS == 32 && sizeof(B) < sizeof(sym);
+    static constexpr int at_once = slim ? 4 : 2; /* of a multiprocessor */
+    static constexpr int limit = slim ? 128 : 192;
     static constexpr int passed = TIES == SPRINGS ? 6 : 10;
     static constexpr int bytes = (2 * passed + X_ROWS) * (int)sizeof(vec);
     static constexpr int fit = 49152 / bytes / 64 * 64;
-    static constexpr int threads = fit < MARCH_MOST ? fit : MARCH_MOST;
+    static constexpr int threads = fit < limit ? fit : limit;
 };
 
 /* How a grid is cut: strips of columns, rows of a block. */
@@ -180,13 +184,14 @@ static __device__ inline void keep_pulls(struct marcher<TIES, B> *w,
  * writes passed to the other half, and x where row j - 1 was, which none
  * reads any more. */
 template <int TIES, class B, class X, class END>
-static __global__ void __launch_bounds__(march_size<TIES>::threads, 2)
+static __global__ void __launch_bounds__(march_size<TIES, B>::threads,
+                                         march_size<TIES, B>::at_once)
     march_kernel(struct ties<B> t, struct cut c, X x, END end,
                  const int32_t *go)
 {
-    __shared__ vec row[X_ROWS][march_size<TIES>::threads];
+    __shared__ vec row[X_ROWS][march_size<TIES, B>::threads];
     __shared__ vec
-        passed[2][march_size<TIES>::passed][march_size<TIES>::threads];
+        passed[2][march_size<TIES, B>::passed][march_size<TIES, B>::threads];
     struct marcher<TIES, B> w = {
     };
     if (go && !*go)
@@ -206,7 +211,7 @@ static __global__ void __launch_bounds__(march_size<TIES>::threads, 2)
     fetch_row(&w, t.block, w.j);
     __syncthreads();
     for (; w.j < bottom; w.j++) {
-        vec(*pass)[march_size<TIES>::threads] = passed[w.j % 2];
+        vec(*pass)[march_size<TIES, B>::threads] = passed[w.j % 2];
         struct place at = place_in(&w, w.j);
         struct place come = place_in(&w, w.j + X_ROWS - 1);
         decltype(take(&x, come)) parts = {};
@@ -272,7 +277,7 @@ template <int TIES, class B, class X, class END>
 static void march(struct gpu *g, struct ties<B> t, X x, END end,
                   const int32_t *go)
 {
-    const int most_wide = march_size<TIES>::threads - 2 * REACH;
+    const int most_wide = march_size<TIES, B>::threads - 2 * REACH;
     if (!marches(t.g)) {
         LAUNCH(g, (int64_t)t.g.m * t.g.n, (gather_kernel<TIES, B, X, END>), t,
                x, end, go);
@@ -281,7 +286,8 @@ static void march(struct gpu *g, struct ties<B> t, X x, END end,
     struct cut c;
     c.strips = cut_up(t.g.m, most_wide);
     c.width = cut_up(t.g.m, c.strips);
-    c.rows = cut_up(t.g.n * c.strips, MARCH_BLOCKS);
+    c.rows = cut_up(t.g.n * c.strips,
+                    march_size<TIES, B>::at_once * (int)MARCH_UNITS);
     int threads = cut_up(c.width + 2 * REACH, 32) * 32;
     LAUNCH_BLOCKS(g, c.strips * cut_up(t.g.n, c.rows), threads,
                   (march_kernel<TIES, B, X, END>), t, c, x, end, go);

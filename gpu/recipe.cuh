@@ -24,24 +24,44 @@ struct book {
 };
 
 /* Four times the bilinear weight at (i, j) of a coarse particle at 0. */
-static int hat(int i, int j)
+static __host__ __device__ constexpr int hat(int i, int j)
 {
     int a = i < 0 ? -i : i, b = j < 0 ? -j : j;
     return (a < 2 ? 2 - a : 0) * (b < 2 ? 2 - b : 0);
 }
 
-/* -(wᵢ - wᵢ')(wⱼ - wⱼ') of all ties for coarse direction `to`. */
-template <int TIES> static void write_recipe(struct recipe *r, int to)
+/* -(wᵢ - wᵢ')(wⱼ - wⱼ'), in sixteenths, for coarse direction `to` of the tie o
+ * that starts (di, dj) from the coarse particle's place. */
+template <int TIES>
+static __host__ __device__ constexpr int factor_of(int o, int di, int dj,
+                                                   int to)
 {
     int ci = 2 * toward_i<STENCIL>(to), cj = 2 * toward_j<STENCIL>(to);
+    int zi = di + toward_i<TIES>(o), zj = dj + toward_j<TIES>(o);
+    return -(hat(di, dj) - hat(zi, zj)) *
+           (hat(di - ci, dj - cj) - hat(zi - ci, zj - cj));
+}
+
+/* Where the k-th of AROUND starts. */
+static __host__ __device__ constexpr int around_i(int k)
+{
+    return k % 7 - 3;
+}
+
+static __host__ __device__ constexpr int around_j(int k)
+{
+    return k / 7 - 3;
+}
+
+template <int TIES> static void write_recipe(struct recipe *r, int to)
+{
     memset((void *)r, 0, sizeof *r);
     for (int k = 0; k < TIES * AROUND; k++) {
-        int o = k / AROUND, di = k % AROUND % 7 - 3, dj = k % AROUND / 7 - 3;
-        int zi = di + toward_i<TIES>(o), zj = dj + toward_j<TIES>(o);
-        int a = hat(di, dj) - hat(zi, zj);
-        int b = hat(di - ci, dj - cj) - hat(zi - ci, zj - cj);
-        struct term t = {(int8_t)o, (int8_t)di, (int8_t)dj, (int8_t)(-a * b)};
-        if (a * b != 0 && r->terms < TERMS)
+        int o = k / AROUND;
+        int di = around_i(k % AROUND), dj = around_j(k % AROUND);
+        int factor = factor_of<TIES>(o, di, dj, to);
+        struct term t = {(int8_t)o, (int8_t)di, (int8_t)dj, (int8_t)factor};
+        if (factor != 0 && r->terms < TERMS)
             r->term[r->terms++] = t;
     }
 }
