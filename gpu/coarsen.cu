@@ -21,14 +21,32 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     find(&s, place_of(c, item));
 }
 
-/* A thread owns an item; where `cut`, those of tiles are done. */
+/* A thread owns an item. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     coarsen_kernel(struct coarsen s, struct grid c,
-                   const __grid_constant__ struct book book, bool cut)
+                   const __grid_constant__ struct book book)
 {
     ITEM(item, (STENCIL + 1) * s.n_coarse);
-    if (!cut || s.coarse_rule[item % s.n_coarse])
-        make_item<8>(&s, c, &book, item);
+    make_item<8>(&s, c, &book, item);
+}
+
+/* What tiles leave out: a block owns the items of GPU_BLOCK coarse particles,
+ * of those that a rule matters to, a thread every so-many-th. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    coarsen_cut_kernel(struct coarsen s, struct grid c,
+                       const __grid_constant__ struct book book)
+{
+    __shared__ int32_t cut[GPU_BLOCK], n;
+    int t = (int)threadIdx.x;
+    int64_t p = (int64_t)blockIdx.x * GPU_BLOCK + t;
+    if (t == 0)
+        n = 0;
+    __syncthreads();
+    if (p < s.n_coarse && s.coarse_rule[p])
+        cut[atomicAdd(&n, 1)] = (int32_t)p;
+    __syncthreads();
+    for (int k = t; k < (STENCIL + 1) * n; k += GPU_BLOCK)
+        make_item<8>(&s, c, &book, k / n * s.n_coarse + cut[k % n]);
 }
 
 /* Thread p of the coarse particles owns factor[p] and coarse_rule[p]; reads
@@ -42,6 +60,19 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     make_rule(&s, c, at);
 }
 
+static void coarsen_by_tiles(struct gpu *g, const struct coarsen *s,
+                             struct grid c, const struct book *book)
+{
+    if (s->n_live > 0)
+        LAUNCH_BLOCKS(g, tiles_of(c), TILE_BLOCK, coarsen_tile_kernel<SPRINGS>,
+                      *s, c);
+    else
+        LAUNCH_BLOCKS(g, tiles_of(c), TILE_BLOCK, coarsen_tile_kernel<STENCIL>,
+                      *s, c);
+    LAUNCH_BLOCKS(g, (s->n_coarse + GPU_BLOCK - 1) / GPU_BLOCK, GPU_BLOCK,
+                  coarsen_cut_kernel, *s, c, *book);
+}
+
 int gpu_coarsen(struct gpu *g, struct coarsen *s)
 {
     struct grid c = {s->m / 2 + 1, s->n / 2 + 1};
@@ -53,14 +84,10 @@ int gpu_coarsen(struct gpu *g, struct coarsen *s)
         return DRAPE_EARG;
     const struct book *book = springs ? book_of<SPRINGS>() : book_of<STENCIL>();
     LAUNCH(g, s->n_coarse, coarsen_find_kernel, *s, c);
-    bool tiles = s->n_coarse >= TILES_LEAST;
-    if (tiles && springs)
-        LAUNCH_BLOCKS(g, tiles_of(c), TILE_BLOCK, coarsen_tile_kernel<SPRINGS>,
-                      *s, c);
-    else if (tiles)
-        LAUNCH_BLOCKS(g, tiles_of(c), TILE_BLOCK, coarsen_tile_kernel<STENCIL>,
-                      *s, c);
-    LAUNCH(g, (STENCIL + 1) * s->n_coarse, coarsen_kernel, *s, c, *book, tiles);
+    if (s->n_coarse >= TILES_LEAST)
+        coarsen_by_tiles(g, s, c, book);
+    else
+        LAUNCH(g, (STENCIL + 1) * s->n_coarse, coarsen_kernel, *s, c, *book);
     LAUNCH(g, s->n_coarse, coarsen_factor_kernel, *s, c);
     return gpu_status(g);
 }

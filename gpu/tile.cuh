@@ -56,22 +56,35 @@ static __device__ inline sym at_tile(const struct tile *t, int i, int j, int di,
 }
 
 /* Of blocks, those of live ties in the grid; 0, which changes no sum, for the
- * others. live: NULL: all are. */
+ * others. live: NULL: all are. AHEAD are read before the first is written, as a
+ * block has nothing else to wait for. */
 static __device__ inline void read_tile(struct tile *t, const struct coarsen *s,
                                         struct place corner, const sym *block,
                                         const uint8_t *live, int o)
 {
+    enum { AHEAD = 3, WIDE = 2 * TILE_WIDE, COUNT = WIDE * TILE_HIGH };
     struct grid f = {s->m, s->n};
-    for (int k = (int)threadIdx.x; k < 2 * TILE_WIDE * TILE_HIGH;
-         k += TILE_BLOCK) {
-        int x = k % (2 * TILE_WIDE), y = k / (2 * TILE_WIDE);
-        int i = 2 * corner.i - 3 + x, j = 2 * corner.j - 3 + y;
-        sym b = {0, 0, 0, 0, 0, 0};
-        bool good = within(f, i, j);
-        int p = good ? i + f.m * j : 0;
-        if (good && (!live || live[p] >> o & 1))
-            b = fetch(block + p);
-        set_at(t, x, y, b);
+    for (int first = (int)threadIdx.x; first < COUNT;
+         first += AHEAD * TILE_BLOCK) {
+        sym b[AHEAD];
+        bool good[AHEAD];
+        UNROLL
+        for (int k = 0; k < AHEAD; k++) {
+            int at = first + k * TILE_BLOCK;
+            int i = 2 * corner.i - 3 + at % WIDE;
+            int j = 2 * corner.j - 3 + at / WIDE;
+            good[k] = within(f, i, j);
+            int p = good[k] ? i + f.m * j : 0;
+            b[k] = fetch(block + p);
+            good[k] = good[k] && (!live || live[p] >> o & 1);
+        }
+        UNROLL
+        for (int k = 0; k < AHEAD; k++) {
+            int at = first + k * TILE_BLOCK;
+            if (at < COUNT)
+                set_at(t, at % WIDE, at / WIDE,
+                       good[k] ? b[k] : sym{0, 0, 0, 0, 0, 0});
+        }
     }
 }
 
