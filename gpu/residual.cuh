@@ -23,35 +23,23 @@ static __device__ inline struct wide less(struct wide r, sym a, struct wide d)
                         dot(wide3(xz, yz, zz), d)));
 }
 
-/* b - A (x + low) at one particle. AHEAD directions are read before the first
- * is used, as a thread has nothing else to wait for. */
+/* b - A (x + low) at one particle. */
 static __device__ inline vec left_over(const struct residual *s,
                                        struct place at)
 {
-    enum { AHEAD = 2 };
     struct grid g = {s->m, s->n};
     struct wide x = whole(s, at.p);
     struct wide r = axpy(widen(s->b[at.p]), -(double)s->mass[at.p], x);
     if (s->n_extra)
         r = less(r, s->extra[at.p], x);
-    UNROLL
-    for (int first = 0; first < SPRINGS; first += AHEAD) {
-        sym block[2 * AHEAD];
-        struct wide there[2 * AHEAD];
-        bool tied[2 * AHEAD];
-        UNROLL
-        for (int k = 0; k < 2 * AHEAD; k++) {
-            int o = first + k / 2, sign = k % 2 ? 1 : -1;
-            int di = sign * forward_i(o), dj = sign * forward_j(o);
-            tied[k] = within(g, at.i + di, at.j + dj);
-            int p = tied[k] ? at.p + di + g.m * dj : at.p;
-            block[k] = fetch(s->block + o * s->count + (k % 2 ? at.p : p));
-            there[k] = whole(s, p);
-        }
-        UNROLL
-        for (int k = 0; k < 2 * AHEAD; k++)
-            if (tied[k])
-                r = less(r, block[k], sub(x, there[k]));
+    for (int o = 0; o < SPRINGS; o++) {
+        const sym *block = s->block + o * s->count;
+        int di = forward_i(o), dj = forward_j(o);
+        int before = at.p - (di + g.m * dj), after = at.p + (di + g.m * dj);
+        if (within(g, at.i - di, at.j - dj))
+            r = less(r, fetch(block + before), sub(x, whole(s, before)));
+        if (within(g, at.i + di, at.j + dj))
+            r = less(r, fetch(block + at.p), sub(x, whole(s, after)));
     }
     return narrowed(r);
 }
