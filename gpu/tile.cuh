@@ -18,7 +18,7 @@ enum {
     TILE_BLOCK = TILE_I * TILE_J,
     TILE_WIDE = TILE_I + 3, /* of either parity */
     TILE_HIGH = 2 * TILE_J + 3,
-    SYM = 6
+    SYM = 6 /* numbers of a block */
 };
 
 struct tile {
@@ -27,8 +27,8 @@ struct tile {
 
 static_assert(sizeof(struct tile) <= 49152, "a block's shared memory");
 
-/* The coarse particle of a thread. */
-struct cook {
+/* Of a thread's coarse particle. */
+struct sums {
     struct place at; /* p only where it is one */
     int i, j;        /* in its tile */
     sym sum[STENCIL];
@@ -90,8 +90,8 @@ static __device__ inline void read_tile(struct tile *t, const struct coarsen *s,
 
 /* ---- the recipes, unrolled ---- */
 
-/* C++14 has no folds: what is to be done one after another gives bools, of
- * which a list is made, for nothing. */
+/* C++14 has no folds: what is to be done one after another returns a bool, and
+ * of these a list is made, which is defined to be done in order. */
 
 /* Whether the tie o that starts at the k-th place is anyone's. */
 template <int TIES> static __device__ constexpr bool used(int o, int k)
@@ -104,7 +104,7 @@ template <int TIES> static __device__ constexpr bool used(int o, int k)
 
 /* Tie O that starts at the K-th place, b, in coarse direction TO. */
 template <int TIES, int O, int K, int TO>
-static __device__ inline bool add_term(struct cook *c, sym b)
+static __device__ inline bool add_term(struct sums *c, sym b)
 {
     constexpr int w = factor_of<TIES>(O, around_i(K), around_j(K), TO);
     if (w != 0)
@@ -113,7 +113,7 @@ static __device__ inline bool add_term(struct cook *c, sym b)
 }
 
 template <int TIES, int O, int K, int... TO>
-static __device__ inline bool add_tie(struct cook *c, const struct tile *t,
+static __device__ inline bool add_tie(struct sums *c, const struct tile *t,
                                       std::integer_sequence<int, TO...>)
 {
     constexpr bool wanted = used<TIES>(O, K);
@@ -126,7 +126,7 @@ static __device__ inline bool add_tie(struct cook *c, const struct tile *t,
 }
 
 template <int TIES, int O, int... K>
-static __device__ inline void add_ties(struct cook *c, const struct tile *t,
+static __device__ inline void add_ties(struct sums *c, const struct tile *t,
                                        std::integer_sequence<int, K...>)
 {
     typedef std::make_integer_sequence<int, STENCIL> directions;
@@ -136,7 +136,7 @@ static __device__ inline void add_ties(struct cook *c, const struct tile *t,
 
 /* Direction O: the tile is read by all, then used by all. */
 template <int TIES, int O>
-static __device__ inline bool add_direction(struct cook *c, struct tile *t,
+static __device__ inline bool add_direction(struct sums *c, struct tile *t,
                                             const struct coarsen *s,
                                             struct place corner)
 {
@@ -150,7 +150,7 @@ static __device__ inline bool add_direction(struct cook *c, struct tile *t,
 
 template <int TIES, int... O>
 static __device__ inline void
-add_all(struct cook *c, struct tile *t, const struct coarsen *s,
+add_all(struct sums *c, struct tile *t, const struct coarsen *s,
         struct place corner, std::integer_sequence<int, O...>)
 {
     const bool each[] = {add_direction<TIES, O>(c, t, s, corner)...};
@@ -172,7 +172,7 @@ static __device__ inline sym shared_of(const struct tile *t, int i, int j,
     return sum;
 }
 
-static __device__ inline void add_shares(struct cook *c, const struct tile *t)
+static __device__ inline void add_shares(struct sums *c, const struct tile *t)
 {
     UNROLL
     for (int o = 0; o < STENCIL; o++) {
@@ -190,7 +190,7 @@ static __global__ void __launch_bounds__(TILE_BLOCK, 2)
     coarsen_tile_kernel(struct coarsen s, struct grid g)
 {
     __shared__ struct tile t;
-    struct cook c = {};
+    struct sums c = {};
     int tiles = (g.m + TILE_I - 1) / TILE_I, k = (int)blockIdx.x;
     struct place corner = {0, k % tiles * TILE_I, k / tiles * TILE_J};
     c.i = (int)threadIdx.x % TILE_I;
