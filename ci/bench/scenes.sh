@@ -123,6 +123,7 @@ collect() {
 }
 watcher=
 trap collect EXIT
+trap 'exit 3' INT TERM
 
 # go SCENE MODE FRAMES: brings this run to that frame, from where it is
 go() {
