@@ -343,8 +343,7 @@ format: ## clang-format everything in place
 	  gpu/* oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch])
 
 # The analyzer's search is cut at 20000 nodes (225000 usually) for the time
-# it takes: paths that only a longer search finds are not looked at. Of
-# ref/extent.c it does not know that a row is whole vecs (join_few).
+# it takes: paths that only a longer search finds are not looked at.
 TIDY := -std=c17 -I. -Ispec -D_POSIX_C_SOURCE=200809L -DTARGET=NULL \
         -Xclang -analyzer-config -Xclang max-nodes=20000
 tidy: ## clang-tidy over our C
