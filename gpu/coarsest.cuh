@@ -27,30 +27,49 @@ static __device__ inline void fetch_coarsest(const struct coarsest *s,
     }
 }
 
-/* z = A⁻¹ b by one rank of at least DENSE threads, all of which must call it, a
- * being seen by all after a barrier of theirs. Thread i owns x[i]: both ways,
- * each unknown that is known is taken from those that are not. */
-static __device__ inline void solve_coarsest(const struct coarsest *s,
-                                             const double *a, double *x,
-                                             const vec *b, vec *z)
+/* z = A⁻¹ b by a rank's first warp, a being seen by all after a barrier of
+ * theirs. A lane owns an unknown, or two: both ways, each that is known is
+ * taken from those that are not. */
+static __device__ inline void
+solve_coarsest(const struct coarsest *s, const double *a, const vec *b, vec *z)
 {
+    enum { WARP = 32, OWN = 2 };
+    static_assert(OWN * WARP >= DENSE, "unknowns of a warp");
     int n = 3 * (int)s->count, pitch = dense_pitch(n), t = rank_thread();
-    if (t < n)
-        x[t] = (double)((const real *)b)[t];
+    double x[OWN] = {0, 0};
+    if (t >= whole_warps(1))
+        return;
+    int end = t < WARP ? n : 0; /* a lane's are t and t + WARP before it */
+    UNROLL
+    for (int e = 0; e < OWN; e++)
+        if (t + WARP * e < end)
+            x[e] = (double)((const real *)b)[t + WARP * e];
     for (int k = 0; k < n; k++) {
-        __syncthreads();
-        if (t > k && t < n)
-            x[t] -= a[t * pitch + k] * x[k];
+        double known = lane_value(k < WARP ? x[0] : x[1], k % WARP);
+        UNROLL
+        for (int e = 0; e < OWN; e++) {
+            int i = t + WARP * e;
+            if (i > k && i < end)
+                x[e] -= a[i * pitch + k] * known;
+        }
     }
-    if (t < n)
-        x[t] *= a[t * pitch + t];
+    UNROLL
+    for (int e = 0; e < OWN; e++)
+        if (t + WARP * e < end)
+            x[e] *= a[(t + WARP * e) * (pitch + 1)];
     for (int k = n - 1; k >= 0; k--) {
-        __syncthreads();
-        if (t < k)
-            x[t] -= a[k * pitch + t] * x[k];
+        double known = lane_value(k < WARP ? x[0] : x[1], k % WARP);
+        UNROLL
+        for (int e = 0; e < OWN; e++) {
+            int i = t + WARP * e;
+            if (i < k && i < end)
+                x[e] -= a[k * pitch + i] * known;
+        }
     }
-    if (t < n)
-        ((real *)z)[t] = (real)x[t];
+    UNROLL
+    for (int e = 0; e < OWN; e++)
+        if (t + WARP * e < end)
+            ((real *)z)[t + WARP * e] = (real)x[e];
 }
 
 #endif

@@ -41,7 +41,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 {
     ITEM(k, s.count);
     if (!s.fixed[k])
-        advance(&s, k, scale(alpha, s.p[k]));
+        advance(&s.dv[k], &s.low[k], scale(alpha, s.p[k]));
 }
 
 /* q = A x, 0 where fixed. */

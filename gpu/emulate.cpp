@@ -52,6 +52,7 @@ struct gpu *gpu_open(const drape_def *def, int *status)
     g->stream = def && def->stream ? def->stream : g;
     g->number = -1;
     g->ranks = EMULATE_RANKS;
+    g->crowd = 1;
     g->room = EMULATE_ROOM;
     g->words =
         (int64_t *)gpu_take(g, ARENA_SCRATCH, GPU_ALL_WORDS, sizeof *g->words);

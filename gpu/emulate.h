@@ -69,17 +69,29 @@ void emulate_copy(void *to, const void *from, size_t bytes);
 void emulate_copies_group(void);
 void emulate_copies_end(int left);
 
-/* The value of the thread of the same warp whose number differs by `mask`.
- * All threads of a block must call it, as it synchronises them here. */
+/* The value of another thread of the same warp, to which all threads of a
+ * block, in a team of a rank, must come, as it synchronises them here. */
 extern __thread unsigned char emulate_lane[1024][8];
-template <class T> T __shfl_xor_sync(unsigned, T value, int mask)
+template <class T> T emulate_from(T value, unsigned thread)
 {
-    unsigned t = threadIdx.x;
-    memcpy(emulate_lane[t], &value, sizeof value);
+    memcpy(emulate_lane[threadIdx.x], &value, sizeof value);
     emulate_meet();
-    memcpy(&value, emulate_lane[t ^ (unsigned)mask], sizeof value);
+    memcpy(&value, emulate_lane[thread], sizeof value);
     emulate_meet();
     return value;
+}
+template <class T> T __shfl_xor_sync(unsigned, T value, int mask)
+{
+    return emulate_from(value, threadIdx.x ^ (unsigned)mask);
+}
+template <class T> T __shfl_up_sync(unsigned, T value, unsigned by)
+{
+    unsigned t = threadIdx.x;
+    return emulate_from(value, t % 32 < by ? t : t - by);
+}
+template <class T> T __shfl_sync(unsigned, T value, int lane)
+{
+    return emulate_from(value, threadIdx.x / 32 * 32 + (unsigned)lane);
 }
 
 /* Blocks run one after another, and nothing is cached. */

@@ -43,8 +43,8 @@ static __device__ inline bool within(struct grid g, int32_t i, int32_t j)
     return (uint32_t)i < (uint32_t)g.m && (uint32_t)j < (uint32_t)g.n;
 }
 
-/* A block, by words as wide as its place allows: fetch_once where it is not
- * read again soon. */
+/* A block, by words as wide as its place allows: fetch_once and store_once
+ * where it is not needed again soon. */
 #if defined __CUDACC__
 #if REAL_BITS == 32
 typedef float2 real2;
@@ -65,6 +65,16 @@ static __device__ inline sym fetch_once(const sym *a)
     const real2 *b = (const real2 *)a;
     return joined(__ldcs(b), __ldcs(b + 1), __ldcs(b + 2));
 }
+static __device__ inline vec fetch_once(const vec *a)
+{
+    return make(__ldcs(&a->x), __ldcs(&a->y), __ldcs(&a->z));
+}
+static __device__ inline void store_once(vec *to, vec a)
+{
+    __stcs(&to->x, a.x);
+    __stcs(&to->y, a.y);
+    __stcs(&to->z, a.z);
+}
 #else
 struct real2 {
     real x, y;
@@ -76,6 +86,14 @@ static inline sym fetch(const sym *a)
 static inline sym fetch_once(const sym *a)
 {
     return *a;
+}
+static inline vec fetch_once(const vec *a)
+{
+    return *a;
+}
+static inline void store_once(vec *to, vec a)
+{
+    *to = a;
 }
 #endif
 

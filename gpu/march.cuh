@@ -207,30 +207,37 @@ static __global__ void __launch_bounds__(march_size<TIES, B>::threads,
     bool mine = lane >= REACH && lane < c.width + REACH && w.i < t.g.m;
     for (int k = 0; k < X_ROWS - 1; k++)
         row[(w.j + k) % X_ROWS][lane] = value_at(&x, place_in(&w, w.j + k));
-    vec next = value_at(&x, place_in(&w, w.j + X_ROWS - 1));
+    decltype(take(&x, place_in(&w, 0))) come = {};
+    constexpr bool EARLY =
+        MARCH_AHEAD && !(march_size<TIES, B>::slim && sizeof come > 32);
+    vec next = {};
+    if (EARLY)
+        come = take(&x, place_in(&w, w.j + X_ROWS - 1));
+    else if (!MARCH_AHEAD)
+        next = value_at(&x, place_in(&w, w.j + X_ROWS - 1));
     fetch_row(&w, t.block, w.j);
     __syncthreads();
     for (; w.j < bottom; w.j++) {
         vec(*pass)[march_size<TIES, B>::threads] = passed[w.j % 2];
         struct place at = place_in(&w, w.j);
-        struct place come = place_in(&w, w.j + X_ROWS - 1);
-        decltype(take(&x, come)) parts = {};
         decltype(about(&end, at)) own = {};
         struct base base = {};
         bool owns = mine && w.j >= w.top;
-        if (MARCH_AHEAD)
-            parts = take(&x, come);
+        if (MARCH_AHEAD && !EARLY)
+            come = take(&x, place_in(&w, w.j + X_ROWS - 1));
         if (MARCH_AHEAD && owns) {
             own = about(&end, at);
             base = base_of<TIES>(&t, at.p);
         }
         pull_row(&w, row, pass);
-        row[(w.j + X_ROWS - 1) % X_ROWS][lane] =
-            MARCH_AHEAD ? made(&x, parts, come) : next;
-        if (!MARCH_AHEAD)
-            next = value_at(&x, place_in(&w, w.j + X_ROWS));
         if (w.j + 1 < bottom)
             fetch_row(&w, t.block, w.j + 1);
+        row[(w.j + X_ROWS - 1) % X_ROWS][lane] =
+            MARCH_AHEAD ? made(&x, come, place_in(&w, w.j + X_ROWS - 1)) : next;
+        if (EARLY)
+            come = take(&x, place_in(&w, w.j + X_ROWS));
+        else if (!MARCH_AHEAD)
+            next = value_at(&x, place_in(&w, w.j + X_ROWS));
         __syncthreads();
         if (MARCH_AHEAD && owns) {
             vec y = own_part<TIES>(&t, base, w.here);

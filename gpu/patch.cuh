@@ -15,9 +15,11 @@ struct patch {
     int32_t reach;        /* the most steps from p to who reads its x */
     int32_t far;          /* ranks to each side that they may belong to */
     int64_t inverse;      /* p · inverse / 2^32 is p / share */
+    int64_t across;       /* likewise p / m */
     bool alone;           /* all are rank 0's */
-    bool united;          /* threads share the work of a particle */
-    int32_t table;        /* places of the ties, of which the room has a copy */
+    int32_t shift;        /* 2^shift threads share a row of the product */
+    int32_t table;        /* place of struct tie [STENCIL] */
+    int32_t rules;        /* place of the rules of all particles */
     /* block o of the rank's particles and of those before that lead to them */
     int32_t tie[STENCIL];
     int32_t factor, excess; /* [share] */
@@ -27,12 +29,21 @@ struct patch {
     const uint8_t *rule;
 };
 
+/* Tie o of a grid in a room: (di, dj), how many particles further that is, and
+ * where the blocks of the ties lie that end at the rank's first particle, were
+ * there one, and that start there. */
+struct alignas(16) tie {
+    int16_t di, dj;
+    int32_t step, in, out;
+};
+
 /* A rank's run of a grid: its first particle, how many, and the first one
  * whose x it has; and what a row of the product needs besides. */
 struct run {
     int first, own, low;
     int table;
     struct grid g;
+    int64_t across;
 };
 
 /* Steps from a particle to the end of its tie o; 0 where it never has one. */
@@ -58,7 +69,13 @@ static __device__ inline struct run run_of(const struct patch *l)
 {
     int rank = team_rank(), first = least(rank * l->share, l->count);
     int own = least(l->share, l->count - first);
-    return run{first, own, low_of(l, rank), l->table, l->g};
+    return run{first, own, low_of(l, rank), l->table, l->g, l->across};
+}
+
+static __device__ inline struct place place_in(struct run r, int p)
+{
+    int j = (int)(p * r.across >> 32);
+    return place{p, p - j * r.g.m, j};
 }
 
 /* The streams of the room. */
@@ -72,11 +89,36 @@ static __device__ inline vec *vecs(int at)
     return (vec *)(team_room() + at);
 }
 
+static __device__ inline struct tie *ties_at(int at)
+{
+    return (struct tie *)(team_room() + at);
+}
+
+static __device__ inline uint8_t *rules_of(const struct patch *l)
+{
+    return (uint8_t *)(team_room() + l->rules);
+}
+
+/* Blocks of tie o that a rank has of particles before its own. */
+static __device__ inline int tie_before(const struct patch *l, struct run r,
+                                        int o)
+{
+    return least(tie_step(l->g, o), r.first);
+}
+
+static __device__ inline struct tie tie_in(const struct patch *l, struct run r,
+                                           int o)
+{
+    int di = toward_i<STENCIL>(o), dj = toward_j<STENCIL>(o);
+    int step = di + r.g.m * dj, size = (int)sizeof(sym);
+    int out = l->tie[o] + tie_before(l, r, o) * size;
+    return tie{(int16_t)di, (int16_t)dj, step, out - step * size, out};
+}
+
 /* All threads of a rank take turns at the particles of its run. */
 #define EACH_OF(r, at)                                                         \
-    for (struct place at = place_of((r).g, (r).first + rank_thread());         \
-         at.p < (r).first + (r).own;                                           \
-         at = place_of((r).g, at.p + rank_threads()))
+    for (struct place at = place_in(r, (r).first + rank_thread());             \
+         at.p < (r).first + (r).own; at = place_in(r, at.p + rank_threads()))
 
 /* x or y of a particle to all ranks that read it. */
 static __device__ inline void spread(const struct patch *l, int to, int p,
@@ -109,10 +151,12 @@ static int64_t lay_patch(struct patch *l, int64_t at, bool last)
         l->tie[o] = (int32_t)at;
         at += tie_size(l, o) * (int)sizeof(sym);
     }
-    int64_t size[] = {share * (int)sizeof(sym),      share * (int)sizeof(sym),
-                      wide * (int)sizeof(vec),       wide * (int)sizeof(vec),
-                      share * (int)sizeof(vec),      share * (int)sizeof(vec),
-                      STENCIL * (int)sizeof(int32_t)};
+    at = (at + 15) / 16 * 16;
+    int64_t size[] = {
+        share * (int)sizeof(sym),         share * (int)sizeof(sym),
+        wide * (int)sizeof(vec),          wide * (int)sizeof(vec),
+        share * (int)sizeof(vec),         share * (int)sizeof(vec),
+        STENCIL * (int)sizeof(struct tie)};
     int32_t *place[] = {&l->factor, &l->excess, &l->x,    &l->y,
                         &l->b,      &l->d,      &l->table};
     for (int k = 0; k < 7; k++) {
@@ -133,6 +177,7 @@ static struct patch patch_of(const struct level *l, int ranks)
     p.reach = 2 * l->g.m + 2;
     p.far = ranks == 1 ? 0 : (p.reach + p.share - 1) / p.share;
     p.inverse = ((INT64_C(1) << 32) + p.share - 1) / p.share;
+    p.across = ((INT64_C(1) << 32) + l->g.m - 1) / l->g.m;
     p.block_from = l->block;
     p.factor_from = l->factor;
     p.excess_from = l->excess;

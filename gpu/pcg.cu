@@ -7,8 +7,9 @@
 #include "gpu/level.cuh"
 #include "gpu/loop.cuh"
 
-/* Iterations of a turn; of multigrid more than one where a look takes longer
- * than what would be queued for nothing, and an even number in a loop. */
+/* Iterations of a turn, an even number in a loop, as where it begins p does:
+ * of multigrid more than one where a look takes longer than what would be
+ * queued for nothing. */
 enum {
     TURN = 8,
     TURN_MOST = 32,
@@ -77,6 +78,13 @@ static void multiply(struct gpu *g, struct pcg *s, struct course *c,
                   room, true);
 }
 
+/* Whether every second step waits for the next: where bytes are what takes
+ * time, not launches. */
+static bool pairs_steps(const struct pcg *s)
+{
+    return !s->n_cdf && marches(grid{s->m, s->n});
+}
+
 /* Iteration k of all that are queued: where the matrix is compact p changes
  * places, as neighbours read the last one. */
 static void iterate(struct gpu *g, struct pcg *s, struct course *c,
@@ -93,8 +101,10 @@ static void iterate(struct gpu *g, struct pcg *s, struct course *c,
                       c, room, false);
     }
     multiply(g, s, c, room, p, to);
-    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_update_kernel, *s, c, room,
-                  to);
+    bool waits = pairs_steps(s) && to == s->p;
+    int64_t blocks = UPDATES * g->crowd;
+    LAUNCH_BLOCKS(g, blocks < s->n_chunks ? blocks : s->n_chunks, SUM_CHUNK,
+                  pcg_update_kernel, *s, c, room, waits ? NULL : to);
 }
 
 /* Queues iterations, of all so far from `queued` on, and the residual. */
@@ -106,6 +116,8 @@ static void take_turn(struct gpu *g, struct pcg *s, struct course *c,
                       room);
     for (int k = 0; k < iterations; k++)
         iterate(g, s, c, room, queued + k);
+    if (pairs_steps(s))
+        LAUNCH(g, s->count, pcg_settle_kernel, *s, c);
     LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
 }
 
@@ -169,7 +181,8 @@ static bool loop(struct gpu *g, struct pcg *s, struct course *c,
 {
     struct solve_key key;
     auto launch = [&] {
-        take_turn(g, s, c, room, 0, room.jacobi ? (int)TURN : (int)TURN_LOOP);
+        take_turn(g, s, c, room, 0,
+                  room.jacobi ? (int)TURN_MOST : (int)TURN_LOOP);
         return (int)DRAPE_OK;
     };
     write_key(&key, s, c, &room);

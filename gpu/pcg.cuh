@@ -22,6 +22,8 @@ struct course {
     int32_t again;   /* 1: more of the same, 0: the host is to look */
     int32_t outcome; /* enum pcg_outcome */
     int32_t iterations, fell_back;
+    int32_t waits; /* 1: dv has yet to move by `late` times p */
+    real late;
     real square, most;       /* |r|² at first, what residual is relative to */
     real left, before, from; /* |r|² as it goes, residual, scale */
     real rho, alpha, beta;
@@ -156,15 +158,12 @@ static __device__ inline real two_sum(real *a, real b)
     return error;
 }
 
-/* §3: dv + low += d at particle k. */
-static __device__ inline void advance(const struct pcg *s, int64_t k, vec d)
+/* §3: x + low += d. */
+static __device__ inline void advance(vec *x, vec *low, vec d)
 {
-    vec x = s->dv[k], low = s->low[k];
-    low.x += two_sum(&x.x, d.x);
-    low.y += two_sum(&x.y, d.y);
-    low.z += two_sum(&x.z, d.z);
-    s->dv[k] = x;
-    s->low[k] = low;
+    low->x += two_sum(&x->x, d.x);
+    low->y += two_sum(&x->y, d.y);
+    low->z += two_sum(&x->z, d.z);
 }
 
 /* A world's p and q lie one behind the other, before a stream [count] that has

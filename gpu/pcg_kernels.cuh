@@ -18,7 +18,9 @@ struct room {
 };
 
 /* Of these kernels block k owns chunk k of the particles, a thread a particle;
- * the block that ends last moves the course on. */
+ * the block that ends last moves the course on. Of an update there are UPDATES
+ * blocks at most on a multiprocessor. */
+enum { UPDATES = 8 };
 
 #define PARTICLE(k) int64_t k = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x
 
@@ -51,7 +53,7 @@ static __device__ real begin_from(const struct pcg *s, const struct room *room,
         open_at(&room->opening, k, r);
         return 0;
     }
-    vec z = solved(s->factor[k], r);
+    vec z = solved(fetch_once(s->factor + k), r);
     s->s[k] = z;
     return dot(r, z);
 }
@@ -81,6 +83,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         begin(&s, c, sum);
     else
         judge(&s, c, sum);
+    c->waits = 0;
     c->again = c->phase != PHASE_DONE && (room.jacobi || !c->fell_back);
 }
 
@@ -114,29 +117,58 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         enter(&s, c, sum);
 }
 
-/* Writes dv[k], low[k], r[k] and what starts from r[k]; p of the step. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
+/* dv + low of particle k by the step that waits, and by `alpha` times p. */
+static __device__ void move(const struct pcg *s, const struct course *c,
+                            int64_t k, const vec *p, real alpha)
+{
+    vec x = fetch_once(s->dv + k), low = fetch_once(s->low + k);
+    if (c->waits)
+        advance(&x, &low, scale(c->late, s->p[k]));
+    if (p)
+        advance(&x, &low, scale(alpha, p[k]));
+    store_once(s->dv + k, x);
+    store_once(s->low + k, low);
+}
+
+/* Writes dv[k], low[k], r[k] and what starts from r[k]; p of the step, NULL
+ * where it is s.p and waits for the next one, so that dv and low are touched
+ * once for both. A block takes turns at chunks. */
+static __global__ void __launch_bounds__(SUM_CHUNK, UPDATES)
     pcg_update_kernel(struct pcg s, struct course *c, struct room room,
                       const vec *p)
 {
-    PARTICLE(k);
+    real value[2], sum[2], alpha = c->alpha;
     if (!c->go)
         return;
-    real value[2] = {0, 0}, sum[2];
-    if (k < s.count) {
-        real alpha = c->alpha;
-        if (!s.fixed[k])
-            advance(&s, k, scale(alpha, p[k]));
-        vec r = axpy(s.r[k], -alpha, s.q[k]);
-        s.r[k] = r;
-        value[0] = dot(r, r);
-        value[1] = begin_from(&s, &room, (int)k, r);
+    for (int64_t here = blockIdx.x; here < s.n_chunks; here += gridDim.x) {
+        int64_t k = here * SUM_CHUNK + threadIdx.x;
+        value[0] = value[1] = 0;
+        if (k < s.count) {
+            if (p && !s.fixed[k])
+                move(&s, c, k, p, alpha);
+            vec r = axpy(s.r[k], -alpha, s.q[k]);
+            s.r[k] = r;
+            value[0] = dot(r, r);
+            value[1] = begin_from(&s, &room, (int)k, r);
+        }
+        put_sums<2>(value, s.n_chunks, here, room.chunk);
     }
-    if (!grid_sums<2>(value, room.chunk, &c->ticket, sum) || threadIdx.x)
+    if (!all_sums<2>(s.n_chunks, room.chunk, &c->ticket, sum) || threadIdx.x)
         return;
+    c->waits = !p;
+    c->late = c->alpha;
     leave(&s, c, sum[0]);
     if (room.jacobi && c->go)
         enter(&s, c, sum[1]);
+}
+
+/* The step that waits when iterations have ended; the residual is next. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    pcg_settle_kernel(struct pcg s, const struct course *c)
+{
+    ITEM(k, s.count);
+    if (c->phase == PHASE_ENDED && c->waits && !s.fixed[k])
+        move(&s, c, k, NULL, 0);
 }
 
 #endif

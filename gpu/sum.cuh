@@ -49,30 +49,37 @@ static __device__ inline real chunk_sum(real value)
     return sum;
 }
 
-/* §3: the sum of n chunk sums, which are used up, by one block of SUM_CHUNK,
- * in all of its threads; a warp a chunk. In place: no chunk of the next level
- * is written before those that it overwrites are read. */
-static __device__ inline real finish_sum(int64_t n, real *chunk)
+/* §3: N sums of n chunk sums each, which lie behind each other and are used up,
+ * by one block of SUM_CHUNK, in all of its threads; a warp a chunk of each. In
+ * place: no chunk of the next level is
+ * written before those that it overwrites are read. */
+template <int N>
+static __device__ inline void finish_sums(int64_t n, real *chunk, real sum[N])
 {
-    int t = (int)threadIdx.x;
-    int64_t left = n;
-    while (left > 1) {
-        int64_t chunks = (left + SUM_CHUNK - 1) / SUM_CHUNK;
+    int lane = (int)threadIdx.x % 32, warp = (int)threadIdx.x / 32;
+    for (int64_t left = n, chunks; left > 1; left = chunks) {
+        chunks = (left + SUM_CHUNK - 1) / SUM_CHUNK;
         for (int64_t base = 0; base < chunks; base += SUM_WARPS) {
-            int64_t here = base + t / 32, item = SUM_CHUNK * here + t % 32;
-            real a[SUM_WARPS];
+            int64_t here = base + warp, item = SUM_CHUNK * here + lane;
+            real a[N][SUM_WARPS];
             UNROLL
-            for (int k = 0; k < SUM_WARPS; k++)
-                a[k] = item + 32 * k < left ? __ldcg(&chunk[item + 32 * k]) : 0;
-            real sum = warp_sum(a);
+            for (int e = 0; e < N; e++)
+                for (int k = 0; k < SUM_WARPS; k++)
+                    a[e][k] = item + 32 * k < left
+                                  ? __ldcg(&chunk[e * n + item + 32 * k])
+                                  : 0;
+            UNROLL
+            for (int e = 0; e < N; e++)
+                sum[e] = warp_sum(a[e]);
             __syncthreads();
-            if (t % 32 == 0 && here < chunks)
-                chunk[here] = sum;
+            if (lane == 0 && here < chunks)
+                for (int e = 0; e < N; e++)
+                    chunk[e * n + here] = sum[e];
             __syncthreads();
         }
-        left = chunks;
     }
-    return n ? __ldcg(chunk) : 0;
+    for (int e = 0; e < N; e++)
+        sum[e] = n ? __ldcg(chunk + e * n) : 0;
 }
 
 /* After thread 0 has written its block's chunk sums: whether the block ends
@@ -92,22 +99,38 @@ static __device__ inline bool ends_last(unsigned *ticket)
     return last;
 }
 
-/* The sums of N values of each thread of all blocks of SUM_CHUNK, block k
- * being chunk k: true in the threads of the block that ends last, which get
- * them. chunk [N·gridDim.x] is used up. */
+/* The sums of N values of each thread of all chunks. First each chunk's, by
+ * whatever block of SUM_CHUNK; chunk [N·chunks] is used up. */
+template <int N>
+static __device__ inline void put_sums(const real value[N], int64_t chunks,
+                                       int64_t here, real *chunk)
+{
+    real sum[N];
+    chunk_sums<N>(value, sum);
+    if (threadIdx.x == 0)
+        for (int e = 0; e < N; e++)
+            chunk[e * chunks + here] = sum[e];
+}
+
+/* Then, when a block has put all of its: true in the threads of the one that
+ * ends last, which get the sums. */
+template <int N>
+static __device__ inline bool all_sums(int64_t chunks, real *chunk,
+                                       unsigned *ticket, real sum[N])
+{
+    if (!ends_last(ticket))
+        return false;
+    finish_sums<N>(chunks, chunk, sum);
+    return true;
+}
+
+/* Both, where block k is chunk k. */
 template <int N>
 static __device__ inline bool grid_sums(const real value[N], real *chunk,
                                         unsigned *ticket, real sum[N])
 {
-    chunk_sums<N>(value, sum);
-    if (threadIdx.x == 0)
-        for (int e = 0; e < N; e++)
-            chunk[e * (int64_t)gridDim.x + blockIdx.x] = sum[e];
-    if (!ends_last(ticket))
-        return false;
-    for (int e = 0; e < N; e++)
-        sum[e] = finish_sum(gridDim.x, chunk + e * (int64_t)gridDim.x);
-    return true;
+    put_sums<N>(value, gridDim.x, blockIdx.x, chunk);
+    return all_sums<N>(gridDim.x, chunk, ticket, sum);
 }
 
 /* Blocks for item_sum over n items: a warp a chunk. */
@@ -132,10 +155,7 @@ static __device__ inline bool item_sum(int64_t n, const real *item, real *chunk,
     if (t % 32 == 0 && here < chunks)
         chunk[here] = *sum;
     __syncthreads();
-    if (!ends_last(ticket))
-        return false;
-    *sum = finish_sum(chunks, chunk);
-    return true;
+    return all_sums<1>(chunks, chunk, ticket, sum);
 }
 
 #endif

@@ -9,20 +9,19 @@
 #include "gpu/smooth.cuh"
 
 /* TAIL_LEVELS: most grids; TAIL_ALONE: particles from which down a grid is
- * rank 0's alone, if there is room: its barriers are quicker; TAIL_UNITED:
- * particles of a rank, with fewer each has a thread for every direction. */
+ * rank 0's alone, if there is room: its barriers are quicker. */
 #ifdef __CUDACC__
-enum { TAIL_BLOCK = 512, TAIL_LEVELS = 16, TAIL_ALONE = 200, TAIL_UNITED = 72 };
+enum { TAIL_BLOCK = 512, TAIL_LEVELS = 16, TAIL_ALONE = 200 };
 #else
-enum { TAIL_BLOCK = 64, TAIL_LEVELS = 16, TAIL_ALONE = 30, TAIL_UNITED = 12 };
+enum { TAIL_BLOCK = 64, TAIL_LEVELS = 16, TAIL_ALONE = 30 };
 #endif
 
 struct tail {
     int levels; /* the last is the coarsest */
     struct patch patch[TAIL_LEVELS];
     struct coarsest coarsest;
-    int32_t pull;           /* place of the pulls of a united grid */
-    int32_t dense, unknown; /* of the coarsest's factor, of its unknowns */
+    int32_t rules; /* of all grids but the coarsest */
+    int32_t dense; /* place of the coarsest's factor */
     struct weights w;
     const vec *b, *y; /* the first grid's right-hand side and half-step */
     vec *x;           /* the result there */
@@ -37,11 +36,11 @@ static __device__ inline void fetch_patch(const struct patch *l)
     struct run r = run_of(l);
     int t = rank_thread();
     if (t < STENCIL)
-        ((int32_t *)(team_room() + l->table))[t] = l->tie[t];
+        ties_at(l->table)[t] = tie_in(l, r, t);
     for (int o = t / WARP; o < STENCIL + 2 && r.own > 0;
          o += rank_threads() / WARP) {
         bool tie = o < STENCIL;
-        int before = tie ? least(tie_step(l->g, o), r.first) : 0;
+        int before = tie ? tie_before(l, r, o) : 0;
         const sym *start = tie ? l->block_from + (int64_t)o * l->count
                            : o == STENCIL ? l->factor_from
                                           : l->excess_from;
@@ -53,6 +52,28 @@ static __device__ inline void fetch_patch(const struct patch *l)
 #endif
         for (int k = t % WARP; k < EACH * (r.own + before); k += WARP)
             copy_ahead(to + k, from + k);
+    }
+}
+
+/* The rules of all grids, which lie behind each other. */
+static __device__ inline void fetch_rules(const struct tail *s)
+{
+    enum { AT_ONCE = 12 };
+    const uint8_t *from = s->patch[0].rule;
+    uint8_t *to = rules_of(&s->patch[0]), rule[AT_ONCE];
+    for (int first = rank_thread(); first < s->rules;
+         first += AT_ONCE * rank_threads()) {
+        UNROLL
+        for (int k = 0; k < AT_ONCE; k++) {
+            int e = first + k * rank_threads();
+            rule[k] = e < s->rules ? from[e] : 0;
+        }
+        UNROLL
+        for (int k = 0; k < AT_ONCE; k++) {
+            int e = first + k * rank_threads();
+            if (e < s->rules)
+                to[e] = rule[k];
+        }
     }
 }
 
@@ -82,91 +103,96 @@ static __device__ inline void fetch_vectors(const struct tail *s)
 
 /* ---- a row of A x ---- */
 
-/* The pulls of tie o, which is (di, dj), that ends at a particle and of the one
- * that starts there, 0 where there is none: to add or subtract that changes no
- * y, which is never -0. x: at the particle. */
-static __device__ inline void pulls_of(struct run r, struct place at, int o,
-                                       int di, int dj, const vec *x, vec f[2])
+/* The pulls of a tie that ends at a particle and of the one that starts there,
+ * 0 where there is none: to add or subtract that changes no y, which is never
+ * -0. x: at the particle. */
+static __device__ inline void pulls_of(struct run r, struct place at,
+                                       struct tie t, const vec *x, vec f[2])
 {
-    int step = di + r.g.m * dj;
-    int k = at.p - r.first + least(most(step, 0), r.first);
-    bool ends = within(r.g, at.i - di, at.j - dj);
-    bool starts = within(r.g, at.i + di, at.j + dj);
-    const sym *block = syms(((const int32_t *)(team_room() + r.table))[o]);
-    sym in = fetch(block + (ends ? k - step : k)), out = fetch(block + k);
-    vec here = *x, from = x[ends ? -step : 0], to = x[starts ? step : 0];
+    int k = (at.p - r.first) * (int)sizeof(sym);
+    bool ends = within(r.g, at.i - t.di, at.j - t.dj);
+    bool starts = within(r.g, at.i + t.di, at.j + t.dj);
+    sym in = fetch(syms((ends ? t.in : t.out) + k)),
+        out = fetch(syms(t.out + k));
+    vec here = *x, from = x[ends ? -t.step : 0], to = x[starts ? t.step : 0];
     vec none = make(0, 0, 0);
     f[0] = ends ? apply(in, sub(from, here)) : none;
     f[1] = starts ? apply(out, sub(here, to)) : none;
 }
 
-/* Adds the pulls of ties from di = FROM to 2 of row dj. */
-template <int FROM>
-static __device__ inline void pull_ties(struct run r, struct place at, int dj,
-                                        const vec *x, vec *y)
+/* Neighbours of a warp share a row, each of them as many ties, in order; the
+ * last one ends with all. */
+struct row {
+    struct place at;
+    int lane;
+    bool real, last; /* there is such a particle; and this lane is its last */
+};
+
+static __device__ inline struct row row_of(const struct patch *l, struct run r,
+                                           int item)
 {
-    UNROLL
-    for (int di = FROM; di <= 2; di++) {
-        vec f[2];
-        pulls_of(r, at, 5 * dj + di - 1, di, dj, x, f);
-        *y = add(sub(*y, f[0]), f[1]);
-    }
+    int k = item >> l->shift, lanes = 1 << l->shift, lane = item & (lanes - 1);
+    bool real = k < r.own;
+    struct place at = place_in(r, real ? r.first + k : 0);
+    return row{at, lane, real, real && lane == lanes - 1};
 }
 
-/* What the ties of a particle add to y, x at byte `from` of the room. One copy
- * of it is all that the kernel has: what it runs through is soon cached. */
-static __device__ __noinline__ vec pulled(struct run r, struct place at,
-                                          int from, vec y)
+/* Whole warps take turns at the rows of a run. */
+#define EACH_ROW(item, l, r)                                                   \
+    for (int item = rank_thread(), n_ = whole_warps((r).own << (l)->shift);    \
+         item < n_; item += rank_threads())
+
+/* What the ties of a particle add to y, which the first lane has, in the last
+ * lane; x at byte `from` of the room. All threads of a warp must call it. One
+ * copy of it is all that the kernel has: what it runs through is soon cached.
+ */
+template <int LANES>
+static __device__ __noinline__ vec pulled(struct run r, struct row w, int from,
+                                          vec y)
 {
-    const vec *x = vecs(from) + (at.p - r.low);
-    pull_ties<1>(r, at, 0, x, &y);
-#ifdef __CUDACC__
-#pragma unroll 1
-#endif
-    for (int dj = 1; dj <= 2; dj++)
-        pull_ties<-2>(r, at, dj, x, &y);
+    enum { EACH = STENCIL / LANES };
+    const vec *x = vecs(from) + (w.at.p - r.low);
+    vec f[EACH][2];
+    UNROLL
+    for (int k = 0; k < EACH; k++) {
+        f[k][0] = f[k][1] = make(0, 0, 0);
+        if (w.real)
+            pulls_of(r, w.at, ties_at(r.table)[w.lane * EACH + k], x, f[k]);
+    }
+    UNROLL
+    for (int lane = 0; lane < LANES; lane++) {
+        vec before = lane ? lane_below(y) : y;
+        if (w.lane != lane)
+            continue;
+        y = before;
+        UNROLL
+        for (int k = 0; k < EACH; k++)
+            y = add(sub(y, f[k][0]), f[k][1]);
+    }
     return y;
 }
 
-/* The pulls of all particles of a rank, by a thread a direction: [2·STENCIL]
- * [own] at byte `to`. */
-static __device__ __noinline__ void pull_united(struct run r, int from, int to)
+/* A x at a particle, in the last lane of its row. */
+static __device__ inline vec patch_row(const struct patch *l, struct run r,
+                                       struct row w, int from)
 {
-    for (int u = rank_thread(); u < STENCIL * r.own; u += rank_threads()) {
-        int o = u / r.own, k = u - o * r.own;
-        struct place at = place_of(r.g, r.first + k);
-        vec f[2];
-        pulls_of(r, at, o, toward_i<STENCIL>(o), toward_j<STENCIL>(o),
-                 vecs(from) + (at.p - r.low), f);
-        vecs(to)[2 * o * r.own + k] = f[0];
-        vecs(to)[(2 * o + 1) * r.own + k] = f[1];
-    }
-    __syncthreads();
+    vec y = make(0, 0, 0);
+    if (w.real && w.lane == 0)
+        y = own(fetch(syms(l->excess) + (w.at.p - r.first)),
+                vecs(from)[w.at.p - r.low]);
+    return l->shift == 2   ? pulled<4>(r, w, from, y)
+           : l->shift == 1 ? pulled<2>(r, w, from, y)
+                           : pulled<1>(r, w, from, y);
 }
 
-/* A x at a particle; of a united grid pull_united has run. */
-static __device__ inline vec patch_row(const struct tail *s,
-                                       const struct patch *l, struct run r,
-                                       struct place at, int from)
+/* gain·F (b - A x), likewise. */
+static __device__ inline vec patch_step(const struct patch *l, struct run r,
+                                        struct row w, int from, real gain)
 {
-    int k = at.p - r.first;
-    vec y = own(fetch(syms(l->excess) + k), vecs(from)[at.p - r.low]);
-    if (!l->united)
-        return pulled(r, at, from, y);
-    const vec *pull = vecs(s->pull) + k;
-    UNROLL
-    for (int o = 0; o < STENCIL; o++)
-        y = add(sub(y, pull[2 * o * r.own]), pull[(2 * o + 1) * r.own]);
-    return y;
-}
-
-/* gain·F (b - A x) */
-static __device__ inline vec patch_step(const struct tail *s,
-                                        const struct patch *l, struct run r,
-                                        struct place at, int from, real gain)
-{
-    vec y = patch_row(s, l, r, at, from);
-    int k = at.p - r.first;
+    vec y = patch_row(l, r, w, from);
+    if (!w.last)
+        return y;
+    int k = w.at.p - r.first;
     sym factor = fetch(syms(l->factor) + k);
     return scale(gain, solved(factor, sub(vecs(l->b)[k], y)));
 }
@@ -178,22 +204,23 @@ static __device__ inline void smooth_down(const struct tail *s,
                                           const struct patch *l)
 {
     struct run r = run_of(l);
-    if (l->united)
-        pull_united(r, l->y, s->pull);
-    EACH_OF(r, at)
+    EACH_ROW(item, l, r)
     {
-        vec d = patch_step(s, l, r, at, l->y, s->w.second);
-        vec here = vecs(l->y)[at.p - r.low];
-        spread(l, l->x, at.p, add(here, axpy(d, s->w.keep, here)));
+        struct row w = row_of(l, r, item);
+        vec d = patch_step(l, r, w, l->y, s->w.second);
+        if (w.last) {
+            vec here = vecs(l->y)[w.at.p - r.low];
+            spread(l, l->x, w.at.p, add(here, axpy(d, s->w.keep, here)));
+        }
     }
     copies_end<0>(); /* of the grids to come */
     team_sync(l->alone);
-    if (l->united)
-        pull_united(r, l->x, s->pull);
-    EACH_OF(r, at)
+    EACH_ROW(item, l, r)
     {
-        vec y = patch_row(s, l, r, at, l->x);
-        vecs(l->y)[at.p - r.low] = sub(vecs(l->b)[at.p - r.first], y);
+        struct row w = row_of(l, r, item);
+        vec y = patch_row(l, r, w, l->x);
+        if (w.last)
+            vecs(l->y)[w.at.p - r.low] = sub(vecs(l->b)[w.at.p - r.first], y);
     }
     team_sync(l->alone);
 }
@@ -211,7 +238,7 @@ static __device__ inline void restrict_patch(const struct patch *f,
         for (int e = 0; e < 9; e++) {
             int i = least(most(2 * at.i + e % 3 - 1, 0), f->g.m - 1);
             int j = least(most(2 * at.j + e / 3 - 1, 0), f->g.n - 1);
-            rule[e] = f->rule[i + f->g.m * j];
+            rule[e] = rules_of(f)[i + f->g.m * j];
             y[e] = owned(f, f->y, i + f->g.m * j);
         }
         UNROLL
@@ -239,7 +266,7 @@ static __device__ inline void prolong_patch(const struct patch *l,
     {
         struct raised_parts x;
         x.here = vecs(l->x)[at.p - r.low];
-        x.rule = l->rule[at.p];
+        x.rule = rules_of(l)[at.p];
         UNROLL
         for (int k = 0; k < 4; k++) {
             int i = (at.i + k % 2) / 2, j = (at.j + k / 2) / 2;
@@ -255,31 +282,30 @@ static __device__ inline void smooth_up(const struct tail *s,
                                         const struct patch *l, vec *to)
 {
     struct run r = run_of(l);
-    if (l->united)
-        pull_united(r, l->x, s->pull);
-    EACH_OF(r, at)
+    EACH_ROW(item, l, r)
     {
-        vec d = patch_step(s, l, r, at, l->x, s->w.first);
-        vecs(l->d)[at.p - r.first] = d;
-        spread(l, l->y, at.p, add(vecs(l->x)[at.p - r.low], d));
+        struct row w = row_of(l, r, item);
+        vec d = patch_step(l, r, w, l->x, s->w.first);
+        if (w.last) {
+            vecs(l->d)[w.at.p - r.first] = d;
+            spread(l, l->y, w.at.p, add(vecs(l->x)[w.at.p - r.low], d));
+        }
     }
     team_sync(l->alone);
-    if (l->united)
-        pull_united(r, l->y, s->pull);
-    EACH_OF(r, at)
+    EACH_ROW(item, l, r)
     {
-        vec d = patch_step(s, l, r, at, l->y, s->w.second);
-        d = axpy(d, s->w.keep, vecs(l->d)[at.p - r.first]);
-        vec x = add(vecs(l->y)[at.p - r.low], d);
-        if (to)
-            to[at.p] = x;
-        else
-            vecs(l->x)[at.p - r.low] = x;
+        struct row w = row_of(l, r, item);
+        vec d = patch_step(l, r, w, l->y, s->w.second);
+        if (w.last) {
+            d = axpy(d, s->w.keep, vecs(l->d)[w.at.p - r.first]);
+            vec x = add(vecs(l->y)[w.at.p - r.low], d);
+            (to ? to + w.at.p : vecs(l->x) + (w.at.p - r.low))[0] = x;
+        }
     }
 }
 
-/* All that is read of global memory but rules; the first grid's is there when
- * it returns. */
+/* All that is read of global memory; the first grid's is there when it
+ * returns. */
 static __device__ inline void fetch_all(const struct tail *s)
 {
     int last = s->levels - 1;
@@ -289,6 +315,7 @@ static __device__ inline void fetch_all(const struct tail *s)
     for (int k = 1; k < last; k++)
         fetch_patch(&s->patch[k]);
     copies_group();
+    fetch_rules(s);
     fetch_vectors(s);
     fetch_coarsest(&s->coarsest, (double *)(team_room() + s->dense));
     copies_end<1>();
@@ -312,8 +339,7 @@ static __global__ void __launch_bounds__(TAIL_BLOCK, 1)
                        k + 1 < last ? s.w.first : 0);
     }
     solve_coarsest(&s.coarsest, (const double *)(team_room() + s.dense),
-                   (double *)(team_room() + s.unknown), vecs(end->b),
-                   last || team_rank() ? vecs(end->x) : s.x);
+                   vecs(end->b), last || team_rank() ? vecs(end->x) : s.x);
     for (int k = last - 1; k >= 0; k--) {
         team_sync(s.patch[k].alone);
         prolong_patch(&s.patch[k], &s.patch[k + 1]);
@@ -328,23 +354,23 @@ static __global__ void __launch_bounds__(TAIL_BLOCK, 1)
 static int64_t lay_tail(struct tail *s, const struct level *l, int levels,
                         int first, int alone, int ranks)
 {
-    int64_t at = 0, n = 3 * (int64_t)l[levels - 1].count;
+    int64_t at = 0, n = 3 * (int64_t)l[levels - 1].count, rules = 0;
     s->levels = levels - first;
-    int64_t united = 0;
     for (int k = first; k < levels; k++) {
         struct patch *p = &s->patch[k - first];
         *p = patch_of(&l[k], k >= alone ? 1 : ranks);
-        p->united = k < levels - 1 && p->share <= TAIL_UNITED;
-        if (p->united && united < p->share)
-            united = p->share;
+        while (p->shift < 2 && p->share << (p->shift + 1) <= TAIL_BLOCK)
+            p->shift++;
         at = lay_patch(p, at, k == levels - 1);
     }
+    for (int k = 0; k < s->levels - 1; k++) {
+        s->patch[k].rules = (int32_t)(at + rules);
+        rules += s->patch[k].count;
+    }
+    s->rules = (int32_t)rules;
+    at += (rules + 15) / 16 * 16;
     s->dense = (int32_t)at;
-    at += (n * dense_pitch((int)n) + 1) / 2 * 2 * (int)sizeof(double);
-    s->unknown = (int32_t)at;
-    at += (n + 1) / 2 * 2 * (int)sizeof(double);
-    s->pull = (int32_t)at;
-    return at + 2 * STENCIL * united * (int)sizeof(vec);
+    return at + n * dense_pitch((int)n) * (int)sizeof(double);
 }
 
 /* The largest grid from which on all of them fit, and how they lie: *first,

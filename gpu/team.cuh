@@ -4,7 +4,7 @@
 #ifndef GPU_TEAM_CUH
 #define GPU_TEAM_CUH
 
-#include "gpu/gpu.cuh"
+#include "gpu/real.cuh"
 
 /* LAUNCH_TEAM(g, threads, bytes, kernel, arguments…): one team of g->ranks
  * blocks, each of which has `bytes` ≤ g->room in team_room(). */
@@ -81,6 +81,12 @@ static __device__ inline void team_sync(bool alone)
     __syncthreads();
 }
 
+/* n rounded up to whole warps. */
+static __device__ inline int whole_warps(int n)
+{
+    return (n + 31) / 32 * 32;
+}
+
 /* Copies 8 or 16 bytes to the room, to be seen after copies_end and a barrier;
  * copies_group ends a group of such copies. */
 template <class T>
@@ -152,6 +158,13 @@ static inline void team_sync(bool alone)
     emulate_team_sync(alone);
 }
 
+/* Who calls what a warp shares: all threads of a rank meet there. */
+static inline int whole_warps(int n)
+{
+    int step = rank_threads();
+    return (n + step - 1) / step * step;
+}
+
 template <class T> static inline void copy_ahead(T *to, const T *from)
 {
     emulate_copy(to, from, sizeof *to);
@@ -168,6 +181,28 @@ template <int LEFT> static inline void copies_end(void)
 }
 
 #endif
+
+/* The value of the lane below, or of a certain one; all of the warp call it. */
+static __device__ inline vec lane_below(vec a)
+{
+    return make(__shfl_up_sync(0xffffffffu, a.x, 1),
+                __shfl_up_sync(0xffffffffu, a.y, 1),
+                __shfl_up_sync(0xffffffffu, a.z, 1));
+}
+
+static __device__ inline double lane_value(double value, int lane)
+{
+    return __shfl_sync(0xffffffffu, value, lane);
+}
+
+/* A whole B by such copies. */
+template <class B>
+static __device__ inline void copy_whole(B *to, const B *from)
+{
+    UNROLL
+    for (int k = 0; k < (int)(sizeof *to / sizeof(double)); k++)
+        copy_ahead((double *)to + k, (const double *)from + k);
+}
 
 /* The threads of a team, warp after warp of rank after rank: as all take long,
  * each rank gets as many. */
