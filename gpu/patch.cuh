@@ -106,12 +106,45 @@ static __device__ inline int tie_before(const struct patch *l, struct run r,
     return least(tie_step(l->g, o), r.first);
 }
 
+/* Of a grid's coefficients what a rank has: n from `from` on, at byte `at` of
+ * its room, which is as far from a multiple of 16. Stream o is tie o, or the
+ * factors, or the excess. */
+struct stream {
+    const sym *from;
+    int n, at;
+};
+
+static __device__ inline struct stream stream_at(const sym *from, int n, int at)
+{
+    return stream{from, n, at + (int)((uintptr_t)from % 16)};
+}
+
+static __device__ inline struct stream factors_of(const struct patch *l,
+                                                  struct run r)
+{
+    return stream_at(l->factor_from + r.first, r.own, l->factor);
+}
+
+static __device__ inline struct stream excess_of(const struct patch *l,
+                                                 struct run r)
+{
+    return stream_at(l->excess_from + r.first, r.own, l->excess);
+}
+
+static __device__ inline struct stream blocks_of(const struct patch *l,
+                                                 struct run r, int o)
+{
+    int before = tie_before(l, r, o);
+    return stream_at(l->block_from + (int64_t)o * l->count + (r.first - before),
+                     r.own + before, l->tie[o]);
+}
+
 static __device__ inline struct tie tie_in(const struct patch *l, struct run r,
                                            int o)
 {
     int di = toward_i<STENCIL>(o), dj = toward_j<STENCIL>(o);
     int step = di + r.g.m * dj, size = (int)sizeof(sym);
-    int out = l->tie[o] + tie_before(l, r, o) * size;
+    int out = blocks_of(l, r, o).at + tie_before(l, r, o) * size;
     return tie{(int16_t)di, (int16_t)dj, step, out - step * size, out};
 }
 
@@ -141,6 +174,12 @@ static __device__ inline vec owned(const struct patch *l, int from, int p)
     return team_at(vecs(from), rank)[p - low_of(l, rank)];
 }
 
+/* The bytes of a stream of n, wherever in 16 it begins. */
+static int64_t stream_size(int64_t n)
+{
+    return (n * (int)sizeof(sym) + 8 + 15) / 16 * 16;
+}
+
 /* Gives a grid its share and its places from byte `at` of the room on: returns
  * where they end. last: it is the coarsest, which has no ties. */
 static int64_t lay_patch(struct patch *l, int64_t at, bool last)
@@ -149,14 +188,15 @@ static int64_t lay_patch(struct patch *l, int64_t at, bool last)
     wide = wide < l->count ? wide : l->count;
     for (int o = 0; o < STENCIL && !last; o++) {
         l->tie[o] = (int32_t)at;
-        at += tie_size(l, o) * (int)sizeof(sym);
+        at += stream_size(tie_size(l, o));
     }
-    at = (at + 15) / 16 * 16;
-    int64_t size[] = {
-        share * (int)sizeof(sym),         share * (int)sizeof(sym),
-        wide * (int)sizeof(vec),          wide * (int)sizeof(vec),
-        share * (int)sizeof(vec),         share * (int)sizeof(vec),
-        STENCIL * (int)sizeof(struct tie)};
+    int64_t size[] = {stream_size(share),
+                      stream_size(share),
+                      wide * (int)sizeof(vec),
+                      wide * (int)sizeof(vec),
+                      share * (int)sizeof(vec),
+                      share * (int)sizeof(vec),
+                      STENCIL * (int)sizeof(struct tie)};
     int32_t *place[] = {&l->factor, &l->excess, &l->x,    &l->y,
                         &l->b,      &l->d,      &l->table};
     for (int k = 0; k < 7; k++) {

@@ -28,31 +28,43 @@ struct tail {
     const int32_t *go;
 };
 
+/* A stream to its place by a warp: what is not in whole quads first and last.
+ */
+static __device__ inline void fetch_stream(struct stream s)
+{
+    enum { WARP = 32, HALF = 8, QUAD = 16 };
+    struct alignas(QUAD) quad {
+        double half[2];
+    };
+    int lane = rank_thread() % WARP, bytes = s.n * (int)sizeof(sym);
+    int head = s.at % QUAD, quads = (bytes - head) / QUAD;
+    const char *from = (const char *)s.from;
+    char *to = team_room() + s.at;
+    if (lane == 0 && head && bytes)
+        copy_ahead((double *)to, (const double *)from);
+    if (lane == 1 && (bytes - head) % QUAD)
+        copy_ahead((double *)(to + bytes - HALF),
+                   (const double *)(from + bytes - HALF));
+#ifdef __CUDACC__
+#pragma unroll 4
+#endif
+    for (int k = lane; k < quads; k += WARP)
+        copy_ahead((quad *)(to + head) + k, (const quad *)(from + head) + k);
+}
+
 /* Of a grid's coefficients a rank's, without waiting for them: a warp takes
  * block o of all, two more the others. */
 static __device__ inline void fetch_patch(const struct patch *l)
 {
-    enum { EACH = sizeof(sym) / sizeof(real2), WARP = 32 };
+    enum { WARP = 32 };
     struct run r = run_of(l);
     int t = rank_thread();
     if (t < STENCIL)
         ties_at(l->table)[t] = tie_in(l, r, t);
-    for (int o = t / WARP; o < STENCIL + 2 && r.own > 0;
-         o += rank_threads() / WARP) {
-        bool tie = o < STENCIL;
-        int before = tie ? tie_before(l, r, o) : 0;
-        const sym *start = tie ? l->block_from + (int64_t)o * l->count
-                           : o == STENCIL ? l->factor_from
-                                          : l->excess_from;
-        int place = tie ? l->tie[o] : o == STENCIL ? l->factor : l->excess;
-        const real2 *from = (const real2 *)(start + (r.first - before));
-        real2 *to = (real2 *)syms(place);
-#ifdef __CUDACC__
-#pragma unroll 4
-#endif
-        for (int k = t % WARP; k < EACH * (r.own + before); k += WARP)
-            copy_ahead(to + k, from + k);
-    }
+    for (int o = t / WARP; o < STENCIL + 2; o += rank_threads() / WARP)
+        fetch_stream(o < STENCIL    ? blocks_of(l, r, o)
+                     : o == STENCIL ? factors_of(l, r)
+                                    : excess_of(l, r));
 }
 
 /* The rules of all grids, which lie behind each other. */
@@ -178,7 +190,7 @@ static __device__ inline vec patch_row(const struct patch *l, struct run r,
 {
     vec y = make(0, 0, 0);
     if (w.real && w.lane == 0)
-        y = own(fetch(syms(l->excess) + (w.at.p - r.first)),
+        y = own(fetch(syms(excess_of(l, r).at) + (w.at.p - r.first)),
                 vecs(from)[w.at.p - r.low]);
     return l->shift == 2   ? pulled<4>(r, w, from, y)
            : l->shift == 1 ? pulled<2>(r, w, from, y)
@@ -193,7 +205,7 @@ static __device__ inline vec patch_step(const struct patch *l, struct run r,
     if (!w.last)
         return y;
     int k = w.at.p - r.first;
-    sym factor = fetch(syms(l->factor) + k);
+    sym factor = fetch(syms(factors_of(l, r).at) + k);
     return scale(gain, solved(factor, sub(vecs(l->b)[k], y)));
 }
 
@@ -250,7 +262,7 @@ static __device__ inline void restrict_patch(const struct patch *f,
         int k = at.p - r.first;
         vecs(l->b)[k] = sum;
         if (first != 0) {
-            sym factor = fetch(syms(l->factor) + k);
+            sym factor = fetch(syms(factors_of(l, r).at) + k);
             spread(l, l->y, at.p, scale(first, solved(factor, sum)));
         }
     }

@@ -88,15 +88,20 @@ static __device__ inline int whole_warps(int n)
 }
 
 /* Copies 8 or 16 bytes to the room, to be seen after copies_end and a barrier;
- * copies_group ends a group of such copies. */
+ * copies_group ends a group of such copies. Past the L1 cache where it can. */
 template <class T>
 static __device__ inline void copy_ahead(T *to, const T *from)
 {
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 800
     unsigned there = (unsigned)__cvta_generic_to_shared(to);
-    asm volatile("cp.async.ca.shared.global [%0], [%1], %2;" ::"r"(there),
-                 "l"(from), "n"(sizeof(T))
-                 : "memory");
+    if (sizeof(T) == 16)
+        asm volatile("cp.async.cg.shared.global [%0], [%1], 16;" ::"r"(there),
+                     "l"(from)
+                     : "memory");
+    else
+        asm volatile("cp.async.ca.shared.global [%0], [%1], 8;" ::"r"(there),
+                     "l"(from)
+                     : "memory");
 #else
     *to = *from;
 #endif
