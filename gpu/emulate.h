@@ -71,8 +71,8 @@ void emulate_copies_end(int left);
 
 /* The value of another thread of the same warp, to which all threads of a
  * block, in a team of a rank, must come, as it synchronises them here. */
-extern __thread unsigned char emulate_lane[1024][8];
-template <class T> T emulate_from(T value, unsigned thread)
+extern __thread unsigned char emulate_lane[1024][32];
+template <class T> static T emulate_from(T value, unsigned thread)
 {
     memcpy(emulate_lane[threadIdx.x], &value, sizeof value);
     emulate_meet();
@@ -80,16 +80,16 @@ template <class T> T emulate_from(T value, unsigned thread)
     emulate_meet();
     return value;
 }
-template <class T> T __shfl_xor_sync(unsigned, T value, int mask)
+template <class T> static T __shfl_xor_sync(unsigned, T value, int mask)
 {
     return emulate_from(value, threadIdx.x ^ (unsigned)mask);
 }
-template <class T> T __shfl_up_sync(unsigned, T value, unsigned by)
+template <class T> static T __shfl_up_sync(unsigned, T value, unsigned by)
 {
     unsigned t = threadIdx.x;
     return emulate_from(value, t % 32 < by ? t : t - by);
 }
-template <class T> T __shfl_sync(unsigned, T value, int lane)
+template <class T> static T __shfl_sync(unsigned, T value, int lane)
 {
     return emulate_from(value, threadIdx.x / 32 * 32 + (unsigned)lane);
 }

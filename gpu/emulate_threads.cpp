@@ -8,7 +8,7 @@
 #include <vector>
 
 __thread struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
-__thread unsigned char emulate_lane[1024][8];
+__thread unsigned char emulate_lane[1024][32];
 __thread int emulate_ranks;
 
 static __thread struct gpu_way way;

@@ -252,19 +252,22 @@ static __global__ void __launch_bounds__(march_size<TIES, B>::threads,
     }
 }
 
-/* Thread p owns particle p, for which it calls arrive as above; each tie is met
- * twice. */
+/* Four neighbours own a particle, for which one calls arrive as above; each tie
+ * is met twice. */
+enum { GATHER_LANES = 4, GATHERED = GPU_BLOCK / GATHER_LANES };
 template <int TIES, class B, class X, class END>
 static __global__ void __launch_bounds__(GPU_BLOCK)
     gather_kernel(struct ties<B> t, X x, END end, const int32_t *go)
 {
-    ITEM(item, (int64_t)t.g.m * t.g.n);
+    int lane = (int)threadIdx.x % GATHER_LANES, count = t.g.m * t.g.n;
+    int item = (int)blockIdx.x * GATHERED + (int)threadIdx.x / GATHER_LANES;
     if (go && !*go)
         return;
-    struct place at = place_of(t.g, item);
+    struct place at = place_of(t.g, item < count ? item : 0);
     auto own = about(&end, at);
-    vec here, y = gathered<TIES, 4>(&t, &x, at, &here);
-    arrive(&end, at, own, here, y);
+    vec here, y = gathered<TIES, GATHER_LANES>(&t, &x, at, lane, &here);
+    if (item < count && lane == GATHER_LANES - 1)
+        arrive(&end, at, own, here, y);
 }
 
 /* Whether the product of a grid marches. */
@@ -286,8 +289,8 @@ static void march(struct gpu *g, struct ties<B> t, X x, END end,
 {
     const int most_wide = march_size<TIES, B>::threads - 2 * REACH;
     if (!marches(t.g)) {
-        LAUNCH(g, (int64_t)t.g.m * t.g.n, (gather_kernel<TIES, B, X, END>), t,
-               x, end, go);
+        LAUNCH_BLOCKS(g, cut_up(t.g.m * t.g.n, GATHERED), GPU_BLOCK,
+                      (gather_kernel<TIES, B, X, END>), t, x, end, go);
         return;
     }
     struct cut c;

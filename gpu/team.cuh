@@ -190,9 +190,13 @@ template <int LEFT> static inline void copies_end(void)
 /* The value of the lane below, or of a certain one; all of the warp call it. */
 static __device__ inline vec lane_below(vec a)
 {
+#ifdef __CUDACC__
     return make(__shfl_up_sync(0xffffffffu, a.x, 1),
                 __shfl_up_sync(0xffffffffu, a.y, 1),
                 __shfl_up_sync(0xffffffffu, a.z, 1));
+#else
+    return __shfl_up_sync(0xffffffffu, a, 1);
+#endif
 }
 
 static __device__ inline double lane_value(double value, int lane)

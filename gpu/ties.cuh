@@ -5,6 +5,7 @@
 #define GPU_TIES_CUH
 
 #include "gpu/product.cuh"
+#include "gpu/team.cuh"
 #include "gpu/thin.cuh"
 
 /* A symmetric system on a grid: mass and extra, or excess, and ties, each a
@@ -77,43 +78,53 @@ static __device__ inline vec own_part(const struct ties<B> *t, struct base b,
     return t->extra ? add(y, apply(b.extra, x)) : y;
 }
 
-/* Row p of A x, gathered from all neighbours: y of the particle plus what its
- * ties pull, of each direction the tie that ends here and then the one that
- * starts here. GROUP directions are read before the first is needed, as a
- * small grid waits for memory and for nothing else. *here: x[p]. */
-template <int TIES, int GROUP, class B, class X>
+/* Row p of A x by LANES neighbours of a warp, which all must call it: y of the
+ * particle plus what its ties pull, of each direction the tie that ends here
+ * and then the one that starts here. Each lane has as many directions, in
+ * order, and reads all before the first is needed, as a small grid waits for
+ * memory and for nothing else. The last lane gets it; *here: x[p]. */
+template <int TIES, int LANES, class B, class X>
 static __device__ inline vec gathered(const struct ties<B> *t, const X *x,
-                                      struct place at, vec *here)
+                                      struct place at, int lane, vec *here)
 {
-    vec own = *here = value_at(x, at);
-    vec y = own_part<TIES>(t, base_of<TIES>(t, at.p), own);
+    enum { EACH = TIES / LANES };
+    B before[EACH], after[EACH];
+    vec from[EACH], to[EACH], own = *here = value_at(x, at);
+    bool ends[EACH], starts[EACH];
     UNROLL
-    for (int first = 0; first < TIES; first += GROUP) {
-        B before[GROUP], after[GROUP];
-        vec from[GROUP], to[GROUP];
-        bool ends[GROUP], starts[GROUP];
+    for (int k = 0; k < EACH; k++) {
+        int o = lane * EACH + k;
+        int di = toward_i<TIES>(o), dj = toward_j<TIES>(o);
+        const B *b = t->block + (int64_t)o * t->g.m * t->g.n;
+        struct place p = beside(t->g, at, -di, -dj);
+        struct place q = beside(t->g, at, di, dj);
+        ends[k] = within(t->g, p.i, p.j);
+        starts[k] = within(t->g, q.i, q.j);
+        p = ends[k] ? p : at;
+        q = starts[k] ? q : at;
+        before[k] = fetch(b + p.p);
+        after[k] = fetch(b + at.p);
+        from[k] = value_at(x, p);
+        to[k] = value_at(x, q);
+    }
+    vec y = make(0, 0, 0);
+    if (lane == 0)
+        y = own_part<TIES>(t, base_of<TIES>(t, at.p), own);
+    UNROLL
+    for (int k = 0; k < EACH; k++) {
+        vec none = make(0, 0, 0); /* changes no y, which is never -0 */
+        from[k] = ends[k] ? apply(before[k], sub(from[k], own)) : none;
+        to[k] = starts[k] ? apply(after[k], sub(own, to[k])) : none;
+    }
+    UNROLL
+    for (int turn = 0; turn < LANES; turn++) {
+        vec below = turn ? lane_below(y) : y;
+        if (lane != turn)
+            continue;
+        y = below;
         UNROLL
-        for (int k = 0; k < GROUP; k++) {
-            int di = toward_i<TIES>(first + k), dj = toward_j<TIES>(first + k);
-            const B *b = t->block + (int64_t)(first + k) * t->g.m * t->g.n;
-            struct place p = beside(t->g, at, -di, -dj);
-            struct place q = beside(t->g, at, di, dj);
-            ends[k] = within(t->g, p.i, p.j);
-            starts[k] = within(t->g, q.i, q.j);
-            p = ends[k] ? p : at;
-            q = starts[k] ? q : at;
-            before[k] = fetch(b + p.p);
-            after[k] = fetch(b + at.p);
-            from[k] = value_at(x, p);
-            to[k] = value_at(x, q);
-        }
-        UNROLL
-        for (int k = 0; k < GROUP; k++) {
-            if (ends[k])
-                y = sub(y, apply(before[k], sub(from[k], own)));
-            if (starts[k])
-                y = add(y, apply(after[k], sub(own, to[k])));
-        }
+        for (int k = 0; k < EACH; k++)
+            y = add(sub(y, from[k]), to[k]);
     }
     return y;
 }
