@@ -179,8 +179,10 @@ remember() {
 # Small cases of every stage in $work/names under a tool of compute-sanitizer,
 # some side by side. A tool that could not attach ends well, without a summary.
 # racecheck takes 5 s for each kernel of a team of 16 blocks: it gets smaller
-# ones, of one block, and in multigrid of two. No tool knows graphs with loops:
-# the same kernels are launched by the host.
+# ones, of one block, and in multigrid of two; `compute-sanitizer --tool racecheck
+# build/check-cuda --only multigrid --cases 1 --gpu --hosted`, of 16, takes 90 s
+# by itself. No tool knows graphs with loops: the same kernels are launched by
+# the host.
 sanitize() {
     ranks='' teams=''
     if [ "$1" = racecheck ]; then

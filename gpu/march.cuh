@@ -207,6 +207,8 @@ static __global__ void __launch_bounds__(march_size<TIES, B>::threads,
     bool mine = lane >= REACH && lane < c.width + REACH && w.i < t.g.m;
     for (int k = 0; k < X_ROWS - 1; k++)
         row[(w.j + k) % X_ROWS][lane] = value_at(&x, place_in(&w, w.j + k));
+    /* What x of a row to come is made of is asked for while the row before it
+     * is made, unless that takes too many registers. */
     decltype(take(&x, place_in(&w, 0))) come = {};
     constexpr bool EARLY =
         MARCH_AHEAD && !(march_size<TIES, B>::slim && sizeof come > 32);

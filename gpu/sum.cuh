@@ -51,8 +51,8 @@ static __device__ inline real chunk_sum(real value)
 
 /* §3: N sums of n chunk sums each, which lie behind each other and are used up,
  * by one block of SUM_CHUNK, in all of its threads; a warp a chunk of each. In
- * place: no chunk of the next level is
- * written before those that it overwrites are read. */
+ * place: no chunk of the next level is written before those that it overwrites
+ * are read. */
 template <int N>
 static __device__ inline void finish_sums(int64_t n, real *chunk, real sum[N])
 {
