@@ -284,8 +284,8 @@ certify: ## compares ref and gpu on the device: ci/certificate.json
 	sh ci/certify.sh $(BUILD) ci/certificate.json
 
 # KERNELS= leaves the emulated kernels and the tests themselves without
-# sanitizers, as check does for the time that compiling them takes. With them
-# alignment is not looked at: gpu/emulate_threads.cpp places a team's rooms by 8
+# sanitizers, as check does, but for CI, as compiling them takes two minutes. With
+# them alignment is not looked at: gpu/emulate_threads.cpp places a team's rooms by 8
 # bytes, where a struct tie wants 16.
 KERNELS ?= yes
 asan: $(if $(KERNELS),,$(BUILD)/check)
