@@ -274,6 +274,7 @@
 #define test_refinement REAL_NAME(test_refinement)
 #define test_response_device REAL_NAME(test_response_device)
 #define test_solve_gpu REAL_NAME(test_solve_gpu)
+#define test_solve_gpu_limits REAL_NAME(test_solve_gpu_limits)
 #define test_stability REAL_NAME(test_stability)
 #define test_substeps REAL_NAME(test_substeps)
 #define test_tangle_energy REAL_NAME(test_tangle_energy)

@@ -192,6 +192,39 @@ const char *test_solve_gpu(void)
     return NULL;
 }
 
+/* The tolerance is met by the recurrence in the last iteration that is allowed,
+ * and often not by the true residual: CG begins anew, and ends at once. */
+const char *test_solve_gpu_limits(void)
+{
+    enum { MOST = 12 };
+    struct design design = {24, 24, SHAPE_WRINKLED, TRIM_PINS, 0};
+    int anew = 0;
+    for (int32_t most = 1; most <= MOST; most++) {
+        int status;
+        struct gpu *g = gpu_open(NULL, &status);
+        struct system a;
+        if (!g)
+            return skip("there is no device");
+        make_system(&design, &a);
+        struct pcg s = {.precond = DRAPE_MULTIGRID,
+                        .form = DRAPE_COMPACT,
+                        .max_iterations = most};
+        solver_open(&s, &a);
+        ref_pcg(&s);
+        s.tolerance = s.recurrence;
+        struct pcg d = on_device(g, &s);
+        bool good = ref_pcg(&s) == gpu_pcg(g, &d) && same_result(g, &s, &d);
+        anew += s.outcome == PCG_LIMIT;
+        solver_close(&s);
+        free_system(&a);
+        gpu_close(g);
+        EXPECT(good);
+        ran(1);
+    }
+    EXPECT(anew > MOST / 4);
+    return NULL;
+}
+
 /* ---- spec/15_pcg.md §6: cuBLAS's solution ---- */
 
 static double part(vec a, int64_t r)
