@@ -5,7 +5,8 @@
 # Beside the stages: api (whole steps), vf and ee (queries against the oracles)
 # and, where the tool is built, its readers of scenes and meshes. The emulated
 # kernels are gcc's, without sanitizers: of gpu/march.cuh clang takes one
-# declaration for an expression. KERNELS=yes has clang compile them too.
+# declaration for an expression. KERNELS=yes, which has clang compile them too,
+# fails until that is mended.
 set -eu
 build=$1 stage=${2-} seconds=${3-60}
 readers=
