@@ -5,7 +5,13 @@
 
 #include "gpu/real.cuh"
 
-enum { SUM_WARPS = SUM_CHUNK / 32 };
+/* SUM_LAST: chunks of the last level but one at most; few where emulated, so
+ * that there is a level before it. */
+#ifdef __CUDACC__
+enum { SUM_WARPS = SUM_CHUNK / 32, SUM_LAST = SUM_CHUNK };
+#else
+enum { SUM_WARPS = SUM_CHUNK / 32, SUM_LAST = 2 };
+#endif
 
 /* §2: the sum of s[0 … 255], in all threads of the warp. Strides of 32 and
  * more are within a thread, those below between threads: there each lane adds
@@ -49,37 +55,78 @@ static __device__ inline real chunk_sum(real value)
     return sum;
 }
 
-/* §3: N sums of n chunk sums each, which lie behind each other and are used up,
- * by one block of SUM_CHUNK, in all of its threads; a warp a chunk of each. In
- * place: no chunk of the next level is written before those that it overwrites
- * are read. */
+/* §3: of N times n chunk sums, which lie behind each other and of which `left`
+ * are used, the sums of SUM_WARPS chunks from base on, by one block of
+ * SUM_CHUNK; a warp a chunk of each, in all of its threads. */
+template <int N>
+static __device__ inline void level_sums(int64_t n, int64_t left, int64_t base,
+                                         const real *chunk, real sum[N])
+{
+    int t = (int)threadIdx.x;
+    int64_t item = SUM_CHUNK * (base + t / 32) + t % 32;
+    real a[N][SUM_WARPS];
+    UNROLL
+    for (int e = 0; e < N; e++)
+        for (int k = 0; k < SUM_WARPS; k++)
+            a[e][k] = item + 32 * k < left
+                          ? __ldcg(&chunk[e * n + item + 32 * k])
+                          : 0;
+    UNROLL
+    for (int e = 0; e < N; e++)
+        sum[e] = warp_sum(a[e]);
+}
+
+/* A level of more chunks than SUM_LAST, in place: no chunk of the next
+ * level is written before those that it overwrites are read. Returns them. */
+template <int N>
+static __device__ inline int64_t put_level(int64_t n, int64_t left, real *chunk)
+{
+    int t = (int)threadIdx.x;
+    int64_t chunks = (left + SUM_CHUNK - 1) / SUM_CHUNK;
+    real sum[N];
+    for (int64_t base = 0; base < chunks; base += SUM_WARPS) {
+        level_sums<N>(n, left, base, chunk, sum);
+        __syncthreads();
+        if (t % 32 == 0 && base + t / 32 < chunks)
+            for (int e = 0; e < N; e++)
+                chunk[e * n + base + t / 32] = sum[e];
+        __syncthreads();
+    }
+    return chunks;
+}
+
+/* The N sums, in all threads of the block; the last level is in shared memory,
+ * as each trip to memory and back takes half a microsecond. */
 template <int N>
 static __device__ inline void finish_sums(int64_t n, real *chunk, real sum[N])
 {
-    int lane = (int)threadIdx.x % 32, warp = (int)threadIdx.x / 32;
-    for (int64_t left = n, chunks; left > 1; left = chunks) {
-        chunks = (left + SUM_CHUNK - 1) / SUM_CHUNK;
-        for (int64_t base = 0; base < chunks; base += SUM_WARPS) {
-            int64_t here = base + warp, item = SUM_CHUNK * here + lane;
-            real a[N][SUM_WARPS];
-            UNROLL
-            for (int e = 0; e < N; e++)
-                for (int k = 0; k < SUM_WARPS; k++)
-                    a[e][k] = item + 32 * k < left
-                                  ? __ldcg(&chunk[e * n + item + 32 * k])
-                                  : 0;
-            UNROLL
-            for (int e = 0; e < N; e++)
-                sum[e] = warp_sum(a[e]);
-            __syncthreads();
-            if (lane == 0 && here < chunks)
-                for (int e = 0; e < N; e++)
-                    chunk[e * n + here] = sum[e];
-            __syncthreads();
-        }
-    }
+    __shared__ real last[N][SUM_LAST];
+    int t = (int)threadIdx.x;
+    int64_t left = n;
+    while (left > SUM_LAST * SUM_CHUNK)
+        left = put_level<N>(n, left, chunk);
     for (int e = 0; e < N; e++)
         sum[e] = n ? __ldcg(chunk + e * n) : 0;
+    if (left <= 1)
+        return;
+    int chunks = (int)((left + SUM_CHUNK - 1) / SUM_CHUNK);
+    for (int base = 0; base < chunks; base += SUM_WARPS) {
+        level_sums<N>(n, left, base, chunk, sum);
+        if (t % 32 == 0 && base + t / 32 < chunks)
+            for (int e = 0; e < N; e++)
+                last[e][base + t / 32] = sum[e];
+    }
+    __syncthreads();
+    for (int e = 0; e < N; e++) {
+        sum[e] = last[e][0];
+        if (chunks == 1)
+            continue;
+        real a[SUM_WARPS];
+        UNROLL
+        for (int k = 0; k < SUM_WARPS; k++)
+            a[k] = t % 32 + 32 * k < chunks ? last[e][t % 32 + 32 * k] : 0;
+        sum[e] = warp_sum(a);
+    }
 }
 
 /* After thread 0 has written its block's chunk sums: whether the block ends
