@@ -39,12 +39,9 @@ CUDA    = nvcc -std=c++20 -O2 -lineinfo --fmad=false -prec-div=true \
 CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
           -lpthread -ldl -lrt -lm
 # -O1: what is slow in emulated kernels is to change threads. C++14, as after
-# it math.h alone takes as long to compile as a file of kernels. No more than
-# -O1, and no look at alignment: gpu/emulate_threads.cpp aligns a team's rooms to
-# 8 bytes, where a struct tie wants 16.
-EMU     = $(CXX) -x c++ -std=gnu++14 $(OPT:-O%=$(if $(OPT:-O0=),-O1,-O0)) \
-          -Wall -Wextra -Werror $(MODEL) -I. -Ispec -I$(BUILD) -MMD -MP -fPIC
-EMU_SAN = $(if $(SAN),$(SAN) -fno-sanitize=alignment)
+# it math.h alone takes as long to compile as a file of kernels.
+EMU     = $(CXX) -x c++ -std=gnu++14 $(OPT:-O2=-O1) -Wall -Wextra -Werror \
+          $(MODEL) -I. -Ispec -I$(BUILD) -MMD -MP -fPIC
 
 # FCL's headers want Eigen's.
 EIGEN   := -isystem /usr/include/eigen3
@@ -150,16 +147,16 @@ $(BUILD)/%.o: %.c
 	$(C17) -c $< -o $@
 $(BUILD)/gpu/%.32.o: gpu/%.cu
 	@mkdir -p $(@D)
-	$(EMU) $(EMU_SAN) -DREAL_BITS=32 -c $< -o $@
+	$(EMU) $(SAN) -DREAL_BITS=32 -c $< -o $@
 $(BUILD)/gpu/%.64.o: gpu/%.cu
 	@mkdir -p $(@D)
-	$(EMU) $(EMU_SAN) -DREAL_BITS=64 -c $< -o $@
+	$(EMU) $(SAN) -DREAL_BITS=64 -c $< -o $@
 $(BUILD)/gpu/%.o: gpu/%.cpp
 	@mkdir -p $(@D)
 	$(EMU) -c $< -o $@
 $(BUILD)/gpu/%.o: gpu/%.cu
 	@mkdir -p $(@D)
-	$(EMU) $(EMU_SAN) -c $< -o $@
+	$(EMU) $(SAN) -c $< -o $@
 $(BUILD)/cuda/gpu/%.32.o: gpu/%.cu
 	@mkdir -p $(@D)
 	$(CUDA) -DREAL_BITS=32 -c $< -o $@
@@ -310,6 +307,8 @@ clang-O2: clang-tests
 clang-tests: $(BUILD)/certificate.h
 	$(CLANG) -DREAL_BITS=32 $(TWICE) $(ONCE) $(filter-out $(API),$(WHOLE))
 	$(CLANG) -DREAL_BITS=64 $(WHOLE)
+	clang++ $(filter-out $(CXX) -MMD -MP,$(EMU)) -fsyntax-only \
+	  -DREAL_BITS=32 $(KERNEL)
 gcc-O0 gcc-O3 clang-O2: $(BUILD)/check
 	$(MAKE) ROOT=$(ROOT) EMU_IN=$(ROOT) TEST_IN=$(ROOT) WHOLE_IN=$(ROOT) \
 	  BUILD=$(BUILD)/$@ GPU= $(FLAVOUR) $(BUILD)/$@/check

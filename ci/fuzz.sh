@@ -3,10 +3,9 @@
 # usage: ci/fuzz.sh BUILD               replays every corpus
 #        ci/fuzz.sh BUILD STAGE SECONDS fuzzes one; finds go to its corpus
 # Beside the stages: api (whole steps), vf and ee (queries against the oracles)
-# and, where the tool is built, its readers of scenes and meshes. The emulated
-# kernels are gcc's, without sanitizers: of gpu/march.cuh clang takes one
-# declaration for an expression. KERNELS=yes, which has clang compile them too,
-# fails until that is mended.
+# and, where the tool is built, its readers of scenes and meshes. KERNELS=
+# leaves the emulated kernels without sanitizers, for the time they take to
+# compile.
 set -eu
 build=$1 stage=${2-} seconds=${3-60}
 readers=
@@ -20,7 +19,7 @@ if [ -n "$stage" ]; then
         exit 2
     }
     out=$build/fuzz kernels=$build/fuzz
-    [ "${KERNELS-}" ] || {
+    [ "${KERNELS-yes}" ] || {
         make -s BUILD="$build" "$build/check"
         kernels=$build
     }

@@ -219,7 +219,8 @@ bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
 
 /* ---- Teams ---- */
 
-static thread_local double room[EMULATE_RANKS][EMULATE_ROOM / sizeof(double)];
+alignas(16) static thread_local double room[EMULATE_RANKS]
+                                           [EMULATE_ROOM / sizeof(double)];
 
 char *emulate_room(int rank)
 {
