@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One positive semidefinite block a spring. spec/05_blocks.md */
 #include "gpu/cloth.cuh"
+#include "gpu/rate.h"
 #include "gpu/thin.cuh"
 
 enum { SIX = sizeof(sym) / sizeof(real) };
 
 /* §2: c u uᵀ + b I, where c = a - b. */
 struct parts {
-    real b, c;
+    real b, c, inverse; /* 1 / |d| */
     vec u;
 };
 
@@ -16,11 +17,12 @@ static __device__ struct parts spring_parts(const struct law *law, real tau,
 {
     real l = length(d);
     if (!(l > 0))
-        return parts{0, 0, make(0, 0, 0)};
+        return parts{0, 0, 0, make(0, 0, 0)};
     real square = tau * tau;
     real a = tau * law->damp + square * spring_slope(law, l);
     real b = square * most(spring_tension(law, l) / l, R(0));
-    return parts{b, a - b, scale(1 / l, d)};
+    real inverse = 1 / l;
+    return parts{b, a - b, inverse, scale(inverse, d)};
 }
 
 static __device__ sym whole_block(const struct parts *s)
@@ -57,6 +59,29 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
             to[r] = ((const real *)s)[r];
         __syncthreads();
     }
+}
+
+/* Thread t owns rate t of each direction. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    rates_kernel(struct blocks a, int64_t pitch, struct rate *rate)
+{
+    ITEM(p, a.count);
+    int mask = a.springs[p];
+    vec here = a.x[p];
+    UNROLL
+    for (int o = 0; o < SPRINGS; o++) {
+        vec d = make(0, 0, 0);
+        if (mask >> o & 1)
+            d = sub(a.x[p + forward_i(o) + forward_j(o) * a.m], here);
+        struct parts b = spring_parts(&a.law[o], a.tau, d);
+        rate[o * pitch + p] = {b.b, b.c, b.inverse};
+    }
+}
+
+int gpu_rates(struct gpu *g, const struct blocks *s, struct rate *rate)
+{
+    LAUNCH(g, s->count, rates_kernel, *s, RATES_PITCH(s->count), rate);
+    return gpu_status(g);
 }
 
 int gpu_blocks(struct gpu *g, struct blocks *s)

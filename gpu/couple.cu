@@ -155,7 +155,7 @@ static int solve_sheet(struct gpu_world *w, struct gpu_sheet *s)
     p->energy = 1;
     p->tolerance = (real)w->host->def.tolerance;
     gpu_hand_over(w->gpu);
-    int status = gpu_pcg(w->gpu, p);
+    int status = gpu_pcg_by_rates(w->gpu, p, rates{s->rate, s->dynamics.x});
     gpu_trace(w->gpu, w->host->tracing, "pcg", p->dv,
               (size_t)part.count * sizeof *p->dv);
     p->n_extra = p->energy = 0;

@@ -99,7 +99,7 @@ static void multiply(struct gpu *g, struct pcg *s)
     if (s->n_cdf)
         LAUNCH(g, s->count, cublas_product_kernel, a, cdf_of(s->m, s->n), e);
     else
-        march<SPRINGS>(g, t, plain{s->p}, e, NULL);
+        product_of<SPRINGS>(g, t, plain{s->p}, e, NULL);
 }
 
 static bool sound(real a)

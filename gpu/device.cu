@@ -62,6 +62,7 @@ static void make_team(struct gpu *g, const cudaDeviceProp *p, int ptx)
     bool clusters = p->major >= 9 && ptx >= 90;
     g->crowd = p->multiProcessorCount;
     g->room = (int)p->sharedMemPerBlockOptin;
+    g->bulk = clusters;
     g->ranks = clusters ? 16 : 1;
     while (g->ranks > 1 && !team_runs(g))
         g->ranks /= 2;

@@ -51,6 +51,7 @@ struct gpu *gpu_open(const drape_def *def, int *status)
     snprintf(g->name, sizeof g->name, "emulated on the host");
     g->stream = def && def->stream ? def->stream : g;
     g->number = -1;
+    g->bulk = true;
     g->ranks = EMULATE_RANKS;
     g->crowd = 1;
     g->room = EMULATE_ROOM;

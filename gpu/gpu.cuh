@@ -57,6 +57,7 @@ struct gpu {
     int crowd;        /* and of a crowd, gpu/crowd.cuh */
     const void *team; /* the last kernel that may be a team's */
     int room;         /* bytes of shared memory that a block of one may have */
+    bool bulk;        /* the device copies by itself, gpu/bulk.cuh */
     int failed;       /* the first failure, or DRAPE_OK */
     char name[320];
     int64_t *words; /* device [GPU_ALL_WORDS] small results of a stage,

@@ -105,6 +105,8 @@ static void blocks(struct gpu *g, struct gpu_sheet *s, const struct about *a)
     b.n_thin = s->dynamics.thin ? SPRINGS * c->count : 0;
     b.thin = s->dynamics.thin;
     gpu_blocks(g, &b);
+    if (s->rate)
+        gpu_rates(g, &b, s->rate);
     gpu_trace(g, s->dynamics.trace, "blocks", b.block,
               (size_t)(SPRINGS * c->count) * sizeof *b.block);
 }
@@ -138,7 +140,7 @@ static int solve(struct gpu *g, struct gpu_sheet *s)
     s->pcg.b = d->b;
     s->pcg.dv = d->dv;
     gpu_clock_start(g);
-    int status = gpu_pcg(g, &s->pcg);
+    int status = gpu_pcg_by_rates(g, &s->pcg, rates{s->rate, d->x});
     s->solver_seconds = gpu_clock_stop(g);
     d->iterations += s->pcg.iterations;
     d->residual = (double)s->pcg.residual;

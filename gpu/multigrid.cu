@@ -98,11 +98,11 @@ static void multiply(struct gpu *g, const struct level *l, X x, END end)
 {
     ties<struct thin> thin = {l->g, l->mass, l->extra, NULL, l->thin};
     if (l->thin)
-        march<SPRINGS>(g, thin, x, end, l->go);
+        product_of<SPRINGS>(g, thin, x, end, l->go);
     else if (l->mass)
-        march<SPRINGS>(g, ties_of(l), x, end, l->go);
+        product_of<SPRINGS>(g, ties_of(l), x, end, l->go);
     else
-        march<STENCIL>(g, ties_of(l), x, end, l->go);
+        product_of<STENCIL>(g, ties_of(l), x, end, l->go);
 }
 
 /* From b to x, the first half-step being in y; then b of the next. */

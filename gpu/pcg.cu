@@ -7,9 +7,9 @@
 #include "gpu/level.cuh"
 #include "gpu/loop.cuh"
 
-/* Iterations of a turn, an even number in a loop, as where it begins p does:
- * of multigrid more than one where a look takes longer than what would be
- * queued for nothing. */
+/* Iterations of a turn, in a loop rings of directions, as each turn begins with
+ * the first: of multigrid more than one where a look takes longer than what
+ * would be queued for nothing. */
 enum {
     TURN = 8,
     TURN_MOST = 32,
@@ -18,6 +18,7 @@ enum {
     SMALL_GRID = 1 << 17
 };
 
+static_assert(TURN % (int)RING == 0 && TURN_MOST % (int)RING == 0, "turns");
 static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
 
 /* What multigrid shares. */
@@ -58,50 +59,58 @@ int gpu_pcg_set_up(struct gpu *g, struct pcg *s)
     return status;
 }
 
+/* q = A to, to = s + β p. */
+static void multiply(struct gpu *g, const struct pcg *s, struct mixed m,
+                     struct image e, const struct room *room, const int32_t *go)
+{
+    const sym *extra = s->n_extra ? s->extra : NULL;
+    struct grid grid = {s->m, s->n};
+    struct rates r = room->rates;
+    struct product a = {s->m, s->n, s->count, s->mass, s->n_extra, s->extra,
+                        0,    NULL, s->n_cdf, s->cdf,  e.p,        s->q};
+    if (s->n_cdf) {
+        LAUNCH(g, s->count, pcg_direction_kernel, m, e.p, s->count);
+        LAUNCH(g, s->count, pcg_product_kernel, a, cdf_of(s->m, s->n), e, go);
+    } else if (r.of) {
+        ties<struct rate> t = {grid, s->mass, extra, NULL, r.of};
+        march<SPRINGS>(g, t, grounded<struct mixed>{m, r.x}, e, go);
+    } else {
+        ties<sym> t = {grid, s->mass, extra, NULL, s->block};
+        product_of<SPRINGS>(g, t, m, e, go);
+    }
+}
+
 /* to = s + β p, q = A to, and the sum of to·q. */
-static void multiply(struct gpu *g, struct pcg *s, struct course *c,
-                     struct room room, const vec *p, vec *to)
+static void search(struct gpu *g, struct pcg *s, struct course *c,
+                   struct room room, const vec *p, vec *to)
 {
     struct mixed m = {s->s, p, c};
     struct image e = {s->fixed, to, s->q, room.item};
-    ties<sym> t = {
-        {s->m, s->n}, s->mass, s->n_extra ? s->extra : NULL, NULL, s->block};
-    struct product a = {s->m, s->n, s->count, s->mass, s->n_extra, s->extra,
-                        0,    NULL, s->n_cdf, s->cdf,  to,         s->q};
-    if (s->n_cdf) {
-        LAUNCH(g, s->count, pcg_direction_kernel, m, to, s->count);
-        LAUNCH(g, s->count, pcg_product_kernel, a, cdf_of(s->m, s->n), e,
-               &c->go);
-    } else
-        march<SPRINGS>(g, t, m, e, &c->go);
+    multiply(g, s, m, e, &room, &c->go);
     LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s, c,
                   room, true);
 }
 
-/* Whether every second step waits for the next: where bytes are what takes
- * time, not launches. */
-static bool pairs_steps(const struct pcg *s)
+/* Whether steps wait for the last of a ring: where bytes are what takes time,
+ * not launches. */
+static bool steps_wait(const struct pcg *s)
 {
     return !s->n_cdf && marches(grid{s->m, s->n});
 }
 
-/* Iteration k of all that are queued: where the matrix is compact p changes
- * places, as neighbours read the last one. */
+/* Iteration k of all that are queued. */
 static void iterate(struct gpu *g, struct pcg *s, struct course *c,
                     struct room room, int k)
 {
-    vec *p = s->p, *to = s->p;
-    if (!s->n_cdf && k % 2)
-        to = room.other;
-    else if (!s->n_cdf)
-        p = room.other;
+    int turn = k % room.ring;
+    vec *p = room.p[(turn + room.ring - 1) % room.ring], *to = room.p[turn];
     if (!room.jacobi) {
         gpu_multigrid_cycle(g, &s->grid, lent_by(s), &c->go, room.item);
         LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s,
                       c, room, false);
     }
-    multiply(g, s, c, room, p, to);
-    bool waits = pairs_steps(s) && to == s->p;
+    search(g, s, c, room, p, to);
+    bool waits = steps_wait(s) && turn + 1 < room.ring;
     int64_t blocks = UPDATES * g->crowd;
     LAUNCH_BLOCKS(g, blocks < s->n_chunks ? blocks : s->n_chunks, SUM_CHUNK,
                   pcg_update_kernel, *s, c, room, waits ? NULL : to);
@@ -116,8 +125,8 @@ static void take_turn(struct gpu *g, struct pcg *s, struct course *c,
                       room);
     for (int k = 0; k < iterations; k++)
         iterate(g, s, c, room, queued + k);
-    if (pairs_steps(s))
-        LAUNCH(g, s->count, pcg_settle_kernel, *s, c);
+    if (steps_wait(s))
+        LAUNCH(g, s->count, pcg_settle_kernel, *s, c, room);
     LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
 }
 
@@ -135,6 +144,7 @@ struct solve_key {
     struct pcg s;
     struct course *c;
     real *chunk;
+    struct rates rates;
     int32_t loop; /* 0: what leads to a loop and its first turn */
 };
 
@@ -149,6 +159,7 @@ static void write_key(struct solve_key *key, const struct pcg *s,
     key->s.z = s->n_z ? s->z : NULL;
     key->c = c;
     key->chunk = room->chunk;
+    key->rates = room->rates;
 }
 
 static struct course look(struct gpu *g)
@@ -217,7 +228,42 @@ static struct course solve(struct gpu *g, struct pcg *s, struct room room,
     return seen;
 }
 
+bool gpu_rates_help(const struct gpu *g, const struct pcg *s)
+{
+    return g->bulk && s->solver == DRAPE_EXACT && s->form == DRAPE_COMPACT &&
+           s->precond == DRAPE_JACOBI && marches(grid{s->m, s->n});
+}
+
 int gpu_pcg(struct gpu *g, struct pcg *s)
+{
+    return gpu_pcg_by_rates(g, s, rates{});
+}
+
+/* Room for the sums and for directions: where the matrix is compact p changes
+ * places, as neighbours read the last one, and where they wait, Jacobi's, which
+ * has many, in a ring. false if there is none. */
+static bool lay_out(struct gpu *g, const struct pcg *s, struct room *room)
+{
+    int64_t sums = 2 * s->n_chunks, count = s->count;
+    room->jacobi = s->precond == DRAPE_JACOBI;
+    room->ring = s->n_cdf ? 1 : room->jacobi && steps_wait(s) ? (int)RING : 2;
+    bool lent = room->ring > 1 && lies_before(s);
+    int64_t vecs = room->ring - 1 - lent, all = sums + (1 + 3 * vecs) * count;
+    room->chunk = (real *)gpu_scratch(g, SLOT_SOLVE, all, sizeof(real));
+    if (!room->chunk)
+        return false;
+    if (!room->jacobi)
+        room->opening = gpu_multigrid_opening(&s->grid);
+    room->item = room->chunk + sums;
+    vec *more = (vec *)(room->item + count);
+    room->p[0] = s->p;
+    for (int k = 1; k < room->ring; k++)
+        room->p[k] =
+            k == 1 && lent ? s->q + count : more + (k - 1 - lent) * count;
+    return true;
+}
+
+int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, struct rates r)
 {
     if (s->n_chunks != sum_chunks(s->count) || !(s->tolerance >= 0) ||
         s->max_iterations < 0 || (s->n_z && s->n_z != s->count) ||
@@ -231,18 +277,10 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
     struct course c = {};
     c.from = s->scale; /* where there is nothing to solve */
     c.most = s->square;
-    int64_t sums = 2 * s->n_chunks;
-    bool lent = s->n_cdf || lies_before(s);
-    int64_t all = sums + (lent ? 1 : 4) * s->count;
-    real *scratch = (real *)gpu_scratch(g, SLOT_SOLVE, all, sizeof *scratch);
-    if (s->count > 0 && scratch) {
-        bool jacobi = s->precond == DRAPE_JACOBI;
-        struct opening opening = {};
-        if (!jacobi)
-            opening = gpu_multigrid_opening(&s->grid);
-        real *item = scratch + sums;
-        vec *other = lent ? s->q + s->count : (vec *)(item + s->count);
-        c = solve(g, s, room{scratch, item, other, jacobi, opening}, &status);
+    struct room room = {};
+    room.rates = r;
+    if (s->count > 0 && lay_out(g, s, &room)) {
+        c = solve(g, s, room, &status);
     } else {
         status = gpu_pcg_set_up(g, s);
     }

@@ -11,6 +11,9 @@
  * after the last one, nothing. */
 enum phase { PHASE_OPEN, PHASE_ITERATE, PHASE_ENDED, PHASE_DONE };
 
+/* Directions that are kept at most, and that many steps moved at once. */
+enum { RING = 8 };
+
 /* Lies in gpu_words. Every kernel of the solver reads it first and
  * does nothing out of its phase: so any number of iterations may be queued. */
 struct course {
@@ -22,8 +25,8 @@ struct course {
     int32_t again;   /* 1: more of the same, 0: the host is to look */
     int32_t outcome; /* enum pcg_outcome */
     int32_t iterations, fell_back;
-    int32_t waits; /* 1: dv has yet to move by `late` times p */
-    real late;
+    int32_t waits; /* steps by which dv has yet to move, of RING */
+    real late[RING - 1];
     real square, most;       /* |r|² at first, what residual is relative to */
     real left, before, from; /* |r|² as it goes, residual, scale */
     real rho, alpha, beta;

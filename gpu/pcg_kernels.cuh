@@ -5,22 +5,25 @@
 #define GPU_PCG_KERNELS_CUH
 
 #include "gpu/pcg.cuh"
+#include "gpu/rate.h"
 #include "gpu/residual.cuh"
 #include "gpu/sum.cuh"
 
 /* Scratch of its own, and how M⁻¹r begins once r is known. */
 struct room {
-    real *chunk; /* [2·n_chunks] */
-    real *item;  /* [count] */
-    vec *other;  /* [count] every second p, where the matrix is compact */
-    bool jacobi; /* M is Jacobi's, by now or from the start */
+    real *chunk;            /* [2·n_chunks] */
+    real *item;             /* [count] */
+    bool jacobi;            /* M is Jacobi's, by now or from the start */
     struct opening opening; /* else */
+    struct rates rates;     /* of: NULL, or the matrix is read from them */
+    int ring;               /* 1, 2 or RING */
+    vec *p[RING];           /* [count] the last of them, by turns */
 };
 
 /* Of these kernels block k owns chunk k of the particles, a thread a particle;
  * the block that ends last moves the course on. Of an update there are UPDATES
  * blocks at most on a multiprocessor. */
-enum { UPDATES = 8 };
+enum { UPDATES = REAL_BITS == 32 ? 8 : 4 };
 
 #define PARTICLE(k) int64_t k = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x
 
@@ -117,13 +120,14 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         enter(&s, c, sum);
 }
 
-/* dv + low of particle k by the step that waits, and by `alpha` times p. */
+/* dv + low of particle k by the steps that wait, and by `alpha` times p. */
 static __device__ void move(const struct pcg *s, const struct course *c,
-                            int64_t k, const vec *p, real alpha)
+                            const struct room *room, int64_t k, const vec *p,
+                            real alpha)
 {
     vec x = fetch_once(s->dv + k), low = fetch_once(s->low + k);
-    if (c->waits)
-        advance(&x, &low, scale(c->late, s->p[k]));
+    for (int e = 0, waits = c->waits; e < waits; e++)
+        advance(&x, &low, scale(c->late[e], room->p[e][k]));
     if (p)
         advance(&x, &low, scale(alpha, p[k]));
     store_once(s->dv + k, x);
@@ -131,8 +135,8 @@ static __device__ void move(const struct pcg *s, const struct course *c,
 }
 
 /* Writes dv[k], low[k], r[k] and what starts from r[k]; p of the step, NULL
- * where it is s.p and waits for the next one, so that dv and low are touched
- * once for both. A block takes turns at chunks. */
+ * where it waits for a later one, so that dv and low are touched once for all.
+ * A block takes turns at chunks. */
 static __global__ void __launch_bounds__(SUM_CHUNK, UPDATES)
     pcg_update_kernel(struct pcg s, struct course *c, struct room room,
                       const vec *p)
@@ -145,7 +149,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK, UPDATES)
         value[0] = value[1] = 0;
         if (k < s.count) {
             if (p && !s.fixed[k])
-                move(&s, c, k, p, alpha);
+                move(&s, c, &room, k, p, alpha);
             vec r = axpy(s.r[k], -alpha, s.q[k]);
             s.r[k] = r;
             value[0] = dot(r, r);
@@ -155,20 +159,21 @@ static __global__ void __launch_bounds__(SUM_CHUNK, UPDATES)
     }
     if (!all_sums<2>(s.n_chunks, room.chunk, &c->ticket, sum) || threadIdx.x)
         return;
-    c->waits = !p;
-    c->late = c->alpha;
+    if (!p)
+        c->late[c->waits] = alpha;
+    c->waits = p ? 0 : c->waits + 1;
     leave(&s, c, sum[0]);
     if (room.jacobi && c->go)
         enter(&s, c, sum[1]);
 }
 
-/* The step that waits when iterations have ended; the residual is next. */
+/* The steps that wait when iterations have ended; the residual is next. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    pcg_settle_kernel(struct pcg s, const struct course *c)
+    pcg_settle_kernel(struct pcg s, const struct course *c, struct room room)
 {
     ITEM(k, s.count);
     if (c->phase == PHASE_ENDED && c->waits && !s.fixed[k])
-        move(&s, c, k, NULL, 0);
+        move(&s, c, &room, k, NULL, 0);
 }
 
 #endif

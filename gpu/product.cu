@@ -36,6 +36,6 @@ int gpu_product(struct gpu *g, struct product *s)
     if (s->n_cdf)
         LAUNCH(g, s->count, product_kernel, *s, cdf_of(s->m, s->n));
     else
-        march<SPRINGS>(g, t, plain{s->x}, product_end{s->y}, NULL);
+        product_of<SPRINGS>(g, t, plain{s->x}, product_end{s->y}, NULL);
     return gpu_status(g);
 }

@@ -37,7 +37,7 @@ static __device__ inline vec made(const struct plain *s, vec x, struct place at)
 }
 
 template <class X>
-static __device__ inline vec value_at(const X *s, struct place at)
+static __device__ inline auto value_at(const X *s, struct place at)
 {
     return made(s, take(s, at), at);
 }

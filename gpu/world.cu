@@ -162,6 +162,8 @@ static void give_sheet(struct gpu_world *w, int k)
     s->pcg = h->solver.pcg;
     if (s->pcg.n_thin)
         GIVE(d->thin, ARENA_SOLVER, NULL, s->pcg.n_thin);
+    if (gpu_rates_help(w->gpu, &s->pcg))
+        GIVE(s->rate, ARENA_SOLVER, NULL, SPRINGS * RATES_PITCH(c->count));
     s->pcg.mass = c->mass;
     s->pcg.fixed = c->fixed;
     give_solver(w, s, vecs);

@@ -4,7 +4,7 @@
 #ifndef GPU_WORLD_H
 #define GPU_WORLD_H
 
-#include "gpu/stages.h"
+#include "gpu/rate.h"
 #include "ref/state.h"
 
 #ifdef __cplusplus
@@ -18,6 +18,7 @@ struct gpu_sheet {
     struct law *law;          /* device [SPRINGS] */
     struct dynamics dynamics; /* cloth is the one above; solve is not used */
     struct pcg pcg;
+    struct rate *rate;     /* device, or NULL: a solve has no use for it */
     vec *star, *b;         /* device [count], within the world's */
     double solver_seconds; /* out: of the last solve */
     struct kinematics pins;

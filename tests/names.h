@@ -4,6 +4,7 @@
 #define TESTS_NAMES_H
 
 #define bench_solve REAL_NAME(bench_solve)
+#define blocks_of REAL_NAME(blocks_of)
 #define contacts_scratch REAL_NAME(contacts_scratch)
 #define dense_entry REAL_NAME(dense_entry)
 #define fabric_boxes REAL_NAME(fabric_boxes)
@@ -277,6 +278,7 @@
 #define test_solve_gpu_limits REAL_NAME(test_solve_gpu_limits)
 #define test_stability REAL_NAME(test_stability)
 #define test_substeps REAL_NAME(test_substeps)
+#define test_sum_gpu_levels REAL_NAME(test_sum_gpu_levels)
 #define test_tangle_energy REAL_NAME(test_tangle_energy)
 #define test_tangle_plates REAL_NAME(test_tangle_plates)
 #define test_tangle_soup REAL_NAME(test_tangle_soup)

@@ -5,9 +5,10 @@
 #include <stdlib.h>
 
 #include "gpu/blas.h"
-#include "gpu/stages.h"
+#include "gpu/rate.h"
 #include "ref/clock.h"
 #include "ref/residual.h"
+#include "ref/sum.h"
 #include "tests/solver.h"
 
 /* RUNS: of a timing, the least counts; SHORT: iterations of Jacobi that are
@@ -51,6 +52,23 @@ static struct pcg on_device(struct gpu *g, const struct pcg *s)
     return d;
 }
 
+/* What a solve on the device may read of a, on which it is made, in the place
+ * of blocks. */
+static struct rates rates_of(struct gpu *g, const struct system *a,
+                             const struct pcg *d)
+{
+    struct blocks b = blocks_of(a);
+    if (!gpu_rates_help(g, d))
+        return (struct rates){NULL, NULL};
+    b.law = put(g, a->law, SPRINGS, sizeof *a->law);
+    b.springs = put(g, a->springs, a->count, sizeof *a->springs);
+    b.x = put(g, a->x, a->count, sizeof *a->x);
+    struct rate *rate =
+        put(g, NULL, SPRINGS * RATES_PITCH(a->count), sizeof *rate);
+    gpu_rates(g, &b, rate);
+    return (struct rates){rate, b.x};
+}
+
 static bool same_result(struct gpu *g, const struct pcg *s, const struct pcg *d)
 {
     size_t bytes = (size_t)s->count * sizeof *s->dv;
@@ -81,12 +99,12 @@ static void open_both(struct gpu *g, int32_t n, int trim, int precond,
 }
 
 /* The least seconds of some solves. */
-static double timed(struct gpu *g, struct pcg *d)
+static double timed(struct gpu *g, struct pcg *d, struct rates r)
 {
     double least = HUGE_VAL;
     for (int k = 0; k < RUNS; k++) {
         gpu_clock_start(g);
-        gpu_pcg(g, d);
+        gpu_pcg_by_rates(g, d, r);
         double t = gpu_clock_stop(g);
         least = t < least ? t : least;
     }
@@ -94,11 +112,12 @@ static double timed(struct gpu *g, struct pcg *d)
 }
 
 /* The rest of a line: the reference's time, and whether both agree. */
-static void compare_bits(struct gpu *g, struct pcg *s, struct pcg *d)
+static void compare_bits(struct gpu *g, struct pcg *s, struct pcg *d,
+                         struct rates r)
 {
     s->max_iterations = s->precond == DRAPE_JACOBI ? SHORT : d->max_iterations;
     d->max_iterations = s->max_iterations;
-    gpu_pcg(g, d);
+    gpu_pcg_by_rates(g, d, r);
     double start = clock_now();
     ref_pcg(s);
     printf(",%.4g,%s", 1e3 * (clock_now() - start) / s->iterations,
@@ -120,16 +139,17 @@ static void bench_one(int32_t n, int precond, int solver)
     }
     open_both(g, n, TRIM_NONE, precond, 0, &a, &s, &d);
     d.solver = solver;
-    double set_up = timed(g, &d);
+    struct rates r = rates_of(g, &a, &d);
+    double set_up = timed(g, &d, r);
     d.max_iterations = 5000;
-    double all = timed(g, &d);
+    double all = timed(g, &d, r);
     printf("%d,%d,%s,%s,%d,%.3g,%.4g,%.4g,%.4g", REAL_BITS, n,
            jacobi ? "jacobi" : "multigrid",
            solver == DRAPE_CUBLAS ? "cublas" : "exact", d.iterations,
            (double)d.residual, 1e3 * all, 1e3 * set_up,
            1e6 * (all - set_up) / d.iterations);
     if (solver == DRAPE_EXACT)
-        compare_bits(g, &s, &d);
+        compare_bits(g, &s, &d, r);
     puts("");
     fflush(stdout);
     solver_close(&s);
@@ -155,13 +175,30 @@ void bench_solve(void)
                   k % 2 ? DRAPE_CUBLAS : DRAPE_EXACT);
 }
 
-/* Whether both have the same bits of a drape of n² particles. */
+/* As by contacts, one particle in eight is held along one axis. */
+static void hold(struct gpu *g, struct system *a, struct pcg *s, struct pcg *d)
+{
+    a->extra = calloc((size_t)a->count, sizeof *a->extra);
+    for (int64_t p = 0; p < a->count; p += 8)
+        a->extra[p].yy = R(0.01);
+    a->n_extra = s->n_extra = d->n_extra = a->count;
+    s->extra = a->extra;
+    d->extra = put(g, a->extra, a->count, sizeof *a->extra);
+}
+
+/* Whether both have the same bits of a drape of n² particles, by blocks and by
+ * rates. */
 static bool agree(struct gpu *g, int32_t n, int trim, int precond)
 {
     struct system a;
     struct pcg s, d;
     open_both(g, n, trim, precond, SHORT, &a, &s, &d);
-    bool good = ref_pcg(&s) == gpu_pcg(g, &d) && same_result(g, &s, &d);
+    if (trim != TRIM_NONE)
+        hold(g, &a, &s, &d);
+    struct rates r = rates_of(g, &a, &d);
+    bool good = ref_pcg(&s) == gpu_pcg(g, &d) && same_result(g, &s, &d) &&
+                gpu_pcg_by_rates(g, &d, r) == DRAPE_OK &&
+                same_result(g, &s, &d);
     solver_close(&s);
     free_system(&a);
     return good;
@@ -222,6 +259,35 @@ const char *test_solve_gpu_limits(void)
         ran(1);
     }
     EXPECT(anew > MOST / 4);
+    return NULL;
+}
+
+/* A sum of more chunks than the last level but one holds: 2^24 items and more,
+ * on an emulated device 2^17. spec/10_sum.md §3 */
+const char *test_sum_gpu_levels(void)
+{
+    int status;
+    struct gpu *g = gpu_open(NULL, &status);
+    if (!g)
+        return skip("there is no device");
+    struct sum s = {.n = (gpu_device(g) < 0 ? 1 << 17 : 1 << 24) + 300};
+    s.n_chunks = sum_chunks(s.n);
+    real *a = malloc((size_t)s.n * sizeof *a);
+    real *chunk = malloc((size_t)s.n_chunks * sizeof *chunk);
+    for (int64_t k = 0; k < s.n; k++)
+        a[k] = (real)noise_of((uint64_t)k);
+    struct sum d = s;
+    d.a = put(g, a, s.n, sizeof *a);
+    d.chunk = put(g, NULL, s.n_chunks, sizeof *chunk);
+    s.a = a;
+    s.chunk = chunk;
+    bool good = ref_sum(&s) == DRAPE_OK && gpu_sum(g, &d) == DRAPE_OK &&
+                !memcmp(&s.value, &d.value, sizeof s.value);
+    free(a);
+    free(chunk);
+    gpu_close(g);
+    EXPECT(good);
+    ran(1);
     return NULL;
 }
 

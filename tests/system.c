@@ -4,6 +4,8 @@
 
 #include <stdlib.h>
 
+#include "ref/law.h"
+
 static sym outer(vec a)
 {
     sym r = {a.x * a.x, a.x * a.y, a.x * a.z, a.y * a.y, a.y * a.z, a.z * a.z};
@@ -140,34 +142,36 @@ static bool severed(const struct design *d, int32_t i, int32_t j, int o)
            j > d->n / 10 && j < d->n - d->n / 10;
 }
 
-/* The spring from e's tail to its head: its block, and momentum to b. */
-static sym spring(const double e[3], double rest, double k, double dt,
-                  double push[3], struct thin *thin)
-{
-    double length = sqrt(e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
-    double slack = 1 - rest / length, across = slack > 0 ? slack : 0;
-    double w = dt * dt * k, a[3][3];
-    for (int r = 0; r < 3; r++)
-        for (int c = 0; c < 3; c++)
-            a[r][c] = w * ((1 - across) * e[r] * e[c] / (length * length) +
-                           (r == c ? across : 0));
-    for (int r = 0; r < 3; r++)
-        push[r] = dt * k * slack * e[r];
-    sym s = {(real)a[0][0], (real)a[0][1], (real)a[0][2],
-             (real)a[1][1], (real)a[1][2], (real)a[2][2]};
-    vec u = {(real)(e[0] / length), (real)(e[1] / length),
-             (real)(e[2] / length)};
-    *thin = thin_make((real)(w * (1 - across)), (real)(w * across), u);
-    return s;
-}
-
 static const double stiffness[SPRINGS] = {500,  500,  150,   150,
                                           62.5, 62.5, 31.25, 31.25};
 
-static void add_springs(const struct design *d, struct system *s,
-                        double (*x)[3], double h)
+/* Linear springs of no damping, for cells of h. */
+static void add_laws(struct system *s, double h)
 {
-    const double dt = 1.0 / 60;
+    s->tau = R(1.0 / 60);
+    for (int o = 0; o < SPRINGS; o++) {
+        double di = spring_di[o], dj = spring_dj[o];
+        real k = (real)stiffness[o];
+        s->law[o] = (struct law){.k = k,
+                                 .press = k,
+                                 .rest = (real)(h * sqrt(di * di + dj * dj)),
+                                 .stiff = k};
+    }
+}
+
+/* What spring o of p pulls in a step, added to its ends. */
+static void add_push(struct system *s, int64_t p, int o)
+{
+    int64_t q = p + spring_step(s->m, o);
+    vec d = vec_sub(s->x[q], s->x[p]);
+    real length = vec_length(d), tension = law_tension(&s->law[o], length);
+    vec f = vec_scale(s->tau * tension / length, d);
+    s->b[p] = vec_add(s->b[p], f);
+    s->b[q] = vec_sub(s->b[q], f);
+}
+
+static void add_springs(const struct design *d, struct system *s)
+{
     for (int32_t j = 0; j < s->n; j++)
         for (int32_t i = 0; i < s->m; i++)
             for (int o = 0; o < SPRINGS; o++) {
@@ -176,18 +180,23 @@ static void add_springs(const struct design *d, struct system *s,
                     severed(d, i, j, o) || s->fixed[p] == CLOTH_ABSENT ||
                     s->fixed[q] == CLOTH_ABSENT)
                     continue;
-                double e[3], push[3];
-                for (int c = 0; c < 3; c++)
-                    e[c] = x[q][c] - x[p][c];
-                double rest = h * sqrt((double)spring_di[o] * spring_di[o] +
-                                       (double)spring_dj[o] * spring_dj[o]);
-                int64_t at = o * s->count + p;
-                s->block[at] =
-                    spring(e, rest, stiffness[o], dt, push, &s->thin[at]);
-                vec f = vec_make((real)push[0], (real)push[1], (real)push[2]);
-                s->b[p] = vec_add(s->b[p], f);
-                s->b[q] = vec_sub(s->b[q], f);
+                s->springs[p] |= (uint8_t)(1 << o);
+                add_push(s, p, o);
             }
+}
+
+struct blocks blocks_of(const struct system *s)
+{
+    return (struct blocks){.count = s->count,
+                           .m = s->m,
+                           .laws = SPRINGS,
+                           .law = s->law,
+                           .springs = s->springs,
+                           .x = s->x,
+                           .tau = s->tau,
+                           .block = s->block,
+                           .n_thin = s->n_blocks,
+                           .thin = s->thin};
 }
 
 void make_system(const struct design *d, struct system *s)
@@ -204,6 +213,8 @@ void make_system(const struct design *d, struct system *s)
     s->thin = calloc((size_t)s->n_blocks, sizeof *s->thin);
     s->fixed = calloc((size_t)s->count, sizeof *s->fixed);
     s->b = calloc((size_t)s->count, sizeof *s->b);
+    s->springs = calloc((size_t)s->count, sizeof *s->springs);
+    s->x = calloc((size_t)s->count, sizeof *s->x);
     double(*x)[3] = calloc((size_t)s->count, sizeof *x);
     for (int64_t p = 0; p < s->count; p++) {
         int32_t i = (int32_t)(p % s->m), j = (int32_t)(p / s->m);
@@ -222,8 +233,13 @@ void make_system(const struct design *d, struct system *s)
     }
     for (uint64_t k = 0; k < 3 * (uint64_t)s->count; k++)
         x[k / 3][k % 3] += d->uneven * h * noise_of(k);
-    add_springs(d, s, x, h);
+    for (int64_t p = 0; p < s->count; p++)
+        s->x[p] = vec_make((real)x[p][0], (real)x[p][1], (real)x[p][2]);
     free(x);
+    add_laws(s, h);
+    add_springs(d, s);
+    struct blocks b = blocks_of(s);
+    ref_blocks(&b);
 }
 
 void free_system(struct system *s)
@@ -234,6 +250,8 @@ void free_system(struct system *s)
     free(s->thin);
     free(s->fixed);
     free(s->b);
+    free(s->springs);
+    free(s->x);
 }
 
 mat dense_entry(const struct system *s, int64_t p, int64_t q)

@@ -4,8 +4,8 @@
 #ifndef TESTS_SYSTEM_H
 #define TESTS_SYSTEM_H
 
+#include "ref/blocks.h"
 #include "ref/matrix.h"
-#include "ref/thin.h"
 #include "tests/harness.h"
 
 struct system {
@@ -16,6 +16,12 @@ struct system {
     struct thin *thin; /* [n_blocks] of the blocks */
     uint8_t *fixed;
     vec *b; /* momentum of a falling, stretched cloth over one step */
+
+    /* What make_system made the blocks of, NULL from pick_system. */
+    struct law law[SPRINGS];
+    uint8_t *springs;
+    vec *x;
+    real tau;
 };
 
 /* Gives a stage of the solver the system's grid, masses and blocks. */
@@ -62,6 +68,8 @@ struct design {
 
 /* A cloth of cotton, longest side 1 m, dt = 1/60; memory from malloc. */
 void make_system(const struct design *design, struct system *s);
+/* The stage that made its blocks. */
+struct blocks blocks_of(const struct system *s);
 void free_system(struct system *s);
 
 /* What a thin block is, rounded. */
