@@ -24,7 +24,7 @@ SCENES = {"tiny": 6, "tiny64": 6, "lion_20k_baraff-witkin": 120,
           "lion_20k_midpoint": 120, "lion_20k_verlet": 120,
           "lion_20k_rk4": 120, "lion_20k_64": 30, "lion_20k_jacobi": 30,
           "funnel": 20, "twist": 20, "curtain": 20, "flag": 20, "thrown": 8,
-          "buddha_500k": 10, "buddha_2m": 3}
+          "buddha_500k": 10, "buddha_500k_jacobi": 3, "buddha_2m": 3}
 AGAIN = {"gpu again, block 0", "gpu again, block 64", "gpu again, block 96",
          "after a checkpoint"}
 WANTED = {(scene, "ref and gpu") for scene in SCENES} | {

@@ -228,8 +228,9 @@ done
 scene thrown lion_20k 8 \
     '"max_slices": 1, "max_rounds": 2, "gravity": [0, -900, 0],'
 large=
-[ "$quick" ] || large='buddha_500k buddha_2m'
+[ "$quick" ] || large='buddha_500k buddha_500k_jacobi buddha_2m'
 [ "$quick" ] || scene buddha_500k buddha_500k 10
+[ "$quick" ] || scene buddha_500k_jacobi buddha_500k 4 '"precond": "jacobi",'
 [ "$quick" ] || scene buddha_2m buddha_2m 4
 
 if [ "$mode" = reference ]; then
