@@ -204,10 +204,52 @@ static const char *large_query(struct both *t, const char *name, bool still,
     return failed;
 }
 
+/* The candidates of the last query decided exactly by both; likewise. */
+static const char *settle(struct both *t, const char *name)
+{
+    int64_t n = t->ref.n, touching = 0;
+    size_t bytes = (size_t)n * sizeof(uint32_t);
+    struct narrow a = {.n = n,
+                       .pair = broad_pairs(&t->ref)[0],
+                       .kind = broad_kinds(&t->ref),
+                       .x0 = t->f.x0,
+                       .x1 = t->f.x1,
+                       .nv = t->f.scene.vertices,
+                       .toi = malloc(bytes + 1),
+                       .tier = malloc((size_t)n + 1)};
+    struct narrow b = {.n = n,
+                       .pair = t->dev.pair.data,
+                       .kind = t->dev.kind.data,
+                       .x0 = t->x0,
+                       .x1 = t->x1,
+                       .nv = a.nv,
+                       .toi = gpu_take(t->g, ARENA_OTHER, n, sizeof *b.toi),
+                       .tier = gpu_take(t->g, ARENA_OTHER, n, 1)};
+    bool good = gpu_narrow(t->g, &b) == DRAPE_OK;
+    gpu_wait(t->g);
+    double start = clock_now();
+    good = gpu_narrow(t->g, &b) == DRAPE_OK && good;
+    gpu_wait(t->g);
+    double seconds = clock_now() - start;
+    good = ref_narrow(&a) == DRAPE_OK && good &&
+           same_bytes(t->g, a.toi, b.toi, bytes) &&
+           same_bytes(t->g, a.tier, b.tier, (size_t)n);
+    for (int64_t k = 0; k < n; k++)
+        touching += a.toi[k] != NARROW_MISS;
+    printf("broad_gpu_large: %s, %d bits: %lld candidates decided, %lld touch: "
+           "%.4g ms\n",
+           name, REAL_BITS, (long long)n, (long long)touching, 1e3 * seconds);
+    free(a.toi);
+    free(a.tier);
+    EXPECT(good);
+    return NULL;
+}
+
 static const char *large(struct both *t, const char *name, real r)
 {
     const char *failed = make(t, true) ? NULL : "it was not made";
     failed = failed ? failed : large_query(t, name, false, 0);
+    failed = failed ? failed : settle(t, name);
     return failed ? failed : large_query(t, name, true, r);
 }
 
