@@ -5,24 +5,6 @@
 
 #include "tests/solver.h"
 
-/* Contacts hold one particle in `every`, about as 38_penalty.md does, and only
- * they push: the right-hand side is theirs. */
-static void hold(struct system *a, uint32_t every)
-{
-    a->n_extra = a->count;
-    a->extra = calloc((size_t)a->count, sizeof *a->extra);
-    for (int64_t p = 0; p < a->count; p++) {
-        uint64_t seed = (uint64_t)(8 * p);
-        vec n = vec_make((real)noise_of(seed), (real)noise_of(seed + 1),
-                         (real)(1 + noise_of(seed + 2)));
-        bool held = (1 + noise_of(seed + 3)) / 2 * every < 1;
-        if (held)
-            a->extra[p] = (sym){n.x * n.x, n.x * n.y, n.x * n.z,
-                                n.y * n.y, n.y * n.z, n.z * n.z};
-        a->b[p] = held && !a->fixed[p] ? n : vec_make(0, 0, 0);
-    }
-}
-
 /* Iterations to a true relative residual of 1e-3, or limit + 1. */
 static int32_t iterations(const struct design *d, uint32_t every, int32_t limit)
 {
@@ -33,7 +15,7 @@ static int32_t iterations(const struct design *d, uint32_t every, int32_t limit)
                     .max_iterations = limit};
     make_system(d, &a);
     if (every)
-        hold(&a, every);
+        hold_system(&a, every);
     solver_open(&s, &a);
     int status = ref_pcg(&s);
     bool good = status == DRAPE_OK && s.outcome == PCG_CONVERGED &&

@@ -101,6 +101,7 @@
 #define gen_zones REAL_NAME(gen_zones)
 #define guest_go REAL_NAME(guest_go)
 #define guest_make REAL_NAME(guest_make)
+#define hold_system REAL_NAME(hold_system)
 #define law_oracle REAL_NAME(law_oracle)
 #define law_oracle_energy REAL_NAME(law_oracle_energy)
 #define law_oracle_slope REAL_NAME(law_oracle_slope)

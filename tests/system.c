@@ -242,6 +242,22 @@ void make_system(const struct design *d, struct system *s)
     ref_blocks(&b);
 }
 
+void hold_system(struct system *a, uint32_t every)
+{
+    a->n_extra = a->count;
+    a->extra = calloc((size_t)a->count, sizeof *a->extra);
+    for (int64_t p = 0; p < a->count; p++) {
+        uint64_t seed = (uint64_t)(8 * p);
+        vec n = vec_make((real)noise_of(seed), (real)noise_of(seed + 1),
+                         (real)(1 + noise_of(seed + 2)));
+        bool held = (1 + noise_of(seed + 3)) / 2 * every < 1;
+        if (held)
+            a->extra[p] = (sym){n.x * n.x, n.x * n.y, n.x * n.z,
+                                n.y * n.y, n.y * n.z, n.z * n.z};
+        a->b[p] = held && !a->fixed[p] ? n : vec_make(0, 0, 0);
+    }
+}
+
 void free_system(struct system *s)
 {
     free(s->mass);

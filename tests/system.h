@@ -17,7 +17,7 @@ struct system {
     uint8_t *fixed;
     vec *b; /* momentum of a falling, stretched cloth over one step */
 
-    /* What make_system made the blocks of, NULL from pick_system. */
+    /* What make_system made the blocks of; pick_system leaves them alone. */
     struct law law[SPRINGS];
     uint8_t *springs;
     vec *x;
@@ -68,6 +68,9 @@ struct design {
 
 /* A cloth of cotton, longest side 1 m, dt = 1/60; memory from malloc. */
 void make_system(const struct design *design, struct system *s);
+/* Contacts hold one particle in `every`, about as 38_penalty.md does, and only
+ * they push: the right-hand side is theirs. */
+void hold_system(struct system *a, uint32_t every);
 /* The stage that made its blocks. */
 struct blocks blocks_of(const struct system *s);
 void free_system(struct system *s);
