@@ -34,9 +34,9 @@ static __device__ sym whole_block(const struct parts *s)
 
 /* Thread t of block k owns particle 256 k + t: reads it and the far ends of
  * its forward springs. The blocks of a direction go through `s`, so that the
- * threads write them side by side. */
+ * threads write them side by side. rate: NULL: none. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    blocks_kernel(struct blocks a)
+    blocks_kernel(struct blocks a, int64_t pitch, struct rate *rate)
 {
     __shared__ sym s[GPU_BLOCK];
     int t = (int)threadIdx.x, base = (int)blockIdx.x * GPU_BLOCK, p = base + t;
@@ -53,6 +53,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         s[t] = whole_block(&b);
         if (a.n_thin && t < n)
             a.thin[o * a.count + p] = thin_of(b.c, b.b, b.u);
+        if (rate && t < n)
+            rate[o * pitch + p] = {b.b, b.c, b.inverse};
         __syncthreads();
         real *to = (real *)(a.block + o * a.count + base);
         for (int r = t; r < reals; r += GPU_BLOCK)
@@ -61,32 +63,16 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     }
 }
 
-/* Thread t owns rate t of each direction. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    rates_kernel(struct blocks a, int64_t pitch, struct rate *rate)
+int gpu_blocks_and_rates(struct gpu *g, const struct blocks *s,
+                         struct rate *rate)
 {
-    ITEM(p, a.count);
-    int mask = a.springs[p];
-    vec here = a.x[p];
-    UNROLL
-    for (int o = 0; o < SPRINGS; o++) {
-        vec d = make(0, 0, 0);
-        if (mask >> o & 1)
-            d = sub(a.x[p + forward_i(o) + forward_j(o) * a.m], here);
-        struct parts b = spring_parts(&a.law[o], a.tau, d);
-        rate[o * pitch + p] = {b.b, b.c, b.inverse};
-    }
-}
-
-int gpu_rates(struct gpu *g, const struct blocks *s, struct rate *rate)
-{
-    LAUNCH(g, s->count, rates_kernel, *s, RATES_PITCH(s->count), rate);
+    int64_t blocks = (s->count + GPU_BLOCK - 1) / GPU_BLOCK;
+    LAUNCH_BLOCKS(g, blocks, GPU_BLOCK, blocks_kernel, *s,
+                  RATES_PITCH(s->count), rate);
     return gpu_status(g);
 }
 
 int gpu_blocks(struct gpu *g, struct blocks *s)
 {
-    int64_t blocks = (s->count + GPU_BLOCK - 1) / GPU_BLOCK;
-    LAUNCH_BLOCKS(g, blocks, GPU_BLOCK, blocks_kernel, *s);
-    return gpu_status(g);
+    return gpu_blocks_and_rates(g, s, NULL);
 }

@@ -33,7 +33,7 @@ static __device__ inline void fetch_coarsest(const struct coarsest *s,
 static __device__ inline void
 solve_coarsest(const struct coarsest *s, const double *a, const vec *b, vec *z)
 {
-    enum { WARP = 32, OWN = 2 };
+    enum { OWN = 2 };
     static_assert(OWN * WARP >= DENSE, "unknowns of a warp");
     int n = 3 * (int)s->count, pitch = dense_pitch(n), t = rank_thread();
     double x[OWN] = {0, 0};

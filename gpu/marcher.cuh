@@ -192,7 +192,7 @@ pull_row(struct marcher<TIES, B> *w, const struct staging<TIES, B> *s,
         int lane = least(most(w->lane + di, 0), THREADS - 1);
         B b = staged ? s->tie[w->j % STAGES][staged ? o : 0][at]
                      : w->block[staged ? 0 : o];
-        vec f = pulled(b, here, x[(w->j + dj) % X_ROWS][lane]);
+        vec f = tie_pull(b, here, x[(w->j + dj) % X_ROWS][lane]);
         w->pull[o] = w->wanted >> o & 1 ? f : make(0, 0, 0);
         if (di != 0)
             passed[passed_at<TIES>(o)][w->lane] = w->pull[o];

@@ -104,9 +104,7 @@ static void blocks(struct gpu *g, struct gpu_sheet *s, const struct about *a)
     b.block = s->dynamics.block;
     b.n_thin = s->dynamics.thin ? SPRINGS * c->count : 0;
     b.thin = s->dynamics.thin;
-    gpu_blocks(g, &b);
-    if (s->rate)
-        gpu_rates(g, &b, s->rate);
+    gpu_blocks_and_rates(g, &b, s->rate);
     gpu_trace(g, s->dynamics.trace, "blocks", b.block,
               (size_t)(SPRINGS * c->count) * sizeof *b.block);
 }

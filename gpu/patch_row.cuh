@@ -11,7 +11,8 @@
  * 0 where there is none: to add or subtract that changes no y, which is never
  * -0. x: at the particle. */
 static __device__ inline void pulls_of(struct run r, struct place at,
-                                       struct tie t, const vec *x, vec f[2])
+                                       struct tie t, const vec *x, vec *ending,
+                                       vec *starting)
 {
     int k = (at.p - r.first) * (int)sizeof(sym);
     bool ends = within(r.g, at.i - t.di, at.j - t.dj);
@@ -20,8 +21,8 @@ static __device__ inline void pulls_of(struct run r, struct place at,
         out = fetch(syms(t.out + k));
     vec here = *x, from = x[ends ? -t.step : 0], to = x[starts ? t.step : 0];
     vec none = make(0, 0, 0);
-    f[0] = ends ? apply(in, sub(from, here)) : none;
-    f[1] = starts ? apply(out, sub(here, to)) : none;
+    *ending = ends ? apply(in, sub(from, here)) : none;
+    *starting = starts ? apply(out, sub(here, to)) : none;
 }
 
 /* Neighbours of a warp share a row, each of them as many ties, in order; the
@@ -56,24 +57,15 @@ static __device__ __noinline__ vec pulled(struct run r, struct row w, int from,
 {
     enum { EACH = STENCIL / LANES };
     const vec *x = vecs(from) + (w.at.p - r.low);
-    vec f[EACH][2];
+    vec ending[EACH], starting[EACH];
     UNROLL
     for (int k = 0; k < EACH; k++) {
-        f[k][0] = f[k][1] = make(0, 0, 0);
+        ending[k] = starting[k] = make(0, 0, 0);
         if (w.real)
-            pulls_of(r, w.at, ties_at(r.table)[w.lane * EACH + k], x, f[k]);
+            pulls_of(r, w.at, ties_at(r.table)[w.lane * EACH + k], x,
+                     &ending[k], &starting[k]);
     }
-    UNROLL
-    for (int lane = 0; lane < LANES; lane++) {
-        vec before = lane ? lane_below(y) : y;
-        if (w.lane != lane)
-            continue;
-        y = before;
-        UNROLL
-        for (int k = 0; k < EACH; k++)
-            y = add(sub(y, f[k][0]), f[k][1]);
-    }
-    return y;
+    return add_by_lanes<LANES, EACH>(y, ending, starting, w.lane);
 }
 
 /* A x at a particle, in the last lane of its row. */

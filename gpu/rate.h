@@ -33,8 +33,9 @@ struct rates {
 
 /* Whether a solve of this form would read them on this device. */
 bool gpu_rates_help(const struct gpu *g, const struct pcg *s);
-/* Writes rate [SPRINGS·pitch] on the device; block and thin are not touched. */
-int gpu_rates(struct gpu *g, const struct blocks *s, struct rate *rate);
+/* gpu_blocks, and rate [SPRINGS·pitch] on the device; NULL: none. */
+int gpu_blocks_and_rates(struct gpu *g, const struct blocks *s,
+                         struct rate *rate);
 /* gpu_pcg, the same bits; r.of NULL: just that. */
 int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, struct rates r);
 

@@ -32,7 +32,7 @@ struct tail {
  */
 static __device__ inline void fetch_stream(struct stream s)
 {
-    enum { WARP = 32, HALF = 8, QUAD = 16 };
+    enum { HALF = 8, QUAD = 16 };
     struct alignas(QUAD) quad {
         double half[2];
     };
@@ -56,7 +56,6 @@ static __device__ inline void fetch_stream(struct stream s)
  * block o of all, two more the others. */
 static __device__ inline void fetch_patch(const struct patch *l)
 {
-    enum { WARP = 32 };
     struct run r = run_of(l);
     int t = rank_thread();
     if (t < STENCIL)

@@ -78,6 +78,25 @@ static __device__ inline vec own_part(const struct ties<B> *t, struct base b,
     return t->extra ? add(y, apply(b.extra, x)) : y;
 }
 
+/* y of the first of LANES neighbours of a warp, less and plus what each has, in
+ * their order: in the last one. All threads of a warp must call it. */
+template <int LANES, int EACH>
+static __device__ inline vec add_by_lanes(vec y, const vec less[EACH],
+                                          const vec plus[EACH], int lane)
+{
+    UNROLL
+    for (int turn = 0; turn < LANES; turn++) {
+        vec below = turn ? lane_below(y) : y;
+        if (lane != turn)
+            continue;
+        y = below;
+        UNROLL
+        for (int k = 0; k < EACH; k++)
+            y = add(sub(y, less[k]), plus[k]);
+    }
+    return y;
+}
+
 /* Row p of A x by LANES neighbours of a warp, which all must call it: y of the
  * particle plus what its ties pull, of each direction the tie that ends here
  * and then the one that starts here. Each lane has as many directions, in
@@ -116,17 +135,7 @@ static __device__ inline vec gathered(const struct ties<B> *t, const X *x,
         from[k] = ends[k] ? apply(before[k], sub(from[k], own)) : none;
         to[k] = starts[k] ? apply(after[k], sub(own, to[k])) : none;
     }
-    UNROLL
-    for (int turn = 0; turn < LANES; turn++) {
-        vec below = turn ? lane_below(y) : y;
-        if (lane != turn)
-            continue;
-        y = below;
-        UNROLL
-        for (int k = 0; k < EACH; k++)
-            y = add(sub(y, from[k]), to[k]);
-    }
-    return y;
+    return add_by_lanes<LANES, EACH>(y, from, to, lane);
 }
 
 #endif

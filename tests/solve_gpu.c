@@ -63,9 +63,11 @@ static struct rates rates_of(struct gpu *g, const struct system *a,
     b.law = put(g, a->law, SPRINGS, sizeof *a->law);
     b.springs = put(g, a->springs, a->count, sizeof *a->springs);
     b.x = put(g, a->x, a->count, sizeof *a->x);
+    b.block = put(g, NULL, SPRINGS * a->count, sizeof *b.block);
+    b.n_thin = 0;
     struct rate *rate =
         put(g, NULL, SPRINGS * RATES_PITCH(a->count), sizeof *rate);
-    gpu_rates(g, &b, rate);
+    gpu_blocks_and_rates(g, &b, rate);
     return (struct rates){rate, b.x};
 }
 
