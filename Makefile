@@ -126,7 +126,7 @@ ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
 
 .PHONY: all demo check bench reference certify asan fuzz install help golden \
         format tidy clang-tests check-parts flavours gcc-O0 gcc-O3 clang-O2 \
-        soak outcomes prove oracles fuzz-libs price say-gpu tables
+        soak outcomes prove oracles fuzz-libs price launches say-gpu tables
 .DELETE_ON_ERROR:
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, tool
@@ -253,6 +253,12 @@ $(BUILD)/price: $(PRICE_O) $(LIB)
 	$(C17) $^ -o $@ $(CUDA_L)
 price: $(BUILD)/price ## what exactness costs on a device, as csv
 	$(BUILD)/price
+
+$(BUILD)/launches: ci/bench/launches.cu
+	@mkdir -p $(@D)
+	$(CUDA) $< -o $@ $(CUDA_L)
+launches: $(BUILD)/launches ## what launches, graphs and looks cost there, as csv
+	$(BUILD)/launches
 
 # A program that shares the device with a world: app/examples/share.cu.
 $(BUILD)/share.o: app/examples/share.cu
