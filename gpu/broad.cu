@@ -2,6 +2,7 @@
 /* Ties the stages of the broad phase together on the device.
  * spec/25_broad.md, spec/50_gpu.md §6 */
 #include "gpu/bvtt.cuh"
+#include "gpu/refit.cuh"
 #include "gpu/world.h"
 
 /* ---- Room: what a pool held is lost when it grows ---- */
@@ -37,8 +38,6 @@ static int grow_scratch(struct gpu *g, struct broad *b, int64_t need)
         status = grow_pairs(g, &b->mask, need, sizeof(uint16_t));
     if (status == DRAPE_OK)
         status = grow_pairs(g, &b->act, need, sizeof(uint8_t));
-    if (status == DRAPE_OK)
-        status = grow_pairs(g, &b->sum, need / BVTT_BLOCK + 1, sizeof(int64_t));
     return status;
 }
 
@@ -119,7 +118,8 @@ int gpu_broad_make(struct gpu *g, const struct broad *host, struct broad *b)
 
 /* ---- A query ---- */
 
-static int refit(struct gpu *g, struct broad *b)
+/* How it ended is known when walk has been waited for: refitted. */
+static void refit(struct gpu *g, struct broad *b)
 {
     struct refit fit = {};
     fit.tree = b->tree;
@@ -131,13 +131,19 @@ static int refit(struct gpu *g, struct broad *b)
     fit.all = !b->started;
     fit.box = b->box;
     fit.stir = b->stir;
-    int status = gpu_refit(g, &fit);
-    b->queries++;
-    b->refitted += fit.made;
-    b->kept += b->tree.n - fit.made;
+    gpu_refit_queue(g, &fit, gpu_late_words(g));
     gpu_trace(g, b->trace, "refit", b->box, (size_t)b->tree.n * sizeof *b->box);
-    b->started = b->started || status == DRAPE_OK;
-    return status;
+}
+
+static int refitted(const struct gpu *g, struct broad *b)
+{
+    const int64_t *seen = gpu_late_seen(g);
+    int64_t made = seen[REFIT_BAD] ? 0 : seen[REFIT_MADE];
+    b->queries++;
+    b->refitted += made;
+    b->kept += b->tree.n - made;
+    b->started = b->started || !seen[REFIT_BAD];
+    return seen[REFIT_BAD] ? DRAPE_EDATA : DRAPE_OK;
 }
 
 static int cones(struct gpu *g, struct broad *b)
@@ -261,7 +267,6 @@ static int find(struct gpu *g, struct broad *b, struct features *s)
 
 static int candidates(struct gpu *g, struct broad *b)
 {
-    int status = walk(g, b);
     struct features s = {};
     s.nv = b->nv;
     s.nt = b->tree.n_tri;
@@ -275,9 +280,9 @@ static int candidates(struct gpu *g, struct broad *b)
     s.own = b->tree.own;
     s.both = (const int32_t(*)[2])b->both.data;
     b->n = b->n_vf = 0;
-    if (status != DRAPE_OK || !b->n_both)
-        return status;
-    status = find(g, b, &s);
+    if (!b->n_both)
+        return DRAPE_OK;
+    int status = find(g, b, &s);
     b->n = s.n_pair;
     b->n_vf = s.n_vf;
     return status;
@@ -329,11 +334,21 @@ int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
     b->r = r;
     b->moved = moved;
     b->later = moved && b->started && b->n_front > 0;
-    int status = refit(g, b);
+    /* No pair may meet by boxes that are not made yet, and no trace goes on
+     * from bad numbers. */
+    bool now = !b->started || b->trace;
+    refit(g, b);
+    if (now)
+        gpu_look_words(g, REFIT_WORDS);
+    int status = now ? refitted(g, b) : (int)DRAPE_OK;
     if (status == DRAPE_OK && b->cones)
         status = cones(g, b);
     if (status == DRAPE_OK && !b->later)
         status = update_front(g, b);
+    if (status == DRAPE_OK)
+        status = walk(g, b);
+    if (status == DRAPE_OK && !now)
+        status = refitted(g, b);
     if (status == DRAPE_OK)
         status = candidates(g, b);
     if (status == DRAPE_ENOMEM)

@@ -5,6 +5,7 @@
 #define GPU_BVTT_CUH
 
 #include "gpu/box.cuh"
+#include "gpu/scan.cuh"
 
 /* A pair of nodes, or of triangles, moved as one word of eight bytes. */
 struct duo {
@@ -106,65 +107,13 @@ static __device__ inline bool passes(const struct bvtt *s, real reach,
     return boxes_meet(s, reach, e) && !cleared(&s->tree, s->clear, e);
 }
 
-/* ---- Places in a block of BVTT_BLOCK items ---- */
+/* ---- Blocks of BVTT_BLOCK items ---- */
 
-static inline int64_t blocks_of(int64_t n)
+static_assert((int)BVTT_BLOCK == (int)SCAN_BLOCK, "their places are scanned");
+
+static __host__ __device__ inline int64_t blocks_of(int64_t n)
 {
     return n / BVTT_BLOCK + (n % BVTT_BLOCK > 0);
-}
-
-enum { SCAN_RUN = 16, SCAN_RUNS = BVTT_BLOCK / SCAN_RUN };
-
-/* What the threads before this one have together; *total: all of them. Every
- * thread of a block of BVTT_BLOCK must call it. Two counts go at once in the
- * halves of a word, as no block's exceed 16 bits. */
-static __device__ inline uint32_t block_scan(uint32_t count, uint32_t *total)
-{
-    __shared__ uint32_t s[SCAN_RUNS * (SCAN_RUN + 1)], run[SCAN_RUNS];
-    int t = (int)threadIdx.x, at = t + t / SCAN_RUN; /* no two in one bank */
-    __syncthreads(); /* s may be read still from the scan before */
-    s[at] = count;
-    __syncthreads();
-    if (t < SCAN_RUNS) {
-        uint32_t sum = 0;
-        for (int k = t * (SCAN_RUN + 1); k < (t + 1) * (SCAN_RUN + 1) - 1;
-             k++) {
-            uint32_t here = s[k];
-            s[k] = sum;
-            sum += here;
-        }
-        run[t] = sum;
-    }
-    __syncthreads();
-    uint32_t before = 0, all = 0;
-    for (int k = 0; k < SCAN_RUNS; k++) {
-        before = k == t / SCAN_RUN ? all : before;
-        all += run[k];
-    }
-    *total = all;
-    return before + s[at];
-}
-
-/* Blocks' counts [n] become the places where each begins. All threads of one
- * block of BVTT_BLOCK call it; a chunk has at most 2^19 · BVTT_BLOCK items. */
-static __device__ inline void place_blocks(int64_t *sum, int64_t n)
-{
-    enum { EACH = 8 };
-    int64_t base = 0;
-    for (int64_t first = 0; first < n; first += EACH * BVTT_BLOCK) {
-        int64_t at = first + EACH * (int64_t)threadIdx.x;
-        uint32_t mine[EACH], all = 0, total;
-        for (int k = 0; k < EACH; k++) {
-            mine[k] = at + k < n ? (uint32_t)sum[at + k] : 0;
-            all += mine[k];
-        }
-        int64_t before = base + block_scan(all, &total);
-        for (int k = 0; k < EACH && at + k < n; k++) {
-            sum[at + k] = before;
-            before += mine[k];
-        }
-        base += total;
-    }
 }
 
 /* Adds to a word of gpu_words: whole numbers, so no order shows. */

@@ -13,14 +13,6 @@ enum { RANK_CONTACTS = 2048, TEAM_BLOCK = 1024 };
 enum { RANK_CONTACTS = 10, TEAM_BLOCK = 64 };
 #endif
 
-template <bool CROWD> static __device__ void meet(void)
-{
-    if (CROWD)
-        crowd_sync();
-    else
-        team_sync(false);
-}
-
 /* A pass, and a barrier after it. */
 template <bool CROWD, void ACT(const struct mass_splitting &, int64_t)>
 static __device__ void pass(const struct mass_splitting &m, int64_t n)
@@ -96,7 +88,7 @@ int gpu_contacts(struct gpu *g, struct contacts *s)
     if (s->n < (int64_t)g->ranks * RANK_CONTACTS)
         LAUNCH_TEAM(g, TEAM_BLOCK, 0, contacts_kernel<false>, m, words);
     else
-        LAUNCH_CROWD(g, TEAM_BLOCK, contacts_kernel<true>, m, words);
+        LAUNCH_CROWD(g, 1, TEAM_BLOCK, contacts_kernel<true>, m, words);
     const int64_t *seen = gpu_read_words(g, INCIDENCE_WORDS + 1);
     s->vertices = seen[INCIDENCE_VERTICES];
     return seen[INCIDENCE_BAD] ? DRAPE_EARG : gpu_status(g);

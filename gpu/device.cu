@@ -22,12 +22,14 @@ void gpu_note(struct gpu *g, cudaError_t error)
 /* Does nothing; how it was compiled holds for all kernels. */
 static __global__ void probe_kernel(void) {}
 
-cudaError_t gpu_allow_team(struct gpu *g, const void *kernel)
+cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room)
 {
     if (g->team == kernel)
         return cudaSuccess;
-    cudaError_t error = cudaFuncSetAttribute(
-        kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, g->room);
+    cudaError_t error = cudaSuccess;
+    if (room)
+        error = cudaFuncSetAttribute(
+            kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, g->room);
     if (error == cudaSuccess && g->ranks > 1)
         error = cudaFuncSetAttribute(
             kernel, cudaFuncAttributeNonPortableClusterSizeAllowed, 1);
@@ -48,7 +50,7 @@ static bool team_runs(struct gpu *g)
     config.attrs = &cluster;
     config.numAttrs = 1;
     int teams = 0;
-    cudaError_t error = gpu_allow_team(g, (const void *)probe_kernel);
+    cudaError_t error = gpu_allow_team(g, (const void *)probe_kernel, true);
     if (error == cudaSuccess)
         error = cudaOccupancyMaxActiveClusters(&teams, probe_kernel, &config);
     cudaGetLastError(); /* an error of these is an answer */
@@ -285,6 +287,7 @@ static void show(struct gpu *g, bool clear)
     }
     if (g->failed)
         memset(g->seen, 0, GPU_ALL_WORDS * sizeof *g->seen);
+    gpu_keep_late(g, clear);
 }
 
 /* As many as are asked for would take as long. */

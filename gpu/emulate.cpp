@@ -135,9 +135,18 @@ double gpu_clock_stop(struct gpu *g)
     return g->event - start;
 }
 
+static void show(struct gpu *g, bool clear)
+{
+    gpu_down(g, g->seen, g->words, GPU_ALL_WORDS * sizeof *g->seen);
+    if (g->failed)
+        memset(g->seen, 0, GPU_ALL_WORDS * sizeof *g->seen);
+    gpu_keep_late(g, clear);
+}
+
 const int64_t *gpu_read_words(struct gpu *g, int n)
 {
-    gpu_look_words(g, n);
+    (void)n;
+    show(g, true);
     gpu_clear(g, g->words, GPU_ALL_WORDS * sizeof *g->words);
     g->clean[0] = g->clean[1] = true;
     return g->seen;
@@ -146,9 +155,7 @@ const int64_t *gpu_read_words(struct gpu *g, int n)
 const int64_t *gpu_look_words(struct gpu *g, int n)
 {
     (void)n;
-    gpu_down(g, g->seen, g->words, GPU_ALL_WORDS * sizeof *g->seen);
-    if (g->failed)
-        memset(g->seen, 0, GPU_ALL_WORDS * sizeof *g->seen);
+    show(g, false);
     return g->seen;
 }
 

@@ -2,11 +2,12 @@
 /* Vertex-face and edge-edge candidates of triangle pairs, each once.
  * spec/24_features.md */
 #include "gpu/bvtt.cuh"
+#include "gpu/last.cuh"
 
 /* §1: bits of a mask that are of a vertex and a face, and all. */
 enum { VF_BITS = 6, VF_MASK = (1 << VF_BITS) - 1, BITS = 15 };
-/* The counts of both kinds, and 1: there is room for all. */
-enum { WORD_VF, WORD_EE, WORD_DONE, WORDS };
+/* The counts of both kinds, 1: there is room for all, and for ends_last. */
+enum { WORD_VF, WORD_EE, WORD_DONE, WORD_TICKET, WORDS };
 
 /* The vertices of a triangle. */
 struct corners {
@@ -104,7 +105,8 @@ static __device__ uint32_t look(const struct features *s, real reach,
 }
 
 /* Block k owns pairs of triangles 256 k …: writes their masks, and how many
- * candidates they make to sum[k] (vertex-face) and sum[blocks + k]. */
+ * candidates they make to sum[k] (vertex-face) and sum[blocks + k]; the one
+ * that ends last, where the candidates of a block and kind begin. */
 static __global__ void __launch_bounds__(BVTT_BLOCK)
     features_look_kernel(struct features s, real reach, int64_t *word)
 {
@@ -116,13 +118,20 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
     }
     uint32_t vf = (uint32_t)__popc(mask & VF_MASK);
     uint32_t ee = (uint32_t)__popc(mask >> VF_BITS);
-    block_scan(vf | ee << 16, &total);
+    block_scan((int)threadIdx.x, vf | ee << 16, &total);
     if (threadIdx.x == 0) {
         s.sum[blockIdx.x] = total & 0xffff;
         s.sum[gridDim.x + blockIdx.x] = total >> 16;
         word_add(&word[WORD_VF], total & 0xffff);
         word_add(&word[WORD_EE], total >> 16);
     }
+    if (!ends_last((unsigned *)&word[WORD_TICKET]))
+        return;
+    bool on = word[WORD_VF] + word[WORD_EE] <= s.cap;
+    if (on)
+        scan_blocks(s.sum, 2 * (int64_t)gridDim.x);
+    if (threadIdx.x == 0)
+        word[WORD_DONE] = on;
 }
 
 /* Four vertices, moved as one word. */
@@ -159,17 +168,6 @@ static __device__ struct quad vertices(const struct corners &f,
                    pick(g, j < 2 ? j + 1 : 0));
 }
 
-/* One block: where the candidates of a block and kind begin. */
-static __global__ void __launch_bounds__(BVTT_BLOCK)
-    features_place_kernel(struct features s, int64_t sums, int64_t *word)
-{
-    bool on = word[WORD_VF] + word[WORD_EE] <= s.cap;
-    if (on)
-        place_blocks(s.sum, sums);
-    if (threadIdx.x == 0)
-        word[WORD_DONE] = on;
-}
-
 /* Block k owns the same pairs: writes their candidates from the block's two
  * places on. One scan went over both halves of sum, so that the edges' begin
  * after all vertex-face. */
@@ -182,7 +180,7 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
     uint32_t mask = k < s.n ? s.mask[k] : 0, total;
     uint32_t vf = (uint32_t)__popc(mask & VF_MASK);
     uint32_t ee = (uint32_t)__popc(mask >> VF_BITS);
-    uint32_t before = block_scan(vf | ee << 16, &total);
+    uint32_t before = block_scan((int)threadIdx.x, vf | ee << 16, &total);
     if (!mask)
         return;
     int64_t at[2] = {s.sum[blockIdx.x] + (before & 0xffff),
@@ -209,8 +207,6 @@ int gpu_features(struct gpu *g, struct features *s)
     int64_t *word = gpu_words(g);
     LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_look_kernel, *s,
                   reach_of(s->r), word);
-    LAUNCH_BLOCKS(g, 1, BVTT_BLOCK, features_place_kernel, *s, 2 * blocks,
-                  word);
     LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_emit_kernel, *s, word);
     const int64_t *seen = gpu_read_words(g, WORDS);
     if (gpu_status(g) != DRAPE_OK)

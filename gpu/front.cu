@@ -1,32 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Moves the front of node pairs to where the boxes now are.
  * spec/22_front.md */
-#include "gpu/bvtt.cuh"
+#include "gpu/passes.cuh"
 
 /* What becomes of a pair in a pass. */
 enum { TEST, KEEP, SPLIT };
-/* Passes that are queued before the host looks, and the words of each: what
- * the pairs become, how many were new, 1: they have become it. */
-enum { WORD_NEED, WORD_TESTED, WORD_DONE, WORDS, PASSES = 5 };
-
-/* What a pass reads besides. */
-struct pass {
-    real reach;
-    int64_t *word; /* [WORDS] of this pass, behind those of the ones before */
-    int64_t bound; /* of pairs: its blocks are enough for so many */
-    bool all;      /* it is done even if nothing is new */
-    bool later;    /* its pairs are those that the pass before has made */
-};
-
-/* The pairs of a pass, none if it is not to be. */
-static __device__ int64_t pairs_of(const struct front *s, const struct pass *p)
-{
-    const int64_t *before = p->word - WORDS;
-    if (!p->later)
-        return s->n;
-    bool good = before[WORD_DONE] && before[WORD_NEED] <= p->bound;
-    return good ? before[WORD_NEED] : 0;
-}
+/* The pairs there are, what a pass would have written, how many were new. */
+enum { WORD_N, WORD_NEED, WORD_TESTED, WORDS };
 
 /* §2: a pair that passes and may be split is; all others are settled. */
 static __device__ uint8_t judge(const struct front *s, bool in, struct duo e)
@@ -37,172 +17,172 @@ static __device__ uint8_t judge(const struct front *s, bool in, struct duo e)
     return descent(t, e) ? SPLIT : KEEP;
 }
 
-/* Thread k owns pair k: §3, to its highest ancestor that fails, in place, and
- * what becomes of it. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    front_raise_kernel(struct front s, real reach)
+/* What a pass reads, and where it writes. */
+struct pass {
+    int32_t (*pair)[2], (*other)[2];
+    uint8_t *act, *act_other;
+    int64_t n;
+    real reach;
+    struct tiles tiles;
+    int64_t *word;
+};
+
+/* §3: pair k to its highest ancestor that fails, in place, and what becomes of
+ * it. */
+static __device__ void raise(const struct front *s, const struct pass *p,
+                             int64_t k)
 {
-    ITEM(k, s.n);
-    struct duo e = fetch_duo(&s.pair[k]);
-    bool in = passes(&s.in, reach, e), moves = false;
-    s.act[k] = judge(&s, in, e);
-    for (struct duo up = e; !in && ascend(&s.in.tree, &up);) {
-        in = passes(&s.in, reach, up);
+    struct duo e = fetch_duo(&p->pair[k]);
+    bool in = passes(&s->in, p->reach, e), moves = false;
+    p->act[k] = judge(s, in, e);
+    for (struct duo up = e; !in && ascend(&s->in.tree, &up);) {
+        in = passes(&s->in, p->reach, up);
         if (!in) {
             e = up;
             moves = true;
         }
     }
     if (moves)
-        put_duo(&s.pair[k], e);
+        put_duo(&p->pair[k], e);
 }
 
 /* How many pairs pair k, which is e, becomes: of siblings that gave way to one
  * parent, which follow each other, the first stays. */
-static __device__ uint32_t becomes(const struct front *s, int64_t k,
-                                   struct duo e, int act)
+static __device__ uint32_t becomes(const struct tree *t, const struct pass *p,
+                                   int64_t k, struct duo e, int act)
 {
-    const struct tree *t = &s->in.tree;
     if (act == SPLIT)
         return (uint32_t)__popc(children(t, descent(t, e), e));
     if (k == 0)
         return 1;
-    struct duo before = fetch_duo(&s->pair[k - 1]);
+    struct duo before = fetch_duo(&p->pair[k - 1]);
     return e.a != before.a || e.b != before.b;
 }
 
-/* Block k owns pairs 256 k …: judges those that are new, writes act and how
- * many pairs they all become to sum[k], and adds to the words. */
-static __global__ void __launch_bounds__(BVTT_BLOCK)
-    front_count_kernel(struct front s, struct pass p)
+/* Judges pair k if it is new, writes act, and adds that to the words. Returns
+ * how many pairs it becomes, in the upper half how many were new. */
+static __device__ uint32_t count(const struct front *s, const struct pass *p,
+                                 int64_t k)
 {
-    int64_t first = (int64_t)blockIdx.x * BVTT_BLOCK, k = first + threadIdx.x;
-    int64_t n = pairs_of(&s, &p);
-    uint32_t count = 0, total;
-    if (first >= n)
-        return;
-    if (k < n) {
-        struct duo e = fetch_duo(&s.pair[k]);
-        int act = s.act[k];
-        if (act == TEST) {
-            act = judge(&s, passes(&s.in, p.reach, e), e);
-            s.act[k] = (uint8_t)act;
-            count = 1u << 16;
-        }
-        count += becomes(&s, k, e, act);
+    struct duo e = fetch_duo(&p->pair[k]);
+    int act = p->act[k];
+    bool fresh = act == TEST;
+    if (fresh) {
+        act = judge(s, passes(&s->in, p->reach, e), e);
+        p->act[k] = (uint8_t)act;
     }
-    block_scan(count, &total);
-    if (threadIdx.x == 0) {
-        s.sum[blockIdx.x] = total & 0xffff;
-        word_add(&p.word[WORD_NEED], total & 0xffff);
-        word_add(&p.word[WORD_TESTED], total >> 16);
+    return becomes(&s->in.tree, p, k, e, act) | (uint32_t)fresh << 16;
+}
+
+/* The same of a tile: how many pairs they become to its sum. */
+static __device__ void count_tile(const struct front *s, const struct pass *p,
+                                  int64_t tile)
+{
+    int t = rank_thread();
+    int64_t k = tile * BVTT_BLOCK + t;
+    uint32_t total;
+    block_scan(t, t < BVTT_BLOCK && k < p->n ? count(s, p, k) : 0, &total);
+    if (t == 0) {
+        p->tiles.sum[tile] = total & 0xffff;
+        word_add(&p->word[WORD_TESTED], total >> 16);
     }
 }
 
-/* One block: where the blocks' pairs go, if they go on. */
-static __global__ void __launch_bounds__(BVTT_BLOCK)
-    front_place_kernel(struct front s, struct pass p)
+/* Writes what the pairs of a tile become from its place on. */
+static __device__ void emit(const struct tree *t, const struct pass *p,
+                            int64_t tile)
 {
-    int64_t n = pairs_of(&s, &p);
-    bool on = n > 0 && (p.all || p.word[WORD_TESTED] > 0) &&
-              p.word[WORD_NEED] <= s.cap;
-    if (on)
-        place_blocks(s.sum, (n + BVTT_BLOCK - 1) / BVTT_BLOCK);
-    if (threadIdx.x == 0)
-        p.word[WORD_DONE] = on;
-}
-
-/* Block k owns the same pairs: writes what they become from sum[k] on. */
-static __global__ void __launch_bounds__(BVTT_BLOCK)
-    front_emit_kernel(struct front s, struct pass p)
-{
-    int64_t first = (int64_t)blockIdx.x * BVTT_BLOCK, k = first + threadIdx.x;
-    const struct tree *t = &s.in.tree;
-    int64_t n = p.word[WORD_DONE] ? pairs_of(&s, &p) : 0;
+    int64_t k = tile * BVTT_BLOCK + rank_thread();
     struct duo e = {};
     uint32_t mask = 0, total;
     int d = 0;
-    if (first >= n)
-        return;
-    if (k < n) {
-        e = fetch_duo(&s.pair[k]);
-        d = s.act[k] == SPLIT ? descent(t, e) : 0;
-        mask = d ? children(t, d, e) : becomes(&s, k, e, KEEP);
+    if (rank_thread() < BVTT_BLOCK && k < p->n) {
+        e = fetch_duo(&p->pair[k]);
+        d = p->act[k] == SPLIT ? descent(t, e) : 0;
+        mask = d ? children(t, d, e) : becomes(t, p, k, e, KEEP);
     }
-    int64_t at = s.sum[blockIdx.x] + block_scan(__popc(mask), &total);
+    int64_t at = p->tiles.place[tile] +
+                 block_scan(rank_thread(), (uint32_t)__popc(mask), &total);
     for (int c = 0; mask; c++, mask >>= 1)
         if (mask & 1) {
-            put_duo(&s.other[at], child(t, d, c, e));
-            s.act_other[at++] = d ? TEST : KEEP;
+            put_duo(&p->other[at], child(t, d, c, e));
+            p->act_other[at++] = d ? TEST : KEEP;
         }
 }
 
-static void swap_streams(struct front *s)
+static __device__ void swap_streams(struct pass *p)
 {
-    int32_t(*pair)[2] = s->pair;
-    uint8_t *act = s->act;
-    s->pair = s->other;
-    s->act = s->act_other;
-    s->other = pair;
-    s->act_other = act;
+    int32_t(*pair)[2] = p->pair;
+    uint8_t *act = p->act;
+    p->pair = p->other;
+    p->act = p->act_other;
+    p->other = pair;
+    p->act_other = act;
 }
 
-/* PASSES passes, each if the one before was done, and what they counted. */
-static const int64_t *queue(struct gpu *g, const struct front *s, real reach,
-                            bool all, int64_t bound)
+/* All threads take turns at n pairs. */
+#define EACH_PAIR(k, n)                                                        \
+    for (int64_t k = team_rank() * (int64_t)rank_threads() + rank_thread();    \
+         k < (n); k += team_ranks() * (int64_t)rank_threads())
+
+/* §3: passes until nothing is new; the first finds all judged. Ends early where
+ * there is no room. What a pass writes all read behind its second barrier;
+ * sums and words of the next come after that. Returns what a pass would have
+ * written last. */
+template <bool CROWD>
+static __device__ int64_t settle(const struct front *s, struct pass *p)
 {
-    struct front now = *s;
-    struct pass p = {reach, gpu_words(g), bound, all, false};
-    int64_t blocks = blocks_of(s->n);
-    for (int k = 0; k < PASSES; k++) {
-        LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, front_count_kernel, now, p);
-        LAUNCH_BLOCKS(g, 1, BVTT_BLOCK, front_place_kernel, now, p);
-        LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, front_emit_kernel, now, p);
-        swap_streams(&now);
-        p.word += WORDS;
-        p.all = false;
-        p.later = true;
-        blocks = blocks_of(bound);
+    int64_t need = 0;
+    for (int64_t before = -1;;) {
+        EACH_TILE(tile, blocks_of(p->n))
+        count_tile(s, p, tile);
+        meet<CROWD>();
+        int64_t tested = p->word[WORD_TESTED];
+        if (tested == before)
+            return need;
+        before = tested;
+        need = place_tiles(&p->tiles, blocks_of(p->n));
+        if (need > s->cap)
+            return need;
+        EACH_TILE(tile, blocks_of(p->n))
+        emit(&s->in.tree, p, tile);
+        swap_streams(p);
+        p->n = need;
+        meet<CROWD>();
     }
-    return gpu_read_words(g, PASSES * WORDS);
 }
 
-/* Passes until nothing is new. The first finds all judged. */
-static int settle(struct gpu *g, struct front *s, real reach)
+template <int BLOCKS, bool CROWD>
+static __global__ void PASSES_BOUNDS(BLOCKS)
+    front_kernel(const __grid_constant__ struct front s, struct pass p)
 {
-    for (bool all = true;; all = false) {
-        int64_t bound = s->n + s->n / 4 + 1024;
-        bound = bound < s->cap ? bound : s->cap;
-        const int64_t *seen = queue(g, s, reach, all, bound);
-        if (gpu_status(g) != DRAPE_OK)
-            return gpu_status(g);
-        bool on = true;
-        for (int k = 0; k < PASSES && on; k++, seen += WORDS) {
-            if (!(all && k == 0) && seen[WORD_TESTED] == 0)
-                return DRAPE_OK;
-            s->visited += seen[WORD_TESTED];
-            s->need = seen[WORD_NEED];
-            if (s->need > s->cap)
-                return DRAPE_EFULL;
-            swap_streams(s);
-            s->n = s->need;
-            on = s->n <= bound;
-        }
+    EACH_PAIR(k, p.n)
+    raise(&s, &p, k);
+    meet<CROWD>();
+    int64_t need = settle<CROWD>(&s, &p);
+    EACH_PAIR(k, p.pair != s.pair ? p.n : 0)
+    put_duo(&s.pair[k], fetch_duo(&p.pair[k]));
+    if (team_rank() == 0 && rank_thread() == 0) {
+        p.word[WORD_N] = p.n;
+        p.word[WORD_NEED] = need;
     }
 }
 
 int gpu_front(struct gpu *g, struct front *s)
 {
-    int32_t(*home)[2] = s->pair;
-    real reach = reach_of(s->in.r);
+    struct pass p = {s->pair, s->other,          s->act, s->act_other,
+                     s->n,    reach_of(s->in.r), {},     NULL};
     if (!(s->in.r >= 0 && s->in.r <= REAL_BIG))
         return DRAPE_EDATA;
-    s->visited = s->n;
-    LAUNCH(g, s->n, front_raise_kernel, *s, reach);
-    int status = settle(g, s, reach);
-    if (status == DRAPE_OK && s->pair != home) {
-        gpu_copy(g, home, s->pair, (size_t)s->n * sizeof *home);
-        swap_streams(s);
-    }
-    return status == DRAPE_OK ? gpu_status(g) : status;
+    if (!take_tiles(g, s->cap, &p.tiles))
+        return gpu_status(g);
+    p.word = gpu_words(g);
+    LAUNCH_PASSES(g, s->n, front_kernel, *s, p);
+    const int64_t *seen = gpu_read_words(g, WORDS);
+    s->visited = s->n + seen[WORD_TESTED];
+    s->need = seen[WORD_NEED];
+    s->n = seen[WORD_N];
+    if (gpu_status(g) != DRAPE_OK)
+        return gpu_status(g);
+    return s->need > s->cap ? DRAPE_EFULL : DRAPE_OK;
 }

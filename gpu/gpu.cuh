@@ -64,6 +64,8 @@ struct gpu {
                        and of one before it that nobody has read yet */
     int64_t *seen;  /* host, pinned; the same as last read */
     bool clean[2];  /* words are 0: the stage's, and the late ones */
+    /* the late ones when they were last wiped, and with those since */
+    int64_t late[GPU_LATE], late_seen[GPU_LATE];
     struct gpu_slot slot[GPU_SLOTS];
     struct gpu_slot aside;    /* on the host */
     struct gpu_blas *blas;    /* gpu/blas.h; NULL: not open */
@@ -78,8 +80,9 @@ struct gpu {
 /* Notes a failure of CUDA's, the first of which stays. */
 #ifdef __CUDACC__
 void gpu_note(struct gpu *g, cudaError_t error);
-/* Lets a kernel be a team's. */
-cudaError_t gpu_allow_team(struct gpu *g, const void *kernel);
+/* Lets a kernel be a team's; room: it has team_room(), and no shared memory
+ * besides. */
+cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room);
 #endif
 
 /* ---- Kernels of one thread an item ---- */
@@ -138,9 +141,11 @@ const int64_t *gpu_read_words(struct gpu *g, int n);
 const int64_t *gpu_look_words(struct gpu *g, int n);
 /* Words [GPU_LATE] that another stage's gpu_words lets be, zero from here on:
  * what a stage need not know before the next begins. Any read or look behind it
- * brings them to gpu_late_seen. */
+ * brings them to gpu_late_seen, where they are until the next call. */
 int64_t *gpu_late_words(struct gpu *g);
 const int64_t *gpu_late_seen(const struct gpu *g);
+/* For who reads words: what was seen of the late ones, and are they 0 now? */
+void gpu_keep_late(struct gpu *g, bool wiped);
 
 /* ---- Memory, gpu/memory.cu ---- */
 

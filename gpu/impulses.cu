@@ -2,11 +2,14 @@
 /* What an impact asks of the velocities. spec/33_impulses.md */
 #include "gpu/closest.cuh"
 #include "gpu/contact.cuh"
+#include "gpu/last.cuh"
 #include "gpu/place.cuh"
+#include "gpu/scan.cuh"
 
 #include "ref/impulses.h"
 
-enum { BAD, FOUND, WORDS };
+/* TICKET: for ends_last. */
+enum { BAD, FOUND, TICKET, WORDS };
 
 /* ---- §1 Identity ---- */
 
@@ -126,7 +129,8 @@ static __device__ bool stays(const struct key *key, int64_t n, int64_t k)
                      key[k].lo != key[k + 1].lo);
 }
 
-/* A block owns PLACE_BLOCK sorted keys: how many of them stay. */
+/* A block owns PLACE_BLOCK sorted keys: how many of them stay; the one that
+ * ends last, where those of each begin. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     impulses_count_kernel(const struct key *key, int64_t n, int64_t *first,
                           int64_t *words)
@@ -137,6 +141,8 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
         first[blockIdx.x] = count;
         count_up(&words[FOUND], count);
     }
+    if (ends_last((unsigned *)&words[TICKET]))
+        scan_blocks(first, (int64_t)gridDim.x);
 }
 
 /* A block owns PLACE_BLOCK sorted keys: the contacts of those that stay go to
@@ -171,7 +177,6 @@ int gpu_impulses(struct gpu *g, struct impulses *s)
     struct key *key = gpu_sort(g, s->n_all, s->key, s->spare);
     LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, impulses_count_kernel, key, s->n_all,
                   first, words);
-    gpu_scan(g, first, blocks);
     const int64_t *seen = gpu_read_words(g, WORDS);
     if (seen[BAD])
         return DRAPE_EARG;

@@ -188,12 +188,21 @@ int64_t *gpu_words(struct gpu *g)
 
 int64_t *gpu_late_words(struct gpu *g)
 {
+    memset(g->late, 0, sizeof g->late);
     return cleared(g, true, g->words + GPU_WORDS, GPU_LATE);
 }
 
 const int64_t *gpu_late_seen(const struct gpu *g)
 {
-    return g->seen + GPU_WORDS;
+    return g->late_seen;
+}
+
+void gpu_keep_late(struct gpu *g, bool wiped)
+{
+    for (int k = 0; k < GPU_LATE; k++) {
+        g->late_seen[k] = g->late[k] + g->seen[GPU_WORDS + k];
+        g->late[k] = wiped ? g->late_seen[k] : g->late[k];
+    }
 }
 
 void *gpu_aside(struct gpu *g, size_t bytes)

@@ -3,10 +3,15 @@
  * side by side. spec/31_proximity.md */
 #include "gpu/closest.cuh"
 #include "gpu/contact.cuh"
+#include "gpu/last.cuh"
 #include "gpu/place.cuh"
+#include "gpu/scan.cuh"
 #include "ref/proximity.h"
 
 enum { BAD_PAIR = 1, BAD_PLACE = 2 };
+
+/* What is bad of these, the contacts, and for ends_last. */
+enum { WORD_BAD, WORD_FOUND, WORD_TICKET, WORDS };
 
 static __device__ struct closest measure(const struct proximity *s, int kind,
                                          const int32_t v[4], struct wide x[4])
@@ -79,19 +84,27 @@ static __device__ void emit(const struct proximity *s, int64_t k,
 }
 
 /* Thread k owns candidate k: reads its vertices, writes at[k], its place among
- * the block's contacts or -1; the block's number goes to count. §5 */
+ * the block's contacts or -1; the block's number goes to base, which the block
+ * that ends last makes where each begins. §5 */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
-    near_kernel(struct proximity s, int64_t *count, int *bad)
+    near_kernel(struct proximity s, int64_t *base, int64_t *word)
 {
     int64_t k = (int64_t)blockIdx.x * PLACE_BLOCK + threadIdx.x;
-    bool keep = k < s.n && is_near(&s, k, bad);
+    bool keep = k < s.n && is_near(&s, k, (int *)&word[WORD_BAD]);
     int total, place = block_place(keep, &total);
     if (k < s.n)
         s.at[k] = keep ? place : -1;
     if (threadIdx.x == 0)
-        count[blockIdx.x] = total;
-    if (k == 0)
-        count[gridDim.x] = 0;
+        base[blockIdx.x] = total;
+    if (!ends_last((unsigned *)&word[WORD_TICKET]))
+        return;
+    if (threadIdx.x == 0)
+        base[gridDim.x] = 0;
+    __syncthreads();
+    scan_blocks(base, (int64_t)gridDim.x + 1);
+    __syncthreads();
+    if (threadIdx.x == 0)
+        word[WORD_FOUND] = base[gridDim.x];
 }
 
 /* Thread t of block b writes the block's t-th contact, at place base[b] + t;
@@ -115,22 +128,20 @@ int gpu_proximity(struct gpu *g, struct proximity *s)
     if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0))
         return DRAPE_EARG;
     int64_t blocks = (s->n + PLACE_BLOCK - 1) / PLACE_BLOCK;
-    int64_t *count =
-        (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks + 1, sizeof *count);
-    int64_t *words = gpu_words(g);
-    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, near_kernel, *s, count, (int *)words);
-    gpu_scan(g, count, blocks ? blocks + 1 : 0);
-    gpu_copy(g, words + 1, count + blocks, blocks ? sizeof *count : 0);
-    const int64_t *seen = gpu_read_words(g, 2);
+    int64_t *base =
+        (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks + 1, sizeof *base);
+    int64_t *word = gpu_words(g);
+    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, near_kernel, *s, base, word);
+    const int64_t *seen = gpu_read_words(g, WORDS);
     int status = gpu_status(g);
     if (status != DRAPE_OK)
         return status;
-    if (seen[0])
-        return seen[0] & BAD_PAIR ? DRAPE_EARG : DRAPE_EDATA;
-    s->found = seen[1];
+    if (seen[WORD_BAD])
+        return seen[WORD_BAD] & BAD_PAIR ? DRAPE_EARG : DRAPE_EDATA;
+    s->found = seen[WORD_FOUND];
     if (s->found > s->cap)
         return DRAPE_EFULL;
     if (s->found)
-        LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, emit_kernel, *s, count);
+        LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, emit_kernel, *s, base);
     return gpu_status(g);
 }

@@ -2,10 +2,7 @@
 /* The boxes of the tree's nodes, level by level. spec/20_refit.md */
 #include "gpu/bvtt.cuh"
 #include "gpu/nodes.cuh"
-
-/* Words of gpu_words: a position is bad, upon which nothing is written; how
- * many boxes were made. */
-enum { BAD, MADE, WORDS };
+#include "gpu/refit.cuh"
 
 struct fit {
     struct refit s;
@@ -13,13 +10,13 @@ struct fit {
     int64_t *word;
 };
 
-/* Thread k owns vertex k: sets BAD, to 1 whoever does. */
+/* Thread k owns vertex k: sets REFIT_BAD, to 1 whoever does. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     refit_check_kernel(struct refit s, int64_t *word)
 {
     ITEM(k, s.nv);
     if ((s.n_moved == 0 || s.moved[k]) && (!sane(s.x0[k]) || !sane(s.x1[k])))
-        word[BAD] = 1;
+        word[REFIT_BAD] = 1;
 }
 
 /* §4 of a leaf. */
@@ -87,15 +84,15 @@ static __device__ void fit_level(const struct fit *f, int l)
             fit_leaf(s, a);
         made++;
     }
-    block_scan(made, &total);
+    block_scan((int)threadIdx.x, made, &total);
     if (threadIdx.x == 0)
-        word_add(&f->word[MADE], total);
+        word_add(&f->word[REFIT_MADE], total);
 }
 
 static __global__ void __launch_bounds__(BVTT_BLOCK)
     refit_level_kernel(struct fit f, int l)
 {
-    if (!f.word[BAD])
+    if (!f.word[REFIT_BAD])
         fit_level(&f, l);
 }
 
@@ -103,27 +100,31 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
 static __global__ void __launch_bounds__(BVTT_BLOCK)
     refit_top_kernel(struct fit f, int l)
 {
-    for (; l < f.s.tree.levels && !f.word[BAD]; l++) {
+    for (; l < f.s.tree.levels && !f.word[REFIT_BAD]; l++) {
         fit_level(&f, l);
         __syncthreads();
     }
 }
 
-int gpu_refit(struct gpu *g, struct refit *s)
+void gpu_refit_queue(struct gpu *g, const struct refit *s, int64_t *words)
 {
-    int64_t *word = gpu_words(g);
-    struct fit f = {*s, s->all ? TREE_CLASSES : (int)TREE_STATIC, word};
+    struct fit f = {*s, s->all ? TREE_CLASSES : (int)TREE_STATIC, words};
     int64_t n = s->tree.n;
     int top = level_top(n, s->tree.levels);
-    LAUNCH(g, s->nv, refit_check_kernel, *s, word);
+    LAUNCH(g, s->nv, refit_check_kernel, *s, words);
     for (int l = 0; l < top && n > 0; l++)
         LAUNCH_BLOCKS(g, blocks_of(level_threads(n, l)), BVTT_BLOCK,
                       refit_level_kernel, f, l);
     LAUNCH_BLOCKS(g, top < s->tree.levels, BVTT_BLOCK, refit_top_kernel, f,
                   top);
-    const int64_t *seen = gpu_read_words(g, WORDS);
-    s->made = seen[BAD] ? 0 : seen[MADE];
+}
+
+int gpu_refit(struct gpu *g, struct refit *s)
+{
+    gpu_refit_queue(g, s, gpu_words(g));
+    const int64_t *seen = gpu_read_words(g, REFIT_WORDS);
+    s->made = seen[REFIT_BAD] ? 0 : seen[REFIT_MADE];
     if (gpu_status(g) != DRAPE_OK)
         return gpu_status(g);
-    return seen[BAD] ? DRAPE_EDATA : DRAPE_OK;
+    return seen[REFIT_BAD] ? DRAPE_EDATA : DRAPE_OK;
 }

@@ -3,7 +3,7 @@
 #ifndef GPU_SUM_CUH
 #define GPU_SUM_CUH
 
-#include "gpu/real.cuh"
+#include "gpu/last.cuh"
 
 /* SUM_LAST: chunks of the last level but one at most; few where emulated, so
  * that there is a level before it. */
@@ -127,23 +127,6 @@ static __device__ inline void finish_sums(int64_t n, real *chunk, real sum[N])
             a[k] = t % 32 + 32 * k < chunks ? last[e][t % 32 + 32 * k] : 0;
         sum[e] = warp_sum(a);
     }
-}
-
-/* After thread 0 has written its block's chunk sums: whether the block ends
- * last, so that all sums are there, in all of its threads. *ticket is 0 before
- * and after. */
-static __device__ inline bool ends_last(unsigned *ticket)
-{
-    __shared__ bool last;
-    if (threadIdx.x == 0) {
-        __threadfence(); /* the sums are there before the ticket is drawn */
-        last = atomicAdd(ticket, 1u) == gridDim.x - 1;
-        if (last)
-            *ticket = 0;
-    }
-    __syncthreads();
-    __threadfence();
-    return last;
 }
 
 /* The sums of N values of each thread of all chunks. First each chunk's, by

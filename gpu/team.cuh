@@ -6,6 +6,8 @@
 
 #include "gpu/real.cuh"
 
+enum { WARP = 32 };
+
 /* LAUNCH_TEAM(g, threads, bytes, kernel, arguments…): one team of g->ranks
  * blocks, each of which has `bytes` ≤ g->room in team_room(). */
 #ifdef __CUDACC__
@@ -22,7 +24,8 @@
         config_.attrs = &cluster_;                                             \
         config_.numAttrs = (g)->ranks > 1 ? 1 : 0;                             \
         if (!(g)->failed)                                                      \
-            gpu_note((g), gpu_allow_team((g), (const void *)(kernel)));        \
+            gpu_note((g), gpu_allow_team((g), (const void *)(kernel),          \
+                                         (bytes) > 0));                        \
         if (!(g)->failed)                                                      \
             gpu_note((g), cudaLaunchKernelEx(&config_, kernel, __VA_ARGS__));  \
     } while (0)
@@ -221,7 +224,6 @@ static __device__ inline void copy_whole(B *to, const B *from)
 
 static __device__ inline int team_item(void)
 {
-    enum { WARP = 32 };
     int t = rank_thread(), warp = t / WARP * team_ranks() + team_rank();
     return warp * WARP + t % WARP;
 }
