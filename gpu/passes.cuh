@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Pass after pass over a stream of pairs in one kernel: all its threads meet
  * where a launch would end, so the host neither launches nor looks between
- * them. spec/50_gpu.md §9 */
+ * them. spec/50_gpu.md §6 */
 #ifndef GPU_PASSES_CUH
 #define GPU_PASSES_CUH
 
@@ -12,11 +12,11 @@
  * many more a multiprocessor all the device's by large blocks, so that a tile
  * has many threads; more by small ones, which wait for nothing together. */
 #ifdef __CUDACC__
-enum { RANK_ITEMS = 256, SMALL_ITEMS = 1024 };
+enum { RANK_ITEMS = 256, LARGE_ITEMS = 256 };
 enum { SMALL_BLOCKS = 4, LARGE_BLOCK = 1024 };
 #else
-enum { RANK_ITEMS = 100, SMALL_ITEMS = 100 };
-enum { SMALL_BLOCKS = 1, LARGE_BLOCK = BVTT_BLOCK };
+enum { RANK_ITEMS = 100, LARGE_ITEMS = 1000 };
+enum { SMALL_BLOCKS = 2, LARGE_BLOCK = BVTT_BLOCK };
 #endif
 
 /* kernel is a template of int BLOCKS, bool CROWD: a multiprocessor's blocks at
@@ -25,7 +25,7 @@ enum { SMALL_BLOCKS = 1, LARGE_BLOCK = BVTT_BLOCK };
     do {                                                                       \
         if ((n) <= (int64_t)(g)->ranks * RANK_ITEMS)                           \
             LAUNCH_TEAM(g, LARGE_BLOCK, 0, (kernel<1, false>), __VA_ARGS__);   \
-        else if ((n) <= (int64_t)(g)->crowd * SMALL_ITEMS)                     \
+        else if ((n) <= (int64_t)(g)->crowd * LARGE_ITEMS)                     \
             LAUNCH_CROWD(g, 1, LARGE_BLOCK, (kernel<1, true>), __VA_ARGS__);   \
         else                                                                   \
             LAUNCH_CROWD(g, SMALL_BLOCKS, BVTT_BLOCK,                          \

@@ -5,8 +5,8 @@
 /* The most pairs of nodes that a pass makes, the pairs of triangles, items
  * looked into, pairs that cones stop, tiles with a child that is no leaf. */
 enum { WORD_NEED, WORD_TRI, WORD_VISITED, WORD_CLEARED, WORD_DEEPER, WORDS };
-/* Threads that share an item: one for each child where these are tested, one
- * for each triangle of a leaf, or four children. */
+/* Threads that share an item where its children are tested, one for each; and
+ * of large blocks those that share one's triangles and what it becomes. */
 enum { KIDS = 16, FOURS = 4 };
 
 /* What a pass reads, and where it writes. */
@@ -104,39 +104,45 @@ static __device__ void look(const struct walk *s, const struct pass *p,
     count(s, p, &w, tile);
 }
 
-/* §2: triangle i of the first of two leaves and those of the second whose boxes
- * meet. */
-static __device__ uint32_t look_triangle(const struct walk *s, real reach,
-                                         struct duo e, int i)
+/* §2: EACH triangles from i on of the first of two leaves, and those of the
+ * second whose boxes meet theirs. */
+template <int EACH>
+static __device__ uint32_t look_triangles(const struct walk *s, real reach,
+                                          struct duo e, int i)
 {
     const struct tree *t = &s->in.tree;
     const int32_t *of_a = t->order + t->first[e.a];
     const int32_t *of_b = t->order + t->first[e.b];
-    int na = t->count[e.a], nb = t->count[e.b];
+    int na = least((int)t->count[e.a], i + EACH), nb = t->count[e.b];
+    struct box b[FOURS];
     uint32_t mask = 0;
-    if (i >= na)
-        return 0;
-    struct box a = face_box(s->x0, s->x1, t->tri[of_a[i]]);
-    for (int j = e.a == e.b ? i + 1 : 0; j < nb; j++)
-        if (meets(a, face_box(s->x0, s->x1, t->tri[of_b[j]]), reach))
-            mask |= 1u << (4 * i + j);
+    for (int j = 0; j < nb && i < na; j++)
+        b[j] = face_box(s->x0, s->x1, t->tri[of_b[j]]);
+    for (; i < na; i++) {
+        struct box a = face_box(s->x0, s->x1, t->tri[of_a[i]]);
+        for (int j = e.a == e.b ? i + 1 : 0; j < nb; j++)
+            if (meets(a, b[j], reach))
+                mask |= 1u << (4 * i + j);
+    }
     return mask;
 }
 
-/* The same of a tile of pairs of leaves. */
+/* The same of a tile of pairs of leaves, of which SHARE threads have each. */
+template <int SHARE>
 static __device__ void look_leaves(const struct walk *s, const struct pass *p,
                                    real reach, int64_t tile)
 {
+    enum { EACH = FOURS / SHARE };
     __shared__ struct work w;
     int t = rank_thread();
     begin(&w);
     __syncthreads();
-    for (int i = t / FOURS; i < BVTT_BLOCK; i += rank_threads() / FOURS) {
+    for (int i = t / SHARE; i < BVTT_BLOCK; i += rank_threads() / SHARE) {
         int64_t k = tile * BVTT_BLOCK + i;
         if (k >= p->n)
             break;
-        uint32_t mask =
-            look_triangle(s, reach, fetch_duo(&p->from[k]), t % FOURS);
+        uint32_t mask = look_triangles<EACH>(s, reach, fetch_duo(&p->from[k]),
+                                             t % SHARE * EACH);
         if (mask)
             atomicOr(&w.mask[i], mask);
     }
@@ -145,23 +151,25 @@ static __device__ void look_leaves(const struct walk *s, const struct pass *p,
 }
 
 /* Writes the children in mask of a tile, or their triangles, from its place
- * on. */
+ * on; SHARE threads have those of an item. */
+template <int SHARE>
 static __device__ void emit(const struct walk *s, const struct pass *p,
                             int64_t tile, bool triangles)
 {
+    enum { EACH = KIDS / SHARE };
     __shared__ uint32_t before[BVTT_BLOCK];
     const struct tree *tree = &s->in.tree;
-    int t = rank_thread(), c = t % FOURS * FOURS;
+    int t = rank_thread(), c = t % SHARE * EACH;
     int64_t first = tile * BVTT_BLOCK;
-    bool real = t < BVTT_BLOCK && first + t < p->n;
-    uint32_t total, own = real ? (uint32_t)__popc(s->mask[first + t]) : 0;
+    bool there = t < BVTT_BLOCK && first + t < p->n;
+    uint32_t total, own = there ? (uint32_t)__popc(s->mask[first + t]) : 0;
     own = block_scan(t, own, &total);
     if (t < BVTT_BLOCK)
         before[t] = own;
     __syncthreads();
-    for (int i = t / FOURS; i < BVTT_BLOCK; i += rank_threads() / FOURS) {
+    for (int i = t / SHARE; i < BVTT_BLOCK; i += rank_threads() / SHARE) {
         uint32_t mask = first + i < p->n ? s->mask[first + i] : 0;
-        uint32_t mine = mask >> c & 15;
+        uint32_t mine = mask >> c & ((1u << EACH) - 1);
         if (!mine)
             continue;
         struct duo e = fetch_duo(&p->from[first + i]);
@@ -180,21 +188,21 @@ static __device__ void emit(const struct walk *s, const struct pass *p,
 
 /* All counted: places and writes what the items become, if there is room;
  * returns how many that are. */
-template <bool CROWD>
+template <int SHARE, bool CROWD>
 static __device__ int64_t finish(const struct walk *s, const struct pass *p,
                                  int64_t cap, bool triangles)
 {
     meet<CROWD>();
     int64_t need = place_tiles(&p->tiles, blocks_of(p->n));
     EACH_TILE(tile, need <= cap ? blocks_of(p->n) : 0)
-    emit(s, p, tile, triangles);
+    emit<SHARE>(s, p, tile, triangles);
     return need;
 }
 
 /* §1: passes until all pairs are leaves, or there is no room; what is counted
  * in words is there behind a pass's first barrier. Returns the most that a pass
  * made. */
-template <bool CROWD>
+template <int SHARE, bool CROWD>
 static __device__ int64_t go_down(const struct walk *s, struct pass *p,
                                   real reach, int64_t *visited)
 {
@@ -202,7 +210,7 @@ static __device__ int64_t go_down(const struct walk *s, struct pass *p,
     for (bool last = false; !last && need <= s->cap;) {
         EACH_TILE(tile, blocks_of(p->n))
         look(s, p, reach, tile);
-        int64_t made = finish<CROWD>(s, p, s->cap, false);
+        int64_t made = finish<SHARE, CROWD>(s, p, s->cap, false);
         last = p->word[WORD_DEEPER] == deeper;
         deeper = p->word[WORD_DEEPER];
         *visited += p->n;
@@ -222,13 +230,14 @@ static __global__ void PASSES_BOUNDS(BLOCKS)
     walk_kernel(const __grid_constant__ struct walk s, struct pass p,
                 real reach)
 {
+    enum { SHARE = BLOCKS > 1 ? 1 : FOURS };
     int64_t visited = 0, triangles = 0;
-    int64_t need = go_down<CROWD>(&s, &p, reach, &visited);
+    int64_t need = go_down<SHARE, CROWD>(&s, &p, reach, &visited);
     if (need <= s.cap) {
         p.to = s.tri;
         EACH_TILE(tile, blocks_of(p.n))
-        look_leaves(&s, &p, reach, tile);
-        triangles = finish<CROWD>(&s, &p, s.cap_tri, true);
+        look_leaves<SHARE>(&s, &p, reach, tile);
+        triangles = finish<SHARE, CROWD>(&s, &p, s.cap_tri, true);
     }
     if (team_rank() == 0 && rank_thread() == 0) {
         p.word[WORD_NEED] = need;
