@@ -189,7 +189,6 @@ static int update_front(struct gpu *g, struct broad *b)
         s.other = (int32_t(*)[2])b->pair.data;
         s.act = (uint8_t *)b->act.data;
         s.act_other = (uint8_t *)b->mask.data;
-        s.sum = (int64_t *)b->sum.data;
         int status = gpu_front(g, &s);
         b->n_front = s.n;
         b->front_visited = s.visited;
@@ -220,7 +219,6 @@ static int walk(struct gpu *g, struct broad *b)
         s.pair = (int32_t(*)[2])b->pair.data;
         s.other = s.pair + s.cap;
         s.mask = (uint16_t *)b->mask.data;
-        s.sum = (int64_t *)b->sum.data;
         s.cap_tri = b->both.cap;
         s.tri = (int32_t(*)[2])b->both.data;
         int status = gpu_walk(g, &s);

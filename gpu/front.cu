@@ -59,8 +59,8 @@ static __device__ uint32_t becomes(const struct tree *t, const struct pass *p,
     return e.a != before.a || e.b != before.b;
 }
 
-/* Judges pair k if it is new, writes act, and adds that to the words. Returns
- * how many pairs it becomes, in the upper half how many were new. */
+/* Judges pair k if it is new, and writes act. Returns how many pairs it
+ * becomes, and 2^16 if it was new. */
 static __device__ uint32_t count(const struct front *s, const struct pass *p,
                                  int64_t k)
 {
@@ -74,7 +74,8 @@ static __device__ uint32_t count(const struct front *s, const struct pass *p,
     return becomes(&s->in.tree, p, k, e, act) | (uint32_t)fresh << 16;
 }
 
-/* The same of a tile: how many pairs they become to its sum. */
+/* The same of a tile: how many pairs they become to its sum, how many were new
+ * to the words. */
 static __device__ void count_tile(const struct front *s, const struct pass *p,
                                   int64_t tile)
 {

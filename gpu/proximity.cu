@@ -96,6 +96,7 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
         s.at[k] = keep ? place : -1;
     if (threadIdx.x == 0)
         base[blockIdx.x] = total;
+    __syncthreads(); /* others may be at block_place's words still */
     if (!ends_last((unsigned *)&word[WORD_TICKET]))
         return;
     if (threadIdx.x == 0)
