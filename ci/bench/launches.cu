@@ -41,7 +41,8 @@ static __global__ void turn_kernel(cudaGraphConditionalHandle again, int *turn,
     cudaGraphSetConditional(again, *turn != 0);
 }
 
-static __global__ void choose_kernel(cudaGraphConditionalHandle which, int value)
+static __global__ void choose_kernel(cudaGraphConditionalHandle which,
+                                     int value)
 {
     cudaGraphSetConditional(which, (unsigned)value);
 }
