@@ -65,9 +65,10 @@ REF    := $(sort $(filter-out $(API),$(wildcard ref/*.c)))
 ONCE   := tests/check.c tests/case.c tests/certify.c tests/choices.c \
           tests/device.c tests/tally.c
 TWICE  := $(sort $(filter-out $(ONCE),$(wildcard tests/*.c)))
-# Kernels; but for memory.cu, these are CUDA's own, which gpu/emulate.cpp
-# replaces.
-DEVICE := gpu/blas.cu gpu/device.cu gpu/loop.cu gpu/memory.cu gpu/prim.cu
+# Kernels; but for memory.cu and tape.cu, these are CUDA's own, which
+# gpu/emulate*.cpp replace.
+DEVICE := gpu/blas.cu gpu/device.cu gpu/loop.cu gpu/memory.cu gpu/prim.cu \
+          gpu/reel.cu gpu/tape.cu
 KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
@@ -98,8 +99,9 @@ ROOT   ?= $(BUILD)
 EMU_IN ?= $(BUILD)
 EMU_O  := $(patsubst $(BUILD)/%,$(EMU_IN)/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(BUILD)/gpu/emulate.o \
-          $(BUILD)/gpu/emulate_blas.o $(BUILD)/gpu/emulate_threads.o \
-          $(BUILD)/gpu/memory.o)
+          $(BUILD)/gpu/emulate_blas.o $(BUILD)/gpu/emulate_reel.o \
+          $(BUILD)/gpu/emulate_threads.o $(BUILD)/gpu/memory.o \
+          $(BUILD)/gpu/tape.o)
 CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(call obj,$(DEVICE),))
 # Without their libraries one file stands in for all oracles but brute force.

@@ -3,6 +3,7 @@
  * spec/25_broad.md, spec/50_gpu.md §6 */
 #include "gpu/bvtt.cuh"
 #include "gpu/refit.cuh"
+#include "gpu/tape.cuh"
 #include "gpu/world.h"
 
 /* ---- Room: what a pool held is lost when it grows ---- */
@@ -242,9 +243,10 @@ static int walk(struct gpu *g, struct broad *b)
 /* Candidates of the pairs of triangles, by a stage that has its inputs. */
 static int find(struct gpu *g, struct broad *b, struct features *s)
 {
-    int status = grow_pairs(g, &b->mask, s->n, sizeof *s->mask);
+    int64_t n = gpu_room(g, s->n);
+    int status = grow_pairs(g, &b->mask, n, sizeof *s->mask);
     if (status == DRAPE_OK)
-        status = grow_pairs(g, &b->sum, 2 * blocks_of(s->n), sizeof *s->sum);
+        status = grow_pairs(g, &b->sum, 2 * blocks_of(n), sizeof *s->sum);
     while (status == DRAPE_OK) {
         s->mask = (uint16_t *)b->mask.data;
         s->sum = (int64_t *)b->sum.data;

@@ -3,6 +3,7 @@
  * spec/00_step.md §3, §7 */
 #include "gpu/collide.cuh"
 #include "gpu/largest.cuh"
+#include "gpu/tape.cuh"
 
 /* The time is the host's, which waits where a part ends. */
 void gpu_charge(struct gpu_world *w, drape_step_report *r, enum drape_part part,
@@ -66,11 +67,27 @@ static int find_near(struct gpu_world *w, const vec *to, real r)
     return status;
 }
 
+/* Where a tape is recorded: the largest power of two of which four times are
+ * not far bounds what the device has found. */
+static void expect_near(struct gpu_world *w)
+{
+    real most = R(0x1p-60);
+    int64_t bits = 0;
+    while (most < R(0x1p60) && !slice_far(w->host, 8 * most))
+        most *= 2;
+    memcpy(&bits, &most, sizeof most);
+    gpu_expect(w->gpu, 0, 0, bits);
+    gpu_fence(w->gpu);
+}
+
 int gpu_collide_far(struct gpu_world *w, drape_step_report *r, double *last,
                     bool *again)
 {
     struct world *h = w->host;
-    *again = slice_far(h, 4 * gpu_collide_furthest(w, h->nv));
+    real way = gpu_collide_furthest(w, h->nv);
+    if (w->gpu->tape == TAPE_RECORDS)
+        expect_near(w);
+    *again = slice_far(h, 4 * way);
     if (!*again)
         return gpu_status(w->gpu);
     int status = find_near(w, w->x1, 0);

@@ -79,7 +79,8 @@ int gpu_contacts(struct gpu *g, struct contacts *s)
     struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
                            s->start, s->item, s->vertex, 0};
     int64_t *words = gpu_words(g);
-    struct mass_splitting m = {*s, gpu_incidence(g, &by, words), NULL,
+    struct amount n = {s->n, NULL};
+    struct mass_splitting m = {*s, gpu_incidence(g, &by, n, words), NULL,
                                words + INCIDENCE_WORDS}; /* §1 */
     m.pushed = (struct pushed *)gpu_scratch(g, SLOT_STAGE + 3, s->n4,
                                             sizeof *m.pushed);

@@ -4,6 +4,7 @@
 #include "gpu/incidence.cuh"
 #include "gpu/real.cuh"
 #include "gpu/response.cuh"
+#include "gpu/tape.cuh"
 
 enum { TURNS = 2 }; /* of the first contacts of a slice; later ones: 1 */
 
@@ -219,14 +220,15 @@ int gpu_couple_solve(void *user, int64_t n, struct contact *contact)
     struct gpu_world *w = (struct gpu_world *)user;
     struct penalty *p = &w->couple.penalty;
     double start = clock_now();
-    int status = make_room(w, n);
+    struct amount some = gpu_amount(w->gpu, n);
+    int status = make_room(w, some.most);
     p->n = n;
     p->n4 = 4 * n;
     p->contact = contact;
     int turns = n > 0 && w->couple.solves == 0 ? TURNS : 1;
     for (int k = 0; k < turns && status == DRAPE_OK; k++) {
         p->first = w->couple.solves == 0;
-        status = gpu_penalty_queue(w->gpu, p, gpu_late_words(w->gpu));
+        status = gpu_penalty_queue(w->gpu, p, some, gpu_late_words(w->gpu));
         gpu_trace(w->gpu, w->host->tracing, "penalty", p->force,
                   (size_t)p->nv * sizeof *p->force);
         if (w->couple.rough && w->couple.solves == 0)

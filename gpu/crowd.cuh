@@ -19,11 +19,13 @@
         cudaLaunchConfig_t config_ = {};                                       \
         config_.gridDim = {(unsigned)((g)->crowd * (each)), 1, 1};             \
         config_.blockDim = {(unsigned)(threads), 1, 1};                        \
-        config_.stream = (g)->stream;                                          \
         config_.attrs = &together_;                                            \
         config_.numAttrs = 1;                                                  \
-        if (!(g)->failed)                                                      \
+        EACH_QUEUE(g, kernel)                                                  \
+        {                                                                      \
+            config_.stream = (g)->stream;                                      \
             gpu_note((g), cudaLaunchKernelEx(&config_, kernel, __VA_ARGS__));  \
+        }                                                                      \
     } while (0)
 
 static __device__ inline void crowd_sync(void)

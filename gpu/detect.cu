@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Detection as a part of a round, on the device. spec/37_response.md §3 */
 #include "gpu/response.cuh"
+#include "gpu/tape.cuh"
 
 static int find_times(struct gpu *g, struct response *s, const struct pairs *p)
 {
     struct narrow n = {};
-    struct room room[] = {{&s->toi, p->n, sizeof *n.toi},
-                          {&s->tier, p->n, sizeof *n.tier},
-                          {&s->at, p->n, sizeof(int32_t)}};
+    int64_t most = gpu_room(g, p->n);
+    struct room room[] = {{&s->toi, most, sizeof *n.toi},
+                          {&s->tier, most, sizeof *n.tier},
+                          {&s->at, most, sizeof(int32_t)}};
     int status = gpu_response_grow(g, 3, room);
     if (status != DRAPE_OK)
         return status;

@@ -2,6 +2,7 @@
 /* The device: its stream, copies and small results. spec/50_gpu.md */
 #include "gpu/blas.h"
 #include "gpu/loop.cuh"
+#include "gpu/reel.cuh"
 
 #include "certificate.h"
 
@@ -9,7 +10,7 @@
 
 void gpu_note(struct gpu *g, cudaError_t error)
 {
-    if (error == cudaSuccess || g->failed)
+    if (error == cudaSuccess || g->failed || reel_spoils(g))
         return;
     g->failed =
         error == cudaErrorMemoryAllocation ? DRAPE_ENOMEM : DRAPE_EDEVICE;
@@ -120,6 +121,7 @@ void gpu_set_ranks(struct gpu *g, int ranks)
 void gpu_set_way(struct gpu *g, struct gpu_way way)
 {
     g->hosted[0] = way.hosted;
+    g->falters = way.falters;
 }
 
 struct gpu *gpu_open(const drape_def *def, int *status)
@@ -144,9 +146,10 @@ struct gpu *gpu_open(const drape_def *def, int *status)
     for (int k = 0; k < 2; k++)
         gpu_note(g, cudaEventCreate(&g->event[k]));
     gpu_note(g,
-             cudaMallocHost(&g->seen, (GPU_ALL_WORDS + 1) * sizeof *g->seen));
+             cudaMallocHost(&g->shown, (GPU_ALL_WORDS + 1) * sizeof *g->shown));
     if (!g->failed)
-        g->seen[GPU_ALL_WORDS] = 0;
+        g->shown[GPU_ALL_WORDS] = 0;
+    g->seen = g->shown;
     g->words =
         (int64_t *)gpu_take(g, ARENA_SCRATCH, GPU_ALL_WORDS, sizeof *g->words);
     *status = g->failed;
@@ -163,8 +166,9 @@ void gpu_close(struct gpu *g)
         return;
     gpu_wait(g);
     blas_close(g);
+    gpu_tapes_close(g);
     gpu_loops_close(g);
-    cudaFreeHost(g->seen);
+    cudaFreeHost(g->shown);
     cudaStream_t stream = g->lent ? NULL : g->stream;
     cudaEvent_t event[2] = {g->event[0], g->event[1]};
     gpu_unmake(g);
@@ -183,17 +187,20 @@ const char *gpu_info(void)
 static void copy(struct gpu *g, void *to, const void *from, size_t bytes,
                  enum cudaMemcpyKind kind)
 {
-    if (bytes && !g->failed)
-        gpu_note(g, cudaMemcpyAsync(to, from, bytes, kind, g->stream));
+    if (bytes)
+        EACH_QUEUE(g, copy)
+    gpu_note(g, cudaMemcpyAsync(to, from, bytes, kind, g->stream));
 }
 
 void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes)
 {
+    gpu_tape_end(g);
     copy(g, device, host, bytes, cudaMemcpyHostToDevice);
 }
 
 void gpu_down(struct gpu *g, void *host, const void *device, size_t bytes)
 {
+    gpu_tape_end(g);
     copy(g, host, device, bytes, cudaMemcpyDeviceToHost);
     gpu_wait(g);
 }
@@ -205,13 +212,21 @@ void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes)
 
 void gpu_clear(struct gpu *g, void *device, size_t bytes)
 {
-    if (bytes && !g->failed)
-        gpu_note(g, cudaMemsetAsync(device, 0, bytes, g->stream));
+    if (bytes)
+        EACH_QUEUE(g, gpu_clear)
+    gpu_note(g, cudaMemsetAsync(device, 0, bytes, g->stream));
 }
 
-void gpu_wait(struct gpu *g)
+static void wait(struct gpu *g)
 {
     gpu_note(g, cudaStreamSynchronize(g->stream));
+}
+
+/* Where a tape plays there is nothing to wait for but its looks. */
+void gpu_wait(struct gpu *g)
+{
+    if (g->tape != TAPE_PLAYS)
+        wait(g);
 }
 
 int gpu_status(struct gpu *g)
@@ -227,25 +242,44 @@ void gpu_begin(struct gpu *g)
         g->failed = DRAPE_OK;
 }
 
+static double host_clock(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* On a tape, which has no events, by the looks at both ends. */
 void gpu_clock_start(struct gpu *g)
 {
-    gpu_note(g, cudaEventRecord(g->event[0], g->stream));
+    if (g->tape != TAPE_OFF)
+        gpu_look_words(g, 0);
+    g->clock = host_clock();
+    if (g->tape == TAPE_OFF)
+        gpu_note(g, cudaEventRecord(g->event[0], g->stream));
+    g->timed = g->tape == TAPE_OFF;
 }
 
 double gpu_clock_stop(struct gpu *g)
 {
     float ms = 0;
+    if (!g->timed)
+        return host_clock() - g->clock;
     gpu_note(g, cudaEventRecord(g->event[1], g->stream));
     gpu_note(g, cudaEventSynchronize(g->event[1]));
     gpu_note(g, cudaEventElapsedTime(&ms, g->event[0], g->event[1]));
     return 1e-3 * (double)ms;
 }
 
-/* Thread t owns word t; the mark, which the host awaits, comes last. */
+/* Thread t owns word t, and keeps it where kept is not NULL; the mark, which
+ * the host awaits, comes last. */
 static __global__ void __launch_bounds__(GPU_ALL_WORDS)
-    show_kernel(int64_t *words, bool clear, int64_t *seen, int64_t mark)
+    show_kernel(int64_t *words, bool clear, int64_t *seen, int64_t *kept,
+                int64_t mark)
 {
     seen[threadIdx.x] = words[threadIdx.x];
+    if (kept)
+        kept[threadIdx.x] = words[threadIdx.x];
     if (clear)
         words[threadIdx.x] = 0;
     __threadfence_system();
@@ -260,7 +294,7 @@ static bool arrived(const int64_t *mark, int64_t next)
 }
 
 /* The stream is asked now and then, as it may have failed. */
-static void await(struct gpu *g, const int64_t *mark, int64_t next)
+void gpu_await(struct gpu *g, const int64_t *mark, int64_t next)
 {
     enum { PATIENCE = 1 << 12 };
     for (int64_t k = 1; !arrived(mark, next); k++)
@@ -269,24 +303,34 @@ static void await(struct gpu *g, const int64_t *mark, int64_t next)
             break;
     if (arrived(mark, next))
         return;
-    gpu_wait(g);
+    wait(g);
     if (!arrived(mark, next)) /* it was not launched */
         gpu_note(g, cudaErrorUnknown);
 }
 
 /* A kernel that writes to the host and a host that awaits it: that is sooner
  * than a copy is known to have ended. */
+static void ask(struct gpu *g, bool clear)
+{
+    const int64_t *mark = g->shown + GPU_ALL_WORDS;
+    int64_t next = *mark + 1;
+    int64_t *kept = gpu_tape_looks(g, clear);
+    show_kernel<<<1, GPU_ALL_WORDS, 0, g->stream>>>(g->words, clear, g->shown,
+                                                    kept, next);
+    gpu_await(g, mark, next);
+}
+
 static void show(struct gpu *g, bool clear)
 {
-    const int64_t *mark = g->seen + GPU_ALL_WORDS;
-    if (!g->failed) {
-        int64_t next = *mark + 1;
-        LAUNCH_BLOCKS(g, 1, GPU_ALL_WORDS, show_kernel, g->words, clear,
-                      g->seen, next);
-        await(g, mark, next);
+    if (g->failed || !gpu_tape_shows(g, clear)) {
+        g->seen = g->shown;
+        if (!g->failed)
+            ask(g, clear);
     }
-    if (g->failed)
-        memset(g->seen, 0, GPU_ALL_WORDS * sizeof *g->seen);
+    if (g->failed) {
+        memset(g->shown, 0, GPU_ALL_WORDS * sizeof *g->shown);
+        g->seen = g->shown;
+    }
     gpu_keep_late(g, clear);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The device and its primitives on the host. */
-#include "gpu/gpu.cuh"
+#include "gpu/tape.cuh"
 
 #include "certificate.h"
 
@@ -57,9 +57,9 @@ struct gpu *gpu_open(const drape_def *def, int *status)
     g->room = EMULATE_ROOM;
     g->words =
         (int64_t *)gpu_take(g, ARENA_SCRATCH, GPU_ALL_WORDS, sizeof *g->words);
-    g->seen = (int64_t *)arena_take(&g->host, ARENA_OTHER, GPU_ALL_WORDS,
-                                    sizeof *g->seen);
-    *status = g->seen ? g->failed : DRAPE_ENOMEM;
+    g->seen = g->shown = (int64_t *)arena_take(&g->host, ARENA_OTHER,
+                                               GPU_ALL_WORDS, sizeof *g->shown);
+    *status = g->shown ? g->failed : DRAPE_ENOMEM;
     if (*status == DRAPE_OK)
         return g;
     gpu_close(g);
@@ -73,8 +73,10 @@ void gpu_set_ranks(struct gpu *g, int ranks)
 
 void gpu_close(struct gpu *g)
 {
-    if (g)
-        gpu_unmake(g);
+    if (!g)
+        return;
+    gpu_tapes_close(g);
+    gpu_unmake(g);
 }
 
 const char *gpu_info(void)
@@ -84,24 +86,32 @@ const char *gpu_info(void)
 
 void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes)
 {
+    gpu_tape_end(g);
     gpu_copy(g, device, host, bytes);
 }
 
 void gpu_down(struct gpu *g, void *host, const void *device, size_t bytes)
 {
+    gpu_tape_end(g);
     gpu_copy(g, host, device, bytes);
 }
 
 void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes)
 {
-    if (bytes && !fails(g, true))
-        memcpy(to, from, bytes);
+    if (bytes)
+        emulate_queue(g, (const void *)gpu_copy, [=] {
+            if (!fails(g, true))
+                memcpy(to, from, bytes);
+        });
 }
 
 void gpu_clear(struct gpu *g, void *device, size_t bytes)
 {
-    if (bytes && !fails(g, true))
-        memset(device, 0, bytes);
+    if (bytes)
+        emulate_queue(g, (const void *)gpu_clear, [=] {
+            if (!fails(g, true))
+                memset(device, 0, bytes);
+        });
 }
 
 void gpu_wait(struct gpu *g)
@@ -121,25 +131,43 @@ void gpu_begin(struct gpu *g)
         g->failed = DRAPE_OK;
 }
 
-void gpu_clock_start(struct gpu *g)
+static double host_clock(void)
 {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
-    g->event = (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+void gpu_clock_start(struct gpu *g)
+{
+    if (g->tape != TAPE_OFF)
+        gpu_look_words(g, 0); /* as a device does */
+    g->event = host_clock();
 }
 
 double gpu_clock_stop(struct gpu *g)
 {
-    double start = g->event;
-    gpu_clock_start(g);
-    return g->event - start;
+    return host_clock() - g->event;
 }
 
 static void show(struct gpu *g, bool clear)
 {
-    gpu_down(g, g->seen, g->words, GPU_ALL_WORDS * sizeof *g->seen);
-    if (g->failed)
-        memset(g->seen, 0, GPU_ALL_WORDS * sizeof *g->seen);
+    size_t bytes = GPU_ALL_WORDS * sizeof *g->words;
+    if (g->failed || !gpu_tape_shows(g, clear)) {
+        int64_t *kept = g->failed ? NULL : gpu_tape_looks(g, clear);
+        g->seen = g->shown;
+        if (!fails(g, true)) {
+            memcpy(g->shown, g->words, bytes);
+            if (kept)
+                memcpy(kept, g->words, bytes);
+            if (clear)
+                memset(g->words, 0, bytes);
+        }
+    }
+    if (g->failed) {
+        memset(g->shown, 0, bytes);
+        g->seen = g->shown;
+    }
     gpu_keep_late(g, clear);
 }
 
@@ -147,7 +175,6 @@ const int64_t *gpu_read_words(struct gpu *g, int n)
 {
     (void)n;
     show(g, true);
-    gpu_clear(g, g->words, GPU_ALL_WORDS * sizeof *g->words);
     g->clean[0] = g->clean[1] = true;
     return g->seen;
 }
@@ -163,19 +190,22 @@ const int64_t *gpu_look_words(struct gpu *g, int n)
 
 void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
 {
-    int64_t sum = 0;
-    bool lost = g->failed || emulate_lost(true);
-    for (int64_t k = 0; k < n && !lost; k++) {
-        int64_t here = a[k];
-        a[k] = sum;
-        sum += here;
-    }
+    emulate_queue(g, (const void *)gpu_scan, [=] {
+        int64_t sum = 0;
+        bool lost = emulate_lost(true);
+        for (int64_t k = 0; k < n && !lost; k++) {
+            int64_t here = a[k];
+            a[k] = sum;
+            sum += here;
+        }
+    });
 }
 
 struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
                      struct key *spare)
 {
     (void)spare;
+    gpu_tape_end(g); /* another n takes other launches */
     if (!g->failed && !emulate_lost(true))
         std::sort(key, key + n, [](const struct key &a, const struct key &b) {
             if (a.hi != b.hi)

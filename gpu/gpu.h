@@ -34,6 +34,8 @@ void gpu_set_block(struct gpu *g, int threads);
  * threads alone. */
 struct gpu_way {
     bool hosted;     /* the host ends loops, gpu/loop.cuh */
+    int falters;     /* a step's graph ends at this look, 1 …, and the host
+                        goes on; 0: none. gpu/tape.cuh */
     bool descending; /* blocks first to last, threads and ranks last to first */
     int left_out;    /* kernels go on without this barrier of theirs; 0: none */
     int parted;      /* where this one is the team's, it is the rank's */
@@ -44,6 +46,11 @@ struct gpu_way {
 void gpu_set_ranks(struct gpu *g, int ranks);
 void gpu_set_way(struct gpu *g, struct gpu_way way);
 void gpu_set_hosted(struct gpu *g); /* for good */
+/* Slices that a graph was launched for, and those it did whole. */
+struct gpu_played {
+    int64_t begun, whole;
+};
+struct gpu_played gpu_played(const struct gpu *g);
 
 /* The allocator of a device's memory where def has none; static. */
 const drape_allocator *gpu_native(void);

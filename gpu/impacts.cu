@@ -2,6 +2,7 @@
 /* Selects the candidates that touch. spec/32_impacts.md */
 #include "gpu/contact.cuh"
 #include "gpu/place.cuh"
+#include "gpu/tape.cuh"
 
 #include "ref/impacts.h"
 #include "ref/narrow.h"
@@ -22,9 +23,9 @@ struct asked {
 /* §1. Thread k owns candidate k: reads toi[k], and where it touches its
  * vertices' w; writes at[k]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    impacts_decide_kernel(struct impacts s, int64_t *words)
+    impacts_decide_kernel(struct impacts s, struct amount n, int64_t *words)
 {
-    ITEM(k, s.n);
+    ITEM(k, number(n));
     int32_t v[4];
     load_pair(s.pair, k, v);
     if (!in_range(v, s.nv) || s.kind[k] > CONTACT_EE) {
@@ -143,8 +144,11 @@ static int ask(struct gpu *g, struct impacts *s, int64_t n)
 int gpu_impacts(struct gpu *g, struct impacts *s)
 {
     int64_t *words = gpu_words(g);
-    LAUNCH(g, s->n, impacts_decide_kernel, *s, words);
+    struct amount n = gpu_amount(g, s->n);
+    LAUNCH(g, n.most, impacts_decide_kernel, *s, n, words);
     const int64_t *seen = gpu_read_words(g, WORDS);
+    for (int k = 0; k < WORDS; k++) /* rounds are the host's */
+        gpu_expect(g, k, 0, 0);
     if (seen[BAD])
         return DRAPE_EARG;
     int64_t asks = seen[ASKS];

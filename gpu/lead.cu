@@ -79,7 +79,7 @@ bool gpu_lead_moves(struct gpu_world *w)
     if (!h->plan.led)
         return false;
     int64_t *moves = gpu_words(w->gpu);
-    LAUNCH(w->gpu, h->nv - h->nc, moves_kernel, h->nv - h->nc, NULL,
+    LAUNCH(w->gpu, h->nv - h->nc, moves_kernel, h->nv - h->nc, nullptr,
            w->x0 + h->nc, w->x1 + h->nc, moves);
     for (int k = 0; k < h->def.n_cloths; k++) {
         const struct gpu_sheet *s = &w->sheet[k];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Launches as CUDA graphs, loops on the device with a WHILE node.
  * gpu/loop.cuh */
-#include "gpu/loop.cuh"
+#include "gpu/reel.cuh"
 
 /* Graphs that are kept, and launches after which one that was not among them
  * may go. */
@@ -33,27 +33,26 @@ static __global__ void loop_kernel(cudaGraphConditionalHandle handle,
     cudaGraphSetConditional(handle, *again != 0);
 }
 
-/* *inner: the graph of one turn, which is still empty. */
-static cudaError_t add_while(cudaGraph_t graph, cudaGraph_t *inner,
-                             cudaGraphConditionalHandle *handle)
+cudaError_t gpu_conditional(cudaGraph_t graph,
+                            enum cudaGraphConditionalNodeType type,
+                            unsigned first, struct conditional *c)
 {
-    cudaGraphNode_t node;
     cudaGraphNodeParams p = {};
     cudaError_t error = cudaGraphConditionalHandleCreate(
-        handle, graph, 1, cudaGraphCondAssignDefault);
+        &c->handle, graph, first, cudaGraphCondAssignDefault);
     if (error != cudaSuccess)
         return error;
     p.type = cudaGraphNodeTypeConditional;
-    p.conditional.handle = *handle;
-    p.conditional.type = cudaGraphCondTypeWhile;
+    p.conditional.handle = c->handle;
+    p.conditional.type = type;
     p.conditional.size = 1;
 #if CUDART_VERSION >= 13000
-    error = cudaGraphAddNode(&node, graph, NULL, NULL, 0, &p);
+    error = cudaGraphAddNode(&c->node, graph, NULL, NULL, 0, &p);
 #else
-    error = cudaGraphAddNode(&node, graph, NULL, 0, &p);
+    error = cudaGraphAddNode(&c->node, graph, NULL, 0, &p);
 #endif
     if (error == cudaSuccess)
-        *inner = p.conditional.phGraph_out[0];
+        c->body = p.conditional.phGraph_out[0];
     return error;
 }
 
@@ -62,13 +61,16 @@ static cudaError_t capture(struct gpu *g, cudaGraph_t graph, loop_turn turn,
                            int *status)
 {
     cudaStream_t stream = g->loops->stream, callers = g->stream;
+    enum tape_mode tape = g->tape;
     size_t n = strlen(g->name);
     cudaError_t error = cudaStreamBeginCaptureToGraph(
         stream, graph, NULL, NULL, 0, cudaStreamCaptureModeRelaxed);
     if (error != cudaSuccess)
         return error;
     g->stream = stream;
+    g->tape = TAPE_OFF;
     *status = turn.run(turn.with);
+    g->tape = tape;
     g->stream = callers;
     error = cudaStreamEndCapture(stream, &graph);
     if (g->failed) {
@@ -79,19 +81,31 @@ static cudaError_t capture(struct gpu *g, cudaGraph_t graph, loop_turn turn,
     return *status == DRAPE_OK ? error : cudaErrorInvalidValue;
 }
 
+void gpu_loop_ask(cudaStream_t stream, cudaGraphConditionalHandle handle,
+                  const int32_t *again)
+{
+    loop_kernel<<<1, 1, 0, stream>>>(handle, again);
+}
+
+cudaError_t gpu_loop_body(struct gpu *g, const struct conditional *c,
+                          const int32_t *again, loop_turn turn, int *status)
+{
+    auto whole = [&] {
+        int done = turn.run(turn.with);
+        gpu_loop_ask(g->stream, c->handle, again);
+        return done;
+    };
+    return capture(g, c->body, whole, status);
+}
+
 static cudaError_t capture_loop(struct gpu *g, cudaGraph_t graph,
                                 const int32_t *again, loop_turn turn,
                                 int *status)
 {
-    cudaGraph_t inner;
-    cudaGraphConditionalHandle handle;
-    auto whole = [&] {
-        int done = turn.run(turn.with);
-        loop_kernel<<<1, 1, 0, g->stream>>>(handle, again);
-        return done;
-    };
-    cudaError_t error = add_while(graph, &inner, &handle);
-    return error == cudaSuccess ? capture(g, inner, whole, status) : error;
+    struct conditional c;
+    cudaError_t error = gpu_conditional(graph, cudaGraphCondTypeWhile, 1, &c);
+    return error == cudaSuccess ? gpu_loop_body(g, &c, again, turn, status)
+                                : error;
 }
 
 /* Writes graph and status of k. */
@@ -174,7 +188,7 @@ static struct kept *make(struct gpu *g, struct loop_key key,
     return k;
 }
 
-static bool open_loops(struct gpu *g)
+bool gpu_loops_open(struct gpu *g)
 {
     if (!g->loops)
         g->loops = (struct gpu_loops *)arena_take(&g->host, ARENA_OTHER, 1,
@@ -187,10 +201,11 @@ static bool open_loops(struct gpu *g)
     return !g->failed;
 }
 
-bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
-              loop_turn turn)
+/* Queues it by a graph that is kept. */
+static bool queue(struct gpu *g, struct loop_key key, const int32_t *again,
+                  loop_turn turn)
 {
-    if (g->hosted[0] || g->hosted[1] || g->failed || !open_loops(g))
+    if (g->hosted[0] || g->hosted[1] || g->failed || !gpu_loops_open(g))
         return false;
     struct kept *k = g->loops->first;
     while (k && !same(k, g, key))
@@ -201,6 +216,21 @@ bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
         return false;
     k->used = ++g->loops->launches;
     gpu_note(g, cudaGraphLaunch(k->graph, g->stream));
+    return true;
+}
+
+bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
+              loop_turn turn)
+{
+    int queues = gpu_queues(g, (const void *)gpu_loop);
+    if (queues == 0) /* a tape has done it */
+        return !g->failed;
+    if (!queue(g, key, again, turn)) {
+        gpu_tape_spoil(g);
+        return false;
+    }
+    if (queues > 1)
+        reel_record_loop(g, again, turn);
     return true;
 }
 

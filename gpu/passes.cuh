@@ -23,9 +23,10 @@ enum { SMALL_BLOCKS = 2, LARGE_BLOCK = BVTT_BLOCK };
  * least, and what meet takes. */
 #define LAUNCH_PASSES(g, n, kernel, ...)                                       \
     do {                                                                       \
-        if ((n) <= (int64_t)(g)->ranks * RANK_ITEMS)                           \
+        int64_t items_ = (n);                                                  \
+        if (items_ <= (int64_t)(g)->ranks * RANK_ITEMS)                        \
             LAUNCH_TEAM(g, LARGE_BLOCK, 0, (kernel<1, false>), __VA_ARGS__);   \
-        else if ((n) <= (int64_t)(g)->crowd * LARGE_ITEMS)                     \
+        else if (items_ <= (int64_t)(g)->crowd * LARGE_ITEMS)                  \
             LAUNCH_CROWD(g, 1, LARGE_BLOCK, (kernel<1, true>), __VA_ARGS__);   \
         else                                                                   \
             LAUNCH_CROWD(g, SMALL_BLOCKS, BVTT_BLOCK,                          \

@@ -27,15 +27,17 @@ enum { UPDATES = REAL_BITS == 32 ? 8 : 4 };
 
 #define PARTICLE(k) int64_t k = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x
 
-/* One thread: the course at its beginning. scale and square are the only words
- * that change from one solve of a cloth to the next; no other kernel reads
- * them, so that all others may be queued once. */
-static __global__ void pcg_open_kernel(struct course *c, real scale,
+/* One thread: the course at its beginning; `last`: its scales are those of the
+ * solve before, else they are scale and square, the only words that change from
+ * one solve of a cloth to the next. No other kernel reads them, so that all
+ * others may be queued once. */
+static __global__ void pcg_open_kernel(struct course *c,
+                                       const struct course *last, real scale,
                                        real square)
 {
     struct course fresh = {};
-    fresh.from = scale;
-    fresh.most = square;
+    fresh.from = last ? last->from : scale;
+    fresh.most = last ? last->most : square;
     *c = fresh;
 }
 

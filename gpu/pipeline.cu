@@ -2,6 +2,8 @@
 /* The pipeline of one step on the device: ref/step.c again, with streams that
  * stay there. spec/00_step.md, spec/50_gpu.md §6 */
 #include "gpu/collide.cuh"
+#include "gpu/motion.cuh"
+#include "gpu/tape.cuh"
 
 enum { REST_STEPS = 30 };
 static const double REST_PART = 1e-3; /* of the thickness, a step */
@@ -30,6 +32,8 @@ static int move_sheet(struct gpu_world *w, int k, drape_step_report *r)
     w->couple.rough = couple_prepare(h, &s->pcg);
     d->press = state_warm(h) ? w->press + s->first : NULL;
     int status = gpu_motion(w->gpu, s);
+    if (slice_weighs(h))
+        gpu_keep(w->gpu, s, MOTION_BEFORE);
     if (status != DRAPE_OK)
         return status;
     r->outcome |= d->outcome;
@@ -160,6 +164,54 @@ static void judge(struct gpu_world *w, drape_step_report *r, bool *again)
     *again = h->plan.collides && slice_wrong(h, r->outcome, before, after);
 }
 
+/* ---- A slice as one graph, §13 ---- */
+
+/* What the launches of a slice depend on, besides what looks show. */
+struct slice_key {
+    const vec *x0, *v0;
+    real dt;
+    int32_t level, near;
+    uint8_t first, brief, warm, pressed, past, reported, started, front;
+};
+
+/* Whether launches are few, and none depends on more than that. */
+static bool fits(const struct gpu_world *w)
+{
+    const struct world *h = w->host;
+    return h->plan.implicit && !h->tracing && h->def.solver == DRAPE_EXACT &&
+           h->def.n_cloths < TAPE_TOLD - 1;
+}
+
+static void begin_tape(struct gpu_world *w)
+{
+    const struct world *h = w->host;
+    int64_t told[TAPE_TOLD];
+    struct slice_key key;
+    if (!fits(w))
+        return;
+    memset((void *)&key, 0, sizeof key); /* what lies between, too */
+    key.x0 = w->x0;
+    key.v0 = w->v0;
+    key.dt = (real)h->dt;
+    key.level = h->slicing.level;
+    key.near = h->near;
+    key.first = h->slicing.done == 0;
+    key.brief = slice_brief(h);
+    key.warm = state_warm(h);
+    key.pressed = h->pressed;
+    key.past = state_has_past(h);
+    key.reported = h->reported;
+    key.started = w->broad.started;
+    key.front = w->broad.n_front > 0;
+    for (int k = 0; k < h->def.n_cloths; k++) {
+        double may = gpu_motion_may_gain(&w->sheet[k], h->watch[k]);
+        memcpy(&told[k], &may, sizeof may);
+    }
+    told[h->def.n_cloths] = w->broad.n_front;
+    gpu_tape_begin(w->gpu, tape_key{&key, sizeof key}, told,
+                   h->def.n_cloths + 1);
+}
+
 /* One slice of a step, from the state to the state, or to a shorter slice. */
 static int slice(struct gpu_world *w, drape_step_report *all, double *last)
 {
@@ -170,6 +222,8 @@ static int slice(struct gpu_world *w, drape_step_report *all, double *last)
     int status = gpu_lead(w, slice_time(h), w->x1); /* 01 kinematics */
     gpu_trace(w->gpu, h->tracing, "kinematics", w->x1 + h->nc,
               (size_t)(h->nv - h->nc) * sizeof *w->x1);
+    if (status == DRAPE_OK)
+        begin_tape(w);
     if (status == DRAPE_OK)
         status = move(w, &r); /* 03 wind … 09 dynamics, 10 sum … 15 pcg */
     for (int k = 0; k < h->def.n_cloths; k++)
@@ -189,10 +243,20 @@ static int slice(struct gpu_world *w, drape_step_report *all, double *last)
     slice_report(all, &r, !again);
     if (status != DRAPE_OK || diverged || again)
         return status;
+    gpu_fence(w->gpu);
     if (h->slicing.level > 0 && h->slicing.done == 0)
         status = gpu_slice_save(w);
     if (status == DRAPE_OK)
         commit(w, r.outcome);
+    return status;
+}
+
+/* The same; whatever becomes of it, no tape is on behind it. */
+static int slice_on_tape(struct gpu_world *w, drape_step_report *all,
+                         double *last)
+{
+    int status = slice(w, all, last);
+    gpu_tape_end(w->gpu);
     return status;
 }
 
@@ -213,7 +277,7 @@ static int pipeline(struct gpu_world *w, drape_step_report *r)
         r->outcome = DRAPE_ASLEEP;
     while (!asleep && status == DRAPE_OK && !slice_last(h) &&
            !(r->outcome & DRAPE_DIVERGED))
-        status = slice(w, r, &last);
+        status = slice_on_tape(w, r, &last);
     bool failed = status != DRAPE_OK || r->outcome & DRAPE_DIVERGED;
     if (failed && h->slicing.done > 0)
         gpu_slice_restore(w);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Scans and sorts: CUB behind two functions. spec/50_gpu.md */
-#include "gpu/gpu.cuh"
+#include "gpu/tape.cuh"
 
 #include <cub/device/device_merge_sort.cuh>
 #include <cub/device/device_scan.cuh>
@@ -13,8 +13,8 @@ void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
     gpu_note(g, cub::DeviceScan::ExclusiveSum(NULL, bytes, a, a, n, g->stream));
     void *room = gpu_scratch(g, SLOT_SCAN, (int64_t)bytes, 1);
     if (room)
-        gpu_note(
-            g, cub::DeviceScan::ExclusiveSum(room, bytes, a, a, n, g->stream));
+        EACH_QUEUE(g, gpu_scan)
+    gpu_note(g, cub::DeviceScan::ExclusiveSum(room, bytes, a, a, n, g->stream));
 }
 
 /* The order of ref/keys.c. */
@@ -35,6 +35,7 @@ struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
     size_t bytes = 0;
     struct key_before before;
     (void)spare;
+    gpu_tape_end(g); /* another n takes other launches */
     if (n < 2 || g->failed)
         return key;
     gpu_note(g, cub::DeviceMergeSort::SortKeys(NULL, bytes, key, n, before,

@@ -4,6 +4,7 @@
 #include "gpu/response.cuh"
 
 #include "gpu/contact.cuh"
+#include "gpu/tape.cuh"
 
 /* ---- Pools ---- */
 
@@ -140,7 +141,7 @@ int gpu_response_repel(struct gpu *g, struct response *s,
     p.skin = s->skin;
     p.dt = s->dt;
     p.stiffness = s->stiffness;
-    struct room room = {&s->at, near->n, sizeof *p.at};
+    struct room room = {&s->at, gpu_room(g, near->n), sizeof *p.at};
     int status = gpu_response_grow(g, 1, &room);
     if (status != DRAPE_OK)
         return status;

@@ -20,14 +20,17 @@ enum { WARP = 32 };
         config_.gridDim = {(unsigned)(g)->ranks, 1, 1};                        \
         config_.blockDim = {(unsigned)(threads), 1, 1};                        \
         config_.dynamicSmemBytes = (size_t)(bytes);                            \
-        config_.stream = (g)->stream;                                          \
         config_.attrs = &cluster_;                                             \
         config_.numAttrs = (g)->ranks > 1 ? 1 : 0;                             \
-        if (!(g)->failed)                                                      \
+        EACH_QUEUE(g, kernel)                                                  \
+        {                                                                      \
+            config_.stream = (g)->stream;                                      \
             gpu_note((g), gpu_allow_team((g), (const void *)(kernel),          \
                                          (bytes) > 0));                        \
-        if (!(g)->failed)                                                      \
-            gpu_note((g), cudaLaunchKernelEx(&config_, kernel, __VA_ARGS__));  \
+            if (!(g)->failed)                                                  \
+                gpu_note((g),                                                  \
+                         cudaLaunchKernelEx(&config_, kernel, __VA_ARGS__));   \
+        }                                                                      \
     } while (0)
 
 static __device__ inline int team_rank(void)
@@ -128,8 +131,13 @@ template <int LEFT> static __device__ inline void copies_end(void)
 #else /* the ranks of a team are parts of one block, gpu/emulate.h */
 
 #define LAUNCH_TEAM(g, threads, bytes, kernel, ...)                            \
-    emulate_team((g)->failed || (bytes) > (g)->room ? 0 : (g)->ranks,          \
-                 (threads), [&] { kernel(__VA_ARGS__); })
+    do {                                                                       \
+        int ranks_ = (bytes) > (g)->room ? 0 : (g)->ranks;                     \
+        int threads_ = (int)(threads);                                         \
+        auto call_ = emulate_bind(kernel, __VA_ARGS__);                        \
+        emulate_queue((g), (const void *)(kernel),                             \
+                      [=] { emulate_team(ranks_, threads_, call_); });         \
+    } while (0)
 
 static inline int team_ranks(void)
 {

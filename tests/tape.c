@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Steps as one graph: the same bits as without, wherever a tape ends, and that
+ * there are some. spec/50_gpu.md §13 */
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "gpu/gpu.h"
+#include "gpu/world.h"
+#include "tests/guest.h"
+
+/* STEPS: of a run, and DEVICE_STEPS on a device, which records later; LOOKS: so
+ * many a step has. */
+enum { STEPS = 26, DEVICE_STEPS = 128, LOOKS = 18, VERTICES = 256 };
+
+/* How a scene differs from the guest's. */
+struct variant {
+    const char *name;
+    int integrator, precond;
+    bool moves, two, windy;
+    int least; /* steps that tapes do whole */
+};
+
+static const struct variant variants[] = {
+    {"multigrid", DRAPE_BW, DRAPE_MULTIGRID, .least = 8},
+    {"choi-ko, wind, a plate that moves", DRAPE_CK, DRAPE_JACOBI, .moves = true,
+     .windy = true, .least = 6},
+    {"two sheets", DRAPE_BW, DRAPE_JACOBI, .two = true}, /* rounds each step */
+};
+
+/* A world, without the API around it, which does not show its device. */
+struct run {
+    struct guest s;
+    drape_cloth cloth[2];
+    drape_motion motion;
+    struct arena arena;
+    const struct world_ops *ops;
+    struct world *world;
+    double x[VERTICES][3], v[VERTICES][3];
+    drape_step_report report;
+};
+
+static const double times[2] = {0, 1}, way[2][3] = {{0}, {0.02, 0.005, 0}};
+
+static void define(struct run *r, const struct variant *a, int backend)
+{
+    drape_def *def = &r->s.def;
+    guest_make(&r->s, backend);
+    def->integrator = a->integrator;
+    def->precond = a->precond;
+    r->cloth[0] = r->cloth[1] = r->s.cloth;
+    r->cloth[1].origin[1] = 0.006;
+    def->cloths = r->cloth;
+    def->n_cloths = 1 + a->two;
+    r->motion = (drape_motion){.keys = 2, .time = times, .position = way};
+    def->motions = &r->motion;
+    def->n_motions = a->moves;
+    r->s.plate.motion = a->moves ? 0 : -1;
+    if (a->windy)
+        def->wind = (drape_wind){{0.2, 0, 0}, 1.2, 1, 0.5};
+}
+
+static const char *begin(struct run *r, const struct variant *a, int backend)
+{
+    define(r, a, backend);
+    r->ops = backend == DRAPE_GPU ? &world_ops_gpu : &world_ops;
+    arena_init(&r->arena, &r->s.def.allocator);
+    EXPECT(r->ops->make(&r->s.def, &r->arena, &r->world, NULL) == DRAPE_OK);
+    EXPECT(r->world->nv <= VERTICES);
+    return NULL;
+}
+
+static const char *step(struct run *r)
+{
+    EXPECT(r->ops->step(r->world, &r->report) == DRAPE_OK);
+    memset(r->report.seconds, 0, sizeof r->report.seconds);
+    EXPECT(r->ops->read(r->world, r->x, r->v) == DRAPE_OK);
+    return NULL;
+}
+
+static void end(struct run *r)
+{
+    if (r->ops->end)
+        r->ops->end(r->world);
+    arena_free(&r->arena);
+}
+
+/* Where the steps of the reference went. */
+struct trail {
+    int steps;
+    double x[DEVICE_STEPS][VERTICES][3], v[DEVICE_STEPS][VERTICES][3];
+    drape_step_report report[DEVICE_STEPS];
+};
+
+static const char *lead_way(struct run *r, const struct variant *a,
+                            struct trail *t)
+{
+    const char *what = begin(r, a, DRAPE_REF);
+    for (int k = 0; k < t->steps && !what; k++) {
+        what = step(r);
+        memcpy(t->x[k], r->x, sizeof r->x);
+        memcpy(t->v[k], r->v, sizeof r->v);
+        t->report[k] = r->report;
+    }
+    end(r);
+    return what;
+}
+
+/* falters: each step's tape ends at another look, in other orders of threads.
+ */
+static const char *follow(struct run *r, const struct variant *a,
+                          const struct trail *t, bool falters,
+                          struct gpu_played *played)
+{
+    const char *what = begin(r, a, DRAPE_GPU);
+    for (int k = 0; k < t->steps && !what; k++) {
+        size_t bytes = (size_t)r->world->nv * sizeof *r->x;
+        struct gpu_way way = {.falters = falters ? 1 + k % LOOKS : 0,
+                              .descending = k & 2};
+        gpu_set_way(r->world->device->gpu, way);
+        what = step(r);
+        if (!what &&
+            (memcmp(r->x, t->x[k], bytes) || memcmp(r->v, t->v[k], bytes) ||
+             memcmp(&r->report, &t->report[k], sizeof r->report)))
+            what = falters ? "a tape that ends early is another step"
+                           : "it is not the reference's step";
+    }
+    if (r->world && r->world->device)
+        *played = gpu_played(r->world->device->gpu);
+    end(r);
+    return what;
+}
+
+static const char *compare(struct run *r, const struct variant *a,
+                           struct trail *t)
+{
+    struct gpu_played whole = {0}, part = {0};
+    const char *what = lead_way(r, a, t);
+    if (!what)
+        what = follow(r, a, t, false, &whole);
+    if (!what)
+        what = follow(r, a, t, true, &part);
+    EXPECT(what || whole.whole >= a->least);
+    EXPECT(what || part.begun - part.whole >= a->least);
+    ran(what ? 0 : 2);
+    return what;
+}
+
+const char *test_tape(void)
+{
+    static char text[200];
+    int status;
+    struct gpu *g = gpu_open(NULL, &status);
+    if (!g)
+        return skip("there is no device");
+    struct run *r = malloc(sizeof *r);
+    struct trail *t = malloc(sizeof *t);
+    const char *what = r && t ? NULL : "out of memory";
+    if (t)
+        t->steps = gpu_device(g) < 0 ? STEPS : DEVICE_STEPS;
+    /* in the other precision it is the same source */
+    size_t n = REAL_BITS == 64 ? 1 : sizeof variants / sizeof *variants;
+    for (size_t k = 0; k < n && !what; k++) {
+        what = compare(r, &variants[k], t);
+        if (what) {
+            snprintf(text, sizeof text, "%s: %s", variants[k].name, what);
+            what = text;
+        }
+    }
+    gpu_set_way(g, (struct gpu_way){0});
+    gpu_close(g);
+    free(r);
+    free(t);
+    return what;
+}
