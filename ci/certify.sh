@@ -155,6 +155,22 @@ again() {
     mv "$first" "$work/$1.gpu"
 }
 
+# as_graphs NAME FRAMES: steps as graphs, which a trace does without: how each
+# ends. That there are any, and what becomes of one cut short, is a test's.
+as_graphs() {
+    name=$1 backend=gpu dir=$work/$1-gpu
+    for how in '' --trace; do
+        rm -rf "$dir"
+        # shellcheck disable=SC2086
+        part "$2" $how
+        ends >"$work/ends$how"
+    done
+    rm -rf "$dir/frames"
+    "$build/check-cuda" --tests --only tape >"$work/tape.log" ||
+        echo 'tests/tape.c failed' >>"$work/ends"
+    same "$1" 'as graphs' "$2" 0 "$work/ends--trace" "$work/ends"
+}
+
 # references SHARE NAME...: those that are not known, one after another, on that
 # many of 16 processors
 references() {
@@ -272,6 +288,9 @@ for name in $names; do
     run "$name" gpu "$(frames_of "$name")"
 done
 again lion_20k_baraff-witkin $long
+for method in baraff-witkin choi-ko; do
+    as_graphs lion_20k_$method $long
+done
 took 'runs of the device'
 
 sed -n 's/^STAGE(\(.*\),.*/\1/p' spec/stages.def >"$work/names"
