@@ -162,6 +162,25 @@ static void left_out(cudaGraph_t g)
     choices(g, 0);
 }
 
+/* Each segment chooses whether the next is done, which lies in its graph. */
+static void nested(cudaGraph_t g)
+{
+    for (int k = 0; k < SEGMENTS; k++) {
+        cudaGraphConditionalHandle next;
+        cudaGraphNode_t last, node;
+        check(cudaGraphConditionalHandleCreate(&next, g, 0,
+                                               cudaGraphCondAssignDefault));
+        begin(g, NULL);
+        segment(capture);
+        choose_kernel<<<1, 1, 0, capture>>>(next, 1);
+        last = end();
+        g = add_conditional(g, &last, cudaGraphCondTypeIf, next, &node);
+    }
+    begin(g, NULL); /* no body is empty */
+    work_kernel<<<BLOCKS, THREADS, 0, capture>>>(data);
+    end();
+}
+
 /* ---- times ---- */
 
 static double now(void)
@@ -221,5 +240,6 @@ int main(void)
     time_way("turns of a WHILE node", as_graph, loop);
     time_way("IF nodes; all taken", as_graph, taken);
     time_way("IF nodes; none taken", as_graph, left_out);
+    time_way("IF nodes, one in another", as_graph, nested);
     return 0;
 }
