@@ -122,6 +122,7 @@ void gpu_set_way(struct gpu *g, struct gpu_way way)
 {
     g->hosted[0] = way.hosted;
     g->falters = way.falters;
+    g->tight = way.tight;
 }
 
 struct gpu *gpu_open(const drape_def *def, int *status)

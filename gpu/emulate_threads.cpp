@@ -18,6 +18,7 @@ void gpu_set_way(struct gpu *g, struct gpu_way to)
 {
     g->hosted[0] = to.hosted;
     g->falters = to.falters;
+    g->tight = to.tight;
     way = to;
     asked = 0;
 }

@@ -62,6 +62,7 @@ struct gpu {
     const int64_t *found; /* on a tape: gpu_amount's */
     int64_t changes;  /* of memory: what was recorded before holds no more */
     int falters;      /* the look at which tapes end, 1 …; 0: none */
+    bool tight;       /* gpu_way's */
     bool hosted[2];   /* no loops on the device now, or for good */
     int number;       /* of the device; -1: emulated */
     int block;        /* threads of a block of item kernels */

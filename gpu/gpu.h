@@ -36,6 +36,7 @@ struct gpu_way {
     bool hosted;     /* the host ends loops, gpu/loop.cuh */
     int falters;     /* a step's graph ends at this look, 1 …, and the host
                         goes on; 0: none. gpu/tape.cuh */
+    bool tight;      /* memory grows by no more than it must */
     bool descending; /* blocks first to last, threads and ranks last to first */
     int left_out;    /* kernels go on without this barrier of theirs; 0: none */
     int parted;      /* where this one is the team's, it is the rank's */

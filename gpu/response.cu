@@ -14,7 +14,7 @@ static void grow(struct gpu *g, struct room r, take *from)
 {
     if (r.need <= r.pool->cap)
         return;
-    int64_t cap = r.need + r.need / 4 + 256;
+    int64_t cap = r.need + (g->tight ? 0 : r.need / 4 + 256);
     gpu_give(g, r.pool->data);
     r.pool->data = from(g, ARENA_RESPONSE, cap, r.size);
     r.pool->cap = r.pool->data ? cap : 0;

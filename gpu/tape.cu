@@ -43,7 +43,7 @@ struct gpu_tapes {
 
     /* Of the tape under way. */
     int op, looks, told, recalled, numbers;
-    bool spoilt, departs; /* of a recorded one: worthless; ends at this look */
+    bool spoilt, departs; /* of a recorded one: worthless; ended at a look */
     bool pending;         /* the last look is not recorded yet */
     struct reel_look look;
     struct {
@@ -189,8 +189,8 @@ void gpu_fence(struct gpu *g)
     struct gpu_tapes *l = g->tapes;
     if (g->tape != TAPE_RECORDS)
         return;
-    l->look.fence = l->pending && !l->departs;
-    if (l->look.fence)
+    l->look.fence = l->pending;
+    if (l->pending)
         flush(g);
     else
         finish(g);
@@ -318,10 +318,6 @@ int gpu_tape_queues(struct gpu *g, const void *what)
     struct gpu_tapes *l = g->tapes;
     if (g->tape == TAPE_PLAYS)
         return plays_next(g, what) ? 0 : 1;
-    if (l->departs) {
-        finish(g);
-        return 1;
-    }
     flush(g);
     note_op(l, what);
     return 2;
@@ -344,7 +340,7 @@ int64_t *gpu_tape_looks(struct gpu *g, bool clear)
     struct gpu_tapes *l = g->tapes;
     if (g->tape != TAPE_RECORDS)
         return NULL;
-    if (l->departs || l->looks == REEL_LOOKS) {
+    if (l->looks == REEL_LOOKS) {
         finish(g);
         return NULL;
     }
@@ -445,11 +441,13 @@ static void expect(struct gpu *g, struct expect e)
         return;
     int64_t word = g->seen[e.word];
     int64_t value = e.half < 0 ? word : (int32_t)(word >> 32 * e.half);
-    l->departs |= value < e.least || value > e.most;
+    l->departs = value < e.least || value > e.most;
     if (l->look.expected.n < REEL_EXPECTED)
         l->look.expected.of[l->look.expected.n++] = e;
     else
         l->spoilt = true;
+    if (l->departs) /* at once: what comes may be this stage again */
+        finish(g);
 }
 
 void gpu_expect(struct gpu *g, int word, int64_t least, int64_t most)

@@ -78,7 +78,7 @@ const int64_t *gpu_recall(const struct gpu *g, const void *who);
  */
 static inline int64_t gpu_room(const struct gpu *g, int64_t n)
 {
-    return g->tape == TAPE_RECORDS ? n + n / 4 + 64 : n;
+    return g->tape == TAPE_RECORDS && !g->tight ? n + n / 4 + 64 : n;
 }
 
 /* Where a choice of kernels depends on n: what it was when that was recorded.
