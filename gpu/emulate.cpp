@@ -201,16 +201,25 @@ void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
     });
 }
 
+struct key *gpu_sort_padded(struct gpu *g, int64_t n, struct key *key,
+                            struct key *spare)
+{
+    (void)spare;
+    emulate_queue(g, (const void *)gpu_sort, [=] {
+        if (!emulate_lost(true))
+            std::sort(key, key + n,
+                      [](const struct key &a, const struct key &b) {
+                          if (a.hi != b.hi)
+                              return a.hi < b.hi;
+                          return a.lo != b.lo ? a.lo < b.lo : a.item < b.item;
+                      });
+    });
+    return key;
+}
+
 struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
                      struct key *spare)
 {
-    (void)spare;
     gpu_tape_end(g); /* another n takes other launches */
-    if (!g->failed && !emulate_lost(true))
-        std::sort(key, key + n, [](const struct key &a, const struct key &b) {
-            if (a.hi != b.hi)
-                return a.hi < b.hi;
-            return a.lo != b.lo ? a.lo < b.lo : a.item < b.item;
-        });
-    return key;
+    return gpu_sort_padded(g, n, key, spare);
 }

@@ -7,9 +7,9 @@
 
 /* §1: bits of a mask that are of a vertex and a face, and all. */
 enum { VF_BITS = 6, VF_MASK = (1 << VF_BITS) - 1, BITS = 15 };
-/* The counts of both kinds, those there are where there is room for all, and
+/* The counts of both kinds; all, where there is room for them, and wherever;
  * for ends_last. */
-enum { WORD_VF, WORD_EE, WORD_DONE, WORD_TICKET, WORDS };
+enum { WORD_VF, WORD_EE, WORD_DONE, WORD_NEED, WORD_TICKET, WORDS };
 
 /* The vertices of a triangle. */
 struct corners {
@@ -133,8 +133,10 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
     int64_t all = word[WORD_VF] + word[WORD_EE];
     if (all <= s.cap)
         scan_blocks(s.sum, 2 * (int64_t)gridDim.x);
-    if (threadIdx.x == 0)
+    if (threadIdx.x == 0) {
         word[WORD_DONE] = all <= s.cap ? all : 0;
+        word[WORD_NEED] = all;
+    }
 }
 
 /* Four vertices, moved as one word. */
@@ -214,6 +216,7 @@ int gpu_features(struct gpu *g, struct features *s)
                   reach_of(s->r), word);
     LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_emit_kernel, *s, n, word);
     const int64_t *seen = gpu_read_words(g, WORDS);
+    gpu_expect_room(g, WORD_NEED, s->cap);
     gpu_expect_some(g, WORD_DONE, s->cap);
     g->found = gpu_kept(g, WORD_DONE);
     if (gpu_status(g) != DRAPE_OK)

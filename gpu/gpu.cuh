@@ -233,6 +233,9 @@ void gpu_scan(struct gpu *g, int64_t *a, int64_t n);
 struct key;
 struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
                      struct key *spare);
+/* The same where n is a tape's: what is not there are keys that come last. */
+struct key *gpu_sort_padded(struct gpu *g, int64_t n, struct key *key,
+                            struct key *spare);
 /* Slots of scratch that the primitives use; stages use those below. */
 enum { SLOT_STAGE = 0, SLOT_SOLVE = 4, SLOT_SORT = 5, SLOT_SCAN = 7 };
 

@@ -170,7 +170,7 @@ static void judge(struct gpu_world *w, drape_step_report *r, bool *again)
 struct slice_key {
     const vec *x0, *v0;
     real dt;
-    int32_t level, near;
+    int32_t level, near, rounds; /* rounds, near: of the slice before */
     uint8_t first, brief, warm, pressed, past, reported, started, front;
 };
 
@@ -195,6 +195,7 @@ static void begin_tape(struct gpu_world *w)
     key.dt = (real)h->dt;
     key.level = h->slicing.level;
     key.near = h->near;
+    key.rounds = w->response.rounds;
     key.first = h->slicing.done == 0;
     key.brief = slice_brief(h);
     key.warm = state_warm(h);

@@ -29,20 +29,27 @@ struct key_before {
 
 /* By merging: a key has 24 bytes, so that a radix sort makes 24 passes, and
  * most streams are short. */
-struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
-                     struct key *spare)
+struct key *gpu_sort_padded(struct gpu *g, int64_t n, struct key *key,
+                            struct key *spare)
 {
     size_t bytes = 0;
     struct key_before before;
     (void)spare;
-    gpu_tape_end(g); /* another n takes other launches */
-    if (n < 2 || g->failed)
+    if (n < 1 || g->failed)
         return key;
     gpu_note(g, cub::DeviceMergeSort::SortKeys(NULL, bytes, key, n, before,
                                                g->stream));
     void *room = gpu_scratch(g, SLOT_SORT, (int64_t)bytes, 1);
     if (room)
-        gpu_note(g, cub::DeviceMergeSort::SortKeys(room, bytes, key, n, before,
-                                                   g->stream));
+        EACH_QUEUE(g, gpu_sort)
+    gpu_note(g, cub::DeviceMergeSort::SortKeys(room, bytes, key, n, before,
+                                               g->stream));
     return key;
+}
+
+struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
+                     struct key *spare)
+{
+    gpu_tape_end(g); /* another n takes other launches */
+    return gpu_sort_padded(g, n, key, spare);
 }

@@ -4,6 +4,7 @@
 #include "gpu/response.cuh"
 
 #include "gpu/contact.cuh"
+#include "gpu/impulses.cuh"
 #include "gpu/tape.cuh"
 
 /* ---- Pools ---- */
@@ -59,10 +60,11 @@ int gpu_response_start(struct gpu *g, struct response *s)
 
 /* Thread k owns vertex[k]: writes its x1 and touched, and v where it stops. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    response_advance_kernel(struct response s, int64_t n, const int32_t *vertex,
-                            const uint8_t *moved, bool stop)
+    response_advance_kernel(struct response s, struct amount n,
+                            const int32_t *vertex, const uint8_t *moved,
+                            bool stop)
 {
-    ITEM(k, n);
+    ITEM(k, number(n));
     if (moved && !moved[k])
         return;
     int32_t i = vertex[k];
@@ -76,13 +78,16 @@ void gpu_response_advance(struct gpu *g, struct response *s, int64_t n,
                           const int32_t *vertex, const uint8_t *moved,
                           bool stop)
 {
-    LAUNCH(g, n, response_advance_kernel, *s, n, vertex, moved, stop);
+    struct amount all = {n, NULL};
+    LAUNCH(g, n, response_advance_kernel, *s, all, vertex, moved, stop);
 }
 
 /* Solves the contacts in contact[side] and moves their vertices. */
 static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
                           int warm)
 {
+    struct amount some = gpu_amount(g, n), vertices;
+    n = some.most;
     struct room room[] = {{&s->item, 4 * n, sizeof(int32_t)},
                           {&s->parts, 2 * s->nv, sizeof(int32_t)},
                           {&s->lack, 2 * n, sizeof(real)},
@@ -115,10 +120,11 @@ static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
     c.moved = (uint8_t *)s->moved.data;
     c.awake = (uint8_t *)s->awake.data;
     c.stirred = c.awake + n;
-    status = gpu_contacts(g, &c);
+    status = gpu_contacts_of(g, &c, some, &vertices);
     gpu_trace(g, s->trace, "contacts", s->u, (size_t)s->nv * sizeof *s->u);
     if (status == DRAPE_OK)
-        gpu_response_advance(g, s, c.vertices, c.vertex, c.moved, false);
+        LAUNCH(g, vertices.most, response_advance_kernel, *s, vertices,
+               c.vertex, c.moved, false);
     return status;
 }
 
@@ -155,6 +161,7 @@ int gpu_response_repel(struct gpu *g, struct response *s,
     if (status != DRAPE_OK)
         return status;
     s->contacts = p.found;
+    gpu_keep_found(g, &s->active);
     gpu_trace(g, s->trace, "proximity", p.contact,
               (size_t)p.found * sizeof *p.contact);
     if (!p.found)
@@ -185,8 +192,12 @@ static int find_impulses(struct gpu *g, struct response *s)
     m.n_active = s->active;
     m.active = (struct contact *)from->data;
     m.n_all = m.n + m.n_active;
-    struct room room[] = {{&s->key[0], m.n_all, sizeof *m.key},
-                          {&s->key[1], m.n_all, sizeof *m.key}};
+    struct amount hits = gpu_amount(g, m.n);
+    struct amount active =
+        gpu_amount_at(g, m.n_active, gpu_recall(g, &s->active));
+    int64_t most = hits.most + active.most;
+    struct room room[] = {{&s->key[0], most, sizeof *m.key},
+                          {&s->key[1], most, sizeof *m.key}};
     int status = gpu_response_grow(g, 2, room);
     if (status != DRAPE_OK)
         return status;
@@ -195,13 +206,14 @@ static int find_impulses(struct gpu *g, struct response *s)
     do {
         m.cap = to->cap;
         m.contact = (struct contact *)to->data;
-        status = gpu_impulses(g, &m);
+        status = gpu_impulses_of(g, &m, hits, active);
     } while (status == DRAPE_EFULL &&
              (status = grow_contacts(g, to, m.found)) == DRAPE_OK);
     if (status != DRAPE_OK)
         return status;
     s->side = !s->side;
     s->active = m.found;
+    gpu_keep_found(g, &s->active);
     gpu_trace(g, s->trace, "impulses", m.contact,
               (size_t)m.found * sizeof *m.contact);
     return DRAPE_OK;
@@ -210,9 +222,10 @@ static int find_impulses(struct gpu *g, struct response *s)
 /* Thread k owns contact k: what others ask for beside what touches: no more
  * than that does. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    response_settle_kernel(struct response s, struct contact *contact)
+    response_settle_kernel(struct response s, struct amount n,
+                           struct contact *contact)
 {
-    ITEM(k, s.active);
+    ITEM(k, number(n));
     struct contact *c = &contact[k];
     real keep = s.margin * surface_of(&s.skin, c->v).thickness;
     c->target = least(c->target, (keep - c->gap) / s.dt);
@@ -229,27 +242,34 @@ static int push(struct gpu *g, struct response *s, int round)
         return s->solve(s->user, s->active, contact);
     /* only impulses that contacts gave can it withdraw */
     bool warm = s->impelled;
+    struct amount active = gpu_amount(g, s->active);
     if (!warm)
-        LAUNCH(g, s->active, response_settle_kernel, *s, contact);
+        LAUNCH(g, active.most, response_settle_kernel, *s, active, contact);
     s->impelled = true;
     return solve_contacts(g, s, s->active, warm);
 }
 
 /* Thread k owns corner k of the hits: marks its vertex where it is free. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    response_touch_kernel(struct response s, const int32_t *hit)
+    response_touch_kernel(struct response s, struct amount hits,
+                          const int32_t *hit)
 {
-    ITEM(k, 4 * s.hits);
+    ITEM(k, 4 * number(hits));
     s.touched[hit[k]] = s.w[hit[k]] > 0;
 }
 
 static int resolve(struct gpu *g, struct response *s, int round)
 {
     int rolls = round - s->max_rounds - s->zone_rounds;
-    if (rolls >= 0)
+    if (rolls >= 0) {
+        gpu_tape_end(g);
         return gpu_response_roll(g, s, rolls);
+    }
+    if (round >= s->max_rounds)
+        gpu_tape_end(g);
+    struct amount hits = gpu_amount(g, s->hits);
     gpu_clear(g, s->touched, (size_t)s->nv);
-    LAUNCH(g, 4 * s->hits, response_touch_kernel, *s,
+    LAUNCH(g, 4 * hits.most, response_touch_kernel, *s, hits,
            (const int32_t *)s->hit.data);
     return round < s->max_rounds ? push(g, s, round)
                                  : gpu_response_stiffen(g, s);

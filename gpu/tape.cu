@@ -7,7 +7,7 @@
 
 /* Tapes that are kept; launches and looks of one; what is recalled in a step,
  * and numbers that choices were made by. */
-enum { TAPES = 16, OPS = 512, RECALLED = 32, NUMBERS = 8 };
+enum { TAPES = 16, OPS = 512, RECALLED = 32, NUMBERS = 32 };
 /* A key is recorded when it has come up so often, as that takes as long as ten
  * plays save; twice as often each time that it was in vain, or the tape had too
  * little room. A tape that a fence ended while it was recorded is played so
@@ -410,15 +410,25 @@ int64_t gpu_recorded(struct gpu *g, int64_t n)
     return g->tape == TAPE_PLAYS ? *number : (*number = n);
 }
 
-void gpu_keep(struct gpu *g, const void *who, int word)
+static void keep(struct gpu *g, const void *who, const int64_t *at)
 {
     struct gpu_tapes *l = g->tapes;
     if (g->tape != TAPE_RECORDS)
         return;
     if (l->recalled < RECALLED)
-        l->recall[l->recalled++] = {who, gpu_kept(g, word)};
+        l->recall[l->recalled++] = {who, at};
     else
         l->spoilt = true;
+}
+
+void gpu_keep(struct gpu *g, const void *who, int word)
+{
+    keep(g, who, gpu_kept(g, word));
+}
+
+void gpu_keep_found(struct gpu *g, const void *who)
+{
+    keep(g, who, g->found);
 }
 
 const int64_t *gpu_recall(const struct gpu *g, const void *who)
@@ -467,6 +477,9 @@ void gpu_expect_room(struct gpu *g, int word, int64_t cap)
 
 void gpu_expect_some(struct gpu *g, int word, int64_t cap)
 {
-    int64_t room = gpu_room(g, g->seen[word]);
-    expect(g, {word, -1, true, 1, cap < room ? cap : room});
+    int64_t n = g->seen[word], room = gpu_room(g, n);
+    if (n)
+        expect(g, {word, -1, true, 1, cap < room ? cap : room});
+    else
+        gpu_expect(g, word, 0, 0);
 }

@@ -51,8 +51,9 @@ const int64_t *gpu_told(struct gpu *g);
  * is from least to most, a half of one (0: the low one) is a value. */
 void gpu_expect(struct gpu *g, int word, int64_t least, int64_t most);
 void gpu_expect_half(struct gpu *g, int word, int half, int32_t value);
-/* At most cap; some: and not 0, and no more than gpu_room of what it is now.
- * A tape that has no room for more is of no more use. */
+/* At most cap; some: where it is 0 now, that, else not 0, and no more than
+ * gpu_room of what it is. A tape that has no room for more is of no more use.
+ */
 void gpu_expect_room(struct gpu *g, int word, int64_t cap);
 void gpu_expect_some(struct gpu *g, int word, int64_t cap);
 /* That what gpu_late_words are about is not bad, which the first of them says.
@@ -72,6 +73,7 @@ const int64_t *gpu_kept(const struct gpu *g, int word);
 /* That word of the last look, on the device, for `who` to be recalled in the
  * same step; NULL where nothing was kept for him, or no tape is recorded. */
 void gpu_keep(struct gpu *g, const void *who, int word);
+void gpu_keep_found(struct gpu *g, const void *who); /* the word of gpu.found */
 const int64_t *gpu_recall(const struct gpu *g, const void *who);
 
 /* Room for n items: where a tape is recorded for some more, in steps to come.
@@ -90,10 +92,16 @@ int64_t gpu_recorded(struct gpu *g, int64_t n);
 bool gpu_tape_shows(struct gpu *g, bool clear);
 int64_t *gpu_tape_looks(struct gpu *g, bool clear);
 
-/* Of n items, which the last stage that found some left. */
+/* Of n items, which are as many as the device finds at `at`. */
+static inline struct amount gpu_amount_at(const struct gpu *g, int64_t n,
+                                          const int64_t *at)
+{
+    return {at ? gpu_room(g, n) : n, at};
+}
+/* The same, as the last stage that found some left them. */
 static inline struct amount gpu_amount(const struct gpu *g, int64_t n)
 {
-    return {gpu_room(g, n), g->found};
+    return gpu_amount_at(g, n, g->found);
 }
 
 #endif

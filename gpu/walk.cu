@@ -262,12 +262,13 @@ int gpu_walk(struct gpu *g, struct walk *s)
         return gpu_status(g);
     p.word = gpu_words(g);
     if (g->tape != TAPE_OFF)
-        n = {s->cap, g->found};
+        n = {s->cap, gpu_recall(g, s->front)};
     LAUNCH_PASSES(g, gpu_recorded(g, s->n_front), walk_kernel, *s, p, n,
                   reach_of(s->in.r));
     const int64_t *seen = gpu_read_words(g, WORDS);
     gpu_expect_room(g, WORD_NEED, s->cap);
     gpu_expect_some(g, WORD_TRI, s->cap_tri);
+    gpu_expect_no_late(g);
     g->found = gpu_kept(g, WORD_TRI);
     if (gpu_status(g) != DRAPE_OK)
         return gpu_status(g);
