@@ -29,7 +29,7 @@ AGAIN = {"gpu again, block 0", "gpu again, block 64", "gpu again, block 96",
          "after a checkpoint", "as graphs"}
 WANTED = {(scene, "ref and gpu") for scene in SCENES} | {
     ("lion_20k_baraff-witkin", what) for what in AGAIN} | {
-    ("lion_20k_choi-ko", "as graphs")}
+    (scene, "as graphs") for scene in ("lion_20k_choi-ko", "funnel", "twist")}
 
 
 def number(text):

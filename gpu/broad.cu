@@ -334,6 +334,8 @@ int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
     b->r = r;
     b->moved = moved;
     b->later = moved && b->started && b->n_front > 0;
+    if (!b->later) /* it moves the front from where that is */
+        gpu_once(g);
     /* No pair may meet by boxes that are not made yet, and no trace goes on
      * from bad numbers. */
     bool now = !b->started || b->trace;

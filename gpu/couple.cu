@@ -220,6 +220,7 @@ int gpu_couple_solve(void *user, int64_t n, struct contact *contact)
     struct gpu_world *w = (struct gpu_world *)user;
     struct penalty *p = &w->couple.penalty;
     double start = clock_now();
+    gpu_once(w->gpu); /* it adds to x1 and v1 */
     struct amount some = gpu_amount(w->gpu, n);
     int status = make_room(w, some.most);
     p->n = n;

@@ -45,6 +45,7 @@ struct gpu_tapes {
     int op, looks, told, recalled, numbers;
     bool spoilt, departs; /* of a recorded one: worthless; ended at a look */
     bool pending;         /* the last look is not recorded yet */
+    bool open;            /* no fence is behind it */
     struct reel_look look;
     struct {
         const void *who;
@@ -190,10 +191,17 @@ void gpu_fence(struct gpu *g)
     if (g->tape != TAPE_RECORDS)
         return;
     l->look.fence = l->pending;
+    l->open = false;
     if (l->pending)
         flush(g);
     else
         finish(g);
+}
+
+void gpu_once(struct gpu *g)
+{
+    if (g->tape == TAPE_RECORDS && g->tapes->open)
+        gpu_fence(g);
 }
 
 /* ---- A step ---- */
@@ -247,7 +255,7 @@ void gpu_tape_begin(struct gpu *g, struct tape_key key, const int64_t *told,
     if (!t->reel && ++t->seen < l->patience)
         return;
     l->op = l->looks = l->told = l->recalled = l->numbers = 0;
-    l->spoilt = l->departs = l->pending = false;
+    l->spoilt = l->departs = l->pending = l->open = false;
     int64_t *tell = shown_of(l->memory, REEL_LOOKS);
     memcpy(tell, told, (size_t)n * sizeof *told);
     tell[TAPE_TOLD - 1] = g->falters - 1;
@@ -346,7 +354,7 @@ int64_t *gpu_tape_looks(struct gpu *g, bool clear)
     }
     flush(g);
     note_op(l, (const void *)gpu_tape_looks);
-    l->pending = true;
+    l->pending = l->open = true;
     l->look = {l->looks, clear, false, {}};
     return kept_of(l->memory, l->looks++);
 }

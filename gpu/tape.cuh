@@ -65,6 +65,9 @@ static inline void gpu_expect_no_late(struct gpu *g)
 /* Behind a look and what is expected of it: where that is not so nothing of the
  * rest is done. Elsewhere the tape goes on to the next fence. */
 void gpu_fence(struct gpu *g);
+/* Before what must not be done twice: the last look is a fence from here on, or
+ * the tape goes no further. */
+void gpu_once(struct gpu *g);
 
 /* Where a word of the last look stays on the device until the step ends; NULL
  * where no tape is recorded. */
@@ -77,10 +80,10 @@ void gpu_keep_found(struct gpu *g, const void *who); /* the word of gpu.found */
 const int64_t *gpu_recall(const struct gpu *g, const void *who);
 
 /* Room for n items: where a tape is recorded for some more, in steps to come.
- */
+ * None for none, as what has no items is not launched then. */
 static inline int64_t gpu_room(const struct gpu *g, int64_t n)
 {
-    return g->tape == TAPE_RECORDS && !g->tight ? n + n / 4 + 64 : n;
+    return g->tape == TAPE_RECORDS && n && !g->tight ? n + n / 4 + 64 : n;
 }
 
 /* Where a choice of kernels depends on n: what it was when that was recorded.

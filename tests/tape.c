@@ -16,6 +16,7 @@ struct variant {
     const char *name;
     int integrator, precond;
     bool moves, two, windy;
+    bool taps;  /* the plate comes and goes, and nothing falls */
     bool uncut; /* a step is one slice */
     int looks;  /* of a step, or more; no multiple of 7 */
     int least;  /* steps that tapes do whole */
@@ -28,6 +29,8 @@ static const struct variant variants[] = {
      .windy = true, .looks = 18, .least = 6},
     {"two sheets, rounds in each step", DRAPE_BW, DRAPE_JACOBI, .two = true,
      .looks = 31, .least = 4},
+    {"a plate that taps", DRAPE_BW, DRAPE_JACOBI, .taps = true, .looks = 13,
+     .least = 4},
 };
 
 /* A world, without the API around it, which does not show its device. */
@@ -44,6 +47,28 @@ struct run {
 
 static const double times[2] = {0, 1}, path[2][3] = {{0}, {0.02, 0.005, 0}};
 
+/* Every third step, so that contact begins and ends again and again. */
+enum { TAPS = 44 };
+static double tap_time[TAPS], tap[TAPS][3];
+
+static void move_plate(struct run *r, const struct variant *a)
+{
+    r->motion = (drape_motion){.keys = 2, .time = times, .position = path};
+    for (int k = 0; k < TAPS; k++) {
+        tap_time[k] = k * 3 * r->s.def.dt;
+        tap[k][1] = k % 2 ? 0.0015 : -0.002;
+    }
+    if (a->taps) {
+        r->motion.keys = TAPS;
+        r->motion.time = tap_time;
+        r->motion.position = (const double(*)[3])tap;
+        r->s.def.gravity[1] = 0;
+    }
+    r->s.def.motions = &r->motion;
+    r->s.def.n_motions = a->moves || a->taps;
+    r->s.plate.motion = r->s.def.n_motions - 1;
+}
+
 static void define(struct run *r, const struct variant *a, int backend)
 {
     drape_def *def = &r->s.def;
@@ -56,10 +81,7 @@ static void define(struct run *r, const struct variant *a, int backend)
     def->n_cloths = 1 + a->two;
     if (a->uncut)
         def->max_slices = 1;
-    r->motion = (drape_motion){.keys = 2, .time = times, .position = path};
-    def->motions = &r->motion;
-    def->n_motions = a->moves;
-    r->s.plate.motion = a->moves ? 0 : -1;
+    move_plate(r, a);
     if (a->windy)
         def->wind = (drape_wind){{0.2, 0, 0}, 1.2, 1, 0.5};
 }
@@ -111,10 +133,11 @@ static const char *lead_way(struct run *r, const struct variant *a,
     return what;
 }
 
-/* PLAIN: as it is; FALTERS: each step's tape ends at another look, in other
- * orders of threads; TIGHT: memory is short in each step that has more, and
- * where one is recorded. */
-enum how { PLAIN, FALTERS, TIGHT };
+/* PLAIN: as it is; FALTERS: each step's tape ends at another look, or at this
+ * one of all that there are, in other orders of threads; TIGHT: memory is short
+ * in each step that has more, and where one is recorded; HOSTED: no tapes, and
+ * loops that the host ends. */
+enum how { PLAIN, FALTERS, TIGHT, HOSTED };
 
 /* Emulated, a key of whole steps is recorded when it comes up a second time: in
  * every third step, where the wind that is set in each of these makes all keys
@@ -133,18 +156,21 @@ static void cramp(struct run *r, int k)
 }
 
 static const char *follow(struct run *r, const struct variant *a,
-                          const struct trail *t, enum how how,
+                          const struct trail *t, enum how how, int look,
                           struct gpu_played *played)
 {
     static const char *const differs[] = {
         "it is not the reference's step",
         "a tape that ends early is another step",
-        "where memory is short it is another step"};
+        "where memory is short it is another step",
+        "where the host ends loops it is another step"};
     const char *what = begin(r, a, DRAPE_GPU);
+    if (!what && how == HOSTED)
+        gpu_set_hosted(r->world->device->gpu);
     for (int k = 0; k < t->steps && !what; k++) {
         size_t bytes = (size_t)r->world->nv * sizeof *r->x;
-        struct gpu_way way = {.falters =
-                                  how == FALTERS ? 1 + 7 * k % a->looks : 0,
+        int falters = look ? look : 1 + 7 * k % a->looks;
+        struct gpu_way way = {.falters = how == FALTERS ? falters : 0,
                               .tight = how == TIGHT,
                               .descending = how == FALTERS && k & 2};
         gpu_set_way(r->world->device->gpu, way);
@@ -165,17 +191,22 @@ static const char *follow(struct run *r, const struct variant *a,
 static const char *compare(struct run *r, const struct variant *a,
                            struct trail *t)
 {
-    struct gpu_played whole = {0}, part = {0}, tight = {0};
+    struct gpu_played whole = {0}, part = {0}, none = {0};
     const char *what = lead_way(r, a, t);
     if (!what)
-        what = follow(r, a, t, PLAIN, &whole);
+        what = follow(r, a, t, PLAIN, 0, &whole);
     if (!what)
-        what = follow(r, a, t, FALTERS, &part);
+        what = follow(r, a, t, FALTERS, 0, &part);
+    for (int look = 1; a->taps && look <= a->looks && !what; look++)
+        what = follow(r, a, t, FALTERS, look, &none);
     if (!what)
-        what = follow(r, a, t, TIGHT, &tight);
+        what = follow(r, a, t, TIGHT, 0, &none);
+    if (!what)
+        what = follow(r, a, t, HOSTED, 0, &none);
+    EXPECT(what || none.begun == 0);
     EXPECT(what || whole.whole >= a->least);
     EXPECT(what || part.begun - part.whole >= a->least);
-    ran(what ? 0 : 3);
+    ran(what ? 0 : 4);
     return what;
 }
 
