@@ -1,35 +1,62 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The explicit methods as sequences of springs and advance.
- * spec/06_advance.md §2 */
+/* The explicit methods as sequences of springs and advance, fused where nothing
+ * traces them; substeps in turns of a loop that the device ends.
+ * spec/06_advance.md §2, spec/50_gpu.md §14 */
+#include "gpu/advance.cuh"
+#include "gpu/loop.cuh"
 #include "gpu/motion.cuh"
+#include "gpu/springs.cuh"
+
+/* Substeps of a turn: even, so that each begins with the same streams. */
+#ifdef __CUDACC__
+enum { TURN = 32 };
+#else
+enum { TURN = 4 };
+#endif
 
 /* A state that a method passes through. */
 struct state {
     vec *x, *v;
 };
 
-/* A substep: its length and where in the step it starts and ends. */
-struct span {
-    real h;
-    double start, length;
+/* Which of n substeps: k, or in a loop k of its turn. */
+struct moment {
+    int32_t k, n, turns;
+    const int32_t *left; /* device: turns that are still to do, or NULL */
 };
 
-/* A cloth in one substep: next and more are streams of work. */
+/* A cloth in one substep of h: next, more and spare are streams of work. */
 struct walk_on {
     struct gpu *g;
     struct gpu_sheet *s;
-    struct state now, next, more;
+    struct state now, next, more, spare;
+    real h;
+    struct moment when;
 };
 
-/* How a result is made: position by a, velocity by b, pins at `at`. */
-struct spans {
+/* What a force makes: to = from + a·rate, from + b·force / mass, pins at `node`
+ * of the substep; no rate: symplectic. */
+struct use {
+    struct state from;
+    const vec *rate;
+    struct state to;
     real a, b;
-    double at;
+    double node;
 };
 
-/* to = from + a·rate, from + b·force / mass; no rate: symplectic. */
-static void advance(struct walk_on *w, struct state from, const vec *rate,
-                    struct state to, struct spans by)
+/* Where in the step that is. The last substep ends at exactly 1: the pins are
+ * then where they should. */
+static __host__ __device__ real place(struct moment m, double node)
+{
+    int32_t k = m.k + (m.left ? (m.turns - *m.left) * (int32_t)TURN : 0);
+    double n = m.n, start = k / n;
+    double length = k + 1 < m.n ? (k + 1) / n - start : 1 - start;
+    return (real)(start + node * length);
+}
+
+/* ---- A force, and what it makes ---- */
+
+static struct advance update(const struct walk_on *w, const struct use *u)
 {
     const struct cloth *c = &w->s->cloth;
     const struct dynamics *d = &w->s->dynamics;
@@ -37,113 +64,231 @@ static void advance(struct walk_on *w, struct state from, const vec *rate,
     a.count = c->count;
     a.fixed = c->fixed;
     a.mass = c->mass;
-    a.x = from.x;
-    a.v = from.v;
-    a.rate = rate ? rate : from.v;
+    a.x = u->from.x;
+    a.v = u->from.v;
+    a.rate = u->rate ? u->rate : u->from.v;
     a.force = motion_stream(w->s, 0);
-    a.symplectic = !rate;
-    a.a = by.a;
-    a.b = by.b;
+    a.symplectic = !u->rate;
+    a.a = u->a;
+    a.b = u->b;
     a.from = d->x;
     a.to = d->to;
-    a.at = (real)by.at;
     a.dt = (real)d->dt;
-    a.x1 = to.x;
-    a.v1 = to.v;
-    gpu_advance(w->g, &a);
-    motion_trace(w->g, w->s, "advance", a.v1);
+    a.x1 = u->to.x;
+    a.v1 = u->to.v;
+    return a;
 }
 
-static void force(struct walk_on *w, struct state at)
+/* Of a particle, one update after the other. */
+struct updates {
+    int n;
+    struct advance of[2];
+    double node[2];
+    struct moment when;
+    __device__ void take(int p, vec force) const
+    {
+        for (int k = 0; k < n; k++) {
+            bool pinned = of[k].fixed[p] == CLOTH_PINNED;
+            real at = pinned ? place(when, node[k]) : 0;
+            advance_particle(&of[k], p, force, at);
+        }
+    }
+};
+
+/* As stages that a trace shows. */
+static void show(struct walk_on *w, struct state at, int n,
+                 const struct use *use)
 {
     gpu_motion_force(w->g, w->s, at.x, at.v, at.v);
+    for (int k = 0; k < n; k++) {
+        struct advance a = update(w, &use[k]);
+        a.at = place(w->when, use[k].node);
+        gpu_advance(w->g, &a);
+        motion_trace(w->g, w->s, "advance", a.v1);
+    }
 }
 
-static void euler(struct walk_on *w, struct span t)
+/* The force at a state, and n ≤ 2 uses of it, none of them to that state. */
+static void force(struct walk_on *w, struct state at, int n,
+                  const struct use *use)
 {
-    force(w, w->now);
-    advance(w, w->now, NULL, w->now, spans{t.h, t.h, t.start + t.length});
+    if (w->s->dynamics.trace) {
+        show(w, at, n, use);
+        return;
+    }
+    struct updates to = {};
+    to.n = n;
+    to.when = w->when;
+    for (int k = 0; k < n; k++) {
+        to.of[k] = update(w, &use[k]);
+        to.node[k] = use[k].node;
+    }
+    struct springs f = gpu_motion_springs(w->g, w->s, at.x, at.v, at.v);
+    springs_to(w->g, &f, to);
 }
 
-static void midpoint(struct walk_on *w, struct span t)
+/* ---- The methods ---- */
+
+static void euler(struct walk_on *w)
+{
+    struct use whole = {w->now, NULL, w->next, w->h, w->h, 1};
+    force(w, w->now, 1, &whole);
+}
+
+static void midpoint(struct walk_on *w)
 {
     struct state mid = w->more;
-    struct spans half = {t.h / 2, t.h / 2, t.start + t.length / 2};
-    force(w, w->now);
-    advance(w, w->now, w->now.v, mid, half);
-    force(w, mid);
-    advance(w, w->now, mid.v, w->next, spans{t.h, t.h, t.start + t.length});
+    real h = w->h;
+    struct use half = {w->now, w->now.v, mid, h / 2, h / 2, 0.5};
+    struct use whole = {w->now, mid.v, w->next, h, h, 1};
+    force(w, w->now, 1, &half);
+    force(w, mid, 1, &whole);
 }
 
 /* The second force is at the velocity that the first one predicts. */
-static void verlet(struct walk_on *w, struct span t)
+static void verlet(struct walk_on *w)
 {
     struct state next = w->next, ahead = w->more;
-    struct spans kick = {0, t.h / 2, t.start + t.length};
-    struct spans kick_drift = {t.h, t.h / 2, t.start + t.length};
-    force(w, w->now);
-    advance(w, w->now, NULL, next, kick_drift);
-    advance(w, next, next.v, ahead, kick);
-    force(w, ahead);
-    advance(w, next, next.v, next, kick);
+    real h = w->h;
+    struct use start[2] = {{w->now, NULL, next, h, h / 2, 1},
+                           {next, next.v, ahead, 0, h / 2, 1}};
+    struct use kick = {next, next.v, next, 0, h / 2, 1};
+    force(w, w->now, 2, start);
+    force(w, ahead, 1, &kick);
 }
 
-static void runge_kutta(struct walk_on *w, struct span t)
+static void runge_kutta(struct walk_on *w)
 {
     static const double weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
     static const double node[4] = {0.5, 0.5, 1, 1};
     struct state at = w->now, sum = w->now;
     for (int k = 0; k < 4; k++) {
-        real part = (real)weight[k] * t.h, go = (real)node[k] * t.h;
-        force(w, at);
-        advance(w, sum, at.v, w->next, spans{part, part, t.start + t.length});
+        struct state ahead = k == 1 ? w->spare : w->more;
+        real part = (real)weight[k] * w->h, go = (real)node[k] * w->h;
+        struct use use[2] = {{sum, at.v, w->next, part, part, 1},
+                             {w->now, at.v, ahead, go, go, node[k]}};
+        force(w, at, k < 3 ? 2 : 1, use);
         sum = w->next;
-        if (k < 3)
-            advance(w, w->now, at.v, w->more,
-                    spans{go, go, t.start + node[k] * t.length});
-        at = w->more;
+        at = ahead;
     }
 }
 
-static void substep(struct walk_on *w, struct span t)
+/* ---- Substeps ---- */
+
+/* What substeps leave as `now`. */
+static void swap(struct walk_on *w)
 {
-    int method = w->s->dynamics.method;
-    if (method == DRAPE_EULER) {
-        euler(w, t);
-        return;
-    }
-    if (method == DRAPE_MIDPOINT)
-        midpoint(w, t);
-    else if (method == DRAPE_VERLET)
-        verlet(w, t);
-    else
-        runge_kutta(w, t);
     struct state old = w->now;
     w->now = w->next;
     w->next = old;
+}
+
+/* Substeps from w's on. */
+static int queue(struct walk_on w, int32_t substeps)
+{
+    int method = w.s->dynamics.method;
+    for (int32_t k = 0; k < substeps; k++) {
+        if (method == DRAPE_EULER)
+            euler(&w);
+        else if (method == DRAPE_MIDPOINT)
+            midpoint(&w);
+        else if (method == DRAPE_VERLET)
+            verlet(&w);
+        else
+            runge_kutta(&w);
+        swap(&w);
+        w.when.k++;
+    }
+    return gpu_status(w.g);
+}
+
+/* What the launches of substeps depend on. */
+struct walk_key {
+    struct walk_on w;
+    struct dynamics d;
+    int32_t substeps;
+};
+
+static void write_key(struct walk_key *key, const struct walk_on *w,
+                      int32_t substeps)
+{
+    memset((void *)key, 0, sizeof *key); /* what lies between, too */
+    memcpy((void *)&key->w, (const void *)w, sizeof key->w);
+    memcpy((void *)&key->d, (const void *)&w->s->dynamics, sizeof key->d);
+    key->d.reference = key->d.surplus = 0; /* not read there, as these */
+    memset(key->d.before, 0, sizeof key->d.before);
+    memset(key->d.energy, 0, sizeof key->d.energy);
+    key->substeps = substeps;
+}
+
+/* Those before the turns: as many as do not make one. */
+static void queue_rest(struct walk_on *w, int32_t substeps)
+{
+    struct walk_key key;
+    auto launch = [&] { return queue(*w, substeps); };
+    write_key(&key, w, substeps);
+    if (w->s->dynamics.trace ||
+        !gpu_loop(w->g, loop_key{&key, sizeof key}, NULL, launch))
+        launch();
+    if (substeps % 2)
+        swap(w);
+    w->when.k += substeps;
+}
+
+/* One thread: so many turns are left. */
+static __global__ void turns_kernel(int32_t *left, int32_t turns)
+{
+    *left = turns;
+}
+
+/* One thread: one of them is done. */
+static __global__ void turn_kernel(int32_t *left)
+{
+    *left = *left - 1;
+}
+
+static void take_turns(struct walk_on *w, int32_t turns)
+{
+    struct walk_key key;
+    int32_t *left = (int32_t *)gpu_words(w->g);
+    w->when.turns = turns;
+    w->when.left = left;
+    auto launch = [&] {
+        int status = queue(*w, TURN);
+        LAUNCH_BLOCKS(w->g, 1, 1, turn_kernel, left);
+        return status;
+    };
+    write_key(&key, w, TURN);
+    LAUNCH_BLOCKS(w->g, 1, 1, turns_kernel, left, turns);
+    if (gpu_loop(w->g, loop_key{&key, sizeof key}, left, launch))
+        return;
+    for (int32_t k = 0; k < turns && gpu_status(w->g) == DRAPE_OK; k++)
+        launch();
 }
 
 int gpu_motion_explicit(struct gpu *g, struct gpu_sheet *s)
 {
     struct dynamics *d = &s->dynamics;
     const struct cloth *c = &s->cloth;
-    d->substeps = advance_substeps(d->method, d->dt, c->bound, (double)c->beta);
-    if (d->substeps > d->max_substeps)
+    int32_t n = advance_substeps(d->method, d->dt, c->bound, (double)c->beta);
+    d->substeps = n;
+    if (n > d->max_substeps)
         return DRAPE_ELIMIT;
-    struct walk_on w = {g,
-                        s,
-                        {d->x1, d->v1},
-                        {motion_stream(s, 1), motion_stream(s, 2)},
-                        {motion_stream(s, 3), motion_stream(s, 4)}};
+    struct walk_on w = {};
+    w.g = g;
+    w.s = s;
+    w.now = {d->x1, d->v1};
+    w.next = {motion_stream(s, 1), motion_stream(s, 2)};
+    w.more = w.spare = {motion_stream(s, 3), motion_stream(s, 4)};
+    if (!d->trace && motion_spares(d)) /* then no force is written */
+        w.spare = {motion_stream(s, 0), motion_stream(s, (int)motion_vecs(d))};
+    w.h = (real)(d->dt / n);
+    w.when.n = n;
+    int32_t turns = d->trace ? 0 : n / TURN;
     gpu_motion_copy(g, s, d->x, d->v);
-    double n = d->substeps;
-    for (int32_t k = 0; k < d->substeps; k++) {
-        struct span t = {(real)(d->dt / n), k / n, (k + 1) / n - k / n};
-        /* The last ends at exactly 1: the pins are then where they should. */
-        if (k + 1 == d->substeps)
-            t.length = 1 - t.start;
-        substep(&w, t);
-    }
+    queue_rest(&w, n - turns * TURN);
+    if (turns)
+        take_turns(&w, turns);
     gpu_motion_copy(g, s, w.now.x, w.now.v);
     return gpu_status(g);
 }

@@ -24,8 +24,9 @@ static void wind(struct gpu *g, struct gpu_sheet *s, const vec *x, const vec *v,
 }
 
 /* The wind's three streams are the last. */
-void gpu_motion_force(struct gpu *g, struct gpu_sheet *s, const vec *x,
-                      const vec *v, const vec *damping)
+struct springs gpu_motion_springs(struct gpu *g, struct gpu_sheet *s,
+                                  const vec *x, const vec *v,
+                                  const vec *damping)
 {
     const struct cloth *c = &s->cloth;
     const struct dynamics *d = &s->dynamics;
@@ -47,6 +48,13 @@ void gpu_motion_force(struct gpu *g, struct gpu_sheet *s, const vec *x,
     f.wind = d->windy ? part + 2 * c->count : NULL;
     f.gravity = d->gravity;
     f.force = motion_stream(s, 0);
+    return f;
+}
+
+void gpu_motion_force(struct gpu *g, struct gpu_sheet *s, const vec *x,
+                      const vec *v, const vec *damping)
+{
+    struct springs f = gpu_motion_springs(g, s, x, v, damping);
     gpu_springs(g, &f);
     motion_trace(g, s, "springs", f.force);
 }

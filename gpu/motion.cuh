@@ -31,9 +31,20 @@ static inline void motion_trace(struct gpu *g, const struct gpu_sheet *s,
 void gpu_motion_force(struct gpu *g, struct gpu_sheet *s, const vec *x,
                       const vec *v, const vec *damping);
 
+/* The stage that makes it, behind the wind's. */
+struct springs gpu_motion_springs(struct gpu *g, struct gpu_sheet *s,
+                                  const vec *x, const vec *v,
+                                  const vec *damping);
+
 /* x1 = x, v1 = v. */
 void gpu_motion_copy(struct gpu *g, struct gpu_sheet *s, const vec *x,
                      const vec *v);
+
+/* Streams of vec that an explicit method has besides. */
+static inline int64_t motion_spares(const struct dynamics *d)
+{
+    return d->method == DRAPE_RK4 ? 1 : 0;
+}
 
 /* Substeps of the method from x, v to x1, v1. DRAPE_OK or DRAPE_ELIMIT. */
 int gpu_motion_explicit(struct gpu *g, struct gpu_sheet *s);

@@ -174,11 +174,11 @@ struct slice_key {
     uint8_t first, brief, warm, pressed, past, reported, started, front;
 };
 
-/* Whether launches are few, and none depends on more than that. */
+/* Whether no launch depends on more than that. */
 static bool fits(const struct gpu_world *w)
 {
     const struct world *h = w->host;
-    return h->plan.implicit && !h->tracing && h->def.solver == DRAPE_EXACT &&
+    return !h->tracing && h->def.solver == DRAPE_EXACT &&
            h->def.n_cloths < TAPE_TOLD - 1;
 }
 

@@ -121,6 +121,8 @@ static int solve_contacts(struct gpu *g, struct response *s, int64_t n,
     c.awake = (uint8_t *)s->awake.data;
     c.stirred = c.awake + n;
     status = gpu_contacts_of(g, &c, some, &vertices);
+    if (!s->solve) /* a query is next, not of what moves alone */
+        gpu_fence(g);
     gpu_trace(g, s->trace, "contacts", s->u, (size_t)s->nv * sizeof *s->u);
     if (status == DRAPE_OK)
         LAUNCH(g, vertices.most, response_advance_kernel, *s, vertices,

@@ -154,7 +154,7 @@ static void give_sheet(struct gpu_world *w, int k)
     int64_t vecs = motion_vecs(d);
     GIVE(d->chunk, ARENA_SOLVER, NULL, 3 * sum_chunks(c->count));
     if (!w->host->plan.implicit) {
-        GIVE(d->work, ARENA_SOLVER, NULL, vecs * c->count);
+        GIVE(d->work, ARENA_SOLVER, NULL, (vecs + motion_spares(d)) * c->count);
         return;
     }
     s->star = w->star + s->first;

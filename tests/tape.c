@@ -16,10 +16,11 @@ struct variant {
     const char *name;
     int integrator, precond;
     bool moves, two, windy;
-    bool taps;  /* the plate comes and goes, and nothing falls */
-    bool uncut; /* a step is one slice */
-    int looks;  /* of a step, or more; no multiple of 7 */
-    int least;  /* steps that tapes do whole */
+    bool pinned; /* at a corner that moves */
+    bool taps;   /* the plate comes and goes, and nothing falls */
+    bool uncut;  /* a step is one slice */
+    int looks;   /* of a step, or more; no multiple of 7 */
+    int least;   /* steps that tapes do whole */
 };
 
 static const struct variant variants[] = {
@@ -31,6 +32,14 @@ static const struct variant variants[] = {
      .looks = 31, .least = 4},
     {"a plate that taps", DRAPE_BW, DRAPE_JACOBI, .taps = true, .looks = 13,
      .least = 4},
+    {"euler, a pin that moves", DRAPE_EULER, DRAPE_JACOBI, .moves = true,
+     .pinned = true, .looks = 18, .least = 4},
+    {"midpoint, two sheets, wind", DRAPE_MIDPOINT, DRAPE_JACOBI, .two = true,
+     .windy = true, .looks = 18, .least = 4},
+    {"verlet, a pin that moves", DRAPE_VERLET, DRAPE_JACOBI, .moves = true,
+     .pinned = true, .looks = 18, .least = 4},
+    {"rk4, a pin that moves, wind", DRAPE_RK4, DRAPE_JACOBI, .moves = true,
+     .windy = true, .pinned = true, .looks = 18, .least = 4},
 };
 
 /* A world, without the API around it, which does not show its device. */
@@ -38,6 +47,8 @@ struct run {
     struct guest s;
     drape_cloth cloth[2];
     drape_motion motion;
+    drape_pin pin;
+    bool device; /* there is one: of it a turn of substeps is longer */
     struct arena arena;
     const struct world_ops *ops;
     struct world *world;
@@ -81,7 +92,14 @@ static void define(struct run *r, const struct variant *a, int backend)
     def->n_cloths = 1 + a->two;
     if (a->uncut)
         def->max_slices = 1;
+    if (a->integrator < DRAPE_BW) { /* few substeps, and contact at once */
+        def->dt = r->device ? 7e-4 : 7e-5;
+        r->cloth[0].origin[1] = 0.0019;
+    }
     move_plate(r, a);
+    r->pin = (drape_pin){0, 0, 0};
+    r->cloth[0].pins = &r->pin;
+    r->cloth[0].n_pins = a->pinned;
     if (a->windy)
         def->wind = (drape_wind){{0.2, 0, 0}, 1.2, 1, 0.5};
 }
@@ -220,8 +238,10 @@ const char *test_tape(void)
     struct run *r = malloc(sizeof *r);
     struct trail *t = malloc(sizeof *t);
     const char *what = r && t ? NULL : "out of memory";
-    if (t)
-        t->steps = gpu_device(g) < 0 ? STEPS : DEVICE_STEPS;
+    if (!what) {
+        r->device = gpu_device(g) >= 0;
+        t->steps = r->device ? DEVICE_STEPS : STEPS;
+    }
     /* in the other precision it is the same source */
     size_t n = REAL_BITS == 64 ? 1 : sizeof variants / sizeof *variants;
     for (size_t k = 0; k < n && !what; k++) {
