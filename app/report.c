@@ -107,7 +107,7 @@ static void put_step(FILE *out, const drape_step_report *s)
     put_number(out, "kinetic", s->kinetic);
     put_number(out, "elastic", s->elastic);
     put_number(out, "potential", s->potential);
-    fputs(", \"seconds\": {", out);
+    fprintf(out, ", \"graphs\": %d, \"seconds\": {", s->graphs);
     for (int k = 0; k < DRAPE_PART_COUNT; k++)
         fprintf(out, "%s\"%s\": %.6g", k ? ", " : "", part_names[k],
                 s->seconds[k]);
@@ -132,7 +132,7 @@ static void add_work(drape_work *all, const drape_work *one)
 
 static void put_summary(FILE *out, const struct report *report)
 {
-    int64_t outcomes[OUTCOMES] = {0}, contacts = 0, detections = 0;
+    int64_t outcomes[OUTCOMES] = {0}, contacts = 0, detections = 0, graphs = 0;
     drape_work work = {0};
     int rounds = 0, iterations = 0;
     double seconds[DRAPE_PART_COUNT] = {0};
@@ -144,6 +144,7 @@ static void put_summary(FILE *out, const struct report *report)
             seconds[j] += s->seconds[j];
         add_work(&work, &s->work);
         detections += s->rounds;
+        graphs += s->graphs;
         contacts = s->contacts > contacts ? s->contacts : contacts;
         rounds = s->rounds > rounds ? s->rounds : rounds;
         iterations = s->iterations > iterations ? s->iterations : iterations;
@@ -151,9 +152,10 @@ static void put_summary(FILE *out, const struct report *report)
     fprintf(out,
             "  \"summary\": {\"steps\": %lld, \"seconds\": %.6g, "
             "\"most_contacts\": %lld, \"most_rounds\": %d, "
-            "\"most_iterations\": %d,\n    \"outcomes\": {",
+            "\"most_iterations\": %d, \"graphs\": %lld,\n    "
+            "\"outcomes\": {",
             (long long)report->count, report->seconds, (long long)contacts,
-            rounds, iterations);
+            rounds, iterations, (long long)graphs);
     for (int j = 0; j < OUTCOMES; j++)
         fprintf(out, "%s\"%s\": %lld", j ? ", " : "", outcome_names[j],
                 (long long)outcomes[j]);

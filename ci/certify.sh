@@ -54,7 +54,7 @@ digests() { [ ! -f "$dir/trace.csv" ] || cut -d, -f1-3 "$dir/trace.csv"; }
 ends() {
     sha256sum "$dir"/frames/cloth_*.ply |
         awk 'NR > 1 { print NR - 2 ",state," $1 }'
-    sed -n 's/"seconds": {[^}]*}, //; s/,/;/g; s/^ *{"step": //p' \
+    sed -n 's/"graphs": [0-9]*, "seconds": {[^}]*}, //; s/,/;/g; s/^ *{"step": //p' \
         "$dir/report.json" | awk '{ print $1 - 1 ",report," $0 }'
 }
 
@@ -166,6 +166,8 @@ as_graphs() {
         ends >"$work/ends$how"
     done
     rm -rf "$dir/frames"
+    sed -n "s/.*most_iterations.*\"graphs\": \([0-9]*\).*/$1: \1 graphs/p" \
+        "$dir/report.json"
     [ -f "$work/tape.log" ] || "$build/check-cuda" --tests --only tape \
         >"$work/tape.log" || echo 'tests/tape.c failed' >>"$work/ends"
     same "$1" 'as graphs' "$2" 0 "$work/ends--trace" "$work/ends"

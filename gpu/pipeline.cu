@@ -252,19 +252,11 @@ static int slice(struct gpu_world *w, drape_step_report *all, double *last)
     return status;
 }
 
-/* The same; whatever becomes of it, no tape is on behind it. */
-static int slice_on_tape(struct gpu_world *w, drape_step_report *all,
-                         double *last)
-{
-    int status = slice(w, all, last);
-    gpu_tape_end(w->gpu);
-    return status;
-}
-
 static int pipeline(struct gpu_world *w, drape_step_report *r)
 {
     struct world *h = w->host;
     double last = clock_now(), energy[3] = {};
+    int64_t whole = gpu_played(w->gpu).whole;
     int status = DRAPE_OK;
     h->trace.step = h->step;
     h->trace.last = last;
@@ -277,8 +269,11 @@ static int pipeline(struct gpu_world *w, drape_step_report *r)
     if (asleep)
         r->outcome = DRAPE_ASLEEP;
     while (!asleep && status == DRAPE_OK && !slice_last(h) &&
-           !(r->outcome & DRAPE_DIVERGED))
-        status = slice_on_tape(w, r, &last);
+           !(r->outcome & DRAPE_DIVERGED)) {
+        status = slice(w, r, &last);
+        gpu_tape_done(w->gpu); /* whatever became of it */
+    }
+    r->graphs = (int)(gpu_played(w->gpu).whole - whole);
     bool failed = status != DRAPE_OK || r->outcome & DRAPE_DIVERGED;
     if (failed && h->slicing.done > 0)
         gpu_slice_restore(w);

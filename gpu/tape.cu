@@ -25,9 +25,10 @@ struct tape {
     size_t n;
     int block, ranks;
     int64_t changes, used;
-    int seen;  /* how often the key has come up */
-    int plays; /* that are left of a short one, else 0 */
-    int ops;   /* launches and looks */
+    int seen;   /* how often the key has come up */
+    int plays;  /* that are left of a short one, else 0 */
+    bool whole; /* it goes on to the step's end */
+    int ops;    /* launches and looks */
     const void *op[OPS];
     int64_t number[NUMBERS]; /* gpu_recorded's */
 };
@@ -181,6 +182,7 @@ static void finish(struct gpu *g)
     t->reel = reel_recorded(g, !l->spoilt && t->changes == g->changes);
     t->ops = l->op;
     t->plays = l->departs ? (int)SHORT_PLAYS : 0;
+    t->whole = false;
     if (!t->reel && t->changes == g->changes) /* else it has grown */
         lose_patience(l, t);
 }
@@ -298,7 +300,7 @@ static void confess(struct gpu *g)
 /* All of it was done. */
 static void complete(struct gpu *g)
 {
-    g->tapes->played.whole += g->tapes->now->plays == 0;
+    g->tapes->played.whole += g->tapes->now->whole;
     leave(g);
 }
 
@@ -339,6 +341,14 @@ void gpu_tape_end(struct gpu *g)
         confess(g);
     else if (g->tape == TAPE_PLAYS)
         complete(g);
+}
+
+void gpu_tape_done(struct gpu *g)
+{
+    bool recorded = g->tape == TAPE_RECORDS;
+    gpu_tape_end(g);
+    if (recorded)
+        g->tapes->now->whole = true;
 }
 
 /* ---- Looks ---- */

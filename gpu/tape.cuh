@@ -39,6 +39,8 @@ void gpu_tape_begin(struct gpu *g, struct tape_key key, const int64_t *told,
                     int n);
 /* Nothing to do where no tape is on. */
 void gpu_tape_end(struct gpu *g);
+/* The same where the step ends, too. */
+void gpu_tape_done(struct gpu *g);
 /* What is recorded misses something. */
 void gpu_tape_spoil(struct gpu *g);
 void gpu_tapes_close(struct gpu *g);

@@ -54,6 +54,7 @@ struct run {
     struct world *world;
     double x[VERTICES][3], v[VERTICES][3];
     drape_step_report report;
+    int64_t graphs; /* in reports so far */
 };
 
 static const double times[2] = {0, 1}, path[2][3] = {{0}, {0.02, 0.005, 0}};
@@ -108,6 +109,7 @@ static const char *begin(struct run *r, const struct variant *a, int backend)
 {
     define(r, a, backend);
     r->world = NULL;
+    r->graphs = 0;
     r->ops = backend == DRAPE_GPU ? &world_ops_gpu : &world_ops;
     arena_init(&r->arena, &r->s.def.allocator);
     EXPECT(r->ops->make(&r->s.def, &r->arena, &r->world, NULL) == DRAPE_OK);
@@ -119,6 +121,8 @@ static const char *step(struct run *r)
 {
     EXPECT(r->ops->step(r->world, &r->report) == DRAPE_OK);
     memset(r->report.seconds, 0, sizeof r->report.seconds);
+    r->graphs += r->report.graphs;
+    r->report.graphs = 0;
     EXPECT(r->ops->read(r->world, r->x, r->v) == DRAPE_OK);
     return NULL;
 }
@@ -202,6 +206,8 @@ static const char *follow(struct run *r, const struct variant *a,
     }
     if (r->world && r->world->device)
         *played = gpu_played(r->world->device->gpu);
+    if (!what && r->graphs != played->whole)
+        what = "reports count other graphs than there were";
     end(r);
     return what;
 }
