@@ -48,7 +48,7 @@ def plan_bytes(run):
 
 
 def explicit_bytes(explicit, start, implicit, borrowed):
-    """What an explicit run would come to: what its first step left, and where
+    """What an explicit run would come to: what its first steps left, and where
     collisions fill streams what the implicit run filled from its start on, in
     what it borrowed from its solver too."""
     rows = {stage: count + max(0, implicit[stage] - start[stage])
