@@ -24,7 +24,7 @@ enum {
 /* Thread p owns particle p: reads its new state, and of a pin the way that it
  * went. Any order: a flag that all set alike, and the largest. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    look_kernel(struct dynamics d, struct cloth c, int64_t *word)
+    sane_kernel(struct dynamics d, struct cloth c, int64_t *word)
 {
     ITEM(p, c.count);
     if (!sane(d.x1[p]) || !sane(d.v1[p]))
@@ -177,7 +177,7 @@ bool gpu_motion_bounded(struct gpu *g, struct gpu_sheet *s)
     int64_t *word = gpu_words(g);
     gpu_energy_into(g, &start, word + WORD_BEFORE);
     gpu_energy_into(g, &end, word + WORD_AFTER);
-    LAUNCH(g, s->cloth.count, look_kernel, *d, s->cloth, word);
+    LAUNCH(g, s->cloth.count, sane_kernel, *d, s->cloth, word);
     const double *may = (const double *)gpu_told(g);
     if (g->tape != TAPE_OFF)
         LAUNCH(g, 1, odd_kernel, word, may);

@@ -30,8 +30,8 @@ const char *gpu_name(const struct gpu *g);
 void gpu_set_block(struct gpu *g, int threads);
 
 /* For tests, as no result depends on them: the ranks of a team, where it can
- * have as many, and how work is done from here on. The rest holds for emulated
- * threads alone. */
+ * have as many, and how work is done from here on. What follows `tight` holds
+ * for emulated threads alone. */
 struct gpu_way {
     bool hosted;     /* the host ends loops, gpu/loop.cuh */
     int falters;     /* a step's graph ends at this look, 1 …, and the host

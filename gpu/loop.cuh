@@ -39,6 +39,7 @@ void gpu_loops_close(struct gpu *g);
  * there. */
 bool gpu_loops_open(struct gpu *g);
 
+#if CUDART_VERSION >= 12030
 /* A node of a graph that runs its body, still empty, as the handle says:
  * `first` with each launch. */
 struct conditional {
@@ -54,6 +55,7 @@ cudaError_t gpu_loop_body(struct gpu *g, const struct conditional *c,
                           const int32_t *again, loop_turn turn, int *status);
 void gpu_loop_ask(cudaStream_t stream, cudaGraphConditionalHandle handle,
                   const int32_t *again);
+#endif
 #endif
 
 #endif
