@@ -194,30 +194,31 @@ remember() {
         echo "$1 $(key "$1") $(digest "$work/$1.ref")" >>$known
 }
 
-# Small cases of every stage in $work/names under a tool of compute-sanitizer,
-# some side by side. A tool that could not attach ends well, without a summary.
-# racecheck takes 5 s for each kernel of a team of 16 blocks: it gets smaller
-# ones, of one block, and in multigrid of two; `compute-sanitizer --tool racecheck
-# build/check-cuda --only multigrid --cases 1 --gpu --hosted`, of 16, takes 90 s
-# by itself. No tool knows graphs with loops: the same kernels are launched by
-# the host.
+# Small cases of every stage in $work/names, and the kernels that explicit
+# substeps fuse, under a tool of compute-sanitizer, some side by side. A tool
+# that could not attach ends well, without a summary. racecheck takes 5 s for
+# each kernel of a team of 16 blocks: it gets smaller ones, of one block, and in
+# multigrid of two; `compute-sanitizer --tool racecheck build/check-cuda --only
+# multigrid --cases 1 --gpu --hosted`, of 16, takes 90 s by itself. No tool knows
+# graphs with loops: the same kernels are launched by the host.
 sanitize() {
     ranks='' teams=''
     if [ "$1" = racecheck ]; then
         ranks='--ranks 1' teams='; teams of one block, in multigrid of two'
     fi
-    xargs <"$work/names" -P 4 -I STAGE sh -c "
-        ranks='$ranks'
+    { cat "$work/names" && echo fused; } | xargs -P 4 -I STAGE sh -c "
+        ranks='$ranks' mode=--gpu
+        [ STAGE != fused ] || mode=--tests
         [ STAGE != multigrid ] || ranks=\${ranks:+--ranks 2}
         timeout 240 compute-sanitizer --tool $1 --error-exitcode 9 \
-            $build/check-cuda --only STAGE --cases 1 --gpu --hosted \
+            $build/check-cuda --only STAGE --cases 1 \$mode --hosted \
             \$ranks \
             >$work/$1-STAGE.log 2>&1 &&
             grep -Eq 'SUMMARY: (.*\()?0 errors' $work/$1-STAGE.log ||
             echo STAGE" >"$work/$1"
     [ -s "$work/names" ] || echo 'no stage' >"$work/$1"
     failed=$(tr '\n' ' ' <"$work/$1")
-    found=${failed:-clean, $(wc -l <"$work/names") stages}$teams
+    found=${failed:-clean, $(wc -l <"$work/names") stages, substeps}$teams
     echo "$1: $found"
     row sanitizer "$1" "$(wc -l <"$work/$1")" "$found"
 }

@@ -79,6 +79,9 @@ static struct advance update(const struct walk_on *w, const struct use *u)
     return a;
 }
 
+namespace
+{
+
 /* Of a particle, one update after the other. */
 struct updates {
     int n;
@@ -94,6 +97,8 @@ struct updates {
         }
     }
 };
+
+} // namespace
 
 /* As stages that a trace shows. */
 static void show(struct walk_on *w, struct state at, int n,
@@ -226,6 +231,8 @@ static void queue_rest(struct walk_on *w, int32_t substeps)
 {
     struct walk_key key;
     auto launch = [&] { return queue(*w, substeps); };
+    if (!substeps)
+        return;
     write_key(&key, w, substeps);
     if (w->s->dynamics.trace ||
         !gpu_loop(w->g, loop_key{&key, sizeof key}, NULL, launch))

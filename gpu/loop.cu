@@ -172,9 +172,10 @@ static struct kept *make(struct gpu *g, struct loop_key key,
                                       (int64_t)(sizeof *k + key.n), 1);
     if (!k)
         return NULL;
-    if (build(g, k, again, turn) != cudaSuccess) {
+    cudaError_t error = build(g, k, again, turn);
+    if (error != cudaSuccess) {
         cudaGetLastError(); /* it is an answer */
-        l->absent = k->status == DRAPE_OK;
+        l->absent = k->status == DRAPE_OK && error != cudaErrorMemoryAllocation;
         arena_give(&g->host, k);
         return NULL;
     }

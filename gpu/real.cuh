@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The operations of spec/README.md §1 on the device, each to the last bit.
  * Written apart from ref/real.h: only the types are shared. Functions of
- * headers are static: inline alone, the host's linker would take one
- * precision's for both, as vec is a name of both. */
+ * headers are static, and structs that have functions lie in namespaces without
+ * a name: else the host's linker could take one precision's for both, as vec is
+ * a name of both. */
 #ifndef GPU_REAL_CUH
 #define GPU_REAL_CUH
 

@@ -2,11 +2,16 @@
 /* The force on each particle, as a stream. spec/04_springs.md */
 #include "gpu/springs.cuh"
 
+namespace
+{
+
 /* Particle p's thread writes force[p]. */
 struct force_stream {
     vec *force;
     __device__ void take(int p, vec f) const { force[p] = f; }
 };
+
+} // namespace
 
 int gpu_springs(struct gpu *g, struct springs *s)
 {

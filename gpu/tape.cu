@@ -159,12 +159,6 @@ static void note_op(struct gpu_tapes *l, const void *what)
         l->spoilt = true;
 }
 
-void gpu_tape_spoil(struct gpu *g)
-{
-    if (g->tape == TAPE_RECORDS)
-        g->tapes->spoilt = true;
-}
-
 /* In vain: later again. */
 static void lose_patience(struct gpu_tapes *l, struct tape *t)
 {
@@ -185,6 +179,14 @@ static void finish(struct gpu *g)
     t->whole = false;
     if (!t->reel && t->changes == g->changes) /* else it has grown */
         lose_patience(l, t);
+}
+
+void gpu_tape_spoil(struct gpu *g)
+{
+    if (g->tape != TAPE_RECORDS)
+        return;
+    g->tapes->spoilt = true;
+    finish(g);
 }
 
 void gpu_fence(struct gpu *g)
@@ -399,6 +401,8 @@ bool gpu_tape_shows(struct gpu *g, bool clear)
         reel_await(g, l->memory, k);
     if (!g->failed && g->seen[VERDICT] != GOES_ON)
         depart(g, k, clear);
+    else if (l->op == l->now->ops) /* what is next is the host's */
+        complete(g);
     return true;
 }
 

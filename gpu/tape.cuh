@@ -41,7 +41,7 @@ void gpu_tape_begin(struct gpu *g, struct tape_key key, const int64_t *told,
 void gpu_tape_end(struct gpu *g);
 /* The same where the step ends, too. */
 void gpu_tape_done(struct gpu *g);
-/* What is recorded misses something. */
+/* What is recorded misses something, so that there is no more of it. */
 void gpu_tape_spoil(struct gpu *g);
 void gpu_tapes_close(struct gpu *g);
 

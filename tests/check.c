@@ -21,7 +21,6 @@ static const struct test *tests(int k)
 }
 
 const int64_t sizes[SIZES] = {0, 1, 2, 3, 31, 32, 33, 255, 256, 257, 1000};
-struct options options = {.cases = 3, .seed = 1};
 int passed, failed, skipped;
 
 bool wanted(const char *name)

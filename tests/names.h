@@ -241,6 +241,7 @@
 #define test_factor_singular REAL_NAME(test_factor_singular)
 #define test_filter_errors REAL_NAME(test_filter_errors)
 #define test_force_gradient REAL_NAME(test_force_gradient)
+#define test_fused REAL_NAME(test_fused)
 #define test_hanging REAL_NAME(test_hanging)
 #define test_matrix_dense REAL_NAME(test_matrix_dense)
 #define test_momentum REAL_NAME(test_momentum)

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What tests report to the harness while they run. */
+/* What tests report to the harness while they run, and what it asks of them. */
 #include "tests/tally.h"
 
 #include <stdio.h>
 
+#include "tests/modes.h"
+
 struct tally tally;
+struct options options = {.cases = 3, .seed = 1};
 
 void ran(int64_t cases)
 {
