@@ -48,10 +48,13 @@ one() {
 }
 
 # The recorded hashes by a build of other flags. What golden-1 has of them has
-# the stages' properties: they need no second look.
+# the stages' properties: they need no second look. Arguments: a test to run
+# before, and a mode besides.
 flavour() {
+    check="'$build/$part/check'"
     count "golden, $part" sh -c "make -j$jobs ROOT='$build' BUILD='$build' \
-        $part && '$build/$part/check' --plain --golden tests/golden/stages.txt"
+        $part && ${1:+$check --cases 1 --tests --only $1 &&} \
+        $check --plain --golden tests/golden/stages.txt ${2-}"
 }
 
 # What needs the tool is skipped where its libraries are not installed.
@@ -97,7 +100,8 @@ golden-3)
     count 'golden, 3 threads' env OMP_NUM_THREADS=3 \
         "$build/check" --plain --golden tests/golden/stages.txt
     ;;
-gcc-O0 | gcc-O3 | clang-O2) flavour ;;
+gcc-O3 | clang-O2) flavour ;;
+gcc-O0) flavour fused --gpu ;; # kernels, too; of explicit steps by that test
 asan) # with the kernels where nobody waits for it
     one sanitizers make -j"$jobs" BUILD="$build" KERNELS="${CI:+yes}" asan
     ;;
