@@ -12,8 +12,8 @@ cores=$(nproc)
 
 sh ci/part.sh "$build" build "$cores"
 # Long ones first.
-parts="tests buddha demo tidy asan gcc-O3 clang-O2 accuracy tool device
-       fuzz gcc-O0 prove golden-1 embed format golden-3 self certificate"
+parts="tests buddha demo tidy asan gcc-O0 gcc-O3 clang-O2 accuracy tool device
+       fuzz prove golden-1 embed format golden-3 self certificate"
 # shellcheck disable=SC2086
 printf '%s\n' $parts | xargs -P "$cores" -n 1 sh ci/part.sh "$build"
 echo "certificate: $(python3 ci/certificate.py line ci/certificate.json)"
