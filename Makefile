@@ -136,8 +136,9 @@ all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, t
 say-gpu:
 	@$(if $(GPU),,echo 'drape: $(if $(NVCC),no device,no nvcc) here: CPU part only')
 
-# Tests take longer to compile than to run.
+# Tests take longer to compile than to run. One that no table runs is told of.
 $(BUILD)/tests/%.o: OPT := -O1
+$(BUILD)/tests/%.o: WARN += -Wmissing-prototypes
 $(BUILD)/%.32.o: %.c
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=32 -c $< -o $@

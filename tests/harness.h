@@ -124,6 +124,18 @@ struct test {
     const char *(*run)(void);
 };
 
+/* Declared here alone, so that what no table runs does not compile. */
+#define STAGE(X, rule)                                                         \
+    struct X;                                                                  \
+    extern const struct field fields_##X[];                                    \
+    void gen_##X(struct bytes *, struct X *);                                  \
+    const char *prop_##X(const struct X *);
+#include "spec/stages.def"
+#undef STAGE
+#define TEST(X) const char *test_##X(void);
+#include "tests/tests.def"
+#undef TEST
+
 extern const struct stage stages_table[]; /* ends with a NULL name */
 extern const struct test tests_table[];
 

@@ -34,6 +34,7 @@ uint64_t run_stage(const struct stage *stage, int bits, bool quiet);
 /* Loses the device in that stage of a world's steps, counted from 1 on, 0:
  * between two; NULL, or what does not hold from there on. tests/lost.c */
 const char *lose_device_32(int stage);
+const char *lose_device_64(int stage);
 
 /* Modes on the device, tests/certify.c. */
 void run_devices(void);

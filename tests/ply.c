@@ -5,8 +5,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "tests/names.h"
-
 struct header {
     bool big;   /* endian */
     int bytes;  /* of a coordinate */

@@ -4,6 +4,7 @@
 #define TESTS_PLY_H
 
 #include "ref/real.h"
+#include "tests/names.h"
 
 struct ply {
     int32_t nv, nt;

@@ -9,6 +9,7 @@
 #include "ref/clock.h"
 #include "ref/residual.h"
 #include "ref/sum.h"
+#include "tests/modes.h"
 #include "tests/solver.h"
 
 /* RUNS: of a timing, the least counts; SHORT: iterations of Jacobi that are

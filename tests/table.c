@@ -5,9 +5,6 @@
 #include "gpu/stages.h"
 
 #define STAGE(X, rule)                                                         \
-    extern const struct field fields_##X[];                                    \
-    void gen_##X(struct bytes *, struct X *);                                  \
-    const char *prop_##X(const struct X *);                                    \
     static int ref_call_##X(void *s)                                           \
     {                                                                          \
         return ref_##X(s);                                                     \
@@ -34,10 +31,6 @@ const struct stage stages_table[] = {
 #include "spec/stages.def"
     {NULL, 0, 0, NULL, NULL, NULL, NULL, NULL}};
 #undef STAGE
-
-#define TEST(X) const char *test_##X(void);
-#include "tests/tests.def"
-#undef TEST
 
 #define TEST(X) {#X, test_##X},
 const struct test tests_table[] = {
