@@ -78,7 +78,7 @@ ORACLE_LIBS := -lfcl -lccd -lmpfr -lgmpxx -lgmp -lstdc++ -lm
 # What only whole steps run: golden and --stages enter no line of these, as
 # gcov says, so what is about stages takes ROOT's objects of them.
 WHOLE  := $(patsubst %,ref/%.c,apart ask broad checkpoint cloth collide couple \
-          define drape dynamics explicit failsafe frames lead plan query \
+          define drape dynamics ending explicit failsafe frames lead plan query \
           response restore slice solver start step wire world)
 
 obj     = $(addprefix $(BUILD)/,$(addsuffix $(2).o,$(basename $(1))))

@@ -126,6 +126,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (word[AUDIT_BAD] || s.degenerate[s.order[0][i]])
         return;
     int32_t p = s.order[0][i], fixed = (int32_t)word[AUDIT_FIXED];
+    if (s.across && i >= fixed)
+        return;
     struct audit_span own = audit_lane(&s, 0, (int32_t)i);
     struct face f = face_of(&s, p);
     int32_t b = most((int32_t)i + 1, fixed);

@@ -25,6 +25,7 @@ extern "C" {
 #include "ref/advance.h"
 #include "ref/blocks.h"
 #include "ref/checkpoint.h"
+#include "ref/ending.h"
 #include "ref/implicit.h"
 #include "ref/keys.h"
 #include "ref/sum.h"

@@ -31,6 +31,7 @@
 #define gpu_couple_start REAL_NAME(gpu_couple_start)
 #define gpu_cublas REAL_NAME(gpu_cublas)
 #define gpu_dot REAL_NAME(gpu_dot)
+#define gpu_ending_count REAL_NAME(gpu_ending_count)
 #define gpu_energy REAL_NAME(gpu_energy)
 #define gpu_energy_into REAL_NAME(gpu_energy_into)
 #define gpu_excess REAL_NAME(gpu_excess)

@@ -178,7 +178,7 @@ struct slice_key {
 static bool fits(const struct gpu_world *w)
 {
     const struct world *h = w->host;
-    return !h->tracing && h->def.solver == DRAPE_EXACT &&
+    return !h->tracing && !h->intersecting && h->def.solver == DRAPE_EXACT &&
            h->def.n_cloths < TAPE_TOLD - 1;
 }
 
@@ -245,7 +245,8 @@ static int slice(struct gpu_world *w, drape_step_report *all, double *last)
     if (status != DRAPE_OK || diverged || again)
         return status;
     gpu_fence(w->gpu);
-    if (h->slicing.level > 0 && h->slicing.done == 0)
+    bool doubt = ending_doubtful(h, r.outcome);
+    if (h->slicing.done == 0 && (h->slicing.level > 0 || doubt))
         status = gpu_slice_save(w);
     if (status == DRAPE_OK)
         commit(w, r.outcome);
@@ -274,11 +275,18 @@ static int pipeline(struct gpu_world *w, drape_step_report *r)
         gpu_tape_done(w->gpu); /* whatever became of it */
     }
     r->graphs = (int)(gpu_played(w->gpu).whole - whole);
-    bool failed = status != DRAPE_OK || r->outcome & DRAPE_DIVERGED;
+    bool diverged = r->outcome & DRAPE_DIVERGED;
+    bool moved = status == DRAPE_OK && !diverged && !asleep;
+    int64_t found = h->intersecting;
+    if (moved && ending_doubtful(h, r->outcome))
+        status = gpu_ending_count(w, &found); /* 40 audit */
+    bool failed = status != DRAPE_OK || diverged;
     if (failed && h->slicing.done > 0)
         gpu_slice_restore(w);
     if (status != DRAPE_OK)
         return status;
+    h->intersecting = found;
+    ending_tell(h, r);
     if (!failed && !asleep)
         slice_end(h);
     h->step += !failed;

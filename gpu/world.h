@@ -53,6 +53,8 @@ struct gpu_world {
     struct response response; /* grow is not used: gpu_take likewise */
     struct couple couple;
     struct start start;   /* device, but for watch */
+    struct audit ending;  /* of gpu_ending_count; NULL until it is needed */
+    int32_t *group;       /* device [nt] likewise: 1 for a cloth's triangle */
     double broad_seconds; /* not charged yet */
 };
 
@@ -90,6 +92,9 @@ int gpu_response_start(struct gpu *g, struct response *s);
 int gpu_response_repel(struct gpu *g, struct response *s,
                        const struct pairs *near);
 int gpu_response_penetrate(struct gpu *g, struct response *s);
+
+/* gpu/ending.cu: ending_count on the device. */
+int gpu_ending_count(struct gpu_world *w, int64_t *found);
 
 /* gpu/couple.cu: ref/couple.h on the device; user is the gpu_world. */
 int gpu_couple_make(struct gpu_world *w);

@@ -157,7 +157,7 @@ static void visit(struct walk *w, int64_t m)
         struct audit_box b = lane(&s->node[w->k], (int)(i % 4));
         unsigned mask = hits(&b, &s->node[m]);
         int32_t p = s->order[0][i];
-        if (mask == 0 || s->degenerate[p])
+        if (mask == 0 || s->degenerate[p] || (s->across && i >= w->n0))
             continue;
         struct face f = face_of(s, p);
         struct plane of_f = ref_plane(&f);

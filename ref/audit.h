@@ -16,6 +16,8 @@ struct audit {
     const int32_t (*tri)[3]; /* [nt] vertices of a triangle */
     const int32_t *group;    /* [nt] or NULL: all 1. Two triangles of group 0
                                 (obstacles) are not compared */
+    int across;              /* 1: nor are two that are both of other groups:
+                                only pairs of cloth and obstacle are */
 
     int64_t n_nodes;         /* ref_audit_nodes(nt) */
     uint64_t *key[2];        /* scratch: [nt] */

@@ -9,7 +9,7 @@ struct header {
     char magic[8]; /* "drape" and the format's number */
     uint32_t bits, resting;
     uint64_t fingerprint, check; /* check: of all bytes but its own */
-    int64_t step, vertices;
+    int64_t step, vertices, intersecting;
     double time;
     uint16_t asleep, near;
     uint32_t past;
@@ -17,7 +17,7 @@ struct header {
     uint16_t pressed;
     drape_wind wind;
 };
-static const char magic[8] = "drape-6";
+static const char magic[8] = "drape-7";
 
 static uint64_t mix_if(uint64_t hash, const void *data, size_t bytes)
 {
@@ -123,6 +123,7 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     h.fingerprint = w->fingerprint;
     h.step = w->step;
     h.vertices = w->nv;
+    h.intersecting = w->intersecting;
     h.time = w->time;
     h.asleep = w->asleep;
     h.near = (uint16_t)w->near;
@@ -182,6 +183,7 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
     if (status != DRAPE_OK)
         return status;
     w->step = h.step;
+    w->intersecting = h.intersecting;
     w->time = h.time;
     world_set_wind(w, &h.wind);
     w->resting = (int)h.resting;

@@ -58,6 +58,8 @@
 #define dynamics_energy REAL_NAME(dynamics_energy)
 #define dynamics_explicit REAL_NAME(dynamics_explicit)
 #define dynamics_force REAL_NAME(dynamics_force)
+#define ending_count REAL_NAME(ending_count)
+#define ending_tell REAL_NAME(ending_tell)
 #define exact_first REAL_NAME(exact_first)
 #define filter_signs REAL_NAME(filter_signs)
 #define filter_split REAL_NAME(filter_split)

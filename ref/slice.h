@@ -74,7 +74,8 @@ void slice_count(drape_work *work, struct broad *b);
 void slice_report(drape_step_report *all, const drape_step_report *one,
                   bool kept);
 
-/* ref/restore.c: what a step that fails half-way goes back to. */
+/* ref/restore.c: what a step goes back to that fails in a later slice, or
+ * behind the last. */
 int slice_save(struct world *w); /* DRAPE_OK or DRAPE_ENOMEM */
 void slice_restore(struct world *w);
 

@@ -5,8 +5,9 @@
 
 #include "ref/state.h"
 
-/* DRAPE_OK, or DRAPE_ESTART and how many pairs of triangles intersect that
- * the simulation is to keep apart. */
+/* Counts the intersecting pairs that the simulation is to keep apart, as part
+ * of the state. DRAPE_ESTART and their number where there are some and the
+ * scene does not allow that. */
 int start_audit(struct world *w, drape_error *error);
 
 #endif

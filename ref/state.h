@@ -5,6 +5,7 @@
 #define REF_STATE_H
 
 #include "ref/arena.h"
+#include "ref/audit.h"
 #include "ref/broad.h"
 #include "ref/couple.h"
 #include "ref/dynamics.h"
@@ -88,8 +89,9 @@ struct world {
     double time;
     int resting; /* steps in a row in which nothing moved */
     bool asleep;
-    enum nearness near; /* of the slice before */
-    bool pressed;       /* not all of press is 0 */
+    enum nearness near;   /* of the slice before */
+    bool pressed;         /* not all of press is 0 */
+    int64_t intersecting; /* pairs of triangles of x0: 00_step.md §11 */
     int past;  /* 1 + level of the slice that past_x and past_v hold, 0: none */
     double dt; /* s, of the slice under way */
     bool met;  /* contact may have changed what dynamics made of it */
@@ -97,6 +99,7 @@ struct world {
     struct slicing slicing;
     struct caution caution;
     struct start start;
+    struct audit ending; /* streams of §11's audit, NULL until it is needed */
 };
 
 /* Whether past_x and past_v are those of a slice as long as this one. */

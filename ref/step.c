@@ -8,6 +8,7 @@
 #include "ref/advance.h"
 #include "ref/clock.h"
 #include "ref/collide.h"
+#include "ref/ending.h"
 #include "ref/implicit.h"
 #include "ref/lead.h"
 #include "ref/slice.h"
@@ -210,7 +211,8 @@ static int slice(struct world *w, drape_step_report *all, double *last)
     slice_report(all, &r, !again);
     if (status != DRAPE_OK || diverged || again)
         return status;
-    if (w->slicing.level > 0 && w->slicing.done == 0)
+    bool doubt = ending_doubtful(w, r.outcome);
+    if (w->slicing.done == 0 && (w->slicing.level > 0 || doubt))
         status = slice_save(w);
     if (status == DRAPE_OK)
         commit(w, r.outcome);
@@ -234,11 +236,18 @@ static int pipeline(struct world *w, drape_step_report *r)
     while (!asleep && status == DRAPE_OK && !slice_last(w) &&
            !(r->outcome & DRAPE_DIVERGED))
         status = slice(w, r, &last);
-    bool failed = status != DRAPE_OK || r->outcome & DRAPE_DIVERGED;
+    bool diverged = r->outcome & DRAPE_DIVERGED;
+    bool moved = status == DRAPE_OK && !diverged && !asleep;
+    int64_t found = w->intersecting;
+    if (moved && ending_doubtful(w, r->outcome))
+        status = ending_count(w, &found); /* 40 audit */
+    bool failed = status != DRAPE_OK || diverged;
     if (failed && w->slicing.done > 0)
         slice_restore(w);
     if (status != DRAPE_OK)
         return status;
+    w->intersecting = found;
+    ending_tell(w, r);
     if (!failed && !asleep)
         slice_end(w);
     w->step += !failed;

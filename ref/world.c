@@ -235,7 +235,7 @@ int world_make(const drape_def *def, struct arena *arena, struct world **world,
     int status = size_cloths(w, def, error);
     if (status == DRAPE_OK)
         status = fill(w, def, error);
-    if (status == DRAPE_OK && w->plan.collides && !def->allow_intersecting)
+    if (status == DRAPE_OK && w->plan.collides)
         status = start_audit(w, error);
     if (status == DRAPE_OK)
         status = wire_stages(w, def);

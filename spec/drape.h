@@ -35,10 +35,14 @@ enum drape_outcome {
     DRAPE_UNCONVERGED = 1, /* the linear solver missed its tolerance */
     DRAPE_ZONES = 2,       /* impact zones were needed; the state is clean */
     DRAPE_ROLLBACK = 4,    /* vertices were rolled back; the state is clean */
-    DRAPE_TRAPPED = 8,     /* obstacles left no room: the state intersects */
+    DRAPE_TRAPPED = 8,     /* the state that the step ends in intersects: what
+                              is led left no room, or it did from the start.
+                              Every step says so until none is left */
     DRAPE_DIVERGED = 16,   /* energy blew up or a value is not finite: the
                               last good state is kept and time stands still */
-    DRAPE_ASLEEP = 32      /* nothing moved, nothing was done */
+    DRAPE_ASLEEP = 32,     /* nothing moved, nothing was done */
+    DRAPE_PASSED = 64      /* something went through something that is led, or
+                              that it had intersected before; the state is clean */
 };
 
 enum drape_integrator {
@@ -239,6 +243,8 @@ typedef struct drape_step_report {
     int64_t candidates; /* pairs given to the narrow phase, all rounds; this,
                            iterations and rounds with slices taken again */
     int64_t zone_vertices, rolled_back; /* touched by the fail-safe */
+    int64_t intersecting; /* pairs of triangles that do at the end of the step,
+                             as drape_audit counts them; 0 unless TRAPPED */
     double kinetic, elastic, potential; /* J; potential: gravity, from 0 */
     double seconds[DRAPE_PART_COUNT];   /* wall time by part */
     drape_work work;
