@@ -3,6 +3,8 @@
  * to. Everything else is made again from the definition. */
 #include "ref/checkpoint.h"
 
+#include <float.h>
+
 #include "ref/hash.h"
 
 struct header {
@@ -19,16 +21,20 @@ struct header {
 };
 static const char magic[8] = "drape-7";
 
-static uint64_t mix_if(uint64_t hash, const void *data, size_t bytes)
+/* An array of n items; one that is not there is none of 0 items. The number
+ * keeps what ends one array from beginning the next. */
+static uint64_t mix_array(uint64_t hash, const void *data, int64_t n,
+                          size_t size)
 {
-    return data ? hash_mix(hash, data, bytes) : hash_mix(hash, "-", 1);
+    n = data ? n : -1;
+    hash = hash_mix(hash, &n, sizeof n);
+    return n > 0 ? hash_mix(hash, data, (size_t)n * size) : hash;
 }
 
 static uint64_t mix_cloth(uint64_t h, const drape_cloth *c)
 {
-    size_t n = (size_t)c->m * (size_t)c->n;
-    size_t cells = (size_t)(c->m - 1) * (size_t)(c->n - 1);
-    const int size[3] = {c->m, c->n, c->n_pins};
+    int64_t n = (int64_t)c->m * c->n, cells = (int64_t)(c->m - 1) * (c->n - 1);
+    const int size[2] = {c->m, c->n};
     h = hash_mix(h, size, sizeof size);
     h = hash_mix(h, &c->width, sizeof c->width);
     h = hash_mix(h, &c->height, sizeof c->height);
@@ -36,44 +42,42 @@ static uint64_t mix_cloth(uint64_t h, const drape_cloth *c)
     h = hash_mix(h, c->origin, sizeof c->origin);
     h = hash_mix(h, c->u, sizeof c->u);
     h = hash_mix(h, c->v, sizeof c->v);
-    h = mix_if(h, c->x, n * sizeof *c->x);
-    h = mix_if(h, c->velocity, n * sizeof *c->velocity);
-    h = mix_if(h, c->hole, n);
-    h = mix_if(h, c->cut, cells);
-    return mix_if(h, c->pins, (size_t)c->n_pins * sizeof *c->pins);
+    h = mix_array(h, c->x, n, sizeof *c->x);
+    h = mix_array(h, c->velocity, n, sizeof *c->velocity);
+    h = mix_array(h, c->hole, n, sizeof *c->hole);
+    h = mix_array(h, c->cut, cells, sizeof *c->cut);
+    return mix_array(h, c->pins, c->n_pins, sizeof *c->pins);
 }
 
 static uint64_t mix_obstacle(uint64_t h, const drape_obstacle *o)
 {
-    size_t nv = (size_t)o->n_vertices, nt = (size_t)o->n_triangles;
-    h = hash_mix(h, &o->n_vertices, sizeof o->n_vertices);
+    int64_t shown = o->frames * o->n_vertices;
     h = hash_mix(h, &o->friction, sizeof o->friction);
     h = hash_mix(h, &o->motion, sizeof o->motion);
+    h = hash_mix(h, &o->frames, sizeof o->frames);
     h = hash_mix(h, &o->frame_dt, sizeof o->frame_dt);
-    h = hash_mix(h, o->x, nv * sizeof *o->x);
-    h = hash_mix(h, o->tri, nt * sizeof *o->tri);
-    return mix_if(h, o->frames ? o->frame : NULL,
-                  (size_t)o->frames * nv * sizeof *o->frame);
+    h = mix_array(h, o->x, o->n_vertices, sizeof *o->x);
+    h = mix_array(h, o->tri, o->n_triangles, sizeof *o->tri);
+    return mix_array(h, shown ? o->frame : NULL, shown, sizeof *o->frame);
 }
 
 static uint64_t mix_motion(uint64_t h, const drape_motion *m)
 {
-    size_t n = (size_t)m->keys;
-    h = hash_mix(h, m->time, n * sizeof *m->time);
-    h = hash_mix(h, m->position, n * sizeof *m->position);
     h = hash_mix(h, m->pivot, sizeof m->pivot);
-    return mix_if(h, m->rotation, n * sizeof *m->rotation);
+    h = mix_array(h, m->time, m->keys, sizeof *m->time);
+    h = mix_array(h, m->position, m->keys, sizeof *m->position);
+    return mix_array(h, m->rotation, m->keys, sizeof *m->rotation);
 }
 
 uint64_t checkpoint_fingerprint(const drape_def *d)
 {
     /* Not: backend, threads, block, stream, allocators, log, trace. They leave
      * the bits alone. */
-    const int choice[] = {d->precision,      d->integrator,  d->max_substeps,
-                          d->precond,        d->matrix,      d->max_iterations,
-                          d->self_collision, d->max_rounds,  d->sleep,
-                          d->n_cloths,       d->n_obstacles, d->n_motions,
-                          d->solver,         d->max_slices};
+    const int choice[] = {
+        d->precision, d->integrator,     d->max_substeps,      d->precond,
+        d->matrix,    d->max_iterations, d->self_collision,    d->max_rounds,
+        d->sleep,     d->n_cloths,       d->n_obstacles,       d->n_motions,
+        d->solver,    d->max_slices,     d->allow_intersecting};
     uint64_t h = hash_mix(HASH_SEED, choice, sizeof choice);
     h = hash_mix(h, &d->dt, sizeof d->dt);
     h = hash_mix(h, d->gravity, sizeof d->gravity);
@@ -89,7 +93,7 @@ uint64_t checkpoint_fingerprint(const drape_def *d)
 }
 
 /* The streams that are state: what the next step reads. */
-enum { STREAMS = 6 };
+enum { PLACE = 0, WATCH = 2, STREAMS = 6 };
 static void streams(const struct world *w, void *stream[STREAMS],
                     size_t bytes[STREAMS])
 {
@@ -142,7 +146,7 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     if (write(user, &h, sizeof h))
         return DRAPE_EIO;
     for (int k = 0; k < STREAMS; k++)
-        if (write(user, stream[k], bytes[k]))
+        if (bytes[k] && write(user, stream[k], bytes[k]))
             return DRAPE_EIO;
     return DRAPE_OK;
 }
@@ -151,6 +155,59 @@ static bool matches(const struct world *w, const struct header *h)
 {
     return !memcmp(h->magic, magic, sizeof magic) && h->bits == REAL_BITS &&
            h->fingerprint == w->fingerprint && h->vertices == w->nv;
+}
+
+static bool good_wind(const drape_wind *wind)
+{
+    const double *v = wind->velocity;
+    bool good = wind->density >= 0 && wind->drag >= 0 && wind->lift >= 0;
+    for (int k = 0; k < 3; k++)
+        good &= v[k] >= -REAL_BIG && v[k] <= REAL_BIG;
+    return good && wind->density <= REAL_BIG && wind->drag <= REAL_BIG &&
+           wind->lift <= REAL_BIG;
+}
+
+/* Whether the next step may read it: a file may be made up, check and all. */
+static bool good_header(const struct header *h)
+{
+    enum { LEVELS = 6 }; /* of 64 slices */
+    return h->step >= 0 && h->intersecting >= 0 && h->asleep <= 1 &&
+           h->near <= NEAR_CONTACTS && h->past <= 1 + LEVELS &&
+           h->resting <= INT32_MAX && h->pressed <= 1 && h->again <= 1 &&
+           h->level <= LEVELS && h->far <= LEVELS && good_wind(&h->wind);
+}
+
+/* Whether n numbers at any place are at most so large. */
+static bool good_reals(const uint8_t *at, size_t n, real most)
+{
+    for (real a; n > 0; n--, at += sizeof a) {
+        memcpy(&a, at, sizeof a);
+        if (!(a >= -most && a <= most))
+            return false;
+    }
+    return true;
+}
+
+/* The same of a cloth's reference and surplus energy. */
+static bool good_watch(const uint8_t *at, size_t bytes)
+{
+    for (double a; bytes > 0; bytes -= sizeof a, at += sizeof a) {
+        memcpy(&a, at, sizeof a);
+        if (!(a >= 0 && a <= DBL_MAX))
+            return false;
+    }
+    return true;
+}
+
+static bool good_streams(const uint8_t *aside, const size_t bytes[STREAMS])
+{
+    const uint8_t *at = aside;
+    bool good = true;
+    for (int k = 0; k < STREAMS; at += bytes[k++])
+        good &= k == WATCH ? good_watch(at, bytes[k])
+                           : good_reals(at, bytes[k] / sizeof(real),
+                                        k == PLACE ? REAL_BIG : (real)FLT_MAX);
+    return good;
 }
 
 /* Reads everything aside first, so that a bad file changes nothing. */
@@ -176,9 +233,12 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
         check = hash_mix(check, aside + at, bytes[k]);
     if (status == DRAPE_OK && check != want)
         status = DRAPE_EMATCH;
+    if (status == DRAPE_OK && !(good_header(&h) && good_streams(aside, bytes)))
+        status = DRAPE_EDATA;
     at = 0;
     for (int k = 0; k < STREAMS && status == DRAPE_OK; at += bytes[k++])
-        memcpy(stream[k], aside + at, bytes[k]);
+        if (bytes[k])
+            memcpy(stream[k], aside + at, bytes[k]);
     arena_give(w->arena, aside);
     if (status != DRAPE_OK)
         return status;

@@ -334,8 +334,11 @@ int drape_count(const drape_world *world, drape_memory *memory); /* DRAPE_OK */
 
 /* A checkpoint through the caller's functions, which return 0 when all
  * bytes went through. A loaded world goes on bit for bit; it must have been
- * made from the same definition, but may be on the other backend. DRAPE_EIO,
- * EMATCH, ENOMEM, EDEVICE: the world is unchanged. */
+ * made from the same definition, but may be on the other backend: backend,
+ * threads, block, stream, allocators, log and trace alone may differ. DRAPE_EIO,
+ * EMATCH, EDATA (a number that no step gives), ENOMEM, EDEVICE: the world is
+ * unchanged. drape_step_report.work of a first step may differ from that of the
+ * world that was saved, as the broad phase begins anew. */
 typedef int drape_write(void *user, const void *data, size_t bytes);
 typedef int drape_read_bytes(void *user, void *data, size_t bytes);
 int drape_save(const drape_world *world, drape_write *write, void *user);
