@@ -233,7 +233,7 @@ static int slice(struct gpu_world *w, drape_step_report *all, double *last)
                r.seconds[DRAPE_PART_SOLVER]);
     bool diverged = r.outcome & DRAPE_DIVERGED;
     if (diverged)
-        again = slice_cold(h);
+        again = slice_diverged(h);
     if (status == DRAPE_OK && !diverged && h->plan.collides) {
         status = gpu_collide_far(w, &r, last, &again); /* 26 travel */
         if (status == DRAPE_OK && !again)

@@ -170,7 +170,7 @@
 #define slice_end REAL_NAME(slice_end)
 #define slice_brief REAL_NAME(slice_brief)
 #define slice_rounds REAL_NAME(slice_rounds)
-#define slice_cold REAL_NAME(slice_cold)
+#define slice_diverged REAL_NAME(slice_diverged)
 #define slice_count REAL_NAME(slice_count)
 #define slice_cut REAL_NAME(slice_cut)
 #define slice_far REAL_NAME(slice_far)

@@ -106,11 +106,18 @@ bool slice_wrong(struct world *w, int outcome, const double before[3],
     return true;
 }
 
-bool slice_cold(struct world *w)
+bool slice_diverged(struct world *w)
 {
-    bool warm = state_warm(w);
-    w->slicing.cold |= warm;
-    return warm;
+    struct slicing *s = &w->slicing;
+    if (state_warm(w)) {
+        s->cold = true;
+        return true;
+    }
+    if (s->level >= s->deepest)
+        return false;
+    s->cuts++;
+    s->least = ++s->level;
+    return true;
 }
 
 void slice_keep(struct world *w)
@@ -133,15 +140,21 @@ static void foresee(struct caution *c, const struct slicing *s)
     c->far = c->blind < CALM ? far : 0;
 }
 
+/* Steps begin no longer than that from here on. */
+static void caution_raise(struct caution *c, int level)
+{
+    c->level = c->level > level ? c->level : level;
+}
+
 void slice_end(struct world *w)
 {
     const struct slicing *s = &w->slicing;
     struct caution *c = &w->caution;
     foresee(c, s);
     int wrong = s->jolts + s->tries;
-    if (wrong > s->began || s->gained) {
-        if (c->again || s->gained)
-            c->level = JOLTS;
+    if (s->cuts || s->gained || (c->again && wrong > s->began))
+        caution_raise(c, s->cuts ? s->least : JOLTS);
+    if (s->cuts || s->gained || wrong > s->began) {
         c->again = 1;
         c->calm = 0;
     } else if (c->level == 0) {

@@ -21,6 +21,7 @@ struct slicing {
     int slices;       /* done so far */
     int tries, jolts; /* slices taken again, of each kind */
     int began;        /* of jolts, those of steps before: §7.5 */
+    int cuts;         /* slices taken again, shorter, as they diverged */
     bool gained;      /* §7.5: a slice did, half of what is wrong or more */
     bool cold;        /* 39_warm.md §5: the slice does without press */
     real travel;      /* m², §7.2 of the slice under way, at most */
@@ -61,8 +62,9 @@ bool slice_weighs(const struct world *w);
  * of gravity, J. */
 bool slice_wrong(struct world *w, int outcome, const double before[3],
                  const double after[3]);
-/* Whether a slice that diverged is to be taken again, without press. */
-bool slice_cold(struct world *w);
+/* Whether a slice that diverged is to be taken again: without press, or else
+ * shorter. */
+bool slice_diverged(struct world *w);
 /* The slice is the state: on to the next. */
 void slice_keep(struct world *w);
 /* The step is done: what the next one is to know. */

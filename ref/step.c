@@ -200,7 +200,7 @@ static int slice(struct world *w, drape_step_report *all, double *last)
     step_charge(&r, DRAPE_PART_INTEGRATION, last, r.seconds[DRAPE_PART_SOLVER]);
     bool diverged = r.outcome & DRAPE_DIVERGED;
     if (diverged)
-        again = slice_cold(w);
+        again = slice_diverged(w);
     if (status == DRAPE_OK && !diverged && w->plan.collides) {
         status = collide_far(w, &r, last, &again); /* 26 travel */
         if (status == DRAPE_OK && !again)

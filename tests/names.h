@@ -298,6 +298,7 @@
 #define test_world_restore REAL_NAME(test_world_restore)
 #define test_world_resume REAL_NAME(test_world_resume)
 #define test_world_rough REAL_NAME(test_world_rough)
+#define test_world_cut REAL_NAME(test_world_cut)
 #define test_world_slices REAL_NAME(test_world_slices)
 #define test_ending_trapped REAL_NAME(test_ending_trapped)
 #define test_ending_resumed REAL_NAME(test_ending_resumed)

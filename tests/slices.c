@@ -174,3 +174,36 @@ const char *test_world_restore(void)
     EXPECT(failed > 0);
     return NULL;
 }
+
+/* 00 §7.7: a swatch hung by an edge, whose free fall in a step is more than a
+ * cell, is beyond a whole step's linearised solve, not beyond a shorter one's;
+ * what may not be cut has diverged, and time stands still. Both backends. */
+const char *test_world_cut(void)
+{
+    drape_pin pins[3] = {{0, 0, -1}, {0, 1, -1}, {0, 2, -1}};
+    for (int k = 0; k < 4; k++) {
+        struct slab d;
+        drape_step_report r;
+        slab_make(&d, DRAPE_BW);
+        d.def.backend = k % 2 ? DRAPE_GPU : DRAPE_REF;
+        d.def.max_slices = k < 2 ? 32 : 1;
+        d.def.n_obstacles = d.def.n_motions = 0;
+        d.cloth.m = 16;
+        d.cloth.n = 3;
+        d.cloth.width = 0.015;
+        d.cloth.height = 0.002;
+        d.cloth.pins = pins;
+        d.cloth.n_pins = 3;
+        drape_world *world = slab_world(&d);
+        EXPECT(world && drape_step(world, &r) == DRAPE_OK);
+        EXPECT(!(r.outcome & DRAPE_DIVERGED) == (k < 2));
+        EXPECT(r.step == (k < 2) && (r.slices > 1) == (k < 2));
+        EXPECT(k >= 2 || r.work.tries > r.slices);
+        int tries = r.work.tries - r.slices;
+        EXPECT(drape_step(world, &r) == DRAPE_OK);
+        EXPECT(k >= 2 || r.work.tries - r.slices < tries); /* §7.5 */
+        drape_destroy(world);
+        ran(1);
+    }
+    return NULL;
+}
