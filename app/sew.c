@@ -31,19 +31,26 @@ static const uint8_t *mark(struct pool *pool, const struct regions *regions,
     return map;
 }
 
+/* The nearest whole number, of which only that it is large matters where it
+ * is: far more than a cloth has particles. */
+static int nearest(double a)
+{
+    const int far = 1 << 24;
+    return a > -1 ? (int)((a < far ? a : far) + 0.5) : -1;
+}
+
 /* Whether particle i, j belongs to the pin's edge or place. */
 static bool pinned(const struct pin *pin, const drape_cloth *c, int i, int j)
 {
     double h = c->width / (c->m - 1), g = c->height / (c->n - 1);
     if (pin->edge < 0)
-        return i == (int)(pin->at[0] / h + 0.5) &&
-               j == (int)(pin->at[1] / g + 0.5);
+        return i == nearest(pin->at[0] / h) && j == nearest(pin->at[1] / g);
     const int end[4] = {i == 0, i == c->m - 1, j == 0, j == c->n - 1};
     if (!end[pin->edge])
         return false;
     double cell = pin->edge < 2 ? g : h;
     int along = pin->edge < 2 ? j : i, last = pin->edge < 2 ? c->n : c->m;
-    int every = (int)(pin->every / cell + 0.5);
+    int every = nearest(pin->every / cell);
     return every < 2 || along % every == 0 || along == last - 1;
 }
 
