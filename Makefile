@@ -57,7 +57,8 @@ HAS_APP    := $(call has,assimp/cimport.h cjson/cJSON.h embree3/rtcore.h \
 HAS_ORACLE := $(call has,CGAL/version.h Eigen/Dense fcl/fcl.h ccd/ccd.h gmp.h \
     mpfr.h)
 
-API    := ref/arena.c ref/define.c ref/drape.c ref/frames.c ref/query.c
+API    := ref/arena.c ref/defaults.c ref/define.c ref/drape.c ref/frames.c \
+          ref/query.c
 # The GPU part is built where nvcc and a device are, or by GPU=yes.
 NVCC   := $(shell command -v nvcc)
 GPU    ?= $(and $(NVCC),$(wildcard /dev/nvidia0 /dev/nvidiactl),yes)

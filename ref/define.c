@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Defaults of a definition, and its one complete check: what passes here is
- * checked nowhere else. */
+/* The one complete check of a definition: what passes here is checked nowhere
+ * else. */
 #include "ref/define.h"
 
 #include <math.h>
@@ -10,51 +10,6 @@
 #include <string.h>
 
 static const double BIG = 1152921504606846976.0; /* 2^60 */
-
-void drape_default(drape_def *def)
-{
-    memset(def, 0, sizeof *def);
-    def->backend = DRAPE_REF;
-    def->precision = 32;
-    def->dt = 1.0 / 60;
-    def->gravity[1] = -9.81;
-    def->wind.drag = 1;
-    def->wind.lift = 0.3;
-    def->integrator = DRAPE_BW;
-    def->max_substeps = 100000;
-    def->precond = DRAPE_MULTIGRID;
-    def->matrix = DRAPE_COMPACT;
-    def->tolerance = 1e-3;
-    def->max_iterations = 2000;
-    def->self_collision = 1;
-    def->max_rounds = 16;
-    def->max_slices = 32;
-    def->threads = 1;
-    def->sleep = 1;
-}
-
-void drape_default_cloth(drape_cloth *cloth)
-{
-    memset(cloth, 0, sizeof *cloth);
-    cloth->m = cloth->n = 101;
-    cloth->width = cloth->height = 1;
-    cloth->material.density = 0.2;
-    cloth->material.stretch = 1000;
-    cloth->material.shear = 300;
-    cloth->material.bend = 1e-4;
-    cloth->material.damping = 1e-3;
-    cloth->material.thickness = 2e-3;
-    cloth->material.friction = 0.3;
-    cloth->u[0] = 1;
-    cloth->v[2] = 1;
-}
-
-void drape_default_obstacle(drape_obstacle *obstacle)
-{
-    memset(obstacle, 0, sizeof *obstacle);
-    obstacle->friction = 0.3;
-    obstacle->motion = -1;
-}
 
 /* Where the check is and what it found. */
 struct check {
@@ -84,20 +39,25 @@ static void where(struct check *c, const char *what, int k)
     snprintf(c->where, sizeof c->where, "%s %d: ", what, k);
 }
 
+/* The one rule of codes, as spec/drape.h says it: a number that cannot be one
+ * of ours is bad data, one that is out of its range a bad argument. */
+static int fault_of(double a)
+{
+    return fabs(a) <= BIG ? DRAPE_EARG : DRAPE_EDATA;
+}
+
 /* A number in [lo, hi]; NaN is not. */
 static void number(struct check *c, const char *name, double a, double lo,
                    double hi)
 {
     if (!(a >= lo && a <= hi))
-        fail(c, isfinite(a) ? DRAPE_EARG : DRAPE_EDATA,
-             "%s is %g, expected %g to %g", name, a, lo, hi);
+        fail(c, fault_of(a), "%s is %g, expected %g to %g", name, a, lo, hi);
 }
 
 static void positive(struct check *c, const char *name, double a)
 {
     if (!(a > 0 && a <= BIG))
-        fail(c, isfinite(a) ? DRAPE_EARG : DRAPE_EDATA,
-             "%s is %g, expected above 0", name, a);
+        fail(c, fault_of(a), "%s is %g, expected above 0", name, a);
 }
 
 static void integer(struct check *c, const char *name, int64_t a, int64_t lo,
@@ -159,22 +119,20 @@ static void check_axes(struct check *c, const drape_cloth *cloth)
 static void check_cloth(struct check *c, const drape_cloth *cloth,
                         int n_motions)
 {
-    integer(c, "m", cloth->m, 2, 32768);
-    integer(c, "n", cloth->n, 2, 32768);
+    int64_t n = (int64_t)cloth->m * cloth->n;
     positive(c, "width", cloth->width);
     positive(c, "height", cloth->height);
     check_material(c, &cloth->material);
-    integer(c, "n_pins", cloth->n_pins, 0, INT32_MAX);
+    integer(c, "n_pins", cloth->n_pins, 0, n);
     if (!there(c, "pins", cloth->n_pins, cloth->pins))
         return;
-    int64_t n = (int64_t)cloth->m * cloth->n;
     if (cloth->x)
         vectors(c, "particle", n, cloth->x);
     else
         check_axes(c, cloth);
     if (cloth->velocity)
         vectors(c, "velocity", n, cloth->velocity);
-    for (int k = 0; k < cloth->n_pins; k++) {
+    for (int k = 0; k < cloth->n_pins && c->status == DRAPE_OK; k++) {
         const drape_pin *p = &cloth->pins[k];
         char name[32];
         snprintf(name, sizeof name, "pin %d i", k);
@@ -193,13 +151,15 @@ static void check_motion(struct check *c, const drape_motion *m)
         return;
     vectors(c, "position", m->keys, m->position);
     vectors(c, "pivot", 1, &m->pivot);
-    for (int k = 0; k < m->keys; k++) {
+    for (int k = 0; k < m->keys && c->status == DRAPE_OK; k++) {
         number(c, "time", m->time[k], k ? m->time[k - 1] : -BIG, BIG);
         if (k && !(m->time[k] > m->time[k - 1]))
             fail(c, DRAPE_EARG, "time %d does not ascend", k);
         double qq = 0;
-        for (int i = 0; m->rotation && i < 4; i++)
+        for (int i = 0; m->rotation && i < 4; i++) {
+            number(c, "rotation", m->rotation[k][i], -BIG, BIG);
             qq += m->rotation[k][i] * m->rotation[k][i];
+        }
         if (m->rotation && !(fabs(qq - 1) <= 1e-6))
             fail(c, DRAPE_EARG, "rotation %d is not a unit quaternion", k);
     }
@@ -208,8 +168,6 @@ static void check_motion(struct check *c, const drape_motion *m)
 static void check_obstacle(struct check *c, const drape_obstacle *o,
                            int n_motions)
 {
-    integer(c, "n_vertices", o->n_vertices, 1, INT32_MAX);
-    integer(c, "n_triangles", o->n_triangles, 1, INT32_MAX);
     number(c, "friction", o->friction, 0, 1e6);
     integer(c, "motion", o->motion, -1, n_motions - 1);
     integer(c, "frames", o->frames, 0, 1 << 24);
@@ -229,6 +187,26 @@ static void check_obstacle(struct check *c, const drape_obstacle *o,
     }
 }
 
+static void check_wind(struct check *c, const drape_wind *wind)
+{
+    vectors(c, "wind velocity", 1, &wind->velocity);
+    number(c, "wind density", wind->density, 0, BIG);
+    number(c, "wind drag", wind->drag, 0, 1e6);
+    number(c, "wind lift", wind->lift, 0, 1e6);
+}
+
+int define_check_wind(const drape_wind *wind)
+{
+    struct check c = {.error = NULL, .status = DRAPE_OK};
+    check_wind(&c, wind);
+    return c.status;
+}
+
+bool define_check_allocator(const drape_allocator *allocator)
+{
+    return !allocator->allocate == !allocator->release;
+}
+
 static void check_world(struct check *c, const drape_def *def)
 {
     integer(c, "backend", def->backend, DRAPE_REF, DRAPE_GPU);
@@ -240,15 +218,12 @@ static void check_world(struct check *c, const drape_def *def)
     if (def->block % 32)
         fail(c, DRAPE_EARG, "block is %d, expected a multiple of 32",
              def->block);
-    if (!def->allocator.allocate != !def->allocator.release ||
-        !def->device_allocator.allocate != !def->device_allocator.release)
+    if (!define_check_allocator(&def->allocator) ||
+        !define_check_allocator(&def->device_allocator))
         fail(c, DRAPE_EARG, "an allocator needs both its functions, or none");
     number(c, "dt", def->dt, 1e-9, 1e3);
     vectors(c, "gravity", 1, &def->gravity);
-    vectors(c, "wind velocity", 1, &def->wind.velocity);
-    number(c, "wind density", def->wind.density, 0, BIG);
-    number(c, "wind drag", def->wind.drag, 0, 1e6);
-    number(c, "wind lift", def->wind.lift, 0, 1e6);
+    check_wind(c, &def->wind);
     integer(c, "integrator", def->integrator, DRAPE_EULER, DRAPE_CK);
     integer(c, "max_substeps", def->max_substeps, 1, INT32_MAX);
     integer(c, "precond", def->precond, DRAPE_JACOBI, DRAPE_MULTIGRID);
@@ -271,11 +246,43 @@ static void check_world(struct check *c, const drape_def *def)
     there(c, "motions", def->n_motions, def->motions);
 }
 
+/* Sizes come first: no array is read before every one of them is known to be
+ * possible, and none of their products overflows. */
+static void check_sizes(struct check *c, const drape_def *def)
+{
+    const int64_t most = INT32_MAX / 8;
+    int64_t vertices = 0, triangles = 0;
+    for (int k = 0; k < def->n_cloths && c->status == DRAPE_OK; k++) {
+        const drape_cloth *cloth = &def->cloths[k];
+        where(c, "cloth", k);
+        integer(c, "m", cloth->m, 2, 32768);
+        integer(c, "n", cloth->n, 2, 32768);
+        if (c->status != DRAPE_OK)
+            return;
+        vertices += (int64_t)cloth->m * cloth->n;
+        triangles += 2 * (int64_t)(cloth->m - 1) * (cloth->n - 1);
+    }
+    for (int k = 0; k < def->n_obstacles && c->status == DRAPE_OK; k++) {
+        const drape_obstacle *o = &def->obstacles[k];
+        where(c, "obstacle", k);
+        integer(c, "n_vertices", o->n_vertices, 1, most);
+        integer(c, "n_triangles", o->n_triangles, 1, most);
+        if (c->status != DRAPE_OK)
+            return;
+        vertices += o->n_vertices;
+        triangles += o->n_triangles;
+    }
+    c->where[0] = 0;
+    integer(c, "the scene's number of vertices", vertices, 0, most);
+    integer(c, "the scene's number of triangles", triangles, 0, most);
+}
+
 int define_check(const drape_def *def, drape_error *error)
 {
     struct check c = {.error = error, .status = DRAPE_OK};
-    int64_t vertices = 0, triangles = 0;
     check_world(&c, def);
+    if (c.status == DRAPE_OK)
+        check_sizes(&c, def);
     for (int k = 0; k < def->n_motions && c.status == DRAPE_OK; k++) {
         where(&c, "motion", k);
         check_motion(&c, &def->motions[k]);
@@ -283,18 +290,10 @@ int define_check(const drape_def *def, drape_error *error)
     for (int k = 0; k < def->n_cloths && c.status == DRAPE_OK; k++) {
         where(&c, "cloth", k);
         check_cloth(&c, &def->cloths[k], def->n_motions);
-        vertices += (int64_t)def->cloths[k].m * def->cloths[k].n;
-        triangles +=
-            2 * (int64_t)(def->cloths[k].m - 1) * (def->cloths[k].n - 1);
     }
     for (int k = 0; k < def->n_obstacles && c.status == DRAPE_OK; k++) {
         where(&c, "obstacle", k);
         check_obstacle(&c, &def->obstacles[k], def->n_motions);
-        vertices += def->obstacles[k].n_vertices;
-        triangles += def->obstacles[k].n_triangles;
     }
-    c.where[0] = 0;
-    integer(&c, "the scene's number of vertices", vertices, 0, INT32_MAX / 8);
-    integer(&c, "the scene's number of triangles", triangles, 0, INT32_MAX / 8);
     return c.status;
 }

@@ -1,11 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Defaults of a definition, and its one complete check. */
+/* The one complete check of a definition. */
 #ifndef REF_DEFINE_H
 #define REF_DEFINE_H
+
+#include <stdbool.h>
 
 #include "spec/drape.h"
 
 /* DRAPE_OK, or the status and one line of what is wrong and where. */
 int define_check(const drape_def *def, drape_error *error);
+/* The same of wind alone: DRAPE_OK, DRAPE_EARG or DRAPE_EDATA. */
+int define_check_wind(const drape_wind *wind);
+/* Whether an allocator has both its functions, or neither. */
+bool define_check_allocator(const drape_allocator *allocator);
 
 #endif

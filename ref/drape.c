@@ -3,7 +3,6 @@
  * The pipeline itself is ref/step.c. */
 #include "spec/drape.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -115,12 +114,21 @@ static int make(const drape_def *def, drape_world **world, drape_error *error)
     return status;
 }
 
+static int refuse(drape_error *error, const char *why)
+{
+    snprintf(error->text, sizeof error->text, "%s", why);
+    return DRAPE_EARG;
+}
+
 int drape_create(const drape_def *def, drape_world **world, drape_error *error)
 {
     drape_error unused;
     error = error ? error : &unused;
     memset(error, 0, sizeof *error);
-    *world = NULL;
+    if (world)
+        *world = NULL;
+    if (!def || !world)
+        return refuse(error, !def ? "def is NULL" : "world is NULL");
     int status = define_check(def, error);
     if (status == DRAPE_OK)
         status = make(def, world, error);
@@ -147,6 +155,8 @@ void drape_destroy(drape_world *world)
 
 int drape_step(drape_world *world, drape_step_report *report)
 {
+    if (!world)
+        return DRAPE_EARG;
     world->steps++;
     world->arena.failed = false; /* memory may be there again */
     int status = world->ops->step(world->world, report);
@@ -156,35 +166,37 @@ int drape_step(drape_world *world, drape_step_report *report)
 
 int64_t drape_first_vertex(const drape_world *world, int body)
 {
-    if (body < 0 || body > world->bodies)
+    if (!world || body < 0 || body > world->bodies)
         return DRAPE_EARG;
     return world->ops->first_vertex(world->world, body);
 }
 
 int64_t drape_first_triangle(const drape_world *world, int body)
 {
-    if (body < 0 || body > world->bodies)
+    if (!world || body < 0 || body > world->bodies)
         return DRAPE_EARG;
     return world->ops->first_triangle(world->world, body);
 }
 
 int64_t drape_vertices(const drape_world *world)
 {
-    return drape_first_vertex(world, world->bodies);
+    return world ? drape_first_vertex(world, world->bodies) : DRAPE_EARG;
 }
 
 int64_t drape_triangles(const drape_world *world)
 {
-    return drape_first_triangle(world, world->bodies);
+    return world ? drape_first_triangle(world, world->bodies) : DRAPE_EARG;
 }
 
 int drape_read(const drape_world *world, double (*x)[3], double (*v)[3])
 {
-    return world->ops->read(world->world, x, v);
+    return world ? world->ops->read(world->world, x, v) : DRAPE_EARG;
 }
 
 int drape_borrow(drape_world *world, drape_view *view)
 {
+    if (!world || !view)
+        return DRAPE_EARG;
     view->vertices = drape_vertices(world);
     view->triangles = drape_triangles(world);
     view->precision = world->precision;
@@ -193,36 +205,38 @@ int drape_borrow(drape_world *world, drape_view *view)
 
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3])
 {
+    if (!world || !tri)
+        return DRAPE_EARG;
     world->ops->read_triangles(world->world, tri);
     return DRAPE_OK;
 }
 
 void drape_wake(drape_world *world)
 {
-    world->ops->wake(world->world);
+    if (world)
+        world->ops->wake(world->world);
 }
 
 int drape_set_wind(drape_world *world, const drape_wind *wind)
 {
-    const double number[] = {wind->velocity[0], wind->velocity[1],
-                             wind->velocity[2], wind->density,
-                             wind->drag,        wind->lift};
-    for (int k = 0; k < 6; k++) {
-        if (!(fabs(number[k]) <= 0x1p60))
-            return DRAPE_EDATA;
-        if (k >= 3 && !(number[k] >= 0 && number[k] <= (k > 3 ? 1e6 : 0x1p60)))
-            return DRAPE_EARG;
-    }
-    return world->ops->set_wind(world->world, wind);
+    if (!world || !wind)
+        return DRAPE_EARG;
+    int status = define_check_wind(wind);
+    return status == DRAPE_OK ? world->ops->set_wind(world->world, wind)
+                              : status;
 }
 
 int drape_plan(const drape_world *world, drape_plan_row *row, int capacity)
 {
+    if (!world || capacity < 0 || (capacity > 0 && !row))
+        return DRAPE_EARG;
     return world->ops->plan(world->world, row, capacity);
 }
 
 int drape_count(const drape_world *world, drape_memory *memory)
 {
+    if (!world || !memory)
+        return DRAPE_EARG;
     const struct arena *a = &world->arena;
     *memory = (drape_memory){.host_allocations = a->taken};
     for (int k = 0; k < ARENA_PARTS; k++)
@@ -234,11 +248,15 @@ int drape_count(const drape_world *world, drape_memory *memory)
 
 int drape_save(const drape_world *world, drape_write *write, void *user)
 {
+    if (!world || !write)
+        return DRAPE_EARG;
     return world->ops->save(world->world, write, user);
 }
 
 int drape_load(drape_world *world, drape_read_bytes *read, void *user)
 {
+    if (!world || !read)
+        return DRAPE_EARG;
     return world->ops->load(world->world, read, user);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* API call: what touches in a mesh between two frames, in binary64, by the
  * broad phase (spec/25_broad.md) and the narrow phase (spec/30_narrow.md). */
-#include "spec/drape.h"
+#include "ref/query.h"
 
 #include "ref/arena.h"
 #include "ref/broad.h"
@@ -32,13 +32,13 @@ static int check_positions(const double (*x)[3], int64_t nv)
 
 static int check(const drape_mesh *mesh, const double (*x1)[3])
 {
-    if (mesh->nv < 0 || mesh->nt < 0 || mesh->nv > FRAMES_MOST ||
-        mesh->nt > FRAMES_MOST || mesh->group)
+    if (query_check(mesh, FRAMES_MOST) != DRAPE_OK || mesh->group ||
+        (mesh->nv > 0 && !x1))
         return DRAPE_EARG;
     for (int64_t t = 0; t < mesh->nt; t++)
         for (int i = 0; i < 3; i++)
             if (mesh->tri[t][i] < 0 || mesh->tri[t][i] >= mesh->nv)
-                return DRAPE_EDATA;
+                return DRAPE_EARG;
     int status = check_positions(mesh->x, mesh->nv);
     return status == DRAPE_OK ? check_positions(x1, mesh->nv) : status;
 }
@@ -104,7 +104,7 @@ int drape_ccd_frames(const drape_mesh *mesh, const double (*x1)[3],
                      drape_touch *touch, void *user, int64_t candidates[2])
 {
     struct frames f = {.mesh = mesh, .x1 = (const vec *)(const void *)x1};
-    int status = check(mesh, x1);
+    int status = touch ? check(mesh, x1) : DRAPE_EARG;
     if (status == DRAPE_OK && mesh->nt > 0) {
         arena_init(&f.arena, &mesh->allocator);
         int threads = threads_set(mesh->threads);

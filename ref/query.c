@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* API calls that need no world, in binary64: audit and CCD of one pair. */
-#include "spec/drape.h"
+#include "ref/query.h"
 
 #include "ref/arena.h"
 #include "ref/audit.h"
+#include "ref/define.h"
 #include "ref/narrow.h"
 #include "ref/threads.h"
 
@@ -32,22 +33,32 @@ static int run(struct audit *s, struct arena *a)
     return a->failed ? DRAPE_ENOMEM : ref_audit(s);
 }
 
+int query_check(const drape_mesh *mesh, int64_t most)
+{
+    if (!mesh || mesh->nv < 0 || mesh->nv > most || mesh->nt < 0 ||
+        mesh->nt > most || (mesh->nv > 0 && !mesh->x) ||
+        (mesh->nt > 0 && !mesh->tri) || mesh->threads < 0 ||
+        mesh->threads > 4096 || !define_check_allocator(&mesh->allocator))
+        return DRAPE_EARG;
+    return DRAPE_OK;
+}
+
 int drape_audit(const drape_mesh *mesh, int64_t capacity, int32_t (*pair)[2],
                 int64_t *found, int64_t *degenerate)
 {
+    int status = query_check(mesh, INT32_MAX);
+    if (status != DRAPE_OK || !found || capacity < 0 || (capacity > 0 && !pair))
+        return DRAPE_EARG;
     struct arena arena;
     struct audit s = {.nv = mesh->nv,
                       .nt = mesh->nt,
                       .tri = mesh->tri,
                       .group = mesh->group,
                       .cap = 1024};
-    if (mesh->nv < 0 || mesh->nt < 0 || mesh->nv > INT32_MAX ||
-        mesh->nt > INT32_MAX)
-        return DRAPE_EARG;
     arena_init(&arena, &mesh->allocator);
     s.x = (const vec *)(const void *)mesh->x;
     int threads = threads_set(mesh->threads);
-    int status = take_scratch(&s, &arena);
+    status = take_scratch(&s, &arena);
     if (status == DRAPE_OK)
         status = run(&s, &arena);
     threads_set(threads);
@@ -69,7 +80,7 @@ int drape_ccd(int kind, const double x0[4][3], const double x1[4][3],
 {
     vec a[4], b[4];
     int tier;
-    if (kind != 0 && kind != 1)
+    if ((kind != 0 && kind != 1) || !x0 || !x1 || !toi)
         return DRAPE_EARG;
     for (int k = 0; k < 4; k++) {
         a[k] = vec_make(x0[k][0], x0[k][1], x0[k][2]);

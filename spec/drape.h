@@ -3,7 +3,13 @@
  * The whole public API. Units are SI; the up direction is the caller's.
  * No function exits, prints, keeps global state or starts a thread that was
  * not asked for. Calls on one world must not overlap; worlds are independent.
- * Positions are [3] = x, y, z in metres, |x| ≤ 2^60. */
+ * Positions are [3] = x, y, z in metres, |x| ≤ 2^60.
+ * One fault has one status, whichever function meets it. A pointer that is NULL
+ * without being allowed to, a count, an index or an enumerator out of its range
+ * and half an allocator are DRAPE_EARG. A number is DRAPE_EDATA if it is not
+ * finite or, but for drape_ccd, beyond 2^60; else, out of its range, it is
+ * DRAPE_EARG. Arrays must be as long as their counts say. After an error all is
+ * as it was before the call, and outputs may hold anything. */
 #ifndef DRAPE_H
 #define DRAPE_H
 
@@ -19,7 +25,7 @@ extern "C" {
 /* Status of a call: DRAPE_OK or negative. */
 enum drape_status {
     DRAPE_OK = 0,
-    DRAPE_EARG = -1,    /* a definition or an argument is out of its range */
+    DRAPE_EARG = -1,    /* an argument is NULL or out of its range */
     DRAPE_EDATA = -2,   /* a number is not finite or beyond 2^60 */
     DRAPE_ENOMEM = -3,  /* the allocator gave nothing */
     DRAPE_EFULL = -4,   /* an output is too small; the needed size is given */
@@ -107,7 +113,7 @@ typedef struct drape_cloth {
     const uint8_t *hole;   /* [m·n] 1: the particle is missing; NULL: none */
     const uint8_t *cut;    /* [(m-1)·(n-1)] 1: the cell is missing; NULL */
     const drape_pin *pins; /* [n_pins] */
-    int n_pins;
+    int n_pins;            /* 0 … m·n */
 } drape_cloth;
 
 /* A triangle mesh that moves as told; open, closed or non-manifold. */
@@ -263,7 +269,8 @@ typedef struct drape_world drape_world;
 /* Defaults: the reference on one thread, 32 bits, dt 1/60, gravity -9.81 y, no
  * air (drag 1 and lift 0.3 once it has a density), Baraff–Witkin, multigrid
  * and the symmetric half to 1e-3 within 2000 iterations, at most 100000
- * substeps, self-collision, 16 rounds, 32 slices, sleep. Never fails. */
+ * substeps, self-collision, 16 rounds, 32 slices, sleep. Never fails; NULL,
+ * here and in the next two, is left alone. */
 void drape_default(drape_def *def);
 /* Defaults: 101 × 101, 1 m × 1 m, flat in the xz plane, and light cotton:
  * density 0.2, stretch 1000, shear 300, bend 1e-4, damping 1e-3, thickness
@@ -273,16 +280,19 @@ void drape_default_cloth(drape_cloth *cloth);
 void drape_default_obstacle(drape_obstacle *obstacle);
 
 /* Checks the whole definition and makes a world, at time 0. On failure *world
- * is NULL and error (may be NULL) says what and where: DRAPE_EARG, EDATA,
- * ENOMEM, ESTART, EDEVICE, ELIMIT. The caller destroys it. */
+ * is NULL and error (may be NULL) says what and where: DRAPE_EARG (also where
+ * def or world is NULL), EDATA, ENOMEM, ESTART, EDEVICE, ELIMIT. The caller
+ * destroys it. */
 int drape_create(const drape_def *def, drape_world **world, drape_error *error);
 void drape_destroy(drape_world *world); /* NULL is allowed */
 
 /* Advances by dt. report may be NULL. Negative, as DRAPE_ENOMEM after which the
- * next call may do, or DRAPE_EDEVICE: nothing has changed. */
+ * next call may do, DRAPE_EDEVICE, or DRAPE_EARG without a world: nothing has
+ * changed. */
 int drape_step(drape_world *world, drape_step_report *report);
 
-/* Counts of the whole scene: cloth first, then obstacles. */
+/* Counts of the whole scene: cloth first, then obstacles. DRAPE_EARG without a
+ * world. */
 int64_t drape_vertices(const drape_world *world);
 int64_t drape_triangles(const drape_world *world);
 /* The first vertex (triangle) of cloth or obstacle k counts on from the
@@ -291,9 +301,11 @@ int64_t drape_triangles(const drape_world *world);
 int64_t drape_first_vertex(const drape_world *world, int body);
 int64_t drape_first_triangle(const drape_world *world, int body);
 /* Copies of the current state: x, v [drape_vertices][3], v in m/s. Either
- * may be NULL. DRAPE_EDEVICE where a device was lost. */
+ * may be NULL. DRAPE_EARG without a world, DRAPE_EDEVICE where a device was
+ * lost. */
 int drape_read(const drape_world *world, double (*x)[3], double (*v)[3]);
-/* Copies of the connectivity: tri [drape_triangles][3]. */
+/* Copies of the connectivity: tri [drape_triangles][3]. DRAPE_EARG without a
+ * world or tri. */
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3]);
 
 /* Where the current state lies, to be read without a copy. It is the world's,
@@ -309,17 +321,19 @@ typedef struct drape_view {
     void *stream;  /* cudaStream_t; NULL: of the reference */
 } drape_view;
 /* The first call on a device takes the triangles' memory there if nothing can
- * collide. DRAPE_OK, DRAPE_ENOMEM, DRAPE_EDEVICE. */
+ * collide. DRAPE_OK, DRAPE_EARG without a world or view, DRAPE_ENOMEM,
+ * DRAPE_EDEVICE. */
 int drape_borrow(drape_world *world, drape_view *view);
 
-/* Wakes a sleeping scene. */
+/* Wakes a sleeping scene; NULL is allowed. */
 void drape_wake(drape_world *world);
 /* From the next step on; wakes. wind is copied. A world made without air stays
- * so: DRAPE_EARG; give it a density, drag or lift from the start. Ranges are
- * those of a definition. DRAPE_EARG or DRAPE_EDATA: unchanged. */
+ * so: DRAPE_EARG; give it a density, drag or lift from the start. Ranges and
+ * their statuses are those of a definition. */
 int drape_set_wind(drape_world *world, const drape_wind *wind);
 
-/* Rows of the plan into row[capacity]; returns how many there are. */
+/* Rows of the plan into row[capacity]; returns how many there are. row may be
+ * NULL if capacity is 0. DRAPE_EARG without a world, row or room below 0. */
 int drape_plan(const drape_world *world, drape_plan_row *row, int capacity);
 
 /* A world's streams and records, without what CUDA keeps for itself. Where a
@@ -330,15 +344,15 @@ typedef struct drape_memory {
                               between solves */
     int64_t host_allocations, device_allocations; /* since drape_create */
 } drape_memory;
-int drape_count(const drape_world *world, drape_memory *memory); /* DRAPE_OK */
+/* DRAPE_OK, or DRAPE_EARG without a world or memory. */
+int drape_count(const drape_world *world, drape_memory *memory);
 
 /* A checkpoint through the caller's functions, which return 0 when all
  * bytes went through. A loaded world goes on bit for bit; it must have been
- * made from the same definition, but may be on the other backend: backend,
- * threads, block, stream, allocators, log and trace alone may differ. DRAPE_EIO,
- * EMATCH, EDATA (a number that no step gives), ENOMEM, EDEVICE: the world is
- * unchanged. drape_step_report.work of a first step may differ from that of the
- * world that was saved, as the broad phase begins anew. */
+ * made from the same definition, but backend, threads, block, stream,
+ * allocators, log and trace may be others. user may be NULL. DRAPE_EARG without
+ * a world or a function, DRAPE_EIO, EMATCH, EDATA (a number that no step gives),
+ * ENOMEM, EDEVICE: the world is unchanged. */
 typedef int drape_write(void *user, const void *data, size_t bytes);
 typedef int drape_read_bytes(void *user, void *data, size_t bytes);
 int drape_save(const drape_world *world, drape_write *write, void *user);
@@ -349,20 +363,21 @@ typedef struct drape_mesh {
     const double (*x)[3];      /* [nv] m */
     const int32_t (*tri)[3];   /* [nt] vertices */
     const int32_t *group;      /* [nt], 0: an obstacle; NULL: none is */
-    int threads;               /* 0: as many as cores. Same results. */
+    int threads;               /* to 4096; 0: as many as cores. Same bits. */
     drape_allocator allocator; /* zero: malloc and free */
 } drape_mesh;
 /* Intersecting pairs of triangles, decided exactly (spec/40_audit.md); two
  * obstacles' are not compared. The first `capacity` go to pair; *found counts
  * all, *degenerate (or NULL) triangles without area, which are in none.
- * DRAPE_OK also when more were found than fit; DRAPE_EARG, EDATA, ENOMEM. */
+ * DRAPE_OK also when more were found than fit, and pair may be NULL if capacity
+ * is 0; DRAPE_EARG (NULL, a count, an index), EDATA, ENOMEM. */
 int drape_audit(const drape_mesh *mesh, int64_t capacity, int32_t (*pair)[2],
                 int64_t *found, int64_t *degenerate);
 
 /* Whether a vertex x[0] and a face x[1..3] (kind 0), or two edges x[0]x[1]
  * and x[2]x[3] (kind 1), moving linearly from x0 to x1, touch in [0, 1]:
  * 1 and *toi (never late, at most 2^-30 early), 0, or DRAPE_EDATA where a
- * coordinate is not finite, DRAPE_EARG for another kind. */
+ * coordinate is not finite, DRAPE_EARG for another kind or a NULL. */
 int drape_ccd(int kind, const double x0[4][3], const double x1[4][3],
               double *toi);
 
@@ -373,13 +388,14 @@ typedef int drape_touch(void *user, int kind, const int32_t v[4], double toi);
  * share no vertex and touch in [0, 1], as it moves linearly from x to x1
  * [nv]: each once, faces before edges, in the same order on every run.
  * group must be NULL. candidates, or NULL: pairs of each kind that were
- * decided exactly. DRAPE_EIO where touch ended it; DRAPE_EARG, EDATA, ENOMEM.
- */
+ * decided exactly. DRAPE_EIO where touch ended it; DRAPE_EARG (NULL, a count,
+ * an index), EDATA, ENOMEM. */
 int drape_ccd_frames(const drape_mesh *mesh, const double (*x1)[3],
                      drape_touch *touch, void *user, int64_t candidates[2]);
 
 /* One line a version: library, precisions, backends, certificate. */
 const char *drape_info(void);
+/* A few words for any number, also for one that is no status. */
 const char *drape_status_text(int status);
 
 #ifdef __cplusplus

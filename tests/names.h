@@ -3,6 +3,13 @@
 #ifndef TESTS_NAMES_H
 #define TESTS_NAMES_H
 
+#define api_call_audit REAL_NAME(api_call_audit)
+#define api_call_ccd REAL_NAME(api_call_ccd)
+#define api_call_create REAL_NAME(api_call_create)
+#define api_call_frames REAL_NAME(api_call_frames)
+#define api_extremes REAL_NAME(api_extremes)
+#define api_input REAL_NAME(api_input)
+#define api_wide REAL_NAME(api_wide)
 #define bench_solve REAL_NAME(bench_solve)
 #define blocks_of REAL_NAME(blocks_of)
 #define contacts_scratch REAL_NAME(contacts_scratch)
@@ -199,6 +206,7 @@
 #define tangle_start REAL_NAME(tangle_start)
 #define tangle_step REAL_NAME(tangle_step)
 #define tangle_touching REAL_NAME(tangle_touching)
+#define test_api_refuses REAL_NAME(test_api_refuses)
 #define test_audit_cgal REAL_NAME(test_audit_cgal)
 #define test_audit_invariance REAL_NAME(test_audit_invariance)
 #define test_audit_known REAL_NAME(test_audit_known)
