@@ -46,7 +46,7 @@ static int check(const struct audit *s)
     return DRAPE_OK;
 }
 
-static struct face face_of(const struct audit *s, int32_t t)
+struct face ref_audit_face(const struct audit *s, int32_t t)
 {
     struct face f;
     for (int j = 0; j < 3; j++) {
@@ -159,14 +159,14 @@ static void visit(struct walk *w, int64_t m)
         int32_t p = s->order[0][i];
         if (mask == 0 || s->degenerate[p] || (s->across && i >= w->n0))
             continue;
-        struct face f = face_of(s, p);
+        struct face f = ref_audit_face(s, p);
         struct plane of_f = ref_plane(&f);
         for (; mask != 0; mask &= mask - 1) {
             int64_t j = 4 * m + lowest(mask);
             int32_t q = s->order[0][j];
             if (j <= i || j < w->n0 || s->degenerate[q])
                 continue;
-            struct face g = face_of(s, q);
+            struct face g = ref_audit_face(s, q);
             if (ref_tritri(&f, &of_f, &g))
                 give(w, p, q);
         }
@@ -214,7 +214,7 @@ static int64_t mark(struct audit *s)
 {
     EACH_ITEM
     for (int64_t t = 0; t < s->nt; t++) {
-        struct face f = face_of(s, (int32_t)t);
+        struct face f = ref_audit_face(s, (int32_t)t);
         s->degenerate[t] = ref_collinear(&f);
     }
     int64_t n0 = 0;
@@ -252,4 +252,40 @@ int ref_audit(struct audit *s)
         }
     ref_audit_sort(s->pair, s->found);
     return DRAPE_OK;
+}
+
+/* ---- §5 ---- */
+
+/* A run over what is near one triangle. */
+struct search {
+    const struct audit *s;
+    struct levels l;
+    struct audit_box box;
+    int32_t t;
+    bool (*ask)(void *user, int32_t other);
+    void *user;
+};
+
+static bool search(const struct search *r, int level, int64_t node)
+{
+    const struct audit *s = r->s;
+    unsigned mask = hits(&r->box, &s->node[r->l.at[level] + node]);
+    for (; mask != 0; mask &= mask - 1) {
+        int64_t child = 4 * node + lowest(mask);
+        if (level > 0) {
+            if (search(r, level - 1, child))
+                return true;
+        } else if (child < s->nt && s->order[0][child] != r->t &&
+                   r->ask(r->user, s->order[0][child])) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool ref_audit_any(const struct audit *s, int32_t t,
+                   bool ask(void *user, int32_t other), void *user)
+{
+    struct search r = {s, levels_of(s->nt), ref_audit_box(s, t), t, ask, user};
+    return search(&r, r.l.top, 0);
 }

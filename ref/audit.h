@@ -5,6 +5,8 @@
 
 #include "ref/stage.h"
 
+struct face;
+
 /* Four boxes side by side; an absent one is empty: lo > hi. */
 struct audit_quad {
     real lo[3][4], hi[3][4];
@@ -38,5 +40,12 @@ int64_t ref_audit_nodes(int64_t nt);
 /* DRAPE_OK; DRAPE_EDATA if a position is NaN or out of range; DRAPE_EARG if a
  * triangle names no vertex; DRAPE_EFULL if found > cap: no pair is written. */
 int ref_audit(struct audit *s);
+
+/* The corners of triangle t: ref/tritri.h. */
+struct face ref_audit_face(const struct audit *s, int32_t t);
+/* After ref_audit: asks of every triangle but t whose box meets that of t, in
+ * an order that only depends on the mesh, until the answer is true. */
+bool ref_audit_any(const struct audit *s, int32_t t,
+                   bool ask(void *user, int32_t other), void *user);
 
 #endif

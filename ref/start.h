@@ -6,8 +6,8 @@
 #include "ref/state.h"
 
 /* Counts the intersecting pairs that the simulation is to keep apart, as part
- * of the state. DRAPE_ESTART and their number where there are some and the
- * scene does not allow that. */
+ * of the state. DRAPE_ESTART and the first of them in words where there are
+ * some and the scene does not allow that. */
 int start_audit(struct world *w, drape_error *error);
 
 #endif

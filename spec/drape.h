@@ -29,7 +29,8 @@ enum drape_status {
     DRAPE_EDATA = -2,   /* a number is not finite or beyond 2^60 */
     DRAPE_ENOMEM = -3,  /* the allocator gave nothing */
     DRAPE_EFULL = -4,   /* an output is too small; the needed size is given */
-    DRAPE_ESTART = -5,  /* the start state intersects itself or an obstacle */
+    DRAPE_ESTART = -5,  /* the start state intersects itself or an obstacle; so
+                           do triangles without area that touch another */
     DRAPE_EDEVICE = -6, /* no such backend here, or its device is lost */
     DRAPE_EMATCH = -7,  /* a checkpoint of another scene, build or version */
     DRAPE_EIO = -8,     /* the caller's reader or writer failed */
@@ -368,7 +369,8 @@ typedef struct drape_mesh {
 } drape_mesh;
 /* Intersecting pairs of triangles, decided exactly (spec/40_audit.md); two
  * obstacles' are not compared. The first `capacity` go to pair; *found counts
- * all, *degenerate (or NULL) triangles without area, which are in none.
+ * all, *degenerate (or NULL) triangles without area, which are in none, though
+ * drape_create looks at them too.
  * DRAPE_OK also when more were found than fit, and pair may be NULL if capacity
  * is 0; DRAPE_EARG (NULL, a count, an index), EDATA, ENOMEM. */
 int drape_audit(const drape_mesh *mesh, int64_t capacity, int32_t (*pair)[2],

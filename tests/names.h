@@ -284,6 +284,8 @@
 #define test_product_forms REAL_NAME(test_product_forms)
 #define test_refinement REAL_NAME(test_refinement)
 #define test_response_device REAL_NAME(test_response_device)
+#define test_sliver_pairs REAL_NAME(test_sliver_pairs)
+#define test_sliver_starts REAL_NAME(test_sliver_starts)
 #define test_solve_gpu REAL_NAME(test_solve_gpu)
 #define test_solve_gpu_limits REAL_NAME(test_solve_gpu_limits)
 #define test_stability REAL_NAME(test_stability)
