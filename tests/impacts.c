@@ -2,6 +2,7 @@
 /* Stage impacts: generator and properties. spec/32_impacts.md */
 #include "ref/impacts.h"
 
+#include "ref/exact.h"
 #include "ref/narrow.h"
 #include "tests/choices.h"
 
@@ -48,9 +49,25 @@ void gen_impacts(struct bytes *b, struct impacts *s)
     s->cap = pick(b, 8) ? s->n : s->n / 16;
 }
 
+/* Whether pair k touches where the step starts, by the exact tier alone. */
+static bool starts(const struct impacts *s, int64_t k)
+{
+    static _Thread_local uint32_t word[EXACT_WORDS];
+    double x[2][4][3];
+    uint32_t toi = NARROW_MISS;
+    for (int j = 0; j < 8; j++) {
+        vec a = s->x0[s->pair[4 * k + j % 4]];
+        x[j / 4][j % 4][0] = (double)a.x;
+        x[j / 4][j % 4][1] = (double)a.y;
+        x[j / 4][j % 4][2] = (double)a.z;
+    }
+    exact_first(x, s->kind[k], word, EXACT_WORDS, &toi);
+    return toi != NARROW_MISS;
+}
+
 const char *prop_impacts(const struct impacts *s)
 {
-    int64_t at = 0, touching = 0;
+    int64_t at = 0, touching = 0, started = 0, led = 0;
     for (int64_t k = 0; k < s->n; k++) {
         const int32_t *v = s->pair + 4 * k;
         if (s->toi[k] == NARROW_MISS)
@@ -62,11 +79,13 @@ const char *prop_impacts(const struct impacts *s)
         real w = 0;
         for (int j = 0; j < 4; j++)
             w += s->w[v[j]];
-        EXPECT(!kept || w > 0);
-        EXPECT(kept || w == 0 || s->toi[k] == 0);
+        bool first = w > 0 && s->toi[k] == 0 && starts(s, k);
+        EXPECT(kept == (w > 0 && !first)); /* §1 */
         at += kept;
+        started += first;
+        led += w == 0;
     }
-    EXPECT(at == s->found);
+    EXPECT(at == s->found && s->started == started && s->led == led);
     EXPECT(s->found + s->started + s->led == touching); /* §1: none is lost */
     return NULL;
 }
