@@ -57,6 +57,32 @@ void gen_warm(struct bytes *b, struct warm *s)
     s->item = item;
 }
 
+/* §2: a contact presses by no more than any of its free vertices took up along
+ * it, less what stops the approach with which the slice began. */
+static bool spares(const struct warm *s, int64_t k, double unit)
+{
+    const struct contact *c = &s->contact[k];
+    double speed = 0, give = 0, took = 0x1p60, sizes = 0;
+    for (int j = 0; j < 4; j++) {
+        int32_t i = c->v[j];
+        double share = (double)c->c[j], w = (double)s->w[i];
+        double size = (double)(vec_length(s->v[i]) + real_abs(s->v[i].x));
+        speed += share * (double)vec_dot(c->n, s->v[i]);
+        sizes += fabs(share) * size;
+        if (!(w > 0) || share == 0)
+            continue;
+        double along = (double)vec_dot(c->n, s->g[i]) / share;
+        give += share * share * w;
+        /* the others of its contacts ask for their part */
+        took = fmin(took, along + 16 * unit * (double)vec_length(s->g[i]) /
+                                      fabs(share));
+    }
+    if (!c->held || !(give > 0))
+        return c->impulse == 0;
+    double most = took + (fmin(speed, 0) + 16 * unit * sizes) / give;
+    return (double)c->impulse <= fmax(most, 0) * (1 + 64 * unit) + 0x1p-60;
+}
+
 const char *prop_warm(const struct warm *s)
 {
     double total[3] = {0, 0, 0}, size = 0;
@@ -66,6 +92,7 @@ const char *prop_warm(const struct warm *s)
         const struct contact *c = &s->contact[k];
         double impulse = (double)c->impulse;
         EXPECT(impulse >= 0 && (c->held || impulse == 0)); /* no pull */
+        EXPECT(spares(s, k, unit));
         for (int j = 0; j < 4; j++)
             free_all &= s->w[c->v[j]] > 0;
         size += (double)s->part * impulse;
