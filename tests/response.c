@@ -22,18 +22,42 @@ static double kinetic(const struct tangle *t)
     return e;
 }
 
+/* §1, §5, 36: x1 - x0 is what v does in a step that began with that motion:
+ * impulses change both alike, a zone takes its motion over, and what is rolled
+ * back stands still. What a round rounds off is far below 2^-12 of a speed. */
+static const char *check_motion(const struct tangle *t, real most)
+{
+    for (int64_t i = 0; i < t->nv; i++) {
+        vec way = vec_sub(t->x1[i], t->x0[i]);
+        vec off = vec_axpy(way, -t->r.dt, t->v[i]);
+        EXPECT(vec_length(off) <= R(0x1p-12) * t->r.dt * most);
+    }
+    return NULL;
+}
+
+static real fastest(const struct tangle *t)
+{
+    real most = 1;
+    for (int64_t i = 0; i < t->nv; i++)
+        most = real_max(most, vec_length(t->v[i]));
+    return most;
+}
+
 /* §1: after a step that is not TRAPPED nothing touches, whatever was asked. */
 static const char *check_step(struct tangle *t, vec a)
 {
     int64_t rounds = t->r.max_rounds + t->r.zone_rounds + t->r.roll_rounds;
+    real most = fastest(t);
     EXPECT(tangle_step(t, a) == DRAPE_OK);
     EXPECT(t->r.rounds <= rounds + 2); /* §6.2 */
     int64_t touching = tangle_touching(t);
     EXPECT((touching > 0) == !!(t->r.outcome & DRAPE_TRAPPED));
     for (int64_t i = 0; i < t->nv; i++)
         EXPECT(vec_sane(t->x1[i]) && vec_sane(t->v[i]));
+    EXPECT((t->r.zone_vertices > 0) == !!(t->r.outcome & DRAPE_ZONES));
+    EXPECT((t->r.rolled_back > 0) == !!(t->r.outcome & DRAPE_ROLLBACK));
     ran(1);
-    return NULL;
+    return check_motion(t, real_max(most, fastest(t)));
 }
 
 /* ---- Soups ---- */
