@@ -5,14 +5,18 @@
 #include "ref/state.h"
 #include "tests/choices.h"
 
+enum { TURNS = 200 }; /* more than a step may have: 64 slices, some again */
+
 /* A step whose slices longer than dt/2^calm end with `gain` times their
- * energy. Returns how many were taken again. */
+ * energy. Returns how many were taken again, or TURNS if it never ends. */
 static int make_step(struct world *w, int calm, double gain)
 {
     const double before[3] = {1, 0, 0}, more[3] = {gain, 0, 0};
-    int again = 0;
+    int again = 0, turns = 0;
     slice_begin(w);
     while (!slice_last(w)) {
+        if (turns++ == TURNS)
+            return TURNS;
         bool gains = w->slicing.level < calm;
         if (slice_wrong(w, 0, before, gains ? more : before))
             again++;
@@ -52,12 +56,15 @@ const char *test_world_caution(void)
     return NULL;
 }
 
-/* A step whose way is that of 2^far slices. Returns how many were too long. */
+/* A step whose way is that of 2^far slices. Returns how many were too long, or
+ * TURNS if it never ends. */
 static int make_way(struct world *w, int far)
 {
-    int again = 0;
+    int again = 0, turns = 0;
     slice_begin(w);
     while (!slice_last(w)) {
+        if (turns++ == TURNS)
+            return TURNS;
         real way = 8 * w->cell * (real)ldexp(1, far - w->slicing.level);
         again += slice_far(w, way * way);
         if (slice_far(w, way * way))
@@ -102,8 +109,10 @@ const char *test_world_rounds(void)
         EXPECT(w.slicing.level == 0 && slice_rounds(&w) == 12);
         EXPECT(slice_wrong(&w, DRAPE_ZONES, energy, energy));
         EXPECT(w.slicing.level == 1 && slice_rounds(&w) == 16);
-        while (!slice_last(&w))
+        for (int turns = 0; !slice_last(&w); turns++) {
+            EXPECT(turns < TURNS);
             slice_keep(&w);
+        }
         slice_end(&w);
         ran(1);
     }
