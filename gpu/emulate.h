@@ -2,9 +2,10 @@
 /* CUDA's words on the host, as far as gpu/ uses them: so the kernels are
  * compiled, run and compared with ref/ where there is no GPU. Blocks run one
  * after another, last first; threads of a block one after another, or, where
- * they synchronise, as fibers from barrier to barrier; or all of it the other
- * way round (gpu_set_way). If between two barriers a thread writes what another
- * reads or writes, one way has other results than the other: so the two find
+ * they synchronise, as fibers from barrier to barrier, a warp as far as it can
+ * without the others; or all of it the other way round, or in an order that is
+ * shuffled (gpu_set_way). If between two barriers a thread writes what another
+ * reads or writes, one way has other results than the other: so these find
  * wrong results and races, but no others (spec/50_gpu.md §5). Each thread of
  * the host has a device of its own. */
 #ifndef GPU_EMULATE_H
@@ -79,6 +80,7 @@ char *emulate_room(int rank);      /* [EMULATE_ROOM] poison at first */
  * some threads meet at a barrier of the rank and some at one of the team. */
 void __syncthreads(void);
 void emulate_meet(void); /* the same, but never left out by gpu_set_way */
+void emulate_meet_warp(void);
 void emulate_team_sync(bool alone);
 
 /* Copies that are made as late as may be: once copies_end waits for them; at
@@ -87,15 +89,15 @@ void emulate_copy(void *to, const void *from, size_t bytes);
 void emulate_copies_group(void);
 void emulate_copies_end(int left);
 
-/* The value of another thread of the same warp, to which all threads of a
- * block, in a team of a rank, must come, as it synchronises them here. */
+/* The value of another thread of the same warp, all threads of which must come
+ * to it: it synchronises them, and no others. */
 extern __thread unsigned char emulate_lane[1024][32];
 template <class T> static T emulate_from(T value, unsigned thread)
 {
     memcpy(emulate_lane[threadIdx.x], &value, sizeof value);
-    emulate_meet();
+    emulate_meet_warp();
     memcpy(&value, emulate_lane[thread], sizeof value);
-    emulate_meet();
+    emulate_meet_warp();
     return value;
 }
 template <class T> static T __shfl_xor_sync(unsigned, T value, int mask)

@@ -29,10 +29,31 @@ bool emulate_lost(bool more)
     return way.lost && asked >= way.lost;
 }
 
-/* The k-th of n, from the first or from the last on. */
-static unsigned turn(int64_t k, int64_t n, bool first)
+/* An order of n things: from, from + step, … modulo n, which have no divisor
+ * in common. */
+struct order {
+    int64_t n, step, from;
+};
+
+static int64_t common(int64_t a, int64_t b)
 {
-    return (unsigned)(first ? k : n - 1 - k);
+    return b ? common(b, a % b) : a;
+}
+
+/* Of n, by way: from the first on or from the last, or any other. */
+static struct order order_of(int64_t n, bool first)
+{
+    int64_t step = way.shuffled;
+    if (n < 1 || !way.shuffled)
+        return {n, first ? 1 : n - 1, first ? 0 : n - 1};
+    while (common(step, n) != 1)
+        step++;
+    return {n, step % n, step / 2 % n};
+}
+
+static unsigned turn(const struct order *o, int64_t k)
+{
+    return (unsigned)((o->from + k * o->step) % o->n);
 }
 
 void emulate_items(int64_t n, int threads, emulate_call kernel)
@@ -40,12 +61,14 @@ void emulate_items(int64_t n, int threads, emulate_call kernel)
     int64_t blocks = n > 0 ? (n + threads - 1) / threads : 0;
     if (blocks && emulate_lost(true))
         return;
+    struct order block = order_of(blocks, way.descending);
+    struct order thread = order_of(threads, !way.descending);
     gridDim = {(unsigned)blocks, 1, 1};
     blockDim = {(unsigned)threads, 1, 1};
     for (int64_t b = 0; b < blocks; b++)
         for (int t = 0; t < threads; t++) {
-            blockIdx = {turn(b, blocks, way.descending), 0, 0};
-            threadIdx = {turn(t, threads, !way.descending), 0, 0};
+            blockIdx = {turn(&block, b), 0, 0};
+            threadIdx = {turn(&thread, t), 0, 0};
             kernel.run(kernel.with);
         }
 }
@@ -57,7 +80,7 @@ void emulate_items(int64_t n, int threads, emulate_call kernel)
  * are the compiler's, which keep three words where setjmp keeps registers,
  * encrypted: changing threads is most of what a barrier costs. Stacks whose
  * distance is a power of two would share a few lines of the cache. */
-enum { STACK = (1 << 20) + 9 * 64, THREADS = 1024, JUMP = 5 };
+enum { STACK = (1 << 20) + 9 * 64, THREADS = 1024, JUMP = 5, WARP = 32 };
 static __thread ucontext_t begun;
 static __thread void *scheduler[JUMP], *fiber[THREADS][JUMP];
 static __thread bool done[THREADS], started[THREADS];
@@ -68,11 +91,15 @@ static thread_local struct stacks {
 } stack;
 
 /* Fibers are numbered in the order in which they run; so a rank's are one run,
- * from `first` to before `end` of the rank that is at work. */
-enum meeting { NOWHERE, OF_RANK, OF_TEAM };
-static __thread unsigned in_block, in_rank, to_run, here, first, end;
+ * from `first` to before `end` of the rank that is at work, and so are those of
+ * a warp of it. */
+enum meeting { NOWHERE, OF_WARP, OF_RANK, OF_TEAM };
+static __thread unsigned in_block, in_rank, in_warp, to_run, here;
+static __thread unsigned first, end, warp_end;
 static __thread enum meeting met;      /* where those of the rank wait so far */
+static __thread enum meeting met_warp; /* those of the warp */
 static __thread int barriers[THREADS]; /* that a fiber has come to */
+static __thread unsigned thread_of[THREADS]; /* a fiber is */
 
 /* What copy_ahead has begun, by number of the group. */
 struct pending {
@@ -90,7 +117,7 @@ static void live(void);
 static __attribute__((noinline)) void resume(unsigned f)
 {
     here = f;
-    threadIdx = {turn(f, in_block, !way.descending), 0, 0};
+    threadIdx = {thread_of[f], 0, 0};
     if (started[f])
         __builtin_longjmp(fiber[f], 1);
     started[f] = true;
@@ -101,21 +128,30 @@ static __attribute__((noinline)) void resume(unsigned f)
     setcontext(&begun);
 }
 
-/* The fiber after f that has not returned. When all of a rank wait it goes on,
- * at a barrier of its own; else the next rank does, so that each runs as far as
- * it can without the others. */
+/* The fiber after f that has not returned. When all of a warp wait for each
+ * other it goes on, when all of a rank do the rank; else the next warp or rank
+ * does, so that each runs as far as it can without the others. */
 static unsigned next(unsigned f)
 {
+    f++;
     for (;;) {
-        while (++f < end)
+        for (; f < warp_end; f++)
             if (!done[f])
                 return f;
-        if (met != OF_RANK) {
-            first = end < in_block ? end : 0;
-            end = first + in_rank;
+        if (met_warp == OF_WARP)
+            f = warp_end - in_warp;
+        else if (warp_end < end)
+            f = warp_end;
+        else {
+            if (met != OF_RANK) {
+                first = end < in_block ? end : 0;
+                end = first + in_rank;
+            }
+            met = NOWHERE;
+            f = first;
         }
-        met = NOWHERE;
-        f = first - 1;
+        warp_end = f + in_warp;
+        met_warp = NOWHERE;
     }
 }
 
@@ -142,14 +178,22 @@ static void live(void)
 
 static void meet(enum meeting at)
 {
-    if (!running || (met && met != at)) {
+    bool unlike = (met_warp && met_warp != at) ||
+                  (at != OF_WARP && met && met != at);
+    if (!running || unlike) {
         fputs(running ? "emulate: threads of a rank at unlike barriers\n"
                       : "emulate: a barrier in a kernel of items\n",
               stderr);
         abort();
     }
-    met = at;
+    met_warp = at;
+    met = at == OF_WARP ? met : at;
     leave();
+}
+
+void emulate_meet_warp(void)
+{
+    meet(OF_WARP);
 }
 
 void emulate_meet(void)
@@ -177,9 +221,23 @@ static __attribute__((noinline)) void run_block(void)
     to_run = in_block;
     first = 0;
     end = in_rank;
-    met = NOWHERE;
+    warp_end = in_warp;
+    met = met_warp = NOWHERE;
     if (!__builtin_setjmp(scheduler))
         resume(0);
+}
+
+/* Ranks, warps of one and threads of one, each in its order. */
+static void order_threads(int ranks)
+{
+    unsigned warps = in_rank / in_warp;
+    struct order rank = order_of(ranks, !way.descending);
+    struct order warp = order_of(warps, !way.descending);
+    struct order lane = order_of(in_warp, !way.descending);
+    for (unsigned f = 0; f < in_block; f++)
+        thread_of[f] = turn(&rank, f / in_rank) * in_rank +
+                       turn(&warp, f / in_warp % warps) * in_warp +
+                       turn(&lane, f % in_warp);
 }
 
 static void run_blocks(int64_t blocks, int ranks, int threads,
@@ -189,13 +247,16 @@ static void run_blocks(int64_t blocks, int ranks, int threads,
         stack.of = (char *)malloc((size_t)THREADS * STACK);
     in_rank = (unsigned)threads;
     in_block = (unsigned)(ranks * threads);
+    in_warp = threads % WARP ? in_rank : (unsigned)WARP;
     gridDim = {(unsigned)(blocks > 0 ? blocks : 0), 1, 1};
     blockDim = {in_block, 1, 1};
     if (blocks > 0 && emulate_lost(true))
         return;
+    order_threads(ranks);
+    struct order block = order_of(blocks, way.descending);
     running = kernel;
     for (int64_t b = 0; b < blocks; b++) {
-        blockIdx = {turn(b, blocks, way.descending), 0, 0};
+        blockIdx = {turn(&block, b), 0, 0};
         run_block();
     }
     running = NULL;

@@ -38,6 +38,8 @@ struct gpu_way {
                         goes on; 0: none. gpu/tape.cuh */
     bool tight;      /* memory grows by no more than it must */
     bool descending; /* blocks first to last, threads and ranks last to first */
+    int shuffled;    /* blocks, ranks, warps and threads of a warp in an order
+                        of their own, of which there are many; 0: not */
     int left_out;    /* kernels go on without this barrier of theirs; 0: none */
     int parted;      /* where this one is the team's, it is the rank's */
     int64_t lost;    /* the launch, copy or allocation from here on with which

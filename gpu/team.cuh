@@ -87,12 +87,6 @@ static __device__ inline void team_sync(bool alone)
     __syncthreads();
 }
 
-/* n rounded up to whole warps. */
-static __device__ inline int whole_warps(int n)
-{
-    return (n + 31) / 32 * 32;
-}
-
 /* Copies 8 or 16 bytes to the room, to be seen after copies_end and a barrier;
  * copies_group ends a group of such copies. Past the L1 cache where it can. */
 template <class T>
@@ -174,13 +168,6 @@ static inline void team_sync(bool alone)
     emulate_team_sync(alone);
 }
 
-/* Who calls what a warp shares: all threads of a rank meet there. */
-static inline int whole_warps(int n)
-{
-    int step = rank_threads();
-    return (n + step - 1) / step * step;
-}
-
 template <class T> static inline void copy_ahead(T *to, const T *from)
 {
     emulate_copy(to, from, sizeof *to);
@@ -197,6 +184,12 @@ template <int LEFT> static inline void copies_end(void)
 }
 
 #endif
+
+/* n rounded up to whole warps. */
+static __device__ inline int whole_warps(int n)
+{
+    return (n + WARP - 1) / WARP * WARP;
+}
 
 /* The value of the lane below, or of a certain one; all of the warp call it. */
 static __device__ inline vec lane_below(vec a)

@@ -238,9 +238,11 @@ static struct case_result compare(const struct stage *stage, struct bytes *b,
 struct case_result device_case(const struct stage *stage, struct bytes *b,
                                struct gpu *g)
 {
-    static const struct device_run run[2] = {
-        {256, 0x55, {0}}, {96, 0xaa, {.hosted = true, .descending = true}}};
-    return compare(stage, b, g, run, 2);
+    static const struct device_run run[3] = {
+        {256, 0x55, {0}},
+        {96, 0xaa, {.hosted = true, .descending = true}},
+        {32, 0x33, {.shuffled = 5}}};
+    return compare(stage, b, g, run, gpu_device(g) < 0 ? 3 : 2);
 }
 
 bool device_differs(const struct stage *stage, struct bytes *b, struct gpu *g,
