@@ -1,27 +1,35 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Has Gappa bound every rounding error anew and compares each bound with the
-# constant in the code. One row a proof: script, constant, file that has it. A
-# constant is #defined as a power of two, or as a number of units u = 2^-24 and
-# 2^-53 (@P@ in the script); or it stands on a page as 2^-49 or 4u. Bounds must
-# stay a hundredth below.
+# constant in the code. One row a proof: script, constant, files that have it,
+# which must all say the same. A constant is #defined as a power of two, or as a
+# number of units u = 2^-24 and 2^-53 (@P@ in the script); or it stands on a page
+# as 2^-49 or 4u. Bounds must stay a hundredth below. A row without a script (-)
+# is of a constant for which the page has the proof: it gives the value, too.
 set -eu
 cd "$(dirname "$0")/.."
 
 rows='
-narrow_form    ERROR_FORM    ref/filter.c
-narrow_cubic   ERROR_CUBIC   ref/filter.c
-narrow_box     ERROR_BOX     ref/filter.c
-audit_orient3  ERROR_ORIENT3 ref/predicates.c
-audit_orient2  ERROR_ORIENT2 ref/predicates.c
-audit_orient3  ERROR_BESIDE  ref/tritri.c
-audit_parted   ERROR_PARTED  ref/tritri.c
-audit_opened   ERROR_OPENED  ref/tritri.c
+narrow_form    ERROR_FORM    ref/filter.c gpu/filter.cuh
+narrow_cubic   ERROR_CUBIC   ref/filter.c gpu/filter.cuh
+narrow_box     ERROR_BOX     ref/filter.c gpu/filter.cuh
+narrow_rough   ERROR_ROUGH   gpu/point.cuh
+audit_orient3  ERROR_ORIENT3 ref/predicates.c gpu/predicates.cuh
+audit_orient2  ERROR_ORIENT2 ref/predicates.c gpu/predicates.cuh
+audit_orient3  ERROR_BESIDE  ref/tritri.c gpu/facing.cuh
+audit_parted   ERROR_PARTED  ref/tritri.c gpu/facing.cuh
+audit_opened   ERROR_OPENED  ref/tritri.c gpu/facing.cuh
 box_gap        4u            spec/20_refit.md
 box_reach      BOX_REACH     ref/box.h
 box_late       BOX_LATE      ref/box.h
-cones_room     CONES_ROOM    ref/cones.c
+cones_room     CONES_ROOM    ref/cones.c gpu/cones.cuh
 closest_point  2^-49         spec/31_proximity.md
+- UNDERFLOW=0x1p-800         ref/filter.c gpu/filter.cuh
+- RANGE=0x1p200              ref/filter.c gpu/filter.cuh
+- UNDERFLOW=0x1p-1000        ref/predicates.c gpu/predicates.cuh
+- UNDERFLOW=0x1p-1000        ref/tritri.c gpu/facing.cuh
+- UNDERFLOW_OPENED=0x1p-700  ref/tritri.c gpu/facing.cuh
+- UNDERFLOW_ROUGH=0x1p-700   gpu/point.cuh
 '
 
 command -v gappa >/dev/null || {
@@ -36,6 +44,18 @@ constant() {
     *u) ! grep -qF -- "$1" "$2" || echo "${1%u}" ;;
     *) sed -n "s/^#define $1 \([0-9][0-9xp-]*\).*/\1/p" "$2" ;;
     esac
+}
+
+# What all files say of it; nothing where they differ or one says nothing.
+agreed() {
+    name=$1 said=
+    shift
+    for file; do
+        value=$(constant "$name" "$file")
+        [ -n "$value" ] && [ "${said:-$value}" = "$value" ] || return 0
+        said=$value
+    done
+    echo "$said"
 }
 
 # The upper end of the one interval that Gappa prints, as a decimal.
@@ -64,12 +84,25 @@ prove() {
     fi
 }
 
+# A row without a script: NAME=VALUE, and what the files agree on.
+compare() {
+    if [ "$2" = "${1#*=}" ]; then
+        echo "agreed ${1%=*}: $2"
+        passed=$((passed + 1))
+    else
+        echo "FAILED constant $1: the files say '$2'"
+        failed=$((failed + 1))
+    fi
+}
+
 passed=0 failed=0
-while read -r script name file; do
+while read -r script name files; do
     [ -n "$script" ] || continue
-    value=$(constant "$name" "$file")
-    case $value in
-    0x1p*) prove "$script" "$name" 1 "${value#0x1p}" ;;
+    # shellcheck disable=SC2086 # a list
+    value=$(agreed "${name%=*}" $files)
+    case $script$value in
+    -*) compare "$name" "$value" ;;
+    *0x1p*) prove "$script" "$name" 1 "${value#0x1p}" ;;
     *)
         prove "$script" "$name" "$value" -24
         prove "$script" "$name" "$value" -53

@@ -73,7 +73,7 @@ static __device__ inline struct box face_box(const vec *x0, const vec *x1,
 /* r⁺ for the host to pass on. */
 static inline real reach_of(real r)
 {
-    return r * (1 + 16 * REAL_UNIT);
+    return r * (1 + BOX_REACH * REAL_UNIT);
 }
 
 /* The sides of a box on an axis at both ends of the step. */
@@ -138,7 +138,7 @@ static __device__ inline bool meets(const struct box &a, const struct box &b,
     bound(x, &late, &early);
     bound(y, &late, &early);
     bound(z, &late, &early);
-    return !(late * (1 + 32 * REAL_UNIT) + R(0x1p-100) < early);
+    return !(late * (1 + BOX_LATE * REAL_UNIT) + R(0x1p-100) < early);
 }
 
 #endif

@@ -6,6 +6,8 @@
 #include "gpu/real.cuh"
 #include "ref/cones.h"
 
+#define CONES_ROOM 32 /* as the reference's, to which ci/prove.sh holds it */
+
 static __device__ inline struct tangents join(const struct tangents &a,
                                               const struct tangents &b)
 {
@@ -39,7 +41,7 @@ static __device__ inline struct span span_dot(vec p, vec lo, vec hi)
 /* Whether the tangents keep every two points of the patch more than r apart. */
 static __device__ inline bool spread(const struct tangents &b, real r)
 {
-    const real room = 32 * REAL_UNIT, tiny = R(0x1p-100);
+    const real room = CONES_ROOM * REAL_UNIT, tiny = R(0x1p-100);
     vec u = scale(R(0.5), add(b.ulo, b.uhi));
     vec v = scale(R(0.5), add(b.vlo, b.vhi));
     real uu = dot(u, u), uv = dot(u, v), vv = dot(v, v);

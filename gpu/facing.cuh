@@ -7,6 +7,13 @@
 #include "gpu/real.cuh"
 #include "ref/tritri.h"
 
+/* As the reference's, to which ci/prove.sh holds them. */
+#define ERROR_BESIDE 0x1p-49
+#define ERROR_PARTED 0x1p-49
+#define ERROR_OPENED 0x1p-48
+#define UNDERFLOW 0x1p-1000
+#define UNDERFLOW_OPENED 0x1p-700
+
 /* Two triangles with the vertices that they share first, in one order. */
 struct facing {
     point t[3], s[3];
@@ -54,7 +61,7 @@ static __device__ inline bool beside(const struct plane *t,
     for (int k = 0; k < 3; k++) {
         from(t->o, s->p[k], d);
         double h = dot(t->n, d);
-        double error = 0x1p-49 * dot_size(t->size, d) + 0x1p-1000;
+        double error = ERROR_BESIDE * dot_size(t->size, d) + UNDERFLOW;
         above |= (unsigned)(h > error) << k;
         below |= (unsigned)(h < -error) << k;
     }
@@ -87,11 +94,11 @@ static __device__ inline bool parted(const struct facing *f)
         if (k == 0 && shared)
             continue;
         from(f->t[0], f->s[k], d);
-        double h = dot(u, d), error = 0x1p-49 * dot_size(u, d) + 0x1p-1000;
+        double h = dot(u, d), error = ERROR_PARTED * dot_size(u, d) + UNDERFLOW;
         lo = first || h - error < lo ? h - error : lo;
         from(f->t[0], f->t[k], d);
         h = dot(u, d);
-        error = 0x1p-49 * dot_size(u, d) + 0x1p-1000;
+        error = ERROR_PARTED * dot_size(u, d) + UNDERFLOW;
         hi = first || h + error > hi ? h + error : hi;
         first = false;
     }
@@ -108,7 +115,7 @@ static __device__ inline bool opened(const struct facing *f)
     double p = dot(e, e) * dot(c, d), q = dot(e, c) * dot(e, d);
     double size =
         dot_size(e, e) * dot_size(c, d) + dot_size(e, c) * dot_size(e, d);
-    return p - q < -(0x1p-48 * size + 0x1p-700);
+    return p - q < -(ERROR_OPENED * size + UNDERFLOW_OPENED);
 }
 
 /* ---- Arrangement ---- */

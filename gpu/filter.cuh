@@ -7,6 +7,13 @@
 
 #include "gpu/real.cuh"
 
+/* §4.3, as the reference's, to which ci/prove.sh holds them. */
+#define ERROR_FORM 0x1p-47
+#define ERROR_CUBIC 0x1p-45
+#define ERROR_BOX 0x1p-51
+#define UNDERFLOW 0x1p-800
+#define RANGE 0x1p200
+
 /* A pair's vertices at t = 0 and 1. */
 struct quad {
     vec x[2][4];
@@ -134,11 +141,11 @@ static __device__ inline bool errors_of(const struct vectors *m,
                                         struct errors *e)
 {
     double x = size_on(m, 0), y = size_on(m, 1), z = size_on(m, 2);
-    e->q[0] = 0x1p-47 * (y * z) + 0x1p-800;
-    e->q[1] = 0x1p-47 * (z * x) + 0x1p-800;
-    e->q[2] = 0x1p-47 * (x * y) + 0x1p-800;
-    e->v = 0x1p-45 * (x * y * z) + 0x1p-800;
-    return x <= 0x1p200 && y <= 0x1p200 && z <= 0x1p200;
+    e->q[0] = ERROR_FORM * (y * z) + UNDERFLOW;
+    e->q[1] = ERROR_FORM * (z * x) + UNDERFLOW;
+    e->q[2] = ERROR_FORM * (x * y) + UNDERFLOW;
+    e->v = ERROR_CUBIC * (x * y * z) + UNDERFLOW;
+    return x <= RANGE && y <= RANGE && z <= RANGE;
 }
 
 /* 1 or -1 where all coefficients have that sign beyond error e, else 0. */

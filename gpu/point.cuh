@@ -136,10 +136,13 @@ static __device__ inline struct rough poly_rough(const struct room *m,
 
 /* The sign of a sum of terms whose sizes add to `size`, where that is certain,
  * else 0. A term is off by 2^-50 of itself at most and at most eight roundings
- * come to it: under 2^-48, and `size` is off by less than half. */
+ * come to it: under 2^-48, and `size` is off by less than half. Both are proven
+ * in spec/proofs/narrow_rough.gappa. */
+#define ERROR_ROUGH 0x1p-46
+#define UNDERFLOW_ROUGH 0x1p-700
 static __device__ inline int rough_sign(double sum, double size)
 {
-    double bound = 0x1p-46 * size + 0x1p-700;
+    double bound = ERROR_ROUGH * size + UNDERFLOW_ROUGH;
     return sum > bound ? 1 : sum < -bound ? -1 : 0;
 }
 

@@ -7,6 +7,11 @@
 #include "gpu/big.cuh"
 #include "ref/tritri.h"
 
+/* §2.1, as the reference's, to which ci/prove.sh holds them. */
+#define ERROR_ORIENT3 0x1p-49
+#define ERROR_ORIENT2 0x1p-50
+#define UNDERFLOW 0x1p-1000
+
 /* Words of room: 12 coordinates and 9 differences of at most 39 words, and
  * products of three. */
 enum { SIGNS_ROOM = 2048 };
@@ -84,7 +89,7 @@ static __device__ __noinline__ int orient3(struct signs *s, const point a,
     double sum =
         ((fabs(yz) + fabs(zy)) * fabs(dx) + (fabs(zx) + fabs(xz)) * fabs(dy)) +
         (fabs(xy) + fabs(yx)) * fabs(dz);
-    double error = 0x1p-49 * sum + 0x1p-1000;
+    double error = ERROR_ORIENT3 * sum + UNDERFLOW;
     if (fabs(det) > error)
         return det > 0 ? 1 : -1;
     /* §2.3 */
@@ -104,7 +109,7 @@ static __device__ __noinline__ int orient2(struct signs *s, const point a,
     double bu = b[u] - a[u], bv = b[v] - a[v];
     double cu = c[u] - a[u], cv = c[v] - a[v];
     double p = bu * cv, q = bv * cu, det = p - q;
-    double error = 0x1p-50 * (fabs(p) + fabs(q)) + 0x1p-1000;
+    double error = ERROR_ORIENT2 * (fabs(p) + fabs(q)) + UNDERFLOW;
     if (fabs(det) > error)
         return det > 0 ? 1 : -1;
     if ((bu == 0 && cu == 0) || (bv == 0 && cv == 0))

@@ -47,7 +47,7 @@ static __device__ inline bool make_forms(const struct quad *p, struct forms *s)
         for (int j = 0; j < 4; j++)
             size =
                 most(size, most(fabs(s->box[k][j][0]), fabs(s->box[k][j][1])));
-        s->e_box[k] = 0x1p-51 * size + 0x1p-800;
+        s->e_box[k] = ERROR_BOX * size + UNDERFLOW;
         cross_form(m.g, m.h, k, n[k]);
         axis_forms(&m, p->ee, k, n[k], s->w[k]);
     }
