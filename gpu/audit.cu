@@ -6,8 +6,17 @@
 #include "gpu/tritri.cuh"
 
 /* Whole numbers are made by workers, one thread of 32 each, so that none waits
- * for another's branch, in a room each. */
-enum { WORKERS = 512, APART = 32, DECIDE_WORKERS = 1 << 16 };
+ * for another's branch, in a room each. The lists have room at first for some
+ * pairs each triangle and some more. Where emulated all of it is little, so
+ * that workers have several items and lists are too short. */
+enum { APART = 32 };
+#ifdef __CUDACC__
+enum { WORKERS = 512, DECIDE_WORKERS = 1 << 16 };
+enum { PAIRS_EACH = 1, PAIRS_MORE = 1024 };
+#else
+enum { WORKERS = 3, DECIDE_WORKERS = 16 };
+enum { PAIRS_EACH = 0, PAIRS_MORE = 8 };
+#endif
 
 /* Lists on the device: triangles, and pairs a < b as a·2^32 + b. */
 struct lists {
@@ -209,7 +218,7 @@ static const int64_t *pairs(struct gpu *g, struct audit *s, struct lists *l,
 {
     struct audit_levels v = gpu_audit_levels(s->nt);
     gpu_audit_tree(g, s, &v, word);
-    take_lists(g, l, s->nt + 1024);
+    take_lists(g, l, PAIRS_EACH * s->nt + PAIRS_MORE);
     for (;;) {
         search(g, s, &v, *l, word);
         const int64_t *seen = gpu_look_words(g, AUDIT_WORDS);

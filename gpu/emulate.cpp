@@ -49,6 +49,7 @@ struct gpu *gpu_open(const drape_def *def, int *status)
     if (!g)
         return NULL;
     snprintf(g->name, sizeof g->name, "emulated on the host");
+    emulate_next_order();
     g->stream = def && def->stream ? def->stream : g;
     g->number = -1;
     g->bulk = true;

@@ -69,6 +69,9 @@ enum { EMULATE_RANKS = 3, EMULATE_ROOM = 1 << 16 };
  * whoever waits for it is told. */
 bool emulate_lost(bool more);
 
+/* A device that is opened runs in another order than the one before. */
+void emulate_next_order(void);
+
 void emulate_items(int64_t n, int threads, emulate_call kernel);
 void emulate_blocks(int64_t blocks, int threads, emulate_call kernel);
 /* One block, whose ranks of `threads` threads have barriers of their own. */

@@ -23,6 +23,14 @@ void gpu_set_way(struct gpu *g, struct gpu_way to)
     asked = 0;
 }
 
+void emulate_next_order(void)
+{
+    static __thread int opened;
+    opened++;
+    way.descending = opened % 3 == 1;
+    way.shuffled = opened % 3 == 2 ? opened : 0;
+}
+
 bool emulate_lost(bool more)
 {
     asked += more;
@@ -178,8 +186,8 @@ static void live(void)
 
 static void meet(enum meeting at)
 {
-    bool unlike = (met_warp && met_warp != at) ||
-                  (at != OF_WARP && met && met != at);
+    bool unlike =
+        (met_warp && met_warp != at) || (at != OF_WARP && met && met != at);
     if (!running || unlike) {
         fputs(running ? "emulate: threads of a rank at unlike barriers\n"
                       : "emulate: a barrier in a kernel of items\n",

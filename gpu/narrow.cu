@@ -12,12 +12,17 @@
 enum { WORD_BAD, WORD_SPLIT, WORD_EXACT, WORD_LONG, WORD_LEFT, WORDS = 6 };
 
 /* The third tier's workers: a room each, short or for every input (§6.5). A
- * worker is one thread of 32, so that none waits for another's branch. */
-enum { SHORT_ROOM = 2304, LONG_ROOM = 65536 };
-enum { SHORT_WORKERS = 2048, LONG_WORKERS = 32, APART = 32 };
-
-/* Halving workers: as many as fit on a large device, a few times over. */
+ * worker is one thread of 32, so that none waits for another's branch. Halving
+ * workers: as many as fit on a large device, a few times over. Where emulated
+ * there are few, so that each has several items. */
+enum { APART = 32, LONG_ROOM = 65536 };
+#ifdef __CUDACC__
+enum { SHORT_ROOM = 2304, SHORT_WORKERS = 2048, LONG_WORKERS = 32 };
 enum { SPLIT_WORKERS = 1 << 18 };
+#else
+enum { SHORT_ROOM = 512, SHORT_WORKERS = 3, LONG_WORKERS = 2 };
+enum { SPLIT_WORKERS = 16 };
+#endif
 
 /* A list of candidates on the device. */
 struct list {
