@@ -129,7 +129,7 @@ ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
 
 .PHONY: all demo check bench reference certify asan fuzz install help golden \
         format tidy clang-tests check-parts flavours gcc-O0 gcc-O3 clang-O2 \
-        soak outcomes prove oracles fuzz-libs price launches say-gpu tables
+        soak mutants outcomes prove oracles fuzz-libs price launches say-gpu tables
 .DELETE_ON_ERROR:
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, tool
@@ -326,6 +326,12 @@ gcc-O0 gcc-O3 clang-O2: $(BUILD)/check
 
 prove: ## Gappa bounds every constant of the filters anew
 	sh ci/prove.sh
+
+N ?= 60
+SEED ?= 1
+mutants: ## plants N=60 faults in changed lines (ALL=1: in any) by SEED=: who sees?
+	python3 ci/mutants.py -n $(N) --seed $(SEED) $(if $(ALL),--all) \
+	  $(if $(BASE),--base $(BASE)) --work $(BUILD)/mutants
 
 soak: $(BUILD)/check asan ## the tests' long forms: whole frames, 2M triangles
 	DRAPE_SOAK=1 $(BUILD)/check --tests
