@@ -4,6 +4,7 @@
 #include "app/app.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -45,7 +46,7 @@ char *file_read(const char *path, size_t *size)
     if (!data) {
         complain(APP_FAILED, "%s: out of memory", path);
     } else if (ferror(stream)) {
-        complain(APP_USAGE, "%s: cannot be read", path);
+        complain(APP_USAGE, "%s: cannot be read: %s", path, strerror(errno));
         free(data);
         data = NULL;
     }
@@ -74,16 +75,43 @@ bool file_join(char path[FILE_PATH], const char *directory, const char *name)
     return false;
 }
 
+/* A new file beside its place. Its name has this process's number in it, so
+ * no other writer takes the same; left over from a process that was killed it
+ * may be there, and the next is tried. */
+static FILE *open_part(struct file *file, const char *directory,
+                       const char *name)
+{
+    for (int k = 0; k < 100; k++) {
+        char part[256];
+        snprintf(part, sizeof part, ".%.200s.%ld-%d.part", name, (long)getpid(),
+                 k);
+        if (!file_join(file->part, directory, part))
+            return NULL;
+        int flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+        int descriptor = open(file->part, flags, 0666);
+        FILE *stream = descriptor < 0 ? NULL : fdopen(descriptor, "wb");
+        if (stream)
+            return stream;
+        if (descriptor >= 0) {
+            close(descriptor);
+            remove(file->part);
+            errno = ENOMEM;
+        }
+        if (errno != EEXIST)
+            break;
+    }
+    complain(APP_FAILED, "%s: cannot write: %s", file->path, strerror(errno));
+    return NULL;
+}
+
 bool file_open(struct file *file, const char *directory, const char *name)
 {
-    char part[512];
-    snprintf(part, sizeof part, ".%.480s.part", name);
-    if (!file_join(file->path, directory, name) ||
-        !file_join(file->part, directory, part))
+    file->stream = NULL;
+    if (!file_join(file->path, directory, name))
         return false;
-    file->stream = fopen(file->part, "wb");
-    if (!file->stream)
-        complain(APP_FAILED, "%s: %s", file->part, strerror(errno));
+    file->stream = open_part(file, directory, name);
+    /* A write that fails before the file is closed leaves its reason here. */
+    errno = 0;
     return file->stream != NULL;
 }
 
@@ -98,11 +126,12 @@ void file_drop(struct file *file)
 
 bool file_close(struct file *file)
 {
+    int before = errno;
     errno = 0;
     bool good = fflush(file->stream) == 0 && !ferror(file->stream);
     /* Only what has reached the disk may take the file's name. */
     good = good && fsync(fileno(file->stream)) == 0;
-    int why = errno;
+    int why = errno || good ? errno : before;
     if (fclose(file->stream) != 0 && good) {
         good = false;
         why = errno;
@@ -118,6 +147,19 @@ bool file_close(struct file *file)
     return false;
 }
 
+/* One folder; its parent is there. false after one line. */
+static bool make_one(const char *path)
+{
+    if (mkdir(path, 0777) == 0)
+        return true;
+    int why = errno;
+    if (file_is_directory(path))
+        return true;
+    complain(APP_FAILED, "%s: cannot make this folder: %s", path,
+             strerror(why == EEXIST ? ENOTDIR : why));
+    return false;
+}
+
 bool file_make_directory(const char *path)
 {
     char part[FILE_PATH];
@@ -126,14 +168,12 @@ bool file_make_directory(const char *path)
         return false;
     }
     strcpy(part, path);
-    for (char *p = part + 1; *p; p++)
+    bool good = true;
+    for (char *p = part + 1; *part && *p && good; p++)
         if (*p == '/') {
             *p = 0;
-            mkdir(part, 0777);
+            good = make_one(part);
             *p = '/';
         }
-    if (mkdir(part, 0777) == 0 || file_is_directory(path))
-        return true;
-    complain(APP_FAILED, "%s: %s", path, strerror(errno));
-    return false;
+    return good && make_one(part);
 }

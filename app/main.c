@@ -4,6 +4,7 @@
 #include "app/app.h"
 
 #include <drape.h>
+#include <errno.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -112,9 +113,11 @@ static int command_help(int argc, char **argv)
  * of the whole call, unless something worse was already said. */
 static int flush(int status)
 {
+    errno = 0;
     if (fflush(stdout) == 0 && !ferror(stdout))
         return status;
-    return complain(APP_FAILED, "standard output: cannot write");
+    return complain(APP_FAILED, "standard output: cannot write: %s",
+                    errno ? strerror(errno) : "a part of it was lost");
 }
 
 /* Whether --help or -h is among the arguments of a command. */
@@ -128,7 +131,10 @@ static bool asks_help(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
+    /* A reader that has gone and a file that may not grow make a write fail,
+     * which is told of, instead of ending the process where it stands. */
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
     if (argc < 2) {
         list_commands(stderr);
         return APP_USAGE;

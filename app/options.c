@@ -59,6 +59,9 @@ static int read_option(const struct option *table, int argc, char **argv,
     const char *value = argv[++*k];
     if (row->type == OPTION_INT)
         return read_int(row, value);
+    if (!*value)
+        return complain(APP_USAGE, "%s: expected a value, not an empty text",
+                        name);
     *(const char **)row->out = value;
     return APP_OK;
 }
@@ -73,6 +76,10 @@ int options_read(const struct option *table, int argc, char **argv,
             ended = true;
             continue;
         }
+        if (!*argv[k])
+            return complain(APP_USAGE,
+                            "argument %d: expected a name, not an empty text",
+                            k + 1);
         if (ended || argv[k][0] != '-' || !argv[k][1]) {
             argv[(*positional)++] = argv[k];
             continue;
