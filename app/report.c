@@ -1,94 +1,54 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* report.json: every step of a run, and what it came to. */
 #include "app/report.h"
-#include "app/app.h"
 #include "app/file.h"
+#include "app/text.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+static const char *const part_names[] = {"integration", "solver", "broad",
+                                         "proximity", "penetration"};
+_Static_assert(sizeof part_names / sizeof *part_names == DRAPE_PART_COUNT,
+               "a part has no name");
 
-static const char *const part_names[DRAPE_PART_COUNT] = {
-    "integration", "solver", "broad", "proximity", "penetration"};
-static const char *const outcome_names[] = {
-    "unconverged", "zones", "rollback", "trapped", "diverged", "asleep"};
-enum { OUTCOMES = 6 };
-
-bool report_add(struct report *report, const drape_step_report *step)
-{
-    if (report->count == report->room) {
-        int64_t room = report->room ? 2 * report->room : 256;
-        drape_step_report *larger =
-            realloc(report->step, (size_t)room * sizeof *larger);
-        if (!larger) {
-            complain(APP_FAILED, "out of memory");
-            return false;
-        }
-        report->step = larger;
-        report->room = room;
-    }
-    report->step[report->count++] = *step;
-    return true;
-}
-
-void report_free(struct report *report)
-{
-    free(report->step);
-    *report = (struct report){0};
-}
-
-const char *report_outcome(int outcome, char text[128])
-{
-    strcpy(text, outcome ? "" : "clean");
-    for (int k = 0; k < OUTCOMES; k++)
-        if (outcome >> k & 1) {
-            strcat(text, *text ? "+" : "");
-            strcat(text, outcome_names[k]);
-        }
-    return text;
-}
-
-/* A JSON text; bytes above 127 are UTF-8 already. */
-static void put_text(FILE *out, const char *text)
-{
-    fputc('"', out);
-    for (; *text; text++) {
-        unsigned char c = (unsigned char)*text;
-        if (c == '"' || c == '\\')
-            fprintf(out, "\\%c", c);
-        else if (c < 32)
-            fprintf(out, "\\u%04x", c);
-        else
-            fputc(c, out);
-    }
-    fputc('"', out);
-}
+/* In the order of report_work. */
+static const char *const work_names[] = {
+    "tries",      "solves", "queries", "narrow", "boxes",
+    "boxes_kept", "walked", "cleared", "near",   "later"};
+enum { WORK_NARROW = 3 };
+_Static_assert(sizeof work_names / sizeof *work_names == WORKS,
+               "a count of work has no name");
 
 static void put_number(FILE *out, const char *name, double value)
 {
-    if (isfinite(value))
-        fprintf(out, ", \"%s\": %.17g", name, value);
-    else
-        fprintf(out, ", \"%s\": null", name);
+    fprintf(out, ", \"%s\": ", name);
+    text_put_number(out, "%.17g", value);
+}
+
+/* Wall time by part. */
+static void put_parts(FILE *out, const double seconds[DRAPE_PART_COUNT])
+{
+    for (int k = 0; k < DRAPE_PART_COUNT; k++) {
+        fprintf(out, "%s\"%s\": ", k ? ", " : "", part_names[k]);
+        text_put_number(out, "%.6g", seconds[k]);
+    }
 }
 
 /* What was done, and beside it what was not. */
-static void put_work(FILE *out, const drape_work *w, int64_t rounds)
+static void put_work(FILE *out, const int64_t work[WORKS], int64_t rounds)
 {
-    fprintf(out,
-            "\"work\": {\"tries\": %d, \"solves\": %d, \"queries\": %d, "
-            "\"narrow\": %d, \"narrow_skipped\": %lld, \"boxes\": %lld, "
-            "\"boxes_kept\": %lld, \"walked\": %lld, \"cleared\": %lld, "
-            "\"near\": %lld, \"later\": %lld}",
-            w->tries, w->solves, w->queries, w->narrow,
-            (long long)(rounds - w->narrow), (long long)w->boxes,
-            (long long)w->boxes_kept, (long long)w->walked,
-            (long long)w->cleared, (long long)w->near, (long long)w->later);
+    for (int k = 0; k < WORKS; k++) {
+        fprintf(out, "%s\"%s\": %lld", k ? ", " : "\"work\": {", work_names[k],
+                (long long)work[k]);
+        if (k == WORK_NARROW)
+            fprintf(out, ", \"narrow_skipped\": %lld",
+                    (long long)(rounds - work[k]));
+    }
+    fputs("}", out);
 }
 
 static void put_step(FILE *out, const drape_step_report *s)
 {
     char words[128];
+    int64_t work[WORKS];
     fprintf(out, "    {\"step\": %lld", (long long)s->step);
     put_number(out, "time", s->time);
     fprintf(out,
@@ -108,63 +68,47 @@ static void put_step(FILE *out, const drape_step_report *s)
     put_number(out, "elastic", s->elastic);
     put_number(out, "potential", s->potential);
     fprintf(out, ", \"graphs\": %d, \"seconds\": {", s->graphs);
-    for (int k = 0; k < DRAPE_PART_COUNT; k++)
-        fprintf(out, "%s\"%s\": %.6g", k ? ", " : "", part_names[k],
-                s->seconds[k]);
+    put_parts(out, s->seconds);
     fputs("}, ", out);
-    put_work(out, &s->work, s->rounds);
+    report_work(&s->work, work);
+    put_work(out, work, s->rounds);
     fputs("}", out);
 }
 
-static void add_work(drape_work *all, const drape_work *one)
+/* Steps that end intersecting, and which are the first and the last. */
+static void put_intersecting(FILE *out, const struct totals *t)
 {
-    all->tries += one->tries;
-    all->solves += one->solves;
-    all->queries += one->queries;
-    all->narrow += one->narrow;
-    all->boxes += one->boxes;
-    all->boxes_kept += one->boxes_kept;
-    all->walked += one->walked;
-    all->cleared += one->cleared;
-    all->near += one->near;
-    all->later += one->later;
+    fprintf(out, "\"intersecting\": {\"count\": %lld",
+            (long long)t->intersecting);
+    if (t->intersecting)
+        fprintf(out, ", \"first\": %lld, \"last\": %lld}", (long long)t->first,
+                (long long)t->last);
+    else
+        fputs(", \"first\": null, \"last\": null}", out);
 }
 
 static void put_summary(FILE *out, const struct report *report)
 {
-    int64_t outcomes[OUTCOMES] = {0}, contacts = 0, detections = 0, graphs = 0;
-    drape_work work = {0};
-    int rounds = 0, iterations = 0;
-    double seconds[DRAPE_PART_COUNT] = {0};
-    for (int64_t k = 0; k < report->count; k++) {
-        const drape_step_report *s = &report->step[k];
-        for (int j = 0; j < OUTCOMES; j++)
-            outcomes[j] += s->outcome >> j & 1;
-        for (int j = 0; j < DRAPE_PART_COUNT; j++)
-            seconds[j] += s->seconds[j];
-        add_work(&work, &s->work);
-        detections += s->rounds;
-        graphs += s->graphs;
-        contacts = s->contacts > contacts ? s->contacts : contacts;
-        rounds = s->rounds > rounds ? s->rounds : rounds;
-        iterations = s->iterations > iterations ? s->iterations : iterations;
-    }
+    struct totals t;
+    report_sum(report, &t);
+    fprintf(out, "  \"summary\": {\"steps\": %lld, \"seconds\": ",
+            (long long)t.done);
+    text_put_number(out, "%.6g", report->seconds);
     fprintf(out,
-            "  \"summary\": {\"steps\": %lld, \"seconds\": %.6g, "
-            "\"most_contacts\": %lld, \"most_rounds\": %d, "
-            "\"most_iterations\": %d, \"graphs\": %lld,\n    "
+            ", \"most_contacts\": %lld, \"most_rounds\": %lld, "
+            "\"most_iterations\": %lld, \"graphs\": %lld,\n    "
             "\"outcomes\": {",
-            (long long)report->count, report->seconds, (long long)contacts,
-            rounds, iterations, (long long)graphs);
+            (long long)t.contacts, (long long)t.rounds, (long long)t.iterations,
+            (long long)t.graphs);
     for (int j = 0; j < OUTCOMES; j++)
-        fprintf(out, "%s\"%s\": %lld", j ? ", " : "", outcome_names[j],
-                (long long)outcomes[j]);
-    fputs("},\n    \"part_seconds\": {", out);
-    for (int j = 0; j < DRAPE_PART_COUNT; j++)
-        fprintf(out, "%s\"%s\": %.6g", j ? ", " : "", part_names[j],
-                seconds[j]);
+        fprintf(out, "%s\"%s\": %lld", j ? ", " : "", outcomes[j].name,
+                (long long)t.outcome[j]);
     fputs("},\n    ", out);
-    put_work(out, &work, detections);
+    put_intersecting(out, &t);
+    fputs(",\n    \"part_seconds\": {", out);
+    put_parts(out, t.seconds);
+    fputs("},\n    ", out);
+    put_work(out, t.work, t.all_rounds);
     fputs("},\n", out);
 }
 
@@ -178,7 +122,7 @@ static void put_bodies(FILE *out, const struct scene *scene,
     for (int k = 0; k < bodies; k++) {
         bool cloth = k < def->n_cloths;
         fputs("    {\"name\": ", out);
-        put_text(out, cloth ? scene->cloth_name[k]
+        text_put(out, cloth ? scene->cloth_name[k]
                             : scene->obstacle_name[k - def->n_cloths]);
         fprintf(out,
                 ", \"kind\": \"%s\", \"first_vertex\": %lld, "
@@ -217,7 +161,7 @@ static void put_plan(FILE *out, const drape_world *world)
                 "    {\"stage\": \"%s\", \"on\": %s, \"bytes\": %zu, "
                 "\"why\": ",
                 row[k].stage, row[k].on ? "true" : "false", row[k].bytes);
-        put_text(out, row[k].why);
+        text_put(out, row[k].why);
         fprintf(out, "}%s\n", k + 1 < rows ? "," : "");
     }
     fputs("  ],\n", out);
@@ -242,10 +186,12 @@ bool report_write(const struct report *report, const struct scene *scene,
         return false;
     FILE *out = file.stream;
     const drape_def *def = &scene->def;
-    fprintf(out, "{\n  \"drape\": \"%s\",\n  \"scene\": ", DRAPE_VERSION);
-    put_text(out, scene->name);
+    char id[REPORT_ID];
+    fprintf(out, "{\n  \"drape\": \"%s\", \"id\": \"%s\",\n  \"scene\": ",
+            DRAPE_VERSION, report_id(report, scene, id));
+    text_put(out, scene->name);
     fputs(",\n  \"file\": ", out);
-    put_text(out, scene->file);
+    text_put(out, scene->file);
     fprintf(out,
             ",\n  \"end\": \"%s\", \"backend\": \"%s\", \"precision\": %d, "
             "\"threads\": %d, \"dt\": %.17g, \"steps_per_frame\": %d,\n"

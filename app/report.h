@@ -6,15 +6,29 @@
 #include "app/error.h"
 
 struct report {
-    drape_step_report *step; /* [count] */
+    drape_step_report *step; /* [count] also of a step that diverged */
     int64_t count, room;
     double seconds;           /* wall time of the steps */
     struct estimate estimate; /* of --error */
+    uint64_t start;           /* a digest of the run's first state */
 };
+
+/* Whose frames these are: the run's start and how many steps a frame has. Runs
+ * that share it share every frame. */
+enum { REPORT_ID = 32 };
+const char *report_id(const struct report *report, const struct scene *scene,
+                      char id[REPORT_ID]);
 
 /* false after one line when memory is out. */
 bool report_add(struct report *report, const drape_step_report *step);
 void report_free(struct report *report);
+
+/* The one table of outcomes and their names, in the order of their bits. */
+enum { OUTCOMES = 6 };
+extern const struct outcome {
+    int bit; /* enum drape_outcome */
+    const char *name;
+} outcomes[OUTCOMES];
 
 /* Outcomes after which a step's state is not what was asked for. */
 enum { NOT_CLEAN = DRAPE_TRAPPED | DRAPE_DIVERGED };
@@ -22,6 +36,25 @@ enum { NOT_CLEAN = DRAPE_TRAPPED | DRAPE_DIVERGED };
 /* The outcome as words, "clean" for 0; the text lasts until the next call
  * with the same buffer. */
 const char *report_outcome(int outcome, char text[128]);
+
+/* The counts of work of a step, in the order of drape_work. */
+enum { WORKS = 10 };
+void report_work(const drape_work *work, int64_t list[WORKS]);
+
+/* What all steps come to. */
+struct totals {
+    int64_t steps;             /* tried */
+    int64_t done;              /* those that did not diverge */
+    int64_t outcome[OUTCOMES]; /* steps that ended so, among others */
+    int64_t not_clean, unconverged;
+    int64_t intersecting;                 /* steps whose end state intersects */
+    int64_t first, last;                  /* of these, by their numbers */
+    int64_t contacts, rounds, iterations; /* of a step, the most */
+    int64_t all_rounds, graphs;
+    double seconds[DRAPE_PART_COUNT];
+    int64_t work[WORKS];
+};
+void report_sum(const struct report *report, struct totals *totals);
 
 /* Writes directory/report.json. end: how the run ended, in a word. */
 bool report_write(const struct report *report, const struct scene *scene,
