@@ -139,7 +139,8 @@ static void refit(struct gpu *g, struct broad *b)
 static int refitted(const struct gpu *g, struct broad *b)
 {
     const int64_t *seen = gpu_late_seen(g);
-    int64_t made = seen[REFIT_BAD] ? 0 : seen[REFIT_MADE];
+    int64_t still = b->started ? 0 : b->still;
+    int64_t made = seen[REFIT_BAD] ? 0 : seen[REFIT_MADE] - still;
     b->queries++;
     b->refitted += made;
     b->kept += b->tree.n - made;

@@ -44,6 +44,16 @@ static bool compared(const struct tree_mesh *k, const struct tree_mesh *l,
     return k == l ? k->self && k->kind != TREE_STATIC : cloth || other;
 }
 
+static int64_t count_still(const struct tree *t)
+{
+    int64_t still = 0;
+    for (int64_t l = 0; l < t->levels; l++) {
+        const int32_t *run = t->range + TREE_STATIC * t->levels + l;
+        still += run[1] - run[0];
+    }
+    return still;
+}
+
 static int make_roots(struct broad *b, const struct tree_scene *s, bool self)
 {
     int64_t n = 0;
@@ -94,6 +104,7 @@ int broad_make(struct broad *b, const struct tree_scene *scene, bool self,
         return status;
     int64_t n = b->tree.n, n_cloth = b->tree.n_cloth;
     b->cones = self && n_cloth > 0;
+    b->still = count_still(&b->tree);
     b->box = arena_take(arena, ARENA_TREE, n, sizeof *b->box);
     b->stir = arena_take(arena, ARENA_TREE, n, sizeof *b->stir);
     b->clear = arena_take(arena, ARENA_TREE, n_cloth, sizeof *b->clear);
@@ -156,8 +167,10 @@ int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
     b->moved = moved;
     int status = ref_refit(&fit);
     b->queries++;
-    b->refitted += fit.made;
-    b->kept += b->tree.n - fit.made;
+    int64_t made =
+        status == DRAPE_OK && fit.all ? fit.made - b->still : fit.made;
+    b->refitted += made;
+    b->kept += b->tree.n - made;
     trace_stage(b->trace, "refit", b->box, (size_t)b->tree.n * sizeof *b->box);
     b->started = b->started || status == DRAPE_OK;
     if (status != DRAPE_OK || !b->cones)

@@ -31,6 +31,8 @@ struct broad {
     int64_t roots; /* pairs of meshes that may touch */
     int32_t (*root)[2];
     struct box *box;
+    int64_t still; /* boxes of static meshes: the first query makes them, which
+                      counts as kept, so a resumed run counts as an unbroken */
     uint8_t *stir, *clear;
     int64_t n_inner; /* cloth nodes that are no leaves */
     struct tangents *tangents;
