@@ -30,6 +30,7 @@ static const struct command {
      "  --error E             m: choose integrator, dt and tolerance by trial\n"
      "  --checkpoint-every K  write DIR/checkpoint.drape every K frames\n"
      "  --resume FILE         go on from a checkpoint, bit for bit\n"
+     "  --force               remove another run's files from DIR first\n"
      "  --trace               write DIR/trace.csv, a digest a stage\n"
      "  --no-obj              frames as PLY only\n"
      "  --allow-intersecting  accept a start state that intersects\n"

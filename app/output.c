@@ -3,7 +3,6 @@
 #include "app/output.h"
 #include "app/app.h"
 
-#include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,8 +32,22 @@ static int make_views(struct output *o, const struct scene *scene,
     return APP_OK;
 }
 
+/* Obstacles that do not move, once for all frames. */
+static int write_still(struct output *o, const drape_world *world)
+{
+    if (!o->obstacles.nt || o->moving)
+        return APP_OK;
+    int status = drape_read(world, o->all.x, o->v);
+    if (status != DRAPE_OK)
+        return complain(APP_FAILED, "the obstacles: %s",
+                        drape_status_text(status));
+    bool good = ply_save(o->directory, "obstacles.ply", &o->obstacles, o->bits);
+    return good ? APP_OK : APP_FAILED;
+}
+
 int output_open(struct output *o, const struct scene *scene,
-                const drape_world *world, const char *directory)
+                const drape_world *world, const char *directory,
+                const struct claim *claim)
 {
     o->bits = scene->def.precision;
     for (int k = 0; k < scene->def.n_obstacles; k++)
@@ -45,14 +58,20 @@ int output_open(struct output *o, const struct scene *scene,
     strcpy(o->directory, directory);
     if (!file_join(o->frames, directory, "frames"))
         return APP_USAGE;
-    if (!file_make_directory(o->frames))
-        return APP_FAILED;
-    return make_views(o, scene, world);
+    int status = folder_take(&o->folder, directory);
+    if (status == APP_OK)
+        status = folder_prepare(&o->folder, claim);
+    if (status == APP_OK && !file_make_directory(o->frames))
+        status = APP_FAILED;
+    if (status == APP_OK)
+        status = make_views(o, scene, world);
+    return status == APP_OK ? write_still(o, world) : status;
 }
 
 void output_close(struct output *output)
 {
     pool_free(&output->pool);
+    folder_release(&output->folder);
 }
 
 bool output_path(char path[FILE_PATH], const char *directory, const char *body,
@@ -82,56 +101,7 @@ int output_frame(struct output *o, const drape_world *world, int k)
     snprintf(name, sizeof name, "obstacles_%04d.ply", k);
     if (o->obstacles.nt && o->moving)
         good = ply_save(o->frames, name, &o->obstacles, o->bits);
-    else if (o->obstacles.nt && k == 0)
-        good = ply_save(o->directory, "obstacles.ply", &o->obstacles, o->bits);
     return good ? APP_OK : APP_FAILED;
-}
-
-/* The number of the frame that this file holds, -1 where it holds none. */
-static int frame_number(const char *name, const char *body, const char *end)
-{
-    char expected[64];
-    size_t length = strlen(body);
-    if (strncmp(name, body, length) || name[length] != '_')
-        return -1;
-    long k = strtol(name + length + 1, NULL, 10);
-    snprintf(expected, sizeof expected, "%s_%04ld.%s", body, k, end);
-    return k >= 0 && k <= 1000000 && !strcmp(name, expected) ? (int)k : -1;
-}
-
-static int ascending(const void *a, const void *b)
-{
-    return *(const int *)a - *(const int *)b;
-}
-
-/* The frames of one kind of file, room for one more behind them. */
-static int *list(const char *frames, const char *body, const char *end,
-                 int *count)
-{
-    DIR *directory = opendir(frames);
-    int room = 64, *frame = malloc((size_t)room * sizeof *frame);
-    *count = 0;
-    struct dirent *entry;
-    while (directory && frame && (entry = readdir(directory)) != NULL) {
-        int k = frame_number(entry->d_name, body, end);
-        if (k < 0)
-            continue;
-        frame[(*count)++] = k;
-        if (*count < room)
-            continue;
-        int *larger = realloc(frame, 2 * (size_t)room * sizeof *frame);
-        if (!larger)
-            free(frame);
-        frame = larger;
-        room *= 2;
-    }
-    if (directory)
-        closedir(directory);
-    if (frame)
-        qsort(frame, (size_t)*count, sizeof *frame, ascending);
-    else
-        complain(APP_FAILED, "%s: out of memory", frames);
-    return frame;
 }
 
 int *output_frames(const char *directory, int *count)
@@ -139,43 +109,13 @@ int *output_frames(const char *directory, int *count)
     char frames[FILE_PATH];
     if (!file_join(frames, directory, "frames"))
         return NULL;
-    int *frame = list(frames, "cloth", "ply", count);
+    int *frame = folder_list(frames, "cloth", "ply", count);
     if (frame && *count == 0) {
         complain(APP_USAGE, "%s: no frames/cloth_0000.ply here", directory);
         free(frame);
         return NULL;
     }
     return frame;
-}
-
-/* Removes directory/name where it is. */
-static void remove_file(const char *directory, const char *name)
-{
-    char path[FILE_PATH];
-    if (file_join(path, directory, name))
-        remove(path);
-}
-
-void output_clear(const struct output *o)
-{
-    static const char *const kinds[][2] = {
-        {"cloth", "ply"}, {"cloth", "obj"}, {"obstacles", "ply"}};
-    static const char *const results[] = {"obstacles.ply", "cloth.pc2",
-                                          "report.json", "checkpoint.drape",
-                                          "trace.csv"};
-    for (int e = 0; e < 3; e++) {
-        int count;
-        int *frame = list(o->frames, kinds[e][0], kinds[e][1], &count);
-        for (int k = 0; frame && k < count; k++) {
-            char name[64];
-            snprintf(name, sizeof name, "%s_%04d.%s", kinds[e][0], frame[k],
-                     kinds[e][1]);
-            remove_file(o->frames, name);
-        }
-        free(frame);
-    }
-    for (size_t k = 0; k < sizeof results / sizeof *results; k++)
-        remove_file(o->directory, results[k]);
 }
 
 /* The cache's numbers are little-endian. */

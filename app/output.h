@@ -8,7 +8,7 @@
 #ifndef APP_OUTPUT_H
 #define APP_OUTPUT_H
 
-#include "app/file.h"
+#include "app/folder.h"
 #include "app/scene.h"
 
 struct output {
@@ -16,16 +16,17 @@ struct output {
     struct mesh all, cloth, obstacles; /* views of the whole scene */
     double (*v)[3]; /* scratch: velocities, which no file holds */
     struct pool pool;
+    struct folder folder;
     int bits;
     int every;        /* of the frames, every how many-th is written */
     bool obj, moving; /* moving: some obstacle moves */
 };
 
-/* Makes the directories and the views. app_exit after one line. */
+/* Makes the directories and the views, takes the folder for this run alone,
+ * and writes obstacles that do not move. app_exit after one line. */
 int output_open(struct output *output, const struct scene *scene,
-                const drape_world *world, const char *directory);
-/* Removes the frames and results of an earlier run. */
-void output_clear(const struct output *output);
+                const drape_world *world, const char *directory,
+                const struct claim *claim);
 /* Writes the world's state as frame k, where k is a multiple of every.
  * app_exit after one line. */
 int output_frame(struct output *output, const drape_world *world, int k);

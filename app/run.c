@@ -5,8 +5,8 @@
 #include "app/error.h"
 #include "app/output.h"
 #include "app/progress.h"
+#include "app/trace.h"
 
-#include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,8 +19,9 @@ struct run {
     struct report report;
     struct progress progress;
     struct file trace;
+    struct checkpoint from; /* of --resume */
     const char *resume, *directory, *error;
-    int frames, checkpoint_every, tracing, no_obj;
+    int frames, checkpoint_every, tracing, no_obj, force;
     bool failed; /* a step did: the state before it is there */
 };
 
@@ -44,32 +45,43 @@ static void catch_signals(void)
     sigaction(SIGTERM, &action, NULL);
 }
 
-static void trace(void *user, int64_t step, const char *stage, uint64_t digest,
-                  double seconds)
+/* A run that goes on has the rows of its steps before; where it does not trace
+ * any more, it keeps them and has no rows of later steps. */
+static int open_trace(struct run *run)
 {
-    struct file *file = user;
-    if (file->stream)
-        fprintf(file->stream, "%lld,%s,%016llx,%.6g\n", (long long)step, stage,
-                (unsigned long long)digest, seconds);
+    char path[FILE_PATH];
+    const char *out = run->output.directory;
+    if (!file_join(path, out, "trace.csv"))
+        return APP_USAGE;
+    if (!run->tracing && !file_exists(path))
+        return APP_OK;
+    int status = trace_begin(&run->trace, out, run->report.count);
+    if (status != APP_OK || run->tracing)
+        return status;
+    return file_close(&run->trace) ? APP_OK : APP_FAILED;
 }
 
-/* Nothing is written before the scene and the checkpoint have been taken. */
+/* Nothing is written before the scene and the checkpoint have been taken. The
+ * report is there from the start: who finds the frames of a run that was killed
+ * finds what they are of. */
 static int open_output(struct run *run)
 {
     const struct scene *scene = &run->scene;
     char directory[FILE_PATH + 8];
     snprintf(directory, sizeof directory, "%s.out", scene->name);
     for (char *p = directory; *p; p++)
-        *p = *p == '/' ? '_' : *p;
+        *p = *p == '/' || (unsigned char)*p < 32 || *p == 127 ? '_' : *p;
     const char *out = run->directory ? run->directory : directory;
+    int64_t frame = run->report.count / scene->steps_per_frame;
+    char id[REPORT_ID];
+    struct claim claim = {report_id(&run->report, scene, id), run->resume,
+                          (int)frame, run->force};
     run->output.obj = !run->no_obj;
-    int status = output_open(&run->output, scene, run->world, out);
-    if (status != APP_OK || !run->tracing)
-        return status;
-    if (!file_open(&run->trace, out, "trace.csv"))
-        return APP_FAILED;
-    fputs("step,stage,digest,seconds\n", run->trace.stream);
-    return APP_OK;
+    int status = output_open(&run->output, scene, run->world, out, &claim);
+    if (status == APP_OK &&
+        !report_write(&run->report, scene, run->world, out, "unfinished"))
+        status = APP_FAILED;
+    return status == APP_OK ? open_trace(run) : status;
 }
 
 /* --error: finds the settings before the run, and says which. */
@@ -93,6 +105,23 @@ static int choose(struct run *run)
     return status;
 }
 
+/* The scene's world, at its start or where a checkpoint left it. */
+static int make_world(struct run *run)
+{
+    int status = scene_create(&run->scene, &run->overrides, &run->world);
+    if (status != APP_OK)
+        return status;
+    int known = checkpoint_start(run->world, &run->report.start);
+    if (known != DRAPE_OK)
+        return complain(APP_FAILED, "%s: %s", run->scene.file,
+                        drape_status_text(known));
+    if (!run->resume)
+        return APP_OK;
+    status = checkpoint_load(&run->from, &run->report, run->world);
+    checkpoint_close(&run->from);
+    return status;
+}
+
 static int begin(struct run *run, const char *scene_file)
 {
     struct scene *scene = &run->scene;
@@ -103,19 +132,35 @@ static int begin(struct run *run, const char *scene_file)
         scene->frames = run->frames;
     if (run->error && (status = choose(run)) != APP_OK)
         return status;
+    if (run->resume) {
+        status = checkpoint_open(&run->from, run->resume);
+        if (status == APP_OK)
+            status = checkpoint_settings(&run->from, scene);
+    }
+    if (status != APP_OK)
+        return status;
     if (run->tracing) {
-        scene->def.trace = trace;
+        scene->def.trace = trace_row;
         scene->def.trace_user = &run->trace;
     }
-    status = scene_create(scene, &run->overrides, &run->world);
-    if (status == APP_OK && run->resume)
-        status = checkpoint_load(run->resume, &run->report, run->world);
+    status = make_world(run);
     if (status != APP_OK)
         return status;
     if (scene->degenerate)
         complain(0, "%s: note: obstacles have %lld triangles without area",
                  scene_file, (long long)scene->degenerate);
     return open_output(run);
+}
+
+/* Publishes the trace first: its rows may be of more steps than the checkpoint
+ * has, but not of fewer. */
+static int save(struct run *run)
+{
+    const char *out = run->output.directory;
+    int status = trace_publish(&run->trace, out);
+    if (status != APP_OK)
+        return status;
+    return checkpoint_save(out, &run->report, &run->scene, run->world);
 }
 
 /* One step and what is due after it. */
@@ -129,58 +174,67 @@ static int step(struct run *run)
         return complain(APP_FAILED, "step %lld: %s",
                         (long long)run->report.count + 1,
                         drape_status_text(status));
+    int code = trace_check(&run->trace);
+    if (code != APP_OK)
+        return code;
     run->report.seconds += seconds_now() - began;
     if (!report_add(&run->report, &report))
         return APP_FAILED;
     progress_step(&run->progress, &report);
     if (report.outcome & DRAPE_DIVERGED)
         return complain(APP_FINDINGS,
-                        "step %lld: diverged; the last good state is kept",
-                        (long long)report.step);
+                        "step %lld: diverged; the state before it is kept",
+                        (long long)run->report.count);
     int64_t done = run->report.count, each = run->scene.steps_per_frame;
-    int code = APP_OK;
     if (done % each == 0)
         code = output_frame(&run->output, run->world, (int)(done / each));
     if (code == APP_OK && run->checkpoint_every &&
         done % (each * run->checkpoint_every) == 0)
-        code = checkpoint_save(run->output.directory, &run->report, run->world);
+        code = save(run);
     return code;
+}
+
+/* What a run came to, in a line; steps that are not as they should be, in lines
+ * of their own. */
+static void tell(const struct run *run, const struct totals *t, const char *end)
+{
+    if (t->unconverged)
+        complain(0, "note: the solver missed its tolerance in %lld steps",
+                 (long long)t->unconverged);
+    if (t->not_clean)
+        complain(0, "%lld of %lld steps are not clean", (long long)t->not_clean,
+                 (long long)t->steps);
+    printf("%s: %lld steps, %.3g s, %s", run->output.directory,
+           (long long)t->done, run->report.seconds, end);
+    if (t->intersecting)
+        printf("; %lld of them intersect at their end, from step %lld to step "
+               "%lld",
+               (long long)t->intersecting, (long long)t->first,
+               (long long)t->last);
+    printf("\n");
 }
 
 /* Everything that a run leaves at its end, however it ended. */
 static int finish(struct run *run, int code)
 {
-    int64_t done = run->report.count, each = run->scene.steps_per_frame;
+    struct totals totals;
+    report_sum(&run->report, &totals);
     const char *end = code == APP_INTERRUPTED ? "interrupted"
                       : code == APP_FINDINGS  ? "diverged"
                       : run->failed           ? "failed"
                                               : "complete";
-    if (code == APP_INTERRUPTED) {
-        int status =
-            checkpoint_save(run->output.directory, &run->report, run->world);
-        if (status != APP_OK)
-            return status;
-    }
-    int status = output_cache(&run->output, (int)(done / each));
+    int status = code == APP_INTERRUPTED ? save(run) : APP_OK;
+    if (status != APP_OK)
+        return status;
+    int64_t frame = totals.done / run->scene.steps_per_frame;
+    status = output_cache(&run->output, (int)frame);
     if (status != APP_OK ||
         !report_write(&run->report, &run->scene, run->world,
                       run->output.directory, end) ||
         (run->tracing && !file_close(&run->trace)))
         return APP_FAILED;
-    int64_t bad = 0, loose = 0;
-    for (int64_t k = 0; k < done; k++) {
-        bad += (run->report.step[k].outcome & NOT_CLEAN) != 0;
-        loose += (run->report.step[k].outcome & DRAPE_UNCONVERGED) != 0;
-    }
-    if (loose)
-        complain(0, "note: the solver missed its tolerance in %lld steps",
-                 (long long)loose);
-    if (bad)
-        complain(0, "%lld of %lld steps are not clean", (long long)bad,
-                 (long long)done);
-    printf("%s: %lld steps, %.3g s, %s\n", run->output.directory,
-           (long long)done, run->report.seconds, end);
-    return code == APP_OK && bad ? APP_FINDINGS : code;
+    tell(run, &totals, end);
+    return code == APP_OK && totals.not_clean ? APP_FINDINGS : code;
 }
 
 static int simulate(struct run *run)
@@ -189,10 +243,8 @@ static int simulate(struct run *run)
     int64_t total = run->scene.frames * each;
     catch_signals();
     int code = APP_OK;
-    if (run->report.count == 0) {
-        output_clear(&run->output);
+    if (run->report.count == 0)
         code = output_frame(&run->output, run->world, 0);
-    }
     progress_begin(&run->progress, run->report.count, total);
     while (code == APP_OK && run->report.count < total) {
         if (stopped) {
@@ -222,6 +274,7 @@ int command_run(int argc, char **argv)
         {"--checkpoint-every", OPTION_INT, &run.checkpoint_every, 1, 1000000},
         {"--error", OPTION_TEXT, &run.error, 0, 0},
         {"--resume", OPTION_TEXT, &run.resume, 0, 0},
+        {"--force", OPTION_FLAG, &run.force, 0, 0},
         {"--trace", OPTION_FLAG, &run.tracing, 0, 0},
         {"--no-obj", OPTION_FLAG, &run.no_obj, 0, 0},
         {"--allow-intersecting", OPTION_FLAG, &run.overrides.allow_intersecting,
@@ -237,6 +290,7 @@ int command_run(int argc, char **argv)
     if (status == APP_OK)
         status = simulate(&run);
     file_drop(&run.trace);
+    checkpoint_close(&run.from);
     drape_destroy(run.world);
     output_close(&run.output);
     report_free(&run.report);

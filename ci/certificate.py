@@ -114,7 +114,8 @@ def first_steps(build, scene, keys):
     with open(path, "w") as file:
         file.write(text)
     subprocess.run([f"{build}/drape", "run", path, "--backend", "ref",
-                    "--trace", "--no-obj", "--frames", "6", "--out", run],
+                    "--trace", "--no-obj", "--frames", "6", "--out", run,
+                    "--force"],
                    check=True, stdout=subprocess.DEVNULL,
                    stderr=subprocess.DEVNULL)
     lines = [",".join(line.split(",")[:3]) + "\n"

@@ -46,7 +46,7 @@ for scene in "$@"; do
         --frames 120 --no-obj --backend "${BACKEND:-ref}" \
         --out "$out/$scene" >"$out/$scene.log" 2>&1 ||
         tail -n 1 "$out/$scene.log"
-    if [ ! -f "$out/$scene/report.json" ]; then
+    if ! grep -qs '"end": "[^u]' "$out/$scene/report.json"; then
         failed=1 # the others are still run
         continue
     fi

@@ -114,7 +114,7 @@ def run(what, *options):
     with open("scene.json", "w") as file:
         json.dump(what, file)
     done = subprocess.run([drape, "run", "scene.json", "--out", "out",
-                           "--no-obj", *options], capture_output=True,
+                           "--force", "--no-obj", *options], capture_output=True,
                           text=True)
     return done.returncode, done.stderr
 

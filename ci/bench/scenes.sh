@@ -118,7 +118,8 @@ collect() {
     kill "$watcher" 2>/dev/null
     for report in "$runs"/*/report.json; do
         run=${report%/*}
-        [ ! -f "$report" ] || cp "$report" "$results/${run##*/}.json"
+        ! grep -qs '"end": "[^u]' "$report" ||
+            cp "$report" "$results/${run##*/}.json"
     done
 }
 watcher=
@@ -136,6 +137,8 @@ go() {
     if [ -f "$run/checkpoint.drape" ]; then
         known=resumed
         set -- "$@" --resume "$run/checkpoint.drape"
+    else
+        set -- "$@" --force # what a run that was killed has left
     fi
     # the start is audited once, where ours begins: that takes a while at 2M
     [ "$known" = ours ] || set -- "$@" --allow-intersecting
@@ -177,7 +180,7 @@ reference() {
     ! has "$twin/report.json" $to || return 0
     sed '/steps_per_frame/d' "$runs/$1.ours.json" >"$twin.json"
     tool run "$twin.json" --backend ref --threads "$2" --frames $to --no-obj \
-        --resume "$runs/$1.draped" --every 1000000 --out "$twin" \
+        --resume "$runs/$1.draped" --every 1000000 --out "$twin" --force \
         --allow-intersecting
 }
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=sh disable=SC2154
-# A run, its checkpoints, and a disk that is full.
+# A run and its checkpoints.
 # Read by tests/app.sh, whose functions it calls.
 
 # ---- a run and what it leaves ----
@@ -47,7 +47,7 @@ refused 'picture of a frame that was left out' 'last frame is 6' \
 exits 'film of what is there' 0 render second --width 64 --height 48 \
     --samples 1 --no-film
 is 'four pictures' grep -q ': 4 pictures' out
-exits 'all frames over those' 0 run tiny.json --out second --frames 1
+exits 'all frames over those' 0 run tiny.json --out second --frames 1 --force
 is 'nothing of the run before is left' sh -c 'cd second/frames &&
     [ "$(echo *)" = "cloth_0000.obj cloth_0000.ply cloth_0001.obj \
 cloth_0001.ply" ]'
@@ -65,7 +65,7 @@ is 'same bits for 1 and 3 threads' cmp t1/cloth.pc2 t3/cloth.pc2
 is 'output to a pipe: plain lines' sh -c \
     '"$0" run tiny.json --out piped 2>&1 | grep -q "step 6/6"' "$drape"
 is 'no carriage return in a pipe' sh -c \
-    '! "$0" run tiny.json --out piped 2>&1 | grep -q "$(printf "\r")"' "$drape"
+    '! "$0" run tiny.json --out piped --force 2>&1 | grep -q "$(printf "\r")"' "$drape"
 exits '--error' 0 run tiny.json --out near --frames 6 --error 0.004
 is '--error chooses shorter steps and says its estimate' python3 -c '
 import json
@@ -116,39 +116,3 @@ exits 'resume after Ctrl-C' 0 run long.json --out cut --frames "$frames" \
     --resume cut/checkpoint.drape
 exits 'the same unbroken' 0 run long.json --out whole --frames "$frames"
 is 'equal bit for bit' cmp cut/cloth.pc2 whole/cloth.pc2
-
-# ---- a full disk ----
-if [ -e /dev/full ]; then
-    "$drape" help >/dev/full 2>err
-    got=$?
-    if [ $got -eq 3 ]; then ok 'full stdout'; else bad "full stdout: $got"; fi
-else
-    skip 'full stdout: no /dev/full here'
-fi
-# A limit on the size of a file makes write fail as a full disk does.
-(
-    trap '' XFSZ
-    ulimit -f 4
-    "$drape" run tiny.json --out full --frames 1 >out 2>err
-)
-got=$?
-if [ $got -eq 3 ] && grep -q 'cannot write' err; then
-    ok 'file too large'
-else
-    bad "file too large (exit $got)"
-fi
-is 'nothing half-written' sh -c '! find full -name "*.part" | grep -q . &&
-    [ ! -e full/report.json ] && [ ! -e full/cloth.pc2 ]'
-mkdir disk
-if mount -t tmpfs -o size=64k drape disk 2>/dev/null; then
-    exits 'full disk' 3 run tiny.json --out disk/run
-    is 'full disk, one line' test "$(grep -c 'cannot write' err)" -eq 1
-    is 'frames that are there are whole' sh -c '
-        for f in disk/run/frames/cloth_*.ply; do
-            "$0" audit "$f" >/dev/null || exit 1
-        done' "$drape"
-    is 'no part on the full disk' sh -c '! find disk -name "*.part" | grep -q .'
-    umount disk
-else
-    skip 'full disk: no right to mount a small one'
-fi

@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A run's folder: one run writes there at a time, and what it holds is of one
+ * run only. */
+#include "app/folder.h"
+#include "app/app.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* ---- The lock ---- */
+
+/* Whether the path still names the open file: whoever gives a lock back
+ * removes its file, and a lock of a removed file keeps nobody out. */
+static bool is_named(int descriptor, const char *path)
+{
+    struct stat mine, named;
+    return fstat(descriptor, &mine) == 0 && stat(path, &named) == 0 &&
+           mine.st_dev == named.st_dev && mine.st_ino == named.st_ino;
+}
+
+static int refuse_lock(const struct folder *f, int why)
+{
+    if (why == EACCES || why == EAGAIN)
+        return complain(APP_USAGE,
+                        "%s: another run is writing into this folder", f->path);
+    return complain(APP_FAILED, "%s: cannot be locked: %s", f->path,
+                    strerror(why));
+}
+
+int folder_take(struct folder *f, const char *path)
+{
+    if (!file_join(f->lock, path, ".drape.lock"))
+        return APP_USAGE;
+    strcpy(f->path, path);
+    if (!file_make_directory(path))
+        return APP_FAILED;
+    while (!f->held) {
+        struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+        f->descriptor = open(f->lock, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        if (f->descriptor < 0)
+            return complain(APP_FAILED, "%s: cannot write here: %s", path,
+                            strerror(errno));
+        if (fcntl(f->descriptor, F_SETLK, &whole) != 0) {
+            int why = errno;
+            close(f->descriptor);
+            return refuse_lock(f, why);
+        }
+        f->held = is_named(f->descriptor, f->lock);
+        if (!f->held)
+            close(f->descriptor);
+    }
+    return APP_OK;
+}
+
+void folder_release(struct folder *f)
+{
+    if (!f->held)
+        return;
+    remove(f->lock);
+    close(f->descriptor);
+    f->held = false;
+}
+
+/* ---- What a folder holds ---- */
+
+/* The number in a file's name, -1 where it has none. */
+static int file_number(const char *name, const char *body, const char *end)
+{
+    char expected[64];
+    size_t length = strlen(body);
+    if (strncmp(name, body, length) || name[length] != '_')
+        return -1;
+    long k = strtol(name + length + 1, NULL, 10);
+    snprintf(expected, sizeof expected, "%s_%04ld.%s", body, k, end);
+    return k >= 0 && k <= 1000000 && !strcmp(name, expected) ? (int)k : -1;
+}
+
+static int ascending(const void *a, const void *b)
+{
+    return *(const int *)a - *(const int *)b;
+}
+
+/* NULL: out of memory. */
+static int *read_numbers(DIR *directory, const char *body, const char *end,
+                         int *count)
+{
+    int room = 64, *number = malloc((size_t)room * sizeof *number);
+    struct dirent *entry;
+    while (directory && number && (entry = readdir(directory)) != NULL) {
+        int k = file_number(entry->d_name, body, end);
+        if (k < 0)
+            continue;
+        number[(*count)++] = k;
+        if (*count < room)
+            continue;
+        int *larger = realloc(number, 2 * (size_t)room * sizeof *number);
+        if (!larger)
+            free(number);
+        number = larger;
+        room *= 2;
+    }
+    return number;
+}
+
+int *folder_list(const char *path, const char *body, const char *end,
+                 int *count)
+{
+    *count = 0;
+    DIR *directory = opendir(path);
+    if (!directory && errno != ENOENT) {
+        complain(APP_FAILED, "%s: cannot be read: %s", path, strerror(errno));
+        return NULL;
+    }
+    int *number = read_numbers(directory, body, end, count);
+    if (directory)
+        closedir(directory);
+    if (number)
+        qsort(number, (size_t)*count, sizeof *number, ascending);
+    else
+        complain(APP_FAILED, "%s: out of memory", path);
+    return number;
+}
+
+/* All that a run and `render` leave, by their numbers and alone. */
+static const struct kind {
+    const char *folder, *body, *end;
+    bool frame; /* its number is a frame's */
+} kinds[] = {{"frames", "cloth", "ply", true},
+             {"frames", "cloth", "obj", true},
+             {"frames", "obstacles", "ply", true},
+             {"pictures", "frame", "png", true},
+             {"pictures", "film", "png", false}};
+static const char *const results[] = {"report.json", "obstacles.ply",
+                                      "cloth.pc2",   "trace.csv",
+                                      "film.mp4",    "checkpoint.drape"};
+enum { KINDS = 5, FRAME_KINDS = 3, RESULTS = 6, CHECKPOINT = 5 };
+
+static int remove_file(const char *directory, const char *name)
+{
+    char path[FILE_PATH];
+    if (!file_join(path, directory, name))
+        return APP_USAGE;
+    if (remove(path) == 0 || errno == ENOENT)
+        return APP_OK;
+    return complain(APP_FAILED, "%s: cannot be removed: %s", path,
+                    strerror(errno));
+}
+
+/* Removes the files of this kind whose number is at least `from`. */
+static int remove_kind(const char *path, const struct kind *kind, int from)
+{
+    char folder[FILE_PATH], name[64];
+    int count, status = APP_OK;
+    if (!file_join(folder, path, kind->folder))
+        return APP_USAGE;
+    int *number = folder_list(folder, kind->body, kind->end, &count);
+    if (!number)
+        return APP_FAILED;
+    for (int k = 0; k < count && status == APP_OK; k++) {
+        snprintf(name, sizeof name, "%s_%04d.%s", kind->body, number[k],
+                 kind->end);
+        if (number[k] >= from)
+            status = remove_file(folder, name);
+    }
+    free(number);
+    return status;
+}
+
+/* Removes what writers that were killed have left half-written. */
+static int remove_parts(const char *path, const char *folder)
+{
+    char directory[FILE_PATH];
+    int status = APP_OK;
+    if (!file_join(directory, path, folder))
+        return APP_USAGE;
+    DIR *open = opendir(directory);
+    struct dirent *entry;
+    while (open && status == APP_OK && (entry = readdir(open)) != NULL) {
+        const char *name = entry->d_name, *end = strrchr(name, '.');
+        bool ours = false;
+        for (int k = 0; k < KINDS; k++)
+            ours |= !strncmp(name + 1, kinds[k].body, strlen(kinds[k].body));
+        for (int k = 0; k < RESULTS; k++)
+            ours |= !strncmp(name + 1, results[k], strlen(results[k]));
+        if (ours && name[0] == '.' && end && !strcmp(end, ".part"))
+            status = remove_file(directory, name);
+    }
+    if (open)
+        closedir(open);
+    return status;
+}
+
+/* Whether report.json there is this run's. */
+static bool is_own(const char *directory, const char *id)
+{
+    char path[FILE_PATH], head[256], there[64] = "";
+    if (!file_join(path, directory, "report.json"))
+        return false;
+    FILE *stream = fopen(path, "rb");
+    size_t length = stream ? fread(head, 1, sizeof head - 1, stream) : 0;
+    if (stream)
+        fclose(stream);
+    head[length] = 0;
+    return sscanf(head, "{ \"drape\": \"%*[^\"]\", \"id\": \"%63[^\"]\"",
+                  there) == 1 &&
+           !strcmp(there, id);
+}
+
+/* Whether a run has left something; a checkpoint alone, which one that goes on
+ * may have been given, is none. out: *holds. */
+static int look(const char *directory, bool resumed, bool *holds)
+{
+    char path[FILE_PATH];
+    *holds = false;
+    for (int k = 0; k < RESULTS; k++)
+        if (!(k == CHECKPOINT && resumed))
+            *holds |=
+                file_join(path, directory, results[k]) && file_exists(path);
+    for (int k = 0; k < FRAME_KINDS; k++) {
+        int count;
+        if (!file_join(path, directory, kinds[k].folder))
+            return APP_USAGE;
+        int *number = folder_list(path, kinds[k].body, kinds[k].end, &count);
+        if (!number)
+            return APP_FAILED;
+        *holds |= count > 0;
+        free(number);
+    }
+    return APP_OK;
+}
+
+/* Whether two paths name one file. */
+static bool is_same(const char *a, const char *b)
+{
+    struct stat one, two;
+    return a && stat(a, &one) == 0 && stat(b, &two) == 0 &&
+           one.st_dev == two.st_dev && one.st_ino == two.st_ino;
+}
+
+/* Removes all that another run has left, but for the checkpoint that this one
+ * goes on from. */
+static int clear(const char *directory, const char *checkpoint)
+{
+    char pictures[FILE_PATH], path[FILE_PATH];
+    int status = APP_OK;
+    for (int k = 0; k < KINDS && status == APP_OK; k++)
+        status = remove_kind(directory, &kinds[k], 0);
+    for (int k = 0; k < RESULTS && status == APP_OK; k++)
+        if (file_join(path, directory, results[k]) &&
+            !is_same(checkpoint, path))
+            status = remove_file(directory, results[k]);
+    if (status == APP_OK && file_join(pictures, directory, "pictures"))
+        rmdir(pictures); /* stays where something else is in it */
+    return status;
+}
+
+int folder_prepare(const struct folder *f, const struct claim *claim)
+{
+    static const char *const folders[] = {".", "frames", "pictures"};
+    bool own = claim->checkpoint && is_own(f->path, claim->id), holds;
+    int status = look(f->path, claim->checkpoint != NULL, &holds);
+    if (status == APP_OK && holds && !own && !claim->force)
+        return complain(APP_USAGE,
+                        "%s: holds %s run; give another --out, or --force to "
+                        "remove that run",
+                        f->path, claim->checkpoint ? "another" : "a");
+    for (int k = 0; k < 3 && status == APP_OK; k++)
+        status = remove_parts(f->path, folders[k]);
+    for (int k = 0; k < KINDS && status == APP_OK && own; k++)
+        if (kinds[k].frame)
+            status = remove_kind(f->path, &kinds[k], claim->last + 1);
+    if (status == APP_OK && holds && !own)
+        status = clear(f->path, claim->checkpoint);
+    return status;
+}

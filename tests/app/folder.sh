@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2154
+# A run's folder: whose it is, what is in it, and where it cannot be written.
+# Read by tests/app.sh, whose functions it calls.
+
+# ---- One run, one folder ----
+refused 'a folder that holds a run' 'w2: holds a run' run tiny.json --out w2
+refused 'a folder that holds another run than the checkpoint' \
+    'v: holds another run' run tiny.json --out v --resume u2/checkpoint.drape
+mkdir -p frames_only/frames
+cp w2/frames/cloth_0000.ply frames_only/frames
+refused 'a folder that holds frames alone' 'frames_only: holds a run' \
+    run tiny.json --out frames_only
+exits 'a film' 0 render w2 --width 16 --height 16 --samples 1
+mkdir w2/mine
+: >w2/frames/.cloth_0009.obj.77-0.part
+exits 'a folder is forced' 0 run tiny.json --out w2 --frames 2 --force --no-obj
+is 'nothing of the run before is in it' sh -c '[ "$(cd w2 && find . -type f |
+    sort | tr "\n" " ")" = "./cloth.pc2 ./frames/cloth_0000.ply \
+./frames/cloth_0001.ply ./frames/cloth_0002.ply ./obstacles.ply \
+./report.json " ] && [ -d w2/mine ] && [ ! -e w2/pictures ]'
+exits 'forced, from a checkpoint of another run' 0 run tiny.json --out v \
+    --resume u2/checkpoint.drape --force
+is 'only what came after it is there' sh -c '[ "$(echo v/frames/*.ply)" = \
+    "v/frames/cloth_0004.ply v/frames/cloth_0005.ply \
+v/frames/cloth_0006.ply" ]'
+scene slow.json ', "steps_per_frame": 37, "sleep": false}'
+"$drape" run slow.json --out locked --frames 100000 >/dev/null 2>&1 &
+child=$!
+for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do
+    sleep 0.25
+    [ ! -s locked/frames/cloth_0001.ply ] || break
+done
+refused 'two runs in one folder' 'locked: another run' \
+    run tiny.json --out locked
+refused 'nor by force' 'locked: another run' run tiny.json --out locked --force
+kill -9 $child
+wait $child 2>/dev/null
+exits 'a lock ends with its run' 0 run tiny.json --out locked --force
+is 'all is of that run' python3 "$what" same u2 locked
+# Of two that begin at once one writes, and the other says why it does not.
+for k in 1 2 3; do
+    "$drape" run tiny.json --out at_once$k --frames 3 >/dev/null 2>err1 &
+    child=$!
+    "$drape" run moves.json --out at_once$k --frames 3 >/dev/null 2>err
+    got=$?
+    wait $child
+    is "two runs at once, $k" test "$got $?" = '0 2' -o "$got $?" = '2 0'
+    exits "a whole run is left, $k" 0 audit at_once$k
+done
+
+# ---- Where nothing can be written ----
+refused 'a folder without a name' '--out: expected a value' \
+    run tiny.json --out ''
+refused 'a scene without a name' 'argument 1' run ''
+fails() {
+    name=$1 text=$2
+    shift 2
+    "$@" >out 2>err </dev/null
+    got=$?
+    if [ $got -eq 3 ] && grep -qF -- "$text" err &&
+        [ "$(grep -c 'cannot' err)" -eq 1 ]; then
+        ok "$name"
+    else
+        bad "$name (exit $got, expected 3 and: $text)"
+    fi
+}
+fails 'a folder below a file' 'tiny.json: cannot make this folder: Not a dir' \
+    "$drape" run tiny.json --out tiny.json/below
+chmod 755 .
+mkdir -m 555 shut
+if [ "$(id -u)" -ne 0 ]; then
+    set --
+elif setpriv --reuid 65534 --clear-groups "$drape" plan tiny.json \
+    >/dev/null 2>&1; then
+    set -- setpriv --reuid 65534 --clear-groups
+else
+    set -- false
+fi
+if [ "${1-}" = false ]; then
+    skip 'an unwritable folder: nobody cannot run the tool here'
+else
+    fails 'an unwritable folder' 'shut: cannot write here: Permission denied' \
+        "$@" "$drape" run tiny.json --out shut
+    fails 'a folder in it' 'shut/a: cannot make this folder: Permission den' \
+        "$@" "$drape" run tiny.json --out shut/a/b
+fi
+limited() { (
+    ulimit -f "$1"
+    shift
+    "$drape" "$@"
+); }
+fails 'a file too large' 'cannot write: File too large' \
+    limited 4 run tiny.json --out large --frames 1
+fails 'a trace too large' 'trace.csv: cannot write: File too large' \
+    limited 60 run tiny.json --out traces --frames 40 --trace --no-obj \
+    --every 40
+fails 'a mesh too large' 'cannot write: File too large' \
+    limited 4 convert u2/obstacles.ply large.ply
+is 'no part of any file is left' sh -c '! find . -name "*.part" | grep .'
+if [ -e /dev/full ]; then
+    fails 'full output' 'standard output: cannot write: No space left' \
+        sh -c '"$0" help >/dev/full' "$drape"
+else
+    skip 'full output: no /dev/full here'
+fi
+mkdir disk
+if mount -t tmpfs -o size=64k drape disk 2>/dev/null; then
+    fails 'full disk' 'cannot write: No space left' \
+        "$drape" run tiny.json --out disk/run
+    is 'frames that are there are whole' sh -c '
+        for f in disk/run/frames/cloth_*.ply; do
+            "$0" audit "$f" >/dev/null || exit 1
+        done' "$drape"
+    is 'no part on the full disk' sh -c '! find disk -name "*.part" | grep -q .'
+    umount disk
+else
+    skip 'full disk: no right to mount a small one'
+fi

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2154
+# Whether a run that goes on is the unbroken one, and what checkpoints hold.
+# Read by tests/app.sh, whose functions it calls.
+
+what=$root/tests/app/report.py
+
+# ---- A run that goes on ----
+# What moves, turns, traces and skips frames, in two cloths and two obstacles.
+cat >moves.json <<'EOF'
+{"name": "moves", "frames": 12, "steps_per_frame": 2,
+ "cloths": [
+  {"name": "high", "particles": [13, 9], "size": [0.5, 0.4],
+   "start": {"at": [0, 0.3, 0]}, "material": {"thickness": 0.01}},
+  {"name": "low", "particles": [9, 9], "size": [0.4, 0.4],
+   "start": {"at": [0.02, 0.26, 0]}, "material": {"thickness": 0.01}}],
+ "motions": [{"name": "lift", "keys": [{"time": 0},
+   {"time": 0.1, "move": [0, 0.05, 0]}]}],
+ "obstacles": [
+  {"name": "ball", "shape": "sphere", "radius": 0.15, "at": [0, 0.08, 0],
+   "detail": 10, "motion": "lift"},
+  {"name": "floor", "shape": "plane", "extent": [2, 1, 2],
+   "at": [0, -0.2, 0]}]}
+EOF
+exits 'a run with a trace' 0 run moves.json --out u --trace
+is 'its summary is the sum of its steps' python3 "$what" sums u
+exits 'half of it' 0 run moves.json --out r --trace --frames 7 \
+    --checkpoint-every 3
+exits 'the rest of it' 0 run moves.json --out r --trace --resume \
+    r/checkpoint.drape
+is 'the whole run is the unbroken one' python3 "$what" same u r
+exits 'the rest of it again, less far' 0 run moves.json --out r --frames 9 \
+    --resume r/checkpoint.drape
+exits 'as far, unbroken' 0 run moves.json --out v --frames 9
+is 'no frame and no trace is left from further on' sh -c '
+    [ ! -e r/frames/cloth_0010.ply ] && [ -e r/frames/cloth_0009.ply ] &&
+    grep -q "^11," r/trace.csv && ! grep -q "^12," r/trace.csv &&
+    rm r/trace.csv && python3 "$0" same v r' "$what"
+exits 'still obstacles, resumed' 0 run tiny.json --out u2 --frames 3 \
+    --checkpoint-every 3
+exits 'into another folder' 0 run tiny.json --out r2 --resume \
+    u2/checkpoint.drape
+exits 'the rest into its own' 0 run tiny.json --out u2 --resume \
+    u2/checkpoint.drape
+exits 'the same unbroken' 0 run tiny.json --out w2
+is 'the whole run is the unbroken one, still' python3 "$what" same w2 u2
+is 'the obstacles came along' cmp r2/obstacles.ply w2/obstacles.ply
+exits 'audit of a run from a checkpoint' 0 audit r2
+exits '--error, cut short' 0 run tiny.json --out near2 --frames 6 \
+    --error 0.004 --checkpoint-every 3
+exits 'what --error chose holds on' 0 run tiny.json --out near2 --frames 6 \
+    --resume near2/checkpoint.drape
+is 'and the estimate' python3 "$what" same near near2
+
+# A run that is killed leaves whole files, a report and its trace so far.
+scene killed.json ', "steps_per_frame": 11, "sleep": false}'
+"$drape" run killed.json --out killed --trace --no-obj --frames 100000 \
+    --checkpoint-every 2 >out 2>err &
+child=$!
+for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do
+    sleep 0.25
+    [ ! -s killed/checkpoint.drape ] || break
+done
+is 'a file under way has its writer in its name' sh -c \
+    'ls -A killed | grep -q "^[.]trace.csv.$0-[0-9]*[.]part$"' "$child"
+kill -9 $child
+wait $child 2>/dev/null
+is 'killed, it has a report that says so' grep -q '"end": "unfinished"' \
+    killed/report.json
+exits 'and can be audited' 0 audit killed
+exits 'a killed run goes on' 0 run killed.json --out killed --trace --no-obj \
+    --frames 400 --every 2 --resume killed/checkpoint.drape
+is 'its trace has all steps' sh -c '[ "$(tail -n +2 killed/trace.csv |
+    cut -d, -f1 | uniq | wc -l)" -eq 4400 ]'
+is 'nothing of the killed writer is left' sh -c \
+    '! find killed -name ".*" | grep -q .'
+
+# ---- What a checkpoint holds ----
+exits 'a run of 600 steps' 0 run tiny.json --out 600 --frames 600 --no-obj \
+    --every 600 --checkpoint-every 600
+is 'every field, sum and range of its report' python3 "$what" rows "$drape" \
+    600/checkpoint.drape
+is 'no checkpoint with a wrong byte' python3 "$what" damage "$drape" \
+    u2/checkpoint.drape
+sed 's/^drape run ./drape run 1/' u2/checkpoint.drape >old.drape
+refused 'a checkpoint of an older version' 'another version' \
+    run tiny.json --out refused --resume old.drape
+refused 'a checkpoint that is a folder' 'is a directory' \
+    run tiny.json --out refused --resume u2
+
+# ---- Steps that are not clean ----
+cat >storm.json <<'EOF'
+{"frames": 20, "cloths": [{"particles": [21, 21], "size": [1, 1],
+  "pins": [{"edge": "u0"}]}],
+ "wind": {"velocity": [1e4, 0, 1e4], "density": 1e4, "drag": 1e3,
+  "lift": 1e3}}
+EOF
+exits 'a run that diverges' 1 run storm.json --out storm
+is 'the step that diverged is named, and is not one of those done' python3 -c '
+import json, struct
+r = json.load(open("storm/report.json"))
+done = r["summary"]["steps"]
+assert r["end"] == "diverged" and len(r["steps"]) == done + 1
+assert "diverged" in r["steps"][-1]["outcome"]
+assert r["steps"][-1]["step"] == done and r["summary"]["outcomes"][
+    "diverged"] == 1
+assert "step %d: diverged" % (done + 1) in open("err").read()
+assert "storm: %d steps" % done in open("out").read()
+head = struct.unpack("<12siiffi", open("storm/cloth.pc2", "rb").read(32))
+assert head[-1] == done + 1 > 1'
+is 'its summary is the sum of its steps, too' python3 "$what" sums storm
+
+# ---- Names ----
+printf '{"name": "\377a\300\257\355\240\200\364\220\200\200\\u0001\177\303\251",
+ "frames": 0, "cloths": [{"particles": [3, 3], "size": [1, 1],
+  "name": "q\\"\\\\\\n\360\237\247\265\342\202"}]}' >odd.json
+exits 'a name that is no UTF-8' 0 run odd.json --out odd
+is 'is in a report that is JSON and UTF-8' python3 -c '
+import json
+r = json.loads(open("odd/report.json", "rb").read().decode("utf-8"))
+no = "\ufffd"
+assert r["scene"] == no + "a" + 2 * no + 3 * no + 4 * no + "\1\x7f\xe9"
+assert r["bodies"][0]["name"] == "q\"\\\n\U0001f9f5" + 2 * no'
