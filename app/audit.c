@@ -2,6 +2,7 @@
 /* drape audit: intersecting triangle pairs, counted by exact predicates. */
 #include "app/app.h"
 #include "app/file.h"
+#include "app/json.h"
 #include "app/output.h"
 
 #include <inttypes.h>
@@ -87,32 +88,129 @@ static int audit(const struct merged *all, const char *name, int list,
     return list && *found ? list_pairs(&mesh, *found) : APP_OK;
 }
 
-/* Frame k of a run: the cloths and the obstacles as they were then. */
-static int load_frame(struct merged *all, const char *directory, int k)
+/* What a run's report says of its bodies, and what obstacles are in its
+ * folder. */
+struct run {
+    const char *directory;
+    bool reported;              /* it has a report */
+    int obstacles;              /* by the report */
+    int64_t cloth, all;         /* vertices by the report */
+    char names[512];            /* of the obstacles */
+    bool moving, still, listed; /* files of obstacles; list the pairs */
+};
+
+static int64_t get_count(const cJSON *node, const char *name)
 {
-    char path[FILE_PATH], fixed[FILE_PATH];
-    if (!output_path(path, directory, "cloth", k))
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(node, name);
+    bool good = cJSON_IsNumber(item) && item->valuedouble >= 0 &&
+                item->valuedouble <= INT32_MAX;
+    return good ? (int64_t)item->valuedouble : 0;
+}
+
+static void read_bodies(struct run *run, const cJSON *root)
+{
+    const cJSON *body;
+    run->cloth = run->all = get_count(root, "vertices");
+    cJSON_ArrayForEach(body, cJSON_GetObjectItemCaseSensitive(root, "bodies"))
+    {
+        const char *kind = cJSON_GetStringValue(
+            cJSON_GetObjectItemCaseSensitive(body, "kind"));
+        const char *name = cJSON_GetStringValue(
+            cJSON_GetObjectItemCaseSensitive(body, "name"));
+        size_t length = strlen(run->names);
+        if (!kind || strcmp(kind, "obstacle") != 0)
+            continue;
+        if (run->obstacles++ == 0)
+            run->cloth = get_count(body, "first_vertex");
+        snprintf(run->names + length, sizeof run->names - length, "%s%s",
+                 length ? ", " : "", name ? name : "?");
+    }
+}
+
+/* What there is to know of a run before its frames are read. */
+static int look(struct run *run)
+{
+    char path[FILE_PATH];
+    int count;
+    if (!file_join(path, run->directory, "frames"))
+        return APP_USAGE;
+    int *moving = folder_list(path, "obstacles", "ply", &count);
+    if (!moving)
+        return APP_FAILED;
+    free(moving);
+    run->moving = count > 0;
+    if (!file_join(path, run->directory, "obstacles.ply"))
+        return APP_USAGE;
+    run->still = file_exists(path);
+    if (!file_join(path, run->directory, "report.json"))
+        return APP_USAGE;
+    run->reported = file_exists(path);
+    cJSON *root = run->reported ? json_parse(path) : NULL;
+    if (run->reported && !root)
+        return APP_USAGE;
+    read_bodies(run, root);
+    cJSON_Delete(root);
+    if (run->reported || run->moving || run->still)
+        return APP_OK;
+    return complain(APP_USAGE,
+                    "%s: neither report.json nor obstacles are here, so "
+                    "obstacles that the run may have had cannot be tested",
+                    run->directory);
+}
+
+/* Frame k's obstacles as they were then. */
+static int load_obstacles(struct merged *all, const struct run *run, int k)
+{
+    char path[FILE_PATH];
+    bool made = run->moving ? output_path(path, run->directory, "obstacles", k)
+                            : file_join(path, run->directory, "obstacles.ply");
+    if (!made)
+        return APP_USAGE;
+    if (!file_exists(path)) {
+        if (run->reported && !run->obstacles)
+            return APP_OK;
+        return complain(APP_USAGE,
+                        "%s: is not there, so in frame %d cloth was not tested "
+                        "against the obstacles (%s)",
+                        path, k, *run->names ? run->names : "unknown");
+    }
+    int64_t before = all->mesh.nv;
+    int status = append_file(all, path, 0);
+    if (status != APP_OK || !run->reported ||
+        all->mesh.nv - before == run->all - run->cloth)
+        return status;
+    return complain(APP_USAGE,
+                    "%s: has %" PRId64 " vertices; expected %" PRId64
+                    ", as report.json says of the obstacles",
+                    path, all->mesh.nv - before, run->all - run->cloth);
+}
+
+/* Frame k of a run: the cloths and the obstacles as they were then. */
+static int load_frame(struct merged *all, const struct run *run, int k)
+{
+    char path[FILE_PATH];
+    if (!output_path(path, run->directory, "cloth", k))
         return APP_USAGE;
     int status = append_file(all, path, 1);
     if (status != APP_OK)
         return status;
-    if (!output_path(path, directory, "obstacles", k) ||
-        !file_join(fixed, directory, "obstacles.ply"))
-        return APP_USAGE;
-    if (file_exists(path))
-        return append_file(all, path, 0);
-    return file_exists(fixed) ? append_file(all, fixed, 0) : APP_OK;
+    if (run->reported && all->mesh.nv != run->cloth)
+        return complain(APP_USAGE,
+                        "%s: has %" PRId64 " vertices; expected %" PRId64
+                        ", as report.json says of the cloths",
+                        path, all->mesh.nv, run->cloth);
+    return load_obstacles(all, run, k);
 }
 
-static int audit_frame(const char *directory, int k, int list, int64_t *found)
+static int audit_frame(const struct run *run, int k, int64_t *found)
 {
     char path[FILE_PATH];
     struct merged all = {0};
-    if (!output_path(path, directory, "cloth", k))
+    if (!output_path(path, run->directory, "cloth", k))
         return APP_USAGE;
-    int status = load_frame(&all, directory, k);
+    int status = load_frame(&all, run, k);
     if (status == APP_OK)
-        status = audit(&all, path, list, true, found);
+        status = audit(&all, path, run->listed, true, found);
     pool_free(&all.pool);
     return status;
 }
@@ -120,13 +218,15 @@ static int audit_frame(const char *directory, int k, int list, int64_t *found)
 static int audit_run(const char *directory, int list)
 {
     int64_t sum = 0, bad = 0;
-    int count, status = APP_OK;
+    int count;
+    struct run run = {.directory = directory, .listed = list};
     int *frame = output_frames(directory, &count);
     if (!frame)
         return APP_USAGE;
+    int status = look(&run);
     for (int k = 0; k < count && status == APP_OK; k++) {
         int64_t found = 0;
-        status = audit_frame(directory, frame[k], list, &found);
+        status = audit_frame(&run, frame[k], &found);
         sum += found;
         bad += found > 0;
     }
