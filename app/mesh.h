@@ -14,10 +14,12 @@ struct mesh {
     int32_t (*tri)[3]; /* [nt] each 0 … nv-1 */
 };
 
-/* Reads a file of any kind that we know: PLY by our own reader (binary64 and
- * the order of vertices survive it), all others through assimp. Polygons
- * become fans. Returns app_exit after one line where something is wrong: an
- * empty mesh, a number that is not finite, an index out of range. */
+/* Reads a file by its ending: PLY and OFF by our own readers, in binary64,
+ * OBJ, STL, glTF, COLLADA and FBX by assimp in a child process. PLY keeps the
+ * order of vertices; in all others, those at one place become one. Polygons
+ * become triangles. Returns app_exit after one line where something is wrong:
+ * another ending, an empty mesh, a number that is not finite, an index out of
+ * range or with a fraction. No other thread may run yet. */
 int mesh_load(struct pool *pool, const char *path, struct mesh *mesh);
 
 /* A triangle with two equal corners or no area in binary64. */
@@ -37,8 +39,9 @@ void mesh_place(struct mesh *mesh, const struct placement *placement);
 /* The box around the mesh. */
 void mesh_box(const struct mesh *mesh, double lo[3], double hi[3]);
 
-/* PLY, see ply.c. */
+/* The readers of one format each: app_exit after one line. */
 int ply_load(struct pool *pool, const char *path, struct mesh *mesh);
+int off_load(struct pool *pool, const char *path, struct mesh *mesh);
 /* bits: 32 writes floats, 64 doubles. false after one line. */
 bool ply_save(const char *directory, const char *name, const struct mesh *mesh,
               int bits);

@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Meshes through assimp, which aborts, crashes, hangs and fills the memory
+ * on files that are damaged: a child process reads the file under limits and
+ * sends the mesh through a pipe. */
+#include "app/import.h"
+#include "app/app.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static const char *const endings[] = {"obj", "stl", "gltf", "glb",
+                                      "dae", "fbx", NULL};
+
+bool import_knows(const char *path)
+{
+    const char *dot = strrchr(path, '.');
+    for (int k = 0; dot && endings[k]; k++)
+        if (strcasecmp(dot + 1, endings[k]) == 0)
+            return true;
+    return false;
+}
+
+/* What a child may take: enough for any sound file of this size. */
+struct limits {
+    double bytes;   /* of memory */
+    double seconds; /* of CPU time; of wall time four times that */
+};
+
+static struct limits limits_of(const char *path)
+{
+    struct stat file;
+    double size = stat(path, &file) == 0 ? (double)file.st_size : 0;
+    return (struct limits){1e9 + 100 * size, 10 + 1e-5 * size};
+}
+
+/* Lowers a limit; one that is lower already stays. */
+static void lower(int resource, double soft, double hard)
+{
+    struct rlimit limit;
+    if (getrlimit(resource, &limit) != 0)
+        return;
+    if ((double)limit.rlim_max > hard)
+        limit.rlim_max = (rlim_t)hard;
+    if ((double)limit.rlim_cur > soft)
+        limit.rlim_cur = (rlim_t)soft;
+    setrlimit(resource, &limit);
+}
+
+/* Bytes of address space that the tool has taken already; they count among
+ * the child's. 0 where the system does not tell. */
+static double taken(void)
+{
+    double pages = 0;
+    FILE *stream = fopen("/proc/self/statm", "r");
+    if (!stream)
+        return 0;
+    if (fscanf(stream, "%lf", &pages) != 1)
+        pages = 0;
+    fclose(stream);
+    return pages * (double)sysconf(_SC_PAGESIZE);
+}
+
+/* In the child: limits, no words of its own, then the reader. */
+_Noreturn static void be_child(const char *path, struct limits limits, int out)
+{
+    double bytes = taken() + limits.bytes;
+    lower(RLIMIT_CORE, 0, 0);
+    lower(RLIMIT_AS, bytes, bytes);
+    lower(RLIMIT_CPU, limits.seconds, limits.seconds + 1);
+    signal(SIGALRM, SIG_DFL);
+    alarm((unsigned)(4 * limits.seconds));
+    int nothing = open("/dev/null", O_RDWR);
+    for (int k = 0; k <= 2; k++)
+        if (nothing < 0 || (k != out && dup2(nothing, k) < 0))
+            _exit(1);
+    import_child(path, out);
+}
+
+/* false if fewer bytes come. */
+static bool receive(int in, void *data, size_t size)
+{
+    char *at = data;
+    while (size) {
+        ssize_t got = read(in, at, size);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got <= 0)
+            return false;
+        at += got;
+        size -= (size_t)got;
+    }
+    return true;
+}
+
+/* Takes what the child sends, however wrong: 1 where it is a mesh or an
+ * error's text, 0 where it is neither, -1 where memory ran out. */
+static int take(struct pool *pool, int in, double most,
+                struct import_reply *reply, struct mesh *mesh)
+{
+    if (!receive(in, reply, sizeof *reply) ||
+        memcmp(reply->magic, IMPORT_MAGIC, sizeof reply->magic) != 0)
+        return 0;
+    reply->error[sizeof reply->error - 1] = 0;
+    if (*reply->error)
+        return 1;
+    /* A child under its limit cannot have had more than this. */
+    if (reply->nv < 0 || reply->nt < 0 || reply->nv > INT32_MAX ||
+        reply->nt > INT32_MAX ||
+        (double)reply->nv * sizeof *mesh->x +
+                (double)reply->nt * sizeof *mesh->tri >
+            most)
+        return 0;
+    size_t nv = (size_t)reply->nv, nt = (size_t)reply->nt;
+    mesh->x = pool_take(pool, nv + 1, sizeof *mesh->x);
+    mesh->tri = pool_take(pool, nt + 1, sizeof *mesh->tri);
+    if (!mesh->x || !mesh->tri)
+        return -1;
+    mesh->nv = reply->nv;
+    mesh->nt = reply->nt;
+    return receive(in, mesh->x, nv * sizeof *mesh->x) &&
+           receive(in, mesh->tri, nt * sizeof *mesh->tri);
+}
+
+/* Says how a child ended that sent no mesh. */
+static int explain(const char *path, struct limits limits, int end)
+{
+    const char *what = "cannot be read as a mesh: its reader";
+    int number = WIFSIGNALED(end) ? WTERMSIG(end) : 0;
+    if (number == SIGXCPU || number == SIGALRM)
+        return complain(APP_USAGE, "%s: %s took more than %.0f s", path, what,
+                        number == SIGALRM ? 4 * limits.seconds
+                                          : limits.seconds);
+    if (number)
+        return complain(APP_USAGE, "%s: %s crashed (signal %d, %s)", path, what,
+                        number, strsignal(number));
+    return complain(APP_USAGE, "%s: %s ended with exit status %d and no mesh",
+                    path, what, WEXITSTATUS(end));
+}
+
+static int refuse(const char *path, struct limits limits, const char *error)
+{
+    if (strstr(error, "bad_alloc"))
+        return complain(APP_USAGE,
+                        "%s: cannot be read as a mesh: its reader needs more "
+                        "than %.0f MB",
+                        path, limits.bytes / 1e6);
+    return complain(APP_USAGE, "%s: cannot be read as a mesh: %s", path, error);
+}
+
+int import_load(struct pool *pool, const char *path, struct mesh *mesh)
+{
+    struct limits limits = limits_of(path);
+    int way[2], end = 0;
+    if (pipe(way) != 0)
+        return complain(APP_FAILED, "%s: no pipe to its reader: %s", path,
+                        strerror(errno));
+    pid_t child = fork();
+    if (child == 0) {
+        close(way[0]);
+        be_child(path, limits, way[1]);
+    }
+    close(way[1]);
+    if (child < 0) {
+        close(way[0]);
+        return complain(APP_FAILED, "%s: no process to read it: %s", path,
+                        strerror(errno));
+    }
+    struct import_reply reply;
+    int got = take(pool, way[0], limits.bytes, &reply, mesh);
+    close(way[0]);
+    if (got < 0)
+        kill(child, SIGKILL);
+    while (waitpid(child, &end, 0) < 0 && errno == EINTR)
+        continue;
+    if (got < 0)
+        return complain(APP_FAILED, "%s: out of memory", path);
+    if (got == 0)
+        return explain(path, limits, end);
+    return *reply.error ? refuse(path, limits, reply.error) : APP_OK;
+}

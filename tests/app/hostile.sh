@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2154
+# Meshes and scenes that are damaged, or made to do damage.
+# Read by tests/app.sh, whose functions it calls.
+
+# no_mesh NAME TEXT FILE: no command takes the file for a mesh.
+no_mesh() {
+    refused "$1" "$3: $2" convert "$3" refused
+}
+
+# ---- formats that assimp reads, in a process of its own ----
+# collada FILE COUNT: two triangles, whose five vertices are said to be COUNT
+# numbers.
+collada() {
+    cat >"$1" <<EOT
+<?xml version="1.0"?>
+<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema"
+ version="1.4.1"><library_geometries><geometry id="g"><mesh>
+<source id="p"><float_array id="a" $2>0 0 0 1 0 0 1 1 0 0 1 0 .5 .5 1
+</float_array><technique_common><accessor source="#a" count="5" stride="3">
+<param name="X" type="float"/><param name="Y" type="float"/>
+<param name="Z" type="float"/></accessor></technique_common></source>
+<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+<triangles count="2"><input semantic="VERTEX" source="#v" offset="0"/>
+<p>0 1 4 1 2 4</p></triangles></mesh></geometry></library_geometries>
+<library_visual_scenes><visual_scene id="s"><node id="n">
+<instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+<scene><instance_visual_scene url="#s"/></scene></COLLADA>
+EOT
+}
+collada good.dae 'count="15"'
+exits 'good COLLADA' 0 convert good.dae good_dae.ply
+is 'its triangles' grep -q '2 triangles' out
+collada many.dae 'count="9999999999"'
+no_mesh 'COLLADA that wants all memory' \
+    'cannot be read as a mesh: its reader needs more' many.dae
+# Here assimp 5.2 reads beyond the end of an array.
+collada crash.dae 'coqnt="15"'
+no_mesh 'COLLADA that crashes its reader' 'cannot be read as a mesh' crash.dae
+obstacle crash.dae
+refused 'the same as an obstacle' 'crash.dae: cannot' run mesh.json \
+    --out refused
+cp good.dae good.x3d
+no_mesh 'ending that is not known' 'expected a mesh file that ends in' good.x3d
+
+# Indices of OBJ count from 1, or from the last vertex backwards.
+corners='v 0 0 0\nv 1 0 0\nv 0 1 0\n'
+printf '%bf -3 -2 -1\n' "$corners" >back.obj
+exits 'OBJ that counts backwards' 0 convert back.obj back.ply
+is 'its triangle' grep -q '3 vertices, 1 triangles' out
+for face in '1 2 9' '1 2 0' '1 2 -7' '1 2 99999999999'; do
+    printf '%bf 1 2 3\nf %s\n' "$corners" "$face" >index.obj
+    no_mesh "OBJ, face $face" 'cannot be read' index.obj
+done
+# gltf FILE TAIL COUNT: three vertices and COUNT indices, of which TAIL, in
+# base 64, has the last.
+gltf() {
+    base=AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA
+    cat >"$1" <<EOT
+{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+ "nodes": [{"mesh": 0}], "meshes": [{"primitives": [
+  {"attributes": {"POSITION": 0}, "indices": 1}]}],
+ "accessors": [
+  {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+  {"bufferView": 1, "componentType": 5121, "count": $3, "type": "SCALAR"}],
+ "bufferViews": [{"buffer": 0, "byteLength": 36},
+  {"buffer": 0, "byteOffset": 36, "byteLength": $3}],
+ "buffers": [{"byteLength": $((36 + $3)),
+  "uri": "data:application/octet-stream;base64,$base$2"}]}
+EOT
+}
+gltf good.gltf AAEC 3
+exits 'good glTF' 0 convert good.gltf good_gltf.ply
+gltf index.gltf AAECAAEJ 6
+no_mesh 'glTF, index out of range' 'cannot be read as a mesh' index.gltf
+printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n' >cut.stl
+no_mesh 'STL that ends early' 'cannot be read as a mesh' cut.stl
+
+# ---- OFF ----
+# off FILE HEAD FACES...: four vertices and these faces.
+off() {
+    file=$1
+    printf '%s\n' "$2" '0 0 0' '1 0 0' '# aside' '' '0 1 0' '0 0 1' >"$file"
+    shift 2
+    [ $# -eq 0 ] || printf '%s\n' "$@" >>"$file"
+}
+off good.off 'OFF 4 2 0' '3 0 1 2' '4 0 1 2 3 0.5 0.5 0.5'
+exits 'good OFF' 0 convert good.off good_off.ply
+is 'a quad is two triangles' grep -q '4 vertices, 3 triangles' out
+off good.off 'COFF
+4 1' '3 0 1 2'
+exits 'OFF of colours, without its number of edges' 0 \
+    convert good.off good_off.ply
+off bad.off 'OFF 4 2 0' '3 0 1 2' '3 0 1 9'
+no_mesh 'OFF, index out of range' \
+    'line 9: expected a face of 3 vertices, each a whole number from 0 to 3' \
+    bad.off
+off bad.off 'OFF 4 1 0' '3 0 1 -1'
+no_mesh 'OFF, negative index' 'line 8: expected a face' bad.off
+off bad.off 'OFF 4 1 0' '3 0 1.5 2'
+no_mesh 'OFF, fractional index' 'line 8: expected a face' bad.off
+off bad.off 'OFF 4 1 0' '3 0 1'
+no_mesh 'OFF, face too short' 'line 8: expected a face' bad.off
+off bad.off 'OFF 4 2 0' '3 0 1 2'
+no_mesh 'OFF, face missing' 'line 8: the file ends' bad.off
+obstacle bad.off
+refused 'the same as an obstacle' 'bad.off: line 8' run mesh.json --out refused
+off bad.off 'OFF 5 0 0'
+no_mesh 'OFF, vertex missing' 'line 7: the file ends' bad.off
+off bad.off 'OFF 4 0 0'
+no_mesh 'OFF without faces' 'no triangles' bad.off
+off bad.off 'OFF 4 1 0' '3 0 1 2' '3 0 1 3'
+no_mesh 'OFF, more faces than counted' 'line 9: more lines' bad.off
+off bad.off 'OFF 2147483647 1 0' '3 0 1 2'
+no_mesh 'OFF of far too many vertices' 'line 1: more vertices and faces than' bad.off
+off bad.off 'OFF 99999999999999999999 1 0' '3 0 1 2'
+no_mesh 'OFF of more than can be counted' 'line 1: expected the num' bad.off
+off bad.off 'OFF BINARY'
+no_mesh 'binary OFF' 'line 1: expected the numbers of' bad.off
