@@ -117,3 +117,47 @@ off bad.off 'OFF 99999999999999999999 1 0' '3 0 1 2'
 no_mesh 'OFF of more than can be counted' 'line 1: expected the num' bad.off
 off bad.off 'OFF BINARY'
 no_mesh 'binary OFF' 'line 1: expected the numbers of' bad.off
+
+# ---- PLY ----
+# ply FILE FACE [FROM TO]: three vertices and a face; FROM becomes TO.
+ply() {
+    printf '%s\n' ply 'format ascii 1.0' 'element vertex 3' \
+        'property double x' 'property double y' 'property double z' \
+        'element face 1' 'property list uchar int vertex_indices' end_header \
+        '0 0 0' '1 0 0' '0 1 0' "$2" | sed "s/${3-^$}/${4-}/" >"$1"
+}
+ply bad.ply '3 0 1.9 2'
+no_mesh 'PLY, fractional index' 'face 0: vertex 1.9: expected a whole' bad.ply
+ply bad.ply '3 0 1 3'
+no_mesh 'PLY, index out of range' 'face 0: vertex 3: expected a whole' bad.ply
+ply bad.ply '3 0 1 -1'
+no_mesh 'PLY, negative index' 'face 0: vertex -1' bad.ply
+ply bad.ply '300 0 1 2'
+no_mesh 'PLY, list longer than its type' 'face 0: 300: expected' bad.ply
+ply bad.ply '2.5 0 1 2'
+no_mesh 'PLY, fractional list' 'face 0: 2.5: expected' bad.ply
+ply bad.ply '3 0 1'
+no_mesh 'PLY, face cut off' 'face 0: the file ends' bad.ply
+ply bad.ply '3 0 1 2' '^0 1 0$' '0 1 z'
+no_mesh 'PLY, letter as a coordinate' 'vertex 2: the file ends, or' bad.ply
+for axis in x y z; do
+    ply bad.ply '3 0 1 2' "double $axis" "double p$axis"
+    no_mesh "PLY without $axis" 'expected vertices with properties x' bad.ply
+done
+ply bad.ply '3 0 1 2' 'double y' 'double x'
+no_mesh 'PLY with x twice' 'expected vertices with properties x' bad.ply
+ply bad.ply '3 0 1 2' 'double z' 'list uchar double z'
+no_mesh 'PLY with a list as z' 'expected vertices with properties x' bad.ply
+ply bad.ply '3 0 1 2' '^property double .$' 'comment none'
+no_mesh 'PLY, vertices of nothing' 'expected vertices with prop' bad.ply
+ply bad.ply '3 0 1 2' '^format.*' 'comment none'
+no_mesh 'PLY without format' 'expected a line format' bad.ply
+ply bad.ply '3 0 1 2' 'vertex 3' 'corner 3'
+no_mesh 'PLY without vertices' 'expected one element vertex' bad.ply
+ply bad.ply '3 0 1 2' 'vertex 3' 'vertex 2147483647'
+no_mesh 'PLY of far too many vertices' 'ends before its' bad.ply
+ply bad.ply '3 0 1 2' 'vertex 3' 'vertex 2147483648'
+no_mesh 'PLY of more than can be counted' 'line 3: not a PLY' bad.ply
+ply bad.ply '3 0 1 2
+3 0 1 2'
+no_mesh 'PLY that goes on' 'goes on behind what its header' bad.ply
