@@ -108,6 +108,10 @@ static int load_series(struct json *json, struct obstacle *o, struct mesh *mesh)
                                "%s: another number of vertices or "
                                "triangles than the first",
                                name);
+        if (memcmp(here.tri, mesh->tri, (size_t)mesh->nt * sizeof *mesh->tri) !=
+            0)
+            return json_refuse(json, "%s: other triangles than the first",
+                               name);
         memcpy(frame + (size_t)k * (size_t)mesh->nv, here.x,
                (size_t)mesh->nv * sizeof *frame);
     }

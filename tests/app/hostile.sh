@@ -161,3 +161,13 @@ no_mesh 'PLY of more than can be counted' 'line 3: not a PLY' bad.ply
 ply bad.ply '3 0 1 2
 3 0 1 2'
 no_mesh 'PLY that goes on' 'goes on behind what its header' bad.ply
+
+# ---- frames of a deforming obstacle ----
+ply turn_0.ply '3 0 1 2'
+ply turn_1.ply '3 1 0 2'
+sed 's/{"mesh".*}\]/{"frames": {"files": "turn_%d.ply", "count": 2}}]/' \
+    mesh.json >frames.json
+refused 'frames of other triangles' \
+    '$.obstacles[0]: turn_1.ply: other triangles' run frames.json --out refused
+cp turn_0.ply turn_1.ply
+exits 'frames of the same' 0 plan frames.json
