@@ -65,49 +65,111 @@ static int read_motion(struct json *json, const cJSON *node, void *out)
     return status;
 }
 
-/* Steps between two keys: the library turns along chords between
- * quaternions, so that a turn is cut into steps of at most 15 degrees. */
-static int steps(const struct key *a, const struct key *b)
+enum { BETWEEN = 16 }; /* steps of a turn whose axis changes: 2^k */
+
+/* The way between two keys; the library turns along chords between
+ * quaternions, so that it is cut into steps. */
+struct way {
+    const struct key *a, *b;
+    double axis[3], from, to; /* the turn about one axis, degrees */
+    bool bent;                /* there is no such axis */
+    int steps;
+};
+
+/* A key of angle 0 turns about its neighbour's axis; opposite axes are one,
+ * turned the other way. */
+static struct way way_between(const struct key *a, const struct key *b)
 {
-    return 1 + (int)(fabs(b->angle - a->angle) / 15);
+    struct way way = {.a = a, .b = b, .from = a->angle, .to = b->angle};
+    double along = 0;
+    for (int i = 0; i < 3; i++)
+        along += a->axis[i] * b->axis[i];
+    memcpy(way.axis, a->angle == 0 ? b->axis : a->axis, sizeof way.axis);
+    bool one = fabs(along) > 1 - 1e-12;
+    if (one && along < 0 && a->angle != 0)
+        way.to = -b->angle;
+    way.bent = !one && a->angle != 0 && b->angle != 0;
+    way.steps = way.bent ? BETWEEN : 1 + (int)(fabs(way.to - way.from) / 15);
+    return way;
 }
 
-/* Key k of the library's motion, at part t of the way from a to b. */
-static void place(const struct motion *motion, const struct key *a,
-                  const struct key *b, double t, drape_motion *out)
+static void about(const double axis[3], double degrees, double q[4])
 {
-    int k = out->keys++;
-    double(*position)[3] = (double(*)[3])out->position;
-    double(*rotation)[4] = (double(*)[4])out->rotation;
-    double c, s;
-    ((double *)out->time)[k] = a->time + t * (b->time - a->time);
-    circle((a->angle + t * (b->angle - a->angle)) / 720, &c, &s);
-    rotation[k][0] = c;
-    for (int i = 0; i < 3; i++) {
-        position[k][i] =
-            motion->pivot[i] + a->move[i] + t * (b->move[i] - a->move[i]);
-        rotation[k][1 + i] = s * (a->axis[i] + t * (b->axis[i] - a->axis[i]));
+    double s;
+    circle(degrees / 720, &q[0], &s);
+    for (int i = 0; i < 3; i++)
+        q[1 + i] = s * axis[i];
+}
+
+/* Evenly the shorter way round from q[0] to q[n]: the middle of two unit
+ * quaternions is their sum, normalised, and so on in both halves. */
+static void halve(double (*q)[4], int n)
+{
+    if (n < 2)
+        return;
+    double dot = 0, sum = 0, *m = q[n / 2];
+    for (int i = 0; i < 4; i++)
+        dot += q[0][i] * q[n][i];
+    for (int i = 0; i < 4; i++) {
+        m[i] = q[0][i] + (dot < 0 ? -q[n][i] : q[n][i]);
+        sum += m[i] * m[i];
     }
+    for (int i = 0; i < 4; i++)
+        m[i] /= square_root(sum);
+    halve(q, n / 2);
+    halve(q + n / 2, n / 2);
+}
+
+/* The library's keys behind a's, up to b's. */
+static void place(const struct motion *motion, const struct way *way,
+                  drape_motion *out)
+{
+    const struct key *a = way->a, *b = way->b;
+    double(*position)[3] = (double(*)[3])out->position + out->keys;
+    double(*rotation)[4] = (double(*)[4])out->rotation + out->keys;
+    double *time = (double *)out->time + out->keys, turn[BETWEEN + 1][4];
+    about(a->axis, a->angle, turn[0]);
+    about(b->axis, b->angle, turn[BETWEEN]);
+    halve(turn, BETWEEN);
+    for (int k = 0; k < way->steps; k++) {
+        double t = (double)(k + 1) / way->steps;
+        time[k] = a->time + t * (b->time - a->time);
+        for (int i = 0; i < 3; i++)
+            position[k][i] =
+                motion->pivot[i] + a->move[i] + t * (b->move[i] - a->move[i]);
+        if (way->bent)
+            memcpy(rotation[k], turn[k + 1], sizeof rotation[k]);
+        else
+            about(way->axis, way->from + t * (way->to - way->from),
+                  rotation[k]);
+    }
+    out->keys += way->steps;
+}
+
+static int64_t count_keys(const struct motion *motion)
+{
+    int64_t count = 1;
+    for (int k = 1; k < motion->n_keys; k++)
+        count += way_between(&motion->keys[k - 1], &motion->keys[k]).steps;
+    return count;
 }
 
 static int convert(struct pool *pool, const struct motion *motion,
                    drape_motion *out)
 {
-    int count = 1;
-    for (int k = 1; k < motion->n_keys; k++)
-        count += steps(&motion->keys[k - 1], &motion->keys[k]);
+    const struct key *keys = motion->keys;
+    size_t count = (size_t)count_keys(motion);
     memcpy(out->pivot, motion->pivot, sizeof out->pivot);
-    out->time = pool_take(pool, (size_t)count, sizeof *out->time);
-    out->position = pool_take(pool, (size_t)count, sizeof *out->position);
-    out->rotation = pool_take(pool, (size_t)count, sizeof *out->rotation);
+    out->time = pool_take(pool, count, sizeof *out->time);
+    out->position = pool_take(pool, count, sizeof *out->position);
+    out->rotation = pool_take(pool, count, sizeof *out->rotation);
     if (!out->time || !out->position || !out->rotation)
         return complain(APP_FAILED, "out of memory");
-    place(motion, motion->keys, motion->keys, 0, out);
+    struct way none = way_between(keys, keys);
+    place(motion, &none, out);
     for (int k = 1; k < motion->n_keys; k++) {
-        const struct key *a = &motion->keys[k - 1], *b = a + 1;
-        int n = steps(a, b);
-        for (int j = 1; j <= n; j++)
-            place(motion, a, b, (double)j / n, out);
+        struct way way = way_between(&keys[k - 1], &keys[k]);
+        place(motion, &way, out);
     }
     return APP_OK;
 }
@@ -125,6 +187,14 @@ int read_motions(struct json *json, const cJSON *node, void *out)
     scene->motion_name = pool_take(json->pool, count + 1, sizeof(char *));
     if (!to || !scene->motion_name)
         return complain(APP_FAILED, "out of memory");
+    int64_t sum = 0;
+    for (int k = 0; k < list.count; k++)
+        sum += count_keys(&motion[k]);
+    if (sum > 1 << 24)
+        return json_refuse(json,
+                           "the turns come to %lld steps of 15 degrees; "
+                           "expected at most 2^24",
+                           (long long)sum);
     for (int k = 0; k < list.count && status == APP_OK; k++) {
         scene->motion_name[k] = motion[k].name;
         status = convert(json->pool, &motion[k], &to[k]);

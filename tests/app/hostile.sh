@@ -171,3 +171,75 @@ refused 'frames of other triangles' \
     '$.obstacles[0]: turn_1.ply: other triangles' run frames.json --out refused
 cp turn_0.ply turn_1.ply
 exits 'frames of the same' 0 plan frames.json
+
+# ---- motions ----
+# motion FILE KEYS [STEPS]: a box that goes so, far from a cloth.
+motion() {
+    cat >"$1" <<EOT
+{"frames": ${3-6}, "cloths": [{"particles": [3, 3], "size": [0.1, 0.1],
+  "start": {"at": [0, 9, 0]}}],
+ "obstacles": [{"shape": "box", "extent": [0.4, 0.6, 1], "motion": "s"}],
+ "motions": [{"name": "s", "keys": [$2]}]}
+EOT
+}
+# turns NAME FROM TO: of six frames between these keys, each has turned by
+# the same about one axis: 0, 1/6 … 6/6 of the whole turn, degrees AXIS…
+turns() {
+    exits "$1" 0 run motion.json --out turn
+    is "$1: evenly" python3 - "$2" <<'EOT'
+import math, sys
+def load(k):
+    with open("turn/frames/obstacles_%04d.ply" % k, "rb") as file:
+        text = file.read()
+    import struct
+    head, body = text.split(b"end_header\n", 1)
+    size = 8 if b"double x" in head else 4
+    return [struct.unpack_from("<3" + "fd"[size == 8], body, 3 * size * k)
+            for k in range(8)]
+def turned(q, x):
+    w, u = q[0], q[1:]
+    c = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                      a[0] * b[1] - a[1] * b[0]]
+    t = [2 * v for v in c(u, x)]
+    return [x[i] + w * t[i] + c(u, t)[i] for i in range(3)]
+def quaternion(axis, degrees):
+    n, h = math.hypot(*axis), math.radians(degrees) / 2
+    return [math.cos(h)] + [math.sin(h) * a / n for a in axis]
+keys = eval(sys.argv[1])
+box = [[(.2, -.2)[not k & 1], (.3, -.3)[not k & 2], (.5, -.5)[not k & 4]]
+       for k in range(8)]
+for k in range(7):
+    t = k / 6
+    if len(keys) == 1: # one axis, from an angle to another
+        axis, a, b = keys[0]
+        q = quaternion(axis, a + t * (b - a))
+    else: # along the great circle between two orientations
+        p, r = (quaternion(*key) for key in keys)
+        d = sum(x * y for x, y in zip(p, r))
+        r, d = ([-x for x in r], -d) if d < 0 else (r, d)
+        o = math.acos(d)
+        q = [(math.sin((1 - t) * o) * x + math.sin(t * o) * y) / math.sin(o)
+             for x, y in zip(p, r)]
+    for x, y in zip(box, load(k)):
+        assert math.dist(turned(q, x), y) < 1e-3, (k, turned(q, x), y)
+EOT
+}
+motion motion.json '{"time": 0}, {"time": 0.1, "angle": 90, "axis": [1, 0, 0]}'
+turns 'turn from angle 0 of the default axis' '[([1, 0, 0], 0, 90)]'
+motion motion.json '{"time": 0, "angle": 30, "axis": [1, 0, 0]},
+    {"time": 0.1, "angle": 100, "axis": [0, 1, 1]}'
+turns 'turn between two axes' '[([1, 0, 0], 30), ([0, 1, 1], 100)]'
+motion motion.json '{"time": 0, "angle": 350, "axis": [1, 0, 0]},
+    {"time": 0.1, "angle": 100, "axis": [0, 0, 2]}'
+turns 'turn between two axes, the shorter way' \
+    '[([1, 0, 0], 350), ([0, 0, 1], 100)]'
+motion motion.json '{"time": 0, "angle": 20, "axis": [0, 0, 1]},
+    {"time": 0.1, "angle": 40, "axis": [0, 0, -3]}'
+turns 'turn between opposite axes' '[([0, 0, 1], 20, -40)]'
+motion motion.json '{"time": 0, "axis": [0, 0, 1]},
+    {"time": 0.1, "angle": 500, "axis": [0, 3, 0]}'
+turns 'more than a turn about one axis' '[([0, 1, 0], 0, 500)]'
+keys=$(awk 'BEGIN { for (k = 0; k < 4000; k++)
+    printf "{\"time\": %d, \"angle\": %d},", k, k % 2 ? 36000 : -36000 }')
+motion motion.json "${keys%,}"
+refused 'turns without end' '$.motions: the turns come to' plan motion.json
