@@ -29,8 +29,7 @@ int json_choice(const char *const *choices, const char *text)
     return -1;
 }
 
-/* Goes one level down; gives back what to cut the path to on the way up. */
-static size_t enter(struct json *json, const char *format, ...)
+size_t json_enter(struct json *json, const char *format, ...)
 {
     size_t length = strlen(json->where);
     va_list arguments;
@@ -41,7 +40,7 @@ static size_t enter(struct json *json, const char *format, ...)
     return length;
 }
 
-static void leave(struct json *json, size_t length)
+void json_leave(struct json *json, size_t length)
 {
     json->where[length] = 0;
 }
@@ -73,11 +72,11 @@ static int read_vector(struct json *json, const cJSON *node,
     const cJSON *item;
     cJSON_ArrayForEach(item, node)
     {
-        size_t length = enter(json, "[%d]", k);
+        size_t length = json_enter(json, "[%d]", k);
         int status = read_number(json, item, key, &out[k++]);
         if (status != APP_OK)
             return status;
-        leave(json, length);
+        json_leave(json, length);
     }
     return APP_OK;
 }
@@ -138,48 +137,20 @@ static int read_value(struct json *json, const cJSON *node,
     return key->read(json, node, out);
 }
 
-/* Each key of the object is in the table, and there once. */
-static int check_keys(const struct json *json, const cJSON *node,
-                      const struct json_key *keys)
-{
-    const cJSON *item, *other;
-    cJSON_ArrayForEach(item, node)
-    {
-        const struct json_key *key = keys;
-        while (key->name && strcmp(key->name, item->string) != 0)
-            key++;
-        if (!key->name) {
-            char names[400] = "";
-            for (key = keys; key->name; key++) {
-                size_t length = strlen(names);
-                snprintf(names + length, sizeof names - length, "%s%s",
-                         key == keys ? "" : ", ", key->name);
-            }
-            return json_refuse(json, "unknown key \"%s\"; expected one of %s",
-                               item->string, names);
-        }
-        for (other = item->next; other; other = other->next)
-            if (strcmp(other->string, item->string) == 0)
-                return json_refuse(json, "key \"%s\" is there twice",
-                                   item->string);
-    }
-    return APP_OK;
-}
-
 int json_object(struct json *json, const cJSON *node,
                 const struct json_key *keys, void *base)
 {
     if (!cJSON_IsObject(node))
         return json_refuse(json, "expected an object { … }");
-    int status = check_keys(json, node, keys);
+    int status = json_check_keys(json, node, keys);
     for (; status == APP_OK && keys->name; keys++) {
         const cJSON *item = cJSON_GetObjectItemCaseSensitive(node, keys->name);
         if (!item)
             continue;
-        size_t length = enter(json, ".%s", keys->name);
+        size_t length = json_enter(json, ".%s", keys->name);
         status = read_value(json, item, keys, (char *)base + keys->offset);
         if (status == APP_OK)
-            leave(json, length);
+            json_leave(json, length);
     }
     return status;
 }
@@ -197,12 +168,12 @@ int json_array(struct json *json, const cJSON *node, struct json_list *list)
     const cJSON *item;
     cJSON_ArrayForEach(item, node)
     {
-        size_t length = enter(json, "[%d]", k);
+        size_t length = json_enter(json, "[%d]", k);
         int status = list->read(json, item,
                                 (char *)list->items + (size_t)k * list->size);
         if (status != APP_OK)
             return status;
-        leave(json, length);
+        json_leave(json, length);
         k++;
     }
     return APP_OK;

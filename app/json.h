@@ -100,6 +100,18 @@ __attribute__((format(printf, 2, 3)))
 #endif
 int json_refuse(const struct json *json, const char *format, ...);
 
+/* Each key of the object is in the table, and there once; else APP_USAGE. */
+int json_check_keys(const struct json *json, const cJSON *node,
+                    const struct json_key *keys);
+
+/* Goes one level down the path; gives back what to cut it to on the way up. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+size_t
+json_enter(struct json *json, const char *format, ...);
+void json_leave(struct json *json, size_t length);
+
 /* The parsed file, or NULL after one line that names file and line. The
  * caller deletes it with cJSON_Delete. */
 cJSON *json_parse(const char *file);

@@ -243,3 +243,28 @@ keys=$(awk 'BEGIN { for (k = 0; k < 4000; k++)
     printf "{\"time\": %d, \"angle\": %d},", k, k % 2 ? 36000 : -36000 }')
 motion motion.json "${keys%,}"
 refused 'turns without end' '$.motions: the turns come to' plan motion.json
+
+# ---- JSON ----
+# json NAME TEXT FILE-CONTENT
+json() {
+    printf '%b' "$3" >json.json
+    refused "$1" "json.json: $2" plan json.json
+}
+json 'NaN' 'line 2: not JSON here' '{\n"dt": NaN}'
+json 'Infinity' 'line 1: not JSON here' '{"dt": Infinity}'
+json 'huge number' '$.dt: inf: expected a number' '{"dt": 1e99999}'
+json 'huge whole number' '$.frames: 1e+300: expected' '{"frames": 1e300}'
+json 'fraction' '$.frames: 1.5: expected a whole number' '{"frames": 1.5}'
+json 'text behind' 'line 3: not JSON here' '{}\n\n{}'
+json 'zero byte' 'line 1: not JSON here' '{"name": "a\0000b"}'
+json 'comment' 'line 2: not JSON here' '{\n// dt\n"dt": 1}'
+json 'unknown key with its path' '$.cloths[0].start: unknown key "att"' \
+    '{"cloths": [{"start": {"att": 1}}]}'
+json 'and the one that is meant' '$.cloths[0].start: unknown key "att"; did you mean "at"?' \
+    '{"cloths": [{"start": {"att": 1}}]}'
+json 'key of line ends' '$: unknown key "a?b"' '{"a\\nb": 1}'
+deep=$(awk 'BEGIN { for (k = 0; k < 100000; k++) printf "[" }')
+json 'nested deeply' 'line 1: not JSON here' "{\"cloths\": $deep"
+json 'list in a list' '$.cloths[0]: expected an object' '{"cloths": [[]]}'
+json 'key twice, where both are right' '$: key "dt" is there twice' \
+    '{"dt": 0.1, "frames": 1, "dt": 0.1}'
