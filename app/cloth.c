@@ -94,6 +94,19 @@ static int read_pins(struct json *json, const cJSON *node, void *out)
     int status = json_array(json, node, &list);
     cloth->pins = list.items;
     cloth->n_pins = list.count;
+    for (int k = 0; k < list.count && status == APP_OK; k++) {
+        const double *at = cloth->pins[k].at;
+        double h = cloth->size[0] / (cloth->particles[0] - 1);
+        double g = cloth->size[1] / (cloth->particles[1] - 1);
+        if (at[0] < cloth->size[0] + h / 2 && at[1] < cloth->size[1] + g / 2)
+            continue;
+        size_t length = json_enter(json, "[%d].at", k);
+        status = json_refuse(json,
+                             "[%.15g, %.15g]: expected a place on the "
+                             "cloth, up to [%.15g, %.15g]",
+                             at[0], at[1], cloth->size[0], cloth->size[1]);
+        json_leave(json, length);
+    }
     return status;
 }
 
@@ -123,16 +136,17 @@ static int read_cloth(struct json *json, const cJSON *node, void *out)
     int status = json_object(json, node, keys, cloth);
     if (status != APP_OK)
         return status;
-    const struct scene *scene = json->user;
+    struct scene *scene = json->user;
     double count = cloth->particles[0] * cloth->particles[1];
+    scene->particles += count;
     if (floor(cloth->particles[0]) != cloth->particles[0] ||
         floor(cloth->particles[1]) != cloth->particles[1])
         return json_refuse(json, "particles: expected whole numbers");
-    if (count * PARTICLE_BYTES > scene->memory * 1e9)
+    if (scene->particles * PARTICLE_BYTES > scene->memory * 1e9)
         return json_refuse(json,
-                           "particles: %.0f need more than the memory limit "
-                           "of %.3g GB",
-                           count, scene->memory);
+                           "particles: %.0f so far need more than the memory "
+                           "limit of %.3g GB",
+                           scene->particles, scene->memory);
     c->m = (int)cloth->particles[0];
     c->n = (int)cloth->particles[1];
     c->width = cloth->size[0];
@@ -151,10 +165,12 @@ int read_cloths(struct json *json, const cJSON *node, void *out)
     const struct cloth *cloth = list.items;
     drape_cloth *to = pool_take(json->pool, count + 1, sizeof *to);
     scene->cloth_name = pool_take(json->pool, count + 1, sizeof(char *));
-    if (!to || !scene->cloth_name)
+    scene->pin_from = pool_take(json->pool, count + 1, sizeof(int *));
+    if (!to || !scene->cloth_name || !scene->pin_from)
         return complain(APP_FAILED, "out of memory");
     for (size_t k = 0; k < count; k++) {
         to[k] = cloth[k].out;
+        scene->pin_from[k] = cloth[k].pin_from;
         scene->cloth_name[k] =
             cloth[k].name ? cloth[k].name : pool_text(json->pool, "cloth");
     }

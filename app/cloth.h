@@ -28,6 +28,7 @@ struct cloth {
     struct regions holes, cuts;
     struct pin *pins;
     int n_pins;
+    int *pin_from; /* [out.n_pins]: the one of pins that it is of */
 };
 
 /* Fills cloth->out's start, holes, cuts and pins. The exit code after one

@@ -160,6 +160,26 @@ static void release(void *user, void *p, size_t bytes)
     free(p);
 }
 
+/* What the library says of a cloth, an obstacle or a motion, said of its path
+ * in the scene's file. */
+static int refuse_world(const struct scene *scene, int code, const char *text)
+{
+    static const char *const bodies[] = {"cloth", "obstacle", "motion"};
+    const char *rest = strstr(text, ": ");
+    char name[16];
+    int body, pin, end = 0;
+    int read = sscanf(text, "%15[a-z] %d: pin %d: %n", name, &body, &pin, &end);
+    if (read == 3 && end && body < scene->def.n_cloths &&
+        pin < scene->def.cloths[body].n_pins)
+        return complain(code, "%s: $.cloths[%d].pins[%d]: %s", scene->file,
+                        body, scene->pin_from[body][pin], text + end);
+    for (int k = 0; k < 3 && read >= 2 && rest; k++)
+        if (strcmp(name, bodies[k]) == 0)
+            return complain(code, "%s: $.%ss[%d]: %s", scene->file, name, body,
+                            rest + 2);
+    return complain(code, "%s: %s", scene->file, text);
+}
+
 int scene_create(struct scene *scene, const struct overrides *overrides,
                  drape_world **world)
 {
@@ -192,6 +212,6 @@ int scene_create(struct scene *scene, const struct overrides *overrides,
                         "%s: needs more memory than the limit of "
                         "%.3g GB (key memory)",
                         scene->file, scene->memory);
-    return complain(code, "%s: %s", scene->file,
-                    *error.text ? error.text : drape_status_text(status));
+    return refuse_world(scene, code,
+                        *error.text ? error.text : drape_status_text(status));
 }

@@ -23,6 +23,8 @@ struct scene {
     struct camera camera;
     /* Names, NULL-terminated: [n_cloths], [n_obstacles], [n_motions]. */
     char **cloth_name, **obstacle_name, **motion_name;
+    int **pin_from;     /* [n_cloths][n_pins]: of the file's list of pins */
+    double particles;   /* of all cloths */
     int64_t degenerate; /* obstacle triangles without area */
     struct pool pool;   /* owns all that def points to */
     struct budget {

@@ -3,6 +3,8 @@
 #include "app/app.h"
 #include "app/cloth.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static bool inside(const struct regions *regions, double x, double y)
@@ -31,53 +33,55 @@ static const uint8_t *mark(struct pool *pool, const struct regions *regions,
     return map;
 }
 
-/* The nearest whole number, of which only that it is large matters where it
- * is: far more than a cloth has particles. */
-static int nearest(double a)
-{
-    const int far = 1 << 24;
-    return a > -1 ? (int)((a < far ? a : far) + 0.5) : -1;
-}
-
-/* Whether particle i, j belongs to the pin's edge or place. */
-static bool pinned(const struct pin *pin, const drape_cloth *c, int i, int j)
+/* Gives the particles of pin p's edge or place to it. */
+static void mark_pin(const struct pin *pin, int p, const drape_cloth *c,
+                     int *owner)
 {
     double h = c->width / (c->m - 1), g = c->height / (c->n - 1);
-    if (pin->edge < 0)
-        return i == nearest(pin->at[0] / h) && j == nearest(pin->at[1] / g);
-    const int end[4] = {i == 0, i == c->m - 1, j == 0, j == c->n - 1};
-    if (!end[pin->edge])
-        return false;
-    double cell = pin->edge < 2 ? g : h;
-    int along = pin->edge < 2 ? j : i, last = pin->edge < 2 ? c->n : c->m;
-    int every = nearest(pin->every / cell);
-    return every < 2 || along % every == 0 || along == last - 1;
+    bool column = pin->edge < 2;
+    if (pin->edge < 0) {
+        double i = fmin(floor(pin->at[0] / h + 0.5), c->m - 1);
+        double j = fmin(floor(pin->at[1] / g + 0.5), c->n - 1);
+        owner[(int64_t)i + c->m * (int64_t)j] = p;
+        return;
+    }
+    int last = (column ? c->n : c->m) - 1;
+    int across = pin->edge % 2 ? (column ? c->m : c->n) - 1 : 0;
+    double every = floor(pin->every / (column ? g : h) + 0.5);
+    for (int k = 0; k <= last; k++)
+        if (every < 2 || fmod(k, every) == 0 || k == last)
+            owner[column ? across + (int64_t)c->m * k
+                         : k + (int64_t)c->m * across] = p;
 }
 
-/* Particles of the border and of single places, each once. */
+/* The pins of single particles: the first pin that takes one has it. */
 static int make_pins(struct pool *pool, struct cloth *cloth)
 {
     drape_cloth *c = &cloth->out;
-    int count = 0;
-    for (int pass = 0; pass < 2; pass++) {
-        drape_pin *pins = pool_take(pool, (size_t)count + 1, sizeof *pins);
-        if (!pins)
-            return complain(APP_FAILED, "out of memory");
-        c->pins = pins;
-        c->n_pins = count;
-        count = 0;
-        for (int64_t k = 0; k < (int64_t)c->m * c->n; k++) {
-            int i = (int)(k % c->m), j = (int)(k / c->m), p = 0;
-            while (p < cloth->n_pins && !pinned(&cloth->pins[p], c, i, j))
-                p++;
-            if (p == cloth->n_pins || (c->hole && c->hole[k]))
-                continue;
-            if (pass)
-                pins[count] = (drape_pin){i, j, cloth->pins[p].motion};
-            count++;
-        }
+    int64_t particles = (int64_t)c->m * c->n, count = 0;
+    int *owner = malloc((size_t)particles * sizeof *owner);
+    if (!owner)
+        return complain(APP_FAILED, "out of memory");
+    for (int64_t k = 0; k < particles; k++)
+        owner[k] = -1;
+    for (int p = cloth->n_pins; p-- > 0;)
+        mark_pin(&cloth->pins[p], p, c, owner);
+    for (int64_t k = 0; k < particles; k++)
+        count += owner[k] >= 0;
+    drape_pin *pins = pool_take(pool, (size_t)count + 1, sizeof *pins);
+    cloth->pin_from = pool_take(pool, (size_t)count + 1, sizeof(int));
+    c->pins = pins;
+    c->n_pins = 0;
+    for (int64_t k = 0; pins && cloth->pin_from && k < particles; k++) {
+        if (owner[k] < 0)
+            continue;
+        cloth->pin_from[c->n_pins] = owner[k];
+        pins[c->n_pins++] = (drape_pin){(int)(k % c->m), (int)(k / c->m),
+                                        cloth->pins[owner[k]].motion};
     }
-    return APP_OK;
+    free(owner);
+    return pins && cloth->pin_from ? APP_OK
+                                   : complain(APP_FAILED, "out of memory");
 }
 
 static double dot(const double a[3], const double b[3])
@@ -179,5 +183,7 @@ int cloth_sew(struct json *json, struct cloth *cloth)
         make_flat(cloth);
     if (status == APP_OK)
         status = make_velocity(json->pool, cloth);
-    return status == APP_OK ? make_pins(json->pool, cloth) : status;
+    if (status != APP_OK || !cloth->n_pins)
+        return status;
+    return make_pins(json->pool, cloth);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes a world from a checked definition: sizes first, then streams, then
  * their contents, then the stages that the scene needs. */
+#include <stdarg.h>
 #include <stdio.h>
 
 #include "ref/checkpoint.h"
@@ -15,11 +16,31 @@ static void *take(struct world *w, enum arena_part part, int64_t n, size_t size)
     return arena_take(w->arena, part, n, size);
 }
 
-static int say(drape_error *error, int status, const char *what, int k)
+static int say(drape_error *error, int status, const char *format, ...)
 {
+    va_list args;
+    va_start(args, format);
     if (error)
-        snprintf(error->text, sizeof error->text, what, k);
+        vsnprintf(error->text, sizeof error->text, format, args);
+    va_end(args);
     return status;
+}
+
+/* What is wrong with a cloth's cells: spec/02_cloth.md §1 and §4. */
+static int size_cloth(const drape_cloth *def, int k, struct cloth *cloth,
+                      drape_error *error)
+{
+    const drape_material *m = &def->material;
+    if (ref_cloth_size(def, cloth) != DRAPE_OK)
+        return say(error, DRAPE_EARG,
+                   "cloth %d: cells of %.4g by %.4g m are too oblong: expected "
+                   "a ratio of sides below sqrt(stretch / shear) = %.4g",
+                   k, def->width / (def->m - 1), def->height / (def->n - 1),
+                   sqrt(m->stretch / m->shear));
+    if (cloth->n_triangles == 0)
+        return say(error, DRAPE_EARG,
+                   "cloth %d: holes and cuts leave no cell of it", k);
+    return DRAPE_OK;
 }
 
 static int size_cloths(struct world *w, const drape_def *def,
@@ -27,9 +48,9 @@ static int size_cloths(struct world *w, const drape_def *def,
 {
     for (int k = 0; k < def->n_cloths; k++) {
         struct sheet *s = &w->sheet[k];
-        if (ref_cloth_size(&def->cloths[k], &s->cloth) != DRAPE_OK)
-            return say(error, DRAPE_EARG,
-                       "cloth %d: cells are too oblong for this shear", k);
+        int status = size_cloth(&def->cloths[k], k, &s->cloth, error);
+        if (status != DRAPE_OK)
+            return status;
         s->first = w->nv;
         s->first_triangle = w->nt;
         s->pins.n = def->cloths[k].n_pins;
@@ -73,6 +94,20 @@ static void copy_motions(struct world *w, const drape_def *def)
     w->def.motions = motion;
 }
 
+/* The first pin of which there is no particle. */
+static int say_pin(const drape_cloth *def, const struct cloth *c, int k,
+                   drape_error *error)
+{
+    int p = 0;
+    while (c->fixed[def->pins[p].i + (int64_t)def->m * def->pins[p].j] !=
+           CLOTH_ABSENT)
+        p++;
+    return say(error, DRAPE_EARG,
+               "cloth %d: pin %d: particle (%d, %d) is missing: it is a hole, "
+               "or no cell is left around it",
+               k, p, def->pins[p].i, def->pins[p].j);
+}
+
 static int fill_cloth(struct world *w, const drape_cloth *def, int k,
                       drape_error *error)
 {
@@ -86,8 +121,7 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
     if (w->arena->failed)
         return DRAPE_ENOMEM;
     if (ref_cloth_fill(def, c, s->first) != DRAPE_OK)
-        return say(error, DRAPE_EARG,
-                   "cloth %d: a pin holds a missing particle", k);
+        return say_pin(def, c, k, error);
     if (ref_cloth_start(def, w->x0 + s->first, w->v0 + s->first) != DRAPE_OK)
         return say(error, DRAPE_EDATA,
                    "cloth %d: its flat start leaves |x| up to 2^60", k);

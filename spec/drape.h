@@ -105,15 +105,17 @@ typedef struct drape_pin {
 /* A rectangular grid of m × n particles; (i, j) is number i + m·j. */
 typedef struct drape_cloth {
     int m, n;             /* 2 … 32768 each */
-    double width, height; /* m at rest, along i and along j */
+    double width, height; /* m at rest, along i and along j; the longer side of
+                             a cell is below √(stretch / shear) of the other */
     drape_material material;
     const double (*x)[3]; /* [m·n] start; NULL: flat by origin, u and v */
     double origin[3], u[3], v[3]; /* particle 0, m; axes along i and j, unit and
                                      at right angles to 1e-6 */
     const double (*velocity)[3];  /* [m·n] m/s; NULL: zero */
     const uint8_t *hole;   /* [m·n] 1: the particle is missing; NULL: none */
-    const uint8_t *cut;    /* [(m-1)·(n-1)] 1: the cell is missing; NULL */
-    const drape_pin *pins; /* [n_pins] */
+    const uint8_t *cut;    /* [(m-1)·(n-1)] 1: the cell is missing; NULL; at
+                              least one cell is left */
+    const drape_pin *pins; /* [n_pins] of particles with a cell */
     int n_pins;            /* 0 … m·n */
 } drape_cloth;
 

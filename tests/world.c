@@ -216,6 +216,19 @@ const char *test_world_refusals(void)
     REFUSED(d.obstacle.n_vertices = 5, DRAPE_EARG, "names vertex");
     REFUSED(d.cloth.n_pins = -1, DRAPE_EARG, "n_pins is -1");
     REFUSED(d.cloth.n_pins = 1, DRAPE_EARG, "cloth 0: pins is NULL");
+    uint8_t gone[33 * 33], cut[32 * 32] = {1};
+    memset(gone, 1, sizeof gone);
+    EXPECT(sizeof gone >= (size_t)d.cloth.m * (size_t)d.cloth.n);
+    REFUSED(d.cloth.hole = gone, DRAPE_EARG, "cloth 0: holes and cuts leave");
+    /* The corner has one cell, which is cut. */
+    const drape_pin pins[2] = {{1, 0, -1}, {0, 0, -1}};
+    REFUSED((d.cloth.cut = cut, d.cloth.pins = pins, d.cloth.n_pins = 2),
+            DRAPE_EARG, "cloth 0: pin 1: particle (0, 0) is missing");
+    memset(gone, 0, sizeof gone);
+    gone[0] = 1;
+    REFUSED((d.cloth.hole = gone, d.cloth.pins = pins, d.cloth.n_pins = 2),
+            DRAPE_EARG, "cloth 0: pin 1: particle (0, 0) is missing");
+    REFUSED(d.cloth.width *= 1.9, DRAPE_EARG, "stretch / shear) = 1.826");
     REFUSED(d.def.obstacles = NULL, DRAPE_EARG, "obstacles is NULL");
     REFUSED(d.motion.position = NULL, DRAPE_EARG, "motion 0: position");
     REFUSED(d.cloth.origin[1] = 0.1, DRAPE_ESTART, "intersecting");

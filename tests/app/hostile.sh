@@ -268,3 +268,49 @@ json 'nested deeply' 'line 1: not JSON here' "{\"cloths\": $deep"
 json 'list in a list' '$.cloths[0]: expected an object' '{"cloths": [[]]}'
 json 'key twice, where both are right' '$: key "dt" is there twice' \
     '{"dt": 0.1, "frames": 1, "dt": 0.1}'
+
+# ---- cloths ----
+# sheet TEXT: a cloth of 21 × 11 particles, 1 m × 0.5 m, with these keys.
+sheet() {
+    cat >sheet.json <<EOT
+{"frames": 1, "cloths": [{"particles": [2, 2]},
+ {"particles": [21, 11], "size": [1, 0.5], "start": {"at": [0, 2, 0]}, $1}]}
+EOT
+}
+sheet '"holes": [{"rect": [0, 0, 5, 5]}]'
+refused 'nothing but holes' '$.cloths[1]: holes and cuts leave no cell' \
+    run sheet.json --out refused
+sheet '"cuts": [{"rect": [0, 0, 5, 5]}]'
+refused 'nothing but cuts' '$.cloths[1]: holes and cuts leave no cell' \
+    run sheet.json --out refused
+held='"pins": [{"at": [0.5, 0.25]}, {"edge": "v0"}]'
+missing='$.cloths[1].pins[1]: particle (0, 0) is missing'
+sheet "$held"
+exits 'an edge that is there is pinned' 0 plan sheet.json
+sheet "$held, \"cuts\": [{\"rect\": [0, 0, 0.05, 0.05]}]"
+refused 'pin on a particle whose cell is cut' "$missing" plan sheet.json
+sheet "$held, \"holes\": [{\"disc\": [0, 0, 0.01]}]"
+refused 'pin on a hole' "$missing" plan sheet.json
+sheet "$held, \"holes\": [{\"disc\": [0.5, 0.25, 0.01]}]"
+refused 'pin at a hole' '$.cloths[1].pins[0]: particle (10, 5)' plan sheet.json
+sheet '"pins": [{"at": [0, 0]}, {"at": [1.03, 0]}]'
+refused 'pin beside the cloth' '$.cloths[1].pins[1].at: [1.03, 0]: expected' \
+    plan sheet.json
+sheet '"pins": [{"at": [1e6, 1e6]}]'
+refused 'pin far from the cloth' '$.cloths[1].pins[0].at:' plan sheet.json
+sheet '"pins": [{"edge": "u0", "every": 1e6}]'
+exits 'pins further apart than can be counted' 0 plan sheet.json
+sheet '"particles": [11, 11]'
+refused 'key twice in a cloth' '$.cloths[1]: key "particles" is there twice' \
+    plan sheet.json
+sheet '"material": {"thickness": 1e-3, "shear": 400}, "cuts": []'
+sed 's/0.5\]/0.3]/' sheet.json >oblong.json
+refused 'oblong cells, and which are not' '$.cloths[1]: cells of 0.05 by 0.03' \
+    plan oblong.json
+is 'the ratio is said' grep -q 'sqrt(stretch / shear) = 1.581$' err
+sed 's/0.5\]/0.32]/' sheet.json >oblong.json
+exits 'a ratio of 1.5625' 0 plan oblong.json
+cloth='{"particles": [900, 900]}'
+echo "{\"memory\": 1, \"cloths\": [$cloth, $cloth, $cloth]}" >three.json
+refused 'three cloths, of which two fit' '$.cloths[2]: particles: 2430000' \
+    plan three.json
