@@ -314,3 +314,50 @@ cloth='{"particles": [900, 900]}'
 echo "{\"memory\": 1, \"cloths\": [$cloth, $cloth, $cloth]}" >three.json
 refused 'three cloths, of which two fit' '$.cloths[2]: particles: 2430000' \
     plan three.json
+
+# ---- rows of drape ccd ----
+# rows FILE ROW COUNT
+rows() {
+    awk -v row="$2" -v n="$3" 'BEGIN { while (n--) print row }' >"$1"
+}
+zeros=0,1,0,1,0,1
+rows at.csv $zeros 8
+sed 's/$/\r/' at.csv >crlf.csv
+exits 'eight times the same point, CRLF' 0 ccd --kind ee crlf.csv
+is 'touch from the start' test "$(cat out)" = '1 0'
+# A power of two with a denominator that brings it back.
+two=$(python3 -c 'print(2**1100)')
+rows pow.csv "$two,$two,0,1,0,1" 8
+exits 'numerators beyond binary64' 0 ccd --kind vf pow.csv
+is 'whose quotient is not' test "$(cat out)" = '1 0'
+# refused_row NAME TEXT ROW
+refused_row() {
+    rows row.csv "$3" 8
+    refused "ccd, $1" "row.csv: line 1: expected $2" ccd --kind vf row.csv
+}
+refused_row 'five columns' '6 or 7 columns' 0,1,0,1,0
+refused_row 'a header' 'whole numbers' xn,xd,yn,yd,zn,zd
+refused_row 'no binary64' 'quotients that are binary64' \
+    1152921504606846977,1,0,1,0,1
+refused_row 'a quotient too large' 'finite quotients' "$two,1,0,1,0,1"
+refused_row 'a quotient too small' 'quotients that are binary64' \
+    "1,$two,0,1,0,1"
+{
+    printf '\357\273\277'
+    cat at.csv
+} >bom.csv
+refused 'ccd, a mark of byte order' 'line 1: expected whole numbers' \
+    ccd --kind vf bom.csv
+rows seven.csv $zeros 7
+refused 'ccd, seven rows' 'line 7: expected 8 rows' ccd --kind vf seven.csv
+
+# ---- all of them damaged ----
+mkdir damaged
+cp good.dae good.gltf good.off back.obj turn_0.ply damaged
+exits 'binary PLY' 0 convert turn_0.ply damaged/binary.ply
+printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0
+vertex 0 1 0\nendloop\nendfacet\nendsolid a\n' >damaged/good.stl
+cp sheet.json damaged/scene.json
+cp at.csv damaged/at.csv
+line=$(python3 "$root/tests/damage.py" "$drape" damaged | tail -n 1)
+is "damaged files ($line)" test "${line#* }" = 'files, 0 wrong'
