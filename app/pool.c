@@ -14,12 +14,16 @@ void *pool_take(struct pool *pool, size_t count, size_t size)
 {
     if (size && count > ((size_t)-1 - sizeof(struct pool_block)) / size)
         return NULL;
+    double held = pool->held + (double)count * (double)size;
+    if (pool->most && held > *pool->most * 1e9)
+        return NULL;
     struct pool_block *block =
         calloc(1, sizeof(struct pool_block) + count * size);
     if (!block)
         return NULL;
     block->next = pool->first;
     pool->first = block;
+    pool->held = held;
     return block->data;
 }
 
@@ -37,4 +41,5 @@ void pool_free(struct pool *pool)
         free(pool->first);
         pool->first = next;
     }
+    pool->held = 0;
 }

@@ -115,6 +115,7 @@ int scene_load(struct scene *scene, const char *file)
     scene->frames = 120;
     scene->steps_per_frame = 1;
     scene->memory = default_memory();
+    scene->pool.most = &scene->memory;
     if (strlen(file) >= sizeof scene->file)
         return complain(APP_USAGE, "%.60s…: the path is too long", file);
     strcpy(scene->file, file);

@@ -45,7 +45,10 @@ static int mesh_make(struct pool *pool, int64_t nv, int64_t nt,
     mesh->tri = pool_take(pool, (size_t)nt, sizeof *mesh->tri);
     if (mesh->x && mesh->tri)
         return APP_OK;
-    return complain(APP_FAILED, "out of memory");
+    return complain(APP_FAILED,
+                    "a shape of %lld vertices: no memory left within the "
+                    "scene's limit (key memory)",
+                    (long long)nv);
 }
 
 static void add(struct mesh *mesh, int64_t a, int64_t b, int64_t c)

@@ -2,8 +2,9 @@
 """Damages small files and sees that the tool survives them.
 
 usage: tests/damage.py DRAPE FOLDER [RUNS [SEED]]; ends with `N files, N
-wrong`. Each file of the folder is cut off at places and has bits, digits and
-words changed, the same ones for one seed. Whatever is left of it, the tool
+wrong`. Each file of the folder is cut off at places and has bits, numbers and
+pieces changed, the same ones for one seed; RUNS 0 cuts it off at every byte
+instead. Whatever is left of it, the tool
 ends by itself, with exit status 0 to 3, within a time, and says at most one
 line on standard error, which is there where the status is not 0. What is
 wrong stays in FOLDER.wrong.
@@ -88,8 +89,8 @@ def main():
         for name in names:
             with open(os.path.join(folder, name), "rb") as file:
                 whole = file.read()
-            for k in range(runs):
-                data = damage(whole)
+            for k in range(runs or len(whole)):
+                data = damage(whole) if runs else whole[:k]
                 path = os.path.join(work, name)
                 with open(path, "wb") as file:
                     file.write(data)

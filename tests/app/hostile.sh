@@ -243,6 +243,12 @@ keys=$(awk 'BEGIN { for (k = 0; k < 4000; k++)
     printf "{\"time\": %d, \"angle\": %d},", k, k % 2 ? 36000 : -36000 }')
 motion motion.json "${keys%,}"
 refused 'turns without end' '$.motions: the turns come to' plan motion.json
+awk 'BEGIN { for (k = 0; k < 900; k++)
+    printf "%s{\"shape\": \"capsule\", \"detail\": 4096}",
+    k ? "," : "{\"memory\": 0.1, \"cloths\": [{}], \"obstacles\": ["
+    print "]}" }' >capsules.json
+exits 'shapes beyond the limit of memory' 3 plan capsules.json
+is 'which is said' grep -q 'vertices: no memory left within' err
 
 # ---- JSON ----
 # json NAME TEXT FILE-CONTENT
@@ -300,6 +306,14 @@ sheet '"pins": [{"at": [1e6, 1e6]}]'
 refused 'pin far from the cloth' '$.cloths[1].pins[0].at:' plan sheet.json
 sheet '"pins": [{"edge": "u0", "every": 1e6}]'
 exits 'pins further apart than can be counted' 0 plan sheet.json
+for every in 1 1e6; do
+    cat >every.json <<EOT
+{"frames": 2, "dt": 1e-4, "cloths": [{"particles": [21, 21],
+ "size": [0.008, 0.008], "pins": [{"edge": "u0", "every": $every}]}]}
+EOT
+    exits "pins $every m apart" 0 run every.json --out "every $every"
+done
+is 'are those of both ends' cmp 'every 1/cloth.pc2' 'every 1e6/cloth.pc2'
 sheet '"particles": [11, 11]'
 refused 'key twice in a cloth' '$.cloths[1]: key "particles" is there twice' \
     plan sheet.json
