@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
 /* For qsort: by position, then by number so that the first one leads. */
 static int by_position(const void *a, const void *b)
@@ -100,6 +101,10 @@ int mesh_load(struct pool *pool, const char *path, struct mesh *mesh)
     memset(mesh, 0, sizeof *mesh);
     if (!file_exists(path) || file_is_directory(path))
         return complain(APP_USAGE, "%s: no such mesh file", path);
+    struct stat file;
+    if (stat(path, &file) != 0 || !S_ISREG(file.st_mode))
+        return complain(APP_USAGE, "%s: is a device or a pipe; expected a file",
+                        path);
     bool ply = ends_with(path, "ply"), off = ends_with(path, "off");
     if (!ply && !off && !import_knows(path))
         return complain(APP_USAGE,

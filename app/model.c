@@ -21,13 +21,62 @@ static const cJSON *get(const cJSON *node, const char *name)
     return cJSON_GetObjectItemCaseSensitive(node, name);
 }
 
-static void load_camera(const cJSON *node, struct camera *camera)
+/* A number in lo … hi, else false. */
+static bool bounded(const cJSON *node, int k, double lo, double hi, double *out)
 {
-    for (int i = 0; i < 3; i++) {
-        camera->eye[i] = number(get(node, "eye"), i, 0);
-        camera->target[i] = number(get(node, "target"), i, 0);
+    *out = number(node, k, NAN);
+    return *out >= lo && *out <= hi;
+}
+
+/* false where a scene could not have it. */
+static bool load_camera(const cJSON *node, struct camera *camera)
+{
+    bool good = true;
+    for (int i = 0; i < 3; i++)
+        good = good &&
+               bounded(get(node, "eye"), i, -1e6, 1e6, &camera->eye[i]) &&
+               bounded(get(node, "target"), i, -1e6, 1e6, &camera->target[i]);
+    return good && bounded(get(node, "fov"), -1, 0, 150, &camera->fov);
+}
+
+/* false where no run writes such a cloth. */
+static bool load_cloth(const cJSON *body, struct look_cloth *cloth)
+{
+    const cJSON *grid = get(body, "particles"), *size = get(body, "size");
+    double first, m, n;
+    if (!bounded(get(body, "first_vertex"), -1, 0, INT32_MAX, &first) ||
+        !bounded(grid, 0, 2, 32768, &m) || !bounded(grid, 1, 2, 32768, &n) ||
+        !bounded(size, 0, 0, 1e9, &cloth->width) ||
+        !bounded(size, 1, 0, 1e9, &cloth->height))
+        return false;
+    cloth->first = (int64_t)first;
+    cloth->m = (int)m;
+    cloth->n = (int)n;
+    return true;
+}
+
+static int load_bodies(struct pool *pool, const cJSON *bodies, const char *path,
+                       struct run_look *look)
+{
+    const cJSON *body;
+    size_t count = (size_t)cJSON_GetArraySize(bodies);
+    int k = -1;
+    look->cloths = pool_take(pool, count + 1, sizeof *look->cloths);
+    if (!look->cloths)
+        return complain(APP_FAILED, "out of memory");
+    cJSON_ArrayForEach(body, bodies)
+    {
+        k++;
+        if (!get(body, "particles"))
+            continue;
+        if (!load_cloth(body, &look->cloths[look->count++]))
+            return complain(
+                APP_USAGE,
+                "%s: $.bodies[%d]: expected a cloth's first_vertex, "
+                "particles and size",
+                path, k);
     }
-    camera->fov = number(get(node, "fov"), -1, 0);
+    return APP_OK;
 }
 
 int look_load(struct pool *pool, const char *directory, struct run_look *look)
@@ -41,24 +90,19 @@ int look_load(struct pool *pool, const char *directory, struct run_look *look)
     cJSON *root = json_parse(path);
     if (!root)
         return APP_USAGE;
-    const cJSON *bodies = get(root, "bodies"), *body;
-    size_t count = (size_t)cJSON_GetArraySize(bodies);
-    look->cloths = pool_take(pool, count + 1, sizeof *look->cloths);
-    load_camera(get(root, "camera"), &look->camera);
-    look->rate = 1 / (number(get(root, "dt"), -1, 1.0 / 60) *
-                      number(get(root, "steps_per_frame"), -1, 1));
-    cJSON_ArrayForEach(body, bodies)
-    {
-        const cJSON *grid = get(body, "particles");
-        if (!look->cloths || !cJSON_IsArray(grid))
-            continue;
-        look->cloths[look->count++] = (struct look_cloth){
-            (int64_t)number(get(body, "first_vertex"), -1, 0),
-            (int)number(grid, 0, 2), (int)number(grid, 1, 2),
-            number(get(body, "size"), 0, 1), number(get(body, "size"), 1, 1)};
-    }
+    int status = load_bodies(pool, get(root, "bodies"), path, look);
+    const cJSON *camera = get(root, "camera");
+    if (status == APP_OK && camera && !load_camera(camera, &look->camera))
+        status = complain(APP_USAGE,
+                          "%s: $.camera: expected eye, target and fov", path);
+    double frame = number(get(root, "dt"), -1, 1.0 / 60) *
+                   number(get(root, "steps_per_frame"), -1, 1);
+    if (status == APP_OK && !(frame > 1e-9 && frame < 1e9))
+        status = complain(APP_USAGE,
+                          "%s: $.dt: expected a time between two frames", path);
+    look->rate = 1 / frame;
     cJSON_Delete(root);
-    return look->cloths ? APP_OK : complain(APP_FAILED, "out of memory");
+    return status;
 }
 
 /* An obstacle without height is the floor, and not a thing in the picture. */
@@ -106,6 +150,18 @@ static void set_box(struct model *m)
             m->lo[i] = fmin(m->lo[i], x);
             m->hi[i] = fmax(m->hi[i], x);
         }
+}
+
+/* What can be drawn: squares of squares of lengths fit into a float. */
+static int check_box(const struct model *m, const char *directory, int k)
+{
+    for (int i = 0; i < 3; i++)
+        if (!(m->lo[i] >= -1e9 && m->hi[i] <= 1e9))
+            return complain(APP_USAGE,
+                            "render: %s: frame %d: expected coordinates up to "
+                            "1e9 m",
+                            directory, k);
+    return APP_OK;
 }
 
 /* A vertex's normal: those of its triangles by their areas. */
@@ -180,5 +236,5 @@ int model_load(struct pool *pool, const char *directory, int k,
     set_box(model);
     set_normals(model);
     set_paint(model, look);
-    return APP_OK;
+    return check_box(model, directory, k);
 }

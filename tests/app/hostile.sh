@@ -112,7 +112,7 @@ no_mesh 'OFF without faces' 'no triangles' bad.off
 off bad.off 'OFF 4 1 0' '3 0 1 2' '3 0 1 3'
 no_mesh 'OFF, more faces than counted' 'line 9: more lines' bad.off
 off bad.off 'OFF 2147483647 1 0' '3 0 1 2'
-no_mesh 'OFF of far too many vertices' 'line 1: more vertices and faces than' bad.off
+no_mesh 'OFF of far too many vertices' 'line 1: more vertices and faces' bad.off
 off bad.off 'OFF 99999999999999999999 1 0' '3 0 1 2'
 no_mesh 'OFF of more than can be counted' 'line 1: expected the num' bad.off
 off bad.off 'OFF BINARY'
@@ -161,6 +161,8 @@ no_mesh 'PLY of more than can be counted' 'line 3: not a PLY' bad.ply
 ply bad.ply '3 0 1 2
 3 0 1 2'
 no_mesh 'PLY that goes on' 'goes on behind what its header' bad.ply
+ln -s /dev/zero zero.ply
+no_mesh 'device as a mesh' 'is a device or a pipe' zero.ply
 
 # ---- frames of a deforming obstacle ----
 ply turn_0.ply '3 0 1 2'
@@ -266,7 +268,8 @@ json 'zero byte' 'line 1: not JSON here' '{"name": "a\0000b"}'
 json 'comment' 'line 2: not JSON here' '{\n// dt\n"dt": 1}'
 json 'unknown key with its path' '$.cloths[0].start: unknown key "att"' \
     '{"cloths": [{"start": {"att": 1}}]}'
-json 'and the one that is meant' '$.cloths[0].start: unknown key "att"; did you mean "at"?' \
+json 'and the one that is meant' \
+    '$.cloths[0].start: unknown key "att"; did you mean "at"?' \
     '{"cloths": [{"start": {"att": 1}}]}'
 json 'key of line ends' '$: unknown key "a?b"' '{"a\\nb": 1}'
 deep=$(awk 'BEGIN { for (k = 0; k < 100000; k++) printf "[" }')
@@ -328,6 +331,28 @@ cloth='{"particles": [900, 900]}'
 echo "{\"memory\": 1, \"cloths\": [$cloth, $cloth, $cloth]}" >three.json
 refused 'three cloths, of which two fit' '$.cloths[2]: particles: 2430000' \
     plan three.json
+
+# ---- the report of a run, as render reads it ----
+exits 'a run to look at' 0 run tiny.json --frames 0 --out seen
+cp seen/report.json seen.json
+# seen NAME PLACE FROM TO: its report has TO for FROM.
+seen() {
+    sed "s/$3/$4/" seen.json >seen/report.json
+    refused "report, $1" "$2: expected" render seen --frame 0 --width 16 \
+        --height 16
+}
+seen 'vertex before the first' '$.bodies[0]' 'vertex": 0' 'vertex": -9999999'
+seen 'vertex beyond all' '$.bodies[0]' 'vertex": 0' 'vertex": 1e300'
+seen 'one column' '$.bodies[0]' '\[9, 9\]' '[1, 9]'
+seen 'no grid' '$.bodies[0]' '\[9, 9\]' '[]'
+seen 'columns of text' '$.bodies[0]' '\[9, 9\]' '["9", 9]'
+seen 'a camera beyond all' '$.camera' '"dt"' \
+    '"camera": {"eye": [1e999, 0, 0], "target": [0, 0, 0], "fov": 35}, "dt"'
+ply seen/frames/cloth_0000.ply '3 0 1 2' '^0 1 0$' '0 1e15 0'
+cp seen.json seen/report.json
+refused 'a frame too large for a picture' 'seen: frame 0: expected coordinates' \
+    render seen --frame 0 --width 16 --height 16
+seen 'no time' '$.dt' '"dt": [^,]*' '"dt": 0'
 
 # ---- rows of drape ccd ----
 # rows FILE ROW COUNT
