@@ -58,7 +58,7 @@ HAS_ORACLE := $(call has,CGAL/version.h Eigen/Dense fcl/fcl.h ccd/ccd.h gmp.h \
     mpfr.h)
 
 API    := ref/arena.c ref/defaults.c ref/define.c ref/drape.c ref/frames.c \
-          ref/query.c
+          ref/query.c ref/threads.c ref/threads_clang.c
 # The GPU part is built where nvcc and a device are, or by GPU=yes.
 NVCC   := $(shell command -v nvcc)
 GPU    ?= $(and $(NVCC),$(wildcard /dev/nvidia0 /dev/nvidiactl),yes)
@@ -143,6 +143,27 @@ $(BUILD)/tests/%.o: WARN += -Wmissing-prototypes
 $(BUILD)/%.32.o: %.c
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=32 -c $< -o $@
+# The library's loops run on its own threads, which sleep while they wait, as
+# OpenMP's need not: what the compiler calls takes the names of ref/threads.h.
+OBJCOPY ?= objcopy
+RENAMES  = $(addprefix --redefine-sym ,GOMP_parallel=threads_parallel \
+          omp_get_thread_num=threads_number omp_get_num_threads=threads_count \
+          $(addprefix __kmpc_,fork_call=threads_fork \
+          global_thread_num=threads_global \
+          serialized_parallel=threads_serialized \
+          end_serialized_parallel=threads_end_serialized \
+          for_static_init_4=threads_init_4 for_static_init_4u=threads_init_4u \
+          for_static_init_8=threads_init_8 for_static_init_8u=threads_init_8u \
+          for_static_fini=threads_fini reduce_nowait=threads_reduce \
+          end_reduce_nowait=threads_end_reduce))
+$(BUILD)/ref/%.32.o: ref/%.c
+	@mkdir -p $(@D)
+	$(C17) -DREAL_BITS=32 -c $< -o $@
+	@$(OBJCOPY) $(RENAMES) $@
+$(BUILD)/ref/%.64.o: ref/%.c
+	@mkdir -p $(@D)
+	$(C17) -DREAL_BITS=64 -c $< -o $@
+	@$(OBJCOPY) $(RENAMES) $@
 $(BUILD)/%.64.o: %.c
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=64 -c $< -o $@
@@ -350,7 +371,7 @@ install: $(LIB) ## to $(DESTDIR)$(PREFIX): library, header, tool, man page
 	@printf '%s\n' 'prefix=$${pcfiledir}/../..' 'Name: drape' \
 	  'Description: certified high-resolution cloth simulation' \
 	  'Version: $(VERSION)' 'Cflags: -I$${prefix}/include' \
-	  'Libs: -L$${prefix}/lib -ldrape $(OPENMP) $(if $(GPU),$(CUDA_L),-lm)' \
+	  'Libs: -L$${prefix}/lib -ldrape -pthread $(if $(GPU),$(CUDA_L),-lm)' \
 	  >$(DESTDIR)$(PREFIX)/lib/pkgconfig/drape.pc
 	test ! -x $(BUILD)/drape || install -D $(BUILD)/drape \
 	  $(DESTDIR)$(PREFIX)/bin/drape

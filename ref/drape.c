@@ -104,9 +104,10 @@ static int make(const drape_def *def, drape_world **world, drape_error *error)
     d->precision = def->precision;
     d->log = def->log;
     d->log_user = def->log_user;
-    int threads = threads_set(def->threads);
+    struct threads threads;
+    threads_begin(&threads, def->threads);
     int status = d->ops->make(def, &d->arena, &d->world, error);
-    threads_set(threads);
+    threads_end(&threads);
     if (status == DRAPE_OK)
         *world = d;
     else

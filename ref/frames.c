@@ -107,9 +107,10 @@ int drape_ccd_frames(const drape_mesh *mesh, const double (*x1)[3],
     int status = touch ? check(mesh, x1) : DRAPE_EARG;
     if (status == DRAPE_OK && mesh->nt > 0) {
         arena_init(&f.arena, &mesh->allocator);
-        int threads = threads_set(mesh->threads);
+        struct threads threads;
+        threads_begin(&threads, mesh->threads);
         status = query(&f, touch, user);
-        threads_set(threads);
+        threads_end(&threads);
         arena_free(&f.arena);
     }
     if (status == DRAPE_OK && candidates) {

@@ -57,11 +57,12 @@ int drape_audit(const drape_mesh *mesh, int64_t capacity, int32_t (*pair)[2],
                       .cap = 1024};
     arena_init(&arena, &mesh->allocator);
     s.x = (const vec *)(const void *)mesh->x;
-    int threads = threads_set(mesh->threads);
+    struct threads threads;
+    threads_begin(&threads, mesh->threads);
     status = take_scratch(&s, &arena);
     if (status == DRAPE_OK)
         status = run(&s, &arena);
-    threads_set(threads);
+    threads_end(&threads);
     if (status == DRAPE_OK) {
         *found = s.found;
         if (degenerate)

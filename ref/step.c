@@ -269,8 +269,9 @@ int step_advance(struct world *w, drape_step_report *report)
     memset(report, 0, sizeof *report);
     /* waking threads costs more than a small scene's loops */
     bool small = w->nv < SMALL_SCENE;
-    int threads = threads_set(small ? 1 : w->def.threads);
+    struct threads threads;
+    threads_begin(&threads, small ? 1 : w->def.threads);
     int status = pipeline(w, report);
-    threads_set(threads);
+    threads_end(&threads);
     return status;
 }

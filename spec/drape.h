@@ -159,8 +159,10 @@ typedef void drape_log(void *user, const char *line);
 typedef struct drape_def {
     int backend;   /* enum drape_backend */
     int precision; /* 32 or 64: bits of a number in the state */
-    int threads;   /* of the reference, to 4096; 0: as many as cores. Same
-                      bits. */
+    int threads;   /* of the reference, to 4096; 0: as many as processors.
+                      They live within a call and sleep while they wait. More
+                      than 8 and twice the processors, or than can be had, are
+                      not started. Same bits. */
     int block;     /* threads of a block of the device, a multiple of 32 up
                       to 256; 0: 256. Same bits. */
 

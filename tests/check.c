@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "ref/threads.h"
 #include "tests/modes.h"
 #include "tests/tally.h"
 
@@ -288,9 +289,19 @@ static int obey(const char *a, const char *value, bool modes)
     return 2;
 }
 
+/* How many threads stages that are called alone take: OMP_NUM_THREADS, 1. */
+static int threads_asked(void)
+{
+    const char *text = getenv("OMP_NUM_THREADS");
+    int n = text ? atoi(text) : 1;
+    return n > 0 ? n : 1;
+}
+
 int main(int argc, char **argv)
 {
     bool timed = false;
+    struct threads threads;
+    threads_begin(&threads, threads_asked());
     for (int modes = 0; modes < 2; modes++)
         for (int k = 1, words; k < argc; k += words) {
             words = obey(argv[k], k + 1 < argc ? argv[k + 1] : NULL, modes);
@@ -298,6 +309,7 @@ int main(int argc, char **argv)
                 return usage();
             timed |= !strncmp(argv[k], "--bench", 7);
         }
+    threads_end(&threads);
     if (timed)
         return 0;
     printf("%d passed, %d failed", passed, failed);

@@ -307,6 +307,8 @@
 #define test_tangle_soup REAL_NAME(test_tangle_soup)
 #define test_world_aborts REAL_NAME(test_world_aborts)
 #define test_world_air REAL_NAME(test_world_air)
+#define test_threads_parts REAL_NAME(test_threads_parts)
+#define test_threads_short REAL_NAME(test_threads_short)
 #define test_world_brief REAL_NAME(test_world_brief)
 #define test_world_bystander REAL_NAME(test_world_bystander)
 #define test_world_caution REAL_NAME(test_world_caution)

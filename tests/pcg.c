@@ -3,10 +3,8 @@
 #include "ref/pcg.h"
 
 #include <stdlib.h>
-#ifdef _OPENMP
-#include <omp.h>
-#endif
 
+#include "ref/threads.h"
 #include "tests/solver.h"
 
 const struct field fields_pcg[] = {IN(pcg, mass, count, 1),
@@ -252,9 +250,7 @@ const char *test_pcg_repeats(void)
     struct system a[2];
     struct pcg s[2] = {{0}};
     uint64_t hash[2][2];
-#ifdef _OPENMP
-    int before = omp_get_max_threads();
-#endif
+    struct threads threads;
     for (int c = 0; c < 2; c++) {
         struct design d = {c ? 40 : 90, 71, c ? SHAPE_DRAPED : SHAPE_WRINKLED,
                            TRIM_HOLE | TRIM_PINS, 0.1};
@@ -266,16 +262,12 @@ const char *test_pcg_repeats(void)
         solver_open(&s[c], &a[c]);
     }
     for (int k = 0; k < 4; k++) {
-#ifdef _OPENMP
-        omp_set_num_threads(1 + k / 2);
-#endif
+        threads_begin(&threads, 1 + k / 2);
         ref_pcg(&s[k % 2]);
+        threads_end(&threads);
         hash[k % 2][k / 2] = hash_bytes(HASH_START, s[k % 2].dv,
                                         (size_t)s[k % 2].count * sizeof(vec));
     }
-#ifdef _OPENMP
-    omp_set_num_threads(before);
-#endif
     for (int c = 0; c < 2; c++) {
         solver_close(&s[c]);
         free_system(&a[c]);
