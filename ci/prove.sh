@@ -90,7 +90,7 @@ compare() {
         echo "agreed ${1%=*}: $2"
         passed=$((passed + 1))
     else
-        echo "FAILED constant $1: the files say '$2'"
+        echo "FAILED constant $1: the files agree on '$2'"
         failed=$((failed + 1))
     fi
 }
@@ -102,6 +102,7 @@ while read -r script name files; do
     value=$(agreed "${name%=*}" $files)
     case $script$value in
     -*) compare "$name" "$value" ;;
+    "$script") compare "$name=one number" '' ;;
     *0x1p*) prove "$script" "$name" 1 "${value#0x1p}" ;;
     *)
         prove "$script" "$name" "$value" -24
