@@ -134,6 +134,11 @@ static int search(struct scene *scene, const struct overrides *overrides,
         apply(scene, &settings[k], 1);
         return APP_OK;
     }
+    if (!(e->error < INFINITY))
+        return complain(APP_FINDINGS,
+                        "--error %g: not reached; the trial runs intersect or "
+                        "diverge at the finest setting too",
+                        e->asked);
     return complain(APP_FINDINGS,
                     "--error %g: not reached; the finest setting, dt %.3g s, "
                     "has %.3g m",

@@ -1,72 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A run's folder: one run writes there at a time, and what it holds is of one
- * run only. */
+/* What a run's folder holds: the files of one run. */
 #include "app/folder.h"
 #include "app/app.h"
+#include "app/lock.h"
 
 #include <dirent.h>
 #include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/* ---- The lock ---- */
-
-/* Whether the path still names the open file: whoever gives a lock back
- * removes its file, and a lock of a removed file keeps nobody out. */
-static bool is_named(int descriptor, const char *path)
-{
-    struct stat mine, named;
-    return fstat(descriptor, &mine) == 0 && stat(path, &named) == 0 &&
-           mine.st_dev == named.st_dev && mine.st_ino == named.st_ino;
-}
-
-static int refuse_lock(const struct folder *f, int why)
-{
-    if (why == EACCES || why == EAGAIN)
-        return complain(APP_USAGE,
-                        "%s: another run is writing into this folder", f->path);
-    return complain(APP_FAILED, "%s: cannot be locked: %s", f->path,
-                    strerror(why));
-}
-
-int folder_take(struct folder *f, const char *path)
-{
-    if (!file_join(f->lock, path, ".drape.lock"))
-        return APP_USAGE;
-    strcpy(f->path, path);
-    if (!file_make_directory(path))
-        return APP_FAILED;
-    while (!f->held) {
-        struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-        f->descriptor = open(f->lock, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-        if (f->descriptor < 0)
-            return complain(APP_FAILED, "%s: cannot write here: %s", path,
-                            strerror(errno));
-        if (fcntl(f->descriptor, F_SETLK, &whole) != 0) {
-            int why = errno;
-            close(f->descriptor);
-            return refuse_lock(f, why);
-        }
-        f->held = is_named(f->descriptor, f->lock);
-        if (!f->held)
-            close(f->descriptor);
-    }
-    return APP_OK;
-}
-
-void folder_release(struct folder *f)
-{
-    if (!f->held)
-        return;
-    remove(f->lock);
-    close(f->descriptor);
-    f->held = false;
-}
-
-/* ---- What a folder holds ---- */
 
 /* The number in a file's name, -1 where it has none. */
 static int file_number(const char *name, const char *body, const char *end)
@@ -112,7 +55,7 @@ int *folder_list(const char *path, const char *body, const char *end,
 {
     *count = 0;
     DIR *directory = opendir(path);
-    if (!directory && errno != ENOENT) {
+    if (!directory && errno != ENOENT && errno != ENOTDIR) {
         complain(APP_FAILED, "%s: cannot be read: %s", path, strerror(errno));
         return NULL;
     }
@@ -259,22 +202,36 @@ static int clear(const char *directory, const char *checkpoint)
     return status;
 }
 
-int folder_prepare(const struct folder *f, const struct claim *claim)
+static int refuse(const char *path, const char *whose)
+{
+    return complain(APP_USAGE,
+                    "%s: holds %s run; give another --out, or --force to "
+                    "remove that run",
+                    path, whose);
+}
+
+int folder_empty(const char *path)
+{
+    bool holds = false;
+    int status = lock_look(path);
+    if (status == APP_OK)
+        status = look(path, false, &holds);
+    return status == APP_OK && holds ? refuse(path, "a") : status;
+}
+
+int folder_prepare(const char *path, const struct claim *claim)
 {
     static const char *const folders[] = {".", "frames", "pictures"};
-    bool own = claim->checkpoint && is_own(f->path, claim->id), holds;
-    int status = look(f->path, claim->checkpoint != NULL, &holds);
+    bool own = claim->checkpoint && is_own(path, claim->id), holds;
+    int status = look(path, claim->checkpoint != NULL, &holds);
     if (status == APP_OK && holds && !own && !claim->force)
-        return complain(APP_USAGE,
-                        "%s: holds %s run; give another --out, or --force to "
-                        "remove that run",
-                        f->path, claim->checkpoint ? "another" : "a");
+        return refuse(path, claim->checkpoint ? "another" : "a");
     for (int k = 0; k < 3 && status == APP_OK; k++)
-        status = remove_parts(f->path, folders[k]);
+        status = remove_parts(path, folders[k]);
     for (int k = 0; k < KINDS && status == APP_OK && own; k++)
         if (kinds[k].frame)
-            status = remove_kind(f->path, &kinds[k], claim->last + 1);
+            status = remove_kind(path, &kinds[k], claim->last + 1);
     if (status == APP_OK && holds && !own)
-        status = clear(f->path, claim->checkpoint);
+        status = clear(path, claim->checkpoint);
     return status;
 }

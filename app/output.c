@@ -32,6 +32,20 @@ static int make_views(struct output *o, const struct scene *scene,
     return APP_OK;
 }
 
+bool output_name(char path[FILE_PATH], const struct scene *scene,
+                 const char *given)
+{
+    int length = given ? snprintf(path, FILE_PATH, "%s", given)
+                       : snprintf(path, FILE_PATH, "%s.out", scene->name);
+    for (char *p = path; *p && !given; p++)
+        *p = *p == '/' || (unsigned char)*p < 32 || *p == 127 ? '_' : *p;
+    /* Names of files come behind it. */
+    if (length > 0 && length < FILE_PATH - 100)
+        return true;
+    complain(APP_USAGE, "--out: the path is too long");
+    return false;
+}
+
 /* Obstacles that do not move, once for all frames. */
 static int write_still(struct output *o, const drape_world *world)
 {
@@ -53,14 +67,12 @@ int output_open(struct output *o, const struct scene *scene,
     for (int k = 0; k < scene->def.n_obstacles; k++)
         o->moving |= scene->def.obstacles[k].motion >= 0 ||
                      scene->def.obstacles[k].frames > 0;
-    if (strlen(directory) >= sizeof o->directory - 100)
-        return complain(APP_USAGE, "--out: the path is too long");
     strcpy(o->directory, directory);
     if (!file_join(o->frames, directory, "frames"))
         return APP_USAGE;
-    int status = folder_take(&o->folder, directory);
+    int status = lock_take(&o->lock, directory);
     if (status == APP_OK)
-        status = folder_prepare(&o->folder, claim);
+        status = folder_prepare(directory, claim);
     if (status == APP_OK && !file_make_directory(o->frames))
         status = APP_FAILED;
     if (status == APP_OK)
@@ -71,7 +83,7 @@ int output_open(struct output *o, const struct scene *scene,
 void output_close(struct output *output)
 {
     pool_free(&output->pool);
-    folder_release(&output->folder);
+    lock_release(&output->lock);
 }
 
 bool output_path(char path[FILE_PATH], const char *directory, const char *body,
@@ -91,16 +103,16 @@ int output_frame(struct output *o, const drape_world *world, int k)
     if (status != DRAPE_OK)
         return complain(APP_FAILED, "frame %d: %s", k,
                         drape_status_text(status));
-    snprintf(name, sizeof name, "cloth_%04d.ply", k);
-    if (!ply_save(o->frames, name, &o->cloth, o->bits))
+    /* Last comes what tells that the frame is there. */
+    snprintf(name, sizeof name, "obstacles_%04d.ply", k);
+    if (o->obstacles.nt && o->moving &&
+        !ply_save(o->frames, name, &o->obstacles, o->bits))
         return APP_FAILED;
     snprintf(name, sizeof name, "cloth_%04d.obj", k);
     if (o->obj && !obj_save(o->frames, name, &o->cloth, o->bits))
         return APP_FAILED;
-    bool good = true;
-    snprintf(name, sizeof name, "obstacles_%04d.ply", k);
-    if (o->obstacles.nt && o->moving)
-        good = ply_save(o->frames, name, &o->obstacles, o->bits);
+    snprintf(name, sizeof name, "cloth_%04d.ply", k);
+    bool good = ply_save(o->frames, name, &o->cloth, o->bits);
     return good ? APP_OK : APP_FAILED;
 }
 

@@ -9,6 +9,7 @@
 #define APP_OUTPUT_H
 
 #include "app/folder.h"
+#include "app/lock.h"
 #include "app/scene.h"
 
 struct output {
@@ -16,12 +17,16 @@ struct output {
     struct mesh all, cloth, obstacles; /* views of the whole scene */
     double (*v)[3]; /* scratch: velocities, which no file holds */
     struct pool pool;
-    struct folder folder;
+    struct lock lock;
     int bits;
     int every;        /* of the frames, every how many-th is written */
     bool obj, moving; /* moving: some obstacle moves */
 };
 
+/* The directory that was given, else one by the scene's name. false after one
+ * line where its path is too long. */
+bool output_name(char path[FILE_PATH], const struct scene *scene,
+                 const char *given);
 /* Makes the directories and the views, takes the folder for this run alone,
  * and writes obstacles that do not move. app_exit after one line. */
 int output_open(struct output *output, const struct scene *scene,

@@ -21,6 +21,7 @@ struct run {
     struct file trace;
     struct checkpoint from; /* of --resume */
     const char *resume, *directory, *error;
+    char out[FILE_PATH]; /* the directory, given or by the scene's name */
     int frames, checkpoint_every, tracing, no_obj, force;
     bool failed; /* a step did: the state before it is there */
 };
@@ -67,19 +68,14 @@ static int open_trace(struct run *run)
 static int open_output(struct run *run)
 {
     const struct scene *scene = &run->scene;
-    char directory[FILE_PATH + 8];
-    snprintf(directory, sizeof directory, "%s.out", scene->name);
-    for (char *p = directory; *p; p++)
-        *p = *p == '/' || (unsigned char)*p < 32 || *p == 127 ? '_' : *p;
-    const char *out = run->directory ? run->directory : directory;
     int64_t frame = run->report.count / scene->steps_per_frame;
     char id[REPORT_ID];
     struct claim claim = {report_id(&run->report, scene, id), run->resume,
                           (int)frame, run->force};
     run->output.obj = !run->no_obj;
-    int status = output_open(&run->output, scene, run->world, out, &claim);
+    int status = output_open(&run->output, scene, run->world, run->out, &claim);
     if (status == APP_OK &&
-        !report_write(&run->report, scene, run->world, out, "unfinished"))
+        !report_write(&run->report, scene, run->world, run->out, "unfinished"))
         status = APP_FAILED;
     return status == APP_OK ? open_trace(run) : status;
 }
@@ -130,9 +126,13 @@ static int begin(struct run *run, const char *scene_file)
         return status;
     if (run->frames >= 0)
         scene->frames = run->frames;
-    if (run->error && (status = choose(run)) != APP_OK)
-        return status;
-    if (run->resume) {
+    if (!output_name(run->out, scene, run->directory))
+        return APP_USAGE;
+    if (!run->resume && !run->force)
+        status = folder_empty(run->out);
+    if (status == APP_OK && run->error)
+        status = choose(run);
+    if (status == APP_OK && run->resume) {
         status = checkpoint_open(&run->from, run->resume);
         if (status == APP_OK)
             status = checkpoint_settings(&run->from, scene);

@@ -217,6 +217,13 @@ def check_ranges(drape, header, rows, state):
         write("made.drape", header, rows[:3] + [row] + rows[4:], state)
         assert refused(drape, "made.drape", "step 4: a value is out of range"), \
             "field %d, %r" % (j, value)
+    for j, value, words in [(1, 8, "another build"), (2, 7, "another scene")]:
+        wrong = list(header)
+        wrong[j] = value
+        write("made.drape", wrong, rows, state)
+        assert refused(drape, "made.drape", words), words
+    write("made.drape", header, rows, state + b"x")
+    assert refused(drape, "made.drape", "has bytes behind its end")
     for j, value in [(4, nan), (4, -1.0), (3, -1), (10, 0), (11, 6), (5, nan)]:
         wrong = list(header)
         wrong[j] = value
