@@ -129,7 +129,8 @@ ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
 
 .PHONY: all demo check bench reference certify asan fuzz install help golden \
         format tidy clang-tests check-parts flavours gcc-O0 gcc-O3 clang-O2 \
-        soak mutants outcomes prove oracles fuzz-libs price launches say-gpu tables
+        soak fuzz-soak mutants outcomes prove oracles fuzz-libs price launches \
+        say-gpu tables
 .DELETE_ON_ERROR:
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, tool
@@ -221,11 +222,23 @@ $(BUILD)/drape: $(APP_O) $(LIB)
 	$(C17) $(APP_O) $(LIB) -o $@ $(APP_LIBS) $(if $(GPU),$(CUDA_L))
 
 # For fuzzing: everything but the main functions, both precisions.
+TARGETS := bank calls create damage draw load queries small stage step table \
+           whole
+READERS := checkpoint csv files mutate part readers report strict
 PARTS := $(filter-out $(BUILD)/tests/check.o $(BUILD)/tests/certify.o, \
-         $(TEST_O)) $(REF_O) $(EMU_O) $(ORC_O) $(BUILD)/fuzz/stage.o \
+         $(TEST_O)) $(REF_O) $(EMU_O) $(ORC_O) \
+         $(call obj,$(addprefix fuzz/,$(TARGETS))) \
          $(if $(HAS_APP),$(filter-out $(BUILD)/app/main.o,$(APP_O)) \
-         $(BUILD)/fuzz/reader.o,$(BUILD)/fuzz/absent.o)
+         $(call obj,$(addprefix fuzz/,$(READERS))),$(BUILD)/fuzz/absent.o)
 FUZZ_L := $(ORC_L) $(if $(HAS_APP),$(APP_LIBS)) -lstdc++ -lm
+# Comparisons are not traced where there are millions of them: ci/fuzz.sh.
+$(BUILD)/ref/%.o $(BUILD)/tests/%.o: MODEL += $(UNTRACED)
+# The words of a scene's documentation, for those who change scenes.
+$(BUILD)/words.h: app/scenes/README.md
+	@mkdir -p $(@D)
+	grep -o '`[^` ]*`' $< | tr -d '`"' | grep -x '[a-z0-9_-]*' | sort -u | \
+	  sed 's/.*/"&",/' >$@
+$(BUILD)/fuzz/mutate.o: $(BUILD)/words.h
 $(BUILD)/parts.a: $(PARTS)
 	@rm -f $@
 	$(AR) rcs $@ $^
@@ -360,8 +373,10 @@ soak: $(BUILD)/check asan ## the tests' long forms: whole frames, 2M triangles
 outcomes: $(BUILD)/drape ## whole scenes for 120 frames: table of bench/outcomes.md
 	sh ci/outcomes.sh $(BUILD)
 
-fuzz: ## T=stage S=seconds: libFuzzer on one stage
+fuzz: ## T=target S=seconds: libFuzzer on one target
 	sh ci/fuzz.sh $(BUILD) $(T) $(S)
+fuzz-soak: ## S=seconds, or an hour: libFuzzer on every target, or those of T=
+	sh ci/fuzz.sh $(BUILD) soak $(or $(S),3600) $(T)
 
 VERSION = $(shell sed -n 's/.*DRAPE_VERSION "\(.*\)"/\1/p' spec/drape.h)
 install: $(LIB) ## to $(DESTDIR)$(PREFIX): library, header, tool, man page
@@ -384,14 +399,14 @@ format: ## clang-format everything in place
 
 # The analyzer's search is cut at 20000 nodes (225000 usually) for the time
 # it takes: paths that only a longer search finds are not looked at.
-TIDY := -std=c17 -I. -Ispec -D_POSIX_C_SOURCE=200809L -DTARGET=NULL \
+TIDY := -std=c17 -I. -Ispec -I$(BUILD) -D_POSIX_C_SOURCE=200809L \
         -Xclang -analyzer-config -Xclang max-nodes=20000
-tidy: ## clang-tidy over our C
+tidy: $(BUILD)/words.h ## clang-tidy over our C
 	ls app/*.c app/examples/*.c fuzz/*.c ref/*.c tests/*.c | \
 	  xargs -P2 -n8 sh -c 'clang-tidy --quiet "$$@" -- $(TIDY) 2>/dev/null' sh
 
 help: ## this list
-	@sed -n 's/^\([a-z]*\):.*## /\1\t/p' Makefile | expand -t 10
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 11
 	@echo 'tables also takes SCENES= FRAMES= MODES= LIMIT=: ci/bench/scenes.sh'
 	@echo "OPT=      '-O2 -g', say: for a debugger"
 	@echo 'GPU=yes   with any of them: builds the device part without a device'

@@ -1,59 +1,125 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# usage: ci/fuzz.sh BUILD               replays every corpus
-#        ci/fuzz.sh BUILD STAGE SECONDS fuzzes one; finds go to its corpus
-# Beside the stages: api (whole steps), vf and ee (queries against the oracles)
-# and, where the tool is built, its readers of scenes and meshes. KERNELS=
-# leaves the emulated kernels without sanitizers, for the time they take to
-# compile.
+# usage: ci/fuzz.sh BUILD                  replays every corpus
+#        ci/fuzz.sh BUILD TARGET SECONDS   fuzzes one; its corpus grows
+#        ci/fuzz.sh BUILD soak SECONDS [TARGET...]
+#                                          fuzzes all, or these, that long each,
+#                                          and prints a table; corpora stay
+# `BUILD/replay --list` prints the targets. What crashes lies in BUILD/fuzz as
+# TARGET-crash-…; `BUILD/replay TARGET FILE` runs it again. KERNELS= leaves the
+# emulated kernels without sanitizers, for the time they take to compile.
 set -eu
-build=$1 stage=${2-} seconds=${3-60}
-readers=
-[ ! -x "$build/drape" ] || readers='scene mesh'
-targets="api vf ee $readers $(sed -n 's/^STAGE(\([a-z0-9_]*\),.*/\1/p' spec/stages.def)"
+build=$1 target=${2-} seconds=${3-60}
+out=$build/fuzz
+san='-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all'
+# Worlds use threads only where they ask for some; these must not spin.
+export OMP_WAIT_POLICY=passive OMP_NUM_THREADS=1
 
-if [ -n "$stage" ]; then
-    # shellcheck disable=SC2086
-    printf '%s\n' $targets | grep -qx "$stage" || {
-        echo "no target '$stage'; there are:" $targets >&2
-        exit 2
-    }
-    out=$build/fuzz kernels=$build/fuzz
+# One program for all targets, and a link to it for each.
+prepare() {
+    kernels=$out
+    make -s BUILD="$build" "$build/replay" "$build/words.h"
     [ "${KERNELS-yes}" ] || {
         make -s BUILD="$build" "$build/check"
         kernels=$build
     }
-    san='-fsanitize=address,undefined,fuzzer-no-link'
     make -s ROOT="$build" BUILD="$out" CC=clang CXX=clang++ WARN=-w \
-        EMU_IN="$kernels" OPT='-O1 -g1' OPENMP= SAN="$san" "$out/parts.a"
-    clang -std=c17 -O1 -g -I. -DTARGET="\"$stage\"" \
-        -fsanitize=address,undefined,fuzzer-no-link -c fuzz/target.c \
-        -o "$out/$stage.o"
+        EMU_IN="$kernels" OPT='-O1 -g1' OPENMP= \
+        SAN="$san" UNTRACED=-fno-sanitize-coverage=trace-cmp "$out/parts.a"
+    # shellcheck disable=SC2086
+    clang -std=c17 -D_POSIX_C_SOURCE=200809L -O1 -g -I. $san \
+        -c fuzz/libfuzzer.c -o "$out/libfuzzer.o"
     # by clang++, as the emulated device's C++ has checks of its own
     # shellcheck disable=SC2046
-    clang++ -fsanitize=address,undefined,fuzzer "$out/$stage.o" \
-        "$out/parts.a" $(make -s fuzz-libs) -o "$out/$stage"
-    mkdir -p "fuzz/corpus/$stage" "$out/found-$stage"
-    "$out/$stage" -max_total_time="$seconds" -max_len=4096 -timeout=60 \
-        -artifact_prefix="$out/$stage-" "$out/found-$stage" \
-        "fuzz/corpus/$stage"
-    "$out/$stage" -merge=1 -max_len=4096 "fuzz/corpus/$stage" \
-        "$out/found-$stage"
-    exit
-fi
+    clang++ -fsanitize=address,undefined,fuzzer "$out/libfuzzer.o" \
+        "$out/parts.a" $(make -s fuzz-libs) -o "$out/program"
+    for t in $("$build/replay" --list); do
+        ln -sf program "$out/$t"
+    done
+}
 
-make -s BUILD="$build" "$build/replay"
-passed=0 failed=0
-for s in $targets; do
-    set -- fuzz/corpus/"$s"/*
-    [ -e "$1" ] || {
-        echo "FAILED fuzz/corpus/$s holds nothing"
-        failed=$((failed + 1))
-        continue
+# fuzz TARGET SECONDS: until the time is over, whatever is found; the row of
+# the table to TARGET.row.
+fuzz() {
+    t=$1 begun=$(date +%s) runs=0 crashes=0 left=$2
+    mkdir -p "fuzz/corpus/$t" "$out/found-$t"
+    rm -f "$out/$t.log"
+    while [ "$left" -gt 0 ] && [ $crashes -lt 20 ]; do
+        "$out/$t" -max_total_time="$left" -max_len=8192 -timeout=60 \
+            -rss_limit_mb=4096 -close_fd_mask=3 -print_final_stats=1 \
+            -artifact_prefix="$out/$t-" "$out/found-$t" "fuzz/corpus/$t" \
+            >"$out/$t.run" 2>&1 || crashes=$((crashes + 1))
+        new=$(sed -n 's/^stat::number_of_executed_units: *//p' "$out/$t.run")
+        runs=$((runs + ${new:-0}))
+        cat "$out/$t.run" >>"$out/$t.log"
+        left=$((begun + $2 - $(date +%s)))
+    done
+    rm -f "$out/$t.run"
+    printf '| %s | %d | %d | %d |\n' "$t" "$runs" \
+        $(($(date +%s) - begun)) "$crashes" >"$out/$t.row"
+    [ $crashes -eq 0 ]
+}
+
+soak() {
+    status=0
+    # shellcheck disable=SC2046
+    [ $# -gt 0 ] || set -- $("$build/replay" --list)
+    for t; do
+        fuzz "$t" "$seconds" || status=1
+    done
+    echo '| target | executions | seconds | crashes |'
+    echo '| --- | --- | --- | --- |'
+    for t; do
+        cat "$out/$t.row"
+    done
+    return $status
+}
+
+replay() {
+    make -s BUILD="$build" "$build/replay"
+    passed=0 failed=0
+    for t in $("$build/replay" --list); do
+        set -- fuzz/corpus/"$t"/*
+        [ -e "$1" ] || {
+            echo "FAILED fuzz/corpus/$t holds nothing"
+            failed=$((failed + 1))
+            continue
+        }
+        line=$("$build/replay" "$t" "$@" | tee /dev/stderr | tail -n 1) || :
+        case $line in
+        *' passed, '*) ;;
+        *)
+            echo "FAILED fuzz/corpus/$t: the replay died"
+            line='0 passed, 1 failed'
+            ;;
+        esac
+        # shellcheck disable=SC2046
+        set -- $(echo "$line" | tr -dc '0-9 ')
+        passed=$((passed + $1)) failed=$((failed + $2))
+    done
+    echo "$passed passed, $failed failed"
+    [ $failed -eq 0 ]
+}
+
+case $target in
+'') replay ;;
+soak)
+    prepare
+    [ $# -lt 3 ] || shift 3
+    soak "$@"
+    ;;
+*)
+    prepare
+    "$build/replay" --list | grep -qx "$target" || {
+        echo "no target '$target'; there are:" >&2
+        "$build/replay" --list >&2
+        exit 2
     }
-    line=$("$build/replay" "$s" "$@" | tee /dev/stderr | tail -n 1) || :
-    set -- $(echo "$line" | tr -dc '0-9 ')
-    passed=$((passed + $1)) failed=$((failed + $2))
-done
-echo "$passed passed, $failed failed"
-[ $failed -eq 0 ]
+    status=0
+    fuzz "$target" "$seconds" || status=1
+    tail -n 20 "$out/$target.log"
+    "$out/$target" -merge=1 -max_len=8192 -close_fd_mask=3 \
+        "fuzz/corpus/$target" "$out/found-$target"
+    exit $status
+    ;;
+esac

@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The functions of a world in any order: drape_step between all others. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "fuzz/fuzz.h"
+#include "fuzz/play.h"
+
+/* What no call may change; calls that change nothing end with this. */
+static const char *unchanged(struct play *p)
+{
+    EXPECT(play_note(p, p->after));
+    EXPECT(tape_same(&p->before[0], &p->after[0]));
+    return NULL;
+}
+
+static const char *play_read(struct play *p)
+{
+    int64_t nv = drape_vertices(p->world[0]);
+    double(*x)[3] = malloc((size_t)nv * sizeof *x);
+    double(*v)[3] = malloc((size_t)nv * sizeof *v);
+    uint32_t which = pick(&p->b, 4);
+    int status = x && v ? drape_read(p->world[0], which & 1 ? NULL : x,
+                                     which & 2 ? NULL : v)
+                        : DRAPE_ENOMEM;
+    free(x);
+    free(v);
+    EXPECT(status == DRAPE_OK);
+    return unchanged(p);
+}
+
+static const char *play_triangles(struct play *p)
+{
+    int64_t nt = drape_triangles(p->world[0]), wrong = 0;
+    int32_t(*tri)[3] = malloc((size_t)nt * sizeof *tri);
+    int status = tri ? drape_read_triangles(p->world[0], tri) : DRAPE_ENOMEM;
+    for (int64_t k = 0; status == DRAPE_OK && k < 3 * nt; k++)
+        wrong += tri[k / 3][k % 3] < 0 ||
+                 tri[k / 3][k % 3] >= drape_vertices(p->world[0]);
+    free(tri);
+    EXPECT(status == DRAPE_OK && wrong == 0);
+    return unchanged(p);
+}
+
+static const char *play_first(struct play *p)
+{
+    const drape_world *w = p->world[0];
+    int bodies = p->s.def.n_cloths + p->s.def.n_obstacles;
+    int body = pick(&p->b, 2) ? draw_int(&p->b) : (int)pick(&p->b, 8) - 1;
+    int64_t v = drape_first_vertex(w, body), t = drape_first_triangle(w, body);
+    if (body < 0 || body > bodies) {
+        EXPECT(v == DRAPE_EARG && t == DRAPE_EARG);
+        return NULL;
+    }
+    EXPECT(v >= 0 && v <= drape_vertices(w) && (v == 0) == (body == 0));
+    EXPECT(t >= 0 && t <= drape_triangles(w) && (body || t == 0));
+    EXPECT(body < bodies || v == drape_vertices(w));
+    return NULL;
+}
+
+static const char *play_borrow(struct play *p)
+{
+    drape_view view;
+    memset(&view, 0x5a, sizeof view);
+    EXPECT(drape_borrow(p->world[0], &view) == DRAPE_OK);
+    EXPECT(view.x && view.v && view.tri &&
+           view.precision == p->s.def.precision);
+    EXPECT(view.vertices == drape_vertices(p->world[0]));
+    EXPECT(view.triangles == drape_triangles(p->world[0]));
+    int64_t n = 3 * view.vertices;
+    double *x = malloc((size_t)n * sizeof *x);
+    bool good =
+        x && drape_read(p->world[0], (double(*)[3])(void *)x, NULL) == DRAPE_OK;
+    /* an emulated device's memory is the host's */
+    for (int64_t k = 0; k < n && good; k++)
+        good =
+            x[k] == (view.precision == 32 ? (double)((const float *)view.x)[k]
+                                          : ((const double *)view.x)[k]);
+    free(x);
+    EXPECT(good);
+    return unchanged(p);
+}
+
+static const char *play_wake(struct play *p)
+{
+    for (int k = 0; k < 2 && p->world[k]; k++)
+        drape_wake(p->world[k]);
+    EXPECT(play_note(p, p->after));
+    return NULL;
+}
+
+static const char *play_wind(struct play *p)
+{
+    drape_wind wind = {{0, 0, 0}, 1.2, 1, 0.3};
+    double *number[] = {&wind.velocity[0], &wind.velocity[1], &wind.velocity[2],
+                        &wind.density,     &wind.drag,        &wind.lift};
+    int status[2] = {DRAPE_OK, DRAPE_OK};
+    bool finite = true, inside = true;
+    wind.velocity[0] = draw_in(&p->b, -9, 9);
+    if (pick(&p->b, 2))
+        *number[pick(&p->b, 6)] = draw_any(&p->b);
+    for (int k = 0; k < 6; k++) {
+        finite = finite && fabs(*number[k]) <= 0x1p60;
+        inside = inside && (k < 3 || *number[k] >= 0) &&
+                 (k < 4 || *number[k] <= 1e6);
+    }
+    for (int k = 0; k < 2 && p->world[k]; k++)
+        status[k] = drape_set_wind(p->world[k], &wind);
+    EXPECT(!p->world[1] || status[0] == status[1]);
+    EXPECT(finite || status[0] == DRAPE_EDATA || !inside);
+    EXPECT(status[0] != DRAPE_OK || (finite && inside));
+    EXPECT(status[0] != DRAPE_OK || p->s.def.wind.density > 0);
+    return status[0] == DRAPE_OK ? NULL : unchanged(p);
+}
+
+static const char *play_plan(struct play *p)
+{
+    enum { ROOM = 40 };
+    drape_plan_row row[ROOM + 1];
+    memset(row, 0x5a, sizeof row);
+    int capacity = (int)pick(&p->b, ROOM + 1);
+    int rows = drape_plan(p->world[0], row, capacity);
+    EXPECT(rows > 0 && rows < ROOM);
+    for (int k = 0; k < capacity && k < rows; k++)
+        EXPECT(row[k].stage && row[k].why && row[k].on >> 1 == 0);
+    const unsigned char *rest = (const void *)&row[capacity];
+    EXPECT(rest[0] == 0x5a && rest[sizeof *row - 1] == 0x5a);
+    return unchanged(p);
+}
+
+static const char *play_count(struct play *p)
+{
+    drape_memory m;
+    drape_plan_row row[64];
+    size_t sum = 0;
+    memset(&m, 0x5a, sizeof m);
+    EXPECT(drape_count(p->world[0], &m) == DRAPE_OK);
+    int rows = drape_plan(p->world[0], row, 64);
+    for (int k = 0; k < rows; k++)
+        sum += row[k].bytes;
+    bool device = !p->world[1] && p->s.def.backend == DRAPE_GPU;
+    EXPECT(sum == (device ? m.device_bytes : m.host_bytes));
+    EXPECT(m.host_bytes < p->s.host.held && m.host_allocations > 0);
+    EXPECT(p->world[1] || m.device_bytes == p->s.device.held);
+    return NULL;
+}
+
+static const char *play_save(struct play *p)
+{
+    p->after[0].size = p->after[0].at = 0;
+    p->after[0].left = (int)pick(&p->b, 10) - 1;
+    int left = p->after[0].left;
+    int status = drape_save(p->world[0], tape_write, &p->after[0]);
+    EXPECT(status == DRAPE_OK || (status == DRAPE_EIO && left >= 0));
+    EXPECT(status == DRAPE_OK || p->after[0].left < 0);
+    if (pick(&p->b, 2))
+        EXPECT(tape_save(&p->kept, p->world[0]));
+    return unchanged(p);
+}
+
+static const char *play_load(struct play *p)
+{
+    struct tape *t = &p->kept;
+    int status[2] = {DRAPE_OK, DRAPE_OK};
+    if (!t->size)
+        return NULL;
+    size_t size = t->size, at = pick(&p->b, (uint32_t)size);
+    int left = (int)pick(&p->b, 6) - 1;
+    uint8_t flip = pick(&p->b, 2) ? (uint8_t)pick(&p->b, 256) : 0;
+    t->data[at] ^= flip;
+    t->size = pick(&p->b, 4) == 3 ? at : size;
+    bool whole = t->size == size && !flip;
+    for (int k = 0; k < 2 && p->world[k]; k++) {
+        t->at = 0;
+        t->left = left;
+        status[k] = drape_load(p->world[k], tape_read, t);
+    }
+    t->data[at] ^= flip;
+    t->size = size;
+    EXPECT(!p->world[1] || status[0] == status[1]);
+    if (status[0] != DRAPE_OK) {
+        EXPECT(status[0] == DRAPE_EIO || status[0] == DRAPE_EMATCH);
+        EXPECT(!whole || left >= 0);
+        return unchanged(p);
+    }
+    EXPECT(whole && play_note(p, p->after) && tape_same(t, &p->after[0]));
+    p->time = -1;
+    p->pairs = -1;
+    return NULL;
+}
+
+static const struct call {
+    const char *name;
+    play_call *run;
+} calls[] = {{"drape_step", play_step},
+             {"again", play_again},
+             {"drape_set_wind", play_wind},
+             {"drape_wake", play_wake},
+             {"drape_save", play_save},
+             {"drape_load", play_load},
+             {"drape_read", play_read},
+             {"drape_read_triangles", play_triangles},
+             {"drape_first_vertex", play_first},
+             {"drape_borrow", play_borrow},
+             {"drape_plan", play_plan},
+             {"drape_count", play_count}};
+enum { CALLS = sizeof calls / sizeof *calls };
+
+/* Every other call is `often`. */
+static const char *play(struct play *p, int often)
+{
+    enum { TURNS = 24 };
+    const char *failed = NULL;
+    p->time = 0;
+    p->pairs = -1;
+    for (int k = 0; k < TURNS && !failed; k++) {
+        if (k > 2 && p->b.at >= p->b.n_data)
+            break;
+        int next = pick(&p->b, 2) ? often : (int)pick(&p->b, CALLS);
+        if (!play_note(p, p->before))
+            return "the backends' checkpoints differ";
+        failed = calls[next].run(p);
+    }
+    return failed;
+}
+
+/* Makes the worlds, plays, destroys them. twins: one a backend. */
+static const char *play_all(struct play *p, int often, bool twins)
+{
+    drape_error error = {""};
+    const char *failed = NULL;
+    int status[2] = {DRAPE_OK, DRAPE_OK};
+    for (int k = 0; k < 1 + twins; k++) {
+        p->s.def.backend = twins ? k : p->s.def.backend;
+        status[k] = drape_create(&p->s.def, &p->world[k], &error);
+    }
+    if (twins && status[0] != status[1])
+        failed = "the backends do not refuse the same";
+    if (status[0] == DRAPE_OK && !failed)
+        failed = play(p, often);
+    else if (!error.text[0] || status[0] == DRAPE_ENOMEM)
+        failed = "a small world is refused without a reason";
+    for (int k = 0; k < 2; k++)
+        drape_destroy(p->world[k]);
+    if (!failed && (p->s.host.held || p->s.host.blocks || p->s.device.held ||
+                    p->s.host.wrong || p->s.device.wrong))
+        failed = "memory was not given back as it was taken";
+    return failed;
+}
+
+static const char *start(const uint8_t *data, size_t size, int often,
+                         bool twins)
+{
+    static uint32_t words[DRAW_WORDS];
+    static struct play p;
+    memset(&p, 0, sizeof p);
+    p.b = draw_open(data, size, words);
+    p.most_steps = twins ? 3 : 8;
+    small_make(&p.s, &p.b);
+    if (!twins && pick(&p.b, 8) == 7) { /* emulated: slow */
+        p.s.def.backend = DRAPE_GPU;
+        p.most_steps = 2;
+    }
+    const char *failed = play_all(&p, often, twins);
+    free(p.kept.data);
+    for (int k = 0; k < 2; k++) {
+        free(p.before[k].data);
+        free(p.after[k].data);
+    }
+    choices_free(&p.b);
+    return failed;
+}
+
+const char *fuzz_calls(const char *name, const uint8_t *data, size_t size)
+{
+    int often = 0;
+    while (often + 1 < CALLS && strcmp(calls[often].name, name) != 0)
+        often++;
+    return start(data, size, often, false);
+}
+
+const char *fuzz_twins(const char *name, const uint8_t *data, size_t size)
+{
+    (void)name;
+    return start(data, size, 0, true);
+}

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A run's checkpoint of any bytes: it is refused and the world stays as it was,
+ * or the run goes on from it and reports what is JSON. */
+#include "app/checkpoint.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "app/app.h"
+#include "fuzz/bank.h"
+#include "fuzz/files.h"
+
+static const char *folder_of(char folder[FILES_PATH])
+{
+    files_path("checkpoint.drape", folder);
+    *strrchr(folder, '/') = 0;
+    return folder;
+}
+
+/* What a loaded run writes is JSON and a checkpoint that loads. */
+static const char *go_on(struct report *report, const struct scene *scene,
+                         drape_world *world)
+{
+    char folder[FILES_PATH], path[FILES_PATH];
+    struct report again = {0};
+    size_t size = 0, more = 0;
+    if (!report_write(report, scene, world, folder_of(folder), "complete"))
+        return "the report cannot be written";
+    char *text = files_read("report.json", &size);
+    bool valid = text && strict_json(text, size);
+    free(text);
+    if (!valid)
+        return "the report of what was loaded is not JSON";
+    if (checkpoint_save(folder, report, world) != APP_OK)
+        return "what was loaded cannot be saved";
+    char *first = files_read("checkpoint.drape", &size);
+    int status =
+        checkpoint_load(files_path("checkpoint.drape", path), &again, world);
+    if (status == APP_OK)
+        status = checkpoint_save(folder, &again, world);
+    char *second = files_read("checkpoint.drape", &more);
+    bool same = first && second && size == more && !memcmp(first, second, size);
+    report_free(&again);
+    free(first);
+    free(second);
+    return status == APP_OK && same ? NULL : "what was saved loads otherwise";
+}
+
+static const char *try_load(struct scene *scene, drape_world *world)
+{
+    char path[FILES_PATH];
+    struct report report = {0};
+    struct tape before = {.left = -1}, after = {.left = -1};
+    const char *failed = NULL;
+    bool good = tape_save(&before, world);
+    int status =
+        checkpoint_load(files_path("checkpoint.drape", path), &report, world);
+    good = tape_save(&after, world) && good;
+    if (!good || (status != APP_OK && status != APP_USAGE))
+        failed = "an exit code that there is not";
+    else if (status == APP_OK)
+        failed = go_on(&report, scene, world);
+    else if (!tape_same(&before, &after))
+        failed = "a checkpoint that was refused changed the world";
+    if (!failed && drape_step(world, NULL) != DRAPE_OK)
+        failed = "a step fails";
+    report_free(&report);
+    free(before.data);
+    free(after.data);
+    return failed;
+}
+
+const char *fuzz_checkpoint(const char *name, const uint8_t *data, size_t size)
+{
+    static struct scene scene;
+    drape_world *world;
+    (void)name;
+    const char *failed = "a plain scene is refused";
+    if (files_scene(&scene, &world)) {
+        files_write("checkpoint.drape", data, size);
+        failed = try_load(&scene, world);
+    }
+    drape_destroy(world);
+    scene_free(&scene);
+    return failed;
+}
+
+size_t checkpoint_begin(uint8_t *data, size_t size, size_t most)
+{
+    static struct scene scene;
+    char folder[FILES_PATH];
+    drape_world *world;
+    drape_step_report step;
+    struct report report = {0};
+    size_t bytes = 0;
+    memset(&step, 0, sizeof step);
+    bool made = files_scene(&scene, &world);
+    for (int k = 0; made && k < 2; k++)
+        made =
+            drape_step(world, &step) == DRAPE_OK && report_add(&report, &step);
+    made = made && checkpoint_save(folder_of(folder), &report, world) == APP_OK;
+    char *text = made ? files_read("checkpoint.drape", &bytes) : NULL;
+    if (text && bytes <= most) {
+        memcpy(data, text, bytes);
+        size = bytes;
+    }
+    free(text);
+    report_free(&report);
+    drape_destroy(world);
+    scene_free(&scene);
+    return size;
+}

@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Changes of a run's checkpoint, most with the checks made right again. */
+#include <string.h>
+
+#include "fuzz/damage.h"
+#include "fuzz/files.h"
+
+enum { HEAD = 240 }; /* bytes in which there are no streams */
+
+/* The library's part of a run's checkpoint begins with its magic; NULL: none
+ * is there. */
+static uint8_t *library_part(uint8_t *data, size_t size)
+{
+    static const char magic[] = "drape-";
+    for (size_t k = 0; k + sizeof magic < size; k += 8)
+        if (!memcmp(data + k, magic, sizeof magic - 1))
+            return data + k;
+    return NULL;
+}
+
+size_t checkpoint_mutate(uint8_t *data, size_t size, size_t most, uint64_t seed)
+{
+    struct bytes b = damage_choices(seed);
+    if (size < 2)
+        size = checkpoint_begin(data, size, most);
+    for (uint32_t k = 1 + pick(&b, 3); k && size; k--)
+        size = damage(&b, data, size, most, HEAD);
+    uint8_t *part = library_part(data, size);
+    if (part && pick(&b, 8))
+        damage_repair(part, (size_t)(data + size - part));
+    choices_free(&b);
+    return size ? size : 1;
+}

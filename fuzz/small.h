@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A small world drawn from choices: all its parts are sound. */
+#ifndef FUZZ_SMALL_H
+#define FUZZ_SMALL_H
+
+#include "fuzz/draw.h"
+
+enum { SMALL_SIDE = 9, SMALL_PINS = 4, SMALL_KEYS = 3 };
+
+struct small {
+    drape_def def;
+    drape_cloth cloth[2];
+    drape_obstacle obstacle[3];
+    drape_motion motion;
+    double time[SMALL_KEYS], position[SMALL_KEYS][3], rotation[SMALL_KEYS][4];
+    drape_pin pin[2][SMALL_PINS];
+    double velocity[2][SMALL_SIDE * SMALL_SIDE][3];
+    uint8_t hole[SMALL_SIDE * SMALL_SIDE], cut[SMALL_SIDE * SMALL_SIDE];
+    double box_x[8][3], ground_x[4][3], frame[2][4][3];
+    struct bank host, device;
+};
+
+/* s is not to move while a world of it is there. Zeros draw one cloth of
+ * 3 × 3 in the air. */
+void small_make(struct small *s, struct bytes *b);
+
+/* NULL, or what is wrong with a state: a number that is not finite, a held
+ * particle or an obstacle at rest that is not where it was. */
+const char *small_state(const struct small *s, const drape_world *world);
+/* Intersecting pairs that involve cloth; -1: the audit failed. */
+int64_t small_audit(const struct small *s, const drape_world *world);
+/* Bits of enum drape_outcome that there are. */
+enum { OUTCOMES = 63 };
+
+#endif

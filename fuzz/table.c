@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The table of targets: every stage, every function of spec/drape.h. Those
+ * functions that take nothing but a world are called in any order by the
+ * targets of calls.c: a target calls the one that it is named after often. */
+#include "fuzz/fuzz.h"
+
+#include <string.h>
+
+#define STAGE(X, rule) {#X, fuzz_stage, NULL},
+const struct target fuzz_targets[] = {
+#include "spec/stages.def"
+    {"api", fuzz_stage, NULL},
+    {"vf", fuzz_stage, NULL},
+    {"ee", fuzz_stage, NULL},
+    {"drape_create", fuzz_create, NULL},
+    {"drape_create_scale", fuzz_scale, NULL},
+    {"drape_step", fuzz_calls, NULL},
+    {"drape_step_twins", fuzz_twins, NULL},
+    {"drape_read", fuzz_calls, NULL},
+    {"drape_read_triangles", fuzz_calls, NULL},
+    {"drape_first_vertex", fuzz_calls, NULL},
+    {"drape_borrow", fuzz_calls, NULL},
+    {"drape_wake", fuzz_calls, NULL},
+    {"drape_set_wind", fuzz_calls, NULL},
+    {"drape_plan", fuzz_calls, NULL},
+    {"drape_count", fuzz_calls, NULL},
+    {"drape_save", fuzz_calls, NULL},
+    {"drape_load", fuzz_load, load_mutate},
+    {"drape_audit", fuzz_audit, NULL},
+    {"drape_ccd", fuzz_ccd, NULL},
+    {"drape_ccd_frames", fuzz_ccd_frames, NULL},
+    {"drape_status_text", fuzz_text, NULL},
+    {NULL, NULL, NULL}};
+
+static const struct target *find(const struct target *t, const char *name)
+{
+    while (t->name && strcmp(t->name, name) != 0)
+        t++;
+    return t->name ? t : NULL;
+}
+
+const struct target *fuzz_find(const char *name)
+{
+    const struct target *t = find(fuzz_targets, name);
+    return t ? t : find(fuzz_readers, name);
+}
