@@ -46,9 +46,10 @@ static int read_series(struct json *json, const cJSON *node, void *out)
 
 /* Where a mesh is looked for: as named from the scene's folder, then in
  * $DRAPE_MODELS, ../shared/models and build/models. */
-static int find_mesh(const struct scene *scene, const char *name,
+static int find_mesh(const struct json *json, const char *name,
                      char path[FILE_PATH])
 {
+    const struct scene *scene = json->user;
     char folder[FILE_PATH];
     strcpy(folder, scene->file);
     char *slash = strrchr(folder, '/');
@@ -57,8 +58,7 @@ static int find_mesh(const struct scene *scene, const char *name,
         if (snprintf(path, FILE_PATH, "%s", name) < FILE_PATH &&
             file_exists(path))
             return APP_OK;
-        return complain(APP_USAGE, "%s: %s: no such mesh file", scene->file,
-                        name);
+        return json_refuse(json, "%s: no such mesh file", name);
     }
     const char *models = getenv("DRAPE_MODELS");
     const char *folders[] = {*folder ? folder : "/", models ? models : ".",
@@ -66,16 +66,16 @@ static int find_mesh(const struct scene *scene, const char *name,
     for (int k = 0; k < 4; k++)
         if (file_join(path, folders[k], name) && file_exists(path))
             return APP_OK;
-    return complain(APP_USAGE,
-                    "%s: mesh %s: found neither in %s, $DRAPE_MODELS, "
-                    "../shared/models nor build/models",
-                    scene->file, name, folders[0]);
+    return json_refuse(json,
+                       "mesh %s: found neither in %s, $DRAPE_MODELS, "
+                       "../shared/models nor build/models",
+                       name, folders[0]);
 }
 
 static int load(struct json *json, const char *name, struct mesh *mesh)
 {
     char path[FILE_PATH];
-    int status = find_mesh(json->user, name, path);
+    int status = find_mesh(json, name, path);
     return status == APP_OK ? mesh_load(json->pool, path, mesh) : status;
 }
 

@@ -7,29 +7,52 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool inside(const struct regions *regions, double x, double y)
+static bool inside(const struct region *region, double x, double y)
 {
-    for (int k = 0; k < regions->count; k++) {
-        const double *d = regions->list[k].disc, *r = regions->list[k].rect;
-        double a = x - d[0], b = y - d[1];
-        if (d[2] >= 0 && a * a + b * b <= d[2] * d[2])
-            return true;
-        if (x >= r[0] && x <= r[2] && y >= r[1] && y <= r[3])
-            return true;
+    const double *d = region->disc, *r = region->rect;
+    double a = x - d[0], b = y - d[1];
+    if (d[2] >= 0 && a * a + b * b <= d[2] * d[2])
+        return true;
+    return x >= r[0] && x <= r[2] && y >= r[1] && y <= r[3];
+}
+
+/* The points from `from` to `to` of an axis, and a few more: those of the
+ * region lie among them. side: cell; axis: 0 or 1. */
+struct span {
+    int64_t from, to;
+};
+
+static struct span find_span(const struct region *region, int axis, double side,
+                             int64_t points)
+{
+    const double *d = region->disc, *r = region->rect;
+    double lo = r[2] >= 0 ? r[axis] : INFINITY, hi = r[axis + 2];
+    if (d[2] >= 0) {
+        lo = fmin(lo, d[axis] - d[2]);
+        hi = fmax(hi, d[axis] + d[2]);
     }
-    return false;
+    return (struct span){
+        (int64_t)fmax(floor(lo / side) - 2, 0),
+        (int64_t)fmin(ceil(hi / side) + 2, (double)points - 1)};
 }
 
 /* A map of m × n points that begin at half a cell times `shift`. */
 static const uint8_t *mark(struct pool *pool, const struct regions *regions,
                            const drape_cloth *c, int shift)
 {
-    size_t m = (size_t)(c->m - shift), n = (size_t)(c->n - shift);
+    int64_t m = c->m - shift, n = c->n - shift;
     double h = c->width / (c->m - 1), g = c->height / (c->n - 1);
-    uint8_t *map = pool_take(pool, m * n, 1);
-    for (size_t k = 0; map && k < m * n; k++)
-        map[k] = inside(regions, ((double)(k % m) + 0.5 * shift) * h,
-                        ((double)(k / m) + 0.5 * shift) * g);
+    uint8_t *map = pool_take(pool, (size_t)(m * n), 1);
+    for (int k = 0; map && k < regions->count; k++) {
+        const struct region *region = &regions->list[k];
+        struct span u = find_span(region, 0, h, m);
+        struct span v = find_span(region, 1, g, n);
+        for (int64_t j = v.from; j <= v.to; j++)
+            for (int64_t i = u.from; i <= u.to; i++)
+                if (inside(region, ((double)i + 0.5 * shift) * h,
+                           ((double)j + 0.5 * shift) * g))
+                    map[i + m * j] = 1;
+    }
     return map;
 }
 

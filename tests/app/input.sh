@@ -59,7 +59,8 @@ refused 'thickness 0' 'thickness' run key.json --out refused
 
 # ---- meshes ----
 obstacle nowhere.obj
-refused 'missing mesh' 'nowhere.obj' run mesh.json --out refused
+refused 'missing mesh' 'mesh.json: $.obstacles[0]: mesh nowhere.obj: found' \
+    run mesh.json --out refused
 for end in ply obj off stl gltf; do
     : >empty.$end
     obstacle empty.$end
