@@ -35,13 +35,15 @@ struct summed {
 static int write_summed(void *user, const void *data, size_t bytes)
 {
     struct summed *s = user;
+    if (bytes == 0) /* data may be NULL then */
+        return 0;
     s->sum = mix(s->sum, data, bytes);
     return s->stream && fwrite(data, 1, bytes, s->stream) != bytes;
 }
 
 static int read_stream(void *user, void *data, size_t bytes)
 {
-    return fread(data, 1, bytes, user) != bytes;
+    return bytes > 0 && fread(data, 1, bytes, user) != bytes;
 }
 
 int checkpoint_start(const drape_world *world, uint64_t *start)

@@ -215,8 +215,8 @@ def check_ranges(drape, header, rows, state):
         row = list(rows[3])
         row[j] = value
         write("made.drape", header, rows[:3] + [row] + rows[4:], state)
-        assert refused(drape, "made.drape", "step 4: a value is out of range"), \
-            "field %d, %r" % (j, value)
+        words = "step 4: a value is out of range"
+        assert refused(drape, "made.drape", words), "field %d, %r" % (j, value)
     for j, value, words in [(1, 8, "another build"), (2, 7, "another scene")]:
         wrong = list(header)
         wrong[j] = value
