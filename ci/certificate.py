@@ -13,6 +13,8 @@ import subprocess
 import sys
 import time
 
+import tree
+
 SCENE = ("scene", "what", "steps", "traced", "stages", "mismatches", "digest",
          "first6")
 STAGE = ("stage", "bits", "cases", "mismatches", "digest")
@@ -62,15 +64,10 @@ def write(rows, path):
         file.write("\n")
 
 
-def tree(part):
-    return subprocess.run(["sh", "ci/tree.sh", part], check=True, text=True,
-                          stdout=subprocess.PIPE).stdout.strip()
-
-
 def stale(certificate):
-    """Folders that have changed since, and the compiler's flags."""
+    """Folders whose code has changed since, and the compiler's flags."""
     return [part for part in ("spec", "ref", "gpu", "flags")
-            if certificate["trees"].get(part) != tree(part)]
+            if certificate["trees"].get(part) != tree.digest(part)]
 
 
 def golden():

@@ -225,7 +225,7 @@ sanitize() {
 
 # ---- What is compared ----
 
-tree=$(sh ci/tree.sh ref)
+tree=$(python3 ci/tree.py ref)
 long=120 parted='6 114 120'
 [ ! "$quick" ] || long=2 parted='1 2 3'
 scene tiny tiny 6
@@ -279,7 +279,7 @@ row toolkit "$(nvcc --version | sed -n 's/.*release \([0-9.]*\).*/\1/p')"
 row driver "$(nvidia-smi --query-gpu=driver_version --format=csv,noheader |
     head -n 1)"
 for part in spec ref gpu flags; do
-    row tree $part "$(sh ci/tree.sh $part)"
+    row tree $part "$(python3 ci/tree.py $part)"
 done
 "$build/check-cuda" --certify fuzz/corpus >"$work/stages" ||
     echo "check-cuda ended with $?"

@@ -36,7 +36,7 @@ row() { printf '%s\t%s\n' "$1" "$2"; }
 ask() { nvidia-smi --query-gpu="$1" --format=csv,noheader,nounits | head -n 1; }
 trees() {
     for part in spec ref gpu; do
-        row "tree $part" "$(sh ci/tree.sh $part)"
+        row "tree $part" "$(python3 ci/tree.py $part)"
     done
 }
 describe() {
