@@ -19,6 +19,8 @@ struct variant {
     bool pinned; /* at a corner that moves */
     bool taps;   /* the plate comes and goes, and nothing falls */
     bool uncut;  /* a step is one slice */
+    bool fails;  /* no impulse is allowed, and a slice that needs one ends there
+                    or not, as it may be cut once more or not */
     int looks;   /* of a step, or more; no multiple of 7 */
     int least;   /* steps that tapes do whole */
 };
@@ -38,6 +40,8 @@ static const struct variant variants[] = {
      .windy = true, .looks = 18, .least = 4},
     {"verlet, a pin that moves", DRAPE_VERLET, DRAPE_JACOBI, .moves = true,
      .pinned = true, .looks = 18, .least = 4},
+    {"no impulses", DRAPE_BW, DRAPE_JACOBI, .moves = true, .fails = true,
+     .looks = 13, .least = 1},
     {"rk4, a pin that moves, wind", DRAPE_RK4, DRAPE_JACOBI, .moves = true,
      .windy = true, .pinned = true, .looks = 18, .least = 4},
 };
@@ -67,14 +71,14 @@ static void move_plate(struct run *r, const struct variant *a)
 {
     r->motion = (drape_motion){.keys = 2, .time = times, .position = path};
     for (int k = 0; k < TAPS; k++) {
-        tap_time[k] = k * 3 * r->s.def.dt;
-        tap[k][1] = k % 2 ? 0.0015 : -0.002;
+        tap_time[k] = k * (a->fails ? 1 : 3) * r->s.def.dt;
+        tap[k][1] = a->fails ? 0.006 * (k * 7 % 5) : k % 2 ? 0.0015 : -0.002;
     }
-    if (a->taps) {
+    if (a->taps || a->fails) {
         r->motion.keys = TAPS;
         r->motion.time = tap_time;
         r->motion.position = (const double(*)[3])tap;
-        r->s.def.gravity[1] = 0;
+        r->s.def.gravity[1] = a->fails ? -30 : 0;
     }
     r->s.def.motions = &r->motion;
     r->s.def.n_motions = a->moves || a->taps;
@@ -93,6 +97,8 @@ static void define(struct run *r, const struct variant *a, int backend)
     def->n_cloths = 1 + a->two;
     if (a->uncut)
         def->max_slices = 1;
+    if (a->fails)
+        def->max_rounds = 0;
     if (a->integrator < DRAPE_BW) { /* few substeps, and contact at once */
         def->dt = r->device ? 7e-4 : 7e-5;
         r->cloth[0].origin[1] = 0.0019;
@@ -117,8 +123,11 @@ static const char *begin(struct run *r, const struct variant *a, int backend)
     return NULL;
 }
 
-static const char *step(struct run *r)
+static const char *step(struct run *r, const struct variant *a)
 {
+    int64_t k = r->world->step;
+    if (a->fails) /* all else that the launches depend on stays */
+        r->world->def.max_slices = k > 9 && k % 4 == 1 ? 2 : 4;
     EXPECT(r->ops->step(r->world, &r->report) == DRAPE_OK);
     memset(r->report.seconds, 0, sizeof r->report.seconds);
     r->graphs += r->report.graphs;
@@ -146,7 +155,7 @@ static const char *lead_way(struct run *r, const struct variant *a,
 {
     const char *what = begin(r, a, DRAPE_REF);
     for (int k = 0; k < t->steps && !what; k++) {
-        what = step(r);
+        what = step(r, a);
         memcpy(t->x[k], r->x, sizeof r->x);
         memcpy(t->v[k], r->v, sizeof r->v);
         t->report[k] = r->report;
@@ -198,7 +207,7 @@ static const char *follow(struct run *r, const struct variant *a,
         gpu_set_way(r->world->device->gpu, way);
         if (how == TIGHT && a->uncut)
             cramp(r, k);
-        what = step(r);
+        what = step(r, a);
         if (!what &&
             (memcmp(r->x, t->x[k], bytes) || memcmp(r->v, t->v[k], bytes) ||
              memcmp(&r->report, &t->report[k], sizeof r->report)))
