@@ -3,9 +3,10 @@
 # Has Gappa bound every rounding error anew and compares each bound with the
 # constant in the code. One row a proof: script, constant, files that have it,
 # which must all say the same. A constant is #defined as a power of two, or as a
-# number of units u = 2^-24 and 2^-53 (@P@ in the script); or it stands on a page
-# as 2^-49 or 4u. Bounds must stay a hundredth below. A row without a script (-)
-# is of a constant for which the page has the proof: it gives the value, too.
+# number of units u = 2^-24 and 2^-53 (@P@ in the script); or it stands on a
+# page as 2^-49 or 4u. Bounds must stay a hundredth below. A row without a
+# script (-) is of a constant for which a page has the proof: it gives the
+# value, too.
 set -eu
 cd "$(dirname "$0")/.."
 
