@@ -5,7 +5,8 @@
 # spec/50_gpu.md §7. Needs BUILD/check-cuda and BUILD/drape made with GPU=yes.
 # `reference` makes on any machine what is slow there: digests of what the
 # reference computes, in ci/reference.txt. What is in it, of this ref/ and scene,
-# is not run again; else the reference runs side by side with the device.
+# is not run again; else the reference runs side by side with the device. ONLY:
+# names of the scenes whose reference is run here, if not of all.
 # usage: ci/certify.sh BUILD OUT [quick | reference]
 set -u
 build=$1 out=$2 mode=${3-} known=ci/reference.txt
@@ -179,6 +180,7 @@ references() {
     threads=$((cores * $1 / 16))
     shift
     for name; do
+        case " ${ONLY-$name} " in *" $name "*) ;; *) continue ;; esac
         [ ! "$(known "$name")" ] || continue
         run "$name" ref "$(frames_of "$name")" \
             --threads $((threads > 0 ? threads : 1))
