@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # drape: `make help` lists what can be made. Nothing is recursive but the
-# flavours: a flavour is this file again with another BUILD and compiler.
+# flavours of ci/flavours.mk: this file again with another BUILD and compiler.
 
 BUILD  ?= build
 PREFIX ?= /usr/local
@@ -76,26 +76,17 @@ ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
 APP_LIBS    := -lassimp -lcjson -lembree3 -lpng -lgmp -lm
 ORACLE_LIBS := -lfcl -lccd -lmpfr -lgmpxx -lgmp -lstdc++ -lm
 
-# What only whole steps run: golden and --stages enter no line of these, as
-# gcov says, so what is about stages takes ROOT's objects of them.
-WHOLE  := $(patsubst %,ref/%.c,apart ask broad checkpoint cloth collide couple \
-          define drape dynamics ending explicit failsafe frames lead plan query \
-          response restore slice solver start step wire world)
-
 obj     = $(addprefix $(BUILD)/,$(addsuffix $(2).o,$(basename $(1))))
-WHOLE_IN ?= $(BUILD)
-WHOLE_O := $(call obj,$(filter-out $(API),$(WHOLE)),.32) \
-          $(call obj,$(WHOLE),.64)
 REF_O  := $(call obj,$(REF),.32) $(call obj,$(REF),.64) \
           $(call obj,$(API),.64)
-REF_O  := $(filter-out $(WHOLE_O),$(REF_O)) \
-          $(patsubst $(BUILD)/%,$(WHOLE_IN)/%,$(WHOLE_O))
+# Small whole scenes through the public API: every flavour runs them.
+WHOLE_O := $(call obj,$(wildcard tests/whole/*.c),)
 TEST_IN ?= $(BUILD)
 TEST_O := $(patsubst $(BUILD)/%,$(TEST_IN)/%,$(call obj,$(TWICE),.32) \
           $(call obj,$(TWICE),.64) $(call obj,$(ONCE),))
 APP_O  := $(call obj,$(APP),)
 # gpu/ twice: as CUDA, and emulated on the host for build/check.
-# The flavours are about ref/: they share ROOT's emulation and its tests.
+# ROOT is the build that flavours take from what they do not compile.
 ROOT   ?= $(BUILD)
 EMU_IN ?= $(BUILD)
 EMU_O  := $(patsubst $(BUILD)/%,$(EMU_IN)/%,$(call obj,$(KERNEL),.32) \
@@ -127,10 +118,9 @@ ACC_O   := $(call obj,$(addprefix ci/bench/,accuracy backends bisect contact dri
 ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
            $(if $(GPU),$(CUDA_L))
 
-.PHONY: all demo check bench reference certify asan fuzz install help golden \
-        format tidy clang-tests check-parts flavours gcc-O0 gcc-O3 clang-O2 \
-        soak fuzz-soak mutants outcomes prove oracles fuzz-libs price launches \
-        say-gpu tables
+.PHONY: all demo check bench reference certify fuzz install help golden \
+        format tidy check-parts soak fuzz-soak mutants outcomes prove oracles \
+        fuzz-libs price launches say-gpu tables
 .DELETE_ON_ERROR:
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, tool
@@ -218,6 +208,8 @@ $(BUILD)/check: $(TEST_O) $(EMU_O) $(ORC_O) $(LIB)
 $(BUILD)/check-cuda: $(TEST_O) $(CUDA_O) $(ROOT)/oracle/absent.o \
     $(ROOT)/oracle/brute.o $(LIB)
 	$(C17) $^ -o $@ $(CUDA_L)
+$(BUILD)/whole: $(WHOLE_O) $(LIB)
+	$(C17) $^ -o $@ -lpthread $(if $(GPU),$(CUDA_L),-lm)
 $(BUILD)/drape: $(APP_O) $(LIB)
 	$(C17) $(APP_O) $(LIB) -o $@ $(APP_LIBS) $(if $(GPU),$(CUDA_L))
 
@@ -250,7 +242,8 @@ $(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
 check: ## everything that must hold
 	sh ci/check.sh $(BUILD)
 # What its parts share, so that they can run side by side.
-check-parts: all $(ACC) $(BUILD)/replay $(if $(HAS_ORACLE),$(BUILD)/frames)
+check-parts: all $(ACC) $(BUILD)/whole.txt $(BUILD)/replay \
+    $(if $(HAS_ORACLE),$(BUILD)/frames)
 
 demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 	sh ci/demo.sh $(BUILD)
@@ -327,36 +320,7 @@ certify: ## compares ref and gpu on the device: ci/certificate.json
 	$(MAKE) GPU=yes $(BUILD)/check-cuda $(BUILD)/drape
 	sh ci/certify.sh $(BUILD) ci/certificate.json
 
-# KERNELS= leaves the emulated kernels and the tests themselves without
-# sanitizers, as check does but for CI, as compiling them takes two minutes.
-KERNELS ?= yes
-asan: $(if $(KERNELS),,$(BUILD)/check)
-asan: ## stages and emulated kernels under address, undefined sanitizers
-	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/asan GPU= OPT='-O1 -g1' \
-	  $(if $(KERNELS),,EMU_IN=$(ROOT) TEST_IN=$(ROOT) WHOLE_IN=$(ROOT)) \
-	  SAN='-fsanitize=address,undefined -fno-sanitize-recover=all' \
-	  $(BUILD)/asan/check
-	$(BUILD)/asan/check --cases 1 --stages --self-test \
-	  $(if $(KERNELS),--gpu)
-
-# gcc and clang, -O0 to -O3: ci/part.sh compares their golden hashes.
-flavours: gcc-O0 gcc-O3 clang-O2
-# Of the kernels one, too: in what -O1 inlines the linker may mix precisions.
-gcc-O0: FLAVOUR = OPT=-O0 EMU_IN=$(BUILD)/gcc-O0
-gcc-O3: FLAVOUR = OPT='-O3 -march=native'
-clang-O2: FLAVOUR = OPT=-O2 CC=clang
-CLANG   = clang -std=c17 -D_POSIX_C_SOURCE=200809L $(WARN) $(OPENMP) -I. \
-          -Ispec -I$(BUILD) -fsyntax-only
-# libomp answers the calls of gcc's objects too.
-clang-O2: clang-tests
-clang-tests: $(BUILD)/certificate.h
-	$(CLANG) -DREAL_BITS=32 $(TWICE) $(ONCE) $(filter-out $(API),$(WHOLE))
-	$(CLANG) -DREAL_BITS=64 $(WHOLE)
-	clang++ $(filter-out $(CXX) -MMD -MP,$(EMU)) -fsyntax-only \
-	  -DREAL_BITS=32 $(KERNEL)
-gcc-O0 gcc-O3 clang-O2: $(BUILD)/check
-	$(MAKE) ROOT=$(ROOT) EMU_IN=$(ROOT) TEST_IN=$(ROOT) WHOLE_IN=$(ROOT) \
-	  BUILD=$(BUILD)/$@ GPU= $(FLAVOUR) $(BUILD)/$@/check
+include ci/flavours.mk
 
 prove: ## Gappa bounds every constant of the filters anew
 	sh ci/prove.sh
@@ -367,7 +331,8 @@ mutants: ## plants N=60 faults in changed lines (ALL=1: in any) by SEED=: who se
 	python3 ci/mutants.py -n $(N) --seed $(SEED) $(if $(ALL),--all) \
 	  $(if $(BASE),--base $(BASE)) --work $(BUILD)/mutants
 
-soak: $(BUILD)/check asan ## the tests' long forms: whole frames, 2M triangles
+soak: check-parts ## the tests' long forms: whole frames, 2M triangles
+	sh ci/flavour.sh $(BUILD) asan yes
 	DRAPE_SOAK=1 $(BUILD)/check --tests
 
 outcomes: $(BUILD)/drape ## whole scenes for 120 frames: table of bench/outcomes.md
@@ -395,24 +360,25 @@ install: $(LIB) ## to $(DESTDIR)$(PREFIX): library, header, tool, man page
 
 format: ## clang-format everything in place
 	clang-format -i $(wildcard app/*.[ch] app/examples/* fuzz/*.[ch] \
-	  gpu/* oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch])
+	  gpu/* oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch] tests/whole/*.[ch])
 
 # The analyzer's search is cut at 20000 nodes (225000 usually) for the time
 # it takes: paths that only a longer search finds are not looked at.
 TIDY := -std=c17 -I. -Ispec -I$(BUILD) -D_POSIX_C_SOURCE=200809L \
         -Xclang -analyzer-config -Xclang max-nodes=20000
 tidy: $(BUILD)/words.h ## clang-tidy over our C
-	ls app/*.c app/examples/*.c fuzz/*.c ref/*.c tests/*.c | \
+	ls app/*.c app/examples/*.c fuzz/*.c ref/*.c tests/*.c tests/*/*.c | \
 	  xargs -P2 -n8 sh -c 'clang-tidy --quiet "$$@" -- $(TIDY) 2>/dev/null' sh
 
 help: ## this list
-	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile | expand -t 11
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile ci/flavours.mk | \
+	  expand -t 11
 	@echo 'tables also takes SCENES= FRAMES= MODES= LIMIT=: ci/bench/scenes.sh'
 	@echo "OPT=      '-O2 -g', say: for a debugger"
 	@echo 'GPU=yes   with any of them: builds the device part without a device'
 	@echo 'ARCHES=   "80 90", say: for which devices; all: every one nvcc knows'
 
--include $(patsubst %.o,%.d,$(REF_O) $(TEST_O) $(APP_O) $(ORC_O) $(EMU_O) \
-  $(CUDA_O) $(PRICE_O) $(filter %.o,$(ACC_O)))
+-include $(patsubst %.o,%.d,$(REF_O) $(TEST_O) $(WHOLE_O) $(APP_O) $(ORC_O) \
+  $(EMU_O) $(CUDA_O) $(PRICE_O) $(filter %.o,$(ACC_O)))
 -include $(patsubst %.o,%.d,$(PARTS) $(BUILD)/fuzz/main.o \
   $(BUILD)/ci/bench/narrow.32.o $(ROOT)/oracle/frames.o $(ROOT)/oracle/table.o)

@@ -47,15 +47,8 @@ one() {
         sh "$@"
 }
 
-# The recorded hashes by a build of other flags. What golden-1 has of them has
-# the stages' properties: they need no second look. Arguments: a test to run
-# before, and a mode besides.
-flavour() {
-    check="'$build/$part/check'"
-    count "golden, $part" sh -c "make -j$jobs ROOT='$build' BUILD='$build' \
-        $part && ${1:+$check --cases 1 --tests --only $1 &&} \
-        $check --plain --golden tests/golden/stages.txt ${2-}"
-}
+# A build of other flags; with the kernels' where nobody waits for it.
+flavour() { count "$part" sh ci/flavour.sh "$build" "$part" "${CI:+yes}"; }
 
 # What needs the tool is skipped where its libraries are not installed.
 with_tool() {
@@ -100,14 +93,12 @@ golden-3)
     count 'golden, 3 threads' env OMP_NUM_THREADS=3 \
         "$build/check" --plain --golden tests/golden/stages.txt
     ;;
-gcc-O3 | clang-O2) flavour ;;
-gcc-O0) flavour fused --gpu ;; # kernels, too; of explicit steps by that test
-asan) # with the kernels where nobody waits for it
-    one sanitizers make -j"$jobs" BUILD="$build" KERNELS="${CI:+yes}" asan
-    ;;
+root) count 'whole scenes' sh ci/flavour.sh "$build" root ;;
+gcc-* | clang-* | ?san) flavour ;;
 format)
     one format sh -c 'ls app/*.[ch] app/examples/* ci/bench/*.[ch] fuzz/*.[ch] \
-        gpu/* oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch] |
+        gpu/* oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch] \
+        tests/whole/*.[ch] |
         xargs clang-format --dry-run -Werror'
     ;;
 tidy) tidy ;;
