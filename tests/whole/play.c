@@ -37,7 +37,7 @@ static void hear(void *user, const char *line)
 
 static int write_bytes(void *user, const void *data, size_t bytes)
 {
-    return fwrite(data, 1, bytes, user) != bytes;
+    return bytes > 0 && fwrite(data, 1, bytes, user) != bytes;
 }
 
 static int read_bytes(void *user, void *data, size_t bytes)
@@ -45,7 +45,8 @@ static int read_bytes(void *user, void *data, size_t bytes)
     struct play *p = user;
     if (bytes > p->bytes - p->read)
         return 1;
-    memcpy(data, p->saved + p->read, bytes);
+    if (bytes > 0)
+        memcpy(data, p->saved + p->read, bytes);
     p->read += bytes;
     return 0;
 }

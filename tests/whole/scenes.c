@@ -211,6 +211,18 @@ static void make_large(struct show *s)
     show_ball(s, 0, 0.3, 24);
 }
 
+/* As large, by the other method, solver and matrix, and failing at once. */
+static void make_larger(struct show *s)
+{
+    make_large(s);
+    s->def.integrator = DRAPE_CK;
+    s->def.precond = DRAPE_JACOBI;
+    s->def.matrix = DRAPE_CDF;
+    s->def.max_slices = s->def.max_rounds = 1;
+    s->def.gravity[1] = -300;
+    s->def.wind = (drape_wind){{5, 0, 1}, 1.2, 1.1, 0.8};
+}
+
 /* Nothing can collide. */
 static void make_free(struct show *s)
 {
@@ -250,7 +262,7 @@ const struct scene_row scene_rows[] = {
     {"midpoint", make_midpoint}, {"verlet", make_verlet},
     {"rk4", make_rk4},           {"wave", make_wave},
     {"rest", make_rest},         {"large", make_large},
-    {"free", make_free},         {"pierced", make_pierced},
-    {"diverged", make_diverged},
+    {"larger", make_larger},     {"free", make_free},
+    {"pierced", make_pierced},   {"diverged", make_diverged},
 };
 const int n_scene_rows = sizeof scene_rows / sizeof scene_rows[0];
