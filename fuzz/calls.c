@@ -109,7 +109,8 @@ static const char *play_wind(struct play *p)
     EXPECT(!p->world[1] || status[0] == status[1]);
     EXPECT(finite || status[0] == DRAPE_EDATA || !inside);
     EXPECT(status[0] != DRAPE_OK || (finite && inside));
-    EXPECT(status[0] != DRAPE_OK || p->s.def.wind.density > 0);
+    bool air = wind.density > 0 && (wind.drag > 0 || wind.lift > 0);
+    EXPECT(status[0] != DRAPE_OK || !air || p->s.def.wind.density > 0);
     return status[0] == DRAPE_OK ? NULL : unchanged(p);
 }
 

@@ -101,9 +101,6 @@ bool files_scene(struct scene *scene, drape_world **world)
     char path[FILES_PATH];
     *world = NULL;
     files_write("scene.json", plain, strlen(plain));
-    if (scene_load(scene, files_path("scene.json", path)) != APP_OK ||
-        scene_create(scene, &as_it_is, world) != APP_OK)
-        return false;
-    return drape_step(*world, NULL) == DRAPE_OK &&
-           drape_step(*world, NULL) == DRAPE_OK;
+    return scene_load(scene, files_path("scene.json", path)) == APP_OK &&
+           scene_create(scene, &as_it_is, world) == APP_OK;
 }

@@ -20,8 +20,8 @@ void files_write(const char *name, const void *data, size_t size);
  * is no such file. */
 char *files_read(const char *name, size_t *size);
 
-/* A scene of 4 × 4 and 3 × 4 particles above a plane, and its world, which
- * has taken two steps. false: it is refused. scene_free and drape_destroy. */
+/* A scene of 4 × 4 and 3 × 4 particles above a plane, and its new world.
+ * false: it is refused. scene_free and drape_destroy. */
 bool files_scene(struct scene *scene, drape_world **world);
 
 /* Whether the text is one JSON value by RFC 8259, in UTF-8. */

@@ -49,7 +49,7 @@ static const char *go_on(struct small *s, drape_world *world)
     for (int k = 0; k < 3; k++) {
         drape_step_report r;
         int status = drape_step(world, &r);
-        EXPECT(status == DRAPE_OK && (r.outcome & ~OUTCOMES) == 0);
+        EXPECT(status == DRAPE_OK && (r.outcome & ~OUTCOME_BITS) == 0);
     }
     EXPECT(small_audit(s, world) >= -1);
     EXPECT((double)clock() / CLOCKS_PER_SEC - begun < PATIENCE);

@@ -18,6 +18,19 @@ static uint8_t *library_part(uint8_t *data, size_t size)
     return NULL;
 }
 
+/* The library's check, then that of the whole file, its last eight bytes. */
+static void repair(uint8_t *data, size_t size)
+{
+    uint64_t sum;
+    if (size < sizeof sum)
+        return;
+    uint8_t *end = data + size - sizeof sum, *part = library_part(data, size);
+    if (part && part < end)
+        damage_repair(part, (size_t)(end - part));
+    sum = hash_bytes(HASH_START, data, size - sizeof sum);
+    memcpy(end, &sum, sizeof sum);
+}
+
 size_t checkpoint_mutate(uint8_t *data, size_t size, size_t most, uint64_t seed)
 {
     struct bytes b = damage_choices(seed);
@@ -25,9 +38,8 @@ size_t checkpoint_mutate(uint8_t *data, size_t size, size_t most, uint64_t seed)
         size = checkpoint_begin(data, size, most);
     for (uint32_t k = 1 + pick(&b, 3); k && size; k--)
         size = damage(&b, data, size, most, HEAD);
-    uint8_t *part = library_part(data, size);
-    if (part && pick(&b, 8))
-        damage_repair(part, (size_t)(data + size - part));
+    if (pick(&b, 8))
+        repair(data, size);
     choices_free(&b);
     return size ? size : 1;
 }

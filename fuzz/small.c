@@ -105,7 +105,7 @@ static void draw_choices(struct bytes *b, drape_def *d)
 {
     d->precision = pick(b, 2) ? 64 : 32;
     d->integrator = (DRAPE_BW + (int)pick(b, 6)) % (DRAPE_CK + 1);
-    d->dt = d->integrator < DRAPE_BW ? 1e-3 : 1.0 / 60;
+    d->dt = d->integrator < DRAPE_BW ? 2e-4 : 1.0 / 60;
     d->threads = 1 + (int)pick(b, 2);
     d->block = 32 * (int)pick(b, 3);
     d->precond = DRAPE_MULTIGRID - (int)pick(b, 2);

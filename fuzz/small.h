@@ -30,6 +30,6 @@ const char *small_state(const struct small *s, const drape_world *world);
 /* Intersecting pairs that involve cloth; -1: the audit failed. */
 int64_t small_audit(const struct small *s, const drape_world *world);
 /* Bits of enum drape_outcome that there are. */
-enum { OUTCOMES = 63 };
+enum { OUTCOME_BITS = 63 };
 
 #endif

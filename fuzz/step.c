@@ -32,7 +32,7 @@ static const char *look_at_report(const struct play *p,
                                   const drape_step_report *r)
 {
     bool stands = r->outcome & DRAPE_DIVERGED;
-    EXPECT((r->outcome & ~OUTCOMES) == 0);
+    EXPECT((r->outcome & ~OUTCOME_BITS) == 0);
     EXPECT(!(r->outcome & DRAPE_ASLEEP) || p->s.def.sleep);
     EXPECT(!stands || r->time == p->time);
     EXPECT(stands || fabs(r->time - p->time - p->s.def.dt) < 1e-9);
