@@ -167,6 +167,20 @@ static void put_plan(FILE *out, const drape_world *world)
     fputs("  ],\n", out);
 }
 
+/* Of a run that chose its settings by --error. */
+static void put_estimate(FILE *out, const struct estimate *e)
+{
+    if (!(e->asked > 0))
+        return;
+    fputs("  \"error\": {\"asked\": ", out);
+    text_put_number(out, "%.6g", e->asked);
+    fputs(", \"estimated\": ", out);
+    text_put_number(out, "%.6g", e->error);
+    fputs(", \"horizon\": ", out);
+    text_put_number(out, "%.6g", e->horizon);
+    fputs("},\n", out);
+}
+
 static void put_camera(FILE *out, const struct camera *c)
 {
     if (c->fov > 0)
@@ -198,12 +212,7 @@ bool report_write(const struct report *report, const struct scene *scene,
             "  \"held_bytes\": %zu,\n",
             end, def->backend == DRAPE_GPU ? "gpu" : "ref", def->precision,
             def->threads, def->dt, scene->steps_per_frame, scene->budget.held);
-    if (report->estimate.asked > 0)
-        fprintf(out,
-                "  \"error\": {\"asked\": %.6g, \"estimated\": %.6g, "
-                "\"horizon\": %.6g},\n",
-                report->estimate.asked, report->estimate.error,
-                report->estimate.horizon);
+    put_estimate(out, &report->estimate);
     fputs("  \"settings\": ", out);
     scene_settings(out, scene);
     fputs(",\n", out);
