@@ -159,6 +159,46 @@ uint64_t scene_hash(const drape_world *world)
     return hash;
 }
 
+/* Counters and outcome belong together. 00 §7, §10; 37 §5, §6 */
+static const char *check_report(const drape_def *def,
+                                const drape_step_report *r)
+{
+    const drape_work *w = &r->work;
+    bool whole = !(r->outcome & DRAPE_DIVERGED);
+    EXPECT(r->time == (double)r->step * def->dt);
+    EXPECT((r->zone_vertices > 0) == !!(r->outcome & DRAPE_ZONES));
+    EXPECT((r->rolled_back > 0) == !!(r->outcome & DRAPE_ROLLBACK));
+    EXPECT(!(r->outcome & (DRAPE_ZONES | DRAPE_ROLLBACK)) || r->impacts > 0);
+    EXPECT(!whole || (r->slices >= 1 && r->slices <= def->max_slices));
+    EXPECT(w->tries >= r->slices && w->later <= r->candidates);
+    EXPECT(r->contacts <= w->near && r->impacts <= r->candidates);
+    EXPECT(r->kinetic >= 0 && r->elastic >= 0 && r->residual >= 0);
+    return NULL;
+}
+
+/* What is held by a pin has not moved by a bit. */
+static bool stays(const struct scene *s, const drape_world *world)
+{
+    const drape_cloth *c = &s->cloth[0];
+    static double x[2 * SIDE * SIDE + 12][3];
+    drape_read(world, x, NULL);
+    for (int k = 0; k < c->n_pins; k++) {
+        const drape_pin *pin = &s->pin[k];
+        int p = pin->i + c->m * pin->j;
+        real start[3];
+        if (pin->motion >= 0)
+            continue;
+        for (int i = 0; i < 3; i++)
+            start[i] =
+                (real)(c->origin[i] + c->width / (c->m - 1) * pin->i * c->u[i] +
+                       c->height / (c->n - 1) * pin->j * c->v[i]);
+        for (int i = 0; i < 3; i++)
+            if (fabs(x[p][i] - (double)start[i]) > 0x1p-24)
+                return false;
+    }
+    return true;
+}
+
 const char *scene_random(struct bytes *b)
 {
     static struct scene s;
@@ -178,6 +218,10 @@ const char *scene_random(struct bytes *b)
         status = drape_step(world, &report);
         if (status != DRAPE_OK)
             failed = "a step failed";
+        else if ((failed = check_report(&s.def, &report)) != NULL)
+            break;
+        else if (!stays(&s, world))
+            failed = "01: a pin that holds has moved";
         else if (report.outcome & DRAPE_TRAPPED)
             break;
         else if (scene_audit(world, s.def.n_cloths) != 0)
