@@ -105,7 +105,7 @@ const char *test_world_pins(void)
 /* ---- §6: sleep changes no bit, and ends when something moves ---- */
 
 enum waking { BY_OBSTACLE, BY_PIN, BY_FRAMES, BY_WIND, BY_CALL, WAKINGS };
-enum { RESTS = 40, TO = 50 };
+enum { RESTS = 34, TO = 38 };
 
 /* At rest without gravity; what wakes it begins to move after RESTS steps. */
 static drape_world *make_resting(enum waking how, int integrator, int sleep)
@@ -175,7 +175,7 @@ const char *test_world_sleeps(void)
     static const int some[] = {DRAPE_VERLET, DRAPE_BW, DRAPE_CK};
     const char *failed = NULL;
     for (int how = 0; how < WAKINGS && !failed; how++)
-        for (int k = 0; k < 3 && !failed; k++)
+        for (int k = how % 2; k < 3 && !failed; k += 2 - how % 2)
             failed = check_sleep((enum waking)how, some[k]);
     return failed;
 }
@@ -195,7 +195,7 @@ static uint64_t slide(int integrator, double cloth, double slab)
     d.def.gravity[1] = -7.848;
     drape_world *world = slab_world(&d);
     int status = world ? DRAPE_OK : DRAPE_EARG;
-    for (int step = 0; step < 10 && status == DRAPE_OK; step++)
+    for (int step = 0; step < 5 && status == DRAPE_OK; step++)
         status = drape_step(world, NULL);
     uint64_t hash = status == DRAPE_OK ? scene_hash(world) : 0;
     drape_destroy(world);
@@ -308,7 +308,7 @@ static const char *check_near(struct slab *d, double above, double speed)
         w[k] = make_inner(&d->def, &arena[k]);
     EXPECT(w[0] && w[1]);
     size_t bytes = (size_t)w[0]->nv * sizeof(vec);
-    for (int step = 0; step < 4; step++) {
+    for (int step = 0; step < 3; step++) {
         if (w[1]->near == NEAR_NONE)
             w[1]->near = NEAR_PAIRS;
         for (int k = 0; k < 2; k++)
@@ -325,15 +325,15 @@ static const char *check_near(struct slab *d, double above, double speed)
 
 const char *test_world_near(void)
 {
-    static const double height[] = {0.0005, 0.0035, 0.0045, 0.02, 0.3};
-    static const double speed[] = {0, 0.25, 1, 24};
+    static const double height[] = {0.0035, 0.0045, 0.3};
+    static const double speed[] = {0, 1, 24};
     const char *failed = NULL;
-    for (int k = 0; k < 3 * 5 * 4 && !failed; k++) {
+    for (int k = 0; k < 3 * 3 * 3 && !failed; k++) {
         struct slab d;
-        int way = k / 3 % 4;
+        int way = k / 3 % 3;
         make_small(&d, k % 3 == 0 ? DRAPE_VERLET : DRAPE_BW, 0.2);
         d.obstacle.motion = k % 3 == 1 ? 0 : -1;
-        failed = check_near(&d, height[k / 12], speed[way]);
+        failed = check_near(&d, height[k / 9], speed[way]);
     }
     return failed;
 }
