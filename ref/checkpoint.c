@@ -168,9 +168,11 @@ static bool good_wind(const drape_wind *wind)
 }
 
 /* Whether the next step may read it: a file may be made up, check and all. */
-static bool good_header(const struct header *h)
+static bool good_header(const struct world *w, const struct header *h)
 {
     enum { LEVELS = 6 }; /* of 64 slices */
+    if ((h->past && !w->past_x) || (h->pressed && !w->press))
+        return false;
     return h->step >= 0 && h->intersecting >= 0 && h->asleep <= 1 &&
            h->near <= NEAR_CONTACTS && h->past <= 1 + LEVELS &&
            h->resting <= INT32_MAX && h->pressed <= 1 && h->again <= 1 &&
@@ -233,7 +235,8 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
         check = hash_mix(check, aside + at, bytes[k]);
     if (status == DRAPE_OK && check != want)
         status = DRAPE_EMATCH;
-    if (status == DRAPE_OK && !(good_header(&h) && good_streams(aside, bytes)))
+    if (status == DRAPE_OK &&
+        !(good_header(w, &h) && good_streams(aside, bytes)))
         status = DRAPE_EDATA;
     at = 0;
     for (int k = 0; k < STREAMS && status == DRAPE_OK; at += bytes[k++])
