@@ -431,7 +431,6 @@ const char *test_world_press(void)
         }
         arena_free(&arena);
     }
-    printf("failed %d held %d\n", failed, held);
     EXPECT(failed > 0 && held > 0);
     return NULL;
 }
