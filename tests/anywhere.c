@@ -52,7 +52,7 @@ static void make(struct slab *d, int k)
 static drape_step_report step(drape_world *world, bool windy, int k)
 {
     drape_step_report r;
-    const drape_wind gale = {{k % 2 ? 5 : 0, 0, 2}, 1.2, 1, 0.3};
+    const drape_wind gale = {{1 + k, 0, 2}, 1.2, 1, 0.3};
     if (windy && k % 4 == 0)
         drape_set_wind(world, &gale);
     memset(&r, 0, sizeof r);
