@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "ref/implicit.h"
 #include "ref/state.h"
 #include "ref/step.h"
 #include "tests/recall.h"
@@ -456,5 +457,43 @@ const char *test_world_unread(void)
         drape_destroy(a);
         drape_destroy(b);
     }
+    return NULL;
+}
+
+/* ---- 07 §4: Choi–Ko's past is of the motion without contact ---- */
+
+const char *test_world_past(void)
+{
+    static vec x0[COUNT], v0[COUNT], xp[COUNT], vp[COUNT];
+    struct slab d;
+    struct arena arena;
+    drape_step_report r;
+    int parted = 0;
+    make_small(&d, DRAPE_CK, 0.1035);
+    d.obstacle.motion = -1;
+    struct world *w = make_inner(&d.def, &arena);
+    EXPECT(w && w->nc == COUNT);
+    for (int step = 0; step < 8; step++) {
+        memcpy(x0, w->x0, sizeof x0);
+        memcpy(v0, w->v0, sizeof v0);
+        EXPECT(step_advance(w, &r) == DRAPE_OK && r.slices == 1);
+        struct history h = {.count = COUNT,
+                            .x0 = x0,
+                            .v0 = v0,
+                            .x1 = w->free_x,
+                            .v1 = w->free_v,
+                            .x = w->x0,
+                            .v = w->v0,
+                            .dt = (real)w->dt,
+                            .xp = xp,
+                            .vp = vp};
+        EXPECT(ref_history(&h) == DRAPE_OK);
+        EXPECT(!memcmp(xp, w->past_x, sizeof xp));
+        EXPECT(!memcmp(vp, w->past_v, sizeof vp));
+        parted += memcmp(w->free_v, w->v0, sizeof v0) != 0;
+        ran(1);
+    }
+    EXPECT(parted > 0); /* or contact changed nothing */
+    arena_free(&arena);
     return NULL;
 }

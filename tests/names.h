@@ -323,6 +323,7 @@
 #define test_world_mirror REAL_NAME(test_world_mirror)
 #define test_world_momentum REAL_NAME(test_world_momentum)
 #define test_world_near REAL_NAME(test_world_near)
+#define test_world_past REAL_NAME(test_world_past)
 #define test_world_pins REAL_NAME(test_world_pins)
 #define test_world_press REAL_NAME(test_world_press)
 #define test_world_rounds REAL_NAME(test_world_rounds)
