@@ -16,9 +16,11 @@ rm -rf "$work"
 mkdir -p "$work"
 export OMP_WAIT_POLICY=passive
 
-# Errors of a sanitizer end the program, by a status of its own.
-export UBSAN_OPTIONS=print_stacktrace=1
+# Errors of a sanitizer end the program by a status that means nothing else.
+export ASAN_OPTIONS=exitcode=66
+export UBSAN_OPTIONS=print_stacktrace=1:exitcode=66
 export TSAN_OPTIONS=exitcode=66
+export MSAN_OPTIONS=exitcode=66
 case $flavour in
 tsan) # what libomp orders, archer tells TSan
     archer=$(clang -print-file-name=libarcher.so)
