@@ -228,7 +228,7 @@ sanitize() {
 # ---- What is compared ----
 
 tree=$(python3 ci/tree.py ref)
-long=120 parted='6 114 120'
+long=120 parted='6 18 24'
 [ ! "$quick" ] || long=2 parted='1 2 3'
 scene tiny tiny 6
 scene tiny64 tiny 6 '"precision": 64,'
