@@ -60,10 +60,10 @@ static void put_step(FILE *out, const drape_step_report *s)
     fprintf(out,
             ", \"rounds\": %d, \"contacts\": %lld, \"impacts\": %lld, "
             "\"candidates\": %lld, \"zone_vertices\": %lld, "
-            "\"rolled_back\": %lld",
+            "\"rolled_back\": %lld, \"intersecting\": %lld",
             s->rounds, (long long)s->contacts, (long long)s->impacts,
             (long long)s->candidates, (long long)s->zone_vertices,
-            (long long)s->rolled_back);
+            (long long)s->rolled_back, (long long)s->intersecting);
     put_number(out, "kinetic", s->kinetic);
     put_number(out, "elastic", s->elastic);
     put_number(out, "potential", s->potential);

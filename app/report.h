@@ -24,14 +24,14 @@ bool report_add(struct report *report, const drape_step_report *step);
 void report_free(struct report *report);
 
 /* The one table of outcomes and their names, in the order of their bits. */
-enum { OUTCOMES = 6 };
+enum { OUTCOMES = 7 };
 extern const struct outcome {
     int bit; /* enum drape_outcome */
     const char *name;
 } outcomes[OUTCOMES];
 
 /* Outcomes after which a step's state is not what was asked for. */
-enum { NOT_CLEAN = DRAPE_TRAPPED | DRAPE_DIVERGED };
+enum { NOT_CLEAN = DRAPE_TRAPPED | DRAPE_PASSED | DRAPE_DIVERGED };
 
 /* The outcome as words, "clean" for 0; the text lasts until the next call
  * with the same buffer. */

@@ -7,12 +7,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-const struct outcome outcomes[OUTCOMES] = {
-    {DRAPE_UNCONVERGED, "unconverged"}, {DRAPE_ZONES, "zones"},
-    {DRAPE_ROLLBACK, "rollback"},       {DRAPE_TRAPPED, "trapped"},
-    {DRAPE_DIVERGED, "diverged"},       {DRAPE_ASLEEP, "asleep"}};
-/* DRAPE_ASLEEP is the last bit: every bit below it has its row. */
-_Static_assert(1 << (OUTCOMES - 1) == DRAPE_ASLEEP, "an outcome has no name");
+const struct outcome outcomes[OUTCOMES] = {{DRAPE_UNCONVERGED, "unconverged"},
+                                           {DRAPE_ZONES, "zones"},
+                                           {DRAPE_ROLLBACK, "rollback"},
+                                           {DRAPE_TRAPPED, "trapped"},
+                                           {DRAPE_DIVERGED, "diverged"},
+                                           {DRAPE_ASLEEP, "asleep"},
+                                           {DRAPE_PASSED, "passed"}};
+/* DRAPE_PASSED is the last bit: every bit below it has its row. */
+_Static_assert(1 << (OUTCOMES - 1) == DRAPE_PASSED, "an outcome has no name");
 
 bool report_add(struct report *report, const drape_step_report *step)
 {

@@ -356,8 +356,8 @@ int drape_count(const drape_world *world, drape_memory *memory);
  * bytes went through. A loaded world goes on bit for bit; it must have been
  * made from the same definition, but backend, threads, block, stream,
  * allocators, log and trace may be others. user may be NULL. DRAPE_EARG without
- * a world or a function, DRAPE_EIO, EMATCH, EDATA (a number that no step gives),
- * ENOMEM, EDEVICE: the world is unchanged. */
+ * a world or a function, DRAPE_EIO, EMATCH, EDATA (a number that no step
+ * gives), ENOMEM, EDEVICE: the world is unchanged. */
 typedef int drape_write(void *user, const void *data, size_t bytes);
 typedef int drape_read_bytes(void *user, void *data, size_t bytes);
 int drape_save(const drape_world *world, drape_write *write, void *user);

@@ -265,7 +265,10 @@ static const char *check_start(enum crossing how)
     EXPECT(found > (how == ANOTHER ? 1024 : 0));
     d.def.allow_intersecting = 0;
     EXPECT(drape_create(&d.def, &world, &error) == DRAPE_ESTART && !world);
-    EXPECT(sscanf(error.text, "%*[^0-9]%lld", &told) == 1 && told == found);
+    const char *more = strstr(error.text, "(first of ");
+    EXPECT((more ? sscanf(more, "(first of %lld pairs)", &told) : found == 1) ==
+           1);
+    EXPECT(!more || told == found);
     d.def.self_collision = 0;
     int status = drape_create(&d.def, &world, &error);
     EXPECT(status == (how == SLAB ? DRAPE_ESTART : DRAPE_OK));

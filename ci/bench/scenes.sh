@@ -131,17 +131,13 @@ go() {
     run=$runs/$1.$2
     ! has "$run/report.json" "$3" || return 0
     sed "1s/{/{$(keys "$2")/" "app/scenes/$1.json" >"$run.json"
-    known=$2
     set -- "$run.json" --backend "$backend" --frames "$3" --out "$run" \
         --every "$every" --checkpoint-every "$every" --no-obj
     if [ -f "$run/checkpoint.drape" ]; then
-        known=resumed
         set -- "$@" --resume "$run/checkpoint.drape"
     else
         set -- "$@" --force # what a run that was killed has left
     fi
-    # the start is audited once, where ours begins: that takes a while at 2M
-    [ "$known" = ours ] || set -- "$@" --allow-intersecting
     watch "$results/${run##*/}.memory" &
     watcher=$!
     sleep 0.5
@@ -180,8 +176,7 @@ reference() {
     ! has "$twin/report.json" $to || return 0
     sed '/steps_per_frame/d' "$runs/$1.ours.json" >"$twin.json"
     tool run "$twin.json" --backend ref --threads "$2" --frames $to --no-obj \
-        --resume "$runs/$1.draped" --every 1000000 --out "$twin" --force \
-        --allow-intersecting
+        --resume "$runs/$1.draped" --every 1000000 --out "$twin" --force
 }
 
 # Every frame of ours that was kept and not yet audited, side by side.

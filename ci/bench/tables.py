@@ -104,7 +104,8 @@ def figure8(results, paper):
             "steps": len(steps), "with zones": outcome["zones"],
             "with rollback": outcome["rollback"],
             "unconverged": outcome["unconverged"],
-            "not clean": outcome["trapped"] + outcome["diverged"],
+            "not clean": outcome["trapped"] + outcome.get("passed", 0) +
+            outcome["diverged"],
             "asleep": outcome["asleep"],
             "frames audited": count, "intersecting pairs": pairs})
     return rows

@@ -187,7 +187,7 @@ EOT
 # turns NAME FROM TO: of six frames between these keys, each has turned by
 # the same about one axis: 0, 1/6 … 6/6 of the whole turn, degrees AXIS…
 turns() {
-    exits "$1" 0 run motion.json --out turn
+    exits "$1" 0 run motion.json --out turn --force
     is "$1: evenly" python3 - "$2" <<'EOT'
 import math, sys
 def load(k):

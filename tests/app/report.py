@@ -18,17 +18,18 @@ import sys
 
 # app/checkpoint.h's header and drape_step_report, as the host lays them out.
 HEADER = struct.Struct("@16s Q Q q d 3d 2d 2i")
-ROW = struct.Struct("@q d 4i d 2i 5q 3d 5d 4i 6q")
-OUTCOME, SECONDS, WORK = 2, slice(17, 22), slice(22, 32)
+ROW = struct.Struct("@q d 4i d 2i 6q 3d 5d 4i 6q")
+OUTCOME, SECONDS, WORK = 2, slice(18, 23), slice(23, 33)
 FIELDS = ["step", "time", "outcome", "slices", "substeps", "iterations",
           "residual", "rounds", "graphs", "contacts", "impacts", "candidates",
-          "zone_vertices", "rolled_back", "kinetic", "elastic", "potential"]
+          "zone_vertices", "rolled_back", "intersecting", "kinetic", "elastic",
+          "potential"]
 PARTS = ["integration", "solver", "broad", "proximity", "penetration"]
 WORKS = ["tries", "solves", "queries", "narrow", "boxes", "boxes_kept",
          "walked", "cleared", "near", "later"]
 OUTCOMES = ["unconverged", "zones", "rollback", "trapped", "diverged",
-            "asleep"]
-TRAPPED, DIVERGED = 8, 16
+            "asleep", "passed"]
+TRAPPED, DIVERGED, PASSED = 8, 16, 64
 
 
 def load(directory):
@@ -159,8 +160,8 @@ def invent(rows):
     for k, row in enumerate(rows):
         new = [1000 * j + k for j in range(len(row))]
         new[0], new[1] = row[0], row[1]
-        new[OUTCOME] = k % 64 & ~DIVERGED
-        for j in [6, 14, 15, 16, *range(SECONDS.start, SECONDS.stop)]:
+        new[OUTCOME] = k % 128 & ~DIVERGED
+        for j in [6, 15, 16, 17, *range(SECONDS.start, SECONDS.stop)]:
             new[j] += 0.125
         made.append(new)
     return made
@@ -194,7 +195,8 @@ def check_rows(drape, path):
         check_row(row, step)
     check_sums(report)
     bad = [r[0] for r in made if r[OUTCOME] & TRAPPED]
-    assert "%d of %d steps are not clean" % (len(bad), len(rows)) in err, err
+    unclean = sum(1 for r in made if r[OUTCOME] & (TRAPPED | PASSED))
+    assert "%d of %d steps are not clean" % (unclean, len(rows)) in err, err
     assert "%d of them intersect at their end, from step %d to step %d" % (
         len(bad), bad[0], bad[-1]) in out, out
     subprocess.run(["rm", "-r", "crafted"], check=True)
@@ -205,12 +207,12 @@ def check_ranges(drape, header, rows, state):
     """Values that no run has, under a checksum that is right."""
     header[3] = len(rows)
     nan, inf = float("nan"), float("inf")
-    tries = [(0, 7), (1, nan), (1, -1.0), (2, 64), (2, -1), (2, DIVERGED)]
-    tries += [(j, -1) for j in [3, 4, 5, 7, 8, *range(9, 14),
+    tries = [(0, 7), (1, nan), (1, -1.0), (2, 128), (2, -1), (2, DIVERGED)]
+    tries += [(j, -1) for j in [3, 4, 5, 7, 8, *range(9, 15),
                                 *range(WORK.start, WORK.stop)]]
-    tries += [(j, 2 ** 41) for j in [9, 10, 11, 12, 13, *range(26, 32)]]
-    tries += [(j, v) for j in [6, 14, 15, 16] for v in [nan, inf]]
-    tries += [(j, v) for j in range(17, 22) for v in [nan, inf, -1.0]]
+    tries += [(j, 2 ** 41) for j in [*range(9, 15), *range(27, 33)]]
+    tries += [(j, v) for j in [6, 15, 16, 17] for v in [nan, inf]]
+    tries += [(j, v) for j in range(18, 23) for v in [nan, inf, -1.0]]
     for j, value in tries:
         row = list(rows[3])
         row[j] = value

@@ -92,7 +92,7 @@ int main(int argc, char **argv)
               stderr);
         return 2;
     }
-    struct job job[JOBS];
+    static struct job job[JOBS];
     for (int k = 0; k < a.jobs; k++) {
         job[k].asked = &a;
         job[k].k = k;
