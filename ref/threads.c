@@ -2,7 +2,8 @@
 /* The threads that parallel loops run on. A part of a loop that no worker has
  * begun is done by the caller, who so waits for nobody that has no processor.
  * Which thread does a part does not show: spec/README.md §1.7. */
-#define _GNU_SOURCE /* for the processors that this thread may have */
+/* For the processors that this thread may have. */
+#define _GNU_SOURCE /* NOLINT(bugprone-reserved-identifier) */
 #include "ref/threads.h"
 
 #include <sched.h>

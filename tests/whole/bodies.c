@@ -57,12 +57,12 @@ static drape_obstacle *mesh(struct show *s, int nv, int nt)
 /* The arrays of a mesh, to be filled. */
 static double (*points(const drape_obstacle *o))[3]
 {
-    return (double(*)[3])(uintptr_t)o->x;
+    return (double(*)[3])(void *)o->x;
 }
 
 static void triangle(const drape_obstacle *o, int k, int a, int b, int c)
 {
-    int32_t(*tri)[3] = (int32_t(*)[3])(uintptr_t)o->tri;
+    int32_t(*tri)[3] = (int32_t(*)[3])(void *)o->tri;
     tri[k][0] = a;
     tri[k][1] = b;
     tri[k][2] = c;
