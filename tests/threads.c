@@ -100,16 +100,17 @@ static uint64_t run_short(int resource, rlim_t most, int threads)
 
 const char *test_threads_short(void)
 {
-#ifdef __SANITIZE_ADDRESS__
-    return skip("a sanitizer needs more room than there is here");
-#else
     uint64_t want = run(1);
     EXPECT(want && run(0) == want && run(3) == want);
     EXPECT(run(4096) == want);
+#ifdef __SANITIZE_ADDRESS__
+    (void)run_short; /* a sanitizer needs more room than there would be */
+    ran(4);
+#else
     EXPECT(run_short(RLIMIT_AS, (rlim_t)1 << 30, 4096) == want);
     EXPECT(run_short(RLIMIT_NPROC, 1, 4096) ==
            want); /* root's are not counted */
     ran(6);
-    return NULL;
 #endif
+    return NULL;
 }
