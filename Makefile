@@ -58,20 +58,20 @@ HAS_APP    := $(call has,assimp/cimport.h cjson/cJSON.h embree3/rtcore.h \
 HAS_ORACLE := $(call has,CGAL/version.h Eigen/Dense fcl/fcl.h ccd/ccd.h gmp.h \
     mpfr.h)
 
-API    := ref/arena.c ref/defaults.c ref/define.c ref/drape.c ref/frames.c \
-          ref/query.c ref/threads.c ref/threads_clang.c
+API    := ref/base/arena.c ref/api/defaults.c ref/api/define.c ref/api/drape.c ref/api/frames.c \
+          ref/api/query.c ref/base/threads.c ref/base/threads_clang.c
 # The GPU part is built where nvcc and a device are, or by GPU=yes.
 NVCC   := $(shell command -v nvcc)
 GPU    ?= $(and $(NVCC),$(wildcard /dev/nvidia0 /dev/nvidiactl),yes)
-REF    := $(sort $(filter-out $(API),$(wildcard ref/*.c)))
-ONCE   := tests/check.c tests/case.c tests/certify.c tests/choices.c \
-          tests/device.c tests/tally.c
-TWICE  := $(sort $(filter-out $(ONCE),$(wildcard tests/*.c)))
+REF    := $(sort $(filter-out $(API),$(wildcard ref/*/*.c)))
+ONCE   := tests/base/check.c tests/base/case.c tests/base/certify.c tests/base/choices.c \
+          tests/base/device.c tests/base/tally.c
+TWICE  := $(sort $(filter-out $(ONCE) tests/whole/%,$(wildcard tests/*/*.c)))
 # Kernels; but for memory.cu and tape.cu, these are CUDA's own, which
 # gpu/emulate*.cpp replace.
-DEVICE := gpu/blas.cu gpu/device.cu gpu/loop.cu gpu/memory.cu gpu/prim.cu \
-          gpu/reel.cu gpu/tape.cu
-KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*.cu)))
+DEVICE := gpu/run/blas.cu gpu/run/device.cu gpu/run/loop.cu gpu/run/memory.cu gpu/run/prim.cu \
+          gpu/run/reel.cu gpu/run/tape.cu
+KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
 APP_LIBS    := -lassimp -lcjson -lembree3 -lpng -lgmp -lm
@@ -91,10 +91,10 @@ APP_O  := $(call obj,$(APP),)
 ROOT   ?= $(BUILD)
 EMU_IN ?= $(BUILD)
 EMU_O  := $(patsubst $(BUILD)/%,$(EMU_IN)/%,$(call obj,$(KERNEL),.32) \
-          $(call obj,$(KERNEL),.64) $(BUILD)/gpu/emulate.o \
-          $(BUILD)/gpu/emulate_blas.o $(BUILD)/gpu/emulate_reel.o \
-          $(BUILD)/gpu/emulate_threads.o $(BUILD)/gpu/memory.o \
-          $(BUILD)/gpu/tape.o)
+          $(call obj,$(KERNEL),.64) $(BUILD)/gpu/run/emulate.o \
+          $(BUILD)/gpu/run/emulate_blas.o $(BUILD)/gpu/run/emulate_reel.o \
+          $(BUILD)/gpu/run/emulate_threads.o $(BUILD)/gpu/run/memory.o \
+          $(BUILD)/gpu/run/tape.o)
 CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(call obj,$(DEVICE),))
 # Without their libraries one file stands in for all oracles but brute force.
@@ -112,9 +112,9 @@ ACC_O   := $(call obj,$(addprefix ci/bench/,accuracy backends bisect contact dri
            never orders runs samples skip solids stability stages stress \
            work $(if $(HAS_APP),lion,no_app)),) \
            $(call obj,ci/bench/impact,.32) $(call obj,ci/bench/forced,.64) \
-           $(foreach p,.32 .64,$(call obj,ci/bench/solves tests/reals \
-           tests/sheet tests/solver tests/system,$(p))) \
-           $(call obj,tests/choices) $(if $(HAS_APP),$(filter-out \
+           $(foreach p,.32 .64,$(call obj,ci/bench/solves \
+           $(addprefix tests/,base/reals cloth/sheet solve/solver solve/system),$(p))) \
+           $(call obj,tests/base/choices) $(if $(HAS_APP),$(filter-out \
            $(BUILD)/app/main.o,$(APP_O))) $(ORC_O) $(LIB)
 ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
            $(if $(GPU),$(CUDA_L))
@@ -136,7 +136,7 @@ $(BUILD)/%.32.o: %.c
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=32 -c $< -o $@
 # The library's loops run on its own threads, which sleep while they wait, as
-# OpenMP's need not: what the compiler calls takes the names of ref/threads.h.
+# OpenMP's need not: what the compiler calls takes the names of ref/base/threads.h.
 OBJCOPY ?= objcopy
 RENAMES  = $(addprefix --redefine-sym ,GOMP_parallel=threads_parallel \
           omp_get_thread_num=threads_number omp_get_num_threads=threads_count \
@@ -191,7 +191,7 @@ $(BUILD)/certificate.h: FORCE
 	  echo 'NOT CERTIFIED (python3 and git must be there to tell)')\"" >$$new; \
 	  cmp -s $@ $$new && rm $$new || mv $$new $@
 FORCE:
-$(BUILD)/gpu/absent.o $(BUILD)/gpu/emulate.o $(BUILD)/cuda/gpu/device.o: \
+$(BUILD)/gpu/run/absent.o $(BUILD)/gpu/run/emulate.o $(BUILD)/cuda/gpu/run/device.o: \
     $(BUILD)/certificate.h
 $(ROOT)/oracle/%.o: oracle/%.c
 	@mkdir -p $(@D)
@@ -200,7 +200,7 @@ $(ROOT)/oracle/%.o: oracle/%.cpp
 	@mkdir -p $(@D)
 	$(CXX17) -c $< -o $@
 
-$(LIB): $(REF_O) $(if $(GPU),$(CUDA_O),$(BUILD)/gpu/absent.o)
+$(LIB): $(REF_O) $(if $(GPU),$(CUDA_O),$(BUILD)/gpu/run/absent.o)
 	@rm -f $@
 	$(AR) rcs $@ $^
 $(BUILD)/check: $(TEST_O) $(EMU_O) $(ORC_O) $(LIB)
@@ -218,7 +218,7 @@ $(BUILD)/drape: $(APP_O) $(LIB)
 TARGETS := bank calls create damage draw load queries small stage step table \
            whole
 READERS := checkpoint csv files mutate part readers report strict
-PARTS := $(filter-out $(BUILD)/tests/check.o $(BUILD)/tests/certify.o, \
+PARTS := $(filter-out $(addprefix $(BUILD)/tests/base/,check.o certify.o), \
          $(TEST_O)) $(REF_O) $(EMU_O) $(ORC_O) \
          $(call obj,$(addprefix fuzz/,$(TARGETS))) \
          $(if $(HAS_APP),$(filter-out $(BUILD)/app/main.o,$(APP_O)) \
@@ -258,7 +258,7 @@ tables: $(BUILD)/drape ## on a device: the paper's figures, in ci/bench/MACHINE
 	sh ci/bench/scenes.sh $(BUILD) $(BUILD)/bench; status=$$?; \
 	  python3 ci/bench/tables.py $(BUILD)/bench/results; exit $$status
 # The narrow phase beside FCL and GMP, on one thread.
-$(BUILD)/speed: $(BUILD)/ci/bench/narrow.32.o $(BUILD)/tests/ply.32.o \
+$(BUILD)/speed: $(BUILD)/ci/bench/narrow.32.o $(BUILD)/tests/narrow/ply.32.o \
     $(ORC_O) $(LIB)
 	$(C17) $^ -o $@ $(ORC_L) -lstdc++ -lm
 
@@ -276,7 +276,7 @@ LOOSE_fast  = --use_fast_math
 LOOSE_O    := $(foreach f,exact fma fast,$(BUILD)/cuda/price/$(f).32.o \
               $(BUILD)/cuda/price/$(f).64.o)
 PRICE_O    := $(call obj,ci/bench/price,.32) $(call obj,ci/bench/price,.64) \
-              $(call obj,ci/bench/main) $(LOOSE_O) $(BUILD)/cuda/gpu/device.o
+              $(call obj,ci/bench/main) $(LOOSE_O) $(BUILD)/cuda/gpu/run/device.o
 $(LOOSE_O): $(BUILD)/cuda/price/%.o: ci/bench/kernels.cu
 	@mkdir -p $(@D)
 	$(subst $(EXACT),$(LOOSE_$(basename $*)),$(CUDA)) -DFLAGS=$(basename $*) \
@@ -361,14 +361,14 @@ install: $(LIB) ## to $(DESTDIR)$(PREFIX): library, header, tool, man page
 
 format: ## clang-format everything in place
 	clang-format -i $(wildcard app/*.[ch] app/examples/* fuzz/*.[ch] \
-	  gpu/* oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch] tests/whole/*.[ch])
+	  gpu/*/* oracle/*.[ch]* ref/*/*.[ch] spec/*.h tests/*/*.[ch])
 
 # The analyzer's search is cut at 20000 nodes (225000 usually) for the time
 # it takes: paths that only a longer search finds are not looked at.
 TIDY := -std=c17 -I. -Ispec -I$(BUILD) -D_POSIX_C_SOURCE=200809L \
         -Xclang -analyzer-config -Xclang max-nodes=20000
 tidy: $(BUILD)/words.h ## clang-tidy over our C
-	ls app/*.c app/examples/*.c fuzz/*.c ref/*.c tests/*.c tests/*/*.c | \
+	ls app/*.c app/examples/*.c fuzz/*.c ref/*/*.c tests/*/*.c | \
 	  xargs -P2 -n8 sh -c 'clang-tidy --quiet "$$@" -- $(TIDY) 2>/dev/null' sh
 
 help: ## this list

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # `make certify`, on a machine with a device: compares ref/ and gpu/ stage by
 # stage and scene by scene, and writes what it found to OUT, whatever it is.
-# spec/50_gpu.md §7. Needs BUILD/check-cuda and BUILD/drape made with GPU=yes.
+# spec/gpu.md §7. Needs BUILD/check-cuda and BUILD/drape made with GPU=yes.
 # `reference` makes on any machine what is slow there: digests of what the
 # reference computes, in ci/reference.txt. What is in it, of this ref/ and scene,
 # is not run again; else the reference runs side by side with the device. ONLY:
@@ -170,7 +170,7 @@ as_graphs() {
     sed -n "s/.*most_iterations.*\"graphs\": \([0-9]*\).*/$1: \1 graphs/p" \
         "$dir/report.json"
     [ -f "$work/tape.log" ] || "$build/check-cuda" --tests --only tape \
-        >"$work/tape.log" || echo 'tests/tape.c failed' >>"$work/ends"
+        >"$work/tape.log" || echo 'tests/world/tape.c failed' >>"$work/ends"
     same "$1" 'as graphs' "$2" 0 "$work/ends--trace" "$work/ends"
 }
 

@@ -62,5 +62,5 @@ coverage: ## which lines of ref/ the small scenes of tests/whole leave out
 	$(MAKE) ROOT=$(ROOT) BUILD=$(BUILD)/coverage GPU= CC=gcc OPT=-O0 \
 	  SAN=--coverage $(BUILD)/coverage/whole
 	$(BUILD)/coverage/whole >$(BUILD)/coverage/whole.txt
-	cd $(BUILD)/coverage && gcov -s $(CURDIR) -r ref/*.gcno | \
+	cd $(BUILD)/coverage && gcov -s $(CURDIR) -r ref/*/*.gcno | \
 	  grep -A1 "^File 'ref/.*c'"

@@ -17,6 +17,7 @@ not that it is wrong, so what they alone see has not been killed.
 """
 import argparse
 import filecmp
+import glob
 import os
 import random
 import re
@@ -161,10 +162,9 @@ class Workshop:
     def same_objects(self):
         """Whether what was compiled anew is the base's, byte for byte."""
         for part in ('ref', 'gpu', 'tests'):
-            for f in os.listdir(f'{self.base}/build/{part}'):
-                a = f'{self.base}/build/{part}/{f}'
-                b = f'{self.tree}/build/{part}/{f}'
-                if f.endswith('.o') and not filecmp.cmp(a, b, shallow=False):
+            for a in glob.glob(f'{self.base}/build/{part}/*/*.o'):
+                b = self.tree + a[len(self.base):]
+                if not filecmp.cmp(a, b, shallow=False):
                     return False
         return True
 

@@ -97,8 +97,7 @@ root) count 'whole scenes' sh ci/flavour.sh "$build" root ;;
 gcc-* | clang-* | ?san) flavour ;;
 format)
     one format sh -c 'ls app/*.[ch] app/examples/* ci/bench/*.[ch] fuzz/*.[ch] \
-        gpu/* oracle/*.[ch]* ref/*.[ch] spec/*.h tests/*.[ch] \
-        tests/whole/*.[ch] |
+        gpu/*/* oracle/*.[ch]* ref/*/*.[ch] spec/*.h tests/*/*.[ch] |
         xargs clang-format --dry-run -Werror'
     ;;
 tidy) tidy ;;

@@ -11,26 +11,26 @@ set -eu
 cd "$(dirname "$0")/.."
 
 rows='
-narrow_form    ERROR_FORM    ref/filter.c gpu/filter.cuh
-narrow_cubic   ERROR_CUBIC   ref/filter.c gpu/filter.cuh
-narrow_box     ERROR_BOX     ref/filter.c gpu/filter.cuh
-narrow_rough   ERROR_ROUGH   gpu/point.cuh
-audit_orient3  ERROR_ORIENT3 ref/predicates.c gpu/predicates.cuh
-audit_orient2  ERROR_ORIENT2 ref/predicates.c gpu/predicates.cuh
-audit_orient3  ERROR_BESIDE  ref/tritri.c gpu/facing.cuh
-audit_parted   ERROR_PARTED  ref/tritri.c gpu/facing.cuh
-audit_opened   ERROR_OPENED  ref/tritri.c gpu/facing.cuh
-box_gap        4u            spec/20_refit.md
-box_reach      BOX_REACH     ref/box.h
-box_late       BOX_LATE      ref/box.h
-cones_room     CONES_ROOM    ref/cones.c gpu/cones.cuh
-closest_point  2^-49         spec/31_proximity.md
-- UNDERFLOW=0x1p-800         ref/filter.c gpu/filter.cuh
-- RANGE=0x1p200              ref/filter.c gpu/filter.cuh
-- UNDERFLOW=0x1p-1000        ref/predicates.c gpu/predicates.cuh
-- UNDERFLOW=0x1p-1000        ref/tritri.c gpu/facing.cuh
-- UNDERFLOW_OPENED=0x1p-700  ref/tritri.c gpu/facing.cuh
-- UNDERFLOW_ROUGH=0x1p-700   gpu/point.cuh
+narrow_form    ERROR_FORM    ref/narrow/filter.c gpu/narrow/filter.cuh
+narrow_cubic   ERROR_CUBIC   ref/narrow/filter.c gpu/narrow/filter.cuh
+narrow_box     ERROR_BOX     ref/narrow/filter.c gpu/narrow/filter.cuh
+narrow_rough   ERROR_ROUGH   gpu/narrow/point.cuh
+audit_orient3  ERROR_ORIENT3 ref/narrow/predicates.c gpu/narrow/predicates.cuh
+audit_orient2  ERROR_ORIENT2 ref/narrow/predicates.c gpu/narrow/predicates.cuh
+audit_orient3  ERROR_BESIDE  ref/narrow/tritri.c gpu/narrow/facing.cuh
+audit_parted   ERROR_PARTED  ref/narrow/tritri.c gpu/narrow/facing.cuh
+audit_opened   ERROR_OPENED  ref/narrow/tritri.c gpu/narrow/facing.cuh
+box_gap        4u            spec/broad/refit.md
+box_reach      BOX_REACH     ref/broad/box.h
+box_late       BOX_LATE      ref/broad/box.h
+cones_room     CONES_ROOM    ref/broad/cones.c gpu/broad/cones.cuh
+closest_point  2^-49         spec/contact/proximity.md
+- UNDERFLOW=0x1p-800         ref/narrow/filter.c gpu/narrow/filter.cuh
+- RANGE=0x1p200              ref/narrow/filter.c gpu/narrow/filter.cuh
+- UNDERFLOW=0x1p-1000        ref/narrow/predicates.c gpu/narrow/predicates.cuh
+- UNDERFLOW=0x1p-1000        ref/narrow/tritri.c gpu/narrow/facing.cuh
+- UNDERFLOW_OPENED=0x1p-700  ref/narrow/tritri.c gpu/narrow/facing.cuh
+- UNDERFLOW_ROUGH=0x1p-700   gpu/narrow/point.cuh
 '
 
 command -v gappa >/dev/null || {

@@ -16,7 +16,7 @@ diff "$work/named" "$work/there" || {
     echo "$library: its members are not those of the Makefile" >&2
     exit 1
 }
-for file in ref/*.c; do
+for file in ref/*/*.c; do
     name=$(basename "$file" .c)
     grep -qx "$name\.64\.o" "$work/there" || {
         echo "$library: nothing of $file" >&2

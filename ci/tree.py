@@ -59,9 +59,10 @@ def digest(part):
         with open("Makefile") as file:
             sha.update(flags(file).encode())
         return sha.hexdigest()[:40]
-    for name in sorted(os.listdir(part)):
+    for name in sorted(os.path.join(at, name)
+                       for at, _, names in os.walk(part) for name in names):
         if name.endswith(SOURCES):
-            with open(os.path.join(part, name), encoding="utf-8") as file:
+            with open(name, encoding="utf-8") as file:
                 sha.update(f"{name}\n{code(file.read())}\n\n".encode())
     return sha.hexdigest()[:40]
 

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-#include "ref/hash.h"
+#include "ref/base/hash.h"
 
 struct bytes damage_choices(uint64_t seed)
 {

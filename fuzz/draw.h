@@ -4,7 +4,7 @@
 #define FUZZ_DRAW_H
 
 #include "fuzz/bank.h"
-#include "tests/choices.h"
+#include "tests/base/choices.h"
 
 /* The fuzzer's bytes as choices; 0s follow their end. The words must last. */
 enum { DRAW_WORDS = 1 << 12 };

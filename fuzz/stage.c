@@ -4,7 +4,7 @@
  * the narrow phase. */
 #include "fuzz/fuzz.h"
 
-#include "tests/case.h"
+#include "tests/base/case.h"
 
 extern const struct stage stages_table_32[], stages_table_64[];
 const char *scene_random_32(struct bytes *b);

@@ -44,7 +44,7 @@ int64_t orc_self_pairs(int64_t nv, const double (*x)[3], int64_t nt,
 int64_t orc_self_pmp(int64_t nv, const double (*x)[3], int64_t nt,
                      const int32_t (*tri)[3], int64_t cap, int32_t (*pair)[2],
                      int64_t *degenerate);
-/* Signs of determinants as ref/predicates.h defines them. */
+/* Signs of determinants as ref/narrow/predicates.h defines them. */
 int orc_orient3(const double a[3], const double b[3], const double c[3],
                 const double d[3]);
 

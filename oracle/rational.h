@@ -10,7 +10,7 @@ extern "C" {
 
 /* 1 where two triangles that are no segments have a common point beyond what
  * their first `shared` corners, which are the same in both, make common:
- * spec/40_audit.md §1. */
+ * spec/narrow/audit.md §1. */
 int orc_triangles(const double t[3][3], const double s[3][3], int shared);
 /* The sign of d - r, d the distance of a vertex x[0] from the closed face
  * x[1..3] (kind 0), or of the closed edges x[0]x[1] and x[2]x[3] (kind 1). */

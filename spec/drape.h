@@ -220,7 +220,7 @@ enum drape_part {
 
 /* What a step did of what it might have had to do: of all its slices, those
  * that were taken again too. All 0 in a step asleep. Both backends count the
- * same. spec/00_step.md §10 */
+ * same. spec/world/step.md §10 */
 typedef struct drape_work {
     int tries;          /* slices begun; slices of the report were kept */
     int solves;         /* linear systems, a cloth's own and with contacts */
@@ -371,7 +371,7 @@ typedef struct drape_mesh {
     int threads;               /* to 4096; 0: as many as cores. Same bits. */
     drape_allocator allocator; /* zero: malloc and free */
 } drape_mesh;
-/* Intersecting pairs of triangles, decided exactly (spec/40_audit.md); two
+/* Intersecting pairs of triangles, decided exactly (spec/narrow/audit.md); two
  * obstacles' are not compared. The first `capacity` go to pair; *found counts
  * all, *degenerate (or NULL) triangles without area, which are in none, though
  * drape_create looks at them too.

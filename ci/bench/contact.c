@@ -69,7 +69,7 @@ static void slide_row(struct bench *b, FILE *out, const struct slope *s)
     fprintf(out, "%g,%g,%s,%.4g,%g,%.6g,%.6g,%.3g,%.1f,%s\n", s->tangent,
             s->friction, integrator_name[s->integrator], s->dt, s->tolerance,
             way, due, way - due, (double)r.iterations / n, run_word(&r));
-    /* 38_penalty.md §2: gravity and friction each to twice the tolerance of the
+    /* penalty.md §2: gravity and friction each to twice the tolerance of the
      * solve, of which the way may be a small difference; the creep of friction
      * that is viscous below 1 mm/s; BDF2's first step, which is Euler's. */
     double t = n * s->dt, pull = 9.81 * sin(angle) * t * t / 2;

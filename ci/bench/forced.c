@@ -2,7 +2,7 @@
 /* A step that the library would refuse, by the reference's insides. */
 #include "ci/bench/forced.h"
 
-#include "tests/sheet.h"
+#include "tests/cloth/sheet.h"
 
 static bool finite(const struct sheet *s)
 {

@@ -9,7 +9,7 @@
 
 #include "ci/bench/bisect.h"
 #include "oracle/oracle.h"
-#include "ref/closest.h"
+#include "ref/contact/closest.h"
 
 static uint64_t state = 1;
 

@@ -2,8 +2,8 @@
 /* The kernels that the price is asked of: gpu/'s own sources, under names of
  * the flags that FLAGS is the name of. */
 #include "ci/bench/price.h"
-#include "gpu/cloth.cuh"
-#include "gpu/sum.cuh"
+#include "gpu/cloth/cloth.cuh"
+#include "gpu/base/sum.cuh"
 
 #define PASTE_(a, b) a##_##b
 #define PASTE(a, b) PASTE_(a, b)
@@ -17,8 +17,8 @@
 #define gpu_springs PASTE(gpu_springs, PASTE(FLAGS, REAL_BITS))
 #define gpu_sum PASTE(gpu_sum, PASTE(FLAGS, REAL_BITS))
 #define gpu_dot PASTE(gpu_dot, PASTE(FLAGS, REAL_BITS))
-#include "gpu/springs.cu"
-#include "gpu/sum.cu"
+#include "gpu/cloth/springs.cu"
+#include "gpu/base/sum.cu"
 
 enum { LOOSE_BLOCKS = 132 * 8 };
 

@@ -2,7 +2,7 @@
 /* The price of exactness as csv; `make price` on a machine with a device. */
 #include <stdio.h>
 
-#include "gpu/gpu.h"
+#include "gpu/run/gpu.h"
 
 int price_run_32(struct gpu *g);
 int price_run_64(struct gpu *g);

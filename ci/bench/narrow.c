@@ -6,10 +6,10 @@
 #include <time.h>
 
 #include "oracle/oracle.h"
-#include "ref/narrow.h"
-#include "tests/harness.h"
+#include "ref/narrow/narrow.h"
+#include "tests/base/harness.h"
 /* its names need the harness's */
-#include "tests/ply.h"
+#include "tests/narrow/ply.h"
 
 #define FRAMES "../shared/ccd/frames/cloth-ball"
 enum { MOST = 400000 }; /* candidates, half of each kind at most */

@@ -13,7 +13,7 @@ struct fit {
     int steps;     /* the coarser of two runs */
 };
 
-/* Theory: spec/07_implicit.md §5 for Choi-Ko, 06_advance.md for the others.
+/* Theory: spec/cloth/implicit.md §5 for Choi-Ko, advance.md for the others.
  * Kinks of the force law and wind at the step's start leave none. */
 static const struct fit fits[] = {
     {SAMPLE_STRETCHED, 0, DRAPE_EULER, 1, 2048},

@@ -5,7 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "ref/cloth.h"
+#include "ref/cloth/cloth.h"
 
 enum { SIDE = 1008, REPEATS = 31, BATCH = 20, FLAVOURS = 3 };
 static const int64_t flood = INT64_C(256) << 20; /* bytes, beyond any cache */

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The price of exactness: kernels of gpu/ compiled as they are, and with
- * flags that let the compiler choose the bits. spec/50_gpu.md */
+ * flags that let the compiler choose the bits. spec/gpu.md */
 #ifndef BENCH_PRICE_H
 #define BENCH_PRICE_H
 
-#include "gpu/gpu.h"
-#include "ref/springs.h"
-#include "ref/sum.h"
+#include "gpu/run/gpu.h"
+#include "ref/base/sum.h"
+#include "ref/cloth/springs.h"
 
 #define price_run REAL_NAME(price_run)
 #define price_exact REAL_NAME(price_exact)

@@ -8,8 +8,8 @@
 #include <string.h>
 #include <time.h>
 
-#include "ref/product.h"
-#include "tests/solver.h"
+#include "ref/solve/product.h"
+#include "tests/solve/solver.h"
 
 static double now(void)
 {

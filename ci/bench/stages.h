@@ -5,7 +5,7 @@
 
 #include <stdio.h>
 
-#include "ref/real.h"
+#include "ref/base/real.h"
 
 #define stages_products REAL_NAME(stages_products)
 #define stages_solves REAL_NAME(stages_solves)

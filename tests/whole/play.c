@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "ref/hash.h"
+#include "ref/base/hash.h"
 
 /* A run under way: its lines, and its checkpoint. */
 struct play {

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Sums by a tree of fixed shape: a block owns a chunk. spec/base/sum.md */
+#include "gpu/base/sum.cuh"
+
+/* Words of a stage: the value that the last block leaves, and who is last. */
+enum { VALUE, TICKET };
+
+/* Block k owns chunk k of a, and the last one the sum of all. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    sum_kernel(struct sum s, int64_t *words)
+{
+    int64_t item = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x;
+    real value = item < s.n ? s.a[item] : 0, sum;
+    bool last =
+        grid_sums<1>(&value, s.chunk, (unsigned *)(words + TICKET), &sum);
+    if (last && threadIdx.x == 0)
+        *(real *)(words + VALUE) = sum;
+}
+
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    dot_kernel(struct dot s, int64_t *words)
+{
+    int64_t item = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x;
+    real value = item < s.n ? dot(s.a[item], s.b[item]) : 0, sum;
+    bool last =
+        grid_sums<1>(&value, s.chunk, (unsigned *)(words + TICKET), &sum);
+    if (last && threadIdx.x == 0)
+        *(real *)(words + VALUE) = sum;
+}
+
+static int read_value(struct gpu *g, real *value)
+{
+    memcpy(value, gpu_read_words(g, 1), sizeof *value);
+    return gpu_status(g);
+}
+
+int gpu_sum(struct gpu *g, struct sum *s)
+{
+    int64_t *words = gpu_words(g);
+    LAUNCH_BLOCKS(g, sum_chunks(s->n), SUM_CHUNK, sum_kernel, *s, words);
+    return read_value(g, &s->value);
+}
+
+int gpu_dot(struct gpu *g, struct dot *s)
+{
+    int64_t *words = gpu_words(g);
+    LAUNCH_BLOCKS(g, sum_chunks(s->n), SUM_CHUNK, dot_kernel, *s, words);
+    return read_value(g, &s->value);
+}

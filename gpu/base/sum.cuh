@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Sums on the device, all in one shape. spec/base/sum.md §2, §3 */
+#ifndef GPU_SUM_CUH
+#define GPU_SUM_CUH
+
+#include "gpu/base/last.cuh"
+
+/* SUM_LAST: chunks of the last level but one at most; few where emulated, so
+ * that there is a level before it. */
+#ifdef __CUDACC__
+enum { SUM_WARPS = SUM_CHUNK / 32, SUM_LAST = SUM_CHUNK };
+#else
+enum { SUM_WARPS = SUM_CHUNK / 32, SUM_LAST = 2 };
+#endif
+
+/* §2: the sum of s[0 … 255], in all threads of the warp. Strides of 32 and
+ * more are within a thread, those below between threads: there each lane adds
+ * what its partner adds, the other way round. */
+static __device__ inline real warp_sum(real s[SUM_WARPS])
+{
+    UNROLL
+    for (int h = SUM_WARPS / 2; h > 0; h /= 2)
+        for (int k = 0; k < h; k++)
+            s[k] += s[k + h];
+    UNROLL
+    for (int h = 16; h > 0; h /= 2)
+        s[0] += __shfl_xor_sync(0xffffffffu, s[0], h);
+    return s[0];
+}
+
+/* The sums of N values of each thread of a block of SUM_CHUNK, which all must
+ * call it, in all of its threads. */
+template <int N>
+static __device__ inline void chunk_sums(const real value[N], real sum[N])
+{
+    __shared__ real s[N][SUM_CHUNK];
+    int t = (int)threadIdx.x;
+    __syncthreads(); /* s may be read still from the sums before */
+    for (int e = 0; e < N; e++)
+        s[e][t] = value[e];
+    __syncthreads();
+    for (int e = 0; e < N; e++) {
+        real a[SUM_WARPS];
+        UNROLL
+        for (int k = 0; k < SUM_WARPS; k++)
+            a[k] = s[e][t % 32 + 32 * k];
+        sum[e] = warp_sum(a);
+    }
+}
+
+static __device__ inline real chunk_sum(real value)
+{
+    real sum;
+    chunk_sums<1>(&value, &sum);
+    return sum;
+}
+
+/* §3: of N times n chunk sums, which lie behind each other and of which `left`
+ * are used, the sums of SUM_WARPS chunks from base on, by one block of
+ * SUM_CHUNK; a warp a chunk of each, in all of its threads. */
+template <int N>
+static __device__ inline void level_sums(int64_t n, int64_t left, int64_t base,
+                                         const real *chunk, real sum[N])
+{
+    int t = (int)threadIdx.x;
+    int64_t item = SUM_CHUNK * (base + t / 32) + t % 32;
+    real a[N][SUM_WARPS];
+    UNROLL
+    for (int e = 0; e < N; e++)
+        for (int k = 0; k < SUM_WARPS; k++)
+            a[e][k] = item + 32 * k < left
+                          ? __ldcg(&chunk[e * n + item + 32 * k])
+                          : 0;
+    UNROLL
+    for (int e = 0; e < N; e++)
+        sum[e] = warp_sum(a[e]);
+}
+
+/* A level of more chunks than SUM_LAST, in place: no chunk of the next
+ * level is written before those that it overwrites are read. Returns them. */
+template <int N>
+static __device__ inline int64_t put_level(int64_t n, int64_t left, real *chunk)
+{
+    int t = (int)threadIdx.x;
+    int64_t chunks = (left + SUM_CHUNK - 1) / SUM_CHUNK;
+    real sum[N];
+    for (int64_t base = 0; base < chunks; base += SUM_WARPS) {
+        level_sums<N>(n, left, base, chunk, sum);
+        __syncthreads();
+        if (t % 32 == 0 && base + t / 32 < chunks)
+            for (int e = 0; e < N; e++)
+                chunk[e * n + base + t / 32] = sum[e];
+        __syncthreads();
+    }
+    return chunks;
+}
+
+/* The N sums, in all threads of the block; the last level is in shared memory,
+ * as each trip to memory and back takes half a microsecond. */
+template <int N>
+static __device__ inline void finish_sums(int64_t n, real *chunk, real sum[N])
+{
+    __shared__ real last[N][SUM_LAST];
+    int t = (int)threadIdx.x;
+    int64_t left = n;
+    while (left > SUM_LAST * SUM_CHUNK)
+        left = put_level<N>(n, left, chunk);
+    for (int e = 0; e < N; e++)
+        sum[e] = n ? __ldcg(chunk + e * n) : 0;
+    if (left <= 1)
+        return;
+    int chunks = (int)((left + SUM_CHUNK - 1) / SUM_CHUNK);
+    for (int base = 0; base < chunks; base += SUM_WARPS) {
+        level_sums<N>(n, left, base, chunk, sum);
+        if (t % 32 == 0 && base + t / 32 < chunks)
+            for (int e = 0; e < N; e++)
+                last[e][base + t / 32] = sum[e];
+    }
+    __syncthreads();
+    for (int e = 0; e < N; e++) {
+        sum[e] = last[e][0];
+        if (chunks == 1)
+            continue;
+        real a[SUM_WARPS];
+        UNROLL
+        for (int k = 0; k < SUM_WARPS; k++)
+            a[k] = t % 32 + 32 * k < chunks ? last[e][t % 32 + 32 * k] : 0;
+        sum[e] = warp_sum(a);
+    }
+}
+
+/* The sums of N values of each thread of all chunks. First each chunk's, by
+ * whatever block of SUM_CHUNK; chunk [N·chunks] is used up. */
+template <int N>
+static __device__ inline void put_sums(const real value[N], int64_t chunks,
+                                       int64_t here, real *chunk)
+{
+    real sum[N];
+    chunk_sums<N>(value, sum);
+    if (threadIdx.x == 0)
+        for (int e = 0; e < N; e++)
+            chunk[e * chunks + here] = sum[e];
+}
+
+/* Then, when a block has put all of its: true in the threads of the one that
+ * ends last, which get the sums. */
+template <int N>
+static __device__ inline bool all_sums(int64_t chunks, real *chunk,
+                                       unsigned *ticket, real sum[N])
+{
+    if (!ends_last(ticket))
+        return false;
+    finish_sums<N>(chunks, chunk, sum);
+    return true;
+}
+
+/* Both, where block k is chunk k. */
+template <int N>
+static __device__ inline bool grid_sums(const real value[N], real *chunk,
+                                        unsigned *ticket, real sum[N])
+{
+    put_sums<N>(value, gridDim.x, blockIdx.x, chunk);
+    return all_sums<N>(gridDim.x, chunk, ticket, sum);
+}
+
+/* Blocks for item_sum over n items: a warp a chunk. */
+static inline int64_t item_blocks(int64_t n)
+{
+    return (sum_chunks(n) + SUM_WARPS - 1) / SUM_WARPS;
+}
+
+/* The sum of item [n], likewise; chunk [sum_chunks(n)] is used up. */
+static __device__ inline bool item_sum(int64_t n, const real *item, real *chunk,
+                                       unsigned *ticket, real *sum)
+{
+    int t = (int)threadIdx.x;
+    int64_t here = (int64_t)blockIdx.x * SUM_WARPS + t / 32;
+    int64_t chunks = (n + SUM_CHUNK - 1) / SUM_CHUNK;
+    int64_t first = SUM_CHUNK * here + t % 32;
+    real a[SUM_WARPS];
+    UNROLL
+    for (int k = 0; k < SUM_WARPS; k++)
+        a[k] = first + 32 * k < n ? item[first + 32 * k] : 0;
+    *sum = warp_sum(a);
+    if (t % 32 == 0 && here < chunks)
+        chunk[here] = *sum;
+    __syncthreads();
+    return all_sums<1>(chunks, chunk, ticket, sum);
+}
+
+#endif

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A spring's block in 64 bits on the device. spec/cloth/blocks.md §5 */
+#ifndef GPU_THIN_CUH
+#define GPU_THIN_CUH
+
+#include "gpu/solve/jacobi.cuh"
+#include "ref/base/thin.h"
+
+static __device__ inline uint32_t steps_of(real t)
+{
+    if (!(t >= R(-0.5) && t <= R(0.5)))
+        return THIN_HALF;
+    return least((uint32_t)(int32_t)(t * 32768 + R(16384.5)),
+                 (uint32_t)THIN_MOST);
+}
+
+static __device__ inline float float_of(uint32_t bits)
+{
+    float a;
+    memcpy(&a, &bits, sizeof a);
+    return a;
+}
+
+/* The upper half of a > 0; 0 for what is not. */
+static __device__ inline uint32_t upper_of(real a)
+{
+    float f = (float)least(a, R(0x1.fep127));
+    uint32_t bits;
+    memcpy(&bits, &f, sizeof bits);
+    return a > 0 ? bits >> 16 : 0;
+}
+
+/* c u uᵀ + b I, u of length 1. */
+static __device__ inline struct thin thin_of(real c, real b, vec u)
+{
+    real x = magnitude(u.x), y = magnitude(u.y), z = magnitude(u.z);
+    uint32_t k = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+    vec v = k == 0   ? u
+            : k == 1 ? make(u.y, u.z, u.x)
+                     : make(u.z, u.x, u.y); /* the largest first */
+    uint32_t p = steps_of(R(0.5) * v.y / v.x);
+    uint32_t q = steps_of(R(0.5) * v.z / v.x);
+    return thin{k | p << 2 | q << 17,
+                upper_of(4 * c * (v.x * v.x)) | upper_of(b) << 16};
+}
+
+/* m steps of 2^-15 from -1/2: as the lower bits of a number in [1, 2). */
+static __device__ inline real stepped(uint32_t m)
+{
+    return (real)(float_of(0x3f800000u | m << 8) - 1.5f);
+}
+
+static __device__ inline struct thin_parts opened(struct thin t)
+{
+    real p = stepped(t.way >> 2 & THIN_MOST), q = stepped(t.way >> 17);
+    uint32_t k = t.way & 3;
+    vec e = k == 0   ? make(R(0.5), p, q)
+            : k == 1 ? make(q, R(0.5), p)
+                     : make(p, q, R(0.5));
+    return thin_parts{(real)float_of(t.both << 16),
+                      (real)float_of(t.both & 0xffff0000u), e};
+}
+
+static __device__ inline vec apply(struct thin t, vec d)
+{
+    struct thin_parts a = opened(t);
+    return axpy(scale(a.all, d), a.size * dot(a.e, d), a.e);
+}
+
+/* fetch_once where it is not read again soon. */
+static __device__ inline struct thin fetch(const struct thin *t)
+{
+#ifdef __CUDA_ARCH__
+    uint2 a = *(const uint2 *)t;
+    return thin{a.x, a.y};
+#else
+    return *t;
+#endif
+}
+
+static __device__ inline struct thin fetch_once(const struct thin *t)
+{
+#ifdef __CUDA_ARCH__
+    uint2 a = __ldcs((const uint2 *)t);
+    return thin{a.x, a.y};
+#else
+    return *t;
+#endif
+}
+
+/* Exact products, as in ref/solve/jacobi.h. */
+static __device__ inline struct wide_sym add(struct wide_sym d, struct thin t)
+{
+    struct thin_parts a = opened(t);
+    double x = (double)a.e.x, y = (double)a.e.y, z = (double)a.e.z;
+    double s = (double)a.size, all = (double)a.all;
+    double sx = s * x, sy = s * y, sz = s * z;
+    return wide_sym{{d.a[0] + (sx * x + all), d.a[1] + sx * y, d.a[2] + sx * z,
+                     d.a[3] + (sy * y + all), d.a[4] + sy * z,
+                     d.a[5] + (sz * z + all)}};
+}
+
+#endif

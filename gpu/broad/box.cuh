@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Boxes that move linearly, on the device. spec/broad/refit.md §1 and §3 */
+#ifndef GPU_BOX_CUH
+#define GPU_BOX_CUH
+
+#include "gpu/base/real.cuh"
+
+/* Words of 8 and 16 bytes that may lie over anything: streams begin at
+ * multiples of 256 bytes, so items whose size is a multiple of a word's are
+ * moved in few instructions. */
+struct alignas(8) word8 {
+    uint32_t a, b;
+} __attribute__((may_alias));
+struct alignas(16) word16 {
+    uint32_t a, b, c, d;
+} __attribute__((may_alias));
+
+template <class W, class T> static __device__ inline T fetch_as(const T *p)
+{
+    enum { WORDS = sizeof(T) / sizeof(W) };
+    static_assert(WORDS * sizeof(W) == sizeof(T), "not whole words");
+    union {
+        W w[WORDS];
+        T t;
+    } u;
+    for (int k = 0; k < WORDS; k++)
+        u.w[k] = ((const W *)(const void *)p)[k];
+    return u.t;
+}
+
+template <class W, class T>
+static __device__ inline void put_as(T *p, const T &t)
+{
+    enum { WORDS = sizeof(T) / sizeof(W) };
+    static_assert(WORDS * sizeof(W) == sizeof(T), "not whole words");
+    union {
+        T t;
+        W w[WORDS];
+    } u = {t};
+    for (int k = 0; k < WORDS; k++)
+        ((W *)(void *)p)[k] = u.w[k];
+}
+
+static __device__ inline struct box join(const struct box &a,
+                                         const struct box &b)
+{
+    struct box c = {least(a.lo0, b.lo0), most(a.hi0, b.hi0),
+                    least(a.lo1, b.lo1), most(a.hi1, b.hi1)};
+    return c;
+}
+
+static __device__ inline struct box vertex_box(const vec *x0, const vec *x1,
+                                               int32_t v)
+{
+    struct box b = {x0[v], x0[v], x1[v], x1[v]};
+    return b;
+}
+
+static __device__ inline struct box edge_box(const vec *x0, const vec *x1,
+                                             int32_t a, int32_t b)
+{
+    return join(vertex_box(x0, x1, a), vertex_box(x0, x1, b));
+}
+
+static __device__ inline struct box face_box(const vec *x0, const vec *x1,
+                                             const int32_t *f)
+{
+    return join(edge_box(x0, x1, f[0], f[1]), vertex_box(x0, x1, f[2]));
+}
+
+/* ---- §3 ---- */
+
+/* r⁺ for the host to pass on. */
+static inline real reach_of(real r)
+{
+    return r * (1 + BOX_REACH * REAL_UNIT);
+}
+
+/* The sides of a box on an axis at both ends of the step. */
+struct sides {
+    real lo0, hi0, lo1, hi1;
+};
+
+/* The gaps between two boxes on an axis, negative where they are apart. */
+struct gaps {
+    real g0, g1, h0, h1;
+};
+
+static __device__ inline struct gaps between(struct sides a, struct sides b,
+                                             real reach)
+{
+    struct gaps g = {(b.hi0 - a.lo0) + reach, (b.hi1 - a.lo1) + reach,
+                     (a.hi0 - b.lo0) + reach, (a.hi1 - b.lo1) + reach};
+    return g;
+}
+
+/* Whether a gap is negative at both ends; *low: of all gaps so far. */
+static __device__ inline bool apart(struct gaps g, real *low)
+{
+    *low = least(*low, least(least(g.g0, g.g1), least(g.h0, g.h1)));
+    return most(g.g0, g.g1) < 0 || most(g.h0, g.h1) < 0;
+}
+
+/* What a gap from g0 to g1 asks of q = (1 - t) / t. */
+static __device__ inline void bound(real g0, real g1, real *late, real *early)
+{
+    if (g0 < 0)
+        *late = least(*late, g1 / -g0);
+    else if (g1 < 0)
+        *early = most(*early, -g1 / g0);
+}
+
+static __device__ inline void bound(struct gaps g, real *late, real *early)
+{
+    bound(g.g0, g.g1, late, early);
+    bound(g.h0, g.h1, late, early);
+}
+
+/* Whether a and b may come within r of each other; reach = reach_of(r). */
+static __device__ inline bool meets(const struct box &a, const struct box &b,
+                                    real reach)
+{
+    real low = 0, late = R(INFINITY), early = 0;
+    struct gaps x = between({a.lo0.x, a.hi0.x, a.lo1.x, a.hi1.x},
+                            {b.lo0.x, b.hi0.x, b.lo1.x, b.hi1.x}, reach);
+    if (apart(x, &low))
+        return false;
+    struct gaps y = between({a.lo0.y, a.hi0.y, a.lo1.y, a.hi1.y},
+                            {b.lo0.y, b.hi0.y, b.lo1.y, b.hi1.y}, reach);
+    if (apart(y, &low))
+        return false;
+    struct gaps z = between({a.lo0.z, a.hi0.z, a.lo1.z, a.hi1.z},
+                            {b.lo0.z, b.hi0.z, b.lo1.z, b.hi1.z}, reach);
+    if (apart(z, &low))
+        return false;
+    if (!(low < 0))
+        return true;
+    bound(x, &late, &early);
+    bound(y, &late, &early);
+    bound(z, &late, &early);
+    return !(late * (1 + BOX_LATE * REAL_UNIT) + R(0x1p-100) < early);
+}
+
+#endif

@@ -1,0 +1,278 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Which patches of cloth cannot touch themselves. spec/broad/cones.md */
+#include "gpu/base/team.cuh"
+#include "gpu/broad/bvtt.cuh"
+#include "gpu/broad/cones.cuh"
+#include "gpu/broad/nodes.cuh"
+
+/* BITS of a node, each of which has a thread; TOP_BLOCK: threads of a rank of
+ * the team that does the levels of few nodes. */
+enum { BITS = CLEAR_NW + 1 };
+#ifdef __CUDACC__
+enum { TOP_BLOCK = 512 };
+#else
+enum { TOP_BLOCK = 64 };
+#endif
+
+/* ---- §2, from the leaves up ---- */
+
+/* The four edges of the cell with corner v at one end of the step. */
+static __device__ struct tangents edges(const vec *x, int32_t v, int32_t m)
+{
+    vec a = x[v], b = x[v + 1], c = x[v + m], d = x[v + m + 1];
+    vec u0 = sub(b, a), u1 = sub(d, c), v0 = sub(c, a), v1 = sub(d, b);
+    struct tangents t = {least(u0, u1), most(u0, u1), least(v0, v1),
+                         most(v0, v1)};
+    return t;
+}
+
+static __device__ struct tangents cell(const struct cones *s, int32_t a)
+{
+    const struct tree_grid *g = &s->map.grid[s->tree.mesh[a]];
+    int32_t i = s->tree.place[a] & 0xffff, j = s->tree.place[a] >> 16;
+    int32_t v = g->base + i + g->m * j;
+    return join(edges(s->x0, v, g->m), edges(s->x1, v, g->m));
+}
+
+static __device__ struct tangents *inner(const struct cones *s, int32_t a)
+{
+    return &s->tangents[a - (s->tree.n_cloth - s->n_inner)];
+}
+
+/* Of a full node of level l; a leaf's are made anew, as few are asked for
+ * twice. */
+static __device__ struct tangents tangents_of(const struct cones *s, int l,
+                                              int32_t a)
+{
+    return l ? fetch_as<word16>(inner(s, a)) : cell(s, a);
+}
+
+static __device__ void fit(const struct cones *s, int l, int32_t a)
+{
+    if (!s->map.full[a] || !s->stir[a])
+        return;
+    int32_t c = s->tree.first[a];
+    struct tangents b = tangents_of(s, l - 1, c);
+    for (int k = 1; k < s->tree.count[a]; k++)
+        b = join(b, tangents_of(s, l - 1, c + k));
+    put_as<word16>(inner(s, a), b);
+}
+
+/* ---- §4, §5, from the roots down ---- */
+
+/* A node's grid and its place there. */
+struct spot {
+    const struct tree_grid *g;
+    int l, i, j, w, h;
+};
+
+static __device__ struct spot spot_of(const struct cones *s, int32_t a)
+{
+    const struct tree_grid *g = &s->map.grid[s->tree.mesh[a]];
+    int l = s->tree.level[a], less = (1 << l) - 2;
+    struct spot p = {g,
+                     l,
+                     s->tree.place[a] & 0xffff,
+                     s->tree.place[a] >> 16,
+                     (g->m + less) >> l,
+                     (g->n + less) >> l};
+    return p;
+}
+
+/* The node beside the spot on its level, or -1. */
+static __device__ int32_t beside(const struct cones *s, const struct spot *p,
+                                 int di, int dj)
+{
+    int i = p->i + di, j = p->j + dj;
+    if (i < 0 || j < 0 || i >= p->w || j >= p->h)
+        return -1;
+    return s->map.at[p->g->at[p->l] + i + p->w * j];
+}
+
+/* §4 of a full node a at spot p and the one beside it. What is there already
+ * is not joined again: that could change the sign of a zero only, and no
+ * comparison of spread sees it. */
+static __device__ bool patch_spread(const struct cones *s, int32_t a,
+                                    const struct spot *p, int di, int dj)
+{
+    struct tangents b = tangents_of(s, p->l, a);
+    for (int k = 1; k < 4; k++) {
+        if ((k & 1 && !di) || (k & 2 && !dj))
+            continue;
+        int32_t c = beside(s, p, k & 1 ? di : 0, k & 2 ? dj : 0);
+        if (c < 0 || !s->map.full[c])
+            return false;
+        b = join(b, tangents_of(s, p->l, c));
+    }
+    return spread(b, s->r);
+}
+
+/* A node a and the one beside it that bit k is of; b is -1 where none is. */
+struct near {
+    struct spot p;
+    int di, dj;
+    struct duo e;
+};
+
+static __device__ struct near near_of(const struct cones *s, int32_t a, int k)
+{
+    /* (0,0) (1,0) (1,1) (0,1) (-1,1) */
+    int dj = k >= CLEAR_NE, di = k ? (dj ? CLEAR_N - k : 1) : 0;
+    struct spot p = spot_of(s, a);
+    return near{p, di, dj, {a, beside(s, &p, di, dj)}};
+}
+
+static __device__ bool spread_near(const struct cones *s, const struct near *n)
+{
+    return s->map.full[n->e.a] && patch_spread(s, n->e.a, &n->p, n->di, n->dj);
+}
+
+/* The pair of the parents of neighbours; a < 0 above roots. */
+static __device__ struct duo above(const struct tree *t, struct duo e)
+{
+    return duo{t->parent[e.a], t->parent[e.b]};
+}
+
+/* Bit k of a pair that has not moved stays what it was. */
+static __device__ bool stirs(const struct cones *s, struct duo e)
+{
+    return s->stir[e.a] | s->stir[e.b];
+}
+static __device__ bool kept(const struct cones *s, struct duo e, int k)
+{
+    return s->clear[e.a] >> k & 1;
+}
+
+/* §5: a pair of neighbours is clear if its parents are, or by itself. */
+static __device__ bool clear_near(const struct cones *s, int32_t a, int k)
+{
+    struct near n = near_of(s, a, k);
+    if (n.e.b < 0)
+        return false;
+    if (!stirs(s, n.e))
+        return kept(s, n.e, k);
+    struct duo up = above(&s->tree, n.e);
+    return (up.a >= 0 && cleared(&s->tree, s->clear, up)) || spread_near(s, &n);
+}
+
+/* By itself, or as it was. */
+static __device__ bool clear_alone(const struct cones *s, int32_t a, int k)
+{
+    struct near n = near_of(s, a, k);
+    if (n.e.b < 0)
+        return false;
+    return stirs(s, n.e) ? spread_near(s, &n) : kept(s, n.e, k);
+}
+
+/* By those above, of which `clear` says at least what they are by
+ * themselves. */
+static __device__ bool clear_above(const struct cones *s, int32_t a, int k)
+{
+    struct duo e = near_of(s, a, k).e;
+    if (e.b < 0 || !stirs(s, e))
+        return false;
+    bool found = false;
+    for (e = above(&s->tree, e); e.a >= 0 && !found;) {
+        struct duo next = above(&s->tree, e); /* read ahead */
+        found = cleared(&s->tree, s->clear, e);
+        e = next;
+    }
+    return found;
+}
+
+static __device__ uint8_t joined(const uint8_t *bit)
+{
+    int bits = 0;
+    for (int k = 0; k < BITS; k++)
+        bits |= bit[k] << k;
+    return (uint8_t)bits;
+}
+
+/* ---- Kernels ---- */
+
+/* A thread owns every so-many-th node of level l: writes its tangents. Those
+ * of the level below are written. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    cones_level_kernel(struct cones s, int l)
+{
+    EACH_NODE(a, s.tree, 1, l)
+    fit(&s, l, a);
+}
+
+/* A thread owns a bit of every so-many-th node of level l, clear of which the
+ * first threads of its block write; tangents and clear of the level above are
+ * written. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    cones_mark_kernel(struct cones s, int l)
+{
+    enum { NODES = GPU_BLOCK / (int)BITS };
+    __shared__ uint8_t bit[GPU_BLOCK];
+    int t = (int)threadIdx.x;
+    for (int64_t first = (int64_t)blockIdx.x * NODES;
+         level_node(&s.tree, 1, l, first) >= 0;
+         first += (int64_t)gridDim.x * NODES) {
+        int64_t a = level_node(&s.tree, 1, l, first + t / BITS);
+        bit[t] = a >= 0 && clear_near(&s, (int32_t)a, t % BITS);
+        __syncthreads();
+        a = level_node(&s.tree, 1, l, first + t);
+        if (t < NODES && a >= 0)
+            s.clear[a] = joined(bit + BITS * t);
+        __syncthreads();
+    }
+}
+
+/* Bits of all nodes from the first of level l, one a thread as above: first
+ * what they are by themselves, then what those above make them; these may say
+ * either by then. A node's are joined where no rank reads them. */
+static __device__ void mark_top(const struct cones *s, int l, bool whole)
+{
+    uint8_t *bit = (uint8_t *)team_room();
+    int t = rank_thread(), nodes = rank_threads() / BITS;
+    int64_t end = s->tree.n_cloth, step = (int64_t)team_ranks() * nodes;
+    for (int64_t all = s->tree.range[l]; all < end; all += step) {
+        int64_t first = all + team_rank() * nodes, a = first + t / BITS;
+        if (t < BITS * nodes && a < end)
+            bit[t] = whole ? clear_above(s, (int32_t)a, t % BITS)
+                           : clear_alone(s, (int32_t)a, t % BITS);
+        team_sync(!whole);
+        a = first + t;
+        if (t < nodes && a < end)
+            s->clear[a] = joined(bit + BITS * t) | (whole ? s->clear[a] : 0);
+        team_sync(false);
+    }
+}
+
+/* One team: tangents of the levels from l up, then their bits. */
+static __global__ void __launch_bounds__(TOP_BLOCK)
+    cones_top_kernel(struct cones s, int l)
+{
+    for (int k = l; k < s.tree.levels; k++) {
+        EACH_NODE(a, s.tree, 1, k)
+        fit(&s, k, a);
+        team_sync(false);
+    }
+    mark_top(&s, l, false);
+    mark_top(&s, l, true);
+}
+
+/* Blocks for level l of n nodes. */
+static int64_t mark_blocks(int64_t n, int l)
+{
+    return level_threads(n, l) * BITS / GPU_BLOCK + 1;
+}
+
+int gpu_cones(struct gpu *g, struct cones *s)
+{
+    if (!(s->r >= 0 && s->r <= REAL_BIG))
+        return DRAPE_EDATA;
+    int64_t n = s->tree.n_cloth;
+    int top = level_top(n, s->tree.levels);
+    for (int l = 1; l < top; l++)
+        LAUNCH(g, level_threads(n, l), cones_level_kernel, *s, l);
+    if (n > 0 && top < s->tree.levels)
+        LAUNCH_TEAM(g, TOP_BLOCK, TOP_BLOCK, cones_top_kernel, *s, top);
+    for (int l = top - 1; l >= 0 && n > 0; l--)
+        LAUNCH_BLOCKS(g, mark_blocks(n, l), GPU_BLOCK, cones_mark_kernel, *s,
+                      l);
+    return gpu_status(g);
+}

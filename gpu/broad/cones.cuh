@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Whether a patch's tangents keep its points apart. spec/broad/cones.md §3 */
+#ifndef GPU_CONES_CUH
+#define GPU_CONES_CUH
+
+#include "gpu/base/real.cuh"
+#include "ref/broad/cones.h"
+
+#define CONES_ROOM 32 /* as the reference's, to which ci/prove.sh holds it */
+
+static __device__ inline struct tangents join(const struct tangents &a,
+                                              const struct tangents &b)
+{
+    struct tangents c = {least(a.ulo, b.ulo), most(a.uhi, b.uhi),
+                         least(a.vlo, b.vlo), most(a.vhi, b.vhi)};
+    return c;
+}
+
+/* The range of p·x over a box, and the sum of its largest terms. */
+struct span {
+    real lo, hi, size;
+};
+
+static __device__ inline struct span span_axis(real p, real lo, real hi)
+{
+    real a = p * lo, b = p * hi;
+    struct span s = {least(a, b), most(a, b), most(magnitude(a), magnitude(b))};
+    return s;
+}
+
+static __device__ inline struct span span_dot(vec p, vec lo, vec hi)
+{
+    struct span x = span_axis(p.x, lo.x, hi.x);
+    struct span y = span_axis(p.y, lo.y, hi.y);
+    struct span z = span_axis(p.z, lo.z, hi.z);
+    struct span s = {(x.lo + y.lo) + z.lo, (x.hi + y.hi) + z.hi,
+                     (x.size + y.size) + z.size};
+    return s;
+}
+
+/* Whether the tangents keep every two points of the patch more than r apart. */
+static __device__ inline bool spread(const struct tangents &b, real r)
+{
+    const real room = CONES_ROOM * REAL_UNIT, tiny = R(0x1p-100);
+    vec u = scale(R(0.5), add(b.ulo, b.uhi));
+    vec v = scale(R(0.5), add(b.vlo, b.vhi));
+    real uu = dot(u, u), uv = dot(u, v), vv = dot(v, v);
+    real det = uu * vv - uv * uv;
+    if (!(det > 0))
+        return false;
+    vec pu = scale(1 / det, sub(scale(vv, u), scale(uv, v)));
+    vec pv = scale(1 / det, sub(scale(uu, v), scale(uv, u)));
+    struct span a = span_dot(pu, b.ulo, b.uhi);
+    struct span d = span_dot(pv, b.vlo, b.vhi);
+    struct span e = span_dot(pu, b.vlo, b.vhi);
+    struct span f = span_dot(pv, b.ulo, b.uhi);
+    real norm = root(dot(pu, pu) + dot(pv, pv));
+    real mu = R(1.5) * r * norm * (1 + room) + tiny;
+    real am = a.lo - (a.size * room + mu);
+    real bm = d.lo - (d.size * room + mu);
+    real c = R(0.5) * most(magnitude(e.lo + f.lo), magnitude(e.hi + f.hi));
+    real cm = c + ((e.size + f.size) * room + tiny);
+    return am > 0 && bm > 0 && am * bm > cm * cm;
+}
+
+#endif

@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What whole cloths take up. spec/broad/extent.md */
+#include "gpu/broad/box.cuh"
+#include "gpu/broad/cones.cuh"
+
+#include "ref/broad/extent.h"
+
+/* Threads of a block, and blocks of a grid. */
+enum { EXTENT_BLOCK = 128, PARTS = EXTENT_BLOCK };
+
+static __device__ struct whole join(const struct whole &a,
+                                    const struct whole &b)
+{
+    return {join(a.box, b.box), join(a.tangents, b.tangents)};
+}
+
+/* What joins nothing in. */
+static __device__ struct whole nothing(void)
+{
+    const real big = R(INFINITY);
+    vec lo = make(big, big, big), hi = make(-big, -big, -big);
+    return {{lo, hi, lo, hi}, {lo, hi, lo, hi}};
+}
+
+/* Particle (i, j) and its edges to the next along i and j, at one end. */
+static __device__ struct tangents edges(const struct tree_grid *g, const vec *x,
+                                        int32_t i, int32_t j)
+{
+    struct tangents t = nothing().tangents;
+    if (i + 1 < g->m)
+        t.ulo = t.uhi = sub(x[1], x[0]);
+    if (j + 1 < g->n)
+        t.vlo = t.vhi = sub(x[g->m], x[0]);
+    return t;
+}
+
+static __device__ struct whole particle(const struct extent *s,
+                                        const struct tree_grid *g, int32_t p)
+{
+    int32_t i = p % g->m, j = p / g->m;
+    const vec *x0 = s->x0 + g->base + p, *x1 = s->x1 + g->base + p;
+    return {{*x0, *x0, *x1, *x1}, join(edges(g, x0, i, j), edges(g, x1, i, j))};
+}
+
+/* A block's values, one a thread, joined; thread 0 has the result. */
+static __device__ struct whole block_join(struct whole mine)
+{
+    __shared__ struct whole all[EXTENT_BLOCK];
+    int t = (int)threadIdx.x;
+    all[t] = mine;
+    for (int half = EXTENT_BLOCK / 2; half > 0; half /= 2) {
+        __syncthreads();
+        if (t < half)
+            all[t] = join(all[t], all[t + half]);
+    }
+    return all[t];
+}
+
+/* Block PARTS k + p takes each PARTS-th run of particles of grid k. */
+static __global__ void __launch_bounds__(EXTENT_BLOCK)
+    extent_parts_kernel(struct extent s, struct whole *part, int64_t *bad)
+{
+    const struct tree_grid *g = &s.grid[blockIdx.x / PARTS];
+    struct whole w = nothing();
+    int32_t first = (int32_t)(blockIdx.x % PARTS * EXTENT_BLOCK + threadIdx.x);
+    for (int32_t p = first; p < g->m * g->n; p += PARTS * EXTENT_BLOCK) {
+        if (!sane(s.x0[g->base + p]) || !sane(s.x1[g->base + p]))
+            *bad = 1;
+        w = join(w, particle(&s, g, p));
+    }
+    w = block_join(w);
+    if (threadIdx.x == 0)
+        part[blockIdx.x] = w;
+}
+
+/* Of either zero, +0. */
+static __device__ vec plus(vec a)
+{
+    return add(a, make(0, 0, 0));
+}
+
+/* Block k joins the parts of grid k. */
+static __global__ void __launch_bounds__(EXTENT_BLOCK)
+    extent_kernel(struct whole *whole, const struct whole *part)
+{
+    struct whole w = block_join(part[blockIdx.x * PARTS + threadIdx.x]);
+    if (threadIdx.x != 0)
+        return;
+    const struct box &b = w.box;
+    const struct tangents &t = w.tangents;
+    whole[blockIdx.x] = {{plus(b.lo0), plus(b.hi0), plus(b.lo1), plus(b.hi1)},
+                         {plus(t.ulo), plus(t.uhi), plus(t.vlo), plus(t.vhi)}};
+}
+
+int gpu_extent(struct gpu *g, struct extent *s)
+{
+    int64_t *bad = gpu_words(g);
+    struct whole *part = (struct whole *)gpu_scratch(
+        g, SLOT_STAGE + 1, s->n_grid * PARTS, sizeof *part);
+    LAUNCH_BLOCKS(g, s->n_grid * PARTS, EXTENT_BLOCK, extent_parts_kernel, *s,
+                  part, bad);
+    LAUNCH_BLOCKS(g, s->n_grid, EXTENT_BLOCK, extent_kernel, s->whole, part);
+    int64_t failed = gpu_read_words(g, 1)[0];
+    if (gpu_status(g) != DRAPE_OK)
+        return gpu_status(g);
+    return failed ? DRAPE_EDATA : DRAPE_OK;
+}

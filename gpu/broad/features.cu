@@ -1,0 +1,230 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Vertex-face and edge-edge candidates of triangle pairs, each once.
+ * spec/broad/features.md */
+#include "gpu/base/last.cuh"
+#include "gpu/broad/bvtt.cuh"
+#include "gpu/run/tape.cuh"
+
+/* §1: bits of a mask that are of a vertex and a face, and all. */
+enum { VF_BITS = 6, VF_MASK = (1 << VF_BITS) - 1, BITS = 15 };
+/* The counts of both kinds; all, where there is room for them, and wherever;
+ * for ends_last. */
+enum { WORD_VF, WORD_EE, WORD_DONE, WORD_NEED, WORD_TICKET, WORDS };
+
+/* The vertices of a triangle. */
+struct corners {
+    int32_t v[3];
+};
+
+static __device__ struct corners corners_of(const struct features *s, int32_t t)
+{
+    struct corners c = {{s->tri[t][0], s->tri[t][1], s->tri[t][2]}};
+    return c;
+}
+
+/* One triangle of a pair: own holds the bits of tree.own. */
+struct side {
+    struct corners c;
+    int own;
+    struct box face;
+};
+
+static __device__ struct side side_of(const struct features *s, int32_t t)
+{
+    struct side f = {corners_of(s, t), s->own[t], {}};
+    f.face = face_box(s->x0, s->x1, f.c.v);
+    return f;
+}
+
+static __device__ bool has(const struct corners &f, int32_t v)
+{
+    return f.v[0] == v || f.v[1] == v || f.v[2] == v;
+}
+
+static __device__ bool moves(const struct features *s, int32_t a, int32_t b)
+{
+    return s->n_moved == 0 || (s->moved[a] | s->moved[b]);
+}
+
+/* Bit k: vertex k of f faces g. */
+static __device__ uint32_t look_vertices(const struct features *s, real reach,
+                                         const struct side &f,
+                                         const struct side &g)
+{
+    uint32_t mask = 0;
+    for (int k = 0; k < 3; k++) {
+        int32_t v = f.c.v[k];
+        if ((f.own >> k & 1) && !has(g.c, v) &&
+            meets(vertex_box(s->x0, s->x1, v), g.face, reach) &&
+            (moves(s, v, g.c.v[0]) || moves(s, g.c.v[1], g.c.v[2])))
+            mask |= 1u << k;
+    }
+    return mask;
+}
+
+/* Bit j: edge (a, b), whose box is e, and edge j of g. */
+static __device__ uint32_t look_edge(const struct features *s, real reach,
+                                     int32_t a, int32_t b, const struct box &e,
+                                     const struct side &g)
+{
+    uint32_t mask = 0;
+    for (int j = 0; j < 3; j++) {
+        int32_t c = g.c.v[j], d = g.c.v[j < 2 ? j + 1 : 0];
+        if ((g.own >> (3 + j) & 1) && a != c && a != d && b != c && b != d &&
+            meets(e, edge_box(s->x0, s->x1, c, d), reach) &&
+            (moves(s, a, b) || moves(s, c, d)))
+            mask |= 1u << j;
+    }
+    return mask;
+}
+
+/* Bit 3 i + j: edge i of f and edge j of g. An edge that does not meet the
+ * other face meets none of its edges, whose boxes lie in the face's. */
+static __device__ uint32_t look_edges(const struct features *s, real reach,
+                                      const struct side &f,
+                                      const struct side &g)
+{
+    uint32_t mask = 0;
+    for (int i = 0; i < 3 && g.own >> 3; i++) {
+        int32_t a = f.c.v[i], b = f.c.v[i < 2 ? i + 1 : 0];
+        if (!(f.own >> (3 + i) & 1))
+            continue;
+        struct box e = edge_box(s->x0, s->x1, a, b);
+        if (meets(e, g.face, reach))
+            mask |= look_edge(s, reach, a, b, e, g) << (3 * i);
+    }
+    return mask;
+}
+
+static __device__ uint32_t look(const struct features *s, real reach,
+                                struct duo e)
+{
+    if (!(s->own[e.a] | s->own[e.b]))
+        return 0;
+    struct side f = side_of(s, e.a), g = side_of(s, e.b);
+    return look_vertices(s, reach, f, g) | look_vertices(s, reach, g, f) << 3 |
+           look_edges(s, reach, f, g) << VF_BITS;
+}
+
+/* Block k owns pairs of triangles 256 k …: writes their masks, and how many
+ * candidates they make to sum[k] (vertex-face) and sum[blocks + k]; the one
+ * that ends last, where the candidates of a block and kind begin. */
+static __global__ void __launch_bounds__(BVTT_BLOCK)
+    features_look_kernel(struct features s, struct amount n, real reach,
+                         int64_t *word)
+{
+    int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
+    uint32_t mask = 0, total;
+    if (k < number(n)) {
+        mask = look(&s, reach, fetch_duo(&s.both[k]));
+        s.mask[k] = (uint16_t)mask;
+    }
+    uint32_t vf = (uint32_t)__popc(mask & VF_MASK);
+    uint32_t ee = (uint32_t)__popc(mask >> VF_BITS);
+    block_scan((int)threadIdx.x, vf | ee << 16, &total);
+    if (threadIdx.x == 0) {
+        s.sum[blockIdx.x] = total & 0xffff;
+        s.sum[gridDim.x + blockIdx.x] = total >> 16;
+        word_add(&word[WORD_VF], total & 0xffff);
+        word_add(&word[WORD_EE], total >> 16);
+    }
+    if (!ends_last((unsigned *)&word[WORD_TICKET]))
+        return;
+    int64_t all = word[WORD_VF] + word[WORD_EE];
+    if (all <= s.cap)
+        scan_blocks(s.sum, 2 * (int64_t)gridDim.x);
+    if (threadIdx.x == 0) {
+        word[WORD_DONE] = all <= s.cap ? all : 0;
+        word[WORD_NEED] = all;
+    }
+}
+
+/* Four vertices, moved as one word. */
+struct quad {
+    int32_t v[4];
+};
+
+/* §3: the smaller end of an edge first, the smaller edge first. They share no
+ * vertex. */
+static __device__ struct quad ordered(int32_t a, int32_t b, int32_t c,
+                                      int32_t d)
+{
+    struct quad e = {{least(a, b), most(a, b), least(c, d), most(c, d)}};
+    struct quad turned = {{e.v[2], e.v[3], e.v[0], e.v[1]}};
+    return e.v[0] > e.v[2] ? turned : e;
+}
+
+static __device__ int32_t pick(const struct corners &f, int k)
+{
+    return k == 0 ? f.v[0] : k == 1 ? f.v[1] : f.v[2];
+}
+
+/* The vertices of feature pair k. */
+static __device__ struct quad vertices(const struct corners &f,
+                                       const struct corners &g, int k)
+{
+    if (k < VF_BITS) {
+        struct corners face = k < 3 ? g : f;
+        int32_t v = k < 3 ? pick(f, k) : pick(g, k - 3);
+        return {{v, face.v[0], face.v[1], face.v[2]}};
+    }
+    int i = (k - VF_BITS) / 3, j = (k - VF_BITS) - 3 * i;
+    return ordered(pick(f, i), pick(f, i < 2 ? i + 1 : 0), pick(g, j),
+                   pick(g, j < 2 ? j + 1 : 0));
+}
+
+/* Block k owns the same pairs: writes their candidates from the block's two
+ * places on. One scan went over both halves of sum, so that the edges' begin
+ * after all vertex-face. */
+static __global__ void __launch_bounds__(BVTT_BLOCK)
+    features_emit_kernel(struct features s, struct amount n,
+                         const int64_t *word)
+{
+    if (!word[WORD_DONE])
+        return;
+    int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
+    uint32_t mask = k < number(n) ? s.mask[k] : 0, total;
+    uint32_t vf = (uint32_t)__popc(mask & VF_MASK);
+    uint32_t ee = (uint32_t)__popc(mask >> VF_BITS);
+    uint32_t before = block_scan((int)threadIdx.x, vf | ee << 16, &total);
+    if (!mask)
+        return;
+    int64_t at[2] = {s.sum[blockIdx.x] + (before & 0xffff),
+                     s.sum[gridDim.x + blockIdx.x] + (before >> 16)};
+    struct duo e = fetch_duo(&s.both[k]);
+    struct corners f = corners_of(&s, e.a), g = corners_of(&s, e.b);
+    for (int c = 0; c < BITS; c++) {
+        if (!(mask >> c & 1))
+            continue;
+        int kind = c < VF_BITS ? FEATURES_VF : FEATURES_EE;
+        int64_t to = kind == FEATURES_VF ? at[0]++ : at[1]++;
+        struct quad v = vertices(f, g, c);
+        put_as<word16>((struct quad *)(void *)&s.pair[to], v);
+        s.kind[to] = (uint8_t)kind;
+    }
+}
+
+int gpu_features(struct gpu *g, struct features *s)
+{
+    struct amount n = gpu_amount(g, s->n);
+    int64_t blocks = blocks_of(n.most);
+    s->n_pair = s->n_vf = 0;
+    if (!(s->r >= 0 && s->r <= REAL_BIG))
+        return DRAPE_EDATA;
+    int64_t *word = gpu_words(g);
+    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_look_kernel, *s, n,
+                  reach_of(s->r), word);
+    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_emit_kernel, *s, n, word);
+    const int64_t *seen = gpu_read_words(g, WORDS);
+    gpu_expect_room(g, WORD_NEED, s->cap);
+    gpu_expect_some(g, WORD_DONE, s->cap);
+    g->found = gpu_kept(g, WORD_DONE);
+    if (gpu_status(g) != DRAPE_OK)
+        return gpu_status(g);
+    s->need = seen[WORD_VF] + seen[WORD_EE];
+    if (s->need > s->cap)
+        return DRAPE_EFULL;
+    s->n_pair = s->need;
+    s->n_vf = seen[WORD_VF];
+    return gpu_status(g);
+}

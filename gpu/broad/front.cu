@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Moves the front of node pairs to where the boxes now are.
+ * spec/broad/front.md */
+#include "gpu/broad/passes.cuh"
+#include "gpu/run/tape.cuh"
+
+/* What becomes of a pair in a pass. */
+enum { TEST, KEEP, SPLIT };
+/* The pairs there are, what a pass would have written, how many were new. */
+enum { WORD_N, WORD_NEED, WORD_TESTED, WORDS };
+
+/* §2: a pair that passes and may be split is; all others are settled. */
+static __device__ uint8_t judge(const struct front *s, bool in, struct duo e)
+{
+    const struct tree *t = &s->in.tree;
+    if (!in || (t->level[e.a] <= s->stop && t->level[e.b] <= s->stop))
+        return KEEP;
+    return descent(t, e) ? SPLIT : KEEP;
+}
+
+/* What a pass reads, and where it writes. */
+struct pass {
+    int32_t (*pair)[2], (*other)[2];
+    uint8_t *act, *act_other;
+    int64_t n;
+    real reach;
+    struct tiles tiles;
+    int64_t *word;
+};
+
+/* §3: pair k to its highest ancestor that fails, in place, and what becomes of
+ * it. */
+static __device__ void raise(const struct front *s, const struct pass *p,
+                             int64_t k)
+{
+    struct duo e = fetch_duo(&p->pair[k]);
+    bool in = passes(&s->in, p->reach, e), moves = false;
+    p->act[k] = judge(s, in, e);
+    for (struct duo up = e; !in && ascend(&s->in.tree, &up);) {
+        in = passes(&s->in, p->reach, up);
+        if (!in) {
+            e = up;
+            moves = true;
+        }
+    }
+    if (moves)
+        put_duo(&p->pair[k], e);
+}
+
+/* How many pairs pair k, which is e, becomes: of siblings that gave way to one
+ * parent, which follow each other, the first stays. */
+static __device__ uint32_t becomes(const struct tree *t, const struct pass *p,
+                                   int64_t k, struct duo e, int act)
+{
+    if (act == SPLIT)
+        return (uint32_t)__popc(children(t, descent(t, e), e));
+    if (k == 0)
+        return 1;
+    struct duo before = fetch_duo(&p->pair[k - 1]);
+    return e.a != before.a || e.b != before.b;
+}
+
+/* Judges pair k if it is new, and writes act. Returns how many pairs it
+ * becomes, and 2^16 if it was new. */
+static __device__ uint32_t count(const struct front *s, const struct pass *p,
+                                 int64_t k)
+{
+    struct duo e = fetch_duo(&p->pair[k]);
+    int act = p->act[k];
+    bool fresh = act == TEST;
+    if (fresh) {
+        act = judge(s, passes(&s->in, p->reach, e), e);
+        p->act[k] = (uint8_t)act;
+    }
+    return becomes(&s->in.tree, p, k, e, act) | (uint32_t)fresh << 16;
+}
+
+/* The same of a tile: how many pairs they become to its sum, how many were new
+ * to the words. */
+static __device__ void count_tile(const struct front *s, const struct pass *p,
+                                  int64_t tile)
+{
+    int t = rank_thread();
+    int64_t k = tile * BVTT_BLOCK + t;
+    uint32_t total;
+    block_scan(t, t < BVTT_BLOCK && k < p->n ? count(s, p, k) : 0, &total);
+    if (t == 0) {
+        p->tiles.sum[tile] = total & 0xffff;
+        word_add(&p->word[WORD_TESTED], total >> 16);
+    }
+}
+
+/* Writes what the pairs of a tile become from its place on. */
+static __device__ void emit(const struct tree *t, const struct pass *p,
+                            int64_t tile)
+{
+    int64_t k = tile * BVTT_BLOCK + rank_thread();
+    struct duo e = {};
+    uint32_t mask = 0, total;
+    int d = 0;
+    if (rank_thread() < BVTT_BLOCK && k < p->n) {
+        e = fetch_duo(&p->pair[k]);
+        d = p->act[k] == SPLIT ? descent(t, e) : 0;
+        mask = d ? children(t, d, e) : becomes(t, p, k, e, KEEP);
+    }
+    int64_t at = p->tiles.place[tile] +
+                 block_scan(rank_thread(), (uint32_t)__popc(mask), &total);
+    for (int c = 0; mask; c++, mask >>= 1)
+        if (mask & 1) {
+            put_duo(&p->other[at], child(t, d, c, e));
+            p->act_other[at++] = d ? TEST : KEEP;
+        }
+}
+
+static __device__ void swap_streams(struct pass *p)
+{
+    int32_t(*pair)[2] = p->pair;
+    uint8_t *act = p->act;
+    p->pair = p->other;
+    p->act = p->act_other;
+    p->other = pair;
+    p->act_other = act;
+}
+
+/* All threads take turns at n pairs. */
+#define EACH_PAIR(k, n)                                                        \
+    for (int64_t k = team_rank() * (int64_t)rank_threads() + rank_thread();    \
+         k < (n); k += team_ranks() * (int64_t)rank_threads())
+
+/* §3: passes until nothing is new; the first finds all judged. Ends early where
+ * there is no room. What a pass writes all read behind its second barrier;
+ * sums and words of the next come after that. Returns what a pass would have
+ * written last. */
+template <bool CROWD>
+static __device__ int64_t settle(const struct front *s, struct pass *p)
+{
+    int64_t need = 0;
+    for (int64_t before = -1;;) {
+        EACH_TILE(tile, blocks_of(p->n))
+        count_tile(s, p, tile);
+        meet<CROWD>();
+        int64_t tested = p->word[WORD_TESTED];
+        if (tested == before)
+            return need;
+        before = tested;
+        need = place_tiles(&p->tiles, blocks_of(p->n));
+        if (need > s->cap)
+            return need;
+        EACH_TILE(tile, blocks_of(p->n))
+        emit(&s->in.tree, p, tile);
+        swap_streams(p);
+        p->n = need;
+        meet<CROWD>();
+    }
+}
+
+template <int BLOCKS, bool CROWD>
+static __global__ void PASSES_BOUNDS(BLOCKS)
+    front_kernel(const __grid_constant__ struct front s, struct pass p,
+                 struct amount n)
+{
+    p.n = number(n);
+    EACH_PAIR(k, p.n)
+    raise(&s, &p, k);
+    meet<CROWD>();
+    int64_t need = settle<CROWD>(&s, &p);
+    EACH_PAIR(k, p.pair != s.pair ? p.n : 0)
+    put_duo(&s.pair[k], fetch_duo(&p.pair[k]));
+    if (team_rank() == 0 && rank_thread() == 0) {
+        p.word[WORD_N] = p.n;
+        p.word[WORD_NEED] = need;
+    }
+}
+
+int gpu_front(struct gpu *g, struct front *s)
+{
+    struct pass p = {s->pair, s->other,          s->act, s->act_other,
+                     0,       reach_of(s->in.r), {},     NULL};
+    struct amount n = {s->n, NULL};
+    if (!(s->in.r >= 0 && s->in.r <= REAL_BIG))
+        return DRAPE_EDATA;
+    if (!take_tiles(g, s->cap, &p.tiles))
+        return gpu_status(g);
+    p.word = gpu_words(g);
+    const int64_t *last = gpu_recall(g, s->pair);
+    if (g->tape != TAPE_OFF)
+        n = {s->cap, last ? last : gpu_told(g)};
+    LAUNCH_PASSES(g, gpu_recorded(g, s->n), front_kernel, *s, p, n);
+    const int64_t *seen = gpu_read_words(g, WORDS);
+    gpu_expect_room(g, WORD_NEED, s->cap);
+    gpu_expect(g, WORD_N, 1, s->cap);
+    gpu_expect_no_late(g);
+    gpu_keep(g, s->pair, WORD_N);
+    g->found = gpu_kept(g, WORD_N);
+    s->visited = s->n + seen[WORD_TESTED];
+    s->need = seen[WORD_NEED];
+    s->n = seen[WORD_N];
+    if (gpu_status(g) != DRAPE_OK)
+        return gpu_status(g);
+    return s->need > s->cap ? DRAPE_EFULL : DRAPE_OK;
+}

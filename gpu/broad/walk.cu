@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Walks from the front down to pairs of triangles. spec/broad/walk.md */
+#include "gpu/broad/passes.cuh"
+#include "gpu/run/tape.cuh"
+
+/* The most pairs of nodes that a pass makes, the pairs of triangles, items
+ * looked into, pairs that cones stop, tiles with a child that is no leaf. */
+enum { WORD_NEED, WORD_TRI, WORD_VISITED, WORD_CLEARED, WORD_DEEPER, WORDS };
+/* Threads that share an item where its children are tested, one for each; and
+ * of large blocks those that share one's triangles and what it becomes. */
+enum { KIDS = 16, FOURS = 4 };
+
+/* What a pass reads, and where it writes. */
+struct pass {
+    const int32_t (*from)[2];
+    int64_t n;
+    int32_t (*to)[2];
+    bool front; /* the front's own pairs are not tested yet */
+    struct tiles tiles;
+    int64_t *word;
+};
+
+/* Whether a pair passes; one that only its cones stop is counted. */
+static __device__ bool looks(const struct walk *s, real reach, struct duo e,
+                             uint32_t *stopped)
+{
+    if (!(s->stir[e.a] | s->stir[e.b]) || !boxes_meet(&s->in, reach, e))
+        return false;
+    bool clear = cleared(&s->in.tree, s->in.clear, e);
+    *stopped += clear;
+    return !clear;
+}
+
+/* What a tile's items become, while they are at work. */
+struct work {
+    uint32_t mask[BVTT_BLOCK]; /* children that pass */
+    uint32_t stopped, deeper;
+};
+
+/* All masks of a tile are known: writes them and the tile's counts. */
+static __device__ void count(const struct walk *s, const struct pass *p,
+                             const struct work *w, int64_t tile)
+{
+    int t = rank_thread();
+    int64_t k = tile * BVTT_BLOCK + t;
+    uint32_t total, mask = t < BVTT_BLOCK ? w->mask[t] : 0;
+    if (t < BVTT_BLOCK && k < p->n)
+        s->mask[k] = (uint16_t)mask;
+    block_scan(t, (uint32_t)__popc(mask), &total);
+    if (t == 0) {
+        p->tiles.sum[tile] = total;
+        word_add(&p->word[WORD_CLEARED], w->stopped);
+        word_add(&p->word[WORD_DEEPER], w->deeper);
+    }
+}
+
+/* Before a tile's items are looked at. */
+static __device__ void begin(struct work *w)
+{
+    int t = rank_thread();
+    __syncthreads(); /* it may be read still of the tile before */
+    if (t < BVTT_BLOCK)
+        w->mask[t] = 0;
+    if (t == 0)
+        w->stopped = w->deeper = 0;
+}
+
+/* §1, children that pass, of a tile. A thread finds an item's children; sixteen
+ * test them, since they read the same few boxes. */
+static __device__ void look(const struct walk *s, const struct pass *p,
+                            real reach, int64_t tile)
+{
+    __shared__ struct work w;
+    __shared__ struct duo item[BVTT_BLOCK];
+    __shared__ uint32_t kids[BVTT_BLOCK];
+    int t = rank_thread(), c = t % KIDS;
+    int64_t k = tile * BVTT_BLOCK + t;
+    uint32_t stopped = 0;
+    begin(&w);
+    if (t < BVTT_BLOCK)
+        kids[t] = 0;
+    if (t < BVTT_BLOCK && k < p->n) {
+        struct duo e = fetch_duo(&p->from[k]);
+        int d = descent(&s->in.tree, e);
+        item[t] = e;
+        if (!p->front || looks(s, reach, e, &stopped)) {
+            w.mask[t] = d == 0; /* a pair of leaves is its own child */
+            kids[t] = d ? children(&s->in.tree, d, e) | (uint32_t)d << KIDS : 0;
+        }
+    }
+    __syncthreads();
+    for (int i = t / KIDS; i < BVTT_BLOCK; i += rank_threads() / KIDS) {
+        if (!(kids[i] >> c & 1))
+            continue;
+        struct duo e = child(&s->in.tree, kids[i] >> KIDS, c, item[i]);
+        if (!looks(s, reach, e, &stopped))
+            continue;
+        atomicOr(&w.mask[i], 1u << c);
+        if (descent(&s->in.tree, e))
+            w.deeper = 1;
+    }
+    if (stopped)
+        atomicAdd(&w.stopped, stopped);
+    __syncthreads();
+    count(s, p, &w, tile);
+}
+
+/* §2: EACH triangles from i on of the first of two leaves, and those of the
+ * second whose boxes meet theirs. */
+template <int EACH>
+static __device__ uint32_t look_triangles(const struct walk *s, real reach,
+                                          struct duo e, int i)
+{
+    const struct tree *t = &s->in.tree;
+    const int32_t *of_a = t->order + t->first[e.a];
+    const int32_t *of_b = t->order + t->first[e.b];
+    int na = least((int)t->count[e.a], i + EACH), nb = t->count[e.b];
+    struct box b[FOURS];
+    uint32_t mask = 0;
+    for (int j = 0; j < nb && i < na; j++)
+        b[j] = face_box(s->x0, s->x1, t->tri[of_b[j]]);
+    for (; i < na; i++) {
+        struct box a = face_box(s->x0, s->x1, t->tri[of_a[i]]);
+        for (int j = e.a == e.b ? i + 1 : 0; j < nb; j++)
+            if (meets(a, b[j], reach))
+                mask |= 1u << (4 * i + j);
+    }
+    return mask;
+}
+
+/* The same of a tile of pairs of leaves, of which SHARE threads have each. */
+template <int SHARE>
+static __device__ void look_leaves(const struct walk *s, const struct pass *p,
+                                   real reach, int64_t tile)
+{
+    enum { EACH = FOURS / SHARE };
+    __shared__ struct work w;
+    int t = rank_thread();
+    begin(&w);
+    __syncthreads();
+    for (int i = t / SHARE; i < BVTT_BLOCK; i += rank_threads() / SHARE) {
+        int64_t k = tile * BVTT_BLOCK + i;
+        if (k >= p->n)
+            break;
+        uint32_t mask = look_triangles<EACH>(s, reach, fetch_duo(&p->from[k]),
+                                             t % SHARE * EACH);
+        if (mask)
+            atomicOr(&w.mask[i], mask);
+    }
+    __syncthreads();
+    count(s, p, &w, tile);
+}
+
+/* Writes the children in mask of a tile, or their triangles, from its place
+ * on; SHARE threads have those of an item. */
+template <int SHARE>
+static __device__ void emit(const struct walk *s, const struct pass *p,
+                            int64_t tile, bool triangles)
+{
+    enum { EACH = KIDS / SHARE };
+    __shared__ uint32_t before[BVTT_BLOCK];
+    const struct tree *tree = &s->in.tree;
+    int t = rank_thread(), c = t % SHARE * EACH;
+    int64_t first = tile * BVTT_BLOCK;
+    bool there = t < BVTT_BLOCK && first + t < p->n;
+    uint32_t total, own = there ? (uint32_t)__popc(s->mask[first + t]) : 0;
+    own = block_scan(t, own, &total);
+    if (t < BVTT_BLOCK)
+        before[t] = own;
+    __syncthreads();
+    for (int i = t / SHARE; i < BVTT_BLOCK; i += rank_threads() / SHARE) {
+        uint32_t mask = first + i < p->n ? s->mask[first + i] : 0;
+        uint32_t mine = mask >> c & ((1u << EACH) - 1);
+        if (!mine)
+            continue;
+        struct duo e = fetch_duo(&p->from[first + i]);
+        int d = triangles ? 3 : descent(tree, e);
+        int64_t at =
+            p->tiles.place[tile] + before[i] + __popc(mask & ((1u << c) - 1));
+        for (int k = c; mine; k++, mine >>= 1)
+            if (mine & 1) {
+                struct duo to = child(tree, d, k, e);
+                if (triangles)
+                    to = {tree->order[to.a], tree->order[to.b]};
+                put_duo(&p->to[at++], to);
+            }
+    }
+}
+
+/* All counted: places and writes what the items become, if there is room;
+ * returns how many that are. */
+template <int SHARE, bool CROWD>
+static __device__ int64_t finish(const struct walk *s, const struct pass *p,
+                                 int64_t cap, bool triangles)
+{
+    meet<CROWD>();
+    int64_t need = place_tiles(&p->tiles, blocks_of(p->n));
+    EACH_TILE(tile, need <= cap ? blocks_of(p->n) : 0)
+    emit<SHARE>(s, p, tile, triangles);
+    return need;
+}
+
+/* §1: passes until all pairs are leaves, or there is no room; what is counted
+ * in words is there behind a pass's first barrier. Returns the most that a pass
+ * made. */
+template <int SHARE, bool CROWD>
+static __device__ int64_t go_down(const struct walk *s, struct pass *p,
+                                  real reach, int64_t *visited)
+{
+    int64_t need = p->n, deeper = 0;
+    for (bool last = false; !last && need <= s->cap;) {
+        EACH_TILE(tile, blocks_of(p->n))
+        look(s, p, reach, tile);
+        int64_t made = finish<SHARE, CROWD>(s, p, s->cap, false);
+        last = p->word[WORD_DEEPER] == deeper;
+        deeper = p->word[WORD_DEEPER];
+        *visited += p->n;
+        need = most(need, made);
+        meet<CROWD>();
+        p->from = (const int32_t(*)[2])p->to;
+        p->to = p->to == s->pair ? s->other : s->pair;
+        p->front = false;
+        p->n = made;
+    }
+    return need;
+}
+
+/* §1, then §2. */
+template <int BLOCKS, bool CROWD>
+static __global__ void PASSES_BOUNDS(BLOCKS)
+    walk_kernel(const __grid_constant__ struct walk s, struct pass p,
+                struct amount n, real reach)
+{
+    enum { SHARE = BLOCKS > 1 ? 1 : FOURS };
+    p.n = number(n);
+    int64_t visited = 0, triangles = 0;
+    int64_t need = go_down<SHARE, CROWD>(&s, &p, reach, &visited);
+    if (need <= s.cap) {
+        p.to = s.tri;
+        EACH_TILE(tile, blocks_of(p.n))
+        look_leaves<SHARE>(&s, &p, reach, tile);
+        triangles = finish<SHARE, CROWD>(&s, &p, s.cap_tri, true);
+    }
+    if (team_rank() == 0 && rank_thread() == 0) {
+        p.word[WORD_NEED] = need;
+        p.word[WORD_TRI] = triangles;
+        p.word[WORD_VISITED] = visited;
+    }
+}
+
+int gpu_walk(struct gpu *g, struct walk *s)
+{
+    struct pass p = {s->front, 0, s->pair, true, {}, NULL};
+    struct amount n = {s->n_front, NULL};
+    if (!(s->in.r >= 0 && s->in.r <= REAL_BIG))
+        return DRAPE_EDATA;
+    s->n_tri = s->need_tri = s->visited = s->cleared = 0;
+    s->need = s->n_front;
+    if (s->n_front > s->cap)
+        return DRAPE_EFULL;
+    if (!take_tiles(g, s->cap, &p.tiles))
+        return gpu_status(g);
+    p.word = gpu_words(g);
+    if (g->tape != TAPE_OFF)
+        n = {s->cap, gpu_recall(g, s->front)};
+    LAUNCH_PASSES(g, gpu_recorded(g, s->n_front), walk_kernel, *s, p, n,
+                  reach_of(s->in.r));
+    const int64_t *seen = gpu_read_words(g, WORDS);
+    gpu_expect_room(g, WORD_NEED, s->cap);
+    gpu_expect_some(g, WORD_TRI, s->cap_tri);
+    gpu_expect_no_late(g);
+    g->found = gpu_kept(g, WORD_TRI);
+    if (gpu_status(g) != DRAPE_OK)
+        return gpu_status(g);
+    s->need = seen[WORD_NEED];
+    s->need_tri = seen[WORD_TRI];
+    s->visited = seen[WORD_VISITED];
+    s->cleared = seen[WORD_CLEARED];
+    if (s->need > s->cap || s->need_tri > s->cap_tri)
+        return DRAPE_EFULL;
+    s->n_tri = s->need_tri;
+    return DRAPE_OK;
+}

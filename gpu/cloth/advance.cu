@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The update that every explicit method is made of, of a stream of forces.
+ * spec/cloth/advance.md */
+#include "gpu/cloth/advance.cuh"
+
+/* Thread p owns particle p in every stream. Any order. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    advance_kernel(struct advance s)
+{
+    ITEM(p, s.count);
+    advance_particle(&s, p, s.force[p], s.at);
+}
+
+int gpu_advance(struct gpu *g, struct advance *s)
+{
+    LAUNCH(g, s->count, advance_kernel, *s);
+    return gpu_status(g);
+}

@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One positive semidefinite block a spring. spec/cloth/blocks.md */
+#include "gpu/base/thin.cuh"
+#include "gpu/cloth/cloth.cuh"
+#include "gpu/cloth/rate.h"
+
+enum { SIX = sizeof(sym) / sizeof(real) };
+
+/* §2: c u uᵀ + b I, where c = a - b. */
+struct parts {
+    real b, c, inverse; /* 1 / |d| */
+    vec u;
+};
+
+static __device__ struct parts spring_parts(const struct law *law, real tau,
+                                            vec d)
+{
+    real l = length(d);
+    if (!(l > 0))
+        return parts{0, 0, 0, make(0, 0, 0)};
+    real square = tau * tau;
+    real a = tau * law->damp + square * spring_slope(law, l);
+    real b = square * most(spring_tension(law, l) / l, R(0));
+    real inverse = 1 / l;
+    return parts{b, a - b, inverse, scale(inverse, d)};
+}
+
+static __device__ sym whole_block(const struct parts *s)
+{
+    vec u = s->u, w = scale(s->c, u);
+    return sym{w.x * u.x + s->b, w.x * u.y, w.x * u.z,
+               w.y * u.y + s->b, w.y * u.z, w.z * u.z + s->b};
+}
+
+/* Thread t of block k owns particle 256 k + t: reads it and the far ends of
+ * its forward springs. The blocks of a direction go through `s`, so that the
+ * threads write them side by side. rate: NULL: none. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    blocks_kernel(struct blocks a, int64_t pitch, struct rate *rate)
+{
+    __shared__ sym s[GPU_BLOCK];
+    int t = (int)threadIdx.x, base = (int)blockIdx.x * GPU_BLOCK, p = base + t;
+    int n = (int)a.count - base;
+    int reals = SIX * (n < GPU_BLOCK ? n : GPU_BLOCK);
+    int mask = t < n ? a.springs[p] : 0;
+    vec here = t < n ? a.x[p] : make(0, 0, 0);
+    UNROLL
+    for (int o = 0; o < SPRINGS; o++) {
+        vec d = make(0, 0, 0);
+        if (mask >> o & 1)
+            d = sub(a.x[p + forward_i(o) + forward_j(o) * a.m], here);
+        struct parts b = spring_parts(&a.law[o], a.tau, d);
+        s[t] = whole_block(&b);
+        if (a.n_thin && t < n)
+            a.thin[o * a.count + p] = thin_of(b.c, b.b, b.u);
+        if (rate && t < n)
+            rate[o * pitch + p] = {b.b, b.c, b.inverse};
+        __syncthreads();
+        real *to = (real *)(a.block + o * a.count + base);
+        for (int r = t; r < reals; r += GPU_BLOCK)
+            to[r] = ((const real *)s)[r];
+        __syncthreads();
+    }
+}
+
+int gpu_blocks_and_rates(struct gpu *g, const struct blocks *s,
+                         struct rate *rate)
+{
+    int64_t blocks = (s->count + GPU_BLOCK - 1) / GPU_BLOCK;
+    LAUNCH_BLOCKS(g, blocks, GPU_BLOCK, blocks_kernel, *s,
+                  RATES_PITCH(s->count), rate);
+    return gpu_status(g);
+}
+
+int gpu_blocks(struct gpu *g, struct blocks *s)
+{
+    return gpu_blocks_and_rates(g, s, NULL);
+}

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The cloth's grid and its law of a spring on the device.
+ * spec/cloth/cloth.md §3 and §5 */
+#ifndef GPU_CLOTH_CUH
+#define GPU_CLOTH_CUH
+
+#include "gpu/base/real.cuh"
+
+/* Forward direction o: (1,0) (0,1) (1,1) (-1,1) and twice each. */
+static __host__ __device__ constexpr int forward_i(int o)
+{
+    int one = o % 4 == 0 || o % 4 == 2 ? 1 : o % 4 == 3 ? -1 : 0;
+    return o < SPRINGS_SINGLE ? one : 2 * one;
+}
+static __host__ __device__ constexpr int forward_j(int o)
+{
+    int one = o % 4 == 0 ? 0 : 1;
+    return o < SPRINGS_SINGLE ? one : 2 * one;
+}
+
+/* ---- §5: the law of a spring, s = √(q + shift), t = s − 25/32 ---- */
+
+static __device__ inline real spring_s(real q)
+{
+    return root(q + R(0.21723362821122166));
+}
+
+/* P by Horner's rule. */
+static __device__ inline real spring_p(real t)
+{
+    real p = R(0.94535780075) * t - R(1.41489955139);
+    p = p * t + R(1.94328409844);
+    p = p * t - R(2.96088097053);
+    p = p * t + R(4.67227098415);
+    p = p * t - R(7.81897177916);
+    return p * t + R(15.3546581234);
+}
+
+/* dP/dt, and the integral of P from 0. */
+static __device__ inline real spring_dp(real t)
+{
+    real p = R(5.6721468045) * t - R(7.07449775695);
+    p = p * t + R(7.77313639376);
+    p = p * t - R(8.88264291159);
+    p = p * t + R(9.3445419683);
+    return p * t - R(7.81897177916);
+}
+static __device__ inline real spring_ip(real t)
+{
+    real p = R(0.13505111439285714) * t - R(0.23581659189833333);
+    p = p * t + R(0.388656819688);
+    p = p * t - R(0.7402202426325);
+    p = p * t + R(1.5574236613833333);
+    p = p * t - R(3.90948588958);
+    p = p * t + R(15.3546581234);
+    return p * t;
+}
+
+/* Tension, N, at a length. */
+static __device__ inline real spring_tension(const struct law *a, real length)
+{
+    if (length >= a->knee) {
+        real k = length >= a->rest ? a->k : a->press;
+        return k * (length - a->rest);
+    }
+    real s = spring_s(length / a->rest);
+    return -(a->bend * (spring_p(s - R(0.78125)) / s));
+}
+
+/* Its slope, N/m. */
+static __device__ inline real spring_slope(const struct law *a, real length)
+{
+    if (length >= a->knee)
+        return length >= a->rest ? a->k : a->press;
+    real s = spring_s(length / a->rest), t = s - R(0.78125);
+    real slope = (spring_p(t) / s - spring_dp(t)) / (2 * s * s);
+    return a->bend * slope / a->rest;
+}
+
+/* Its energy, J. */
+static __device__ inline real spring_energy(const struct law *a, real length)
+{
+    real d = length - a->rest;
+    if (length >= a->knee) {
+        real k = length >= a->rest ? a->k : a->press;
+        return R(0.5) * k * d * d;
+    }
+    real t = spring_s(length / a->rest) - R(0.78125);
+    return a->well - a->bend * a->rest * (2 * spring_ip(t));
+}
+
+#endif

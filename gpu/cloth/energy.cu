@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Energies, each summed by the tree of sum.md. spec/cloth/energy.md */
+#include "gpu/cloth/energy.cuh"
+
+#include "gpu/base/sum.cuh"
+#include "gpu/cloth/cloth.cuh"
+
+enum { KINDS = 3 };
+
+/* §1: of the forward springs, so that each counts once. */
+static __device__ real elastic(const struct energy *s, int p)
+{
+    real e = 0;
+    int mask = s->springs[p];
+    vec here = s->x[p];
+    UNROLL
+    for (int o = 0; o < SPRINGS; o++)
+        if (mask >> o & 1) {
+            int q = p + forward_i(o) + forward_j(o) * s->m;
+            e += spring_energy(&s->law[o], length(sub(s->x[q], here)));
+        }
+    return e;
+}
+
+/* Block k owns chunk k: a thread a particle. The last one to end leaves the
+ * sums of all chunks in word[0 … 2]; word[KINDS] is its ticket. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    energy_kernel(struct energy a, int64_t *word)
+{
+    int p = (int)blockIdx.x * SUM_CHUNK + (int)threadIdx.x;
+    real value[KINDS] = {0, 0, 0}, sum[KINDS];
+    if (p < a.count) {
+        real m = a.mass[p];
+        vec v = a.v[p];
+        value[0] = R(0.5) * m * dot(v, v);
+        value[1] = elastic(&a, p);
+        value[2] = -m * dot(a.gravity, a.x[p]);
+    }
+    if (!grid_sums<KINDS>(value, a.chunk, (unsigned *)(word + KINDS), sum))
+        return;
+    if (threadIdx.x == 0)
+        for (int e = 0; e < KINDS; e++)
+            *(real *)(word + e) = sum[e];
+}
+
+void gpu_energy_into(struct gpu *g, const struct energy *s, int64_t *word)
+{
+    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, energy_kernel, *s, word);
+}
+
+int gpu_energy(struct gpu *g, struct energy *s)
+{
+    gpu_energy_into(g, s, gpu_words(g));
+    const int64_t *word = gpu_read_words(g, KINDS);
+    for (int e = 0; e < KINDS; e++)
+        memcpy(&s->value[e], word + e, sizeof *s->value);
+    return gpu_status(g);
+}

@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The explicit methods as sequences of springs and advance, fused where nothing
+ * traces them; substeps in turns of a loop that the device ends.
+ * spec/cloth/advance.md §2, spec/gpu.md §14 */
+#include "gpu/cloth/advance.cuh"
+#include "gpu/cloth/motion.cuh"
+#include "gpu/cloth/springs.cuh"
+#include "gpu/run/loop.cuh"
+
+/* Substeps of a turn: even, so that each begins with the same streams. */
+#ifdef __CUDACC__
+enum { TURN = 32 };
+#else
+enum { TURN = 4 };
+#endif
+
+/* A state that a method passes through. */
+struct state {
+    vec *x, *v;
+};
+
+/* Which of n substeps: k, or in a loop k of its turn. */
+struct moment {
+    int32_t k, n, turns;
+    const int32_t *left; /* device: turns that are still to do, or NULL */
+};
+
+/* A cloth in one substep of h: next, more and spare are streams of work. */
+struct walk_on {
+    struct gpu *g;
+    struct gpu_sheet *s;
+    struct state now, next, more, spare;
+    real h;
+    struct moment when;
+};
+
+/* What a force makes: to = from + a·rate, from + b·force / mass, pins at `node`
+ * of the substep; no rate: symplectic. */
+struct use {
+    struct state from;
+    const vec *rate;
+    struct state to;
+    real a, b;
+    double node;
+};
+
+/* Where in the step that is. The last substep ends at exactly 1: the pins are
+ * then where they should. */
+static __host__ __device__ real place(struct moment m, double node)
+{
+    int32_t k = m.k + (m.left ? (m.turns - *m.left) * (int32_t)TURN : 0);
+    double n = m.n, start = k / n;
+    double length = k + 1 < m.n ? (k + 1) / n - start : 1 - start;
+    return (real)(start + node * length);
+}
+
+/* ---- A force, and what it makes ---- */
+
+static struct advance update(const struct walk_on *w, const struct use *u)
+{
+    const struct cloth *c = &w->s->cloth;
+    const struct dynamics *d = &w->s->dynamics;
+    struct advance a = {};
+    a.count = c->count;
+    a.fixed = c->fixed;
+    a.mass = c->mass;
+    a.x = u->from.x;
+    a.v = u->from.v;
+    a.rate = u->rate ? u->rate : u->from.v;
+    a.force = motion_stream(w->s, 0);
+    a.symplectic = !u->rate;
+    a.a = u->a;
+    a.b = u->b;
+    a.from = d->x;
+    a.to = d->to;
+    a.dt = (real)d->dt;
+    a.x1 = u->to.x;
+    a.v1 = u->to.v;
+    return a;
+}
+
+namespace
+{
+
+/* Of a particle, one update after the other. */
+struct updates {
+    int n;
+    struct advance of[2];
+    double node[2];
+    struct moment when;
+    __device__ void take(int p, vec force) const
+    {
+        for (int k = 0; k < n; k++) {
+            bool pinned = of[k].fixed[p] == CLOTH_PINNED;
+            real at = pinned ? place(when, node[k]) : 0;
+            advance_particle(&of[k], p, force, at);
+        }
+    }
+};
+
+} // namespace
+
+/* As stages that a trace shows. */
+static void show(struct walk_on *w, struct state at, int n,
+                 const struct use *use)
+{
+    gpu_motion_force(w->g, w->s, at.x, at.v, at.v);
+    for (int k = 0; k < n; k++) {
+        struct advance a = update(w, &use[k]);
+        a.at = place(w->when, use[k].node);
+        gpu_advance(w->g, &a);
+        motion_trace(w->g, w->s, "advance", a.v1);
+    }
+}
+
+/* The force at a state, and n ≤ 2 uses of it, none of them to that state. */
+static void force(struct walk_on *w, struct state at, int n,
+                  const struct use *use)
+{
+    if (w->s->dynamics.trace) {
+        show(w, at, n, use);
+        return;
+    }
+    struct updates to = {};
+    to.n = n;
+    to.when = w->when;
+    for (int k = 0; k < n; k++) {
+        to.of[k] = update(w, &use[k]);
+        to.node[k] = use[k].node;
+    }
+    struct springs f = gpu_motion_springs(w->g, w->s, at.x, at.v, at.v);
+    springs_to(w->g, &f, to);
+}
+
+/* ---- The methods ---- */
+
+static void euler(struct walk_on *w)
+{
+    struct use whole = {w->now, NULL, w->next, w->h, w->h, 1};
+    force(w, w->now, 1, &whole);
+}
+
+static void midpoint(struct walk_on *w)
+{
+    struct state mid = w->more;
+    real h = w->h;
+    struct use half = {w->now, w->now.v, mid, h / 2, h / 2, 0.5};
+    struct use whole = {w->now, mid.v, w->next, h, h, 1};
+    force(w, w->now, 1, &half);
+    force(w, mid, 1, &whole);
+}
+
+/* The second force is at the velocity that the first one predicts. */
+static void verlet(struct walk_on *w)
+{
+    struct state next = w->next, ahead = w->more;
+    real h = w->h;
+    struct use start[2] = {{w->now, NULL, next, h, h / 2, 1},
+                           {next, next.v, ahead, 0, h / 2, 1}};
+    struct use kick = {next, next.v, next, 0, h / 2, 1};
+    force(w, w->now, 2, start);
+    force(w, ahead, 1, &kick);
+}
+
+static void runge_kutta(struct walk_on *w)
+{
+    static const double weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
+    static const double node[4] = {0.5, 0.5, 1, 1};
+    struct state at = w->now, sum = w->now;
+    for (int k = 0; k < 4; k++) {
+        struct state ahead = k == 1 ? w->spare : w->more;
+        real part = (real)weight[k] * w->h, go = (real)node[k] * w->h;
+        struct use use[2] = {{sum, at.v, w->next, part, part, 1},
+                             {w->now, at.v, ahead, go, go, node[k]}};
+        force(w, at, k < 3 ? 2 : 1, use);
+        sum = w->next;
+        at = ahead;
+    }
+}
+
+/* ---- Substeps ---- */
+
+/* What substeps leave as `now`. */
+static void swap(struct walk_on *w)
+{
+    struct state old = w->now;
+    w->now = w->next;
+    w->next = old;
+}
+
+/* Substeps from w's on. */
+static int queue(struct walk_on w, int32_t substeps)
+{
+    int method = w.s->dynamics.method;
+    for (int32_t k = 0; k < substeps; k++) {
+        if (method == DRAPE_EULER)
+            euler(&w);
+        else if (method == DRAPE_MIDPOINT)
+            midpoint(&w);
+        else if (method == DRAPE_VERLET)
+            verlet(&w);
+        else
+            runge_kutta(&w);
+        swap(&w);
+        w.when.k++;
+    }
+    return gpu_status(w.g);
+}
+
+/* What the launches of substeps depend on. */
+struct walk_key {
+    struct walk_on w;
+    struct dynamics d;
+    int32_t substeps;
+};
+
+static void write_key(struct walk_key *key, const struct walk_on *w,
+                      int32_t substeps)
+{
+    memset((void *)key, 0, sizeof *key); /* what lies between, too */
+    memcpy((void *)&key->w, (const void *)w, sizeof key->w);
+    memcpy((void *)&key->d, (const void *)&w->s->dynamics, sizeof key->d);
+    key->d.reference = key->d.surplus = 0; /* not read there, as these */
+    memset(key->d.before, 0, sizeof key->d.before);
+    memset(key->d.energy, 0, sizeof key->d.energy);
+    key->substeps = substeps;
+}
+
+/* Those before the turns: as many as do not make one. */
+static void queue_rest(struct walk_on *w, int32_t substeps)
+{
+    struct walk_key key;
+    auto launch = [&] { return queue(*w, substeps); };
+    if (!substeps)
+        return;
+    write_key(&key, w, substeps);
+    if (w->s->dynamics.trace ||
+        !gpu_loop(w->g, loop_key{&key, sizeof key}, NULL, launch))
+        launch();
+    if (substeps % 2)
+        swap(w);
+    w->when.k += substeps;
+}
+
+/* One thread: so many turns are left. */
+static __global__ void turns_kernel(int32_t *left, int32_t turns)
+{
+    *left = turns;
+}
+
+/* One thread: one of them is done. */
+static __global__ void turn_kernel(int32_t *left)
+{
+    *left = *left - 1;
+}
+
+static void take_turns(struct walk_on *w, int32_t turns)
+{
+    struct walk_key key;
+    int32_t *left = (int32_t *)gpu_words(w->g);
+    w->when.turns = turns;
+    w->when.left = left;
+    auto launch = [&] {
+        int status = queue(*w, TURN);
+        LAUNCH_BLOCKS(w->g, 1, 1, turn_kernel, left);
+        return status;
+    };
+    write_key(&key, w, TURN);
+    LAUNCH_BLOCKS(w->g, 1, 1, turns_kernel, left, turns);
+    if (gpu_loop(w->g, loop_key{&key, sizeof key}, left, launch))
+        return;
+    for (int32_t k = 0; k < turns && gpu_status(w->g) == DRAPE_OK; k++)
+        launch();
+}
+
+int gpu_motion_explicit(struct gpu *g, struct gpu_sheet *s)
+{
+    struct dynamics *d = &s->dynamics;
+    const struct cloth *c = &s->cloth;
+    int32_t n = advance_substeps(d->method, d->dt, c->bound, (double)c->beta);
+    d->substeps = n;
+    if (n > d->max_substeps)
+        return DRAPE_ELIMIT;
+    struct walk_on w = {};
+    w.g = g;
+    w.s = s;
+    w.now = {d->x1, d->v1};
+    w.next = {motion_stream(s, 1), motion_stream(s, 2)};
+    w.more = w.spare = {motion_stream(s, 3), motion_stream(s, 4)};
+    if (!d->trace && motion_spares(d)) /* then no force is written */
+        w.spare = {motion_stream(s, 0), motion_stream(s, (int)motion_vecs(d))};
+    w.h = (real)(d->dt / n);
+    w.when.n = n;
+    int32_t turns = d->trace ? 0 : n / TURN;
+    gpu_motion_copy(g, s, d->x, d->v);
+    queue_rest(&w, n - turns * TURN);
+    if (turns)
+        take_turns(&w, turns);
+    gpu_motion_copy(g, s, w.now.x, w.now.v);
+    return gpu_status(g);
+}

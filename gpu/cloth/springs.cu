@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The force on each particle, as a stream. spec/cloth/springs.md */
+#include "gpu/cloth/springs.cuh"
+
+namespace
+{
+
+/* Particle p's thread writes force[p]. */
+struct force_stream {
+    vec *force;
+    __device__ void take(int p, vec f) const { force[p] = f; }
+};
+
+} // namespace
+
+int gpu_springs(struct gpu *g, struct springs *s)
+{
+    springs_to(g, s, force_stream{s->force});
+    return gpu_status(g);
+}

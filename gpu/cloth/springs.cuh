@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The force on each particle, for who takes it. spec/cloth/springs.md */
+#ifndef GPU_SPRINGS_CUH
+#define GPU_SPRINGS_CUH
+
+#include "gpu/cloth/cloth.cuh"
+
+/* A block owns TILE_WIDE × HIGH particles; springs reach TILE_RIM further. */
+enum { TILE_WIDE = 32, TILE_RIM = 2, TILE_ACROSS = TILE_WIDE + 2 * TILE_RIM };
+
+/* The springs of direction o that pull at a tile's particles start in it or one
+ * step before it: in rows of so many, from this column of the tile on. */
+static __host__ __device__ constexpr int tile_left(int o)
+{
+    return forward_i(o) > 0 ? -forward_i(o) : 0;
+}
+static __host__ __device__ constexpr int tile_wide(int o)
+{
+    return TILE_WIDE + (forward_i(o) < 0 ? -forward_i(o) : forward_i(o));
+}
+
+/* How many those of directions before o are, in a tile so high. */
+struct tile_pulls {
+    int before[SPRINGS + 1];
+    __host__ __device__ constexpr tile_pulls(int high) : before{}
+    {
+        for (int o = 0; o < SPRINGS; o++)
+            before[o + 1] = before[o] + tile_wide(o) * (high + forward_j(o));
+    }
+};
+
+/* Of a direction: its first pull, its rows and the place of the first spring.
+ */
+struct alignas(16) tile_way {
+    int pull, wide, over, place;
+};
+
+/* What the threads of a block share: particles with their rim, row by row, and
+ * the pull of each spring on the particle that it starts at. */
+template <int HIGH> struct tile {
+    enum { PLACES = TILE_ACROSS * (HIGH + 2 * TILE_RIM) };
+    enum { PULLS = tile_pulls(HIGH).before[SPRINGS] };
+    struct tile_way way[SPRINGS];
+    struct law law[SPRINGS];
+    vec x[PLACES], v[PLACES], pull[PULLS];
+    uint8_t springs[PLACES]; /* 0 outside the grid */
+};
+
+template <int HIGH>
+static __device__ void tile_lead(const struct springs *s, struct tile<HIGH> *a,
+                                 int o)
+{
+    constexpr struct tile_pulls pulls(HIGH);
+    struct tile_way w = {};
+    UNROLL
+    for (int d = 0; d < SPRINGS; d++)
+        if (d == o)
+            w = {pulls.before[d], tile_wide(d), 65536 / tile_wide(d) + 1,
+                 (TILE_RIM - forward_j(d)) * TILE_ACROSS + TILE_RIM +
+                     tile_left(d)};
+    a->way[o] = w;
+    a->law[o] = s->law[o];
+}
+
+/* Place k of the tile whose particle 0 is (i0, j0). */
+template <int HIGH>
+static __device__ void tile_fill(const struct springs *s, struct tile<HIGH> *a,
+                                 int i0, int j0, int k)
+{
+    int j = k / TILE_ACROSS, i = i0 - TILE_RIM + (k - j * TILE_ACROSS);
+    j += j0 - TILE_RIM;
+    a->springs[k] = 0;
+    if (i < 0 || j < 0 || i >= s->m || j >= s->n)
+        return;
+    int p = i + j * s->m;
+    a->springs[k] = s->springs[p];
+    a->x[k] = s->x[p];
+    if (s->n_v)
+        a->v[k] = s->v[p];
+}
+
+/* §1: the pull on place p of a spring to place q. */
+template <int HIGH>
+static __device__ vec tile_pull(const struct tile<HIGH> *a,
+                                const struct law *law, bool damped, int p,
+                                int q)
+{
+    vec d = sub(a->x[q], a->x[p]);
+    real l = length(d);
+    if (!(l > 0))
+        return make(0, 0, 0);
+    vec u = scale(1 / l, d);
+    real f = spring_tension(law, l);
+    if (damped)
+        f += law->damp * dot(sub(a->v[q], a->v[p]), u);
+    return scale(f, u);
+}
+
+/* Pull k of all directions'. */
+template <int HIGH>
+static __device__ vec tile_pull_of(const struct tile<HIGH> *a, bool damped,
+                                   int k)
+{
+    constexpr struct tile_pulls pulls(HIGH);
+    int o = 0;
+    UNROLL
+    for (int d = 1; d < SPRINGS; d++)
+        o += k >= pulls.before[d];
+    struct tile_way w = a->way[o];
+    int n = k - w.pull, row = n * w.over >> 16; /* n / wide, as n < 1024 */
+    int p = w.place + row * TILE_ACROSS + (n - row * w.wide);
+    if (!(a->springs[p] >> o & 1))
+        return make(0, 0, 0);
+    int q = p + forward_i(o) + forward_j(o) * TILE_ACROSS;
+    return tile_pull(a, &a->law[o], damped, p, q);
+}
+
+/* What the springs pull at particle (i, j) of the tile with. §2: forward and
+ * backward spring of each direction in turn. A spring's pull on its far end is
+ * exactly the negative of that on its start (§4), up to the sign of a zero,
+ * which no sum that starts from +0 shows; for the same reason springs that are
+ * not there may add +0. */
+template <int HIGH>
+static __device__ vec tile_force(const struct tile<HIGH> *a, int i, int j)
+{
+    constexpr struct tile_pulls pulls(HIGH);
+    vec f = make(0, 0, 0);
+    UNROLL
+    for (int o = 0; o < SPRINGS; o++) {
+        int wide = tile_wide(o);
+        const vec *row = a->pull + pulls.before[o] + j * wide;
+        f = add(f, row[forward_j(o) * wide + i - tile_left(o)]);
+        f = sub(f, row[i - forward_i(o) - tile_left(o)]);
+    }
+    return f;
+}
+
+/* Thread t of a block owns particle (t % TILE_WIDE, t / TILE_WIDE) of it, where
+ * there are so many, and hands its force to `to`; all take part in the pulls.
+ * Streams that `to` writes are not x or v, which other blocks read. */
+template <int HIGH, int THREADS, class To>
+static __global__ void __launch_bounds__(THREADS)
+    springs_kernel(struct springs s, int across, To to)
+{
+    __shared__ struct tile<HIGH> a;
+    int t = (int)threadIdx.x, block = (int)blockIdx.x;
+    int row = block / across, i0 = (block - row * across) * TILE_WIDE;
+    int j0 = row * HIGH, i = t % TILE_WIDE, j = t / TILE_WIDE;
+    if (t < SPRINGS)
+        tile_lead(&s, &a, t);
+    for (int k = t; k < tile<HIGH>::PLACES; k += THREADS)
+        tile_fill(&s, &a, i0, j0, k);
+    __syncthreads();
+    for (int k = t; k < tile<HIGH>::PULLS; k += THREADS)
+        a.pull[k] = tile_pull_of(&a, s.n_v > 0, k);
+    __syncthreads();
+    if (j >= HIGH || i0 + i >= s.m || j0 + j >= s.n)
+        return;
+    int p = i0 + i + (j0 + j) * s.m;
+    vec f = tile_force(&a, i, j);
+    if (s.n_wind)
+        f = add(f, s.wind[p]);
+    to.take(p, axpy(f, s.mass[p], s.gravity));
+}
+
+template <int HIGH, int THREADS, class To>
+static void springs_in(struct gpu *g, const struct springs *s, To to)
+{
+    int across = s->m / TILE_WIDE + (s->m % TILE_WIDE > 0);
+    int64_t down = s->n / HIGH + (s->n % HIGH > 0);
+    LAUNCH_BLOCKS(g, down * across, THREADS,
+                  (springs_kernel<HIGH, THREADS, To>), *s, across, to);
+}
+
+/* to.take(p, force) for each particle p. Small grids are short of blocks, large
+ * ones of what a block shares. */
+template <class To>
+static void springs_to(struct gpu *g, const struct springs *s, To to)
+{
+    if (s->count <= 1 << 16)
+        springs_in<4, 512>(g, s, to);
+#if REAL_BITS == 32
+    else
+        springs_in<8, 512>(g, s, to);
+#else
+    else
+        springs_in<4, 256>(g, s, to);
+#endif
+}
+
+#endif

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Drag and lift of each triangle, gathered by its corners.
+ * spec/cloth/wind.md */
+#include "gpu/base/real.cuh"
+
+/* A block owns WIDE × HIGH particles and the cells with a corner there. */
+enum {
+    WIDE = 32,
+    HIGH = 8,
+    CELLS_WIDE = WIDE + 1,
+    CELLS = CELLS_WIDE * (HIGH + 1)
+};
+
+/* §1: a third of the force on triangle abc. */
+static __device__ vec third(const struct wind *s, int a, int b, int c)
+{
+    vec ab = sub(s->x[b], s->x[a]), ac = sub(s->x[c], s->x[a]);
+    vec area = scale(R(0.5), cross(ab, ac));
+    vec sum = add(add(s->v[a], s->v[b]), s->v[c]);
+    vec u = sub(s->air, scale(R(1.0 / 3), sum));
+    real flow = dot(area, u), square = dot(u, u);
+    real size = length(area) * root(square);
+    if (!(size > 0))
+        return make(0, 0, 0);
+    vec across = axpy(scale(square, area), -flow, u);
+    vec f = scale(s->drag * magnitude(flow), u);
+    f = axpy(f, s->lift * (flow / size), across);
+    return scale(R(1.0 / 3), f);
+}
+
+/* The two triangles of cell (i, j), 0 where it is not there. */
+static __device__ void fill_cell(const struct wind *s, int i, int j,
+                                 vec part[2])
+{
+    part[0] = part[1] = make(0, 0, 0);
+    if (i < 0 || j < 0 || i >= s->m || j >= s->n)
+        return;
+    int p = i + j * s->m, up = p + s->m;
+    if (!s->cell[p])
+        return;
+    part[0] = third(s, p, p + 1, up + 1);
+    part[1] = third(s, p, up + 1, up);
+}
+
+/* Thread t of a block fills cells t and t + 256 of its CELLS, then owns
+ * particle (t % WIDE, t / WIDE) of it and writes its force. §2: the cells
+ * around a particle by ascending number. */
+static __global__ void __launch_bounds__(WIDE *HIGH)
+    wind_kernel(struct wind s, int across)
+{
+    __shared__ vec part[CELLS][2];
+    int t = (int)threadIdx.x, block = (int)blockIdx.x;
+    int row = block / across, column = block - row * across;
+    int i0 = column * WIDE, j0 = row * HIGH;
+    for (int c = t; c < CELLS; c += WIDE * HIGH)
+        fill_cell(&s, i0 - 1 + c % CELLS_WIDE, j0 - 1 + c / CELLS_WIDE,
+                  part[c]);
+    __syncthreads();
+    int i = i0 + t % WIDE, j = j0 + t / WIDE;
+    if (i >= s.m || j >= s.n)
+        return;
+    vec(*here)[2] = part + (t / WIDE + 1) * CELLS_WIDE + t % WIDE + 1;
+    vec(*below)[2] = here - CELLS_WIDE;
+    vec f = make(0, 0, 0);
+    if (i > 0 && j > 0)
+        f = add(add(f, below[-1][0]), below[-1][1]);
+    if (j > 0)
+        f = add(f, below[0][1]);
+    if (i > 0)
+        f = add(f, here[-1][0]);
+    s.force[i + j * s.m] = add(add(f, here[0][0]), here[0][1]);
+}
+
+int gpu_wind(struct gpu *g, struct wind *s)
+{
+    int across = s->m / WIDE + (s->m % WIDE > 0);
+    int64_t down = s->n / HIGH + (s->n % HIGH > 0);
+    LAUNCH_BLOCKS(g, down * across, WIDE * HIGH, wind_kernel, *s, across);
+    return gpu_status(g);
+}

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Pairs of candidates and their surfaces on the device: ref/contact/contact.h.
+ */
+#ifndef GPU_CONTACT_CUH
+#define GPU_CONTACT_CUH
+
+#include "gpu/base/real.cuh"
+#include "ref/contact/contact.h"
+
+/* A candidate's vertices, in one load. */
+struct alignas(16) pair_names {
+    int32_t v[4];
+};
+
+static __device__ inline void load_pair(const int32_t *pair, int64_t k,
+                                        int32_t v[4])
+{
+    struct pair_names f = ((const struct pair_names *)pair)[k];
+    for (int j = 0; j < 4; j++)
+        v[j] = f.v[j];
+}
+
+/* Pair `at` of `to` becomes pair k. */
+static __device__ inline void copy_pair(const int32_t *pair, int64_t k,
+                                        int32_t *to, int64_t at)
+{
+    ((struct pair_names *)to)[at] = ((const struct pair_names *)pair)[k];
+}
+
+static __device__ inline bool in_range(const int32_t v[4], int64_t nv)
+{
+    bool good = true;
+    for (int j = 0; j < 4; j++)
+        good = good && v[j] >= 0 && v[j] < nv;
+    return good;
+}
+
+static __device__ inline bool any_free(const int32_t v[4], const real *w)
+{
+    bool free = false;
+    for (int j = 0; j < 4; j++)
+        free |= w[v[j]] > 0;
+    return free;
+}
+
+/* The larger thickness and friction of the four vertices' surfaces. */
+static __device__ inline struct surface surface_of(const struct skin *s,
+                                                   const int32_t v[4])
+{
+    struct surface r = s->surface[s->of[v[0]]];
+    for (int j = 1; j < 4; j++) {
+        struct surface t = s->surface[s->of[v[j]]];
+        r.thickness = most(r.thickness, t.thickness);
+        r.friction = most(r.friction, t.friction);
+    }
+    return r;
+}
+
+/* ((c0 a0 + c1 a1) + c2 a2) + c3 a3. */
+static __device__ inline vec weigh(const struct contact *c, const vec *a)
+{
+    vec r = scale(c->c[0], a[c->v[0]]);
+    for (int j = 1; j < 4; j++)
+        r = axpy(r, c->c[j], a[c->v[j]]);
+    return r;
+}
+
+#endif

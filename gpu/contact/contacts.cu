@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Mass-splitting projected Jacobi: all passes of a call in one kernel.
+ * spec/contact/contacts.md */
+#include "gpu/base/crowd.cuh"
+#include "gpu/contact/contacts.cuh"
+#include "gpu/contact/impulses.cuh"
+#include "gpu/contact/incidence.cuh"
+
+/* Up to so many contacts a rank are a team's, whose barriers are short; more,
+ * all the device's. TEAM_BLOCK: the threads of a block. */
+#ifdef __CUDACC__
+enum { RANK_CONTACTS = 2048, TEAM_BLOCK = 1024 };
+#else
+enum { RANK_CONTACTS = 10, TEAM_BLOCK = 64 };
+#endif
+
+/* A pass, and a barrier after it. */
+template <bool CROWD, void ACT(const struct mass_splitting &, int64_t)>
+static __device__ void pass(const struct mass_splitting &m, int64_t n)
+{
+    EACH_OF_TEAM(k, n)
+    ACT(m, k);
+    meet<CROWD>();
+}
+
+static __device__ real momentum(int age)
+{
+    return (real)age / ((real)age + 3);
+}
+
+/* §3. What the first pass writes to `over` all read behind its barrier, before
+ * the last one's. */
+template <bool CROWD>
+static __device__ void solve_normal(struct mass_splitting &m, int64_t n,
+                                    int64_t touched)
+{
+    for (int t = 0, age = 0; t < m.s.iterations; t++) {
+        real beta = momentum(age);
+        EACH_OF_TEAM(k, n)
+        find_lack(m, k, t, beta);
+        meet<CROWD>();
+        bool over = *m.over == t + 1;
+        age = over ? age / 2 : age + 1;
+        m.s.keep = t + 1 < m.s.iterations ? momentum(age) : R(0.0);
+        if (over) {
+            m.s.keep /= beta;
+            pass<CROWD, go_back>(m, n);
+        } else
+            pass<CROWD, push_normal>(m, n);
+        EACH_OF_TEAM(k, touched)
+        apply_normal(m, k, over);
+        meet<CROWD>();
+    }
+}
+
+template <bool CROWD>
+static __global__ void __launch_bounds__(TEAM_BLOCK)
+    contacts_kernel(struct mass_splitting m, struct amount some,
+                    const int64_t *words)
+{
+    int64_t n = words[INCIDENCE_BAD] ? 0 : number(some);
+    int64_t touched = words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
+    m.s.keep = 0;
+    pass<CROWD, stay>(m, touched);
+    pass<CROWD, begin>(m, n);
+    solve_normal<CROWD>(m, n, touched);
+    pass<CROWD, find_friction>(m, n);
+    for (int t = 0; t < m.s.iterations; t++) {
+        pass<CROWD, push_tangent>(m, n);
+        pass<CROWD, apply_tangent>(m, touched);
+    }
+    pass<CROWD, end>(m, n);
+    pass<CROWD, apply_all>(m, touched);
+}
+
+int gpu_contacts(struct gpu *g, struct contacts *s)
+{
+    struct amount unused;
+    return gpu_contacts_of(g, s, amount{s->n, NULL}, &unused);
+}
+
+int gpu_contacts_of(struct gpu *g, struct contacts *s, struct amount n,
+                    struct amount *vertices)
+{
+    if (s->iterations < 0 || s->nv1 != s->nv + 1 || s->n4 != 4 * s->n ||
+        s->n4 > INT32_MAX)
+        return DRAPE_EARG;
+    struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
+                           s->start, s->item, s->vertex, 0};
+    int64_t *words = gpu_words(g);
+    struct mass_splitting m = {*s, gpu_incidence(g, &by, n, words), NULL,
+                               words + INCIDENCE_WORDS}; /* §1 */
+    m.pushed = (struct pushed *)gpu_scratch(g, SLOT_STAGE + 3, s->n4,
+                                            sizeof *m.pushed);
+    gpu_clear(g, m.pushed, (size_t)s->n4 * sizeof *m.pushed);
+    gpu_clear(g, s->stirred, (size_t)s->nv);
+    if (gpu_recorded(g, s->n) < (int64_t)g->ranks * RANK_CONTACTS)
+        LAUNCH_TEAM(g, TEAM_BLOCK, 0, contacts_kernel<false>, m, n, words);
+    else
+        LAUNCH_CROWD(g, 1, TEAM_BLOCK, contacts_kernel<true>, m, n, words);
+    const int64_t *seen = gpu_read_words(g, INCIDENCE_WORDS + 1);
+    s->vertices = seen[INCIDENCE_VERTICES];
+    *vertices = {s->vertices, gpu_kept(g, INCIDENCE_VERTICES)};
+    if (vertices->at)
+        vertices->most = s->nv < s->n4 ? s->nv : s->n4;
+    gpu_expect(g, INCIDENCE_BAD, 0, 0);
+    return seen[INCIDENCE_BAD] ? DRAPE_EARG : gpu_status(g);
+}

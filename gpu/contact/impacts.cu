@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Selects the candidates that touch. spec/contact/impacts.md */
+#include "gpu/base/place.cuh"
+#include "gpu/contact/contact.cuh"
+#include "gpu/run/tape.cuh"
+
+#include "ref/contact/impacts.h"
+#include "ref/narrow/narrow.h"
+
+/* What at[k] says of candidate k; ASKED: whether it touches at the start is
+ * narrow's to say. */
+enum { HIT = 0, MISS = -1, ASKED = -2 };
+enum { BAD, HITS, LED, ASKS, WORDS };
+
+/* The candidates that narrow is asked about, with x0 as start and end. */
+struct asked {
+    int32_t *pair; /* [n][4] */
+    int32_t *item; /* [n] which candidate */
+    uint32_t *toi; /* [n] */
+    uint8_t *kind, *tier;
+};
+
+/* §1. Thread k owns candidate k: reads toi[k], and where it touches its
+ * vertices' w; writes at[k]. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    impacts_decide_kernel(struct impacts s, struct amount n, int64_t *words)
+{
+    ITEM(k, number(n));
+    int32_t v[4];
+    load_pair(s.pair, k, v);
+    if (!in_range(v, s.nv) || s.kind[k] > CONTACT_EE) {
+        words[BAD] = 1;
+        return;
+    }
+    int32_t at = MISS;
+    if (s.toi[k] != NARROW_MISS) {
+        bool free = any_free(v, s.w);
+        bool later = s.toi[k] > 0;
+        at = !free ? MISS : later ? HIT : ASKED;
+        count_up(&words[!free ? LED : later ? HITS : ASKS], 1);
+    }
+    s.at[k] = at;
+}
+
+/* A block owns PLACE_BLOCK candidates: how many are `want`. */
+static __global__ void __launch_bounds__(PLACE_BLOCK)
+    impacts_count_kernel(struct impacts s, struct amount n, int32_t want,
+                         int64_t *first)
+{
+    int64_t k = place_item();
+    int count;
+    block_place(k < number(n) && s.at[k] == want, &count);
+    if (threadIdx.x == 0)
+        first[blockIdx.x] = count;
+}
+
+/* A block owns PLACE_BLOCK candidates: those asked about go to its part of a.
+ */
+static __global__ void __launch_bounds__(PLACE_BLOCK)
+    impacts_ask_kernel(struct impacts s, const int64_t *first, struct asked a)
+{
+    int64_t k = place_item();
+    bool asks = k < s.n && s.at[k] == ASKED;
+    int count;
+    int64_t at = block_place(asks, &count) + first[blockIdx.x];
+    if (!asks)
+        return;
+    copy_pair(s.pair, k, a.pair, at);
+    a.item[at] = (int32_t)k;
+    a.kind[at] = s.kind[k];
+}
+
+/* Thread k owns the k-th of n asked about. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    impacts_answer_kernel(struct impacts s, int64_t n, struct asked a,
+                          int64_t *words)
+{
+    ITEM(k, n);
+    bool hit = a.toi[k] == NARROW_MISS;
+    s.at[a.item[k]] = hit ? HIT : MISS;
+    if (hit)
+        count_up(&words[HITS], 1);
+}
+
+/* A block owns PLACE_BLOCK candidates: its hits go to their place. */
+static __global__ void __launch_bounds__(PLACE_BLOCK)
+    impacts_emit_kernel(struct impacts s, struct amount n, const int64_t *first)
+{
+    int64_t k = place_item();
+    bool hit = k < number(n) && s.at[k] == HIT;
+    int count;
+    int64_t at = block_place(hit, &count) + first[blockIdx.x];
+    if (!hit)
+        return;
+    copy_pair(s.pair, k, s.hit, at);
+    s.hit_kind[at] = s.kind[k];
+    s.hit_toi[at] = s.toi[k];
+}
+
+/* Where each block's candidates that are `want` go. */
+static int64_t *place(struct gpu *g, const struct impacts *s, struct amount n,
+                      int32_t want)
+{
+    int64_t blocks = place_blocks(n.most);
+    int64_t *first =
+        (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks, sizeof *first);
+    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, impacts_count_kernel, *s, n, want,
+                  first);
+    gpu_scan(g, first, blocks);
+    return first;
+}
+
+/* Asks narrow about n candidates that seem to touch at the start. */
+static int ask(struct gpu *g, struct impacts *s, int64_t n)
+{
+    struct asked a;
+    /* narrow has the slots before */
+    int32_t *room = (int32_t *)gpu_scratch(g, SLOT_STAGE + 2, 26 * n, 1);
+    if (!room)
+        return gpu_status(g);
+    a.pair = room;
+    a.item = room + 4 * n;
+    a.toi = (uint32_t *)(room + 5 * n);
+    a.kind = (uint8_t *)(room + 6 * n);
+    a.tier = a.kind + n;
+    int64_t *first = place(g, s, amount{s->n, NULL}, ASKED);
+    LAUNCH_BLOCKS(g, place_blocks(s->n), PLACE_BLOCK, impacts_ask_kernel, *s,
+                  first, a);
+    struct narrow m = {.n = n,
+                       .pair = a.pair,
+                       .kind = a.kind,
+                       .x0 = s->x0,
+                       .x1 = s->x0,
+                       .nv = s->nv,
+                       .toi = a.toi,
+                       .tier = a.tier};
+    int status = gpu_narrow(g, &m);
+    int64_t *words = gpu_words(g);
+    LAUNCH(g, n, impacts_answer_kernel, *s, n, a, words);
+    int64_t hits = gpu_read_words(g, WORDS)[HITS];
+    s->found += hits;
+    s->started = n - hits;
+    return status == DRAPE_OK ? gpu_status(g) : status;
+}
+
+int gpu_impacts(struct gpu *g, struct impacts *s)
+{
+    int64_t *words = gpu_words(g);
+    struct amount n = gpu_amount(g, s->n);
+    LAUNCH(g, n.most, impacts_decide_kernel, *s, n, words);
+    const int64_t *seen = gpu_read_words(g, WORDS);
+    gpu_expect(g, BAD, 0, 0);
+    gpu_expect(g, LED, 0, 0);
+    gpu_expect(g, ASKS, 0, 0);
+    gpu_expect_some(g, HITS, s->cap);
+    g->found = gpu_kept(g, HITS);
+    if (seen[HITS]) /* a round is next, which moves something */
+        gpu_fence(g);
+    if (seen[BAD])
+        return DRAPE_EARG;
+    int64_t asks = seen[ASKS];
+    int status = gpu_status(g);
+    s->found = seen[HITS];
+    s->led = seen[LED];
+    s->started = 0;
+    if (asks && status == DRAPE_OK)
+        status = ask(g, s, asks);
+    if (status == DRAPE_OK && s->found > s->cap)
+        return DRAPE_EFULL;
+    if (!s->found || status != DRAPE_OK)
+        return status;
+    int64_t *first = place(g, s, n, HIT);
+    LAUNCH_BLOCKS(g, place_blocks(n.most), PLACE_BLOCK, impacts_emit_kernel, *s,
+                  n, first);
+    return gpu_status(g);
+}

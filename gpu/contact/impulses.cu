@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What an impact asks of the velocities. spec/contact/impulses.md */
+#include "gpu/base/last.cuh"
+#include "gpu/base/place.cuh"
+#include "gpu/base/scan.cuh"
+#include "gpu/contact/closest.cuh"
+#include "gpu/contact/contact.cuh"
+#include "gpu/contact/impulses.cuh"
+
+#include "ref/contact/impulses.h"
+
+/* MORE: 1: more than were active; TICKET: for ends_last. */
+enum { BAD, FOUND, MORE, TICKET, WORDS };
+
+/* What there is: impacts, and active contacts. */
+struct both {
+    struct amount impacts, active;
+};
+
+static __device__ int64_t all_of(const struct both &n)
+{
+    return number(n.impacts) + number(n.active);
+}
+
+/* ---- §1 Identity ---- */
+
+static __device__ uint64_t join(int32_t a, int32_t b)
+{
+    return (uint64_t)(uint32_t)a << 32 | (uint32_t)b;
+}
+
+/* The same key for the same pair, however its vertices are ordered. */
+static __device__ struct key identity(const int32_t v[4], int64_t kind,
+                                      int64_t item)
+{
+    if (kind == CONTACT_EE) {
+        uint64_t a = join(least(v[0], v[1]), most(v[0], v[1]));
+        uint64_t b = join(least(v[2], v[3]), most(v[2], v[3]));
+        struct key r = {least(a, b) | 1ull << 63, most(a, b), item};
+        return r;
+    }
+    int32_t lo = least(v[1], v[2]), hi = most(v[1], v[2]);
+    int32_t first = least(lo, v[3]), last = most(hi, v[3]);
+    int32_t middle = most(lo, least(hi, v[3]));
+    struct key r = {join(v[0], first), join(middle, last), item};
+    return r;
+}
+
+/* Thread k owns key k: of active[k], or of an impact behind these; those behind
+ * all come last. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    impulses_key_kernel(struct impulses s, struct both n, int64_t *words)
+{
+    ITEM(k, n.impacts.most + n.active.most);
+    int64_t active = number(n.active), j = k - active;
+    if (j < 0) {
+        struct contact c = s.active[k];
+        s.key[k] = identity(c.v, c.kind, k);
+        return;
+    }
+    if (j >= number(n.impacts)) {
+        s.key[k] = {UINT64_MAX, UINT64_MAX, k};
+        return;
+    }
+    int32_t v[4];
+    load_pair(s.pair, j, v);
+    if (!in_range(v, s.nv) || s.kind[j] > CONTACT_EE)
+        words[BAD] = 1;
+    s.key[k] = identity(v, s.kind[j], k);
+}
+
+/* ---- §2 Geometry ---- */
+
+struct impact {
+    struct wide x[4];    /* m, at the time of impact */
+    struct wide from[4]; /* m, at the start, relative to the first */
+    struct wide way[4];  /* m, displacement over the step */
+};
+
+static __device__ void place(const struct impulses *s, const int32_t v[4],
+                             double t, struct impact *m)
+{
+    struct wide base = widen(s->x0[v[0]]);
+    for (int k = 0; k < 4; k++) {
+        struct wide a = widen(s->x0[v[k]]);
+        m->way[k] = sub(widen(s->x1[v[k]]), a);
+        m->from[k] = sub(a, base);
+        m->x[k] = axpy(m->from[k], t, m->way[k]);
+    }
+}
+
+static __device__ struct wide blend(const double c[4], const struct wide a[4])
+{
+    struct wide r = scale(c[0], a[0]);
+    for (int k = 1; k < 4; k++)
+        r = axpy(r, c[k], a[k]);
+    return r;
+}
+
+/* §2.2: against the approach, and along it where the primitives' own normal
+ * cannot oppose it. */
+static __device__ struct wide normal_of(const struct impact *m, int kind,
+                                        const double c[4])
+{
+    struct wide way = blend(c, m->way), from = blend(c, m->from);
+    struct wide back = unit(scale(-1, way), unit(from, wide3(1, 0, 0)));
+    struct wide n = unit(nearest_normal(m->x, kind), back);
+    double closing = dot(n, way);
+    if (closing * closing <= 0x1p-32 * dot(way, way))
+        return back;
+    return closing > 0 ? scale(-1, n) : n;
+}
+
+static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
+{
+    struct impact m;
+    struct contact c;
+    int32_t v[4];
+    load_pair(s->pair, k, v);
+    int kind = s->kind[k];
+    place(s, v, (double)s->toi[k] * 0x1p-30, &m);
+    struct closest r = nearest(m.x, kind);
+    struct wide n = normal_of(&m, kind, r.c);
+    struct surface skin = surface_of(&s->skin, v);
+    for (int j = 0; j < 4; j++)
+        c.v[j] = v[j];
+    c.kind = kind;
+    nearest_weights(&r, kind, c.c);
+    c.n = narrowed(n);
+    c.gap = (real)dot(n, blend(r.c, m.from));
+    c.target = (s->margin * skin.thickness - c.gap) / s->dt;
+    c.friction = skin.friction;
+    c.held = 0;
+    c.impulse = c.slide = 0;
+    c.tangent = make(0, 0, 0);
+    return c;
+}
+
+/* ---- §3 The active set ---- */
+
+/* The newest of each identity stays: it comes last among its equals. */
+static __device__ bool stays(const struct key *key, int64_t n, int64_t k)
+{
+    return k < n && (k + 1 == n || key[k].hi != key[k + 1].hi ||
+                     key[k].lo != key[k + 1].lo);
+}
+
+/* A block owns PLACE_BLOCK sorted keys: how many of them stay; the one that
+ * ends last, where those of each begin. */
+static __global__ void __launch_bounds__(PLACE_BLOCK)
+    impulses_count_kernel(const struct key *key, struct both n, int64_t *first,
+                          int64_t *words)
+{
+    int count;
+    block_place(stays(key, all_of(n), place_item()), &count);
+    if (threadIdx.x == 0) {
+        first[blockIdx.x] = count;
+        count_up(&words[FOUND], count);
+    }
+    if (!ends_last((unsigned *)&words[TICKET]))
+        return;
+    scan_blocks(first, (int64_t)gridDim.x);
+    if (threadIdx.x == 0)
+        words[MORE] = words[FOUND] > number(n.active);
+}
+
+/* A block owns PLACE_BLOCK sorted keys: the contacts of those that stay go to
+ * their place. */
+static __global__ void __launch_bounds__(PLACE_BLOCK)
+    impulses_emit_kernel(struct impulses s, struct both n,
+                         const struct key *key, const int64_t *first)
+{
+    int64_t k = place_item(), active = number(n.active);
+    bool stay = stays(key, all_of(n), k);
+    int count;
+    int64_t at = block_place(stay, &count) + first[blockIdx.x];
+    if (!stay)
+        return;
+    int64_t item = key[k].item;
+    if (item < active)
+        s.contact[at] = s.active[item];
+    else
+        s.contact[at] = contact_of(&s, item - active);
+}
+
+int gpu_impulses(struct gpu *g, struct impulses *s)
+{
+    return gpu_impulses_of(g, s, amount{s->n, NULL}, amount{s->n_active, NULL});
+}
+
+int gpu_impulses_of(struct gpu *g, struct impulses *s, struct amount impacts,
+                    struct amount active)
+{
+    struct both n = {impacts, active};
+    int64_t most = impacts.most + active.most;
+    if (!(s->dt > 0 && s->dt <= REAL_BIG && s->margin >= 0) ||
+        s->n_all != s->n + s->n_active || most > INT32_MAX / 4)
+        return DRAPE_EARG;
+    int64_t blocks = place_blocks(most);
+    int64_t *words = gpu_words(g);
+    int64_t *first =
+        (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks, sizeof *first);
+    LAUNCH(g, most, impulses_key_kernel, *s, n, words);
+    struct key *key = gpu_sort_padded(g, most, s->key, s->spare);
+    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, impulses_count_kernel, key, n, first,
+                  words);
+    const int64_t *seen = gpu_read_words(g, WORDS);
+    gpu_expect(g, BAD, 0, 0);
+    gpu_expect_some(g, FOUND, s->cap);
+    gpu_expect(g, MORE, seen[MORE], seen[MORE]);
+    g->found = gpu_kept(g, FOUND);
+    gpu_fence(g);
+    if (seen[BAD])
+        return DRAPE_EARG;
+    s->found = seen[FOUND];
+    if (s->found > s->cap)
+        return DRAPE_EFULL;
+    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, impulses_emit_kernel, *s, n, key,
+                  first);
+    return gpu_status(g);
+}

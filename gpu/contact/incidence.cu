@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Contacts by vertex: counted by atomics, each item then put where as many of
+ * its vertex are lower, so that no order of threads shows. */
+#include "gpu/contact/incidence.cuh"
+
+/* Scratch. A vertex's word is its items, and 2^32 if it has any: one scan
+ * gives where its items begin and how many vertices before it have some. */
+struct lists {
+    int64_t *word; /* [nv + 1] */
+    int32_t *rank; /* [4 n] of an item among its vertex's, in any order; at
+                      last its place */
+    int32_t *any;  /* [4 n] items by vertex, in that order */
+};
+
+static __device__ bool pushes(const struct incidence *s, int64_t item,
+                              int32_t *vertex)
+{
+    const struct contact *c = &s->contact[item / 4];
+    *vertex = c->v[item % 4];
+    return c->c[item % 4] != 0 && s->w[*vertex] > 0;
+}
+
+/* Thread k owns item k: writes rank[k]; its vertex's word by atomics. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    incidence_count_kernel(struct incidence s, struct amount n, struct lists l,
+                           int64_t *words)
+{
+    ITEM(k, 4 * number(n));
+    int32_t i = s.contact[k / 4].v[k % 4];
+    if (i < 0 || i >= s.nv) {
+        words[INCIDENCE_BAD] = 1;
+        return;
+    }
+    if (!pushes(&s, k, &i)) {
+        l.rank[k] = -1;
+        return;
+    }
+    unsigned long long *word = (unsigned long long *)&l.word[i];
+    int32_t rank = (int32_t)(uint32_t)atomicAdd(word, 1ull);
+    if (rank == 0)
+        atomicAdd(word, 1ull << 32);
+    l.rank[k] = rank;
+}
+
+/* Thread i owns vertex i of nv + 1: reads its word and the next, writes
+ * start[i] and its place in vertex. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    incidence_start_kernel(struct incidence s, struct lists l, int64_t *words)
+{
+    ITEM(i, s.nv + 1);
+    int64_t word = l.word[i];
+    s.start[i] = (int32_t)(uint32_t)word;
+    if (i == s.nv)
+        words[INCIDENCE_VERTICES] = word >> 32;
+    else if (l.word[i + 1] >> 32 != word >> 32)
+        s.vertex[word >> 32] = (int32_t)i;
+}
+
+/* Thread k owns item k: writes it among its vertex's. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    incidence_place_kernel(struct incidence s, struct amount n, struct lists l,
+                           const int64_t *words)
+{
+    ITEM(k, 4 * number(n));
+    int32_t i;
+    if (!words[INCIDENCE_BAD] && pushes(&s, k, &i))
+        l.any[s.start[i] + l.rank[k]] = (int32_t)k;
+}
+
+/* Thread k owns place k of all lists: its item goes behind the lower ones of
+ * its vertex. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    incidence_order_kernel(struct incidence s, struct amount n, struct lists l,
+                           const int64_t *words)
+{
+    ITEM(k, 4 * number(n));
+    if (words[INCIDENCE_BAD] || k >= s.start[s.nv])
+        return;
+    int32_t item = l.any[k], i = s.contact[item / 4].v[item % 4];
+    int32_t first = s.start[i], end = s.start[i + 1], at = first;
+    for (int32_t j = first; j < end; j++)
+        at += l.any[j] < item;
+    s.item[at] = item;
+    l.rank[item] = at;
+}
+
+int32_t *gpu_incidence(struct gpu *g, const struct incidence *s,
+                       struct amount n, int64_t *words)
+{
+    int64_t items = 4 * n.most;
+    struct lists l = {
+        (int64_t *)gpu_scratch(g, SLOT_STAGE, s->nv + 1, sizeof *l.word),
+        (int32_t *)gpu_scratch(g, SLOT_STAGE + 1, items, sizeof *l.rank),
+        (int32_t *)gpu_scratch(g, SLOT_STAGE + 2, items, sizeof *l.any)};
+    gpu_clear(g, l.word, (size_t)(s->nv + 1) * sizeof *l.word);
+    LAUNCH(g, items, incidence_count_kernel, *s, n, l, words);
+    gpu_scan(g, l.word, s->nv + 1);
+    LAUNCH(g, s->nv + 1, incidence_start_kernel, *s, l, words);
+    LAUNCH(g, items, incidence_place_kernel, *s, n, l, words);
+    LAUNCH(g, items, incidence_order_kernel, *s, n, l, words);
+    return l.rank;
+}

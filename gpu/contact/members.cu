@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Who is in which zone. spec/contact/zones.md §1 */
+#include "gpu/contact/members.cuh"
+
+#include "gpu/base/place.cuh"
+#include "gpu/contact/contact.cuh"
+
+/* Thread k owns corner k of the pairs: its vertex is its own label. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    zones_label_kernel(struct zones s, int64_t *words)
+{
+    ITEM(k, s.n4);
+    int32_t i = s.pair[k];
+    if (i < 0 || i >= s.nv)
+        words[MEMBERS_BAD] = 1;
+    else
+        s.label[i] = i;
+}
+
+/* The least vertex that labels lead to from i. Others lower them meanwhile,
+ * along the same chains; each label passed is set to its own label's, so that
+ * chains stay short: whoever sets it, it leads to the same end. */
+static __device__ int32_t root_of(volatile int32_t *label, int32_t i)
+{
+    int32_t at = label[i];
+    for (int32_t to = label[at]; to != at; to = label[at]) {
+        label[i] = to;
+        i = at;
+        at = to;
+    }
+    return at;
+}
+
+/* Makes the chains of a and b one: the larger root takes the smaller one as
+ * its label, if it is a root still. */
+static __device__ void unite(int32_t *label, int32_t a, int32_t b)
+{
+    a = root_of(label, a);
+    b = root_of(label, b);
+    while (a != b) {
+        int32_t hi = most(a, b), lo = least(a, b);
+        int32_t old = atomicCAS(&label[hi], hi, lo);
+        if (old == hi)
+            return;
+        a = root_of(label, old);
+        b = root_of(label, lo);
+    }
+}
+
+/* Thread k owns pair k: its free vertices become one component. Labels only
+ * fall, and the root left to a component is its least vertex. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    zones_unite_kernel(struct zones s, const int64_t *words)
+{
+    ITEM(k, s.n);
+    if (words[MEMBERS_BAD])
+        return;
+    int32_t v[4];
+    load_pair(s.pair, k, v);
+    int32_t first = -1;
+    for (int j = 0; j < 4; j++) {
+        if (!(s.w[v[j]] > 0))
+            continue;
+        if (first < 0)
+            first = v[j];
+        else
+            unite(s.label, first, v[j]);
+    }
+}
+
+/* Thread k owns corner k: writes its member's key, above all others where its
+ * pair is of no zone. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    zones_key_kernel(struct zones s, const int64_t *words)
+{
+    ITEM(k, s.n4);
+    struct key key = {UINT64_MAX, UINT64_MAX, 0};
+    if (!words[MEMBERS_BAD]) {
+        int32_t v[4];
+        load_pair(s.pair, k / 4, v);
+        for (int j = 0; j < 4 && key.hi == UINT64_MAX; j++)
+            if (s.w[v[j]] > 0)
+                key.hi = (uint32_t)root_of(s.label, v[j]);
+        key.lo = (uint32_t)v[k % 4];
+    }
+    s.key[k] = key;
+}
+
+/* ---- Members, zones and free vertices, each in order ---- */
+
+/* What sorted key k begins. */
+struct begins {
+    bool member, zone, free;
+};
+
+static __device__ struct begins begins_at(const struct zones *s,
+                                          const struct key *key, int64_t k,
+                                          const int64_t *words)
+{
+    struct begins b = {false, false, false};
+    if (words[MEMBERS_BAD] || k >= s->n4 || key[k].hi == UINT64_MAX)
+        return b;
+    b.zone = k == 0 || key[k].hi != key[k - 1].hi;
+    b.member = b.zone || key[k].lo != key[k - 1].lo;
+    b.free = b.member && s->w[key[k].lo] > 0;
+    return b;
+}
+
+/* A block owns PLACE_BLOCK sorted keys: counts what they begin in `first`,
+ * three streams one after the other, of gridDim.x each. */
+static __global__ void __launch_bounds__(PLACE_BLOCK)
+    zones_count_kernel(struct zones s, const struct key *key, int64_t *first,
+                       int64_t *words)
+{
+    struct begins b = begins_at(&s, key, place_item(), words);
+    int members, zones, free;
+    block_place(b.member, &members);
+    block_place(b.zone, &zones);
+    block_place(b.free, &free);
+    if (threadIdx.x > 0)
+        return;
+    first[blockIdx.x] = members;
+    first[gridDim.x + blockIdx.x] = zones;
+    first[2 * gridDim.x + blockIdx.x] = free;
+    count_up(&words[MEMBERS_ALL], members);
+    count_up(&words[MEMBERS_ZONES], zones);
+    count_up(&words[MEMBERS_FREE], free);
+}
+
+/* A block owns PLACE_BLOCK sorted keys: writes what they begin to its place. */
+static __global__ void __launch_bounds__(PLACE_BLOCK)
+    zones_emit_kernel(struct zones s, const struct key *key, struct key *member,
+                      const int64_t *first, const int64_t *words)
+{
+    int64_t k = place_item();
+    struct begins b = begins_at(&s, key, k, words);
+    int count;
+    int64_t at = first[blockIdx.x] + block_place(b.member, &count);
+    int64_t zone = first[gridDim.x + blockIdx.x] - words[MEMBERS_ALL] +
+                   block_place(b.zone, &count);
+    int64_t free = first[2 * gridDim.x + blockIdx.x] - words[MEMBERS_ALL] -
+                   words[MEMBERS_ZONES] + block_place(b.free, &count);
+    if (b.member)
+        member[at] = key[k];
+    if (b.zone)
+        s.zone[zone].first = at;
+    if (b.free)
+        s.vertex[free] = (int32_t)key[k].lo;
+}
+
+struct key *gpu_members(struct gpu *g, struct zones *s, int64_t *words)
+{
+    int64_t blocks = place_blocks(s->n4);
+    int64_t *first =
+        (int64_t *)gpu_scratch(g, SLOT_STAGE, 3 * blocks, sizeof *first);
+    LAUNCH(g, s->n4, zones_label_kernel, *s, words);
+    LAUNCH(g, s->n, zones_unite_kernel, *s, words);
+    LAUNCH(g, s->n4, zones_key_kernel, *s, words);
+    struct key *key = gpu_sort(g, s->n4, s->key, s->spare);
+    struct key *member = key == s->key ? s->spare : s->key;
+    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, zones_count_kernel, *s, key, first,
+                  words);
+    gpu_scan(g, first, 3 * blocks);
+    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, zones_emit_kernel, *s, key, member,
+                  first, words);
+    return member;
+}

@@ -1,0 +1,307 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Contacts as the implicit system feels them. spec/contact/penalty.md */
+#include "gpu/contact/incidence.cuh"
+#include "ref/contact/penalty.h"
+
+/* What an item adds to its vertex is PARTS numbers: PUSHES of force, then those
+ * of hold. GROUP vertices are a block's, a thread a part of each; GROUPS: the
+ * most blocks. */
+enum { PUSHES = 3, PARTS = 9, GROUP = 32, GROUP_BLOCK = PARTS * GROUP };
+enum { GROUPS = 1024 };
+
+/* §3: the weight of the side that vertex j of a contact is on. */
+static __device__ real side_of(const struct penalty *s, const struct contact *c,
+                               int j)
+{
+    int split = c->kind == CONTACT_VF ? 1 : 2;
+    int from = j < split ? 0 : split, to = j < split ? split : 4;
+    real least = 0;
+    for (int i = from; i < to; i++) {
+        real w = s->w[c->v[i]];
+        if (w > 0 && (least == 0 || w < least))
+            least = w;
+    }
+    return least;
+}
+
+/* §1: what the spring of a contact pushes with at velocities u, N·s. */
+static __device__ real spring(const struct penalty *s, const struct contact *c,
+                              const vec *u)
+{
+    real give = s->stiffness * s->dt * s->tau;
+    return give * (c->target - dot(c->n, weigh(c, u)));
+}
+
+/* §3: contact c's part for its vertex j, of all its parts' sum. */
+static __device__ real part_of(const struct penalty *s, const struct contact *c,
+                               real share, int j)
+{
+    return share / side_of(s, c, j) * magnitude(c->c[j]);
+}
+
+/* §1: of what its vertices took up along n, contact c's part by the holds that
+ * they had in the turn before, N·s. */
+static __device__ real gave(const struct penalty *s, const struct contact *c,
+                            real share)
+{
+    real push = 0, all = 0;
+    for (int j = 0; j < 4 && c->held; j++) {
+        int32_t i = c->v[j];
+        if (!(s->w[i] > 0) || c->c[j] == 0)
+            continue;
+        real along = part_of(s, c, share, j) * s->stiffness * s->tau * s->tau;
+        real hold = dot(c->n, apply(s->hold[i], c->n));
+        push += c->c[j] * (along / hold * dot(c->n, s->g[i]));
+        all += c->c[j] * c->c[j];
+    }
+    return all > 0 ? most(push / all, R(0.0)) : R(0.0);
+}
+
+/* §1. Thread i owns vertex i: writes guess[i], and brake[i] as without
+ * contacts. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    penalty_let_go_kernel(struct penalty s)
+{
+    ITEM(i, s.nv);
+    real w = s.w[i] * (s.tau / s.dt);
+    s.guess[i] = s.first && w > 0 ? axpy(s.u[i], -w, s.g[i]) : s.u[i];
+    s.brake[i] = 0;
+}
+
+/* §1. Thread k owns contact k: reads guess, u, g and hold of its vertices,
+ * writes share[k], gave[k] and whether it is held. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    penalty_press_kernel(struct penalty s, struct amount n,
+                         const int64_t *words)
+{
+    ITEM(k, number(n));
+    if (words[INCIDENCE_BAD])
+        return;
+    struct contact *c = &s.contact[k];
+    real share = 0;
+    for (int j = 0; j < 4; j++)
+        if (s.w[c->v[j]] > 0)
+            share += magnitude(c->c[j]) * side_of(&s, c, j);
+    real before = s.first ? R(0.0) : gave(&s, c, share);
+    s.share[k] = share;
+    s.gave[k] = before;
+    c->held =
+        spring(&s, c, s.guess) > 0 || spring(&s, c, s.u) > 0 || before > 0;
+}
+
+/* §2.1. Thread k owns vertex[k]: writes how many of its items are of held
+ * contacts to its brake. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    penalty_split_kernel(struct penalty s, const int64_t *words)
+{
+    enum { AHEAD = 8 }; /* items that are read before the first counts */
+    ITEM(k, s.n4);
+    if (words[INCIDENCE_BAD] || k >= words[INCIDENCE_VERTICES])
+        return;
+    int32_t i = s.vertex[k], end = s.start[i + 1], parts = 0;
+    for (int32_t at = s.start[i]; at < end; at += AHEAD) {
+        int32_t held[AHEAD];
+        UNROLL
+        for (int a = 0; a < AHEAD; a++)
+            held[a] = s.contact[s.item[at + a < end ? at + a : at] / 4].held;
+        UNROLL
+        for (int a = 0; a < AHEAD; a++)
+            parts += at + a < end ? held[a] : 0;
+    }
+    s.brake[i] = (real)parts;
+}
+
+/* §2.1: what a contact's spring ends with where it stops its parts, N·s. */
+static __device__ real stop(const struct penalty *s, const struct contact *c)
+{
+    real give = 1 / (s->stiffness * s->tau * s->tau);
+    for (int j = 0; j < 4; j++)
+        give += c->c[j] * c->c[j] * (s->brake[c->v[j]] * s->w[c->v[j]]);
+    real lack = c->target - dot(c->n, weigh(c, s->guess));
+    return most(lack, R(0.0)) * (s->dt / s->tau) / give;
+}
+
+/* §3. Thread k owns place k of all lists: reads its item's contact, writes its
+ * parts to part[o·n4 + k], all 0 where the contact is not held. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    penalty_part_kernel(struct penalty s, real *part, const int64_t *words)
+{
+    ITEM(k, s.n4);
+    if (words[INCIDENCE_BAD] || k >= s.start[s.nv])
+        return;
+    int32_t item = s.item[k], j = item % 4;
+    const struct contact *c = &s.contact[item / 4];
+    vec n = c->n, push = make(0, 0, 0);
+    real a = 0, b = 0;
+    if (c->held) {
+        real share = part_of(&s, c, s.share[item / 4], j);
+        a = share * s.stiffness * s.tau * s.tau;
+        b = share * c->slide * (s.tau / s.dt);
+        a = a - b;
+        push = scale(c->c[j], axpy(c->tangent, c->impulse, n));
+    } else {
+        n = push;
+    }
+    real all[PARTS] = {push.x,
+                       push.y,
+                       push.z,
+                       a * n.x * n.x + b,
+                       a * n.x * n.y,
+                       a * n.x * n.z,
+                       a * n.y * n.y + b,
+                       a * n.y * n.z,
+                       a * n.z * n.z + b};
+    UNROLL
+    for (int o = 0; o < PARTS; o++)
+        part[o * s.n4 + k] = all[o];
+}
+
+/* A part of vertex i, in the order of its items: the sum is never -0, and so
+ * changes by no 0. AHEAD are read before the first is added, as a thread has
+ * nothing else to wait for. */
+static __device__ real total(const struct penalty *s, const real *part,
+                             int32_t i)
+{
+    enum { AHEAD = 16 };
+    real sum = 0;
+    int32_t end = s->start[i + 1];
+    for (int32_t at = s->start[i]; at < end; at += AHEAD) {
+        real a[AHEAD];
+        UNROLL
+        for (int k = 0; k < AHEAD; k++)
+            a[k] = at + k < end ? part[at + k] : 0;
+        UNROLL
+        for (int k = 0; k < AHEAD; k++)
+            sum += a[k];
+    }
+    return sum;
+}
+
+/* Vertices in contact, for kernels of blocks. */
+static __device__ int64_t vertices(const int64_t *words)
+{
+    return words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
+}
+
+static __device__ vec across(const struct contact *c, const vec *u)
+{
+    vec v = weigh(c, u);
+    return axpy(v, -dot(c->n, v), c->n);
+}
+
+/* §2.2. Thread k owns contact k: reads guess and u of its vertices, writes
+ * most[k] and more[k]. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    penalty_load_kernel(struct penalty s, struct amount n, const int64_t *words)
+{
+    ITEM(k, number(n));
+    if (words[INCIDENCE_BAD])
+        return;
+    const struct contact *c = &s.contact[k];
+    real push = most(stop(&s, c), s.gave[k]);
+    real limit = c->held ? c->friction * push : R(0.0);
+    s.most[k] = limit;
+    s.more[k] = limit - c->slide * length(across(c, s.u));
+}
+
+/* §2.3. Thread k owns vertex[k]: reads its items in their order, writes its
+ * brake. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    penalty_brake_kernel(struct penalty s, const int64_t *words)
+{
+    enum { AHEAD = 8 }; /* items that are read before the first counts */
+    ITEM(k, s.n4);
+    if (words[INCIDENCE_BAD] || k >= words[INCIDENCE_VERTICES])
+        return;
+    int32_t i = s.vertex[k], end = s.start[i + 1];
+    real sum = 0;
+    for (int32_t at = s.start[i]; at < end; at += AHEAD) {
+        real part[AHEAD];
+        UNROLL
+        for (int k = 0; k < AHEAD; k++) {
+            int32_t item = s.item[at + k < end ? at + k : at];
+            part[k] =
+                magnitude(s.contact[item / 4].c[item % 4]) * s.more[item / 4];
+        }
+        UNROLL
+        for (int k = 0; k < AHEAD; k++)
+            sum = at + k < end ? sum + part[k] : sum;
+    }
+    s.brake[i] = sum * s.w[i] * (s.tau / s.dt);
+}
+
+/* §2.4. Thread k owns contact k: reads brake and u of its vertices, writes its
+ * slide, impulse and tangent. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    penalty_rub_kernel(struct penalty s, struct amount n, const int64_t *words)
+{
+    ITEM(k, number(n));
+    if (words[INCIDENCE_BAD])
+        return;
+    struct contact *c = &s.contact[k];
+    vec slip = across(c, s.u);
+    real speed = length(slip);
+    for (int j = 0; j < 4; j++)
+        speed -= magnitude(c->c[j]) * s.brake[c->v[j]];
+    real slide = s.most[k] / most(speed, s.slip);
+    c->slide = slide;
+    c->impulse = c->held ? most(spring(&s, c, s.u), -s.gave[k]) : R(0.0);
+    c->tangent = scale(-slide, slip);
+}
+
+/* §3. A thread owns a part of every so-many-th vertex: writes it to force or
+ * hold, which are 0 elsewhere. */
+static __global__ void __launch_bounds__(GROUP_BLOCK)
+    penalty_gather_kernel(struct penalty s, const real *part,
+                          const int64_t *words)
+{
+    int t = (int)threadIdx.x, o = t / GROUP;
+    for (int64_t k = (int64_t)blockIdx.x * GROUP + t % GROUP;
+         k < vertices(words); k += (int64_t)gridDim.x * GROUP) {
+        int32_t i = s.vertex[k];
+        real sum = total(&s, part + o * s.n4, i);
+        if (o < PUSHES)
+            ((real *)&s.force[i])[o] = sum;
+        else
+            ((real *)&s.hold[i])[o - PUSHES] = sum;
+    }
+}
+
+int gpu_penalty_queue(struct gpu *g, struct penalty *all, struct amount n,
+                      int64_t *words)
+{
+    struct penalty with = *all, *s = &with;
+    if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->slip > 0) ||
+        s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX)
+        return DRAPE_EARG;
+    struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
+                           s->start, s->item, s->vertex, 0};
+    s->n4 = 4 * n.most; /* a stride, too */
+    gpu_incidence(g, &by, n, words);
+    real *part =
+        (real *)gpu_scratch(g, SLOT_STAGE, PARTS * s->n4, sizeof *part);
+    int64_t touched = s->nv < s->n4 ? s->nv : s->n4;
+    int64_t groups = (touched + GROUP - 1) / GROUP;
+    int64_t blocks = groups < GROUPS ? groups : (int64_t)GROUPS;
+    gpu_clear(g, s->force, (size_t)s->nv * sizeof *s->force);
+    LAUNCH(g, s->nv, penalty_let_go_kernel, *s);
+    LAUNCH(g, n.most, penalty_press_kernel, *s, n, words);
+    gpu_clear(g, s->hold, (size_t)s->nv * sizeof *s->hold);
+    LAUNCH(g, touched, penalty_split_kernel, *s, words);
+    LAUNCH(g, n.most, penalty_load_kernel, *s, n, words);
+    LAUNCH(g, touched, penalty_brake_kernel, *s, words);
+    LAUNCH(g, n.most, penalty_rub_kernel, *s, n, words);
+    LAUNCH(g, s->n4, penalty_part_kernel, *s, part, words);
+    LAUNCH_BLOCKS(g, blocks, GROUP_BLOCK, penalty_gather_kernel, *s, part,
+                  words);
+    return gpu_status(g);
+}
+
+int gpu_penalty(struct gpu *g, struct penalty *s)
+{
+    int status = gpu_penalty_queue(g, s, amount{s->n, NULL}, gpu_words(g));
+    if (status != DRAPE_OK)
+        return status;
+    const int64_t *seen = gpu_read_words(g, INCIDENCE_WORDS);
+    return seen[INCIDENCE_BAD] ? DRAPE_EARG : gpu_status(g);
+}

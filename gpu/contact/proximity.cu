@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Pairs closer than their thickness: 256 candidates a block count, then emit
+ * side by side. spec/contact/proximity.md */
+#include "gpu/base/last.cuh"
+#include "gpu/base/place.cuh"
+#include "gpu/base/scan.cuh"
+#include "gpu/contact/closest.cuh"
+#include "gpu/contact/contact.cuh"
+#include "gpu/run/tape.cuh"
+#include "ref/contact/proximity.h"
+
+enum { BAD_PAIR = 1, BAD_PLACE = 2 };
+
+/* What is bad of these, the contacts, and for ends_last. */
+enum { WORD_BAD, WORD_FOUND, WORD_TICKET, WORDS };
+
+static __device__ struct closest measure(const struct proximity *s, int kind,
+                                         const int32_t v[4], struct wide x[4])
+{
+    for (int j = 0; j < 4; j++)
+        x[j] = widen(s->x[v[j]]);
+    return nearest(x, kind);
+}
+
+static __device__ bool is_near(const struct proximity *s, int64_t k, int *bad)
+{
+    int32_t v[4];
+    struct wide x[4];
+    int kind = s->kind[k];
+    load_pair(s->pair, k, v);
+    if (!in_range(v, s->nv) || kind > CONTACT_EE) {
+        atomicOr(bad, (int)BAD_PAIR);
+        return false;
+    }
+    for (int j = 0; j < 4; j++)
+        if (!sane(s->x[v[j]])) {
+            atomicOr(bad, (int)BAD_PLACE);
+            return false;
+        }
+    struct closest r = measure(s, kind, v, x);
+    return sqrt(r.length2) < (double)surface_of(&s->skin, v).thickness;
+}
+
+/* §3: along p, or across both where p is lost in rounding. */
+static __device__ struct wide direction(const struct wide x[4], int kind,
+                                        const struct closest *r)
+{
+    struct wide p = unit(r->p, wide3(1, 0, 0));
+    if (r->length2 > 0x1p-80 * r->size2)
+        return p;
+    struct wide n = unit(nearest_normal(x, kind), p);
+    return dot(n, r->p) < 0 ? scale(-1, n) : n;
+}
+
+/* §4 */
+static __device__ real push_target(const struct proximity *s,
+                                   const struct contact *c, real overlap)
+{
+    real w = 0;
+    for (int j = 0; j < 4; j++)
+        w += (c->c[j] * c->c[j]) * s->w[c->v[j]];
+    real spring = ((s->dt * s->stiffness) * overlap) * w;
+    return least(spring, (R(0.1) * overlap) / s->dt);
+}
+
+static __device__ void emit(const struct proximity *s, int64_t k,
+                            struct contact *to)
+{
+    struct wide x[4];
+    struct contact c;
+    int kind = s->kind[k];
+    load_pair(s->pair, k, c.v);
+    c.kind = kind;
+    struct surface skin = surface_of(&s->skin, c.v);
+    struct closest r = measure(s, kind, c.v, x);
+    nearest_weights(&r, kind, c.c);
+    c.n = narrowed(direction(x, kind, &r));
+    c.gap = (real)sqrt(r.length2);
+    c.friction = skin.friction;
+    c.target = push_target(s, &c, most(skin.thickness - c.gap, R(0)));
+    c.held = 0;
+    c.impulse = c.slide = 0;
+    c.tangent = make(0, 0, 0);
+    *to = c;
+}
+
+/* Thread k owns candidate k: reads its vertices, writes at[k], its place among
+ * the block's contacts or -1; the block's number goes to base, which the block
+ * that ends last makes where each begins. §5 */
+static __global__ void __launch_bounds__(PLACE_BLOCK)
+    near_kernel(struct proximity s, struct amount n, int64_t *base,
+                int64_t *word)
+{
+    int64_t k = (int64_t)blockIdx.x * PLACE_BLOCK + threadIdx.x;
+    bool keep = k < number(n) && is_near(&s, k, (int *)&word[WORD_BAD]);
+    int total, place = block_place(keep, &total);
+    if (k < number(n))
+        s.at[k] = keep ? place : -1;
+    if (threadIdx.x == 0)
+        base[blockIdx.x] = total;
+    __syncthreads(); /* others may be at block_place's words still */
+    if (!ends_last((unsigned *)&word[WORD_TICKET]))
+        return;
+    if (threadIdx.x == 0)
+        base[gridDim.x] = 0;
+    __syncthreads();
+    scan_blocks(base, (int64_t)gridDim.x + 1);
+    __syncthreads();
+    if (threadIdx.x == 0)
+        word[WORD_FOUND] = base[gridDim.x];
+}
+
+/* Thread t of block b writes the block's t-th contact, at place base[b] + t;
+ * reads at and its candidate. So the threads that work are neighbours. */
+static __global__ void __launch_bounds__(PLACE_BLOCK)
+    emit_kernel(struct proximity s, struct amount n, const int64_t *base)
+{
+    __shared__ uint8_t kept[PLACE_BLOCK];
+    int64_t first = (int64_t)blockIdx.x * PLACE_BLOCK, k = first + threadIdx.x;
+    int32_t place = k < number(n) ? s.at[k] : -1;
+    if (place >= 0)
+        kept[place] = (uint8_t)threadIdx.x;
+    __syncthreads();
+    int64_t to = base[blockIdx.x] + threadIdx.x;
+    if (to < base[blockIdx.x + 1])
+        emit(&s, first + kept[threadIdx.x], &s.contact[to]);
+}
+
+int gpu_proximity(struct gpu *g, struct proximity *s)
+{
+    if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0))
+        return DRAPE_EARG;
+    struct amount n = gpu_amount(g, s->n);
+    int64_t blocks = place_blocks(n.most);
+    int64_t *base =
+        (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks + 1, sizeof *base);
+    int64_t *word = gpu_words(g);
+    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, near_kernel, *s, n, base, word);
+    const int64_t *seen = gpu_read_words(g, WORDS);
+    gpu_expect(g, WORD_BAD, 0, 0);
+    gpu_expect_some(g, WORD_FOUND, s->cap);
+    g->found = gpu_kept(g, WORD_FOUND);
+    gpu_fence(g);
+    int status = gpu_status(g);
+    if (status != DRAPE_OK)
+        return status;
+    if (seen[WORD_BAD])
+        return seen[WORD_BAD] & BAD_PAIR ? DRAPE_EARG : DRAPE_EDATA;
+    s->found = seen[WORD_FOUND];
+    if (s->found > s->cap)
+        return DRAPE_EFULL;
+    if (s->found)
+        LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, emit_kernel, *s, n, base);
+    return gpu_status(g);
+}

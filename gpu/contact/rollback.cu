@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The fail-safe that always ends. spec/contact/rollback.md */
+#include "gpu/base/place.cuh"
+#include "gpu/contact/contact.cuh"
+
+#include "ref/contact/rollback.h"
+
+enum { BAD, TRAPPED, GROWN, WORDS };
+
+static __device__ bool can_go(const struct rollback *s, int64_t i)
+{
+    return s->w[i] > 0 && !s->rolled[i];
+}
+
+/* Thread k owns pair k: marks its vertices that can go back, all with the
+ * same 1; counts it where there are none. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    rollback_mark_kernel(struct rollback s, int64_t *words)
+{
+    ITEM(k, s.n);
+    int32_t v[4];
+    load_pair(s.pair, k, v);
+    if (!in_range(v, s.nv)) {
+        words[BAD] = 1;
+        return;
+    }
+    bool any = false;
+    for (int j = 0; j < 4; j++)
+        if (can_go(&s, v[j])) {
+            s.touched[v[j]] = 1;
+            any = true;
+        }
+    if (!any)
+        count_up(&words[TRAPPED], 1);
+}
+
+/* A block owns PLACE_BLOCK vertices, a thread one: sends it back where it is
+ * marked, or where all go. */
+static __global__ void __launch_bounds__(PLACE_BLOCK)
+    rollback_send_kernel(struct rollback s, int64_t *words)
+{
+    int64_t i = place_item();
+    bool goes = false;
+    if (i < s.nv && !words[BAD]) {
+        bool all = s.all && s.n > words[TRAPPED];
+        goes = s.touched[i] || (all && can_go(&s, i));
+    }
+    int count;
+    block_place(goes, &count);
+    if (threadIdx.x == 0 && count)
+        count_up(&words[GROWN], count);
+    if (!goes)
+        return;
+    s.touched[i] = s.rolled[i] = 1;
+    s.x1[i] = s.x0[i];
+    s.u[i] = s.v[i] = make(0, 0, 0);
+}
+
+int gpu_rollback(struct gpu *g, struct rollback *s)
+{
+    int64_t *words = gpu_words(g);
+    gpu_clear(g, s->touched, (size_t)s->nv);
+    LAUNCH(g, s->n, rollback_mark_kernel, *s, words);
+    LAUNCH_BLOCKS(g, place_blocks(s->nv), PLACE_BLOCK, rollback_send_kernel, *s,
+                  words);
+    const int64_t *seen = gpu_read_words(g, WORDS);
+    s->trapped = seen[TRAPPED];
+    s->grown = seen[GROWN];
+    return seen[BAD] ? DRAPE_EARG : gpu_status(g);
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What contacts still press with when the next slice begins.
+ * spec/contact/warm.md */
+#include "gpu/contact/contact.cuh"
+#include "gpu/run/gpu.h"
+#include "gpu/run/tape.cuh"
+#include "ref/contact/warm.h"
+
+/* Items of a list that are read before the first is added. */
+enum { AHEAD = 8 };
+
+/* §1. Thread i owns vertex i: reads its items, writes all[i] if it has some. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    warm_weigh_kernel(struct warm s)
+{
+    ITEM(i, s.nv);
+    int32_t end = s.start[i + 1];
+    real sum = 0;
+    for (int32_t at = s.start[i]; at < end; at += AHEAD) {
+        real a[AHEAD];
+        UNROLL
+        for (int k = 0; k < AHEAD; k++) {
+            int32_t item = s.item[at + k < end ? at + k : at];
+            const struct contact *c = &s.contact[item / 4];
+            a[k] = at + k < end && c->held ? magnitude(c->c[item % 4]) : 0;
+        }
+        UNROLL
+        for (int k = 0; k < AHEAD; k++)
+            sum += a[k];
+    }
+    s.all[i] = sum;
+}
+
+/* §2: what its free vertex j took up, as far as that is no blow. */
+static __device__ real took(const struct warm &s, const struct contact *c,
+                            int j)
+{
+    int32_t i = c->v[j];
+    real now = dot(c->n, s.g[i]), before = dot(c->n, s.before[i]);
+    if (c->c[j] < 0) {
+        now = -now;
+        before = -before;
+    }
+    return least(now, s.again * most(before, R(0.0)) + s.speed / s.w[i]);
+}
+
+/* §2. Thread k owns contact k: reads g, before, all and v of its vertices,
+ * writes its impulse. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    warm_agree_kernel(struct warm s, struct amount n)
+{
+    ITEM(k, number(n));
+    struct contact *c = &s.contact[k];
+    real push = R(0x1p60), give = 0, impulse = 0;
+    for (int j = 0; j < 4 && c->held; j++) {
+        int32_t i = c->v[j];
+        if (!(s.w[i] > 0) || c->c[j] == 0)
+            continue;
+        push = least(took(s, c, j) / s.all[i], push);
+        give += c->c[j] * c->c[j] * s.w[i];
+    }
+    if (give > 0) {
+        real speed = least(dot(c->n, weigh(c, s.v)), R(0.0));
+        impulse = most(push + speed / give, R(0.0));
+    }
+    c->impulse = impulse;
+}
+
+/* §3. Thread i owns vertex i: reads its items in their order, writes press[i].
+ * An item that is not there adds 0 to a sum, which is never -0. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    warm_gather_kernel(struct warm s)
+{
+    ITEM(i, s.nv);
+    int32_t end = s.start[i + 1];
+    vec sum = make(0, 0, 0);
+    for (int32_t at = s.start[i]; at < end; at += AHEAD) {
+        vec a[AHEAD];
+        UNROLL
+        for (int k = 0; k < AHEAD; k++) {
+            int32_t item = s.item[at + k < end ? at + k : at];
+            const struct contact *c = &s.contact[item / 4];
+            real part = at + k < end ? c->c[item % 4] : R(0.0);
+            a[k] = scale(part * c->impulse, c->n);
+        }
+        UNROLL
+        for (int k = 0; k < AHEAD; k++)
+            sum = add(sum, a[k]);
+    }
+    s.press[i] = scale(s.part, sum);
+}
+
+int gpu_warm(struct gpu *g, struct warm *s)
+{
+    struct amount n = gpu_amount(g, s->n);
+    LAUNCH(g, s->nv, warm_weigh_kernel, *s);
+    LAUNCH(g, n.most, warm_agree_kernel, *s, n);
+    LAUNCH(g, s->nv, warm_gather_kernel, *s);
+    return gpu_status(g);
+}

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rigid impact zones. spec/contact/zones.md */
+#include "gpu/base/real.cuh"
+#include "gpu/contact/members.cuh"
+
+/* Threads of a block that owns a zone. */
+enum { ZONE_BLOCK = 256 };
+
+/* ---- §2 Sums ---- */
+
+static __device__ struct zone_sum add(const struct zone_sum &p,
+                                      const struct zone_sum &q)
+{
+    struct zone_sum r = {p.m + q.m, add(p.a, q.a), add(p.b, q.b),
+                         add(p.i, q.i)};
+    return r;
+}
+
+/* Neighbours, then neighbours' neighbours, … into sum[0]; all threads of the
+ * block call it. */
+static __device__ void tree(struct zone_sum *sum, int64_t n)
+{
+    __syncthreads();
+    for (int64_t step = 1; step < n; step *= 2) {
+        int64_t stride = 2 * step * blockDim.x;
+        for (int64_t k = 2 * step * threadIdx.x; k + step < n; k += stride)
+            sum[k] = add(sum[k], sum[k + step]);
+        __syncthreads();
+    }
+}
+
+static __device__ real mass_of(const struct zones *s, const struct zone *z,
+                               int32_t i)
+{
+    bool free = s->w[i] > 0;
+    if (z->led)
+        return free ? R(0.0) : R(1.0);
+    return 1 / s->w[i];
+}
+
+static __device__ struct zone_sum linear(const struct zones *s,
+                                         const struct zone *z, int32_t i)
+{
+    real m = mass_of(s, z, i);
+    struct zone_sum r = {m,
+                         scale(m, sub(s->x0[i], z->base)),
+                         scale(m, s->u[i]),
+                         {0, 0, 0, 0, 0, 0}};
+    return r;
+}
+
+static __device__ vec arm_of(const struct zones *s, const struct zone *z,
+                             int32_t i)
+{
+    return sub(sub(s->x0[i], z->base), z->centre);
+}
+
+static __device__ struct zone_sum angular(const struct zones *s,
+                                          const struct zone *z, int32_t i)
+{
+    real m = mass_of(s, z, i);
+    vec r = arm_of(s, z, i), d = sub(s->u[i], z->velocity);
+    if (z->led) /* §3.4 */
+        r = axpy(r, R(0.5) * s->dt, d);
+    vec mr = scale(m, r), l = cross(mr, d);
+    struct zone_sum sum = {m,
+                           l,
+                           l,
+                           {mr.y * r.y + mr.z * r.z, -(mr.x * r.y),
+                            -(mr.x * r.z), mr.x * r.x + mr.z * r.z,
+                            -(mr.y * r.z), mr.x * r.x + mr.y * r.y}};
+    return sum;
+}
+
+/* ---- §3 Motion ---- */
+
+/* i⁻¹ l by the adjugate; 0 where the members lie too close to a line. */
+static __device__ vec spin_of(sym i, vec l)
+{
+    real trace = (i.xx + i.yy) + i.zz;
+    if (!(trace > 0))
+        return make(0, 0, 0);
+    real f = 1 / trace;
+    sym j = {f * i.xx, f * i.xy, f * i.xz, f * i.yy, f * i.yz, f * i.zz};
+    sym a = {j.yy * j.zz - j.yz * j.yz, j.xz * j.yz - j.xy * j.zz,
+             j.xy * j.yz - j.xz * j.yy, j.xx * j.zz - j.xz * j.xz,
+             j.xy * j.xz - j.xx * j.yz, j.xx * j.yy - j.xy * j.xy};
+    real det = (j.xx * a.xx + j.xy * a.xy) + j.xz * a.xz;
+    if (!(det > R(0x1p-16)))
+        return make(0, 0, 0);
+    return scale(1 / det, apply(a, scale(f, l)));
+}
+
+/* §3.2: at most a quarter turn. */
+static __device__ vec limit_spin(vec spin, real dt)
+{
+    vec half = scale(R(0.5) * dt, spin);
+    real turn = dot(half, half);
+    return turn > 1 ? scale(1 / root(turn), spin) : spin;
+}
+
+/* The mean velocity that carries a member rigidly through the step. */
+static __device__ vec carry(const struct zones *s, const struct zone *z,
+                            int32_t i)
+{
+    vec half = scale(R(0.5) * s->dt, z->spin);
+    vec turn = cross(z->spin, arm_of(s, z, i));
+    turn = add(turn, cross(half, turn));
+    return axpy(z->velocity, 1 / (1 + dot(half, half)), turn);
+}
+
+/* Block b owns zone b: its part of sum, and u of its free vertices, which are
+ * of no other. Each thread keeps the zone's motion for itself. */
+static __global__ void __launch_bounds__(ZONE_BLOCK)
+    zones_move_kernel(struct zones s, const struct key *member,
+                      const int64_t *words)
+{
+    __shared__ int led;
+    int64_t b = blockIdx.x, t = threadIdx.x;
+    struct zone z;
+    z.first = s.zone[b].first;
+    z.end =
+        b + 1 < words[MEMBERS_ZONES] ? s.zone[b + 1].first : words[MEMBERS_ALL];
+    int64_t n = z.end - z.first;
+    const struct key *own = member + z.first;
+    struct zone_sum *sum = s.sum + z.first;
+    led = 0;
+    __syncthreads();
+    for (int64_t k = t; k < n; k += ZONE_BLOCK)
+        if (!(s.w[own[k].lo] > 0))
+            led = 1;
+    __syncthreads();
+    z.led = led != 0;
+    z.base = s.x0[own[0].lo];
+    for (int64_t k = t; k < n; k += ZONE_BLOCK)
+        sum[k] = linear(&s, &z, (int32_t)own[k].lo);
+    tree(sum, n);
+    real m = sum[0].m;
+    z.centre = scale(1 / m, sum[0].a);
+    z.velocity = scale(1 / m, sum[0].b);
+    __syncthreads(); /* sum[0] is read, and written again */
+    for (int64_t k = t; k < n; k += ZONE_BLOCK)
+        sum[k] = angular(&s, &z, (int32_t)own[k].lo);
+    tree(sum, n);
+    z.spin = limit_spin(spin_of(sum[0].i, sum[0].a), s.dt);
+    for (int64_t k = t; k < n; k += ZONE_BLOCK) {
+        int32_t i = (int32_t)own[k].lo;
+        if (s.w[i] > 0)
+            s.u[i] = carry(&s, &z, i);
+    }
+}
+
+int gpu_zones(struct gpu *g, struct zones *s)
+{
+    if (!(s->dt > 0 && s->dt <= REAL_BIG) || s->n4 != 4 * s->n ||
+        s->n4 > INT32_MAX)
+        return DRAPE_EARG;
+    int64_t *words = gpu_words(g);
+    const struct key *member = gpu_members(g, s, words);
+    const int64_t *seen = gpu_look_words(g, MEMBERS_WORDS);
+    if (seen[MEMBERS_BAD])
+        return DRAPE_EARG;
+    s->found = seen[MEMBERS_ZONES];
+    s->vertices = seen[MEMBERS_FREE];
+    LAUNCH_BLOCKS(g, s->found, ZONE_BLOCK, zones_move_kernel, *s, member,
+                  words);
+    return gpu_status(g);
+}

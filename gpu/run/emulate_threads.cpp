@@ -1,0 +1,345 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A device's threads on the host. gpu/run/emulate.h */
+#include "gpu/run/reel.cuh"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <ucontext.h>
+#include <vector>
+
+__thread struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
+__thread unsigned char emulate_lane[1024][32];
+__thread int emulate_ranks;
+
+static __thread struct gpu_way way;
+static __thread int64_t asked; /* of the device, since its way was set */
+
+void gpu_set_way(struct gpu *g, struct gpu_way to)
+{
+    g->hosted[0] = to.hosted;
+    g->falters = to.falters;
+    g->tight = to.tight;
+    way = to;
+    asked = 0;
+}
+
+void emulate_next_order(void)
+{
+    static __thread int opened;
+    opened++;
+    way.descending = opened % 3 == 1;
+    way.shuffled = opened % 3 == 2 ? opened : 0;
+}
+
+bool emulate_lost(bool more)
+{
+    asked += more;
+    return way.lost && asked >= way.lost;
+}
+
+/* An order of n things: from, from + step, … modulo n, which have no divisor
+ * in common. */
+struct order {
+    int64_t n, step, from;
+};
+
+static int64_t common(int64_t a, int64_t b)
+{
+    return b ? common(b, a % b) : a;
+}
+
+/* Of n, by way: from the first on or from the last, or any other. */
+static struct order order_of(int64_t n, bool first)
+{
+    int64_t step = way.shuffled;
+    if (n < 1 || !way.shuffled)
+        return {n, first ? 1 : n - 1, first ? 0 : n - 1};
+    while (common(step, n) != 1)
+        step++;
+    return {n, step % n, step / 2 % n};
+}
+
+static unsigned turn(const struct order *o, int64_t k)
+{
+    return (unsigned)((o->from + k * o->step) % o->n);
+}
+
+void emulate_items(int64_t n, int threads, emulate_call kernel)
+{
+    int64_t blocks = n > 0 ? (n + threads - 1) / threads : 0;
+    if (blocks && emulate_lost(true))
+        return;
+    struct order block = order_of(blocks, way.descending);
+    struct order thread = order_of(threads, !way.descending);
+    gridDim = {(unsigned)blocks, 1, 1};
+    blockDim = {(unsigned)threads, 1, 1};
+    for (int64_t b = 0; b < blocks; b++)
+        for (int t = 0; t < threads; t++) {
+            blockIdx = {turn(&block, b), 0, 0};
+            threadIdx = {turn(&thread, t), 0, 0};
+            kernel.run(kernel.with);
+        }
+}
+
+/* ---- Fibers ---- */
+
+/* A thread of a block is a fiber that runs kernel after kernel. It is started
+ * with a stack of its own; after that jumps lead from each to the next. They
+ * are the compiler's, which keep three words where setjmp keeps registers,
+ * encrypted: changing threads is most of what a barrier costs. Stacks whose
+ * distance is a power of two would share a few lines of the cache. */
+enum { STACK = (1 << 20) + 9 * 64, THREADS = 1024, JUMP = 5, WARP = 32 };
+static __thread ucontext_t begun;
+static __thread void *scheduler[JUMP], *fiber[THREADS][JUMP];
+static __thread bool done[THREADS], started[THREADS];
+static __thread const emulate_call *running; /* NULL: no fibers */
+static thread_local struct stacks {
+    char *of = NULL; /* the first fiber's */
+    ~stacks() { free(of); }
+} stack;
+
+/* Fibers are numbered in the order in which they run; so a rank's are one run,
+ * from `first` to before `end` of the rank that is at work, and so are those of
+ * a warp of it. */
+enum meeting { NOWHERE, OF_WARP, OF_RANK, OF_TEAM };
+static __thread unsigned in_block, in_rank, in_warp, to_run, here;
+static __thread unsigned first, end, warp_end;
+static __thread enum meeting met;      /* where those of the rank wait so far */
+static __thread enum meeting met_warp; /* those of the warp */
+static __thread int barriers[THREADS]; /* that a fiber has come to */
+static __thread unsigned thread_of[THREADS]; /* a fiber is */
+
+/* What copy_ahead has begun, by number of the group. */
+struct pending {
+    void *to;
+    const void *from;
+    size_t bytes;
+    int group;
+};
+static thread_local std::vector<pending> ahead[THREADS];
+static __thread int groups[THREADS];
+
+static void live(void);
+
+/* Goes on with a fiber, and never returns. */
+static __attribute__((noinline)) void resume(unsigned f)
+{
+    here = f;
+    threadIdx = {thread_of[f], 0, 0};
+    if (started[f])
+        __builtin_longjmp(fiber[f], 1);
+    started[f] = true;
+    getcontext(&begun);
+    begun.uc_stack.ss_sp = &stack.of[(size_t)f * STACK];
+    begun.uc_stack.ss_size = STACK;
+    makecontext(&begun, live, 0);
+    setcontext(&begun);
+}
+
+/* The fiber after f that has not returned. When all of a warp wait for each
+ * other it goes on, when all of a rank do the rank; else the next warp or rank
+ * does, so that each runs as far as it can without the others. */
+static unsigned next(unsigned f)
+{
+    f++;
+    for (;;) {
+        for (; f < warp_end; f++)
+            if (!done[f])
+                return f;
+        if (met_warp == OF_WARP)
+            f = warp_end - in_warp;
+        else if (warp_end < end)
+            f = warp_end;
+        else {
+            if (met != OF_RANK) {
+                first = end < in_block ? end : 0;
+                end = first + in_rank;
+            }
+            met = NOWHERE;
+            f = first;
+        }
+        warp_end = f + in_warp;
+        met_warp = NOWHERE;
+    }
+}
+
+/* From this fiber to the next, to the scheduler when all have returned. Returns
+ * when this one is resumed. */
+static __attribute__((noinline)) void leave(void)
+{
+    if (__builtin_setjmp(fiber[here]))
+        return;
+    if (to_run == 0)
+        __builtin_longjmp(scheduler, 1);
+    resume(next(here));
+}
+
+static void live(void)
+{
+    for (;;) {
+        running->run(running->with);
+        done[here] = true;
+        to_run--;
+        leave();
+    }
+}
+
+static void meet(enum meeting at)
+{
+    bool unlike =
+        (met_warp && met_warp != at) || (at != OF_WARP && met && met != at);
+    if (!running || unlike) {
+        fputs(running ? "emulate: threads of a rank at unlike barriers\n"
+                      : "emulate: a barrier in a kernel of items\n",
+              stderr);
+        abort();
+    }
+    met_warp = at;
+    met = at == OF_WARP ? met : at;
+    leave();
+}
+
+void emulate_meet_warp(void)
+{
+    meet(OF_WARP);
+}
+
+void emulate_meet(void)
+{
+    meet(OF_RANK);
+}
+
+void emulate_team_sync(bool alone)
+{
+    int n = running ? ++barriers[here] : 0;
+    if (!running || n != way.left_out)
+        meet(alone || (n && n == way.parted) ? OF_RANK : OF_TEAM);
+}
+
+void __syncthreads(void)
+{
+    emulate_team_sync(true);
+}
+
+/* All fibers go on from barrier to barrier until all have returned. */
+static __attribute__((noinline)) void run_block(void)
+{
+    memset(done, 0, in_block * sizeof *done);
+    memset(barriers, 0, in_block * sizeof *barriers);
+    to_run = in_block;
+    first = 0;
+    end = in_rank;
+    warp_end = in_warp;
+    met = met_warp = NOWHERE;
+    if (!__builtin_setjmp(scheduler))
+        resume(0);
+}
+
+/* Ranks, warps of one and threads of one, each in its order. */
+static void order_threads(int ranks)
+{
+    unsigned warps = in_rank / in_warp;
+    struct order rank = order_of(ranks, !way.descending);
+    struct order warp = order_of(warps, !way.descending);
+    struct order lane = order_of(in_warp, !way.descending);
+    for (unsigned f = 0; f < in_block; f++)
+        thread_of[f] = turn(&rank, f / in_rank) * in_rank +
+                       turn(&warp, f / in_warp % warps) * in_warp +
+                       turn(&lane, f % in_warp);
+}
+
+static void run_blocks(int64_t blocks, int ranks, int threads,
+                       const emulate_call *kernel)
+{
+    if (!stack.of)
+        stack.of = (char *)malloc((size_t)THREADS * STACK);
+    in_rank = (unsigned)threads;
+    in_block = (unsigned)(ranks * threads);
+    in_warp = threads % WARP ? in_rank : (unsigned)WARP;
+    gridDim = {(unsigned)(blocks > 0 ? blocks : 0), 1, 1};
+    blockDim = {in_block, 1, 1};
+    if (blocks > 0 && emulate_lost(true))
+        return;
+    order_threads(ranks);
+    struct order block = order_of(blocks, way.descending);
+    running = kernel;
+    for (int64_t b = 0; b < blocks; b++) {
+        blockIdx = {turn(&block, b), 0, 0};
+        run_block();
+    }
+    running = NULL;
+}
+
+void emulate_blocks(int64_t blocks, int threads, emulate_call kernel)
+{
+    run_blocks(blocks, 1, threads, &kernel);
+}
+
+bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
+              loop_turn turn)
+{
+    (void)key;
+    int queues = gpu_queues(g, (const void *)gpu_loop);
+    if (queues == 0) /* a tape has done it */
+        return !g->failed;
+    if (g->hosted[0] || g->hosted[1]) {
+        gpu_tape_spoil(g);
+        return false;
+    }
+    enum tape_mode tape = g->tape;
+    int status = DRAPE_OK;
+    g->tape = TAPE_OFF;
+    do
+        status = turn.run(turn.with);
+    while (status == DRAPE_OK && again && *again && !g->failed &&
+           !emulate_lost(false));
+    g->tape = tape;
+    if (queues > 1 && status == DRAPE_OK)
+        reel_record_loop(g, again, turn);
+    return status == DRAPE_OK;
+}
+
+/* ---- Teams ---- */
+
+alignas(16) static thread_local double room[EMULATE_RANKS]
+                                           [EMULATE_ROOM / sizeof(double)];
+
+char *emulate_room(int rank)
+{
+    return (char *)room[rank];
+}
+
+/* What a kernel has not written itself must not be there from the one before:
+ * that may have been the same. */
+void emulate_team(int ranks, int threads, emulate_call kernel)
+{
+    memset(room, 0xff, sizeof room);
+    for (int f = 0; f < ranks * threads; f++) {
+        ahead[f].clear();
+        groups[f] = 0;
+    }
+    emulate_ranks = ranks;
+    run_blocks(ranks > 0, ranks, threads, &kernel);
+}
+
+void emulate_copy(void *to, const void *from, size_t bytes)
+{
+    if (way.descending)
+        ahead[here].push_back({to, from, bytes, groups[here]});
+    else
+        memcpy(to, from, bytes);
+}
+
+void emulate_copies_group(void)
+{
+    groups[here]++;
+}
+
+void emulate_copies_end(int left)
+{
+    std::vector<pending> &a = ahead[here];
+    size_t n = 0;
+    for (; n < a.size() && a[n].group < groups[here] - left; n++)
+        memcpy(a[n].to, a[n].from, a[n].bytes);
+    a.erase(a.begin(), a.begin() + (ptrdiff_t)n);
+}

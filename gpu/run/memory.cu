@@ -1,0 +1,262 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A device's record, CUDA's or emulated, and its memory, which only this file
+ * takes. As ref/base/arena.c, but a block's record lies on the host.
+ * spec/gpu.md §10 */
+#include "gpu/run/gpu.cuh"
+
+enum { ALIGN = 256 }; /* of what is borrowed, as cudaMalloc's */
+
+/* What was taken, or borrowed from another, found by its address: as the block
+ * that lends was there before, the later one is found. */
+struct gpu_block {
+    struct gpu_block *next;
+    char *data;
+    size_t bytes;
+    char *lent; /* what it lends, and how much: whole ALIGNs */
+    size_t lent_bytes;
+    enum arena_part part;
+    bool borrowed;
+};
+
+/* There was none: of the device, unless that is lost. */
+static void *none(struct gpu *g)
+{
+    if (gpu_status(g) == DRAPE_OK)
+        g->failed = DRAPE_ENOMEM;
+    return NULL;
+}
+
+static size_t whole(size_t bytes)
+{
+    return (bytes + ALIGN - 1) / ALIGN * ALIGN;
+}
+
+/* A block at data; NULL: it is taken, and not zeroed. */
+static void *take(struct gpu *g, enum arena_part part, size_t bytes, char *data)
+{
+    struct gpu_block *b =
+        (struct gpu_block *)arena_take(&g->host, ARENA_OTHER, 1, sizeof *b);
+    if (!b)
+        return none(g);
+    b->borrowed = data != NULL;
+    g->changes++;
+    g->taken += !data;
+    b->data = data ? data : (char *)g->device.allocate(g->device.user, bytes);
+    if (!b->data) {
+        arena_give(&g->host, b);
+        return none(g);
+    }
+    b->bytes = bytes;
+    b->part = part;
+    b->next = g->blocks;
+    g->blocks = b;
+    *(data ? &g->borrowed : &g->bytes[part]) += bytes;
+    return b->data;
+}
+
+void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size)
+{
+    size_t n = (size_t)(count > 0 ? count : 0);
+    void *p =
+        n > SIZE_MAX / size ? none(g) : take(g, part, n * size + !n, NULL);
+    if (p)
+        gpu_clear(g, p, n * size);
+    return p;
+}
+
+/* ---- What is lent ---- */
+
+void gpu_lend(struct gpu *g, void *p, size_t bytes)
+{
+    char *from = (char *)p;
+    size_t skip = whole((size_t)(uintptr_t)from) - (size_t)(uintptr_t)from;
+    for (struct gpu_block *b = g->blocks; b; b = b->next)
+        if (b->data <= from && from + bytes <= b->data + b->bytes &&
+            bytes > skip) {
+            b->lent = from + skip;
+            b->lent_bytes = (bytes - skip) / ALIGN * ALIGN;
+            return;
+        }
+}
+
+/* The first bytes of what b lends that nobody has, or NULL. */
+static char *gap(const struct gpu *g, const struct gpu_block *b, size_t bytes)
+{
+    char *at = b->lent, *end = at + b->lent_bytes;
+    const struct gpu_block *o = g->blocks;
+    while (o && bytes <= (size_t)(end - at)) {
+        bool meets = o->borrowed && o->data < at + bytes &&
+                     at < o->data + whole(o->bytes);
+        at = meets ? o->data + whole(o->bytes) : at;
+        o = meets ? g->blocks : o->next;
+    }
+    return o ? NULL : at;
+}
+
+/* Bytes as gpu_borrow's: in the first gap that is enough. */
+static void *borrow(struct gpu *g, enum arena_part part, size_t bytes)
+{
+    char *at = NULL;
+    for (const struct gpu_block *b = g->blocks; b && !at; b = b->next)
+        at = b->lent ? gap(g, b, bytes) : NULL;
+    return take(g, part, bytes, at);
+}
+
+void *gpu_borrow(struct gpu *g, enum arena_part part, int64_t count,
+                 size_t size)
+{
+    size_t n = (size_t)(count > 0 ? count : 0);
+    return n > SIZE_MAX / size ? none(g) : borrow(g, part, n * size + !n);
+}
+
+void gpu_hand_over(struct gpu *g)
+{
+#ifndef __CUDACC__
+    emulate_queue(g, (const void *)gpu_hand_over, [=] {
+        for (struct gpu_block *b = g->blocks; b; b = b->next)
+            if (b->lent)
+                memset(b->lent, 0xff, b->lent_bytes);
+    });
+#else
+    (void)g;
+#endif
+}
+
+void gpu_give(struct gpu *g, void *p)
+{
+    for (struct gpu_block **at = &g->blocks; p && *at; at = &(*at)->next)
+        if ((*at)->data == p) {
+            struct gpu_block *b = *at;
+            *at = b->next;
+            g->changes++;
+            *(b->borrowed ? &g->borrowed : &g->bytes[b->part]) -= b->bytes;
+            if (!b->borrowed) {
+                gpu_wait(g);
+                g->device.release(g->device.user, p, b->bytes);
+            }
+            arena_give(&g->host, b);
+            return;
+        }
+}
+
+struct gpu *gpu_make(const drape_def *def)
+{
+    struct arena arena;
+    const drape_def plain = {};
+    def = def ? def : &plain;
+    arena_init(&arena, &def->allocator);
+    struct gpu *g = (struct gpu *)arena_take(&arena, ARENA_OTHER, 1, sizeof *g);
+    if (!g)
+        return NULL;
+    g->host = arena;
+    g->device =
+        def->device_allocator.allocate ? def->device_allocator : *gpu_native();
+    g->block = def->block ? def->block : GPU_BLOCK;
+    return g;
+}
+
+void gpu_unmake(struct gpu *g)
+{
+    while (g->blocks)
+        gpu_give(g, g->blocks->data);
+    struct arena arena = g->host; /* g lies in it */
+    arena_free(&arena);
+}
+
+void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size)
+{
+    struct gpu_slot *s = &g->slot[slot];
+    size_t bytes = (size_t)count * size + 1;
+    if (bytes <= s->bytes)
+        return s->data;
+    gpu_give(g, s->data);
+    bytes += s->bytes ? bytes / 4 : 0; /* so that growth is rare */
+    s->data = slot == SLOT_SOLVE ? take(g, ARENA_SCRATCH, bytes, NULL)
+                                 : borrow(g, ARENA_SCRATCH, bytes);
+    s->bytes = s->data ? bytes : 0;
+    return s->data;
+}
+
+static int64_t *cleared(struct gpu *g, bool late, int64_t *words, int n)
+{
+    if (!g->clean[late])
+        gpu_clear(g, words, (size_t)n * sizeof *words);
+    g->clean[late] = false;
+    return words;
+}
+
+int64_t *gpu_words(struct gpu *g)
+{
+    return cleared(g, false, g->words, GPU_WORDS);
+}
+
+int64_t *gpu_late_words(struct gpu *g)
+{
+    memset(g->late, 0, sizeof g->late);
+    return cleared(g, true, g->words + GPU_WORDS, GPU_LATE);
+}
+
+const int64_t *gpu_late_seen(const struct gpu *g)
+{
+    return g->late_seen;
+}
+
+void gpu_keep_late(struct gpu *g, bool wiped)
+{
+    for (int k = 0; k < GPU_LATE; k++) {
+        g->late_seen[k] = g->late[k] + g->seen[GPU_WORDS + k];
+        g->late[k] = wiped ? g->late_seen[k] : g->late[k];
+    }
+}
+
+void *gpu_aside(struct gpu *g, size_t bytes)
+{
+    struct gpu_slot *s = &g->aside;
+    if (bytes <= s->bytes && s->data)
+        return s->data;
+    arena_give(&g->host, s->data);
+    s->data = arena_take(&g->host, ARENA_OTHER, (int64_t)bytes, 1);
+    s->bytes = s->data ? bytes : 0;
+    return s->data ? s->data : none(g);
+}
+
+int gpu_device(const struct gpu *g)
+{
+    return g->number;
+}
+
+void *gpu_stream(const struct gpu *g)
+{
+    return g->stream;
+}
+
+const char *gpu_name(const struct gpu *g)
+{
+    return g->name;
+}
+
+void gpu_set_hosted(struct gpu *g)
+{
+    g->hosted[1] = true;
+}
+
+void gpu_set_block(struct gpu *g, int threads)
+{
+    g->block = threads;
+}
+
+const size_t *gpu_held(const struct gpu *g)
+{
+    return g->bytes;
+}
+
+void gpu_count(const struct gpu *g, drape_memory *m)
+{
+    for (int k = 0; k < ARENA_PARTS; k++) {
+        m->host_bytes += g->host.bytes[k];
+        m->device_bytes += g->bytes[k];
+    }
+    m->borrowed_bytes += g->borrowed;
+    m->host_allocations += g->host.taken;
+    m->device_allocations += g->taken;
+}

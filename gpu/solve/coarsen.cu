@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Galerkin coarsening with bilinear interpolation. spec/solve/multigrid.md §2
+ */
+#include "gpu/solve/galerkin.cuh"
+#include "gpu/solve/level.cuh"
+#include "gpu/solve/tile.cuh"
+
+/* From so many coarse particles on tiles pay. */
+#ifdef __CUDACC__
+enum { TILES_LEAST = 1 << 15 };
+#else
+enum { TILES_LEAST = 64 };
+#endif
+
+/* ---- one grid ---- */
+
+/* Thread p of the coarse particles owns coarse_rule[p]. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    coarsen_find_kernel(struct coarsen s, struct grid c)
+{
+    ITEM(item, s.n_coarse);
+    find(&s, place_of(c, item));
+}
+
+/* A thread owns an item. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    coarsen_kernel(struct coarsen s, struct grid c,
+                   const __grid_constant__ struct book book)
+{
+    ITEM(item, (STENCIL + 1) * s.n_coarse);
+    make_item<8>(&s, c, &book, item);
+}
+
+/* What tiles leave out: a block owns the items of GPU_BLOCK coarse particles,
+ * of those that a rule matters to, a thread every so-many-th. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    coarsen_cut_kernel(struct coarsen s, struct grid c,
+                       const __grid_constant__ struct book book)
+{
+    __shared__ int32_t cut[GPU_BLOCK], n;
+    int t = (int)threadIdx.x;
+    int64_t p = (int64_t)blockIdx.x * GPU_BLOCK + t;
+    if (t == 0)
+        n = 0;
+    __syncthreads();
+    if (p < s.n_coarse && s.coarse_rule[p])
+        cut[atomicAdd(&n, 1)] = (int32_t)p;
+    __syncthreads();
+    for (int k = t; k < (STENCIL + 1) * n; k += GPU_BLOCK)
+        make_item<8>(&s, c, &book, k / n * s.n_coarse + cut[k % n]);
+}
+
+/* Thread p of the coarse particles owns factor[p] and coarse_rule[p]; reads
+ * coarse blocks and excess of all. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    coarsen_factor_kernel(struct coarsen s, struct grid c)
+{
+    ITEM(item, s.n_coarse);
+    struct place at = place_of(c, item);
+    make_factor(&s, c, at);
+    make_rule(&s, c, at);
+}
+
+static void coarsen_by_tiles(struct gpu *g, const struct coarsen *s,
+                             struct grid c, const struct book *book)
+{
+    if (s->n_live > 0)
+        LAUNCH_BLOCKS(g, tiles_of(c), TILE_BLOCK, coarsen_tile_kernel<SPRINGS>,
+                      *s, c);
+    else
+        LAUNCH_BLOCKS(g, tiles_of(c), TILE_BLOCK, coarsen_tile_kernel<STENCIL>,
+                      *s, c);
+    LAUNCH_BLOCKS(g, (s->n_coarse + GPU_BLOCK - 1) / GPU_BLOCK, GPU_BLOCK,
+                  coarsen_cut_kernel, *s, c, *book);
+}
+
+int gpu_coarsen(struct gpu *g, struct coarsen *s)
+{
+    struct grid c = {s->m / 2 + 1, s->n / 2 + 1};
+    bool springs = s->n_live > 0;
+    if (s->m < 1 || s->n < 1 || s->count != (int64_t)s->m * s->n ||
+        s->n_blocks != (springs ? (int)SPRINGS : (int)STENCIL) * s->count ||
+        (springs && s->n_live != s->count) ||
+        s->n_coarse != (int64_t)c.m * c.n || s->n_out != STENCIL * s->n_coarse)
+        return DRAPE_EARG;
+    const struct book *book = springs ? book_of<SPRINGS>() : book_of<STENCIL>();
+    LAUNCH(g, s->n_coarse, coarsen_find_kernel, *s, c);
+    if (s->n_coarse >= TILES_LEAST)
+        coarsen_by_tiles(g, s, c, book);
+    else
+        LAUNCH(g, (STENCIL + 1) * s->n_coarse, coarsen_kernel, *s, c, *book);
+    LAUNCH(g, s->n_coarse, coarsen_factor_kernel, *s, c);
+    return gpu_status(g);
+}
+
+/* ---- the small grids by one team ---- */
+
+/* Grids, the first of which is made already. */
+struct chain {
+    int grids;
+    struct small {
+        struct grid g;
+        sym *excess; /* then factors, then blocks */
+        uint8_t *rule;
+    } grid[LEVELS];
+};
+
+/* How grid k comes from the one before. */
+static __device__ struct coarsen link_of(const struct chain *s, int k)
+{
+    const struct chain::small *f = &s->grid[k - 1], *to = &s->grid[k];
+    struct coarsen c = {};
+    c.m = f->g.m;
+    c.n = f->g.n;
+    c.count = (int64_t)c.m * c.n;
+    c.excess = f->excess;
+    c.block = f->excess + 2 * c.count;
+    c.rule = f->rule;
+    c.n_coarse = (int64_t)to->g.m * to->g.n;
+    c.coarse_excess = to->excess;
+    c.factor = to->excess + c.n_coarse;
+    c.coarse_block = c.factor + c.n_coarse;
+    c.coarse_rule = to->rule;
+    return c;
+}
+
+/* Of all whom a particle with a rule matters to: as find. */
+static __device__ void mark(const struct chain::small *c, struct place at)
+{
+    for (int j = most((at.j - 4) / 2, 0); j <= (at.j + 3) / 2; j++)
+        for (int i = most((at.i - 4) / 2, 0); i <= (at.i + 5) / 2; i++)
+            if (within(c->g, i, j))
+                c->rule[i + c->g.m * j] = 1;
+}
+
+/* One team. A thread owns every so-many-th item of grid k, and factor of the
+ * grid before, while the marks of the grid after are wiped; then rules of grid
+ * k, which mark those of the grid after. */
+static __global__ void __launch_bounds__(CHAIN_BLOCK)
+    coarsen_chain_kernel(const __grid_constant__ struct chain s,
+                         const __grid_constant__ struct book book)
+{
+    struct coarsen c = link_of(&s, 1);
+    EACH_OF_TEAM(e, c.n_coarse)
+    find(&c, place_of(s.grid[1].g, e));
+    for (int k = 1; k <= s.grids; k++) {
+        struct coarsen before = c;
+        int done = k > 1 ? (int)before.n_coarse : 0;
+        bool more = k < s.grids;
+        if (more)
+            c = link_of(&s, k);
+        struct grid g = s.grid[k - !more].g;
+        int items = more ? (STENCIL + 1) * (int)c.n_coarse : 0;
+        team_sync(false);
+        EACH_OF_TEAM(e, items + done)
+        if (e < items)
+            make_item<16>(&c, g, &book, e);
+        else
+            make_factor(&before, s.grid[k - 1].g,
+                        place_of(s.grid[k - 1].g, e - items));
+        if (!more)
+            break;
+        const struct chain::small *after =
+            k + 1 < s.grids ? &s.grid[k + 1] : NULL;
+        EACH_OF_TEAM(e, after ? after->g.m * after->g.n : 0)
+        after->rule[e] = 0;
+        team_sync(false);
+        EACH_OF_TEAM(e, c.n_coarse)
+        {
+            struct place at = place_of(g, e);
+            if (make_rule(&c, g, at) && after)
+                mark(after, at);
+        }
+    }
+}
+
+void gpu_coarsen_chain(struct gpu *g, const struct level *l, int levels)
+{
+    struct chain s = {};
+    s.grids = levels;
+    for (int k = 0; k < levels; k++)
+        s.grid[k] = chain::small{l[k].g, l[k].excess, l[k].rule};
+    LAUNCH_TEAM(g, CHAIN_BLOCK, 0, coarsen_chain_kernel, s,
+                *book_of<STENCIL>());
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Block-Jacobi preconditioner. spec/solve/jacobi.md */
+#include "gpu/solve/jacobi.cuh"
+
+#include "gpu/base/thin.cuh"
+#include "gpu/solve/grid.cuh"
+
+/* Directions that are read before the first is added. */
+enum { AHEAD = 4 };
+
+/* Thread p owns factor[p]: reads mass, extra and the blocks at p, of which
+ * `from` has the stream. */
+template <class B>
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    jacobi_kernel(struct jacobi s, const B *from)
+{
+    ITEM(item, s.count);
+    struct grid g = {s.m, s.n};
+    struct place at = place_of(g, item);
+    if (s.fixed[at.p]) {
+        s.factor[at.p] = sym{0, 0, 0, 0, 0, 0};
+        return;
+    }
+    struct wide_sym d = widened(s.mass[at.p]);
+    if (s.n_extra)
+        d = add(d, s.extra[at.p]);
+    UNROLL
+    for (int first = 0; first < SPRINGS; first += AHEAD) {
+        B block[2 * AHEAD];
+        bool good[2 * AHEAD];
+        UNROLL
+        for (int k = 0; k < 2 * AHEAD; k++) {
+            int o = first + k / 2, sign = k % 2 ? -1 : 1;
+            int di = forward_i(o), dj = forward_j(o);
+            good[k] = within(g, at.i + sign * di, at.j + sign * dj);
+            int p = good[k] && k % 2 ? at.p - (di + s.m * dj) : at.p;
+            block[k] = fetch(from + o * s.count + p);
+        }
+        UNROLL
+        for (int k = 0; k < 2 * AHEAD; k++)
+            d = good[k] ? add(d, block[k]) : d;
+    }
+    s.factor[at.p] = factored(d);
+}
+
+int gpu_jacobi(struct gpu *g, struct jacobi *s)
+{
+    if (s->n_thin)
+        LAUNCH(g, s->count, jacobi_kernel<struct thin>, *s, s->thin);
+    else
+        LAUNCH(g, s->count, jacobi_kernel<sym>, *s, s->block);
+    return gpu_status(g);
+}

@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What marches down a column of a grid, gpu/solve/march.cuh: its ties, what
+ * they pull, and what of that is passed on. spec/solve/product.md §1 */
+#ifndef GPU_MARCHER_CUH
+#define GPU_MARCHER_CUH
+
+#include "gpu/base/bulk.cuh"
+#include "gpu/cloth/rate.cuh"
+
+/* REACH: columns and rows that a tie spans at most. MARCH_LEAST, MARCH_WIDE:
+ * particles and columns from which on it pays; MARCH_UNITS: multiprocessors, or
+ * as many as are cut for. */
+#ifdef __CUDACC__
+enum { REACH = 2, MARCH_LEAST = 1 << 17, MARCH_WIDE = 96, MARCH_UNITS = 132 };
+#else
+enum { REACH = 2, MARCH_LEAST = 256, MARCH_WIDE = 2, MARCH_UNITS = 2 };
+#endif
+
+/* What is kept of a particle, and of its ties: blocks in registers; rates,
+ * which take longer to use, in binary32 as STAGES rows in shared memory. And
+ * how many blocks of how many threads a multiprocessor has: not more than
+ * leaves each thread the registers to read ahead, for thin blocks of binary32
+ * and rates 128. */
+enum { STAGES = 2 };
+template <class B> struct carried {
+    typedef vec spot;
+    static constexpr bool staged = false;
+    static constexpr bool slim = REAL_BITS == 32 && sizeof(B) < sizeof(sym);
+    static constexpr int at_once = slim ? 4 : 2, limit = slim ? 128 : 192;
+};
+
+template <> struct carried<struct rate> {
+    typedef struct footing spot;
+    static constexpr bool staged = REAL_BITS == 32, slim = false;
+    static constexpr int at_once = staged ? 5 : 4, limit = staged ? 96 : 128;
+};
+
+/* A block's memory, at most 48 KiB: X_ROWS rows of what is kept of particles,
+ * of two rows the pulls of ties that lead to another column, and staged ties. A
+ * thread has a column. */
+enum { X_ROWS = 4 };
+template <int TIES, class B> struct march_size : carried<B> {
+    typedef typename carried<B>::spot spot;
+    static constexpr bool staged = carried<B>::staged;
+    static constexpr int limit = carried<B>::limit;
+    static constexpr int passed = TIES == SPRINGS ? 6 : 10;
+    static constexpr int bytes = 2 * passed * (int)sizeof(vec) +
+                                 X_ROWS * (int)sizeof(spot) +
+                                 (staged ? STAGES * TIES * (int)sizeof(B) : 0);
+    static constexpr int fit = 49152 / bytes / 64 * 64;
+    static constexpr int threads = staged || fit > limit ? limit : fit;
+    static constexpr int pitch = staged ? threads + RATES_AT_ONCE : 1;
+};
+
+/* The ties of the rows to come, row j in stage j % STAGES. */
+template <int TIES, class B> struct staging {
+    enum {
+        ROWS = march_size<TIES, B>::staged ? STAGES : 1,
+        EACH = march_size<TIES, B>::staged ? TIES : 1,
+        PITCH = march_size<TIES, B>::pitch
+    };
+    alignas(16) B tie[ROWS][EACH][PITCH];
+    bulk row[ROWS];
+};
+
+/* How a grid is cut: strips of columns, rows of a block. */
+struct cut {
+    int strips, width, rows;
+};
+
+/* Tie o among those that lead to another column, in order. */
+template <int TIES> static __host__ __device__ constexpr int passed_at(int o)
+{
+    if (TIES == SPRINGS)
+        return o == 0 ? 0 : o < 5 ? o - 1 : o - 2;
+    return o < 4 ? o : o < 9 ? o - 1 : o - 2;
+}
+
+/* Whether registers hold what a row reads besides its ties a while ahead. */
+enum { MARCH_AHEAD = REAL_BITS == 32 };
+
+/* What a thread carries down its column, all in registers. A pull that nobody
+ * wants is +0: to add or subtract it changes no y, which is never -0. */
+template <int TIES, class B> struct marcher {
+    int lane, i, j, top; /* top: the first row that the block owns */
+    int low, end;        /* columns whose ties are staged */
+    struct grid g;
+    unsigned out;    /* bit o: tie o leads to a column of strip and grid */
+    unsigned wanted; /* bit o: and someone wants its pull from the row of */
+    /* row j, or the row below once row j has pulled; none where staged */
+    B block[march_size<TIES, B>::staged ? 1 : TIES];
+    vec pull[TIES];             /* of row j */
+    vec one[TIES];              /* of the row above, by ties that end here */
+    vec two[TIES], older[TIES]; /* likewise of the two rows above */
+    vec here;                   /* x of row j */
+};
+
+/* Which ties lead from a column to columns of its strip and grid. */
+template <int TIES, class B>
+static __device__ inline unsigned columns(const struct marcher<TIES, B> *w,
+                                          int width)
+{
+    unsigned mask = 0;
+    UNROLL
+    for (int o = 0; o < TIES; o++) {
+        int di = toward_i<TIES>(o);
+        if ((unsigned)w->i < (unsigned)w->g.m &&
+            (unsigned)(w->i + di) < (unsigned)w->g.m &&
+            (unsigned)(w->lane + di) < (unsigned)(width + 2 * REACH))
+            mask |= 1u << o;
+    }
+    return mask;
+}
+
+/* Which of them lead from row j to rows that the block owns. */
+template <int TIES, class B>
+static __device__ inline unsigned rows(const struct marcher<TIES, B> *w, int j)
+{
+    unsigned mask = 0;
+    UNROLL
+    for (int o = 0; o < TIES; o++) {
+        int end = j + toward_j<TIES>(o);
+        mask |= end >= w->top && end < w->g.n ? 1u << o : 0;
+    }
+    return mask;
+}
+
+/* Which of row j's ties are wanted, and they themselves, unless staged. */
+template <int TIES, class B>
+static __device__ inline void fetch_row(struct marcher<TIES, B> *w,
+                                        const B *block, int j)
+{
+    int p = w->i + w->g.m * j;
+    w->wanted = w->out & rows(w, j);
+    UNROLL
+    for (int o = 0; o < TIES && !march_size<TIES, B>::staged; o++)
+        w->block[o] = fetch_once(block + o * stride_of<B>(w->g) +
+                                 (w->wanted >> o & 1 ? p : 0));
+}
+
+/* Where column low of row j comes to in its stage, as copies are of whole 16
+ * bytes. */
+template <int TIES, class B>
+static __device__ inline int skipped(const struct marcher<TIES, B> *w, int j)
+{
+    return (int)((unsigned)(w->low + w->g.m * j) % RATES_AT_ONCE);
+}
+
+/* Asks for row j of the staged ties; thread o for tie o, where it leads to rows
+ * that the block owns. */
+template <int TIES, class B>
+static __device__ inline void ask_row(const struct marcher<TIES, B> *w,
+                                      const B *block,
+                                      struct staging<TIES, B> *s, int j)
+{
+    int o = w->lane, skip = skipped(w, j), stage = j % STAGES;
+    if (o >= TIES)
+        return;
+    const B *from =
+        block + o * stride_of<B>(w->g) + ((int64_t)w->g.m * j + w->low - skip);
+    int n = (skip + w->end - w->low + RATES_AT_ONCE - 1) / RATES_AT_ONCE *
+            RATES_AT_ONCE;
+    bool wanted = j + toward_j<TIES>(o) >= w->top;
+    bulk_ask(&s->row[stage], s->tie[stage][o], from,
+             wanted ? n * (int)sizeof(B) : 0);
+}
+
+/* The column's particle of row j, or one near where there is none. */
+template <int TIES, class B>
+static __device__ inline struct place place_in(const struct marcher<TIES, B> *w,
+                                               int j)
+{
+    int i = least(most(w->i, 0), w->g.m - 1);
+    j = least(j, w->g.n - 1);
+    return place{i + w->g.m * j, i, j};
+}
+
+/* B (x_p - x_q) of all ties that start in row j. */
+template <int TIES, class B, class SPOT, int THREADS>
+static __device__ inline void
+pull_row(struct marcher<TIES, B> *w, const struct staging<TIES, B> *s,
+         const SPOT (*x)[THREADS], vec (*passed)[THREADS])
+{
+    constexpr bool staged = march_size<TIES, B>::staged;
+    SPOT here = x[w->j % X_ROWS][w->lane];
+    int column = most(least(w->i, w->end - 1), w->low) - w->low;
+    int at = staged ? skipped(w, w->j) + column : 0;
+    w->here = x_of(here);
+    UNROLL
+    for (int o = 0; o < TIES; o++) {
+        int di = toward_i<TIES>(o), dj = toward_j<TIES>(o);
+        int lane = least(most(w->lane + di, 0), THREADS - 1);
+        B b = staged ? s->tie[w->j % STAGES][staged ? o : 0][at]
+                     : w->block[staged ? 0 : o];
+        vec f = tie_pull(b, here, x[(w->j + dj) % X_ROWS][lane]);
+        w->pull[o] = w->wanted >> o & 1 ? f : make(0, 0, 0);
+        if (di != 0)
+            passed[passed_at<TIES>(o)][w->lane] = w->pull[o];
+    }
+}
+
+/* The pull of row j by tie o that ends in this column, below or beside. */
+template <int TIES, class B, int THREADS>
+static __device__ inline vec pull_at(const struct marcher<TIES, B> *w,
+                                     const vec (*passed)[THREADS], int o)
+{
+    int di = toward_i<TIES>(o);
+    return di ? passed[passed_at<TIES>(o)][w->lane - di] : w->pull[o];
+}
+
+/* y of row j plus its ties' pulls, in their order. */
+template <int TIES, class B, int THREADS>
+static __device__ inline vec add_pulls(const struct marcher<TIES, B> *w,
+                                       const vec (*passed)[THREADS], vec y)
+{
+    UNROLL
+    for (int o = 0; o < TIES; o++) {
+        int dj = toward_j<TIES>(o);
+        y = sub(y, dj == 0   ? pull_at(w, passed, o)
+                   : dj == 1 ? w->one[o]
+                             : w->older[o]);
+        y = add(y, w->pull[o]);
+    }
+    return y;
+}
+
+/* What ends one or two rows below is kept till there. */
+template <int TIES, class B, int THREADS>
+static __device__ inline void keep_pulls(struct marcher<TIES, B> *w,
+                                         const vec (*passed)[THREADS])
+{
+    UNROLL
+    for (int o = 0; o < TIES; o++) {
+        int dj = toward_j<TIES>(o);
+        if (dj == 1)
+            w->one[o] = pull_at(w, passed, o);
+        if (dj == 2) {
+            w->older[o] = w->two[o];
+            w->two[o] = pull_at(w, passed, o);
+        }
+    }
+}
+
+#endif

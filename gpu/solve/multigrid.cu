@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Geometric multigrid V-cycle. spec/solve/multigrid.md */
+#include "gpu/solve/march.cuh"
+#include "gpu/solve/smooth.cuh"
+#include "gpu/solve/tail.cuh"
+
+/* §5: the grids from fine to coarse and where their streams are. */
+static int lay_out(const struct multigrid *s, struct lent lent,
+                   const int32_t *go, struct level *l)
+{
+    sym *a = lent.excess ? s->pool : s->pool + s->count;
+    vec *v = lent.d ? s->room + s->count : s->room + 2 * s->count;
+    struct level fine = {};
+    fine.g = grid{s->m, s->n};
+    fine.count = (int32_t)s->count;
+    fine.mass = s->mass;
+    fine.extra = s->n_extra ? s->extra : NULL;
+    fine.fixed = s->fixed;
+    fine.rule = s->live + s->count;
+    fine.excess = lent.excess ? lent.excess : s->pool;
+    fine.block = s->block;
+    fine.thin = s->n_thin ? s->thin : NULL;
+    fine.factor = s->factor;
+    fine.b = (vec *)s->r; /* only read */
+    fine.x = s->z;
+    fine.y = s->room;
+    fine.d = lent.d ? lent.d : s->room + s->count;
+    fine.go = go;
+    l[0] = fine;
+    int levels = 1;
+    while (levels == 1 || l[levels - 1].count > COARSEST) {
+        const struct level *f = &l[levels - 1];
+        struct level c = {};
+        c.g = grid{f->g.m / 2 + 1, f->g.n / 2 + 1};
+        c.count = c.g.m * c.g.n;
+        c.rule = f->rule + f->count;
+        c.excess = a;
+        c.factor = a + c.count;
+        c.block = a + 2 * (int64_t)c.count;
+        c.x = v;
+        c.b = v + c.count;
+        c.y = v + 2 * (int64_t)c.count;
+        c.d = v + 3 * (int64_t)c.count;
+        c.go = go;
+        a += (2 + STENCIL) * (int64_t)c.count;
+        v += 4 * (int64_t)c.count;
+        l[levels++] = c;
+    }
+    return levels;
+}
+
+/* §4: for eigenvalues of [high / 8, high], in binary64. */
+static struct weights weights_of(double high)
+{
+    double low = high / 8, mid = (high + low) / 2, half = (high - low) / 2;
+    double sigma = mid / half, rho = 1 / (2 * sigma - 1 / sigma);
+    return weights{(real)(1 / mid), (real)(rho / sigma),
+                   (real)(2 * rho / half)};
+}
+
+struct opening gpu_multigrid_opening(const struct multigrid *s)
+{
+    return opening{s->factor, s->room, weights_of(2).first};
+}
+
+/* ---- kernels ---- */
+
+/* Thread p owns y[p]. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    multigrid_first_kernel(struct opening o, int32_t count, const vec *b)
+{
+    ITEM(p, count);
+    open_at(&o, (int)p, b[p]);
+}
+
+/* Thread p of the coarse grid owns b[p] and y[p]. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    multigrid_restrict_kernel(struct level f, struct level c, real first)
+{
+    ITEM(item, c.count);
+    if (!idle(c.go))
+        restrict_at(&f, &c, place_of(c.g, item), first);
+}
+
+/* Thread p of the fine grid owns x[p]. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    multigrid_prolong_kernel(struct level f, struct raised s)
+{
+    ITEM(item, f.count);
+    if (!idle(f.go))
+        f.x[item] = value_at(&s, place_of(f.g, item));
+}
+
+/* ---- the stage ---- */
+
+template <class X, class END>
+static void multiply(struct gpu *g, const struct level *l, X x, END end)
+{
+    ties<struct thin> thin = {l->g, l->mass, l->extra, NULL, l->thin};
+    if (l->thin)
+        product_of<SPRINGS>(g, thin, x, end, l->go);
+    else if (l->mass)
+        product_of<SPRINGS>(g, ties_of(l), x, end, l->go);
+    else
+        product_of<STENCIL>(g, ties_of(l), x, end, l->go);
+}
+
+/* From b to x, the first half-step being in y; then b of the next. */
+static void go_down(struct gpu *g, const struct level *l, struct weights w,
+                    real next_first)
+{
+    const struct level *c = l + 1;
+    multiply(g, l, plain{l->y}, half_down(l, w));
+    multiply(g, l, plain{l->x}, left_after(l));
+    LAUNCH(g, c->count, multigrid_restrict_kernel, *l, *c, next_first);
+}
+
+/* item as in struct half. */
+static void go_up(struct gpu *g, const struct level *l, struct weights w,
+                  real *item)
+{
+    struct raised x = raised_from(l + 1, l);
+    struct half two = half_two(l, w);
+    two.item = item;
+    if (marches(l->g)) {
+        multiply(g, l, x, half_one(l, w));
+    } else {
+        LAUNCH(g, l->count, multigrid_prolong_kernel, *l, x);
+        multiply(g, l, plain{l->x}, half_one(l, w));
+    }
+    multiply(g, l, plain{l->y}, two);
+}
+
+static struct coarsest coarsest_of(const struct multigrid *s,
+                                   const struct level *l)
+{
+    struct coarsest c = {l->g.m,    l->g.n,   l->count,
+                         l->excess, l->block, s->dense};
+    return c;
+}
+
+void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, struct lent lent,
+                         const int32_t *go, real *item)
+{
+    struct level l[LEVELS];
+    int levels = lay_out(s, lent, go, l), first = 1;
+    struct weights fine = weights_of(2),
+                   coarse = weights_of(s->n_extra ? 4 : 2.5);
+    struct tail tail = {};
+    int64_t room = fit_tail(&tail, l, levels, &first, g);
+    for (int k = 0; k < first; k++)
+        go_down(g, &l[k], k ? coarse : fine, k + 2 < levels ? coarse.first : 0);
+    tail.coarsest = coarsest_of(s, &l[levels - 1]);
+    tail.w = coarse;
+    tail.b = l[first].b;
+    tail.y = l[first].y;
+    tail.x = l[first].x;
+    tail.go = go;
+    LAUNCH_TEAM(g, TAIL_BLOCK, room, tail_kernel, tail);
+    for (int k = first - 1; k >= 0; k--)
+        go_up(g, &l[k], k ? coarse : fine, k ? NULL : item);
+}
+
+/* Grid k, the first of which is of springs, from the one before. */
+static int coarsen(struct gpu *g, const struct multigrid *s,
+                   const struct level *l, int k)
+{
+    const struct level *f = &l[k - 1], *to = &l[k];
+    struct coarsen c = {};
+    c.m = f->g.m;
+    c.n = f->g.n;
+    c.count = f->count;
+    c.excess = f->excess;
+    c.n_blocks = (k == 1 ? (int)SPRINGS : (int)STENCIL) * c.count;
+    c.block = f->block;
+    c.n_live = k == 1 ? c.count : 0;
+    c.live = s->live;
+    c.rule = f->rule;
+    c.n_coarse = to->count;
+    c.n_out = STENCIL * c.n_coarse;
+    c.coarse_excess = to->excess;
+    c.coarse_block = to->excess + 2 * c.n_coarse;
+    c.factor = to->excess + c.n_coarse;
+    c.coarse_rule = to->rule;
+    return gpu_coarsen(g, &c);
+}
+
+int gpu_multigrid_build(struct gpu *g, struct multigrid *s, struct lent lent)
+{
+    struct level l[LEVELS];
+    struct excess e = {s->m,        s->n,
+                       s->count,    s->mass,
+                       s->n_extra,  s->extra,
+                       s->n_blocks, s->block,
+                       s->fixed,    lent.excess ? lent.excess : s->pool,
+                       s->live,     s->live + s->count};
+    int status = gpu_excess(g, &e), k = 1;
+    int levels = status == DRAPE_OK ? lay_out(s, lent, NULL, l) : 0;
+    for (; k < levels && status == DRAPE_OK; k++) {
+        if (k > 1 && l[k].count <= CHAIN_COUNT)
+            break;
+        status = coarsen(g, s, l, k);
+    }
+    if (status == DRAPE_OK) {
+        struct coarsest d = coarsest_of(s, &l[levels - 1]);
+        if (k < levels)
+            gpu_coarsen_chain(g, &l[k - 1], levels - k + 1);
+        gpu_coarsest_factor(g, &d);
+    }
+    return status;
+}
+
+int gpu_multigrid(struct gpu *g, struct multigrid *s)
+{
+    int status = gpu_multigrid_build(g, s, lent{});
+    if (status == DRAPE_OK) {
+        LAUNCH(g, s->count, multigrid_first_kernel, gpu_multigrid_opening(s),
+               (int32_t)s->count, s->r);
+        gpu_multigrid_cycle(g, s, lent{}, NULL, NULL);
+    }
+    return status == DRAPE_OK ? gpu_status(g) : status;
+}

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A row of A x of a grid that lies in a team's rooms, by neighbours of a warp.
+ * spec/solve/multigrid.md */
+#ifndef GPU_PATCH_ROW_CUH
+#define GPU_PATCH_ROW_CUH
+
+#include "gpu/solve/patch.cuh"
+#include "gpu/solve/ties.cuh"
+
+/* The pulls of a tie that ends at a particle and of the one that starts there,
+ * 0 where there is none: to add or subtract that changes no y, which is never
+ * -0. x: at the particle. */
+static __device__ inline void pulls_of(struct run r, struct place at,
+                                       struct tie t, const vec *x, vec *ending,
+                                       vec *starting)
+{
+    int k = (at.p - r.first) * (int)sizeof(sym);
+    bool ends = within(r.g, at.i - t.di, at.j - t.dj);
+    bool starts = within(r.g, at.i + t.di, at.j + t.dj);
+    sym in = fetch(syms((ends ? t.in : t.out) + k)),
+        out = fetch(syms(t.out + k));
+    vec here = *x, from = x[ends ? -t.step : 0], to = x[starts ? t.step : 0];
+    vec none = make(0, 0, 0);
+    *ending = ends ? apply(in, sub(from, here)) : none;
+    *starting = starts ? apply(out, sub(here, to)) : none;
+}
+
+/* Neighbours of a warp share a row, each of them as many ties, in order; the
+ * last one ends with all. */
+struct row {
+    struct place at;
+    int lane;
+    bool real, last; /* there is such a particle; and this lane is its last */
+};
+
+static __device__ inline struct row row_of(const struct patch *l, struct run r,
+                                           int item)
+{
+    int k = item >> l->shift, lanes = 1 << l->shift, lane = item & (lanes - 1);
+    bool real = k < r.own;
+    struct place at = place_in(r, real ? r.first + k : 0);
+    return row{at, lane, real, real && lane == lanes - 1};
+}
+
+/* Whole warps take turns at the rows of a run. */
+#define EACH_ROW(item, l, r)                                                   \
+    for (int item = rank_thread(), n_ = whole_warps((r).own << (l)->shift);    \
+         item < n_; item += rank_threads())
+
+/* What the ties of a particle add to y, which the first lane has, in the last
+ * lane; x at byte `from` of the room. All threads of a warp must call it. One
+ * copy of it is all that the kernel has: what it runs through is soon cached.
+ */
+template <int LANES>
+static __device__ __noinline__ vec pulled(struct run r, struct row w, int from,
+                                          vec y)
+{
+    enum { EACH = STENCIL / LANES };
+    const vec *x = vecs(from) + (w.at.p - r.low);
+    vec ending[EACH], starting[EACH];
+    UNROLL
+    for (int k = 0; k < EACH; k++) {
+        ending[k] = starting[k] = make(0, 0, 0);
+        if (w.real)
+            pulls_of(r, w.at, ties_at(r.table)[w.lane * EACH + k], x,
+                     &ending[k], &starting[k]);
+    }
+    return add_by_lanes<LANES, EACH>(y, ending, starting, w.lane);
+}
+
+/* A x at a particle, in the last lane of its row. */
+static __device__ inline vec patch_row(const struct patch *l, struct run r,
+                                       struct row w, int from)
+{
+    vec y = make(0, 0, 0);
+    if (w.real && w.lane == 0)
+        y = own(fetch(syms(excess_of(l, r).at) + (w.at.p - r.first)),
+                vecs(from)[w.at.p - r.low]);
+    return l->shift == 2   ? pulled<4>(r, w, from, y)
+           : l->shift == 1 ? pulled<2>(r, w, from, y)
+                           : pulled<1>(r, w, from, y);
+}
+
+/* gain·F (b - A x), likewise. */
+static __device__ inline vec patch_step(const struct patch *l, struct run r,
+                                        struct row w, int from, real gain)
+{
+    vec y = patch_row(l, r, w, from);
+    if (!w.last)
+        return y;
+    int k = w.at.p - r.first;
+    sym factor = fetch(syms(factors_of(l, r).at) + k);
+    return scale(gain, solved(factor, sub(vecs(l->b)[k], y)));
+}
+
+#endif

@@ -1,0 +1,311 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A cycle's small grids in one kernel of one team, which keeps them in its
+ * shared memory: a kernel a pass takes longer to start than to run, and a pass
+ * from the L2 cache longer than one from there. spec/solve/multigrid.md */
+#ifndef GPU_TAIL_CUH
+#define GPU_TAIL_CUH
+
+#include "gpu/solve/patch_row.cuh"
+#include "gpu/solve/smooth.cuh"
+
+/* TAIL_LEVELS: most grids; TAIL_ALONE: particles from which down a grid is
+ * rank 0's alone, if there is room: its barriers are quicker. */
+#ifdef __CUDACC__
+enum { TAIL_BLOCK = 512, TAIL_LEVELS = 16, TAIL_ALONE = 200 };
+#else
+enum { TAIL_BLOCK = 64, TAIL_LEVELS = 16, TAIL_ALONE = 30 };
+#endif
+
+struct tail {
+    int levels; /* the last is the coarsest */
+    struct patch patch[TAIL_LEVELS];
+    struct coarsest coarsest;
+    int32_t rules; /* of all grids but the coarsest */
+    int32_t dense; /* place of the coarsest's factor */
+    struct weights w;
+    const vec *b, *y; /* the first grid's right-hand side and half-step */
+    vec *x;           /* the result there */
+    const int32_t *go;
+};
+
+/* A stream to its place by a warp: what is not in whole quads first and last.
+ */
+static __device__ inline void fetch_stream(struct stream s)
+{
+    enum { HALF = 8, QUAD = 16 };
+    struct alignas(QUAD) quad {
+        double half[2];
+    };
+    int lane = rank_thread() % WARP, bytes = s.n * (int)sizeof(sym);
+    int head = s.at % QUAD, quads = (bytes - head) / QUAD;
+    const char *from = (const char *)s.from;
+    char *to = team_room() + s.at;
+    if (lane == 0 && head && bytes)
+        copy_ahead((double *)to, (const double *)from);
+    if (lane == 1 && (bytes - head) % QUAD)
+        copy_ahead((double *)(to + bytes - HALF),
+                   (const double *)(from + bytes - HALF));
+#ifdef __CUDACC__
+#pragma unroll 4
+#endif
+    for (int k = lane; k < quads; k += WARP)
+        copy_ahead((quad *)(to + head) + k, (const quad *)(from + head) + k);
+}
+
+/* Of a grid's coefficients a rank's, without waiting for them: a warp takes
+ * block o of all, two more the others. */
+static __device__ inline void fetch_patch(const struct patch *l)
+{
+    struct run r = run_of(l);
+    int t = rank_thread();
+    if (t < STENCIL)
+        ties_at(l->table)[t] = tie_in(l, r, t);
+    for (int o = t / WARP; o < STENCIL + 2; o += rank_threads() / WARP)
+        fetch_stream(o < STENCIL    ? blocks_of(l, r, o)
+                     : o == STENCIL ? factors_of(l, r)
+                                    : excess_of(l, r));
+}
+
+/* The rules of all grids, which lie behind each other. */
+static __device__ inline void fetch_rules(const struct tail *s)
+{
+    enum { AT_ONCE = 12 };
+    const uint8_t *from = s->patch[0].rule;
+    uint8_t *to = rules_of(&s->patch[0]), rule[AT_ONCE];
+    for (int first = rank_thread(); first < s->rules;
+         first += AT_ONCE * rank_threads()) {
+        UNROLL
+        for (int k = 0; k < AT_ONCE; k++) {
+            int e = first + k * rank_threads();
+            rule[k] = e < s->rules ? from[e] : 0;
+        }
+        UNROLL
+        for (int k = 0; k < AT_ONCE; k++) {
+            int e = first + k * rank_threads();
+            if (e < s->rules)
+                to[e] = rule[k];
+        }
+    }
+}
+
+/* What the first grid starts from. */
+static __device__ inline void fetch_vectors(const struct tail *s)
+{
+    const struct patch *l = &s->patch[0];
+    struct run r = run_of(l);
+    int high = least(r.first + r.own + l->reach, l->count);
+    int n = s->levels > 1 ? 3 * (high - r.low) : 0; /* else no half-step */
+    const real *y = (const real *)(s->y + r.low);
+    const real *b = (const real *)(s->b + r.first);
+    UNROLL
+    for (int k = 0; k < 3; k++) {
+        int e = rank_thread() + k * rank_threads();
+        if (e < n)
+            ((real *)vecs(l->y))[e] = y[e];
+        if (e < 3 * r.own)
+            ((real *)vecs(l->b))[e] = b[e];
+    }
+    for (int e = rank_thread() + 3 * rank_threads(); e < n; e += rank_threads())
+        ((real *)vecs(l->y))[e] = y[e];
+    for (int e = rank_thread() + 3 * rank_threads(); e < 3 * r.own;
+         e += rank_threads())
+        ((real *)vecs(l->b))[e] = b[e];
+}
+
+/* ---- the passes ---- */
+
+/* The second half-step down, the first being y, and what is left, in y. */
+static __device__ inline void smooth_down(const struct tail *s,
+                                          const struct patch *l)
+{
+    struct run r = run_of(l);
+    EACH_ROW(item, l, r)
+    {
+        struct row w = row_of(l, r, item);
+        vec d = patch_step(l, r, w, l->y, s->w.second);
+        if (w.last) {
+            vec here = vecs(l->y)[w.at.p - r.low];
+            spread(l, l->x, w.at.p, add(here, axpy(d, s->w.keep, here)));
+        }
+    }
+    copies_end<0>(); /* of the grids to come */
+    team_sync(l->alone);
+    EACH_ROW(item, l, r)
+    {
+        struct row w = row_of(l, r, item);
+        vec y = patch_row(l, r, w, l->x);
+        if (w.last)
+            vecs(l->y)[w.at.p - r.low] = sub(vecs(l->b)[w.at.p - r.first], y);
+    }
+    team_sync(l->alone);
+}
+
+/* As restrict_at. */
+static __device__ inline void restrict_patch(const struct patch *f,
+                                             const struct patch *l, real first)
+{
+    struct run r = run_of(l);
+    EACH_OF(r, at)
+    {
+        vec sum = make(0, 0, 0), y[9];
+        int rule[9];
+        UNROLL
+        for (int e = 0; e < 9; e++) {
+            int i = least(most(2 * at.i + e % 3 - 1, 0), f->g.m - 1);
+            int j = least(most(2 * at.j + e / 3 - 1, 0), f->g.n - 1);
+            rule[e] = rules_of(f)[i + f->g.m * j];
+            y[e] = owned(f, f->y, i + f->g.m * j);
+        }
+        UNROLL
+        for (int e = 0; e < 9; e++) {
+            int di = e % 3 - 1, dj = e / 3 - 1;
+            if (within(f->g, 2 * at.i + di, 2 * at.j + dj))
+                sum = axpy(sum, R(0.25) * (real)part_of(rule[e], di, dj), y[e]);
+        }
+        int k = at.p - r.first;
+        vecs(l->b)[k] = sum;
+        if (first != 0) {
+            sym factor = fetch(syms(factors_of(l, r).at) + k);
+            spread(l, l->y, at.p, scale(first, solved(factor, sum)));
+        }
+    }
+    team_sync(l->alone);
+}
+
+/* x with the correction of the coarser grid c. */
+static __device__ inline void prolong_patch(const struct patch *l,
+                                            const struct patch *c)
+{
+    struct run r = run_of(l);
+    EACH_OF(r, at)
+    {
+        struct raised_parts x;
+        x.here = vecs(l->x)[at.p - r.low];
+        x.rule = rules_of(l)[at.p];
+        UNROLL
+        for (int k = 0; k < 4; k++) {
+            int i = (at.i + k % 2) / 2, j = (at.j + k / 2) / 2;
+            x.corner[k] = owned(c, c->x, i + c->g.m * j);
+        }
+        spread(l, l->x, at.p, made((const struct raised *)NULL, x, at));
+    }
+    team_sync(l->alone);
+}
+
+/* Both half-steps up; the result to `to`, or to x where that is NULL. */
+static __device__ inline void smooth_up(const struct tail *s,
+                                        const struct patch *l, vec *to)
+{
+    struct run r = run_of(l);
+    EACH_ROW(item, l, r)
+    {
+        struct row w = row_of(l, r, item);
+        vec d = patch_step(l, r, w, l->x, s->w.first);
+        if (w.last) {
+            vecs(l->d)[w.at.p - r.first] = d;
+            spread(l, l->y, w.at.p, add(vecs(l->x)[w.at.p - r.low], d));
+        }
+    }
+    team_sync(l->alone);
+    EACH_ROW(item, l, r)
+    {
+        struct row w = row_of(l, r, item);
+        vec d = patch_step(l, r, w, l->y, s->w.second);
+        if (w.last) {
+            d = axpy(d, s->w.keep, vecs(l->d)[w.at.p - r.first]);
+            vec x = add(vecs(l->y)[w.at.p - r.low], d);
+            (to ? to + w.at.p : vecs(l->x) + (w.at.p - r.low))[0] = x;
+        }
+    }
+}
+
+/* All that is read of global memory; the first grid's is there when it
+ * returns. */
+static __device__ inline void fetch_all(const struct tail *s)
+{
+    int last = s->levels - 1;
+    if (last > 0)
+        fetch_patch(&s->patch[0]);
+    copies_group();
+    for (int k = 1; k < last; k++)
+        fetch_patch(&s->patch[k]);
+    copies_group();
+    fetch_rules(s);
+    fetch_vectors(s);
+    fetch_coarsest(&s->coarsest, (double *)(team_room() + s->dense));
+    copies_end<1>();
+    team_sync(false);
+}
+
+/* One team, its ranks together at every barrier, whoever has work between.
+ * What one rank writes for another lies between two barriers of the team; of
+ * a grid that is rank 0's alone the others own nothing. */
+static __global__ void __launch_bounds__(TAIL_BLOCK, 1)
+    tail_kernel(const __grid_constant__ struct tail s)
+{
+    if (idle(s.go))
+        return;
+    int last = s.levels - 1;
+    const struct patch *end = &s.patch[last];
+    fetch_all(&s);
+    for (int k = 0; k < last; k++) {
+        smooth_down(&s, &s.patch[k]);
+        restrict_patch(&s.patch[k], &s.patch[k + 1],
+                       k + 1 < last ? s.w.first : 0);
+    }
+    solve_coarsest(&s.coarsest, (const double *)(team_room() + s.dense),
+                   vecs(end->b), last || team_rank() ? vecs(end->x) : s.x);
+    for (int k = last - 1; k >= 0; k--) {
+        team_sync(s.patch[k].alone);
+        prolong_patch(&s.patch[k], &s.patch[k + 1]);
+        smooth_up(&s, &s.patch[k], k ? NULL : s.x);
+    }
+}
+
+/* ---- on the host ---- */
+
+/* Lays levels from `first` on out as patches, those from `alone` on of one
+ * rank: the bytes of a room. */
+static int64_t lay_tail(struct tail *s, const struct level *l, int levels,
+                        int first, int alone, int ranks)
+{
+    int64_t at = 0, n = 3 * (int64_t)l[levels - 1].count, rules = 0;
+    s->levels = levels - first;
+    for (int k = first; k < levels; k++) {
+        struct patch *p = &s->patch[k - first];
+        *p = patch_of(&l[k], k >= alone ? 1 : ranks);
+        while (p->shift < 2 && p->share << (p->shift + 1) <= TAIL_BLOCK)
+            p->shift++;
+        at = lay_patch(p, at, k == levels - 1);
+    }
+    for (int k = 0; k < s->levels - 1; k++) {
+        s->patch[k].rules = (int32_t)(at + rules);
+        rules += s->patch[k].count;
+    }
+    s->rules = (int32_t)rules;
+    at += (rules + 15) / 16 * 16;
+    s->dense = (int32_t)at;
+    return at + n * dense_pitch((int)n) * (int)sizeof(double);
+}
+
+/* The largest grid from which on all of them fit, and how they lie: *first,
+ * ≥ 1; the bytes of a room. */
+static int64_t fit_tail(struct tail *s, const struct level *l, int levels,
+                        int *first, const struct gpu *g)
+{
+    for (*first = 1; *first < levels - 1; ++*first) {
+        int alone = levels - 1;
+        if (levels - *first > TAIL_LEVELS || l[*first].count > 1 << 16)
+            continue;
+        for (int k = levels - 1; k >= *first && l[k].count <= TAIL_ALONE; k--)
+            alone = k;
+        for (; alone < levels; alone++) {
+            int64_t bytes = lay_tail(s, l, levels, *first, alone, g->ranks);
+            if (bytes <= g->room)
+                return bytes;
+        }
+    }
+    return lay_tail(s, l, levels, *first, levels - 1, g->ranks);
+}
+
+#endif

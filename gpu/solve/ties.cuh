@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A system as ties between particles of a grid, and a row of its product.
+ * spec/solve/product.md §1, spec/solve/multigrid.md §3 */
+#ifndef GPU_TIES_CUH
+#define GPU_TIES_CUH
+
+#include "gpu/base/team.cuh"
+#include "gpu/base/thin.cuh"
+#include "gpu/solve/product.cuh"
+
+/* A symmetric system on a grid: mass and extra, or excess, and ties, each a
+ * B: a sym, or a struct thin. */
+template <class B> struct ties {
+    struct grid g;
+    const real *mass;  /* NULL: excess is */
+    const sym *extra;  /* NULL: none */
+    const sym *excess; /* NULL: mass is */
+    const B *block;    /* [SPRINGS or STENCIL · m·n] */
+};
+
+/* Where x comes from: made(&source, take(&source, place), place), which none
+ * writes meanwhile; take only reads, so that it may run ahead. */
+struct plain {
+    const vec *x;
+};
+
+static __device__ inline vec take(const struct plain *s, struct place at)
+{
+    return s->x[at.p];
+}
+
+static __device__ inline vec made(const struct plain *s, vec x, struct place at)
+{
+    (void)s;
+    (void)at;
+    return x;
+}
+
+template <class X>
+static __device__ inline auto value_at(const X *s, struct place at)
+{
+    return made(s, take(s, at), at);
+}
+
+static __device__ inline struct place beside(struct grid g, struct place at,
+                                             int di, int dj)
+{
+    return place{at.p + di + g.m * dj, at.i + di, at.j + dj};
+}
+
+/* What of A x is no tie's: of springs by mass, of couplings by excess. */
+struct base {
+    real mass;
+    sym extra; /* or excess */
+};
+
+template <int TIES, class B>
+static __device__ inline struct base base_of(const struct ties<B> *t, int p)
+{
+    struct base b = {};
+    if (TIES == STENCIL) {
+        b.extra = fetch(t->excess + p);
+        return b;
+    }
+    b.mass = t->mass[p];
+    if (t->extra)
+        b.extra = fetch(t->extra + p);
+    return b;
+}
+
+template <int TIES, class B>
+static __device__ inline vec own_part(const struct ties<B> *t, struct base b,
+                                      vec x)
+{
+    if (TIES == STENCIL)
+        return own(b.extra, x);
+    vec y = own(b.mass, x);
+    return t->extra ? add(y, apply(b.extra, x)) : y;
+}
+
+/* y of the first of LANES neighbours of a warp, less and plus what each has, in
+ * their order: in the last one. All threads of a warp must call it. */
+template <int LANES, int EACH>
+static __device__ inline vec add_by_lanes(vec y, const vec less[EACH],
+                                          const vec plus[EACH], int lane)
+{
+    UNROLL
+    for (int turn = 0; turn < LANES; turn++) {
+        vec below = turn ? lane_below(y) : y;
+        if (lane != turn)
+            continue;
+        y = below;
+        UNROLL
+        for (int k = 0; k < EACH; k++)
+            y = add(sub(y, less[k]), plus[k]);
+    }
+    return y;
+}
+
+/* Row p of A x by LANES neighbours of a warp, which all must call it: y of the
+ * particle plus what its ties pull, of each direction the tie that ends here
+ * and then the one that starts here. Each lane has as many directions, in
+ * order, and reads all before the first is needed, as a small grid waits for
+ * memory and for nothing else. The last lane gets it; *here: x[p]. */
+template <int TIES, int LANES, class B, class X>
+static __device__ inline vec gathered(const struct ties<B> *t, const X *x,
+                                      struct place at, int lane, vec *here)
+{
+    enum { EACH = TIES / LANES };
+    B before[EACH], after[EACH];
+    vec from[EACH], to[EACH], own = *here = value_at(x, at);
+    bool ends[EACH], starts[EACH];
+    UNROLL
+    for (int k = 0; k < EACH; k++) {
+        int o = lane * EACH + k;
+        int di = toward_i<TIES>(o), dj = toward_j<TIES>(o);
+        const B *b = t->block + (int64_t)o * t->g.m * t->g.n;
+        struct place p = beside(t->g, at, -di, -dj);
+        struct place q = beside(t->g, at, di, dj);
+        ends[k] = within(t->g, p.i, p.j);
+        starts[k] = within(t->g, q.i, q.j);
+        p = ends[k] ? p : at;
+        q = starts[k] ? q : at;
+        before[k] = fetch(b + p.p);
+        after[k] = fetch(b + at.p);
+        from[k] = value_at(x, p);
+        to[k] = value_at(x, q);
+    }
+    vec y = make(0, 0, 0);
+    if (lane == 0)
+        y = own_part<TIES>(t, base_of<TIES>(t, at.p), own);
+    UNROLL
+    for (int k = 0; k < EACH; k++) {
+        vec none = make(0, 0, 0); /* changes no y, which is never -0 */
+        from[k] = ends[k] ? apply(before[k], sub(from[k], own)) : none;
+        to[k] = starts[k] ? apply(after[k], sub(own, to[k])) : none;
+    }
+    return add_by_lanes<LANES, EACH>(y, from, to, lane);
+}
+
+#endif

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Where obstacles and pins are told to be. spec/world/kinematics.md */
+#include "gpu/base/real.cuh"
+
+/* Thread k owns vertex k: reads its rest, next and motion, writes x[k]; sets
+ * *bad where that is out of range. Any order: all write the same. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    kinematics_kernel(struct kinematics s, int64_t *bad)
+{
+    ITEM(k, s.n);
+    double a[3], d[3];
+    for (int i = 0; i < 3; i++) {
+        a[i] = s.rest[3 * k + i];
+        if (s.next)
+            a[i] += s.blend * (s.next[3 * k + i] - a[i]);
+    }
+    int32_t motion = s.motion[k];
+    if (motion >= 0) {
+        const struct pose *p = &s.pose[motion];
+        for (int i = 0; i < 3; i++)
+            d[i] = a[i] - p->pivot[i];
+        for (int i = 0; i < 3; i++) {
+            const double *r = p->rotation + 3 * i;
+            a[i] = p->p[i] + ((r[0] * d[0] + r[1] * d[1]) + r[2] * d[2]);
+        }
+    }
+    vec x = make((real)a[0], (real)a[1], (real)a[2]);
+    s.x[k] = x;
+    if (!sane(x))
+        *bad = 1;
+}
+
+int gpu_kinematics(struct gpu *g, struct kinematics *s)
+{
+    int64_t *bad = gpu_words(g);
+    LAUNCH(g, s->n, kinematics_kernel, *s, bad);
+    bool out = gpu_read_words(g, 1)[0] != 0;
+    int status = gpu_status(g);
+    return status == DRAPE_OK && out ? DRAPE_EDATA : status;
+}

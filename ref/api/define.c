@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The one complete check of a definition: what passes here is checked nowhere
+ * else. */
+#include "ref/api/define.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double BIG = 1152921504606846976.0; /* 2^60 */
+
+/* Where the check is and what it found. */
+struct check {
+    drape_error *error;
+    char where[64]; /* "cloth 2: ", or empty */
+    int status;
+};
+
+static int fail(struct check *c, int status, const char *format, ...)
+{
+    if (c->status != DRAPE_OK)
+        return c->status;
+    c->status = status;
+    if (c->error) {
+        va_list args;
+        int n = snprintf(c->error->text, sizeof c->error->text, "%s", c->where);
+        va_start(args, format);
+        vsnprintf(c->error->text + n, sizeof c->error->text - (size_t)n, format,
+                  args);
+        va_end(args);
+    }
+    return status;
+}
+
+static void where(struct check *c, const char *what, int k)
+{
+    snprintf(c->where, sizeof c->where, "%s %d: ", what, k);
+}
+
+/* The one rule of codes, as spec/drape.h says it: a number that cannot be one
+ * of ours is bad data, one that is out of its range a bad argument. */
+static int fault_of(double a)
+{
+    return fabs(a) <= BIG ? DRAPE_EARG : DRAPE_EDATA;
+}
+
+/* A number in [lo, hi]; NaN is not. */
+static void number(struct check *c, const char *name, double a, double lo,
+                   double hi)
+{
+    if (!(a >= lo && a <= hi))
+        fail(c, fault_of(a), "%s is %g, expected %g to %g", name, a, lo, hi);
+}
+
+static void positive(struct check *c, const char *name, double a)
+{
+    if (!(a > 0 && a <= BIG))
+        fail(c, fault_of(a), "%s is %g, expected above 0", name, a);
+}
+
+static void integer(struct check *c, const char *name, int64_t a, int64_t lo,
+                    int64_t hi)
+{
+    if (a < lo || a > hi)
+        fail(c, DRAPE_EARG, "%s is %lld, expected %lld to %lld", name,
+             (long long)a, (long long)lo, (long long)hi);
+}
+
+/* Whether what n things are read from is there, and nothing failed so far. */
+static bool there(struct check *c, const char *name, int64_t n, const void *p)
+{
+    if (n > 0 && !p)
+        fail(c, DRAPE_EARG, "%s is NULL, expected %lld", name, (long long)n);
+    return c->status == DRAPE_OK;
+}
+
+static void vectors(struct check *c, const char *name, int64_t n,
+                    const double (*x)[3])
+{
+    for (int64_t i = 0; there(c, name, n, x) && i < n; i++)
+        for (int k = 0; k < 3; k++)
+            if (!(x[i][k] >= -BIG && x[i][k] <= BIG)) {
+                fail(c, DRAPE_EDATA,
+                     "%s %lld has coordinate %g, expected |x| up to 2^60", name,
+                     (long long)i, x[i][k]);
+                break;
+            }
+}
+
+static void check_material(struct check *c, const drape_material *m)
+{
+    positive(c, "density", m->density);
+    positive(c, "stretch", m->stretch);
+    number(c, "shear", m->shear, 0, m->stretch / 2);
+    number(c, "bend", m->bend, 0, BIG);
+    number(c, "damping", m->damping, 0, 1e6);
+    positive(c, "thickness", m->thickness);
+    number(c, "friction", m->friction, 0, 1e6);
+}
+
+/* Axes of a flat start: unit and at right angles to 1e-6. */
+static void check_axes(struct check *c, const drape_cloth *cloth)
+{
+    double uu = 0, vv = 0, uv = 0;
+    vectors(c, "origin", 1, &cloth->origin);
+    vectors(c, "u", 1, &cloth->u);
+    vectors(c, "v", 1, &cloth->v);
+    for (int k = 0; k < 3; k++) {
+        uu += cloth->u[k] * cloth->u[k];
+        vv += cloth->v[k] * cloth->v[k];
+        uv += cloth->u[k] * cloth->v[k];
+    }
+    if (!(fabs(uu - 1) <= 1e-6 && fabs(vv - 1) <= 1e-6 && fabs(uv) <= 1e-6))
+        fail(c, DRAPE_EARG, "u and v must be unit and at right angles");
+}
+
+static void check_cloth(struct check *c, const drape_cloth *cloth,
+                        int n_motions)
+{
+    int64_t n = (int64_t)cloth->m * cloth->n;
+    positive(c, "width", cloth->width);
+    positive(c, "height", cloth->height);
+    check_material(c, &cloth->material);
+    integer(c, "n_pins", cloth->n_pins, 0, n);
+    if (!there(c, "pins", cloth->n_pins, cloth->pins))
+        return;
+    if (cloth->x)
+        vectors(c, "particle", n, cloth->x);
+    else
+        check_axes(c, cloth);
+    if (cloth->velocity)
+        vectors(c, "velocity", n, cloth->velocity);
+    for (int k = 0; k < cloth->n_pins && c->status == DRAPE_OK; k++) {
+        const drape_pin *p = &cloth->pins[k];
+        char name[32];
+        snprintf(name, sizeof name, "pin %d i", k);
+        integer(c, name, p->i, 0, cloth->m - 1);
+        snprintf(name, sizeof name, "pin %d j", k);
+        integer(c, name, p->j, 0, cloth->n - 1);
+        snprintf(name, sizeof name, "pin %d motion", k);
+        integer(c, name, p->motion, -1, n_motions - 1);
+    }
+}
+
+static void check_motion(struct check *c, const drape_motion *m)
+{
+    integer(c, "keys", m->keys, 1, 1 << 24);
+    if (!there(c, "time", m->keys, m->time))
+        return;
+    vectors(c, "position", m->keys, m->position);
+    vectors(c, "pivot", 1, &m->pivot);
+    for (int k = 0; k < m->keys && c->status == DRAPE_OK; k++) {
+        number(c, "time", m->time[k], k ? m->time[k - 1] : -BIG, BIG);
+        if (k && !(m->time[k] > m->time[k - 1]))
+            fail(c, DRAPE_EARG, "time %d does not ascend", k);
+        double qq = 0;
+        for (int i = 0; m->rotation && i < 4; i++) {
+            number(c, "rotation", m->rotation[k][i], -BIG, BIG);
+            qq += m->rotation[k][i] * m->rotation[k][i];
+        }
+        if (m->rotation && !(fabs(qq - 1) <= 1e-6))
+            fail(c, DRAPE_EARG, "rotation %d is not a unit quaternion", k);
+    }
+}
+
+static void check_obstacle(struct check *c, const drape_obstacle *o,
+                           int n_motions)
+{
+    number(c, "friction", o->friction, 0, 1e6);
+    integer(c, "motion", o->motion, -1, n_motions - 1);
+    integer(c, "frames", o->frames, 0, 1 << 24);
+    if (!there(c, "tri", o->n_triangles, o->tri))
+        return;
+    vectors(c, "vertex", o->n_vertices, o->x);
+    for (int64_t k = 0; k < o->n_triangles && c->status == DRAPE_OK; k++)
+        for (int i = 0; i < 3; i++)
+            if (o->tri[k][i] < 0 || o->tri[k][i] >= o->n_vertices)
+                fail(c, DRAPE_EARG, "triangle %lld names vertex %d of %lld",
+                     (long long)k, (int)o->tri[k][i], (long long)o->n_vertices);
+    if (o->frames) {
+        if (o->motion >= 0)
+            fail(c, DRAPE_EARG, "has both a motion and frames");
+        positive(c, "frame_dt", o->frame_dt);
+        vectors(c, "frame vertex", o->frames * o->n_vertices, o->frame);
+    }
+}
+
+static void check_wind(struct check *c, const drape_wind *wind)
+{
+    vectors(c, "wind velocity", 1, &wind->velocity);
+    number(c, "wind density", wind->density, 0, BIG);
+    number(c, "wind drag", wind->drag, 0, 1e6);
+    number(c, "wind lift", wind->lift, 0, 1e6);
+}
+
+int define_check_wind(const drape_wind *wind)
+{
+    struct check c = {.error = NULL, .status = DRAPE_OK};
+    check_wind(&c, wind);
+    return c.status;
+}
+
+bool define_check_allocator(const drape_allocator *allocator)
+{
+    return !allocator->allocate == !allocator->release;
+}
+
+static void check_world(struct check *c, const drape_def *def)
+{
+    integer(c, "backend", def->backend, DRAPE_REF, DRAPE_GPU);
+    if (def->precision != 32 && def->precision != 64)
+        fail(c, DRAPE_EARG, "precision is %d, expected 32 or 64",
+             def->precision);
+    integer(c, "threads", def->threads, 0, 4096);
+    integer(c, "block", def->block, 0, 256);
+    if (def->block % 32)
+        fail(c, DRAPE_EARG, "block is %d, expected a multiple of 32",
+             def->block);
+    if (!define_check_allocator(&def->allocator) ||
+        !define_check_allocator(&def->device_allocator))
+        fail(c, DRAPE_EARG, "an allocator needs both its functions, or none");
+    number(c, "dt", def->dt, 1e-9, 1e3);
+    vectors(c, "gravity", 1, &def->gravity);
+    check_wind(c, &def->wind);
+    integer(c, "integrator", def->integrator, DRAPE_EULER, DRAPE_CK);
+    integer(c, "max_substeps", def->max_substeps, 1, INT32_MAX);
+    integer(c, "precond", def->precond, DRAPE_JACOBI, DRAPE_MULTIGRID);
+    integer(c, "matrix", def->matrix, DRAPE_CDF, DRAPE_COMPACT);
+    integer(c, "solver", def->solver, DRAPE_EXACT, DRAPE_CUBLAS);
+    if (def->solver == DRAPE_CUBLAS && def->backend != DRAPE_GPU)
+        fail(c, DRAPE_EARG, "solver cublas needs backend gpu");
+    number(c, "tolerance", def->tolerance, 1e-15, 1);
+    integer(c, "max_iterations", def->max_iterations, 1, INT32_MAX);
+    integer(c, "max_rounds", def->max_rounds, 0, 10000);
+    integer(c, "max_slices", def->max_slices, 1, 64);
+    if (def->max_slices & (def->max_slices - 1))
+        fail(c, DRAPE_EARG, "max_slices is %d, expected a power of two",
+             def->max_slices);
+    integer(c, "n_cloths", def->n_cloths, 1, 4096);
+    integer(c, "n_obstacles", def->n_obstacles, 0, 4096);
+    integer(c, "n_motions", def->n_motions, 0, 1 << 20);
+    there(c, "cloths", def->n_cloths, def->cloths);
+    there(c, "obstacles", def->n_obstacles, def->obstacles);
+    there(c, "motions", def->n_motions, def->motions);
+}
+
+/* Sizes come first: no array is read before every one of them is known to be
+ * possible, and none of their products overflows. */
+static void check_sizes(struct check *c, const drape_def *def)
+{
+    const int64_t most = INT32_MAX / 8;
+    int64_t vertices = 0, triangles = 0;
+    for (int k = 0; k < def->n_cloths && c->status == DRAPE_OK; k++) {
+        const drape_cloth *cloth = &def->cloths[k];
+        where(c, "cloth", k);
+        integer(c, "m", cloth->m, 2, 32768);
+        integer(c, "n", cloth->n, 2, 32768);
+        if (c->status != DRAPE_OK)
+            return;
+        vertices += (int64_t)cloth->m * cloth->n;
+        triangles += 2 * (int64_t)(cloth->m - 1) * (cloth->n - 1);
+    }
+    for (int k = 0; k < def->n_obstacles && c->status == DRAPE_OK; k++) {
+        const drape_obstacle *o = &def->obstacles[k];
+        where(c, "obstacle", k);
+        integer(c, "n_vertices", o->n_vertices, 1, most);
+        integer(c, "n_triangles", o->n_triangles, 1, most);
+        if (c->status != DRAPE_OK)
+            return;
+        vertices += o->n_vertices;
+        triangles += o->n_triangles;
+    }
+    c->where[0] = 0;
+    integer(c, "the scene's number of vertices", vertices, 0, most);
+    integer(c, "the scene's number of triangles", triangles, 0, most);
+}
+
+int define_check(const drape_def *def, drape_error *error)
+{
+    struct check c = {.error = error, .status = DRAPE_OK};
+    check_world(&c, def);
+    if (c.status == DRAPE_OK)
+        check_sizes(&c, def);
+    for (int k = 0; k < def->n_motions && c.status == DRAPE_OK; k++) {
+        where(&c, "motion", k);
+        check_motion(&c, &def->motions[k]);
+    }
+    for (int k = 0; k < def->n_cloths && c.status == DRAPE_OK; k++) {
+        where(&c, "cloth", k);
+        check_cloth(&c, &def->cloths[k], def->n_motions);
+    }
+    for (int k = 0; k < def->n_obstacles && c.status == DRAPE_OK; k++) {
+        where(&c, "obstacle", k);
+        check_obstacle(&c, &def->obstacles[k], def->n_motions);
+    }
+    return c.status;
+}

@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Memory of a world, as ref/base/arena.h says. */
+#include "ref/base/arena.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* Stands before each stream, as large as its alignment. */
+struct arena_block {
+    struct arena_block *next, *prev;
+    size_t bytes; /* of the stream */
+    enum arena_part part;
+};
+enum { HEADER = 64 };
+
+static void *default_allocate(void *user, size_t bytes)
+{
+    (void)user;
+    return aligned_alloc(HEADER, (bytes + HEADER - 1) / HEADER * HEADER);
+}
+
+static void default_release(void *user, void *p, size_t bytes)
+{
+    (void)user;
+    (void)bytes;
+    free(p);
+}
+
+void arena_init(struct arena *a, const drape_allocator *allocator)
+{
+    memset(a, 0, sizeof *a);
+    a->allocator = *allocator;
+    if (!a->allocator.allocate) {
+        a->allocator.allocate = default_allocate;
+        a->allocator.release = default_release;
+    }
+}
+
+void *arena_take(struct arena *a, enum arena_part part, int64_t count,
+                 size_t size)
+{
+    size_t n = (size_t)(count > 0 ? count : 1);
+    if (n > (SIZE_MAX - HEADER) / size) {
+        a->failed = true;
+        return NULL;
+    }
+    a->taken++;
+    uint8_t *p = a->allocator.allocate(a->allocator.user, HEADER + n * size);
+    if (!p) {
+        a->failed = true;
+        return NULL;
+    }
+    struct arena_block *b = (struct arena_block *)(void *)p;
+    b->bytes = n * size;
+    b->part = part;
+    b->prev = NULL;
+    b->next = a->blocks;
+    if (b->next)
+        b->next->prev = b;
+    a->blocks = b;
+    a->bytes[part] += b->bytes;
+    memset(p + HEADER, 0, b->bytes);
+    return p + HEADER;
+}
+
+void *arena_grow(struct arena *a, void *old, int64_t old_count, int64_t count,
+                 size_t size)
+{
+    struct arena_block *b =
+        (struct arena_block *)(void *)((uint8_t *)old - HEADER);
+    void *p = arena_take(a, b->part, count, size);
+    if (!p)
+        return NULL;
+    memcpy(p, old, (size_t)old_count * size);
+    arena_give(a, old);
+    return p;
+}
+
+void arena_give(struct arena *a, void *p)
+{
+    if (!p)
+        return;
+    struct arena_block *b =
+        (struct arena_block *)(void *)((uint8_t *)p - HEADER);
+    if (b->prev)
+        b->prev->next = b->next;
+    else
+        a->blocks = b->next;
+    if (b->next)
+        b->next->prev = b->prev;
+    a->bytes[b->part] -= b->bytes;
+    a->allocator.release(a->allocator.user, b, HEADER + b->bytes);
+}
+
+void arena_free(struct arena *a)
+{
+    while (a->blocks)
+        arena_give(a, (uint8_t *)a->blocks + HEADER);
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Every stage's struct and entry point, in pipeline order. */
+#ifndef REF_STAGES_H
+#define REF_STAGES_H
+
+#include "ref/base/sum.h"
+#include "ref/broad/cones.h"
+#include "ref/broad/extent.h"
+#include "ref/broad/features.h"
+#include "ref/broad/front.h"
+#include "ref/broad/refit.h"
+#include "ref/broad/travel.h"
+#include "ref/broad/walk.h"
+#include "ref/cloth/advance.h"
+#include "ref/cloth/blocks.h"
+#include "ref/cloth/cloth.h"
+#include "ref/cloth/dynamics.h"
+#include "ref/cloth/energy.h"
+#include "ref/cloth/implicit.h"
+#include "ref/cloth/springs.h"
+#include "ref/cloth/wind.h"
+#include "ref/contact/contacts.h"
+#include "ref/contact/impacts.h"
+#include "ref/contact/impulses.h"
+#include "ref/contact/penalty.h"
+#include "ref/contact/proximity.h"
+#include "ref/contact/rollback.h"
+#include "ref/contact/warm.h"
+#include "ref/contact/zones.h"
+#include "ref/narrow/audit.h"
+#include "ref/narrow/narrow.h"
+#include "ref/solve/jacobi.h"
+#include "ref/solve/matrix.h"
+#include "ref/solve/multigrid.h"
+#include "ref/solve/pcg.h"
+#include "ref/solve/product.h"
+#include "ref/world/kinematics.h"
+
+#endif

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A spring's block in 64 bits, for preconditioners: spec/cloth/blocks.md §5. */
+#ifndef REF_THIN_H
+#define REF_THIN_H
+
+#include "ref/base/wide.h"
+
+/* size·e eᵀ + all·I, where e has 1/2 on one axis and at most that on the
+ * others: way holds the axis and these, in 15 bits each; both, the upper half
+ * of each as a binary32, size and all. */
+struct thin {
+    uint32_t way, both;
+};
+
+enum { THIN_HALF = 1 << 14, THIN_MOST = (1 << 15) - 1 };
+
+/* §5: t in [-1/2, 1/2] as whole steps of 2^-15 from -1/2. */
+static inline uint32_t thin_steps(real t)
+{
+    if (!(t >= R(-0.5) && t <= R(0.5)))
+        return THIN_HALF;
+    uint32_t m = (uint32_t)(int32_t)(t * 32768 + R(16384.5));
+    return m < THIN_MOST ? m : (uint32_t)THIN_MOST;
+}
+
+/* The upper half of a ≥ 0 as a binary32, no more than the largest. */
+static inline uint32_t thin_upper(real a)
+{
+    float f = (float)real_min(a, R(0x1.fep127));
+    uint32_t bits;
+    memcpy(&bits, &f, sizeof bits);
+    return bits >> 16;
+}
+
+static inline float thin_lower(uint32_t upper)
+{
+    float f;
+    upper <<= 16;
+    memcpy(&f, &upper, sizeof f);
+    return f;
+}
+
+/* c u uᵀ + b I, u of length 1; 0 where c or b is negative or no number. */
+static inline struct thin thin_make(real c, real b, vec u)
+{
+    const real of[5] = {u.x, u.y, u.z, u.x, u.y};
+    real x = real_abs(u.x), y = real_abs(u.y), z = real_abs(u.z);
+    int k = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+    real size = 4 * c * (of[k] * of[k]);
+    uint32_t p = thin_steps(R(0.5) * of[k + 1] / of[k]);
+    uint32_t q = thin_steps(R(0.5) * of[k + 2] / of[k]);
+    struct thin t = {(uint32_t)k | p << 2 | q << 17,
+                     (size > 0 ? thin_upper(size) : 0) |
+                         (b > 0 ? thin_upper(b) : 0) << 16};
+    return t;
+}
+
+/* What a thin block says: the same numbers in either precision. */
+struct thin_parts {
+    real size, all;
+    vec e;
+};
+
+static inline struct thin_parts thin_open(struct thin t)
+{
+    real p = (real)(int32_t)(t.way >> 2 & THIN_MOST) * R(0x1p-15) - R(0.5);
+    real q = (real)(int32_t)(t.way >> 17) * R(0x1p-15) - R(0.5);
+    uint32_t k = t.way & 3;
+    struct thin_parts a = {(real)thin_lower(t.both & 0xffff),
+                           (real)thin_lower(t.both >> 16),
+                           k == 0   ? vec_make(R(0.5), p, q)
+                           : k == 1 ? vec_make(q, R(0.5), p)
+                                    : vec_make(p, q, R(0.5))};
+    return a;
+}
+
+/* Its product with d. */
+static inline vec thin_apply(struct thin_parts a, vec d)
+{
+    return vec_axpy(vec_scale(a.all, d), a.size * vec_dot(a.e, d), a.e);
+}
+
+#endif

@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The threads that parallel loops run on. A part of a loop that no worker has
+ * begun is done by the caller, who so waits for nobody that has no processor.
+ * Which thread does a part does not show: spec/README.md §1.7. */
+/* For the processors that this thread may have. */
+#define _GNU_SOURCE /* NOLINT(bugprone-reserved-identifier) */
+#include "ref/base/threads.h"
+
+#include <sched.h>
+#include <signal.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <unistd.h>
+
+/* Looks before a thread sleeps: some microseconds, as long as waking takes. */
+enum { LOOKS = 4000 };
+
+/* The team whose loops this thread begins, and the part that it is in. */
+static _Thread_local struct threads *team;
+static _Thread_local int number, count = 1;
+static _Thread_local int serial; /* loops in one part that are around it */
+
+int threads_number(void)
+{
+    return serial ? 0 : number;
+}
+
+int threads_count(void)
+{
+    return serial ? 1 : count;
+}
+
+void threads_serial(int by)
+{
+    serial += by;
+}
+
+static int processors(void)
+{
+#ifdef CPU_COUNT
+    cpu_set_t set;
+    if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
+        return CPU_COUNT(&set);
+#endif
+    long n = sysconf(_SC_NPROCESSORS_ONLN);
+    return n > 0 && n < THREADS_MOST ? (int)n : 1;
+}
+
+/* ---- Parts ---- */
+
+static void run_part(void run(void *data), void *data, int k, int n)
+{
+    struct threads *t = team;
+    int before = number, of = count, within = serial;
+    team = NULL; /* loops within a part stay in it */
+    number = k;
+    count = n;
+    serial = 0;
+    run(data);
+    team = t;
+    number = before;
+    count = of;
+    serial = within;
+}
+
+static bool has_part(struct threads *t)
+{
+    return (uint32_t)atomic_load(&t->ticket) < (uint32_t)t->count;
+}
+
+/* Begins parts until none is left. A ticket is of one loop alone, and a loop
+ * does not end before the parts that were begun: who has taken a part may
+ * read what it is of. */
+static void run_parts(struct threads *t)
+{
+    unsigned long long ticket = atomic_load(&t->ticket);
+    while ((uint32_t)ticket < (uint32_t)t->count) {
+        if (!atomic_compare_exchange_weak(&t->ticket, &ticket, ticket + 1))
+            continue;
+        run_part(t->run, t->data, (int)(uint32_t)ticket, t->count);
+        if (atomic_fetch_sub(&t->left, 1) == 1 && atomic_load(&t->waiting)) {
+            pthread_mutex_lock(&t->lock);
+            pthread_cond_signal(&t->done);
+            pthread_mutex_unlock(&t->lock);
+        }
+        ticket = atomic_load(&t->ticket);
+    }
+}
+
+/* ---- Workers ---- */
+
+/* What is awaited is looked at again after each has said that it sleeps; who
+ * brings it about looks for sleepers afterwards. So none is missed. */
+static void wait_for_work(struct threads *t)
+{
+    for (int k = 0; k < LOOKS; k++)
+        if (has_part(t) || atomic_load(&t->over))
+            return;
+    pthread_mutex_lock(&t->lock);
+    atomic_fetch_add(&t->asleep, 1);
+    while (!has_part(t) && !atomic_load(&t->over))
+        pthread_cond_wait(&t->work, &t->lock);
+    atomic_fetch_sub(&t->asleep, 1);
+    pthread_mutex_unlock(&t->lock);
+}
+
+static void *work(void *user)
+{
+    struct threads *t = user;
+    /* it waits until the team is complete */
+    pthread_mutex_lock(&t->lock);
+    pthread_mutex_unlock(&t->lock);
+    while (!atomic_load(&t->over)) {
+        run_parts(t);
+        wait_for_work(t);
+    }
+    return NULL;
+}
+
+/* As many as can be had; a host's signals are not for them. */
+static void start_workers(struct threads *t)
+{
+    sigset_t all, before;
+    pthread_mutex_init(&t->lock, NULL);
+    pthread_cond_init(&t->work, NULL);
+    pthread_cond_init(&t->done, NULL);
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    pthread_mutex_lock(&t->lock);
+    int n = 1;
+    while (n < t->asked && !pthread_create(&t->worker[n], NULL, work, t))
+        n++;
+    t->count = n;
+    atomic_store(&t->ticket, (unsigned)n); /* of loop 0: nothing to begin */
+    pthread_mutex_unlock(&t->lock);
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+static void wait_for_parts(struct threads *t)
+{
+    for (int k = 0; k < LOOKS; k++)
+        if (atomic_load(&t->left) == 0)
+            return;
+    pthread_mutex_lock(&t->lock);
+    atomic_store(&t->waiting, true);
+    while (atomic_load(&t->left) > 0)
+        pthread_cond_wait(&t->done, &t->lock);
+    atomic_store(&t->waiting, false);
+    pthread_mutex_unlock(&t->lock);
+}
+
+void threads_parallel(void run(void *data), void *data, unsigned most,
+                      unsigned flags)
+{
+    struct threads *t = team;
+    (void)flags;
+    if (t && most != 1 && t->asked > 1 && t->count == 0)
+        start_workers(t);
+    if (!t || most == 1 || t->count < 2) {
+        run_part(run, data, 0, 1);
+        return;
+    }
+    t->run = run;
+    t->data = data;
+    atomic_store(&t->left, t->count);
+    atomic_store(&t->ticket, ((atomic_load(&t->ticket) >> 32) + 1) << 32);
+    if (atomic_load(&t->asleep) > 0) {
+        pthread_mutex_lock(&t->lock);
+        pthread_cond_broadcast(&t->work);
+        pthread_mutex_unlock(&t->lock);
+    }
+    run_parts(t);
+    wait_for_parts(t);
+}
+
+void threads_begin(struct threads *t, int threads)
+{
+    int most = THREADS_SOME, n = processors();
+    if (most < 2 * n)
+        most = 2 * n < THREADS_MOST ? 2 * n : THREADS_MOST;
+    n = threads > 0 ? threads : n;
+    t->outer = team;
+    t->asked = n < most ? n : most;
+    t->count = 0;
+    atomic_init(&t->ticket, 0);
+    atomic_init(&t->left, 0);
+    atomic_init(&t->asleep, 0);
+    atomic_init(&t->waiting, false);
+    atomic_init(&t->over, false);
+    team = t;
+}
+
+void threads_end(struct threads *t)
+{
+    team = t->outer;
+    if (t->count == 0)
+        return;
+    pthread_mutex_lock(&t->lock);
+    atomic_store(&t->over, true);
+    pthread_cond_broadcast(&t->work);
+    pthread_mutex_unlock(&t->lock);
+    for (int k = 1; k < t->count; k++)
+        pthread_join(t->worker[k], NULL);
+    pthread_cond_destroy(&t->work);
+    pthread_cond_destroy(&t->done);
+    pthread_mutex_destroy(&t->lock);
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage extent: what a whole cloth takes up. spec/broad/extent.md */
+#ifndef REF_EXTENT_H
+#define REF_EXTENT_H
+
+#include "ref/broad/box.h"
+#include "ref/broad/cones.h"
+
+/* Of a mesh. */
+struct whole {
+    struct box box;           /* of its vertices */
+    struct tangents tangents; /* of a grid's cells, cones.md §2 */
+};
+
+struct extent {
+    int64_t nv, n_grid;
+    const struct tree_grid *grid; /* [n_grid] */
+    const vec *x0, *x1;           /* [nv] m, start and end */
+    struct whole *whole;          /* out: [n_grid] */
+};
+
+/* DRAPE_OK, or DRAPE_EDATA where a position is bad. */
+int ref_extent(struct extent *s);
+
+#endif

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Vertex-face and edge-edge candidates of triangle pairs, each once.
+ * spec/broad/features.md */
+#include "ref/broad/features.h"
+
+#include "ref/broad/bvtt.h"
+
+/* Feature pairs of triangles f and g by number, §1: 0–2 vertex of f and g,
+ * 3–5 vertex of g and f, 6 + 3 i + j edge i of f and edge j of g. */
+enum { VF_BITS = 6 };
+
+static bool has(const int32_t f[3], int32_t v)
+{
+    return f[0] == v || f[1] == v || f[2] == v;
+}
+
+/* One triangle of a pair. */
+struct side {
+    const int32_t *v;
+    int own; /* bits as in tree.own */
+    struct box face;
+};
+
+static bool moves(const struct features *s, int32_t a, int32_t b)
+{
+    return s->n_moved == 0 || (s->moved[a] | s->moved[b]);
+}
+
+/* Vertices of f that face g: bit k for vertex k of f. */
+static int look_vertices(const struct features *s, real reach,
+                         const struct side *f, const struct side *g)
+{
+    int mask = 0;
+    for (int k = 0; k < 3; k++) {
+        int32_t v = f->v[k];
+        if (!(f->own >> k & 1) || has(g->v, v))
+            continue;
+        struct box b = box_vertex(s->x0, s->x1, v);
+        if (box_meets(&b, &g->face, reach) &&
+            (moves(s, v, g->v[0]) || moves(s, g->v[1], g->v[2])))
+            mask |= 1 << k;
+    }
+    return mask;
+}
+
+/* Edges of f and g: bit 3 i + j for edge i of f and j of g. An edge that does
+ * not meet the other face meets none of its edges, as they lie in its box. */
+static int look_edges(const struct features *s, real reach,
+                      const struct side *f, const struct side *g)
+{
+    int mask = 0;
+    for (int i = 0; i < 3; i++) {
+        int32_t a = f->v[i], b = f->v[(i + 1) % 3];
+        if (!(f->own >> (3 + i) & 1))
+            continue;
+        struct box e = box_edge(s->x0, s->x1, a, b);
+        if (!box_meets(&e, &g->face, reach))
+            continue;
+        for (int j = 0; j < 3; j++) {
+            int32_t c = g->v[j], d = g->v[(j + 1) % 3];
+            if (!(g->own >> (3 + j) & 1) || a == c || a == d || b == c ||
+                b == d)
+                continue;
+            struct box h = box_edge(s->x0, s->x1, c, d);
+            if (box_meets(&e, &h, reach) && (moves(s, a, b) || moves(s, c, d)))
+                mask |= 1 << (3 * i + j);
+        }
+    }
+    return mask;
+}
+
+static uint16_t look(const struct features *s, real reach, int64_t n)
+{
+    int32_t tf = s->both[n][0], tg = s->both[n][1];
+    struct side f = {.v = s->tri[tf], .own = s->own[tf]};
+    struct side g = {.v = s->tri[tg], .own = s->own[tg]};
+    if (!(f.own | g.own))
+        return 0;
+    f.face = box_face(s->x0, s->x1, f.v);
+    g.face = box_face(s->x0, s->x1, g.v);
+    return (uint16_t)(look_vertices(s, reach, &f, &g) |
+                      look_vertices(s, reach, &g, &f) << 3 |
+                      look_edges(s, reach, &f, &g) << VF_BITS);
+}
+
+static void swap(int32_t *a, int32_t *b)
+{
+    int32_t c = *a;
+    *a = *b;
+    *b = c;
+}
+
+/* §3: the smaller end of an edge first, the smaller edge first. */
+static void order_edges(int32_t e[4])
+{
+    if (e[0] > e[1])
+        swap(&e[0], &e[1]);
+    if (e[2] > e[3])
+        swap(&e[2], &e[3]);
+    if (e[0] > e[2]) { /* they share no vertex, so e[0] ≠ e[2] */
+        swap(&e[0], &e[2]);
+        swap(&e[1], &e[3]);
+    }
+}
+
+/* The vertices of feature pair k. */
+static void make(const int32_t f[3], const int32_t g[3], int k, int32_t to[4])
+{
+    if (k < VF_BITS) {
+        const int32_t *face = k < 3 ? g : f;
+        to[0] = k < 3 ? f[k] : g[k - 3];
+        to[1] = face[0];
+        to[2] = face[1];
+        to[3] = face[2];
+        return;
+    }
+    int i = (k - VF_BITS) / 3, j = (k - VF_BITS) % 3;
+    to[0] = f[i];
+    to[1] = f[(i + 1) % 3];
+    to[2] = g[j];
+    to[3] = g[(j + 1) % 3];
+    order_edges(to);
+}
+
+static void emit(const struct features *s, int64_t n, int64_t *vf, int64_t *ee)
+{
+    for (int k = 0; s->mask[n] >> k; k++) {
+        if (!(s->mask[n] >> k & 1))
+            continue;
+        int64_t at = k < VF_BITS ? (*vf)++ : (*ee)++;
+        make(s->tri[s->both[n][0]], s->tri[s->both[n][1]], k, s->pair[at]);
+        s->kind[at] = k < VF_BITS ? FEATURES_VF : FEATURES_EE;
+    }
+}
+
+int ref_features(struct features *s)
+{
+    int64_t blocks = bvtt_blocks(s->n);
+    real reach = box_reach(s->r);
+    s->n_pair = s->n_vf = 0;
+    if (!(s->r >= 0 && s->r <= REAL_BIG))
+        return DRAPE_EDATA;
+    EACH_MANY(s->n)
+    for (int64_t block = 0; block < blocks; block++) {
+        int64_t end = (block + 1) * BVTT_BLOCK, vf = 0, all = 0;
+        for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++) {
+            s->mask[k] = look(s, reach, k);
+            vf += bvtt_bits(s->mask[k] & ((1 << VF_BITS) - 1));
+            all += bvtt_bits(s->mask[k]);
+        }
+        s->sum[block] = vf;
+        s->sum[blocks + block] = all - vf;
+    }
+    int64_t n_vf = bvtt_scan(s->sum, blocks);
+    s->need = n_vf + bvtt_scan(s->sum + blocks, blocks);
+    if (s->need > s->cap)
+        return DRAPE_EFULL;
+    EACH_MANY(s->n)
+    for (int64_t block = 0; block < blocks; block++) {
+        int64_t end = (block + 1) * BVTT_BLOCK;
+        int64_t vf = s->sum[block], ee = n_vf + s->sum[blocks + block];
+        for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++)
+            emit(s, k, &vf, &ee);
+    }
+    s->n_pair = s->need;
+    s->n_vf = n_vf;
+    return DRAPE_OK;
+}

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Moves the front of node pairs to where the boxes now are.
+ * spec/broad/front.md */
+#include "ref/broad/front.h"
+
+/* What becomes of a pair in a pass. */
+enum { TEST, KEEP, SPLIT };
+
+/* §2: a pair that passes and may be split is; all others are settled. */
+static uint8_t judge(const struct front *s, bool passes, int32_t a, int32_t b)
+{
+    const struct tree *t = &s->in.tree;
+    if (!passes || tree_descends(t, a, b) == 0)
+        return KEEP;
+    return t->level[a] > s->stop || t->level[b] > s->stop ? SPLIT : KEEP;
+}
+
+/* §3: a pair that fails gives way to its highest ancestor that fails. Above
+ * a pair that passes all pass, so the climb ends at the first that does. */
+static void raise(const struct front *s, real reach, int64_t k)
+{
+    int32_t a = s->pair[k][0], b = s->pair[k][1];
+    bool in = bvtt_passes(&s->in, reach, a, b);
+    s->act[k] = judge(s, in, a, b);
+    while (!in && tree_ascend(&s->in.tree, &a, &b)) {
+        in = bvtt_passes(&s->in, reach, a, b);
+        if (!in) {
+            s->pair[k][0] = a;
+            s->pair[k][1] = b;
+        }
+    }
+}
+
+/* How many pairs pair k becomes: siblings that gave way to one parent follow
+ * each other, and the first stays. */
+static int64_t becomes(const struct front *s, int64_t k)
+{
+    const int32_t *e = s->pair[k], *before = s->pair[k > 0 ? k - 1 : 0];
+    const struct tree *t = &s->in.tree;
+    if (s->act[k] == SPLIT)
+        return bvtt_bits(
+            bvtt_children(t, tree_descends(t, e[0], e[1]), e[0], e[1]));
+    return k == 0 || e[0] != before[0] || e[1] != before[1];
+}
+
+/* Writes what pair k becomes from place `at` on; returns the place after. */
+static int64_t emit(const struct front *s, int64_t k, int64_t at)
+{
+    const struct tree *t = &s->in.tree;
+    int32_t a = s->pair[k][0], b = s->pair[k][1];
+    int d = s->act[k] == SPLIT ? tree_descends(t, a, b) : 0;
+    uint32_t mask = d ? bvtt_children(t, d, a, b) : (uint32_t)becomes(s, k);
+    for (int c = 0; c < 16; c++) {
+        if (!(mask >> c & 1))
+            continue;
+        int32_t *to = s->other[at];
+        to[0] = a;
+        to[1] = b;
+        bvtt_child(t, d, c, &to[0], &to[1]);
+        s->act_other[at++] = d ? TEST : KEEP;
+    }
+    return at;
+}
+
+/* One pass over a stream of which act is known: counts, places, writes, and
+ * swaps the streams. False where there is no room. */
+static bool pass(struct front *s)
+{
+    int64_t blocks = bvtt_blocks(s->n);
+    EACH_MANY(s->n)
+    for (int64_t block = 0; block < blocks; block++) {
+        int64_t end = (block + 1) * BVTT_BLOCK, count = 0;
+        for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++)
+            count += becomes(s, k);
+        s->sum[block] = count;
+    }
+    s->need = bvtt_scan(s->sum, blocks);
+    if (s->need > s->cap)
+        return false;
+    EACH_MANY(s->n)
+    for (int64_t block = 0; block < blocks; block++) {
+        int64_t end = (block + 1) * BVTT_BLOCK, at = s->sum[block];
+        for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++)
+            at = emit(s, k, at);
+    }
+    int32_t(*swap)[2] = s->pair;
+    uint8_t *swap_act = s->act;
+    s->pair = s->other;
+    s->act = s->act_other;
+    s->other = swap;
+    s->act_other = swap_act;
+    s->n = s->need;
+    return true;
+}
+
+/* Judges what the last pass made; returns how many pairs that were. */
+static int64_t judge_new(struct front *s, real reach)
+{
+    int64_t blocks = bvtt_blocks(s->n);
+    EACH_MANY(s->n)
+    for (int64_t block = 0; block < blocks; block++) {
+        int64_t end = (block + 1) * BVTT_BLOCK, count = 0;
+        for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++)
+            if (s->act[k] == TEST) {
+                int32_t a = s->pair[k][0], b = s->pair[k][1];
+                bool in = bvtt_passes(&s->in, reach, a, b);
+                s->act[k] = judge(s, in, a, b);
+                count++;
+            }
+        s->sum[block] = count;
+    }
+    return bvtt_scan(s->sum, blocks);
+}
+
+int ref_front(struct front *s)
+{
+    int32_t(*home)[2] = s->pair;
+    real reach = box_reach(s->in.r);
+    if (!(s->in.r >= 0 && s->in.r <= REAL_BIG))
+        return DRAPE_EDATA;
+    s->visited = s->n;
+    EACH_MANY(s->n)
+    for (int64_t k = 0; k < s->n; k++)
+        raise(s, reach, k);
+    for (int64_t tested = 1; tested > 0; s->visited += tested) {
+        if (!pass(s))
+            return DRAPE_EFULL;
+        tested = judge_new(s, reach);
+    }
+    if (s->pair != home) {
+        EACH_MANY(s->n)
+        for (int64_t k = 0; k < s->n; k++) {
+            home[k][0] = s->pair[k][0];
+            home[k][1] = s->pair[k][1];
+        }
+        s->other = s->pair;
+        s->pair = home;
+    }
+    return DRAPE_OK;
+}

@@ -1,0 +1,79 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The boxes of the tree's nodes, level by level. spec/broad/refit.md */
+#include "ref/broad/refit.h"
+
+/* §1 of a leaf: over the vertices of its triangles. */
+static struct box fit_leaf(const struct refit *s, int32_t a)
+{
+    const struct tree *t = &s->tree;
+    const int32_t *order = t->order + t->first[a];
+    struct box b = box_face(s->x0, s->x1, t->tri[order[0]]);
+    for (int k = 1; k < t->count[a]; k++)
+        b = box_join(b, box_face(s->x0, s->x1, t->tri[order[k]]));
+    return b;
+}
+
+/* §1 of an inner node: over its children. */
+static struct box fit_inner(const struct refit *s, int32_t a)
+{
+    int32_t c = s->tree.first[a];
+    struct box b = s->box[c];
+    for (int k = 1; k < s->tree.count[a]; k++)
+        b = box_join(b, s->box[c + k]);
+    return b;
+}
+
+/* §4 */
+static uint8_t stir(const struct refit *s, int32_t a)
+{
+    const struct tree *t = &s->tree;
+    uint8_t any = s->n_moved == 0;
+    for (int k = 0; k < t->count[a] && !any; k++) {
+        if (t->level[a] > 0) {
+            any = s->stir[t->first[a] + k];
+            continue;
+        }
+        const int32_t *f = t->tri[t->order[t->first[a] + k]];
+        any = s->moved[f[0]] | s->moved[f[1]] | s->moved[f[2]];
+    }
+    return any;
+}
+
+static bool sane(const struct refit *s)
+{
+    for (int64_t k = 0; k < s->nv; k++)
+        if ((s->n_moved == 0 || s->moved[k]) &&
+            (!vec_sane(s->x0[k]) || !vec_sane(s->x1[k])))
+            return false;
+    return true;
+}
+
+/* Nodes [first, end) of one level; returns how many boxes it made. */
+static int64_t fit(const struct refit *s, int32_t first, int32_t end,
+                   bool still)
+{
+    int64_t made = 0;
+    COUNT_MANY(end - first, made)
+    for (int32_t a = first; a < end; a++) {
+        s->stir[a] = still ? 0 : stir(s, a);
+        if (!still && !s->stir[a])
+            continue;
+        s->box[a] = s->tree.level[a] ? fit_inner(s, a) : fit_leaf(s, a);
+        made++;
+    }
+    return made;
+}
+
+int ref_refit(struct refit *s)
+{
+    s->made = 0;
+    if (!sane(s))
+        return DRAPE_EDATA;
+    int classes = s->all ? TREE_CLASSES : TREE_STATIC;
+    for (int64_t l = 0; l < s->tree.levels; l++)
+        for (int c = 0; c < classes; c++) {
+            const int32_t *run = s->tree.range + c * s->tree.levels + l;
+            s->made += fit(s, run[0], run[1], c == TREE_STATIC);
+        }
+    return DRAPE_OK;
+}

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Walks from the front down to pairs of triangles. spec/broad/walk.md */
+#include "ref/broad/walk.h"
+
+/* What a pass reads, and where it writes. */
+struct pass {
+    const int32_t (*from)[2];
+    int64_t n, cap;
+    int32_t (*to)[2];
+};
+
+/* §1: whether a pair passes; one that only its cones stop is counted. */
+static bool passes(const struct walk *s, real reach, int32_t a, int32_t b,
+                   int64_t *cleared)
+{
+    if (!(s->stir[a] | s->stir[b]) || !bvtt_meets(&s->in, reach, a, b))
+        return false;
+    bool clear = bvtt_clear(&s->in, a, b);
+    *cleared += clear;
+    return !clear;
+}
+
+/* The children of a pair that pass; a pair of leaves is its own child. */
+static uint32_t look(const struct walk *s, real reach, const int32_t e[2],
+                     int64_t *cleared)
+{
+    const struct tree *t = &s->in.tree;
+    int d = tree_descends(t, e[0], e[1]);
+    if (d == 0)
+        return 1;
+    uint32_t mask = bvtt_children(t, d, e[0], e[1]);
+    for (int k = 0; k < 16; k++) {
+        int32_t a = e[0], b = e[1];
+        if (!(mask >> k & 1))
+            continue;
+        bvtt_child(t, d, k, &a, &b);
+        if (!passes(s, reach, a, b, cleared))
+            mask &= ~(1u << k);
+    }
+    return mask;
+}
+
+/* The masks of a pass, of which the first tests its pairs themselves; how many
+ * pairs cones stopped. */
+static int64_t look_all(const struct walk *s, real reach, const struct pass *p,
+                        bool first)
+{
+    int64_t blocks = bvtt_blocks(p->n);
+    EACH_MANY(p->n)
+    for (int64_t block = 0; block < blocks; block++) {
+        int64_t end = (block + 1) * BVTT_BLOCK, cleared = 0;
+        for (int64_t k = block * BVTT_BLOCK; k < p->n && k < end; k++) {
+            const int32_t *e = p->from[k];
+            bool in = !first || passes(s, reach, e[0], e[1], &cleared);
+            s->mask[k] = (uint16_t)(in ? look(s, reach, e, &cleared) : 0);
+        }
+        s->sum[block] = cleared;
+    }
+    return bvtt_scan(s->sum, blocks);
+}
+
+/* §2: the pairs of triangles of two leaves whose boxes meet. */
+static uint32_t look_leaves(const struct walk *s, real reach,
+                            const int32_t e[2])
+{
+    const struct tree *t = &s->in.tree;
+    const int32_t *of_a = t->order + t->first[e[0]];
+    const int32_t *of_b = t->order + t->first[e[1]];
+    struct box a[4], b[4];
+    int na = t->count[e[0]], nb = t->count[e[1]];
+    uint32_t mask = 0;
+    for (int i = 0; i < na; i++)
+        a[i] = box_face(s->x0, s->x1, t->tri[of_a[i]]);
+    for (int j = 0; j < nb; j++)
+        b[j] = box_face(s->x0, s->x1, t->tri[of_b[j]]);
+    for (int i = 0; i < na; i++)
+        for (int j = e[0] == e[1] ? i + 1 : 0; j < nb; j++)
+            if (box_meets(&a[i], &b[j], reach))
+                mask |= 1u << (4 * i + j);
+    return mask;
+}
+
+/* Places the blocks of a pass whose masks are known. */
+static int64_t place(const struct walk *s, int64_t n)
+{
+    int64_t blocks = bvtt_blocks(n);
+    EACH_MANY(n)
+    for (int64_t block = 0; block < blocks; block++) {
+        int64_t end = (block + 1) * BVTT_BLOCK, count = 0;
+        for (int64_t k = block * BVTT_BLOCK; k < n && k < end; k++)
+            count += bvtt_bits(s->mask[k]);
+        s->sum[block] = count;
+    }
+    return bvtt_scan(s->sum, blocks);
+}
+
+/* Writes what the masks say: children, or at the end triangles. */
+static void write(const struct walk *s, const struct pass *p, bool triangles)
+{
+    const struct tree *t = &s->in.tree;
+    int64_t blocks = bvtt_blocks(p->n);
+    EACH_MANY(p->n)
+    for (int64_t block = 0; block < blocks; block++) {
+        int64_t end = (block + 1) * BVTT_BLOCK, at = s->sum[block];
+        for (int64_t k = block * BVTT_BLOCK; k < p->n && k < end; k++) {
+            int32_t a = p->from[k][0], b = p->from[k][1];
+            int d = triangles ? 3 : tree_descends(t, a, b);
+            for (int c = 0; s->mask[k] >> c; c++) {
+                if (!(s->mask[k] >> c & 1))
+                    continue;
+                int32_t *to = p->to[at++];
+                to[0] = a;
+                to[1] = b;
+                bvtt_child(t, d, c, &to[0], &to[1]);
+                to[0] = triangles ? t->order[to[0]] : to[0];
+                to[1] = triangles ? t->order[to[1]] : to[1];
+            }
+        }
+    }
+}
+
+/* Passes until all pairs are leaves: a pass takes every pair down at least
+ * one level of one side, so there are at most twice the levels. */
+static int descend(struct walk *s, real reach, struct pass *p)
+{
+    p->from = s->front;
+    p->n = s->n_front;
+    p->to = s->pair;
+    for (int64_t l = 0; l <= 2 * s->in.tree.levels; l++) {
+        s->visited += p->n;
+        s->cleared += look_all(s, reach, p, l == 0);
+        int64_t n = place(s, p->n);
+        s->need = n > s->need ? n : s->need;
+        if (n > s->cap)
+            return DRAPE_EFULL;
+        write(s, p, false);
+        p->from = (const int32_t(*)[2])p->to;
+        p->to = p->to == s->pair ? s->other : s->pair;
+        p->n = n;
+        bool leaves = true;
+        for (int64_t k = 0; k < n && leaves; k++)
+            leaves = !tree_descends(&s->in.tree, p->from[k][0], p->from[k][1]);
+        if (leaves)
+            break;
+    }
+    return DRAPE_OK;
+}
+
+int ref_walk(struct walk *s)
+{
+    struct pass p = {0};
+    real reach = box_reach(s->in.r);
+    if (!(s->in.r >= 0 && s->in.r <= REAL_BIG))
+        return DRAPE_EDATA;
+    s->n_tri = s->need_tri = s->visited = s->cleared = 0;
+    s->need = s->n_front;
+    if (s->n_front > s->cap || descend(s, reach, &p) != DRAPE_OK)
+        return DRAPE_EFULL;
+    EACH_MANY(p.n)
+    for (int64_t k = 0; k < p.n; k++)
+        s->mask[k] = (uint16_t)look_leaves(s, reach, p.from[k]);
+    s->need_tri = place(s, p.n);
+    if (s->need_tri > s->cap_tri)
+        return DRAPE_EFULL;
+    p.to = s->tri;
+    write(s, &p, true);
+    s->n_tri = s->need_tri;
+    return DRAPE_OK;
+}

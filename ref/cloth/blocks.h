@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage blocks: the springs' part of the implicit matrix.
+ * spec/cloth/blocks.md */
+#ifndef REF_BLOCKS_H
+#define REF_BLOCKS_H
+
+#include "ref/base/thin.h"
+#include "ref/cloth/cloth.h"
+
+struct blocks {
+    int64_t count;          /* particles */
+    int32_t m;              /* along i */
+    int64_t laws;           /* SPRINGS */
+    const struct law *law;  /* [laws] */
+    const uint8_t *springs; /* [count] bit o: forward spring o is there */
+    const vec *x;           /* [count] m */
+    real tau;               /* s, > 0 */
+    sym *block; /* out: [SPRINGS·count] kg, spring o of p at o·count + p */
+    int64_t n_thin;    /* SPRINGS·count, or 0: not wanted */
+    struct thin *thin; /* out: [n_thin] the same in brief, §5 */
+};
+
+/* DRAPE_OK. What is not finite stays so. */
+int ref_blocks(struct blocks *s);
+
+#endif

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The cloth model: masks, triangles, masses, laws. spec/cloth/cloth.md */
+#include "ref/cloth/cloth.h"
+
+#include "ref/cloth/law.h"
+
+static bool absent(const drape_cloth *d, int64_t p)
+{
+    return d->hole && d->hole[p];
+}
+
+/* §1: cell (i, j) is there iff it is not cut and has its four corners. */
+static bool has_cell(const drape_cloth *d, int64_t i, int64_t j)
+{
+    if (i < 0 || j < 0 || i >= d->m - 1 || j >= d->n - 1)
+        return false;
+    if (d->cut && d->cut[i + (d->m - 1) * j])
+        return false;
+    int64_t p = i + d->m * j;
+    return !absent(d, p) && !absent(d, p + 1) && !absent(d, p + d->m) &&
+           !absent(d, p + d->m + 1);
+}
+
+/* Stiffness a width of the springs along u, v and each diagonal, §4. */
+struct share {
+    double u, v, diagonal;
+};
+
+/* Oblong cells: cos² and sin² of the diagonal's angle to u. */
+struct angle {
+    double c2, s2;
+};
+
+static struct share membrane(const drape_material *a, struct angle t)
+{
+    struct share s;
+    s.diagonal = a->shear / (2 * t.c2 * t.s2);
+    s.u = a->stretch - a->shear * t.c2 / t.s2;
+    s.v = a->stretch - a->shear * t.s2 / t.c2;
+    return s;
+}
+
+static struct share bending(const drape_material *a, struct angle t)
+{
+    double least = 6 * t.c2 * t.s2;
+    if (2 * t.c2 * t.c2 > least)
+        least = 2 * t.c2 * t.c2;
+    if (2 * t.s2 * t.s2 > least)
+        least = 2 * t.s2 * t.s2;
+    struct share s;
+    s.diagonal = a->bend / least;
+    s.u = a->bend - 2 * s.diagonal * t.c2 * t.c2;
+    s.v = a->bend - 2 * s.diagonal * t.s2 * t.s2;
+    return s;
+}
+
+/* One direction's law, §4: half the stretch goes to single springs of the
+ * given length, half to double ones, which take the bending too. */
+static void set_law(struct cloth *c, int o, double length, double stretch,
+                    double bend)
+{
+    struct law *a = &c->law[o];
+    double area = (double)c->hu * (double)c->hv;
+    bool two = o >= SPRINGS_SINGLE;
+    double rest = two ? 2 * length : length;
+    double k = 0.5 * stretch * area / (rest * rest);
+    double press = two ? 4 * k : k; /* of the single spring along it */
+    double b = two && bend > 0 ? bend * area / (rest * rest * rest) : 0;
+    double slope = LAW_STEEPEST * b / rest;
+    *a = (struct law){.k = (real)k, .press = (real)press};
+    a->rest = (real)rest;
+    a->bend = (real)b;
+    a->damp = (real)((double)c->beta * k);
+    a->stiff = (real)(slope > press ? slope : press);
+    law_set_knee(a, two);
+}
+
+int ref_cloth_size(const drape_cloth *d, struct cloth *c)
+{
+    *c = (struct cloth){.m = d->m, .n = d->n};
+    c->count = (int64_t)d->m * d->n;
+    c->hu = (real)(d->width / (d->m - 1));
+    c->hv = (real)(d->height / (d->n - 1));
+    c->beta = (real)d->material.damping;
+    double hu = (double)c->hu, hv = (double)c->hv;
+    c->cell_mass = (real)(d->material.density * hu * hv);
+    for (int64_t j = 0; j < d->n; j++)
+        for (int64_t i = 0; i < d->m; i++)
+            c->n_triangles += has_cell(d, i, j) ? 2 : 0;
+
+    double square = hu * hu + hv * hv, diagonal = sqrt(square);
+    struct angle t = {hu * hu / square, hv * hv / square};
+    struct share s = membrane(&d->material, t);
+    struct share b = bending(&d->material, t);
+    if (!(s.u > 0 && s.v > 0))
+        return DRAPE_EARG;
+    for (int two = 0; two < SPRINGS; two += SPRINGS_SINGLE) {
+        set_law(c, two + 0, hu, s.u, b.u);
+        set_law(c, two + 1, hv, s.v, b.v);
+        set_law(c, two + 2, diagonal, s.diagonal, b.diagonal);
+        set_law(c, two + 3, diagonal, s.diagonal, b.diagonal);
+    }
+    return DRAPE_OK;
+}
+
+/* §2: the single springs of particle (i, j), by the cells beside them. */
+static uint8_t single_springs(const drape_cloth *d, int64_t i, int64_t j)
+{
+    bool here = has_cell(d, i, j);
+    bool left = has_cell(d, i - 1, j), below = has_cell(d, i, j - 1);
+    return (uint8_t)((here || below) | (here || left) << 1 | here << 2 |
+                     left << 3);
+}
+
+/* §2: a double spring is where both its halves are. */
+static uint8_t all_springs(const drape_cloth *d, int64_t i, int64_t j)
+{
+    uint8_t one = single_springs(d, i, j), mask = one;
+    for (int o = 0; o < SPRINGS_SINGLE; o++) {
+        uint8_t next = single_springs(d, i + spring_di[o], j + spring_dj[o]);
+        mask = (uint8_t)(mask | ((one & next) >> o & 1) << (o + 4));
+    }
+    return mask;
+}
+
+static void fill_particle(const drape_cloth *d, struct cloth *c, int64_t p)
+{
+    int64_t i = p % d->m, j = p / d->m;
+    int cells = has_cell(d, i, j) + has_cell(d, i - 1, j) +
+                has_cell(d, i, j - 1) + has_cell(d, i - 1, j - 1);
+    c->cell[p] = has_cell(d, i, j);
+    c->springs[p] = all_springs(d, i, j);
+    c->fixed[p] = cells ? 0 : CLOTH_ABSENT;
+    c->mass[p] = (real)cells * (R(0.25) * c->cell_mass);
+}
+
+/* Sum of the bounds on the stiffness of all springs at p. */
+static double stiffness(const struct cloth *c, int64_t p)
+{
+    int64_t j = p / c->m, i = p % c->m;
+    double k = 0;
+    for (int o = 0; o < SPRINGS; o++) {
+        int64_t di = spring_di[o], dj = spring_dj[o];
+        if (c->springs[p] >> o & 1)
+            k += (double)c->law[o].stiff;
+        if (i - di < 0 || i - di >= c->m || j < dj)
+            continue;
+        if (c->springs[p - di - dj * c->m] >> o & 1)
+            k += (double)c->law[o].stiff;
+    }
+    return k;
+}
+
+/* §6: twice that by the mass, the largest. */
+static double gershgorin(const struct cloth *c)
+{
+    double bound = 0;
+    for (int64_t p = 0; p < c->count; p++) {
+        if (c->fixed[p])
+            continue;
+        double row = 2 * stiffness(c, p) / (double)c->mass[p];
+        bound = row > bound ? row : bound;
+    }
+    return bound;
+}
+
+int ref_cloth_fill(const drape_cloth *d, struct cloth *c, int64_t base)
+{
+    EACH_ITEM
+    for (int64_t p = 0; p < c->count; p++)
+        fill_particle(d, c, p);
+
+    int64_t t = 0;
+    for (int64_t p = 0; p < c->count; p++) {
+        if (!c->cell[p])
+            continue;
+        int32_t a = (int32_t)(base + p), up = a + d->m;
+        int32_t two[2][3] = {{a, a + 1, up + 1}, {a, up + 1, up}};
+        memcpy(c->tri + t, two, sizeof two);
+        t += 2;
+    }
+    for (int k = 0; k < d->n_pins; k++) {
+        int64_t p = d->pins[k].i + (int64_t)d->m * d->pins[k].j;
+        if (c->fixed[p] == CLOTH_ABSENT)
+            return DRAPE_EARG;
+        c->n_pinned += c->fixed[p] != CLOTH_PINNED;
+        c->fixed[p] = CLOTH_PINNED;
+    }
+    c->bound = gershgorin(c);
+    return DRAPE_OK;
+}
+
+static vec rounded(const double a[3])
+{
+    return vec_make((real)a[0], (real)a[1], (real)a[2]);
+}
+
+int ref_cloth_start(const drape_cloth *d, vec *x, vec *v)
+{
+    double hu = d->width / (d->m - 1), hv = d->height / (d->n - 1);
+    for (int64_t p = 0; p < (int64_t)d->m * d->n; p++) {
+        double s = hu * (double)(p % d->m), t = hv * (double)(p / d->m), a[3];
+        for (int k = 0; k < 3; k++)
+            a[k] = d->x ? d->x[p][k] : d->origin[k] + s * d->u[k] + t * d->v[k];
+        x[p] = rounded(a);
+        v[p] = d->velocity ? rounded(d->velocity[p]) : vec_make(0, 0, 0);
+        if (!vec_sane(x[p]) || !vec_sane(v[p]))
+            return DRAPE_EDATA;
+    }
+    return DRAPE_OK;
+}

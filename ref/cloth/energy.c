@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Energies, each summed by the tree of sum.md. spec/cloth/energy.md */
+#include "ref/cloth/energy.h"
+
+#include "ref/base/sum.h"
+#include "ref/cloth/law.h"
+
+/* §1: of the forward springs, so that each counts once. */
+static real elastic(const struct energy *s, int64_t p)
+{
+    real e = 0;
+    for (int o = 0; o < SPRINGS; o++) {
+        if (!(s->springs[p] >> o & 1))
+            continue;
+        int64_t q = p + spring_di[o] + (int64_t)spring_dj[o] * s->m;
+        e += law_energy(&s->law[o], vec_length(vec_sub(s->x[q], s->x[p])));
+    }
+    return e;
+}
+
+static void sum_chunk(const struct energy *s, int64_t k)
+{
+    real sums[3][SUM_CHUNK] = {{0}};
+    int64_t start = k * SUM_CHUNK, end = start + SUM_CHUNK;
+    for (int64_t p = start; p < end && p < s->count; p++) {
+        real m = s->mass[p];
+        sums[0][p - start] = R(0.5) * m * vec_dot(s->v[p], s->v[p]);
+        sums[1][p - start] = elastic(s, p);
+        sums[2][p - start] = -m * vec_dot(s->gravity, s->x[p]);
+    }
+    for (int e = 0; e < 3; e++)
+        s->chunk[e * s->n_chunks + k] = sum_tree(sums[e]);
+}
+
+int ref_energy(struct energy *s)
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n_chunks; k++)
+        sum_chunk(s, k);
+    for (int e = 0; e < 3; e++)
+        s->value[e] = ref_sum_finish(s->n_chunks, s->chunk + e * s->n_chunks);
+    return DRAPE_OK;
+}

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage energy: kinetic, elastic and of gravity. spec/cloth/energy.md */
+#ifndef REF_ENERGY_H
+#define REF_ENERGY_H
+
+#include "ref/cloth/cloth.h"
+
+struct energy {
+    int64_t count;          /* particles */
+    int32_t m;              /* along i */
+    int64_t laws;           /* SPRINGS */
+    const struct law *law;  /* [laws] */
+    const uint8_t *springs; /* [count] bit o: forward spring o is there */
+    const real *mass;       /* [count] kg */
+    const vec *x, *v;       /* [count] m, m/s */
+    vec gravity;            /* m/s² */
+    int64_t n_chunks;       /* sum_chunks(count) */
+    real *chunk;            /* scratch: [3·n_chunks] */
+    real value[3];          /* out: kinetic, elastic, of gravity, J */
+};
+
+/* DRAPE_OK. A NaN or an overflow shows in the values. */
+int ref_energy(struct energy *s);
+
+#endif

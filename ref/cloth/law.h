@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The one force law of a spring: tension, its slope and its energy, as
+ * functions of the length. spec/cloth/cloth.md §5, after Choi–Ko 2002 §4. */
+#ifndef REF_LAW_H
+#define REF_LAW_H
+
+#include "ref/cloth/cloth.h"
+
+/* §5: g(q) = P(t) / s with s = √(q + LAW_SHIFT), t = s − 25/32. */
+#define LAW_SHIFT 0.21723362821122166
+#define LAW_MIDDLE 0.78125
+/* §5: -g' ≤ 119 on [0, 1]. */
+#define LAW_STEEPEST 119
+
+static inline real law_s(real q)
+{
+    return real_sqrt(q + R(LAW_SHIFT));
+}
+
+/* P, Horner from the highest power. */
+static inline real law_p(real t)
+{
+    real r = R(0.94535780075);
+    r = r * t - R(1.41489955139);
+    r = r * t + R(1.94328409844);
+    r = r * t - R(2.96088097053);
+    r = r * t + R(4.67227098415);
+    r = r * t - R(7.81897177916);
+    return r * t + R(15.3546581234);
+}
+
+/* dP/dt. */
+static inline real law_dp(real t)
+{
+    real r = R(5.6721468045);
+    r = r * t - R(7.07449775695);
+    r = r * t + R(7.77313639376);
+    r = r * t - R(8.88264291159);
+    r = r * t + R(9.3445419683);
+    return r * t - R(7.81897177916);
+}
+
+/* ∫ P dt from 0. */
+static inline real law_ip(real t)
+{
+    real r = R(0.13505111439285714);
+    r = r * t - R(0.23581659189833333);
+    r = r * t + R(0.388656819688);
+    r = r * t - R(0.7402202426325);
+    r = r * t + R(1.5574236613833333);
+    r = r * t - R(3.90948588958);
+    r = r * t + R(15.3546581234);
+    return r * t;
+}
+
+/* Compression of a buckled spring of length q·rest, q in [0, 1], as a part
+ * of `bend`: 12 at the rest length, 4π² at none. */
+static inline real law_g(real q)
+{
+    real s = law_s(q);
+    return law_p(s - R(LAW_MIDDLE)) / s;
+}
+
+/* Length of a double spring's knee as a part of its rest length, §5: the
+ * largest root of stiff·(q − 1) + g(q), stiff = press·rest / bend;
+ * 0: none.
+ * g is convex, so Newton from 1 comes down to that root and not below. */
+static inline real law_knee(real stiff)
+{
+    real q = 1;
+    for (int k = 0; k < 40; k++) {
+        real s = law_s(q), t = s - R(LAW_MIDDLE), g = law_p(t) / s;
+        real slope = stiff - (g - law_dp(t)) / (2 * s * s);
+        real next = slope > 0 ? q - (stiff * (q - 1) + g) / slope : -1;
+        if (!(next > 0))
+            return 0;
+        q = real_min(next, 1);
+    }
+    return q;
+}
+
+/* Fills knee and well from the rest. */
+static inline void law_set_knee(struct law *a, bool two)
+{
+    a->knee = a->well = 0;
+    if (!two)
+        return;
+    real part = 1;
+    if (a->bend > 0)
+        part = law_knee(a->press * a->rest / a->bend);
+    a->knee = a->rest * part;
+    real d = a->knee - a->rest, t = law_s(part) - R(LAW_MIDDLE);
+    a->well = R(0.5) * a->press * d * d + a->bend * a->rest * (2 * law_ip(t));
+}
+
+/* The constant of a spring that is not buckled. */
+static inline real law_constant(const struct law *a, real length)
+{
+    return length >= a->rest ? a->k : a->press;
+}
+
+/* Tension, N, of a spring of the given length. */
+static inline real law_tension(const struct law *a, real length)
+{
+    if (length >= a->knee)
+        return law_constant(a, length) * (length - a->rest);
+    return -(a->bend * law_g(length / a->rest));
+}
+
+/* Slope of the tension, N/m, in [0, stiff]. */
+static inline real law_slope(const struct law *a, real length)
+{
+    if (length >= a->knee)
+        return law_constant(a, length);
+    real s = law_s(length / a->rest), t = s - R(LAW_MIDDLE);
+    real slope = (law_p(t) / s - law_dp(t)) / (2 * s * s);
+    return a->bend * slope / a->rest;
+}
+
+/* Elastic energy, J, 0 at the rest length. */
+static inline real law_energy(const struct law *a, real length)
+{
+    real d = length - a->rest;
+    if (length >= a->knee)
+        return R(0.5) * law_constant(a, length) * d * d;
+    real t = law_s(length / a->rest) - R(LAW_MIDDLE);
+    return a->well - a->bend * a->rest * (2 * law_ip(t));
+}
+
+#endif

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage springs: the force on each particle. spec/cloth/springs.md */
+#ifndef REF_SPRINGS_H
+#define REF_SPRINGS_H
+
+#include "ref/cloth/cloth.h"
+
+struct springs {
+    int32_t m, n;           /* particles along i and j */
+    int64_t count;          /* m·n */
+    int64_t laws;           /* SPRINGS */
+    const struct law *law;  /* [laws] */
+    const uint8_t *springs; /* [count] bit o: forward spring o is there */
+    const real *mass;       /* [count] kg */
+    const vec *x;           /* [count] m */
+    int64_t n_v;            /* count, or 0: no damping */
+    const vec *v;           /* [n_v] m/s */
+    int64_t n_wind;         /* count, or 0: no wind */
+    const vec *wind;        /* [n_wind] N */
+    vec gravity;            /* m/s² */
+    vec *force;             /* out: [count] N */
+};
+
+/* DRAPE_OK. What is not finite stays so. */
+int ref_springs(struct springs *s);
+
+#endif

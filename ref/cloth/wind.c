@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Drag and lift of each triangle, gathered by its corners.
+ * spec/cloth/wind.md */
+#include "ref/cloth/wind.h"
+
+/* §1: a third of the force on triangle abc. */
+static vec third(const struct wind *s, int64_t a, int64_t b, int64_t c)
+{
+    vec ab = vec_sub(s->x[b], s->x[a]), ac = vec_sub(s->x[c], s->x[a]);
+    vec area = vec_scale(R(0.5), vec_cross(ab, ac));
+    vec sum = vec_add(vec_add(s->v[a], s->v[b]), s->v[c]);
+    vec u = vec_sub(s->air, vec_scale(R(1.0 / 3), sum));
+    real flow = vec_dot(area, u), square = vec_dot(u, u);
+    real size = vec_length(area) * real_sqrt(square);
+    if (!(size > 0))
+        return vec_make(0, 0, 0);
+    vec across = vec_axpy(vec_scale(square, area), -flow, u);
+    vec f = vec_scale(s->drag * real_abs(flow), u);
+    f = vec_axpy(f, s->lift * (flow / size), across);
+    return vec_scale(R(1.0 / 3), f);
+}
+
+/* §2: the parts of the cells around p, by ascending cell. */
+static vec gather(const struct wind *s, int64_t p, int32_t i, int32_t j)
+{
+    const vec *part = s->part;
+    int64_t m = s->m;
+    vec f = vec_make(0, 0, 0);
+    if (i > 0 && j > 0) {
+        f = vec_add(f, part[2 * (p - m - 1)]);
+        f = vec_add(f, part[2 * (p - m - 1) + 1]);
+    }
+    if (j > 0)
+        f = vec_add(f, part[2 * (p - m) + 1]);
+    if (i > 0)
+        f = vec_add(f, part[2 * (p - 1)]);
+    f = vec_add(f, part[2 * p]);
+    return vec_add(f, part[2 * p + 1]);
+}
+
+int ref_wind(struct wind *s)
+{
+    int64_t m = s->m;
+    EACH_ITEM
+    for (int64_t p = 0; p < s->count; p++) {
+        vec none = vec_make(0, 0, 0);
+        bool is = s->cell[p];
+        s->part[2 * p] = is ? third(s, p, p + 1, p + m + 1) : none;
+        s->part[2 * p + 1] = is ? third(s, p, p + m + 1, p + m) : none;
+    }
+    EACH_ITEM
+    for (int64_t p = 0; p < s->count; p++) {
+        int32_t j = cloth_row(p, s->m), i = (int32_t)(p - j * m);
+        s->force[p] = gather(s, p, i, j);
+    }
+    return DRAPE_OK;
+}

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Closest points by the least of a few candidates: spec/contact/proximity.md.
+ */
+#include "ref/contact/closest.h"
+
+/* x relative to x[0], and its size. */
+static void relative(const struct wide x[4], struct wide y[4],
+                     struct closest *r)
+{
+    r->length2 = -1; /* nothing offered yet */
+    r->size2 = 0;
+    for (int k = 0; k < 4; k++) {
+        y[k] = wide_sub(x[k], x[0]);
+        double l = wide_dot(y[k], y[k]);
+        r->size2 = l > r->size2 ? l : r->size2;
+    }
+}
+
+/* Takes the weights if they bring the points closer: the first of a tie. */
+static void offer(struct closest *r, const struct wide y[4], const double c[4])
+{
+    struct wide p = wide_scale(c[1], y[1]);
+    p = wide_axpy(p, c[2], y[2]);
+    p = wide_axpy(p, c[3], y[3]);
+    double l = wide_dot(p, p);
+    if (r->length2 >= 0 && !(l < r->length2))
+        return;
+    for (int k = 0; k < 4; k++)
+        r->c[k] = c[k];
+    r->p = p;
+    r->length2 = l;
+}
+
+/* a / b within [0, 1]; 0 where b is 0. */
+static double ratio(double a, double b)
+{
+    if (!(a > 0 && b > 0))
+        return 0;
+    return a < b ? a / b : 1;
+}
+
+/* §1.1 */
+void closest_vf(const struct wide x[4], struct closest *r)
+{
+    struct wide y[4];
+    relative(x, y, r);
+    struct wide e = wide_sub(y[2], y[1]), f = wide_sub(y[3], y[1]);
+    struct wide q = wide_scale(-1, y[1]), n = wide_cross(e, f);
+    double nn = wide_dot(n, n);
+    if (nn > 0) {
+        double s = wide_dot(wide_cross(q, f), n) / nn;
+        double t = wide_dot(wide_cross(e, q), n) / nn;
+        if (s >= 0 && t >= 0 && s + t <= 1)
+            offer(r, y, (double[4]){1, -(1 - s - t), -s, -t});
+    }
+    for (int k = 0; k < 3; k++) {
+        int a = 1 + k, b = 1 + (k + 1) % 3;
+        struct wide d = wide_sub(y[b], y[a]);
+        double t = ratio(-wide_dot(y[a], d), wide_dot(d, d));
+        double c[4] = {1, 0, 0, 0};
+        c[a] = -(1 - t);
+        c[b] = -t;
+        offer(r, y, c);
+    }
+}
+
+/* §1.2 */
+void closest_ee(const struct wide x[4], struct closest *r)
+{
+    struct wide y[4];
+    relative(x, y, r);
+    struct wide d = y[1], e = wide_sub(y[3], y[2]);
+    double dd = wide_dot(d, d), ee = wide_dot(e, e), de = wide_dot(d, e);
+    double dq = -wide_dot(d, y[2]), eq = -wide_dot(e, y[2]);
+    double det = dd * ee - de * de;
+    if (det > 0) {
+        /* each from the other: the second order of their errors remains */
+        double t = ratio(eq + ratio(de * eq - dq * ee, det) * de, ee);
+        double s = ratio(t * de - dq, dd);
+        offer(r, y, (double[4]){1 - s, s, -(1 - t), -t});
+    }
+    double t0 = ratio(eq, ee), t1 = ratio(eq + de, ee);
+    double s0 = ratio(-dq, dd), s1 = ratio(de - dq, dd);
+    offer(r, y, (double[4]){1, 0, -(1 - t0), -t0});
+    offer(r, y, (double[4]){0, 1, -(1 - t1), -t1});
+    offer(r, y, (double[4]){1 - s0, s0, -1, 0});
+    offer(r, y, (double[4]){1 - s1, s1, 0, -1});
+}
+
+/* The nearest multiple of the quantum: 2^-22, or 2^-50 in binary64. */
+static double quantum(double a)
+{
+    double shift = REAL_BITS == 32 ? 0x1.8p30 : 0x1.8p2;
+    return a + shift - shift;
+}
+
+void closest_weights(const struct closest *r, int kind, real c[4])
+{
+    double s, t, w[4];
+    if (kind == 0) {
+        s = quantum(-r->c[2]);
+        t = quantum(-r->c[3]);
+        t = t < 1 - s ? t : 1 - s;
+        w[0] = 1;
+        w[1] = -(1 - s - t);
+        w[2] = -s;
+    } else {
+        s = quantum(r->c[1]);
+        t = quantum(-r->c[3]);
+        w[0] = 1 - s;
+        w[1] = s;
+        w[2] = -(1 - t);
+    }
+    w[3] = -t;
+    for (int k = 0; k < 4; k++)
+        c[k] = (real)w[k];
+}
+
+struct wide closest_normal(const struct wide x[4], int kind)
+{
+    if (kind == 0)
+        return wide_cross(wide_sub(x[2], x[1]), wide_sub(x[3], x[1]));
+    return wide_cross(wide_sub(x[1], x[0]), wide_sub(x[3], x[2]));
+}
+
+struct wide closest_unit(struct wide a, struct wide fallback)
+{
+    double l = sqrt(wide_dot(a, a));
+    if (!(l > 0 && l - l == 0))
+        return fallback;
+    return wide_make(a.x / l, a.y / l, a.z / l);
+}

@@ -1,0 +1,294 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Mass-splitting projected Jacobi (Tonge et al. 2012) with momentum (Nesterov
+ * 1983). spec/contact/contacts.md */
+#include "ref/contact/contacts.h"
+
+#include "ref/contact/incidence.h"
+
+/* ---- §1 What takes part ---- */
+
+static void wake(struct contacts *s, int64_t k)
+{
+    const int32_t *v = s->contact[k].v;
+    s->awake[k] = AWAKE;
+    for (int j = 0; j < 4; j++)
+        if (s->stirred[v[j]] == ASLEEP)
+            s->stirred[v[j]] = AWAKE;
+}
+
+static void wake_acting(struct contacts *s)
+{
+    for (int64_t k = 0; k < s->n; k++)
+        if (s->lack[k] != 0 && !s->awake[k])
+            wake(s, k);
+}
+
+static void wake_around(struct contacts *s, int32_t i)
+{
+    s->stirred[i] = SPREAD;
+    for (int32_t j = s->start[i]; j < s->start[i + 1]; j++)
+        if (!s->awake[s->item[j] / 4])
+            wake(s, s->item[j] / 4);
+}
+
+static void spread(struct contacts *s)
+{
+    for (int64_t k = 0; k < s->vertices; k++)
+        if (s->moved[k] && s->stirred[s->vertex[k]] != SPREAD)
+            wake_around(s, s->vertex[k]);
+}
+
+/* ---- What is done of a contact ---- */
+
+/* §2: the mass that contact k moves when its vertices are split. */
+static real effective_mass(const struct contacts *s, const struct contact *c)
+{
+    real sum = 0, most = 0;
+    for (int k = 0; k < 4; k++) {
+        int32_t i = c->v[k];
+        if (c->c[k] == 0 || !(s->w[i] > 0))
+            continue;
+        real w = (real)s->parts[i] * s->w[i];
+        sum += c->c[k] * c->c[k] * w;
+        most = real_max(w, most);
+    }
+    sum = real_max(sum, R(0x1p-12) * most);
+    return sum > 0 ? 1 / sum : 0;
+}
+
+static vec total(const struct contact *c)
+{
+    return vec_axpy(c->tangent, c->impulse, c->n);
+}
+
+/* §3: what contact k lacks, or has too much of and can give back. */
+static void find_lack(struct contacts *s, int64_t k)
+{
+    const struct contact *c = &s->contact[k];
+    real lack = c->target - vec_dot(c->n, pair_sum(c->v, c->c, s->u));
+    s->lack[k] = lack > 0 || s->ahead[k] > 0 ? lack : 0;
+}
+
+static void begin(struct contacts *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    if (!s->warm) {
+        c->impulse = 0;
+        c->tangent = vec_make(0, 0, 0);
+    }
+    s->awake[k] = ASLEEP;
+    s->ahead[k] = c->impulse;
+    s->before[k] = total(c);
+    s->push[k] = vec_make(0, 0, 0);
+    find_lack(s, k);
+}
+
+/* §3: to the next y. u follows. */
+static void go_to(struct contacts *s, int64_t k, real y)
+{
+    s->push[k] = vec_scale(y - s->ahead[k], s->contact[k].n);
+    s->ahead[k] = y;
+}
+
+/* §3: the normal part of one iteration. */
+static void push_normal(struct contacts *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    real y = s->ahead[k], was = c->impulse;
+    c->impulse = y;
+    if (s->lack[k] != 0)
+        c->impulse = real_max(y + effective_mass(s, c) * s->lack[k], 0);
+    go_to(s, k, real_max(c->impulse + s->keep * (c->impulse - was), 0));
+}
+
+/* §3: what a void iteration does instead. */
+static void go_back(struct contacts *s, int64_t k)
+{
+    real now = s->contact[k].impulse;
+    go_to(s, k, now + s->keep * (s->ahead[k] - now));
+}
+
+/* §4: who can have friction acts, the same ones in all iterations. */
+static void find_friction(struct contacts *s, int64_t k)
+{
+    const struct contact *c = &s->contact[k];
+    s->lack[k] = c->impulse > 0 || vec_dot(c->tangent, c->tangent) > 0;
+}
+
+/* §4: the tangential part, within the cone. */
+static void push_tangent(struct contacts *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    s->push[k] = vec_make(0, 0, 0);
+    if (s->lack[k] == 0)
+        return;
+    vec u = pair_sum(c->v, c->c, s->u);
+    u = vec_axpy(u, -vec_dot(c->n, u), c->n);
+    vec next = vec_axpy(c->tangent, -effective_mass(s, c), u);
+    real most = c->friction * c->impulse, length = vec_length(next);
+    if (length > most)
+        next = vec_scale(most / length, next);
+    s->push[k] = vec_sub(next, c->tangent);
+    c->tangent = next;
+}
+
+static void end(struct contacts *s, int64_t k)
+{
+    s->push[k] = vec_sub(total(&s->contact[k]), s->before[k]);
+}
+
+/* ---- What is done of a vertex ---- */
+
+/* §3: where nothing acts yet; a single contact is never more. */
+static void stay(struct contacts *s, int32_t i)
+{
+    s->parts[i] = s->start[i + 1] - s->start[i] == 1;
+}
+
+/* §3: counts what acts on vertex i. True: that makes the iteration void. */
+static bool count(struct contacts *s, int32_t i, real beta)
+{
+    int32_t acting = 0;
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++)
+        acting += s->lack[s->item[k] / 4] != 0;
+    s->acting[i] = acting;
+    return s->parts[i] > 0 && beta * beta * (real)acting > (real)s->parts[i];
+}
+
+/* §3: into how many parts vertex i is split. */
+static void split(struct contacts *s, int32_t i)
+{
+    int32_t acting = s->acting[i], d = s->parts[i];
+    if (s->keep == 0 || (d > 0 && d < acting))
+        s->parts[i] = acting;
+    else if (d == 0 && acting > 0)
+        s->parts[i] = acting + 1; /* one may join */
+}
+
+/* Σ c · push of the contacts of a vertex, in their order. */
+static vec gather(const struct contacts *s, int32_t i)
+{
+    vec sum = vec_make(0, 0, 0);
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+        int32_t item = s->item[k];
+        sum =
+            vec_axpy(sum, s->contact[item / 4].c[item % 4], s->push[item / 4]);
+    }
+    return sum;
+}
+
+/* ---- Passes ---- */
+
+static void each_contact(struct contacts *s,
+                         void act(struct contacts *, int64_t))
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        act(s, k);
+}
+
+static void each_awake(struct contacts *s, void act(struct contacts *, int64_t))
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        if (s->awake[k])
+            act(s, k);
+}
+
+static bool count_all(struct contacts *s, real beta)
+{
+    bool over = false;
+#pragma omp parallel for schedule(static) reduction(| : over)
+    for (int64_t k = 0; k < s->vertices; k++)
+        if (s->stirred[s->vertex[k]])
+            over |= count(s, s->vertex[k], beta);
+    return over;
+}
+
+static void split_all(struct contacts *s)
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < s->vertices; k++)
+        if (s->stirred[s->vertex[k]])
+            split(s, s->vertex[k]);
+}
+
+/* A vertex that nothing pushes keeps its bits. */
+static void apply(const struct contacts *s, vec *u)
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < s->vertices; k++) {
+        int32_t i = s->vertex[k];
+        if (!s->stirred[i])
+            continue;
+        vec sum = gather(s, i);
+        if (sum.x == 0 && sum.y == 0 && sum.z == 0)
+            continue;
+        u[i] = vec_axpy(u[i], s->w[i], sum);
+        s->moved[k] = 1;
+    }
+}
+
+/* ---- §3, §4 ---- */
+
+static real momentum(int age)
+{
+    return (real)age / ((real)age + 3);
+}
+
+static void solve_normal(struct contacts *s)
+{
+    for (int t = 0, age = 0; t < s->iterations; t++) {
+        real beta = momentum(age);
+        bool over = count_all(s, beta);
+        age = over ? age / 2 : age + 1;
+        s->keep = t + 1 < s->iterations ? momentum(age) : 0;
+        if (over)
+            s->keep /= beta;
+        else
+            split_all(s);
+        each_awake(s, over ? go_back : push_normal);
+        apply(s, s->u);
+        spread(s);
+        each_awake(s, find_lack);
+    }
+}
+
+static void solve_tangent(struct contacts *s)
+{
+    each_contact(s, find_friction);
+    wake_acting(s);
+    count_all(s, 0);
+    split_all(s);
+    for (int t = 0; t < s->iterations; t++) {
+        each_awake(s, push_tangent);
+        apply(s, s->u);
+    }
+}
+
+int ref_contacts(struct contacts *s)
+{
+    if (s->iterations < 0 || s->nv1 != s->nv + 1 || s->n4 != 4 * s->n ||
+        s->n4 > INT32_MAX)
+        return DRAPE_EARG;
+    for (int64_t k = 0; k < s->n; k++)
+        if (!pair_valid(s->contact[k].v, s->nv))
+            return DRAPE_EARG;
+
+    struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
+                           s->start, s->item, s->vertex, 0};
+    ref_incidence(&by); /* §1 */
+    s->vertices = by.vertices;
+    s->keep = 0;
+    memset(s->moved, 0, (size_t)s->vertices);
+    memset(s->stirred, ASLEEP, (size_t)s->nv);
+    for (int64_t k = 0; k < s->vertices; k++)
+        stay(s, s->vertex[k]);
+    each_contact(s, begin);
+    wake_acting(s);
+    solve_normal(s);
+    solve_tangent(s);
+    each_awake(s, end); /* the same impulses, all at once, on v */
+    apply(s, s->v);
+    return DRAPE_OK;
+}

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Contacts within the implicit solve of every cloth. spec/contact/penalty.md §4
+ */
+#ifndef REF_COUPLE_H
+#define REF_COUPLE_H
+
+#include "ref/base/arena.h"
+#include "ref/contact/penalty.h"
+
+struct pcg;
+struct world;
+
+/* warm.md §3, §2: how much is kept of what contacts pressed with; to how
+ * many times as much it may grow in a slice; by what part of the reach it may
+ * move what was not pressed. */
+#define COUPLE_KEPT R(0.75)
+#define COUPLE_GROWTH R(2.0)
+#define COUPLE_GUST R(0.25)
+
+struct couple {
+    struct penalty penalty; /* nv, w, stiffness, dt, tau, slip, streams */
+    vec *g;                 /* [nc] A times the change so far */
+    vec *press;             /* [nv] N, warm.md; penalty's guess */
+    vec *b, *dv;            /* [nc] */
+    int64_t cap;            /* contacts that the scratch is for */
+    bool rough;             /* the motion before contact was solved so, with
+                               the press of the slice before */
+    int iterations, solves; /* out: of pcg, this step */
+    int outcome;            /* out: enum drape_outcome, this step */
+    double residual;        /* out: of the last solves */
+    double seconds;         /* out: this step */
+};
+
+/* Takes its streams. DRAPE_OK or DRAPE_ENOMEM. */
+int couple_make(struct world *w);
+/* How well the motion of a cloth without contact must be solved, on either
+ * backend: whether roughly. */
+bool couple_prepare(const struct world *w, struct pcg *p);
+/* Before the first contacts of a step. */
+void couple_start(struct world *w);
+/* response's solve; user is the world. With n = 0 one turn. */
+int couple_solve(void *user, int64_t n, struct contact *contact);
+
+#endif

@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What an impact asks of the velocities. spec/contact/impulses.md */
+#include "ref/contact/impulses.h"
+
+#include "ref/contact/closest.h"
+
+static int check(const struct impulses *s)
+{
+    if (!(s->dt > 0 && s->dt <= REAL_BIG && s->margin >= 0) ||
+        s->n_all != s->n + s->n_active || s->n_all > INT32_MAX / 4)
+        return DRAPE_EARG;
+    for (int64_t k = 0; k < s->n; k++)
+        if (!pair_valid(s->pair + 4 * k, s->nv) || s->kind[k] > CONTACT_EE)
+            return DRAPE_EARG;
+    return DRAPE_OK;
+}
+
+/* ---- §1 Identity ---- */
+
+static uint64_t both(int32_t a, int32_t b)
+{
+    return (uint64_t)(uint32_t)a << 32 | (uint32_t)b;
+}
+
+static uint64_t edge(int32_t a, int32_t b)
+{
+    return a < b ? both(a, b) : both(b, a);
+}
+
+/* The same key for the same pair, however its vertices are ordered. */
+static struct key identity(const int32_t v[4], int64_t kind, int64_t item)
+{
+    if (kind == CONTACT_EE) {
+        uint64_t a = edge(v[0], v[1]), b = edge(v[2], v[3]);
+        uint64_t first = a < b ? a : b, second = a < b ? b : a;
+        return (struct key){first | UINT64_C(1) << 63, second, item};
+    }
+    int32_t a = v[1], b = v[2], c = v[3];
+    int32_t lo = a < b ? a : b, hi = a < b ? b : a;
+    int32_t least = c < lo ? c : lo, most = c > hi ? c : hi;
+    int32_t middle = c < lo ? lo : c > hi ? hi : c;
+    return (struct key){both(v[0], least), both(middle, most), item};
+}
+
+/* ---- §2 Geometry ---- */
+
+struct impact {
+    struct wide x[4];    /* m, at the time of impact */
+    struct wide from[4]; /* m, at the start, relative to the first */
+    struct wide way[4];  /* m, displacement over the step */
+};
+
+static void place(const struct impulses *s, const int32_t v[4], double t,
+                  struct impact *m)
+{
+    struct wide base = wide_of(s->x0[v[0]]);
+    for (int k = 0; k < 4; k++) {
+        struct wide a = wide_of(s->x0[v[k]]);
+        m->way[k] = wide_sub(wide_of(s->x1[v[k]]), a);
+        m->from[k] = wide_sub(a, base);
+        m->x[k] = wide_axpy(m->from[k], t, m->way[k]);
+    }
+}
+
+static struct wide weigh(const double c[4], const struct wide a[4])
+{
+    struct wide r = wide_scale(c[0], a[0]);
+    for (int k = 1; k < 4; k++)
+        r = wide_axpy(r, c[k], a[k]);
+    return r;
+}
+
+/* §2.2: against the approach; along it where the primitives' own normal
+ * cannot oppose it. */
+static struct wide normal_of(const struct impact *m, int64_t kind,
+                             const struct closest *r)
+{
+    struct wide way = weigh(r->c, m->way), from = weigh(r->c, m->from);
+    struct wide back = closest_unit(wide_scale(-1, way),
+                                    closest_unit(from, wide_make(1, 0, 0)));
+    struct wide n = closest_unit(closest_normal(m->x, (int)kind), back);
+    double closing = wide_dot(n, way);
+    if (closing * closing <= 0x1p-32 * wide_dot(way, way))
+        return back;
+    return closing > 0 ? wide_scale(-1, n) : n;
+}
+
+static void emit(const struct impulses *s, int64_t k, struct contact *c)
+{
+    struct impact m;
+    struct closest r;
+    memcpy(c->v, s->pair + 4 * k, sizeof c->v);
+    c->kind = s->kind[k];
+    place(s, c->v, (double)s->toi[k] * 0x1p-30, &m);
+    if (c->kind == CONTACT_VF)
+        closest_vf(m.x, &r);
+    else
+        closest_ee(m.x, &r);
+    struct wide n = normal_of(&m, c->kind, &r);
+    struct surface skin = skin_pair(&s->skin, c->v);
+    closest_weights(&r, (int)c->kind, c->c);
+    c->n = wide_round(n);
+    c->gap = (real)wide_dot(n, weigh(r.c, m.from));
+    c->target = (s->margin * skin.thickness - c->gap) / s->dt;
+    c->friction = skin.friction;
+    c->held = 0;
+    c->impulse = c->slide = 0;
+    c->tangent = vec_make(0, 0, 0);
+}
+
+/* ---- §3 The active set ---- */
+
+static bool same(const struct key *a, const struct key *b)
+{
+    return a->hi == b->hi && a->lo == b->lo;
+}
+
+int ref_impulses(struct impulses *s)
+{
+    int status = check(s);
+    if (status != DRAPE_OK)
+        return status;
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n_active; k++)
+        s->key[k] = identity(s->active[k].v, s->active[k].kind, k);
+    EACH_ITEM
+    for (int64_t k = s->n_active; k < s->n_all; k++) {
+        int64_t j = k - s->n_active;
+        s->key[k] = identity(s->pair + 4 * j, s->kind[j], k);
+    }
+    struct key *key = keys_sort(s->n_all, s->key, s->spare);
+
+    /* the newest of each identity stays: it comes last among its equals */
+    s->found = 0;
+    for (int64_t k = 0; k < s->n_all; k++)
+        if (k + 1 == s->n_all || !same(&key[k], &key[k + 1]))
+            key[s->found++] = key[k];
+    if (s->found > s->cap)
+        return DRAPE_EFULL;
+
+    EACH_ITEM
+    for (int64_t k = 0; k < s->found; k++) {
+        int64_t item = key[k].item;
+        if (item < s->n_active)
+            s->contact[k] = s->active[item];
+        else
+            emit(s, item - s->n_active, &s->contact[k]);
+    }
+    return DRAPE_OK;
+}

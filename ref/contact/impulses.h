@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage impulses: impacts as contacts. spec/contact/impulses.md */
+#ifndef REF_IMPULSES_H
+#define REF_IMPULSES_H
+
+#include "ref/base/keys.h"
+#include "ref/contact/contact.h"
+
+struct impulses {
+    int64_t nv, n;       /* vertices, impacts */
+    const int32_t *pair; /* [n][4] v f f f or a a b b */
+    const uint8_t *kind; /* [n] enum contact_kind */
+    const uint32_t *toi; /* [n] floor(2^30 t) */
+    const vec *x0, *x1;  /* [nv] m, start and end of the step */
+    struct skin skin;    /* of the vertices */
+    real dt;             /* s, > 0 */
+    real margin;         /* ≥ 0: of its thickness that a pair shall keep */
+    int64_t n_active;    /* contacts of earlier rounds of this step */
+    const struct contact *active; /* [n_active] as this stage gave them */
+
+    int64_t n_all;           /* n + n_active */
+    struct key *key, *spare; /* scratch: [n_all] */
+    int64_t cap;             /* contacts that fit */
+    struct contact *contact; /* out: [found] by identity, ascending */
+    int64_t found;           /* out: contacts, also where they do not fit */
+};
+
+/* DRAPE_OK; DRAPE_EARG for a bad vertex, kind, dt or n_all; DRAPE_EFULL:
+ * nothing is written. */
+int ref_impulses(struct impulses *s);
+
+#endif

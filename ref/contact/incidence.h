@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Which contacts each free vertex is in, in their order.
+ * spec/contact/contacts.md §1 */
+#ifndef REF_INCIDENCE_H
+#define REF_INCIDENCE_H
+
+#include "ref/contact/contact.h"
+
+struct incidence {
+    int64_t nv, n;                 /* vertices, contacts; 4 n < 2^31 */
+    const real *w;                 /* [nv] 1/kg, 0: led */
+    const struct contact *contact; /* [n] */
+    int32_t *start;                /* out: [nv + 1] first item of a vertex */
+    int32_t *item;    /* out: [4 n] 4·contact + corner, by vertex, ascending */
+    int32_t *vertex;  /* out: [4 n] free vertices in contact, ascending */
+    int64_t vertices; /* out: how many */
+};
+
+void ref_incidence(struct incidence *s);
+
+#endif

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Contacts as the implicit system feels them. spec/contact/penalty.md */
+#include "ref/contact/penalty.h"
+
+#include "ref/contact/incidence.h"
+
+static int check(const struct penalty *s)
+{
+    if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->slip > 0) ||
+        s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX)
+        return DRAPE_EARG;
+    for (int64_t k = 0; k < s->n; k++)
+        if (!pair_valid(s->contact[k].v, s->nv))
+            return DRAPE_EARG;
+    return DRAPE_OK;
+}
+
+/* §3: the weight of the side that vertex j of a contact is on. */
+static real side_of(const struct penalty *s, const struct contact *c, int j)
+{
+    int split = c->kind == CONTACT_VF ? 1 : 2;
+    int from = j < split ? 0 : split, to = j < split ? split : 4;
+    real least = 0;
+    for (int i = from; i < to; i++) {
+        real w = s->w[c->v[i]];
+        if (w > 0 && (least == 0 || w < least))
+            least = w;
+    }
+    return least;
+}
+
+/* §1: what the spring of contact k pushes with at velocities u, N·s. */
+static real spring(const struct penalty *s, int64_t k, const vec *u)
+{
+    const struct contact *c = &s->contact[k];
+    real give = s->stiffness * s->dt * s->tau;
+    return give * (c->target - vec_dot(c->n, pair_sum(c->v, c->c, u)));
+}
+
+/* §3: contact k's part for its vertex j. */
+static real part_of(const struct penalty *s, int64_t k, int j)
+{
+    const struct contact *c = &s->contact[k];
+    return s->share[k] / side_of(s, c, j) * real_abs(c->c[j]);
+}
+
+/* §1: of what its vertices took up along n, contact k's part by the holds that
+ * they had in the turn before, N·s. */
+static real gave(const struct penalty *s, int64_t k)
+{
+    const struct contact *c = &s->contact[k];
+    real push = 0, all = 0;
+    for (int j = 0; j < 4 && c->held; j++) {
+        int32_t i = c->v[j];
+        if (!(s->w[i] > 0) || c->c[j] == 0)
+            continue;
+        real along = part_of(s, k, j) * s->stiffness * s->tau * s->tau;
+        real hold = vec_dot(c->n, sym_apply(s->hold[i], c->n));
+        push += c->c[j] * (along / hold * vec_dot(c->n, s->g[i]));
+        all += c->c[j] * c->c[j];
+    }
+    return all > 0 ? real_max(push / all, 0) : 0;
+}
+
+/* §1: where vertex i would be going but for what contacts gave it before. */
+static void let_go(struct penalty *s, int64_t i)
+{
+    real w = s->w[i] * (s->tau / s->dt);
+    bool pushed = s->first && w > 0;
+    s->guess[i] = pushed ? vec_axpy(s->u[i], -w, s->g[i]) : s->u[i];
+}
+
+/* §1: who meets, would meet then or pushed before is held. */
+static void press(struct penalty *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    real share = 0;
+    for (int j = 0; j < 4; j++)
+        if (s->w[c->v[j]] > 0)
+            share += real_abs(c->c[j]) * side_of(s, c, j);
+    s->share[k] = share;
+    s->gave[k] = s->first ? 0 : gave(s, k);
+    c->held =
+        spring(s, k, s->guess) > 0 || spring(s, k, s->u) > 0 || s->gave[k] > 0;
+}
+
+/* §3: what contact k adds to the hold of its vertex j. */
+static sym hold_of(const struct penalty *s, int64_t k, int j, real slide)
+{
+    const struct contact *a = &s->contact[k];
+    real part = part_of(s, k, j);
+    real along = part * s->stiffness * s->tau * s->tau;
+    real across = part * slide * (s->tau / s->dt);
+    real d = along - across;
+    vec n = a->n;
+    sym r = {d * n.x * n.x + across, d * n.x * n.y, d * n.x * n.z,
+             d * n.y * n.y + across, d * n.y * n.z, d * n.z * n.z + across};
+    return r;
+}
+
+/* §2.1: into how many parts vertex i is split. */
+static void split(struct penalty *s, int64_t i)
+{
+    int32_t parts = 0;
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++)
+        parts += s->contact[s->item[k] / 4].held;
+    s->brake[i] = (real)parts;
+}
+
+/* §2.1: what contact k's spring ends with where it stops its parts, N·s. */
+static real stop(const struct penalty *s, int64_t k)
+{
+    const struct contact *c = &s->contact[k];
+    real give = 1 / (s->stiffness * s->tau * s->tau);
+    for (int j = 0; j < 4; j++)
+        give += c->c[j] * c->c[j] * (s->brake[c->v[j]] * s->w[c->v[j]]);
+    real lack = c->target - vec_dot(c->n, pair_sum(c->v, c->c, s->guess));
+    return real_max(lack, 0) * (s->dt / s->tau) / give;
+}
+
+static vec across(const struct contact *c, const vec *u)
+{
+    vec v = pair_sum(c->v, c->c, u);
+    return vec_axpy(v, -vec_dot(c->n, v), c->n);
+}
+
+/* §2.2: by how much friction can grow, from what it is: N·s. */
+static void load(struct penalty *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    vec slip = across(c, s->u);
+    real push = real_max(stop(s, k), s->gave[k]);
+    real most = c->held ? c->friction * push : 0;
+    s->most[k] = most;
+    s->more[k] = most - c->slide * vec_length(slip);
+}
+
+/* §2.3: the speed that this takes from vertex i. */
+static void brake(struct penalty *s, int64_t i)
+{
+    real sum = 0;
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+        int32_t at = s->item[k] / 4;
+        sum += real_abs(s->contact[at].c[s->item[k] % 4]) * s->more[at];
+    }
+    s->brake[i] = sum * s->w[i] * (s->tau / s->dt);
+}
+
+/* §2.4: by the speed that is then left. */
+static void rub(struct penalty *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    vec slip = across(c, s->u);
+    real speed = vec_length(slip);
+    for (int j = 0; j < 4; j++)
+        speed -= real_abs(c->c[j]) * s->brake[c->v[j]];
+    c->slide = s->most[k] / real_max(speed, s->slip);
+    c->impulse = c->held ? real_max(spring(s, k, s->u), -s->gave[k]) : 0;
+    c->tangent = vec_scale(-c->slide, slip);
+}
+
+/* ---- §3 ---- */
+
+static void gather(const struct penalty *s, int32_t i)
+{
+    vec force = vec_make(0, 0, 0);
+    sym hold = {0, 0, 0, 0, 0, 0};
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+        int64_t at = s->item[k] / 4;
+        const struct contact *c = &s->contact[at];
+        if (!c->held)
+            continue;
+        int j = s->item[k] % 4;
+        vec push = vec_axpy(c->tangent, c->impulse, c->n);
+        force = vec_axpy(force, c->c[j], push);
+        hold = sym_add(hold, hold_of(s, at, j, c->slide));
+    }
+    s->force[i] = force;
+    s->hold[i] = hold;
+}
+
+int ref_penalty(struct penalty *s)
+{
+    int status = check(s);
+    if (status != DRAPE_OK)
+        return status;
+    struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
+                           s->start, s->item, s->vertex, 0};
+    ref_incidence(&by);
+    EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++)
+        let_go(s, i);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        press(s, k);
+    EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++)
+        split(s, i);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        load(s, k);
+    EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++)
+        brake(s, i);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        rub(s, k);
+    EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++)
+        gather(s, (int32_t)i);
+    return DRAPE_OK;
+}

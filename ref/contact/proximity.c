@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Pairs closer than their thickness. spec/contact/proximity.md */
+#include "ref/contact/proximity.h"
+
+#include "ref/contact/closest.h"
+
+static int check(const struct proximity *s)
+{
+    if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0))
+        return DRAPE_EARG;
+    for (int64_t k = 0; k < s->n; k++)
+        if (!pair_valid(s->pair + 4 * k, s->nv) || s->kind[k] > CONTACT_EE)
+            return DRAPE_EARG;
+    for (int64_t k = 0; k < s->n; k++)
+        for (int j = 0; j < 4; j++)
+            if (!vec_sane(s->x[s->pair[4 * k + j]]))
+                return DRAPE_EDATA;
+    return DRAPE_OK;
+}
+
+static void measure(const struct proximity *s, int64_t k, struct wide x[4],
+                    struct closest *r)
+{
+    for (int j = 0; j < 4; j++)
+        x[j] = wide_of(s->x[s->pair[4 * k + j]]);
+    if (s->kind[k] == CONTACT_VF)
+        closest_vf(x, r);
+    else
+        closest_ee(x, r);
+}
+
+static bool is_near(const struct proximity *s, int64_t k)
+{
+    struct wide x[4];
+    struct closest r;
+    real thickness = skin_pair(&s->skin, s->pair + 4 * k).thickness;
+    measure(s, k, x, &r);
+    return sqrt(r.length2) < (double)thickness;
+}
+
+/* §3: along p, or across both where p is lost in rounding. */
+static struct wide direction(const struct wide x[4], int kind,
+                             const struct closest *r)
+{
+    struct wide p = closest_unit(r->p, wide_make(1, 0, 0));
+    if (r->length2 > 0x1p-80 * r->size2)
+        return p;
+    struct wide n = closest_unit(closest_normal(x, kind), p);
+    return wide_dot(n, r->p) < 0 ? wide_scale(-1, n) : n;
+}
+
+/* §4 */
+static real push_target(const struct proximity *s, const struct contact *c,
+                        real overlap)
+{
+    real w = 0;
+    for (int k = 0; k < 4; k++)
+        w += c->c[k] * c->c[k] * s->w[c->v[k]];
+    real spring = s->dt * s->stiffness * overlap * w;
+    return real_min(spring, R(0.1) * overlap / s->dt);
+}
+
+static void emit(const struct proximity *s, int64_t k, struct contact *c)
+{
+    struct wide x[4];
+    struct closest r;
+    memcpy(c->v, s->pair + 4 * k, sizeof c->v);
+    c->kind = s->kind[k];
+    struct surface skin = skin_pair(&s->skin, c->v);
+    measure(s, k, x, &r);
+    closest_weights(&r, s->kind[k], c->c);
+    c->n = wide_round(direction(x, s->kind[k], &r));
+    c->gap = (real)sqrt(r.length2);
+    c->friction = skin.friction;
+    c->target = push_target(s, c, real_max(skin.thickness - c->gap, 0));
+    c->held = 0;
+    c->impulse = c->slide = 0;
+    c->tangent = vec_make(0, 0, 0);
+}
+
+int ref_proximity(struct proximity *s)
+{
+    int status = check(s);
+    if (status != DRAPE_OK)
+        return status;
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        s->at[k] = is_near(s, k);
+
+    s->found = 0;
+    for (int64_t k = 0; k < s->n; k++) {
+        bool keep = s->at[k] != 0;
+        s->at[k] = keep ? (int32_t)s->found : -1;
+        s->found += keep;
+    }
+    if (s->found > s->cap)
+        return DRAPE_EFULL;
+
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        if (s->at[k] >= 0)
+            emit(s, k, &s->contact[s->at[k]]);
+    return DRAPE_OK;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage proximity: pairs that are too close. spec/contact/proximity.md */
+#ifndef REF_PROXIMITY_H
+#define REF_PROXIMITY_H
+
+#include "ref/contact/contact.h"
+
+struct proximity {
+    int64_t nv, n;       /* vertices, candidates; 4 n < 2^31 */
+    const int32_t *pair; /* [n][4] v f f f or a a b b */
+    const uint8_t *kind; /* [n] enum contact_kind */
+    const vec *x;        /* [nv] m, at the start of the step */
+    const real *w;       /* [nv] 1/kg, 0: led */
+    struct skin skin;    /* of the vertices */
+    real dt;             /* s, > 0 */
+    real stiffness;      /* N/m, ≥ 0, of the push apart (§4) */
+
+    int32_t *at;             /* scratch: [n] */
+    int64_t cap;             /* contacts that fit */
+    struct contact *contact; /* out: [found] in the candidates' order */
+    int64_t found;           /* out: contacts, also where they do not fit */
+};
+
+/* DRAPE_OK; DRAPE_EARG for a bad vertex, kind or dt; DRAPE_EDATA for a
+ * position out of range; DRAPE_EFULL: nothing is written. */
+int ref_proximity(struct proximity *s);
+
+#endif

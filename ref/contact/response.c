@@ -1,0 +1,323 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The rounds of collision response. spec/contact/response.md */
+#include "ref/contact/response.h"
+
+#include "ref/contact/contacts.h"
+#include "ref/contact/failsafe.h"
+#include "ref/contact/impacts.h"
+#include "ref/contact/impulses.h"
+#include "ref/contact/proximity.h"
+#include "ref/narrow/narrow.h"
+
+int response_grow(struct response *s, int n, const struct room *room)
+{
+    int status = DRAPE_OK;
+    for (int k = 0; k < n && status == DRAPE_OK; k++)
+        if (room[k].need > room[k].pool->cap)
+            status = s->grow(s->user, room[k].pool, room[k].need, room[k].size);
+    return status;
+}
+
+static int grow_one(struct response *s, struct pool *p, int64_t need,
+                    size_t size)
+{
+    return response_grow(s, 1, &(struct room){p, need, size});
+}
+
+int ref_response_start(struct response *s)
+{
+    if (!(s->dt > 0 && s->dt <= REAL_BIG && s->margin >= 0) ||
+        !(s->stiffness >= 0) || s->iterations < 0 || s->max_rounds < 0 ||
+        s->zone_rounds < 0 || s->roll_rounds < 0)
+        return DRAPE_EARG;
+    response_reset(s);
+    memset(s->rolled, 0, (size_t)s->nv);
+    EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++) {
+        vec d = vec_sub(s->x1[i], s->x0[i]);
+        s->u[i] = vec_make(d.x / s->dt, d.y / s->dt, d.z / s->dt);
+    }
+    return DRAPE_OK;
+}
+
+void response_advance(struct response *s, int64_t n, const int32_t *vertex,
+                      const uint8_t *moved)
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < n; k++) {
+        int32_t i = vertex[k];
+        if (moved && !moved[k])
+            continue;
+        s->x1[i] = vec_axpy(s->x0[i], s->dt, s->u[i]);
+        s->touched[i] = 1;
+    }
+}
+
+/* Solves the contacts in contact[side] and moves their vertices. */
+static int solve_contacts(struct response *s, int64_t n, int warm)
+{
+    struct room room[] = {{&s->item, 4 * n, sizeof(int32_t)},
+                          {&s->parts, 2 * s->nv, sizeof(int32_t)},
+                          {&s->lack, 2 * n, sizeof(real)},
+                          {&s->push, 2 * n, sizeof(vec)},
+                          {&s->vertex, 4 * n, sizeof(int32_t)},
+                          {&s->moved, 4 * n, sizeof(uint8_t)},
+                          {&s->awake, n + s->nv, sizeof(uint8_t)}};
+    int status = response_grow(s, 7, room);
+    if (status != DRAPE_OK)
+        return status;
+    vec *push = s->push.data;
+    struct contacts c = {.nv = s->nv,
+                         .n = n,
+                         .w = s->w,
+                         .iterations = response_iterations(s),
+                         .warm = warm,
+                         .contact = s->contact[s->side].data,
+                         .u = s->u,
+                         .v = s->v,
+                         .nv1 = s->nv + 1,
+                         .n4 = 4 * n,
+                         .start = s->start,
+                         .item = s->item.data,
+                         .parts = s->parts.data,
+                         .lack = s->lack.data,
+                         .push = push,
+                         .before = push + n,
+                         .vertex = s->vertex.data,
+                         .moved = s->moved.data,
+                         .awake = s->awake.data};
+    c.acting = c.parts + s->nv;
+    c.ahead = c.lack + n;
+    c.stirred = c.awake + n;
+    status = ref_contacts(&c);
+    trace_stage(s->trace, "contacts", s->u, (size_t)s->nv * sizeof *s->u);
+    if (status == DRAPE_OK)
+        response_advance(s, c.vertices, c.vertex, c.moved);
+    return status;
+}
+
+/* ---- §2 Repulsion ---- */
+
+int ref_response_repel(struct response *s, const struct pairs *near)
+{
+    s->near = near->n;
+    if (!near->n)
+        return DRAPE_OK;
+    struct proximity p = {.nv = s->nv,
+                          .n = near->n,
+                          .pair = near->pair,
+                          .kind = near->kind,
+                          .x = s->x0,
+                          .w = s->w,
+                          .skin = s->skin,
+                          .dt = s->dt,
+                          .stiffness = s->stiffness};
+    struct pool *out = &s->contact[s->side];
+    int status = grow_one(s, &s->at, near->n, sizeof *p.at);
+    if (status != DRAPE_OK)
+        return status;
+    p.at = s->at.data;
+    do {
+        p.cap = out->cap;
+        p.contact = out->data;
+        status = ref_proximity(&p);
+    } while (status == DRAPE_EFULL &&
+             (status = grow_one(s, out, p.found, sizeof *p.contact)) ==
+                 DRAPE_OK);
+    if (status != DRAPE_OK)
+        return status;
+    s->contacts = p.found;
+    trace_stage(s->trace, "proximity", p.contact,
+                (size_t)p.found * sizeof *p.contact);
+    if (!p.found)
+        return DRAPE_OK;
+    if (!s->solve)
+        return solve_contacts(s, p.found, 0);
+    s->active = p.found; /* they go on through the rounds */
+    return s->solve(s->user, p.found, out->data);
+}
+
+/* ---- §3 Detection ---- */
+
+static int find_times(struct response *s, const struct pairs *p)
+{
+    struct narrow n = {.n = p->n,
+                       .pair = p->pair,
+                       .kind = p->kind,
+                       .x0 = s->x0,
+                       .x1 = s->x1,
+                       .nv = (int32_t)s->nv};
+    struct room room[] = {{&s->toi, p->n, sizeof *n.toi},
+                          {&s->tier, p->n, sizeof *n.tier},
+                          {&s->at, p->n, sizeof(int32_t)}};
+    int status = response_grow(s, 3, room);
+    if (status != DRAPE_OK)
+        return status;
+    n.toi = s->toi.data;
+    n.tier = s->tier.data;
+    s->candidates += p->n;
+    s->narrow++;
+    status = ref_narrow(&n);
+    trace_stage(s->trace, "narrow", n.toi, (size_t)n.n * sizeof *n.toi);
+    return status;
+}
+
+static int grow_hits(struct response *s, int64_t n)
+{
+    struct room room[] = {{&s->hit, 4 * n, sizeof(int32_t)},
+                          {&s->hit_kind, n, sizeof(uint8_t)},
+                          {&s->hit_toi, n, sizeof(uint32_t)}};
+    return response_grow(s, 3, room);
+}
+
+static int64_t hits_cap(const struct response *s)
+{
+    int64_t cap = s->hit.cap / 4;
+    if (s->hit_kind.cap < cap)
+        cap = s->hit_kind.cap;
+    return s->hit_toi.cap < cap ? s->hit_toi.cap : cap;
+}
+
+/* Fills hit with the pairs that touch, among those with a touched vertex. */
+static int detect(struct response *s, const uint8_t *touched)
+{
+    struct pairs p;
+    int status = s->broad(s->user, touched, &p);
+    s->hits = 0;
+    if (status != DRAPE_OK || !p.n)
+        return status;
+    s->later += touched ? p.n : 0;
+    status = find_times(s, &p);
+    if (status != DRAPE_OK)
+        return status;
+    struct impacts m = {.nv = s->nv,
+                        .n = p.n,
+                        .pair = p.pair,
+                        .kind = p.kind,
+                        .toi = s->toi.data,
+                        .x0 = s->x0,
+                        .w = s->w,
+                        .at = s->at.data};
+    do {
+        m.cap = hits_cap(s);
+        m.hit = s->hit.data;
+        m.hit_kind = s->hit_kind.data;
+        m.hit_toi = s->hit_toi.data;
+        status = ref_impacts(&m);
+    } while (status == DRAPE_EFULL &&
+             (status = grow_hits(s, m.found)) == DRAPE_OK);
+    s->hits = m.found;
+    if (status == DRAPE_OK)
+        trace_stage(s->trace, "impacts", m.hit,
+                    (size_t)m.found * 4 * sizeof *m.hit);
+    s->impacts += m.found;
+    if (!touched) {
+        s->started = m.started;
+        s->led = m.led;
+    }
+    return status;
+}
+
+/* ---- §4 Impulses ---- */
+
+/* What touches joins the active set, contact[side]. */
+static int find_impulses(struct response *s)
+{
+    struct pool *from = &s->contact[s->side], *to = &s->contact[!s->side];
+    struct impulses m = {.nv = s->nv,
+                         .n = s->hits,
+                         .pair = s->hit.data,
+                         .kind = s->hit_kind.data,
+                         .toi = s->hit_toi.data,
+                         .x0 = s->x0,
+                         .x1 = s->x1,
+                         .skin = s->skin,
+                         .dt = s->dt,
+                         .margin = s->margin,
+                         .n_active = s->active,
+                         .active = from->data};
+    m.n_all = m.n + m.n_active;
+    struct room room[] = {{&s->key[0], m.n_all, sizeof *m.key},
+                          {&s->key[1], m.n_all, sizeof *m.key}};
+    int status = response_grow(s, 2, room);
+    if (status != DRAPE_OK)
+        return status;
+    m.key = s->key[0].data;
+    m.spare = s->key[1].data;
+    do {
+        m.cap = to->cap;
+        m.contact = to->data;
+        status = ref_impulses(&m);
+    } while (status == DRAPE_EFULL &&
+             (status = grow_one(s, to, m.found, sizeof *m.contact)) ==
+                 DRAPE_OK);
+    if (status != DRAPE_OK)
+        return status;
+    s->side = !s->side;
+    s->active = m.found;
+    trace_stage(s->trace, "impulses", m.contact,
+                (size_t)m.found * sizeof *m.contact);
+    return DRAPE_OK;
+}
+
+/* What others ask for beside what touches: no more than that does. */
+static void settle(const struct response *s, struct contact *contact)
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < s->active; k++) {
+        struct contact *c = &contact[k];
+        real keep = s->margin * skin_pair(&s->skin, c->v).thickness;
+        c->target = real_min(c->target, (keep - c->gap) / s->dt);
+    }
+}
+
+static int push(struct response *s, int round)
+{
+    int64_t held = s->active;
+    int status = find_impulses(s);
+    if (status != DRAPE_OK)
+        return status;
+    struct contact *contact = s->contact[s->side].data;
+    if (round == 0 && s->solve && s->active > held)
+        return s->solve(s->user, s->active, contact);
+    /* only impulses that contacts gave can it withdraw */
+    bool warm = s->impelled;
+    if (!warm)
+        settle(s, contact);
+    s->impelled = true;
+    return solve_contacts(s, s->active, warm);
+}
+
+static int resolve(struct response *s, int round)
+{
+    int rolls = round - s->max_rounds - s->zone_rounds;
+    if (rolls >= 0)
+        return response_roll(s, rolls);
+    memset(s->touched, 0, (size_t)s->nv);
+    const int32_t *hit = s->hit.data;
+    for (int64_t k = 0; k < 4 * s->hits; k++)
+        s->touched[hit[k]] = s->w[hit[k]] > 0;
+    return round < s->max_rounds ? push(s, round) : response_stiffen(s);
+}
+
+int ref_response_penetrate(struct response *s)
+{
+    if (!s->solve)
+        s->active = 0; /* what repulsion left there is done */
+    int status = detect(s, NULL);
+    s->rounds = 1;
+    for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {
+        if (s->brief && round >= s->max_rounds) {
+            s->outcome |= DRAPE_ZONES;
+            break;
+        }
+        status = resolve(s, round);
+        if (status != DRAPE_OK || s->hits == 0)
+            break;
+        status = detect(s, s->touched);
+        s->rounds++;
+    }
+    if (s->started || s->led)
+        s->outcome |= DRAPE_TRAPPED;
+    return status;
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage warm: what contacts still press with when the next slice begins.
+ * spec/contact/warm.md */
+#ifndef REF_WARM_H
+#define REF_WARM_H
+
+#include "ref/contact/contact.h"
+
+struct warm {
+    int64_t nv, n;           /* vertices, contacts; 4 n < 2^31 */
+    const real *w;           /* [nv] 1/kg, ≥ 0; 0: led */
+    const vec *g;            /* [nv] N·s, what free ones took up */
+    const vec *v;            /* [nv] m/s, when the slice began */
+    struct contact *contact; /* [n] as penalty held them; out: impulse */
+    const vec *before;       /* [nv] N, press of the slice before */
+    real part;               /* 1/s: of it, what press shall be */
+    real again;              /* s: what before may become, at most, */
+    real speed;              /* m/s: beside what gives this */
+
+    int64_t nv1, n4;      /* nv + 1, 4 n */
+    const int32_t *start; /* [nv1] lists of contacts.md §1 */
+    const int32_t *item;  /* [n4] */
+    real *all;            /* scratch: [nv] */
+    vec *press;           /* out: [nv] N, 0 where no contact is held */
+};
+
+/* DRAPE_OK. */
+int ref_warm(struct warm *s);
+
+#endif

@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Rigid impact zones (Provot 1997, Bridson 2002 §7.3). spec/contact/zones.md */
+#include "ref/contact/zones.h"
+
+static bool is_free(const struct zones *s, int32_t i)
+{
+    return s->w[i] > 0;
+}
+
+/* ---- §1 Components ---- */
+
+/* The least label among the free vertices of a pair, or -1: none. */
+static int32_t least_label(const struct zones *s, int64_t k)
+{
+    int32_t least = -1;
+    for (int j = 0; j < 4; j++) {
+        int32_t i = s->pair[4 * k + j];
+        if (is_free(s, i) && (least < 0 || s->label[i] < least))
+            least = s->label[i];
+    }
+    return least;
+}
+
+static bool lower(int32_t *label, int32_t to)
+{
+    bool lowers = to < *label;
+    if (lowers)
+        *label = to;
+    return lowers;
+}
+
+/* A vertex and what its label names take the pair's least label; then each
+ * jumps to its label's label. True while something changes. */
+static bool spread_labels(struct zones *s)
+{
+    bool changed = false;
+    for (int64_t k = 0; k < s->n4; k++) {
+        int32_t i = s->pair[k];
+        if (!is_free(s, i))
+            continue;
+        int32_t least = least_label(s, k / 4);
+        changed |= lower(&s->label[s->label[i]], least);
+        changed |= lower(&s->label[i], least);
+    }
+    for (int64_t k = 0; k < s->n4; k++) {
+        int32_t i = s->pair[k];
+        if (is_free(s, i))
+            changed |= lower(&s->label[i], s->label[s->label[i]]);
+    }
+    return changed;
+}
+
+static void label_vertices(struct zones *s)
+{
+    for (int64_t k = 0; k < s->n4; k++)
+        s->label[s->pair[k]] = s->pair[k];
+    while (spread_labels(s))
+        continue;
+}
+
+/* Members of all zones, by zone and vertex, each once. */
+static int64_t list_members(struct zones *s, struct key **members)
+{
+    int64_t n = 0;
+    for (int64_t k = 0; k < s->n4; k++) {
+        int32_t label = least_label(s, k / 4);
+        if (label >= 0)
+            s->key[n++] =
+                (struct key){(uint32_t)label, (uint32_t)s->pair[k], 0};
+    }
+    struct key *key = keys_sort(n, s->key, s->spare);
+    int64_t m = 0;
+    for (int64_t k = 0; k < n; k++)
+        if (m == 0 || key[m - 1].hi != key[k].hi || key[m - 1].lo != key[k].lo)
+            key[m++] = key[k];
+    *members = key;
+    return m;
+}
+
+/* ---- §2 Sums ---- */
+
+static struct zone_sum sum_add(const struct zone_sum *p,
+                               const struct zone_sum *q)
+{
+    struct zone_sum r = {p->m + q->m, vec_add(p->a, q->a), vec_add(p->b, q->b),
+                         sym_add(p->i, q->i)};
+    return r;
+}
+
+/* Neighbours, then neighbours' neighbours, …: the shape depends on n only. */
+static struct zone_sum tree(struct zone_sum *sum, int64_t n)
+{
+    for (int64_t step = 1; step < n; step *= 2)
+        for (int64_t k = 0; k + step < n; k += 2 * step)
+            sum[k] = sum_add(&sum[k], &sum[k + step]);
+    return sum[0];
+}
+
+static real mass_of(const struct zones *s, const struct zone *z, int32_t i)
+{
+    if (z->led)
+        return is_free(s, i) ? 0 : 1;
+    return 1 / s->w[i];
+}
+
+static struct zone_sum linear(const struct zones *s, const struct zone *z,
+                              int32_t i)
+{
+    real m = mass_of(s, z, i);
+    struct zone_sum r = {m,
+                         vec_scale(m, vec_sub(s->x0[i], z->base)),
+                         vec_scale(m, s->u[i]),
+                         {0, 0, 0, 0, 0, 0}};
+    return r;
+}
+
+static vec arm_of(const struct zones *s, const struct zone *z, int32_t i)
+{
+    return vec_sub(vec_sub(s->x0[i], z->base), z->centre);
+}
+
+static struct zone_sum angular(const struct zones *s, const struct zone *z,
+                               int32_t i)
+{
+    real m = mass_of(s, z, i);
+    vec r = arm_of(s, z, i), d = vec_sub(s->u[i], z->velocity);
+    if (z->led) /* §3.4: half way, where chords are turns */
+        r = vec_axpy(r, R(0.5) * s->dt, d);
+    vec mr = vec_scale(m, r), l = vec_cross(mr, d);
+    struct zone_sum sum = {m,
+                           l,
+                           l,
+                           {mr.y * r.y + mr.z * r.z, -(mr.x * r.y),
+                            -(mr.x * r.z), mr.x * r.x + mr.z * r.z,
+                            -(mr.y * r.z), mr.x * r.x + mr.y * r.y}};
+    return sum;
+}
+
+/* ---- §3 Motion ---- */
+
+/* i⁻¹ l by the adjugate; 0 where the members lie too close to a line. */
+static vec spin_of(sym i, vec l)
+{
+    vec none = vec_make(0, 0, 0);
+    real trace = i.xx + i.yy + i.zz;
+    if (!(trace > 0))
+        return none;
+    real f = 1 / trace;
+    sym j = {f * i.xx, f * i.xy, f * i.xz, f * i.yy, f * i.yz, f * i.zz};
+    sym a = {j.yy * j.zz - j.yz * j.yz, j.xz * j.yz - j.xy * j.zz,
+             j.xy * j.yz - j.xz * j.yy, j.xx * j.zz - j.xz * j.xz,
+             j.xy * j.xz - j.xx * j.yz, j.xx * j.yy - j.xy * j.xy};
+    real det = j.xx * a.xx + j.xy * a.xy + j.xz * a.xz;
+    if (!(det > R(0x1p-16)))
+        return none;
+    return vec_scale(1 / det, sym_apply(a, vec_scale(f, l)));
+}
+
+static void solve(struct zones *s, struct zone *z, const struct key *member)
+{
+    struct zone_sum *sum = s->sum + z->first;
+    int64_t n = z->end - z->first;
+    z->led = false;
+    z->base = s->x0[member[0].lo];
+    for (int64_t k = 0; k < n; k++)
+        z->led |= !is_free(s, (int32_t)member[k].lo);
+    for (int64_t k = 0; k < n; k++)
+        sum[k] = linear(s, z, (int32_t)member[k].lo);
+    struct zone_sum all = tree(sum, n);
+    z->centre = vec_scale(1 / all.m, all.a);
+    z->velocity = vec_scale(1 / all.m, all.b);
+    for (int64_t k = 0; k < n; k++)
+        sum[k] = angular(s, z, (int32_t)member[k].lo);
+    all = tree(sum, n);
+    z->spin = spin_of(all.i, all.a);
+    /* §3.2: at most a quarter turn */
+    vec half = vec_scale(R(0.5) * s->dt, z->spin);
+    real turn = vec_dot(half, half);
+    if (turn > 1)
+        z->spin = vec_scale(1 / real_sqrt(turn), z->spin);
+}
+
+/* The mean velocity that carries a member rigidly through the step. */
+static vec carry(const struct zones *s, const struct zone *z, int32_t i)
+{
+    vec half = vec_scale(R(0.5) * s->dt, z->spin);
+    vec turn = vec_cross(z->spin, arm_of(s, z, i));
+    turn = vec_add(turn, vec_cross(half, turn));
+    return vec_axpy(z->velocity, 1 / (1 + vec_dot(half, half)), turn);
+}
+
+int ref_zones(struct zones *s)
+{
+    if (!(s->dt > 0 && s->dt <= REAL_BIG) || s->n4 != 4 * s->n ||
+        s->n4 > INT32_MAX)
+        return DRAPE_EARG;
+    for (int64_t k = 0; k < s->n; k++)
+        if (!pair_valid(s->pair + 4 * k, s->nv))
+            return DRAPE_EARG;
+
+    struct key *member;
+    label_vertices(s);
+    int64_t members = list_members(s, &member);
+    s->found = s->vertices = 0;
+    for (int64_t k = 0; k < members; k++) {
+        if (k == 0 || member[k].hi != member[k - 1].hi)
+            s->zone[s->found++].first = k;
+        s->zone[s->found - 1].end = k + 1;
+        if (is_free(s, (int32_t)member[k].lo))
+            s->vertex[s->vertices++] = (int32_t)member[k].lo;
+    }
+    EACH_ITEM
+    for (int64_t k = 0; k < s->found; k++)
+        solve(s, &s->zone[k], member + s->zone[k].first);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->found; k++)
+        for (int64_t j = s->zone[k].first; j < s->zone[k].end; j++)
+            if (is_free(s, (int32_t)member[j].lo))
+                s->u[member[j].lo] =
+                    carry(s, &s->zone[k], (int32_t)member[j].lo);
+    return DRAPE_OK;
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage audit: every intersecting pair of triangles. spec/narrow/audit.md */
+#ifndef REF_AUDIT_H
+#define REF_AUDIT_H
+
+#include "ref/base/stage.h"
+
+struct face;
+
+/* Four boxes side by side; an absent one is empty: lo > hi. */
+struct audit_quad {
+    real lo[3][4], hi[3][4];
+};
+
+struct audit {
+    int64_t nv, nt;          /* vertices, triangles; < 2^31 each */
+    const vec *x;            /* [nv] m, |x| ≤ 2^60 */
+    const int32_t (*tri)[3]; /* [nt] vertices of a triangle */
+    const int32_t *group;    /* [nt] or NULL: all 1. Two triangles of group 0
+                                (obstacles) are not compared */
+    int across;              /* 1: nor are two that are both of other groups:
+                                only pairs of cloth and obstacle are */
+
+    int64_t n_nodes;         /* ref_audit_nodes(nt) */
+    uint64_t *key[2];        /* scratch: [nt] */
+    int32_t *order[2];       /* scratch: [nt] */
+    struct audit_quad *node; /* scratch: [n_nodes] */
+    int64_t *count;          /* scratch: [n_nodes] */
+
+    int64_t cap;          /* pairs that fit */
+    int32_t (*pair)[2];   /* out: [found] triangles a < b, ascending */
+    uint8_t *degenerate;  /* out: [nt] 1: the corners lie on one line */
+    int64_t found;        /* out: pairs */
+    int64_t n_degenerate; /* out: degenerate triangles, in no pair */
+};
+
+/* Nodes of the tree over nt triangles. */
+int64_t ref_audit_nodes(int64_t nt);
+
+/* DRAPE_OK; DRAPE_EDATA if a position is NaN or out of range; DRAPE_EARG if a
+ * triangle names no vertex; DRAPE_EFULL if found > cap: no pair is written. */
+int ref_audit(struct audit *s);
+
+/* The corners of triangle t: ref/narrow/tritri.h. */
+struct face ref_audit_face(const struct audit *s, int32_t t);
+/* After ref_audit: asks of every triangle but t whose box meets that of t, in
+ * an order that only depends on the mesh, until the answer is true. */
+bool ref_audit_any(const struct audit *s, int32_t t,
+                   bool ask(void *user, int32_t other), void *user);
+
+#endif

@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Whole numbers of many words in a bounded room: spec/narrow/narrow.md §6.1. */
+#include "ref/narrow/big.h"
+
+#include <string.h>
+
+/* From as many words on two rows of a product at once are faster. */
+#define LONG 12
+
+/* Two words times two. */
+__extension__ typedef unsigned __int128 twice;
+
+/* Room for n words. Where there is none the room starts anew, so that all
+ * accesses stay inside, and says that it is full. */
+static uint32_t *take_words(struct room *m, int n)
+{
+    if (n > m->size - m->used) {
+        m->full = true;
+        m->used = 0;
+    }
+    uint32_t *d = m->word + m->used;
+    m->used += n;
+    if (m->used > m->most)
+        m->most = m->used;
+    return d;
+}
+
+/* A number from n words that end the room; gives leading zeros back. */
+static struct big trim(struct room *m, uint32_t *d, int n, int sign)
+{
+    int k = n;
+    while (k > 0 && d[k - 1] == 0)
+        k--;
+    m->used -= n - k;
+    struct big r = {d, k, k ? sign : 0};
+    return r;
+}
+
+static int exponent_bits(uint64_t b)
+{
+    return (int)(b >> 52 & 0x7ff);
+}
+
+/* Mantissa and exponent of |x| = *mantissa·2^e; returns e. */
+static int unpack(double x, uint64_t *mantissa)
+{
+    uint64_t b;
+    memcpy(&b, &x, sizeof b);
+    int e = exponent_bits(b);
+    *mantissa = b & ((UINT64_C(1) << 52) - 1);
+    if (e)
+        *mantissa |= UINT64_C(1) << 52;
+    return (e ? e : 1) - 1075;
+}
+
+int big_exponent(double x)
+{
+    uint64_t a;
+    int e = unpack(x, &a);
+    for (; !(a & 1); a >>= 1)
+        e++;
+    return e;
+}
+
+struct big big_make(struct room *m, double x, int e)
+{
+    uint64_t a;
+    int shift = unpack(x, &a) - e;
+    if (a == 0)
+        return trim(m, m->word, 0, 0);
+    for (; shift < 0; shift++)
+        a >>= 1;
+    int low = shift / 32, n = low + 3;
+    uint32_t *d = take_words(m, n);
+    memset(d, 0, (size_t)n * sizeof *d);
+    shift %= 32;
+    uint64_t low_half = (a & UINT32_MAX) << shift;
+    uint64_t high_half = ((a >> 32) << shift) + (low_half >> 32);
+    d[low] = (uint32_t)low_half;
+    d[low + 1] = (uint32_t)high_half;
+    d[low + 2] = (uint32_t)(high_half >> 32);
+    return trim(m, d, n, x < 0 ? -1 : 1);
+}
+
+struct big big_small(struct room *m, uint32_t a)
+{
+    uint32_t *d = take_words(m, 1);
+    d[0] = a;
+    return trim(m, d, 1, 1);
+}
+
+struct big big_negate(struct big a)
+{
+    a.sign = -a.sign;
+    return a;
+}
+
+/* Order of the magnitudes: -1, 0, 1. */
+static int order(struct big a, struct big b)
+{
+    if (a.n != b.n)
+        return a.n < b.n ? -1 : 1;
+    for (int i = a.n; i-- > 0;)
+        if (a.d[i] != b.d[i])
+            return a.d[i] < b.d[i] ? -1 : 1;
+    return 0;
+}
+
+/* |a| + |b| with a sign; a is not the shorter. */
+static struct big sum(struct room *m, struct big a, struct big b, int sign)
+{
+    uint32_t *d = take_words(m, a.n + 1);
+    uint64_t carry = 0;
+    for (int i = 0; i < a.n; i++) {
+        carry += (uint64_t)a.d[i] + (i < b.n ? b.d[i] : 0);
+        d[i] = (uint32_t)carry;
+        carry >>= 32;
+    }
+    d[a.n] = (uint32_t)carry;
+    return trim(m, d, a.n + 1, sign);
+}
+
+/* |a| - |b| with a sign; a is not the smaller. */
+static struct big difference(struct room *m, struct big a, struct big b,
+                             int sign)
+{
+    uint32_t *d = take_words(m, a.n), borrow = 0;
+    for (int i = 0; i < a.n; i++) {
+        uint64_t take = (uint64_t)(i < b.n ? b.d[i] : 0) + borrow;
+        borrow = a.d[i] < take;
+        d[i] = (uint32_t)(a.d[i] - take);
+    }
+    return trim(m, d, a.n, sign);
+}
+
+struct big big_add(struct room *m, struct big a, struct big b)
+{
+    if (a.sign == 0 || b.sign == 0)
+        return a.sign ? a : b;
+    if (a.sign == b.sign)
+        return a.n < b.n ? sum(m, b, a, a.sign) : sum(m, a, b, a.sign);
+    return order(a, b) < 0 ? difference(m, b, a, b.sign)
+                           : difference(m, a, b, a.sign);
+}
+
+struct big big_sub(struct room *m, struct big a, struct big b)
+{
+    return big_add(m, a, big_negate(b));
+}
+
+static uint64_t pair_of(const uint32_t *d)
+{
+    return d[0] | (uint64_t)d[1] << 32;
+}
+
+static void set_pair(uint32_t *d, uint64_t a)
+{
+    uint32_t w[2] = {(uint32_t)a, (uint32_t)(a >> 32)};
+    memcpy(d, w, sizeof w);
+}
+
+/* d += x·b, n words of b; d[n] and d[n + 1], 0 before, are set. */
+static void add_rows(uint32_t *d, uint64_t x, const uint32_t *b, int n)
+{
+    twice t = 0;
+    int j = 0;
+    for (; j + 1 < n; j += 2) {
+        t += (twice)x * pair_of(b + j) + pair_of(d + j);
+        set_pair(d + j, (uint64_t)t);
+        t >>= 64;
+    }
+    if (j < n) {
+        t += (twice)x * b[j] + d[j];
+        d[j++] = (uint32_t)t;
+        t >>= 32;
+    }
+    set_pair(d + j, (uint64_t)t);
+}
+
+/* The first word of b, not 0, from j on; numbers of mixed sizes are mostly
+ * zeros. */
+static int skip_zeros(struct big b, int j)
+{
+    while (j < b.n && b.d[j] == 0)
+        j++;
+    return j;
+}
+
+struct big big_mul_from(struct room *m, struct big a, struct big b, int from)
+{
+    int n = a.n + b.n - from + 1, low = skip_zeros(b, 0);
+    uint32_t *d = take_words(m, n);
+    memset(d, 0, (size_t)n * sizeof *d);
+    for (int i = skip_zeros(a, 0); i < a.n; i = skip_zeros(a, i + 2)) {
+        int j = from - i > low ? from - i : low;
+        uint64_t x = i + 1 < a.n ? pair_of(a.d + i) : a.d[i];
+        if (j < b.n)
+            add_rows(d + i + j - from, x, b.d + j, b.n - j);
+    }
+    return trim(m, d, n, a.sign * b.sign);
+}
+
+struct big big_mul(struct room *m, struct big a, struct big b)
+{
+    if (a.n >= LONG && b.n >= LONG)
+        return big_mul_from(m, a, b, 0);
+    int n = a.n + b.n, low = skip_zeros(b, 0);
+    uint32_t *d = take_words(m, n);
+    memset(d, 0, (size_t)n * sizeof *d);
+    for (int i = 0; i < a.n; i++) {
+        uint64_t carry = 0, x = a.d[i];
+        if (x == 0)
+            continue;
+        for (int j = low; j < b.n; j++) {
+            carry += x * b.d[j] + d[i + j];
+            d[i + j] = (uint32_t)carry;
+            carry >>= 32;
+        }
+        d[i + b.n] = (uint32_t)carry;
+    }
+    return trim(m, d, n, a.sign * b.sign);
+}
+
+struct big big_times(struct room *m, struct big a, uint32_t k)
+{
+    struct big b = {&k, k != 0, k != 0};
+    return big_mul(m, b, a);
+}
+
+struct big big_shift(struct room *m, struct big a, int k)
+{
+    uint32_t *d = take_words(m, a.n + k);
+    memset(d, 0, (size_t)k * sizeof *d);
+    if (a.n)
+        memcpy(d + k, a.d, (size_t)a.n * sizeof *d);
+    return trim(m, d, a.n + k, a.sign);
+}
+
+struct big big_keep(struct room *m, int mark, struct big r)
+{
+    if (m->full)
+        return r;
+    uint32_t *d = m->word + mark;
+    memmove(d, r.d, (size_t)r.n * sizeof *d);
+    m->used = mark + r.n;
+    r.d = d;
+    return r;
+}
+
+struct big big_det(struct room *m, struct big a, struct big b, struct big c,
+                   struct big d)
+{
+    int mark = m->used;
+    struct big x = big_mul(m, a, b);
+    return big_keep(m, mark, big_sub(m, x, big_mul(m, c, d)));
+}

@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The exact tier of the narrow phase: spec/narrow/narrow.md §6. */
+#include "ref/narrow/exact.h"
+
+#include "ref/narrow/roots.h"
+#include "ref/narrow/whole.h"
+
+#include <stddef.h>
+
+/* All on one line or a point: whether the boxes meet (§3). */
+static bool boxes_meet(struct room *m, const struct system *s,
+                       const struct root *r)
+{
+    for (int k = 0; k < 3; k++) {
+        int up = 0, down = 0;
+        for (int j = 0; j < s->count; j++) {
+            int sign = root_sign(m, &s->box[j][k], r);
+            up += sign > 0;
+            down += sign < 0;
+        }
+        if (up == s->count || down == s->count)
+            return false;
+    }
+    return true;
+}
+
+/* Whether the primitives touch at a root of V by the forms of axis k (§3), or
+ * ROOT_UNKNOWN: all are zero, or few words do not tell their signs. */
+static int touching_on(struct room *m, const struct system *s,
+                       const struct root *r, int k, bool few_words)
+{
+    int up = 0, down = 0, unknown = 0;
+    for (int j = 0; j < s->count; j++) {
+        const struct poly *q = &s->q[j][k];
+        int sign = few_words ? root_quick(m, q, r) : root_sign(m, q, r);
+        up += sign == 1;
+        down += sign == -1;
+        unknown += sign == ROOT_UNKNOWN;
+        if (up && down)
+            return false;
+    }
+    return unknown || !(up || down) ? ROOT_UNKNOWN : true;
+}
+
+/* Whether the primitives touch at a root of V (§3). */
+static bool touching(struct room *m, const struct system *s,
+                     const struct root *r)
+{
+    int touch = ROOT_UNKNOWN;
+    for (int k = 0; k < 6 && touch == ROOT_UNKNOWN; k++)
+        touch = touching_on(m, s, r, k % 3, k < 3);
+    return touch == ROOT_UNKNOWN ? boxes_meet(m, s, r) : touch;
+}
+
+/* The same at a root of form j on axis k, where N_k is not 0: the lines meet
+ * at the primitive that the form is of (§6.5). */
+static bool touching_form(struct room *m, const struct system *s,
+                          const struct root *r, int j)
+{
+    static const int of[2][4][2] = {{{1, 2}, {2, 0}, {0, 1}, {0, 0}},
+                                    {{0, 1}, {2, 3}, {0, 2}, {1, 3}}};
+    const int *b = of[s->count == 4][j];
+    for (int k = 0; k < 3; k++) {
+        int sign = root_sign(m, &s->box[b[0]][k], r);
+        if (sign && sign == root_sign(m, &s->box[b[1]][k], r))
+            return false;
+    }
+    return true;
+}
+
+/* Whether they touch at t = 0 (cell 0) or t = 1 (cell ROOT_ONE). */
+static bool touching_end(struct room *m, const struct system *s, uint32_t cell)
+{
+    struct root r = {NULL, NULL, 0, cell, true, 0};
+    return s->v.c[cell ? 3 : 0].sign == 0 && touching(m, s, &r);
+}
+
+/* Polynomials at whose roots a contact may begin. */
+struct list {
+    int n;
+    const struct poly *p[12];
+    int axis; /* of forms: p[j] is form j; else -1 */
+};
+
+/* Whether one of the first n polynomials, not always zero, is zero at r. */
+static bool tried(struct room *m, const struct list *l, int n,
+                  const struct root *r)
+{
+    for (int k = 0; k < n; k++)
+        if (!poly_zero(l->p[k]) && !root_avoids(m, l->p[k], r) &&
+            root_sign(m, l->p[k], r) == 0)
+            return true;
+    return false;
+}
+
+/* Whether they touch at root r of polynomial k, unless that has been tried. */
+static bool begins(struct room *m, const struct system *s, const struct list *l,
+                   int k, const struct root *r)
+{
+    if (l->axis >= 0 && root_avoids(m, &s->n[l->axis], r))
+        return touching_form(m, s, r, k);
+    return !tried(m, l, k, r) && touching(m, s, r);
+}
+
+/* The lesser of toi and the first root with contact of polynomial k, where
+ * those before have been tried. */
+static uint32_t first(struct room *m, const struct system *s,
+                      const struct list *l, int k, uint32_t toi)
+{
+    struct chain c[2];
+    struct root r = {.of = l->p[k]};
+    int mark = m->used, chains = chains_make(m, l->p[k], c);
+    for (int i = 0; i < chains; i++)
+        for (int j = 1; j <= c[i].roots; j++) {
+            root_locate(m, &c[i], j, &r);
+            if (r.cell >= toi)
+                break;
+            if (begins(m, s, l, k, &r))
+                toi = r.cell;
+        }
+    m->used = mark;
+    return toi;
+}
+
+/* The words of all forms of axis k. */
+static int words_of(const struct system *s, int k)
+{
+    int words = 0;
+    for (int j = 0; j < s->count; j++)
+        for (int i = 0; i <= s->q[j][k].degree; i++)
+            words += s->q[j][k].c[i].n;
+    return words;
+}
+
+/* The axis whose forms have the fewest words but not all none; -1: all forms
+ * of all axes are always zero. */
+static int short_axis(const struct system *s)
+{
+    int axis = -1, least = INT32_MAX;
+    for (int k = 0; k < 3; k++) {
+        int words = words_of(s, k);
+        if (words && words < least) {
+            least = words;
+            axis = k;
+        }
+    }
+    return axis;
+}
+
+/* The polynomials to try (§6.5). */
+static struct list to_try(const struct system *s)
+{
+    struct list l = {1, {&s->v}, -1};
+    if (!poly_zero(&s->v))
+        return l;
+    int axis = short_axis(s);
+    l.axis = axis;
+    l.n = 0;
+    for (int j = 0; j < s->count; j++)
+        for (int k = 0; k < 3; k++)
+            if (axis < 0 || k == axis)
+                l.p[l.n++] = axis < 0 ? &s->box[j][k] : &s->q[j][k];
+    return l;
+}
+
+static uint32_t solve(struct room *m, const struct system *s)
+{
+    uint32_t toi = UINT32_MAX;
+    if (touching_end(m, s, 0))
+        return 0;
+    if (touching_end(m, s, ROOT_ONE))
+        toi = ROOT_ONE;
+    struct list l = to_try(s);
+    for (int k = 0; k < l.n; k++)
+        toi = first(m, s, &l, k, toi);
+    return toi;
+}
+
+int exact_first(double x[2][4][3], int kind, uint32_t *word, int n,
+                uint32_t *toi)
+{
+    struct room m = {word, n, 0, 0, false, 0};
+    struct system s;
+    system_make(&m, x, kind, &s);
+    *toi = solve(&m, &s);
+    return m.full ? -1 : m.most;
+}

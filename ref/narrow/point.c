@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Signs of small polynomials at a point, exactly: spec/narrow/narrow.md §6.3.
+ */
+#include "ref/narrow/point.h"
+
+#include "ref/narrow/near.h"
+
+#include <stddef.h>
+
+bool poly_zero(const struct poly *p)
+{
+    for (int i = 0; i <= p->degree; i++)
+        if (p->c[i].sign)
+            return false;
+    return true;
+}
+
+/* a·d - b·c modulo the prime. */
+static uint64_t det_rest(uint64_t a, uint64_t b, uint64_t c, uint64_t d)
+{
+    return (a * d % NEAR_PRIME + NEAR_PRIME - b * c % NEAR_PRIME) % NEAR_PRIME;
+}
+
+bool poly_coprime(const struct poly *p, const struct poly *f)
+{
+    uint32_t a[3] = {0}, b[3] = {0};
+    for (int i = 0; i <= p->degree; i++)
+        a[i] = near_rest(p->c[i]);
+    for (int i = 0; i <= f->degree; i++)
+        b[i] = near_rest(f->c[i]);
+    uint64_t x = det_rest(a[2], b[2], a[0], b[0]);
+    uint64_t y = det_rest(a[2], b[2], a[1], b[1]);
+    return det_rest(x, y, det_rest(a[1], b[1], a[0], b[0]), x) != 0;
+}
+
+/* ---- With as many words as m->keep says ---- */
+
+/* The sign of Σ c[i]·a^i·b^(n-i) with 2^(32 k) in a. */
+static int sign_fraction(struct room *m, const struct poly *f,
+                         const struct point *p)
+{
+    struct near a = near_of(m, p->a), b = near_of(m, p->b), power = b;
+    a.low += p->k;
+    struct near r = near_of(m, f->c[f->degree]);
+    for (int i = f->degree - 1; i >= 0; i--) {
+        r = near_mul(m, r, a);
+        if (f->c[i].sign)
+            r = near_add(m, r, near_mul(m, near_of(m, f->c[i]), power));
+        if (i > 0)
+            power = near_mul(m, power, b);
+    }
+    return near_tell(m, r);
+}
+
+/* a·b - c·d, times a sign. */
+static struct near det(struct room *m, int sign, const struct near v[4])
+{
+    int mark = m->used;
+    struct near x = near_mul(m, v[0], v[1]), y = near_mul(m, v[2], v[3]);
+    struct near r = sign < 0 ? near_sub(m, y, x) : near_sub(m, x, y);
+    r.m = big_keep(m, mark, r.m);
+    return r;
+}
+
+/* f modulo the quadratic a τ² + b τ + c times a positive number, of degree 2 at
+ * most: g. */
+static void lower(struct room *m, const struct poly *f, const struct near q[3],
+                  struct near g[3])
+{
+    struct near c = q[0], b = q[1], a = q[2];
+    int s = a.m.sign;
+    for (int i = 0; i < 3; i++) {
+        struct big zero = {0};
+        g[i] = near_of(m, i <= f->degree ? f->c[i] : zero);
+    }
+    if (f->degree < 3 || f->c[3].sign == 0)
+        return;
+    struct near lead = near_of(m, f->c[3]);
+    g[2] = det(m, s, (struct near[4]){g[2], a, lead, b});
+    g[1] = det(m, s, (struct near[4]){g[1], a, lead, c});
+    g[0] = near_mul(m, g[0], a);
+    g[0] = s < 0 ? near_negate(g[0]) : g[0];
+}
+
+/* g modulo the quadratic q times a positive number is l[1]·τ + l[0]; returns
+ * the sign of their resultant: minus where -l[0]/l[1] lies between q's roots.
+ */
+static int reduce(struct room *m, const struct near g[3],
+                  const struct near q[3], struct near l[2])
+{
+    struct near c = q[0], b = q[1], a = q[2], r;
+    int s = a.m.sign;
+    struct near x = det(m, 1, (struct near[4]){b, g[0], c, g[1]});
+    bool linear = near_sign(g[2]) == 0;
+    l[0] = g[0];
+    l[1] = g[1];
+    if (!linear) {
+        l[1] = det(m, s, (struct near[4]){g[1], a, g[2], b});
+        l[0] = det(m, s, (struct near[4]){g[0], a, g[2], c});
+        x = s < 0 ? near_negate(x) : x;
+    }
+    r = linear ? near_mul(m, a, l[0]) : l[0];
+    r = det(m, linear ? s : 1, (struct near[4]){r, l[0], x, l[1]});
+    return near_tell(m, r);
+}
+
+/* The sign of b l1 - 2 a l0 of the quadratic a τ² + b τ + c. */
+static int slope(struct room *m, const struct near q[3], const struct near l[2])
+{
+    struct near b = near_few(q[1]), a = near_few(q[2]);
+    struct near two = near_times(m, l[0], 2);
+    int sign = near_sign(
+        det(m, 1, (struct near[4]){b, near_few(l[1]), a, near_few(two)}));
+    if (sign != NEAR_UNKNOWN)
+        return sign;
+    return near_tell(m, det(m, 1, (struct near[4]){q[1], l[1], q[2], two}));
+}
+
+/* The signs of f at the roots of the quadratic, which has two (§6.3). */
+static void sign_surd(struct room *m, const struct poly *f,
+                      const struct poly *of, int out[2])
+{
+    struct near l[2], q[3], g[3];
+    for (int i = 0; i < 3; i++)
+        q[i] = near_of(m, of->c[i]);
+    lower(m, f, q, g);
+    int z = reduce(m, g, q, l), sign = near_tell(m, l[1]), w = 0;
+    int lead = of->c[2].sign;
+    out[0] = out[1] = sign ? sign : near_sign(l[0]);
+    if (sign == 0 || sign == NEAR_UNKNOWN)
+        return;
+    if (z == 0 || z == 1) /* where -l0/l1 stands to both roots' middle */
+        w = slope(m, q, l);
+    for (int which = 0; which < 2; which++) {
+        int past; /* sign of root + l0/l1 */
+        if (z < 0)
+            past = which ? 1 : -1;
+        else if (z == 0)
+            past = w * lead * sign < 0 ? which : which - 1;
+        else
+            past = -w * lead * sign;
+        out[which] = past * sign;
+    }
+    if (z == NEAR_UNKNOWN || w == NEAR_UNKNOWN)
+        out[0] = out[1] = NEAR_UNKNOWN;
+}
+
+/* ---- Few words first, then twice as many till these tell ---- */
+
+void point_sign(struct room *m, const struct poly *f, const struct point *p,
+                int sign[2])
+{
+    int mark = m->used;
+    m->keep = NEAR_FEW;
+    do {
+        if (p->q)
+            sign_surd(m, f, p->q, sign);
+        else
+            sign[0] = sign[1] = sign_fraction(m, f, p);
+        m->used = mark;
+        m->keep *= 2;
+    } while (sign[0] == NEAR_UNKNOWN);
+}
+
+int poly_discriminant(struct room *m, const struct big c[3])
+{
+    int mark = m->used, sign = NEAR_UNKNOWN;
+    for (m->keep = NEAR_FEW; sign == NEAR_UNKNOWN; m->keep *= 2) {
+        struct near a = near_times(m, near_of(m, c[2]), 4);
+        struct near b = near_of(m, c[1]), d = near_of(m, c[0]);
+        sign = near_tell(m, det(m, 1, (struct near[4]){b, b, a, d}));
+        m->used = mark;
+    }
+    return sign;
+}
+
+int poly_sign_cell(struct room *m, const struct poly *f, uint32_t g)
+{
+    int mark = m->used, up = 0, down = 0, n = f->degree;
+    uint32_t t[2] = {g, g + 1}, s[2] = {ROOT_ONE - g, ROOT_ONE - g - 1};
+    m->keep = NEAR_FEW;
+    for (int i = 0; i <= n; i++) {
+        /* the polar form at n - i times g and i times g + 1 */
+        uint32_t a = t[i > 0], b = s[i > 0], c = t[i == n], d = s[i == n];
+        struct near f0 = near_of(m, f->c[0]), f1 = near_of(m, f->c[1]), r;
+        if (n == 1) {
+            r = near_add(m, near_times(m, f0, b), near_times(m, f1, a));
+        } else {
+            struct near f2 = near_of(m, f->c[2]);
+            struct near x = near_times(m, f0, 2 * b);
+            struct near y = near_times(m, f1, b);
+            x = near_add(m, x, near_times(m, f1, a));
+            y = near_add(m, y, near_times(m, f2, 2 * a));
+            r = near_add(m, near_times(m, x, d), near_times(m, y, c));
+        }
+        up += near_sign(r) > 0; /* also where it is not known */
+        down += near_sign(r) < 0 || near_sign(r) == NEAR_UNKNOWN;
+    }
+    m->used = mark;
+    return up && down ? 2 : up ? 1 : -(down > 0);
+}
+
+int poly_sign_octave(struct room *m, const struct poly *f, int e)
+{
+    /* twice the polar form at 1 and 1, 1 and 2, 2 and 2; the first, last */
+    static const uint32_t weight[3][3] = {{1, 1, 1}, {2, 3, 4}, {1, 2, 4}};
+    int mark = m->used, n = f->degree, up = 0, down = 0;
+    struct near c[3] = {0};
+    m->keep = NEAR_FEW;
+    for (int i = 0; i <= n; i++) { /* times such that all powers are whole */
+        int shift = e < 0 ? (i - n) * e : i * e;
+        c[i] = near_times(m, near_of(m, f->c[i]), UINT32_C(1) << shift % 32);
+        c[i].low += shift / 32;
+    }
+    for (int j = 0; j < 3; j += 3 - n) {
+        struct near sum = near_times(m, c[0], weight[j][0]);
+        for (int i = 1; i <= n; i++)
+            sum = near_add(m, sum, near_times(m, c[i], weight[j][i]));
+        up += near_sign(sum) == 1;
+        down += near_sign(sum) == -1;
+    }
+    m->used = mark;
+    return up == n + 1 ? 1 : down == n + 1 ? -1 : 2;
+}
+
+struct point point_power(struct room *m, int e)
+{
+    int k = e < 0 ? -((31 - e) / 32) : e / 32;
+    struct big a = big_small(m, UINT32_C(1) << (e - 32 * k));
+    struct point p = {NULL, a, big_small(m, 1), k};
+    return p;
+}
+
+struct point point_grid(struct room *m, uint32_t g)
+{
+    struct point p = {NULL, big_small(m, g), big_small(m, ROOT_ONE - g), 0};
+    return p;
+}

@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Exact signs of small determinants: a filter in binary64, then whole numbers
+ * of as many words as the operands need. spec/narrow/audit.md §2 */
+#include "ref/narrow/predicates.h"
+
+/* §2.1; proven in spec/proofs/audit_*.gappa. Times the sum of the sizes. */
+#define ERROR_ORIENT3 0x1p-49
+#define ERROR_ORIENT2 0x1p-50
+#define UNDERFLOW 0x1p-1000 /* what products below 2^-1022 can lose */
+
+/* ---- §2.2 Whole numbers ---- */
+
+/* Words of a difference: 2^61 down to 2^-1074 is 1135 bits. */
+enum { WORDS = 36 };
+
+/* A finite binary64 taken apart: ±m·2^e, m odd or 0. */
+struct parts {
+    uint64_t m;
+    int e;
+    bool negative;
+};
+
+/* A magnitude of n ≤ WORDS words, least first, the last not 0; and a sign. */
+struct whole {
+    uint32_t word[WORDS];
+    int n;
+    bool negative;
+};
+
+/* Sums of the positive and of the negative terms of a determinant. */
+struct balance {
+    uint32_t word[2][3 * WORDS + 1];
+    int n;
+};
+
+static struct parts take_apart(double x)
+{
+    uint64_t b;
+    memcpy(&b, &x, sizeof b);
+    int biased = (int)(b >> 52) & 2047;
+    struct parts r = {b & ((UINT64_C(1) << 52) - 1), 0, b >> 63 != 0};
+    if (biased > 0)
+        r.m |= UINT64_C(1) << 52;
+    r.e = (biased > 0 ? biased : 1) - 1075;
+    for (int k = 32; k > 0 && r.m != 0; k /= 2)
+        if ((r.m & ((UINT64_C(1) << k) - 1)) == 0) {
+            r.m >>= k;
+            r.e += k;
+        }
+    return r;
+}
+
+static int bit_length(uint64_t m)
+{
+    int n = 0;
+    for (int k = 32; k > 0; k /= 2)
+        if (m >> k != 0) {
+            m >>= k;
+            n += k;
+        }
+    return n + (m != 0);
+}
+
+/* The least exponent of the operands and the words of their differences. */
+struct span {
+    int e, words;
+};
+
+static struct span span_of(const struct parts *p, int n)
+{
+    int lo = 1024, hi = -1075;
+    for (int k = 0; k < n; k++)
+        if (p[k].m != 0) {
+            int top = p[k].e + bit_length(p[k].m);
+            lo = p[k].e < lo ? p[k].e : lo;
+            hi = top > hi ? top : hi;
+        }
+    /* One bit more for the difference. */
+    struct span s = {lo, hi < lo ? 1 : (hi - lo + 1 + 31) / 32};
+    return s;
+}
+
+/* Adds m·2^shift to n words. */
+static void place(uint32_t *word, int n, uint64_t m, int shift)
+{
+    uint32_t piece[3];
+    int at = shift / 32, by = shift % 32;
+    piece[0] = (uint32_t)(m << by);
+    piece[1] = (uint32_t)(m >> (32 - by));
+    piece[2] = (uint32_t)((m >> 32) >> (32 - by));
+    uint64_t carry = 0;
+    for (int k = at; k < n; k++) {
+        carry += (uint64_t)word[k] + (k - at < 3 ? piece[k - at] : 0);
+        word[k] = (uint32_t)carry;
+        carry >>= 32;
+    }
+}
+
+static int compare(const uint32_t *a, const uint32_t *b, int n)
+{
+    for (int k = n - 1; k >= 0; k--)
+        if (a[k] != b[k])
+            return a[k] < b[k] ? -1 : 1;
+    return 0;
+}
+
+/* x - y in units of 2^s.e. */
+static struct whole subtract(struct parts x, struct parts y, struct span s)
+{
+    uint32_t side[2][WORDS] = {{0}};
+    if (x.m != 0)
+        place(side[x.negative], s.words, x.m, x.e - s.e);
+    if (y.m != 0)
+        place(side[!y.negative], s.words, y.m, y.e - s.e);
+    struct whole r;
+    r.negative = compare(side[0], side[1], s.words) < 0;
+    const uint32_t *big = side[r.negative], *small = side[!r.negative];
+    uint64_t borrow = 0;
+    for (int k = 0; k < s.words; k++) {
+        uint64_t d = (uint64_t)big[k] - small[k] - borrow;
+        r.word[k] = (uint32_t)d;
+        borrow = d >> 63;
+    }
+    for (r.n = s.words; r.n > 0 && r.word[r.n - 1] == 0;)
+        r.n--;
+    return r;
+}
+
+/* r = a·b, of na + nb words. */
+static void multiply(uint32_t *r, const uint32_t *a, int na, const uint32_t *b,
+                     int nb)
+{
+    for (int k = 0; k < na + nb; k++)
+        r[k] = 0;
+    for (int i = 0; i < na; i++) {
+        uint64_t carry = 0;
+        for (int j = 0; j < nb; j++) {
+            carry += (uint64_t)a[i] * b[j] + r[i + j];
+            r[i + j] = (uint32_t)carry;
+            carry >>= 32;
+        }
+        r[i + nb] = (uint32_t)carry;
+    }
+}
+
+/* Adds ±(a term of n words) to its side. */
+static void weigh(struct balance *s, bool negative, const uint32_t *term, int n)
+{
+    uint32_t *side = s->word[negative];
+    uint64_t carry = 0;
+    for (int k = 0; k < s->n; k++) {
+        carry += (uint64_t)side[k] + (k < n ? term[k] : 0);
+        side[k] = (uint32_t)carry;
+        carry >>= 32;
+    }
+}
+
+int ref_orient3_whole(const point a, const point b, const point c,
+                      const point d)
+{
+    const double *const row[4] = {b, c, d, a};
+    struct parts p[12];
+    for (int k = 0; k < 12; k++)
+        p[k] = take_apart(row[k / 3][k % 3]);
+    struct span s = span_of(p, 12);
+    struct whole m[3][3];
+    for (int k = 0; k < 9; k++)
+        m[k / 3][k % 3] = subtract(p[k], p[9 + k % 3], s);
+
+    struct balance sum = {.n = 3 * s.words + 1};
+    uint32_t two[2 * WORDS], three[3 * WORDS];
+    for (int k = 0; k < 6; k++) {
+        /* The permutations (i j l) of the columns: even for k < 3. */
+        int i = k % 3, j = (i + (k < 3 ? 1 : 2)) % 3, l = 3 - i - j;
+        const struct whole *x = &m[0][i], *y = &m[1][j], *z = &m[2][l];
+        if (x->n == 0 || y->n == 0 || z->n == 0)
+            continue;
+        multiply(two, x->word, x->n, y->word, y->n);
+        multiply(three, two, x->n + y->n, z->word, z->n);
+        weigh(&sum, (k >= 3) ^ x->negative ^ y->negative ^ z->negative, three,
+              x->n + y->n + z->n);
+    }
+    return compare(sum.word[0], sum.word[1], sum.n);
+}
+
+int ref_orient2_whole(const point a, const point b, const point c, int u, int v)
+{
+    struct parts p[6] = {take_apart(b[u]), take_apart(b[v]), take_apart(c[u]),
+                         take_apart(c[v]), take_apart(a[u]), take_apart(a[v])};
+    struct span s = span_of(p, 6);
+    struct whole bu = subtract(p[0], p[4], s), bv = subtract(p[1], p[5], s);
+    struct whole cu = subtract(p[2], p[4], s), cv = subtract(p[3], p[5], s);
+    struct balance sum = {.n = 2 * s.words + 1};
+    uint32_t two[2 * WORDS];
+    multiply(two, bu.word, bu.n, cv.word, cv.n);
+    weigh(&sum, bu.negative ^ cv.negative, two, bu.n + cv.n);
+    multiply(two, bv.word, bv.n, cu.word, cu.n);
+    weigh(&sum, !(bv.negative ^ cu.negative), two, bv.n + cu.n);
+    return compare(sum.word[0], sum.word[1], sum.n);
+}
+
+/* ---- §2.1 Filters ---- */
+
+int ref_orient3(const point a, const point b, const point c, const point d)
+{
+    double bx = b[0] - a[0], by = b[1] - a[1], bz = b[2] - a[2];
+    double cx = c[0] - a[0], cy = c[1] - a[1], cz = c[2] - a[2];
+    double dx = d[0] - a[0], dy = d[1] - a[1], dz = d[2] - a[2];
+    double yz = by * cz, zy = bz * cy, zx = bz * cx, xz = bx * cz;
+    double xy = bx * cy, yx = by * cx;
+    double det = (yz - zy) * dx + (zx - xz) * dy + (xy - yx) * dz;
+    double sum = (fabs(yz) + fabs(zy)) * fabs(dx) +
+                 (fabs(zx) + fabs(xz)) * fabs(dy) +
+                 (fabs(xy) + fabs(yx)) * fabs(dz);
+    double err = ERROR_ORIENT3 * sum + UNDERFLOW;
+    if (det > err)
+        return 1;
+    if (det < -err)
+        return -1;
+    /* Flat in one coordinate: all in one plane, without rounding. */
+    if ((bx == 0 && cx == 0 && dx == 0) || (by == 0 && cy == 0 && dy == 0) ||
+        (bz == 0 && cz == 0 && dz == 0))
+        return 0;
+    return ref_orient3_whole(a, b, c, d);
+}
+
+int ref_orient2(const point a, const point b, const point c, int u, int v)
+{
+    double bu = b[u] - a[u], bv = b[v] - a[v];
+    double cu = c[u] - a[u], cv = c[v] - a[v];
+    double p = bu * cv, q = bv * cu;
+    double det = p - q;
+    double err = ERROR_ORIENT2 * (fabs(p) + fabs(q)) + UNDERFLOW;
+    if (det > err)
+        return 1;
+    if (det < -err)
+        return -1;
+    if ((bu == 0 && cu == 0) || (bv == 0 && cv == 0))
+        return 0;
+    return ref_orient2_whole(a, b, c, u, v);
+}

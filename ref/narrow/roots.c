@@ -1,0 +1,283 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Real roots of small polynomials, exactly: spec/narrow/narrow.md §6.2 and
+ * §6.4. */
+#include "ref/narrow/roots.h"
+
+#include <stddef.h>
+
+/* Sign variations, zeros skipped. */
+static int variations(const int *sign, int n)
+{
+    int last = 0, count = 0;
+    for (int i = 0; i < n; i++) {
+        count += sign[i] * last < 0;
+        last = sign[i] ? sign[i] : last;
+    }
+    return count;
+}
+
+/* Chops zero coefficients off both ends: roots at t = 0 and 1. */
+static struct poly trimmed(const struct poly *p)
+{
+    struct poly r = {0};
+    int lo = 0, hi = p->degree;
+    while (hi > 0 && p->c[hi].sign == 0)
+        hi--;
+    while (lo < hi && p->c[lo].sign == 0)
+        lo++;
+    r.degree = hi - lo;
+    for (int i = lo; i <= hi; i++)
+        r.c[i - lo] = p->c[i];
+    return r;
+}
+
+static struct poly linear(struct big c1, struct big c0)
+{
+    struct poly p = {1, {c0, c1}};
+    return p;
+}
+
+/* The Hessian of a cubic; its discriminant is -3 times the cubic's. */
+static void hessian(struct room *m, const struct big c[4], struct big h[3])
+{
+    h[2] = big_det(m, c[2], c[2], big_times(m, c[3], 3), c[1]);
+    h[1] = big_det(m, c[2], c[1], big_times(m, c[3], 9), c[0]);
+    h[0] = big_det(m, c[1], c[1], big_times(m, c[2], 3), c[0]);
+}
+
+/* Fills in the counts of a chain with p, d, r and tail set. */
+static void count_roots(struct chain *c)
+{
+    int s = c->p.c[c->p.degree].sign;
+    int first[4] = {c->p.c[0].sign, c->d.c[0].sign, c->r.c[0].sign, c->tail};
+    int last[4] = {s, s, c->r.c[1].sign ? c->r.c[1].sign : c->r.c[0].sign,
+                   c->tail};
+    c->start = variations(first, 4);
+    c->roots = c->start - variations(last, 4);
+}
+
+/* p without repeated roots and its derivative; the chain's end is zero. */
+static void start_chain(struct room *m, struct poly p, struct chain *c)
+{
+    struct chain none = {0};
+    *c = none;
+    c->p = p;
+    c->d.degree = p.degree - 1;
+    for (int i = 1; i <= p.degree; i++)
+        c->d.c[i - 1] = big_times(m, p.c[i], (uint32_t)i);
+}
+
+/* A cubic: §6.2. */
+static int cubic_chains(struct room *m, struct poly p, struct chain c[2])
+{
+    struct big h[3], a = p.c[3], b = p.c[2];
+    hessian(m, p.c, h);
+    int disc = poly_discriminant(m, h), s = a.sign;
+    if (disc) {
+        start_chain(m, p, &c[0]);
+        c[0].tail = -disc * s;
+        c[0].r = linear(big_times(m, h[2], 2), h[1]);
+        if (s < 0)
+            c[0].r = linear(big_negate(c[0].r.c[1]), big_negate(h[1]));
+        count_roots(&c[0]);
+        return 1;
+    }
+    if (h[2].sign == 0) { /* a triple root */
+        start_chain(m, linear(big_times(m, a, 3), b), &c[0]);
+        count_roots(&c[0]);
+        return 1;
+    }
+    start_chain(m, linear(big_times(m, h[2], 2), h[1]), &c[0]);
+    start_chain(m, linear(big_mul(m, a, h[2]), big_det(m, b, h[2], a, h[1])),
+                &c[1]);
+    count_roots(&c[0]);
+    count_roots(&c[1]);
+    return 2;
+}
+
+int chains_make(struct room *m, const struct poly *p, struct chain c[2])
+{
+    int sign[4];
+    struct poly f = trimmed(p);
+    for (int i = 0; i <= f.degree; i++)
+        sign[i] = f.c[i].sign;
+    if (variations(sign, f.degree + 1) == 0) /* Descartes: none in (0, 1) */
+        return 0;
+    if (f.degree == 3)
+        return cubic_chains(m, f, c);
+    int tail = 0;
+    if (f.degree == 2) {
+        tail = poly_discriminant(m, f.c) * f.c[2].sign;
+        if (tail == 0)
+            f = linear(big_times(m, f.c[2], 2), f.c[1]);
+    }
+    start_chain(m, f, &c[0]);
+    c[0].tail = tail;
+    count_roots(&c[0]);
+    return 1;
+}
+
+static void stand_of(struct room *m, const struct chain *c,
+                     const struct point *p, struct stand s[2])
+{
+    int sign[4][2] = {{0}};
+    point_sign(m, &c->p, p, sign[0]);
+    if (c->roots > 1) { /* else the sign of p alone tells */
+        point_sign(m, &c->d, p, sign[1]);
+        if (c->p.degree == 3)
+            point_sign(m, &c->r, p, sign[2]);
+    }
+    for (int k = 0; k < (p->q ? 2 : 1); k++) {
+        int at[4] = {sign[0][k], sign[1][k], sign[2][k], c->tail};
+        s[k].zero = at[0] == 0;
+        s[k].count = c->roots == 1 ? at[0] != c->p.c[0].sign
+                                   : c->start - variations(at, 4);
+    }
+}
+
+static bool at_end(uint32_t cell)
+{
+    return cell == 0 || cell == ROOT_ONE - 1;
+}
+
+/* The octave of root i, in an end cell, which has all τ < 2^-29 or > 2^29. */
+static int octave_of(struct room *m, const struct chain *c, int i,
+                     uint32_t cell)
+{
+    int words = 0;
+    for (int k = 0; k <= c->p.degree; k++)
+        words = c->p.c[k].n > words ? c->p.c[k].n : words;
+    int lo = cell ? 29 : -32 * words, hi = cell ? 32 * words : -29;
+    while (hi - lo > 1) {
+        int mark = m->used, mid = lo + (hi - lo) / 2;
+        struct point p = point_power(m, mid);
+        struct stand s[2];
+        stand_of(m, c, &p, s);
+        m->used = mark;
+        if (s->count < i)
+            lo = mid;
+        else
+            hi = mid;
+    }
+    return lo;
+}
+
+void root_locate(struct room *m, struct chain *c, int i, struct root *r)
+{
+    uint32_t lo = 0, hi = ROOT_ONE; /* the root lies in (lo, hi] */
+    r->chain = c;
+    r->i = i;
+    r->on_grid = false;
+    while (hi - lo > 1) {
+        int mark = m->used;
+        struct stand s[2];
+        uint32_t mid = lo + (hi - lo) / 2;
+        struct point p = point_grid(m, mid);
+        stand_of(m, c, &p, s);
+        m->used = mark;
+        if (s->count < i) {
+            lo = mid;
+            continue;
+        }
+        hi = mid;
+        r->on_grid = s->zero && s->count == i;
+    }
+    r->cell = r->on_grid ? hi : lo;
+    r->octave = !r->on_grid && at_end(lo) ? octave_of(m, c, i, lo) : 0;
+}
+
+/* Where the roots of f stand to those of the chain (§6.4). */
+static void make_turns(struct room *m, const struct poly *f,
+                       const struct chain *c, struct turns *t)
+{
+    struct poly q = trimmed(f);
+    struct turns r = {.of = f, .sign = q.c[0].sign};
+    struct point p = {&q, {0}, {0}, 0};
+    int roots = q.degree == 2 ? poly_discriminant(m, q.c) : 0;
+    *t = r;
+    if (roots < 0)
+        return;
+    if (roots > 0) { /* of both signs, or of the sign of -c1/c2 */
+        bool mixed = q.c[0].sign * q.c[2].sign < 0;
+        t->n = mixed ? 1 : q.c[1].sign * q.c[2].sign < 0 ? 2 : 0;
+        if (t->n)
+            stand_of(m, c, &p, t->s);
+        if (t->n == 1)
+            t->s[0] = t->s[1];
+        return;
+    }
+    /* one rational root -c0/c1, simple or double */
+    t->twice = q.degree == 2;
+    if (t->twice)
+        q = linear(big_times(m, q.c[2], 2), q.c[1]);
+    if (q.degree == 0 || q.c[0].sign * q.c[1].sign >= 0)
+        return;
+    bool up = q.c[1].sign > 0;
+    p = (struct point){NULL, up ? big_negate(q.c[0]) : q.c[0],
+                       up ? q.c[1] : big_negate(q.c[1]), 0};
+    stand_of(m, c, &p, t->s);
+    t->n = 1;
+}
+
+/* The same, made once. */
+static const struct turns *turns_of(struct room *m, const struct poly *f,
+                                    struct chain *c)
+{
+    int most = (int)(sizeof c->turns / sizeof *c->turns);
+    for (int k = 0; k < c->seen; k++)
+        if (c->turns[k].of == f)
+            return &c->turns[k];
+    struct turns *t = &c->turns[c->seen < most ? c->seen++ : most - 1];
+    make_turns(m, f, c, t);
+    return t;
+}
+
+/* The sign of f at a root that is not on the grid: f's at 0+, turned by each
+ * root of f before it. */
+static int sign_ordered(struct room *m, const struct poly *f,
+                        const struct root *r)
+{
+    const struct turns *t = turns_of(m, f, r->chain);
+    int sign = t->sign;
+    for (int k = 0; k < t->n; k++) {
+        int count = t->s[k].count;
+        if (count == r->i && t->s[k].zero)
+            return 0;
+        if (count < r->i && !t->twice)
+            sign = -sign;
+    }
+    return sign;
+}
+
+int root_quick(struct room *m, const struct poly *f, const struct root *r)
+{
+    int sign[2] = {0, 0};
+    if (f == r->of || poly_zero(f))
+        return 0;
+    if (!r->on_grid && at_end(r->cell))
+        return poly_sign_octave(m, f, r->octave);
+    if (!r->on_grid)
+        return poly_sign_cell(m, f, r->cell);
+    int mark = m->used;
+    struct point p = point_grid(m, r->cell);
+    point_sign(m, f, &p, sign);
+    m->used = mark;
+    return sign[0];
+}
+
+bool root_avoids(struct room *m, const struct poly *f, const struct root *r)
+{
+    int sign = root_quick(m, f, r);
+    if (sign == ROOT_UNKNOWN)
+        return r->chain->p.degree < 3 && poly_coprime(&r->chain->p, f);
+    return sign != 0;
+}
+
+int root_sign(struct room *m, const struct poly *f, const struct root *r)
+{
+    int mark = m->used, sign = root_quick(m, f, r);
+    if (sign == ROOT_UNKNOWN)
+        sign = sign_ordered(m, f, r);
+    m->used = mark;
+    return sign;
+}

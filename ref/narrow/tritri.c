@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Whether two triangles intersect, exactly. spec/narrow/audit.md §3 */
+#include "ref/narrow/tritri.h"
+
+/* §3.5; proven in spec/proofs/audit_*.gappa. Times the sum of the sizes. */
+#define ERROR_BESIDE 0x1p-49
+#define ERROR_PARTED 0x1p-49
+#define ERROR_OPENED 0x1p-48
+#define UNDERFLOW 0x1p-1000       /* what products below 2^-1022 can lose */
+#define UNDERFLOW_OPENED 0x1p-700 /* the same, of products of four */
+
+/* The coordinates that remain when the k-th is dropped. */
+static const int PLANE[3][2] = {{1, 2}, {2, 0}, {0, 1}};
+
+/* The turn of t in the first plane where it has one, that plane in *at. */
+static int turn(const point t[3], int *at)
+{
+    for (int k = 0; k < 3; k++) {
+        int s = ref_orient2(t[0], t[1], t[2], PLANE[k][0], PLANE[k][1]);
+        *at = k;
+        if (s != 0)
+            return s;
+    }
+    return 0;
+}
+
+bool ref_collinear(const struct face *t)
+{
+    int at;
+    return turn(t->p, &at) == 0;
+}
+
+static bool same(int a, int b, int c)
+{
+    return a != 0 && a == b && b == c;
+}
+
+/* §3.3: segment pq, in the plane of t, meets t. */
+static bool meets_in_plane(const point p, const point q, const point t[3])
+{
+    int at, s = turn(t, &at), u = PLANE[at][0], v = PLANE[at][1];
+    for (int k = 0; k < 3; k++) {
+        const double *a = t[k], *b = t[(k + 1) % 3];
+        if (ref_orient2(a, b, p, u, v) == -s &&
+            ref_orient2(a, b, q, u, v) == -s)
+            return false;
+    }
+    return !same(ref_orient2(p, q, t[0], u, v), ref_orient2(p, q, t[1], u, v),
+                 ref_orient2(p, q, t[2], u, v));
+}
+
+/* §3.2: segment pq, its ends on the sides sp and sq of t, meets t. */
+static bool meets(const point p, int sp, const point q, int sq,
+                  const point t[3])
+{
+    if (sp * sq > 0)
+        return false;
+    if (sp == 0 && sq == 0)
+        return meets_in_plane(p, q, t);
+    int a = ref_orient3(p, q, t[0], t[1]);
+    int b = ref_orient3(p, q, t[1], t[2]);
+    if (a * b < 0)
+        return false;
+    int c = ref_orient3(p, q, t[2], t[0]);
+    return a * c >= 0 && b * c >= 0;
+}
+
+/* §3.2: an edge of s, its corners on the given sides of t, meets t. */
+static bool edge_meets(const point s[3], const int side[3], const point t[3])
+{
+    for (int k = 0; k < 3; k++) {
+        int l = (k + 1) % 3;
+        if (meets(s[k], side[k], s[l], side[l], t))
+            return true;
+    }
+    return false;
+}
+
+static void sides(const point t[3], const point s[3], int side[3])
+{
+    for (int k = 0; k < 3; k++)
+        side[k] = ref_orient3(t[0], t[1], t[2], s[k]);
+}
+
+static bool apart(const point t[3], const point s[3])
+{
+    int of_s[3], of_t[3];
+    sides(t, s, of_s);
+    if (same(of_s[0], of_s[1], of_s[2]))
+        return true;
+    sides(s, t, of_t);
+    if (same(of_t[0], of_t[1], of_t[2]))
+        return true;
+    return !edge_meets(s, of_s, t) && !edge_meets(t, of_t, s);
+}
+
+/* ---- §3.4 What shares vertices: these come first in both, in one order ----
+ */
+
+/* t and s share their first two corners, and overlap. */
+static bool folded(const point t[3], const point s[3])
+{
+    if (ref_orient3(t[0], t[1], t[2], s[2]) != 0)
+        return false;
+    int at, side = turn(t, &at);
+    return ref_orient2(t[0], t[1], s[2], PLANE[at][0], PLANE[at][1]) == side;
+}
+
+/* t and s share their first corner, and meet elsewhere. */
+static bool crossed(const point t[3], const point s[3])
+{
+    int a = ref_orient3(t[0], t[1], t[2], s[1]);
+    int b = ref_orient3(t[0], t[1], t[2], s[2]);
+    if (meets(s[1], a, s[2], b, t))
+        return true;
+    a = ref_orient3(s[0], s[1], s[2], t[1]);
+    b = ref_orient3(s[0], s[1], s[2], t[2]);
+    return meets(t[1], a, t[2], b, s);
+}
+
+/* ---- §3.5 Filters: certain answers from rounded numbers ---- */
+
+static void from(const point o, const point p, point r)
+{
+    for (int k = 0; k < 3; k++)
+        r[k] = p[k] - o[k];
+}
+
+static double dot(const point a, const point b)
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static double dot_size(const point a, const point b)
+{
+    return fabs(a[0] * b[0]) + fabs(a[1] * b[1]) + fabs(a[2] * b[2]);
+}
+
+/* Bit k: corner k of s is none of t's. */
+static unsigned others(const struct face *t, const struct face *s)
+{
+    unsigned r = 0;
+    for (int k = 0; k < 3; k++) {
+        int32_t v = s->v[k];
+        r |= (unsigned)((v != t->v[0]) & (v != t->v[1]) & (v != t->v[2])) << k;
+    }
+    return r;
+}
+
+struct plane ref_plane(const struct face *t)
+{
+    struct plane r;
+    point a, b;
+    from(t->p[0], t->p[1], a);
+    from(t->p[0], t->p[2], b);
+    for (int k = 0; k < 3; k++) {
+        double p = a[PLANE[k][0]] * b[PLANE[k][1]];
+        double q = a[PLANE[k][1]] * b[PLANE[k][0]];
+        r.o[k] = t->p[0][k];
+        r.n[k] = p - q;
+        r.size[k] = fabs(p) + fabs(q);
+    }
+    return r;
+}
+
+/* The corners in `mask` of s lie on one side of the plane of t. */
+static bool beside(const struct plane *t, const struct face *s, unsigned mask)
+{
+    point d;
+    unsigned above = 0, below = 0;
+    for (int k = 0; k < 3; k++) {
+        from(t->o, s->p[k], d);
+        double h = dot(t->n, d);
+        double err = ERROR_BESIDE * dot_size(t->size, d) + UNDERFLOW;
+        above |= (unsigned)(h > err) << k;
+        below |= (unsigned)(h < -err) << k;
+    }
+    return (above & mask) == mask || (below & mask) == mask;
+}
+
+static void add_unit(point u, double sign, const point v)
+{
+    double length = sqrt(dot(v, v));
+    double f = length > 0 ? sign / length : 0;
+    for (int k = 0; k < 3; k++)
+        u[k] += f * v[k];
+}
+
+/* A plane parts t from s, or from what is left of s without the first corner,
+ * which they share and which then lies in the plane. */
+static bool parted(const point t[3], const point s[3], int shared)
+{
+    point d, u = {0, 0, 0};
+    double lo = 0, hi = 0;
+    for (int k = 0; k < 3; k++) {
+        from(t[0], s[k], d);
+        add_unit(u, shared ? 1 : 0x1p-2, d);
+        from(t[0], t[k], d);
+        add_unit(u, shared ? -1 : -0x1p-2, d);
+    }
+    for (int k = shared; k < 3; k++) {
+        from(t[0], s[k], d);
+        double h = dot(u, d), err = ERROR_PARTED * dot_size(u, d) + UNDERFLOW;
+        lo = k == shared || h - err < lo ? h - err : lo;
+        from(t[0], t[k], d);
+        h = dot(u, d), err = ERROR_PARTED * dot_size(u, d) + UNDERFLOW;
+        hi = k == shared || h + err > hi ? h + err : hi;
+    }
+    return shared ? lo > 0 && hi < 0 : lo > hi;
+}
+
+/* Across the shared edge the third corners lie more than 90° apart. */
+static bool opened(const point t[3], const point s[3])
+{
+    point e, c, d;
+    from(t[0], t[1], e);
+    from(t[0], t[2], c);
+    from(t[0], s[2], d);
+    double p = dot(e, e) * dot(c, d), q = dot(e, c) * dot(e, d);
+    double size =
+        dot_size(e, e) * dot_size(c, d) + dot_size(e, c) * dot_size(e, d);
+    return p - q < -(ERROR_OPENED * size + UNDERFLOW_OPENED);
+}
+
+/* Copies t with the corners in `mask` last, the others by vertex number. */
+static void arrange(const struct face *t, unsigned mask, point r[3])
+{
+    int order[3] = {0, 1, 2};
+    for (int k = 0; k < 3; k++)
+        for (int j = k; j > 0; j--) {
+            int a = order[j - 1], b = order[j];
+            bool last_a = mask >> a & 1, last_b = mask >> b & 1;
+            if (last_a > last_b || (last_a == last_b && t->v[a] > t->v[b])) {
+                order[j - 1] = b;
+                order[j] = a;
+            }
+        }
+    for (int k = 0; k < 3; k++)
+        memcpy(r[k], t->p[order[k]], sizeof r[k]);
+}
+
+bool ref_tritri(const struct face *t, const struct plane *of_t,
+                const struct face *s)
+{
+    unsigned left_s = others(t, s);
+    if (left_s == 0)
+        return true;
+    if (beside(of_t, s, left_s))
+        return false;
+    unsigned left_t = others(s, t);
+    struct plane of_s = ref_plane(s);
+    if (beside(&of_s, t, left_t))
+        return false;
+
+    point p[3], q[3];
+    arrange(t, left_t, p);
+    arrange(s, left_s, q);
+    const point *a = (const point *)p, *b = (const point *)q;
+    int shared = 3 - (int)((left_t & 1) + (left_t >> 1 & 1) + (left_t >> 2));
+    if (shared == 2)
+        return !opened(a, b) && folded(a, b);
+    if (parted(a, b, shared))
+        return false;
+    return shared == 1 ? crossed(a, b) : !apart(a, b);
+}

@@ -1,0 +1,267 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Galerkin coarsening with bilinear interpolation. spec/solve/multigrid.md */
+#include "ref/solve/coarsen.h"
+
+#include "ref/solve/jacobi.h"
+
+/* §2: `weight` sixteenths of fine block o of the particle at (di, dj) from
+ * the coarse one's place. */
+struct term {
+    int8_t o, di, dj, weight;
+};
+
+/* AROUND: origins of springs that may reach a coarse particle. */
+enum { TERMS = 64, AROUND = 7 * 5 };
+
+/* The terms of one coarse direction. */
+struct recipe {
+    int terms;
+    struct term term[TERMS];
+};
+
+/* weight_of where nothing is cut. */
+static int hat(int di, int dj)
+{
+    return weight_of(0, di, dj);
+}
+
+/* §2: the rule of the particle at (i, j), from the blocks to its right and
+ * above: a tie is a block that is not 0. */
+static bool tied(sym b)
+{
+    return b.xx != 0 || b.yy != 0 || b.zz != 0;
+}
+
+static uint8_t rule_of(int32_t m, int32_t n, int32_t i, int32_t j,
+                       const sym *right, const sym *up)
+{
+    int64_t p = i + (int64_t)m * j;
+    int rule = 0;
+    if (i % 2 && i + 1 < m && tied(right[p - 1]) != tied(right[p]))
+        rule |= tied(right[p]) ? ONLY_RIGHT : ONLY_LEFT;
+    if (j % 2 && j + 1 < n && tied(up[p - m]) != tied(up[p]))
+        rule |= tied(up[p]) ? ONLY_UP : ONLY_DOWN;
+    return (uint8_t)rule;
+}
+
+/* §2: weights -(wᵢ - wᵢ')(wⱼ - wⱼ') of all springs for a pair of coarse
+ * particles, the second (ci, cj) steps from the first. */
+static struct recipe recipe_of(int springs, const int8_t *si, const int8_t *sj,
+                               int ci, int cj)
+{
+    struct recipe r = {0};
+    for (int o = 0; o < springs; o++)
+        for (int dj = -3; dj <= 1; dj++)
+            for (int di = -3; di <= 3; di++) {
+                int a = hat(di, dj) - hat(di + si[o], dj + sj[o]);
+                int b = hat(di - 2 * ci, dj - 2 * cj) -
+                        hat(di + si[o] - 2 * ci, dj + sj[o] - 2 * cj);
+                struct term t = {(int8_t)o, (int8_t)di, (int8_t)dj,
+                                 (int8_t)(-a * b)};
+                if (t.weight && r.terms < TERMS)
+                    r.term[r.terms++] = t;
+            }
+    return r;
+}
+
+static sym add_scaled(sym a, real w, sym b)
+{
+    a.xx += w * b.xx;
+    a.xy += w * b.xy;
+    a.xz += w * b.xz;
+    a.yy += w * b.yy;
+    a.yz += w * b.yz;
+    a.zz += w * b.zz;
+    return a;
+}
+
+/* The sum of a recipe at coarse (i, j). */
+static sym cook(const struct coarsen *s, const struct recipe *r, int32_t i,
+                int32_t j)
+{
+    sym sum = {0, 0, 0, 0, 0, 0};
+    for (int k = 0; k < r->terms; k++) {
+        struct term t = r->term[k];
+        int32_t x = 2 * i + t.di, y = 2 * j + t.dj;
+        int64_t p = x + (int64_t)s->m * y;
+        if (x < 0 || x >= s->m || y < 0 || y >= s->n ||
+            (s->n_live && !(s->live[p] >> t.o & 1)))
+            continue;
+        sum =
+            add_scaled(sum, t.weight * R(0.0625), s->block[t.o * s->count + p]);
+    }
+    return sum;
+}
+
+/* Four times the weight of coarse (ci, cj) in fine (x, y). */
+static int weight(const struct coarsen *s, int32_t x, int32_t y, int32_t ci,
+                  int32_t cj)
+{
+    if (x < 0 || x >= s->m || y < 0 || y >= s->n)
+        return 0;
+    return weight_of(s->rule[x + (int64_t)s->m * y], x - 2 * ci, y - 2 * cj);
+}
+
+/* Spring o of particle (x, y), seen from coarse (i, j), to all its pairs. */
+static void cook_spring(const struct coarsen *s, const int32_t at[4], int o,
+                        sym sum[STENCIL])
+{
+    int32_t i = at[0], j = at[1], x = at[2], y = at[3];
+    int32_t z = x + (s->n_live ? spring_di[o] : stencil_di[o]);
+    int32_t t = y + (s->n_live ? spring_dj[o] : stencil_dj[o]);
+    int64_t p = x + (int64_t)s->m * y;
+    if (x < 0 || x >= s->m || y < 0 || y >= s->n || z < 0 || z >= s->m ||
+        t >= s->n || (s->n_live && !(s->live[p] >> o & 1)))
+        return;
+    int a = weight(s, x, y, i, j) - weight(s, z, t, i, j);
+    for (int k = 0; k < STENCIL && a != 0; k++) {
+        int32_t ci = i + stencil_di[k], cj = j + stencil_dj[k];
+        int b = weight(s, x, y, ci, cj) - weight(s, z, t, ci, cj);
+        if (b != 0)
+            sum[k] = add_scaled(sum[k], (real)(-a * b) * R(0.0625),
+                                s->block[o * s->count + p]);
+    }
+}
+
+/* §2: the same as cook, in the same order, where something is cut. */
+static void cook_cut(const struct coarsen *s, int32_t i, int32_t j,
+                     sym sum[STENCIL])
+{
+    for (int k = 0; k < AROUND * (int)(s->n_blocks / s->count); k++) {
+        int around = k % AROUND;
+        int32_t at[4] = {i, j, 2 * i + around % 7 - 3, 2 * j + around / 7 - 3};
+        cook_spring(s, at, k / AROUND, sum);
+    }
+}
+
+/* Whether a particle that matters to coarse (i, j) has a rule. */
+static bool is_cut(const struct coarsen *s, int32_t i, int32_t j)
+{
+    for (int32_t y = 2 * j - 3; y <= 2 * j + 5; y++)
+        for (int32_t x = 2 * i - 5; x <= 2 * i + 5; x++)
+            if (x >= 0 && x < s->m && y >= 0 && y < s->n &&
+                s->rule[x + (int64_t)s->m * y])
+                return true;
+    return false;
+}
+
+/* §2: what the fine excess gives to the pair: -wᵢ wⱼ, and to (i, j) itself:
+ * wᵢ, each over the particles around (i, j). */
+static sym share(const struct coarsen *s, int32_t i, int32_t j, int ci, int cj)
+{
+    sym sum = {0, 0, 0, 0, 0, 0};
+    bool self = ci == 0 && cj == 0;
+    for (int dj = -1; dj <= 1; dj++)
+        for (int di = -1; di <= 1; di++) {
+            int32_t x = 2 * i + di, y = 2 * j + dj;
+            int a = weight(s, x, y, i, j);
+            int w = self ? 4 * a : -a * weight(s, x, y, i + ci, j + cj);
+            if (w != 0)
+                sum = add_scaled(sum, (real)w * R(0.0625),
+                                 s->excess[x + (int64_t)s->m * y]);
+        }
+    return sum;
+}
+
+static void gather_node(const struct coarsen *s, const struct recipe *recipe,
+                        int32_t i, int32_t j)
+{
+    int64_t p = i + (int64_t)coarse_size(s->m) * j;
+    sym sum[STENCIL] = {{0}};
+    if (is_cut(s, i, j))
+        cook_cut(s, i, j, sum);
+    else
+        for (int o = 0; o < STENCIL; o++)
+            sum[o] = cook(s, &recipe[o], i, j);
+    s->coarse_excess[p] = share(s, i, j, 0, 0);
+    for (int o = 0; o < STENCIL; o++) {
+        int di = stencil_di[o], dj = stencil_dj[o];
+        if (di >= -1 && di <= 1 && dj <= 1)
+            sum[o] = sym_add(sum[o], share(s, i, j, di, dj));
+        s->coarse_block[o * s->n_coarse + p] = sum[o];
+    }
+}
+
+/* §3: the diagonal block, in binary64. */
+static void factor_node(const struct coarsen *s, int32_t i, int32_t j)
+{
+    int32_t m = coarse_size(s->m), n = coarse_size(s->n);
+    int64_t p = i + (int64_t)m * j;
+    struct wide_sym d = {{0}};
+    d = wide_sym_add(d, s->coarse_excess[p]);
+    for (int o = 0; o < STENCIL; o++) {
+        const sym *block = s->coarse_block + o * s->n_coarse;
+        int32_t x = i - stencil_di[o], y = j - stencil_dj[o];
+        d = wide_sym_add(d, block[p]);
+        if (x >= 0 && x < m && y >= 0 && y < n)
+            d = wide_sym_add(d, block[x + (int64_t)m * y]);
+    }
+    s->factor[p] = ref_factor(d);
+    s->coarse_rule[p] = rule_of(m, n, i, j, s->coarse_block,
+                                s->coarse_block + STENCIL_UP * s->n_coarse);
+}
+
+int ref_coarsen(struct coarsen *s)
+{
+    int32_t m = coarse_size(s->m), n = coarse_size(s->n);
+    bool springs = s->n_live > 0;
+    int64_t each = springs ? SPRINGS : STENCIL;
+    if (s->m < 1 || s->n < 1 || s->count != (int64_t)s->m * s->n ||
+        s->n_blocks != each * s->count || (springs && s->n_live != s->count) ||
+        s->n_coarse != (int64_t)m * n || s->n_out != STENCIL * s->n_coarse)
+        return DRAPE_EARG;
+
+    struct recipe recipe[STENCIL];
+    for (int o = 0; o < STENCIL; o++)
+        recipe[o] = recipe_of((int)each, springs ? spring_di : stencil_di,
+                              springs ? spring_dj : stencil_dj, stencil_di[o],
+                              stencil_dj[o]);
+    EACH_MANY(s->n_coarse)
+    for (int32_t j = 0; j < n; j++)
+        for (int32_t i = 0; i < m; i++)
+            gather_node(s, recipe, i, j);
+    EACH_MANY(s->n_coarse)
+    for (int32_t j = 0; j < n; j++)
+        for (int32_t i = 0; i < m; i++)
+            factor_node(s, i, j);
+    return DRAPE_OK;
+}
+
+/* §1: particle p at (i, j). */
+static void excess_node(const struct excess *s, int32_t i, int32_t j)
+{
+    int64_t p = i + (int64_t)s->m * j;
+    sym e = {s->mass[p], 0, 0, s->mass[p], 0, s->mass[p]};
+    sym none = {0, 0, 0, 0, 0, 0};
+    uint8_t live = 0;
+    if (s->n_extra)
+        e = sym_add(e, s->extra[p]);
+    for (int o = 0; o < SPRINGS; o++) {
+        const sym *block = s->block + o * s->count;
+        int64_t step = spring_step(s->m, o);
+        if (spring_inside(s->m, s->n, i, j, o, 1)) {
+            if (s->fixed[p + step])
+                e = sym_add(e, block[p]);
+            else if (!s->fixed[p])
+                live |= (uint8_t)(1 << o);
+        }
+        if (spring_inside(s->m, s->n, i, j, o, -1) && s->fixed[p - step])
+            e = sym_add(e, block[p - step]);
+    }
+    s->excess[p] = s->fixed[p] ? none : e;
+    s->live[p] = live;
+    s->rule[p] = rule_of(s->m, s->n, i, j, s->block, s->block + s->count);
+}
+
+int ref_excess(struct excess *s)
+{
+    if (s->m < 1 || s->n < 1 || s->count != (int64_t)s->m * s->n ||
+        s->n_blocks != SPRINGS * s->count ||
+        (s->n_extra && s->n_extra != s->count))
+        return DRAPE_EARG;
+    EACH_MANY(s->count)
+    for (int32_t j = 0; j < s->n; j++)
+        for (int32_t i = 0; i < s->m; i++)
+            excess_node(s, i, j);
+    return DRAPE_OK;
+}

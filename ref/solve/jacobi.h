@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage jacobi: the diagonal blocks of the system, factored.
+ * spec/solve/jacobi.md */
+#ifndef REF_JACOBI_H
+#define REF_JACOBI_H
+
+#include "ref/base/thin.h"
+#include "ref/solve/matrix.h"
+
+struct jacobi {
+    int32_t m, n;            /* particles along i and j */
+    int64_t count;           /* m·n */
+    const real *mass;        /* [count] kg */
+    int64_t n_extra;         /* count, or 0: none */
+    const sym *extra;        /* [n_extra] kg */
+    int64_t n_blocks;        /* SPRINGS·count */
+    const sym *block;        /* [n_blocks] kg, spring o of p at o·count + p */
+    int64_t n_thin;          /* SPRINGS·count, or 0: the blocks are read */
+    const struct thin *thin; /* [n_thin] kg, read in their place */
+    const uint8_t *fixed;    /* [count] not 0: the factor is 0 */
+    sym *factor;             /* out: [count] 1/kg on its diagonal, §2 */
+};
+
+/* DRAPE_OK. */
+int ref_jacobi(struct jacobi *s);
+
+/* A symmetric block summed in binary64, xx xy xz yy yz zz; §1. */
+struct wide_sym {
+    double a[6];
+};
+
+static inline struct wide_sym wide_sym_add(struct wide_sym d, sym b)
+{
+    d.a[0] += (double)b.xx;
+    d.a[1] += (double)b.xy;
+    d.a[2] += (double)b.xz;
+    d.a[3] += (double)b.yy;
+    d.a[4] += (double)b.yz;
+    d.a[5] += (double)b.zz;
+    return d;
+}
+
+/* The same of a thin block, whose products are exact. */
+static inline struct wide_sym wide_sym_thin(struct wide_sym d, struct thin t)
+{
+    struct thin_parts a = thin_open(t);
+    struct wide e = wide_of(a.e), w = wide_scale((double)a.size, e);
+    double all = (double)a.all;
+    d.a[0] += w.x * e.x + all;
+    d.a[1] += w.x * e.y;
+    d.a[2] += w.x * e.z;
+    d.a[3] += w.y * e.y + all;
+    d.a[4] += w.y * e.z;
+    d.a[5] += w.z * e.z + all;
+    return d;
+}
+
+/* §2: L D Lᵀ = d as 1/D on the diagonal and L below it. */
+sym ref_factor(struct wide_sym d);
+
+/* §3: the solution of L D Lᵀ z = r; 0 where the factor is. */
+static inline vec factor_solve(sym f, vec r)
+{
+    real y = r.y - f.xy * r.x;
+    real z = ((r.z - f.xz * r.x) - f.yz * y) * f.zz;
+    y = y * f.yy - f.yz * z;
+    return vec_make((r.x * f.xx - f.xy * y) - f.xz * z, y, z);
+}
+
+#endif

@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Geometric multigrid V-cycle. spec/solve/multigrid.md */
+#include "ref/solve/multigrid.h"
+
+#include "ref/solve/coarsest.h"
+#include "ref/solve/jacobi.h"
+#include "ref/solve/product.h"
+
+/* One grid and its streams. */
+struct level {
+    int32_t m, n;
+    int64_t count;
+    const uint8_t *fixed; /* NULL: all free */
+    uint8_t *rule;        /* interpolation to it from the next */
+    sym *excess, *block;
+    const sym *factor;
+    const vec *b;   /* right-hand side */
+    vec *x, *y, *d; /* solution, residual, direction */
+};
+
+/* §5: the grids from fine to coarse and where their streams are. */
+static int lay_out(const struct multigrid *s, struct level *l)
+{
+    sym *a = s->pool;
+    vec *v = s->room;
+    struct level fine = {.m = s->m,
+                         .n = s->n,
+                         .count = s->count,
+                         .fixed = s->fixed,
+                         .rule = s->live + s->count,
+                         .excess = a,
+                         .factor = s->factor,
+                         .b = s->r,
+                         .x = s->z,
+                         .y = v,
+                         .d = v + s->count};
+    int levels = 1;
+    l[0] = fine;
+    a += s->count;
+    v += 2 * s->count;
+    while (levels == 1 || l[levels - 1].count > COARSEST) {
+        struct level *c = &l[levels], *f = &l[levels - 1];
+        c->m = coarse_size(f->m);
+        c->n = coarse_size(f->n);
+        int64_t k = c->count = (int64_t)c->m * c->n;
+        c->fixed = NULL;
+        c->rule = f->rule + f->count;
+        c->excess = a;
+        c->factor = a + k;
+        c->block = a + 2 * k;
+        c->x = v;
+        c->b = v + k;
+        c->y = v + 2 * k;
+        c->d = v + 3 * k;
+        a += (2 + STENCIL) * k;
+        v += 4 * k;
+        levels++;
+    }
+    return levels;
+}
+
+int64_t ref_multigrid_size(struct multigrid *s)
+{
+    if (s->m < 1 || s->n < 1)
+        return 0;
+    int32_t m = s->m, n = s->n;
+    s->count = (int64_t)m * n;
+    s->n_blocks = SPRINGS * s->count;
+    s->n_parts = s->n_thin ? s->n_blocks : 0;
+    s->n_pool = s->count;
+    s->n_room = 2 * s->count;
+    s->n_live = 2 * s->count;
+    s->n_dense = DENSE * (DENSE + 1);
+    do {
+        m = coarse_size(m);
+        n = coarse_size(n);
+        s->n_pool += (2 + STENCIL) * (int64_t)m * n;
+        s->n_room += 4 * (int64_t)m * n;
+        s->n_live += (int64_t)m * n;
+    } while ((int64_t)m * n > COARSEST);
+    return s->n_pool * (int64_t)sizeof(sym) + s->n_room * (int64_t)sizeof(vec) +
+           s->n_live + s->n_dense * (int64_t)sizeof(double) +
+           s->n_parts * (int64_t)sizeof *s->parts;
+}
+
+/* ---- products ---- */
+
+/* §3: y = A x on a coarse grid. */
+static void multiply_coarse(const struct level *l)
+{
+    struct couplings c = {l->m,       l->n,     l->count, STENCIL, stencil_di,
+                          stencil_dj, l->block, NULL,     l->x,    l->y};
+    EACH_MANY(l->count)
+    for (int64_t p = 0; p < l->count; p++)
+        l->y[p] = vec_add(sym_apply(l->excess[p], l->x[p]), vec_make(0, 0, 0));
+    product_couplings(&c);
+}
+
+/* On the finest grid as spec/12 §1, of the thin blocks where there are. */
+static void multiply(const struct multigrid *s, const struct level *l)
+{
+    struct product a = {s->m,       s->n,     s->count,    s->mass,
+                        s->n_extra, s->extra, s->n_blocks, s->block,
+                        0,          NULL,     l->x,        l->y};
+    struct couplings c = {l->m,      l->n,     l->count, SPRINGS, spring_di,
+                          spring_dj, s->block, NULL,     l->x,    l->y};
+    if (l->block) {
+        multiply_coarse(l);
+    } else {
+        c.thin = s->n_thin ? s->parts : NULL;
+        product_start(&a);
+        product_couplings(&c);
+    }
+}
+
+/* ---- smoothing, §4 ---- */
+
+/* Chebyshev of degree 2 on [high / RATIO, high]: d = first·F r, then
+ * d = keep·d + second·F r. */
+struct weights {
+    real first, keep, second;
+};
+
+static struct weights weights_of(double high)
+{
+    const double ratio = 8;
+    double low = high / ratio, mid = (high + low) / 2, half = (high - low) / 2;
+    double sigma = mid / half, rho = 1 / (2 * sigma - 1 / sigma);
+    struct weights w = {(real)(1 / mid), (real)(rho / sigma),
+                        (real)(2 * rho / half)};
+    return w;
+}
+
+/* x = d = first·F b: the first half-step from x = 0. */
+static void smooth_zero(const struct level *l, struct weights w)
+{
+    EACH_MANY(l->count)
+    for (int64_t p = 0; p < l->count; p++)
+        l->x[p] = l->d[p] =
+            vec_scale(w.first, factor_solve(l->factor[p], l->b[p]));
+}
+
+/* d = keep·d + gain·F (b - A x), x += d. */
+static void smooth(const struct multigrid *s, const struct level *l, real keep,
+                   real gain)
+{
+    multiply(s, l);
+    EACH_MANY(l->count)
+    for (int64_t p = 0; p < l->count; p++) {
+        vec r = vec_sub(l->b[p], l->y[p]);
+        vec g = vec_scale(gain, factor_solve(l->factor[p], r));
+        l->d[p] = keep == 0 ? g : vec_axpy(g, keep, l->d[p]);
+        l->x[p] = vec_add(l->x[p], l->d[p]);
+    }
+}
+
+/* ---- between grids, §2 ---- */
+
+/* y = b - A x, 0 where fixed. */
+static void residual(const struct multigrid *s, const struct level *l)
+{
+    multiply(s, l);
+    EACH_MANY(l->count)
+    for (int64_t p = 0; p < l->count; p++)
+        l->y[p] = l->fixed && l->fixed[p] ? vec_make(0, 0, 0)
+                                          : vec_sub(l->b[p], l->y[p]);
+}
+
+/* Coarse (i, j) gathers the residual around it. */
+static vec restricted(const struct level *f, int32_t i, int32_t j)
+{
+    vec sum = {0, 0, 0};
+    for (int dj = -1; dj <= 1; dj++)
+        for (int di = -1; di <= 1; di++) {
+            int32_t x = 2 * i + di, y = 2 * j + dj;
+            int64_t p = x + (int64_t)f->m * y;
+            if (x >= 0 && x < f->m && y >= 0 && y < f->n)
+                sum =
+                    vec_axpy(sum, R(0.25) * (real)weight_of(f->rule[p], di, dj),
+                             f->y[p]);
+        }
+    return sum;
+}
+
+static void restrict_to(const struct level *f, const struct level *c)
+{
+    vec *b = c->x + c->count; /* c->b, that others only read */
+    EACH_MANY(c->count)
+    for (int32_t j = 0; j < c->n; j++)
+        for (int32_t i = 0; i < c->m; i++)
+            b[i + (int64_t)c->m * j] = restricted(f, i, j);
+}
+
+/* Fine (i, j) gathers the correction of the coarse ones around it. */
+static vec prolonged(const struct level *c, uint8_t rule, int32_t i, int32_t j)
+{
+    vec sum = {0, 0, 0};
+    for (int32_t y = j / 2; y <= (j + 1) / 2; y++)
+        for (int32_t x = i / 2; x <= (i + 1) / 2; x++)
+            sum = vec_axpy(
+                sum, R(0.25) * (real)weight_of(rule, i - 2 * x, j - 2 * y),
+                c->x[x + (int64_t)c->m * y]);
+    return sum;
+}
+
+static void prolong(const struct level *c, const struct level *f)
+{
+    EACH_MANY(f->count)
+    for (int32_t j = 0; j < f->n; j++)
+        for (int32_t i = 0; i < f->m; i++) {
+            int64_t p = i + (int64_t)f->m * j;
+            if (!f->fixed || !f->fixed[p])
+                f->x[p] = vec_add(f->x[p], prolonged(c, f->rule[p], i, j));
+        }
+}
+
+/* ---- the stage ---- */
+
+static struct coarsest coarsest_of(const struct multigrid *s,
+                                   const struct level *l)
+{
+    struct coarsest c = {l->m, l->n, l->count, l->excess, l->block, s->dense};
+    return c;
+}
+
+int ref_multigrid_build(struct multigrid *s)
+{
+    struct level l[LEVELS];
+    int levels = lay_out(s, l);
+    struct excess e = {s->m,       s->n,        s->count,    s->mass,
+                       s->n_extra, s->extra,    s->n_blocks, s->block,
+                       s->fixed,   l[0].excess, s->live,     l[0].rule};
+    int status = ref_excess(&e);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n_thin; k++)
+        s->parts[k] = thin_open(s->thin[k]);
+    for (int k = 1; k < levels && status == DRAPE_OK; k++) {
+        struct coarsen c = {.m = l[k - 1].m,
+                            .n = l[k - 1].n,
+                            .count = l[k - 1].count,
+                            .excess = l[k - 1].excess,
+                            .rule = l[k - 1].rule,
+                            .coarse_rule = l[k].rule,
+                            .n_blocks = STENCIL * l[k - 1].count,
+                            .block = l[k - 1].block,
+                            .n_coarse = l[k].count,
+                            .n_out = STENCIL * l[k].count,
+                            .coarse_excess = l[k].excess,
+                            .coarse_block = l[k].block,
+                            .factor = l[k].excess + l[k].count};
+        if (k == 1) {
+            c.n_blocks = s->n_blocks;
+            c.block = s->block;
+            c.n_live = s->count;
+            c.live = s->live;
+        }
+        status = ref_coarsen(&c);
+    }
+    if (status == DRAPE_OK) {
+        struct coarsest d = coarsest_of(s, &l[levels - 1]);
+        coarsest_factor(&d);
+    }
+    return status;
+}
+
+void ref_multigrid_cycle(struct multigrid *s)
+{
+    struct level l[LEVELS];
+    int last = lay_out(s, l) - 1;
+    struct weights fine = weights_of(2),
+                   coarse = weights_of(s->n_extra ? 4 : 2.5);
+    for (int k = 0; k < last; k++) {
+        struct weights w = k ? coarse : fine;
+        smooth_zero(&l[k], w);
+        smooth(s, &l[k], w.keep, w.second);
+        residual(s, &l[k]);
+        restrict_to(&l[k], &l[k + 1]);
+    }
+    struct coarsest d = coarsest_of(s, &l[last]);
+    coarsest_solve(&d, l[last].b, l[last].x);
+    for (int k = last - 1; k >= 0; k--) {
+        struct weights w = k ? coarse : fine;
+        prolong(&l[k + 1], &l[k]);
+        smooth(s, &l[k], 0, w.first);
+        smooth(s, &l[k], w.keep, w.second);
+    }
+}
+
+int ref_multigrid(struct multigrid *s)
+{
+    int status = ref_multigrid_build(s);
+    if (status == DRAPE_OK)
+        ref_multigrid_cycle(s);
+    return status;
+}

@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Preconditioned conjugate gradients. spec/solve/pcg.md */
+#include "ref/solve/pcg.h"
+
+#include "ref/base/sum.h"
+#include "ref/solve/jacobi.h"
+#include "ref/solve/product.h"
+#include "ref/solve/residual.h"
+
+int64_t ref_pcg_size(struct pcg *s)
+{
+    s->count = (int64_t)s->m * s->n;
+    s->n_blocks = SPRINGS * s->count;
+    s->n_thin = s->precond == DRAPE_MULTIGRID ? s->n_blocks : 0;
+    s->n_chunks = sum_chunks(s->count);
+    s->n_cdf = s->form == DRAPE_CDF ? ref_cdf(s->m, s->n).blocks : 0;
+    struct multigrid none = {0};
+    s->grid = none;
+    if (s->precond == DRAPE_MULTIGRID) {
+        s->grid.m = s->m;
+        s->grid.n = s->n;
+        s->grid.n_thin = s->n_thin;
+    }
+    return ref_multigrid_size(&s->grid) + s->n_cdf * (int64_t)sizeof(mat) +
+           s->count * (int64_t)(2 * sizeof(sym) + 5 * sizeof(vec)) +
+           s->n_chunks * (int64_t)sizeof(real);
+}
+
+static real dot(struct pcg *s, const vec *a, const vec *b)
+{
+    struct dot d = {s->count, a, b, s->n_chunks, s->chunk, 0};
+    ref_dot(&d);
+    return d.value;
+}
+
+static void multiply(struct pcg *s, const vec *x, vec *y)
+{
+    struct product a = {.m = s->m,
+                        .n = s->n,
+                        .count = s->count,
+                        .mass = s->mass,
+                        .n_extra = s->n_extra,
+                        .extra = s->extra,
+                        .n_blocks = s->n_cdf ? 0 : s->n_blocks,
+                        .block = s->block,
+                        .n_cdf = s->n_cdf,
+                        .cdf = s->cdf,
+                        .x = x,
+                        .y = y};
+    ref_product(&a);
+}
+
+/* s->s = M⁻¹ r. */
+static void precondition(struct pcg *s)
+{
+    if (s->precond == DRAPE_MULTIGRID && !s->fell_back) {
+        ref_multigrid_cycle(&s->grid);
+        return;
+    }
+    EACH_ITEM
+    for (int64_t k = 0; k < s->count; k++)
+        s->s[k] = factor_solve(s->factor[k], s->r[k]);
+}
+
+/* §2: where dv and low are 0. */
+static void take_right_side(struct pcg *s)
+{
+    EACH_ITEM
+    for (int64_t k = 0; k < s->count; k++)
+        s->r[k] = s->fixed[k] ? vec_make(0, 0, 0) : s->b[k];
+}
+
+/* §2: r = b - A (dv + low). */
+static void true_residual(struct pcg *s)
+{
+    struct residual a = {s->m,       s->n,     s->count, s->mass,
+                         s->n_extra, s->extra, s->block, s->fixed,
+                         s->b,       s->dv,    s->low,   s->r};
+    residual_find(&a);
+}
+
+/* *a + b rounded to *a; returns what is rounded off, exactly (Knuth). */
+static real two_sum(real *a, real b)
+{
+    real sum = *a + b, part = sum - *a;
+    real error = (*a - (sum - part)) + (b - part);
+    *a = sum;
+    return error;
+}
+
+/* §3: dv + low += alpha p. */
+static void advance(vec *dv, vec *low, real alpha, vec p)
+{
+    vec d = vec_scale(alpha, p);
+    low->x += two_sum(&dv->x, d.x);
+    low->y += two_sum(&dv->y, d.y);
+    low->z += two_sum(&dv->z, d.z);
+}
+
+static int set_up_grid(struct pcg *s)
+{
+    s->grid.mass = s->mass;
+    s->grid.n_extra = s->n_extra;
+    s->grid.extra = s->extra;
+    s->grid.block = s->block;
+    s->grid.n_thin = s->n_thin;
+    s->grid.thin = s->thin;
+    s->grid.fixed = s->fixed;
+    s->grid.factor = s->factor;
+    s->grid.r = s->r;
+    s->grid.z = s->s;
+    return ref_multigrid_build(&s->grid);
+}
+
+static int set_up(struct pcg *s)
+{
+    struct matrix a = {s->m,       s->n,        s->count,    s->mass,
+                       s->n_extra, s->extra,    s->n_blocks, s->block,
+                       s->n_cdf,   s->diagonal, s->cdf};
+    struct jacobi j = {s->m,       s->n,     s->count,    s->mass,
+                       s->n_extra, s->extra, s->n_blocks, s->block,
+                       s->n_thin,  s->thin,  s->fixed,    s->factor};
+    int status = s->n_cdf ? ref_matrix(&a) : DRAPE_OK;
+    if (status == DRAPE_OK)
+        status = ref_jacobi(&j);
+    if (status == DRAPE_OK && s->precond == DRAPE_MULTIGRID)
+        status = set_up_grid(s);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->count; k++) {
+        s->dv[k] = s->fixed[k] && s->n_z ? s->z[k] : vec_make(0, 0, 0);
+        s->low[k] = vec_make(0, 0, 0);
+    }
+    return status;
+}
+
+static bool finite_positive(real a)
+{
+    return a > 0 && a - a == 0;
+}
+
+/* §3: the direction p from s = M⁻¹ r with next = r·s, its image q, and a step
+ * along it. */
+static bool step(struct pcg *s, real next, real *rho, bool first)
+{
+    real beta = first ? 0 : next / *rho;
+    *rho = next;
+    EACH_ITEM
+    for (int64_t k = 0; k < s->count; k++)
+        s->p[k] = first ? s->s[k] : vec_axpy(s->s[k], beta, s->p[k]);
+
+    multiply(s, s->p, s->q);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->count; k++)
+        if (s->fixed[k])
+            s->q[k] = vec_make(0, 0, 0);
+    real curvature = dot(s, s->p, s->q);
+    if (!finite_positive(curvature))
+        return false;
+    real alpha = next / curvature;
+    EACH_ITEM
+    for (int64_t k = 0; k < s->count; k++) {
+        if (!s->fixed[k])
+            advance(&s->dv[k], &s->low[k], alpha, s->p[k]);
+        s->r[k] = vec_axpy(s->r[k], -alpha, s->q[k]);
+    }
+    return true;
+}
+
+/* §4.1: whether r·M⁻¹r and |r|² have fallen far enough. */
+static bool calm(struct pcg *s, real next, real square)
+{
+    if (s->iterations == 0)
+        s->scale = real_max(next, s->scale);
+    s->recurrence = real_sqrt(next / s->scale);
+    return next == 0 || (s->recurrence <= s->tolerance &&
+                         real_sqrt(square / s->square) <= s->tolerance);
+}
+
+/* §4: iterates until the recurrence meets the tolerance. */
+static int iterate(struct pcg *s, real square)
+{
+    real rho = 0, left = square;
+    for (bool first = true; s->iterations < s->max_iterations; first = false) {
+        precondition(s);
+        real next = dot(s, s->r, s->s);
+        if (s->energy && calm(s, next, left))
+            return PCG_CONVERGED;
+        if (!finite_positive(next) || !step(s, next, &rho, first))
+            return PCG_BREAKDOWN;
+        s->iterations++;
+        left = dot(s, s->r, s->r);
+        if (s->energy)
+            continue;
+        s->recurrence = real_sqrt(left / square);
+        if (!(s->recurrence > s->tolerance))
+            return s->recurrence <= s->tolerance ? PCG_CONVERGED
+                                                 : PCG_BREAKDOWN;
+    }
+    return PCG_LIMIT;
+}
+
+int ref_pcg(struct pcg *s)
+{
+    if (s->n_chunks != sum_chunks(s->count) || !(s->tolerance >= 0) ||
+        s->max_iterations < 0 || (s->n_z && s->n_z != s->count) ||
+        s->precond < DRAPE_JACOBI || s->precond > DRAPE_MULTIGRID ||
+        s->form < DRAPE_CDF || s->form > DRAPE_COMPACT)
+        return DRAPE_EARG;
+    int status = set_up(s);
+    if (status != DRAPE_OK)
+        return status;
+
+    s->iterations = s->fell_back = 0;
+    s->recurrence = s->residual = 0;
+    s->outcome = PCG_CONVERGED;
+    if (s->n_z)
+        true_residual(s);
+    else
+        take_right_side(s);
+    real square = dot(s, s->r, s->r), before = 2;
+    if (square == 0)
+        return DRAPE_OK;
+    s->recurrence = s->residual = 1;
+    real most = square;
+    if (s->energy)
+        most = s->square = real_max(square, s->square);
+    if (!finite_positive(square))
+        s->outcome = PCG_BREAKDOWN;
+    /* §4: restarts from the true residual while that at least halves. */
+    while (s->outcome == PCG_CONVERGED && !(s->residual <= s->tolerance)) {
+        if (!(s->residual <= before / 2)) {
+            s->outcome = PCG_STALLED;
+            break;
+        }
+        before = s->residual;
+        s->outcome = iterate(s, square);
+        true_residual(s);
+        s->residual = real_sqrt(dot(s, s->r, s->r) / most);
+        if (s->energy && s->outcome == PCG_CONVERGED)
+            break;
+        /* §5: a matrix that is not quite definite may still yield. */
+        if (s->outcome == PCG_BREAKDOWN && s->residual - s->residual == 0 &&
+            s->precond == DRAPE_MULTIGRID && !s->fell_back) {
+            s->fell_back = 1;
+            s->outcome = PCG_CONVERGED;
+            before = 2 * s->residual;
+        }
+    }
+    return DRAPE_OK;
+}

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage pcg: the system of one cloth, solved by preconditioned conjugate
+ * gradients. spec/solve/pcg.md */
+#ifndef REF_PCG_H
+#define REF_PCG_H
+
+#include "ref/solve/multigrid.h"
+
+enum pcg_outcome {
+    PCG_CONVERGED, /* the true residual is within the tolerance */
+    PCG_LIMIT,     /* max_iterations are used up */
+    PCG_STALLED,   /* rounding keeps the true residual above the tolerance */
+    PCG_BREAKDOWN  /* not a number, or the matrix is not positive definite */
+};
+
+struct pcg {
+    int32_t m, n;           /* particles along i and j, ≥ 1 */
+    int64_t count;          /* m·n */
+    int32_t precond;        /* enum drape_precond */
+    int32_t form;           /* enum drape_matrix */
+    real tolerance;         /* of the relative residual, ≥ 0 */
+    int32_t max_iterations; /* ≥ 0 */
+    int32_t solver;         /* enum drape_solver, for the device */
+    int32_t energy;   /* 1: tolerance is of √(r·M⁻¹r) instead, §4.1 */
+    real scale;       /* ≥ 0, with energy: what r·M⁻¹r is relative to, at
+                         least; out: or its first value, if that is more */
+    real square;      /* ≥ 0, with energy: the same of r·r */
+    const real *mass; /* [count] kg, > 0 where free */
+    int64_t n_extra;  /* count, or 0: none */
+    const sym *extra; /* [n_extra] kg, positive semidefinite */
+    int64_t n_blocks; /* SPRINGS·count */
+    const sym *block; /* [n_blocks] kg, positive semidefinite, spring o
+                         of p at o·count + p, 0 where missing */
+    int64_t n_thin;   /* SPRINGS·count, or 0: the blocks themselves */
+    const struct thin *thin; /* [n_thin] kg, from ref_blocks, of which multigrid
+                                is made */
+    const uint8_t *fixed;    /* [count] not 0: dv is given */
+    const vec *b;            /* [count] N·s */
+    int64_t n_z;             /* count, or 0: given dv are 0 */
+    const vec *z;            /* [n_z] m/s, read where fixed */
+
+    int64_t n_cdf, n_chunks; /* from ref_pcg_size */
+    mat *cdf;                /* scratch: [n_cdf] */
+    sym *diagonal;           /* scratch: [count], of the cdf alone */
+    sym *factor;             /* scratch: [count] */
+    vec *low;                /* scratch: [count] m/s, what dv rounds off */
+    vec *r, *s, *p, *q;      /* scratch: [count] */
+    real *chunk;             /* scratch: [n_chunks] */
+    struct multigrid grid;   /* scratch: its pool, room, live and dense, of
+                                its sizes, 0 but where precond is multigrid */
+
+    vec *dv;            /* out: [count] m/s */
+    int32_t iterations; /* out: products with a search direction */
+    int32_t outcome;    /* out: enum pcg_outcome */
+    int32_t fell_back;  /* out: 1: multigrid broke down, Jacobi went on */
+    real recurrence;    /* out: relative residual, as the iteration has it */
+    real residual;      /* out: |b - A (dv + low)| / √square, where free;
+                           without energy, / |b - A z| */
+};
+
+/* Sets n_extra's companions: n_blocks and the sizes of the scratch, from m,
+ * n, precond and form. Returns the bytes of scratch. */
+int64_t ref_pcg_size(struct pcg *s);
+
+/* DRAPE_OK however the iteration ended; DRAPE_EARG if sizes, precond or form
+ * make no sense. */
+int ref_pcg(struct pcg *s);
+
+#endif

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Sparse matrix times vector by differences. spec/solve/product.md */
+#include "ref/solve/product.h"
+
+/* §3: rows that one thread does; it computes a spring once for both ends. */
+enum { BAND = 16 };
+
+/* ---- from blocks of forward springs ---- */
+
+/* Where a row of ties lies; thin: read in place of block, or NULL. */
+struct ties {
+    const sym *block;
+    const struct thin_parts *thin;
+};
+
+/* B (x - x of the neighbour), §1. */
+static inline vec pull(struct ties b, int32_t i, const vec *x, int64_t step)
+{
+    vec d = vec_sub(x[i], x[i + step]);
+    return b.thin ? thin_apply(b.thin[i], d) : sym_apply(b.block[i], d);
+}
+
+/* To both ends. In ascending order an end has the spring that leads to it
+ * before the one that starts from it. */
+static void pull_both(int32_t n, struct ties b, const vec *restrict x,
+                      int64_t step, vec *restrict y)
+{
+    for (int32_t i = 0; i < n; i++) {
+        vec f = pull(b, i, x, step);
+        y[i] = vec_add(y[i], f);
+        y[i + step] = vec_sub(y[i + step], f);
+    }
+}
+
+static void pull_first(int32_t n, struct ties b, const vec *restrict x,
+                       int64_t step, vec *restrict y)
+{
+    for (int32_t i = 0; i < n; i++)
+        y[i] = vec_add(y[i], pull(b, i, x, step));
+}
+
+static void pull_second(int32_t n, struct ties b, const vec *restrict x,
+                        int64_t step, vec *restrict y)
+{
+    for (int32_t i = 0; i < n; i++)
+        y[i + step] = vec_sub(y[i + step], pull(b, i, x, step));
+}
+
+/* Direction o of row j, for the ends within rows from … to - 1. */
+static void pull_row(const struct couplings *c, int o, int32_t j, int32_t from,
+                     int32_t to)
+{
+    int32_t di = c->di[o], dj = c->dj[o], first = di < 0 ? -di : 0;
+    int32_t n = c->m - (di < 0 ? -di : di);
+    int64_t p = first + (int64_t)c->m * j, step = di + (int64_t)c->m * dj;
+    int64_t at = o * c->count + p;
+    struct ties b = {c->block + at, c->thin ? c->thin + at : NULL};
+    if (j < 0 || j + dj >= c->n)
+        return;
+    if (j >= from && j + dj < to)
+        pull_both(n, b, c->x + p, step, c->y + p);
+    else if (j >= from)
+        pull_first(n, b, c->x + p, step, c->y + p);
+    else
+        pull_second(n, b, c->x + p, step, c->y + p);
+}
+
+void product_couplings(const struct couplings *c)
+{
+    EACH_MANY(c->count)
+    for (int32_t from = 0; from < c->n; from += BAND) {
+        int32_t to = c->n - from > BAND ? from + BAND : c->n;
+        for (int o = 0; o < c->directions; o++)
+            for (int32_t j = from - c->dj[o]; j < to; j++)
+                pull_row(c, o, j, from, to);
+    }
+}
+
+/* ---- from the compressed diagonal format ---- */
+
+/* y += A (x of the neighbour - x), along one row. */
+static void add_blocks(int32_t n, const mat *restrict a, const vec *restrict x,
+                       int64_t step, vec *restrict y)
+{
+    for (int32_t i = 0; i < n; i++) {
+        vec d = vec_sub(x[i + step], x[i]);
+        y[i] = vec_add(y[i], vec_make(vec_dot(a[i].x, d), vec_dot(a[i].y, d),
+                                      vec_dot(a[i].z, d)));
+    }
+}
+
+static void add_diagonals(const struct product *s, const struct cdf *c,
+                          int32_t j)
+{
+    for (int k = 1; k < DIAGONALS; k++) {
+        int o = (k - 1) / 2, sign = k % 2 ? -1 : 1;
+        int diagonal = k % 2 ? k + 1 : k - 1; /* backward before forward */
+        int32_t di = sign * spring_di[o], b = j + sign * spring_dj[o];
+        int32_t first = di < 0 ? -di : 0;
+        int64_t p = first + (int64_t)s->m * j;
+        if (b >= 0 && b < s->n)
+            add_blocks(s->m - (di < 0 ? -di : di),
+                       s->cdf + (c->start[diagonal] + p), s->x + p,
+                       c->offset[diagonal], s->y + p);
+    }
+}
+
+/* ---- the stage ---- */
+
+/* + 0 turns -0 into +0. */
+void product_start(const struct product *s)
+{
+    EACH_MANY(s->count)
+    for (int64_t p = 0; p < s->count; p++) {
+        vec y = vec_add(vec_scale(s->mass[p], s->x[p]), vec_make(0, 0, 0));
+        s->y[p] = s->n_extra ? vec_add(y, sym_apply(s->extra[p], s->x[p])) : y;
+    }
+}
+
+int ref_product(struct product *s)
+{
+    struct couplings springs = {s->m,      s->n,      s->count, SPRINGS,
+                                spring_di, spring_dj, s->block, NULL,
+                                s->x,      s->y};
+    struct cdf c = ref_cdf(s->m, s->n);
+    product_start(s);
+    if (!s->n_cdf) {
+        product_couplings(&springs);
+        return DRAPE_OK;
+    }
+    EACH_MANY(s->count)
+    for (int32_t j = 0; j < s->n; j++)
+        add_diagonals(s, &c, j);
+    return DRAPE_OK;
+}

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What ref/api/drape.c asks of a world that is made: its state as numbers,
+ * where its bodies begin, waking, wind. */
+#include "ref/world/checkpoint.h"
+#include "ref/world/state.h"
+#include "ref/world/step.h"
+
+static void copy_out(double (*out)[3], const vec *a, int64_t n)
+{
+    for (int64_t i = 0; i < n && out; i++) {
+        out[i][0] = (double)a[i].x;
+        out[i][1] = (double)a[i].y;
+        out[i][2] = (double)a[i].z;
+    }
+}
+
+int world_read(const struct world *w, double (*x)[3], double (*v)[3])
+{
+    copy_out(x, w->x0, w->nv);
+    copy_out(v, w->v0, w->nv);
+    return DRAPE_OK;
+}
+
+static int borrow(struct world *w, drape_view *view)
+{
+    view->x = w->x0;
+    view->v = w->v0;
+    view->tri = (const int32_t(*)[3])w->tri;
+    view->device = -1;
+    view->stream = NULL;
+    return DRAPE_OK;
+}
+
+void world_read_triangles(const struct world *w, int32_t (*tri)[3])
+{
+    memcpy(tri, w->tri, (size_t)w->nt * sizeof *tri);
+}
+
+int64_t world_first_vertex(const struct world *w, int body)
+{
+    int cloths = w->def.n_cloths;
+    if (body >= cloths + w->def.n_obstacles)
+        return w->nv;
+    return body < cloths ? w->sheet[body].first : w->prop[body - cloths].first;
+}
+
+int64_t world_first_triangle(const struct world *w, int body)
+{
+    int cloths = w->def.n_cloths;
+    if (body >= cloths + w->def.n_obstacles)
+        return w->nt;
+    return body < cloths ? w->sheet[body].first_triangle
+                         : w->prop[body - cloths].first_triangle;
+}
+
+void world_wake(struct world *w)
+{
+    w->asleep = false;
+    w->resting = 0;
+}
+
+int world_set_wind(struct world *w, const drape_wind *wind)
+{
+    if (plan_windy(wind) && !w->plan.wind)
+        return DRAPE_EARG;
+    w->def.wind = *wind;
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        struct dynamics *d = &w->sheet[k].dynamics;
+        d->air = vec_make((real)wind->velocity[0], (real)wind->velocity[1],
+                          (real)wind->velocity[2]);
+        d->drag = (real)(0.5 * wind->density * wind->drag);
+        d->lift = (real)(0.5 * wind->density * wind->lift);
+    }
+    world_wake(w);
+    return DRAPE_OK;
+}
+
+const struct world_ops world_ops = {.make = world_make,
+                                    .step = step_advance,
+                                    .read = world_read,
+                                    .read_triangles = world_read_triangles,
+                                    .first_vertex = world_first_vertex,
+                                    .first_triangle = world_first_triangle,
+                                    .wake = world_wake,
+                                    .set_wind = world_set_wind,
+                                    .plan = plan_rows,
+                                    .save = checkpoint_save,
+                                    .load = checkpoint_load,
+                                    .borrow = borrow};

@@ -1,0 +1,259 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Checkpoints: the state, and a fingerprint of the definition that it belongs
+ * to. Everything else is made again from the definition. */
+#include "ref/world/checkpoint.h"
+
+#include <float.h>
+
+#include "ref/base/hash.h"
+
+struct header {
+    char magic[8]; /* "drape" and the format's number */
+    uint32_t bits, resting;
+    uint64_t fingerprint, check; /* check: of all bytes but its own */
+    int64_t step, vertices, intersecting;
+    double time;
+    uint16_t asleep, near;
+    uint32_t past;
+    uint16_t level, again, calm, far, blind; /* struct caution */
+    uint16_t pressed;
+    drape_wind wind;
+};
+static const char magic[8] = "drape-7";
+
+/* An array of n items; one that is not there is none of 0 items. The number
+ * keeps what ends one array from beginning the next. */
+static uint64_t mix_array(uint64_t hash, const void *data, int64_t n,
+                          size_t size)
+{
+    n = data ? n : -1;
+    hash = hash_mix(hash, &n, sizeof n);
+    return n > 0 ? hash_mix(hash, data, (size_t)n * size) : hash;
+}
+
+static uint64_t mix_cloth(uint64_t h, const drape_cloth *c)
+{
+    int64_t n = (int64_t)c->m * c->n, cells = (int64_t)(c->m - 1) * (c->n - 1);
+    const int size[2] = {c->m, c->n};
+    h = hash_mix(h, size, sizeof size);
+    h = hash_mix(h, &c->width, sizeof c->width);
+    h = hash_mix(h, &c->height, sizeof c->height);
+    h = hash_mix(h, &c->material, sizeof c->material);
+    h = hash_mix(h, c->origin, sizeof c->origin);
+    h = hash_mix(h, c->u, sizeof c->u);
+    h = hash_mix(h, c->v, sizeof c->v);
+    h = mix_array(h, c->x, n, sizeof *c->x);
+    h = mix_array(h, c->velocity, n, sizeof *c->velocity);
+    h = mix_array(h, c->hole, n, sizeof *c->hole);
+    h = mix_array(h, c->cut, cells, sizeof *c->cut);
+    return mix_array(h, c->pins, c->n_pins, sizeof *c->pins);
+}
+
+static uint64_t mix_obstacle(uint64_t h, const drape_obstacle *o)
+{
+    int64_t shown = o->frames * o->n_vertices;
+    h = hash_mix(h, &o->friction, sizeof o->friction);
+    h = hash_mix(h, &o->motion, sizeof o->motion);
+    h = hash_mix(h, &o->frames, sizeof o->frames);
+    h = hash_mix(h, &o->frame_dt, sizeof o->frame_dt);
+    h = mix_array(h, o->x, o->n_vertices, sizeof *o->x);
+    h = mix_array(h, o->tri, o->n_triangles, sizeof *o->tri);
+    return mix_array(h, shown ? o->frame : NULL, shown, sizeof *o->frame);
+}
+
+static uint64_t mix_motion(uint64_t h, const drape_motion *m)
+{
+    h = hash_mix(h, m->pivot, sizeof m->pivot);
+    h = mix_array(h, m->time, m->keys, sizeof *m->time);
+    h = mix_array(h, m->position, m->keys, sizeof *m->position);
+    return mix_array(h, m->rotation, m->keys, sizeof *m->rotation);
+}
+
+uint64_t checkpoint_fingerprint(const drape_def *d)
+{
+    /* Not: backend, threads, block, stream, allocators, log, trace. They leave
+     * the bits alone. */
+    const int choice[] = {
+        d->precision, d->integrator,     d->max_substeps,      d->precond,
+        d->matrix,    d->max_iterations, d->self_collision,    d->max_rounds,
+        d->sleep,     d->n_cloths,       d->n_obstacles,       d->n_motions,
+        d->solver,    d->max_slices,     d->allow_intersecting};
+    uint64_t h = hash_mix(HASH_SEED, choice, sizeof choice);
+    h = hash_mix(h, &d->dt, sizeof d->dt);
+    h = hash_mix(h, d->gravity, sizeof d->gravity);
+    h = hash_mix(h, &d->wind, sizeof d->wind);
+    h = hash_mix(h, &d->tolerance, sizeof d->tolerance);
+    for (int k = 0; k < d->n_cloths; k++)
+        h = mix_cloth(h, &d->cloths[k]);
+    for (int k = 0; k < d->n_obstacles; k++)
+        h = mix_obstacle(h, &d->obstacles[k]);
+    for (int k = 0; k < d->n_motions; k++)
+        h = mix_motion(h, &d->motions[k]);
+    return h;
+}
+
+/* The streams that are state: what the next step reads. */
+enum { PLACE = 0, WATCH = 2, STREAMS = 6 };
+static void streams(const struct world *w, void *stream[STREAMS],
+                    size_t bytes[STREAMS])
+{
+    size_t n = (size_t)w->nv * sizeof(vec);
+    size_t past = w->past_x ? (size_t)w->nc * sizeof(vec) : 0;
+    size_t press = w->press ? (size_t)w->nc * sizeof(vec) : 0;
+    size_t watch = (size_t)w->def.n_cloths * sizeof *w->watch;
+    void *s[STREAMS] = {w->x0, w->v0, w->watch, w->past_x, w->past_v, w->press};
+    const size_t b[STREAMS] = {n, n, watch, past, past, press};
+    memcpy(stream, s, sizeof s);
+    memcpy(bytes, b, sizeof b);
+}
+
+/* Where the check begins; the header's own is 0 meanwhile. */
+static uint64_t check_header(struct header *h)
+{
+    h->check = 0;
+    return hash_mix(HASH_SEED, h, sizeof *h);
+}
+
+int checkpoint_save(const struct world *w, drape_write *write, void *user)
+{
+    struct header h;
+    void *stream[STREAMS];
+    size_t bytes[STREAMS];
+    streams(w, stream, bytes);
+    memset(&h, 0, sizeof h);
+    memcpy(h.magic, magic, sizeof magic);
+    h.bits = REAL_BITS;
+    h.resting = (uint32_t)w->resting;
+    h.fingerprint = w->fingerprint;
+    h.step = w->step;
+    h.vertices = w->nv;
+    h.intersecting = w->intersecting;
+    h.time = w->time;
+    h.asleep = w->asleep;
+    h.near = (uint16_t)w->near;
+    h.past = (uint32_t)w->past;
+    h.level = (uint16_t)w->caution.level;
+    h.again = (uint16_t)w->caution.again;
+    h.calm = (uint16_t)w->caution.calm;
+    h.far = (uint16_t)w->caution.far;
+    h.blind = (uint16_t)w->caution.blind;
+    h.pressed = (uint16_t)w->pressed;
+    h.wind = w->def.wind;
+    uint64_t check = check_header(&h);
+    for (int k = 0; k < STREAMS; k++)
+        check = hash_mix(check, stream[k], bytes[k]);
+    h.check = check;
+    if (write(user, &h, sizeof h))
+        return DRAPE_EIO;
+    for (int k = 0; k < STREAMS; k++)
+        if (bytes[k] && write(user, stream[k], bytes[k]))
+            return DRAPE_EIO;
+    return DRAPE_OK;
+}
+
+static bool matches(const struct world *w, const struct header *h)
+{
+    return !memcmp(h->magic, magic, sizeof magic) && h->bits == REAL_BITS &&
+           h->fingerprint == w->fingerprint && h->vertices == w->nv;
+}
+
+static bool good_wind(const drape_wind *wind)
+{
+    const double *v = wind->velocity;
+    bool good = wind->density >= 0 && wind->drag >= 0 && wind->lift >= 0;
+    for (int k = 0; k < 3; k++)
+        good &= v[k] >= -REAL_BIG && v[k] <= REAL_BIG;
+    return good && wind->density <= REAL_BIG && wind->drag <= REAL_BIG &&
+           wind->lift <= REAL_BIG;
+}
+
+/* Whether the next step may read it: a file may be made up, check and all. */
+static bool good_header(const struct world *w, const struct header *h)
+{
+    enum { LEVELS = 6 }; /* of 64 slices */
+    if ((h->past && !w->past_x) || (h->pressed && !w->press))
+        return false;
+    return h->step >= 0 && h->intersecting >= 0 && h->asleep <= 1 &&
+           h->near <= NEAR_CONTACTS && h->past <= 1 + LEVELS &&
+           h->resting <= INT32_MAX && h->pressed <= 1 && h->again <= 1 &&
+           h->level <= LEVELS && h->far <= LEVELS && good_wind(&h->wind);
+}
+
+/* Whether n numbers at any place are at most so large. */
+static bool good_reals(const uint8_t *at, size_t n, real most)
+{
+    for (real a; n > 0; n--, at += sizeof a) {
+        memcpy(&a, at, sizeof a);
+        if (!(a >= -most && a <= most))
+            return false;
+    }
+    return true;
+}
+
+/* The same of a cloth's reference and surplus energy. */
+static bool good_watch(const uint8_t *at, size_t bytes)
+{
+    for (double a; bytes > 0; bytes -= sizeof a, at += sizeof a) {
+        memcpy(&a, at, sizeof a);
+        if (!(a >= 0 && a <= DBL_MAX))
+            return false;
+    }
+    return true;
+}
+
+static bool good_streams(const uint8_t *aside, const size_t bytes[STREAMS])
+{
+    const uint8_t *at = aside;
+    bool good = true;
+    for (int k = 0; k < STREAMS; at += bytes[k++])
+        good &= k == WATCH ? good_watch(at, bytes[k])
+                           : good_reals(at, bytes[k] / sizeof(real),
+                                        k == PLACE ? REAL_BIG : (real)FLT_MAX);
+    return good;
+}
+
+/* Reads everything aside first, so that a bad file changes nothing. */
+int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
+{
+    struct header h;
+    void *stream[STREAMS];
+    size_t bytes[STREAMS], all = 0;
+    streams(w, stream, bytes);
+    if (read(user, &h, sizeof h))
+        return DRAPE_EIO;
+    if (!matches(w, &h))
+        return DRAPE_EMATCH;
+    for (int k = 0; k < STREAMS; k++)
+        all += bytes[k];
+    uint8_t *aside = arena_take(w->arena, ARENA_OTHER, (int64_t)all, 1);
+    if (!aside)
+        return DRAPE_ENOMEM;
+    uint64_t want = h.check, check = check_header(&h);
+    int status = read(user, aside, all) ? DRAPE_EIO : DRAPE_OK;
+    size_t at = 0;
+    for (int k = 0; k < STREAMS; at += bytes[k++])
+        check = hash_mix(check, aside + at, bytes[k]);
+    if (status == DRAPE_OK && check != want)
+        status = DRAPE_EMATCH;
+    if (status == DRAPE_OK &&
+        !(good_header(w, &h) && good_streams(aside, bytes)))
+        status = DRAPE_EDATA;
+    at = 0;
+    for (int k = 0; k < STREAMS && status == DRAPE_OK; at += bytes[k++])
+        if (bytes[k])
+            memcpy(stream[k], aside + at, bytes[k]);
+    arena_give(w->arena, aside);
+    if (status != DRAPE_OK)
+        return status;
+    w->step = h.step;
+    w->intersecting = h.intersecting;
+    w->time = h.time;
+    world_set_wind(w, &h.wind);
+    w->resting = (int)h.resting;
+    w->asleep = h.asleep;
+    w->near = (enum nearness)h.near;
+    w->past = (int)h.past;
+    w->pressed = h.pressed;
+    w->caution = (struct caution){h.level, h.again, h.calm, h.far, h.blind};
+    return DRAPE_OK;
+}

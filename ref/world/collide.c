@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Contact in a slice of a step: how far candidates move, what repels, what
+ * penetrates. spec/world/step.md §3, §7 */
+#include "ref/world/collide.h"
+
+#include "ref/base/clock.h"
+#include "ref/broad/travel.h"
+#include "ref/world/step.h"
+
+void step_charge(drape_step_report *r, enum drape_part part, double *last,
+                 double within)
+{
+    double t = clock_now();
+    r->seconds[part] += t - *last - within;
+    *last = t;
+}
+
+int step_broad(void *user, const uint8_t *touched, struct pairs *out)
+{
+    struct world *w = user;
+    double start = clock_now();
+    int status = broad_query(&w->broad, w->x0, w->x1, 0, touched);
+    w->broad_seconds += clock_now() - start;
+    out->n = w->broad.n;
+    out->pair = w->broad.pair.data;
+    out->kind = w->broad.kind.data;
+    return status;
+}
+
+int step_grow(void *user, struct pool *pool, int64_t need, size_t size)
+{
+    struct world *w = user;
+    need += need / 4 + 64; /* so that growth is rare */
+    void *p = arena_take(w->arena, ARENA_RESPONSE, need, size);
+    if (!p)
+        return DRAPE_ENOMEM;
+    arena_give(w->arena, pool->data);
+    pool->data = p;
+    pool->cap = need;
+    return DRAPE_OK;
+}
+
+/* Broad phase and coupled solves within it are parts of their own. */
+static void charge_contact(struct world *w, drape_step_report *r,
+                           enum drape_part part, double *last)
+{
+    step_charge(r, part, last, w->broad_seconds + w->couple.seconds);
+    r->seconds[DRAPE_PART_BROAD] += w->broad_seconds;
+    r->seconds[DRAPE_PART_SOLVER] += w->couple.seconds;
+    w->broad_seconds = w->couple.seconds = 0;
+    slice_count(&r->work, &w->broad);
+}
+
+/* The square of the longest way of the first n vertices, m². */
+real collide_furthest(const struct world *w, int64_t n)
+{
+    real most = 0;
+#pragma omp parallel for schedule(static) reduction(max : most)
+    for (int64_t i = 0; i < n; i++) {
+        vec d = vec_sub(w->x1[i], w->x0[i]);
+        most = real_max(most, vec_dot(d, d));
+    }
+    return most;
+}
+
+/* The pairs that may come within r on the way from x0 to `to`. Where none were
+ * near, whole meshes may do. */
+static int find_near(struct world *w, const vec *to, real r)
+{
+    double start = clock_now();
+    bool apart = false;
+    int status = DRAPE_OK;
+    if (w->near == NEAR_NONE)
+        status = broad_ask(&w->broad, w->x0, to, r, &apart);
+    if (status == DRAPE_OK && !apart)
+        status = broad_query(&w->broad, w->x0, to, r, NULL);
+    w->broad_seconds += clock_now() - start;
+    return status;
+}
+
+/* §7.2: *again: a shorter slice is wanted. Candidates are asked only where
+ * two vertices can be far apart. */
+int collide_far(struct world *w, drape_step_report *r, double *last,
+                bool *again)
+{
+    *again = slice_far(w, 4 * collide_furthest(w, w->nv));
+    if (!*again)
+        return DRAPE_OK;
+    int status = find_near(w, w->x1, 0);
+    struct travel t = {.nv = w->nv,
+                       .n = w->broad.n,
+                       .pair = w->broad.pair.data,
+                       .kind = w->broad.kind.data,
+                       .x0 = w->x0,
+                       .x1 = w->x1};
+    if (status == DRAPE_OK && t.n) {
+        status = ref_travel(&t);
+        trace_stage(w->tracing, "travel", &t.most, sizeof t.most);
+    }
+    *again = slice_far(w, t.most);
+    if (*again)
+        slice_cut(w);
+    charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
+    return status;
+}
+
+static void count_contacts(const struct response *c, drape_step_report *r)
+{
+    r->outcome |= c->outcome;
+    r->rounds = c->rounds;
+    r->contacts = c->contacts;
+    r->impacts = c->impacts;
+    r->candidates = c->candidates;
+    r->zone_vertices = c->zone_vertices;
+    r->rolled_back = c->rolled_back;
+    r->work.near = c->near;
+    r->work.later = c->later;
+    r->work.narrow = c->narrow;
+}
+
+static int start(struct world *w)
+{
+    struct response *c = &w->response;
+    c->x0 = w->x0;
+    c->x1 = w->x1;
+    c->v = w->v1;
+    c->dt = (real)w->dt;
+    c->brief = slice_brief(w);
+    c->max_rounds = slice_rounds(w);
+    int status = ref_response_start(c);
+    if (w->plan.implicit)
+        couple_start(w);
+    return status;
+}
+
+/* Pairs within reach of each other where the step starts are pushed apart. */
+static int repel(struct world *w)
+{
+    int status = start(w);
+    if (status == DRAPE_OK)
+        status = find_near(w, w->x0, w->reach);
+    struct pairs near = {w->broad.n, w->broad.pair.data, w->broad.kind.data};
+    if (status == DRAPE_OK)
+        status = ref_response_repel(&w->response, &near);
+    if (status == DRAPE_OK && w->couple.rough && w->couple.solves == 0)
+        status = couple_solve(w, 0, NULL);
+    return status;
+}
+
+/* *alone: nothing is near on the way. Asked where nothing was near before. */
+static int look(struct world *w, bool *alone)
+{
+    response_reset(&w->response);
+    *alone = false;
+    if (w->near != NEAR_NONE)
+        return DRAPE_OK;
+    int status = find_near(w, w->x1, w->reach);
+    *alone = w->broad.n == 0;
+    return status;
+}
+
+int collide(struct world *w, drape_step_report *r, double *last)
+{
+    struct response *c = &w->response;
+    bool alone;
+    int status = look(w, &alone);
+    if (status == DRAPE_OK && !alone)
+        status = repel(w);
+    charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
+    w->met = !alone;
+    if (status != DRAPE_OK || alone)
+        return status;
+    status = ref_response_penetrate(c);
+    charge_contact(w, r, DRAPE_PART_PENETRATION, last);
+    count_contacts(c, r);
+    r->iterations += w->couple.iterations;
+    r->work.solves += w->couple.solves;
+    if (w->couple.rough || w->couple.residual > r->residual)
+        r->residual = w->couple.residual;
+    r->outcome |= w->couple.outcome;
+    return status;
+}

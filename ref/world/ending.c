@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Whether the state that a step ends in intersects: the audit is asked where
+ * contact has left a pair, and then after each step until there is none.
+ * spec/world/step.md §11 */
+#include "ref/world/ending.h"
+
+static void *take(struct world *w, void *had, int64_t n, size_t size)
+{
+    return had ? had : arena_take(w->arena, ARENA_RESPONSE, n, size);
+}
+
+/* Takes the streams that are not there yet; an earlier try may have got a part
+ * of them. */
+static int take_streams(struct world *w)
+{
+    struct audit *s = &w->ending;
+    int32_t *group = (int32_t *)s->group;
+    s->n_nodes = ref_audit_nodes(w->nt);
+    for (int k = 0; k < 2; k++) {
+        s->key[k] = take(w, s->key[k], w->nt, sizeof **s->key);
+        s->order[k] = take(w, s->order[k], w->nt, sizeof **s->order);
+    }
+    s->node = take(w, s->node, s->n_nodes, sizeof *s->node);
+    s->count = take(w, s->count, s->n_nodes, sizeof *s->count);
+    s->degenerate = take(w, s->degenerate, w->nt, 1);
+    s->group = group = take(w, group, w->nt, sizeof *group);
+    if (w->arena->failed)
+        return DRAPE_ENOMEM;
+    for (int64_t k = 0; k < w->nt; k++)
+        group[k] = k < w->ntc;
+    return DRAPE_OK;
+}
+
+int ending_count(struct world *w, int64_t *found)
+{
+    struct audit *s = &w->ending;
+    int status = take_streams(w);
+    if (status != DRAPE_OK)
+        return status;
+    s->nv = w->nv;
+    s->nt = w->nt;
+    s->x = w->x0;
+    s->tri = (const int32_t(*)[3])w->tri;
+    s->across = !w->plan.self;
+    s->cap = 0; /* their number is all that is asked for */
+    status = ref_audit(s);
+    *found = s->found;
+    return status == DRAPE_EFULL ? DRAPE_OK : status;
+}
+
+void ending_tell(const struct world *w, drape_step_report *r)
+{
+    if (w->intersecting > 0)
+        r->outcome |= DRAPE_TRAPPED;
+    else if (r->outcome & DRAPE_TRAPPED)
+        r->outcome ^= DRAPE_TRAPPED | DRAPE_PASSED;
+    r->intersecting = w->intersecting;
+}

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Into how many slices a step is cut. spec/world/step.md §7 */
+#include "ref/world/slice.h"
+
+#include "ref/world/state.h"
+
+enum { WHOLE = 64, TRIES = 3, JOLTS = 1, CALM = 8, ROUNDS = 12 };
+/* That candidates may move in a slice: implicit, explicit. */
+static const real CELLS = 8, FEW_CELLS = 4;
+
+static int unit(const struct slicing *s)
+{
+    return WHOLE >> s->level;
+}
+
+/* The square of the way that §7.2 allows, m². */
+static real allowed(const struct world *w)
+{
+    real way = (w->plan.implicit ? CELLS : FEW_CELLS) * w->cell;
+    return way * way;
+}
+
+void slice_begin(struct world *w)
+{
+    struct slicing s = {0};
+    while (2 << s.deepest <= w->def.max_slices)
+        s.deepest++;
+    bool known = w->caution.level <= s.deepest;
+    s.level = s.least = s.jolts = known ? w->caution.level : s.deepest;
+    s.began = s.jolts;
+    if (w->caution.far > s.level && w->caution.far <= s.deepest)
+        s.level = w->caution.far;
+    w->slicing = s;
+}
+
+double slice_time(struct world *w)
+{
+    const struct slicing *s = &w->slicing;
+    w->dt = w->def.dt / (1 << s->level);
+    double part = (double)(s->done + unit(s)) / WHOLE;
+    return ((double)w->step + part) * w->def.dt;
+}
+
+bool slice_last(const struct world *w)
+{
+    return w->slicing.done == WHOLE;
+}
+
+bool slice_far(struct world *w, real travel)
+{
+    w->slicing.travel = travel;
+    return w->slicing.level < w->slicing.deepest && travel > allowed(w);
+}
+
+void slice_cut(struct world *w)
+{
+    for (; slice_far(w, w->slicing.travel); w->slicing.level++)
+        w->slicing.travel /= 4;
+}
+
+/* The energy that repulsion may add: it parts what overlaps by at most a tenth
+ * of the reach in a step. */
+static double lift(const struct world *w)
+{
+    const double *g = w->def.gravity;
+    double way = 0.1 * (double)w->reach, speed = way / w->dt;
+    double weight = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    return w->mass * (way * weight + speed * speed / 2);
+}
+
+bool slice_brief(const struct world *w)
+{
+    const struct slicing *s = &w->slicing;
+    return s->tries < TRIES && s->level < s->deepest;
+}
+
+int slice_rounds(const struct world *w)
+{
+    bool few = w->slicing.level == 0 && slice_brief(w);
+    return few && w->def.max_rounds > ROUNDS ? ROUNDS : w->def.max_rounds;
+}
+
+bool slice_weighs(const struct world *w)
+{
+    return w->plan.implicit && !w->plan.led && !w->plan.wind;
+}
+
+bool slice_wrong(struct world *w, int outcome, const double before[3],
+                 const double after[3])
+{
+    struct slicing *s = &w->slicing;
+    bool failed = slice_failed(outcome) && s->tries < TRIES;
+    double rise = (after[0] - before[0]) + (after[1] - before[1]) +
+                  (after[2] - before[2]);
+    double height = after[2] < 0 ? -after[2] : after[2];
+    double least = (after[0] + after[1]) / 16 + height / 65536 + lift(w);
+    bool gains = !failed && slice_weighs(w) && rise > least;
+    bool jolt =
+        gains && rise > 2 * least && (s->jolts < JOLTS || s->jolts == s->began);
+    s->gained |= gains;
+    if (!(failed || jolt) || s->level >= s->deepest)
+        return false;
+    s->tries += failed;
+    s->jolts += jolt;
+    s->least = ++s->level;
+    return true;
+}
+
+bool slice_diverged(struct world *w)
+{
+    struct slicing *s = &w->slicing;
+    if (state_warm(w)) {
+        s->cold = true;
+        return true;
+    }
+    if (s->level >= s->deepest)
+        return false;
+    s->cuts++;
+    s->least = ++s->level;
+    return true;
+}
+
+void slice_keep(struct world *w)
+{
+    struct slicing *s = &w->slicing;
+    s->cold = false;
+    s->done += unit(s);
+    s->slices++;
+    bool even = s->done % (2 * unit(s)) == 0;
+    if (s->level > s->least && even && 4 * s->travel <= allowed(w))
+        s->level--;
+}
+
+/* What the next step is to know of the way; every now and then nothing, as ways
+ * grow short. */
+static void foresee(struct caution *c, const struct slicing *s)
+{
+    int far = s->level > s->least ? s->level : 0;
+    c->blind = far && c->far ? c->blind + 1 : 0;
+    c->far = c->blind < CALM ? far : 0;
+}
+
+/* Steps begin no longer than that from here on. */
+static void caution_raise(struct caution *c, int level)
+{
+    c->level = c->level > level ? c->level : level;
+}
+
+void slice_end(struct world *w)
+{
+    const struct slicing *s = &w->slicing;
+    struct caution *c = &w->caution;
+    foresee(c, s);
+    int wrong = s->jolts + s->tries;
+    if (s->cuts || s->gained || (c->again && wrong > s->began))
+        caution_raise(c, s->cuts ? s->least : JOLTS);
+    if (s->cuts || s->gained || wrong > s->began) {
+        c->again = 1;
+        c->calm = 0;
+    } else if (c->level == 0) {
+        c->again = 0;
+    } else if (++c->calm == CALM) {
+        c->level--;
+        c->calm = 0;
+    }
+}
+
+void slice_count(drape_work *work, struct broad *b)
+{
+    work->queries += b->queries;
+    work->boxes += b->refitted;
+    work->boxes_kept += b->kept;
+    work->walked += b->walked;
+    work->cleared += b->cleared;
+    b->queries = 0;
+    b->refitted = b->kept = b->walked = b->cleared = 0;
+}
+
+/* A step's part of work is the sum of its tries'. */
+static void add_work(drape_work *all, const drape_work *one)
+{
+    all->tries++;
+    all->solves += one->solves;
+    all->queries += one->queries;
+    all->narrow += one->narrow;
+    all->boxes += one->boxes;
+    all->boxes_kept += one->boxes_kept;
+    all->walked += one->walked;
+    all->cleared += one->cleared;
+    all->near += one->near;
+    all->later += one->later;
+}
+
+void slice_report(drape_step_report *all, const drape_step_report *one,
+                  bool kept)
+{
+    all->iterations += one->iterations;
+    all->rounds += one->rounds;
+    all->candidates += one->candidates;
+    add_work(&all->work, &one->work);
+    for (int k = 0; k < DRAPE_PART_COUNT; k++)
+        all->seconds[k] += one->seconds[k];
+    all->slices += kept;
+    if (!kept)
+        return;
+    all->outcome |= one->outcome;
+    all->residual =
+        one->residual > all->residual ? one->residual : all->residual;
+    all->substeps =
+        one->substeps > all->substeps ? one->substeps : all->substeps;
+    all->contacts = one->contacts;
+    all->impacts += one->impacts;
+    all->zone_vertices += one->zone_vertices;
+    all->rolled_back += one->rolled_back;
+    all->kinetic = one->kinetic;
+    all->elastic = one->elastic;
+    all->potential = one->potential;
+}

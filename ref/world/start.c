@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Whether a scene may start as it is. */
+#include "ref/world/start.h"
+
+#include <stdio.h>
+
+#include "ref/narrow/audit.h"
+#include "ref/narrow/sliver.h"
+
+static void *take(struct world *w, int64_t n, size_t size)
+{
+    return arena_take(w->arena, ARENA_OTHER, n, size);
+}
+
+static int take_audit(struct world *w, struct audit *s)
+{
+    int32_t *group = take(w, w->nt, sizeof *group);
+    s->n_nodes = ref_audit_nodes(s->nt);
+    for (int k = 0; k < 2; k++) {
+        s->key[k] = take(w, s->nt, sizeof **s->key);
+        s->order[k] = take(w, s->nt, sizeof **s->order);
+    }
+    s->node = take(w, s->n_nodes, sizeof *s->node);
+    s->count = take(w, s->n_nodes, sizeof *s->count);
+    s->degenerate = take(w, s->nt, 1);
+    s->pair = take(w, s->cap, sizeof *s->pair);
+    s->group = group;
+    for (int64_t k = 0; k < w->nt && group; k++)
+        group[k] = k < w->ntc;
+    return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+}
+
+static void give_audit(struct world *w, struct audit *s)
+{
+    for (int k = 0; k < 2; k++) {
+        arena_give(w->arena, s->key[k]);
+        arena_give(w->arena, s->order[k]);
+    }
+    arena_give(w->arena, s->node);
+    arena_give(w->arena, s->count);
+    arena_give(w->arena, s->degenerate);
+    arena_give(w->arena, s->pair);
+    arena_give(w->arena, (void *)s->group);
+}
+
+/* What intersects in a state, of what the simulation is to keep apart. */
+struct start_pairs {
+    int64_t found;    /* pairs of triangles with area; where there is none, 1
+                         if a triangle without area touches another */
+    int32_t first[2]; /* the first of them, ascending; of the scene's */
+    bool sliver;      /* one of first has no area */
+};
+
+/* Whether the simulation is to keep triangles a and b of the scene apart: two
+ * obstacles' never, two cloths' where self-collision is on. */
+static bool counts(const struct world *w, int32_t a, int32_t b)
+{
+    bool cloth_a = a < w->ntc, cloth_b = b < w->ntc;
+    return w->plan.self ? cloth_a || cloth_b : cloth_a != cloth_b;
+}
+
+/* ---- Triangles with area ---- */
+
+static int find_pairs(struct world *w, struct audit *s, struct start_pairs *p)
+{
+    int status = ref_audit(s);
+    if (status == DRAPE_EFULL) {
+        arena_give(w->arena, s->pair);
+        s->cap = s->found;
+        s->pair = take(w, s->cap, sizeof *s->pair);
+        status = s->pair ? ref_audit(s) : DRAPE_ENOMEM;
+    }
+    if (status == DRAPE_OK && s->found > 0)
+        memcpy(p->first, s->pair[0], sizeof p->first);
+    p->found = s->found;
+    return status;
+}
+
+/* ---- Triangles without area: spec/narrow/audit.md §5 ---- */
+
+struct sliver {
+    const struct world *w;
+    const struct audit *s;
+    struct face face;
+    int32_t t, other; /* other: out */
+};
+
+static bool touches(void *user, int32_t other)
+{
+    struct sliver *r = user;
+    r->other = other;
+    if (!counts(r->w, r->t, other))
+        return false;
+    struct face face = ref_audit_face(r->s, other);
+    return ref_sliver(&r->face, &face);
+}
+
+/* The first will do: where many lie at one place their pairs are too many. */
+static void find_sliver(const struct world *w, const struct audit *s,
+                        struct start_pairs *p)
+{
+    for (int32_t t = 0; t < s->nt && p->found == 0; t++) {
+        struct sliver r = {.w = w, .s = s, .t = t};
+        if (!s->degenerate[t])
+            continue;
+        r.face = ref_audit_face(s, t);
+        if (!ref_audit_any(s, t, touches, &r))
+            continue;
+        p->found = 1;
+        p->sliver = true;
+        p->first[0] = t < r.other ? t : r.other;
+        p->first[1] = t < r.other ? r.other : t;
+    }
+}
+
+/* Looks at all triangles with their vertices at x. DRAPE_OK whatever was found.
+ */
+static int look(struct world *w, const vec *x, struct start_pairs *p)
+{
+    struct audit s = {.nv = w->nv, .nt = w->nt, .x = x, .cap = 1024};
+    s.tri = (const int32_t(*)[3])w->tri;
+    s.across = !w->plan.self;
+    memset(p, 0, sizeof *p);
+    int status = take_audit(w, &s);
+    if (status == DRAPE_OK)
+        status = find_pairs(w, &s, p);
+    if (status == DRAPE_OK && s.n_degenerate > 0)
+        find_sliver(w, &s, p);
+    give_audit(w, &s);
+    return status;
+}
+
+/* ---- In words ---- */
+
+static void name(const struct world *w, int32_t t, char *text, size_t size)
+{
+    int body = 0, last = w->def.n_cloths + w->def.n_obstacles - 1;
+    while (body < last && world_first_triangle(w, body + 1) <= t)
+        body++;
+    bool cloth = body < w->def.n_cloths;
+    snprintf(text, size, "%s %d triangle %d", cloth ? "cloth" : "obstacle",
+             cloth ? body : body - w->def.n_cloths,
+             (int)(t - world_first_triangle(w, body)));
+}
+
+/* Names the bodies and the first pair. */
+static void explain(const struct world *w, const struct start_pairs *p,
+                    drape_error *error)
+{
+    char a[64], b[64], more[64] = "";
+    name(w, p->first[0], a, sizeof a);
+    name(w, p->first[1], b, sizeof b);
+    if (p->found > 1)
+        snprintf(more, sizeof more, " (first of %lld pairs)",
+                 (long long)p->found);
+    snprintf(error->text, sizeof error->text,
+             "the start state is intersecting: %s and %s%s%s", a, b, more,
+             p->sliver ? ", one of them without area" : "");
+}
+
+int start_audit(struct world *w, drape_error *error)
+{
+    struct start_pairs p;
+    int status = look(w, w->x0, &p);
+    if (status != DRAPE_OK || p.found == 0)
+        return status;
+    w->intersecting = p.sliver ? 0 : p.found;
+    if (w->def.allow_intersecting)
+        return DRAPE_OK;
+    if (error)
+        explain(w, &p, error);
+    return DRAPE_ESTART;
+}

@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Every function of spec/drape.h with every pointer NULL in turn and every
+ * integer at its extremes: a status, and the world goes on as it was. */
+#include "tests/api/api.h"
+
+#include <stdio.h>
+
+/* ---- Calls on a world ---- */
+
+static const char *call_defaults(struct api *a)
+{
+    (void)a;
+    drape_default(NULL);
+    drape_default_cloth(NULL);
+    drape_default_obstacle(NULL);
+    ran(3);
+    return NULL;
+}
+
+static const char *call_destroy(struct api *a)
+{
+    (void)a;
+    drape_destroy(NULL);
+    ran(1);
+    return NULL;
+}
+
+static const char *call_step(struct api *a)
+{
+    drape_step_report r;
+    REFUSES(drape_step(NULL, &r));
+    REFUSES(drape_step(NULL, NULL));
+    EXPECT(drape_step(a->world, NULL) == DRAPE_OK);
+    return NULL;
+}
+
+static const char *call_counts(struct api *a)
+{
+    int k;
+    REFUSES(drape_vertices(NULL));
+    REFUSES(drape_triangles(NULL));
+    REFUSES(drape_first_vertex(NULL, 0));
+    REFUSES(drape_first_triangle(NULL, 0));
+    REFUSES_EACH(api_extremes, k, drape_first_vertex(a->world, k));
+    REFUSES_EACH(api_extremes, k, drape_first_triangle(a->world, k));
+    REFUSES(drape_first_vertex(a->world, 3));
+    EXPECT(drape_first_vertex(a->world, 2) == drape_vertices(a->world));
+    return NULL;
+}
+
+static const char *call_reads(struct api *a)
+{
+    drape_view view;
+    REFUSES(drape_read(NULL, a->x, a->x));
+    EXPECT(drape_read(a->world, NULL, NULL) == DRAPE_OK);
+    REFUSES(drape_read_triangles(NULL, a->tri));
+    REFUSES(drape_read_triangles(a->world, NULL));
+    REFUSES(drape_borrow(NULL, &view));
+    REFUSES(drape_borrow(a->world, NULL));
+    return NULL;
+}
+
+/* One code for one fault, the same as in a definition. */
+static const char *call_wind(struct api *a)
+{
+    const drape_wind calm = {{0, 0, 0}, 0, 1, 1};
+    const double wrong[] = {(double)NAN, (double)INFINITY, 0x1p61, -0x1p61, -1};
+    drape_wake(NULL);
+    REFUSES(drape_set_wind(NULL, &calm));
+    REFUSES(drape_set_wind(a->world, NULL));
+    for (int k = 0; k < 5; k++) {
+        drape_wind w[4] = {calm, calm, calm, calm};
+        w[0].velocity[k % 3] = wrong[k];
+        w[1].density = wrong[k];
+        w[2].drag = wrong[k];
+        w[3].lift = wrong[k];
+        for (int i = 0; i < 4; i++) {
+            int want = k < 4 ? DRAPE_EDATA : i ? DRAPE_EARG : DRAPE_OK;
+            drape_world *world;
+            struct input d;
+            EXPECT(drape_set_wind(a->world, &w[i]) == want);
+            api_input(&d);
+            d.g.def.wind = w[i];
+            EXPECT(drape_create(&d.g.def, &world, NULL) == want);
+            drape_destroy(world);
+            ran(1);
+        }
+    }
+    return NULL;
+}
+
+static const char *call_plan(struct api *a)
+{
+    drape_plan_row row;
+    drape_memory memory;
+    REFUSES(drape_plan(NULL, &row, 1));
+    REFUSES(drape_plan(a->world, NULL, 1));
+    REFUSES(drape_plan(a->world, &row, -1));
+    REFUSES(drape_plan(a->world, &row, INT32_MIN));
+    EXPECT(drape_plan(a->world, NULL, 0) > 0);
+    REFUSES(drape_count(NULL, &memory));
+    REFUSES(drape_count(a->world, NULL));
+    return NULL;
+}
+
+static int write_none(void *user, const void *data, size_t bytes)
+{
+    (void)user;
+    (void)data;
+    (void)bytes;
+    return 1;
+}
+
+static int read_none(void *user, void *data, size_t bytes)
+{
+    (void)user;
+    memset(data, 0, bytes);
+    return 0;
+}
+
+static const char *call_saves(struct api *a)
+{
+    REFUSES(drape_save(NULL, write_none, NULL));
+    REFUSES(drape_save(a->world, NULL, NULL));
+    EXPECT(drape_save(a->world, write_none, NULL) == DRAPE_EIO);
+    REFUSES(drape_load(NULL, read_none, NULL));
+    REFUSES(drape_load(a->world, NULL, NULL));
+    EXPECT(drape_load(a->world, read_none, NULL) == DRAPE_EMATCH);
+    return NULL;
+}
+
+static const char *call_texts(struct api *a)
+{
+    (void)a;
+    EXPECT(drape_info() && drape_info()[0]);
+    for (int k = 0; k < EXTREMES; k++)
+        EXPECT(drape_status_text(api_extremes[k])[0]);
+    ran(1);
+    return NULL;
+}
+
+/* ---- The table ---- */
+
+static const struct {
+    const char *name;
+    const char *(*call)(struct api *a);
+} table[] = {
+    {"drape_create", api_call_create},
+    {"drape_destroy", call_destroy},
+    {"drape_default", call_defaults},
+    {"drape_default_cloth", call_defaults},
+    {"drape_default_obstacle", call_defaults},
+    {"drape_step", call_step},
+    {"drape_vertices", call_counts},
+    {"drape_triangles", call_counts},
+    {"drape_first_vertex", call_counts},
+    {"drape_first_triangle", call_counts},
+    {"drape_read", call_reads},
+    {"drape_read_triangles", call_reads},
+    {"drape_borrow", call_reads},
+    {"drape_wake", call_wind},
+    {"drape_set_wind", call_wind},
+    {"drape_plan", call_plan},
+    {"drape_count", call_plan},
+    {"drape_save", call_saves},
+    {"drape_load", call_saves},
+    {"drape_audit", api_call_audit},
+    {"drape_ccd", api_call_ccd},
+    {"drape_ccd_frames", api_call_frames},
+    {"drape_info", call_texts},
+    {"drape_status_text", call_texts},
+};
+enum { ROWS = sizeof table / sizeof *table };
+
+static bool in_table(const char *name, size_t length)
+{
+    for (int k = 0; k < ROWS; k++)
+        if (strlen(table[k].name) == length &&
+            !strncmp(table[k].name, name, length))
+            return true;
+    return false;
+}
+
+/* How many prototypes the header has that the table lacks, by their names. */
+static int count_missing(FILE *header, int *prototypes)
+{
+    char line[256];
+    int missing = 0;
+    while (fgets(line, sizeof line, header)) {
+        const char *name = strstr(line, "drape_");
+        if (line[0] < 'a' || line[0] > 'z' || !strncmp(line, "typedef", 7))
+            continue;
+        while (name) {
+            size_t n = strspn(name, "abcdefghijklmnopqrstuvwxyz_0123456789");
+            if (name[n] == '(') {
+                bool here = in_table(name, n);
+                if (!here)
+                    printf("%.*s is not in the table\n", (int)n, name);
+                missing += !here;
+                ++*prototypes;
+                break;
+            }
+            name = strstr(name + n, "drape_");
+        }
+    }
+    return missing;
+}
+
+const char *test_api_refuses(void)
+{
+    struct api a = {.x = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                    .tri = {{0, 1, 2}}};
+    int prototypes = 0;
+    a.at = (const double(*)[3])a.x;
+    FILE *header = fopen("spec/drape.h", "r");
+    EXPECT(header);
+    int missing = count_missing(header, &prototypes);
+    fclose(header);
+    EXPECT(missing == 0 && prototypes == ROWS);
+    a.mesh = (drape_mesh){.nv = 4,
+                          .nt = 1,
+                          .x = (const double(*)[3])a.x,
+                          .tri = (const int32_t(*)[3])a.tri};
+    api_input(&a.input);
+    EXPECT(drape_create(&a.input.g.def, &a.world, NULL) == DRAPE_OK);
+    EXPECT(guest_go(a.world, 1) == DRAPE_OK);
+    for (int k = 0; k < ROWS; k++) {
+        const char *what = table[k].call(&a);
+        if (what) {
+            printf("%s\n", table[k].name);
+            return what;
+        }
+    }
+    EXPECT(guest_go(a.world, 1) == DRAPE_OK);
+    drape_destroy(a.world);
+    return NULL;
+}

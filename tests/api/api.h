@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the tests of the API's refusals share. */
+#ifndef TESTS_API_H
+#define TESTS_API_H
+
+#include "tests/api/guest.h"
+
+/* -1, and what is furthest from 0. */
+extern const int api_extremes[];
+extern const int64_t api_wide[];
+enum { EXTREMES = 3 };
+
+#define REFUSES(call)                                                          \
+    do {                                                                       \
+        EXPECT((call) == DRAPE_EARG);                                          \
+        ran(1);                                                                \
+    } while (0)
+/* The call is refused with each extreme in the place of `lvalue`. */
+#define REFUSES_EACH(values, lvalue, call)                                     \
+    for (int k_ = 0; k_ < EXTREMES; k_++) {                                    \
+        lvalue = (values)[k_];                                                 \
+        REFUSES(call);                                                         \
+    }
+
+/* A guest's scene with a pin and a motion of two keys. */
+struct input {
+    struct guest g;
+    drape_pin pin;
+    drape_motion motion;
+    double time[2], position[2][3], rotation[2][4], frame[8][3];
+};
+
+/* What the functions are called on. */
+struct api {
+    struct input input;
+    drape_world *world;
+    drape_mesh mesh;
+    double x[4][3];
+    const double (*at)[3]; /* x */
+    int32_t tri[1][3];
+};
+
+void api_input(struct input *d);
+
+/* Of tests/api/api_create.c: what drape_create refuses. */
+const char *api_call_create(struct api *a);
+/* Of tests/api/api_mesh.c. */
+const char *api_call_audit(struct api *a);
+const char *api_call_ccd(struct api *a);
+const char *api_call_frames(struct api *a);
+
+#endif

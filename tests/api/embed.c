@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* drape as a guest in another program: memory is the caller's, short memory
+ * is a status, worlds in several threads do not meet. spec/drape.h */
+#include <dirent.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "tests/api/guest.h"
+#include "tests/world/scene.h"
+
+enum { SETTLE = 12, SETTLED = 40, SHORT = 3, LENT = 12, THREADS = 4 };
+
+static size_t planned(const drape_world *world)
+{
+    drape_plan_row row[64];
+    size_t sum = 0;
+    int rows = drape_plan(world, row, 64);
+    for (int k = 0; k < rows; k++)
+        sum += row[k].bytes;
+    return sum;
+}
+
+/* What is counted is what was taken; once the scene has settled nothing is;
+ * in the end all is back. */
+const char *test_embed_memory(void)
+{
+    for (int backend = DRAPE_REF; backend <= DRAPE_GPU; backend++) {
+        struct guest s;
+        drape_world *world;
+        drape_memory a, b;
+        guest_make(&s, backend);
+        int status = drape_create(&s.def, &world, NULL);
+        if (status == DRAPE_EDEVICE)
+            return skip("there is no device");
+        EXPECT(status == DRAPE_OK);
+        EXPECT(guest_go(world, SETTLED) == DRAPE_OK); /* tapes, too */
+        EXPECT(drape_count(world, &a) == DRAPE_OK);
+        EXPECT(guest_go(world, SETTLE) == DRAPE_OK);
+        EXPECT(drape_count(world, &b) == DRAPE_OK);
+        EXPECT(!memcmp(&a, &b, sizeof a));
+        EXPECT(b.host_allocations == s.host.calls);
+        EXPECT(b.device_allocations == s.device.calls);
+        EXPECT(b.device_bytes == s.device.held);
+        /* each block of the host's has a header of 64 bytes */
+        EXPECT(b.host_bytes < s.host.held);
+        EXPECT(planned(world) == (backend ? b.device_bytes : b.host_bytes));
+        drape_destroy(world);
+        EXPECT(s.host.held == 0 && s.device.held == 0);
+        ran(1);
+    }
+    return NULL;
+}
+
+/* What the solver lends is enough for a scene's contact, and what it borrows
+ * does not mix with what outlasts a solve: emulated, each solve spoils that. */
+const char *test_embed_lent(void)
+{
+    uint64_t hash[2];
+    for (int backend = DRAPE_REF; backend <= DRAPE_GPU; backend++) {
+        struct guest s;
+        drape_world *world;
+        drape_step_report r;
+        drape_memory a, b;
+        guest_make(&s, backend);
+        s.cloth.m = s.cloth.n = 24;
+        s.def.matrix = DRAPE_CDF; /* which lends most */
+        s.def.precond = DRAPE_JACOBI;
+        int status = drape_create(&s.def, &world, NULL);
+        if (status == DRAPE_EDEVICE)
+            return skip("there is no device");
+        EXPECT(status == DRAPE_OK && drape_count(world, &a) == DRAPE_OK);
+        EXPECT(guest_go(world, SETTLE) == DRAPE_OK);
+        EXPECT(drape_step(world, &r) == DRAPE_OK && r.contacts > 0);
+        EXPECT(drape_count(world, &b) == DRAPE_OK);
+        /* the front, contacts, their lists, what tapes keep or make larger, and
+         * what is too large */
+        EXPECT(b.device_allocations - a.device_allocations < LENT);
+        EXPECT(backend ? b.borrowed_bytes > a.borrowed_bytes
+                       : b.borrowed_bytes == 0);
+        hash[backend] = scene_hash(world);
+        drape_destroy(world);
+        ran(1);
+    }
+    EXPECT(hash[0] == hash[1]);
+    return NULL;
+}
+
+/* Whichever allocation of drape_create fails: a status, and nothing stays. */
+static const char *short_making(struct guest *s, struct purse *purse)
+{
+    for (purse->most = 0;; purse->most++) {
+        drape_world *world;
+        s->host.calls = s->device.calls = 0;
+        int status = drape_create(&s->def, &world, NULL);
+        if (status == DRAPE_OK) {
+            drape_destroy(world);
+            EXPECT(purse->most > 20);
+            EXPECT(s->host.held == 0 && s->device.held == 0);
+            purse->most = INT64_MAX;
+            return NULL;
+        }
+        EXPECT(status == DRAPE_ENOMEM && !world);
+        EXPECT(s->host.held == 0 && s->device.held == 0);
+        ran(1);
+    }
+}
+
+/* Allocation k after drape_create fails: that step changes nothing, and when
+ * there is room again the world goes on to the same end. */
+static const char *short_run(struct guest *s, struct purse *purse, int64_t k,
+                             uint64_t want, bool *failed)
+{
+    drape_world *world;
+    *failed = false;
+    EXPECT(drape_create(&s->def, &world, NULL) == DRAPE_OK);
+    purse->most = purse->calls + k;
+    for (int step = 0; step < SHORT; step++) {
+        uint64_t before = scene_hash(world);
+        int status = drape_step(world, NULL);
+        if (status == DRAPE_OK)
+            continue;
+        EXPECT(status == DRAPE_ENOMEM && !*failed);
+        EXPECT(scene_hash(world) == before);
+        purse->most = INT64_MAX;
+        *failed = true;
+        step--;
+    }
+    purse->most = INT64_MAX;
+    EXPECT(scene_hash(world) == want);
+    drape_destroy(world);
+    EXPECT(s->host.held == 0 && s->device.held == 0);
+    ran(*failed);
+    return NULL;
+}
+
+const char *test_embed_short(void)
+{
+    if (REAL_BITS == 64)
+        return skip("the same source in binary32 decides");
+    for (int backend = DRAPE_REF; backend <= DRAPE_GPU; backend++) {
+        struct guest s;
+        drape_world *world;
+        guest_make(&s, backend);
+        s.def.precond = DRAPE_JACOBI; /* emulated, the other takes long */
+        int status = drape_create(&s.def, &world, NULL);
+        if (status == DRAPE_EDEVICE)
+            return skip("there is no device");
+        EXPECT(status == DRAPE_OK && guest_go(world, SHORT) == DRAPE_OK);
+        uint64_t want = scene_hash(world);
+        drape_destroy(world);
+        struct purse *purse[] = {&s.host, &s.device};
+        for (int j = 0; j <= backend; j++) {
+            const char *what = short_making(&s, purse[j]);
+            int64_t k = 0;
+            int by = j < backend ? 5 : 1; /* records of the device's memory */
+            for (bool failed = true; failed && !what; k += by)
+                what = short_run(&s, purse[j], k, want, &failed);
+            if (what)
+                return what;
+            EXPECT(k > 3);
+        }
+    }
+    return NULL;
+}
+
+/* ---- Threads ---- */
+
+struct job {
+    int backend;
+    uint64_t hash; /* out: 0 where it failed */
+};
+
+static void *work(void *user)
+{
+    struct job *job = user;
+    struct guest s;
+    drape_world *world;
+    guest_make(&s, job->backend);
+    s.def.device_allocator = (drape_allocator){0};
+    job->hash = 0;
+    if (drape_create(&s.def, &world, NULL) != DRAPE_OK)
+        return NULL;
+    if (guest_go(world, SHORT) == DRAPE_OK)
+        job->hash = scene_hash(world);
+    drape_destroy(world);
+    return NULL;
+}
+
+static int threads_now(void)
+{
+    int n = 0;
+    DIR *dir = opendir("/proc/self/task");
+    for (struct dirent *e; dir && (e = readdir(dir));)
+        n += e->d_name[0] != '.';
+    if (dir)
+        closedir(dir);
+    return n;
+}
+
+/* Worlds in threads of the caller's give what each gives alone, and on the
+ * reference no thread comes that was not asked for. */
+const char *test_embed_threads(void)
+{
+    pthread_t thread[THREADS];
+    struct job alone[2] = {{DRAPE_REF, 0}, {DRAPE_GPU, 0}}, job[THREADS];
+    int before = threads_now();
+    work(&alone[0]);
+    EXPECT(alone[0].hash && before == threads_now());
+    work(&alone[1]);
+    if (!alone[1].hash)
+        return skip("there is no device");
+    EXPECT(alone[0].hash == alone[1].hash);
+    for (int k = 0; k < THREADS; k++) {
+        job[k].backend = k % 2;
+        EXPECT(!pthread_create(&thread[k], NULL, work, &job[k]));
+    }
+    for (int k = 0; k < THREADS; k++)
+        pthread_join(thread[k], NULL);
+    for (int k = 0; k < THREADS; k++) {
+        EXPECT(job[k].hash == alone[0].hash);
+        ran(1);
+    }
+    return NULL;
+}

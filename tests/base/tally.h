@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the running test has counted; check resets it before each. */
+#ifndef TESTS_TALLY_H
+#define TESTS_TALLY_H
+
+#include "tests/base/harness.h"
+
+struct tally {
+    int64_t cases;
+    bool skipped;
+};
+extern struct tally tally;
+
+#endif

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The library's own threads: each part of a loop is run once, whoever runs it;
+ * where no more threads can be had fewer do, to the same bits. */
+#include "ref/base/threads.h"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "tests/world/scene.h"
+#include "tests/world/slab.h"
+
+enum { PARTS = 64, LOOPS = 3000 };
+
+struct loop {
+    int count[PARTS], of[PARTS];
+    atomic_int inner;
+};
+
+static void inner(void *user)
+{
+    struct loop *s = user;
+    if (threads_count() == 1 && threads_number() == 0)
+        atomic_fetch_add(&s->inner, 1);
+}
+
+static void part(void *user)
+{
+    struct loop *s = user;
+    int k = threads_number();
+    s->count[k]++;
+    s->of[k] = threads_count();
+    threads_parallel(inner, s, 0, 0); /* a loop in a loop is not cut up */
+}
+
+/* Also short loops in a row, in which a worker may come late. */
+const char *test_threads_parts(void)
+{
+    for (int n = 1; n <= THREADS_SOME; n += 3) {
+        struct threads outer, t;
+        struct loop s = {{0}, {0}, 0};
+        threads_begin(&outer, 2);
+        threads_begin(&t, n);
+        for (int k = 0; k < LOOPS; k++)
+            threads_parallel(part, &s, 0, 0);
+        threads_parallel(part, &s, 1, 0);
+        threads_end(&t);
+        threads_end(&outer);
+        for (int k = 0; k < PARTS; k++)
+            EXPECT(s.count[k] == (k < n ? LOOPS : 0) + (k == 0));
+        for (int k = 1; k < n; k++)
+            EXPECT(s.of[k] == n);
+        EXPECT(s.of[0] == 1 && atomic_load(&s.inner) == LOOPS * n + 1);
+        ran(LOOPS);
+    }
+    return NULL;
+}
+
+/* The hash after two steps, 0 where anything fails. */
+static uint64_t run(int threads)
+{
+    struct slab d;
+    uint64_t hash = 0;
+    slab_make(&d, DRAPE_BW);
+    d.cloth.m = d.cloth.n = 65;
+    d.cloth.origin[1] = 0.1041;
+    d.def.threads = threads;
+    drape_world *world = slab_world(&d);
+    if (world && drape_step(world, NULL) == DRAPE_OK &&
+        drape_step(world, NULL) == DRAPE_OK)
+        hash = scene_hash(world);
+    drape_destroy(world);
+    return hash;
+}
+
+/* The same in a process of its own that gets few threads, or no memory for
+ * their stacks; its own end tells a library that ends it. */
+static uint64_t run_short(int resource, rlim_t most, int threads)
+{
+    int way[2], status;
+    uint64_t hash = 0;
+    if (pipe(way) != 0)
+        return 0;
+    pid_t child = fork();
+    if (child == 0) {
+        struct rlimit limit = {most, most};
+        close(way[0]);
+        if (setrlimit(resource, &limit) == 0)
+            hash = run(threads);
+        _exit(write(way[1], &hash, sizeof hash) != (ssize_t)sizeof hash);
+    }
+    close(way[1]);
+    if (child < 0 || read(way[0], &hash, sizeof hash) != (ssize_t)sizeof hash)
+        hash = 0;
+    close(way[0]);
+    if (child > 0 && (waitpid(child, &status, 0) != child || status != 0))
+        hash = 0;
+    return hash;
+}
+
+const char *test_threads_short(void)
+{
+    uint64_t want = run(1);
+    EXPECT(want && run(0) == want && run(3) == want);
+    EXPECT(run(4096) == want);
+#ifdef __SANITIZE_ADDRESS__
+    (void)run_short; /* a sanitizer needs more room than there would be */
+    ran(4);
+#else
+    EXPECT(run_short(RLIMIT_AS, (rlim_t)1 << 30, 4096) == want);
+    EXPECT(run_short(RLIMIT_NPROC, 1, 4096) ==
+           want); /* root's are not counted */
+    ran(6);
+#endif
+    return NULL;
+}

@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage blocks: generator and properties. spec/cloth/blocks.md */
+#include "ref/cloth/blocks.h"
+
+#include "tests/cloth/sheet.h"
+#include "tests/solve/system.h"
+
+const struct field fields_blocks[] = {
+    IN(blocks, law, laws, 1),     IN(blocks, springs, count, 1),
+    IN(blocks, x, count, 1),      OUT(blocks, block, count, SPRINGS),
+    OUT(blocks, thin, n_thin, 1), FIELD_END};
+
+void gen_blocks(struct bytes *b, struct blocks *s)
+{
+    struct grid g = pick_grid(b);
+    s->m = g.m;
+    s->count = g.count;
+    s->laws = SPRINGS;
+    s->law = g.law;
+    s->springs = g.springs;
+    s->x = pick_state(b, &g);
+    s->tau = pick_uniform(b, R(1e-4), R(0.05));
+    s->n_thin = pick(b, 3) ? SPRINGS * g.count : 0;
+}
+
+/* §5: of c u uᵀ + b I, d along u: entries to 2^-6, and hardly any of c across
+ * it. `error`: of the block's own entries. */
+static const char *check_thin(struct thin t, double c, double b,
+                              const double d[3], double error)
+{
+    struct thin_parts a = thin_open(t);
+    double e[3] = {(double)a.e.x, (double)a.e.y, (double)a.e.z};
+    double size = (double)a.size, all = (double)a.all;
+    double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    double room = 0x1p-6 * (c + b) + error;
+    EXPECT(size >= 0 && all >= 0 && all <= b + error);
+    for (int i = 0; i < 3; i++)
+        for (int j = i; j < 3; j++) {
+            double want = c * d[i] * d[j] / square + (i == j ? b : 0);
+            double is = size * e[i] * e[j] + (i == j ? all : 0);
+            EXPECT(fabs(is - want) <= room);
+            EXPECT(i != j || is <= want + error + 0x1p-12 * c);
+        }
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3;
+        double across = d[j] * e[i] - d[i] * e[j];
+        EXPECT(size * across * across <= 0x1p-26 * (c + error) * square);
+    }
+    return NULL;
+}
+
+/* §3: the block against a u uᵀ + b (I - u uᵀ) in binary64. */
+static const char *check(const struct blocks *s, const struct law *law, vec p,
+                         vec q, const sym *block, const struct thin *thin)
+{
+    double d[3] = {(double)q.x - (double)p.x, (double)q.y - (double)p.y,
+                   (double)q.z - (double)p.z};
+    double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    if (!(length > 1e-15 && length < 1e15))
+        return NULL;
+    double tau = (double)s->tau, slope, tension = law_oracle(law, length);
+    /* Where rounding or the fit may put the length beyond a kink. */
+    double blur = 16 * REAL_U * (length + (double)law->rest);
+    double shift = 13 * LAW_ERROR * (double)law->bend / (double)law->press;
+    bool kink = fabs(length - (double)law->rest) <= blur ||
+                fabs(length - (double)law->knee) <= blur + shift;
+    slope = law_oracle_slope(law, length);
+    double a = tau * (double)law->damp + tau * tau * slope;
+    double b = tension > 0 ? tau * tau * tension / length : 0;
+    const real *entry = &block->xx;
+    double fit = LAW_SLOPE_ERROR * (double)law->bend / (double)law->rest;
+    double stiff = (double)law->stiff * (40 * REAL_U + (kink ? 1 : 0));
+    double error = tau * tau * (fit + stiff) + 40 * REAL_U * a + 1e-35;
+    for (int i = 0, e = 0; i < 3; i++)
+        for (int j = i; j < 3; j++, e++) {
+            double uu = d[i] * d[j] / (length * length);
+            double want = (a - b) * uu + (i == j ? b : 0);
+            EXPECT(fabs((double)entry[e] - want) <= error);
+        }
+    return thin ? check_thin(*thin, a - b, b, d, error) : NULL;
+}
+
+/* §2: no direction z of a small lattice has zᵀ B z < 0, to rounding. */
+static const char *semidefinite(const sym *a)
+{
+    double trace = (double)a->xx + (double)a->yy + (double)a->zz;
+    EXPECT(trace >= 0 && trace <= 1e30);
+    for (int k = 0; k < 343; k++) {
+        double x = k % 7 - 3, y = k / 7 % 7 - 3, z = k / 49 - 3;
+        double form = (double)a->xx * x * x + (double)a->yy * y * y +
+                      (double)a->zz * z * z +
+                      2 * ((double)a->xy * x * y + (double)a->xz * x * z +
+                           (double)a->yz * y * z);
+        double square = x * x + y * y + z * z;
+        EXPECT(form >= -(8 * REAL_U * trace + 1e-35) * square);
+    }
+    return NULL;
+}
+
+const char *prop_blocks(const struct blocks *s)
+{
+    static const sym zero;
+    for (int64_t k = 0; k < SPRINGS * s->count; k++) {
+        int64_t o = k / s->count, p = k % s->count;
+        const sym *block = &s->block[k];
+        if (!(s->springs[p] >> o & 1)) {
+            EXPECT(!memcmp(block, &zero, sizeof zero));
+            EXPECT(!s->n_thin || s->thin[k].both == 0);
+            continue;
+        }
+        int64_t q = p + spring_di[o] + (int64_t)spring_dj[o] * s->m;
+        const char *bad = check(s, &s->law[o], s->x[p], s->x[q], block,
+                                s->n_thin ? &s->thin[k] : NULL);
+        if (!bad)
+            bad = semidefinite(block);
+        if (bad)
+            return bad;
+    }
+    return NULL;
+}
+
+/* §5: what is no positive number counts as 0, and what is too large as the
+ * largest; the axis is the first of equals. */
+const char *test_thin_limits(void)
+{
+    const real nan = (real)NAN, inf = (real)INFINITY;
+    const vec x = {1, 0, 0}, even = {R(0.5), R(0.5), R(-0.5)};
+    struct thin_parts a = thin_open(thin_make(2, 3, x));
+    EXPECT(a.size == 8 && a.all == 3);
+    EXPECT(a.e.x == R(0.5) && a.e.y == 0 && a.e.z == 0);
+    a = thin_open(thin_make(1, 0, even));
+    EXPECT(a.size == 1 && a.all == 0 && a.e.x == R(0.5) && a.e.z == R(-0.5));
+    EXPECT(a.e.y == R(0.5) - R(0x1p-15)); /* there is no last step */
+    a = thin_open(thin_make(-1, nan, x));
+    EXPECT(a.size == 0 && a.all == 0);
+    a = thin_open(thin_make(inf, inf, x));
+    EXPECT(a.size == R(0x1.fep127) && a.all == R(0x1.fep127));
+    a = thin_open(thin_make(1, 1, vec_make(nan, nan, nan)));
+    EXPECT(a.size == 0 && a.all == 1 && a.e.y == 0);
+    a = thin_open(thin_make(R(0x1.01ffp0), R(0x1.01ffp0), x));
+    EXPECT(a.size == 4 * R(0x1.00p0) && a.all == R(0x1.00p0)); /* cut off */
+    ran(6);
+    return NULL;
+}

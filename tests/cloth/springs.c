@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage springs: generator and properties. spec/cloth/springs.md */
+#include "ref/cloth/springs.h"
+
+#include "tests/cloth/sheet.h"
+
+const struct field fields_springs[] = {
+    IN(springs, law, laws, 1),     IN(springs, springs, count, 1),
+    IN(springs, mass, count, 1),   IN(springs, x, count, 1),
+    IN(springs, v, n_v, 1),        IN(springs, wind, n_wind, 1),
+    OUT(springs, force, count, 1), FIELD_END};
+
+void gen_springs(struct bytes *b, struct springs *s)
+{
+    struct grid g = pick_grid(b);
+    s->m = g.m;
+    s->n = g.n;
+    s->count = g.count;
+    s->laws = SPRINGS;
+    s->law = g.law;
+    s->springs = g.springs;
+    s->mass = g.mass;
+    s->x = pick_state(b, &g);
+    s->n_v = for_bench(b) || pick(b, 2) ? g.count : 0;
+    s->v = pick_vecs(b, s->n_v, 10);
+    s->n_wind = pick(b, 2) ? g.count : 0;
+    s->wind = pick_vecs(b, s->n_wind, R(0.1));
+    s->gravity = pick(b, 2) ? vec_make(0, 0, 0) : pick_vec(b, 10);
+}
+
+/* A particle's force in binary64, and what bounds the error of it. */
+struct exact {
+    double f[3];
+    double size;  /* Σ |pull| */
+    double error; /* §3 */
+    bool known;   /* all lengths are such that §3 applies */
+};
+
+static void add_pull(const struct springs *s, const struct law *a, int64_t p,
+                     int64_t q, struct exact *e)
+{
+    const real *xp = &s->x[p].x, *xq = &s->x[q].x;
+    double d[3], square = 0, rate = 0, speed = 0;
+    for (int k = 0; k < 3; k++) {
+        d[k] = (double)xq[k] - (double)xp[k];
+        square += d[k] * d[k];
+    }
+    double length = sqrt(square);
+    if (length == 0)
+        return;
+    for (int k = 0; k < 3 && s->n_v; k++) {
+        double w = (double)(&s->v[q].x)[k] - (double)(&s->v[p].x)[k];
+        rate += w * d[k] / length;
+        speed += fabs(w);
+    }
+    double tension = law_oracle(a, length);
+    double damped = (double)a->damp * rate;
+    for (int k = 0; k < 3; k++)
+        e->f[k] += (tension + damped) * d[k] / length;
+    e->known &= length > 1e-15 && length < 1e15;
+    e->size += fabs(tension + damped);
+    e->error += 8 * REAL_U * (double)a->stiff * (length + (double)a->rest) +
+                fabs(tension) * (LAW_ERROR + 50 * REAL_U) +
+                60 * REAL_U * (double)a->damp * speed;
+}
+
+static struct exact force_of(const struct springs *s, int64_t p)
+{
+    struct exact e = {.known = true};
+    int64_t i = p % s->m, j = p / s->m;
+    for (int o = 0; o < SPRINGS; o++) {
+        int64_t di = spring_di[o], dj = spring_dj[o], step = di + dj * s->m;
+        if (s->springs[p] >> o & 1)
+            add_pull(s, &s->law[o], p, p + step, &e);
+        if (i - di >= 0 && i - di < s->m && j >= dj &&
+            s->springs[p - step] >> o & 1)
+            add_pull(s, &s->law[o], p, p - step, &e);
+    }
+    for (int k = 0; k < 3; k++) {
+        double w = s->n_wind ? (double)(&s->wind[p].x)[k] : 0;
+        double g = (double)s->mass[p] * (double)(&s->gravity.x)[k];
+        e.f[k] += w + g;
+        e.error += 50 * REAL_U * (fabs(w) + fabs(g));
+    }
+    e.error += 1e-35;
+    return e;
+}
+
+const char *prop_springs(const struct springs *s)
+{
+    double sum[3] = {0}, bound = 0;
+    bool all = !s->n_wind && vec_dot(s->gravity, s->gravity) == 0;
+    for (int64_t p = 0; p < s->count; p++) {
+        struct exact e = force_of(s, p);
+        all &= e.known;
+        bound += 17 * REAL_U * e.size * (1 + 1e-5) + 1e-35;
+        for (int k = 0; k < 3; k++) {
+            double f = (double)(&s->force[p].x)[k];
+            /* §3: the force is that of the law, to rounding. */
+            EXPECT(!e.known || fabs(f - e.f[k]) <= e.error);
+            sum[k] += f;
+            bound += (double)s->count * 0x1p-53 * fabs(f);
+        }
+    }
+    /* §4: the springs' forces add up to nothing, to rounding. */
+    for (int k = 0; k < 3; k++)
+        EXPECT(!all || fabs(sum[k]) <= bound);
+    return NULL;
+}

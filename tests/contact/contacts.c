@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage contacts: generator and properties. spec/contact/contacts.md */
+#include "tests/contact/contacts.h"
+
+#include "ref/base/wide.h"
+#include "ref/contact/proximity.h"
+#include "tests/base/choices.h"
+
+const struct field fields_contacts[] = {
+    IN(contacts, w, nv, 1),
+    INOUT(contacts, contact, n, 1),
+    INOUT(contacts, u, nv, 1),
+    INOUT(contacts, v, nv, 1),
+    SCRATCH(contacts, start, nv1, 1),
+    SCRATCH(contacts, item, n4, 1),
+    SCRATCH(contacts, acting, nv, 1),
+    SCRATCH(contacts, parts, nv, 1),
+    SCRATCH(contacts, lack, n, 1),
+    SCRATCH(contacts, ahead, n, 1),
+    SCRATCH(contacts, push, n, 1),
+    SCRATCH(contacts, before, n, 1),
+    SCRATCH(contacts, awake, n, 1),
+    SCRATCH(contacts, stirred, nv, 1),
+    OUT_USED(contacts, vertex, n4, 1, vertices),
+    OUT_USED(contacts, moved, n4, 1, vertices),
+    OUT_VALUE(contacts, vertices),
+    FIELD_END};
+
+static void pick_contact(struct bytes *b, int64_t nv, struct contact *c)
+{
+    real s = R(0.25) * (real)pick(b, 5), t = R(0.25) * (real)pick(b, 5);
+    c->kind = pick(b, 2);
+    for (int j = 0; j < 4; j++)
+        c->v[j] = (int32_t)pick(b, (uint32_t)nv);
+    c->c[0] = c->kind ? 1 - s : 1;
+    c->c[1] = c->kind ? s : -(1 - s) * (1 - t);
+    c->c[2] = c->kind ? -(1 - t) : -s;
+    c->c[3] = c->kind ? -t : -t * (1 - s);
+    real x = pick_uniform(b, -1, 1), y = pick_uniform(b, -1, 1);
+    vec n = vec_make(x, y, 1);
+    c->n = vec_scale(1 / vec_length(n), n);
+    c->gap = pick_uniform(b, 0, R(0.01));
+    c->target = pick(b, 2) ? 0 : pick_uniform(b, -1, 1);
+    c->friction = pick(b, 3) ? R(0.25) * (real)pick(b, 4) : 10;
+    c->impulse = pick(b, 2) ? pick_uniform(b, 0, R(0.1)) : 0;
+    c->slide = pick(b, 2) ? pick_uniform(b, 0, R(0.01)) : 0;
+}
+
+void gen_contacts(struct bytes *b, struct contacts *s)
+{
+    s->n = for_bench(b) ? 1 << 16 : pick_size(b);
+    s->nv = for_bench(b) ? s->n : 4 + s->n / (1 + pick(b, 8));
+    s->nv1 = s->nv + 1;
+    s->n4 = 4 * s->n;
+    s->iterations = (int)pick(b, for_bench(b) ? 9 : 65);
+    s->warm = (int)pick(b, 2);
+    real *w = take(b, s->nv, sizeof *w);
+    struct contact *contact = take(b, s->n, sizeof *contact);
+    vec *u = take(b, s->nv, sizeof *u), *v = take(b, s->nv, sizeof *v);
+    for (int64_t i = 0; i < s->nv; i++) {
+        w[i] = pick(b, 4) ? pick_uniform(b, R(0.1), 1000) : 0;
+        u[i] = pick_vec(b, 10);
+        v[i] = pick(b, 2) ? u[i] : pick_vec(b, 10);
+    }
+    bool rests = pick(b, 2); /* most act only where others push them */
+    for (int64_t k = 0; k < s->n; k++) {
+        pick_contact(b, s->nv, &contact[k]);
+        if (rests && pick(b, 8)) {
+            contact[k].target = -pick_uniform(b, 1, 20);
+            contact[k].impulse = 0;
+        }
+    }
+    s->w = w;
+    s->contact = contact;
+    s->u = u;
+    s->v = v;
+}
+
+const char *prop_contacts(const struct contacts *s)
+{
+    /* A part below 2^-62 (2^-510) has a square below what is normal: a length
+     * may lose it, and the cone does not see it. */
+    const real lost = REAL_BITS == 32 ? R(0x1p-61) : (real)0x1p-509;
+    for (int64_t k = 0; k < s->n; k++) {
+        const struct contact *c = &s->contact[k];
+        real most = c->friction * c->impulse;
+        /* §4: the cone, to rounding of the length and of the scale */
+        EXPECT(c->impulse >= 0);
+        EXPECT(vec_length(c->tangent) <= most * (1 + R(0x1p-20)) + lost);
+        EXPECT(real_abs(vec_dot(c->tangent, c->n)) <= most * R(0x1p-18) + lost);
+    }
+    int64_t at = 0;
+    for (int64_t i = 0; i < s->nv; i++) {
+        bool in = false;
+        for (int64_t k = 0; k < s->n4 && s->n <= 300; k++)
+            in |= s->contact[k / 4].v[k % 4] == i && s->w[i] > 0 &&
+                  s->contact[k / 4].c[k % 4] != 0;
+        bool listed = at < s->vertices && s->vertex[at] == i;
+        EXPECT(s->n > 300 || in == listed); /* §1 */
+        EXPECT(!listed || s->w[i] > 0);
+        EXPECT(vec_sane(s->u[i]) && vec_sane(s->v[i]));
+        at += listed;
+    }
+    EXPECT(at == s->vertices);
+    return NULL;
+}
+
+/* ---- §5 What impulses conserve and dissipate ---- */
+
+static const double eps = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
+
+struct sums {
+    struct wide p, l; /* linear and angular momentum */
+    double e;         /* kinetic energy */
+    double scale;     /* Σ m |v| */
+};
+
+static struct sums add_up(const struct contacts *s, const vec *x, const vec *v)
+{
+    struct sums r = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+    for (int64_t i = 0; i < s->nv; i++) {
+        if (!(s->w[i] > 0))
+            continue;
+        double m = 1 / (double)s->w[i];
+        struct wide a = wide_of(v[i]);
+        r.p = wide_axpy(r.p, m, a);
+        r.l = wide_axpy(r.l, m, wide_cross(wide_of(x[i]), a));
+        r.e += 0.5 * m * wide_dot(a, a);
+        r.scale += m * sqrt(wide_dot(a, a));
+    }
+    return r;
+}
+
+/* §5.1: what rounding may do to momentum: a vertex of d contacts errs by
+ * (d + 3) eps of its impulses and by eps of its velocity. */
+static double rounding(const struct contacts *s, const vec *v)
+{
+    double bound = 0;
+    for (int64_t k = 0; k < s->n4; k++) {
+        const struct contact *c = &s->contact[k / 4];
+        int32_t i = c->v[k % 4];
+        double push = (double)vec_length(c->tangent) + (double)c->impulse;
+        double d = s->start[i + 1] - s->start[i];
+        bound += (d + 3) * eps * (double)real_abs(c->c[k % 4]) * push;
+    }
+    for (int64_t i = 0; i < s->nv; i++)
+        bound += eps * (double)vec_length(v[i]) / (double)s->w[i];
+    return 2 * bound;
+}
+
+void contacts_scratch(struct bytes *b, struct contacts *s)
+{
+    s->start = take(b, s->nv1, sizeof *s->start);
+    s->item = take(b, s->n4, sizeof *s->item);
+    s->acting = take(b, s->nv, sizeof *s->acting);
+    s->parts = take(b, s->nv, sizeof *s->parts);
+    s->lack = take(b, s->n, sizeof *s->lack);
+    s->ahead = take(b, s->n, sizeof *s->ahead);
+    s->push = take(b, s->n, sizeof *s->push);
+    s->before = take(b, s->n, sizeof *s->before);
+    s->vertex = take(b, s->n4, sizeof *s->vertex);
+    s->moved = take(b, s->n4, sizeof *s->moved);
+    s->awake = take(b, s->n, sizeof *s->awake);
+    s->stirred = take(b, s->nv, sizeof *s->stirred);
+}
+
+/* n contacts between nv free vertices, with what ref_contacts needs. */
+static void take_free(struct bytes *b, struct contacts *s, vec **x)
+{
+    s->n = 1 + pick(b, 200);
+    s->nv = 4 + pick(b, 300);
+    s->nv1 = s->nv + 1;
+    s->n4 = 4 * s->n;
+    s->iterations = (int)pick(b, 20);
+    real *w = take(b, s->nv, sizeof *w);
+    *x = take(b, s->nv, sizeof **x);
+    s->u = take(b, s->nv, sizeof *s->u);
+    s->v = take(b, s->nv, sizeof *s->v);
+    for (int64_t i = 0; i < s->nv; i++) {
+        w[i] = pick_uniform(b, R(0.5), 50);
+        (*x)[i] = pick_vec(b, 1);
+        s->u[i] = s->v[i] = pick_vec(b, 3);
+    }
+    s->w = w;
+    contacts_scratch(b, s);
+}
+
+/* Contacts of random pairs, as proximity makes them. */
+static int meet(struct bytes *b, struct contacts *s, const vec *x)
+{
+    struct surface surface = {10, R(0.25) * (real)pick(b, 4)};
+    int32_t *pair = take(b, s->n4, sizeof *pair);
+    uint8_t *kind = take(b, s->n, 1);
+    for (int64_t k = 0; k < s->n && s->nv > 0; k++) {
+        kind[k] = (uint8_t)pick(b, 2);
+        int32_t at = (int32_t)pick(b, (uint32_t)s->nv);
+        for (int j = 0; j < 4; j++) /* four different ones */
+            pair[4 * k + j] = (int32_t)((at + j * (s->nv / 4)) % s->nv);
+    }
+    struct proximity p = {.nv = s->nv,
+                          .n = s->n,
+                          .pair = pair,
+                          .kind = kind,
+                          .x = x,
+                          .w = s->w,
+                          .dt = R(0.01),
+                          .stiffness = pick(b, 2) ? 0 : 1,
+                          .cap = s->n};
+    p.skin = (struct skin){1, take(b, s->nv, 2), &surface};
+    p.at = take(b, s->n, sizeof *p.at);
+    p.contact = take(b, s->n, sizeof *p.contact);
+    s->contact = p.contact;
+    return ref_proximity(&p);
+}
+
+static double distance(struct wide a, struct wide b)
+{
+    struct wide d = wide_sub(a, b);
+    return sqrt(wide_dot(d, d));
+}
+
+static const char *conserve(struct bytes *b)
+{
+    struct contacts s = {0};
+    vec *x;
+    take_free(b, &s, &x);
+    EXPECT(meet(b, &s, x) == DRAPE_OK);
+    struct sums before = add_up(&s, x, s.v);
+    EXPECT(ref_contacts(&s) == DRAPE_OK);
+    struct sums after = add_up(&s, x, s.v), other = add_up(&s, x, s.u);
+    double bound = rounding(&s, s.v), torque = 0, work = 0;
+    for (int64_t k = 0; k < s.n; k++) {
+        const struct contact *c = &s.contact[k];
+        double push = (double)vec_length(c->tangent) + (double)c->impulse;
+        torque +=
+            (double)c->gap * (double)vec_length(c->tangent) + 64 * eps * push;
+        work += (double)(real_max(c->target, 0) * c->impulse);
+    }
+    EXPECT(distance(after.p, before.p) <= bound);
+    /* §5.2: |x| ≤ √3 */
+    EXPECT(distance(after.l, before.l) <= 2 * bound + torque);
+    /* §5.3, and rounding of twenty iterations in either velocity */
+    double slack = 256 * eps * (before.e + after.e + work);
+    EXPECT(after.e <= before.e + work + slack);
+    EXPECT(other.e <= before.e + work + slack);
+    EXPECT(distance(other.p, before.p) <= 40 * bound + 40 * eps * after.scale);
+    return NULL;
+}
+
+const char *test_contacts_conserve(void)
+{
+    for (uint64_t k = 0; k < 400; k++) {
+        struct bytes b = {.seed = k, .size = -1};
+        const char *failed = conserve(&b);
+        choices_free(&b);
+        if (failed)
+            return failed;
+        ran(1);
+    }
+    return NULL;
+}
+
+/* §2: a free vertex above a led face, whose contact it violates, and beside 39
+ * others which it does not: they do not take a part of its mass. One of another
+ * vertex rests, which keeps its bits. */
+const char *test_contacts_rest(void)
+{
+    enum { N = 41, NV = 5 };
+    static const real w[NV] = {1, 0, 0, 0, 1};
+    vec u[NV] = {[0] = {0, -1, 0}, [4] = {R(-0.0), 0, 0}};
+    vec v[NV] = {[0] = {0, -1, 0}, [4] = {R(-0.0), 0, 0}}, push[N], before[N];
+    uint8_t moved[4 * N], awake[N], stirred[NV];
+    int32_t start[NV + 1], item[4 * N], vertex[4 * N], acting[NV], parts[NV];
+    real lack[N], ahead[N];
+    struct contact contact[N];
+    for (int k = 0; k < N; k++) {
+        struct contact one = {.v = {k > 0 ? 0 : 4, 1, 2, 3},
+                              .kind = CONTACT_VF,
+                              .c = {1, R(-0.5), R(-0.25), R(-0.25)},
+                              .n = {0, 1, 0},
+                              .target = k == N / 2 ? R(-0.5) : -2};
+        contact[k] = one;
+    }
+    struct contacts s = {.nv = NV,
+                         .n = N,
+                         .w = w,
+                         .iterations = 1,
+                         .contact = contact,
+                         .u = u,
+                         .v = v,
+                         .nv1 = NV + 1,
+                         .n4 = 4 * N,
+                         .start = start,
+                         .item = item,
+                         .acting = acting,
+                         .parts = parts,
+                         .lack = lack,
+                         .ahead = ahead,
+                         .push = push,
+                         .before = before,
+                         .awake = awake,
+                         .stirred = stirred,
+                         .vertex = vertex,
+                         .moved = moved};
+    EXPECT(ref_contacts(&s) == DRAPE_OK);
+    for (int k = 0; k < N; k++)
+        EXPECT(contact[k].impulse == (k == N / 2 ? R(0.5) : 0));
+    EXPECT(u[0].y == R(-0.5) && v[0].y == R(-0.5));
+    EXPECT(s.vertices == 2 && moved[0] && !moved[1]);
+    EXPECT(signbit(u[4].x) && signbit(v[4].x));
+    ran(1);
+    return NULL;
+}
+
+/* A column of COLUMN vertices that falls on a led one: sum of what its contacts
+ * lack after `calls` of so many iterations, the second and later warm. */
+static double settle(struct bytes *b, int calls, int iterations)
+{
+    enum { COLUMN = 20 };
+    struct contacts s = {.n = COLUMN,
+                         .nv = COLUMN + 1,
+                         .nv1 = COLUMN + 2,
+                         .n4 = 4 * COLUMN,
+                         .iterations = iterations};
+    real *w = take(b, s.nv, sizeof *w);
+    s.u = take(b, s.nv, sizeof *s.u);
+    s.v = take(b, s.nv, sizeof *s.v);
+    s.contact = take(b, s.n, sizeof *s.contact);
+    for (int32_t k = 0; k < COLUMN; k++) {
+        s.contact[k] = (struct contact){
+            .v = {k + 1, k, k, k}, .c = {1, -1, 0, 0}, .n = {0, 1, 0}};
+        s.u[k + 1] = s.v[k + 1] = vec_make(0, -1, 0);
+        w[k + 1] = 1;
+    }
+    s.w = w;
+    contacts_scratch(b, &s);
+    for (int k = 0; k < calls; k++) {
+        s.warm = k > 0;
+        if (ref_contacts(&s) != DRAPE_OK)
+            return NAN;
+    }
+    double sum = 0;
+    for (int k = 0; k < COLUMN; k++)
+        sum += (double)real_max(s.u[k].y - s.u[k + 1].y, 0);
+    return sum;
+}
+
+/* §3: calls of one iteration have no momentum. */
+const char *test_contacts_momentum(void)
+{
+    struct bytes b = {.seed = 1, .size = -1};
+    double slow = settle(&b, 256, 1), fast = settle(&b, 1, 256);
+    choices_free(&b);
+    EXPECT(slow > 0.1 && fast < slow / 16);
+    ran(1);
+    return NULL;
+}

@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage impulses: generator and properties. spec/contact/impulses.md */
+#include "ref/contact/impulses.h"
+
+#include "tests/base/choices.h"
+
+const struct field fields_impulses[] = {
+    IN(impulses, pair, n, 4),
+    IN(impulses, kind, n, 1),
+    IN(impulses, toi, n, 1),
+    IN(impulses, x0, nv, 1),
+    IN(impulses, x1, nv, 1),
+    IN(impulses, skin.of, nv, 1),
+    IN(impulses, skin.surface, skin.n, 1),
+    IN(impulses, active, n_active, 1),
+    SCRATCH(impulses, key, n_all, 1),
+    SCRATCH(impulses, spare, n_all, 1),
+    OUT_USED(impulses, contact, cap, 1, found),
+    OUT_VALUE(impulses, found),
+    FIELD_END};
+
+/* Four of a few vertices, so that pairs come again in another order. */
+static void pick_names(struct bytes *b, int64_t nv, int32_t v[4])
+{
+    for (int j = 0; j < 4; j++)
+        v[j] = (int32_t)pick(b, (uint32_t)nv);
+}
+
+static struct contact *pick_active(struct bytes *b, const struct impulses *s)
+{
+    struct contact *c = take(b, s->n_active, sizeof *c);
+    for (int64_t k = 0; k < s->n_active; k++) {
+        pick_names(b, s->nv, c[k].v);
+        c[k].kind = pick(b, 2);
+        c[k].gap = -(real)(k + 1); /* tells it from a new one */
+    }
+    return c;
+}
+
+void gen_impulses(struct bytes *b, struct impulses *s)
+{
+    s->n = for_bench(b) ? 1 << 16 : pick_size(b);
+    s->n_active = pick(b, 2) ? s->n / 2 : 0;
+    s->n_all = s->n + s->n_active;
+    s->nv = for_bench(b) ? s->n : 6 + pick(b, 30);
+    s->skin.n = 1;
+    s->dt = R(1.0) / 60;
+    s->margin = R(0.25);
+    int32_t *pair = take(b, 4 * s->n, sizeof *pair);
+    uint8_t *kind = take(b, s->n, 1);
+    uint32_t *toi = take(b, s->n, sizeof *toi);
+    vec *x0 = take(b, s->nv, sizeof *x0), *x1 = take(b, s->nv, sizeof *x1);
+    struct surface *surface = take(b, 1, sizeof *surface);
+    surface[0] = (struct surface){R(0.01), R(0.1)};
+    for (int64_t i = 0; i < s->nv; i++) {
+        x0[i] = pick(b, 2) ? pick_vec(b, 4) : vec_make(0, 1, (real)pick(b, 4));
+        x1[i] = pick(b, 3) ? pick_vec(b, 4) : x0[i];
+    }
+    for (int64_t k = 0; k < s->n; k++) {
+        pick_names(b, s->nv, pair + 4 * k);
+        kind[k] = (uint8_t)pick(b, 2);
+        toi[k] = pick(b, 2) ? pick(b, 1u << 30) : pick(b, 2) << 30;
+    }
+    s->pair = pair;
+    s->kind = kind;
+    s->toi = toi;
+    s->x0 = x0;
+    s->x1 = x1;
+    s->skin.of = take(b, s->nv, sizeof *s->skin.of);
+    s->skin.surface = surface;
+    s->active = pick_active(b, s);
+    s->cap = pick(b, 8) ? s->n_all : s->n_all / 8;
+}
+
+/* The same set of vertices on each side, in any order. */
+static bool same_pair(const int32_t a[4], const int32_t b[4], int64_t kind)
+{
+    static const int vf[6][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 1, 3},
+                                 {0, 2, 3, 1}, {0, 3, 1, 2}, {0, 3, 2, 1}};
+    static const int ee[8][4] = {{0, 1, 2, 3}, {1, 0, 2, 3}, {0, 1, 3, 2},
+                                 {1, 0, 3, 2}, {2, 3, 0, 1}, {3, 2, 0, 1},
+                                 {2, 3, 1, 0}, {3, 2, 1, 0}};
+    for (int k = 0; k < (kind == CONTACT_VF ? 6 : 8); k++) {
+        const int *p = kind == CONTACT_VF ? vf[k] : ee[k];
+        if (a[0] == b[p[0]] && a[1] == b[p[1]] && a[2] == b[p[2]] &&
+            a[3] == b[p[3]])
+            return true;
+    }
+    return false;
+}
+
+static int64_t find(const struct impulses *s, const int32_t v[4], int64_t kind)
+{
+    int64_t at = -1;
+    for (int64_t k = 0; k < s->found; k++)
+        if (s->contact[k].kind == kind && same_pair(s->contact[k].v, v, kind)) {
+            if (at >= 0)
+                return -1; /* §1: never twice */
+            at = k;
+        }
+    return at;
+}
+
+/* §2: the normal opposes the approach that the weights see. §3: a margin of
+ * the thickness at the end, whatever an older contact of the pair asked for. */
+static const char *check_new(const struct impulses *s, const struct contact *c)
+{
+    vec way = vec_make(0, 0, 0);
+    real sum = 0, size = 0;
+    for (int k = 0; k < 4; k++) {
+        vec d = vec_sub(s->x1[c->v[k]], s->x0[c->v[k]]);
+        way = vec_axpy(way, c->c[k], d);
+        size += vec_length(d) + vec_length(s->x0[c->v[k]]);
+        sum += c->c[k];
+    }
+    EXPECT(vec_sane(c->n) && real_sane(c->gap) && real_sane(c->target));
+    EXPECT(sum == 0);
+    EXPECT(real_abs(vec_length(c->n) - 1) < R(0x1p-20));
+    EXPECT(vec_dot(c->n, way) <= R(0x1p-19) * size);
+    real keep = s->margin * skin_pair(&s->skin, c->v).thickness;
+    EXPECT(c->target == (keep - c->gap) / s->dt && c->slide == 0);
+    return NULL;
+}
+
+const char *prop_impulses(const struct impulses *s)
+{
+    if (s->n > 300)
+        return NULL;
+    for (int64_t k = 0; k < s->n; k++) {
+        int64_t at = find(s, s->pair + 4 * k, s->kind[k]);
+        EXPECT(at >= 0);
+        EXPECT(s->contact[at].impulse == 0 && s->contact[at].friction > 0);
+        const char *failed = check_new(s, &s->contact[at]);
+        if (failed)
+            return failed;
+    }
+    for (int64_t k = 0; k < s->n_active; k++)
+        EXPECT(find(s, s->active[k].v, s->active[k].kind) >= 0);
+    return NULL;
+}

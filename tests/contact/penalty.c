@@ -1,0 +1,306 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage penalty: generator and properties. spec/contact/penalty.md */
+#include "ref/contact/penalty.h"
+
+#include "ref/contact/contacts.h"
+#include "ref/solve/jacobi.h"
+#include "tests/base/choices.h"
+
+const struct field fields_penalty[] = {
+    IN(penalty, w, nv, 1),           IN(penalty, u, nv, 1),
+    IN(penalty, g, nv, 1),           INOUT(penalty, contact, n, 1),
+    SCRATCH(penalty, start, nv1, 1), SCRATCH(penalty, item, n4, 1),
+    SCRATCH(penalty, vertex, n4, 1), SCRATCH(penalty, share, n, 1),
+    SCRATCH(penalty, most, n, 1),    SCRATCH(penalty, gave, n, 1),
+    SCRATCH(penalty, more, n, 1),    SCRATCH(penalty, guess, nv, 1),
+    SCRATCH(penalty, brake, nv, 1),  OUT(penalty, force, nv, 1),
+    INOUT(penalty, hold, nv, 1),     FIELD_END};
+
+/* The same contacts as the stage that solves them otherwise. */
+void gen_contacts(struct bytes *b, struct contacts *s);
+
+void gen_penalty(struct bytes *b, struct penalty *s)
+{
+    struct contacts c = {0};
+    gen_contacts(b, &c);
+    s->nv = c.nv;
+    s->n = c.n;
+    s->nv1 = c.nv1;
+    s->n4 = c.n4;
+    s->w = c.w;
+    s->u = c.u;
+    s->contact = c.contact;
+    s->stiffness = R(100.0) * (real)(1 + pick(b, 8));
+    s->dt = R(1.0) / (real)(30 << pick(b, 5));
+    s->tau = pick(b, 2) ? s->dt : s->dt * R(2.0) / 3;
+    s->slip = R(0.001) * (real)(1 + pick(b, 5));
+    vec *g = take(b, s->nv, sizeof *g);
+    bool begun = pick(b, 2);
+    for (int64_t i = 0; i < s->nv && begun; i++)
+        g[i] = pick_vec(b, R(0.01));
+    s->g = g;
+    s->first = pick(b, 2);
+    s->hold = take(b, s->nv, sizeof *s->hold);
+    for (int64_t i = 0; i < s->nv; i++) {
+        real a = pick_uniform(b, R(1e-4), 1), d = pick_uniform(b, 0, a / 2);
+        s->hold[i] = (sym){a, d, -d, a, d, a};
+    }
+    for (int64_t k = 0; k < s->n; k++)
+        s->contact[k].held = !s->first && pick(b, 2);
+}
+
+static double dot(vec a, vec b)
+{
+    return (double)a.x * (double)b.x + (double)a.y * (double)b.y +
+           (double)a.z * (double)b.z;
+}
+
+/* §3: Σ a·hold·a over free vertices against the contacts' own matrix, for
+ * one made-up vector a; *size scales the roundings of both. */
+static double slack(const struct penalty *s, double *size)
+{
+    double own = 0, hold = 0;
+    *size = 0;
+    for (int64_t k = 0; k < s->n; k++) {
+        const struct contact *c = &s->contact[k];
+        double sum[3] = {0, 0, 0};
+        for (int j = 0; j < 4; j++) {
+            int32_t i = c->v[j];
+            double a[3] = {1 + i % 3, 1 - i % 5, 2 - i % 7};
+            for (int d = 0; d < 3 && s->w[i] > 0; d++)
+                sum[d] += (double)c->c[j] * a[d];
+        }
+        double n[3] = {(double)c->n.x, (double)c->n.y, (double)c->n.z};
+        double along = sum[0] * n[0] + sum[1] * n[1] + sum[2] * n[2];
+        double all = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
+        double normal = (double)(s->stiffness * s->tau * s->tau);
+        own += (c->held ? normal : 0) * along * along;
+        own += (double)(c->slide * s->tau / s->dt) * (all - along * along);
+    }
+    for (int64_t i = 0; i < s->nv; i++) {
+        vec a =
+            vec_make((real)(1 + i % 3), (real)(1 - i % 5), (real)(2 - i % 7));
+        sym h = s->hold[i];
+        hold += dot(a, sym_apply(h, a));
+        *size += dot(a, a) * (double)(h.xx + h.yy + h.zz);
+    }
+    return hold - own;
+}
+
+/* §1: what the spring would push with at u. */
+static real approach(const struct penalty *s, const struct contact *c)
+{
+    real vn = vec_dot(c->n, pair_sum(c->v, c->c, s->u));
+    return s->stiffness * s->dt * s->tau * (c->target - vn);
+}
+
+static vec slip_of(const struct contact *c, const vec *u)
+{
+    vec v = pair_sum(c->v, c->c, u);
+    return vec_axpy(v, -vec_dot(c->n, v), c->n);
+}
+
+const char *prop_penalty(const struct penalty *s)
+{
+    double total[3] = {0, 0, 0}, size = 0;
+    double unit = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
+    bool free_all = true;
+    for (int64_t k = 0; k < s->n; k++) {
+        const struct contact *c = &s->contact[k];
+        real length = vec_length(c->tangent);
+        /* §1, §2: who meets is held, and rubs against what it does */
+        EXPECT(c->held == 0 || c->held == 1);
+        EXPECT(c->impulse >= 0 || !s->first); /* it has nothing to take back */
+        EXPECT(c->held || (c->impulse == 0 && length == 0 && c->slide == 0));
+        EXPECT(c->held || !(approach(s, c) > 0));
+        EXPECT(c->slide >= 0);
+        EXPECT(vec_dot(c->tangent, slip_of(c, s->u)) <= 0);
+        /* §2.1: at first no more is guessed than what stops it alone */
+        double alone = 0, lack = (double)c->target;
+        lack -= (double)vec_dot(c->n, pair_sum(c->v, c->c, s->guess));
+        for (int j = 0; j < 4; j++) {
+            alone += (double)(c->c[j] * c->c[j] * s->w[c->v[j]]);
+            free_all &= s->w[c->v[j]] > 0;
+        }
+        double stop = (double)c->friction * fmax(lack, 0);
+        double most = (double)(s->most[k] * s->tau / s->dt) * alone;
+        EXPECT(!s->first || most <= stop * (1 + 64 * unit));
+        size += (double)(real_abs(c->impulse) + length);
+    }
+    for (int64_t i = 0; i < s->nv; i++) {
+        vec f = s->force[i];
+        EXPECT(s->w[i] > 0 || (f.x == 0 && f.y == 0 && f.z == 0));
+        total[0] += (double)f.x;
+        total[1] += (double)f.y;
+        total[2] += (double)f.z;
+    }
+    /* Weights sum to 0: what a contact gives one side it takes from the
+     * other. At most n + 8 roundings touch each term. */
+    double bound = 8 * ((double)s->n + 8) * unit * size;
+    for (int d = 0; d < 3 && free_all; d++)
+        EXPECT(fabs(total[d]) <= bound);
+    double most, left = slack(s, &most);
+    EXPECT(left >= -16 * ((double)s->n + 8) * unit * most);
+    return NULL;
+}
+
+/* ---- §2: Coulomb's law for a particle that meets a wall ---- */
+
+struct lone {
+    struct penalty p;
+    struct contact c;
+    vec u[4], g[4], force[4], guess[4];
+    real w[4], share, most, gave, more, brake[4];
+    sym hold[4];
+    int32_t start[5], item[4], vertex[4];
+};
+
+static void make_lone(struct bytes *b, struct lone *s)
+{
+    memset(s, 0, sizeof *s);
+    struct penalty p = {.nv = 4, .n = 1, .nv1 = 5, .n4 = 4};
+    p.w = s->w;
+    p.u = s->u;
+    p.g = s->g;
+    p.first = 1;
+    p.contact = &s->c;
+    p.start = s->start;
+    p.item = s->item;
+    p.vertex = s->vertex;
+    p.share = &s->share;
+    p.most = &s->most;
+    p.gave = &s->gave;
+    p.more = &s->more;
+    p.guess = s->guess;
+    p.brake = s->brake;
+    p.force = s->force;
+    p.hold = s->hold;
+    p.stiffness = pick_uniform(b, 10, 1000);
+    p.dt = R(1.0) / (real)(30 << pick(b, 5));
+    p.tau = pick(b, 2) ? p.dt : p.dt * R(2.0) / 3;
+    p.slip = R(1e-3);
+    s->p = p;
+    s->w[0] = pick_uniform(b, 100, 10000);
+    s->u[0] = pick_vec(b, 1);
+    vec n = vec_make(pick_uniform(b, -1, 1), pick_uniform(b, -1, 1), 1);
+    struct contact c = {.v = {0, 1, 2, 3},
+                        .c = {1, R(-0.25), R(-0.25), R(-0.5)},
+                        .n = vec_scale(1 / vec_length(n), n),
+                        .target = pick_uniform(b, -1, 1),
+                        .friction = R(0.1) * (real)pick(b, 12)};
+    s->c = c;
+}
+
+/* One turn of penalty.md §4 for it alone: A is its mass. */
+static int turn(struct lone *s)
+{
+    int status = ref_penalty(&s->p);
+    struct wide_sym a = {{0}};
+    a.a[0] = a.a[3] = a.a[5] = 1 / (double)s->w[0];
+    sym factor = ref_factor(wide_sym_add(a, s->hold[0]));
+    vec r = vec_sub(s->force[0], s->g[0]), dv = factor_solve(factor, r);
+    s->g[0] = vec_add(s->g[0], vec_sub(r, sym_apply(s->hold[0], dv)));
+    s->u[0] = vec_axpy(s->u[0], s->p.tau / s->p.dt, dv);
+    s->p.first = 0;
+    return status;
+}
+
+/* §2: after one turn friction is within the cone, on it where the particle
+ * slips by more than the law's viscous part, and a second turn leaves it. The
+ * normal force is a difference of velocities times give: its error is a few
+ * roundings of them, times what give makes of that beside the mass. */
+const char *test_penalty_cone(void)
+{
+    double unit = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
+    int slips = 0, sticks = 0;
+    for (int k = 0; k < 2000; k++) {
+        struct bytes b = {.seed = (uint64_t)k, .size = -1};
+        struct lone s;
+        make_lone(&b, &s);
+        double give = (double)(s.p.stiffness * s.p.dt * s.p.tau);
+        EXPECT(turn(&s) == DRAPE_OK);
+        vec u = s.u[0];
+        double normal = fmax((double)approach(&s.p, &s.c), 0);
+        double slip = (double)vec_length(slip_of(&s.c, s.u));
+        double rub = (double)s.c.slide * slip, most = normal * s.c.friction;
+        double room = 64 * unit * give * (1 + (double)s.c.friction);
+        EXPECT(rub <= most + room);
+        if (slip > 2e-3) {
+            EXPECT(rub >= most - room);
+            slips += most > 0;
+        } else
+            sticks += most > 0;
+        EXPECT(turn(&s) == DRAPE_OK);
+        EXPECT((double)vec_length(vec_sub(s.u[0], u)) <=
+               (double)s.w[0] * 8 * room + 64 * unit);
+        choices_free(&b);
+        ran(1);
+    }
+    EXPECT(slips > 100 && sticks > 100);
+    return NULL;
+}
+
+/* ---- §1: who is held ---- */
+
+/* Vertex 0 is pressed down by contact 0, which it still meets, and parts from
+ * contact 1, which is on the same side: c and gave after a turn. */
+static int part_from(bool first, bool held, struct contact c[2], real gave[2])
+{
+    enum { NV = 7, N = 2 };
+    real w[NV] = {R(5e5)}, share[N], most[N], more[N], brake[NV];
+    vec u[NV] = {{0, R(-0.3), 0}}, g[NV] = {{0, R(-8e-4), 0}};
+    vec guess[NV], force[NV];
+    sym hold[NV] = {{R(0.02), 0, 0, R(0.02), 0, R(0.02)}};
+    int32_t start[NV + 1], item[4 * N], vertex[4 * N];
+    struct contact down = {.v = {0, 1, 2, 3},
+                           .held = !first,
+                           .target = R(0.5),
+                           .c = {1, R(-0.25), R(-0.25), R(-0.5)},
+                           .n = {0, -1, 0}};
+    c[0] = c[1] = down;
+    memcpy(c[1].v, (int32_t[]){0, 4, 5, 6}, sizeof c[1].v);
+    c[1].held = held;
+    c[1].target = 0;
+    struct penalty s = {.nv = NV,
+                        .n = N,
+                        .w = w,
+                        .u = u,
+                        .g = g,
+                        .first = first,
+                        .stiffness = 1000,
+                        .dt = R(1.0) / 240,
+                        .tau = R(1.0) / 240,
+                        .slip = R(1e-3),
+                        .contact = c,
+                        .nv1 = NV + 1,
+                        .n4 = 4 * N,
+                        .start = start,
+                        .item = item,
+                        .vertex = vertex,
+                        .share = share,
+                        .most = most,
+                        .gave = gave,
+                        .more = more,
+                        .guess = guess,
+                        .brake = brake,
+                        .force = force,
+                        .hold = hold};
+    return ref_penalty(&s);
+}
+
+/* What bore nothing is not held by what its neighbour bears, and what bore some
+ * takes back no more; before any turn, what presses may be anyone's. */
+const char *test_penalty_parts(void)
+{
+    struct contact c[2];
+    real gave[2];
+    EXPECT(part_from(false, false, c, gave) == DRAPE_OK);
+    EXPECT(c[0].held && gave[0] > 0 && c[0].impulse > 0);
+    EXPECT(!c[1].held && gave[1] == 0 && c[1].impulse == 0);
+    EXPECT(part_from(false, true, c, gave) == DRAPE_OK);
+    EXPECT(c[1].held && gave[1] > 0 && c[1].impulse == -gave[1]);
+    EXPECT(part_from(true, false, c, gave) == DRAPE_OK);
+    EXPECT(c[1].held && c[1].impulse == 0);
+    ran(3);
+    return NULL;
+}

@@ -1,0 +1,286 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stage proximity: generator, properties, and closest points by other means.
+ * spec/contact/proximity.md */
+#include "ref/contact/proximity.h"
+
+#include "oracle/oracle.h"
+#include "oracle/rational.h"
+#include "ref/contact/closest.h"
+#include "tests/base/choices.h"
+
+const struct field fields_proximity[] = {
+    IN(proximity, pair, n, 4),     IN(proximity, kind, n, 1),
+    IN(proximity, x, nv, 1),       IN(proximity, w, nv, 1),
+    IN(proximity, skin.of, nv, 1), IN(proximity, skin.surface, skin.n, 1),
+    SCRATCH(proximity, at, n, 1),  OUT_USED(proximity, contact, cap, 1, found),
+    OUT_VALUE(proximity, found),   FIELD_END};
+
+/* In turn: the order of a call's arguments is the compiler's. */
+static vec pick_grid(struct bytes *b)
+{
+    real x = (real)pick(b, 4), y = (real)pick(b, 4);
+    return vec_make(x, y, (real)pick(b, 4));
+}
+
+static struct wide pick_cube(struct bytes *b)
+{
+    real x = pick_uniform(b, -1, 1), y = pick_uniform(b, -1, 1);
+    return wide_of(vec_make(x, y, pick_uniform(b, -1, 1)));
+}
+
+/* Positions on a coarse grid, or any; flat now and then. */
+static vec pick_place(struct bytes *b, real scale, bool flat)
+{
+    vec x = pick_vec(b, scale);
+    if (pick(b, 2))
+        x = pick_grid(b);
+    if (flat)
+        x.y = 0;
+    return x;
+}
+
+void gen_proximity(struct bytes *b, struct proximity *s)
+{
+    s->n = for_bench(b) ? 1 << 18 : pick_size(b);
+    s->nv = 4 + s->n / 2;
+    s->skin.n = 2;
+    s->dt = R(1.0) / 60;
+    s->stiffness = pick(b, 2) ? 0 : 100;
+    int32_t *pair = take(b, 4 * s->n, sizeof *pair);
+    uint8_t *kind = take(b, s->n, 1);
+    vec *x = take(b, s->nv, sizeof *x);
+    real *w = take(b, s->nv, sizeof *w);
+    uint16_t *of = take(b, s->nv, sizeof *of);
+    struct surface *surface = take(b, 2, sizeof *surface);
+    surface[0] = (struct surface){R(0.5), R(0.1)};
+    surface[1] = (struct surface){R(1.0), R(0.0)};
+    bool flat = pick(b, 4) == 0;
+    for (int64_t i = 0; i < s->nv; i++) {
+        x[i] = pick_place(b, for_bench(b) ? 10 : 2, flat);
+        w[i] = pick(b, 4) ? real_abs(pick_real(b, 1000)) : 0;
+        of[i] = (uint16_t)pick(b, 2);
+    }
+    for (int64_t k = 0; k < s->n; k++) {
+        kind[k] = (uint8_t)pick(b, 2);
+        pick_four(b, s->nv, pair + 4 * k);
+    }
+    s->pair = pair;
+    s->kind = kind;
+    s->x = x;
+    s->w = w;
+    s->skin.of = of;
+    s->skin.surface = surface;
+    s->cap = pick(b, 8) ? s->n : s->n / 16;
+}
+
+/* ---- Distances by other means: regions of the plane, clamping ---- */
+
+static double clamp(double a)
+{
+    return a < 0 ? 0 : a > 1 ? 1 : a;
+}
+
+static double length(struct wide a)
+{
+    return sqrt(wide_dot(a, a));
+}
+
+static double to_segment(struct wide p, struct wide a, struct wide b)
+{
+    struct wide d = wide_sub(b, a), q = wide_sub(p, a);
+    double dd = wide_dot(d, d);
+    double t = dd > 0 ? clamp(wide_dot(q, d) / dd) : 0;
+    return length(wide_axpy(q, -t, d));
+}
+
+/* The plane's distance where p lies over the triangle (it is left of all
+ * three edges), else the edges'. */
+static double to_triangle(const struct wide x[4])
+{
+    struct wide n = wide_cross(wide_sub(x[2], x[1]), wide_sub(x[3], x[1]));
+    double least = to_segment(x[0], x[3], x[1]);
+    bool over = wide_dot(n, n) > 0;
+    for (int k = 1; k < 4; k++) {
+        struct wide a = x[k], b = x[k % 3 + 1];
+        double d = to_segment(x[0], a, b);
+        least = d < least ? d : least;
+        struct wide inward = wide_cross(n, wide_sub(b, a));
+        over = over && wide_dot(inward, wide_sub(x[0], a)) >= 0;
+    }
+    if (!over)
+        return least;
+    double d = wide_dot(n, wide_sub(x[0], x[1])) / length(n);
+    return d < 0 ? -d : d;
+}
+
+/* Whether p and q lie on the two sides of the plane through a along n, e. */
+static bool apart(struct wide p, struct wide q, struct wide a, struct wide m)
+{
+    double i = wide_dot(m, wide_sub(p, a)), j = wide_dot(m, wide_sub(q, a));
+    return (i >= 0 && j <= 0) || (i <= 0 && j >= 0);
+}
+
+/* The lines' distance where the edges cross as seen along both normals, else
+ * the least of an end to the other edge. */
+static double to_edge(const struct wide x[4])
+{
+    struct wide d = wide_sub(x[1], x[0]), e = wide_sub(x[3], x[2]);
+    struct wide n = wide_cross(d, e);
+    double least = HUGE_VAL;
+    for (int k = 0; k < 4; k++) {
+        int a = k < 2 ? 2 : 0;
+        double l = to_segment(x[k], x[a], x[a + 1]);
+        least = l < least ? l : least;
+    }
+    if (!(wide_dot(n, n) > 0) || !apart(x[0], x[1], x[2], wide_cross(n, e)) ||
+        !apart(x[2], x[3], x[0], wide_cross(n, d)))
+        return least;
+    double l = wide_dot(n, wide_sub(x[2], x[0])) / length(n);
+    return l < 0 ? -l : l;
+}
+
+static double size_of(const struct wide x[4])
+{
+    double size = 0;
+    for (int k = 1; k < 4; k++) {
+        double l = length(wide_sub(x[k], x[0]));
+        size = l > size ? l : size;
+    }
+    return size;
+}
+
+/* ---- Properties ---- */
+
+static bool finite_contact(const struct contact *c)
+{
+    return vec_sane(c->n) && real_sane(c->gap) && real_sane(c->target);
+}
+
+static const char *check_contact(const struct contact *c,
+                                 const struct wide x[4])
+{
+    double size = size_of(x), p = 0;
+    real sum = 0;
+    for (int k = 0; k < 4; k++) {
+        sum += c->c[k];
+        p += (double)c->c[k] * wide_dot(wide_of(c->n), wide_sub(x[k], x[0]));
+        bool side_b = k >= (c->kind == CONTACT_VF ? 1 : 2);
+        EXPECT(side_b ? c->c[k] <= 0 : c->c[k] >= 0);
+    }
+    EXPECT(finite_contact(c));
+    EXPECT(sum == 0); /* §2.3, exactly */
+    double unit = (double)vec_length(c->n);
+    EXPECT(unit > 1 - 0x1p-20 && unit < 1 + 0x1p-20);
+    /* §3: the weights and the normal give the distance back */
+    p -= (double)c->gap;
+    EXPECT(p <= 0x1p-19 * size && p >= -0x1p-19 * size);
+    return NULL;
+}
+
+/* §2.1 in rational numbers: the distance is r within a bound. */
+static bool is_distance(const struct wide x[4], int kind, double r,
+                        double bound)
+{
+    double p[4][3];
+    for (int k = 0; k < 4; k++) {
+        p[k][0] = x[k].x;
+        p[k][1] = x[k].y;
+        p[k][2] = x[k].z;
+    }
+    const double(*q)[3] = (const double(*)[3])p;
+    return orc_distance(kind, q, r - bound) >= 0 &&
+           orc_distance(kind, q, r + bound) <= 0;
+}
+
+const char *prop_proximity(const struct proximity *s)
+{
+    int64_t at = 0;
+    for (int64_t k = 0; k < s->n; k++) {
+        const int32_t *v = s->pair + 4 * k;
+        struct wide x[4];
+        for (int j = 0; j < 4; j++)
+            x[j] = wide_of(s->x[v[j]]);
+        double r = (double)skin_pair(&s->skin, v).thickness;
+        const struct contact *c = &s->contact[at];
+        bool kept = at < s->found && !memcmp(c->v, v, sizeof c->v) &&
+                    c->kind == s->kind[k];
+        double d = s->kind[k] == CONTACT_VF ? to_triangle(x) : to_edge(x);
+        double bound = 0x1p-22 * size_of(x); /* §2.1 */
+        EXPECT(kept ? d <= r + bound : d >= r - bound);
+        EXPECT(!kept ||
+               ((double)c->gap <= d + bound && (double)c->gap >= d - bound));
+        if (!kept)
+            continue;
+        if (k % 8 == 0 && orc_present())
+            EXPECT(is_distance(x, s->kind[k], (double)c->gap, bound));
+        const char *failed = check_contact(c, x);
+        if (failed)
+            return failed;
+        at++;
+    }
+    EXPECT(at == s->found);
+    return NULL;
+}
+
+/* ---- Closest points ---- */
+
+/* The least distance over a grid of both primitives: an upper bound. */
+static double sampled(const struct wide x[4], int kind)
+{
+    enum { N = 24 };
+    double least = HUGE_VAL;
+    for (int i = 0; i <= N; i++)
+        for (int j = 0; j <= (kind == CONTACT_VF ? N - i : N); j++) {
+            double s = (double)i / N, t = (double)j / N;
+            struct wide p;
+            if (kind == CONTACT_VF) {
+                p = wide_axpy(wide_scale(1 - s - t, x[1]), s, x[2]);
+                p = wide_sub(x[0], wide_axpy(p, t, x[3]));
+            } else {
+                p = wide_axpy(wide_scale(1 - s, x[0]), s, x[1]);
+                p = wide_sub(p, wide_axpy(wide_scale(1 - t, x[2]), t, x[3]));
+            }
+            least = length(p) < least ? length(p) : least;
+        }
+    return least;
+}
+
+/* Well-shaped, needles, nearly parallel, and collapsed in turn. */
+static void pick_pair(struct bytes *b, int family, struct wide x[4])
+{
+    static const double thin[4] = {1, 1e-3, 1e-7, 0};
+    for (int k = 0; k < 4; k++)
+        x[k] = pick_cube(b);
+    struct wide d = wide_sub(x[2], x[1]), e = wide_sub(x[3], x[1]);
+    double f = thin[family % 4];
+    if (family >= 4) /* edges: the second along the first */
+        x[3] = wide_axpy(wide_axpy(x[2], 1, wide_sub(x[1], x[0])), f, e);
+    else /* triangles: the last corner near the first edge */
+        x[3] = wide_axpy(wide_axpy(x[1], 0.4, d), f, e);
+}
+
+const char *test_closest_points(void)
+{
+    struct bytes b = {.seed = 7, .size = -1};
+    for (int k = 0; k < 8 * 1500; k++) {
+        int family = k % 8, kind = family >= 4;
+        struct wide x[4];
+        struct closest r;
+        pick_pair(&b, family, x);
+        if (kind == CONTACT_VF)
+            closest_vf(x, &r);
+        else
+            closest_ee(x, &r);
+        double d = sqrt(r.length2), size = size_of(x);
+        double other = kind == CONTACT_VF ? to_triangle(x) : to_edge(x);
+        double bound = 0x1p-22 * size; /* §2.1 */
+        EXPECT(d <= other + bound);
+        EXPECT(d >= other - bound);
+        EXPECT(d <= sampled(x, kind) + bound);
+        /* the grid is nowhere farther than its spacing */
+        EXPECT(d >= sampled(x, kind) - 4 * size / 24);
+        ran(1);
+    }
+    choices_free(&b);
+    return NULL;
+}

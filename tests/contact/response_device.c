@@ -1,0 +1,289 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Collision response on the reference and on the device, tangle beside
+ * tangle: the same bits after every stage. spec/contact/response.md, gpu.md */
+#include <stdlib.h>
+
+#include "gpu/world/world.h"
+#include "ref/contact/contacts.h"
+#include "ref/contact/failsafe.h"
+#include "tests/base/choices.h"
+#include "tests/base/notes.h"
+#include "tests/contact/tangle.h"
+
+/* A tangle, and the one that the device steps: a is there what the device has,
+ * for the host's broad phase and solve. */
+struct rival {
+    struct tangle ref, a;
+    struct response r; /* streams on the device */
+    struct gpu *g;
+    void *pair, *kind; /* device: candidates */
+    struct trace trace[2];
+    struct notes notes[2];
+    int outcomes;    /* of all steps, or of enum drape_outcome */
+    int64_t started; /* pairs of all steps that touch at the start */
+    int64_t solved;  /* contacts that solve was called with */
+};
+
+/* ---- What stands in for the broad phase and the implicit solve ---- */
+
+/* n items of the device's stream in a host's of the same kind, or back. */
+static void fetch(struct rival *t, void *to, const void *from, size_t size)
+{
+    gpu_down(t->g, to, from, (size_t)t->a.nv * size);
+}
+
+static void send(struct rival *t, void *to, const void *from, size_t size)
+{
+    gpu_up(t->g, to, from, (size_t)t->a.nv * size);
+}
+
+static void *upload(struct rival *t, void *old, const void *from, size_t bytes)
+{
+    gpu_give(t->g, old);
+    void *p = gpu_take(t->g, ARENA_PAIRS, (int64_t)bytes, 1);
+    if (p)
+        gpu_up(t->g, p, from, bytes);
+    gpu_wait(t->g);
+    return p;
+}
+
+static int rival_broad(void *user, const uint8_t *touched, struct pairs *out)
+{
+    struct rival *t = user;
+    fetch(t, t->a.x1, t->r.x1, sizeof(vec));
+    if (touched)
+        fetch(t, t->a.r.touched, touched, 1);
+    int status = tangle_broad(&t->a, touched ? t->a.r.touched : NULL, out);
+    t->pair =
+        upload(t, t->pair, out->pair, (size_t)out->n * 4 * sizeof *out->pair);
+    t->kind = upload(t, t->kind, out->kind, (size_t)out->n);
+    out->pair = t->pair;
+    out->kind = t->kind;
+    return status == DRAPE_OK ? gpu_status(t->g) : status;
+}
+
+/* Contacts of response r, on the host, by ref_contacts with its own lists. */
+static int solve(struct response *r, int64_t n, struct contact *contact)
+{
+    struct contacts c = {.nv = r->nv,
+                         .n = n,
+                         .w = r->w,
+                         .iterations = 3,
+                         .contact = contact,
+                         .u = r->u,
+                         .v = r->v,
+                         .nv1 = r->nv + 1,
+                         .n4 = 4 * n,
+                         .start = r->start};
+    size_t bytes = 4 * sizeof *c.item + 4 * sizeof *c.vertex +
+                   2 * sizeof *c.lack + 2 * sizeof *c.push +
+                   4 * sizeof *c.moved + 2 * sizeof *c.awake;
+    c.push = calloc((size_t)(n + r->nv) + 1, bytes);
+    if (!c.push)
+        return DRAPE_ENOMEM;
+    c.before = c.push + n;
+    c.lack = (real *)(c.before + n);
+    c.ahead = c.lack + n;
+    c.item = (int32_t *)(c.ahead + n);
+    c.vertex = c.item + 4 * n;
+    c.parts = c.vertex + 4 * n;
+    c.acting = c.parts + r->nv;
+    c.moved = (uint8_t *)(c.acting + r->nv);
+    c.awake = c.moved + 4 * n;
+    c.stirred = c.awake + n;
+    int status = ref_contacts(&c);
+    if (status == DRAPE_OK)
+        response_advance(r, c.vertices, c.vertex, c.moved);
+    free(c.push);
+    return status;
+}
+
+static int ref_solve(void *user, int64_t n, struct contact *contact)
+{
+    return solve(&((struct tangle *)user)->r, n, contact);
+}
+
+static int rival_solve(void *user, int64_t n, struct contact *contact)
+{
+    struct rival *t = user;
+    size_t bytes = (size_t)n * sizeof *contact;
+    struct contact *copy = malloc(bytes + 1);
+    if (!copy)
+        return DRAPE_ENOMEM;
+    gpu_down(t->g, copy, contact, bytes);
+    fetch(t, t->a.r.u, t->r.u, sizeof(vec));
+    fetch(t, t->a.v, t->r.v, sizeof(vec));
+    fetch(t, t->a.x1, t->r.x1, sizeof(vec));
+    fetch(t, t->a.r.touched, t->r.touched, 1);
+    int status = solve(&t->a.r, n, copy);
+    gpu_up(t->g, contact, copy, bytes);
+    send(t, t->r.u, t->a.r.u, sizeof(vec));
+    send(t, t->r.v, t->a.v, sizeof(vec));
+    send(t, t->r.x1, t->a.x1, sizeof(vec));
+    send(t, t->r.touched, t->a.r.touched, 1);
+    gpu_wait(t->g);
+    free(copy);
+    t->solved += n;
+    return status;
+}
+
+/* ---- Both beside each other ---- */
+
+static void *give(struct rival *t, const void *from, int64_t n, size_t size)
+{
+    void *p = gpu_take(t->g, ARENA_RESPONSE, n, size);
+    if (p && from)
+        gpu_up(t->g, p, from, (size_t)n * size);
+    return p;
+}
+
+/* The device's response: settings of the host's, streams of its own. */
+static void rival_open(struct rival *t)
+{
+    struct response *r = &t->r;
+    int64_t nv = t->a.nv;
+    *r = t->a.r;
+    r->w = give(t, t->a.w, nv, sizeof(real));
+    r->skin.of = give(t, t->a.of, nv, sizeof *t->a.of);
+    r->skin.surface = give(t, &t->a.surface, 1, sizeof t->a.surface);
+    r->x0 = give(t, NULL, nv, sizeof(vec));
+    r->x1 = give(t, NULL, nv, sizeof(vec));
+    r->v = give(t, NULL, nv, sizeof(vec));
+    r->u = give(t, NULL, nv, sizeof(vec));
+    r->touched = give(t, NULL, nv, 1);
+    r->rolled = give(t, NULL, nv, 1);
+    r->start = give(t, NULL, nv + 1, sizeof(int32_t));
+    r->broad = rival_broad;
+    r->solve = r->solve ? rival_solve : NULL;
+    r->user = t;
+    for (int k = 0; k < 2; k++)
+        t->trace[k] = (struct trace){notes_take, &t->notes[k], 0, 0};
+    t->ref.r.trace = &t->trace[0];
+    r->trace = &t->trace[1];
+}
+
+/* As tangle_step, on the device. */
+static int rival_step(struct rival *t, vec a)
+{
+    struct pairs near;
+    tangle_start(&t->a, a);
+    send(t, (vec *)t->r.x0, t->a.x0, sizeof(vec));
+    send(t, t->r.x1, t->a.x1, sizeof(vec));
+    send(t, t->r.v, t->a.v, sizeof(vec));
+    int status = gpu_response_start(t->g, &t->r);
+    t->a.reach = t->a.surface.thickness;
+    if (status == DRAPE_OK)
+        status = rival_broad(t, NULL, &near);
+    if (status == DRAPE_OK)
+        status = gpu_response_repel(t->g, &t->r, &near);
+    t->a.reach = 0;
+    if (status == DRAPE_OK)
+        status = gpu_response_penetrate(t->g, &t->r);
+    fetch(t, t->a.x1, t->r.x1, sizeof(vec));
+    fetch(t, t->a.v, t->r.v, sizeof(vec));
+    fetch(t, t->a.r.u, t->r.u, sizeof(vec));
+    fetch(t, t->a.r.rolled, t->r.rolled, 1);
+    return status == DRAPE_OK ? gpu_status(t->g) : status;
+}
+
+static const char *compare(struct rival *t)
+{
+    const struct response *a = &t->ref.r, *b = &t->r;
+    size_t vecs = (size_t)t->a.nv * sizeof(vec);
+    const char *failed = notes_compare(&t->notes[0], &t->notes[1]);
+    if (failed)
+        return failed;
+    EXPECT(t->notes[0].n > 0);
+    EXPECT(!memcmp(t->ref.x1, t->a.x1, vecs));
+    EXPECT(!memcmp(t->ref.v, t->a.v, vecs));
+    EXPECT(!memcmp(a->u, t->a.r.u, vecs));
+    EXPECT(!memcmp(a->rolled, t->a.r.rolled, (size_t)t->a.nv));
+    EXPECT(a->rounds == b->rounds && a->outcome == b->outcome);
+    EXPECT(a->contacts == b->contacts && a->impacts == b->impacts);
+    EXPECT(a->candidates == b->candidates);
+    EXPECT(a->zone_vertices == b->zone_vertices);
+    EXPECT(a->rolled_back == b->rolled_back);
+    EXPECT(a->started == b->started && a->led == b->led);
+    return NULL;
+}
+
+static const char *walk(struct rival *t, int steps, vec a)
+{
+    rival_open(t);
+    for (int step = 0; step < steps; step++) {
+        t->notes[0].n = t->notes[1].n = 0;
+        EXPECT(tangle_step(&t->ref, a) == DRAPE_OK);
+        EXPECT(rival_step(t, a) == DRAPE_OK);
+        const char *failed = compare(t);
+        if (failed)
+            return failed;
+        t->outcomes |= t->r.outcome;
+        t->started += t->r.started;
+        tangle_next(&t->ref);
+        tangle_next(&t->a);
+        ran(1);
+    }
+    return NULL;
+}
+
+/* ---- Scenes ---- */
+
+/* Scene k: soups, then presses, by impulses, zones, rollback, or a solve. */
+static void make_scene(struct tangle *t, int k)
+{
+    static const int rounds[][2] = {{16, 8}, {0, 8}, {0, 0}, {2, 2}};
+    static const real speed[] = {R(0.9), R(2.0), R(20.0), R(40.0)};
+    struct bytes b = {.seed = (uint64_t)k, .size = -1};
+    if (k < 8)
+        tangle_soup(t, &b, k == 4 ? 5 : 3, k % 2 == 1);
+    else
+        tangle_press(t, &b, speed[k % 4], k == 11 ? speed[3] : -speed[k % 4]);
+    if (k == 7) /* two touch where they start */
+        t->x0[3] = t->x0[0];
+    t->r.max_rounds = rounds[k % 4][0];
+    t->r.zone_rounds = rounds[k % 4][1];
+    if (k == 9) /* all go back at once */
+        t->r.max_rounds = t->r.zone_rounds = t->r.roll_rounds = 0;
+    if (k % 3 == 0)
+        t->r.solve = ref_solve;
+    choices_free(&b);
+}
+
+static const char *run_scene(struct rival *t, int k, int *status)
+{
+    enum { STEPS = 8 };
+    make_scene(&t->ref, k);
+    make_scene(&t->a, k);
+    t->g = gpu_open(NULL, status);
+    const char *failed = NULL;
+    if (t->g) {
+        gpu_set_block(t->g, k % 2 ? 96 : 256);
+        failed = walk(t, STEPS, vec_make(0, k < 8 ? 0 : -10, 0));
+    }
+    gpu_close(t->g);
+    t->pair = t->kind = NULL;
+    for (int i = 0; i < 2; i++)
+        notes_free(&t->notes[i]);
+    tangle_free(&t->ref);
+    tangle_free(&t->a);
+    return failed;
+}
+
+const char *test_response_device(void)
+{
+    enum { SCENES = 12 };
+    static struct rival t;
+    const char *failed = NULL;
+    int status = DRAPE_OK;
+    for (int k = 0; k < SCENES && !failed && status == DRAPE_OK; k++)
+        failed = run_scene(&t, k, &status);
+    if (status == DRAPE_EDEVICE && !failed)
+        return skip("there is no device");
+    if (failed)
+        return failed;
+    EXPECT(status == DRAPE_OK);
+    /* the scenes came by every way out of a round */
+    EXPECT(t.outcomes & DRAPE_ZONES && t.outcomes & DRAPE_ROLLBACK);
+    EXPECT(t.outcomes & DRAPE_TRAPPED && t.started > 0 && t.solved > 0);
+    return NULL;
+}

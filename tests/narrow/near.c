@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Whole numbers with few words: signs that are told are right.
+ * spec/narrow/narrow.md §6.6 */
+#include "ref/narrow/near.h"
+
+#include "ref/narrow/point.h"
+
+#include "tests/base/choices.h"
+
+/* A number of up to 12 words, some of them 0 or all ones. */
+static struct big pick_big(struct bytes *b, struct room *m)
+{
+    struct big r = big_small(m, pick(b, 5));
+    for (int k = (int)pick(b, 12); k > 0; k--) {
+        uint32_t low = pick(b, 3) ? choose(b) : pick(b, 2) ? 0 : UINT32_MAX;
+        r = big_add(m, big_shift(m, r, 1), big_small(m, low));
+    }
+    return pick(b, 2) ? r : big_negate(r);
+}
+
+/* ((a·b - c·d)·b + d)·a with m->keep words. */
+static struct near value_of(struct room *m, const struct big v[4])
+{
+    struct near a = near_of(m, v[0]), b = near_of(m, v[1]);
+    struct near c = near_of(m, v[2]), d = near_of(m, v[3]);
+    struct near r = near_sub(m, near_mul(m, a, b), near_mul(m, c, d));
+    r = near_add(m, near_mul(m, r, b), d);
+    return near_mul(m, r, a);
+}
+
+/* From one word kept on: the sign is that of all words, or not known; not
+ * known where the terms nearly cancel, but mostly known. */
+const char *test_near_signs(void)
+{
+    static uint32_t word[8192];
+    struct bytes b = {.seed = 66, .size = -1};
+    int told = 0, untold = 0;
+    const char *failed = NULL;
+    for (int k = 0; k < 20000 && !failed; k++) {
+        struct room m = {word, 8192, 0, 0, false, 8192};
+        struct big v[4];
+        for (int i = 0; i < 4; i++)
+            v[i] = pick_big(&b, &m);
+        if (k % 2) { /* c·d is near a·b, or equal to it */
+            v[2] = v[1];
+            v[3] = pick(&b, 3) ? big_add(&m, v[0], big_small(&m, 1)) : v[0];
+        }
+        struct near whole = value_of(&m, v);
+        int exact = near_sign(whole);
+        if (whole.rest != near_rest(whole.m))
+            failed = "a rest is wrong";
+        for (m.keep = 1; m.keep < 8; m.keep++) {
+            int sign = near_sign(value_of(&m, v));
+            if (exact == NEAR_UNKNOWN || m.full ||
+                (sign != exact && sign != NEAR_UNKNOWN))
+                failed = "a sign is wrong";
+            told += sign != NEAR_UNKNOWN;
+            untold += sign == NEAR_UNKNOWN;
+        }
+    }
+    choices_free(&b);
+    EXPECT(!failed);
+    EXPECT(3 * told > untold && untold > 0);
+    ran(told);
+    return NULL;
+}
+
+/* (a + b τ)(c + d τ). */
+static struct poly product_of(struct room *m, const struct big v[4])
+{
+    struct poly p = {2, {big_mul(m, v[0], v[2]), {0}, big_mul(m, v[1], v[3])}};
+    p.c[1] = big_add(m, big_mul(m, v[0], v[3]), big_mul(m, v[1], v[2]));
+    return p;
+}
+
+/* Polynomials with a root in common are never told to have none; mostly those
+ * that have none are. */
+const char *test_near_coprime(void)
+{
+    static uint32_t word[8192];
+    struct bytes b = {.seed = 67, .size = -1};
+    int told = 0;
+    const char *failed = NULL;
+    for (int k = 0; k < 5000 && !failed; k++) {
+        struct room m = {word, 8192, 0, 0, false, 8192};
+        struct big v[4], w[4];
+        for (int i = 0; i < 4; i++) {
+            v[i] = pick_big(&b, &m);
+            w[i] = i < 2 && k % 2 ? v[i] : pick_big(&b, &m);
+        }
+        struct poly p = product_of(&m, v), q = product_of(&m, w);
+        struct poly l = {1, {v[0], v[1]}};
+        if (k % 2 && (poly_coprime(&p, &q) || poly_coprime(&l, &q)))
+            failed = "a common root is denied";
+        told += k % 2 == 0 && poly_coprime(&p, &q);
+    }
+    choices_free(&b);
+    EXPECT(!failed);
+    EXPECT(told > 1500);
+    ran(told);
+    return NULL;
+}

@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How many iterations the solver needs, spec/solve/multigrid.md §6. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "tests/solve/solver.h"
+
+/* Iterations to a true relative residual of 1e-3, or limit + 1. */
+static int32_t iterations(const struct design *d, uint32_t every, int32_t limit)
+{
+    struct system a;
+    struct pcg s = {.precond = DRAPE_MULTIGRID,
+                    .form = DRAPE_COMPACT,
+                    .tolerance = R(1e-3),
+                    .max_iterations = limit};
+    make_system(d, &a);
+    if (every)
+        hold_system(&a, every);
+    solver_open(&s, &a);
+    int status = ref_pcg(&s);
+    bool good = status == DRAPE_OK && s.outcome == PCG_CONVERGED &&
+                s.residual <= s.tolerance && !s.fell_back;
+    solver_close(&s);
+    free_system(&a);
+    ran(1);
+    if (getenv("DRAPE_ITERATIONS"))
+        printf("%d bits, %d x %d, shape %d, trim %d: %d iterations\n",
+               REAL_BITS, d->m, d->n, (int)d->shape, d->trim, s.iterations);
+    return good ? s.iterations : limit + 1;
+}
+
+/* A crease as sharp as this has no isometric neighbour: springs there are
+ * uneven by 5 % of a cell. */
+static double uneven_of(int shape)
+{
+    return shape == SHAPE_FOLDED ? 0.05 : 0;
+}
+
+static const int trims[] = {TRIM_NONE,
+                            TRIM_HOLE,
+                            TRIM_CUT,
+                            TRIM_PINS,
+                            TRIM_SLIT | TRIM_MOTHS,
+                            TRIM_HOLE | TRIM_CUT | TRIM_MOTHS | TRIM_PINS};
+
+/* §6: 20 thousand triangles, every shape and trim. */
+const char *test_multigrid_20k(void)
+{
+    for (int shape = 0; shape < SHAPES; shape++)
+        for (size_t k = 0; k < sizeof trims / sizeof *trims; k++) {
+            struct design d = {101, 101, (enum shape)shape, trims[k],
+                               uneven_of(shape)};
+            EXPECT(iterations(&d, 0, 30) < 15);
+        }
+    return NULL;
+}
+
+/* §6: other sizes: no power of two, not square. */
+const char *test_multigrid_sizes(void)
+{
+    static const int32_t sizes[][2] = {{254, 259}, {63, 1008}, {2, 300}};
+    for (int k = 0; k < 3; k++)
+        for (int t = 0; t < 2; t++) {
+            struct design d = {sizes[k][0], sizes[k][1],
+                               t ? SHAPE_DRAPED : SHAPE_WRINKLED,
+                               t ? TRIM_HOLE | TRIM_PINS : TRIM_NONE, 0};
+            EXPECT(iterations(&d, 0, 30) < 15);
+        }
+    return NULL;
+}
+
+/* §6: 2 million triangles, in binary32 as in binary64. */
+const char *test_multigrid_2m(void)
+{
+    if (!getenv("DRAPE_SOAK"))
+        return skip("2 million triangles take a minute: set DRAPE_SOAK");
+    for (int shape = 0; shape < SHAPES; shape++) {
+        struct design d = {1008, 1008, (enum shape)shape,
+                           shape ? TRIM_HOLE | TRIM_PINS : TRIM_NONE,
+                           uneven_of(shape)};
+        EXPECT(iterations(&d, 0, 30) < 15);
+    }
+    return NULL;
+}
+
+/* §4: contacts, few or many, leave the cycle positive definite. */
+const char *test_multigrid_contacts(void)
+{
+    for (int shape = 0; shape < SHAPES; shape++)
+        for (uint32_t every = 1; every <= 1000; every *= 10) {
+            struct design d = {101, 101, (enum shape)shape, trims[shape],
+                               uneven_of(shape)};
+            EXPECT(iterations(&d, every, 40) < 30);
+        }
+    return NULL;
+}

@@ -1,0 +1,383 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Whole solves on the device, against the reference, and timed.
+ * spec/solve/pcg.md */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "gpu/cloth/rate.h"
+#include "gpu/run/blas.h"
+#include "ref/base/clock.h"
+#include "ref/base/sum.h"
+#include "ref/solve/residual.h"
+#include "tests/base/modes.h"
+#include "tests/solve/solver.h"
+
+/* RUNS: of a timing, the least counts; SHORT: iterations of Jacobi that are
+ * compared, as all of them take the reference minutes. */
+enum { RUNS = 5, SHORT = 20 };
+
+/* A copy on the device, or only room there. */
+static void *put(struct gpu *g, const void *host, int64_t n, size_t size)
+{
+    void *p = gpu_take(g, ARENA_OTHER, n, size);
+    if (p && host)
+        gpu_up(g, p, host, (size_t)n * size);
+    return p;
+}
+
+/* s with streams of its own on the device, as a world has them. */
+static struct pcg on_device(struct gpu *g, const struct pcg *s)
+{
+    struct pcg d = *s;
+    int64_t lent = s->grid.n_pool ? s->count : 0;
+    d.mass = put(g, s->mass, s->count, sizeof *s->mass);
+    d.extra = put(g, s->extra, s->n_extra, sizeof *s->extra);
+    d.block = put(g, s->block, s->n_blocks, sizeof *s->block);
+    d.thin = put(g, s->thin, s->n_thin, sizeof *s->thin);
+    d.fixed = put(g, s->fixed, s->count, 1);
+    d.b = put(g, s->b, s->count, sizeof *s->b);
+    d.cdf = put(g, NULL, s->n_cdf, sizeof *s->cdf);
+    d.diagonal = put(g, NULL, s->count, sizeof *s->diagonal);
+    d.factor = put(g, NULL, s->count, sizeof *s->factor);
+    d.low = put(g, NULL, s->count, sizeof *s->low);
+    d.r = put(g, NULL, s->count, sizeof *s->r);
+    d.s = put(g, NULL, s->count, sizeof *s->s);
+    d.p = put(g, NULL, 3 * s->count, sizeof *s->p);
+    d.q = d.p + s->count;
+    d.chunk = put(g, NULL, s->n_chunks, sizeof *s->chunk);
+    d.grid.pool = put(g, NULL, s->grid.n_pool - lent, sizeof *s->grid.pool);
+    d.grid.room = put(g, NULL, s->grid.n_room - lent, sizeof *s->grid.room);
+    d.grid.live = put(g, NULL, s->grid.n_live, sizeof *s->grid.live);
+    d.grid.dense = put(g, NULL, s->grid.n_dense, sizeof *s->grid.dense);
+    d.dv = put(g, NULL, s->count, sizeof *s->dv);
+    return d;
+}
+
+/* The rates of a's springs on the device, if a solve there reads them in place
+ * of blocks. */
+static struct rates rates_of(struct gpu *g, const struct system *a,
+                             const struct pcg *d)
+{
+    struct blocks b = blocks_of(a);
+    if (!gpu_rates_help(g, d))
+        return (struct rates){NULL, NULL};
+    b.law = put(g, a->law, SPRINGS, sizeof *a->law);
+    b.springs = put(g, a->springs, a->count, sizeof *a->springs);
+    b.x = put(g, a->x, a->count, sizeof *a->x);
+    b.block = put(g, NULL, SPRINGS * a->count, sizeof *b.block);
+    b.n_thin = 0;
+    struct rate *rate =
+        put(g, NULL, SPRINGS * RATES_PITCH(a->count), sizeof *rate);
+    gpu_blocks_and_rates(g, &b, rate);
+    return (struct rates){rate, b.x};
+}
+
+static bool same_result(struct gpu *g, const struct pcg *s, const struct pcg *d)
+{
+    size_t bytes = (size_t)s->count * sizeof *s->dv;
+    vec *dv = malloc(bytes + 1);
+    if (!dv)
+        return false;
+    gpu_down(g, dv, d->dv, bytes);
+    bool same = !memcmp(dv, s->dv, bytes) && s->iterations == d->iterations &&
+                s->outcome == d->outcome && s->fell_back == d->fell_back &&
+                s->recurrence == d->recurrence && s->residual == d->residual;
+    free(dv);
+    return same && gpu_status(g) == DRAPE_OK;
+}
+
+/* A drape on pins, where it is trimmed held by contacts too, solved to 1e-3 by
+ * at most `most` iterations. */
+static void open_both(struct gpu *g, int32_t n, int trim, int precond,
+                      int32_t most, struct system *a, struct pcg *s,
+                      struct pcg *d)
+{
+    struct design design = {n, n, SHAPE_DRAPED, TRIM_PINS | trim, 0};
+    make_system(&design, a);
+    if (trim != TRIM_NONE)
+        hold_system(a, 8);
+    *s = (struct pcg){.precond = precond,
+                      .form = DRAPE_COMPACT,
+                      .tolerance = R(1e-3),
+                      .max_iterations = most};
+    solver_open(s, a);
+    *d = on_device(g, s);
+}
+
+/* The least seconds of some solves. */
+static double timed(struct gpu *g, struct pcg *d, struct rates r)
+{
+    double least = HUGE_VAL;
+    for (int k = 0; k < RUNS; k++) {
+        gpu_clock_start(g);
+        gpu_pcg_by_rates(g, d, r);
+        double t = gpu_clock_stop(g);
+        least = t < least ? t : least;
+    }
+    return least;
+}
+
+/* The rest of a line: the reference's time, and whether both agree. */
+static void compare_bits(struct gpu *g, struct pcg *s, struct pcg *d,
+                         struct rates r)
+{
+    s->max_iterations = s->precond == DRAPE_JACOBI ? SHORT : d->max_iterations;
+    d->max_iterations = s->max_iterations;
+    gpu_pcg_by_rates(g, d, r);
+    double start = clock_now();
+    ref_pcg(s);
+    printf(",%.4g,%s", 1e3 * (clock_now() - start) / s->iterations,
+           same_result(g, s, d) ? "same" : "DIFFERENT");
+}
+
+/* One line; with SHORT iterations of Jacobi both results are compared. */
+static void bench_one(int32_t n, int precond, int solver)
+{
+    int status;
+    struct gpu *g = gpu_open(NULL, &status);
+    struct system a;
+    struct pcg s, d;
+    bool jacobi = precond == DRAPE_JACOBI;
+    if (solver == DRAPE_CUBLAS && blas_open(g) != DRAPE_OK) {
+        puts("no cuBLAS here");
+        gpu_close(g);
+        return;
+    }
+    open_both(g, n, TRIM_NONE, precond, 0, &a, &s, &d);
+    d.solver = solver;
+    struct rates r = rates_of(g, &a, &d);
+    double set_up = timed(g, &d, r);
+    d.max_iterations = 5000;
+    double all = timed(g, &d, r);
+    printf("%d,%d,%s,%s,%d,%.3g,%.4g,%.4g,%.4g", REAL_BITS, n,
+           jacobi ? "jacobi" : "multigrid",
+           solver == DRAPE_CUBLAS ? "cublas" : "exact", d.iterations,
+           (double)d.residual, 1e3 * all, 1e3 * set_up,
+           1e6 * (all - set_up) / d.iterations);
+    if (solver == DRAPE_EXACT)
+        compare_bits(g, &s, &d, r);
+    puts("");
+    fflush(stdout);
+    solver_close(&s);
+    free_system(&a);
+    gpu_close(g);
+}
+
+/* Of 20 thousand, 500 thousand and 2 million triangles; where the device is
+ * emulated the first only. */
+void bench_solve(void)
+{
+    static const int32_t sizes[] = {101, 504, 1008};
+    int status;
+    struct gpu *g = gpu_open(NULL, &status);
+    if (!g)
+        return;
+    int most = strncmp(gpu_name(g), "emulated", 8) ? 3 : 1;
+    gpu_close(g);
+    printf("bits,grid,precond,solver,iterations,residual,ms,of them set-up,"
+           "us/iteration,reference ms/iteration,bits of dv\n");
+    for (int k = 0; k < 4 * most; k++)
+        bench_one(sizes[k / 4], k / 2 % 2 ? DRAPE_MULTIGRID : DRAPE_JACOBI,
+                  k % 2 ? DRAPE_CUBLAS : DRAPE_EXACT);
+}
+
+/* Whether both have the same bits of a drape of n² particles, by blocks and by
+ * rates, of which an emulated device has those of Jacobi. */
+static bool agree(struct gpu *g, int32_t n, int trim, int precond)
+{
+    struct system a;
+    struct pcg s, d;
+    open_both(g, n, trim, precond, SHORT, &a, &s, &d);
+    struct rates r = rates_of(g, &a, &d);
+    bool rated = r.of || gpu_device(g) >= 0 || precond != DRAPE_JACOBI;
+    bool good =
+        rated && ref_pcg(&s) == gpu_pcg(g, &d) && same_result(g, &s, &d) &&
+        gpu_pcg_by_rates(g, &d, r) == DRAPE_OK && same_result(g, &s, &d);
+    solver_close(&s);
+    free_system(&a);
+    return good;
+}
+
+/* Both preconditioners, of 20 thousand triangles and, but for an emulated
+ * device, of 720 thousand, from which on cloth is cut into strips and tiles;
+ * whole, and with a hole and a cut. */
+const char *test_solve_gpu(void)
+{
+    static const int32_t sizes[] = {101, 600};
+    for (int k = 0; k < 8; k++) {
+        int status, precond = k % 2 ? DRAPE_MULTIGRID : DRAPE_JACOBI;
+        struct gpu *g = gpu_open(NULL, &status);
+        if (!g)
+            return skip("there is no device");
+        if (k >= 4 && gpu_device(g) < 0) {
+            gpu_close(g);
+            break;
+        }
+        bool good =
+            agree(g, sizes[k / 4], k / 2 % 2 ? TRIM_HOLE | TRIM_CUT : TRIM_NONE,
+                  precond);
+        gpu_close(g);
+        EXPECT(good);
+        ran(1);
+    }
+    return NULL;
+}
+
+/* The tolerance is met by the recurrence in the last iteration that is allowed,
+ * and often not by the true residual: CG begins anew, and ends at once. */
+const char *test_solve_gpu_limits(void)
+{
+    enum { MOST = 12 };
+    struct design design = {24, 24, SHAPE_WRINKLED, TRIM_PINS, 0};
+    int anew = 0;
+    for (int32_t most = 1; most <= MOST; most++) {
+        int status;
+        struct gpu *g = gpu_open(NULL, &status);
+        struct system a;
+        if (!g)
+            return skip("there is no device");
+        make_system(&design, &a);
+        struct pcg s = {.precond = DRAPE_MULTIGRID,
+                        .form = DRAPE_COMPACT,
+                        .max_iterations = most};
+        solver_open(&s, &a);
+        ref_pcg(&s);
+        s.tolerance = s.recurrence;
+        struct pcg d = on_device(g, &s);
+        bool good = ref_pcg(&s) == gpu_pcg(g, &d) && same_result(g, &s, &d);
+        anew += s.outcome == PCG_LIMIT;
+        solver_close(&s);
+        free_system(&a);
+        gpu_close(g);
+        EXPECT(good);
+        ran(1);
+    }
+    EXPECT(anew > MOST / 4);
+    return NULL;
+}
+
+/* A sum of more chunks than the last level but one holds: 2^24 items and more,
+ * on an emulated device 2^17. spec/base/sum.md §3 */
+const char *test_sum_gpu_levels(void)
+{
+    int status;
+    struct gpu *g = gpu_open(NULL, &status);
+    if (!g)
+        return skip("there is no device");
+    struct sum s = {.n = (gpu_device(g) < 0 ? 1 << 17 : 1 << 24) + 300};
+    s.n_chunks = sum_chunks(s.n);
+    real *a = malloc((size_t)s.n * sizeof *a);
+    real *chunk = malloc((size_t)s.n_chunks * sizeof *chunk);
+    for (int64_t k = 0; k < s.n; k++)
+        a[k] = (real)noise_of((uint64_t)k);
+    struct sum d = s;
+    d.a = put(g, a, s.n, sizeof *a);
+    s.a = a;
+    s.chunk = chunk;
+    bool good = ref_sum(&s) == DRAPE_OK;
+    static const struct gpu_way ways[] = {
+        {0}, {.descending = true}, {.shuffled = 5}};
+    for (int k = 0; k < 3 && good; k++) {
+        gpu_set_way(g, ways[k]);
+        d.chunk = put(g, NULL, s.n_chunks, sizeof *chunk);
+        good = gpu_sum(g, &d) == DRAPE_OK &&
+               !memcmp(&s.value, &d.value, sizeof s.value);
+    }
+    gpu_set_way(g, (struct gpu_way){0});
+    free(a);
+    free(chunk);
+    gpu_close(g);
+    EXPECT(good);
+    ran(1);
+    return NULL;
+}
+
+/* ---- spec/solve/pcg.md §6: cuBLAS's solution ---- */
+
+static double part(vec a, int64_t r)
+{
+    return (double)(r == 0 ? a.x : r == 1 ? a.y : a.z);
+}
+
+/* |b - A (dv + low)|, by the reference. */
+static double left_over(const struct pcg *s, const vec *dv, const vec *low)
+{
+    vec *r = calloc((size_t)s->count + 1, sizeof *r);
+    struct residual a = {s->m,       s->n,     s->count, s->mass,
+                         s->n_extra, s->extra, s->block, s->fixed,
+                         s->b,       dv,       low,      r};
+    double sum = 0;
+    residual_find(&a);
+    for (int64_t k = 0; k < 3 * s->count; k++)
+        sum += part(r[k / 3], k % 3) * part(r[k / 3], k % 3);
+    free(r);
+    return sqrt(sum);
+}
+
+/* s is solved by the reference, dv and low are cuBLAS's; zero [count] is 0. */
+static const char *expect_near(const struct pcg *s, const vec *dv,
+                               const vec *low, const vec *zero)
+{
+    const double u = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
+    double sums = 6 * (double)s->count * u, slack = 1 + sums / (1 - sums);
+    double b = left_over(s, zero, zero), tolerance = (double)s->tolerance;
+    double size = 0, error = 0, mass = HUGE_VAL;
+    for (int64_t k = 0; k < 3 * s->count; k++) {
+        double x = part(dv[k / 3], k % 3), y = part(s->dv[k / 3], k % 3);
+        double m = (double)s->mass[k / 3];
+        size += x * x + y * y;
+        error += (x - y) * (x - y);
+        mass = !s->fixed[k / 3] && m < mass ? m : mass;
+    }
+    EXPECT(left_over(s, dv, low) <= slack * tolerance * b);
+    EXPECT(sqrt(error) <=
+           2 * slack * tolerance * b / mass + 2 * u * sqrt(size));
+    EXPECT(size > 0);
+    return NULL;
+}
+
+static const char *check_cublas(struct gpu *g, int precond, int form)
+{
+    struct system a;
+    struct design design = {51, 47, SHAPE_DRAPED, TRIM_PINS, 0.1};
+    make_system(&design, &a);
+    struct pcg s = {.precond = precond,
+                    .form = form,
+                    .tolerance = REAL_BITS == 32 ? R(1e-4) : R(1e-9),
+                    .max_iterations = 2000};
+    solver_open(&s, &a);
+    struct pcg d = on_device(g, &s);
+    d.solver = DRAPE_CUBLAS;
+    size_t n = (size_t)s.count;
+    vec *copy = calloc(3 * n + 1, sizeof *copy);
+    bool good = ref_pcg(&s) == DRAPE_OK && gpu_pcg(g, &d) == DRAPE_OK &&
+                s.outcome == PCG_CONVERGED && d.outcome == PCG_CONVERGED;
+    gpu_down(g, copy, d.dv, n * sizeof *copy);
+    gpu_down(g, copy + n, d.low, n * sizeof *copy);
+    const char *failed = expect_near(&s, copy, copy + n, copy + 2 * n);
+    free(copy);
+    solver_close(&s);
+    free_system(&a);
+    EXPECT(good);
+    return failed;
+}
+
+const char *test_cublas(void)
+{
+    for (int k = 0; k < 4; k++) {
+        int status;
+        struct gpu *g = gpu_open(NULL, &status);
+        if (!g || blas_open(g) != DRAPE_OK) {
+            gpu_close(g);
+            return skip("there is no cuBLAS");
+        }
+        const char *failed =
+            check_cublas(g, k % 2 ? DRAPE_MULTIGRID : DRAPE_JACOBI,
+                         k / 2 ? DRAPE_COMPACT : DRAPE_CDF);
+        gpu_close(g);
+        if (failed)
+            return failed;
+        ran(1);
+    }
+    return NULL;
+}

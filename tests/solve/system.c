@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Systems for the tests of the linear solver. */
+#include "tests/solve/system.h"
+
+#include <stdlib.h>
+
+#include "ref/cloth/law.h"
+
+static sym outer(vec a)
+{
+    sym r = {a.x * a.x, a.x * a.y, a.x * a.z, a.y * a.y, a.y * a.z, a.z * a.z};
+    return r;
+}
+
+static int64_t index_of(const struct system *s, int32_t i, int32_t j)
+{
+    return i + (int64_t)s->m * j;
+}
+
+/* A grid of about `size` particles, now and then one row or two columns. */
+static void pick_grid(struct bytes *b, int64_t size, struct system *s)
+{
+    int64_t m = 1 + (int64_t)pick(b, 40);
+    if (pick(b, 4) == 0)
+        m = 1 + (int64_t)pick(b, 5);
+    s->m = (int32_t)(m < size || !size ? m : size);
+    s->n = (int32_t)(size / s->m);
+    s->count = (int64_t)s->m * s->n;
+    s->n_blocks = SPRINGS * s->count;
+    s->n_extra = pick(b, 3) ? 0 : s->count;
+}
+
+void pick_system(struct bytes *b, struct system *s)
+{
+    int64_t size = for_bench(b) ? 1 << 18 : pick_size(b);
+    pick_grid(b, size, s);
+    s->mass = take(b, s->count, sizeof *s->mass);
+    s->extra = take(b, s->n_extra, sizeof *s->extra);
+    s->block = take(b, s->n_blocks, sizeof *s->block);
+    s->thin = take(b, s->n_blocks, sizeof *s->thin);
+    s->fixed = take(b, s->count, sizeof *s->fixed);
+    s->b = take(b, s->count, sizeof *s->b);
+    uint32_t holes = pick(b, 3), flat = pick(b, 2);
+    for (int64_t p = 0; p < s->count; p++) {
+        s->fixed[p] = holes && !pick(b, 10) ? (uint8_t)(1 + pick(b, 2)) : 0;
+        s->mass[p] = pick_uniform(b, R(0.001), 1);
+        s->b[p] = pick_vec(b, 1);
+        if (s->n_extra && !pick(b, 3))
+            s->extra[p] = outer(pick_vec(b, 1));
+    }
+    for (int o = 0; o < SPRINGS; o++)
+        for (int64_t p = 0; p < s->count; p++) {
+            int32_t i = (int32_t)(p % s->m), j = (int32_t)(p / s->m);
+            vec v = for_bench(b) ? vec_make(1, 0, R(0.5)) : pick_vec(b, 1);
+            if (flat)
+                v.z = 0;
+            if (!spring_inside(s->m, s->n, i, j, o, 1) || !pick(b, 8) ||
+                s->fixed[p] == CLOTH_ABSENT ||
+                s->fixed[p + spring_step(s->m, o)] == CLOTH_ABSENT)
+                continue;
+            s->block[o * s->count + p] = outer(v);
+            real length = vec_length(v), one = length > 0 ? 1 / length : 0;
+            s->thin[o * s->count + p] =
+                thin_make(vec_dot(v, v), 0, vec_scale(one, v));
+        }
+}
+
+sym thin_sym(struct thin t)
+{
+    struct thin_parts a = thin_open(t);
+    double s = (double)a.size, all = (double)a.all;
+    struct wide e = wide_of(a.e);
+    sym r = {(real)(s * e.x * e.x + all), (real)(s * e.x * e.y),
+             (real)(s * e.x * e.z),       (real)(s * e.y * e.y + all),
+             (real)(s * e.y * e.z),       (real)(s * e.z * e.z + all)};
+    return r;
+}
+
+double noise_of(uint64_t k)
+{
+    k = (k + 1) * UINT64_C(0x9e3779b97f4a7c15);
+    k = (k ^ (k >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
+    k = (k ^ (k >> 27)) * UINT64_C(0x94d049bb133111eb);
+    return (double)((k ^ (k >> 31)) >> 11) * 0x1p-52 - 1;
+}
+
+/* A curve whose direction swings by `swing` either way, each `period`. */
+static void fold(double s, double swing, double period, double h, double *x)
+{
+    x[0] = x[1] = 0;
+    for (double a = 0; a < s - h / 2; a += h) {
+        double angle = swing * sin(6.283185307179586 * a / period);
+        x[0] += h * cos(angle);
+        x[1] += h * sin(angle);
+    }
+}
+
+static void place(enum shape shape, double s, double t, double h, double *x)
+{
+    double tilt[3] = {0.6 * s - 0.224 * t, 0.8 * s + 0.168 * t, 0.96 * t};
+    x[0] = s;
+    x[1] = 0;
+    x[2] = t;
+    if (shape == SHAPE_TILTED)
+        memcpy(x, tilt, sizeof tilt);
+    if (shape == SHAPE_STRETCHED) {
+        x[0] = 1.05 * s;
+        x[1] = 0.3 * s;
+        x[2] = 1.02 * t;
+    }
+    if (shape == SHAPE_WRINKLED)
+        x[1] = 0.01 * sin(40 * s) * cos(30 * t) + 0.002 * sin(200 * s);
+    if (shape == SHAPE_FOLDED)
+        fold(s, 2, 0.1, h, x);
+    if (shape == SHAPE_DRAPED) {
+        x[0] = 0.98 * s;
+        x[1] = 0.03 * sin(25 * s + 20 * t) * cos(30 * t);
+        x[2] = 0.98 * t + 0.01 * sin(17 * s);
+    }
+}
+
+static bool trimmed(const struct design *d, int32_t i, int32_t j)
+{
+    double u = (double)i / d->m - 0.5, v = (double)j / d->n - 0.5;
+    uint64_t k = (uint64_t)i + (uint64_t)d->m * (uint64_t)j;
+    return ((d->trim & TRIM_HOLE) && u * u + v * v < 0.03) ||
+           ((d->trim & TRIM_MOTHS) && noise_of(k) < -0.96) ||
+           ((d->trim & TRIM_SLIT) && i == d->m / 3 && v > -0.4 && v < 0.4);
+}
+
+static bool pinned(const struct design *d, int32_t i, int32_t j)
+{
+    uint64_t k = (uint64_t)i + (uint64_t)d->m * (uint64_t)j;
+    return (d->trim & TRIM_PINS) && ((j == 0 && (i == 0 || i == d->m - 1)) ||
+                                     noise_of(k + 12345) < -0.99);
+}
+
+static bool severed(const struct design *d, int32_t i, int32_t j, int o)
+{
+    int32_t k = i + spring_di[o], low = i < k ? i : k, high = i < k ? k : i;
+    return (d->trim & TRIM_CUT) && low <= d->m / 2 && high > d->m / 2 &&
+           j > d->n / 10 && j < d->n - d->n / 10;
+}
+
+static const double stiffness[SPRINGS] = {500,  500,  150,   150,
+                                          62.5, 62.5, 31.25, 31.25};
+
+/* Linear springs of no damping, for cells of h. */
+static void add_laws(struct system *s, double h)
+{
+    s->tau = R(1.0 / 60);
+    for (int o = 0; o < SPRINGS; o++) {
+        double di = spring_di[o], dj = spring_dj[o];
+        real k = (real)stiffness[o];
+        s->law[o] = (struct law){.k = k,
+                                 .press = k,
+                                 .rest = (real)(h * sqrt(di * di + dj * dj)),
+                                 .stiff = k};
+    }
+}
+
+/* What spring o of p pulls in a step, added to its ends. */
+static void add_push(struct system *s, int64_t p, int o)
+{
+    int64_t q = p + spring_step(s->m, o);
+    vec d = vec_sub(s->x[q], s->x[p]);
+    real length = vec_length(d), tension = law_tension(&s->law[o], length);
+    vec f = vec_scale(s->tau * tension / length, d);
+    s->b[p] = vec_add(s->b[p], f);
+    s->b[q] = vec_sub(s->b[q], f);
+}
+
+static void add_springs(const struct design *d, struct system *s)
+{
+    for (int32_t j = 0; j < s->n; j++)
+        for (int32_t i = 0; i < s->m; i++)
+            for (int o = 0; o < SPRINGS; o++) {
+                int64_t p = index_of(s, i, j), q = p + spring_step(s->m, o);
+                if (!spring_inside(s->m, s->n, i, j, o, 1) ||
+                    severed(d, i, j, o) || s->fixed[p] == CLOTH_ABSENT ||
+                    s->fixed[q] == CLOTH_ABSENT)
+                    continue;
+                s->springs[p] |= (uint8_t)(1 << o);
+                add_push(s, p, o);
+            }
+}
+
+struct blocks blocks_of(const struct system *s)
+{
+    return (struct blocks){.count = s->count,
+                           .m = s->m,
+                           .laws = SPRINGS,
+                           .law = s->law,
+                           .springs = s->springs,
+                           .x = s->x,
+                           .tau = s->tau,
+                           .block = s->block,
+                           .n_thin = s->n_blocks,
+                           .thin = s->thin};
+}
+
+void make_system(const struct design *d, struct system *s)
+{
+    double h = 1.0 / ((d->m > d->n ? d->m : d->n) - 1), mass = 0.2 * h * h;
+    s->m = d->m;
+    s->n = d->n;
+    s->count = (int64_t)d->m * d->n;
+    s->n_blocks = SPRINGS * s->count;
+    s->n_extra = 0;
+    s->extra = NULL;
+    s->mass = calloc((size_t)s->count, sizeof *s->mass);
+    s->block = calloc((size_t)s->n_blocks, sizeof *s->block);
+    s->thin = calloc((size_t)s->n_blocks, sizeof *s->thin);
+    s->fixed = calloc((size_t)s->count, sizeof *s->fixed);
+    s->b = calloc((size_t)s->count, sizeof *s->b);
+    s->springs = calloc((size_t)s->count, sizeof *s->springs);
+    s->x = calloc((size_t)s->count, sizeof *s->x);
+    double(*x)[3] = calloc((size_t)s->count, sizeof *x);
+    for (int64_t p = 0; p < s->count; p++) {
+        int32_t i = (int32_t)(p % s->m), j = (int32_t)(p / s->m);
+        s->mass[p] = (real)mass;
+        s->b[p] = vec_make(0, (real)(-9.81 / 60 * mass), 0);
+        if (trimmed(d, i, j)) {
+            s->fixed[p] = CLOTH_ABSENT;
+            s->mass[p] = 1;
+        } else if (pinned(d, i, j))
+            s->fixed[p] = CLOTH_PINNED;
+        if (d->shape == SHAPE_FOLDED && j > 0) {
+            memcpy(x[p], x[i], sizeof *x);
+            x[p][2] = j * h;
+        } else
+            place(d->shape, i * h, j * h, h, x[p]);
+    }
+    for (uint64_t k = 0; k < 3 * (uint64_t)s->count; k++)
+        x[k / 3][k % 3] += d->uneven * h * noise_of(k);
+    for (int64_t p = 0; p < s->count; p++)
+        s->x[p] = vec_make((real)x[p][0], (real)x[p][1], (real)x[p][2]);
+    free(x);
+    add_laws(s, h);
+    add_springs(d, s);
+    struct blocks b = blocks_of(s);
+    ref_blocks(&b);
+}
+
+void hold_system(struct system *a, uint32_t every)
+{
+    a->n_extra = a->count;
+    a->extra = calloc((size_t)a->count, sizeof *a->extra);
+    for (int64_t p = 0; p < a->count; p++) {
+        uint64_t seed = (uint64_t)(8 * p);
+        vec n = vec_make((real)noise_of(seed), (real)noise_of(seed + 1),
+                         (real)(1 + noise_of(seed + 2)));
+        bool held = (1 + noise_of(seed + 3)) / 2 * every < 1;
+        if (held)
+            a->extra[p] = (sym){n.x * n.x, n.x * n.y, n.x * n.z,
+                                n.y * n.y, n.y * n.z, n.z * n.z};
+        a->b[p] = held && !a->fixed[p] ? n : vec_make(0, 0, 0);
+    }
+}
+
+void free_system(struct system *s)
+{
+    free(s->mass);
+    free(s->extra);
+    free(s->block);
+    free(s->thin);
+    free(s->fixed);
+    free(s->b);
+    free(s->springs);
+    free(s->x);
+}
+
+mat dense_entry(const struct system *s, int64_t p, int64_t q)
+{
+    sym a = {0, 0, 0, 0, 0, 0};
+    int64_t di = q % s->m - p % s->m, dj = q / s->m - p / s->m;
+    if (p == q) {
+        a.xx = a.yy = a.zz = s->mass[p];
+        a = s->n_extra ? sym_add(a, s->extra[p]) : a;
+    }
+    for (int o = 0; o < SPRINGS; o++) {
+        const sym *block = s->block + o * s->count;
+        int64_t step = spring_di[o] + (int64_t)s->m * spring_dj[o];
+        int64_t i = p % s->m, j = p / s->m, x = spring_di[o], y = spring_dj[o];
+        if (p == q && i + x >= 0 && i + x < s->m && j + y < s->n)
+            a = sym_add(a, block[p]);
+        if (p == q && i - x >= 0 && i - x < s->m && j - y >= 0)
+            a = sym_add(a, block[p - step]);
+        if (di == x && dj == y)
+            a = block[p];
+        if (di == -x && dj == -y)
+            a = block[q];
+    }
+    real sign = p == q ? 1 : -1;
+    mat r = {vec_make(sign * a.xx + 0, sign * a.xy + 0, sign * a.xz + 0),
+             vec_make(sign * a.xy + 0, sign * a.yy + 0, sign * a.yz + 0),
+             vec_make(sign * a.xz + 0, sign * a.yz + 0, sign * a.zz + 0)};
+    return r;
+}

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A step that fails, wherever it does, changes nothing, and done again it is
+ * the step that it would have been. spec/world/step.md §7 */
+#include "ref/contact/couple.h"
+#include "ref/world/checkpoint.h"
+#include "ref/world/state.h"
+#include "ref/world/step.h"
+#include "tests/solve/system.h"
+#include "tests/world/slab.h"
+
+enum { SIDE = 12, BEFORE = 5 };
+
+/* Calls of a world's own functions that go well; then they fail. */
+static int left;
+
+static int broad(void *user, const uint8_t *touched, struct pairs *out)
+{
+    return left-- > 0 ? step_broad(user, touched, out) : DRAPE_ENOMEM;
+}
+
+static int solve(void *user, int64_t n, struct contact *contact)
+{
+    return left-- > 0 ? couple_solve(user, n, contact) : DRAPE_ENOMEM;
+}
+
+/* A sheet that rests on a slab, which strikes it after BEFORE steps. */
+static struct world *make_struck(int integrator, struct arena *arena)
+{
+    static double way[3][3], time[3], v[SIDE * SIDE][3];
+    struct slab d;
+    struct world *w;
+    drape_error error;
+    slab_make(&d, integrator);
+    d.def.dt = integrator < DRAPE_BW ? 0x1p-9 : 0x1p-6;
+    way[2][1] = integrator < DRAPE_BW ? 0.75 : 3;
+    time[1] = BEFORE * d.def.dt;
+    time[2] = 3 * time[1];
+    d.motion =
+        (drape_motion){3, time, (const double(*)[3])way, NULL, {0, 0, 0}};
+    d.cloth.m = d.cloth.n = SIDE;
+    d.cloth.width = d.cloth.height = (SIDE - 1) / 64.0;
+    d.cloth.origin[0] = d.cloth.origin[2] = -0.0625;
+    d.cloth.origin[1] = 0.1035;
+    for (int p = 0; p < SIDE * SIDE; p++)
+        v[p][0] = 0.1 * noise_of((uint64_t)p);
+    d.cloth.velocity = (const double(*)[3])v;
+    arena_init(arena, &d.def.allocator);
+    return world_make(&d.def, arena, &w, &error) == DRAPE_OK ? w : NULL;
+}
+
+static int hash_written(void *user, const void *data, size_t bytes)
+{
+    uint64_t *hash = user;
+    *hash = hash_bytes(*hash, data, bytes);
+    return 0;
+}
+
+static uint64_t state(const struct world *w)
+{
+    uint64_t hash = HASH_START;
+    return checkpoint_save(w, hash_written, &hash) == DRAPE_OK ? hash : 0;
+}
+
+/* One step of b, which fails ever later, and as it should be. */
+static const char *fail_step(struct world *a, struct world *b, int *later)
+{
+    drape_step_report r, again;
+    uint64_t before = state(b);
+    int status = DRAPE_ENOMEM;
+    EXPECT(before && before == state(a));
+    EXPECT(step_advance(a, &r) == DRAPE_OK);
+    for (int calls = 0; status != DRAPE_OK; calls++) {
+        EXPECT(calls < 400);
+        left = calls;
+        status = step_advance(b, &again);
+        EXPECT(status == DRAPE_OK || status == DRAPE_ENOMEM);
+        EXPECT(status == DRAPE_OK || state(b) == before);
+        *later += status != DRAPE_OK && b->slicing.done > 0;
+        ran(1);
+    }
+    EXPECT(state(b) == state(a));
+    EXPECT(again.slices == r.slices && again.outcome == r.outcome);
+    EXPECT(again.iterations == r.iterations && again.step == r.step);
+    return NULL;
+}
+
+const char *test_world_aborts(void)
+{
+    static const int some[] = {DRAPE_VERLET, DRAPE_BW, DRAPE_CK};
+    for (int k = 0; k < 3; k++) {
+        struct arena arena[2];
+        struct world *a = make_struck(some[k], &arena[0]);
+        struct world *b = make_struck(some[k], &arena[1]);
+        const char *failed = NULL;
+        int later = 0;
+        EXPECT(a && b);
+        b->response.broad = broad;
+        if (b->response.solve)
+            b->response.solve = solve;
+        for (int step = 0; step < 2 * BEFORE && !failed; step++)
+            failed = fail_step(a, b, &later);
+        arena_free(&arena[0]);
+        arena_free(&arena[1]);
+        if (failed)
+            return failed;
+        EXPECT(later > 0); /* or no step was given up half-way */
+    }
+    return NULL;
+}

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Names of axes do not matter: what happens on a line or in a plane is the
+ * same, to the last bit, along whichever axes. And where multigrid breaks down,
+ * Jacobi goes on. spec/solve/pcg.md §3, §5 */
+#include "tests/solve/solver.h"
+
+enum { M = 19, N = 15 };
+
+/* A plane's two axes, or a line's one. Their order is kept: a sum of three
+ * numbers does not depend on where among them a 0 is, and so factors do. */
+static const int lies[5][2] = {{0, 1}, {0, 2}, {0, -1}, {1, -1}, {2, -1}};
+
+static vec turned(vec a, int k)
+{
+    real r[3] = {0, 0, 0};
+    r[lies[k][0]] = a.x;
+    if (lies[k][1] >= 0)
+        r[lies[k][1]] = a.y;
+    return vec_make(r[0], r[1], r[2]);
+}
+
+/* xx, and in a plane xy and yy, where they belong; zz beside them. */
+static sym turned_block(sym a, int k)
+{
+    real r[3][3] = {{a.zz, 0, 0}, {0, a.zz, 0}, {0, 0, a.zz}};
+    int p = lies[k][0], q = lies[k][1];
+    r[p][p] = a.xx;
+    if (q >= 0) {
+        r[p][q] = r[q][p] = a.xy;
+        r[q][q] = a.yy;
+    }
+    return (sym){r[0][0], r[0][1], r[0][2], r[1][1], r[1][2], r[2][2]};
+}
+
+static void make_turned(struct system *a, int k)
+{
+    struct design d = {M, N, SHAPE_WRINKLED, TRIM_HOLE | TRIM_PINS, 0.1};
+    make_system(&d, a);
+    for (int64_t i = 0; i < a->n_blocks; i++)
+        a->block[i] = turned_block(a->block[i], k);
+    for (int64_t i = 0; i < a->count; i++) {
+        vec b = vec_make(a->b[i].y, a->b[i].x, 0); /* gravity on the line */
+        a->b[i] = turned(b, k);
+    }
+}
+
+/* The solution, to where binary32 needs restarts; iterations, or -1. */
+static int solve_turned(int k, int precond, int form, vec *dv)
+{
+    struct system a;
+    make_turned(&a, k);
+    struct pcg s = {.precond = precond,
+                    .form = form,
+                    .tolerance = REAL_BITS == 32 ? R(1e-6) : R(1e-13),
+                    .max_iterations = 400};
+    solver_open(&s, &a);
+    s.n_thin = s.grid.n_thin = 0; /* whose directions are rounded by axis */
+    int status = ref_pcg(&s);
+    memcpy(dv, s.dv, (size_t)a.count * sizeof *dv);
+    solver_close(&s);
+    free_system(&a);
+    return status == DRAPE_OK ? s.iterations : -1;
+}
+
+static const char *compare(int precond, int form)
+{
+    static vec dv[5][M * N];
+    int iterations[5];
+    for (int k = 0; k < 5; k++)
+        iterations[k] = solve_turned(k, precond, form, dv[k]);
+    for (int k = 0; k < 5; k++) {
+        int first = k < 2 ? 0 : 2;
+        EXPECT(iterations[k] > 2 && iterations[k] == iterations[first]);
+        for (int p = 0; p < M * N; p++) {
+            vec a = dv[first][p], want = turned(a, k), is = dv[k][p];
+            EXPECT(is.x == want.x && is.y == want.y && is.z == want.z);
+        }
+    }
+    ran(1);
+    return NULL;
+}
+
+const char *test_pcg_axes(void)
+{
+    const char *failed = NULL;
+    for (int k = 0; k < 4 && !failed; k++)
+        failed = compare(k & 1 ? DRAPE_MULTIGRID : DRAPE_JACOBI,
+                         k & 2 ? DRAPE_CDF : DRAPE_COMPACT);
+    return failed;
+}
+
+/* Springs that push neighbours apart by less than the masses hold: A is
+ * positive definite, and yet not what multigrid's smoothing needs. */
+static void make_pushing(struct system *a, real push)
+{
+    const sym block = {-push, 0, 0, -push, 0, -push};
+    struct design d = {24, 24, SHAPE_FLAT, TRIM_NONE, 0};
+    make_system(&d, a);
+    for (int64_t i = 0; i < a->count; i++) {
+        a->mass[i] = 1;
+        a->b[i] = vec_make(1, (real)noise_of((uint64_t)i), 2);
+        for (int o = 0; o < SPRINGS; o++)
+            if (a->springs[i] >> o & 1)
+                a->block[o * a->count + i] = block;
+    }
+}
+
+/* §5: where multigrid breaks down, Jacobi goes on and arrives. */
+const char *test_pcg_falls_back(void)
+{
+    for (int k = 22; k <= 24; k += 2) {
+        struct system a;
+        make_pushing(&a, 1 / (real)k);
+        struct pcg s = {.precond = DRAPE_MULTIGRID,
+                        .form = DRAPE_COMPACT,
+                        .tolerance = R(1e-4),
+                        .max_iterations = 500};
+        solver_open(&s, &a);
+        s.n_thin = s.grid.n_thin = 0;
+        int status = ref_pcg(&s);
+        solver_close(&s);
+        free_system(&a);
+        EXPECT(status == DRAPE_OK && s.fell_back == (k == 22));
+        EXPECT(s.outcome == PCG_CONVERGED && s.residual <= s.tolerance);
+        ran(1);
+    }
+    return NULL;
+}

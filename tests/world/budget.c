@@ -1,0 +1,329 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What whole worlds owe to mechanics: how they are made, how they fall, meet,
+ * are blown and led. spec/world/step.md */
+#include <stdlib.h>
+
+#include "ref/world/state.h"
+#include "ref/world/step.h"
+#include "tests/solve/system.h"
+#include "tests/world/scene.h"
+#include "tests/world/slab.h"
+
+enum { SIDE = 12, COUNT = SIDE * SIDE };
+static const int methods[] = {DRAPE_EULER, DRAPE_VERLET, DRAPE_BW, DRAPE_CK};
+enum { METHODS = 4 };
+
+static struct world *make_inner(const drape_def *def, struct arena *arena)
+{
+    struct world *w;
+    drape_error error;
+    arena_init(arena, &def->allocator);
+    return world_make(def, arena, &w, &error) == DRAPE_OK ? w : NULL;
+}
+
+/* A sheet of 0.25 m, high above a slab that stands still. */
+static void make_small(struct slab *d, int integrator)
+{
+    slab_make(d, integrator);
+    d->def.dt = integrator < DRAPE_BW ? 0x1p-12 : 0x1p-6;
+    d->obstacle.motion = -1;
+    d->cloth.m = d->cloth.n = SIDE;
+    d->cloth.width = d->cloth.height = 0.25;
+    d->cloth.origin[1] = 8;
+}
+
+/* ---- How a world is made ---- */
+
+static void make_mixed(struct slab *d, drape_cloth cloth[2],
+                       drape_obstacle obstacle[2])
+{
+    static const drape_pin pin = {1, 2, -1};
+    make_small(d, DRAPE_BW);
+    for (int k = 0; k < 2; k++) {
+        cloth[k] = d->cloth;
+        obstacle[k] = d->obstacle;
+        cloth[k].origin[1] += k;
+        cloth[k].m = SIDE + k;
+        cloth[k].material.density = 0.25 + k;
+        cloth[k].material.stretch = 500 + 300 * k;
+        cloth[k].material.friction = 0.25 + 0.125 * k;
+        cloth[k].material.thickness = k ? 1 : 0.00390625;
+        obstacle[k].friction = 0.5 + 0.125 * k;
+    }
+    cloth[1].pins = &pin;
+    cloth[1].n_pins = 1;
+    d->def.cloths = cloth;
+    d->def.obstacles = obstacle;
+    d->def.n_cloths = d->def.n_obstacles = 2;
+}
+
+static bool near(double a, double b)
+{
+    return fabs(a - b) <= 1e-6 * fabs(b);
+}
+
+/* Each body its own surface, thickness at most half a cell; what is led has no
+ * weight to give. */
+const char *test_world_made(void)
+{
+    struct slab d;
+    struct arena arena;
+    drape_cloth cloth[2];
+    drape_obstacle obstacle[2];
+    make_mixed(&d, cloth, obstacle);
+    struct world *w = make_inner(&d.def, &arena);
+    EXPECT(w && w->nc == COUNT + COUNT + SIDE && w->nv == w->nc + 16);
+    double side = 0.25 / SIDE, mass = 0; /* of the second cloth's cells */
+    EXPECT(near((double)w->cell, side));
+    EXPECT(near((double)w->surface[0].thickness, 0.00390625));
+    EXPECT(near((double)w->surface[1].thickness, side / 2));
+    EXPECT(near((double)w->reach, side / 2) && w->response.stiffness == 800);
+    for (int k = 0; k < 2; k++) {
+        EXPECT(w->surface[k].friction == (real)cloth[k].material.friction);
+        EXPECT(w->surface[2 + k].friction == (real)obstacle[k].friction);
+        EXPECT(w->surface[2 + k].thickness == 0);
+        mass += 0.0625 * cloth[k].material.density;
+    }
+    EXPECT(near(w->mass, mass));
+    int64_t held = w->sheet[1].first + 1 + 2 * (SIDE + 1);
+    for (int64_t i = 0; i < w->nv; i++) {
+        int body = i < COUNT ? 0 : i < w->nc ? 1 : i < w->nc + 8 ? 2 : 3;
+        EXPECT(w->body[i] == body);
+        EXPECT((w->w[i] == 0) == (body >= 2 || i == held));
+        mass -= w->w[i] > 0 ? 1 / (double)w->w[i] : 0;
+    }
+    double one = 0.0625 * 1.25 / (SIDE * (SIDE - 1)); /* the held one's */
+    EXPECT(fabs(mass - one) <= 1e-6 * w->mass);
+    arena_free(&arena);
+    ran(1);
+    return NULL;
+}
+
+/* ---- A fall ---- */
+
+/* All methods give v = g t exactly, Choi–Ko too where slices change length. */
+static const char *check_fall(int integrator)
+{
+    struct slab d;
+    struct arena arena;
+    drape_step_report r;
+    make_small(&d, integrator);
+    d.cloth.width = d.cloth.height = (SIDE - 1) / 64.0; /* no rounding */
+    d.def.tolerance = 1e-6;
+    struct world *w = make_inner(&d.def, &arena);
+    EXPECT(w);
+    double mass = 0.2 * d.cloth.width * d.cloth.height;
+    for (int step = 0; step < 16; step++) {
+        w->caution.level = step % 4 == 1 || step % 4 == 2;
+        EXPECT(step_advance(w, &r) == DRAPE_OK && r.outcome == 0);
+        EXPECT(r.time == r.step * d.def.dt && r.step == step + 1);
+        double y = 0, speed = 9.81 * r.time;
+        for (int64_t i = 0; i < w->nc; i++) {
+            EXPECT(fabs((double)w->v0[i].y + speed) <= 1e-5 * speed);
+            y += 9.81 * (double)w->x0[i].y / (double)w->w[i];
+        }
+        double kinetic = mass * speed * speed / 2;
+        EXPECT(fabs(r.kinetic - kinetic) <= 1e-4 * kinetic);
+        EXPECT(fabs(r.potential - y) <= 1e-5 * y);
+        EXPECT(r.elastic >= 0 && r.elastic <= 1e-6);
+        ran(1);
+    }
+    arena_free(&arena);
+    return NULL;
+}
+
+const char *test_world_free_fall(void)
+{
+    const char *failed = NULL;
+    for (int k = 0; k < METHODS && !failed; k++)
+        failed = check_fall(methods[k]);
+    return failed;
+}
+
+/* ---- Two that meet ---- */
+
+static void momentum(const struct world *w, double p[3], double *size)
+{
+    memset(p, 0, 3 * sizeof *p);
+    *size = 0;
+    for (int64_t i = 0; i < w->nc; i++) {
+        double m = 1 / (double)w->w[i];
+        p[0] += m * (double)w->v0[i].x;
+        p[1] += m * (double)w->v0[i].y;
+        p[2] += m * (double)w->v0[i].z;
+        *size += m * (double)vec_length(w->v0[i]);
+    }
+}
+
+/* What one sheet loses the other gains, friction included, and no energy comes
+ * from nowhere. A coupled solve holds vertex by vertex (penalty.md §1): there a
+ * part of what they exchange is lost, 7 % at most of what was seen. */
+static const char *check_meeting(int integrator)
+{
+    static double v[2][COUNT][3];
+    drape_cloth cloth[2];
+    struct slab d;
+    struct arena arena;
+    drape_step_report r;
+    double before[3], after[3], size, first = 0;
+    double lost = integrator < DRAPE_BW ? 1e-5 : 0.1;
+    int64_t contacts = 0;
+    make_small(&d, integrator);
+    for (int k = 0; k < 2; k++) {
+        cloth[k] = d.cloth;
+        cloth[k].material.density = 0.2 + 0.1 * k;
+        cloth[k].origin[1] = 8 + 0.006 * k;
+        cloth[k].velocity = (const double(*)[3])v[k];
+        for (int p = 0; p < COUNT; p++) {
+            v[k][p][0] = 0.3 * k;
+            v[k][p][1] = (k ? -1 : 0.5) + 0.05 * noise_of((uint64_t)p);
+        }
+    }
+    d.def.gravity[1] = 0;
+    d.def.tolerance = 1e-5;
+    d.def.cloths = cloth;
+    d.def.n_cloths = 2;
+    struct world *w = make_inner(&d.def, &arena);
+    EXPECT(w);
+    momentum(w, before, &size);
+    for (int step = 0; step < (integrator < DRAPE_BW ? 40 : 10); step++) {
+        EXPECT(step_advance(w, &r) == DRAPE_OK);
+        EXPECT(!(r.outcome & (DRAPE_TRAPPED | DRAPE_DIVERGED)));
+        momentum(w, after, &size);
+        for (int i = 0; i < 3; i++)
+            EXPECT(fabs(after[i] - before[i]) <= lost * size);
+        first = first > 0 ? first : r.kinetic + r.elastic;
+        EXPECT(r.kinetic + r.elastic <= 1.02 * first);
+        contacts += r.contacts;
+        ran(1);
+    }
+    EXPECT(contacts > 0 && r.kinetic < 0.9 * first);
+    arena_free(&arena);
+    return NULL;
+}
+
+const char *test_world_momentum(void)
+{
+    const char *failed = NULL;
+    for (int k = 0; k < METHODS && !failed; k++)
+        failed = check_meeting(methods[k]);
+    return failed;
+}
+
+/* ---- wind.md §1: air ---- */
+
+/* A tilted plate at rest in a wind of 2 m/s upwards: what the first moment
+ * gives it. Set in the definition, or later. */
+static const char *check_air(int integrator, bool later)
+{
+    const drape_wind wind = {{0, 2, 0}, 1.25, 1.5, 0.75};
+    struct slab d;
+    struct arena arena;
+    make_small(&d, integrator);
+    d.def.dt = 1e-5;
+    d.def.gravity[1] = 0;
+    d.def.wind = later ? (drape_wind){{5, 5, 5}, 1, 1, 1} : wind;
+    d.cloth.u[0] = 0.8;
+    d.cloth.u[1] = 0.6;
+    struct world *w = make_inner(&d.def, &arena);
+    EXPECT(w);
+    if (later)
+        EXPECT(world_set_wind(w, &wind) == DRAPE_OK);
+    EXPECT(step_advance(w, NULL) == DRAPE_OK);
+    double p[3], size, thrust = 0.5 * 1.25 * 0.0625 * 4 * d.def.dt;
+    momentum(w, p, &size);
+    EXPECT(fabs(p[1] - 1.5 * 0.8 * thrust) <= 1e-3 * thrust);
+    EXPECT(fabs(p[0] + 0.75 * 0.8 * 0.6 * thrust) <= 1e-3 * thrust);
+    EXPECT(fabs(p[2]) <= 1e-3 * thrust);
+    arena_free(&arena);
+    ran(1);
+    return NULL;
+}
+
+const char *test_world_air(void)
+{
+    const char *failed = NULL;
+    for (int k = 0; k < 2 * METHODS && !failed; k++)
+        failed = check_air(methods[k / 2], k % 2);
+    return failed;
+}
+
+/* ---- 01: frames ---- */
+
+/* A deforming slab is linear between its frames, still behind the last, and
+ * its v is its way in a step. */
+const char *test_world_frames(void)
+{
+    static double frame[3][8][3], x[2][COUNT + 8][3], v[COUNT + 8][3];
+    struct slab d;
+    make_small(&d, DRAPE_BW);
+    for (int k = 0; k < 24; k++)
+        for (int i = 0; i < 3; i++)
+            frame[k / 8][k % 8][i] = d.obstacle.x[k % 8][i] +
+                                     0.25 * noise_of(3 * (uint64_t)k) * (k > 7);
+    d.obstacle.frames = 3;
+    d.obstacle.frame_dt = 2.5 * d.def.dt;
+    d.obstacle.frame = (const double(*)[3])frame;
+    drape_world *world = slab_world(&d);
+    EXPECT(world && drape_read(world, x[0], NULL) == DRAPE_OK);
+    for (int step = 0; step < 9; step++) {
+        drape_step_report r;
+        double at = (step + 1) / 2.5;
+        int f = at < 1 ? 0 : 1;
+        at = at < 2 ? at - f : 1;
+        EXPECT(drape_step(world, &r) == DRAPE_OK);
+        drape_read(world, x[1], v);
+        for (int k = 0; k < 24; k++) {
+            double a = frame[f][k / 3][k % 3], b = frame[f + 1][k / 3][k % 3];
+            double is = x[1][COUNT + k / 3][k % 3];
+            double way = is - x[0][COUNT + k / 3][k % 3];
+            EXPECT(fabs(is - (a + at * (b - a))) <= 4 * (double)REAL_UNIT);
+            EXPECT(fabs(v[COUNT + k / 3][k % 3] - way / d.def.dt) <= 1e-4);
+        }
+        memcpy(x[0], x[1], sizeof x[0]);
+        ran(1);
+    }
+    drape_destroy(world);
+    return NULL;
+}
+
+/* ---- §7.3: how much energy from nowhere is too much ---- */
+
+/* Whether a whole slice that ends with `more` of energy k is taken again. */
+static bool again(struct world *w, int k, double before, double more)
+{
+    double start[3] = {0}, end[3] = {0};
+    start[k] = before;
+    end[k] = before + more;
+    w->caution = (struct caution){0};
+    slice_begin(w);
+    return slice_wrong(w, 0, start, end);
+}
+
+const char *test_world_wrong(void)
+{
+    struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
+    w.def.max_slices = 32;
+    w.def.dt = 1;
+    for (int k = 0; k < 2; k++) { /* an eighth of what is there then */
+        EXPECT(!again(&w, k, 7, 0.999) && again(&w, k, 7, 1.001));
+        w.plan.led = true;
+        EXPECT(!again(&w, k, 7, 5));
+        w.plan.led = false;
+        w.plan.wind = true;
+        EXPECT(!again(&w, k, 7, 5));
+        w.plan.wind = w.plan.implicit = false;
+        EXPECT(!again(&w, k, 7, 5));
+        w.plan.implicit = true;
+    }
+    EXPECT(!again(&w, 2, 32767, 0.999) && again(&w, 2, 32767, 1.001));
+    EXPECT(!again(&w, 2, -32769, 0.999) && again(&w, 2, -32769, 1.001));
+    w.mass = 3; /* repulsion: 2 m (g d + (d / dt)² / 2), d = 0.1 reach */
+    w.reach = 10;
+    w.def.gravity[0] = 3;
+    w.def.gravity[2] = 4;
+    w.dt = 0.5;
+    EXPECT(!again(&w, 2, -1, 41.9) && again(&w, 2, -1, 42.1));
+    ran(13);
+    return NULL;
+}

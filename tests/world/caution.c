@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What steps learn from those before. spec/world/step.md §7.5 */
+#include "ref/world/checkpoint.h"
+#include "ref/world/slice.h"
+#include "ref/world/state.h"
+#include "tests/base/choices.h"
+
+enum { TURNS = 200 }; /* more than a step may have: 64 slices, some again */
+
+/* A step whose slices longer than dt/2^calm end with `gain` times their
+ * energy. Returns how many were taken again, or TURNS if it never ends. */
+static int make_step(struct world *w, int calm, double gain)
+{
+    const double before[3] = {1, 0, 0}, more[3] = {gain, 0, 0};
+    int again = 0, turns = 0;
+    slice_begin(w);
+    while (!slice_last(w)) {
+        if (turns++ == TURNS)
+            return TURNS;
+        bool gains = w->slicing.level < calm;
+        if (slice_wrong(w, 0, before, gains ? more : before))
+            again++;
+        else
+            slice_keep(w);
+    }
+    slice_end(w);
+    return again;
+}
+
+/* A step that gains a tenth is kept, one that doubles is halved, once; both
+ * teach the next eight; then one tries. A step that knows goes one further. */
+const char *test_world_caution(void)
+{
+    struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
+    w.def.max_slices = 32;
+    w.def.dt = 1;
+    EXPECT(make_step(&w, 3, 1.05) == 0);
+    EXPECT(w.caution.level == 0 && w.slicing.slices == 1);
+    for (int doubles = 0; doubles < 2; doubles++) {
+        EXPECT(make_step(&w, 3, doubles ? 2 : 1.1) == doubles);
+        EXPECT(w.caution.level == 1 && w.slicing.slices == 1 + doubles);
+        for (int k = 0; k < 8; k++) {
+            EXPECT(make_step(&w, 1, 2) == 0 && w.slicing.slices == 2);
+            ran(1);
+        }
+        EXPECT(make_step(&w, 0, 2) == 0);
+        EXPECT(w.caution.level == 0 && w.slicing.slices == 1);
+    }
+    w.caution = (struct caution){.level = 1, .again = 1, .calm = 7};
+    EXPECT(make_step(&w, 3, 1.1) == 0 && w.slicing.slices == 2);
+    EXPECT(w.caution.level == 1 && w.caution.calm == 0);
+    EXPECT(make_step(&w, 3, 2) == 1 && w.slicing.slices == 4);
+    EXPECT(w.caution.level == 1);
+    w.def.max_slices = 1; /* what is asked for is the most */
+    EXPECT(make_step(&w, 1, 2) == 0 && w.slicing.slices == 1);
+    return NULL;
+}
+
+/* A step whose way is that of 2^far slices. Returns how many were too long, or
+ * TURNS if it never ends. */
+static int make_way(struct world *w, int far)
+{
+    int again = 0, turns = 0;
+    slice_begin(w);
+    while (!slice_last(w)) {
+        if (turns++ == TURNS)
+            return TURNS;
+        real way = 8 * w->cell * (real)ldexp(1, far - w->slicing.level);
+        again += slice_far(w, way * way);
+        if (slice_far(w, way * way))
+            slice_cut(w);
+        else
+            slice_keep(w);
+    }
+    slice_end(w);
+    return again;
+}
+
+/* §7.2: the step after one whose way was too long begins with slices that are
+ * short enough, eight times running; one whose way is short ends whole. */
+const char *test_world_way(void)
+{
+    struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
+    w.def.max_slices = 32;
+    w.def.dt = 1;
+    for (int far = 1; far <= 3; far++) {
+        for (int k = 0; k <= 9; k++) {
+            EXPECT(make_way(&w, far) == (k % 9 == 0));
+            EXPECT(w.slicing.slices == 1 << far);
+            ran(1);
+        }
+        EXPECT(make_way(&w, 0) == 0 && w.slicing.slices == far + 1);
+        EXPECT(make_way(&w, 0) == 0 && w.slicing.slices == 1);
+    }
+    return NULL;
+}
+
+/* §7.3, §7.5: what the fail-safe ended teaches too; a whole step that can be
+ * taken again is given up after 12 rounds, all else after what is allowed. */
+const char *test_world_rounds(void)
+{
+    const double energy[3] = {1, 0, 0};
+    struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
+    w.def.max_slices = 32;
+    w.def.max_rounds = 16;
+    w.def.dt = 1;
+    for (int k = 0; k < 2; k++) {
+        slice_begin(&w);
+        EXPECT(w.slicing.level == 0 && slice_rounds(&w) == 12);
+        EXPECT(slice_wrong(&w, DRAPE_ZONES, energy, energy));
+        EXPECT(w.slicing.level == 1 && slice_rounds(&w) == 16);
+        for (int turns = 0; !slice_last(&w); turns++) {
+            EXPECT(turns < TURNS);
+            slice_keep(&w);
+        }
+        slice_end(&w);
+        ran(1);
+    }
+    slice_begin(&w);
+    EXPECT(w.slicing.level == 1);
+    w.caution.level = 0;
+    slice_begin(&w);
+    w.def.max_rounds = 5;
+    EXPECT(slice_rounds(&w) == 5);
+    w.def.max_rounds = 16;
+    w.def.max_slices = 1; /* it cannot be cut: its zones are not for nothing */
+    slice_begin(&w);
+    EXPECT(!slice_brief(&w) && slice_rounds(&w) == 16);
+    struct response c = {.iterations = 16}; /* response.md §4 */
+    for (; c.rounds < 16; c.rounds++)
+        EXPECT(response_iterations(&c) ==
+               (c.rounds < 3 ? 16 : 16 * (c.rounds - 1)));
+    return NULL;
+}
+
+struct tape {
+    uint8_t data[1024];
+    size_t size, at;
+};
+
+static int record(void *user, const void *data, size_t bytes)
+{
+    struct tape *t = user;
+    if (bytes > sizeof t->data - t->size)
+        return 1;
+    if (bytes)
+        memcpy(t->data + t->size, data, bytes);
+    t->size += bytes;
+    return 0;
+}
+
+static int play(void *user, void *data, size_t bytes)
+{
+    struct tape *t = user;
+    if (bytes > t->size - t->at)
+        return 1;
+    if (bytes)
+        memcpy(data, t->data + t->at, bytes);
+    t->at += bytes;
+    return 0;
+}
+
+/* A checkpoint keeps all that steps have learned. */
+const char *test_world_knows(void)
+{
+    const struct caution all = {1, 1, 5, 3, 7};
+    vec x[2] = {{0, 0, 0}}, v[2] = {{0, 0, 0}};
+    struct arena arena;
+    struct tape tape = {.size = 0};
+    arena_init(&arena, &(drape_allocator){0});
+    struct world a = {.caution = all, .nv = 1, .x0 = x, .v0 = v};
+    struct world b = {.arena = &arena, .nv = 1, .x0 = x + 1, .v0 = v + 1};
+    EXPECT(checkpoint_save(&a, record, &tape) == DRAPE_OK);
+    EXPECT(checkpoint_load(&b, play, &tape) == DRAPE_OK);
+    EXPECT(memcmp(&b.caution, &all, sizeof all) == 0);
+    ran(1);
+    return NULL;
+}

@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A checkpoint belongs to one definition: every word of it is changed, one by
+ * one, and the checkpoint refused, but for what leaves the bits alone. Nothing
+ * is listed but pointers and exceptions, so what the API gains is tried too. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#include "tests/base/harness.h"
+
+enum { SIDE = 4, ROOM = 64, SPARE = 3 };
+
+/* A definition with something behind each pointer, and room for one more of
+ * everything that it counts. */
+struct scene {
+    drape_def def;
+    drape_cloth cloth[SPARE];
+    drape_obstacle obstacle[SPARE];
+    drape_motion motion[SPARE];
+    double x[ROOM][3], velocity[ROOM][3];
+    uint8_t hole[ROOM], cut[ROOM];
+    drape_pin pin[SPARE];
+    double corner[ROOM][3], frame[ROOM][3];
+    int32_t tri[ROOM][3];
+    double time[ROOM], position[ROOM][3], rotation[ROOM][4];
+    uint8_t saved[1 << 15]; /* of the definition as it was */
+    size_t size, at;
+};
+
+static int save(void *user, const void *data, size_t bytes)
+{
+    struct scene *s = user;
+    if (bytes > sizeof s->saved - s->size)
+        return 1;
+    memcpy(s->saved + s->size, data, bytes);
+    s->size += bytes;
+    return 0;
+}
+
+static int load(void *user, void *data, size_t bytes)
+{
+    struct scene *s = user;
+    if (bytes > s->size - s->at)
+        return 1;
+    memcpy(data, s->saved + s->at, bytes);
+    s->at += bytes;
+    return 0;
+}
+
+static void fill_cloths(struct scene *s)
+{
+    for (int k = 0; k < ROOM; k++) {
+        s->x[k][0] = 0.1 * (k % SIDE);
+        s->x[k][1] = 1;
+        s->x[k][2] = 0.1 * (k / SIDE);
+        s->velocity[k][1] = 0.5;
+    }
+    for (int k = 0; k < SPARE; k++) {
+        drape_cloth *c = &s->cloth[k];
+        drape_default_cloth(c);
+        c->m = c->n = SIDE;
+        c->width = c->height = 0.3;
+        c->origin[1] = 2 + k;
+        s->pin[k] = (drape_pin){1, 1 + k, 0};
+    }
+    s->cloth[0].x = (const double(*)[3])s->x;
+    s->cloth[0].velocity = (const double(*)[3])s->velocity;
+    s->cloth[0].hole = s->hole;
+    s->cloth[0].cut = s->cut;
+    s->cloth[0].pins = s->cloth[1].pins = s->pin;
+    s->cloth[0].n_pins = 2;
+    s->hole[3] = s->cut[4] = 1;
+}
+
+static void fill_motions(struct scene *s)
+{
+    for (int k = 0; k < ROOM; k++) {
+        s->time[k] = k;
+        s->rotation[k][0] = 1;
+    }
+    for (int k = 0; k < SPARE; k++) {
+        s->motion[k].keys = 2;
+        s->motion[k].time = s->time;
+        s->motion[k].position = (const double(*)[3])s->position;
+        s->motion[k].rotation = (const double(*)[4])s->rotation;
+    }
+}
+
+static void fill_obstacles(struct scene *s)
+{
+    for (int k = 0; k < ROOM; k++) {
+        s->corner[k][0] = s->frame[k][0] = k & 1;
+        s->corner[k][2] = s->frame[k][2] = k >> 1 & 1;
+        for (int i = 0; i < 3; i++)
+            s->tri[k][i] = (i + k % 2) % 4;
+    }
+    for (int k = 0; k < SPARE; k++) {
+        drape_obstacle *o = &s->obstacle[k];
+        drape_default_obstacle(o);
+        o->n_vertices = 4;
+        o->n_triangles = 2;
+        o->x = (const double(*)[3])s->corner;
+        o->tri = (const int32_t(*)[3])s->tri;
+        o->frame = (const double(*)[3])s->frame;
+        o->frame_dt = 0.25;
+    }
+    s->obstacle[0].motion = 0;
+    s->obstacle[1].frames = 2;
+}
+
+/* What starts intersecting is accepted, so that few changes are refused. */
+static void fill(struct scene *s)
+{
+    drape_def *d = &s->def;
+    memset(s, 0, sizeof *s);
+    drape_default(d);
+    fill_cloths(s);
+    fill_motions(s);
+    fill_obstacles(s);
+    d->precision = REAL_BITS;
+    d->threads = 1;
+    d->block = 256;
+    d->wind = (drape_wind){{1, 2, 3}, 1.25, 1, 0.5};
+    d->allow_intersecting = 1;
+    d->cloths = s->cloth;
+    d->obstacles = s->obstacle;
+    d->motions = s->motion;
+    d->n_cloths = d->n_obstacles = d->n_motions = 2;
+}
+
+/* What drape_load says to the checkpoint, or 1 where there is no such world. */
+static int try_load(struct scene *s)
+{
+    drape_world *world;
+    if (drape_create(&s->def, &world, NULL) != DRAPE_OK)
+        return 1;
+    s->at = 0;
+    int status = drape_load(world, load, s);
+    drape_destroy(world);
+    return status;
+}
+
+/* ---- Every word ---- */
+
+/* Bytes [from, to) of a struct. */
+struct part {
+    size_t from, to;
+};
+
+#define PART(X, member)                                                        \
+    {                                                                          \
+        offsetof(X, member), offsetof(X, member) + sizeof(((X *)0)->member)    \
+    }
+#define BETWEEN(X, a, b)                                                       \
+    {                                                                          \
+        offsetof(X, a) + sizeof(((X *)0)->a), offsetof(X, b)                   \
+    }
+
+struct walk {
+    const char *name;
+    void *data;
+    size_t bytes, unit;       /* unit: changed at once, 4 or 1 */
+    const struct part *skip;  /* pointers; the last is empty */
+    const struct part *free;  /* what may change; the last is empty */
+    const struct part *stiff; /* what may know no other valid value */
+};
+
+static bool within(const struct part *p, size_t at)
+{
+    for (; p && p->to; p++)
+        if (at >= p->from && at < p->to)
+            return true;
+    return false;
+}
+
+/* The first change of the word that gives a world: what loading says. */
+static int change(struct scene *s, const struct walk *w, size_t at)
+{
+    uint8_t *p = (uint8_t *)w->data + at;
+    uint32_t old = 0, now;
+    int status = 1;
+    memcpy(&old, p, w->unit);
+    for (unsigned k = 0; k < 16 * w->unit && status == 1; k++) {
+        now = old ^ (k % 2 ? 3u : 1u) << k / 2; /* 32 to 64 needs two bits */
+        memcpy(p, &now, w->unit);
+        status = try_load(s);
+    }
+    memcpy(p, &old, w->unit);
+    return status;
+}
+
+static const char *walk(struct scene *s, const struct walk *w)
+{
+    static char text[96];
+    for (size_t at = 0; at < w->bytes; at += w->unit) {
+        if (within(w->skip, at))
+            continue;
+        int want = within(w->free, at) ? DRAPE_OK : DRAPE_EMATCH;
+        int status = change(s, w, at);
+        ran(1);
+        if (status == want || (status == 1 && within(w->stiff, at)))
+            continue;
+        snprintf(text, sizeof text, "%s, byte %d: %d, expected %d", w->name,
+                 (int)at, status, want);
+        return text;
+    }
+    return NULL;
+}
+
+/* Padding is free: no fingerprint may depend on it. */
+static const struct part def_skip[] = {PART(drape_def, cloths),
+                                       PART(drape_def, obstacles),
+                                       PART(drape_def, motions),
+                                       PART(drape_def, allocator),
+                                       PART(drape_def, device_allocator),
+                                       PART(drape_def, stream),
+                                       PART(drape_def, log),
+                                       PART(drape_def, log_user),
+                                       PART(drape_def, trace),
+                                       PART(drape_def, trace_user),
+                                       {0, 0}};
+static const struct part def_free[] = {PART(drape_def, backend),
+                                       PART(drape_def, threads),
+                                       PART(drape_def, block),
+                                       BETWEEN(drape_def, solver, tolerance),
+                                       BETWEEN(drape_def, n_cloths, obstacles),
+                                       BETWEEN(drape_def, n_obstacles, motions),
+                                       BETWEEN(drape_def, n_motions, allocator),
+                                       {0, 0}};
+/* There may be no device here. */
+static const struct part def_stiff[] = {
+    PART(drape_def, solver), PART(drape_def, backend), {0, 0}};
+static const struct part cloth_skip[] = {
+    PART(drape_cloth, x),    PART(drape_cloth, velocity),
+    PART(drape_cloth, hole), PART(drape_cloth, cut),
+    PART(drape_cloth, pins), {0, 0}};
+static const struct part cloth_free[] = {
+    {offsetof(drape_cloth, n_pins) + sizeof(int), sizeof(drape_cloth)}, {0, 0}};
+static const struct part obstacle_skip[] = {PART(drape_obstacle, x),
+                                            PART(drape_obstacle, tri),
+                                            PART(drape_obstacle, frame),
+                                            {0, 0}};
+/* The upper halves of counts, as a mesh of 2^32 is refused; and an obstacle has
+ * a motion or frames, so the one is tried at obstacle 0, the other at 1. */
+#define UPPER_HALVES                                                           \
+    {offsetof(drape_obstacle, n_vertices) + 4,                                 \
+     offsetof(drape_obstacle, n_vertices) + 8},                                \
+    {                                                                          \
+        offsetof(drape_obstacle, n_triangles) + 4,                             \
+            offsetof(drape_obstacle, n_triangles) + 8                          \
+    }
+static const struct part obstacle_stiff[2][4] = {
+    {UPPER_HALVES, PART(drape_obstacle, frames), {0, 0}},
+    {UPPER_HALVES, PART(drape_obstacle, motion), {0, 0}}};
+static const struct part motion_skip[] = {PART(drape_motion, time),
+                                          PART(drape_motion, position),
+                                          PART(drape_motion, rotation),
+                                          {0, 0}};
+static const struct part motion_free[] = {BETWEEN(drape_motion, keys, time),
+                                          {0, 0}};
+
+static const char *walk_structs(struct scene *s)
+{
+    const char *failed = NULL;
+    const struct walk def = {"drape_def", &s->def,  sizeof s->def, 4,
+                             def_skip,    def_free, def_stiff};
+    failed = walk(s, &def);
+    for (int k = 0; k < 2 && !failed; k++) {
+        const struct walk all[] = {
+            {"drape_cloth", &s->cloth[k], sizeof s->cloth[k], 4, cloth_skip,
+             cloth_free, NULL},
+            {"drape_obstacle", &s->obstacle[k], sizeof s->obstacle[k], 4,
+             obstacle_skip, NULL, obstacle_stiff[k]},
+            {"drape_motion", &s->motion[k], sizeof s->motion[k], 4, motion_skip,
+             motion_free, NULL}};
+        for (int i = 0; i < 3 && !failed; i++)
+            failed = walk(s, &all[i]);
+    }
+    return failed;
+}
+
+/* What pointers point to. */
+static const char *walk_arrays(struct scene *s)
+{
+    const size_t n = SIDE * SIDE;
+    const struct walk all[] = {
+        {"x", s->x, n * sizeof *s->x, 4, NULL, NULL, NULL},
+        {"velocity", s->velocity, n * sizeof *s->x, 4, NULL, NULL, NULL},
+        {"hole", s->hole + 10, n - 10, 1, NULL, NULL,
+         NULL}, /* behind the pins */
+        {"cut", s->cut, (SIDE - 1) * (SIDE - 1), 1, NULL, NULL, NULL},
+        {"pins", s->pin, 2 * sizeof *s->pin, 4, NULL, NULL, NULL},
+        {"corners", s->corner, 4 * sizeof *s->corner, 4, NULL, NULL, NULL},
+        {"tri", s->tri, 2 * sizeof *s->tri, 4, NULL, NULL, NULL},
+        {"frame", s->frame, 8 * sizeof *s->frame, 4, NULL, NULL, NULL},
+        {"time", s->time, 2 * sizeof *s->time, 4, NULL, NULL, NULL},
+        {"position", s->position, 2 * sizeof *s->position, 4, NULL, NULL, NULL},
+        {"rotation", s->rotation, 2 * sizeof *s->rotation, 4, NULL, NULL,
+         NULL}};
+    const char *failed = NULL;
+    for (size_t k = 0; k < sizeof all / sizeof *all && !failed; k++)
+        failed = walk(s, &all[k]);
+    return failed;
+}
+
+/* What is there, or is not. */
+static const char *drop_arrays(struct scene *s)
+{
+    drape_cloth cloth = s->cloth[0];
+    s->cloth[0].x = NULL;
+    EXPECT(try_load(s) == DRAPE_EMATCH);
+    s->cloth[0] = cloth;
+    s->cloth[0].velocity = NULL;
+    EXPECT(try_load(s) == DRAPE_EMATCH);
+    s->cloth[0] = cloth;
+    s->cloth[0].hole = NULL;
+    EXPECT(try_load(s) == DRAPE_EMATCH);
+    s->cloth[0] = cloth;
+    s->cloth[0].cut = NULL;
+    EXPECT(try_load(s) == DRAPE_EMATCH);
+    s->cloth[0] = cloth;
+    s->motion[1].rotation = NULL;
+    EXPECT(try_load(s) == DRAPE_EMATCH);
+    s->motion[1].rotation = (const double(*)[4])s->rotation;
+    EXPECT(try_load(s) == DRAPE_OK);
+    return NULL;
+}
+
+const char *test_checkpoint_fields(void)
+{
+    static struct scene s;
+    drape_world *world;
+    fill(&s);
+    EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
+    EXPECT(drape_save(world, save, &s) == DRAPE_OK);
+    drape_destroy(world);
+    EXPECT(try_load(&s) == DRAPE_OK);
+    const char *failed = walk_structs(&s);
+    failed = failed ? failed : walk_arrays(&s);
+    return failed ? failed : drop_arrays(&s);
+}

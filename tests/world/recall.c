@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Checkpoints in memory. */
+#include "tests/world/recall.h"
+
+static int take_in(void *user, const void *data, size_t bytes)
+{
+    struct recall *r = user;
+    if (bytes > sizeof r->data - r->size)
+        return 1;
+    if (bytes)
+        memcpy(r->data + r->size, data, bytes);
+    r->size += bytes;
+    return 0;
+}
+
+static int give_out(void *user, void *data, size_t bytes)
+{
+    struct recall *r = user;
+    if (bytes > r->size - r->at)
+        return 1;
+    if (bytes)
+        memcpy(data, r->data + r->at, bytes);
+    r->at += bytes;
+    return 0;
+}
+
+bool recall_save(const drape_world *world, struct recall *r)
+{
+    r->size = 0;
+    return drape_save(world, take_in, r) == DRAPE_OK;
+}
+
+int recall_load(drape_world *world, struct recall *r)
+{
+    r->at = 0;
+    return drape_load(world, give_out, r);
+}
+
+bool recall_same(const struct recall *a, const struct recall *b)
+{
+    return a->size == b->size && !memcmp(a->data, b->data, a->size);
+}

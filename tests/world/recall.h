@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Checkpoints in memory. */
+#ifndef TESTS_RECALL_H
+#define TESTS_RECALL_H
+
+#include "tests/base/harness.h"
+
+/* A checkpoint of a small scene. */
+struct recall {
+    size_t size, at;
+    uint8_t data[1 << 17];
+};
+
+bool recall_save(const drape_world *world, struct recall *r);
+/* What drape_load says. */
+int recall_load(drape_world *world, struct recall *r);
+bool recall_same(const struct recall *a, const struct recall *b);
+
+#endif

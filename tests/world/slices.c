@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Steps cut into slices. spec/world/step.md §7 */
+#include <stdlib.h>
+
+#include "tests/world/scene.h"
+#include "tests/world/slab.h"
+
+/* An allocator that gives out once `left` is used up. */
+struct meter {
+    int left;
+};
+
+static void *take_metered(void *user, size_t bytes)
+{
+    struct meter *m = user;
+    return m->left-- > 0 ? aligned_alloc(64, (bytes + 63) / 64 * 64) : NULL;
+}
+
+static void give_metered(void *user, void *p, size_t bytes)
+{
+    (void)user;
+    (void)bytes;
+    free(p);
+}
+
+/* The demo with its sheet thrown down, 1 mm above the slab. */
+static void make_throw(struct slab *d, int integrator, double speed)
+{
+    static double v[24 * 24][3];
+    slab_make(d, integrator);
+    for (int k = 0; k < 24 * 24; k++)
+        v[k][1] = -speed;
+    d->cloth.velocity = (const double(*)[3])v;
+    d->cloth.origin[1] = 0.105;
+}
+
+/* step.md §7.2: a step is cut where a sheet is thrown at something, and ends
+ * clean; it is whole in free fall, however fast, and where that is asked for.
+ */
+const char *test_world_slices(void)
+{
+    struct slab d;
+    drape_step_report r;
+    for (int k = 0; k < 4; k++) {
+        make_throw(&d, k % 2 ? DRAPE_CK : DRAPE_BW, 20);
+        bool free_fall = k == 2;
+        d.def.max_slices = k == 3 ? 1 : 32;
+        if (free_fall)
+            d.cloth.origin[1] = 2;
+        drape_world *world = slab_world(&d);
+        EXPECT(world);
+        EXPECT(drape_step(world, &r) == DRAPE_OK);
+        EXPECT(!(r.outcome & (DRAPE_TRAPPED | DRAPE_DIVERGED)));
+        EXPECT(scene_audit(world, 1) == 0);
+        EXPECT(k < 2 ? r.slices > 2 && r.slices <= 32 : r.slices == 1);
+        EXPECT(r.time == d.def.dt);
+        drape_destroy(world);
+        ran(1);
+    }
+    return NULL;
+}
+
+/* step.md §7.3: where no impulse is allowed, the fail-safe is left to the
+ * shortest slice: the longer ones end before their zones, and are taken again.
+ */
+const char *test_world_brief(void)
+{
+    for (int slices = 1; slices <= 4; slices *= 2) {
+        struct slab d;
+        drape_step_report r;
+        make_throw(&d, DRAPE_BW, 2);
+        d.def.max_rounds = 0;
+        d.def.max_slices = slices;
+        drape_world *world = slab_world(&d);
+        EXPECT(world);
+        EXPECT(drape_step(world, &r) == DRAPE_OK && r.slices == slices);
+        EXPECT(r.outcome & DRAPE_ZONES && r.zone_vertices > 0);
+        EXPECT((r.work.tries > slices) == (slices > 1));
+        EXPECT(scene_audit(world, 1) == 0);
+        drape_destroy(world);
+        ran(1);
+    }
+    return NULL;
+}
+
+/* step.md §7.3: a sheet laid on a slope that friction holds is parted from it
+ * by repulsion, a thousandth of a joule against next to none of its own, and
+ * that is no reason to cut a step. */
+const char *test_world_rest(void)
+{
+    for (int k = 0; k < 2; k++) {
+        struct slab d;
+        slab_make(&d, k ? DRAPE_CK : DRAPE_BW);
+        d.cloth.width = d.cloth.height = 0.19;
+        d.cloth.origin[0] = d.cloth.origin[2] = -0.095;
+        d.cloth.origin[1] = 0.1039; /* 0.1 mm within its thickness */
+        d.cloth.material.friction = 0.8;
+        d.obstacle.motion = -1;
+        d.def.gravity[0] = 5.886; /* 9.81 on a slope of 3/4 */
+        d.def.gravity[1] = -7.848;
+        drape_world *world = slab_world(&d);
+        EXPECT(world);
+        for (int step = 0; step < 20; step++) {
+            drape_step_report r;
+            EXPECT(drape_step(world, &r) == DRAPE_OK && r.contacts > 0);
+            EXPECT(r.slices == 1 && r.work.tries == 1);
+            ran(1);
+        }
+        drape_destroy(world);
+    }
+    return NULL;
+}
+
+/* A sheet that rests in empty space until the slab hits it in step 4. */
+static void make_blow(struct slab *d, int integrator)
+{
+    static const double time[3] = {0, 3.0 / 60, 4.0 / 60};
+    static const double way[3][3] = {{0}, {0}, {0, 0.5, 0}};
+    slab_make(d, integrator);
+    d->motion = (drape_motion){3, time, way, NULL, {0, 0, 0}};
+    d->def.gravity[1] = 0;
+    d->cloth.width = d->cloth.height = 23.0 / 64;    /* so that no rounding */
+    d->cloth.origin[0] = d->cloth.origin[2] = -0.25; /* moves it */
+    d->cloth.origin[1] = 0.375;
+}
+
+static int hash_written(void *user, const void *data, size_t bytes)
+{
+    uint64_t *hash = user;
+    *hash = hash_bytes(*hash, data, bytes);
+    return 0;
+}
+
+/* Hash of all that the next step reads; 0: there is none. */
+static uint64_t checkpoint_hash(const drape_world *world)
+{
+    uint64_t hash = HASH_START;
+    return drape_save(world, hash_written, &hash) == DRAPE_OK ? hash : 0;
+}
+
+/* step.md §7: a step that fails for want of memory, in whichever slice, changes
+ * nothing, and done again it gives the same bits. */
+const char *test_world_restore(void)
+{
+    struct slab d;
+    int failed = 0;
+    for (int k = 0; k < 4; k++) {
+        struct meter m = {1 << 20};
+        int integrator = k % 2 ? DRAPE_CK : DRAPE_BW;
+        if (k < 2)
+            make_throw(&d, integrator, 20);
+        else
+            make_blow(&d, integrator);
+        d.def.allocator = (drape_allocator){take_metered, give_metered, &m};
+        drape_world *a = slab_world(&d), *b = slab_world(&d);
+        EXPECT(a && b);
+        for (int step = 0; step < (k < 2 ? 0 : 3); step++)
+            EXPECT(!drape_step(a, NULL) && !drape_step(b, NULL));
+        uint64_t before = checkpoint_hash(b);
+        drape_step_report r;
+        EXPECT(before && drape_step(a, &r) == DRAPE_OK && r.slices > 1);
+        int status = DRAPE_ENOMEM;
+        for (int left = 0; status != DRAPE_OK && left < 200; left++) {
+            m.left = left;
+            status = drape_step(b, NULL);
+            EXPECT(status == DRAPE_OK || status == DRAPE_ENOMEM);
+            EXPECT(status == DRAPE_OK || checkpoint_hash(b) == before);
+            failed += status != DRAPE_OK;
+        }
+        EXPECT(status == DRAPE_OK && checkpoint_hash(a) == checkpoint_hash(b));
+        m.left = 1 << 20;
+        drape_destroy(a);
+        drape_destroy(b);
+        ran(1);
+    }
+    EXPECT(failed > 0);
+    return NULL;
+}
+
+/* step.md §7.7: a swatch hung by an edge, whose free fall in a step is more
+ * than a cell, is beyond a whole step's linearised solve, not beyond a shorter
+ * one's; what may not be cut has diverged, and time stands still. Both
+ * backends. */
+const char *test_world_cut(void)
+{
+    drape_pin pins[3] = {{0, 0, -1}, {0, 1, -1}, {0, 2, -1}};
+    for (int k = 0; k < 4; k++) {
+        struct slab d;
+        drape_step_report r;
+        slab_make(&d, DRAPE_BW);
+        d.def.backend = k % 2 ? DRAPE_GPU : DRAPE_REF;
+        d.def.max_slices = k < 2 ? 32 : 1;
+        d.def.n_obstacles = d.def.n_motions = 0;
+        d.cloth.m = 16;
+        d.cloth.n = 3;
+        d.cloth.width = 0.015;
+        d.cloth.height = 0.002;
+        d.cloth.pins = pins;
+        d.cloth.n_pins = 3;
+        drape_world *world = slab_world(&d);
+        EXPECT(world && drape_step(world, &r) == DRAPE_OK);
+        EXPECT(!(r.outcome & DRAPE_DIVERGED) == (k < 2));
+        EXPECT(r.step == (k < 2) && (r.slices > 1) == (k < 2));
+        EXPECT(k >= 2 || r.work.tries > r.slices);
+        int tries = r.work.tries - r.slices;
+        EXPECT(drape_step(world, &r) == DRAPE_OK);
+        EXPECT(k >= 2 || r.work.tries - r.slices < tries); /* §7.5 */
+        drape_destroy(world);
+        ran(1);
+    }
+    return NULL;
+}
