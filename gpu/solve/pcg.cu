@@ -3,7 +3,6 @@
 #include "gpu/solve/pcg_kernels.cuh"
 
 #include "gpu/run/loop.cuh"
-#include "gpu/run/tape.cuh"
 #include "gpu/solve/direction.cuh"
 #include "gpu/solve/jacobi.cuh"
 #include "gpu/solve/level.cuh"
@@ -171,24 +170,6 @@ static struct course look(struct gpu *g)
     return seen;
 }
 
-/* Of the last look: on a tape a solve ends well, and no stage before it met
- * what is bad; the next of this cloth begins with its scales. */
-static void expect(struct gpu *g, const struct pcg *s)
-{
-    static const struct {
-        size_t at;
-        int32_t value;
-    } of[] = {{offsetof(struct course, phase), PHASE_DONE},
-              {offsetof(struct course, outcome), PCG_CONVERGED},
-              {offsetof(struct course, fell_back), 0}};
-    for (const auto &e : of)
-        gpu_expect_half(g, (int)(e.at / 8), (int)(e.at % 8 / 4), e.value);
-    gpu_expect_no_late(g);
-    if (s->energy)
-        gpu_keep(g, s, 0);
-    gpu_fence(g);
-}
-
 /* All up to the end of the first turn, queued as one where that can be. */
 static int first_turn(struct gpu *g, struct pcg *s, struct course *c,
                       struct room room, int iterations)
@@ -200,8 +181,7 @@ static int first_turn(struct gpu *g, struct pcg *s, struct course *c,
         return status;
     };
     write_key(&key, s, c, &room);
-    const struct course *last = (const struct course *)gpu_recall(g, s);
-    LAUNCH(g, 1, pcg_open_kernel, c, last, s->scale, s->square);
+    LAUNCH(g, 1, pcg_open_kernel, c, s->scale, s->square);
     return gpu_loop(g, loop_key{&key, sizeof key}, NULL, launch) ? (int)DRAPE_OK
                                                                  : launch();
 }
@@ -230,14 +210,9 @@ static struct course solve(struct gpu *g, struct pcg *s, struct room room,
     struct course *c = (struct course *)gpu_words(g), seen = {};
     bool small = s->count <= SMALL_GRID;
     int queued = room.jacobi ? TURN : small ? TURN_GRID : TURN_LOOP;
-    bool taped = g->tape != TAPE_OFF; /* then the device looks */
     *status = first_turn(g, s, c, room, queued);
-    if (taped && *status == DRAPE_OK)
-        loop(g, s, c, room);
     if (*status == DRAPE_OK)
         seen = look(g);
-    if (taped)
-        expect(g, s);
     if (*status == DRAPE_OK && seen.again && loop(g, s, c, room))
         seen = look(g);
     while (*status == DRAPE_OK && seen.phase != PHASE_DONE) {
