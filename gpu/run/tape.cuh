@@ -16,16 +16,9 @@ struct amount {
     int64_t most;
     const int64_t *at;
 };
-struct gpu_played {
-    int64_t begun, whole;
-};
 static __device__ inline int64_t number(struct amount n)
 {
     return n.most;
-}
-static inline struct gpu_played gpu_played(const struct gpu *)
-{
-    return {0, 0};
 }
 static inline void gpu_tape_begin(struct gpu *, struct tape_key,
                                   const int64_t *, int)
