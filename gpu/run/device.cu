@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The device: its stream, copies and small results. spec/gpu.md */
-#include "gpu/run/blas.h"
 #include "gpu/run/loop.cuh"
 
 #include "certificate.h"
@@ -163,7 +162,8 @@ void gpu_close(struct gpu *g)
     if (!g)
         return;
     gpu_wait(g);
-    blas_close(g);
+    if (g->library)
+        g->library->close(g);
     gpu_loops_close(g);
     cudaFreeHost(g->seen);
     cudaStream_t stream = g->lent ? NULL : g->stream;

@@ -41,6 +41,11 @@ struct gpu_slot {
     size_t bytes;
 };
 
+/* A library that is opened at run time lies behind this. */
+struct gpu_library {
+    void (*close)(struct gpu *g);
+};
+
 struct gpu {
 #ifdef __CUDACC__
     cudaStream_t stream;
@@ -72,11 +77,11 @@ struct gpu {
     /* the late ones when they were last wiped, and with those since */
     int64_t late[GPU_LATE], late_seen[GPU_LATE];
     struct gpu_slot slot[GPU_SLOTS];
-    struct gpu_slot aside;    /* on the host */
-    struct gpu_blas *blas;    /* gpu/run/blas.h; NULL: not open */
-    struct arena host;        /* this struct lies in it, too */
-    drape_allocator device;   /* of the device's memory */
-    struct gpu_block *blocks; /* all that was taken there */
+    struct gpu_slot aside;       /* on the host */
+    struct gpu_library *library; /* opened by gpu/compare; NULL: none */
+    struct arena host;           /* this struct lies in it, too */
+    drape_allocator device;      /* of the device's memory */
+    struct gpu_block *blocks;    /* all that was taken there */
     size_t bytes[ARENA_PARTS];
     size_t borrowed;
     int64_t taken; /* how often */

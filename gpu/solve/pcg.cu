@@ -21,40 +21,33 @@ enum {
 static_assert(TURN % (int)RING == 0 && TURN_MOST % (int)RING == 0, "turns");
 static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
 
-/* What multigrid shares. */
-static void share(struct pcg *s)
+/* Where pcg_set_up's stages run. */
+struct on {
+    struct gpu *g;
+    const struct pcg *s;
+};
+
+static int matrix(void *to, struct matrix *s)
 {
-    s->grid.mass = s->mass;
-    s->grid.n_extra = s->n_extra;
-    s->grid.extra = s->extra;
-    s->grid.block = s->block;
-    s->grid.n_thin = s->n_thin;
-    s->grid.thin = s->thin;
-    s->grid.fixed = s->fixed;
-    s->grid.factor = s->factor;
-    s->grid.r = s->r;
-    s->grid.z = s->s;
+    return gpu_matrix(((struct on *)to)->g, s);
 }
 
-static int build(struct gpu *g, struct pcg *s)
+static int jacobi(void *to, struct jacobi *s)
 {
-    struct matrix a = {s->m,       s->n,        s->count,    s->mass,
-                       s->n_extra, s->extra,    s->n_blocks, s->block,
-                       s->n_cdf,   s->diagonal, s->cdf};
-    struct jacobi j = {s->m,       s->n,     s->count,    s->mass,
-                       s->n_extra, s->extra, s->n_blocks, s->block,
-                       s->n_thin,  s->thin,  s->fixed,    s->factor};
-    int status = s->n_cdf ? gpu_matrix(g, &a) : DRAPE_OK;
-    if (status == DRAPE_OK)
-        status = gpu_jacobi(g, &j);
-    if (status != DRAPE_OK || s->precond != DRAPE_MULTIGRID)
-        return status;
-    return gpu_multigrid_build(g, &s->grid, lent_by(s));
+    return gpu_jacobi(((struct on *)to)->g, s);
+}
+
+static int multigrid(void *to, struct multigrid *s)
+{
+    return gpu_multigrid_build(((struct on *)to)->g, s,
+                               lent_by(((struct on *)to)->s));
 }
 
 int gpu_pcg_set_up(struct gpu *g, struct pcg *s)
 {
-    int status = build(g, s);
+    static const struct pcg_stages stages = {matrix, jacobi, multigrid};
+    struct on to = {g, s};
+    int status = pcg_set_up(s, &stages, &to);
     LAUNCH(g, s->count, pcg_start_kernel, *s);
     return status;
 }
@@ -265,15 +258,11 @@ static bool lay_out(struct gpu *g, const struct pcg *s, struct room *room)
 
 int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, struct rates r)
 {
-    if (s->n_chunks != sum_chunks(s->count) || !(s->tolerance >= 0) ||
-        s->max_iterations < 0 || (s->n_z && s->n_z != s->count) ||
-        s->precond < DRAPE_JACOBI || s->precond > DRAPE_MULTIGRID ||
-        s->form < DRAPE_CDF || s->form > DRAPE_COMPACT)
-        return DRAPE_EARG;
-    share(s);
-    if (s->solver == DRAPE_CUBLAS)
-        return gpu_cublas(g, s);
-    int status = DRAPE_OK;
+    int status = pcg_open(s);
+    if (status != DRAPE_OK)
+        return status;
+    if (s->solver != DRAPE_EXACT)
+        return gpu_pcg_compare(g, s);
     struct course c = {};
     c.from = s->scale; /* where there is nothing to solve */
     c.most = s->square;
