@@ -5,6 +5,10 @@
 
 #include "gpu/base/last.cuh"
 
+extern "C" {
+#include "ref/base/sum.h"
+}
+
 /* SUM_LAST: chunks of the last level but one at most; few where emulated, so
  * that there is a level before it. */
 #ifdef __CUDACC__

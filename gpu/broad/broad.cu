@@ -3,8 +3,16 @@
  * spec/broad/broad.md, spec/gpu.md §6 */
 #include "gpu/broad/bvtt.cuh"
 #include "gpu/broad/refit.cuh"
-#include "gpu/run/gpu.cuh"
-#include "gpu/world/world.h"
+
+extern "C" {
+#include "gpu/broad/broad.h"
+#include "ref/base/trace.h"
+#include "ref/broad/cones.h"
+#include "ref/broad/extent.h"
+#include "ref/broad/features.h"
+#include "ref/broad/front.h"
+#include "ref/broad/walk.h"
+}
 
 /* ---- Room: what a pool held is lost when it grows ---- */
 

@@ -4,6 +4,10 @@
 #include "gpu/base/last.cuh"
 #include "gpu/broad/bvtt.cuh"
 
+extern "C" {
+#include "ref/broad/features.h"
+}
+
 /* §1: bits of a mask that are of a vertex and a face, and all. */
 enum { VF_BITS = 6, VF_MASK = (1 << VF_BITS) - 1, BITS = 15 };
 /* The counts of both kinds; all, where there is room for them, and wherever;

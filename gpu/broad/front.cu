@@ -3,6 +3,10 @@
  * spec/broad/front.md */
 #include "gpu/broad/passes.cuh"
 
+extern "C" {
+#include "ref/broad/front.h"
+}
+
 /* What becomes of a pair in a pass. */
 enum { TEST, KEEP, SPLIT };
 /* The pairs there are, what a pass would have written, how many were new. */

@@ -2,6 +2,10 @@
 /* Walks from the front down to pairs of triangles. spec/broad/walk.md */
 #include "gpu/broad/passes.cuh"
 
+extern "C" {
+#include "ref/broad/walk.h"
+}
+
 /* The most pairs of nodes that a pass makes, the pairs of triangles, items
  * looked into, pairs that cones stop, tiles with a child that is no leaf. */
 enum { WORD_NEED, WORD_TRI, WORD_VISITED, WORD_CLEARED, WORD_DEEPER, WORDS };

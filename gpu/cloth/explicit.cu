@@ -7,6 +7,10 @@
 #include "gpu/cloth/springs.cuh"
 #include "gpu/run/loop.cuh"
 
+extern "C" {
+#include "ref/cloth/dynamics.h"
+}
+
 /* Substeps of a turn: even, so that each begins with the same streams. */
 #ifdef __CUDACC__
 enum { TURN = 32 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cuBLAS behind three functions, found at run time. */
 #include "gpu/compare/blas.h"
-#include "gpu/run/gpu.cuh"
+#include "gpu/run/launch.cuh"
 
 #include <cublas_v2.h>
 #include <dlfcn.h>

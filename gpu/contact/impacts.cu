@@ -3,8 +3,10 @@
 #include "gpu/base/place.cuh"
 #include "gpu/contact/contact.cuh"
 
+extern "C" {
 #include "ref/contact/impacts.h"
 #include "ref/narrow/narrow.h"
+}
 
 /* What at[k] says of candidate k; ASKED: whether it touches at the start is
  * narrow's to say. */

@@ -6,7 +6,9 @@
 #include "gpu/contact/closest.cuh"
 #include "gpu/contact/contact.cuh"
 
+extern "C" {
 #include "ref/contact/impulses.h"
+}
 
 /* TICKET: for ends_last. */
 enum { BAD, FOUND, TICKET, WORDS };

@@ -5,7 +5,11 @@
 #define GPU_INCIDENCE_CUH
 
 #include "gpu/contact/contact.cuh"
+
+extern "C" {
 #include "ref/contact/incidence.h"
+#include "ref/contact/penalty.h"
+}
 
 /* Words that gpu_incidence writes: whether a contact names no vertex, and
  * then nothing else is valid; free vertices in contact. */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Contacts as the implicit system feels them. spec/contact/penalty.md */
 #include "gpu/contact/incidence.cuh"
-#include "ref/contact/penalty.h"
 
 /* What an item adds to its vertex is PARTS numbers: PUSHES of force, then those
  * of hold. GROUP vertices are a block's, a thread a part of each; GROUPS: the

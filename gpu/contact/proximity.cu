@@ -6,7 +6,10 @@
 #include "gpu/base/scan.cuh"
 #include "gpu/contact/closest.cuh"
 #include "gpu/contact/contact.cuh"
+
+extern "C" {
 #include "ref/contact/proximity.h"
+}
 
 enum { BAD_PAIR = 1, BAD_PLACE = 2 };
 

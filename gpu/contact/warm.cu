@@ -3,7 +3,10 @@
  * spec/contact/warm.md */
 #include "gpu/contact/contact.cuh"
 #include "gpu/run/gpu.h"
+
+extern "C" {
 #include "ref/contact/warm.h"
+}
 
 /* Items of a list that are read before the first is added. */
 enum { AHEAD = 8 };

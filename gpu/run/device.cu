@@ -2,6 +2,10 @@
 /* The device: its stream, copies and small results. spec/gpu.md */
 #include "gpu/run/loop.cuh"
 
+extern "C" {
+#include "ref/world/world.h"
+}
+
 #include "certificate.h"
 
 #include <stdio.h>

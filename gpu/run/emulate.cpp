@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The device and its primitives on the host. */
-#include "gpu/run/gpu.cuh"
+#include "gpu/run/launch.cuh"
+
+extern "C" {
+#include "ref/base/keys.h"
+#include "ref/world/world.h"
+}
 
 #include "certificate.h"
 

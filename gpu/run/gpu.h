@@ -82,6 +82,11 @@ int gpu_status(struct gpu *g);
  * device stays lost; errors of the caller's own calls are not counted. */
 void gpu_begin(struct gpu *g);
 
+/* As trace_stage, of a stream on the device; waits only where t asks. */
+struct trace;
+void gpu_trace(struct gpu *g, struct trace *t, const char *stage,
+               const void *out, size_t bytes);
+
 /* Seconds that the stream took between the two calls. */
 void gpu_clock_start(struct gpu *g);
 double gpu_clock_stop(struct gpu *g);

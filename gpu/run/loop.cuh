@@ -5,7 +5,7 @@
 #ifndef GPU_LOOP_CUH
 #define GPU_LOOP_CUH
 
-#include "gpu/run/gpu.cuh"
+#include "gpu/run/launch.cuh"
 
 /* A turn: launches in g->stream, and nothing else. It returns DRAPE_OK, or why
  * it did not queue them all. */

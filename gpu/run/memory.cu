@@ -2,7 +2,7 @@
 /* A device's record, CUDA's or emulated, and its memory, which only this file
  * takes. As ref/base/arena.c, but a block's record lies on the host.
  * spec/gpu.md §10 */
-#include "gpu/run/gpu.cuh"
+#include "gpu/run/launch.cuh"
 
 enum { ALIGN = 256 }; /* of what is borrowed, as cudaMalloc's */
 

@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Scans and sorts: CUB behind two functions. spec/gpu.md */
-#include "gpu/run/gpu.cuh"
+#include "gpu/run/launch.cuh"
+
+extern "C" {
+#include "ref/base/keys.h"
+}
 
 #include <cub/device/device_merge_sort.cuh>
 #include <cub/device/device_scan.cuh>

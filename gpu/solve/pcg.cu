@@ -3,9 +3,6 @@
 #include "gpu/solve/pcg_kernels.cuh"
 
 #include "gpu/run/loop.cuh"
-#include "gpu/solve/direction.cuh"
-#include "gpu/solve/jacobi.cuh"
-#include "gpu/solve/level.cuh"
 
 /* Iterations of a turn, in a loop rings of directions, as each turn begins with
  * the first: of multigrid more than one where a look takes longer than what
@@ -52,46 +49,17 @@ int gpu_pcg_set_up(struct gpu *g, struct pcg *s)
     return status;
 }
 
-/* q = A to, to = s + β p. */
-static void multiply(struct gpu *g, const struct pcg *s, struct mixed m,
-                     struct image e, const struct room *room, const int32_t *go)
-{
-    const sym *extra = s->n_extra ? s->extra : NULL;
-    struct grid grid = {s->m, s->n};
-    struct rates r = room->rates;
-    struct product a = {s->m, s->n, s->count, s->mass, s->n_extra, s->extra,
-                        0,    NULL, s->n_cdf, s->cdf,  e.p,        s->q};
-    if (s->n_cdf) {
-        LAUNCH(g, s->count, pcg_direction_kernel, m, e.p, s->count);
-        LAUNCH(g, s->count, pcg_product_kernel, a, cdf_of(s->m, s->n), e, go);
-    } else if (r.of) {
-        ties<struct rate> t = {grid, s->mass, extra, NULL, r.of};
-        march<SPRINGS>(g, t, grounded<struct mixed>{m, r.x}, e, go);
-    } else {
-        ties<sym> t = {grid, s->mass, extra, NULL, s->block};
-        product_of<SPRINGS>(g, t, m, e, go);
-    }
-}
-
-/* to = s + β p, q = A to, and the sum of to·q. */
+/* §3: to = s + β p, q = A to, and the sum of to·q. */
 static void search(struct gpu *g, struct pcg *s, struct course *c,
                    struct room room, const vec *p, vec *to)
 {
-    struct mixed m = {s->s, p, c};
-    struct image e = {s->fixed, to, s->q, room.item};
-    multiply(g, s, m, e, &room, &c->go);
+    gpu_pcg_search(g, s, {c, room.rates, p, to, room.item});
     LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s, c,
                   room, true);
 }
 
-/* Whether steps wait for the last of a ring: where bytes are what takes time,
- * not launches. */
-static bool steps_wait(const struct pcg *s)
-{
-    return !s->n_cdf && marches(grid{s->m, s->n});
-}
-
-/* Iteration k of all that are queued. */
+/* Iteration k of all that are queued. Where products march, bytes and not
+ * launches take the time: steps wait then for the last of a ring. */
 static void iterate(struct gpu *g, struct pcg *s, struct course *c,
                     struct room room, int k)
 {
@@ -103,7 +71,7 @@ static void iterate(struct gpu *g, struct pcg *s, struct course *c,
                       c, room, false);
     }
     search(g, s, c, room, p, to);
-    bool waits = steps_wait(s) && turn + 1 < room.ring;
+    bool waits = gpu_pcg_marches(s) && turn + 1 < room.ring;
     int64_t blocks = UPDATES * g->crowd;
     LAUNCH_BLOCKS(g, blocks < s->n_chunks ? blocks : s->n_chunks, SUM_CHUNK,
                   pcg_update_kernel, *s, c, room, waits ? NULL : to);
@@ -118,7 +86,7 @@ static void take_turn(struct gpu *g, struct pcg *s, struct course *c,
                       room);
     for (int k = 0; k < iterations; k++)
         iterate(g, s, c, room, queued + k);
-    if (steps_wait(s))
+    if (gpu_pcg_marches(s))
         LAUNCH(g, s->count, pcg_settle_kernel, *s, c, room);
     LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
 }
@@ -221,12 +189,6 @@ static struct course solve(struct gpu *g, struct pcg *s, struct room room,
     return seen;
 }
 
-bool gpu_rates_help(const struct gpu *g, const struct pcg *s)
-{
-    return g->bulk && s->solver == DRAPE_EXACT && s->form == DRAPE_COMPACT &&
-           s->precond == DRAPE_JACOBI && marches(grid{s->m, s->n});
-}
-
 int gpu_pcg(struct gpu *g, struct pcg *s)
 {
     return gpu_pcg_by_rates(g, s, rates{});
@@ -239,7 +201,9 @@ static bool lay_out(struct gpu *g, const struct pcg *s, struct room *room)
 {
     int64_t sums = 2 * s->n_chunks, count = s->count;
     room->jacobi = s->precond == DRAPE_JACOBI;
-    room->ring = s->n_cdf ? 1 : room->jacobi && steps_wait(s) ? (int)RING : 2;
+    room->ring = s->n_cdf                             ? 1
+                 : room->jacobi && gpu_pcg_marches(s) ? (int)RING
+                                                      : 2;
     bool lent = room->ring > 1 && lies_before(s);
     int64_t vecs = room->ring - 1 - lent, all = sums + (1 + 3 * vecs) * count;
     room->chunk = (real *)gpu_scratch(g, SLOT_SOLVE, all, sizeof(real));
