@@ -52,13 +52,6 @@ static __device__ inline void chunk_sums(const real value[N], real sum[N])
     }
 }
 
-static __device__ inline real chunk_sum(real value)
-{
-    real sum;
-    chunk_sums<1>(&value, &sum);
-    return sum;
-}
-
 /* §3: of N times n chunk sums, which lie behind each other and of which `left`
  * are used, the sums of SUM_WARPS chunks from base on, by one block of
  * SUM_CHUNK; a warp a chunk of each, in all of its threads. */
