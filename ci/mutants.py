@@ -31,7 +31,7 @@ import time
 from mutate import mutants_of, twins_of
 
 # Of gpu/, what emulation replaces or is.
-ABSENT = re.compile(r'gpu/\w+/(emulate.*|(blas|cublas|device|loop|prim|trace|'
+ABSENT = re.compile(r'gpu/\w+/(emulate.*|(blas|cublas|device|loop|prim|stream|trace|'
                     r'absent)\.\w+|.*\.h|bulk\.cuh)$')
 
 

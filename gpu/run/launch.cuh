@@ -158,8 +158,9 @@ const int64_t *gpu_look_words(struct gpu *g, int n);
  * brings them to gpu_late_seen, where they are until the next call. */
 int64_t *gpu_late_words(struct gpu *g);
 const int64_t *gpu_late_seen(const struct gpu *g);
-/* For who reads words: what was seen of the late ones, and are they 0 now? */
-void gpu_keep_late(struct gpu *g, bool wiped);
+/* Waits for the stream and writes g->seen, or g->failed; clear: words are 0
+ * behind that. Nothing has failed before. */
+void gpu_show(struct gpu *g, bool clear);
 
 /* ---- Memory, gpu/run/memory.cu ---- */
 
@@ -168,8 +169,9 @@ void gpu_keep_late(struct gpu *g, bool wiped);
 void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size);
 /* The same of the host, of which there is one. */
 void *gpu_aside(struct gpu *g, size_t bytes);
-/* A struct gpu with all but CUDA's in it, NULL if there is no memory. */
-struct gpu *gpu_make(const drape_def *def);
+/* A struct gpu with all but CUDA's in it, NULL if there is no memory. native
+ * serves where def has no allocator of device memory. */
+struct gpu *gpu_make(const drape_def *def, const drape_allocator *native);
 void gpu_unmake(struct gpu *g);
 
 /* ---- Primitives, gpu/run/prim.cu ---- */

@@ -135,7 +135,7 @@ void gpu_give(struct gpu *g, void *p)
         }
 }
 
-struct gpu *gpu_make(const drape_def *def)
+struct gpu *gpu_make(const drape_def *def, const drape_allocator *native)
 {
     struct arena arena;
     const drape_def plain = {};
@@ -146,7 +146,7 @@ struct gpu *gpu_make(const drape_def *def)
         return NULL;
     g->host = arena;
     g->device =
-        def->device_allocator.allocate ? def->device_allocator : *gpu_native();
+        def->device_allocator.allocate ? def->device_allocator : *native;
     g->block = def->block ? def->block : GPU_BLOCK;
     return g;
 }
@@ -171,38 +171,6 @@ void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size)
                                  : borrow(g, ARENA_SCRATCH, bytes);
     s->bytes = s->data ? bytes : 0;
     return s->data;
-}
-
-static int64_t *cleared(struct gpu *g, bool late, int64_t *words, int n)
-{
-    if (!g->clean[late])
-        gpu_clear(g, words, (size_t)n * sizeof *words);
-    g->clean[late] = false;
-    return words;
-}
-
-int64_t *gpu_words(struct gpu *g)
-{
-    return cleared(g, false, g->words, GPU_WORDS);
-}
-
-int64_t *gpu_late_words(struct gpu *g)
-{
-    memset(g->late, 0, sizeof g->late);
-    return cleared(g, true, g->words + GPU_WORDS, GPU_LATE);
-}
-
-const int64_t *gpu_late_seen(const struct gpu *g)
-{
-    return g->late_seen;
-}
-
-void gpu_keep_late(struct gpu *g, bool wiped)
-{
-    for (int k = 0; k < GPU_LATE; k++) {
-        g->late_seen[k] = g->late[k] + g->seen[GPU_WORDS + k];
-        g->late[k] = wiped ? g->late_seen[k] : g->late[k];
-    }
 }
 
 void *gpu_aside(struct gpu *g, size_t bytes)

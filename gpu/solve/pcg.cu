@@ -18,37 +18,6 @@ enum {
 static_assert(TURN % (int)RING == 0 && TURN_MOST % (int)RING == 0, "turns");
 static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
 
-/* Where pcg_set_up's stages run. */
-struct on {
-    struct gpu *g;
-    const struct pcg *s;
-};
-
-static int matrix(void *to, struct matrix *s)
-{
-    return gpu_matrix(((struct on *)to)->g, s);
-}
-
-static int jacobi(void *to, struct jacobi *s)
-{
-    return gpu_jacobi(((struct on *)to)->g, s);
-}
-
-static int multigrid(void *to, struct multigrid *s)
-{
-    return gpu_multigrid_build(((struct on *)to)->g, s,
-                               lent_by(((struct on *)to)->s));
-}
-
-int gpu_pcg_set_up(struct gpu *g, struct pcg *s)
-{
-    static const struct pcg_stages stages = {matrix, jacobi, multigrid};
-    struct on to = {g, s};
-    int status = pcg_set_up(s, &stages, &to);
-    LAUNCH(g, s->count, pcg_start_kernel, *s);
-    return status;
-}
-
 /* §3: to = s + β p, q = A to, and the sum of to·q. */
 static void search(struct gpu *g, struct pcg *s, struct course *c,
                    struct room room, const vec *p, vec *to)

@@ -39,15 +39,6 @@ static __global__ void pcg_open_kernel(struct course *c, real scale,
     *c = fresh;
 }
 
-/* Writes dv[k] and low[k]. §1 */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    pcg_start_kernel(struct pcg s)
-{
-    ITEM(k, s.count);
-    s.dv[k] = s.fixed[k] && s.n_z ? s.z[k] : make(0, 0, 0);
-    s.low[k] = make(0, 0, 0);
-}
-
 /* s[k] = M⁻¹r by Jacobi, and r·s; or the first half-step of multigrid. */
 static __device__ real begin_from(const struct pcg *s, const struct room *room,
                                   int k, vec r)
