@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A device as the rest of drape sees it: memory, copies, and every stage as
- * gpu_X beside ref_X. C and C++. spec/gpu.md */
+/* A device as the rest of drape sees it: memory, copies, waits and failures.
+ * For C and C++. spec/gpu.md */
 #ifndef GPU_GPU_H
 #define GPU_GPU_H
 
@@ -11,83 +11,87 @@
 extern "C" {
 #endif
 
-struct gpu; /* a device, one stream of it, and what was taken there */
+struct gpu; /* a device, one stream of it, and memory taken there */
 
-/* The device that is current in this thread, with def's stream, allocators and
- * block; def NULL: the defaults. *status: DRAPE_OK, DRAPE_EDEVICE or
- * DRAPE_ENOMEM, and then NULL. The caller closes it. */
+/* Opens the device that is current in this thread, with the stream, allocators
+ * and block size of def, or the defaults if def is NULL. The caller closes it.
+ * *status is DRAPE_OK; or DRAPE_EDEVICE or DRAPE_ENOMEM, and the result NULL.
+ */
 struct gpu *gpu_open(const drape_def *def, int *status);
-void gpu_close(struct gpu *g); /* gives back all memory; NULL is allowed */
+void gpu_close(struct gpu *g); /* returns all memory; NULL is allowed */
 
 int gpu_device(const struct gpu *g);   /* CUDA's number; -1: emulated */
 void *gpu_stream(const struct gpu *g); /* cudaStream_t */
 
-/* The device in words: name, driver, runtime, and why it was lost if it was;
- * valid until gpu_close. */
+/* The device in words: name, driver and runtime versions, and the reason if it
+ * was lost. Valid until gpu_close. */
 const char *gpu_name(const struct gpu *g);
 
 /* Threads of a block, 32 … 256 by 32. No result depends on it. */
 void gpu_set_block(struct gpu *g, int threads);
 
-/* For tests, as no result depends on them: the ranks of a team, where it can
- * have as many, and how work is done from here on. What follows `tight` holds
- * for emulated threads alone. */
+/* How work is done from here on, for tests: no result depends on it. The
+ * members after `tight` hold for emulated threads alone. */
 struct gpu_way {
     bool hosted;     /* the host ends loops, gpu/run/loop.cuh */
     bool tight;      /* memory grows by no more than it must */
-    bool descending; /* blocks first to last, threads and ranks last to first */
-    int shuffled;    /* blocks, ranks, warps and threads of a warp in an order
-                        of their own, of which there are many; 0: not */
-    int left_out;    /* kernels go on without this barrier of theirs; 0: none */
-    int parted;      /* where this one is the team's, it is the rank's */
-    int64_t lost;    /* the launch, copy or allocation from here on with which
-                        the device is lost, to be back with the next way; 0:
-                        none */
+    bool descending; /* blocks run first to last, threads and the blocks of a
+                        cluster last to first; else the other way round */
+    int shuffled; /* blocks, warps and lanes run in the shuffled order of this
+                     number; 0: not */
+    int left_out; /* kernels leave out the barrier of this number; 0: none */
+    int parted;   /* the barrier of this number synchronises a block only, not
+                     its cluster; 0: none */
+    int64_t lost; /* the device is lost with the launch, copy or allocation of
+                     this number, until the way is set again; 0: never */
 };
+/* At most so many blocks in a cluster. */
 void gpu_set_ranks(struct gpu *g, int ranks);
 void gpu_set_way(struct gpu *g, struct gpu_way way);
-void gpu_set_hosted(struct gpu *g); /* for good */
+void gpu_set_hosted(struct gpu *g); /* the host ends loops from here on */
 
-/* The allocator of a device's memory where def has none; static. */
+/* The allocator of device memory that is used if def has none; static. */
 const drape_allocator *gpu_native(void);
 
-/* Zeroed device memory of a part, NULL if there is none: then gpu_status says
- * DRAPE_ENOMEM from there on. */
+/* Takes zeroed device memory, counted for this part. NULL if there is none:
+ * then gpu_status is DRAPE_ENOMEM from there on. */
 void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size);
-/* The bytes from p on, of a block of gpu_take's, hold nothing between two
+/* Declares that these bytes, of a block of gpu_take, are free between two
  * solves: gpu_borrow may give them to others meanwhile. */
 void gpu_lend(struct gpu *g, void *p, size_t bytes);
-/* Memory for what need not outlast the next solve, of any cloth: lent, where
- * enough of that is free in one piece, else gpu_take's. It holds anything. */
+/* Memory, not zeroed, for data that need not outlast the next solve of any
+ * cloth: lent memory if enough of it is free in one piece, else gpu_take's. */
 void *gpu_borrow(struct gpu *g, enum arena_part part, int64_t count,
                  size_t size);
-/* A solve begins, or has ended: emulated, all that is lent is spoiled, so that
- * what should have outlasted it shows. */
+/* Called when a solve begins and when it has ended. The emulation overwrites
+ * all lent memory, so that data which should have outlasted the solve shows. */
 void gpu_hand_over(struct gpu *g);
-void gpu_give(struct gpu *g, void *p);       /* back; NULL is allowed */
+void gpu_give(struct gpu *g, void *p);       /* returns p; NULL is allowed */
 const size_t *gpu_held(const struct gpu *g); /* [ARENA_PARTS] bytes now */
 void gpu_count(const struct gpu *g, drape_memory *m); /* added to m */
 
-/* In the order of the stream; gpu_down and gpu_wait end when it is done. */
+/* Copies to the device, to the host, on the device; zeroes; waits. All are done
+ * in the order of the stream; gpu_down and gpu_wait return when it is done. */
 void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes);
 void gpu_down(struct gpu *g, void *host, const void *device, size_t bytes);
 void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes);
 void gpu_clear(struct gpu *g, void *device, size_t bytes);
 void gpu_wait(struct gpu *g);
 
-/* The first failure since gpu_begin: DRAPE_OK, DRAPE_ENOMEM, DRAPE_EDEVICE.
- * After one nothing is launched or copied. */
+/* The first failure since gpu_begin, DRAPE_ENOMEM or DRAPE_EDEVICE, or
+ * DRAPE_OK. After a failure nothing is launched or copied. */
 int gpu_status(struct gpu *g);
-/* A call of the API begins: room may have come since the last, but a lost
- * device stays lost; errors of the caller's own calls are not counted. */
+/* A call of the API begins. Memory may be there by now, so DRAPE_ENOMEM is
+ * forgotten; a lost device stays lost. CUDA errors of the caller's own calls
+ * are forgotten, too. */
 void gpu_begin(struct gpu *g);
 
-/* As trace_stage, of a stream on the device; waits only where t asks. */
+/* trace_stage of a stream on the device. Waits only if t is not NULL. */
 struct trace;
 void gpu_trace(struct gpu *g, struct trace *t, const char *stage,
                const void *out, size_t bytes);
 
-/* Seconds that the stream took between the two calls. */
+/* Seconds that the stream took between these two calls. */
 void gpu_clock_start(struct gpu *g);
 double gpu_clock_stop(struct gpu *g);
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What every kernel file includes: the device, launches, and small results.
- * Without nvcc gpu/run/emulate.h stands in for CUDA, so that the same kernels
- * run, one thread after another, on any machine. spec/gpu.md */
+/* Every file of kernels includes this header: it has the device, launches,
+ * readbacks and memory. Without nvcc gpu/run/emulate.h stands in for CUDA, so
+ * that the same kernels run on any machine, one thread after another.
+ * spec/gpu.md */
 #ifndef GPU_LAUNCH_CUH
 #define GPU_LAUNCH_CUH
 
@@ -18,24 +19,26 @@
 #include "gpu/run/emulate.h"
 #endif
 
-/* Headers of ref/ are C's: gpu/ includes them within such a block, behind this
- * file. */
+/* The headers of ref/ are C. gpu/ includes them within extern "C", after this
+ * file, which has included the system's headers that they need. */
 extern "C" {
 #include "gpu/base/stages.h"
 #include "ref/base/real.h"
 }
 
-/* Most threads of a block of an item kernel. */
+/* GPU_BLOCK: the largest block of an item kernel. GPU_WORDS, GPU_LATE: small
+ * results of a stage, and those that may be read later. GPU_SLOTS: scratch. */
 enum { GPU_BLOCK = 256, GPU_WORDS = 32, GPU_LATE = 4, GPU_SLOTS = 8 };
 enum { GPU_ALL_WORDS = GPU_WORDS + GPU_LATE };
 
-/* Room that grows and is kept; what a slot held is lost when it does. */
+/* Memory that is kept and grows; its content is lost when it grows. */
 struct gpu_slot {
     void *data;
     size_t bytes;
 };
 
-/* A library that is opened at run time lies behind this. */
+/* The head of a library that is opened at run time, as cuBLAS by gpu/compare.
+ */
 struct gpu_library {
     void (*close)(struct gpu *g);
 };
@@ -52,54 +55,55 @@ struct gpu {
 #endif
     int tape; /* TAPE_OFF; with the next it goes with tape.cuh */
     int64_t changes;
-    bool tight;       /* gpu_way's */
-    bool hosted[2];   /* no loops on the device now, or for good */
-    int number;       /* of the device; -1: emulated */
+    bool tight;       /* memory grows by no more than it must, gpu_way */
+    bool hosted[2];   /* the host ends loops: as gpu_way says, and for good */
+    int number;       /* CUDA's number of the device; -1: emulated */
     int block;        /* threads of a block of item kernels */
-    int ranks;        /* blocks of a team, gpu/base/team.cuh */
-    int crowd;        /* and of a crowd, gpu/base/crowd.cuh */
-    const void *team; /* the last kernel that may be a team's */
-    int room;         /* bytes of shared memory that a block of one may have */
-    bool bulk;        /* the device copies by itself, gpu/base/bulk.cuh */
+    int ranks;        /* blocks of a thread-block cluster, 1: no clusters */
+    int crowd;        /* multiprocessors, for cooperative launches */
+    const void *team; /* the last kernel that was allowed to be a cluster */
+    int room;         /* bytes of shared memory that a block may have */
+    bool bulk;        /* the device has bulk copies, gpu/base/bulk.cuh */
     int failed;       /* the first failure, or DRAPE_OK */
     char name[320];
-    int64_t *words; /* device [GPU_ALL_WORDS] small results of a stage,
-                       and of one before it that nobody has read yet */
-    int64_t *seen;  /* host, pinned [GPU_ALL_WORDS + 1]: as last read, and a
-                       mark */
-    bool clean[2];  /* words are 0: the stage's, and the late ones */
-    /* the late ones when they were last wiped, and with those since */
+    int64_t *words; /* device [GPU_ALL_WORDS] small results of this stage, then
+                       the late words of stages before it */
+    int64_t *seen;  /* host, pinned [GPU_ALL_WORDS + 1] the words as they were
+                       last read back, then a mark */
+    bool clean[2];  /* the stage's words are 0; the late words are 0 */
+    /* the late words up to when they were last cleared; and up to now */
     int64_t late[GPU_LATE], late_seen[GPU_LATE];
     struct gpu_slot slot[GPU_SLOTS];
-    struct gpu_slot aside;       /* on the host */
+    struct gpu_slot aside;       /* the same on the host */
     struct gpu_library *library; /* opened by gpu/compare; NULL: none */
-    struct arena host;           /* this struct lies in it, too */
+    struct arena host;           /* all memory of the host, this struct's too */
     drape_allocator device;      /* of the device's memory */
-    struct gpu_block *blocks;    /* all that was taken there */
-    size_t bytes[ARENA_PARTS];
-    size_t borrowed;
-    int64_t taken; /* how often */
+    struct gpu_block *blocks;    /* all blocks of the device's memory */
+    size_t bytes[ARENA_PARTS];   /* held on the device now, by part */
+    size_t borrowed;             /* bytes that are borrowed now */
+    int64_t taken;               /* allocations so far */
 };
 
-/* Notes a failure of CUDA's, the first of which stays. */
+/* Records a failure of CUDA; the first one stays. */
 #ifdef __CUDACC__
 void gpu_note(struct gpu *g, cudaError_t error);
-/* Lets a kernel be a team's; room: it has team_room(), and no shared memory
- * besides. */
+/* Allows a kernel to be launched as a cluster. room: it uses team_room(), and
+ * no other shared memory. */
 cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room);
 #endif
 
 /* ---- Kernels of one thread an item ---- */
 
-/* In a kernel: k is the thread's item of n; threads beyond return. */
+/* In a kernel: k is the item of this thread, of n items; threads without an
+ * item return. */
 #define ITEM(k, n)                                                             \
     int64_t k = (int64_t)blockIdx.x * blockDim.x + threadIdx.x;                \
     if (k >= (n))                                                              \
     return
 
-/* LAUNCH(g, n, kernel, arguments…): a thread for each of n items, which must
- * not synchronise. LAUNCH_BLOCKS: blocks of a fixed number of threads, which
- * may (__syncthreads), all of them. Nothing for n or blocks < 1. */
+/* LAUNCH(g, n, kernel, arguments…) runs one thread for each of n items; the
+ * threads must not synchronise. LAUNCH_BLOCKS runs blocks of a fixed number of
+ * threads, which may synchronise. Neither does anything for n or blocks < 1. */
 #ifdef __CUDACC__
 #define LAUNCH(g, n, kernel, ...)                                              \
     do {                                                                       \
@@ -135,7 +139,8 @@ cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room);
     } while (0)
 #endif
 
-/* Before a short loop: its counter is a constant in each turn. */
+/* Stands before a short loop, so that its counter is a constant in each turn.
+ */
 #ifdef __CUDACC__
 #define UNROLL _Pragma("unroll")
 #define UNROLL_8 _Pragma("unroll 8")
@@ -146,45 +151,48 @@ cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room);
 
 /* ---- Small results: counts, flags, a stage's scalars ---- */
 
-/* g->words, all zero from here on in the stream. */
+/* Returns g->words, which are zero for the kernels that are launched next. */
 int64_t *gpu_words(struct gpu *g);
-/* g->seen with the first n words, 0 after a failure; waits for the stream, in
- * which they are 0 again behind this. */
+/* Reads back the first n words, or zeros after a failure. The host waits for
+ * the stream. The words on the device are zero afterwards. */
 const int64_t *gpu_read_words(struct gpu *g, int n);
-/* The same, but they stay. */
+/* The same, but the words on the device stay as they are. */
 const int64_t *gpu_look_words(struct gpu *g, int n);
-/* Words [GPU_LATE] that another stage's gpu_words lets be, zero from here on:
- * what a stage need not know before the next begins. Any read or look behind it
- * brings them to gpu_late_seen, where they are until the next call. */
+/* Words [GPU_LATE], zero at first, for results that the host need not know
+ * before the next stage begins: gpu_words of that stage leaves them alone. The
+ * next readback of any stage brings them to gpu_late_seen, where they stay
+ * until the next call of gpu_late_words. */
 int64_t *gpu_late_words(struct gpu *g);
 const int64_t *gpu_late_seen(const struct gpu *g);
-/* Waits for the stream and writes g->seen, or g->failed; clear: words are 0
- * behind that. Nothing has failed before. */
+/* The readback itself: waits for the stream and writes g->seen, or sets
+ * g->failed. clear: the words on the device are zero afterwards. Must not be
+ * called after a failure. */
 void gpu_show(struct gpu *g, bool clear);
 
 /* ---- Memory, gpu/run/memory.cu ---- */
 
-/* At least count · size bytes of scratch, NULL if there is none. All slots but
- * the solver's are borrowed: what they hold is lost with the next solve. */
+/* At least count · size bytes of scratch, or NULL if there is no memory. All
+ * slots but SLOT_SOLVE are borrowed: the next solve overwrites them. */
 void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size);
-/* The same of the host, of which there is one. */
+/* The same on the host, which has one slot. */
 void *gpu_aside(struct gpu *g, size_t bytes);
-/* A struct gpu with all but CUDA's in it, NULL if there is no memory. native
- * serves where def has no allocator of device memory. */
+/* A struct gpu in which only CUDA's members are missing; NULL if there is no
+ * memory. native: the allocator of device memory if def has none. */
 struct gpu *gpu_make(const drape_def *def, const drape_allocator *native);
 void gpu_unmake(struct gpu *g);
 
 /* ---- Primitives, gpu/run/prim.cu ---- */
 
-/* a[k] = a[0] + … + a[k-1]; the total is a[n-1] after if the last was 0.
- * Whole numbers: no order shows. */
+/* Exclusive scan: a[k] becomes a[0] + … + a[k-1]. If the last item was 0,
+ * a[n-1] is the total afterwards. The items are integers, so no order shows. */
 void gpu_scan(struct gpu *g, int64_t *a, int64_t n);
-/* Ascending by hi, lo, item, as ref/base/keys.h; both [n]. The sorted keys are
- * in the one returned. */
+/* Sorts n keys, ascending by hi, lo, item (ref/base/keys.h). Returns key or
+ * spare, whichever has the sorted keys. */
 struct key;
 struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
                      struct key *spare);
-/* Slots of scratch that the primitives use; stages use those below. */
+/* Slots of scratch: stages use those from SLOT_STAGE on, the solver and the
+ * primitives those named after them. */
 enum { SLOT_STAGE = 0, SLOT_SOLVE = 4, SLOT_SORT = 5, SLOT_SCAN = 7 };
 
 #endif
