@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Copies from global to a block's shared memory that the device makes by
- * itself, so that no thread holds registers for what is under way. */
+/* Bulk copies from global to shared memory (cp.async.bulk). The device makes
+ * them by itself, so that no thread holds registers for bytes under way. */
 #ifndef GPU_BULK_CUH
 #define GPU_BULK_CUH
 
 #include "gpu/base/team.cuh"
 
-/* What so many copies at a time arrive at, again and again; by one thread,
- * before a barrier. Then for each turn as many threads each ask for one of its
- * copies, of bytes of which there may be none, all on multiples of 16; and all
- * threads of the block wait for it. Where the device cannot, who asks copies
- * and who waits has met a barrier since. */
+/* An mbarrier for a number of copies that are made together, in turns. One
+ * thread calls bulk_open before a barrier of the block. In each turn as many
+ * threads call bulk_ask, each for one copy (addresses and bytes are multiples
+ * of 16; bytes may be 0), and all threads of the block call bulk_wait. On a
+ * device without bulk copies bulk_ask copies at once, and the caller's barrier
+ * between bulk_ask and use of the bytes makes them visible. */
 typedef uint64_t bulk;
 
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 900
@@ -79,7 +80,7 @@ static inline void bulk_ask(bulk *b, void *to, const void *from, int bytes)
     emulate_copy(to, from, (size_t)bytes);
 }
 
-/* As late as may be, which is now, all that was asked for in any turn. */
+/* The copies of all turns are made here, as late as is allowed. */
 static inline void bulk_wait(bulk *b, int turn)
 {
     (void)b;

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A crowd: a team of the whole device, so many blocks each multiprocessor. Its
- * blocks meet at crowd_sync and share no memory of their own. */
+/* Cooperative grids: all blocks run at the same time, so many on each
+ * multiprocessor, and synchronise. They do not see each other's shared memory.
+ */
 #ifndef GPU_CROWD_CUH
 #define GPU_CROWD_CUH
 
 #include "gpu/base/team.cuh"
 
-/* LAUNCH_CROWD(g, each, threads, kernel, arguments…): `each` blocks of a
- * multiprocessor, which must have room for them. */
+/* LAUNCH_CROWD(g, each, threads, kernel, arguments…) launches `each` blocks for
+ * every multiprocessor, which must be able to hold them at once. */
 #ifdef __CUDACC__
 #include <cooperative_groups.h>
 
@@ -46,7 +47,7 @@ static inline void crowd_sync(void)
 
 #endif
 
-/* All threads of a team, or of a crowd. */
+/* Synchronises all threads of a cluster, or of a cooperative grid. */
 template <bool CROWD> static __device__ inline void meet(void)
 {
     if (CROWD)

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The largest of many reals on the device, as bits of a word that starts at 0:
- * whole numbers order positive reals alike, so no order shows. */
+/* The largest of many reals, as the bits of a word that starts at 0. The bits
+ * of positive reals are ordered as the reals are, so an integer atomic finds
+ * the largest, and no order shows. */
 #ifndef GPU_LARGEST_CUH
 #define GPU_LARGEST_CUH
 
 #include "gpu/base/real.cuh"
 
-/* *word becomes the bits of value where that is larger. value ≥ 0 or NaN. */
+/* *word becomes the bits of value if value is larger. value ≥ 0 or NaN. */
 static __device__ inline void note_largest(int64_t *word, real value)
 {
     real_bits bits;
@@ -15,7 +16,7 @@ static __device__ inline void note_largest(int64_t *word, real value)
         atomicMax((unsigned long long *)word, (unsigned long long)bits);
 }
 
-/* The same of a block's values, one a thread, all of which must call it. */
+/* The same for a block: each thread has a value, and all must call it. */
 static __device__ inline void block_largest(int64_t *word, real value)
 {
     __shared__ real a[GPU_BLOCK];

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which block of a kernel ends last: it may finish what all have begun, where
- * another kernel would do it later. */
+/* Finds the block of a kernel that ends last. That block may combine the
+ * results of all blocks, which saves another kernel. */
 #ifndef GPU_LAST_CUH
 #define GPU_LAST_CUH
 
 #include "gpu/base/real.cuh"
 
-/* After thread 0 has written what its block found: whether the block ends last,
- * so that what all found is there, in all of its threads. *ticket is 0 before
- * and after. */
+/* Called by all threads after thread 0 has written the result of the block.
+ * True in all threads of the block that ends last; it sees the results of all
+ * blocks. *ticket is 0 before and after. */
 static __device__ inline bool ends_last(unsigned *ticket)
 {
     __shared__ bool last;
     if (threadIdx.x == 0) {
-        __threadfence(); /* it is there before the ticket is drawn */
+        __threadfence(); /* the result is written before the ticket is drawn */
         last = atomicAdd(ticket, 1u) == gridDim.x - 1;
         if (last)
             *ticket = 0;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Places in a stream from counts: of a block's threads, of all blocks. */
+/* Exclusive scans of counts: within a block, and over the counts of all blocks.
+ * They give each item its place in a stream. */
 #ifndef GPU_SCAN_CUH
 #define GPU_SCAN_CUH
 
@@ -7,16 +8,16 @@
 
 enum { SCAN_BLOCK = 256, SCAN_RUN = 16, SCAN_RUNS = SCAN_BLOCK / SCAN_RUN };
 
-/* What the threads before thread t have together; *total: all of them. Every
- * thread of a block of SCAN_BLOCK must call it; of a larger one too, where only
- * these count. Two counts go at once in the halves of a word, as no block's
- * exceed 16 bits. */
+/* The sum of the counts of the threads before thread t; *total: of all. Every
+ * thread of the block must call it; in a block larger than SCAN_BLOCK only the
+ * first SCAN_BLOCK threads count. Two counts can be scanned at once, one in
+ * each half of a word, as the totals of a block fit in 16 bits. */
 static __device__ inline uint32_t block_scan(int t, uint32_t count,
                                              uint32_t *total)
 {
     __shared__ uint32_t s[SCAN_RUNS * (SCAN_RUN + 1)], run[SCAN_RUNS];
-    int at = t < SCAN_BLOCK ? t + t / SCAN_RUN : 0; /* no two in one bank */
-    __syncthreads(); /* s may be read still from the scan before */
+    int at = t < SCAN_BLOCK ? t + t / SCAN_RUN : 0; /* avoids bank conflicts */
+    __syncthreads(); /* other threads may still read s from the scan before */
     if (t < SCAN_BLOCK)
         s[at] = count;
     __syncthreads();
@@ -40,8 +41,9 @@ static __device__ inline uint32_t block_scan(int t, uint32_t count,
     return before + s[at];
 }
 
-/* Blocks' counts [n] become the places where each begins. All threads of one
- * block of SCAN_BLOCK call it; a chunk has at most 2^19 · SCAN_BLOCK items. */
+/* Turns the counts [n] of blocks into the place where each block begins. All
+ * threads of one block of SCAN_BLOCK must call it. The counts that one turn of
+ * the loop adds up must stay below 2^32. */
 static __device__ inline void scan_blocks(int64_t *sum, int64_t n)
 {
     enum { EACH = 8 };

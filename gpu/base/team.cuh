@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A team: a few blocks, its ranks, that run at once, meet at barriers and see
- * each other's shared memory. One block where the device cannot. */
+/* Thread-block clusters: a few blocks that run at the same time, synchronise
+ * and read each other's shared memory. On a device without clusters a cluster
+ * is one block. Functions named group_ serve cooperative grids
+ * (gpu/base/crowd.cuh), too; a rank is one block of a cluster or grid. */
 #ifndef GPU_TEAM_CUH
 #define GPU_TEAM_CUH
 
@@ -8,8 +10,8 @@
 
 enum { WARP = 32 };
 
-/* LAUNCH_TEAM(g, threads, bytes, kernel, arguments…): one team of g->ranks
- * blocks, each of which has `bytes` ≤ g->room in team_room(). */
+/* LAUNCH_TEAM(g, threads, bytes, kernel, arguments…) launches one cluster of
+ * g->ranks blocks; each has `bytes` ≤ g->room of shared memory, team_room(). */
 #ifdef __CUDACC__
 #define LAUNCH_TEAM(g, threads, bytes, kernel, ...)                            \
     do {                                                                       \
@@ -56,7 +58,8 @@ static __device__ inline char *team_room(void)
     return (char *)team_words;
 }
 
-/* p of one's own room in the room of another rank. */
+/* The address in the shared memory of another rank that corresponds to p in the
+ * own. */
 template <class T> static __device__ inline T *team_at(T *p, int rank)
 {
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 900
@@ -69,8 +72,8 @@ template <class T> static __device__ inline T *team_at(T *p, int rank)
 #endif
 }
 
-/* What was written before it, by any thread of the team, or of the rank
- * alone, is seen after. */
+/* Barrier of the cluster; alone: of the own block only. Writes before the
+ * barrier are seen after it. */
 static __device__ inline void team_sync(bool alone)
 {
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 900
@@ -84,8 +87,10 @@ static __device__ inline void team_sync(bool alone)
     __syncthreads();
 }
 
-/* Copies 8 or 16 bytes to the room, to be seen after copies_end and a barrier;
- * copies_group ends a group of such copies. Past the L1 cache where it can. */
+/* Starts an asynchronous copy of 8 or 16 bytes to shared memory, bypassing L1
+ * for
+ * 16. The bytes are seen after copies_end and a barrier. copies_group closes a
+ * group of such copies. */
 template <class T>
 static __device__ inline void copy_ahead(T *to, const T *from)
 {
@@ -111,7 +116,7 @@ static __device__ inline void copies_group(void)
 #endif
 }
 
-/* Waits for the thread's copies, but for those of the last LEFT groups. */
+/* Waits for the copies of this thread, except those of the last LEFT groups. */
 template <int LEFT> static __device__ inline void copies_end(void)
 {
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 800
@@ -119,7 +124,7 @@ template <int LEFT> static __device__ inline void copies_end(void)
 #endif
 }
 
-#else /* the ranks of a team are parts of one block, gpu/run/emulate.h */
+#else /* emulated, the ranks are parts of one block, gpu/run/emulate.h */
 
 #define LAUNCH_TEAM(g, threads, bytes, kernel, ...)                            \
     do {                                                                       \
@@ -188,7 +193,8 @@ static __device__ inline int whole_warps(int n)
     return (n + WARP - 1) / WARP * WARP;
 }
 
-/* The value of the lane below, or of a certain one; all of the warp call it. */
+/* The value of the lane below, or of a given lane. All lanes of the warp must
+ * call it. */
 static __device__ inline vec lane_below(vec a)
 {
 #ifdef __CUDACC__
@@ -205,8 +211,8 @@ static __device__ inline double lane_value(double value, int lane)
     return __shfl_sync(0xffffffffu, value, lane);
 }
 
-/* The threads of a team, warp after warp of rank after rank: as all take long,
- * each rank gets as many. */
+/* Loops over n items with all threads of the group. Warps take turns between
+ * the ranks, so that each rank gets as many items as the others. */
 #define EACH_OF_TEAM(e, n)                                                     \
     for (int e = team_item(), n_ = (int)(n); e < n_;                           \
          e += team_ranks() * rank_threads())

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* CUDA's words on the host, as far as gpu/ uses them: so the kernels are
+/* Emulates as much of CUDA on the host as gpu/ uses, so that kernels are
  * compiled, run and compared with ref/ where there is no GPU. Blocks run one
- * after another, last first; threads of a block one after another, or, where
- * they synchronise, as fibers from barrier to barrier, a warp as far as it can
- * without the others; or all of it the other way round, or in an order that is
- * shuffled (gpu_set_way). If between two barriers a thread writes what another
- * reads or writes, one way has other results than the other: so these find
- * wrong results and races, but no others (spec/gpu.md §5). Each thread of
- * the host has a device of its own. */
+ * after another, the last first. The threads of a block run one after another;
+ * in kernels that synchronise they are fibers that run from barrier to barrier,
+ * each warp as far as it can without the others. gpu_set_way turns all of these
+ * orders round, or shuffles them. If a thread writes between two barriers what
+ * another thread reads or writes, the orders give different results; that is
+ * how the emulation finds wrong results and races, and no other faults
+ * (spec/gpu.md §5). Each thread of the host has a device of its own. */
 #ifndef GPU_EMULATE_H
 #define GPU_EMULATE_H
 
@@ -28,8 +28,8 @@ struct emulate_dim {
 };
 extern __thread struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
 
-/* What calls a kernel with its arguments: std::function without its header,
- * which takes half the time that these files compile in. */
+/* A call of a kernel with its arguments: std::function without its header,
+ * which would double the time that these files take to compile. */
 struct emulate_call {
     const void *with;
     void (*run)(const void *with);
@@ -40,46 +40,48 @@ struct emulate_call {
     }
 };
 
-/* A kernel's call with arguments of its own. */
+/* Binds a kernel to copies of its arguments. */
 template <class K, class... A> static auto emulate_bind(K kernel, A... a)
 {
     return [=] { kernel(a...); };
 }
 
-/* Of a team, gpu/base/team.cuh: its ranks at most, and bytes of a rank's room.
- */
+/* The most blocks of a cluster, and the bytes of shared memory of each. */
 enum { EMULATE_RANKS = 3, EMULATE_ROOM = 1 << 16 };
 
-/* Whether the device is lost (gpu_way.lost): to one more launch, copy or
- * allocation, or to who only asks. What is launched then does nothing, and
- * whoever waits for it is told. */
+/* Whether the device is lost (gpu_way.lost). more: this call is one more
+ * launch, copy or allocation. Launches on a lost device do nothing, and waiting
+ * for them gives an error. */
 bool emulate_lost(bool more);
 
-/* A device that is opened runs in another order than the one before. */
+/* Called when a device is opened: it runs in another order than the one before.
+ */
 void emulate_next_order(void);
 
 void emulate_items(int64_t n, int threads, emulate_call kernel);
 void emulate_blocks(int64_t blocks, int threads, emulate_call kernel);
-/* One block, whose ranks of `threads` threads have barriers of their own. */
+/* A cluster, as one block that has parts (ranks) of `threads` threads each,
+ * with barriers of their own. */
 void emulate_team(int ranks, int threads, emulate_call kernel);
-extern __thread int emulate_ranks; /* of the team that runs */
-char *emulate_room(int rank);      /* [EMULATE_ROOM] poison at first */
+extern __thread int emulate_ranks; /* of the cluster that runs */
+char *emulate_room(int rank);      /* [EMULATE_ROOM] filled with poison */
 
-/* Of the block, in a team of the rank. Aborts in a kernel of items, and where
- * some threads meet at a barrier of the rank and some at one of the team. */
+/* Barrier of the block; in a cluster, of the rank. Aborts in a kernel of items,
+ * and if some threads are at a barrier of their rank while others are at one of
+ * the cluster. */
 void __syncthreads(void);
-void emulate_meet(void); /* the same, but never left out by gpu_set_way */
+void emulate_meet(void); /* the same, but gpu_set_way never leaves it out */
 void emulate_meet_warp(void);
 void emulate_team_sync(bool alone);
 
-/* Copies that are made as late as may be: once copies_end waits for them; at
- * once where threads ascend. */
+/* Asynchronous copies. They are made as late as is allowed, when copies_end
+ * waits for them; or at once where threads run in ascending order. */
 void emulate_copy(void *to, const void *from, size_t bytes);
 void emulate_copies_group(void);
 void emulate_copies_end(int left);
 
-/* The value of another thread of the same warp, all threads of which must come
- * to it: it synchronises them, and no others. */
+/* The value of another thread of the same warp. All threads of the warp must
+ * call it; it synchronises them, and no others. */
 extern __thread unsigned char emulate_lane[1024][32];
 template <class T> static T emulate_from(T value, unsigned thread)
 {
@@ -103,14 +105,14 @@ template <class T> static T __shfl_sync(unsigned, T value, int lane)
     return emulate_from(value, threadIdx.x / 32 * 32 + (unsigned)lane);
 }
 
-/* Blocks run one after another, and nothing is cached. */
+/* Blocks run one after another and nothing is cached, so fences do nothing. */
 static inline void __threadfence(void) {}
 template <class T> T __ldcg(const T *a)
 {
     return *a;
 }
 
-/* Whole numbers only: what a and b make, whatever the order. */
+/* Atomics of integers, whose results do not depend on the order. */
 template <class T, class V> T atomicAdd(T *a, V b)
 {
     T old = *a;

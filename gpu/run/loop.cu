@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Launches as CUDA graphs, loops on the device with a WHILE node.
- * gpu/run/loop.cuh */
+/* Captures and keeps CUDA graphs, with a WHILE node for loops.
+ * gpu/run/emulate_threads.cpp in a build without CUDA. gpu/run/loop.cuh */
 #include "gpu/run/loop.cuh"
 
-/* Graphs that are kept, and launches after which one that was not among them
- * may go. */
+/* At most LOOPS graphs are kept. The least recently used one may go when
+ * LOOP_IDLE launches have passed since it was used. */
 enum { LOOPS = 64, LOOP_IDLE = 4096 };
 
-/* A graph, and what it was captured with; its key lies behind it. */
+/* A graph, and what it was captured with; its key follows in memory. */
 struct kept {
     struct kept *next;
     cudaGraphExec_t graph;
@@ -18,7 +18,7 @@ struct kept {
 };
 
 struct gpu_loops {
-    cudaStream_t stream; /* to capture in; the caller's may not allow it */
+    cudaStream_t stream; /* for captures: the caller's may not allow them */
     struct kept *first;
     int count;
     bool absent; /* the device has none */
@@ -58,7 +58,8 @@ static cudaError_t add_while(cudaGraph_t graph, cudaGraph_t *body,
     return error;
 }
 
-/* What the turn queues becomes the graph, whose failure is not the device's. */
+/* Captures the launches of the turn into the graph. A failure of the capture is
+ * not a failure of the device. */
 static cudaError_t capture(struct gpu *g, cudaGraph_t graph, loop_turn turn,
                            int *status)
 {
@@ -127,7 +128,7 @@ static bool same(const struct kept *k, const struct gpu *g, struct loop_key key)
            !memcmp(k + 1, key.bytes, key.n);
 }
 
-/* Makes room among those that are kept: false if all are in use. */
+/* Makes room for one more graph; false if all that are kept are in use. */
 static bool make_room(struct gpu *g)
 {
     struct gpu_loops *l = g->loops;
@@ -148,7 +149,7 @@ static bool make_room(struct gpu *g)
     return true;
 }
 
-/* A new one, NULL if there is none. */
+/* Captures a new graph; NULL if that is not possible. */
 static struct kept *make(struct gpu *g, struct loop_key key,
                          const int32_t *again, loop_turn turn)
 {
@@ -161,7 +162,7 @@ static struct kept *make(struct gpu *g, struct loop_key key,
         return NULL;
     cudaError_t error = build(g, k, again, turn);
     if (error != cudaSuccess) {
-        cudaGetLastError(); /* it is an answer */
+        cudaGetLastError(); /* the error is an answer */
         l->absent = k->status == DRAPE_OK && error != cudaErrorMemoryAllocation;
         arena_give(&g->host, k);
         return NULL;

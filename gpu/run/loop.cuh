@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Launches that are queued once and kept, as one or as a loop that the device
- * ends, so that the host neither launches nor looks between them.
- * spec/gpu.md §9 */
+/* CUDA graphs of launches that are captured once and kept: run once, or as a
+ * loop that the device ends itself (a WHILE node), so that the host neither
+ * launches nor reads back in between. spec/gpu.md §9 */
 #ifndef GPU_LOOP_CUH
 #define GPU_LOOP_CUH
 
 #include "gpu/run/launch.cuh"
 
-/* A turn: launches in g->stream, and nothing else. It returns DRAPE_OK, or why
- * it did not queue them all. */
+/* One turn of a loop: a function that launches kernels in g->stream and does
+ * nothing else. It returns DRAPE_OK, or the reason why it did not launch all.
+ */
 struct loop_turn {
     const void *with;
     int (*run)(const void *with);
@@ -19,17 +20,18 @@ struct loop_turn {
     }
 };
 
-/* All that the launches of a turn depend on, as plain bytes: with the same key
- * what was queued once runs again, and turn is not called. */
+/* Everything that the launches of a turn depend on, as plain bytes. A graph
+ * that was captured with the same key is launched again, and turn is not
+ * called. */
 struct loop_key {
     const void *bytes;
     size_t n;
 };
 
-/* Queues one turn, or more until *again, on the device, is 0 after one, where
- * that is not NULL. false: nothing is queued, as this device has no such
- * loops, or is not to, or has no room for one more, or the turn is not whole.
- */
+/* Queues one turn; or, if again is not NULL, turns until *again, on the device,
+ * is 0 after one of them. False: nothing is queued, because the device has no
+ * such graphs, the host is to end loops (gpu_set_hosted), no memory is left for
+ * a new graph, or turn did not launch all. */
 bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
               loop_turn turn);
 

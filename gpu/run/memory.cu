@@ -1,24 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A device's record, CUDA's or emulated, and its memory, which only this file
- * takes. As ref/base/arena.c, but a block's record lies on the host.
- * spec/gpu.md §10 */
+/* Memory of a device, CUDA's or emulated; no other file allocates any. Works as
+ * ref/base/arena.c, but the records of blocks lie on the host. spec/gpu.md §10
+ */
 #include "gpu/run/launch.cuh"
 
-enum { ALIGN = 256 }; /* of what is borrowed, as cudaMalloc's */
+enum { ALIGN = 256 }; /* bytes, of borrowed memory, as cudaMalloc aligns */
 
-/* What was taken, or borrowed from another, found by its address: as the block
- * that lends was there before, the later one is found. */
+/* A block that was allocated, or borrowed from another block. Blocks are found
+ * by address, the latest first: a borrowed block may begin where its lender
+ * does. */
 struct gpu_block {
     struct gpu_block *next;
     char *data;
     size_t bytes;
-    char *lent; /* what it lends, and how much: whole ALIGNs */
+    char *lent; /* the part that it lends, and its bytes: multiples of ALIGN */
     size_t lent_bytes;
     enum arena_part part;
     bool borrowed;
 };
 
-/* There was none: of the device, unless that is lost. */
+/* There was no memory: notes that, unless the device is lost. */
 static void *none(struct gpu *g)
 {
     if (gpu_status(g) == DRAPE_OK)
@@ -31,7 +32,8 @@ static size_t whole(size_t bytes)
     return (bytes + ALIGN - 1) / ALIGN * ALIGN;
 }
 
-/* A block at data; NULL: it is taken, and not zeroed. */
+/* A block at data, which is borrowed; NULL: a block that is allocated, not
+ * zeroed. */
 static void *take(struct gpu *g, enum arena_part part, size_t bytes, char *data)
 {
     struct gpu_block *b =
@@ -63,7 +65,7 @@ void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size)
     return p;
 }
 
-/* ---- What is lent ---- */
+/* ---- Lending ---- */
 
 void gpu_lend(struct gpu *g, void *p, size_t bytes)
 {
@@ -78,7 +80,7 @@ void gpu_lend(struct gpu *g, void *p, size_t bytes)
         }
 }
 
-/* The first bytes of what b lends that nobody has, or NULL. */
+/* The first free bytes of the part that b lends, or NULL. */
 static char *gap(const struct gpu *g, const struct gpu_block *b, size_t bytes)
 {
     char *at = b->lent, *end = at + b->lent_bytes;
@@ -92,7 +94,8 @@ static char *gap(const struct gpu *g, const struct gpu_block *b, size_t bytes)
     return o ? NULL : at;
 }
 
-/* Bytes as gpu_borrow's: in the first gap that is enough. */
+/* The bytes are borrowed from the first gap that is large enough, else
+ * allocated. */
 static void *borrow(struct gpu *g, enum arena_part part, size_t bytes)
 {
     char *at = NULL;
@@ -155,7 +158,7 @@ void gpu_unmake(struct gpu *g)
 {
     while (g->blocks)
         gpu_give(g, g->blocks->data);
-    struct arena arena = g->host; /* g lies in it */
+    struct arena arena = g->host; /* g itself lies in this arena */
     arena_free(&arena);
 }
 
