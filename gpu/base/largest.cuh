@@ -7,7 +7,7 @@
 
 #include "gpu/base/real.cuh"
 
-/* *word becomes the bits of value if value is larger. value ≥ 0 or NaN. */
+/* word becomes the bits of value if value is larger. value ≥ 0 or NaN. */
 static __device__ inline void note_largest(int64_t *word, real value)
 {
     real_bits bits;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every stage on the device: struct X as for ref_X, with its streams in
- * device memory; struct X itself is the host's, and is ref/'s header's. */
+/* Every stage on the device: struct X as for ref_X, with its streams in device
+ * memory; struct X itself is the host's, and is ref/'s header's. */
 #ifndef GPU_STAGES_H
 #define GPU_STAGES_H
 

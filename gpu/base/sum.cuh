@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sums on the device, all in one shape. spec/base/sum.md §2, §3 */
+/* Sums on the device: trees of one fixed shape, so that the bits are always the
+ * same. spec/base/sum.md §2, §3 */
 #ifndef GPU_SUM_CUH
 #define GPU_SUM_CUH
 
@@ -9,17 +10,17 @@ extern "C" {
 #include "ref/base/sum.h"
 }
 
-/* SUM_LAST: chunks of the last level but one at most; few where emulated, so
- * that there is a level before it. */
+/* SUM_LAST: the most chunks that the last block sums within shared memory. Few
+ * when emulated, so that tests have a level before that. */
 #ifdef __CUDACC__
 enum { SUM_WARPS = SUM_CHUNK / 32, SUM_LAST = SUM_CHUNK };
 #else
 enum { SUM_WARPS = SUM_CHUNK / 32, SUM_LAST = 2 };
 #endif
 
-/* §2: the sum of s[0 … 255], in all threads of the warp. Strides of 32 and
- * more are within a thread, those below between threads: there each lane adds
- * what its partner adds, the other way round. */
+/* §2: the sum of s[0 … 255], in all threads of the warp. Strides of 32 and more
+ * are added within a thread, smaller strides between lanes; there both partners
+ * add the same two numbers, in either order. */
 static __device__ inline real warp_sum(real s[SUM_WARPS])
 {
     UNROLL
@@ -39,7 +40,7 @@ static __device__ inline void chunk_sums(const real value[N], real sum[N])
 {
     __shared__ real s[N][SUM_CHUNK];
     int t = (int)threadIdx.x;
-    __syncthreads(); /* s may be read still from the sums before */
+    __syncthreads(); /* other threads may still read s from the sums before */
     for (int e = 0; e < N; e++)
         s[e][t] = value[e];
     __syncthreads();
@@ -73,8 +74,8 @@ static __device__ inline void level_sums(int64_t n, int64_t left, int64_t base,
         sum[e] = warp_sum(a[e]);
 }
 
-/* A level of more chunks than SUM_LAST, in place: no chunk of the next
- * level is written before those that it overwrites are read. Returns them. */
+/* A level of more chunks than SUM_LAST, in place: no chunk of the next level is
+ * written before those that it overwrites are read. Returns them. */
 template <int N>
 static __device__ inline int64_t put_level(int64_t n, int64_t left, real *chunk)
 {
@@ -139,8 +140,8 @@ static __device__ inline void put_sums(const real value[N], int64_t chunks,
             chunk[e * chunks + here] = sum[e];
 }
 
-/* Then, when a block has put all of its: true in the threads of the one that
- * ends last, which get the sums. */
+/* Second, after a block has written its chunk sums: true in all threads of the
+ * block that ends last, which get the sums of all chunks. */
 template <int N>
 static __device__ inline bool all_sums(int64_t chunks, real *chunk,
                                        unsigned *ticket, real sum[N])
@@ -151,7 +152,7 @@ static __device__ inline bool all_sums(int64_t chunks, real *chunk,
     return true;
 }
 
-/* Both, where block k is chunk k. */
+/* Both steps, for kernels whose block k owns chunk k. */
 template <int N>
 static __device__ inline bool grid_sums(const real value[N], real *chunk,
                                         unsigned *ticket, real sum[N])

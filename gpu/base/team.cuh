@@ -88,9 +88,8 @@ static __device__ inline void team_sync(bool alone)
 }
 
 /* Starts an asynchronous copy of 8 or 16 bytes to shared memory, bypassing L1
- * for
- * 16. The bytes are seen after copies_end and a barrier. copies_group closes a
- * group of such copies. */
+ * for 16. The bytes are seen after copies_end and a barrier. copies_group
+ * closes a group of such copies. */
 template <class T>
 static __device__ inline void copy_ahead(T *to, const T *from)
 {

@@ -10,7 +10,7 @@ extern "C" {
 
 #include <stdio.h>
 
-/* Does nothing; how it was compiled holds for all kernels. */
+/* Does nothing: it shows for which devices the kernels were compiled. */
 static __global__ void probe_kernel(void) {}
 
 cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room)
@@ -28,7 +28,7 @@ cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room)
     return error;
 }
 
-/* Whether a team of g->ranks can run. */
+/* Whether a cluster of g->ranks blocks can run. */
 static bool team_runs(struct gpu *g)
 {
     cudaLaunchAttribute cluster = {};
@@ -44,12 +44,12 @@ static bool team_runs(struct gpu *g)
     cudaError_t error = gpu_allow_team(g, (const void *)probe_kernel, true);
     if (error == cudaSuccess)
         error = cudaOccupancyMaxActiveClusters(&teams, probe_kernel, &config);
-    cudaGetLastError(); /* an error of these is an answer */
+    cudaGetLastError(); /* an error here means that it cannot */
     return error == cudaSuccess && teams > 0;
 }
 
-/* 16 blocks of a cluster are what a device of compute capability 9 has at
- * most, 8 what every one has; where a part of it is lent, perhaps none. */
+/* Devices of compute capability 9 have clusters of at most 16 blocks, and each
+ * of them has clusters of 8; an instance of MIG may have fewer. */
 static void make_team(struct gpu *g, const cudaDeviceProp *p, int ptx)
 {
     bool clusters = p->major >= 9 && ptx >= 90;
@@ -68,7 +68,7 @@ static void name_device(struct gpu *g)
     int driver = 0, runtime = 0;
     gpu_note(g, cudaGetDevice(&g->number));
     gpu_note(g, cudaGetDeviceProperties(&p, g->number));
-    /* fails where ARCHES left this device out */
+    /* fails if ARCHES of the Makefile left this device out */
     gpu_note(g, cudaFuncGetAttributes(&code, probe_kernel));
     if (!g->failed)
         make_team(g, &p, code.ptxVersion);
@@ -79,7 +79,8 @@ static void name_device(struct gpu *g)
              runtime / 1000, runtime % 1000 / 10);
 }
 
-/* What fails for another reason than room stays CUDA's last error. */
+/* An error other than lack of memory stays CUDA's last error, for gpu_status.
+ */
 static void *allocate(void *user, size_t bytes)
 {
     void *p = NULL;
@@ -119,7 +120,7 @@ struct gpu *gpu_open(const drape_def *def, int *status)
     int devices = 0;
     *status = DRAPE_EDEVICE;
     if (cudaGetDeviceCount(&devices) != cudaSuccess || devices < 1) {
-        cudaGetLastError(); /* the caller's next call is not to see it */
+        cudaGetLastError(); /* the caller's next call must not see this error */
         return NULL;
     }
     struct gpu *g = gpu_make(def, gpu_native());

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A device's threads on the host. gpu/run/emulate.h */
+/* Runs the threads of a device on the host. gpu/run/emulate.h */
 #include "gpu/run/loop.cuh"
 
 #include <stdio.h>
@@ -36,8 +36,8 @@ bool emulate_lost(bool more)
     return way.lost && asked >= way.lost;
 }
 
-/* An order of n things: from, from + step, … modulo n, which have no divisor
- * in common. */
+/* An order of n things: from, from + step, from + 2 step, … modulo n; step and
+ * n have no common divisor. */
 struct order {
     int64_t n, step, from;
 };
@@ -47,7 +47,8 @@ static int64_t common(int64_t a, int64_t b)
     return b ? common(b, a % b) : a;
 }
 
-/* Of n, by way: from the first on or from the last, or any other. */
+/* The order of n things that the way asks for: ascending, descending or
+ * shuffled. */
 static struct order order_of(int64_t n, bool first)
 {
     int64_t step = way.shuffled;
@@ -82,11 +83,11 @@ void emulate_items(int64_t n, int threads, emulate_call kernel)
 
 /* ---- Fibers ---- */
 
-/* A thread of a block is a fiber that runs kernel after kernel. It is started
- * with a stack of its own; after that jumps lead from each to the next. They
- * are the compiler's, which keep three words where setjmp keeps registers,
- * encrypted: changing threads is most of what a barrier costs. Stacks whose
- * distance is a power of two would share a few lines of the cache. */
+/* Each thread of a block is a fiber with a stack of its own, which serves
+ * kernel after kernel. Fibers switch by the compiler's __builtin_setjmp, which
+ * saves three words where setjmp saves and encrypts all registers: switching is
+ * most of the cost of a barrier. The distance between stacks is not a power of
+ * two, as stacks would then share a few lines of the cache. */
 enum { STACK = (1 << 20) + 9 * 64, THREADS = 1024, JUMP = 5, WARP = 32 };
 static __thread ucontext_t begun;
 static __thread void *scheduler[JUMP], *fiber[THREADS][JUMP];
@@ -97,9 +98,9 @@ static thread_local struct stacks {
     ~stacks() { free(of); }
 } stack;
 
-/* Fibers are numbered in the order in which they run; so a rank's are one run,
- * from `first` to before `end` of the rank that is at work, and so are those of
- * a warp of it. */
+/* Fibers are numbered in the order in which they run. The fibers of a rank are
+ * consecutive, those of the rank that runs now go from `first` to before `end`;
+ * the fibers of a warp are consecutive, too. */
 enum meeting { NOWHERE, OF_WARP, OF_RANK, OF_TEAM };
 static __thread unsigned in_block, in_rank, in_warp, to_run, here;
 static __thread unsigned first, end, warp_end;
@@ -108,7 +109,7 @@ static __thread enum meeting met_warp; /* those of the warp */
 static __thread int barriers[THREADS]; /* that a fiber has come to */
 static __thread unsigned thread_of[THREADS]; /* a fiber is */
 
-/* What copy_ahead has begun, by number of the group. */
+/* An asynchronous copy that has not been made yet, and its group. */
 struct pending {
     void *to;
     const void *from;
@@ -120,7 +121,7 @@ static __thread int groups[THREADS];
 
 static void live(void);
 
-/* Goes on with a fiber, and never returns. */
+/* Switches to a fiber; does not return. */
 static __attribute__((noinline)) void resume(unsigned f)
 {
     here = f;
@@ -135,9 +136,10 @@ static __attribute__((noinline)) void resume(unsigned f)
     setcontext(&begun);
 }
 
-/* The fiber after f that has not returned. When all of a warp wait for each
- * other it goes on, when all of a rank do the rank; else the next warp or rank
- * does, so that each runs as far as it can without the others. */
+/* The fiber that runs after f. A warp continues when all of its fibers wait at
+ * a barrier of the warp, a rank when all of its fibers wait at one of the rank.
+ * Otherwise the next warp or rank runs, so that each gets as far as it can
+ * without the others. */
 static unsigned next(unsigned f)
 {
     f++;
@@ -162,8 +164,8 @@ static unsigned next(unsigned f)
     }
 }
 
-/* From this fiber to the next, to the scheduler when all have returned. Returns
- * when this one is resumed. */
+/* Switches from this fiber to the next one, or to the scheduler if all fibers
+ * have returned. Returns when this fiber runs again. */
 static __attribute__((noinline)) void leave(void)
 {
     if (__builtin_setjmp(fiber[here]))
@@ -220,7 +222,8 @@ void __syncthreads(void)
     emulate_team_sync(true);
 }
 
-/* All fibers go on from barrier to barrier until all have returned. */
+/* Runs all fibers of a block, from barrier to barrier, until all have returned.
+ */
 static __attribute__((noinline)) void run_block(void)
 {
     memset(done, 0, in_block * sizeof *done);
@@ -234,7 +237,7 @@ static __attribute__((noinline)) void run_block(void)
         resume(0);
 }
 
-/* Ranks, warps of one and threads of one, each in its order. */
+/* Puts ranks, warps of a rank and lanes of a warp in the order of the way. */
 static void order_threads(int ranks)
 {
     unsigned warps = in_rank / in_warp;
@@ -288,7 +291,7 @@ bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
     return status == DRAPE_OK;
 }
 
-/* ---- Teams ---- */
+/* ---- Clusters ---- */
 
 alignas(16) static thread_local double room[EMULATE_RANKS]
                                            [EMULATE_ROOM / sizeof(double)];
@@ -298,8 +301,8 @@ char *emulate_room(int rank)
     return (char *)room[rank];
 }
 
-/* What a kernel has not written itself must not be there from the one before:
- * that may have been the same. */
+/* Shared memory is filled with poison first, as a kernel must not rely on what
+ * the kernel before it, which may have been the same, left there. */
 void emulate_team(int ranks, int threads, emulate_call kernel)
 {
     memset(room, 0xff, sizeof room);

@@ -5,7 +5,7 @@
 #include "gpu/solve/level.cuh"
 #include "gpu/solve/tile.cuh"
 
-/* From so many coarse particles on tiles pay. */
+/* The number of coarse particles from which on tiles are faster. */
 #ifdef __CUDACC__
 enum { TILES_LEAST = 1 << 15 };
 #else
@@ -93,7 +93,7 @@ int gpu_coarsen(struct gpu *g, struct coarsen *s)
     return gpu_status(g);
 }
 
-/* ---- the small grids by one team ---- */
+/* ---- the small grids, by one cluster ---- */
 
 /* Grids, the first of which is made already. */
 struct chain {
@@ -133,9 +133,10 @@ static __device__ void mark(const struct chain::small *c, struct place at)
                 c->rule[i + c->g.m * j] = 1;
 }
 
-/* One team. A thread owns every so-many-th item of grid k, and factor of the
- * grid before, while the marks of the grid after are wiped; then rules of grid
- * k, which mark those of the grid after. */
+/* One cluster. For each grid k: threads take turns at the items of grid k and
+ * at the factors of the grid before, while the marks of the grid after are
+ * cleared; after a barrier they take turns at the rules of grid k, which mark
+ * particles of the grid after. */
 static __global__ void __launch_bounds__(CHAIN_BLOCK)
     coarsen_chain_kernel(const __grid_constant__ struct chain s,
                          const __grid_constant__ struct book book)

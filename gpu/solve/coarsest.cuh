@@ -13,13 +13,14 @@ extern "C" {
 /* Fills s.dense with L and 1/D. */
 void gpu_coarsest_factor(struct gpu *g, const struct coarsest *s);
 
-/* Of a row in shared memory, odd for the banks. */
+/* The pitch of a row in shared memory: odd, to avoid bank conflicts. */
 static __host__ __device__ inline int dense_pitch(int n)
 {
     return n | 1;
 }
 
-/* The factor to `a` [n·pitch], 1/D in its diagonal, by a block's threads. */
+/* The threads of a block copy the factor to `a` [n·pitch]; 1/D is its diagonal.
+ */
 static __device__ inline void fetch_coarsest(const struct coarsest *s,
                                              double *a)
 {
@@ -30,9 +31,9 @@ static __device__ inline void fetch_coarsest(const struct coarsest *s,
     }
 }
 
-/* z = A⁻¹ b by a rank's first warp, a being seen by all after a barrier of
- * theirs. A lane owns an unknown, or two: both ways, each that is known is
- * taken from those that are not. */
+/* z = A⁻¹ b by the first warp of a block, after a barrier behind
+ * fetch_coarsest. A lane owns one or two unknowns. In both substitutions each
+ * unknown, once it is known, is eliminated from the others. */
 static __device__ inline void
 solve_coarsest(const struct coarsest *s, const double *a, const vec *b, vec *z)
 {

@@ -4,7 +4,7 @@
 #include "gpu/solve/march.cuh"
 #include "gpu/solve/pcg.cuh"
 
-/* s + β p, as what a product reads. */
+/* The vector s + β p, which a product reads without its being in memory. */
 struct mixed {
     const vec *s, *p;
     const struct course *c;
@@ -31,7 +31,7 @@ static __device__ vec made(const struct mixed *m, struct mixed_parts x,
     return x.first ? x.s : axpy(x.s, m->c->beta, x.p);
 }
 
-/* Of A p: writes p[k], q[k] and item[k]. */
+/* Where the product goes: p[k], q[k] and item[k] are written. */
 struct image {
     const uint8_t *fixed;
     vec *p, *q;
@@ -52,7 +52,7 @@ static __device__ void arrive(const struct image *e, struct place at,
     e->item[at.p] = dot(x, q);
 }
 
-/* The same from the compressed diagonals, p being there. */
+/* The same by compressed diagonals: first the direction, then its product. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     pcg_direction_kernel(struct mixed m, vec *p, int64_t count)
 {

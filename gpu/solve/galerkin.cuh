@@ -85,8 +85,8 @@ static __device__ inline int pick_weight(uint64_t all, int dx, int dy)
     return near ? (int)(all >> 4 * (dx + 1 + 3 * (dy + 1)) & 15) : 0;
 }
 
-/* The same terms in the same order from the rules, for coarse direction
- * (ci, cj), TIES springs or couplings. */
+/* The same terms in the same order from the rules, for coarse direction (ci,
+ * cj), TIES springs or couplings. */
 template <int TIES>
 static __device__ inline sym cook_cut(const struct coarsen *s, struct place at,
                                       int ci, int cj)

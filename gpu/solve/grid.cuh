@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Grids of particles on the device, and who is tied to whom: by the springs
- * of a cloth, or by the couplings of a coarse grid. spec/solve/matrix.md,
+/* Grids of particles on the device, and who is tied to whom: by the springs of
+ * a cloth, or by the couplings of a coarse grid. spec/solve/matrix.md,
  * spec/solve/multigrid.md §2 */
 #ifndef GPU_GRID_CUH
 #define GPU_GRID_CUH

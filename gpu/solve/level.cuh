@@ -10,7 +10,7 @@ extern "C" {
 #include "ref/solve/multigrid.h"
 }
 
-/* One grid and its streams, fit for a kernel. */
+/* One grid and its streams, as kernels take it. */
 struct level {
     struct grid g;
     int32_t count;
@@ -24,7 +24,7 @@ struct level {
     const sym *factor;
     vec *b; /* right-hand side; of the finest grid the caller's */
     vec *x, *y, *d;
-    const int32_t *go; /* NULL, or on the device: 0: do nothing */
+    const int32_t *go; /* NULL, or on the device; *go 0: do nothing */
 };
 
 /* §4: the Chebyshev polynomial of degree 2. */
@@ -32,8 +32,8 @@ struct weights {
     real first, keep, second;
 };
 
-/* The first half-step from 0, which whoever makes the right-hand side takes:
- * y = first·F b. */
+/* The first half-step of a cycle, which starts from 0: y = first·F b. The
+ * kernel that makes the right-hand side b does it, too. */
 struct opening {
     const sym *factor;
     vec *y;
@@ -45,8 +45,9 @@ static __device__ inline void open_at(const struct opening *o, int p, vec b)
     o->y[p] = scale(o->first, solved(o->factor[p], b));
 }
 
-/* gpu_coarsen of the second grid from the first and so on, by one team; none
- * is the finest. */
+/* Makes each grid from the one before, as gpu_coarsen does, all in one kernel
+ * of one cluster. The first grid of the chain is made already, and is not the
+ * finest. */
 #ifdef __CUDACC__
 enum { CHAIN_BLOCK = 512, CHAIN_COUNT = 1200 };
 #else
@@ -56,15 +57,16 @@ void gpu_coarsen_chain(struct gpu *g, const struct level *l, int levels);
 
 struct opening gpu_multigrid_opening(const struct multigrid *s);
 
-/* Streams of the finest grid that the caller has room for, in place of the
- * first [count] of pool and the second of room, which are not there then. */
+/* Streams of the finest grid that the caller lends; multigrid's own, the first
+ * [count] of pool and the second of room, are not allocated then. */
 struct lent {
     sym *excess; /* [count] only the build uses it */
     vec *d;      /* [count] only a cycle does */
 };
 
-/* The two halves of gpu_multigrid; the cycle comes after its opening. go as in
- * struct level; item [count], where it is not NULL, gets z[p]·r[p]. */
+/* The two halves of gpu_multigrid. The opening must have been done before a
+ * cycle. go: as in struct level. item: [count] becomes z[p]·r[p], unless NULL.
+ */
 int gpu_multigrid_build(struct gpu *g, struct multigrid *s, struct lent lent);
 void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, struct lent lent,
                          const int32_t *go, real *item);

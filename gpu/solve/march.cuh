@@ -1,20 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The product of spec/solve/product.md §1 for a whole grid: blocks march down
- * strips of columns and meet each tie once, which both its ends then add in
- * their own order. Who marches reads 24 bytes a tie where a gather reads 48,
- * and does half the arithmetic. */
+/* The product of spec/solve/product.md §1 for a whole grid (SpMV). Blocks march
+ * down strips of columns, row by row, and read each edge once: its pull is kept
+ * until both ends have added it, each in its own order. A march reads 24 bytes
+ * for an edge where a gather, which reads each edge at both ends, reads 48, and
+ * does half the arithmetic. */
 #ifndef GPU_MARCH_CUH
 #define GPU_MARCH_CUH
 
 #include "gpu/solve/marcher.cuh"
 
-/* Block k owns `rows` rows of a strip of columns, a thread a column, and those
- * REACH to the left and right and above for what they pull. For each particle
- * that it owns arrive(&end, place, about(&end, place), x, A x) is called, by
- * the same thread that alone may write there. Of a row the barrier parts what
- * is written for others, into passed and x, from its reading; the next row
- * writes passed to the other half, and x where row j - 1 was, which none
- * reads any more. */
+/* Block k owns `rows` rows of a strip of columns, one thread for each column;
+ * it also computes the pulls of REACH columns to the left and right and of
+ * REACH rows above. The thread that owns a particle calls arrive(&end, place,
+ * about(&end, place), x, A x), and may write there without a conflict. One
+ * barrier for each row separates writes for other threads, to passed and x,
+ * from their reads: the next row writes the other half of passed, and the place
+ * of x of row j - 1, which nobody reads any more. */
 template <int TIES, class B, class X, class END>
 static __global__ void __launch_bounds__(march_size<TIES, B>::threads,
                                          march_size<TIES, B>::at_once)
@@ -50,8 +51,8 @@ static __global__ void __launch_bounds__(march_size<TIES, B>::threads,
     }
     for (int k = 0; k < X_ROWS - 1; k++)
         row[(w.j + k) % X_ROWS][lane] = value_at(&x, place_in(&w, w.j + k));
-    /* What x of a row to come is made of is asked for while the row before it
-     * is made, unless that takes too many registers. */
+    /* The inputs of x of the next row are read while this row is computed,
+     * unless that takes too many registers. */
     decltype(take(&x, place_in(&w, 0))) come = {};
     constexpr bool EARLY = MARCH_AHEAD && (!size::slim || sizeof come <= 32);
     typename size::spot next = {};
@@ -100,8 +101,8 @@ static __global__ void __launch_bounds__(march_size<TIES, B>::threads,
     }
 }
 
-/* Four neighbours own a particle, for which one calls arrive as above; each tie
- * is met twice. */
+/* The gather: four adjacent lanes own a particle, and the last of them calls
+ * arrive as above. Each edge is read twice. */
 enum { GATHER_LANES = 4, GATHERED = GPU_BLOCK / GATHER_LANES };
 template <int TIES, class B, class X, class END>
 static __global__ void __launch_bounds__(GPU_BLOCK)
@@ -118,7 +119,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         arrive(&end, at, own, here, y);
 }
 
-/* Whether the product of a grid marches. */
+/* Whether the product of this grid marches; else it gathers. */
 static inline bool marches(struct grid g)
 {
     return (int64_t)g.m * g.n >= MARCH_LEAST && g.m >= MARCH_WIDE;
@@ -129,8 +130,9 @@ static inline int cut_up(int a, int parts)
     return (a + parts - 1) / parts;
 }
 
-/* arrive(&end, place, …, x, A x) for all particles of a grid that marches, in
- * any order; nothing where *go is 0, go being NULL or on the device. */
+/* Calls arrive(&end, place, …, x, A x) for all particles of a grid that
+ * marches, in any order. go: NULL, or on the device; if *go is 0 nothing is
+ * done. */
 template <int TIES, class B, class X, class END>
 static void march(struct gpu *g, struct ties<B> t, X x, END end,
                   const int32_t *go)

@@ -1,26 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What marches down a column of a grid, gpu/solve/march.cuh: its ties, what
- * they pull, and what of that is passed on. spec/solve/product.md §1 */
+/* The thread that marches down a column of a grid (gpu/solve/march.cuh): the
+ * edges that it reads, their pulls, and the pulls that it passes to other
+ * columns. spec/solve/product.md §1 */
 #ifndef GPU_MARCHER_CUH
 #define GPU_MARCHER_CUH
 
 #include "gpu/base/bulk.cuh"
 #include "gpu/cloth/rate.cuh"
 
-/* REACH: columns and rows that a tie spans at most. MARCH_LEAST, MARCH_WIDE:
- * particles and columns from which on it pays; MARCH_UNITS: multiprocessors, or
- * as many as are cut for. */
+/* REACH: the most columns and rows that an edge spans. MARCH_LEAST, MARCH_WIDE:
+ * the particles and columns from which on a march is faster. MARCH_UNITS: the
+ * number of multiprocessors for which a grid is cut. */
 #ifdef __CUDACC__
 enum { REACH = 2, MARCH_LEAST = 1 << 17, MARCH_WIDE = 96, MARCH_UNITS = 132 };
 #else
 enum { REACH = 2, MARCH_LEAST = 256, MARCH_WIDE = 2, MARCH_UNITS = 2 };
 #endif
 
-/* What is kept of a particle, and of its ties: blocks in registers; rates,
- * which take longer to use, in binary32 as STAGES rows in shared memory. And
- * how many blocks of how many threads a multiprocessor has: not more than
- * leaves each thread the registers to read ahead, for thin blocks of binary32
- * and rates 128. */
+/* How a particle and its edges are kept: blocks in registers; rates in binary32
+ * as STAGES rows in shared memory, as they take longer to use. And how many
+ * blocks of how many threads run on a multiprocessor: so few that each thread
+ * has registers to read ahead, which for thin blocks of binary32 and rates are
+ * 128. */
 enum { STAGES = 2 };
 template <class B> struct carried {
     typedef vec spot;
@@ -35,9 +36,8 @@ template <> struct carried<struct rate> {
     static constexpr int at_once = staged ? 5 : 4, limit = staged ? 96 : 128;
 };
 
-/* A block's memory, at most 48 KiB: X_ROWS rows of what is kept of particles,
- * of two rows the pulls of ties that lead to another column, and staged ties. A
- * thread has a column. */
+/* Shared memory of a block, at most 48 KiB: X_ROWS rows of particles, two rows
+ * of pulls of edges that lead to another column, and staged edges. */
 enum { X_ROWS = 4 };
 template <int TIES, class B> struct march_size : carried<B> {
     typedef typename carried<B>::spot spot;
@@ -52,7 +52,7 @@ template <int TIES, class B> struct march_size : carried<B> {
     static constexpr int pitch = staged ? threads + RATES_AT_ONCE : 1;
 };
 
-/* The ties of the rows to come, row j in stage j % STAGES. */
+/* The edges of the next rows: those of row j are in stage j % STAGES. */
 template <int TIES, class B> struct staging {
     enum {
         ROWS = march_size<TIES, B>::staged ? STAGES : 1,
@@ -63,12 +63,12 @@ template <int TIES, class B> struct staging {
     bulk row[ROWS];
 };
 
-/* How a grid is cut: strips of columns, rows of a block. */
+/* How a grid is cut into strips of columns, and strips into blocks of rows. */
 struct cut {
     int strips, width, rows;
 };
 
-/* Tie o among those that lead to another column, in order. */
+/* The number of edge o among the edges that lead to another column. */
 template <int TIES> static __host__ __device__ constexpr int passed_at(int o)
 {
     if (TIES == SPRINGS)
@@ -76,16 +76,16 @@ template <int TIES> static __host__ __device__ constexpr int passed_at(int o)
     return o < 4 ? o : o < 9 ? o - 1 : o - 2;
 }
 
-/* Whether registers hold what a row reads besides its ties a while ahead. */
+/* Whether a row's inputs other than edges are read ahead into registers. */
 enum { MARCH_AHEAD = REAL_BITS == 32 };
 
-/* What a thread carries down its column, all in registers. A pull that nobody
- * wants is +0: to add or subtract it changes no y, which is never -0. */
+/* The state that a thread carries down its column, in registers. A pull that is
+ * not needed is +0: adding or subtracting +0 changes no y, as y is never -0. */
 template <int TIES, class B> struct marcher {
     int lane, i, j, top; /* top: the first row that the block owns */
-    int low, end;        /* columns whose ties are staged */
+    int low, end;        /* columns whose edges are staged */
     struct grid g;
-    unsigned out;    /* bit o: tie o leads to a column of strip and grid */
+    unsigned out;    /* bit o: edge o leads to a column of strip and grid */
     unsigned wanted; /* bit o: and someone wants its pull from the row of */
     /* row j, or the row below once row j has pulled; none where staged */
     B block[march_size<TIES, B>::staged ? 1 : TIES];
@@ -95,7 +95,7 @@ template <int TIES, class B> struct marcher {
     vec here;                   /* x of row j */
 };
 
-/* Which ties lead from a column to columns of its strip and grid. */
+/* Bits: which edges lead from a column to columns of its strip and grid. */
 template <int TIES, class B>
 static __device__ inline unsigned columns(const struct marcher<TIES, B> *w,
                                           int width)
@@ -112,7 +112,7 @@ static __device__ inline unsigned columns(const struct marcher<TIES, B> *w,
     return mask;
 }
 
-/* Which of them lead from row j to rows that the block owns. */
+/* Bits: which of these lead from row j to rows that the block owns. */
 template <int TIES, class B>
 static __device__ inline unsigned rows(const struct marcher<TIES, B> *w, int j)
 {
@@ -125,7 +125,8 @@ static __device__ inline unsigned rows(const struct marcher<TIES, B> *w, int j)
     return mask;
 }
 
-/* Which of row j's ties are wanted, and they themselves, unless staged. */
+/* Sets which edges of row j are needed, and reads them unless they are staged.
+ */
 template <int TIES, class B>
 static __device__ inline void fetch_row(struct marcher<TIES, B> *w,
                                         const B *block, int j)
@@ -138,16 +139,16 @@ static __device__ inline void fetch_row(struct marcher<TIES, B> *w,
                                  (w->wanted >> o & 1 ? p : 0));
 }
 
-/* Where column low of row j comes to in its stage, as copies are of whole 16
- * bytes. */
+/* The offset of column low of row j within its stage: copies begin at multiples
+ * of 16 bytes. */
 template <int TIES, class B>
 static __device__ inline int skipped(const struct marcher<TIES, B> *w, int j)
 {
     return (int)((unsigned)(w->low + w->g.m * j) % RATES_AT_ONCE);
 }
 
-/* Asks for row j of the staged ties; thread o for tie o, where it leads to rows
- * that the block owns. */
+/* Starts the copies of the staged edges of row j: thread o copies edge o, if
+ * edge o leads to rows that the block owns. */
 template <int TIES, class B>
 static __device__ inline void ask_row(const struct marcher<TIES, B> *w,
                                       const B *block,
@@ -165,7 +166,7 @@ static __device__ inline void ask_row(const struct marcher<TIES, B> *w,
              wanted ? n * (int)sizeof(B) : 0);
 }
 
-/* The column's particle of row j, or one near where there is none. */
+/* The particle of the column in row j, or one nearby if there is none. */
 template <int TIES, class B>
 static __device__ inline struct place place_in(const struct marcher<TIES, B> *w,
                                                int j)
@@ -175,7 +176,7 @@ static __device__ inline struct place place_in(const struct marcher<TIES, B> *w,
     return place{i + w->g.m * j, i, j};
 }
 
-/* B (x_p - x_q) of all ties that start in row j. */
+/* Computes the pulls B (x_p - x_q) of all edges that start in row j. */
 template <int TIES, class B, class SPOT, int THREADS>
 static __device__ inline void
 pull_row(struct marcher<TIES, B> *w, const struct staging<TIES, B> *s,
@@ -199,7 +200,7 @@ pull_row(struct marcher<TIES, B> *w, const struct staging<TIES, B> *s,
     }
 }
 
-/* The pull of row j by tie o that ends in this column, below or beside. */
+/* The pull of edge o that starts in row j and ends in this column. */
 template <int TIES, class B, int THREADS>
 static __device__ inline vec pull_at(const struct marcher<TIES, B> *w,
                                      const vec (*passed)[THREADS], int o)
@@ -208,7 +209,7 @@ static __device__ inline vec pull_at(const struct marcher<TIES, B> *w,
     return di ? passed[passed_at<TIES>(o)][w->lane - di] : w->pull[o];
 }
 
-/* y of row j plus its ties' pulls, in their order. */
+/* y of row j plus the pulls of its edges, in their order. */
 template <int TIES, class B, int THREADS>
 static __device__ inline vec add_pulls(const struct marcher<TIES, B> *w,
                                        const vec (*passed)[THREADS], vec y)
@@ -224,7 +225,7 @@ static __device__ inline vec add_pulls(const struct marcher<TIES, B> *w,
     return y;
 }
 
-/* What ends one or two rows below is kept till there. */
+/* Keeps the pulls of edges that end one or two rows below. */
 template <int TIES, class B, int THREADS>
 static __device__ inline void keep_pulls(struct marcher<TIES, B> *w,
                                          const vec (*passed)[THREADS])

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A small grid that lies in the rooms of a team: each rank owns a run of its
  * particles and has copies of what these read of others.
- * spec/solve/multigrid.md
- */
+ * spec/solve/multigrid.md */
 #ifndef GPU_PATCH_CUH
 #define GPU_PATCH_CUH
 
@@ -38,8 +37,8 @@ struct alignas(16) tie {
     int32_t step, in, out;
 };
 
-/* A rank's run of a grid: its first particle, how many, and the first one
- * whose x it has; and what a row of the product needs besides. */
+/* A rank's run of a grid: its first particle, how many, and the first one whose
+ * x it has; and what a row of the product needs besides. */
 struct run {
     int first, own, low;
     int table;

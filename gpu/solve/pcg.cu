@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Preconditioned conjugate gradients. spec/solve/pcg.md */
+/* Preconditioned conjugate gradients: the host queues the kernels, and the
+ * device decides when the iteration ends. spec/solve/pcg.md, spec/gpu.md §9 */
 #include "gpu/solve/pcg_kernels.cuh"
 
 #include "gpu/run/loop.cuh"
 
-/* Iterations of a turn, in a loop rings of directions, as each turn begins with
- * the first: of multigrid more than one where a look takes longer than what
- * would be queued for nothing. */
+/* Iterations that are queued between two readbacks or two tests of a loop:
+ * Jacobi's first turn and later ones, multigrid's on small grids and in a loop.
+ * Multiples of RING, as each turn begins with the first direction of the ring.
+ * On a small grid a readback takes longer than iterations that turn out to be
+ * superfluous. */
 enum {
     TURN = 8,
     TURN_MOST = 32,
@@ -27,8 +30,8 @@ static void search(struct gpu *g, struct pcg *s, struct course *c,
                   room, true);
 }
 
-/* Iteration k of all that are queued. Where products march, bytes and not
- * launches take the time: steps wait then for the last of a ring. */
+/* Queues iteration k of the solve. Where products march, memory traffic and not
+ * launches takes the time; dv is then updated only with the last of a ring. */
 static void iterate(struct gpu *g, struct pcg *s, struct course *c,
                     struct room room, int k)
 {
@@ -46,7 +49,8 @@ static void iterate(struct gpu *g, struct pcg *s, struct course *c,
                   pcg_update_kernel, *s, c, room, waits ? NULL : to);
 }
 
-/* Queues iterations, of all so far from `queued` on, and the residual. */
+/* Queues a turn: iterations, which are numbered from `queued` on, then the true
+ * residual. */
 static void take_turn(struct gpu *g, struct pcg *s, struct course *c,
                       struct room room, int queued, int iterations)
 {
@@ -60,7 +64,7 @@ static void take_turn(struct gpu *g, struct pcg *s, struct course *c,
     LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
 }
 
-/* The matrix, M and the first residual. */
+/* Queues the matrix, M and the first residual. */
 static int prepare(struct gpu *g, struct pcg *s, struct course *c,
                    struct room room)
 {
@@ -69,21 +73,22 @@ static int prepare(struct gpu *g, struct pcg *s, struct course *c,
     return status;
 }
 
-/* What the launches of a solve depend on. */
+/* Everything that the launches of a solve depend on: the key of its graphs. */
 struct solve_key {
     struct pcg s;
     struct course *c;
     real *chunk;
     struct rates rates;
-    int32_t loop; /* 0: what leads to a loop and its first turn */
+    int32_t loop; /* 1: the loop; 0: the launches before it */
 };
 
 static void write_key(struct solve_key *key, const struct pcg *s,
                       struct course *c, const struct room *room)
 {
-    memset((void *)key, 0, sizeof *key); /* what lies between, too */
+    memset((void *)key, 0, sizeof *key); /* padding, too */
     memcpy((void *)&key->s, (const void *)s, sizeof key->s);
-    key->s.scale = key->s.square = 0; /* not read there, as these */
+    key->s.scale = key->s.square =
+        0; /* kernels of the graph do not read these */
     key->s.recurrence = key->s.residual = 0;
     key->s.iterations = key->s.outcome = key->s.fell_back = 0;
     key->s.z = s->n_z ? s->z : NULL;
@@ -100,7 +105,8 @@ static struct course look(struct gpu *g)
     return seen;
 }
 
-/* All up to the end of the first turn, queued as one where that can be. */
+/* Queues everything up to the end of the first turn, as one graph if possible.
+ */
 static int first_turn(struct gpu *g, struct pcg *s, struct course *c,
                       struct room room, int iterations)
 {
@@ -116,7 +122,8 @@ static int first_turn(struct gpu *g, struct pcg *s, struct course *c,
                                                                  : launch();
 }
 
-/* Turns in a loop on the device, until they end or the host is to look. */
+/* Queues turns as a loop on the device, until the solve has ended or the host
+ * must decide. False if the device has no such loop. */
 static bool loop(struct gpu *g, struct pcg *s, struct course *c,
                  struct room room)
 {
@@ -131,9 +138,9 @@ static bool loop(struct gpu *g, struct pcg *s, struct course *c,
     return gpu_loop(g, loop_key{&key, sizeof key}, &c->again, launch);
 }
 
-/* Iterates until one, or the residual behind it, ends it; the host looks after
- * the first turn, and after each where the device has no loops, or multigrid
- * gave up. */
+/* Runs the solve to its end. The host reads the state back after the first
+ * turn, after the loop, and after each turn if the device has no loops or
+ * multigrid gave up. */
 static struct course solve(struct gpu *g, struct pcg *s, struct room room,
                            int *status)
 {
@@ -163,9 +170,10 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
     return gpu_pcg_by_rates(g, s, rates{});
 }
 
-/* Room for the sums and for directions: where the matrix is compact p changes
- * places, as neighbours read the last one, and where they wait, Jacobi's, which
- * has many, in a ring. false if there is none. */
+/* Lays out scratch for sums and directions. With a compact matrix the next
+ * direction is written to another stream, as neighbours still read the last
+ * one; with Jacobi, which takes many iterations, and products that march, there
+ * is a ring of RING streams. False if there is no memory. */
 static bool lay_out(struct gpu *g, const struct pcg *s, struct room *room)
 {
     int64_t sums = 2 * s->n_chunks, count = s->count;
@@ -197,7 +205,7 @@ int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, struct rates r)
     if (s->solver != DRAPE_EXACT)
         return gpu_pcg_compare(g, s);
     struct course c = {};
-    c.from = s->scale; /* where there is nothing to solve */
+    c.from = s->scale; /* the result if there is nothing to solve */
     c.most = s->square;
     struct room room = {};
     room.rates = r;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The scalars of conjugate gradients, which stay on the device: who moves
- * from where to where in ref_pcg, one thread at a time. spec/solve/pcg.md §3–§5
- */
+/* The scalars of conjugate gradients, which stay on the device, and the
+ * functions by which one thread takes the solver from one phase of ref_pcg to
+ * the next. spec/solve/pcg.md §3–§5 */
 #ifndef GPU_PCG_CUH
 #define GPU_PCG_CUH
 
@@ -12,25 +12,27 @@ extern "C" {
 #include "ref/solve/pcg.h"
 }
 
-/* What is to be done next: the first residual, an iteration, the residual
- * after the last one, nothing. */
+/* What the kernels do next: the first residual, an iteration, the residual
+ * after the last iteration, nothing. */
 enum phase { PHASE_OPEN, PHASE_ITERATE, PHASE_ENDED, PHASE_DONE };
 
-/* Directions that are kept at most, and that many steps moved at once. */
+/* The most directions that are kept, so that dv is updated by as many at once.
+ */
 enum { RING = 8 };
 
-/* Lies in gpu_words. Every kernel of the solver reads it first and
- * does nothing out of its phase: so any number of iterations may be queued. */
+/* The state of a solve, in gpu_words. Every kernel of the solver reads it first
+ * and does nothing if it is not the kernel's phase, so that any number of
+ * iterations may be queued. */
 struct course {
-    unsigned ticket; /* of grid_sums */
+    unsigned ticket; /* for ends_last of the sums */
     int32_t phase;   /* enum phase */
     int32_t go;      /* 1: phase is PHASE_ITERATE */
     int32_t first;   /* 1: no direction yet */
     int32_t fresh;   /* 1: M⁻¹ r is not known yet */
-    int32_t again;   /* 1: more of the same, 0: the host is to look */
+    int32_t again;   /* 1: another turn of the loop; 0: the host decides */
     int32_t outcome; /* enum pcg_outcome */
     int32_t iterations, fell_back;
-    int32_t waits; /* steps by which dv has yet to move, of RING */
+    int32_t waits; /* how many steps dv has not been updated by yet */
     real late[RING - 1];
     real square, most;       /* |r|² at first, what residual is relative to */
     real left, before, from; /* |r|² as it goes, residual, scale */
@@ -50,7 +52,7 @@ static __device__ inline void end(struct course *c, int outcome)
     c->go = 0;
 }
 
-/* The head of ref_pcg's outer loop. */
+/* The condition of ref_pcg's outer loop, and the start of its body. */
 static __device__ inline void restart(const struct pcg *s, struct course *c)
 {
     c->phase = PHASE_DONE;
@@ -69,7 +71,7 @@ static __device__ inline void restart(const struct pcg *s, struct course *c)
         end(c, PCG_LIMIT);
 }
 
-/* square: |b - A z|². */
+/* After the first residual; square: |b - A z|². */
 static __device__ inline void begin(const struct pcg *s, struct course *c,
                                     real square)
 {
@@ -86,7 +88,7 @@ static __device__ inline void begin(const struct pcg *s, struct course *c,
     restart(s, c);
 }
 
-/* square: of the residual after the last iteration. */
+/* After the true residual that follows the last iteration; square: |r|². */
 static __device__ inline void judge(const struct pcg *s, struct course *c,
                                     real square)
 {
@@ -103,7 +105,7 @@ static __device__ inline void judge(const struct pcg *s, struct course *c,
     restart(s, c);
 }
 
-/* next: r·M⁻¹r, whence the next direction. */
+/* After the preconditioner; next: r·M⁻¹r, which gives β. */
 static __device__ inline void enter(const struct pcg *s, struct course *c,
                                     real next)
 {
@@ -127,7 +129,7 @@ static __device__ inline void enter(const struct pcg *s, struct course *c,
     c->rho = next;
 }
 
-/* curvature: p·A p. */
+/* After the product; curvature: p·A p, which gives α. */
 static __device__ inline void measure(struct course *c, real curvature)
 {
     if (!positive(curvature))
@@ -136,7 +138,7 @@ static __device__ inline void measure(struct course *c, real curvature)
         c->alpha = c->rho / curvature;
 }
 
-/* square: |r|² after a step. */
+/* After a step; square: |r|². */
 static __device__ inline void leave(const struct pcg *s, struct course *c,
                                     real square)
 {
@@ -157,7 +159,8 @@ static __device__ inline void leave(const struct pcg *s, struct course *c,
 
 /* ---- vectors ---- */
 
-/* *a + b rounded to *a; what is rounded off, exactly (Knuth). */
+/* TwoSum (Knuth): *a becomes *a + b, rounded; returns the rounding error,
+ * exactly. */
 static __device__ inline real two_sum(real *a, real b)
 {
     real sum = *a + b, part = sum - *a;
@@ -174,29 +177,30 @@ static __device__ inline void advance(vec *x, vec *low, vec d)
     low->z += two_sum(&x->z, d.z);
 }
 
-/* A world's p and q lie one behind the other, before a stream [count] that has
- * no use while there is a solve. */
+/* Whether q follows p in memory, as in a world. There a stream [count] that is
+ * unused during a solve follows q. */
 static inline bool lies_before(const struct pcg *s)
 {
     return s->q == s->p + s->count;
 }
 
-/* What the search has no use for while M is built or applied. */
+/* Streams that multigrid may use while M is built or applied: p, q and the
+ * stream after them are idle then. */
 static inline struct lent lent_by(const struct pcg *s)
 {
     return lies_before(s) ? lent{(sym *)s->p, s->q} : lent{};
 }
 
-/* The matrix and its preconditioner; dv and low as they start. DRAPE_OK, or
- * DRAPE_EARG as ref_pcg. */
+/* Queues the matrix, its preconditioner M, and the start of dv and low. Returns
+ * the status of these stages. */
 int gpu_pcg_set_up(struct gpu *g, struct pcg *s);
 
-/* §6: gpu_pcg behind pcg_open, by the solver of gpu/compare. DRAPE_EDEVICE
- * where its library is not there. */
+/* §6: gpu_pcg, after pcg_open, by the solver of gpu/compare. DRAPE_EDEVICE if
+ * its library is not there. */
 int gpu_pcg_compare(struct gpu *g, struct pcg *s);
 
-/* §3: the next direction `to` = s + β p, with β of c, its image q = A to, and
- * item[k] = to[k]·q[k]. Nothing where !c->go. */
+/* §3: queues the next direction `to` = s + β p, with β of c, its image q = A
+ * to, and item[k] = to[k]·q[k]. The kernels do nothing if c->go is 0. */
 struct search {
     struct course *c;
     struct rates rates;

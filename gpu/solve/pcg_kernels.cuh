@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The kernels of conjugate gradients between products and cycles, which move
- * the course on. spec/solve/pcg.md */
+/* The kernels of conjugate gradients other than products and multigrid cycles.
+ * The last block of each takes the solver's state to the next phase.
+ * spec/solve/pcg.md */
 #ifndef GPU_PCG_KERNELS_CUH
 #define GPU_PCG_KERNELS_CUH
 
@@ -9,20 +10,20 @@
 #include "gpu/solve/pcg.cuh"
 #include "gpu/solve/residual.cuh"
 
-/* Scratch of its own, and how M⁻¹r begins once r is known. */
+/* Scratch of a solve, and how M⁻¹r starts once r is known. */
 struct room {
-    real *chunk;            /* [2·n_chunks] */
-    real *item;             /* [count] */
-    bool jacobi;            /* M is Jacobi's, by now or from the start */
-    struct opening opening; /* else */
-    struct rates rates;     /* of: NULL, or the matrix is read from them */
-    int ring;               /* 1, 2 or RING */
-    vec *p[RING];           /* [count] the last of them, by turns */
+    real *chunk; /* [2·n_chunks] */
+    real *item;  /* [count] */
+    bool jacobi; /* M is Jacobi's, from the start or since multigrid gave up */
+    struct opening opening; /* multigrid's first half-step, if !jacobi */
+    struct rates rates;     /* the matrix, if rates.of is not NULL */
+    int ring;               /* streams of directions: 1, 2 or RING */
+    vec *p[RING];           /* [count] each; directions take turns */
 };
 
-/* Of these kernels block k owns chunk k of the particles, a thread a particle;
- * the block that ends last moves the course on. Of an update there are UPDATES
- * blocks at most on a multiprocessor. */
+/* Block k of these kernels owns chunk k of the particles, a thread each
+ * particle; the block that ends last writes the next phase. UPDATES: the blocks
+ * of the update kernel for each multiprocessor. */
 enum { UPDATES = REAL_BITS == 32 ? 8 : 4 };
 
 #define PARTICLE(k) int64_t k = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x
@@ -39,7 +40,8 @@ static __global__ void pcg_open_kernel(struct course *c, real scale,
     *c = fresh;
 }
 
-/* s[k] = M⁻¹r by Jacobi, and r·s; or the first half-step of multigrid. */
+/* By Jacobi: s[k] = M⁻¹ r[k], and r[k]·s[k]. By multigrid: the first half-step
+ * of the cycle. */
 static __device__ real begin_from(const struct pcg *s, const struct room *room,
                                   int k, vec r)
 {
@@ -52,7 +54,7 @@ static __device__ real begin_from(const struct pcg *s, const struct room *room,
     return dot(r, z);
 }
 
-/* Writes r[k]; reads dv and low of the neighbours, unless all are 0. §2 */
+/* §2: writes r[k]; reads dv and low of the neighbours, unless all are 0. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
     pcg_residual_kernel(struct pcg s, struct course *c, struct room room)
 {
@@ -81,8 +83,8 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
     c->again = c->phase != PHASE_DONE && (room.jacobi || !c->fell_back);
 }
 
-/* r·M⁻¹r by Jacobi after a restart, or where multigrid gave up; later it is
- * pcg_update_kernel's. */
+/* r·M⁻¹r by Jacobi after a restart, or after multigrid gave up; in later
+ * iterations pcg_update_kernel computes it. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
     pcg_jacobi_kernel(struct pcg s, struct course *c, struct room room)
 {
@@ -111,7 +113,8 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         enter(&s, c, sum);
 }
 
-/* dv + low of particle k by the steps that wait, and by `alpha` times p. */
+/* Updates dv + low of particle k by the steps that are outstanding, then by
+ * alpha times p. */
 static __device__ void move(const struct pcg *s, const struct course *c,
                             const struct room *room, int64_t k, const vec *p,
                             real alpha)
@@ -125,9 +128,9 @@ static __device__ void move(const struct pcg *s, const struct course *c,
     store_once(s->low + k, low);
 }
 
-/* Writes dv[k], low[k], r[k] and what starts from r[k]; p of the step, NULL
- * where it waits for a later one, so that dv and low are touched once for all.
- * A block takes turns at chunks. */
+/* Writes dv[k], low[k], r[k] and the start of M⁻¹r. p: the direction of the
+ * step; NULL: the update of dv and low is left to a later step, so that they
+ * are read and written once for several steps. A block owns several chunks. */
 static __global__ void __launch_bounds__(SUM_CHUNK, UPDATES)
     pcg_update_kernel(struct pcg s, struct course *c, struct room room,
                       const vec *p)
@@ -158,7 +161,8 @@ static __global__ void __launch_bounds__(SUM_CHUNK, UPDATES)
         enter(&s, c, sum[1]);
 }
 
-/* The steps that wait when iterations have ended; the residual is next. */
+/* Updates dv and low by the steps that are outstanding when the iterations have
+ * ended; the residual is next. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     pcg_settle_kernel(struct pcg s, const struct course *c, struct room room)
 {

@@ -12,8 +12,8 @@ struct term {
     int8_t o, di, dj, weight;
 };
 
-/* Terms of one coarse direction, and of all; AROUND: origins of ties that
- * may reach a coarse particle. */
+/* Terms of one coarse direction, and of all; AROUND: origins of ties that may
+ * reach a coarse particle. */
 enum { TERMS = 64, AROUND = 7 * 5 };
 struct recipe {
     int terms;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A row of the true residual, in binary64 and rounded once.
- * spec/solve/pcg.md §2 */
+/* A row of the true residual, in binary64 and rounded once. spec/solve/pcg.md
+ * §2 */
 #ifndef GPU_RESIDUAL_CUH
 #define GPU_RESIDUAL_CUH
 

@@ -83,8 +83,8 @@ static __device__ inline void arrive(const struct left *l, struct place at,
 
 /* ---- between grids ---- */
 
-/* The right-hand side of coarse particle p from the fine residual y around
- * it, and, unless the grid is the coarsest, its first half-step. */
+/* The right-hand side of coarse particle p from the fine residual y around it,
+ * and, unless the grid is the coarsest, its first half-step. */
 static __device__ inline void restrict_at(const struct level *f,
                                           const struct level *c,
                                           struct place at, real first)

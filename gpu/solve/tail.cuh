@@ -8,8 +8,8 @@
 #include "gpu/solve/patch_row.cuh"
 #include "gpu/solve/smooth.cuh"
 
-/* TAIL_LEVELS: most grids; TAIL_ALONE: particles from which down a grid is
- * rank 0's alone, if there is room: its barriers are quicker. */
+/* TAIL_LEVELS: most grids; TAIL_ALONE: particles from which down a grid is rank
+ * 0's alone, if there is room: its barriers are quicker. */
 #ifdef __CUDACC__
 enum { TAIL_BLOCK = 512, TAIL_LEVELS = 16, TAIL_ALONE = 200 };
 #else
@@ -219,8 +219,8 @@ static __device__ inline void smooth_up(const struct tail *s,
     }
 }
 
-/* All that is read of global memory; the first grid's is there when it
- * returns. */
+/* All that is read of global memory; the first grid's is there when it returns.
+ */
 static __device__ inline void fetch_all(const struct tail *s)
 {
     int last = s->levels - 1;
@@ -237,9 +237,9 @@ static __device__ inline void fetch_all(const struct tail *s)
     team_sync(false);
 }
 
-/* One team, its ranks together at every barrier, whoever has work between.
- * What one rank writes for another lies between two barriers of the team; of
- * a grid that is rank 0's alone the others own nothing. */
+/* One team, its ranks together at every barrier, whoever has work between. What
+ * one rank writes for another lies between two barriers of the team; of a grid
+ * that is rank 0's alone the others own nothing. */
 static __global__ void __launch_bounds__(TAIL_BLOCK, 1)
     tail_kernel(const __grid_constant__ struct tail s)
 {
@@ -288,8 +288,8 @@ static int64_t lay_tail(struct tail *s, const struct level *l, int levels,
     return at + n * dense_pitch((int)n) * (int)sizeof(double);
 }
 
-/* The largest grid from which on all of them fit, and how they lie: *first,
- * ≥ 1; the bytes of a room. */
+/* The largest grid from which on all of them fit, and how they lie: *first, ≥
+ * 1; the bytes of a room. */
 static int64_t fit_tail(struct tail *s, const struct level *l, int levels,
                         int *first, const struct gpu *g)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A system as ties between particles of a grid, and a row of its product.
- * spec/solve/product.md §1, spec/solve/multigrid.md §3 */
+/* A symmetric system as the edges of a grid: each edge ties two particles by a
+ * 3 × 3 block, a spring's or a coarse grid's. And a row of the product with it
+ * (SpMV). spec/solve/product.md §1, spec/solve/multigrid.md §3 */
 #ifndef GPU_TIES_CUH
 #define GPU_TIES_CUH
 
@@ -8,8 +9,8 @@
 #include "gpu/base/thin.cuh"
 #include "gpu/solve/product.cuh"
 
-/* A symmetric system on a grid: mass and extra, or excess, and ties, each a
- * B: a sym, or a struct thin. */
+/* The diagonal is mass and extra, or excess; B is the type of an edge's block:
+ * sym, struct thin or struct rate. */
 template <class B> struct ties {
     struct grid g;
     const real *mass;  /* NULL: excess is */
@@ -18,8 +19,9 @@ template <class B> struct ties {
     const B *block;    /* [SPRINGS or STENCIL · m·n] */
 };
 
-/* Where x comes from: made(&source, take(&source, place), place), which none
- * writes meanwhile; take only reads, so that it may run ahead. */
+/* A source of x: made(&source, take(&source, place), place) is x there. take
+ * only reads memory, so that it may run ahead; nobody writes that memory
+ * meanwhile. */
 struct plain {
     const vec *x;
 };
@@ -48,7 +50,8 @@ static __device__ inline struct place beside(struct grid g, struct place at,
     return place{at.p + di + g.m * dj, at.i + di, at.j + dj};
 }
 
-/* What of A x is no tie's: of springs by mass, of couplings by excess. */
+/* The part of A x that belongs to no edge: from mass and extra, or from excess.
+ */
 struct base {
     real mass;
     sym extra; /* or excess */
@@ -78,8 +81,9 @@ static __device__ inline vec own_part(const struct ties<B> *t, struct base b,
     return t->extra ? add(y, apply(b.extra, x)) : y;
 }
 
-/* y of the first of LANES neighbours of a warp, less and plus what each has, in
- * their order: in the last one. All threads of a warp must call it. */
+/* Starts with y of the first of LANES adjacent lanes, then subtracts and adds
+ * the terms of each lane, lane after lane. The last lane has the result. All
+ * threads of the warp must call it. */
 template <int LANES, int EACH>
 static __device__ inline vec add_by_lanes(vec y, const vec less[EACH],
                                           const vec plus[EACH], int lane)
@@ -97,11 +101,11 @@ static __device__ inline vec add_by_lanes(vec y, const vec less[EACH],
     return y;
 }
 
-/* Row p of A x by LANES neighbours of a warp, which all must call it: y of the
- * particle plus what its ties pull, of each direction the tie that ends here
- * and then the one that starts here. Each lane has as many directions, in
- * order, and reads all before the first is needed, as a small grid waits for
- * memory and for nothing else. The last lane gets it; *here: x[p]. */
+/* Row p of A x by LANES adjacent lanes of a warp, all of which must call it:
+ * the diagonal part, then for each direction the edge that ends at p and the
+ * edge that starts there. Each lane has consecutive directions and reads all
+ * their blocks before it needs the first, as small grids are bound by memory
+ * latency. The last lane has the result; *here: x[p]. */
 template <int TIES, int LANES, class B, class X>
 static __device__ inline vec gathered(const struct ties<B> *t, const X *x,
                                       struct place at, int lane, vec *here)
@@ -131,7 +135,7 @@ static __device__ inline vec gathered(const struct ties<B> *t, const X *x,
         y = own_part<TIES>(t, base_of<TIES>(t, at.p), own);
     UNROLL
     for (int k = 0; k < EACH; k++) {
-        vec none = make(0, 0, 0); /* changes no y, which is never -0 */
+        vec none = make(0, 0, 0); /* adding 0 changes no y, as y is never -0 */
         from[k] = ends[k] ? apply(before[k], sub(from[k], own)) : none;
         to[k] = starts[k] ? apply(after[k], sub(own, to[k])) : none;
     }
