@@ -65,7 +65,7 @@
 #define gpu_pcg REAL_NAME(gpu_pcg)
 #define gpu_pcg_by_rates REAL_NAME(gpu_pcg_by_rates)
 #define gpu_pcg_compare REAL_NAME(gpu_pcg_compare)
-#define gpu_pcg_marches REAL_NAME(gpu_pcg_marches)
+#define gpu_pcg_sweeps REAL_NAME(gpu_pcg_sweeps)
 #define gpu_pcg_search REAL_NAME(gpu_pcg_search)
 #define gpu_pcg_set_up REAL_NAME(gpu_pcg_set_up)
 #define gpu_penalty REAL_NAME(gpu_penalty)

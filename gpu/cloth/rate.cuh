@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A product's vector and ties where these are rates. gpu/cloth/rate.h */
+/* A product's vector and edges where these are rates. gpu/cloth/rate.h */
 #ifndef GPU_RATE_CUH
 #define GPU_RATE_CUH
 
 #include "gpu/cloth/rate.h"
-#include "gpu/solve/ties.cuh"
+#include "gpu/solve/edges.cuh"
 
 /* x of a particle and where it is. */
 struct alignas(2 * sizeof(real)) footing {
@@ -21,7 +21,7 @@ static __device__ inline vec x_of(struct footing f)
     return f.x;
 }
 
-/* A source of x, gpu/solve/ties.cuh, with the positions. */
+/* A source of x, gpu/solve/edges.cuh, with the positions. */
 template <class X> struct grounded {
     X x;
     const vec *at;
@@ -54,7 +54,7 @@ static __device__ inline struct rate fetch_once(const struct rate *r)
 #endif
 }
 
-/* From the ties of a direction to those of the next. */
+/* From the edges of a direction to those of the next. */
 template <class B> static __device__ inline int64_t stride_of(struct grid g)
 {
     return (int64_t)g.m * g.n;
@@ -73,7 +73,7 @@ static __device__ inline sym block_of(struct rate r, vec d)
                w.y * u.y + r.across, w.y * u.z, w.z * u.z + r.across};
 }
 
-/* B (x_p - x_q) of the tie from p to q. */
+/* B (x_p - x_q) of the edge from p to q. */
 template <class B> static __device__ inline vec tie_pull(B b, vec p, vec q)
 {
     return apply(b, sub(p, q));

@@ -2,9 +2,9 @@
 /* Conjugate gradients with cuBLAS's vector operations, the paper's solver: as
  * ref_pcg, but its sums are in cuBLAS's order. spec/solve/pcg.md §6 */
 #include "gpu/compare/blas.h"
-#include "gpu/solve/march.cuh"
 #include "gpu/solve/pcg.cuh"
 #include "gpu/solve/residual.cuh"
+#include "gpu/solve/sweep.cuh"
 
 /* What cuBLAS has no word for is ours: A, M⁻¹, the true residual, TwoSum. */
 
@@ -92,7 +92,7 @@ static void precondition(struct gpu *g, struct pcg *s)
 static void multiply(struct gpu *g, struct pcg *s)
 {
     struct filtered e = {s->fixed, s->q};
-    ties<sym> t = {
+    edges<sym> t = {
         {s->m, s->n}, s->mass, s->n_extra ? s->extra : NULL, NULL, s->block};
     struct product a = {s->m, s->n, s->count, s->mass, s->n_extra, s->extra,
                         0,    NULL, s->n_cdf, s->cdf,  s->p,       s->q};

@@ -16,10 +16,10 @@ static __device__ double component(sym b, int r, int c)
     return (double)a;
 }
 
-/* The block that ties particles p < q of s, among those of all directions and
+/* The block that edges particles p < q of s, among those of all directions and
  * then all excesses; -1 if none does. */
-static __device__ int tie_of(const struct coarsest *s, struct place p,
-                             struct place q)
+static __device__ int edge_of(const struct coarsest *s, struct place p,
+                              struct place q)
 {
     int di = q.i - p.i, dj = q.j - p.j, o = -1;
     if (dj == 0)
@@ -39,14 +39,14 @@ static __device__ double entry(const struct coarsest *s, const sym *block,
     double sum = 0;
     r = r % 3;
     if (q.p != c / 3) {
-        int tie = tie_of(s, place_of(g, c / 3), q);
-        return tie < 0 ? sum : sum + -component(block[tie], r, c % 3);
+        int edge = edge_of(s, place_of(g, c / 3), q);
+        return edge < 0 ? sum : sum + -component(block[edge], r, c % 3);
     }
     c = c % 3;
     for (; p.p < q.p; p.p++) {
-        int tie = tie_of(s, p, q);
-        double b = component(block[tie < 0 ? 0 : tie], r, c);
-        sum = tie < 0 ? sum : sum + b;
+        int edge = edge_of(s, p, q);
+        double b = component(block[edge < 0 ? 0 : edge], r, c);
+        sum = edge < 0 ? sum : sum + b;
         p.i = p.i + 1 < g.m ? p.i + 1 : 0;
         p.j += p.i == 0;
     }

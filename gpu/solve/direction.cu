@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The next search direction and its product with the matrix, in one pass where
  * the matrix is compact. spec/solve/pcg.md §3 */
-#include "gpu/solve/march.cuh"
 #include "gpu/solve/pcg.cuh"
+#include "gpu/solve/sweep.cuh"
 
 /* The vector s + β p, which a product reads without its being in memory. */
 struct mixed {
     const vec *s, *p;
-    const struct course *c;
+    const struct pcg_state *c;
 };
 
 struct mixed_parts {
@@ -72,15 +72,15 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     arrive(&e, at, about(&e, at), a.x[k], cdf_row(&a, &d, at));
 }
 
-bool gpu_pcg_marches(const struct pcg *s)
+bool gpu_pcg_sweeps(const struct pcg *s)
 {
-    return !s->n_cdf && marches(grid{s->m, s->n});
+    return !s->n_cdf && sweeps(grid{s->m, s->n});
 }
 
 bool gpu_rates_help(const struct gpu *g, const struct pcg *s)
 {
     return g->bulk && s->solver == DRAPE_EXACT && s->form == DRAPE_COMPACT &&
-           s->precond == DRAPE_JACOBI && marches(grid{s->m, s->n});
+           s->precond == DRAPE_JACOBI && sweeps(grid{s->m, s->n});
 }
 
 void gpu_pcg_search(struct gpu *g, const struct pcg *s, struct search a)
@@ -96,10 +96,10 @@ void gpu_pcg_search(struct gpu *g, const struct pcg *s, struct search a)
         LAUNCH(g, s->count, pcg_direction_kernel, m, a.to, s->count);
         LAUNCH(g, s->count, pcg_product_kernel, y, cdf_of(s->m, s->n), e, go);
     } else if (a.rates.of) {
-        ties<struct rate> t = {grid, s->mass, extra, NULL, a.rates.of};
-        march<SPRINGS>(g, t, grounded<struct mixed>{m, a.rates.x}, e, go);
+        edges<struct rate> t = {grid, s->mass, extra, NULL, a.rates.of};
+        sweep<SPRINGS>(g, t, grounded<struct mixed>{m, a.rates.x}, e, go);
     } else {
-        ties<sym> t = {grid, s->mass, extra, NULL, s->block};
+        edges<sym> t = {grid, s->mass, extra, NULL, s->block};
         product_of<SPRINGS>(g, t, m, e, go);
     }
 }

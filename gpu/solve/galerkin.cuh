@@ -87,7 +87,7 @@ static __device__ inline int pick_weight(uint64_t all, int dx, int dy)
 
 /* The same terms in the same order from the rules, for coarse direction (ci,
  * cj), TIES springs or couplings. */
-template <int TIES>
+template <int EDGES>
 static __device__ inline sym cook_cut(const struct coarsen *s, struct place at,
                                       int ci, int cj)
 {
@@ -95,16 +95,16 @@ static __device__ inline sym cook_cut(const struct coarsen *s, struct place at,
     sym sum = {0, 0, 0, 0, 0, 0};
     uint64_t here = weights_near(s, at.i, at.j);
     uint64_t there = weights_near(s, at.i + ci, at.j + cj);
-    for (int k = 0; k < TIES * AROUND; k++) {
+    for (int k = 0; k < EDGES * AROUND; k++) {
         int o = k / AROUND, dx = k % AROUND % 7 - 3, dy = k % AROUND / 7 - 3;
-        int zx = dx + toward_i<TIES>(o), zy = dy + toward_j<TIES>(o);
+        int zx = dx + toward_i<EDGES>(o), zy = dy + toward_j<EDGES>(o);
         int a = pick_weight(here, dx, dy) - pick_weight(here, zx, zy);
         int b = pick_weight(there, dx - 2 * ci, dy - 2 * cj) -
                 pick_weight(there, zx - 2 * ci, zy - 2 * cj);
         int x = 2 * at.i + dx, y = 2 * at.j + dy, p = x + s->m * y;
         if (a * b == 0 || !within(f, x, y) ||
             !within(f, 2 * at.i + zx, 2 * at.j + zy) ||
-            (TIES == SPRINGS && !(s->live[p] >> o & 1)))
+            (EDGES == SPRINGS && !(s->live[p] >> o & 1)))
             continue;
         sum = plus(sum, (real)(-a * b) * R(0.0625),
                    fetch(&s->block[o * s->count + p]));

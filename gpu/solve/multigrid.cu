@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Geometric multigrid V-cycle. spec/solve/multigrid.md */
-#include "gpu/solve/march.cuh"
 #include "gpu/solve/smooth.cuh"
+#include "gpu/solve/sweep.cuh"
 #include "gpu/solve/tail.cuh"
 
 /* §5: the grids from fine to coarse and where their streams are. */
@@ -96,7 +96,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 template <class X, class END>
 static void multiply(struct gpu *g, const struct level *l, X x, END end)
 {
-    ties<struct thin> thin = {l->g, l->mass, l->extra, NULL, l->thin};
+    edges<struct thin> thin = {l->g, l->mass, l->extra, NULL, l->thin};
     if (l->thin)
         product_of<SPRINGS>(g, thin, x, end, l->go);
     else if (l->mass)
@@ -122,7 +122,7 @@ static void go_up(struct gpu *g, const struct level *l, struct weights w,
     struct raised x = raised_from(l + 1, l);
     struct half two = half_two(l, w);
     two.item = item;
-    if (marches(l->g)) {
+    if (sweeps(l->g)) {
         multiply(g, l, x, half_one(l, w));
     } else {
         LAUNCH(g, l->count, multigrid_prolong_kernel, *l, x);

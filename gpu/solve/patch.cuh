@@ -18,10 +18,10 @@ struct patch {
     int64_t across;       /* likewise p / m */
     bool alone;           /* all are rank 0's */
     int32_t shift;        /* 2^shift threads share a row of the product */
-    int32_t table;        /* place of struct tie [STENCIL] */
+    int32_t table;        /* place of struct edge [STENCIL] */
     int32_t rules;        /* place of the rules of all particles */
     /* block o of the rank's particles and of those before that lead to them */
-    int32_t tie[STENCIL];
+    int32_t edge[STENCIL];
     int32_t factor, excess; /* [share] */
     int32_t x, y;           /* of its particles and all within reach */
     int32_t b, d;           /* [share] */
@@ -29,10 +29,10 @@ struct patch {
     const uint8_t *rule;
 };
 
-/* Tie o of a grid in a room: (di, dj), how many particles further that is, and
- * where the blocks of the ties lie that end at the rank's first particle, were
+/* Edge o of a grid in a room: (di, dj), how many particles further that is, and
+ * where the blocks of the edges lie that end at the rank's first particle, were
  * there one, and that start there. */
-struct alignas(16) tie {
+struct alignas(16) edge {
     int16_t di, dj;
     int32_t step, in, out;
 };
@@ -46,14 +46,14 @@ struct run {
     int64_t across;
 };
 
-/* Steps from a particle to the end of its tie o; 0 where it never has one. */
+/* Steps from a particle to the end of its edge o; 0 where it never has one. */
 static __host__ __device__ inline int tie_step(struct grid g, int o)
 {
     int step = toward_i<STENCIL>(o) + g.m * toward_j<STENCIL>(o);
     return step > 0 ? step : 0;
 }
 
-/* Particles in the room's stream of tie o. */
+/* Particles in the room's stream of edge o. */
 static __host__ __device__ inline int tie_size(const struct patch *l, int o)
 {
     int size = l->share + tie_step(l->g, o);
@@ -89,9 +89,9 @@ static __device__ inline vec *vecs(int at)
     return (vec *)(team_room() + at);
 }
 
-static __device__ inline struct tie *ties_at(int at)
+static __device__ inline struct edge *ties_at(int at)
 {
-    return (struct tie *)(team_room() + at);
+    return (struct edge *)(team_room() + at);
 }
 
 static __device__ inline uint8_t *rules_of(const struct patch *l)
@@ -99,7 +99,7 @@ static __device__ inline uint8_t *rules_of(const struct patch *l)
     return (uint8_t *)(team_room() + l->rules);
 }
 
-/* Blocks of tie o that a rank has of particles before its own. */
+/* Blocks of edge o that a rank has of particles before its own. */
 static __device__ inline int tie_before(const struct patch *l, struct run r,
                                         int o)
 {
@@ -107,7 +107,7 @@ static __device__ inline int tie_before(const struct patch *l, struct run r,
 }
 
 /* Of a grid's coefficients what a rank has: n from `from` on, at byte `at` of
- * its room, which is as far from a multiple of 16. Stream o is tie o, or the
+ * its room, which is as far from a multiple of 16. Stream o is edge o, or the
  * factors, or the excess. */
 struct stream {
     const sym *from;
@@ -136,16 +136,16 @@ static __device__ inline struct stream blocks_of(const struct patch *l,
 {
     int before = tie_before(l, r, o);
     return stream_at(l->block_from + (int64_t)o * l->count + (r.first - before),
-                     r.own + before, l->tie[o]);
+                     r.own + before, l->edge[o]);
 }
 
-static __device__ inline struct tie tie_in(const struct patch *l, struct run r,
-                                           int o)
+static __device__ inline struct edge tie_in(const struct patch *l, struct run r,
+                                            int o)
 {
     int di = toward_i<STENCIL>(o), dj = toward_j<STENCIL>(o);
     int step = di + r.g.m * dj, size = (int)sizeof(sym);
     int out = blocks_of(l, r, o).at + tie_before(l, r, o) * size;
-    return tie{(int16_t)di, (int16_t)dj, step, out - step * size, out};
+    return edge{(int16_t)di, (int16_t)dj, step, out - step * size, out};
 }
 
 /* All threads of a rank take turns at the particles of its run. */
@@ -181,13 +181,13 @@ static int64_t stream_size(int64_t n)
 }
 
 /* Gives a grid its share and its places from byte `at` of the room on: returns
- * where they end. last: it is the coarsest, which has no ties. */
+ * where they end. last: it is the coarsest, which has no edges. */
 static int64_t lay_patch(struct patch *l, int64_t at, bool last)
 {
     int64_t share = l->share, wide = share + 2 * l->reach;
     wide = wide < l->count ? wide : l->count;
     for (int o = 0; o < STENCIL && !last; o++) {
-        l->tie[o] = (int32_t)at;
+        l->edge[o] = (int32_t)at;
         at += stream_size(tie_size(l, o));
     }
     int64_t size[] = {stream_size(share),
@@ -196,7 +196,7 @@ static int64_t lay_patch(struct patch *l, int64_t at, bool last)
                       wide * (int)sizeof(vec),
                       share * (int)sizeof(vec),
                       share * (int)sizeof(vec),
-                      STENCIL * (int)sizeof(struct tie)};
+                      STENCIL * (int)sizeof(struct edge)};
     int32_t *place[] = {&l->factor, &l->excess, &l->x,    &l->y,
                         &l->b,      &l->d,      &l->table};
     for (int k = 0; k < 7; k++) {

@@ -4,14 +4,14 @@
 #ifndef GPU_PATCH_ROW_CUH
 #define GPU_PATCH_ROW_CUH
 
+#include "gpu/solve/edges.cuh"
 #include "gpu/solve/patch.cuh"
-#include "gpu/solve/ties.cuh"
 
-/* The pulls of a tie that ends at a particle and of the one that starts there,
+/* The pulls of an edge that ends at a particle and of the one that starts there,
  * 0 where there is none: to add or subtract that changes no y, which is never
  * -0. x: at the particle. */
 static __device__ inline void pulls_of(struct run r, struct place at,
-                                       struct tie t, const vec *x, vec *ending,
+                                       struct edge t, const vec *x, vec *ending,
                                        vec *starting)
 {
     int k = (at.p - r.first) * (int)sizeof(sym);
@@ -25,7 +25,7 @@ static __device__ inline void pulls_of(struct run r, struct place at,
     *starting = starts ? apply(out, sub(here, to)) : none;
 }
 
-/* Neighbours of a warp share a row, each of them as many ties, in order; the
+/* Neighbours of a warp share a row, each of them as many edges, in order; the
  * last one ends with all. */
 struct row {
     struct place at;
@@ -47,7 +47,7 @@ static __device__ inline struct row row_of(const struct patch *l, struct run r,
     for (int item = rank_thread(), n_ = whole_warps((r).own << (l)->shift);    \
          item < n_; item += rank_threads())
 
-/* What the ties of a particle add to y, which the first lane has, in the last
+/* What the edges of a particle add to y, which the first lane has, in the last
  * lane; x at byte `from` of the room. All threads of a warp must call it. One
  * copy of it is all that the kernel has: what it runs through is soon cached.
  */

@@ -19,10 +19,10 @@ enum {
 };
 
 static_assert(TURN % (int)RING == 0 && TURN_MOST % (int)RING == 0, "turns");
-static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
+static_assert(sizeof(struct pcg_state) <= GPU_WORDS * sizeof(int64_t), "words");
 
 /* §3: to = s + β p, q = A to, and the sum of to·q. */
-static void search(struct gpu *g, struct pcg *s, struct course *c,
+static void search(struct gpu *g, struct pcg *s, struct pcg_state *c,
                    struct room room, const vec *p, vec *to)
 {
     gpu_pcg_search(g, s, {c, room.rates, p, to, room.item});
@@ -30,9 +30,9 @@ static void search(struct gpu *g, struct pcg *s, struct course *c,
                   room, true);
 }
 
-/* Queues iteration k of the solve. Where products march, memory traffic and not
+/* Queues iteration k of the solve. Where products sweep, memory traffic and not
  * launches takes the time; dv is then updated only with the last of a ring. */
-static void iterate(struct gpu *g, struct pcg *s, struct course *c,
+static void iterate(struct gpu *g, struct pcg *s, struct pcg_state *c,
                     struct room room, int k)
 {
     int turn = k % room.ring;
@@ -43,7 +43,7 @@ static void iterate(struct gpu *g, struct pcg *s, struct course *c,
                       c, room, false);
     }
     search(g, s, c, room, p, to);
-    bool waits = gpu_pcg_marches(s) && turn + 1 < room.ring;
+    bool waits = gpu_pcg_sweeps(s) && turn + 1 < room.ring;
     int64_t blocks = UPDATES * g->crowd;
     LAUNCH_BLOCKS(g, blocks < s->n_chunks ? blocks : s->n_chunks, SUM_CHUNK,
                   pcg_update_kernel, *s, c, room, waits ? NULL : to);
@@ -51,7 +51,7 @@ static void iterate(struct gpu *g, struct pcg *s, struct course *c,
 
 /* Queues a turn: iterations, which are numbered from `queued` on, then the true
  * residual. */
-static void take_turn(struct gpu *g, struct pcg *s, struct course *c,
+static void take_turn(struct gpu *g, struct pcg *s, struct pcg_state *c,
                       struct room room, int queued, int iterations)
 {
     if (room.jacobi)
@@ -59,13 +59,13 @@ static void take_turn(struct gpu *g, struct pcg *s, struct course *c,
                       room);
     for (int k = 0; k < iterations; k++)
         iterate(g, s, c, room, queued + k);
-    if (gpu_pcg_marches(s))
+    if (gpu_pcg_sweeps(s))
         LAUNCH(g, s->count, pcg_settle_kernel, *s, c, room);
     LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
 }
 
 /* Queues the matrix, M and the first residual. */
-static int prepare(struct gpu *g, struct pcg *s, struct course *c,
+static int prepare(struct gpu *g, struct pcg *s, struct pcg_state *c,
                    struct room room)
 {
     int status = gpu_pcg_set_up(g, s);
@@ -76,14 +76,14 @@ static int prepare(struct gpu *g, struct pcg *s, struct course *c,
 /* Everything that the launches of a solve depend on: the key of its graphs. */
 struct solve_key {
     struct pcg s;
-    struct course *c;
+    struct pcg_state *c;
     real *chunk;
     struct rates rates;
     int32_t loop; /* 1: the loop; 0: the launches before it */
 };
 
 static void write_key(struct solve_key *key, const struct pcg *s,
-                      struct course *c, const struct room *room)
+                      struct pcg_state *c, const struct room *room)
 {
     memset((void *)key, 0, sizeof *key); /* padding, too */
     memcpy((void *)&key->s, (const void *)s, sizeof key->s);
@@ -97,9 +97,9 @@ static void write_key(struct solve_key *key, const struct pcg *s,
     key->rates = room->rates;
 }
 
-static struct course look(struct gpu *g)
+static struct pcg_state look(struct gpu *g)
 {
-    struct course seen;
+    struct pcg_state seen;
     int words = (int)((sizeof seen + sizeof(int64_t) - 1) / sizeof(int64_t));
     memcpy((void *)&seen, gpu_look_words(g, words), sizeof seen);
     return seen;
@@ -107,7 +107,7 @@ static struct course look(struct gpu *g)
 
 /* Queues everything up to the end of the first turn, as one graph if possible.
  */
-static int first_turn(struct gpu *g, struct pcg *s, struct course *c,
+static int first_turn(struct gpu *g, struct pcg *s, struct pcg_state *c,
                       struct room room, int iterations)
 {
     struct solve_key key;
@@ -124,7 +124,7 @@ static int first_turn(struct gpu *g, struct pcg *s, struct course *c,
 
 /* Queues turns as a loop on the device, until the solve has ended or the host
  * must decide. False if the device has no such loop. */
-static bool loop(struct gpu *g, struct pcg *s, struct course *c,
+static bool loop(struct gpu *g, struct pcg *s, struct pcg_state *c,
                  struct room room)
 {
     struct solve_key key;
@@ -141,10 +141,10 @@ static bool loop(struct gpu *g, struct pcg *s, struct course *c,
 /* Runs the solve to its end. The host reads the state back after the first
  * turn, after the loop, and after each turn if the device has no loops or
  * multigrid gave up. */
-static struct course solve(struct gpu *g, struct pcg *s, struct room room,
-                           int *status)
+static struct pcg_state solve(struct gpu *g, struct pcg *s, struct room room,
+                              int *status)
 {
-    struct course *c = (struct course *)gpu_words(g), seen = {};
+    struct pcg_state *c = (struct pcg_state *)gpu_words(g), seen = {};
     bool small = s->count <= SMALL_GRID;
     int queued = room.jacobi ? TURN : small ? TURN_GRID : TURN_LOOP;
     *status = first_turn(g, s, c, room, queued);
@@ -172,15 +172,15 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
 
 /* Lays out scratch for sums and directions. With a compact matrix the next
  * direction is written to another stream, as neighbours still read the last
- * one; with Jacobi, which takes many iterations, and products that march, there
+ * one; with Jacobi, which takes many iterations, and products that sweep, there
  * is a ring of RING streams. False if there is no memory. */
 static bool lay_out(struct gpu *g, const struct pcg *s, struct room *room)
 {
     int64_t sums = 2 * s->n_chunks, count = s->count;
     room->jacobi = s->precond == DRAPE_JACOBI;
-    room->ring = s->n_cdf                             ? 1
-                 : room->jacobi && gpu_pcg_marches(s) ? (int)RING
-                                                      : 2;
+    room->ring = s->n_cdf                            ? 1
+                 : room->jacobi && gpu_pcg_sweeps(s) ? (int)RING
+                                                     : 2;
     bool lent = room->ring > 1 && lies_before(s);
     int64_t vecs = room->ring - 1 - lent, all = sums + (1 + 3 * vecs) * count;
     room->chunk = (real *)gpu_scratch(g, SLOT_SOLVE, all, sizeof(real));
@@ -204,7 +204,7 @@ int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, struct rates r)
         return status;
     if (s->solver != DRAPE_EXACT)
         return gpu_pcg_compare(g, s);
-    struct course c = {};
+    struct pcg_state c = {};
     c.from = s->scale; /* the result if there is nothing to solve */
     c.most = s->square;
     struct room room = {};

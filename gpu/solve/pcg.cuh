@@ -23,7 +23,7 @@ enum { RING = 8 };
 /* The state of a solve, in gpu_words. Every kernel of the solver reads it first
  * and does nothing if it is not the kernel's phase, so that any number of
  * iterations may be queued. */
-struct course {
+struct pcg_state {
     unsigned ticket; /* for ends_last of the sums */
     int32_t phase;   /* enum phase */
     int32_t go;      /* 1: phase is PHASE_ITERATE */
@@ -45,7 +45,7 @@ static __device__ inline bool positive(real a)
     return a > 0 && a - a == 0;
 }
 
-static __device__ inline void end(struct course *c, int outcome)
+static __device__ inline void end(struct pcg_state *c, int outcome)
 {
     c->outcome = outcome;
     c->phase = PHASE_ENDED;
@@ -53,7 +53,7 @@ static __device__ inline void end(struct course *c, int outcome)
 }
 
 /* The condition of ref_pcg's outer loop, and the start of its body. */
-static __device__ inline void restart(const struct pcg *s, struct course *c)
+static __device__ inline void restart(const struct pcg *s, struct pcg_state *c)
 {
     c->phase = PHASE_DONE;
     if (c->outcome != PCG_CONVERGED || c->residual <= s->tolerance)
@@ -72,7 +72,7 @@ static __device__ inline void restart(const struct pcg *s, struct course *c)
 }
 
 /* After the first residual; square: |b - A z|². */
-static __device__ inline void begin(const struct pcg *s, struct course *c,
+static __device__ inline void begin(const struct pcg *s, struct pcg_state *c,
                                     real square)
 {
     c->square = square;
@@ -89,7 +89,7 @@ static __device__ inline void begin(const struct pcg *s, struct course *c,
 }
 
 /* After the true residual that follows the last iteration; square: |r|². */
-static __device__ inline void judge(const struct pcg *s, struct course *c,
+static __device__ inline void judge(const struct pcg *s, struct pcg_state *c,
                                     real square)
 {
     c->residual = root(square / c->most);
@@ -106,7 +106,7 @@ static __device__ inline void judge(const struct pcg *s, struct course *c,
 }
 
 /* After the preconditioner; next: r·M⁻¹r, which gives β. */
-static __device__ inline void enter(const struct pcg *s, struct course *c,
+static __device__ inline void enter(const struct pcg *s, struct pcg_state *c,
                                     real next)
 {
     c->fresh = 0;
@@ -130,7 +130,7 @@ static __device__ inline void enter(const struct pcg *s, struct course *c,
 }
 
 /* After the product; curvature: p·A p, which gives α. */
-static __device__ inline void measure(struct course *c, real curvature)
+static __device__ inline void measure(struct pcg_state *c, real curvature)
 {
     if (!positive(curvature))
         end(c, PCG_BREAKDOWN);
@@ -139,7 +139,7 @@ static __device__ inline void measure(struct course *c, real curvature)
 }
 
 /* After a step; square: |r|². */
-static __device__ inline void leave(const struct pcg *s, struct course *c,
+static __device__ inline void leave(const struct pcg *s, struct pcg_state *c,
                                     real square)
 {
     c->iterations++;
@@ -202,14 +202,14 @@ int gpu_pcg_compare(struct gpu *g, struct pcg *s);
 /* §3: queues the next direction `to` = s + β p, with β of c, its image q = A
  * to, and item[k] = to[k]·q[k]. The kernels do nothing if c->go is 0. */
 struct search {
-    struct course *c;
+    struct pcg_state *c;
     struct rates rates;
     const vec *p;
     vec *to;
     real *item;
 };
 void gpu_pcg_search(struct gpu *g, const struct pcg *s, struct search a);
-/* Whether that product marches (gpu/solve/march.cuh). */
-bool gpu_pcg_marches(const struct pcg *s);
+/* Whether that product sweeps (gpu/solve/sweep.cuh). */
+bool gpu_pcg_sweeps(const struct pcg *s);
 
 #endif

@@ -31,10 +31,10 @@ enum { UPDATES = REAL_BITS == 32 ? 8 : 4 };
 /* One thread writes the solver's state at its beginning. scale and square are
  * the only numbers that change from one solve of a cloth to the next; no other
  * kernel reads them, so that a captured graph of all others stays valid. */
-static __global__ void pcg_open_kernel(struct course *c, real scale,
+static __global__ void pcg_open_kernel(struct pcg_state *c, real scale,
                                        real square)
 {
-    struct course fresh = {};
+    struct pcg_state fresh = {};
     fresh.from = scale;
     fresh.most = square;
     *c = fresh;
@@ -56,7 +56,7 @@ static __device__ real begin_from(const struct pcg *s, const struct room *room,
 
 /* §2: writes r[k]; reads dv and low of the neighbours, unless all are 0. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_residual_kernel(struct pcg s, struct course *c, struct room room)
+    pcg_residual_kernel(struct pcg s, struct pcg_state *c, struct room room)
 {
     PARTICLE(k);
     int phase = c->phase;
@@ -86,7 +86,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 /* r·M⁻¹r by Jacobi after a restart, or after multigrid gave up; in later
  * iterations pcg_update_kernel computes it. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_jacobi_kernel(struct pcg s, struct course *c, struct room room)
+    pcg_jacobi_kernel(struct pcg s, struct pcg_state *c, struct room room)
 {
     PARTICLE(k);
     if (!c->go || !c->fresh)
@@ -100,7 +100,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 
 /* The sum of item[k] of all particles: r·M⁻¹r by multigrid, or p·A p. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_sum_kernel(struct pcg s, struct course *c, struct room room,
+    pcg_sum_kernel(struct pcg s, struct pcg_state *c, struct room room,
                    bool curvature)
 {
     real sum;
@@ -115,7 +115,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 
 /* Updates dv + low of particle k by the steps that are outstanding, then by
  * alpha times p. */
-static __device__ void move(const struct pcg *s, const struct course *c,
+static __device__ void move(const struct pcg *s, const struct pcg_state *c,
                             const struct room *room, int64_t k, const vec *p,
                             real alpha)
 {
@@ -132,7 +132,7 @@ static __device__ void move(const struct pcg *s, const struct course *c,
  * step; NULL: the update of dv and low is left to a later step, so that they
  * are read and written once for several steps. A block owns several chunks. */
 static __global__ void __launch_bounds__(SUM_CHUNK, UPDATES)
-    pcg_update_kernel(struct pcg s, struct course *c, struct room room,
+    pcg_update_kernel(struct pcg s, struct pcg_state *c, struct room room,
                       const vec *p)
 {
     real value[2], sum[2], alpha = c->alpha;
@@ -164,7 +164,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK, UPDATES)
 /* Updates dv and low by the steps that are outstanding when the iterations have
  * ended; the residual is next. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    pcg_settle_kernel(struct pcg s, const struct course *c, struct room room)
+    pcg_settle_kernel(struct pcg s, const struct pcg_state *c, struct room room)
 {
     ITEM(k, s.count);
     if (c->phase == PHASE_ENDED && c->waits && !s.fixed[k])

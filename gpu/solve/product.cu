@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The system's matrix times a vector. spec/solve/product.md */
-#include "gpu/solve/march.cuh"
+#include "gpu/solve/sweep.cuh"
 
 /* Thread p owns y[p], from the compressed diagonals. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
@@ -31,7 +31,7 @@ static __device__ void arrive(const struct product_end *e, struct place at,
 
 int gpu_product(struct gpu *g, struct product *s)
 {
-    ties<sym> t = {
+    edges<sym> t = {
         {s->m, s->n}, s->mass, s->n_extra ? s->extra : NULL, NULL, s->block};
     if (s->n_cdf)
         LAUNCH(g, s->count, product_kernel, *s, cdf_of(s->m, s->n));

@@ -9,7 +9,8 @@ extern "C" {
 #include "ref/solve/product.h"
 }
 
-/* What of the product is not a tie, of mass or of excess; + 0 turns -0 into +0.
+/* What of the product is not an edge, of mass or of excess; + 0 turns -0 into
+ * +0.
  */
 static __device__ inline vec own(real mass, vec x)
 {

@@ -12,7 +12,7 @@ struct term {
     int8_t o, di, dj, weight;
 };
 
-/* Terms of one coarse direction, and of all; AROUND: origins of ties that may
+/* Terms of one coarse direction, and of all; AROUND: origins of edges that may
  * reach a coarse particle. */
 enum { TERMS = 64, AROUND = 7 * 5 };
 struct recipe {
@@ -30,14 +30,14 @@ static __host__ __device__ constexpr int hat(int i, int j)
     return (a < 2 ? 2 - a : 0) * (b < 2 ? 2 - b : 0);
 }
 
-/* -(wᵢ - wᵢ')(wⱼ - wⱼ'), in sixteenths, for coarse direction `to` of the tie o
+/* -(wᵢ - wᵢ')(wⱼ - wⱼ'), in sixteenths, for coarse direction `to` of the edge o
  * that starts (di, dj) from the coarse particle's place. */
-template <int TIES>
+template <int EDGES>
 static __host__ __device__ constexpr int factor_of(int o, int di, int dj,
                                                    int to)
 {
     int ci = 2 * toward_i<STENCIL>(to), cj = 2 * toward_j<STENCIL>(to);
-    int zi = di + toward_i<TIES>(o), zj = dj + toward_j<TIES>(o);
+    int zi = di + toward_i<EDGES>(o), zj = dj + toward_j<EDGES>(o);
     return -(hat(di, dj) - hat(zi, zj)) *
            (hat(di - ci, dj - cj) - hat(zi - ci, zj - cj));
 }
@@ -53,31 +53,31 @@ static __host__ __device__ constexpr int around_j(int k)
     return k / 7 - 3;
 }
 
-template <int TIES> static void write_recipe(struct recipe *r, int to)
+template <int EDGES> static void write_recipe(struct recipe *r, int to)
 {
     memset((void *)r, 0, sizeof *r);
-    for (int k = 0; k < TIES * AROUND; k++) {
+    for (int k = 0; k < EDGES * AROUND; k++) {
         int o = k / AROUND;
         int di = around_i(k % AROUND), dj = around_j(k % AROUND);
-        int factor = factor_of<TIES>(o, di, dj, to);
+        int factor = factor_of<EDGES>(o, di, dj, to);
         struct term t = {(int8_t)o, (int8_t)di, (int8_t)dj, (int8_t)factor};
         if (factor != 0 && r->terms < TERMS)
             r->term[r->terms++] = t;
     }
 }
 
-template <int TIES> static struct book write_book(void)
+template <int EDGES> static struct book write_book(void)
 {
     struct book b;
     for (int o = 0; o < STENCIL; o++)
-        write_recipe<TIES>(&b.recipe[o], o);
+        write_recipe<EDGES>(&b.recipe[o], o);
     return b;
 }
 
 /* Written once: that takes as long as a grid's kernels. */
-template <int TIES> static const struct book *book_of(void)
+template <int EDGES> static const struct book *book_of(void)
 {
-    static const struct book book = write_book<TIES>();
+    static const struct book book = write_book<EDGES>();
     return &book;
 }
 

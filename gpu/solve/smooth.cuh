@@ -5,17 +5,17 @@
 #define GPU_SMOOTH_CUH
 
 #include "gpu/solve/coarsen.cuh"
+#include "gpu/solve/edges.cuh"
 #include "gpu/solve/level.cuh"
-#include "gpu/solve/ties.cuh"
 
 static __device__ inline bool idle(const int32_t *go)
 {
     return go && !*go;
 }
 
-static __host__ __device__ inline ties<sym> ties_of(const struct level *l)
+static __host__ __device__ inline edges<sym> ties_of(const struct level *l)
 {
-    return ties<sym>{l->g, l->mass, l->extra, l->excess, l->block};
+    return edges<sym>{l->g, l->mass, l->extra, l->excess, l->block};
 }
 
 /* ---- smoothing ---- */

@@ -10,7 +10,7 @@
 #include "gpu/solve/galerkin.cuh"
 
 /* Coarse particles of a tile along i and j, and the fine ones around them that
- * start a tie which may reach one. As even and odd columns lie apart, threads
+ * start an edge which may reach one. As even and odd columns lie apart, threads
  * side by side read words side by side. */
 enum {
     TILE_I = 32,
@@ -55,7 +55,7 @@ static __device__ inline sym at_tile(const struct tile *t, int i, int j, int di,
                t->a[4][y][x % 2][x / 2], t->a[5][y][x % 2][x / 2]};
 }
 
-/* Of blocks, those of live ties in the grid; 0, which changes no sum, for the
+/* Of blocks, those of live edges in the grid; 0, which changes no sum, for the
  * others. live: NULL: all are. AHEAD are read before the first is written, as a
  * block has nothing else to wait for. */
 static __device__ inline void read_tile(struct tile *t, const struct coarsen *s,
@@ -93,49 +93,49 @@ static __device__ inline void read_tile(struct tile *t, const struct coarsen *s,
 /* C++14 has no folds: what is to be done one after another returns a bool, and
  * of these a list is made, which is defined to be done in order. */
 
-/* Whether the tie o that starts at the k-th place is anyone's. */
-template <int TIES> static __device__ constexpr bool used(int o, int k)
+/* Whether the edge o that starts at the k-th place is anyone's. */
+template <int EDGES> static __device__ constexpr bool used(int o, int k)
 {
     bool any = false;
     for (int to = 0; to < STENCIL; to++)
-        any |= factor_of<TIES>(o, around_i(k), around_j(k), to) != 0;
+        any |= factor_of<EDGES>(o, around_i(k), around_j(k), to) != 0;
     return any;
 }
 
-/* Tie O that starts at the K-th place, b, in coarse direction TO. */
-template <int TIES, int O, int K, int TO>
+/* Edge O that starts at the K-th place, b, in coarse direction TO. */
+template <int EDGES, int O, int K, int TO>
 static __device__ inline bool add_term(struct sums *c, sym b)
 {
-    constexpr int w = factor_of<TIES>(O, around_i(K), around_j(K), TO);
+    constexpr int w = factor_of<EDGES>(O, around_i(K), around_j(K), TO);
     if (w != 0)
         c->sum[TO] = plus(c->sum[TO], (real)w * R(0.0625), b);
     return w != 0;
 }
 
-template <int TIES, int O, int K, int... TO>
-static __device__ inline bool add_tie(struct sums *c, const struct tile *t,
-                                      std::integer_sequence<int, TO...>)
+template <int EDGES, int O, int K, int... TO>
+static __device__ inline bool add_edge(struct sums *c, const struct tile *t,
+                                       std::integer_sequence<int, TO...>)
 {
-    constexpr bool wanted = used<TIES>(O, K);
+    constexpr bool wanted = used<EDGES>(O, K);
     if (wanted) {
         sym b = at_tile(t, c->i, c->j, around_i(K), around_j(K));
-        const bool each[] = {add_term<TIES, O, K, TO>(c, b)...};
+        const bool each[] = {add_term<EDGES, O, K, TO>(c, b)...};
         (void)each;
     }
     return wanted;
 }
 
-template <int TIES, int O, int... K>
-static __device__ inline void add_ties(struct sums *c, const struct tile *t,
-                                       std::integer_sequence<int, K...>)
+template <int EDGES, int O, int... K>
+static __device__ inline void add_edges(struct sums *c, const struct tile *t,
+                                        std::integer_sequence<int, K...>)
 {
     typedef std::make_integer_sequence<int, STENCIL> directions;
-    const bool each[] = {add_tie<TIES, O, K>(c, t, directions{})...};
+    const bool each[] = {add_edge<EDGES, O, K>(c, t, directions{})...};
     (void)each;
 }
 
 /* Direction O: the tile is read by all, then used by all. */
-template <int TIES, int O>
+template <int EDGES, int O>
 static __device__ inline bool add_direction(struct sums *c, struct tile *t,
                                             const struct coarsen *s,
                                             struct place corner)
@@ -143,17 +143,17 @@ static __device__ inline bool add_direction(struct sums *c, struct tile *t,
     read_tile(t, s, corner, s->block + O * s->count, s->n_live ? s->live : NULL,
               O);
     __syncthreads();
-    add_ties<TIES, O>(c, t, std::make_integer_sequence<int, AROUND>{});
+    add_edges<EDGES, O>(c, t, std::make_integer_sequence<int, AROUND>{});
     __syncthreads();
     return true;
 }
 
-template <int TIES, int... O>
+template <int EDGES, int... O>
 static __device__ inline void
 add_all(struct sums *c, struct tile *t, const struct coarsen *s,
         struct place corner, std::integer_sequence<int, O...>)
 {
-    const bool each[] = {add_direction<TIES, O>(c, t, s, corner)...};
+    const bool each[] = {add_direction<EDGES, O>(c, t, s, corner)...};
     (void)each;
 }
 
@@ -185,7 +185,7 @@ static __device__ inline void add_shares(struct sums *c, const struct tile *t)
 
 /* A block owns a tile, a thread a coarse particle, of those that no rule
  * matters to: all its blocks, and its excess. */
-template <int TIES>
+template <int EDGES>
 static __global__ void __launch_bounds__(TILE_BLOCK, 2)
     coarsen_tile_kernel(struct coarsen s, struct grid g)
 {
@@ -196,7 +196,8 @@ static __global__ void __launch_bounds__(TILE_BLOCK, 2)
     c.i = (int)threadIdx.x % TILE_I;
     c.j = (int)threadIdx.x / TILE_I;
     c.at = place{0, corner.i + c.i, corner.j + c.j};
-    add_all<TIES>(&c, &t, &s, corner, std::make_integer_sequence<int, TIES>{});
+    add_all<EDGES>(&c, &t, &s, corner,
+                   std::make_integer_sequence<int, EDGES>{});
     read_tile(&t, &s, corner, s.excess, NULL, 0);
     __syncthreads();
     c.at.p = c.at.i + g.m * c.at.j;

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The thread that marches down a column of a grid (gpu/solve/march.cuh): the
+/* The thread that sweep down a column of a grid (gpu/solve/sweep.cuh): the
  * edges that it reads, their pulls, and the pulls that it passes to other
  * columns. spec/solve/product.md §1 */
-#ifndef GPU_MARCHER_CUH
-#define GPU_MARCHER_CUH
+#ifndef GPU_SWEEPER_CUH
+#define GPU_SWEEPER_CUH
 
 #include "gpu/base/bulk.cuh"
 #include "gpu/cloth/rate.cuh"
 
-/* REACH: the most columns and rows that an edge spans. MARCH_LEAST, MARCH_WIDE:
- * the particles and columns from which on a march is faster. MARCH_UNITS: the
+/* REACH: the most columns and rows that an edge spans. SWEEP_LEAST, SWEEP_WIDE:
+ * the particles and columns from which on a sweep is faster. SWEEP_UNITS: the
  * number of multiprocessors for which a grid is cut. */
 #ifdef __CUDACC__
-enum { REACH = 2, MARCH_LEAST = 1 << 17, MARCH_WIDE = 96, MARCH_UNITS = 132 };
+enum { REACH = 2, SWEEP_LEAST = 1 << 17, SWEEP_WIDE = 96, SWEEP_UNITS = 132 };
 #else
-enum { REACH = 2, MARCH_LEAST = 256, MARCH_WIDE = 2, MARCH_UNITS = 2 };
+enum { REACH = 2, SWEEP_LEAST = 256, SWEEP_WIDE = 2, SWEEP_UNITS = 2 };
 #endif
 
 /* How a particle and its edges are kept: blocks in registers; rates in binary32
@@ -39,27 +39,27 @@ template <> struct carried<struct rate> {
 /* Shared memory of a block, at most 48 KiB: X_ROWS rows of particles, two rows
  * of pulls of edges that lead to another column, and staged edges. */
 enum { X_ROWS = 4 };
-template <int TIES, class B> struct march_size : carried<B> {
+template <int EDGES, class B> struct sweep_size : carried<B> {
     typedef typename carried<B>::spot spot;
     static constexpr bool staged = carried<B>::staged;
     static constexpr int limit = carried<B>::limit;
-    static constexpr int passed = TIES == SPRINGS ? 6 : 10;
+    static constexpr int passed = EDGES == SPRINGS ? 6 : 10;
     static constexpr int bytes = 2 * passed * (int)sizeof(vec) +
                                  X_ROWS * (int)sizeof(spot) +
-                                 (staged ? STAGES * TIES * (int)sizeof(B) : 0);
+                                 (staged ? STAGES * EDGES * (int)sizeof(B) : 0);
     static constexpr int fit = 49152 / bytes / 64 * 64;
     static constexpr int threads = staged || fit > limit ? limit : fit;
     static constexpr int pitch = staged ? threads + RATES_AT_ONCE : 1;
 };
 
 /* The edges of the next rows: those of row j are in stage j % STAGES. */
-template <int TIES, class B> struct staging {
+template <int EDGES, class B> struct staging {
     enum {
-        ROWS = march_size<TIES, B>::staged ? STAGES : 1,
-        EACH = march_size<TIES, B>::staged ? TIES : 1,
-        PITCH = march_size<TIES, B>::pitch
+        ROWS = sweep_size<EDGES, B>::staged ? STAGES : 1,
+        EACH = sweep_size<EDGES, B>::staged ? EDGES : 1,
+        PITCH = sweep_size<EDGES, B>::pitch
     };
-    alignas(16) B tie[ROWS][EACH][PITCH];
+    alignas(16) B edge[ROWS][EACH][PITCH];
     bulk row[ROWS];
 };
 
@@ -69,41 +69,41 @@ struct cut {
 };
 
 /* The number of edge o among the edges that lead to another column. */
-template <int TIES> static __host__ __device__ constexpr int passed_at(int o)
+template <int EDGES> static __host__ __device__ constexpr int passed_at(int o)
 {
-    if (TIES == SPRINGS)
+    if (EDGES == SPRINGS)
         return o == 0 ? 0 : o < 5 ? o - 1 : o - 2;
     return o < 4 ? o : o < 9 ? o - 1 : o - 2;
 }
 
 /* Whether a row's inputs other than edges are read ahead into registers. */
-enum { MARCH_AHEAD = REAL_BITS == 32 };
+enum { SWEEP_AHEAD = REAL_BITS == 32 };
 
 /* The state that a thread carries down its column, in registers. A pull that is
  * not needed is +0: adding or subtracting +0 changes no y, as y is never -0. */
-template <int TIES, class B> struct marcher {
+template <int EDGES, class B> struct sweeper {
     int lane, i, j, top; /* top: the first row that the block owns */
     int low, end;        /* columns whose edges are staged */
     struct grid g;
     unsigned out;    /* bit o: edge o leads to a column of strip and grid */
     unsigned wanted; /* bit o: and someone wants its pull from the row of */
     /* row j, or the row below once row j has pulled; none where staged */
-    B block[march_size<TIES, B>::staged ? 1 : TIES];
-    vec pull[TIES];             /* of row j */
-    vec one[TIES];              /* of the row above, by ties that end here */
-    vec two[TIES], older[TIES]; /* likewise of the two rows above */
-    vec here;                   /* x of row j */
+    B block[sweep_size<EDGES, B>::staged ? 1 : EDGES];
+    vec pull[EDGES];              /* of row j */
+    vec one[EDGES];               /* of the row above, by edges that end here */
+    vec two[EDGES], older[EDGES]; /* likewise of the two rows above */
+    vec here;                     /* x of row j */
 };
 
 /* Bits: which edges lead from a column to columns of its strip and grid. */
-template <int TIES, class B>
-static __device__ inline unsigned columns(const struct marcher<TIES, B> *w,
+template <int EDGES, class B>
+static __device__ inline unsigned columns(const struct sweeper<EDGES, B> *w,
                                           int width)
 {
     unsigned mask = 0;
     UNROLL
-    for (int o = 0; o < TIES; o++) {
-        int di = toward_i<TIES>(o);
+    for (int o = 0; o < EDGES; o++) {
+        int di = toward_i<EDGES>(o);
         if ((unsigned)w->i < (unsigned)w->g.m &&
             (unsigned)(w->i + di) < (unsigned)w->g.m &&
             (unsigned)(w->lane + di) < (unsigned)(width + 2 * REACH))
@@ -113,13 +113,13 @@ static __device__ inline unsigned columns(const struct marcher<TIES, B> *w,
 }
 
 /* Bits: which of these lead from row j to rows that the block owns. */
-template <int TIES, class B>
-static __device__ inline unsigned rows(const struct marcher<TIES, B> *w, int j)
+template <int EDGES, class B>
+static __device__ inline unsigned rows(const struct sweeper<EDGES, B> *w, int j)
 {
     unsigned mask = 0;
     UNROLL
-    for (int o = 0; o < TIES; o++) {
-        int end = j + toward_j<TIES>(o);
+    for (int o = 0; o < EDGES; o++) {
+        int end = j + toward_j<EDGES>(o);
         mask |= end >= w->top && end < w->g.n ? 1u << o : 0;
     }
     return mask;
@@ -127,49 +127,49 @@ static __device__ inline unsigned rows(const struct marcher<TIES, B> *w, int j)
 
 /* Sets which edges of row j are needed, and reads them unless they are staged.
  */
-template <int TIES, class B>
-static __device__ inline void fetch_row(struct marcher<TIES, B> *w,
+template <int EDGES, class B>
+static __device__ inline void fetch_row(struct sweeper<EDGES, B> *w,
                                         const B *block, int j)
 {
     int p = w->i + w->g.m * j;
     w->wanted = w->out & rows(w, j);
     UNROLL
-    for (int o = 0; o < TIES && !march_size<TIES, B>::staged; o++)
+    for (int o = 0; o < EDGES && !sweep_size<EDGES, B>::staged; o++)
         w->block[o] = fetch_once(block + o * stride_of<B>(w->g) +
                                  (w->wanted >> o & 1 ? p : 0));
 }
 
 /* The offset of column low of row j within its stage: copies begin at multiples
  * of 16 bytes. */
-template <int TIES, class B>
-static __device__ inline int skipped(const struct marcher<TIES, B> *w, int j)
+template <int EDGES, class B>
+static __device__ inline int skipped(const struct sweeper<EDGES, B> *w, int j)
 {
     return (int)((unsigned)(w->low + w->g.m * j) % RATES_AT_ONCE);
 }
 
 /* Starts the copies of the staged edges of row j: thread o copies edge o, if
  * edge o leads to rows that the block owns. */
-template <int TIES, class B>
-static __device__ inline void ask_row(const struct marcher<TIES, B> *w,
+template <int EDGES, class B>
+static __device__ inline void ask_row(const struct sweeper<EDGES, B> *w,
                                       const B *block,
-                                      struct staging<TIES, B> *s, int j)
+                                      struct staging<EDGES, B> *s, int j)
 {
     int o = w->lane, skip = skipped(w, j), stage = j % STAGES;
-    if (o >= TIES)
+    if (o >= EDGES)
         return;
     const B *from =
         block + o * stride_of<B>(w->g) + ((int64_t)w->g.m * j + w->low - skip);
     int n = (skip + w->end - w->low + RATES_AT_ONCE - 1) / RATES_AT_ONCE *
             RATES_AT_ONCE;
-    bool wanted = j + toward_j<TIES>(o) >= w->top;
-    bulk_ask(&s->row[stage], s->tie[stage][o], from,
+    bool wanted = j + toward_j<EDGES>(o) >= w->top;
+    bulk_ask(&s->row[stage], s->edge[stage][o], from,
              wanted ? n * (int)sizeof(B) : 0);
 }
 
 /* The particle of the column in row j, or one nearby if there is none. */
-template <int TIES, class B>
-static __device__ inline struct place place_in(const struct marcher<TIES, B> *w,
-                                               int j)
+template <int EDGES, class B>
+static __device__ inline struct place
+place_in(const struct sweeper<EDGES, B> *w, int j)
 {
     int i = least(most(w->i, 0), w->g.m - 1);
     j = least(j, w->g.n - 1);
@@ -177,46 +177,46 @@ static __device__ inline struct place place_in(const struct marcher<TIES, B> *w,
 }
 
 /* Computes the pulls B (x_p - x_q) of all edges that start in row j. */
-template <int TIES, class B, class SPOT, int THREADS>
+template <int EDGES, class B, class SPOT, int THREADS>
 static __device__ inline void
-pull_row(struct marcher<TIES, B> *w, const struct staging<TIES, B> *s,
+pull_row(struct sweeper<EDGES, B> *w, const struct staging<EDGES, B> *s,
          const SPOT (*x)[THREADS], vec (*passed)[THREADS])
 {
-    constexpr bool staged = march_size<TIES, B>::staged;
+    constexpr bool staged = sweep_size<EDGES, B>::staged;
     SPOT here = x[w->j % X_ROWS][w->lane];
     int column = most(least(w->i, w->end - 1), w->low) - w->low;
     int at = staged ? skipped(w, w->j) + column : 0;
     w->here = x_of(here);
     UNROLL
-    for (int o = 0; o < TIES; o++) {
-        int di = toward_i<TIES>(o), dj = toward_j<TIES>(o);
+    for (int o = 0; o < EDGES; o++) {
+        int di = toward_i<EDGES>(o), dj = toward_j<EDGES>(o);
         int lane = least(most(w->lane + di, 0), THREADS - 1);
-        B b = staged ? s->tie[w->j % STAGES][staged ? o : 0][at]
+        B b = staged ? s->edge[w->j % STAGES][staged ? o : 0][at]
                      : w->block[staged ? 0 : o];
         vec f = tie_pull(b, here, x[(w->j + dj) % X_ROWS][lane]);
         w->pull[o] = w->wanted >> o & 1 ? f : make(0, 0, 0);
         if (di != 0)
-            passed[passed_at<TIES>(o)][w->lane] = w->pull[o];
+            passed[passed_at<EDGES>(o)][w->lane] = w->pull[o];
     }
 }
 
 /* The pull of edge o that starts in row j and ends in this column. */
-template <int TIES, class B, int THREADS>
-static __device__ inline vec pull_at(const struct marcher<TIES, B> *w,
+template <int EDGES, class B, int THREADS>
+static __device__ inline vec pull_at(const struct sweeper<EDGES, B> *w,
                                      const vec (*passed)[THREADS], int o)
 {
-    int di = toward_i<TIES>(o);
-    return di ? passed[passed_at<TIES>(o)][w->lane - di] : w->pull[o];
+    int di = toward_i<EDGES>(o);
+    return di ? passed[passed_at<EDGES>(o)][w->lane - di] : w->pull[o];
 }
 
 /* y of row j plus the pulls of its edges, in their order. */
-template <int TIES, class B, int THREADS>
-static __device__ inline vec add_pulls(const struct marcher<TIES, B> *w,
+template <int EDGES, class B, int THREADS>
+static __device__ inline vec add_pulls(const struct sweeper<EDGES, B> *w,
                                        const vec (*passed)[THREADS], vec y)
 {
     UNROLL
-    for (int o = 0; o < TIES; o++) {
-        int dj = toward_j<TIES>(o);
+    for (int o = 0; o < EDGES; o++) {
+        int dj = toward_j<EDGES>(o);
         y = sub(y, dj == 0   ? pull_at(w, passed, o)
                    : dj == 1 ? w->one[o]
                              : w->older[o]);
@@ -226,13 +226,13 @@ static __device__ inline vec add_pulls(const struct marcher<TIES, B> *w,
 }
 
 /* Keeps the pulls of edges that end one or two rows below. */
-template <int TIES, class B, int THREADS>
-static __device__ inline void keep_pulls(struct marcher<TIES, B> *w,
+template <int EDGES, class B, int THREADS>
+static __device__ inline void keep_pulls(struct sweeper<EDGES, B> *w,
                                          const vec (*passed)[THREADS])
 {
     UNROLL
-    for (int o = 0; o < TIES; o++) {
-        int dj = toward_j<TIES>(o);
+    for (int o = 0; o < EDGES; o++) {
+        int dj = toward_j<EDGES>(o);
         if (dj == 1)
             w->one[o] = pull_at(w, passed, o);
         if (dj == 2) {

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The product of spec/solve/product.md §1 for a whole grid (SpMV). Blocks march
+/* The product of spec/solve/product.md §1 for a whole grid (SpMV). Blocks sweep
  * down strips of columns, row by row, and read each edge once: its pull is kept
- * until both ends have added it, each in its own order. A march reads 24 bytes
+ * until both ends have added it, each in its own order. A sweep reads 24 bytes
  * for an edge where a gather, which reads each edge at both ends, reads 48, and
  * does half the arithmetic. */
-#ifndef GPU_MARCH_CUH
-#define GPU_MARCH_CUH
+#ifndef GPU_SWEEP_CUH
+#define GPU_SWEEP_CUH
 
-#include "gpu/solve/marcher.cuh"
+#include "gpu/solve/sweeper.cuh"
 
 /* Block k owns `rows` rows of a strip of columns, one thread for each column;
  * it also computes the pulls of REACH columns to the left and right and of
@@ -16,17 +16,17 @@
  * barrier for each row separates writes for other threads, to passed and x,
  * from their reads: the next row writes the other half of passed, and the place
  * of x of row j - 1, which nobody reads any more. */
-template <int TIES, class B, class X, class END>
-static __global__ void __launch_bounds__(march_size<TIES, B>::threads,
-                                         march_size<TIES, B>::at_once)
-    march_kernel(struct ties<B> t, struct cut c, X x, END end,
+template <int EDGES, class B, class X, class END>
+static __global__ void __launch_bounds__(sweep_size<EDGES, B>::threads,
+                                         sweep_size<EDGES, B>::at_once)
+    sweep_kernel(struct edges<B> t, struct cut c, X x, END end,
                  const int32_t *go)
 {
-    typedef march_size<TIES, B> size;
+    typedef sweep_size<EDGES, B> size;
     __shared__ typename size::spot row[X_ROWS][size::threads];
     __shared__ vec passed[2][size::passed][size::threads];
-    __shared__ struct staging<TIES, B> stage;
-    struct marcher<TIES, B> w = {
+    __shared__ struct staging<EDGES, B> stage;
+    struct sweeper<EDGES, B> w = {
     };
     if (go && !*go)
         return;
@@ -44,7 +44,7 @@ static __global__ void __launch_bounds__(march_size<TIES, B>::threads,
     int first = w.j;
     if (size::staged) {
         if (lane < STAGES)
-            bulk_open(&stage.row[lane], TIES);
+            bulk_open(&stage.row[lane], EDGES);
         __syncthreads();
         for (int k = first; k < first + STAGES && k < bottom; k++)
             ask_row(&w, t.block, &stage, k);
@@ -54,11 +54,11 @@ static __global__ void __launch_bounds__(march_size<TIES, B>::threads,
     /* The inputs of x of the next row are read while this row is computed,
      * unless that takes too many registers. */
     decltype(take(&x, place_in(&w, 0))) come = {};
-    constexpr bool EARLY = MARCH_AHEAD && (!size::slim || sizeof come <= 32);
+    constexpr bool EARLY = SWEEP_AHEAD && (!size::slim || sizeof come <= 32);
     typename size::spot next = {};
     if (EARLY)
         come = take(&x, place_in(&w, w.j + X_ROWS - 1));
-    else if (!MARCH_AHEAD)
+    else if (!SWEEP_AHEAD)
         next = value_at(&x, place_in(&w, w.j + X_ROWS - 1));
     fetch_row(&w, t.block, w.j);
     __syncthreads();
@@ -68,11 +68,11 @@ static __global__ void __launch_bounds__(march_size<TIES, B>::threads,
         decltype(about(&end, at)) own = {};
         struct base base = {};
         bool owns = mine && w.j >= w.top;
-        if (MARCH_AHEAD && !EARLY)
+        if (SWEEP_AHEAD && !EARLY)
             come = take(&x, place_in(&w, w.j + X_ROWS - 1));
-        if (MARCH_AHEAD && owns) {
+        if (SWEEP_AHEAD && owns) {
             own = about(&end, at);
-            base = base_of<TIES>(&t, at.p);
+            base = base_of<EDGES>(&t, at.p);
         }
         if (size::staged)
             bulk_wait(&stage.row[w.j % STAGES], (w.j - first) / STAGES);
@@ -80,19 +80,19 @@ static __global__ void __launch_bounds__(march_size<TIES, B>::threads,
         if (w.j + 1 < bottom)
             fetch_row(&w, t.block, w.j + 1);
         row[(w.j + X_ROWS - 1) % X_ROWS][lane] =
-            MARCH_AHEAD ? made(&x, come, place_in(&w, w.j + X_ROWS - 1)) : next;
+            SWEEP_AHEAD ? made(&x, come, place_in(&w, w.j + X_ROWS - 1)) : next;
         if (EARLY)
             come = take(&x, place_in(&w, w.j + X_ROWS));
-        else if (!MARCH_AHEAD)
+        else if (!SWEEP_AHEAD)
             next = value_at(&x, place_in(&w, w.j + X_ROWS));
         __syncthreads();
         if (size::staged && w.j + STAGES < bottom)
             ask_row(&w, t.block, &stage, w.j + STAGES);
-        if (MARCH_AHEAD && owns) {
-            vec y = own_part<TIES>(&t, base, w.here);
+        if (SWEEP_AHEAD && owns) {
+            vec y = own_part<EDGES>(&t, base, w.here);
             arrive(&end, at, own, w.here, add_pulls(&w, pass, y));
         } else if (owns) {
-            vec y = own_part<TIES>(&t, base_of<TIES>(&t, at.p), w.here);
+            vec y = own_part<EDGES>(&t, base_of<EDGES>(&t, at.p), w.here);
             y = add_pulls(&w, pass, y);
             arrive(&end, at, about(&end, at), w.here, y);
         }
@@ -104,9 +104,9 @@ static __global__ void __launch_bounds__(march_size<TIES, B>::threads,
 /* The gather: four adjacent lanes own a particle, and the last of them calls
  * arrive as above. Each edge is read twice. */
 enum { GATHER_LANES = 4, GATHERED = GPU_BLOCK / GATHER_LANES };
-template <int TIES, class B, class X, class END>
+template <int EDGES, class B, class X, class END>
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    gather_kernel(struct ties<B> t, X x, END end, const int32_t *go)
+    gather_kernel(struct edges<B> t, X x, END end, const int32_t *go)
 {
     int lane = (int)threadIdx.x % GATHER_LANES, count = t.g.m * t.g.n;
     int item = (int)blockIdx.x * GATHERED + (int)threadIdx.x / GATHER_LANES;
@@ -114,15 +114,15 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         return;
     struct place at = place_of(t.g, item < count ? item : 0);
     auto own = about(&end, at);
-    vec here, y = gathered<TIES, GATHER_LANES>(&t, &x, at, lane, &here);
+    vec here, y = gathered<EDGES, GATHER_LANES>(&t, &x, at, lane, &here);
     if (item < count && lane == GATHER_LANES - 1)
         arrive(&end, at, own, here, y);
 }
 
-/* Whether the product of this grid marches; else it gathers. */
-static inline bool marches(struct grid g)
+/* Whether the product of this grid sweeps; else it gathers. */
+static inline bool sweeps(struct grid g)
 {
-    return (int64_t)g.m * g.n >= MARCH_LEAST && g.m >= MARCH_WIDE;
+    return (int64_t)g.m * g.n >= SWEEP_LEAST && g.m >= SWEEP_WIDE;
 }
 
 static inline int cut_up(int a, int parts)
@@ -131,33 +131,33 @@ static inline int cut_up(int a, int parts)
 }
 
 /* Calls arrive(&end, place, …, x, A x) for all particles of a grid that
- * marches, in any order. go: NULL, or on the device; if *go is 0 nothing is
+ * sweeps, in any order. go: NULL, or on the device; if *go is 0 nothing is
  * done. */
-template <int TIES, class B, class X, class END>
-static void march(struct gpu *g, struct ties<B> t, X x, END end,
+template <int EDGES, class B, class X, class END>
+static void sweep(struct gpu *g, struct edges<B> t, X x, END end,
                   const int32_t *go)
 {
-    const int most_wide = march_size<TIES, B>::threads - 2 * REACH;
+    const int most_wide = sweep_size<EDGES, B>::threads - 2 * REACH;
     struct cut c;
     c.strips = cut_up(t.g.m, most_wide);
     c.width = cut_up(t.g.m, c.strips);
     c.rows = cut_up(t.g.n * c.strips,
-                    march_size<TIES, B>::at_once * (int)MARCH_UNITS);
+                    sweep_size<EDGES, B>::at_once * (int)SWEEP_UNITS);
     int threads = cut_up(c.width + 2 * REACH, 32) * 32;
     LAUNCH_BLOCKS(g, c.strips * cut_up(t.g.n, c.rows), threads,
-                  (march_kernel<TIES, B, X, END>), t, c, x, end, go);
+                  (sweep_kernel<EDGES, B, X, END>), t, c, x, end, go);
 }
 
 /* The same for any grid. */
-template <int TIES, class B, class X, class END>
-static void product_of(struct gpu *g, struct ties<B> t, X x, END end,
+template <int EDGES, class B, class X, class END>
+static void product_of(struct gpu *g, struct edges<B> t, X x, END end,
                        const int32_t *go)
 {
-    if (marches(t.g))
-        march<TIES>(g, t, x, end, go);
+    if (sweeps(t.g))
+        sweep<EDGES>(g, t, x, end, go);
     else
         LAUNCH_BLOCKS(g, cut_up(t.g.m * t.g.n, GATHERED), GPU_BLOCK,
-                      (gather_kernel<TIES, B, X, END>), t, x, end, go);
+                      (gather_kernel<EDGES, B, X, END>), t, x, end, go);
 }
 
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A symmetric system as the edges of a grid: each edge ties two particles by a
+/* A symmetric system as the edges of a grid: each edge links two particles by a
  * 3 × 3 block, a spring's or a coarse grid's. And a row of the product with it
  * (SpMV). spec/solve/product.md §1, spec/solve/multigrid.md §3 */
-#ifndef GPU_TIES_CUH
-#define GPU_TIES_CUH
+#ifndef GPU_EDGES_CUH
+#define GPU_EDGES_CUH
 
 #include "gpu/base/team.cuh"
 #include "gpu/base/thin.cuh"
@@ -11,7 +11,7 @@
 
 /* The diagonal is mass and extra, or excess; B is the type of an edge's block:
  * sym, struct thin or struct rate. */
-template <class B> struct ties {
+template <class B> struct edges {
     struct grid g;
     const real *mass;  /* NULL: excess is */
     const sym *extra;  /* NULL: none */
@@ -57,11 +57,11 @@ struct base {
     sym extra; /* or excess */
 };
 
-template <int TIES, class B>
-static __device__ inline struct base base_of(const struct ties<B> *t, int p)
+template <int EDGES, class B>
+static __device__ inline struct base base_of(const struct edges<B> *t, int p)
 {
     struct base b = {};
-    if (TIES == STENCIL) {
+    if (EDGES == STENCIL) {
         b.extra = fetch(t->excess + p);
         return b;
     }
@@ -71,11 +71,11 @@ static __device__ inline struct base base_of(const struct ties<B> *t, int p)
     return b;
 }
 
-template <int TIES, class B>
-static __device__ inline vec own_part(const struct ties<B> *t, struct base b,
+template <int EDGES, class B>
+static __device__ inline vec own_part(const struct edges<B> *t, struct base b,
                                       vec x)
 {
-    if (TIES == STENCIL)
+    if (EDGES == STENCIL)
         return own(b.extra, x);
     vec y = own(b.mass, x);
     return t->extra ? add(y, apply(b.extra, x)) : y;
@@ -106,18 +106,18 @@ static __device__ inline vec add_by_lanes(vec y, const vec less[EACH],
  * edge that starts there. Each lane has consecutive directions and reads all
  * their blocks before it needs the first, as small grids are bound by memory
  * latency. The last lane has the result; *here: x[p]. */
-template <int TIES, int LANES, class B, class X>
-static __device__ inline vec gathered(const struct ties<B> *t, const X *x,
+template <int EDGES, int LANES, class B, class X>
+static __device__ inline vec gathered(const struct edges<B> *t, const X *x,
                                       struct place at, int lane, vec *here)
 {
-    enum { EACH = TIES / LANES };
+    enum { EACH = EDGES / LANES };
     B before[EACH], after[EACH];
     vec from[EACH], to[EACH], own = *here = value_at(x, at);
     bool ends[EACH], starts[EACH];
     UNROLL
     for (int k = 0; k < EACH; k++) {
         int o = lane * EACH + k;
-        int di = toward_i<TIES>(o), dj = toward_j<TIES>(o);
+        int di = toward_i<EDGES>(o), dj = toward_j<EDGES>(o);
         const B *b = t->block + (int64_t)o * t->g.m * t->g.n;
         struct place p = beside(t->g, at, -di, -dj);
         struct place q = beside(t->g, at, di, dj);
@@ -132,7 +132,7 @@ static __device__ inline vec gathered(const struct ties<B> *t, const X *x,
     }
     vec y = make(0, 0, 0);
     if (lane == 0)
-        y = own_part<TIES>(t, base_of<TIES>(t, at.p), own);
+        y = own_part<EDGES>(t, base_of<EDGES>(t, at.p), own);
     UNROLL
     for (int k = 0; k < EACH; k++) {
         vec none = make(0, 0, 0); /* adding 0 changes no y, as y is never -0 */
