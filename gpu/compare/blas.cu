@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* cuBLAS behind three functions, found at run time. */
+/* Loads cuBLAS at run time and calls three of its functions. */
 #include "gpu/compare/blas.h"
 #include "gpu/run/launch.cuh"
 
@@ -19,7 +19,7 @@ struct blas {
     decltype(&cublasDscal_v2) dscal;
 };
 
-/* The function of that name; *all becomes false where there is none. */
+/* Looks up a function; *all becomes false if there is none of that name. */
 template <class F>
 static void find(struct blas *b, const char *name, F *f, bool *all)
 {
@@ -79,7 +79,8 @@ int blas_open(struct gpu *g)
     return DRAPE_EDEVICE;
 }
 
-/* Whether n can be said in cuBLAS's words and nothing failed before. */
+/* Whether cuBLAS's 32-bit counts can express n, and nothing has failed before.
+ */
 static bool ready(struct gpu *g, int64_t n)
 {
     if (!g->failed && (!g->library || n > INT32_MAX))

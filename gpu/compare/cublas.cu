@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Conjugate gradients with cuBLAS's vector operations, the paper's solver: as
- * ref_pcg, but its sums are in cuBLAS's order. spec/solve/pcg.md §6 */
+/* The paper's solver, for comparison: ref_pcg with the vector operations of
+ * cuBLAS, whose sums have an order of their own. spec/solve/pcg.md §6 */
 #include "gpu/compare/blas.h"
 #include "gpu/solve/pcg.cuh"
 #include "gpu/solve/residual.cuh"
 #include "gpu/solve/sweep.cuh"
 
-/* What cuBLAS has no word for is ours: A, M⁻¹, the true residual, TwoSum. */
+/* Kernels for operations that cuBLAS does not have: A, M⁻¹, the true residual,
+ * TwoSum. */
 
 /* Thread k owns r[k]; reads dv and low of the neighbours. §2 */
 static __global__ void __launch_bounds__(GPU_BLOCK)
@@ -27,7 +28,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.s[k] = solved(s.factor[k], s.r[k]);
 }
 
-/* Thread k owns where multigrid's cycle starts from r[k]. */
+/* Thread k owns particle k: the first half-step of multigrid's cycle from r[k].
+ */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     cublas_open_kernel(struct opening o, int64_t count, const vec *r)
 {
@@ -211,6 +213,6 @@ int gpu_pcg_compare(struct gpu *g, struct pcg *s)
         status = gpu_pcg_set_up(g, s);
     if (status == DRAPE_OK && s->count > 0)
         solve(g, s);
-    gpu_read_words(g, 0); /* for what is late, as gpu_pcg does */
+    gpu_read_words(g, 0); /* brings the late words, as gpu_pcg does */
     return status == DRAPE_OK ? gpu_status(g) : status;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A coarse grid's blocks, excess, factors and rules at one particle, whoever
- * comes there. spec/solve/multigrid.md §2, §3 */
+/* Galerkin coarsening at one coarse particle: its blocks, excess, factor and
+ * rule. Several kernels use these functions. spec/solve/multigrid.md §2, §3 */
 #ifndef GPU_GALERKIN_CUH
 #define GPU_GALERKIN_CUH
 
@@ -23,8 +23,8 @@ static __device__ inline int weight(const struct coarsen *s, int x, int y,
     return part_of(s->rule[x + s->m * y], x - 2 * ci, y - 2 * cj);
 }
 
-/* Whether one that matters to a coarse particle has a rule, into its own
- * coarse_rule, which is not needed for itself yet. */
+/* Notes in coarse_rule of a coarse particle, which has no other use yet,
+ * whether a fine particle that matters to it has a rule. */
 static __device__ inline void find(const struct coarsen *s, struct place at)
 {
     int x0 = most(2 * at.i - 5, 0), x1 = least(2 * at.i + 5, s->m - 1);
@@ -36,8 +36,8 @@ static __device__ inline void find(const struct coarsen *s, struct place at)
     s->coarse_rule[at.p] = (uint8_t)cut;
 }
 
-/* The sum of a recipe at a coarse particle. AHEAD terms are read before the
- * first is added, as a thread has nothing else to wait for. */
+/* The sum of a recipe's terms at a coarse particle. AHEAD terms are read before
+ * the first is added, to hide the latency of memory. */
 template <int AHEAD>
 static __device__ inline sym cook(const struct coarsen *s,
                                   const struct recipe *r, struct place at)
@@ -50,7 +50,7 @@ static __device__ inline sym cook(const struct coarsen *s,
         real weight[AHEAD];
         UNROLL
         for (int k = 0; k < AHEAD; k++) {
-            struct term t = r->term[first + k]; /* 0 behind the last */
+            struct term t = r->term[first + k]; /* 0 after the last term */
             int x = 2 * at.i + t.di, y = 2 * at.j + t.dj, p = x + s->m * y;
             bool good = t.weight && within(f, x, y) &&
                         (!s->n_live || s->live[p] >> t.o & 1);
@@ -86,7 +86,7 @@ static __device__ inline int pick_weight(uint64_t all, int dx, int dy)
 }
 
 /* The same terms in the same order from the rules, for coarse direction (ci,
- * cj), TIES springs or couplings. */
+ * cj), EDGES directions, of springs or of couplings. */
 template <int EDGES>
 static __device__ inline sym cook_cut(const struct coarsen *s, struct place at,
                                       int ci, int cj)
@@ -112,8 +112,8 @@ static __device__ inline sym cook_cut(const struct coarsen *s, struct place at,
     return sum;
 }
 
-/* What the fine excess gives to coarse direction (ci, cj), or to the particle
- * itself. All is read before the first is added. */
+/* The contribution of the fine excess to coarse direction (ci, cj), or to the
+ * coarse particle itself. All terms are read before the first is added. */
 static __device__ inline sym share(const struct coarsen *s, struct place at,
                                    int ci, int cj)
 {
@@ -140,8 +140,8 @@ static __device__ inline sym share(const struct coarsen *s, struct place at,
     return sum;
 }
 
-/* Item o·n_coarse + p is coarse block o of coarse particle p; those behind the
- * last direction are the excess of p. Reads coarse_rule as found above. */
+/* Item o·n_coarse + p is block o of coarse particle p; items after the last
+ * direction are the excess of p. Reads coarse_rule as `find` has left it. */
 template <int AHEAD>
 static __device__ inline void make_item(const struct coarsen *s, struct grid c,
                                         const struct book *book, int64_t item)

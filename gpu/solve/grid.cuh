@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Grids of particles on the device, and who is tied to whom: by the springs of
- * a cloth, or by the couplings of a coarse grid. spec/solve/matrix.md,
+/* Grids of particles on the device, and the edges between them: the springs of
+ * a cloth, or the couplings of a coarse grid. spec/solve/matrix.md,
  * spec/solve/multigrid.md §2 */
 #ifndef GPU_GRID_CUH
 #define GPU_GRID_CUH
@@ -46,8 +46,8 @@ static __device__ inline bool within(struct grid g, int32_t i, int32_t j)
     return (uint32_t)i < (uint32_t)g.m && (uint32_t)j < (uint32_t)g.n;
 }
 
-/* A block, by words as wide as its place allows: fetch_once and store_once
- * where it is not needed again soon. */
+/* Reads and writes a 3 × 3 block by words as wide as its alignment allows.
+ * fetch_once and store_once are for blocks that are not needed again soon. */
 #if defined __CUDACC__
 #if REAL_BITS == 32
 typedef float2 real2;
@@ -100,7 +100,7 @@ static inline void store_once(vec *to, vec a)
 }
 #endif
 
-/* §3 of 11: where the blocks of the compressed diagonals are. */
+/* matrix.md §3: where the blocks of the compressed diagonals are. */
 static inline struct cdf cdf_of(int32_t m, int32_t n)
 {
     int64_t count = (int64_t)m * n;

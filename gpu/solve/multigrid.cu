@@ -4,7 +4,8 @@
 #include "gpu/solve/sweep.cuh"
 #include "gpu/solve/tail.cuh"
 
-/* §5: the grids from fine to coarse and where their streams are. */
+/* §5: fills the list of grids, from fine to coarse, with the places of their
+ * streams. */
 static int lay_out(const struct multigrid *s, struct lent lent,
                    const int32_t *go, struct level *l)
 {
@@ -105,7 +106,8 @@ static void multiply(struct gpu *g, const struct level *l, X x, END end)
         product_of<STENCIL>(g, ties_of(l), x, end, l->go);
 }
 
-/* From b to x, the first half-step being in y; then b of the next. */
+/* Queues the way down on one grid: from b, with the first half-step in y, to x,
+ * and then b of the next grid. */
 static void go_down(struct gpu *g, const struct level *l, struct weights w,
                     real next_first)
 {
@@ -115,7 +117,7 @@ static void go_down(struct gpu *g, const struct level *l, struct weights w,
     LAUNCH(g, c->count, multigrid_restrict_kernel, *l, *c, next_first);
 }
 
-/* item as in struct half. */
+/* Queues the way up on one grid. item: as in struct half. */
 static void go_up(struct gpu *g, const struct level *l, struct weights w,
                   real *item)
 {
@@ -161,7 +163,8 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, struct lent lent,
         go_up(g, &l[k], k ? coarse : fine, k ? NULL : item);
 }
 
-/* Grid k, the first of which is of springs, from the one before. */
+/* Makes grid k from the grid before. The finest grid has springs as its edges.
+ */
 static int coarsen(struct gpu *g, const struct multigrid *s,
                    const struct level *l, int k)
 {

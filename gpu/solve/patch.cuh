@@ -1,25 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A small grid that lies in the rooms of a team: each rank owns a run of its
- * particles and has copies of what these read of others.
- * spec/solve/multigrid.md */
+/* A small grid in the shared memory of a cluster. Each rank owns a run of
+ * consecutive particles and has copies of the x and y of other ranks' particles
+ * that its own ones read. spec/solve/multigrid.md */
 #ifndef GPU_PATCH_CUH
 #define GPU_PATCH_CUH
 
 #include "gpu/base/team.cuh"
 #include "gpu/solve/level.cuh"
 
-/* A grid and where its streams begin in every room. */
+/* A grid, and where its streams begin in the shared memory of every rank, in
+ * bytes. */
 struct patch {
     struct grid g;
     int32_t count, share; /* of particles, all, and those of a rank */
-    int32_t reach;        /* the most steps from p to who reads its x */
-    int32_t far;          /* ranks to each side that they may belong to */
-    int64_t inverse;      /* p · inverse / 2^32 is p / share */
-    int64_t across;       /* likewise p / m */
-    bool alone;           /* all are rank 0's */
-    int32_t shift;        /* 2^shift threads share a row of the product */
-    int32_t table;        /* place of struct edge [STENCIL] */
-    int32_t rules;        /* place of the rules of all particles */
+    int32_t reach;        /* the largest |q - p| where q reads x of p */
+    int32_t far;     /* the most ranks to each side that such q belong to */
+    int64_t inverse; /* p · inverse / 2^32 is p / share */
+    int64_t across;  /* likewise p / m */
+    bool alone;      /* rank 0 owns all particles */
+    int32_t shift;   /* 2^shift threads share a row of the product */
+    int32_t table;   /* place of struct edge [STENCIL] */
+    int32_t rules;   /* place of the rules of all particles */
     /* block o of the rank's particles and of those before that lead to them */
     int32_t edge[STENCIL];
     int32_t factor, excess; /* [share] */
@@ -29,16 +30,16 @@ struct patch {
     const uint8_t *rule;
 };
 
-/* Edge o of a grid in a room: (di, dj), how many particles further that is, and
- * where the blocks of the edges lie that end at the rank's first particle, were
- * there one, and that start there. */
+/* Direction o of edges in shared memory: (di, dj), the steps in particle
+ * numbers, and the places of the blocks of the edge that ends at the rank's
+ * first particle (even if there is none) and of the edge that starts there. */
 struct alignas(16) edge {
     int16_t di, dj;
     int32_t step, in, out;
 };
 
-/* A rank's run of a grid: its first particle, how many, and the first one whose
- * x it has; and what a row of the product needs besides. */
+/* The run of a rank: its first particle, their number, and the first particle
+ * whose x the rank has; and the constants that a row of the product needs. */
 struct run {
     int first, own, low;
     int table;
@@ -46,17 +47,18 @@ struct run {
     int64_t across;
 };
 
-/* Steps from a particle to the end of its edge o; 0 where it never has one. */
-static __host__ __device__ inline int tie_step(struct grid g, int o)
+/* Steps in particle numbers from the start to the end of edge o; 0 if no
+ * particle of the grid has an edge o. */
+static __host__ __device__ inline int edge_step(struct grid g, int o)
 {
     int step = toward_i<STENCIL>(o) + g.m * toward_j<STENCIL>(o);
     return step > 0 ? step : 0;
 }
 
-/* Particles in the room's stream of edge o. */
-static __host__ __device__ inline int tie_size(const struct patch *l, int o)
+/* Particles in the stream of edge o in shared memory. */
+static __host__ __device__ inline int edge_size(const struct patch *l, int o)
 {
-    int size = l->share + tie_step(l->g, o);
+    int size = l->share + edge_step(l->g, o);
     return size < l->count ? size : l->count;
 }
 
@@ -78,7 +80,7 @@ static __device__ inline struct place place_in(struct run r, int p)
     return place{p, p - j * r.g.m, j};
 }
 
-/* The streams of the room. */
+/* The stream at byte `at` of shared memory. */
 static __device__ inline sym *syms(int at)
 {
     return (sym *)(team_room() + at);
@@ -99,16 +101,16 @@ static __device__ inline uint8_t *rules_of(const struct patch *l)
     return (uint8_t *)(team_room() + l->rules);
 }
 
-/* Blocks of edge o that a rank has of particles before its own. */
-static __device__ inline int tie_before(const struct patch *l, struct run r,
-                                        int o)
+/* How many blocks of edge o a rank has of particles before its own. */
+static __device__ inline int edge_before(const struct patch *l, struct run r,
+                                         int o)
 {
-    return least(tie_step(l->g, o), r.first);
+    return least(edge_step(l->g, o), r.first);
 }
 
-/* Of a grid's coefficients what a rank has: n from `from` on, at byte `at` of
- * its room, which is as far from a multiple of 16. Stream o is edge o, or the
- * factors, or the excess. */
+/* A part of a grid's coefficients that a rank copies: n blocks from `from` on,
+ * to byte `at` of its shared memory; both have the same offset from a multiple
+ * of 16. Stream o is edge o, or the factors, or the excess. */
 struct stream {
     const sym *from;
     int n, at;
@@ -134,7 +136,7 @@ static __device__ inline struct stream excess_of(const struct patch *l,
 static __device__ inline struct stream blocks_of(const struct patch *l,
                                                  struct run r, int o)
 {
-    int before = tie_before(l, r, o);
+    int before = edge_before(l, r, o);
     return stream_at(l->block_from + (int64_t)o * l->count + (r.first - before),
                      r.own + before, l->edge[o]);
 }
@@ -144,7 +146,7 @@ static __device__ inline struct edge tie_in(const struct patch *l, struct run r,
 {
     int di = toward_i<STENCIL>(o), dj = toward_j<STENCIL>(o);
     int step = di + r.g.m * dj, size = (int)sizeof(sym);
-    int out = blocks_of(l, r, o).at + tie_before(l, r, o) * size;
+    int out = blocks_of(l, r, o).at + edge_before(l, r, o) * size;
     return edge{(int16_t)di, (int16_t)dj, step, out - step * size, out};
 }
 
@@ -153,7 +155,7 @@ static __device__ inline struct edge tie_in(const struct patch *l, struct run r,
     for (struct place at = place_in(r, (r).first + rank_thread());             \
          at.p < (r).first + (r).own; at = place_in(r, at.p + rank_threads()))
 
-/* x or y of a particle to all ranks that read it. */
+/* Writes x or y of a particle to all ranks that read it. */
 static __device__ inline void spread(const struct patch *l, int to, int p,
                                      vec value)
 {
@@ -167,28 +169,29 @@ static __device__ inline void spread(const struct patch *l, int to, int p,
     }
 }
 
-/* x or y of a particle from the rank that owns it. */
+/* Reads x or y of a particle from the rank that owns it. */
 static __device__ inline vec owned(const struct patch *l, int from, int p)
 {
     int rank = (int)(p * l->inverse >> 32);
     return team_at(vecs(from), rank)[p - low_of(l, rank)];
 }
 
-/* The bytes of a stream of n, wherever in 16 it begins. */
+/* The bytes of a stream of n blocks, for any offset within 16 bytes. */
 static int64_t stream_size(int64_t n)
 {
     return (n * (int)sizeof(sym) + 8 + 15) / 16 * 16;
 }
 
-/* Gives a grid its share and its places from byte `at` of the room on: returns
- * where they end. last: it is the coarsest, which has no edges. */
+/* Sets the share of a grid and the places of its streams from byte `at` of
+ * shared memory on; returns where they end. last: the coarsest grid, without
+ * edges. */
 static int64_t lay_patch(struct patch *l, int64_t at, bool last)
 {
     int64_t share = l->share, wide = share + 2 * l->reach;
     wide = wide < l->count ? wide : l->count;
     for (int o = 0; o < STENCIL && !last; o++) {
         l->edge[o] = (int32_t)at;
-        at += stream_size(tie_size(l, o));
+        at += stream_size(edge_size(l, o));
     }
     int64_t size[] = {stream_size(share),
                       stream_size(share),
@@ -206,7 +209,7 @@ static int64_t lay_patch(struct patch *l, int64_t at, bool last)
     return at;
 }
 
-/* A level as a patch of `ranks` ranks. */
+/* The patch of a level for `ranks` ranks. */
 static struct patch patch_of(const struct level *l, int ranks)
 {
     struct patch p = {};

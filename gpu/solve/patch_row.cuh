@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A row of A x of a grid that lies in a team's rooms, by neighbours of a warp.
- * spec/solve/multigrid.md */
+/* A row of A x of a grid in the shared memory of a cluster, by adjacent lanes
+ * of a warp. spec/solve/multigrid.md */
 #ifndef GPU_PATCH_ROW_CUH
 #define GPU_PATCH_ROW_CUH
 
 #include "gpu/solve/edges.cuh"
 #include "gpu/solve/patch.cuh"
 
-/* The pulls of an edge that ends at a particle and of the one that starts there,
- * 0 where there is none: to add or subtract that changes no y, which is never
- * -0. x: at the particle. */
+/* The pulls of an edge that ends at a particle and of the one that starts
+ * there, 0 where there is none: to add or subtract that changes no y, which is
+ * never -0. x: at the particle. */
 static __device__ inline void pulls_of(struct run r, struct place at,
                                        struct edge t, const vec *x, vec *ending,
                                        vec *starting)
@@ -25,8 +25,8 @@ static __device__ inline void pulls_of(struct run r, struct place at,
     *starting = starts ? apply(out, sub(here, to)) : none;
 }
 
-/* Neighbours of a warp share a row, each of them as many edges, in order; the
- * last one ends with all. */
+/* Adjacent lanes share a row. Each has as many consecutive directions; the last
+ * lane gets the result. */
 struct row {
     struct place at;
     int lane;
@@ -47,10 +47,10 @@ static __device__ inline struct row row_of(const struct patch *l, struct run r,
     for (int item = rank_thread(), n_ = whole_warps((r).own << (l)->shift);    \
          item < n_; item += rank_threads())
 
-/* What the edges of a particle add to y, which the first lane has, in the last
- * lane; x at byte `from` of the room. All threads of a warp must call it. One
- * copy of it is all that the kernel has: what it runs through is soon cached.
- */
+/* Adds the pulls of all edges of a particle to y, which the first lane has; the
+ * last lane has the sum. x begins at byte `from` of shared memory. All threads
+ * of the warp must call it. It is not inlined, so that its instructions stay in
+ * the cache. */
 template <int LANES>
 static __device__ __noinline__ vec pulled(struct run r, struct row w, int from,
                                           vec y)

@@ -9,9 +9,8 @@ extern "C" {
 #include "ref/solve/product.h"
 }
 
-/* What of the product is not an edge, of mass or of excess; + 0 turns -0 into
- * +0.
- */
+/* The part of the product that belongs to no edge, from mass or excess; + 0
+ * turns -0 into +0. */
 static __device__ inline vec own(real mass, vec x)
 {
     return add(scale(mass, x), make(0, 0, 0));

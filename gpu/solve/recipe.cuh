@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a coarse block is made of where nothing is cut: lists of fine blocks and
- * weights, made on the host. spec/solve/multigrid.md §2 */
+/* Recipes: lists of the fine blocks and weights that add up to a coarse block
+ * where no interpolation is cut. The host makes them. spec/solve/multigrid.md
+ * §2 */
 #ifndef GPU_RECIPE_CUH
 #define GPU_RECIPE_CUH
 
@@ -74,7 +75,8 @@ template <int EDGES> static struct book write_book(void)
     return b;
 }
 
-/* Written once: that takes as long as a grid's kernels. */
+/* Made once for the process: making a book takes as long as the kernels of a
+ * grid. */
 template <int EDGES> static const struct book *book_of(void)
 {
     static const struct book book = write_book<EDGES>();

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a cycle does at one particle, whoever comes there.
- * spec/solve/multigrid.md §2, §4 */
+/* The operations of a multigrid cycle at one particle. Several kernels use
+ * them. spec/solve/multigrid.md §2, §4 */
 #ifndef GPU_SMOOTH_CUH
 #define GPU_SMOOTH_CUH
 
@@ -20,13 +20,13 @@ static __host__ __device__ inline edges<sym> ties_of(const struct level *l)
 
 /* ---- smoothing ---- */
 
-/* A half-step: d = keep·d + gain·F (b - A x), to = x + d. */
+/* A half-step of smoothing: d = keep·d + gain·F (b - A x), to = x + d. */
 struct half {
     const vec *b;
     const sym *factor;
     const vec *d;     /* NULL for 0 */
-    vec *to, *next_d; /* next_d: NULL where nothing reads it */
-    real *item;       /* NULL, or to[p]·b[p] is wanted there */
+    vec *to, *next_d; /* next_d: NULL if nothing reads it */
+    real *item;       /* becomes to[p]·b[p], unless NULL */
     real keep, gain;
 };
 
@@ -56,7 +56,7 @@ static __device__ inline void arrive(const struct half *h, struct place at,
         h->item[at.p] = dot(own.b, to);
 }
 
-/* to = b - A x, 0 where fixed. */
+/* The residual: to = b - A x, 0 where fixed. */
 struct left {
     const vec *b;
     const uint8_t *fixed; /* NULL: all free */
@@ -103,7 +103,8 @@ static __device__ inline void restrict_at(const struct level *f,
         c->y[at.p] = scale(first, solved(c->factor[at.p], sum));
 }
 
-/* x of the fine grid with the correction of the coarse ones around it. */
+/* A source of x: that of the fine grid plus the correction of the coarse
+ * particles around. */
 struct raised {
     const vec *x, *coarse;
     int32_t m;                   /* of the coarse grid */
@@ -154,7 +155,7 @@ raised_from(const struct level *c, const struct level *f)
     return raised{f->x, c->x, c->g.m, f->rule, f->fixed};
 }
 
-/* The two half-steps after the correction. */
+/* The two half-steps after the correction, by their number. */
 static __host__ __device__ inline struct half half_one(const struct level *l,
                                                        struct weights w)
 {
@@ -167,7 +168,8 @@ static __host__ __device__ inline struct half half_two(const struct level *l,
     return half{l->b, l->factor, l->d, l->x, NULL, NULL, w.keep, w.second};
 }
 
-/* The second one before it, the first being y; and what is left then. */
+/* The second half-step before the correction, where the first is y; and the
+ * residual after it. */
 static __host__ __device__ inline struct half half_down(const struct level *l,
                                                         struct weights w)
 {

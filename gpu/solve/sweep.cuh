@@ -130,9 +130,8 @@ static inline int cut_up(int a, int parts)
     return (a + parts - 1) / parts;
 }
 
-/* Calls arrive(&end, place, …, x, A x) for all particles of a grid that
- * sweeps, in any order. go: NULL, or on the device; if *go is 0 nothing is
- * done. */
+/* Calls arrive(&end, place, …, x, A x) for all particles of a grid that sweeps,
+ * in any order. go: NULL, or on the device; if *go is 0 nothing is done. */
 template <int EDGES, class B, class X, class END>
 static void sweep(struct gpu *g, struct edges<B> t, X x, END end,
                   const int32_t *go)

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A cycle's small grids in one kernel of one team, which keeps them in its
- * shared memory: a kernel a pass takes longer to start than to run, and a pass
- * from the L2 cache longer than one from there. spec/solve/multigrid.md */
+/* The small grids of a cycle, in one kernel of one cluster that keeps them in
+ * shared memory. With a kernel for each pass launches would take longer than
+ * the passes, and reading from the L2 cache longer than from shared memory.
+ * spec/solve/multigrid.md */
 #ifndef GPU_TAIL_CUH
 #define GPU_TAIL_CUH
 
 #include "gpu/solve/patch_row.cuh"
 #include "gpu/solve/smooth.cuh"
 
-/* TAIL_LEVELS: most grids; TAIL_ALONE: particles from which down a grid is rank
- * 0's alone, if there is room: its barriers are quicker. */
+/* TAIL_LEVELS: the most grids. TAIL_ALONE: a grid of at most so many particles
+ * belongs to rank 0 alone if it fits, as barriers of a block are faster. */
 #ifdef __CUDACC__
 enum { TAIL_BLOCK = 512, TAIL_LEVELS = 16, TAIL_ALONE = 200 };
 #else
@@ -28,8 +29,8 @@ struct tail {
     const int32_t *go;
 };
 
-/* A stream to its place by a warp: what is not in whole quads first and last.
- */
+/* A warp copies a stream to its place; parts that are not aligned to 16 bytes
+ * come first and last. */
 static __device__ inline void fetch_stream(struct stream s)
 {
     enum { HALF = 8, QUAD = 16 };
@@ -52,8 +53,8 @@ static __device__ inline void fetch_stream(struct stream s)
         copy_ahead((quad *)(to + head) + k, (const quad *)(from + head) + k);
 }
 
-/* Of a grid's coefficients a rank's, without waiting for them: a warp takes
- * block o of all, two more the others. */
+/* Starts the copies of a rank's coefficients of a grid: a warp copies the
+ * blocks of one direction, two more warps the factors and the excess. */
 static __device__ inline void fetch_patch(const struct patch *l)
 {
     struct run r = run_of(l);
@@ -66,7 +67,7 @@ static __device__ inline void fetch_patch(const struct patch *l)
                                     : excess_of(l, r));
 }
 
-/* The rules of all grids, which lie behind each other. */
+/* Copies the rules of all grids, which are adjacent in memory. */
 static __device__ inline void fetch_rules(const struct tail *s)
 {
     enum { AT_ONCE = 12 };
@@ -88,13 +89,14 @@ static __device__ inline void fetch_rules(const struct tail *s)
     }
 }
 
-/* What the first grid starts from. */
+/* Copies the right-hand side and the half-step of the first grid. */
 static __device__ inline void fetch_vectors(const struct tail *s)
 {
     const struct patch *l = &s->patch[0];
     struct run r = run_of(l);
     int high = least(r.first + r.own + l->reach, l->count);
-    int n = s->levels > 1 ? 3 * (high - r.low) : 0; /* else no half-step */
+    int n = s->levels > 1 ? 3 * (high - r.low)
+                          : 0; /* otherwise there is no half-step */
     const real *y = (const real *)(s->y + r.low);
     const real *b = (const real *)(s->b + r.first);
     UNROLL
@@ -114,7 +116,8 @@ static __device__ inline void fetch_vectors(const struct tail *s)
 
 /* ---- the passes ---- */
 
-/* The second half-step down, the first being y, and what is left, in y. */
+/* The second half-step on the way down, after the first one in y; then the
+ * residual goes to y. */
 static __device__ inline void smooth_down(const struct tail *s,
                                           const struct patch *l)
 {
@@ -172,7 +175,7 @@ static __device__ inline void restrict_patch(const struct patch *f,
     team_sync(l->alone);
 }
 
-/* x with the correction of the coarser grid c. */
+/* Adds the correction of the coarser grid c to x. */
 static __device__ inline void prolong_patch(const struct patch *l,
                                             const struct patch *c)
 {
@@ -192,7 +195,8 @@ static __device__ inline void prolong_patch(const struct patch *l,
     team_sync(l->alone);
 }
 
-/* Both half-steps up; the result to `to`, or to x where that is NULL. */
+/* Both half-steps on the way up. The result goes to `to`, or to x if `to` is
+ * NULL. */
 static __device__ inline void smooth_up(const struct tail *s,
                                         const struct patch *l, vec *to)
 {
@@ -219,7 +223,7 @@ static __device__ inline void smooth_up(const struct tail *s,
     }
 }
 
-/* All that is read of global memory; the first grid's is there when it returns.
+/* Starts all copies from global memory, and waits for those of the first grid.
  */
 static __device__ inline void fetch_all(const struct tail *s)
 {
@@ -237,9 +241,9 @@ static __device__ inline void fetch_all(const struct tail *s)
     team_sync(false);
 }
 
-/* One team, its ranks together at every barrier, whoever has work between. What
- * one rank writes for another lies between two barriers of the team; of a grid
- * that is rank 0's alone the others own nothing. */
+/* One cluster. All ranks come to every barrier, whether they have work or not.
+ * Writes for another rank lie between two barriers of the cluster. In a grid
+ * that belongs to rank 0 alone the other ranks own nothing. */
 static __global__ void __launch_bounds__(TAIL_BLOCK, 1)
     tail_kernel(const __grid_constant__ struct tail s)
 {
@@ -264,8 +268,8 @@ static __global__ void __launch_bounds__(TAIL_BLOCK, 1)
 
 /* ---- on the host ---- */
 
-/* Lays levels from `first` on out as patches, those from `alone` on of one
- * rank: the bytes of a room. */
+/* Lays out the levels from `first` on as patches, those from `alone` on for one
+ * rank. Returns the bytes of shared memory of a rank. */
 static int64_t lay_tail(struct tail *s, const struct level *l, int levels,
                         int first, int alone, int ranks)
 {
@@ -288,8 +292,8 @@ static int64_t lay_tail(struct tail *s, const struct level *l, int levels,
     return at + n * dense_pitch((int)n) * (int)sizeof(double);
 }
 
-/* The largest grid from which on all of them fit, and how they lie: *first, ≥
- * 1; the bytes of a room. */
+/* Finds the finest grid, *first ≥ 1, from which on all grids fit, and lays them
+ * out. Returns the bytes of shared memory of a rank. */
 static int64_t fit_tail(struct tail *s, const struct level *l, int levels,
                         int *first, const struct gpu *g)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The recipes of spec/solve/multigrid.md §2 for a tile of coarse particles at
- * once: a block reads the fine blocks around it once, where each of its threads
- * by itself would read 140 or 244 of them. */
+ * once. A thread-block reads the fine blocks around its tile once; without
+ * tiles each thread would read 140 or 244 of them. */
 #ifndef GPU_TILE_CUH
 #define GPU_TILE_CUH
 
@@ -45,7 +45,8 @@ static __device__ inline void set_at(struct tile *t, int x, int y, sym b)
     t->a[5][y][x % 2][x / 2] = b.zz;
 }
 
-/* What starts (di, dj) from the place of a coarse particle. */
+/* The block of the edge that starts (di, dj) from the place of a coarse
+ * particle. */
 static __device__ inline sym at_tile(const struct tile *t, int i, int j, int di,
                                      int dj)
 {
@@ -93,7 +94,8 @@ static __device__ inline void read_tile(struct tile *t, const struct coarsen *s,
 /* C++14 has no folds: what is to be done one after another returns a bool, and
  * of these a list is made, which is defined to be done in order. */
 
-/* Whether the edge o that starts at the k-th place is anyone's. */
+/* Whether any coarse block has a term of edge o that starts at the k-th place.
+ */
 template <int EDGES> static __device__ constexpr bool used(int o, int k)
 {
     bool any = false;
@@ -134,7 +136,7 @@ static __device__ inline void add_edges(struct sums *c, const struct tile *t,
     (void)each;
 }
 
-/* Direction O: the tile is read by all, then used by all. */
+/* Direction O: all threads read the tile, then all use it. */
 template <int EDGES, int O>
 static __device__ inline bool add_direction(struct sums *c, struct tile *t,
                                             const struct coarsen *s,
@@ -157,7 +159,7 @@ add_all(struct sums *c, struct tile *t, const struct coarsen *s,
     (void)each;
 }
 
-/* What the fine excess gives, as share. */
+/* The contribution of the fine excess, as `share` of gpu/solve/galerkin.cuh. */
 static __device__ inline sym shared_of(const struct tile *t, int i, int j,
                                        int ci, int cj)
 {
