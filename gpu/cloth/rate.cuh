@@ -74,12 +74,12 @@ static __device__ inline sym block_of(struct rate r, vec d)
 }
 
 /* B (x_p - x_q) of the edge from p to q. */
-template <class B> static __device__ inline vec tie_pull(B b, vec p, vec q)
+template <class B> static __device__ inline vec edge_pull(B b, vec p, vec q)
 {
     return apply(b, sub(p, q));
 }
 
-static __device__ inline vec tie_pull(struct rate r, struct footing p,
+static __device__ inline vec edge_pull(struct rate r, struct footing p,
                                       struct footing q)
 {
     return apply(block_of(r, sub(q.at, p.at)), sub(p.x, q.x));

@@ -101,9 +101,9 @@ static void multiply(struct gpu *g, const struct level *l, X x, END end)
     if (l->thin)
         product_of<SPRINGS>(g, thin, x, end, l->go);
     else if (l->mass)
-        product_of<SPRINGS>(g, ties_of(l), x, end, l->go);
+        product_of<SPRINGS>(g, edges_of(l), x, end, l->go);
     else
-        product_of<STENCIL>(g, ties_of(l), x, end, l->go);
+        product_of<STENCIL>(g, edges_of(l), x, end, l->go);
 }
 
 /* Queues the way down on one grid: from b, with the first half-step in y, to x,

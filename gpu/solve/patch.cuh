@@ -91,7 +91,7 @@ static __device__ inline vec *vecs(int at)
     return (vec *)(team_room() + at);
 }
 
-static __device__ inline struct edge *ties_at(int at)
+static __device__ inline struct edge *edges_at(int at)
 {
     return (struct edge *)(team_room() + at);
 }
@@ -141,8 +141,8 @@ static __device__ inline struct stream blocks_of(const struct patch *l,
                      r.own + before, l->edge[o]);
 }
 
-static __device__ inline struct edge tie_in(const struct patch *l, struct run r,
-                                            int o)
+static __device__ inline struct edge edge_in(const struct patch *l,
+                                             struct run r, int o)
 {
     int di = toward_i<STENCIL>(o), dj = toward_j<STENCIL>(o);
     int step = di + r.g.m * dj, size = (int)sizeof(sym);

@@ -62,7 +62,7 @@ static __device__ __noinline__ vec pulled(struct run r, struct row w, int from,
     for (int k = 0; k < EACH; k++) {
         ending[k] = starting[k] = make(0, 0, 0);
         if (w.real)
-            pulls_of(r, w.at, ties_at(r.table)[w.lane * EACH + k], x,
+            pulls_of(r, w.at, edges_at(r.table)[w.lane * EACH + k], x,
                      &ending[k], &starting[k]);
     }
     return add_by_lanes<LANES, EACH>(y, ending, starting, w.lane);

@@ -13,7 +13,7 @@ static __device__ inline bool idle(const int32_t *go)
     return go && !*go;
 }
 
-static __host__ __device__ inline edges<sym> ties_of(const struct level *l)
+static __host__ __device__ inline edges<sym> edges_of(const struct level *l)
 {
     return edges<sym>{l->g, l->mass, l->extra, l->excess, l->block};
 }

@@ -193,7 +193,7 @@ pull_row(struct sweeper<EDGES, B> *w, const struct staging<EDGES, B> *s,
         int lane = least(most(w->lane + di, 0), THREADS - 1);
         B b = staged ? s->edge[w->j % STAGES][staged ? o : 0][at]
                      : w->block[staged ? 0 : o];
-        vec f = tie_pull(b, here, x[(w->j + dj) % X_ROWS][lane]);
+        vec f = edge_pull(b, here, x[(w->j + dj) % X_ROWS][lane]);
         w->pull[o] = w->wanted >> o & 1 ? f : make(0, 0, 0);
         if (di != 0)
             passed[passed_at<EDGES>(o)][w->lane] = w->pull[o];

@@ -60,7 +60,7 @@ static __device__ inline void fetch_patch(const struct patch *l)
     struct run r = run_of(l);
     int t = rank_thread();
     if (t < STENCIL)
-        ties_at(l->table)[t] = tie_in(l, r, t);
+        edges_at(l->table)[t] = edge_in(l, r, t);
     for (int o = t / WARP; o < STENCIL + 2; o += rank_threads() / WARP)
         fetch_stream(o < STENCIL    ? blocks_of(l, r, o)
                      : o == STENCIL ? factors_of(l, r)

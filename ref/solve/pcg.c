@@ -62,7 +62,7 @@ static void precondition(struct pcg *s)
         s->s[k] = factor_solve(s->factor[k], s->r[k]);
 }
 
-/* §2: where dv and low are 0. */
+/* §2: the residual while dv and low are 0. */
 static void take_right_side(struct pcg *s)
 {
     EACH_ITEM
@@ -79,7 +79,9 @@ static void true_residual(struct pcg *s)
     residual_find(&a);
 }
 
-/* *a + b rounded to *a; returns what is rounded off, exactly (Knuth). */
+/* TwoSum (Knuth): *a becomes *a + b, rounded; returns the rounding error,
+ * exactly.
+ */
 static real two_sum(real *a, real b)
 {
     real sum = *a + b, part = sum - *a;
@@ -97,7 +99,7 @@ static void advance(vec *dv, vec *low, real alpha, vec p)
     low->z += two_sum(&dv->z, d.z);
 }
 
-/* What multigrid shares with the solve around it. */
+/* Gives multigrid the streams that it shares with the solve. */
 static void share(struct pcg *s)
 {
     s->grid.mass = s->mass;
@@ -177,7 +179,7 @@ static int multigrid(void *none, struct multigrid *s)
     return ref_multigrid_build(s);
 }
 
-/* §1: the matrix, M, and where dv begins. */
+/* §1: the matrix, M, and the start of dv. */
 static int set_up(struct pcg *s)
 {
     static const struct pcg_stages stages = {matrix, jacobi, multigrid};
@@ -195,8 +197,8 @@ static bool finite_positive(real a)
     return a > 0 && a - a == 0;
 }
 
-/* §3: the direction p from s = M⁻¹ r with next = r·s, its image q, and a step
- * along it. */
+/* §3: the next direction p from s = M⁻¹ r, where next = r·s, its image q, and a
+ * step along p. False if the matrix is not positive definite along p. */
 static bool step(struct pcg *s, real next, real *rho, bool first)
 {
     real beta = first ? 0 : next / *rho;
@@ -223,7 +225,7 @@ static bool step(struct pcg *s, real next, real *rho, bool first)
     return true;
 }
 
-/* §4.1: whether r·M⁻¹r and |r|² have fallen far enough. */
+/* §4.1: whether r·M⁻¹r and |r|² have fallen below the tolerance. */
 static bool calm(struct pcg *s, real next, real square)
 {
     if (s->iterations == 0)
@@ -233,7 +235,8 @@ static bool calm(struct pcg *s, real next, real square)
                          real_sqrt(square / s->square) <= s->tolerance);
 }
 
-/* §4: iterates until the recurrence meets the tolerance. */
+/* §4: iterates until the recurrence meets the tolerance; returns the outcome.
+ */
 static int iterate(struct pcg *s, real square)
 {
     real rho = 0, left = square;
@@ -277,7 +280,8 @@ int ref_pcg(struct pcg *s)
         most = s->square = real_max(square, s->square);
     if (!finite_positive(square))
         s->outcome = PCG_BREAKDOWN;
-    /* §4: restarts from the true residual while that at least halves. */
+    /* §4: restarts from the true residual, as long as each restart at least
+     * halves it. */
     while (s->outcome == PCG_CONVERGED && !(s->residual <= s->tolerance)) {
         if (!(s->residual <= before / 2)) {
             s->outcome = PCG_STALLED;
@@ -289,7 +293,7 @@ int ref_pcg(struct pcg *s)
         s->residual = real_sqrt(dot(s, s->r, s->r) / most);
         if (s->energy && s->outcome == PCG_CONVERGED)
             break;
-        /* §5: a matrix that is not quite definite may still yield. */
+        /* §5: after a breakdown of multigrid Jacobi may still converge. */
         if (s->outcome == PCG_BREAKDOWN && s->residual - s->residual == 0 &&
             s->precond == DRAPE_MULTIGRID && !s->fell_back) {
             s->fell_back = 1;

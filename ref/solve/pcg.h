@@ -21,17 +21,18 @@ struct pcg {
     real tolerance;         /* of the relative residual, ≥ 0 */
     int32_t max_iterations; /* ≥ 0 */
     int32_t solver;         /* enum drape_solver, for the device */
-    int32_t energy;   /* 1: tolerance is of √(r·M⁻¹r) instead, §4.1 */
-    real scale;       /* ≥ 0, with energy: what r·M⁻¹r is relative to, at
-                         least; out: or its first value, if that is more */
-    real square;      /* ≥ 0, with energy: the same of r·r */
-    const real *mass; /* [count] kg, > 0 where free */
-    int64_t n_extra;  /* count, or 0: none */
-    const sym *extra; /* [n_extra] kg, positive semidefinite */
-    int64_t n_blocks; /* SPRINGS·count */
-    const sym *block; /* [n_blocks] kg, positive semidefinite, spring o
-                         of p at o·count + p, 0 where missing */
-    int64_t n_thin;   /* SPRINGS·count, or 0: the blocks themselves */
+    int32_t energy; /* 1: tolerance is of √(r·M⁻¹r) instead, §4.1 */
+    real scale;  /* ≥ 0, with energy: r·M⁻¹r is measured relative to this
+                    or to its first value, whichever is larger; out: the
+                    larger one */
+    real square; /* ≥ 0, with energy: the same for r·r */
+    const real *mass;        /* [count] kg, > 0 where free */
+    int64_t n_extra;         /* count, or 0: none */
+    const sym *extra;        /* [n_extra] kg, positive semidefinite */
+    int64_t n_blocks;        /* SPRINGS·count */
+    const sym *block;        /* [n_blocks] kg, positive semidefinite, spring o
+                                of p at o·count + p, 0 where missing */
+    int64_t n_thin;          /* SPRINGS·count, or 0: the blocks themselves */
     const struct thin *thin; /* [n_thin] kg, from ref_blocks, of which multigrid
                                 is made */
     const uint8_t *fixed;    /* [count] not 0: dv is given */
@@ -43,7 +44,7 @@ struct pcg {
     mat *cdf;                /* scratch: [n_cdf] */
     sym *diagonal;           /* scratch: [count], of the cdf alone */
     sym *factor;             /* scratch: [count] */
-    vec *low;                /* scratch: [count] m/s, what dv rounds off */
+    vec *low;                /* scratch: [count] m/s, rounding errors of dv */
     vec *r, *s, *p, *q;      /* scratch: [count] */
     real *chunk;             /* scratch: [n_chunks] */
     struct multigrid grid;   /* scratch: its pool, room, live and dense, of
@@ -53,17 +54,17 @@ struct pcg {
     int32_t iterations; /* out: products with a search direction */
     int32_t outcome;    /* out: enum pcg_outcome */
     int32_t fell_back;  /* out: 1: multigrid broke down, Jacobi went on */
-    real recurrence;    /* out: relative residual, as the iteration has it */
+    real recurrence;    /* out: relative residual, by the recurrence */
     real residual;      /* out: |b - A (dv + low)| / √square, where free;
                            without energy, / |b - A z| */
 };
 
-/* Sets n_extra's companions: n_blocks and the sizes of the scratch, from m,
- * n, precond and form. Returns the bytes of scratch. */
+/* Sets count, n_blocks and the sizes of the scratch from m, n, precond and
+ * form. Returns the bytes of scratch. */
 int64_t ref_pcg_size(struct pcg *s);
 
-/* DRAPE_EARG if sizes, precond or form make no sense, else DRAPE_OK: results
- * are cleared, and the grid has the streams that it shares with s. */
+/* Checks s, clears its results, and gives its grid the streams that both share.
+ * DRAPE_OK, or DRAPE_EARG if sizes, precond or form make no sense. */
 int pcg_open(struct pcg *s);
 
 struct matrix;
@@ -75,11 +76,11 @@ struct pcg_stages {
     int (*jacobi)(void *backend, struct jacobi *s);
     int (*multigrid)(void *backend, struct multigrid *s);
 };
-/* §1: makes the matrix and M by them, behind pcg_open; their status. */
+/* §1: makes the matrix and M by these stages, after pcg_open. Returns the
+ * status of the stages. */
 int pcg_set_up(struct pcg *s, const struct pcg_stages *stages, void *backend);
 
-/* DRAPE_OK however the iteration ended; DRAPE_EARG if sizes, precond or form
- * make no sense. */
+/* DRAPE_OK however the iteration ends; DRAPE_EARG as pcg_open. */
 int ref_pcg(struct pcg *s);
 
 #endif

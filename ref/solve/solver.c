@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The linear system of one cloth: pcg with memory and a clock. */
+/* The linear system of one cloth: stage pcg with its memory and a clock. */
 #include "ref/solve/solver.h"
 
 #include "ref/base/clock.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The linear system of one cloth, as dynamics wants it solved. */
+/* Solves the linear system of one cloth for dynamics. */
 #ifndef REF_SOLVER_H
 #define REF_SOLVER_H
 
@@ -12,15 +12,16 @@ struct solver {
     double seconds; /* out: of the last solve */
 };
 
-/* Settings and sizes of the cloth's system; no streams. */
+/* Sets the settings and sizes of the cloth's system, but no streams. */
 void solver_size(struct pcg *p, const drape_def *def,
                  const struct cloth *cloth);
 
-/* Takes what the solver of this cloth needs. DRAPE_OK or DRAPE_ENOMEM. */
+/* Takes the memory that the solver of this cloth needs. DRAPE_OK or
+ * DRAPE_ENOMEM. */
 int solver_make(struct solver *s, const drape_def *def,
                 const struct cloth *cloth, struct arena *arena);
 
-/* dynamics' solve. */
+/* The function `solve` of struct dynamics. */
 int solver_solve(struct dynamics *d);
 
 #endif
