@@ -14,8 +14,18 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     cublas_residual_kernel(struct pcg s)
 {
     ITEM(k, s.count);
-    struct residual a = {s.m,     s.n,     s.count, s.mass, s.n_extra, s.extra,
-                         s.block, s.fixed, s.b,     s.dv,   s.low,     s.r};
+    struct residual a = {.m = s.m,
+                         .n = s.n,
+                         .count = s.count,
+                         .mass = s.mass,
+                         .n_extra = s.n_extra,
+                         .extra = s.extra,
+                         .block = s.block,
+                         .fixed = s.fixed,
+                         .b = s.b,
+                         .x = s.dv,
+                         .low = s.low,
+                         .r = s.r};
     s.r[k] =
         s.fixed[k] ? make(0, 0, 0) : left_over(&a, place_of(grid{s.m, s.n}, k));
 }
@@ -96,8 +106,18 @@ static void multiply(struct gpu *g, struct pcg *s)
     struct filtered e = {s->fixed, s->q};
     edges<sym> t = {
         {s->m, s->n}, s->mass, s->n_extra ? s->extra : NULL, NULL, s->block};
-    struct product a = {s->m, s->n, s->count, s->mass, s->n_extra, s->extra,
-                        0,    NULL, s->n_cdf, s->cdf,  s->p,       s->q};
+    struct product a = {.m = s->m,
+                        .n = s->n,
+                        .count = s->count,
+                        .mass = s->mass,
+                        .n_extra = s->n_extra,
+                        .extra = s->extra,
+                        .n_blocks = 0,
+                        .block = NULL,
+                        .n_cdf = s->n_cdf,
+                        .cdf = s->cdf,
+                        .x = s->p,
+                        .y = s->q};
     if (s->n_cdf)
         LAUNCH(g, s->count, cublas_product_kernel, a, cdf_of(s->m, s->n), e);
     else

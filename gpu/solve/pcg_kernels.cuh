@@ -62,8 +62,18 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
     int phase = c->phase;
     if (phase != PHASE_OPEN && phase != PHASE_ENDED)
         return;
-    struct residual a = {s.m,     s.n,     s.count, s.mass, s.n_extra, s.extra,
-                         s.block, s.fixed, s.b,     s.dv,   s.low,     s.r};
+    struct residual a = {.m = s.m,
+                         .n = s.n,
+                         .count = s.count,
+                         .mass = s.mass,
+                         .n_extra = s.n_extra,
+                         .extra = s.extra,
+                         .block = s.block,
+                         .fixed = s.fixed,
+                         .b = s.b,
+                         .x = s.dv,
+                         .low = s.low,
+                         .r = s.r};
     vec r = make(0, 0, 0);
     if (k < s.count) {
         bool zero = phase == PHASE_OPEN && !s.n_z;

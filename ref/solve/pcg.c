@@ -73,9 +73,18 @@ static void take_right_side(struct pcg *s)
 /* §2: r = b - A (dv + low). */
 static void true_residual(struct pcg *s)
 {
-    struct residual a = {s->m,       s->n,     s->count, s->mass,
-                         s->n_extra, s->extra, s->block, s->fixed,
-                         s->b,       s->dv,    s->low,   s->r};
+    struct residual a = {.m = s->m,
+                         .n = s->n,
+                         .count = s->count,
+                         .mass = s->mass,
+                         .n_extra = s->n_extra,
+                         .extra = s->extra,
+                         .block = s->block,
+                         .fixed = s->fixed,
+                         .b = s->b,
+                         .x = s->dv,
+                         .low = s->low,
+                         .r = s->r};
     residual_find(&a);
 }
 
