@@ -80,7 +80,7 @@ template <class B> static __device__ inline vec edge_pull(B b, vec p, vec q)
 }
 
 static __device__ inline vec edge_pull(struct rate r, struct footing p,
-                                      struct footing q)
+                                       struct footing q)
 {
     return apply(block_of(r, sub(q.at, p.at)), sub(p.x, q.x));
 }
