@@ -56,7 +56,6 @@
 #define gpu_motion_energy REAL_NAME(gpu_motion_energy)
 #define gpu_motion_explicit REAL_NAME(gpu_motion_explicit)
 #define gpu_motion_force REAL_NAME(gpu_motion_force)
-#define gpu_motion_may_gain REAL_NAME(gpu_motion_may_gain)
 #define gpu_motion_springs REAL_NAME(gpu_motion_springs)
 #define gpu_multigrid REAL_NAME(gpu_multigrid)
 #define gpu_multigrid_build REAL_NAME(gpu_multigrid_build)

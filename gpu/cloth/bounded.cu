@@ -5,20 +5,14 @@
 #include "gpu/base/real.cuh"
 #include "gpu/cloth/energy.cuh"
 #include "gpu/cloth/motion.cuh"
-#include "gpu/run/tape.cuh"
-
-/* Of a state: 1: on a tape: it may have gained. */
-enum { WORD_GAINS = 4 };
 
 /* The step's small results. */
 enum {
-    WORD_BEFORE =
-        MOTION_BEFORE, /* energies: of each the first bytes are a real */
+    WORD_BEFORE = 0, /* energies: of each the first bytes are a real */
     WORD_AFTER = 4,
     WORD_WILD = 8,  /* 1: a coordinate is not sane */
     WORD_REACH = 9, /* bits of a pin's longest way */
-    WORD_ODD = 10,  /* 1: on a tape: it may not be bounded */
-    WORDS = 11
+    WORDS = 10
 };
 
 /* Thread p owns particle p: reads its new state, and of a pin the way that it
@@ -32,39 +26,6 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (!c.n_pinned || c.fixed[p] != CLOTH_PINNED)
         return;
     note_largest(&word[WORD_REACH], length(sub(d.to[p], d.x[p])));
-}
-
-static __device__ double gain_of(const int64_t *before, const int64_t *after)
-{
-    double gain = 0;
-    for (int k = 0; k < 3; k++)
-        gain += (double)*(const real *)(after + k) -
-                (double)*(const real *)(before + k);
-    return gain;
-}
-
-static __device__ double own_of(const int64_t *after)
-{
-    return (double)*(const real *)after + (double)*(const real *)(after + 1);
-}
-
-/* One thread: whether the host might not find it bounded, which holds wherever
- * the gain is at most what it tells. */
-static __global__ void odd_kernel(int64_t *word, const double *may)
-{
-    double own = own_of(word + WORD_AFTER);
-    bool sure = own >= 0 && own <= 0x1p100 &&
-                gain_of(word + WORD_BEFORE, word + WORD_AFTER) <= *may;
-    word[WORD_ODD] = !sure;
-}
-
-/* One thread: whether the host might find that a step gained energy from
- * nowhere since `before`, where that is asked (not NULL): it lets a sixteenth
- * pass, and more. */
-static __global__ void gains_kernel(int64_t *word, const int64_t *before)
-{
-    double most = own_of(word) / 32;
-    word[WORD_GAINS] = before && !(gain_of(before, word) <= most);
 }
 
 static struct energy energy_at(const struct gpu_sheet *s, const vec *x,
@@ -103,12 +64,8 @@ void gpu_motion_energy(struct gpu *g, struct gpu_sheet *s, const vec *x,
 {
     struct energy e = energy_at(s, x, v);
     int64_t *word = gpu_words(g);
-    const int64_t *before = gpu_recall(g, s);
     gpu_energy_into(g, &e, word);
-    if (g->tape != TAPE_OFF)
-        LAUNCH(g, 1, gains_kernel, word, before);
-    const int64_t *seen = gpu_read_words(g, WORD_GAINS + 1);
-    gpu_expect(g, WORD_GAINS, 0, 0);
+    const int64_t *seen = gpu_read_words(g, 3);
     for (int k = 0; k < 3; k++)
         value[k] = real_of(seen + k);
 }
@@ -163,12 +120,6 @@ static bool bounded(struct gpu_sheet *s, const double before[3], double reach)
     return d->surplus <= 1024 * larger(d->reference, least);
 }
 
-double gpu_motion_may_gain(const struct gpu_sheet *s, const double watch[2])
-{
-    double most = 1024 * larger(watch[0], least_energy(&s->cloth));
-    return (most - watch[1]) / 2;
-}
-
 bool gpu_motion_bounded(struct gpu *g, struct gpu_sheet *s)
 {
     struct dynamics *d = &s->dynamics;
@@ -178,12 +129,7 @@ bool gpu_motion_bounded(struct gpu *g, struct gpu_sheet *s)
     gpu_energy_into(g, &start, word + WORD_BEFORE);
     gpu_energy_into(g, &end, word + WORD_AFTER);
     LAUNCH(g, s->cloth.count, sane_kernel, *d, s->cloth, word);
-    const double *may = (const double *)gpu_told(g);
-    if (g->tape != TAPE_OFF)
-        LAUNCH(g, 1, odd_kernel, word, may);
     const int64_t *seen = gpu_read_words(g, WORDS);
-    gpu_expect(g, WORD_WILD, 0, 0);
-    gpu_expect(g, WORD_ODD, 0, 0);
     for (int k = 0; k < 3; k++) {
         d->before[k] = real_of(seen + WORD_BEFORE + k);
         d->energy[k] = real_of(seen + WORD_AFTER + k);

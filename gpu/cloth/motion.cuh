@@ -53,10 +53,4 @@ int gpu_motion_explicit(struct gpu *g, struct gpu_sheet *s);
  * end, its surplus and reference. Waits for the device. */
 bool gpu_motion_bounded(struct gpu *g, struct gpu_sheet *s);
 
-/* The energy, J, that a cloth's next step may gain and is bounded for sure;
- * watch: reference and surplus. */
-double gpu_motion_may_gain(const struct gpu_sheet *s, const double watch[2]);
-/* The word of that look that the energies at the start begin at. */
-enum { MOTION_BEFORE = 0 };
-
 #endif

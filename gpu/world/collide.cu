@@ -2,7 +2,6 @@
 /* Contact in a slice of a step on the device: ref/world/collide.c again.
  * spec/world/step.md §3, §7 */
 #include "gpu/base/largest.cuh"
-#include "gpu/run/tape.cuh"
 #include "gpu/world/collide.cuh"
 
 /* The time is the host's, which waits where a part ends. */
@@ -67,26 +66,11 @@ static int find_near(struct gpu_world *w, const vec *to, real r)
     return status;
 }
 
-/* Where a tape is recorded: the largest power of two of which four times are
- * not far bounds what the device has found. */
-static void expect_near(struct gpu_world *w)
-{
-    real most = R(0x1p-60);
-    int64_t bits = 0;
-    while (most < R(0x1p60) && !slice_far(w->host, 8 * most))
-        most *= 2;
-    memcpy(&bits, &most, sizeof most);
-    gpu_expect(w->gpu, 0, 0, bits);
-    gpu_fence(w->gpu);
-}
-
 int gpu_collide_far(struct gpu_world *w, drape_step_report *r, double *last,
                     bool *again)
 {
     struct world *h = w->host;
     real way = gpu_collide_furthest(w, h->nv);
-    if (w->gpu->tape == TAPE_RECORDS)
-        expect_near(w);
     *again = slice_far(h, 4 * way);
     if (!*again)
         return gpu_status(w->gpu);

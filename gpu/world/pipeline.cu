@@ -2,7 +2,6 @@
 /* The pipeline of one step on the device: ref/world/step.c again, with streams
  * that stay there. spec/world/step.md, spec/gpu.md §6 */
 #include "gpu/cloth/motion.cuh"
-#include "gpu/run/tape.cuh"
 #include "gpu/world/collide.cuh"
 
 enum { REST_STEPS = 30 };
@@ -32,8 +31,6 @@ static int move_sheet(struct gpu_world *w, int k, drape_step_report *r)
     w->couple.rough = couple_prepare(h, &s->pcg);
     d->press = state_warm(h) ? w->press + s->first : NULL;
     int status = gpu_motion(w->gpu, s);
-    if (slice_weighs(h))
-        gpu_keep(w->gpu, s, MOTION_BEFORE);
     if (status != DRAPE_OK)
         return status;
     r->outcome |= d->outcome;
@@ -164,55 +161,6 @@ static void judge(struct gpu_world *w, drape_step_report *r, bool *again)
     *again = h->plan.collides && slice_wrong(h, r->outcome, before, after);
 }
 
-/* ---- A slice as one graph, §13 ---- */
-
-/* What the launches of a slice depend on, besides what looks show. */
-struct slice_key {
-    const vec *x0, *v0;
-    real dt;
-    int32_t level, near, rounds; /* rounds, near: of the slice before */
-    uint8_t first, brief, warm, pressed, past, reported, started, front;
-};
-
-/* Whether no launch depends on more than that. */
-static bool fits(const struct gpu_world *w)
-{
-    const struct world *h = w->host;
-    return !h->tracing && !h->intersecting && h->def.solver == DRAPE_EXACT &&
-           h->def.n_cloths < TAPE_TOLD - 1;
-}
-
-static void begin_tape(struct gpu_world *w)
-{
-    const struct world *h = w->host;
-    int64_t told[TAPE_TOLD];
-    struct slice_key key;
-    if (!fits(w))
-        return;
-    memset((void *)&key, 0, sizeof key); /* what lies between, too */
-    key.x0 = w->x0;
-    key.v0 = w->v0;
-    key.dt = (real)h->dt;
-    key.level = h->slicing.level;
-    key.near = h->near;
-    key.rounds = w->response.rounds;
-    key.first = h->slicing.done == 0;
-    key.brief = slice_brief(h);
-    key.warm = state_warm(h);
-    key.pressed = h->pressed;
-    key.past = state_has_past(h);
-    key.reported = h->reported;
-    key.started = w->broad.started;
-    key.front = w->broad.n_front > 0;
-    for (int k = 0; k < h->def.n_cloths; k++) {
-        double may = gpu_motion_may_gain(&w->sheet[k], h->watch[k]);
-        memcpy(&told[k], &may, sizeof may);
-    }
-    told[h->def.n_cloths] = w->broad.n_front;
-    gpu_tape_begin(w->gpu, tape_key{&key, sizeof key}, told,
-                   h->def.n_cloths + 1);
-}
-
 /* One slice of a step, from the state to the state, or to a shorter slice. */
 static int slice(struct gpu_world *w, drape_step_report *all, double *last)
 {
@@ -223,8 +171,6 @@ static int slice(struct gpu_world *w, drape_step_report *all, double *last)
     int status = gpu_lead(w, slice_time(h), w->x1); /* 01 kinematics */
     gpu_trace(w->gpu, h->tracing, "kinematics", w->x1 + h->nc,
               (size_t)(h->nv - h->nc) * sizeof *w->x1);
-    if (status == DRAPE_OK)
-        begin_tape(w);
     if (status == DRAPE_OK)
         status = move(w, &r); /* 03 wind … 09 dynamics, 10 sum … 15 pcg */
     for (int k = 0; k < h->def.n_cloths; k++)
@@ -244,7 +190,6 @@ static int slice(struct gpu_world *w, drape_step_report *all, double *last)
     slice_report(all, &r, !again);
     if (status != DRAPE_OK || diverged || again)
         return status;
-    gpu_fence(w->gpu);
     bool doubt = ending_doubtful(h, r.outcome);
     if (h->slicing.done == 0 && (h->slicing.level > 0 || doubt))
         status = gpu_slice_save(w);
@@ -257,7 +202,6 @@ static int pipeline(struct gpu_world *w, drape_step_report *r)
 {
     struct world *h = w->host;
     double last = clock_now(), energy[3] = {};
-    int64_t whole = gpu_played(w->gpu).whole;
     int status = DRAPE_OK;
     h->trace.step = h->step;
     h->trace.last = last;
@@ -270,11 +214,8 @@ static int pipeline(struct gpu_world *w, drape_step_report *r)
     if (asleep)
         r->outcome = DRAPE_ASLEEP;
     while (!asleep && status == DRAPE_OK && !slice_last(h) &&
-           !(r->outcome & DRAPE_DIVERGED)) {
+           !(r->outcome & DRAPE_DIVERGED))
         status = slice(w, r, &last);
-        gpu_tape_done(w->gpu); /* whatever became of it */
-    }
-    r->graphs = (int)(gpu_played(w->gpu).whole - whole);
     bool diverged = r->outcome & DRAPE_DIVERGED;
     bool moved = status == DRAPE_OK && !diverged && !asleep;
     int64_t found = h->intersecting;

@@ -5,7 +5,6 @@
 
 #include "gpu/cloth/motion.cuh"
 #include "gpu/run/blas.h"
-#include "gpu/run/tape.cuh"
 
 /* A stream on the device with what the host's holds; NULL: zero. */
 static void *give(struct gpu_world *w, enum arena_part part, const void *host,
@@ -323,7 +322,6 @@ static int save(const struct world *h, drape_write *write, void *user)
 
 static void give_air(struct world *h)
 {
-    h->device->gpu->changes++; /* tapes are of another wind */
     for (int k = 0; k < h->def.n_cloths; k++) {
         struct dynamics *d = &h->device->sheet[k].dynamics;
         d->air = h->sheet[k].dynamics.air;
