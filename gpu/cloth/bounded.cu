@@ -28,7 +28,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     note_largest(&word[WORD_REACH], length(sub(d.to[p], d.x[p])));
 }
 
-static struct energy energy_at(const struct gpu_sheet *s, const vec *x,
+static struct energy energy_at(const struct sheet *s, const vec *x,
                                const vec *v)
 {
     const struct cloth *c = &s->cloth;
@@ -36,7 +36,7 @@ static struct energy energy_at(const struct gpu_sheet *s, const vec *x,
     e.count = c->count;
     e.m = c->m;
     e.laws = SPRINGS;
-    e.law = s->law;
+    e.law = s->device->law;
     e.springs = c->springs;
     e.mass = c->mass;
     e.x = x;
@@ -59,7 +59,7 @@ static double real_of(const int64_t *word)
     return (double)value;
 }
 
-void gpu_motion_energy(struct gpu *g, struct gpu_sheet *s, const vec *x,
+void gpu_motion_energy(struct gpu *g, struct sheet *s, const vec *x,
                        const vec *v, double value[3])
 {
     struct energy e = energy_at(s, x, v);
@@ -78,7 +78,7 @@ static double speed_of(vec a)
 }
 
 /* What wind and moving pins may have put in, J, at most. */
-static double allowance(const struct gpu_sheet *s, double reach, double elastic)
+static double allowance(const struct sheet *s, double reach, double elastic)
 {
     const struct cloth *c = &s->cloth;
     const struct dynamics *d = &s->dynamics;
@@ -104,7 +104,7 @@ static double least_energy(const struct cloth *c)
 }
 
 /* False where the energy has grown without a cause, or is no number. */
-static bool bounded(struct gpu_sheet *s, const double before[3], double reach)
+static bool bounded(struct sheet *s, const double before[3], double reach)
 {
     struct dynamics *d = &s->dynamics;
     const double *after = d->energy;
@@ -120,7 +120,7 @@ static bool bounded(struct gpu_sheet *s, const double before[3], double reach)
     return d->surplus <= 1024 * larger(d->reference, least);
 }
 
-bool gpu_motion_bounded(struct gpu *g, struct gpu_sheet *s)
+bool gpu_motion_bounded(struct gpu *g, struct sheet *s)
 {
     struct dynamics *d = &s->dynamics;
     struct energy start = energy_at(s, d->x, d->v);

@@ -14,4 +14,12 @@ int gpu_impulses_of(struct gpu *g, struct impulses *s, struct amount impacts,
 int gpu_contacts_of(struct gpu *g, struct contacts *s, struct amount n,
                     struct amount *vertices);
 
+/* gpu_penalty_queue as it is without a tape: goes with this file. */
+#include "gpu/contact/incidence.cuh"
+static inline int gpu_penalty_queue(struct gpu *g, struct penalty *s,
+                                    int64_t *words)
+{
+    return gpu_penalty_queue(g, s, amount{s->n, NULL}, words);
+}
+
 #endif

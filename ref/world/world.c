@@ -4,6 +4,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#include "ref/world/backend.h"
 #include "ref/world/checkpoint.h"
 #include "ref/world/lead.h"
 #include "ref/world/start.h"
@@ -255,6 +256,8 @@ int world_make(const drape_def *def, struct arena *arena, struct world **world,
         return DRAPE_ENOMEM;
     w->arena = arena;
     w->held = arena->bytes;
+    w->run = &backend_ref;
+    w->on = arena;
     w->def = *def;
     w->plan = plan_make(def);
     w->dt = def->dt;
@@ -264,6 +267,7 @@ int world_make(const drape_def *def, struct arena *arena, struct world **world,
     w->sheet = take(w, ARENA_OTHER, def->n_cloths, sizeof *w->sheet);
     w->prop = take(w, ARENA_OTHER, def->n_obstacles, sizeof *w->prop);
     copy_motions(w, def);
+    w->posed = w->pose;
     if (arena->failed)
         return DRAPE_ENOMEM;
     int status = size_cloths(w, def, error);

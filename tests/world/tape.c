@@ -176,7 +176,7 @@ enum how { PLAIN, FALTERS, TIGHT, HOSTED };
  * stage runs twice while it is recorded. */
 static void cramp(struct run *r, int k)
 {
-    struct gpu_world *w = r->world->device;
+    struct world *w = r->world;
     int64_t *const cap[] = {&w->broad.kind.cap, &w->broad.both.cap,
                             &w->response.contact[0].cap};
     int64_t *one = cap[k / 3 % 3];
