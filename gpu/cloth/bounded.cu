@@ -6,6 +6,10 @@
 #include "gpu/cloth/energy.cuh"
 #include "gpu/cloth/motion.cuh"
 
+extern "C" {
+#include "ref/cloth/bounded.h"
+}
+
 /* The step's small results. */
 enum {
     WORD_BEFORE = 0, /* energies: of each the first bytes are a real */
@@ -47,11 +51,6 @@ static struct energy energy_at(const struct sheet *s, const vec *x,
     return e;
 }
 
-static double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 static double real_of(const int64_t *word)
 {
     real value;
@@ -70,56 +69,6 @@ void gpu_motion_energy(struct gpu *g, struct sheet *s, const vec *x,
         value[k] = real_of(seen + k);
 }
 
-/* The air's, in the precision of the state. */
-static double speed_of(vec a)
-{
-    real square = (a.x * a.x + a.y * a.y) + a.z * a.z;
-    return REAL_BITS == 32 ? (double)sqrtf((float)square) : sqrt(square);
-}
-
-/* What wind and moving pins may have put in, J, at most. */
-static double allowance(const struct sheet *s, double reach, double elastic)
-{
-    const struct cloth *c = &s->cloth;
-    const struct dynamics *d = &s->dynamics;
-    double mass = (double)c->cell_mass * (double)(c->n_triangles / 2);
-    double pins = (double)c->n_pinned, k = 0;
-    for (int o = 0; o < SPRINGS; o++)
-        k = larger((double)c->law[o].stiff, k);
-    double speed = reach / d->dt;
-    double wind = d->windy ? speed_of(d->air) : 0;
-    return 2 * mass * (speed * speed + wind * wind) +
-           reach * (2 * sqrt(32 * pins * k * elastic) + 16 * pins * k * reach);
-}
-
-/* The energy of a strain of 2^-10 in every spring. */
-static double least_energy(const struct cloth *c)
-{
-    double e = 0;
-    for (int o = 0; o < SPRINGS; o++) {
-        double rest = (double)c->law[o].rest;
-        e += (double)c->law[o].k * rest * rest;
-    }
-    return 0x1p-20 * e * (double)c->count;
-}
-
-/* False where the energy has grown without a cause, or is no number. */
-static bool bounded(struct sheet *s, const double before[3], double reach)
-{
-    struct dynamics *d = &s->dynamics;
-    const double *after = d->energy;
-    double own = after[0] + after[1], least = least_energy(&s->cloth);
-    double gain = (after[0] - before[0]) + (after[1] - before[1]) +
-                  (after[2] - before[2]) - allowance(s, reach, before[1]);
-    double surplus = d->surplus + gain;
-    if (!(own >= 0 && own <= 0x1p120) || !(surplus <= 0x1p120))
-        return false;
-    d->surplus = surplus > 0 ? surplus : 0;
-    if (d->surplus <= own / 2 && own > d->reference)
-        d->reference = own;
-    return d->surplus <= 1024 * larger(d->reference, least);
-}
-
 bool gpu_motion_bounded(struct gpu *g, struct sheet *s)
 {
     struct dynamics *d = &s->dynamics;
@@ -134,6 +83,5 @@ bool gpu_motion_bounded(struct gpu *g, struct sheet *s)
         d->before[k] = real_of(seen + WORD_BEFORE + k);
         d->energy[k] = real_of(seen + WORD_AFTER + k);
     }
-    return !seen[WORD_WILD] &&
-           bounded(s, d->before, real_of(seen + WORD_REACH));
+    return bounded_keeps(d, !seen[WORD_WILD], real_of(seen + WORD_REACH));
 }

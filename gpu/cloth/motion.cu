@@ -67,9 +67,7 @@ void gpu_motion_copy(struct gpu *g, struct sheet *s, const vec *x, const vec *v)
         gpu_copy(g, s->dynamics.v1, v, bytes);
 }
 
-/* ---- An implicit step, spec/cloth/implicit.md ---- */
-
-/* What its stages share. */
+/* What the stages of an implicit step share. spec/cloth/implicit.md */
 struct about {
     int64_t past; /* count, or 0 */
     real tau;
@@ -205,17 +203,11 @@ int gpu_motion(struct gpu *g, struct sheet *s)
     d->outcome = 0;
     d->iterations = 0;
     d->residual = 0;
-    double reference = d->reference, surplus = d->surplus;
     int status = dynamics_implicit(d->method) ? go_implicit(g, s)
                                               : gpu_motion_explicit(g, s);
     if (status != DRAPE_OK)
         return status;
-    if (gpu_motion_bounded(g, s))
-        return gpu_status(g);
-    d->outcome |= DRAPE_DIVERGED;
-    d->reference = reference;
-    d->surplus = surplus;
-    memcpy(d->energy, d->before, sizeof d->energy);
-    gpu_motion_copy(g, s, d->x, d->v);
+    if (!gpu_motion_bounded(g, s))
+        gpu_motion_copy(g, s, d->x, d->v);
     return gpu_status(g);
 }

@@ -48,8 +48,8 @@ static inline int64_t motion_spares(const struct dynamics *d)
 /* Substeps of the method from x, v to x1, v1. DRAPE_OK or DRAPE_ELIMIT. */
 int gpu_motion_explicit(struct gpu *g, struct sheet *s);
 
-/* §3: false where the step has diverged; sets the energies at its start and
- * end, its surplus and reference. Waits for the device. */
+/* bounded_keeps on the device: sets the energies at the start and the end of
+ * the step. Waits for the device. */
 bool gpu_motion_bounded(struct gpu *g, struct sheet *s);
 
 #endif
