@@ -59,8 +59,6 @@ static bool counts(const struct world *w, int32_t a, int32_t b)
     return w->plan.self ? cloth_a || cloth_b : cloth_a != cloth_b;
 }
 
-/* ---- Triangles with area ---- */
-
 static int find_pairs(struct world *w, struct audit *s, struct start_pairs *p)
 {
     int status = ref_audit(s);
@@ -76,8 +74,7 @@ static int find_pairs(struct world *w, struct audit *s, struct start_pairs *p)
     return status;
 }
 
-/* ---- Triangles without area: spec/narrow/audit.md §5 ---- */
-
+/* A triangle without area, and who it touches: spec/narrow/audit.md §5. */
 struct sliver {
     const struct world *w;
     const struct audit *s;
@@ -129,8 +126,6 @@ static int look(struct world *w, const vec *x, struct start_pairs *p)
     give_audit(w, &s);
     return status;
 }
-
-/* ---- In words ---- */
 
 static void name(const struct world *w, int32_t t, char *text, size_t size)
 {

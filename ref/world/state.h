@@ -129,7 +129,7 @@ static inline enum nearness state_nearness(const struct response *c)
     return c->near > 0 || c->candidates > 0 ? NEAR_PAIRS : NEAR_NONE;
 }
 
-/* ref/world/world.c and ask.c, for the other files of a world and gpu/. */
+/* ref/world/world.c, for the other files of a world and gpu/. */
 int world_make(const drape_def *def, struct arena *arena, struct world **world,
                drape_error *error);
 int world_read(const struct world *w, double (*x)[3], double (*v)[3]);
