@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a round of collision response computes between its stages, on the
- * device: ref/contact/rounds.h. spec/contact/response.md */
+ * device: ref/contact/rounds.c. spec/contact/response.md */
 #include "gpu/contact/contact.cuh"
 #include "gpu/run/gpu.cuh"
 

@@ -6,7 +6,7 @@
 
 /* g, b and dv are the motion's star, b and dv, which that does not read any
  * more; b is penalty's force at first. */
-int gpu_couple_make(struct gpu_world *w)
+int gpu_turn_make(struct gpu_world *w)
 {
     struct couple *c = &w->world.couple;
     struct penalty *p = &c->penalty;
@@ -29,7 +29,7 @@ int gpu_couple_make(struct gpu_world *w)
 
 /* The lists are warm's, too; the rest is penalty's alone, in the pools of stage
  * contacts, which comes later. */
-int gpu_couple_room(struct world *w, int64_t n)
+int gpu_turn_room(struct world *w, int64_t n)
 {
     struct couple *c = &w->couple;
     struct penalty *p = &c->penalty;

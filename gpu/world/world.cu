@@ -200,7 +200,7 @@ static int give_response(struct gpu_world *d)
     GIVE(c->touched, ARENA_RESPONSE, NULL, w->nv);
     GIVE(c->rolled, ARENA_RESPONSE, NULL, w->nv);
     GIVE(c->start, ARENA_RESPONSE, NULL, w->nv + 1);
-    return w->plan.implicit ? gpu_couple_make(d) : gpu_status(d->gpu);
+    return w->plan.implicit ? gpu_turn_make(d) : gpu_status(d->gpu);
 }
 
 /* The world that is stepped: the host's, until it has streams of its own. */

@@ -59,7 +59,7 @@ int gpu_broad_ask(struct gpu *g, struct broad *b, const vec *x0, const vec *x1,
 int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
                     const vec *x1, real r, const uint8_t *moved);
 
-/* gpu/contact/rounds.cu: ref/contact/rounds.h on the device. */
+/* gpu/contact/rounds.cu: ref/contact/rounds.c on the device. */
 void gpu_rounds_start(struct gpu *g, const struct response *s);
 void gpu_rounds_advance(struct gpu *g, const struct response *s, int64_t n,
                         const int32_t *vertex, const uint8_t *moved, bool stop);
@@ -73,9 +73,8 @@ void gpu_turn_begin(struct gpu *g, int64_t n, vec *to, const vec *press,
 void gpu_turn_carry(struct gpu *g, const struct turn *s);
 void gpu_turn_load(struct gpu *g, const struct turn *s);
 void gpu_turn_move(struct gpu *g, const struct turn *s);
-/* couple_make and couple_room. */
-int gpu_couple_make(struct gpu_world *w);
-int gpu_couple_room(struct world *w, int64_t n);
+int gpu_turn_make(struct gpu_world *w);
+int gpu_turn_room(struct world *w, int64_t n);
 
 #ifdef __cplusplus
 }

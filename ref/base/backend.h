@@ -98,7 +98,7 @@ struct backend {
     int (*broad_query)(void *on, struct broad *b, const vec *x0, const vec *x1,
                        real r, const uint8_t *moved);
 
-    /* ---- Loops between stages: ref/contact/rounds.h ---- */
+    /* ---- Loops between stages: ref/contact/rounds.c ---- */
 
     void (*start)(void *on, struct response *s);
     void (*advance)(void *on, struct response *s, int64_t n,
@@ -128,5 +128,8 @@ struct backend {
     /* Streams of the audit that are the backend's own, and its groups. */
     int (*ending_streams)(struct world *w);
 };
+
+/* ref/world/backend.c */
+extern const struct backend backend_ref;
 
 #endif

@@ -31,11 +31,6 @@ struct couple {
     double seconds;         /* out: this step */
 };
 
-/* Takes the streams of the reference. DRAPE_OK or DRAPE_ENOMEM. */
-int couple_make(struct world *w);
-/* The reference's scratch of penalty and warm for n contacts. DRAPE_OK or
- * DRAPE_ENOMEM. */
-int couple_room(struct world *w, int64_t n);
 /* How well the motion of a cloth without contact must be solved: whether
  * roughly. */
 bool couple_prepare(const struct world *w, struct pcg *p);

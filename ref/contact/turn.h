@@ -6,6 +6,8 @@
 
 #include "ref/base/stage.h"
 
+struct world;
+
 /* One cloth's part of the streams. All are [count]. */
 struct turn {
     int64_t count;
@@ -22,6 +24,11 @@ struct turn {
     real span, dt; /* tau / dt; s */
 };
 
+/* Takes the streams of w->couple. DRAPE_OK or DRAPE_ENOMEM. */
+int turn_make(struct world *w);
+/* Takes scratch of penalty and warm for n contacts. DRAPE_OK or DRAPE_ENOMEM.
+ */
+int turn_room(struct world *w, int64_t n);
 /* g [n] begins with what presses already, or NULL: with nothing. */
 void turn_begin(int64_t n, vec *g, const vec *press, real dt);
 /* What the solve of the free motion left over is the first turn's to do. */

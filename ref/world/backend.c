@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The table of the reference: its functions finish before they return.
  * ref/base/backend.h */
-#include "ref/world/backend.h"
+#include "ref/base/backend.h"
 
 #include "ref/base/stages.h"
-#include "ref/contact/rounds.h"
 #include "ref/contact/turn.h"
 #include "ref/world/led.h"
 
@@ -237,7 +236,7 @@ const struct backend backend_ref = {.take = take,
                                     .advance = advance,
                                     .touch = touch,
                                     .settle = settle,
-                                    .turn_room = couple_room,
+                                    .turn_room = turn_room,
                                     .turn_begin = first_turn,
                                     .turn_carry = carry,
                                     .turn_load = load,

@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 
+#include "ref/cloth/advance.h"
 #include "ref/narrow/audit.h"
 #include "ref/narrow/sliver.h"
 
@@ -165,4 +166,22 @@ int start_audit(struct world *w, drape_error *error)
     if (error)
         explain(w, &p, error);
     return DRAPE_ESTART;
+}
+
+int start_substeps(const struct world *w, drape_error *error)
+{
+    for (int k = 0; k < w->def.n_cloths && !w->plan.implicit; k++) {
+        const struct cloth *c = &w->sheet[k].cloth;
+        int32_t n = advance_substeps(w->def.integrator, w->def.dt, c->bound,
+                                     (double)c->beta);
+        if (n <= w->def.max_substeps)
+            continue;
+        if (error)
+            snprintf(error->text, sizeof error->text,
+                     "cloth %d: stable from %d substeps on, max_substeps is "
+                     "%d",
+                     k, (int)n, w->def.max_substeps);
+        return DRAPE_ELIMIT;
+    }
+    return DRAPE_OK;
 }

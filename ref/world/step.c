@@ -3,11 +3,8 @@
  * table of contents. spec/world/step.md */
 #include "ref/world/step.h"
 
-#include <stdio.h>
-
 #include "ref/base/clock.h"
 #include "ref/base/threads.h"
-#include "ref/cloth/advance.h"
 #include "ref/cloth/implicit.h"
 #include "ref/world/collide.h"
 #include "ref/world/ending.h"
@@ -33,24 +30,6 @@ static bool goes_on(const struct step *s)
 {
     return s->status == DRAPE_OK && !s->again &&
            !(s->r.outcome & DRAPE_DIVERGED);
-}
-
-int step_check(struct world *w, drape_error *error)
-{
-    for (int k = 0; k < w->def.n_cloths && !w->plan.implicit; k++) {
-        const struct cloth *c = &w->sheet[k].cloth;
-        int32_t n = advance_substeps(w->def.integrator, w->def.dt, c->bound,
-                                     (double)c->beta);
-        if (n <= w->def.max_substeps)
-            continue;
-        if (error)
-            snprintf(error->text, sizeof error->text,
-                     "cloth %d: stable from %d substeps on, max_substeps is "
-                     "%d",
-                     k, (int)n, w->def.max_substeps);
-        return DRAPE_ELIMIT;
-    }
-    return DRAPE_OK;
 }
 
 /* Adds the energies of a state of all cloths. */

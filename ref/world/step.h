@@ -8,7 +8,4 @@
 /* As drape_step; report may be NULL. Negative: nothing has changed. */
 int step_advance(struct world *w, drape_step_report *report);
 
-/* DRAPE_ELIMIT and a text where the scene cannot be stepped at all. */
-int step_check(struct world *w, drape_error *error);
-
 #endif

@@ -3,6 +3,7 @@
 #include "ref/world/wire.h"
 
 #include "ref/base/sum.h"
+#include "ref/contact/turn.h"
 #include "ref/world/collide.h"
 
 static void *take(struct world *w, enum arena_part part, int64_t n, size_t size)
@@ -107,7 +108,7 @@ static int make_response(struct world *w, const drape_def *def)
     c->start = take(w, ARENA_RESPONSE, w->nv + 1, sizeof *c->start);
     if (w->arena->failed)
         return DRAPE_ENOMEM;
-    return w->plan.implicit ? couple_make(w) : DRAPE_OK;
+    return w->plan.implicit ? turn_make(w) : DRAPE_OK;
 }
 
 int wire_stages(struct world *w, const drape_def *def)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A world of one precision: made from a checked definition, asked for its state
  * and its bodies, woken, and given a wind. */
-#include "ref/world/backend.h"
 #include "ref/world/checkpoint.h"
 #include "ref/world/fill.h"
 #include "ref/world/start.h"
@@ -39,7 +38,7 @@ int world_make(const drape_def *def, struct arena *arena, struct world **world,
     if (status == DRAPE_OK)
         status = wire_stages(w, def);
     if (status == DRAPE_OK)
-        status = step_check(w, error);
+        status = start_substeps(w, error);
     world_set_wind(w, &def->wind);
     *world = w;
     return status;

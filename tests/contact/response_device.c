@@ -5,7 +5,6 @@
 
 #include "gpu/world/world.h"
 #include "ref/contact/contacts.h"
-#include "ref/contact/rounds.h"
 #include "tests/base/choices.h"
 #include "tests/base/notes.h"
 #include "tests/contact/tangle.h"

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 
 #include "ref/narrow/narrow.h"
-#include "ref/world/backend.h"
 
 static void *must(void *p)
 {
