@@ -5,20 +5,18 @@
 #include "gpu/base/real.cuh"
 #include "gpu/cloth/energy.cuh"
 #include "gpu/cloth/motion.cuh"
-#include "gpu/run/tape.cuh"
 
-/* Of a state: 1: on a tape: it may have gained. */
-enum { WORD_GAINS = 4 };
+extern "C" {
+#include "ref/cloth/bounded.h"
+}
 
 /* The step's small results. */
 enum {
-    WORD_BEFORE =
-        MOTION_BEFORE, /* energies: of each the first bytes are a real */
+    WORD_BEFORE = 0, /* energies: of each the first bytes are a real */
     WORD_AFTER = 4,
     WORD_WILD = 8,  /* 1: a coordinate is not sane */
     WORD_REACH = 9, /* bits of a pin's longest way */
-    WORD_ODD = 10,  /* 1: on a tape: it may not be bounded */
-    WORDS = 11
+    WORDS = 10
 };
 
 /* Thread p owns particle p: reads its new state, and of a pin the way that it
@@ -34,40 +32,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     note_largest(&word[WORD_REACH], length(sub(d.to[p], d.x[p])));
 }
 
-static __device__ double gain_of(const int64_t *before, const int64_t *after)
-{
-    double gain = 0;
-    for (int k = 0; k < 3; k++)
-        gain += (double)*(const real *)(after + k) -
-                (double)*(const real *)(before + k);
-    return gain;
-}
-
-static __device__ double own_of(const int64_t *after)
-{
-    return (double)*(const real *)after + (double)*(const real *)(after + 1);
-}
-
-/* One thread: whether the host might not find it bounded, which holds wherever
- * the gain is at most what it tells. */
-static __global__ void odd_kernel(int64_t *word, const double *may)
-{
-    double own = own_of(word + WORD_AFTER);
-    bool sure = own >= 0 && own <= 0x1p100 &&
-                gain_of(word + WORD_BEFORE, word + WORD_AFTER) <= *may;
-    word[WORD_ODD] = !sure;
-}
-
-/* One thread: whether the host might find that a step gained energy from
- * nowhere since `before`, where that is asked (not NULL): it lets a sixteenth
- * pass, and more. */
-static __global__ void gains_kernel(int64_t *word, const int64_t *before)
-{
-    double most = own_of(word) / 32;
-    word[WORD_GAINS] = before && !(gain_of(before, word) <= most);
-}
-
-static struct energy energy_at(const struct gpu_sheet *s, const vec *x,
+static struct energy energy_at(const struct sheet *s, const vec *x,
                                const vec *v)
 {
     const struct cloth *c = &s->cloth;
@@ -75,7 +40,7 @@ static struct energy energy_at(const struct gpu_sheet *s, const vec *x,
     e.count = c->count;
     e.m = c->m;
     e.laws = SPRINGS;
-    e.law = s->law;
+    e.law = s->device->law;
     e.springs = c->springs;
     e.mass = c->mass;
     e.x = x;
@@ -86,11 +51,6 @@ static struct energy energy_at(const struct gpu_sheet *s, const vec *x,
     return e;
 }
 
-static double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
 static double real_of(const int64_t *word)
 {
     real value;
@@ -98,78 +58,18 @@ static double real_of(const int64_t *word)
     return (double)value;
 }
 
-void gpu_motion_energy(struct gpu *g, struct gpu_sheet *s, const vec *x,
+void gpu_motion_energy(struct gpu *g, struct sheet *s, const vec *x,
                        const vec *v, double value[3])
 {
     struct energy e = energy_at(s, x, v);
     int64_t *word = gpu_words(g);
-    const int64_t *before = gpu_recall(g, s);
     gpu_energy_into(g, &e, word);
-    if (g->tape != TAPE_OFF)
-        LAUNCH(g, 1, gains_kernel, word, before);
-    const int64_t *seen = gpu_read_words(g, WORD_GAINS + 1);
-    gpu_expect(g, WORD_GAINS, 0, 0);
+    const int64_t *seen = gpu_read_words(g, 3);
     for (int k = 0; k < 3; k++)
         value[k] = real_of(seen + k);
 }
 
-/* The air's, in the precision of the state. */
-static double speed_of(vec a)
-{
-    real square = (a.x * a.x + a.y * a.y) + a.z * a.z;
-    return REAL_BITS == 32 ? (double)sqrtf((float)square) : sqrt(square);
-}
-
-/* What wind and moving pins may have put in, J, at most. */
-static double allowance(const struct gpu_sheet *s, double reach, double elastic)
-{
-    const struct cloth *c = &s->cloth;
-    const struct dynamics *d = &s->dynamics;
-    double mass = (double)c->cell_mass * (double)(c->n_triangles / 2);
-    double pins = (double)c->n_pinned, k = 0;
-    for (int o = 0; o < SPRINGS; o++)
-        k = larger((double)c->law[o].stiff, k);
-    double speed = reach / d->dt;
-    double wind = d->windy ? speed_of(d->air) : 0;
-    return 2 * mass * (speed * speed + wind * wind) +
-           reach * (2 * sqrt(32 * pins * k * elastic) + 16 * pins * k * reach);
-}
-
-/* The energy of a strain of 2^-10 in every spring. */
-static double least_energy(const struct cloth *c)
-{
-    double e = 0;
-    for (int o = 0; o < SPRINGS; o++) {
-        double rest = (double)c->law[o].rest;
-        e += (double)c->law[o].k * rest * rest;
-    }
-    return 0x1p-20 * e * (double)c->count;
-}
-
-/* False where the energy has grown without a cause, or is no number. */
-static bool bounded(struct gpu_sheet *s, const double before[3], double reach)
-{
-    struct dynamics *d = &s->dynamics;
-    const double *after = d->energy;
-    double own = after[0] + after[1], least = least_energy(&s->cloth);
-    double gain = (after[0] - before[0]) + (after[1] - before[1]) +
-                  (after[2] - before[2]) - allowance(s, reach, before[1]);
-    double surplus = d->surplus + gain;
-    if (!(own >= 0 && own <= 0x1p120) || !(surplus <= 0x1p120))
-        return false;
-    d->surplus = surplus > 0 ? surplus : 0;
-    if (d->surplus <= own / 2 && own > d->reference)
-        d->reference = own;
-    return d->surplus <= 1024 * larger(d->reference, least);
-}
-
-double gpu_motion_may_gain(const struct gpu_sheet *s, const double watch[2])
-{
-    double most = 1024 * larger(watch[0], least_energy(&s->cloth));
-    return (most - watch[1]) / 2;
-}
-
-bool gpu_motion_bounded(struct gpu *g, struct gpu_sheet *s)
+bool gpu_motion_bounded(struct gpu *g, struct sheet *s)
 {
     struct dynamics *d = &s->dynamics;
     struct energy start = energy_at(s, d->x, d->v);
@@ -178,16 +78,10 @@ bool gpu_motion_bounded(struct gpu *g, struct gpu_sheet *s)
     gpu_energy_into(g, &start, word + WORD_BEFORE);
     gpu_energy_into(g, &end, word + WORD_AFTER);
     LAUNCH(g, s->cloth.count, sane_kernel, *d, s->cloth, word);
-    const double *may = (const double *)gpu_told(g);
-    if (g->tape != TAPE_OFF)
-        LAUNCH(g, 1, odd_kernel, word, may);
     const int64_t *seen = gpu_read_words(g, WORDS);
-    gpu_expect(g, WORD_WILD, 0, 0);
-    gpu_expect(g, WORD_ODD, 0, 0);
     for (int k = 0; k < 3; k++) {
         d->before[k] = real_of(seen + WORD_BEFORE + k);
         d->energy[k] = real_of(seen + WORD_AFTER + k);
     }
-    return !seen[WORD_WILD] &&
-           bounded(s, d->before, real_of(seen + WORD_REACH));
+    return bounded_keeps(d, !seen[WORD_WILD], real_of(seen + WORD_REACH));
 }

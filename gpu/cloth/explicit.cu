@@ -32,7 +32,7 @@ struct moment {
 /* A cloth in one substep of h: next, more and spare are streams of work. */
 struct walk_on {
     struct gpu *g;
-    struct gpu_sheet *s;
+    struct sheet *s;
     struct state now, next, more, spare;
     real h;
     struct moment when;
@@ -277,7 +277,7 @@ static void take_turns(struct walk_on *w, int32_t turns)
         launch();
 }
 
-int gpu_motion_explicit(struct gpu *g, struct gpu_sheet *s)
+int gpu_motion_explicit(struct gpu *g, struct sheet *s)
 {
     struct dynamics *d = &s->dynamics;
     const struct cloth *c = &s->cloth;

@@ -3,7 +3,7 @@
  * spec/cloth/dynamics.md */
 #include "gpu/cloth/motion.cuh"
 
-static void wind(struct gpu *g, struct gpu_sheet *s, const vec *x, const vec *v,
+static void wind(struct gpu *g, struct sheet *s, const vec *x, const vec *v,
                  vec *part)
 {
     const struct cloth *c = &s->cloth;
@@ -24,9 +24,8 @@ static void wind(struct gpu *g, struct gpu_sheet *s, const vec *x, const vec *v,
 }
 
 /* The wind's three streams are the last. */
-struct springs gpu_motion_springs(struct gpu *g, struct gpu_sheet *s,
-                                  const vec *x, const vec *v,
-                                  const vec *damping)
+struct springs gpu_motion_springs(struct gpu *g, struct sheet *s, const vec *x,
+                                  const vec *v, const vec *damping)
 {
     const struct cloth *c = &s->cloth;
     const struct dynamics *d = &s->dynamics;
@@ -38,7 +37,7 @@ struct springs gpu_motion_springs(struct gpu *g, struct gpu_sheet *s,
     f.n = c->n;
     f.count = c->count;
     f.laws = SPRINGS;
-    f.law = s->law;
+    f.law = s->device->law;
     f.springs = c->springs;
     f.mass = c->mass;
     f.x = x;
@@ -51,7 +50,7 @@ struct springs gpu_motion_springs(struct gpu *g, struct gpu_sheet *s,
     return f;
 }
 
-void gpu_motion_force(struct gpu *g, struct gpu_sheet *s, const vec *x,
+void gpu_motion_force(struct gpu *g, struct sheet *s, const vec *x,
                       const vec *v, const vec *damping)
 {
     struct springs f = gpu_motion_springs(g, s, x, v, damping);
@@ -59,8 +58,7 @@ void gpu_motion_force(struct gpu *g, struct gpu_sheet *s, const vec *x,
     motion_trace(g, s, "springs", f.force);
 }
 
-void gpu_motion_copy(struct gpu *g, struct gpu_sheet *s, const vec *x,
-                     const vec *v)
+void gpu_motion_copy(struct gpu *g, struct sheet *s, const vec *x, const vec *v)
 {
     size_t bytes = (size_t)s->cloth.count * sizeof *x;
     if (x != s->dynamics.x1)
@@ -69,16 +67,14 @@ void gpu_motion_copy(struct gpu *g, struct gpu_sheet *s, const vec *x,
         gpu_copy(g, s->dynamics.v1, v, bytes);
 }
 
-/* ---- An implicit step, spec/cloth/implicit.md ---- */
-
-/* What its stages share. */
+/* What the stages of an implicit step share. spec/cloth/implicit.md */
 struct about {
     int64_t past; /* count, or 0 */
     real tau;
     vec *star, *back, *q;
 };
 
-static void predict(struct gpu *g, struct gpu_sheet *s, const struct about *a)
+static void predict(struct gpu *g, struct sheet *s, const struct about *a)
 {
     const struct dynamics *d = &s->dynamics;
     struct predict p = {};
@@ -98,26 +94,26 @@ static void predict(struct gpu *g, struct gpu_sheet *s, const struct about *a)
     motion_trace(g, s, "predict", p.star);
 }
 
-static void blocks(struct gpu *g, struct gpu_sheet *s, const struct about *a)
+static void blocks(struct gpu *g, struct sheet *s, const struct about *a)
 {
     const struct cloth *c = &s->cloth;
     struct blocks b = {};
     b.count = c->count;
     b.m = c->m;
     b.laws = SPRINGS;
-    b.law = s->law;
+    b.law = s->device->law;
     b.springs = c->springs;
     b.x = s->dynamics.x;
     b.tau = a->tau;
     b.block = s->dynamics.block;
     b.n_thin = s->dynamics.thin ? SPRINGS * c->count : 0;
     b.thin = s->dynamics.thin;
-    gpu_blocks_and_rates(g, &b, s->rate);
+    gpu_blocks_and_rates(g, &b, s->device->rate);
     gpu_trace(g, s->dynamics.trace, "blocks", b.block,
               (size_t)(SPRINGS * c->count) * sizeof *b.block);
 }
 
-static void rhs(struct gpu *g, struct gpu_sheet *s, const struct about *a)
+static void rhs(struct gpu *g, struct sheet *s, const struct about *a)
 {
     const struct cloth *c = &s->cloth;
     struct rhs r = {};
@@ -138,25 +134,26 @@ static void rhs(struct gpu *g, struct gpu_sheet *s, const struct about *a)
     motion_trace(g, s, "rhs", r.b);
 }
 
-static int solve(struct gpu *g, struct gpu_sheet *s)
+static int solve(struct gpu *g, struct sheet *s)
 {
     struct dynamics *d = &s->dynamics;
-    s->pcg.block = d->block;
-    s->pcg.thin = d->thin;
-    s->pcg.b = d->b;
-    s->pcg.dv = d->dv;
+    s->solver.pcg.block = d->block;
+    s->solver.pcg.thin = d->thin;
+    s->solver.pcg.b = d->b;
+    s->solver.pcg.dv = d->dv;
     gpu_clock_start(g);
-    int status = gpu_pcg_by_rates(g, &s->pcg, rates{s->rate, d->x});
-    s->solver_seconds = gpu_clock_stop(g);
-    d->iterations += s->pcg.iterations;
-    d->residual = (double)s->pcg.residual;
-    if (status == DRAPE_OK && s->pcg.outcome != PCG_CONVERGED)
+    int status =
+        gpu_pcg_by_rates(g, &s->solver.pcg, rates{s->device->rate, d->x});
+    s->solver.seconds = gpu_clock_stop(g);
+    d->iterations += s->solver.pcg.iterations;
+    d->residual = (double)s->solver.pcg.residual;
+    if (status == DRAPE_OK && s->solver.pcg.outcome != PCG_CONVERGED)
         d->outcome |= DRAPE_UNCONVERGED;
     motion_trace(g, s, "pcg", d->dv);
     return status;
 }
 
-static void update(struct gpu *g, struct gpu_sheet *s, const struct about *a)
+static void update(struct gpu *g, struct sheet *s, const struct about *a)
 {
     const struct dynamics *d = &s->dynamics;
     struct update u = {};
@@ -176,16 +173,16 @@ static void update(struct gpu *g, struct gpu_sheet *s, const struct about *a)
     motion_trace(g, s, "update", u.v1);
 }
 
-static int go_implicit(struct gpu *g, struct gpu_sheet *s)
+static int go_implicit(struct gpu *g, struct sheet *s)
 {
     struct dynamics *d = &s->dynamics;
     struct about a;
     a.past = d->method == DRAPE_CK && d->has_past ? s->cloth.count : 0;
     a.tau = (real)(a.past ? d->dt * 2 / 3 : d->dt);
-    a.star = s->star;
+    a.star = s->device->star;
     a.back = a.past ? motion_stream(s, 2) : NULL;
     a.q = a.past ? motion_stream(s, 3) : a.star;
-    d->b = s->b;
+    d->b = s->device->b;
     d->dv = motion_stream(s, 1);
     d->substeps = 1;
     gpu_hand_over(g);
@@ -200,23 +197,17 @@ static int go_implicit(struct gpu *g, struct gpu_sheet *s)
     return status;
 }
 
-int gpu_motion(struct gpu *g, struct gpu_sheet *s)
+int gpu_motion(struct gpu *g, struct sheet *s)
 {
     struct dynamics *d = &s->dynamics;
     d->outcome = 0;
     d->iterations = 0;
     d->residual = 0;
-    double reference = d->reference, surplus = d->surplus;
     int status = dynamics_implicit(d->method) ? go_implicit(g, s)
                                               : gpu_motion_explicit(g, s);
     if (status != DRAPE_OK)
         return status;
-    if (gpu_motion_bounded(g, s))
-        return gpu_status(g);
-    d->outcome |= DRAPE_DIVERGED;
-    d->reference = reference;
-    d->surplus = surplus;
-    memcpy(d->energy, d->before, sizeof d->energy);
-    gpu_motion_copy(g, s, d->x, d->v);
+    if (!gpu_motion_bounded(g, s))
+        gpu_motion_copy(g, s, d->x, d->v);
     return gpu_status(g);
 }

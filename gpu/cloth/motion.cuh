@@ -7,7 +7,7 @@
 #include "gpu/run/gpu.cuh"
 #include "gpu/world/world.h"
 
-static inline vec *motion_stream(const struct gpu_sheet *s, int k)
+static inline vec *motion_stream(const struct sheet *s, int k)
 {
     return s->dynamics.work + k * s->cloth.count;
 }
@@ -19,7 +19,7 @@ static inline int64_t motion_vecs(const struct dynamics *d)
     return dynamics_vecs(d->method, d->windy) - apart;
 }
 
-static inline void motion_trace(struct gpu *g, const struct gpu_sheet *s,
+static inline void motion_trace(struct gpu *g, const struct sheet *s,
                                 const char *stage, const vec *out)
 {
     gpu_trace(g, s->dynamics.trace, stage, out,
@@ -28,16 +28,15 @@ static inline void motion_trace(struct gpu *g, const struct gpu_sheet *s,
 
 /* Stream 0 of work: the force at x; wind at v, the springs damp at damping,
  * or do not where that is NULL. */
-void gpu_motion_force(struct gpu *g, struct gpu_sheet *s, const vec *x,
+void gpu_motion_force(struct gpu *g, struct sheet *s, const vec *x,
                       const vec *v, const vec *damping);
 
 /* The stage that makes it, behind the wind's. */
-struct springs gpu_motion_springs(struct gpu *g, struct gpu_sheet *s,
-                                  const vec *x, const vec *v,
-                                  const vec *damping);
+struct springs gpu_motion_springs(struct gpu *g, struct sheet *s, const vec *x,
+                                  const vec *v, const vec *damping);
 
 /* x1 = x, v1 = v. */
-void gpu_motion_copy(struct gpu *g, struct gpu_sheet *s, const vec *x,
+void gpu_motion_copy(struct gpu *g, struct sheet *s, const vec *x,
                      const vec *v);
 
 /* Streams of vec that an explicit method has besides. */
@@ -47,16 +46,10 @@ static inline int64_t motion_spares(const struct dynamics *d)
 }
 
 /* Substeps of the method from x, v to x1, v1. DRAPE_OK or DRAPE_ELIMIT. */
-int gpu_motion_explicit(struct gpu *g, struct gpu_sheet *s);
+int gpu_motion_explicit(struct gpu *g, struct sheet *s);
 
-/* §3: false where the step has diverged; sets the energies at its start and
- * end, its surplus and reference. Waits for the device. */
-bool gpu_motion_bounded(struct gpu *g, struct gpu_sheet *s);
-
-/* The energy, J, that a cloth's next step may gain and is bounded for sure;
- * watch: reference and surplus. */
-double gpu_motion_may_gain(const struct gpu_sheet *s, const double watch[2]);
-/* The word of that look that the energies at the start begin at. */
-enum { MOTION_BEFORE = 0 };
+/* bounded_keeps on the device: sets the energies at the start and the end of
+ * the step. Waits for the device. */
+bool gpu_motion_bounded(struct gpu *g, struct sheet *s);
 
 #endif

@@ -4,26 +4,30 @@
 #include <stdio.h>
 
 #include "gpu/cloth/motion.cuh"
-#include "gpu/run/blas.h"
-#include "gpu/run/tape.cuh"
+#include "gpu/compare/blas.h"
+
+extern "C" {
+#include "ref/world/step.h"
+}
 
 /* A stream on the device with what the host's holds; NULL: zero. */
-static void *give(struct gpu_world *w, enum arena_part part, const void *host,
+static void *give(struct gpu_world *d, enum arena_part part, const void *host,
                   int64_t n, size_t size)
 {
-    void *p = gpu_take(w->gpu, part, n, size);
+    void *p = gpu_take(d->gpu, part, n, size);
     if (p && host)
-        gpu_up(w->gpu, p, host, (size_t)n * size);
+        gpu_up(d->gpu, p, host, (size_t)n * size);
     return p;
 }
 
 /* GIVE(pointer, part, host, n): with the size of what pointer points to. */
 #define GIVE(p, part, host, n)                                                 \
-    (p) = (decltype(p))give(w, part, host, n, sizeof *(p))
+    (p) = (decltype(p))give(d, part, host, n, sizeof *(p))
 
-static void give_state(struct gpu_world *w)
+static void give_state(struct gpu_world *d)
 {
-    const struct world *h = w->host;
+    const struct world *h = d->host;
+    struct world *w = &d->world;
     GIVE(w->x0, ARENA_STATE, h->x0, h->nv);
     GIVE(w->v0, ARENA_STATE, h->v0, h->nv);
     GIVE(w->x1, ARENA_STATE, h->x0, h->nv);
@@ -32,7 +36,7 @@ static void give_state(struct gpu_world *w)
     GIVE(w->body, ARENA_STATE, h->body, h->nv);
     GIVE(w->surface, ARENA_STATE, h->surface,
          h->def.n_cloths + h->def.n_obstacles);
-    GIVE(w->pose, ARENA_OTHER, h->pose, h->def.n_motions);
+    GIVE(w->posed, ARENA_OTHER, h->pose, h->def.n_motions);
     if (h->plan.history) {
         GIVE(w->past_x, ARENA_STATE, h->past_x, h->nc);
         GIVE(w->past_v, ARENA_STATE, h->past_v, h->nc);
@@ -43,6 +47,7 @@ static void give_state(struct gpu_world *w)
         GIVE(w->free_x, ARENA_STATE, NULL, h->nc);
         GIVE(w->free_v, ARENA_STATE, NULL, h->nc);
     }
+    w->tri = NULL; /* borrow gives it, where nothing collides */
 }
 
 /* Where pins end: an implicit method reads no more. */
@@ -54,18 +59,19 @@ static bool reads_to(const struct world *h)
     return reads;
 }
 
-static void give_motion(struct gpu_world *w)
+static void give_motion(struct gpu_world *d)
 {
-    const struct world *h = w->host;
+    const struct world *h = d->host;
+    d->world.to = NULL;
     if (reads_to(h))
-        GIVE(w->to, ARENA_STATE, h->to, h->nc);
+        GIVE(d->world.to, ARENA_STATE, h->to, h->nc);
     if (!h->plan.implicit)
         return;
-    GIVE(w->star, ARENA_SOLVER, NULL, h->nc);
-    GIVE(w->b, ARENA_SOLVER, NULL, h->plan.collides ? h->nv : h->nc);
+    GIVE(d->star, ARENA_SOLVER, NULL, h->nc);
+    GIVE(d->b, ARENA_SOLVER, NULL, h->plan.collides ? h->nv : h->nc);
 }
 
-static void give_place(struct gpu_world *w, enum arena_part part,
+static void give_place(struct gpu_world *d, enum arena_part part,
                        const struct kinematics *host, struct kinematics *k)
 {
     *k = *host;
@@ -76,7 +82,7 @@ static void give_place(struct gpu_world *w, enum arena_part part,
     GIVE(motion, part, host->motion, host->n);
     k->rest = rest;
     k->motion = motion;
-    k->pose = w->pose;
+    k->pose = d->world.posed;
 }
 
 /* Streams one behind the other in one block; without it, its size. */
@@ -98,10 +104,10 @@ static void *next_in(struct row *row, int64_t n, size_t size)
  * contacts read, and all that is lent. Of multigrid's finest grid pool and room
  * lack what p and q lend it; these lie before the force, which rhs alone reads.
  */
-static struct row lay_out(struct gpu_sheet *s, int64_t vecs, char *block)
+static struct row lay_out(struct sheet *s, int64_t vecs, char *block)
 {
     struct row row = {block, 0};
-    struct pcg *p = &s->pcg;
+    struct pcg *p = &s->solver.pcg;
     int64_t lent = p->grid.n_pool ? p->count : 0;
     NEXT(p->r, p->count);
     NEXT(p->cdf, p->n_cdf);
@@ -116,9 +122,9 @@ static struct row lay_out(struct gpu_sheet *s, int64_t vecs, char *block)
     return row;
 }
 
-static void give_solver(struct gpu_world *w, struct gpu_sheet *s, int64_t vecs)
+static void give_solver(struct gpu_world *d, struct sheet *s, int64_t vecs)
 {
-    struct pcg *p = &s->pcg;
+    struct pcg *p = &s->solver.pcg;
     char *block = NULL;
     GIVE(p->chunk, ARENA_SOLVER, NULL, p->n_chunks);
     GIVE(p->grid.dense, ARENA_SOLVER, NULL, p->grid.n_dense);
@@ -129,99 +135,119 @@ static void give_solver(struct gpu_world *w, struct gpu_sheet *s, int64_t vecs)
     p->q = p->p + p->count;
     s->dynamics.work = p->q + p->count;
     vec *from = p->r + p->count, *to = s->dynamics.work + vecs * p->count;
-    gpu_lend(w->gpu, from, (size_t)((char *)to - (char *)from));
+    gpu_lend(d->gpu, from, (size_t)((char *)to - (char *)from));
 }
 
-static void give_sheet(struct gpu_world *w, int k)
+static void give_sheet(struct gpu_world *d, int k)
 {
-    struct sheet *h = &w->host->sheet[k];
-    struct gpu_sheet *s = &w->sheet[k];
+    const struct sheet *h = &d->host->sheet[k];
+    struct sheet *s = &d->world.sheet[k];
+    struct gpu_sheet *more = s->device;
     struct cloth *c = &s->cloth;
-    struct dynamics *d = &s->dynamics;
-    s->first = h->first;
-    *c = h->cloth;
+    struct dynamics *m = &s->dynamics;
+    struct pcg *p = &s->solver.pcg;
+    *s = *h;
+    s->device = more;
     c->tri = NULL;
     GIVE(c->cell, ARENA_CLOTH, h->cloth.cell, c->count);
     GIVE(c->springs, ARENA_CLOTH, h->cloth.springs, c->count);
     GIVE(c->fixed, ARENA_CLOTH, h->cloth.fixed, c->count);
     GIVE(c->mass, ARENA_CLOTH, h->cloth.mass, c->count);
-    GIVE(s->law, ARENA_CLOTH, c->law, SPRINGS);
+    GIVE(more->law, ARENA_CLOTH, c->law, SPRINGS);
     GIVE(s->pinned, ARENA_CLOTH, h->pinned, h->pins.n);
-    give_place(w, ARENA_CLOTH, &h->pins, &s->pins);
+    give_place(d, ARENA_CLOTH, &h->pins, &s->pins);
     GIVE(s->pins.x, ARENA_CLOTH, h->pins.x, h->pins.n);
-    *d = h->dynamics;
-    d->cloth = c;
-    int64_t vecs = motion_vecs(d);
-    GIVE(d->chunk, ARENA_SOLVER, NULL, 3 * sum_chunks(c->count));
-    if (!w->host->plan.implicit) {
-        GIVE(d->work, ARENA_SOLVER, NULL, (vecs + motion_spares(d)) * c->count);
+    m->cloth = c;
+    int64_t vecs = motion_vecs(m);
+    GIVE(m->chunk, ARENA_SOLVER, NULL, 3 * sum_chunks(c->count));
+    if (!d->world.plan.implicit) {
+        GIVE(m->work, ARENA_SOLVER, NULL, (vecs + motion_spares(m)) * c->count);
         return;
     }
-    s->star = w->star + s->first;
-    s->b = w->b + s->first;
-    GIVE(d->block, ARENA_SOLVER, NULL, SPRINGS * c->count);
-    s->pcg = h->solver.pcg;
-    if (s->pcg.n_thin)
-        GIVE(d->thin, ARENA_SOLVER, NULL, s->pcg.n_thin);
-    if (gpu_rates_help(w->gpu, &s->pcg))
-        GIVE(s->rate, ARENA_SOLVER, NULL, SPRINGS * RATES_PITCH(c->count));
-    s->pcg.mass = c->mass;
-    s->pcg.fixed = c->fixed;
-    give_solver(w, s, vecs);
+    more->star = d->star + s->first;
+    more->b = d->b + s->first;
+    GIVE(m->block, ARENA_SOLVER, NULL, SPRINGS * c->count);
+    if (p->n_thin)
+        GIVE(m->thin, ARENA_SOLVER, NULL, p->n_thin);
+    if (gpu_rates_help(d->gpu, p))
+        GIVE(more->rate, ARENA_SOLVER, NULL, SPRINGS * RATES_PITCH(c->count));
+    p->mass = c->mass;
+    p->fixed = c->fixed;
+    give_solver(d, s, vecs);
 }
 
-static void give_prop(struct gpu_world *w, int k)
+static void give_prop(struct gpu_world *d, int k)
 {
-    const struct prop *h = &w->host->prop[k];
-    struct gpu_prop *p = &w->prop[k];
-    give_place(w, ARENA_OBSTACLE, &h->place, &p->place);
+    const struct prop *h = &d->host->prop[k];
+    struct prop *p = &d->world.prop[k];
+    *p = *h;
+    give_place(d, ARENA_OBSTACLE, &h->place, &p->place);
     if (h->frames)
         GIVE(p->frame, ARENA_OBSTACLE, h->frame, 3 * h->place.n * h->frames);
 }
 
-static int give_response(struct gpu_world *w)
+static int give_response(struct gpu_world *d)
 {
+    struct world *w = &d->world;
     struct response *c = &w->response;
-    const struct world *h = w->host;
-    *c = h->response;
+    c->run = w->run;
+    c->on = w->on;
     c->w = w->w;
     c->skin.of = w->body;
     c->skin.surface = w->surface;
     c->user = w;
-    c->broad = gpu_step_broad;
-    c->grow = NULL;
-    GIVE(c->u, ARENA_RESPONSE, NULL, h->nv);
-    GIVE(c->touched, ARENA_RESPONSE, NULL, h->nv);
-    GIVE(c->rolled, ARENA_RESPONSE, NULL, h->nv);
-    GIVE(c->start, ARENA_RESPONSE, NULL, h->nv + 1);
-    if (!h->plan.implicit)
-        return gpu_status(w->gpu);
-    c->solve = gpu_couple_solve;
-    return gpu_couple_make(w);
+    GIVE(c->u, ARENA_RESPONSE, NULL, w->nv);
+    GIVE(c->touched, ARENA_RESPONSE, NULL, w->nv);
+    GIVE(c->rolled, ARENA_RESPONSE, NULL, w->nv);
+    GIVE(c->start, ARENA_RESPONSE, NULL, w->nv + 1);
+    return w->plan.implicit ? gpu_turn_make(d) : gpu_status(d->gpu);
 }
 
-static int open_device(struct world *h, drape_error *error)
+/* The world that is stepped: the host's, until it has streams of its own. */
+static int open_device(struct world *h, struct world **world,
+                       drape_error *error)
 {
     int status;
-    struct gpu_world *w =
-        (struct gpu_world *)arena_take(h->arena, ARENA_OTHER, 1, sizeof *w);
-    if (!w)
+    struct gpu_world *d =
+        (struct gpu_world *)arena_take(h->arena, ARENA_OTHER, 1, sizeof *d);
+    if (!d)
         return DRAPE_ENOMEM;
-    h->device = w;
-    w->host = h;
-    w->gpu = gpu_open(&h->def, &status);
+    d->host = h;
+    d->world = *h;
+    d->world.device = d;
+    *world = &d->world;
+    d->gpu = gpu_open(&h->def, &status);
     if (status == DRAPE_EDEVICE && error)
         snprintf(error->text, sizeof error->text,
                  "backend gpu: there is no device here that can be used");
-    if (!w->gpu)
+    if (!d->gpu)
         return status;
-    h->held = gpu_held(w->gpu);
+    d->world.run = &backend_gpu;
+    d->world.on = d->gpu;
+    d->world.held = gpu_held(d->gpu);
     if (h->def.solver == DRAPE_CUBLAS)
-        status = blas_open(w->gpu);
+        status = blas_open(d->gpu);
     if (status == DRAPE_EDEVICE && error)
         snprintf(error->text, sizeof error->text,
                  "solver cublas: libcublas cannot be found or used");
     return status;
+}
+
+/* The structs of cloths and obstacles. */
+static int take_bodies(struct world *w)
+{
+    const drape_def *def = &w->def;
+    w->sheet = (struct sheet *)arena_take(w->arena, ARENA_OTHER, def->n_cloths,
+                                          sizeof *w->sheet);
+    w->prop = (struct prop *)arena_take(w->arena, ARENA_OTHER, def->n_obstacles,
+                                        sizeof *w->prop);
+    struct gpu_sheet *more = (struct gpu_sheet *)arena_take(
+        w->arena, ARENA_OTHER, def->n_cloths, sizeof *more);
+    if (!w->sheet || !w->prop || !more)
+        return DRAPE_ENOMEM;
+    for (int k = 0; k < def->n_cloths; k++)
+        w->sheet[k].device = &more[k];
+    return DRAPE_OK;
 }
 
 static int make(const drape_def *def, struct arena *arena, struct world **world,
@@ -230,144 +256,147 @@ static int make(const drape_def *def, struct arena *arena, struct world **world,
     int status = world_make(def, arena, world, error);
     struct world *h = *world;
     if (status == DRAPE_OK)
-        status = open_device(h, error);
+        status = open_device(h, world, error);
+    if (status == DRAPE_OK)
+        status = take_bodies(*world);
     if (status != DRAPE_OK)
         return status;
-    struct gpu_world *w = h->device;
-    w->sheet = (struct gpu_sheet *)arena_take(arena, ARENA_OTHER, def->n_cloths,
-                                              sizeof *w->sheet);
-    w->prop = (struct gpu_prop *)arena_take(arena, ARENA_OTHER,
-                                            def->n_obstacles, sizeof *w->prop);
-    if (arena->failed)
-        return DRAPE_ENOMEM;
-    give_state(w);
-    give_motion(w);
+    struct world *w = *world;
+    struct gpu_world *d = w->device;
+    give_state(d);
+    give_motion(d);
     for (int k = 0; k < def->n_cloths; k++)
-        give_sheet(w, k);
+        give_sheet(d, k);
     for (int k = 0; k < def->n_obstacles; k++)
-        give_prop(w, k);
-    status = gpu_status(w->gpu);
+        give_prop(d, k);
+    status = gpu_status(d->gpu);
     if (h->tracing) /* so that a step that is done has room for its trace */
-        gpu_aside(w->gpu, (size_t)h->nv * sizeof(vec));
-    if (status == DRAPE_OK && h->plan.collides)
-        status = gpu_broad_make(w->gpu, &h->broad, &w->broad);
-    if (status == DRAPE_OK && h->plan.collides)
-        status = give_response(w);
-    gpu_wait(w->gpu);
-    return status == DRAPE_OK ? gpu_status(w->gpu) : status;
+        gpu_aside(d->gpu, (size_t)h->nv * sizeof(vec));
+    if (status == DRAPE_OK && w->plan.collides)
+        status = gpu_broad_make(d->gpu, &h->broad, &w->broad);
+    if (status == DRAPE_OK && w->plan.collides) {
+        w->tri = (int32_t(*)[3])w->broad.tree.tri;
+        status = give_response(d);
+    }
+    gpu_wait(d->gpu);
+    return status == DRAPE_OK ? gpu_status(d->gpu) : status;
 }
 
-static void count(const struct world *h, drape_memory *m)
+static void count(const struct world *w, drape_memory *m)
 {
-    gpu_count(h->device->gpu, m);
+    gpu_count(w->device->gpu, m);
 }
 
-static void end(struct world *h)
+static void end(struct world *w)
 {
-    if (h->device)
-        gpu_close(h->device->gpu);
+    if (w->device)
+        gpu_close(w->device->gpu);
 }
 
-/* ---- The state, from and to the host's streams ---- */
-
-static int fetch(const struct world *h)
+/* The world with the host's streams of the state in place of the device's. */
+static struct world staged(const struct world *w)
 {
-    struct gpu_world *w = h->device;
-    size_t bytes = (size_t)h->nv * sizeof *w->x0;
-    size_t past = w->past_x ? (size_t)h->nc * sizeof *w->past_x : 0;
-    size_t press = w->press ? (size_t)h->nc * sizeof *w->press : 0;
-    gpu_begin(w->gpu);
-    gpu_down(w->gpu, h->x0, w->x0, bytes);
-    gpu_down(w->gpu, h->v0, w->v0, bytes);
-    gpu_down(w->gpu, h->past_x, w->past_x, past);
-    gpu_down(w->gpu, h->past_v, w->past_v, past);
-    gpu_down(w->gpu, h->press, w->press, press);
-    return gpu_status(w->gpu);
+    const struct world *h = w->device->host;
+    struct world all = *w;
+    all.x0 = h->x0;
+    all.v0 = h->v0;
+    all.past_x = h->past_x;
+    all.past_v = h->past_v;
+    all.press = h->press;
+    return all;
 }
 
-static int read(const struct world *h, double (*x)[3], double (*v)[3])
+static int fetch(const struct world *w)
 {
-    int status = fetch(h);
-    return status == DRAPE_OK ? world_read(h, x, v) : status;
+    const struct world *h = w->device->host;
+    struct gpu *g = w->device->gpu;
+    size_t bytes = (size_t)w->nv * sizeof *w->x0;
+    size_t past = w->past_x ? (size_t)w->nc * sizeof *w->past_x : 0;
+    size_t press = w->press ? (size_t)w->nc * sizeof *w->press : 0;
+    gpu_begin(g);
+    gpu_down(g, h->x0, w->x0, bytes);
+    gpu_down(g, h->v0, w->v0, bytes);
+    gpu_down(g, h->past_x, w->past_x, past);
+    gpu_down(g, h->past_v, w->past_v, past);
+    gpu_down(g, h->press, w->press, press);
+    return gpu_status(g);
 }
 
-static int borrow(struct world *h, drape_view *view)
+static int read(const struct world *w, double (*x)[3], double (*v)[3])
 {
-    struct gpu_world *w = h->device;
-    gpu_begin(w->gpu);
-    if (!w->tri && h->plan.collides)
-        w->tri = w->broad.tree.tri;
-    else if (!w->tri)
-        GIVE(w->tri, ARENA_STATE, h->tri, h->nt);
-    int status = gpu_status(w->gpu);
+    int status = fetch(w);
+    return status == DRAPE_OK ? world_read(w->device->host, x, v) : status;
+}
+
+static void read_triangles(const struct world *w, int32_t (*tri)[3])
+{
+    world_read_triangles(w->device->host, tri);
+}
+
+static int borrow(struct world *w, drape_view *view)
+{
+    struct gpu_world *d = w->device;
+    gpu_begin(d->gpu);
+    if (!w->tri)
+        GIVE(w->tri, ARENA_STATE, d->host->tri, w->nt);
+    int status = gpu_status(d->gpu);
     if (status != DRAPE_OK)
         return status;
     view->x = w->x0;
     view->v = w->v0;
-    view->tri = w->tri;
-    view->device = gpu_device(w->gpu);
-    view->stream = gpu_stream(w->gpu);
+    view->tri = (const int32_t(*)[3])w->tri;
+    view->device = gpu_device(d->gpu);
+    view->stream = gpu_stream(d->gpu);
     return DRAPE_OK;
 }
 
-static const char *device(const struct world *h)
+static const char *device(const struct world *w)
 {
-    return gpu_name(h->device->gpu);
+    return gpu_name(w->device->gpu);
 }
 
-static int save(const struct world *h, drape_write *write, void *user)
+static int save(const struct world *w, drape_write *write, void *user)
 {
-    int status = fetch(h);
-    return status == DRAPE_OK ? checkpoint_save(h, write, user) : status;
+    struct world all = staged(w);
+    int status = fetch(w);
+    return status == DRAPE_OK ? checkpoint_save(&all, write, user) : status;
 }
 
-static void give_air(struct world *h)
+static int load(struct world *w, drape_read_bytes *read, void *user)
 {
-    h->device->gpu->changes++; /* tapes are of another wind */
-    for (int k = 0; k < h->def.n_cloths; k++) {
-        struct dynamics *d = &h->device->sheet[k].dynamics;
-        d->air = h->sheet[k].dynamics.air;
-        d->drag = h->sheet[k].dynamics.drag;
-        d->lift = h->sheet[k].dynamics.lift;
-    }
-}
-
-static int load(struct world *h, drape_read_bytes *read, void *user)
-{
-    struct gpu_world *w = h->device;
-    int status = checkpoint_load(h, read, user);
+    struct world all = staged(w), now = *w;
+    struct gpu *g = w->device->gpu;
+    int status = checkpoint_load(&all, read, user);
     if (status != DRAPE_OK)
         return status;
-    gpu_begin(w->gpu);
-    size_t bytes = (size_t)h->nv * sizeof *w->x0;
-    size_t past = w->past_x ? (size_t)h->nc * sizeof *w->past_x : 0;
-    size_t press = w->press ? (size_t)h->nc * sizeof *w->press : 0;
-    gpu_up(w->gpu, w->x0, h->x0, bytes);
-    gpu_up(w->gpu, w->v0, h->v0, bytes);
-    gpu_up(w->gpu, w->x1, h->x0, bytes); /* what never moves is not led */
-    gpu_up(w->gpu, w->past_x, h->past_x, past);
-    gpu_up(w->gpu, w->past_v, h->past_v, past);
-    gpu_up(w->gpu, w->press, h->press, press);
-    gpu_wait(w->gpu);
-    give_air(h);
-    return gpu_status(w->gpu);
-}
-
-static int set_wind(struct world *h, const drape_wind *wind)
-{
-    int status = world_set_wind(h, wind);
-    give_air(h);
-    return status;
+    gpu_begin(g);
+    size_t bytes = (size_t)w->nv * sizeof *w->x0;
+    size_t past = w->past_x ? (size_t)w->nc * sizeof *w->past_x : 0;
+    size_t press = w->press ? (size_t)w->nc * sizeof *w->press : 0;
+    gpu_up(g, w->x0, all.x0, bytes);
+    gpu_up(g, w->v0, all.v0, bytes);
+    gpu_up(g, w->x1, all.x0, bytes); /* what never moves is not led */
+    gpu_up(g, w->past_x, all.past_x, past);
+    gpu_up(g, w->past_v, all.past_v, past);
+    gpu_up(g, w->press, all.press, press);
+    gpu_wait(g);
+    *w = all;
+    w->x0 = now.x0;
+    w->v0 = now.v0;
+    w->past_x = now.past_x;
+    w->past_v = now.past_v;
+    w->press = now.press;
+    return gpu_status(g);
 }
 
 const struct world_ops world_ops_gpu = {.make = make,
-                                        .step = gpu_step,
+                                        .step = step_advance,
                                         .read = read,
-                                        .read_triangles = world_read_triangles,
+                                        .read_triangles = read_triangles,
                                         .first_vertex = world_first_vertex,
                                         .first_triangle = world_first_triangle,
                                         .wake = world_wake,
-                                        .set_wind = set_wind,
+                                        .set_wind = world_set_wind,
                                         .plan = plan_rows,
                                         .save = save,
                                         .load = load,

@@ -1,81 +1,54 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A world on the device: the streams of ref/world/state.h there, and who steps
- * them. Names and meanings are those of struct world. spec/gpu.md §6 */
+/* A world on the device: a struct world whose streams are there, and what the
+ * device has besides. spec/gpu.md §6 */
 #ifndef GPU_WORLD_H
 #define GPU_WORLD_H
 
 #include "gpu/cloth/rate.h"
+#include "ref/contact/turn.h"
 #include "ref/world/state.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
 
-/* One cloth. The structs are the host's, their streams the device's. */
+/* What the device has for a cloth besides its struct sheet. */
 struct gpu_sheet {
-    int64_t first;
-    struct cloth cloth;
-    struct law *law;          /* device [SPRINGS] */
-    struct dynamics dynamics; /* cloth is the one above; solve is not used */
-    struct pcg pcg;
-    struct rate *rate;     /* device, or NULL: a solve has no use for it */
-    vec *star, *b;         /* device [count], within the world's */
-    double solver_seconds; /* out: of the last solve */
-    struct kinematics pins;
-    int32_t *pinned; /* device [pins.n] particle of each pin */
-};
-
-/* One obstacle. */
-struct gpu_prop {
-    struct kinematics place; /* rest: of the start, or set to a frame */
-    double *frame;           /* device, or NULL */
+    struct law *law;   /* device [SPRINGS] */
+    struct rate *rate; /* device, or NULL: a solve has no use for it */
+    vec *star, *b;     /* device [count], within the world's */
 };
 
 struct gpu_world {
-    struct world *host; /* made by ref/world/world.c; never stepped itself */
+    struct world world; /* the one that is stepped; its streams, and those of
+                           its stages, are the device's. broad.arena is NULL */
+    struct world *host; /* made by ref/world/world.c; never stepped: its streams
+                           are for what is read, saved and loaded */
     struct gpu *gpu;
-    vec *x0, *v0, *x1, *v1;   /* device [nv] */
-    vec *free_x, *free_v;     /* device [nc] or NULL */
-    vec *past_x, *past_v;     /* device [nc] or NULL */
-    vec *press;               /* likewise */
-    vec *to;                  /* device [nc], or NULL: it is not read */
-    vec *star, *b;            /* device [nc] of implicit motion, then couple's
-                                 g and, [nv] if anything collides, force */
-    real *w;                  /* device [nv] */
-    uint16_t *body;           /* device [nv] */
-    const int32_t (*tri)[3];  /* device [nt], the tree's if anything collides;
-                                 NULL: nobody has borrowed it */
-    struct surface *surface;  /* device [bodies] */
-    struct pose *pose;        /* device [n_motions] */
-    struct gpu_prop *prop;    /* [n_obstacles] */
-    struct gpu_sheet *sheet;  /* [n_cloths] */
-    struct broad broad;       /* arena is NULL: memory is gpu_take's */
-    struct response response; /* grow is not used: gpu_take likewise */
-    struct couple couple;
-    struct start start;   /* device, but for watch */
-    struct audit ending;  /* of gpu_ending_count; NULL until it is needed */
-    int32_t *group;       /* device [nt] likewise: 1 for a cloth's triangle */
-    double broad_seconds; /* not charged yet */
+    vec *star, *b; /* device [nc] of implicit motion, then couple's g and, [nv]
+                      if anything collides, force */
 };
 
-/* gpu/world/pipeline.cu: step_advance on the device. */
-int gpu_step(struct world *w, drape_step_report *report);
+/* gpu/world/backend.cu */
+extern const struct backend backend_gpu;
 
-/* The response's broad; user is the gpu_world. */
-int gpu_step_broad(void *user, const uint8_t *touched, struct pairs *out);
-
-/* gpu/world/lead.cu: ref/world/lead.h on the device. */
-int gpu_lead(struct gpu_world *w, double t, vec *x);
-bool gpu_lead_moves(struct gpu_world *w);
-void gpu_lead_velocities(struct gpu_world *w);
+/* gpu/world/led.cu: ref/world/led.h on the device. */
+void gpu_led_pin(struct gpu *g, int64_t n, const int32_t *pinned, const vec *x,
+                 vec *to);
+bool gpu_led_moves(const struct world *w);
+void gpu_led_velocities(struct gpu *g, int64_t n, const vec *x0, const vec *x1,
+                        real dt, vec *v);
+real gpu_led_furthest(struct gpu *g, int64_t n, const vec *x0, const vec *x1);
+/* group [nt]: 1 for the first `cloths` triangles, else 0. */
+void gpu_led_group(struct gpu *g, int64_t nt, int64_t cloths, int32_t *group);
 
 /* As trace_stage, of a stream on the device; waits only where t asks. */
 void gpu_trace(struct gpu *g, struct trace *t, const char *stage,
                const void *out, size_t bytes);
 
 /* gpu/cloth/motion.cu: ref_dynamics and dynamics_energy on the device. */
-int gpu_motion(struct gpu *g, struct gpu_sheet *s);
-void gpu_motion_energy(struct gpu *g, struct gpu_sheet *s, const vec *x,
+int gpu_motion(struct gpu *g, struct sheet *s);
+void gpu_motion_energy(struct gpu *g, struct sheet *s, const vec *x,
                        const vec *v, double value[3]);
 
 /* gpu/broad/broad.cu: broad_make's result copied from the host's; broad_ask
@@ -86,22 +59,22 @@ int gpu_broad_ask(struct gpu *g, struct broad *b, const vec *x0, const vec *x1,
 int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
                     const vec *x1, real r, const uint8_t *moved);
 
-/* gpu/contact/response.cu, gpu/contact/failsafe.cu: ref/contact/response.h on
- * the device. broad and solve are called as there; pairs and contacts are on
- * the device. */
-int gpu_response_start(struct gpu *g, struct response *s);
-int gpu_response_repel(struct gpu *g, struct response *s,
-                       const struct pairs *near);
-int gpu_response_penetrate(struct gpu *g, struct response *s);
+/* gpu/contact/rounds.cu: ref/contact/rounds.c on the device. */
+void gpu_rounds_start(struct gpu *g, const struct response *s);
+void gpu_rounds_advance(struct gpu *g, const struct response *s, int64_t n,
+                        const int32_t *vertex, const uint8_t *moved, bool stop);
+void gpu_rounds_touch(struct gpu *g, const struct response *s);
+void gpu_rounds_settle(struct gpu *g, const struct response *s,
+                       struct contact *contact);
 
-/* gpu/world/ending.cu: ending_count on the device. */
-int gpu_ending_count(struct gpu_world *w, int64_t *found);
-
-/* gpu/contact/couple.cu: ref/contact/couple.h on the device; user is the
- * gpu_world. */
-int gpu_couple_make(struct gpu_world *w);
-void gpu_couple_start(struct gpu_world *w);
-int gpu_couple_solve(void *user, int64_t n, struct contact *contact);
+/* gpu/contact/turn.cu: ref/contact/turn.h on the device. */
+void gpu_turn_begin(struct gpu *g, int64_t n, vec *to, const vec *press,
+                    real dt);
+void gpu_turn_carry(struct gpu *g, const struct turn *s);
+void gpu_turn_load(struct gpu *g, const struct turn *s);
+void gpu_turn_move(struct gpu *g, const struct turn *s);
+int gpu_turn_make(struct gpu_world *w);
+int gpu_turn_room(struct world *w, int64_t n);
 
 #ifdef __cplusplus
 }

@@ -4,11 +4,7 @@
 #include "ref/cloth/explicit.h"
 
 #include "ref/cloth/advance.h"
-
-static vec *stream(const struct dynamics *s, int k)
-{
-    return s->work + k * s->cloth->count;
-}
+#include "ref/cloth/force.h"
 
 /* A state that an explicit method passes through. */
 struct state {
@@ -32,7 +28,7 @@ static void advance(struct dynamics *s, struct state from, const vec *rate,
                         .x = from.x,
                         .v = from.v,
                         .rate = rate ? rate : from.v,
-                        .force = stream(s, 0),
+                        .force = force_stream(s, 0),
                         .symplectic = !rate,
                         .a = ab[0],
                         .b = ab[1],
@@ -43,13 +39,13 @@ static void advance(struct dynamics *s, struct state from, const vec *rate,
                         .x1 = to.x,
                         .v1 = to.v};
     ref_advance(&a);
-    trace_stage(s->trace, "advance", a.v1, (size_t)a.count * sizeof *a.v1);
+    force_trace(s, "advance", a.v1);
 }
 
 static void euler(struct dynamics *s, struct state *now, struct span t)
 {
     const real whole[2] = {t.h, t.h};
-    dynamics_force(s, now->x, now->v, now->v);
+    force_make(s, now->x, now->v, now->v);
     advance(s, *now, NULL, *now, whole, t.start + t.length);
 }
 
@@ -57,9 +53,9 @@ static void midpoint(struct dynamics *s, struct state *now, struct state *next,
                      struct state mid, struct span t)
 {
     const real half[2] = {t.h / 2, t.h / 2}, whole[2] = {t.h, t.h};
-    dynamics_force(s, now->x, now->v, now->v);
+    force_make(s, now->x, now->v, now->v);
     advance(s, *now, now->v, mid, half, t.start + t.length / 2);
-    dynamics_force(s, mid.x, mid.v, mid.v);
+    force_make(s, mid.x, mid.v, mid.v);
     advance(s, *now, mid.v, *next, whole, t.start + t.length);
 }
 
@@ -69,10 +65,10 @@ static void verlet(struct dynamics *s, struct state *now, struct state *next,
 {
     const real kick_drift[2] = {t.h, t.h / 2}, kick[2] = {0, t.h / 2};
     double end = t.start + t.length;
-    dynamics_force(s, now->x, now->v, now->v);
+    force_make(s, now->x, now->v, now->v);
     advance(s, *now, NULL, *next, kick_drift, end);
     advance(s, *next, next->v, ahead, kick, end);
-    dynamics_force(s, ahead.x, ahead.v, ahead.v);
+    force_make(s, ahead.x, ahead.v, ahead.v);
     advance(s, *next, next->v, *next, kick, end);
 }
 
@@ -85,7 +81,7 @@ static void runge_kutta(struct dynamics *s, struct state *now,
     for (int k = 0; k < 4; k++) {
         const real add[2] = {(real)weight[k] * t.h, (real)weight[k] * t.h};
         const real go[2] = {(real)node[k] * t.h, (real)node[k] * t.h};
-        dynamics_force(s, at.x, at.v, at.v);
+        force_make(s, at.x, at.v, at.v);
         advance(s, sum, at.v, *next, add, t.start + t.length);
         sum = *next;
         if (k < 3)
@@ -97,7 +93,7 @@ static void runge_kutta(struct dynamics *s, struct state *now,
 static void substep(struct dynamics *s, struct state *now, struct state *next,
                     struct span t)
 {
-    struct state more = {stream(s, 3), stream(s, 4)};
+    struct state more = {force_stream(s, 3), force_stream(s, 4)};
     if (s->method == DRAPE_EULER) {
         euler(s, now, t);
         return;
@@ -113,14 +109,15 @@ static void substep(struct dynamics *s, struct state *now, struct state *next,
     *next = old;
 }
 
-int dynamics_explicit(struct dynamics *s)
+int explicit_steps(struct dynamics *s)
 {
     const struct cloth *c = s->cloth;
     s->substeps = advance_substeps(s->method, s->dt, c->bound, (double)c->beta);
     if (s->substeps > s->max_substeps)
         return DRAPE_ELIMIT;
-    struct state now = {s->x1, s->v1}, next = {stream(s, 1), stream(s, 2)};
-    dynamics_copy(s, s->x, s->v);
+    struct state now = {s->x1, s->v1},
+                 next = {force_stream(s, 1), force_stream(s, 2)};
+    force_copy(s, s->x, s->v);
     double n = s->substeps;
     for (int32_t k = 0; k < s->substeps; k++) {
         struct span t = {(real)(s->dt / n), k / n, (k + 1) / n - k / n};
@@ -129,6 +126,6 @@ int dynamics_explicit(struct dynamics *s)
             t.length = 1 - t.start;
         substep(s, &now, &next, t);
     }
-    dynamics_copy(s, now.x, now.v);
+    force_copy(s, now.x, now.v);
     return DRAPE_OK;
 }

@@ -21,7 +21,7 @@ struct couple {
     struct penalty penalty; /* nv, w, stiffness, dt, tau, slip, streams */
     vec *g;                 /* [nc] A times the change so far */
     vec *press;             /* [nv] N, warm.md; penalty's guess */
-    vec *b, *dv;            /* [nc] */
+    vec *b, *dv;            /* [nc]; dv is NULL where a motion's own dv does */
     int64_t cap;            /* contacts that the scratch is for */
     bool rough;             /* the motion before contact was solved so, with
                                the press of the slice before */
@@ -31,10 +31,8 @@ struct couple {
     double seconds;         /* out: this step */
 };
 
-/* Takes its streams. DRAPE_OK or DRAPE_ENOMEM. */
-int couple_make(struct world *w);
-/* How well the motion of a cloth without contact must be solved, on either
- * backend: whether roughly. */
+/* How well the motion of a cloth without contact must be solved: whether
+ * roughly. */
 bool couple_prepare(const struct world *w, struct pcg *p);
 /* Before the first contacts of a step. */
 void couple_start(struct world *w);

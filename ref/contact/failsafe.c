@@ -1,26 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Zones and rollback as rounds of a step. spec/contact/response.md §5 and §6 */
+/* Zones and rollback as rounds of a step, on either backend.
+ * spec/contact/response.md §5 and §6 */
 #include "ref/contact/failsafe.h"
 
 #include "ref/contact/rollback.h"
+#include "ref/contact/zones.h"
 
-/* ---- §5 Zones ---- */
-
-/* Adds the hits to the pairs of the rounds before. */
+/* §5. Adds the hits to the pairs of the rounds before. */
 static int tangle(struct response *s)
 {
     struct pool *from = &s->tangle[s->tangle_side];
     struct pool *to = &s->tangle[!s->tangle_side];
     int64_t n = s->tangled + s->hits;
-    struct room room = {to, 4 * n, sizeof(int32_t)};
+    struct pool_need room = {to, 4 * n, sizeof(int32_t)};
     int status = response_grow(s, 1, &room);
     if (status != DRAPE_OK)
         return status;
     int32_t *pair = to->data;
-    if (s->tangled)
-        memcpy(pair, from->data, (size_t)s->tangled * 4 * sizeof *pair);
-    memcpy(pair + 4 * s->tangled, s->hit.data,
-           (size_t)s->hits * 4 * sizeof *pair);
+    size_t bytes = 4 * sizeof *pair;
+    s->run->copy(s->on, pair, from->data, (size_t)s->tangled * bytes);
+    s->run->copy(s->on, pair + 4 * s->tangled, s->hit.data,
+                 (size_t)s->hits * bytes);
     s->tangled = n;
     s->tangle_side = !s->tangle_side;
     return DRAPE_OK;
@@ -28,15 +28,15 @@ static int tangle(struct response *s)
 
 static int grow_zones(struct response *s, int64_t n)
 {
-    struct room room[] = {{&s->key[0], 4 * n, sizeof(struct key)},
-                          {&s->key[1], 4 * n, sizeof(struct key)},
-                          {&s->sum, 4 * n, sizeof(struct zone_sum)},
-                          {&s->zone, n, sizeof(struct zone)},
-                          {&s->vertex, 4 * n, sizeof(int32_t)}};
+    struct pool_need room[] = {{&s->key[0], 4 * n, sizeof(struct key)},
+                               {&s->key[1], 4 * n, sizeof(struct key)},
+                               {&s->sum, 4 * n, sizeof(struct zone_sum)},
+                               {&s->zone, n, sizeof(struct zone)},
+                               {&s->vertex, 4 * n, sizeof(int32_t)}};
     return response_grow(s, 5, room);
 }
 
-int response_stiffen(struct response *s)
+int failsafe_stiffen(struct response *s)
 {
     int status = tangle(s);
     if (status == DRAPE_OK)
@@ -57,22 +57,17 @@ int response_stiffen(struct response *s)
                       .sum = s->sum.data,
                       .zone = s->zone.data,
                       .vertex = s->vertex.data};
-    status = ref_zones(&z);
-    trace_stage(s->trace, "zones", s->u, (size_t)s->nv * sizeof *s->u);
+    status = s->run->zones(s->on, &z);
+    s->run->trace(s->on, s->trace, "zones", s->u, (size_t)s->nv * sizeof *s->u);
     if (status != DRAPE_OK)
         return status;
     s->outcome |= DRAPE_ZONES;
     s->zone_vertices = z.vertices;
-    response_advance(s, z.vertices, z.vertex, NULL);
-    EACH_ITEM
-    for (int64_t k = 0; k < z.vertices; k++)
-        s->v[z.vertex[k]] = s->u[z.vertex[k]];
+    s->run->advance(s->on, s, z.vertices, z.vertex, NULL, true);
     return DRAPE_OK;
 }
 
-/* ---- §6 Rollback ---- */
-
-int response_roll(struct response *s, int round)
+int failsafe_roll(struct response *s, int round)
 {
     struct rollback r = {.nv = s->nv,
                          .n = s->hits,
@@ -85,8 +80,8 @@ int response_roll(struct response *s, int round)
                          .rolled = s->rolled,
                          .touched = s->touched,
                          .all = round >= s->roll_rounds};
-    int status = ref_rollback(&r);
-    trace_stage(s->trace, "rollback", s->rolled, (size_t)s->nv);
+    int status = s->run->rollback(s->on, &r);
+    s->run->trace(s->on, s->trace, "rollback", s->rolled, (size_t)s->nv);
     if (status != DRAPE_OK)
         return status;
     s->rolled_back += r.grown;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rounds of collision response. spec/contact/response.md */
+/* The rounds of collision response, on either backend: what the host decides
+ * from the counts that its stages give. spec/contact/response.md */
 #include "ref/contact/response.h"
 
 #include "ref/contact/contacts.h"
@@ -9,60 +10,28 @@
 #include "ref/contact/proximity.h"
 #include "ref/narrow/narrow.h"
 
-int response_grow(struct response *s, int n, const struct room *room)
-{
-    int status = DRAPE_OK;
-    for (int k = 0; k < n && status == DRAPE_OK; k++)
-        if (room[k].need > room[k].pool->cap)
-            status = s->grow(s->user, room[k].pool, room[k].need, room[k].size);
-    return status;
-}
-
-static int grow_one(struct response *s, struct pool *p, int64_t need,
-                    size_t size)
-{
-    return response_grow(s, 1, &(struct room){p, need, size});
-}
-
-int ref_response_start(struct response *s)
+int response_start(struct response *s)
 {
     if (!(s->dt > 0 && s->dt <= REAL_BIG && s->margin >= 0) ||
         !(s->stiffness >= 0) || s->iterations < 0 || s->max_rounds < 0 ||
         s->zone_rounds < 0 || s->roll_rounds < 0)
         return DRAPE_EARG;
     response_reset(s);
-    memset(s->rolled, 0, (size_t)s->nv);
-    EACH_ITEM
-    for (int64_t i = 0; i < s->nv; i++) {
-        vec d = vec_sub(s->x1[i], s->x0[i]);
-        s->u[i] = vec_make(d.x / s->dt, d.y / s->dt, d.z / s->dt);
-    }
-    return DRAPE_OK;
-}
-
-void response_advance(struct response *s, int64_t n, const int32_t *vertex,
-                      const uint8_t *moved)
-{
-    EACH_ITEM
-    for (int64_t k = 0; k < n; k++) {
-        int32_t i = vertex[k];
-        if (moved && !moved[k])
-            continue;
-        s->x1[i] = vec_axpy(s->x0[i], s->dt, s->u[i]);
-        s->touched[i] = 1;
-    }
+    s->run->clear(s->on, s->rolled, (size_t)s->nv);
+    s->run->start(s->on, s);
+    return s->run->status(s->on);
 }
 
 /* Solves the contacts in contact[side] and moves their vertices. */
 static int solve_contacts(struct response *s, int64_t n, int warm)
 {
-    struct room room[] = {{&s->item, 4 * n, sizeof(int32_t)},
-                          {&s->parts, 2 * s->nv, sizeof(int32_t)},
-                          {&s->lack, 2 * n, sizeof(real)},
-                          {&s->push, 2 * n, sizeof(vec)},
-                          {&s->vertex, 4 * n, sizeof(int32_t)},
-                          {&s->moved, 4 * n, sizeof(uint8_t)},
-                          {&s->awake, n + s->nv, sizeof(uint8_t)}};
+    struct pool_need room[] = {{&s->item, 4 * n, sizeof(int32_t)},
+                               {&s->parts, 2 * s->nv, sizeof(int32_t)},
+                               {&s->lack, 2 * n, sizeof(real)},
+                               {&s->push, s->run->pushes * n, sizeof(vec)},
+                               {&s->vertex, 4 * n, sizeof(int32_t)},
+                               {&s->moved, 4 * n, sizeof(uint8_t)},
+                               {&s->awake, n + s->nv, sizeof(uint8_t)}};
     int status = response_grow(s, 7, room);
     if (status != DRAPE_OK)
         return status;
@@ -82,23 +51,30 @@ static int solve_contacts(struct response *s, int64_t n, int warm)
                          .parts = s->parts.data,
                          .lack = s->lack.data,
                          .push = push,
-                         .before = push + n,
+                         .before = push + (s->run->pushes - 1) * n,
                          .vertex = s->vertex.data,
                          .moved = s->moved.data,
                          .awake = s->awake.data};
     c.acting = c.parts + s->nv;
     c.ahead = c.lack + n;
     c.stirred = c.awake + n;
-    status = ref_contacts(&c);
-    trace_stage(s->trace, "contacts", s->u, (size_t)s->nv * sizeof *s->u);
+    status = s->run->contacts(s->on, &c);
+    s->run->trace(s->on, s->trace, "contacts", s->u,
+                  (size_t)s->nv * sizeof *s->u);
     if (status == DRAPE_OK)
-        response_advance(s, c.vertices, c.vertex, c.moved);
+        s->run->advance(s->on, s, c.vertices, c.vertex, c.moved, false);
     return status;
 }
 
-/* ---- §2 Repulsion ---- */
+/* The contacts: the implicit solve reads them. */
+static int grow_contacts(const struct response *s, struct pool *p, int64_t need)
+{
+    return s->run->grow(s->on, p, need, sizeof(struct contact), true);
+}
 
-int ref_response_repel(struct response *s, const struct pairs *near)
+/* §2 */
+
+int response_repel(struct response *s, const struct pairs *near)
 {
     s->near = near->n;
     if (!near->n)
@@ -113,22 +89,22 @@ int ref_response_repel(struct response *s, const struct pairs *near)
                           .dt = s->dt,
                           .stiffness = s->stiffness};
     struct pool *out = &s->contact[s->side];
-    int status = grow_one(s, &s->at, near->n, sizeof *p.at);
+    int status =
+        response_grow(s, 1, &(struct pool_need){&s->at, near->n, sizeof *p.at});
     if (status != DRAPE_OK)
         return status;
     p.at = s->at.data;
     do {
         p.cap = out->cap;
         p.contact = out->data;
-        status = ref_proximity(&p);
+        status = s->run->proximity(s->on, &p);
     } while (status == DRAPE_EFULL &&
-             (status = grow_one(s, out, p.found, sizeof *p.contact)) ==
-                 DRAPE_OK);
+             (status = grow_contacts(s, out, p.found)) == DRAPE_OK);
     if (status != DRAPE_OK)
         return status;
     s->contacts = p.found;
-    trace_stage(s->trace, "proximity", p.contact,
-                (size_t)p.found * sizeof *p.contact);
+    s->run->trace(s->on, s->trace, "proximity", p.contact,
+                  (size_t)p.found * sizeof *p.contact);
     if (!p.found)
         return DRAPE_OK;
     if (!s->solve)
@@ -137,7 +113,7 @@ int ref_response_repel(struct response *s, const struct pairs *near)
     return s->solve(s->user, p.found, out->data);
 }
 
-/* ---- §3 Detection ---- */
+/* §3 */
 
 static int find_times(struct response *s, const struct pairs *p)
 {
@@ -147,9 +123,9 @@ static int find_times(struct response *s, const struct pairs *p)
                        .x0 = s->x0,
                        .x1 = s->x1,
                        .nv = (int32_t)s->nv};
-    struct room room[] = {{&s->toi, p->n, sizeof *n.toi},
-                          {&s->tier, p->n, sizeof *n.tier},
-                          {&s->at, p->n, sizeof(int32_t)}};
+    struct pool_need room[] = {{&s->toi, p->n, sizeof *n.toi},
+                               {&s->tier, p->n, sizeof *n.tier},
+                               {&s->at, p->n, sizeof(int32_t)}};
     int status = response_grow(s, 3, room);
     if (status != DRAPE_OK)
         return status;
@@ -157,16 +133,17 @@ static int find_times(struct response *s, const struct pairs *p)
     n.tier = s->tier.data;
     s->candidates += p->n;
     s->narrow++;
-    status = ref_narrow(&n);
-    trace_stage(s->trace, "narrow", n.toi, (size_t)n.n * sizeof *n.toi);
+    status = s->run->narrow(s->on, &n);
+    s->run->trace(s->on, s->trace, "narrow", n.toi,
+                  (size_t)n.n * sizeof *n.toi);
     return status;
 }
 
 static int grow_hits(struct response *s, int64_t n)
 {
-    struct room room[] = {{&s->hit, 4 * n, sizeof(int32_t)},
-                          {&s->hit_kind, n, sizeof(uint8_t)},
-                          {&s->hit_toi, n, sizeof(uint32_t)}};
+    struct pool_need room[] = {{&s->hit, 4 * n, sizeof(int32_t)},
+                               {&s->hit_kind, n, sizeof(uint8_t)},
+                               {&s->hit_toi, n, sizeof(uint32_t)}};
     return response_grow(s, 3, room);
 }
 
@@ -203,13 +180,13 @@ static int detect(struct response *s, const uint8_t *touched)
         m.hit = s->hit.data;
         m.hit_kind = s->hit_kind.data;
         m.hit_toi = s->hit_toi.data;
-        status = ref_impacts(&m);
+        status = s->run->impacts(s->on, &m);
     } while (status == DRAPE_EFULL &&
              (status = grow_hits(s, m.found)) == DRAPE_OK);
     s->hits = m.found;
     if (status == DRAPE_OK)
-        trace_stage(s->trace, "impacts", m.hit,
-                    (size_t)m.found * 4 * sizeof *m.hit);
+        s->run->trace(s->on, s->trace, "impacts", m.hit,
+                      (size_t)m.found * 4 * sizeof *m.hit);
     s->impacts += m.found;
     if (!touched) {
         s->started = m.started;
@@ -218,9 +195,7 @@ static int detect(struct response *s, const uint8_t *touched)
     return status;
 }
 
-/* ---- §4 Impulses ---- */
-
-/* What touches joins the active set, contact[side]. */
+/* §4. What touches joins the active set, contact[side]. */
 static int find_impulses(struct response *s)
 {
     struct pool *from = &s->contact[s->side], *to = &s->contact[!s->side];
@@ -237,8 +212,8 @@ static int find_impulses(struct response *s)
                          .n_active = s->active,
                          .active = from->data};
     m.n_all = m.n + m.n_active;
-    struct room room[] = {{&s->key[0], m.n_all, sizeof *m.key},
-                          {&s->key[1], m.n_all, sizeof *m.key}};
+    struct pool_need room[] = {{&s->key[0], m.n_all, sizeof *m.key},
+                               {&s->key[1], m.n_all, sizeof *m.key}};
     int status = response_grow(s, 2, room);
     if (status != DRAPE_OK)
         return status;
@@ -247,28 +222,16 @@ static int find_impulses(struct response *s)
     do {
         m.cap = to->cap;
         m.contact = to->data;
-        status = ref_impulses(&m);
+        status = s->run->impulses(s->on, &m);
     } while (status == DRAPE_EFULL &&
-             (status = grow_one(s, to, m.found, sizeof *m.contact)) ==
-                 DRAPE_OK);
+             (status = grow_contacts(s, to, m.found)) == DRAPE_OK);
     if (status != DRAPE_OK)
         return status;
     s->side = !s->side;
     s->active = m.found;
-    trace_stage(s->trace, "impulses", m.contact,
-                (size_t)m.found * sizeof *m.contact);
+    s->run->trace(s->on, s->trace, "impulses", m.contact,
+                  (size_t)m.found * sizeof *m.contact);
     return DRAPE_OK;
-}
-
-/* What others ask for beside what touches: no more than that does. */
-static void settle(const struct response *s, struct contact *contact)
-{
-    EACH_ITEM
-    for (int64_t k = 0; k < s->active; k++) {
-        struct contact *c = &contact[k];
-        real keep = s->margin * skin_pair(&s->skin, c->v).thickness;
-        c->target = real_min(c->target, (keep - c->gap) / s->dt);
-    }
 }
 
 static int push(struct response *s, int round)
@@ -283,7 +246,7 @@ static int push(struct response *s, int round)
     /* only impulses that contacts gave can it withdraw */
     bool warm = s->impelled;
     if (!warm)
-        settle(s, contact);
+        s->run->settle(s->on, s, contact);
     s->impelled = true;
     return solve_contacts(s, s->active, warm);
 }
@@ -292,15 +255,13 @@ static int resolve(struct response *s, int round)
 {
     int rolls = round - s->max_rounds - s->zone_rounds;
     if (rolls >= 0)
-        return response_roll(s, rolls);
-    memset(s->touched, 0, (size_t)s->nv);
-    const int32_t *hit = s->hit.data;
-    for (int64_t k = 0; k < 4 * s->hits; k++)
-        s->touched[hit[k]] = s->w[hit[k]] > 0;
-    return round < s->max_rounds ? push(s, round) : response_stiffen(s);
+        return failsafe_roll(s, rolls);
+    s->run->clear(s->on, s->touched, (size_t)s->nv);
+    s->run->touch(s->on, s);
+    return round < s->max_rounds ? push(s, round) : failsafe_stiffen(s);
 }
 
-int ref_response_penetrate(struct response *s)
+int response_penetrate(struct response *s)
 {
     if (!s->solve)
         s->active = 0; /* what repulsion left there is done */

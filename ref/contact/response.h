@@ -4,10 +4,8 @@
 #ifndef REF_RESPONSE_H
 #define REF_RESPONSE_H
 
-#include "ref/base/keys.h"
-#include "ref/base/trace.h"
+#include "ref/base/backend.h"
 #include "ref/contact/contact.h"
-#include "ref/contact/zones.h"
 
 /* Candidates: each pair once; the memory is the broad phase's, valid until
  * its next call. */
@@ -17,13 +15,11 @@ struct pairs {
     const uint8_t *kind; /* [n] enum contact_kind */
 };
 
-/* A stream that grows; what it held is lost when it does. */
-struct pool {
-    void *data;
-    int64_t cap; /* items */
-};
-
+/* All streams and pools lie in the memory of the backend. */
 struct response {
+    const struct backend *run;
+    void *on; /* the backend's own */
+
     int64_t nv;
     const real *w;    /* [nv] 1/kg, ≥ 0; 0: led, x1 and v as they are told */
     struct skin skin; /* of the vertices */
@@ -41,8 +37,6 @@ struct response {
     /* Every pair that may touch between x0 and x1 and has a vertex i with
      * touched[i] (NULL: every pair). DRAPE_OK or an error. */
     int (*broad)(void *user, const uint8_t *touched, struct pairs *out);
-    /* Makes room for `need` items of `size` bytes. DRAPE_OK or an error. */
-    int (*grow)(void *user, struct pool *pool, int64_t need, size_t size);
     /* NULL, or moves u, v, x1 by contacts within an implicit solve and sets
      * touched, in place of the repulsion's and of the first round's own solve:
      * spec/contact/penalty.md. DRAPE_OK or an error. */
@@ -97,15 +91,51 @@ static inline void response_reset(struct response *s)
     s->impelled = false;
 }
 
+/* What a pool must hold. */
+struct pool_need {
+    struct pool *pool;
+    int64_t need;
+    size_t size; /* bytes of an item */
+};
+
+/* Makes the n pools hold what they must, until the next solve. DRAPE_OK or
+ * DRAPE_ENOMEM. */
+static inline int response_grow(const struct response *s, int n,
+                                const struct pool_need *room)
+{
+    int status = DRAPE_OK;
+    for (int k = 0; k < n && status == DRAPE_OK; k++)
+        if (room[k].need > room[k].pool->cap)
+            status = s->run->grow(s->on, room[k].pool, room[k].need,
+                                  room[k].size, false);
+    return status;
+}
+
 /* Sets u and the counters for a step. DRAPE_EARG for a bad setting. */
-int ref_response_start(struct response *s);
+int response_start(struct response *s);
 
 /* Repulsion and friction of the candidates at x0; u, v, x1 change. */
-int ref_response_repel(struct response *s, const struct pairs *near);
+int response_repel(struct response *s, const struct pairs *near);
 
 /* Impulses, zones and rollback until nothing touches; u, v, x1 change.
  * outcome has DRAPE_TRAPPED if something does all the same, and DRAPE_ZONES
  * where `brief` left it so. Ends always. */
-int ref_response_penetrate(struct response *s);
+int response_penetrate(struct response *s);
+
+/* ref/contact/rounds.c: what the reference computes between the stages. */
+
+/* §1: writes u, the mean velocity. */
+void rounds_start(struct response *s);
+
+/* §1: ends of the step for those of n vertices whose mean velocity changed;
+ * moved: NULL, all of them. stop: v becomes u, too. */
+void rounds_advance(struct response *s, int64_t n, const int32_t *vertex,
+                    const uint8_t *moved, bool stop);
+
+/* §3: touched is set for the free vertices of the hits. */
+void rounds_touch(const struct response *s);
+
+/* §4: caps the targets of the active contacts at the impact margin. */
+void rounds_settle(const struct response *s, struct contact *contact);
 
 #endif

@@ -1,25 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contact in a slice of a step: how far candidates move, what repels, what
- * penetrates. spec/world/step.md §3, §7 */
+/* Contact in a slice of a step, on either backend: how far candidates move,
+ * what repels, what penetrates. spec/world/step.md §3, §7 */
 #include "ref/world/collide.h"
 
 #include "ref/base/clock.h"
 #include "ref/broad/travel.h"
-#include "ref/world/step.h"
+#include "ref/world/slice.h"
 
-void step_charge(drape_step_report *r, enum drape_part part, double *last,
-                 double within)
-{
-    double t = clock_now();
-    r->seconds[part] += t - *last - within;
-    *last = t;
-}
-
-int step_broad(void *user, const uint8_t *touched, struct pairs *out)
+int collide_broad(void *user, const uint8_t *touched, struct pairs *out)
 {
     struct world *w = user;
     double start = clock_now();
-    int status = broad_query(&w->broad, w->x0, w->x1, 0, touched);
+    int status =
+        w->run->broad_query(w->on, &w->broad, w->x0, w->x1, 0, touched);
     w->broad_seconds += clock_now() - start;
     out->n = w->broad.n;
     out->pair = w->broad.pair.data;
@@ -27,40 +20,15 @@ int step_broad(void *user, const uint8_t *touched, struct pairs *out)
     return status;
 }
 
-int step_grow(void *user, struct pool *pool, int64_t need, size_t size)
-{
-    struct world *w = user;
-    need += need / 4 + 64; /* so that growth is rare */
-    void *p = arena_take(w->arena, ARENA_RESPONSE, need, size);
-    if (!p)
-        return DRAPE_ENOMEM;
-    arena_give(w->arena, pool->data);
-    pool->data = p;
-    pool->cap = need;
-    return DRAPE_OK;
-}
-
 /* Broad phase and coupled solves within it are parts of their own. */
 static void charge_contact(struct world *w, drape_step_report *r,
                            enum drape_part part, double *last)
 {
-    step_charge(r, part, last, w->broad_seconds + w->couple.seconds);
+    slice_charge(w, r, part, last, w->broad_seconds + w->couple.seconds);
     r->seconds[DRAPE_PART_BROAD] += w->broad_seconds;
     r->seconds[DRAPE_PART_SOLVER] += w->couple.seconds;
     w->broad_seconds = w->couple.seconds = 0;
     slice_count(&r->work, &w->broad);
-}
-
-/* The square of the longest way of the first n vertices, m². */
-real collide_furthest(const struct world *w, int64_t n)
-{
-    real most = 0;
-#pragma omp parallel for schedule(static) reduction(max : most)
-    for (int64_t i = 0; i < n; i++) {
-        vec d = vec_sub(w->x1[i], w->x0[i]);
-        most = real_max(most, vec_dot(d, d));
-    }
-    return most;
 }
 
 /* The pairs that may come within r on the way from x0 to `to`. Where none were
@@ -71,9 +39,9 @@ static int find_near(struct world *w, const vec *to, real r)
     bool apart = false;
     int status = DRAPE_OK;
     if (w->near == NEAR_NONE)
-        status = broad_ask(&w->broad, w->x0, to, r, &apart);
+        status = w->run->broad_ask(w->on, &w->broad, w->x0, to, r, &apart);
     if (status == DRAPE_OK && !apart)
-        status = broad_query(&w->broad, w->x0, to, r, NULL);
+        status = w->run->broad_query(w->on, &w->broad, w->x0, to, r, NULL);
     w->broad_seconds += clock_now() - start;
     return status;
 }
@@ -83,9 +51,9 @@ static int find_near(struct world *w, const vec *to, real r)
 int collide_far(struct world *w, drape_step_report *r, double *last,
                 bool *again)
 {
-    *again = slice_far(w, 4 * collide_furthest(w, w->nv));
+    *again = slice_far(w, 4 * w->run->furthest(w->on, w->nv, w->x0, w->x1));
     if (!*again)
-        return DRAPE_OK;
+        return w->run->status(w->on);
     int status = find_near(w, w->x1, 0);
     struct travel t = {.nv = w->nv,
                        .n = w->broad.n,
@@ -94,7 +62,7 @@ int collide_far(struct world *w, drape_step_report *r, double *last,
                        .x0 = w->x0,
                        .x1 = w->x1};
     if (status == DRAPE_OK && t.n) {
-        status = ref_travel(&t);
+        status = w->run->travel(w->on, &t);
         trace_stage(w->tracing, "travel", &t.most, sizeof t.most);
     }
     *again = slice_far(w, t.most);
@@ -127,7 +95,7 @@ static int start(struct world *w)
     c->dt = (real)w->dt;
     c->brief = slice_brief(w);
     c->max_rounds = slice_rounds(w);
-    int status = ref_response_start(c);
+    int status = response_start(c);
     if (w->plan.implicit)
         couple_start(w);
     return status;
@@ -141,7 +109,7 @@ static int repel(struct world *w)
         status = find_near(w, w->x0, w->reach);
     struct pairs near = {w->broad.n, w->broad.pair.data, w->broad.kind.data};
     if (status == DRAPE_OK)
-        status = ref_response_repel(&w->response, &near);
+        status = response_repel(&w->response, &near);
     if (status == DRAPE_OK && w->couple.rough && w->couple.solves == 0)
         status = couple_solve(w, 0, NULL);
     return status;
@@ -170,7 +138,7 @@ int collide(struct world *w, drape_step_report *r, double *last)
     w->met = !alone;
     if (status != DRAPE_OK || alone)
         return status;
-    status = ref_response_penetrate(c);
+    status = response_penetrate(c);
     charge_contact(w, r, DRAPE_PART_PENETRATION, last);
     count_contacts(c, r);
     r->iterations += w->couple.iterations;

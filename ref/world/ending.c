@@ -6,7 +6,7 @@
 
 static void *take(struct world *w, void *had, int64_t n, size_t size)
 {
-    return had ? had : arena_take(w->arena, ARENA_RESPONSE, n, size);
+    return had ? had : w->run->take(w->on, ARENA_RESPONSE, n, size);
 }
 
 /* Takes the streams that are not there yet; an earlier try may have got a part
@@ -14,21 +14,16 @@ static void *take(struct world *w, void *had, int64_t n, size_t size)
 static int take_streams(struct world *w)
 {
     struct audit *s = &w->ending;
-    int32_t *group = (int32_t *)s->group;
     s->n_nodes = ref_audit_nodes(w->nt);
     for (int k = 0; k < 2; k++) {
         s->key[k] = take(w, s->key[k], w->nt, sizeof **s->key);
         s->order[k] = take(w, s->order[k], w->nt, sizeof **s->order);
     }
     s->node = take(w, s->node, s->n_nodes, sizeof *s->node);
-    s->count = take(w, s->count, s->n_nodes, sizeof *s->count);
     s->degenerate = take(w, s->degenerate, w->nt, 1);
-    s->group = group = take(w, group, w->nt, sizeof *group);
-    if (w->arena->failed)
-        return DRAPE_ENOMEM;
-    for (int64_t k = 0; k < w->nt; k++)
-        group[k] = k < w->ntc;
-    return DRAPE_OK;
+    s->group = take(w, (void *)s->group, w->nt, sizeof *s->group);
+    int status = w->run->status(w->on);
+    return status == DRAPE_OK ? w->run->ending_streams(w) : status;
 }
 
 int ending_count(struct world *w, int64_t *found)
@@ -43,7 +38,7 @@ int ending_count(struct world *w, int64_t *found)
     s->tri = (const int32_t(*)[3])w->tri;
     s->across = !w->plan.self;
     s->cap = 0; /* their number is all that is asked for */
-    status = ref_audit(s);
+    status = w->run->audit(w->on, s);
     *found = s->found;
     return status == DRAPE_EFULL ? DRAPE_OK : status;
 }

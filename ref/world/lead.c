@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What is led: obstacles and pins. spec/world/step.md §1 */
+/* Leads obstacles and pins, on either backend. spec/world/step.md §1 */
 #include "ref/world/lead.h"
 
 /* The frames about t, and how far between them. */
@@ -22,8 +22,12 @@ static void find_frame(struct prop *p, double t)
 int lead(struct world *w, double t, vec *x)
 {
     int status = DRAPE_OK;
+    if (!w->plan.led && t > 0)
+        return DRAPE_OK; /* all were placed once, when the world was made */
     for (int k = 0; k < w->def.n_motions; k++)
         w->pose[k] = kinematics_pose(&w->def.motions[k], t);
+    w->run->send(w->on, w->posed, w->pose,
+                 (size_t)w->def.n_motions * sizeof *w->pose);
     for (int k = 0; k < w->def.n_obstacles && status == DRAPE_OK; k++) {
         struct prop *p = &w->prop[k];
         if (!p->moves && t > 0)
@@ -31,42 +35,25 @@ int lead(struct world *w, double t, vec *x)
         if (p->frames)
             find_frame(p, t);
         p->place.x = x + p->first;
-        status = ref_kinematics(&p->place);
+        status = w->run->kinematics(w->on, &p->place);
     }
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
         struct sheet *s = &w->sheet[k];
-        if (s->pins.n)
-            status = ref_kinematics(&s->pins);
-        for (int64_t i = 0; i < s->pins.n; i++)
-            w->to[s->first + s->pinned[i]] = s->pins.x[i];
+        if (s->pins.n == 0)
+            continue;
+        status = w->run->kinematics(w->on, &s->pins);
+        w->run->pin(w->on, s->pins.n, s->pinned, s->pins.x, w->to + s->first);
     }
-    return status;
+    return status == DRAPE_OK ? w->run->status(w->on) : status;
 }
 
 bool lead_moves(const struct world *w)
 {
-    if (!w->plan.led)
-        return false;
-    for (int64_t i = w->nc; i < w->nv; i++)
-        if (memcmp(&w->x0[i], &w->x1[i], sizeof *w->x0) != 0)
-            return true;
-    for (int k = 0; k < w->def.n_cloths; k++) {
-        const struct sheet *s = &w->sheet[k];
-        for (int64_t i = 0; i < s->pins.n; i++) {
-            const vec *x = w->x0 + s->first + s->pinned[i];
-            if (memcmp(x, &s->pins.x[i], sizeof *x) != 0)
-                return true;
-        }
-    }
-    return false;
+    return w->plan.led && w->run->moves(w);
 }
 
-void lead_velocities(struct world *w)
+void lead_velocities(const struct world *w)
 {
-    real dt = (real)w->dt;
-    EACH_ITEM
-    for (int64_t i = w->nc; i < w->nv; i++) {
-        vec d = vec_sub(w->x1[i], w->x0[i]);
-        w->v1[i] = vec_make(d.x / dt, d.y / dt, d.z / dt);
-    }
+    w->run->velocities(w->on, w->nv - w->nc, w->x0 + w->nc, w->x1 + w->nc,
+                       (real)w->dt, w->v1 + w->nc);
 }

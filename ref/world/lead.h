@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What is led: obstacles and pins. spec/world/step.md §1 */
+/* Leads obstacles and pins. spec/world/step.md §1 */
 #ifndef REF_LEAD_H
 #define REF_LEAD_H
 
@@ -11,6 +11,6 @@ int lead(struct world *w, double t, vec *x);
 /* Whether any of them is elsewhere in x1 than in x0. */
 bool lead_moves(const struct world *w);
 /* v1 of the obstacles: their mean velocity. */
-void lead_velocities(struct world *w);
+void lead_velocities(const struct world *w);
 
 #endif

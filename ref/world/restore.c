@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a step that fails in a later slice goes back to: its start. Taken when
- * a step is first cut. spec/world/step.md §7 */
-#include "ref/world/slice.h"
-#include "ref/world/state.h"
+/* What a step that fails in a later slice goes back to: its start. The memory
+ * is taken when a step is first cut. spec/world/step.md §7 */
+#include "ref/world/restore.h"
 
 static vec *take(struct world *w, vec *had, int64_t n)
 {
-    return had ? had : arena_take(w->arena, ARENA_STATE, n, sizeof *had);
+    return had ? had : w->run->take(w->on, ARENA_STATE, n, sizeof *had);
 }
 
-/* What is not there yet; a try before may have got a part of it. */
+/* Takes what is not there yet; an earlier try may have got a part of it. */
 static int take_start(struct world *w)
 {
     struct start *s = &w->start;
@@ -24,46 +23,58 @@ static int take_start(struct world *w)
     if (!s->watch)
         s->watch = arena_take(w->arena, ARENA_STATE, w->def.n_cloths,
                               sizeof *s->watch);
-    return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+    return s->watch ? w->run->status(w->on) : DRAPE_ENOMEM;
 }
 
-int slice_save(struct world *w)
+/* Copies the streams of the state, one way or the other. */
+static void copy(const struct world *w, struct start *to,
+                 const struct start *from)
 {
-    struct start *s = &w->start;
-    size_t n = (size_t)w->nv * sizeof(vec);
-    size_t past = w->past_x ? (size_t)w->nc * sizeof(vec) : 0;
-    if (take_start(w) != DRAPE_OK)
-        return DRAPE_ENOMEM;
-    memcpy(s->x, w->x0, n);
-    memcpy(s->v, w->v0, n);
-    if (past) {
-        memcpy(s->past_x, w->past_x, past);
-        memcpy(s->past_v, w->past_v, past);
+    size_t n = (size_t)w->nv * sizeof(vec),
+           cloths = (size_t)w->nc * sizeof(vec);
+    w->run->copy(w->on, to->x, from->x, n);
+    w->run->copy(w->on, to->v, from->v, n);
+    if (w->past_x) {
+        w->run->copy(w->on, to->past_x, from->past_x, cloths);
+        w->run->copy(w->on, to->past_v, from->past_v, cloths);
     }
     if (w->press)
-        memcpy(s->press, w->press, (size_t)w->nc * sizeof(vec));
-    memcpy(s->watch, w->watch, (size_t)w->def.n_cloths * sizeof *s->watch);
+        w->run->copy(w->on, to->press, from->press, cloths);
+    memcpy(to->watch, from->watch, (size_t)w->def.n_cloths * sizeof *to->watch);
+}
+
+/* The state as it is. */
+static struct start now(const struct world *w)
+{
+    return (struct start){.x = w->x0,
+                          .v = w->v0,
+                          .past_x = w->past_x,
+                          .past_v = w->past_v,
+                          .press = w->press,
+                          .watch = w->watch};
+}
+
+int restore_save(struct world *w)
+{
+    struct start *s = &w->start, from = now(w);
+    int status = take_start(w);
+    if (status != DRAPE_OK)
+        return status;
+    copy(w, s, &from);
     s->pressed = w->pressed;
     s->past = w->past;
     s->resting = w->resting;
     s->asleep = w->asleep;
     s->near = w->near;
-    return DRAPE_OK;
+    return w->run->status(w->on);
 }
 
-void slice_restore(struct world *w)
+void restore_start(struct world *w)
 {
     const struct start *s = &w->start;
-    size_t past = w->past_x ? (size_t)w->nc * sizeof(vec) : 0;
-    memcpy(w->x0, s->x, (size_t)w->nv * sizeof(vec));
-    memcpy(w->v0, s->v, (size_t)w->nv * sizeof(vec));
-    if (past) {
-        memcpy(w->past_x, s->past_x, past);
-        memcpy(w->past_v, s->past_v, past);
-    }
-    if (w->press)
-        memcpy(w->press, s->press, (size_t)w->nc * sizeof(vec));
-    memcpy(w->watch, s->watch, (size_t)w->def.n_cloths * sizeof *s->watch);
+    struct start to = now(w);
+    w->run->begin(w->on); /* the failure may have been a lack of memory */
+    copy(w, &to, s);
     w->pressed = s->pressed;
     w->past = s->past;
     w->resting = s->resting;

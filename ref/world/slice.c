@@ -2,6 +2,7 @@
 /* Into how many slices a step is cut. spec/world/step.md §7 */
 #include "ref/world/slice.h"
 
+#include "ref/base/clock.h"
 #include "ref/world/state.h"
 
 enum { WHOLE = 64, TRIES = 3, JOLTS = 1, CALM = 8, ROUNDS = 12 };
@@ -215,4 +216,13 @@ void slice_report(drape_step_report *all, const drape_step_report *one,
     all->kinetic = one->kinetic;
     all->elastic = one->elastic;
     all->potential = one->potential;
+}
+
+void slice_charge(const struct world *w, drape_step_report *r,
+                  enum drape_part part, double *last, double within)
+{
+    w->run->wait(w->on);
+    double t = clock_now();
+    r->seconds[part] += t - *last - within;
+    *last = t;
 }

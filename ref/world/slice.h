@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Into how many slices a step is cut: the decisions, made on the host for
- * either backend. spec/world/step.md §7 */
+/* Into how many slices a step is cut. spec/world/step.md §7 */
 #ifndef REF_SLICE_H
 #define REF_SLICE_H
 
@@ -69,16 +68,15 @@ bool slice_diverged(struct world *w);
 void slice_keep(struct world *w);
 /* The step is done: what the next one is to know. */
 void slice_end(struct world *w);
+/* Adds the time since *last to a part of the report, but for the seconds
+ * within that are another part's; waits for the backend. */
+void slice_charge(const struct world *w, drape_step_report *r,
+                  enum drape_part part, double *last, double within);
 /* Moves what the queries did into a report's work. */
 void slice_count(drape_work *work, struct broad *b);
 /* Adds a slice's report to the step's; of one that is taken again, only what
  * it cost. */
 void slice_report(drape_step_report *all, const drape_step_report *one,
                   bool kept);
-
-/* ref/world/restore.c: what a step goes back to that fails in a later slice, or
- * behind the last. */
-int slice_save(struct world *w); /* DRAPE_OK or DRAPE_ENOMEM */
-void slice_restore(struct world *w);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include <stdio.h>
 
+#include "ref/cloth/advance.h"
 #include "ref/narrow/audit.h"
 #include "ref/narrow/sliver.h"
 
@@ -59,8 +60,6 @@ static bool counts(const struct world *w, int32_t a, int32_t b)
     return w->plan.self ? cloth_a || cloth_b : cloth_a != cloth_b;
 }
 
-/* ---- Triangles with area ---- */
-
 static int find_pairs(struct world *w, struct audit *s, struct start_pairs *p)
 {
     int status = ref_audit(s);
@@ -76,8 +75,7 @@ static int find_pairs(struct world *w, struct audit *s, struct start_pairs *p)
     return status;
 }
 
-/* ---- Triangles without area: spec/narrow/audit.md §5 ---- */
-
+/* A triangle without area, and who it touches: spec/narrow/audit.md §5. */
 struct sliver {
     const struct world *w;
     const struct audit *s;
@@ -130,8 +128,6 @@ static int look(struct world *w, const vec *x, struct start_pairs *p)
     return status;
 }
 
-/* ---- In words ---- */
-
 static void name(const struct world *w, int32_t t, char *text, size_t size)
 {
     int body = 0, last = w->def.n_cloths + w->def.n_obstacles - 1;
@@ -170,4 +166,22 @@ int start_audit(struct world *w, drape_error *error)
     if (error)
         explain(w, &p, error);
     return DRAPE_ESTART;
+}
+
+int start_substeps(const struct world *w, drape_error *error)
+{
+    for (int k = 0; k < w->def.n_cloths && !w->plan.implicit; k++) {
+        const struct cloth *c = &w->sheet[k].cloth;
+        int32_t n = advance_substeps(w->def.integrator, w->def.dt, c->bound,
+                                     (double)c->beta);
+        if (n <= w->def.max_substeps)
+            continue;
+        if (error)
+            snprintf(error->text, sizeof error->text,
+                     "cloth %d: stable from %d substeps on, max_substeps is "
+                     "%d",
+                     k, (int)n, w->def.max_substeps);
+        return DRAPE_ELIMIT;
+    }
+    return DRAPE_OK;
 }

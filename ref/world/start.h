@@ -10,4 +10,8 @@
  * some and the scene does not allow that. */
 int start_audit(struct world *w, drape_error *error);
 
+/* DRAPE_ELIMIT and a text where an explicit method would need more substeps
+ * than it may make. */
+int start_substeps(const struct world *w, drape_error *error);
+
 #endif

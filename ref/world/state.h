@@ -16,6 +16,8 @@
 #include "ref/world/slice.h"
 #include "ref/world/world.h"
 
+struct gpu_sheet;
+
 /* One cloth: its model, its part of the streams, and its pins. */
 struct sheet {
     struct cloth cloth;
@@ -23,7 +25,8 @@ struct sheet {
     struct dynamics dynamics;
     struct solver solver;
     struct kinematics pins;
-    int32_t *pinned; /* [pins.n] particle of each pin */
+    int32_t *pinned;          /* [pins.n] particle of each pin */
+    struct gpu_sheet *device; /* what a device has besides, or NULL */
 };
 
 /* One obstacle: how it is told to move. */
@@ -39,7 +42,7 @@ struct prop {
 /* What may collide: nothing is near anything, some is, some is in contact. */
 enum nearness { NEAR_NONE, NEAR_PAIRS, NEAR_CONTACTS };
 
-/* The state where the step under way started. */
+/* The state where the step under way started; watch is the host's. */
 struct start {
     vec *x, *v;           /* [nv] */
     vec *past_x, *past_v; /* [nc] or NULL */
@@ -50,9 +53,12 @@ struct start {
     enum nearness near;
 };
 
+/* Streams lie in the memory of the backend, but for watch. */
 struct world {
     drape_def def; /* scalars and motions; of the rest, no pointer is read */
-    struct gpu_world *device; /* NULL: the reference steps it */
+    const struct backend *run; /* who steps it */
+    void *on;                  /* the backend's own */
+    struct gpu_world *device;  /* NULL: the reference steps it */
     struct plan plan;
     struct arena *arena;
     const size_t *held;   /* [ARENA_PARTS] bytes, here or on the device */
@@ -65,7 +71,7 @@ struct world {
     vec *free_x, *free_v;    /* [nc] as dynamics gave it, before contact */
     vec *past_x, *past_v;    /* [nc] the step before, for Choi–Ko */
     vec *press;              /* [nc] N, of contacts of the slice before */
-    vec *to;                 /* [nc] where pins end */
+    vec *to;                 /* [nc] where pins end; NULL: nobody reads it */
     double (*watch)[2];      /* [n_cloths] dynamics' reference and surplus */
     real *w;                 /* [nv] inverse mass, 0 for what does not yield */
     int32_t (*tri)[3];       /* [nt] */
@@ -74,7 +80,8 @@ struct world {
 
     struct sheet *sheet; /* [n_cloths] */
     struct prop *prop;   /* [n_obstacles] */
-    struct pose *pose;   /* [n_motions] at the time being led to */
+    struct pose *pose;   /* [n_motions] at the time being led to, the host's */
+    struct pose *posed;  /* the same in the memory of the backend */
     real reach;          /* m, at which contact begins, the largest */
     real cell;           /* m, the smallest side of a cloth's cells */
     double mass;         /* kg, of all cloths */
@@ -122,8 +129,7 @@ static inline enum nearness state_nearness(const struct response *c)
     return c->near > 0 || c->candidates > 0 ? NEAR_PAIRS : NEAR_NONE;
 }
 
-/* What ref/world/world.c and ask.c lend to the other files of a world, and
- * gpu/. */
+/* ref/world/world.c, for the other files of a world and gpu/. */
 int world_make(const drape_def *def, struct arena *arena, struct world **world,
                drape_error *error);
 int world_read(const struct world *w, double (*x)[3], double (*v)[3]);

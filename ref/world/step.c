@@ -1,23 +1,92 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The pipeline of one step; step_advance is its table of contents.
- * spec/world/step.md */
+/* The pipeline of one step, on either backend; step_advance, at the end, is its
+ * table of contents. spec/world/step.md */
 #include "ref/world/step.h"
-
-#include <stdio.h>
 
 #include "ref/base/clock.h"
 #include "ref/base/threads.h"
-#include "ref/cloth/advance.h"
 #include "ref/cloth/implicit.h"
 #include "ref/world/collide.h"
 #include "ref/world/ending.h"
 #include "ref/world/lead.h"
+#include "ref/world/restore.h"
 #include "ref/world/slice.h"
 
 enum { REST_STEPS = 30, SMALL_SCENE = 4096 };
 static const double REST_PART = 1e-3; /* of the thickness, a step */
 
-/* ---- §3 Motion without contact ---- */
+/* The step under way. */
+struct step {
+    drape_step_report *all; /* of the step */
+    drape_step_report r;    /* of the slice under way */
+    double last;            /* s, when the part before ended */
+    int status;
+    bool asleep; /* nothing moves: the step is done */
+    bool again;  /* the slice is to be taken again */
+};
+
+/* Whether the slice under way goes on. */
+static bool goes_on(const struct step *s)
+{
+    return s->status == DRAPE_OK && !s->again &&
+           !(s->r.outcome & DRAPE_DIVERGED);
+}
+
+/* Adds the energies of a state of all cloths. */
+static void add_energies(const struct world *w, const vec *x, const vec *v,
+                         double energy[3])
+{
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        struct sheet *s = &w->sheet[k];
+        double value[3];
+        w->run->energy(w->on, s, x + s->first, v + s->first, value);
+        for (int j = 0; j < 3; j++)
+            energy[j] += value[j];
+    }
+}
+
+static void report_energy(drape_step_report *r, const double energy[3])
+{
+    r->kinetic = energy[0];
+    r->elastic = energy[1];
+    r->potential = energy[2];
+}
+
+/* A scene that sleeps is asleep until something is led elsewhere. */
+static void begin(struct world *w, struct step *s)
+{
+    w->run->begin(w->on);
+    memset(s->all, 0, sizeof *s->all);
+    s->last = clock_now();
+    if (w->tracing) {
+        w->tracing->step = w->step;
+        w->tracing->last = s->last;
+    }
+    slice_begin(w);
+    if (!w->asleep)
+        return;
+    if (w->plan.led)
+        s->status = lead(w, slice_time(w), w->x1);
+    s->asleep = s->status == DRAPE_OK && !lead_moves(w);
+    if (s->asleep)
+        s->all->outcome = DRAPE_ASLEEP;
+}
+
+static bool has_slice_left(const struct world *w, const struct step *s)
+{
+    return s->status == DRAPE_OK && !s->asleep && !slice_last(w) &&
+           !(s->all->outcome & DRAPE_DIVERGED);
+}
+
+static void place(struct world *w, struct step *s)
+{
+    memset(&s->r, 0, sizeof s->r);
+    s->again = false;
+    w->met = false;
+    s->status = lead(w, slice_time(w), w->x1);
+    w->run->trace(w->on, w->tracing, "kinematics", w->x1 + w->nc,
+                  (size_t)(w->nv - w->nc) * sizeof *w->x1);
+}
 
 static int move_sheet(struct world *w, int k, drape_step_report *r)
 {
@@ -29,7 +98,7 @@ static int move_sheet(struct world *w, int k, drape_step_report *r)
     d->vp = w->past_v ? w->past_v + s->first : NULL;
     d->dt = w->dt;
     d->has_past = state_has_past(w);
-    d->to = w->to + s->first;
+    d->to = w->to ? w->to + s->first : NULL;
     d->x1 = w->x1 + s->first;
     d->v1 = w->v1 + s->first;
     d->reference = w->watch[k][0];
@@ -39,7 +108,7 @@ static int move_sheet(struct world *w, int k, drape_step_report *r)
     d->outcome = 0;
     w->couple.rough = couple_prepare(w, &s->solver.pcg);
     d->press = state_warm(w) ? w->press + s->first : NULL;
-    int status = ref_dynamics(d);
+    int status = w->run->motion(w->on, s);
     if (status != DRAPE_OK)
         return status;
     r->outcome |= d->outcome;
@@ -50,8 +119,9 @@ static int move_sheet(struct world *w, int k, drape_step_report *r)
     return DRAPE_OK;
 }
 
-static int move(struct world *w, drape_step_report *r)
+static int move_sheets(struct world *w, drape_step_report *r)
 {
+    size_t bytes = (size_t)w->nc * sizeof *w->x1;
     int status = DRAPE_OK;
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++)
         status = move_sheet(w, k, r);
@@ -60,13 +130,54 @@ static int move(struct world *w, drape_step_report *r)
     if (w->plan.led)
         lead_velocities(w);
     if (w->plan.history && w->plan.collides) {
-        memcpy(w->free_x, w->x1, (size_t)w->nc * sizeof *w->x1);
-        memcpy(w->free_v, w->v1, (size_t)w->nc * sizeof *w->v1);
+        w->run->copy(w->on, w->free_x, w->x1, bytes);
+        w->run->copy(w->on, w->free_v, w->v1, bytes);
     }
-    return DRAPE_OK;
+    return w->run->status(w->on);
 }
 
-/* ---- §5 The end of a step ---- */
+/* A slice that diverges is taken again, or ends the step. */
+static void move(struct world *w, struct step *s)
+{
+    double *seconds = &s->r.seconds[DRAPE_PART_SOLVER];
+    if (goes_on(s))
+        s->status = move_sheets(w, &s->r);
+    for (int k = 0; k < w->def.n_cloths; k++)
+        *seconds += w->sheet[k].solver.seconds;
+    slice_charge(w, &s->r, DRAPE_PART_INTEGRATION, &s->last, *seconds);
+    if (s->r.outcome & DRAPE_DIVERGED)
+        s->again = slice_diverged(w);
+}
+
+static void look_far(struct world *w, struct step *s)
+{
+    if (goes_on(s) && w->plan.collides)
+        s->status = collide_far(w, &s->r, &s->last, &s->again);
+}
+
+static void touch(struct world *w, struct step *s)
+{
+    if (goes_on(s) && w->plan.collides)
+        s->status = collide(w, &s->r, &s->last);
+}
+
+/* Where contact has changed nothing, the energies of dynamics hold. */
+static void judge(struct world *w, struct step *s)
+{
+    double before[3] = {0}, after[3] = {0};
+    bool anew = w->met && (w->reported || slice_weighs(w));
+    if (!goes_on(s))
+        return;
+    for (int k = 0; k < w->def.n_cloths; k++)
+        for (int j = 0; j < 3; j++) {
+            before[j] += w->sheet[k].dynamics.before[j];
+            after[j] += anew ? 0 : w->sheet[k].dynamics.energy[j];
+        }
+    if (anew)
+        add_energies(w, w->x1, w->v1, after);
+    report_energy(&s->r, after);
+    s->again = w->plan.collides && slice_wrong(w, s->r.outcome, before, after);
+}
 
 static void remember(struct world *w)
 {
@@ -81,9 +192,9 @@ static void remember(struct world *w)
                         .dt = (real)w->dt,
                         .xp = w->past_x,
                         .vp = w->past_v};
-    ref_history(&h);
-    trace_stage(w->tracing, "history", w->past_v,
-                (size_t)w->nc * sizeof *w->past_v);
+    w->run->history(w->on, &h);
+    w->run->trace(w->on, w->tracing, "history", w->past_v,
+                  (size_t)w->nc * sizeof *w->past_v);
     w->past = 1 + w->slicing.level;
 }
 
@@ -92,7 +203,7 @@ static bool rests(const struct world *w, int outcome)
 {
     real most = (real)REST_PART * w->reach;
     return w->def.sleep && !slice_failed(outcome) && w->slicing.level == 0 &&
-           collide_furthest(w, w->nc) <= most * most;
+           w->run->furthest(w->on, w->nc, w->x0, w->x1) <= most * most;
 }
 
 static void keep_press(struct world *w, bool held)
@@ -101,12 +212,13 @@ static void keep_press(struct world *w, bool held)
     if (!w->plan.warm)
         return;
     if (held)
-        memcpy(w->press, w->couple.press, bytes);
+        w->run->copy(w->on, w->press, w->couple.press, bytes);
     else if (w->pressed)
-        memset(w->press, 0, bytes);
+        w->run->clear(w->on, w->press, bytes);
     w->pressed = held;
 }
 
+/* The end of the slice becomes the state. */
 static void commit(struct world *w, int outcome)
 {
     if (w->plan.history)
@@ -127,151 +239,68 @@ static void commit(struct world *w, int outcome)
     slice_keep(w);
 }
 
-/* Energies of a state of all cloths, which are 0 before. */
-static void weigh(const struct world *w, const vec *x, const vec *v,
-                  double energy[3])
+/* The first slice of a step that may fail later keeps where the step starts. */
+static void finish(struct world *w, struct step *s)
 {
-    for (int k = 0; k < w->def.n_cloths; k++) {
-        double value[3];
-        dynamics_energy(&w->sheet[k].dynamics, x + w->sheet[k].first,
-                        v + w->sheet[k].first, value);
-        for (int j = 0; j < 3; j++)
-            energy[j] += value[j];
-    }
+    bool doubt = ending_doubtful(w, s->r.outcome);
+    slice_report(s->all, &s->r, !s->again);
+    if (goes_on(s) && w->slicing.done == 0 && (w->slicing.level > 0 || doubt))
+        s->status = restore_save(w);
+    if (goes_on(s))
+        commit(w, s->r.outcome);
 }
 
-/* ---- The pipeline ---- */
-
-int step_check(struct world *w, drape_error *error)
+/* A step that failed goes back to its start; what it reports is the state as
+ * it is then. */
+static int end(struct world *w, struct step *s)
 {
-    for (int k = 0; k < w->def.n_cloths && !w->plan.implicit; k++) {
-        const struct cloth *c = &w->sheet[k].cloth;
-        int32_t n = advance_substeps(w->def.integrator, w->def.dt, c->bound,
-                                     (double)c->beta);
-        if (n <= w->def.max_substeps)
-            continue;
-        if (error)
-            snprintf(error->text, sizeof error->text,
-                     "cloth %d: stable from %d substeps on, max_substeps is "
-                     "%d",
-                     k, (int)n, w->def.max_substeps);
-        return DRAPE_ELIMIT;
-    }
-    return DRAPE_OK;
-}
-
-static void tell(drape_step_report *r, const double energy[3])
-{
-    r->kinetic = energy[0];
-    r->elastic = energy[1];
-    r->potential = energy[2];
-}
-
-/* §7.3: *again: the slice ended badly, and a shorter one is wanted. Dynamics
- * weighed what contact has left alone. */
-static void judge(struct world *w, drape_step_report *r, bool *again)
-{
-    double before[3] = {0}, after[3] = {0};
-    bool anew = w->met && (w->reported || slice_weighs(w));
-    for (int k = 0; k < w->def.n_cloths; k++)
-        for (int j = 0; j < 3; j++) {
-            before[j] += w->sheet[k].dynamics.before[j];
-            after[j] += anew ? 0 : w->sheet[k].dynamics.energy[j];
-        }
-    if (anew)
-        weigh(w, w->x1, w->v1, after);
-    tell(r, after);
-    *again = w->plan.collides && slice_wrong(w, r->outcome, before, after);
-}
-
-/* One slice of a step, from the state to the state, or to a shorter slice. */
-static int slice(struct world *w, drape_step_report *all, double *last)
-{
-    drape_step_report r = {0};
-    bool again = false;
-    w->met = false;
-    int status = lead(w, slice_time(w), w->x1); /* 01 kinematics */
-    trace_stage(w->tracing, "kinematics", w->x1 + w->nc,
-                (size_t)(w->nv - w->nc) * sizeof *w->x1);
-    if (status == DRAPE_OK)
-        status = move(w, &r); /* 03 wind … 09 dynamics, 10 sum … 15 pcg */
-    for (int k = 0; k < w->def.n_cloths; k++)
-        r.seconds[DRAPE_PART_SOLVER] += w->sheet[k].solver.seconds;
-    step_charge(&r, DRAPE_PART_INTEGRATION, last, r.seconds[DRAPE_PART_SOLVER]);
-    bool diverged = r.outcome & DRAPE_DIVERGED;
-    if (diverged)
-        again = slice_diverged(w);
-    if (status == DRAPE_OK && !diverged && w->plan.collides) {
-        status = collide_far(w, &r, last, &again); /* 26 travel */
-        if (status == DRAPE_OK && !again)
-            status = collide(w, &r, last); /* 20 refit … 37 response */
-    }
-    if (status == DRAPE_OK && !diverged && !again)
-        judge(w, &r, &again);
-    slice_report(all, &r, !again);
-    if (status != DRAPE_OK || diverged || again)
-        return status;
-    bool doubt = ending_doubtful(w, r.outcome);
-    if (w->slicing.done == 0 && (w->slicing.level > 0 || doubt))
-        status = slice_save(w);
-    if (status == DRAPE_OK)
-        commit(w, r.outcome);
-    return status;
-}
-
-static int pipeline(struct world *w, drape_step_report *r)
-{
-    double last = clock_now(), energy[3] = {0};
-    int status = DRAPE_OK;
-    w->trace.step = w->step;
-    w->trace.last = last;
-    slice_begin(w);
-    if (w->asleep && w->plan.led)
-        status = lead(w, slice_time(w), w->x1);
-    if (status != DRAPE_OK)
-        return status;
-    bool asleep = w->asleep && !lead_moves(w);
-    if (asleep)
-        r->outcome = DRAPE_ASLEEP;
-    while (!asleep && status == DRAPE_OK && !slice_last(w) &&
-           !(r->outcome & DRAPE_DIVERGED))
-        status = slice(w, r, &last);
+    drape_step_report *r = s->all;
+    double energy[3] = {0};
     bool diverged = r->outcome & DRAPE_DIVERGED;
-    bool moved = status == DRAPE_OK && !diverged && !asleep;
     int64_t found = w->intersecting;
-    if (moved && ending_doubtful(w, r->outcome))
-        status = ending_count(w, &found); /* 40 audit */
-    bool failed = status != DRAPE_OK || diverged;
+    if (s->status == DRAPE_OK && !diverged && !s->asleep &&
+        ending_doubtful(w, r->outcome))
+        s->status = ending_count(w, &found);
+    bool failed = s->status != DRAPE_OK || diverged;
     if (failed && w->slicing.done > 0)
-        slice_restore(w);
-    if (status != DRAPE_OK)
-        return status;
+        restore_start(w);
+    if (s->status != DRAPE_OK)
+        return s->status;
     w->intersecting = found;
     ending_tell(w, r);
-    if (!failed && !asleep)
+    if (!failed && !s->asleep)
         slice_end(w);
     w->step += !failed;
     w->time = (double)w->step * w->def.dt;
-    if (failed || asleep) {
-        weigh(w, w->x0, w->v0, energy);
-        tell(r, energy);
+    if (failed || s->asleep) {
+        add_energies(w, w->x0, w->v0, energy);
+        report_energy(r, energy);
     }
     r->step = w->step;
     r->time = w->time;
-    return DRAPE_OK;
+    return w->run->status(w->on);
 }
 
 int step_advance(struct world *w, drape_step_report *report)
 {
     drape_step_report unread;
-    w->reported = report != NULL;
-    report = report ? report : &unread;
-    memset(report, 0, sizeof *report);
-    /* waking threads costs more than a small scene's loops */
-    bool small = w->nv < SMALL_SCENE;
+    struct step s = {.all = report ? report : &unread};
     struct threads threads;
-    threads_begin(&threads, small ? 1 : w->def.threads);
-    int status = pipeline(w, report);
+    w->reported = report != NULL;
+    /* Waking threads costs more than the loops of a small scene; a device
+     * leaves no loops to the host. */
+    bool one = w->nv < SMALL_SCENE || w->device;
+    threads_begin(&threads, one ? 1 : w->def.threads);
+    begin(w, &s); /* §6: sleep */
+    while (has_slice_left(w, &s)) {
+        place(w, &s);    /* §1: kinematics.md */
+        move(w, &s);     /* §2: wind.md, springs.md … dynamics.md, pcg.md */
+        look_far(w, &s); /* §7.2: travel.md */
+        touch(w, &s);    /* §3: refit.md … features.md, response.md */
+        judge(w, &s);    /* §7.3: energy.md */
+        finish(w, &s);   /* §4: implicit.md §4; §6, §7.4 */
+    }
+    int status = end(w, &s); /* §11: audit.md; §7.5 */
     threads_end(&threads);
     return status;
 }

@@ -8,11 +8,4 @@
 /* As drape_step; report may be NULL. Negative: nothing has changed. */
 int step_advance(struct world *w, drape_step_report *report);
 
-/* DRAPE_ELIMIT and a text where the scene cannot be stepped at all. */
-int step_check(struct world *w, drape_error *error);
-
-/* response's broad and grow; user is the world. */
-int step_broad(void *user, const uint8_t *touched, struct pairs *out);
-int step_grow(void *user, struct pool *pool, int64_t need, size_t size);
-
 #endif

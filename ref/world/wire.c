@@ -3,7 +3,8 @@
 #include "ref/world/wire.h"
 
 #include "ref/base/sum.h"
-#include "ref/world/step.h"
+#include "ref/contact/turn.h"
+#include "ref/world/collide.h"
 
 static void *take(struct world *w, enum arena_part part, int64_t n, size_t size)
 {
@@ -93,20 +94,21 @@ static int make_response(struct world *w, const drape_def *def)
     c->max_rounds = def->max_rounds;
     c->zone_rounds = 4;
     c->roll_rounds = 16;
-    c->broad = step_broad;
-    c->grow = step_grow;
+    c->run = w->run;
+    c->on = w->on;
+    c->broad = collide_broad;
     c->user = w;
+    if (w->plan.implicit)
+        c->solve = couple_solve;
     if (w->def.backend != DRAPE_REF)
         return DRAPE_OK; /* the device has the streams */
     c->u = take(w, ARENA_RESPONSE, w->nv, sizeof *c->u);
     c->touched = take(w, ARENA_RESPONSE, w->nv, 1);
     c->rolled = take(w, ARENA_RESPONSE, w->nv, 1);
     c->start = take(w, ARENA_RESPONSE, w->nv + 1, sizeof *c->start);
-    if (w->plan.implicit)
-        c->solve = couple_solve;
     if (w->arena->failed)
         return DRAPE_ENOMEM;
-    return w->plan.implicit ? couple_make(w) : DRAPE_OK;
+    return w->plan.implicit ? turn_make(w) : DRAPE_OK;
 }
 
 int wire_stages(struct world *w, const drape_def *def)

@@ -5,7 +5,6 @@
 
 #include "gpu/world/world.h"
 #include "ref/contact/contacts.h"
-#include "ref/contact/failsafe.h"
 #include "tests/base/choices.h"
 #include "tests/base/notes.h"
 #include "tests/contact/tangle.h"
@@ -93,7 +92,7 @@ static int solve(struct response *r, int64_t n, struct contact *contact)
     c.stirred = c.awake + n;
     int status = ref_contacts(&c);
     if (status == DRAPE_OK)
-        response_advance(r, c.vertices, c.vertex, c.moved);
+        rounds_advance(r, c.vertices, c.vertex, c.moved, false);
     free(c.push);
     return status;
 }
@@ -143,6 +142,8 @@ static void rival_open(struct rival *t)
     struct response *r = &t->r;
     int64_t nv = t->a.nv;
     *r = t->a.r;
+    r->run = &backend_gpu;
+    r->on = t->g;
     r->w = give(t, t->a.w, nv, sizeof(real));
     r->skin.of = give(t, t->a.of, nv, sizeof *t->a.of);
     r->skin.surface = give(t, &t->a.surface, 1, sizeof t->a.surface);
@@ -170,15 +171,15 @@ static int rival_step(struct rival *t, vec a)
     send(t, (vec *)t->r.x0, t->a.x0, sizeof(vec));
     send(t, t->r.x1, t->a.x1, sizeof(vec));
     send(t, t->r.v, t->a.v, sizeof(vec));
-    int status = gpu_response_start(t->g, &t->r);
+    int status = response_start(&t->r);
     t->a.reach = t->a.surface.thickness;
     if (status == DRAPE_OK)
         status = rival_broad(t, NULL, &near);
     if (status == DRAPE_OK)
-        status = gpu_response_repel(t->g, &t->r, &near);
+        status = response_repel(&t->r, &near);
     t->a.reach = 0;
     if (status == DRAPE_OK)
-        status = gpu_response_penetrate(t->g, &t->r);
+        status = response_penetrate(&t->r);
     fetch(t, t->a.x1, t->r.x1, sizeof(vec));
     fetch(t, t->a.v, t->r.v, sizeof(vec));
     fetch(t, t->a.r.u, t->r.u, sizeof(vec));

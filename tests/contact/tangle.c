@@ -18,18 +18,10 @@ static void *zeros(int64_t n, size_t size)
     return must(calloc((size_t)n + 1, size));
 }
 
-static int enlarge(void *user, struct pool *pool, int64_t need, size_t size)
-{
-    (void)user;
-    free(pool->data);
-    pool->data = zeros(need, size);
-    pool->cap = need;
-    return DRAPE_OK;
-}
-
 void tangle_make(struct tangle *t, int64_t nv, int64_t nt)
 {
     memset(t, 0, sizeof *t);
+    arena_init(&t->arena, &(drape_allocator){0});
     t->nv = nv;
     t->nt = nt;
     t->tri = zeros(nt, sizeof *t->tri);
@@ -40,7 +32,9 @@ void tangle_make(struct tangle *t, int64_t nv, int64_t nt)
     t->v = zeros(nv, sizeof *t->v);
     t->of = zeros(nv, sizeof *t->of);
     t->surface = (struct surface){R(0.01), R(0.3)};
-    t->r = (struct response){.nv = nv,
+    t->r = (struct response){.run = &backend_ref,
+                             .on = &t->arena,
+                             .nv = nv,
                              .w = t->w,
                              .skin = {1, t->of, &t->surface},
                              .x0 = t->x0,
@@ -54,7 +48,6 @@ void tangle_make(struct tangle *t, int64_t nv, int64_t nt)
                              .zone_rounds = 8,
                              .roll_rounds = 64,
                              .broad = tangle_broad,
-                             .grow = enlarge,
                              .user = t,
                              .u = zeros(nv, sizeof(vec)),
                              .touched = zeros(nv, 1),
@@ -86,13 +79,7 @@ void tangle_edges(struct tangle *t)
 void tangle_free(struct tangle *t)
 {
     struct response *r = &t->r;
-    struct pool *pool[] = {
-        &r->at,      &r->toi,        &r->tier,       &r->hit,      &r->hit_kind,
-        &r->hit_toi, &r->contact[0], &r->contact[1], &r->item,     &r->parts,
-        &r->lack,    &r->push,       &r->vertex,     &r->key[0],   &r->key[1],
-        &r->sum,     &r->zone,       &r->tangle[0],  &r->tangle[1]};
-    for (size_t k = 0; k < sizeof pool / sizeof *pool; k++)
-        free(pool[k]->data);
+    arena_free(&t->arena);
     void *memory[] = {t->tri,     t->edge,   t->w,    t->x0,   t->x1,
                       t->v,       t->of,     t->pair, t->kind, r->u,
                       r->touched, r->rolled, r->start};
@@ -166,15 +153,15 @@ int tangle_step(struct tangle *t, vec a)
 {
     struct pairs near;
     tangle_start(t, a);
-    int status = ref_response_start(&t->r);
+    int status = response_start(&t->r);
     t->reach = t->surface.thickness;
     if (status == DRAPE_OK)
         status = tangle_broad(t, NULL, &near);
     if (status == DRAPE_OK)
-        status = ref_response_repel(&t->r, &near);
+        status = response_repel(&t->r, &near);
     t->reach = 0;
     if (status == DRAPE_OK)
-        status = ref_response_penetrate(&t->r);
+        status = response_penetrate(&t->r);
     return status;
 }
 

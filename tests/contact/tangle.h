@@ -7,7 +7,8 @@
 #include "tests/base/harness.h"
 
 struct tangle {
-    struct response r; /* w, x0, x1 and v are the scene's own below */
+    struct response r;  /* w, x0, x1 and v are the scene's own below */
+    struct arena arena; /* of the response's pools */
     int64_t nv, nt, ne;
     int32_t (*tri)[3], (*edge)[2];
     real *w;

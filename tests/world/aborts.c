@@ -3,6 +3,7 @@
  * the step that it would have been. spec/world/step.md §7 */
 #include "ref/contact/couple.h"
 #include "ref/world/checkpoint.h"
+#include "ref/world/collide.h"
 #include "ref/world/state.h"
 #include "ref/world/step.h"
 #include "tests/solve/system.h"
@@ -15,7 +16,7 @@ static int left;
 
 static int broad(void *user, const uint8_t *touched, struct pairs *out)
 {
-    return left-- > 0 ? step_broad(user, touched, out) : DRAPE_ENOMEM;
+    return left-- > 0 ? collide_broad(user, touched, out) : DRAPE_ENOMEM;
 }
 
 static int solve(void *user, int64_t n, struct contact *contact)

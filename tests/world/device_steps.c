@@ -161,7 +161,7 @@ enum how { PLAIN, SHORT, HOSTED };
  * now stays empty. */
 static bool cut_pool(struct run *r, int k)
 {
-    struct gpu_world *w = r->world->device;
+    struct world *w = r->world;
     int64_t *const cap[] = {&w->broad.kind.cap, &w->broad.both.cap,
                             &w->response.contact[0].cap};
     int64_t *one = cap[k % 3];

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The table of the device: its functions queue launches, and wait only for
+ * counts and outcomes. ref/base/backend.h, spec/gpu.md §6 */
+#include "gpu/contact/incidence.cuh"
+#include "gpu/run/gpu.cuh"
+
+extern "C" {
+#include "ref/base/stages.h"
+}
+
+static struct gpu *gpu_of(void *on)
+{
+    return (struct gpu *)on;
+}
+
+static void *take(void *on, enum arena_part part, int64_t n, size_t size)
+{
+    return gpu_take(gpu_of(on), part, n, size);
+}
+
+/* What need not outlast a solve is borrowed from the solvers. */
+static int grow(void *on, struct pool *pool, int64_t need, size_t size,
+                bool kept)
+{
+    struct gpu *g = gpu_of(on);
+    int64_t cap = need + (g->tight ? 0 : need / 4 + 256);
+    gpu_give(g, pool->data);
+    pool->data = kept ? gpu_take(g, ARENA_RESPONSE, cap, size)
+                      : gpu_borrow(g, ARENA_RESPONSE, cap, size);
+    pool->cap = pool->data ? cap : 0;
+    return gpu_status(g);
+}
+
+static void copy(void *on, void *to, const void *from, size_t bytes)
+{
+    gpu_copy(gpu_of(on), to, from, bytes);
+}
+
+static void clear(void *on, void *p, size_t bytes)
+{
+    gpu_clear(gpu_of(on), p, bytes);
+}
+
+static void send(void *on, void *to, const void *from, size_t bytes)
+{
+    gpu_up(gpu_of(on), to, from, bytes);
+}
+
+static void begin(void *on)
+{
+    gpu_begin(gpu_of(on));
+}
+
+static void wait(void *on)
+{
+    gpu_wait(gpu_of(on));
+}
+
+static int status(void *on)
+{
+    return gpu_status(gpu_of(on));
+}
+
+static void trace(void *on, struct trace *t, const char *stage, const void *out,
+                  size_t bytes)
+{
+    gpu_trace(gpu_of(on), t, stage, out, bytes);
+}
+
+/* STAGE(name): the stage as a function of the table. */
+#define STAGE(name)                                                            \
+    static int name(void *on, struct name *s)                                  \
+    {                                                                          \
+        return gpu_##name(gpu_of(on), s);                                      \
+    }
+STAGE(kinematics)
+STAGE(history)
+STAGE(travel)
+STAGE(narrow)
+STAGE(audit)
+STAGE(proximity)
+STAGE(impacts)
+STAGE(impulses)
+STAGE(contacts)
+STAGE(warm)
+STAGE(zones)
+STAGE(rollback)
+
+/* Whether a contact is bad shows with the words that the solve reads. */
+static int penalty(void *on, struct penalty *s)
+{
+    return gpu_penalty_queue(gpu_of(on), s, gpu_late_words(gpu_of(on)));
+}
+
+static int penalty_status(void *on)
+{
+    return gpu_late_seen(gpu_of(on))[INCIDENCE_BAD] ? DRAPE_EARG : DRAPE_OK;
+}
+
+static int motion(void *on, struct sheet *s)
+{
+    return gpu_motion(gpu_of(on), s);
+}
+
+static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
+                   double value[3])
+{
+    gpu_motion_energy(gpu_of(on), s, x, v, value);
+}
+
+static int solve(void *on, struct sheet *s)
+{
+    struct gpu *g = gpu_of(on);
+    gpu_hand_over(g);
+    return gpu_pcg_by_rates(g, &s->solver.pcg,
+                            rates{s->device->rate, s->dynamics.x});
+}
+
+static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,
+               bool *apart)
+{
+    return gpu_broad_ask(gpu_of(on), b, x0, x1, r, apart);
+}
+
+static int query(void *on, struct broad *b, const vec *x0, const vec *x1,
+                 real r, const uint8_t *moved)
+{
+    return gpu_broad_query(gpu_of(on), b, x0, x1, r, moved);
+}
+
+static void start(void *on, struct response *s)
+{
+    gpu_rounds_start(gpu_of(on), s);
+}
+
+static void advance(void *on, struct response *s, int64_t n,
+                    const int32_t *vertex, const uint8_t *moved, bool stop)
+{
+    gpu_rounds_advance(gpu_of(on), s, n, vertex, moved, stop);
+}
+
+static void touch(void *on, const struct response *s)
+{
+    gpu_rounds_touch(gpu_of(on), s);
+}
+
+static void settle(void *on, const struct response *s, struct contact *contact)
+{
+    gpu_rounds_settle(gpu_of(on), s, contact);
+}
+
+static void first_turn(void *on, int64_t n, vec *g, const vec *press, real dt)
+{
+    gpu_turn_begin(gpu_of(on), n, g, press, dt);
+}
+
+static void carry(void *on, const struct turn *s)
+{
+    gpu_turn_carry(gpu_of(on), s);
+}
+
+static void load(void *on, const struct turn *s)
+{
+    gpu_turn_load(gpu_of(on), s);
+}
+
+static void move(void *on, const struct turn *s)
+{
+    gpu_turn_move(gpu_of(on), s);
+}
+
+static void hand_over(void *on)
+{
+    gpu_hand_over(gpu_of(on));
+}
+
+static void pin(void *on, int64_t n, const int32_t *pinned, const vec *x,
+                vec *to)
+{
+    gpu_led_pin(gpu_of(on), n, pinned, x, to);
+}
+
+static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
+                       real dt, vec *v)
+{
+    gpu_led_velocities(gpu_of(on), n, x0, x1, dt, v);
+}
+
+static real furthest(void *on, int64_t n, const vec *x0, const vec *x1)
+{
+    return gpu_led_furthest(gpu_of(on), n, x0, x1);
+}
+
+static int ending_streams(struct world *w)
+{
+    struct gpu *g = w->device->gpu;
+    gpu_led_group(g, w->nt, w->ntc, (int32_t *)w->ending.group);
+    return gpu_status(g);
+}
+
+extern const struct backend backend_gpu = {.take = take,
+                                           .grow = grow,
+                                           .copy = copy,
+                                           .clear = clear,
+                                           .send = send,
+                                           .pushes =
+                                               1, /* pushes lie by vertex */
+                                           .begin = begin,
+                                           .wait = wait,
+                                           .status = status,
+                                           .trace = trace,
+                                           .kinematics = kinematics,
+                                           .history = history,
+                                           .travel = travel,
+                                           .narrow = narrow,
+                                           .audit = audit,
+                                           .proximity = proximity,
+                                           .impacts = impacts,
+                                           .impulses = impulses,
+                                           .contacts = contacts,
+                                           .warm = warm,
+                                           .zones = zones,
+                                           .rollback = rollback,
+                                           .penalty = penalty,
+                                           .penalty_status = penalty_status,
+                                           .motion = motion,
+                                           .energy = energy,
+                                           .solve = solve,
+                                           .broad_ask = ask,
+                                           .broad_query = query,
+                                           .start = start,
+                                           .advance = advance,
+                                           .touch = touch,
+                                           .settle = settle,
+                                           .turn_room = gpu_turn_room,
+                                           .turn_begin = first_turn,
+                                           .turn_carry = carry,
+                                           .turn_load = load,
+                                           .turn_move = move,
+                                           .turn_end = hand_over,
+                                           .pin = pin,
+                                           .moves = gpu_led_moves,
+                                           .velocities = velocities,
+                                           .furthest = furthest,
+                                           .ending_streams = ending_streams};

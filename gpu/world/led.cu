@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Loops over what is led, and over the ways of vertices, on the device:
+ * ref/world/led.h. spec/world/step.md §1, §6, §7, §11 */
+#include "gpu/base/largest.cuh"
+#include "gpu/base/real.cuh"
+#include "gpu/run/gpu.cuh"
+
+/* Thread k owns pin k: writes where its particle ends. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    pins_kernel(int64_t n, const int32_t *pinned, const vec *x, vec *to)
+{
+    ITEM(k, n);
+    to[pinned[k]] = x[k];
+}
+
+void gpu_led_pin(struct gpu *g, int64_t n, const int32_t *pinned, const vec *x,
+                 vec *to)
+{
+    LAUNCH(g, n, pins_kernel, n, pinned, x, to);
+}
+
+static __device__ bool same_bits(const vec *a, const vec *b)
+{
+    real_bits p[3], q[3];
+    memcpy(p, a, sizeof p);
+    memcpy(q, b, sizeof q);
+    return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
+}
+
+/* Thread k owns obstacle vertex, or pin, k: notes that it moves. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    moves_kernel(int64_t n, const int32_t *at, const vec *x0, const vec *x1,
+                 int64_t *moves)
+{
+    ITEM(k, n);
+    if (!same_bits(&x0[at ? at[k] : k], &x1[k]))
+        *moves = 1; /* whoever writes, writes the same */
+}
+
+bool gpu_led_moves(const struct world *w)
+{
+    struct gpu *g = w->device->gpu;
+    int64_t *moves = gpu_words(g);
+    LAUNCH(g, w->nv - w->nc, moves_kernel, w->nv - w->nc, nullptr,
+           w->x0 + w->nc, w->x1 + w->nc, moves);
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        const struct sheet *s = &w->sheet[k];
+        LAUNCH(g, s->pins.n, moves_kernel, s->pins.n, s->pinned,
+               w->x0 + s->first, s->pins.x, moves);
+    }
+    return gpu_read_words(g, 1)[0] != 0;
+}
+
+/* Thread k owns vertex k. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    velocities_kernel(int64_t n, const vec *x0, const vec *x1, real dt, vec *v)
+{
+    ITEM(k, n);
+    vec d = sub(x1[k], x0[k]);
+    v[k] = make(d.x / dt, d.y / dt, d.z / dt);
+}
+
+void gpu_led_velocities(struct gpu *g, int64_t n, const vec *x0, const vec *x1,
+                        real dt, vec *v)
+{
+    LAUNCH(g, n, velocities_kernel, n, x0, x1, dt, v);
+}
+
+/* Thread i owns vertex i: the square of its way, m²; a block its largest. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    way_kernel(int64_t n, const vec *x0, const vec *x1, int64_t *most)
+{
+    int64_t i = (int64_t)blockIdx.x * GPU_BLOCK + threadIdx.x;
+    vec d = i < n ? sub(x1[i], x0[i]) : make(0, 0, 0);
+    block_largest(most, dot(d, d));
+}
+
+real gpu_led_furthest(struct gpu *g, int64_t n, const vec *x0, const vec *x1)
+{
+    int64_t *most = gpu_words(g);
+    LAUNCH_BLOCKS(g, largest_blocks(n), GPU_BLOCK, way_kernel, n, x0, x1, most);
+    return largest_of(gpu_read_words(g, 1));
+}
+
+/* Thread k owns triangle k: writes whether it is a cloth's. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    group_kernel(int64_t nt, int64_t cloths, int32_t *group)
+{
+    ITEM(k, nt);
+    group[k] = k < cloths;
+}
+
+void gpu_led_group(struct gpu *g, int64_t nt, int64_t cloths, int32_t *group)
+{
+    LAUNCH(g, nt, group_kernel, nt, cloths, group);
+}

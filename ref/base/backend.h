@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a backend is to the host: a table of functions. The host's decisions
+ * (ref/world, ref/contact/response.c, failsafe.c and couple.c) are written once
+ * and call the stages through the table of the world's backend: of the
+ * reference, ref/world/backend.c, or of the device, gpu/world/backend.cu.
+ * spec/world/step.md §12 */
+#ifndef REF_BACKEND_H
+#define REF_BACKEND_H
+
+#include "ref/base/arena.h"
+#include "ref/base/real.h"
+#include "ref/base/trace.h"
+
+struct audit;
+struct broad;
+struct contact;
+struct contacts;
+struct history;
+struct impacts;
+struct impulses;
+struct kinematics;
+struct narrow;
+struct penalty;
+struct proximity;
+struct response;
+struct rollback;
+struct sheet;
+struct travel;
+struct turn;
+struct warm;
+struct world;
+struct zones;
+
+/* A stream that grows; its contents are lost when it does. */
+struct pool {
+    void *data;
+    int64_t cap; /* items */
+};
+
+/* `on` is the backend's own: the arena of the reference, the struct gpu of a
+ * device. Streams lie in the memory of the backend. A function of a device
+ * may queue its work and return; then its error shows in a later `status`. */
+struct backend {
+    /* ---- Memory ---- */
+
+    /* Zeroed; NULL where there is none. */
+    void *(*take)(void *on, enum arena_part part, int64_t n, size_t size);
+    /* Gives the pool room for `need` items, and for more, so that growth is
+     * rare. kept: the contents must outlast a linear solve. DRAPE_OK or
+     * DRAPE_ENOMEM. */
+    int (*grow)(void *on, struct pool *pool, int64_t need, size_t size,
+                bool kept);
+    void (*copy)(void *on, void *to, const void *from, size_t bytes);
+    void (*clear)(void *on, void *p, size_t bytes);
+    /* A copy from memory of the host, which is read before the return. */
+    void (*send)(void *on, void *to, const void *from, size_t bytes);
+    /* Vectors of scratch that stage contacts has for each contact. */
+    int pushes;
+
+    /* ---- Order and errors ---- */
+
+    void (*begin)(void *on); /* forgets an earlier lack of memory */
+    void (*wait)(void *on);  /* until all work is done, to take the time */
+    int (*status)(void *on); /* DRAPE_OK or the first error since begin */
+    /* As trace_stage, of a stream in the backend's memory. */
+    void (*trace)(void *on, struct trace *t, const char *stage, const void *out,
+                  size_t bytes);
+
+    /* ---- Stages: ref_X or gpu_X of spec/stages.def ---- */
+
+    int (*kinematics)(void *on, struct kinematics *s);
+    int (*history)(void *on, struct history *s);
+    int (*travel)(void *on, struct travel *s);
+    int (*narrow)(void *on, struct narrow *s);
+    int (*audit)(void *on, struct audit *s);
+    int (*proximity)(void *on, struct proximity *s);
+    int (*impacts)(void *on, struct impacts *s);
+    int (*impulses)(void *on, struct impulses *s);
+    int (*contacts)(void *on, struct contacts *s);
+    int (*warm)(void *on, struct warm *s);
+    int (*zones)(void *on, struct zones *s);
+    int (*rollback)(void *on, struct rollback *s);
+    /* Whether a contact was bad, penalty_status says after the next solve. */
+    int (*penalty)(void *on, struct penalty *s);
+    int (*penalty_status)(void *on);
+
+    /* ---- Stages in an order of the backend's own ---- */
+
+    /* ref_dynamics and dynamics_energy of a cloth. */
+    int (*motion)(void *on, struct sheet *s);
+    void (*energy)(void *on, struct sheet *s, const vec *x, const vec *v,
+                   double value[3]);
+    /* Stage pcg with the settings in the sheet's struct pcg. */
+    int (*solve)(void *on, struct sheet *s);
+    /* ref/broad/broad.h. */
+    int (*broad_ask)(void *on, struct broad *b, const vec *x0, const vec *x1,
+                     real r, bool *apart);
+    int (*broad_query)(void *on, struct broad *b, const vec *x0, const vec *x1,
+                       real r, const uint8_t *moved);
+
+    /* ---- Loops between stages: ref/contact/rounds.c ---- */
+
+    void (*start)(void *on, struct response *s);
+    void (*advance)(void *on, struct response *s, int64_t n,
+                    const int32_t *vertex, const uint8_t *moved, bool stop);
+    void (*touch)(void *on, const struct response *s);
+    void (*settle)(void *on, const struct response *s, struct contact *contact);
+
+    /* ---- Loops between solves: ref/contact/turn.h ---- */
+
+    /* Scratch of penalty and warm for n contacts. DRAPE_OK or DRAPE_ENOMEM. */
+    int (*turn_room)(struct world *w, int64_t n);
+    void (*turn_begin)(void *on, int64_t n, vec *g, const vec *press, real dt);
+    void (*turn_carry)(void *on, const struct turn *s);
+    void (*turn_load)(void *on, const struct turn *s);
+    void (*turn_move)(void *on, const struct turn *s);
+    /* No stream that a solver has lent is read any more. */
+    void (*turn_end)(void *on);
+
+    /* ---- Loops of a slice: ref/world/led.h ---- */
+
+    void (*pin)(void *on, int64_t n, const int32_t *pinned, const vec *x,
+                vec *to);
+    bool (*moves)(const struct world *w);
+    void (*velocities)(void *on, int64_t n, const vec *x0, const vec *x1,
+                       real dt, vec *v);
+    real (*furthest)(void *on, int64_t n, const vec *x0, const vec *x1);
+    /* Streams of the audit that are the backend's own, and its groups. */
+    int (*ending_streams)(struct world *w);
+};
+
+/* ref/world/backend.c */
+extern const struct backend backend_ref;
+
+#endif

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a turn of contacts and solves computes besides its stages, and its
+ * memory. spec/contact/penalty.md §4 */
+#include "ref/contact/turn.h"
+
+#include "ref/world/state.h"
+
+static void *take(struct world *w, int64_t n, size_t size)
+{
+    return arena_take(w->arena, ARENA_RESPONSE, n, size);
+}
+
+int turn_make(struct world *w)
+{
+    struct couple *c = &w->couple;
+    struct penalty *p = &c->penalty;
+    p->nv = w->nv;
+    p->nv1 = w->nv + 1;
+    p->w = w->w;
+    p->u = w->response.u;
+    p->stiffness = w->response.stiffness;
+    p->start = w->response.start;
+    p->force = take(w, w->nv, sizeof *p->force);
+    p->hold = take(w, w->nv, sizeof *p->hold);
+    p->guess = take(w, w->nv, sizeof *p->guess);
+    c->press = p->guess; /* which nobody reads between two penalties */
+    p->brake = take(w, w->nv, sizeof *p->brake);
+    c->g = take(w, w->nc, sizeof *c->g);
+    p->g = c->g;
+    c->b = take(w, w->nc, sizeof *c->b);
+    c->dv = take(w, w->nc, sizeof *c->dv);
+    return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+}
+
+int turn_room(struct world *w, int64_t n)
+{
+    struct couple *c = &w->couple;
+    struct penalty *p = &c->penalty;
+    if (n <= c->cap)
+        return DRAPE_OK;
+    arena_give(w->arena, p->item);
+    arena_give(w->arena, p->vertex);
+    arena_give(w->arena, p->share);
+    arena_give(w->arena, p->gave);
+    arena_give(w->arena, p->most);
+    arena_give(w->arena, p->more);
+    int64_t cap = n + n / 4 + 64;
+    p->item = take(w, 4 * cap, sizeof *p->item);
+    p->vertex = take(w, 4 * cap, sizeof *p->vertex);
+    p->share = take(w, cap, sizeof *p->share);
+    p->gave = take(w, cap, sizeof *p->gave);
+    p->most = take(w, cap, sizeof *p->most);
+    p->more = take(w, cap, sizeof *p->more);
+    c->cap = w->arena->failed ? 0 : cap;
+    return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+}
+
+void turn_begin(int64_t n, vec *g, const vec *press, real dt)
+{
+    EACH_ITEM
+    for (int64_t i = 0; i < n; i++)
+        g[i] = press ? vec_scale(dt, press[i]) : vec_make(0, 0, 0);
+}
+
+void turn_carry(const struct turn *s)
+{
+    EACH_ITEM
+    for (int64_t i = 0; i < s->count; i++)
+        s->g[i] = vec_sub(s->g[i], s->r[i]);
+}
+
+void turn_load(const struct turn *s)
+{
+    EACH_ITEM
+    for (int64_t i = 0; i < s->count; i++)
+        s->b[i] =
+            s->fixed[i] ? vec_make(0, 0, 0) : vec_sub(s->force[i], s->g[i]);
+}
+
+void turn_move(const struct turn *s)
+{
+    EACH_ITEM
+    for (int64_t i = 0; i < s->count; i++) {
+        if (s->fixed[i])
+            continue;
+        vec dv = s->dv[i];
+        vec done =
+            vec_sub(vec_sub(s->b[i], s->r[i]), sym_apply(s->hold[i], dv));
+        s->g[i] = vec_add(s->g[i], done);
+        s->u[i] = vec_axpy(s->u[i], s->span, dv);
+        s->v[i] = vec_add(s->v[i], dv);
+        s->x1[i] = vec_axpy(s->x0[i], s->dt, s->u[i]);
+        s->touched[i] = 1;
+    }
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What a turn of contacts and solves computes besides its stages, by the
+ * reference. spec/contact/penalty.md §4 */
+#ifndef REF_TURN_H
+#define REF_TURN_H
+
+#include "ref/base/stage.h"
+
+struct world;
+
+/* One cloth's part of the streams. All are [count]. */
+struct turn {
+    int64_t count;
+    const uint8_t *fixed;
+    const vec *force; /* N·s, of penalty */
+    const sym *hold;  /* kg, likewise */
+    const vec *r;     /* N·s, that the last solve left */
+    vec *dv;          /* m/s, its result */
+    vec *g;           /* N·s, A times the change so far */
+    vec *b;           /* out: force - g; it may be force */
+    const vec *x0;
+    vec *u, *v, *x1;
+    uint8_t *touched;
+    real span, dt; /* tau / dt; s */
+};
+
+/* Takes the streams of w->couple. DRAPE_OK or DRAPE_ENOMEM. */
+int turn_make(struct world *w);
+/* Takes scratch of penalty and warm for n contacts. DRAPE_OK or DRAPE_ENOMEM.
+ */
+int turn_room(struct world *w, int64_t n);
+/* g [n] begins with what presses already, or NULL: with nothing. */
+void turn_begin(int64_t n, vec *g, const vec *press, real dt);
+/* What the solve of the free motion left over is the first turn's to do. */
+void turn_carry(const struct turn *s);
+/* b = force - g, 0 where fixed. */
+void turn_load(const struct turn *s);
+/* g gains A dv, whatever pcg left over; u, v and x1 move with dv. */
+void turn_move(const struct turn *s);
+
+#endif

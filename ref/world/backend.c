@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The table of the reference: its functions finish before they return.
+ * ref/base/backend.h */
+#include "ref/base/backend.h"
+
+#include "ref/base/stages.h"
+#include "ref/contact/turn.h"
+#include "ref/world/led.h"
+
+static void *take(void *on, enum arena_part part, int64_t n, size_t size)
+{
+    return arena_take(on, part, n, size);
+}
+
+static int grow(void *on, struct pool *pool, int64_t need, size_t size,
+                bool kept)
+{
+    (void)kept;
+    need += need / 4 + 64;
+    void *p = arena_take(on, ARENA_RESPONSE, need, size);
+    if (!p)
+        return DRAPE_ENOMEM;
+    arena_give(on, pool->data);
+    pool->data = p;
+    pool->cap = need;
+    return DRAPE_OK;
+}
+
+static void copy(void *on, void *to, const void *from, size_t bytes)
+{
+    (void)on;
+    if (bytes && to != from)
+        memcpy(to, from, bytes);
+}
+
+static void clear(void *on, void *p, size_t bytes)
+{
+    (void)on;
+    if (bytes)
+        memset(p, 0, bytes);
+}
+
+static void begin(void *on)
+{
+    ((struct arena *)on)->failed = false;
+}
+
+static void wait(void *on)
+{
+    (void)on;
+}
+
+static int status(void *on)
+{
+    return ((struct arena *)on)->failed ? DRAPE_ENOMEM : DRAPE_OK;
+}
+
+static void trace(void *on, struct trace *t, const char *stage, const void *out,
+                  size_t bytes)
+{
+    (void)on;
+    trace_stage(t, stage, out, bytes);
+}
+
+/* STAGE(name): the stage as a function of the table. */
+#define STAGE(name)                                                            \
+    static int name(void *on, struct name *s)                                  \
+    {                                                                          \
+        (void)on;                                                              \
+        return ref_##name(s);                                                  \
+    }
+STAGE(kinematics)
+STAGE(history)
+STAGE(travel)
+STAGE(narrow)
+STAGE(audit)
+STAGE(proximity)
+STAGE(impacts)
+STAGE(impulses)
+STAGE(contacts)
+STAGE(warm)
+STAGE(zones)
+STAGE(rollback)
+STAGE(penalty)
+
+static int penalty_status(void *on)
+{
+    (void)on;
+    return DRAPE_OK;
+}
+
+static int motion(void *on, struct sheet *s)
+{
+    (void)on;
+    return ref_dynamics(&s->dynamics);
+}
+
+static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
+                   double value[3])
+{
+    (void)on;
+    dynamics_energy(&s->dynamics, x, v, value);
+}
+
+static int solve(void *on, struct sheet *s)
+{
+    (void)on;
+    return ref_pcg(&s->solver.pcg);
+}
+
+static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,
+               bool *apart)
+{
+    (void)on;
+    return broad_ask(b, x0, x1, r, apart);
+}
+
+static int query(void *on, struct broad *b, const vec *x0, const vec *x1,
+                 real r, const uint8_t *moved)
+{
+    (void)on;
+    return broad_query(b, x0, x1, r, moved);
+}
+
+static void start(void *on, struct response *s)
+{
+    (void)on;
+    rounds_start(s);
+}
+
+static void advance(void *on, struct response *s, int64_t n,
+                    const int32_t *vertex, const uint8_t *moved, bool stop)
+{
+    (void)on;
+    rounds_advance(s, n, vertex, moved, stop);
+}
+
+static void touch(void *on, const struct response *s)
+{
+    (void)on;
+    rounds_touch(s);
+}
+
+static void settle(void *on, const struct response *s, struct contact *contact)
+{
+    (void)on;
+    rounds_settle(s, contact);
+}
+
+static void first_turn(void *on, int64_t n, vec *g, const vec *press, real dt)
+{
+    (void)on;
+    turn_begin(n, g, press, dt);
+}
+
+static void carry(void *on, const struct turn *s)
+{
+    (void)on;
+    turn_carry(s);
+}
+
+static void load(void *on, const struct turn *s)
+{
+    (void)on;
+    turn_load(s);
+}
+
+static void move(void *on, const struct turn *s)
+{
+    (void)on;
+    turn_move(s);
+}
+
+static void pin(void *on, int64_t n, const int32_t *pinned, const vec *x,
+                vec *to)
+{
+    (void)on;
+    led_pin(n, pinned, x, to);
+}
+
+static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
+                       real dt, vec *v)
+{
+    (void)on;
+    led_velocities(n, x0, x1, dt, v);
+}
+
+static real furthest(void *on, int64_t n, const vec *x0, const vec *x1)
+{
+    (void)on;
+    return led_furthest(n, x0, x1);
+}
+
+static int ending_streams(struct world *w)
+{
+    struct audit *s = &w->ending;
+    int32_t *group = (int32_t *)s->group;
+    if (!s->count)
+        s->count =
+            arena_take(w->arena, ARENA_RESPONSE, s->n_nodes, sizeof *s->count);
+    for (int64_t k = 0; k < w->nt; k++)
+        group[k] = k < w->ntc;
+    return s->count ? DRAPE_OK : DRAPE_ENOMEM;
+}
+
+const struct backend backend_ref = {.take = take,
+                                    .grow = grow,
+                                    .copy = copy,
+                                    .clear = clear,
+                                    .send = copy,
+                                    .pushes = 2,
+                                    .begin = begin,
+                                    .wait = wait,
+                                    .status = status,
+                                    .trace = trace,
+                                    .kinematics = kinematics,
+                                    .history = history,
+                                    .travel = travel,
+                                    .narrow = narrow,
+                                    .audit = audit,
+                                    .proximity = proximity,
+                                    .impacts = impacts,
+                                    .impulses = impulses,
+                                    .contacts = contacts,
+                                    .warm = warm,
+                                    .zones = zones,
+                                    .rollback = rollback,
+                                    .penalty = penalty,
+                                    .penalty_status = penalty_status,
+                                    .motion = motion,
+                                    .energy = energy,
+                                    .solve = solve,
+                                    .broad_ask = ask,
+                                    .broad_query = query,
+                                    .start = start,
+                                    .advance = advance,
+                                    .touch = touch,
+                                    .settle = settle,
+                                    .turn_room = turn_room,
+                                    .turn_begin = first_turn,
+                                    .turn_carry = carry,
+                                    .turn_load = load,
+                                    .turn_move = move,
+                                    .turn_end = wait,
+                                    .pin = pin,
+                                    .moves = led_moves,
+                                    .velocities = velocities,
+                                    .furthest = furthest,
+                                    .ending_streams = ending_streams};

@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Fills a world from a checked definition: sizes first, then streams, then
+ * their contents. */
+#include "ref/world/fill.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+#include "ref/world/lead.h"
+
+static void *take(struct world *w, enum arena_part part, int64_t n, size_t size)
+{
+    return arena_take(w->arena, part, n, size);
+}
+
+static int say(drape_error *error, int status, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    if (error)
+        vsnprintf(error->text, sizeof error->text, format, args);
+    va_end(args);
+    return status;
+}
+
+/* What is wrong with a cloth's cells: spec/cloth/cloth.md §1 and §4. */
+static int size_cloth(const drape_cloth *def, int k, struct cloth *cloth,
+                      drape_error *error)
+{
+    const drape_material *m = &def->material;
+    if (ref_cloth_size(def, cloth) != DRAPE_OK)
+        return say(error, DRAPE_EARG,
+                   "cloth %d: cells of %.4g by %.4g m are too oblong: expected "
+                   "a ratio of sides below sqrt(stretch / shear) = %.4g",
+                   k, def->width / (def->m - 1), def->height / (def->n - 1),
+                   sqrt(m->stretch / m->shear));
+    if (cloth->n_triangles == 0)
+        return say(error, DRAPE_EARG,
+                   "cloth %d: holes and cuts leave no cell of it", k);
+    return DRAPE_OK;
+}
+
+int fill_sizes(struct world *w, const drape_def *def, drape_error *error)
+{
+    for (int k = 0; k < def->n_cloths; k++) {
+        struct sheet *s = &w->sheet[k];
+        int status = size_cloth(&def->cloths[k], k, &s->cloth, error);
+        if (status != DRAPE_OK)
+            return status;
+        s->first = w->nv;
+        s->first_triangle = w->nt;
+        s->pins.n = def->cloths[k].n_pins;
+        w->nv += s->cloth.count;
+        w->nt += s->cloth.n_triangles;
+    }
+    w->nc = w->nv;
+    w->ntc = w->nt;
+    for (int k = 0; k < def->n_obstacles; k++) {
+        struct prop *p = &w->prop[k];
+        p->first = w->nv;
+        p->first_triangle = w->nt;
+        p->place.n = def->obstacles[k].n_vertices;
+        w->nv += def->obstacles[k].n_vertices;
+        w->nt += def->obstacles[k].n_triangles;
+    }
+    return DRAPE_OK;
+}
+
+void fill_motions(struct world *w, const drape_def *def)
+{
+    drape_motion *motion = take(w, ARENA_OTHER, def->n_motions, sizeof *motion);
+    w->pose = take(w, ARENA_OTHER, def->n_motions, sizeof *w->pose);
+    for (int k = 0; k < def->n_motions && motion; k++) {
+        const drape_motion *m = &def->motions[k];
+        size_t n = (size_t)m->keys;
+        double *time = take(w, ARENA_OTHER, m->keys, sizeof *time);
+        double(*p)[3] = take(w, ARENA_OTHER, m->keys, sizeof *p);
+        double(*q)[4] = take(w, ARENA_OTHER, m->keys, sizeof *q);
+        if (!time || !p || !q)
+            return;
+        memcpy(time, m->time, n * sizeof *time);
+        memcpy(p, m->position, n * sizeof *p);
+        if (m->rotation)
+            memcpy(q, m->rotation, n * sizeof *q);
+        motion[k] = *m;
+        motion[k].time = time;
+        motion[k].position = (const double(*)[3])p;
+        motion[k].rotation = m->rotation ? (const double(*)[4])q : NULL;
+    }
+    w->def.motions = motion;
+}
+
+/* The first pin of which there is no particle. */
+static int say_pin(const drape_cloth *def, const struct cloth *c, int k,
+                   drape_error *error)
+{
+    int p = 0;
+    while (c->fixed[def->pins[p].i + (int64_t)def->m * def->pins[p].j] !=
+           CLOTH_ABSENT)
+        p++;
+    return say(error, DRAPE_EARG,
+               "cloth %d: pin %d: particle (%d, %d) is missing: it is a hole, "
+               "or no cell is left around it",
+               k, p, def->pins[p].i, def->pins[p].j);
+}
+
+static int fill_cloth(struct world *w, const drape_cloth *def, int k,
+                      drape_error *error)
+{
+    struct sheet *s = &w->sheet[k];
+    struct cloth *c = &s->cloth;
+    c->cell = take(w, ARENA_CLOTH, c->count, 1);
+    c->springs = take(w, ARENA_CLOTH, c->count, 1);
+    c->fixed = take(w, ARENA_CLOTH, c->count, 1);
+    c->mass = take(w, ARENA_CLOTH, c->count, sizeof *c->mass);
+    c->tri = w->tri + s->first_triangle;
+    if (w->arena->failed)
+        return DRAPE_ENOMEM;
+    if (ref_cloth_fill(def, c, s->first) != DRAPE_OK)
+        return say_pin(def, c, k, error);
+    if (ref_cloth_start(def, w->x0 + s->first, w->v0 + s->first) != DRAPE_OK)
+        return say(error, DRAPE_EDATA,
+                   "cloth %d: its flat start leaves |x| up to 2^60", k);
+    for (int64_t p = 0; p < c->count; p++) {
+        w->w[s->first + p] = c->fixed[p] ? 0 : 1 / c->mass[p];
+        w->to[s->first + p] = w->x0[s->first + p];
+        w->mass += (double)c->mass[p];
+        w->body[s->first + p] = (uint16_t)k;
+        if (c->fixed[p])
+            w->v0[s->first + p] = vec_make(0, 0, 0);
+    }
+    /* beyond half a cell, neighbours at rest would be in contact */
+    real most = R(0.5) * real_min(c->hu, c->hv);
+    w->surface[k] =
+        (struct surface){real_min((real)def->material.thickness, most),
+                         (real)def->material.friction};
+    w->reach = real_max(w->reach, w->surface[k].thickness);
+    real side = real_min(c->hu, c->hv);
+    w->cell = k ? real_min(w->cell, side) : side;
+    return DRAPE_OK;
+}
+
+static int fill_pins(struct world *w, const drape_cloth *def, int k)
+{
+    struct sheet *s = &w->sheet[k];
+    double *rest = take(w, ARENA_CLOTH, 3 * s->pins.n, sizeof *rest);
+    int32_t *motion = take(w, ARENA_CLOTH, s->pins.n, sizeof *motion);
+    s->pinned = take(w, ARENA_CLOTH, s->pins.n, sizeof *s->pinned);
+    s->pins.x = take(w, ARENA_CLOTH, s->pins.n, sizeof *s->pins.x);
+    if (w->arena->failed)
+        return DRAPE_ENOMEM;
+    for (int64_t i = 0; i < s->pins.n; i++) {
+        const drape_pin *pin = &def->pins[i];
+        s->pinned[i] = pin->i + def->m * pin->j;
+        motion[i] = pin->motion;
+        vec x = w->x0[s->first + s->pinned[i]];
+        rest[3 * i] = (double)x.x;
+        rest[3 * i + 1] = (double)x.y;
+        rest[3 * i + 2] = (double)x.z;
+    }
+    s->pins.rest = rest;
+    s->pins.motion = motion;
+    s->pins.pose = w->pose;
+    s->pins.poses = w->def.n_motions;
+    return DRAPE_OK;
+}
+
+static int fill_obstacle(struct world *w, const drape_obstacle *def, int k)
+{
+    struct prop *p = &w->prop[k];
+    int64_t n = def->n_vertices;
+    double *rest = take(w, ARENA_OBSTACLE, 3 * n, sizeof *rest);
+    int32_t *motion = take(w, ARENA_OBSTACLE, n, sizeof *motion);
+    if (def->frames)
+        p->frame =
+            take(w, ARENA_OBSTACLE, 3 * n * def->frames, sizeof *p->frame);
+    if (w->arena->failed)
+        return DRAPE_ENOMEM;
+    memcpy(rest, def->x, (size_t)(3 * n) * sizeof *rest);
+    if (def->frames)
+        memcpy(p->frame, def->frame,
+               (size_t)(3 * n * def->frames) * sizeof *p->frame);
+    for (int64_t i = 0; i < n; i++) {
+        motion[i] = def->motion;
+        w->body[p->first + i] = (uint16_t)(w->def.n_cloths + k);
+    }
+    for (int64_t t = 0; t < def->n_triangles; t++)
+        for (int i = 0; i < 3; i++)
+            w->tri[p->first_triangle + t][i] =
+                (int32_t)(p->first + def->tri[t][i]);
+    w->surface[w->def.n_cloths + k].friction = (real)def->friction;
+    p->place.rest = rest;
+    p->place.motion = motion;
+    p->place.pose = w->pose;
+    p->place.poses = w->def.n_motions;
+    p->frames = def->frames;
+    p->frame_dt = def->frame_dt;
+    p->moves = def->motion >= 0 || def->frames > 0;
+    return DRAPE_OK;
+}
+
+static int take_streams(struct world *w)
+{
+    const struct plan *p = &w->plan;
+    int64_t bodies = w->def.n_cloths + w->def.n_obstacles;
+    w->x0 = take(w, ARENA_STATE, w->nv, sizeof *w->x0);
+    w->v0 = take(w, ARENA_STATE, w->nv, sizeof *w->v0);
+    w->x1 = take(w, ARENA_STATE, w->nv, sizeof *w->x1);
+    w->v1 = take(w, ARENA_STATE, w->nv, sizeof *w->v1);
+    w->to = take(w, ARENA_STATE, w->nc, sizeof *w->to);
+    w->w = take(w, ARENA_STATE, w->nv, sizeof *w->w);
+    w->body = take(w, ARENA_STATE, w->nv, sizeof *w->body);
+    w->surface = take(w, ARENA_STATE, bodies, sizeof *w->surface);
+    w->tri = take(w, ARENA_STATE, w->nt, sizeof *w->tri);
+    w->watch = take(w, ARENA_STATE, w->def.n_cloths, sizeof *w->watch);
+    if (p->history) {
+        w->past_x = take(w, ARENA_STATE, w->nc, sizeof *w->past_x);
+        w->past_v = take(w, ARENA_STATE, w->nc, sizeof *w->past_v);
+    }
+    if (p->warm)
+        w->press = take(w, ARENA_STATE, w->nc, sizeof *w->press);
+    if (p->history && p->collides) {
+        w->free_x = take(w, ARENA_STATE, w->nc, sizeof *w->free_x);
+        w->free_v = take(w, ARENA_STATE, w->nc, sizeof *w->free_v);
+    }
+    return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+}
+
+int fill_streams(struct world *w, const drape_def *def, drape_error *error)
+{
+    int status = take_streams(w);
+    for (int k = 0; k < def->n_cloths && status == DRAPE_OK; k++) {
+        status = fill_cloth(w, &def->cloths[k], k, error);
+        if (status == DRAPE_OK)
+            status = fill_pins(w, &def->cloths[k], k);
+    }
+    for (int k = 0; k < def->n_obstacles && status == DRAPE_OK; k++)
+        status = fill_obstacle(w, &def->obstacles[k], k);
+    if (status == DRAPE_OK)
+        status = lead(w, 0, w->x0);
+    if (status == DRAPE_OK)
+        memcpy(w->x1, w->x0, (size_t)w->nv * sizeof *w->x0);
+    return status;
+}
