@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-#define STAGE(X, rule) int gpu_##X(struct gpu *g, struct X *s);
+#define STAGE(room, file, X, rule) int gpu_##X(struct gpu *g, struct X *s);
 #include "spec/stages.def"
 #undef STAGE
 
