@@ -108,7 +108,8 @@ def symbols(objects):
 def compiled(name):
     """The files of ours that an object was compiled of: its .d says."""
     rule = read(name[:-2] + ".d").replace("\\\n", " ").split("\n")[0]
-    return {word for word in rule.split(":", 1)[1].split()
+    words = map(os.path.normpath, rule.split(":", 1)[1].split())
+    return {word for word in words
             if word.startswith(("spec/", "ref/", "gpu/"))}
 
 
@@ -254,7 +255,7 @@ def plan(work, path, build):
 def write(work, path):
     run, rows = rows_of(work)
     plan_ = json.load(open(f"{work}/kept.json"))
-    runs = []
+    runs = [run] if any(rows.values()) else []  # the newest is the first
     out = {"trees": trees(), "runs": runs}
     for kind in KINDS:
         for row in rows[kind]:
@@ -390,11 +391,12 @@ def line(path):
     changed = stale(certificate)
     if changed:
         return f"NOT CERTIFIED ({', '.join(changed[:4])} changed since)"
-    newest = max(certificate["runs"], key=lambda run: run["date"])
-    older = sum(row["run"] != certificate["runs"].index(newest)
-                for kind in KINDS for row in certificate[kind + "s"])
-    return ", ".join([newest["device"], newest["date"], newest["commit"]] +
-                     ([f"{older} rows kept from before"] if older else []))
+    newest = certificate["runs"][0]
+    older = sum(row["run"] > 0 for kind in KINDS
+                for row in certificate[kind + "s"])
+    words = [newest["device"], newest["date"], newest["commit"]]
+    words += [f"{older} rows kept from before"] if older else []
+    return ", ".join(word for word in words if word)
 
 
 if __name__ == "__main__":
