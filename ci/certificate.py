@@ -113,12 +113,8 @@ def compiled(name):
             if word.startswith(("spec/", "ref/", "gpu/"))}
 
 
-def sources(build):
-    """Stage to the sources of all that ref_X and gpu_X may call, by what the
-    linker needs and the compiler read."""
-    kernels = f"{build}/cuda/gpu"
-    if not os.path.isdir(kernels):
-        kernels = f"{build}/gpu"  # emulated: a trial
+def linked(build, kernels):
+    """What sources() gives, for the kernels' objects of that folder."""
     objects = glob.glob(f"{build}/ref/*/*.o") + glob.glob(f"{kernels}/*/*.o")
     needs, defines = symbols(objects)
     roots = {FUSED: {name for name in objects
@@ -126,9 +122,8 @@ def sources(build):
     for stage in stages():
         names = [f"{side}_{stage}_{bits}" for side in ("ref", "gpu")
                  for bits in (32, 64)]
-        missing = [name for name in names if name not in defines]
-        if missing:
-            sys.exit(f"no object of {build} defines {missing[0]}")
+        if not all(name in defines for name in names):
+            return {}
         roots[stage] = set().union(*(defines[name] for name in names))
     found = {}
     for stage, seen in roots.items():
@@ -140,6 +135,16 @@ def sources(build):
                     todo.append(name)
         files = set().union(*(compiled(name) for name in seen))
         found[stage] = " ".join(sorted(files))
+    return found
+
+
+def sources(build):
+    """Stage to the sources of all that ref_X and gpu_X may call, by what the
+    linker needs and the compiler read; of the emulated kernels where CUDA's are
+    not all built."""
+    found = linked(build, f"{build}/cuda/gpu") or linked(build, f"{build}/gpu")
+    if not found:
+        sys.exit(f"{build} does not have the objects of every stage")
     return found
 
 
