@@ -114,7 +114,7 @@ const char *prop_zones(const struct zones *s)
     return failed;
 }
 
-/* ---- §4 Conservation ---- */
+/* ---- §4 What holds ---- */
 
 static void momentum(const struct zones *s, struct wide *p, double *e,
                      double *scale)
