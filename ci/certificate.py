@@ -50,8 +50,6 @@ def read(path):
         return file.read()
 
 
-# ---- What there is to certify ----
-
 def stages():
     return re.findall(r"^STAGE\(\w+, \w+, (\w+),", read("spec/stages.def"), re.M)
 
@@ -87,8 +85,6 @@ def wanted():
         rows["sanitizer"] += [(tool, name) for name in stages() + [FUSED]]
     return rows
 
-
-# ---- What a row depends on ----
 
 def symbols(objects):
     """Object to names it needs; name to objects that define it."""
@@ -196,8 +192,6 @@ def fine(kind, row):
         (row["steps"] >= scene["frames"] and row["traced"] >= scene["traced"]))
 
 
-# ---- Planning and writing ----
-
 def rows_of(work):
     """Fields of this run, and rows by kind."""
     run, rows = {}, {kind: [] for kind in KINDS}
@@ -284,8 +278,6 @@ def write(work, path):
     with open(path, "w") as file:
         file.write(text + "\n")
 
-
-# ---- Checking ----
 
 def stale(certificate):
     """What the tree has become another of since: folders, flags, rows."""

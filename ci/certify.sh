@@ -25,8 +25,6 @@ began=$(date +%s)
 row() { (IFS=$(printf '\t'); echo "$*") >>"$rows"; }
 took() { echo "$(($(date +%s) - began)) s: $*"; }
 
-# ---- One run ----
-
 # All scenes: $work/NAME.json, and its frames in $work/NAME.frames.
 grep -v '^#' $scenes >"$work/table"
 while read -r name file frames _ _ keys; do
@@ -92,8 +90,6 @@ key() {
 }
 known() { sed -n "s/^$1 $(key "$1") //p" $known 2>/dev/null; }
 digest() { sha256sum <"$1" | cut -c1-16; }
-
-# ---- Comparing ----
 
 # expected NAME: how many frames are run, and how many of them traced
 expected() {
@@ -213,8 +209,6 @@ sanitize() {
     echo "$1: $(wc -l <"$work/$1") run, not clean:" \
         "$(awk '$4 { printf " %s", $3 }' "$work/$1.rows")"
 }
-
-# ---- What is compared ----
 
 tree=$(python3 ci/tree.py ref)
 if [ "$mode" = reference ]; then

@@ -25,9 +25,10 @@ CITED = re.compile(r"(?P<page>(?:[\w-]+/)*[\w-]+\.md)|§ ?(?P<n>\d+(?:\.\d+)*)")
 # Which § is of a paper, a book or a standard.
 ELSEWHERE = re.compile(r"(?:\b(?:19|20)\d\d|C17|C\+\+\d\d|RFC \d+)[a-z]?,? $")
 # Names of pages when they had numbers.
-NUMBERED = re.compile(r"\b\d\d_[a-z]+|spec/\d\d\b|\bpages? \d\d\b|(?<![\w.,–-])\(\d\d\)|"
-                      r"(?<![\w.,–-])\d\d §|\d\d → \d\d|(?<![\w.,–])[0-5]\d's\b|"
-                      r"\b(?:as|by|with|see|to) 3[0-9](?= (?:and|or|held|took|does|in)\b|[,.;:)])")
+NUMBERED = re.compile(r"\b\d\d_[a-z]+|spec/\d\d\b|\bpages? \d\d\b|"
+                      r"(?<![\w.,–-])\(\d\d\)|(?<![\w.,–-])\d\d §|"
+                      r"\d\d → \d\d|(?<![\w.,–§])(?<!figure )[0-5]\d's\b|"
+                      r"\b(?:as|by|with) 3[1-9](?= (?:held|took|does)\b|[,.;:)])")
 
 
 def tree():
@@ -272,7 +273,8 @@ def check_citations(texts):
             look(path, line, text, own, True)
     for path in pages(texts):
         for k, text in enumerate(texts[path].split("\n")):
-            look(path, k + 1, text, [path], False)
+            look(path, k + 1, text, [path], path.startswith("spec/") and
+                 path != "spec/errata.md")  # whose § are the paper's
     return seen, faults
 
 

@@ -111,8 +111,6 @@ void bench_gpu(void)
     gpu_close(g);
 }
 
-/* ---- A certificate's rows ---- */
-
 struct row {
     int cases, good, mismatches; /* good: those that ref ran to their end */
 };
