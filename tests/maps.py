@@ -27,8 +27,8 @@ ELSEWHERE = re.compile(r"(?:\b(?:19|20)\d\d|C17|C\+\+\d\d|RFC \d+)[a-z]?,? $")
 # Names of pages when they had numbers.
 NUMBERED = re.compile(r"\b\d\d_[a-z]+|spec/\d\d\b|\bpages? \d\d\b|"
                       r"(?<![\w.,–-])\(\d\d\)|(?<![\w.,–-])\d\d §|"
-                      r"\d\d → \d\d|(?<![\w.,–§])(?<!figure )[0-5]\d's\b|"
-                      r"\b(?:as|by|with) 3[1-9](?= (?:held|took|does)\b|[,.;:)])")
+                      r"\d\d → \d\d|(?<![\w.,–§])(?<![Ff]igure )[0-5]\d's\b|"
+                      r"\b(?:as|with|by(?! 32)) 3[1-9](?= (?:held|took|does)\b|[,.;:)])")
 
 
 def tree():
