@@ -175,7 +175,7 @@ void gpu_audit_tree(struct gpu *g, struct audit *s,
         LAUNCH(g, l->count[level], level_kernel, *s, *l, level, word);
 }
 
-/* ---- §4.4 Sorted pairs ---- */
+/* ---- §4.4 Canonical order ---- */
 
 /* Thread k turns hit k to a key. */
 static __global__ void __launch_bounds__(GPU_BLOCK)

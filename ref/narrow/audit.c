@@ -32,7 +32,7 @@ int64_t ref_audit_nodes(int64_t nt)
     return l.at[l.top + 1];
 }
 
-/* ---- §4.1 Sorting by a curve ---- */
+/* ---- §4.1 Order ---- */
 
 static int check(const struct audit *s)
 {

@@ -85,7 +85,7 @@ void ref_audit_order(struct audit *s)
             s->order[0][t] = s->order[1][t];
 }
 
-/* ---- §4.4 Sorted pairs ---- */
+/* ---- §4.4 Canonical order ---- */
 
 static bool before(const int32_t a[2], const int32_t b[2])
 {

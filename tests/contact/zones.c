@@ -114,7 +114,7 @@ const char *prop_zones(const struct zones *s)
     return failed;
 }
 
-/* ---- §4 What holds ---- */
+/* ---- §4 Conservation ---- */
 
 static void momentum(const struct zones *s, struct wide *p, double *e,
                      double *scale)

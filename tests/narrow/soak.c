@@ -234,9 +234,9 @@ static const char *ask_all(bool all)
     return NULL;
 }
 
-/* narrow.md §1: each family, all by GMP, some by CGAL: the same contacts at the
- * same times. Where DRAPE_SOAK is set, 10^7 of each kind, half of them in
- * binary32, and then the scenes are all of ../shared/ccd/queries. */
+/* §1: each family, all by GMP, some by CGAL: the same contacts at the same
+ * times. Where DRAPE_SOAK is set, 10^7 of each kind, half of them in binary32,
+ * and then the scenes are all of ../shared/ccd/queries. */
 const char *test_narrow_soak(void)
 {
     bool all = getenv("DRAPE_SOAK");
