@@ -1,17 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # `make certify`, on a machine with a device: compares ref/ and gpu/ stage by
-# stage and scene by scene, and writes what it found to OUT, whatever it is.
-# spec/gpu.md §7. Needs BUILD/check-cuda and BUILD/drape made with GPU=yes.
-# `reference` makes on any machine what is slow there: digests of what the
-# reference computes, in ci/reference.txt. What is in it, of this ref/ and scene,
-# is not run again; else the reference runs side by side with the device. ONLY:
-# names of the scenes whose reference is run here, if not of all.
-# usage: ci/certify.sh BUILD OUT [quick | reference]
+# stage and scene by scene, and writes the findings to OUT, good or bad. Rows of
+# OUT whose code has not changed are kept, all others run (ci/certificate.py).
+# See spec/gpu.md §7. Needs BUILD/check-cuda and BUILD/drape made with GPU=yes.
+# `reference` computes on any machine the digests of the reference's scenes that
+# ci/reference.txt does not have yet. A scene that is missing there runs beside
+# the device. The environment may give COMMIT, where there is no git, and ONLY,
+# the names of the scenes whose reference runs.
+# usage: ci/certify.sh BUILD OUT [reference]
 set -u
-build=$1 out=$2 mode=${3-} known=ci/reference.txt
-quick=
-[ "$mode" != quick ] || quick=yes
+build=$1 out=$2 mode=${3-} known=ci/reference.txt scenes=ci/scenes.certified
 # what runs in the background does not hear Ctrl-C
 trap 'trap - TERM; kill 0' INT TERM
 work=$build/certify
@@ -26,16 +25,12 @@ began=$(date +%s)
 row() { (IFS=$(printf '\t'); echo "$*") >>"$rows"; }
 took() { echo "$(($(date +%s) - began)) s: $*"; }
 
-# ---- One run ----
-
-# scene NAME FILE FRAMES [KEYS]: what is to run; KEYS come before the file's.
-# FRAMES: so many, all traced; or "A B C": C, to A and from B on traced.
-names=
-scene() {
-    sed "1s/{/{${4-}/" "app/scenes/$2.json" >"$work/$1.json"
-    echo "$3" >"$work/$1.frames"
-    names="$names $1"
-}
+# All scenes: $work/NAME.json, and its frames in $work/NAME.frames.
+grep -v '^#' $scenes >"$work/table"
+while read -r name file frames _ _ keys; do
+    sed "1s/{/{$keys/" "app/scenes/$file.json" >"$work/$name.json"
+    echo "$frames" | tr - ' ' >"$work/$name.frames"
+done <"$work/table"
 
 # part TO OPTION...: brings the run in $dir to that frame.
 part() {
@@ -55,8 +50,9 @@ digests() { [ ! -f "$dir/trace.csv" ] || cut -d, -f1-3 "$dir/trace.csv"; }
 ends() {
     sha256sum "$dir"/frames/cloth_*.ply |
         awk 'NR > 1 { print NR - 2 ",state," $1 }'
-    sed -n 's/"seconds": {[^}]*}, //; s/,/;/g; s/^ *{"step": //p' \
-        "$dir/report.json" | awk '{ print $1 - 1 ",report," $0 }'
+    sed -n 's/"graphs": [0-9]*, //; s/"seconds": {[^}]*}, //; s/,/;/g
+        s/^ *{"step": //p' "$dir/report.json" |
+        awk '{ print $1 - 1 ",report," $0 }'
 }
 
 # parts A B C OPTION...: traced to A and from B on, and all ends of steps.
@@ -95,10 +91,8 @@ key() {
 known() { sed -n "s/^$1 $(key "$1") //p" $known 2>/dev/null; }
 digest() { sha256sum <"$1" | cut -c1-16; }
 
-# ---- Comparing ----
-
-# wanted NAME: how many frames are run, and how many of them traced
-wanted() {
+# expected NAME: how many frames are run, and how many of them traced
+expected() {
     frames_of "$1" | awk '{ print $NF, (NF > 1 ? $1 + $3 - $2 : $1) }'
 }
 
@@ -125,8 +119,8 @@ same() {
         "$(awk -F, '$1 == "step" || $1 < 6' "$5" | sha256sum | cut -c1-16)"
 }
 
-# both NAME: what ref/ and gpu/ gave. Where only the reference's digest is known,
-# all is equal or something is not: ref/ has to run to say what.
+# both NAME: the results of ref/ and gpu/. Where only the reference's digest is
+# known, all is equal or something is not: ref/ has to run to say which line.
 both() {
     told=$(known "$1")
     if [ "$told" ]; then
@@ -134,7 +128,13 @@ both() {
         [ "$told" = "$(digest "$work/$1.gpu")" ] || echo differs >>"$work/$1.ref"
     fi
     # shellcheck disable=SC2046
-    same "$1" 'ref and gpu' $(wanted "$1") "$work/$1.ref" "$work/$1.gpu"
+    same "$1" 'ref and gpu' $(expected "$1") "$work/$1.ref" "$work/$1.gpu"
+}
+
+# Whether ci/scenes.certified asks for `again` of that scene.
+also_again() {
+    awk -v name="$1" '$1 == name && $5 == "again" { found = 1 }
+        END { exit !found }' "$work/table"
 }
 
 # again NAME FRAMES: run to run, with other block sizes, after a checkpoint
@@ -156,161 +156,104 @@ again() {
     mv "$first" "$work/$1.gpu"
 }
 
-# as_graphs NAME FRAMES: steps as graphs, which a trace does without: how each
-# ends. That there are any, and what becomes of one cut short, is a test's.
-as_graphs() {
-    name=$1 backend=gpu dir=$work/$1-gpu
-    for how in --trace ''; do
-        rm -rf "$dir"
-        # shellcheck disable=SC2086
-        part "$2" $how
-        ends >"$work/ends$how"
-    done
-    rm -rf "$dir/frames"
-    sed -n "s/.*most_iterations.*\"graphs\": \([0-9]*\).*/$1: \1 graphs/p" \
-        "$dir/report.json"
-    [ -f "$work/tape.log" ] || "$build/check-cuda" --tests --only tape \
-        >"$work/tape.log" || echo 'tests/world/tape.c failed' >>"$work/ends"
-    same "$1" 'as graphs' "$2" 0 "$work/ends--trace" "$work/ends"
-}
-
-# references SHARE NAME...: those that are not known, one after another, on that
-# many of 16 processors
-references() {
-    threads=$((cores * $1 / 16))
-    shift
-    for name; do
-        case " ${ONLY-$name} " in *" $name "*) ;; *) continue ;; esac
-        [ ! "$(known "$name")" ] || continue
-        run "$name" ref "$(frames_of "$name")" \
-            --threads $((threads > 0 ? threads : 1))
-        took "reference of $name"
-        [ "$mode" != reference ] || remember "$name"
-    done
-}
-
 # A reference that ended early is not remembered.
 remember() {
     # shellcheck disable=SC2046
-    count "$1" "$work/$1.ref" $(wanted "$1") &&
+    count "$1" "$work/$1.ref" $(expected "$1") &&
         echo "$1 $(key "$1") $(digest "$work/$1.ref")" >>$known
 }
 
-# Small cases of every stage in $work/names, and the kernels that explicit
-# substeps fuse, under a tool of compute-sanitizer, some side by side. A tool
-# that could not attach ends well, without a summary. racecheck takes 5 s for
-# each kernel of a team of 16 blocks: it gets smaller ones, of one block, and in
+# references LANE: its scenes whose digest is not known, one after another
+references() {
+    threads=$((cores * ${1#?} / 16))
+    awk -v lane="$1" 'NR == FNR { runs[$1]; next }
+        $4 == lane && $1 in runs { print $1 }' \
+        "$work/scenes" "$work/table" >"$work/lane-$1"
+    while read -r scene; do
+        case " ${ONLY-$scene} " in *" $scene "*) ;; *) continue ;; esac
+        [ ! "$(known "$scene")" ] || continue
+        run "$scene" ref "$(frames_of "$scene")" \
+            --threads $((threads > 0 ? threads : 1)) </dev/null
+        took "reference of $scene"
+        [ "$mode" != reference ] || remember "$scene"
+    done <"$work/lane-$1"
+}
+all_references() {
+    lanes=$(awk '{ print $4 }' "$work/table" | sort -u)
+    for lane in $lanes; do
+        references "$lane" &
+    done
+}
+
+# sanitize TOOL: small cases of each stage in $work/TOOL, and the kernels that
+# explicit substeps fuse, under a tool of compute-sanitizer, four side by side.
+# A tool that could not attach ends well, without a summary. racecheck takes 5 s
+# for each kernel of a team of 16 blocks, so its teams are of one block, and in
 # multigrid of two; `compute-sanitizer --tool racecheck build/check-cuda --only
 # multigrid --cases 1 --gpu --hosted`, of 16, takes 90 s by itself. No tool knows
 # graphs with loops: the same kernels are launched by the host.
 sanitize() {
-    ranks='' teams=''
-    if [ "$1" = racecheck ]; then
-        ranks='--ranks 1' teams='; teams of one block, in multigrid of two'
-    fi
-    { cat "$work/names" && echo fused; } | xargs -P 4 -I STAGE sh -c "
-        ranks='$ranks' mode=--gpu
+    ranks=
+    [ "$1" != racecheck ] || ranks='--ranks 1'
+    xargs -P 4 -I STAGE sh -c "
+        ranks='$ranks' mode=--gpu status=1
         [ STAGE != fused ] || mode=--tests
         [ STAGE != multigrid ] || ranks=\${ranks:+--ranks 2}
         timeout 240 compute-sanitizer --tool $1 --error-exitcode 9 \
-            $build/check-cuda --only STAGE --cases 1 \$mode --hosted \
-            \$ranks \
+            $build/check-cuda --only STAGE --cases 1 \$mode --hosted \$ranks \
             >$work/$1-STAGE.log 2>&1 &&
-            grep -Eq 'SUMMARY: (.*\()?0 errors' $work/$1-STAGE.log ||
-            echo STAGE" >"$work/$1"
-    [ -s "$work/names" ] || echo 'no stage' >"$work/$1"
-    failed=$(tr '\n' ' ' <"$work/$1")
-    found=${failed:-clean, $(wc -l <"$work/names") stages, substeps}$teams
-    echo "$1: $found"
-    row sanitizer "$1" "$(wc -l <"$work/$1")" "$found"
+            grep -Eq 'SUMMARY: (.*\()?0 errors' $work/$1-STAGE.log && status=0
+        printf 'sanitizer\t$1\tSTAGE\t%s\n' \$status" <"$work/$1" \
+        >"$work/$1.rows"
+    cat "$work/$1.rows" >>"$rows"
+    echo "$1: $(wc -l <"$work/$1") run, not clean:" \
+        "$(awk '$4 { printf " %s", $3 }' "$work/$1.rows")"
 }
-
-# ---- What is compared ----
 
 tree=$(python3 ci/tree.py ref)
-long=120 parted='6 18 24'
-[ ! "$quick" ] || long=2 parted='1 2 3'
-scene tiny tiny 6
-scene tiny64 tiny 6 '"precision": 64,'
-# Thousands of stages a step: tracing them all takes the device minutes more.
-for method in rk4 midpoint verlet euler; do
-    scene "lion_20k_$method" lion_20k "$parted" "\"integrator\": \"$method\","
-done
-for method in baraff-witkin choi-ko; do
-    scene "lion_20k_$method" lion_20k $long "\"integrator\": \"$method\","
-done
-scene lion_20k_64 lion_20k 30 '"precision": 64,'
-scene lion_20k_jacobi lion_20k 30 '"precond": "jacobi", "matrix": "cdf",'
-small='funnel twist curtain flag'
-for name in $small; do
-    scene "$name" "$name" 20
-done
-# thrown so hard, and so little allowed, that zones and rollback are at work
-scene thrown lion_20k 8 \
-    '"max_slices": 1, "max_rounds": 2, "gravity": [0, -900, 0],'
-large=
-[ "$quick" ] || large='buddha_500k buddha_500k_jacobi buddha_2m'
-[ "$quick" ] || scene buddha_500k buddha_500k 10
-[ "$quick" ] || scene buddha_500k_jacobi buddha_500k 4 '"precond": "jacobi",'
-[ "$quick" ] || scene buddha_2m buddha_2m 4
-
 if [ "$mode" = reference ]; then
-    for name in $names; do
+    cut -d' ' -f1 "$work/table" >"$work/scenes"
+    while read -r name; do
         told=$(known "$name")
         [ ! "$told" ] || echo "$name $(key "$name") $told"
-    done >"$work/known"
+    done <"$work/scenes" >"$work/known"
     cp "$work/known" $known
-fi
-
-# An explicit method's substeps are most of all there is to do.
-# shellcheck disable=SC2086
-{
-    for method in rk4 midpoint verlet euler; do
-        references 4 lion_20k_$method &
-    done
-    references 4 lion_20k_baraff-witkin lion_20k_choi-ko lion_20k_64 \
-        lion_20k_jacobi &
-    references 8 $large $small thrown tiny tiny64 &
-}
-if [ "$mode" = reference ]; then
+    all_references
     wait
     exit
 fi
 
+row date "$(date -u +%Y-%m-%d)"
+row commit "${COMMIT:-$(git describe --always --dirty 2>/dev/null)}"
+row device "$(nvidia-smi --query-gpu=name --format=csv,noheader | head -n 1)"
 row toolkit "$(nvcc --version | sed -n 's/.*release \([0-9.]*\).*/\1/p')"
 row driver "$(nvidia-smi --query-gpu=driver_version --format=csv,noheader |
     head -n 1)"
-for part in spec ref gpu flags; do
-    row tree $part "$(python3 ci/tree.py $part)"
-done
-"$build/check-cuda" --certify fuzz/corpus >"$work/stages" ||
-    echo "check-cuda ended with $?"
-tail -n 1 "$work/stages"
-sed -n 's/^device /device\t/p; s/^stage \(.*\) \(.*\) \(.*\) \(.*\) \(.*\)/stage\t\1\t\2\t\3\t\4\t\5/p' \
-    "$work/stages" >>"$rows"
-took stages
-for name in $names; do
-    run "$name" gpu "$(frames_of "$name")"
-done
-again lion_20k_baraff-witkin $long
-for method in baraff-witkin choi-ko; do
-    as_graphs lion_20k_$method $long
-done
-for name in funnel twist; do # what moves there comes and goes
-    as_graphs $name $long
-done
-took 'runs of the device'
+python3 ci/certificate.py plan "$work" "$out" "$build" || exit 1
 
-sed -n 's/^STAGE(\(.*\),.*/\1/p' spec/stages.def >"$work/names"
-[ "$quick" ] || for tool in memcheck racecheck initcheck synccheck; do
+all_references
+while read -r stage; do
+    "$build/check-cuda" --certify fuzz/corpus --only "$stage" \
+        >>"$work/certify.log" </dev/null || echo "$stage differs"
+done <"$work/stages"
+sed -n 's/^\(stage\) \(.*\) \(.*\) \(.*\) \(.*\) \(.*\)/\1\t\2\t\3\t\4\t\5\t\6/p' \
+    "$work/certify.log" >>"$rows" 2>/dev/null
+took stages
+while read -r scene; do
+    run "$scene" gpu "$(frames_of "$scene")" </dev/null
+    ! also_again "$scene" ||
+        again "$scene" "$(frames_of "$scene")" </dev/null
+done <"$work/scenes"
+took 'runs of the device'
+for tool in memcheck racecheck initcheck synccheck; do
     sanitize $tool &
 done
 wait
 took 'sanitizers and references'
-for name in $names; do
-    both "$name"
-done
-python3 ci/certificate.py write "$rows" "$out"
+while read -r scene; do
+    both "$scene"
+done <"$work/scenes"
+python3 ci/certificate.py write "$work" "$out"
 line=$(python3 ci/certificate.py line "$out")
 echo "$line"
 case $line in 'NOT CERTIFIED'*) exit 1 ;; esac

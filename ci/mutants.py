@@ -190,7 +190,8 @@ def checks(mutant, quick):
     check = 'build/check'
     stems = {os.path.splitext(os.path.basename(f))[0]
              for f, _, _ in mutant.changes}
-    stages = re.findall(r'^STAGE\((\w+),', open('spec/stages.def').read(), re.M)
+    stages = re.findall(r'^STAGE\(\w+, \w+, (\w+),',
+                        open('spec/stages.def').read(), re.M)
     tests = re.findall(r'^TEST\((\w+)\)', open('tests/tests.def').read(), re.M)
     for s in sorted(stems & set(stages)):
         yield [check, '--stages', '--only', s], 60

@@ -108,5 +108,8 @@ buddha) with_tool 'buddha, 120 steps' sh ci/scenes.sh "$build" buddha ;;
 fuzz) count 'fuzz corpus' sh ci/fuzz.sh "$build" ;;
 prove) count proofs sh ci/prove.sh ;;
 certificate) certificate ;;
+rows) count "the certificate's faults" python3 tests/certificate.py "$build" ;;
+maps) count 'maps of the tree' python3 tests/maps.py ;;
+tokens) count 'what code is' python3 tests/tree.py ;;
 *) one "unknown part $part" false ;;
 esac

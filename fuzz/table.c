@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-#define STAGE(X, rule) {#X, fuzz_stage, NULL},
+#define STAGE(room, file, X, rule) {#X, fuzz_stage, NULL},
 const struct target fuzz_targets[] = {
 #include "spec/stages.def"
     {"api", fuzz_stage, NULL},

@@ -10,7 +10,7 @@
 extern "C" {
 #endif
 
-#define STAGE(X, rule)                                                         \
+#define STAGE(room, file, X, rule)                                             \
     struct X;                                                                  \
     int gpu_##X(struct gpu *g, struct X *s);
 #include "spec/stages.def"

@@ -96,7 +96,7 @@ static void multiply_coarse(const struct level *l)
     product_couplings(&c);
 }
 
-/* On the finest grid as spec/12 §1, of the thin blocks where there are. */
+/* On the finest grid as product.md §1, of the thin blocks where there are. */
 static void multiply(const struct multigrid *s, const struct level *l)
 {
     struct product a = {s->m,       s->n,     s->count,    s->mass,

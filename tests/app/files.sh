@@ -105,11 +105,6 @@ grep '^not ok' defaults
 passed=$((passed + ${line%% *}))
 failed=$((failed + $(echo "$line" | cut -d' ' -f3)))
 
-is 'a certificate that lacks something is refused' \
-    python3 "$root/tests/certificate.py"
-is 'a certificate is of code, not of comments' \
-    python3 "$root/tests/tree.py"
-
 # The tables of the paper's figures, of a scene that takes no time.
 is 'runs for the tables' sh -c 'cd "$1" && SCENES=tiny FRAMES=6 SHORT=4 \
     EVERY=2 STEPS=1 THREADS="1 2" BACKEND=ref sh ci/bench/scenes.sh \

@@ -125,7 +125,7 @@ struct test {
 };
 
 /* Declared here alone, so that what no table runs does not compile. */
-#define STAGE(X, rule)                                                         \
+#define STAGE(room, file, X, rule)                                             \
     struct X;                                                                  \
     extern const struct field fields_##X[];                                    \
     void gen_##X(struct bytes *, struct X *);                                  \

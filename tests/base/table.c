@@ -5,7 +5,7 @@
 #include "gpu/base/stages.h"
 #include "ref/base/stages.h"
 
-#define STAGE(X, rule)                                                         \
+#define STAGE(room, file, X, rule)                                             \
     static int ref_call_##X(void *s)                                           \
     {                                                                          \
         return ref_##X(s);                                                     \
@@ -25,7 +25,7 @@
 #include "spec/stages.def"
 #undef STAGE
 
-#define STAGE(X, rule)                                                         \
+#define STAGE(room, file, X, rule)                                             \
     {#X,           REAL_BITS,  sizeof(struct X), ref_call_##X,                 \
      gpu_call_##X, fields_##X, gen_call_##X,     prop_call_##X},
 const struct stage stages_table[] = {

@@ -221,7 +221,7 @@ static void shake(struct sheet *s, double size)
     }
 }
 
-/* 04_springs §3: the force is minus the gradient of the energy, by central
+/* springs.md §3: the force is minus the gradient of the energy, by central
  * differences in binary64: error h² f'' and rounding of the energy by h. */
 const char *test_force_gradient(void)
 {
@@ -253,7 +253,7 @@ const char *test_force_gradient(void)
     return NULL;
 }
 
-/* 04_springs §1, 05_blocks §1: particles all at one point, or of no length
+/* springs.md §1, blocks.md §1: particles all at one point, or of no length
  * by underflow, give finite forces: none from the springs. */
 const char *test_coincident(void)
 {

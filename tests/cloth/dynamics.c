@@ -53,7 +53,7 @@ static double run(struct sheet *s, double time, int steps,
 }
 
 /* §4: the error falls with dt as theory says, against Runge–Kutta at a
- * hundredth of the step. Choi–Ko without damping: 07_implicit §5. */
+ * hundredth of the step. Choi–Ko without damping: implicit.md §5. */
 const char *test_orders(void)
 {
     static const double order[METHODS] = {1, 2, 2, 4, 1, 2};
@@ -83,7 +83,7 @@ const char *test_orders(void)
     return NULL;
 }
 
-/* 06_advance §3: the number of substeps is the least that is stable, and a
+/* advance.md §3: the number of substeps is the least that is stable, and a
  * step that needs more than allowed is refused with that number. */
 const char *test_substeps(void)
 {
@@ -172,7 +172,7 @@ static int steps_at(int method, double part, int most)
     return k;
 }
 
-/* 06_advance §3, §3 here: just below the theoretical limit 10⁴ steps go
+/* advance.md §3, §3 here: just below the theoretical limit 10⁴ steps go
  * well; just above, the energy blows up and is caught. */
 const char *test_stability(void)
 {
@@ -212,7 +212,7 @@ const char *test_diverged(void)
     return NULL;
 }
 
-/* 06_advance §1, 07_implicit §3: led pins are exactly where they are told,
+/* advance.md §1, implicit.md §3: led pins are exactly where they are told,
  * with the velocity of that, and the rest follows. */
 const char *test_moving_pins(void)
 {
@@ -246,7 +246,7 @@ static double momentum(const struct sheet *s, int k)
     return sum;
 }
 
-/* 04_springs §4: what one step may change the momentum by. */
+/* springs.md §4: what one step may change the momentum by. */
 static double momentum_bound(const struct sheet *s, const vec *v)
 {
     double sum = 0, dt = s->d.dt, parts = s->d.substeps;
@@ -262,7 +262,7 @@ static double momentum_bound(const struct sheet *s, const vec *v)
     return 64 * REAL_U * sum;
 }
 
-/* 04_springs §4: a free sheet keeps its momentum, by every method. */
+/* springs.md §4: a free sheet keeps its momentum, by every method. */
 const char *test_momentum(void)
 {
     for (int m = 0; m < METHODS; m++) {
@@ -318,7 +318,7 @@ const char *test_energy_behaviour(void)
     return NULL;
 }
 
-/* 07_implicit §4: a sheet that contact holds still step after step falls by
+/* implicit.md §4: a sheet that contact holds still step after step falls by
  * g·dt in each prediction of Choi–Ko, as if there were no past to mislead. */
 const char *test_past_of_contact(void)
 {
@@ -391,7 +391,7 @@ static bool settle(struct sheet *s)
     return false;
 }
 
-/* 02_cloth §4: one material gives one drape. The mean sag of the lower edge
+/* cloth.md §4: one material gives one drape. The mean sag of the lower edge
  * converges as the cells are halved: what a halving changes falls by at
  * least a quarter each time (first order, of the border, would halve it;
  * measured 0.66 and 0.52) and is at last below 1 % (measured 0.5 %). */

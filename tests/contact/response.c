@@ -50,7 +50,7 @@ static const char *check_step(struct tangle *t, vec a)
     int64_t rounds = t->r.max_rounds + t->r.zone_rounds + t->r.roll_rounds;
     real most = fastest(t);
     EXPECT(tangle_step(t, a) == DRAPE_OK);
-    EXPECT(t->r.rounds <= rounds + 2); /* §6.2 */
+    EXPECT(t->r.rounds <= rounds + 2); /* §7.2 */
     int64_t touching = tangle_touching(t);
     EXPECT((touching > 0) == !!(t->r.outcome & DRAPE_TRAPPED));
     for (int64_t i = 0; i < t->nv; i++)

@@ -78,7 +78,7 @@ void free_system(struct system *s);
 /* What a thin block is, rounded. */
 sym thin_sym(struct thin t);
 
-/* Block (p, q) of the dense matrix, by the definition of spec/11 §2. */
+/* Block (p, q) of the dense matrix, by the definition of matrix.md §2. */
 mat dense_entry(const struct system *s, int64_t p, int64_t q);
 
 /* A uniform number in [-1, 1) that depends on k alone. */

@@ -1,0 +1,446 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Whether what README, the pages and the comments say of the tree is true.
+
+usage: tests/maps.py          ends with `N passed, N failed`
+       tests/maps.py --faults lists all that fails, without the planted faults
+
+Each check gets the tree as a dictionary of texts and returns how much it looked
+at and the faults. Then a fault of each kind is planted, which the check must see.
+"""
+import os
+import re
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+ROOMS = ("ref", "gpu", "tests", "spec")
+MOST_FILES = 30    # in a room
+MOST_HEADERS = 40  # of ours that a .cu file sees
+C = (".c", ".h", ".cu", ".cuh", ".cpp", ".def")
+SCRIPTS = (".sh", ".py", ".mk", "Makefile")
+LOGS = ("ci/bench/h200/", "CHANGELOG")  # they tell of trees that were
+SUFFIX = r"(?:c|h|cu|cuh|cpp|md|sh|py|def|gappa|mk)"
+FILE = re.compile(r"(?<![\w./<*-])((?:[\w-]+/)*[\w-]+\." + SUFFIX + r")(?![\w/])")
+CITED = re.compile(r"(?P<page>(?:[\w-]+/)*[\w-]+\.md)|§ ?(?P<n>\d+(?:\.\d+)*)")
+# Which § is of a paper, a book or a standard.
+ELSEWHERE = re.compile(r"(?:\b(?:19|20)\d\d|C17|C\+\+\d\d|RFC \d+)[a-z]?,? $")
+# Names of pages when they had numbers.
+NUMBERED = re.compile(r"\b\d\d_[a-z]+|spec/\d\d\b|\bpages? \d\d\b|"
+                      r"(?<![\w.,–-])\(\d\d\)|(?<![\w.,–-])\d\d §|"
+                      r"\d\d → \d\d|(?<![\w.,–§])(?<![Ff]igure )[0-5]\d's\b|"
+                      r"\b(?:as|with|by(?! 32)) 3[1-9](?= (?:held|took|does)\b|[,.;:)])")
+
+
+def tree():
+    """All texts of the checkout: path to text."""
+    texts = {}
+    for at, folders, names in os.walk(ROOT):
+        folders[:] = [f for f in folders if f not in
+                      ("build", ".git", "__pycache__", "corpus", "shared")]
+        for name in names:
+            path = os.path.relpath(os.path.join(at, name), ROOT)
+            if name.endswith(C + SCRIPTS + (".md", ".gappa")):
+                with open(os.path.join(at, name), encoding="utf-8") as file:
+                    texts[path] = file.read()
+            else:
+                texts.setdefault(path, "")
+    return texts
+
+
+def comments(path, text):
+    """The comments of a source as (line, text), without its marks."""
+    found = []
+    if path.endswith(C):
+        # a string or a character may hold what looks like a comment
+        for m in re.finditer(r'"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'|'
+                             r"/\*.*?\*/|//[^\n]*", text, re.S):
+            if m[0][0] == "/":
+                words = re.sub(r"\n\s*\*?", " ", m[0].strip("/* "))
+                found.append((text.count("\n", 0, m.start()) + 1,
+                              " ".join(words.split())))
+    elif path.endswith(SCRIPTS):
+        for m in re.finditer(r'^[ \t]*# [^\n]*(?:\n[ \t]*#[^\n]*)*|^ *""".*?"""',
+                             text, re.M | re.S):
+            words = re.sub(r"^[ \t]*#", " ", m[0], flags=re.M)
+            found.append((text.count("\n", 0, m.start()) + 1,
+                          " ".join(words.split())))
+    return found
+
+
+def sources(texts):
+    return [path for path in texts if path.endswith(C + SCRIPTS) and
+            path.split("/")[0] in ("ref", "gpu", "tests", "app", "fuzz", "oracle",
+                                   "ci", "spec", "Makefile")]
+
+
+def pages(texts):
+    return [path for path in texts if path.endswith(".md") and
+            not path.startswith(LOGS)]
+
+
+def table(texts):
+    return re.findall(r"^STAGE\((\w+), (\w+), (\w+), \w+\)",
+                      texts["spec/stages.def"], re.M)
+
+
+def diagram(texts):
+    """The first fenced block of README that has lines between stages."""
+    for block in texts["README.md"].split("\n```")[1::2]:
+        if "─" in block:
+            return block.split("\n", 1)[1] + "\n"
+    return ""
+
+
+def check_diagram(texts):
+    names = [name for _, _, name in table(texts)]
+    block, faults = diagram(texts), []
+    drawn = re.findall(r"([a-z_]+) *(?=[─⇄+])", block)
+    drawn += re.findall(r"[─⇄+] *([a-z_]+)", block)
+    words = set(re.findall(r"[a-z_]+", block))
+    faults += [f"README.md: the diagram has {name}, which is no stage"
+               for name in sorted(set(drawn) - set(names))]
+    faults += [f"README.md: the diagram leaves out {name}"
+               for name in names if name not in words]
+    return len(names), faults
+
+
+def check_stages(texts):
+    faults = []
+    for room, file, name in table(texts):
+        page = f"spec/{room}/{file}.md"
+        four = (page, f"ref/{room}/{file}.c", f"gpu/{room}/{file}.cu",
+                f"tests/{room}/{file}.c")
+        faults += [f"stage {name}: there is no {path}"
+                   for path in four if path not in texts]
+        named = texts.get(page, "")
+        for function, top, end in ((f"ref_{name}", "ref", ".c"),
+                                   (f"gpu_{name}", "gpu", ".cu")):
+            homes = [path for path in texts if path.startswith(f"{top}/{room}/")
+                     and path.endswith(end) and
+                     re.search(rf"^(?:extern \"C\" )?int {function}\(",
+                               texts[path], re.M)]
+            if not homes:
+                faults.append(f"stage {name}: {top}/{room} has no {function}")
+            faults += [f"{page} does not name {home}, which has {function}"
+                       for home in homes
+                       if home != f"{top}/{room}/{file}{end}" and
+                       home not in named]
+        if f"gen_{name}(" not in texts.get(four[3], ""):
+            faults.append(f"stage {name}: {four[3]} has no gen_{name}")
+    return len(table(texts)), faults
+
+
+def check_files(texts):
+    """Every file that is named exists."""
+    bases = {os.path.basename(path) for path in texts}
+    system = set(re.findall(r"#\s*include <([^>]+)>", "\n".join(
+        text for path, text in texts.items() if path.endswith(C))))
+    system |= {os.path.basename(name) for name in system}
+    seen, faults = 0, []
+
+    def look(path, line, text):
+        nonlocal seen
+        text = re.sub(r"\w+://\S+|\.\./shared/\S+|build/\S+", " ", text)
+        for name in FILE.findall(text):
+            if re.search(r"(?:^|/)[A-Z_]+\.", name) and name not in texts:
+                continue  # a pattern: ROOM/FILE.c
+            seen += 1
+            near = os.path.normpath(os.path.join(os.path.dirname(path), name))
+            if not (name in texts or near in texts or name in system or
+                    ("/" not in name and name in bases)):
+                faults.append(f"{path}:{line}: there is no {name}")
+    for path in sources(texts):
+        for line, text in comments(path, texts[path]):
+            look(path, line, text)
+    for path in pages(texts):
+        for k, text in enumerate(texts[path].split("\n")):
+            look(path, k + 1, text)
+    return seen, faults
+
+
+def sections(text):
+    """The numbers of a page's sections, as text to what stands there."""
+    found, top, now, headed = {}, None, None, "\n## 1" in text
+    for line in text.split("\n"):
+        head = re.match(r"#+ (\d+(?:\.\d+)*)\b", line)
+        item = re.match(r"( *)(\d+(?:\.\d+)*)\.? ", line)
+        if head:
+            top = now = head[1]
+            found[now] = ""
+        elif item and "." in item[2]:
+            now = item[2]
+            found[now] = ""
+        elif item and re.match(r" *\d+\. ", line):
+            if headed:
+                now = f"{top}.{item[2]}"
+            elif not item[1]:
+                top = now = item[2]
+            else:
+                now = f"{top}.{item[2]}"
+            found[now] = ""
+        if now:
+            for at in {now, top}:
+                found[at] = found.get(at, "") + " " + line
+    # items that stand within a paragraph: `7. Tested. 1 A motion's ...`
+    for at, part in list(found.items()):
+        for n in re.findall(r"[.:;*] +(\d) [A-Z]", part):
+            found.setdefault(f"{at}.{n}", part)
+    return found
+
+
+def page_of(texts, name, path):
+    """The path of the page that a comment or a page names."""
+    near = os.path.normpath(os.path.join(os.path.dirname(path), name))
+    if near in texts and "/" not in name:
+        return near
+    for at in (name, "spec/" + name):
+        if at in texts and at != "README.md":
+            return at
+    found = [at for at in texts if at.startswith("spec/") and
+             os.path.basename(at) == name]
+    return found[0] if len(found) == 1 else None
+
+
+def own_pages(texts, path):
+    """The pages that the head comment of a file names, or its header's."""
+    head = " ".join(text for line, text in comments(path, texts[path])
+                    if line < 12)
+    found = [page_of(texts, name, path)
+             for name in re.findall(r"(?:[\w-]+/)*[\w-]+\.md", head)]
+    stem = os.path.splitext(path)[0]
+    for end in (".h", ".cuh"):
+        if not found and path != stem + end and stem + end in texts:
+            found = own_pages(texts, stem + end)
+    room = path.split("/")[1:]
+    same = "spec/" + os.path.splitext("/".join(room))[0] + ".md"
+    return [at for at in dict.fromkeys(found + [same]) if at in texts]
+
+
+def citations(texts, path, text, own):
+    """(§, the pages it may be on or None for an unknown one, what follows)."""
+    last, end = None, -1
+    for m in CITED.finditer(text):
+        if m["page"]:
+            last, end = [page_of(texts, m["page"], path)], m.end()
+            continue
+        before = text[:m.start()]
+        if ELSEWHERE.search(before):
+            continue
+        joined = end >= 0 and re.fullmatch(
+            r"(?:'s)?[ ,;]*(?:and |to |or )?", text[end:m.start()])
+        at = last if joined else own
+        last, end = at, m.end()
+        yield m["n"], at, text[m.end():]
+
+
+def alike(heading, text):
+    """Whether a heading's words, or what they begin with, are in a text."""
+    begins = [word[:5].lower() for word in heading.split() if len(word) > 3]
+    return any(word in text.lower() for word in begins) or not begins
+
+
+def check_citations(texts):
+    cache, seen, faults = {}, 0, []
+
+    def parts(page):
+        if page not in cache:
+            cache[page] = sections(texts[page])
+        return cache[page]
+
+    def look(path, line, text, own, bare):
+        nonlocal seen
+        for n, at, after in citations(texts, path, text, own):
+            if at is own and not bare:
+                continue
+            seen += 1
+            known = [page for page in at if page]
+            if not known:
+                faults.append(f"{path}:{line}: §{n} of no page")
+                continue
+            have = [page for page in known if n in parts(page)]
+            if not have:
+                faults.append(f"{path}:{line}: no §{n} on {', '.join(known)}")
+                continue
+            words = re.match(r" (?:[\"“])?([A-Z][a-z]+(?: [a-z]+){0,5})"
+                             r"(?:[\"”])?(?: ----)?\.?$", after)
+            if words and text.startswith(("§", "---- §")) and not any(
+                    alike(words[1], parts(page)[n]) for page in have):
+                faults.append(f"{path}:{line}: §{n} of {have[0]} has no word of "
+                              f"'{words[1]}'")
+    for path in sources(texts):
+        own = own_pages(texts, path)
+        for line, text in comments(path, texts[path]):
+            look(path, line, text, own, True)
+    for path in pages(texts):
+        for k, text in enumerate(texts[path].split("\n")):
+            look(path, k + 1, text, [path], path.startswith("spec/") and
+                 path != "spec/errata.md")  # whose § are the paper's
+    return seen, faults
+
+
+def check_rooms(texts):
+    count = {}
+    for path in texts:
+        part = path.split("/")
+        if part[0] in ROOMS and len(part) > 2:
+            count["/".join(part[:2])] = count.get("/".join(part[:2]), 0) + 1
+    return len(count), [f"{room} has {n} files, more than {MOST_FILES}"
+                        for room, n in sorted(count.items()) if n > MOST_FILES]
+
+
+def includes(texts):
+    """Path to the paths of ours that it includes."""
+    found = {}
+    for path in texts:
+        if path.endswith(C):
+            names = re.findall(r'^\s*#\s*include "([^"]+)"', texts[path], re.M)
+            near = os.path.dirname(path)
+            found[path] = [at for name in names for at in
+                           (name, "spec/" + name, os.path.normpath(
+                               os.path.join(near, name))) if at in texts]
+    return found
+
+
+def check_circles(texts):
+    """A header and the source of its name are one file here: no such files
+    include each other in a circle. A header without a source is nobody's."""
+    graph = {os.path.splitext(path)[0]: set() for path in texts
+             if path.endswith((".c", ".cu", ".cpp"))}
+    for path, named in includes(texts).items():
+        stem = os.path.splitext(path)[0]
+        if stem in graph:
+            graph[stem].update(
+                other for other in (os.path.splitext(name)[0] for name in named)
+                if other in graph and other != stem)
+    reach = {}
+    for start in graph:
+        seen, todo = set(), list(graph[start] - {start})
+        while todo:
+            at = todo.pop()
+            if at not in seen:
+                seen.add(at)
+                todo += graph.get(at, ())
+        reach[start] = seen
+    circles = {tuple(sorted([a] + [b for b in reach[a] if a in reach.get(b, ())
+                                   and b != a])) for a in graph if a in reach[a]}
+    return len(graph), ["a circle: " + ", ".join(circle)
+                        for circle in sorted(circles) if len(circle) > 1]
+
+
+def headers(texts):
+    """.cu file to the headers of ours that it sees."""
+    named, found = includes(texts), {}
+    for path in texts:
+        if path.startswith("gpu/") and path.endswith(".cu"):
+            seen, todo = set(), [path]
+            while todo:
+                for name in named.get(todo.pop(), ()):
+                    if name not in seen:
+                        seen.add(name)
+                        todo.append(name)
+            found[path] = seen
+    return found
+
+
+def check_headers(texts):
+    found = headers(texts)
+    return len(found), [
+        f"{path} sees {len(seen)} headers, more than {MOST_HEADERS}"
+        for path, seen in sorted(found.items(), key=lambda at: -len(at[1]))
+        if len(seen) > MOST_HEADERS]
+
+
+def check_banners(texts):
+    mark = re.compile(r"^\s*(?:/\*|//|#) ?-{4}", re.M)
+    found = [path for path in sources(texts) if mark.search(texts[path])]
+    return len(sources(texts)), [
+        f"{path}: {len(mark.findall(texts[path]))} banners" for path in found]
+
+
+def check_numbers(texts):
+    """No page is called by the number that it once had."""
+    seen, faults = 0, []
+    for path in sources(texts):
+        if path == "tests/maps.py":
+            continue
+        for line, text in comments(path, texts[path]):
+            seen += 1
+            faults += [f"{path}:{line}: a page by its number: {m[0]}"
+                       for m in NUMBERED.finditer(text)]
+    for path in pages(texts):
+        for k, text in enumerate(texts[path].split("\n")):
+            faults += [f"{path}:{k + 1}: a page by its number: {m[0]}"
+                       for m in NUMBERED.finditer(text) if text[:1] != "|"]
+    return seen, faults
+
+
+CHECKS = (check_diagram, check_stages, check_files, check_citations, check_rooms,
+          check_circles, check_headers, check_banners, check_numbers)
+
+
+def planted(texts):
+    """Of each kind a fault: the check, and the texts that it changes."""
+    home, page = "ref/contact/impulses.c", "spec/contact/impulses.md"
+
+    def edit(path, old, new):
+        assert old in texts[path], f"{path}: {old}"
+        return {path: texts[path].replace(old, new, 1)}
+
+    def add(path, text):
+        return {path: texts[path] + text}
+    block = diagram(texts)
+    yield check_diagram, edit("README.md", block, block + "refit ─ nothing\n")
+    yield check_diagram, edit("README.md", block, re.sub(
+        r"\bimpulses\b", "", block))
+    yield check_diagram, add("spec/stages.def", "STAGE(cloth, wind, gale, EXACT)\n")
+    yield check_stages, add("spec/stages.def", "STAGE(cloth, gale, wind, EXACT)\n")
+    yield check_stages, add("spec/stages.def", "STAGE(cloth, wind, gale, EXACT)\n")
+    for path in (page, home, "gpu/contact/impulses.cu",
+                 "tests/contact/impulses.c"):
+        yield check_stages, {path: None}
+    for path in (page, "README.md"):
+        yield check_files, add(path, "\nSee `ref/contact/nothing.c`.\n")
+    yield check_files, add(home, "/* See nothing.h. */\n")
+    yield check_files, add("ci/part.sh", "# See ci/nothing.sh.\n")
+    yield check_citations, add(home, "/* §99: nothing. */\n")
+    yield check_citations, add(home, "/* spec/contact/zones.md §99 */\n")
+    yield check_citations, add(home, "/* zones.md §1, §99 */\n")
+    yield check_citations, add(home, "/* nothing.md §1 */\n")
+    yield check_citations, add(home, "/* §1 Another thing */\n")
+    yield check_citations, add("app/main.c", "/* §1: of no page. */\n")
+    yield check_citations, add(page, "\nSee zones.md §99.\n")
+    yield check_citations, edit(page, "\n1. ", "\n7. ")
+    yield check_rooms, {f"ref/cloth/more{k}.c": "" for k in range(MOST_FILES)}
+    yield check_circles, add("ref/base/keys.c", '#include "ref/contact/impulses.h"\n')
+    yield check_headers, {"gpu/cloth/more.cu": "".join(
+        f'#include "ref/more{k}.h"\n' for k in range(MOST_HEADERS + 1)),
+        **{f"ref/more{k}.h": "" for k in range(MOST_HEADERS + 1)}}
+    yield check_banners, add(home, "/* ---- A part ---- */\n")
+    yield check_numbers, add(home, "/* As 31_response §2 says. */\n")
+    yield check_numbers, add(page, "\nSee 31 §2.\n")
+
+
+def main():
+    texts, passed, failed, before = tree(), 0, 0, {}
+    for check in CHECKS:
+        seen, faults = check(texts)
+        before[check] = set(faults)
+        passed += max(seen - len(faults), 0)
+        failed += len(faults) + (seen == 0)
+        print("".join(f"not ok {fault}\n" for fault in faults), end="")
+    if "--faults" in sys.argv[1:]:
+        sys.exit(failed > 0)
+    for k, (check, changes) in enumerate(planted(texts)):
+        other = {**texts, **changes}
+        other = {path: text for path, text in other.items() if text is not None}
+        good = set(check(other)[1]) - before[check]
+        passed += bool(good)
+        failed += not good
+        if not good:
+            print(f"not ok {check.__name__} does not see planted fault {k}: "
+                  f"{', '.join(changes)}")
+    print(f"{passed} passed, {failed} failed")
+    sys.exit(failed > 0)
+
+
+main()
