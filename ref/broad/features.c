@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Vertex-face and edge-edge candidates of triangle pairs, each once.
- * spec/broad/features.md */
+/* Turns triangle pairs into vertex-face and edge-edge candidates, each exactly
+ * once. spec/broad/features.md */
 #include "ref/broad/features.h"
 
 #include "ref/broad/bvtt.h"
 
-/* Feature pairs of triangles f and g by number, §1: 0–2 vertex of f and g,
- * 3–5 vertex of g and f, 6 + 3 i + j edge i of f and edge j of g. */
+/* Numbers of the 15 feature pairs of triangles f and g, §1: 0–2 are vertex of f
+ * and face g, 3–5 vertex of g and face f, 6 + 3 i + j edge i of f and edge j of
+ * g. */
 enum { VF_BITS = 6 };
 
 static bool has(const int32_t f[3], int32_t v)
@@ -14,7 +15,7 @@ static bool has(const int32_t f[3], int32_t v)
     return f[0] == v || f[1] == v || f[2] == v;
 }
 
-/* One triangle of a pair. */
+/* One triangle of a triangle pair. */
 struct side {
     const int32_t *v;
     int own; /* bits as in tree.own */
@@ -26,7 +27,8 @@ static bool moves(const struct features *s, int32_t a, int32_t b)
     return s->n_moved == 0 || (s->moved[a] | s->moved[b]);
 }
 
-/* Vertices of f that face g: bit k for vertex k of f. */
+/* Tests the vertices of f against face g. Bit k of the result is set if vertex
+ * k of f and face g are a candidate. */
 static int look_vertices(const struct features *s, real reach,
                          const struct side *f, const struct side *g)
 {
@@ -43,8 +45,10 @@ static int look_vertices(const struct features *s, real reach,
     return mask;
 }
 
-/* Edges of f and g: bit 3 i + j for edge i of f and j of g. An edge that does
- * not meet the other face meets none of its edges, as they lie in its box. */
+/* Tests the edges of f against the edges of g. Bit 3 i + j of the result is
+ * set if edge i of f and edge j of g are a candidate. An edge whose box does
+ * not meet the other face's box meets none of its edges, as they lie in that
+ * box. */
 static int look_edges(const struct features *s, real reach,
                       const struct side *f, const struct side *g)
 {
@@ -90,20 +94,21 @@ static void swap(int32_t *a, int32_t *b)
     *b = c;
 }
 
-/* §3: the smaller end of an edge first, the smaller edge first. */
+/* §3: puts the smaller vertex of each edge first, then the edge with the
+ * smaller first vertex. */
 static void order_edges(int32_t e[4])
 {
     if (e[0] > e[1])
         swap(&e[0], &e[1]);
     if (e[2] > e[3])
         swap(&e[2], &e[3]);
-    if (e[0] > e[2]) { /* they share no vertex, so e[0] ≠ e[2] */
+    if (e[0] > e[2]) { /* e[0] ≠ e[2]: no vertex is shared */
         swap(&e[0], &e[2]);
         swap(&e[1], &e[3]);
     }
 }
 
-/* The vertices of feature pair k. */
+/* Writes the four vertices of feature pair k. */
 static void make(const int32_t f[3], const int32_t g[3], int k, int32_t to[4])
 {
     if (k < VF_BITS) {

@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Walks from the front down to pairs of triangles. spec/broad/walk.md */
+/* Traverses the BVTT from the front down to pairs of triangles.
+ * spec/broad/walk.md */
 #include "ref/broad/walk.h"
 
-/* What a pass reads, and where it writes. */
+/* The input and the output stream of one pass. */
 struct pass {
     const int32_t (*from)[2];
     int64_t n, cap;
     int32_t (*to)[2];
 };
 
-/* §1: whether a pair passes; one that only its cones stop is counted. */
+/* §1: whether a pair passes. *cleared counts pairs that stir and whose boxes
+ * meet, so that only the cones reject them. */
 static bool passes(const struct walk *s, real reach, int32_t a, int32_t b,
                    int64_t *cleared)
 {
@@ -20,7 +22,8 @@ static bool passes(const struct walk *s, real reach, int32_t a, int32_t b,
     return !clear;
 }
 
-/* The children of a pair that pass; a pair of leaves is its own child. */
+/* Returns the mask of the children that pass. A pair of leaves counts as its
+ * own only child. */
 static uint32_t look(const struct walk *s, real reach, const int32_t e[2],
                      int64_t *cleared)
 {
@@ -40,8 +43,8 @@ static uint32_t look(const struct walk *s, real reach, const int32_t e[2],
     return mask;
 }
 
-/* The masks of a pass, of which the first tests its pairs themselves; how many
- * pairs cones stopped. */
+/* Computes the masks of a pass; the first pass tests its own pairs, too.
+ * Returns how many pairs only the cones rejected. */
 static int64_t look_all(const struct walk *s, real reach, const struct pass *p,
                         bool first)
 {
@@ -59,7 +62,7 @@ static int64_t look_all(const struct walk *s, real reach, const struct pass *p,
     return bvtt_scan(s->sum, blocks);
 }
 
-/* §2: the pairs of triangles of two leaves whose boxes meet. */
+/* §2: returns the mask of the triangle pairs of two leaves whose boxes meet. */
 static uint32_t look_leaves(const struct walk *s, real reach,
                             const int32_t e[2])
 {
@@ -80,7 +83,8 @@ static uint32_t look_leaves(const struct walk *s, real reach,
     return mask;
 }
 
-/* Places the blocks of a pass whose masks are known. */
+/* Turns masks into the place where each block of pairs writes its output.
+ * Returns the number of outputs. */
 static int64_t place(const struct walk *s, int64_t n)
 {
     int64_t blocks = bvtt_blocks(n);
@@ -94,7 +98,8 @@ static int64_t place(const struct walk *s, int64_t n)
     return bvtt_scan(s->sum, blocks);
 }
 
-/* Writes what the masks say: children, or at the end triangles. */
+/* Writes the children that the masks name, or in the last pass the
+ * triangles. */
 static void write(const struct walk *s, const struct pass *p, bool triangles)
 {
     const struct tree *t = &s->in.tree;
@@ -119,8 +124,9 @@ static void write(const struct walk *s, const struct pass *p, bool triangles)
     }
 }
 
-/* Passes until all pairs are leaves: a pass takes every pair down at least
- * one level of one side, so there are at most twice the levels. */
+/* Makes passes until all pairs are leaves. A pass takes every pair down at
+ * least one level on one side, so there are at most twice as many passes as
+ * levels. */
 static int descend(struct walk *s, real reach, struct pass *p)
 {
     p->from = s->front;
