@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole numbers of many words in a bounded room: spec/narrow/narrow.md §6.1. */
+/* Big integers in a bounded arena: exact sums, differences and products.
+ * spec/narrow/narrow.md §6.1 */
 #include "ref/narrow/big.h"
 
 #include <string.h>
 
-/* From as many words on two rows of a product at once are faster. */
+/* From this many words on, multiplying two rows at once is faster. */
 #define LONG 12
 
-/* Two words times two. */
+/* Holds the product of two 64-bit numbers. */
 __extension__ typedef unsigned __int128 twice;
 
-/* Room for n words. Where there is none the room starts anew, so that all
- * accesses stay inside, and says that it is full. */
+/* Takes n words from the arena. If they do not fit, the arena is marked full
+ * and starts again at its beginning, so that all accesses stay inside; results
+ * are then void. */
 static uint32_t *take_words(struct room *m, int n)
 {
     if (n > m->size - m->used) {
@@ -25,7 +27,8 @@ static uint32_t *take_words(struct room *m, int n)
     return d;
 }
 
-/* A number from n words that end the room; gives leading zeros back. */
+/* Makes a number from the last n words taken, and gives its leading zero words
+ * back to the arena. */
 static struct big trim(struct room *m, uint32_t *d, int n, int sign)
 {
     int k = n;
@@ -41,7 +44,7 @@ static int exponent_bits(uint64_t b)
     return (int)(b >> 52 & 0x7ff);
 }
 
-/* Mantissa and exponent of |x| = *mantissa·2^e; returns e. */
+/* Splits |x| = *mantissa·2^e and returns e. */
 static int unpack(double x, uint64_t *mantissa)
 {
     uint64_t b;
@@ -95,7 +98,7 @@ struct big big_negate(struct big a)
     return a;
 }
 
-/* Order of the magnitudes: -1, 0, 1. */
+/* Compares magnitudes: returns -1, 0 or 1. */
 static int order(struct big a, struct big b)
 {
     if (a.n != b.n)
@@ -106,7 +109,7 @@ static int order(struct big a, struct big b)
     return 0;
 }
 
-/* |a| + |b| with a sign; a is not the shorter. */
+/* Returns |a| + |b| with a given sign. Requires a.n ≥ b.n. */
 static struct big sum(struct room *m, struct big a, struct big b, int sign)
 {
     uint32_t *d = take_words(m, a.n + 1);
@@ -120,7 +123,7 @@ static struct big sum(struct room *m, struct big a, struct big b, int sign)
     return trim(m, d, a.n + 1, sign);
 }
 
-/* |a| - |b| with a sign; a is not the smaller. */
+/* Returns |a| - |b| with a given sign. Requires |a| ≥ |b|. */
 static struct big difference(struct room *m, struct big a, struct big b,
                              int sign)
 {
@@ -159,7 +162,7 @@ static void set_pair(uint32_t *d, uint64_t a)
     memcpy(d, w, sizeof w);
 }
 
-/* d += x·b, n words of b; d[n] and d[n + 1], 0 before, are set. */
+/* Adds x·b to d, where b has n words. d[n] and d[n + 1] must be 0 before. */
 static void add_rows(uint32_t *d, uint64_t x, const uint32_t *b, int n)
 {
     twice t = 0;
@@ -177,8 +180,8 @@ static void add_rows(uint32_t *d, uint64_t x, const uint32_t *b, int n)
     set_pair(d + j, (uint64_t)t);
 }
 
-/* The first word of b, not 0, from j on; numbers of mixed sizes are mostly
- * zeros. */
+/* Returns the index of the first nonzero word of b from j on. Numbers made from
+ * mixed exponents are mostly zero words. */
 static int skip_zeros(struct big b, int j)
 {
     while (j < b.n && b.d[j] == 0)

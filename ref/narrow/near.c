@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole numbers of which only the leading words are kept:
- * spec/narrow/narrow.md §6.6. */
+/* Truncated big integers: only the leading words are kept, with an error bound.
+ * spec/narrow/narrow.md §6.6 */
 #include "ref/narrow/near.h"
 
 uint32_t near_rest(struct big a)
 {
     uint64_t r = 0;
-    for (int i = a.n; i-- > 0;) /* 2^32 leaves 5; r stays below 2^36 */
+    for (int i = a.n; i-- > 0;) /* 2^32 ≡ 5; r stays below 2^36 */
         r = ((r >> 32) * 5 + (uint32_t)r) * 5 + a.d[i];
     r %= NEAR_PRIME;
     return (uint32_t)(a.sign < 0 && r ? NEAR_PRIME - r : r);
 }
 
-/* Without its lowest k words: less than one unit of those left. */
+/* Drops the lowest k words, which loses less than one unit of the lowest word
+ * kept. */
 static struct near drop(struct near a, int k)
 {
     if (k <= 0)
         return a;
-    /* in the new unit one for the old error, one for what is cut off */
+    /* in the new unit: one for the old error, one for the words dropped */
     a.err = (a.err > 0) + (a.m.n > 0);
     a.low += k;
     if (k >= a.m.n) {
@@ -40,8 +41,8 @@ struct near near_few(struct near a)
     return drop(a, a.m.n - NEAR_FEW);
 }
 
-/* In units of 2^(32 low): words dropped, or, of an exact number, zeros added
- * below. */
+/* Rewrites a in units of 2^(32 low). Words are dropped, or zero words are added
+ * below an exact number. */
 static struct near align(struct room *m, struct near a, int low)
 {
     if (a.m.n == 0 && a.err == 0)
@@ -66,7 +67,7 @@ struct near near_add(struct room *m, struct near a, struct near b)
         return a;
     int top = larger(a.low + a.m.n, b.low + b.m.n);
     int low = larger(a.low < b.low ? a.low : b.low, top - m->keep);
-    /* only exact numbers can be had in a smaller unit */
+    /* only an exact number may change to a smaller unit */
     low = larger(low, a.err ? a.low : low);
     low = larger(low, b.err ? b.low : low);
     a = align(m, a, low);
@@ -97,11 +98,13 @@ struct near near_mul(struct room *m, struct near a, struct near b)
         struct near exact = {big_mul(m, a.m, b.m), a.low + b.low, 0, rest};
         return exact;
     }
-    /* a.err |b| + b.err |a| + a.err b.err, of which dropping as many words as
-     * either factor has that meets an error leaves a.err + b.err + 1 */
+    /* The error is below a.err |b| + b.err |a| + a.err b.err. Dropping as many
+     * words as the factor beside each error has leaves at most a.err + b.err +
+     * 1. */
     k = larger(k, larger(a.err ? b.m.n : 0, b.err ? a.m.n : 0));
     k = larger(k, 1);
-    /* parts more than two words below those kept are less than a unit */
+    /* products more than two words below the kept words add less than one
+     * unit */
     int from = larger(k - 3, 0);
     struct near r = {big_mul_from(m, a.m, b.m, from), a.low + b.low + from, 0,
                      rest};

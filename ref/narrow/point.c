@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Signs of small polynomials at a point, exactly: spec/narrow/narrow.md §6.3.
- */
+/* Exact signs of polynomials of degree at most 3 at a rational point, or at the
+ * roots of a quadratic. spec/narrow/narrow.md §6.3 */
 #include "ref/narrow/point.h"
 
 #include "ref/narrow/near.h"
@@ -15,7 +15,7 @@ bool poly_zero(const struct poly *p)
     return true;
 }
 
-/* a·d - b·c modulo the prime. */
+/* Returns a·d - b·c modulo NEAR_PRIME. */
 static uint64_t det_rest(uint64_t a, uint64_t b, uint64_t c, uint64_t d)
 {
     return (a * d % NEAR_PRIME + NEAR_PRIME - b * c % NEAR_PRIME) % NEAR_PRIME;
@@ -33,9 +33,8 @@ bool poly_coprime(const struct poly *p, const struct poly *f)
     return det_rest(x, y, det_rest(a[1], b[1], a[0], b[0]), x) != 0;
 }
 
-/* ---- With as many words as m->keep says ---- */
-
-/* The sign of Σ c[i]·a^i·b^(n-i) with 2^(32 k) in a. */
+/* Returns the sign of Σ c[i]·a^i·b^(n-i), where the factor 2^(32 k) of the
+ * point is part of a. Computes with m->keep words. */
 static int sign_fraction(struct room *m, const struct poly *f,
                          const struct point *p)
 {
@@ -52,7 +51,7 @@ static int sign_fraction(struct room *m, const struct poly *f,
     return near_tell(m, r);
 }
 
-/* a·b - c·d, times a sign. */
+/* Returns sign · (v0·v1 - v2·v3), computed with m->keep words. */
 static struct near det(struct room *m, int sign, const struct near v[4])
 {
     int mark = m->used;
@@ -62,8 +61,8 @@ static struct near det(struct room *m, int sign, const struct near v[4])
     return r;
 }
 
-/* f modulo the quadratic a τ² + b τ + c times a positive number, of degree 2 at
- * most: g. */
+/* Writes g, of degree at most 2: a positive multiple of f modulo the quadratic
+ * a τ² + b τ + c. */
 static void lower(struct room *m, const struct poly *f, const struct near q[3],
                   struct near g[3])
 {
@@ -82,9 +81,9 @@ static void lower(struct room *m, const struct poly *f, const struct near q[3],
     g[0] = s < 0 ? near_negate(g[0]) : g[0];
 }
 
-/* g modulo the quadratic q times a positive number is l[1]·τ + l[0]; returns
- * the sign of their resultant: minus where -l[0]/l[1] lies between q's roots.
- */
+/* Writes l[1]·τ + l[0], a positive multiple of g modulo the quadratic q.
+ * Returns the sign of the resultant of the two, which is negative where
+ * -l[0]/l[1] lies between the roots of q. */
 static int reduce(struct room *m, const struct near g[3],
                   const struct near q[3], struct near l[2])
 {
@@ -104,7 +103,7 @@ static int reduce(struct room *m, const struct near g[3],
     return near_tell(m, r);
 }
 
-/* The sign of b l1 - 2 a l0 of the quadratic a τ² + b τ + c. */
+/* Returns the sign of b l1 - 2 a l0 for the quadratic a τ² + b τ + c. */
 static int slope(struct room *m, const struct near q[3], const struct near l[2])
 {
     struct near b = near_few(q[1]), a = near_few(q[2]);
@@ -116,7 +115,7 @@ static int slope(struct room *m, const struct near q[3], const struct near l[2])
     return near_tell(m, det(m, 1, (struct near[4]){q[1], l[1], q[2], two}));
 }
 
-/* The signs of f at the roots of the quadratic, which has two (§6.3). */
+/* Finds the signs of f at the two real roots of a quadratic (§6.3). */
 static void sign_surd(struct room *m, const struct poly *f,
                       const struct poly *of, int out[2])
 {
@@ -129,10 +128,11 @@ static void sign_surd(struct room *m, const struct poly *f,
     out[0] = out[1] = sign ? sign : near_sign(l[0]);
     if (sign == 0 || sign == NEAR_UNKNOWN)
         return;
-    if (z == 0 || z == 1) /* where -l0/l1 stands to both roots' middle */
+    if (z == 0 || z == 1) /* the side of the roots' midpoint on which -l0/l1
+                             lies */
         w = slope(m, q, l);
     for (int which = 0; which < 2; which++) {
-        int past; /* sign of root + l0/l1 */
+        int past; /* sign of (root + l0/l1) */
         if (z < 0)
             past = which ? 1 : -1;
         else if (z == 0)
@@ -144,8 +144,6 @@ static void sign_surd(struct room *m, const struct poly *f,
     if (z == NEAR_UNKNOWN || w == NEAR_UNKNOWN)
         out[0] = out[1] = NEAR_UNKNOWN;
 }
-
-/* ---- Few words first, then twice as many till these tell ---- */
 
 void point_sign(struct room *m, const struct poly *f, const struct point *p,
                 int sign[2])
@@ -193,7 +191,7 @@ int poly_sign_cell(struct room *m, const struct poly *f, uint32_t g)
             y = near_add(m, y, near_times(m, f2, 2 * a));
             r = near_add(m, near_times(m, x, d), near_times(m, y, c));
         }
-        up += near_sign(r) > 0; /* also where it is not known */
+        up += near_sign(r) > 0; /* NEAR_UNKNOWN counts as both signs */
         down += near_sign(r) < 0 || near_sign(r) == NEAR_UNKNOWN;
     }
     m->used = mark;
@@ -202,12 +200,13 @@ int poly_sign_cell(struct room *m, const struct poly *f, uint32_t g)
 
 int poly_sign_octave(struct room *m, const struct poly *f, int e)
 {
-    /* twice the polar form at 1 and 1, 1 and 2, 2 and 2; the first, last */
+    /* The polar forms at (1, 1), (1, 2) and (2, 2), the middle one doubled. A
+     * linear f uses the first and the last. */
     static const uint32_t weight[3][3] = {{1, 1, 1}, {2, 3, 4}, {1, 2, 4}};
     int mark = m->used, n = f->degree, up = 0, down = 0;
     struct near c[3] = {0};
     m->keep = NEAR_FEW;
-    for (int i = 0; i <= n; i++) { /* times such that all powers are whole */
+    for (int i = 0; i <= n; i++) { /* scaled so that all powers are whole */
         int shift = e < 0 ? (i - n) * e : i * e;
         c[i] = near_times(m, near_of(m, f->c[i]), UINT32_C(1) << shift % 32);
         c[i].low += shift / 32;

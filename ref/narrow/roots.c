@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Real roots of small polynomials, exactly: spec/narrow/narrow.md §6.2 and
- * §6.4. */
+/* Isolates the real roots of polynomials of degree at most 3 with Sturm chains,
+ * and finds the sign of another polynomial at a root, exactly.
+ * spec/narrow/narrow.md §6.2, §6.4 */
 #include "ref/narrow/roots.h"
 
 #include <stddef.h>
 
-/* Sign variations, zeros skipped. */
+/* Counts sign variations; zeros are skipped. */
 static int variations(const int *sign, int n)
 {
     int last = 0, count = 0;
@@ -16,7 +17,8 @@ static int variations(const int *sign, int n)
     return count;
 }
 
-/* Chops zero coefficients off both ends: roots at t = 0 and 1. */
+/* Removes zero coefficients at both ends, which are roots at t = 0 and t =
+ * 1. */
 static struct poly trimmed(const struct poly *p)
 {
     struct poly r = {0};
@@ -37,7 +39,8 @@ static struct poly linear(struct big c1, struct big c0)
     return p;
 }
 
-/* The Hessian of a cubic; its discriminant is -3 times the cubic's. */
+/* Writes the Hessian of a cubic. Its discriminant is -3 times the cubic's
+ * (§6.2). */
 static void hessian(struct room *m, const struct big c[4], struct big h[3])
 {
     h[2] = big_det(m, c[2], c[2], big_times(m, c[3], 3), c[1]);
@@ -45,7 +48,7 @@ static void hessian(struct room *m, const struct big c[4], struct big h[3])
     h[0] = big_det(m, c[1], c[1], big_times(m, c[2], 3), c[0]);
 }
 
-/* Fills in the counts of a chain with p, d, r and tail set. */
+/* Sets c->start and c->roots from p, d, r and tail. */
 static void count_roots(struct chain *c)
 {
     int s = c->p.c[c->p.degree].sign;
@@ -56,7 +59,8 @@ static void count_roots(struct chain *c)
     c->roots = c->start - variations(last, 4);
 }
 
-/* p without repeated roots and its derivative; the chain's end is zero. */
+/* Sets c->p to p, which has no repeated roots, and c->d to its derivative. The
+ * rest of the chain is zero. */
 static void start_chain(struct room *m, struct poly p, struct chain *c)
 {
     struct chain none = {0};
@@ -67,7 +71,7 @@ static void start_chain(struct room *m, struct poly p, struct chain *c)
         c->d.c[i - 1] = big_times(m, p.c[i], (uint32_t)i);
 }
 
-/* A cubic: §6.2. */
+/* Makes the chains of a cubic, §6.2. */
 static int cubic_chains(struct room *m, struct poly p, struct chain c[2])
 {
     struct big h[3], a = p.c[3], b = p.c[2];
@@ -101,7 +105,7 @@ int chains_make(struct room *m, const struct poly *p, struct chain c[2])
     struct poly f = trimmed(p);
     for (int i = 0; i <= f.degree; i++)
         sign[i] = f.c[i].sign;
-    if (variations(sign, f.degree + 1) == 0) /* Descartes: none in (0, 1) */
+    if (variations(sign, f.degree + 1) == 0) /* Descartes: no root in (0, 1) */
         return 0;
     if (f.degree == 3)
         return cubic_chains(m, f, c);
@@ -122,7 +126,7 @@ static void stand_of(struct room *m, const struct chain *c,
 {
     int sign[4][2] = {{0}};
     point_sign(m, &c->p, p, sign[0]);
-    if (c->roots > 1) { /* else the sign of p alone tells */
+    if (c->roots > 1) { /* one root: the sign of p suffices */
         point_sign(m, &c->d, p, sign[1]);
         if (c->p.degree == 3)
             point_sign(m, &c->r, p, sign[2]);
@@ -140,7 +144,8 @@ static bool at_end(uint32_t cell)
     return cell == 0 || cell == ROOT_ONE - 1;
 }
 
-/* The octave of root i, in an end cell, which has all τ < 2^-29 or > 2^29. */
+/* Returns the octave of root i in the first or last cell. All τ there are <
+ * 2^-29 or > 2^29. */
 static int octave_of(struct room *m, const struct chain *c, int i,
                      uint32_t cell)
 {
@@ -186,7 +191,7 @@ void root_locate(struct room *m, struct chain *c, int i, struct root *r)
     r->octave = !r->on_grid && at_end(lo) ? octave_of(m, c, i, lo) : 0;
 }
 
-/* Where the roots of f stand to those of the chain (§6.4). */
+/* Finds how the roots of f are ordered among the roots of the chain (§6.4). */
 static void make_turns(struct room *m, const struct poly *f,
                        const struct chain *c, struct turns *t)
 {
@@ -197,7 +202,8 @@ static void make_turns(struct room *m, const struct poly *f,
     *t = r;
     if (roots < 0)
         return;
-    if (roots > 0) { /* of both signs, or of the sign of -c1/c2 */
+    if (roots > 0) { /* two real roots; the coefficients' signs say how many
+                        are positive */
         bool mixed = q.c[0].sign * q.c[2].sign < 0;
         t->n = mixed ? 1 : q.c[1].sign * q.c[2].sign < 0 ? 2 : 0;
         if (t->n)
@@ -219,7 +225,8 @@ static void make_turns(struct room *m, const struct poly *f,
     t->n = 1;
 }
 
-/* The same, made once. */
+/* Returns the result of make_turns, which is kept for the chain's other
+ * roots. */
 static const struct turns *turns_of(struct room *m, const struct poly *f,
                                     struct chain *c)
 {
@@ -232,8 +239,8 @@ static const struct turns *turns_of(struct room *m, const struct poly *f,
     return t;
 }
 
-/* The sign of f at a root that is not on the grid: f's at 0+, turned by each
- * root of f before it. */
+/* Returns the sign of f at a root that is not on the grid: the sign at 0+,
+ * flipped by each simple root of f below that root. */
 static int sign_ordered(struct room *m, const struct poly *f,
                         const struct root *r)
 {

@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A pair's polynomials in whole numbers: spec/narrow/narrow.md §2 and §6.1. */
+/* Makes a pair's polynomials with big-integer coefficients.
+ * spec/narrow/narrow.md §2, §6.1 */
 #include "ref/narrow/whole.h"
 
 #include <stddef.h>
 
-/* A vector linear in t: whole numbers at t = 0 and 1. */
+/* A vector that is linear in t: its values at t = 0 and t = 1. */
 struct line {
     struct big at[2][3];
 };
 
-/* The lowest exponent of a bit of all positions. */
+/* Returns the exponent of the lowest set bit of all 24 coordinates. */
 static int common_exponent(double x[2][4][3])
 {
     int least = 2000;
@@ -21,7 +22,7 @@ static int common_exponent(double x[2][4][3])
     return least;
 }
 
-/* Vertex a minus vertex b. */
+/* Returns vertex a minus vertex b. */
 static struct line edge(struct room *m, struct line p[4], int a, int b)
 {
     struct line r;
@@ -31,7 +32,7 @@ static struct line edge(struct room *m, struct line p[4], int a, int b)
     return r;
 }
 
-/* Axis k of f × g. */
+/* Returns component k of f × g. */
 static struct poly cross(struct room *m, const struct line *f,
                          const struct line *g, int k)
 {
@@ -48,7 +49,7 @@ static struct poly cross(struct room *m, const struct line *f,
     return p;
 }
 
-/* a - b, of one degree. */
+/* Returns a - b; both have the same degree. */
 static struct poly minus(struct room *m, const struct poly *a,
                          const struct poly *b)
 {
@@ -58,7 +59,7 @@ static struct poly minus(struct room *m, const struct poly *a,
     return p;
 }
 
-/* a + b, of one degree. */
+/* Returns a + b; both have the same degree. */
 static struct poly plus(struct room *m, const struct poly *a,
                         const struct poly *b)
 {
@@ -68,7 +69,7 @@ static struct poly plus(struct room *m, const struct poly *a,
     return p;
 }
 
-/* f · w. */
+/* Returns f · w. */
 static struct poly dot(struct room *m, const struct line *f,
                        const struct poly w[3])
 {
