@@ -3,7 +3,7 @@
 #ifndef GPU_PLACE_CUH
 #define GPU_PLACE_CUH
 
-#include "gpu/run/gpu.cuh"
+#include "gpu/run/launch.cuh"
 
 enum { PLACE_BLOCK = 256 };
 

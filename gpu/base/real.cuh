@@ -7,7 +7,7 @@
 #ifndef GPU_REAL_CUH
 #define GPU_REAL_CUH
 
-#include "gpu/run/gpu.cuh"
+#include "gpu/run/launch.cuh"
 
 /* §1.2: the second operand on ties and on NaN. */
 template <class T> static __device__ inline T least(T a, T b)

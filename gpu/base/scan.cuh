@@ -3,7 +3,7 @@
 #ifndef GPU_SCAN_CUH
 #define GPU_SCAN_CUH
 
-#include "gpu/run/gpu.cuh"
+#include "gpu/run/launch.cuh"
 
 enum { SCAN_BLOCK = 256, SCAN_RUN = 16, SCAN_RUNS = SCAN_BLOCK / SCAN_RUN };
 

@@ -5,6 +5,10 @@
 
 #include "gpu/base/last.cuh"
 
+extern "C" {
+#include "ref/base/sum.h"
+}
+
 /* SUM_LAST: chunks of the last level but one at most; few where emulated, so
  * that there is a level before it. */
 #ifdef __CUDACC__
@@ -46,13 +50,6 @@ static __device__ inline void chunk_sums(const real value[N], real sum[N])
             a[k] = s[e][t % 32 + 32 * k];
         sum[e] = warp_sum(a);
     }
-}
-
-static __device__ inline real chunk_sum(real value)
-{
-    real sum;
-    chunk_sums<1>(&value, &sum);
-    return sum;
 }
 
 /* §3: of N times n chunk sums, which lie behind each other and of which `left`

@@ -3,8 +3,11 @@
 #ifndef GPU_THIN_CUH
 #define GPU_THIN_CUH
 
-#include "gpu/solve/jacobi.cuh"
+#include "gpu/base/real.cuh"
+
+extern "C" {
 #include "ref/base/thin.h"
+}
 
 static __device__ inline uint32_t steps_of(real t)
 {
@@ -86,18 +89,6 @@ static __device__ inline struct thin fetch_once(const struct thin *t)
 #else
     return *t;
 #endif
-}
-
-/* Exact products, as in ref/solve/jacobi.h. */
-static __device__ inline struct wide_sym add(struct wide_sym d, struct thin t)
-{
-    struct thin_parts a = opened(t);
-    double x = (double)a.e.x, y = (double)a.e.y, z = (double)a.e.z;
-    double s = (double)a.size, all = (double)a.all;
-    double sx = s * x, sy = s * y, sz = s * z;
-    return wide_sym{{d.a[0] + (sx * x + all), d.a[1] + sx * y, d.a[2] + sx * z,
-                     d.a[3] + (sy * y + all), d.a[4] + sy * z,
-                     d.a[5] + (sz * z + all)}};
 }
 
 #endif

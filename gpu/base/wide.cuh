@@ -4,7 +4,10 @@
 #define GPU_WIDE_CUH
 
 #include "gpu/base/real.cuh"
+
+extern "C" {
 #include "ref/base/wide.h"
+}
 
 static __device__ inline struct wide wide3(double x, double y, double z)
 {

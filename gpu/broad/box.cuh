@@ -5,6 +5,10 @@
 
 #include "gpu/base/real.cuh"
 
+extern "C" {
+#include "ref/broad/box.h"
+}
+
 /* Words of 8 and 16 bytes that may lie over anything: streams begin at
  * multiples of 256 bytes, so items whose size is a multiple of a word's are
  * moved in few instructions. */

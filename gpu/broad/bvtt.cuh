@@ -7,6 +7,10 @@
 #include "gpu/base/scan.cuh"
 #include "gpu/broad/box.cuh"
 
+extern "C" {
+#include "ref/broad/bvtt.h"
+}
+
 /* A pair of nodes, or of triangles, moved as one word of eight bytes. */
 struct duo {
     int32_t a, b;

@@ -4,7 +4,10 @@
 #define GPU_CONES_CUH
 
 #include "gpu/base/real.cuh"
+
+extern "C" {
 #include "ref/broad/cones.h"
+}
 
 #define CONES_ROOM 32 /* as the reference's, to which ci/prove.sh holds it */
 

@@ -3,7 +3,9 @@
 #include "gpu/broad/box.cuh"
 #include "gpu/broad/cones.cuh"
 
+extern "C" {
 #include "ref/broad/extent.h"
+}
 
 /* Threads of a block, and blocks of a grid. */
 enum { EXTENT_BLOCK = 128, PARTS = EXTENT_BLOCK };

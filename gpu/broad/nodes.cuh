@@ -9,6 +9,10 @@
 
 #include "gpu/broad/box.cuh"
 
+extern "C" {
+#include "ref/broad/tree.h"
+}
+
 enum { LEVEL_FEW = 1024 };
 
 /* Threads for level l of a tree of n nodes. */

@@ -3,8 +3,11 @@
 #ifndef GPU_REFIT_CUH
 #define GPU_REFIT_CUH
 
-#include "gpu/run/gpu.cuh"
+#include "gpu/run/launch.cuh"
+
+extern "C" {
 #include "ref/broad/refit.h"
+}
 
 /* A position is bad, upon which nothing is written; how many boxes are made. */
 enum { REFIT_BAD, REFIT_MADE, REFIT_WORDS };

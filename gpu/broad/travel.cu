@@ -3,7 +3,9 @@
 #include "gpu/base/largest.cuh"
 #include "gpu/contact/contact.cuh"
 
+extern "C" {
 #include "ref/broad/travel.h"
+}
 
 enum { BAD, MOST, WORDS };
 

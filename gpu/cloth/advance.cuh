@@ -5,6 +5,10 @@
 
 #include "gpu/base/real.cuh"
 
+extern "C" {
+#include "ref/cloth/advance.h"
+}
+
 /* Reads particle p in all streams, then writes x1 and v1, which may be x and v;
  * `at` and force in place of the struct's. */
 static __device__ inline void advance_particle(const struct advance *s,

@@ -4,6 +4,10 @@
 #include "gpu/cloth/cloth.cuh"
 #include "gpu/cloth/rate.h"
 
+extern "C" {
+#include "ref/cloth/blocks.h"
+}
+
 enum { SIX = sizeof(sym) / sizeof(real) };
 
 /* §2: c u uᵀ + b I, where c = a - b. */

@@ -6,6 +6,10 @@
 
 #include "gpu/base/real.cuh"
 
+extern "C" {
+#include "ref/cloth/cloth.h"
+}
+
 /* Forward direction o: (1,0) (0,1) (1,1) (-1,1) and twice each. */
 static __host__ __device__ constexpr int forward_i(int o)
 {

@@ -3,7 +3,11 @@
 #ifndef GPU_ENERGY_CUH
 #define GPU_ENERGY_CUH
 
-#include "gpu/run/gpu.cuh"
+#include "gpu/run/launch.cuh"
+
+extern "C" {
+#include "ref/cloth/energy.h"
+}
 
 /* The three energies of s into the first bytes of word[0 … 2] on the device;
  * word[0 … 3] are 0 before. s->chunk is used up, s->value not written. */

@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The explicit methods as sequences of springs and advance, fused where nothing
  * traces them; substeps in turns of a loop that the device ends.
- * spec/cloth/advance.md §2, spec/gpu.md §14 */
+ * spec/cloth/advance.md §2, spec/gpu.md §13 */
 #include "gpu/cloth/advance.cuh"
 #include "gpu/cloth/motion.cuh"
 #include "gpu/cloth/springs.cuh"
 #include "gpu/run/loop.cuh"
+
+extern "C" {
+#include "ref/cloth/dynamics.h"
+}
 
 /* Substeps of a turn: even, so that each begins with the same streams. */
 #ifdef __CUDACC__

@@ -3,6 +3,10 @@
  * coordinate where they do not meet. spec/cloth/implicit.md */
 #include "gpu/cloth/cloth.cuh"
 
+extern "C" {
+#include "ref/cloth/implicit.h"
+}
+
 static __device__ const real *flat(const vec *a)
 {
     return &a->x;

@@ -5,13 +5,12 @@
 #ifndef GPU_RATE_H
 #define GPU_RATE_H
 
-#include "gpu/base/stages.h"
-#include "ref/cloth/blocks.h"
-#include "ref/solve/pcg.h"
-
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+#include "gpu/base/stages.h"
+#include "ref/base/real.h"
 
 /* The block is along u uᵀ + across I, u = inverse (x_q - x_p). */
 struct rate {

@@ -5,6 +5,10 @@
 
 #include "gpu/cloth/cloth.cuh"
 
+extern "C" {
+#include "ref/cloth/springs.h"
+}
+
 /* A block owns TILE_WIDE × HIGH particles; springs reach TILE_RIM further. */
 enum { TILE_WIDE = 32, TILE_RIM = 2, TILE_ACROSS = TILE_WIDE + 2 * TILE_RIM };
 

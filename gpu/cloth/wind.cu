@@ -3,6 +3,10 @@
  * spec/cloth/wind.md */
 #include "gpu/base/real.cuh"
 
+extern "C" {
+#include "ref/cloth/wind.h"
+}
+
 /* A block owns WIDE × HIGH particles and the cells with a corner there. */
 enum {
     WIDE = 32,

@@ -5,7 +5,10 @@
 #define GPU_CLOSEST_CUH
 
 #include "gpu/base/wide.cuh"
+
+extern "C" {
 #include "ref/contact/closest.h"
+}
 
 /* Four points relative to the first, and what is closest so far. */
 struct closest_pair {

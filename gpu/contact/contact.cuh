@@ -5,7 +5,10 @@
 #define GPU_CONTACT_CUH
 
 #include "gpu/base/real.cuh"
+
+extern "C" {
 #include "ref/contact/contact.h"
+}
 
 /* A candidate's vertices, in one load. */
 struct alignas(16) pair_names {

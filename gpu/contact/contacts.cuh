@@ -6,7 +6,9 @@
 
 #include "gpu/contact/contact.cuh"
 
+extern "C" {
 #include "ref/contact/contacts.h"
+}
 
 /* What contact k pushes vertex j by stands at slot[4 k + j] of `pushed`, where
  * all pushes of a vertex lie side by side: one reads them without a look at the

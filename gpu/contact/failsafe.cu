@@ -2,6 +2,7 @@
 /* Zones and rollback as rounds of a step, on the device.
  * spec/contact/response.md §5 and §6 */
 #include "gpu/contact/response.cuh"
+#include "gpu/run/gpu.cuh"
 
 /* ---- §5 Zones ---- */
 

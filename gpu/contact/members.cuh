@@ -3,8 +3,11 @@
 #ifndef GPU_MEMBERS_CUH
 #define GPU_MEMBERS_CUH
 
-#include "gpu/run/gpu.cuh"
+#include "gpu/run/launch.cuh"
+
+extern "C" {
 #include "ref/contact/zones.h"
+}
 
 /* Words that gpu_members writes: whether a pair names no vertex, and then
  * nothing else is valid; members of all zones, zones, free members. */

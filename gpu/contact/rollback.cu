@@ -3,7 +3,9 @@
 #include "gpu/base/place.cuh"
 #include "gpu/contact/contact.cuh"
 
+extern "C" {
 #include "ref/contact/rollback.h"
+}
 
 enum { BAD, TRAPPED, GROWN, WORDS };
 

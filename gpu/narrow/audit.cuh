@@ -6,7 +6,10 @@
 
 #include "gpu/base/real.cuh"
 #include "gpu/base/wide.cuh"
+
+extern "C" {
 #include "ref/narrow/audit.h"
+}
 
 enum { AUDIT_LEVELS = 17 };
 enum { AUDIT_BAD_PLACE = 1, AUDIT_BAD_NAME = 2 };

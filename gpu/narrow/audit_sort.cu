@@ -2,7 +2,10 @@
 /* The orders and the tree of stage audit on the device. spec/narrow/audit.md §4
  */
 #include "gpu/narrow/audit.cuh"
+
+extern "C" {
 #include "ref/base/keys.h"
+}
 
 /* Blocks that look at positions, so that few atomics end there. */
 enum { LOOK_BLOCKS = 256 };

@@ -4,7 +4,10 @@
 #define GPU_EXACT_CUH
 
 #include "gpu/narrow/whole.cuh"
+
+extern "C" {
 #include "ref/narrow/narrow.h"
+}
 
 /* ---- §3 at a root ---- */
 

@@ -5,7 +5,10 @@
 #define GPU_FACING_CUH
 
 #include "gpu/base/real.cuh"
+
+extern "C" {
 #include "ref/narrow/tritri.h"
+}
 
 /* As the reference's, to which ci/prove.sh holds them. */
 #define ERROR_BESIDE 0x1p-49

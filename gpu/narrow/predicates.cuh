@@ -5,7 +5,10 @@
 #define GPU_PREDICATES_CUH
 
 #include "gpu/narrow/big.cuh"
+
+extern "C" {
 #include "ref/narrow/tritri.h"
+}
 
 /* §2.1, as the reference's, to which ci/prove.sh holds them. */
 #define ERROR_ORIENT3 0x1p-49

@@ -5,7 +5,10 @@
 #define GPU_SPLIT_CUH
 
 #include "gpu/narrow/filter.cuh"
+
+extern "C" {
 #include "ref/narrow/narrow.h"
+}
 
 enum { SPLIT_MISS, SPLIT_HIT, SPLIT_UNSURE };
 enum { SPLIT_GRID = 30, SPLIT_DEPTH = 20, SPLIT_VISITS = 64 };

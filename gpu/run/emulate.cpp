@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The device and its primitives on the host. */
-#include "gpu/run/tape.cuh"
+/* Opens and closes a device that is emulated on the host. gpu/run/emulate.h */
+#include "gpu/run/launch.cuh"
+
+extern "C" {
+#include "ref/world/world.h"
+}
 
 #include "certificate.h"
 
-#include <algorithm>
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
-
-/* ---- The device ---- */
 
 static void *allocate(void *user, size_t bytes)
 {
@@ -31,20 +31,9 @@ const drape_allocator *gpu_native(void)
     return &native;
 }
 
-/* Whether g can do no more; notes why. */
-static bool fails(struct gpu *g, bool more)
-{
-    size_t n = strlen(g->name);
-    if (!g->failed && emulate_lost(more)) {
-        g->failed = DRAPE_EDEVICE;
-        snprintf(g->name + n, sizeof g->name - n, ": lost on purpose");
-    }
-    return g->failed;
-}
-
 struct gpu *gpu_open(const drape_def *def, int *status)
 {
-    struct gpu *g = gpu_make(def);
+    struct gpu *g = gpu_make(def, gpu_native());
     *status = DRAPE_ENOMEM;
     if (!g)
         return NULL;
@@ -58,9 +47,9 @@ struct gpu *gpu_open(const drape_def *def, int *status)
     g->room = EMULATE_ROOM;
     g->words =
         (int64_t *)gpu_take(g, ARENA_SCRATCH, GPU_ALL_WORDS, sizeof *g->words);
-    g->seen = g->shown = (int64_t *)arena_take(&g->host, ARENA_OTHER,
-                                               GPU_ALL_WORDS, sizeof *g->shown);
-    *status = g->shown ? g->failed : DRAPE_ENOMEM;
+    g->seen = (int64_t *)arena_take(&g->host, ARENA_OTHER, GPU_ALL_WORDS,
+                                    sizeof *g->seen);
+    *status = g->seen ? g->failed : DRAPE_ENOMEM;
     if (*status == DRAPE_OK)
         return g;
     gpu_close(g);
@@ -76,151 +65,10 @@ void gpu_close(struct gpu *g)
 {
     if (!g)
         return;
-    gpu_tapes_close(g);
     gpu_unmake(g);
 }
 
 const char *gpu_info(void)
 {
     return WORLD_INFO("emulated on the host");
-}
-
-void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes)
-{
-    gpu_tape_end(g);
-    gpu_copy(g, device, host, bytes);
-}
-
-void gpu_down(struct gpu *g, void *host, const void *device, size_t bytes)
-{
-    gpu_tape_end(g);
-    gpu_copy(g, host, device, bytes);
-}
-
-void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes)
-{
-    if (bytes)
-        emulate_queue(g, (const void *)gpu_copy, [=] {
-            if (!fails(g, true))
-                memcpy(to, from, bytes);
-        });
-}
-
-void gpu_clear(struct gpu *g, void *device, size_t bytes)
-{
-    if (bytes)
-        emulate_queue(g, (const void *)gpu_clear, [=] {
-            if (!fails(g, true))
-                memset(device, 0, bytes);
-        });
-}
-
-void gpu_wait(struct gpu *g)
-{
-    fails(g, false);
-}
-
-int gpu_status(struct gpu *g)
-{
-    fails(g, false);
-    return g->failed;
-}
-
-void gpu_begin(struct gpu *g)
-{
-    if (g->failed == DRAPE_ENOMEM)
-        g->failed = DRAPE_OK;
-}
-
-static double host_clock(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-void gpu_clock_start(struct gpu *g)
-{
-    if (g->tape != TAPE_OFF)
-        gpu_look_words(g, 0); /* as a device does */
-    g->event = host_clock();
-}
-
-double gpu_clock_stop(struct gpu *g)
-{
-    return host_clock() - g->event;
-}
-
-static void show(struct gpu *g, bool clear)
-{
-    size_t bytes = GPU_ALL_WORDS * sizeof *g->words;
-    if (g->failed || !gpu_tape_shows(g, clear)) {
-        int64_t *kept = g->failed ? NULL : gpu_tape_looks(g, clear);
-        g->seen = g->shown;
-        if (!fails(g, true)) {
-            memcpy(g->shown, g->words, bytes);
-            if (kept)
-                memcpy(kept, g->words, bytes);
-            if (clear)
-                memset(g->words, 0, bytes);
-        }
-    }
-    if (g->failed) {
-        memset(g->shown, 0, bytes);
-        g->seen = g->shown;
-    }
-    gpu_keep_late(g, clear);
-}
-
-const int64_t *gpu_read_words(struct gpu *g, int n)
-{
-    (void)n;
-    show(g, true);
-    g->clean[0] = g->clean[1] = true;
-    return g->seen;
-}
-
-const int64_t *gpu_look_words(struct gpu *g, int n)
-{
-    (void)n;
-    show(g, false);
-    return g->seen;
-}
-
-/* ---- Primitives ---- */
-
-void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
-{
-    emulate_queue(g, (const void *)gpu_scan, [=] {
-        int64_t sum = 0;
-        bool lost = emulate_lost(true);
-        for (int64_t k = 0; k < n && !lost; k++) {
-            int64_t here = a[k];
-            a[k] = sum;
-            sum += here;
-        }
-    });
-}
-
-struct key *gpu_sort_padded(struct gpu *g, int64_t n, struct key *key,
-                            struct key *spare)
-{
-    (void)spare;
-    emulate_queue(g, (const void *)gpu_sort, [=] {
-        if (!emulate_lost(true))
-            std::sort(key, key + n,
-                      [](const struct key &a, const struct key &b) {
-                          if (a.hi != b.hi)
-                              return a.hi < b.hi;
-                          return a.lo != b.lo ? a.lo < b.lo : a.item < b.item;
-                      });
-    });
-    return key;
-}
-
-struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
-                     struct key *spare)
-{
-    gpu_tape_end(g); /* another n takes other launches */
-    return gpu_sort_padded(g, n, key, spare);
 }

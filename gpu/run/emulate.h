@@ -18,12 +18,9 @@
 #define __global__
 #define __device__
 #define __host__
-#define __forceinline__ inline
 #define __noinline__
-#define __constant__ static const
 #define __shared__ static thread_local
 #define __launch_bounds__(...)
-#define __restrict__
 #define __grid_constant__
 
 struct emulate_dim {
@@ -48,18 +45,6 @@ template <class K, class... A> static auto emulate_bind(K kernel, A... a)
 {
     return [=] { kernel(a...); };
 }
-
-/* A launch that is kept, for a tape. */
-struct emulate_op {
-    struct emulate_op *next = NULL;
-    virtual ~emulate_op() {}
-    virtual void run() = 0;
-};
-template <class F> struct emulate_kept : emulate_op {
-    F f;
-    emulate_kept(const F &f) : f(f) {}
-    void run() override { f(); }
-};
 
 /* Of a team, gpu/base/team.cuh: its ranks at most, and bytes of a rank's room.
  */
@@ -161,18 +146,9 @@ static inline int __popc(unsigned a)
 {
     return __builtin_popcount(a);
 }
-static inline int __clz(int a)
-{
-    return a ? __builtin_clz((unsigned)a) : 32;
-}
 static inline int __clzll(long long a)
 {
     return a ? __builtin_clzll((unsigned long long)a) : 64;
-}
-static inline uint64_t __umul64hi(uint64_t a, uint64_t b)
-{
-    __extension__ typedef unsigned __int128 wide;
-    return (uint64_t)((wide)a * b >> 64);
 }
 
 #endif

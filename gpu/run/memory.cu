@@ -2,7 +2,7 @@
 /* A device's record, CUDA's or emulated, and its memory, which only this file
  * takes. As ref/base/arena.c, but a block's record lies on the host.
  * spec/gpu.md §10 */
-#include "gpu/run/gpu.cuh"
+#include "gpu/run/launch.cuh"
 
 enum { ALIGN = 256 }; /* of what is borrowed, as cudaMalloc's */
 
@@ -39,7 +39,6 @@ static void *take(struct gpu *g, enum arena_part part, size_t bytes, char *data)
     if (!b)
         return none(g);
     b->borrowed = data != NULL;
-    g->changes++;
     g->taken += !data;
     b->data = data ? data : (char *)g->device.allocate(g->device.user, bytes);
     if (!b->data) {
@@ -112,11 +111,9 @@ void *gpu_borrow(struct gpu *g, enum arena_part part, int64_t count,
 void gpu_hand_over(struct gpu *g)
 {
 #ifndef __CUDACC__
-    emulate_queue(g, (const void *)gpu_hand_over, [=] {
-        for (struct gpu_block *b = g->blocks; b; b = b->next)
-            if (b->lent)
-                memset(b->lent, 0xff, b->lent_bytes);
-    });
+    for (struct gpu_block *b = g->blocks; b && !g->failed; b = b->next)
+        if (b->lent)
+            memset(b->lent, 0xff, b->lent_bytes);
 #else
     (void)g;
 #endif
@@ -128,7 +125,6 @@ void gpu_give(struct gpu *g, void *p)
         if ((*at)->data == p) {
             struct gpu_block *b = *at;
             *at = b->next;
-            g->changes++;
             *(b->borrowed ? &g->borrowed : &g->bytes[b->part]) -= b->bytes;
             if (!b->borrowed) {
                 gpu_wait(g);
@@ -139,7 +135,7 @@ void gpu_give(struct gpu *g, void *p)
         }
 }
 
-struct gpu *gpu_make(const drape_def *def)
+struct gpu *gpu_make(const drape_def *def, const drape_allocator *native)
 {
     struct arena arena;
     const drape_def plain = {};
@@ -150,7 +146,7 @@ struct gpu *gpu_make(const drape_def *def)
         return NULL;
     g->host = arena;
     g->device =
-        def->device_allocator.allocate ? def->device_allocator : *gpu_native();
+        def->device_allocator.allocate ? def->device_allocator : *native;
     g->block = def->block ? def->block : GPU_BLOCK;
     return g;
 }
@@ -175,38 +171,6 @@ void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size)
                                  : borrow(g, ARENA_SCRATCH, bytes);
     s->bytes = s->data ? bytes : 0;
     return s->data;
-}
-
-static int64_t *cleared(struct gpu *g, bool late, int64_t *words, int n)
-{
-    if (!g->clean[late])
-        gpu_clear(g, words, (size_t)n * sizeof *words);
-    g->clean[late] = false;
-    return words;
-}
-
-int64_t *gpu_words(struct gpu *g)
-{
-    return cleared(g, false, g->words, GPU_WORDS);
-}
-
-int64_t *gpu_late_words(struct gpu *g)
-{
-    memset(g->late, 0, sizeof g->late);
-    return cleared(g, true, g->words + GPU_WORDS, GPU_LATE);
-}
-
-const int64_t *gpu_late_seen(const struct gpu *g)
-{
-    return g->late_seen;
-}
-
-void gpu_keep_late(struct gpu *g, bool wiped)
-{
-    for (int k = 0; k < GPU_LATE; k++) {
-        g->late_seen[k] = g->late[k] + g->seen[GPU_WORDS + k];
-        g->late[k] = wiped ? g->late_seen[k] : g->late[k];
-    }
 }
 
 void *gpu_aside(struct gpu *g, size_t bytes)

@@ -5,7 +5,10 @@
 
 #include "gpu/base/team.cuh"
 #include "gpu/solve/grid.cuh"
+
+extern "C" {
 #include "ref/solve/coarsest.h"
+}
 
 /* Fills s.dense with L and 1/D. */
 void gpu_coarsest_factor(struct gpu *g, const struct coarsest *s);

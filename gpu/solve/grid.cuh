@@ -6,7 +6,10 @@
 #define GPU_GRID_CUH
 
 #include "gpu/cloth/cloth.cuh"
+
+extern "C" {
 #include "ref/solve/coarsen.h"
+}
 
 struct grid {
     int32_t m, n; /* particles along i and j; m·n ≤ 2^30 */

@@ -8,6 +8,18 @@
 /* Directions that are read before the first is added. */
 enum { AHEAD = 4 };
 
+/* Exact products, as in ref/solve/jacobi.h. */
+static __device__ struct wide_sym add(struct wide_sym d, struct thin t)
+{
+    struct thin_parts a = opened(t);
+    double x = (double)a.e.x, y = (double)a.e.y, z = (double)a.e.z;
+    double s = (double)a.size, all = (double)a.all;
+    double sx = s * x, sy = s * y, sz = s * z;
+    return wide_sym{{d.a[0] + (sx * x + all), d.a[1] + sx * y, d.a[2] + sx * z,
+                     d.a[3] + (sy * y + all), d.a[4] + sy * z,
+                     d.a[5] + (sz * z + all)}};
+}
+
 /* Thread p owns factor[p]: reads mass, extra and the blocks at p, of which
  * `from` has the stream. */
 template <class B>

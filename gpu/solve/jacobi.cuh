@@ -5,7 +5,10 @@
 #define GPU_JACOBI_CUH
 
 #include "gpu/base/real.cuh"
+
+extern "C" {
 #include "ref/solve/jacobi.h"
+}
 
 static __device__ inline struct wide_sym widened(real mass)
 {

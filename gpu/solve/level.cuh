@@ -5,7 +5,10 @@
 
 #include "gpu/solve/coarsest.cuh"
 #include "gpu/solve/jacobi.cuh"
+
+extern "C" {
 #include "ref/solve/multigrid.h"
+}
 
 /* One grid and its streams, fit for a kernel. */
 struct level {

@@ -3,10 +3,6 @@
 #include "gpu/solve/pcg_kernels.cuh"
 
 #include "gpu/run/loop.cuh"
-#include "gpu/run/tape.cuh"
-#include "gpu/solve/direction.cuh"
-#include "gpu/solve/jacobi.cuh"
-#include "gpu/solve/level.cuh"
 
 /* Iterations of a turn, in a loop rings of directions, as each turn begins with
  * the first: of multigrid more than one where a look takes longer than what
@@ -22,84 +18,17 @@ enum {
 static_assert(TURN % (int)RING == 0 && TURN_MOST % (int)RING == 0, "turns");
 static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
 
-/* What multigrid shares. */
-static void share(struct pcg *s)
-{
-    s->grid.mass = s->mass;
-    s->grid.n_extra = s->n_extra;
-    s->grid.extra = s->extra;
-    s->grid.block = s->block;
-    s->grid.n_thin = s->n_thin;
-    s->grid.thin = s->thin;
-    s->grid.fixed = s->fixed;
-    s->grid.factor = s->factor;
-    s->grid.r = s->r;
-    s->grid.z = s->s;
-}
-
-static int build(struct gpu *g, struct pcg *s)
-{
-    struct matrix a = {s->m,       s->n,        s->count,    s->mass,
-                       s->n_extra, s->extra,    s->n_blocks, s->block,
-                       s->n_cdf,   s->diagonal, s->cdf};
-    struct jacobi j = {s->m,       s->n,     s->count,    s->mass,
-                       s->n_extra, s->extra, s->n_blocks, s->block,
-                       s->n_thin,  s->thin,  s->fixed,    s->factor};
-    int status = s->n_cdf ? gpu_matrix(g, &a) : DRAPE_OK;
-    if (status == DRAPE_OK)
-        status = gpu_jacobi(g, &j);
-    if (status != DRAPE_OK || s->precond != DRAPE_MULTIGRID)
-        return status;
-    return gpu_multigrid_build(g, &s->grid, lent_by(s));
-}
-
-int gpu_pcg_set_up(struct gpu *g, struct pcg *s)
-{
-    int status = build(g, s);
-    LAUNCH(g, s->count, pcg_start_kernel, *s);
-    return status;
-}
-
-/* q = A to, to = s + β p. */
-static void multiply(struct gpu *g, const struct pcg *s, struct mixed m,
-                     struct image e, const struct room *room, const int32_t *go)
-{
-    const sym *extra = s->n_extra ? s->extra : NULL;
-    struct grid grid = {s->m, s->n};
-    struct rates r = room->rates;
-    struct product a = {s->m, s->n, s->count, s->mass, s->n_extra, s->extra,
-                        0,    NULL, s->n_cdf, s->cdf,  e.p,        s->q};
-    if (s->n_cdf) {
-        LAUNCH(g, s->count, pcg_direction_kernel, m, e.p, s->count);
-        LAUNCH(g, s->count, pcg_product_kernel, a, cdf_of(s->m, s->n), e, go);
-    } else if (r.of) {
-        ties<struct rate> t = {grid, s->mass, extra, NULL, r.of};
-        march<SPRINGS>(g, t, grounded<struct mixed>{m, r.x}, e, go);
-    } else {
-        ties<sym> t = {grid, s->mass, extra, NULL, s->block};
-        product_of<SPRINGS>(g, t, m, e, go);
-    }
-}
-
-/* to = s + β p, q = A to, and the sum of to·q. */
+/* §3: to = s + β p, q = A to, and the sum of to·q. */
 static void search(struct gpu *g, struct pcg *s, struct course *c,
                    struct room room, const vec *p, vec *to)
 {
-    struct mixed m = {s->s, p, c};
-    struct image e = {s->fixed, to, s->q, room.item};
-    multiply(g, s, m, e, &room, &c->go);
+    gpu_pcg_search(g, s, {c, room.rates, p, to, room.item});
     LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s, c,
                   room, true);
 }
 
-/* Whether steps wait for the last of a ring: where bytes are what takes time,
- * not launches. */
-static bool steps_wait(const struct pcg *s)
-{
-    return !s->n_cdf && marches(grid{s->m, s->n});
-}
-
-/* Iteration k of all that are queued. */
+/* Iteration k of all that are queued. Where products march, bytes and not
+ * launches take the time: steps wait then for the last of a ring. */
 static void iterate(struct gpu *g, struct pcg *s, struct course *c,
                     struct room room, int k)
 {
@@ -111,7 +40,7 @@ static void iterate(struct gpu *g, struct pcg *s, struct course *c,
                       c, room, false);
     }
     search(g, s, c, room, p, to);
-    bool waits = steps_wait(s) && turn + 1 < room.ring;
+    bool waits = gpu_pcg_marches(s) && turn + 1 < room.ring;
     int64_t blocks = UPDATES * g->crowd;
     LAUNCH_BLOCKS(g, blocks < s->n_chunks ? blocks : s->n_chunks, SUM_CHUNK,
                   pcg_update_kernel, *s, c, room, waits ? NULL : to);
@@ -126,7 +55,7 @@ static void take_turn(struct gpu *g, struct pcg *s, struct course *c,
                       room);
     for (int k = 0; k < iterations; k++)
         iterate(g, s, c, room, queued + k);
-    if (steps_wait(s))
+    if (gpu_pcg_marches(s))
         LAUNCH(g, s->count, pcg_settle_kernel, *s, c, room);
     LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
 }
@@ -171,24 +100,6 @@ static struct course look(struct gpu *g)
     return seen;
 }
 
-/* Of the last look: on a tape a solve ends well, and no stage before it met
- * what is bad; the next of this cloth begins with its scales. */
-static void expect(struct gpu *g, const struct pcg *s)
-{
-    static const struct {
-        size_t at;
-        int32_t value;
-    } of[] = {{offsetof(struct course, phase), PHASE_DONE},
-              {offsetof(struct course, outcome), PCG_CONVERGED},
-              {offsetof(struct course, fell_back), 0}};
-    for (const auto &e : of)
-        gpu_expect_half(g, (int)(e.at / 8), (int)(e.at % 8 / 4), e.value);
-    gpu_expect_no_late(g);
-    if (s->energy)
-        gpu_keep(g, s, 0);
-    gpu_fence(g);
-}
-
 /* All up to the end of the first turn, queued as one where that can be. */
 static int first_turn(struct gpu *g, struct pcg *s, struct course *c,
                       struct room room, int iterations)
@@ -200,8 +111,7 @@ static int first_turn(struct gpu *g, struct pcg *s, struct course *c,
         return status;
     };
     write_key(&key, s, c, &room);
-    const struct course *last = (const struct course *)gpu_recall(g, s);
-    LAUNCH(g, 1, pcg_open_kernel, c, last, s->scale, s->square);
+    LAUNCH(g, 1, pcg_open_kernel, c, s->scale, s->square);
     return gpu_loop(g, loop_key{&key, sizeof key}, NULL, launch) ? (int)DRAPE_OK
                                                                  : launch();
 }
@@ -230,14 +140,9 @@ static struct course solve(struct gpu *g, struct pcg *s, struct room room,
     struct course *c = (struct course *)gpu_words(g), seen = {};
     bool small = s->count <= SMALL_GRID;
     int queued = room.jacobi ? TURN : small ? TURN_GRID : TURN_LOOP;
-    bool taped = g->tape != TAPE_OFF; /* then the device looks */
     *status = first_turn(g, s, c, room, queued);
-    if (taped && *status == DRAPE_OK)
-        loop(g, s, c, room);
     if (*status == DRAPE_OK)
         seen = look(g);
-    if (taped)
-        expect(g, s);
     if (*status == DRAPE_OK && seen.again && loop(g, s, c, room))
         seen = look(g);
     while (*status == DRAPE_OK && seen.phase != PHASE_DONE) {
@@ -253,12 +158,6 @@ static struct course solve(struct gpu *g, struct pcg *s, struct room room,
     return seen;
 }
 
-bool gpu_rates_help(const struct gpu *g, const struct pcg *s)
-{
-    return g->bulk && s->solver == DRAPE_EXACT && s->form == DRAPE_COMPACT &&
-           s->precond == DRAPE_JACOBI && marches(grid{s->m, s->n});
-}
-
 int gpu_pcg(struct gpu *g, struct pcg *s)
 {
     return gpu_pcg_by_rates(g, s, rates{});
@@ -271,7 +170,9 @@ static bool lay_out(struct gpu *g, const struct pcg *s, struct room *room)
 {
     int64_t sums = 2 * s->n_chunks, count = s->count;
     room->jacobi = s->precond == DRAPE_JACOBI;
-    room->ring = s->n_cdf ? 1 : room->jacobi && steps_wait(s) ? (int)RING : 2;
+    room->ring = s->n_cdf                             ? 1
+                 : room->jacobi && gpu_pcg_marches(s) ? (int)RING
+                                                      : 2;
     bool lent = room->ring > 1 && lies_before(s);
     int64_t vecs = room->ring - 1 - lent, all = sums + (1 + 3 * vecs) * count;
     room->chunk = (real *)gpu_scratch(g, SLOT_SOLVE, all, sizeof(real));
@@ -290,15 +191,11 @@ static bool lay_out(struct gpu *g, const struct pcg *s, struct room *room)
 
 int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, struct rates r)
 {
-    if (s->n_chunks != sum_chunks(s->count) || !(s->tolerance >= 0) ||
-        s->max_iterations < 0 || (s->n_z && s->n_z != s->count) ||
-        s->precond < DRAPE_JACOBI || s->precond > DRAPE_MULTIGRID ||
-        s->form < DRAPE_CDF || s->form > DRAPE_COMPACT)
-        return DRAPE_EARG;
-    share(s);
-    if (s->solver == DRAPE_CUBLAS)
-        return gpu_cublas(g, s);
-    int status = DRAPE_OK;
+    int status = pcg_open(s);
+    if (status != DRAPE_OK)
+        return status;
+    if (s->solver != DRAPE_EXACT)
+        return gpu_pcg_compare(g, s);
     struct course c = {};
     c.from = s->scale; /* where there is nothing to solve */
     c.most = s->square;

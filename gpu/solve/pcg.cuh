@@ -5,8 +5,12 @@
 #ifndef GPU_PCG_CUH
 #define GPU_PCG_CUH
 
+#include "gpu/cloth/rate.h"
 #include "gpu/solve/level.cuh"
+
+extern "C" {
 #include "ref/solve/pcg.h"
+}
 
 /* What is to be done next: the first residual, an iteration, the residual
  * after the last one, nothing. */
@@ -187,7 +191,21 @@ static inline struct lent lent_by(const struct pcg *s)
  * DRAPE_EARG as ref_pcg. */
 int gpu_pcg_set_up(struct gpu *g, struct pcg *s);
 
-/* §6: gpu_pcg by cuBLAS, arguments checked. DRAPE_EDEVICE without it. */
-int gpu_cublas(struct gpu *g, struct pcg *s);
+/* §6: gpu_pcg behind pcg_open, by the solver of gpu/compare. DRAPE_EDEVICE
+ * where its library is not there. */
+int gpu_pcg_compare(struct gpu *g, struct pcg *s);
+
+/* §3: the next direction `to` = s + β p, with β of c, its image q = A to, and
+ * item[k] = to[k]·q[k]. Nothing where !c->go. */
+struct search {
+    struct course *c;
+    struct rates rates;
+    const vec *p;
+    vec *to;
+    real *item;
+};
+void gpu_pcg_search(struct gpu *g, const struct pcg *s, struct search a);
+/* Whether that product marches (gpu/solve/march.cuh). */
+bool gpu_pcg_marches(const struct pcg *s);
 
 #endif

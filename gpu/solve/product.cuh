@@ -4,7 +4,10 @@
 #define GPU_PRODUCT_CUH
 
 #include "gpu/solve/grid.cuh"
+
+extern "C" {
 #include "ref/solve/product.h"
+}
 
 /* What of the product is not a tie, of mass or of excess; + 0 turns -0 into
  * +0. */

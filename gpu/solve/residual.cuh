@@ -6,7 +6,10 @@
 
 #include "gpu/base/wide.cuh"
 #include "gpu/solve/grid.cuh"
+
+extern "C" {
 #include "ref/solve/residual.h"
+}
 
 static __device__ inline struct wide whole(const struct residual *s, int p)
 {

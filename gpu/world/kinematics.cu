@@ -2,6 +2,10 @@
 /* Where obstacles and pins are told to be. spec/world/kinematics.md */
 #include "gpu/base/real.cuh"
 
+extern "C" {
+#include "ref/world/kinematics.h"
+}
+
 /* Thread k owns vertex k: reads its rest, next and motion, writes x[k]; sets
  * *bad where that is out of range. Any order: all write the same. */
 static __global__ void __launch_bounds__(GPU_BLOCK)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What is led: obstacles and pins. spec/world/step.md §1 */
 #include "gpu/base/real.cuh"
+#include "gpu/run/gpu.cuh"
 
 /* The frames about t, and how far between them. */
 static void find_frame(const struct prop *p, struct gpu_prop *to, double t)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a step that fails in a later slice goes back to: ref/world/restore.c
  * with streams on the device. spec/world/step.md §7 */
+#include "gpu/run/gpu.cuh"
 #include "gpu/world/collide.cuh"
 
 static vec *take(struct gpu_world *w, vec *had, int64_t n)

@@ -63,19 +63,6 @@ void *arena_take(struct arena *a, enum arena_part part, int64_t count,
     return p + HEADER;
 }
 
-void *arena_grow(struct arena *a, void *old, int64_t old_count, int64_t count,
-                 size_t size)
-{
-    struct arena_block *b =
-        (struct arena_block *)(void *)((uint8_t *)old - HEADER);
-    void *p = arena_take(a, b->part, count, size);
-    if (!p)
-        return NULL;
-    memcpy(p, old, (size_t)old_count * size);
-    arena_give(a, old);
-    return p;
-}
-
 void arena_give(struct arena *a, void *p)
 {
     if (!p)

@@ -37,10 +37,6 @@ void arena_init(struct arena *a, const drape_allocator *allocator);
 /* Zeroed, aligned to 64 bytes; NULL and a->failed where there is none. */
 void *arena_take(struct arena *a, enum arena_part part, int64_t count,
                  size_t size);
-/* A larger stream in place of old: its first old_count items are kept, the
- * rest is zero. NULL where there is none: old is as it was. */
-void *arena_grow(struct arena *a, void *old, int64_t old_count, int64_t count,
-                 size_t size);
 void arena_give(struct arena *a, void *p); /* back; NULL is allowed */
 void arena_free(struct arena *a);
 

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "gpu/base/stages.h"
+#include "ref/base/stages.h"
 #include "tests/api/guest.h"
 #include "tests/base/modes.h"
 #include "tests/world/scene.h"

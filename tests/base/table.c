@@ -3,6 +3,7 @@
 #include "tests/base/harness.h"
 
 #include "gpu/base/stages.h"
+#include "ref/base/stages.h"
 
 #define STAGE(X, rule)                                                         \
     static int ref_call_##X(void *s)                                           \

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "gpu/world/world.h"
+#include "ref/narrow/narrow.h"
 #include "tests/base/notes.h"
 #include "tests/broad/fabric.h"
 #include "tests/narrow/ply.h"

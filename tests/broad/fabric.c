@@ -341,11 +341,14 @@ static bool compared(const struct brute *u, int32_t k, int32_t l)
 static void add(struct brute *u, struct fabric_pair p)
 {
     if (u->n == u->cap) {
-        u->found = arena_grow(&u->f->arena, u->found, u->n, 2 * u->cap,
-                              sizeof *u->found);
-        u->cap *= 2;
-        if (!u->found)
+        struct fabric_pair *more =
+            arena_take(&u->f->arena, ARENA_OTHER, 2 * u->cap, sizeof *more);
+        if (!more)
             abort();
+        memcpy(more, u->found, (size_t)u->n * sizeof *more);
+        arena_give(&u->f->arena, u->found);
+        u->found = more;
+        u->cap *= 2;
     }
     u->found[u->n++] = p;
 }

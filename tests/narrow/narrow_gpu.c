@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "gpu/base/stages.h"
+#include "ref/base/stages.h"
 #include "tests/base/harness.h"
 #include "tests/narrow/sweep.h"
 

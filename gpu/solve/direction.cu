@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The next direction and its product, in one pass. spec/solve/pcg.md §3 */
-#ifndef GPU_DIRECTION_CUH
-#define GPU_DIRECTION_CUH
-
+/* The next search direction and its product with the matrix, in one pass where
+ * the matrix is compact. spec/solve/pcg.md §3 */
 #include "gpu/solve/march.cuh"
 #include "gpu/solve/pcg.cuh"
 
-/* p = s + β p. §3 */
+/* s + β p, as what a product reads. */
 struct mixed {
     const vec *s, *p;
     const struct course *c;
@@ -74,4 +72,34 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     arrive(&e, at, about(&e, at), a.x[k], cdf_row(&a, &d, at));
 }
 
-#endif
+bool gpu_pcg_marches(const struct pcg *s)
+{
+    return !s->n_cdf && marches(grid{s->m, s->n});
+}
+
+bool gpu_rates_help(const struct gpu *g, const struct pcg *s)
+{
+    return g->bulk && s->solver == DRAPE_EXACT && s->form == DRAPE_COMPACT &&
+           s->precond == DRAPE_JACOBI && marches(grid{s->m, s->n});
+}
+
+void gpu_pcg_search(struct gpu *g, const struct pcg *s, struct search a)
+{
+    const sym *extra = s->n_extra ? s->extra : NULL;
+    const int32_t *go = &a.c->go;
+    struct grid grid = {s->m, s->n};
+    struct mixed m = {s->s, a.p, a.c};
+    struct image e = {s->fixed, a.to, s->q, a.item};
+    struct product y = {s->m, s->n, s->count, s->mass, s->n_extra, s->extra,
+                        0,    NULL, s->n_cdf, s->cdf,  a.to,       s->q};
+    if (s->n_cdf) {
+        LAUNCH(g, s->count, pcg_direction_kernel, m, a.to, s->count);
+        LAUNCH(g, s->count, pcg_product_kernel, y, cdf_of(s->m, s->n), e, go);
+    } else if (a.rates.of) {
+        ties<struct rate> t = {grid, s->mass, extra, NULL, a.rates.of};
+        march<SPRINGS>(g, t, grounded<struct mixed>{m, a.rates.x}, e, go);
+    } else {
+        ties<sym> t = {grid, s->mass, extra, NULL, s->block};
+        product_of<SPRINGS>(g, t, m, e, go);
+    }
+}

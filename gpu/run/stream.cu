@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The stream of a device: copies, waits, failures, times, readbacks.
+ * gpu/run/emulate_stream.cpp in a build without CUDA. spec/gpu.md */
+#include "gpu/run/launch.cuh"
+
+#include <stdio.h>
+
+void gpu_note(struct gpu *g, cudaError_t error)
+{
+    if (error == cudaSuccess || g->failed)
+        return;
+    g->failed =
+        error == cudaErrorMemoryAllocation ? DRAPE_ENOMEM : DRAPE_EDEVICE;
+    size_t n = strlen(g->name);
+    if (g->failed == DRAPE_EDEVICE)
+        snprintf(g->name + n, sizeof g->name - n, ": %s",
+                 cudaGetErrorString(error));
+}
+
+static void copy(struct gpu *g, void *to, const void *from, size_t bytes,
+                 enum cudaMemcpyKind kind)
+{
+    if (bytes && !g->failed)
+        gpu_note(g, cudaMemcpyAsync(to, from, bytes, kind, g->stream));
+}
+
+void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes)
+{
+    copy(g, device, host, bytes, cudaMemcpyHostToDevice);
+}
+
+void gpu_down(struct gpu *g, void *host, const void *device, size_t bytes)
+{
+    copy(g, host, device, bytes, cudaMemcpyDeviceToHost);
+    gpu_wait(g);
+}
+
+void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes)
+{
+    copy(g, to, from, bytes, cudaMemcpyDeviceToDevice);
+}
+
+void gpu_clear(struct gpu *g, void *device, size_t bytes)
+{
+    if (bytes && !g->failed)
+        gpu_note(g, cudaMemsetAsync(device, 0, bytes, g->stream));
+}
+
+void gpu_wait(struct gpu *g)
+{
+    gpu_note(g, cudaStreamSynchronize(g->stream));
+}
+
+int gpu_status(struct gpu *g)
+{
+    gpu_note(g, cudaPeekAtLastError());
+    return g->failed;
+}
+
+void gpu_begin(struct gpu *g)
+{
+    cudaGetLastError(); /* what makes a device unusable comes again */
+    if (g->failed == DRAPE_ENOMEM)
+        g->failed = DRAPE_OK;
+}
+
+void gpu_clock_start(struct gpu *g)
+{
+    gpu_note(g, cudaEventRecord(g->event[0], g->stream));
+}
+
+double gpu_clock_stop(struct gpu *g)
+{
+    float ms = 0;
+    gpu_note(g, cudaEventRecord(g->event[1], g->stream));
+    gpu_note(g, cudaEventSynchronize(g->event[1]));
+    gpu_note(g, cudaEventElapsedTime(&ms, g->event[0], g->event[1]));
+    return 1e-3 * (double)ms;
+}
+
+/* Thread t owns word t. The mark, for which the host waits, comes last. */
+static __global__ void __launch_bounds__(GPU_ALL_WORDS)
+    show_kernel(int64_t *words, bool clear, int64_t *seen, int64_t mark)
+{
+    seen[threadIdx.x] = words[threadIdx.x];
+    if (clear)
+        words[threadIdx.x] = 0;
+    __threadfence_system();
+    __syncthreads();
+    if (threadIdx.x == 0)
+        *(volatile int64_t *)&seen[GPU_ALL_WORDS] = mark;
+}
+
+static bool arrived(const int64_t *mark, int64_t next)
+{
+    return __atomic_load_n(mark, __ATOMIC_ACQUIRE) == next;
+}
+
+/* Waits until the mark is next. The state of the stream is queried now and
+ * then, as the kernel may have failed. */
+static void wait_for(struct gpu *g, const int64_t *mark, int64_t next)
+{
+    enum { PATIENCE = 1 << 12 };
+    for (int64_t k = 1; !arrived(mark, next); k++)
+        if (k % PATIENCE == 0 &&
+            cudaStreamQuery(g->stream) != cudaErrorNotReady)
+            break;
+    if (arrived(mark, next))
+        return;
+    gpu_wait(g);
+    if (!arrived(mark, next)) /* it was not launched */
+        gpu_note(g, cudaErrorUnknown);
+}
+
+/* A kernel writes the words to pinned memory of the host, and the host polls a
+ * mark behind them: a copy takes longer until the host knows of its end. */
+void gpu_show(struct gpu *g, bool clear)
+{
+    const int64_t *mark = g->seen + GPU_ALL_WORDS;
+    int64_t next = *mark + 1;
+    show_kernel<<<1, GPU_ALL_WORDS, 0, g->stream>>>(g->words, clear, g->seen,
+                                                    next);
+    wait_for(g, mark, next);
+}

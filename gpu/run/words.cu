@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Small results of kernels, and how the host reads them back. For CUDA and
+ * emulated. gpu/run/launch.cuh, spec/gpu.md §6 */
+#include "gpu/run/launch.cuh"
+
+static int64_t *cleared(struct gpu *g, bool late, int64_t *words, int n)
+{
+    if (!g->clean[late])
+        gpu_clear(g, words, (size_t)n * sizeof *words);
+    g->clean[late] = false;
+    return words;
+}
+
+int64_t *gpu_words(struct gpu *g)
+{
+    return cleared(g, false, g->words, GPU_WORDS);
+}
+
+int64_t *gpu_late_words(struct gpu *g)
+{
+    memset(g->late, 0, sizeof g->late);
+    return cleared(g, true, g->words + GPU_WORDS, GPU_LATE);
+}
+
+const int64_t *gpu_late_seen(const struct gpu *g)
+{
+    return g->late_seen;
+}
+
+/* What was seen of the late words since they were last wiped. */
+static void keep_late(struct gpu *g, bool wiped)
+{
+    for (int k = 0; k < GPU_LATE; k++) {
+        g->late_seen[k] = g->late[k] + g->seen[GPU_WORDS + k];
+        g->late[k] = wiped ? g->late_seen[k] : g->late[k];
+    }
+}
+
+static void read_back(struct gpu *g, bool clear)
+{
+    if (!g->failed)
+        gpu_show(g, clear);
+    if (g->failed)
+        memset(g->seen, 0, GPU_ALL_WORDS * sizeof *g->seen);
+    keep_late(g, clear);
+}
+
+/* All words are read: as few as n would take as long. */
+const int64_t *gpu_read_words(struct gpu *g, int)
+{
+    read_back(g, true);
+    g->clean[0] = g->clean[1] = !g->failed;
+    return g->seen;
+}
+
+const int64_t *gpu_look_words(struct gpu *g, int)
+{
+    read_back(g, false);
+    return g->seen;
+}
