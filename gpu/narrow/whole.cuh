@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A pair's polynomials in whole numbers on the device.
- * spec/narrow/narrow.md §2 and §6.1 */
+/* Makes a pair's polynomials with big-integer coefficients on the device.
+ * spec/narrow/narrow.md §2, §6.1 */
 #ifndef GPU_WHOLE_CUH
 #define GPU_WHOLE_CUH
 
 #include "gpu/narrow/filter.cuh"
 #include "gpu/narrow/roots.cuh"
 
-/* A vector linear in t: whole numbers at t = 0 and 1. */
+/* A vector that is linear in t: its values at t = 0 and t = 1. */
 struct line {
     struct big at[2][3];
 };
 
-/* What a worker holds besides its room: the polynomials of §2. */
+/* The polynomials of §2, which a worker of tier 3 holds besides its arena. */
 struct workspace {
     struct line x[4], f[3]; /* vertices; vectors */
-    int count;              /* of forms and box forms */
-    struct poly v;          /* V */
+    int count;              /* number of forms, and of box forms */
+    struct poly v;          /* the cubic V */
     struct poly q[4][3];    /* forms, by axis */
-    struct poly n[3];       /* N, by axis */
+    struct poly n[3];       /* the normal N, by axis */
     struct poly box[4][3];  /* box forms, by axis */
     struct chain chain[2];
 };
@@ -28,7 +28,7 @@ static __device__ inline double coordinate(vec a, int k)
     return (double)(k == 0 ? a.x : k == 1 ? a.y : a.z);
 }
 
-/* The vertices in units of the lowest bit of all. */
+/* Writes the vertices as integers in units of their common lowest bit. */
 static __device__ inline void set_vertices(struct room *m, const struct quad *p,
                                            struct workspace *s)
 {
@@ -44,7 +44,7 @@ static __device__ inline void set_vertices(struct room *m, const struct quad *p,
     }
 }
 
-/* Vertex a minus vertex b. */
+/* Writes vertex a minus vertex b. */
 static __device__ __noinline__ void
 set_edge(struct room *m, const struct line x[4], int a, int b, struct line *r)
 {
@@ -53,7 +53,7 @@ set_edge(struct room *m, const struct line x[4], int a, int b, struct line *r)
             r->at[t][k] = big_sub(m, x[a].at[t][k], x[b].at[t][k]);
 }
 
-/* Axis k of f × g. */
+/* Writes component k of f × g. */
 static __device__ __noinline__ void set_cross(struct room *m,
                                               const struct line *f,
                                               const struct line *g, int k,
@@ -72,7 +72,7 @@ static __device__ __noinline__ void set_cross(struct room *m,
     }
 }
 
-/* a + b, or a - b where `minus`, both quadratics. */
+/* Writes a + b, or a - b where `minus` is set. Both are quadratics. */
 static __device__ __noinline__ void set_sum(struct room *m,
                                             const struct poly *a, bool minus,
                                             const struct poly *b,
@@ -83,7 +83,7 @@ static __device__ __noinline__ void set_sum(struct room *m,
         p->c[i] = big_add(m, a->c[i], minus ? big_minus(b->c[i]) : b->c[i]);
 }
 
-/* V = f · w. */
+/* Writes V = f · w. */
 static __device__ inline void set_cubic(struct room *m, const struct line *f,
                                         const struct poly w[3], struct poly *v)
 {
@@ -143,7 +143,7 @@ static __device__ inline void set_ee(struct room *m, struct workspace *s)
     }
 }
 
-/* The polynomials of p; where the room is full, none. */
+/* Makes the polynomials of p. They are void where the arena is full. */
 static __device__ inline void
 set_workspace(struct room *m, const struct quad *p, struct workspace *s)
 {

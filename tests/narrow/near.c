@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole numbers with few words: signs that are told are right.
+/* Tests truncated big integers: a sign that is reported as known is right.
  * spec/narrow/narrow.md §6.6 */
 #include "ref/narrow/near.h"
 
@@ -7,7 +7,7 @@
 
 #include "tests/base/choices.h"
 
-/* A number of up to 12 words, some of them 0 or all ones. */
+/* Picks a number of up to 12 words, some of them 0 or all ones. */
 static struct big pick_big(struct bytes *b, struct room *m)
 {
     struct big r = big_small(m, pick(b, 5));
@@ -18,7 +18,7 @@ static struct big pick_big(struct bytes *b, struct room *m)
     return pick(b, 2) ? r : big_negate(r);
 }
 
-/* ((a·b - c·d)·b + d)·a with m->keep words. */
+/* Returns ((a·b - c·d)·b + d)·a, computed with m->keep words. */
 static struct near value_of(struct room *m, const struct big v[4])
 {
     struct near a = near_of(m, v[0]), b = near_of(m, v[1]);
@@ -28,8 +28,8 @@ static struct near value_of(struct room *m, const struct big v[4])
     return near_mul(m, r, a);
 }
 
-/* From one word kept on: the sign is that of all words, or not known; not
- * known where the terms nearly cancel, but mostly known. */
+/* With one word kept or more, the sign is the exact sign or unknown. Unknown
+ * occurs where the terms nearly cancel, but most signs are known. */
 const char *test_near_signs(void)
 {
     static uint32_t word[8192];
@@ -65,7 +65,7 @@ const char *test_near_signs(void)
     return NULL;
 }
 
-/* (a + b τ)(c + d τ). */
+/* Returns (a + b τ)(c + d τ). */
 static struct poly product_of(struct room *m, const struct big v[4])
 {
     struct poly p = {2, {big_mul(m, v[0], v[2]), {0}, big_mul(m, v[1], v[3])}};
@@ -73,8 +73,8 @@ static struct poly product_of(struct room *m, const struct big v[4])
     return p;
 }
 
-/* Polynomials with a root in common are never told to have none; mostly those
- * that have none are. */
+/* Polynomials with a common root are never reported coprime; most polynomials
+ * without a common root are. */
 const char *test_near_coprime(void)
 {
     static uint32_t word[8192];
