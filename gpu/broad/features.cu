@@ -51,7 +51,7 @@ static __device__ bool moves(const struct features *s, int32_t a, int32_t b)
 
 /* Tests the vertices of f against face g. Bit k of the result: vertex k and g
  * are a candidate. */
-static __device__ uint32_t look_vertices(const struct features *s, real reach,
+static __device__ uint32_t test_vertices(const struct features *s, real reach,
                                          const struct side &f,
                                          const struct side &g)
 {
@@ -68,7 +68,7 @@ static __device__ uint32_t look_vertices(const struct features *s, real reach,
 
 /* Tests edge (a, b), whose box is e, against the edges of g. Bit j of the
  * result: the edge and edge j are a candidate. */
-static __device__ uint32_t look_edge(const struct features *s, real reach,
+static __device__ uint32_t test_edge(const struct features *s, real reach,
                                      int32_t a, int32_t b, const struct box &e,
                                      const struct side &g)
 {
@@ -86,7 +86,7 @@ static __device__ uint32_t look_edge(const struct features *s, real reach,
 /* Tests the edges of f against the edges of g. Bit 3 i + j of the result: edge
  * i of f and edge j of g are a candidate. An edge whose box does not meet the
  * other face's box meets none of its edges, as they lie in that box. */
-static __device__ uint32_t look_edges(const struct features *s, real reach,
+static __device__ uint32_t test_edges(const struct features *s, real reach,
                                       const struct side &f,
                                       const struct side &g)
 {
@@ -97,7 +97,7 @@ static __device__ uint32_t look_edges(const struct features *s, real reach,
             continue;
         struct box e = edge_box(s->x0, s->x1, a, b);
         if (meets(e, g.face, reach))
-            mask |= look_edge(s, reach, a, b, e, g) << (3 * i);
+            mask |= test_edge(s, reach, a, b, e, g) << (3 * i);
     }
     return mask;
 }
@@ -108,8 +108,8 @@ static __device__ uint32_t look(const struct features *s, real reach,
     if (!(s->own[e.a] | s->own[e.b]))
         return 0;
     struct side f = side_of(s, e.a), g = side_of(s, e.b);
-    return look_vertices(s, reach, f, g) | look_vertices(s, reach, g, f) << 3 |
-           look_edges(s, reach, f, g) << VF_BITS;
+    return test_vertices(s, reach, f, g) | test_vertices(s, reach, g, f) << 3 |
+           test_edges(s, reach, f, g) << VF_BITS;
 }
 
 /* Block k owns 256 triangle pairs from 256 k on. It writes their masks and its
@@ -117,7 +117,7 @@ static __device__ uint32_t look(const struct features *s, real reach,
  * block that ends last scans the sums into the places where each block begins
  * to write. */
 static __global__ void __launch_bounds__(BVTT_BLOCK)
-    features_look_kernel(struct features s, real reach, int64_t *word)
+    features_test_kernel(struct features s, real reach, int64_t *word)
 {
     int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
     uint32_t mask = 0, total;
@@ -216,7 +216,7 @@ int gpu_features(struct gpu *g, struct features *s)
     if (!(s->r >= 0 && s->r <= REAL_BIG))
         return DRAPE_EDATA;
     int64_t *word = gpu_words(g);
-    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_look_kernel, *s,
+    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_test_kernel, *s,
                   reach_of(s->r), word);
     LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_emit_kernel, *s, word);
     const int64_t *seen = gpu_read_words(g, WORDS);

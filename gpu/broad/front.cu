@@ -16,7 +16,8 @@ enum { WORD_N, WORD_NEED, WORD_TESTED, WORDS };
 
 /* §2, §5: chooses the action for a tested pair: a pair that passes and is above
  * the stop level is split. */
-static __device__ uint8_t judge(const struct front *s, bool in, struct duo e)
+static __device__ uint8_t action_of(const struct front *s, bool in,
+                                    struct duo e)
 {
     const struct tree *t = &s->in.tree;
     if (!in || (t->level[e.a] <= s->stop && t->level[e.b] <= s->stop))
@@ -36,12 +37,12 @@ struct pass {
 
 /* §3a: replaces pair k by its highest failing ancestor, and chooses its
  * action. */
-static __device__ void raise(const struct front *s, const struct pass *p,
+static __device__ void climb(const struct front *s, const struct pass *p,
                              int64_t k)
 {
     struct duo e = fetch_duo(&p->pair[k]);
     bool in = passes(&s->in, p->reach, e), moves = false;
-    p->act[k] = judge(s, in, e);
+    p->act[k] = action_of(s, in, e);
     for (struct duo up = e; !in && ascend(&s->in.tree, &up);) {
         in = passes(&s->in, p->reach, up);
         if (!in) {
@@ -76,7 +77,7 @@ static __device__ uint32_t count(const struct front *s, const struct pass *p,
     int act = p->act[k];
     bool fresh = act == TEST;
     if (fresh) {
-        act = judge(s, passes(&s->in, p->reach, e), e);
+        act = action_of(s, passes(&s->in, p->reach, e), e);
         p->act[k] = (uint8_t)act;
     }
     return becomes(&s->in.tree, p, k, e, act) | (uint32_t)fresh << 16;
@@ -167,7 +168,7 @@ static __global__ void PASSES_BOUNDS(BLOCKS)
     front_kernel(const __grid_constant__ struct front s, struct pass p)
 {
     EACH_PAIR(k, p.n)
-    raise(&s, &p, k);
+    climb(&s, &p, k);
     meet<CROWD>();
     int64_t need = settle<CROWD>(&s, &p);
     EACH_PAIR(k, p.pair != s.pair ? p.n : 0)

@@ -12,7 +12,8 @@ enum { BAD, MOST, WORDS };
 
 /* §1: the largest squared relative motion in candidate k. Returns 0 and sets
  * *bad where the candidate is bad. */
-static __device__ real way(const struct travel *s, int64_t k, int64_t *bad)
+static __device__ real relative_motion(const struct travel *s, int64_t k,
+                                       int64_t *bad)
 {
     int32_t v[4];
     load_pair(s->pair, k, v);
@@ -42,7 +43,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     travel_kernel(struct travel s, int64_t *words)
 {
     int64_t k = (int64_t)blockIdx.x * GPU_BLOCK + threadIdx.x;
-    block_largest(&words[MOST], k < s.n ? way(&s, k, &words[BAD]) : 0);
+    block_largest(&words[MOST],
+                  k < s.n ? relative_motion(&s, k, &words[BAD]) : 0);
 }
 
 int gpu_travel(struct gpu *g, struct travel *s)

@@ -28,8 +28,8 @@ struct pass {
 
 /* §1: whether a pair passes. *stopped counts the pairs that only the cones
  * reject. */
-static __device__ bool looks(const struct walk *s, real reach, struct duo e,
-                             uint32_t *stopped)
+static __device__ bool passes(const struct walk *s, real reach, struct duo e,
+                              uint32_t *stopped)
 {
     if (!(s->stir[e.a] | s->stir[e.b]) || !boxes_meet(&s->in, reach, e))
         return false;
@@ -75,8 +75,8 @@ static __device__ void begin(struct work *w)
 /* §1: finds the children that pass, for a tile. One thread lists an item's
  * children and sixteen threads test them, since they read the same few
  * boxes. */
-static __device__ void look(const struct walk *s, const struct pass *p,
-                            real reach, int64_t tile)
+static __device__ void test_children(const struct walk *s, const struct pass *p,
+                                     real reach, int64_t tile)
 {
     __shared__ struct work w;
     __shared__ struct duo item[BVTT_BLOCK];
@@ -91,7 +91,7 @@ static __device__ void look(const struct walk *s, const struct pass *p,
         struct duo e = fetch_duo(&p->from[k]);
         int d = descent(&s->in.tree, e);
         item[t] = e;
-        if (!p->front || looks(s, reach, e, &stopped)) {
+        if (!p->front || passes(s, reach, e, &stopped)) {
             w.mask[t] = d == 0; /* a pair of leaves counts as its own only
                                    child */
             kids[t] = d ? children(&s->in.tree, d, e) | (uint32_t)d << KIDS : 0;
@@ -102,7 +102,7 @@ static __device__ void look(const struct walk *s, const struct pass *p,
         if (!(kids[i] >> c & 1))
             continue;
         struct duo e = child(&s->in.tree, kids[i] >> KIDS, c, item[i]);
-        if (!looks(s, reach, e, &stopped))
+        if (!passes(s, reach, e, &stopped))
             continue;
         atomicOr(&w.mask[i], 1u << c);
         if (descent(&s->in.tree, e))
@@ -117,7 +117,7 @@ static __device__ void look(const struct walk *s, const struct pass *p,
 /* §2: tests EACH triangles, from i on, of the first of two leaves against all
  * triangles of the second. */
 template <int EACH>
-static __device__ uint32_t look_triangles(const struct walk *s, real reach,
+static __device__ uint32_t test_triangles(const struct walk *s, real reach,
                                           struct duo e, int i)
 {
     const struct tree *t = &s->in.tree;
@@ -140,7 +140,7 @@ static __device__ uint32_t look_triangles(const struct walk *s, real reach,
 /* Runs look_triangles for a tile of pairs of leaves; SHARE threads share a
  * pair. */
 template <int SHARE>
-static __device__ void look_leaves(const struct walk *s, const struct pass *p,
+static __device__ void test_leaves(const struct walk *s, const struct pass *p,
                                    real reach, int64_t tile)
 {
     enum { EACH = FOURS / SHARE };
@@ -152,7 +152,7 @@ static __device__ void look_leaves(const struct walk *s, const struct pass *p,
         int64_t k = tile * BVTT_BLOCK + i;
         if (k >= p->n)
             break;
-        uint32_t mask = look_triangles<EACH>(s, reach, fetch_duo(&p->from[k]),
+        uint32_t mask = test_triangles<EACH>(s, reach, fetch_duo(&p->from[k]),
                                              t % SHARE * EACH);
         if (mask)
             atomicOr(&w.mask[i], mask);
@@ -220,7 +220,7 @@ static __device__ int64_t go_down(const struct walk *s, struct pass *p,
     int64_t need = p->n, deeper = 0;
     for (bool last = false; !last && need <= s->cap;) {
         EACH_TILE(tile, blocks_of(p->n))
-        look(s, p, reach, tile);
+        test_children(s, p, reach, tile);
         int64_t made = finish<SHARE, CROWD>(s, p, s->cap, false);
         last = p->word[WORD_DEEPER] == deeper;
         deeper = p->word[WORD_DEEPER];
@@ -247,7 +247,7 @@ static __global__ void PASSES_BOUNDS(BLOCKS)
     if (need <= s.cap) {
         p.to = s.tri;
         EACH_TILE(tile, blocks_of(p.n))
-        look_leaves<SHARE>(&s, &p, reach, tile);
+        test_leaves<SHARE>(&s, &p, reach, tile);
         triangles = finish<SHARE, CROWD>(&s, &p, s.cap_tri, true);
     }
     if (team_rank() == 0 && rank_thread() == 0) {

@@ -79,7 +79,7 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
 
 /* Returns the number of the worker that this thread is, and sets its arena.
  * Returns a number beyond all items if the thread is no worker. */
-static __device__ int64_t worker_of(const struct lists *l, struct room *m)
+static __device__ int64_t worker_of(const struct lists *l, struct big_arena *m)
 {
     uint32_t thread = blockIdx.x * blockDim.x + threadIdx.x;
     uint32_t worker = thread / APART;
@@ -93,7 +93,7 @@ static __device__ int64_t worker_of(const struct lists *l, struct room *m)
 static __global__ void __launch_bounds__(GPU_BLOCK)
     turn_kernel(struct audit s, struct lists l, int64_t *word)
 {
-    struct room m;
+    struct big_arena m;
     int64_t n = word[AUDIT_BAD] ? 0 : word[AUDIT_TURNS];
     for (int64_t i = worker_of(&l, &m); i < n; i += WORKERS) {
         int at;
@@ -165,7 +165,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 /* Decides a pair of a list. Returns false where the pair needs integer
  * arithmetic and `room` is NULL. */
 static __device__ bool decide(const struct audit *s, const struct lists *l,
-                              uint64_t pair, struct room *room, int64_t *word)
+                              uint64_t pair, struct big_arena *room,
+                              int64_t *word)
 {
     struct face t = face_of(s, (int32_t)(pair >> 32));
     struct face u = face_of(s, (int32_t)(pair & 0xffffffffu));
@@ -195,7 +196,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 static __global__ void __launch_bounds__(GPU_BLOCK)
     unsure_kernel(struct audit s, struct lists l, int64_t *word)
 {
-    struct room m;
+    struct big_arena m;
     int64_t n = word[AUDIT_UNSURE];
     for (int64_t k = worker_of(&l, &m); k < n; k += WORKERS)
         decide(&s, &l, l.unsure[k], &m, word);

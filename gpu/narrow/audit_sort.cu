@@ -9,7 +9,7 @@ extern "C" {
 
 /* Number of blocks that check positions: few, so that few atomics are needed at
  * the end. */
-enum { LOOK_BLOCKS = 256 };
+enum { CHECK_BLOCKS = 256 };
 
 struct audit_levels gpu_audit_levels(int64_t nt)
 {
@@ -48,7 +48,7 @@ static __device__ float of_ordered(uint32_t b)
 /* Thread k checks positions k, k + threads, …. A block reduces its maxima and
  * faults, then makes one atomic for each. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    look_kernel(struct audit s, int64_t *word)
+    check_kernel(struct audit s, int64_t *word)
 {
     __shared__ uint32_t high[6];
     uint32_t t = threadIdx.x, own[6] = {0, 0, 0, 0, 0, 0};
@@ -74,7 +74,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 void gpu_audit_look(struct gpu *g, struct audit *s, int64_t *word)
 {
-    LAUNCH_BLOCKS(g, LOOK_BLOCKS, GPU_BLOCK, look_kernel, *s, word);
+    LAUNCH_BLOCKS(g, CHECK_BLOCKS, GPU_BLOCK, check_kernel, *s, word);
 }
 
 static __device__ struct audit_span span_of(const struct audit *s, int64_t t)

@@ -9,7 +9,7 @@
 
 /* An arena of words, handed out in order. The caller frees words by restoring
  * `used`. */
-struct room {
+struct big_arena {
     uint32_t *word; /* [size] */
     int size, used;
     bool full; /* out: a number did not fit; results are void */
@@ -46,7 +46,7 @@ static __device__ inline struct big big_minus(struct big a)
 /* Takes n words from the arena. If they do not fit, the arena is marked full
  * and starts again at its beginning, so that all accesses stay inside; results
  * are then void. */
-static __device__ inline int room_take(struct room *m, int n)
+static __device__ inline int room_take(struct big_arena *m, int n)
 {
     if (n > m->size - m->used) {
         m->full = true;
@@ -59,7 +59,7 @@ static __device__ inline int room_take(struct room *m, int n)
 
 /* Makes a number from the last n words taken, and gives its leading zero words
  * back to the arena. */
-static __device__ inline struct big big_trim(struct room *m, int at, int n,
+static __device__ inline struct big big_trim(struct big_arena *m, int at, int n,
                                              bool negative)
 {
     int k = n;
@@ -91,8 +91,8 @@ static __device__ inline int lowest_bit(double x)
 }
 
 /* Returns x·2^-e. The caller chooses e so that the result is an integer. */
-static __device__ __noinline__ struct big big_make(struct room *m, double x,
-                                                   int e)
+static __device__ __noinline__ struct big big_make(struct big_arena *m,
+                                                   double x, int e)
 {
     uint64_t a;
     int shift = take_apart(x, &a) - e;
@@ -115,7 +115,7 @@ static __device__ __noinline__ struct big big_make(struct room *m, double x,
     return big_trim(m, at, n, x < 0);
 }
 
-static __device__ inline struct big big_small(struct room *m, uint32_t a)
+static __device__ inline struct big big_small(struct big_arena *m, uint32_t a)
 {
     int at = room_take(m, 1);
     m->word[at] = a;
@@ -123,7 +123,7 @@ static __device__ inline struct big big_small(struct room *m, uint32_t a)
 }
 
 /* Whether |a| < |b|. */
-static __device__ inline bool big_less(const struct room *m, struct big a,
+static __device__ inline bool big_less(const struct big_arena *m, struct big a,
                                        struct big b)
 {
     int n = big_words(a);
@@ -139,7 +139,7 @@ static __device__ inline bool big_less(const struct room *m, struct big a,
 
 /* Returns |a| ± |b| with the sign of a. a must have at least as many words as
  * b, and for a difference |a| ≥ |b|. */
-static __device__ inline struct big big_carry(struct room *m, struct big a,
+static __device__ inline struct big big_carry(struct big_arena *m, struct big a,
                                               struct big b, bool minus)
 {
     int na = big_words(a), nb = big_words(b), at = room_take(m, na + 1);
@@ -161,8 +161,8 @@ static __device__ inline struct big big_carry(struct room *m, struct big a,
     return big_trim(m, at, na + 1, a.n < 0);
 }
 
-static __device__ __noinline__ struct big big_add(struct room *m, struct big a,
-                                                  struct big b)
+static __device__ __noinline__ struct big big_add(struct big_arena *m,
+                                                  struct big a, struct big b)
 {
     if (a.n == 0 || b.n == 0)
         return a.n ? a : b;
@@ -171,14 +171,14 @@ static __device__ __noinline__ struct big big_add(struct room *m, struct big a,
     return swap ? big_carry(m, b, a, minus) : big_carry(m, a, b, minus);
 }
 
-static __device__ inline struct big big_sub(struct room *m, struct big a,
+static __device__ inline struct big big_sub(struct big_arena *m, struct big a,
                                             struct big b)
 {
     return big_add(m, a, big_minus(b));
 }
 
-static __device__ __noinline__ struct big big_mul(struct room *m, struct big a,
-                                                  struct big b)
+static __device__ __noinline__ struct big big_mul(struct big_arena *m,
+                                                  struct big a, struct big b)
 {
     int na = big_words(a), nb = big_words(b), n = na + nb;
     if (na == 0 || nb == 0)
@@ -209,7 +209,7 @@ static __device__ __noinline__ struct big big_mul(struct room *m, struct big a,
 }
 
 /* Moves r down to `mark` and frees every other word taken since then. */
-static __device__ inline struct big big_keep(struct room *m, int mark,
+static __device__ inline struct big big_keep(struct big_arena *m, int mark,
                                              struct big r)
 {
     int n = big_words(r);
@@ -225,8 +225,9 @@ static __device__ inline struct big big_keep(struct room *m, int mark,
 }
 
 /* Returns a·b - c·d and frees all intermediate words. */
-static __device__ __noinline__ struct big
-big_det(struct room *m, struct big a, struct big b, struct big c, struct big d)
+static __device__ __noinline__ struct big big_det(struct big_arena *m,
+                                                  struct big a, struct big b,
+                                                  struct big c, struct big d)
 {
     int mark = m->used;
     struct big p = big_mul(m, a, b);

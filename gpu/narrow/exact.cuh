@@ -13,7 +13,7 @@ extern "C" {
 /* Whether the boxes meet at root r (§3c). Called where all four vertices are on
  * one line or in one point, so that meeting boxes mean contact. */
 static __device__ inline bool
-boxes_meet(struct room *m, const struct workspace *s, const struct root *r)
+boxes_meet(struct big_arena *m, const struct workspace *s, const struct root *r)
 {
     for (int k = 0; k < 3; k++) {
         int up = 0, down = 0;
@@ -28,8 +28,9 @@ boxes_meet(struct room *m, const struct workspace *s, const struct root *r)
     return true;
 }
 
-static __device__ __noinline__ bool
-touching_at(struct room *m, const struct workspace *s, const struct root *r)
+static __device__ __noinline__ bool touching_at(struct big_arena *m,
+                                                const struct workspace *s,
+                                                const struct root *r)
 {
     for (int k = 0; k < 3; k++) {
         int n = root_sign(m, &s->n[k], r);
@@ -49,7 +50,7 @@ touching_at(struct room *m, const struct workspace *s, const struct root *r)
 
 /* Whether the primitives touch at root r of form j, on an axis where N is not 0
  * there: contact is that a point lies in the box of one side or edge (§6.5). */
-static __device__ __noinline__ bool touching_form(struct room *m,
+static __device__ __noinline__ bool touching_form(struct big_arena *m,
                                                   const struct workspace *s,
                                                   const struct root *r, int j)
 {
@@ -66,7 +67,7 @@ static __device__ __noinline__ bool touching_form(struct room *m,
 
 /* Whether the primitives touch at t = 0 (cell 0) or t = 1 (cell POINT_ONE). */
 static __device__ inline bool
-touching_end(struct room *m, const struct workspace *s, uint32_t cell)
+touching_end(struct big_arena *m, const struct workspace *s, uint32_t cell)
 {
     struct root r = {NULL, 0, cell, true};
     return s->v.c[cell ? 3 : 0].n == 0 && touching_at(m, s, &r);
@@ -79,7 +80,7 @@ struct candidate {
                        axis -1 */
 };
 
-static __device__ __noinline__ bool begins(struct room *m,
+static __device__ __noinline__ bool begins(struct big_arena *m,
                                            const struct workspace *s,
                                            const struct candidate *c,
                                            const struct root *r)
@@ -90,7 +91,7 @@ static __device__ __noinline__ bool begins(struct room *m,
 }
 
 /* Returns the lesser of toi and the first root of c with contact. */
-static __device__ __noinline__ uint32_t first_of(struct room *m,
+static __device__ __noinline__ uint32_t first_of(struct big_arena *m,
                                                  struct workspace *s,
                                                  const struct candidate *c,
                                                  uint32_t toi)
@@ -127,7 +128,7 @@ static __device__ inline int short_axis(const struct workspace *s)
     return axis;
 }
 
-static __device__ inline uint32_t first_contact(struct room *m,
+static __device__ inline uint32_t first_contact(struct big_arena *m,
                                                 struct workspace *s)
 {
     uint32_t toi = NARROW_MISS;
@@ -157,7 +158,7 @@ static __device__ inline bool exact_contact(const struct quad *p,
                                             struct workspace *s, uint32_t *word,
                                             int n, uint32_t *toi)
 {
-    struct room m = {word, n, 0, false};
+    struct big_arena m = {word, n, 0, false};
     set_workspace(&m, p, s);
     if (m.full)
         return false;

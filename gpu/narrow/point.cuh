@@ -45,7 +45,7 @@ static __device__ inline struct poly poly_linear(struct big c1, struct big c0)
 }
 
 /* Returns a·k, k < 2^32. */
-static __device__ __noinline__ struct big big_times(struct room *m,
+static __device__ __noinline__ struct big big_times(struct big_arena *m,
                                                     struct big a, uint32_t k)
 {
     int n = big_words(a), at = room_take(m, n + 1);
@@ -60,7 +60,7 @@ static __device__ __noinline__ struct big big_times(struct room *m,
 }
 
 /* Returns b² - 4ac for c + bτ + aτ². */
-static __device__ inline struct big poly_discriminant(struct room *m,
+static __device__ inline struct big poly_discriminant(struct big_arena *m,
                                                       const struct big c[3])
 {
     return big_det(m, c[1], c[1], big_times(m, c[2], 4), c[0]);
@@ -70,7 +70,8 @@ static __device__ inline struct big poly_discriminant(struct room *m,
 
 enum { PRIME_GAP = 5 };
 
-static __device__ inline uint64_t big_rest(const struct room *m, struct big a)
+static __device__ inline uint64_t big_rest(const struct big_arena *m,
+                                           struct big a)
 {
     uint64_t r = 0, prime = ((uint64_t)1 << 32) - PRIME_GAP;
     for (int i = big_words(a) - 1; i >= 0; i--) /* r stays below 2^36 */
@@ -91,8 +92,9 @@ static __device__ inline uint64_t det_rest(uint64_t a, uint64_t b, uint64_t c,
 /* A sufficient test: true only where p and f, of degree at most 2, have no
  * common root. Their resultant as quadratics is then nonzero modulo the
  * prime. */
-static __device__ __noinline__ bool
-poly_coprime(const struct room *m, const struct poly *p, const struct poly *f)
+static __device__ __noinline__ bool poly_coprime(const struct big_arena *m,
+                                                 const struct poly *p,
+                                                 const struct poly *f)
 {
     uint64_t a[3] = {0, 0, 0}, b[3] = {0, 0, 0};
     for (int i = 0; i <= p->degree; i++)
@@ -107,8 +109,8 @@ poly_coprime(const struct room *m, const struct poly *p, const struct poly *f)
 /* Returns a·2^(-32 top) from the three highest words of a; `top` must be at
  * least the number of its words. The words left out are below 2^-64 of a, and
  * two sums round. */
-static __device__ inline double big_rough(const struct room *m, struct big a,
-                                          int top)
+static __device__ inline double big_rough(const struct big_arena *m,
+                                          struct big a, int top)
 {
     int n = big_words(a), e = 32 * (n - 2 - top);
     if (n == 0 || e < -900)
@@ -125,7 +127,7 @@ static __device__ inline double big_rough(const struct room *m, struct big a,
     return a.n < 0 ? -(r * scale) : r * scale;
 }
 
-static __device__ inline struct rough poly_rough(const struct room *m,
+static __device__ inline struct rough poly_rough(const struct big_arena *m,
                                                  const struct poly *p)
 {
     struct rough r = {{0, 0, 0, 0}};
@@ -164,8 +166,9 @@ static __device__ inline int rough_at(const struct rough *p, int degree,
 }
 
 /* Returns the sign of Σ c[i]·a^i·b^(n-i). */
-static __device__ __noinline__ int
-sign_fraction(struct room *m, const struct poly *f, struct big a, struct big b)
+static __device__ __noinline__ int sign_fraction(struct big_arena *m,
+                                                 const struct poly *f,
+                                                 struct big a, struct big b)
 {
     int mark = m->used;
     struct big r = f->c[f->degree], power = b;
@@ -181,7 +184,8 @@ sign_fraction(struct room *m, const struct poly *f, struct big a, struct big b)
 }
 
 /* Returns the exact sign at t = g·2^-30. `rough` is f rounded, or NULL. */
-static __device__ inline int sign_grid(struct room *m, const struct poly *f,
+static __device__ inline int sign_grid(struct big_arena *m,
+                                       const struct poly *f,
                                        const struct rough *rough, uint32_t g)
 {
     if (g == 0)
@@ -199,7 +203,7 @@ static __device__ inline int sign_grid(struct room *m, const struct poly *f,
 }
 
 /* Writes l[1]·τ + l[0], a positive multiple of f modulo the quadratic q. */
-static __device__ inline void reduce(struct room *m, const struct poly *f,
+static __device__ inline void reduce(struct big_arena *m, const struct poly *f,
                                      const struct poly *q, struct big l[2])
 {
     struct big a = q->c[2], b = q->c[1], c = q->c[0];
@@ -229,8 +233,9 @@ static __device__ inline void reduce(struct room *m, const struct poly *f,
 
 /* Returns the sign of f at a root of the quadratic q, which has two real
  * roots. */
-static __device__ __noinline__ int
-sign_surd(struct room *m, const struct poly *f, const struct poly *q, int which)
+static __device__ __noinline__ int sign_surd(struct big_arena *m,
+                                             const struct poly *f,
+                                             const struct poly *q, int which)
 {
     int mark = m->used, sa = big_sign(q->c[2]);
     struct big l[2], a = q->c[2], b = q->c[1], c = q->c[0];
@@ -257,8 +262,8 @@ sign_surd(struct room *m, const struct poly *f, const struct poly *q, int which)
     return result;
 }
 
-static __device__ inline int point_sign(struct room *m, const struct poly *f,
-                                        const struct point *p)
+static __device__ inline int
+point_sign(struct big_arena *m, const struct poly *f, const struct point *p)
 {
     return p->q ? sign_surd(m, f, p->q, p->which)
                 : sign_fraction(m, f, p->a, p->b);

@@ -25,12 +25,12 @@ enum { SIGNS_ROOM = 2048 };
  * decide is returned as 0, and `unsure` is set: then no conclusion may be drawn
  * from the signs. */
 struct signs {
-    struct room *room; /* or NULL */
-    bool unsure;       /* out */
+    struct big_arena *room; /* or NULL */
+    bool unsure;            /* out */
 };
 
 /* §2.2: turns n numbers into integers in units of their common lowest bit. */
-static __device__ inline void whole_numbers(struct room *m, int n,
+static __device__ inline void whole_numbers(struct big_arena *m, int n,
                                             const double *x, struct big *r)
 {
     int e = 2000;
@@ -43,9 +43,9 @@ static __device__ inline void whole_numbers(struct room *m, int n,
 }
 
 /* Returns the sign of (b - a) × (c - a) · (d - a). */
-static __device__ __noinline__ int orient3_whole(struct room *m, const point a,
-                                                 const point b, const point c,
-                                                 const point d)
+static __device__ __noinline__ int orient3_whole(struct big_arena *m,
+                                                 const point a, const point b,
+                                                 const point c, const point d)
 {
     double x[12];
     struct big w[12], r[9];
@@ -68,7 +68,7 @@ static __device__ __noinline__ int orient3_whole(struct room *m, const point a,
 }
 
 /* Returns the sign of (b - a) × (c - a) in two coordinates. */
-static __device__ __noinline__ int orient2_whole(struct room *m,
+static __device__ __noinline__ int orient2_whole(struct big_arena *m,
                                                  const double x[6])
 {
     struct big w[6];

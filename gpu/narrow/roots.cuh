@@ -54,7 +54,7 @@ static __device__ inline struct poly poly_trimmed(const struct poly *p)
 
 /* Sets a chain: p, its derivative, r, which is linear or absent, and the sign
  * of the last member. Counts its roots. */
-static __device__ __noinline__ void chain_set(struct room *m,
+static __device__ __noinline__ void chain_set(struct big_arena *m,
                                               const struct poly *p,
                                               const struct poly *r, int tail,
                                               struct chain *c)
@@ -83,8 +83,8 @@ static __device__ inline struct poly poly_none(void)
 
 /* Makes the chains of a cubic from its Hessian, whose discriminant is -3 times
  * the cubic's (§6.2). */
-static __device__ inline int chains_cubic(struct room *m, const struct poly *p,
-                                          struct chain c[2])
+static __device__ inline int
+chains_cubic(struct big_arena *m, const struct poly *p, struct chain c[2])
 {
     struct big x = p->c[3], y = p->c[2], z = p->c[1], w = p->c[0], h[3];
     struct poly none = poly_none();
@@ -114,7 +114,7 @@ static __device__ inline int chains_cubic(struct room *m, const struct poly *p,
 /* Makes chains whose roots are together the distinct roots of p ≢ 0 in 0 < t <
  * 1. Returns the number of chains, at most 2. */
 static __device__ __noinline__ int
-chains_make(struct room *m, const struct poly *p, struct chain c[2])
+chains_make(struct big_arena *m, const struct poly *p, struct chain c[2])
 {
     struct poly f = poly_trimmed(p), none = poly_none();
     if (variations(big_sign(f.c[0]), big_sign(f.c[1]), big_sign(f.c[2]),
@@ -135,7 +135,7 @@ chains_make(struct room *m, const struct poly *p, struct chain c[2])
 /* Returns how many roots lie in (0, τ], and whether τ is a root. τ is the
  * point, or without a point the grid time. If the chain has one root, the sign
  * of p suffices. */
-static __device__ __noinline__ int roots_to(struct room *m,
+static __device__ __noinline__ int roots_to(struct big_arena *m,
                                             const struct chain *c,
                                             const struct point *point,
                                             uint32_t g, bool *zero)
@@ -154,8 +154,8 @@ static __device__ __noinline__ int roots_to(struct room *m,
 }
 
 /* Locates root i of the chain, 1 ≤ i ≤ c->roots, to its cell. */
-static __device__ inline void root_locate(struct room *m, const struct chain *c,
-                                          int i, struct root *r)
+static __device__ inline void
+root_locate(struct big_arena *m, const struct chain *c, int i, struct root *r)
 {
     uint32_t lo = 0, hi = POINT_ONE; /* the root lies in (lo, hi] */
     r->chain = c;
@@ -187,8 +187,8 @@ static __device__ inline int one_sign(int a, int b, int c)
 
 /* Returns the sign of the polar form of a quadratic at t and u; computes twice
  * the form, times 2^60. */
-static __device__ inline int polar_sign(struct room *m, const struct poly *f,
-                                        uint32_t t, uint32_t u)
+static __device__ inline int
+polar_sign(struct big_arena *m, const struct poly *f, uint32_t t, uint32_t u)
 {
     int mark = m->used;
     uint32_t s = POINT_ONE - t, v = POINT_ONE - u;
@@ -202,7 +202,8 @@ static __device__ inline int polar_sign(struct room *m, const struct poly *f,
 }
 
 /* As polar_sign, but from rounded coefficients where these are certain. */
-static __device__ inline int polar_rough(struct room *m, const struct poly *f,
+static __device__ inline int polar_rough(struct big_arena *m,
+                                         const struct poly *f,
                                          const struct rough *r, uint32_t g,
                                          uint32_t h)
 {
@@ -215,7 +216,7 @@ static __device__ inline int polar_rough(struct room *m, const struct poly *f,
 
 /* Returns the sign in the open cell if the Bernstein form there determines it,
  * else 2. */
-static __device__ __noinline__ int sign_cell(struct room *m,
+static __device__ __noinline__ int sign_cell(struct big_arena *m,
                                              const struct poly *f, uint32_t g)
 {
     struct rough r = poly_rough(m, f);
@@ -228,7 +229,7 @@ static __device__ __noinline__ int sign_cell(struct room *m,
 
 /* Compares the point s with root r: 1 if s is before r, 0 if equal, -1 if
  * after. */
-static __device__ inline int before(struct room *m, const struct point *s,
+static __device__ inline int before(struct big_arena *m, const struct point *s,
                                     const struct root *r)
 {
     bool zero;
@@ -241,7 +242,7 @@ static __device__ inline int before(struct room *m, const struct point *s,
 /* Returns the sign of f at a root that is not on the grid, from the order of
  * f's own roots and that root. */
 static __device__ __noinline__ int
-sign_ordered(struct room *m, const struct poly *f, const struct root *r)
+sign_ordered(struct big_arena *m, const struct poly *f, const struct root *r)
 {
     struct poly q = poly_trimmed(f);
     int sign = big_sign(q.c[0]), n = q.degree;
@@ -273,7 +274,7 @@ sign_ordered(struct room *m, const struct poly *f, const struct root *r)
 }
 
 static __device__ __noinline__ int
-root_sign(struct room *m, const struct poly *f, const struct root *r)
+root_sign(struct big_arena *m, const struct poly *f, const struct root *r)
 {
     if (poly_zero(f))
         return 0;
@@ -288,8 +289,8 @@ root_sign(struct room *m, const struct poly *f, const struct root *r)
 
 /* A sufficient test: true only where f, of degree at most 2, is not 0 at the
  * root. */
-static __device__ inline bool root_avoids(struct room *m, const struct poly *f,
-                                          const struct root *r)
+static __device__ inline bool
+root_avoids(struct big_arena *m, const struct poly *f, const struct root *r)
 {
     if (poly_zero(f))
         return false;

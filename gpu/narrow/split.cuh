@@ -176,8 +176,9 @@ static __device__ inline bool locate_on(const struct forms *s, uint32_t lo,
 /* Tests one interval. SPLIT_MISS: the interval is done, without contact.
  * SPLIT_HIT: *toi is the answer. SPLIT_UNSURE: the interval must be halved, or
  * if *stuck is set, tier 3 must decide the pair. */
-static __device__ inline int look_at(const struct forms *s, uint32_t lo,
-                                     uint32_t hi, uint32_t *toi, bool *stuck)
+static __device__ inline int test_interval(const struct forms *s, uint32_t lo,
+                                           uint32_t hi, uint32_t *toi,
+                                           bool *stuck)
 {
     double a = lo * 0x1p-30, b = hi * 0x1p-30;
     int r = roots_on(s, a, b), inside = 0;
@@ -206,7 +207,7 @@ static __device__ inline int split(const struct forms *s, uint32_t *toi)
     for (int visit = 0; visit < SPLIT_VISITS; visit++) {
         uint32_t lo = i << (SPLIT_GRID - d), hi = (i + 1) << (SPLIT_GRID - d);
         bool stuck;
-        int end = look_at(s, lo, hi, toi, &stuck);
+        int end = test_interval(s, lo, hi, toi, &stuck);
         if (end == SPLIT_HIT)
             return SPLIT_HIT;
         if (end == SPLIT_UNSURE) {

@@ -29,8 +29,8 @@ static __device__ inline double coordinate(vec a, int k)
 }
 
 /* Writes the vertices as integers in units of their common lowest bit. */
-static __device__ inline void set_vertices(struct room *m, const struct quad *p,
-                                           struct workspace *s)
+static __device__ inline void
+set_vertices(struct big_arena *m, const struct quad *p, struct workspace *s)
 {
     int e = 2000;
     for (int i = 0; i < 24; i++) {
@@ -45,8 +45,9 @@ static __device__ inline void set_vertices(struct room *m, const struct quad *p,
 }
 
 /* Writes vertex a minus vertex b. */
-static __device__ __noinline__ void
-set_edge(struct room *m, const struct line x[4], int a, int b, struct line *r)
+static __device__ __noinline__ void set_edge(struct big_arena *m,
+                                             const struct line x[4], int a,
+                                             int b, struct line *r)
 {
     for (int t = 0; t < 2; t++)
         for (int k = 0; k < 3; k++)
@@ -54,7 +55,7 @@ set_edge(struct room *m, const struct line x[4], int a, int b, struct line *r)
 }
 
 /* Writes component k of f × g. */
-static __device__ __noinline__ void set_cross(struct room *m,
+static __device__ __noinline__ void set_cross(struct big_arena *m,
                                               const struct line *f,
                                               const struct line *g, int k,
                                               struct poly *p)
@@ -73,7 +74,7 @@ static __device__ __noinline__ void set_cross(struct room *m,
 }
 
 /* Writes a + b, or a - b where `minus` is set. Both are quadratics. */
-static __device__ __noinline__ void set_sum(struct room *m,
+static __device__ __noinline__ void set_sum(struct big_arena *m,
                                             const struct poly *a, bool minus,
                                             const struct poly *b,
                                             struct poly *p)
@@ -84,7 +85,8 @@ static __device__ __noinline__ void set_sum(struct room *m,
 }
 
 /* Writes V = f · w. */
-static __device__ inline void set_cubic(struct room *m, const struct line *f,
+static __device__ inline void set_cubic(struct big_arena *m,
+                                        const struct line *f,
                                         const struct poly w[3], struct poly *v)
 {
     v->degree = 3;
@@ -108,7 +110,7 @@ static __device__ inline void set_box(struct workspace *s, int j,
     }
 }
 
-static __device__ inline void set_vf(struct room *m, struct workspace *s)
+static __device__ inline void set_vf(struct big_arena *m, struct workspace *s)
 {
     s->count = 3;
     for (int j = 0; j < 3; j++) {
@@ -124,7 +126,7 @@ static __device__ inline void set_vf(struct room *m, struct workspace *s)
     }
 }
 
-static __device__ inline void set_ee(struct room *m, struct workspace *s)
+static __device__ inline void set_ee(struct big_arena *m, struct workspace *s)
 {
     s->count = 4;
     for (int j = 0; j < 4; j++) {
@@ -145,7 +147,7 @@ static __device__ inline void set_ee(struct room *m, struct workspace *s)
 
 /* Makes the polynomials of p. They are void where the arena is full. */
 static __device__ inline void
-set_workspace(struct room *m, const struct quad *p, struct workspace *s)
+set_workspace(struct big_arena *m, const struct quad *p, struct workspace *s)
 {
     set_vertices(m, p, s);
     if (p->ee)

@@ -29,7 +29,7 @@ static bool moves(const struct features *s, int32_t a, int32_t b)
 
 /* Tests the vertices of f against face g. Bit k of the result is set if vertex
  * k of f and face g are a candidate. */
-static int look_vertices(const struct features *s, real reach,
+static int test_vertices(const struct features *s, real reach,
                          const struct side *f, const struct side *g)
 {
     int mask = 0;
@@ -49,7 +49,7 @@ static int look_vertices(const struct features *s, real reach,
  * set if edge i of f and edge j of g are a candidate. An edge whose box does
  * not meet the other face's box meets none of its edges, as they lie in that
  * box. */
-static int look_edges(const struct features *s, real reach,
+static int test_edges(const struct features *s, real reach,
                       const struct side *f, const struct side *g)
 {
     int mask = 0;
@@ -73,7 +73,7 @@ static int look_edges(const struct features *s, real reach,
     return mask;
 }
 
-static uint16_t look(const struct features *s, real reach, int64_t n)
+static uint16_t test_pair(const struct features *s, real reach, int64_t n)
 {
     int32_t tf = s->both[n][0], tg = s->both[n][1];
     struct side f = {.v = s->tri[tf], .own = s->own[tf]};
@@ -82,9 +82,9 @@ static uint16_t look(const struct features *s, real reach, int64_t n)
         return 0;
     f.face = box_face(s->x0, s->x1, f.v);
     g.face = box_face(s->x0, s->x1, g.v);
-    return (uint16_t)(look_vertices(s, reach, &f, &g) |
-                      look_vertices(s, reach, &g, &f) << 3 |
-                      look_edges(s, reach, &f, &g) << VF_BITS);
+    return (uint16_t)(test_vertices(s, reach, &f, &g) |
+                      test_vertices(s, reach, &g, &f) << 3 |
+                      test_edges(s, reach, &f, &g) << VF_BITS);
 }
 
 static void swap(int32_t *a, int32_t *b)
@@ -149,7 +149,7 @@ int ref_features(struct features *s)
     for (int64_t block = 0; block < blocks; block++) {
         int64_t end = (block + 1) * BVTT_BLOCK, vf = 0, all = 0;
         for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++) {
-            s->mask[k] = look(s, reach, k);
+            s->mask[k] = test_pair(s, reach, k);
             vf += bvtt_bits(s->mask[k] & ((1 << VF_BITS) - 1));
             all += bvtt_bits(s->mask[k]);
         }

@@ -9,7 +9,8 @@ enum { TEST, KEEP, SPLIT };
 
 /* §2, §5: chooses the action for a tested pair. A pair that passes and is above
  * the stop level is split. Every other pair is kept. */
-static uint8_t judge(const struct front *s, bool passes, int32_t a, int32_t b)
+static uint8_t action_of(const struct front *s, bool passes, int32_t a,
+                         int32_t b)
 {
     const struct tree *t = &s->in.tree;
     if (!passes || tree_descends(t, a, b) == 0)
@@ -20,11 +21,11 @@ static uint8_t judge(const struct front *s, bool passes, int32_t a, int32_t b)
 /* §3a: replaces a pair that fails by its highest failing ancestor. All
  * ancestors of a pair that passes pass, so the climb ends at the first ancestor
  * that passes. */
-static void raise(const struct front *s, real reach, int64_t k)
+static void climb(const struct front *s, real reach, int64_t k)
 {
     int32_t a = s->pair[k][0], b = s->pair[k][1];
     bool in = bvtt_passes(&s->in, reach, a, b);
-    s->act[k] = judge(s, in, a, b);
+    s->act[k] = action_of(s, in, a, b);
     while (!in && tree_ascend(&s->in.tree, &a, &b)) {
         in = bvtt_passes(&s->in, reach, a, b);
         if (!in) {
@@ -101,7 +102,7 @@ static bool pass(struct front *s)
 
 /* Tests the pairs that the last pass created and chooses their actions. Returns
  * how many pairs were tested. */
-static int64_t judge_new(struct front *s, real reach)
+static int64_t test_new(struct front *s, real reach)
 {
     int64_t blocks = bvtt_blocks(s->n);
     EACH_MANY(s->n)
@@ -111,7 +112,7 @@ static int64_t judge_new(struct front *s, real reach)
             if (s->act[k] == TEST) {
                 int32_t a = s->pair[k][0], b = s->pair[k][1];
                 bool in = bvtt_passes(&s->in, reach, a, b);
-                s->act[k] = judge(s, in, a, b);
+                s->act[k] = action_of(s, in, a, b);
                 count++;
             }
         s->sum[block] = count;
@@ -128,11 +129,11 @@ int ref_front(struct front *s)
     s->visited = s->n;
     EACH_MANY(s->n)
     for (int64_t k = 0; k < s->n; k++)
-        raise(s, reach, k);
+        climb(s, reach, k);
     for (int64_t tested = 1; tested > 0; s->visited += tested) {
         if (!pass(s))
             return DRAPE_EFULL;
-        tested = judge_new(s, reach);
+        tested = test_new(s, reach);
     }
     if (s->pair != home) {
         EACH_MANY(s->n)

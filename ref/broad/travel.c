@@ -5,7 +5,7 @@
 
 /* §1: the largest squared relative motion of two vertices of candidate k, one
  * vertex of either primitive, in m². */
-static real way(const struct travel *s, int64_t k)
+static real relative_motion(const struct travel *s, int64_t k)
 {
     const int32_t *v = s->pair + 4 * k;
     int first = s->kind[k] == CONTACT_VF ? 1 : 2; /* first vertex of the
@@ -30,7 +30,7 @@ int ref_travel(struct travel *s)
             return DRAPE_EARG;
 #pragma omp parallel for schedule(static) reduction(max : most)
     for (int64_t k = 0; k < s->n; k++)
-        most = real_max(most, way(s, k));
+        most = real_max(most, relative_motion(s, k));
     s->most = most;
     return DRAPE_OK;
 }

@@ -24,8 +24,8 @@ static bool passes(const struct walk *s, real reach, int32_t a, int32_t b,
 
 /* Returns the mask of the children that pass. A pair of leaves counts as its
  * own only child. */
-static uint32_t look(const struct walk *s, real reach, const int32_t e[2],
-                     int64_t *cleared)
+static uint32_t test_children(const struct walk *s, real reach,
+                              const int32_t e[2], int64_t *cleared)
 {
     const struct tree *t = &s->in.tree;
     int d = tree_descends(t, e[0], e[1]);
@@ -45,7 +45,7 @@ static uint32_t look(const struct walk *s, real reach, const int32_t e[2],
 
 /* Computes the masks of a pass; the first pass tests its own pairs, too.
  * Returns how many pairs only the cones rejected. */
-static int64_t look_all(const struct walk *s, real reach, const struct pass *p,
+static int64_t test_all(const struct walk *s, real reach, const struct pass *p,
                         bool first)
 {
     int64_t blocks = bvtt_blocks(p->n);
@@ -55,7 +55,8 @@ static int64_t look_all(const struct walk *s, real reach, const struct pass *p,
         for (int64_t k = block * BVTT_BLOCK; k < p->n && k < end; k++) {
             const int32_t *e = p->from[k];
             bool in = !first || passes(s, reach, e[0], e[1], &cleared);
-            s->mask[k] = (uint16_t)(in ? look(s, reach, e, &cleared) : 0);
+            s->mask[k] =
+                (uint16_t)(in ? test_children(s, reach, e, &cleared) : 0);
         }
         s->sum[block] = cleared;
     }
@@ -63,7 +64,7 @@ static int64_t look_all(const struct walk *s, real reach, const struct pass *p,
 }
 
 /* §2: returns the mask of the triangle pairs of two leaves whose boxes meet. */
-static uint32_t look_leaves(const struct walk *s, real reach,
+static uint32_t test_leaves(const struct walk *s, real reach,
                             const int32_t e[2])
 {
     const struct tree *t = &s->in.tree;
@@ -134,7 +135,7 @@ static int descend(struct walk *s, real reach, struct pass *p)
     p->to = s->pair;
     for (int64_t l = 0; l <= 2 * s->in.tree.levels; l++) {
         s->visited += p->n;
-        s->cleared += look_all(s, reach, p, l == 0);
+        s->cleared += test_all(s, reach, p, l == 0);
         int64_t n = place(s, p->n);
         s->need = n > s->need ? n : s->need;
         if (n > s->cap)
@@ -164,7 +165,7 @@ int ref_walk(struct walk *s)
         return DRAPE_EFULL;
     EACH_MANY(p.n)
     for (int64_t k = 0; k < p.n; k++)
-        s->mask[k] = (uint16_t)look_leaves(s, reach, p.from[k]);
+        s->mask[k] = (uint16_t)test_leaves(s, reach, p.from[k]);
     s->need_tri = place(s, p.n);
     if (s->need_tri > s->cap_tri)
         return DRAPE_EFULL;

@@ -137,7 +137,7 @@ struct walk {
     bool write;           /* false: only count pairs */
 };
 
-static void give(struct walk *w, int32_t p, int32_t q)
+static void emit(struct walk *w, int32_t p, int32_t q)
 {
     if (w->write) {
         w->s->pair[w->at][0] = p < q ? p : q;
@@ -166,7 +166,7 @@ static void visit(struct walk *w, int64_t m)
                 continue;
             struct face g = ref_audit_face(s, q);
             if (ref_tritri(&f, &of_f, &g))
-                give(w, p, q);
+                emit(w, p, q);
         }
     }
 }
@@ -284,6 +284,11 @@ static bool search(const struct search *r, int level, int64_t node)
 bool ref_audit_any(const struct audit *s, int32_t t,
                    bool ask(void *user, int32_t other), void *user)
 {
-    struct search r = {s, levels_of(s->nt), ref_audit_box(s, t), t, ask, user};
+    struct search r = {.s = s,
+                       .l = levels_of(s->nt),
+                       .box = ref_audit_box(s, t),
+                       .t = t,
+                       .ask = ask,
+                       .user = user};
     return search(&r, r.l.top, 0);
 }

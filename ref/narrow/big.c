@@ -14,7 +14,7 @@ __extension__ typedef unsigned __int128 twice;
 /* Takes n words from the arena. If they do not fit, the arena is marked full
  * and starts again at its beginning, so that all accesses stay inside; results
  * are then void. */
-static uint32_t *take_words(struct room *m, int n)
+static uint32_t *take_words(struct big_arena *m, int n)
 {
     if (n > m->size - m->used) {
         m->full = true;
@@ -29,7 +29,7 @@ static uint32_t *take_words(struct room *m, int n)
 
 /* Makes a number from the last n words taken, and gives its leading zero words
  * back to the arena. */
-static struct big trim(struct room *m, uint32_t *d, int n, int sign)
+static struct big trim(struct big_arena *m, uint32_t *d, int n, int sign)
 {
     int k = n;
     while (k > 0 && d[k - 1] == 0)
@@ -65,7 +65,7 @@ int big_exponent(double x)
     return e;
 }
 
-struct big big_make(struct room *m, double x, int e)
+struct big big_make(struct big_arena *m, double x, int e)
 {
     uint64_t a;
     int shift = unpack(x, &a) - e;
@@ -85,7 +85,7 @@ struct big big_make(struct room *m, double x, int e)
     return trim(m, d, n, x < 0 ? -1 : 1);
 }
 
-struct big big_small(struct room *m, uint32_t a)
+struct big big_small(struct big_arena *m, uint32_t a)
 {
     uint32_t *d = take_words(m, 1);
     d[0] = a;
@@ -110,7 +110,7 @@ static int order(struct big a, struct big b)
 }
 
 /* Returns |a| + |b| with a given sign. Requires a.n ≥ b.n. */
-static struct big sum(struct room *m, struct big a, struct big b, int sign)
+static struct big sum(struct big_arena *m, struct big a, struct big b, int sign)
 {
     uint32_t *d = take_words(m, a.n + 1);
     uint64_t carry = 0;
@@ -124,7 +124,7 @@ static struct big sum(struct room *m, struct big a, struct big b, int sign)
 }
 
 /* Returns |a| - |b| with a given sign. Requires |a| ≥ |b|. */
-static struct big difference(struct room *m, struct big a, struct big b,
+static struct big difference(struct big_arena *m, struct big a, struct big b,
                              int sign)
 {
     uint32_t *d = take_words(m, a.n), borrow = 0;
@@ -136,7 +136,7 @@ static struct big difference(struct room *m, struct big a, struct big b,
     return trim(m, d, a.n, sign);
 }
 
-struct big big_add(struct room *m, struct big a, struct big b)
+struct big big_add(struct big_arena *m, struct big a, struct big b)
 {
     if (a.sign == 0 || b.sign == 0)
         return a.sign ? a : b;
@@ -146,7 +146,7 @@ struct big big_add(struct room *m, struct big a, struct big b)
                            : difference(m, a, b, a.sign);
 }
 
-struct big big_sub(struct room *m, struct big a, struct big b)
+struct big big_sub(struct big_arena *m, struct big a, struct big b)
 {
     return big_add(m, a, big_negate(b));
 }
@@ -189,7 +189,8 @@ static int skip_zeros(struct big b, int j)
     return j;
 }
 
-struct big big_mul_from(struct room *m, struct big a, struct big b, int from)
+struct big big_mul_from(struct big_arena *m, struct big a, struct big b,
+                        int from)
 {
     int n = a.n + b.n - from + 1, low = skip_zeros(b, 0);
     uint32_t *d = take_words(m, n);
@@ -203,7 +204,7 @@ struct big big_mul_from(struct room *m, struct big a, struct big b, int from)
     return trim(m, d, n, a.sign * b.sign);
 }
 
-struct big big_mul(struct room *m, struct big a, struct big b)
+struct big big_mul(struct big_arena *m, struct big a, struct big b)
 {
     if (a.n >= LONG && b.n >= LONG)
         return big_mul_from(m, a, b, 0);
@@ -224,13 +225,13 @@ struct big big_mul(struct room *m, struct big a, struct big b)
     return trim(m, d, n, a.sign * b.sign);
 }
 
-struct big big_times(struct room *m, struct big a, uint32_t k)
+struct big big_times(struct big_arena *m, struct big a, uint32_t k)
 {
     struct big b = {&k, k != 0, k != 0};
     return big_mul(m, b, a);
 }
 
-struct big big_shift(struct room *m, struct big a, int k)
+struct big big_shift(struct big_arena *m, struct big a, int k)
 {
     uint32_t *d = take_words(m, a.n + k);
     memset(d, 0, (size_t)k * sizeof *d);
@@ -239,7 +240,7 @@ struct big big_shift(struct room *m, struct big a, int k)
     return trim(m, d, a.n + k, a.sign);
 }
 
-struct big big_keep(struct room *m, int mark, struct big r)
+struct big big_keep(struct big_arena *m, int mark, struct big r)
 {
     if (m->full)
         return r;
@@ -250,8 +251,8 @@ struct big big_keep(struct room *m, int mark, struct big r)
     return r;
 }
 
-struct big big_det(struct room *m, struct big a, struct big b, struct big c,
-                   struct big d)
+struct big big_det(struct big_arena *m, struct big a, struct big b,
+                   struct big c, struct big d)
 {
     int mark = m->used;
     struct big x = big_mul(m, a, b);

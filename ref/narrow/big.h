@@ -11,7 +11,7 @@
 
 /* An arena of words, handed out in order. The caller frees words by restoring
  * `used`. */
-struct room {
+struct big_arena {
     uint32_t *word; /* [size] */
     int size, used;
     int most;  /* out: largest value of `used` */
@@ -29,26 +29,27 @@ struct big {
 /* Returns the exponent of the lowest set bit of a finite x ≠ 0. */
 int big_exponent(double x);
 /* Returns x·2^-e. The caller chooses e so that the result is an integer. */
-struct big big_make(struct room *m, double x, int e);
+struct big big_make(struct big_arena *m, double x, int e);
 /* Returns a as a big integer. */
-struct big big_small(struct room *m, uint32_t a);
+struct big big_small(struct big_arena *m, uint32_t a);
 
-struct big big_add(struct room *m, struct big a, struct big b);
-struct big big_sub(struct room *m, struct big a, struct big b);
-struct big big_mul(struct room *m, struct big a, struct big b);
+struct big big_add(struct big_arena *m, struct big a, struct big b);
+struct big big_sub(struct big_arena *m, struct big a, struct big b);
+struct big big_mul(struct big_arena *m, struct big a, struct big b);
 /* Returns a·b / 2^(32 from), truncated: products a.d[i]·b.d[j] with i + j <
  * from are left out, and where from > 0 some of those with i + j = from. The
  * magnitude may therefore be too small; near_mul bounds the error. */
-struct big big_mul_from(struct room *m, struct big a, struct big b, int from);
-struct big big_times(struct room *m, struct big a, uint32_t k);
+struct big big_mul_from(struct big_arena *m, struct big a, struct big b,
+                        int from);
+struct big big_times(struct big_arena *m, struct big a, uint32_t k);
 struct big big_negate(struct big a);
 /* Returns a·2^(32 k). */
-struct big big_shift(struct room *m, struct big a, int k);
+struct big big_shift(struct big_arena *m, struct big a, int k);
 /* Moves r down to `mark` and frees every other word taken since then. r must
  * have been made after the mark. */
-struct big big_keep(struct room *m, int mark, struct big r);
+struct big big_keep(struct big_arena *m, int mark, struct big r);
 /* Returns a·b - c·d and frees all intermediate words. */
-struct big big_det(struct room *m, struct big a, struct big b, struct big c,
-                   struct big d);
+struct big big_det(struct big_arena *m, struct big a, struct big b,
+                   struct big c, struct big d);
 
 #endif

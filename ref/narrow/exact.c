@@ -10,7 +10,7 @@
 
 /* Whether the boxes meet at root r (§3c). Called where all four vertices are on
  * one line or in one point, so that meeting boxes mean contact. */
-static bool boxes_meet(struct room *m, const struct system *s,
+static bool boxes_meet(struct big_arena *m, const struct system *s,
                        const struct root *r)
 {
     for (int k = 0; k < 3; k++) {
@@ -29,7 +29,7 @@ static bool boxes_meet(struct room *m, const struct system *s,
 /* Decides by the forms of axis k (§3b) whether the primitives touch at root r.
  * Returns ROOT_UNKNOWN where all forms are zero, or where `few_words` is set
  * and few words do not determine a sign. */
-static int touching_on(struct room *m, const struct system *s,
+static int touching_on(struct big_arena *m, const struct system *s,
                        const struct root *r, int k, bool few_words)
 {
     int up = 0, down = 0, unknown = 0;
@@ -47,7 +47,7 @@ static int touching_on(struct room *m, const struct system *s,
 
 /* Whether the primitives touch at root r (§3). Each axis is tried with few
  * words first, then exactly. */
-static bool touching(struct room *m, const struct system *s,
+static bool touching(struct big_arena *m, const struct system *s,
                      const struct root *r)
 {
     int touch = ROOT_UNKNOWN;
@@ -59,7 +59,7 @@ static bool touching(struct room *m, const struct system *s,
 /* Whether the primitives touch at root r of form j on axis k, where N_k is not
  * 0 there: contact is that a point lies in the box of one side or edge (§6.5).
  * The table names the two box forms of that test. */
-static bool touching_form(struct room *m, const struct system *s,
+static bool touching_form(struct big_arena *m, const struct system *s,
                           const struct root *r, int j)
 {
     static const int of[2][4][2] = {{{1, 2}, {2, 0}, {0, 1}, {0, 0}},
@@ -74,9 +74,10 @@ static bool touching_form(struct room *m, const struct system *s,
 }
 
 /* Whether the primitives touch at t = 0 (cell 0) or t = 1 (cell ROOT_ONE). */
-static bool touching_end(struct room *m, const struct system *s, uint32_t cell)
+static bool touching_end(struct big_arena *m, const struct system *s,
+                         uint32_t cell)
 {
-    struct root r = {NULL, NULL, 0, cell, true, 0};
+    struct root r = {.cell = cell, .on_grid = true};
     return s->v.c[cell ? 3 : 0].sign == 0 && touching(m, s, &r);
 }
 
@@ -89,7 +90,7 @@ struct list {
 
 /* Whether one of the first n polynomials, if not identically zero, is zero at
  * r. Then r was tried before. */
-static bool tried(struct room *m, const struct list *l, int n,
+static bool tried(struct big_arena *m, const struct list *l, int n,
                   const struct root *r)
 {
     for (int k = 0; k < n; k++)
@@ -101,8 +102,8 @@ static bool tried(struct room *m, const struct list *l, int n,
 
 /* Whether the primitives touch at root r of polynomial k. Returns false for a
  * root that was tried as a root of an earlier polynomial. */
-static bool begins(struct room *m, const struct system *s, const struct list *l,
-                   int k, const struct root *r)
+static bool begins(struct big_arena *m, const struct system *s,
+                   const struct list *l, int k, const struct root *r)
 {
     if (l->axis >= 0 && root_avoids(m, &s->n[l->axis], r))
         return touching_form(m, s, r, k);
@@ -111,7 +112,7 @@ static bool begins(struct room *m, const struct system *s, const struct list *l,
 
 /* Returns the lesser of toi and the first root of polynomial k with contact.
  * Polynomials 0 … k-1 must have been tried. */
-static uint32_t first(struct room *m, const struct system *s,
+static uint32_t first(struct big_arena *m, const struct system *s,
                       const struct list *l, int k, uint32_t toi)
 {
     struct chain c[2];
@@ -158,7 +159,7 @@ static int short_axis(const struct system *s)
  * forms of one axis, or without such an axis the box forms. */
 static struct list to_try(const struct system *s)
 {
-    struct list l = {1, {&s->v}, -1};
+    struct list l = {.n = 1, .p = {&s->v}, .axis = -1};
     if (!poly_zero(&s->v))
         return l;
     int axis = short_axis(s);
@@ -171,7 +172,7 @@ static struct list to_try(const struct system *s)
     return l;
 }
 
-static uint32_t solve(struct room *m, const struct system *s)
+static uint32_t solve(struct big_arena *m, const struct system *s)
 {
     uint32_t toi = UINT32_MAX;
     if (touching_end(m, s, 0))
@@ -187,7 +188,7 @@ static uint32_t solve(struct room *m, const struct system *s)
 int exact_first(double x[2][4][3], int kind, uint32_t *word, int n,
                 uint32_t *toi)
 {
-    struct room m = {word, n, 0, 0, false, 0};
+    struct big_arena m = {.word = word, .size = n};
     struct system s;
     system_make(&m, x, kind, &s);
     *toi = solve(&m, &s);

@@ -30,9 +30,9 @@ static struct near drop(struct near a, int k)
     return a;
 }
 
-struct near near_of(const struct room *m, struct big a)
+struct near near_of(const struct big_arena *m, struct big a)
 {
-    struct near r = {a, 0, 0, m->keep < NEAR_REST ? 0 : near_rest(a)};
+    struct near r = {.m = a, .rest = m->keep < NEAR_REST ? 0 : near_rest(a)};
     return drop(r, a.n - m->keep);
 }
 
@@ -43,7 +43,7 @@ struct near near_few(struct near a)
 
 /* Rewrites a in units of 2^(32 low). Words are dropped, or zero words are added
  * below an exact number. */
-static struct near align(struct room *m, struct near a, int low)
+static struct near align(struct big_arena *m, struct near a, int low)
 {
     if (a.m.n == 0 && a.err == 0)
         a.low = low;
@@ -59,7 +59,7 @@ static int larger(int a, int b)
     return a > b ? a : b;
 }
 
-struct near near_add(struct room *m, struct near a, struct near b)
+struct near near_add(struct big_arena *m, struct near a, struct near b)
 {
     if (a.m.n == 0 && a.err == 0)
         return b;
@@ -73,8 +73,10 @@ struct near near_add(struct room *m, struct near a, struct near b)
     a = align(m, a, low);
     b = align(m, b, low);
     uint64_t rest = (uint64_t)a.rest + b.rest;
-    struct near r = {big_add(m, a.m, b.m), low, a.err + b.err,
-                     (uint32_t)(rest % NEAR_PRIME)};
+    struct near r = {.m = big_add(m, a.m, b.m),
+                     .low = low,
+                     .err = a.err + b.err,
+                     .rest = (uint32_t)(rest % NEAR_PRIME)};
     return r;
 }
 
@@ -85,17 +87,18 @@ struct near near_negate(struct near a)
     return a;
 }
 
-struct near near_sub(struct room *m, struct near a, struct near b)
+struct near near_sub(struct big_arena *m, struct near a, struct near b)
 {
     return near_add(m, a, near_negate(b));
 }
 
-struct near near_mul(struct room *m, struct near a, struct near b)
+struct near near_mul(struct big_arena *m, struct near a, struct near b)
 {
     uint32_t rest = (uint32_t)((uint64_t)a.rest * b.rest % NEAR_PRIME);
     int k = a.m.n + b.m.n - 1 - m->keep;
     if (k <= 0 && a.err == 0 && b.err == 0) {
-        struct near exact = {big_mul(m, a.m, b.m), a.low + b.low, 0, rest};
+        struct near exact = {
+            .m = big_mul(m, a.m, b.m), .low = a.low + b.low, .rest = rest};
         return exact;
     }
     /* The error is below a.err |b| + b.err |a| + a.err b.err. Dropping as many
@@ -106,14 +109,15 @@ struct near near_mul(struct room *m, struct near a, struct near b)
     /* products more than two words below the kept words add less than one
      * unit */
     int from = larger(k - 3, 0);
-    struct near r = {big_mul_from(m, a.m, b.m, from), a.low + b.low + from, 0,
-                     rest};
+    struct near r = {.m = big_mul_from(m, a.m, b.m, from),
+                     .low = a.low + b.low + from,
+                     .rest = rest};
     r = drop(r, k - from);
     r.err = a.err + b.err + 3;
     return r;
 }
 
-struct near near_times(struct room *m, struct near a, uint32_t k)
+struct near near_times(struct big_arena *m, struct near a, uint32_t k)
 {
     struct near b = {{&k, k != 0, k != 0}, 0, 0, k};
     return near_mul(m, b, a);
@@ -126,7 +130,7 @@ int near_sign(struct near a)
     return NEAR_UNKNOWN;
 }
 
-int near_tell(struct room *m, struct near a)
+int near_tell(struct big_arena *m, struct near a)
 {
     int sign = near_sign(a);
     if (sign == NEAR_UNKNOWN && a.rest == 0 && m->keep >= NEAR_REST)

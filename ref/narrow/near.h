@@ -28,19 +28,19 @@ struct near {
 uint32_t near_rest(struct big a);
 /* Results keep about m->keep leading words. A shorter result of exact operands
  * is exact. */
-struct near near_of(const struct room *m, struct big a);
+struct near near_of(const struct big_arena *m, struct big a);
 /* Truncates a to NEAR_FEW words. */
 struct near near_few(struct near a);
-struct near near_add(struct room *m, struct near a, struct near b);
-struct near near_sub(struct room *m, struct near a, struct near b);
-struct near near_mul(struct room *m, struct near a, struct near b);
-struct near near_times(struct room *m, struct near a, uint32_t k);
+struct near near_add(struct big_arena *m, struct near a, struct near b);
+struct near near_sub(struct big_arena *m, struct near a, struct near b);
+struct near near_mul(struct big_arena *m, struct near a, struct near b);
+struct near near_times(struct big_arena *m, struct near a, uint32_t k);
 struct near near_negate(struct near a);
 /* Returns -1, 0, 1 or NEAR_UNKNOWN. */
 int near_sign(struct near a);
 /* As near_sign. Where the sign is unknown and the residue is 0, the number is
  * probably 0: then m->keep is raised so that the next attempt truncates
  * nothing. */
-int near_tell(struct room *m, struct near a);
+int near_tell(struct big_arena *m, struct near a);
 
 #endif

@@ -35,7 +35,7 @@ bool poly_coprime(const struct poly *p, const struct poly *f)
 
 /* Returns the sign of Σ c[i]·a^i·b^(n-i), where the factor 2^(32 k) of the
  * point is part of a. Computes with m->keep words. */
-static int sign_fraction(struct room *m, const struct poly *f,
+static int sign_fraction(struct big_arena *m, const struct poly *f,
                          const struct point *p)
 {
     struct near a = near_of(m, p->a), b = near_of(m, p->b), power = b;
@@ -52,7 +52,7 @@ static int sign_fraction(struct room *m, const struct poly *f,
 }
 
 /* Returns sign · (v0·v1 - v2·v3), computed with m->keep words. */
-static struct near det(struct room *m, int sign, const struct near v[4])
+static struct near det(struct big_arena *m, int sign, const struct near v[4])
 {
     int mark = m->used;
     struct near x = near_mul(m, v[0], v[1]), y = near_mul(m, v[2], v[3]);
@@ -63,8 +63,8 @@ static struct near det(struct room *m, int sign, const struct near v[4])
 
 /* Writes g, of degree at most 2: a positive multiple of f modulo the quadratic
  * a τ² + b τ + c. */
-static void lower(struct room *m, const struct poly *f, const struct near q[3],
-                  struct near g[3])
+static void lower(struct big_arena *m, const struct poly *f,
+                  const struct near q[3], struct near g[3])
 {
     struct near c = q[0], b = q[1], a = q[2];
     int s = a.m.sign;
@@ -84,7 +84,7 @@ static void lower(struct room *m, const struct poly *f, const struct near q[3],
 /* Writes l[1]·τ + l[0], a positive multiple of g modulo the quadratic q.
  * Returns the sign of the resultant of the two, which is negative where
  * -l[0]/l[1] lies between the roots of q. */
-static int reduce(struct room *m, const struct near g[3],
+static int reduce(struct big_arena *m, const struct near g[3],
                   const struct near q[3], struct near l[2])
 {
     struct near c = q[0], b = q[1], a = q[2], r;
@@ -104,7 +104,8 @@ static int reduce(struct room *m, const struct near g[3],
 }
 
 /* Returns the sign of b l1 - 2 a l0 for the quadratic a τ² + b τ + c. */
-static int slope(struct room *m, const struct near q[3], const struct near l[2])
+static int slope(struct big_arena *m, const struct near q[3],
+                 const struct near l[2])
 {
     struct near b = near_few(q[1]), a = near_few(q[2]);
     struct near two = near_times(m, l[0], 2);
@@ -116,7 +117,7 @@ static int slope(struct room *m, const struct near q[3], const struct near l[2])
 }
 
 /* Finds the signs of f at the two real roots of a quadratic (§6.3). */
-static void sign_surd(struct room *m, const struct poly *f,
+static void sign_surd(struct big_arena *m, const struct poly *f,
                       const struct poly *of, int out[2])
 {
     struct near l[2], q[3], g[3];
@@ -145,8 +146,8 @@ static void sign_surd(struct room *m, const struct poly *f,
         out[0] = out[1] = NEAR_UNKNOWN;
 }
 
-void point_sign(struct room *m, const struct poly *f, const struct point *p,
-                int sign[2])
+void point_sign(struct big_arena *m, const struct poly *f,
+                const struct point *p, int sign[2])
 {
     int mark = m->used;
     m->keep = NEAR_FEW;
@@ -160,7 +161,7 @@ void point_sign(struct room *m, const struct poly *f, const struct point *p,
     } while (sign[0] == NEAR_UNKNOWN);
 }
 
-int poly_discriminant(struct room *m, const struct big c[3])
+int poly_discriminant(struct big_arena *m, const struct big c[3])
 {
     int mark = m->used, sign = NEAR_UNKNOWN;
     for (m->keep = NEAR_FEW; sign == NEAR_UNKNOWN; m->keep *= 2) {
@@ -172,7 +173,7 @@ int poly_discriminant(struct room *m, const struct big c[3])
     return sign;
 }
 
-int poly_sign_cell(struct room *m, const struct poly *f, uint32_t g)
+int poly_sign_cell(struct big_arena *m, const struct poly *f, uint32_t g)
 {
     int mark = m->used, up = 0, down = 0, n = f->degree;
     uint32_t t[2] = {g, g + 1}, s[2] = {ROOT_ONE - g, ROOT_ONE - g - 1};
@@ -198,7 +199,7 @@ int poly_sign_cell(struct room *m, const struct poly *f, uint32_t g)
     return up && down ? 2 : up ? 1 : -(down > 0);
 }
 
-int poly_sign_octave(struct room *m, const struct poly *f, int e)
+int poly_sign_octave(struct big_arena *m, const struct poly *f, int e)
 {
     /* The polar forms at (1, 1), (1, 2) and (2, 2), the middle one doubled. A
      * linear f uses the first and the last. */
@@ -222,16 +223,17 @@ int poly_sign_octave(struct room *m, const struct poly *f, int e)
     return up == n + 1 ? 1 : down == n + 1 ? -1 : 2;
 }
 
-struct point point_power(struct room *m, int e)
+struct point point_power(struct big_arena *m, int e)
 {
     int k = e < 0 ? -((31 - e) / 32) : e / 32;
     struct big a = big_small(m, UINT32_C(1) << (e - 32 * k));
-    struct point p = {NULL, a, big_small(m, 1), k};
+    struct point p = {.a = a, .b = big_small(m, 1), .k = k};
     return p;
 }
 
-struct point point_grid(struct room *m, uint32_t g)
+struct point point_grid(struct big_arena *m, uint32_t g)
 {
-    struct point p = {NULL, big_small(m, g), big_small(m, ROOT_ONE - g), 0};
+    struct big a = big_small(m, g);
+    struct point p = {.a = a, .b = big_small(m, ROOT_ONE - g)};
     return p;
 }

@@ -32,19 +32,19 @@ bool poly_zero(const struct poly *p);
  * NEAR_PRIME. */
 bool poly_coprime(const struct poly *p, const struct poly *f);
 /* Returns the time t = g·2^-30, g ≤ 2^30. */
-struct point point_grid(struct room *m, uint32_t g);
+struct point point_grid(struct big_arena *m, uint32_t g);
 /* Returns the time τ = 2^e. */
-struct point point_power(struct room *m, int e);
+struct point point_power(struct big_arena *m, int e);
 /* Finds the sign of f at the point, in sign[0]. With a quadratic p->q, sign[0]
  * is at its smaller root and sign[1] at its larger root. */
-void point_sign(struct room *m, const struct poly *f, const struct point *p,
-                int sign[2]);
+void point_sign(struct big_arena *m, const struct poly *f,
+                const struct point *p, int sign[2]);
 /* Returns the sign of f, of degree 1 or 2, in the open cell (g, g + 1)·2^-30 if
  * few words of its Bernstein form there determine the sign, else 2. */
-int poly_sign_cell(struct room *m, const struct poly *f, uint32_t g);
+int poly_sign_cell(struct big_arena *m, const struct poly *f, uint32_t g);
 /* As poly_sign_cell, for the interval 2^e ≤ τ ≤ 2^(e + 1). */
-int poly_sign_octave(struct room *m, const struct poly *f, int e);
+int poly_sign_octave(struct big_arena *m, const struct poly *f, int e);
 /* Returns the sign of b² - 4ac for c + bτ + aτ². */
-int poly_discriminant(struct room *m, const struct big c[3]);
+int poly_discriminant(struct big_arena *m, const struct big c[3]);
 
 #endif

@@ -147,7 +147,8 @@ static void multiply(uint32_t *r, const uint32_t *a, int na, const uint32_t *b,
 }
 
 /* Adds a term of n words to the sum for its sign. */
-static void weigh(struct balance *s, bool negative, const uint32_t *term, int n)
+static void add_term(struct balance *s, bool negative, const uint32_t *term,
+                     int n)
 {
     uint32_t *side = s->word[negative];
     uint64_t carry = 0;
@@ -180,8 +181,8 @@ int ref_orient3_whole(const point a, const point b, const point c,
             continue;
         multiply(two, x->word, x->n, y->word, y->n);
         multiply(three, two, x->n + y->n, z->word, z->n);
-        weigh(&sum, (k >= 3) ^ x->negative ^ y->negative ^ z->negative, three,
-              x->n + y->n + z->n);
+        add_term(&sum, (k >= 3) ^ x->negative ^ y->negative ^ z->negative,
+                 three, x->n + y->n + z->n);
     }
     return compare(sum.word[0], sum.word[1], sum.n);
 }
@@ -196,9 +197,9 @@ int ref_orient2_whole(const point a, const point b, const point c, int u, int v)
     struct balance sum = {.n = 2 * s.words + 1};
     uint32_t two[2 * WORDS];
     multiply(two, bu.word, bu.n, cv.word, cv.n);
-    weigh(&sum, bu.negative ^ cv.negative, two, bu.n + cv.n);
+    add_term(&sum, bu.negative ^ cv.negative, two, bu.n + cv.n);
     multiply(two, bv.word, bv.n, cu.word, cu.n);
-    weigh(&sum, !(bv.negative ^ cu.negative), two, bv.n + cu.n);
+    add_term(&sum, !(bv.negative ^ cu.negative), two, bv.n + cu.n);
     return compare(sum.word[0], sum.word[1], sum.n);
 }
 

@@ -41,7 +41,7 @@ static struct poly linear(struct big c1, struct big c0)
 
 /* Writes the Hessian of a cubic. Its discriminant is -3 times the cubic's
  * (§6.2). */
-static void hessian(struct room *m, const struct big c[4], struct big h[3])
+static void hessian(struct big_arena *m, const struct big c[4], struct big h[3])
 {
     h[2] = big_det(m, c[2], c[2], big_times(m, c[3], 3), c[1]);
     h[1] = big_det(m, c[2], c[1], big_times(m, c[3], 9), c[0]);
@@ -61,7 +61,7 @@ static void count_roots(struct chain *c)
 
 /* Sets c->p to p, which has no repeated roots, and c->d to its derivative. The
  * rest of the chain is zero. */
-static void start_chain(struct room *m, struct poly p, struct chain *c)
+static void start_chain(struct big_arena *m, struct poly p, struct chain *c)
 {
     struct chain none = {0};
     *c = none;
@@ -72,7 +72,7 @@ static void start_chain(struct room *m, struct poly p, struct chain *c)
 }
 
 /* Makes the chains of a cubic, §6.2. */
-static int cubic_chains(struct room *m, struct poly p, struct chain c[2])
+static int cubic_chains(struct big_arena *m, struct poly p, struct chain c[2])
 {
     struct big h[3], a = p.c[3], b = p.c[2];
     hessian(m, p.c, h);
@@ -99,7 +99,7 @@ static int cubic_chains(struct room *m, struct poly p, struct chain c[2])
     return 2;
 }
 
-int chains_make(struct room *m, const struct poly *p, struct chain c[2])
+int chains_make(struct big_arena *m, const struct poly *p, struct chain c[2])
 {
     int sign[4];
     struct poly f = trimmed(p);
@@ -121,7 +121,7 @@ int chains_make(struct room *m, const struct poly *p, struct chain c[2])
     return 1;
 }
 
-static void stand_of(struct room *m, const struct chain *c,
+static void stand_of(struct big_arena *m, const struct chain *c,
                      const struct point *p, struct stand s[2])
 {
     int sign[4][2] = {{0}};
@@ -146,7 +146,7 @@ static bool at_end(uint32_t cell)
 
 /* Returns the octave of root i in the first or last cell. All τ there are <
  * 2^-29 or > 2^29. */
-static int octave_of(struct room *m, const struct chain *c, int i,
+static int octave_of(struct big_arena *m, const struct chain *c, int i,
                      uint32_t cell)
 {
     int words = 0;
@@ -167,7 +167,7 @@ static int octave_of(struct room *m, const struct chain *c, int i,
     return lo;
 }
 
-void root_locate(struct room *m, struct chain *c, int i, struct root *r)
+void root_locate(struct big_arena *m, struct chain *c, int i, struct root *r)
 {
     uint32_t lo = 0, hi = ROOT_ONE; /* the root lies in (lo, hi] */
     r->chain = c;
@@ -192,7 +192,7 @@ void root_locate(struct room *m, struct chain *c, int i, struct root *r)
 }
 
 /* Finds how the roots of f are ordered among the roots of the chain (§6.4). */
-static void make_turns(struct room *m, const struct poly *f,
+static void make_turns(struct big_arena *m, const struct poly *f,
                        const struct chain *c, struct turns *t)
 {
     struct poly q = trimmed(f);
@@ -227,7 +227,7 @@ static void make_turns(struct room *m, const struct poly *f,
 
 /* Returns the result of make_turns, which is kept for the chain's other
  * roots. */
-static const struct turns *turns_of(struct room *m, const struct poly *f,
+static const struct turns *turns_of(struct big_arena *m, const struct poly *f,
                                     struct chain *c)
 {
     int most = (int)(sizeof c->turns / sizeof *c->turns);
@@ -241,7 +241,7 @@ static const struct turns *turns_of(struct room *m, const struct poly *f,
 
 /* Returns the sign of f at a root that is not on the grid: the sign at 0+,
  * flipped by each simple root of f below that root. */
-static int sign_ordered(struct room *m, const struct poly *f,
+static int sign_ordered(struct big_arena *m, const struct poly *f,
                         const struct root *r)
 {
     const struct turns *t = turns_of(m, f, r->chain);
@@ -256,7 +256,7 @@ static int sign_ordered(struct room *m, const struct poly *f,
     return sign;
 }
 
-int root_quick(struct room *m, const struct poly *f, const struct root *r)
+int root_quick(struct big_arena *m, const struct poly *f, const struct root *r)
 {
     int sign[2] = {0, 0};
     if (f == r->of || poly_zero(f))
@@ -272,7 +272,8 @@ int root_quick(struct room *m, const struct poly *f, const struct root *r)
     return sign[0];
 }
 
-bool root_avoids(struct room *m, const struct poly *f, const struct root *r)
+bool root_avoids(struct big_arena *m, const struct poly *f,
+                 const struct root *r)
 {
     int sign = root_quick(m, f, r);
     if (sign == ROOT_UNKNOWN)
@@ -280,7 +281,7 @@ bool root_avoids(struct room *m, const struct poly *f, const struct root *r)
     return sign != 0;
 }
 
-int root_sign(struct room *m, const struct poly *f, const struct root *r)
+int root_sign(struct big_arena *m, const struct poly *f, const struct root *r)
 {
     int mark = m->used, sign = root_quick(m, f, r);
     if (sign == ROOT_UNKNOWN)

@@ -51,16 +51,17 @@ struct root {
 
 /* Makes chains whose roots are together the distinct roots of p ≢ 0 in 0 < t <
  * 1. Returns the number of chains, at most 2. */
-int chains_make(struct room *m, const struct poly *p, struct chain c[2]);
+int chains_make(struct big_arena *m, const struct poly *p, struct chain c[2]);
 /* Locates root i of the chain, 1 ≤ i ≤ c->roots, to its cell. */
-void root_locate(struct room *m, struct chain *c, int i, struct root *r);
+void root_locate(struct big_arena *m, struct chain *c, int i, struct root *r);
 /* Returns the sign of f, of degree at most 2, at the root, or ROOT_UNKNOWN
  * where few words of f do not determine the sign. */
-int root_quick(struct room *m, const struct poly *f, const struct root *r);
+int root_quick(struct big_arena *m, const struct poly *f, const struct root *r);
 /* A sufficient test: true only where f, of degree at most 2, is not 0 at the
  * root. */
-bool root_avoids(struct room *m, const struct poly *f, const struct root *r);
+bool root_avoids(struct big_arena *m, const struct poly *f,
+                 const struct root *r);
 /* Returns the exact sign of f, of degree at most 2, at the root. */
-int root_sign(struct room *m, const struct poly *f, const struct root *r);
+int root_sign(struct big_arena *m, const struct poly *f, const struct root *r);
 
 #endif

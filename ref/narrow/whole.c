@@ -23,7 +23,7 @@ static int common_exponent(double x[2][4][3])
 }
 
 /* Returns vertex a minus vertex b. */
-static struct line edge(struct room *m, struct line p[4], int a, int b)
+static struct line edge(struct big_arena *m, struct line p[4], int a, int b)
 {
     struct line r;
     for (int i = 0; i < 6; i++)
@@ -33,7 +33,7 @@ static struct line edge(struct room *m, struct line p[4], int a, int b)
 }
 
 /* Returns component k of f × g. */
-static struct poly cross(struct room *m, const struct line *f,
+static struct poly cross(struct big_arena *m, const struct line *f,
                          const struct line *g, int k)
 {
     struct poly p = {2, {{NULL, 0, 0}}};
@@ -50,7 +50,7 @@ static struct poly cross(struct room *m, const struct line *f,
 }
 
 /* Returns a - b; both have the same degree. */
-static struct poly minus(struct room *m, const struct poly *a,
+static struct poly minus(struct big_arena *m, const struct poly *a,
                          const struct poly *b)
 {
     struct poly p = {a->degree, {{NULL, 0, 0}}};
@@ -60,7 +60,7 @@ static struct poly minus(struct room *m, const struct poly *a,
 }
 
 /* Returns a + b; both have the same degree. */
-static struct poly plus(struct room *m, const struct poly *a,
+static struct poly plus(struct big_arena *m, const struct poly *a,
                         const struct poly *b)
 {
     struct poly p = {a->degree, {{NULL, 0, 0}}};
@@ -70,7 +70,7 @@ static struct poly plus(struct room *m, const struct poly *a,
 }
 
 /* Returns f · w. */
-static struct poly dot(struct room *m, const struct line *f,
+static struct poly dot(struct big_arena *m, const struct line *f,
                        const struct poly w[3])
 {
     struct poly p = {3, {{NULL, 0, 0}}};
@@ -93,7 +93,7 @@ static void set_box(struct system *s, int j, const struct line *f)
     }
 }
 
-static void make_vf(struct room *m, struct line p[4], struct system *s)
+static void make_vf(struct big_arena *m, struct line p[4], struct system *s)
 {
     struct line f[3];
     s->count = 3;
@@ -113,7 +113,7 @@ static void make_vf(struct room *m, struct line p[4], struct system *s)
     s->v = dot(m, &f[0], w);
 }
 
-static void make_ee(struct room *m, struct line p[4], struct system *s)
+static void make_ee(struct big_arena *m, struct line p[4], struct system *s)
 {
     static const int ends[4][2] = {{2, 0}, {3, 0}, {2, 1}, {3, 1}};
     struct line f[3] = {edge(m, p, 2, 0), edge(m, p, 1, 0), edge(m, p, 3, 2)};
@@ -132,7 +132,8 @@ static void make_ee(struct room *m, struct line p[4], struct system *s)
     s->v = dot(m, &f[0], s->n);
 }
 
-void system_make(struct room *m, double x[2][4][3], int kind, struct system *s)
+void system_make(struct big_arena *m, double x[2][4][3], int kind,
+                 struct system *s)
 {
     struct line p[4];
     int e = common_exponent(x);

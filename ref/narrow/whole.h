@@ -16,6 +16,7 @@ struct system {
 
 /* Makes the polynomials from finite positions x[t][vertex][axis]; kind 0 is
  * vertex-face, 1 edge-edge. */
-void system_make(struct room *m, double x[2][4][3], int kind, struct system *s);
+void system_make(struct big_arena *m, double x[2][4][3], int kind,
+                 struct system *s);
 
 #endif

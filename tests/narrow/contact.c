@@ -25,7 +25,14 @@ const char *test_narrow_status(void)
     int32_t pair[4] = {0, 1, 2, 3};
     uint8_t kind = 0, tier;
     uint32_t toi;
-    struct narrow s = {1, pair, &kind, x0, x1, 4, &toi, &tier};
+    struct narrow s = {.n = 1,
+                       .pair = pair,
+                       .kind = &kind,
+                       .x0 = x0,
+                       .x1 = x1,
+                       .nv = 4,
+                       .toi = &toi,
+                       .tier = &tier};
     EXPECT(ref_narrow(&s) == DRAPE_OK && toi == 0);
     real bad[3] = {HUGE_VAL, -HUGE_VAL, 0};
     bad[2] = bad[0] + bad[1];

@@ -8,7 +8,7 @@
 #include "tests/base/choices.h"
 
 /* Picks a number of up to 12 words, some of them 0 or all ones. */
-static struct big pick_big(struct bytes *b, struct room *m)
+static struct big pick_big(struct bytes *b, struct big_arena *m)
 {
     struct big r = big_small(m, pick(b, 5));
     for (int k = (int)pick(b, 12); k > 0; k--) {
@@ -19,7 +19,7 @@ static struct big pick_big(struct bytes *b, struct room *m)
 }
 
 /* Returns ((a·b - c·d)·b + d)·a, computed with m->keep words. */
-static struct near value_of(struct room *m, const struct big v[4])
+static struct near value_of(struct big_arena *m, const struct big v[4])
 {
     struct near a = near_of(m, v[0]), b = near_of(m, v[1]);
     struct near c = near_of(m, v[2]), d = near_of(m, v[3]);
@@ -37,7 +37,7 @@ const char *test_near_signs(void)
     int told = 0, untold = 0;
     const char *failed = NULL;
     for (int k = 0; k < 20000 && !failed; k++) {
-        struct room m = {word, 8192, 0, 0, false, 8192};
+        struct big_arena m = {.word = word, .size = 8192, .keep = 8192};
         struct big v[4];
         for (int i = 0; i < 4; i++)
             v[i] = pick_big(&b, &m);
@@ -66,7 +66,7 @@ const char *test_near_signs(void)
 }
 
 /* Returns (a + b τ)(c + d τ). */
-static struct poly product_of(struct room *m, const struct big v[4])
+static struct poly product_of(struct big_arena *m, const struct big v[4])
 {
     struct poly p = {2, {big_mul(m, v[0], v[2]), {0}, big_mul(m, v[1], v[3])}};
     p.c[1] = big_add(m, big_mul(m, v[0], v[3]), big_mul(m, v[1], v[2]));
@@ -82,7 +82,7 @@ const char *test_near_coprime(void)
     int told = 0;
     const char *failed = NULL;
     for (int k = 0; k < 5000 && !failed; k++) {
-        struct room m = {word, 8192, 0, 0, false, 8192};
+        struct big_arena m = {.word = word, .size = 8192, .keep = 8192};
         struct big v[4], w[4];
         for (int i = 0; i < 4; i++) {
             v[i] = pick_big(&b, &m);
