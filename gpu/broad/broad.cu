@@ -32,7 +32,8 @@ static int grow(struct gpu *g, struct broad_pool *p, enum arena_part part,
     return DRAPE_OK;
 }
 
-/* Of a query and its candidates, which are read before contacts are solved. */
+/* Grows a pool of a query or its candidates, which are read before contacts are
+ * solved. Its memory is reported as ARENA_PAIRS. */
 static int grow_pairs(struct gpu *g, struct broad_pool *p, int64_t need,
                       size_t size)
 {

@@ -10,8 +10,9 @@ extern "C" {
 
 /* §1: VF_BITS of a mask's BITS bits are vertex-face pairs. */
 enum { VF_BITS = 6, VF_MASK = (1 << VF_BITS) - 1, BITS = 15 };
-/* The counts of both kinds; all, where there is room for them, and wherever;
- * for ends_last. */
+/* Words of gpu_words: the number of vertex-face and of edge-edge candidates;
+ * the number of candidates written, 0 if the capacity is too small; the number
+ * there are; the ticket of ends_last. */
 enum { WORD_VF, WORD_EE, WORD_DONE, WORD_NEED, WORD_TICKET, WORDS };
 
 /* The vertex numbers of a triangle. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage audit: finds every intersecting pair of triangles of a mesh. The stage
- * judges the simulator's results, so it shares no code with the simulator's
- * collision detection. spec/narrow/audit.md */
+ * judges the simulator's results, so in the reference it shares no code with
+ * the simulator's collision detection. spec/narrow/audit.md */
 #ifndef REF_AUDIT_H
 #define REF_AUDIT_H
 

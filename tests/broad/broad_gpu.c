@@ -18,7 +18,7 @@ struct both {
     struct notes notes[2]; /* digests of the last query: reference, device */
     struct trace trace[2];
     vec *x0, *x1;   /* on the device */
-    uint8_t *moved; /* likewise */
+    uint8_t *moved; /* on the device */
     double seconds[2];
 };
 
