@@ -25,8 +25,8 @@ void shelf_free(struct shelf *s);
 struct bank {
     size_t held, most; /* bytes in use; most: the limit */
     int64_t calls, blocks, from, times;
-    bool wrong; /* out: a block was freed with other arguments than it was
-                   allocated with */
+    bool wrong; /* out: a block was freed with another size than it was
+                   allocated with, or its header was overwritten */
 };
 void bank_open(struct bank *bank, size_t most);
 drape_allocator bank_of(struct bank *bank);

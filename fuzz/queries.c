@@ -60,7 +60,8 @@ static void draw_soup(struct bytes *b, struct soup *s, bool groups)
     }
 }
 
-/* Makes a later allocation fail. Returns whether this was chosen. */
+/* In one input of eight, makes all allocations fail from one of the first 16
+ * on. Returns whether this was chosen. */
 static bool draw_short(struct bytes *b, struct bank *bank)
 {
     if (pick(b, 8) != 7)

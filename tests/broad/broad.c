@@ -92,8 +92,8 @@ static double distance(const struct fabric *f, const struct fabric_pair *p)
     return sqrt(c.length2);
 }
 
-/* Counts of the pairs that cones left out and of those that could have been
- * wrong, so that the test cannot pass without cases. */
+/* How many pairs the cones left out, and whether some found pair touches: the
+ * test fails without such cases. */
 struct toll {
     int64_t left_out;
     bool touching;

@@ -47,8 +47,9 @@ static void limit(struct broad_pool *p, int64_t cap)
     p->cap = p->cap < cap ? p->cap : cap;
 }
 
-/* Shrinks all streams to the size of the front, so that every stream must grow.
- * The front's scratch must not be smaller than the front. */
+/* Shrinks the front and its scratch to the front's size, and the results to 0,
+ * so that every stream must grow. The front's scratch must not be smaller than
+ * the front. */
 static void shrink(struct broad *b)
 {
     limit(&b->front, b->n_front > 0 ? b->n_front : 1);
