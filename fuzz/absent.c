@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* In place of the readers' targets where the tool's libraries are not
- * installed. */
+/* Built in place of the targets of the tool's readers where the tool's
+ * libraries are not installed. */
 #include "fuzz/fuzz.h"
 
 const struct target fuzz_readers[] = {{NULL, NULL, NULL}};

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Memory, the allocator and tapes, as fuzz/bank.h says. */
+/* Implements exact-size memory, the checking allocator and byte buffers. See
+ * fuzz/bank.h. */
 #include "fuzz/bank.h"
 
 #include <stdlib.h>
@@ -27,7 +28,7 @@ void shelf_free(struct shelf *s)
         free(s->p[--s->n]);
 }
 
-/* What stands before a block; memory of a device is aligned to 256. */
+/* The header before each block. Device memory is aligned to 256 bytes. */
 struct stub {
     size_t bytes;
     uint64_t mark;

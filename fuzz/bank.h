@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Memory of exact size, an allocator that looks after itself, and bytes that a
- * world is saved to and loaded from. */
+/* Memory helpers of the fuzz targets: exact-size blocks, an allocator that
+ * checks its callers, and byte buffers to which a world is saved and from which
+ * it is loaded. */
 #ifndef FUZZ_BANK_H
 #define FUZZ_BANK_H
 
@@ -10,8 +11,8 @@
 
 #include "spec/drape.h"
 
-/* Memory of exactly that size, so that a sanitizer sees a read beyond it;
- * freed by shelf_free. */
+/* Blocks of exactly the requested size, so that a sanitizer sees any access
+ * beyond them. shelf_free frees all of them. */
 struct shelf {
     void *p[64];
     int n;
@@ -19,18 +20,19 @@ struct shelf {
 void *shelf_take(struct shelf *s, size_t count, size_t size);
 void shelf_free(struct shelf *s);
 
-/* An allocator that gives memory full of noise, counts, checks what is given
- * back, and fails from call `from` on, `times` times. */
+/* An allocator that fills memory with noise, counts, checks what is freed, and
+ * fails `times` calls from call `from` on. */
 struct bank {
-    size_t held, most; /* bytes; most: that it has */
+    size_t held, most; /* bytes in use; most: the limit */
     int64_t calls, blocks, from, times;
-    bool wrong; /* out: something was given back that was not as taken */
+    bool wrong; /* out: a block was freed with another size than it was
+                   allocated with, or its header was overwritten */
 };
 void bank_open(struct bank *bank, size_t most);
 drape_allocator bank_of(struct bank *bank);
 
-/* Bytes that grow, as what a drape_write writes to and a drape_read_bytes
- * reads from. left: calls until it fails; negative: it never does. */
+/* A growing byte buffer for drape_write and drape_read_bytes. left: number of
+ * calls until the buffer fails; negative: it never fails. */
 struct tape {
     uint8_t *data;
     size_t size, room, at;
@@ -38,7 +40,8 @@ struct tape {
 };
 int tape_write(void *user, const void *data, size_t bytes);
 int tape_read(void *user, void *data, size_t bytes);
-/* A checkpoint into a tape emptied before; false where there is none. */
+/* Empties the buffer and saves a checkpoint to it. Returns false if saving
+ * failed. */
 bool tape_save(struct tape *tape, const drape_world *world);
 bool tape_same(const struct tape *a, const struct tape *b);
 

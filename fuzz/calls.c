@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The functions of a world in any order: drape_step between all others. */
+/* Fuzzes the functions of a world: calls them in any order with drape_step
+ * between them. */
 #include <math.h>
 #include <stdlib.h>
 
 #include "fuzz/fuzz.h"
 #include "fuzz/play.h"
 
-/* What no call may change; calls that change nothing end with this. */
+/* Checks the state that only a step may change. Calls that must change nothing
+ * end with this check. */
 static const char *unchanged(struct play *p)
 {
     EXPECT(play_note(p, p->after));
@@ -71,7 +73,7 @@ static const char *play_borrow(struct play *p)
     double *x = malloc((size_t)n * sizeof *x);
     bool good =
         x && drape_read(p->world[0], (double(*)[3])(void *)x, NULL) == DRAPE_OK;
-    /* an emulated device's memory is the host's */
+    /* the memory of an emulated device is host memory */
     for (int64_t k = 0; k < n && good; k++)
         good =
             x[k] == (view.precision == 32 ? (double)((const float *)view.x)[k]
@@ -207,7 +209,7 @@ static const struct call {
              {"drape_count", play_count}};
 enum { CALLS = sizeof calls / sizeof *calls };
 
-/* Every other call is `often`. */
+/* Makes calls drawn from the input; every other call is `often`. */
 static const char *play(struct play *p, int often)
 {
     enum { TURNS = 24 };
@@ -225,7 +227,8 @@ static const char *play(struct play *p, int often)
     return failed;
 }
 
-/* Makes the worlds, plays, destroys them. twins: one a backend. */
+/* Makes the worlds, makes the calls, destroys the worlds. twins: one world for
+ * each backend. */
 static const char *play_all(struct play *p, int often, bool twins)
 {
     drape_error error = {""};
@@ -258,7 +261,7 @@ static const char *start(const uint8_t *data, size_t size, int often,
     p.b = draw_open(data, size, words);
     p.most_steps = twins ? 3 : 8;
     small_make(&p.s, &p.b);
-    if (!twins && pick(&p.b, 8) == 7) { /* emulated: slow */
+    if (!twins && pick(&p.b, 8) == 7) { /* emulation is slow */
         p.s.def.backend = DRAPE_GPU;
         p.most_steps = 2;
     }

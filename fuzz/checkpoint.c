@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A run's checkpoint of any bytes: it is refused, or the run goes on from it
- * and reports what is JSON. */
+/* Fuzzes the checkpoint of a run with any bytes: it is refused, or the run goes
+ * on from it and its report is valid JSON. */
 #include "app/checkpoint.h"
 
 #include <stdlib.h>
@@ -16,8 +16,8 @@ static const char *folder_of(char folder[FILES_PATH])
     return folder;
 }
 
-/* Loads the file there as drape run does. The scene keeps its own settings:
- * its world is made already. */
+/* Loads the checkpoint file as `drape run` does. The scene keeps its own
+ * settings, because its world already exists. */
 static int load(struct report *report, const struct scene *scene,
                 drape_world *world)
 {
@@ -34,7 +34,7 @@ static int load(struct report *report, const struct scene *scene,
     return status;
 }
 
-/* What a loaded run writes is JSON and a checkpoint that loads. */
+/* The output of a loaded run is valid JSON and a checkpoint that loads. */
 static const char *go_on(struct report *report, const struct scene *scene,
                          drape_world *world)
 {
@@ -108,7 +108,8 @@ size_t checkpoint_begin(uint8_t *data, size_t size, size_t most)
     return size;
 }
 
-/* An input of a byte stands for a run's own checkpoint. */
+/* An input of one byte or less stands for an undamaged checkpoint of the
+ * run. */
 const char *fuzz_checkpoint(const char *name, const uint8_t *data, size_t size)
 {
     static struct scene scene;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* drape_create of any definition, and of cloth of any scale: a refusal says
- * why and keeps nothing; what is accepted steps, in bounded time. */
+/* Fuzzes drape_create with any definition and with cloth of any scale. A
+ * refusal has a message and keeps no memory; an accepted world steps in bounded
+ * time. */
 #include <math.h>
 #include <stdlib.h>
 #include <time.h>
@@ -9,8 +10,8 @@
 #include "fuzz/small.h"
 #include "fuzz/whole.h"
 
-/* s of this processor's time that an input may take: a hundred times what the
- * slowest of sound scenes takes, under sanitizers too. */
+/* Seconds of processor time that an input may take: a hundred times the slowest
+ * valid scene, also under sanitizers. */
 enum { PATIENCE = 30 };
 
 static double seconds(void)
@@ -18,7 +19,7 @@ static double seconds(void)
     return (double)clock() / CLOCKS_PER_SEC;
 }
 
-/* One line of text that ends. */
+/* Whether the message is one line of terminated text. */
 static bool says(const drape_error *error)
 {
     size_t n = strnlen(error->text, sizeof error->text);
@@ -52,14 +53,16 @@ static const char *step(drape_world *world, int n)
     return failed;
 }
 
-/* Large scenes, and such as may do what takes long, are only made. */
+/* Whether steps of the scene are fast enough to run. Other scenes are only
+ * created. */
 static bool steps_soon(const drape_def *d, const drape_world *world)
 {
     return drape_vertices(world) < 400 && d->max_iterations <= 2000 &&
            d->max_substeps <= 2000 && d->max_rounds <= 100 && d->threads <= 4;
 }
 
-/* Makes it, takes n steps, and ends it: NULL, or what does not hold. */
+/* Makes the world, takes n steps and destroys it. Returns NULL or the check
+ * that failed. */
 static const char *make(drape_def *d, struct bank *bank, bool mute, int n)
 {
     drape_world *world = (drape_world *)(void *)bank;
@@ -104,9 +107,7 @@ const char *fuzz_create(const char *name, const uint8_t *data, size_t size)
     return failed;
 }
 
-/* ---- Scale ---- */
-
-/* Any sound number within what a definition allows. */
+/* Draws valid numbers over the whole range that a definition allows. */
 static void scale(struct bytes *b, struct small *s)
 {
     drape_def *d = &s->def;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* drape ccd on any bytes as a file of queries: an answer a query, the same
- * with the line ends of another system. */
+/* Fuzzes `drape ccd` with any bytes as a file of queries: there is one answer a
+ * query, and the line endings of another system give the same answers. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -9,7 +9,7 @@
 #include "app/app.h"
 #include "fuzz/files.h"
 
-/* Runs the command with its answers into a file; its exit code. */
+/* Runs the command with its output in a file. Returns the exit code. */
 static int run(const char *kind, char **answers, size_t *size)
 {
     char path[FILES_PATH], file[FILES_PATH], option[] = "--kind", what[3];
@@ -30,7 +30,8 @@ static int run(const char *kind, char **answers, size_t *size)
     return code;
 }
 
-/* `0`, or `1` and a time in [0, 1]; *lines: how many. */
+/* Whether each line of the output is `0`, or `1` and a time in [0, 1]. *lines
+ * is the number of lines. */
 static bool sound(const char *text, long *lines)
 {
     for (*lines = 0; *text; ++*lines) {
@@ -45,7 +46,7 @@ static bool sound(const char *text, long *lines)
     return true;
 }
 
-/* The same text with carriage returns; the caller frees. */
+/* Returns the same text with carriage returns. The caller frees the result. */
 static char *other_ends(const uint8_t *data, size_t size, size_t *other)
 {
     char *text = malloc(2 * size + 1);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Changes of binary files that keep their shape. */
+/* Mutates binary files so that most of their structure survives. */
 #include "fuzz/damage.h"
 
 #include <string.h>
@@ -11,7 +11,7 @@ struct bytes damage_choices(uint64_t seed)
     return (struct bytes){.seed = seed, .size = -1, .bench = true};
 }
 
-/* A limit of a type of that size, in the host's order. */
+/* Writes a limit of an integer type of that size, in the host's byte order. */
 static void put_limit(struct bytes *b, uint8_t *at, size_t bytes)
 {
     double number = draw_any(b);
@@ -72,8 +72,9 @@ size_t damage(struct bytes *b, uint8_t *data, size_t size, size_t most,
     }
 }
 
-/* Where a checkpoint has the check of all its other bytes, and the hash of it
- * by words of eight bytes: true of those whose streams are whole words. */
+/* Place of the checksum in a checkpoint. It is the hash of all other bytes by
+ * words of eight bytes, and can be recomputed here only if all streams are
+ * whole words. */
 enum { CHECK = 24 };
 
 static uint64_t check_of(const uint8_t *data, size_t size)

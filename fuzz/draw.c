@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Choices, as fuzz/draw.h says. */
+/* Draws numbers from the fuzzer's choices. See fuzz/draw.h. */
 #include "fuzz/draw.h"
 
 #include <float.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Files of the readers' targets. */
+/* Temporary files for the targets of the tool's readers. */
 #include "fuzz/files.h"
 
 #include <stdio.h>
@@ -11,9 +11,10 @@
 #include "app/app.h"
 
 static char folder[64];
-static long owner; /* the process that made it; a child leaves it alone */
+static long owner; /* process that made the folder; a child process does not
+                      remove it */
 
-/* The files that targets make, so that none stays. */
+/* All files that targets make, so that none is left behind. */
 static const char *const names[] = {
     "scene.json",   "ball.ply",    "wave_0.ply",
     "wave_1.ply",   "wave_2.ply",  "queries.csv",
@@ -40,7 +41,8 @@ static const char tetrahedron[] =
     "property list uchar int vertex_indices\nend_header\n"
     "0 0 0\n.1 0 0\n0 .1 0\n0 0 .1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 
-/* In memory where there is a disk of it, as files are synchronised. */
+/* Makes the folder on a memory disk if there is one, because the tool
+ * synchronises files. */
 static void begin(void)
 {
     char path[FILES_PATH];

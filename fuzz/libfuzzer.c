@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What libFuzzer calls. The target is the one that the program is named after:
- * one program, a link to it for each target. */
+/* The entry points of libFuzzer. The target is chosen by the program's name:
+ * there is one program and a link to it for each target. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +15,8 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t most,
 size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t most);
 
 static const struct target *target;
-static int out; /* standard error, which libFuzzer may close for the target */
+static int out; /* a copy of standard error, which libFuzzer may close for
+                   the target */
 
 int LLVMFuzzerInitialize(int *argc, char ***argv)
 {

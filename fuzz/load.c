@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* drape_load of damaged checkpoints, most with a check that is right again:
- * they are refused and change nothing, or the world goes on. The first byte
- * says which world; an input without more is the world's own checkpoint. */
+/* Fuzzes drape_load with damaged checkpoints, most of them with a recomputed
+ * checksum: they are refused and change nothing, or the world goes on. The
+ * first byte selects the world; an input of one byte stands for that world's
+ * own checkpoint. */
 #include <stdlib.h>
 #include <time.h>
 
@@ -10,11 +11,12 @@
 
 enum { WORLDS = 8, HEAD = 176, PATIENCE = 30 };
 
-/* World k: the first of its thousand whose checkpoints can be repaired, after
- * k steps; *tape: its checkpoint. NULL: there is none. */
+/* Makes world k: the first of a thousand worlds whose checkpoints can be
+ * repaired, after k steps. *tape is its checkpoint. Returns NULL if there is no
+ * such world. */
 static drape_world *make(struct small *s, unsigned k, struct tape *tape)
 {
-    static uint64_t seed[WORLDS]; /* 0: not looked for yet */
+    static uint64_t seed[WORLDS]; /* 0: not searched yet */
     uint64_t end = 1000 * (k + 1), try = seed[k] ? seed[k] : end - 999;
     for (; try < end; try++) {
         struct bytes b = damage_choices(try);
@@ -34,7 +36,8 @@ static drape_world *make(struct small *s, unsigned k, struct tape *tape)
     return NULL;
 }
 
-/* A world that took a checkpoint: whatever it was, calls end with a status. */
+/* Continues a world that accepted a checkpoint: whatever the checkpoint was,
+ * each call must return a status. */
 static const char *go_on(struct small *s, drape_world *world)
 {
     double begun = (double)clock() / CLOCKS_PER_SEC;
@@ -100,7 +103,7 @@ size_t load_mutate(uint8_t *data, size_t size, size_t most, uint64_t seed)
 {
     static struct small s;
     struct bytes b = damage_choices(seed);
-    if (size < 2 && most > 1) { /* begin with a sound one */
+    if (size < 2 && most > 1) { /* begin with an undamaged checkpoint */
         struct tape own = {.left = -1};
         data[0] = (uint8_t)pick(&b, WORLDS);
         drape_world *world = make(&s, data[0], &own);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Replays corpora without libFuzzer: replay TARGET FILE...; replay --list
+/* Replays corpora without libFuzzer: `replay TARGET FILE...`. `replay --list`
  * prints all targets. */
 #include <fcntl.h>
 #include <stdio.h>
@@ -22,8 +22,8 @@ static void list(const struct target *t)
         printf("%s\n", t->name);
 }
 
-/* The file's bytes, or NULL. A fuzzer's inputs end where their memory does, so
- * that a read beyond them shows. */
+/* Returns the file's bytes, or NULL. As in libFuzzer, the input ends where its
+ * memory ends, so that a sanitizer sees reads beyond it. */
 static uint8_t *read_input(const char *path, size_t *size)
 {
     FILE *f = fopen(path, "rb");
@@ -51,8 +51,8 @@ static const char *replay(const struct target *t, const char *path)
     return failed;
 }
 
-/* What the targets print is of no interest, only what comes of them: the
- * stream for that. */
+/* Silences the targets' output. Returns the stream for the driver's own
+ * messages. */
 static FILE *silence(void)
 {
     FILE *out = fdopen(dup(STDOUT_FILENO), "w");

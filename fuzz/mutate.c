@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Changes of JSON that leave it JSON: numbers become limits, parts go, come
- * twice, change places or keys. The words are those of app/scenes/README.md. */
+/* Mutates JSON so that it stays JSON: numbers become limits; parts are removed,
+ * doubled, exchanged or get another key. The words are those of
+ * app/scenes/README.md. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,7 +16,8 @@ static const char *const words[] = {
 };
 enum { WORDS = sizeof words / sizeof *words };
 
-/* Part k of the tree in the order of its text, or how many there are. */
+/* Returns part k of the tree in the order of its text. *k counts down; with *k
+ * = -1 all parts are counted. */
 static cJSON *find(cJSON *node, long *k)
 {
     if ((*k)-- == 0)
@@ -87,7 +89,7 @@ static void set_text(struct bytes *b, cJSON *node)
         cJSON_SetValuestring(node, words[pick(b, WORDS)]);
 }
 
-/* Another key for a part of an object. */
+/* Gives a part of an object another key. */
 static void rename_part(struct bytes *b, cJSON *node)
 {
     const char *word = words[pick(b, WORDS)];
@@ -100,7 +102,7 @@ static void rename_part(struct bytes *b, cJSON *node)
     node->string = name;
 }
 
-/* The list or object that the part is in, or NULL. */
+/* Returns the list or object that holds the part, or NULL. */
 static cJSON *parent_of(cJSON *root, const cJSON *part)
 {
     for (cJSON *item = root->child; item; item = item->next) {
@@ -111,8 +113,8 @@ static cJSON *parent_of(cJSON *root, const cJSON *part)
     return NULL;
 }
 
-/* Puts a copy of `from`, or anything, in the part's place, beside it, or into
- * it; or takes the part away. */
+/* Puts a copy of `from`, or any value, in the part's place, beside it or into
+ * it; or removes the part. */
 static void graft(struct bytes *b, cJSON *root, cJSON *part, const cJSON *from)
 {
     cJSON *parent = parent_of(root, part);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Changes of a run's checkpoint, most with the checks made right again. */
+/* Mutates the checkpoint of a run, mostly with the checksums recomputed. */
 #include <string.h>
 
 #include "fuzz/damage.h"
 #include "fuzz/files.h"
 
-enum { HEAD = 240 }; /* bytes in which there are no streams */
+enum { HEAD = 240 }; /* bytes of the header, before the streams */
 
-/* The library's part of a run's checkpoint begins with its magic; NULL: none
- * is there. */
+/* Returns the library's part of a run's checkpoint, which begins with its magic
+ * number, or NULL if there is none. */
 static uint8_t *library_part(uint8_t *data, size_t size)
 {
     static const char magic[] = "drape-";
@@ -18,7 +18,8 @@ static uint8_t *library_part(uint8_t *data, size_t size)
     return NULL;
 }
 
-/* The library's check, then that of the whole file, its last eight bytes. */
+/* Recomputes the library's checksum, then the checksum of the whole file, which
+ * is its last eight bytes. */
 static void repair(uint8_t *data, size_t size)
 {
     uint64_t sum;

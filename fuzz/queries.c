@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The functions of spec/drape.h that need no world: the audit, collision
+/* Fuzzes the functions of spec/drape.h that need no world: the audit, collision
  * queries, defaults and texts. */
 #include <math.h>
 #include <stdlib.h>
@@ -9,14 +9,14 @@
 
 enum { POINTS = 12, TRIANGLES = 10 };
 
-/* A mesh as a caller may give it: mostly sound, on a coarse grid, so that much
- * touches. */
+/* A mesh as a caller may pass it: mostly valid, on a coarse grid, so that many
+ * triangles touch. */
 struct soup {
     drape_mesh mesh;
     double x[POINTS][3], x1[POINTS][3];
     int32_t tri[TRIANGLES][3], group[TRIANGLES];
     struct bank bank;
-    bool sound; /* nothing is wrong with it */
+    bool sound; /* all of the mesh is valid */
 };
 
 static double coordinate(struct bytes *b, bool *sound)
@@ -56,11 +56,12 @@ static void draw_soup(struct bytes *b, struct soup *s, bool groups)
         int64_t wrong = draw_int(b);
         s->mesh.nv = pick(b, 2) && wrong <= nv ? wrong : nv;
         s->mesh.nt = pick(b, 2) && wrong <= nt ? wrong : nt;
-        s->sound = false; /* or it is; then no status is wrong */
+        s->sound = false; /* or still valid; any status is then accepted */
     }
 }
 
-/* The next allocation but some finds nothing; whether that was chosen. */
+/* In one input of eight, makes all allocations fail from one of the first 16
+ * on. Returns whether this was chosen. */
 static bool draw_short(struct bytes *b, struct bank *bank)
 {
     if (pick(b, 8) != 7)
@@ -70,9 +71,7 @@ static bool draw_short(struct bytes *b, struct bank *bank)
     return true;
 }
 
-/* ---- drape_audit ---- */
-
-/* The same question for each two triangles alone. */
+/* Counts intersecting pairs by one audit for each two triangles. */
 static int64_t audit_two_by_two(const struct soup *s)
 {
     int64_t sum = 0;
@@ -133,8 +132,6 @@ const char *fuzz_audit(const char *name, const uint8_t *data, size_t size)
     return failed;
 }
 
-/* ---- drape_ccd ---- */
-
 static const char *ccd(struct bytes *b)
 {
     double x[2][4][3], y[2][4][3], toi = -7, other = -7;
@@ -151,7 +148,7 @@ static const char *ccd(struct bytes *b)
     }
     EXPECT(sound ? hit == 0 || hit == 1 : hit <= 1);
     EXPECT(hit != 1 || (toi >= 0 && toi <= 1));
-    /* The face's corners, or the edges, in another order; half the size. */
+    /* the face's corners or the edges in another order; positions halved */
     static const int turn[2][4] = {{0, 2, 3, 1}, {2, 3, 1, 0}};
     bool exact = true;
     for (int k = 0; k < 24; k++) {
@@ -176,13 +173,11 @@ const char *fuzz_ccd(const char *name, const uint8_t *data, size_t size)
     return failed;
 }
 
-/* ---- drape_ccd_frames ---- */
-
 struct touched {
-    int64_t n, end; /* end: calls until it asks for the end */
+    int64_t n, end; /* end: number of calls after which it asks to stop */
     uint64_t hash;
     const struct soup *soup;
-    bool wrong; /* the query of the pair alone says something else */
+    bool wrong; /* a query of the pair alone gives another answer */
 };
 
 static int touch(void *user, int kind, const int32_t v[4], double toi)
@@ -241,9 +236,8 @@ const char *fuzz_ccd_frames(const char *name, const uint8_t *data, size_t size)
     return failed;
 }
 
-/* ---- Texts and defaults ---- */
-
-/* Whether a function that fills a record fills it all, whatever was there. */
+/* Whether a function that fills a struct fills all of it, whatever was there
+ * before. */
 #define FILLS(type, fill)                                                      \
     do {                                                                       \
         type a_, b_;                                                           \

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The tool's readers on any bytes: scenes and meshes. They refuse or accept;
- * what they accept is as their headers say. The table of all readers. */
+/* Fuzzes the tool's readers of scenes and meshes with any bytes: they refuse
+ * the input, or the result is as their headers say. Also holds the table of all
+ * targets of readers. */
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -22,10 +23,8 @@ const struct target fuzz_readers[] = {
 
 enum { PATIENCE = 30, SMALL = 300 };
 
-/* ---- Scenes ---- */
-
-/* Whether a scene asks for more than there is time for here: each number under
- * a key that counts what is made. */
+/* Whether a scene is too large to run here: checks each number under a key that
+ * counts things. */
 static bool too_large(const cJSON *node)
 {
     static const char *const keys[] = {"particles", "detail", "count", "folds",
@@ -68,7 +67,7 @@ static const char *look_at_settings(const struct scene *scene)
     return valid ? NULL : "settings are not JSON";
 }
 
-/* Makes the scene's world and takes a step, where that is not much. */
+/* Makes the world of a small scene and takes a step. */
 static const char *try_world(struct scene *scene)
 {
     static const struct overrides as_it_is = {NULL, -1, -1, -1, 0};
@@ -120,8 +119,6 @@ const char *fuzz_scene(const char *name, const uint8_t *data, size_t size)
     return failed;
 }
 
-/* ---- Meshes ---- */
-
 static const char *look_at_mesh(const struct mesh *mesh)
 {
     double lo[3], hi[3];
@@ -157,7 +154,7 @@ const char *fuzz_ply(const char *name, const uint8_t *data, size_t size)
     return try_mesh("in.ply", data, size);
 }
 
-/* The first byte says which format. */
+/* Fuzzes the mesh readers; the first byte selects the format. */
 const char *fuzz_mesh(const char *name, const uint8_t *data, size_t size)
 {
     static const char *const files[] = {"in.off", "in.obj", "in.stl", "in.gltf",
@@ -166,7 +163,8 @@ const char *fuzz_mesh(const char *name, const uint8_t *data, size_t size)
     return size ? try_mesh(files[data[0] % 7], data + 1, size - 1) : NULL;
 }
 
-/* The input is cut at lines of dashes into the frames of an obstacle. */
+/* Fuzzes the frames of an obstacle; the input is cut into frames at lines of
+ * dashes. */
 const char *fuzz_frames(const char *name, const uint8_t *data, size_t size)
 {
     static const char cut[] = "\n---\n";

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reports: what is written is JSON, whatever the scene is called and its steps
- * came to, and render reads it; render takes any file for one. */
+/* Fuzzes reports: whatever the scene's name and the steps' numbers, the output
+ * is valid JSON that `render` reads; and `render` accepts any file as input
+ * without failing otherwise than by an error. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,7 +11,7 @@
 #include "fuzz/draw.h"
 #include "fuzz/files.h"
 
-/* A name of any bytes. */
+/* Draws a name of any bytes. */
 static void draw_name(struct bytes *b, char name[64])
 {
     uint32_t n = pick(b, 63);
@@ -19,7 +20,8 @@ static void draw_name(struct bytes *b, char name[64])
     name[n] = 0;
 }
 
-/* A step's report of any numbers; counts are no larger than counts can be. */
+/* Draws a step's report of any numbers; counts stay within their possible
+ * range. */
 static void draw_step(struct bytes *b, drape_step_report *s)
 {
     int *few[] = {&s->slices,     &s->substeps,    &s->iterations, &s->rounds,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A small world drawn from choices. */
+/* Draws a small valid world from choices. See fuzz/small.h. */
 #include "fuzz/small.h"
 
 #include <math.h>
@@ -55,7 +55,8 @@ static void add_mesh(drape_obstacle *o, int64_t nv, const double (*x)[3],
     o->tri = tri;
 }
 
-/* The ground, a box that may move, a sheet that deforms. */
+/* Draws the obstacles: the ground, a box that may move, a sheet that
+ * deforms. */
 static void draw_obstacles(struct bytes *b, struct small *s)
 {
     double side = 0.02 + 0.01 * pick(b, 4);
@@ -100,7 +101,8 @@ static void draw_motion(struct bytes *b, struct small *s)
                                {0, 0, 0}};
 }
 
-/* Explicit steps are short, so that they have few substeps. */
+/* Draws the settings. Explicit steps are short, so that they have few
+ * substeps. */
 static void draw_choices(struct bytes *b, drape_def *d)
 {
     d->precision = pick(b, 2) ? 64 : 32;
@@ -143,8 +145,6 @@ void small_make(struct small *s, struct bytes *b)
     s->def.device_allocator = bank_of(&s->device);
 }
 
-/* ---- Invariants ---- */
-
 struct state {
     int64_t nv, nt;
     double (*x)[3], (*v)[3];
@@ -175,7 +175,8 @@ static double rounded(const struct small *s, double x)
     return s->def.precision == 32 ? (double)(float)x : x;
 }
 
-/* A pin of several motions on one particle leads it by one of them. */
+/* Whether the pin holds its particle at rest: neither this pin nor another pin
+ * on the particle has a motion. */
 static bool held(const drape_cloth *c, const drape_pin *pin)
 {
     bool alone = pin->motion < 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A small world drawn from choices: all its parts are sound. */
+/* Draws a small world from choices. All its parts are valid. */
 #ifndef FUZZ_SMALL_H
 #define FUZZ_SMALL_H
 
@@ -20,16 +20,17 @@ struct small {
     struct bank host, device;
 };
 
-/* s is not to move while a world of it is there. Zeros draw one cloth of
- * 3 × 3 in the air. */
+/* Draws a world. s must not move in memory while a world of it exists. A stream
+ * of zeros gives one cloth of 3 × 3 in the air. */
 void small_make(struct small *s, struct bytes *b);
 
-/* NULL, or what is wrong with a state: a number that is not finite, a held
- * particle or an obstacle at rest that is not where it was. */
+/* Checks a state. Returns NULL or the fault: a number that is not finite, or a
+ * held particle or an obstacle at rest that has moved. */
 const char *small_state(const struct small *s, const drape_world *world);
-/* Intersecting pairs that involve cloth; -1: the audit failed. */
+/* Returns the number of intersecting pairs that involve cloth; -1: the audit
+ * failed. */
 int64_t small_audit(const struct small *s, const drape_world *world);
-/* Bits of enum drape_outcome that there are. */
+/* All bits of enum drape_outcome. */
 enum { OUTCOME_BITS = 63 };
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One fuzz target a row of spec/stages.def: the fuzzer's bytes are the choices
- * of the stage's generator. `api` is whole steps, `vf` and `ee` one query of
- * the narrow phase. */
+/* One fuzz target for each row of spec/stages.def: the fuzzer's bytes are the
+ * choices of the stage's generator. `api` runs whole steps, `vf` and `ee` one
+ * query of the narrow phase. */
 #include "fuzz/fuzz.h"
 
 #include "tests/base/case.h"
@@ -19,7 +19,7 @@ struct build {
     const char *(*query)(struct bytes *b, int kind); /* `vf` and `ee` */
 };
 
-/* The stage's row, or the last, which has no name. */
+/* Returns the stage's row, or the last row, which has no name. */
 static const struct stage *find(const struct stage *s, const char *name)
 {
     while (s->name && strcmp(s->name, name) != 0)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* drape_step, and what must hold of it. */
+/* Fuzzes drape_step and checks its guarantees. */
 #include <math.h>
 
 #include "fuzz/play.h"
@@ -12,8 +12,8 @@ bool play_note(struct play *p, struct tape note[2])
     return tape_save(&note[1], p->world[1]) && tape_same(&note[0], &note[1]);
 }
 
-/* The reports of the same step on two worlds. fresh: one of them was loaded,
- * so that it may have refitted what the other had kept. */
+/* Whether two worlds' reports of the same step agree. fresh: one world was just
+ * loaded, so it may have refitted boxes that the other had kept. */
 static bool reports_same(drape_step_report a, drape_step_report b, bool fresh)
 {
     memset(a.seconds, 0, sizeof a.seconds);
@@ -45,8 +45,9 @@ static const char *look_at_report(const struct play *p,
     return NULL;
 }
 
-/* A step that starts free of intersections ends so, or says so. Where cloth
- * does not see cloth the audit knows too much. */
+/* A step that starts without intersections ends without, or its outcome says
+ * otherwise. Where self-collision is off the audit finds pairs that do not
+ * count. */
 static const char *look_at_pairs(struct play *p, int outcome)
 {
     int64_t before = p->pairs;
@@ -57,7 +58,7 @@ static const char *look_at_pairs(struct play *p, int outcome)
     return NULL;
 }
 
-/* One call in eight finds no memory where it asks for more. */
+/* Makes allocations fail in one call of eight. */
 static bool be_short(struct play *p)
 {
     struct bank *bank = pick(&p->b, 2) ? &p->s.device : &p->s.host;
@@ -103,8 +104,8 @@ const char *play_step(struct play *p)
     return failed ? failed : look_at_pairs(p, r[0].outcome);
 }
 
-/* A world made anew, by other threads and blocks, that takes the checkpoint
- * goes on as this one does, bit for bit. */
+/* A new world, with other threads and block sizes, that loads the checkpoint
+ * continues bit for bit as this world does. */
 const char *play_again(struct play *p)
 {
     drape_world *fresh;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What valid JSON is by RFC 8259: cJSON reads more than that. */
+/* Checks JSON strictly by RFC 8259, because cJSON accepts more than that. */
 #include <string.h>
 
 #include "fuzz/files.h"
@@ -67,8 +67,8 @@ static bool escape(struct text *t)
     return true;
 }
 
-/* A character of UTF-8 beyond ASCII, whose first byte is c: the shortest form,
- * no half of a pair, none beyond U+10FFFF. */
+/* Reads a UTF-8 character beyond ASCII whose first byte is c: the shortest
+ * form, no surrogate, at most U+10FFFF. */
 static bool character(struct text *t, unsigned char c)
 {
     static const unsigned long least[4] = {0, 0x80, 0x800, 0x10000};
@@ -98,7 +98,7 @@ static bool string(struct text *t)
     return take(t, '"');
 }
 
-/* The rest of a list, or of an object, behind its bracket. */
+/* Reads the rest of a list or object after its opening bracket. */
 static bool items(struct text *t, int depth, char end)
 {
     space(t);

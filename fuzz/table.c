@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of targets: every stage, every function of spec/drape.h. Those
- * functions that take nothing but a world are called in any order by the
- * targets of calls.c: a target calls the one that it is named after often. */
+/* The table of targets: every stage, every function of spec/drape.h. Functions
+ * that take only a world are called in any order by the targets of calls.c;
+ * each such target calls the function of its name often. */
 #include "fuzz/fuzz.h"
 
 #include <string.h>

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A whole definition drawn from choices. */
+/* Draws a whole definition from choices. See fuzz/whole.h. */
 #include "fuzz/whole.h"
 
 #include <string.h>
 
 enum { SIDE = 9 };
 
-/* Where the fields are that may be anything: no counts of arrays. */
+/* Places of the fields that may hold any value; counts of arrays are not among
+ * them. */
 enum kind { DOUBLE, INTEGER, POINTER };
 struct place {
     enum kind kind;
@@ -85,7 +86,7 @@ static const struct place in_motion[] = {
     D(drape_motion, pivot[0]), P(drape_motion, time), P(drape_motion, position),
     P(drape_motion, rotation), END};
 
-/* One field of the record becomes anything. */
+/* Sets one field of the struct to any value. */
 static void spoil(struct bytes *b, const struct place *place, void *record)
 {
     uint32_t n = 0;
@@ -103,15 +104,15 @@ static void spoil(struct bytes *b, const struct place *place, void *record)
         memset(at, 0, sizeof(void *));
 }
 
-/* A count: a small one, for which there will be an array, or one that the
- * library must refuse, or for which no array is given. */
+/* Draws a count: small, with an array to match; or a count that the library
+ * must refuse; or a count for which no array is given. */
 static int count(struct bytes *b, int least, int most)
 {
     return pick(b, 24) == 23 ? draw_int(b)
                              : least + (int)pick(b, (uint32_t)(most - least));
 }
 
-/* Numbers for an array; one in 32 is anything. */
+/* Draws a number for an array; one in 32 is any number. */
 static double entry(struct bytes *b, double lo, double hi)
 {
     return pick(b, 32) == 31 ? draw_any(b) : draw_in(b, lo, hi);
@@ -249,7 +250,7 @@ void whole_make(struct whole *w, struct bytes *b, struct bank *bank)
     d->motions = w->motion;
     for (uint32_t k = pick(b, 4); k > 1; k--)
         spoil(b, in_def, d);
-    if (pick(b, 32) == 31) { /* fewer than there are, or too many */
+    if (pick(b, 32) == 31) { /* fewer than needed, or too many */
         int *n[] = {&d->n_cloths, &d->n_obstacles, &d->n_motions};
         int wrong = draw_int(b);
         *n[pick(b, 3)] = wrong < 0 || wrong > 1 << 20 ? wrong : 0;

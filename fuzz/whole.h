@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A whole definition drawn from choices: any field may be wrong, but every
- * array that is given has the size that its counts say. */
+/* Draws a whole definition from choices. Any field may be invalid, but every
+ * array has the size that its counts say. */
 #ifndef FUZZ_WHOLE_H
 #define FUZZ_WHOLE_H
 
 #include "fuzz/draw.h"
 
-enum { WHOLE_MOST = 3 }; /* cloths, obstacles, motions each */
+enum { WHOLE_MOST = 3 }; /* largest number each of cloths, obstacles, motions */
 
 struct whole {
     drape_def def;
@@ -16,7 +16,7 @@ struct whole {
     struct shelf shelf; /* the arrays */
 };
 
-/* Most of them with memory of the bank's. */
+/* Draws a definition; most definitions use the bank's memory. */
 void whole_make(struct whole *w, struct bytes *b, struct bank *bank);
 void whole_free(struct whole *w);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* In place of the oracles whose libraries are not installed: tests look at
- * orc_present and are skipped. oracle/README.md */
+/* Stubs that are built in place of the oracles whose libraries are not
+ * installed. Tests check orc_present and skip. oracle/README.md */
 #include "oracle/oracle.h"
 #include "oracle/rational.h"
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Pairs of boxes by all pairs. oracle/README.md */
+/* Finds pairs of overlapping boxes by comparing all pairs. oracle/README.md */
 #include "oracle/oracle.h"
 
 #include <stdbool.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Continuous collision by CGAL's algebraic numbers: the roots of the
-// coplanarity cubic, and exact signs there. oracle/README.md
+// Oracle of continuous collision detection by CGAL's algebraic numbers: finds
+// the roots of the coplanarity cubic and exact signs at them. oracle/README.md
 #include "oracle/oracle.h"
 
 #include <CGAL/Algebraic_kernel_d_1.h>
@@ -50,8 +50,8 @@ int sign_at(const Poly &p, const Rational &x)
     return (int)CGAL::sign(sum);
 }
 
-// CGAL 5.5's Sign_at_1 throws where refining a root hits it, so that it is held
-// as a rational number from then on: so we refine ourselves.
+// Replaces CGAL 5.5's Sign_at_1, which throws if refining an interval hits the
+// root exactly, because the root is then stored as a rational number.
 int sign_at(const Poly &p, const Time &t)
 {
     if (CGAL::is_zero(p) || Kernel().is_zero_at_1_object()(p, t))
@@ -67,7 +67,7 @@ int sign_at(const Poly &p, const Time &t)
     }
 }
 
-// p lies on the closed segment q r: on its line, and nowhere beyond an end.
+// Whether p lies on the closed segment q r: on its line and not beyond an end.
 bool on_segment(const Vec &p, const Vec &q, const Vec &r, const Time &t)
 {
     Vec a = q - p, b = r - p;
@@ -77,13 +77,13 @@ bool on_segment(const Vec &p, const Vec &q, const Vec &r, const Time &t)
     return true;
 }
 
-// The turn of a b c seen along axis k.
+// Returns the turn of a b c seen along axis k.
 int turn(const Vec &a, const Vec &b, const Vec &c, int k, const Time &t)
 {
     return sign_at(cross(b - a, c - a, k), t);
 }
 
-// An axis along which a × b is not 0, or -1.
+// Returns an axis on which a × b is not 0, or -1.
 int axis_of(const Vec &a, const Vec &b, const Time &t)
 {
     for (int k = 0; k < 3; k++)
@@ -132,15 +132,15 @@ void add_roots(const Poly &p, std::vector<Time> &times)
         times.push_back(r.first);
 }
 
-// Every time at which contact can begin, ascending.
+// Returns every time at which contact can begin, ascending.
 std::vector<Time> candidates(int kind, const Vec p[4])
 {
     std::vector<Time> times{Time(0)};
     Poly f = kind == 0 ? triple(p[2] - p[1], p[3] - p[1], p[0] - p[1])
                        : triple(p[1] - p[0], p[3] - p[2], p[2] - p[0]);
     add_roots(f, times);
-    // Always in one plane: it begins where a point meets the end of a
-    // segment, or its line, or three of the points have a common line.
+    // If the points are always in one plane, contact begins where a point meets
+    // the end of a segment or its line, or where three points are on a line.
     for (int i = 0; i < 4 && CGAL::is_zero(f); i++)
         for (int j = 0; j < 4; j++)
             for (int k = j + 1; k < 4; k++)
@@ -159,7 +159,7 @@ uint32_t level(const Time &t)
     const double unit = 1073741824.0;
     auto bounds = Kernel().approximate_absolute_1_object()(t, 40);
     double middle = CGAL::to_double((bounds.first + bounds.second) / 2);
-    // Near enough for the next one above to be above t.
+    // So near to t that the next multiple above lies above t.
     long k = (long)std::floor(middle * unit) + 1;
     while (t < Time(Rational(Integer(k), Integer(1) << 30)))
         k--;

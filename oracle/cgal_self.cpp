@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Intersecting triangles by CGAL's exact predicates. oracle/README.md
+// Oracle of intersecting triangles by CGAL's exact predicates. oracle/README.md
 #include "oracle/oracle.h"
 
-// Without CGAL's checks of itself, which are half of the time that it takes.
+// Turns off CGAL's internal checks, which take half of its time.
 #define CGAL_NDEBUG
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -54,8 +54,9 @@ struct Soup {
     bool intersect(int32_t a, int32_t b) const;
 };
 
-// By the number of shared vertices: whole triangles; the edges opposite to
-// the one they share; the third corners about the edge they share.
+// Tests two triangles by the number of vertices they share. None: the whole
+// triangles; one: the edges opposite to the shared vertex; two: the third
+// corners about the shared edge.
 bool Soup::intersect(int32_t a, int32_t b) const
 {
     int shared = 0, in_a = 0, in_b = 0, sum_a = 0, sum_b = 0;
@@ -114,7 +115,8 @@ int64_t orc_self_pairs(int64_t nv, const double (*x)[3], int64_t nt,
         if (soup.intersect(p.info(), q.info()))
             found.push_back({p.info(), q.info()});
     };
-    // Fewer boxes are swept, not split: CGAL itself takes 10, twice as long.
+    // Below this number of boxes CGAL sweeps instead of splitting; its default
+    // of 10 takes twice as long.
     const std::ptrdiff_t few = 1000;
     CGAL::box_self_intersection_d(free.begin(), free.end(), test, few);
     CGAL::box_intersection_d(free.begin(), free.end(), still.begin(),

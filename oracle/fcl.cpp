@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The field's floating-point baselines, FCL and libccd: counted, never
-// trusted. oracle/README.md
+// Floating-point baselines, FCL and libccd: their errors are counted; their
+// answers are never trusted. oracle/README.md
 #include "oracle/oracle.h"
 
 #include <ccd/ccd.h>
@@ -21,7 +21,7 @@ struct Hull {
     const double (*p)[3];
 };
 
-// The point of a hull that is farthest along a direction.
+// Returns the point of a hull that is farthest along a direction.
 void support(const void *hull, const ccd_vec3_t *direction, ccd_vec3_t *point)
 {
     const Hull *h = static_cast<const Hull *>(hull);
@@ -36,7 +36,7 @@ void support(const void *hull, const ccd_vec3_t *direction, ccd_vec3_t *point)
     }
 }
 
-// Any inner point will do: the mean.
+// Returns an inner point of a hull: the mean of its points.
 void center(const void *hull, ccd_vec3_t *point)
 {
     const Hull *h = static_cast<const Hull *>(hull);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Audits a run's frames by CGAL, in the words of `drape audit`, for
-// ci/scenes.sh to compare. Reads what drape writes by a reader of its own.
+// Audits the frames of a run by CGAL, with the output format of `drape audit`,
+// so that ci/scenes.sh can compare the two. It reads frames by code of its own.
 // usage: frames DIRECTORY [EVERY]
 #include "oracle/oracle.h"
 
@@ -15,7 +15,7 @@
 namespace
 {
 
-// Vertices and triangles laid flat, as the oracle takes them.
+// Vertices and triangles in flat arrays, as the oracle takes them.
 struct Mesh {
     std::vector<double> x;
     std::vector<int32_t> tri, group;
@@ -35,7 +35,7 @@ template <class T> T take(std::ifstream &in, const std::string &file)
     return value;
 }
 
-// The header's counts; whether vertices are of binary64.
+// The counts in a file's header, and whether coordinates are binary64.
 struct Header {
     long vertices = -1, faces = -1;
     bool wide = false;
@@ -59,7 +59,7 @@ Header read_header(std::ifstream &in, const std::string &file)
     return h;
 }
 
-// Adds a file's mesh as a group. False where there is no such file.
+// Adds a file's mesh as a group. Returns false if there is no such file.
 bool append(Mesh &mesh, const std::string &file, int32_t group)
 {
     std::ifstream in(file, std::ios::binary);
@@ -91,7 +91,8 @@ std::string path(const std::string &directory, const char *name, int frame)
     return directory + text;
 }
 
-// Pairs of a frame, those between obstacles left out; -1: no such frame.
+// Returns the number of intersecting pairs of a frame, without pairs of two
+// obstacles; -1: no such frame.
 int64_t pairs_of(const std::string &directory, int frame)
 {
     Mesh mesh;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Continuous collision by whole numbers and Sturm-Tarski queries: no root is
-// ever approximated. oracle/README.md says why this is the truth.
+// Oracle of continuous collision detection by GMP integers and Sturm-Tarski
+// queries: no root is ever approximated. oracle/README.md says why its answers
+// are taken as the truth.
 #include "oracle/oracle.h"
 
 #include <gmpxx.h>
@@ -15,7 +16,7 @@ namespace
 
 using Z = mpz_class;
 
-// ---- Polynomials over the integers, c[i] t^i, without leading zeros ----
+// Polynomials over the integers, c[i] t^i, without leading zeros.
 
 using Poly = std::vector<Z>;
 
@@ -84,7 +85,7 @@ void make_primitive(Poly &a)
             c /= g;
 }
 
-// A positive multiple of the remainder of a by b.
+// Returns a positive multiple of the remainder of a by b.
 Poly remainder(Poly a, const Poly &b)
 {
     while (a.size() >= b.size()) {
@@ -133,13 +134,13 @@ int sign_at(const Poly &p, const Dyadic &x)
     return sgn(sum);
 }
 
-// p without its roots at x.
+// Returns p divided by all its roots at x.
 Poly deflate(Poly p, const Dyadic &x)
 {
     const Z lead = Z(1) << x.s; // p = (2^s t - k) q
     while (p.size() > 1 && sign_at(p, x) == 0) {
         Poly q(p.size() - 1);
-        // So many twos that every division is exact.
+        // Scales by so many twos that every division is exact.
         for (Z &c : p)
             c <<= x.s * (unsigned long)p.size();
         for (size_t i = p.size() - 1; i > 0; i--) {
@@ -152,9 +153,7 @@ Poly deflate(Poly p, const Dyadic &x)
     return p;
 }
 
-// ---- Tarski queries ----
-
-// The signed remainders of e and e' g.
+// The signed remainder sequence of e and e' g, for Tarski queries.
 struct Chain {
     std::vector<Poly> p;
 
@@ -177,8 +176,8 @@ struct Chain {
         }
         return n;
     }
-    // The sum of the signs of g over the roots of e in (a, b); e(a), e(b)
-    // are not 0.
+    // Returns the sum of the signs of g over the roots of e in (a, b); e(a) and
+    // e(b) must not be 0.
     int query(const Dyadic &a, const Dyadic &b) const
     {
         return changes(a) - changes(b);
@@ -225,10 +224,10 @@ Dyadic right_of(const Dyadic &a)
     return {a.k * 2 + 2, a.s + 1};
 }
 
-// The level of the only root of e in (a, a + 2^-a.s).
+// Returns the grid cell of the only root of e in (a, a + 2^-a.s).
 uint32_t refine(const Poly &e, const Chain &chain, Dyadic a)
 {
-    // A root of even multiplicity shows in the chain only.
+    // At a root of even multiplicity e keeps its sign; only the chain shows it.
     int from = sign_at(e, a);
     bool odd = sign_at(e, {a.k + 1, a.s}) != from;
     while (a.s < 30) {
@@ -242,8 +241,8 @@ uint32_t refine(const Poly &e, const Chain &chain, Dyadic a)
     return level(a);
 }
 
-// The first root of e in (a, b), b = a + 2^-a.s, at which all conditions
-// hold; e(a) and e(b) are not 0.
+// Finds the first root of e in (a, b), b = a + 2^-a.s, at which all conditions
+// hold; e(a) and e(b) must not be 0.
 uint32_t first_between(Poly e, const Conditions &conditions, const Dyadic &a,
                        const Dyadic &b)
 {
@@ -270,7 +269,7 @@ uint32_t first_between(Poly e, const Conditions &conditions, const Dyadic &a,
     return first;
 }
 
-// The same over (0, 1].
+// Finds the first such root in (0, 1].
 uint32_t first_root(Poly e, const Conditions &conditions)
 {
     Dyadic zero{0, 0}, one{1, 0};
@@ -283,8 +282,6 @@ uint32_t first_root(Poly e, const Conditions &conditions)
         first = level(one);
     return first;
 }
-
-// ---- Motion ----
 
 struct Vec {
     Poly c[3];
@@ -310,7 +307,7 @@ Vec cross(const Vec &a, const Vec &b)
     return r;
 }
 
-// Positions as whole numbers, all in units of one power of two.
+// Positions as integers, all in units of one power of two.
 void read(const double x0[4][3], const double x1[4][3], Vec p[4])
 {
     int least = 0;
@@ -332,8 +329,8 @@ void read(const double x0[4][3], const double x1[4][3], Vec p[4])
     }
 }
 
-// The sign of f is the same, and not 0, all over [0, 1]: so says its Bernstein
-// form, of degree 3 times 3.
+// Whether the Bernstein form of f, of degree 3 times 3, proves that f has one
+// sign, not 0, on all of [0, 1].
 bool one_sign(Poly f)
 {
     f.resize(4);
@@ -343,7 +340,7 @@ bool one_sign(Poly f)
     return s != 0 && sgn(b1) == s && sgn(b2) == s && sgn(b3) == s;
 }
 
-// What must hold for a contact, as a root of e within conditions.
+// A possible contact: a root of e at which conditions hold.
 struct Event {
     Poly e;
     Conditions conditions;
@@ -357,7 +354,7 @@ Event on_segment(const Vec &p, const Vec &q, const Vec &r)
     Event v;
     v.e = common_divisor(common_divisor(w.c[0], w.c[1]), w.c[2]);
     v.conditions = {{negative(h), false}};
-    if (v.e.empty()) // always on one line: it begins where h = 0
+    if (v.e.empty()) // always on one line: contact begins where h = 0
         v.e = h;
     return v;
 }
@@ -372,14 +369,14 @@ bool on_segment_at_0(const Vec &p, const Vec &q, const Vec &r)
     return sign_at(dot(a, b), zero) <= 0;
 }
 
-// The normal of the face, or the product of the edges' directions.
+// The normal of the face, or the cross product of the edges' directions.
 Vec normal(int kind, const Vec p[4])
 {
     return kind == 0 ? cross(p[2] - p[1], p[3] - p[1])
                      : cross(p[1] - p[0], p[3] - p[2]);
 }
 
-// Vertex p[0] is within face p[1] p[2] p[3] where these are coplanar.
+// Vertex p[0] is within face p[1] p[2] p[3] when all four are coplanar.
 Conditions in_face(const Vec p[4], const Vec &n)
 {
     Conditions c{{dot(n, n), true}};
@@ -390,7 +387,7 @@ Conditions in_face(const Vec p[4], const Vec &n)
     return c;
 }
 
-// Edges p[0] p[1] and p[2] p[3] cross where they are coplanar.
+// Edges p[0] p[1] and p[2] p[3] cross when they are coplanar.
 Conditions crossing(const Vec p[4], const Vec &n)
 {
     Vec d = p[1] - p[0], e = p[3] - p[2];
@@ -401,7 +398,7 @@ Conditions crossing(const Vec p[4], const Vec &n)
             {dot(n, cross(p[1] - p[2], e)), false}};
 }
 
-// The points and segments whose contact is one of the pair's.
+// The pairs of points and segments whose contact is a contact of the pair.
 const int BORDER[2][4][3] = {{{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {0, 3, 1}},
                              {{0, 2, 3}, {1, 2, 3}, {2, 0, 1}, {3, 0, 1}}};
 
@@ -418,8 +415,8 @@ uint32_t first_contact(int kind, const Vec p[4])
     for (const auto &b : BORDER[kind])
         if (on_segment_at_0(p[b[0]], p[b[1]], p[b[2]]))
             return 0;
-    // Contact needs a common plane; where all is always in one, it begins at
-    // the border, as it may where n is 0 at a root of the cubic.
+    // Contact needs all points in one plane. If they always are, contact begins
+    // at a border, and so it may where n is 0 at a root of the cubic.
     uint32_t first = first_root(main.e, main.conditions);
     const Poly &n2 = main.conditions[0].g;
     if (!main.e.empty() && common_divisor(main.e, n2).size() == 1)

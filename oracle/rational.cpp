@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distances and intersections of what stands still, in rational numbers: by
-// clipping and by feet of perpendiculars. oracle/README.md
+// Oracle of distances and intersections of primitives that do not move, in
+// rational arithmetic: by clipping, and by feet of perpendiculars.
+// oracle/README.md
 #include "oracle/rational.h"
 
 #include <gmpxx.h>
@@ -56,11 +57,11 @@ bool is_zero(const Vec &a)
     return a.c[0] == 0 && a.c[1] == 0 && a.c[2] == 0;
 }
 
-// ---- Two triangles: one clipped by all that bounds the other ----
+// Two triangles: one is clipped by the bounding planes of the other.
 
 using Polygon = std::vector<Vec>;
 
-// What of a convex polygon, segment or point has n·(p - o) >= 0.
+// Clips a convex polygon, segment or point to n·(p - o) >= 0.
 Polygon clip(const Polygon &p, const Vec &o, const Vec &n)
 {
     Polygon r;
@@ -80,7 +81,7 @@ Vec negative(const Vec &a)
     return {{-a.c[0], -a.c[1], -a.c[2]}};
 }
 
-// The corners of the common part, some of them perhaps twice.
+// Returns the corners of the common part; some may occur twice.
 Polygon common_part(const Vec t[3], const Polygon &s)
 {
     Vec n = cross(t[1] - t[0], t[2] - t[0]);
@@ -90,7 +91,7 @@ Polygon common_part(const Vec t[3], const Polygon &s)
     return p;
 }
 
-// ---- Distances, squared ----
+// Squared distances.
 
 Q to_segment(const Vec &p, const Vec &a, const Vec &b)
 {
@@ -125,7 +126,7 @@ Q edge_edge(const Vec x[4])
     least = std::min(least, to_segment(x[3], x[0], x[1]));
     if (is_zero(n))
         return least;
-    // The lines are nearest at s and t over n·n.
+    // The lines are nearest at the parameters s / n·n and t / n·n.
     Q nn = dot(n, n), s = dot(cross(w, e), n), t = dot(cross(w, d), n);
     if (s < 0 || s > nn || t < 0 || t > nn)
         return least;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Oracles in rational numbers, of primitives that stand still.
+/* Oracles in rational arithmetic for primitives that do not move.
  * oracle/README.md */
 #ifndef ORACLE_RATIONAL_H
 #define ORACLE_RATIONAL_H
@@ -8,12 +8,13 @@
 extern "C" {
 #endif
 
-/* 1 where two triangles that are no segments have a common point beyond what
- * their first `shared` corners, which are the same in both, make common:
- * spec/narrow/audit.md §1. */
+/* Returns 1 where two triangles with area have a common point besides their
+ * first `shared` corners, which are the same in both, and the edge between
+ * these: spec/narrow/audit.md §1. */
 int orc_triangles(const double t[3][3], const double s[3][3], int shared);
-/* The sign of d - r, d the distance of a vertex x[0] from the closed face
- * x[1..3] (kind 0), or of the closed edges x[0]x[1] and x[2]x[3] (kind 1). */
+/* Returns the sign of d - r, where d is the distance of a vertex x[0] from the
+ * closed face x[1..3] (kind 0), or of the closed edges x[0]x[1] and x[2]x[3]
+ * (kind 1). */
 int orc_distance(int kind, const double x[4][3], double r);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Prints, for files of queries with known truth, what each oracle gets wrong:
-// the tables of oracle/README.md.
+// Counts each oracle's wrong answers over files of queries with known truth,
+// and prints the tables of oracle/README.md.
 #include "oracle/oracle.h"
 
 #include <gmpxx.h>
@@ -65,8 +65,8 @@ std::vector<Query> read(const std::string &file)
     return queries;
 }
 
-// Whether libccd finds the hulls of what the two primitives sweep to meet, as
-// those of all that touch do.
+// Whether libccd reports that the hulls of the two swept primitives intersect,
+// which they do for every pair that touches.
 bool swept_hulls_meet(int method, int kind, const Query &q)
 {
     double p[8][3];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Boxes that move linearly, on the device. spec/broad/refit.md §1 and §3 */
+/* Linearly moving AABBs and their overlap test on the device.
+ * spec/broad/refit.md §1, §3 */
 #ifndef GPU_BOX_CUH
 #define GPU_BOX_CUH
 
@@ -9,9 +10,9 @@ extern "C" {
 #include "ref/broad/box.h"
 }
 
-/* Words of 8 and 16 bytes that may lie over anything: streams begin at
- * multiples of 256 bytes, so items whose size is a multiple of a word's are
- * moved in few instructions. */
+/* Types of 8 and 16 bytes for wide loads and stores. Streams begin at multiples
+ * of 256 bytes, so an item whose size is a multiple of a type's can be moved in
+ * few instructions. */
 struct alignas(8) word8 {
     uint32_t a, b;
 } __attribute__((may_alias));
@@ -72,20 +73,19 @@ static __device__ inline struct box face_box(const vec *x0, const vec *x1,
     return join(edge_box(x0, x1, f[0], f[1]), vertex_box(x0, x1, f[2]));
 }
 
-/* ---- §3 ---- */
-
-/* r⁺ for the host to pass on. */
+/* Returns the inflated reach r⁺ (§3), which the host passes to kernels. */
 static inline real reach_of(real r)
 {
     return r * (1 + BOX_REACH * REAL_UNIT);
 }
 
-/* The sides of a box on an axis at both ends of the step. */
+/* The two sides of a box on one axis, at both ends of the step. */
 struct sides {
     real lo0, hi0, lo1, hi1;
 };
 
-/* The gaps between two boxes on an axis, negative where they are apart. */
+/* The two gaps of two boxes on one axis, each at t = 0 and t = 1. A negative
+ * gap means that the boxes are apart (§3). */
 struct gaps {
     real g0, g1, h0, h1;
 };
@@ -98,14 +98,16 @@ static __device__ inline struct gaps between(struct sides a, struct sides b,
     return g;
 }
 
-/* Whether a gap is negative at both ends; *low: of all gaps so far. */
+/* Whether a gap is negative at both ends of the step. *low becomes the least
+ * gap so far. */
 static __device__ inline bool apart(struct gaps g, real *low)
 {
     *low = least(*low, least(least(g.g0, g.g1), least(g.h0, g.h1)));
     return most(g.g0, g.g1) < 0 || most(g.h0, g.h1) < 0;
 }
 
-/* What a gap from g0 to g1 asks of q = (1 - t) / t. */
+/* Narrows the bounds of q = (1 - t) / t by a gap that goes from g0 to g1
+ * (§3). */
 static __device__ inline void bound(real g0, real g1, real *late, real *early)
 {
     if (g0 < 0)
@@ -120,7 +122,8 @@ static __device__ inline void bound(struct gaps g, real *late, real *early)
     bound(g.h0, g.h1, late, early);
 }
 
-/* Whether a and b may come within r of each other; reach = reach_of(r). */
+/* The overlap test: whether a and b may come within r of each other; reach =
+ * reach_of(r). */
 static __device__ inline bool meets(const struct box &a, const struct box &b,
                                     real reach)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Ties the stages of the broad phase together on the device.
- * spec/broad/broad.md, spec/gpu.md §6 */
+/* Runs the stages of the broad phase on the device and grows their streams when
+ * a capacity is exceeded. spec/broad/broad.md, spec/gpu.md §6 */
 #include "gpu/broad/bvtt.cuh"
 #include "gpu/broad/refit.cuh"
 
@@ -14,7 +14,7 @@ extern "C" {
 #include "ref/broad/walk.h"
 }
 
-/* ---- Room: what a pool held is lost when it grows ---- */
+/* Memory. Growing a pool loses its contents. */
 
 static int grow(struct gpu *g, struct broad_pool *p, enum arena_part part,
                 int64_t need, size_t size)
@@ -26,20 +26,21 @@ static int grow(struct gpu *g, struct broad_pool *p, enum arena_part part,
     p->cap = 0;
     p->data = part == ARENA_FRONT ? gpu_take(g, part, cap, size)
                                   : gpu_borrow(g, part, cap, size);
-    if (!p->data) /* there is no room, or no device any more */
+    if (!p->data) /* out of memory, or the device failed */
         return gpu_status(g);
     p->cap = cap;
     return DRAPE_OK;
 }
 
-/* Of a query and its candidates, which are read before contacts are solved. */
+/* Grows a pool of a query or its candidates, which are read before contacts are
+ * solved. Its memory is reported as ARENA_PAIRS. */
 static int grow_pairs(struct gpu *g, struct broad_pool *p, int64_t need,
                       size_t size)
 {
     return grow(g, p, ARENA_PAIRS, need, size);
 }
 
-/* Scratch for streams of node pairs. */
+/* Grows the scratch streams of front and walk to `need` node pairs. */
 static int grow_scratch(struct gpu *g, struct broad *b, int64_t need)
 {
     int status = grow_pairs(g, &b->pair, need, 2 * sizeof(struct duo));
@@ -50,7 +51,7 @@ static int grow_scratch(struct gpu *g, struct broad *b, int64_t need)
     return status;
 }
 
-/* The front at its beginning, with room for `need` pairs. */
+/* Resets the front to the root pairs, with a capacity of `need` pairs. */
 static int begin_front(struct gpu *g, struct broad *b, int64_t need)
 {
     int status = grow(g, &b->front, ARENA_FRONT, need, sizeof(struct duo));
@@ -63,9 +64,8 @@ static int begin_front(struct gpu *g, struct broad *b, int64_t need)
     return gpu_status(g);
 }
 
-/* ---- Made from the host's ---- */
-
-/* A stream of the host's on the device; the type is the pointer's. */
+/* Copies a host stream of n items to new device memory and points *p at the
+ * copy. The item size is that of T. */
 template <class T>
 static void take_copy(struct gpu *g, enum arena_part part, T **p, int64_t n)
 {
@@ -103,7 +103,7 @@ int gpu_broad_make(struct gpu *g, const struct broad *host, struct broad *b)
 {
     *b = *host;
     b->arena = NULL;
-    /* Boxes are made here, also those that the host may have. */
+    /* The device makes all boxes itself, even if the host has made its own. */
     b->started = false;
     b->front = b->mask = b->act = b->sum = b->both = b->pair = b->kind = {};
     b->n = b->n_vf = b->n_both = 0;
@@ -125,9 +125,8 @@ int gpu_broad_make(struct gpu *g, const struct broad *host, struct broad *b)
     return gpu_status(g);
 }
 
-/* ---- A query ---- */
-
-/* How it ended is known when walk has been waited for: refitted. */
+/* Queues refit and cones. Their status is known only after the readback of
+ * walk: refitted(). */
 static void refit(struct gpu *g, struct broad *b)
 {
     struct refit fit = {};
@@ -184,7 +183,7 @@ static struct bvtt bvtt_of(const struct broad *b)
     return in;
 }
 
-/* Moves the front to the boxes. */
+/* Moves the front to where the refitted boxes put it. */
 static int update_front(struct gpu *g, struct broad *b)
 {
     struct front s = {};
@@ -213,7 +212,8 @@ static int update_front(struct gpu *g, struct broad *b)
     }
 }
 
-/* The front's pairs of triangles. */
+/* Runs stage walk, growing its streams until the triangle pairs below the front
+ * fit. */
 static int walk(struct gpu *g, struct broad *b)
 {
     struct walk s = {};
@@ -249,7 +249,8 @@ static int walk(struct gpu *g, struct broad *b)
     }
 }
 
-/* Candidates of the pairs of triangles, by a stage that has its inputs. */
+/* Runs stage features, whose inputs are set, growing its streams until the
+ * candidates fit. */
 static int find(struct gpu *g, struct broad *b, struct features *s)
 {
     int status = grow_pairs(g, &b->mask, s->n, sizeof *s->mask);
@@ -296,8 +297,9 @@ static int candidates(struct gpu *g, struct broad *b)
     return status;
 }
 
-/* Where memory was short, some pools have grown and others not: the next
- * query begins without. */
+/* After an allocation failed some pools have grown and others not. This frees
+ * the scratch pools and the front's pairs, so that the next query begins from
+ * the roots. */
 static void drop(struct gpu *g, struct broad *b)
 {
     struct broad_pool *pool[] = {&b->pair, &b->mask, &b->act, &b->sum};
@@ -342,8 +344,8 @@ int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
     b->r = r;
     b->moved = moved;
     b->later = moved && b->started && b->n_front > 0;
-    /* No pair may meet by boxes that are not made yet, and no trace goes on
-     * from bad numbers. */
+    /* Refit is waited for at once in a first query, whose boxes do not exist
+     * yet, and in a traced run, whose trace must end at bad positions. */
     bool now = !b->started || b->trace;
     refit(g, b);
     if (now)

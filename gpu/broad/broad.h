@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The broad phase of a world on the device: broad_make's result copied from the
- * host's, broad_ask and broad_query. spec/broad/broad.md */
+/* The broad phase of a world on the device: copies the result of broad_make
+ * from the host, and runs broad_ask and broad_query. spec/broad/broad.md */
 #ifndef GPU_BROAD_H
 #define GPU_BROAD_H
 

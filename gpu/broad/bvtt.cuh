@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Pairs of nodes on the device, and places in a stream for what a block of
- * items becomes. spec/broad/front.md §1, §2, §4 */
+/* The bounding-volume test tree (BVTT) on the device: parents, children and the
+ * pass test of node pairs, and the places at which a block of items writes.
+ * spec/broad/front.md §1, §2, §4 */
 #ifndef GPU_BVTT_CUH
 #define GPU_BVTT_CUH
 
@@ -11,7 +12,7 @@ extern "C" {
 #include "ref/broad/bvtt.h"
 }
 
-/* A pair of nodes, or of triangles, moved as one word of eight bytes. */
+/* A pair of nodes or triangles, moved as one 8-byte word. */
 struct duo {
     int32_t a, b;
 };
@@ -26,9 +27,7 @@ static __device__ inline void put_duo(int32_t (*p)[2], struct duo e)
     put_as<word8>((struct duo *)(void *)p, e);
 }
 
-/* ---- §1: above and below a pair ---- */
-
-/* Bit 0: the first node of the pair descends, bit 1: the second. */
+/* §1: which nodes of a pair descend: bit 0 the first node, bit 1 the second. */
 static __device__ inline int descent(const struct tree *t, struct duo e)
 {
     bool leaf_a = t->level[e.a] == 0, leaf_b = t->level[e.b] == 0;
@@ -40,7 +39,7 @@ static __device__ inline int descent(const struct tree *t, struct duo e)
     return d;
 }
 
-/* To the pair from which e descended; false at roots. */
+/* §1: replaces e by its parent pair. Returns false for a root pair. */
 static __device__ inline bool ascend(const struct tree *t, struct duo *e)
 {
     struct duo up = {t->parent[e->a], t->parent[e->b]};
@@ -54,8 +53,8 @@ static __device__ inline bool ascend(const struct tree *t, struct duo *e)
     return true;
 }
 
-/* Bit 4 i + j: there is a child of a's child i and b's child j. Of a pair of
- * one node those with i <= j are there. */
+/* §1: returns a mask: bit 4 i + j is set if there is a child pair of a's child
+ * i and b's child j. A pair of one node with itself has those with i <= j. */
 static __device__ inline uint32_t children(const struct tree *t, int d,
                                            struct duo e)
 {
@@ -73,7 +72,7 @@ static __device__ inline struct duo child(const struct tree *t, int d, int k,
     return c;
 }
 
-/* ---- §2, §4: whether a pair is looked into ---- */
+/* §2, §4: whether a pair passes. */
 
 static __device__ inline bool cleared(const struct tree *t,
                                       const uint8_t *clear, struct duo e)
@@ -90,7 +89,8 @@ static __device__ inline bool cleared(const struct tree *t,
         e.a = t->parent[e.a];
         e.b = t->parent[e.b];
     }
-    /* Bits are of the node south or, in one row, west of the other. */
+    /* The bit is stored with the southern node or, in one row, with the western
+     * node. */
     bool turn = dj < 0 || (dj == 0 && di < 0);
     if (turn)
         di = -di;
@@ -111,8 +111,6 @@ static __device__ inline bool passes(const struct bvtt *s, real reach,
     return boxes_meet(s, reach, e) && !cleared(&s->tree, s->clear, e);
 }
 
-/* ---- Blocks of BVTT_BLOCK items ---- */
-
 static_assert((int)BVTT_BLOCK == (int)SCAN_BLOCK, "their places are scanned");
 
 static __host__ __device__ inline int64_t blocks_of(int64_t n)
@@ -120,7 +118,7 @@ static __host__ __device__ inline int64_t blocks_of(int64_t n)
     return n / BVTT_BLOCK + (n % BVTT_BLOCK > 0);
 }
 
-/* Adds to a word of gpu_words: whole numbers, so no order shows. */
+/* Adds to a word of gpu_words. Integer sums do not depend on the order. */
 static __device__ inline void word_add(int64_t *word, uint32_t count)
 {
     if (count)

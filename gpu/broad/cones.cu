@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which patches of cloth cannot touch themselves. spec/broad/cones.md */
+/* Proves which patches of cloth cannot touch themselves, on the device.
+ * spec/broad/cones.md */
 #include "gpu/base/team.cuh"
 #include "gpu/broad/bvtt.cuh"
 #include "gpu/broad/cones.cuh"
 #include "gpu/broad/nodes.cuh"
 
-/* BITS of a node, each of which has a thread; TOP_BLOCK: threads of a rank of
- * the team that does the levels of few nodes. */
+/* BITS is the number of bits of a node; each bit has a thread. TOP_BLOCK is the
+ * number of threads in each block of the cluster that does the levels of few
+ * nodes. */
 enum { BITS = CLEAR_NW + 1 };
 #ifdef __CUDACC__
 enum { TOP_BLOCK = 512 };
@@ -14,9 +16,9 @@ enum { TOP_BLOCK = 512 };
 enum { TOP_BLOCK = 64 };
 #endif
 
-/* ---- §2, from the leaves up ---- */
+/* §2: tangents, from the leaves up. */
 
-/* The four edges of the cell with corner v at one end of the step. */
+/* Bounds the four edges of the cell with corner v, at one end of the step. */
 static __device__ struct tangents edges(const vec *x, int32_t v, int32_t m)
 {
     vec a = x[v], b = x[v + 1], c = x[v + m], d = x[v + m + 1];
@@ -39,8 +41,8 @@ static __device__ struct tangents *inner(const struct cones *s, int32_t a)
     return &s->tangents[a - (s->tree.n_cloth - s->n_inner)];
 }
 
-/* Of a full node of level l; a leaf's are made anew, as few are asked for
- * twice. */
+/* Returns the tangent bounds of a full node of level l. A leaf's are computed
+ * here, as few leaves are read twice. */
 static __device__ struct tangents tangents_of(const struct cones *s, int l,
                                               int32_t a)
 {
@@ -58,9 +60,9 @@ static __device__ void fit(const struct cones *s, int l, int32_t a)
     put_as<word16>(inner(s, a), b);
 }
 
-/* ---- §4, §5, from the roots down ---- */
+/* §4, §5: bits, from the root down. */
 
-/* A node's grid and its place there. */
+/* The grid of a node, and the node's position on its level. */
 struct spot {
     const struct tree_grid *g;
     int l, i, j, w, h;
@@ -79,7 +81,7 @@ static __device__ struct spot spot_of(const struct cones *s, int32_t a)
     return p;
 }
 
-/* The node beside the spot on its level, or -1. */
+/* Returns the node at offset (di, dj) from the spot on its level, or -1. */
 static __device__ int32_t beside(const struct cones *s, const struct spot *p,
                                  int di, int dj)
 {
@@ -89,9 +91,9 @@ static __device__ int32_t beside(const struct cones *s, const struct spot *p,
     return s->map.at[p->g->at[p->l] + i + p->w * j];
 }
 
-/* §4 of a full node a at spot p and the one beside it. What is there already
- * is not joined again: that could change the sign of a zero only, and no
- * comparison of spread sees it. */
+/* §4 for a full node a at spot p and its neighbour. The reference joins some
+ * nodes twice; joining a node once can only change the sign of a zero, which no
+ * comparison of spread() sees. */
 static __device__ bool patch_spread(const struct cones *s, int32_t a,
                                     const struct spot *p, int di, int dj)
 {
@@ -107,7 +109,8 @@ static __device__ bool patch_spread(const struct cones *s, int32_t a,
     return spread(b, s->r);
 }
 
-/* A node a and the one beside it that bit k is of; b is -1 where none is. */
+/* Node a and its neighbour b in the direction of bit k; b is -1 where there is
+ * no neighbour. */
 struct near {
     struct spot p;
     int di, dj;
@@ -116,7 +119,7 @@ struct near {
 
 static __device__ struct near near_of(const struct cones *s, int32_t a, int k)
 {
-    /* (0,0) (1,0) (1,1) (0,1) (-1,1) */
+    /* directions (0,0) (1,0) (1,1) (0,1) (-1,1) */
     int dj = k >= CLEAR_NE, di = k ? (dj ? CLEAR_N - k : 1) : 0;
     struct spot p = spot_of(s, a);
     return near{p, di, dj, {a, beside(s, &p, di, dj)}};
@@ -127,13 +130,13 @@ static __device__ bool spread_near(const struct cones *s, const struct near *n)
     return s->map.full[n->e.a] && patch_spread(s, n->e.a, &n->p, n->di, n->dj);
 }
 
-/* The pair of the parents of neighbours; a < 0 above roots. */
+/* Returns the pair of the parents of two neighbours; a < 0 above root nodes. */
 static __device__ struct duo above(const struct tree *t, struct duo e)
 {
     return duo{t->parent[e.a], t->parent[e.b]};
 }
 
-/* Bit k of a pair that has not moved stays what it was. */
+/* Whether a node of the pair stirs. Otherwise the pair keeps its bit (§6). */
 static __device__ bool stirs(const struct cones *s, struct duo e)
 {
     return s->stir[e.a] | s->stir[e.b];
@@ -143,7 +146,8 @@ static __device__ bool kept(const struct cones *s, struct duo e, int k)
     return s->clear[e.a] >> k & 1;
 }
 
-/* §5: a pair of neighbours is clear if its parents are, or by itself. */
+/* §5: a pair of neighbours is clear if the pair of parents is, or by the test
+ * of §4. */
 static __device__ bool clear_near(const struct cones *s, int32_t a, int k)
 {
     struct near n = near_of(s, a, k);
@@ -155,7 +159,7 @@ static __device__ bool clear_near(const struct cones *s, int32_t a, int k)
     return (up.a >= 0 && cleared(&s->tree, s->clear, up)) || spread_near(s, &n);
 }
 
-/* By itself, or as it was. */
+/* The bit by §4 alone, or the kept bit (§6). */
 static __device__ bool clear_alone(const struct cones *s, int32_t a, int k)
 {
     struct near n = near_of(s, a, k);
@@ -164,8 +168,8 @@ static __device__ bool clear_alone(const struct cones *s, int32_t a, int k)
     return stirs(s, n.e) ? spread_near(s, &n) : kept(s, n.e, k);
 }
 
-/* By those above, of which `clear` says at least what they are by
- * themselves. */
+/* The bit by §5: whether some pair above is clear. Their `clear` bits must hold
+ * at least the result of §4. */
 static __device__ bool clear_above(const struct cones *s, int32_t a, int k)
 {
     struct duo e = near_of(s, a, k).e;
@@ -173,7 +177,7 @@ static __device__ bool clear_above(const struct cones *s, int32_t a, int k)
         return false;
     bool found = false;
     for (e = above(&s->tree, e); e.a >= 0 && !found;) {
-        struct duo next = above(&s->tree, e); /* read ahead */
+        struct duo next = above(&s->tree, e); /* loaded early to hide latency */
         found = cleared(&s->tree, s->clear, e);
         e = next;
     }
@@ -188,10 +192,8 @@ static __device__ uint8_t joined(const uint8_t *bit)
     return (uint8_t)bits;
 }
 
-/* ---- Kernels ---- */
-
-/* A thread owns every so-many-th node of level l: writes its tangents. Those
- * of the level below are written. */
+/* Each thread owns nodes of level l in a grid-stride loop and writes their
+ * tangents. The level below must be complete. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     cones_level_kernel(struct cones s, int l)
 {
@@ -199,9 +201,9 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     fit(&s, l, a);
 }
 
-/* A thread owns a bit of every so-many-th node of level l, clear of which the
- * first threads of its block write; tangents and clear of the level above are
- * written. */
+/* Each thread owns a bit of nodes of level l in a grid-stride loop; the first
+ * threads of a block write the nodes' `clear`. The tangents of all levels and
+ * `clear` of the level above must be complete. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     cones_mark_kernel(struct cones s, int l)
 {
@@ -221,9 +223,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     }
 }
 
-/* Bits of all nodes from the first of level l, one a thread as above: first
- * what they are by themselves, then what those above make them; these may say
- * either by then. A node's are joined where no rank reads them. */
+/* Computes the bits of all nodes of level l and above, one bit a thread: first
+ * by §4 alone, then by walking up (§5). In the second phase a bit that is read
+ * may already be final, which does not change the result. The bits of a node
+ * are joined in memory that no other block reads. */
 static __device__ void mark_top(const struct cones *s, int l, bool whole)
 {
     uint8_t *bit = (uint8_t *)team_room();
@@ -242,7 +245,8 @@ static __device__ void mark_top(const struct cones *s, int l, bool whole)
     }
 }
 
-/* One team: tangents of the levels from l up, then their bits. */
+/* One thread-block cluster computes the tangents of level l and above, then
+ * their bits. */
 static __global__ void __launch_bounds__(TOP_BLOCK)
     cones_top_kernel(struct cones s, int l)
 {
@@ -255,7 +259,7 @@ static __global__ void __launch_bounds__(TOP_BLOCK)
     mark_top(&s, l, true);
 }
 
-/* Blocks for level l of n nodes. */
+/* Returns the number of blocks for level l of a tree of n nodes. */
 static int64_t mark_blocks(int64_t n, int l)
 {
     return level_threads(n, l) * BITS / GPU_BLOCK + 1;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whether a patch's tangents keep its points apart. spec/broad/cones.md §3 */
+/* The test of a patch's tangent bounds on the device. spec/broad/cones.md §3 */
 #ifndef GPU_CONES_CUH
 #define GPU_CONES_CUH
 
@@ -9,7 +9,7 @@ extern "C" {
 #include "ref/broad/cones.h"
 }
 
-#define CONES_ROOM 32 /* as the reference's, to which ci/prove.sh holds it */
+#define CONES_ROOM 32 /* equal to ref/; ci/prove.sh checks both */
 
 static __device__ inline struct tangents join(const struct tangents &a,
                                               const struct tangents &b)
@@ -19,7 +19,8 @@ static __device__ inline struct tangents join(const struct tangents &a,
     return c;
 }
 
-/* The range of p·x over a box, and the sum of its largest terms. */
+/* The range of p·x for x in a box, and the sum of its largest terms, which
+ * scales the error bound. */
 struct span {
     real lo, hi, size;
 };
@@ -41,7 +42,8 @@ static __device__ inline struct span span_dot(vec p, vec lo, vec hi)
     return s;
 }
 
-/* Whether the tangents keep every two points of the patch more than r apart. */
+/* §3: whether these tangent bounds prove that the features of a full patch that
+ * share no vertex stay more than r apart. */
 static __device__ inline bool spread(const struct tangents &b, real r)
 {
     const real room = CONES_ROOM * REAL_UNIT, tiny = R(0x1p-100);

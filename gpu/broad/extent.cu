@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What whole cloths take up. spec/broad/extent.md */
+/* Bounds the positions and the tangents of whole cloths on the device.
+ * spec/broad/extent.md */
 #include "gpu/broad/box.cuh"
 #include "gpu/broad/cones.cuh"
 
@@ -7,7 +8,7 @@ extern "C" {
 #include "ref/broad/extent.h"
 }
 
-/* Threads of a block, and blocks of a grid. */
+/* Number of threads in a block, and of blocks for a grid. */
 enum { EXTENT_BLOCK = 128, PARTS = EXTENT_BLOCK };
 
 static __device__ struct whole join(const struct whole &a,
@@ -16,7 +17,7 @@ static __device__ struct whole join(const struct whole &a,
     return {join(a.box, b.box), join(a.tangents, b.tangents)};
 }
 
-/* What joins nothing in. */
+/* Returns the neutral element of the join: empty bounds. */
 static __device__ struct whole nothing(void)
 {
     const real big = R(INFINITY);
@@ -24,7 +25,8 @@ static __device__ struct whole nothing(void)
     return {{lo, hi, lo, hi}, {lo, hi, lo, hi}};
 }
 
-/* Particle (i, j) and its edges to the next along i and j, at one end. */
+/* Bounds the edges from particle (i, j) to the next particles along i and j, at
+ * one end of the step. */
 static __device__ struct tangents edges(const struct tree_grid *g, const vec *x,
                                         int32_t i, int32_t j)
 {
@@ -44,7 +46,7 @@ static __device__ struct whole particle(const struct extent *s,
     return {{*x0, *x0, *x1, *x1}, join(edges(g, x0, i, j), edges(g, x1, i, j))};
 }
 
-/* A block's values, one a thread, joined; thread 0 has the result. */
+/* Joins the values of a block's threads. Thread 0 has the result. */
 static __device__ struct whole block_join(struct whole mine)
 {
     __shared__ struct whole all[EXTENT_BLOCK];
@@ -58,7 +60,8 @@ static __device__ struct whole block_join(struct whole mine)
     return all[t];
 }
 
-/* Block PARTS k + p takes each PARTS-th run of particles of grid k. */
+/* Block PARTS k + p owns every PARTS-th run of particles of grid k and writes
+ * their bounds to its part. */
 static __global__ void __launch_bounds__(EXTENT_BLOCK)
     extent_parts_kernel(struct extent s, struct whole *part, int64_t *bad)
 {
@@ -75,13 +78,13 @@ static __global__ void __launch_bounds__(EXTENT_BLOCK)
         part[blockIdx.x] = w;
 }
 
-/* Of either zero, +0. */
+/* Turns -0 into +0. */
 static __device__ vec plus(vec a)
 {
     return add(a, make(0, 0, 0));
 }
 
-/* Block k joins the parts of grid k. */
+/* Block k joins the parts of grid k and writes whole[k]. */
 static __global__ void __launch_bounds__(EXTENT_BLOCK)
     extent_kernel(struct whole *whole, const struct whole *part)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Vertex-face and edge-edge candidates of triangle pairs, each once.
- * spec/broad/features.md */
+/* Turns triangle pairs into vertex-face and edge-edge candidates, each exactly
+ * once, on the device. spec/broad/features.md */
 #include "gpu/base/last.cuh"
 #include "gpu/broad/bvtt.cuh"
 
@@ -8,13 +8,14 @@ extern "C" {
 #include "ref/broad/features.h"
 }
 
-/* §1: bits of a mask that are of a vertex and a face, and all. */
+/* §1: VF_BITS of a mask's BITS bits are vertex-face pairs. */
 enum { VF_BITS = 6, VF_MASK = (1 << VF_BITS) - 1, BITS = 15 };
-/* The counts of both kinds; all, where there is room for them, and wherever;
- * for ends_last. */
+/* Words of gpu_words: the number of vertex-face and of edge-edge candidates;
+ * the number of candidates written, 0 if the capacity is too small; the number
+ * there are; the ticket of ends_last. */
 enum { WORD_VF, WORD_EE, WORD_DONE, WORD_NEED, WORD_TICKET, WORDS };
 
-/* The vertices of a triangle. */
+/* The vertex numbers of a triangle. */
 struct corners {
     int32_t v[3];
 };
@@ -25,7 +26,7 @@ static __device__ struct corners corners_of(const struct features *s, int32_t t)
     return c;
 }
 
-/* One triangle of a pair: own holds the bits of tree.own. */
+/* One triangle of a triangle pair; `own` holds the bits of tree.own. */
 struct side {
     struct corners c;
     int own;
@@ -49,8 +50,9 @@ static __device__ bool moves(const struct features *s, int32_t a, int32_t b)
     return s->n_moved == 0 || (s->moved[a] | s->moved[b]);
 }
 
-/* Bit k: vertex k of f faces g. */
-static __device__ uint32_t look_vertices(const struct features *s, real reach,
+/* Tests the vertices of f against face g. Bit k of the result: vertex k and g
+ * are a candidate. */
+static __device__ uint32_t test_vertices(const struct features *s, real reach,
                                          const struct side &f,
                                          const struct side &g)
 {
@@ -65,8 +67,9 @@ static __device__ uint32_t look_vertices(const struct features *s, real reach,
     return mask;
 }
 
-/* Bit j: edge (a, b), whose box is e, and edge j of g. */
-static __device__ uint32_t look_edge(const struct features *s, real reach,
+/* Tests edge (a, b), whose box is e, against the edges of g. Bit j of the
+ * result: the edge and edge j are a candidate. */
+static __device__ uint32_t test_edge(const struct features *s, real reach,
                                      int32_t a, int32_t b, const struct box &e,
                                      const struct side &g)
 {
@@ -81,9 +84,10 @@ static __device__ uint32_t look_edge(const struct features *s, real reach,
     return mask;
 }
 
-/* Bit 3 i + j: edge i of f and edge j of g. An edge that does not meet the
- * other face meets none of its edges, whose boxes lie in the face's. */
-static __device__ uint32_t look_edges(const struct features *s, real reach,
+/* Tests the edges of f against the edges of g. Bit 3 i + j of the result: edge
+ * i of f and edge j of g are a candidate. An edge whose box does not meet the
+ * other face's box meets none of its edges, as they lie in that box. */
+static __device__ uint32_t test_edges(const struct features *s, real reach,
                                       const struct side &f,
                                       const struct side &g)
 {
@@ -94,7 +98,7 @@ static __device__ uint32_t look_edges(const struct features *s, real reach,
             continue;
         struct box e = edge_box(s->x0, s->x1, a, b);
         if (meets(e, g.face, reach))
-            mask |= look_edge(s, reach, a, b, e, g) << (3 * i);
+            mask |= test_edge(s, reach, a, b, e, g) << (3 * i);
     }
     return mask;
 }
@@ -105,15 +109,16 @@ static __device__ uint32_t look(const struct features *s, real reach,
     if (!(s->own[e.a] | s->own[e.b]))
         return 0;
     struct side f = side_of(s, e.a), g = side_of(s, e.b);
-    return look_vertices(s, reach, f, g) | look_vertices(s, reach, g, f) << 3 |
-           look_edges(s, reach, f, g) << VF_BITS;
+    return test_vertices(s, reach, f, g) | test_vertices(s, reach, g, f) << 3 |
+           test_edges(s, reach, f, g) << VF_BITS;
 }
 
-/* Block k owns pairs of triangles 256 k …: writes their masks, and how many
- * candidates they make to sum[k] (vertex-face) and sum[blocks + k]; the one
- * that ends last, where the candidates of a block and kind begin. */
+/* Block k owns 256 triangle pairs from 256 k on. It writes their masks and its
+ * numbers of candidates: sum[k] vertex-face, sum[blocks + k] edge-edge. The
+ * block that ends last scans the sums into the places where each block begins
+ * to write. */
 static __global__ void __launch_bounds__(BVTT_BLOCK)
-    features_look_kernel(struct features s, real reach, int64_t *word)
+    features_test_kernel(struct features s, real reach, int64_t *word)
 {
     int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
     uint32_t mask = 0, total;
@@ -141,13 +146,13 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
     }
 }
 
-/* Four vertices, moved as one word. */
+/* Four vertex numbers, moved as one 16-byte word. */
 struct quad {
     int32_t v[4];
 };
 
-/* §3: the smaller end of an edge first, the smaller edge first. They share no
- * vertex. */
+/* §3: puts the smaller vertex of each edge first, then the edge with the
+ * smaller first vertex. The edges share no vertex. */
 static __device__ struct quad ordered(int32_t a, int32_t b, int32_t c,
                                       int32_t d)
 {
@@ -161,7 +166,7 @@ static __device__ int32_t pick(const struct corners &f, int k)
     return k == 0 ? f.v[0] : k == 1 ? f.v[1] : f.v[2];
 }
 
-/* The vertices of feature pair k. */
+/* Returns the four vertices of feature pair k. */
 static __device__ struct quad vertices(const struct corners &f,
                                        const struct corners &g, int k)
 {
@@ -175,9 +180,9 @@ static __device__ struct quad vertices(const struct corners &f,
                    pick(g, j < 2 ? j + 1 : 0));
 }
 
-/* Block k owns the same pairs: writes their candidates from the block's two
- * places on. One scan went over both halves of sum, so that the edges' begin
- * after all vertex-face. */
+/* Block k owns the same triangle pairs and writes their candidates at its two
+ * places. One scan went over both halves of sum, so all edge-edge candidates
+ * come after all vertex-face candidates. */
 static __global__ void __launch_bounds__(BVTT_BLOCK)
     features_emit_kernel(struct features s, const int64_t *word)
 {
@@ -212,7 +217,7 @@ int gpu_features(struct gpu *g, struct features *s)
     if (!(s->r >= 0 && s->r <= REAL_BIG))
         return DRAPE_EDATA;
     int64_t *word = gpu_words(g);
-    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_look_kernel, *s,
+    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_test_kernel, *s,
                   reach_of(s->r), word);
     LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_emit_kernel, *s, word);
     const int64_t *seen = gpu_read_words(g, WORDS);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Moves the front of node pairs to where the boxes now are.
+/* Moves the BVTT front on the device to where the boxes of this query put it.
  * spec/broad/front.md */
 #include "gpu/broad/passes.cuh"
 
@@ -7,13 +7,17 @@ extern "C" {
 #include "ref/broad/front.h"
 }
 
-/* What becomes of a pair in a pass. */
+/* The action of a pass on a pair: TEST it, KEEP it, or SPLIT it into its
+ * children. */
 enum { TEST, KEEP, SPLIT };
-/* The pairs there are, what a pass would have written, how many were new. */
+/* Words of gpu_words: pairs in the front, capacity that a pass needed, pairs
+ * tested. */
 enum { WORD_N, WORD_NEED, WORD_TESTED, WORDS };
 
-/* §2: a pair that passes and may be split is; all others are settled. */
-static __device__ uint8_t judge(const struct front *s, bool in, struct duo e)
+/* §2, §5: chooses the action for a tested pair: a pair that passes and is above
+ * the stop level is split. */
+static __device__ uint8_t action_of(const struct front *s, bool in,
+                                    struct duo e)
 {
     const struct tree *t = &s->in.tree;
     if (!in || (t->level[e.a] <= s->stop && t->level[e.b] <= s->stop))
@@ -21,7 +25,7 @@ static __device__ uint8_t judge(const struct front *s, bool in, struct duo e)
     return descent(t, e) ? SPLIT : KEEP;
 }
 
-/* What a pass reads, and where it writes. */
+/* The input and output streams of one pass. */
 struct pass {
     int32_t (*pair)[2], (*other)[2];
     uint8_t *act, *act_other;
@@ -31,14 +35,14 @@ struct pass {
     int64_t *word;
 };
 
-/* §3: pair k to its highest ancestor that fails, in place, and what becomes of
- * it. */
-static __device__ void raise(const struct front *s, const struct pass *p,
+/* §3a: replaces pair k by its highest failing ancestor, and chooses its
+ * action. */
+static __device__ void climb(const struct front *s, const struct pass *p,
                              int64_t k)
 {
     struct duo e = fetch_duo(&p->pair[k]);
     bool in = passes(&s->in, p->reach, e), moves = false;
-    p->act[k] = judge(s, in, e);
+    p->act[k] = action_of(s, in, e);
     for (struct duo up = e; !in && ascend(&s->in.tree, &up);) {
         in = passes(&s->in, p->reach, up);
         if (!in) {
@@ -50,8 +54,9 @@ static __device__ void raise(const struct front *s, const struct pass *p,
         put_duo(&p->pair[k], e);
 }
 
-/* How many pairs pair k, which is e, becomes: of siblings that gave way to one
- * parent, which follow each other, the first stays. */
+/* Returns how many pairs replace pair k, which is e. Siblings that were
+ * replaced by one ancestor follow each other; only the first of them is
+ * kept. */
 static __device__ uint32_t becomes(const struct tree *t, const struct pass *p,
                                    int64_t k, struct duo e, int act)
 {
@@ -63,8 +68,8 @@ static __device__ uint32_t becomes(const struct tree *t, const struct pass *p,
     return e.a != before.a || e.b != before.b;
 }
 
-/* Judges pair k if it is new, and writes act. Returns how many pairs it
- * becomes, and 2^16 if it was new. */
+/* Tests pair k if it is new and writes its action. Returns how many pairs
+ * replace it, plus 2^16 if it was new. */
 static __device__ uint32_t count(const struct front *s, const struct pass *p,
                                  int64_t k)
 {
@@ -72,14 +77,14 @@ static __device__ uint32_t count(const struct front *s, const struct pass *p,
     int act = p->act[k];
     bool fresh = act == TEST;
     if (fresh) {
-        act = judge(s, passes(&s->in, p->reach, e), e);
+        act = action_of(s, passes(&s->in, p->reach, e), e);
         p->act[k] = (uint8_t)act;
     }
     return becomes(&s->in.tree, p, k, e, act) | (uint32_t)fresh << 16;
 }
 
-/* The same of a tile: how many pairs they become to its sum, how many were new
- * to the words. */
+/* Runs count() for a tile. Writes the tile's number of outputs to its sum, and
+ * adds the number of new pairs to the words. */
 static __device__ void count_tile(const struct front *s, const struct pass *p,
                                   int64_t tile)
 {
@@ -93,7 +98,7 @@ static __device__ void count_tile(const struct front *s, const struct pass *p,
     }
 }
 
-/* Writes what the pairs of a tile become from its place on. */
+/* Writes the pairs that replace those of a tile, from the tile's place on. */
 static __device__ void emit(const struct tree *t, const struct pass *p,
                             int64_t tile)
 {
@@ -125,15 +130,16 @@ static __device__ void swap_streams(struct pass *p)
     p->act_other = act;
 }
 
-/* All threads take turns at n pairs. */
+/* A loop in which all threads together go through n pairs. */
 #define EACH_PAIR(k, n)                                                        \
     for (int64_t k = team_rank() * (int64_t)rank_threads() + rank_thread();    \
          k < (n); k += team_ranks() * (int64_t)rank_threads())
 
-/* §3: passes until nothing is new; the first finds all judged. Ends early where
- * there is no room. What a pass writes all read behind its second barrier;
- * sums and words of the next come after that. Returns what a pass would have
- * written last. */
+/* §3: makes passes until no pair is new. The actions of all pairs must be set
+ * before the first pass. Ends early where the capacity is too small. The second
+ * barrier of a pass makes its output visible to all threads; sums and words of
+ * the next pass are written after that. Returns the capacity that the last pass
+ * needed. */
 template <bool CROWD>
 static __device__ int64_t settle(const struct front *s, struct pass *p)
 {
@@ -162,7 +168,7 @@ static __global__ void PASSES_BOUNDS(BLOCKS)
     front_kernel(const __grid_constant__ struct front s, struct pass p)
 {
     EACH_PAIR(k, p.n)
-    raise(&s, &p, k);
+    climb(&s, &p, k);
     meet<CROWD>();
     int64_t need = settle<CROWD>(&s, &p);
     EACH_PAIR(k, p.pair != s.pair ? p.n : 0)

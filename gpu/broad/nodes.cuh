@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The tree's levels as kernels go through them. How many nodes a level has is
- * known on the device only, and waiting for it would cost more than threads
- * without a node: a level's kernel has about a quarter as many threads as the
- * one below, each of which takes every so-many-th node, so that any number of
- * threads will do. The levels of few nodes are one block's. */
+/* Loops over the levels of the tree. Only the device knows how many nodes a
+ * level has, and a readback would cost more than idle threads. So a level's
+ * kernel has about a quarter of the threads of the level below, and each thread
+ * goes through nodes in a grid-stride loop, so that any number of threads is
+ * correct. One block does all levels of few nodes. */
 #ifndef GPU_NODES_CUH
 #define GPU_NODES_CUH
 
@@ -15,13 +15,13 @@ extern "C" {
 
 enum { LEVEL_FEW = 1024 };
 
-/* Threads for level l of a tree of n nodes. */
+/* Returns the number of threads for level l of a tree of n nodes. */
 static inline int64_t level_threads(int64_t n, int l)
 {
     return (n >> 2 * l) + 1;
 }
 
-/* The first of the levels that one block does; level 0 is none of them. */
+/* Returns the first of the levels that one block does; at least 1. */
 static inline int level_top(int64_t n, int64_t levels)
 {
     int l = 1;
@@ -30,7 +30,7 @@ static inline int level_top(int64_t n, int64_t levels)
     return l;
 }
 
-/* Node k of level l in the classes 0 … classes - 1, or -1. */
+/* Returns node k of level l in the classes 0 … classes - 1, or -1. */
 static __device__ inline int32_t level_node(const struct tree *t, int classes,
                                             int l, int64_t k)
 {
@@ -44,7 +44,7 @@ static __device__ inline int32_t level_node(const struct tree *t, int classes,
     return -1;
 }
 
-/* The loop of a thread over its nodes a of level l; tree is a struct tree. */
+/* A thread's loop over its nodes a of level l; `tree` is a struct tree. */
 #define EACH_NODE(a, tree, classes, l)                                         \
     for (int64_t k_ = (int64_t)blockIdx.x * blockDim.x + threadIdx.x, a;       \
          (a = level_node(&(tree), classes, l, k_)) >= 0;                       \

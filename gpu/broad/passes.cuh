@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Pass after pass over a stream of pairs in one kernel: all its threads meet
- * where a launch would end, so the host neither launches nor looks between
- * them. spec/gpu.md §6 */
+/* Runs many passes over a stream of pairs in one kernel. All threads of the
+ * kernel synchronise between passes, so the host neither launches nor reads
+ * back between them. spec/gpu.md §6 */
 #ifndef GPU_PASSES_CUH
 #define GPU_PASSES_CUH
 
 #include "gpu/base/crowd.cuh"
 #include "gpu/broad/bvtt.cuh"
 
-/* Up to so many items a rank are a team's, whose barriers are short; up to so
- * many more a multiprocessor all the device's by large blocks, so that a tile
- * has many threads; more by small ones, which wait for nothing together. */
+/* Limits that choose how a kernel runs. Up to RANK_ITEMS items for each block
+ * of a thread-block cluster, one cluster runs, whose barriers are fast. Up to
+ * LARGE_ITEMS for each multiprocessor, the whole device runs with large blocks,
+ * so that a tile has many threads. Beyond that it runs with small blocks. */
 #ifdef __CUDACC__
 enum { RANK_ITEMS = 256, LARGE_ITEMS = 256 };
 enum { SMALL_BLOCKS = 4, LARGE_BLOCK = 1024 };
@@ -19,8 +20,8 @@ enum { RANK_ITEMS = 100, LARGE_ITEMS = 1000 };
 enum { SMALL_BLOCKS = 2, LARGE_BLOCK = BVTT_BLOCK };
 #endif
 
-/* kernel is a template of int BLOCKS, bool CROWD: a multiprocessor's blocks at
- * least, and what meet takes. */
+/* Launches the kernel, a template of int BLOCKS (least number of blocks per
+ * multiprocessor) and bool CROWD (the whole device runs, not one cluster). */
 #define LAUNCH_PASSES(g, n, kernel, ...)                                       \
     do {                                                                       \
         int64_t items_ = (n);                                                  \
@@ -33,17 +34,18 @@ enum { SMALL_BLOCKS = 2, LARGE_BLOCK = BVTT_BLOCK };
                          (kernel<SMALL_BLOCKS, true>), __VA_ARGS__);           \
     } while (0)
 
-/* The bounds of such a kernel. */
+/* The launch bounds of such a kernel. */
 #define PASSES_BOUNDS(blocks)                                                  \
     __launch_bounds__((blocks) > 1 ? (int)BVTT_BLOCK : (int)LARGE_BLOCK, blocks)
 
-/* What the tiles of a stream become, and where that begins: [blocks_of(cap)]
- * each. A tile is BVTT_BLOCK items, of one rank at a time. */
+/* The number of outputs of each tile and the place where they begin:
+ * [blocks_of(cap)] each. A tile is BVTT_BLOCK items, which one block processes
+ * at a time. */
 struct tiles {
     int64_t *sum, *place;
 };
 
-/* false: there is no memory. */
+/* Returns false without memory. */
 static inline bool take_tiles(struct gpu *g, int64_t cap, struct tiles *t)
 {
     int64_t n = blocks_of(cap);
@@ -52,12 +54,12 @@ static inline bool take_tiles(struct gpu *g, int64_t cap, struct tiles *t)
     return t->sum != NULL;
 }
 
-/* A rank's tiles of n. */
+/* A block's loop over its tiles of n items. */
 #define EACH_TILE(tile, n)                                                     \
     for (int64_t tile = team_rank(); tile < (n); tile += team_ranks())
 
-/* Behind the barrier after all sums: the places of a rank's tiles, and what all
- * n become, in all threads. */
+/* Turns sums into the places of a block's tiles. All sums must be visible.
+ * Returns the total in all threads. */
 static __device__ inline int64_t place_tiles(const struct tiles *s, int64_t n)
 {
     enum { EACH = 8 };

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The boxes of the tree's nodes, level by level. spec/broad/refit.md */
+/* Refits the boxes of the BVH on the device, level by level.
+ * spec/broad/refit.md */
 #include "gpu/broad/bvtt.cuh"
 #include "gpu/broad/nodes.cuh"
 #include "gpu/broad/refit.cuh"
 
 struct fit {
     struct refit s;
-    int classes; /* that are refitted */
+    int classes; /* number of classes that are refitted */
     int64_t *word;
 };
 
-/* Thread k owns vertex k: sets REFIT_BAD, to 1 whoever does. */
+/* Thread k owns vertex k and sets REFIT_BAD to 1 if a position is bad. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     refit_check_kernel(struct refit s, int64_t *word)
 {
@@ -19,7 +20,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         word[REFIT_BAD] = 1;
 }
 
-/* §4 of a leaf. */
+/* §4: whether a vertex of leaf a has moved. */
 static __device__ bool leaf_stirs(const struct refit *s, int32_t a)
 {
     const struct tree *t = &s->tree;
@@ -42,7 +43,7 @@ static __device__ bool inner_stirs(const struct refit *s, int32_t a)
     return any;
 }
 
-/* §1 of a leaf: over the vertices of its triangles. */
+/* §1: the box of a leaf joins the vertices of its triangles. */
 static __device__ void fit_leaf(const struct refit *s, int32_t a)
 {
     const struct tree *t = &s->tree;
@@ -54,7 +55,7 @@ static __device__ void fit_leaf(const struct refit *s, int32_t a)
     put_as<word16>(&s->box[a], b);
 }
 
-/* §1 of an inner node: over its children. */
+/* §1: the box of an inner node joins the boxes of its children. */
 static __device__ void fit_inner(const struct refit *s, int32_t a)
 {
     int32_t c = s->tree.first[a];
@@ -65,8 +66,8 @@ static __device__ void fit_inner(const struct refit *s, int32_t a)
     put_as<word16>(&s->box[a], b);
 }
 
-/* Every so-many-th node of level l is a thread's: writes its stir and box. The
- * level below is written. All threads of a block of BVTT_BLOCK call it. */
+/* Each thread owns nodes of level l and writes their stir and box. The level
+ * below must be complete. All threads of a block of BVTT_BLOCK call this. */
 static __device__ void fit_level(const struct fit *f, int l)
 {
     const struct refit *s = &f->s;
@@ -96,7 +97,7 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
         fit_level(&f, l);
 }
 
-/* One block: the levels from l up, each when the one below is written. */
+/* One block refits level l and all levels above, one after another. */
 static __global__ void __launch_bounds__(BVTT_BLOCK)
     refit_top_kernel(struct fit f, int l)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* gpu_refit for who reads its words later. spec/broad/refit.md */
+/* A form of gpu_refit for callers that read its status back later.
+ * spec/broad/refit.md */
 #ifndef GPU_REFIT_CUH
 #define GPU_REFIT_CUH
 
@@ -9,11 +10,12 @@ extern "C" {
 #include "ref/broad/refit.h"
 }
 
-/* A position is bad, upon which nothing is written; how many boxes are made. */
+/* Words of gpu_refit_queue: nonzero if a position is bad, and then no box is
+ * written; the number of boxes made. */
 enum { REFIT_BAD, REFIT_MADE, REFIT_WORDS };
 
-/* gpu_refit, but what it returns and `made` stay in words, which are 0 before.
- */
+/* Queues gpu_refit. Its status and `made` stay on the device in words, which
+ * must be 0 before. */
 void gpu_refit_queue(struct gpu *g, const struct refit *s, int64_t *words);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How far candidates move beside one another. spec/broad/travel.md */
+/* Finds the largest relative motion of any candidate's primitives on the
+ * device. spec/broad/travel.md */
 #include "gpu/base/largest.cuh"
 #include "gpu/contact/contact.cuh"
 
@@ -9,8 +10,10 @@ extern "C" {
 
 enum { BAD, MOST, WORDS };
 
-/* §1 of candidate k; 0, and a mark that all set alike, where it is bad. */
-static __device__ real way(const struct travel *s, int64_t k, int64_t *bad)
+/* §1: the largest squared relative motion in candidate k. Returns 0 and sets
+ * *bad where the candidate is bad. */
+static __device__ real relative_motion(const struct travel *s, int64_t k,
+                                       int64_t *bad)
 {
     int32_t v[4];
     load_pair(s->pair, k, v);
@@ -34,13 +37,14 @@ static __device__ real way(const struct travel *s, int64_t k, int64_t *bad)
     return far;
 }
 
-/* Thread k owns candidate k: reads its vertices at both ends; a block its
- * largest. Any order. */
+/* Thread k owns candidate k and reads its vertices at both ends. Each block
+ * makes one atomic maximum; the order does not matter. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     travel_kernel(struct travel s, int64_t *words)
 {
     int64_t k = (int64_t)blockIdx.x * GPU_BLOCK + threadIdx.x;
-    block_largest(&words[MOST], k < s.n ? way(&s, k, &words[BAD]) : 0);
+    block_largest(&words[MOST],
+                  k < s.n ? relative_motion(&s, k, &words[BAD]) : 0);
 }
 
 int gpu_travel(struct gpu *g, struct travel *s)

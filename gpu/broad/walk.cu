@@ -1,31 +1,35 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Walks from the front down to pairs of triangles. spec/broad/walk.md */
+/* Traverses the BVTT on the device from the front down to pairs of triangles.
+ * spec/broad/walk.md */
 #include "gpu/broad/passes.cuh"
 
 extern "C" {
 #include "ref/broad/walk.h"
 }
 
-/* The most pairs of nodes that a pass makes, the pairs of triangles, items
- * looked into, pairs that cones stop, tiles with a child that is no leaf. */
+/* Words of gpu_words: the most node pairs that a pass made, the triangle pairs,
+ * the node pairs visited, the pairs that only cones rejected, and the tiles
+ * with a child that is no leaf. */
 enum { WORD_NEED, WORD_TRI, WORD_VISITED, WORD_CLEARED, WORD_DEEPER, WORDS };
-/* Threads that share an item where its children are tested, one for each; and
- * of large blocks those that share one's triangles and what it becomes. */
+/* KIDS threads share an item when its children are tested, one for each child.
+ * In large blocks FOURS threads share an item when its triangles are tested and
+ * its outputs are written. */
 enum { KIDS = 16, FOURS = 4 };
 
-/* What a pass reads, and where it writes. */
+/* The input and output streams of one pass. */
 struct pass {
     const int32_t (*from)[2];
     int64_t n;
     int32_t (*to)[2];
-    bool front; /* the front's own pairs are not tested yet */
+    bool front; /* true: these are the front's own pairs, not tested yet */
     struct tiles tiles;
     int64_t *word;
 };
 
-/* Whether a pair passes; one that only its cones stop is counted. */
-static __device__ bool looks(const struct walk *s, real reach, struct duo e,
-                             uint32_t *stopped)
+/* §1: whether a pair passes. *stopped counts the pairs that only the cones
+ * reject. */
+static __device__ bool passes(const struct walk *s, real reach, struct duo e,
+                              uint32_t *stopped)
 {
     if (!(s->stir[e.a] | s->stir[e.b]) || !boxes_meet(&s->in, reach, e))
         return false;
@@ -34,13 +38,13 @@ static __device__ bool looks(const struct walk *s, real reach, struct duo e,
     return !clear;
 }
 
-/* What a tile's items become, while they are at work. */
+/* Shared state of a tile while its items are processed. */
 struct work {
     uint32_t mask[BVTT_BLOCK]; /* children that pass */
     uint32_t stopped, deeper;
 };
 
-/* All masks of a tile are known: writes them and the tile's counts. */
+/* Writes the masks and the counts of a tile. All masks must be complete. */
 static __device__ void count(const struct walk *s, const struct pass *p,
                              const struct work *w, int64_t tile)
 {
@@ -57,21 +61,22 @@ static __device__ void count(const struct walk *s, const struct pass *p,
     }
 }
 
-/* Before a tile's items are looked at. */
+/* Resets the shared state before a tile. */
 static __device__ void begin(struct work *w)
 {
     int t = rank_thread();
-    __syncthreads(); /* it may be read still of the tile before */
+    __syncthreads(); /* the state of the last tile may still be read */
     if (t < BVTT_BLOCK)
         w->mask[t] = 0;
     if (t == 0)
         w->stopped = w->deeper = 0;
 }
 
-/* §1, children that pass, of a tile. A thread finds an item's children; sixteen
- * test them, since they read the same few boxes. */
-static __device__ void look(const struct walk *s, const struct pass *p,
-                            real reach, int64_t tile)
+/* §1: finds the children that pass, for a tile. One thread lists an item's
+ * children and sixteen threads test them, since they read the same few
+ * boxes. */
+static __device__ void test_children(const struct walk *s, const struct pass *p,
+                                     real reach, int64_t tile)
 {
     __shared__ struct work w;
     __shared__ struct duo item[BVTT_BLOCK];
@@ -86,8 +91,9 @@ static __device__ void look(const struct walk *s, const struct pass *p,
         struct duo e = fetch_duo(&p->from[k]);
         int d = descent(&s->in.tree, e);
         item[t] = e;
-        if (!p->front || looks(s, reach, e, &stopped)) {
-            w.mask[t] = d == 0; /* a pair of leaves is its own child */
+        if (!p->front || passes(s, reach, e, &stopped)) {
+            w.mask[t] = d == 0; /* a pair of leaves counts as its own only
+                                   child */
             kids[t] = d ? children(&s->in.tree, d, e) | (uint32_t)d << KIDS : 0;
         }
     }
@@ -96,7 +102,7 @@ static __device__ void look(const struct walk *s, const struct pass *p,
         if (!(kids[i] >> c & 1))
             continue;
         struct duo e = child(&s->in.tree, kids[i] >> KIDS, c, item[i]);
-        if (!looks(s, reach, e, &stopped))
+        if (!passes(s, reach, e, &stopped))
             continue;
         atomicOr(&w.mask[i], 1u << c);
         if (descent(&s->in.tree, e))
@@ -108,10 +114,10 @@ static __device__ void look(const struct walk *s, const struct pass *p,
     count(s, p, &w, tile);
 }
 
-/* §2: EACH triangles from i on of the first of two leaves, and those of the
- * second whose boxes meet theirs. */
+/* §2: tests EACH triangles, from i on, of the first of two leaves against all
+ * triangles of the second. */
 template <int EACH>
-static __device__ uint32_t look_triangles(const struct walk *s, real reach,
+static __device__ uint32_t test_triangles(const struct walk *s, real reach,
                                           struct duo e, int i)
 {
     const struct tree *t = &s->in.tree;
@@ -131,9 +137,10 @@ static __device__ uint32_t look_triangles(const struct walk *s, real reach,
     return mask;
 }
 
-/* The same of a tile of pairs of leaves, of which SHARE threads have each. */
+/* Runs look_triangles for a tile of pairs of leaves; SHARE threads share a
+ * pair. */
 template <int SHARE>
-static __device__ void look_leaves(const struct walk *s, const struct pass *p,
+static __device__ void test_leaves(const struct walk *s, const struct pass *p,
                                    real reach, int64_t tile)
 {
     enum { EACH = FOURS / SHARE };
@@ -145,7 +152,7 @@ static __device__ void look_leaves(const struct walk *s, const struct pass *p,
         int64_t k = tile * BVTT_BLOCK + i;
         if (k >= p->n)
             break;
-        uint32_t mask = look_triangles<EACH>(s, reach, fetch_duo(&p->from[k]),
+        uint32_t mask = test_triangles<EACH>(s, reach, fetch_duo(&p->from[k]),
                                              t % SHARE * EACH);
         if (mask)
             atomicOr(&w.mask[i], mask);
@@ -154,8 +161,8 @@ static __device__ void look_leaves(const struct walk *s, const struct pass *p,
     count(s, p, &w, tile);
 }
 
-/* Writes the children in mask of a tile, or their triangles, from its place
- * on; SHARE threads have those of an item. */
+/* Writes the children that a tile's masks name, or their triangles, from the
+ * tile's place on; SHARE threads share an item. */
 template <int SHARE>
 static __device__ void emit(const struct walk *s, const struct pass *p,
                             int64_t tile, bool triangles)
@@ -190,8 +197,8 @@ static __device__ void emit(const struct walk *s, const struct pass *p,
     }
 }
 
-/* All counted: places and writes what the items become, if there is room;
- * returns how many that are. */
+/* Finishes a pass whose counts are complete: scans them and writes the outputs
+ * if the capacity suffices. Returns the number of outputs. */
 template <int SHARE, bool CROWD>
 static __device__ int64_t finish(const struct walk *s, const struct pass *p,
                                  int64_t cap, bool triangles)
@@ -203,9 +210,9 @@ static __device__ int64_t finish(const struct walk *s, const struct pass *p,
     return need;
 }
 
-/* §1: passes until all pairs are leaves, or there is no room; what is counted
- * in words is there behind a pass's first barrier. Returns the most that a pass
- * made. */
+/* §1: makes passes until all pairs are leaves or the capacity is too small. The
+ * counters in words are visible behind the first barrier of a pass. Returns the
+ * largest number of pairs that a pass made. */
 template <int SHARE, bool CROWD>
 static __device__ int64_t go_down(const struct walk *s, struct pass *p,
                                   real reach, int64_t *visited)
@@ -213,7 +220,7 @@ static __device__ int64_t go_down(const struct walk *s, struct pass *p,
     int64_t need = p->n, deeper = 0;
     for (bool last = false; !last && need <= s->cap;) {
         EACH_TILE(tile, blocks_of(p->n))
-        look(s, p, reach, tile);
+        test_children(s, p, reach, tile);
         int64_t made = finish<SHARE, CROWD>(s, p, s->cap, false);
         last = p->word[WORD_DEEPER] == deeper;
         deeper = p->word[WORD_DEEPER];
@@ -228,7 +235,7 @@ static __device__ int64_t go_down(const struct walk *s, struct pass *p,
     return need;
 }
 
-/* §1, then §2. */
+/* Runs the descent of §1, then the triangles of §2. */
 template <int BLOCKS, bool CROWD>
 static __global__ void PASSES_BOUNDS(BLOCKS)
     walk_kernel(const __grid_constant__ struct walk s, struct pass p,
@@ -240,7 +247,7 @@ static __global__ void PASSES_BOUNDS(BLOCKS)
     if (need <= s.cap) {
         p.to = s.tri;
         EACH_TILE(tile, blocks_of(p.n))
-        look_leaves<SHARE>(&s, &p, reach, tile);
+        test_leaves<SHARE>(&s, &p, reach, tile);
         triangles = finish<SHARE, CROWD>(&s, &p, s.cap_tri, true);
     }
     if (team_rank() == 0 && rank_thread() == 0) {

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every intersecting pair of triangles, on the device. The order of triangles
- * and of the lists does not show: the pairs are sorted. spec/narrow/audit.md */
+/* Finds every intersecting pair of triangles on the device. Neither the order
+ * of triangles nor that of the lists affects the result, because the pairs are
+ * sorted at the end. spec/narrow/audit.md */
 #include "gpu/base/place.cuh"
 #include "gpu/narrow/audit.cuh"
 #include "gpu/narrow/tritri.cuh"
 
-/* Whole numbers are made by workers, one thread of 32 each, so that none waits
- * for another's branch, in a room each. The lists have room at first for some
- * pairs each triangle and some more. Where emulated all of it is little, so
- * that workers have several items and lists are too short. */
+/* Integer arithmetic is done by workers. A worker is one thread of 32, so that
+ * no worker waits for another's branch, with an arena of its own. The lists
+ * begin with a capacity of PAIRS_EACH pairs a triangle and PAIRS_MORE more. In
+ * emulation all of these are small, so that workers have several items and
+ * lists overflow. */
 enum { APART = 32 };
 #ifdef __CUDACC__
 enum { WORKERS = 512, DECIDE_WORKERS = 1 << 16 };
@@ -18,7 +20,7 @@ enum { WORKERS = 3, DECIDE_WORKERS = 16 };
 enum { PAIRS_EACH = 0, PAIRS_MORE = 8 };
 #endif
 
-/* Lists on the device: triangles, and pairs a < b as a·2^32 + b. */
+/* Lists on the device: triangles, and pairs a < b stored as a·2^32 + b. */
 struct lists {
     uint32_t *turn;                /* [nt] */
     uint64_t *left, *unsure, *hit; /* [room] each */
@@ -26,7 +28,7 @@ struct lists {
     uint32_t *slab; /* [WORKERS · SIGNS_ROOM] */
 };
 
-/* ---- §1.1: degenerate triangles ---- */
+/* §1.1: degenerate triangles. */
 
 static __device__ struct face face_of(const struct audit *s, int32_t t)
 {
@@ -49,8 +51,9 @@ static __device__ void mark(const struct audit *s, int32_t t, bool flat,
         count_up(&word[AUDIT_FLAT], 1);
 }
 
-/* Thread t owns triangle t: writes degenerate[t] or puts t on the list; a
- * block counts its triangles of group 0. */
+/* Thread t owns triangle t: it writes degenerate[t], or appends t to the list
+ * `turn` where the filter is not certain. A block counts its triangles of group
+ * 0. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     mark_kernel(struct audit s, struct lists l, int64_t *word)
 {
@@ -74,8 +77,9 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
         mark(&s, (int32_t)t, sign == 0, word);
 }
 
-/* The worker that this thread is, and its room; beyond all items: none. */
-static __device__ int64_t worker_of(const struct lists *l, struct room *m)
+/* Returns the number of the worker that this thread is, and sets its arena.
+ * Returns a number beyond all items if the thread is no worker. */
+static __device__ int64_t worker_of(const struct lists *l, struct big_arena *m)
 {
     uint32_t thread = blockIdx.x * blockDim.x + threadIdx.x;
     uint32_t worker = thread / APART;
@@ -85,11 +89,11 @@ static __device__ int64_t worker_of(const struct lists *l, struct room *m)
     return worker;
 }
 
-/* A worker owns items of the list of turns: writes degenerate. */
+/* A worker owns items of the list `turn` and writes their degenerate[]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     turn_kernel(struct audit s, struct lists l, int64_t *word)
 {
-    struct room m;
+    struct big_arena m;
     int64_t n = word[AUDIT_BAD] ? 0 : word[AUDIT_TURNS];
     for (int64_t i = worker_of(&l, &m); i < n; i += WORKERS) {
         int at;
@@ -99,7 +103,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     }
 }
 
-/* ---- §4.3: pairs ---- */
+/* §4.3: pairs. */
 
 static __device__ bool overlap(const struct audit_span *a,
                                const struct audit_span *b)
@@ -108,8 +112,8 @@ static __device__ bool overlap(const struct audit_span *a,
            a->lo.y <= b->hi.y && b->lo.z <= a->hi.z && a->lo.z <= b->hi.z;
 }
 
-/* Triangles p, of which f is the face, and q: on the list if no filter tells
- * them apart. */
+/* Appends triangles p and q to the list `left` if no filter proves them
+ * disjoint. f is the face of p. */
 static __device__ void filter_pair(const struct audit *s, const struct lists *l,
                                    const struct face *f, int32_t p, int32_t q,
                                    int64_t *word)
@@ -124,9 +128,10 @@ static __device__ void filter_pair(const struct audit *s, const struct lists *l,
         l->left[at] = (uint64_t)least(p, q) << 32 | (uint32_t)most(p, q);
 }
 
-/* Thread i owns place i of the order: looks at all later places, but of group
- * 0, whose boxes meet its own, without a stack: from a box on to the next or
- * its first child, up where the next is a first child. */
+/* Thread i owns place i of the order. It visits all later places, without those
+ * of group 0, whose boxes meet its own box. The traversal has no stack: from a
+ * box it goes to the next box or to the first child, and goes up where the next
+ * box would be a first child. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     walk_kernel(struct audit s, struct audit_levels v, struct lists l,
                 int64_t *word)
@@ -141,7 +146,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     struct face f = face_of(&s, p);
     int32_t b = most((int32_t)i + 1, fixed);
     int level = 0;
-    bool next = true; /* not a first child just come to */
+    bool next = true; /* false: b was just reached as a first child */
     for (;;) {
         for (; next && level < v.top && b % 4 == 0; level++)
             b /= 4;
@@ -157,9 +162,11 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     }
 }
 
-/* Decides pair k of a list; false where it needs whole numbers. */
+/* Decides a pair of a list. Returns false where the pair needs integer
+ * arithmetic and `room` is NULL. */
 static __device__ bool decide(const struct audit *s, const struct lists *l,
-                              uint64_t pair, struct room *room, int64_t *word)
+                              uint64_t pair, struct big_arena *room,
+                              int64_t *word)
 {
     struct face t = face_of(s, (int32_t)(pair >> 32));
     struct face u = face_of(s, (int32_t)(pair & 0xffffffffu));
@@ -171,7 +178,7 @@ static __device__ bool decide(const struct audit *s, const struct lists *l,
     return !w.unsure;
 }
 
-/* Thread k owns pairs k, k + threads, … that the filters left. */
+/* Thread k owns pairs k, k + threads, … of the list `left`. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     decide_kernel(struct audit s, struct lists l, int64_t *word)
 {
@@ -184,17 +191,18 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
             l.unsure[audit_next(&word[AUDIT_UNSURE])] = l.left[k];
 }
 
-/* A worker owns pairs that need whole numbers. */
+/* A worker owns pairs of the list `unsure` and decides them in integer
+ * arithmetic. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     unsure_kernel(struct audit s, struct lists l, int64_t *word)
 {
-    struct room m;
+    struct big_arena m;
     int64_t n = word[AUDIT_UNSURE];
     for (int64_t k = worker_of(&l, &m); k < n; k += WORKERS)
         decide(&s, &l, l.unsure[k], &m, word);
 }
 
-/* All pairs from the walk on; the lists' room as it is. */
+/* Queues the search for all pairs, with the current capacity of the lists. */
 static void search(struct gpu *g, struct audit *s, const struct audit_levels *v,
                    struct lists l, int64_t *word)
 {
@@ -212,7 +220,8 @@ static void take_lists(struct gpu *g, struct lists *l, int64_t room)
     l->hit = l->unsure + room;
 }
 
-/* Searches, and again where a list was too short. The words as read last. */
+/* Searches, and searches again where a list was too short. Returns the words of
+ * the last readback. */
 static const int64_t *pairs(struct gpu *g, struct audit *s, struct lists *l,
                             int64_t *word)
 {

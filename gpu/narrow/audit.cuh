@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the halves of stage audit on the device share. spec/narrow/audit.md §4
- */
+/* Declarations that the source files of stage audit on the device share.
+ * spec/narrow/audit.md §4 */
 #ifndef GPU_AUDIT_CUH
 #define GPU_AUDIT_CUH
 
@@ -14,21 +14,21 @@ extern "C" {
 enum { AUDIT_LEVELS = 17 };
 enum { AUDIT_BAD_PLACE = 1, AUDIT_BAD_NAME = 2 };
 
-/* Words of gpu_words. */
+/* The words of gpu_words in this stage. */
 enum {
     AUDIT_BAD,    /* faults of the input */
     AUDIT_FIXED,  /* triangles of group 0 */
     AUDIT_FLAT,   /* degenerate triangles */
-    AUDIT_TURNS,  /* triangles whose turn needs whole numbers */
-    AUDIT_LEFT,   /* pairs that the filters leave */
-    AUDIT_UNSURE, /* pairs of these that need whole numbers */
+    AUDIT_TURNS,  /* triangles that need integer arithmetic */
+    AUDIT_LEFT,   /* pairs that no filter decides */
+    AUDIT_UNSURE, /* pairs that need integer arithmetic */
     AUDIT_HITS,   /* pairs that intersect */
-    AUDIT_HIGH,   /* [6] the largest x y z -x -y -z, as whole numbers */
+    AUDIT_HIGH,   /* [6] largest x y z -x -y -z, as ordered integers */
     AUDIT_WORDS = AUDIT_HIGH + 6
 };
 
-/* §4.2: level l has count[l] boxes, four a node, from node at[l] on; level 0
- * are the triangles in order, level `top` has one node. */
+/* §4.2: level l has count[l] boxes, four a node, from node at[l] on. The boxes
+ * of level 0 are those of the triangles in order; level `top` has one node. */
 struct audit_levels {
     int64_t at[AUDIT_LEVELS];
     int32_t count[AUDIT_LEVELS];
@@ -48,13 +48,14 @@ static __device__ inline struct audit_span audit_lane(const struct audit *s,
                       make(q->hi[0][j], q->hi[1][j], q->hi[2][j])};
 }
 
-/* Notes a fault. */
+/* Records a fault of the input. */
 static __device__ inline void audit_bad(int64_t *word, int fault)
 {
     atomicOr((unsigned *)&word[AUDIT_BAD], (unsigned)fault);
 }
 
-/* The next place of a list; its order does not show. */
+/* Returns the next place of a list. The order of a list does not affect the
+ * result. */
 static __device__ inline int64_t audit_next(int64_t *word)
 {
     return (int64_t)atomicAdd((unsigned long long *)word, 1ull);
@@ -68,13 +69,15 @@ static __device__ inline bool in_mesh(const int32_t v[3], int64_t nv)
 
 struct audit_levels gpu_audit_levels(int64_t nt);
 
-/* Looks at every position, for faults and the box of all. */
+/* Checks every position and computes the box of all positions. */
 void gpu_audit_look(struct gpu *g, struct audit *s, int64_t *word);
-/* The order of triangles and the tree over it; after the look and with n_fixed
- * known. Nothing of it is to be used where there was a fault. */
+/* Sorts the triangles and builds the tree over them, after gpu_audit_look and
+ * with word[AUDIT_FIXED] complete. After a fault the order and the tree must
+ * not be used. */
 void gpu_audit_tree(struct gpu *g, struct audit *s,
                     const struct audit_levels *l, const int64_t *word);
-/* s->pair from `found` hits, first triangle · 2^32 + second, ascending. */
+/* Writes s->pair, ascending, from `found` hits stored as first triangle · 2^32
+ * + second. */
 void gpu_audit_pairs(struct gpu *g, struct audit *s, const uint64_t *hit);
 
 #endif

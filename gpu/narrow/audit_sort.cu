@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The orders and the tree of stage audit on the device. spec/narrow/audit.md §4
- */
+/* Sorts the triangles of stage audit along a Morton curve, builds its tree, and
+ * sorts its pairs, on the device. spec/narrow/audit.md §4 */
 #include "gpu/narrow/audit.cuh"
 
 extern "C" {
 #include "ref/base/keys.h"
 }
 
-/* Blocks that look at positions, so that few atomics end there. */
-enum { LOOK_BLOCKS = 256 };
+/* Number of blocks that check positions: few, so that few atomics are needed at
+ * the end. */
+enum { CHECK_BLOCKS = 256 };
 
 struct audit_levels gpu_audit_levels(int64_t nt)
 {
@@ -24,9 +25,11 @@ struct audit_levels gpu_audit_levels(int64_t nt)
     }
 }
 
-/* ---- §4.1 Order: by middles in binary32, as none of it shows ---- */
+/* §4.1: order by middles in binary32. Rounding is harmless, as no result
+ * depends on the order. */
 
-/* Whole numbers in the order of the floats; 0 is below them all. */
+/* Maps floats to unsigned integers of the same order. 0 is below all of
+ * them. */
 static __device__ uint32_t ordered(float a)
 {
     uint32_t b;
@@ -42,10 +45,10 @@ static __device__ float of_ordered(uint32_t b)
     return a;
 }
 
-/* A thread looks at positions k, k + threads, …; largest numbers and flags of
- * the block, then of all. */
+/* Thread k checks positions k, k + threads, …. A block reduces its maxima and
+ * faults, then makes one atomic for each. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    look_kernel(struct audit s, int64_t *word)
+    check_kernel(struct audit s, int64_t *word)
 {
     __shared__ uint32_t high[6];
     uint32_t t = threadIdx.x, own[6] = {0, 0, 0, 0, 0, 0};
@@ -71,7 +74,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 void gpu_audit_look(struct gpu *g, struct audit *s, int64_t *word)
 {
-    LAUNCH_BLOCKS(g, LOOK_BLOCKS, GPU_BLOCK, look_kernel, *s, word);
+    LAUNCH_BLOCKS(g, CHECK_BLOCKS, GPU_BLOCK, check_kernel, *s, word);
 }
 
 static __device__ struct audit_span span_of(const struct audit *s, int64_t t)
@@ -81,7 +84,8 @@ static __device__ struct audit_span span_of(const struct audit *s, int64_t t)
     return audit_span{least(least(a, b), c), most(most(a, b), c)};
 }
 
-/* The low 21 bits, two zeros between each. */
+/* Spreads the low 21 bits of b, with two zero bits between neighbours
+ * (§4.1). */
 static __device__ uint64_t spread(uint64_t b)
 {
     b = (b | b << 32) & 0x001f00000000ffffull;
@@ -91,7 +95,8 @@ static __device__ uint64_t spread(uint64_t b)
     return (b | b << 2) & 0x1249249249249249ull;
 }
 
-/* The cell, of 2^21 over `size`, of the middle of lo and hi. */
+/* Returns the Morton cell, of 2^21 cells over `size`, that holds the middle of
+ * lo and hi. */
 static __device__ uint64_t cell(real lo, real hi, float from, float size)
 {
     float middle = (float)lo * 0.5f + (float)hi * 0.5f;
@@ -99,7 +104,8 @@ static __device__ uint64_t cell(real lo, real hi, float from, float size)
     return c > 0 ? (uint64_t)least(c, 2097151.0f) : 0;
 }
 
-/* Thread t makes the key of triangle t: group 0 first, then a Morton curve. */
+/* Thread t writes the key of triangle t: group 0 first, then along a Morton
+ * curve. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     key_kernel(struct audit s, struct key *key, const int64_t *word)
 {
@@ -122,8 +128,6 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     key[t] = k;
 }
 
-/* ---- §4.2 Tree ---- */
-
 static __device__ void put(const struct audit *s, int64_t at, int32_t b,
                            struct audit_span box)
 {
@@ -137,7 +141,8 @@ static __device__ void put(const struct audit *s, int64_t at, int32_t b,
     q->hi[2][j] = box.hi.z;
 }
 
-/* Thread k owns place k of the order: writes order[0][k] and its box. */
+/* Thread k owns place k of the order: it writes order[0][k] and the box
+ * there. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     leaf_kernel(struct audit s, const struct key *key, const int64_t *word)
 {
@@ -148,7 +153,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     put(&s, 0, (int32_t)k, span_of(&s, key[k].item));
 }
 
-/* Thread b owns box b of a level: reads up to four below it. */
+/* Thread b owns box b of a level: it joins up to four boxes of the level
+ * below. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     level_kernel(struct audit s, struct audit_levels l, int level,
                  const int64_t *word)
@@ -178,9 +184,7 @@ void gpu_audit_tree(struct gpu *g, struct audit *s,
         LAUNCH(g, l->count[level], level_kernel, *s, *l, level, word);
 }
 
-/* ---- §4.4 Canonical order ---- */
-
-/* Thread k turns hit k to a key. */
+/* Thread k turns hit k into a sort key. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     hit_kernel(int64_t n, const uint64_t *hit, struct key *key)
 {
@@ -188,7 +192,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     key[k] = {hit[k], 0, 0};
 }
 
-/* Thread k writes pair k. */
+/* Thread k writes pair k (§4.4). */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     pair_kernel(struct audit s, const struct key *key)
 {

@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole numbers of many words in a bounded room of device memory. Products go
- * column by column, so that loads do not wait for stores.
- * spec/narrow/narrow.md §6.1 */
+/* Big integers in a bounded arena of device memory. Products are computed
+ * column by column, so that loads do not wait for stores. spec/narrow/narrow.md
+ * §6.1 */
 #ifndef GPU_BIG_CUH
 #define GPU_BIG_CUH
 
 #include "gpu/base/real.cuh"
 
-/* Words handed out in order; the caller gives back by restoring `used`. */
-struct room {
+/* An arena of words, handed out in order. The caller frees words by restoring
+ * `used`. */
+struct big_arena {
     uint32_t *word; /* [size] */
     int size, used;
-    bool full; /* out: a number did not fit: results are void */
+    bool full; /* out: a number did not fit; results are void */
 };
 
-/* |n| words from `at` on, least first, the last not 0; n < 0: negative. */
+/* An integer of |n| words from `at` on, lowest word first, the last not 0; n <
+ * 0 means negative. */
 struct big {
     int32_t at, n;
 };
@@ -41,9 +43,10 @@ static __device__ inline struct big big_minus(struct big a)
     return a;
 }
 
-/* Place for n words. Where there is none the room starts anew, so that all
- * accesses stay inside, and says that it is full. */
-static __device__ inline int room_take(struct room *m, int n)
+/* Takes n words from the arena. If they do not fit, the arena is marked full
+ * and starts again at its beginning, so that all accesses stay inside; results
+ * are then void. */
+static __device__ inline int room_take(struct big_arena *m, int n)
 {
     if (n > m->size - m->used) {
         m->full = true;
@@ -54,8 +57,9 @@ static __device__ inline int room_take(struct room *m, int n)
     return at;
 }
 
-/* A number from the n words that end the room; gives leading zeros back. */
-static __device__ inline struct big big_trim(struct room *m, int at, int n,
+/* Makes a number from the last n words taken, and gives its leading zero words
+ * back to the arena. */
+static __device__ inline struct big big_trim(struct big_arena *m, int at, int n,
                                              bool negative)
 {
     int k = n;
@@ -66,9 +70,7 @@ static __device__ inline struct big big_trim(struct room *m, int at, int n,
     return r;
 }
 
-/* ---- From binary64 ---- */
-
-/* |x| = *mantissa·2^e; returns e. */
+/* Splits |x| = *mantissa·2^e and returns e. */
 static __device__ inline int take_apart(double x, uint64_t *mantissa)
 {
     uint64_t b;
@@ -80,7 +82,7 @@ static __device__ inline int take_apart(double x, uint64_t *mantissa)
     return (e ? e : 1) - 1075;
 }
 
-/* The exponent of the lowest set bit of a finite x ≠ 0. */
+/* Returns the exponent of the lowest set bit of a finite x ≠ 0. */
 static __device__ inline int lowest_bit(double x)
 {
     uint64_t a;
@@ -88,9 +90,9 @@ static __device__ inline int lowest_bit(double x)
     return e + 63 - __clzll((long long)(a & (0 - a)));
 }
 
-/* x·2^-e, whole by the choice of e. */
-static __device__ __noinline__ struct big big_make(struct room *m, double x,
-                                                   int e)
+/* Returns x·2^-e. The caller chooses e so that the result is an integer. */
+static __device__ __noinline__ struct big big_make(struct big_arena *m,
+                                                   double x, int e)
 {
     uint64_t a;
     int shift = take_apart(x, &a) - e;
@@ -113,17 +115,15 @@ static __device__ __noinline__ struct big big_make(struct room *m, double x,
     return big_trim(m, at, n, x < 0);
 }
 
-static __device__ inline struct big big_small(struct room *m, uint32_t a)
+static __device__ inline struct big big_small(struct big_arena *m, uint32_t a)
 {
     int at = room_take(m, 1);
     m->word[at] = a;
     return big_trim(m, at, 1, false);
 }
 
-/* ---- Sums ---- */
-
 /* Whether |a| < |b|. */
-static __device__ inline bool big_less(const struct room *m, struct big a,
+static __device__ inline bool big_less(const struct big_arena *m, struct big a,
                                        struct big b)
 {
     int n = big_words(a);
@@ -137,14 +137,15 @@ static __device__ inline bool big_less(const struct room *m, struct big a,
     return false;
 }
 
-/* |a| ± |b| with a's sign; a is the longer, for a difference the larger. */
-static __device__ inline struct big big_carry(struct room *m, struct big a,
+/* Returns |a| ± |b| with the sign of a. a must have at least as many words as
+ * b, and for a difference |a| ≥ |b|. */
+static __device__ inline struct big big_carry(struct big_arena *m, struct big a,
                                               struct big b, bool minus)
 {
     int na = big_words(a), nb = big_words(b), at = room_take(m, na + 1);
     const uint32_t *x = m->word + a.at, *y = m->word + b.at;
     uint32_t *d = m->word + at, flip = minus ? 0xffffffffu : 0;
-    /* x - y is x + ~y + 1, whose last carry is dropped */
+    /* x - y = x + ~y + 1, whose last carry is dropped */
     uint64_t carry = minus;
     for (int k = 0; k < nb; k++) {
         carry += (uint64_t)x[k] + (y[k] ^ flip);
@@ -160,8 +161,8 @@ static __device__ inline struct big big_carry(struct room *m, struct big a,
     return big_trim(m, at, na + 1, a.n < 0);
 }
 
-static __device__ __noinline__ struct big big_add(struct room *m, struct big a,
-                                                  struct big b)
+static __device__ __noinline__ struct big big_add(struct big_arena *m,
+                                                  struct big a, struct big b)
 {
     if (a.n == 0 || b.n == 0)
         return a.n ? a : b;
@@ -170,16 +171,14 @@ static __device__ __noinline__ struct big big_add(struct room *m, struct big a,
     return swap ? big_carry(m, b, a, minus) : big_carry(m, a, b, minus);
 }
 
-static __device__ inline struct big big_sub(struct room *m, struct big a,
+static __device__ inline struct big big_sub(struct big_arena *m, struct big a,
                                             struct big b)
 {
     return big_add(m, a, big_minus(b));
 }
 
-/* ---- Products ---- */
-
-static __device__ __noinline__ struct big big_mul(struct room *m, struct big a,
-                                                  struct big b)
+static __device__ __noinline__ struct big big_mul(struct big_arena *m,
+                                                  struct big a, struct big b)
 {
     int na = big_words(a), nb = big_words(b), n = na + nb;
     if (na == 0 || nb == 0)
@@ -187,7 +186,8 @@ static __device__ __noinline__ struct big big_mul(struct room *m, struct big a,
     int at = room_take(m, n);
     const uint32_t *x = m->word + a.at, *y = m->word + b.at;
     uint32_t *d = m->word + at;
-    int low_x = 0, low_y = 0; /* numbers of mixed sizes are mostly zeros */
+    int low_x = 0, low_y = 0; /* numbers made from mixed exponents are mostly
+                                 zero words */
     while (low_x < na && x[low_x] == 0)
         low_x++;
     while (low_y < nb && y[low_y] == 0)
@@ -208,8 +208,8 @@ static __device__ __noinline__ struct big big_mul(struct room *m, struct big a,
     return big_trim(m, at, n, (a.n < 0) != (b.n < 0));
 }
 
-/* r moved down to the mark, all else made since then given back. */
-static __device__ inline struct big big_keep(struct room *m, int mark,
+/* Moves r down to `mark` and frees every other word taken since then. */
+static __device__ inline struct big big_keep(struct big_arena *m, int mark,
                                              struct big r)
 {
     int n = big_words(r);
@@ -224,9 +224,10 @@ static __device__ inline struct big big_keep(struct room *m, int mark,
     return r;
 }
 
-/* a·b - c·d, leaving nothing else in the room. */
-static __device__ __noinline__ struct big
-big_det(struct room *m, struct big a, struct big b, struct big c, struct big d)
+/* Returns a·b - c·d and frees all intermediate words. */
+static __device__ __noinline__ struct big big_det(struct big_arena *m,
+                                                  struct big a, struct big b,
+                                                  struct big c, struct big d)
 {
     int mark = m->used;
     struct big p = big_mul(m, a, b);

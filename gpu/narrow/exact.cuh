@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The exact tier of the narrow phase on the device. spec/narrow/narrow.md §6 */
+/* Tier 3 of the narrow phase on the device: finds the first contact in exact
+ * integer arithmetic. spec/narrow/narrow.md §6 */
 #ifndef GPU_EXACT_CUH
 #define GPU_EXACT_CUH
 
@@ -9,11 +10,10 @@ extern "C" {
 #include "ref/narrow/narrow.h"
 }
 
-/* ---- §3 at a root ---- */
-
-/* All on one line or a point: whether the boxes meet. */
+/* Whether the boxes meet at root r (§3c). Called where all four vertices are on
+ * one line or in one point, so that meeting boxes mean contact. */
 static __device__ inline bool
-boxes_meet(struct room *m, const struct workspace *s, const struct root *r)
+boxes_meet(struct big_arena *m, const struct workspace *s, const struct root *r)
 {
     for (int k = 0; k < 3; k++) {
         int up = 0, down = 0;
@@ -28,8 +28,9 @@ boxes_meet(struct room *m, const struct workspace *s, const struct root *r)
     return true;
 }
 
-static __device__ __noinline__ bool
-touching_at(struct room *m, const struct workspace *s, const struct root *r)
+static __device__ __noinline__ bool touching_at(struct big_arena *m,
+                                                const struct workspace *s,
+                                                const struct root *r)
 {
     for (int k = 0; k < 3; k++) {
         int n = root_sign(m, &s->n[k], r);
@@ -47,13 +48,13 @@ touching_at(struct room *m, const struct workspace *s, const struct root *r)
     return boxes_meet(m, s, r);
 }
 
-/* The same at a root of form j on an axis where N is not 0: the lines meet at
- * the primitive that the form is of (§6.5). */
-static __device__ __noinline__ bool touching_form(struct room *m,
+/* Whether the primitives touch at root r of form j, on an axis where N is not 0
+ * there: contact is that a point lies in the box of one side or edge (§6.5). */
+static __device__ __noinline__ bool touching_form(struct big_arena *m,
                                                   const struct workspace *s,
                                                   const struct root *r, int j)
 {
-    /* the two box forms */
+    /* the two box forms of that test */
     int a = s->count == 3 ? (j + 1) % 3 : j == 1 ? 2 : j == 3;
     int b = s->count == 3 ? (j + 2) % 3 : j == 0 ? 1 : j == 2 ? 2 : 3;
     for (int k = 0; k < 3; k++) {
@@ -64,23 +65,22 @@ static __device__ __noinline__ bool touching_form(struct room *m,
     return true;
 }
 
-/* ---- §6.5 ---- */
-
-/* Whether they touch at t = 0 (cell 0) or t = 1 (cell POINT_ONE). */
+/* Whether the primitives touch at t = 0 (cell 0) or t = 1 (cell POINT_ONE). */
 static __device__ inline bool
-touching_end(struct room *m, const struct workspace *s, uint32_t cell)
+touching_end(struct big_arena *m, const struct workspace *s, uint32_t cell)
 {
     struct root r = {NULL, 0, cell, true};
     return s->v.c[cell ? 3 : 0].n == 0 && touching_at(m, s, &r);
 }
 
-/* A polynomial at whose roots a contact may begin. */
+/* A polynomial at whose roots a contact may begin (§6.5). */
 struct candidate {
     const struct poly *p;
-    int form, axis; /* of a form of vertices always in a plane; else axis -1 */
+    int form, axis; /* form and its axis, where V is identically zero; else
+                       axis -1 */
 };
 
-static __device__ __noinline__ bool begins(struct room *m,
+static __device__ __noinline__ bool begins(struct big_arena *m,
                                            const struct workspace *s,
                                            const struct candidate *c,
                                            const struct root *r)
@@ -90,8 +90,8 @@ static __device__ __noinline__ bool begins(struct room *m,
     return touching_at(m, s, r);
 }
 
-/* The lesser of toi and the first root of c with contact. */
-static __device__ __noinline__ uint32_t first_of(struct room *m,
+/* Returns the lesser of toi and the first root of c with contact. */
+static __device__ __noinline__ uint32_t first_of(struct big_arena *m,
                                                  struct workspace *s,
                                                  const struct candidate *c,
                                                  uint32_t toi)
@@ -110,8 +110,8 @@ static __device__ __noinline__ uint32_t first_of(struct room *m,
     return toi;
 }
 
-/* An axis where a form is not always 0, the one with the fewest words, or -1.
- */
+/* Returns the axis whose forms have the fewest words, without axes on which all
+ * forms are identically zero; -1 if all three axes are such. */
 static __device__ inline int short_axis(const struct workspace *s)
 {
     int axis = -1, fewest = INT32_MAX;
@@ -128,7 +128,7 @@ static __device__ inline int short_axis(const struct workspace *s)
     return axis;
 }
 
-static __device__ inline uint32_t first_contact(struct room *m,
+static __device__ inline uint32_t first_contact(struct big_arena *m,
                                                 struct workspace *s)
 {
     uint32_t toi = NARROW_MISS;
@@ -151,14 +151,14 @@ static __device__ inline uint32_t first_contact(struct room *m,
     return toi;
 }
 
-/* The first contact of p, or NARROW_MISS, in *toi; works in s and word[n].
- * False, with nothing decided, where n words are too few; n is at least the
- * longest number's 2048. */
+/* Writes the first contact of p, or NARROW_MISS, to *toi. Uses s and the
+ * scratch word[n], n ≥ 2048, the length of the longest number. Returns false
+ * where n words are too few, and then *toi is void. */
 static __device__ inline bool exact_contact(const struct quad *p,
                                             struct workspace *s, uint32_t *word,
                                             int n, uint32_t *toi)
 {
-    struct room m = {word, n, 0, false};
+    struct big_arena m = {word, n, 0, false};
     set_workspace(&m, p, s);
     if (m.full)
         return false;

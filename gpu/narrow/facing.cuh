@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Two triangles side by side, and what rounded numbers tell of them for
- * certain, on the device. spec/narrow/audit.md §3.5 */
+/* Floating-point filters for two triangles on the device: their answers are
+ * certain although their numbers are rounded. spec/narrow/audit.md §3.5 */
 #ifndef GPU_FACING_CUH
 #define GPU_FACING_CUH
 
@@ -10,14 +10,16 @@ extern "C" {
 #include "ref/narrow/tritri.h"
 }
 
-/* As the reference's, to which ci/prove.sh holds them. */
+/* Error bounds of §3.5, equal to ref/narrow/tritri.c; ci/prove.sh checks
+ * both. */
 #define ERROR_BESIDE 0x1p-49
 #define ERROR_PARTED 0x1p-49
 #define ERROR_OPENED 0x1p-48
 #define UNDERFLOW 0x1p-1000
 #define UNDERFLOW_OPENED 0x1p-700
 
-/* Two triangles with the vertices that they share first, in one order. */
+/* Two triangles; the vertices that they share come first in both, in the same
+ * order. */
 struct facing {
     point t[3], s[3];
     int shared;
@@ -55,7 +57,8 @@ static __device__ inline struct plane plane_of(const struct face *t)
     return r;
 }
 
-/* The corners in `mask` of s lie strictly on one side of the plane. */
+/* Whether the corners of s in `mask` certainly lie strictly on one side of the
+ * plane. */
 static __device__ inline bool beside(const struct plane *t,
                                      const struct face *s, unsigned mask)
 {
@@ -79,8 +82,9 @@ static __device__ inline void add_unit(point u, double sign, const point v)
         u[k] += f * v[k];
 }
 
-/* A plane parts t from s, or from what is left of s without the first corner,
- * which they share and which then lies in the plane. */
+/* Whether a plane certainly separates t and s. If they share their first
+ * corner, that corner lies in the plane and the other corners lie strictly on
+ * either side. */
 static __device__ inline bool parted(const struct facing *f)
 {
     bool shared = f->shared > 0;
@@ -108,7 +112,8 @@ static __device__ inline bool parted(const struct facing *f)
     return shared ? lo > 0 && hi < 0 : lo > hi;
 }
 
-/* Across the shared edge the third corners lie more than 90° apart. */
+/* Whether, seen along the shared edge, the third corners certainly lie more
+ * than 90° apart, so that t and s are not folded onto each other. */
 static __device__ inline bool opened(const struct facing *f)
 {
     point e, c, d;
@@ -121,9 +126,7 @@ static __device__ inline bool opened(const struct facing *f)
     return p - q < -(ERROR_OPENED * size + UNDERFLOW_OPENED);
 }
 
-/* ---- Arrangement ---- */
-
-/* Bit k: corner k of s is none of t's. */
+/* Returns a mask: bit k is set if corner k of s is not a vertex of t. */
 static __device__ inline unsigned others(const struct face *t,
                                          const struct face *s)
 {
@@ -135,7 +138,7 @@ static __device__ inline unsigned others(const struct face *t,
     return r;
 }
 
-/* Puts corner j before corner i where its key is less. */
+/* Swaps corners i and j if the key of j is less. */
 static __device__ inline void order_corners(uint64_t key[3], point p[3], int i,
                                             int j)
 {
@@ -151,7 +154,8 @@ static __device__ inline void order_corners(uint64_t key[3], point p[3], int i,
     }
 }
 
-/* t with the corners in `mask` last, the others by vertex number. */
+/* Copies the corners of t: first those not in `mask`, by vertex number, then
+ * those in `mask`. */
 static __device__ inline void arrange(const struct face *t, unsigned mask,
                                       point p[3])
 {
@@ -178,7 +182,7 @@ static __device__ inline struct facing facing_of(const struct face *t,
     return f;
 }
 
-/* True where t and s are certain not to intersect; neither is collinear. */
+/* True where t and s certainly do not intersect. Neither may be degenerate. */
 static __device__ inline bool tritri_apart(const struct face *t,
                                            const struct face *s)
 {

@@ -1,36 +1,38 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The first tier of the narrow phase on the device, and the polynomials of the
- * second. Both kinds of pair take one path: a vertex-face pair is given a
- * fourth form and box form, equal to its third. spec/narrow/narrow.md §2, §4 */
+/* Tier 1 of the narrow phase on the device, and the polynomials of tier 2. Both
+ * kinds of pair take one path: a vertex-face pair gets a fourth form and box
+ * form equal to its third. spec/narrow/narrow.md §2, §4 */
 #ifndef GPU_FILTER_CUH
 #define GPU_FILTER_CUH
 
 #include "gpu/base/real.cuh"
 
-/* §4.3, as the reference's, to which ci/prove.sh holds them. */
+/* Error bounds of §4.3, equal to ref/narrow/filter.c; ci/prove.sh checks
+ * both. */
 #define ERROR_FORM 0x1p-47
 #define ERROR_CUBIC 0x1p-45
 #define ERROR_BOX 0x1p-51
 #define UNDERFLOW 0x1p-800
 #define RANGE 0x1p200
 
-/* A pair's vertices at t = 0 and 1. */
+/* The vertices of a pair at t = 0 and t = 1. */
 struct quad {
     vec x[2][4];
     bool ee; /* edge-edge */
 };
 
-/* The vectors f, g, h at t = 0 and 1. */
+/* The vectors f, g, h of §2 at t = 0 and t = 1. */
 struct vectors {
     double f[2][3], g[2][3], h[2][3];
 };
 
-/* §4.3: errors of V, and of a form by axis. */
+/* §4.3: error bounds of V, and of the forms by axis. */
 struct errors {
     double v, q[3];
 };
 
-/* ---- §4.1, on the positions themselves: a difference has their order ---- */
+/* §4.1, evaluated on the positions themselves: a rounded difference has the
+ * same sign as the comparison. */
 
 static __device__ inline bool box_apart(real a0, real a1, real b0, real b1,
                                         real b2, real c0, real c1, real d0,
@@ -42,8 +44,9 @@ static __device__ inline bool box_apart(real a0, real a1, real b0, real b1,
            (high_b < least(a0, a1) && high_d < least(c0, c1));
 }
 
-/* Whether on some axis one side stays beyond the other. Side A of a vertex
- * is that vertex twice; side B of an edge has one end twice. */
+/* Whether on some axis one primitive stays strictly beyond the other. Side A of
+ * a vertex-face pair is the vertex taken twice; side B of an edge-edge pair has
+ * one end of the edge twice. */
 static __device__ inline bool boxes_apart(const struct quad *p)
 {
     const vec *s = p->x[0], *e = p->x[1];
@@ -57,9 +60,7 @@ static __device__ inline bool boxes_apart(const struct quad *p)
                      e[3].z);
 }
 
-/* ---- §2 ---- */
-
-/* a - b, each exact in binary64, rounded once. */
+/* Writes a - b, rounded once; widening to binary64 is exact. */
 static __device__ inline void difference(vec a, vec b, double d[3])
 {
     d[0] = (double)a.x - (double)b.x;
@@ -79,7 +80,7 @@ static __device__ inline struct vectors vectors_of(const struct quad *p)
     return m;
 }
 
-/* Axis k of a × b in Bernstein form. */
+/* Writes component k of a × b in Bernstein form. */
 static __device__ inline void
 cross_form(const double a[2][3], const double b[2][3], int k, double c[3])
 {
@@ -91,14 +92,14 @@ cross_form(const double a[2][3], const double b[2][3], int k, double c[3])
     c[2] = a[1][i] * b[1][j] - a[1][j] * b[1][i];
 }
 
-/* f · n, coefficient i of n. */
+/* Returns f · (coefficient i of n). */
 static __device__ inline double dot_form(const double f[3],
                                          const double n[3][3], int i)
 {
     return (f[0] * n[0][i] + f[1] * n[1][i]) + f[2] * n[2][i];
 }
 
-/* V in Bernstein form; n is g × h. */
+/* Writes V in Bernstein form; n is g × h. */
 static __device__ inline void cubic_form(const double f[2][3],
                                          const double n[3][3], double v[4])
 {
@@ -108,8 +109,8 @@ static __device__ inline void cubic_form(const double f[2][3],
     v[3] = dot_form(f[1], n, 2);
 }
 
-/* The forms on axis k; n is that of g × h. Vertex-face: n, h×f = -(f×h) to
- * the last bit but the sign of 0, f×g. */
+/* Writes the forms on axis k; n is component k of g × h. For vertex-face they
+ * are n, h×f = -(f×h), which differs only in the sign of a zero, and f×g. */
 static __device__ inline void axis_forms(const struct vectors *m, bool ee,
                                          int k, const double n[3],
                                          double w[4][3])
@@ -125,8 +126,6 @@ static __device__ inline void axis_forms(const struct vectors *m, bool ee,
     }
 }
 
-/* ---- §4.3 ---- */
-
 static __device__ inline double size_on(const struct vectors *m, int k)
 {
     double d = 0;
@@ -136,7 +135,8 @@ static __device__ inline double size_on(const struct vectors *m, int k)
     return d;
 }
 
-/* False where the proof does not reach. */
+/* Sets the error bounds of §4.3. Returns false where the inputs are beyond the
+ * range of the proof. */
 static __device__ inline bool errors_of(const struct vectors *m,
                                         struct errors *e)
 {
@@ -148,7 +148,8 @@ static __device__ inline bool errors_of(const struct vectors *m,
     return x <= RANGE && y <= RANGE && z <= RANGE;
 }
 
-/* 1 or -1 where all coefficients have that sign beyond error e, else 0. */
+/* Returns 1 or -1 where all coefficients have that sign by more than the error
+ * bound e, else 0. */
 static __device__ inline int certain(const double c[3], double e)
 {
     if (least(c[0], least(c[1], c[2])) > e)
@@ -178,7 +179,7 @@ static __device__ inline bool opposed(const struct vectors *m, bool ee, int k,
     return up && down;
 }
 
-/* §4: true where the pair is certain to miss. */
+/* §4: true where the pair certainly misses. */
 static __device__ inline bool filter_misses(const struct quad *p)
 {
     if (boxes_apart(p))

@@ -1,19 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Exact continuous collision on the device. What a tier cannot settle it puts
- * on a list for the next; the order of a list cannot show, as each item writes
- * its own toi and tier only. spec/narrow/narrow.md */
+/* Exact continuous collision detection on the device, one kernel a tier. A tier
+ * appends the pairs that it cannot decide to a list for the next tier. The
+ * order of a list does not affect the result, because each item writes only its
+ * own toi and tier. spec/narrow/narrow.md */
 #include "gpu/base/place.cuh"
 #include "gpu/contact/contact.cuh"
 #include "gpu/narrow/exact.cuh"
 #include "gpu/narrow/split.cuh"
 
-/* g->words: a fault of the input, and the lists' lengths. */
+/* The words of gpu_words in this stage: a fault of the input, and the lengths
+ * of the lists. */
 enum { WORD_BAD, WORD_SPLIT, WORD_EXACT, WORD_LONG, WORD_LEFT, WORDS = 6 };
 
-/* The third tier's workers: a room each, short or for every input (§6.5). A
- * worker is one thread of 32, so that none waits for another's branch. Halving
- * workers: as many as fit on a large device, a few times over. Where emulated
- * there are few, so that each has several items. */
+/* Sizes of tiers 2 and 3. A worker of tier 3 is one thread of 32, so that no
+ * worker waits for another's branch. It has an arena of SHORT_ROOM words, or of
+ * LONG_ROOM words, which suffice for every input (§6.5). Tier 2 has several
+ * times as many threads as run at once on a large device. In emulation there
+ * are few workers, so that each has several items. */
 enum { APART = 32, LONG_ROOM = 65536 };
 #ifdef __CUDACC__
 enum { SHORT_ROOM = 2304, SHORT_WORKERS = 2048, LONG_WORKERS = 32 };
@@ -30,7 +33,7 @@ struct list {
 
 static __device__ bool finite(vec a)
 {
-    /* infinity and NaN minus themselves are NaN */
+    /* an infinity or NaN minus itself is NaN */
     return a.x - a.x == 0 && a.y - a.y == 0 && a.z - a.z == 0;
 }
 
@@ -53,7 +56,7 @@ static __device__ void settle(const struct narrow *s, int64_t k, uint32_t toi,
     s->tier[k] = (uint8_t)tier;
 }
 
-/* Thread k looks at vertex k. */
+/* Thread k checks that the positions of vertex k are finite. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     finite_kernel(struct narrow s, uint32_t *bad)
 {
@@ -62,7 +65,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         atomicOr(bad, 1u);
 }
 
-/* Candidate k by the first tier; true: it is for the second. */
+/* Runs tier 1 on candidate k. Returns true if tier 2 must decide. */
 static __device__ bool filter_leaves(const struct narrow *s, int64_t k,
                                      uint32_t *bad)
 {
@@ -80,8 +83,9 @@ static __device__ bool filter_leaves(const struct narrow *s, int64_t k,
     return false;
 }
 
-/* Thread k owns candidate k: reads its vertices, writes toi[k] and tier[k] or
- * puts k on the list; a block takes its places there at once. */
+/* Thread k owns candidate k: it reads the vertices and writes toi[k] and
+ * tier[k], or appends k to the list. A block reserves its places in the list
+ * with one atomic. */
 static __global__ void __launch_bounds__(PLACE_BLOCK, 3)
     filter_kernel(struct narrow s, struct list left, uint32_t *bad)
 {
@@ -96,8 +100,8 @@ static __global__ void __launch_bounds__(PLACE_BLOCK, 3)
         left.item[first + (uint32_t)place] = (uint32_t)k;
 }
 
-/* Thread k owns items k, k + threads, … of the list: writes their toi and tier
- * or puts them on the next. */
+/* Thread k owns items k, k + threads, … of the list: it writes their toi and
+ * tier, or appends them to the next list. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     split_kernel(struct narrow s, struct list in, struct list left,
                  const uint32_t *bad)
@@ -116,8 +120,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     }
 }
 
-/* The third tier's workers: a slab of scratch each, a workspace and `words`
- * words of room. */
+/* The workers of tier 3. Each has a slab of scratch memory: a workspace and an
+ * arena of `words` words. */
 struct crew {
     char *slab;
     int workers, words;
@@ -128,8 +132,9 @@ static size_t slab_bytes(int words)
     return sizeof(struct workspace) + (size_t)words * sizeof(uint32_t);
 }
 
-/* Worker i, thread i·APART, owns items i, i + workers, … of the list and slab
- * i. Writes toi and tier; what finds no room it puts on the next list. */
+/* Worker i, which is thread i·APART, owns items i, i + workers, … of the list
+ * and slab i. It writes their toi and tier; items that overflow its arena go to
+ * the next list. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     exact_kernel(struct narrow s, struct list in, struct list left,
                  const uint32_t *bad, struct crew crew)
@@ -167,7 +172,8 @@ static void exact(struct gpu *g, struct narrow *s, int64_t n, struct list in,
 int gpu_narrow(struct gpu *g, struct narrow *s)
 {
     uint32_t *word = (uint32_t *)gpu_words(g), *bad = word + WORD_BAD;
-    if (s->n > INT32_MAX) /* the lists' items; the pairs would fill 36 GB */
+    if (s->n > INT32_MAX) /* list items are 32-bit; so many pairs would fill
+                             36 GB */
         return DRAPE_ENOMEM;
     uint32_t *item = (uint32_t *)gpu_scratch(g, SLOT_STAGE, 2 * s->n, 4);
     struct list a = {item, word + WORD_SPLIT};
@@ -185,7 +191,7 @@ int gpu_narrow(struct gpu *g, struct narrow *s)
     int status = gpu_status(g);
     if (status == DRAPE_OK && seen[WORD_BAD])
         return DRAPE_EDATA;
-    if (status == DRAPE_OK && seen[WORD_LEFT]) /* which §6.5 excludes */
+    if (status == DRAPE_OK && seen[WORD_LEFT]) /* cannot happen, by §6.5 */
         return DRAPE_EDEVICE;
     return status;
 }

@@ -1,21 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Signs of small polynomials at a point, exactly, on the device. On the grid
- * binary64 with a bound is asked first. spec/narrow/narrow.md §6.3 */
+/* Exact signs of polynomials of degree at most 3 at a rational point, or at a
+ * root of a quadratic, on the device. On the grid of times a binary64 filter
+ * comes first. spec/narrow/narrow.md §6.3 */
 #ifndef GPU_POINT_CUH
 #define GPU_POINT_CUH
 
 #include "gpu/narrow/big.cuh"
 
-enum { POINT_ONE = 1 << 30 }; /* cells of the grid */
+enum { POINT_ONE = 1 << 30 }; /* number of cells of the grid */
 
-/* Σ c[i]·τ^i with τ = t/(1-t): the scaled Bernstein form on t in [0, 1].
- * Leading coefficients may be zero: that is a root at t = 1. */
+/* The polynomial Σ c[i]·τ^i with τ = t/(1-t), which is the scaled Bernstein
+ * form on t in [0, 1]. Leading coefficients may be zero: each of them is a root
+ * at t = 1. */
 struct poly {
     int degree; /* at most 3 */
     struct big c[4];
 };
 
-/* The same, scaled and rounded: each c to 2^-50 of itself, or 2^-800. */
+/* The same polynomial, scaled and rounded: each coefficient with an error of at
+ * most 2^-50 of itself, or 2^-800. */
 struct rough {
     double c[4];
 };
@@ -41,8 +44,8 @@ static __device__ inline struct poly poly_linear(struct big c1, struct big c0)
     return p;
 }
 
-/* a·k, k < 2^32. */
-static __device__ __noinline__ struct big big_times(struct room *m,
+/* Returns a·k, k < 2^32. */
+static __device__ __noinline__ struct big big_times(struct big_arena *m,
                                                     struct big a, uint32_t k)
 {
     int n = big_words(a), at = room_take(m, n + 1);
@@ -56,18 +59,19 @@ static __device__ __noinline__ struct big big_times(struct room *m,
     return big_trim(m, at, n + 1, a.n < 0);
 }
 
-/* b² - 4ac of c + bτ + aτ². */
-static __device__ inline struct big poly_discriminant(struct room *m,
+/* Returns b² - 4ac for c + bτ + aτ². */
+static __device__ inline struct big poly_discriminant(struct big_arena *m,
                                                       const struct big c[3])
 {
     return big_det(m, c[1], c[1], big_times(m, c[2], 4), c[0]);
 }
 
-/* ---- Modulo the prime 2^32 - 5 ---- */
+/* Residues modulo the prime 2^32 - 5. */
 
 enum { PRIME_GAP = 5 };
 
-static __device__ inline uint64_t big_rest(const struct room *m, struct big a)
+static __device__ inline uint64_t big_rest(const struct big_arena *m,
+                                           struct big a)
 {
     uint64_t r = 0, prime = ((uint64_t)1 << 32) - PRIME_GAP;
     for (int i = big_words(a) - 1; i >= 0; i--) /* r stays below 2^36 */
@@ -77,7 +81,7 @@ static __device__ inline uint64_t big_rest(const struct room *m, struct big a)
     return a.n < 0 && r ? prime - r : r;
 }
 
-/* a·d - b·c. */
+/* Returns a·d - b·c modulo the prime. */
 static __device__ inline uint64_t det_rest(uint64_t a, uint64_t b, uint64_t c,
                                            uint64_t d)
 {
@@ -85,10 +89,12 @@ static __device__ inline uint64_t det_rest(uint64_t a, uint64_t b, uint64_t c,
     return (a * d % prime + prime - b * c % prime) % prime;
 }
 
-/* True only where p and f, of degree at most 2, have no root in common: their
- * resultant as quadratics is not 0, by its rest. */
-static __device__ __noinline__ bool
-poly_coprime(const struct room *m, const struct poly *p, const struct poly *f)
+/* A sufficient test: true only where p and f, of degree at most 2, have no
+ * common root. Their resultant as quadratics is then nonzero modulo the
+ * prime. */
+static __device__ __noinline__ bool poly_coprime(const struct big_arena *m,
+                                                 const struct poly *p,
+                                                 const struct poly *f)
 {
     uint64_t a[3] = {0, 0, 0}, b[3] = {0, 0, 0};
     for (int i = 0; i <= p->degree; i++)
@@ -100,12 +106,11 @@ poly_coprime(const struct room *m, const struct poly *p, const struct poly *f)
     return det_rest(x, y, det_rest(a[1], b[1], a[0], b[0]), x) != 0;
 }
 
-/* ---- Rounded ---- */
-
-/* a·2^(-32 top), top not below its words, by its three highest words: what is
- * left out is below 2^-64 of it, two sums round. */
-static __device__ inline double big_rough(const struct room *m, struct big a,
-                                          int top)
+/* Returns a·2^(-32 top) from the three highest words of a; `top` must be at
+ * least the number of its words. The words left out are below 2^-64 of a, and
+ * two sums round. */
+static __device__ inline double big_rough(const struct big_arena *m,
+                                          struct big a, int top)
 {
     int n = big_words(a), e = 32 * (n - 2 - top);
     if (n == 0 || e < -900)
@@ -122,7 +127,7 @@ static __device__ inline double big_rough(const struct room *m, struct big a,
     return a.n < 0 ? -(r * scale) : r * scale;
 }
 
-static __device__ inline struct rough poly_rough(const struct room *m,
+static __device__ inline struct rough poly_rough(const struct big_arena *m,
                                                  const struct poly *p)
 {
     struct rough r = {{0, 0, 0, 0}};
@@ -134,10 +139,10 @@ static __device__ inline struct rough poly_rough(const struct room *m,
     return r;
 }
 
-/* The sign of a sum of terms whose sizes add to `size`, where that is certain,
- * else 0. A term is off by 2^-50 of itself at most and at most eight roundings
- * come to it: under 2^-48, and `size` is off by less than half. Both are proven
- * in spec/proofs/narrow_rough.gappa. */
+/* Bounds for the sign of a sum of terms whose magnitudes add to `size`. A term
+ * is off by at most 2^-50 of itself and meets at most eight roundings: under
+ * 2^-48; `size` is off by less than half. Both are proven in
+ * spec/proofs/narrow_rough.gappa. */
 #define ERROR_ROUGH 0x1p-46
 #define UNDERFLOW_ROUGH 0x1p-700
 static __device__ inline int rough_sign(double sum, double size)
@@ -146,7 +151,7 @@ static __device__ inline int rough_sign(double sum, double size)
     return sum > bound ? 1 : sum < -bound ? -1 : 0;
 }
 
-/* The sign at t = g·2^-30, or 0: not known. */
+/* Returns the sign at t = g·2^-30, or 0 where the sign is not certain. */
 static __device__ inline int rough_at(const struct rough *p, int degree,
                                       uint32_t g)
 {
@@ -160,11 +165,10 @@ static __device__ inline int rough_at(const struct rough *p, int degree,
     return rough_sign(sum, size);
 }
 
-/* ---- Exact ---- */
-
-/* The sign of Σ c[i]·a^i·b^(n-i). */
-static __device__ __noinline__ int
-sign_fraction(struct room *m, const struct poly *f, struct big a, struct big b)
+/* Returns the sign of Σ c[i]·a^i·b^(n-i). */
+static __device__ __noinline__ int sign_fraction(struct big_arena *m,
+                                                 const struct poly *f,
+                                                 struct big a, struct big b)
 {
     int mark = m->used;
     struct big r = f->c[f->degree], power = b;
@@ -179,8 +183,9 @@ sign_fraction(struct room *m, const struct poly *f, struct big a, struct big b)
     return big_sign(r);
 }
 
-/* The sign at t = g·2^-30; rough is f rounded, or NULL. */
-static __device__ inline int sign_grid(struct room *m, const struct poly *f,
+/* Returns the exact sign at t = g·2^-30. `rough` is f rounded, or NULL. */
+static __device__ inline int sign_grid(struct big_arena *m,
+                                       const struct poly *f,
                                        const struct rough *rough, uint32_t g)
 {
     if (g == 0)
@@ -197,8 +202,8 @@ static __device__ inline int sign_grid(struct room *m, const struct poly *f,
     return sign;
 }
 
-/* f modulo the quadratic q times a positive number: l[1]·τ + l[0]. */
-static __device__ inline void reduce(struct room *m, const struct poly *f,
+/* Writes l[1]·τ + l[0], a positive multiple of f modulo the quadratic q. */
+static __device__ inline void reduce(struct big_arena *m, const struct poly *f,
                                      const struct poly *q, struct big l[2])
 {
     struct big a = q->c[2], b = q->c[1], c = q->c[0];
@@ -226,16 +231,19 @@ static __device__ inline void reduce(struct room *m, const struct poly *f,
     }
 }
 
-/* The sign of f at a root of the quadratic q, which has two. */
-static __device__ __noinline__ int
-sign_surd(struct room *m, const struct poly *f, const struct poly *q, int which)
+/* Returns the sign of f at a root of the quadratic q, which has two real
+ * roots. */
+static __device__ __noinline__ int sign_surd(struct big_arena *m,
+                                             const struct poly *f,
+                                             const struct poly *q, int which)
 {
     int mark = m->used, sa = big_sign(q->c[2]);
     struct big l[2], a = q->c[2], b = q->c[1], c = q->c[0];
     reduce(m, f, q, l);
     int result = big_sign(l[0]), s1 = big_sign(l[1]);
     if (s1) {
-        /* u = -l0/l1 against the roots: z = sign q(u), w = sign q'(u) */
+        /* where u = -l0/l1 lies among the roots: z = sign q(u), w = sign
+         * q'(u) */
         struct big s = big_det(m, a, l[0], b, l[1]);
         s = big_add(m, big_mul(m, s, l[0]),
                     big_mul(m, big_mul(m, c, l[1]), l[1]));
@@ -254,8 +262,8 @@ sign_surd(struct room *m, const struct poly *f, const struct poly *q, int which)
     return result;
 }
 
-static __device__ inline int point_sign(struct room *m, const struct poly *f,
-                                        const struct point *p)
+static __device__ inline int
+point_sign(struct big_arena *m, const struct poly *f, const struct point *p)
 {
     return p->q ? sign_surd(m, f, p->q, p->which)
                 : sign_fraction(m, f, p->a, p->b);

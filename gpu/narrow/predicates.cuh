@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Exact signs of small determinants on the device: a filter in binary64, then
- * whole numbers where there is room for them. spec/narrow/audit.md §2 */
+/* Exact orientation predicates on the device in two stages: a floating-point
+ * filter in binary64, then big integers if the caller has an arena for them.
+ * spec/narrow/audit.md §2 */
 #ifndef GPU_PREDICATES_CUH
 #define GPU_PREDICATES_CUH
 
@@ -10,26 +11,26 @@ extern "C" {
 #include "ref/narrow/tritri.h"
 }
 
-/* §2.1, as the reference's, to which ci/prove.sh holds them. */
+/* Error bounds of §2.1, equal to ref/narrow/predicates.c; ci/prove.sh checks
+ * both. */
 #define ERROR_ORIENT3 0x1p-49
 #define ERROR_ORIENT2 0x1p-50
 #define UNDERFLOW 0x1p-1000
 
-/* Words of room: 12 coordinates and 9 differences of at most 39 words, and
- * products of three. */
+/* Words of an arena: 12 coordinates and 9 differences of at most 39 words each,
+ * and products of three. */
 enum { SIGNS_ROOM = 2048 };
 
-/* Who asks for signs. Without a room what the filter leaves is 0 and unsure:
- * then nothing that follows from it is to be used. */
+/* The context of exact signs. Without an arena a sign that the filter cannot
+ * decide is returned as 0, and `unsure` is set: then no conclusion may be drawn
+ * from the signs. */
 struct signs {
-    struct room *room; /* or NULL */
-    bool unsure;       /* out */
+    struct big_arena *room; /* or NULL */
+    bool unsure;            /* out */
 };
 
-/* ---- §2.2 ---- */
-
-/* n numbers in units of the lowest bit of all. */
-static __device__ inline void whole_numbers(struct room *m, int n,
+/* §2.2: turns n numbers into integers in units of their common lowest bit. */
+static __device__ inline void whole_numbers(struct big_arena *m, int n,
                                             const double *x, struct big *r)
 {
     int e = 2000;
@@ -41,10 +42,10 @@ static __device__ inline void whole_numbers(struct room *m, int n,
         r[k] = big_make(m, x[k], e);
 }
 
-/* The sign of (b - a) × (c - a) · (d - a). */
-static __device__ __noinline__ int orient3_whole(struct room *m, const point a,
-                                                 const point b, const point c,
-                                                 const point d)
+/* Returns the sign of (b - a) × (c - a) · (d - a). */
+static __device__ __noinline__ int orient3_whole(struct big_arena *m,
+                                                 const point a, const point b,
+                                                 const point c, const point d)
 {
     double x[12];
     struct big w[12], r[9];
@@ -66,8 +67,8 @@ static __device__ __noinline__ int orient3_whole(struct room *m, const point a,
     return big_sign(sum);
 }
 
-/* The sign of (b - a) × (c - a) in two coordinates. */
-static __device__ __noinline__ int orient2_whole(struct room *m,
+/* Returns the sign of (b - a) × (c - a) in two coordinates. */
+static __device__ __noinline__ int orient2_whole(struct big_arena *m,
                                                  const double x[6])
 {
     struct big w[6];
@@ -77,7 +78,7 @@ static __device__ __noinline__ int orient2_whole(struct room *m,
     return big_sign(big_det(m, bu, cv, bv, cu));
 }
 
-/* ---- §2.1 ---- */
+/* §2.1: filters. */
 
 static __device__ __noinline__ int orient3(struct signs *s, const point a,
                                            const point b, const point c,
@@ -95,7 +96,7 @@ static __device__ __noinline__ int orient3(struct signs *s, const point a,
     double error = ERROR_ORIENT3 * sum + UNDERFLOW;
     if (fabs(det) > error)
         return det > 0 ? 1 : -1;
-    /* §2.3 */
+    /* §2.3: all differences of one coordinate are 0 */
     if ((bx == 0 && cx == 0 && dx == 0) || (by == 0 && cy == 0 && dy == 0) ||
         (bz == 0 && cz == 0 && dz == 0))
         return 0;

@@ -1,30 +1,31 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Real roots of small polynomials, exactly, on the device.
- * spec/narrow/narrow.md §6.2 and §6.4 */
+/* Isolates the real roots of polynomials of degree at most 3 with Sturm chains,
+ * and finds the sign of another polynomial at a root, on the device.
+ * spec/narrow/narrow.md §6.2, §6.4 */
 #ifndef GPU_ROOTS_CUH
 #define GPU_ROOTS_CUH
 
 #include "gpu/narrow/point.cuh"
 
-/* A Sturm chain of a polynomial without repeated roots, without roots at
- * t = 0 and 1, and its members rounded. */
+/* The Sturm chain of a polynomial p that has no repeated roots and no root at t
+ * = 0 or t = 1, and its members rounded. */
 struct chain {
     struct poly p, d, r; /* p, its derivative, the negated remainder */
     struct rough rough_p, rough_d, rough_r;
-    int tail;  /* sign of the constant that ends the chain */
+    int tail;  /* sign of the chain's last, constant member */
     int start; /* sign variations at t = 0 */
-    int roots; /* in 0 < t < 1 */
+    int roots; /* roots in 0 < t < 1 */
 };
 
-/* Root i = 1, 2, … of a chain from t = 0 on, or a grid time. */
+/* Root i = 1, 2, … of a chain, counted from t = 0; or a time on the grid. */
 struct root {
     const struct chain *chain;
     int i;
     uint32_t cell; /* floor(2^30 t) */
-    bool on_grid;  /* t = cell·2^-30 */
+    bool on_grid;  /* t = cell·2^-30 exactly */
 };
 
-/* Sign variations, zeros skipped. */
+/* Counts sign variations; zeros are skipped. */
 static __device__ inline int variations(int a, int b, int c, int d)
 {
     int sign[4] = {a, b, c, d}, last = 0, count = 0;
@@ -35,7 +36,8 @@ static __device__ inline int variations(int a, int b, int c, int d)
     return count;
 }
 
-/* Without zero coefficients at both ends: roots at t = 0 and 1. */
+/* Removes zero coefficients at both ends, which are roots at t = 0 and t =
+ * 1. */
 static __device__ inline struct poly poly_trimmed(const struct poly *p)
 {
     struct poly r = {0, {{0, 0}, {0, 0}, {0, 0}, {0, 0}}};
@@ -50,10 +52,9 @@ static __device__ inline struct poly poly_trimmed(const struct poly *p)
     return r;
 }
 
-/* ---- §6.2: chains ---- */
-
-/* p, its derivative, r linear or none, and the end's sign; counts roots. */
-static __device__ __noinline__ void chain_set(struct room *m,
+/* Sets a chain: p, its derivative, r, which is linear or absent, and the sign
+ * of the last member. Counts its roots. */
+static __device__ __noinline__ void chain_set(struct big_arena *m,
                                               const struct poly *p,
                                               const struct poly *r, int tail,
                                               struct chain *c)
@@ -80,9 +81,10 @@ static __device__ inline struct poly poly_none(void)
     return p;
 }
 
-/* A cubic, by its Hessian, whose discriminant is -3 times the cubic's. */
-static __device__ inline int chains_cubic(struct room *m, const struct poly *p,
-                                          struct chain c[2])
+/* Makes the chains of a cubic from its Hessian, whose discriminant is -3 times
+ * the cubic's (§6.2). */
+static __device__ inline int
+chains_cubic(struct big_arena *m, const struct poly *p, struct chain c[2])
 {
     struct big x = p->c[3], y = p->c[2], z = p->c[1], w = p->c[0], h[3];
     struct poly none = poly_none();
@@ -109,14 +111,14 @@ static __device__ inline int chains_cubic(struct room *m, const struct poly *p,
     return 1;
 }
 
-/* Chains whose roots together are the roots of p ≢ 0 in 0 < t < 1, repeated
- * ones once; returns how many chains, at most 2. */
+/* Makes chains whose roots are together the distinct roots of p ≢ 0 in 0 < t <
+ * 1. Returns the number of chains, at most 2. */
 static __device__ __noinline__ int
-chains_make(struct room *m, const struct poly *p, struct chain c[2])
+chains_make(struct big_arena *m, const struct poly *p, struct chain c[2])
 {
     struct poly f = poly_trimmed(p), none = poly_none();
     if (variations(big_sign(f.c[0]), big_sign(f.c[1]), big_sign(f.c[2]),
-                   big_sign(f.c[3])) == 0) /* Descartes */
+                   big_sign(f.c[3])) == 0) /* Descartes: no root in (0, 1) */
         return 0;
     if (f.degree == 3)
         return chains_cubic(m, &f, c);
@@ -130,11 +132,10 @@ chains_make(struct room *m, const struct poly *p, struct chain c[2])
     return 1;
 }
 
-/* ---- Roots by counting ---- */
-
-/* How many roots lie in (0, τ], τ the point or, without one, the grid time;
- * whether it is one. The sign of p alone tells where there is one root. */
-static __device__ __noinline__ int roots_to(struct room *m,
+/* Returns how many roots lie in (0, τ], and whether τ is a root. τ is the
+ * point, or without a point the grid time. If the chain has one root, the sign
+ * of p suffices. */
+static __device__ __noinline__ int roots_to(struct big_arena *m,
                                             const struct chain *c,
                                             const struct point *point,
                                             uint32_t g, bool *zero)
@@ -152,9 +153,9 @@ static __device__ __noinline__ int roots_to(struct room *m,
     return c->start - variations(p, d, r, c->tail);
 }
 
-/* Root i of the chain, 1 ≤ i ≤ c->roots. */
-static __device__ inline void root_locate(struct room *m, const struct chain *c,
-                                          int i, struct root *r)
+/* Locates root i of the chain, 1 ≤ i ≤ c->roots, to its cell. */
+static __device__ inline void
+root_locate(struct big_arena *m, const struct chain *c, int i, struct root *r)
 {
     uint32_t lo = 0, hi = POINT_ONE; /* the root lies in (lo, hi] */
     r->chain = c;
@@ -174,18 +175,20 @@ static __device__ inline void root_locate(struct room *m, const struct chain *c,
     r->cell = r->on_grid ? hi : lo;
 }
 
-/* ---- §6.4: the sign of f, of degree at most 2, at a root ---- */
+/* §6.4: the sign of f, of degree at most 2, at a root. */
 
-/* Three signs, each known: 2 where both occur, else the one that does. */
+/* Joins three known signs: returns 2 where both signs occur, else the sign that
+ * occurs. */
 static __device__ inline int one_sign(int a, int b, int c)
 {
     bool up = a > 0 || b > 0 || c > 0, down = a < 0 || b < 0 || c < 0;
     return up && down ? 2 : up ? 1 : -(int)down;
 }
 
-/* Twice the polar form of a quadratic at t and u, times 2^60. */
-static __device__ inline int polar_sign(struct room *m, const struct poly *f,
-                                        uint32_t t, uint32_t u)
+/* Returns the sign of the polar form of a quadratic at t and u; computes twice
+ * the form, times 2^60. */
+static __device__ inline int
+polar_sign(struct big_arena *m, const struct poly *f, uint32_t t, uint32_t u)
 {
     int mark = m->used;
     uint32_t s = POINT_ONE - t, v = POINT_ONE - u;
@@ -198,8 +201,9 @@ static __device__ inline int polar_sign(struct room *m, const struct poly *f,
     return sign;
 }
 
-/* The same, rounded, or exactly where that is not certain. */
-static __device__ inline int polar_rough(struct room *m, const struct poly *f,
+/* As polar_sign, but from rounded coefficients where these are certain. */
+static __device__ inline int polar_rough(struct big_arena *m,
+                                         const struct poly *f,
                                          const struct rough *r, uint32_t g,
                                          uint32_t h)
 {
@@ -210,8 +214,9 @@ static __device__ inline int polar_rough(struct room *m, const struct poly *f,
     return sign ? sign : polar_sign(m, f, g, h);
 }
 
-/* The sign inside the open cell where the Bernstein form tells, else 2. */
-static __device__ __noinline__ int sign_cell(struct room *m,
+/* Returns the sign in the open cell if the Bernstein form there determines it,
+ * else 2. */
+static __device__ __noinline__ int sign_cell(struct big_arena *m,
                                              const struct poly *f, uint32_t g)
 {
     struct rough r = poly_rough(m, f);
@@ -222,8 +227,9 @@ static __device__ __noinline__ int sign_cell(struct room *m,
                     polar_rough(m, f, &r, g + 1, g + 1));
 }
 
-/* Where the point s stands to root r: 1 before, 0 at, -1 after it. */
-static __device__ inline int before(struct room *m, const struct point *s,
+/* Compares the point s with root r: 1 if s is before r, 0 if equal, -1 if
+ * after. */
+static __device__ inline int before(struct big_arena *m, const struct point *s,
                                     const struct root *r)
 {
     bool zero;
@@ -233,10 +239,10 @@ static __device__ inline int before(struct room *m, const struct point *s,
     return zero && count == r->i ? 0 : -1;
 }
 
-/* The sign at a root that is not on the grid, by where f's own roots stand to
- * it. */
+/* Returns the sign of f at a root that is not on the grid, from the order of
+ * f's own roots and that root. */
 static __device__ __noinline__ int
-sign_ordered(struct room *m, const struct poly *f, const struct root *r)
+sign_ordered(struct big_arena *m, const struct poly *f, const struct root *r)
 {
     struct poly q = poly_trimmed(f);
     int sign = big_sign(q.c[0]), n = q.degree;
@@ -268,7 +274,7 @@ sign_ordered(struct room *m, const struct poly *f, const struct root *r)
 }
 
 static __device__ __noinline__ int
-root_sign(struct room *m, const struct poly *f, const struct root *r)
+root_sign(struct big_arena *m, const struct poly *f, const struct root *r)
 {
     if (poly_zero(f))
         return 0;
@@ -281,9 +287,10 @@ root_sign(struct room *m, const struct poly *f, const struct root *r)
     return sign;
 }
 
-/* True only where f, of degree at most 2, is not 0 at the root. */
-static __device__ inline bool root_avoids(struct room *m, const struct poly *f,
-                                          const struct root *r)
+/* A sufficient test: true only where f, of degree at most 2, is not 0 at the
+ * root. */
+static __device__ inline bool
+root_avoids(struct big_arena *m, const struct poly *f, const struct root *r)
 {
     if (poly_zero(f))
         return false;

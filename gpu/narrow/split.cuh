@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The second tier of the narrow phase on the device. spec/narrow/narrow.md §5
- */
+/* Tier 2 of the narrow phase on the device: subdivides [0, 1] in binary64.
+ * spec/narrow/narrow.md §5 */
 #ifndef GPU_SPLIT_CUH
 #define GPU_SPLIT_CUH
 
@@ -13,7 +13,8 @@ extern "C" {
 enum { SPLIT_MISS, SPLIT_HIT, SPLIT_UNSURE };
 enum { SPLIT_GRID = 30, SPLIT_DEPTH = 20, SPLIT_VISITS = 64 };
 
-/* What halving needs of a pair, §2: all four forms and box forms. */
+/* The polynomials of a pair for tier 2, §2: always four forms and four box
+ * forms. */
 struct forms {
     double v[4];         /* the cubic V */
     double w[3][4][3];   /* on axis k, form j, coefficient i */
@@ -22,7 +23,7 @@ struct forms {
     double e_box[3];
 };
 
-/* The box forms of one time, on all axes. */
+/* Sets the box forms of one time, on all axes. */
 static __device__ inline void set_boxes(const struct quad *p, int t,
                                         struct forms *s)
 {
@@ -37,7 +38,8 @@ static __device__ inline void set_boxes(const struct quad *p, int t,
             s->box[k][j][t] = d[j][k];
 }
 
-/* False where the proofs do not reach. */
+/* Makes the polynomials. Returns false where the inputs are beyond the range of
+ * the proofs. */
 static __device__ inline bool make_forms(const struct quad *p, struct forms *s)
 {
     struct vectors m = vectors_of(p);
@@ -64,7 +66,7 @@ static __device__ inline double mix(double a, double b, double t)
     return (1 - t) * a + t * b;
 }
 
-/* ---- §5.1: Bernstein forms on [a, b] ---- */
+/* §5.1: Bernstein forms on [a, b]. */
 
 static __device__ inline void restrict_form(const double c[3], double a,
                                             double b, double r[3])
@@ -94,9 +96,7 @@ static __device__ inline double cubic_at(const double c[4], double t)
     return mix(mix(p, q, t), mix(q, r, t), t);
 }
 
-/* ---- §5.2 ---- */
-
-/* The box forms stay apart on some axis. */
+/* §5.2: whether the box forms prove on some axis that [a, b] has no contact. */
 static __device__ inline bool apart_on(const struct forms *s, double a,
                                        double b)
 {
@@ -114,7 +114,9 @@ static __device__ inline bool apart_on(const struct forms *s, double a,
     return apart;
 }
 
-/* -1: no contact on [a, b]; 1: every root of V there is one; 0: not known. */
+/* §5.2: tests the forms on [a, b]. Returns -1 where there is no contact in [a,
+ * b], 1 where every root of V in [a, b] is a contact, and 0 where neither is
+ * certain. */
 static __device__ inline int touching_on(const struct forms *s, double a,
                                          double b)
 {
@@ -136,7 +138,7 @@ static __device__ inline int touching_on(const struct forms *s, double a,
     return sure;
 }
 
-/* ---- §5.3 ---- */
+/* §5.3: roots of V. */
 
 enum { ROOTS_NONE, ROOTS_ONE, ROOTS_UNKNOWN };
 
@@ -151,8 +153,8 @@ static __device__ inline int roots_on(const struct forms *s, double a, double b)
     return falls || rises ? ROOTS_ONE : ROOTS_UNKNOWN;
 }
 
-/* The cell of V's one root in [lo, hi]; false where V's sign is not certain
- * at a time that is needed. */
+/* Bisects [lo, hi], which holds one root of V, to the root's cell. Returns
+ * false where a sign of V is uncertain. */
 static __device__ inline bool locate_on(const struct forms *s, uint32_t lo,
                                         uint32_t hi, uint32_t *cell)
 {
@@ -171,10 +173,12 @@ static __device__ inline bool locate_on(const struct forms *s, uint32_t lo,
     return true;
 }
 
-/* One interval. SPLIT_MISS: it is done; SPLIT_HIT: *toi is the answer;
- * SPLIT_UNSURE: it is to be halved, or where *stuck not known at all. */
-static __device__ inline int look_at(const struct forms *s, uint32_t lo,
-                                     uint32_t hi, uint32_t *toi, bool *stuck)
+/* Tests one interval. SPLIT_MISS: the interval is done, without contact.
+ * SPLIT_HIT: *toi is the answer. SPLIT_UNSURE: the interval must be halved, or
+ * if *stuck is set, tier 3 must decide the pair. */
+static __device__ inline int test_interval(const struct forms *s, uint32_t lo,
+                                           uint32_t hi, uint32_t *toi,
+                                           bool *stuck)
 {
     double a = lo * 0x1p-30, b = hi * 0x1p-30;
     int r = roots_on(s, a, b), inside = 0;
@@ -194,7 +198,8 @@ static __device__ inline int look_at(const struct forms *s, uint32_t lo,
     return inside > 0 ? SPLIT_HIT : inside < 0 ? SPLIT_MISS : SPLIT_UNSURE;
 }
 
-/* §5: SPLIT_HIT with *toi, SPLIT_MISS, or SPLIT_UNSURE. */
+/* Runs tier 2 (§5). Returns SPLIT_HIT with the exact *toi, SPLIT_MISS, or
+ * SPLIT_UNSURE. */
 static __device__ inline int split(const struct forms *s, uint32_t *toi)
 {
     uint32_t i = 0;
@@ -202,7 +207,7 @@ static __device__ inline int split(const struct forms *s, uint32_t *toi)
     for (int visit = 0; visit < SPLIT_VISITS; visit++) {
         uint32_t lo = i << (SPLIT_GRID - d), hi = (i + 1) << (SPLIT_GRID - d);
         bool stuck;
-        int end = look_at(s, lo, hi, toi, &stuck);
+        int end = test_interval(s, lo, hi, toi, &stuck);
         if (end == SPLIT_HIT)
             return SPLIT_HIT;
         if (end == SPLIT_UNSURE) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whether two triangles intersect, by signs, on the device.
+/* Decides exactly whether two triangles intersect, on the device.
  * spec/narrow/audit.md §3 */
 #ifndef GPU_TRITRI_CUH
 #define GPU_TRITRI_CUH
@@ -7,10 +7,8 @@
 #include "gpu/narrow/facing.cuh"
 #include "gpu/narrow/predicates.cuh"
 
-/* ---- §3.2, §3.3: by signs ---- */
-
-/* The turn of t in the first coordinate plane where it has one; that plane is
- * of coordinates u = *at + 1 and v = *at + 2, modulo 3. */
+/* Returns the turn of t in the first coordinate plane where it is not 0. That
+ * plane has the coordinates u = *at + 1 and v = *at + 2, modulo 3. */
 static __device__ inline int turn(struct signs *w, const point t[3], int *at)
 {
     for (*at = 0; *at < 3; ++*at) {
@@ -26,7 +24,7 @@ static __device__ inline bool same(int a, int b, int c)
     return a != 0 && a == b && b == c;
 }
 
-/* Segment pq, in the plane of t, meets t. */
+/* §3.3: whether segment pq meets t. pq lies in the plane of t. */
 static __device__ __noinline__ bool
 meets_in_plane(struct signs *w, const point p, const point q, const point t[3])
 {
@@ -40,7 +38,8 @@ meets_in_plane(struct signs *w, const point p, const point q, const point t[3])
                  orient2(w, p, q, t[2], u, v));
 }
 
-/* Segment pq, its ends on the sides sp and sq of t, meets t. */
+/* §3.2: whether segment pq meets t. p and q are on the sides sp and sq of the
+ * plane of t. */
 static __device__ __noinline__ bool meets(struct signs *w, const point p,
                                           int sp, const point q, int sq,
                                           const point t[3])
@@ -56,7 +55,7 @@ static __device__ __noinline__ bool meets(struct signs *w, const point p,
     return a * c >= 0 && b * c >= 0;
 }
 
-/* The sides of t on which the corners of s are. */
+/* Finds the sides of the plane of t on which the corners of s lie. */
 static __device__ inline void sides(struct signs *w, const point t[3],
                                     const point s[3], int side[3])
 {
@@ -72,7 +71,7 @@ static __device__ inline bool edge_meets(struct signs *w, const point s[3],
            meets(w, s[2], side[2], s[0], side[0], t);
 }
 
-/* None shared. */
+/* §3.1: whether t and s, which share no vertex, intersect. */
 static __device__ inline bool met(struct signs *w, const struct facing *f)
 {
     int of_s[3], of_t[3];
@@ -85,7 +84,8 @@ static __device__ inline bool met(struct signs *w, const struct facing *f)
     return edge_meets(w, f->s, of_s, f->t) || edge_meets(w, f->t, of_t, f->s);
 }
 
-/* §3.4: one shared, and they meet elsewhere. */
+/* §3.4: whether t and s, which share their first corner, have another common
+ * point. */
 static __device__ inline bool crossed(struct signs *w, const struct facing *f)
 {
     int a = orient3(w, f->t[0], f->t[1], f->t[2], f->s[1]);
@@ -97,7 +97,7 @@ static __device__ inline bool crossed(struct signs *w, const struct facing *f)
     return meets(w, f->t[1], a, f->t[2], b, f->s);
 }
 
-/* §3.4: two shared, and they overlap. */
+/* §3.4: whether t and s, which share their first two corners, overlap. */
 static __device__ inline bool folded(struct signs *w, const struct facing *f)
 {
     if (orient3(w, f->t[0], f->t[1], f->t[2], f->s[2]))
@@ -107,7 +107,8 @@ static __device__ inline bool folded(struct signs *w, const struct facing *f)
            side;
 }
 
-/* Whether they intersect, where the filters leave it open. */
+/* Whether the triangles intersect, for pairs that the filters leave
+ * undecided. */
 static __device__ inline bool tritri_decide(struct signs *w,
                                             const struct facing *f)
 {

@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A pair's polynomials in whole numbers on the device.
- * spec/narrow/narrow.md §2 and §6.1 */
+/* Makes a pair's polynomials with big-integer coefficients on the device.
+ * spec/narrow/narrow.md §2, §6.1 */
 #ifndef GPU_WHOLE_CUH
 #define GPU_WHOLE_CUH
 
 #include "gpu/narrow/filter.cuh"
 #include "gpu/narrow/roots.cuh"
 
-/* A vector linear in t: whole numbers at t = 0 and 1. */
+/* A vector that is linear in t: its values at t = 0 and t = 1. */
 struct line {
     struct big at[2][3];
 };
 
-/* What a worker holds besides its room: the polynomials of §2. */
+/* The polynomials of §2, which a worker of tier 3 holds besides its arena. */
 struct workspace {
     struct line x[4], f[3]; /* vertices; vectors */
-    int count;              /* of forms and box forms */
-    struct poly v;          /* V */
+    int count;              /* number of forms, and of box forms */
+    struct poly v;          /* the cubic V */
     struct poly q[4][3];    /* forms, by axis */
-    struct poly n[3];       /* N, by axis */
+    struct poly n[3];       /* the normal N, by axis */
     struct poly box[4][3];  /* box forms, by axis */
     struct chain chain[2];
 };
@@ -28,9 +28,9 @@ static __device__ inline double coordinate(vec a, int k)
     return (double)(k == 0 ? a.x : k == 1 ? a.y : a.z);
 }
 
-/* The vertices in units of the lowest bit of all. */
-static __device__ inline void set_vertices(struct room *m, const struct quad *p,
-                                           struct workspace *s)
+/* Writes the vertices as integers in units of their common lowest bit. */
+static __device__ inline void
+set_vertices(struct big_arena *m, const struct quad *p, struct workspace *s)
 {
     int e = 2000;
     for (int i = 0; i < 24; i++) {
@@ -44,17 +44,18 @@ static __device__ inline void set_vertices(struct room *m, const struct quad *p,
     }
 }
 
-/* Vertex a minus vertex b. */
-static __device__ __noinline__ void
-set_edge(struct room *m, const struct line x[4], int a, int b, struct line *r)
+/* Writes vertex a minus vertex b. */
+static __device__ __noinline__ void set_edge(struct big_arena *m,
+                                             const struct line x[4], int a,
+                                             int b, struct line *r)
 {
     for (int t = 0; t < 2; t++)
         for (int k = 0; k < 3; k++)
             r->at[t][k] = big_sub(m, x[a].at[t][k], x[b].at[t][k]);
 }
 
-/* Axis k of f × g. */
-static __device__ __noinline__ void set_cross(struct room *m,
+/* Writes component k of f × g. */
+static __device__ __noinline__ void set_cross(struct big_arena *m,
                                               const struct line *f,
                                               const struct line *g, int k,
                                               struct poly *p)
@@ -72,8 +73,8 @@ static __device__ __noinline__ void set_cross(struct room *m,
     }
 }
 
-/* a + b, or a - b where `minus`, both quadratics. */
-static __device__ __noinline__ void set_sum(struct room *m,
+/* Writes a + b, or a - b where `minus` is set. Both are quadratics. */
+static __device__ __noinline__ void set_sum(struct big_arena *m,
                                             const struct poly *a, bool minus,
                                             const struct poly *b,
                                             struct poly *p)
@@ -83,8 +84,9 @@ static __device__ __noinline__ void set_sum(struct room *m,
         p->c[i] = big_add(m, a->c[i], minus ? big_minus(b->c[i]) : b->c[i]);
 }
 
-/* V = f · w. */
-static __device__ inline void set_cubic(struct room *m, const struct line *f,
+/* Writes V = f · w. */
+static __device__ inline void set_cubic(struct big_arena *m,
+                                        const struct line *f,
                                         const struct poly w[3], struct poly *v)
 {
     v->degree = 3;
@@ -108,7 +110,7 @@ static __device__ inline void set_box(struct workspace *s, int j,
     }
 }
 
-static __device__ inline void set_vf(struct room *m, struct workspace *s)
+static __device__ inline void set_vf(struct big_arena *m, struct workspace *s)
 {
     s->count = 3;
     for (int j = 0; j < 3; j++) {
@@ -124,7 +126,7 @@ static __device__ inline void set_vf(struct room *m, struct workspace *s)
     }
 }
 
-static __device__ inline void set_ee(struct room *m, struct workspace *s)
+static __device__ inline void set_ee(struct big_arena *m, struct workspace *s)
 {
     s->count = 4;
     for (int j = 0; j < 4; j++) {
@@ -143,9 +145,9 @@ static __device__ inline void set_ee(struct room *m, struct workspace *s)
     }
 }
 
-/* The polynomials of p; where the room is full, none. */
+/* Makes the polynomials of p. They are void where the arena is full. */
 static __device__ inline void
-set_workspace(struct room *m, const struct quad *p, struct workspace *s)
+set_workspace(struct big_arena *m, const struct quad *p, struct workspace *s)
 {
     set_vertices(m, p, s);
     if (p->ee)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole meshes that are apart. spec/broad/extent.md §2 */
+/* Decides whether whole meshes are apart, so that a query can skip the tree.
+ * spec/broad/extent.md §2 */
 #include "ref/broad/apart.h"
 
-/* The box of a mesh that never moves. */
+/* Returns the box around all triangles of a mesh that never moves. */
 static struct box still_box(const struct tree_scene *s,
                             const struct tree_mesh *m)
 {
@@ -13,7 +14,9 @@ static struct box still_box(const struct tree_scene *s,
     return b;
 }
 
-/* Whether §2 can say of root pair (a, b) that it is apart. */
+/* Whether the test of §2 applies to root pair (a, b): for a cloth with itself
+ * the grid must be full; for two meshes neither may be of class TREE_MOVING,
+ * because no box is kept for such a mesh. */
 static bool covered(const struct tree_scene *s, const struct tree *t,
                     const struct tree_map *map, int32_t a, int32_t b)
 {

@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Boxes that move linearly, and whether two of them come within reach of
- * each other at one time. spec/broad/refit.md §2, §3. */
+/* Axis-aligned bounding boxes (AABBs) whose sides move linearly over a step,
+ * and the test of whether two such boxes come within a distance of each other
+ * at a common time. spec/broad/refit.md §2, §3 */
 #ifndef REF_BOX_H
 #define REF_BOX_H
 
 #include "ref/base/real.h"
 
-/* Half the gap between 1 and the next number: one rounding's relative error. */
+/* The unit roundoff u: the largest relative error of one rounding. */
 #define REAL_UNIT R(REAL_BITS == 32 ? 0x1p-24 : 0x1p-53)
-/* Room for roundings, in such units, §3; proven in spec/proofs/box_*.gappa. */
-#define BOX_REACH 16 /* of the reach */
-#define BOX_LATE 32  /* of the times */
+/* Safety margins of §3 in units of u. spec/proofs/box_*.gappa proves that they
+ * cover all roundings. */
+#define BOX_REACH 16 /* margin of the reach r */
+#define BOX_LATE 32  /* margin of the compared times */
 
-/* At time t the box is lo0 + t (lo1 - lo0) to hi0 + t (hi1 - hi0). */
+/* A moving AABB. At time t the box spans lo0 + t (lo1 - lo0) to hi0 + t (hi1 -
+ * hi0). */
 struct box {
     vec lo0, hi0, lo1, hi1; /* m */
 };
@@ -47,14 +50,17 @@ static inline struct box box_face(const vec *x0, const vec *x1,
     return box_join(box_edge(x0, x1, f[0], f[1]), box_vertex(x0, x1, f[2]));
 }
 
-/* The reach that box_meets wants, §3: r and the room for its roundings. */
+/* The inflated reach that box_meets takes, §3: r plus the margin for
+ * roundings. */
 static inline real box_reach(real r)
 {
     return r * (1 + BOX_REACH * REAL_UNIT);
 }
 
-/* The gaps between two boxes on one axis, negative where they are apart: of
- * the near side of either and the far side of the other, at t = 0 and 1. */
+/* The two signed gaps of two boxes a and b on one axis, each at t = 0 and t =
+ * 1. Gap g is from a's low side to b's high side, gap h from b's low side to
+ * a's high side, both plus the reach. A negative gap means that the boxes are
+ * apart. */
 struct box_gaps {
     real g0, g1, h0, h1;
 };
@@ -68,8 +74,10 @@ static inline struct box_gaps box_axis(real alo0, real ahi0, real alo1,
     return g;
 }
 
-/* When a gap g0 + t (g1 - g0) is not negative, in q = (1 - t) / t: q ≤ *late
- * where it opens, q ≥ *early where it shuts; one of g0, g1 is ≥ 0. §3 */
+/* Narrows the interval of times at which the gap g0 + t (g1 - g0) is not
+ * negative. Times are measured as q = (1 - t) / t, which falls as t grows: a
+ * gap that opens bounds q from above by *late, a gap that shuts bounds q from
+ * below by *early. At least one of g0, g1 must be ≥ 0. §3 */
 static inline void box_times(real g0, real g1, real *late, real *early)
 {
     if (g0 < 0)
@@ -88,7 +96,8 @@ static inline bool box_meets_late(const struct box_gaps g[3])
     return !(late * (1 + BOX_LATE * REAL_UNIT) + R(0x1p-100) < early);
 }
 
-/* Whether a gap of an axis is negative all the time; *least: of all gaps. */
+/* Whether some gap of one axis is negative at both ends, so that the boxes are
+ * apart at all times. *least becomes the least gap seen so far. */
 static inline bool box_apart(const struct box_gaps *g, real *least)
 {
     real low = real_min(real_min(g->g0, g->g1), real_min(g->h0, g->h1));
@@ -96,8 +105,10 @@ static inline bool box_apart(const struct box_gaps *g, real *least)
     return real_max(g->g0, g->g1) < 0 || real_max(g->h0, g->h1) < 0;
 }
 
-/* False only if at no t in [0, 1] a point of a lies within r of a point of b
- * on all three axes; reach = box_reach(r). Monotone in both boxes. §3 */
+/* The overlap test of the broad phase. It is conservative: false only if at no
+ * t in [0, 1] a point of a lies within r of a point of b on all three axes;
+ * reach = box_reach(r). It is monotone: larger boxes never turn true into
+ * false. §3 */
 static inline bool box_meets(const struct box *a, const struct box *b,
                              real reach)
 {
@@ -113,7 +124,8 @@ static inline bool box_meets(const struct box *a, const struct box *b,
         return false;
     g[2] = box_axis(a->lo0.z, a->hi0.z, a->lo1.z, a->hi1.z, b->lo0.z, b->hi0.z,
                     b->lo1.z, b->hi1.z, reach);
-    /* Together all the time: no times to compare. */
+    /* If no gap is ever negative, the boxes meet all the time, and there are no
+     * times to compare. */
     return !box_apart(&g[2], &least) && (!(least < 0) || box_meets_late(g));
 }
 

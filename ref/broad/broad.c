@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Ties the stages of the broad phase together. spec/broad/broad.md */
+/* Runs the stages of the broad phase in order and grows their streams when a
+ * capacity is exceeded. spec/broad/broad.md */
 #include "ref/broad/broad.h"
 
-/* Room for `need` items and some more; without memory the old room stays. */
+/* Makes sure that a pool has a capacity of `need` items, with a quarter more in
+ * reserve when the pool must grow. Without memory the old pool stays. */
 static int grow(struct broad *b, struct broad_pool *p, enum arena_part part,
                 int64_t need, size_t size)
 {
@@ -18,7 +20,8 @@ static int grow(struct broad *b, struct broad_pool *p, enum arena_part part,
     return DRAPE_OK;
 }
 
-/* Scratch for streams of node pairs; last those whose room is asked for. */
+/* Grows the scratch streams of front and walk to `need` node pairs. b->pair,
+ * the stream of the pairs themselves, is grown last. */
 static int grow_scratch(struct broad *b, int64_t need)
 {
     int status = grow(b, &b->mask, ARENA_PAIRS, need, sizeof(uint16_t));
@@ -79,8 +82,9 @@ static int make_roots(struct broad *b, const struct tree_scene *s, bool self)
     return DRAPE_OK;
 }
 
-/* The front at its beginning, with room for `need` pairs, or for as many as
- * before where there is no memory. */
+/* Resets the front to the root pairs and gives front and scratch a capacity of
+ * `need` pairs. Without memory the old capacity stays, and the reset is done
+ * all the same. */
 static int begin_front(struct broad *b, int64_t need)
 {
     int status = grow_scratch(b, need + need / 4 + 256);
@@ -217,7 +221,8 @@ int broad_update_front(struct broad *b)
     }
 }
 
-/* The front's pairs of triangles. */
+/* Runs stage walk, growing its streams until the triangle pairs below the front
+ * fit. */
 static int walk(struct broad *b)
 {
     struct walk s = {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The broad phase of a scene: tree, boxes, cones, front and candidates, their
- * memory, and the order of the stages. spec/broad/broad.md */
+/* The broad phase of a scene: the BVH, its boxes and cones, the BVTT front, the
+ * candidates, and the memory of them all. spec/broad/broad.md */
 #ifndef REF_BROAD_H
 #define REF_BROAD_H
 
@@ -12,86 +12,96 @@
 #include "ref/broad/refit.h"
 #include "ref/broad/walk.h"
 
-/* A stream that grows; what it held is lost when it does. */
+/* A stream with a capacity. Growing the pool loses its contents. */
 struct broad_pool {
     void *data;
     int64_t cap; /* items */
 };
 
-/* Made by broad_make, then read only from outside. */
+/* broad_make fills this struct. Other files only read its members. */
 struct broad {
     struct trace *trace; /* NULL: none */
-    struct arena *arena; /* the caller's; holds all memory */
+    struct arena *arena; /* owned by the caller; holds all memory */
     struct tree tree;
     struct tree_map map;
     int64_t nv;
-    int64_t stop;  /* deferral of the front, spec/broad/front.md §5 */
-    bool cones;    /* false: spec/broad/cones.md is left out */
-    bool started;  /* static meshes have their boxes */
-    int64_t roots; /* pairs of meshes that may touch */
+    int64_t stop;  /* highest level that the front does not split,
+                      spec/broad/front.md §5 */
+    bool cones;    /* false: stage cones is not run */
+    bool started;  /* the boxes of static meshes are made */
+    int64_t roots; /* root pairs: meshes that are compared */
     int32_t (*root)[2];
     struct box *box;
-    int64_t still; /* boxes of static meshes: the first query makes them, which
-                      counts as kept, so a resumed run counts as an unbroken */
+    int64_t still; /* number of boxes of static meshes; the first query makes
+                      them but counts them as kept, so that a resumed run has
+                      the same counters as an unbroken run */
     uint8_t *stir, *clear;
-    int64_t n_inner; /* cloth nodes that are no leaves */
+    int64_t n_inner; /* inner nodes of cloth */
     struct tangents *tangents;
-    struct apart apart; /* the host's, with a device too */
+    struct apart apart; /* evaluated on the host by both backends */
 
-    /* Of the last broad_refit. */
+    /* Arguments of the last broad_refit. */
     const vec *x0, *x1;
     const uint8_t *moved;
     real r;
-    bool later; /* it made what moved since the one before */
+    bool later; /* only boxes of moved vertices were refitted */
 
     int64_t n_front;
-    struct broad_pool front;          /* kept */
+    struct broad_pool front;          /* lives from query to query */
     struct broad_pool mask, act, sum; /* scratch */
     struct broad_pool both, kind;     /* results */
     struct broad_pool pair;           /* scratch: two streams of node pairs;
                                          then the candidates */
 
     int64_t n_both;                 /* triangle pairs */
-    int64_t n, n_vf;                /* candidates; the first n_vf are VF */
-    int64_t front_visited, visited; /* pairs of nodes looked into */
+    int64_t n, n_vf;                /* candidates; the first n_vf are
+                                       vertex-face */
+    int64_t front_visited, visited; /* node pairs tested */
 
-    /* Of all queries since the caller took these: boxes made, boxes that did
-     * not have to be, pairs of nodes walked, and left out of it
-     * as clear. */
+    /* Work counters, summed over all queries until the caller resets them:
+     * queries, boxes refitted, boxes kept, node pairs visited by the walk, and
+     * node pairs that only the cones rejected. */
     int queries;
     int64_t refitted, kept, walked, cleared;
 };
 
-/* The scene's streams stay the caller's: tri must live as long as b, x is not
- * kept. self: cloths see themselves and each other; a mesh of another class
- * sees itself where its own self says so, never another such mesh.
- * DRAPE_OK, DRAPE_ENOMEM or DRAPE_EARG. */
+/* Builds the broad phase of a scene. The caller keeps the scene's streams:
+ * scene->tri must live as long as b, scene->x is not kept. With `self`, cloths
+ * are tested against themselves and each other. A mesh of another class is
+ * tested against itself where its own `self` is set, and never against another
+ * mesh that is not cloth. Returns DRAPE_OK, DRAPE_ENOMEM or DRAPE_EARG. */
 int broad_make(struct broad *b, const struct tree_scene *scene, bool self,
                struct arena *arena);
 
-/* Whether a query would find nothing, as whole meshes are apart: then it is
- * answered. False where that cannot be told. */
+/* Sets *apart where whole meshes are so far apart that the query has no
+ * candidates. The query is then complete: it is counted by broad_answer and no
+ * other call is needed. *apart is false where this cheap test cannot tell. */
 int broad_ask(struct broad *b, const vec *x0, const vec *x1, real r,
               bool *apart);
 
-/* Counts a query that whole meshes answered: without a pair. */
+/* Counts a query that broad_ask has settled, and sets its candidates to
+ * none. */
 void broad_answer(struct broad *b);
 
-/* Boxes and cones for a query: what comes within r on the way from x0 to x1
- * [nv], where x1 = x0 asks about one time. moved: [nv] or NULL: only pairs
- * with a vertex that moved are candidates; x0 and x1 of the others are as in
- * the query before. All three are read until the candidates are made. */
+/* Begins a query for features that come within r of each other on the way from
+ * x0 to x1 [nv]; x1 = x0 queries one time. Refits boxes and cones. With `moved`
+ * [nv], only pairs with a vertex whose flag is set become candidates, and x0
+ * and x1 of every other vertex must be as in the query before; NULL means that
+ * all vertices moved. x0, x1 and moved must stay valid until the candidates are
+ * made. */
 int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
                 const uint8_t *moved);
 
-/* Moves the front to the boxes. */
+/* Moves the front to where the refitted boxes put it. */
 int broad_update_front(struct broad *b);
 
-/* Candidates of the front: n, n_vf, broad_pairs, broad_kinds, valid until the
- * next call. */
+/* Walks from the front to the candidates: n and n_vf, broad_pairs and
+ * broad_kinds. They are valid until the next call. */
 int broad_candidates(struct broad *b);
 
-/* All three; where flags are given, the front stays where it is. */
+/* Runs broad_refit, broad_update_front and broad_candidates. Where `moved` is
+ * given after a first full query, the front is not moved: a front anywhere
+ * gives the same candidates (spec/broad/walk.md §3). */
 int broad_query(struct broad *b, const vec *x0, const vec *x1, real r,
                 const uint8_t *moved);
 

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The tree of node pairs that front and walk go through: when a pair passes,
- * what its children are, and streams of pairs. spec/broad/front.md */
+/* The bounding-volume test tree (BVTT), which stages front and walk traverse:
+ * its nodes are pairs of BVH nodes. This header says when a pair passes, which
+ * children a pair has, and how streams of pairs are counted.
+ * spec/broad/front.md */
 #ifndef REF_BVTT_H
 #define REF_BVTT_H
 
 #include "ref/broad/box.h"
 #include "ref/broad/tree.h"
 
-/* Items of a stream that are counted and emitted together. */
+/* Items of a stream that are counted and written together. */
 enum { BVTT_BLOCK = 256 };
 
-/* What both stages read. */
+/* Inputs that front and walk share. */
 struct bvtt {
     struct tree tree;
     const struct box *box; /* [tree.n] m */
@@ -18,11 +20,13 @@ struct bvtt {
     real r;                /* m, reach of the query, 0 ≤ r ≤ 2^60 */
 };
 
-/* Bits of clear: a node cannot touch itself, or its neighbour there. */
+/* Bit numbers of `clear`. A set bit says that a node cannot touch itself (SELF)
+ * or its neighbour in that direction. */
 enum { CLEAR_SELF, CLEAR_E, CLEAR_NE, CLEAR_N, CLEAR_NW };
 
-/* §4: whether the cones say that two nodes of one level cannot touch: so say
- * their own bits, or those of their lowest ancestors that are neighbours. */
+/* §4: whether the cones prove that two cloth nodes of one level cannot touch.
+ * Nodes that are neighbours have a bit of their own. Nodes further apart
+ * inherit the bit of their lowest ancestors that are neighbours or one node. */
 static inline bool bvtt_clear(const struct bvtt *s, int32_t a, int32_t b)
 {
     const struct tree *t = &s->tree;
@@ -39,7 +43,7 @@ static inline bool bvtt_clear(const struct bvtt *s, int32_t a, int32_t b)
     }
     bool turn = dj < 0 || (dj == 0 && di < 0);
     di = turn ? -di : di;
-    /* (0,0) (1,0) (1,1) (0,1) (-1,1) in the order of the bits. */
+    /* Directions (0,0) (1,0) (1,1) (0,1) (-1,1) have bits 0 to 4. */
     return s->clear[turn ? b : a] >> (dj == 0 ? di : 3 - di) & 1;
 }
 
@@ -49,15 +53,16 @@ static inline bool bvtt_meets(const struct bvtt *s, real reach, int32_t a,
     return a == b || box_meets(&s->box[a], &s->box[b], reach);
 }
 
-/* §2: whether a pair of nodes is looked into. */
+/* §2: whether a pair passes, so that its children must be tested. */
 static inline bool bvtt_passes(const struct bvtt *s, real reach, int32_t a,
                                int32_t b)
 {
     return bvtt_meets(s, reach, a, b) && !bvtt_clear(s, a, b);
 }
 
-/* Children of a pair are numbered 4 i + j by the child of either side. Bit
- * 4 i + j says whether there is such a child; descends: tree_descends. */
+/* The children of a pair are numbered 4 i + j for child i of a and child j of
+ * b. Returns a mask in which bit 4 i + j is set if there is such a child.
+ * `descends` is from tree_descends. */
 static inline uint32_t bvtt_children(const struct tree *t, int descends,
                                      int32_t a, int32_t b)
 {
@@ -90,7 +95,8 @@ static inline int64_t bvtt_blocks(int64_t n)
     return (n + BVTT_BLOCK - 1) / BVTT_BLOCK;
 }
 
-/* Turns counts a block into where each block begins; returns the total. */
+/* Turns the counts of n blocks into the place where each block begins (an
+ * exclusive prefix sum). Returns the total. */
 static inline int64_t bvtt_scan(int64_t *sum, int64_t n)
 {
     int64_t at = 0;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which patches of cloth cannot touch themselves during the step.
- * spec/broad/cones.md */
+/* Proves which patches of cloth cannot touch themselves during a step, so that
+ * front and walk can skip their pairs. spec/broad/cones.md */
 #include "ref/broad/cones.h"
 
-/* §3: room for roundings; proven in spec/proofs/cones_room.gappa. */
+/* Safety margin of §3 in units of u. spec/proofs/cones_room.gappa proves that
+ * it covers all roundings. */
 #define CONES_ROOM 32
 
 static struct tangents join(struct tangents a, struct tangents b)
@@ -13,7 +14,7 @@ static struct tangents join(struct tangents a, struct tangents b)
     return c;
 }
 
-/* §2 of a cell that has both its triangles. */
+/* §2: bounds the tangents of a cell that has both its triangles. */
 static struct tangents cell(const struct cones *s, int32_t a)
 {
     const struct tree_grid *g = &s->map.grid[s->tree.mesh[a]];
@@ -33,7 +34,8 @@ static struct tangents cell(const struct cones *s, int32_t a)
     return b;
 }
 
-/* Of a full node; a leaf's are made anew, as few are asked for twice. */
+/* Returns the tangent bounds of a full node. They are stored for inner nodes;
+ * for a leaf they are computed here, as few leaves are read twice. */
 static struct tangents tangents(const struct cones *s, int64_t a)
 {
     int64_t leaves = s->tree.n_cloth - s->n_inner;
@@ -51,7 +53,8 @@ static void fit(const struct cones *s, int64_t a)
     s->tangents[a - (s->tree.n_cloth - s->n_inner)] = b;
 }
 
-/* The range of p·x over a box, and the sum of its largest terms. */
+/* The range of p·x for x in a box, and the sum of its largest terms, which
+ * scales the error bound. */
 struct span {
     real lo, hi, size;
 };
@@ -83,7 +86,8 @@ bool cones_apart(const struct tangents *b, real r)
     real det = uu * vv - uv * uv;
     if (!(det > 0))
         return false;
-    /* Any P serves; this one makes P x = the identity at the middle. */
+    /* By §1 any pu and pv are valid. The dual basis of the box's middle makes a
+     * and b about 1 and c about 0. */
     vec pu = vec_scale(1 / det, vec_sub(vec_scale(vv, u), vec_scale(uv, v)));
     vec pv = vec_scale(1 / det, vec_sub(vec_scale(uu, v), vec_scale(uv, u)));
     struct span a = span_dot(pu, b->ulo, b->uhi);
@@ -99,7 +103,7 @@ bool cones_apart(const struct tangents *b, real r)
     return am > 0 && bm > 0 && am * bm > cm * cm;
 }
 
-/* The node beside a on its level, or -1. */
+/* Returns the node at offset (di, dj) from a on the same level, or -1. */
 static int32_t beside(const struct cones *s, int32_t a, int di, int dj)
 {
     const struct tree_grid *g = &s->map.grid[s->tree.mesh[a]];
@@ -112,8 +116,8 @@ static int32_t beside(const struct cones *s, int32_t a, int di, int dj)
     return s->map.at[g->at[l] + i + w * j];
 }
 
-/* §4: whether the smallest rectangle of nodes around a and the one beside it
- * is full and keeps its points apart. */
+/* §4: whether the smallest rectangle of nodes that holds a and its neighbour at
+ * offset (di, dj) is full and cannot touch itself. */
 static bool patch_apart(const struct cones *s, int32_t a, int di, int dj)
 {
     if (!s->map.full[a])
@@ -129,8 +133,9 @@ static bool patch_apart(const struct cones *s, int32_t a, int di, int dj)
     return cones_apart(&b, s->r);
 }
 
-/* §5: a pair of neighbours is clear if its parents are, or by itself. One that
- * has not moved stays what it was. */
+/* §5: sets the bits of node a. A bit is set if the pair of parents is clear, or
+ * if the test of §4 proves the pair clear. A pair of which neither node stirs
+ * keeps its bit (§6). */
 static void mark(const struct cones *s, const struct bvtt *above, int32_t a)
 {
     static const int di[5] = {0, 1, 1, 0, -1}, dj[5] = {0, 0, 1, 1, 1};

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What whole cloths take up. spec/broad/extent.md */
+/* Bounds the positions and the tangents of whole cloths.
+ * spec/broad/extent.md */
 #include "ref/broad/extent.h"
 
-/* Reals looked at side by side: whole vecs, and whole vectors of a processor.
- * Real k of a row is joined into lane k % LANES. */
+/* Reals that are reduced side by side: a multiple of 3, so that a lane always
+ * holds one coordinate, and of the width of a processor's vector. Real k of a
+ * row goes to lane k % LANES. */
 enum { LANES = 24 };
 
 struct lanes {
     real lo[LANES], hi[LANES];
-    real nan[LANES]; /* 0, or NaN where one was met */
+    real nan[LANES]; /* 0, or NaN after a NaN or an infinity */
 };
 
 static void clear(struct lanes *l)
@@ -28,8 +30,8 @@ static void join(struct lanes *restrict l, const real *restrict v)
     }
 }
 
-/* The last n reals of a row, whole vecs; what is joined in twice changes
- * nothing. */
+/* Joins the last n < LANES reals of a row, whole vecs. Free lanes repeat the
+ * first vec: repeating a value changes neither minimum nor maximum. */
 static void join_few(struct lanes *l, const real *v, int64_t n)
 {
     real all[LANES];
@@ -40,7 +42,7 @@ static void join_few(struct lanes *l, const real *v, int64_t n)
     join(l, all);
 }
 
-/* Joins in a[0 … n). */
+/* Joins the reals a[0 … n), and notes those that are not finite. */
 static void note(struct lanes *l, const real *a, int64_t n)
 {
     for (; n >= LANES; n -= LANES, a += LANES) {
@@ -53,7 +55,7 @@ static void note(struct lanes *l, const real *a, int64_t n)
     join_few(l, a, n);
 }
 
-/* Joins in to - from, [n] each. */
+/* Joins the n differences to - from. */
 static void note_edges(struct lanes *l, const real *from, const real *to,
                        int64_t n)
 {
@@ -68,7 +70,8 @@ static void note_edges(struct lanes *l, const real *from, const real *to,
     join_few(l, d, n);
 }
 
-/* What lanes met; of either zero, +0. False where that is no position. */
+/* Reduces the lanes to a box; a zero is written as +0. Returns false where a
+ * position is NaN or out of range. */
 static bool gather(const struct lanes *l, vec *lo, vec *hi)
 {
     real a[3] = {R(INFINITY), R(INFINITY), R(INFINITY)}, b[3], nan = 0;
@@ -84,7 +87,8 @@ static bool gather(const struct lanes *l, vec *lo, vec *hi)
     return nan == 0 && vec_sane(*lo) && vec_sane(*hi);
 }
 
-/* §1 of a grid, both ends. */
+/* §1: bounds one grid at both ends of the step. Returns false where a position
+ * is NaN or out of range. */
 static bool measure(const struct extent *s, const struct tree_grid *g,
                     struct whole *w)
 {

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage extent: what a whole cloth takes up. spec/broad/extent.md */
+/* Stage extent: bounds the positions and the tangents of whole cloths, for the
+ * test of ref/broad/apart.h. spec/broad/extent.md */
 #ifndef REF_EXTENT_H
 #define REF_EXTENT_H
 
 #include "ref/broad/box.h"
 #include "ref/broad/cones.h"
 
-/* Of a mesh. */
+/* Bounds of a whole mesh. */
 struct whole {
     struct box box;           /* of its vertices */
     struct tangents tangents; /* of a grid's cells, cones.md §2 */
@@ -19,7 +20,8 @@ struct extent {
     struct whole *whole;          /* out: [n_grid] */
 };
 
-/* DRAPE_OK, or DRAPE_EDATA where a position is bad. */
+/* DRAPE_OK, or DRAPE_EDATA where a position of a grid is NaN or out of
+ * range. */
 int ref_extent(struct extent *s);
 
 #endif

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Vertex-face and edge-edge candidates of triangle pairs, each once.
- * spec/broad/features.md */
+/* Turns triangle pairs into vertex-face and edge-edge candidates, each exactly
+ * once. spec/broad/features.md */
 #include "ref/broad/features.h"
 
 #include "ref/broad/bvtt.h"
 
-/* Feature pairs of triangles f and g by number, §1: 0–2 vertex of f and g,
- * 3–5 vertex of g and f, 6 + 3 i + j edge i of f and edge j of g. */
+/* Numbers of the 15 feature pairs of triangles f and g, §1: 0–2 are vertex of f
+ * and face g, 3–5 vertex of g and face f, 6 + 3 i + j edge i of f and edge j of
+ * g. */
 enum { VF_BITS = 6 };
 
 static bool has(const int32_t f[3], int32_t v)
@@ -14,7 +15,7 @@ static bool has(const int32_t f[3], int32_t v)
     return f[0] == v || f[1] == v || f[2] == v;
 }
 
-/* One triangle of a pair. */
+/* One triangle of a triangle pair. */
 struct side {
     const int32_t *v;
     int own; /* bits as in tree.own */
@@ -26,8 +27,9 @@ static bool moves(const struct features *s, int32_t a, int32_t b)
     return s->n_moved == 0 || (s->moved[a] | s->moved[b]);
 }
 
-/* Vertices of f that face g: bit k for vertex k of f. */
-static int look_vertices(const struct features *s, real reach,
+/* Tests the vertices of f against face g. Bit k of the result is set if vertex
+ * k of f and face g are a candidate. */
+static int test_vertices(const struct features *s, real reach,
                          const struct side *f, const struct side *g)
 {
     int mask = 0;
@@ -43,9 +45,11 @@ static int look_vertices(const struct features *s, real reach,
     return mask;
 }
 
-/* Edges of f and g: bit 3 i + j for edge i of f and j of g. An edge that does
- * not meet the other face meets none of its edges, as they lie in its box. */
-static int look_edges(const struct features *s, real reach,
+/* Tests the edges of f against the edges of g. Bit 3 i + j of the result is
+ * set if edge i of f and edge j of g are a candidate. An edge whose box does
+ * not meet the other face's box meets none of its edges, as they lie in that
+ * box. */
+static int test_edges(const struct features *s, real reach,
                       const struct side *f, const struct side *g)
 {
     int mask = 0;
@@ -69,7 +73,7 @@ static int look_edges(const struct features *s, real reach,
     return mask;
 }
 
-static uint16_t look(const struct features *s, real reach, int64_t n)
+static uint16_t test_pair(const struct features *s, real reach, int64_t n)
 {
     int32_t tf = s->both[n][0], tg = s->both[n][1];
     struct side f = {.v = s->tri[tf], .own = s->own[tf]};
@@ -78,9 +82,9 @@ static uint16_t look(const struct features *s, real reach, int64_t n)
         return 0;
     f.face = box_face(s->x0, s->x1, f.v);
     g.face = box_face(s->x0, s->x1, g.v);
-    return (uint16_t)(look_vertices(s, reach, &f, &g) |
-                      look_vertices(s, reach, &g, &f) << 3 |
-                      look_edges(s, reach, &f, &g) << VF_BITS);
+    return (uint16_t)(test_vertices(s, reach, &f, &g) |
+                      test_vertices(s, reach, &g, &f) << 3 |
+                      test_edges(s, reach, &f, &g) << VF_BITS);
 }
 
 static void swap(int32_t *a, int32_t *b)
@@ -90,20 +94,21 @@ static void swap(int32_t *a, int32_t *b)
     *b = c;
 }
 
-/* §3: the smaller end of an edge first, the smaller edge first. */
+/* §3: puts the smaller vertex of each edge first, then the edge with the
+ * smaller first vertex. */
 static void order_edges(int32_t e[4])
 {
     if (e[0] > e[1])
         swap(&e[0], &e[1]);
     if (e[2] > e[3])
         swap(&e[2], &e[3]);
-    if (e[0] > e[2]) { /* they share no vertex, so e[0] ≠ e[2] */
+    if (e[0] > e[2]) { /* e[0] ≠ e[2]: no vertex is shared */
         swap(&e[0], &e[2]);
         swap(&e[1], &e[3]);
     }
 }
 
-/* The vertices of feature pair k. */
+/* Writes the four vertices of feature pair k. */
 static void make(const int32_t f[3], const int32_t g[3], int k, int32_t to[4])
 {
     if (k < VF_BITS) {
@@ -144,7 +149,7 @@ int ref_features(struct features *s)
     for (int64_t block = 0; block < blocks; block++) {
         int64_t end = (block + 1) * BVTT_BLOCK, vf = 0, all = 0;
         for (int64_t k = block * BVTT_BLOCK; k < s->n && k < end; k++) {
-            s->mask[k] = look(s, reach, k);
+            s->mask[k] = test_pair(s, reach, k);
             vf += bvtt_bits(s->mask[k] & ((1 << VF_BITS) - 1));
             all += bvtt_bits(s->mask[k]);
         }

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Moves the front of node pairs to where the boxes now are.
+/* Moves the BVTT front up and down to where the boxes of this query put it.
  * spec/broad/front.md */
 #include "ref/broad/front.h"
 
-/* What becomes of a pair in a pass. */
+/* The action of a pass on a pair: TEST it, KEEP it, or SPLIT it into its
+ * children. */
 enum { TEST, KEEP, SPLIT };
 
-/* §2: a pair that passes and may be split is; all others are settled. */
-static uint8_t judge(const struct front *s, bool passes, int32_t a, int32_t b)
+/* §2, §5: chooses the action for a tested pair. A pair that passes and is above
+ * the stop level is split. Every other pair is kept. */
+static uint8_t action_of(const struct front *s, bool passes, int32_t a,
+                         int32_t b)
 {
     const struct tree *t = &s->in.tree;
     if (!passes || tree_descends(t, a, b) == 0)
@@ -15,13 +18,14 @@ static uint8_t judge(const struct front *s, bool passes, int32_t a, int32_t b)
     return t->level[a] > s->stop || t->level[b] > s->stop ? SPLIT : KEEP;
 }
 
-/* §3: a pair that fails gives way to its highest ancestor that fails. Above
- * a pair that passes all pass, so the climb ends at the first that does. */
-static void raise(const struct front *s, real reach, int64_t k)
+/* §3a: replaces a pair that fails by its highest failing ancestor. All
+ * ancestors of a pair that passes pass, so the climb ends at the first ancestor
+ * that passes. */
+static void climb(const struct front *s, real reach, int64_t k)
 {
     int32_t a = s->pair[k][0], b = s->pair[k][1];
     bool in = bvtt_passes(&s->in, reach, a, b);
-    s->act[k] = judge(s, in, a, b);
+    s->act[k] = action_of(s, in, a, b);
     while (!in && tree_ascend(&s->in.tree, &a, &b)) {
         in = bvtt_passes(&s->in, reach, a, b);
         if (!in) {
@@ -31,8 +35,9 @@ static void raise(const struct front *s, real reach, int64_t k)
     }
 }
 
-/* How many pairs pair k becomes: siblings that gave way to one parent follow
- * each other, and the first stays. */
+/* Returns how many pairs replace pair k. Siblings that were replaced by one
+ * ancestor follow each other in the stream; only the first of such equal
+ * neighbours is kept. */
 static int64_t becomes(const struct front *s, int64_t k)
 {
     const int32_t *e = s->pair[k], *before = s->pair[k > 0 ? k - 1 : 0];
@@ -43,7 +48,8 @@ static int64_t becomes(const struct front *s, int64_t k)
     return k == 0 || e[0] != before[0] || e[1] != before[1];
 }
 
-/* Writes what pair k becomes from place `at` on; returns the place after. */
+/* Writes the pairs that replace pair k to place `at` and on. Returns the place
+ * after them. */
 static int64_t emit(const struct front *s, int64_t k, int64_t at)
 {
     const struct tree *t = &s->in.tree;
@@ -62,8 +68,9 @@ static int64_t emit(const struct front *s, int64_t k, int64_t at)
     return at;
 }
 
-/* One pass over a stream of which act is known: counts, places, writes, and
- * swaps the streams. False where there is no room. */
+/* Makes one pass over the stream, whose actions are known: count by block,
+ * scan, write, swap the two streams. Returns false where the capacity is too
+ * small. */
 static bool pass(struct front *s)
 {
     int64_t blocks = bvtt_blocks(s->n);
@@ -93,8 +100,9 @@ static bool pass(struct front *s)
     return true;
 }
 
-/* Judges what the last pass made; returns how many pairs that were. */
-static int64_t judge_new(struct front *s, real reach)
+/* Tests the pairs that the last pass created and chooses their actions. Returns
+ * how many pairs were tested. */
+static int64_t test_new(struct front *s, real reach)
 {
     int64_t blocks = bvtt_blocks(s->n);
     EACH_MANY(s->n)
@@ -104,7 +112,7 @@ static int64_t judge_new(struct front *s, real reach)
             if (s->act[k] == TEST) {
                 int32_t a = s->pair[k][0], b = s->pair[k][1];
                 bool in = bvtt_passes(&s->in, reach, a, b);
-                s->act[k] = judge(s, in, a, b);
+                s->act[k] = action_of(s, in, a, b);
                 count++;
             }
         s->sum[block] = count;
@@ -121,11 +129,11 @@ int ref_front(struct front *s)
     s->visited = s->n;
     EACH_MANY(s->n)
     for (int64_t k = 0; k < s->n; k++)
-        raise(s, reach, k);
+        climb(s, reach, k);
     for (int64_t tested = 1; tested > 0; s->visited += tested) {
         if (!pass(s))
             return DRAPE_EFULL;
-        tested = judge_new(s, reach);
+        tested = test_new(s, reach);
     }
     if (s->pair != home) {
         EACH_MANY(s->n)

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The boxes of the tree's nodes, level by level. spec/broad/refit.md */
+/* Refits the boxes of the BVH level by level, from the leaves up.
+ * spec/broad/refit.md */
 #include "ref/broad/refit.h"
 
-/* §1 of a leaf: over the vertices of its triangles. */
+/* §1: the box of a leaf joins the vertices of its triangles. */
 static struct box fit_leaf(const struct refit *s, int32_t a)
 {
     const struct tree *t = &s->tree;
@@ -13,7 +14,7 @@ static struct box fit_leaf(const struct refit *s, int32_t a)
     return b;
 }
 
-/* §1 of an inner node: over its children. */
+/* §1: the box of an inner node joins the boxes of its children. */
 static struct box fit_inner(const struct refit *s, int32_t a)
 {
     int32_t c = s->tree.first[a];
@@ -23,7 +24,7 @@ static struct box fit_inner(const struct refit *s, int32_t a)
     return b;
 }
 
-/* §4 */
+/* §4: whether a vertex of node a has moved. */
 static uint8_t stir(const struct refit *s, int32_t a)
 {
     const struct tree *t = &s->tree;
@@ -48,7 +49,8 @@ static bool sane(const struct refit *s)
     return true;
 }
 
-/* Nodes [first, end) of one level; returns how many boxes it made. */
+/* Refits nodes [first, end) of one level. `still` marks nodes of static meshes,
+ * which never stir. Returns how many boxes were made. */
 static int64_t fit(const struct refit *s, int32_t first, int32_t end,
                    bool still)
 {

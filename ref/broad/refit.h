@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage refit: the boxes of the tree's nodes. spec/broad/refit.md */
+/* Stage refit: fits the boxes of the BVH to the positions of a step.
+ * spec/broad/refit.md */
 #ifndef REF_REFIT_H
 #define REF_REFIT_H
 
@@ -10,12 +11,12 @@ struct refit {
     struct tree tree;
     int64_t nv;           /* vertices */
     const vec *x0, *x1;   /* [nv] m, start and end of the step, |x| ≤ 2^60 */
-    int64_t n_moved;      /* nv, or 0: all have moved */
-    const uint8_t *moved; /* [n_moved] 0: x0 and x1 are as in the last refit,
-                             of which box is */
-    int64_t all;          /* 0: nodes of static meshes are left as they are */
+    int64_t n_moved;      /* nv, or 0: all vertices have moved */
+    const uint8_t *moved; /* [n_moved] 0: the vertex has not moved since
+                             `box` was made */
+    int64_t all;          /* 0: boxes of static meshes are kept */
     struct box *box;      /* inout: [tree.n] m */
-    uint8_t *stir;        /* inout: [tree.n] 1: a vertex of it has moved */
+    uint8_t *stir;        /* inout: [tree.n] 1: a vertex of the node moved */
     int64_t made;         /* out: boxes made */
 };
 

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How far candidates move beside one another. spec/broad/travel.md */
+/* Finds the largest relative motion of the two primitives of any candidate.
+ * spec/broad/travel.md */
 #include "ref/broad/travel.h"
 
-/* §1, of candidate k. */
-static real way(const struct travel *s, int64_t k)
+/* §1: the largest squared relative motion of two vertices of candidate k, one
+ * vertex of either primitive, in m². */
+static real relative_motion(const struct travel *s, int64_t k)
 {
     const int32_t *v = s->pair + 4 * k;
-    int first = s->kind[k] == CONTACT_VF ? 1 : 2; /* of the other primitive */
+    int first = s->kind[k] == CONTACT_VF ? 1 : 2; /* first vertex of the
+                                                     second primitive */
     real most = 0;
     vec d[4];
     for (int j = 0; j < 4; j++)
@@ -27,7 +30,7 @@ int ref_travel(struct travel *s)
             return DRAPE_EARG;
 #pragma omp parallel for schedule(static) reduction(max : most)
     for (int64_t k = 0; k < s->n; k++)
-        most = real_max(most, way(s, k));
+        most = real_max(most, relative_motion(s, k));
     s->most = most;
     return DRAPE_OK;
 }

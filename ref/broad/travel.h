@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage travel: how far candidates move beside one another.
+/* Stage travel: finds the largest relative motion of the two primitives of any
+ * candidate, so that a step with too much of it can be cut into slices.
  * spec/broad/travel.md */
 #ifndef REF_TRAVEL_H
 #define REF_TRAVEL_H
@@ -12,7 +13,8 @@ struct travel {
     const uint8_t *kind; /* [n] enum contact_kind */
     const vec *x0, *x1;  /* [nv] m, finite */
 
-    real most; /* out: m², the square of the largest way, 0 of none */
+    real most; /* out: m², largest squared relative motion; 0 without
+                  candidates */
 };
 
 /* DRAPE_OK; DRAPE_EARG for a bad vertex or kind. */

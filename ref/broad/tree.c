@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Builds the hierarchy of every mesh at rest. spec/broad/tree.md */
+/* Builds the BVH of every mesh at rest. spec/broad/tree.md */
 #include "ref/broad/tree_plan.h"
 
 static int mesh_levels(const struct tree_mesh *g)
@@ -12,7 +12,7 @@ static int mesh_levels(const struct tree_mesh *g)
     return l;
 }
 
-/* Checks the meshes and finds how many nodes there can be. */
+/* Checks the meshes and finds an upper bound of the number of nodes. */
 static int measure(struct tree_plan *p)
 {
     const struct tree_scene *s = p->scene;
@@ -52,7 +52,7 @@ static bool before(const struct item *a, const struct item *b, int axis)
            (a->c[axis] == b->c[axis] && a->tri < b->tri);
 }
 
-/* Puts the k smallest along an axis first (Hoare's selection). */
+/* Moves the k smallest items along an axis to the front (Hoare's selection). */
 static void select_first(struct item *a, int64_t n, int64_t k, int axis)
 {
     int64_t lo = 0, hi = n - 1;
@@ -79,8 +79,9 @@ static void select_first(struct item *a, int64_t n, int64_t k, int axis)
     }
 }
 
-/* Orders items so that every aligned run of 4^k is compact: splits the
- * longest side of the centroids' box so that the left part is full. */
+/* §3: orders items so that every aligned run of 4^k items is compact. Each
+ * split is across the longest side of the centroids' box, and its left part is
+ * a full run. */
 static void split_items(struct item *a, int64_t n, int64_t capacity)
 {
     while (n > 4) {
@@ -123,7 +124,8 @@ static void sort_mesh(struct tree_plan *p, const struct tree_mesh *g,
         p->order[g->first_tri + k] = item[k].tri;
 }
 
-/* Nodes of a mesh without a grid: every four of a level have one parent. */
+/* Fills the nodes of a mesh without a grid: each four nodes of a level get one
+ * parent. */
 static void fill_mesh(struct tree_plan *p, int32_t k,
                       const struct tree_run *run)
 {
@@ -144,7 +146,7 @@ static void fill_mesh(struct tree_plan *p, int32_t k,
     }
 }
 
-/* floor(log2) of a mesh's longest side, from -60 on. */
+/* Returns floor(log2) of a mesh's longest side in metres, at least -60. */
 static int size_of(const struct tree_scene *s, const struct tree_mesh *g)
 {
     vec lo = {0}, hi = {0};
@@ -164,7 +166,8 @@ static int size_of(const struct tree_scene *s, const struct tree_mesh *g)
     return e;
 }
 
-/* Gives every run of nodes its place in the stream. */
+/* §1: gives each run of nodes its place in the stream, class by class, then
+ * level by level, then mesh by mesh. */
 static void number_nodes(struct tree_plan *p, struct tree_run *run)
 {
     int64_t levels = p->tree->levels;

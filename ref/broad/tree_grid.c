@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The quadtree of a grid of cells. spec/broad/tree.md §2 */
+/* Builds the quadtree over the cells of a cloth's grid. spec/broad/tree.md
+ * §2 */
 #include "ref/broad/tree_plan.h"
 
-/* The cell of a triangle, or -1 where it does not lie in one. */
+/* Returns the cell that holds a triangle, or -1 where the triangle's corners do
+ * not lie in one cell. */
 static int32_t cell_of(const struct tree_mesh *g, const int32_t f[3])
 {
     int32_t i0 = g->m, j0 = g->n, i1 = -1, j1 = -1;
@@ -18,7 +20,8 @@ static int32_t cell_of(const struct tree_mesh *g, const int32_t f[3])
     return i1 - i0 == 1 && j1 - j0 == 1 ? i0 + (g->m - 1) * j0 : -1;
 }
 
-/* Level 0 of the table: each cell's first triangle, or -1. */
+/* Fills level 0 of the lookup table: the first triangle of each cell, or -1.
+ * Returns DRAPE_EARG where the triangles do not follow the cells. */
 static int mark_cells(const struct tree_plan *p, const struct tree_mesh *g,
                       int32_t *at)
 {
@@ -42,7 +45,8 @@ int tree_grid_levels(const struct tree_mesh *g)
     return l + 1;
 }
 
-/* A level of the table from the one below: not -1 where a node will be. */
+/* Fills a level of the lookup table from the level below: 0 where there will be
+ * a node, -1 elsewhere. */
 static void mark_level(const struct tree_plan *p, const struct tree_mesh *g,
                        const struct tree_grid *d, int l)
 {
@@ -92,7 +96,8 @@ static int missing_corner(const struct tree_mesh *g, const int32_t f[3])
     return bits;
 }
 
-/* The leaf of a cell: its one or two triangles, which follow each other. */
+/* Fills the leaf of a cell with its one or two triangles, which follow each
+ * other. */
 static void fill_leaf(struct tree_plan *p, const struct tree_mesh *g,
                       int32_t node, int32_t *at_order)
 {
@@ -135,7 +140,8 @@ static void fill_inner(struct tree_plan *p, const struct tree_mesh *g,
     }
 }
 
-/* Full: all the nodes below that the grid has room for are there and full. */
+/* A node is full if all the child positions inside the grid have a node and
+ * these nodes are full. */
 static void fill_full(struct tree_plan *p, const struct tree_mesh *g,
                       int32_t node)
 {

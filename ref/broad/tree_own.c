@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which triangle represents each vertex and edge. spec/broad/tree.md §4 */
+/* Chooses the triangle that represents each vertex and each edge, so that every
+ * candidate is found once. spec/broad/tree.md §4 */
 #include <stdlib.h>
 
 #include "ref/broad/tree_plan.h"
 
-/* An edge in the bucket of its smaller vertex: the larger one, then where it
- * is, as 3 t + k for edge k of triangle t. */
+/* An edge of a triangle, kept in the bucket of its smaller vertex: `other` is
+ * its larger vertex, `at` is 3 t + k for edge k of triangle t. */
 struct slot {
     int32_t other, at;
 };
@@ -18,7 +19,7 @@ static int ascending(const void *a, const void *b)
     return s->at < t->at ? -1 : s->at > t->at;
 }
 
-/* The ends of edge k, the smaller first. */
+/* Returns the ends of edge k, the smaller vertex first. */
 static void ends(const int32_t f[3], int k, int32_t *a, int32_t *b)
 {
     int32_t p = f[k], q = f[(k + 1) % 3];
@@ -26,7 +27,7 @@ static void ends(const int32_t f[3], int k, int32_t *a, int32_t *b)
     *b = p < q ? q : p;
 }
 
-/* A vertex belongs to the first triangle that has it. */
+/* The first triangle with a vertex represents this vertex. */
 static void own_vertices(const struct tree_scene *s, int32_t *seen,
                          uint8_t *own)
 {
@@ -43,7 +44,8 @@ static void own_vertices(const struct tree_scene *s, int32_t *seen,
     }
 }
 
-/* An edge belongs to the first slot of its kind; a point is no edge. */
+/* The first triangle with an edge represents this edge. An edge from a vertex
+ * to itself has no representative. */
 static void own_edges(const struct tree_scene *s, int32_t *start,
                       struct slot *slot, uint8_t *own)
 {
@@ -63,7 +65,7 @@ static void own_edges(const struct tree_scene *s, int32_t *start,
             slot[start[a]].other = b;
             slot[start[a]++].at = 3 * t + k;
         }
-    /* Now start[v] is the end of bucket v. */
+    /* start[v] is now the end of bucket v. */
     for (int32_t v = 0, k = 0; v < s->vertices; v++) {
         int32_t end = start[v], begin = k;
         qsort(slot + k, (size_t)(end - k), sizeof *slot, ascending);

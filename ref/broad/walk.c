@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Walks from the front down to pairs of triangles. spec/broad/walk.md */
+/* Traverses the BVTT from the front down to pairs of triangles.
+ * spec/broad/walk.md */
 #include "ref/broad/walk.h"
 
-/* What a pass reads, and where it writes. */
+/* The input and the output stream of one pass. */
 struct pass {
     const int32_t (*from)[2];
     int64_t n, cap;
     int32_t (*to)[2];
 };
 
-/* §1: whether a pair passes; one that only its cones stop is counted. */
+/* §1: whether a pair passes. *cleared counts pairs that stir and whose boxes
+ * meet, so that only the cones reject them. */
 static bool passes(const struct walk *s, real reach, int32_t a, int32_t b,
                    int64_t *cleared)
 {
@@ -20,9 +22,10 @@ static bool passes(const struct walk *s, real reach, int32_t a, int32_t b,
     return !clear;
 }
 
-/* The children of a pair that pass; a pair of leaves is its own child. */
-static uint32_t look(const struct walk *s, real reach, const int32_t e[2],
-                     int64_t *cleared)
+/* Returns the mask of the children that pass. A pair of leaves counts as its
+ * own only child. */
+static uint32_t test_children(const struct walk *s, real reach,
+                              const int32_t e[2], int64_t *cleared)
 {
     const struct tree *t = &s->in.tree;
     int d = tree_descends(t, e[0], e[1]);
@@ -40,9 +43,9 @@ static uint32_t look(const struct walk *s, real reach, const int32_t e[2],
     return mask;
 }
 
-/* The masks of a pass, of which the first tests its pairs themselves; how many
- * pairs cones stopped. */
-static int64_t look_all(const struct walk *s, real reach, const struct pass *p,
+/* Computes the masks of a pass; the first pass tests its own pairs, too.
+ * Returns how many pairs only the cones rejected. */
+static int64_t test_all(const struct walk *s, real reach, const struct pass *p,
                         bool first)
 {
     int64_t blocks = bvtt_blocks(p->n);
@@ -52,15 +55,16 @@ static int64_t look_all(const struct walk *s, real reach, const struct pass *p,
         for (int64_t k = block * BVTT_BLOCK; k < p->n && k < end; k++) {
             const int32_t *e = p->from[k];
             bool in = !first || passes(s, reach, e[0], e[1], &cleared);
-            s->mask[k] = (uint16_t)(in ? look(s, reach, e, &cleared) : 0);
+            s->mask[k] =
+                (uint16_t)(in ? test_children(s, reach, e, &cleared) : 0);
         }
         s->sum[block] = cleared;
     }
     return bvtt_scan(s->sum, blocks);
 }
 
-/* §2: the pairs of triangles of two leaves whose boxes meet. */
-static uint32_t look_leaves(const struct walk *s, real reach,
+/* §2: returns the mask of the triangle pairs of two leaves whose boxes meet. */
+static uint32_t test_leaves(const struct walk *s, real reach,
                             const int32_t e[2])
 {
     const struct tree *t = &s->in.tree;
@@ -80,7 +84,8 @@ static uint32_t look_leaves(const struct walk *s, real reach,
     return mask;
 }
 
-/* Places the blocks of a pass whose masks are known. */
+/* Turns masks into the place where each block of pairs writes its output.
+ * Returns the number of outputs. */
 static int64_t place(const struct walk *s, int64_t n)
 {
     int64_t blocks = bvtt_blocks(n);
@@ -94,7 +99,8 @@ static int64_t place(const struct walk *s, int64_t n)
     return bvtt_scan(s->sum, blocks);
 }
 
-/* Writes what the masks say: children, or at the end triangles. */
+/* Writes the children that the masks name, or in the last pass the
+ * triangles. */
 static void write(const struct walk *s, const struct pass *p, bool triangles)
 {
     const struct tree *t = &s->in.tree;
@@ -119,8 +125,9 @@ static void write(const struct walk *s, const struct pass *p, bool triangles)
     }
 }
 
-/* Passes until all pairs are leaves: a pass takes every pair down at least
- * one level of one side, so there are at most twice the levels. */
+/* Makes passes until all pairs are leaves. A pass takes every pair down at
+ * least one level on one side, so there are at most twice as many passes as
+ * levels. */
 static int descend(struct walk *s, real reach, struct pass *p)
 {
     p->from = s->front;
@@ -128,7 +135,7 @@ static int descend(struct walk *s, real reach, struct pass *p)
     p->to = s->pair;
     for (int64_t l = 0; l <= 2 * s->in.tree.levels; l++) {
         s->visited += p->n;
-        s->cleared += look_all(s, reach, p, l == 0);
+        s->cleared += test_all(s, reach, p, l == 0);
         int64_t n = place(s, p->n);
         s->need = n > s->need ? n : s->need;
         if (n > s->cap)
@@ -158,7 +165,7 @@ int ref_walk(struct walk *s)
         return DRAPE_EFULL;
     EACH_MANY(p.n)
     for (int64_t k = 0; k < p.n; k++)
-        s->mask[k] = (uint16_t)look_leaves(s, reach, p.from[k]);
+        s->mask[k] = (uint16_t)test_leaves(s, reach, p.from[k]);
     s->need_tri = place(s, p.n);
     if (s->need_tri > s->cap_tri)
         return DRAPE_EFULL;

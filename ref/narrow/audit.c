@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every intersecting pair of triangles of a mesh. spec/narrow/audit.md */
+/* Finds every intersecting pair of triangles of a mesh, exactly, with a BVH of
+ * its own. spec/narrow/audit.md */
 #include "ref/narrow/audit.h"
 
 #include "ref/narrow/audit_sort.h"
 #include "ref/narrow/tritri.h"
 
-/* Most levels of a tree of fours over 2^31 triangles. */
+/* Highest number of levels of the 4-ary tree over 2^31 triangles. */
 enum { LEVELS = 17 };
 
-/* §4.2: level l holds ceil(nt / 4^(l+1)) nodes, from at[l] on. */
+/* §4.2: places of the tree's levels. Level l has ceil(nt / 4^(l+1)) nodes, from
+ * at[l] on; `top` is the root's level. */
 struct levels {
     int64_t at[LEVELS + 1];
     int top;
@@ -31,8 +33,6 @@ int64_t ref_audit_nodes(int64_t nt)
     struct levels l = levels_of(nt);
     return l.at[l.top + 1];
 }
-
-/* ---- §4.1 Order ---- */
 
 static int check(const struct audit *s)
 {
@@ -59,8 +59,6 @@ struct face ref_audit_face(const struct audit *s, int32_t t)
     return f;
 }
 
-/* ---- §4.2 Tree ---- */
-
 static void put(struct audit_quad *q, int j, struct audit_box b)
 {
     q->lo[0][j] = b.lo.x;
@@ -78,7 +76,7 @@ static struct audit_box lane(const struct audit_quad *q, int j)
     return b;
 }
 
-/* The box of all four. */
+/* Returns the box that joins the four boxes of a node. */
 static struct audit_box hull(const struct audit_quad *q)
 {
     struct audit_box r = lane(q, 0);
@@ -112,7 +110,8 @@ static void build(struct audit *s, const struct levels *l)
     }
 }
 
-/* Bit j: box b and the j-th of q have a common point. */
+/* Returns a mask: bit j is set if box b and the j-th box of q have a common
+ * point. */
 static unsigned hits(const struct audit_box *b, const struct audit_quad *q)
 {
     unsigned hit[4];
@@ -128,19 +127,17 @@ static int lowest(unsigned mask)
     return mask & 3 ? !(mask & 1) : 3 - !!(mask & 4);
 }
 
-/* ---- §4.3 Pairs ---- */
-
-/* A run over the pairs of one leaf. */
+/* §4.3: a traversal that finds the pairs of one leaf. */
 struct walk {
     struct audit *s;
     int64_t k;            /* the leaf */
-    int64_t n0;           /* triangles of group 0, which come first */
-    struct audit_box box; /* of the leaf */
-    int64_t at;           /* the next pair's place */
-    bool write;           /* or only count */
+    int64_t n0;           /* triangles of group 0; they are sorted first */
+    struct audit_box box; /* box of the leaf */
+    int64_t at;           /* place of the next pair */
+    bool write;           /* false: only count pairs */
 };
 
-static void give(struct walk *w, int32_t p, int32_t q)
+static void emit(struct walk *w, int32_t p, int32_t q)
 {
     if (w->write) {
         w->s->pair[w->at][0] = p < q ? p : q;
@@ -149,7 +146,8 @@ static void give(struct walk *w, int32_t p, int32_t q)
     w->at++;
 }
 
-/* Pairs of a triangle of leaf w->k with one of leaf m ≥ w->k, each once. */
+/* Tests the triangles of leaf w->k against those of leaf m ≥ w->k, each pair
+ * once. */
 static void visit(struct walk *w, int64_t m)
 {
     const struct audit *s = w->s;
@@ -168,12 +166,12 @@ static void visit(struct walk *w, int64_t m)
                 continue;
             struct face g = ref_audit_face(s, q);
             if (ref_tritri(&f, &of_f, &g))
-                give(w, p, q);
+                emit(w, p, q);
         }
     }
 }
 
-/* All leaves from w->k on whose box meets that of leaf w->k. */
+/* Visits all leaves from w->k on whose boxes meet the box of leaf w->k. */
 static void walk(struct walk *w, const struct levels *l)
 {
     struct audit *s = w->s;
@@ -181,7 +179,7 @@ static void walk(struct walk *w, const struct levels *l)
     int64_t node[LEVELS] = {0};
     unsigned mask[LEVELS];
     int level = l->top;
-    int64_t span = 1; /* leaves below a child of the level's */
+    int64_t span = 1; /* leaves below a child of a node of this level */
     for (int k = 1; k < level; k++)
         span *= 4;
     w->box = hull(&s->node[w->k]);
@@ -209,7 +207,8 @@ static void walk(struct walk *w, const struct levels *l)
     }
 }
 
-/* §4.1: which triangles are degenerate. Returns those of group 0. */
+/* §1.1: marks and counts degenerate triangles. Returns the number of triangles
+ * of group 0. */
 static int64_t mark(struct audit *s)
 {
     EACH_ITEM
@@ -254,9 +253,8 @@ int ref_audit(struct audit *s)
     return DRAPE_OK;
 }
 
-/* ---- §5 ---- */
-
-/* A run over what is near one triangle. */
+/* §5: a traversal that visits every triangle whose box meets the box of
+ * triangle t. */
 struct search {
     const struct audit *s;
     struct levels l;
@@ -286,6 +284,11 @@ static bool search(const struct search *r, int level, int64_t node)
 bool ref_audit_any(const struct audit *s, int32_t t,
                    bool ask(void *user, int32_t other), void *user)
 {
-    struct search r = {s, levels_of(s->nt), ref_audit_box(s, t), t, ask, user};
+    struct search r = {.s = s,
+                       .l = levels_of(s->nt),
+                       .box = ref_audit_box(s, t),
+                       .t = t,
+                       .ask = ask,
+                       .user = user};
     return search(&r, r.l.top, 0);
 }

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The two orders of stage audit. spec/narrow/audit.md §4 */
+/* Sorts the triangles of stage audit along a Morton curve, and sorts its pairs.
+ * spec/narrow/audit.md §4 */
 #include "ref/narrow/audit_sort.h"
-
-/* ---- §4.1 Triangles ---- */
 
 struct audit_box ref_audit_box(const struct audit *s, int64_t t)
 {
@@ -12,7 +11,8 @@ struct audit_box ref_audit_box(const struct audit *s, int64_t t)
     return r;
 }
 
-/* The low 21 bits, two zeros between each. */
+/* Spreads the low 21 bits of b, with two zero bits between neighbours
+ * (§4.1). */
 static uint64_t spread(uint64_t b)
 {
     b = (b | b << 32) & UINT64_C(0x001f00000000ffff);
@@ -22,14 +22,15 @@ static uint64_t spread(uint64_t b)
     return (b | b << 2) & UINT64_C(0x1249249249249249);
 }
 
-/* The cell, of 2^21 over `size`, of the middle of lo and hi. */
+/* Returns the Morton cell, of 2^21 cells over `size`, that holds the middle of
+ * lo and hi. */
 static uint64_t cell(real lo, real hi, real from, real size)
 {
     real c = lo + (hi - lo) * R(0.5);
     return size > 0 ? (uint64_t)((c - from) / size * R(2097151.0)) : 0;
 }
 
-/* Group 0 comes first. */
+/* Makes the Morton keys. The top bit puts group 0 first. */
 static void make_keys(struct audit *s)
 {
     vec lo = s->x[0], hi = s->x[0];
@@ -51,8 +52,9 @@ static void make_keys(struct audit *s)
     }
 }
 
-/* Stable, by the 11 bits from `shift` on, from side `from` to the other;
- * false where these bits are the same in all keys. */
+/* One pass of a radix sort: a stable sort by the 11 bits from `shift` on, from
+ * buffer `from` to the other buffer. Returns false, with nothing moved, where
+ * these bits are the same in all keys. */
 static bool sort_digit(struct audit *s, int from, int shift)
 {
     int64_t at[2049] = {0};
@@ -72,7 +74,6 @@ static bool sort_digit(struct audit *s, int from, int shift)
     return true;
 }
 
-/* Order[0] along a Morton curve through the boxes' middles. */
 void ref_audit_order(struct audit *s)
 {
     make_keys(s);
@@ -84,8 +85,6 @@ void ref_audit_order(struct audit *s)
         for (int64_t t = 0; t < s->nt; t++)
             s->order[0][t] = s->order[1][t];
 }
-
-/* ---- §4.4 Canonical order ---- */
 
 static bool before(const int32_t a[2], const int32_t b[2])
 {

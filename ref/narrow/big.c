@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole numbers of many words in a bounded room: spec/narrow/narrow.md §6.1. */
+/* Big integers in a bounded arena: exact sums, differences and products.
+ * spec/narrow/narrow.md §6.1 */
 #include "ref/narrow/big.h"
 
 #include <string.h>
 
-/* From as many words on two rows of a product at once are faster. */
+/* From this many words on, multiplying two rows at once is faster. */
 #define LONG 12
 
-/* Two words times two. */
+/* Holds the product of two 64-bit numbers. */
 __extension__ typedef unsigned __int128 twice;
 
-/* Room for n words. Where there is none the room starts anew, so that all
- * accesses stay inside, and says that it is full. */
-static uint32_t *take_words(struct room *m, int n)
+/* Takes n words from the arena. If they do not fit, the arena is marked full
+ * and starts again at its beginning, so that all accesses stay inside; results
+ * are then void. */
+static uint32_t *take_words(struct big_arena *m, int n)
 {
     if (n > m->size - m->used) {
         m->full = true;
@@ -25,8 +27,9 @@ static uint32_t *take_words(struct room *m, int n)
     return d;
 }
 
-/* A number from n words that end the room; gives leading zeros back. */
-static struct big trim(struct room *m, uint32_t *d, int n, int sign)
+/* Makes a number from the last n words taken, and gives its leading zero words
+ * back to the arena. */
+static struct big trim(struct big_arena *m, uint32_t *d, int n, int sign)
 {
     int k = n;
     while (k > 0 && d[k - 1] == 0)
@@ -41,7 +44,7 @@ static int exponent_bits(uint64_t b)
     return (int)(b >> 52 & 0x7ff);
 }
 
-/* Mantissa and exponent of |x| = *mantissa·2^e; returns e. */
+/* Splits |x| = *mantissa·2^e and returns e. */
 static int unpack(double x, uint64_t *mantissa)
 {
     uint64_t b;
@@ -62,7 +65,7 @@ int big_exponent(double x)
     return e;
 }
 
-struct big big_make(struct room *m, double x, int e)
+struct big big_make(struct big_arena *m, double x, int e)
 {
     uint64_t a;
     int shift = unpack(x, &a) - e;
@@ -82,7 +85,7 @@ struct big big_make(struct room *m, double x, int e)
     return trim(m, d, n, x < 0 ? -1 : 1);
 }
 
-struct big big_small(struct room *m, uint32_t a)
+struct big big_small(struct big_arena *m, uint32_t a)
 {
     uint32_t *d = take_words(m, 1);
     d[0] = a;
@@ -95,7 +98,7 @@ struct big big_negate(struct big a)
     return a;
 }
 
-/* Order of the magnitudes: -1, 0, 1. */
+/* Compares magnitudes: returns -1, 0 or 1. */
 static int order(struct big a, struct big b)
 {
     if (a.n != b.n)
@@ -106,8 +109,8 @@ static int order(struct big a, struct big b)
     return 0;
 }
 
-/* |a| + |b| with a sign; a is not the shorter. */
-static struct big sum(struct room *m, struct big a, struct big b, int sign)
+/* Returns |a| + |b| with a given sign. Requires a.n ≥ b.n. */
+static struct big sum(struct big_arena *m, struct big a, struct big b, int sign)
 {
     uint32_t *d = take_words(m, a.n + 1);
     uint64_t carry = 0;
@@ -120,8 +123,8 @@ static struct big sum(struct room *m, struct big a, struct big b, int sign)
     return trim(m, d, a.n + 1, sign);
 }
 
-/* |a| - |b| with a sign; a is not the smaller. */
-static struct big difference(struct room *m, struct big a, struct big b,
+/* Returns |a| - |b| with a given sign. Requires |a| ≥ |b|. */
+static struct big difference(struct big_arena *m, struct big a, struct big b,
                              int sign)
 {
     uint32_t *d = take_words(m, a.n), borrow = 0;
@@ -133,7 +136,7 @@ static struct big difference(struct room *m, struct big a, struct big b,
     return trim(m, d, a.n, sign);
 }
 
-struct big big_add(struct room *m, struct big a, struct big b)
+struct big big_add(struct big_arena *m, struct big a, struct big b)
 {
     if (a.sign == 0 || b.sign == 0)
         return a.sign ? a : b;
@@ -143,7 +146,7 @@ struct big big_add(struct room *m, struct big a, struct big b)
                            : difference(m, a, b, a.sign);
 }
 
-struct big big_sub(struct room *m, struct big a, struct big b)
+struct big big_sub(struct big_arena *m, struct big a, struct big b)
 {
     return big_add(m, a, big_negate(b));
 }
@@ -159,7 +162,7 @@ static void set_pair(uint32_t *d, uint64_t a)
     memcpy(d, w, sizeof w);
 }
 
-/* d += x·b, n words of b; d[n] and d[n + 1], 0 before, are set. */
+/* Adds x·b to d, where b has n words. d[n] and d[n + 1] must be 0 before. */
 static void add_rows(uint32_t *d, uint64_t x, const uint32_t *b, int n)
 {
     twice t = 0;
@@ -177,8 +180,8 @@ static void add_rows(uint32_t *d, uint64_t x, const uint32_t *b, int n)
     set_pair(d + j, (uint64_t)t);
 }
 
-/* The first word of b, not 0, from j on; numbers of mixed sizes are mostly
- * zeros. */
+/* Returns the index of the first nonzero word of b from j on. Numbers made from
+ * mixed exponents are mostly zero words. */
 static int skip_zeros(struct big b, int j)
 {
     while (j < b.n && b.d[j] == 0)
@@ -186,7 +189,8 @@ static int skip_zeros(struct big b, int j)
     return j;
 }
 
-struct big big_mul_from(struct room *m, struct big a, struct big b, int from)
+struct big big_mul_from(struct big_arena *m, struct big a, struct big b,
+                        int from)
 {
     int n = a.n + b.n - from + 1, low = skip_zeros(b, 0);
     uint32_t *d = take_words(m, n);
@@ -200,7 +204,7 @@ struct big big_mul_from(struct room *m, struct big a, struct big b, int from)
     return trim(m, d, n, a.sign * b.sign);
 }
 
-struct big big_mul(struct room *m, struct big a, struct big b)
+struct big big_mul(struct big_arena *m, struct big a, struct big b)
 {
     if (a.n >= LONG && b.n >= LONG)
         return big_mul_from(m, a, b, 0);
@@ -221,13 +225,13 @@ struct big big_mul(struct room *m, struct big a, struct big b)
     return trim(m, d, n, a.sign * b.sign);
 }
 
-struct big big_times(struct room *m, struct big a, uint32_t k)
+struct big big_times(struct big_arena *m, struct big a, uint32_t k)
 {
     struct big b = {&k, k != 0, k != 0};
     return big_mul(m, b, a);
 }
 
-struct big big_shift(struct room *m, struct big a, int k)
+struct big big_shift(struct big_arena *m, struct big a, int k)
 {
     uint32_t *d = take_words(m, a.n + k);
     memset(d, 0, (size_t)k * sizeof *d);
@@ -236,7 +240,7 @@ struct big big_shift(struct room *m, struct big a, int k)
     return trim(m, d, a.n + k, a.sign);
 }
 
-struct big big_keep(struct room *m, int mark, struct big r)
+struct big big_keep(struct big_arena *m, int mark, struct big r)
 {
     if (m->full)
         return r;
@@ -247,8 +251,8 @@ struct big big_keep(struct room *m, int mark, struct big r)
     return r;
 }
 
-struct big big_det(struct room *m, struct big a, struct big b, struct big c,
-                   struct big d)
+struct big big_det(struct big_arena *m, struct big a, struct big b,
+                   struct big c, struct big d)
 {
     int mark = m->used;
     struct big x = big_mul(m, a, b);

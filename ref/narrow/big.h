@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole numbers of many words in a bounded room: spec/narrow/narrow.md §6.1. */
+/* Big integers in a bounded arena: exact sums, differences and products.
+ * spec/narrow/narrow.md §6.1 */
 #ifndef REF_BIG_H
 #define REF_BIG_H
 
@@ -8,42 +9,47 @@
 
 #include "ref/base/names.h"
 
-/* Words handed out in order; the caller gives back by restoring `used`. */
-struct room {
+/* An arena of words, handed out in order. The caller frees words by restoring
+ * `used`. */
+struct big_arena {
     uint32_t *word; /* [size] */
     int size, used;
-    int most;  /* out: the largest `used` */
-    bool full; /* out: a number did not fit: results are void */
-    int keep;  /* leading words that a near number keeps: ref/narrow/near.h */
+    int most;  /* out: largest value of `used` */
+    bool full; /* out: a number did not fit; results are void */
+    int keep;  /* leading words that a struct near keeps: ref/narrow/near.h */
 };
 
-/* sign · Σ d[i]·2^(32i); n = 0 exactly where sign = 0, else d[n-1] ≠ 0. */
+/* The integer sign · Σ d[i]·2^(32i). n = 0 exactly where sign = 0; otherwise
+ * d[n-1] ≠ 0. */
 struct big {
     uint32_t *d;
     int n, sign;
 };
 
-/* The exponent of the lowest set bit of a finite x ≠ 0. */
+/* Returns the exponent of the lowest set bit of a finite x ≠ 0. */
 int big_exponent(double x);
-/* x·2^-e, whole by the choice of e. */
-struct big big_make(struct room *m, double x, int e);
-/* A number below 2^32. */
-struct big big_small(struct room *m, uint32_t a);
+/* Returns x·2^-e. The caller chooses e so that the result is an integer. */
+struct big big_make(struct big_arena *m, double x, int e);
+/* Returns a as a big integer. */
+struct big big_small(struct big_arena *m, uint32_t a);
 
-struct big big_add(struct room *m, struct big a, struct big b);
-struct big big_sub(struct room *m, struct big a, struct big b);
-struct big big_mul(struct room *m, struct big a, struct big b);
-/* a·b over 2^(32 from), of which products of words below that are left out,
- * and, where from > 0, some of the last word's. */
-struct big big_mul_from(struct room *m, struct big a, struct big b, int from);
-struct big big_times(struct room *m, struct big a, uint32_t k);
+struct big big_add(struct big_arena *m, struct big a, struct big b);
+struct big big_sub(struct big_arena *m, struct big a, struct big b);
+struct big big_mul(struct big_arena *m, struct big a, struct big b);
+/* Returns a·b / 2^(32 from), truncated: products a.d[i]·b.d[j] with i + j <
+ * from are left out, and where from > 0 some of those with i + j = from. The
+ * magnitude may therefore be too small; near_mul bounds the error. */
+struct big big_mul_from(struct big_arena *m, struct big a, struct big b,
+                        int from);
+struct big big_times(struct big_arena *m, struct big a, uint32_t k);
 struct big big_negate(struct big a);
-/* a·2^(32 k). */
-struct big big_shift(struct room *m, struct big a, int k);
-/* r, made since the mark, moved down to it; all else since is given back. */
-struct big big_keep(struct room *m, int mark, struct big r);
-/* a·b - c·d, leaving nothing else in the room. */
-struct big big_det(struct room *m, struct big a, struct big b, struct big c,
-                   struct big d);
+/* Returns a·2^(32 k). */
+struct big big_shift(struct big_arena *m, struct big a, int k);
+/* Moves r down to `mark` and frees every other word taken since then. r must
+ * have been made after the mark. */
+struct big big_keep(struct big_arena *m, int mark, struct big r);
+/* Returns a·b - c·d and frees all intermediate words. */
+struct big big_det(struct big_arena *m, struct big a, struct big b,
+                   struct big c, struct big d);
 
 #endif

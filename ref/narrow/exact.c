@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The exact tier of the narrow phase: spec/narrow/narrow.md §6. */
+/* Tier 3 of the narrow phase: finds the first contact in exact integer
+ * arithmetic. spec/narrow/narrow.md §6 */
 #include "ref/narrow/exact.h"
 
 #include "ref/narrow/roots.h"
@@ -7,8 +8,9 @@
 
 #include <stddef.h>
 
-/* All on one line or a point: whether the boxes meet (§3). */
-static bool boxes_meet(struct room *m, const struct system *s,
+/* Whether the boxes meet at root r (§3c). Called where all four vertices are on
+ * one line or in one point, so that meeting boxes mean contact. */
+static bool boxes_meet(struct big_arena *m, const struct system *s,
                        const struct root *r)
 {
     for (int k = 0; k < 3; k++) {
@@ -24,9 +26,10 @@ static bool boxes_meet(struct room *m, const struct system *s,
     return true;
 }
 
-/* Whether the primitives touch at a root of V by the forms of axis k (§3), or
- * ROOT_UNKNOWN: all are zero, or few words do not tell their signs. */
-static int touching_on(struct room *m, const struct system *s,
+/* Decides by the forms of axis k (§3b) whether the primitives touch at root r.
+ * Returns ROOT_UNKNOWN where all forms are zero, or where `few_words` is set
+ * and few words do not determine a sign. */
+static int touching_on(struct big_arena *m, const struct system *s,
                        const struct root *r, int k, bool few_words)
 {
     int up = 0, down = 0, unknown = 0;
@@ -42,8 +45,9 @@ static int touching_on(struct room *m, const struct system *s,
     return unknown || !(up || down) ? ROOT_UNKNOWN : true;
 }
 
-/* Whether the primitives touch at a root of V (§3). */
-static bool touching(struct room *m, const struct system *s,
+/* Whether the primitives touch at root r (§3). Each axis is tried with few
+ * words first, then exactly. */
+static bool touching(struct big_arena *m, const struct system *s,
                      const struct root *r)
 {
     int touch = ROOT_UNKNOWN;
@@ -52,9 +56,10 @@ static bool touching(struct room *m, const struct system *s,
     return touch == ROOT_UNKNOWN ? boxes_meet(m, s, r) : touch;
 }
 
-/* The same at a root of form j on axis k, where N_k is not 0: the lines meet
- * at the primitive that the form is of (§6.5). */
-static bool touching_form(struct room *m, const struct system *s,
+/* Whether the primitives touch at root r of form j on axis k, where N_k is not
+ * 0 there: contact is that a point lies in the box of one side or edge (§6.5).
+ * The table names the two box forms of that test. */
+static bool touching_form(struct big_arena *m, const struct system *s,
                           const struct root *r, int j)
 {
     static const int of[2][4][2] = {{{1, 2}, {2, 0}, {0, 1}, {0, 0}},
@@ -68,22 +73,24 @@ static bool touching_form(struct room *m, const struct system *s,
     return true;
 }
 
-/* Whether they touch at t = 0 (cell 0) or t = 1 (cell ROOT_ONE). */
-static bool touching_end(struct room *m, const struct system *s, uint32_t cell)
+/* Whether the primitives touch at t = 0 (cell 0) or t = 1 (cell ROOT_ONE). */
+static bool touching_end(struct big_arena *m, const struct system *s,
+                         uint32_t cell)
 {
-    struct root r = {NULL, NULL, 0, cell, true, 0};
+    struct root r = {.cell = cell, .on_grid = true};
     return s->v.c[cell ? 3 : 0].sign == 0 && touching(m, s, &r);
 }
 
-/* Polynomials at whose roots a contact may begin. */
+/* The polynomials at whose roots a contact may begin (§6.5). */
 struct list {
     int n;
     const struct poly *p[12];
-    int axis; /* of forms: p[j] is form j; else -1 */
+    int axis; /* p[j] is form j on this axis; else -1 */
 };
 
-/* Whether one of the first n polynomials, not always zero, is zero at r. */
-static bool tried(struct room *m, const struct list *l, int n,
+/* Whether one of the first n polynomials, if not identically zero, is zero at
+ * r. Then r was tried before. */
+static bool tried(struct big_arena *m, const struct list *l, int n,
                   const struct root *r)
 {
     for (int k = 0; k < n; k++)
@@ -93,18 +100,19 @@ static bool tried(struct room *m, const struct list *l, int n,
     return false;
 }
 
-/* Whether they touch at root r of polynomial k, unless that has been tried. */
-static bool begins(struct room *m, const struct system *s, const struct list *l,
-                   int k, const struct root *r)
+/* Whether the primitives touch at root r of polynomial k. Returns false for a
+ * root that was tried as a root of an earlier polynomial. */
+static bool begins(struct big_arena *m, const struct system *s,
+                   const struct list *l, int k, const struct root *r)
 {
     if (l->axis >= 0 && root_avoids(m, &s->n[l->axis], r))
         return touching_form(m, s, r, k);
     return !tried(m, l, k, r) && touching(m, s, r);
 }
 
-/* The lesser of toi and the first root with contact of polynomial k, where
- * those before have been tried. */
-static uint32_t first(struct room *m, const struct system *s,
+/* Returns the lesser of toi and the first root of polynomial k with contact.
+ * Polynomials 0 … k-1 must have been tried. */
+static uint32_t first(struct big_arena *m, const struct system *s,
                       const struct list *l, int k, uint32_t toi)
 {
     struct chain c[2];
@@ -122,7 +130,7 @@ static uint32_t first(struct room *m, const struct system *s,
     return toi;
 }
 
-/* The words of all forms of axis k. */
+/* Returns the number of words in the coefficients of all forms of axis k. */
 static int words_of(const struct system *s, int k)
 {
     int words = 0;
@@ -132,8 +140,8 @@ static int words_of(const struct system *s, int k)
     return words;
 }
 
-/* The axis whose forms have the fewest words but not all none; -1: all forms
- * of all axes are always zero. */
+/* Returns the axis whose forms have the fewest words, without axes on which all
+ * forms are identically zero; -1 if all three axes are such. */
 static int short_axis(const struct system *s)
 {
     int axis = -1, least = INT32_MAX;
@@ -147,10 +155,11 @@ static int short_axis(const struct system *s)
     return axis;
 }
 
-/* The polynomials to try (§6.5). */
+/* Chooses the polynomials to try (§6.5): V, or where V is identically zero the
+ * forms of one axis, or without such an axis the box forms. */
 static struct list to_try(const struct system *s)
 {
-    struct list l = {1, {&s->v}, -1};
+    struct list l = {.n = 1, .p = {&s->v}, .axis = -1};
     if (!poly_zero(&s->v))
         return l;
     int axis = short_axis(s);
@@ -163,7 +172,7 @@ static struct list to_try(const struct system *s)
     return l;
 }
 
-static uint32_t solve(struct room *m, const struct system *s)
+static uint32_t solve(struct big_arena *m, const struct system *s)
 {
     uint32_t toi = UINT32_MAX;
     if (touching_end(m, s, 0))
@@ -179,7 +188,7 @@ static uint32_t solve(struct room *m, const struct system *s)
 int exact_first(double x[2][4][3], int kind, uint32_t *word, int n,
                 uint32_t *toi)
 {
-    struct room m = {word, n, 0, 0, false, 0};
+    struct big_arena m = {.word = word, .size = n};
     struct system s;
     system_make(&m, x, kind, &s);
     *toi = solve(&m, &s);

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A binary64 filter with proven bounds: spec/narrow/narrow.md §4. */
+/* Tier 1 of the narrow phase: a floating-point filter with proven error bounds,
+ * which rejects most pairs. spec/narrow/narrow.md §4 */
 #include "ref/narrow/filter.h"
 
 #include "ref/base/real.h"
 
-/* §4.3; proven in spec/proofs/narrow_*.gappa. δ is the largest component on an
- * axis. */
+/* Error bounds of §4.3, proven in spec/proofs/narrow_*.gappa. δ is the largest
+ * component on an axis. */
 #define ERROR_FORM 0x1p-47  /* times δiδj */
 #define ERROR_CUBIC 0x1p-45 /* times δxδyδz */
 #define ERROR_BOX 0x1p-51   /* times the largest box form */
-#define UNDERFLOW 0x1p-800  /* what products below 2^-1022 can lose */
-#define RANGE 0x1p200       /* the largest δ that the proof covers */
+#define UNDERFLOW 0x1p-800  /* bounds the loss by underflow */
+#define RANGE 0x1p200       /* largest δ that the proof covers */
 
 static void subtract(const double a[3], const double b[3], double c[3])
 {
@@ -42,8 +43,9 @@ void motion_ee(double x[2][4][3], struct motion *m)
     }
 }
 
-/* Whether on axis k all box forms keep one strict sign (§4.1). The sign of
- * a rounded difference is exact. Gives the largest magnitude. */
+/* Whether on axis k all box forms keep one strict sign (§4.1), so that the pair
+ * misses. No error bound is needed: a rounded difference has the exact sign.
+ * *most is the largest magnitude. */
 static bool apart(const struct motion *m, int k, double *most)
 {
     double lo = m->box[0].at[0][k], hi = lo;
@@ -56,7 +58,7 @@ static bool apart(const struct motion *m, int k, double *most)
     return lo > 0 || hi < 0;
 }
 
-/* Axis k of a × b, Bernstein form. */
+/* Writes component k of f × g in Bernstein form. */
 static void cross(const struct linear *f, const struct linear *g, int k,
                   double c[3])
 {
@@ -73,7 +75,7 @@ static double dot(const double a[3], const struct forms *s, int i)
     return a[0] * s->q[0][0][i] + a[1] * s->q[0][1][i] + a[2] * s->q[0][2][i];
 }
 
-/* V = f · (g × h); the cross product stands in s->q[0]. */
+/* Writes V = f · (g × h). The cross product must be in s->q[0]. */
 static void cubic(const struct linear *f, struct forms *s)
 {
     const double *a = f->at[0], *b = f->at[1];
@@ -83,7 +85,8 @@ static void cubic(const struct linear *f, struct forms *s)
     s->v[3] = dot(b, s, 2);
 }
 
-/* The error bounds of §4.3; false where the proof does not reach. */
+/* Sets the error bounds of §4.3. Returns false where the inputs are beyond the
+ * range of the proof. */
 static bool bounds(const struct motion *m, struct forms *s)
 {
     double d[3];
@@ -104,7 +107,7 @@ static bool bounds(const struct motion *m, struct forms *s)
     return true;
 }
 
-/* The forms of §2; g × h stands in s->q[0]. */
+/* Writes the forms of §2. g × h must be in s->q[0]. */
 static void make_forms(const struct motion *m, struct forms *s)
 {
     for (int k = 0; k < 3; k++) {
@@ -124,7 +127,8 @@ static void make_forms(const struct motion *m, struct forms *s)
     }
 }
 
-/* Two forms of strictly opposite sign on one axis: no contact (§3). */
+/* Whether two forms have strictly opposite signs on one axis, beyond their
+ * errors: then there is no contact (§3b). */
 static bool opposite(const struct forms *s, int count)
 {
     for (int k = 0; k < 3; k++) {

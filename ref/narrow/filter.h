@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The first tier of the narrow phase: spec/narrow/narrow.md §4. */
+/* Tier 1 of the narrow phase: a floating-point filter with proven error bounds.
+ * spec/narrow/narrow.md §4 */
 #ifndef REF_FILTER_H
 #define REF_FILTER_H
 
@@ -8,18 +9,18 @@
 
 #include "ref/base/names.h"
 
-/* How a filter ended. */
+/* The verdict of tier 1 or 2 on a pair. */
 enum { FILTER_MISS, FILTER_HIT, FILTER_UNSURE };
 
-/* A vector linear in t: its values at t = 0 and t = 1. */
+/* A vector that is linear in t: its values at t = 0 and t = 1. */
 struct linear {
     double at[2][3];
 };
 
-/* One pair in relative coordinates (§2). Each entry is
- * one rounded difference of two positions. */
+/* One pair in relative coordinates (§2). Each entry is one rounded difference
+ * of two positions, m. */
 struct motion {
-    int count;            /* of forms: 3 vertex-face, 4 edge-edge */
+    int count;            /* number of forms: 3 vertex-face, 4 edge-edge */
     struct linear f[3];   /* the vectors f g h */
     struct linear box[4]; /* the box forms */
 };
@@ -28,20 +29,22 @@ struct motion {
 struct forms {
     double v[4];       /* the cubic V */
     double q[4][3][3]; /* form j, axis k, coefficient i */
-    double ev;         /* error of any value of V */
-    double eq[3];      /* of any value of a form, by axis */
-    double eb[3];      /* of any value of a box form, by axis */
+    double ev;         /* error bound of any value of V */
+    double eq[3];      /* error bounds of forms, by axis */
+    double eb[3];      /* error bounds of box forms, by axis */
 };
 
-/* Positions x[t][vertex][axis] to a motion. */
+/* Make the relative coordinates of a vertex and a face, or of two edges, from
+ * positions x[t][vertex][axis]. */
 void motion_vf(double x[2][4][3], struct motion *m);
 void motion_ee(double x[2][4][3], struct motion *m);
 
-/* First tier (§4): FILTER_MISS or FILTER_UNSURE; s is then complete. Where
- * the proof's range is left, *inside is false and s is not to be used. */
+/* Runs tier 1 (§4). Returns FILTER_MISS, or FILTER_UNSURE with s complete.
+ * Where the inputs are beyond the range of the proof, the result is
+ * FILTER_UNSURE, *inside is false and s must not be used. */
 int filter_signs(const struct motion *m, struct forms *s, bool *inside);
 
-/* The larger and the smaller of two, the second of equals. */
+/* Maximum and minimum; both return b if a equals b. */
 static inline double larger(double a, double b)
 {
     return a > b ? a : b;
@@ -52,7 +55,8 @@ static inline double smaller(double a, double b)
     return a < b ? a : b;
 }
 
-/* 1 or -1 where all n coefficients have that sign beyond error e, else 0. */
+/* Returns 1 or -1 where all n coefficients have that sign by more than the
+ * error bound e, else 0. */
 static inline int filter_sign(const double *c, int n, double e)
 {
     double lo = c[0], hi = c[0];

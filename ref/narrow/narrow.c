@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Exact continuous collision of two primitives: spec/narrow/narrow.md. */
+/* Exact continuous collision detection of vertex-face and edge-edge pairs.
+ * spec/narrow/narrow.md */
 #include "ref/narrow/narrow.h"
 
 #include "ref/base/stage.h"
 #include "ref/narrow/exact.h"
 #include "ref/narrow/split.h"
 
-/* Positions in binary64: exact. */
+/* Widens positions to binary64, which is exact. */
 static void widen(const vec x0[4], const vec x1[4], double x[2][4][3])
 {
     for (int j = 0; j < 4; j++) {
@@ -19,15 +20,15 @@ static void widen(const vec x0[4], const vec x1[4], double x[2][4][3])
     }
 }
 
-/* §6: the third tier. A lower bound stands where the room is too small,
- * which §6.5 excludes. */
+/* Runs tier 3 (§6). §6.5 proves that EXACT_WORDS suffice; if they did not, the
+ * result would be the lower bound `least`. */
 static uint32_t decide_exactly(double x[2][4][3], int kind, uint32_t least)
 {
     uint32_t word[EXACT_WORDS], toi;
     return exact_first(x, kind, word, EXACT_WORDS, &toi) < 0 ? least : toi;
 }
 
-/* §1: the tiers in turn until one decides. */
+/* Runs the tiers of §1 in turn until one of them decides. */
 static uint32_t decide(double x[2][4][3], int kind, int *tier)
 {
     struct motion m;
@@ -65,7 +66,7 @@ uint32_t narrow_ee(const vec x0[4], const vec x1[4], int *tier)
 
 static bool is_finite(vec a)
 {
-    /* infinity and NaN minus themselves are NaN */
+    /* an infinity or NaN minus itself is NaN */
     return a.x - a.x == 0 && a.y - a.y == 0 && a.z - a.z == 0;
 }
 

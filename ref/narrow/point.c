@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Signs of small polynomials at a point, exactly: spec/narrow/narrow.md §6.3.
- */
+/* Exact signs of polynomials of degree at most 3 at a rational point, or at the
+ * roots of a quadratic. spec/narrow/narrow.md §6.3 */
 #include "ref/narrow/point.h"
 
 #include "ref/narrow/near.h"
@@ -15,7 +15,7 @@ bool poly_zero(const struct poly *p)
     return true;
 }
 
-/* a·d - b·c modulo the prime. */
+/* Returns a·d - b·c modulo NEAR_PRIME. */
 static uint64_t det_rest(uint64_t a, uint64_t b, uint64_t c, uint64_t d)
 {
     return (a * d % NEAR_PRIME + NEAR_PRIME - b * c % NEAR_PRIME) % NEAR_PRIME;
@@ -33,10 +33,9 @@ bool poly_coprime(const struct poly *p, const struct poly *f)
     return det_rest(x, y, det_rest(a[1], b[1], a[0], b[0]), x) != 0;
 }
 
-/* ---- With as many words as m->keep says ---- */
-
-/* The sign of Σ c[i]·a^i·b^(n-i) with 2^(32 k) in a. */
-static int sign_fraction(struct room *m, const struct poly *f,
+/* Returns the sign of Σ c[i]·a^i·b^(n-i), where the factor 2^(32 k) of the
+ * point is part of a. Computes with m->keep words. */
+static int sign_fraction(struct big_arena *m, const struct poly *f,
                          const struct point *p)
 {
     struct near a = near_of(m, p->a), b = near_of(m, p->b), power = b;
@@ -52,8 +51,8 @@ static int sign_fraction(struct room *m, const struct poly *f,
     return near_tell(m, r);
 }
 
-/* a·b - c·d, times a sign. */
-static struct near det(struct room *m, int sign, const struct near v[4])
+/* Returns sign · (v0·v1 - v2·v3), computed with m->keep words. */
+static struct near det(struct big_arena *m, int sign, const struct near v[4])
 {
     int mark = m->used;
     struct near x = near_mul(m, v[0], v[1]), y = near_mul(m, v[2], v[3]);
@@ -62,10 +61,10 @@ static struct near det(struct room *m, int sign, const struct near v[4])
     return r;
 }
 
-/* f modulo the quadratic a τ² + b τ + c times a positive number, of degree 2 at
- * most: g. */
-static void lower(struct room *m, const struct poly *f, const struct near q[3],
-                  struct near g[3])
+/* Writes g, of degree at most 2: a positive multiple of f modulo the quadratic
+ * a τ² + b τ + c. */
+static void lower(struct big_arena *m, const struct poly *f,
+                  const struct near q[3], struct near g[3])
 {
     struct near c = q[0], b = q[1], a = q[2];
     int s = a.m.sign;
@@ -82,10 +81,10 @@ static void lower(struct room *m, const struct poly *f, const struct near q[3],
     g[0] = s < 0 ? near_negate(g[0]) : g[0];
 }
 
-/* g modulo the quadratic q times a positive number is l[1]·τ + l[0]; returns
- * the sign of their resultant: minus where -l[0]/l[1] lies between q's roots.
- */
-static int reduce(struct room *m, const struct near g[3],
+/* Writes l[1]·τ + l[0], a positive multiple of g modulo the quadratic q.
+ * Returns the sign of the resultant of the two, which is negative where
+ * -l[0]/l[1] lies between the roots of q. */
+static int reduce(struct big_arena *m, const struct near g[3],
                   const struct near q[3], struct near l[2])
 {
     struct near c = q[0], b = q[1], a = q[2], r;
@@ -104,8 +103,9 @@ static int reduce(struct room *m, const struct near g[3],
     return near_tell(m, r);
 }
 
-/* The sign of b l1 - 2 a l0 of the quadratic a τ² + b τ + c. */
-static int slope(struct room *m, const struct near q[3], const struct near l[2])
+/* Returns the sign of b l1 - 2 a l0 for the quadratic a τ² + b τ + c. */
+static int slope(struct big_arena *m, const struct near q[3],
+                 const struct near l[2])
 {
     struct near b = near_few(q[1]), a = near_few(q[2]);
     struct near two = near_times(m, l[0], 2);
@@ -116,8 +116,8 @@ static int slope(struct room *m, const struct near q[3], const struct near l[2])
     return near_tell(m, det(m, 1, (struct near[4]){q[1], l[1], q[2], two}));
 }
 
-/* The signs of f at the roots of the quadratic, which has two (§6.3). */
-static void sign_surd(struct room *m, const struct poly *f,
+/* Finds the signs of f at the two real roots of a quadratic (§6.3). */
+static void sign_surd(struct big_arena *m, const struct poly *f,
                       const struct poly *of, int out[2])
 {
     struct near l[2], q[3], g[3];
@@ -129,10 +129,11 @@ static void sign_surd(struct room *m, const struct poly *f,
     out[0] = out[1] = sign ? sign : near_sign(l[0]);
     if (sign == 0 || sign == NEAR_UNKNOWN)
         return;
-    if (z == 0 || z == 1) /* where -l0/l1 stands to both roots' middle */
+    if (z == 0 || z == 1) /* the side of the roots' midpoint on which -l0/l1
+                             lies */
         w = slope(m, q, l);
     for (int which = 0; which < 2; which++) {
-        int past; /* sign of root + l0/l1 */
+        int past; /* sign of (root + l0/l1) */
         if (z < 0)
             past = which ? 1 : -1;
         else if (z == 0)
@@ -145,10 +146,8 @@ static void sign_surd(struct room *m, const struct poly *f,
         out[0] = out[1] = NEAR_UNKNOWN;
 }
 
-/* ---- Few words first, then twice as many till these tell ---- */
-
-void point_sign(struct room *m, const struct poly *f, const struct point *p,
-                int sign[2])
+void point_sign(struct big_arena *m, const struct poly *f,
+                const struct point *p, int sign[2])
 {
     int mark = m->used;
     m->keep = NEAR_FEW;
@@ -162,7 +161,7 @@ void point_sign(struct room *m, const struct poly *f, const struct point *p,
     } while (sign[0] == NEAR_UNKNOWN);
 }
 
-int poly_discriminant(struct room *m, const struct big c[3])
+int poly_discriminant(struct big_arena *m, const struct big c[3])
 {
     int mark = m->used, sign = NEAR_UNKNOWN;
     for (m->keep = NEAR_FEW; sign == NEAR_UNKNOWN; m->keep *= 2) {
@@ -174,7 +173,7 @@ int poly_discriminant(struct room *m, const struct big c[3])
     return sign;
 }
 
-int poly_sign_cell(struct room *m, const struct poly *f, uint32_t g)
+int poly_sign_cell(struct big_arena *m, const struct poly *f, uint32_t g)
 {
     int mark = m->used, up = 0, down = 0, n = f->degree;
     uint32_t t[2] = {g, g + 1}, s[2] = {ROOT_ONE - g, ROOT_ONE - g - 1};
@@ -193,21 +192,22 @@ int poly_sign_cell(struct room *m, const struct poly *f, uint32_t g)
             y = near_add(m, y, near_times(m, f2, 2 * a));
             r = near_add(m, near_times(m, x, d), near_times(m, y, c));
         }
-        up += near_sign(r) > 0; /* also where it is not known */
+        up += near_sign(r) > 0; /* NEAR_UNKNOWN counts as both signs */
         down += near_sign(r) < 0 || near_sign(r) == NEAR_UNKNOWN;
     }
     m->used = mark;
     return up && down ? 2 : up ? 1 : -(down > 0);
 }
 
-int poly_sign_octave(struct room *m, const struct poly *f, int e)
+int poly_sign_octave(struct big_arena *m, const struct poly *f, int e)
 {
-    /* twice the polar form at 1 and 1, 1 and 2, 2 and 2; the first, last */
+    /* The polar forms at (1, 1), (1, 2) and (2, 2), the middle one doubled. A
+     * linear f uses the first and the last. */
     static const uint32_t weight[3][3] = {{1, 1, 1}, {2, 3, 4}, {1, 2, 4}};
     int mark = m->used, n = f->degree, up = 0, down = 0;
     struct near c[3] = {0};
     m->keep = NEAR_FEW;
-    for (int i = 0; i <= n; i++) { /* times such that all powers are whole */
+    for (int i = 0; i <= n; i++) { /* scaled so that all powers are whole */
         int shift = e < 0 ? (i - n) * e : i * e;
         c[i] = near_times(m, near_of(m, f->c[i]), UINT32_C(1) << shift % 32);
         c[i].low += shift / 32;
@@ -223,16 +223,17 @@ int poly_sign_octave(struct room *m, const struct poly *f, int e)
     return up == n + 1 ? 1 : down == n + 1 ? -1 : 2;
 }
 
-struct point point_power(struct room *m, int e)
+struct point point_power(struct big_arena *m, int e)
 {
     int k = e < 0 ? -((31 - e) / 32) : e / 32;
     struct big a = big_small(m, UINT32_C(1) << (e - 32 * k));
-    struct point p = {NULL, a, big_small(m, 1), k};
+    struct point p = {.a = a, .b = big_small(m, 1), .k = k};
     return p;
 }
 
-struct point point_grid(struct room *m, uint32_t g)
+struct point point_grid(struct big_arena *m, uint32_t g)
 {
-    struct point p = {NULL, big_small(m, g), big_small(m, ROOT_ONE - g), 0};
+    struct big a = big_small(m, g);
+    struct point p = {.a = a, .b = big_small(m, ROOT_ONE - g)};
     return p;
 }

@@ -1,33 +1,35 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Exact signs of small determinants: a filter in binary64, then whole numbers
- * of as many words as the operands need. spec/narrow/audit.md §2 */
+/* Exact orientation predicates in two stages: a floating-point filter in
+ * binary64, then integers of as many words as the operands need.
+ * spec/narrow/audit.md §2 */
 #include "ref/narrow/predicates.h"
 
-/* §2.1; proven in spec/proofs/audit_*.gappa. Times the sum of the sizes. */
+/* Error bounds of §2.1, proven in spec/proofs/audit_*.gappa. Each is a multiple
+ * of the sum of the terms' magnitudes. */
 #define ERROR_ORIENT3 0x1p-49
 #define ERROR_ORIENT2 0x1p-50
-#define UNDERFLOW 0x1p-1000 /* what products below 2^-1022 can lose */
+#define UNDERFLOW 0x1p-1000 /* bounds the loss by underflow */
 
-/* ---- §2.2 Whole numbers ---- */
-
-/* Words of a difference: 2^61 down to 2^-1074 is 1135 bits. */
+/* §2.2: words of the longest difference. It has bits from 2^61 down to 2^-1074,
+ * at most 1136. */
 enum { WORDS = 36 };
 
-/* A finite binary64 taken apart: ±m·2^e, m odd or 0. */
+/* A finite binary64 number as ±m·2^e, with m odd or 0. */
 struct parts {
     uint64_t m;
     int e;
     bool negative;
 };
 
-/* A magnitude of n ≤ WORDS words, least first, the last not 0; and a sign. */
+/* An integer of n ≤ WORDS words, lowest word first, word[n-1] not 0. */
 struct whole {
     uint32_t word[WORDS];
     int n;
     bool negative;
 };
 
-/* Sums of the positive and of the negative terms of a determinant. */
+/* The sums of a determinant's positive terms, word[0], and negative terms,
+ * word[1]. */
 struct balance {
     uint32_t word[2][3 * WORDS + 1];
     int n;
@@ -61,7 +63,8 @@ static int bit_length(uint64_t m)
     return n + (m != 0);
 }
 
-/* The least exponent of the operands and the words of their differences. */
+/* The least exponent e of all operands, and the number of words of their
+ * differences in units of 2^e. */
 struct span {
     int e, words;
 };
@@ -75,12 +78,12 @@ static struct span span_of(const struct parts *p, int n)
             lo = p[k].e < lo ? p[k].e : lo;
             hi = top > hi ? top : hi;
         }
-    /* One bit more for the difference. */
+    /* A difference has one bit more. */
     struct span s = {lo, hi < lo ? 1 : (hi - lo + 1 + 31) / 32};
     return s;
 }
 
-/* Adds m·2^shift to n words. */
+/* Adds m·2^shift to a number of n words. */
 static void place(uint32_t *word, int n, uint64_t m, int shift)
 {
     uint32_t piece[3];
@@ -104,7 +107,7 @@ static int compare(const uint32_t *a, const uint32_t *b, int n)
     return 0;
 }
 
-/* x - y in units of 2^s.e. */
+/* Returns x - y in units of 2^s.e. */
 static struct whole subtract(struct parts x, struct parts y, struct span s)
 {
     uint32_t side[2][WORDS] = {{0}};
@@ -126,7 +129,7 @@ static struct whole subtract(struct parts x, struct parts y, struct span s)
     return r;
 }
 
-/* r = a·b, of na + nb words. */
+/* Writes r = a·b, which has na + nb words. */
 static void multiply(uint32_t *r, const uint32_t *a, int na, const uint32_t *b,
                      int nb)
 {
@@ -143,8 +146,9 @@ static void multiply(uint32_t *r, const uint32_t *a, int na, const uint32_t *b,
     }
 }
 
-/* Adds ±(a term of n words) to its side. */
-static void weigh(struct balance *s, bool negative, const uint32_t *term, int n)
+/* Adds a term of n words to the sum for its sign. */
+static void add_term(struct balance *s, bool negative, const uint32_t *term,
+                     int n)
 {
     uint32_t *side = s->word[negative];
     uint64_t carry = 0;
@@ -170,15 +174,15 @@ int ref_orient3_whole(const point a, const point b, const point c,
     struct balance sum = {.n = 3 * s.words + 1};
     uint32_t two[2 * WORDS], three[3 * WORDS];
     for (int k = 0; k < 6; k++) {
-        /* The permutations (i j l) of the columns: even for k < 3. */
+        /* (i, j, l) are the permutations of the columns; k < 3 are even. */
         int i = k % 3, j = (i + (k < 3 ? 1 : 2)) % 3, l = 3 - i - j;
         const struct whole *x = &m[0][i], *y = &m[1][j], *z = &m[2][l];
         if (x->n == 0 || y->n == 0 || z->n == 0)
             continue;
         multiply(two, x->word, x->n, y->word, y->n);
         multiply(three, two, x->n + y->n, z->word, z->n);
-        weigh(&sum, (k >= 3) ^ x->negative ^ y->negative ^ z->negative, three,
-              x->n + y->n + z->n);
+        add_term(&sum, (k >= 3) ^ x->negative ^ y->negative ^ z->negative,
+                 three, x->n + y->n + z->n);
     }
     return compare(sum.word[0], sum.word[1], sum.n);
 }
@@ -193,13 +197,11 @@ int ref_orient2_whole(const point a, const point b, const point c, int u, int v)
     struct balance sum = {.n = 2 * s.words + 1};
     uint32_t two[2 * WORDS];
     multiply(two, bu.word, bu.n, cv.word, cv.n);
-    weigh(&sum, bu.negative ^ cv.negative, two, bu.n + cv.n);
+    add_term(&sum, bu.negative ^ cv.negative, two, bu.n + cv.n);
     multiply(two, bv.word, bv.n, cu.word, cu.n);
-    weigh(&sum, !(bv.negative ^ cu.negative), two, bv.n + cu.n);
+    add_term(&sum, !(bv.negative ^ cu.negative), two, bv.n + cu.n);
     return compare(sum.word[0], sum.word[1], sum.n);
 }
-
-/* ---- §2.1 Filters ---- */
 
 int ref_orient3(const point a, const point b, const point c, const point d)
 {
@@ -217,7 +219,8 @@ int ref_orient3(const point a, const point b, const point c, const point d)
         return 1;
     if (det < -err)
         return -1;
-    /* Flat in one coordinate: all in one plane, without rounding. */
+    /* §2.3: all differences of one coordinate are 0, so the determinant is
+     * exactly 0. */
     if ((bx == 0 && cx == 0 && dx == 0) || (by == 0 && cy == 0 && dy == 0) ||
         (bz == 0 && cz == 0 && dz == 0))
         return 0;

@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Exact signs of small determinants. spec/narrow/audit.md §2 */
+/* Exact orientation predicates. spec/narrow/audit.md §2 */
 #ifndef REF_PREDICATES_H
 #define REF_PREDICATES_H
 
 #include "ref/base/real.h"
 
-/* A point in binary64, whatever the build: |p[k]| ≤ 2^60, subnormals too. */
+/* A point in binary64 in both builds, |p[k]| ≤ 2^60, subnormals included. */
 typedef double point[3];
 
-/* The sign, -1, 0 or 1, of (b - a) × (c - a) · (d - a): 1 where d lies on
- * the side to which the normal of abc points. Exact. */
+/* Returns the exact sign (-1, 0 or 1) of (b - a) × (c - a) · (d - a): 1 where d
+ * lies on the side to which the normal of the triangle abc points. */
 int ref_orient3(const point a, const point b, const point c, const point d);
 
-/* The sign of the turn a b c seen in the coordinates u and v: exact. */
+/* Returns the exact sign of the turn a b c in the coordinates u and v: 1 is
+ * counterclockwise. */
 int ref_orient2(const point a, const point b, const point c, int u, int v);
 
-/* The same by whole numbers alone, without the filter: for tests. */
+/* The same predicates in integers alone, without the filter, for tests. */
 int ref_orient3_whole(const point a, const point b, const point c,
                       const point d);
 int ref_orient2_whole(const point a, const point b, const point c, int u,

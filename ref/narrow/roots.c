@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Real roots of small polynomials, exactly: spec/narrow/narrow.md §6.2 and
- * §6.4. */
+/* Isolates the real roots of polynomials of degree at most 3 with Sturm chains,
+ * and finds the sign of another polynomial at a root, exactly.
+ * spec/narrow/narrow.md §6.2, §6.4 */
 #include "ref/narrow/roots.h"
 
 #include <stddef.h>
 
-/* Sign variations, zeros skipped. */
+/* Counts sign variations; zeros are skipped. */
 static int variations(const int *sign, int n)
 {
     int last = 0, count = 0;
@@ -16,7 +17,8 @@ static int variations(const int *sign, int n)
     return count;
 }
 
-/* Chops zero coefficients off both ends: roots at t = 0 and 1. */
+/* Removes zero coefficients at both ends, which are roots at t = 0 and t =
+ * 1. */
 static struct poly trimmed(const struct poly *p)
 {
     struct poly r = {0};
@@ -37,15 +39,16 @@ static struct poly linear(struct big c1, struct big c0)
     return p;
 }
 
-/* The Hessian of a cubic; its discriminant is -3 times the cubic's. */
-static void hessian(struct room *m, const struct big c[4], struct big h[3])
+/* Writes the Hessian of a cubic. Its discriminant is -3 times the cubic's
+ * (§6.2). */
+static void hessian(struct big_arena *m, const struct big c[4], struct big h[3])
 {
     h[2] = big_det(m, c[2], c[2], big_times(m, c[3], 3), c[1]);
     h[1] = big_det(m, c[2], c[1], big_times(m, c[3], 9), c[0]);
     h[0] = big_det(m, c[1], c[1], big_times(m, c[2], 3), c[0]);
 }
 
-/* Fills in the counts of a chain with p, d, r and tail set. */
+/* Sets c->start and c->roots from p, d, r and tail. */
 static void count_roots(struct chain *c)
 {
     int s = c->p.c[c->p.degree].sign;
@@ -56,8 +59,9 @@ static void count_roots(struct chain *c)
     c->roots = c->start - variations(last, 4);
 }
 
-/* p without repeated roots and its derivative; the chain's end is zero. */
-static void start_chain(struct room *m, struct poly p, struct chain *c)
+/* Sets c->p to p, which has no repeated roots, and c->d to its derivative. The
+ * rest of the chain is zero. */
+static void start_chain(struct big_arena *m, struct poly p, struct chain *c)
 {
     struct chain none = {0};
     *c = none;
@@ -67,8 +71,8 @@ static void start_chain(struct room *m, struct poly p, struct chain *c)
         c->d.c[i - 1] = big_times(m, p.c[i], (uint32_t)i);
 }
 
-/* A cubic: §6.2. */
-static int cubic_chains(struct room *m, struct poly p, struct chain c[2])
+/* Makes the chains of a cubic, §6.2. */
+static int cubic_chains(struct big_arena *m, struct poly p, struct chain c[2])
 {
     struct big h[3], a = p.c[3], b = p.c[2];
     hessian(m, p.c, h);
@@ -95,13 +99,13 @@ static int cubic_chains(struct room *m, struct poly p, struct chain c[2])
     return 2;
 }
 
-int chains_make(struct room *m, const struct poly *p, struct chain c[2])
+int chains_make(struct big_arena *m, const struct poly *p, struct chain c[2])
 {
     int sign[4];
     struct poly f = trimmed(p);
     for (int i = 0; i <= f.degree; i++)
         sign[i] = f.c[i].sign;
-    if (variations(sign, f.degree + 1) == 0) /* Descartes: none in (0, 1) */
+    if (variations(sign, f.degree + 1) == 0) /* Descartes: no root in (0, 1) */
         return 0;
     if (f.degree == 3)
         return cubic_chains(m, f, c);
@@ -117,12 +121,12 @@ int chains_make(struct room *m, const struct poly *p, struct chain c[2])
     return 1;
 }
 
-static void stand_of(struct room *m, const struct chain *c,
+static void stand_of(struct big_arena *m, const struct chain *c,
                      const struct point *p, struct stand s[2])
 {
     int sign[4][2] = {{0}};
     point_sign(m, &c->p, p, sign[0]);
-    if (c->roots > 1) { /* else the sign of p alone tells */
+    if (c->roots > 1) { /* one root: the sign of p suffices */
         point_sign(m, &c->d, p, sign[1]);
         if (c->p.degree == 3)
             point_sign(m, &c->r, p, sign[2]);
@@ -140,8 +144,9 @@ static bool at_end(uint32_t cell)
     return cell == 0 || cell == ROOT_ONE - 1;
 }
 
-/* The octave of root i, in an end cell, which has all τ < 2^-29 or > 2^29. */
-static int octave_of(struct room *m, const struct chain *c, int i,
+/* Returns the octave of root i in the first or last cell. All τ there are <
+ * 2^-29 or > 2^29. */
+static int octave_of(struct big_arena *m, const struct chain *c, int i,
                      uint32_t cell)
 {
     int words = 0;
@@ -162,7 +167,7 @@ static int octave_of(struct room *m, const struct chain *c, int i,
     return lo;
 }
 
-void root_locate(struct room *m, struct chain *c, int i, struct root *r)
+void root_locate(struct big_arena *m, struct chain *c, int i, struct root *r)
 {
     uint32_t lo = 0, hi = ROOT_ONE; /* the root lies in (lo, hi] */
     r->chain = c;
@@ -186,8 +191,8 @@ void root_locate(struct room *m, struct chain *c, int i, struct root *r)
     r->octave = !r->on_grid && at_end(lo) ? octave_of(m, c, i, lo) : 0;
 }
 
-/* Where the roots of f stand to those of the chain (§6.4). */
-static void make_turns(struct room *m, const struct poly *f,
+/* Finds how the roots of f are ordered among the roots of the chain (§6.4). */
+static void make_turns(struct big_arena *m, const struct poly *f,
                        const struct chain *c, struct turns *t)
 {
     struct poly q = trimmed(f);
@@ -197,7 +202,8 @@ static void make_turns(struct room *m, const struct poly *f,
     *t = r;
     if (roots < 0)
         return;
-    if (roots > 0) { /* of both signs, or of the sign of -c1/c2 */
+    if (roots > 0) { /* two real roots; the coefficients' signs say how many
+                        are positive */
         bool mixed = q.c[0].sign * q.c[2].sign < 0;
         t->n = mixed ? 1 : q.c[1].sign * q.c[2].sign < 0 ? 2 : 0;
         if (t->n)
@@ -219,8 +225,9 @@ static void make_turns(struct room *m, const struct poly *f,
     t->n = 1;
 }
 
-/* The same, made once. */
-static const struct turns *turns_of(struct room *m, const struct poly *f,
+/* Returns the result of make_turns, which is kept for the chain's other
+ * roots. */
+static const struct turns *turns_of(struct big_arena *m, const struct poly *f,
                                     struct chain *c)
 {
     int most = (int)(sizeof c->turns / sizeof *c->turns);
@@ -232,9 +239,9 @@ static const struct turns *turns_of(struct room *m, const struct poly *f,
     return t;
 }
 
-/* The sign of f at a root that is not on the grid: f's at 0+, turned by each
- * root of f before it. */
-static int sign_ordered(struct room *m, const struct poly *f,
+/* Returns the sign of f at a root that is not on the grid: the sign at 0+,
+ * flipped by each simple root of f below that root. */
+static int sign_ordered(struct big_arena *m, const struct poly *f,
                         const struct root *r)
 {
     const struct turns *t = turns_of(m, f, r->chain);
@@ -249,7 +256,7 @@ static int sign_ordered(struct room *m, const struct poly *f,
     return sign;
 }
 
-int root_quick(struct room *m, const struct poly *f, const struct root *r)
+int root_quick(struct big_arena *m, const struct poly *f, const struct root *r)
 {
     int sign[2] = {0, 0};
     if (f == r->of || poly_zero(f))
@@ -265,7 +272,8 @@ int root_quick(struct room *m, const struct poly *f, const struct root *r)
     return sign[0];
 }
 
-bool root_avoids(struct room *m, const struct poly *f, const struct root *r)
+bool root_avoids(struct big_arena *m, const struct poly *f,
+                 const struct root *r)
 {
     int sign = root_quick(m, f, r);
     if (sign == ROOT_UNKNOWN)
@@ -273,7 +281,7 @@ bool root_avoids(struct room *m, const struct poly *f, const struct root *r)
     return sign != 0;
 }
 
-int root_sign(struct room *m, const struct poly *f, const struct root *r)
+int root_sign(struct big_arena *m, const struct poly *f, const struct root *r)
 {
     int mark = m->used, sign = root_quick(m, f, r);
     if (sign == ROOT_UNKNOWN)

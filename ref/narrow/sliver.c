@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whether a triangle without area touches another, exactly.
+/* Decides exactly whether a degenerate triangle touches another triangle.
  * spec/narrow/audit.md §5 */
 #include "ref/narrow/sliver.h"
 
-/* Whether r lies in the box of p and q. */
+/* Whether r lies in the closed box of p and q. */
 static bool between(const point p, const point q, const point r)
 {
     for (int k = 0; k < 3; k++) {
@@ -20,8 +20,8 @@ static bool opposite(int a, int b)
     return a * b < 0;
 }
 
-/* §5.2: the closed segments pq and rs, each maybe a point, have a common one.
- */
+/* §5.2: whether the closed segments pq and rs have a common point. Either
+ * segment may be a point. */
 static bool segments_touch(const point p, const point q, const point r,
                            const point s)
 {
@@ -34,14 +34,14 @@ static bool segments_touch(const point p, const point q, const point r,
         int a = ref_orient2(p, q, r, u, v), b = ref_orient2(p, q, s, u, v);
         int c = ref_orient2(r, s, p, u, v), d = ref_orient2(r, s, q, u, v);
         if (a == 0 && b == 0 && c == 0 && d == 0)
-            continue; /* this projection may lay what is apart on one line */
+            continue; /* the projection may put separate segments on one line */
         return (opposite(a, b) && opposite(c, d)) || (a == 0 && at_r) ||
                (b == 0 && at_s) || (c == 0 && at_p) || (d == 0 && at_q);
     }
     return at_p || at_q || at_r || at_s;
 }
 
-/* §5.3: p, in the plane of t, lies in t, which has area. */
+/* §5.3: whether p lies in t. p is in the plane of t, and t has area. */
 static bool inside(const point p, const point t[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -56,8 +56,8 @@ static bool inside(const point p, const point t[3])
     return false;
 }
 
-/* §5.3: the line pq, not in the plane of t, which parts p from q or has one of
- * them in it, meets t. */
+/* §5.3: whether the line pq meets t. p and q must be on opposite sides of the
+ * plane of t, or one of them in the plane. */
 static bool crosses(const point p, const point q, const point t[3])
 {
     int a = ref_orient3(p, q, t[0], t[1]);
@@ -66,7 +66,7 @@ static bool crosses(const point p, const point q, const point t[3])
     return !opposite(a, b) && !opposite(a, c) && !opposite(b, c);
 }
 
-/* The segment pq touches t, of whatever area. */
+/* Whether the closed segment pq touches t, which may be degenerate. */
 static bool segment_touches(const point p, const point q, const struct face *t)
 {
     const point *c = t->p;
@@ -78,7 +78,7 @@ static bool segment_touches(const point p, const point q, const struct face *t)
     int a = ref_orient3(c[0], c[1], c[2], p);
     int b = ref_orient3(c[0], c[1], c[2], q);
     if (a == 0 && b == 0)
-        return inside(p, c); /* else it would touch an edge */
+        return inside(p, c); /* otherwise pq would touch an edge */
     return a * b <= 0 && crosses(p, q, c);
 }
 
@@ -87,7 +87,7 @@ static bool has(const struct face *t, int32_t v)
     return t->v[0] == v || t->v[1] == v || t->v[2] == v;
 }
 
-/* A corner or an edge of t, of which no vertex is one of s, touches s. */
+/* Whether a corner or an edge of t that has no vertex of s touches s. */
 static bool reaches(const struct face *t, const struct face *s)
 {
     for (int k = 0; k < 3; k++) {

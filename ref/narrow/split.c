@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Binary64 halving with proven bounds: spec/narrow/narrow.md §5. */
+/* Tier 2 of the narrow phase: subdivides [0, 1] in binary64, with proven error
+ * bounds. spec/narrow/narrow.md §5 */
 #include "ref/narrow/split.h"
 
 #define GRID 30        /* contact times are multiples of 2^-GRID */
-#define DEPTH_LIMIT 20 /* levels of halving in the second tier */
-#define VISIT_LIMIT 64 /* intervals that the second tier looks at */
+#define DEPTH_LIMIT 20 /* most levels of subdivision */
+#define VISIT_LIMIT 64 /* most intervals that are tested */
 
-/* Which of NONE, ONE root or UNKNOWN an interval holds. */
+/* The roots of V in an interval: none, exactly one, or unknown. */
 enum { NONE, ONE, UNKNOWN };
 
 static double mix(double a, double b, double t)
@@ -14,7 +15,7 @@ static double mix(double a, double b, double t)
     return (1 - t) * a + t * b;
 }
 
-/* Bernstein form on [a, b] of a quadratic, by blossoms (§5.1). */
+/* Writes the Bernstein form on [a, b] of a quadratic, by blossoms (§5.1). */
 static void restrict_form(const double c[3], double a, double b, double r[3])
 {
     double p = mix(c[0], c[1], a), q = mix(c[1], c[2], a);
@@ -42,7 +43,7 @@ static double value(const double c[4], double t)
     return mix(mix(p, q, t), mix(q, r, t), t);
 }
 
-/* Whether [a, b] is free of contact by the box forms. */
+/* Whether the box forms prove that [a, b] has no contact. */
 static bool box_apart(const struct motion *m, const struct forms *s, double a,
                       double b)
 {
@@ -61,8 +62,9 @@ static bool box_apart(const struct motion *m, const struct forms *s, double a,
     return false;
 }
 
-/* The forms' verdict on [a, b]: no contact there (-1), every root of V there
- * is a contact (1), or not known (0). */
+/* Tests the forms on [a, b]. Returns -1 where there is no contact in [a, b],
+ * 1 where every root of V in [a, b] is a contact, and 0 where neither is
+ * certain. */
 static int touching(const struct forms *s, int count, double a, double b)
 {
     int sure = 0;
@@ -83,8 +85,8 @@ static int touching(const struct forms *s, int count, double a, double b)
     return sure;
 }
 
-/* What [a, b] holds of V's roots: NONE, ONE (simple, V of opposite certain
- * sign at the ends) or UNKNOWN. */
+/* Counts the roots of V in [a, b]. ONE means a simple root, with certain and
+ * opposite signs of V at the ends. */
 static int roots(const struct forms *s, double a, double b)
 {
     double c[4], e = s->ev;
@@ -98,8 +100,9 @@ static int roots(const struct forms *s, double a, double b)
     return UNKNOWN;
 }
 
-/* The cell [g, g + 1]·2^-GRID within [lo, hi] that holds V's one root there;
- * false, with the root not before *g, where V's sign cannot be told. */
+/* Bisects [lo, hi], which holds one root of V, to the cell [g, g + 1]·2^-GRID
+ * with the root. Returns false where a sign of V is uncertain; the root is then
+ * not before *g. */
 static bool locate(const struct forms *s, uint32_t lo, uint32_t hi, uint32_t *g)
 {
     bool rising = value(s->v, lo * 0x1p-30) < 0;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The second tier of the narrow phase: spec/narrow/narrow.md §5. */
+/* Tier 2 of the narrow phase: subdivides [0, 1] in binary64.
+ * spec/narrow/narrow.md §5 */
 #ifndef REF_SPLIT_H
 #define REF_SPLIT_H
 
 #include "ref/narrow/filter.h"
 
-/* Second tier (§5): FILTER_MISS; FILTER_HIT, *toi canonical; FILTER_UNSURE,
- * *toi a lower bound. */
+/* Runs tier 2 (§5). Returns FILTER_MISS, FILTER_HIT with the exact *toi, or
+ * FILTER_UNSURE with a lower bound in *toi. */
 int filter_split(const struct motion *m, const struct forms *s, uint32_t *toi);
 
 #endif

@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whether two triangles intersect, exactly. spec/narrow/audit.md §3 */
+/* Decides exactly whether two triangles intersect. spec/narrow/audit.md §3 */
 #include "ref/narrow/tritri.h"
 
-/* §3.5; proven in spec/proofs/audit_*.gappa. Times the sum of the sizes. */
+/* Error bounds of §3.5, proven in spec/proofs/audit_*.gappa. Each is a multiple
+ * of the sum of the terms' magnitudes. */
 #define ERROR_BESIDE 0x1p-49
 #define ERROR_PARTED 0x1p-49
 #define ERROR_OPENED 0x1p-48
-#define UNDERFLOW 0x1p-1000       /* what products below 2^-1022 can lose */
-#define UNDERFLOW_OPENED 0x1p-700 /* the same, of products of four */
+#define UNDERFLOW 0x1p-1000       /* bounds the loss by underflow */
+#define UNDERFLOW_OPENED 0x1p-700 /* the same for products of four factors */
 
-/* The coordinates that remain when the k-th is dropped. */
+/* PLANE[k] holds the two coordinates that remain when coordinate k is
+ * dropped. */
 static const int PLANE[3][2] = {{1, 2}, {2, 0}, {0, 1}};
 
-/* The turn of t in the first plane where it has one, that plane in *at. */
+/* Returns the turn of t in the first coordinate plane where it is not 0, and
+ * that plane in *at. Returns 0 if t is degenerate. */
 static int turn(const point t[3], int *at)
 {
     for (int k = 0; k < 3; k++) {
@@ -35,7 +38,7 @@ static bool same(int a, int b, int c)
     return a != 0 && a == b && b == c;
 }
 
-/* §3.3: segment pq, in the plane of t, meets t. */
+/* §3.3: whether segment pq meets t. pq lies in the plane of t. */
 static bool meets_in_plane(const point p, const point q, const point t[3])
 {
     int at, s = turn(t, &at), u = PLANE[at][0], v = PLANE[at][1];
@@ -49,7 +52,8 @@ static bool meets_in_plane(const point p, const point q, const point t[3])
                  ref_orient2(p, q, t[2], u, v));
 }
 
-/* §3.2: segment pq, its ends on the sides sp and sq of t, meets t. */
+/* §3.2: whether segment pq meets t. p and q are on the sides sp and sq of the
+ * plane of t. */
 static bool meets(const point p, int sp, const point q, int sq,
                   const point t[3])
 {
@@ -65,7 +69,8 @@ static bool meets(const point p, int sp, const point q, int sq,
     return a * c >= 0 && b * c >= 0;
 }
 
-/* §3.2: an edge of s, its corners on the given sides of t, meets t. */
+/* §3.2: whether an edge of s meets t. side[k] is the side of the plane of t on
+ * which corner k of s lies. */
 static bool edge_meets(const point s[3], const int side[3], const point t[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -94,10 +99,9 @@ static bool apart(const point t[3], const point s[3])
     return !edge_meets(s, of_s, t) && !edge_meets(t, of_t, s);
 }
 
-/* ---- §3.4 What shares vertices: these come first in both, in one order ----
- */
+/* §3.4: the shared vertices come first in t and in s, in the same order. */
 
-/* t and s share their first two corners, and overlap. */
+/* Whether t and s, which share their first two corners, overlap. */
 static bool folded(const point t[3], const point s[3])
 {
     if (ref_orient3(t[0], t[1], t[2], s[2]) != 0)
@@ -106,7 +110,8 @@ static bool folded(const point t[3], const point s[3])
     return ref_orient2(t[0], t[1], s[2], PLANE[at][0], PLANE[at][1]) == side;
 }
 
-/* t and s share their first corner, and meet elsewhere. */
+/* Whether t and s, which share their first corner, have another common
+ * point. */
 static bool crossed(const point t[3], const point s[3])
 {
     int a = ref_orient3(t[0], t[1], t[2], s[1]);
@@ -118,7 +123,8 @@ static bool crossed(const point t[3], const point s[3])
     return meets(t[1], a, t[2], b, s);
 }
 
-/* ---- §3.5 Filters: certain answers from rounded numbers ---- */
+/* §3.5: filters. Their answers are certain although their numbers are
+ * rounded. */
 
 static void from(const point o, const point p, point r)
 {
@@ -136,7 +142,7 @@ static double dot_size(const point a, const point b)
     return fabs(a[0] * b[0]) + fabs(a[1] * b[1]) + fabs(a[2] * b[2]);
 }
 
-/* Bit k: corner k of s is none of t's. */
+/* Returns a mask: bit k is set if corner k of s is not a vertex of t. */
 static unsigned others(const struct face *t, const struct face *s)
 {
     unsigned r = 0;
@@ -163,7 +169,8 @@ struct plane ref_plane(const struct face *t)
     return r;
 }
 
-/* The corners in `mask` of s lie on one side of the plane of t. */
+/* Whether the corners of s in `mask` certainly lie on one side of the plane of
+ * t. */
 static bool beside(const struct plane *t, const struct face *s, unsigned mask)
 {
     point d;
@@ -186,8 +193,9 @@ static void add_unit(point u, double sign, const point v)
         u[k] += f * v[k];
 }
 
-/* A plane parts t from s, or from what is left of s without the first corner,
- * which they share and which then lies in the plane. */
+/* Whether a plane certainly separates t and s. If they share their first
+ * corner, that corner lies in the plane and the other corners lie strictly on
+ * either side. */
 static bool parted(const point t[3], const point s[3], int shared)
 {
     point d, u = {0, 0, 0};
@@ -209,7 +217,8 @@ static bool parted(const point t[3], const point s[3], int shared)
     return shared ? lo > 0 && hi < 0 : lo > hi;
 }
 
-/* Across the shared edge the third corners lie more than 90° apart. */
+/* Whether, seen along the shared edge, the third corners certainly lie more
+ * than 90° apart, so that t and s are not folded onto each other. */
 static bool opened(const point t[3], const point s[3])
 {
     point e, c, d;
@@ -222,7 +231,8 @@ static bool opened(const point t[3], const point s[3])
     return p - q < -(ERROR_OPENED * size + UNDERFLOW_OPENED);
 }
 
-/* Copies t with the corners in `mask` last, the others by vertex number. */
+/* Copies the corners of t: first those not in `mask`, by vertex number, then
+ * those in `mask`. */
 static void arrange(const struct face *t, unsigned mask, point r[3])
 {
     int order[3] = {0, 1, 2};

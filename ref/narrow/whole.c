@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A pair's polynomials in whole numbers: spec/narrow/narrow.md §2 and §6.1. */
+/* Makes a pair's polynomials with big-integer coefficients.
+ * spec/narrow/narrow.md §2, §6.1 */
 #include "ref/narrow/whole.h"
 
 #include <stddef.h>
 
-/* A vector linear in t: whole numbers at t = 0 and 1. */
+/* A vector that is linear in t: its values at t = 0 and t = 1. */
 struct line {
     struct big at[2][3];
 };
 
-/* The lowest exponent of a bit of all positions. */
+/* Returns the exponent of the lowest set bit of all 24 coordinates. */
 static int common_exponent(double x[2][4][3])
 {
     int least = 2000;
@@ -21,8 +22,8 @@ static int common_exponent(double x[2][4][3])
     return least;
 }
 
-/* Vertex a minus vertex b. */
-static struct line edge(struct room *m, struct line p[4], int a, int b)
+/* Returns vertex a minus vertex b. */
+static struct line edge(struct big_arena *m, struct line p[4], int a, int b)
 {
     struct line r;
     for (int i = 0; i < 6; i++)
@@ -31,8 +32,8 @@ static struct line edge(struct room *m, struct line p[4], int a, int b)
     return r;
 }
 
-/* Axis k of f × g. */
-static struct poly cross(struct room *m, const struct line *f,
+/* Returns component k of f × g. */
+static struct poly cross(struct big_arena *m, const struct line *f,
                          const struct line *g, int k)
 {
     struct poly p = {2, {{NULL, 0, 0}}};
@@ -48,8 +49,8 @@ static struct poly cross(struct room *m, const struct line *f,
     return p;
 }
 
-/* a - b, of one degree. */
-static struct poly minus(struct room *m, const struct poly *a,
+/* Returns a - b; both have the same degree. */
+static struct poly minus(struct big_arena *m, const struct poly *a,
                          const struct poly *b)
 {
     struct poly p = {a->degree, {{NULL, 0, 0}}};
@@ -58,8 +59,8 @@ static struct poly minus(struct room *m, const struct poly *a,
     return p;
 }
 
-/* a + b, of one degree. */
-static struct poly plus(struct room *m, const struct poly *a,
+/* Returns a + b; both have the same degree. */
+static struct poly plus(struct big_arena *m, const struct poly *a,
                         const struct poly *b)
 {
     struct poly p = {a->degree, {{NULL, 0, 0}}};
@@ -68,8 +69,8 @@ static struct poly plus(struct room *m, const struct poly *a,
     return p;
 }
 
-/* f · w. */
-static struct poly dot(struct room *m, const struct line *f,
+/* Returns f · w. */
+static struct poly dot(struct big_arena *m, const struct line *f,
                        const struct poly w[3])
 {
     struct poly p = {3, {{NULL, 0, 0}}};
@@ -92,7 +93,7 @@ static void set_box(struct system *s, int j, const struct line *f)
     }
 }
 
-static void make_vf(struct room *m, struct line p[4], struct system *s)
+static void make_vf(struct big_arena *m, struct line p[4], struct system *s)
 {
     struct line f[3];
     s->count = 3;
@@ -112,7 +113,7 @@ static void make_vf(struct room *m, struct line p[4], struct system *s)
     s->v = dot(m, &f[0], w);
 }
 
-static void make_ee(struct room *m, struct line p[4], struct system *s)
+static void make_ee(struct big_arena *m, struct line p[4], struct system *s)
 {
     static const int ends[4][2] = {{2, 0}, {3, 0}, {2, 1}, {3, 1}};
     struct line f[3] = {edge(m, p, 2, 0), edge(m, p, 1, 0), edge(m, p, 3, 2)};
@@ -131,7 +132,8 @@ static void make_ee(struct room *m, struct line p[4], struct system *s)
     s->v = dot(m, &f[0], s->n);
 }
 
-void system_make(struct room *m, double x[2][4][3], int kind, struct system *s)
+void system_make(struct big_arena *m, double x[2][4][3], int kind,
+                 struct system *s)
 {
     struct line p[4];
     int e = common_exponent(x);

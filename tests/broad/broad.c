@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The broad phase as a whole: against brute force, with and without cones,
- * over time. spec/broad/broad.md */
+/* Tests the broad phase as a whole: against brute force, with and without
+ * cones, and over many steps. spec/broad/broad.md */
 #include "ref/contact/closest.h"
 #include "ref/narrow/narrow.h"
 #include "tests/broad/fabric.h"
@@ -14,8 +14,9 @@ static bool same(const struct fabric_pair *a, int64_t n,
     return n == m;
 }
 
-/* §2: neither missing, nor twice. Proximity and penetration, growing motion;
- * cones off. */
+/* broad.md §2: with cones off, the candidates are those of brute force, none
+ * missing and none twice, for proximity and for penetration under growing
+ * motion. */
 static const char *brute_scene(int k)
 {
     struct fabric f;
@@ -30,7 +31,7 @@ static const char *brute_scene(int k)
         real r = step % 2 ? R(0.01) : 0;
         real noise = step ? R(0.02) * (real)step : 0;
         int64_t n, m;
-        /* Static meshes stay: the first query has them all. */
+        /* Static meshes do not move: their boxes come from the first query. */
         fabric_move(&f, vec_make(0, R(-0.3), R(0.05)), noise);
         for (int32_t v = 0; v < f.scene.vertices; v++)
             if (f.scene.meshes > 1 &&
@@ -58,8 +59,6 @@ const char *test_broad_brute(void)
     }
     return NULL;
 }
-
-/* ---- Cones ---- */
 
 static void corners(const vec *x, const struct fabric_pair *p, vec to[4])
 {
@@ -93,14 +92,15 @@ static double distance(const struct fabric *f, const struct fabric_pair *p)
     return sqrt(c.length2);
 }
 
-/* What the cones left out, and whether there was anything to lose. */
+/* How many pairs the cones left out, and whether some found pair touches: the
+ * test fails without such cases. */
 struct toll {
     int64_t left_out;
     bool touching;
 };
 
-/* spec/broad/cones.md §3: what is left out neither touches (r = 0) nor comes
- * within r; what is found is what brute force finds. */
+/* spec/broad/cones.md §3: a pair that cones leave out neither touches (r = 0)
+ * nor comes within r; a pair that is found is one that brute force finds. */
 static const char *left_out(struct fabric *f, const struct broad *b, real r,
                             struct toll *toll)
 {
@@ -125,8 +125,8 @@ static const char *left_out(struct fabric *f, const struct broad *b, real r,
     return at == m ? NULL : "a pair was invented or came twice";
 }
 
-/* Motions of the steps: none, a fast fall, small and large noise, a quarter
- * turn, a fold shut on itself. */
+/* The motions of the steps: rest, a fast fall, small noise, large noise, a
+ * quarter turn, and a fold that closes on itself. */
 enum { MOTIONS = 6 };
 
 static void move(struct fabric *f, int motion)
@@ -174,8 +174,8 @@ const char *test_broad_cones(void)
     return NULL;
 }
 
-/* numbers.md's trap: a cloth that falls 50 cells as one has no self work, and
- * a wavy one no candidates. spec/broad/broad.md §3 */
+/* spec/broad/broad.md §3: a flat cloth that falls 50 cells as one piece has no
+ * self-collision work, and a wavy cloth has no candidates. */
 const char *test_broad_trap(void)
 {
     for (int shape = FABRIC_FLAT; shape <= FABRIC_WAVY; shape++) {
@@ -198,8 +198,6 @@ const char *test_broad_trap(void)
     return NULL;
 }
 
-/* ---- Fronts ---- */
-
 static uint64_t hash_result(const struct broad *b)
 {
     size_t n = (size_t)b->n;
@@ -210,8 +208,8 @@ static uint64_t hash_result(const struct broad *b)
     return n ? hash_bytes(h, broad_kinds(b), n) : h;
 }
 
-/* spec/broad/front.md §3: the front and the candidates' stream do not depend on
- * where the front was before. */
+/* spec/broad/front.md §3: neither the front nor the stream of candidates
+ * depends on where the front was before. */
 static const char *front_steps(int k)
 {
     struct fabric f;
@@ -233,7 +231,7 @@ static const char *front_steps(int k)
         if (broad_query(&kept, f.x0, x1, r, NULL) != DRAPE_OK ||
             broad_make(&fresh, &f.scene, true, &f.arena) != DRAPE_OK)
             return "a query failed";
-        /* The tree is that of the first state in both. */
+        /* Both broad phases have the tree of the first state. */
         fresh.tree = kept.tree;
         fresh.map = kept.map;
         if (broad_query(&fresh, f.x0, x1, r, NULL) != DRAPE_OK)
@@ -258,7 +256,8 @@ const char *test_broad_fronts(void)
     return NULL;
 }
 
-/* Vertices of cloth and of what moves get a new end now and then. */
+/* Gives some vertices of cloth and of moving meshes a new end position, and
+ * flags them. */
 static void move_some(struct fabric *f, uint8_t *moved)
 {
     memset(moved, 0, (size_t)f->scene.vertices);
@@ -274,8 +273,8 @@ static void move_some(struct fabric *f, uint8_t *moved)
     }
 }
 
-/* spec/broad/features.md §4: with `moved`, exactly the candidates of which a
- * vertex moved, and all boxes as if made anew. */
+/* spec/broad/features.md §4: with `moved` the candidates are exactly those of
+ * which a vertex moved, and all boxes are as after a full refit. */
 static const char *moved_round(struct fabric *f, struct broad *b,
                                struct broad *fresh, uint8_t *moved)
 {
@@ -321,10 +320,9 @@ const char *test_broad_moved(void)
     return failed;
 }
 
-/* ---- Boxes ---- */
-
-/* A coordinate that closes in on 0 + r·side at t = k / 8, exactly: lattice
- * numbers, so that nothing is rounded before the test. */
+/* Returns the coordinate of a point that reaches 0 + r·side at t = k / 8
+ * exactly. All numbers are on a lattice, so nothing is rounded before the
+ * overlap test. */
 static real approach(int k, int speed, int side, real r, bool end)
 {
     return (real)((end ? 8 - k : -k) * speed) + r * (real)side;
@@ -337,7 +335,7 @@ static bool points_meet(const int k[3], const int speed[3], const int side[3],
     for (int e = 0; e < 2; e++)
         for (int d = 0; d < 3; d++)
             c[e][d] = scale * approach(k[d], speed[d], side[d], r, e == 1);
-    /* Away from the origin, as far as numbers stay exact. */
+    /* Far from the origin, but still exact. */
     vec at = vec_make(scale * 1024, scale * -512, scale * 4096);
     struct box a = box_point(at, at);
     struct box b = box_point(vec_add(at, vec_make(c[0][0], c[0][1], c[0][2])),
@@ -346,8 +344,9 @@ static bool points_meet(const int k[3], const int speed[3], const int side[3],
            box_meets(&b, &a, box_reach(scale * r));
 }
 
-/* spec/broad/refit.md §3: what is within r at one time, if only then, meets;
- * what is so on each axis, but at times an eighth apart, does not. */
+/* spec/broad/refit.md §3: boxes that are within r at one single time meet;
+ * boxes that are within r on each axis, but at times an eighth apart, do
+ * not. */
 const char *test_broad_boxes(void)
 {
     struct fabric f;
@@ -362,7 +361,7 @@ const char *test_broad_boxes(void)
             side[d] = fabric_random(&f) < 0 ? -1 : 1;
         }
         EXPECT(points_meet(k, speed, side, r, scale));
-        /* Alone at k / 8 on x, alone an eighth later on y. */
+        /* Within r on x only at k / 8, and on y only an eighth later. */
         speed[0] = speed[1] = 40;
         k[0] = n % 8;
         k[1] = n % 8 + 1;

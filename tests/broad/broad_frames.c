@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Frames with exact truth: every hit is a candidate. spec/broad/broad.md §2 */
+/* Tests the broad phase on public frames whose touching pairs are known
+ * exactly: every touching pair is a candidate. spec/broad/broad.md §2 */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -8,7 +9,8 @@
 
 #define FRAMES "../shared/ccd/frames"
 
-/* Vertices of every `every`-th line of hits.txt; returns how many lines. */
+/* Marks the vertices of every `every`-th line of hits.txt. Returns the number
+ * of lines. */
 static int64_t mark_hits(const char *path, int every, uint8_t *mark)
 {
     char kind[8];
@@ -32,7 +34,8 @@ static void sort2(int32_t *a, int32_t *b)
     *b = high;
 }
 
-/* One form for the same pair, whichever way round its primitives are. */
+/* Brings a pair to one form, whichever order its primitives and vertices
+ * have. */
 static void normalise(struct fabric_pair *p)
 {
     int32_t *v = p->v;
@@ -50,7 +53,7 @@ static void normalise(struct fabric_pair *p)
     }
 }
 
-/* Lines of hits.txt that are not among n sorted candidates. */
+/* Counts the lines of hits.txt that are not among n sorted candidates. */
 static int64_t count_missing(const char *path, int every,
                              const struct fabric_pair *got, int64_t n)
 {
@@ -80,7 +83,8 @@ struct frame {
     bool good;
 };
 
-/* The triangles around the marked vertices, as one mesh against itself. */
+/* Queries the triangles around the marked vertices, as one mesh against
+ * itself. */
 static void query_frame(struct frame *u, const uint8_t *mark)
 {
     struct ply *p = &u->at[0];
@@ -131,9 +135,10 @@ static const char *frame_hits(const char *name, int every)
     return NULL;
 }
 
-/* Every line of hits.txt is among the candidates: of the small frame all, of
- * the large ones a sample, or all where DRAPE_SOAK is set. cloth-funnel's
- * numbers are binary64, so the 32-bit build has another scene. */
+/* Every line of hits.txt is among the candidates: all lines of the small frame;
+ * a sample of the large frames' lines, or all where DRAPE_SOAK is set.
+ * cloth-funnel has binary64 coordinates, so the 32-bit build tests another
+ * scene in its place. */
 const char *test_broad_frames(void)
 {
     int every = getenv("DRAPE_SOAK") ? 1 : 64;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The broad phase on the device beside the reference: the same candidates,
- * front, counters and digests, to the last bit. spec/gpu.md §1 */
+/* Compares the broad phase on the device with the reference: candidates, front,
+ * counters and digests are equal to the last bit. spec/gpu.md §1 */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -10,15 +10,15 @@
 #include "tests/broad/fabric.h"
 #include "tests/narrow/ply.h"
 
-/* A scene on both sides. */
+/* A scene, in the reference and on the device. */
 struct both {
     struct gpu *g;
     struct fabric f;
     struct broad ref, dev;
-    struct notes notes[2]; /* of the last query: reference, device */
+    struct notes notes[2]; /* digests of the last query: reference, device */
     struct trace trace[2];
     vec *x0, *x1;   /* on the device */
-    uint8_t *moved; /* likewise */
+    uint8_t *moved; /* on the device */
     double seconds[2];
 };
 
@@ -47,8 +47,9 @@ static void limit(struct broad_pool *p, int64_t cap)
     p->cap = p->cap < cap ? p->cap : cap;
 }
 
-/* No more room than the front has now, so that every stream must grow; that
- * the front's scratch has as much as the front must stay so. */
+/* Shrinks the front and its scratch to the front's size, and the results to 0,
+ * so that every stream must grow. The front's scratch must not be smaller than
+ * the front. */
 static void shrink(struct broad *b)
 {
     limit(&b->front, b->n_front > 0 ? b->n_front : 1);
@@ -57,7 +58,7 @@ static void shrink(struct broad *b)
     limit(&b->kind, 0);
 }
 
-/* Notes are taken of the next query alone. */
+/* Records the digests of the next query only. */
 static void trace(struct both *t)
 {
     for (int k = 0; k < 2; k++) {
@@ -96,7 +97,7 @@ static const char *compare(struct both *t)
     return NULL;
 }
 
-/* A query of both, timed. still: at one time. */
+/* Runs a query on both sides and measures the times. With `still`, x1 = x0. */
 static const char *query(struct both *t, bool still, real r,
                          const uint8_t *moved)
 {
@@ -120,7 +121,7 @@ static const char *query(struct both *t, bool still, real r,
     return want == DRAPE_OK ? compare(t) : NULL;
 }
 
-/* x1 as it was where flags are 0. */
+/* Moves vertices; x1 keeps its value where the flag is 0. */
 static void move_some(struct fabric *f, vec common, real noise,
                       const uint8_t *moved)
 {
@@ -133,8 +134,8 @@ static void move_some(struct fabric *f, vec common, real noise,
         f->x1[v] = moved[v] ? f->x1[v] : was[v];
 }
 
-/* Motions one after another: a fall, noise, a jump, rest; between them the
- * front is kept. The last but one is of bad numbers. */
+/* Runs motions one after another (a fall, noise, a jump, rest) with the front
+ * kept between them. The last but one has bad positions. */
 static const char *steps(struct both *t, int k)
 {
     static const real noise[] = {0, R(0.004), R(0.05), 0, R(0.01), 0};
@@ -159,7 +160,8 @@ static const char *steps(struct both *t, int k)
                        later ? moved : NULL);
         if (!failed)
             failed = notes_compare(&t->notes[0], &t->notes[1]);
-        /* Bad numbers end in refit; features need triangles' pairs. */
+        /* A query with bad positions ends in refit. Features run only if there
+         * are triangle pairs. */
         size_t least = step == 4 ? 1 : 3 - later + (t->ref.n_both > 0);
         EXPECT(failed || t->notes[0].n >= least);
     }
@@ -187,9 +189,7 @@ const char *test_broad_gpu(void)
     return NULL;
 }
 
-/* ---- Large scenes, timed ---- */
-
-/* Twice each, as the first makes room; of the second the time. */
+/* Runs a query twice: the first run allocates, the second is timed. */
 static const char *large_query(struct both *t, const char *name, bool still,
                                real r)
 {
@@ -205,7 +205,8 @@ static const char *large_query(struct both *t, const char *name, bool still,
     return failed;
 }
 
-/* The candidates of the last query decided exactly by both; likewise. */
+/* Decides the candidates of the last query by the narrow phase of both sides.
+ * The device runs twice: the first run allocates, the second is timed. */
 static const char *settle(struct both *t, const char *name)
 {
     int64_t n = t->ref.n, touching = 0;
@@ -254,8 +255,8 @@ static const char *large(struct both *t, const char *name, real r)
     return failed ? failed : large_query(t, name, true, r);
 }
 
-/* A cloth of n × n particles with waves that falls on a sphere of 100,000
- * triangles; noise is in cells. */
+/* A wavy cloth of n × n particles that falls on a sphere of 100,000 triangles.
+ * `noise` is in cells. */
 static const char *large_sheet(const char *name, int32_t n, real noise)
 {
     int status;
@@ -273,7 +274,7 @@ static const char *large_sheet(const char *name, int32_t n, real noise)
     return failed;
 }
 
-/* A frame of ../shared as one mesh against itself. */
+/* A public frame as one mesh against itself. */
 static const char *large_frame(const char *name)
 {
     int status;
@@ -304,7 +305,8 @@ static const char *large_frame(const char *name)
     return failed;
 }
 
-/* Where DRAPE_SOAK is set: equal on two million triangles, and the times. */
+/* Where DRAPE_SOAK is set: scenes of up to two million triangles are equal on
+ * both sides, and the times are printed. */
 const char *test_broad_gpu_large(void)
 {
     int status;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage cones: generator and properties. spec/broad/cones.md */
+/* The generator and the properties of stage cones. spec/broad/cones.md */
 #include <stdlib.h>
 
 #include "tests/broad/fabric.h"
@@ -15,7 +15,8 @@ const struct field fields_cones[] = {FABRIC_TREE(cones, tree),
                                      INOUT(cones, clear, tree.n_cloth, 1),
                                      FIELD_END};
 
-/* What was so before some vertices moved to where they are. */
+/* Makes the kept inputs of a later query: tangents and bits from before some
+ * vertices moved. */
 static void move_some(struct bytes *b, struct cones *s, struct fabric *f)
 {
     uint8_t *moved = take(b, s->nv, 1);
@@ -60,7 +61,7 @@ void gen_cones(struct bytes *b, struct cones *s)
         move_some(b, s, &f);
 }
 
-/* Squared distance of two vertices at time t, in binary64. */
+/* Returns the squared distance of two vertices at time t, in binary64. */
 static double distance2(const struct cones *s, int32_t v, int32_t w, double t)
 {
     double d[6] = {
@@ -79,8 +80,9 @@ static double distance2(const struct cones *s, int32_t v, int32_t w, double t)
     return sum;
 }
 
-/* §3 at three times: vertices of a patch, a cell and more apart at rest, keep
- * more than r. The patch's cells are (i, j) to (i + wide, j + high). */
+/* §3 at three times: vertices of a patch that are more than a cell apart at
+ * rest stay more than r apart. The patch has the cells (i, j) to (i + wide, j +
+ * high). */
 static const char *check_patch(const struct cones *s, const struct tree_grid *g,
                                const int32_t at[4])
 {
@@ -100,7 +102,8 @@ static const char *check_patch(const struct cones *s, const struct tree_grid *g,
     return NULL;
 }
 
-/* Corner and size in cells of node a, cut off at the grid's end. */
+/* Returns the corner and the size of node a in cells, cut off at the grid's
+ * end. */
 static void extent(const struct cones *s, int32_t a, int32_t at[4])
 {
     const struct tree_grid *g = &s->map.grid[s->tree.mesh[a]];
@@ -111,7 +114,8 @@ static void extent(const struct cones *s, int32_t a, int32_t at[4])
     at[3] = at[1] + unit < g->n - 1 ? unit : g->n - 1 - at[1];
 }
 
-/* §3 of clear nodes, also of those kept; §5: what is clear stays so below. */
+/* §3 holds for clear nodes, including kept bits; §5: what is clear is clear at
+ * all levels below. */
 const char *prop_cones(const struct cones *s)
 {
     for (int32_t a = 0; a < s->tree.n_cloth; a++) {

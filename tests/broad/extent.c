@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage extent: generator and properties; scenes in which whole meshes are
- * asked first. spec/broad/extent.md */
+/* The generator and the properties of stage extent, and scenes that its bounds
+ * settle. spec/broad/extent.md */
 #include "tests/broad/fabric.h"
 
 const struct field fields_extent[] = {
@@ -28,14 +28,15 @@ static bool within(vec a, vec lo, vec hi)
            a.y <= hi.y && a.z <= hi.z;
 }
 
-/* Each side of a box is met by something that is in it. */
+/* Notes which sides of a box the value a lies on: a tight box has a value on
+ * each side. */
 static void meet(vec a, vec lo, vec hi, int *met)
 {
     *met |= (a.x == lo.x) | (a.y == lo.y) << 1 | (a.z == lo.z) << 2;
     *met |= (a.x == hi.x) << 3 | (a.y == hi.y) << 4 | (a.z == hi.z) << 5;
 }
 
-/* §1 of one grid at one end. */
+/* Checks §1 for one grid at one end of the step. */
 static const char *check(const struct tree_grid *g, const vec *x,
                          const struct whole *w, vec lo, vec hi, int met[3])
 {
@@ -76,9 +77,7 @@ const char *prop_extent(const struct extent *s)
     return NULL;
 }
 
-/* ---- Queries that whole meshes answer ---- */
-
-/* One or two cloths over a ball. */
+/* Makes one or two cloths over a ball. */
 static void scene(struct fabric *f, int k, int ball)
 {
     enum fabric_shape shape = (enum fabric_shape)(k % FABRIC_SHAPES);
@@ -94,7 +93,8 @@ static void scene(struct fabric *f, int k, int ball)
         f->x1[v] = f->x0[v];
 }
 
-/* §2: where meshes answer, the query finds nothing. told: how often so. */
+/* §2: where whole meshes are apart, the full query finds nothing. told[] counts
+ * both answers. */
 static const char *compare(const struct fabric *f, struct broad *b, real r,
                            int told[2])
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Small scenes for the broad phase, as tests/broad/fabric.h says. */
+/* Builds small scenes for tests of the broad phase, and finds their candidates
+ * by brute force. See tests/broad/fabric.h. */
 #include "tests/broad/fabric.h"
 
 #include <stdlib.h>
@@ -67,7 +68,7 @@ static void add_triangle(struct fabric *f, int32_t a, int32_t b, int32_t c)
     f->mesh[f->scene.meshes - 1].tris++;
 }
 
-/* Position of (u, v) in the unit square. */
+/* Returns the position of (u, v) in the unit square, in a given shape. */
 static vec place(struct fabric *f, enum fabric_shape shape, real u, real v,
                  real cell)
 {
@@ -112,7 +113,8 @@ void fabric_cloth(struct fabric *f, int32_t m, int32_t n,
             int32_t v = g->base + i + m * j;
             real chance = R(0.5) * (fabric_random(f) + 1) * (real)holes;
             int gone = holes ? (int)(3 * chance) : 3;
-            /* 0: the cell is missing; 1, 2: one of its triangles is. */
+            /* 0: the cell is missing; 1 or 2: one of its triangles is
+             * missing */
             if (gone != 0 && gone != 1)
                 add_triangle(f, v, v + 1, v + m);
             if (gone != 0 && gone != 2)
@@ -195,8 +197,6 @@ void fabric_move(struct fabric *f, vec common, real noise)
     }
 }
 
-/* ---- Generators ---- */
-
 static void *take_bytes(void *user, size_t bytes)
 {
     return take(user, (int64_t)bytes, 1);
@@ -207,7 +207,7 @@ static void give_bytes(void *user, void *p, size_t bytes)
     (void)user, (void)p, (void)bytes;
 }
 
-/* Meshes of about `size` triangles in all. */
+/* Chooses meshes with about `size` triangles in all. */
 static void choose_meshes(struct bytes *b, struct fabric *f, int32_t size)
 {
     enum fabric_shape shape = (enum fabric_shape)pick(b, FABRIC_SHAPES);
@@ -265,7 +265,8 @@ struct box *fabric_boxes(struct bytes *b, const struct fabric *f,
     return s.box;
 }
 
-/* Every pair of meshes, but never two that do not move by themselves. */
+/* Makes the root pairs: every two meshes of which one is cloth, and a mesh of
+ * another class with itself where its `self` is set. */
 static void choose_roots(struct bytes *b, struct fabric_walk *w)
 {
     const struct tree *t = &w->in.tree;
@@ -307,8 +308,6 @@ void fabric_walk(struct bytes *b, struct fabric_walk *w)
     w->in.clear = s.clear;
     choose_roots(b, w);
 }
-
-/* ---- Brute force ---- */
 
 struct brute {
     struct fabric *f;
@@ -361,7 +360,7 @@ static int two_ascending(const void *a, const void *b)
     return p[1] < q[1] ? -1 : p[1] > q[1];
 }
 
-/* Edges of all triangles, each once, and whose they are. */
+/* Finds the edges of all triangles, each once, and the mesh of each. */
 static void find_edges(struct brute *u)
 {
     struct fabric *f = u->f;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Small scenes for the broad phase: grids, soups, and brute force. */
+/* Small scenes for tests of the broad phase (grids, soups of random triangles,
+ * spheres), and brute force. */
 #ifndef TESTS_FABRIC_H
 #define TESTS_FABRIC_H
 
@@ -24,24 +25,24 @@ enum fabric_shape {
     FABRIC_FLAT,
     FABRIC_WAVY,
     FABRIC_ROLLED,   /* a spiral of several turns */
-    FABRIC_FOLDED,   /* twice on itself */
+    FABRIC_FOLDED,   /* folded twice onto itself */
     FABRIC_CRUMPLED, /* every particle displaced by about a cell */
     FABRIC_SHAPES
 };
 
-/* Fields of a struct tree t inside a stage's struct. */
+/* The fields of a struct tree t that is a member of a stage's struct. */
 #define FABRIC_TREE(X, t)                                                      \
     IN(X, t.first, t.n, 1), IN(X, t.parent, t.n, 1), IN(X, t.count, t.n, 1),   \
         IN(X, t.level, t.n, 1), IN(X, t.rank, t.n, 1), IN(X, t.mesh, t.n, 1),  \
         IN(X, t.order, t.n_tri, 1), IN(X, t.tri, t.n_tri, 1),                  \
         IN(X, t.own, t.n_tri, 1), IN(X, t.place, t.n_cloth, 1),                \
         IN(X, t.range, t.n_range, 1)
-/* Of a struct bvtt named in. */
+/* The fields of a struct bvtt that is the member `in` of a stage's struct. */
 #define FABRIC_BVTT(X)                                                         \
     FABRIC_TREE(X, in.tree), IN(X, in.box, in.tree.n, 1),                      \
         IN(X, in.clear, in.tree.n_cloth, 1)
 
-/* A candidate, comparable. */
+/* A candidate in a form that can be sorted and compared. */
 struct fabric_pair {
     int32_t kind, v[4];
 };
@@ -49,26 +50,30 @@ struct fabric_pair {
 void fabric_make(struct fabric *f, int32_t vertices, int32_t tris,
                  uint64_t seed);
 void fabric_free(struct fabric *f);
-/* Uniform in [-1, 1]. */
+/* Returns a random number, uniform in [-1, 1]. */
 real fabric_random(struct fabric *f);
-/* A cloth of unit size; holes: one cell in `holes` is not whole, 0: none. */
+/* Adds a cloth of unit size. About one cell in `holes` lacks one or both
+ * triangles; 0 means no holes. */
 void fabric_cloth(struct fabric *f, int32_t m, int32_t n,
                   enum fabric_shape shape, int holes);
-/* A mesh of another class: a closed sphere of 4 k (k - 1) triangles. */
+/* Adds a mesh of another class: a closed sphere of 4 k (k - 1) triangles. */
 void fabric_sphere(struct fabric *f, int kind, int32_t k, vec centre,
                    real radius);
-/* Random triangles. */
+/* Adds a soup of random triangles. */
 void fabric_soup(struct fabric *f, int kind, int32_t tris, real size);
-/* Scene k, k ≥ 0: cloths, holes, spheres, soups by number; 7 has no cloth. */
+/* Makes scene k ≥ 0, of cloths, holes, spheres and soups. Scene 7 has no
+ * cloth. */
 void fabric_scene(struct fabric *f, int k);
-/* x1 = x0 + common + noise · random. */
+/* Sets x1 = x0 + common + noise · random. */
 void fabric_move(struct fabric *f, vec common, real noise);
 
-/* A scene of choices with about pick_size triangles, or the benchmark's:
- * 101 × 101 over 20,000 triangles; its memory is the harness's. */
+/* Makes a scene from the stream of choices with about pick_size triangles, or
+ * for the benchmark a 101 × 101 cloth over 20,000 triangles. The harness owns
+ * the memory. */
 void fabric_choose(struct bytes *b, struct fabric *f, struct tree *tree,
                    struct tree_map *map);
-/* What a walk reads: boxes and cones of the scene's motion, roots. */
+/* The inputs of front and walk: boxes and cones of a scene's motion, and root
+ * pairs. */
 struct fabric_walk {
     struct fabric f;
     struct bvtt in;
@@ -77,14 +82,15 @@ struct fabric_walk {
     int64_t roots;
 };
 void fabric_walk(struct bytes *b, struct fabric_walk *w);
-/* The boxes of the tree between f->x0 and f->x1, by ref_refit. */
+/* Returns the boxes of the tree for the motion from f->x0 to f->x1, by
+ * ref_refit. */
 struct box *fabric_boxes(struct bytes *b, const struct fabric *f,
                          const struct tree *tree, uint8_t *stir);
 
-/* All candidates by brute force, sorted, in the arena's memory. */
+/* Returns all candidates by brute force, sorted, in the arena's memory. */
 struct fabric_pair *fabric_brute(struct fabric *f, bool self, real r,
                                  int64_t *n);
-/* Those of a broad phase, sorted. */
+/* Returns the candidates of a broad phase, sorted. */
 struct fabric_pair *fabric_found(struct fabric *f, const struct broad *b,
                                  int64_t *n);
 int fabric_compare(const void *a, const void *b);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage features: generator and properties. spec/broad/features.md */
+/* The generator and the properties of stage features. spec/broad/features.md */
 #include "tests/broad/fabric.h"
 
 const struct field fields_features[] = {
@@ -35,7 +35,7 @@ void gen_features(struct bytes *b, struct features *s)
     for (int64_t v = 0; v < s->n_moved; v++)
         moved[v] = pick(b, 4) == 0;
     s->moved = moved;
-    /* Neighbours in the list of triangles, near and far. */
+    /* Pairs of triangles that are near and far in the list of triangles. */
     int32_t(*both)[2] = take(b, 8 * s->nt, sizeof *both);
     for (int32_t t = 0; t < s->nt; t++)
         for (int32_t k = 1; k < 8 && t + k * k < s->nt; k++) {
@@ -74,7 +74,7 @@ static bool stirred(const struct features *s, const int32_t v[4])
     return any;
 }
 
-/* Feature pairs that a pair of triangles represents, counted one by one. */
+/* Counts the feature pairs that a pair of triangles represents, one by one. */
 static int64_t count_pair(const struct features *s, const int32_t both[2])
 {
     int64_t count = 0;
@@ -102,8 +102,8 @@ static int64_t count_pair(const struct features *s, const int32_t both[2])
     return count;
 }
 
-/* §1 to §3: as many as there are; each meets, shares nothing, is in order;
- * VF before EE. */
+/* §1 to §3: the number of candidates is right; each meets, shares no vertex and
+ * is in order; vertex-face comes before edge-edge. */
 const char *prop_features(const struct features *s)
 {
     int64_t count = 0;

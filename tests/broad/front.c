@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage front: generator and properties. spec/broad/front.md */
+/* The generator and the properties of stage front. spec/broad/front.md */
 #include "tests/broad/fabric.h"
 
 const struct field fields_front[] = {FABRIC_BVTT(front),
@@ -14,7 +14,7 @@ const struct field fields_front[] = {FABRIC_BVTT(front),
                                      OUT_VALUE(front, visited),
                                      FIELD_END};
 
-/* The front that a walk from the roots comes to, into to[n …]; n. */
+/* A recursive traversal from the roots, which writes its front to to[n …]. */
 struct from_roots {
     const struct front *s;
     int32_t (*to)[2];
@@ -51,8 +51,8 @@ void gen_front(struct bytes *b, struct front *s)
     for (int64_t k = 0; k < w.roots; k++)
         from_root(&u, w.root[k][0], w.root[k][1]);
     int64_t room = u.n + w.roots;
-    /* Start at the roots, or at the front of another motion; sometimes there
-     * is not room enough. */
+    /* Begin at the roots or at the front of another motion; sometimes the
+     * capacity is too small. */
     for (int32_t v = 0; v < w.f.scene.vertices; v++)
         w.f.x1[v].x += R(0.03) * fabric_random(&w.f);
     const struct box *box = s->in.box;
@@ -78,7 +78,7 @@ void gen_front(struct bytes *b, struct front *s)
         s->cap = s->n > 0 ? s->n : 1;
 }
 
-/* The root that a pair comes from. */
+/* Finds the root pair above a pair. */
 static void climb(const struct tree *t, const int32_t e[2], int32_t to[2])
 {
     to[0] = e[0];
@@ -87,7 +87,7 @@ static void climb(const struct tree *t, const int32_t e[2], int32_t to[2])
         continue;
 }
 
-/* §3: the front is what a walk from the roots comes to, in its order. */
+/* §3: the front is the front of a traversal from the roots, in its order. */
 const char *prop_front(const struct front *s)
 {
     int64_t k = 0;

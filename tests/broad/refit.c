@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage refit: generator and properties. spec/broad/refit.md */
+/* The generator and the properties of stage refit. spec/broad/refit.md */
 #include <stdlib.h>
 
 #include "tests/broad/fabric.h"
@@ -12,7 +12,8 @@ const struct field fields_refit[] = {FABRIC_TREE(refit, tree),
                                      INOUT(refit, stir, tree.n, 1),
                                      FIELD_END};
 
-/* Boxes of where vertices were that have moved since. */
+/* Makes the kept boxes of a later query: boxes from before some vertices
+ * moved. */
 static void move_some(struct bytes *b, struct refit *s, vec *x1)
 {
     uint8_t *moved = take(b, s->nv, 1);
@@ -88,8 +89,8 @@ static const char *check_node(const struct refit *s, int32_t a, int32_t leaf,
     return NULL;
 }
 
-/* §1, §4: boxes hold all vertices of their triangles and are tight, those made
- * and those kept; flags; how many were made. */
+/* §1, §4: boxes, new or kept, hold all vertices of their triangles and are
+ * tight; the stir flags and the number of boxes made are right. */
 const char *prop_refit(const struct refit *s)
 {
     const struct tree *t = &s->tree;

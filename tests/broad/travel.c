@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage travel: generator and properties. spec/broad/travel.md */
+/* The generator and the properties of stage travel. spec/broad/travel.md */
 #include "ref/broad/travel.h"
 
 #include "tests/base/choices.h"
@@ -8,7 +8,7 @@ const struct field fields_travel[] = {
     IN(travel, pair, n, 4), IN(travel, kind, n, 1),  IN(travel, x0, nv, 1),
     IN(travel, x1, nv, 1),  OUT_VALUE(travel, most), FIELD_END};
 
-/* Whole coordinates: their differences are exact. */
+/* Integer coordinates, so that differences are exact. */
 static vec pick_corner(struct bytes *b, uint32_t side)
 {
     real x = (real)pick(b, side), y = (real)pick(b, side);
@@ -22,7 +22,8 @@ void gen_travel(struct bytes *b, struct travel *s)
     int32_t *pair = take(b, 4 * s->n, sizeof *pair);
     uint8_t *kind = take(b, s->n, 1);
     vec *x0 = take(b, s->nv, sizeof *x0), *x1 = take(b, s->nv, sizeof *x1);
-    bool falls = pick(b, 4) == 0; /* all alike: nobody travels */
+    bool falls = pick(b, 4) == 0; /* all vertices move alike, so relative
+                                     motion is 0 */
     vec fall = pick_corner(b, 8);
     for (int64_t i = 0; i < s->nv; i++) {
         x0[i] = pick_corner(b, 64);
@@ -59,6 +60,7 @@ const char *prop_travel(const struct travel *s)
                 EXPECT(vec_dot(d, d) <= s->most);
                 reached |= vec_dot(d, d) == s->most;
             }
-    EXPECT(reached); /* by some candidate: it is the largest, not a bound */
+    EXPECT(reached); /* some candidate has this motion: a maximum, not just a
+                        bound */
     return NULL;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage walk: generator and properties. spec/broad/walk.md */
+/* The generator and the properties of stage walk. spec/broad/walk.md */
 #include "tests/broad/fabric.h"
 
 const struct field fields_walk[] = {FABRIC_BVTT(walk),
@@ -17,7 +17,7 @@ const struct field fields_walk[] = {FABRIC_BVTT(walk),
                                     OUT_VALUE(walk, cleared),
                                     FIELD_END};
 
-/* One leaf in four is stirred, and with it the nodes above. */
+/* Marks one leaf in four, and all nodes above it, as stirred. */
 static void stir_few(struct bytes *b, const struct tree *t, uint8_t *stir)
 {
     memset(stir, 0, (size_t)t->n);
@@ -48,7 +48,7 @@ void gen_walk(struct bytes *b, struct walk *s)
         s->cap = 3;
 }
 
-/* What §2 asks of one pair of triangles in leaves a and b. */
+/* Whether §2 demands a pair of triangles in two leaves. */
 static bool wanted(const struct walk *s, const int32_t leaf[2],
                    const int32_t tri[2])
 {
@@ -60,7 +60,7 @@ static bool wanted(const struct walk *s, const int32_t leaf[2],
            !bvtt_clear(&s->in, leaf[0], leaf[1]);
 }
 
-/* Over all leaves under a root pair; how many pairs are wanted. */
+/* Counts the triangle pairs that §2 demands below a root pair. */
 static int64_t count_wanted(const struct walk *s, const int32_t root[2])
 {
     const struct tree *t = &s->in.tree;
@@ -82,8 +82,8 @@ static int64_t count_wanted(const struct walk *s, const int32_t root[2])
     return count;
 }
 
-/* §1: of the pairs (a, b) comes down to, those that cones alone stop. Their
- * boxes need no test: neighbours have a vertex in common. */
+/* §1: counts the pairs below (a, b) that only the cones reject. Their boxes
+ * need no test, because neighbours have a vertex in common. */
 static int64_t count_cleared(const struct walk *s, int32_t a, int32_t b)
 {
     const struct tree *t = &s->in.tree;
@@ -103,7 +103,7 @@ static int64_t count_cleared(const struct walk *s, int32_t a, int32_t b)
     return count;
 }
 
-/* Where triangle t stands in the order of the leaves. */
+/* Returns the place of a triangle in the order of the leaves. */
 static int32_t rank_of(const struct tree *t, int32_t tri)
 {
     int32_t k = 0;
@@ -112,7 +112,7 @@ static int32_t rank_of(const struct tree *t, int32_t tri)
     return k;
 }
 
-/* Of the leaf that triangle t->order[rank] is in. */
+/* Returns the mesh of triangle t->order[rank]. */
 static int mesh_of(const struct tree *t, int32_t rank)
 {
     int32_t a = 0;
@@ -122,9 +122,10 @@ static int mesh_of(const struct tree *t, int32_t rank)
     return t->mesh[a];
 }
 
-/* §1: each pair that cones stop is counted; §2: all that meet, none twice; §3:
- * two triangles of one pair of meshes come in the order of the walk, so the
- * same first triangle's come ascending. */
+/* §1: every pair that only the cones reject is counted. §2: exactly the pairs
+ * of triangles that meet are found, none twice. §3: pairs are in the order of
+ * the walk, so in one pair of meshes pairs with the same first triangle come in
+ * ascending order. */
 const char *prop_walk(const struct walk *s)
 {
     const struct tree *t = &s->in.tree;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage audit: generator, properties, tests. spec/narrow/audit.md */
+/* The generator, the properties and the tests of stage audit.
+ * spec/narrow/audit.md */
 #include "ref/narrow/audit.h"
 
 #include <stdlib.h>
@@ -24,8 +25,6 @@ const struct field fields_audit[] = {IN(audit, x, nv, 1),
                                      OUT_VALUE(audit, found),
                                      OUT_VALUE(audit, n_degenerate),
                                      FIELD_END};
-
-/* ---- Meshes ---- */
 
 struct mesh {
     int64_t nv, nt;
@@ -55,9 +54,9 @@ static vec pick_lattice(struct bytes *b, uint32_t side)
     return vec_make(x, y, (real)pick(b, side));
 }
 
-/* Triangles between any vertices where they are few, else between those of
- * near numbers and places: on a small lattice, in one plane, or of adversarial
- * numbers. */
+/* Makes a soup. Few triangles use any vertices; many triangles use vertices of
+ * near numbers. The vertices are on a small lattice, in one plane, or have
+ * adversarial coordinates. */
 static struct mesh pick_soup(struct bytes *b, int64_t nt)
 {
     bool few = nt <= 64;
@@ -85,8 +84,8 @@ static struct mesh pick_soup(struct bytes *b, int64_t nt)
     return m;
 }
 
-/* One mutation of a grid: folds, drops or lifts what is beyond a line, or
- * puts a vertex onto another or between two. */
+/* Mutates a grid once: moves a vertex onto another vertex, between two vertices
+ * or at random, or folds the part beyond a line over or at a right angle. */
 static void mutate(struct bytes *b, struct mesh m)
 {
     uint32_t n = (uint32_t)m.nv, kind = pick(b, 5);
@@ -106,7 +105,7 @@ static void mutate(struct bytes *b, struct mesh m)
     }
 }
 
-/* A cloth, flat or rough or oblique, then mutated. */
+/* Makes a flat, rough or oblique cloth and mutates it. */
 static struct mesh pick_grid(struct bytes *b, int64_t nt)
 {
     int64_t rows = 1 + (int64_t)pick(b, 20), t = 0;
@@ -132,8 +131,8 @@ static struct mesh pick_grid(struct bytes *b, int64_t nt)
     return m;
 }
 
-/* For the benchmark: a cloth of 20,000 triangles lying just above an obstacle
- * of as many; wavy, but nothing intersects. */
+/* Makes the benchmark's mesh: a wavy cloth of 20,000 triangles just above an
+ * obstacle of 20,000 triangles. Nothing intersects. */
 static struct mesh bench_mesh(struct bytes *b)
 {
     enum { SIDE = 101, HALF = SIDE * SIDE };
@@ -185,8 +184,6 @@ void gen_audit(struct bytes *b, struct audit *s)
     s->across = !bench && pick(b, 4) == 0;
 }
 
-/* ---- Properties ---- */
-
 static struct face face_of(const struct audit *s, int64_t t)
 {
     struct face f;
@@ -206,7 +203,7 @@ static bool on_line(const point t[3])
            !ref_orient2_whole(t[0], t[1], t[2], 2, 0);
 }
 
-/* §1.2 by other means: rational numbers, and clipping. */
+/* §1.2 by an independent method: rational arithmetic and clipping. */
 static bool crosses(struct face f, struct face g)
 {
     double p[2][3][3];
@@ -267,9 +264,7 @@ const char *prop_audit(const struct audit *s)
     return NULL;
 }
 
-/* ---- Tests ---- */
-
-/* Scratch and outputs of s, freed with its pair. */
+/* Allocates scratch and outputs of s. Freeing s->pair frees all of them. */
 static void *allocate(struct audit *s)
 {
     size_t nt = (size_t)s->nt + 1, nodes = (size_t)s->n_nodes + 1;
@@ -289,7 +284,8 @@ static void *allocate(struct audit *s)
     return all;
 }
 
-/* The same pairs by an oracle; -1 pairs there: it does not apply. */
+/* Compares with the pairs of an oracle; -1 pairs means that the oracle does not
+ * apply. */
 static const char *same(const struct audit *s, int64_t found,
                         int64_t degenerate, int32_t (*pair)[2])
 {
@@ -329,7 +325,7 @@ static const char *against_cgal(struct bytes *b, struct audit *s)
     return what;
 }
 
-/* §1.4: CGAL's pairs, on soups and on mutated cloths. */
+/* §1.4: the pairs are CGAL's, on soups and on mutated cloths. */
 const char *test_audit_cgal(void)
 {
     if (!orc_present())
@@ -339,7 +335,7 @@ const char *test_audit_cgal(void)
         struct bytes b = {.seed = (uint64_t)k, .size = k < 110 ? 1 + k : 1000};
         struct audit s = {0};
         gen_audit(&b, &s);
-        s.across = 0; /* the oracle knows no such thing */
+        s.across = 0; /* the oracle has no such option */
         s.cap = s.nt * (s.nt - 1) / 2;
         what = against_cgal(&b, &s);
         choices_free(&b);
@@ -347,7 +343,8 @@ const char *test_audit_cgal(void)
     return what;
 }
 
-/* The same on whole statues and frames, some of which intersect. */
+/* As test_audit_cgal, on whole statues and frames, some of which intersect
+ * themselves. */
 const char *test_audit_shared(void)
 {
     static const char *const files[] = {
@@ -375,7 +372,8 @@ const char *test_audit_shared(void)
     return what;
 }
 
-/* What does not fit is counted, and then fits; bad input is refused. */
+/* Too small a capacity gives the count and then suffices with that count; bad
+ * input is refused. */
 const char *test_audit_status(void)
 {
     vec x[6];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Decisions close to their limits: two contacts within one cell of time, a
- * patch as narrow as its cones allow, the nearest of several ends. */
+/* Tests decisions at their limits: two contacts in one cell of time, a patch as
+ * narrow as cones allow, and the nearest of several ends. */
 #include <stdlib.h>
 
 #include "oracle/oracle.h"
@@ -10,7 +10,7 @@
 #include "ref/narrow/narrow.h"
 #include "tests/narrow/query.h"
 
-/* ---- spec/narrow/narrow.md §6.2 ---- */
+/* Two contacts in one cell of time, spec/narrow/narrow.md §6.2. */
 
 static real two_to(int e)
 {
@@ -20,9 +20,9 @@ static real two_to(int e)
     return r;
 }
 
-/* A vertex that passes a face's corner at time g / 2^k exactly, and the face's
- * side there turns over within 2^-40 of that: V has a root on the grid of
- * times, and one beside it in the same cell. */
+/* Makes a query in which a vertex passes a corner of a face at time g / 2^k
+ * exactly, while a side of the face there turns over within 2^-40 of that time:
+ * V has a root on the grid of times and another root in the same cell. */
 static struct query make_close(struct bytes *b)
 {
     struct query q = {.kind = 0};
@@ -31,7 +31,7 @@ static struct query make_close(struct bytes *b)
     real tiny = two_to(-32 - (int)pick(b, 30)) * (pick(b, 2) ? 1 : -1);
     real slope = pick(b, 2) ? 1 : -1, turn = pick(b, 2) ? 1 : -1;
     for (int i = 0; i < 2; i++) {
-        real at = (real)i - t; /* 0 on the grid */
+        real at = (real)i - t; /* 0 at a time on the grid */
         q.x[i][1] = vec_make(0, tiny * turn, 0);
         q.x[i][0] = vec_make(-slope * at, tiny * turn, 1);
         q.x[i][2] = vec_make(4, turn * at, 0);
@@ -68,7 +68,7 @@ const char *test_narrow_close_roots(void)
     return NULL;
 }
 
-/* ---- spec/broad/cones.md §1, §3 ---- */
+/* A patch as narrow as cones allow, spec/broad/cones.md §1, §3. */
 
 static vec pick_cube(struct bytes *b)
 {
@@ -81,8 +81,9 @@ static vec unit(vec a)
     return vec_scale(1 / vec_length(a), a);
 }
 
-/* Cells much narrower along one diagonal than along the other, where points
- * 1/√2 apart at rest come nearest: tangents within `spread` of u and v. */
+/* Makes tangents, within `spread` of u and v, of cells much narrower along one
+ * diagonal than along the other. There points that are 1/√2 apart at rest come
+ * nearest. */
 static struct tangents make_narrow(struct bytes *b, vec *u, vec *v, real *most)
 {
     real narrow = two_to(-(int)pick(b, 9)), spread = 0;
@@ -99,8 +100,8 @@ static struct tangents make_narrow(struct bytes *b, vec *u, vec *v, real *most)
                              vec_add(*v, d)};
 }
 
-/* What such tangents keep apart: a vertex and the middle of the diagonal that
- * it is not on, and two vertices. */
+/* The distances that such tangents must keep: from a vertex to the middle of
+ * the diagonal that the vertex is not on, and between two vertices. */
 static const char *check_apart(vec u, vec v, real r)
 {
     real half = R(0.5);
@@ -125,8 +126,8 @@ static const char *check_narrow(struct bytes *b, int *apart)
     return failed;
 }
 
-/* A box of tangents that holds two which are parallel: there the patch may
- * fold, whatever rounding makes of it. */
+/* With two parallel tangents in its box a patch may fold, so the test must fail
+ * whatever the rounding. */
 static const char *check_folding(struct bytes *b)
 {
     vec u = pick_cube(b), w = pick_cube(b);
@@ -152,9 +153,10 @@ const char *test_cones_margin(void)
     return failed;
 }
 
-/* ---- spec/contact/proximity.md §1.2 ---- */
+/* The nearest of several ends, spec/contact/proximity.md §1.2. */
 
-/* The distance of end k from its nearest point of the other edge, squared. */
+/* Returns the squared distance of end k from its nearest point on the other
+ * edge. */
 static double from_end(const struct wide x[4], int k)
 {
     struct wide a = x[k < 2 ? 2 : 0], d = wide_sub(x[k < 2 ? 3 : 1], a);
@@ -165,7 +167,8 @@ static double from_end(const struct wide x[4], int k)
     return wide_dot(q, q);
 }
 
-/* No end is nearer, not even by what the lines' own point errs: to 2^-44. */
+/* No end is nearer than the result by more than the error of the interior
+ * point, 2^-44. */
 const char *test_closest_least(void)
 {
     struct bytes b = {.seed = 11, .size = -1};

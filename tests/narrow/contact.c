@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Narrow phase: times known on paper, public queries, any exponents.
- * spec/narrow/narrow.md */
+/* Tests the narrow phase on contact times computed by hand, on public queries,
+ * and with any exponents. spec/narrow/narrow.md */
 #include "ref/narrow/narrow.h"
 
 #include <stdlib.h>
@@ -17,14 +17,22 @@ static real power(int e)
     return r;
 }
 
-/* §1: what is not finite, or no vertex, is refused. */
+/* A position that is not finite and a bad vertex number are refused (narrow.md,
+ * Err). */
 const char *test_narrow_status(void)
 {
     vec x0[4] = {{0, 0, 0}}, x1[4] = {{0, 0, 0}};
     int32_t pair[4] = {0, 1, 2, 3};
     uint8_t kind = 0, tier;
     uint32_t toi;
-    struct narrow s = {1, pair, &kind, x0, x1, 4, &toi, &tier};
+    struct narrow s = {.n = 1,
+                       .pair = pair,
+                       .kind = &kind,
+                       .x0 = x0,
+                       .x1 = x1,
+                       .nv = 4,
+                       .toi = &toi,
+                       .tier = &tier};
     EXPECT(ref_narrow(&s) == DRAPE_OK && toi == 0);
     real bad[3] = {HUGE_VAL, -HUGE_VAL, 0};
     bad[2] = bad[0] + bad[1];
@@ -45,7 +53,7 @@ const char *test_narrow_status(void)
     return NULL;
 }
 
-/* Contacts whose times are known on paper, as one over 2^30. */
+/* Contacts whose times are computed by hand, in units of 2^-30. */
 const char *test_narrow_known(void)
 {
     static const struct {
@@ -132,7 +140,8 @@ const char *test_narrow_known(void)
     return NULL;
 }
 
-/* 0 missed and 0 invented of the public queries with exact truth. */
+/* No contact of the public queries with exact truth is missed and none is
+ * invented. */
 const char *test_narrow_queries(void)
 {
     int n;
@@ -151,7 +160,8 @@ const char *test_narrow_queries(void)
     return failed;
 }
 
-/* §6.5: any exponents at all fit the room, and names do not matter there. */
+/* §6.5: the arena suffices for any exponents, and the order of vertices does
+ * not matter there. */
 const char *test_narrow_range(void)
 {
     static uint32_t word[EXACT_WORDS];
@@ -187,8 +197,8 @@ const char *test_narrow_range(void)
     return failed;
 }
 
-/* Numbers of any size, some the same, of vertices in a plane z = 0, x or y, or
- * of two vertices that are one. */
+/* Makes queries with coordinates of any size, some of them equal. The vertices
+ * lie in a plane z = 0, x or y, or two vertices coincide. */
 static struct query pick_flat(struct bytes *b, int kind)
 {
     struct query q = {.kind = kind};
@@ -210,7 +220,8 @@ static struct query pick_flat(struct bytes *b, int kind)
     return q;
 }
 
-/* §6.5: what is always in one plane, at any exponents: GMP's answers. */
+/* §6.5: motion that stays in one plane, with any exponents, gives GMP's
+ * answers. */
 const char *test_narrow_flat(void)
 {
     struct bytes b = {.seed = 65, .size = -1};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The filters' rounding errors, measured against long double where that is
- * longer than double. spec/narrow/narrow.md §4.3 */
+/* Measures the filters' rounding errors against long double, where long double
+ * is longer than double. spec/narrow/narrow.md §4.3 */
 #include "ref/narrow/split.h"
 
 #include <float.h>
@@ -9,7 +9,7 @@
 
 typedef long double wide;
 
-/* A vector at time t, from exact positions. */
+/* Returns a vector at time t, from exact positions. */
 static void wide_at(double x[2][4][3], int a, int b, double t, wide r[3])
 {
     for (int k = 0; k < 3; k++) {
@@ -24,7 +24,7 @@ static wide wide_cross(const wide a[3], const wide b[3], int k)
     return a[i] * b[j] - a[j] * b[i];
 }
 
-/* The value of a Bernstein form as the filter computes it (§5.1). */
+/* Returns the value of a Bernstein form as the filter computes it (§5.1). */
 static double blossom(const double *c, int n, double t)
 {
     double p[4];
@@ -42,7 +42,8 @@ static double ratio(double a, wide b, double e)
     return (double)((d < 0 ? -d : d) / e);
 }
 
-/* The largest error of V and of the forms at one time, over its bound. */
+/* Returns the largest ratio of error to bound, over V and the forms at one
+ * time. */
 static double worst(double x[2][4][3], int kind, const struct forms *s,
                     double t)
 {
@@ -68,8 +69,8 @@ static double worst(double x[2][4][3], int kind, const struct forms *s,
     return r > most ? r : most;
 }
 
-/* No error exceeds its bound, and some come near enough to show that this
- * was the bound of these errors. */
+/* No error exceeds its bound, and some errors come near their bound, so the
+ * measurement is of the right errors. */
 const char *test_filter_errors(void)
 {
     struct bytes b = {.seed = 4, .size = -1};

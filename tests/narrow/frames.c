@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Narrow phase: the shared frames, whose touching pairs are all known. */
+/* Tests the narrow phase on public frames whose touching pairs are all
+ * known. */
 #include "ref/narrow/narrow.h"
 
 #include <stdio.h>
@@ -8,7 +9,7 @@
 #include "tests/narrow/soak.h"
 #include "tests/narrow/sweep.h"
 
-/* Pairs of a scene, asked one by one. */
+/* The pairs of a scene, decided one by one. */
 struct asked {
     const struct frames *f;
     struct soak row;
@@ -23,8 +24,8 @@ static void ask(void *user, int kind, const int32_t v[4])
     soak_decide(&a->row, &q);
 }
 
-/* No pair of hits.txt is missed; as many candidates touch as there are lines
- * for them, so none is invented. */
+/* No pair of hits.txt is missed. As many candidates touch as hits.txt has
+ * lines, so none is invented. */
 static const char *check_scene(const char *name, int parts)
 {
     struct frames f = {.from = 0};
@@ -40,7 +41,7 @@ static const char *check_scene(const char *name, int parts)
     frames_free(&f);
     EXPECT(swept && lines > 0 && hits.row.touching == lines);
     EXPECT(inside > 0 && all.row.queries > inside);
-    all.row.invented = all.row.touching - inside; /* as none is missed */
+    all.row.invented = all.row.touching - inside; /* because none is missed */
     if (getenv("DRAPE_SOAK"))
         soak_print(name, &all.row);
     EXPECT(all.row.invented == 0);
@@ -48,9 +49,9 @@ static const char *check_scene(const char *name, int parts)
     return NULL;
 }
 
-/* cloth-funnel is in binary64 and would move if it were rounded; the others
- * are in binary32. A slab of the large ones; all 38 million candidates where
- * DRAPE_SOAK is set. */
+/* cloth-funnel has binary64 coordinates, which rounding would change; the other
+ * scenes have binary32. Tests a slab of the large scenes, or all 38 million
+ * candidates where DRAPE_SOAK is set. */
 const char *test_narrow_frames(void)
 {
     bool all = getenv("DRAPE_SOAK");

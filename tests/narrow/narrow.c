@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage narrow: generator, properties, tests. spec/narrow/narrow.md */
+/* The generator, the properties and the tests of stage narrow.
+ * spec/narrow/narrow.md */
 #include "ref/narrow/narrow.h"
 
 #include "oracle/oracle.h"
@@ -13,8 +14,6 @@ const struct field fields_narrow[] = {IN(narrow, pair, n, 4),
                                       OUT(narrow, toi, n, 1),
                                       OUT(narrow, tier, n, 1),
                                       FIELD_END};
-
-/* ---- Queries ---- */
 
 real *query_at(struct query *q, int i)
 {
@@ -41,9 +40,7 @@ void query_double(const struct query *q, double x[2][4][3])
         x[i / 12][i / 3 % 4][i % 3] = (double)*query_at(&c, i);
 }
 
-/* ---- The stage ---- */
-
-/* A query of any family, seldom of the slow one. */
+/* Picks a query of any family, seldom of the slow family. */
 static struct query pick_query(struct bytes *b)
 {
     int kind = (int)pick(b, 2), family = (int)pick(b, QUERY_FAMILIES);
@@ -78,7 +75,8 @@ void gen_narrow(struct bytes *b, struct narrow *s)
     s->x1 = x[1];
 }
 
-/* The middle of a motion where all its coordinates have one, else false. */
+/* Finds the middle of a motion. Returns false where a coordinate has no exact
+ * middle. */
 static bool middle(const struct query *q, vec half[4])
 {
     struct query c = *q;
@@ -94,7 +92,7 @@ static bool middle(const struct query *q, vec half[4])
     return true;
 }
 
-/* §7.1: what is true of one motion is true of its halves. */
+/* §7.1: the two halves of a motion give the answer of the whole motion. */
 static const char *check_halves(const struct query *q, uint32_t toi)
 {
     vec half[4];
@@ -113,7 +111,7 @@ static const char *check_halves(const struct query *q, uint32_t toi)
     return NULL;
 }
 
-/* §7.2: names of vertices, axes and primitives do not matter. */
+/* §7.2: the order of vertices, axes and primitives does not matter. */
 const char *query_symmetry(const struct query *q, uint32_t toi)
 {
     static const int order[2][3][4] = {
@@ -130,8 +128,8 @@ const char *query_symmetry(const struct query *q, uint32_t toi)
     return NULL;
 }
 
-/* §7.3: backwards the last contact comes first; standing still at either
- * end, contact is contact. */
+/* §7.3: backwards in time the last contact comes first; primitives at rest in a
+ * touching position touch. */
 static const char *check_time(const struct query *q, uint32_t toi)
 {
     struct query p = *q;
@@ -151,7 +149,7 @@ static const char *check_time(const struct query *q, uint32_t toi)
     return NULL;
 }
 
-/* §7.4: the units do not matter. */
+/* §7.4: scaling all positions by two does not matter. */
 static const char *check_scale(const struct query *q, uint32_t toi)
 {
     struct query p = *q;
@@ -165,7 +163,7 @@ static const char *check_scale(const struct query *q, uint32_t toi)
     return NULL;
 }
 
-/* §6: the exact tier alone, and an oracle of another method, agree. */
+/* §6: tier 3 alone and an oracle of another method agree. */
 static const char *check_tiers(const struct query *q, uint32_t toi)
 {
     static _Thread_local uint32_t word[EXACT_WORDS];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Narrow phase on the device: all candidates of the shared frames, against the
- * reference and the known truth, and timed. */
+/* Tests the narrow phase on the device: all candidates of the public frames,
+ * against the reference and the known truth, with times. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -35,7 +35,7 @@ static void append(void *user, int kind, const int32_t v[4])
     p->kind[p->n++] = (uint8_t)kind;
 }
 
-/* A copy on the device, or only room there. */
+/* Copies n items to the device, or only allocates them if host is NULL. */
 static void *put(struct gpu *g, const void *host, int64_t n, size_t size)
 {
     void *p = gpu_take(g, ARENA_OTHER, n, size);
@@ -44,7 +44,7 @@ static void *put(struct gpu *g, const void *host, int64_t n, size_t size)
     return p;
 }
 
-/* The answers of s on the device, in its toi and tier; the least seconds. */
+/* Runs s on the device and stores the shortest time. */
 static int run(struct gpu *g, struct narrow *s, double *seconds)
 {
     struct narrow d = *s;
@@ -67,7 +67,8 @@ static int run(struct gpu *g, struct narrow *s, double *seconds)
     return status ? status : gpu_status(g);
 }
 
-/* Both ways; toi and tier are [n] each, of the reference and of the device. */
+/* Runs reference and device and compares them. toi and tier have room for the
+ * results of both. */
 static const char *compare(const char *name, struct narrow *s, int64_t hits,
                            uint32_t *toi, uint8_t *tier)
 {
@@ -138,8 +139,8 @@ static const char *check_scene(const char *name, int parts)
     return what;
 }
 
-/* A slab of each scene; all candidates, and the least of some times, where
- * DRAPE_SOAK is set. */
+/* Tests a slab of each scene, or all candidates with the shortest of several
+ * times where DRAPE_SOAK is set. */
 const char *test_narrow_gpu(void)
 {
     bool all = getenv("DRAPE_SOAK");

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole numbers with few words: signs that are told are right.
+/* Tests truncated big integers: a sign that is reported as known is right.
  * spec/narrow/narrow.md §6.6 */
 #include "ref/narrow/near.h"
 
@@ -7,8 +7,8 @@
 
 #include "tests/base/choices.h"
 
-/* A number of up to 12 words, some of them 0 or all ones. */
-static struct big pick_big(struct bytes *b, struct room *m)
+/* Picks a number of up to 12 words, some of them 0 or all ones. */
+static struct big pick_big(struct bytes *b, struct big_arena *m)
 {
     struct big r = big_small(m, pick(b, 5));
     for (int k = (int)pick(b, 12); k > 0; k--) {
@@ -18,8 +18,8 @@ static struct big pick_big(struct bytes *b, struct room *m)
     return pick(b, 2) ? r : big_negate(r);
 }
 
-/* ((a·b - c·d)·b + d)·a with m->keep words. */
-static struct near value_of(struct room *m, const struct big v[4])
+/* Returns ((a·b - c·d)·b + d)·a, computed with m->keep words. */
+static struct near value_of(struct big_arena *m, const struct big v[4])
 {
     struct near a = near_of(m, v[0]), b = near_of(m, v[1]);
     struct near c = near_of(m, v[2]), d = near_of(m, v[3]);
@@ -28,8 +28,8 @@ static struct near value_of(struct room *m, const struct big v[4])
     return near_mul(m, r, a);
 }
 
-/* From one word kept on: the sign is that of all words, or not known; not
- * known where the terms nearly cancel, but mostly known. */
+/* With one word kept or more, the sign is the exact sign or unknown. Unknown
+ * occurs where the terms nearly cancel, but most signs are known. */
 const char *test_near_signs(void)
 {
     static uint32_t word[8192];
@@ -37,7 +37,7 @@ const char *test_near_signs(void)
     int told = 0, untold = 0;
     const char *failed = NULL;
     for (int k = 0; k < 20000 && !failed; k++) {
-        struct room m = {word, 8192, 0, 0, false, 8192};
+        struct big_arena m = {.word = word, .size = 8192, .keep = 8192};
         struct big v[4];
         for (int i = 0; i < 4; i++)
             v[i] = pick_big(&b, &m);
@@ -65,16 +65,16 @@ const char *test_near_signs(void)
     return NULL;
 }
 
-/* (a + b τ)(c + d τ). */
-static struct poly product_of(struct room *m, const struct big v[4])
+/* Returns (a + b τ)(c + d τ). */
+static struct poly product_of(struct big_arena *m, const struct big v[4])
 {
     struct poly p = {2, {big_mul(m, v[0], v[2]), {0}, big_mul(m, v[1], v[3])}};
     p.c[1] = big_add(m, big_mul(m, v[0], v[3]), big_mul(m, v[1], v[2]));
     return p;
 }
 
-/* Polynomials with a root in common are never told to have none; mostly those
- * that have none are. */
+/* Polynomials with a common root are never reported coprime; most polynomials
+ * without a common root are. */
 const char *test_near_coprime(void)
 {
     static uint32_t word[8192];
@@ -82,7 +82,7 @@ const char *test_near_coprime(void)
     int told = 0;
     const char *failed = NULL;
     for (int k = 0; k < 5000 && !failed; k++) {
-        struct room m = {word, 8192, 0, 0, false, 8192};
+        struct big_arena m = {.word = word, .size = 8192, .keep = 8192};
         struct big v[4], w[4];
         for (int i = 0; i < 4; i++) {
             v[i] = pick_big(&b, &m);

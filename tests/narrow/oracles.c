@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The oracles against what is known, and against each other.
+/* Tests the oracles against known answers and against each other.
  * oracle/README.md */
 #include "oracle/oracle.h"
 
@@ -10,8 +10,9 @@ struct query {
     double x[2][4][3];
 };
 
-/* Face (0,0,0) (4,0,0) (0,4,0), which stands still, and a vertex; edges along
- * x through the origin, and from (1,-1,z) to (1,1,z). */
+/* Queries with known answers: a vertex against the face (0,0,0) (4,0,0)
+ * (0,4,0), which stands still; an edge along x through the origin against an
+ * edge from (1,-1,z) to (1,1,z). */
 const char *test_oracle_known(void)
 {
     static const struct {
@@ -64,7 +65,8 @@ const char *test_oracle_known(void)
     return NULL;
 }
 
-/* Small lattices, collinear, in one plane, pure translation, nearly so. */
+/* Picks a query: on a small lattice, collinear, in one plane, a translation, or
+ * nearly so. */
 static struct query pick_query(struct bytes *b)
 {
     struct query q;
@@ -94,12 +96,12 @@ static struct query pick_query(struct bytes *b)
     return q;
 }
 
-/* Two methods and two hands: the same answer and the same time. */
+/* Two independent oracles give the same decision and the same time. */
 const char *test_oracle_agreement(void)
 {
     if (!orc_present())
         return skip("the oracles' libraries are not installed");
-    /* The oracles take binary64: half of the queries in either instance. */
+    /* The oracles take binary64, so either build tests half of the queries. */
     for (int k = REAL_BITS == 32 ? 0 : 100, end = k + 100; k < end; k++) {
         struct bytes b = {.seed = (uint64_t)k, .size = 0};
         struct query q = pick_query(&b);

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads binary PLY meshes, as tests/narrow/ply.h says. */
+/* Reads binary PLY meshes for tests. See tests/narrow/ply.h. */
 #include "tests/narrow/ply.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 
 struct header {
-    bool big;   /* endian */
-    int bytes;  /* of a coordinate */
-    int stride; /* of a vertex */
+    bool big;   /* big-endian */
+    int bytes;  /* bytes of a coordinate */
+    int stride; /* bytes of a vertex */
     long nv, nt;
 };
 
@@ -38,7 +38,7 @@ static bool read_header(FILE *f, struct header *h)
     return false;
 }
 
-/* A number of `bytes` bytes in the file's order. */
+/* Reads a number of `bytes` bytes in the file's byte order. */
 static uint64_t number(const uint8_t *p, int bytes, bool big)
 {
     uint64_t word = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads the binary PLY meshes of ../shared, for tests. */
+/* Reads binary PLY meshes for tests. */
 #ifndef TESTS_PLY_H
 #define TESTS_PLY_H
 
@@ -8,12 +8,12 @@
 
 struct ply {
     int32_t nv, nt;
-    vec *x;            /* [nv] */
-    int32_t (*tri)[3]; /* [nt] */
+    vec *x;            /* [nv] positions */
+    int32_t (*tri)[3]; /* [nt] vertices of a triangle */
 };
 
-/* True if the file is there, binary, and all triangles. The arrays are the
- * caller's to free, also where it is false. */
+/* Returns true if the file exists, is binary and has only triangles. The caller
+ * frees the arrays with ply_free, also after false. */
 bool ply_read(const char *path, struct ply *p);
 void ply_free(struct ply *p);
 

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The one generator of collision queries, by families. spec/narrow/narrow.md §7
- */
+/* Generates queries for the narrow phase, by families. All tests of the narrow
+ * phase and the fuzzer use this generator. spec/narrow/narrow.md §7 */
 #include "tests/narrow/query.h"
-
-/* ---- Parts ---- */
 
 static real power(int e)
 {
@@ -13,13 +11,14 @@ static real power(int e)
     return r;
 }
 
-/* A whole number within ±size. */
+/* Picks an integer within ±size. */
 static real whole(struct bytes *b, int size)
 {
     return (real)((int)pick(b, 2 * (uint32_t)size + 1) - size);
 }
 
-/* One choice a statement, as C orders no others. */
+/* Picks an integer vec. Each choice has its own statement, as C leaves the
+ * order within an expression open. */
 static vec whole_vec(struct bytes *b, int size)
 {
     real x = whole(b, size), y = whole(b, size);
@@ -31,8 +30,6 @@ static vec pick_cube(struct bytes *b)
     real x = pick_uniform(b, -1, 1), y = pick_uniform(b, -1, 1);
     return vec_make(x, y, pick_uniform(b, -1, 1));
 }
-
-/* ---- Families ---- */
 
 static void make_lattice(struct bytes *b, struct query *q)
 {
@@ -75,8 +72,8 @@ static void make_collapsed(struct bytes *b, struct query *q)
         q->x[1][j] = q->x[1][k];
 }
 
-/* Where the velocities along z keep the point of contact in the face, or on
- * the edge, to first order: the common plane is z = 0 at that time. */
+/* Sets velocities along z that keep the point of contact in the face or on the
+ * edge to first order, where the common plane is z = 0 at that time. */
 static void graze(vec p[4], vec d[4], int kind, real u, real v)
 {
     for (int j = 0; j < 4; j++)
@@ -85,12 +82,12 @@ static void graze(vec p[4], vec d[4], int kind, real u, real v)
         d[j].z *= 4;
     if (kind == 0)
         d[0].z = ((4 - u - v) * d[1].z + u * d[2].z + v * d[3].z) / 4;
-    else /* the other's middle */
+    else /* the middle of the other primitive */
         d[3].z = 2 * (d[0].z + u / 4 * (d[1].z - d[0].z)) - d[2].z;
 }
 
-/* Contact at time r/s: a vertex in the face, edges that cross, sometimes at
- * a corner. */
+/* Makes a contact at time r/s: a vertex in a face or edges that cross,
+ * sometimes at a corner. */
 static void make_contact(struct bytes *b, struct query *q, int family)
 {
     real s = (real)(1 + pick(b, 7)), r = (real)pick(b, (uint32_t)s + 1);
@@ -118,7 +115,8 @@ static void make_contact(struct bytes *b, struct query *q, int family)
     }
 }
 
-/* A vertex that only ever meets an edge's line, at irrational times too. */
+/* Makes a vertex that meets only the line of an edge, also at irrational
+ * times. */
 static void make_edge_on(struct bytes *b, struct query *q)
 {
     int a = 1 + (int)pick(b, 3);
@@ -129,8 +127,9 @@ static void make_edge_on(struct bytes *b, struct query *q)
             q->x[t][0].z = q->x[t][a].z = q->x[t][a % 3 + 1].z = 0;
 }
 
-/* f, g, h with a triangular matrix, so that V is the product of three linear
- * functions, two or three with one root r/s; then sheared. */
+/* Makes f, g, h with a triangular matrix, so that V is the product of three
+ * linear functions, two or three of which share a root r/s; then shears
+ * them. */
 static void make_roots(struct bytes *b, struct query *q, int family)
 {
     real s = (real)(1 + pick(b, 6)), r = (real)pick(b, (uint32_t)s + 1);
@@ -177,7 +176,8 @@ static void make_smooth(struct bytes *b, struct query *q, real scale)
     }
 }
 
-/* An ulp up or down; seldom from 0, as subnormals are slow to be exact with. */
+/* Moves a number by one ulp; seldom from 0, because exact arithmetic with
+ * subnormals is slow. */
 static void nudge(struct bytes *b, real *a)
 {
     if (*a == 0 && pick(b, 32))
@@ -185,7 +185,7 @@ static void nudge(struct bytes *b, real *a)
     *a = pick(b, 2) ? real_up(*a) : real_down(*a);
 }
 
-/* One to three faults of a query of a real scene. */
+/* Makes one to three changes to a query of a real scene. */
 static void make_real(struct bytes *b, struct query *q)
 {
     int kind = q->kind, times = (int)pick(b, 4);
@@ -194,7 +194,7 @@ static void make_real(struct bytes *b, struct query *q)
         if (q->kind == kind)
             break;
     }
-    q->kind = kind; /* at worst the same vertices, paired anew */
+    q->kind = kind; /* may pair the same vertices anew */
     for (; times > 0; times--) {
         real *a = query_at(q, (int)pick(b, 24));
         vec *x = &q->x[pick(b, 2)][pick(b, 4)];
@@ -212,7 +212,7 @@ static void make_real(struct bytes *b, struct query *q)
         case 3:
             q->x[1][j] = q->x[0][j];
             break;
-        case 4: /* fewer bits: coincidences */
+        case 4: /* fewer bits make coincidences likely */
             *a = (*a + R(64.0)) - R(64.0);
             break;
         default:
@@ -230,12 +230,12 @@ static void make_wild(struct bytes *b, struct query *q)
     }
 }
 
-/* Offsets, ulps and a scale, on all 24 numbers. */
+/* Applies offsets, ulps and a scale to all 24 coordinates. */
 static void transform(struct bytes *b, struct query *q, int family)
 {
     int e = (int)pick(b, 121) - 60;
     bool scaled = family == QUERY_SCALED || pick(b, 4) == 0;
-    if (family == QUERY_WILD) /* it would overflow */
+    if (family == QUERY_WILD) /* an offset would overflow */
         return;
     vec o = {0, 0, 0};
     if (family == QUERY_OFFSET) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One query of the narrow phase, for its tests. */
+/* Queries of the narrow phase for tests: one vertex-face or edge-edge pair and
+ * its motion. */
 #ifndef TESTS_QUERY_H
 #define TESTS_QUERY_H
 
@@ -10,7 +11,8 @@ struct query {
     vec x[2][4];
 };
 
-/* The families of the generator: motion that is degenerate in one way. */
+/* The families of the generator. Each makes motion that is degenerate in one
+ * way. */
 enum query_family {
     QUERY_LATTICE,
     QUERY_PLANE,
@@ -35,32 +37,34 @@ enum query_family {
     QUERY_FAMILIES
 };
 
-/* A query of a family; its kind is the one given. */
+/* Picks a query of a family, of the given kind. */
 struct query query_pick(struct bytes *b, int kind, int family);
-/* A cloth's query of ordinary size, for the benchmark. */
+/* Picks a query of ordinary size from a cloth, for the benchmark. */
 struct query query_typical(struct bytes *b, int kind);
-/* A query of a real scene, of any kind. */
+/* Returns a query of a real scene, of any kind. */
 struct query query_real(uint32_t choice);
-/* Replaces the queries that query_real has; the caller's, n = 0 to undo. */
+/* Replaces the queries of query_real by n queries, which the caller keeps; n =
+ * 0 restores the built-in queries. */
 void query_pool(const struct query *q, int n);
 
-/* A query of ../shared/ccd/queries, whether it touches, and whether its numbers
- * are numbers of this precision, so that the truth is. */
+/* A public query, whether its primitives touch, and whether its coordinates are
+ * exact in this precision, so that the known truth applies. */
 struct known {
     struct query q;
     bool truth, exact;
 };
-/* All of them, the caller's to free; NULL with *n = 0 where there are none,
- * with *n = -1 where a file cannot be read. */
+/* Reads all public queries. The caller frees the result. Returns NULL with *n =
+ * 0 where there are no files, with *n = -1 where a file cannot be read. */
 struct known *query_load(int *n);
 
-/* Coordinate i of 24: time, vertex, axis. */
+/* Returns coordinate i of 24, in the order time, vertex, axis. */
 real *query_at(struct query *q, int i);
-/* What the narrow phase answers. */
+/* Run the narrow phase on a query. */
 uint32_t query_toi(const struct query *q);
 uint32_t query_tier(const struct query *q, int *tier);
 void query_double(const struct query *q, double x[2][4][3]);
-/* What does not hold of spec/narrow/narrow.md §7.2 where toi is the answer. */
+/* Checks spec/narrow/narrow.md §7.2 for the answer toi. Returns NULL or the
+ * property that fails. */
 const char *query_symmetry(const struct query *q, uint32_t toi);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads the public queries with exact truth. ../shared/ccd/README.md */
+/* Reads the public queries with exact truth (Wang et al. 2021).
+ * ../shared/ccd/README.md */
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,8 +26,8 @@ static struct known *append(struct list *l)
     return &l->at[l->n++];
 }
 
-/* A row xn,xd,yn,yd,zn,zd,truth: each quotient is exactly a binary64 number.
- * False where it is none. */
+/* Reads a row xn,xd,yn,yd,zn,zd,truth, in which each quotient is exactly a
+ * binary64 number. Returns false for any other row. */
 static bool read_row(const char *line, struct known *k, int row)
 {
     double a[7];
@@ -48,7 +49,7 @@ static bool read_row(const char *line, struct known *k, int row)
     return true;
 }
 
-/* Eight rows a query. */
+/* Reads a file, eight rows a query. */
 static bool read_file(const char *path, int kind, struct list *l)
 {
     char line[4096];

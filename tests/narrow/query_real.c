@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Queries of real scenes, for mutation: of each file of ../shared/ccd/queries
- * one that touches and one that does not. From the CCD sample queries (Wang et
- * al. 2021, MIT) and the Scalable CCD sample data (Belgrod et al.). */
+/* Queries of real scenes that generators mutate: from each public file one
+ * query that touches and one that does not. Sources: the CCD sample queries
+ * (Wang et al. 2021, MIT) and the Scalable CCD sample data (Belgrod et al.). */
 #include "tests/narrow/query.h"
 
 static const struct {
@@ -250,7 +250,7 @@ static const struct {
       {0x1.06d11cp+1, 0x1.a6e938p+1, -0x1.c2f200p+0}}},
 };
 
-/* What replaces them: more queries, in the soak. */
+/* Queries that replace the built-in queries in a soak. */
 static const struct query *pool;
 static int pool_size;
 

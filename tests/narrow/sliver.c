@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Starts with triangles without area: what they touch is refused by name,
- * what they do not is accepted. spec/narrow/audit.md §5 */
+/* Tests scene starts with degenerate triangles: a start in which such a
+ * triangle touches something is refused with a message that names both, any
+ * other start is accepted. spec/narrow/audit.md §5 */
 #include "ref/narrow/sliver.h"
 
 #include <stdio.h>
@@ -8,8 +9,8 @@
 #include "tests/base/choices.h"
 #include "tests/world/slab.h"
 
-/* Two faces on a lattice, the first without area; they share vertices as it
- * comes. */
+/* Picks two faces on a lattice, the first degenerate. They share vertices by
+ * chance. */
 static void pick_faces(struct bytes *b, struct face f[2])
 {
     double place[6][3];
@@ -22,14 +23,16 @@ static void pick_faces(struct bytes *b, struct face f[2])
             while ((i > 0 && f[k].v[i] == f[k].v[0]) ||
                    (i > 1 && f[k].v[i] == f[k].v[1]));
     const double *p = place[f[0].v[0]], *q = place[f[0].v[1]];
-    double where = (double)pick(b, 4) - 1; /* on the line, perhaps beyond */
+    double where = (double)pick(b, 4) - 1; /* on the line, maybe beyond its
+                                              ends */
     for (int i = 0; i < 3; i++)
         place[f[0].v[2]][i] = p[i] + where * (q[i] - p[i]);
     for (int k = 0; k < 6; k++)
         memcpy(f[k / 3].p[k % 3], place[f[k / 3].v[k % 3]], sizeof place[0]);
 }
 
-/* The narrow phase, which shares no code with the audit, on four vertices. */
+/* Decides contact of four vertices by the narrow phase, which shares no code
+ * with the audit. */
 static bool touch(const struct face *const f[4], const int k[4], int kind)
 {
     double x[4][3], toi;
@@ -48,7 +51,7 @@ static bool all_same(int a, int b, int c)
     return a != 0 && a == b && b == c;
 }
 
-/* An edge of t goes through the inside of s, which has area. */
+/* Whether an edge of t passes through the inside of s, which has area. */
 static bool pierces(const struct face *t, const struct face *s)
 {
     for (int k = 0; k < 3; k++) {
@@ -82,8 +85,8 @@ static bool meet(const struct face *t, const struct face *s)
     return hit;
 }
 
-/* A corner on a face, edges that meet, an edge through a face: nothing else.
- */
+/* ref_sliver finds exactly these contacts: a corner on a face, edges that meet,
+ * an edge through a face. */
 const char *test_sliver_pairs(void)
 {
     int64_t found = 0;
@@ -103,11 +106,9 @@ const char *test_sliver_pairs(void)
     return NULL;
 }
 
-/* ---- Whole starts ---- */
-
 enum { SIDE = 5, PARTICLES = SIDE * SIDE };
 
-/* A sheet in the plane y = 1, or as `how` says; far above the plate. */
+/* Lays a sheet in the plane y = 1, far above the plate, or as `how` says. */
 static void lay(double x[PARTICLES][3], int how)
 {
     for (int k = 0; k < PARTICLES; k++) {
@@ -115,7 +116,7 @@ static void lay(double x[PARTICLES][3], int how)
         x[k][1] = 1;
         x[k][2] = how > 1 ? k / SIDE * 0.25 : 0.5;
     }
-    if (how == 2) /* the last row on the row before */
+    if (how == 2) /* puts the last row onto the row before */
         for (int i = 0; i < SIDE; i++)
             x[SIDE * (SIDE - 1) + i][2] = x[SIDE * (SIDE - 2) + i][2];
 }
@@ -128,7 +129,8 @@ struct start {
     int32_t tri[2][3];
 };
 
-/* how: see lay; the sliver of the obstacle goes from a to b, both in y. */
+/* Makes a start. For `how` see lay; the obstacle's degenerate triangle spans a
+ * to b in y. */
 static void start_make(struct start *s, int how, double a, double b)
 {
     const double thing_x[6][3] = {{0.55, a, 0.6}, {0.55, b, 0.6}, {0.55, a, .6},
@@ -152,7 +154,8 @@ static void start_make(struct start *s, int how, double a, double b)
     s->def.precision = REAL_BITS;
 }
 
-/* Where it is refused the text begins with `want`; NULL: it is accepted. */
+/* Creates a world. `want` is the beginning of the message of refusal, or NULL
+ * if the start must be accepted. */
 static const char *try_start(const struct start *s, const char *want)
 {
     drape_world *world;
@@ -178,15 +181,16 @@ static const char *try_start(const struct start *s, const char *want)
 const char *test_sliver_starts(void)
 {
     struct start s;
-    start_make(&s, 3, 2, 3); /* a sliver away from the cloth is none of ours */
+    start_make(&s, 3, 2, 3); /* a degenerate triangle away from the cloth is
+                                accepted */
     TRY(NULL);
     start_make(&s, 3, 0.5, 1.5);
     TRY(START "cloth 0 triangle 21 and obstacle 0 triangle 1, "
               "one of them without area");
-    start_make(&s, 3, 1, 3); /* only just */
+    start_make(&s, 3, 1, 3); /* touches only just */
     TRY(START "cloth 0 triangle 21 and obstacle 0 triangle 1, "
               "one of them without area");
-    start_make(&s, 3, 1, 1); /* a point */
+    start_make(&s, 3, 1, 1); /* a triangle that is a point */
     TRY(START "cloth 0 triangle 21 and obstacle 0 triangle 1, "
               "one of them without area");
     s.def.allow_intersecting = 1;
@@ -200,7 +204,8 @@ const char *test_sliver_starts(void)
         s.def.self_collision = 0;
         TRY(NULL);
     }
-    start_make(&s, 3, 2, 3); /* with area: the number of pairs, too */
+    start_make(&s, 3, 2, 3); /* with area: the message also gives the number
+                                of pairs */
     for (int k = 0; k < 3; k++) {
         s.thing_x[3 + k][0] = 0.55 + (k == 1);
         s.thing_x[3 + k][1] = 0.5 + k;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Narrow phase: queries of every family against the oracles, and a table of
- * what was found: `make soak`, spec/soak.md. */
+/* Soaks the narrow phase: compares queries of every family with the oracles and
+ * prints a table of the differences (`make soak`, spec/soak.md). */
 #include "tests/narrow/soak.h"
 
 #include <stdio.h>
@@ -11,14 +11,16 @@
 #include "ref/narrow/narrow.h"
 
 enum {
-    BLOCK = 64,          /* queries of one stream of choices */
-    WILD_BLOCK = 8,      /* of the slow family */
-    CGAL_EVERY = 1 << 10 /* queries; it takes a millisecond */
+    BLOCK = 64,          /* queries from one stream of choices */
+    WILD_BLOCK = 8,      /* the same for the slow family */
+    CGAL_EVERY = 1 << 10 /* every how many queries CGAL runs, which takes a
+                            millisecond */
 };
 
-/* In the order of enum query_family. In make soak each has `blocks` of each
- * kind and precision, more where a query costs a few microseconds than where
- * all tiers and GMP's roots are needed; in make check one. */
+/* The families, in the order of enum query_family. `make soak` runs `blocks`
+ * blocks of each kind and precision: more where a query takes a few
+ * microseconds, fewer where a query needs all tiers and GMP. `make check` runs
+ * one block. */
 static const struct {
     const char *name;
     int blocks;
@@ -45,8 +47,6 @@ static const struct {
     {"any exponents", 50},
 };
 
-/* ---- Rows ---- */
-
 static double now(clockid_t clock)
 {
     struct timespec t;
@@ -60,7 +60,8 @@ uint32_t soak_decide(struct soak *s, const struct query *q)
     double start = now(CLOCK_MONOTONIC);
     uint32_t toi = query_tier(q, &tier);
     double seconds = now(CLOCK_MONOTONIC) - start;
-    /* An interruption is no query's fault: the least of some runs. */
+    /* Takes the shortest of several runs, since an interruption also takes
+     * time. */
     for (int k = 0; k < 5 && seconds > s->worst; k++) {
         start = now(CLOCK_THREAD_CPUTIME_ID);
         query_tier(q, &tier);
@@ -116,8 +117,6 @@ void soak_print(const char *name, const struct soak *s)
     fflush(stdout);
 }
 
-/* ---- Queries against the oracles ---- */
-
 static void print_query(const struct query *q)
 {
     double x[2][4][3];
@@ -128,7 +127,8 @@ static void print_query(const struct query *q)
     puts("");
 }
 
-/* late: a contact before the answer's cell; early: none in it. */
+/* Counts late (the oracle's contact is before the answer's cell) and early (the
+ * answer's cell has no contact). */
 static void compare(struct soak *s, uint32_t toi, uint32_t truth)
 {
     s->missed += toi == NARROW_MISS && truth != ORC_NEVER;
@@ -155,7 +155,8 @@ static void ask(struct soak *s, const struct query *q, bool sample)
     }
 }
 
-/* For the fuzzer: one query of any family, or of any 24 finite numbers. */
+/* For the fuzzer: checks one query of any family, or of any 24 finite
+ * numbers. */
 const char *soak_query(struct bytes *b, int kind)
 {
     struct soak s = {0};
@@ -234,9 +235,10 @@ static const char *ask_all(bool all)
     return NULL;
 }
 
-/* §1: each family, all by GMP, some by CGAL: the same contacts at the same
- * times. Where DRAPE_SOAK is set, 10^7 of each kind, half of them in binary32,
- * and then the scenes are all of ../shared/ccd/queries. */
+/* §1: queries of each family have the same contacts at the same times as GMP's,
+ * a sample of them also as CGAL's. Where DRAPE_SOAK is set there are 10^7
+ * queries of each kind, half of them in binary32, and the real scenes are all
+ * public queries. */
 const char *test_narrow_soak(void)
 {
     bool all = getenv("DRAPE_SOAK");

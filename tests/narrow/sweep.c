@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* All candidate pairs of the shared frames, as tests/narrow/sweep.h says. */
+/* Finds all candidate pairs of the public frames by sorting and sweeping. See
+ * tests/narrow/sweep.h. */
 #include "tests/narrow/sweep.h"
 
 #include <stdio.h>
@@ -73,8 +74,8 @@ static bool overlap(const struct item *a, const struct item *b)
            b->lo.z <= a->hi.z;
 }
 
-/* The vertices of a pair in the narrow phase's order; false where it is no
- * pair, or one vertex is in both. */
+/* Writes the vertices of a pair in the narrow phase's order. Returns false if
+ * the items are no pair or share a vertex. */
 static bool join(const struct item *a, const struct item *b, int32_t v[4])
 {
     if (a->what == EDGE && b->what == EDGE) {
@@ -105,7 +106,7 @@ static void sweep(struct sweep *s)
     }
 }
 
-/* Vertices with faces, then edges with edges. */
+/* Sweeps vertices with faces, then edges with edges. */
 bool frames_sweep(const struct frames *f,
                   void (*pair)(void *user, int kind, const int32_t v[4]),
                   void *user)
@@ -126,8 +127,6 @@ bool frames_sweep(const struct frames *f,
     free(s.item);
     return true;
 }
-
-/* ---- Scenes ---- */
 
 bool frames_read(const char *name, struct frames *f)
 {
@@ -160,7 +159,7 @@ void frames_slab(struct frames *f, int parts)
     f->from = parts ? f->from : -HUGE_VAL;
 }
 
-/* Where the box of n vertices begins. */
+/* Returns the lower end, on x, of the box of n vertices. */
 static real begin(const struct frames *f, const int32_t *v, int n)
 {
     real lo = f->at[0].x[v[0]].x;

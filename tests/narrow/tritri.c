@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Exact signs and pairs of triangles. spec/narrow/audit.md §1, §2 */
+/* Tests the exact orientation predicates and the triangle-triangle test.
+ * spec/narrow/audit.md §1, §2 */
 #include "ref/narrow/tritri.h"
 
 #include "oracle/oracle.h"
@@ -22,7 +23,8 @@ static void coordinates(struct bytes *b, double *p, int n)
                            : (double)pick(b, 3) / 8 + (double)pick_real(b, 1);
 }
 
-/* d = a + (b - a)·i/4 + (c - a)·j/4, rounded: near the plane of a b c. */
+/* Makes d = a + (b - a)·i/4 + (c - a)·j/4, rounded, which is near the plane of
+ * a b c. */
 static void near_plane(struct bytes *b, double p[4][3])
 {
     double i = (double)pick(b, 5) / 4, j = (double)pick(b, 5) / 4;
@@ -30,8 +32,8 @@ static void near_plane(struct bytes *b, double p[4][3])
         p[3][k] = p[0][k] + (p[1][k] - p[0][k]) * i + (p[2][k] - p[0][k]) * j;
 }
 
-/* §2: with and without the filter, and CGAL, say the same; a swap negates,
- * a turn does not. */
+/* §2: the predicates with and without the filter, and CGAL's, agree. Swapping
+ * two points negates the sign; a cyclic shift keeps it. */
 const char *test_audit_signs(void)
 {
     for (int k = 0; k < 5000; k++) {
@@ -65,7 +67,8 @@ static bool meet(const struct face *t, const struct face *s)
     return ref_tritri(t, &of_t, s);
 }
 
-/* Two triangles on a lattice that share corners as their numbers say. */
+/* Picks two triangles on a lattice that share the corners with equal
+ * numbers. */
 static bool pick_two(struct bytes *b, struct face f[2])
 {
     double place[6][3];
@@ -80,7 +83,7 @@ static bool pick_two(struct bytes *b, struct face f[2])
     return !ref_collinear(&f[0]) && !ref_collinear(&f[1]);
 }
 
-/* Another order of the corners; the same points moved or scaled. */
+/* Changes the order of the corners, and moves and scales the points. */
 static void change(struct bytes *b, struct face *f, double by, double scale,
                    const double move[3])
 {
@@ -94,8 +97,8 @@ static void change(struct bytes *b, struct face *f, double by, double scale,
     }
 }
 
-/* §1: no order of triangles or corners matters, nor a mirror, a power of two
- * or a move that rounds nothing. */
+/* §1: the result does not depend on the order of triangles or corners, nor on a
+ * reflection, a scaling by a power of two or an exact translation. */
 const char *test_audit_invariance(void)
 {
     for (int k = 0; k < 20000; k++) {
@@ -119,7 +122,8 @@ const char *test_audit_invariance(void)
     return NULL;
 }
 
-/* By hand: the places of vertices 0 … 5, the triangle 0 1 2 and another. */
+/* Cases by hand: the positions of vertices 0 … 5, and the triangle that is
+ * tested with triangle 0 1 2. */
 static const struct {
     double p[6][3];
     int32_t v[3];
@@ -162,7 +166,7 @@ static const struct {
     {{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {4, 0, 0}, {8, 0, 0}, {8, -1, 0}},
      {3, 4, 5},
      true},
-    /* one shared: apart, through the face, over it, along its edge */
+    /* one shared: apart, through the face, above it, along its edge */
     {{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0}, {-1, 0, 1}, {-1, 1, 1}},
      {0, 4, 5},
      false},
@@ -178,7 +182,7 @@ static const struct {
     {{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0}, {-1, 1, 0}, {-1, -1, 0}},
      {0, 4, 5},
      false},
-    /* two shared: flat, bent, folded flat; three: the same again */
+    /* two shared: flat, bent, folded flat; three: the same triangle */
     {{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0}, {0}, {1, -1, 0}}, {0, 1, 5}, false},
     {{{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0}, {0}, {0, 1, 0x1p-60}},
      {1, 0, 5},
