@@ -67,10 +67,10 @@ REF    := $(sort $(filter-out $(API),$(wildcard ref/*/*.c)))
 ONCE   := tests/base/check.c tests/base/case.c tests/base/certify.c tests/base/choices.c \
           tests/base/device.c tests/base/tally.c
 TWICE  := $(sort $(filter-out $(ONCE) tests/whole/%,$(wildcard tests/*/*.c)))
-# Kernels; but for memory.cu and tape.cu, these are CUDA's own, which
-# gpu/emulate*.cpp replace.
-DEVICE := gpu/run/blas.cu gpu/run/device.cu gpu/run/loop.cu gpu/run/memory.cu gpu/run/prim.cu \
-          gpu/run/reel.cu gpu/run/tape.cu
+# Kernels; but for memory.cu, these are CUDA's own, which emulate*.cpp
+# replace.
+DEVICE := gpu/compare/blas.cu $(addprefix gpu/run/,device.cu loop.cu memory.cu \
+          prim.cu)
 KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
@@ -92,9 +92,8 @@ ROOT   ?= $(BUILD)
 EMU_IN ?= $(BUILD)
 EMU_O  := $(patsubst $(BUILD)/%,$(EMU_IN)/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(BUILD)/gpu/run/emulate.o \
-          $(BUILD)/gpu/run/emulate_blas.o $(BUILD)/gpu/run/emulate_reel.o \
           $(BUILD)/gpu/run/emulate_threads.o $(BUILD)/gpu/run/memory.o \
-          $(BUILD)/gpu/run/tape.o)
+          $(BUILD)/gpu/compare/emulate_blas.o)
 CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(call obj,$(DEVICE),))
 # Without their libraries one file stands in for all oracles but brute force.

@@ -67,7 +67,7 @@ static void put_step(FILE *out, const drape_step_report *s)
     put_number(out, "kinetic", s->kinetic);
     put_number(out, "elastic", s->elastic);
     put_number(out, "potential", s->potential);
-    fprintf(out, ", \"graphs\": %d, \"seconds\": {", s->graphs);
+    fputs(", \"seconds\": {", out);
     put_parts(out, s->seconds);
     fputs("}, ", out);
     report_work(&s->work, work);
@@ -96,10 +96,9 @@ static void put_summary(FILE *out, const struct report *report)
     text_put_number(out, "%.6g", report->seconds);
     fprintf(out,
             ", \"most_contacts\": %lld, \"most_rounds\": %lld, "
-            "\"most_iterations\": %lld, \"graphs\": %lld,\n    "
-            "\"outcomes\": {",
-            (long long)t.contacts, (long long)t.rounds, (long long)t.iterations,
-            (long long)t.graphs);
+            "\"most_iterations\": %lld,\n    \"outcomes\": {",
+            (long long)t.contacts, (long long)t.rounds,
+            (long long)t.iterations);
     for (int j = 0; j < OUTCOMES; j++)
         fprintf(out, "%s\"%s\": %lld", j ? ", " : "", outcomes[j].name,
                 (long long)t.outcome[j]);

@@ -99,7 +99,6 @@ void report_sum(const struct report *report, struct totals *t)
         for (int j = 0; j < WORKS; j++)
             t->work[j] += work[j];
         t->all_rounds += s->rounds;
-        t->graphs += s->graphs;
         t->contacts = larger(t->contacts, s->contacts);
         t->rounds = larger(t->rounds, s->rounds);
         t->iterations = larger(t->iterations, s->iterations);

@@ -55,7 +55,7 @@ digests() { [ ! -f "$dir/trace.csv" ] || cut -d, -f1-3 "$dir/trace.csv"; }
 ends() {
     sha256sum "$dir"/frames/cloth_*.ply |
         awk 'NR > 1 { print NR - 2 ",state," $1 }'
-    sed -n 's/"graphs": [0-9]*, "seconds": {[^}]*}, //; s/,/;/g; s/^ *{"step": //p' \
+    sed -n 's/"seconds": {[^}]*}, //; s/,/;/g; s/^ *{"step": //p' \
         "$dir/report.json" | awk '{ print $1 - 1 ",report," $0 }'
 }
 

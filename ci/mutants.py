@@ -31,7 +31,7 @@ import time
 from mutate import mutants_of, twins_of
 
 # Of gpu/, what emulation replaces or is.
-ABSENT = re.compile(r'gpu/(emulate.*|(blas|cublas|device|loop|prim|reel|trace|'
+ABSENT = re.compile(r'gpu/\w+/(emulate.*|(blas|cublas|device|loop|prim|trace|'
                     r'absent)\.\w+|.*\.h|bulk\.cuh)$')
 
 
@@ -182,7 +182,7 @@ class Workshop:
 
 # Slowest last; these by themselves, before all others, find most.
 SLOW = ('embed_lost', 'embed_memory', 'embed_lent', 'fused', 'motion_device',
-        'tape', 'narrow_soak')
+        'device_steps', 'narrow_soak')
 
 
 def checks(mutant, quick):

@@ -22,8 +22,8 @@ static void draw_name(struct bytes *b, char name[64])
 /* A step's report of any numbers; counts are no larger than counts can be. */
 static void draw_step(struct bytes *b, drape_step_report *s)
 {
-    int *few[] = {&s->slices, &s->substeps,   &s->iterations,  &s->rounds,
-                  &s->graphs, &s->work.tries, &s->work.solves, &s->work.narrow};
+    int *few[] = {&s->slices,     &s->substeps,    &s->iterations, &s->rounds,
+                  &s->work.tries, &s->work.solves, &s->work.narrow};
     int64_t *many[] = {&s->contacts,      &s->impacts,      &s->candidates,
                        &s->zone_vertices, &s->rolled_back,  &s->work.boxes,
                        &s->work.walked,   &s->work.cleared, &s->work.later};

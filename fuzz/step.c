@@ -18,7 +18,6 @@ static bool reports_same(drape_step_report a, drape_step_report b, bool fresh)
 {
     memset(a.seconds, 0, sizeof a.seconds);
     memset(b.seconds, 0, sizeof b.seconds);
-    a.graphs = b.graphs = 0;
     if (fresh)
         a.work = b.work;
     const char *p = (const char *)&a, *q = (const char *)&b;

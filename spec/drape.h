@@ -247,8 +247,6 @@ typedef struct drape_step_report {
     double residual;    /* relative, the worst of its solves */
     int rounds;         /* of penetration, the last finds nothing; 0 where
                            nothing was near anything */
-    int graphs;         /* of work.tries, those that a device did in one launch;
-                           as seconds, not the same on both backends */
     int64_t contacts;   /* pairs in proximity, of the last slice */
     int64_t impacts;    /* pairs that penetrated, all rounds */
     int64_t candidates; /* pairs given to the narrow phase, all rounds; this,

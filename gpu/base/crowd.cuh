@@ -21,11 +21,9 @@
         config_.blockDim = {(unsigned)(threads), 1, 1};                        \
         config_.attrs = &together_;                                            \
         config_.numAttrs = 1;                                                  \
-        EACH_QUEUE(g, kernel)                                                  \
-        {                                                                      \
-            config_.stream = (g)->stream;                                      \
+        config_.stream = (g)->stream;                                          \
+        if (!(g)->failed)                                                      \
             gpu_note((g), cudaLaunchKernelEx(&config_, kernel, __VA_ARGS__));  \
-        }                                                                      \
     } while (0)
 
 static __device__ inline void crowd_sync(void)

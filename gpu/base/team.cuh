@@ -22,15 +22,12 @@ enum { WARP = 32 };
         config_.dynamicSmemBytes = (size_t)(bytes);                            \
         config_.attrs = &cluster_;                                             \
         config_.numAttrs = (g)->ranks > 1 ? 1 : 0;                             \
-        EACH_QUEUE(g, kernel)                                                  \
-        {                                                                      \
-            config_.stream = (g)->stream;                                      \
+        config_.stream = (g)->stream;                                          \
+        if (!(g)->failed)                                                      \
             gpu_note((g), gpu_allow_team((g), (const void *)(kernel),          \
                                          (bytes) > 0));                        \
-            if (!(g)->failed)                                                  \
-                gpu_note((g),                                                  \
-                         cudaLaunchKernelEx(&config_, kernel, __VA_ARGS__));   \
-        }                                                                      \
+        if (!(g)->failed)                                                      \
+            gpu_note((g), cudaLaunchKernelEx(&config_, kernel, __VA_ARGS__));  \
     } while (0)
 
 static __device__ inline int team_rank(void)
@@ -129,8 +126,8 @@ template <int LEFT> static __device__ inline void copies_end(void)
         int ranks_ = (bytes) > (g)->room ? 0 : (g)->ranks;                     \
         int threads_ = (int)(threads);                                         \
         auto call_ = emulate_bind(kernel, __VA_ARGS__);                        \
-        emulate_queue((g), (const void *)(kernel),                             \
-                      [=] { emulate_team(ranks_, threads_, call_); });         \
+        if (!(g)->failed)                                                      \
+            emulate_team(ranks_, threads_, call_);                             \
     } while (0)
 
 static inline int team_ranks(void)
@@ -206,15 +203,6 @@ static __device__ inline vec lane_below(vec a)
 static __device__ inline double lane_value(double value, int lane)
 {
     return __shfl_sync(0xffffffffu, value, lane);
-}
-
-/* A whole B by such copies. */
-template <class B>
-static __device__ inline void copy_whole(B *to, const B *from)
-{
-    UNROLL
-    for (int k = 0; k < (int)(sizeof *to / sizeof(double)); k++)
-        copy_ahead((double *)to + k, (const double *)from + k);
 }
 
 /* The threads of a team, warp after warp of rank after rank: as all take long,

@@ -3,7 +3,7 @@
  * spec/broad/broad.md, spec/gpu.md §6 */
 #include "gpu/broad/bvtt.cuh"
 #include "gpu/broad/refit.cuh"
-#include "gpu/run/tape.cuh"
+#include "gpu/run/gpu.cuh"
 #include "gpu/world/world.h"
 
 /* ---- Room: what a pool held is lost when it grows ---- */
@@ -244,10 +244,9 @@ static int walk(struct gpu *g, struct broad *b)
 /* Candidates of the pairs of triangles, by a stage that has its inputs. */
 static int find(struct gpu *g, struct broad *b, struct features *s)
 {
-    int64_t n = gpu_room(g, s->n);
-    int status = grow_pairs(g, &b->mask, n, sizeof *s->mask);
+    int status = grow_pairs(g, &b->mask, s->n, sizeof *s->mask);
     if (status == DRAPE_OK)
-        status = grow_pairs(g, &b->sum, 2 * blocks_of(n), sizeof *s->sum);
+        status = grow_pairs(g, &b->sum, 2 * blocks_of(s->n), sizeof *s->sum);
     while (status == DRAPE_OK) {
         s->mask = (uint16_t *)b->mask.data;
         s->sum = (int64_t *)b->sum.data;
@@ -335,8 +334,6 @@ int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
     b->r = r;
     b->moved = moved;
     b->later = moved && b->started && b->n_front > 0;
-    if (!b->later) /* it moves the front from where that is */
-        gpu_once(g);
     /* No pair may meet by boxes that are not made yet, and no trace goes on
      * from bad numbers. */
     bool now = !b->started || b->trace;

@@ -3,7 +3,6 @@
  * spec/broad/features.md */
 #include "gpu/base/last.cuh"
 #include "gpu/broad/bvtt.cuh"
-#include "gpu/run/tape.cuh"
 
 /* §1: bits of a mask that are of a vertex and a face, and all. */
 enum { VF_BITS = 6, VF_MASK = (1 << VF_BITS) - 1, BITS = 15 };
@@ -110,12 +109,11 @@ static __device__ uint32_t look(const struct features *s, real reach,
  * candidates they make to sum[k] (vertex-face) and sum[blocks + k]; the one
  * that ends last, where the candidates of a block and kind begin. */
 static __global__ void __launch_bounds__(BVTT_BLOCK)
-    features_look_kernel(struct features s, struct amount n, real reach,
-                         int64_t *word)
+    features_look_kernel(struct features s, real reach, int64_t *word)
 {
     int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
     uint32_t mask = 0, total;
-    if (k < number(n)) {
+    if (k < s.n) {
         mask = look(&s, reach, fetch_duo(&s.both[k]));
         s.mask[k] = (uint16_t)mask;
     }
@@ -177,13 +175,12 @@ static __device__ struct quad vertices(const struct corners &f,
  * places on. One scan went over both halves of sum, so that the edges' begin
  * after all vertex-face. */
 static __global__ void __launch_bounds__(BVTT_BLOCK)
-    features_emit_kernel(struct features s, struct amount n,
-                         const int64_t *word)
+    features_emit_kernel(struct features s, const int64_t *word)
 {
     if (!word[WORD_DONE])
         return;
     int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
-    uint32_t mask = k < number(n) ? s.mask[k] : 0, total;
+    uint32_t mask = k < s.n ? s.mask[k] : 0, total;
     uint32_t vf = (uint32_t)__popc(mask & VF_MASK);
     uint32_t ee = (uint32_t)__popc(mask >> VF_BITS);
     uint32_t before = block_scan((int)threadIdx.x, vf | ee << 16, &total);
@@ -206,19 +203,15 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
 
 int gpu_features(struct gpu *g, struct features *s)
 {
-    struct amount n = gpu_amount(g, s->n);
-    int64_t blocks = blocks_of(n.most);
+    int64_t blocks = blocks_of(s->n);
     s->n_pair = s->n_vf = 0;
     if (!(s->r >= 0 && s->r <= REAL_BIG))
         return DRAPE_EDATA;
     int64_t *word = gpu_words(g);
-    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_look_kernel, *s, n,
+    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_look_kernel, *s,
                   reach_of(s->r), word);
-    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_emit_kernel, *s, n, word);
+    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_emit_kernel, *s, word);
     const int64_t *seen = gpu_read_words(g, WORDS);
-    gpu_expect_room(g, WORD_NEED, s->cap);
-    gpu_expect_some(g, WORD_DONE, s->cap);
-    g->found = gpu_kept(g, WORD_DONE);
     if (gpu_status(g) != DRAPE_OK)
         return gpu_status(g);
     s->need = seen[WORD_VF] + seen[WORD_EE];

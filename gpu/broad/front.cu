@@ -2,7 +2,6 @@
 /* Moves the front of node pairs to where the boxes now are.
  * spec/broad/front.md */
 #include "gpu/broad/passes.cuh"
-#include "gpu/run/tape.cuh"
 
 /* What becomes of a pair in a pass. */
 enum { TEST, KEEP, SPLIT };
@@ -156,10 +155,8 @@ static __device__ int64_t settle(const struct front *s, struct pass *p)
 
 template <int BLOCKS, bool CROWD>
 static __global__ void PASSES_BOUNDS(BLOCKS)
-    front_kernel(const __grid_constant__ struct front s, struct pass p,
-                 struct amount n)
+    front_kernel(const __grid_constant__ struct front s, struct pass p)
 {
-    p.n = number(n);
     EACH_PAIR(k, p.n)
     raise(&s, &p, k);
     meet<CROWD>();
@@ -175,23 +172,14 @@ static __global__ void PASSES_BOUNDS(BLOCKS)
 int gpu_front(struct gpu *g, struct front *s)
 {
     struct pass p = {s->pair, s->other,          s->act, s->act_other,
-                     0,       reach_of(s->in.r), {},     NULL};
-    struct amount n = {s->n, NULL};
+                     s->n,    reach_of(s->in.r), {},     NULL};
     if (!(s->in.r >= 0 && s->in.r <= REAL_BIG))
         return DRAPE_EDATA;
     if (!take_tiles(g, s->cap, &p.tiles))
         return gpu_status(g);
     p.word = gpu_words(g);
-    const int64_t *last = gpu_recall(g, s->pair);
-    if (g->tape != TAPE_OFF)
-        n = {s->cap, last ? last : gpu_told(g)};
-    LAUNCH_PASSES(g, gpu_recorded(g, s->n), front_kernel, *s, p, n);
+    LAUNCH_PASSES(g, s->n, front_kernel, *s, p);
     const int64_t *seen = gpu_read_words(g, WORDS);
-    gpu_expect_room(g, WORD_NEED, s->cap);
-    gpu_expect(g, WORD_N, 1, s->cap);
-    gpu_expect_no_late(g);
-    gpu_keep(g, s->pair, WORD_N);
-    g->found = gpu_kept(g, WORD_N);
     s->visited = s->n + seen[WORD_TESTED];
     s->need = seen[WORD_NEED];
     s->n = seen[WORD_N];

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Walks from the front down to pairs of triangles. spec/broad/walk.md */
 #include "gpu/broad/passes.cuh"
-#include "gpu/run/tape.cuh"
 
 /* The most pairs of nodes that a pass makes, the pairs of triangles, items
  * looked into, pairs that cones stop, tiles with a child that is no leaf. */
@@ -229,10 +228,9 @@ static __device__ int64_t go_down(const struct walk *s, struct pass *p,
 template <int BLOCKS, bool CROWD>
 static __global__ void PASSES_BOUNDS(BLOCKS)
     walk_kernel(const __grid_constant__ struct walk s, struct pass p,
-                struct amount n, real reach)
+                real reach)
 {
     enum { SHARE = BLOCKS > 1 ? 1 : FOURS };
-    p.n = number(n);
     int64_t visited = 0, triangles = 0;
     int64_t need = go_down<SHARE, CROWD>(&s, &p, reach, &visited);
     if (need <= s.cap) {
@@ -250,8 +248,7 @@ static __global__ void PASSES_BOUNDS(BLOCKS)
 
 int gpu_walk(struct gpu *g, struct walk *s)
 {
-    struct pass p = {s->front, 0, s->pair, true, {}, NULL};
-    struct amount n = {s->n_front, NULL};
+    struct pass p = {s->front, s->n_front, s->pair, true, {}, NULL};
     if (!(s->in.r >= 0 && s->in.r <= REAL_BIG))
         return DRAPE_EDATA;
     s->n_tri = s->need_tri = s->visited = s->cleared = 0;
@@ -261,15 +258,8 @@ int gpu_walk(struct gpu *g, struct walk *s)
     if (!take_tiles(g, s->cap, &p.tiles))
         return gpu_status(g);
     p.word = gpu_words(g);
-    if (g->tape != TAPE_OFF)
-        n = {s->cap, gpu_recall(g, s->front)};
-    LAUNCH_PASSES(g, gpu_recorded(g, s->n_front), walk_kernel, *s, p, n,
-                  reach_of(s->in.r));
+    LAUNCH_PASSES(g, s->n_front, walk_kernel, *s, p, reach_of(s->in.r));
     const int64_t *seen = gpu_read_words(g, WORDS);
-    gpu_expect_room(g, WORD_NEED, s->cap);
-    gpu_expect_some(g, WORD_TRI, s->cap_tri);
-    gpu_expect_no_late(g);
-    g->found = gpu_kept(g, WORD_TRI);
     if (gpu_status(g) != DRAPE_OK)
         return gpu_status(g);
     s->need = seen[WORD_NEED];

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The explicit methods as sequences of springs and advance, fused where nothing
  * traces them; substeps in turns of a loop that the device ends.
- * spec/cloth/advance.md §2, spec/gpu.md §14 */
+ * spec/cloth/advance.md §2, spec/gpu.md §13 */
 #include "gpu/cloth/advance.cuh"
 #include "gpu/cloth/motion.cuh"
 #include "gpu/cloth/springs.cuh"

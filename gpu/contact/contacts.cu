@@ -3,7 +3,6 @@
  * spec/contact/contacts.md */
 #include "gpu/base/crowd.cuh"
 #include "gpu/contact/contacts.cuh"
-#include "gpu/contact/impulses.cuh"
 #include "gpu/contact/incidence.cuh"
 
 /* Up to so many contacts a rank are a team's, whose barriers are short; more,
@@ -55,10 +54,9 @@ static __device__ void solve_normal(struct mass_splitting &m, int64_t n,
 
 template <bool CROWD>
 static __global__ void __launch_bounds__(TEAM_BLOCK)
-    contacts_kernel(struct mass_splitting m, struct amount some,
-                    const int64_t *words)
+    contacts_kernel(struct mass_splitting m, const int64_t *words)
 {
-    int64_t n = words[INCIDENCE_BAD] ? 0 : number(some);
+    int64_t n = words[INCIDENCE_BAD] ? 0 : m.s.n;
     int64_t touched = words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
     m.s.keep = 0;
     pass<CROWD, stay>(m, touched);
@@ -75,34 +73,23 @@ static __global__ void __launch_bounds__(TEAM_BLOCK)
 
 int gpu_contacts(struct gpu *g, struct contacts *s)
 {
-    struct amount unused;
-    return gpu_contacts_of(g, s, amount{s->n, NULL}, &unused);
-}
-
-int gpu_contacts_of(struct gpu *g, struct contacts *s, struct amount n,
-                    struct amount *vertices)
-{
     if (s->iterations < 0 || s->nv1 != s->nv + 1 || s->n4 != 4 * s->n ||
         s->n4 > INT32_MAX)
         return DRAPE_EARG;
     struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
                            s->start, s->item, s->vertex, 0};
     int64_t *words = gpu_words(g);
-    struct mass_splitting m = {*s, gpu_incidence(g, &by, n, words), NULL,
+    struct mass_splitting m = {*s, gpu_incidence(g, &by, words), NULL,
                                words + INCIDENCE_WORDS}; /* §1 */
     m.pushed = (struct pushed *)gpu_scratch(g, SLOT_STAGE + 3, s->n4,
                                             sizeof *m.pushed);
     gpu_clear(g, m.pushed, (size_t)s->n4 * sizeof *m.pushed);
     gpu_clear(g, s->stirred, (size_t)s->nv);
-    if (gpu_recorded(g, s->n) < (int64_t)g->ranks * RANK_CONTACTS)
-        LAUNCH_TEAM(g, TEAM_BLOCK, 0, contacts_kernel<false>, m, n, words);
+    if (s->n < (int64_t)g->ranks * RANK_CONTACTS)
+        LAUNCH_TEAM(g, TEAM_BLOCK, 0, contacts_kernel<false>, m, words);
     else
-        LAUNCH_CROWD(g, 1, TEAM_BLOCK, contacts_kernel<true>, m, n, words);
+        LAUNCH_CROWD(g, 1, TEAM_BLOCK, contacts_kernel<true>, m, words);
     const int64_t *seen = gpu_read_words(g, INCIDENCE_WORDS + 1);
     s->vertices = seen[INCIDENCE_VERTICES];
-    *vertices = {s->vertices, gpu_kept(g, INCIDENCE_VERTICES)};
-    if (vertices->at)
-        vertices->most = s->nv < s->n4 ? s->nv : s->n4;
-    gpu_expect(g, INCIDENCE_BAD, 0, 0);
     return seen[INCIDENCE_BAD] ? DRAPE_EARG : gpu_status(g);
 }

@@ -2,7 +2,6 @@
 /* Selects the candidates that touch. spec/contact/impacts.md */
 #include "gpu/base/place.cuh"
 #include "gpu/contact/contact.cuh"
-#include "gpu/run/tape.cuh"
 
 #include "ref/contact/impacts.h"
 #include "ref/narrow/narrow.h"
@@ -23,9 +22,9 @@ struct asked {
 /* §1. Thread k owns candidate k: reads toi[k], and where it touches its
  * vertices' w; writes at[k]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    impacts_decide_kernel(struct impacts s, struct amount n, int64_t *words)
+    impacts_decide_kernel(struct impacts s, int64_t *words)
 {
-    ITEM(k, number(n));
+    ITEM(k, s.n);
     int32_t v[4];
     load_pair(s.pair, k, v);
     if (!in_range(v, s.nv) || s.kind[k] > CONTACT_EE) {
@@ -44,12 +43,11 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* A block owns PLACE_BLOCK candidates: how many are `want`. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
-    impacts_count_kernel(struct impacts s, struct amount n, int32_t want,
-                         int64_t *first)
+    impacts_count_kernel(struct impacts s, int32_t want, int64_t *first)
 {
     int64_t k = place_item();
     int count;
-    block_place(k < number(n) && s.at[k] == want, &count);
+    block_place(k < s.n && s.at[k] == want, &count);
     if (threadIdx.x == 0)
         first[blockIdx.x] = count;
 }
@@ -84,10 +82,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* A block owns PLACE_BLOCK candidates: its hits go to their place. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
-    impacts_emit_kernel(struct impacts s, struct amount n, const int64_t *first)
+    impacts_emit_kernel(struct impacts s, const int64_t *first)
 {
     int64_t k = place_item();
-    bool hit = k < number(n) && s.at[k] == HIT;
+    bool hit = k < s.n && s.at[k] == HIT;
     int count;
     int64_t at = block_place(hit, &count) + first[blockIdx.x];
     if (!hit)
@@ -98,13 +96,12 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
 }
 
 /* Where each block's candidates that are `want` go. */
-static int64_t *place(struct gpu *g, const struct impacts *s, struct amount n,
-                      int32_t want)
+static int64_t *place(struct gpu *g, const struct impacts *s, int32_t want)
 {
-    int64_t blocks = place_blocks(n.most);
+    int64_t blocks = place_blocks(s->n);
     int64_t *first =
         (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks, sizeof *first);
-    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, impacts_count_kernel, *s, n, want,
+    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, impacts_count_kernel, *s, want,
                   first);
     gpu_scan(g, first, blocks);
     return first;
@@ -123,7 +120,7 @@ static int ask(struct gpu *g, struct impacts *s, int64_t n)
     a.toi = (uint32_t *)(room + 5 * n);
     a.kind = (uint8_t *)(room + 6 * n);
     a.tier = a.kind + n;
-    int64_t *first = place(g, s, amount{s->n, NULL}, ASKED);
+    int64_t *first = place(g, s, ASKED);
     LAUNCH_BLOCKS(g, place_blocks(s->n), PLACE_BLOCK, impacts_ask_kernel, *s,
                   first, a);
     struct narrow m = {.n = n,
@@ -146,16 +143,8 @@ static int ask(struct gpu *g, struct impacts *s, int64_t n)
 int gpu_impacts(struct gpu *g, struct impacts *s)
 {
     int64_t *words = gpu_words(g);
-    struct amount n = gpu_amount(g, s->n);
-    LAUNCH(g, n.most, impacts_decide_kernel, *s, n, words);
+    LAUNCH(g, s->n, impacts_decide_kernel, *s, words);
     const int64_t *seen = gpu_read_words(g, WORDS);
-    gpu_expect(g, BAD, 0, 0);
-    gpu_expect(g, LED, 0, 0);
-    gpu_expect(g, ASKS, 0, 0);
-    gpu_expect_some(g, HITS, s->cap);
-    g->found = gpu_kept(g, HITS);
-    if (seen[HITS]) /* a round is next, which moves something */
-        gpu_fence(g);
     if (seen[BAD])
         return DRAPE_EARG;
     int64_t asks = seen[ASKS];
@@ -169,8 +158,8 @@ int gpu_impacts(struct gpu *g, struct impacts *s)
         return DRAPE_EFULL;
     if (!s->found || status != DRAPE_OK)
         return status;
-    int64_t *first = place(g, s, n, HIT);
-    LAUNCH_BLOCKS(g, place_blocks(n.most), PLACE_BLOCK, impacts_emit_kernel, *s,
-                  n, first);
+    int64_t *first = place(g, s, HIT);
+    LAUNCH_BLOCKS(g, place_blocks(s->n), PLACE_BLOCK, impacts_emit_kernel, *s,
+                  first);
     return gpu_status(g);
 }

@@ -5,22 +5,11 @@
 #include "gpu/base/scan.cuh"
 #include "gpu/contact/closest.cuh"
 #include "gpu/contact/contact.cuh"
-#include "gpu/contact/impulses.cuh"
 
 #include "ref/contact/impulses.h"
 
-/* MORE: 1: more than were active; TICKET: for ends_last. */
-enum { BAD, FOUND, MORE, TICKET, WORDS };
-
-/* What there is: impacts, and active contacts. */
-struct both {
-    struct amount impacts, active;
-};
-
-static __device__ int64_t all_of(const struct both &n)
-{
-    return number(n.impacts) + number(n.active);
-}
+/* TICKET: for ends_last. */
+enum { BAD, FOUND, TICKET, WORDS };
 
 /* ---- §1 Identity ---- */
 
@@ -46,20 +35,15 @@ static __device__ struct key identity(const int32_t v[4], int64_t kind,
     return r;
 }
 
-/* Thread k owns key k: of active[k], or of an impact behind these; those behind
- * all come last. */
+/* Thread k owns key k: of active[k], or of an impact behind these. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    impulses_key_kernel(struct impulses s, struct both n, int64_t *words)
+    impulses_key_kernel(struct impulses s, int64_t *words)
 {
-    ITEM(k, n.impacts.most + n.active.most);
-    int64_t active = number(n.active), j = k - active;
+    ITEM(k, s.n_all);
+    int64_t j = k - s.n_active;
     if (j < 0) {
         struct contact c = s.active[k];
         s.key[k] = identity(c.v, c.kind, k);
-        return;
-    }
-    if (j >= number(n.impacts)) {
-        s.key[k] = {UINT64_MAX, UINT64_MAX, k};
         return;
     }
     int32_t v[4];
@@ -148,74 +132,57 @@ static __device__ bool stays(const struct key *key, int64_t n, int64_t k)
 /* A block owns PLACE_BLOCK sorted keys: how many of them stay; the one that
  * ends last, where those of each begin. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
-    impulses_count_kernel(const struct key *key, struct both n, int64_t *first,
+    impulses_count_kernel(const struct key *key, int64_t n, int64_t *first,
                           int64_t *words)
 {
     int count;
-    block_place(stays(key, all_of(n), place_item()), &count);
+    block_place(stays(key, n, place_item()), &count);
     if (threadIdx.x == 0) {
         first[blockIdx.x] = count;
         count_up(&words[FOUND], count);
     }
-    if (!ends_last((unsigned *)&words[TICKET]))
-        return;
-    scan_blocks(first, (int64_t)gridDim.x);
-    if (threadIdx.x == 0)
-        words[MORE] = words[FOUND] > number(n.active);
+    if (ends_last((unsigned *)&words[TICKET]))
+        scan_blocks(first, (int64_t)gridDim.x);
 }
 
 /* A block owns PLACE_BLOCK sorted keys: the contacts of those that stay go to
  * their place. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
-    impulses_emit_kernel(struct impulses s, struct both n,
-                         const struct key *key, const int64_t *first)
+    impulses_emit_kernel(struct impulses s, const struct key *key,
+                         const int64_t *first)
 {
-    int64_t k = place_item(), active = number(n.active);
-    bool stay = stays(key, all_of(n), k);
+    int64_t k = place_item();
+    bool stay = stays(key, s.n_all, k);
     int count;
     int64_t at = block_place(stay, &count) + first[blockIdx.x];
     if (!stay)
         return;
     int64_t item = key[k].item;
-    if (item < active)
+    if (item < s.n_active)
         s.contact[at] = s.active[item];
     else
-        s.contact[at] = contact_of(&s, item - active);
+        s.contact[at] = contact_of(&s, item - s.n_active);
 }
 
 int gpu_impulses(struct gpu *g, struct impulses *s)
 {
-    return gpu_impulses_of(g, s, amount{s->n, NULL}, amount{s->n_active, NULL});
-}
-
-int gpu_impulses_of(struct gpu *g, struct impulses *s, struct amount impacts,
-                    struct amount active)
-{
-    struct both n = {impacts, active};
-    int64_t most = impacts.most + active.most;
     if (!(s->dt > 0 && s->dt <= REAL_BIG && s->margin >= 0) ||
-        s->n_all != s->n + s->n_active || most > INT32_MAX / 4)
+        s->n_all != s->n + s->n_active || s->n_all > INT32_MAX / 4)
         return DRAPE_EARG;
-    int64_t blocks = place_blocks(most);
+    int64_t blocks = place_blocks(s->n_all);
     int64_t *words = gpu_words(g);
     int64_t *first =
         (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks, sizeof *first);
-    LAUNCH(g, most, impulses_key_kernel, *s, n, words);
-    struct key *key = gpu_sort_padded(g, most, s->key, s->spare);
-    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, impulses_count_kernel, key, n, first,
-                  words);
+    LAUNCH(g, s->n_all, impulses_key_kernel, *s, words);
+    struct key *key = gpu_sort(g, s->n_all, s->key, s->spare);
+    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, impulses_count_kernel, key, s->n_all,
+                  first, words);
     const int64_t *seen = gpu_read_words(g, WORDS);
-    gpu_expect(g, BAD, 0, 0);
-    gpu_expect_some(g, FOUND, s->cap);
-    gpu_expect(g, MORE, seen[MORE], seen[MORE]);
-    g->found = gpu_kept(g, FOUND);
-    gpu_fence(g);
     if (seen[BAD])
         return DRAPE_EARG;
     s->found = seen[FOUND];
     if (s->found > s->cap)
         return DRAPE_EFULL;
-    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, impulses_emit_kernel, *s, n, key,
-                  first);
+    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, impulses_emit_kernel, *s, key, first);
     return gpu_status(g);
 }

@@ -22,10 +22,9 @@ static __device__ bool pushes(const struct incidence *s, int64_t item,
 
 /* Thread k owns item k: writes rank[k]; its vertex's word by atomics. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    incidence_count_kernel(struct incidence s, struct amount n, struct lists l,
-                           int64_t *words)
+    incidence_count_kernel(struct incidence s, struct lists l, int64_t *words)
 {
-    ITEM(k, 4 * number(n));
+    ITEM(k, 4 * s.n);
     int32_t i = s.contact[k / 4].v[k % 4];
     if (i < 0 || i >= s.nv) {
         words[INCIDENCE_BAD] = 1;
@@ -58,10 +57,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* Thread k owns item k: writes it among its vertex's. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    incidence_place_kernel(struct incidence s, struct amount n, struct lists l,
+    incidence_place_kernel(struct incidence s, struct lists l,
                            const int64_t *words)
 {
-    ITEM(k, 4 * number(n));
+    ITEM(k, 4 * s.n);
     int32_t i;
     if (!words[INCIDENCE_BAD] && pushes(&s, k, &i))
         l.any[s.start[i] + l.rank[k]] = (int32_t)k;
@@ -70,10 +69,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 /* Thread k owns place k of all lists: its item goes behind the lower ones of
  * its vertex. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    incidence_order_kernel(struct incidence s, struct amount n, struct lists l,
+    incidence_order_kernel(struct incidence s, struct lists l,
                            const int64_t *words)
 {
-    ITEM(k, 4 * number(n));
+    ITEM(k, 4 * s.n);
     if (words[INCIDENCE_BAD] || k >= s.start[s.nv])
         return;
     int32_t item = l.any[k], i = s.contact[item / 4].v[item % 4];
@@ -84,19 +83,18 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     l.rank[item] = at;
 }
 
-int32_t *gpu_incidence(struct gpu *g, const struct incidence *s,
-                       struct amount n, int64_t *words)
+int32_t *gpu_incidence(struct gpu *g, const struct incidence *s, int64_t *words)
 {
-    int64_t items = 4 * n.most;
+    int64_t items = 4 * s->n;
     struct lists l = {
         (int64_t *)gpu_scratch(g, SLOT_STAGE, s->nv + 1, sizeof *l.word),
         (int32_t *)gpu_scratch(g, SLOT_STAGE + 1, items, sizeof *l.rank),
         (int32_t *)gpu_scratch(g, SLOT_STAGE + 2, items, sizeof *l.any)};
     gpu_clear(g, l.word, (size_t)(s->nv + 1) * sizeof *l.word);
-    LAUNCH(g, items, incidence_count_kernel, *s, n, l, words);
+    LAUNCH(g, items, incidence_count_kernel, *s, l, words);
     gpu_scan(g, l.word, s->nv + 1);
     LAUNCH(g, s->nv + 1, incidence_start_kernel, *s, l, words);
-    LAUNCH(g, items, incidence_place_kernel, *s, n, l, words);
-    LAUNCH(g, items, incidence_order_kernel, *s, n, l, words);
+    LAUNCH(g, items, incidence_place_kernel, *s, l, words);
+    LAUNCH(g, items, incidence_order_kernel, *s, l, words);
     return l.rank;
 }

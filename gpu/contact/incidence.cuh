@@ -5,23 +5,21 @@
 #define GPU_INCIDENCE_CUH
 
 #include "gpu/contact/contact.cuh"
-#include "gpu/run/tape.cuh"
 #include "ref/contact/incidence.h"
 
 /* Words that gpu_incidence writes: whether a contact names no vertex, and
  * then nothing else is valid; free vertices in contact. */
 enum { INCIDENCE_BAD, INCIDENCE_VERTICES, INCIDENCE_WORDS };
 
-/* As ref_incidence of n contacts, for which there is room, but `vertices` goes
+/* As ref_incidence, but `vertices` goes
  * to words, which are zero before. Uses scratch slots 0 to 2. Returns where
  * each item [4 n] is in the lists, -1: it is not, in slot 1. */
 int32_t *gpu_incidence(struct gpu *g, const struct incidence *s,
-                       struct amount n, int64_t *words);
+                       int64_t *words);
 
 /* gpu_penalty, but what gpu_incidence writes stays in words; where a contact
  * is bad, force and hold are 0. */
 struct penalty;
-int gpu_penalty_queue(struct gpu *g, struct penalty *s, struct amount n,
-                      int64_t *words);
+int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words);
 
 #endif

@@ -71,10 +71,9 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 /* §1. Thread k owns contact k: reads guess, u, g and hold of its vertices,
  * writes share[k], gave[k] and whether it is held. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_press_kernel(struct penalty s, struct amount n,
-                         const int64_t *words)
+    penalty_press_kernel(struct penalty s, const int64_t *words)
 {
-    ITEM(k, number(n));
+    ITEM(k, s.n);
     if (words[INCIDENCE_BAD])
         return;
     struct contact *c = &s.contact[k];
@@ -192,9 +191,9 @@ static __device__ vec across(const struct contact *c, const vec *u)
 /* §2.2. Thread k owns contact k: reads guess and u of its vertices, writes
  * most[k] and more[k]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_load_kernel(struct penalty s, struct amount n, const int64_t *words)
+    penalty_load_kernel(struct penalty s, const int64_t *words)
 {
-    ITEM(k, number(n));
+    ITEM(k, s.n);
     if (words[INCIDENCE_BAD])
         return;
     const struct contact *c = &s.contact[k];
@@ -233,9 +232,9 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 /* §2.4. Thread k owns contact k: reads brake and u of its vertices, writes its
  * slide, impulse and tangent. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_rub_kernel(struct penalty s, struct amount n, const int64_t *words)
+    penalty_rub_kernel(struct penalty s, const int64_t *words)
 {
-    ITEM(k, number(n));
+    ITEM(k, s.n);
     if (words[INCIDENCE_BAD])
         return;
     struct contact *c = &s.contact[k];
@@ -267,17 +266,14 @@ static __global__ void __launch_bounds__(GROUP_BLOCK)
     }
 }
 
-int gpu_penalty_queue(struct gpu *g, struct penalty *all, struct amount n,
-                      int64_t *words)
+int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
 {
-    struct penalty with = *all, *s = &with;
     if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->slip > 0) ||
         s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX)
         return DRAPE_EARG;
     struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
                            s->start, s->item, s->vertex, 0};
-    s->n4 = 4 * n.most; /* a stride, too */
-    gpu_incidence(g, &by, n, words);
+    gpu_incidence(g, &by, words);
     real *part =
         (real *)gpu_scratch(g, SLOT_STAGE, PARTS * s->n4, sizeof *part);
     int64_t touched = s->nv < s->n4 ? s->nv : s->n4;
@@ -285,12 +281,12 @@ int gpu_penalty_queue(struct gpu *g, struct penalty *all, struct amount n,
     int64_t blocks = groups < GROUPS ? groups : (int64_t)GROUPS;
     gpu_clear(g, s->force, (size_t)s->nv * sizeof *s->force);
     LAUNCH(g, s->nv, penalty_let_go_kernel, *s);
-    LAUNCH(g, n.most, penalty_press_kernel, *s, n, words);
+    LAUNCH(g, s->n, penalty_press_kernel, *s, words);
     gpu_clear(g, s->hold, (size_t)s->nv * sizeof *s->hold);
     LAUNCH(g, touched, penalty_split_kernel, *s, words);
-    LAUNCH(g, n.most, penalty_load_kernel, *s, n, words);
+    LAUNCH(g, s->n, penalty_load_kernel, *s, words);
     LAUNCH(g, touched, penalty_brake_kernel, *s, words);
-    LAUNCH(g, n.most, penalty_rub_kernel, *s, n, words);
+    LAUNCH(g, s->n, penalty_rub_kernel, *s, words);
     LAUNCH(g, s->n4, penalty_part_kernel, *s, part, words);
     LAUNCH_BLOCKS(g, blocks, GROUP_BLOCK, penalty_gather_kernel, *s, part,
                   words);
@@ -299,7 +295,7 @@ int gpu_penalty_queue(struct gpu *g, struct penalty *all, struct amount n,
 
 int gpu_penalty(struct gpu *g, struct penalty *s)
 {
-    int status = gpu_penalty_queue(g, s, amount{s->n, NULL}, gpu_words(g));
+    int status = gpu_penalty_queue(g, s, gpu_words(g));
     if (status != DRAPE_OK)
         return status;
     const int64_t *seen = gpu_read_words(g, INCIDENCE_WORDS);

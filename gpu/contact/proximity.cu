@@ -6,7 +6,6 @@
 #include "gpu/base/scan.cuh"
 #include "gpu/contact/closest.cuh"
 #include "gpu/contact/contact.cuh"
-#include "gpu/run/tape.cuh"
 #include "ref/contact/proximity.h"
 
 enum { BAD_PAIR = 1, BAD_PLACE = 2 };
@@ -88,13 +87,12 @@ static __device__ void emit(const struct proximity *s, int64_t k,
  * the block's contacts or -1; the block's number goes to base, which the block
  * that ends last makes where each begins. §5 */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
-    near_kernel(struct proximity s, struct amount n, int64_t *base,
-                int64_t *word)
+    near_kernel(struct proximity s, int64_t *base, int64_t *word)
 {
     int64_t k = (int64_t)blockIdx.x * PLACE_BLOCK + threadIdx.x;
-    bool keep = k < number(n) && is_near(&s, k, (int *)&word[WORD_BAD]);
+    bool keep = k < s.n && is_near(&s, k, (int *)&word[WORD_BAD]);
     int total, place = block_place(keep, &total);
-    if (k < number(n))
+    if (k < s.n)
         s.at[k] = keep ? place : -1;
     if (threadIdx.x == 0)
         base[blockIdx.x] = total;
@@ -113,11 +111,11 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
 /* Thread t of block b writes the block's t-th contact, at place base[b] + t;
  * reads at and its candidate. So the threads that work are neighbours. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
-    emit_kernel(struct proximity s, struct amount n, const int64_t *base)
+    emit_kernel(struct proximity s, const int64_t *base)
 {
     __shared__ uint8_t kept[PLACE_BLOCK];
     int64_t first = (int64_t)blockIdx.x * PLACE_BLOCK, k = first + threadIdx.x;
-    int32_t place = k < number(n) ? s.at[k] : -1;
+    int32_t place = k < s.n ? s.at[k] : -1;
     if (place >= 0)
         kept[place] = (uint8_t)threadIdx.x;
     __syncthreads();
@@ -130,17 +128,12 @@ int gpu_proximity(struct gpu *g, struct proximity *s)
 {
     if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0))
         return DRAPE_EARG;
-    struct amount n = gpu_amount(g, s->n);
-    int64_t blocks = place_blocks(n.most);
+    int64_t blocks = place_blocks(s->n);
     int64_t *base =
         (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks + 1, sizeof *base);
     int64_t *word = gpu_words(g);
-    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, near_kernel, *s, n, base, word);
+    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, near_kernel, *s, base, word);
     const int64_t *seen = gpu_read_words(g, WORDS);
-    gpu_expect(g, WORD_BAD, 0, 0);
-    gpu_expect_some(g, WORD_FOUND, s->cap);
-    g->found = gpu_kept(g, WORD_FOUND);
-    gpu_fence(g);
     int status = gpu_status(g);
     if (status != DRAPE_OK)
         return status;
@@ -150,6 +143,6 @@ int gpu_proximity(struct gpu *g, struct proximity *s)
     if (s->found > s->cap)
         return DRAPE_EFULL;
     if (s->found)
-        LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, emit_kernel, *s, n, base);
+        LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, emit_kernel, *s, base);
     return gpu_status(g);
 }

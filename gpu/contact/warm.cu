@@ -3,7 +3,6 @@
  * spec/contact/warm.md */
 #include "gpu/contact/contact.cuh"
 #include "gpu/run/gpu.h"
-#include "gpu/run/tape.cuh"
 #include "ref/contact/warm.h"
 
 /* Items of a list that are read before the first is added. */
@@ -47,9 +46,9 @@ static __device__ real took(const struct warm &s, const struct contact *c,
 /* §2. Thread k owns contact k: reads g, before, all and v of its vertices,
  * writes its impulse. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    warm_agree_kernel(struct warm s, struct amount n)
+    warm_agree_kernel(struct warm s)
 {
-    ITEM(k, number(n));
+    ITEM(k, s.n);
     struct contact *c = &s.contact[k];
     real push = R(0x1p60), give = 0, impulse = 0;
     for (int j = 0; j < 4 && c->held; j++) {
@@ -92,9 +91,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 int gpu_warm(struct gpu *g, struct warm *s)
 {
-    struct amount n = gpu_amount(g, s->n);
     LAUNCH(g, s->nv, warm_weigh_kernel, *s);
-    LAUNCH(g, n.most, warm_agree_kernel, *s, n);
+    LAUNCH(g, s->n, warm_agree_kernel, *s);
     LAUNCH(g, s->nv, warm_gather_kernel, *s);
     return gpu_status(g);
 }

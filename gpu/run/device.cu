@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The device: its stream, copies and small results. spec/gpu.md */
-#include "gpu/run/blas.h"
 #include "gpu/run/loop.cuh"
-#include "gpu/run/reel.cuh"
 
 #include "certificate.h"
 
@@ -10,7 +8,7 @@
 
 void gpu_note(struct gpu *g, cudaError_t error)
 {
-    if (error == cudaSuccess || g->failed || reel_spoils(g))
+    if (error == cudaSuccess || g->failed)
         return;
     g->failed =
         error == cudaErrorMemoryAllocation ? DRAPE_ENOMEM : DRAPE_EDEVICE;
@@ -121,7 +119,6 @@ void gpu_set_ranks(struct gpu *g, int ranks)
 void gpu_set_way(struct gpu *g, struct gpu_way way)
 {
     g->hosted[0] = way.hosted;
-    g->falters = way.falters;
     g->tight = way.tight;
 }
 
@@ -147,10 +144,9 @@ struct gpu *gpu_open(const drape_def *def, int *status)
     for (int k = 0; k < 2; k++)
         gpu_note(g, cudaEventCreate(&g->event[k]));
     gpu_note(g,
-             cudaMallocHost(&g->shown, (GPU_ALL_WORDS + 1) * sizeof *g->shown));
+             cudaMallocHost(&g->seen, (GPU_ALL_WORDS + 1) * sizeof *g->seen));
     if (!g->failed)
-        g->shown[GPU_ALL_WORDS] = 0;
-    g->seen = g->shown;
+        g->seen[GPU_ALL_WORDS] = 0;
     g->words =
         (int64_t *)gpu_take(g, ARENA_SCRATCH, GPU_ALL_WORDS, sizeof *g->words);
     *status = g->failed;
@@ -166,10 +162,10 @@ void gpu_close(struct gpu *g)
     if (!g)
         return;
     gpu_wait(g);
-    blas_close(g);
-    gpu_tapes_close(g);
+    if (g->library)
+        g->library->close(g);
     gpu_loops_close(g);
-    cudaFreeHost(g->shown);
+    cudaFreeHost(g->seen);
     cudaStream_t stream = g->lent ? NULL : g->stream;
     cudaEvent_t event[2] = {g->event[0], g->event[1]};
     gpu_unmake(g);
@@ -188,20 +184,17 @@ const char *gpu_info(void)
 static void copy(struct gpu *g, void *to, const void *from, size_t bytes,
                  enum cudaMemcpyKind kind)
 {
-    if (bytes)
-        EACH_QUEUE(g, copy)
-    gpu_note(g, cudaMemcpyAsync(to, from, bytes, kind, g->stream));
+    if (bytes && !g->failed)
+        gpu_note(g, cudaMemcpyAsync(to, from, bytes, kind, g->stream));
 }
 
 void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes)
 {
-    gpu_tape_end(g);
     copy(g, device, host, bytes, cudaMemcpyHostToDevice);
 }
 
 void gpu_down(struct gpu *g, void *host, const void *device, size_t bytes)
 {
-    gpu_tape_end(g);
     copy(g, host, device, bytes, cudaMemcpyDeviceToHost);
     gpu_wait(g);
 }
@@ -213,21 +206,13 @@ void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes)
 
 void gpu_clear(struct gpu *g, void *device, size_t bytes)
 {
-    if (bytes)
-        EACH_QUEUE(g, gpu_clear)
-    gpu_note(g, cudaMemsetAsync(device, 0, bytes, g->stream));
+    if (bytes && !g->failed)
+        gpu_note(g, cudaMemsetAsync(device, 0, bytes, g->stream));
 }
 
-static void wait(struct gpu *g)
-{
-    gpu_note(g, cudaStreamSynchronize(g->stream));
-}
-
-/* Where a tape plays there is nothing to wait for but its looks. */
 void gpu_wait(struct gpu *g)
 {
-    if (g->tape != TAPE_PLAYS)
-        wait(g);
+    gpu_note(g, cudaStreamSynchronize(g->stream));
 }
 
 int gpu_status(struct gpu *g)
@@ -243,44 +228,25 @@ void gpu_begin(struct gpu *g)
         g->failed = DRAPE_OK;
 }
 
-static double host_clock(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* On a tape, which has no events, by the looks at both ends. */
 void gpu_clock_start(struct gpu *g)
 {
-    if (g->tape != TAPE_OFF)
-        gpu_look_words(g, 0);
-    g->clock = host_clock();
-    if (g->tape == TAPE_OFF)
-        gpu_note(g, cudaEventRecord(g->event[0], g->stream));
-    g->timed = g->tape == TAPE_OFF;
+    gpu_note(g, cudaEventRecord(g->event[0], g->stream));
 }
 
 double gpu_clock_stop(struct gpu *g)
 {
     float ms = 0;
-    if (!g->timed)
-        return host_clock() - g->clock;
     gpu_note(g, cudaEventRecord(g->event[1], g->stream));
     gpu_note(g, cudaEventSynchronize(g->event[1]));
     gpu_note(g, cudaEventElapsedTime(&ms, g->event[0], g->event[1]));
     return 1e-3 * (double)ms;
 }
 
-/* Thread t owns word t, and keeps it where kept is not NULL; the mark, which
- * the host awaits, comes last. */
+/* Thread t owns word t; the mark, which the host awaits, comes last. */
 static __global__ void __launch_bounds__(GPU_ALL_WORDS)
-    show_kernel(int64_t *words, bool clear, int64_t *seen, int64_t *kept,
-                int64_t mark)
+    show_kernel(int64_t *words, bool clear, int64_t *seen, int64_t mark)
 {
     seen[threadIdx.x] = words[threadIdx.x];
-    if (kept)
-        kept[threadIdx.x] = words[threadIdx.x];
     if (clear)
         words[threadIdx.x] = 0;
     __threadfence_system();
@@ -295,7 +261,7 @@ static bool arrived(const int64_t *mark, int64_t next)
 }
 
 /* The stream is asked now and then, as it may have failed. */
-void gpu_await(struct gpu *g, const int64_t *mark, int64_t next)
+static void await(struct gpu *g, const int64_t *mark, int64_t next)
 {
     enum { PATIENCE = 1 << 12 };
     for (int64_t k = 1; !arrived(mark, next); k++)
@@ -304,7 +270,7 @@ void gpu_await(struct gpu *g, const int64_t *mark, int64_t next)
             break;
     if (arrived(mark, next))
         return;
-    wait(g);
+    gpu_wait(g);
     if (!arrived(mark, next)) /* it was not launched */
         gpu_note(g, cudaErrorUnknown);
 }
@@ -313,25 +279,19 @@ void gpu_await(struct gpu *g, const int64_t *mark, int64_t next)
  * than a copy is known to have ended. */
 static void ask(struct gpu *g, bool clear)
 {
-    const int64_t *mark = g->shown + GPU_ALL_WORDS;
+    const int64_t *mark = g->seen + GPU_ALL_WORDS;
     int64_t next = *mark + 1;
-    int64_t *kept = gpu_tape_looks(g, clear);
-    show_kernel<<<1, GPU_ALL_WORDS, 0, g->stream>>>(g->words, clear, g->shown,
-                                                    kept, next);
-    gpu_await(g, mark, next);
+    show_kernel<<<1, GPU_ALL_WORDS, 0, g->stream>>>(g->words, clear, g->seen,
+                                                    next);
+    await(g, mark, next);
 }
 
 static void show(struct gpu *g, bool clear)
 {
-    if (g->failed || !gpu_tape_shows(g, clear)) {
-        g->seen = g->shown;
-        if (!g->failed)
-            ask(g, clear);
-    }
-    if (g->failed) {
-        memset(g->shown, 0, GPU_ALL_WORDS * sizeof *g->shown);
-        g->seen = g->shown;
-    }
+    if (!g->failed)
+        ask(g, clear);
+    if (g->failed)
+        memset(g->seen, 0, GPU_ALL_WORDS * sizeof *g->seen);
     gpu_keep_late(g, clear);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The device and its primitives on the host. */
-#include "gpu/run/tape.cuh"
+#include "gpu/run/gpu.cuh"
 
 #include "certificate.h"
 
@@ -58,9 +58,9 @@ struct gpu *gpu_open(const drape_def *def, int *status)
     g->room = EMULATE_ROOM;
     g->words =
         (int64_t *)gpu_take(g, ARENA_SCRATCH, GPU_ALL_WORDS, sizeof *g->words);
-    g->seen = g->shown = (int64_t *)arena_take(&g->host, ARENA_OTHER,
-                                               GPU_ALL_WORDS, sizeof *g->shown);
-    *status = g->shown ? g->failed : DRAPE_ENOMEM;
+    g->seen = (int64_t *)arena_take(&g->host, ARENA_OTHER, GPU_ALL_WORDS,
+                                    sizeof *g->seen);
+    *status = g->seen ? g->failed : DRAPE_ENOMEM;
     if (*status == DRAPE_OK)
         return g;
     gpu_close(g);
@@ -76,7 +76,6 @@ void gpu_close(struct gpu *g)
 {
     if (!g)
         return;
-    gpu_tapes_close(g);
     gpu_unmake(g);
 }
 
@@ -87,32 +86,24 @@ const char *gpu_info(void)
 
 void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes)
 {
-    gpu_tape_end(g);
     gpu_copy(g, device, host, bytes);
 }
 
 void gpu_down(struct gpu *g, void *host, const void *device, size_t bytes)
 {
-    gpu_tape_end(g);
     gpu_copy(g, host, device, bytes);
 }
 
 void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes)
 {
-    if (bytes)
-        emulate_queue(g, (const void *)gpu_copy, [=] {
-            if (!fails(g, true))
-                memcpy(to, from, bytes);
-        });
+    if (bytes && !fails(g, true))
+        memcpy(to, from, bytes);
 }
 
 void gpu_clear(struct gpu *g, void *device, size_t bytes)
 {
-    if (bytes)
-        emulate_queue(g, (const void *)gpu_clear, [=] {
-            if (!fails(g, true))
-                memset(device, 0, bytes);
-        });
+    if (bytes && !fails(g, true))
+        memset(device, 0, bytes);
 }
 
 void gpu_wait(struct gpu *g)
@@ -141,8 +132,6 @@ static double host_clock(void)
 
 void gpu_clock_start(struct gpu *g)
 {
-    if (g->tape != TAPE_OFF)
-        gpu_look_words(g, 0); /* as a device does */
     g->event = host_clock();
 }
 
@@ -154,21 +143,13 @@ double gpu_clock_stop(struct gpu *g)
 static void show(struct gpu *g, bool clear)
 {
     size_t bytes = GPU_ALL_WORDS * sizeof *g->words;
-    if (g->failed || !gpu_tape_shows(g, clear)) {
-        int64_t *kept = g->failed ? NULL : gpu_tape_looks(g, clear);
-        g->seen = g->shown;
-        if (!fails(g, true)) {
-            memcpy(g->shown, g->words, bytes);
-            if (kept)
-                memcpy(kept, g->words, bytes);
-            if (clear)
-                memset(g->words, 0, bytes);
-        }
+    if (!fails(g, true)) {
+        memcpy(g->seen, g->words, bytes);
+        if (clear)
+            memset(g->words, 0, bytes);
     }
-    if (g->failed) {
-        memset(g->shown, 0, bytes);
-        g->seen = g->shown;
-    }
+    if (g->failed)
+        memset(g->seen, 0, bytes);
     gpu_keep_late(g, clear);
 }
 
@@ -191,36 +172,26 @@ const int64_t *gpu_look_words(struct gpu *g, int n)
 
 void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
 {
-    emulate_queue(g, (const void *)gpu_scan, [=] {
-        int64_t sum = 0;
-        bool lost = emulate_lost(true);
-        for (int64_t k = 0; k < n && !lost; k++) {
-            int64_t here = a[k];
-            a[k] = sum;
-            sum += here;
-        }
-    });
-}
-
-struct key *gpu_sort_padded(struct gpu *g, int64_t n, struct key *key,
-                            struct key *spare)
-{
-    (void)spare;
-    emulate_queue(g, (const void *)gpu_sort, [=] {
-        if (!emulate_lost(true))
-            std::sort(key, key + n,
-                      [](const struct key &a, const struct key &b) {
-                          if (a.hi != b.hi)
-                              return a.hi < b.hi;
-                          return a.lo != b.lo ? a.lo < b.lo : a.item < b.item;
-                      });
-    });
-    return key;
+    int64_t sum = 0;
+    if (g->failed || emulate_lost(true))
+        return;
+    for (int64_t k = 0; k < n; k++) {
+        int64_t here = a[k];
+        a[k] = sum;
+        sum += here;
+    }
 }
 
 struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
                      struct key *spare)
 {
-    gpu_tape_end(g); /* another n takes other launches */
-    return gpu_sort_padded(g, n, key, spare);
+    auto before = [](const struct key &a, const struct key &b) {
+        if (a.hi != b.hi)
+            return a.hi < b.hi;
+        return a.lo != b.lo ? a.lo < b.lo : a.item < b.item;
+    };
+    (void)spare;
+    if (!g->failed && !emulate_lost(true))
+        std::sort(key, key + n, before);
+    return key;
 }

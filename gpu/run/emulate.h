@@ -49,18 +49,6 @@ template <class K, class... A> static auto emulate_bind(K kernel, A... a)
     return [=] { kernel(a...); };
 }
 
-/* A launch that is kept, for a tape. */
-struct emulate_op {
-    struct emulate_op *next = NULL;
-    virtual ~emulate_op() {}
-    virtual void run() = 0;
-};
-template <class F> struct emulate_kept : emulate_op {
-    F f;
-    emulate_kept(const F &f) : f(f) {}
-    void run() override { f(); }
-};
-
 /* Of a team, gpu/base/team.cuh: its ranks at most, and bytes of a rank's room.
  */
 enum { EMULATE_RANKS = 3, EMULATE_ROOM = 1 << 16 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A device's threads on the host. gpu/run/emulate.h */
-#include "gpu/run/reel.cuh"
+#include "gpu/run/loop.cuh"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,7 +17,6 @@ static __thread int64_t asked; /* of the device, since its way was set */
 void gpu_set_way(struct gpu *g, struct gpu_way to)
 {
     g->hosted[0] = to.hosted;
-    g->falters = to.falters;
     g->tight = to.tight;
     way = to;
     asked = 0;
@@ -279,23 +278,13 @@ bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
               loop_turn turn)
 {
     (void)key;
-    int queues = gpu_queues(g, (const void *)gpu_loop);
-    if (queues == 0) /* a tape has done it */
-        return !g->failed;
-    if (g->hosted[0] || g->hosted[1]) {
-        gpu_tape_spoil(g);
-        return false;
-    }
-    enum tape_mode tape = g->tape;
     int status = DRAPE_OK;
-    g->tape = TAPE_OFF;
+    if (g->failed || g->hosted[0] || g->hosted[1])
+        return false;
     do
         status = turn.run(turn.with);
     while (status == DRAPE_OK && again && *again && !g->failed &&
            !emulate_lost(false));
-    g->tape = tape;
-    if (queues > 1 && status == DRAPE_OK)
-        reel_record_loop(g, again, turn);
     return status == DRAPE_OK;
 }
 

@@ -41,28 +41,23 @@ struct gpu_slot {
     size_t bytes;
 };
 
-/* Launches are queued; or put on a tape, too; or were on one; or, emulated, are
- * put on it alone. gpu/run/tape.cuh */
-enum tape_mode { TAPE_OFF, TAPE_RECORDS, TAPE_PLAYS, TAPE_KEEPS };
+/* A library that is opened at run time lies behind this. */
+struct gpu_library {
+    void (*close)(struct gpu *g);
+};
 
 struct gpu {
 #ifdef __CUDACC__
     cudaStream_t stream;
     cudaEvent_t event[2];
-    double clock; /* s, of the host, not by the events: !timed */
-    bool timed;
     bool lent;               /* the stream is the caller's */
     struct gpu_loops *loops; /* gpu/run/loop.cu; NULL: none yet */
 #else
     void *stream;
     double event;
 #endif
-    struct gpu_tapes *tapes; /* gpu/run/tape.cu; NULL: none yet */
-    struct gpu_reel *reel;   /* gpu/run/reel.cuh; likewise */
-    enum tape_mode tape;
-    const int64_t *found; /* on a tape: gpu_amount's */
-    int64_t changes;  /* of memory: what was recorded before holds no more */
-    int falters;      /* the look at which tapes end, 1 …; 0: none */
+    int tape; /* TAPE_OFF; with the next it goes with tape.cuh */
+    int64_t changes;
     bool tight;       /* gpu_way's */
     bool hosted[2];   /* no loops on the device now, or for good */
     int number;       /* of the device; -1: emulated */
@@ -76,17 +71,17 @@ struct gpu {
     char name[320];
     int64_t *words; /* device [GPU_ALL_WORDS] small results of a stage,
                        and of one before it that nobody has read yet */
-    int64_t *shown; /* host, pinned [GPU_ALL_WORDS + 1]: the same, and a mark */
-    const int64_t *seen; /* as last read: there, or on a tape */
-    bool clean[2];       /* words are 0: the stage's, and the late ones */
+    int64_t *seen;  /* host, pinned [GPU_ALL_WORDS + 1]: as last read, and a
+                       mark */
+    bool clean[2];  /* words are 0: the stage's, and the late ones */
     /* the late ones when they were last wiped, and with those since */
     int64_t late[GPU_LATE], late_seen[GPU_LATE];
     struct gpu_slot slot[GPU_SLOTS];
-    struct gpu_slot aside;    /* on the host */
-    struct gpu_blas *blas;    /* gpu/run/blas.h; NULL: not open */
-    struct arena host;        /* this struct lies in it, too */
-    drape_allocator device;   /* of the device's memory */
-    struct gpu_block *blocks; /* all that was taken there */
+    struct gpu_slot aside;       /* on the host */
+    struct gpu_library *library; /* opened by gpu/compare; NULL: none */
+    struct arena host;           /* this struct lies in it, too */
+    drape_allocator device;      /* of the device's memory */
+    struct gpu_block *blocks;    /* all that was taken there */
     size_t bytes[ARENA_PARTS];
     size_t borrowed;
     int64_t taken; /* how often */
@@ -98,43 +93,6 @@ void gpu_note(struct gpu *g, cudaError_t error);
 /* Lets a kernel be a team's; room: it has team_room(), and no shared memory
  * besides. */
 cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room);
-#endif
-
-/* ---- Where launches go ---- */
-
-/* gpu/run/tape.cu, where a tape is on: 0, as it has done what stands for this,
- * or 2: it is also to be recorded. */
-int gpu_tape_queues(struct gpu *g, const void *what);
-
-static inline int gpu_queues(struct gpu *g, const void *what)
-{
-    if (g->failed)
-        return 0;
-    if (g->tape == TAPE_OFF)
-        return 1;
-    return g->tape == TAPE_KEEPS ? 3 : gpu_tape_queues(g, what);
-}
-
-#ifdef __CUDACC__
-int reel_next(struct gpu *g, int left);
-
-/* Before a launch in g->stream, whose arguments have no effects: it is made
- * there, then where a tape is recorded, or not at all. */
-#define EACH_QUEUE(g, what)                                                    \
-    for (int queue_ = gpu_queues(g, (const void *)(what)); queue_ > 0;         \
-         queue_ = queue_ > 1 ? reel_next(g, queue_) : 0)
-#else
-/* The same with the launch as a function, which may be kept. */
-void emulate_keep(struct gpu *g, struct emulate_op *op);
-template <class F>
-static void emulate_queue(struct gpu *g, const void *what, F launch)
-{
-    int queues = gpu_queues(g, what);
-    if (queues == 1 || queues == 2)
-        launch();
-    if (queues > 1)
-        emulate_keep(g, new emulate_kept<F>(launch));
-}
 #endif
 
 /* ---- Kernels of one thread an item ---- */
@@ -153,18 +111,16 @@ static void emulate_queue(struct gpu *g, const void *what, F launch)
     do {                                                                       \
         int64_t items_ = (n);                                                  \
         unsigned threads_ = (unsigned)(g)->block;                              \
-        if (items_ > 0)                                                        \
-            EACH_QUEUE(g, kernel)                                              \
-        kernel<<<(unsigned)((items_ + threads_ - 1) / threads_), threads_, 0,  \
-                 (g)->stream>>>(__VA_ARGS__);                                  \
+        if (items_ > 0 && !(g)->failed)                                        \
+            kernel<<<(unsigned)((items_ + threads_ - 1) / threads_), threads_, \
+                     0, (g)->stream>>>(__VA_ARGS__);                           \
     } while (0)
 #define LAUNCH_BLOCKS(g, blocks, threads, kernel, ...)                         \
     do {                                                                       \
         int64_t blocks_ = (blocks);                                            \
-        if (blocks_ > 0)                                                       \
-            EACH_QUEUE(g, kernel)                                              \
-        kernel<<<(unsigned)blocks_, (unsigned)(threads), 0, (g)->stream>>>(    \
-            __VA_ARGS__);                                                      \
+        if (blocks_ > 0 && !(g)->failed)                                       \
+            kernel<<<(unsigned)blocks_, (unsigned)(threads), 0,                \
+                     (g)->stream>>>(__VA_ARGS__);                              \
     } while (0)
 #else
 #define LAUNCH(g, n, kernel, ...)                                              \
@@ -172,18 +128,16 @@ static void emulate_queue(struct gpu *g, const void *what, F launch)
         int64_t items_ = (n);                                                  \
         int threads_ = (g)->block;                                             \
         auto call_ = emulate_bind(kernel, __VA_ARGS__);                        \
-        if (items_ > 0)                                                        \
-            emulate_queue((g), (const void *)(kernel),                         \
-                          [=] { emulate_items(items_, threads_, call_); });    \
+        if (items_ > 0 && !(g)->failed)                                        \
+            emulate_items(items_, threads_, call_);                            \
     } while (0)
 #define LAUNCH_BLOCKS(g, blocks, threads, kernel, ...)                         \
     do {                                                                       \
         int64_t blocks_ = (blocks);                                            \
         int threads_ = (int)(threads);                                         \
         auto call_ = emulate_bind(kernel, __VA_ARGS__);                        \
-        if (blocks_ > 0)                                                       \
-            emulate_queue((g), (const void *)(kernel),                         \
-                          [=] { emulate_blocks(blocks_, threads_, call_); });  \
+        if (blocks_ > 0 && !(g)->failed)                                       \
+            emulate_blocks(blocks_, threads_, call_);                          \
     } while (0)
 #endif
 
@@ -234,9 +188,6 @@ void gpu_scan(struct gpu *g, int64_t *a, int64_t n);
 struct key;
 struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
                      struct key *spare);
-/* The same where n is a tape's: what is not there are keys that come last. */
-struct key *gpu_sort_padded(struct gpu *g, int64_t n, struct key *key,
-                            struct key *spare);
 /* Slots of scratch that the primitives use; stages use those below. */
 enum { SLOT_STAGE = 0, SLOT_SOLVE = 4, SLOT_SORT = 5, SLOT_SCAN = 7 };
 

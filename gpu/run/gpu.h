@@ -34,8 +34,6 @@ void gpu_set_block(struct gpu *g, int threads);
  * for emulated threads alone. */
 struct gpu_way {
     bool hosted;     /* the host ends loops, gpu/run/loop.cuh */
-    int falters;     /* a step's graph ends at this look, 1 …, and the host
-                        goes on; 0: none. gpu/run/tape.cuh */
     bool tight;      /* memory grows by no more than it must */
     bool descending; /* blocks first to last, threads and ranks last to first */
     int shuffled;    /* blocks, ranks, warps and threads of a warp in an order
@@ -49,11 +47,6 @@ struct gpu_way {
 void gpu_set_ranks(struct gpu *g, int ranks);
 void gpu_set_way(struct gpu *g, struct gpu_way way);
 void gpu_set_hosted(struct gpu *g); /* for good */
-/* Slices that a graph was launched for, and those it did whole. */
-struct gpu_played {
-    int64_t begun, whole;
-};
-struct gpu_played gpu_played(const struct gpu *g);
 
 /* The allocator of a device's memory where def has none; static. */
 const drape_allocator *gpu_native(void);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Launches as CUDA graphs, loops on the device with a WHILE node.
  * gpu/run/loop.cuh */
-#include "gpu/run/reel.cuh"
+#include "gpu/run/loop.cuh"
 
 /* Graphs that are kept, and launches after which one that was not among them
  * may go. */
@@ -33,26 +33,28 @@ static __global__ void loop_kernel(cudaGraphConditionalHandle handle,
     cudaGraphSetConditional(handle, *again != 0);
 }
 
-cudaError_t gpu_conditional(cudaGraph_t graph,
-                            enum cudaGraphConditionalNodeType type,
-                            unsigned first, struct conditional *c)
+/* Adds a WHILE node to the graph: its body, still empty, and the handle that
+ * says whether the body runs once more, which each launch sets to true. */
+static cudaError_t add_while(cudaGraph_t graph, cudaGraph_t *body,
+                             cudaGraphConditionalHandle *handle)
 {
     cudaGraphNodeParams p = {};
+    cudaGraphNode_t node;
     cudaError_t error = cudaGraphConditionalHandleCreate(
-        &c->handle, graph, first, cudaGraphCondAssignDefault);
+        handle, graph, 1, cudaGraphCondAssignDefault);
     if (error != cudaSuccess)
         return error;
     p.type = cudaGraphNodeTypeConditional;
-    p.conditional.handle = c->handle;
-    p.conditional.type = type;
+    p.conditional.handle = *handle;
+    p.conditional.type = cudaGraphCondTypeWhile;
     p.conditional.size = 1;
 #if CUDART_VERSION >= 13000
-    error = cudaGraphAddNode(&c->node, graph, NULL, NULL, 0, &p);
+    error = cudaGraphAddNode(&node, graph, NULL, NULL, 0, &p);
 #else
-    error = cudaGraphAddNode(&c->node, graph, NULL, 0, &p);
+    error = cudaGraphAddNode(&node, graph, NULL, 0, &p);
 #endif
     if (error == cudaSuccess)
-        c->body = p.conditional.phGraph_out[0];
+        *body = p.conditional.phGraph_out[0];
     return error;
 }
 
@@ -61,16 +63,13 @@ static cudaError_t capture(struct gpu *g, cudaGraph_t graph, loop_turn turn,
                            int *status)
 {
     cudaStream_t stream = g->loops->stream, callers = g->stream;
-    enum tape_mode tape = g->tape;
     size_t n = strlen(g->name);
     cudaError_t error = cudaStreamBeginCaptureToGraph(
         stream, graph, NULL, NULL, 0, cudaStreamCaptureModeRelaxed);
     if (error != cudaSuccess)
         return error;
     g->stream = stream;
-    g->tape = TAPE_OFF;
     *status = turn.run(turn.with);
-    g->tape = tape;
     g->stream = callers;
     error = cudaStreamEndCapture(stream, &graph);
     if (g->failed) {
@@ -81,31 +80,19 @@ static cudaError_t capture(struct gpu *g, cudaGraph_t graph, loop_turn turn,
     return *status == DRAPE_OK ? error : cudaErrorInvalidValue;
 }
 
-void gpu_loop_ask(cudaStream_t stream, cudaGraphConditionalHandle handle,
-                  const int32_t *again)
-{
-    loop_kernel<<<1, 1, 0, stream>>>(handle, again);
-}
-
-cudaError_t gpu_loop_body(struct gpu *g, const struct conditional *c,
-                          const int32_t *again, loop_turn turn, int *status)
-{
-    auto whole = [&] {
-        int done = turn.run(turn.with);
-        gpu_loop_ask(g->stream, c->handle, again);
-        return done;
-    };
-    return capture(g, c->body, whole, status);
-}
-
 static cudaError_t capture_loop(struct gpu *g, cudaGraph_t graph,
                                 const int32_t *again, loop_turn turn,
                                 int *status)
 {
-    struct conditional c;
-    cudaError_t error = gpu_conditional(graph, cudaGraphCondTypeWhile, 1, &c);
-    return error == cudaSuccess ? gpu_loop_body(g, &c, again, turn, status)
-                                : error;
+    cudaGraphConditionalHandle handle;
+    cudaGraph_t body;
+    cudaError_t error = add_while(graph, &body, &handle);
+    auto whole = [&] {
+        int done = turn.run(turn.with);
+        loop_kernel<<<1, 1, 0, g->stream>>>(handle, again);
+        return done;
+    };
+    return error == cudaSuccess ? capture(g, body, whole, status) : error;
 }
 
 /* Writes graph and status of k. */
@@ -189,7 +176,7 @@ static struct kept *make(struct gpu *g, struct loop_key key,
     return k;
 }
 
-bool gpu_loops_open(struct gpu *g)
+static bool open_loops(struct gpu *g)
 {
     if (!g->loops)
         g->loops = (struct gpu_loops *)arena_take(&g->host, ARENA_OTHER, 1,
@@ -202,11 +189,10 @@ bool gpu_loops_open(struct gpu *g)
     return !g->failed;
 }
 
-/* Queues it by a graph that is kept. */
-static bool queue(struct gpu *g, struct loop_key key, const int32_t *again,
-                  loop_turn turn)
+bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
+              loop_turn turn)
 {
-    if (g->hosted[0] || g->hosted[1] || g->failed || !gpu_loops_open(g))
+    if (g->hosted[0] || g->hosted[1] || g->failed || !open_loops(g))
         return false;
     struct kept *k = g->loops->first;
     while (k && !same(k, g, key))
@@ -217,21 +203,6 @@ static bool queue(struct gpu *g, struct loop_key key, const int32_t *again,
         return false;
     k->used = ++g->loops->launches;
     gpu_note(g, cudaGraphLaunch(k->graph, g->stream));
-    return true;
-}
-
-bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
-              loop_turn turn)
-{
-    int queues = gpu_queues(g, (const void *)gpu_loop);
-    if (queues == 0) /* a tape has done it */
-        return !g->failed;
-    if (!queue(g, key, again, turn)) {
-        gpu_tape_spoil(g);
-        return false;
-    }
-    if (queues > 1)
-        reel_record_loop(g, again, turn);
     return true;
 }
 

@@ -35,27 +35,6 @@ bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
 
 #ifdef __CUDACC__
 void gpu_loops_close(struct gpu *g);
-/* Whether there can be such loops, and the stream that they are captured in is
- * there. */
-bool gpu_loops_open(struct gpu *g);
-
-#if CUDART_VERSION >= 12030
-/* A node of a graph that runs its body, still empty, as the handle says:
- * `first` with each launch. */
-struct conditional {
-    cudaGraphConditionalHandle handle;
-    cudaGraphNode_t node;
-    cudaGraph_t body;
-};
-cudaError_t gpu_conditional(cudaGraph_t graph,
-                            enum cudaGraphConditionalNodeType type,
-                            unsigned first, struct conditional *c);
-/* The body of a loop, and the handle as *again says before it. */
-cudaError_t gpu_loop_body(struct gpu *g, const struct conditional *c,
-                          const int32_t *again, loop_turn turn, int *status);
-void gpu_loop_ask(cudaStream_t stream, cudaGraphConditionalHandle handle,
-                  const int32_t *again);
-#endif
 #endif
 
 #endif

@@ -39,7 +39,6 @@ static void *take(struct gpu *g, enum arena_part part, size_t bytes, char *data)
     if (!b)
         return none(g);
     b->borrowed = data != NULL;
-    g->changes++;
     g->taken += !data;
     b->data = data ? data : (char *)g->device.allocate(g->device.user, bytes);
     if (!b->data) {
@@ -112,11 +111,9 @@ void *gpu_borrow(struct gpu *g, enum arena_part part, int64_t count,
 void gpu_hand_over(struct gpu *g)
 {
 #ifndef __CUDACC__
-    emulate_queue(g, (const void *)gpu_hand_over, [=] {
-        for (struct gpu_block *b = g->blocks; b; b = b->next)
-            if (b->lent)
-                memset(b->lent, 0xff, b->lent_bytes);
-    });
+    for (struct gpu_block *b = g->blocks; b && !g->failed; b = b->next)
+        if (b->lent)
+            memset(b->lent, 0xff, b->lent_bytes);
 #else
     (void)g;
 #endif
@@ -128,7 +125,6 @@ void gpu_give(struct gpu *g, void *p)
         if ((*at)->data == p) {
             struct gpu_block *b = *at;
             *at = b->next;
-            g->changes++;
             *(b->borrowed ? &g->borrowed : &g->bytes[b->part]) -= b->bytes;
             if (!b->borrowed) {
                 gpu_wait(g);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Scans and sorts: CUB behind two functions. spec/gpu.md */
-#include "gpu/run/tape.cuh"
+#include "gpu/run/gpu.cuh"
 
 #include <cub/device/device_merge_sort.cuh>
 #include <cub/device/device_scan.cuh>
@@ -13,8 +13,8 @@ void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
     gpu_note(g, cub::DeviceScan::ExclusiveSum(NULL, bytes, a, a, n, g->stream));
     void *room = gpu_scratch(g, SLOT_SCAN, (int64_t)bytes, 1);
     if (room)
-        EACH_QUEUE(g, gpu_scan)
-    gpu_note(g, cub::DeviceScan::ExclusiveSum(room, bytes, a, a, n, g->stream));
+        gpu_note(
+            g, cub::DeviceScan::ExclusiveSum(room, bytes, a, a, n, g->stream));
 }
 
 /* The order of ref/base/keys.c. */
@@ -29,8 +29,8 @@ struct key_before {
 
 /* By merging: a key has 24 bytes, so that a radix sort makes 24 passes, and
  * most streams are short. */
-struct key *gpu_sort_padded(struct gpu *g, int64_t n, struct key *key,
-                            struct key *spare)
+struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
+                     struct key *spare)
 {
     size_t bytes = 0;
     struct key_before before;
@@ -41,15 +41,7 @@ struct key *gpu_sort_padded(struct gpu *g, int64_t n, struct key *key,
                                                g->stream));
     void *room = gpu_scratch(g, SLOT_SORT, (int64_t)bytes, 1);
     if (room)
-        EACH_QUEUE(g, gpu_sort)
-    gpu_note(g, cub::DeviceMergeSort::SortKeys(room, bytes, key, n, before,
-                                               g->stream));
+        gpu_note(g, cub::DeviceMergeSort::SortKeys(room, bytes, key, n, before,
+                                                   g->stream));
     return key;
-}
-
-struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
-                     struct key *spare)
-{
-    gpu_tape_end(g); /* another n takes other launches */
-    return gpu_sort_padded(g, n, key, spare);
 }

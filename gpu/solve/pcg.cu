@@ -3,7 +3,6 @@
 #include "gpu/solve/pcg_kernels.cuh"
 
 #include "gpu/run/loop.cuh"
-#include "gpu/run/tape.cuh"
 #include "gpu/solve/direction.cuh"
 #include "gpu/solve/jacobi.cuh"
 #include "gpu/solve/level.cuh"
@@ -22,40 +21,33 @@ enum {
 static_assert(TURN % (int)RING == 0 && TURN_MOST % (int)RING == 0, "turns");
 static_assert(sizeof(struct course) <= GPU_WORDS * sizeof(int64_t), "words");
 
-/* What multigrid shares. */
-static void share(struct pcg *s)
+/* Where pcg_set_up's stages run. */
+struct on {
+    struct gpu *g;
+    const struct pcg *s;
+};
+
+static int matrix(void *to, struct matrix *s)
 {
-    s->grid.mass = s->mass;
-    s->grid.n_extra = s->n_extra;
-    s->grid.extra = s->extra;
-    s->grid.block = s->block;
-    s->grid.n_thin = s->n_thin;
-    s->grid.thin = s->thin;
-    s->grid.fixed = s->fixed;
-    s->grid.factor = s->factor;
-    s->grid.r = s->r;
-    s->grid.z = s->s;
+    return gpu_matrix(((struct on *)to)->g, s);
 }
 
-static int build(struct gpu *g, struct pcg *s)
+static int jacobi(void *to, struct jacobi *s)
 {
-    struct matrix a = {s->m,       s->n,        s->count,    s->mass,
-                       s->n_extra, s->extra,    s->n_blocks, s->block,
-                       s->n_cdf,   s->diagonal, s->cdf};
-    struct jacobi j = {s->m,       s->n,     s->count,    s->mass,
-                       s->n_extra, s->extra, s->n_blocks, s->block,
-                       s->n_thin,  s->thin,  s->fixed,    s->factor};
-    int status = s->n_cdf ? gpu_matrix(g, &a) : DRAPE_OK;
-    if (status == DRAPE_OK)
-        status = gpu_jacobi(g, &j);
-    if (status != DRAPE_OK || s->precond != DRAPE_MULTIGRID)
-        return status;
-    return gpu_multigrid_build(g, &s->grid, lent_by(s));
+    return gpu_jacobi(((struct on *)to)->g, s);
+}
+
+static int multigrid(void *to, struct multigrid *s)
+{
+    return gpu_multigrid_build(((struct on *)to)->g, s,
+                               lent_by(((struct on *)to)->s));
 }
 
 int gpu_pcg_set_up(struct gpu *g, struct pcg *s)
 {
-    int status = build(g, s);
+    static const struct pcg_stages stages = {matrix, jacobi, multigrid};
+    struct on to = {g, s};
+    int status = pcg_set_up(s, &stages, &to);
     LAUNCH(g, s->count, pcg_start_kernel, *s);
     return status;
 }
@@ -171,24 +163,6 @@ static struct course look(struct gpu *g)
     return seen;
 }
 
-/* Of the last look: on a tape a solve ends well, and no stage before it met
- * what is bad; the next of this cloth begins with its scales. */
-static void expect(struct gpu *g, const struct pcg *s)
-{
-    static const struct {
-        size_t at;
-        int32_t value;
-    } of[] = {{offsetof(struct course, phase), PHASE_DONE},
-              {offsetof(struct course, outcome), PCG_CONVERGED},
-              {offsetof(struct course, fell_back), 0}};
-    for (const auto &e : of)
-        gpu_expect_half(g, (int)(e.at / 8), (int)(e.at % 8 / 4), e.value);
-    gpu_expect_no_late(g);
-    if (s->energy)
-        gpu_keep(g, s, 0);
-    gpu_fence(g);
-}
-
 /* All up to the end of the first turn, queued as one where that can be. */
 static int first_turn(struct gpu *g, struct pcg *s, struct course *c,
                       struct room room, int iterations)
@@ -200,8 +174,7 @@ static int first_turn(struct gpu *g, struct pcg *s, struct course *c,
         return status;
     };
     write_key(&key, s, c, &room);
-    const struct course *last = (const struct course *)gpu_recall(g, s);
-    LAUNCH(g, 1, pcg_open_kernel, c, last, s->scale, s->square);
+    LAUNCH(g, 1, pcg_open_kernel, c, s->scale, s->square);
     return gpu_loop(g, loop_key{&key, sizeof key}, NULL, launch) ? (int)DRAPE_OK
                                                                  : launch();
 }
@@ -230,14 +203,9 @@ static struct course solve(struct gpu *g, struct pcg *s, struct room room,
     struct course *c = (struct course *)gpu_words(g), seen = {};
     bool small = s->count <= SMALL_GRID;
     int queued = room.jacobi ? TURN : small ? TURN_GRID : TURN_LOOP;
-    bool taped = g->tape != TAPE_OFF; /* then the device looks */
     *status = first_turn(g, s, c, room, queued);
-    if (taped && *status == DRAPE_OK)
-        loop(g, s, c, room);
     if (*status == DRAPE_OK)
         seen = look(g);
-    if (taped)
-        expect(g, s);
     if (*status == DRAPE_OK && seen.again && loop(g, s, c, room))
         seen = look(g);
     while (*status == DRAPE_OK && seen.phase != PHASE_DONE) {
@@ -290,15 +258,11 @@ static bool lay_out(struct gpu *g, const struct pcg *s, struct room *room)
 
 int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, struct rates r)
 {
-    if (s->n_chunks != sum_chunks(s->count) || !(s->tolerance >= 0) ||
-        s->max_iterations < 0 || (s->n_z && s->n_z != s->count) ||
-        s->precond < DRAPE_JACOBI || s->precond > DRAPE_MULTIGRID ||
-        s->form < DRAPE_CDF || s->form > DRAPE_COMPACT)
-        return DRAPE_EARG;
-    share(s);
-    if (s->solver == DRAPE_CUBLAS)
-        return gpu_cublas(g, s);
-    int status = DRAPE_OK;
+    int status = pcg_open(s);
+    if (status != DRAPE_OK)
+        return status;
+    if (s->solver != DRAPE_EXACT)
+        return gpu_pcg_compare(g, s);
     struct course c = {};
     c.from = s->scale; /* where there is nothing to solve */
     c.most = s->square;

@@ -187,7 +187,8 @@ static inline struct lent lent_by(const struct pcg *s)
  * DRAPE_EARG as ref_pcg. */
 int gpu_pcg_set_up(struct gpu *g, struct pcg *s);
 
-/* §6: gpu_pcg by cuBLAS, arguments checked. DRAPE_EDEVICE without it. */
-int gpu_cublas(struct gpu *g, struct pcg *s);
+/* §6: gpu_pcg behind pcg_open, by the solver of gpu/compare. DRAPE_EDEVICE
+ * where its library is not there. */
+int gpu_pcg_compare(struct gpu *g, struct pcg *s);
 
 #endif

@@ -27,17 +27,15 @@ enum { UPDATES = REAL_BITS == 32 ? 8 : 4 };
 
 #define PARTICLE(k) int64_t k = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x
 
-/* One thread: the course at its beginning; `last`: its scales are those of the
- * solve before, else they are scale and square, the only words that change from
- * one solve of a cloth to the next. No other kernel reads them, so that all
- * others may be queued once. */
-static __global__ void pcg_open_kernel(struct course *c,
-                                       const struct course *last, real scale,
+/* One thread writes the solver's state at its beginning. scale and square are
+ * the only numbers that change from one solve of a cloth to the next; no other
+ * kernel reads them, so that a captured graph of all others stays valid. */
+static __global__ void pcg_open_kernel(struct course *c, real scale,
                                        real square)
 {
     struct course fresh = {};
-    fresh.from = last ? last->from : scale;
-    fresh.most = last ? last->most : square;
+    fresh.from = scale;
+    fresh.most = square;
     *c = fresh;
 }
 

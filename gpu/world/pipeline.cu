@@ -257,7 +257,6 @@ static int pipeline(struct gpu_world *w, drape_step_report *r)
 {
     struct world *h = w->host;
     double last = clock_now(), energy[3] = {};
-    int64_t whole = gpu_played(w->gpu).whole;
     int status = DRAPE_OK;
     h->trace.step = h->step;
     h->trace.last = last;
@@ -274,7 +273,6 @@ static int pipeline(struct gpu_world *w, drape_step_report *r)
         status = slice(w, r, &last);
         gpu_tape_done(w->gpu); /* whatever became of it */
     }
-    r->graphs = (int)(gpu_played(w->gpu).whole - whole);
     bool diverged = r->outcome & DRAPE_DIVERGED;
     bool moved = status == DRAPE_OK && !diverged && !asleep;
     int64_t found = h->intersecting;

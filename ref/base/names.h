@@ -82,6 +82,8 @@
 #define near_sub REAL_NAME(near_sub)
 #define near_tell REAL_NAME(near_tell)
 #define near_times REAL_NAME(near_times)
+#define pcg_open REAL_NAME(pcg_open)
+#define pcg_set_up REAL_NAME(pcg_set_up)
 #define plan_make REAL_NAME(plan_make)
 #define plan_rows REAL_NAME(plan_rows)
 #define plan_windy REAL_NAME(plan_windy)

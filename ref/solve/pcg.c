@@ -97,7 +97,8 @@ static void advance(vec *dv, vec *low, real alpha, vec p)
     low->z += two_sum(&dv->z, d.z);
 }
 
-static int set_up_grid(struct pcg *s)
+/* What multigrid shares with the solve around it. */
+static void share(struct pcg *s)
 {
     s->grid.mass = s->mass;
     s->grid.n_extra = s->n_extra;
@@ -109,22 +110,78 @@ static int set_up_grid(struct pcg *s)
     s->grid.factor = s->factor;
     s->grid.r = s->r;
     s->grid.z = s->s;
-    return ref_multigrid_build(&s->grid);
 }
 
+int pcg_open(struct pcg *s)
+{
+    if (s->n_chunks != sum_chunks(s->count) || !(s->tolerance >= 0) ||
+        s->max_iterations < 0 || (s->n_z && s->n_z != s->count) ||
+        s->precond < DRAPE_JACOBI || s->precond > DRAPE_MULTIGRID ||
+        s->form < DRAPE_CDF || s->form > DRAPE_COMPACT)
+        return DRAPE_EARG;
+    share(s);
+    s->iterations = s->fell_back = 0;
+    s->recurrence = s->residual = 0;
+    s->outcome = PCG_CONVERGED;
+    return DRAPE_OK;
+}
+
+int pcg_set_up(struct pcg *s, const struct pcg_stages *stages, void *backend)
+{
+    struct matrix a = {.m = s->m,
+                       .n = s->n,
+                       .count = s->count,
+                       .mass = s->mass,
+                       .n_extra = s->n_extra,
+                       .extra = s->extra,
+                       .n_blocks = s->n_blocks,
+                       .block = s->block,
+                       .n_cdf = s->n_cdf,
+                       .diagonal = s->diagonal,
+                       .cdf = s->cdf};
+    struct jacobi j = {.m = s->m,
+                       .n = s->n,
+                       .count = s->count,
+                       .mass = s->mass,
+                       .n_extra = s->n_extra,
+                       .extra = s->extra,
+                       .n_blocks = s->n_blocks,
+                       .block = s->block,
+                       .n_thin = s->n_thin,
+                       .thin = s->thin,
+                       .fixed = s->fixed,
+                       .factor = s->factor};
+    int status = s->n_cdf ? stages->matrix(backend, &a) : DRAPE_OK;
+    if (status == DRAPE_OK)
+        status = stages->jacobi(backend, &j);
+    if (status == DRAPE_OK && s->precond == DRAPE_MULTIGRID)
+        status = stages->multigrid(backend, &s->grid);
+    return status;
+}
+
+static int matrix(void *none, struct matrix *s)
+{
+    (void)none;
+    return ref_matrix(s);
+}
+
+static int jacobi(void *none, struct jacobi *s)
+{
+    (void)none;
+    return ref_jacobi(s);
+}
+
+static int multigrid(void *none, struct multigrid *s)
+{
+    (void)none;
+    return ref_multigrid_build(s);
+}
+
+/* §1: the matrix, M, and where dv begins. */
 static int set_up(struct pcg *s)
 {
-    struct matrix a = {s->m,       s->n,        s->count,    s->mass,
-                       s->n_extra, s->extra,    s->n_blocks, s->block,
-                       s->n_cdf,   s->diagonal, s->cdf};
-    struct jacobi j = {s->m,       s->n,     s->count,    s->mass,
-                       s->n_extra, s->extra, s->n_blocks, s->block,
-                       s->n_thin,  s->thin,  s->fixed,    s->factor};
-    int status = s->n_cdf ? ref_matrix(&a) : DRAPE_OK;
-    if (status == DRAPE_OK)
-        status = ref_jacobi(&j);
-    if (status == DRAPE_OK && s->precond == DRAPE_MULTIGRID)
-        status = set_up_grid(s);
+    static const struct pcg_stages stages = {matrix, jacobi, multigrid};
+    int status = pcg_set_up(s, &stages, NULL);
     EACH_ITEM
     for (int64_t k = 0; k < s->count; k++) {
         s->dv[k] = s->fixed[k] && s->n_z ? s->z[k] : vec_make(0, 0, 0);
@@ -201,18 +258,12 @@ static int iterate(struct pcg *s, real square)
 
 int ref_pcg(struct pcg *s)
 {
-    if (s->n_chunks != sum_chunks(s->count) || !(s->tolerance >= 0) ||
-        s->max_iterations < 0 || (s->n_z && s->n_z != s->count) ||
-        s->precond < DRAPE_JACOBI || s->precond > DRAPE_MULTIGRID ||
-        s->form < DRAPE_CDF || s->form > DRAPE_COMPACT)
-        return DRAPE_EARG;
-    int status = set_up(s);
+    int status = pcg_open(s);
+    if (status == DRAPE_OK)
+        status = set_up(s);
     if (status != DRAPE_OK)
         return status;
 
-    s->iterations = s->fell_back = 0;
-    s->recurrence = s->residual = 0;
-    s->outcome = PCG_CONVERGED;
     if (s->n_z)
         true_residual(s);
     else

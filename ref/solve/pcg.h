@@ -62,6 +62,22 @@ struct pcg {
  * n, precond and form. Returns the bytes of scratch. */
 int64_t ref_pcg_size(struct pcg *s);
 
+/* DRAPE_EARG if sizes, precond or form make no sense, else DRAPE_OK: results
+ * are cleared, and the grid has the streams that it shares with s. */
+int pcg_open(struct pcg *s);
+
+struct matrix;
+struct jacobi;
+
+/* The stages that prepare a solve, on one backend. */
+struct pcg_stages {
+    int (*matrix)(void *backend, struct matrix *s);
+    int (*jacobi)(void *backend, struct jacobi *s);
+    int (*multigrid)(void *backend, struct multigrid *s);
+};
+/* §1: makes the matrix and M by them, behind pcg_open; their status. */
+int pcg_set_up(struct pcg *s, const struct pcg_stages *stages, void *backend);
+
 /* DRAPE_OK however the iteration ended; DRAPE_EARG if sizes, precond or form
  * make no sense. */
 int ref_pcg(struct pcg *s);

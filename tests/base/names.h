@@ -305,7 +305,7 @@
 #define test_stability REAL_NAME(test_stability)
 #define test_substeps REAL_NAME(test_substeps)
 #define test_sum_gpu_levels REAL_NAME(test_sum_gpu_levels)
-#define test_tape REAL_NAME(test_tape)
+#define test_device_steps REAL_NAME(test_device_steps)
 #define test_tangle_energy REAL_NAME(test_tangle_energy)
 #define test_tangle_plates REAL_NAME(test_tangle_plates)
 #define test_tangle_soup REAL_NAME(test_tangle_soup)

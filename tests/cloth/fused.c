@@ -2,7 +2,7 @@
 /* The explicit methods' kernels, which a trace does without: sheets of several
  * blocks, whose neighbours show what a block must not write yet. With --cases 1
  * the small one alone, with --hosted by launches, for compute-sanitizer.
- * spec/gpu.md §14 */
+ * spec/gpu.md §13 */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -19,7 +19,6 @@ static bool same_report(drape_step_report a, drape_step_report b)
 {
     memset(a.seconds, 0, sizeof a.seconds);
     memset(b.seconds, 0, sizeof b.seconds);
-    a.graphs = b.graphs = 0;
     return !memcmp(&a, &b, sizeof a);
 }
 

@@ -68,7 +68,6 @@ static const char *follow(const struct press *p, int backend,
         else
             failed = agree(world, &r);
         memset(r.seconds, 0, sizeof r.seconds);
-        r.graphs = 0;
         hash[k] = hash_bytes(scene_hash(world), &r, sizeof r);
         *trapped += (r.outcome & DRAPE_TRAPPED) != 0;
         ran(1);

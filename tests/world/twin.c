@@ -12,7 +12,6 @@ static const char *compare_reports(drape_step_report a, drape_step_report b)
 {
     memset(a.seconds, 0, sizeof a.seconds);
     memset(b.seconds, 0, sizeof b.seconds);
-    a.graphs = b.graphs = 0;
     const unsigned char *p = (const void *)&a, *q = (const void *)&b;
     for (size_t k = 0; k < sizeof a; k++)
         if (p[k] != q[k]) {

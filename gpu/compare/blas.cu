@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* cuBLAS behind three functions, found at run time. */
-#include "gpu/run/blas.h"
+#include "gpu/compare/blas.h"
 #include "gpu/run/gpu.cuh"
 
 #include <cublas_v2.h>
 #include <dlfcn.h>
 
-struct gpu_blas {
+struct blas {
+    struct gpu_library base; /* first: of this is g->library */
     void *library;
     cublasHandle_t handle;
     decltype(&cublasDestroy_v2) destroy;
@@ -20,14 +21,14 @@ struct gpu_blas {
 
 /* The function of that name; *all becomes false where there is none. */
 template <class F>
-static void find(struct gpu_blas *b, const char *name, F *f, bool *all)
+static void find(struct blas *b, const char *name, F *f, bool *all)
 {
     void *found = dlsym(b->library, name);
     memcpy((void *)f, &found, sizeof found);
     *all = *all && found;
 }
 
-static bool load(struct gpu_blas *b, cudaStream_t stream)
+static bool load(struct blas *b, cudaStream_t stream)
 {
     decltype(&cublasCreate_v2) create;
     decltype(&cublasSetStream_v2) set_stream;
@@ -51,35 +52,37 @@ static bool load(struct gpu_blas *b, cudaStream_t stream)
            set_stream(b->handle, stream) == CUBLAS_STATUS_SUCCESS;
 }
 
-int blas_open(struct gpu *g)
+static void shut(struct gpu *g)
 {
-    if (g->blas)
-        return DRAPE_OK;
-    g->blas = (struct gpu_blas *)arena_take(&g->host, ARENA_OTHER, 1,
-                                            sizeof *g->blas);
-    if (!g->blas)
-        return DRAPE_ENOMEM;
-    if (load(g->blas, g->stream))
-        return DRAPE_OK;
-    blas_close(g);
-    return DRAPE_EDEVICE;
-}
-
-void blas_close(struct gpu *g)
-{
-    struct gpu_blas *b = g->blas;
-    if (b && b->handle)
+    struct blas *b = (struct blas *)g->library;
+    if (b->handle)
         b->destroy(b->handle);
-    if (b && b->library)
+    if (b->library)
         dlclose(b->library);
     arena_give(&g->host, b);
-    g->blas = NULL;
+    g->library = NULL;
+}
+
+int blas_open(struct gpu *g)
+{
+    if (g->library)
+        return DRAPE_OK;
+    struct blas *b =
+        (struct blas *)arena_take(&g->host, ARENA_OTHER, 1, sizeof *b);
+    if (!b)
+        return DRAPE_ENOMEM;
+    b->base.close = shut;
+    g->library = &b->base;
+    if (load(b, g->stream))
+        return DRAPE_OK;
+    shut(g);
+    return DRAPE_EDEVICE;
 }
 
 /* Whether n can be said in cuBLAS's words and nothing failed before. */
 static bool ready(struct gpu *g, int64_t n)
 {
-    if (!g->failed && (!g->blas || n > INT32_MAX))
+    if (!g->failed && (!g->library || n > INT32_MAX))
         g->failed = DRAPE_EDEVICE;
     return !g->failed;
 }
@@ -94,7 +97,7 @@ static bool good(struct gpu *g, cublasStatus_t status)
 double blas_dot(struct gpu *g, int bits, int64_t n, const void *a,
                 const void *b)
 {
-    struct gpu_blas *l = g->blas;
+    struct blas *l = (struct blas *)g->library;
     float x = 0;
     double y = 0;
     if (!ready(g, n))
@@ -110,7 +113,7 @@ double blas_dot(struct gpu *g, int bits, int64_t n, const void *a,
 void blas_add(struct gpu *g, int bits, int64_t n, double scale, const void *a,
               void *b)
 {
-    struct gpu_blas *l = g->blas;
+    struct blas *l = (struct blas *)g->library;
     float x = (float)scale;
     if (ready(g, n))
         good(g, bits == 32 ? l->saxpy(l->handle, (int)n, &x, (const float *)a,
@@ -121,7 +124,7 @@ void blas_add(struct gpu *g, int bits, int64_t n, double scale, const void *a,
 
 void blas_scale(struct gpu *g, int bits, int64_t n, double scale, void *a)
 {
-    struct gpu_blas *l = g->blas;
+    struct blas *l = (struct blas *)g->library;
     float x = (float)scale;
     if (ready(g, n))
         good(g, bits == 32

@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What stands in for cuBLAS on the host: sums from front to back. */
-#include "gpu/run/blas.h"
+#include "gpu/compare/blas.h"
 #include "ref/base/stage.h"
 
 int blas_open(struct gpu *g)
 {
     (void)g;
     return DRAPE_OK;
-}
-
-void blas_close(struct gpu *g)
-{
-    (void)g;
 }
 
 template <class T> static T dot_of(int64_t n, const void *a, const void *b)

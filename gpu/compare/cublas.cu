@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Conjugate gradients with cuBLAS's vector operations, the paper's solver: as
  * ref_pcg, but its sums are in cuBLAS's order. spec/solve/pcg.md §6 */
-#include "gpu/run/blas.h"
+#include "gpu/compare/blas.h"
 #include "gpu/solve/march.cuh"
 #include "gpu/solve/pcg.cuh"
 #include "gpu/solve/residual.cuh"
@@ -204,14 +204,11 @@ static void solve(struct gpu *g, struct pcg *s)
     }
 }
 
-int gpu_cublas(struct gpu *g, struct pcg *s)
+int gpu_pcg_compare(struct gpu *g, struct pcg *s)
 {
     int status = blas_open(g);
     if (status == DRAPE_OK)
         status = gpu_pcg_set_up(g, s);
-    s->iterations = s->fell_back = 0;
-    s->recurrence = s->residual = 0;
-    s->outcome = PCG_CONVERGED;
     if (status == DRAPE_OK && s->count > 0)
         solve(g, s);
     gpu_read_words(g, 0); /* for what is late, as gpu_pcg does */
