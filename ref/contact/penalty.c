@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contacts as the implicit system feels them. spec/contact/penalty.md */
+/* Turns contacts into forces and matrix blocks of the implicit solve.
+ * spec/contact/penalty.md */
 #include "ref/contact/penalty.h"
 
 #include "ref/contact/incidence.h"
@@ -15,7 +16,8 @@ static int check(const struct penalty *s)
     return DRAPE_OK;
 }
 
-/* §3: the weight of the side that vertex j of a contact is on. */
+/* §3: w_i of vertex j: the smallest inverse mass of its side's free vertices.
+ */
 static real side_of(const struct penalty *s, const struct contact *c, int j)
 {
     int split = c->kind == CONTACT_VF ? 1 : 2;
@@ -29,7 +31,7 @@ static real side_of(const struct penalty *s, const struct contact *c, int j)
     return least;
 }
 
-/* §1: what the spring of contact k pushes with at velocities u, N·s. */
+/* §1: the impulse p of contact k's spring at velocities u, N·s. */
 static real spring(const struct penalty *s, int64_t k, const vec *u)
 {
     const struct contact *c = &s->contact[k];
@@ -37,15 +39,15 @@ static real spring(const struct penalty *s, int64_t k, const vec *u)
     return give * (c->target - vec_dot(c->n, pair_sum(c->v, c->c, u)));
 }
 
-/* §3: contact k's part for its vertex j. */
+/* §3: S/w_j·|c_j|, the factor of contact k in the hold of its vertex j. */
 static real part_of(const struct penalty *s, int64_t k, int j)
 {
     const struct contact *c = &s->contact[k];
     return s->share[k] / side_of(s, c, j) * real_abs(c->c[j]);
 }
 
-/* §1: of what its vertices took up along n, contact k's part by the holds that
- * they had in the turn before, N·s. */
+/* §1.2: the impulse along n that contact k has given so far: its part of g,
+ * shared by the holds of the turn before, N·s. */
 static real gave(const struct penalty *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
@@ -62,7 +64,8 @@ static real gave(const struct penalty *s, int64_t k)
     return all > 0 ? real_max(push / all, 0) : 0;
 }
 
-/* §1: where vertex i would be going but for what contacts gave it before. */
+/* §1.1: the velocity of vertex i without the push that the slice began with.
+ */
 static void let_go(struct penalty *s, int64_t i)
 {
     real w = s->w[i] * (s->tau / s->dt);
@@ -70,7 +73,8 @@ static void let_go(struct penalty *s, int64_t i)
     s->guess[i] = pushed ? vec_axpy(s->u[i], -w, s->g[i]) : s->u[i];
 }
 
-/* §1: who meets, would meet then or pushed before is held. */
+/* §1: selects the held contacts: those that approach at u or at the guess, and
+ * those that gave an impulse in the turn before. */
 static void press(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
@@ -98,7 +102,7 @@ static sym hold_of(const struct penalty *s, int64_t k, int j, real slide)
     return r;
 }
 
-/* §2.1: into how many parts vertex i is split. */
+/* §2.1: the number of parts of vertex i, one for each held contact. */
 static void split(struct penalty *s, int64_t i)
 {
     int32_t parts = 0;
@@ -107,7 +111,7 @@ static void split(struct penalty *s, int64_t i)
     s->brake[i] = (real)parts;
 }
 
-/* §2.1: what contact k's spring ends with where it stops its parts, N·s. */
+/* §2.1: p', the impulse with which contact k stops its parts alone, N·s. */
 static real stop(const struct penalty *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
@@ -118,13 +122,15 @@ static real stop(const struct penalty *s, int64_t k)
     return real_max(lack, 0) * (s->dt / s->tau) / give;
 }
 
+/* The part of Σ c u across the normal. */
 static vec across(const struct contact *c, const vec *u)
 {
     vec v = pair_sum(c->v, c->c, u);
     return vec_axpy(v, -vec_dot(c->n, v), c->n);
 }
 
-/* §2.2: by how much friction can grow, from what it is: N·s. */
+/* §2.2: the largest friction of contact k, and by how much friction can grow
+ * from its present value, N·s. */
 static void load(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
@@ -135,7 +141,7 @@ static void load(struct penalty *s, int64_t k)
     s->more[k] = most - c->slide * vec_length(slip);
 }
 
-/* §2.3: the speed that this takes from vertex i. */
+/* §2.3: the speed that growing friction takes from vertex i. */
 static void brake(struct penalty *s, int64_t i)
 {
     real sum = 0;
@@ -159,8 +165,7 @@ static void rub(struct penalty *s, int64_t k)
     c->tangent = vec_scale(-c->slide, slip);
 }
 
-/* ---- §3 ---- */
-
+/* §3: the sum of force and hold over the held contacts of vertex i. */
 static void gather(const struct penalty *s, int32_t i)
 {
     vec force = vec_make(0, 0, 0);
@@ -184,8 +189,13 @@ int ref_penalty(struct penalty *s)
     int status = check(s);
     if (status != DRAPE_OK)
         return status;
-    struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
-                           s->start, s->item, s->vertex, 0};
+    struct incidence by = {.nv = s->nv,
+                           .n = s->n,
+                           .w = s->w,
+                           .contact = s->contact,
+                           .start = s->start,
+                           .item = s->item,
+                           .vertex = s->vertex};
     ref_incidence(&by);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What contacts still press with when the next slice begins.
+/* Finds the push of the contacts that the next slice starts with (warm start).
  * spec/contact/warm.md */
 #include "ref/contact/warm.h"
 
-/* §1: the weights of the held contacts of vertex i. */
+/* §1: the sum of the weights |c| of vertex i in its held contacts. */
 static void weigh(struct warm *s, int64_t i)
 {
     real sum = 0;
@@ -15,7 +15,8 @@ static void weigh(struct warm *s, int64_t i)
     s->all[i] = sum;
 }
 
-/* §2: what its free vertex j took up, as far as that is no blow. */
+/* §2: the impulse along n that vertex j of contact c took up, up to the limit
+ * that keeps an impact out of the next slice. */
 static real took(const struct warm *s, const struct contact *c, int j)
 {
     int32_t i = c->v[j];
@@ -28,7 +29,8 @@ static real took(const struct warm *s, const struct contact *c, int j)
     return real_min(now, most);
 }
 
-/* §2: what all its free vertices agree on, but for what stopped an approach. */
+/* §2: λ of contact k: the smallest share among its free vertices, less the
+ * impulse that stopped an approach. */
 static void agree(struct warm *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
@@ -48,7 +50,7 @@ static void agree(struct warm *s, int64_t k)
         c->impulse = real_max(push + speed / give, 0);
 }
 
-/* §3 */
+/* §3: the press of vertex i. */
 static void gather(struct warm *s, int64_t i)
 {
     vec sum = vec_make(0, 0, 0);
