@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What whole worlds owe to mechanics: how they are made, how they fall, meet,
- * are blown and led. spec/world/step.md */
+/* Whole worlds obey mechanics: their masses, free fall, the momentum of sheets
+ * that meet, wind, led frames and energy. spec/world/step.md */
 #include <stdlib.h>
 
 #include "ref/world/state.h"
@@ -21,7 +21,7 @@ static struct world *make_inner(const drape_def *def, struct arena *arena)
     return world_make(def, arena, &w, &error) == DRAPE_OK ? w : NULL;
 }
 
-/* A sheet of 0.25 m, high above a slab that stands still. */
+/* Makes a sheet of 0.25 m, high above a slab that does not move. */
 static void make_small(struct slab *d, int integrator)
 {
     slab_make(d, integrator);
@@ -32,7 +32,7 @@ static void make_small(struct slab *d, int integrator)
     d->cloth.origin[1] = 8;
 }
 
-/* ---- How a world is made ---- */
+/* Making a world */
 
 static void make_mixed(struct slab *d, drape_cloth cloth[2],
                        drape_obstacle obstacle[2])
@@ -62,8 +62,8 @@ static bool near(double a, double b)
     return fabs(a - b) <= 1e-6 * fabs(b);
 }
 
-/* Each body its own surface, thickness at most half a cell; what is led has no
- * weight to give. */
+/* Each body has a surface of its own, with a thickness of at most half a cell;
+ * led vertices have inverse mass 0. */
 const char *test_world_made(void)
 {
     struct slab d;
@@ -92,16 +92,15 @@ const char *test_world_made(void)
         EXPECT((w->w[i] == 0) == (body >= 2 || i == held));
         mass -= w->w[i] > 0 ? 1 / (double)w->w[i] : 0;
     }
-    double one = 0.0625 * 1.25 / (SIDE * (SIDE - 1)); /* the held one's */
+    double one = 0.0625 * 1.25 / (SIDE * (SIDE - 1)); /* of the held vertex */
     EXPECT(fabs(mass - one) <= 1e-6 * w->mass);
     arena_free(&arena);
     ran(1);
     return NULL;
 }
 
-/* ---- A fall ---- */
-
-/* All methods give v = g t exactly, Choi–Ko too where slices change length. */
+/* A sheet in free fall has v = g t exactly with every integrator, with Choi–Ko
+ * also where slices change length. */
 static const char *check_fall(int integrator)
 {
     struct slab d;
@@ -140,7 +139,7 @@ const char *test_world_free_fall(void)
     return failed;
 }
 
-/* ---- Two that meet ---- */
+/* Two sheets that meet */
 
 static void momentum(const struct world *w, double p[3], double *size)
 {
@@ -155,9 +154,9 @@ static void momentum(const struct world *w, double p[3], double *size)
     }
 }
 
-/* What one sheet loses the other gains, friction included, and no energy comes
- * from nowhere. A coupled solve holds vertex by vertex (penalty.md §1): there a
- * part of what they exchange is lost, 7 % at most of what was seen. */
+/* Two sheets that meet keep their momentum, friction included, and gain no
+ * energy. The implicit solve bounds contacts vertex by vertex (penalty.md §3)
+ * and so loses a part of the momentum exchanged: at most 7 % in these cases. */
 static const char *check_meeting(int integrator)
 {
     static double v[2][COUNT][3];
@@ -210,10 +209,8 @@ const char *test_world_momentum(void)
     return failed;
 }
 
-/* ---- wind.md §1: air ---- */
-
-/* A tilted plate at rest in a wind of 2 m/s upwards: what the first moment
- * gives it. Set in the definition, or later. */
+/* wind.md §1: the momentum that a wind of 2 m/s upwards gives a tilted plate at
+ * rest in a first short step. The wind is set in the definition, or later. */
 static const char *check_air(int integrator, bool later)
 {
     const drape_wind wind = {{0, 2, 0}, 1.25, 1.5, 0.75};
@@ -248,10 +245,8 @@ const char *test_world_air(void)
     return failed;
 }
 
-/* ---- 01: frames ---- */
-
-/* A deforming slab is linear between its frames, still behind the last, and
- * its v is its way in a step. */
+/* kinematics.md §1: a deforming slab moves linearly between its frames and
+ * rests after the last; its v is its displacement in a step divided by dt. */
 const char *test_world_frames(void)
 {
     static double frame[3][8][3], x[2][COUNT + 8][3], v[COUNT + 8][3];
@@ -287,9 +282,8 @@ const char *test_world_frames(void)
     return NULL;
 }
 
-/* ---- §7.3: how much energy from nowhere is too much ---- */
-
-/* Whether a whole slice that ends with `more` of energy k is taken again. */
+/* §7.3: whether a whole slice that ends with `more` energy of kind k than
+ * `before` is taken again. */
 static bool again(struct world *w, int k, double before, double more)
 {
     double start[3] = {0}, end[3] = {0};
@@ -305,7 +299,7 @@ const char *test_world_wrong(void)
     struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
     w.def.max_slices = 32;
     w.def.dt = 1;
-    for (int k = 0; k < 2; k++) { /* an eighth of what is there then */
+    for (int k = 0; k < 2; k++) { /* limit: 1/8 of the energy at the end */
         EXPECT(!again(&w, k, 7, 0.999) && again(&w, k, 7, 1.001));
         w.plan.led = true;
         EXPECT(!again(&w, k, 7, 5));

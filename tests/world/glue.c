@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What holds of whole steps, whatever the stages do: pins, sleep, friction, the
- * start, ways of slices, press. spec/world/step.md */
+/* Properties of whole steps: pins, sleep, friction of a pair, the check of the
+ * start, the length of slices, warm start. spec/world/step.md */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -14,8 +14,8 @@
 
 enum { SIDE = 12, COUNT = SIDE * SIDE };
 
-/* A small sheet of cells of 1/64 m, so that no rounding moves it, at height y
- * above the slab, whose top is at 0.1. */
+/* Makes a small sheet at height y above the slab, whose top is at y = 0.1. Its
+ * cells are 1/64 m, so that rounding exerts no force. */
 static void make_small(struct slab *d, int integrator, double y)
 {
     slab_make(d, integrator);
@@ -26,10 +26,8 @@ static void make_small(struct slab *d, int integrator, double y)
     d->def.dt = integrator < DRAPE_BW ? 0x1p-10 : 0x1p-6;
 }
 
-/* ---- 01: what is led is where it is told to be ---- */
-
-/* A second sheet is thrown at the first, which one pin holds, one leads, and
- * which has a hole. */
+/* kinematics.md §1: led vertices are where they are told to be. The first sheet
+ * has a hole, a fixed pin and a moving pin; a second sheet is thrown at it. */
 static drape_world *make_pinned(struct slab *d, int integrator)
 {
     static const double times[2] = {0, 1};
@@ -56,7 +54,7 @@ static drape_world *make_pinned(struct slab *d, int integrator)
     return slab_world(d);
 }
 
-/* Held: not a bit moves. Led: x(0) + p(t), rounded once. */
+/* A fixed pin keeps its bits; a moving pin is at x(0) + p(t), rounded once. */
 static const char *check_pins(const drape_world *world, const double (*x0)[3],
                               double t)
 {
@@ -97,18 +95,19 @@ const char *test_world_pins(void)
                 return failed;
             ran(1);
         }
-        EXPECT(contacts > 0); /* or nobody pushes */
+        EXPECT(contacts > 0); /* the sheets did meet */
         drape_destroy(world);
     }
     return NULL;
 }
 
-/* ---- §6: sleep changes no bit, and ends when something moves ---- */
+/* step.md §6: sleep changes no bit, and ends when something moves */
 
 enum waking { BY_OBSTACLE, BY_PIN, BY_FRAMES, BY_WIND, BY_CALL, WAKINGS };
 enum { RESTS = 34, TO = 38 };
 
-/* At rest without gravity; what wakes it begins to move after RESTS steps. */
+/* Makes a sheet at rest without gravity; after RESTS steps a motion or a call
+ * wakes the scene in the way `how` says. */
 static drape_world *make_resting(enum waking how, int integrator, int sleep)
 {
     static double time[3], frame[3 * 8][3];
@@ -150,7 +149,8 @@ static int advance(drape_world *world, enum waking how, int step)
     return drape_step(world, &r) == DRAPE_OK ? r.outcome : -1;
 }
 
-/* A world that may sleep beside one that may not. */
+/* Runs a world that may sleep beside one that may not: both have the same bits.
+ */
 static const char *check_sleep(enum waking how, int integrator)
 {
     drape_world *a = make_resting(how, integrator, 1);
@@ -181,9 +181,8 @@ const char *test_world_sleeps(void)
     return failed;
 }
 
-/* ---- 31: a pair's friction is the larger ---- */
-
-/* A sheet laid on a slope; hash after some steps, 0 where one fails. */
+/* proximity.md: a pair has the larger friction of its two surfaces. Runs a
+ * sheet on a slope; returns the hash after some steps, 0 if a step fails. */
 static uint64_t slide(int integrator, double cloth, double slab)
 {
     struct slab d;
@@ -217,12 +216,13 @@ const char *test_world_friction(void)
     return NULL;
 }
 
-/* ---- A start that intersects ---- */
+/* A start that intersects */
 
 enum crossing { ITSELF, ANOTHER, SLAB, CROSSINGS };
 
-/* One sheet goes through itself, a flat one through a crumpled one, in more
- * pairs than the audit first has room for, or one through the slab. */
+/* Makes a start that intersects: a sheet through itself; a flat sheet through a
+ * crumpled one, in more pairs than the audit's first capacity; or a sheet
+ * through the slab. */
 static void make_crossing(struct slab *d, enum crossing how)
 {
     enum { M = 30 };
@@ -250,7 +250,8 @@ static void make_crossing(struct slab *d, enum crossing how)
     d->def.n_cloths = 2;
 }
 
-/* What self_collision and allow_intersecting make of it. */
+/* Such a start is refused, unless allow_intersecting is set, or only cloths
+ * cross and self_collision is off. */
 static const char *check_start(enum crossing how)
 {
     struct slab d;
@@ -285,7 +286,7 @@ const char *test_world_start(void)
     return failed;
 }
 
-/* ---- §3: to look first whether anything is near changes no bit ---- */
+/* step.md §3: the early test whether anything is near changes no bit */
 
 static struct world *make_inner(const drape_def *def, struct arena *arena)
 {
@@ -295,8 +296,8 @@ static struct world *make_inner(const drape_def *def, struct arena *arena)
     return world_make(def, arena, &w, &error) == DRAPE_OK ? w : NULL;
 }
 
-/* A sheet that starts `above` the slab with `speed`, beside one that is always
- * taken to have been near something. */
+/* Runs a sheet that starts `above` the slab with `speed` with the early test,
+ * and without it (as if the slice before always had a candidate). */
 static const char *check_near(struct slab *d, double above, double speed)
 {
     static double v[COUNT][3];
@@ -342,10 +343,11 @@ const char *test_world_near(void)
     return failed;
 }
 
-/* ---- §7.2: ways of two that move count together ---- */
-
-/* Two parallel sheets pass each other, oblique, so that all boxes meet: slices
- * of the first step, where each moves by its number of cells; 0: it failed. */
+/* step.md §7.2: the displacements of two moving bodies are added. Two parallel,
+ * oblique sheets, whose boxes all overlap, pass each other by `first` and
+ * `second` cells a step. Returns the slices of the first step, or 0 if it
+ * fails.
+ */
 static int pass(int integrator, double first, double second)
 {
     enum { M = 3 };
@@ -381,7 +383,7 @@ const char *test_world_meeting(void)
 {
     for (int k = 0; k < 2; k++) {
         int integrator = k ? DRAPE_BW : DRAPE_VERLET;
-        double most = k ? 8 : 4; /* cells, of one beside the other */
+        double most = k ? 8 : 4; /* cells, limit of relative displacement */
         EXPECT(pass(integrator, 0.49 * most, 0.49 * most) == 1);
         EXPECT(pass(integrator, 0.51 * most, 0.51 * most) == 2);
         EXPECT(pass(integrator, 0.98 * most, 0) == 1);
@@ -394,7 +396,7 @@ const char *test_world_meeting(void)
     return NULL;
 }
 
-/* ---- warm.md §4: what the fail-safe ended leaves no press ---- */
+/* warm.md §4: a slice that the fail-safe ended leaves no press */
 
 static bool presses(const struct world *w)
 {
@@ -416,7 +418,7 @@ const char *test_world_press(void)
         for (int k = 0; k < 3 * COUNT; k++)
             v[k / 3][k % 3] = 5 * noise_of((uint64_t)k);
         d.cloth.velocity = (const double(*)[3])v;
-        d.cloth.material.stretch = 0.1; /* soft, so in disorder */
+        d.cloth.material.stretch = 0.1; /* so soft that the sheet crumples */
         d.cloth.material.shear = 0.02;
         d.cloth.material.bend = 0;
         d.def.max_rounds = rounds;
@@ -439,8 +441,7 @@ const char *test_world_press(void)
     return NULL;
 }
 
-/* ---- A report that nobody reads changes nothing ---- */
-
+/* A step without a report has the same bits. */
 const char *test_world_unread(void)
 {
     static struct recall state[2];
@@ -463,8 +464,7 @@ const char *test_world_unread(void)
     return NULL;
 }
 
-/* ---- implicit.md §4: Choi–Ko's past is of the motion without contact ---- */
-
+/* implicit.md §4: Choi–Ko remembers the motion without contact. */
 const char *test_world_past(void)
 {
     static vec x0[COUNT], v0[COUNT], xp[COUNT], vp[COUNT];
@@ -496,7 +496,7 @@ const char *test_world_past(void)
         parted += memcmp(w->free_v, w->v0, sizeof v0) != 0;
         ran(1);
     }
-    EXPECT(parted > 0); /* or contact changed nothing */
+    EXPECT(parted > 0); /* contact did change the motion */
     arena_free(&arena);
     return NULL;
 }

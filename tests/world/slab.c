@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A sheet above a slab. */
+/* A sheet above a slab, the small scene of many tests. */
 #include "tests/world/slab.h"
 
 #include <stdio.h>

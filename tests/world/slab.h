@@ -15,7 +15,8 @@ struct slab {
 
 /* The slab's top is at y = 0.1, the sheet starts at rest at y = 0.12. */
 void slab_make(struct slab *d, int integrator);
-/* NULL, and the reason is printed, where it is refused. */
+/* Makes the world; NULL if the definition is refused, with the reason printed.
+ */
 drape_world *slab_world(const struct slab *d);
 
 #endif

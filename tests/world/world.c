@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole scenes through the public API: same bits for any threads and after a
- * checkpoint, no intersection, clear refusals. spec/world/step.md */
+/* Whole scenes through the public API: the same bits with any number of threads
+ * and after a checkpoint, no intersection, refusals that name the fault.
+ * spec/world/step.md */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -8,7 +9,8 @@
 #include "tests/world/scene.h"
 #include "tests/world/slab.h"
 
-/* Hash after n steps, 0 where one fails or is not clean. */
+/* Makes n steps. Returns the hash of the state, or 0 if a step fails or is not
+ * clean. */
 static uint64_t run(drape_world *world, int n)
 {
     for (int k = 0; k < n; k++) {
@@ -21,8 +23,8 @@ static uint64_t run(drape_world *world, int n)
     return scene_hash(world);
 }
 
-/* spec/README.md §1.7, over whole steps; the cloth is large enough for the
- * step to use its threads. */
+/* spec/README.md §1.7: whole steps give the same bits with any number of
+ * threads. The cloth is large enough for the step to use them. */
 const char *test_world_threads(void)
 {
     static const int some[] = {DRAPE_EULER, DRAPE_BW, DRAPE_CK};
@@ -35,7 +37,7 @@ const char *test_world_threads(void)
             d.cloth.m = d.cloth.n = 65;
             d.def.threads = threads;
             if (integrator < DRAPE_BW)
-                d.def.dt = 1e-4; /* a few substeps, else it takes long */
+                d.def.dt = 1e-4; /* few substeps, for speed */
             d.cloth.origin[1] = 0.1041;
             drape_world *world = slab_world(&d);
             EXPECT(world);
@@ -77,8 +79,8 @@ static int read_memory(void *user, void *data, size_t bytes)
     return 0;
 }
 
-/* A resumed run equals an unbroken one; damage is refused and changes
- * nothing. */
+/* A run resumed from a checkpoint equals an unbroken run; a damaged checkpoint
+ * is refused and changes nothing. */
 const char *test_world_resume(void)
 {
     struct slab d;
@@ -122,8 +124,8 @@ const char *test_world_resume(void)
     return NULL;
 }
 
-/* Wind that is set is wind that was there from the start, and wakes; a world
- * without air has none of it, and no checkpoint that does. */
+/* Wind set by a call acts like wind in the definition, and wakes a sleeping
+ * world. A world without air refuses wind and checkpoints with wind. */
 const char *test_world_wind(void)
 {
     const drape_wind calm = {{0, 0, 0}, 1.2, 1, 0.3};
@@ -157,7 +159,7 @@ const char *test_world_wind(void)
     return NULL;
 }
 
-/* Small random scenes end every step without an intersection. */
+/* Small random scenes end each step without an intersection. */
 const char *test_world_random(void)
 {
     for (uint64_t seed = 1; seed <= 24; seed++) {
@@ -173,8 +175,8 @@ const char *test_world_random(void)
     return NULL;
 }
 
-/* spec/gpu.md §6: every stage of every step has the same bits on both
- * backends, and so have reports and states. */
+/* spec/gpu.md §6: stages, reports and states of every step have the same bits
+ * on both backends. */
 const char *test_world_device(void)
 {
     for (uint64_t seed = 1; seed <= 12; seed++) {
@@ -191,7 +193,7 @@ const char *test_world_device(void)
     return NULL;
 }
 
-/* A definition out of range is refused by one line that names the place. */
+/* An invalid definition is refused with one line that names the place. */
 const char *test_world_refusals(void)
 {
     struct slab d;
@@ -220,7 +222,7 @@ const char *test_world_refusals(void)
     memset(gone, 1, sizeof gone);
     EXPECT(sizeof gone >= (size_t)d.cloth.m * (size_t)d.cloth.n);
     REFUSED(d.cloth.hole = gone, DRAPE_EARG, "cloth 0: holes and cuts leave");
-    /* The corner has one cell, which is cut. */
+    /* the corner particle has one cell, which is cut away */
     const drape_pin pins[2] = {{1, 0, -1}, {0, 0, -1}};
     REFUSED((d.cloth.cut = cut, d.cloth.pins = pins, d.cloth.n_pins = 2),
             DRAPE_EARG, "cloth 0: pin 1: particle (0, 0) is missing");
