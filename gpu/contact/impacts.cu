@@ -1,26 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Selects the candidates that touch. spec/contact/impacts.md */
+/* Selects the candidates that touch and that a response can part.
+ * spec/contact/impacts.md */
 #include "gpu/base/place.cuh"
 #include "gpu/contact/contact.cuh"
 
 #include "ref/contact/impacts.h"
 #include "ref/narrow/narrow.h"
 
-/* What at[k] says of candidate k; ASKED: whether it touches at the start is
- * narrow's to say. */
+/* Values of at[k] for candidate k. ASKED: it has toi 0, and the narrow phase
+ * has to tell whether it touches at the start. */
 enum { HIT = 0, MISS = -1, ASKED = -2 };
 enum { BAD, HITS, LED, ASKS, WORDS };
 
-/* The candidates that narrow is asked about, with x0 as start and end. */
+/* The candidates that the narrow phase tests with x0 as start and end. */
 struct asked {
     int32_t *pair; /* [n][4] */
-    int32_t *item; /* [n] which candidate */
+    int32_t *item; /* [n] index of the candidate */
     uint32_t *toi; /* [n] */
     uint8_t *kind, *tier;
 };
 
-/* §1. Thread k owns candidate k: reads toi[k], and where it touches its
- * vertices' w; writes at[k]. */
+/* §1. Thread k owns candidate k: reads toi[k], and w of its vertices if it
+ * touches; writes at[k]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     impacts_decide_kernel(struct impacts s, int64_t *words)
 {
@@ -41,7 +42,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.at[k] = at;
 }
 
-/* A block owns PLACE_BLOCK candidates: how many are `want`. */
+/* A block owns PLACE_BLOCK candidates: counts those with at = want. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     impacts_count_kernel(struct impacts s, int32_t want, int64_t *first)
 {
@@ -52,8 +53,8 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
         first[blockIdx.x] = count;
 }
 
-/* A block owns PLACE_BLOCK candidates: those asked about go to its part of a.
- */
+/* A block owns PLACE_BLOCK candidates: copies those with at = ASKED to its part
+ * of a. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     impacts_ask_kernel(struct impacts s, const int64_t *first, struct asked a)
 {
@@ -68,7 +69,7 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
     a.kind[at] = s.kind[k];
 }
 
-/* Thread k owns the k-th of n asked about. */
+/* Thread k owns item k of a: writes the answer to at of its candidate. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     impacts_answer_kernel(struct impacts s, int64_t n, struct asked a,
                           int64_t *words)
@@ -80,7 +81,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         count_up(&words[HITS], 1);
 }
 
-/* A block owns PLACE_BLOCK candidates: its hits go to their place. */
+/* A block owns PLACE_BLOCK candidates: copies its hits to their places. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     impacts_emit_kernel(struct impacts s, const int64_t *first)
 {
@@ -95,7 +96,7 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
     s.hit_toi[at] = s.toi[k];
 }
 
-/* Where each block's candidates that are `want` go. */
+/* For each block, the place of its first candidate with at = want. */
 static int64_t *place(struct gpu *g, const struct impacts *s, int32_t want)
 {
     int64_t blocks = place_blocks(s->n);
@@ -107,11 +108,11 @@ static int64_t *place(struct gpu *g, const struct impacts *s, int32_t want)
     return first;
 }
 
-/* Asks narrow about n candidates that seem to touch at the start. */
+/* Tests n candidates with toi 0: does the pair touch at the start? */
 static int ask(struct gpu *g, struct impacts *s, int64_t n)
 {
     struct asked a;
-    /* narrow has the slots before */
+    /* the narrow phase uses the scratch slots before this one */
     int32_t *room = (int32_t *)gpu_scratch(g, SLOT_STAGE + 2, 26 * n, 1);
     if (!room)
         return gpu_status(g);

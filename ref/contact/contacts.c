@@ -89,7 +89,7 @@ static void begin(struct contacts *s, int64_t k)
 }
 
 /* §3: changes y of contact k, and records the push that takes u along. */
-static void go_to(struct contacts *s, int64_t k, real y)
+static void set_lookahead(struct contacts *s, int64_t k, real y)
 {
     s->push[k] = vec_scale(y - s->ahead[k], s->contact[k].n);
     s->ahead[k] = y;
@@ -103,14 +103,14 @@ static void push_normal(struct contacts *s, int64_t k)
     c->impulse = y;
     if (s->lack[k] != 0)
         c->impulse = real_max(y + effective_mass(s, c) * s->lack[k], 0);
-    go_to(s, k, real_max(c->impulse + s->keep * (c->impulse - was), 0));
+    set_lookahead(s, k, real_max(c->impulse + s->keep * (c->impulse - was), 0));
 }
 
 /* §3: a void iteration: y is moved back towards λ. */
-static void go_back(struct contacts *s, int64_t k)
+static void shrink_lookahead(struct contacts *s, int64_t k)
 {
     real now = s->contact[k].impulse;
-    go_to(s, k, now + s->keep * (s->ahead[k] - now));
+    set_lookahead(s, k, now + s->keep * (s->ahead[k] - now));
 }
 
 /* §4: marks the contacts that can have friction; they act in all iterations. */
@@ -138,7 +138,7 @@ static void push_tangent(struct contacts *s, int64_t k)
 }
 
 /* §4: the push of this whole call, for v. */
-static void end(struct contacts *s, int64_t k)
+static void find_total(struct contacts *s, int64_t k)
 {
     s->push[k] = vec_sub(total(&s->contact[k]), s->before[k]);
 }
@@ -146,7 +146,7 @@ static void end(struct contacts *s, int64_t k)
 /* Work of one vertex */
 
 /* §3: the first d: 0, as no contact acts yet; 1 for a vertex of one contact. */
-static void stay(struct contacts *s, int32_t i)
+static void first_parts(struct contacts *s, int32_t i)
 {
     s->parts[i] = s->start[i + 1] - s->start[i] == 1;
 }
@@ -255,7 +255,7 @@ static void solve_normal(struct contacts *s)
             s->keep /= beta;
         else
             split_all(s);
-        each_awake(s, over ? go_back : push_normal);
+        each_awake(s, over ? shrink_lookahead : push_normal);
         apply(s, s->u);
         spread(s);
         each_awake(s, find_lack);
@@ -296,12 +296,12 @@ int ref_contacts(struct contacts *s)
     memset(s->moved, 0, (size_t)s->vertices);
     memset(s->stirred, ASLEEP, (size_t)s->nv);
     for (int64_t k = 0; k < s->vertices; k++)
-        stay(s, s->vertex[k]);
+        first_parts(s, s->vertex[k]);
     each_contact(s, begin);
     wake_acting(s);
     solve_normal(s);
     solve_tangent(s);
-    each_awake(s, end); /* v gets all impulses at once */
+    each_awake(s, find_total); /* v gets all impulses at once */
     apply(s, s->v);
     return DRAPE_OK;
 }

@@ -63,7 +63,7 @@ static void place(const struct impulses *s, const int32_t v[4], double t,
     }
 }
 
-static struct wide weigh(const double c[4], const struct wide a[4])
+static struct wide weighted_sum(const double c[4], const struct wide a[4])
 {
     struct wide r = wide_scale(c[0], a[0]);
     for (int k = 1; k < 4; k++)
@@ -76,7 +76,8 @@ static struct wide weigh(const double c[4], const struct wide a[4])
 static struct wide normal_of(const struct impact *m, int64_t kind,
                              const struct closest *r)
 {
-    struct wide way = weigh(r->c, m->way), from = weigh(r->c, m->from);
+    struct wide way = weighted_sum(r->c, m->way),
+                from = weighted_sum(r->c, m->from);
     struct wide back = closest_unit(wide_scale(-1, way),
                                     closest_unit(from, wide_make(1, 0, 0)));
     struct wide n = closest_unit(closest_normal(m->x, (int)kind), back);
@@ -101,7 +102,7 @@ static void emit(const struct impulses *s, int64_t k, struct contact *c)
     struct surface skin = skin_pair(&s->skin, c->v);
     closest_weights(&r, (int)c->kind, c->c);
     c->n = wide_round(n);
-    c->gap = (real)wide_dot(n, weigh(r.c, m.from));
+    c->gap = (real)wide_dot(n, weighted_sum(r.c, m.from));
     c->target = (s->margin * skin.thickness - c->gap) / s->dt;
     c->friction = skin.friction;
     c->held = 0;

@@ -32,7 +32,7 @@ static real side_of(const struct penalty *s, const struct contact *c, int j)
 }
 
 /* §1: the impulse p of contact k's spring at velocities u, N·s. */
-static real spring(const struct penalty *s, int64_t k, const vec *u)
+static real spring_impulse(const struct penalty *s, int64_t k, const vec *u)
 {
     const struct contact *c = &s->contact[k];
     real give = s->stiffness * s->dt * s->tau;
@@ -48,7 +48,7 @@ static real part_of(const struct penalty *s, int64_t k, int j)
 
 /* §1.2: the impulse along n that contact k has given so far: its part of g,
  * shared by the holds of the turn before, N·s. */
-static real gave(const struct penalty *s, int64_t k)
+static real given_impulse(const struct penalty *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
     real push = 0, all = 0;
@@ -66,7 +66,7 @@ static real gave(const struct penalty *s, int64_t k)
 
 /* §1.1: the velocity of vertex i without the push that the slice began with.
  */
-static void let_go(struct penalty *s, int64_t i)
+static void find_guess(struct penalty *s, int64_t i)
 {
     real w = s->w[i] * (s->tau / s->dt);
     bool pushed = s->first && w > 0;
@@ -75,7 +75,7 @@ static void let_go(struct penalty *s, int64_t i)
 
 /* §1: selects the held contacts: those that approach at u or at the guess, and
  * those that gave an impulse in the turn before. */
-static void press(struct penalty *s, int64_t k)
+static void select_held(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
     real share = 0;
@@ -83,9 +83,9 @@ static void press(struct penalty *s, int64_t k)
         if (s->w[c->v[j]] > 0)
             share += real_abs(c->c[j]) * side_of(s, c, j);
     s->share[k] = share;
-    s->gave[k] = s->first ? 0 : gave(s, k);
-    c->held =
-        spring(s, k, s->guess) > 0 || spring(s, k, s->u) > 0 || s->gave[k] > 0;
+    s->gave[k] = s->first ? 0 : given_impulse(s, k);
+    c->held = spring_impulse(s, k, s->guess) > 0 ||
+              spring_impulse(s, k, s->u) > 0 || s->gave[k] > 0;
 }
 
 /* §3: what contact k adds to the hold of its vertex j. */
@@ -103,7 +103,7 @@ static sym hold_of(const struct penalty *s, int64_t k, int j, real slide)
 }
 
 /* §2.1: the number of parts of vertex i, one for each held contact. */
-static void split(struct penalty *s, int64_t i)
+static void count_parts(struct penalty *s, int64_t i)
 {
     int32_t parts = 0;
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++)
@@ -112,7 +112,7 @@ static void split(struct penalty *s, int64_t i)
 }
 
 /* §2.1: p', the impulse with which contact k stops its parts alone, N·s. */
-static real stop(const struct penalty *s, int64_t k)
+static real stopping_impulse(const struct penalty *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
     real give = 1 / (s->stiffness * s->tau * s->tau);
@@ -131,18 +131,18 @@ static vec across(const struct contact *c, const vec *u)
 
 /* §2.2: the largest friction of contact k, and by how much friction can grow
  * from its present value, N·s. */
-static void load(struct penalty *s, int64_t k)
+static void bound_friction(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
     vec slip = across(c, s->u);
-    real push = real_max(stop(s, k), s->gave[k]);
+    real push = real_max(stopping_impulse(s, k), s->gave[k]);
     real most = c->held ? c->friction * push : 0;
     s->most[k] = most;
     s->more[k] = most - c->slide * vec_length(slip);
 }
 
 /* §2.3: the speed that growing friction takes from vertex i. */
-static void brake(struct penalty *s, int64_t i)
+static void sum_brake(struct penalty *s, int64_t i)
 {
     real sum = 0;
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
@@ -153,7 +153,7 @@ static void brake(struct penalty *s, int64_t i)
 }
 
 /* §2.4: by the speed that is then left. */
-static void rub(struct penalty *s, int64_t k)
+static void apply_friction(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
     vec slip = across(c, s->u);
@@ -161,7 +161,8 @@ static void rub(struct penalty *s, int64_t k)
     for (int j = 0; j < 4; j++)
         speed -= real_abs(c->c[j]) * s->brake[c->v[j]];
     c->slide = s->most[k] / real_max(speed, s->slip);
-    c->impulse = c->held ? real_max(spring(s, k, s->u), -s->gave[k]) : 0;
+    c->impulse =
+        c->held ? real_max(spring_impulse(s, k, s->u), -s->gave[k]) : 0;
     c->tangent = vec_scale(-c->slide, slip);
 }
 
@@ -199,22 +200,22 @@ int ref_penalty(struct penalty *s)
     ref_incidence(&by);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
-        let_go(s, i);
+        find_guess(s, i);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        press(s, k);
+        select_held(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
-        split(s, i);
+        count_parts(s, i);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        load(s, k);
+        bound_friction(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
-        brake(s, i);
+        sum_brake(s, i);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        rub(s, k);
+        apply_friction(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
         gather(s, (int32_t)i);
