@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A small scene and its allocators, as tests/api/guest.h says. */
+/* A small scene and counting allocators; see tests/api/guest.h. */
 #include "tests/api/guest.h"
 
 #include <stdlib.h>
