@@ -182,7 +182,7 @@ class Workshop:
             'a hang' if status == 124 else f'exit {status}'
 
 
-# Checks that find most mutants; they run first, the slowest of them last.
+# Slow checks, which run last, the slowest at the end.
 SLOW = ('embed_lost', 'embed_memory', 'embed_lent', 'fused', 'motion_device',
         'device_steps', 'narrow_soak')
 

@@ -160,7 +160,7 @@ def invent(rows):
         new = [1000 * j + k for j in range(len(row))]
         new[0], new[1] = row[0], row[1]
         new[OUTCOME] = k % 128 & ~DIVERGED
-        for j in [6, 15, 16, 17, *range(SECONDS.start, SECONDS.stop)]:
+        for j in [6, 14, 15, 16, *range(SECONDS.start, SECONDS.stop)]:
             new[j] += 0.125
         made.append(new)
     return made
@@ -207,11 +207,12 @@ def check_ranges(drape, header, rows, state):
     header[3] = len(rows)
     nan, inf = float("nan"), float("inf")
     tries = [(0, 7), (1, nan), (1, -1.0), (2, 128), (2, -1), (2, DIVERGED)]
-    tries += [(j, -1) for j in [3, 4, 5, 7, 8, *range(9, 15),
+    tries += [(j, -1) for j in [3, 4, 5, 7, *range(8, 14),
                                 *range(WORK.start, WORK.stop)]]
-    tries += [(j, 2 ** 41) for j in [*range(9, 15), *range(27, 33)]]
-    tries += [(j, v) for j in [6, 15, 16, 17] for v in [nan, inf]]
-    tries += [(j, v) for j in range(18, 23) for v in [nan, inf, -1.0]]
+    tries += [(j, 2 ** 41) for j in [*range(8, 14), *range(26, 32)]]
+    tries += [(j, v) for j in [6, 14, 15, 16] for v in [nan, inf]]
+    tries += [(j, v) for j in range(SECONDS.start, SECONDS.stop)
+              for v in [nan, inf, -1.0]]
     for j, value in tries:
         row = list(rows[3])
         row[j] = value
