@@ -213,7 +213,7 @@ static int refuse(const char *path, const char *whose)
 int folder_empty(const char *path)
 {
     bool holds = false;
-    int status = lock_look(path);
+    int status = lock_is_free(path);
     if (status == APP_OK)
         status = look(path, false, &holds);
     return status == APP_OK && holds ? refuse(path, "a") : status;

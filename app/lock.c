@@ -29,7 +29,7 @@ static int refuse(const char *path, int why)
                     strerror(why));
 }
 
-int lock_look(const char *path)
+int lock_is_free(const char *path)
 {
     struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
     char file[FILE_PATH];

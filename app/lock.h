@@ -18,6 +18,6 @@ void lock_release(struct lock *lock);
 
 /* Checks that no process holds the lock, without changing the folder. Returns
  * app_exit; a failure prints one line. */
-int lock_look(const char *path);
+int lock_is_free(const char *path);
 
 #endif

@@ -7,14 +7,14 @@
 #include "ref/contact/contact.h"
 
 /* A candidate's vertices, read by one 16-byte load. */
-struct alignas(16) pair_names {
+struct alignas(16) pair_vertices {
     int32_t v[4];
 };
 
 static __device__ inline void load_pair(const int32_t *pair, int64_t k,
                                         int32_t v[4])
 {
-    struct pair_names f = ((const struct pair_names *)pair)[k];
+    struct pair_vertices f = ((const struct pair_vertices *)pair)[k];
     for (int j = 0; j < 4; j++)
         v[j] = f.v[j];
 }
@@ -23,7 +23,7 @@ static __device__ inline void load_pair(const int32_t *pair, int64_t k,
 static __device__ inline void copy_pair(const int32_t *pair, int64_t k,
                                         int32_t *to, int64_t at)
 {
-    ((struct pair_names *)to)[at] = ((const struct pair_names *)pair)[k];
+    ((struct pair_vertices *)to)[at] = ((const struct pair_vertices *)pair)[k];
 }
 
 static __device__ inline bool in_range(const int32_t v[4], int64_t nv)

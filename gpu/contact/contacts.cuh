@@ -63,7 +63,7 @@ static __device__ int32_t split(const struct contacts &s, int32_t i)
     int32_t acting = s.acting[i], d = s.parts[i];
     if (s.keep == 0 || (d > 0 && d < acting))
         return acting;
-    return d == 0 ? acting + 1 : d; /* one contact more may join */
+    return d == 0 ? acting + 1 : d; /* a further contact may begin to act */
 }
 
 /* §2: the mass that contact c feels: 1/a, of its vertices' parts. */

@@ -7,13 +7,13 @@
 #include "ref/contact/impacts.h"
 #include "ref/narrow/narrow.h"
 
-/* Values of at[k] for candidate k. ASKED: it has toi 0, and the narrow phase
+/* Values of at[k] for candidate k. RETEST: it has toi 0, and the narrow phase
  * has to tell whether it touches at the start. */
-enum { HIT = 0, MISS = -1, ASKED = -2 };
-enum { BAD, HITS, LED, ASKS, WORDS };
+enum { HIT = 0, MISS = -1, RETEST = -2 };
+enum { BAD, HITS, LED, RETESTS, WORDS };
 
 /* The candidates that the narrow phase tests with x0 as start and end. */
-struct asked {
+struct retest {
     int32_t *pair; /* [n][4] */
     int32_t *item; /* [n] index of the candidate */
     uint32_t *toi; /* [n] */
@@ -36,8 +36,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (s.toi[k] != NARROW_MISS) {
         bool free = any_free(v, s.w);
         bool later = s.toi[k] > 0;
-        at = !free ? MISS : later ? HIT : ASKED;
-        count_up(&words[!free ? LED : later ? HITS : ASKS], 1);
+        at = !free ? MISS : later ? HIT : RETEST;
+        count_up(&words[!free ? LED : later ? HITS : RETESTS], 1);
     }
     s.at[k] = at;
 }
@@ -53,13 +53,14 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
         first[blockIdx.x] = count;
 }
 
-/* A block owns PLACE_BLOCK candidates: copies those with at = ASKED to its part
- * of a. */
+/* A block owns PLACE_BLOCK candidates: copies those with at = RETEST to its
+ * part of a. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
-    impacts_ask_kernel(struct impacts s, const int64_t *first, struct asked a)
+    impacts_gather_kernel(struct impacts s, const int64_t *first,
+                          struct retest a)
 {
     int64_t k = place_item();
-    bool asks = k < s.n && s.at[k] == ASKED;
+    bool asks = k < s.n && s.at[k] == RETEST;
     int count;
     int64_t at = block_place(asks, &count) + first[blockIdx.x];
     if (!asks)
@@ -71,7 +72,7 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
 
 /* Thread k owns item k of a: writes the answer to at of its candidate. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    impacts_answer_kernel(struct impacts s, int64_t n, struct asked a,
+    impacts_answer_kernel(struct impacts s, int64_t n, struct retest a,
                           int64_t *words)
 {
     ITEM(k, n);
@@ -109,9 +110,9 @@ static int64_t *place(struct gpu *g, const struct impacts *s, int32_t want)
 }
 
 /* Tests n candidates with toi 0: does the pair touch at the start? */
-static int ask(struct gpu *g, struct impacts *s, int64_t n)
+static int retest_start(struct gpu *g, struct impacts *s, int64_t n)
 {
-    struct asked a;
+    struct retest a;
     /* the narrow phase uses the scratch slots before this one */
     int32_t *room = (int32_t *)gpu_scratch(g, SLOT_STAGE + 2, 26 * n, 1);
     if (!room)
@@ -121,8 +122,8 @@ static int ask(struct gpu *g, struct impacts *s, int64_t n)
     a.toi = (uint32_t *)(room + 5 * n);
     a.kind = (uint8_t *)(room + 6 * n);
     a.tier = a.kind + n;
-    int64_t *first = place(g, s, ASKED);
-    LAUNCH_BLOCKS(g, place_blocks(s->n), PLACE_BLOCK, impacts_ask_kernel, *s,
+    int64_t *first = place(g, s, RETEST);
+    LAUNCH_BLOCKS(g, place_blocks(s->n), PLACE_BLOCK, impacts_gather_kernel, *s,
                   first, a);
     struct narrow m = {.n = n,
                        .pair = a.pair,
@@ -148,13 +149,13 @@ int gpu_impacts(struct gpu *g, struct impacts *s)
     const int64_t *seen = gpu_read_words(g, WORDS);
     if (seen[BAD])
         return DRAPE_EARG;
-    int64_t asks = seen[ASKS];
+    int64_t asks = seen[RETESTS];
     int status = gpu_status(g);
     s->found = seen[HITS];
     s->led = seen[LED];
     s->started = 0;
     if (asks && status == DRAPE_OK)
-        status = ask(g, s, asks);
+        status = retest_start(g, s, asks);
     if (status == DRAPE_OK && s->found > s->cap)
         return DRAPE_EFULL;
     if (!s->found || status != DRAPE_OK)

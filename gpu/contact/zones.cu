@@ -102,8 +102,8 @@ static __device__ vec limit_spin(vec spin, real dt)
 }
 
 /* The mean velocity that moves vertex i with zone z through the step. */
-static __device__ vec carry(const struct zones *s, const struct zone *z,
-                            int32_t i)
+static __device__ vec rigid_velocity(const struct zones *s,
+                                     const struct zone *z, int32_t i)
 {
     vec half = scale(R(0.5) * s->dt, z->spin);
     vec turn = cross(z->spin, arm_of(s, z, i));
@@ -148,7 +148,7 @@ static __global__ void __launch_bounds__(ZONE_BLOCK)
     for (int64_t k = t; k < n; k += ZONE_BLOCK) {
         int32_t i = (int32_t)own[k].lo;
         if (s.w[i] > 0)
-            s.u[i] = carry(&s, &z, i);
+            s.u[i] = rigid_velocity(&s, &z, i);
     }
 }
 

@@ -169,7 +169,7 @@ static void split(struct contacts *s, int32_t i)
     if (s->keep == 0 || (d > 0 && d < acting))
         s->parts[i] = acting;
     else if (d == 0 && acting > 0)
-        s->parts[i] = acting + 1; /* one contact more may join */
+        s->parts[i] = acting + 1; /* a further contact may begin to act */
 }
 
 /* Σ c · push over the contacts of a vertex, in the order of its list. */

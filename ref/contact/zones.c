@@ -167,7 +167,8 @@ static vec spin_of(sym i, vec l)
 }
 
 /* Finds the rigid motion of zone z from its members. */
-static void solve(struct zones *s, struct zone *z, const struct key *member)
+static void find_motion(struct zones *s, struct zone *z,
+                        const struct key *member)
 {
     struct zone_sum *sum = s->sum + z->first;
     int64_t n = z->end - z->first;
@@ -192,7 +193,8 @@ static void solve(struct zones *s, struct zone *z, const struct key *member)
 }
 
 /* The mean velocity that moves vertex i with zone z through the step. */
-static vec carry(const struct zones *s, const struct zone *z, int32_t i)
+static vec rigid_velocity(const struct zones *s, const struct zone *z,
+                          int32_t i)
 {
     vec half = vec_scale(R(0.5) * s->dt, z->spin);
     vec turn = vec_cross(z->spin, arm_of(s, z, i));
@@ -222,12 +224,12 @@ int ref_zones(struct zones *s)
     }
     EACH_ITEM
     for (int64_t k = 0; k < s->found; k++)
-        solve(s, &s->zone[k], member + s->zone[k].first);
+        find_motion(s, &s->zone[k], member + s->zone[k].first);
     EACH_ITEM
     for (int64_t k = 0; k < s->found; k++)
         for (int64_t j = s->zone[k].first; j < s->zone[k].end; j++)
             if (is_free(s, (int32_t)member[j].lo))
                 s->u[member[j].lo] =
-                    carry(s, &s->zone[k], (int32_t)member[j].lo);
+                    rigid_velocity(s, &s->zone[k], (int32_t)member[j].lo);
     return DRAPE_OK;
 }

@@ -122,7 +122,7 @@ const char *test_embed_log(void)
             return skip("there is no device");
         EXPECT(status == DRAPE_OK && l.made == 1);
         EXPECT(strstr(l.last, backend ? "gpu" : "ref"));
-        struct purse *purse = backend ? &s.device : &s.host;
+        struct counting_allocator *purse = backend ? &s.device : &s.host;
         purse->most = purse->calls;
         EXPECT(guest_go(world, SHORT) == DRAPE_ENOMEM && l.failed == 1);
         purse->most = INT64_MAX;

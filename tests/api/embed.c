@@ -90,7 +90,8 @@ const char *test_embed_lent(void)
 
 /* Whichever allocation of drape_create fails, it returns a status and keeps no
  * memory. */
-static const char *short_making(struct guest *s, struct purse *purse)
+static const char *short_making(struct guest *s,
+                                struct counting_allocator *purse)
 {
     for (purse->most = 0;; purse->most++) {
         drape_world *world;
@@ -111,8 +112,8 @@ static const char *short_making(struct guest *s, struct purse *purse)
 
 /* Allocation k after drape_create fails: the step leaves the state as it was,
  * and when there is memory again the run ends with the same bits. */
-static const char *short_run(struct guest *s, struct purse *purse, int64_t k,
-                             uint64_t want, bool *failed)
+static const char *short_run(struct guest *s, struct counting_allocator *purse,
+                             int64_t k, uint64_t want, bool *failed)
 {
     drape_world *world;
     *failed = false;
@@ -152,7 +153,7 @@ const char *test_embed_short(void)
         EXPECT(status == DRAPE_OK && guest_go(world, SHORT) == DRAPE_OK);
         uint64_t want = scene_hash(world);
         drape_destroy(world);
-        struct purse *purse[] = {&s.host, &s.device};
+        struct counting_allocator *purse[] = {&s.host, &s.device};
         for (int j = 0; j <= backend; j++) {
             const char *what = short_making(&s, purse[j]);
             int64_t k = 0;

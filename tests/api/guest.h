@@ -7,7 +7,7 @@
 #include "tests/base/harness.h"
 
 /* An allocator that counts, and fails from call `most` on. */
-struct purse {
+struct counting_allocator {
     const drape_allocator *from; /* NULL: the host's */
     size_t held;
     int64_t calls, most;
@@ -18,7 +18,7 @@ struct guest {
     drape_def def;
     drape_cloth cloth;
     drape_obstacle plate;
-    struct purse host, device;
+    struct counting_allocator host, device;
 };
 
 /* Fills s. s must stay at its address while a world made of it exists. */

@@ -316,7 +316,7 @@ const char *test_contacts_rest(void)
 /* A column of COLUMN vertices falls on a led vertex. Returns the sum of the
  * lacks of its contacts after `calls` calls of `iterations` iterations each,
  * m/s; every call but the first is warm. */
-static double settle(struct bytes *b, int calls, int iterations)
+static double fall_column(struct bytes *b, int calls, int iterations)
 {
     enum { COLUMN = 20 };
     struct contacts s = {.n = COLUMN,
@@ -352,7 +352,7 @@ static double settle(struct bytes *b, int calls, int iterations)
 const char *test_contacts_momentum(void)
 {
     struct bytes b = {.seed = 1, .size = -1};
-    double slow = settle(&b, 256, 1), fast = settle(&b, 1, 256);
+    double slow = fall_column(&b, 256, 1), fast = fall_column(&b, 1, 256);
     choices_free(&b);
     EXPECT(slow > 0.1 && fast < slow / 16);
     ran(1);

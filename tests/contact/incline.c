@@ -93,7 +93,7 @@ static int push(struct incline *s, struct contact *contact, int64_t n, int warm)
 }
 
 /* Makes all eight corners one zone and moves it. */
-static int stiffen(struct incline *s, real dt)
+static int make_zone(struct incline *s, real dt)
 {
     enum { N = 3 };
     static const int32_t pair[4 * N] = {0, 1, 2, 3, 4, 5, 6, 7, 0, 4, 1, 5};
@@ -128,7 +128,7 @@ static double slide(struct incline *s, int steps, real dt)
         int64_t n = find_contacts(s, dt, contact);
         for (int pass = 0; pass < PASSES; pass++)
             if (n < 0 || push(s, contact, n, pass > 0) != DRAPE_OK ||
-                stiffen(s, dt) != DRAPE_OK)
+                make_zone(s, dt) != DRAPE_OK)
                 return (double)NAN;
         for (int k = 0; k < BLOCK; k++)
             s->x[k] = vec_axpy(s->x[k], dt, s->u[k]);

@@ -95,7 +95,7 @@ static const char *run_soup(struct tangle *t, int steps, bool lossy)
         const char *failed = check_step(t, none);
         if (failed)
             return failed;
-        EXPECT(!(t->r.outcome & DRAPE_TRAPPED)); /* nothing is led */
+        EXPECT(!(t->r.outcome & DRAPE_TRAPPED)); /* no led vertex */
         /* contacts.md §5.3, up to rounding in all iterations of all rounds */
         EXPECT(!lossy || kinetic(t) <= before * (1 + 0x1p-16));
         tangle_next(t);

@@ -26,14 +26,14 @@ static double length(struct wide a)
 }
 
 /* The trace of a: an upper bound of its norm, as a is positive semidefinite. */
-static double weigh(sym a)
+static double trace_of(sym a)
 {
     return (double)a.xx + (double)a.yy + (double)a.zz;
 }
 
 /* A drape_trace that adds each solve to the ledger. */
-static void listen(void *user, int64_t step, const char *stage, uint64_t digest,
-                   double seconds)
+static void add_solve(void *user, int64_t step, const char *stage,
+                      uint64_t digest, double seconds)
 {
     struct ledger *a = user;
     const struct pcg *p = &a->w->sheet[0].solver.pcg;
@@ -49,7 +49,7 @@ static void listen(void *user, int64_t step, const char *stage, uint64_t digest,
         a->pressed[k] = vec_scale((real)a->w->dt, a->w->press[k]);
     for (int k = 0; k < COUNT; k++) {
         struct wide b = wide_of(p->b[k]), dv = wide_of(p->dv[k]);
-        double hold = p->n_extra ? weigh(p->extra[k]) : 0;
+        double hold = p->n_extra ? trace_of(p->extra[k]) : 0;
         a->dv[k] = wide_axpy(a->dv[k], 1, dv);
         a->way[k] += length(dv);
         a->size += length(b) + hold * length(dv);
@@ -94,7 +94,7 @@ static double left_over(struct ledger *a)
             continue;
         r[p] = less(r[p], block, wide_sub(a->dv[p], a->dv[q]));
         r[q] = less(r[q], block, wide_sub(a->dv[q], a->dv[p]));
-        a->size += 2 * weigh(block) * (a->way[p] + a->way[q]);
+        a->size += 2 * trace_of(block) * (a->way[p] + a->way[q]);
     }
     for (int k = 0; k < COUNT; k++)
         square += wide_dot(r[k], r[k]);
@@ -137,7 +137,7 @@ static const char *run(bool up, int precond)
     d.obstacle.motion = -1;
     d.def.precond = precond;
     d.def.max_slices = 1;
-    d.def.trace = listen;
+    d.def.trace = add_solve;
     d.def.trace_user = &a;
     arena_init(&arena, &d.def.allocator);
     EXPECT(world_make(&d.def, &arena, &a.w, &error) == DRAPE_OK);
