@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Whole worlds obey mechanics: their masses, free fall, the momentum of sheets
- * that meet, wind, led frames and energy. spec/world/step.md */
+ * that meet, wind and led frames. spec/world/step.md */
 #include <stdlib.h>
 
 #include "ref/world/state.h"
@@ -12,14 +12,6 @@
 enum { SIDE = 12, COUNT = SIDE * SIDE };
 static const int methods[] = {DRAPE_EULER, DRAPE_VERLET, DRAPE_BW, DRAPE_CK};
 enum { METHODS = 4 };
-
-static struct world *make_inner(const drape_def *def, struct arena *arena)
-{
-    struct world *w;
-    drape_error error;
-    arena_init(arena, &def->allocator);
-    return world_make(def, arena, &w, &error) == DRAPE_OK ? w : NULL;
-}
 
 /* Makes a sheet of 0.25 m, high above a slab that does not move. */
 static void make_small(struct slab *d, int integrator)
@@ -71,7 +63,7 @@ const char *test_world_made(void)
     drape_cloth cloth[2];
     drape_obstacle obstacle[2];
     make_mixed(&d, cloth, obstacle);
-    struct world *w = make_inner(&d.def, &arena);
+    struct world *w = slab_inner(&d.def, &arena);
     EXPECT(w && w->nc == COUNT + COUNT + SIDE && w->nv == w->nc + 16);
     double side = 0.25 / SIDE, mass = 0; /* of the second cloth's cells */
     EXPECT(near((double)w->cell, side));
@@ -109,7 +101,7 @@ static const char *check_fall(int integrator)
     make_small(&d, integrator);
     d.cloth.width = d.cloth.height = (SIDE - 1) / 64.0; /* no rounding */
     d.def.tolerance = 1e-6;
-    struct world *w = make_inner(&d.def, &arena);
+    struct world *w = slab_inner(&d.def, &arena);
     EXPECT(w);
     double mass = 0.2 * d.cloth.width * d.cloth.height;
     for (int step = 0; step < 16; step++) {
@@ -182,7 +174,7 @@ static const char *check_meeting(int integrator)
     d.def.tolerance = 1e-5;
     d.def.cloths = cloth;
     d.def.n_cloths = 2;
-    struct world *w = make_inner(&d.def, &arena);
+    struct world *w = slab_inner(&d.def, &arena);
     EXPECT(w);
     momentum(w, before, &size);
     for (int step = 0; step < (integrator < DRAPE_BW ? 40 : 10); step++) {
@@ -222,7 +214,7 @@ static const char *check_air(int integrator, bool later)
     d.def.wind = later ? (drape_wind){{5, 5, 5}, 1, 1, 1} : wind;
     d.cloth.u[0] = 0.8;
     d.cloth.u[1] = 0.6;
-    struct world *w = make_inner(&d.def, &arena);
+    struct world *w = slab_inner(&d.def, &arena);
     EXPECT(w);
     if (later)
         EXPECT(world_set_wind(w, &wind) == DRAPE_OK);
@@ -279,45 +271,5 @@ const char *test_world_frames(void)
         ran(1);
     }
     drape_destroy(world);
-    return NULL;
-}
-
-/* §7.3: whether a whole slice that ends with `more` energy of kind k than
- * `before` is taken again. */
-static bool again(struct world *w, int k, double before, double more)
-{
-    double start[3] = {0}, end[3] = {0};
-    start[k] = before;
-    end[k] = before + more;
-    w->caution = (struct caution){0};
-    slice_begin(w);
-    return slice_wrong(w, 0, start, end);
-}
-
-const char *test_world_wrong(void)
-{
-    struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
-    w.def.max_slices = 32;
-    w.def.dt = 1;
-    for (int k = 0; k < 2; k++) { /* limit: 1/8 of the energy at the end */
-        EXPECT(!again(&w, k, 7, 0.999) && again(&w, k, 7, 1.001));
-        w.plan.led = true;
-        EXPECT(!again(&w, k, 7, 5));
-        w.plan.led = false;
-        w.plan.wind = true;
-        EXPECT(!again(&w, k, 7, 5));
-        w.plan.wind = w.plan.implicit = false;
-        EXPECT(!again(&w, k, 7, 5));
-        w.plan.implicit = true;
-    }
-    EXPECT(!again(&w, 2, 32767, 0.999) && again(&w, 2, 32767, 1.001));
-    EXPECT(!again(&w, 2, -32769, 0.999) && again(&w, 2, -32769, 1.001));
-    w.mass = 3; /* repulsion: 2 m (g d + (d / dt)² / 2), d = 0.1 reach */
-    w.reach = 10;
-    w.def.gravity[0] = 3;
-    w.def.gravity[2] = 4;
-    w.dt = 0.5;
-    EXPECT(!again(&w, 2, -1, 41.9) && again(&w, 2, -1, 42.1));
-    ran(13);
     return NULL;
 }

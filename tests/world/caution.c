@@ -180,3 +180,43 @@ const char *test_world_knows(void)
     ran(1);
     return NULL;
 }
+
+/* §7.3: whether a whole slice that ends with `more` energy of kind k than
+ * `before` is taken again. */
+static bool again(struct world *w, int k, double before, double more)
+{
+    double start[3] = {0}, end[3] = {0};
+    start[k] = before;
+    end[k] = before + more;
+    w->caution = (struct caution){0};
+    slice_begin(w);
+    return slice_wrong(w, 0, start, end);
+}
+
+const char *test_world_wrong(void)
+{
+    struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
+    w.def.max_slices = 32;
+    w.def.dt = 1;
+    for (int k = 0; k < 2; k++) { /* limit: 1/8 of the energy at the end */
+        EXPECT(!again(&w, k, 7, 0.999) && again(&w, k, 7, 1.001));
+        w.plan.led = true;
+        EXPECT(!again(&w, k, 7, 5));
+        w.plan.led = false;
+        w.plan.wind = true;
+        EXPECT(!again(&w, k, 7, 5));
+        w.plan.wind = w.plan.implicit = false;
+        EXPECT(!again(&w, k, 7, 5));
+        w.plan.implicit = true;
+    }
+    EXPECT(!again(&w, 2, 32767, 0.999) && again(&w, 2, 32767, 1.001));
+    EXPECT(!again(&w, 2, -32769, 0.999) && again(&w, 2, -32769, 1.001));
+    w.mass = 3; /* repulsion: 2 m (g d + (d / dt)² / 2), d = 0.1 reach */
+    w.reach = 10;
+    w.def.gravity[0] = 3;
+    w.def.gravity[2] = 4;
+    w.dt = 0.5;
+    EXPECT(!again(&w, 2, -1, 41.9) && again(&w, 2, -1, 42.1));
+    ran(13);
+    return NULL;
+}

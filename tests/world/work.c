@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The work counters of a step's report are true. spec/world/step.md §10 */
 #include "tests/base/notes.h"
+#include "tests/world/recall.h"
 #include "tests/world/slab.h"
 
 enum { SIDE = 12 };
@@ -152,4 +153,27 @@ const char *test_world_work(void)
         failed = falls(m);
     ran(7);
     return failed;
+}
+
+/* A step without a report has the same bits. */
+const char *test_world_unread(void)
+{
+    static struct recall state[2];
+    for (int integrator = DRAPE_VERLET; integrator <= DRAPE_CK; integrator++) {
+        struct slab d;
+        drape_step_report r;
+        slab_small(&d, integrator, 0.105);
+        d.obstacle.motion = -1;
+        drape_world *a = slab_world(&d), *b = slab_world(&d);
+        EXPECT(a && b);
+        for (int step = 0; step < 12; step++) {
+            EXPECT(drape_step(a, &r) == DRAPE_OK && !drape_step(b, NULL));
+            EXPECT(recall_save(a, &state[0]) && recall_save(b, &state[1]));
+            EXPECT(recall_same(&state[0], &state[1]));
+            ran(1);
+        }
+        drape_destroy(a);
+        drape_destroy(b);
+    }
+    return NULL;
 }
