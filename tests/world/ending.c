@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A step reports exactly whether the state that it ends in intersects.
  * spec/world/step.md §11 */
+#include "tests/world/recall.h"
 #include "tests/world/scene.h"
 #include "tests/world/slab.h"
 
-enum { SIDE = 9, STEPS = 14, SIZE = 1 << 17 };
+enum { SIDE = 9, STEPS = 14 };
 
 /* A sheet over the slab. Two of its edges are led down past the slab and up
  * again; the middle of the sheet, which the slab holds, cannot follow. */
@@ -97,36 +98,10 @@ const char *test_ending_trapped(void)
     return NULL;
 }
 
-/* A checkpoint in memory. */
-struct file {
-    unsigned char data[SIZE];
-    size_t n, at;
-};
-
-static int put(void *user, const void *data, size_t bytes)
-{
-    struct file *f = user;
-    if (f->n + bytes > SIZE)
-        return 1;
-    memcpy(f->data + f->n, data, bytes);
-    f->n += bytes;
-    return 0;
-}
-
-static int get(void *user, void *data, size_t bytes)
-{
-    struct file *f = user;
-    if (f->at + bytes > f->n)
-        return 1;
-    memcpy(data, f->data + f->at, bytes);
-    f->at += bytes;
-    return 0;
-}
-
 /* §11: a checkpoint keeps the number of intersecting pairs. */
 const char *test_ending_resumed(void)
 {
-    static struct file f;
+    static struct recall f;
     struct press p;
     drape_step_report r[2];
     make_press(&p, DRAPE_BW);
@@ -135,9 +110,8 @@ const char *test_ending_resumed(void)
     do
         EXPECT(drape_step(world[0], &r[0]) == DRAPE_OK);
     while (!(r[0].outcome & DRAPE_TRAPPED));
-    f.n = f.at = 0;
-    EXPECT(drape_save(world[0], put, &f) == DRAPE_OK);
-    EXPECT(drape_load(world[1], get, &f) == DRAPE_OK);
+    EXPECT(recall_save(world[0], &f));
+    EXPECT(recall_load(world[1], &f) == DRAPE_OK);
     for (int k = 0; k < 2; k++)
         EXPECT(drape_step(world[k], &r[k]) == DRAPE_OK);
     EXPECT(r[1].outcome & DRAPE_TRAPPED);

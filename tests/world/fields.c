@@ -4,9 +4,8 @@
  * not change results. Only pointers and exceptions are listed here, so a field
  * that is added to the API is tested without a change of this file. */
 #include <stdio.h>
-#include <stdlib.h>
 
-#include "tests/base/harness.h"
+#include "tests/world/recall.h"
 
 enum { SIDE = 4, ROOM = 64, SPARE = 3 };
 
@@ -23,29 +22,8 @@ struct scene {
     double corner[ROOM][3], frame[ROOM][3];
     int32_t tri[ROOM][3];
     double time[ROOM], position[ROOM][3], rotation[ROOM][4];
-    uint8_t saved[1 << 15]; /* checkpoint of the unchanged definition */
-    size_t size, at;
+    struct recall saved; /* checkpoint of the unchanged definition */
 };
-
-static int save(void *user, const void *data, size_t bytes)
-{
-    struct scene *s = user;
-    if (bytes > sizeof s->saved - s->size)
-        return 1;
-    memcpy(s->saved + s->size, data, bytes);
-    s->size += bytes;
-    return 0;
-}
-
-static int load(void *user, void *data, size_t bytes)
-{
-    struct scene *s = user;
-    if (bytes > s->size - s->at)
-        return 1;
-    memcpy(data, s->saved + s->at, bytes);
-    s->at += bytes;
-    return 0;
-}
 
 static void fill_cloths(struct scene *s)
 {
@@ -136,8 +114,7 @@ static int try_load(struct scene *s)
     drape_world *world;
     if (drape_create(&s->def, &world, NULL) != DRAPE_OK)
         return 1;
-    s->at = 0;
-    int status = drape_load(world, load, s);
+    int status = recall_load(world, &s->saved);
     drape_destroy(world);
     return status;
 }
@@ -334,7 +311,7 @@ const char *test_checkpoint_fields(void)
     drape_world *world;
     fill(&s);
     EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
-    EXPECT(drape_save(world, save, &s) == DRAPE_OK);
+    EXPECT(recall_save(world, &s.saved));
     drape_destroy(world);
     EXPECT(try_load(&s) == DRAPE_OK);
     const char *failed = walk_structs(&s);

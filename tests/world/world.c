@@ -3,9 +3,9 @@
  * and after a checkpoint, no intersection, refusals that name the fault.
  * spec/world/step.md */
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "tests/base/choices.h"
+#include "tests/world/recall.h"
 #include "tests/world/scene.h"
 #include "tests/world/slab.h"
 
@@ -52,73 +52,41 @@ const char *test_world_threads(void)
     return NULL;
 }
 
-struct memory {
-    uint8_t *data;
-    size_t size, at;
-};
-
-static int write_memory(void *user, const void *data, size_t bytes)
-{
-    struct memory *m = user;
-    uint8_t *p = realloc(m->data, m->size + bytes);
-    if (!p)
-        return 1;
-    memcpy(p + m->size, data, bytes);
-    m->data = p;
-    m->size += bytes;
-    return 0;
-}
-
-static int read_memory(void *user, void *data, size_t bytes)
-{
-    struct memory *m = user;
-    if (bytes > m->size - m->at)
-        return 1;
-    memcpy(data, m->data + m->at, bytes);
-    m->at += bytes;
-    return 0;
-}
-
 /* A run resumed from a checkpoint equals an unbroken run; a damaged checkpoint
  * is refused and changes nothing. */
 const char *test_world_resume(void)
 {
     struct slab d;
     for (int integrator = DRAPE_VERLET; integrator <= DRAPE_CK; integrator++) {
-        struct memory m = {NULL, 0, 0};
+        static struct recall m;
         slab_make(&d, integrator);
         if (integrator < DRAPE_BW)
             d.def.dt = 2e-4;
         drape_world *a = slab_world(&d), *b = slab_world(&d);
         EXPECT(a && b);
         EXPECT(run(a, 10));
-        EXPECT(drape_save(a, write_memory, &m) == DRAPE_OK);
+        EXPECT(recall_save(a, &m));
         uint64_t want = run(a, 6);
 
         m.data[m.size / 2] ^= 1;
         uint64_t before = scene_hash(b);
-        EXPECT(drape_load(b, read_memory, &m) == DRAPE_EMATCH);
+        EXPECT(recall_load(b, &m) == DRAPE_EMATCH);
         EXPECT(scene_hash(b) == before);
         m.data[m.size / 2] ^= 1;
-        m.at = 0;
         m.data[12] ^= 1; /* in the header: steps at rest */
-        EXPECT(drape_load(b, read_memory, &m) == DRAPE_EMATCH);
+        EXPECT(recall_load(b, &m) == DRAPE_EMATCH);
         m.data[12] ^= 1;
-        m.at = 0;
-        EXPECT(drape_load(b, read_memory, &m) == DRAPE_OK);
+        EXPECT(recall_load(b, &m) == DRAPE_OK);
         EXPECT(run(b, 6) == want && want);
         drape_destroy(b);
 
         d.cloth.material.friction += 1e-3; /* another scene */
         b = slab_world(&d);
-        m.at = 0;
-        EXPECT(drape_load(b, read_memory, &m) == DRAPE_EMATCH);
-        m.at = 0;
+        EXPECT(recall_load(b, &m) == DRAPE_EMATCH);
         m.size /= 2;
-        EXPECT(drape_load(b, read_memory, &m) < 0);
+        EXPECT(recall_load(b, &m) < 0);
         drape_destroy(a);
         drape_destroy(b);
-        free(m.data);
         ran(1);
     }
     return NULL;
@@ -132,7 +100,7 @@ const char *test_world_wind(void)
     const drape_wind gale = {{6, 0, 2}, 1.2, 1, 0.3};
     const drape_wind wrong = {{0, 0, 0}, -1, 1, 0.3};
     for (int k = 0; k < 2; k++) {
-        struct memory m = {NULL, 0, 0};
+        static struct recall m;
         struct slab d;
         slab_make(&d, k ? DRAPE_CK : DRAPE_BW);
         drape_world *airless = slab_world(&d);
@@ -146,14 +114,13 @@ const char *test_world_wind(void)
         EXPECT(drape_set_wind(a, &gale) == DRAPE_OK);
         uint64_t want = run(b, 3);
         EXPECT(want && run(a, 3) == want && run(airless, 3) != want);
-        EXPECT(drape_save(a, write_memory, &m) == DRAPE_OK);
+        EXPECT(recall_save(a, &m));
         uint64_t before = scene_hash(airless);
-        EXPECT(drape_load(airless, read_memory, &m) == DRAPE_EMATCH);
+        EXPECT(recall_load(airless, &m) == DRAPE_EMATCH);
         EXPECT(scene_hash(airless) == before);
         drape_destroy(airless);
         drape_destroy(a);
         drape_destroy(b);
-        free(m.data);
         ran(1);
     }
     return NULL;
