@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Shares a world's positions with a kernel of this program, on its own stream and
- * without a copy: the kernel finds the cloth's bounding box after each step. Built
- * by `make GPU=yes build/share`. Exits with 0 if every box equals the box of
- * drape_read's positions. */
+/* Shares a world's positions with a kernel of this program, on its own stream
+ * and without a copy: the kernel finds the cloth's bounding box after each
+ * step. Built by `make GPU=yes build/share`. Exits with 0 if every box equals
+ * the box of drape_read's positions. */
 #include <drape.h>
 #include <math.h>
 #include <stdio.h>
@@ -50,8 +50,8 @@ struct ours {
     struct box *there, here;
 };
 
-/* Runs the kernel after a step. It needs no synchronisation with the step, as both
- * are on the same stream. */
+/* Runs the kernel after a step. It needs no synchronisation with the step, as
+ * both are on the same stream. */
 static bool measure(struct ours *o, drape_world *world)
 {
     static const struct box empty = {{~0u, ~0u, ~0u}, {0, 0, 0}};
