@@ -333,7 +333,7 @@ echo "{\"memory\": 1, \"cloths\": [$cloth, $cloth, $cloth]}" >three.json
 refused 'three cloths, of which two fit' '$.cloths[2]: particles: 2430000' \
     plan three.json
 
-# ---- the report of a run, as render reads it ----
+# The report of a run, as render reads it
 exits 'a run to look at' 0 run tiny.json --frames 0 --out seen
 cp seen/report.json seen.json
 # seen NAME PLACE FROM TO: its report has TO for FROM.
@@ -355,7 +355,7 @@ refused 'a frame too large for a picture' 'seen: frame 0: expected coordinates' 
     render seen --frame 0 --width 16 --height 16
 seen 'no time' '$.dt' '"dt": [^,]*' '"dt": 0'
 
-# ---- rows of drape ccd ----
+# Rows of drape ccd
 # rows FILE ROW COUNT
 rows() {
     awk -v row="$2" -v n="$3" 'BEGIN { while (n--) print row }' >"$1"
@@ -391,7 +391,7 @@ refused 'ccd, a mark of byte order' 'line 1: expected whole numbers' \
 rows seven.csv $zeros 7
 refused 'ccd, seven rows' 'line 7: expected 8 rows' ccd --kind vf seven.csv
 
-# ---- all of them damaged ----
+# All of these files, damaged
 mkdir damaged
 cp good.dae good.gltf good.off back.obj turn_0.ply damaged
 exits 'binary PLY' 0 convert turn_0.ply damaged/binary.ply

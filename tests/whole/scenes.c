@@ -57,7 +57,7 @@ static void make_thrown(struct show *s)
     show_ball(s, 0, 0.14, 12)->friction = 0.9;
 }
 
-/* The same with slices. */
+/* The thrown sheet with steps cut into slices. */
 static void make_sliced(struct show *s)
 {
     make_thrown(s);

@@ -39,8 +39,8 @@ static void make_crossing(struct slab *d, enum crossing how)
     d->def.n_cloths = 2;
 }
 
-/* Such a start is refused, unless allow_intersecting is set, or only cloths
- * cross and self_collision is off. */
+/* A start that intersects is refused, unless allow_intersecting is set, or only
+ * cloths cross and self_collision is off. */
 static const char *check_start(enum crossing how)
 {
     struct slab d;
