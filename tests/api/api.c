@@ -64,7 +64,8 @@ static const char *call_reads(struct api *a)
 /* Wrong wind is refused with the same code as in a definition. */
 static const char *call_wind(struct api *a)
 {
-    const drape_wind calm = {{0, 0, 0}, 0, 1, 1};
+    const drape_wind calm = {
+        .velocity = {0, 0, 0}, .density = 0, .drag = 1, .lift = 1};
     const double wrong[] = {(double)NAN, (double)INFINITY, 0x1p61, -0x1p61, -1};
     drape_wake(NULL);
     REFUSES(drape_set_wind(NULL, &calm));

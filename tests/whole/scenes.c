@@ -109,7 +109,8 @@ static void make_crush(struct show *s)
 
 static void change_wind(struct show *s, drape_world *world, int step)
 {
-    const drape_wind gust = {{-3, 0, 6}, 1.2, 1, 0.3};
+    const drape_wind gust = {
+        .velocity = {-3, 0, 6}, .density = 1.2, .drag = 1, .lift = 0.3};
     (void)s;
     if (step == 4)
         drape_set_wind(world, &gust);
@@ -121,7 +122,8 @@ static void make_flag(struct show *s)
     s->steps = 10;
     s->between = change_wind;
     s->def.integrator = DRAPE_CK;
-    s->def.wind = (drape_wind){{5, 0, 1}, 1.2, 1.1, 0.8};
+    s->def.wind = (drape_wind){
+        .velocity = {5, 0, 1}, .density = 1.2, .drag = 1.1, .lift = 0.8};
     drape_cloth *c = show_cloth(s, 17, 12, 0.02, 0);
     uint8_t *hole = show_keep(s, 17 * 12), *cut = show_keep(s, 16 * 11);
     for (int k = 0; k < 3; k++)
@@ -151,7 +153,8 @@ static void make_euler(struct show *s)
 static void make_midpoint(struct show *s)
 {
     make_explicit(s, DRAPE_MIDPOINT);
-    s->def.wind = (drape_wind){{1, -9, 1}, 1.2, 1, 0.3};
+    s->def.wind = (drape_wind){
+        .velocity = {1, -9, 1}, .density = 1.2, .drag = 1, .lift = 0.3};
 }
 
 static void make_verlet(struct show *s)
@@ -223,7 +226,8 @@ static void make_larger(struct show *s)
     s->def.matrix = DRAPE_CDF;
     s->def.max_slices = s->def.max_rounds = 1;
     s->def.gravity[1] = -300;
-    s->def.wind = (drape_wind){{5, 0, 1}, 1.2, 1.1, 0.8};
+    s->def.wind = (drape_wind){
+        .velocity = {5, 0, 1}, .density = 1.2, .drag = 1.1, .lift = 0.8};
 }
 
 /* A scene in which nothing can collide. */

@@ -38,7 +38,8 @@ static void make(struct slab *d, int k)
     d->cloth.velocity = (const double(*)[3])v;
     d->def.dt = k == 2 ? 1e-3 : 1.0 / 60;
     d->def.max_rounds = k == 1 ? 1 : 16;
-    d->def.wind = (drape_wind){{0, 0, 0}, 1.2, 1, 0.3};
+    d->def.wind = (drape_wind){
+        .velocity = {0, 0, 0}, .density = 1.2, .drag = 1, .lift = 0.3};
     if (k < 3)
         return;
     d->def.gravity[1] = 0; /* the scene falls asleep */
@@ -51,7 +52,8 @@ static void make(struct slab *d, int k)
 static drape_step_report step(drape_world *world, bool windy, int k)
 {
     drape_step_report r;
-    const drape_wind gale = {{1 + k, 0, 2}, 1.2, 1, 0.3};
+    const drape_wind gale = {
+        .velocity = {1 + k, 0, 2}, .density = 1.2, .drag = 1, .lift = 0.3};
     if (windy && k % 4 == 0)
         drape_set_wind(world, &gale);
     memset(&r, 0, sizeof r);

@@ -205,13 +205,18 @@ const char *test_world_momentum(void)
  * rest in a first short step. The wind is set in the definition, or later. */
 static const char *check_air(int integrator, bool later)
 {
-    const drape_wind wind = {{0, 2, 0}, 1.25, 1.5, 0.75};
+    const drape_wind wind = {
+        .velocity = {0, 2, 0}, .density = 1.25, .drag = 1.5, .lift = 0.75};
     struct slab d;
     struct arena arena;
     make_small(&d, integrator);
     d.def.dt = 1e-5;
     d.def.gravity[1] = 0;
-    d.def.wind = later ? (drape_wind){{5, 5, 5}, 1, 1, 1} : wind;
+    d.def.wind = later ? (drape_wind){.velocity = {5, 5, 5},
+                                      .density = 1,
+                                      .drag = 1,
+                                      .lift = 1}
+                       : wind;
     d.cloth.u[0] = 0.8;
     d.cloth.u[1] = 0.6;
     struct world *w = slab_inner(&d.def, &arena);

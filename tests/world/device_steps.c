@@ -100,7 +100,8 @@ static void define(struct run *r, const struct variant *a, int backend)
     r->cloth[0].pins = &r->pin;
     r->cloth[0].n_pins = a->pinned;
     if (a->windy)
-        def->wind = (drape_wind){{0.2, 0, 0}, 1.2, 1, 0.5};
+        def->wind = (drape_wind){
+            .velocity = {0.2, 0, 0}, .density = 1.2, .drag = 1, .lift = 0.5};
 }
 
 static const char *begin(struct run *r, const struct variant *a, int backend)

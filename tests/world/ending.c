@@ -26,7 +26,7 @@ static void make_press(struct press *p, int integrator)
     c->width = c->height = 0.15; /* narrower than the slab */
     c->origin[0] = c->origin[2] = -0.075;
     p->d.obstacle.motion = -1;
-    p->motion[0] = (drape_motion){3, times, way, NULL, {0, 0, 0}};
+    p->motion[0] = (drape_motion){.keys = 3, .time = times, .position = way};
     p->d.def.motions = p->motion;
     for (int k = 0; k < 2 * SIDE; k++)
         p->pin[k] = (drape_pin){k % SIDE, k < SIDE ? 0 : SIDE - 1, 0};
@@ -209,7 +209,7 @@ const char *test_ending_passed(void)
     drape_pin all[SIDE * SIDE];
     for (int k = 0; k < 2; k++) {
         make_press(&p, DRAPE_BW);
-        p.motion[0] = (drape_motion){2, at, down, NULL, {0, 0, 0}};
+        p.motion[0] = (drape_motion){.keys = 2, .time = at, .position = down};
         for (int i = 0; i < SIDE * SIDE; i++)
             all[i] = (drape_pin){i % SIDE, i / SIDE, 0};
         p.d.cloth.pins = all;

@@ -99,7 +99,8 @@ static void fill(struct scene *s)
     d->precision = REAL_BITS;
     d->threads = 1;
     d->block = 256;
-    d->wind = (drape_wind){{1, 2, 3}, 1.25, 1, 0.5};
+    d->wind = (drape_wind){
+        .velocity = {1, 2, 3}, .density = 1.25, .drag = 1, .lift = 0.5};
     d->allow_intersecting = 1;
     d->cloths = s->cloth;
     d->obstacles = s->obstacle;

@@ -18,7 +18,7 @@ static drape_world *make_pinned(struct slab *d, int integrator)
     static const drape_pin pin[3] = {{3, 4, -1}, {8, 7, 0}, {5, 5, -1}};
     static drape_cloth cloth[2];
     slab_small(d, integrator, 0.25);
-    d->motion = (drape_motion){2, times, way, NULL, {0, 0, 0}};
+    d->motion = (drape_motion){.keys = 2, .time = times, .position = way};
     cloth[0] = cloth[1] = d->cloth;
     hole[0] = 1;
     cloth[0].pins = pin;
@@ -98,7 +98,7 @@ static drape_world *make_resting(enum waking how, int integrator, int sleep)
     slab_small(&d, integrator, 0.5);
     time[1] = RESTS * d.def.dt;
     time[2] = 2 * time[1];
-    d.motion = (drape_motion){3, time, way, NULL, {0, 0, 0}};
+    d.motion = (drape_motion){.keys = 3, .time = time, .position = way};
     d.def.gravity[1] = 0;
     d.def.sleep = sleep;
     d.obstacle.motion = how == BY_OBSTACLE ? 0 : -1;
@@ -107,7 +107,8 @@ static drape_world *make_resting(enum waking how, int integrator, int sleep)
         d.cloth.n_pins = 1;
     }
     if (how == BY_WIND)
-        d.def.wind = (drape_wind){{0, 0, 0}, 1, 1, 0.5};
+        d.def.wind = (drape_wind){
+            .velocity = {0, 0, 0}, .density = 1, .drag = 1, .lift = 0.5};
     for (int k = 0; k < 3 * 8; k++)
         for (int i = 0; i < 3; i++)
             frame[k][i] = d.obstacle.x[k % 8][i] + (k < 16 ? 0 : 0.25);
@@ -121,7 +122,8 @@ static drape_world *make_resting(enum waking how, int integrator, int sleep)
 
 static int advance(drape_world *world, enum waking how, int step)
 {
-    const drape_wind gale = {{0, 3, 0}, 1, 1, 0.5};
+    const drape_wind gale = {
+        .velocity = {0, 3, 0}, .density = 1, .drag = 1, .lift = 0.5};
     drape_step_report r;
     if (how == BY_WIND && step == RESTS)
         drape_set_wind(world, &gale);

@@ -20,7 +20,7 @@ void slab_make(struct slab *d, int integrator)
     drape_default(&d->def);
     drape_default_cloth(&d->cloth);
     drape_default_obstacle(&d->obstacle);
-    d->motion = (drape_motion){2, times, way, NULL, {0, 0, 0}};
+    d->motion = (drape_motion){.keys = 2, .time = times, .position = way};
     d->cloth.m = d->cloth.n = 24;
     d->cloth.width = d->cloth.height = 0.46;
     d->cloth.origin[0] = d->cloth.origin[2] = -0.23;

@@ -117,7 +117,7 @@ static void make_blow(struct slab *d, int integrator)
     static const double time[3] = {0, 3.0 / 60, 4.0 / 60};
     static const double way[3][3] = {{0}, {0}, {0, 0.5, 0}};
     slab_make(d, integrator);
-    d->motion = (drape_motion){3, time, way, NULL, {0, 0, 0}};
+    d->motion = (drape_motion){.keys = 3, .time = time, .position = way};
     d->def.gravity[1] = 0;
     d->cloth.width = d->cloth.height = 23.0 / 64;    /* exact numbers: no */
     d->cloth.origin[0] = d->cloth.origin[2] = -0.25; /* force by rounding */

@@ -26,11 +26,12 @@ static void make_thrown(struct thrown *s, int integrator)
     s->d.def.precond = DRAPE_JACOBI; /* multigrid rounds directions by axis */
     s->d.def.gravity[0] = 1;
     s->d.def.gravity[2] = 0.5;
-    s->d.def.wind = (drape_wind){{1, 2, 3}, 1.2, 1, 0.3};
+    s->d.def.wind = (drape_wind){
+        .velocity = {1, 2, 3}, .density = 1.2, .drag = 1, .lift = 0.3};
     s->way[1][0] = 0.2;
     s->way[1][1] = 0.3;
-    s->d.motion =
-        (drape_motion){2, time, (const double(*)[3])s->way, NULL, {0, 0, 0}};
+    s->d.motion = (drape_motion){
+        .keys = 2, .time = time, .position = (const double(*)[3])s->way};
     s->d.cloth.m = s->d.cloth.n = SIDE;
     s->d.cloth.width = s->d.cloth.height = (SIDE - 1) / 64.0;
     for (int k = 0; k < COUNT; k++) {

@@ -96,9 +96,12 @@ const char *test_world_resume(void)
  * world. A world without air refuses wind and checkpoints with wind. */
 const char *test_world_wind(void)
 {
-    const drape_wind calm = {{0, 0, 0}, 1.2, 1, 0.3};
-    const drape_wind gale = {{6, 0, 2}, 1.2, 1, 0.3};
-    const drape_wind wrong = {{0, 0, 0}, -1, 1, 0.3};
+    const drape_wind calm = {
+        .velocity = {0, 0, 0}, .density = 1.2, .drag = 1, .lift = 0.3};
+    const drape_wind gale = {
+        .velocity = {6, 0, 2}, .density = 1.2, .drag = 1, .lift = 0.3};
+    const drape_wind wrong = {
+        .velocity = {0, 0, 0}, .density = -1, .drag = 1, .lift = 0.3};
     for (int k = 0; k < 2; k++) {
         static struct recall m;
         struct slab d;
