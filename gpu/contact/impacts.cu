@@ -114,13 +114,13 @@ static int retest_start(struct gpu *g, struct impacts *s, int64_t n)
 {
     struct retest a;
     /* the narrow phase uses the scratch slots before this one */
-    int32_t *room = (int32_t *)gpu_scratch(g, SLOT_STAGE + 2, 26 * n, 1);
-    if (!room)
+    int32_t *memory = (int32_t *)gpu_scratch(g, SLOT_STAGE + 2, 26 * n, 1);
+    if (!memory)
         return gpu_status(g);
-    a.pair = room;
-    a.item = room + 4 * n;
-    a.toi = (uint32_t *)(room + 5 * n);
-    a.kind = (uint8_t *)(room + 6 * n);
+    a.pair = memory;
+    a.item = memory + 4 * n;
+    a.toi = (uint32_t *)(memory + 5 * n);
+    a.kind = (uint8_t *)(memory + 6 * n);
     a.tier = a.kind + n;
     int64_t *first = place(g, s, RETEST);
     LAUNCH_BLOCKS(g, place_blocks(s->n), PLACE_BLOCK, impacts_gather_kernel, *s,
