@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the commands of the tool share: exit codes, messages, options. */
+/* Exit codes, messages and options, shared by the tool's commands. */
 #ifndef APP_APP_H
 #define APP_APP_H
 
@@ -19,7 +19,7 @@ __attribute__((format(printf, 2, 3)))
 #endif
 int complain(int code, const char *format, ...);
 
-/* A table of options; each argument that is none of them is positional. */
+/* A table of options. An argument that is not an option is positional. */
 enum option_type { OPTION_FLAG, OPTION_INT, OPTION_TEXT };
 struct option {
     const char *name; /* with its dashes */

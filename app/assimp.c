@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The child of import.c: a file read by assimp and sent to the parent. It
- * may crash, and it never returns. */
+/* The child process of import.c: reads a file by assimp and sends the mesh to
+ * the parent. It may crash, and it never returns. */
 #include "app/import.h"
 
 #include <assimp/cimport.h>
@@ -12,12 +12,12 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Where a scene's meshes gather; lines and points are left out. */
+/* Collects a scene's meshes in one mesh, without lines and points. */
 struct gather {
     const struct aiScene *scene;
-    struct mesh *mesh; /* NULL x: only counting */
+    struct mesh *mesh; /* x is NULL: vertices and triangles are counted only */
     int64_t nv, nt;
-    const char *wrong; /* NULL: nothing so far */
+    const char *wrong; /* the first fault, or NULL */
 };
 
 /* Node matrices are composed in binary64, parents first. */
@@ -42,7 +42,7 @@ static void gather_faces(struct gather *g, const struct aiMesh *from)
         if (face->mNumIndices != 3)
             continue;
         for (int i = 0; i < 3; i++) {
-            /* An index beyond this mesh would name a vertex of the next. */
+            /* an index beyond this mesh would name a vertex of the next mesh */
             if (face->mIndices[i] >= from->mNumVertices)
                 g->wrong = "a face names a vertex that is not there";
             if (mesh->tri)
@@ -90,7 +90,7 @@ static void gather_all(struct gather *g)
     gather_node(g, g->scene->mRootNode, one, 0);
 }
 
-/* Ends the child where the parent takes no more. */
+/* Sends bytes to the parent; ends the child if the parent reads no more. */
 static void put(int out, const void *data, size_t size)
 {
     const char *at = data;
@@ -115,7 +115,8 @@ _Noreturn static void send_error(int out, const char *why)
     _exit(0);
 }
 
-/* What assimp says of faces that it drops, as glTF's with wrong indices. */
+/* A log callback of assimp: keeps its message about faces that it drops, such
+ * as those of glTF with wrong indices. */
 static void hear(const char *message, char *dropped)
 {
     const char *text = strstr(message, ": ");

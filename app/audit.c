@@ -9,14 +9,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Meshes side by side; obstacles are group 0. */
+/* Several meshes merged into one; obstacles are group 0. */
 struct merged {
     struct pool pool;
     struct mesh mesh;
     int32_t *group;
 };
 
-/* Appends a mesh; the old memory stays in the pool until its end. */
+/* Appends a mesh. The arrays replaced by larger ones stay in the pool. */
 static int append(struct merged *all, const struct mesh *more, int group)
 {
     struct mesh *m = &all->mesh;
@@ -64,8 +64,8 @@ static int list_pairs(const drape_mesh *mesh, int64_t found)
                : complain(APP_FAILED, "audit: %s", drape_status_text(status));
 }
 
-/* Audits and says what was found in one line that begins with name; quiet:
- * only where something was. */
+/* Audits, and prints the result in one line that begins with `name`; quiet:
+ * prints only if pairs were found. */
 static int audit(const struct merged *all, const char *name, int list,
                  bool quiet, int64_t *found)
 {
@@ -88,13 +88,12 @@ static int audit(const struct merged *all, const char *name, int list,
     return list && *found ? list_pairs(&mesh, *found) : APP_OK;
 }
 
-/* What a run's report says of its bodies, and what obstacles are in its
- * folder. */
+/* A run's bodies by its report, and the obstacles' files in its folder. */
 struct run {
     const char *directory;
-    bool reported;              /* it has a report */
-    int obstacles;              /* by the report */
-    int64_t cloth, all;         /* vertices by the report */
+    bool reported;              /* the run has a report */
+    int obstacles;              /* their number by the report */
+    int64_t cloth, all;         /* numbers of vertices by the report */
     char names[512];            /* of the obstacles */
     bool moving, still, listed; /* files of obstacles; list the pairs */
 };
@@ -127,7 +126,7 @@ static void read_bodies(struct run *run, const cJSON *root)
     }
 }
 
-/* What there is to know of a run before its frames are read. */
+/* Reads the report and finds the obstacles' files, before frames are read. */
 static int look(struct run *run)
 {
     char path[FILE_PATH];
@@ -158,7 +157,7 @@ static int look(struct run *run)
                     run->directory);
 }
 
-/* Frame k's obstacles as they were then. */
+/* Appends the obstacles at the time of frame k. */
 static int load_obstacles(struct merged *all, const struct run *run, int k)
 {
     char path[FILE_PATH];
@@ -185,7 +184,7 @@ static int load_obstacles(struct merged *all, const struct run *run, int k)
                     path, all->mesh.nv - before, run->all - run->cloth);
 }
 
-/* Frame k of a run: the cloths and the obstacles as they were then. */
+/* Loads frame k of a run: the cloths, and the obstacles at that time. */
 static int load_frame(struct merged *all, const struct run *run, int k)
 {
     char path[FILE_PATH];

@@ -6,15 +6,15 @@
 #include "app/json.h"
 #include "app/scene.h"
 
-/* Bytes that a particle takes in the library at least: what refuses a cloth
- * before anything is allocated for it. */
+/* A lower bound of the library's memory a particle, bytes: a cloth that cannot
+ * fit is refused before anything is allocated for it. */
 enum { PARTICLE_BYTES = 512 };
 
-/* out: struct scene, whose def they fill. Motions come first: the others
- * name them. */
+/* Fill the def of a struct scene, their `out`. Motions are read first, as
+ * cloths and obstacles name them. */
 json_reader read_motions, read_cloths, read_obstacles;
 
-/* The number of a motion by its name, out: int. */
+/* Reads a motion's name; out: int, the motion's index. */
 json_reader read_motion_name;
 
 #endif

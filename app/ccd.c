@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* drape ccd: collision queries from exact rationals, and all of a mesh. */
+/* drape ccd: continuous collision queries, single ones given by exact rational
+ * numbers, or all pairs of a moving mesh. */
 #include "app/app.h"
 #include "app/mesh.h"
 
@@ -39,7 +40,7 @@ static bool is_integer(const char *text)
     return digits > 0 && !text[digits];
 }
 
-/* numerator ÷ denominator, which must be a binary64 number. */
+/* Reads numerator ÷ denominator; the quotient must be a binary64 number. */
 static int read_rational(struct queries *q, const char *numerator,
                          const char *denominator, double *out)
 {
@@ -60,7 +61,8 @@ static int read_rational(struct queries *q, const char *numerator,
     return APP_OK;
 }
 
-/* Cuts a line at its commas; the number of columns, at most COLUMNS + 1. */
+/* Splits a line at its commas. Returns the number of columns, at most
+ * COLUMNS + 1. */
 static int split(char *line, char *column[COLUMNS + 1])
 {
     int count = 0;
@@ -166,13 +168,14 @@ static int answer_file(const char *path, const char *kind)
     return status == APP_OK && q.missed + q.invented ? APP_FINDINGS : status;
 }
 
-/* The pairs that touch: kind, vertices. */
+/* The pairs that touch: kind and four vertices each. */
 struct touches {
     int32_t (*pair)[5];
     size_t n, room;
 };
 
-/* A drape_touch; an edge begins at its smaller vertex, as do the two. */
+/* A drape_touch that stores the pair in a normal form: an edge begins at its
+ * smaller vertex, and the edge with the smaller first vertex comes first. */
 static int keep(void *user, int kind, const int32_t v[4], double toi)
 {
     struct touches *all = user;

@@ -10,13 +10,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The layout of the host: a checkpoint is for the build that wrote it. The
- * number is of this layout. */
+/* Checkpoints have the host's memory layout, so a checkpoint is for the build
+ * that wrote it. The number in the magic text is the version of this layout. */
 static const char magic[16] = "drape run 2", family[] = "drape run ";
 
-/* ---- The checksum ---- */
-
-/* FNV-1a of 64 bits: no change of one byte leaves it as it was. */
+/* The checksum: 64-bit FNV-1a, which a change of one byte always changes. */
 static const uint64_t BEGIN = 0xcbf29ce484222325u;
 static uint64_t mix(uint64_t sum, const void *data, size_t bytes)
 {
@@ -54,8 +52,6 @@ int checkpoint_start(const drape_world *world, uint64_t *start)
     return status;
 }
 
-/* ---- Writing ---- */
-
 int checkpoint_save(const char *directory, const struct report *report,
                     const struct scene *scene, const drape_world *world)
 {
@@ -88,21 +84,19 @@ int checkpoint_save(const char *directory, const struct report *report,
     return file_close(&file) ? APP_OK : APP_FAILED;
 }
 
-/* ---- Reading ---- */
-
 static int refuse(const struct checkpoint *c, const char *why)
 {
     return complain(APP_USAGE, "%s: %s", c->path, why);
 }
 
-/* Whether the last 8 bytes are the checksum of all before. Bytes added behind
- * or cut off change it as well as any other. */
+/* Whether the last 8 bytes are the checksum of all bytes before them. Appended
+ * or missing bytes are detected like changed bytes. */
 static bool is_whole(FILE *stream)
 {
     unsigned char block[1 << 14];
     uint64_t sum = BEGIN, told;
     size_t kept = 0, size;
-    /* The last bytes read are held back: they may be the checksum. */
+    /* the last 8 bytes read are held back, as they may be the checksum */
     while ((size = fread(block + kept, 1, sizeof block - kept, stream)) > 0) {
         size += kept;
         kept = size < sizeof told ? size : sizeof told;
@@ -178,7 +172,7 @@ static bool is_number(double value, double least)
     return isfinite(value) && value >= least;
 }
 
-/* Whether a run can have made this report of its step number `step`. */
+/* Whether *s can be a run's report of step number `step`. */
 static bool is_report(const drape_step_report *s, int64_t step)
 {
     const int64_t most = (int64_t)1 << 40;
@@ -236,7 +230,7 @@ int checkpoint_load(struct checkpoint *c, struct report *report,
                             ? APP_FAILED
                             : APP_USAGE,
                         "%s: %s", c->path, drape_status_text(status));
-    /* What is left is the checksum, which was looked at. */
+    /* only the checksum is left, which is verified already */
     if (fread(rest, 1, sizeof rest, c->stream) != sizeof(uint64_t))
         return refuse(c, "has bytes behind its end");
     return APP_OK;

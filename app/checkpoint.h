@@ -6,15 +6,17 @@
 
 #include "app/report.h"
 
-/* Writes directory/checkpoint.drape. app_exit after one line. */
+/* Writes directory/checkpoint.drape. Returns app_exit; a failure prints one
+ * line.
+ */
 int checkpoint_save(const char *directory, const struct report *report,
                     const struct scene *scene, const drape_world *world);
 
-/* A digest of a new world's state and of the definition that belongs to it.
- * DRAPE_OK, or why the library did not give its state. */
+/* *start: a digest of a new world's state and definition. DRAPE_OK, or the
+ * status with which the library refused to save. */
 int checkpoint_start(const drape_world *world, uint64_t *start);
 
-/* A checkpoint that is read. */
+/* A checkpoint that is being read. */
 struct checkpoint {
     FILE *stream; /* NULL: not open */
     const char *path;
@@ -29,15 +31,16 @@ struct checkpoint {
         int32_t steps_per_frame, integrator;
     } header;
 };
-/* Opens a file and makes sure that every byte of it is as it was written.
- * app_exit after one line. */
-int checkpoint_open(struct checkpoint *checkpoint, const char *path);
-/* Gives the scene what --error chose, before its world is made. app_exit after
+/* Opens a file and verifies its checksum. Returns app_exit; a failure prints
  * one line. */
+int checkpoint_open(struct checkpoint *checkpoint, const char *path);
+/* Gives the scene the settings that --error chose, before its world is made.
+ * Returns app_exit; a failure prints one line. */
 int checkpoint_settings(const struct checkpoint *checkpoint,
                         struct scene *scene);
-/* Brings a new world and its report, which has the world's start, to where the
- * file left them. app_exit after one line. */
+/* Loads the state and the reports of the file into a new world and its report,
+ * which must have the same start. Returns app_exit; a failure prints one line.
+ */
 int checkpoint_load(struct checkpoint *checkpoint, struct report *report,
                     drape_world *world);
 void checkpoint_close(struct checkpoint *checkpoint);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Cloths of a scene: grid, start, material, holes, cuts and pins. */
+/* Reads the cloths of a scene: grid, start, material, holes, cuts and pins. */
 #include "app/cloth.h"
 #include "app/app.h"
 #include "app/bodies.h"

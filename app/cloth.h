@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A cloth on its way from a scene's text to the library. */
+/* A cloth as a scene's file describes it, and its definition for the library.
+ */
 #ifndef APP_CLOTH_H
 #define APP_CLOTH_H
 
@@ -28,11 +29,11 @@ struct cloth {
     struct regions holes, cuts;
     struct pin *pins;
     int n_pins;
-    int *pin_from; /* [out.n_pins]: the one of pins that it is of */
+    int *pin_from; /* [out.n_pins] index in pins of the pin it comes from */
 };
 
-/* Fills cloth->out's start, holes, cuts and pins. The exit code after one
- * line where they make no sense. */
+/* Fills cloth->out's start, holes, cuts and pins. Returns app_exit; a fault in
+ * the description prints one line. */
 int cloth_sew(struct json *json, struct cloth *cloth);
 
 #endif

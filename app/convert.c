@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* drape convert: turns, sizes and levels a mesh, and writes it as PLY. */
+/* drape convert: places a mesh (rotates, scales, levels) and writes it as PLY.
+ */
 #include "app/app.h"
 #include "app/file.h"
 #include "app/mesh.h"

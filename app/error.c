@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* drape run --error: the cheapest setting whose error is small enough, by
- * trial runs at the setting and at a finer one. spec/accuracy.md §9 */
+/* drape run --error: finds the cheapest setting whose error is small enough, by
+ * trial runs with a setting and with half its step. spec/accuracy.md §9 */
 #include "app/error.h"
 #include "app/app.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* The cheapest setting for an error in the diagrams of ci/bench, the worst of
- * their scenes; the next is where it does not suffice. */
+/* The cheapest setting for each error, in the worst scene of the diagrams of
+ * ci/bench. If a row does not suffice the next row is tried. */
 static const struct setting {
-    double error; /* m, up to which the diagrams have it */
+    double error; /* m, the smallest error for which the row is meant */
     int integrator;
     double dt; /* s, at most */
     double tolerance;
@@ -22,7 +22,7 @@ static const struct setting {
 };
 enum { SETTINGS = sizeof settings / sizeof *settings, TRIAL_FRAMES = 6 };
 
-/* What a row changes in a scene. */
+/* The settings of a scene that a row changes. */
 struct kept {
     double dt, tolerance;
     int steps_per_frame, integrator;
@@ -42,8 +42,10 @@ static void restore(struct scene *scene, const struct kept *own)
     scene->def.integrator = own->integrator;
 }
 
-/* Cuts the scene's own steps so that they are no longer than the row's, and
- * then into `finer` parts; solves a hundred times as well where finer. */
+/* Divides the scene's own steps so that they are at most as long as the row's,
+ * and then each into `finer` parts; with finer > 1 the tolerance is a
+ * hundredth.
+ */
 static void apply(struct scene *scene, const struct setting *row, int finer)
 {
     double own = scene->def.dt;
@@ -54,7 +56,7 @@ static void apply(struct scene *scene, const struct setting *row, int finer)
     scene->def.tolerance = fmax(row->tolerance * (finer > 1 ? 1e-2 : 1), 1e-12);
 }
 
-/* The cloth's positions after the trial's frames into x [n]. */
+/* Runs a trial. x [n]: the cloth's positions after its frames. */
 static int trial(struct scene *scene, const struct overrides *overrides,
                  int frames, double (*x)[3], bool *good)
 {
@@ -100,8 +102,9 @@ static double distance(int64_t n, double (*x)[3], double (*y)[3])
     return sqrt(sum / (double)n);
 }
 
-/* The row's error: half a step's run is about half as far from the truth
- * where the order is 1, nearer where it is more, so twice the distance. */
+/* The error of a row: twice the distance between the runs with the step and
+ * with half the step. The finer run's error is about half as large for a method
+ * of order 1, and smaller for a higher order, so this is an upper estimate. */
 static int measure(struct scene *scene, const struct overrides *overrides,
                    const struct setting *row, double (*x[2])[3], double *error)
 {
@@ -148,7 +151,7 @@ static int search(struct scene *scene, const struct overrides *overrides,
 int error_choose(struct scene *scene, const struct overrides *overrides,
                  double asked, struct estimate *estimate)
 {
-    /* one more than is needed: nothing may be given for nothing */
+    /* one more than needed, since malloc(0) may return NULL */
     size_t n = (size_t)count_vertices(&scene->def, false) + 1;
     double(*x[2])[3] = {malloc(n * sizeof *x[0]), malloc(n * sizeof *x[1])};
     int frames = scene->frames < TRIAL_FRAMES ? scene->frames : TRIAL_FRAMES;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Files read whole, and files that appear whole or not at all. */
+/* Reads whole files, and writes files that appear complete or not at all. */
 #include "app/file.h"
 #include "app/app.h"
 
@@ -75,9 +75,9 @@ bool file_join(char path[FILE_PATH], const char *directory, const char *name)
     return false;
 }
 
-/* A new file beside its place. Its name has this process's number in it, so
- * no other writer takes the same; left over from a process that was killed it
- * may be there, and the next is tried. */
+/* Creates the temporary file. Its name has this process's id in it, so no other
+ * writer uses the same name. A file of a killed process may exist under the
+ * name; then the next name is tried. */
 static FILE *open_part(struct file *file, const char *directory,
                        const char *name)
 {
@@ -110,7 +110,8 @@ bool file_open(struct file *file, const char *directory, const char *name)
     if (!file_join(file->path, directory, name))
         return false;
     file->stream = open_part(file, directory, name);
-    /* A write that fails before the file is closed leaves its reason here. */
+    /* a write that fails before the file is closed leaves its reason in errno
+     */
     errno = 0;
     return file->stream != NULL;
 }
@@ -129,7 +130,7 @@ bool file_close(struct file *file)
     int before = errno;
     errno = 0;
     bool good = fflush(file->stream) == 0 && !ferror(file->stream);
-    /* Only what has reached the disk may take the file's name. */
+    /* the file gets its name only after its data has reached the disk */
     good = good && fsync(fileno(file->stream)) == 0;
     int why = errno || good ? errno : before;
     if (fclose(file->stream) != 0 && good) {
@@ -147,7 +148,7 @@ bool file_close(struct file *file)
     return false;
 }
 
-/* One folder; its parent is there. false after one line. */
+/* Makes one folder, whose parent exists. false after one line. */
 static bool make_one(const char *path)
 {
     if (mkdir(path, 0777) == 0)

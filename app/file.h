@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Files read whole, and files that appear whole or not at all. */
+/* Reads whole files, and writes files that appear complete or not at all. */
 #ifndef APP_FILE_H
 #define APP_FILE_H
 
@@ -9,24 +9,25 @@
 
 enum { FILE_PATH = 4096 };
 
-/* The file's bytes with a zero behind them, or NULL after one line. The
+/* Returns the file's bytes followed by a zero, or NULL after one line. The
  * caller frees. */
 char *file_read(const char *path, size_t *size);
 bool file_exists(const char *path);
 bool file_is_directory(const char *path);
 
-/* A file under way: it is written beside its place, under a name that no other
- * process takes, and renamed into its place by file_close, so that its own name
- * never shows a part of it. */
+/* A file that is being written. It is written in its directory under a name
+ * that no other process uses; file_close renames it, so that no reader ever
+ * sees an incomplete file under its own name. */
 struct file {
     FILE *stream; /* NULL: not open */
     char path[FILE_PATH], part[FILE_PATH];
 };
-/* false after one line. */
+/* Starts writing directory/name. false after one line. */
 bool file_open(struct file *file, const char *directory, const char *name);
-/* false after one line; nothing is left of the file then. */
+/* Completes the file and gives it its name. false after one line; then no part
+ * of the file is left. */
 bool file_close(struct file *file);
-/* Drops what was written. */
+/* Deletes the incomplete file. */
 void file_drop(struct file *file);
 
 /* Makes the directory and its parents. false after one line, which names the

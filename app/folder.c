@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a run's folder holds: the files of one run. */
+/* A run's folder: finds and removes the files of runs. */
 #include "app/folder.h"
 #include "app/app.h"
 #include "app/lock.h"
@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* The number in a file's name, -1 where it has none. */
+/* The number in a file's name, or -1 if the name has none. */
 static int file_number(const char *name, const char *body, const char *end)
 {
     char expected[64];
@@ -28,7 +28,7 @@ static int ascending(const void *a, const void *b)
     return *(const int *)a - *(const int *)b;
 }
 
-/* NULL: out of memory. */
+/* The numbers of a directory's matching files. NULL: out of memory. */
 static int *read_numbers(DIR *directory, const char *body, const char *end,
                          int *count)
 {
@@ -69,10 +69,10 @@ int *folder_list(const char *path, const char *body, const char *end,
     return number;
 }
 
-/* All that a run and `render` leave, by their numbers and alone. */
+/* All files that `run` and `render` write, numbered and single. */
 static const struct kind {
     const char *folder, *body, *end;
-    bool frame; /* its number is a frame's */
+    bool frame; /* the number is a frame's */
 } kinds[] = {{"frames", "cloth", "ply", true},
              {"frames", "cloth", "obj", true},
              {"frames", "obstacles", "ply", true},
@@ -114,7 +114,7 @@ static int remove_kind(const char *path, const struct kind *kind, int from)
     return status;
 }
 
-/* Removes what writers that were killed have left half-written. */
+/* Removes the incomplete files of writers that were killed. */
 static int remove_parts(const char *path, const char *folder)
 {
     char directory[FILE_PATH];
@@ -138,7 +138,7 @@ static int remove_parts(const char *path, const char *folder)
     return status;
 }
 
-/* Whether report.json there is this run's. */
+/* Whether the directory's report.json belongs to the run `id`. */
 static bool is_own(const char *directory, const char *id)
 {
     char path[FILE_PATH], head[256], there[64] = "";
@@ -154,8 +154,8 @@ static bool is_own(const char *directory, const char *id)
            !strcmp(there, id);
 }
 
-/* Whether a run has left something; a checkpoint alone, which one that goes on
- * may have been given, is none. out: *holds. */
+/* *holds: whether the directory has files of a run. For a resumed run a
+ * checkpoint alone does not count. Returns app_exit. */
 static int look(const char *directory, bool resumed, bool *holds)
 {
     char path[FILE_PATH];
@@ -185,8 +185,8 @@ static bool is_same(const char *a, const char *b)
            one.st_dev == two.st_dev && one.st_ino == two.st_ino;
 }
 
-/* Removes all that another run has left, but for the checkpoint that this one
- * goes on from. */
+/* Removes all files of another run, except the checkpoint that this run resumes
+ * from. */
 static int clear(const char *directory, const char *checkpoint)
 {
     char pictures[FILE_PATH], path[FILE_PATH];
@@ -198,7 +198,7 @@ static int clear(const char *directory, const char *checkpoint)
             !is_same(checkpoint, path))
             status = remove_file(directory, results[k]);
     if (status == APP_OK && file_join(pictures, directory, "pictures"))
-        rmdir(pictures); /* stays where something else is in it */
+        rmdir(pictures); /* fails, as it should, if it has other files */
     return status;
 }
 
@@ -213,7 +213,7 @@ static int refuse(const char *path, const char *whose)
 int folder_empty(const char *path)
 {
     bool holds = false;
-    int status = lock_look(path);
+    int status = lock_is_free(path);
     if (status == APP_OK)
         status = look(path, false, &holds);
     return status == APP_OK && holds ? refuse(path, "a") : status;

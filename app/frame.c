@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Meshes written as PLY and OBJ. */
+/* Writes meshes as PLY and OBJ. */
 #include "app/file.h"
 #include "app/mesh.h"
 
@@ -60,7 +60,7 @@ bool obj_save(const char *directory, const char *name, const struct mesh *mesh,
     struct file file;
     if (!file_open(&file, directory, name))
         return false;
-    /* So many digits give the same number back. */
+    /* with this many digits a number reads back with the same bits */
     int digits = bits == 32 ? 9 : 17;
     fputs("# drape, metres\n", file.stream);
     for (int64_t k = 0; k < mesh->nv; k++)

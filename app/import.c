@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Meshes through assimp, which aborts, crashes, hangs and fills the memory
- * on files that are damaged: a child process reads the file under limits and
- * sends the mesh through a pipe. */
+/* Reads meshes by assimp in a child process with limits, which sends the mesh
+ * through a pipe: on damaged files assimp may abort, crash, hang or fill the
+ * memory. */
 #include "app/import.h"
 #include "app/app.h"
 
@@ -28,7 +28,7 @@ bool import_knows(const char *path)
     return false;
 }
 
-/* What a child may take: enough for any sound file of this size. */
+/* Limits of a child: enough for any valid file of this size. */
 struct limits {
     double bytes;   /* of memory */
     double seconds; /* of CPU time; of wall time four times that */
@@ -41,7 +41,7 @@ static struct limits limits_of(const char *path)
     return (struct limits){1e9 + 100 * size, 10 + 1e-5 * size};
 }
 
-/* Lowers a limit; one that is lower already stays. */
+/* Lowers a limit of the process; a limit that is lower already stays. */
 static void lower(int resource, double soft, double hard)
 {
     struct rlimit limit;
@@ -54,8 +54,8 @@ static void lower(int resource, double soft, double hard)
     setrlimit(resource, &limit);
 }
 
-/* Bytes of address space that the tool has taken already; they count among
- * the child's. 0 where the system does not tell. */
+/* Bytes of address space that the tool uses already, which count for the child
+ * too. 0 if the system does not tell. */
 static double taken(void)
 {
     double pages = 0;
@@ -68,7 +68,7 @@ static double taken(void)
     return pages * (double)sysconf(_SC_PAGESIZE);
 }
 
-/* In the child: limits, no words of its own, then the reader. */
+/* The child: sets its limits, silences its output, then reads the file. */
 _Noreturn static void be_child(const char *path, struct limits limits, int out)
 {
     double bytes = taken() + limits.bytes;
@@ -84,7 +84,7 @@ _Noreturn static void be_child(const char *path, struct limits limits, int out)
     import_child(path, out);
 }
 
-/* false if fewer bytes come. */
+/* Receives exactly size bytes; false if fewer come. */
 static bool receive(int in, void *data, size_t size)
 {
     char *at = data;
@@ -100,8 +100,8 @@ static bool receive(int in, void *data, size_t size)
     return true;
 }
 
-/* Takes what the child sends, however wrong: 1 where it is a mesh or an
- * error's text, 0 where it is neither, -1 where memory ran out. */
+/* Receives the child's reply, which may be arbitrary bytes. Returns 1 for a
+ * mesh or the text of an error, 0 for neither, -1 if memory ran out. */
 static int take(struct pool *pool, int in, double most,
                 struct import_reply *reply, struct mesh *mesh)
 {
@@ -111,7 +111,7 @@ static int take(struct pool *pool, int in, double most,
     reply->error[sizeof reply->error - 1] = 0;
     if (*reply->error)
         return 1;
-    /* A child under its limit cannot have had more than this. */
+    /* a child within its limit cannot send more than this */
     if (reply->nv < 0 || reply->nt < 0 || reply->nv > INT32_MAX ||
         reply->nt > INT32_MAX ||
         (double)reply->nv * sizeof *mesh->x +
@@ -129,7 +129,7 @@ static int take(struct pool *pool, int in, double most,
            receive(in, mesh->tri, nt * sizeof *mesh->tri);
 }
 
-/* Says how a child ended that sent no mesh. */
+/* Prints how a child ended that sent no mesh. */
 static int explain(const char *path, struct limits limits, int end)
 {
     const char *what = "cannot be read as a mesh: its reader";

@@ -23,12 +23,13 @@ enum json_type {
     JSON_INTEGER, /* int, lo … hi */
     JSON_BOOLEAN, /* int, 0 or 1 */
     JSON_VECTOR,  /* double[count], each lo … hi */
-    JSON_CHOICE,  /* int, the place of the text in choices */
+    JSON_CHOICE,  /* int, index of the text in choices */
     JSON_TEXT,    /* char *, not empty */
-    JSON_NESTED   /* whatever read() makes of it */
+    JSON_NESTED   /* any value, read by read() */
 };
 
-/* out: base + offset of the key's table. APP_OK or the exit code. */
+/* A reader of one value; out: base + offset of the key's row. APP_OK or the
+ * exit code. */
 typedef int json_reader(struct json *json, const cJSON *node, void *out);
 
 struct json_key {
@@ -73,12 +74,12 @@ struct json_key {
         .name = key, .type = JSON_NESTED, .offset = at, .read = reader         \
     }
 
-/* Reads an object's keys in the table's order; absent keys leave what is
- * there. */
+/* Reads an object's keys in the table's order; an absent key leaves its field
+ * unchanged. */
 int json_object(struct json *json, const cJSON *node,
                 const struct json_key *keys, void *base);
-/* Reads a list: read(…, base + k·size) for each item; the items are zeroed
- * memory of the pool. At most `most` items. */
+/* Reads a list of at most `most` items by read(…, items + k·size). The items
+ * are zeroed memory of the pool. */
 struct json_list {
     json_reader *read;
     size_t size;
@@ -88,10 +89,10 @@ struct json_list {
 };
 int json_array(struct json *json, const cJSON *node, struct json_list *list);
 
-/* Writes the object of a table's numbers, truths, vectors and choices. */
+/* Writes a table's numbers, booleans, vectors and choices as an object. */
 void json_write(FILE *out, const struct json_key *keys, const void *base);
 
-/* The name of a text's place in a NULL-terminated table, or -1. */
+/* The index of a text in a NULL-terminated table, or -1. */
 int json_choice(const char *const *choices, const char *text);
 
 /* One line "file: path: …" on standard error; returns APP_USAGE. */
@@ -100,11 +101,12 @@ __attribute__((format(printf, 2, 3)))
 #endif
 int json_refuse(const struct json *json, const char *format, ...);
 
-/* Each key of the object is in the table, and there once; else APP_USAGE. */
+/* Checks that each key of the object is in the table and occurs once; else
+ * APP_USAGE. */
 int json_check_keys(const struct json *json, const cJSON *node,
                     const struct json_key *keys);
 
-/* Goes one level down the path; gives back what to cut it to on the way up. */
+/* Appends one level to the path; returns the length to cut it back to. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whether an object's keys are those of its table. */
+/* Checks that an object's keys are those of its table. */
 #include "app/app.h"
 #include "app/json.h"
 
@@ -8,8 +8,8 @@
 
 enum { LONGEST = 32 };
 
-/* Letters to change, add or leave out between two words (Levenshtein 1966);
- * LONGEST where one is longer than any key. */
+/* The edit distance of two words (Levenshtein 1966); LONGEST if a word is
+ * longer than any key. */
 static int distance(const char *a, const char *b)
 {
     int m = (int)strlen(a), n = (int)strlen(b), row[LONGEST + 1];
@@ -30,8 +30,8 @@ static int distance(const char *a, const char *b)
     return row[n];
 }
 
-/* Refuses a key that is not in the table: with the nearest one, if two
- * letters make it, else with all. */
+/* Refuses a key that is not in the table. The message names the nearest key if
+ * its edit distance is at most two, else all keys. */
 static int refuse_key(const struct json *json, const char *name,
                       const struct json_key *keys)
 {

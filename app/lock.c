@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The right to write into a folder: one run has it at a time. */
+/* A lock on a folder: one run at a time may write there. */
 #include "app/lock.h"
 #include "app/app.h"
 
@@ -11,8 +11,8 @@
 
 static const char name[] = ".drape.lock";
 
-/* Whether the path still names the open file: whoever gives a lock back
- * removes its file, and a lock of a removed file keeps nobody out. */
+/* Whether the path still names the open file. A process that releases a lock
+ * removes the lock's file, and a lock on a removed file excludes nobody. */
 static bool is_named(int descriptor, const char *path)
 {
     struct stat mine, named;
@@ -29,7 +29,7 @@ static int refuse(const char *path, int why)
                     strerror(why));
 }
 
-int lock_look(const char *path)
+int lock_is_free(const char *path)
 {
     struct flock whole = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
     char file[FILE_PATH];

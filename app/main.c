@@ -110,8 +110,8 @@ static int command_help(int argc, char **argv)
     return APP_OK;
 }
 
-/* Output that did not go through (a full disk, a closed pipe) is a failure
- * of the whole call, unless something worse was already said. */
+/* Flushes standard output. If output was lost (a full disk, a closed pipe) the
+ * whole call fails, unless it failed already. */
 static int flush(int status)
 {
     errno = 0;
@@ -132,8 +132,8 @@ static bool asks_help(int argc, char **argv)
 
 int main(int argc, char **argv)
 {
-    /* A reader that has gone and a file that may not grow make a write fail,
-     * which is told of, instead of ending the process where it stands. */
+    /* a closed pipe or a file at its size limit then makes a write fail, which
+     * is reported, instead of ending the process */
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
     if (argc < 2) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Meshes from files of any kind that is known. */
+/* Reads mesh files of all known formats and checks the meshes. */
 #include "app/mesh.h"
 #include "app/app.h"
 #include "app/file.h"
@@ -11,7 +11,7 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-/* For qsort: by position, then by number so that the first one leads. */
+/* For qsort: orders by position, then by index. */
 static int by_position(const void *a, const void *b)
 {
     const double *p = a, *q = b;
@@ -21,9 +21,10 @@ static int by_position(const void *a, const void *b)
     return 0;
 }
 
-/* Vertices at exactly the same place become one, and unused ones go: assimp
- * gives most formats three vertices a triangle. (Its own joining step takes
- * all within 1e-5 m for one, too coarse for cloth.) */
+/* Merges vertices at exactly the same place and removes unused vertices, since
+ * for most formats assimp returns three vertices for each triangle. assimp's
+ * own joining step merges all vertices within 1e-5 m, which is too coarse here.
+ */
 static int weld(struct mesh *mesh)
 {
     size_t nv = (size_t)mesh->nv;
@@ -66,7 +67,7 @@ static int weld(struct mesh *mesh)
     return APP_OK;
 }
 
-/* What every mesh must be, whoever read it. */
+/* Checks that a mesh is valid, whichever reader it comes from. */
 static int check(const char *path, const struct mesh *mesh)
 {
     if (mesh->nv == 0 || mesh->nt == 0)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Triangle meshes: from files, and laid in place. */
+/* Triangle meshes: reading from files, and placement in a scene. */
 #ifndef APP_MESH_H
 #define APP_MESH_H
 
@@ -14,35 +14,36 @@ struct mesh {
     int32_t (*tri)[3]; /* [nt] each 0 … nv-1 */
 };
 
-/* Reads a file by its ending: PLY and OFF by our own readers, in binary64,
- * OBJ, STL, glTF, COLLADA and FBX by assimp in a child process. PLY keeps the
- * order of vertices; in all others, those at one place become one. Polygons
- * become triangles. Returns app_exit after one line where something is wrong:
- * another ending, an empty mesh, a number that is not finite, an index out of
- * range or with a fraction. No other thread may run yet. */
+/* Reads a mesh file by its extension: PLY and OFF by our own readers, in
+ * binary64; OBJ, STL, glTF, COLLADA and FBX by assimp in a child process. PLY
+ * keeps the order of vertices; the other formats merge vertices at the same
+ * place. Polygons become triangles. Returns app_exit; one line is printed for
+ * an unknown extension, an empty mesh, a number that is not finite, or an index
+ * that is out of range or has a fraction. No other thread may run yet. */
 int mesh_load(struct pool *pool, const char *path, struct mesh *mesh);
 
-/* A triangle with two equal corners or no area in binary64. */
+/* The number of triangles with two equal corners or no area in binary64. */
 int64_t mesh_degenerate(const struct mesh *mesh);
 
-/* How a mesh is laid in the scene, in this order. */
+/* How a mesh is placed in the scene; the steps are applied in this order. */
 struct placement {
-    double up[3];          /* this direction becomes +y; 0: as it is */
-    double size;           /* largest dimension becomes this; 0: as it is */
+    double up[3];          /* direction that becomes +y; 0: none */
+    double size;           /* m, the largest dimension becomes this; 0: none */
     double scale;          /* factor */
-    int stand;             /* least y becomes 0, x and z are centred */
-    double axis[3], angle; /* turned about the axis by degrees */
-    double at[3];          /* moved */
+    int stand;             /* 1: least y becomes 0, x and z are centred */
+    double axis[3], angle; /* rotation about the axis, degrees */
+    double at[3];          /* m, translation */
 };
 void mesh_place(struct mesh *mesh, const struct placement *placement);
 
-/* The box around the mesh. */
+/* The bounding box of the mesh. */
 void mesh_box(const struct mesh *mesh, double lo[3], double hi[3]);
 
-/* The readers of one format each: app_exit after one line. */
+/* Readers of one format each. Return app_exit; a failure prints one line. */
 int ply_load(struct pool *pool, const char *path, struct mesh *mesh);
 int off_load(struct pool *pool, const char *path, struct mesh *mesh);
-/* bits: 32 writes floats, 64 doubles. false after one line. */
+/* Writers of one format each. bits: 32 writes floats, 64 doubles. false after
+ * one line. */
 bool ply_save(const char *directory, const char *name, const struct mesh *mesh,
               int bits);
 bool obj_save(const char *directory, const char *name, const struct mesh *mesh,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A run's frames as models to take pictures of. */
+/* Loads a run's frames as models for pictures. */
 #include "app/model.h"
 #include "app/app.h"
 #include "app/file.h"
@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* Number k of a list of numbers, else `otherwise`. */
+/* Number k of a list, or `otherwise` if the list has no such number. */
 static double number(const cJSON *node, int k, double otherwise)
 {
     const cJSON *item = k < 0 ? node : cJSON_GetArrayItem(node, k);
@@ -21,14 +21,14 @@ static const cJSON *get(const cJSON *node, const char *name)
     return cJSON_GetObjectItemCaseSensitive(node, name);
 }
 
-/* A number in lo … hi, else false. */
+/* Reads a number; false if it is not in lo … hi. */
 static bool bounded(const cJSON *node, int k, double lo, double hi, double *out)
 {
     *out = number(node, k, NAN);
     return *out >= lo && *out <= hi;
 }
 
-/* false where a scene could not have it. */
+/* Reads a camera; false if no scene could have it. */
 static bool load_camera(const cJSON *node, struct camera *camera)
 {
     bool good = true;
@@ -39,7 +39,7 @@ static bool load_camera(const cJSON *node, struct camera *camera)
     return good && bounded(get(node, "fov"), -1, 0, 150, &camera->fov);
 }
 
-/* false where no run writes such a cloth. */
+/* Reads a cloth's look; false if no run could have written it. */
 static bool load_cloth(const cJSON *body, struct look_cloth *cloth)
 {
     const cJSON *grid = get(body, "particles"), *size = get(body, "size");
@@ -105,7 +105,8 @@ int look_load(struct pool *pool, const char *directory, struct run_look *look)
     return status;
 }
 
-/* An obstacle without height is the floor, and not a thing in the picture. */
+/* Whether triangle k is level: level triangles are drawn as an endless floor.
+ */
 static bool is_floor(const struct mesh *mesh, int64_t k, float *floor)
 {
     const int32_t *t = mesh->tri[k];
@@ -152,7 +153,8 @@ static void set_box(struct model *m)
         }
 }
 
-/* What can be drawn: squares of squares of lengths fit into a float. */
+/* Checks that the model can be drawn: the fourth powers of its lengths must fit
+ * into a float. */
 static int check_box(const struct model *m, const char *directory, int k)
 {
     for (int i = 0; i < 3; i++)
@@ -164,7 +166,7 @@ static int check_box(const struct model *m, const char *directory, int k)
     return APP_OK;
 }
 
-/* A vertex's normal: those of its triangles by their areas. */
+/* Vertex normals: the mean of the triangles' normals, weighted by area. */
 static void set_normals(struct model *m)
 {
     for (int64_t k = 0; k < m->nt; k++) {
@@ -186,7 +188,7 @@ static void set_normals(struct model *m)
     }
 }
 
-/* Each particle's place on its cloth at rest, each triangle's cloth. */
+/* Sets the rest coordinates of each particle and the cloth of each triangle. */
 static void set_paint(struct model *m, const struct run_look *look)
 {
     for (int c = 0; c < look->count; c++) {

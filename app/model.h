@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A run's frames as models to take pictures of. */
+/* Loads a run's frames as models for pictures. */
 #ifndef APP_MODEL_H
 #define APP_MODEL_H
 
 #include "app/picture.h"
 
-/* What report.json says of a run; without one, defaults. */
+/* The look of a run from its report.json, or defaults without a report. */
 struct run_look {
     struct look_cloth {
         int64_t first; /* vertex */
@@ -18,7 +18,7 @@ struct run_look {
 };
 int look_load(struct pool *pool, const char *directory, struct run_look *look);
 
-/* Frame k of the run. app_exit after one line. */
+/* Loads frame k of the run. Returns app_exit; a failure prints one line. */
 int model_load(struct pool *pool, const char *directory, int k,
                const struct run_look *look, struct model *model);
 

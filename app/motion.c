@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Motions of a scene: keyframes of a move and a turn about an axis. */
+/* Motions of a scene: keyframes of a translation and a rotation about an axis.
+ */
 #include "app/app.h"
 #include "app/bodies.h"
 #include "app/shapes.h"
@@ -65,19 +66,19 @@ static int read_motion(struct json *json, const cJSON *node, void *out)
     return status;
 }
 
-enum { BETWEEN = 16 }; /* steps of a turn whose axis changes: 2^k */
+enum { BETWEEN = 16 }; /* pieces of a rotation whose axis changes: 2^k */
 
-/* The way between two keys; the library turns along chords between
- * quaternions, so that it is cut into steps. */
+/* The motion between two keys. The library interpolates quaternions along
+ * chords, so a rotation is cut into small pieces. */
 struct way {
     const struct key *a, *b;
-    double axis[3], from, to; /* the turn about one axis, degrees */
-    bool bent;                /* there is no such axis */
+    double axis[3], from, to; /* rotation about one axis, degrees */
+    bool bent;                /* the two keys have no common axis */
     int steps;
 };
 
-/* A key of angle 0 turns about its neighbour's axis; opposite axes are one,
- * turned the other way. */
+/* Finds the common axis of two keys. A key of angle 0 has its neighbour's axis;
+ * opposite axes are the same axis with the opposite angle. */
 static struct way way_between(const struct key *a, const struct key *b)
 {
     struct way way = {.a = a, .b = b, .from = a->angle, .to = b->angle};
@@ -101,8 +102,9 @@ static void about(const double axis[3], double degrees, double q[4])
         q[1 + i] = s * axis[i];
 }
 
-/* Evenly the shorter way round from q[0] to q[n]: the middle of two unit
- * quaternions is their sum, normalised, and so on in both halves. */
+/* Interpolates evenly from q[0] to q[n], along the shorter arc: the middle of
+ * two unit quaternions is their normalised sum; both halves are then divided in
+ * the same way. */
 static void halve(double (*q)[4], int n)
 {
     if (n < 2)
@@ -120,7 +122,7 @@ static void halve(double (*q)[4], int n)
     halve(q + n / 2, n / 2);
 }
 
-/* The library's keys behind a's, up to b's. */
+/* Appends the library's keys after the key of a, up to the key of b. */
 static void place(const struct motion *motion, const struct way *way,
                   drape_motion *out)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Obstacles of a scene: from a file or made in code, laid in place. */
+/* Obstacles of a scene: meshes from files or made in code, then placed. */
 #include "app/app.h"
 #include "app/bodies.h"
 #include "app/file.h"
@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Deforming: the same mesh in numbered files. */
+/* A deforming obstacle: numbered files of the same mesh. */
 struct series {
     char *files; /* with one %d, as frames/wave_%04d.ply */
     int first, count;
@@ -44,8 +44,8 @@ static int read_series(struct json *json, const cJSON *node, void *out)
     return APP_OK;
 }
 
-/* Where a mesh is looked for: as named from the scene's folder, then in
- * $DRAPE_MODELS, ../shared/models and build/models. */
+/* Finds a mesh file: relative to the scene's folder, then in $DRAPE_MODELS,
+ * ../shared/models and build/models. */
 static int find_mesh(const struct json *json, const char *name,
                      char path[FILE_PATH])
 {
@@ -79,7 +79,7 @@ static int load(struct json *json, const char *name, struct mesh *mesh)
     return status == APP_OK ? mesh_load(json->pool, path, mesh) : status;
 }
 
-/* Frames of a deforming obstacle; the first is also its mesh. */
+/* Loads the frames of a deforming obstacle; the first is also its mesh. */
 static int load_series(struct json *json, struct obstacle *o, struct mesh *mesh)
 {
     drape_obstacle *out = &o->out;
@@ -121,7 +121,7 @@ static int load_series(struct json *json, struct obstacle *o, struct mesh *mesh)
     return APP_OK;
 }
 
-/* Exactly one of mesh, shape and frames says what it is. */
+/* Makes the obstacle's mesh; exactly one of mesh, shape and frames is given. */
 static int make(struct json *json, struct obstacle *o)
 {
     struct mesh mesh = {0};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* OFF as text, in our own reader: assimp's takes the last vertex where an
- * index is out of range, and aborts where faces are missing. */
+/* Reads OFF text files. This is a reader of our own, since assimp replaces an
+ * index out of range by the last vertex, and aborts if faces are missing. */
 #include "app/app.h"
 #include "app/file.h"
 #include "app/mesh.h"
@@ -9,11 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The lines of the file that say something. */
+/* The lines of the file without blank lines and comments. */
 struct lines {
     const char *path;
     char *at, *end; /* the unread bytes; *end is 0 */
-    long number;    /* of the line that was read last */
+    long number;    /* of the line read last */
 };
 
 static int refuse(const struct lines *in, const char *what)
@@ -21,8 +21,8 @@ static int refuse(const struct lines *in, const char *what)
     return complain(APP_USAGE, "%s: line %ld: %s", in->path, in->number, what);
 }
 
-/* Cuts off the next line that is neither blank nor a comment; NULL at the
- * end of the file. */
+/* Returns the next line that is neither blank nor a comment; NULL at the end of
+ * the file. */
 static char *next_line(struct lines *in)
 {
     while (in->at < in->end) {
@@ -40,7 +40,7 @@ static char *next_line(struct lines *in)
     return NULL;
 }
 
-/* Cuts a number off the line; NaN where there is none. */
+/* Reads the next number of the line; NaN if there is none. */
 static double next_number(char **line)
 {
     char *end;
@@ -52,7 +52,7 @@ static double next_number(char **line)
     return value;
 }
 
-/* A whole number from 0 to most, else -1. */
+/* Reads an integer from 0 to most; -1 if there is none. */
 static int64_t next_whole(char **line, int64_t most)
 {
     double value = next_number(line);
@@ -81,7 +81,7 @@ static int read_head(struct lines *in, int64_t *nv, int64_t *faces)
     *faces = line ? next_whole(&line, INT32_MAX) : -1;
     if (*nv < 0 || *faces < 0)
         return refuse(in, "expected the numbers of vertices and faces");
-    /* A vertex takes at least six bytes: a count that lies is caught here. */
+    /* each vertex and each face takes bytes, so a false count is found here */
     if (*nv > in->end - in->at || *faces > in->end - in->at)
         return refuse(in, "more vertices and faces than the file has bytes");
     return APP_OK;
@@ -156,7 +156,7 @@ static int read_mesh(struct pool *pool, struct lines *in, struct mesh *mesh)
     status = read_vertices(in, mesh);
     if (status != APP_OK)
         return status;
-    /* The lines are cut now: the second time it is the same lines. */
+    /* reading cuts the lines, so the second pass needs a copy */
     size_t rest = (size_t)(in->end - in->at);
     char *again = pool_take(pool, rest + 1, 1);
     if (!again)

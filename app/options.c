@@ -16,7 +16,7 @@ int complain(int code, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(line, sizeof line, format, arguments);
     va_end(arguments);
-    /* What comes from a file may not break the line or the terminal. */
+    /* text from a file must not break the line or control the terminal */
     for (char *p = line; *p; p++)
         if ((unsigned char)*p < 32 || *p == 127)
             *p = '?';
@@ -24,7 +24,7 @@ int complain(int code, const char *format, ...)
     return code;
 }
 
-/* A whole decimal number within the row's range, or APP_USAGE. */
+/* Reads a decimal integer within the row's range, or returns APP_USAGE. */
 static int read_int(const struct option *row, const char *text)
 {
     char *end;
@@ -39,7 +39,9 @@ static int read_int(const struct option *row, const char *text)
     return APP_OK;
 }
 
-/* Takes the option at argv[*k] and its value; *k ends on the last used. */
+/* Reads the option at argv[*k] and its value; *k becomes the last argument
+ * used.
+ */
 static int read_option(const struct option *table, int argc, char **argv,
                        int *k)
 {

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Cloth and obstacles as meshes of their own, over the same memory. */
+/* Makes cloth and obstacles separate meshes that share the scene's memory. */
 static int make_views(struct output *o, const struct scene *scene,
                       const drape_world *world)
 {
@@ -39,14 +39,14 @@ bool output_name(char path[FILE_PATH], const struct scene *scene,
                        : snprintf(path, FILE_PATH, "%s.out", scene->name);
     for (char *p = path; *p && !given; p++)
         *p = *p == '/' || (unsigned char)*p < 32 || *p == 127 ? '_' : *p;
-    /* Names of files come behind it. */
+    /* file names are appended to the path */
     if (length > 0 && length < FILE_PATH - 100)
         return true;
     complain(APP_USAGE, "--out: the path is too long");
     return false;
 }
 
-/* Obstacles that do not move, once for all frames. */
+/* Writes obstacles that do not move, once for all frames. */
 static int write_still(struct output *o, const drape_world *world)
 {
     if (!o->obstacles.nt || o->moving)
@@ -103,7 +103,7 @@ int output_frame(struct output *o, const drape_world *world, int k)
     if (status != DRAPE_OK)
         return complain(APP_FAILED, "frame %d: %s", k,
                         drape_status_text(status));
-    /* Last comes what tells that the frame is there. */
+    /* the cloth's PLY comes last: it shows that the frame is complete */
     snprintf(name, sizeof name, "obstacles_%04d.ply", k);
     if (o->obstacles.nt && o->moving &&
         !ply_save(o->frames, name, &o->obstacles, o->bits))
@@ -152,7 +152,7 @@ static void put_header(FILE *out, int32_t points, int every, int32_t samples)
     put(out, &samples);
 }
 
-/* One sample: a frame's positions. */
+/* Writes one sample: a frame's positions. */
 static int put_frame(const struct output *o, FILE *out, int k)
 {
     char path[FILE_PATH];

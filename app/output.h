@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a run leaves in its directory:
+/* Writes the files of a run into its directory:
  *   frames/cloth_0000.ply .obj   the cloths, frame 0 is the start
  *   obstacles.ply                the obstacles, where none of them moves
  *   frames/obstacles_0000.ply    else, a frame each
@@ -15,7 +15,7 @@
 struct output {
     char directory[FILE_PATH], frames[FILE_PATH];
     struct mesh all, cloth, obstacles; /* views of the whole scene */
-    double (*v)[3]; /* scratch: velocities, which no file holds */
+    double (*v)[3]; /* scratch: velocities, which no file has */
     struct pool pool;
     struct lock lock;
     int bits;
@@ -23,28 +23,28 @@ struct output {
     bool obj, moving; /* moving: some obstacle moves */
 };
 
-/* The directory that was given, else one by the scene's name. false after one
- * line where its path is too long. */
+/* Puts the given directory into path, or one named after the scene. false after
+ * one line if the path is too long. */
 bool output_name(char path[FILE_PATH], const struct scene *scene,
                  const char *given);
-/* Makes the directories and the views, takes the folder for this run alone,
- * and writes obstacles that do not move. app_exit after one line. */
+/* Makes the directories and the views, claims the folder for this run, and
+ * writes the obstacles if none moves. Returns app_exit; a failure prints one
+ * line. */
 int output_open(struct output *output, const struct scene *scene,
                 const drape_world *world, const char *directory,
                 const struct claim *claim);
-/* Writes the world's state as frame k, where k is a multiple of every.
- * app_exit after one line. */
+/* Writes the world's state as frame k, if k is a multiple of `every`. Returns
+ * app_exit; a failure prints one line. */
 int output_frame(struct output *output, const drape_world *world, int k);
-/* Writes the point cache of the multiples of every in 0 … last from their PLY
- * files, or a note where one is missing. */
+/* Writes the point cache of the frames 0 … last that are multiples of `every`,
+ * from their PLY files; prints a note if a file is missing. */
 int output_cache(const struct output *output, int last);
 void output_close(struct output *output);
 
-/* The numbers, ascending, of the frames of the cloth that a run left in the
- * directory; the caller frees. NULL after one line, also where there are none.
- */
+/* The numbers, ascending, of the cloth's frames in a run's directory; the
+ * caller frees. NULL after one line, also if there are no frames. */
 int *output_frames(const char *directory, int *count);
-/* directory/frames/<body>_<k>.ply into path. */
+/* Puts directory/frames/<body>_<k>.ply into path. false if it is too long. */
 bool output_path(char path[FILE_PATH], const char *directory, const char *body,
                  int k);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Colours, light and chance of the pictures. */
+/* Colours, light and random numbers of the pictures. */
 #include "app/paint.h"
 
 vec sky(vec d)
@@ -39,7 +39,8 @@ static uint32_t scramble(uint32_t a)
     return a ^ a >> 16;
 }
 
-/* Roberts' sequence in six dimensions, shifted for each pixel. */
+/* Random numbers: Roberts' sequence in six dimensions, shifted for each pixel.
+ */
 void randoms(uint32_t pixel, int k, float out[6])
 {
     static const double step[6] = {0.8986538526, 0.8075787467, 0.7257337563,

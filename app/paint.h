@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Colours, light and chance of the pictures. */
+/* Colours, light and random numbers of the pictures. */
 #ifndef APP_PAINT_H
 #define APP_PAINT_H
 
@@ -8,7 +8,9 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Light of the sky from direction d; the backdrop is its horizon. */
+/* Light of the sky from direction d; the backdrop has the colour of the
+ * horizon.
+ */
 vec sky(vec d);
 /* Colour of cloth number `dye` at uv, m at rest, on its outer or inner
  * side: a woven check, linear. */

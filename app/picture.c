@@ -11,13 +11,13 @@ struct studio {
     const struct model *model;
     RTCScene scene;
     vec eye, right, up, ahead; /* right and up reach the picture's edges */
-    vec sun;                   /* towards it */
+    vec sun;                   /* unit, towards the sun */
     float far;                 /* m, where the floor has faded away */
 };
 
 struct hit {
     float distance;
-    vec at, face, normal; /* face and normal look at the viewer */
+    vec at, face, normal; /* face and normal point to the viewer's side */
     vec colour;
     float gloss, sheen;
     bool floor;
@@ -70,7 +70,7 @@ static void look_at_triangle(const struct studio *s, struct RTCRayHit *r, vec d,
         n = add(n, scale(from(m->normal[t[i]]), w[i]));
     hit->face = unit(make(r->hit.Ng_x, r->hit.Ng_y, r->hit.Ng_z));
     hit->normal = unit(n);
-    /* A flat sheet's triangles turn down; its outside is above. */
+    /* the normals of a flat sheet's triangles point down; its outside is up */
     bool outside = dot(hit->face, d) > 0;
     if (outside)
         hit->face = scale(hit->face, -1);
@@ -112,8 +112,10 @@ static bool dark(const struct studio *s, vec p, vec d)
     return r.ray.tfar < 0;
 }
 
-/* The unit square to directions about n, by the cosine; spread 1 covers the
- * half-space, less a cone. */
+/* Maps a point of the unit square to a direction about n, with a density
+ * proportional to the cosine. spread 1 covers the half-space, less than 1 a
+ * cone.
+ */
 static vec about(vec n, float a, float b, float spread)
 {
     vec side = fabsf(n.x) > 0.5f ? make(0, 1, 0) : make(1, 0, 0);
@@ -145,7 +147,7 @@ static vec shade(const struct studio *s, const struct hit *h, vec view,
     else
         bounce = scale(other.colour, other.floor ? 0.75f : 0.40f);
     light = add(light, scale(mul(h->colour, bounce), 0.85f));
-    /* Fibres that stand up catch the light at the edge. */
+    /* sheen: protruding fibres reflect light at grazing angles */
     float rim = 1 - clamp(dot(h->normal, view));
     float sheen = h->sheen * rim * rim * rim;
     return add(light,
@@ -184,8 +186,8 @@ static void pixel(const struct studio *s, const struct shot *shot, int row,
     rgb[2] = develop(sum.z);
 }
 
-/* The camera's edges; without a camera, one that sees the model's box from
- * above and the side. */
+/* Sets up the camera; without a given camera, one that sees the model's box
+ * from above and from the side. */
 static void set_up(struct studio *s, const struct shot *shot)
 {
     struct camera c = shot->camera;

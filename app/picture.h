@@ -7,24 +7,24 @@
 
 enum { PAINT_STONE = 255 };
 
-/* What is seen, in binary32. */
+/* The geometry of a picture, in binary32. */
 struct model {
     int64_t nv, nt;
     float (*x)[3], (*normal)[3]; /* [nv] m; unit, smooth */
     float (*uv)[2];              /* [nv] m on the cloth at rest */
     uint32_t (*tri)[3];          /* [nt] */
-    uint8_t *paint;              /* [nt] number of the cloth, PAINT_STONE */
+    uint8_t *paint;              /* [nt] index of the cloth, or PAINT_STONE */
     float floor;                 /* y of an endless floor; NaN: none */
     double lo[3], hi[3];         /* box around all but the floor */
 };
 
 struct shot {
     int width, height, samples;
-    struct camera camera; /* fov 0: one that sees the model's box */
+    struct camera camera; /* fov 0: chosen so that it sees the model's box */
 };
 
-/* Fills rgb [height][width][3], the same bytes for the same input on any
- * number of threads. app_exit after one line. */
+/* Fills rgb [height][width][3]; the bytes do not depend on the number of
+ * threads. Returns app_exit; a failure prints one line. */
 int picture_take(const struct model *model, const struct shot *shot,
                  uint8_t *rgb);
 /* Writes rgb as directory/name. false after one line. */

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Meshes laid in place: levelled, sized, stood, turned and moved. */
+/* Places a mesh in the scene: levels, scales, stands, rotates and moves it. */
 #include "app/mesh.h"
 #include "app/shapes.h"
 
 #include <math.h>
 #include <string.h>
 
-/* rows of a rotation by the angle of cosine c and sine s about unit a:
+/* The rotation matrix about unit a by the angle of cosine c and sine s:
  * c 1 + (1 - c) a aᵀ + s [a]×. */
 static void about(const double a[3], double c, double s, double r[3][3])
 {
@@ -35,7 +35,7 @@ static double length(const double a[3])
     return square_root(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
 }
 
-/* The least rotation that takes direction `up` to +y. */
+/* Rotates the mesh by the smallest rotation that takes direction `up` to +y. */
 static void level(struct mesh *mesh, const double up[3])
 {
     double n = length(up), axis[3] = {-up[2] / n, 0, up[0] / n};

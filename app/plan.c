@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* drape plan: the stages of a scene, on or off, why, and their memory. */
+/* drape plan: prints which stages of a scene run, why, and their memory. */
 #include "app/app.h"
 #include "app/scene.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* PLY, text or binary of either byte order, in our own reader: it keeps
- * binary64 and the order of vertices, which assimp does not. */
+/* Reads PLY files, text or binary in either byte order. This is a reader of our
+ * own, since assimp keeps neither binary64 nor the order of vertices. */
 #include "app/ply.h"
 #include "app/app.h"
 #include "app/file.h"
@@ -12,7 +12,7 @@
 
 static const int sizes[PLY_TYPES] = {1, 1, 2, 2, 4, 4, 4, 8};
 
-/* Says, once, what is wrong with the item that is being read. */
+/* Records the first fault of the item that is being read. */
 static void lacks_number(struct ply *r)
 {
     if (!r->wrong)
@@ -23,7 +23,7 @@ static void lacks_number(struct ply *r)
     r->wrong = true;
 }
 
-/* The next binary number as binary64: exact for all types. */
+/* Reads the next binary number as binary64, exactly for all types. */
 static double read_binary(struct ply *r, int type)
 {
     int size = sizes[type];
@@ -53,7 +53,7 @@ static double read_number(struct ply *r, int type)
     if (r->format != TEXT)
         return read_binary(r, type);
     char *end;
-    /* A float's text means the nearest float. The file ends in a zero. */
+    /* the text of a float means the nearest float; a zero ends the bytes */
     double value =
         type == PLY_FLOAT ? (double)strtof(r->at, &end) : strtod(r->at, &end);
     if (end == r->at)
@@ -62,7 +62,7 @@ static double read_number(struct ply *r, int type)
     return value;
 }
 
-/* The length of a list, 0 where it makes no sense; 1 for a plain property. */
+/* Reads the length of a list, 0 if it is invalid; 1 for a plain property. */
 static int read_count(struct ply *r, const struct property *p)
 {
     static const double most[PLY_FLOAT] = {127,   255,        32767,
@@ -96,7 +96,7 @@ static void read_vertex(struct ply *r, const struct element *e, double x[3])
     }
 }
 
-/* The number of a vertex; 0 where it is none. */
+/* Reads the index of a vertex; 0 if it is invalid. */
 static int32_t read_index(struct ply *r, const struct property *p,
                           const struct mesh *mesh)
 {
@@ -147,7 +147,7 @@ static void read_face(struct ply *r, const struct element *e, struct mesh *mesh,
     }
 }
 
-/* Nothing but white space may follow, or the header's counts are wrong. */
+/* Checks that only white space follows; else the header's counts are wrong. */
 static void check_end(struct ply *r)
 {
     const char *at = r->at;
@@ -186,7 +186,7 @@ static int read_mesh(struct pool *pool, struct ply *r, struct mesh *mesh)
     for (int k = 0; k < r->elements; k++)
         if (strcmp(r->element[k].name, "vertex") == 0)
             mesh->nv = r->element[k].count;
-    /* A vertex takes at least three bytes: a count that lies is caught here. */
+    /* a vertex takes at least three bytes, so a false count is found here */
     if (mesh->nv > r->end - r->at)
         return complain(APP_USAGE, "%s: ends before its %lld vertices", r->path,
                         (long long)mesh->nv);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The header of a PLY file. */
+/* Reads the header of a PLY file. */
 #include "app/app.h"
 #include "app/ply.h"
 
@@ -19,7 +19,7 @@ static int find_type(const char *name)
     return -1;
 }
 
-/* Cuts the next line off the header; false at the end of the file. */
+/* Reads the next line of the header; false at the end of the file. */
 static bool next_line(struct ply *r, char line[256])
 {
     const char *stop = memchr(r->at, '\n', (size_t)(r->end - r->at));
@@ -51,7 +51,7 @@ static bool read_property(struct element *e, const char *line)
            (p->type = find_type(a)) >= 0;
 }
 
-/* One line of the header; false if it makes no sense. */
+/* Reads one line of the header; false if it is invalid. */
 static bool read_header_line(struct ply *r, const char *line)
 {
     struct element *e = &r->element[r->elements];
@@ -76,7 +76,7 @@ static bool read_header_line(struct ply *r, const char *line)
     return r->elements > 0 && read_property(e - 1, line);
 }
 
-/* Whether vertices have this coordinate once, as a plain number. */
+/* Whether vertices have this coordinate exactly once, as a plain number. */
 static bool has_axis(const struct element *e, const char *axis)
 {
     int count = 0;
@@ -86,7 +86,7 @@ static bool has_axis(const struct element *e, const char *axis)
     return count == 1;
 }
 
-/* What a header must say, once it is read. */
+/* Checks the whole header after reading. */
 static int check_head(const struct ply *r)
 {
     int vertices = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Pictures written as PNG. */
+/* Writes pictures as PNG. */
 #include "app/app.h"
 #include "app/file.h"
 #include "app/picture.h"
@@ -7,7 +7,7 @@
 #include <png.h>
 #include <setjmp.h>
 
-/* libpng reports a failed write by a jump to here. */
+/* Writes the PNG; libpng reports a failed write by a longjmp to here. */
 static bool encode(FILE *out, const uint8_t *rgb, int width, int height)
 {
     png_structp png =

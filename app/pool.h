@@ -6,15 +6,15 @@
 #include <stddef.h>
 
 struct pool {
-    struct pool_block *first; /* zero: empty */
-    const double *most;       /* GB that it may hold; NULL: any number */
+    struct pool_block *first; /* NULL: the pool is empty */
+    const double *most;       /* GB, its limit; NULL: no limit */
     double held;              /* bytes */
 };
 
-/* count × size zeroed bytes, or NULL: there is no memory, or it is more than
- * the pool may hold. The pool owns them. */
+/* Returns count × size zeroed bytes, owned by the pool; NULL if there is no
+ * memory or the limit is exceeded. */
 void *pool_take(struct pool *pool, size_t count, size_t size);
-/* A copy of the text, or NULL. */
+/* Returns a copy of the text, or NULL. */
 char *pool_text(struct pool *pool, const char *text);
 void pool_free(struct pool *pool);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How far a run is: one moving line on a terminal, else plain lines. */
+/* Shows how far a run is: one line that is rewritten on a terminal, else a line
+ * every few seconds. */
 #include "app/progress.h"
 #include "app/report.h"
 
@@ -34,7 +35,7 @@ void progress_step(struct progress *p, const drape_step_report *step)
     double now = seconds_now();
     int64_t done = step->step - p->first, left = p->total - step->step;
     bool last = left <= 0;
-    /* Ten times a second is enough to look at, every 5 s to log. */
+    /* a terminal is updated ten times a second, a log every 5 s */
     if (now - p->printed < (p->terminal ? 0.1 : 5) && !last)
         return;
     p->printed = now;

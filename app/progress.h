@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How far a run is: one moving line on a terminal, else plain lines. */
+/* Shows how far a run is: one line that is rewritten on a terminal, else a line
+ * every few seconds. */
 #ifndef APP_PROGRESS_H
 #define APP_PROGRESS_H
 
@@ -8,11 +9,11 @@
 
 struct progress {
     bool terminal;
-    int64_t first, total; /* steps before this call, and at its end */
+    int64_t first, total; /* steps at the start of this run, and at its end */
     double began, printed;
 };
 
-double seconds_now(void); /* of a clock that only goes forward */
+double seconds_now(void); /* of a monotonic clock */
 void progress_begin(struct progress *p, int64_t first, int64_t total);
 void progress_step(struct progress *p, const drape_step_report *step);
 void progress_end(struct progress *p);

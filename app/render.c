@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* drape render: pictures and a film of a run's frames. */
+/* drape render: makes pictures and a film of a run's frames. */
 #include "app/app.h"
 #include "app/file.h"
 #include "app/model.h"
@@ -20,7 +20,7 @@ struct render {
     struct shot shot;
     uint8_t *rgb;
     int frame, every, no_film, rate;
-    int *frames, count; /* those that are there, ascending */
+    int *frames, count; /* numbers of the existing frames, ascending */
 };
 
 static int take(struct render *r, int frame, int number)
@@ -40,7 +40,8 @@ static int take(struct render *r, int frame, int number)
     return status;
 }
 
-/* Runs a program found in PATH to its end: its exit status, or -1. */
+/* Runs a program found in PATH and waits for its end. Returns its exit status,
+ * or -1. */
 static int call(char *const argv[])
 {
     pid_t child;
@@ -50,12 +51,12 @@ static int call(char *const argv[])
     while (waitpid(child, &status, 0) < 0)
         if (errno != EINTR)
             return -1;
-    /* 127: the program was not there. */
+    /* 127: the program was not found */
     return WIFEXITED(status) && WEXITSTATUS(status) != 127 ? WEXITSTATUS(status)
                                                            : -1;
 }
 
-/* The pictures become film.mp4, where ffmpeg is. */
+/* Makes film.mp4 of the pictures, if ffmpeg is installed. */
 static int make_film(const struct render *r)
 {
     char rate[32], pattern[FILE_PATH], part[FILE_PATH], film[FILE_PATH];
@@ -88,7 +89,7 @@ static int make_film(const struct render *r)
     return complain(APP_FAILED, "render: ffmpeg failed on %s", film);
 }
 
-/* Pictures of an earlier film would get into this one. */
+/* Removes the pictures of an earlier film, which would get into this one. */
 static void clear_film(const struct render *r)
 {
     for (int k = 0, found = 1; found; k++) {
@@ -115,7 +116,7 @@ static int take_all(struct render *r)
     if (status != APP_OK)
         return status;
     printf("%s: %d pictures\n", r->pictures, made);
-    /* A run may have kept every so many-th frame only. */
+    /* a run may have written only every n-th frame */
     int apart = r->count > 1 ? r->frames[1] - r->frames[0] : 1;
     if (!r->rate)
         r->rate = (int)(r->look.rate / r->every / apart + 0.5);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* report.json: every step of a run, and what it came to. */
+/* Writes report.json: the report of each step of a run, and its totals. */
 #include "app/report.h"
 #include "app/file.h"
 #include "app/text.h"
@@ -23,7 +23,7 @@ static void put_number(FILE *out, const char *name, double value)
     text_put_number(out, "%.17g", value);
 }
 
-/* Wall time by part. */
+/* Writes the wall time of each part of the pipeline. */
 static void put_parts(FILE *out, const double seconds[DRAPE_PART_COUNT])
 {
     for (int k = 0; k < DRAPE_PART_COUNT; k++) {
@@ -32,7 +32,7 @@ static void put_parts(FILE *out, const double seconds[DRAPE_PART_COUNT])
     }
 }
 
-/* What was done, and beside it what was not. */
+/* Writes the counters of work done and of work left out. */
 static void put_work(FILE *out, const int64_t work[WORKS], int64_t rounds)
 {
     for (int k = 0; k < WORKS; k++) {
@@ -75,7 +75,8 @@ static void put_step(FILE *out, const drape_step_report *s)
     fputs("}", out);
 }
 
-/* Steps that end intersecting, and which are the first and the last. */
+/* Writes how many steps end intersecting, and the first and the last of them.
+ */
 static void put_intersecting(FILE *out, const struct totals *t)
 {
     fprintf(out, "\"intersecting\": {\"count\": %lld",
@@ -111,7 +112,7 @@ static void put_summary(FILE *out, const struct report *report)
     fputs("},\n", out);
 }
 
-/* What render needs to know of the frames' vertices. */
+/* Writes the bodies of the frames' vertices, which render reads. */
 static void put_bodies(FILE *out, const struct scene *scene,
                        const drape_world *world)
 {
@@ -166,7 +167,7 @@ static void put_plan(FILE *out, const drape_world *world)
     fputs("  ],\n", out);
 }
 
-/* Of a run that chose its settings by --error. */
+/* Writes the estimate of a run that chose its settings by --error. */
 static void put_estimate(FILE *out, const struct estimate *e)
 {
     if (!(e->asked > 0))

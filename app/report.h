@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* report.json: every step of a run, and what it came to. */
+/* report.json: the report of each step of a run, and its totals. */
 #ifndef APP_REPORT_H
 #define APP_REPORT_H
 
 #include "app/error.h"
 
 struct report {
-    drape_step_report *step; /* [count] also of a step that diverged */
+    drape_step_report *step; /* [count], a diverged step included */
     int64_t count, room;
     double seconds;           /* wall time of the steps */
     struct estimate estimate; /* of --error */
     uint64_t start;           /* a digest of the run's first state */
 };
 
-/* Whose frames these are: the run's start and how many steps a frame has. Runs
- * that share it share every frame. */
+/* Identifies the frames of a run by the run's start and the steps a frame. Runs
+ * with the same identity have the same frames. */
 enum { REPORT_ID = 32 };
 const char *report_id(const struct report *report, const struct scene *scene,
                       char id[REPORT_ID]);
 
-/* false after one line when memory is out. */
+/* Appends the report of a step. false after one line if memory runs out. */
 bool report_add(struct report *report, const drape_step_report *step);
 void report_free(struct report *report);
 
@@ -30,22 +30,22 @@ extern const struct outcome {
     const char *name;
 } outcomes[OUTCOMES];
 
-/* Outcomes after which a step's state is not what was asked for. */
+/* Outcomes after which a step counts as not clean. */
 enum { NOT_CLEAN = DRAPE_TRAPPED | DRAPE_PASSED | DRAPE_DIVERGED };
 
-/* The outcome as words, "clean" for 0; the text lasts until the next call
- * with the same buffer. */
+/* The names of an outcome's bits, "clean" for 0; the text lasts until the next
+ * call with the same buffer. */
 const char *report_outcome(int outcome, char text[128]);
 
 /* The counts of work of a step, in the order of drape_work. */
 enum { WORKS = 10 };
 void report_work(const drape_work *work, int64_t list[WORKS]);
 
-/* What all steps come to. */
+/* Totals of all steps. */
 struct totals {
     int64_t steps;             /* tried */
-    int64_t done;              /* those that did not diverge */
-    int64_t outcome[OUTCOMES]; /* steps that ended so, among others */
+    int64_t done;              /* steps that did not diverge */
+    int64_t outcome[OUTCOMES]; /* steps that have this bit */
     int64_t not_clean, unconverged;
     int64_t intersecting;                 /* steps whose end state intersects */
     int64_t first, last;                  /* of these, by their numbers */

@@ -23,10 +23,10 @@ struct run {
     const char *resume, *directory, *error;
     char out[FILE_PATH]; /* the directory, given or by the scene's name */
     int frames, checkpoint_every, tracing, no_obj, force;
-    bool failed; /* a step did: the state before it is there */
+    bool failed; /* a step failed; the state before the step is intact */
 };
 
-/* Set by Ctrl-C, looked at between steps. */
+/* Set by Ctrl-C; the run checks it between steps. */
 static volatile sig_atomic_t stopped;
 
 static void stop(int signal_number)
@@ -35,7 +35,7 @@ static void stop(int signal_number)
     stopped = 1;
 }
 
-/* The first Ctrl-C asks for an orderly end, the second one kills. */
+/* The first Ctrl-C ends the run in order, the second one kills the process. */
 static void catch_signals(void)
 {
     struct sigaction action;
@@ -46,8 +46,8 @@ static void catch_signals(void)
     sigaction(SIGTERM, &action, NULL);
 }
 
-/* A run that goes on has the rows of its steps before; where it does not trace
- * any more, it keeps them and has no rows of later steps. */
+/* Opens the trace. A resumed run keeps the rows of its earlier steps, also if
+ * it does not trace its later steps. */
 static int open_trace(struct run *run)
 {
     char path[FILE_PATH];
@@ -62,9 +62,9 @@ static int open_trace(struct run *run)
     return file_close(&run->trace) ? APP_OK : APP_FAILED;
 }
 
-/* Nothing is written before the scene and the checkpoint have been taken. The
- * report is there from the start: who finds the frames of a run that was killed
- * finds what they are of. */
+/* Opens the output. Nothing is written before scene and checkpoint have been
+ * accepted. The report is written first, so that the frames of a killed run
+ * have a report too. */
 static int open_output(struct run *run)
 {
     const struct scene *scene = &run->scene;
@@ -80,7 +80,7 @@ static int open_output(struct run *run)
     return status == APP_OK ? open_trace(run) : status;
 }
 
-/* --error: finds the settings before the run, and says which. */
+/* --error: chooses the settings before the run, and prints them. */
 static int choose(struct run *run)
 {
     struct scene *scene = &run->scene;
@@ -101,7 +101,7 @@ static int choose(struct run *run)
     return status;
 }
 
-/* The scene's world, at its start or where a checkpoint left it. */
+/* Makes the scene's world, at its start or in the state of the checkpoint. */
 static int make_world(struct run *run)
 {
     int status = scene_create(&run->scene, &run->overrides, &run->world);
@@ -152,8 +152,8 @@ static int begin(struct run *run, const char *scene_file)
     return open_output(run);
 }
 
-/* Publishes the trace first: its rows may be of more steps than the checkpoint
- * has, but not of fewer. */
+/* Saves a checkpoint. The trace is published first: it may have rows of steps
+ * after the checkpoint, but must not lack rows of steps before it. */
 static int save(struct run *run)
 {
     const char *out = run->output.directory;
@@ -163,7 +163,7 @@ static int save(struct run *run)
     return checkpoint_save(out, &run->report, &run->scene, run->world);
 }
 
-/* One step and what is due after it. */
+/* Makes one step and writes the frame and the checkpoint that are due. */
 static int step(struct run *run)
 {
     drape_step_report report;
@@ -194,8 +194,8 @@ static int step(struct run *run)
     return code;
 }
 
-/* What a run came to, in a line; steps that are not as they should be, in lines
- * of their own. */
+/* Prints the result of a run in one line, with further lines for steps that are
+ * not clean. */
 static void tell(const struct run *run, const struct totals *t, const char *end)
 {
     if (t->unconverged)
@@ -214,7 +214,7 @@ static void tell(const struct run *run, const struct totals *t, const char *end)
     printf("\n");
 }
 
-/* Everything that a run leaves at its end, however it ended. */
+/* Writes the final files of a run, however it ended. */
 static int finish(struct run *run, int code)
 {
     struct totals totals;
@@ -254,7 +254,7 @@ static int simulate(struct run *run)
         code = step(run);
     }
     progress_end(&run->progress);
-    /* where the disk failed it is not tried again */
+    /* after a failure of the disk nothing more is written */
     bool left = code == APP_FAILED && !run->failed;
     return left || code == APP_USAGE ? code : finish(run, code);
 }

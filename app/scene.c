@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Scenes: the JSON file of app/scenes/README.md as a drape_def. */
+/* Scenes: reads a JSON file (app/scenes/README.md) into a drape_def. */
 #include "app/scene.h"
 #include "app/app.h"
 #include "app/bodies.h"
@@ -18,7 +18,7 @@ static int read_wind(struct json *json, const cJSON *node, void *out)
         NUMBER_KEY("lift", WIND(lift), 0, 1e3),
         {0}};
     drape_wind *wind = out;
-    wind->density = 1.2; /* a scene that speaks of wind has air */
+    wind->density = 1.2; /* a scene with a wind key has air */
     return json_object(json, node, keys, wind);
 }
 
@@ -89,15 +89,15 @@ static int read_scene(struct json *json, const cJSON *root, struct scene *scene)
     return APP_OK;
 }
 
-/* Four fifths of this machine's memory: a limit below which it does not
- * begin to kill what runs on it. */
+/* Four fifths of this machine's memory, in GB: below this limit the system
+ * should not have to kill processes. */
 static double default_memory(void)
 {
     long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
     return pages > 0 && size > 0 ? 0.8e-9 * (double)pages * (double)size : 8;
 }
 
-/* The file's name without folder and ending. */
+/* The file's name without folder and extension. */
 static char *base_name(struct pool *pool, const char *file)
 {
     const char *slash = strrchr(file, '/');
@@ -140,7 +140,7 @@ void scene_free(struct scene *scene)
     pool_free(&scene->pool);
 }
 
-/* The library's memory, held under the scene's limit. */
+/* An allocator of the library that enforces the scene's limit. */
 static void *allocate(void *user, size_t bytes)
 {
     struct budget *budget = user;
@@ -161,8 +161,8 @@ static void release(void *user, void *p, size_t bytes)
     free(p);
 }
 
-/* What the library says of a cloth, an obstacle or a motion, said of its path
- * in the scene's file. */
+/* Prints the library's refusal with the path in the scene's file of the cloth,
+ * obstacle or motion that the refusal names. */
 static int refuse_world(const struct scene *scene, int code, const char *text)
 {
     static const char *const bodies[] = {"cloth", "obstacle", "motion"};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Scenes: the JSON file of app/scenes/README.md as a drape_def. */
+/* Scenes: reads a JSON file (app/scenes/README.md) into a drape_def. */
 #ifndef APP_SCENE_H
 #define APP_SCENE_H
 
@@ -15,7 +15,7 @@ struct camera {
 
 struct scene {
     drape_def def;
-    char file[4096]; /* as it was named */
+    char file[4096]; /* path as given */
     char *name;
     int frames; /* to make */
     int steps_per_frame;
@@ -23,8 +23,8 @@ struct scene {
     struct camera camera;
     /* Names, NULL-terminated: [n_cloths], [n_obstacles], [n_motions]. */
     char **cloth_name, **obstacle_name, **motion_name;
-    int **pin_from;     /* [n_cloths][n_pins]: of the file's list of pins */
-    double particles;   /* of all cloths */
+    int **pin_from;   /* [n_cloths][n_pins] index in the file's list of pins */
+    double particles; /* sum over all cloths */
     int64_t degenerate; /* obstacle triangles without area */
     struct pool pool;   /* owns all that def points to */
     struct budget {
@@ -32,22 +32,23 @@ struct scene {
     } budget; /* of def.allocator */
 };
 
-/* APP_OK, or the exit code after one line; scene_free in both cases. */
+/* Reads a scene. APP_OK, or the exit code after one line; the caller calls
+ * scene_free in both cases. */
 int scene_load(struct scene *scene, const char *file);
 void scene_free(struct scene *scene);
-/* Writes what the scene's plain keys are, given or by default, as JSON. */
+/* Writes the scene's plain keys, given or default, as JSON. */
 void scene_settings(FILE *out, const struct scene *scene);
 
 /* The integrator's name in a scene file. */
 const char *scene_integrator(const struct scene *scene);
 
-/* What the command line changes in a scene; -1 leaves it. */
+/* Settings of the command line that replace those of a scene; -1: not given. */
 struct overrides {
     const char *backend; /* ref, gpu or NULL */
     int precision, threads, block, allow_intersecting;
 };
-/* Makes the scene's world under its memory limit. The exit code after one
- * line where the library refuses. */
+/* Makes the scene's world under its memory limit. APP_OK, or the exit code
+ * after one line if the library refuses. */
 int scene_create(struct scene *scene, const struct overrides *overrides,
                  drape_world **world);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A cloth's start, holes, cuts and pins from their descriptions. */
+/* Makes a cloth's start, holes, cuts and pins from their descriptions. */
 #include "app/app.h"
 #include "app/cloth.h"
 
@@ -16,8 +16,8 @@ static bool inside(const struct region *region, double x, double y)
     return x >= r[0] && x <= r[2] && y >= r[1] && y <= r[3];
 }
 
-/* The points from `from` to `to` of an axis, and a few more: those of the
- * region lie among them. side: cell; axis: 0 or 1. */
+/* A range of grid points along an axis that includes all points of a region,
+ * and maybe a few more. side: of a cell, m; axis: 0 or 1. */
 struct span {
     int64_t from, to;
 };
@@ -36,7 +36,8 @@ static struct span find_span(const struct region *region, int axis, double side,
         (int64_t)fmin(ceil(hi / side) + 2, (double)points - 1)};
 }
 
-/* A map of m × n points that begin at half a cell times `shift`. */
+/* Marks the points of the regions in a map of m × n points, which start at half
+ * a cell times `shift`. */
 static const uint8_t *mark(struct pool *pool, const struct regions *regions,
                            const drape_cloth *c, int shift)
 {
@@ -56,7 +57,7 @@ static const uint8_t *mark(struct pool *pool, const struct regions *regions,
     return map;
 }
 
-/* Gives the particles of pin p's edge or place to it. */
+/* Assigns the particles of pin p's edge or place to pin p. */
 static void mark_pin(const struct pin *pin, int p, const drape_cloth *c,
                      int *owner)
 {
@@ -77,7 +78,8 @@ static void mark_pin(const struct pin *pin, int p, const drape_cloth *c,
                          : k + (int64_t)c->m * across] = p;
 }
 
-/* The pins of single particles: the first pin that takes one has it. */
+/* Makes a pin for each pinned particle; the first pin that includes a particle
+ * gets it. */
 static int make_pins(struct pool *pool, struct cloth *cloth)
 {
     drape_cloth *c = &cloth->out;
@@ -112,7 +114,7 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Unit axes, v square to u. */
+/* Makes unit axes, with v orthogonal to u. */
 static int make_axes(struct json *json, struct cloth *cloth)
 {
     double *u = cloth->start.u, *v = cloth->start.v;
@@ -136,14 +138,14 @@ static int make_axes(struct json *json, struct cloth *cloth)
 static void make_flat(struct cloth *cloth)
 {
     drape_cloth *c = &cloth->out;
-    /* A hung cloth is held by the middle of its edge v0. */
+    /* a hung cloth is placed by the middle of its edge v0 */
     double down = cloth->start.shape == START_HUNG ? 0 : 0.5;
     for (int i = 0; i < 3; i++)
         c->origin[i] = cloth->start.at[i] - 0.5 * c->width * c->u[i] -
                        down * c->height * c->v[i];
 }
 
-/* Rows along a curve: folded when hung, a spiral when rolled. */
+/* Places the rows along a curve: folds if hung, a spiral if rolled. */
 static int make_curved(struct json *json, struct cloth *cloth)
 {
     drape_cloth *c = &cloth->out;

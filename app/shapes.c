@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Obstacles made in code. All round ones are lathes: a profile turned about
- * the y axis. */
+/* Makes obstacles in code. Round obstacles are surfaces of revolution: a
+ * profile rotated about the y axis. */
 #include "app/shapes.h"
 #include "app/app.h"
 
@@ -16,8 +16,8 @@ double square_root(double a)
 
 void circle(double turns, double *c, double *s)
 {
-    /* Within an eighth of a turn of a quarter; Taylor's terms up to the
-     * 18th power leave less than 1e-18 there. */
+    /* the angle is reduced to an eighth of a turn, where Taylor's terms up to
+     * the 18th power leave an error below 1e-18 */
     double quarter = floor(4 * turns + 0.5);
     double a = (turns - quarter / 4) * (2 * pi), square = a * a;
     double cosine = 1, sine = 1;
@@ -60,7 +60,8 @@ static void add(struct mesh *mesh, int64_t a, int64_t b, int64_t c)
 }
 
 /* A profile of rings from bottom to top; an end of radius 0 is one vertex.
- * lobes: radii swell and shrink by `depth` of themselves so many times. */
+ * lobes: the number of waves of the radius around a ring, with relative
+ * amplitude `depth`. */
 struct lathe {
     int rings, around;
     double (*profile)[2]; /* r, y */
@@ -83,8 +84,8 @@ static void ring(const struct lathe *lathe, int k, double (*x)[3])
     }
 }
 
-/* The triangles between the rings that begin at vertices a (below) and b;
- * a pole has one vertex, which all its ring's columns share. */
+/* Appends the triangles between two rings, which begin at vertices a (below)
+ * and b. A pole is a ring with one vertex, shared by all columns. */
 static void band(struct mesh *mesh, int64_t a, int64_t b, bool pole[2],
                  int around)
 {
@@ -156,7 +157,7 @@ static int make_box(struct pool *pool, const struct shape *s, struct mesh *mesh)
     return APP_OK;
 }
 
-/* A sphere, drawn apart by `length` along y: a capsule. */
+/* A capsule: a sphere whose halves are `length` apart along y. */
 static int make_capsule(struct pool *pool, const struct shape *s, double length,
                         struct mesh *mesh)
 {
@@ -223,7 +224,7 @@ static int make_statue(struct pool *pool, const struct shape *s,
         int a = k / BETWEEN;
         double at[3][4], t = (double)(k % BETWEEN) / BETWEEN;
         for (int j = 0; j < 4; j++) {
-            /* The pedestal's edges are sharp: no knots from below them. */
+            /* the pedestal has sharp edges: its knots do not smooth the rest */
             int from = j == 0 && a <= PEDESTAL ? a : a + j - 1;
             from = from < KNOTS ? from : KNOTS - 1;
             for (int i = 0; i < 3; i++)

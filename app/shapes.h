@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Obstacles and cloth starts made in code, with no libm: the same bits on
- * every machine. */
+/* Obstacles and starts of cloths made in code without libm, so that they have
+ * the same bits on every machine. */
 #ifndef APP_SHAPES_H
 #define APP_SHAPES_H
 
@@ -28,11 +28,12 @@ struct shape {
     double height;    /* m; the funnel's cone, the statue */
     int detail;       /* segments around, ≥ 8 */
 };
-/* Closed but for plane and funnel, centred at the origin; the statue and
- * the funnel's cone stand on y = 0. APP_OK or APP_FAILED after one line. */
+/* Makes a mesh centred at the origin, closed except for plane and funnel; the
+ * statue and the funnel's cone stand on y = 0. APP_OK, or APP_FAILED after one
+ * line. */
 int shape_make(struct pool *pool, const struct shape *shape, struct mesh *mesh);
 
-/* A cloth's start other than flat: each row i is a curve across v. */
+/* A cloth's start that is not flat: each row i is a curve across v. */
 struct start {
     int shape; /* START_… */
     double at[3], u[3], v[3];

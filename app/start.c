@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Curves that a hung or rolled cloth starts along. Points are placed so
- * that neighbours are a cell apart: the cloth starts without strain. */
+/* Curves along which a hung or rolled cloth starts. Neighbouring points are one
+ * cell apart, so that the cloth starts without strain. */
 #include "app/shapes.h"
 
 /* Parameters of one curve and its point at t; t grows along the curve. */
@@ -98,7 +98,7 @@ bool start_curve(const struct start *start, int m, double h, double (*out)[2])
         t = advance(&curve, out[i - 1], t, reach, h);
         curve.point(&curve, t, out[i]);
     }
-    /* The middle of the hung edge is where the start says. */
+    /* the middle of the hung edge is at the start's place */
     double shift = rolled ? 0 : t / 2;
     for (int i = 0; i < m; i++)
         out[i][0] -= shift;

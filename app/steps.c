@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The reports of a run's steps, and what they come to. */
+/* The reports of a run's steps, and their totals. */
 #include "app/app.h"
 #include "app/report.h"
 

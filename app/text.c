@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Texts and numbers as JSON, whatever they hold. */
+/* Writes arbitrary texts and numbers as valid JSON. */
 #include "app/text.h"
 
 #include <math.h>
 
-/* How many bytes of UTF-8 the first character has, or 0 where the bytes are
- * none: a wrong or missing byte behind the first, a longer form than needed,
- * half of a surrogate pair, a number above 10FFFF (RFC 3629 §4). */
+/* The number of bytes of the first UTF-8 character, or 0 if the bytes are not
+ * UTF-8: a wrong or missing continuation byte, an overlong form, a surrogate,
+ * or a code point above 10FFFF (RFC 3629 §4). */
 static int utf8_length(const unsigned char *c)
 {
     if (c[0] < 0x80)

@@ -18,7 +18,8 @@ void trace_row(void *user, int64_t step, const char *stage, uint64_t digest,
                 (unsigned long long)digest, seconds);
 }
 
-/* Copies the rows of steps before `done`; returns of how many steps. */
+/* Copies the rows of steps before `done`; returns the number of steps copied.
+ */
 static int64_t copy_rows(FILE *from, FILE *to, int64_t done)
 {
     char row[256];

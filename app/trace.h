@@ -7,16 +7,20 @@
 
 #include <stdint.h>
 
-/* Begins directory/trace.csv anew with the rows of the steps before `done`
- * that are there already, from before a checkpoint. app_exit after one line. */
+/* Begins a new directory/trace.csv with the existing rows of the steps before
+ * `done`, the step of a checkpoint. Returns app_exit; a failure prints one
+ * line.
+ */
 int trace_begin(struct file *trace, const char *directory, int64_t done);
-/* drape_trace: user is the file. */
+/* A drape_trace that writes a row; user is the file. */
 void trace_row(void *user, int64_t step, const char *stage, uint64_t digest,
                double seconds);
-/* Whether all rows so far went through. app_exit after one line. */
+/* Checks that all rows so far were written. Returns app_exit; a failure prints
+ * one line. */
 int trace_check(struct file *trace);
-/* Makes the rows so far directory/trace.csv, and goes on: a run that is killed
- * later leaves them beside its checkpoint. app_exit after one line. */
+/* Publishes the rows so far as directory/trace.csv and continues, so that a run
+ * that is killed later leaves them beside its checkpoint. Returns app_exit; a
+ * failure prints one line. */
 int trace_publish(struct file *trace, const char *directory);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Vectors of the pictures, in binary32. */
+/* Three-dimensional vectors in binary32, for the pictures. */
 #ifndef APP_VEC_H
 #define APP_VEC_H
 

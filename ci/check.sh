@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# `make check`: builds, then runs every part of ci/part.sh, as many at a time
-# as there are processors, and adds up their counts.
+# `make check`: builds everything, runs all parts of ci/part.sh, as many in
+# parallel as there are processors, and adds up their counts.
 # usage: ci/check.sh BUILD
 set -u
 build=$1
@@ -11,7 +11,7 @@ mkdir -p "$build"
 cores=$(nproc)
 
 sh ci/part.sh "$build" build "$cores"
-# Long ones first.
+# The longest parts start first.
 parts="tests asan gcc-O0 clang-O0 buddha demo gcc-O3 tidy clang-O2 clang-O3
        tsan msan accuracy tool device fuzz prove golden-1 embed format
        golden-3 rows maps root self tokens certificate"
@@ -19,7 +19,7 @@ parts="tests asan gcc-O0 clang-O0 buddha demo gcc-O3 tidy clang-O2 clang-O3
 printf '%s\n' $parts | xargs -P "$cores" -n 1 sh ci/part.sh "$build"
 echo "certificate: $(python3 ci/certificate.py line ci/certificate.json)"
 
-# A part that ended without a line of counts is a failure.
+# A part that ended without a line of counts has failed.
 # shellcheck disable=SC2086
 set -- build $parts
 awk -v parts=$# '

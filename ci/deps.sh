@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs what drape is built and tested with, on Debian 12, and says nothing
-# when nothing is missing. The library itself needs a C compiler only.
+# Installs the packages that drape is built and tested with, on Debian 12; prints
+# nothing if none is missing. The library itself needs only a C compiler.
 set -eu
 need='gcc g++ make clang clang-format clang-tidy libomp-dev
       libassimp-dev libcjson-dev libembree-dev libpng-dev ffmpeg

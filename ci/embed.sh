@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs into a folder of its own and builds the examples against that alone:
-# runs hang; compiles the README's lines, and share where nvcc is.
+# Tests the installed library: installs it into an empty folder, builds the
+# examples against that folder alone, runs hang, and compiles the README's
+# example, and share if nvcc is installed.
 # usage: ci/embed.sh BUILD
 set -u
 build=$1
@@ -36,7 +37,7 @@ echo '#include <drape.h>' >"$work/header.cpp"
 ok 'the header in C++' ${CXX:-g++} -std=c++17 $strict -fsyntax-only \
     -I"$work/usr/include" "$work/header.cpp"
 
-# It neither prints nor ends its host: what it takes from libc says so.
+# The library neither prints nor exits: it must not use such functions of libc.
 # shellcheck disable=SC2016
 ok 'nm lists what it takes' sh -c 'nm -u "$0" | grep -qw malloc\\\|free' \
     "$work/usr/lib/libdrape.a"

@@ -1,9 +1,10 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Builds one flavour of ci/flavours.mk and holds it against ROOT's build: the
-# same lines about every stage of every step of the scenes of tests/whole, the
-# same files from the tool, the recorded hashes of all stages.
-# NAME root is ROOT's build itself, whose scenes must have every outcome.
+# Builds one flavour of ci/flavours.mk (another compiler or other flags) and
+# compares it with the normal build: the same digests of every stage of every
+# step of the scenes of tests/whole, the same files from the tool, and the
+# recorded hashes of all stages.
+# NAME root tests the normal build itself: its scenes must have every outcome.
 # usage: ci/flavour.sh BUILD NAME [KERNELS]; ends with `N passed, N failed`
 set -u
 root=$1 flavour=$2 kernels=${3-}
@@ -16,7 +17,7 @@ rm -rf "$work"
 mkdir -p "$work"
 export OMP_WAIT_POLICY=passive
 
-# Errors of a sanitizer end the program by a status that means nothing else.
+# A sanitizer's error ends the program with a status that no program here uses.
 export ASAN_OPTIONS=exitcode=66
 export UBSAN_OPTIONS=print_stacktrace=1:exitcode=66
 export TSAN_OPTIONS=exitcode=66
@@ -29,7 +30,7 @@ tsan) # what libomp orders, archer tells TSan
     ;;
 esac
 
-# whole ARGUMENTS: the small scenes, and the first lines that differ.
+# whole ARGUMENTS: runs the small scenes and prints the first lines that differ.
 whole() {
     "$build/whole" "$@" >"$work/whole.txt" || return 1
     [ -s "$lines" ] || return 1
@@ -38,7 +39,8 @@ whole() {
     return 1
 }
 
-# Each outcome of a step is there: else nobody looks at zones, or at sleep.
+# The scenes must have every outcome of a step, or zones, rollback or sleep would
+# not be tested.
 outcomes() {
     awk '$3 == "step" && $5 == 0 { seen[$6] }
         END {
@@ -54,8 +56,8 @@ outcomes() {
         }' "$lines"
 }
 
-# runs TOOL DIR: what a tool makes of a scene that enters most of its files, but
-# for times, which the checkpoint has, too.
+# runs TOOL DIR: runs a scene that uses most files of the tool, and keeps its
+# output without the times, which the checkpoint has too.
 runs() {
     "$1" run tests/whole/tool.json --trace --threads 2 --checkpoint-every 2 \
         --out "$2" >/dev/null 2>&1 || return 1

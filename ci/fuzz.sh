@@ -1,21 +1,24 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
+# Fuzzing with libFuzzer, and replay of its corpora.
 # usage: ci/fuzz.sh BUILD                  replays every corpus
-#        ci/fuzz.sh BUILD TARGET SECONDS   fuzzes one; its corpus grows
+#        ci/fuzz.sh BUILD TARGET SECONDS   fuzzes one target and extends its
+#                                          corpus
 #        ci/fuzz.sh BUILD soak SECONDS [TARGET...]
-#                                          fuzzes all, or these, that long each,
-#                                          and prints a table; corpora stay
-# `BUILD/replay --list` prints the targets. What crashes lies in BUILD/fuzz as
-# TARGET-crash-…; `BUILD/replay TARGET FILE` runs it again. KERNELS= leaves the
-# emulated kernels without sanitizers, for the time they take to compile.
+#                                          fuzzes all or the named targets for
+#                                          SECONDS each and prints a table; the
+#                                          corpora do not change
+# `BUILD/replay --list` prints the targets. Input that crashes is stored in
+# BUILD/fuzz as TARGET-crash-…; `BUILD/replay TARGET FILE` runs it again. With
+# KERNELS= the emulated kernels are compiled without sanitizers, which is faster.
 set -eu
 build=$1 target=${2-} seconds=${3-60}
 out=$build/fuzz
 san='-fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=all'
-# Worlds use threads only where they ask for some; these must not spin.
+# Worlds start few threads here, and waiting threads must not spin.
 export OMP_WAIT_POLICY=passive OMP_NUM_THREADS=1
 
-# One program for all targets, and a link to it for each.
+# All targets are one program, with a link to it for each target.
 prepare() {
     kernels=$out
     make -s BUILD="$build" "$build/replay" "$build/words.h"
@@ -29,7 +32,7 @@ prepare() {
     # shellcheck disable=SC2086
     clang -std=c17 -D_POSIX_C_SOURCE=200809L -O1 -g -I. $san \
         -c fuzz/libfuzzer.c -o "$out/libfuzzer.o"
-    # by clang++, as the emulated device's C++ has checks of its own
+    # linked by clang++, for the C++ runtime of the emulated device's sanitizers
     # shellcheck disable=SC2046
     clang++ -fsanitize=address,undefined,fuzzer "$out/libfuzzer.o" \
         "$out/parts.a" $(make -s fuzz-libs) -o "$out/program"
@@ -38,9 +41,10 @@ prepare() {
     done
 }
 
-# fuzz TARGET SECONDS: until the time is over, whatever is found; the row of
-# the table to TARGET.row. What counts is how the program ends: where assimp's
-# child dies, libFuzzer leaves a mesh-crash-… that is none.
+# fuzz TARGET SECONDS: fuzzes until the time is over, whatever is found, and
+# writes the row of the table to TARGET.row. A crash is counted by the program's
+# exit status, not by files: when assimp's child process dies, libFuzzer writes a
+# mesh-crash-… file although the program has not crashed.
 fuzz() {
     t=$1 begun=$(date +%s) runs=0 crashes=0 left=$2
     mkdir -p "fuzz/corpus/$t" "$out/found-$t"

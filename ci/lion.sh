@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Makes BUILD/models/lion_20k.ply of the lion in Debian's libcgal-demo, and
-# prints the demo's scene: with the lion, or, where it cannot be had, with a
-# statue made in code.
+# Makes BUILD/models/lion_20k.ply from the lion in Debian's libcgal-demo, and
+# prints the name of the demo's scene: with the lion or, if that package is not
+# available, with a statue made in code.
 # usage: ci/lion.sh BUILD
 set -eu
 build=$1

@@ -1,19 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Plants faults one by one and says which checks see them.
+"""Mutation testing: plants faults one by one and reports which checks find
+them.
 
 usage: mutants.py [-n 60] [--seed 1] [--all | --base REV] [--kind ref,gpu,both]
                   [--match RE] [--quick] [--work DIR] [--jobs 2] [--list]
 
-A mutant is one token, statement or pair of arguments changed in a line of ref/
-or gpu/, or in a line of ref/ and in the lines of its twin in gpu/ that read
-alike (`both`): what compares the two cannot see those. By default lines that
-the working tree or the commits since --base changed are mutated (none: those of
-the last commit); --all: any. A mutant whose objects are the base's, byte for
-byte, is equal and does not count; nor does one that does not compile, or that
-ci/mutants.equivalent argues to be equivalent. Checks run from the fastest on,
-and a hang is a kill. Recorded hashes run last: they see that something changed,
-not that it is wrong, so what they alone see has not been killed.
+A mutant changes one token, statement or pair of arguments in a line of ref/ or
+gpu/, or in a line of ref/ and in the equal lines of its twin in gpu/ (`both`):
+a comparison of the two backends cannot find such a fault. By default mutants
+are made in the lines that the working tree or the commits since --base changed
+(if there are none, in those of the last commit); with --all in any line. A
+mutant does not count if its objects equal the base's byte for byte, if it does
+not compile, or if ci/mutants.equivalent argues that it is equivalent. Checks
+run from the fastest on, and a hang counts as found. The recorded hashes run
+last: they show that bits changed, not that the change is wrong, so a mutant
+that they alone find is not killed.
 """
 import argparse
 import filecmp
@@ -30,12 +32,12 @@ import time
 
 from mutate import mutants_of, twins_of
 
-# Of gpu/, what emulation replaces or is.
+# Files of gpu/ that emulation replaces, or that are the emulation.
 ABSENT = re.compile(r'gpu/\w+/(emulate.*|(blas|cublas|device|loop|prim|stream|trace|'
                     r'absent)\.\w+|.*\.h|bulk\.cuh)$')
 
 
-# ---- What to mutate ----
+# Which lines to mutate
 
 def git(*args):
     return subprocess.run(['git', *args], check=True, text=True,
@@ -97,7 +99,7 @@ def equivalents(path):
     return known
 
 
-# ---- Building and checking ----
+# Building and checking
 
 class Workshop:
     def __init__(self, work, jobs):
@@ -180,7 +182,7 @@ class Workshop:
             'a hang' if status == 124 else f'exit {status}'
 
 
-# Slowest last; these by themselves, before all others, find most.
+# Slow checks, which run last, the slowest at the end.
 SLOW = ('embed_lost', 'embed_memory', 'embed_lent', 'fused', 'motion_device',
         'device_steps', 'narrow_soak')
 

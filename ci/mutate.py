@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Faults that ci/mutants.py plants: which changes a source of ref/ or gpu/ has,
-by its tokens, and which lines of both read alike."""
+"""The faults that ci/mutants.py plants: finds the possible changes of a source
+file by its tokens, and the lines that are equal in ref/ and gpu/."""
 import os
 import re
 
@@ -190,7 +190,7 @@ def edits_of(source):
     return found
 
 
-# ---- Twins ----
+# Lines that are equal in ref/ and gpu/
 
 def normal(line):
     """The tokens of a line, as they read alike in ref/ and in gpu/."""

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=sh disable=SC2034,SC2154
-# Counts checks, for the scripts that read this; $log is theirs.
+# Counts checks. Other scripts source this file; they set $log.
 passed=0 failed=0 skipped=0
 
-# ok NAME COMMAND...: succeeds or fails as one check
+# ok NAME COMMAND...: runs the command as one check
 ok() {
     name=$1
     shift

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Runs whole scenes for 120 frames, audits every frame, and prints the table
-# of ci/bench/outcomes.md: how the steps ended, and what energy did.
+# of ci/bench/outcomes.md: the outcomes of the steps, and the energy.
 # usage: [BACKEND=gpu] ci/outcomes.sh BUILD [SCENE...]
 set -eu
 build=$1

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# One part of `make check`: runs it, shows its counts, time and what failed,
-# and adds the counts to BUILD/check.counts. Parts may run side by side.
+# Runs one part of `make check`, prints its counts, its time and the output of
+# failures, and adds the counts to BUILD/check.counts. Parts may run in parallel.
 # usage: ci/part.sh BUILD PART [JOBS]
 set -u
 build=$1 part=$2 jobs=${3-1}
@@ -28,7 +28,7 @@ count() {
     times >"$log.cpu" # the second line: user and system time of children
     cpu=$(sed -n '2s/[ms]/ /gp' "$log.cpu" |
         awk '{ printf "%d", 60 * $1 + $2 + 60 * $3 + $4 + 0.5 }')
-    # one write, so that lines of other parts do not get between
+    # one write, so that the lines of parallel parts do not mix
     shown=$(printf '%-28s %s (%d s, CPU %d s)\n' "$name" "$line" \
         $(($(date +%s) - start)) "$cpu"
         grep '^skipped' "$log"
@@ -47,10 +47,12 @@ one() {
         sh "$@"
 }
 
-# A build of other flags; with the kernels' where nobody waits for it.
+# Builds and tests with other flags; in CI the emulated kernels are built with
+# them too.
 flavour() { count "$part" sh ci/flavour.sh "$build" "$part" "${CI:+yes}"; }
 
-# What needs the tool is skipped where its libraries are not installed.
+# Runs a part that needs the tool; skips it if the tool was not built, as its
+# libraries are not installed.
 with_tool() {
     if [ -x "$tool" ]; then
         count "$@"
@@ -59,7 +61,7 @@ with_tool() {
     fi
 }
 
-# Its errors are lost among its counts of warnings, so it is looked for first.
+# clang-tidy; the part is skipped if clang-tidy is not installed.
 tidy() {
     if command -v clang-tidy >/dev/null; then
         one tidy make BUILD="$build" tidy
@@ -69,7 +71,8 @@ tidy() {
     fi
 }
 
-# Whether it belongs to this tree, and the reference still gives its bits.
+# Checks that the certificate is of this tree and that the reference still gives
+# its bits.
 certificate() {
     if [ -f ci/certificate.json ] && [ -x "$tool" ]; then
         count certificate python3 ci/certificate.py check \

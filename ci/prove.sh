@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Has Gappa bound every rounding error anew and compares each bound with the
-# constant in the code. One row a proof: script, constant, files that have it,
-# which must all say the same. A constant is #defined as a power of two, or as a
-# number of units u = 2^-24 and 2^-53 (@P@ in the script); or it stands on a
-# page as 2^-49 or 4u. Bounds must stay a hundredth below. A row without a
-# script (-) is of a constant for which a page has the proof: it gives the
-# value, too.
+# Lets Gappa prove every rounding error bound again and compares each bound with
+# the constant in the code. Each row is a proof: script, constant, and the files
+# that have the constant, which must all have the same value. A constant is
+# #defined as a power of two or as a number of units u = 2^-24 or 2^-53 (@P@ in
+# the script), or it stands on a page, as 2^-49 or 4u. The proved bound must be
+# at least a hundredth below the constant. A row without a script (-) is for a
+# constant whose proof is on a page; such a row has the value as well.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -38,7 +38,7 @@ command -v gappa >/dev/null || {
     exit 1
 }
 
-# What the file says of a constant: 0x1p-49, or 32 for 32 u, or nothing.
+# Prints the value of a constant in a file: 0x1p-49, or 32 for 32 u, or nothing.
 constant() {
     case $1 in
     2^*) ! grep -qF -- "$1" "$2" || echo "0x1p${1#2^}" ;;
@@ -47,7 +47,8 @@ constant() {
     esac
 }
 
-# What all files say of it; nothing where they differ or one says nothing.
+# Prints the value of a constant in all its files; nothing if they differ or a
+# file lacks it.
 agreed() {
     name=$1 said=
     shift
@@ -59,7 +60,7 @@ agreed() {
     echo "$said"
 }
 
-# The upper end of the one interval that Gappa prints, as a decimal.
+# Prints the upper end of the one interval that Gappa prints, as a decimal.
 bound() {
     sed "s/@P@/$2/g" "spec/proofs/$1.gappa" | gappa 2>&1 |
         sed -n 's/.*in \[.*{\([0-9.e+-]*\), 2^.*/\1/p'
@@ -74,7 +75,7 @@ below() {
 # Proves one row in one precision: script, name, n and e of n·2^e.
 prove() {
     b=$(bound "$1" "${4#-}")
-    # a constant 64 times smaller must not pass, else nothing was compared
+    # the test of this test: a constant 64 times smaller must fail
     if [ -n "$3" ] && [ -n "$b" ] && below "$b" "$3" "$4" &&
         ! below "$b" "$3" $(($4 - 6)); then
         echo "proved $1: $b < $2 = $3 * 2^$4"
@@ -85,7 +86,7 @@ prove() {
     fi
 }
 
-# A row without a script: NAME=VALUE, and what the files agree on.
+# Checks a row without a script: NAME=VALUE against the value in the files.
 compare() {
     if [ "$2" = "${1#*=}" ]; then
         echo "agreed ${1%=*}: $2"

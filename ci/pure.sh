@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Whether a flavour's library is of one piece: the members that were named, one
-# at least of every file of ref/, each by this compiler with these options. The
-# compiler itself has written them into each object (-frecord-gcc-switches).
+# Checks that a flavour's library was built consistently: it has exactly the named
+# members, at least one of each file of ref/, and each was compiled by this
+# compiler with these options, which -frecord-gcc-switches stores in each object.
 # usage: ci/pure.sh LIBRARY COMPILER OPTIONS MEMBER...
 set -eu
 library=$1 compiler=$2 options=$3
@@ -24,7 +24,7 @@ for file in ref/*/*.c; do
     }
 done
 
-# One line a member: its name, and how it was compiled.
+# Prints one line for each member: its name, and how it was compiled.
 readelf -p .GCC.command.line "$library" 2>/dev/null | awk '
     /^File:/ { if (name) print name ": " how; name = $2; how = "" }
     /^ *\[/ { sub(/^[^]]*\]/, ""); how = how $0 " " }
@@ -40,12 +40,12 @@ esac
 wrong=$(grep -vF -- "$by" "$work/how" || true)
 for option in $options; do
     case $option in
-    # of the linker, of warnings, or written in another form
+    # options of the linker, of warnings, or recorded in another form
     -frecord-gcc-switches | -march=native | -g1 | -fno-sanitize-*) continue ;;
     esac
     wrong=$wrong$(grep -vF -- " $option " "$work/how" || true)
 done
-# Options that nobody asked for are other sanitizers or levels.
+# Options that were not given must not add sanitizers or change the level.
 for option in -fsanitize= -O0 -O1 -O2 -O3; do
     case " $options" in
     *" $option"*) ;;

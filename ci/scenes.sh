@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# The demo's scene, or the paper's buddha with 20,000 triangles of cloth, for
-# 120 steps: every step ends without an intersection, and every frame is
-# audited by our predicates and by CGAL, with the same count, 0. Of the buddha
-# CGAL sees every tenth frame, for the time that it takes.
+# Runs the demo's scene, or the paper's buddha with 20,000 triangles of cloth, for
+# 120 steps. Every step must end without an intersection, and our audit and CGAL
+# must both count 0 intersecting pairs in every frame. For the buddha CGAL audits
+# every tenth frame only, as it is slow.
 # usage: ci/scenes.sh BUILD demo|buddha
 set -u
 build=$1
@@ -25,7 +25,7 @@ else
 fi
 . ci/ok.sh
 
-# The last line of an audit of a directory, which counts its pairs.
+# Prints the last line of an audit of a directory, which has the count of pairs.
 ours() { "$build/drape" audit "$1" 2>&1 | tail -n 1; }
 cgal() { "$build/frames" "$@" 2>&1 | tail -n 1; }
 
@@ -38,7 +38,7 @@ ok 'no pair by our predicates' test "$(ours "$out")" = \
 if [ -x "$build/frames" ]; then
     ok 'no pair by CGAL' test "$(cgal "$out" "$every")" = \
         "$out: $seen frames, $none"
-    # Two frames laid into each other: both audits find the same pairs.
+    # Two frames put into one mesh intersect: both audits find the same pairs.
     mkdir -p "$out/two/frames"
     cp "$out/frames/cloth_0060.ply" "$out/two/frames/cloth_0000.ply"
     cp "$out/frames/cloth_0061.ply" "$out/two/obstacles.ply"

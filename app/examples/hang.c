@@ -2,7 +2,8 @@
 /* A square metre of cotton hangs by two corners: the installed library in a
  * program of its own. Built with
  *     cc hang.c $(pkg-config --cflags --libs drape) -o hang
- * Ends with 0 where every step was clean and the cloth hangs as it must. */
+ * Exits with 0 if every step was clean and the cloth hangs at the right height.
+ */
 #include <drape.h>
 #include <stdio.h>
 
@@ -13,7 +14,7 @@ static void hear(void *user, const char *line)
     fprintf(user, "drape: %s\n", line);
 }
 
-/* The lowest y, read where the state lies. */
+/* The lowest y of the cloth, read without a copy. */
 static double lowest(drape_world *world)
 {
     drape_view view;

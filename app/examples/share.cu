@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Shares a world's positions with a kernel of our own, on our own stream and
- * without a copy: the box about the cloth, step by step. `make GPU=yes
- * build/share`. Ends with 0 where every box is that of drape_read. */
+/* Shares a world's positions with a kernel of this program, on its own stream
+ * and without a copy: the kernel finds the cloth's bounding box after each
+ * step. Built by `make GPU=yes build/share`. Exits with 0 if every box equals
+ * the box of drape_read's positions. */
 #include <drape.h>
 #include <math.h>
 #include <stdio.h>
@@ -10,10 +11,10 @@
 enum { SIDE = 101, STEPS = 60, BLOCK = 256 };
 
 struct box {
-    unsigned lo[3], hi[3]; /* in the order of floats */
+    unsigned lo[3], hi[3]; /* floats mapped by rank_of */
 };
 
-/* A float as a whole number of the same order; and back. */
+/* Maps a float to an integer of the same order; real_of maps it back. */
 static __device__ unsigned rank_of(float a)
 {
     union {
@@ -32,7 +33,7 @@ static float real_of(unsigned rank)
     return u.real;
 }
 
-/* Thread k owns vertex k; *box was empty. */
+/* Thread k owns vertex k: extends *box, which is empty before. */
 static __global__ void __launch_bounds__(BLOCK)
     box_kernel(const float (*x)[3], int64_t n, struct box *box)
 {
@@ -43,13 +44,14 @@ static __global__ void __launch_bounds__(BLOCK)
     }
 }
 
-/* Ours: a stream, and a box on the device and one here. */
+/* This program's own stream, box on the device, and box on the host. */
 struct ours {
     cudaStream_t stream;
     struct box *there, here;
 };
 
-/* No wait between the step and the kernel: both are on our stream. */
+/* Runs the kernel after a step. It needs no synchronisation with the step, as
+ * both are on the same stream. */
 static bool measure(struct ours *o, drape_world *world)
 {
     static const struct box empty = {{~0u, ~0u, ~0u}, {0, 0, 0}};
@@ -66,7 +68,7 @@ static bool measure(struct ours *o, drape_world *world)
     return cudaStreamSynchronize(o->stream) == cudaSuccess;
 }
 
-/* Whether our box is that of a copy of the positions. */
+/* Whether the box equals the box of a copy of the positions. */
 static bool agrees(const struct box *box, drape_world *world)
 {
     size_t n = (size_t)drape_vertices(world);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Closest points of two primitives, and what contacts take from them, on the
- * device. spec/contact/proximity.md §1 and §2 */
+/* Closest points of two primitives on the device, and the weights and normal of
+ * a contact. spec/contact/proximity.md §1 and §2 */
 #ifndef GPU_CLOSEST_CUH
 #define GPU_CLOSEST_CUH
 
@@ -10,10 +10,12 @@ extern "C" {
 #include "ref/contact/closest.h"
 }
 
-/* Four points relative to the first, and what is closest so far. */
+/* A search: four points relative to the first, and the nearest candidate so
+ * far.
+ */
 struct closest_pair {
     struct wide y[4];
-    struct closest best; /* length2 < 0: nothing offered yet */
+    struct closest best; /* length2 < 0: no candidate yet */
 };
 
 static __device__ inline void closest_from(const struct wide x[4],
@@ -27,8 +29,8 @@ static __device__ inline void closest_from(const struct wide x[4],
     }
 }
 
-/* The weights become the best if they bring the points closer: the first of
- * a tie stays. */
+/* Keeps the candidate with these weights if its points are nearer than all
+ * before; of a tie the first candidate stays. */
 static __device__ inline void closest_offer(struct closest_pair *p, double c0,
                                             double c1, double c2, double c3)
 {
@@ -54,14 +56,16 @@ static __device__ inline double closest_ratio(double a, double b)
     return a < b ? a / b : 1;
 }
 
-/* Where on the edge from a to b the origin y[0] projects. */
+/* The parameter in [0, 1] of the point on edge a b that is nearest to y[0], the
+ * origin. */
 static __device__ inline double closest_along(struct wide a, struct wide b)
 {
     struct wide d = sub(b, a);
     return closest_ratio(-dot(a, d), dot(d, d));
 }
 
-/* §1.1: the vertex x[0] and the closed triangle x[1] x[2] x[3]. */
+/* §1.1: closest points of vertex x[0] and the closed triangle x[1] x[2] x[3].
+ */
 static __device__ inline struct closest nearest_vf(const struct wide x[4])
 {
     struct closest_pair p;
@@ -84,7 +88,7 @@ static __device__ inline struct closest nearest_vf(const struct wide x[4])
     return p.best;
 }
 
-/* §1.2: the closed segments x[0] x[1] and x[2] x[3]. */
+/* §1.2: closest points of the closed segments x[0] x[1] and x[2] x[3]. */
 static __device__ inline struct closest nearest_ee(const struct wide x[4])
 {
     struct closest_pair p;
@@ -124,7 +128,7 @@ static __device__ inline double closest_quantum(double a)
     return (a + shift) - shift;
 }
 
-/* §2.3: the weights as contacts have them. */
+/* §2.3: the weights c of a contact: rounded, adding to 0 exactly. */
 static __device__ inline void nearest_weights(const struct closest *r, int kind,
                                               real c[4])
 {
@@ -144,7 +148,7 @@ static __device__ inline void nearest_weights(const struct closest *r, int kind,
     c[3] = -(real)t;
 }
 
-/* The triangle's normal, or the cross product of the edges. Unscaled. */
+/* The triangle's normal, or the cross product of the edges, not normalised. */
 static __device__ inline struct wide nearest_normal(const struct wide x[4],
                                                     int kind)
 {
@@ -153,7 +157,8 @@ static __device__ inline struct wide nearest_normal(const struct wide x[4],
     return cross(a, b);
 }
 
-/* a over its length, or the fallback where that is zero or not finite. */
+/* a divided by its length, or the fallback where the length is zero or not
+ * finite. */
 static __device__ inline struct wide unit(struct wide a, struct wide fallback)
 {
     double l = sqrt(dot(a, a));

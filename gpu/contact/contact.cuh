@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Pairs of candidates and their surfaces on the device: ref/contact/contact.h.
- */
+/* Candidates and their surfaces on the device, as in ref/contact/contact.h. */
 #ifndef GPU_CONTACT_CUH
 #define GPU_CONTACT_CUH
 
@@ -10,24 +9,24 @@ extern "C" {
 #include "ref/contact/contact.h"
 }
 
-/* A candidate's vertices, in one load. */
-struct alignas(16) pair_names {
+/* A candidate's vertices, read by one 16-byte load. */
+struct alignas(16) pair_vertices {
     int32_t v[4];
 };
 
 static __device__ inline void load_pair(const int32_t *pair, int64_t k,
                                         int32_t v[4])
 {
-    struct pair_names f = ((const struct pair_names *)pair)[k];
+    struct pair_vertices f = ((const struct pair_vertices *)pair)[k];
     for (int j = 0; j < 4; j++)
         v[j] = f.v[j];
 }
 
-/* Pair `at` of `to` becomes pair k. */
+/* Copies pair k to place `at` of `to`. */
 static __device__ inline void copy_pair(const int32_t *pair, int64_t k,
                                         int32_t *to, int64_t at)
 {
-    ((struct pair_names *)to)[at] = ((const struct pair_names *)pair)[k];
+    ((struct pair_vertices *)to)[at] = ((const struct pair_vertices *)pair)[k];
 }
 
 static __device__ inline bool in_range(const int32_t v[4], int64_t nv)
@@ -46,7 +45,7 @@ static __device__ inline bool any_free(const int32_t v[4], const real *w)
     return free;
 }
 
-/* The larger thickness and friction of the four vertices' surfaces. */
+/* The largest thickness and the largest friction of the four vertices. */
 static __device__ inline struct surface surface_of(const struct skin *s,
                                                    const int32_t v[4])
 {
@@ -59,8 +58,8 @@ static __device__ inline struct surface surface_of(const struct skin *s,
     return r;
 }
 
-/* ((c0 a0 + c1 a1) + c2 a2) + c3 a3. */
-static __device__ inline vec weigh(const struct contact *c, const vec *a)
+/* The weighted sum Σ c a in this order: ((c0 a0 + c1 a1) + c2 a2) + c3 a3. */
+static __device__ inline vec pair_sum(const struct contact *c, const vec *a)
 {
     vec r = scale(c->c[0], a[c->v[0]]);
     for (int j = 1; j < 4; j++)

@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Mass-splitting projected Jacobi: all passes of a call in one kernel.
+/* Projected Jacobi with mass splitting: all passes of a call are one kernel.
  * spec/contact/contacts.md */
 #include "gpu/base/crowd.cuh"
 #include "gpu/contact/contacts.cuh"
 #include "gpu/contact/incidence.cuh"
 
-/* Up to so many contacts a rank are a team's, whose barriers are short; more,
- * all the device's. TEAM_BLOCK: the threads of a block. */
+/* Below RANK_CONTACTS contacts a block of a thread-block cluster (team), one
+ * cluster solves them, as its barriers are cheap; above, a cooperative launch
+ * uses the whole device (crowd). TEAM_BLOCK: threads of a block. */
 #ifdef __CUDACC__
 enum { RANK_CONTACTS = 2048, TEAM_BLOCK = 1024 };
 #else
 enum { RANK_CONTACTS = 10, TEAM_BLOCK = 64 };
 #endif
 
-/* A pass, and a barrier after it. */
+/* Runs ACT for n items and then synchronises all threads. */
 template <bool CROWD, void ACT(const struct mass_splitting &, int64_t)>
 static __device__ void pass(const struct mass_splitting &m, int64_t n)
 {
@@ -27,8 +28,9 @@ static __device__ real momentum(int age)
     return (real)age / ((real)age + 3);
 }
 
-/* §3. What the first pass writes to `over` all read behind its barrier, before
- * the last one's. */
+/* §3: the normal part. The first pass of an iteration writes `over`; all
+ * threads read it after the barrier of that pass, and the next write to it
+ * comes after the barrier of the last pass. */
 template <bool CROWD>
 static __device__ void solve_normal(struct mass_splitting &m, int64_t n,
                                     int64_t touched)
@@ -43,7 +45,7 @@ static __device__ void solve_normal(struct mass_splitting &m, int64_t n,
         m.s.keep = t + 1 < m.s.iterations ? momentum(age) : R(0.0);
         if (over) {
             m.s.keep /= beta;
-            pass<CROWD, go_back>(m, n);
+            pass<CROWD, shrink_lookahead>(m, n);
         } else
             pass<CROWD, push_normal>(m, n);
         EACH_OF_TEAM(k, touched)
@@ -59,7 +61,7 @@ static __global__ void __launch_bounds__(TEAM_BLOCK)
     int64_t n = words[INCIDENCE_BAD] ? 0 : m.s.n;
     int64_t touched = words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
     m.s.keep = 0;
-    pass<CROWD, stay>(m, touched);
+    pass<CROWD, first_parts>(m, touched);
     pass<CROWD, begin>(m, n);
     solve_normal<CROWD>(m, n, touched);
     pass<CROWD, find_friction>(m, n);
@@ -67,7 +69,7 @@ static __global__ void __launch_bounds__(TEAM_BLOCK)
         pass<CROWD, push_tangent>(m, n);
         pass<CROWD, apply_tangent>(m, touched);
     }
-    pass<CROWD, end>(m, n);
+    pass<CROWD, find_total>(m, n);
     pass<CROWD, apply_all>(m, touched);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Mass splitting: what one thread does of a contact, or of a vertex.
+/* Mass splitting: the work of one thread for one contact or for one vertex.
  * spec/contact/contacts.md */
 #ifndef GPU_CONTACTS_CUH
 #define GPU_CONTACTS_CUH
@@ -10,28 +10,29 @@ extern "C" {
 #include "ref/contact/contacts.h"
 }
 
-/* What contact k pushes vertex j by stands at slot[4 k + j] of `pushed`, where
- * all pushes of a vertex lie side by side: one reads them without a look at the
- * contacts. */
+/* The push of contact k on its vertex j is stored at index slot[4 k + j] of
+ * `pushed`. All pushes of a vertex lie side by side there, so a vertex sums
+ * them without reading the contacts. */
 struct alignas(4 * sizeof(real)) pushed {
-    vec push; /* c times it, N·s */
+    vec push; /* N·s, c times the contact's push */
     real none;
 };
 
 struct mass_splitting {
     struct contacts s;
-    const int32_t *slot;   /* [4 n] -1: it pushes nothing */
+    const int32_t *slot;   /* [4 n] -1: the item does not count */
     struct pushed *pushed; /* [4 n] */
     int64_t *over;         /* 1 + the last iteration of §3 that was void */
 };
 
-/* ---- §1 What takes part ---- */
+/* §1: waking */
 
-/* Of contacts, beside enum waking: what it pushed is not 0. */
+/* State of an awake contact, beside enum waking: its last push is not 0. */
 enum { PUSHED = AWAKE + 1 };
 
-/* Threads that wake the same one write the same; who reads it meanwhile finds
- * nothing to do in either case. */
+/* Wakes contact k and its vertices. Threads that wake the same contact write
+ * the same values. A thread that reads the state meanwhile finds no work in
+ * either state. */
 static __device__ void wake(const struct contacts &s, int64_t k)
 {
     const struct contact *c = &s.contact[k];
@@ -51,23 +52,23 @@ static __device__ void spread(const struct contacts &s, int32_t i)
             wake(s, s.item[j] / 4);
 }
 
-/* ---- What a thread does of contact k ---- */
+/* Work of a thread for contact k */
 
 static __device__ vec total(const struct contact *c)
 {
     return axpy(c->tangent, c->impulse, c->n);
 }
 
-/* §3: into how many parts vertex i is split, if anything acts on it. */
+/* §3: the number d of parts of vertex i, given the contacts that act on it. */
 static __device__ int32_t split(const struct contacts &s, int32_t i)
 {
     int32_t acting = s.acting[i], d = s.parts[i];
     if (s.keep == 0 || (d > 0 && d < acting))
         return acting;
-    return d == 0 ? acting + 1 : d; /* one may join */
+    return d == 0 ? acting + 1 : d; /* a further contact may begin to act */
 }
 
-/* §2: the mass that a contact moves when its vertices are split. */
+/* §2: the mass that contact c feels: 1/a, of its vertices' parts. */
 static __device__ real effective_mass(const struct contacts &s,
                                       const struct contact *c)
 {
@@ -84,8 +85,8 @@ static __device__ real effective_mass(const struct contacts &s,
     return sum > 0 ? 1 / sum : 0;
 }
 
-/* §3: it acts, so it counts for each of its vertices. True: that makes the
- * iteration void. */
+/* §3: counts contact k, which acts, for each of its vertices. True: the counts
+ * make the iteration void. */
 static __device__ bool count(const struct mass_splitting &m, int64_t k,
                              real beta)
 {
@@ -111,7 +112,7 @@ static __device__ void give(const struct mass_splitting &m, int64_t k, vec push)
     m.s.awake[k] = PUSHED;
 }
 
-/* Whether it acts; if not, it pushes nothing from here on. */
+/* Whether contact k acts; if it does not, its pushes are set to 0. */
 static __device__ bool acts(const struct mass_splitting &m, int64_t k)
 {
     if (!m.s.awake[k] || m.s.lack[k] != 0 ||
@@ -124,15 +125,15 @@ static __device__ bool acts(const struct mass_splitting &m, int64_t k)
     return false;
 }
 
-/* §3. Of its vertices' u. */
+/* §3: lack of contact k at its vertices' u. */
 static __device__ real lack_of(const struct contacts &s, int64_t k)
 {
     const struct contact *c = &s.contact[k];
-    real lack = c->target - dot(c->n, weigh(c, s.u));
+    real lack = c->target - dot(c->n, pair_sum(c, s.u));
     return lack > 0 || s.ahead[k] > 0 ? lack : R(0.0);
 }
 
-/* Writes what it pushed before, ahead[k] and lack[k]. */
+/* Writes before[k], ahead[k] and lack[k]. */
 static __device__ void begin(const struct mass_splitting &m, int64_t k)
 {
     const struct contacts &s = m.s;
@@ -149,8 +150,8 @@ static __device__ void begin(const struct mass_splitting &m, int64_t k)
         wake(s, k);
 }
 
-/* §3, of iteration t. Reads u and d of its vertices, writes lack[k], adds to
- * what acts on them. */
+/* §3: iteration t. Reads u and d of its vertices, writes lack[k], and adds the
+ * contact to the acting counts of its vertices. */
 static __device__ void find_lack(const struct mass_splitting &m, int64_t k,
                                  int t, real beta)
 {
@@ -158,18 +159,19 @@ static __device__ void find_lack(const struct mass_splitting &m, int64_t k,
         return;
     m.s.lack[k] = lack_of(m.s, k);
     if (m.s.lack[k] != 0 && count(m, k, beta))
-        *m.over = t + 1; /* whoever finds it writes the same */
+        *m.over = t + 1; /* all threads that write here write the same */
 }
 
-/* §3: to the next y. u follows. */
-static __device__ void go_to(const struct mass_splitting &m, int64_t k, real y)
+/* §3: changes y of contact k, and records the push that takes u along. */
+static __device__ void set_lookahead(const struct mass_splitting &m, int64_t k,
+                                     real y)
 {
     give(m, k, scale(y - m.s.ahead[k], m.s.contact[k].n));
     m.s.ahead[k] = y;
 }
 
-/* §3. Reads what splits its vertices, writes its impulse, where it goes and
- * what it pushes for that. */
+/* §3: the normal part of one iteration. Reads d of its vertices; writes its
+ * impulse, y and push. */
 static __device__ void push_normal(const struct mass_splitting &m, int64_t k)
 {
     const struct contacts &s = m.s;
@@ -180,18 +182,20 @@ static __device__ void push_normal(const struct mass_splitting &m, int64_t k)
     if (s.lack[k] != 0)
         now = most(y + effective_mass(s, c) * s.lack[k], R(0.0));
     c->impulse = now;
-    go_to(m, k, most(now + s.keep * (now - was), R(0.0)));
+    set_lookahead(m, k, most(now + s.keep * (now - was), R(0.0)));
 }
 
-/* §3: what a void iteration does instead. */
-static __device__ void go_back(const struct mass_splitting &m, int64_t k)
+/* §3: a void iteration: y is moved back towards λ. */
+static __device__ void shrink_lookahead(const struct mass_splitting &m,
+                                        int64_t k)
 {
     real now = m.s.contact[k].impulse;
     if (acts(m, k))
-        go_to(m, k, now + m.s.keep * (m.s.ahead[k] - now));
+        set_lookahead(m, k, now + m.s.keep * (m.s.ahead[k] - now));
 }
 
-/* §4. Writes lack[k], not 0 if it can have friction, and adds to what acts. */
+/* §4: writes lack[k], not 0 if the contact can have friction, and adds such a
+ * contact to the acting counts of its vertices. */
 static __device__ void find_friction(const struct mass_splitting &m, int64_t k)
 {
     const struct contact *c = &m.s.contact[k];
@@ -203,15 +207,15 @@ static __device__ void find_friction(const struct mass_splitting &m, int64_t k)
     count(m, k, R(0.0));
 }
 
-/* §4. Reads u of its vertices and what splits them, writes what it pushes and
- * its tangent, within the cone. */
+/* §4: the tangential part of one iteration. Reads u and d of its vertices;
+ * writes its push and its tangent, within the friction cone. */
 static __device__ void push_tangent(const struct mass_splitting &m, int64_t k)
 {
     const struct contacts &s = m.s;
     if (!acts(m, k))
         return;
     struct contact *c = &s.contact[k];
-    vec u = weigh(c, s.u);
+    vec u = pair_sum(c, s.u);
     u = axpy(u, -dot(c->n, u), c->n);
     vec next = axpy(c->tangent, -effective_mass(s, c), u);
     real limit = c->friction * c->impulse, l = length(next);
@@ -222,17 +226,17 @@ static __device__ void push_tangent(const struct mass_splitting &m, int64_t k)
     give(m, k, push);
 }
 
-/* It pushes all that this call gave. */
-static __device__ void end(const struct mass_splitting &m, int64_t k)
+/* §4: the push of this whole call, for v. */
+static __device__ void find_total(const struct mass_splitting &m, int64_t k)
 {
     if (m.s.awake[k])
         give(m, k, sub(total(&m.s.contact[k]), m.s.before[k]));
 }
 
-/* ---- What a thread does of vertex[k] ---- */
+/* Work of a thread for vertex[k] */
 
-/* §3: where nothing acts yet; a single contact is never more. */
-static __device__ void stay(const struct mass_splitting &m, int64_t k)
+/* §3: the first d: 0, as no contact acts yet; 1 for a vertex of one contact. */
+static __device__ void first_parts(const struct mass_splitting &m, int64_t k)
 {
     int32_t i = m.s.vertex[k];
     m.s.moved[k] = 0;
@@ -240,7 +244,7 @@ static __device__ void stay(const struct mass_splitting &m, int64_t k)
     m.s.parts[i] = m.s.start[i + 1] - m.s.start[i] == 1;
 }
 
-/* Adds w Σ c push to u or v. False: nothing pushes it. */
+/* Adds w Σ c push to velocities u. False: the vertex is not pushed. */
 static __device__ bool apply(const struct mass_splitting &m, vec *u, int64_t k)
 {
     int32_t i = m.s.vertex[k];
@@ -261,7 +265,8 @@ static __device__ bool apply(const struct mass_splitting &m, vec *u, int64_t k)
     return any;
 }
 
-/* Leaves nothing that acts, for the next iteration. */
+/* §3: moves the vertex; keeps the new d unless the iteration was void; clears
+ * the acting count for the next iteration. */
 static __device__ void apply_normal(const struct mass_splitting &m, int64_t k,
                                     bool over)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Selects the candidates that touch. spec/contact/impacts.md */
+/* Selects the candidates that touch and that a response can part.
+ * spec/contact/impacts.md */
 #include "gpu/base/place.cuh"
 #include "gpu/contact/contact.cuh"
 
@@ -8,21 +9,21 @@ extern "C" {
 #include "ref/narrow/narrow.h"
 }
 
-/* What at[k] says of candidate k; ASKED: whether it touches at the start is
- * narrow's to say. */
-enum { HIT = 0, MISS = -1, ASKED = -2 };
-enum { BAD, HITS, LED, ASKS, WORDS };
+/* Values of at[k] for candidate k. RETEST: it has toi 0, and the narrow phase
+ * has to tell whether it touches at the start. */
+enum { HIT = 0, MISS = -1, RETEST = -2 };
+enum { BAD, HITS, LED, RETESTS, WORDS };
 
-/* The candidates that narrow is asked about, with x0 as start and end. */
-struct asked {
+/* The candidates that the narrow phase tests with x0 as start and end. */
+struct retest {
     int32_t *pair; /* [n][4] */
-    int32_t *item; /* [n] which candidate */
+    int32_t *item; /* [n] index of the candidate */
     uint32_t *toi; /* [n] */
     uint8_t *kind, *tier;
 };
 
-/* §1. Thread k owns candidate k: reads toi[k], and where it touches its
- * vertices' w; writes at[k]. */
+/* §1. Thread k owns candidate k: reads toi[k], and w of its vertices if it
+ * touches; writes at[k]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     impacts_decide_kernel(struct impacts s, int64_t *words)
 {
@@ -37,13 +38,13 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (s.toi[k] != NARROW_MISS) {
         bool free = any_free(v, s.w);
         bool later = s.toi[k] > 0;
-        at = !free ? MISS : later ? HIT : ASKED;
-        count_up(&words[!free ? LED : later ? HITS : ASKS], 1);
+        at = !free ? MISS : later ? HIT : RETEST;
+        count_up(&words[!free ? LED : later ? HITS : RETESTS], 1);
     }
     s.at[k] = at;
 }
 
-/* A block owns PLACE_BLOCK candidates: how many are `want`. */
+/* A block owns PLACE_BLOCK candidates: counts those with at = want. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     impacts_count_kernel(struct impacts s, int32_t want, int64_t *first)
 {
@@ -54,13 +55,14 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
         first[blockIdx.x] = count;
 }
 
-/* A block owns PLACE_BLOCK candidates: those asked about go to its part of a.
- */
+/* A block owns PLACE_BLOCK candidates: copies those with at = RETEST to its
+ * part of a. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
-    impacts_ask_kernel(struct impacts s, const int64_t *first, struct asked a)
+    impacts_gather_kernel(struct impacts s, const int64_t *first,
+                          struct retest a)
 {
     int64_t k = place_item();
-    bool asks = k < s.n && s.at[k] == ASKED;
+    bool asks = k < s.n && s.at[k] == RETEST;
     int count;
     int64_t at = block_place(asks, &count) + first[blockIdx.x];
     if (!asks)
@@ -70,9 +72,9 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
     a.kind[at] = s.kind[k];
 }
 
-/* Thread k owns the k-th of n asked about. */
+/* Thread k owns item k of a: writes the answer to at of its candidate. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    impacts_answer_kernel(struct impacts s, int64_t n, struct asked a,
+    impacts_answer_kernel(struct impacts s, int64_t n, struct retest a,
                           int64_t *words)
 {
     ITEM(k, n);
@@ -82,7 +84,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         count_up(&words[HITS], 1);
 }
 
-/* A block owns PLACE_BLOCK candidates: its hits go to their place. */
+/* A block owns PLACE_BLOCK candidates: copies its hits to their places. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     impacts_emit_kernel(struct impacts s, const int64_t *first)
 {
@@ -97,7 +99,7 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
     s.hit_toi[at] = s.toi[k];
 }
 
-/* Where each block's candidates that are `want` go. */
+/* For each block, the place of its first candidate with at = want. */
 static int64_t *place(struct gpu *g, const struct impacts *s, int32_t want)
 {
     int64_t blocks = place_blocks(s->n);
@@ -109,21 +111,21 @@ static int64_t *place(struct gpu *g, const struct impacts *s, int32_t want)
     return first;
 }
 
-/* Asks narrow about n candidates that seem to touch at the start. */
-static int ask(struct gpu *g, struct impacts *s, int64_t n)
+/* Tests n candidates with toi 0: does the pair touch at the start? */
+static int retest_start(struct gpu *g, struct impacts *s, int64_t n)
 {
-    struct asked a;
-    /* narrow has the slots before */
-    int32_t *room = (int32_t *)gpu_scratch(g, SLOT_STAGE + 2, 26 * n, 1);
-    if (!room)
+    struct retest a;
+    /* the narrow phase uses the scratch slots before this one */
+    int32_t *memory = (int32_t *)gpu_scratch(g, SLOT_STAGE + 2, 26 * n, 1);
+    if (!memory)
         return gpu_status(g);
-    a.pair = room;
-    a.item = room + 4 * n;
-    a.toi = (uint32_t *)(room + 5 * n);
-    a.kind = (uint8_t *)(room + 6 * n);
+    a.pair = memory;
+    a.item = memory + 4 * n;
+    a.toi = (uint32_t *)(memory + 5 * n);
+    a.kind = (uint8_t *)(memory + 6 * n);
     a.tier = a.kind + n;
-    int64_t *first = place(g, s, ASKED);
-    LAUNCH_BLOCKS(g, place_blocks(s->n), PLACE_BLOCK, impacts_ask_kernel, *s,
+    int64_t *first = place(g, s, RETEST);
+    LAUNCH_BLOCKS(g, place_blocks(s->n), PLACE_BLOCK, impacts_gather_kernel, *s,
                   first, a);
     struct narrow m = {.n = n,
                        .pair = a.pair,
@@ -149,13 +151,13 @@ int gpu_impacts(struct gpu *g, struct impacts *s)
     const int64_t *seen = gpu_read_words(g, WORDS);
     if (seen[BAD])
         return DRAPE_EARG;
-    int64_t asks = seen[ASKS];
+    int64_t asks = seen[RETESTS];
     int status = gpu_status(g);
     s->found = seen[HITS];
     s->led = seen[LED];
     s->started = 0;
     if (asks && status == DRAPE_OK)
-        status = ask(g, s, asks);
+        status = retest_start(g, s, asks);
     if (status == DRAPE_OK && s->found > s->cap)
         return DRAPE_EFULL;
     if (!s->found || status != DRAPE_OK)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What an impact asks of the velocities. spec/contact/impulses.md */
+/* Makes a contact of each new impact and merges it into the active set.
+ * spec/contact/impulses.md */
 #include "gpu/base/last.cuh"
 #include "gpu/base/place.cuh"
 #include "gpu/base/scan.cuh"
@@ -10,17 +11,17 @@ extern "C" {
 #include "ref/contact/impulses.h"
 }
 
-/* TICKET: for ends_last. */
+/* Words of the device. TICKET: counts blocks for ends_last. */
 enum { BAD, FOUND, TICKET, WORDS };
 
-/* ---- §1 Identity ---- */
+/* §1: keys */
 
 static __device__ uint64_t join(int32_t a, int32_t b)
 {
     return (uint64_t)(uint32_t)a << 32 | (uint32_t)b;
 }
 
-/* The same key for the same pair, however its vertices are ordered. */
+/* The key of a pair, the same in whatever order its vertices are named. */
 static __device__ struct key identity(const int32_t v[4], int64_t kind,
                                       int64_t item)
 {
@@ -37,7 +38,7 @@ static __device__ struct key identity(const int32_t v[4], int64_t kind,
     return r;
 }
 
-/* Thread k owns key k: of active[k], or of an impact behind these. */
+/* Thread k owns key k: of active contact k, or of impact k - n_active. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     impulses_key_kernel(struct impulses s, int64_t *words)
 {
@@ -55,11 +56,11 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.key[k] = identity(v, s.kind[j], k);
 }
 
-/* ---- §2 Geometry ---- */
+/* §2: geometry */
 
 struct impact {
-    struct wide x[4];    /* m, at the time of impact */
-    struct wide from[4]; /* m, at the start, relative to the first */
+    struct wide x[4];    /* m, at the impact, relative to x0[v[0]] */
+    struct wide from[4]; /* m, at the start, likewise */
     struct wide way[4];  /* m, displacement over the step */
 };
 
@@ -75,7 +76,8 @@ static __device__ void place(const struct impulses *s, const int32_t v[4],
     }
 }
 
-static __device__ struct wide blend(const double c[4], const struct wide a[4])
+static __device__ struct wide weighted_sum(const double c[4],
+                                           const struct wide a[4])
 {
     struct wide r = scale(c[0], a[0]);
     for (int k = 1; k < 4; k++)
@@ -83,12 +85,12 @@ static __device__ struct wide blend(const double c[4], const struct wide a[4])
     return r;
 }
 
-/* §2.2: against the approach, and along it where the primitives' own normal
- * cannot oppose it. */
+/* §2.2: the primitives' own normal, with the sign that opposes the approach; or
+ * opposite to the approach where that normal is almost across it. */
 static __device__ struct wide normal_of(const struct impact *m, int kind,
                                         const double c[4])
 {
-    struct wide way = blend(c, m->way), from = blend(c, m->from);
+    struct wide way = weighted_sum(c, m->way), from = weighted_sum(c, m->from);
     struct wide back = unit(scale(-1, way), unit(from, wide3(1, 0, 0)));
     struct wide n = unit(nearest_normal(m->x, kind), back);
     double closing = dot(n, way);
@@ -113,7 +115,7 @@ static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
     c.kind = kind;
     nearest_weights(&r, kind, c.c);
     c.n = narrowed(n);
-    c.gap = (real)dot(n, blend(r.c, m.from));
+    c.gap = (real)dot(n, weighted_sum(r.c, m.from));
     c.target = (s->margin * skin.thickness - c.gap) / s->dt;
     c.friction = skin.friction;
     c.held = 0;
@@ -122,17 +124,15 @@ static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
     return c;
 }
 
-/* ---- §3 The active set ---- */
-
-/* The newest of each identity stays: it comes last among its equals. */
+/* §1: of equal keys the newest, which is the last, stays. */
 static __device__ bool stays(const struct key *key, int64_t n, int64_t k)
 {
     return k < n && (k + 1 == n || key[k].hi != key[k + 1].hi ||
                      key[k].lo != key[k + 1].lo);
 }
 
-/* A block owns PLACE_BLOCK sorted keys: how many of them stay; the one that
- * ends last, where those of each begin. */
+/* A block owns PLACE_BLOCK sorted keys: counts those that stay. The block that
+ * ends last scans the counts into the place of each block's first contact. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     impulses_count_kernel(const struct key *key, int64_t n, int64_t *first,
                           int64_t *words)
@@ -147,8 +147,8 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
         scan_blocks(first, (int64_t)gridDim.x);
 }
 
-/* A block owns PLACE_BLOCK sorted keys: the contacts of those that stay go to
- * their place. */
+/* A block owns PLACE_BLOCK sorted keys: writes the contacts of those that stay
+ * to their places. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     impulses_emit_kernel(struct impulses s, const struct key *key,
                          const int64_t *first)

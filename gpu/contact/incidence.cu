@@ -1,15 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contacts by vertex: counted by atomics, each item then put where as many of
- * its vertex are lower, so that no order of threads shows. */
+/* Lists the contacts of each free vertex. Items are counted by atomics, in any
+ * order; each item is then placed by the number of smaller items of its vertex,
+ * so the result does not depend on the order of threads.
+ * spec/contact/contacts.md §1 */
 #include "gpu/contact/incidence.cuh"
 
-/* Scratch. A vertex's word is its items, and 2^32 if it has any: one scan
- * gives where its items begin and how many vertices before it have some. */
+/* Scratch. A vertex's word is its number of items, plus 2^32 if that is not 0.
+ * One scan of the words then gives, for each vertex, the place of its first
+ * item (low half) and the number of vertices in contact before it (high half).
+ */
 struct lists {
     int64_t *word; /* [nv + 1] */
-    int32_t *rank; /* [4 n] of an item among its vertex's, in any order; at
-                      last its place */
-    int32_t *any;  /* [4 n] items by vertex, in that order */
+    int32_t *rank; /* [4 n] rank of an item within its vertex, in any order;
+                      at the end its place in the lists */
+    int32_t *any;  /* [4 n] items by vertex, in the order of rank */
 };
 
 static __device__ bool pushes(const struct incidence *s, int64_t item,
@@ -20,7 +24,8 @@ static __device__ bool pushes(const struct incidence *s, int64_t item,
     return c->c[item % 4] != 0 && s->w[*vertex] > 0;
 }
 
-/* Thread k owns item k: writes rank[k]; its vertex's word by atomics. */
+/* Thread k owns item k: writes rank[k], and adds to its vertex's word by
+ * atomics. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     incidence_count_kernel(struct incidence s, struct lists l, int64_t *words)
 {
@@ -41,8 +46,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     l.rank[k] = rank;
 }
 
-/* Thread i owns vertex i of nv + 1: reads its word and the next, writes
- * start[i] and its place in vertex. */
+/* Thread i owns vertex i of nv + 1: reads its word and the next word; writes
+ * start[i], and i into `vertex` if it is in contact. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     incidence_start_kernel(struct incidence s, struct lists l, int64_t *words)
 {
@@ -55,7 +60,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         s.vertex[word >> 32] = (int32_t)i;
 }
 
-/* Thread k owns item k: writes it among its vertex's. */
+/* Thread k owns item k: writes it to its vertex's list, ordered by rank. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     incidence_place_kernel(struct incidence s, struct lists l,
                            const int64_t *words)
@@ -66,8 +71,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         l.any[s.start[i] + l.rank[k]] = (int32_t)k;
 }
 
-/* Thread k owns place k of all lists: its item goes behind the lower ones of
- * its vertex. */
+/* Thread k owns place k of all lists: moves its item behind the smaller items
+ * of its vertex. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     incidence_order_kernel(struct incidence s, struct lists l,
                            const int64_t *words)

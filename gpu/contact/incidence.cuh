@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which contacts each free vertex is in, on the device.
+/* The contacts of each free vertex, on the device.
  * spec/contact/contacts.md §1 */
 #ifndef GPU_INCIDENCE_CUH
 #define GPU_INCIDENCE_CUH
@@ -11,18 +11,19 @@ extern "C" {
 #include "ref/contact/penalty.h"
 }
 
-/* Words that gpu_incidence writes: whether a contact names no vertex, and
- * then nothing else is valid; free vertices in contact. */
+/* Words that gpu_incidence writes. BAD: not 0 if a contact has a bad vertex;
+ * the rest is then undefined. VERTICES: the number of free vertices in contact.
+ */
 enum { INCIDENCE_BAD, INCIDENCE_VERTICES, INCIDENCE_WORDS };
 
-/* As ref_incidence, but `vertices` goes
- * to words, which are zero before. Uses scratch slots 0 to 2. Returns where
- * each item [4 n] is in the lists, -1: it is not, in slot 1. */
+/* As ref_incidence, but `vertices` goes to `words`, which must be zero before.
+ * Uses scratch slots 0 to 2. Returns the place of each item in the lists, [4 n]
+ * in slot 1; -1: the item is in no list. */
 int32_t *gpu_incidence(struct gpu *g, const struct incidence *s,
                        int64_t *words);
 
-/* gpu_penalty, but what gpu_incidence writes stays in words; where a contact
- * is bad, force and hold are 0. */
+/* As gpu_penalty, but without reading back: the words of gpu_incidence stay on
+ * the device. If a contact is bad, force and hold are 0. */
 struct penalty;
 int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words);
 

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Who is in which zone. spec/contact/zones.md §1 */
+/* Finds the connected components of the pairs, and lists the members of each
+ * zone. spec/contact/zones.md §1 */
 #include "gpu/contact/members.cuh"
 
 #include "gpu/base/place.cuh"
 #include "gpu/contact/contact.cuh"
 
-/* Thread k owns corner k of the pairs: its vertex is its own label. */
+/* Thread k owns corner k of the pairs: sets its vertex's label to the vertex
+ * itself. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     zones_label_kernel(struct zones s, int64_t *words)
 {
@@ -17,9 +19,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         s.label[i] = i;
 }
 
-/* The least vertex that labels lead to from i. Others lower them meanwhile,
- * along the same chains; each label passed is set to its own label's, so that
- * chains stay short: whoever sets it, it leads to the same end. */
+/* The root of vertex i: the end of its chain of labels. Other threads lower
+ * labels meanwhile, along the same chains. Each label on the way is replaced by
+ * its label's label (path halving), which keeps chains short and their roots
+ * the same, whichever thread does it. */
 static __device__ int32_t root_of(volatile int32_t *label, int32_t i)
 {
     int32_t at = label[i];
@@ -31,8 +34,8 @@ static __device__ int32_t root_of(volatile int32_t *label, int32_t i)
     return at;
 }
 
-/* Makes the chains of a and b one: the larger root takes the smaller one as
- * its label, if it is a root still. */
+/* Joins the components of a and b: the larger root gets the smaller root as its
+ * label, by compare and swap, if it is still a root. */
 static __device__ void unite(int32_t *label, int32_t a, int32_t b)
 {
     a = root_of(label, a);
@@ -47,8 +50,9 @@ static __device__ void unite(int32_t *label, int32_t a, int32_t b)
     }
 }
 
-/* Thread k owns pair k: its free vertices become one component. Labels only
- * fall, and the root left to a component is its least vertex. */
+/* Thread k owns pair k: joins its free vertices into one component. Labels only
+ * decrease, so the root that is left is the smallest vertex of the component.
+ */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     zones_unite_kernel(struct zones s, const int64_t *words)
 {
@@ -68,8 +72,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     }
 }
 
-/* Thread k owns corner k: writes its member's key, above all others where its
- * pair is of no zone. */
+/* Thread k owns corner k: writes its member's key, or a key above all others if
+ * its pair has no zone. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     zones_key_kernel(struct zones s, const int64_t *words)
 {
@@ -86,9 +90,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.key[k] = key;
 }
 
-/* ---- Members, zones and free vertices, each in order ---- */
+/* Members, zones and free vertices, each in order */
 
-/* What sorted key k begins. */
+/* Whether a sorted key is the first of a member, of a zone, of a free member.
+ */
 struct begins {
     bool member, zone, free;
 };
@@ -106,8 +111,9 @@ static __device__ struct begins begins_at(const struct zones *s,
     return b;
 }
 
-/* A block owns PLACE_BLOCK sorted keys: counts what they begin in `first`,
- * three streams one after the other, of gridDim.x each. */
+/* A block owns PLACE_BLOCK sorted keys: counts the members, zones and free
+ * vertices that begin there. `first` holds three streams of gridDim.x counts.
+ */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     zones_count_kernel(struct zones s, const struct key *key, int64_t *first,
                        int64_t *words)
@@ -127,7 +133,8 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
     count_up(&words[MEMBERS_FREE], free);
 }
 
-/* A block owns PLACE_BLOCK sorted keys: writes what they begin to its place. */
+/* A block owns PLACE_BLOCK sorted keys: writes the members, zones and free
+ * vertices that begin there to their places. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     zones_emit_kernel(struct zones s, const struct key *key, struct key *member,
                       const int64_t *first, const int64_t *words)

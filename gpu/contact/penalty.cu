@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contacts as the implicit system feels them. spec/contact/penalty.md */
+/* Turns contacts into forces and matrix blocks of the implicit solve.
+ * spec/contact/penalty.md */
 #include "gpu/contact/incidence.cuh"
 
-/* What an item adds to its vertex is PARTS numbers: PUSHES of force, then those
- * of hold. GROUP vertices are a block's, a thread a part of each; GROUPS: the
- * most blocks. */
+/* An item adds PARTS numbers to its vertex: PUSHES of force, then those of
+ * hold. In the gather a block owns GROUP vertices at a time, a thread one
+ * number of a vertex. GROUPS: the largest number of blocks. */
 enum { PUSHES = 3, PARTS = 9, GROUP = 32, GROUP_BLOCK = PARTS * GROUP };
 enum { GROUPS = 1024 };
 
-/* §3: the weight of the side that vertex j of a contact is on. */
+/* §3: w_i of vertex j: the smallest inverse mass of its side's free vertices.
+ */
 static __device__ real side_of(const struct penalty *s, const struct contact *c,
                                int j)
 {
@@ -23,25 +25,26 @@ static __device__ real side_of(const struct penalty *s, const struct contact *c,
     return least;
 }
 
-/* §1: what the spring of a contact pushes with at velocities u, N·s. */
-static __device__ real spring(const struct penalty *s, const struct contact *c,
-                              const vec *u)
+/* §1: the impulse p of the contact's spring at velocities u, N·s. */
+static __device__ real spring_impulse(const struct penalty *s,
+                                      const struct contact *c, const vec *u)
 {
     real give = s->stiffness * s->dt * s->tau;
-    return give * (c->target - dot(c->n, weigh(c, u)));
+    return give * (c->target - dot(c->n, pair_sum(c, u)));
 }
 
-/* §3: contact c's part for its vertex j, of all its parts' sum. */
+/* §3: S/w_j·|c_j|, the factor of contact c in the hold of its vertex j; share
+ * is S. */
 static __device__ real part_of(const struct penalty *s, const struct contact *c,
                                real share, int j)
 {
     return share / side_of(s, c, j) * magnitude(c->c[j]);
 }
 
-/* §1: of what its vertices took up along n, contact c's part by the holds that
- * they had in the turn before, N·s. */
-static __device__ real gave(const struct penalty *s, const struct contact *c,
-                            real share)
+/* §1.2: the impulse along n that contact c has given so far: its part of g,
+ * shared by the holds of the turn before, N·s. */
+static __device__ real given_impulse(const struct penalty *s,
+                                     const struct contact *c, real share)
 {
     real push = 0, all = 0;
     for (int j = 0; j < 4 && c->held; j++) {
@@ -56,10 +59,10 @@ static __device__ real gave(const struct penalty *s, const struct contact *c,
     return all > 0 ? most(push / all, R(0.0)) : R(0.0);
 }
 
-/* §1. Thread i owns vertex i: writes guess[i], and brake[i] as without
- * contacts. */
+/* §1.1. Thread i owns vertex i: writes guess[i], and brake[i] as for a vertex
+ * without contacts. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_let_go_kernel(struct penalty s)
+    penalty_guess_kernel(struct penalty s)
 {
     ITEM(i, s.nv);
     real w = s.w[i] * (s.tau / s.dt);
@@ -70,7 +73,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 /* §1. Thread k owns contact k: reads guess, u, g and hold of its vertices,
  * writes share[k], gave[k] and whether it is held. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_press_kernel(struct penalty s, const int64_t *words)
+    penalty_select_kernel(struct penalty s, const int64_t *words)
 {
     ITEM(k, s.n);
     if (words[INCIDENCE_BAD])
@@ -80,19 +83,19 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     for (int j = 0; j < 4; j++)
         if (s.w[c->v[j]] > 0)
             share += magnitude(c->c[j]) * side_of(&s, c, j);
-    real before = s.first ? R(0.0) : gave(&s, c, share);
+    real before = s.first ? R(0.0) : given_impulse(&s, c, share);
     s.share[k] = share;
     s.gave[k] = before;
-    c->held =
-        spring(&s, c, s.guess) > 0 || spring(&s, c, s.u) > 0 || before > 0;
+    c->held = spring_impulse(&s, c, s.guess) > 0 ||
+              spring_impulse(&s, c, s.u) > 0 || before > 0;
 }
 
-/* §2.1. Thread k owns vertex[k]: writes how many of its items are of held
- * contacts to its brake. */
+/* §2.1. Thread k owns vertex[k]: counts its held contacts and writes the count
+ * to its brake. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_split_kernel(struct penalty s, const int64_t *words)
+    penalty_parts_kernel(struct penalty s, const int64_t *words)
 {
-    enum { AHEAD = 8 }; /* items that are read before the first counts */
+    enum { AHEAD = 8 }; /* items that are loaded before the first is added */
     ITEM(k, s.n4);
     if (words[INCIDENCE_BAD] || k >= words[INCIDENCE_VERTICES])
         return;
@@ -109,20 +112,21 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.brake[i] = (real)parts;
 }
 
-/* §2.1: what a contact's spring ends with where it stops its parts, N·s. */
-static __device__ real stop(const struct penalty *s, const struct contact *c)
+/* §2.1: p', the impulse with which contact c stops its parts alone, N·s. */
+static __device__ real stopping_impulse(const struct penalty *s,
+                                        const struct contact *c)
 {
     real give = 1 / (s->stiffness * s->tau * s->tau);
     for (int j = 0; j < 4; j++)
         give += c->c[j] * c->c[j] * (s->brake[c->v[j]] * s->w[c->v[j]]);
-    real lack = c->target - dot(c->n, weigh(c, s->guess));
+    real lack = c->target - dot(c->n, pair_sum(c, s->guess));
     return most(lack, R(0.0)) * (s->dt / s->tau) / give;
 }
 
-/* §3. Thread k owns place k of all lists: reads its item's contact, writes its
- * parts to part[o·n4 + k], all 0 where the contact is not held. */
+/* §3. Thread k owns place k of all lists: reads its item's contact; writes
+ * number o of the item to part[o·n4 + k], 0 if the contact is not held. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_part_kernel(struct penalty s, real *part, const int64_t *words)
+    penalty_item_kernel(struct penalty s, real *part, const int64_t *words)
 {
     ITEM(k, s.n4);
     if (words[INCIDENCE_BAD] || k >= s.start[s.nv])
@@ -154,9 +158,9 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         part[o * s.n4 + k] = all[o];
 }
 
-/* A part of vertex i, in the order of its items: the sum is never -0, and so
- * changes by no 0. AHEAD are read before the first is added, as a thread has
- * nothing else to wait for. */
+/* Sums one of the PARTS numbers of vertex i, in the order of its items. The sum
+ * is never -0, so adding a 0 does not change its bits. AHEAD items are loaded
+ * before the first is added, so that their latencies overlap. */
 static __device__ real total(const struct penalty *s, const real *part,
                              int32_t i)
 {
@@ -175,7 +179,7 @@ static __device__ real total(const struct penalty *s, const real *part,
     return sum;
 }
 
-/* Vertices in contact, for kernels of blocks. */
+/* The number of vertices in contact; 0 if a contact is bad. */
 static __device__ int64_t vertices(const int64_t *words)
 {
     return words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
@@ -183,20 +187,20 @@ static __device__ int64_t vertices(const int64_t *words)
 
 static __device__ vec across(const struct contact *c, const vec *u)
 {
-    vec v = weigh(c, u);
+    vec v = pair_sum(c, u);
     return axpy(v, -dot(c->n, v), c->n);
 }
 
 /* §2.2. Thread k owns contact k: reads guess and u of its vertices, writes
  * most[k] and more[k]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_load_kernel(struct penalty s, const int64_t *words)
+    penalty_bound_kernel(struct penalty s, const int64_t *words)
 {
     ITEM(k, s.n);
     if (words[INCIDENCE_BAD])
         return;
     const struct contact *c = &s.contact[k];
-    real push = most(stop(&s, c), s.gave[k]);
+    real push = most(stopping_impulse(&s, c), s.gave[k]);
     real limit = c->held ? c->friction * push : R(0.0);
     s.most[k] = limit;
     s.more[k] = limit - c->slide * length(across(c, s.u));
@@ -207,7 +211,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 static __global__ void __launch_bounds__(GPU_BLOCK)
     penalty_brake_kernel(struct penalty s, const int64_t *words)
 {
-    enum { AHEAD = 8 }; /* items that are read before the first counts */
+    enum { AHEAD = 8 }; /* items that are loaded before the first is added */
     ITEM(k, s.n4);
     if (words[INCIDENCE_BAD] || k >= words[INCIDENCE_VERTICES])
         return;
@@ -231,7 +235,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 /* §2.4. Thread k owns contact k: reads brake and u of its vertices, writes its
  * slide, impulse and tangent. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_rub_kernel(struct penalty s, const int64_t *words)
+    penalty_friction_kernel(struct penalty s, const int64_t *words)
 {
     ITEM(k, s.n);
     if (words[INCIDENCE_BAD])
@@ -243,12 +247,13 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         speed -= magnitude(c->c[j]) * s.brake[c->v[j]];
     real slide = s.most[k] / most(speed, s.slip);
     c->slide = slide;
-    c->impulse = c->held ? most(spring(&s, c, s.u), -s.gave[k]) : R(0.0);
+    c->impulse =
+        c->held ? most(spring_impulse(&s, c, s.u), -s.gave[k]) : R(0.0);
     c->tangent = scale(-slide, slip);
 }
 
-/* §3. A thread owns a part of every so-many-th vertex: writes it to force or
- * hold, which are 0 elsewhere. */
+/* §3. A thread owns one of the PARTS numbers of every (gridDim.x · GROUP)-th
+ * vertex in contact: writes its sum to force or hold, which are 0 elsewhere. */
 static __global__ void __launch_bounds__(GROUP_BLOCK)
     penalty_gather_kernel(struct penalty s, const real *part,
                           const int64_t *words)
@@ -279,14 +284,14 @@ int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
     int64_t groups = (touched + GROUP - 1) / GROUP;
     int64_t blocks = groups < GROUPS ? groups : (int64_t)GROUPS;
     gpu_clear(g, s->force, (size_t)s->nv * sizeof *s->force);
-    LAUNCH(g, s->nv, penalty_let_go_kernel, *s);
-    LAUNCH(g, s->n, penalty_press_kernel, *s, words);
+    LAUNCH(g, s->nv, penalty_guess_kernel, *s);
+    LAUNCH(g, s->n, penalty_select_kernel, *s, words);
     gpu_clear(g, s->hold, (size_t)s->nv * sizeof *s->hold);
-    LAUNCH(g, touched, penalty_split_kernel, *s, words);
-    LAUNCH(g, s->n, penalty_load_kernel, *s, words);
+    LAUNCH(g, touched, penalty_parts_kernel, *s, words);
+    LAUNCH(g, s->n, penalty_bound_kernel, *s, words);
     LAUNCH(g, touched, penalty_brake_kernel, *s, words);
-    LAUNCH(g, s->n, penalty_rub_kernel, *s, words);
-    LAUNCH(g, s->n4, penalty_part_kernel, *s, part, words);
+    LAUNCH(g, s->n, penalty_friction_kernel, *s, words);
+    LAUNCH(g, s->n4, penalty_item_kernel, *s, part, words);
     LAUNCH_BLOCKS(g, blocks, GROUP_BLOCK, penalty_gather_kernel, *s, part,
                   words);
     return gpu_status(g);

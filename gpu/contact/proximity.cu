@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Pairs closer than their thickness: 256 candidates a block count, then emit
- * side by side. spec/contact/proximity.md */
+/* Finds the candidates closer than their thickness and makes them contacts: a
+ * first kernel counts, a second one emits. spec/contact/proximity.md */
 #include "gpu/base/last.cuh"
 #include "gpu/base/place.cuh"
 #include "gpu/base/scan.cuh"
@@ -13,7 +13,8 @@ extern "C" {
 
 enum { BAD_PAIR = 1, BAD_PLACE = 2 };
 
-/* What is bad of these, the contacts, and for ends_last. */
+/* Words of the device: the status of bad input, the number of contacts, and the
+ * ticket of ends_last. */
 enum { WORD_BAD, WORD_FOUND, WORD_TICKET, WORDS };
 
 static __device__ struct closest measure(const struct proximity *s, int kind,
@@ -43,7 +44,8 @@ static __device__ bool is_near(const struct proximity *s, int64_t k, int *bad)
     return sqrt(r.length2) < (double)surface_of(&s->skin, v).thickness;
 }
 
-/* §3: along p, or across both where p is lost in rounding. */
+/* §3: the normal: along p, or the primitives' own normal where p is too short
+ * to have a direction. */
 static __device__ struct wide direction(const struct wide x[4], int kind,
                                         const struct closest *r)
 {
@@ -54,7 +56,7 @@ static __device__ struct wide direction(const struct wide x[4], int kind,
     return dot(n, r->p) < 0 ? scale(-1, n) : n;
 }
 
-/* §4 */
+/* §4: the target velocity, which the overlap and the repulsion spring give. */
 static __device__ real push_target(const struct proximity *s,
                                    const struct contact *c, real overlap)
 {
@@ -86,9 +88,10 @@ static __device__ void emit(const struct proximity *s, int64_t k,
     *to = c;
 }
 
-/* Thread k owns candidate k: reads its vertices, writes at[k], its place among
- * the block's contacts or -1; the block's number goes to base, which the block
- * that ends last makes where each begins. §5 */
+/* §5. Thread k owns candidate k: reads its vertices; writes at[k], its place
+ * among the block's contacts, or -1. A block writes its number of contacts to
+ * base; the block that ends last scans base into the place of each block's
+ * first contact. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     near_kernel(struct proximity s, int64_t *base, int64_t *word)
 {
@@ -99,7 +102,7 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
         s.at[k] = keep ? place : -1;
     if (threadIdx.x == 0)
         base[blockIdx.x] = total;
-    __syncthreads(); /* others may be at block_place's words still */
+    __syncthreads(); /* other threads may still read block_place's words */
     if (!ends_last((unsigned *)&word[WORD_TICKET]))
         return;
     if (threadIdx.x == 0)
@@ -111,8 +114,9 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
         word[WORD_FOUND] = base[gridDim.x];
 }
 
-/* Thread t of block b writes the block's t-th contact, at place base[b] + t;
- * reads at and its candidate. So the threads that work are neighbours. */
+/* Thread t of block b writes the block's contact t, at place base[b] + t; reads
+ * `at` and the candidate. The threads that have work are neighbours, so few
+ * warps are partly idle. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     emit_kernel(struct proximity s, const int64_t *base)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The fail-safe that always ends. spec/contact/rollback.md */
+/* Puts the vertices of touching pairs back to the start of the step.
+ * spec/contact/rollback.md */
 #include "gpu/base/place.cuh"
 #include "gpu/contact/contact.cuh"
 
@@ -14,8 +15,8 @@ static __device__ bool can_go(const struct rollback *s, int64_t i)
     return s->w[i] > 0 && !s->rolled[i];
 }
 
-/* Thread k owns pair k: marks its vertices that can go back, all with the
- * same 1; counts it where there are none. */
+/* Thread k owns pair k: marks its vertices that can be rolled back; all threads
+ * write the same 1. Counts the pair as trapped if there is no such vertex. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     rollback_mark_kernel(struct rollback s, int64_t *words)
 {
@@ -36,8 +37,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         count_up(&words[TRAPPED], 1);
 }
 
-/* A block owns PLACE_BLOCK vertices, a thread one: sends it back where it is
- * marked, or where all go. */
+/* A block owns PLACE_BLOCK vertices, a thread one vertex: rolls it back if it
+ * is marked, or if all vertices go back. */
 static __global__ void __launch_bounds__(PLACE_BLOCK)
     rollback_send_kernel(struct rollback s, int64_t *words)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What contacts still press with when the next slice begins.
+/* Finds the push of the contacts that the next slice starts with (warm start).
  * spec/contact/warm.md */
 #include "gpu/contact/contact.cuh"
 #include "gpu/run/gpu.h"
@@ -8,12 +8,13 @@ extern "C" {
 #include "ref/contact/warm.h"
 }
 
-/* Items of a list that are read before the first is added. */
+/* Items of a list that are loaded before the first is added. */
 enum { AHEAD = 8 };
 
-/* §1. Thread i owns vertex i: reads its items, writes all[i] if it has some. */
+/* §1. Thread i owns vertex i: reads its items; writes all[i] if it has items.
+ */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    warm_weigh_kernel(struct warm s)
+    warm_sum_weights_kernel(struct warm s)
 {
     ITEM(i, s.nv);
     int32_t end = s.start[i + 1];
@@ -33,9 +34,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.all[i] = sum;
 }
 
-/* §2: what its free vertex j took up, as far as that is no blow. */
-static __device__ real took(const struct warm &s, const struct contact *c,
-                            int j)
+/* §2: the impulse along n that vertex j of contact c took up, up to the limit
+ * that keeps an impact out of the next slice. */
+static __device__ real kept_impulse(const struct warm &s,
+                                    const struct contact *c, int j)
 {
     int32_t i = c->v[j];
     real now = dot(c->n, s.g[i]), before = dot(c->n, s.before[i]);
@@ -49,7 +51,7 @@ static __device__ real took(const struct warm &s, const struct contact *c,
 /* §2. Thread k owns contact k: reads g, before, all and v of its vertices,
  * writes its impulse. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    warm_agree_kernel(struct warm s)
+    warm_share_push_kernel(struct warm s)
 {
     ITEM(k, s.n);
     struct contact *c = &s.contact[k];
@@ -58,18 +60,19 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         int32_t i = c->v[j];
         if (!(s.w[i] > 0) || c->c[j] == 0)
             continue;
-        push = least(took(s, c, j) / s.all[i], push);
+        push = least(kept_impulse(s, c, j) / s.all[i], push);
         give += c->c[j] * c->c[j] * s.w[i];
     }
     if (give > 0) {
-        real speed = least(dot(c->n, weigh(c, s.v)), R(0.0));
+        real speed = least(dot(c->n, pair_sum(c, s.v)), R(0.0));
         impulse = most(push + speed / give, R(0.0));
     }
     c->impulse = impulse;
 }
 
-/* §3. Thread i owns vertex i: reads its items in their order, writes press[i].
- * An item that is not there adds 0 to a sum, which is never -0. */
+/* §3. Thread i owns vertex i: reads its items in their order; writes press[i].
+ * Beyond the end of a list 0 is added, which does not change the sum, as the
+ * sum is never -0. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     warm_gather_kernel(struct warm s)
 {
@@ -94,8 +97,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 int gpu_warm(struct gpu *g, struct warm *s)
 {
-    LAUNCH(g, s->nv, warm_weigh_kernel, *s);
-    LAUNCH(g, s->n, warm_agree_kernel, *s);
+    LAUNCH(g, s->nv, warm_sum_weights_kernel, *s);
+    LAUNCH(g, s->n, warm_share_push_kernel, *s);
     LAUNCH(g, s->nv, warm_gather_kernel, *s);
     return gpu_status(g);
 }

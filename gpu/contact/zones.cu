@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rigid impact zones. spec/contact/zones.md */
+/* Moves each zone as a rigid body; a block owns a zone. spec/contact/zones.md
+ */
 #include "gpu/base/real.cuh"
 #include "gpu/contact/members.cuh"
 
 /* Threads of a block that owns a zone. */
 enum { ZONE_BLOCK = 256 };
 
-/* ---- §2 Sums ---- */
+/* §2: sums */
 
 static __device__ struct zone_sum add(const struct zone_sum &p,
                                       const struct zone_sum &q)
@@ -16,8 +17,8 @@ static __device__ struct zone_sum add(const struct zone_sum &p,
     return r;
 }
 
-/* Neighbours, then neighbours' neighbours, … into sum[0]; all threads of the
- * block call it. */
+/* Sums n members pairwise into sum[0], as a tree whose shape depends on n
+ * alone. All threads of the block must call it. */
 static __device__ void tree(struct zone_sum *sum, int64_t n)
 {
     __syncthreads();
@@ -60,7 +61,7 @@ static __device__ struct zone_sum angular(const struct zones *s,
 {
     real m = mass_of(s, z, i);
     vec r = arm_of(s, z, i), d = sub(s->u[i], z->velocity);
-    if (z->led) /* §3.4 */
+    if (z->led) /* §3.4: the middle of the chord */
         r = axpy(r, R(0.5) * s->dt, d);
     vec mr = scale(m, r), l = cross(mr, d);
     struct zone_sum sum = {m,
@@ -72,9 +73,10 @@ static __device__ struct zone_sum angular(const struct zones *s,
     return sum;
 }
 
-/* ---- §3 Motion ---- */
+/* §3: motion */
 
-/* i⁻¹ l by the adjugate; 0 where the members lie too close to a line. */
+/* The angular velocity i⁻¹ l, by the adjugate; 0 where the members lie too
+ * close to a line. */
 static __device__ vec spin_of(sym i, vec l)
 {
     real trace = (i.xx + i.yy) + i.zz;
@@ -91,7 +93,7 @@ static __device__ vec spin_of(sym i, vec l)
     return scale(1 / det, apply(a, scale(f, l)));
 }
 
-/* §3.2: at most a quarter turn. */
+/* §3.2: limits the rotation to a quarter turn in the step. */
 static __device__ vec limit_spin(vec spin, real dt)
 {
     vec half = scale(R(0.5) * dt, spin);
@@ -99,9 +101,9 @@ static __device__ vec limit_spin(vec spin, real dt)
     return turn > 1 ? scale(1 / root(turn), spin) : spin;
 }
 
-/* The mean velocity that carries a member rigidly through the step. */
-static __device__ vec carry(const struct zones *s, const struct zone *z,
-                            int32_t i)
+/* The mean velocity that moves vertex i with zone z through the step. */
+static __device__ vec rigid_velocity(const struct zones *s,
+                                     const struct zone *z, int32_t i)
 {
     vec half = scale(R(0.5) * s->dt, z->spin);
     vec turn = cross(z->spin, arm_of(s, z, i));
@@ -109,8 +111,8 @@ static __device__ vec carry(const struct zones *s, const struct zone *z,
     return axpy(z->velocity, 1 / (1 + dot(half, half)), turn);
 }
 
-/* Block b owns zone b: its part of sum, and u of its free vertices, which are
- * of no other. Each thread keeps the zone's motion for itself. */
+/* Block b owns zone b: its part of `sum`, and u of its free vertices, which are
+ * in no other zone. Each thread keeps a copy of the zone's motion. */
 static __global__ void __launch_bounds__(ZONE_BLOCK)
     zones_move_kernel(struct zones s, const struct key *member,
                       const int64_t *words)
@@ -138,7 +140,7 @@ static __global__ void __launch_bounds__(ZONE_BLOCK)
     real m = sum[0].m;
     z.centre = scale(1 / m, sum[0].a);
     z.velocity = scale(1 / m, sum[0].b);
-    __syncthreads(); /* sum[0] is read, and written again */
+    __syncthreads(); /* all have read sum[0] before it is written again */
     for (int64_t k = t; k < n; k += ZONE_BLOCK)
         sum[k] = angular(&s, &z, (int32_t)own[k].lo);
     tree(sum, n);
@@ -146,7 +148,7 @@ static __global__ void __launch_bounds__(ZONE_BLOCK)
     for (int64_t k = t; k < n; k += ZONE_BLOCK) {
         int32_t i = (int32_t)own[k].lo;
         if (s.w[i] > 0)
-            s.u[i] = carry(&s, &z, i);
+            s.u[i] = rigid_velocity(&s, &z, i);
     }
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The one complete check of a definition: what passes here is checked nowhere
- * else. */
+/* Checks a definition once and completely; no later code checks it again.
+ * spec/drape.h */
 #include "ref/api/define.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 
 static const double BIG = 1152921504606846976.0; /* 2^60 */
 
-/* Where the check is and what it found. */
+/* The state of a check: the place in the definition, and the first fault. */
 struct check {
     drape_error *error;
     char where[64]; /* "cloth 2: ", or empty */
@@ -39,14 +39,15 @@ static void where(struct check *c, const char *what, int k)
     snprintf(c->where, sizeof c->where, "%s %d: ", what, k);
 }
 
-/* The one rule of codes, as spec/drape.h says it: a number that cannot be one
- * of ours is bad data, one that is out of its range a bad argument. */
+/* The status for a wrong number, as in spec/drape.h: NaN or a number beyond
+ * 2^60 is bad data (DRAPE_EDATA), any other number out of its range is a bad
+ * argument (DRAPE_EARG). */
 static int fault_of(double a)
 {
     return fabs(a) <= BIG ? DRAPE_EARG : DRAPE_EDATA;
 }
 
-/* A number in [lo, hi]; NaN is not. */
+/* Checks that a is in [lo, hi]; NaN is not. */
 static void number(struct check *c, const char *name, double a, double lo,
                    double hi)
 {
@@ -68,7 +69,8 @@ static void integer(struct check *c, const char *name, int64_t a, int64_t lo,
              (long long)a, (long long)lo, (long long)hi);
 }
 
-/* Whether what n things are read from is there, and nothing failed so far. */
+/* Checks that the array p of n items exists. False: this or an earlier check
+ * failed. */
 static bool there(struct check *c, const char *name, int64_t n, const void *p)
 {
     if (n > 0 && !p)
@@ -100,7 +102,7 @@ static void check_material(struct check *c, const drape_material *m)
     number(c, "friction", m->friction, 0, 1e6);
 }
 
-/* Axes of a flat start: unit and at right angles to 1e-6. */
+/* Checks the axes of a flat start: unit length and orthogonal, within 1e-6. */
 static void check_axes(struct check *c, const drape_cloth *cloth)
 {
     double uu = 0, vv = 0, uv = 0;
@@ -246,8 +248,8 @@ static void check_world(struct check *c, const drape_def *def)
     there(c, "motions", def->n_motions, def->motions);
 }
 
-/* Sizes come first: no array is read before every one of them is known to be
- * possible, and none of their products overflows. */
+/* Checks all sizes, before any array is read, so that none of their products
+ * can overflow. */
 static void check_sizes(struct check *c, const drape_def *def)
 {
     const int64_t most = INT32_MAX / 8;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The one complete check of a definition. */
+/* The complete check of a definition. */
 #ifndef REF_DEFINE_H
 #define REF_DEFINE_H
 
@@ -7,9 +7,10 @@
 
 #include "spec/drape.h"
 
-/* DRAPE_OK, or the status and one line of what is wrong and where. */
+/* DRAPE_OK, or the status; *error: one line that names the fault and its place.
+ */
 int define_check(const drape_def *def, drape_error *error);
-/* The same of wind alone: DRAPE_OK, DRAPE_EARG or DRAPE_EDATA. */
+/* Checks wind alone: DRAPE_OK, DRAPE_EARG or DRAPE_EDATA. */
 int define_check_wind(const drape_wind *wind);
 /* Whether an allocator has both its functions, or neither. */
 bool define_check_allocator(const drape_allocator *allocator);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The API: checks, dispatches to a world of the asked precision, translates.
- * The pipeline itself is ref/world/step.c. */
+/* The public API: checks arguments and calls the world of the requested
+ * precision. The pipeline itself is ref/world/step.c. spec/drape.h */
 #include "spec/drape.h"
 
 #include <stdarg.h>
@@ -22,11 +22,11 @@ struct drape_world {
     int precision;
     drape_log *log;
     void *log_user;
-    int64_t steps; /* begun since it was made */
-    int64_t taken; /* allocations that the log knows of */
+    int64_t steps; /* begun since the world was made */
+    int64_t taken; /* allocations that the log has reported */
 };
 
-/* ---- The log ---- */
+/* The log */
 
 enum { LINE = 640 };
 
@@ -82,7 +82,7 @@ static void tell_step(drape_world *world, int status)
              device_of(world));
 }
 
-/* ---- The API ---- */
+/* The functions of the API */
 
 static const struct world_ops *choose_ops(const drape_def *def)
 {
@@ -150,7 +150,7 @@ void drape_destroy(drape_world *world)
         return;
     if (world->ops->end && world->world)
         world->ops->end(world->world);
-    struct arena arena = world->arena; /* the world lies in it */
+    struct arena arena = world->arena; /* a copy: it owns the world's memory */
     arena_free(&arena);
 }
 
@@ -159,7 +159,7 @@ int drape_step(drape_world *world, drape_step_report *report)
     if (!world)
         return DRAPE_EARG;
     world->steps++;
-    world->arena.failed = false; /* memory may be there again */
+    world->arena.failed = false; /* memory may be available again */
     int status = world->ops->step(world->world, report);
     tell_step(world, status);
     return status;

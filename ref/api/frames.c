@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* API call: what touches in a mesh between two frames, in binary64, by the
- * broad phase (spec/broad/broad.md) and the narrow phase
+/* drape_ccd_frames: finds the pairs of a mesh that touch between two frames, in
+ * binary64, by the broad phase (spec/broad/broad.md) and the narrow phase
  * (spec/narrow/narrow.md). */
 #include "ref/api/query.h"
 
@@ -9,8 +9,8 @@
 #include "ref/broad/broad.h"
 #include "ref/narrow/narrow.h"
 
-/* Candidates decided at once: bounds what is held beside them. A triangle
- * more than FRAMES_MOST would let 3 · nt overflow. */
+/* FRAMES_RUN: candidates tested at once, which bounds the memory beside them.
+ * FRAMES_MOST: bound of nt, so that 3 · nt cannot overflow. */
 enum { FRAMES_RUN = 1 << 20, FRAMES_MOST = INT32_MAX / 4 };
 
 struct frames {
@@ -44,7 +44,7 @@ static int check(const drape_mesh *mesh, const double (*x1)[3])
     return status == DRAPE_OK ? check_positions(x1, mesh->nv) : status;
 }
 
-/* All candidates of the mesh with itself, on the way from x0 to x1. */
+/* Finds all candidates of the mesh with itself between x0 and x1. */
 static int find_candidates(struct frames *f)
 {
     const drape_mesh *m = f->mesh;
@@ -62,7 +62,7 @@ static int find_candidates(struct frames *f)
                               : status;
 }
 
-/* Decides a run of n candidates from the first on, and tells the caller. */
+/* Tests n candidates, from `first` on, and reports the touching pairs. */
 static int decide(struct frames *f, int64_t first, int64_t n,
                   drape_touch *touch, void *user)
 {

@@ -22,7 +22,7 @@ static int take_scratch(struct audit *s, struct arena *a)
     return a->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
 
-/* Runs again with room for every pair where the first guess was short. */
+/* Runs the audit, and again with enough room if its pairs did not fit. */
 static int run(struct audit *s, struct arena *a)
 {
     int status = ref_audit(s);

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Closest points by the least of a few candidates: spec/contact/proximity.md.
- */
+/* Closest points of two primitives: computes a few candidate pairs of points
+ * and keeps the nearest pair. spec/contact/proximity.md §1, §2 */
 #include "ref/contact/closest.h"
 
-/* x relative to x[0], and its size. */
+/* Starts a search: y = x - x[0], and the size of the pair; no candidate yet. */
 static void relative(const struct wide x[4], struct wide y[4],
                      struct closest *r)
 {
-    r->length2 = -1; /* nothing offered yet */
+    r->length2 = -1;
     r->size2 = 0;
     for (int k = 0; k < 4; k++) {
         y[k] = wide_sub(x[k], x[0]);
@@ -16,7 +16,8 @@ static void relative(const struct wide x[4], struct wide y[4],
     }
 }
 
-/* Takes the weights if they bring the points closer: the first of a tie. */
+/* Keeps the candidate with weights c if its points are nearer than all before;
+ * of a tie the first candidate stays. */
 static void offer(struct closest *r, const struct wide y[4], const double c[4])
 {
     struct wide p = wide_scale(c[1], y[1]);
@@ -74,7 +75,8 @@ void closest_ee(const struct wide x[4], struct closest *r)
     double dq = -wide_dot(d, y[2]), eq = -wide_dot(e, y[2]);
     double det = dd * ee - de * de;
     if (det > 0) {
-        /* each from the other: the second order of their errors remains */
+        /* s is computed from t, and t from s: the product of both errors is
+         * left */
         double t = ratio(eq + ratio(de * eq - dq * ee, det) * de, ee);
         double s = ratio(t * de - dq, dd);
         offer(r, y, (double[4]){1 - s, s, -(1 - t), -t});

@@ -5,7 +5,7 @@
 
 #include "ref/base/wide.h"
 
-/* The points of A and B that are closest, in relative coordinates. */
+/* The closest points of sides A and B, relative to x[0]. */
 struct closest {
     double c[4];    /* weights: side A adds to 1, side B to -1 */
     struct wide p;  /* Σ c x: from B's point to A's */
@@ -13,16 +13,17 @@ struct closest {
     double size2;   /* largest squared distance of x[1 … 3] from x[0] */
 };
 
-/* The vertex x[0] and the closed triangle x[1] x[2] x[3]. */
+/* Closest points of vertex x[0] and the closed triangle x[1] x[2] x[3]. */
 void closest_vf(const struct wide x[4], struct closest *r);
-/* The closed segments x[0] x[1] and x[2] x[3]. */
+/* Closest points of the closed segments x[0] x[1] and x[2] x[3]. */
 void closest_ee(const struct wide x[4], struct closest *r);
-/* The weights in the build's precision, as multiples of a quantum, so that
- * they add to 0 exactly; none is of the wrong sign. §2.3 */
+/* Rounds the weights to the build's precision, to multiples of a quantum, so
+ * that the four add to 0 exactly; none gets the wrong sign. §2.3 */
 void closest_weights(const struct closest *r, int kind, real c[4]);
-/* The triangle's normal, or the cross product of the edges. Unscaled. */
+/* The triangle's normal, or the cross product of the edges, not normalised. */
 struct wide closest_normal(const struct wide x[4], int kind);
-/* a over its length, or the fallback where that is zero or not finite. */
+/* a divided by its length, or the fallback where the length is zero or not
+ * finite. */
 struct wide closest_unit(struct wide a, struct wide fallback);
 
 #endif

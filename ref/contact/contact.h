@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What proximity and impulses emit and contacts solves:
+/* The contact: a constraint on the velocities of four vertices. Proximity and
+ * impulses make contacts; penalty and contacts solve them.
  * spec/contact/contacts.md */
 #ifndef REF_CONTACT_H
 #define REF_CONTACT_H
@@ -8,31 +9,32 @@
 
 enum contact_kind { CONTACT_VF, CONTACT_EE };
 
-/* Two sides, A and B, that must not come closer. */
+/* A contact holds two sides, A and B, apart: it asks for n·Σ c u ≥ target. */
 struct contact {
     int32_t v[4];  /* vertices, as the pair names them */
     int32_t kind;  /* enum contact_kind */
-    int32_t held;  /* 1: the implicit solve feels it; penalty.md §1 */
+    int32_t held;  /* 1: takes part in the implicit solve; penalty.md §1 */
     real c[4];     /* weights: side A adds to 1, side B to -1 */
     vec n;         /* unit, from B to A */
     real gap;      /* m, n·Σ c x at the start of the step */
-    real target;   /* m/s, n·Σ c u ≥ target is asked for */
+    real target;   /* m/s, lower bound of n·Σ c u */
     real friction; /* Coulomb coefficient */
-    real impulse;  /* N·s along n, ≥ 0: what contacts found */
+    real impulse;  /* N·s along n; ≥ 0 after stage contacts */
     vec tangent;   /* N·s across n, |tangent| ≤ friction · impulse */
-    real slide;    /* kg, of friction in the solve; penalty.md §2 */
+    real slide;    /* kg, factor f of friction in the solve; penalty.md §2 */
 };
 
-/* What a body's surface is like; a pair takes the larger of each. */
+/* Contact properties of a body's surface. A pair has the largest value of each
+ * property among its four vertices. */
 struct surface {
     real thickness; /* m, ≥ 0: distance at which contact begins */
     real friction;  /* ≥ 0 */
 };
 
-/* Which surface each vertex has. */
+/* The surface of each vertex. */
 struct skin {
     int64_t n;                     /* surfaces, ≥ 1 */
-    const uint16_t *of;            /* [nv] in 0 … n - 1 */
+    const uint16_t *of;            /* [nv] index of the surface, 0 … n - 1 */
     const struct surface *surface; /* [n] */
 };
 
@@ -47,7 +49,7 @@ static inline struct surface skin_pair(const struct skin *s, const int32_t v[4])
     return r;
 }
 
-/* Whether all four name one of nv vertices. */
+/* Whether all four indices are in 0 … nv - 1. */
 static inline bool pair_valid(const int32_t v[4], int64_t nv)
 {
     for (int k = 0; k < 4; k++)
@@ -56,7 +58,7 @@ static inline bool pair_valid(const int32_t v[4], int64_t nv)
     return true;
 }
 
-/* ((c0 a0 + c1 a1) + c2 a2) + c3 a3. */
+/* The weighted sum Σ c a in this order: ((c0 a0 + c1 a1) + c2 a2) + c3 a3. */
 static inline vec pair_sum(const int32_t v[4], const real c[4], const vec *a)
 {
     vec r = vec_scale(c[0], a[v[0]]);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Mass-splitting projected Jacobi (Tonge et al. 2012) with momentum (Nesterov
- * 1983). spec/contact/contacts.md */
+/* Solves contacts with friction by projected Jacobi with mass splitting (Tonge
+ * et al. 2012) and momentum (Nesterov 1983). spec/contact/contacts.md */
 #include "ref/contact/contacts.h"
 
 #include "ref/contact/incidence.h"
 
-/* ---- §1 What takes part ---- */
+/* §1: waking. A sleeping contact would do nothing, so it is skipped. */
 
+/* Wakes contact k and its vertices. */
 static void wake(struct contacts *s, int64_t k)
 {
     const int32_t *v = s->contact[k].v;
@@ -16,6 +17,7 @@ static void wake(struct contacts *s, int64_t k)
             s->stirred[v[j]] = AWAKE;
 }
 
+/* Wakes the contacts that act. */
 static void wake_acting(struct contacts *s)
 {
     for (int64_t k = 0; k < s->n; k++)
@@ -23,6 +25,7 @@ static void wake_acting(struct contacts *s)
             wake(s, k);
 }
 
+/* Wakes all contacts of vertex i. */
 static void wake_around(struct contacts *s, int32_t i)
 {
     s->stirred[i] = SPREAD;
@@ -31,6 +34,7 @@ static void wake_around(struct contacts *s, int32_t i)
             wake(s, s->item[j] / 4);
 }
 
+/* Wakes all contacts of the vertices pushed so far. */
 static void spread(struct contacts *s)
 {
     for (int64_t k = 0; k < s->vertices; k++)
@@ -38,9 +42,9 @@ static void spread(struct contacts *s)
             wake_around(s, s->vertex[k]);
 }
 
-/* ---- What is done of a contact ---- */
+/* Work of one contact */
 
-/* §2: the mass that contact k moves when its vertices are split. */
+/* §2: the mass that contact c feels: 1/a, of its vertices' parts. */
 static real effective_mass(const struct contacts *s, const struct contact *c)
 {
     real sum = 0, most = 0;
@@ -61,7 +65,8 @@ static vec total(const struct contact *c)
     return vec_axpy(c->tangent, c->impulse, c->n);
 }
 
-/* §3: what contact k lacks, or has too much of and can give back. */
+/* §3: lack of contact k where it acts: it lacks speed, or has a surplus and an
+ * impulse that it can reduce. Else 0. */
 static void find_lack(struct contacts *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
@@ -83,8 +88,8 @@ static void begin(struct contacts *s, int64_t k)
     find_lack(s, k);
 }
 
-/* §3: to the next y. u follows. */
-static void go_to(struct contacts *s, int64_t k, real y)
+/* §3: changes y of contact k, and records the push that takes u along. */
+static void set_lookahead(struct contacts *s, int64_t k, real y)
 {
     s->push[k] = vec_scale(y - s->ahead[k], s->contact[k].n);
     s->ahead[k] = y;
@@ -98,24 +103,24 @@ static void push_normal(struct contacts *s, int64_t k)
     c->impulse = y;
     if (s->lack[k] != 0)
         c->impulse = real_max(y + effective_mass(s, c) * s->lack[k], 0);
-    go_to(s, k, real_max(c->impulse + s->keep * (c->impulse - was), 0));
+    set_lookahead(s, k, real_max(c->impulse + s->keep * (c->impulse - was), 0));
 }
 
-/* §3: what a void iteration does instead. */
-static void go_back(struct contacts *s, int64_t k)
+/* §3: a void iteration: y is moved back towards λ. */
+static void shrink_lookahead(struct contacts *s, int64_t k)
 {
     real now = s->contact[k].impulse;
-    go_to(s, k, now + s->keep * (s->ahead[k] - now));
+    set_lookahead(s, k, now + s->keep * (s->ahead[k] - now));
 }
 
-/* §4: who can have friction acts, the same ones in all iterations. */
+/* §4: marks the contacts that can have friction; they act in all iterations. */
 static void find_friction(struct contacts *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
     s->lack[k] = c->impulse > 0 || vec_dot(c->tangent, c->tangent) > 0;
 }
 
-/* §4: the tangential part, within the cone. */
+/* §4: the tangential part of one iteration, within the friction cone. */
 static void push_tangent(struct contacts *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
@@ -132,20 +137,22 @@ static void push_tangent(struct contacts *s, int64_t k)
     c->tangent = next;
 }
 
-static void end(struct contacts *s, int64_t k)
+/* §4: the push of this whole call, for v. */
+static void find_total(struct contacts *s, int64_t k)
 {
     s->push[k] = vec_sub(total(&s->contact[k]), s->before[k]);
 }
 
-/* ---- What is done of a vertex ---- */
+/* Work of one vertex */
 
-/* §3: where nothing acts yet; a single contact is never more. */
-static void stay(struct contacts *s, int32_t i)
+/* §3: the first d: 0, as no contact acts yet; 1 for a vertex of one contact. */
+static void first_parts(struct contacts *s, int32_t i)
 {
     s->parts[i] = s->start[i + 1] - s->start[i] == 1;
 }
 
-/* §3: counts what acts on vertex i. True: that makes the iteration void. */
+/* §3: counts the contacts that act on vertex i. True if they are so many that
+ * the iteration is void. */
 static bool count(struct contacts *s, int32_t i, real beta)
 {
     int32_t acting = 0;
@@ -155,17 +162,17 @@ static bool count(struct contacts *s, int32_t i, real beta)
     return s->parts[i] > 0 && beta * beta * (real)acting > (real)s->parts[i];
 }
 
-/* §3: into how many parts vertex i is split. */
+/* §3: the number d of parts into which vertex i is split. */
 static void split(struct contacts *s, int32_t i)
 {
     int32_t acting = s->acting[i], d = s->parts[i];
     if (s->keep == 0 || (d > 0 && d < acting))
         s->parts[i] = acting;
     else if (d == 0 && acting > 0)
-        s->parts[i] = acting + 1; /* one may join */
+        s->parts[i] = acting + 1; /* a further contact may begin to act */
 }
 
-/* Σ c · push of the contacts of a vertex, in their order. */
+/* Σ c · push over the contacts of a vertex, in the order of its list. */
 static vec gather(const struct contacts *s, int32_t i)
 {
     vec sum = vec_make(0, 0, 0);
@@ -177,7 +184,7 @@ static vec gather(const struct contacts *s, int32_t i)
     return sum;
 }
 
-/* ---- Passes ---- */
+/* Passes over all contacts or all vertices */
 
 static void each_contact(struct contacts *s,
                          void act(struct contacts *, int64_t))
@@ -195,6 +202,7 @@ static void each_awake(struct contacts *s, void act(struct contacts *, int64_t))
             act(s, k);
 }
 
+/* Counts acting contacts of all awake vertices. True: the iteration is void. */
 static bool count_all(struct contacts *s, real beta)
 {
     bool over = false;
@@ -213,7 +221,8 @@ static void split_all(struct contacts *s)
             split(s, s->vertex[k]);
 }
 
-/* A vertex that nothing pushes keeps its bits. */
+/* Adds the pushes to velocities u. A vertex that is not pushed keeps its bits.
+ */
 static void apply(const struct contacts *s, vec *u)
 {
     EACH_ITEM
@@ -229,8 +238,7 @@ static void apply(const struct contacts *s, vec *u)
     }
 }
 
-/* ---- §3, §4 ---- */
-
+/* §3: β of the iteration that is `age` iterations old. */
 static real momentum(int age)
 {
     return (real)age / ((real)age + 3);
@@ -247,7 +255,7 @@ static void solve_normal(struct contacts *s)
             s->keep /= beta;
         else
             split_all(s);
-        each_awake(s, over ? go_back : push_normal);
+        each_awake(s, over ? shrink_lookahead : push_normal);
         apply(s, s->u);
         spread(s);
         each_awake(s, find_lack);
@@ -275,20 +283,25 @@ int ref_contacts(struct contacts *s)
         if (!pair_valid(s->contact[k].v, s->nv))
             return DRAPE_EARG;
 
-    struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
-                           s->start, s->item, s->vertex, 0};
+    struct incidence by = {.nv = s->nv,
+                           .n = s->n,
+                           .w = s->w,
+                           .contact = s->contact,
+                           .start = s->start,
+                           .item = s->item,
+                           .vertex = s->vertex};
     ref_incidence(&by); /* §1 */
     s->vertices = by.vertices;
     s->keep = 0;
     memset(s->moved, 0, (size_t)s->vertices);
     memset(s->stirred, ASLEEP, (size_t)s->nv);
     for (int64_t k = 0; k < s->vertices; k++)
-        stay(s, s->vertex[k]);
+        first_parts(s, s->vertex[k]);
     each_contact(s, begin);
     wake_acting(s);
     solve_normal(s);
     solve_tangent(s);
-    each_awake(s, end); /* the same impulses, all at once, on v */
+    each_awake(s, find_total); /* v gets all impulses at once */
     apply(s, s->v);
     return DRAPE_OK;
 }

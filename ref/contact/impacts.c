@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Selects the candidates that touch. spec/contact/impacts.md */
+/* Selects the candidates that touch and that a response can part.
+ * spec/contact/impacts.md */
 #include "ref/contact/impacts.h"
 
 #include "ref/narrow/narrow.h"
 
 enum { MISS = -1, STARTED = -2, LED = -3 };
 
-/* §1: 0 where the pair touches and a response can part it. */
+/* §1: 0 for an impact, which a response can part; else why the candidate is
+ * left out. */
 static int32_t decide(const struct impacts *s, int64_t k)
 {
     if (s->toi[k] == NARROW_MISS)

@@ -14,17 +14,17 @@ struct impacts {
     const real *w;       /* [nv] 1/kg, ≥ 0; 0: led */
 
     int32_t *at;       /* scratch: [n] */
-    int64_t cap;       /* impacts that fit */
+    int64_t cap;       /* capacity of hit, hit_kind and hit_toi, impacts */
     int32_t *hit;      /* out: [found][4] in the candidates' order */
     uint8_t *hit_kind; /* out: [found] */
     uint32_t *hit_toi; /* out: [found] */
-    int64_t found;     /* out: impacts, also where they do not fit */
-    int64_t started;   /* out: pairs left out, §1: they touch at the start */
-    int64_t led;       /* out: pairs left out, §1: no vertex is free */
+    int64_t found;     /* out: impacts, also if beyond cap */
+    int64_t started;   /* out: pairs left out as they touch at the start, §1 */
+    int64_t led;       /* out: pairs left out as no vertex is free, §1 */
 };
 
-/* DRAPE_OK; DRAPE_EARG for a bad vertex or kind; DRAPE_EFULL: nothing is
- * written to hit. */
+/* DRAPE_OK; DRAPE_EARG for a bad vertex or kind; DRAPE_EFULL where found
+ * exceeds cap: then nothing is written to hit. */
 int ref_impacts(struct impacts *s);
 
 #endif

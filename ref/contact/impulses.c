@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What an impact asks of the velocities. spec/contact/impulses.md */
+/* Makes a contact of each new impact and merges it into the active set.
+ * spec/contact/impulses.md */
 #include "ref/contact/impulses.h"
 
 #include "ref/contact/closest.h"
@@ -15,7 +16,7 @@ static int check(const struct impulses *s)
     return DRAPE_OK;
 }
 
-/* ---- §1 Identity ---- */
+/* §1: keys */
 
 static uint64_t both(int32_t a, int32_t b)
 {
@@ -27,7 +28,7 @@ static uint64_t edge(int32_t a, int32_t b)
     return a < b ? both(a, b) : both(b, a);
 }
 
-/* The same key for the same pair, however its vertices are ordered. */
+/* The key of a pair, the same in whatever order its vertices are named. */
 static struct key identity(const int32_t v[4], int64_t kind, int64_t item)
 {
     if (kind == CONTACT_EE) {
@@ -42,11 +43,11 @@ static struct key identity(const int32_t v[4], int64_t kind, int64_t item)
     return (struct key){both(v[0], least), both(middle, most), item};
 }
 
-/* ---- §2 Geometry ---- */
+/* §2: geometry */
 
 struct impact {
-    struct wide x[4];    /* m, at the time of impact */
-    struct wide from[4]; /* m, at the start, relative to the first */
+    struct wide x[4];    /* m, at the impact, relative to x0[v[0]] */
+    struct wide from[4]; /* m, at the start, likewise */
     struct wide way[4];  /* m, displacement over the step */
 };
 
@@ -62,7 +63,7 @@ static void place(const struct impulses *s, const int32_t v[4], double t,
     }
 }
 
-static struct wide weigh(const double c[4], const struct wide a[4])
+static struct wide weighted_sum(const double c[4], const struct wide a[4])
 {
     struct wide r = wide_scale(c[0], a[0]);
     for (int k = 1; k < 4; k++)
@@ -70,12 +71,13 @@ static struct wide weigh(const double c[4], const struct wide a[4])
     return r;
 }
 
-/* §2.2: against the approach; along it where the primitives' own normal
- * cannot oppose it. */
+/* §2.2: the primitives' own normal, with the sign that opposes the approach; or
+ * opposite to the approach where that normal is almost across it. */
 static struct wide normal_of(const struct impact *m, int64_t kind,
                              const struct closest *r)
 {
-    struct wide way = weigh(r->c, m->way), from = weigh(r->c, m->from);
+    struct wide way = weighted_sum(r->c, m->way),
+                from = weighted_sum(r->c, m->from);
     struct wide back = closest_unit(wide_scale(-1, way),
                                     closest_unit(from, wide_make(1, 0, 0)));
     struct wide n = closest_unit(closest_normal(m->x, (int)kind), back);
@@ -100,15 +102,13 @@ static void emit(const struct impulses *s, int64_t k, struct contact *c)
     struct surface skin = skin_pair(&s->skin, c->v);
     closest_weights(&r, (int)c->kind, c->c);
     c->n = wide_round(n);
-    c->gap = (real)wide_dot(n, weigh(r.c, m.from));
+    c->gap = (real)wide_dot(n, weighted_sum(r.c, m.from));
     c->target = (s->margin * skin.thickness - c->gap) / s->dt;
     c->friction = skin.friction;
     c->held = 0;
     c->impulse = c->slide = 0;
     c->tangent = vec_make(0, 0, 0);
 }
-
-/* ---- §3 The active set ---- */
 
 static bool same(const struct key *a, const struct key *b)
 {
@@ -130,7 +130,7 @@ int ref_impulses(struct impulses *s)
     }
     struct key *key = keys_sort(s->n_all, s->key, s->spare);
 
-    /* the newest of each identity stays: it comes last among its equals */
+    /* §1: of equal keys the newest, which is the last, stays */
     s->found = 0;
     for (int64_t k = 0; k < s->n_all; k++)
         if (k + 1 == s->n_all || !same(&key[k], &key[k + 1]))

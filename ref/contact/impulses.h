@@ -14,19 +14,19 @@ struct impulses {
     const vec *x0, *x1;  /* [nv] m, start and end of the step */
     struct skin skin;    /* of the vertices */
     real dt;             /* s, > 0 */
-    real margin;         /* ≥ 0: of its thickness that a pair shall keep */
-    int64_t n_active;    /* contacts of earlier rounds of this step */
-    const struct contact *active; /* [n_active] as this stage gave them */
+    real margin;      /* ≥ 0, part of its thickness that a pair shall keep */
+    int64_t n_active; /* size of the active set */
+    const struct contact *active; /* [n_active] contacts of earlier rounds */
 
     int64_t n_all;           /* n + n_active */
     struct key *key, *spare; /* scratch: [n_all] */
-    int64_t cap;             /* contacts that fit */
-    struct contact *contact; /* out: [found] by identity, ascending */
-    int64_t found;           /* out: contacts, also where they do not fit */
+    int64_t cap;             /* capacity of contact, items */
+    struct contact *contact; /* out: [found] by key, ascending */
+    int64_t found;           /* out: contacts, also if beyond cap */
 };
 
 /* DRAPE_OK; DRAPE_EARG for a bad vertex, kind, dt or n_all; DRAPE_EFULL:
- * nothing is written. */
+ * no contact is written. */
 int ref_impulses(struct impulses *s);
 
 #endif

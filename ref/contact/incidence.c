@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contacts by vertex: a stable counting sort. spec/contact/contacts.md §1 */
+/* Lists the contacts of each free vertex by a stable counting sort.
+ * spec/contact/contacts.md §1 */
 #include "ref/contact/incidence.h"
 
+/* Whether the item's contact can move the item's vertex. */
 static bool pushes(const struct incidence *s, int64_t item)
 {
     const struct contact *c = &s->contact[item / 4];
@@ -26,7 +28,7 @@ void ref_incidence(struct incidence *s)
     for (int64_t k = 0; k < 4 * s->n; k++)
         if (pushes(s, k))
             s->item[start[s->contact[k / 4].v[k % 4]]++] = (int32_t)k;
-    /* each start has moved to the next one's */
+    /* filling has moved each start to the start of the next vertex */
     for (int64_t i = s->nv; i > 0; i--)
         start[i] = start[i - 1];
     start[0] = 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which contacts each free vertex is in, in their order.
+/* The contacts of each free vertex, in the order of the contacts.
  * spec/contact/contacts.md §1 */
 #ifndef REF_INCIDENCE_H
 #define REF_INCIDENCE_H
@@ -13,9 +13,10 @@ struct incidence {
     int32_t *start;                /* out: [nv + 1] first item of a vertex */
     int32_t *item;    /* out: [4 n] 4·contact + corner, by vertex, ascending */
     int32_t *vertex;  /* out: [4 n] free vertices in contact, ascending */
-    int64_t vertices; /* out: how many */
+    int64_t vertices; /* out: length of vertex */
 };
 
+/* Fills start, item and vertex. Vertex indices must be valid. */
 void ref_incidence(struct incidence *s);
 
 #endif

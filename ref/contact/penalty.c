@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contacts as the implicit system feels them. spec/contact/penalty.md */
+/* Turns contacts into forces and matrix blocks of the implicit solve.
+ * spec/contact/penalty.md */
 #include "ref/contact/penalty.h"
 
 #include "ref/contact/incidence.h"
@@ -15,7 +16,8 @@ static int check(const struct penalty *s)
     return DRAPE_OK;
 }
 
-/* §3: the weight of the side that vertex j of a contact is on. */
+/* §3: w_i of vertex j: the smallest inverse mass of its side's free vertices.
+ */
 static real side_of(const struct penalty *s, const struct contact *c, int j)
 {
     int split = c->kind == CONTACT_VF ? 1 : 2;
@@ -29,24 +31,24 @@ static real side_of(const struct penalty *s, const struct contact *c, int j)
     return least;
 }
 
-/* §1: what the spring of contact k pushes with at velocities u, N·s. */
-static real spring(const struct penalty *s, int64_t k, const vec *u)
+/* §1: the impulse p of contact k's spring at velocities u, N·s. */
+static real spring_impulse(const struct penalty *s, int64_t k, const vec *u)
 {
     const struct contact *c = &s->contact[k];
     real give = s->stiffness * s->dt * s->tau;
     return give * (c->target - vec_dot(c->n, pair_sum(c->v, c->c, u)));
 }
 
-/* §3: contact k's part for its vertex j. */
+/* §3: S/w_j·|c_j|, the factor of contact k in the hold of its vertex j. */
 static real part_of(const struct penalty *s, int64_t k, int j)
 {
     const struct contact *c = &s->contact[k];
     return s->share[k] / side_of(s, c, j) * real_abs(c->c[j]);
 }
 
-/* §1: of what its vertices took up along n, contact k's part by the holds that
- * they had in the turn before, N·s. */
-static real gave(const struct penalty *s, int64_t k)
+/* §1.2: the impulse along n that contact k has given so far: its part of g,
+ * shared by the holds of the turn before, N·s. */
+static real given_impulse(const struct penalty *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
     real push = 0, all = 0;
@@ -62,16 +64,18 @@ static real gave(const struct penalty *s, int64_t k)
     return all > 0 ? real_max(push / all, 0) : 0;
 }
 
-/* §1: where vertex i would be going but for what contacts gave it before. */
-static void let_go(struct penalty *s, int64_t i)
+/* §1.1: the velocity of vertex i without the push that the slice began with.
+ */
+static void find_guess(struct penalty *s, int64_t i)
 {
     real w = s->w[i] * (s->tau / s->dt);
     bool pushed = s->first && w > 0;
     s->guess[i] = pushed ? vec_axpy(s->u[i], -w, s->g[i]) : s->u[i];
 }
 
-/* §1: who meets, would meet then or pushed before is held. */
-static void press(struct penalty *s, int64_t k)
+/* §1: selects the held contacts: those that approach at u or at the guess, and
+ * those that gave an impulse in the turn before. */
+static void select_held(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
     real share = 0;
@@ -79,9 +83,9 @@ static void press(struct penalty *s, int64_t k)
         if (s->w[c->v[j]] > 0)
             share += real_abs(c->c[j]) * side_of(s, c, j);
     s->share[k] = share;
-    s->gave[k] = s->first ? 0 : gave(s, k);
-    c->held =
-        spring(s, k, s->guess) > 0 || spring(s, k, s->u) > 0 || s->gave[k] > 0;
+    s->gave[k] = s->first ? 0 : given_impulse(s, k);
+    c->held = spring_impulse(s, k, s->guess) > 0 ||
+              spring_impulse(s, k, s->u) > 0 || s->gave[k] > 0;
 }
 
 /* §3: what contact k adds to the hold of its vertex j. */
@@ -98,8 +102,8 @@ static sym hold_of(const struct penalty *s, int64_t k, int j, real slide)
     return r;
 }
 
-/* §2.1: into how many parts vertex i is split. */
-static void split(struct penalty *s, int64_t i)
+/* §2.1: the number of parts of vertex i, one for each held contact. */
+static void count_parts(struct penalty *s, int64_t i)
 {
     int32_t parts = 0;
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++)
@@ -107,8 +111,8 @@ static void split(struct penalty *s, int64_t i)
     s->brake[i] = (real)parts;
 }
 
-/* §2.1: what contact k's spring ends with where it stops its parts, N·s. */
-static real stop(const struct penalty *s, int64_t k)
+/* §2.1: p', the impulse with which contact k stops its parts alone, N·s. */
+static real stopping_impulse(const struct penalty *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
     real give = 1 / (s->stiffness * s->tau * s->tau);
@@ -118,25 +122,27 @@ static real stop(const struct penalty *s, int64_t k)
     return real_max(lack, 0) * (s->dt / s->tau) / give;
 }
 
+/* The part of Σ c u across the normal. */
 static vec across(const struct contact *c, const vec *u)
 {
     vec v = pair_sum(c->v, c->c, u);
     return vec_axpy(v, -vec_dot(c->n, v), c->n);
 }
 
-/* §2.2: by how much friction can grow, from what it is: N·s. */
-static void load(struct penalty *s, int64_t k)
+/* §2.2: the largest friction of contact k, and by how much friction can grow
+ * from its present value, N·s. */
+static void bound_friction(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
     vec slip = across(c, s->u);
-    real push = real_max(stop(s, k), s->gave[k]);
+    real push = real_max(stopping_impulse(s, k), s->gave[k]);
     real most = c->held ? c->friction * push : 0;
     s->most[k] = most;
     s->more[k] = most - c->slide * vec_length(slip);
 }
 
-/* §2.3: the speed that this takes from vertex i. */
-static void brake(struct penalty *s, int64_t i)
+/* §2.3: the speed that growing friction takes from vertex i. */
+static void sum_brake(struct penalty *s, int64_t i)
 {
     real sum = 0;
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
@@ -147,7 +153,7 @@ static void brake(struct penalty *s, int64_t i)
 }
 
 /* §2.4: by the speed that is then left. */
-static void rub(struct penalty *s, int64_t k)
+static void apply_friction(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
     vec slip = across(c, s->u);
@@ -155,12 +161,12 @@ static void rub(struct penalty *s, int64_t k)
     for (int j = 0; j < 4; j++)
         speed -= real_abs(c->c[j]) * s->brake[c->v[j]];
     c->slide = s->most[k] / real_max(speed, s->slip);
-    c->impulse = c->held ? real_max(spring(s, k, s->u), -s->gave[k]) : 0;
+    c->impulse =
+        c->held ? real_max(spring_impulse(s, k, s->u), -s->gave[k]) : 0;
     c->tangent = vec_scale(-c->slide, slip);
 }
 
-/* ---- §3 ---- */
-
+/* §3: the sum of force and hold over the held contacts of vertex i. */
 static void gather(const struct penalty *s, int32_t i)
 {
     vec force = vec_make(0, 0, 0);
@@ -184,27 +190,32 @@ int ref_penalty(struct penalty *s)
     int status = check(s);
     if (status != DRAPE_OK)
         return status;
-    struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
-                           s->start, s->item, s->vertex, 0};
+    struct incidence by = {.nv = s->nv,
+                           .n = s->n,
+                           .w = s->w,
+                           .contact = s->contact,
+                           .start = s->start,
+                           .item = s->item,
+                           .vertex = s->vertex};
     ref_incidence(&by);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
-        let_go(s, i);
+        find_guess(s, i);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        press(s, k);
+        select_held(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
-        split(s, i);
+        count_parts(s, i);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        load(s, k);
+        bound_friction(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
-        brake(s, i);
+        sum_brake(s, i);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        rub(s, k);
+        apply_friction(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
         gather(s, (int32_t)i);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage penalty: contacts as the implicit system feels them.
+/* Stage penalty: contacts as forces and matrix blocks of the implicit solve.
  * spec/contact/penalty.md */
 #ifndef REF_PENALTY_H
 #define REF_PENALTY_H
@@ -10,26 +10,26 @@ struct penalty {
     int64_t nv, n;  /* vertices, contacts; 4 n < 2^31 */
     const real *w;  /* [nv] 1/kg, ≥ 0; 0: led */
     const vec *u;   /* [nv] m/s, mean velocity of the step */
-    const vec *g;   /* [nv] N·s, what they took up so far, where free */
-    int first;      /* 1: the first turn of a slice, which none is before */
+    const vec *g;   /* [nv] N·s, contacts' impulse so far, of free vertices */
+    int first;      /* 1: the first turn of a slice */
     real stiffness; /* N/m, > 0, of a contact */
-    real dt, tau;   /* s, > 0: step, and the solver's span */
+    real dt, tau;   /* s, > 0: the slice, and the integrator's effective step */
     real slip;      /* m/s, > 0: friction is viscous below */
-    struct contact *contact; /* [n], out: held, impulse, slide and tangent; in
-                                later turns in: held, 0 where new */
+    struct contact *contact; /* [n] out: held, impulse, slide, tangent; in: held
+                                of the turn before, 0 for a new contact */
 
     int64_t nv1, n4; /* nv + 1, 4 n */
     int32_t *start;  /* scratch: [nv1] */
     int32_t *item;   /* scratch: [n4] */
     int32_t *vertex; /* scratch: [n4] */
-    real *share;     /* scratch: [n] */
-    real *most;      /* scratch: [n] N·s */
-    real *gave;      /* scratch: [n] N·s, ≥ 0 */
-    real *more;      /* scratch: [n] N·s */
-    vec *guess;      /* scratch: [nv] m/s */
-    real *brake;     /* scratch: [nv] parts of a vertex, then m/s */
-    vec *force;      /* out: [nv] N·s, 0 where no contact pushes */
-    sym *hold;       /* out: [nv] kg, 0 likewise; in later turns in: §1 */
+    real *share;     /* scratch: [n] 1/kg, S of §3 */
+    real *most;      /* scratch: [n] N·s, largest friction, §2.2 */
+    real *gave;      /* scratch: [n] N·s, ≥ 0, §1.2 */
+    real *more;  /* scratch: [n] N·s, by how much friction can grow, §2.2 */
+    vec *guess;  /* scratch: [nv] m/s, velocity of §1.1 */
+    real *brake; /* scratch: [nv] parts of a vertex, then m/s of §2.3 */
+    vec *force;  /* out: [nv] N·s, 0 where no contact is held */
+    sym *hold;   /* out: [nv] kg, likewise; in, §1.2: of the turn before */
 };
 
 /* DRAPE_OK, or DRAPE_EARG for a bad vertex or setting. */

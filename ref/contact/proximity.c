@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Pairs closer than their thickness. spec/contact/proximity.md */
+/* Finds the candidates closer than their thickness and makes them contacts.
+ * spec/contact/proximity.md */
 #include "ref/contact/proximity.h"
 
 #include "ref/contact/closest.h"
@@ -38,7 +39,8 @@ static bool is_near(const struct proximity *s, int64_t k)
     return sqrt(r.length2) < (double)thickness;
 }
 
-/* §3: along p, or across both where p is lost in rounding. */
+/* §3: the normal: along p, or the primitives' own normal where p is too short
+ * to have a direction. */
 static struct wide direction(const struct wide x[4], int kind,
                              const struct closest *r)
 {
@@ -49,7 +51,7 @@ static struct wide direction(const struct wide x[4], int kind,
     return wide_dot(n, r->p) < 0 ? wide_scale(-1, n) : n;
 }
 
-/* §4 */
+/* §4: the target velocity, which the overlap and the repulsion spring give. */
 static real push_target(const struct proximity *s, const struct contact *c,
                         real overlap)
 {

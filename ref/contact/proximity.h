@@ -13,16 +13,17 @@ struct proximity {
     const real *w;       /* [nv] 1/kg, 0: led */
     struct skin skin;    /* of the vertices */
     real dt;             /* s, > 0 */
-    real stiffness;      /* N/m, ≥ 0, of the push apart (§4) */
+    real stiffness;      /* N/m, ≥ 0, of the repulsion spring, §4 */
 
     int32_t *at;             /* scratch: [n] */
-    int64_t cap;             /* contacts that fit */
+    int64_t cap;             /* capacity of contact, items */
     struct contact *contact; /* out: [found] in the candidates' order */
-    int64_t found;           /* out: contacts, also where they do not fit */
+    int64_t found;           /* out: contacts, also if beyond cap */
 };
 
 /* DRAPE_OK; DRAPE_EARG for a bad vertex, kind or dt; DRAPE_EDATA for a
- * position out of range; DRAPE_EFULL: nothing is written. */
+ * position out of range; DRAPE_EFULL where found exceeds cap: then no contact
+ * is written. */
 int ref_proximity(struct proximity *s);
 
 #endif

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The fail-safe that always ends. spec/contact/rollback.md */
+/* Puts the vertices of touching pairs back to the start of the step: the
+ * fail-safe, which always ends. spec/contact/rollback.md */
 #include "ref/contact/rollback.h"
 
+/* Whether vertex i is free and has not been rolled back. */
 static bool can_go(const struct rollback *s, int64_t i)
 {
     return s->w[i] > 0 && !s->rolled[i];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage rollback: back to where nothing touched. spec/contact/rollback.md */
+/* Stage rollback: vertices go back to the start of the step, where nothing
+ * touches. spec/contact/rollback.md */
 #ifndef REF_ROLLBACK_H
 #define REF_ROLLBACK_H
 
@@ -10,13 +11,13 @@ struct rollback {
     const int32_t *pair; /* [n][4] the pairs that touch */
     const real *w;       /* [nv] 1/kg, ≥ 0; 0: led */
     const vec *x0;       /* [nv] m, start of the step */
-    int all;             /* 1: if any must go back, all free vertices do */
+    int all;             /* 1: if any vertex goes back, all free ones do */
     vec *x1;             /* in, out: [nv] m, end of the step */
     vec *u, *v;          /* in, out: [nv] m/s, mean and end velocity */
-    uint8_t *rolled;     /* in, out: [nv] 1: has gone back in this step */
-    uint8_t *touched;    /* out: [nv] 1: went back in this call */
-    int64_t grown;       /* out: vertices that went back in this call */
-    int64_t trapped;     /* out: pairs that no vertex's going back resolves */
+    uint8_t *rolled;     /* in, out: [nv] 1: was rolled back in this step */
+    uint8_t *touched;    /* out: [nv] 1: was rolled back in this call */
+    int64_t grown;       /* out: vertices rolled back in this call */
+    int64_t trapped;     /* out: pairs without a free vertex to roll back */
 };
 
 /* DRAPE_OK, or DRAPE_EARG for a bad vertex. */

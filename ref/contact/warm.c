@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What contacts still press with when the next slice begins.
+/* Finds the push of the contacts that the next slice starts with (warm start).
  * spec/contact/warm.md */
 #include "ref/contact/warm.h"
 
-/* §1: the weights of the held contacts of vertex i. */
-static void weigh(struct warm *s, int64_t i)
+/* §1: the sum of the weights |c| of vertex i in its held contacts. */
+static void sum_weights(struct warm *s, int64_t i)
 {
     real sum = 0;
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
@@ -15,8 +15,9 @@ static void weigh(struct warm *s, int64_t i)
     s->all[i] = sum;
 }
 
-/* §2: what its free vertex j took up, as far as that is no blow. */
-static real took(const struct warm *s, const struct contact *c, int j)
+/* §2: the impulse along n that vertex j of contact c took up, up to the limit
+ * that keeps an impact out of the next slice. */
+static real kept_impulse(const struct warm *s, const struct contact *c, int j)
 {
     int32_t i = c->v[j];
     real now = vec_dot(c->n, s->g[i]), before = vec_dot(c->n, s->before[i]);
@@ -28,8 +29,9 @@ static real took(const struct warm *s, const struct contact *c, int j)
     return real_min(now, most);
 }
 
-/* §2: what all its free vertices agree on, but for what stopped an approach. */
-static void agree(struct warm *s, int64_t k)
+/* §2: λ of contact k: the smallest share among its free vertices, less the
+ * impulse that stopped an approach. */
+static void share_push(struct warm *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
     real push = R(0x1p60), give = 0;
@@ -40,7 +42,7 @@ static void agree(struct warm *s, int64_t k)
         int32_t i = c->v[j];
         if (!(s->w[i] > 0) || c->c[j] == 0)
             continue;
-        push = real_min(took(s, c, j) / s->all[i], push);
+        push = real_min(kept_impulse(s, c, j) / s->all[i], push);
         give += c->c[j] * c->c[j] * s->w[i];
     }
     real speed = real_min(vec_dot(c->n, pair_sum(c->v, c->c, s->v)), 0);
@@ -48,7 +50,7 @@ static void agree(struct warm *s, int64_t k)
         c->impulse = real_max(push + speed / give, 0);
 }
 
-/* §3 */
+/* §3: the press of vertex i. */
 static void gather(struct warm *s, int64_t i)
 {
     vec sum = vec_make(0, 0, 0);
@@ -63,10 +65,10 @@ int ref_warm(struct warm *s)
 {
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
-        weigh(s, i);
+        sum_weights(s, i);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        agree(s, k);
+        share_push(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
         gather(s, i);

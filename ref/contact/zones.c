@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rigid impact zones (Provot 1997, Bridson 2002 §7.3). spec/contact/zones.md */
+/* Joins pairs that still touch into zones and moves each zone as a rigid body
+ * (Provot 1997, Bridson 2002 §7.3). spec/contact/zones.md */
 #include "ref/contact/zones.h"
 
 static bool is_free(const struct zones *s, int32_t i)
@@ -7,9 +8,10 @@ static bool is_free(const struct zones *s, int32_t i)
     return s->w[i] > 0;
 }
 
-/* ---- §1 Components ---- */
+/* §1: components */
 
-/* The least label among the free vertices of a pair, or -1: none. */
+/* The smallest label among the free vertices of pair k, or -1 if it has none.
+ */
 static int32_t least_label(const struct zones *s, int64_t k)
 {
     int32_t least = -1;
@@ -21,6 +23,7 @@ static int32_t least_label(const struct zones *s, int64_t k)
     return least;
 }
 
+/* Lowers *label to `to`. True: it was larger. */
 static bool lower(int32_t *label, int32_t to)
 {
     bool lowers = to < *label;
@@ -29,8 +32,9 @@ static bool lower(int32_t *label, int32_t to)
     return lowers;
 }
 
-/* A vertex and what its label names take the pair's least label; then each
- * jumps to its label's label. True while something changes. */
+/* One turn of labels: each free vertex, and the vertex that its label names,
+ * take the pair's smallest label; then each vertex takes its label's label.
+ * True: a label changed. */
 static bool spread_labels(struct zones *s)
 {
     bool changed = false;
@@ -58,7 +62,7 @@ static void label_vertices(struct zones *s)
         continue;
 }
 
-/* Members of all zones, by zone and vertex, each once. */
+/* Lists the members of all zones, sorted by zone and vertex, each once. */
 static int64_t list_members(struct zones *s, struct key **members)
 {
     int64_t n = 0;
@@ -77,7 +81,7 @@ static int64_t list_members(struct zones *s, struct key **members)
     return m;
 }
 
-/* ---- §2 Sums ---- */
+/* §2: sums */
 
 static struct zone_sum sum_add(const struct zone_sum *p,
                                const struct zone_sum *q)
@@ -87,7 +91,7 @@ static struct zone_sum sum_add(const struct zone_sum *p,
     return r;
 }
 
-/* Neighbours, then neighbours' neighbours, …: the shape depends on n only. */
+/* Sums n members pairwise, as a tree whose shape depends on n alone. */
 static struct zone_sum tree(struct zone_sum *sum, int64_t n)
 {
     for (int64_t step = 1; step < n; step *= 2)
@@ -96,6 +100,8 @@ static struct zone_sum tree(struct zone_sum *sum, int64_t n)
     return sum[0];
 }
 
+/* The mass with which vertex i counts in zone z: led vertices alone where the
+ * zone has any. */
 static real mass_of(const struct zones *s, const struct zone *z, int32_t i)
 {
     if (z->led)
@@ -103,6 +109,7 @@ static real mass_of(const struct zones *s, const struct zone *z, int32_t i)
     return 1 / s->w[i];
 }
 
+/* The share of vertex i in the sums of centre and velocity. */
 static struct zone_sum linear(const struct zones *s, const struct zone *z,
                               int32_t i)
 {
@@ -114,17 +121,19 @@ static struct zone_sum linear(const struct zones *s, const struct zone *z,
     return r;
 }
 
+/* The position of vertex i relative to the centre of zone z. */
 static vec arm_of(const struct zones *s, const struct zone *z, int32_t i)
 {
     return vec_sub(vec_sub(s->x0[i], z->base), z->centre);
 }
 
+/* The share of vertex i in the sums of angular momentum and inertia. */
 static struct zone_sum angular(const struct zones *s, const struct zone *z,
                                int32_t i)
 {
     real m = mass_of(s, z, i);
     vec r = arm_of(s, z, i), d = vec_sub(s->u[i], z->velocity);
-    if (z->led) /* §3.4: half way, where chords are turns */
+    if (z->led) /* §3.4: the middle of the chord */
         r = vec_axpy(r, R(0.5) * s->dt, d);
     vec mr = vec_scale(m, r), l = vec_cross(mr, d);
     struct zone_sum sum = {m,
@@ -136,9 +145,10 @@ static struct zone_sum angular(const struct zones *s, const struct zone *z,
     return sum;
 }
 
-/* ---- §3 Motion ---- */
+/* §3: motion */
 
-/* i⁻¹ l by the adjugate; 0 where the members lie too close to a line. */
+/* The angular velocity i⁻¹ l, by the adjugate; 0 where the members lie too
+ * close to a line. */
 static vec spin_of(sym i, vec l)
 {
     vec none = vec_make(0, 0, 0);
@@ -156,7 +166,9 @@ static vec spin_of(sym i, vec l)
     return vec_scale(1 / det, sym_apply(a, vec_scale(f, l)));
 }
 
-static void solve(struct zones *s, struct zone *z, const struct key *member)
+/* Finds the rigid motion of zone z from its members. */
+static void find_motion(struct zones *s, struct zone *z,
+                        const struct key *member)
 {
     struct zone_sum *sum = s->sum + z->first;
     int64_t n = z->end - z->first;
@@ -180,8 +192,9 @@ static void solve(struct zones *s, struct zone *z, const struct key *member)
         z->spin = vec_scale(1 / real_sqrt(turn), z->spin);
 }
 
-/* The mean velocity that carries a member rigidly through the step. */
-static vec carry(const struct zones *s, const struct zone *z, int32_t i)
+/* The mean velocity that moves vertex i with zone z through the step. */
+static vec rigid_velocity(const struct zones *s, const struct zone *z,
+                          int32_t i)
 {
     vec half = vec_scale(R(0.5) * s->dt, z->spin);
     vec turn = vec_cross(z->spin, arm_of(s, z, i));
@@ -211,12 +224,12 @@ int ref_zones(struct zones *s)
     }
     EACH_ITEM
     for (int64_t k = 0; k < s->found; k++)
-        solve(s, &s->zone[k], member + s->zone[k].first);
+        find_motion(s, &s->zone[k], member + s->zone[k].first);
     EACH_ITEM
     for (int64_t k = 0; k < s->found; k++)
         for (int64_t j = s->zone[k].first; j < s->zone[k].end; j++)
             if (is_free(s, (int32_t)member[j].lo))
                 s->u[member[j].lo] =
-                    carry(s, &s->zone[k], (int32_t)member[j].lo);
+                    rigid_velocity(s, &s->zone[k], (int32_t)member[j].lo);
     return DRAPE_OK;
 }

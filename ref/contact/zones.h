@@ -1,21 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage zones: what stays tangled moves as one. spec/contact/zones.md */
+/* Stage zones: pairs that still touch move as rigid bodies.
+ * spec/contact/zones.md */
 #ifndef REF_ZONES_H
 #define REF_ZONES_H
 
 #include "ref/base/keys.h"
 #include "ref/contact/contact.h"
 
-/* A member's share of its zone's sums, §2. */
+/* The sums of a zone, or a member's share of them, §2. */
 struct zone_sum {
-    real m;   /* kg */
-    vec a, b; /* first and second vector */
+    real m;   /* kg, or a count of led members */
+    vec a, b; /* Σ m x, Σ m u; then a = L */
     sym i;    /* kg·m², inertia */
 };
 
 struct zone {
     int64_t first, end; /* its members in the sorted list */
-    bool led;           /* a led vertex is among them */
+    bool led;           /* the zone has a led member */
     vec base;           /* m, position of the first member */
     vec centre;         /* m, of mass, relative to base */
     vec velocity;       /* m/s */
@@ -24,7 +25,7 @@ struct zone {
 
 struct zones {
     int64_t nv, n;       /* vertices, pairs; 4 n < 2^31 */
-    const int32_t *pair; /* [n][4] unresolved pairs, all rounds of the step */
+    const int32_t *pair; /* [n][4] pairs that touched since impulses ended */
     const real *w;       /* [nv] 1/kg, ≥ 0; 0: led */
     const vec *x0;       /* [nv] m, start of the step */
     real dt;             /* s, > 0 */
@@ -36,7 +37,7 @@ struct zones {
     struct zone_sum *sum;    /* scratch: [n4] */
     struct zone *zone;       /* scratch: [n] */
     int32_t *vertex;         /* out: [n4] free vertices of zones, by zone */
-    int64_t vertices;        /* out: how many */
+    int64_t vertices;        /* out: length of vertex */
     int64_t found;           /* out: zones */
 };
 

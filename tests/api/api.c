@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every function of spec/drape.h with every pointer NULL in turn and every
- * integer at its extremes: a status, and the world goes on as it was. */
+/* Calls every function of spec/drape.h with each pointer NULL in turn and each
+ * integer at its extremes: the call returns a status, and the world is as it
+ * was. */
 #include "tests/api/api.h"
 
 #include <stdio.h>
 
-/* ---- Calls on a world ---- */
+/* Calls on a world */
 
 static const char *call_defaults(struct api *a)
 {
@@ -60,10 +61,11 @@ static const char *call_reads(struct api *a)
     return NULL;
 }
 
-/* One code for one fault, the same as in a definition. */
+/* Wrong wind is refused with the same code as in a definition. */
 static const char *call_wind(struct api *a)
 {
-    const drape_wind calm = {{0, 0, 0}, 0, 1, 1};
+    const drape_wind calm = {
+        .velocity = {0, 0, 0}, .density = 0, .drag = 1, .lift = 1};
     const double wrong[] = {(double)NAN, (double)INFINITY, 0x1p61, -0x1p61, -1};
     drape_wake(NULL);
     REFUSES(drape_set_wind(NULL, &calm));
@@ -139,7 +141,7 @@ static const char *call_texts(struct api *a)
     return NULL;
 }
 
-/* ---- The table ---- */
+/* The table of all functions */
 
 static const struct {
     const char *name;
@@ -181,7 +183,7 @@ static bool in_table(const char *name, size_t length)
     return false;
 }
 
-/* How many prototypes the header has that the table lacks, by their names. */
+/* Counts the prototypes of the header whose names the table lacks. */
 static int count_missing(FILE *header, int *prototypes)
 {
     char line[256];

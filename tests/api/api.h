@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the tests of the API's refusals share. */
+/* Helpers shared by the tests of the API's refusals. */
 #ifndef TESTS_API_H
 #define TESTS_API_H
 
 #include "tests/api/guest.h"
 
-/* -1, and what is furthest from 0. */
+/* Integers out of range: -1, and the extremes of the type. */
 extern const int api_extremes[];
 extern const int64_t api_wide[];
 enum { EXTREMES = 3 };
@@ -15,14 +15,14 @@ enum { EXTREMES = 3 };
         EXPECT((call) == DRAPE_EARG);                                          \
         ran(1);                                                                \
     } while (0)
-/* The call is refused with each extreme in the place of `lvalue`. */
+/* The call is refused for each of these values of `lvalue`. */
 #define REFUSES_EACH(values, lvalue, call)                                     \
     for (int k_ = 0; k_ < EXTREMES; k_++) {                                    \
         lvalue = (values)[k_];                                                 \
         REFUSES(call);                                                         \
     }
 
-/* A guest's scene with a pin and a motion of two keys. */
+/* The scene of tests/api/guest.h, with a pin and a motion of two keys. */
 struct input {
     struct guest g;
     drape_pin pin;
@@ -30,7 +30,7 @@ struct input {
     double time[2], position[2][3], rotation[2][4], frame[8][3];
 };
 
-/* What the functions are called on. */
+/* The arguments of the calls. */
 struct api {
     struct input input;
     drape_world *world;
@@ -42,9 +42,9 @@ struct api {
 
 void api_input(struct input *d);
 
-/* Of tests/api/api_create.c: what drape_create refuses. */
+/* Faults that drape_create refuses; in tests/api/api_create.c. */
 const char *api_call_create(struct api *a);
-/* Of tests/api/api_mesh.c. */
+/* Faults that the calls on a mesh refuse; in tests/api/api_mesh.c. */
 const char *api_call_audit(struct api *a);
 const char *api_call_ccd(struct api *a);
 const char *api_call_frames(struct api *a);

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What drape_create refuses: pointers that are NULL, integers at their
- * extremes, numbers that are none, each with the one code of spec/drape.h. */
+/* drape_create refuses NULL pointers, integers at their extremes, and NaN or
+ * infinite numbers, each with the status that spec/drape.h names. */
 #include "tests/api/api.h"
 
 const int api_extremes[] = {INT32_MIN, -1, INT32_MAX};
 const int64_t api_wide[] = {INT64_MIN, -1, INT64_MAX};
 
-/* A definition that differs by `change` is refused with `status`, in words. */
+/* A definition changed by `change` is refused with `status` and a message. */
 #define REFUSES_DEF(change, status)                                            \
     do {                                                                       \
         struct input d;                                                        \
@@ -24,7 +24,7 @@ const int64_t api_wide[] = {INT64_MIN, -1, INT64_MAX};
         for (int k_ = 0; k_ < EXTREMES; k_++)                                  \
             REFUSES_DEF(lvalue = api_extremes[k_], DRAPE_EARG);                \
     } while (0)
-/* The rule of codes, for a number that has to be above 0, or at least 0. */
+/* The codes for a number that must be above 0, or at least 0. */
 #define REFUSES_NUMBER(lvalue)                                                 \
     do {                                                                       \
         REFUSES_DEF(lvalue = -1, DRAPE_EARG);                                  \
@@ -32,7 +32,7 @@ const int64_t api_wide[] = {INT64_MIN, -1, INT64_MAX};
         REFUSES_DEF(lvalue = (double)INFINITY, DRAPE_EDATA);                   \
         REFUSES_DEF(lvalue = -0x1p61, DRAPE_EDATA);                            \
     } while (0)
-/* The same for a coordinate, which may be negative. */
+/* The codes for a coordinate, which may be negative. */
 #define REFUSES_COORDINATE(lvalue)                                             \
     do {                                                                       \
         REFUSES_DEF(lvalue = (double)NAN, DRAPE_EDATA);                        \

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the API's calls on a mesh and on a pair refuse. */
+/* The API's calls on a mesh and on a pair refuse wrong arguments. */
 #include "tests/api/api.h"
 
-/* What both refuse of a mesh; audit where touch is NULL. */
+/* Calls drape_audit, or drape_ccd_frames where touch is not NULL. */
 static int ask(const struct api *a, const drape_mesh *mesh, drape_touch *touch)
 {
     int64_t found;

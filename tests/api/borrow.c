@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a world shows its host: its streams without a copy, and a log.
- * spec/drape.h */
+/* A world lends its streams to the host program without a copy, and writes a
+ * log. spec/drape.h */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -9,7 +9,9 @@
 
 enum { SETTLE = 12, SHORT = 3 };
 
-/* n numbers of the view's precision, wherever they lie. */
+/* Copies n numbers of the view's precision to `to`, from the host or the
+ * device.
+ */
 static void fetch(struct gpu *g, const drape_view *view, const void *from,
                   size_t n, double *to)
 {
@@ -50,8 +52,8 @@ static const char *compare_view(const drape_world *world, struct gpu *g,
     return NULL;
 }
 
-/* What drape_borrow shows is what drape_read copies, on the caller's stream,
- * without an allocation, as the scene collides. */
+/* drape_borrow lends the same numbers that drape_read copies, on the caller's
+ * stream and without an allocation, while the scene collides. */
 const char *test_embed_borrow(void)
 {
     int status;
@@ -85,8 +87,7 @@ const char *test_embed_borrow(void)
     return NULL;
 }
 
-/* ---- The log ---- */
-
+/* The number of log lines of each kind. */
 struct lines {
     int made, grew, failed, other;
     char last[640];
@@ -103,8 +104,8 @@ static void hear(void *user, const char *line)
     snprintf(l->last, sizeof l->last, "%s", line);
 }
 
-/* One line when a world is made or refused, when memory grows, when a step
- * fails; nothing else. */
+/* The log has one line when a world is made or refused, when memory grows, and
+ * when a step fails; it has no other lines. */
 const char *test_embed_log(void)
 {
     for (int backend = DRAPE_REF; backend <= DRAPE_GPU; backend++) {
@@ -121,7 +122,7 @@ const char *test_embed_log(void)
             return skip("there is no device");
         EXPECT(status == DRAPE_OK && l.made == 1);
         EXPECT(strstr(l.last, backend ? "gpu" : "ref"));
-        struct purse *purse = backend ? &s.device : &s.host;
+        struct counting_allocator *purse = backend ? &s.device : &s.host;
         purse->most = purse->calls;
         EXPECT(guest_go(world, SHORT) == DRAPE_ENOMEM && l.failed == 1);
         purse->most = INT64_MAX;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* drape as a guest in another program: memory is the caller's, short memory
- * is a status, worlds in several threads do not meet. spec/drape.h */
+/* drape embedded in another program: all memory comes from the caller, lack of
+ * memory is a status, and worlds in several threads are independent.
+ * spec/drape.h */
 #include <dirent.h>
 #include <pthread.h>
 #include <stdio.h>
@@ -21,8 +22,8 @@ static size_t planned(const drape_world *world)
     return sum;
 }
 
-/* What is counted is what was taken; once the scene has settled nothing is;
- * in the end all is back. */
+/* Reported bytes are the bytes allocated; once the scene has settled nothing
+ * more is allocated; in the end all memory is given back. */
 const char *test_embed_memory(void)
 {
     for (int backend = DRAPE_REF; backend <= DRAPE_GPU; backend++) {
@@ -42,7 +43,7 @@ const char *test_embed_memory(void)
         EXPECT(b.host_allocations == s.host.calls);
         EXPECT(b.device_allocations == s.device.calls);
         EXPECT(b.device_bytes == s.device.held);
-        /* each block of the host's has a header of 64 bytes */
+        /* each host allocation has a header of 64 bytes */
         EXPECT(b.host_bytes < s.host.held);
         EXPECT(planned(world) == (backend ? b.device_bytes : b.host_bytes));
         drape_destroy(world);
@@ -52,8 +53,9 @@ const char *test_embed_memory(void)
     return NULL;
 }
 
-/* What the solver lends is enough for a scene's contact, and what it borrows
- * does not mix with what outlasts a solve: emulated, each solve spoils that. */
+/* Contact borrows the memory of the solver. That memory suffices for the scene,
+ * and nothing that must survive a solve is stored there: the emulated device
+ * overwrites it in each solve. */
 const char *test_embed_lent(void)
 {
     uint64_t hash[2];
@@ -64,7 +66,7 @@ const char *test_embed_lent(void)
         drape_memory a, b;
         guest_make(&s, backend);
         s.cloth.m = s.cloth.n = 24;
-        s.def.matrix = DRAPE_CDF; /* which lends most */
+        s.def.matrix = DRAPE_CDF; /* this matrix lends most memory */
         s.def.precond = DRAPE_JACOBI;
         int status = drape_create(&s.def, &world, NULL);
         if (status == DRAPE_EDEVICE)
@@ -86,8 +88,10 @@ const char *test_embed_lent(void)
     return NULL;
 }
 
-/* Whichever allocation of drape_create fails: a status, and nothing stays. */
-static const char *short_making(struct guest *s, struct purse *purse)
+/* Whichever allocation of drape_create fails, it returns a status and keeps no
+ * memory. */
+static const char *short_making(struct guest *s,
+                                struct counting_allocator *purse)
 {
     for (purse->most = 0;; purse->most++) {
         drape_world *world;
@@ -106,10 +110,10 @@ static const char *short_making(struct guest *s, struct purse *purse)
     }
 }
 
-/* Allocation k after drape_create fails: that step changes nothing, and when
- * there is room again the world goes on to the same end. */
-static const char *short_run(struct guest *s, struct purse *purse, int64_t k,
-                             uint64_t want, bool *failed)
+/* Allocation k after drape_create fails: the step leaves the state as it was,
+ * and when there is memory again the run ends with the same bits. */
+static const char *short_run(struct guest *s, struct counting_allocator *purse,
+                             int64_t k, uint64_t want, bool *failed)
 {
     drape_world *world;
     *failed = false;
@@ -142,14 +146,14 @@ const char *test_embed_short(void)
         struct guest s;
         drape_world *world;
         guest_make(&s, backend);
-        s.def.precond = DRAPE_JACOBI; /* emulated, the other takes long */
+        s.def.precond = DRAPE_JACOBI; /* emulated multigrid is slow */
         int status = drape_create(&s.def, &world, NULL);
         if (status == DRAPE_EDEVICE)
             return skip("there is no device");
         EXPECT(status == DRAPE_OK && guest_go(world, SHORT) == DRAPE_OK);
         uint64_t want = scene_hash(world);
         drape_destroy(world);
-        struct purse *purse[] = {&s.host, &s.device};
+        struct counting_allocator *purse[] = {&s.host, &s.device};
         for (int j = 0; j <= backend; j++) {
             const char *what = short_making(&s, purse[j]);
             int64_t k = 0;
@@ -164,11 +168,9 @@ const char *test_embed_short(void)
     return NULL;
 }
 
-/* ---- Threads ---- */
-
 struct job {
     int backend;
-    uint64_t hash; /* out: 0 where it failed */
+    uint64_t hash; /* out: 0 if the run failed */
 };
 
 static void *work(void *user)
@@ -198,8 +200,8 @@ static int threads_now(void)
     return n;
 }
 
-/* Worlds in threads of the caller's give what each gives alone, and on the
- * reference no thread comes that was not asked for. */
+/* Worlds in several threads of the caller give the same bits as each world
+ * alone, and the reference starts no thread unless asked to. */
 const char *test_embed_threads(void)
 {
     pthread_t thread[THREADS];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A small scene and its allocators, as tests/api/guest.h says. */
+/* A small scene and counting allocators; see tests/api/guest.h. */
 #include "tests/api/guest.h"
 
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 
 static void *pay(void *user, size_t bytes)
 {
-    struct purse *p = user;
+    struct counting_allocator *p = user;
     if (p->calls++ >= p->most)
         return NULL;
     void *q = p->from ? p->from->allocate(p->from->user, bytes)
@@ -19,7 +19,7 @@ static void *pay(void *user, size_t bytes)
 
 static void give(void *user, void *q, size_t bytes)
 {
-    struct purse *p = user;
+    struct counting_allocator *p = user;
     p->held -= bytes;
     if (p->from)
         p->from->release(p->from->user, q, bytes);

@@ -1,30 +1,30 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A small scene as a program that embeds drape would make it, with allocators
- * that count. */
+/* A small scene, made as a program that embeds drape would make it, with
+ * allocators that count. */
 #ifndef TESTS_GUEST_H
 #define TESTS_GUEST_H
 
 #include "tests/base/harness.h"
 
-/* An allocator that counts, and gives nothing from call `most` on. */
-struct purse {
+/* An allocator that counts, and fails from call `most` on. */
+struct counting_allocator {
     const drape_allocator *from; /* NULL: the host's */
     size_t held;
     int64_t calls, most;
 };
 
-/* A sheet falls a little on a plate that it overhangs. */
+/* A sheet falls a short way onto a plate that is smaller than the sheet. */
 struct guest {
     drape_def def;
     drape_cloth cloth;
     drape_obstacle plate;
-    struct purse host, device;
+    struct counting_allocator host, device;
 };
 
-/* s is not to move while a world of it is there. */
+/* Fills s. s must stay at its address while a world made of it exists. */
 void guest_make(struct guest *s, int backend);
 
-/* DRAPE_OK, or what a step returned. */
+/* Makes `steps` steps. DRAPE_OK, or the status of the step that failed. */
 int guest_go(drape_world *world, int steps);
 
 #endif

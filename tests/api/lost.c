@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A device that is lost, wherever that happens: a status from there on, and
- * the reference goes on. spec/gpu.md §10 */
+/* When a device is lost, at whatever point, all calls on its world return a
+ * status from then on, and worlds of the reference continue. spec/gpu.md §10 */
 #include <stdio.h>
 #include <stdlib.h>
 #include <sys/wait.h>
@@ -14,17 +14,17 @@
 
 enum { STEPS = 3, PATIENCE = 120 };
 
-/* A world whose device is to be lost, and the reference's beside it. */
+/* A world whose device will be lost, and a world of the reference beside it. */
 struct loss {
     struct guest lent, here;
     drape_world *world, *twin;
-    uint64_t want;  /* the twin's hash after STEPS */
-    char last[640]; /* line of the log */
-    struct gpu *g;  /* the same device, to lose it with */
-    int stages;     /* until it is lost, where they are traced */
+    uint64_t want;  /* the twin's hash after STEPS steps */
+    char last[640]; /* last line of the log */
+    struct gpu *g;  /* the same device, by which the test loses it */
+    int stages;     /* traced stages until the device is lost */
 };
 
-/* On a real one a kernel reads where nothing is. */
+/* Loses the device; on a real device a kernel reads an invalid address. */
 static void lose(struct gpu *g)
 {
     struct history nothing = {.count = 1};
@@ -55,7 +55,8 @@ static int write_nothing(void *user, const void *data, size_t bytes)
     return 0;
 }
 
-/* The reference's world has done a step of STEPS; the other is not made. */
+/* Makes the reference's world and its first step; the other world is not made
+ * yet. */
 static const char *prepare(struct loss *l, int precond)
 {
     guest_make(&l->here, DRAPE_REF);
@@ -72,7 +73,7 @@ static const char *prepare(struct loss *l, int precond)
     return NULL;
 }
 
-/* No other world can be made there. */
+/* No other world can be made on the lost device. */
 static const char *refused(struct loss *l)
 {
     drape_world *other;
@@ -82,7 +83,7 @@ static const char *refused(struct loss *l)
     return NULL;
 }
 
-/* Each call on the world says so, and the log says why. */
+/* Each call on the world returns DRAPE_EDEVICE, and the log says why. */
 static const char *stays_lost(struct loss *l)
 {
     double x[64][3], v[64][3];
@@ -101,7 +102,7 @@ static const char *stays_lost(struct loss *l)
     return refused(l);
 }
 
-/* The reference is not touched, and in the end all memory is given back. */
+/* The reference's world continues, and in the end all memory is given back. */
 static const char *goes_on(struct loss *l)
 {
     EXPECT(guest_go(l->twin, STEPS - 1) == DRAPE_OK);
@@ -113,13 +114,12 @@ static const char *goes_on(struct loss *l)
     return NULL;
 }
 
-/* ---- Emulated: with any of its operations ---- */
-
-/* *lost: whether drape_create and the steps came to operation k. */
+/* Emulated device: it is lost at its operation k. *lost: whether drape_create
+ * and the steps made that many operations. */
 static const char *lost_at(struct gpu *g, int64_t k, bool *lost)
 {
     struct loss l = {.g = g};
-    const char *what = prepare(&l, DRAPE_JACOBI); /* the other takes long */
+    const char *what = prepare(&l, DRAPE_JACOBI); /* multigrid is slow here */
     if (what)
         return what;
     gpu_set_way(g, (struct gpu_way){.lost = k});
@@ -141,11 +141,11 @@ static const char *lost_at(struct gpu *g, int64_t k, bool *lost)
     return what;
 }
 
-/* ---- In a process of its own ---- */
+/* Real device: it is lost in a child process */
 
 const char *lose_device(int stage)
 {
-    alarm(PATIENCE); /* a call that never returns is a failure, too */
+    alarm(PATIENCE); /* a call that never returns is a failure too */
     int status;
     struct loss l = {.g = gpu_open(NULL, &status), .stages = stage};
     EXPECT(l.g);
@@ -169,7 +169,8 @@ const char *lose_device(int stage)
     return what;
 }
 
-/* CUDA lets nobody have the device again who has lost it. */
+/* Runs the test in a child process, since CUDA does not give a process a device
+ * again that the process has lost. */
 static const char *lose_apart(int stage)
 {
     char number[16];

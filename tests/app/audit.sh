@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=sh disable=SC2154
-# An audit of a run tests everything, or says what it could not test.
+# An audit of a run tests all bodies, or names those it could not test.
 # Read by tests/app.sh, whose functions it calls.
 
 exits 'a run with a moving obstacle' 0 run moves.json --out missing --frames 3

@@ -3,7 +3,7 @@
 # The commands that read and write frames, meshes and pictures.
 # Read by tests/app.sh, whose functions it calls.
 
-# ---- audit, convert, ccd, render ----
+# audit, convert, ccd, render
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0.2 0.2 -1\nv 0.2 0.2 1\nv 0.9 0.9 0\n' >x.obj
 printf 'f 1 2 3\nf 4 5 6\n' >>x.obj
 exits 'audit finds a pair' 1 audit x.obj --list
@@ -53,7 +53,7 @@ refused 'ccd without kind' '--kind' ccd hit.csv
 head -n 8 good.ply >before.ply
 sed -i 's/vertex 3/vertex 6/; s/face 1/face 2/' before.ply
 cp before.ply after.ply
-# A triangle falls through the middle of another, flat one.
+# A triangle falls through the middle of a horizontal triangle.
 for z in 1 -1; do
     file=before.ply
     [ $z = 1 ] || file=after.ply
@@ -66,7 +66,7 @@ exits 'ccd of a mesh at rest' 0 ccd --frames before.ply before.ply
 is 'nothing touches' test ! -s out
 refused 'ccd of one frame' 'two meshes' ccd --frames before.ply
 refused 'ccd of two meshes' 'good.ply' ccd --frames before.ply good.ply
-# Pairs in any order of their vertices, one form for each.
+# Pairs come in any order of their vertices; each has one normal form.
 pairs() {
     python3 -c '
 import sys
@@ -98,14 +98,14 @@ is 'film or a word' sh -c 'test -s "an out/film.mp4" || grep -q ffmpeg err'
 exits 'plan' 0 plan tiny.json
 is 'plan says on and off' sh -c 'grep -q " on " out && grep -q " off " out'
 
-# What is written of ranges and defaults, against what is so.
+# Ranges and defaults in the documents agree with the code.
 line=$(python3 "$root/tests/defaults.py" "$drape" \
     "$root/app/scenes/README.md" | tee defaults | tail -n 1)
 grep '^not ok' defaults
 passed=$((passed + ${line%% *}))
 failed=$((failed + $(echo "$line" | cut -d' ' -f3)))
 
-# The tables of the paper's figures, of a scene that takes no time.
+# The tables of the paper's figures, made from a very small scene.
 is 'runs for the tables' sh -c 'cd "$1" && SCENES=tiny FRAMES=6 SHORT=4 \
     EVERY=2 STEPS=1 THREADS="1 2" BACKEND=ref sh ci/bench/scenes.sh \
     "${2%/*}" "$3/bench"' sh "$root" "$drape" "$work"

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=sh disable=SC2154
-# A run's folder: whose it is, what is in it, and where it cannot be written.
+# A run's folder: which run owns it, which files it has, and refusals where it
+# cannot be written.
 # Read by tests/app.sh, whose functions it calls.
 
-# ---- One run, one folder ----
+# One run, one folder
 refused 'a folder that holds a run' 'w2: holds a run' run tiny.json --out w2
 refused 'a folder that holds another run than the checkpoint' \
     'v: holds another run' run tiny.json --out v --resume u2/checkpoint.drape
@@ -38,7 +39,7 @@ kill -9 $child
 wait $child 2>/dev/null
 exits 'a lock ends with its run' 0 run tiny.json --out locked --force
 is 'all is of that run' python3 "$what" same u2 locked
-# Of two that begin at once one writes, and the other says why it does not.
+# Of two runs that start at once one writes, and the other prints why it cannot.
 for k in 1 2 3; do
     "$drape" run tiny.json --out at_once$k --frames 3 >/dev/null 2>err1 &
     child=$!
@@ -49,7 +50,7 @@ for k in 1 2 3; do
     exits "a whole run is left, $k" 0 audit at_once$k
 done
 
-# ---- Where nothing can be written ----
+# Folders that cannot be written
 refused 'a folder without a name' '--out: expected a value' \
     run tiny.json --out ''
 refused 'a scene without a name' 'argument 1' run ''

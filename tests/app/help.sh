@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=sh disable=SC2154
-# Help, the manual's words, exit codes.
+# Help, the manual and exit codes agree with the code.
 # Read by tests/app.sh, whose functions it calls.
 
-# ---- help and exit codes ----
+# Help and exit codes
 exits 'help' 0 help
 is 'help names every command' sh -c 'for c in run plan audit render ccd \
     convert info help; do grep -q "^  $c " out || exit 1; done'

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=sh disable=SC2154
-# Meshes and scenes that are damaged, or made to do damage.
+# Damaged and malicious meshes and scenes are refused with one line.
 # Read by tests/app.sh, whose functions it calls.
 
-# no_mesh NAME TEXT FILE: no command takes the file for a mesh.
+# no_mesh NAME TEXT FILE: every command refuses the file as a mesh, with TEXT.
 no_mesh() {
     refused "$1" "$3: $2" convert "$3" refused
 }
 
-# ---- formats that assimp reads, in a process of its own ----
-# collada FILE COUNT: two triangles, whose five vertices are said to be COUNT
-# numbers.
+# Formats that assimp reads in a child process
+# collada FILE COUNT: two triangles with five vertices; the file claims COUNT
+# numbers for them.
 collada() {
     cat >"$1" <<EOT
 <?xml version="1.0"?>
@@ -76,7 +76,7 @@ no_mesh 'glTF, index out of range' 'cannot be read as a mesh' index.gltf
 printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n' >cut.stl
 no_mesh 'STL that ends early' 'cannot be read as a mesh' cut.stl
 
-# ---- OFF ----
+# OFF
 # off FILE HEAD FACES...: four vertices and these faces.
 off() {
     file=$1
@@ -118,8 +118,9 @@ no_mesh 'OFF of more than can be counted' 'line 1: expected the num' bad.off
 off bad.off 'OFF BINARY'
 no_mesh 'binary OFF' 'line 1: expected the numbers of' bad.off
 
-# ---- PLY ----
-# ply FILE FACE [FROM TO]: three vertices and a face; FROM becomes TO.
+# PLY
+# ply FILE FACE [FROM TO]: three vertices and a face; TO replaces FROM in the
+# file.
 ply() {
     printf '%s\n' ply 'format ascii 1.0' 'element vertex 3' \
         'property double x' 'property double y' 'property double z' \
@@ -164,7 +165,7 @@ no_mesh 'PLY that goes on' 'goes on behind what its header' bad.ply
 ln -s /dev/zero zero.ply
 no_mesh 'device as a mesh' 'is a device or a pipe' zero.ply
 
-# ---- frames of a deforming obstacle ----
+# Frames of a deforming obstacle
 ply turn_0.ply '3 0 1 2'
 ply turn_1.ply '3 1 0 2'
 sed 's/{"mesh".*}\]/{"frames": {"files": "turn_%d.ply", "count": 2}}]/' \
@@ -174,8 +175,8 @@ refused 'frames of other triangles' \
 cp turn_0.ply turn_1.ply
 exits 'frames of the same' 0 plan frames.json
 
-# ---- motions ----
-# motion FILE KEYS [STEPS]: a box that goes so, far from a cloth.
+# Motions
+# motion FILE KEYS [STEPS]: a box that moves by these keys, far from a cloth.
 motion() {
     cat >"$1" <<EOT
 {"frames": ${3-6}, "cloths": [{"particles": [3, 3], "size": [0.1, 0.1],
@@ -184,8 +185,8 @@ motion() {
  "motions": [{"name": "s", "keys": [$2]}]}
 EOT
 }
-# turns NAME FROM TO: of six frames between these keys, each has turned by
-# the same about one axis: 0, 1/6 … 6/6 of the whole turn, degrees AXIS…
+# turns NAME FROM TO: from one key to the other each of six frames rotates by the
+# same angle about one axis: 0, 1/6 … 6/6 of the rotation, degrees AXIS…
 turns() {
     exits "$1" 0 run motion.json --out turn --force
     is "$1: evenly" python3 - "$2" <<'EOT'
@@ -252,7 +253,7 @@ awk 'BEGIN { for (k = 0; k < 900; k++)
 exits 'shapes beyond the limit of memory' 3 plan capsules.json
 is 'which is said' grep -q 'vertices: no memory left within' err
 
-# ---- JSON ----
+# JSON
 # json NAME TEXT FILE-CONTENT
 json() {
     printf '%b' "$3" >json.json
@@ -278,7 +279,7 @@ json 'list in a list' '$.cloths[0]: expected an object' '{"cloths": [[]]}'
 json 'key twice, where both are right' '$: key "dt" is there twice' \
     '{"dt": 0.1, "frames": 1, "dt": 0.1}'
 
-# ---- cloths ----
+# Cloths
 # sheet TEXT: a cloth of 21 × 11 particles, 1 m × 0.5 m, with these keys.
 sheet() {
     cat >sheet.json <<EOT
@@ -332,7 +333,7 @@ echo "{\"memory\": 1, \"cloths\": [$cloth, $cloth, $cloth]}" >three.json
 refused 'three cloths, of which two fit' '$.cloths[2]: particles: 2430000' \
     plan three.json
 
-# ---- the report of a run, as render reads it ----
+# The report of a run, as render reads it
 exits 'a run to look at' 0 run tiny.json --frames 0 --out seen
 cp seen/report.json seen.json
 # seen NAME PLACE FROM TO: its report has TO for FROM.
@@ -354,7 +355,7 @@ refused 'a frame too large for a picture' 'seen: frame 0: expected coordinates' 
     render seen --frame 0 --width 16 --height 16
 seen 'no time' '$.dt' '"dt": [^,]*' '"dt": 0'
 
-# ---- rows of drape ccd ----
+# Rows of drape ccd
 # rows FILE ROW COUNT
 rows() {
     awk -v row="$2" -v n="$3" 'BEGIN { while (n--) print row }' >"$1"
@@ -390,7 +391,7 @@ refused 'ccd, a mark of byte order' 'line 1: expected whole numbers' \
 rows seven.csv $zeros 7
 refused 'ccd, seven rows' 'line 7: expected 8 rows' ccd --kind vf seven.csv
 
-# ---- all of them damaged ----
+# All of these files, damaged
 mkdir damaged
 cp good.dae good.gltf good.off back.obj turn_0.ply damaged
 exits 'binary PLY' 0 convert turn_0.ply damaged/binary.ply

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=sh disable=SC2154
-# What is asked of scenes and meshes.
+# Faults in scenes and meshes are refused; correct ones are read.
 # Read by tests/app.sh, whose functions it calls.
 
-# ---- scenes ----
+# Scenes
 printf '{"frames": 3,\n "cloths": [}\n' >broken.json
 refused 'malformed JSON, by line' 'broken.json: line 2' run broken.json
 : >empty.json
@@ -57,7 +57,7 @@ exits 'start that intersects, allowed' 0 plan start.json --allow-intersecting
 sed 's/"thickness": 0.01/"thickness": 0/' tiny.json >key.json
 refused 'thickness 0' 'thickness' run key.json --out refused
 
-# ---- meshes ----
+# Meshes
 obstacle nowhere.obj
 refused 'missing mesh' 'mesh.json: $.obstacles[0]: mesh nowhere.obj: found' \
     run mesh.json --out refused

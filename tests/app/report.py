@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What a run has left, looked at from outside; called by tests/app/*.sh.
+"""Checks the files of runs without the tool; called by tests/app/*.sh.
 
-usage: report.py same A B         all of two runs is equal, but for times
-       report.py sums DIR         the summary is what the steps come to
-       report.py rows DRAPE CK    every field of a report's row, its sums, and
-                                  its ranges, by checkpoints made here of CK
-       report.py damage DRAPE CK  no checkpoint with a wrong byte is taken
-Fails with a line that says where.
+usage: report.py same A B         two runs are equal except for times
+       report.py sums DIR         the summary agrees with the steps' reports
+       report.py rows DRAPE CK    each field of a report's row, the sums and the
+                                  ranges, by checkpoints made here from CK
+       report.py damage DRAPE CK  a checkpoint with a wrong byte is refused
+Fails with a line that names the place.
 """
 import filecmp
 import json
@@ -16,7 +16,7 @@ import struct
 import subprocess
 import sys
 
-# app/checkpoint.h's header and drape_step_report, as the host lays them out.
+# The header of app/checkpoint.h and drape_step_report, in the host's layout.
 HEADER = struct.Struct("@16s Q Q q d 3d 2d 2i")
 ROW = struct.Struct("@q d 4i d i 6q 3d 5d 4i 6q")
 OUTCOME, SECONDS, WORK = 2, slice(17, 22), slice(22, 32)
@@ -40,7 +40,7 @@ def load(directory):
         return json.loads(file.read().decode("utf-8"), parse_constant=refuse)
 
 
-# ---- Two runs ----
+# Two runs
 
 def strip(report):
     """Without times, and the memory that a process came to need."""
@@ -83,7 +83,7 @@ def same(a, b):
     assert trace(a) == trace(b), "trace.csv"
 
 
-# ---- A report ----
+# A report
 
 def check_sums(report):
     """The summary against the steps, which are added up here."""
@@ -109,7 +109,7 @@ def check_sums(report):
         "last": bad[-1] if bad else None}, "intersecting"
 
 
-# ---- Checkpoints made here ----
+# Checkpoints made by this script
 
 def checksum(data):
     value = 0xcbf29ce484222325
@@ -211,7 +211,8 @@ def check_ranges(drape, header, rows, state):
                                 *range(WORK.start, WORK.stop)]]
     tries += [(j, 2 ** 41) for j in [*range(8, 14), *range(26, 32)]]
     tries += [(j, v) for j in [6, 14, 15, 16] for v in [nan, inf]]
-    tries += [(j, v) for j in range(17, 22) for v in [nan, inf, -1.0]]
+    tries += [(j, v) for j in range(SECONDS.start, SECONDS.stop)
+              for v in [nan, inf, -1.0]]
     for j, value in tries:
         row = list(rows[3])
         row[j] = value

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=sh disable=SC2154
-# Whether a run that goes on is the unbroken one, and what checkpoints hold.
+# A resumed run equals an unbroken run, and checkpoints hold the whole state.
 # Read by tests/app.sh, whose functions it calls.
 
 what=$root/tests/app/report.py
 
-# ---- A run that goes on ----
-# What moves, turns, traces and skips frames, in two cloths and two obstacles.
+# A resumed run
+# The scene has two cloths and two obstacles, motions, a trace, and skips frames.
 cat >moves.json <<'EOF'
 {"name": "moves", "frames": 12, "steps_per_frame": 2,
  "cloths": [
@@ -57,7 +57,7 @@ exits 'what --error chose holds on' 0 run tiny.json --out near2 --frames 6 \
     --resume near2/checkpoint.drape
 is 'and the estimate' python3 "$what" same near near2
 
-# A run that is killed leaves whole files, a report and its trace so far.
+# A killed run leaves complete files, a report and its trace so far.
 scene killed.json ', "steps_per_frame": 11, "sleep": false}'
 "$drape" run killed.json --out killed --trace --no-obj --frames 100000 \
     --checkpoint-every 2 >out 2>err &
@@ -80,7 +80,7 @@ is 'its trace has all steps' sh -c '[ "$(tail -n +2 killed/trace.csv |
 is 'nothing of the killed writer is left' sh -c \
     '! find killed -name ".*" | grep -q .'
 
-# ---- What a checkpoint holds ----
+# Checkpoints
 exits 'a run of 600 steps' 0 run tiny.json --out 600 --frames 600 --no-obj \
     --every 600 --checkpoint-every 600
 is 'every field, sum and range of its report' python3 "$what" rows "$drape" \
@@ -93,7 +93,7 @@ refused 'a checkpoint of an older version' 'another version' \
 refused 'a checkpoint that is a folder' 'is a directory' \
     run tiny.json --out refused --resume u2
 
-# ---- Steps that are not clean ----
+# Steps that are not clean
 cat >storm.json <<'EOF'
 {"frames": 20, "cloths": [{"particles": [21, 21], "size": [1, 1],
   "pins": [{"edge": "u0"}]}],
@@ -115,7 +115,7 @@ head = struct.unpack("<12siiffi", open("storm/cloth.pc2", "rb").read(32))
 assert head[-1] == done + 1 > 1'
 is 'its summary is the sum of its steps, too' python3 "$what" sums storm
 
-# ---- Names ----
+# Names
 printf '{"name": "\377a\300\257\355\240\200\364\220\200\200\\u0001\177\303\251",
  "frames": 0, "cloths": [{"particles": [3, 3], "size": [1, 1],
   "name": "q\\"\\\\\\n\360\237\247\265\342\202"}]}' >odd.json

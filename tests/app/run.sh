@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=sh disable=SC2154
-# A run and its checkpoints.
+# A run, its files and its checkpoints.
 # Read by tests/app.sh, whose functions it calls.
 
-# ---- a run and what it leaves ----
+# A run and its files
 mkdir 'a path'
 cp tiny.json 'a path/my scene.json'
 exits 'path with spaces' 0 run 'a path/my scene.json' --out 'an out'
@@ -78,7 +78,7 @@ refused '--error of 0' '--error' run tiny.json --error 0
 refused '--error and --resume' '--error' \
     run tiny.json --error 1 --resume half/checkpoint.drape
 
-# ---- checkpoints ----
+# Checkpoints
 exits 'checkpoint' 0 run tiny.json --out half --frames 4 --checkpoint-every 4
 exits 'resume' 0 run tiny.json --out half --resume half/checkpoint.drape
 is 'resumed equals unbroken' cmp half/cloth.pc2 'an out/cloth.pc2'

@@ -62,7 +62,7 @@ void gen_contacts(struct bytes *b, struct contacts *s)
         u[i] = pick_vec(b, 10);
         v[i] = pick(b, 2) ? u[i] : pick_vec(b, 10);
     }
-    bool rests = pick(b, 2); /* most act only where others push them */
+    bool rests = pick(b, 2); /* most contacts act only if others push them */
     for (int64_t k = 0; k < s->n; k++) {
         pick_contact(b, s->nv, &contact[k]);
         if (rests && pick(b, 8)) {
@@ -78,13 +78,13 @@ void gen_contacts(struct bytes *b, struct contacts *s)
 
 const char *prop_contacts(const struct contacts *s)
 {
-    /* A part below 2^-62 (2^-510) has a square below what is normal: a length
-     * may lose it, and the cone does not see it. */
+    /* §4: the square of a component below 2^-62 (2^-510) underflows, so a
+     * computed length may lose such a component. */
     const real lost = REAL_BITS == 32 ? R(0x1p-61) : (real)0x1p-509;
     for (int64_t k = 0; k < s->n; k++) {
         const struct contact *c = &s->contact[k];
         real most = c->friction * c->impulse;
-        /* §4: the cone, to rounding of the length and of the scale */
+        /* §4: the friction cone, up to rounding of the length and the scale */
         EXPECT(c->impulse >= 0);
         EXPECT(vec_length(c->tangent) <= most * (1 + R(0x1p-20)) + lost);
         EXPECT(real_abs(vec_dot(c->tangent, c->n)) <= most * R(0x1p-18) + lost);
@@ -105,7 +105,7 @@ const char *prop_contacts(const struct contacts *s)
     return NULL;
 }
 
-/* ---- §5 What impulses conserve and dissipate ---- */
+/* §5: conservation of momentum and bound of energy */
 
 static const double eps = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
 
@@ -131,8 +131,8 @@ static struct sums add_up(const struct contacts *s, const vec *x, const vec *v)
     return r;
 }
 
-/* §5.1: what rounding may do to momentum: a vertex of d contacts errs by
- * (d + 3) eps of its impulses and by eps of its velocity. */
+/* §5.1: by how much rounding may change the momentum: each vertex of d contacts
+ * errs by (d + 3) eps of its impulses and by eps of its velocity. */
 static double rounding(const struct contacts *s, const vec *v)
 {
     double bound = 0;
@@ -164,7 +164,8 @@ void contacts_scratch(struct bytes *b, struct contacts *s)
     s->stirred = take(b, s->nv, sizeof *s->stirred);
 }
 
-/* n contacts between nv free vertices, with what ref_contacts needs. */
+/* Allocates the streams of n contacts between nv free vertices, with random
+ * positions *x and velocities. */
 static void take_free(struct bytes *b, struct contacts *s, vec **x)
 {
     s->n = 1 + pick(b, 200);
@@ -185,7 +186,7 @@ static void take_free(struct bytes *b, struct contacts *s, vec **x)
     contacts_scratch(b, s);
 }
 
-/* Contacts of random pairs, as proximity makes them. */
+/* Makes the contacts of random pairs by proximity. */
 static int meet(struct bytes *b, struct contacts *s, const vec *x)
 {
     struct surface surface = {10, R(0.25) * (real)pick(b, 4)};
@@ -194,7 +195,7 @@ static int meet(struct bytes *b, struct contacts *s, const vec *x)
     for (int64_t k = 0; k < s->n && s->nv > 0; k++) {
         kind[k] = (uint8_t)pick(b, 2);
         int32_t at = (int32_t)pick(b, (uint32_t)s->nv);
-        for (int j = 0; j < 4; j++) /* four different ones */
+        for (int j = 0; j < 4; j++) /* four different vertices */
             pair[4 * k + j] = (int32_t)((at + j * (s->nv / 4)) % s->nv);
     }
     struct proximity p = {.nv = s->nv,
@@ -239,7 +240,7 @@ static const char *conserve(struct bytes *b)
     EXPECT(distance(after.p, before.p) <= bound);
     /* §5.2: |x| ≤ √3 */
     EXPECT(distance(after.l, before.l) <= 2 * bound + torque);
-    /* §5.3, and rounding of twenty iterations in either velocity */
+    /* §5.3, with the rounding of up to twenty iterations in u or v */
     double slack = 256 * eps * (before.e + after.e + work);
     EXPECT(after.e <= before.e + work + slack);
     EXPECT(other.e <= before.e + work + slack);
@@ -260,9 +261,9 @@ const char *test_contacts_conserve(void)
     return NULL;
 }
 
-/* §2: a free vertex above a led face, whose contact it violates, and beside 39
- * others which it does not: they do not take a part of its mass. One of another
- * vertex rests, which keeps its bits. */
+/* §3: contacts at rest do not split a vertex. One vertex has 40 contacts with a
+ * led face and violates one of them: the impulse is the same as if that contact
+ * were alone. Another vertex has a contact at rest and keeps its bits. */
 const char *test_contacts_rest(void)
 {
     enum { N = 41, NV = 5 };
@@ -312,9 +313,10 @@ const char *test_contacts_rest(void)
     return NULL;
 }
 
-/* A column of COLUMN vertices that falls on a led one: sum of what its contacts
- * lack after `calls` of so many iterations, the second and later warm. */
-static double settle(struct bytes *b, int calls, int iterations)
+/* A column of COLUMN vertices falls on a led vertex. Returns the sum of the
+ * lacks of its contacts after `calls` calls of `iterations` iterations each,
+ * m/s; every call but the first is warm. */
+static double fall_column(struct bytes *b, int calls, int iterations)
 {
     enum { COLUMN = 20 };
     struct contacts s = {.n = COLUMN,
@@ -345,11 +347,12 @@ static double settle(struct bytes *b, int calls, int iterations)
     return sum;
 }
 
-/* §3: calls of one iteration have no momentum. */
+/* §3: momentum converges faster: one call of 256 iterations has momentum, 256
+ * calls of one iteration have none. */
 const char *test_contacts_momentum(void)
 {
     struct bytes b = {.seed = 1, .size = -1};
-    double slow = settle(&b, 256, 1), fast = settle(&b, 1, 256);
+    double slow = fall_column(&b, 256, 1), fast = fall_column(&b, 1, 256);
     choices_free(&b);
     EXPECT(slow > 0.1 && fast < slow / 16);
     ran(1);

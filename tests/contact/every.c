@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage contacts once more, by all contacts in all iterations and without
- * lists: whom it leaves out had nothing to do, and the bound of energy holds in
- * each. spec/contact/contacts.md §1, §5.3 */
+/* A second implementation of stage contacts, which processes every contact in
+ * every iteration and uses no lists. It shows that skipping sleeping contacts
+ * changes nothing, and that the energy bound holds in every iteration.
+ * spec/contact/contacts.md §1, §5.3 */
 #include "ref/base/wide.h"
 #include "tests/base/choices.h"
 #include "tests/base/harness.h"
@@ -9,15 +10,15 @@
 
 void gen_contacts(struct bytes *b, struct contacts *s);
 
-/* Streams of the plain form, which has the inputs of s. */
+/* The streams of the second implementation; its inputs are those of s. */
 struct every {
     const struct contacts *s;
     struct contact *contact;
     vec *u, *v, *sum, *push, *before;
-    real *lack, *ahead, *change; /* change: λ less the λ before */
+    real *lack, *ahead, *change; /* change: Δ, λ minus the λ before */
     int *items, *acting, *parts;
     int voids;
-    double slack; /* J, rounding */
+    double slack; /* J, allowance for rounding */
 };
 
 static bool pushes(const struct contacts *s, int64_t k, int j)
@@ -39,7 +40,7 @@ static vec total(const struct contact *c)
     return vec_axpy(c->tangent, c->impulse, c->n);
 }
 
-/* How many contacts a vertex has, and how many of them lack something. */
+/* Counts the contacts of each vertex, and the acting contacts among them. */
 static void count(struct every *e)
 {
     size_t bytes = (size_t)e->s->nv * sizeof *e->acting;
@@ -52,7 +53,8 @@ static void count(struct every *e)
         }
 }
 
-/* §3: whether more act on a vertex than β lets join its parts. */
+/* §3: whether the iteration is void: more than d / β² contacts act on a vertex.
+ */
 static bool exceeds(const struct every *e, real beta)
 {
     for (int64_t i = 0; i < e->s->nv; i++)
@@ -62,7 +64,8 @@ static bool exceeds(const struct every *e, real beta)
     return false;
 }
 
-/* d of each vertex; last: of those that act. */
+/* Sets d of each vertex; in the last iteration, to the number of acting
+ * contacts. */
 static void split(struct every *e, bool last)
 {
     for (int64_t i = 0; i < e->s->nv; i++) {
@@ -122,7 +125,7 @@ static void find_lack(struct every *e)
     }
 }
 
-/* What contact k asks of its free vertices. */
+/* The target of contact k less the speed of its led vertices. */
 static double free_target(const struct every *e, int64_t k)
 {
     const struct contact *c = &e->contact[k];
@@ -133,7 +136,7 @@ static double free_target(const struct every *e, int64_t k)
     return target;
 }
 
-/* §5.3: E - λᵀb + ½ |change|² in diag(a), at λ, not where u is. */
+/* §5.3: V = E - λᵀb + ½ |change|² in the norm of diag(a), at λ (u is at y). */
 static double bound(struct every *e)
 {
     double sum = 0;
@@ -154,8 +157,8 @@ static double bound(struct every *e)
     return sum;
 }
 
-/* From y to the next one, which is keep of the way from λ - change to λ beyond
- * it. */
+/* §3: the normal part: the new λ, and y = λ + keep · change, at least 0. over:
+ * the iteration is void. */
 static void normal(struct every *e, bool over, real keep)
 {
     for (int64_t k = 0; k < e->s->n; k++) {
@@ -173,7 +176,7 @@ static void normal(struct every *e, bool over, real keep)
     }
 }
 
-/* §3, all of it. False: the bound of §5.3 rose. */
+/* The normal part, §3. False: the bound of §5.3 rose. */
 static bool solve_normal(struct every *e)
 {
     int last = e->s->iterations - 1;
@@ -230,7 +233,7 @@ static void begin(struct every *e)
     }
 }
 
-/* False: the bound of §5.3 rose. */
+/* Both parts, §3 and §4. False: the bound of §5.3 rose. */
 static bool solve(struct every *e)
 {
     begin(e);
@@ -249,7 +252,7 @@ static bool solve(struct every *e)
     return holds;
 }
 
-/* Equal but for the sign of zeros. */
+/* Equal, except that zeros may differ in sign. */
 static bool alike(vec a, vec b)
 {
     return a.x == b.x && a.y == b.y && a.z == b.z;
@@ -277,7 +280,8 @@ static void take_plain(struct bytes *b, struct every *e)
     e->slack = 1024 * (REAL_BITS == 32 ? 0x1p-24 : 0x1p-53) * scale;
 }
 
-/* The plain form of s, which has its inputs, keeps the bound and agrees. */
+/* Runs both implementations on the inputs of s: the second keeps the energy
+ * bound, and both agree. */
 static const char *compare(struct bytes *b, struct contacts *s, int *voids)
 {
     struct every e = {.s = s};
@@ -311,13 +315,14 @@ const char *test_contacts_every(void)
             return failed;
         ran(1);
     }
-    EXPECT(asleep > 1000); /* or nothing was left out */
-    EXPECT(voids > 10);    /* or momentum was never too much */
+    EXPECT(asleep > 1000); /* the cases had sleeping contacts */
+    EXPECT(voids > 10);    /* the cases had void iterations */
     return NULL;
 }
 
-/* A column that falls on a led vertex, and a lid that only what overshoots
- * touches, with many contacts at once, when momentum is great. */
+/* A column falls on a led vertex, below a lid. Only the overshoot of momentum
+ * reaches the lid, whose many contacts then act all at once while momentum is
+ * large: this makes an iteration void. */
 static void make_column(struct bytes *b, struct contacts *s)
 {
     enum { COLUMN = 8, LID = 200 };
@@ -344,7 +349,7 @@ static void make_column(struct bytes *b, struct contacts *s)
     s->w = w;
 }
 
-/* §5.3: the bound needs void iterations. */
+/* §5.3: the bound of energy needs void iterations. */
 const char *test_contacts_void(void)
 {
     struct bytes b = {.seed = 1, .size = -1};

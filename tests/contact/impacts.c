@@ -49,7 +49,8 @@ void gen_impacts(struct bytes *b, struct impacts *s)
     s->cap = pick(b, 8) ? s->n : s->n / 16;
 }
 
-/* Whether pair k touches where the step starts, by the exact tier alone. */
+/* Whether pair k touches at the start of the step, by the exact tier of the
+ * narrow phase alone. */
 static bool starts(const struct impacts *s, int64_t k)
 {
     static _Thread_local uint32_t word[EXACT_WORDS];

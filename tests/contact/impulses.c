@@ -19,7 +19,8 @@ const struct field fields_impulses[] = {
     OUT_VALUE(impulses, found),
     FIELD_END};
 
-/* Four of a few vertices, so that pairs come again in another order. */
+/* Picks four of few vertices, so that pairs recur with their vertices in
+ * another order. */
 static void pick_names(struct bytes *b, int64_t nv, int32_t v[4])
 {
     for (int j = 0; j < 4; j++)
@@ -32,7 +33,7 @@ static struct contact *pick_active(struct bytes *b, const struct impulses *s)
     for (int64_t k = 0; k < s->n_active; k++) {
         pick_names(b, s->nv, c[k].v);
         c[k].kind = pick(b, 2);
-        c[k].gap = -(real)(k + 1); /* tells it from a new one */
+        c[k].gap = -(real)(k + 1); /* a value that no new contact has */
     }
     return c;
 }
@@ -72,7 +73,7 @@ void gen_impulses(struct bytes *b, struct impulses *s)
     s->cap = pick(b, 8) ? s->n_all : s->n_all / 8;
 }
 
-/* The same set of vertices on each side, in any order. */
+/* Whether a and b name the same pair, in any order of the vertices. */
 static bool same_pair(const int32_t a[4], const int32_t b[4], int64_t kind)
 {
     static const int vf[6][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 1, 3},
@@ -101,8 +102,9 @@ static int64_t find(const struct impulses *s, const int32_t v[4], int64_t kind)
     return at;
 }
 
-/* §2: the normal opposes the approach that the weights see. §3: a margin of
- * the thickness at the end, whatever an older contact of the pair asked for. */
+/* §2: the normal opposes the approach of the weighted points. §3: the target
+ * leaves the margin of the thickness, whatever an older contact of the same
+ * pair asked for. */
 static const char *check_new(const struct impulses *s, const struct contact *c)
 {
     vec way = vec_make(0, 0, 0);

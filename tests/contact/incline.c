@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A rigid block on an inclined plane: Coulomb friction by contacts, rigidity
- * by zones, as a step uses them. spec/contact/contacts.md §4 */
+/* A rigid block on an inclined plane: friction by stage contacts and rigidity
+ * by stage zones together obey Coulomb's law. spec/contact/contacts.md §6 */
 #include "ref/contact/contacts.h"
 #include "ref/contact/proximity.h"
 #include "ref/contact/zones.h"
@@ -8,15 +8,15 @@
 
 enum { BLOCK = 8, PASSES = 64 };
 
-/* A plane at slope sine / cosine, and a block lying on it; its axes are
- * along (down the slope), out of the plane, and across. */
+/* A plane with slope sine / cosine and a block that lies on it. The block's
+ * axes point down the slope (along), out of the plane (out), and along z. */
 struct incline {
     vec along, out;
     vec x[BLOCK + 4], u[BLOCK + 4], v[BLOCK + 4];
     real w[BLOCK + 4];
     uint16_t of[BLOCK + 4];
     struct surface surface;
-    int32_t pair[4 * 2 * BLOCK]; /* each corner of the block, each triangle */
+    int32_t pair[4 * 2 * BLOCK]; /* each block corner with each triangle */
     uint8_t kind[2 * BLOCK];
 };
 
@@ -41,7 +41,7 @@ static void make(struct incline *s, real sine, real cosine, real friction)
     }
 }
 
-/* Contacts within reach at the start of the step. */
+/* Finds the contacts at the start of the step. Returns their number, or -1. */
 static int64_t find_contacts(const struct incline *s, real dt,
                              struct contact *contact)
 {
@@ -92,8 +92,8 @@ static int push(struct incline *s, struct contact *contact, int64_t n, int warm)
     return ref_contacts(&c);
 }
 
-/* All eight corners become one zone. */
-static int stiffen(struct incline *s, real dt)
+/* Makes all eight corners one zone and moves it. */
+static int make_zone(struct incline *s, real dt)
 {
     enum { N = 3 };
     static const int32_t pair[4 * N] = {0, 1, 2, 3, 4, 5, 6, 7, 0, 4, 1, 5};
@@ -118,7 +118,7 @@ static int stiffen(struct incline *s, real dt)
     return ref_zones(&z);
 }
 
-/* Steps of dt; the way down the slope in m, or NaN. */
+/* Makes steps of dt. Returns the distance down the slope in m, or NaN. */
 static double slide(struct incline *s, int steps, real dt)
 {
     struct contact contact[2 * BLOCK];
@@ -128,7 +128,7 @@ static double slide(struct incline *s, int steps, real dt)
         int64_t n = find_contacts(s, dt, contact);
         for (int pass = 0; pass < PASSES; pass++)
             if (n < 0 || push(s, contact, n, pass > 0) != DRAPE_OK ||
-                stiffen(s, dt) != DRAPE_OK)
+                make_zone(s, dt) != DRAPE_OK)
                 return (double)NAN;
         for (int k = 0; k < BLOCK; k++)
             s->x[k] = vec_axpy(s->x[k], dt, s->u[k]);

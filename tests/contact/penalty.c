@@ -16,7 +16,7 @@ const struct field fields_penalty[] = {
     SCRATCH(penalty, brake, nv, 1),  OUT(penalty, force, nv, 1),
     INOUT(penalty, hold, nv, 1),     FIELD_END};
 
-/* The same contacts as the stage that solves them otherwise. */
+/* Stage contacts' generator; both stages take the same input. */
 void gen_contacts(struct bytes *b, struct contacts *s);
 
 void gen_penalty(struct bytes *b, struct penalty *s)
@@ -55,8 +55,8 @@ static double dot(vec a, vec b)
            (double)a.z * (double)b.z;
 }
 
-/* §3: Σ a·hold·a over free vertices against the contacts' own matrix, for
- * one made-up vector a; *size scales the roundings of both. */
+/* §3: a·hold·a minus a·(contacts' own matrix)·a over the free vertices, for one
+ * arbitrary vector a; ≥ 0 up to rounding, which scales with *size. */
 static double slack(const struct penalty *s, double *size)
 {
     double own = 0, hold = 0;
@@ -87,7 +87,7 @@ static double slack(const struct penalty *s, double *size)
     return hold - own;
 }
 
-/* §1: what the spring would push with at u. */
+/* §1: the impulse p of the spring at u, N·s. */
 static real approach(const struct penalty *s, const struct contact *c)
 {
     real vn = vec_dot(c->n, pair_sum(c->v, c->c, s->u));
@@ -108,14 +108,15 @@ const char *prop_penalty(const struct penalty *s)
     for (int64_t k = 0; k < s->n; k++) {
         const struct contact *c = &s->contact[k];
         real length = vec_length(c->tangent);
-        /* §1, §2: who meets is held, and rubs against what it does */
+        /* §1: a contact that approaches is held; §2: friction opposes slip */
         EXPECT(c->held == 0 || c->held == 1);
-        EXPECT(c->impulse >= 0 || !s->first); /* it has nothing to take back */
+        EXPECT(c->impulse >= 0 || !s->first); /* §1.3 */
         EXPECT(c->held || (c->impulse == 0 && length == 0 && c->slide == 0));
         EXPECT(c->held || !(approach(s, c) > 0));
         EXPECT(c->slide >= 0);
         EXPECT(vec_dot(c->tangent, slip_of(c, s->u)) <= 0);
-        /* §2.1: at first no more is guessed than what stops it alone */
+        /* §2.1: in the first turn friction is estimated from at most the
+         * impulse that stops this contact alone */
         double alone = 0, lack = (double)c->target;
         lack -= (double)vec_dot(c->n, pair_sum(c->v, c->c, s->guess));
         for (int j = 0; j < 4; j++) {
@@ -134,8 +135,8 @@ const char *prop_penalty(const struct penalty *s)
         total[1] += (double)f.y;
         total[2] += (double)f.z;
     }
-    /* Weights sum to 0: what a contact gives one side it takes from the
-     * other. At most n + 8 roundings touch each term. */
+    /* Weights sum to 0, so the forces of a contact's two sides cancel. Each
+     * term is rounded at most n + 8 times. */
     double bound = 8 * ((double)s->n + 8) * unit * size;
     for (int d = 0; d < 3 && free_all; d++)
         EXPECT(fabs(total[d]) <= bound);
@@ -144,8 +145,7 @@ const char *prop_penalty(const struct penalty *s)
     return NULL;
 }
 
-/* ---- §2: Coulomb's law for a particle that meets a wall ---- */
-
+/* §2: one particle that meets a wall */
 struct lone {
     struct penalty p;
     struct contact c;
@@ -191,7 +191,7 @@ static void make_lone(struct bytes *b, struct lone *s)
     s->c = c;
 }
 
-/* One turn of penalty.md §4 for it alone: A is its mass. */
+/* One turn of penalty.md §4 for the single particle: A is its mass. */
 static int turn(struct lone *s)
 {
     int status = ref_penalty(&s->p);
@@ -205,10 +205,11 @@ static int turn(struct lone *s)
     return status;
 }
 
-/* §2: after one turn friction is within the cone, on it where the particle
- * slips by more than the law's viscous part, and a second turn leaves it. The
- * normal force is a difference of velocities times give: its error is a few
- * roundings of them, times what give makes of that beside the mass. */
+/* §2: a single particle obeys Coulomb's law after one turn. Friction is within
+ * the cone, and on the cone where the particle slips faster than the viscous
+ * part of the law; a second turn changes nothing. The normal force is a
+ * difference of velocities times the spring's κ·dt·tau, so its error is a few
+ * roundings of the velocities times the ratio of that factor to the mass. */
 const char *test_penalty_cone(void)
 {
     double unit = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
@@ -240,10 +241,9 @@ const char *test_penalty_cone(void)
     return NULL;
 }
 
-/* ---- §1: who is held ---- */
-
-/* Vertex 0 is pressed down by contact 0, which it still meets, and parts from
- * contact 1, which is on the same side: c and gave after a turn. */
+/* §1: vertex 0 still approaches contact 0, which presses it down, and separates
+ * from contact 1 on the same side. Returns both contacts and their gave after a
+ * turn. */
 static int part_from(bool first, bool held, struct contact c[2], real gave[2])
 {
     enum { NV = 7, N = 2 };
@@ -288,8 +288,9 @@ static int part_from(bool first, bool held, struct contact c[2], real gave[2])
     return ref_penalty(&s);
 }
 
-/* What bore nothing is not held by what its neighbour bears, and what bore some
- * takes back no more; before any turn, what presses may be anyone's. */
+/* §1: a contact that gave nothing is not held because its neighbour gave
+ * something, and a contact takes back no more than it gave. In the first turn
+ * the push may be either contact's, so both are held. */
 const char *test_penalty_parts(void)
 {
     struct contact c[2];

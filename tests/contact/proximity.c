@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage proximity: generator, properties, and closest points by other means.
- * spec/contact/proximity.md */
+/* Stage proximity: generator and properties. Distances are checked against
+ * independent methods and rational arithmetic. spec/contact/proximity.md */
 #include "ref/contact/proximity.h"
 
 #include "oracle/oracle.h"
@@ -15,7 +15,8 @@ const struct field fields_proximity[] = {
     SCRATCH(proximity, at, n, 1),  OUT_USED(proximity, contact, cap, 1, found),
     OUT_VALUE(proximity, found),   FIELD_END};
 
-/* In turn: the order of a call's arguments is the compiler's. */
+/* Picks a point of a coarse grid. The picks are statements, since C leaves the
+ * order of a call's arguments to the compiler. */
 static vec pick_grid(struct bytes *b)
 {
     real x = (real)pick(b, 4), y = (real)pick(b, 4);
@@ -28,7 +29,7 @@ static struct wide pick_cube(struct bytes *b)
     return wide_of(vec_make(x, y, pick_uniform(b, -1, 1)));
 }
 
-/* Positions on a coarse grid, or any; flat now and then. */
+/* Picks a position on a coarse grid, or any position; flat: at y = 0. */
 static vec pick_place(struct bytes *b, real scale, bool flat)
 {
     vec x = pick_vec(b, scale);
@@ -73,7 +74,7 @@ void gen_proximity(struct bytes *b, struct proximity *s)
     s->cap = pick(b, 8) ? s->n : s->n / 16;
 }
 
-/* ---- Distances by other means: regions of the plane, clamping ---- */
+/* Distances by other methods: regions of the plane, and clamping */
 
 static double clamp(double a)
 {
@@ -93,8 +94,8 @@ static double to_segment(struct wide p, struct wide a, struct wide b)
     return length(wide_axpy(q, -t, d));
 }
 
-/* The plane's distance where p lies over the triangle (it is left of all
- * three edges), else the edges'. */
+/* Distance of x[0] to the triangle: to its plane where x[0] projects into the
+ * triangle (left of all three edges), else to the nearest edge. */
 static double to_triangle(const struct wide x[4])
 {
     struct wide n = wide_cross(wide_sub(x[2], x[1]), wide_sub(x[3], x[1]));
@@ -113,15 +114,16 @@ static double to_triangle(const struct wide x[4])
     return d < 0 ? -d : d;
 }
 
-/* Whether p and q lie on the two sides of the plane through a along n, e. */
+/* Whether p and q lie on different sides of the plane through a with normal m.
+ */
 static bool apart(struct wide p, struct wide q, struct wide a, struct wide m)
 {
     double i = wide_dot(m, wide_sub(p, a)), j = wide_dot(m, wide_sub(q, a));
     return (i >= 0 && j <= 0) || (i <= 0 && j >= 0);
 }
 
-/* The lines' distance where the edges cross as seen along both normals, else
- * the least of an end to the other edge. */
+/* Distance of two edges: of their lines where the edges cross when seen along
+ * the common normal, else the smallest distance of an end to the other edge. */
 static double to_edge(const struct wide x[4])
 {
     struct wide d = wide_sub(x[1], x[0]), e = wide_sub(x[3], x[2]);
@@ -149,8 +151,6 @@ static double size_of(const struct wide x[4])
     return size;
 }
 
-/* ---- Properties ---- */
-
 static bool finite_contact(const struct contact *c)
 {
     return vec_sane(c->n) && real_sane(c->gap) && real_sane(c->target);
@@ -171,13 +171,14 @@ static const char *check_contact(const struct contact *c,
     EXPECT(sum == 0); /* §2.3, exactly */
     double unit = (double)vec_length(c->n);
     EXPECT(unit > 1 - 0x1p-20 && unit < 1 + 0x1p-20);
-    /* §3: the weights and the normal give the distance back */
+    /* §3: n·Σ c x is the gap */
     p -= (double)c->gap;
     EXPECT(p <= 0x1p-19 * size && p >= -0x1p-19 * size);
     return NULL;
 }
 
-/* §2.1 in rational numbers: the distance is r within a bound. */
+/* §2.1: whether the true distance, in rational arithmetic, is r within the
+ * bound. */
 static bool is_distance(const struct wide x[4], int kind, double r,
                         double bound)
 {
@@ -222,9 +223,8 @@ const char *prop_proximity(const struct proximity *s)
     return NULL;
 }
 
-/* ---- Closest points ---- */
-
-/* The least distance over a grid of both primitives: an upper bound. */
+/* The smallest distance between sample points of both primitives: an upper
+ * bound of the distance. */
 static double sampled(const struct wide x[4], int kind)
 {
     enum { N = 24 };
@@ -245,7 +245,8 @@ static double sampled(const struct wide x[4], int kind)
     return least;
 }
 
-/* Well-shaped, needles, nearly parallel, and collapsed in turn. */
+/* Picks a pair; the families are well-shaped, needle-like, nearly parallel and
+ * collapsed pairs. */
 static void pick_pair(struct bytes *b, int family, struct wide x[4])
 {
     static const double thin[4] = {1, 1e-3, 1e-7, 0};
@@ -253,7 +254,7 @@ static void pick_pair(struct bytes *b, int family, struct wide x[4])
         x[k] = pick_cube(b);
     struct wide d = wide_sub(x[2], x[1]), e = wide_sub(x[3], x[1]);
     double f = thin[family % 4];
-    if (family >= 4) /* edges: the second along the first */
+    if (family >= 4) /* edges: the second nearly along the first */
         x[3] = wide_axpy(wide_axpy(x[2], 1, wide_sub(x[1], x[0])), f, e);
     else /* triangles: the last corner near the first edge */
         x[3] = wide_axpy(wide_axpy(x[1], 0.4, d), f, e);
@@ -277,7 +278,7 @@ const char *test_closest_points(void)
         EXPECT(d <= other + bound);
         EXPECT(d >= other - bound);
         EXPECT(d <= sampled(x, kind) + bound);
-        /* the grid is nowhere farther than its spacing */
+        /* no point of a primitive is farther from a sample than the spacing */
         EXPECT(d >= sampled(x, kind) - 4 * size / 24);
         ran(1);
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole rounds of collision response on small tangles. spec/contact/response.md
- */
+/* Collision response as a whole, on small tangled scenes.
+ * spec/contact/response.md */
 #include "ref/contact/response.h"
 
 #include "tests/base/choices.h"
@@ -23,9 +23,9 @@ static double kinetic(const struct tangle *t)
     return e;
 }
 
-/* §1, §5, 36: x1 - x0 is what v does in a step that began with that motion:
- * impulses change both alike, a zone takes its motion over, and what is rolled
- * back stands still. What a round rounds off is far below 2^-12 of a speed. */
+/* §1, §5, §6: in a step that starts with x1 = x0 + dt v this still holds at the
+ * end: impulses change u and v alike, zones set v = u, and rollback stops a
+ * vertex. Rounding is far below 2^-12 of the speed. */
 static const char *check_motion(const struct tangle *t, real most)
 {
     for (int64_t i = 0; i < t->nv; i++) {
@@ -44,7 +44,8 @@ static real fastest(const struct tangle *t)
     return most;
 }
 
-/* §1: after a step that is not TRAPPED nothing touches, whatever was asked. */
+/* §7.3: after a step that is not TRAPPED nothing touches, whatever the settings
+ * are. */
 static const char *check_step(struct tangle *t, vec a)
 {
     int64_t rounds = t->r.max_rounds + t->r.zone_rounds + t->r.roll_rounds;
@@ -60,8 +61,6 @@ static const char *check_step(struct tangle *t, vec a)
     ran(1);
     return check_motion(t, real_max(most, fastest(t)));
 }
-
-/* ---- Soups ---- */
 
 void tangle_soup(struct tangle *t, struct bytes *b, int side, bool thin)
 {
@@ -96,8 +95,8 @@ static const char *run_soup(struct tangle *t, int steps, bool lossy)
         const char *failed = check_step(t, none);
         if (failed)
             return failed;
-        EXPECT(!(t->r.outcome & DRAPE_TRAPPED)); /* nothing is led */
-        /* §4: rounding of all iterations of all rounds */
+        EXPECT(!(t->r.outcome & DRAPE_TRAPPED)); /* no led vertex */
+        /* contacts.md §5.3, up to rounding in all iterations of all rounds */
         EXPECT(!lossy || kinetic(t) <= before * (1 + 0x1p-16));
         tangle_next(t);
     }
@@ -121,7 +120,7 @@ const char *test_tangle_soup(void)
     return failed;
 }
 
-/* Without a push and a margin no impulse may add energy, §4. */
+/* contacts.md §5.3: without repulsion and margin no impulse adds energy. */
 const char *test_tangle_energy(void)
 {
     const char *failed = NULL;
@@ -139,9 +138,8 @@ const char *test_tangle_energy(void)
     return failed;
 }
 
-/* ---- Plates ---- */
-
-/* A square of side 2 r at the middle c, four led vertices from `at` on. */
+/* Adds a square plate of side 2 r with centre c: four led vertices from index
+ * `at` on. */
 static void make_plate(struct tangle *t, int64_t at, int64_t tri, vec c, real r)
 {
     for (int k = 0; k < 4; k++) {
@@ -195,7 +193,7 @@ static const char *run_press(struct tangle *t, int steps, bool *trapped)
         const char *failed = check_step(t, vec_make(0, -10, 0));
         if (failed)
             return failed;
-        for (int64_t i = nv - 8; i < nv; i++) /* the led stay led */
+        for (int64_t i = nv - 8; i < nv; i++) /* led vertices are not changed */
             EXPECT(t->x1[i].y == t->x0[i].y + t->r.dt * t->v[i].y);
         *trapped |= (t->r.outcome & DRAPE_TRAPPED) != 0;
         tangle_next(t);
@@ -210,14 +208,14 @@ const char *test_tangle_plates(void)
         int steps, rounds[2];
         bool room;
     } row[] = {
-        {R(0.9), R(-0.9), 10, {16, 8}, true},  /* 2 cm stay between them */
+        {R(0.9), R(-0.9), 10, {16, 8}, true},  /* plates stop 2 cm apart */
         {R(0.9), R(-0.9), 10, {0, 16}, true},  /* the same by zones alone */
-        {R(40.0), R(40.0), 10, {16, 8}, true}, /* both sweep up, 40 cm a step */
-        {R(40.0), R(40.0), 10, {0, 16}, true}, /* by zones */
-        {R(-5.0), R(8.0), 10, {4, 4}, true},   /* they part */
-        {R(2.0), R(-2.0), 10, {4, 4}, false},  /* they pass each other */
-        {R(20.0), R(-20.0), 5, {2, 2}, false}, /* in one step */
-        {R(2.0), R(-2.0), 10, {0, 0}, false},  /* by rollback alone */
+        {R(40.0), R(40.0), 10, {16, 8}, true}, /* both rise 40 cm a step */
+        {R(40.0), R(40.0), 10, {0, 16}, true}, /* the same by zones alone */
+        {R(-5.0), R(8.0), 10, {4, 4}, true},   /* plates move apart */
+        {R(2.0), R(-2.0), 10, {4, 4}, false},  /* plates pass each other */
+        {R(20.0), R(-20.0), 5, {2, 2}, false}, /* and do so in one step */
+        {R(2.0), R(-2.0), 10, {0, 0}, false},  /* rollback alone */
     };
     const char *failed = NULL;
     for (size_t k = 0; k < sizeof row / sizeof *row && !failed; k++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Collision response on the reference and on the device, tangle beside
- * tangle: the same bits after every stage. spec/contact/response.md, gpu.md */
+/* Runs collision response on the reference and on the device, on the same
+ * scenes: every stage gives the same bits. spec/contact/response.md, gpu.md */
 #include <stdlib.h>
 
 #include "gpu/world/world.h"
@@ -9,8 +9,8 @@
 #include "tests/base/notes.h"
 #include "tests/contact/tangle.h"
 
-/* A tangle, and the one that the device steps: a is there what the device has,
- * for the host's broad phase and solve. */
+/* The same scene twice: `ref` is stepped by the reference, `r` by the device.
+ * `a` is a copy of the device's data for the host's broad phase and solve. */
 struct rival {
     struct tangle ref, a;
     struct response r; /* streams on the device */
@@ -18,14 +18,14 @@ struct rival {
     void *pair, *kind; /* device: candidates */
     struct trace trace[2];
     struct notes notes[2];
-    int outcomes;    /* of all steps, or of enum drape_outcome */
-    int64_t started; /* pairs of all steps that touch at the start */
-    int64_t solved;  /* contacts that solve was called with */
+    int outcomes;    /* bitwise or of the outcomes of all steps */
+    int64_t started; /* pairs that touch at the start, of all steps */
+    int64_t solved;  /* contacts given to solve */
 };
 
-/* ---- What stands in for the broad phase and the implicit solve ---- */
+/* Stand-ins for the broad phase and the implicit solve */
 
-/* n items of the device's stream in a host's of the same kind, or back. */
+/* fetch copies a stream of a.nv items from the device, send copies it back. */
 static void fetch(struct rival *t, void *to, const void *from, size_t size)
 {
     gpu_down(t->g, to, from, (size_t)t->a.nv * size);
@@ -61,7 +61,8 @@ static int rival_broad(void *user, const uint8_t *touched, struct pairs *out)
     return status == DRAPE_OK ? gpu_status(t->g) : status;
 }
 
-/* Contacts of response r, on the host, by ref_contacts with its own lists. */
+/* Stands in for the implicit solve: solves the contacts by ref_contacts on the
+ * host, with lists of its own. */
 static int solve(struct response *r, int64_t n, struct contact *contact)
 {
     struct contacts c = {.nv = r->nv,
@@ -126,7 +127,7 @@ static int rival_solve(void *user, int64_t n, struct contact *contact)
     return status;
 }
 
-/* ---- Both beside each other ---- */
+/* Both backends */
 
 static void *give(struct rival *t, const void *from, int64_t n, size_t size)
 {
@@ -136,7 +137,7 @@ static void *give(struct rival *t, const void *from, int64_t n, size_t size)
     return p;
 }
 
-/* The device's response: settings of the host's, streams of its own. */
+/* Sets up the device's response: the same settings, streams on the device. */
 static void rival_open(struct rival *t)
 {
     struct response *r = &t->r;
@@ -163,7 +164,7 @@ static void rival_open(struct rival *t)
     r->trace = &t->trace[1];
 }
 
-/* As tangle_step, on the device. */
+/* One step on the device, as tangle_step on the host. */
 static int rival_step(struct rival *t, vec a)
 {
     struct pairs near;
@@ -227,9 +228,8 @@ static const char *walk(struct rival *t, int steps, vec a)
     return NULL;
 }
 
-/* ---- Scenes ---- */
-
-/* Scene k: soups, then presses, by impulses, zones, rollback, or a solve. */
+/* Makes scene k: soups, then a sheet between plates; resolved by impulses,
+ * zones, rollback, or the implicit solve. */
 static void make_scene(struct tangle *t, int k)
 {
     static const int rounds[][2] = {{16, 8}, {0, 8}, {0, 0}, {2, 2}};
@@ -239,11 +239,11 @@ static void make_scene(struct tangle *t, int k)
         tangle_soup(t, &b, k == 4 ? 5 : 3, k % 2 == 1);
     else
         tangle_press(t, &b, speed[k % 4], k == 11 ? speed[3] : -speed[k % 4]);
-    if (k == 7) /* two touch where they start */
+    if (k == 7) /* two primitives touch at the start */
         t->x0[3] = t->x0[0];
     t->r.max_rounds = rounds[k % 4][0];
     t->r.zone_rounds = rounds[k % 4][1];
-    if (k == 9) /* all go back at once */
+    if (k == 9) /* rollback takes the whole scene at once */
         t->r.max_rounds = t->r.zone_rounds = t->r.roll_rounds = 0;
     if (k % 3 == 0)
         t->r.solve = ref_solve;
@@ -283,7 +283,7 @@ const char *test_response_device(void)
     if (failed)
         return failed;
     EXPECT(status == DRAPE_OK);
-    /* the scenes came by every way out of a round */
+    /* the scenes together reach every outcome */
     EXPECT(t.outcomes & DRAPE_ZONES && t.outcomes & DRAPE_ROLLBACK);
     EXPECT(t.outcomes & DRAPE_TRAPPED && t.started > 0 && t.solved > 0);
     return NULL;

@@ -59,7 +59,8 @@ const char *prop_rollback(const struct rollback *s)
         grown += s->touched[i];
     }
     EXPECT(grown == s->grown);
-    /* §2: every pair that is not trapped now has a vertex that went back */
+    /* §2: every pair that is not trapped has a vertex rolled back in this call
+     */
     for (int64_t k = 0; k < s->n; k++) {
         bool any = false;
         for (int j = 0; j < 4; j++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the solves of a step leave of its equation. spec/contact/penalty.md §4.1
- */
+/* After the solves of a step its whole linear system holds up to the residual
+ * that the step reports. spec/contact/penalty.md §4.1 */
 #include "ref/base/wide.h"
 #include "ref/world/state.h"
 #include "ref/world/step.h"
@@ -9,15 +9,15 @@
 
 enum { SIDE = 12, COUNT = SIDE * SIDE };
 
-/* The solves of one cloth's step. */
+/* Sums over the solves of one cloth in a step. */
 struct ledger {
     struct world *w;
     int solves;
-    double first, most;    /* |r| that the first left; the largest |b| */
-    struct wide dv[COUNT]; /* sum of all */
-    double way[COUNT];     /* sum of |dv| */
-    double size;           /* sum of |b| + |A + hold| |dv| */
-    vec pressed[COUNT];    /* N·s, by contacts of the slice before */
+    double first, most;    /* |r| after the first solve; the largest |b| */
+    struct wide dv[COUNT]; /* Σ dv */
+    double way[COUNT];     /* Σ |dv| */
+    double size;           /* Σ |b| + |A + hold| |dv| */
+    vec pressed[COUNT];    /* N·s, dt · press of the slice before */
 };
 
 static double length(struct wide a)
@@ -25,15 +25,15 @@ static double length(struct wide a)
     return sqrt(wide_dot(a, a));
 }
 
-/* The trace: no less than any norm of what is positive semidefinite. */
-static double weigh(sym a)
+/* The trace of a: an upper bound of its norm, as a is positive semidefinite. */
+static double trace_of(sym a)
 {
     return (double)a.xx + (double)a.yy + (double)a.zz;
 }
 
-/* A drape_trace. */
-static void listen(void *user, int64_t step, const char *stage, uint64_t digest,
-                   double seconds)
+/* A drape_trace that adds each solve to the ledger. */
+static void add_solve(void *user, int64_t step, const char *stage,
+                      uint64_t digest, double seconds)
 {
     struct ledger *a = user;
     const struct pcg *p = &a->w->sheet[0].solver.pcg;
@@ -49,7 +49,7 @@ static void listen(void *user, int64_t step, const char *stage, uint64_t digest,
         a->pressed[k] = vec_scale((real)a->w->dt, a->w->press[k]);
     for (int k = 0; k < COUNT; k++) {
         struct wide b = wide_of(p->b[k]), dv = wide_of(p->dv[k]);
-        double hold = p->n_extra ? weigh(p->extra[k]) : 0;
+        double hold = p->n_extra ? trace_of(p->extra[k]) : 0;
         a->dv[k] = wide_axpy(a->dv[k], 1, dv);
         a->way[k] += length(dv);
         a->size += length(b) + hold * length(dv);
@@ -71,8 +71,8 @@ static struct wide less(struct wide r, sym a, struct wide d)
                      r.z - wide_dot(z, d));
 }
 
-/* |b - what pressed + force - A Σ dv - hold dv|, of the last force, hold and
- * dv: that press is within b, and the force is instead of it. */
+/* |b - pressed + force - A Σ dv - hold dv|, with force, hold and dv of the last
+ * turn: b includes `pressed`, which `force` replaces. */
 static double left_over(struct ledger *a)
 {
     const struct sheet *s = &a->w->sheet[0];
@@ -94,18 +94,18 @@ static double left_over(struct ledger *a)
             continue;
         r[p] = less(r[p], block, wide_sub(a->dv[p], a->dv[q]));
         r[q] = less(r[q], block, wide_sub(a->dv[q], a->dv[p]));
-        a->size += 2 * weigh(block) * (a->way[p] + a->way[q]);
+        a->size += 2 * trace_of(block) * (a->way[p] + a->way[q]);
     }
     for (int k = 0; k < COUNT; k++)
         square += wide_dot(r[k], r[k]);
     return sqrt(square);
 }
 
-/* It is what the last solve left over, as reported, but for rounding, as g is
- * what pressed + A Σ dv - b until then. |r|, |g| and what is done are at most
- * `size`. A solve rounds b, r, dv, b - r, hold dv (3), what is done, and the
- * report: 9 u of its part; g: u of all. Chains in binary64, of residual and
- * here, have at most 40 + 60 + solves roundings. */
+/* left_over is the reported residual up to rounding, as before the last turn
+ * g = pressed + A Σ dv - b. |r|, |g| and each A dv are at most `size`. A solve
+ * rounds b, r, dv, b - r, hold dv (3), A dv and the report: 9 u of its part;
+ * and g: u of the sum. The chains in binary64, in the residual and here, have
+ * at most 40 + 60 + solves roundings. */
 static const char *balance(struct ledger *a, const drape_step_report *r)
 {
     double left = left_over(a), told = r->residual * a->most;
@@ -117,7 +117,7 @@ static const char *balance(struct ledger *a, const drape_step_report *r)
     return NULL;
 }
 
-/* A sheet in disorder, near a slab; up: step 1 has no contacts any more. */
+/* Steps a disordered sheet near a slab; up: step 1 has no contacts any more. */
 static const char *run(bool up, int precond)
 {
     static double v[COUNT][3];
@@ -137,7 +137,7 @@ static const char *run(bool up, int precond)
     d.obstacle.motion = -1;
     d.def.precond = precond;
     d.def.max_slices = 1;
-    d.def.trace = listen;
+    d.def.trace = add_solve;
     d.def.trace_user = &a;
     arena_init(&arena, &d.def.allocator);
     EXPECT(world_make(&d.def, &arena, &a.w, &error) == DRAPE_OK);
@@ -147,7 +147,7 @@ static const char *run(bool up, int precond)
         EXPECT((r.contacts == 0) == (up && k > 0));
         EXPECT(a.w->couple.rough == (k == 1 || (!up && k > 1)));
         failed = a.w->couple.rough ? balance(&a, &r) : NULL;
-        EXPECT(k != 1 || a.first > 2e-3 * a.most); /* or nothing is tested */
+        EXPECT(k != 1 || a.first > 2e-3 * a.most); /* it was solved roughly */
     }
     arena_free(&arena);
     ran(1);

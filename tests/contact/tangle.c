@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A small scene with a brute-force broad phase. */
+/* A small scene with a brute-force broad phase, for collision response. */
 #include "tests/contact/tangle.h"
 
 #include <stdlib.h>
@@ -87,7 +87,8 @@ void tangle_free(struct tangle *t)
         free(memory[k]);
 }
 
-/* Appends a pair if it is one: disjoint, not all led, touched, near. */
+/* Appends pair v if its vertices are distinct and not all led, one of them is
+ * touched, and the swept boxes overlap. */
 static void consider(struct tangle *t, const int32_t v[4], uint8_t kind,
                      const uint8_t *touched)
 {

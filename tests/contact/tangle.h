@@ -7,7 +7,7 @@
 #include "tests/base/harness.h"
 
 struct tangle {
-    struct response r;  /* w, x0, x1 and v are the scene's own below */
+    struct response r;  /* its w, x0, x1 and v are the streams below */
     struct arena arena; /* of the response's pools */
     int64_t nv, nt, ne;
     int32_t (*tri)[3], (*edge)[2];
@@ -15,31 +15,33 @@ struct tangle {
     vec *x0, *x1, *v;
     uint16_t *of;
     struct surface surface;
-    int32_t *pair; /* of the last broad phase */
+    int32_t *pair; /* result of the last broad phase */
     uint8_t *kind;
     int64_t n, cap;
     real reach; /* m, by which the boxes are fattened */
 };
 
-/* Room for nv vertices and nt triangles, all zero. */
+/* Allocates nv vertices and nt triangles, all zero. */
 void tangle_make(struct tangle *t, int64_t nv, int64_t nt);
-/* Finds the edges, once the triangles are set. */
+/* Finds the edges; call it when the triangles are set. */
 void tangle_edges(struct tangle *t);
 void tangle_free(struct tangle *t);
-/* tests/contact/response.c: triangles of a cell's size, one a cell of a cubic
- * grid; thin: some are collapsed to needles or points. */
+/* Fills the scene with triangles of a cell's size, one in each cell of a cubic
+ * grid; thin: some are collapsed to needles or points. In
+ * tests/contact/response.c. */
 void tangle_soup(struct tangle *t, struct bytes *b, int side, bool thin);
-/* A sheet between two plates that move at lo and hi m/s along y. */
+/* Fills the scene with a sheet between two plates that move at lo and hi m/s
+ * along y. In tests/contact/response.c. */
 void tangle_press(struct tangle *t, struct bytes *b, real lo, real hi);
-/* Every pair whose swept boxes overlap, as struct response asks for. */
+/* A broad phase for struct response: every pair whose swept boxes overlap. */
 int tangle_broad(void *user, const uint8_t *touched, struct pairs *out);
-/* Gravity a; x1 = x0 + dt v. */
+/* Starts a step: v += dt a, a gravity in m/s²; x1 = x0 + dt v. */
 void tangle_start(struct tangle *t, vec a);
-/* The same, then repulsion and penetration. Status. */
+/* Starts a step and runs collision response. Returns the status. */
 int tangle_step(struct tangle *t, vec a);
-/* Pairs that touch between x0 and x1, of all there are. */
+/* Counts the pairs that touch between x0 and x1, among all pairs. */
 int64_t tangle_touching(struct tangle *t);
-/* The end of the step is the start of the next. */
+/* Makes the end of this step the start of the next. */
 void tangle_next(struct tangle *t);
 
 #endif

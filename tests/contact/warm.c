@@ -15,7 +15,7 @@ const struct field fields_warm[] = {
     SCRATCH(warm, all, nv, 1), OUT(warm, press, nv, 1),
     IN(warm, before, nv, 1),   FIELD_END};
 
-/* The same contacts as the stage that solves them otherwise. */
+/* Stage contacts' generator; both stages take the same input. */
 void gen_contacts(struct bytes *b, struct contacts *s);
 
 void gen_warm(struct bytes *b, struct warm *s)
@@ -57,8 +57,9 @@ void gen_warm(struct bytes *b, struct warm *s)
     s->item = item;
 }
 
-/* §2: a contact presses by no more than any of its free vertices took up along
- * it, less what stops the approach with which the slice began. */
+/* §2: whether the impulse of contact k is at most what each of its free
+ * vertices took up along n, less the impulse that stops the approach with which
+ * the slice began. */
 static bool spares(const struct warm *s, int64_t k, double unit)
 {
     const struct contact *c = &s->contact[k];
@@ -73,7 +74,7 @@ static bool spares(const struct warm *s, int64_t k, double unit)
             continue;
         double along = (double)vec_dot(c->n, s->g[i]) / share;
         give += share * share * w;
-        /* the others of its contacts ask for their part */
+        /* the vertex's other contacts take their shares */
         took = fmin(took, along + 16 * unit * (double)vec_length(s->g[i]) /
                                       fabs(share));
     }
@@ -97,8 +98,8 @@ const char *prop_warm(const struct warm *s)
             free_all &= s->w[c->v[j]] > 0;
         size += (double)s->part * impulse;
     }
-    /* §3: nothing but contacts press, and what one side gains the other loses;
-     * the least numbers there are are not rounded in proportion */
+    /* §3: press comes from contacts alone, so the forces of two sides cancel.
+     * Subnormal numbers have an absolute error. */
     size += (double)s->n * (REAL_BITS == 32 ? 0x1p-61 : 0x1p-509);
     for (int64_t i = 0; i < s->nv; i++) {
         vec f = s->press[i];
@@ -107,11 +108,11 @@ const char *prop_warm(const struct warm *s)
         int items = s->start[i + 1] - s->start[i];
         if (s->w[i] > 0)
             grown += (double)s->speed / (double)s->w[i];
-        /* §2: no vertex is pressed by more than a part of what it took up, nor
-         * by more than twice what it was pressed by and what moves it by a part
-         * of the reach. A term is rounded at most 16 times on its way here, and
-         * by each sum of a vertex's items; n to a few units in the last place
-         */
+        /* §2: the press of a vertex is bounded by the impulse that it took up,
+         * and by twice the press before plus the push that moves it by a part
+         * of the reach. Each term is rounded at most 16 times, and once in each
+         * sum over a vertex's items; n is exact to a few units in the last
+         * place. */
         double most = (double)s->part * fmin(took, grown);
         EXPECT((double)vec_length(f) <=
                most * (1 + (items + 16) * unit) + 0x1p-60);
@@ -125,10 +126,9 @@ const char *prop_warm(const struct warm *s)
     return NULL;
 }
 
-/* ---- §5 ---- */
-
-/* A sheet on a slab: four steps, the last with a press of `force` N upwards on
- * its middle, or as one without press where that is 0. */
+/* §5: makes four steps of a sheet on a slab. The last step starts with a press
+ * of `force` N upwards on the middle of the sheet; with force 0 it starts
+ * without press. */
 static const char *press_once(real force, struct world **world,
                               struct arena *arena, drape_step_report *r)
 {
@@ -154,7 +154,8 @@ static const char *press_once(real force, struct world **world,
     return NULL;
 }
 
-/* A press by which the motion diverges is done without, to the last bit. */
+/* §5: a step whose motion diverges with its press has the same bits as a step
+ * that starts without press. */
 const char *test_world_cold(void)
 {
     struct world *w[2];

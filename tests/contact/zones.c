@@ -46,7 +46,8 @@ void gen_zones(struct bytes *b, struct zones *s)
     s->x0 = x0;
 }
 
-/* Components one by one, from each vertex that has none yet. */
+/* Finds the connected components by brute force: from each vertex that has no
+ * zone yet. */
 static int64_t count_zones(const struct zones *s, bool *in, int32_t *zone)
 {
     int64_t found = 0;
@@ -114,8 +115,7 @@ const char *prop_zones(const struct zones *s)
     return failed;
 }
 
-/* ---- §4 Conservation ---- */
-
+/* §4: momentum p, energy e, and the scale of rounding. */
 static void momentum(const struct zones *s, struct wide *p, double *e,
                      double *scale)
 {
@@ -167,8 +167,8 @@ const char *test_zones_conserve(void)
     return NULL;
 }
 
-/* §3.4: a plate turns by h about its middle, which moves; what is in one zone
- * with it keeps its distances from the plate's corners. */
+/* §3.4: a plate turns by h about its moving centre; vertices in one zone with
+ * the plate keep their distances from its corners. */
 static const char *follow(struct bytes *b)
 {
     enum { NV = 8, N = 2 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* whole [--threads N] [--jobs N] [NAME...]: runs small scenes, all or those
- * named, in both precisions, and writes what every stage gave. Two jobs are two
- * threads of the caller's, each with worlds of its own. */
+/* whole [--threads N] [--jobs N] [NAME...]: runs small scenes, all or the named
+ * ones, in both precisions, and writes a digest of every stage's output. N jobs
+ * are N threads of this program, each with worlds of its own. */
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,7 +10,7 @@
 
 enum { ROWS = 64, JOBS = 8 };
 
-/* What is asked for, and the lines of each run. */
+/* The command line, and the output of each run. */
 struct asked {
     int threads, jobs, failed[ROWS];
     char **name;
@@ -19,7 +19,7 @@ struct asked {
     size_t bytes[ROWS];
 };
 
-/* Job k takes every run whose number is k modulo the number of jobs. */
+/* Job k makes the runs whose number is k modulo the number of jobs. */
 struct job {
     pthread_t thread;
     struct asked *asked;
@@ -34,7 +34,8 @@ static int wanted(const struct asked *a, const char *name)
     return a->n_names == 0;
 }
 
-/* Runs 0 and 1 are scene 0 in either precision; queries come last. */
+/* Runs 2 s and 2 s + 1 are scene s in binary32 and binary64; queries are last.
+ */
 static void run(struct asked *a, int k)
 {
     FILE *out = open_memstream(&a->text[k], &a->bytes[k]);
@@ -60,7 +61,8 @@ static void *work(void *user)
     return NULL;
 }
 
-/* Whole numbers after --threads and --jobs; all else is a name. */
+/* --threads and --jobs take a number; all other arguments are names of scenes.
+ */
 static int read_arguments(struct asked *a, int argc, char **argv)
 {
     a->threads = a->jobs = 1;

@@ -7,13 +7,13 @@
 
 #include "ref/base/hash.h"
 
-/* A run under way: its lines, and its checkpoint. */
+/* The state of a run: its output and its checkpoint. */
 struct play {
     struct show show;
     drape_world *world;
     FILE *out;
     const char *name;
-    char *saved; /* by open_memstream */
+    char *saved; /* checkpoint, made by open_memstream */
     size_t bytes, read;
     double (*x)[3], (*v)[3]; /* [vertices] of the state */
     int32_t (*tri)[3];
@@ -58,7 +58,7 @@ static uint64_t state(struct play *p)
     return hash_mix(hash_mix(HASH_SEED, p->x, bytes), p->v, bytes);
 }
 
-/* How a step ended: all of its report but times. */
+/* Writes the report of a step without its times. */
 static void report(struct play *p, int status, const drape_step_report *r)
 {
     const drape_work *w = &r->work;
@@ -76,7 +76,9 @@ static void report(struct play *p, int status, const drape_step_report *r)
     fprintf(p->out, " state %016llx\n", (unsigned long long)state(p));
 }
 
-/* Steps from `from` to before `to`; returns the hash of the last state. */
+/* Makes the steps from `from` up to `to` - 1. Returns the hash of the last
+ * state.
+ */
 static uint64_t steps(struct play *p, int from, int to)
 {
     for (int k = from; k < to; k++) {
@@ -99,8 +101,8 @@ static void write_plan(struct play *p)
                 row[k].on, row[k].bytes, row[k].why);
 }
 
-/* Intersecting pairs of the state. All triangles are compared, those of the
- * obstacles too. */
+/* Writes the intersecting pairs of the state, among all triangles of cloths and
+ * obstacles. */
 static void write_audit(struct play *p)
 {
     enum { PAIRS = 8 };
@@ -122,7 +124,7 @@ static void write_audit(struct play *p)
     fputs("\n", p->out);
 }
 
-/* Where the state lies for a caller without a copy. */
+/* Writes the view of the state that drape_borrow gives. */
 static void write_view(struct play *p)
 {
     drape_view view;
@@ -134,8 +136,8 @@ static void write_view(struct play *p)
             (unsigned long long)hash_mix(HASH_SEED, view.x, bytes));
 }
 
-/* The second half once more, in a world of its own, from a checkpoint of the
- * middle. */
+/* Repeats the second half in a new world from a checkpoint of the middle.
+ * Returns whether it ends with the hash `wanted`. */
 static int resumed(struct play *p, int half, uint64_t wanted)
 {
     drape_destroy(p->world);

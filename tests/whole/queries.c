@@ -6,8 +6,8 @@
 
 enum { QUERIES = 3000, SIDE = 9 };
 
-/* On a coarse grid points coincide, and lie on lines and planes; finer ones are
- * there for the filters. */
+/* Draws four points on a grid. On a coarse grid points often coincide or lie on
+ * a line or in a plane; fine grids exercise the floating-point filters. */
 static void draw(double x[4][3], uint32_t *state, int k)
 {
     static const double grid[] = {2, 4, 1 << 20, 1e12};
@@ -24,7 +24,7 @@ static int touch(void *user, int kind, const int32_t v[4], double toi)
     return 0;
 }
 
-/* A sheet folds itself flat onto its other half. */
+/* Continuous query: one half of a sheet folds flat onto the other half. */
 static void write_frames(int threads, FILE *out)
 {
     enum { CELLS = SIDE - 1 };
@@ -60,8 +60,8 @@ static void write_frames(int threads, FILE *out)
             (long long)tested[1]);
 }
 
-/* Triangles on a coarse grid, of which many lie in one plane, share corners or
- * have no area: whom the audit finds. */
+/* Writes the pairs that the audit finds among triangles on a coarse grid, many
+ * of which lie in one plane, share corners or have no area. */
 static void write_audits(int threads, FILE *out)
 {
     enum { TRIANGLES = 60, AUDITS = 12, PAIRS = 400 };
@@ -107,7 +107,7 @@ void show_queries(int threads, FILE *out)
     write_audits(threads, out);
 }
 
-/* ---- definitions that are refused ---- */
+/* Definitions that are refused */
 
 static void refuse(struct show *s, const char *what, FILE *out)
 {
@@ -119,7 +119,7 @@ static void refuse(struct show *s, const char *what, FILE *out)
     drape_destroy(world);
 }
 
-/* Each number of a definition, set out of its range in turn. */
+/* Sets each number of a definition out of its range in turn. */
 static void refuse_numbers(struct show *s, FILE *out)
 {
     drape_def *d = &s->def;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of small scenes. Together they enter every file of ref/: `make
- * coverage` says which lines they leave out. */
+/* The table of small scenes. Together they run code of every file in ref/;
+ * `make coverage` shows the lines that they do not reach. */
 #include "tests/whole/whole.h"
 
 #include <stdlib.h>
@@ -27,7 +27,8 @@ static void make_drop(struct show *s)
     show_ball(s, 0, 0.15, 16);
 }
 
-/* Two sheets by the paper's matrix, the second thrown through the first. */
+/* Two sheets with the paper's matrix; the second is thrown at the first, fast
+ * enough to pass through it. */
 static void make_pile(struct show *s)
 {
     s->steps = 10;
@@ -44,7 +45,8 @@ static void make_pile(struct show *s)
     show_box(s, 0, 0.1);
 }
 
-/* Thrown, with as few rounds and slices as there can be: zones, rollback. */
+/* A thrown sheet with the fewest rounds and slices, so that zones and rollback
+ * run. */
 static void make_thrown(struct show *s)
 {
     s->steps = 6;
@@ -55,7 +57,7 @@ static void make_thrown(struct show *s)
     show_ball(s, 0, 0.14, 12)->friction = 0.9;
 }
 
-/* The same with slices. */
+/* The thrown sheet with steps cut into slices. */
 static void make_sliced(struct show *s)
 {
     make_thrown(s);
@@ -76,15 +78,15 @@ static void give(void *user, void *p, size_t bytes)
     free(p);
 }
 
-/* In the first half every other step has memory for a little growth only. */
+/* Between steps: in the first half of the run, every other step has little
+ * memory to allocate. */
 static void starve(struct show *s, drape_world *world, int step)
 {
     (void)world;
     s->left = step % 2 == 0 && step < s->steps / 2 - 1 ? step : 1 << 20;
 }
 
-/* Steps that fail for want of memory, also in their later slices, and are done
- * again. */
+/* Steps run out of memory, also in later slices, and are repeated. */
 static void make_starved(struct show *s)
 {
     make_sliced(s);
@@ -107,19 +109,21 @@ static void make_crush(struct show *s)
 
 static void change_wind(struct show *s, drape_world *world, int step)
 {
-    const drape_wind gust = {{-3, 0, 6}, 1.2, 1, 0.3};
+    const drape_wind gust = {
+        .velocity = {-3, 0, 6}, .density = 1.2, .drag = 1, .lift = 0.3};
     (void)s;
     if (step == 4)
         drape_set_wind(world, &gust);
 }
 
-/* Holes and cuts in wind, between a pin that is held and one that is led. */
+/* A cloth with holes and cuts in wind, between a fixed pin and a moving pin. */
 static void make_flag(struct show *s)
 {
     s->steps = 10;
     s->between = change_wind;
     s->def.integrator = DRAPE_CK;
-    s->def.wind = (drape_wind){{5, 0, 1}, 1.2, 1.1, 0.8};
+    s->def.wind = (drape_wind){
+        .velocity = {5, 0, 1}, .density = 1.2, .drag = 1.1, .lift = 0.8};
     drape_cloth *c = show_cloth(s, 17, 12, 0.02, 0);
     uint8_t *hole = show_keep(s, 17 * 12), *cut = show_keep(s, 16 * 11);
     for (int k = 0; k < 3; k++)
@@ -149,7 +153,8 @@ static void make_euler(struct show *s)
 static void make_midpoint(struct show *s)
 {
     make_explicit(s, DRAPE_MIDPOINT);
-    s->def.wind = (drape_wind){{1, -9, 1}, 1.2, 1, 0.3};
+    s->def.wind = (drape_wind){
+        .velocity = {1, -9, 1}, .density = 1.2, .drag = 1, .lift = 0.3};
 }
 
 static void make_verlet(struct show *s)
@@ -202,7 +207,7 @@ static void make_rest(struct show *s)
     s->time[0][0] = 1.25;
 }
 
-/* Large enough for every loop to take more than one thread. */
+/* A scene so large that every loop uses several threads. */
 static void make_large(struct show *s)
 {
     s->steps = 2;
@@ -211,7 +216,8 @@ static void make_large(struct show *s)
     show_ball(s, 0, 0.3, 24);
 }
 
-/* As large, by the other method, solver and matrix, and failing at once. */
+/* A scene of the same size with the other integrator, solver and matrix, and
+ * with so few rounds that the fail-safe runs at once. */
 static void make_larger(struct show *s)
 {
     make_large(s);
@@ -220,10 +226,11 @@ static void make_larger(struct show *s)
     s->def.matrix = DRAPE_CDF;
     s->def.max_slices = s->def.max_rounds = 1;
     s->def.gravity[1] = -300;
-    s->def.wind = (drape_wind){{5, 0, 1}, 1.2, 1.1, 0.8};
+    s->def.wind = (drape_wind){
+        .velocity = {5, 0, 1}, .density = 1.2, .drag = 1.1, .lift = 0.8};
 }
 
-/* Nothing can collide. */
+/* A scene in which nothing can collide. */
 static void make_free(struct show *s)
 {
     s->steps = 4;
@@ -247,7 +254,7 @@ static void make_pierced(struct show *s)
     show_box(s, 0, 0.09);
 }
 
-/* Faster than any step can follow. */
+/* A cloth so fast that each step diverges. */
 static void make_diverged(struct show *s)
 {
     s->steps = 3;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A step that fails, wherever it does, changes nothing, and done again it is
- * the step that it would have been. spec/world/step.md §7 */
+/* A step that fails, at whatever point, leaves the state as it was; repeated,
+ * it gives the bits of a step that never failed. spec/world/step.md §7 */
 #include "ref/contact/couple.h"
 #include "ref/world/checkpoint.h"
 #include "ref/world/collide.h"
@@ -11,7 +11,7 @@
 
 enum { SIDE = 12, BEFORE = 5 };
 
-/* Calls of a world's own functions that go well; then they fail. */
+/* The number of calls of the world's functions that succeed before all fail. */
 static int left;
 
 static int broad(void *user, const uint8_t *touched, struct pairs *out)
@@ -24,7 +24,8 @@ static int solve(void *user, int64_t n, struct contact *contact)
     return left-- > 0 ? couple_solve(user, n, contact) : DRAPE_ENOMEM;
 }
 
-/* A sheet that rests on a slab, which strikes it after BEFORE steps. */
+/* Makes a sheet that rests on a slab; the slab strikes it after BEFORE steps.
+ */
 static struct world *make_struck(int integrator, struct arena *arena)
 {
     static double way[3][3], time[3], v[SIDE * SIDE][3];
@@ -62,7 +63,8 @@ static uint64_t state(const struct world *w)
     return checkpoint_save(w, hash_written, &hash) == DRAPE_OK ? hash : 0;
 }
 
-/* One step of b, which fails ever later, and as it should be. */
+/* Makes one step of b over and over, each time failing one call later, until it
+ * succeeds; it must then equal the step of a. */
 static const char *fail_step(struct world *a, struct world *b, int *later)
 {
     drape_step_report r, again;
@@ -104,7 +106,7 @@ const char *test_world_aborts(void)
         arena_free(&arena[1]);
         if (failed)
             return failed;
-        EXPECT(later > 0); /* or no step was given up half-way */
+        EXPECT(later > 0); /* some step failed half-way */
     }
     return NULL;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A checkpoint makes a world forget all that it was: whichever state it is
- * loaded into, the run goes on bit for bit. spec/world/step.md */
+/* A checkpoint is the whole state: into whatever state of a world it is loaded,
+ * the run continues with the same bits. spec/world/step.md */
 #include <stdlib.h>
 
 #include "tests/world/recall.h"
@@ -8,13 +8,13 @@
 
 enum { STEPS = 36 };
 
-/* What a run was before each of its steps, and what it reported. */
+/* A checkpoint before each step of a run, and the report of each step. */
 struct run {
     struct recall before[STEPS];
     drape_step_report report[STEPS];
 };
 
-/* What is to be the same: all but times and launches. */
+/* Whether two reports are equal but for times and launches. */
 static bool same_report(drape_step_report a, drape_step_report b)
 {
     memset(a.seconds, 0, sizeof a.seconds);
@@ -22,8 +22,8 @@ static bool same_report(drape_step_report a, drape_step_report b)
     return !memcmp(&a, &b, sizeof a);
 }
 
-/* A sheet on the slab, thrown or resting in empty space; with wind that turns
- * in between. */
+/* Makes scene k: a sheet on the slab, thrown at it, or at rest in empty space;
+ * the wind changes during the run. */
 static void make(struct slab *d, int k)
 {
     static const double still[2][3] = {{0}};
@@ -38,10 +38,11 @@ static void make(struct slab *d, int k)
     d->cloth.velocity = (const double(*)[3])v;
     d->def.dt = k == 2 ? 1e-3 : 1.0 / 60;
     d->def.max_rounds = k == 1 ? 1 : 16;
-    d->def.wind = (drape_wind){{0, 0, 0}, 1.2, 1, 0.3};
+    d->def.wind = (drape_wind){
+        .velocity = {0, 0, 0}, .density = 1.2, .drag = 1, .lift = 0.3};
     if (k < 3)
         return;
-    d->def.gravity[1] = 0; /* falls asleep */
+    d->def.gravity[1] = 0; /* the scene falls asleep */
     d->def.wind.density = 0;
     d->cloth.velocity = NULL;
     d->cloth.origin[1] = 0.375;
@@ -51,7 +52,8 @@ static void make(struct slab *d, int k)
 static drape_step_report step(drape_world *world, bool windy, int k)
 {
     drape_step_report r;
-    const drape_wind gale = {{1 + k, 0, 2}, 1.2, 1, 0.3};
+    const drape_wind gale = {
+        .velocity = {1 + k, 0, 2}, .density = 1.2, .drag = 1, .lift = 0.3};
     if (windy && k % 4 == 0)
         drape_set_wind(world, &gale);
     memset(&r, 0, sizeof r);
@@ -70,7 +72,8 @@ static const char *record(drape_world *world, bool windy, int n, struct run *a)
     return NULL;
 }
 
-/* Loads what was before step k into a world in another state, and goes on. */
+/* Loads the checkpoint before step k into a world in another state and runs to
+ * the end. */
 static const char *resume(drape_world *world, bool windy, int n, int k,
                           struct run *a)
 {

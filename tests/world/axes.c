@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Names of axes do not matter: what happens on a line or in a plane is the
- * same, to the last bit, along whichever axes. And where multigrid breaks down,
- * Jacobi goes on. spec/solve/pcg.md §3, §5 */
+/* The solver treats all axes alike: a problem on a line or in a plane has the
+ * same bits along whichever axes it lies. Where multigrid breaks down, Jacobi
+ * continues. spec/solve/pcg.md §3, §5 */
 #include "tests/solve/solver.h"
 
 enum { M = 19, N = 15 };
 
-/* A plane's two axes, or a line's one. Their order is kept: a sum of three
- * numbers does not depend on where among them a 0 is, and so factors do. */
+/* The two axes of a plane, or the one axis of a line, ascending. A sum of three
+ * numbers does not depend on where a 0 stands among them, but it does depend on
+ * the order of the others; so the order of the axes is kept. */
 static const int lies[5][2] = {{0, 1}, {0, 2}, {0, -1}, {1, -1}, {2, -1}};
 
 static vec turned(vec a, int k)
@@ -19,7 +20,8 @@ static vec turned(vec a, int k)
     return vec_make(r[0], r[1], r[2]);
 }
 
-/* xx, and in a plane xy and yy, where they belong; zz beside them. */
+/* Block a with its xx, and in a plane xy and yy, at the axes of case k; the
+ * other diagonal entries are zz. */
 static sym turned_block(sym a, int k)
 {
     real r[3][3] = {{a.zz, 0, 0}, {0, a.zz, 0}, {0, 0, a.zz}};
@@ -44,7 +46,8 @@ static void make_turned(struct system *a, int k)
     }
 }
 
-/* The solution, to where binary32 needs restarts; iterations, or -1. */
+/* Solves to a tolerance at which binary32 needs restarts. Returns the number of
+ * iterations, or -1. */
 static int solve_turned(int k, int precond, int form, vec *dv)
 {
     struct system a;
@@ -54,7 +57,7 @@ static int solve_turned(int k, int precond, int form, vec *dv)
                     .tolerance = REAL_BITS == 32 ? R(1e-6) : R(1e-13),
                     .max_iterations = 400};
     solver_open(&s, &a);
-    s.n_thin = s.grid.n_thin = 0; /* whose directions are rounded by axis */
+    s.n_thin = s.grid.n_thin = 0; /* thin directions are rounded by axis */
     int status = ref_pcg(&s);
     memcpy(dv, s.dv, (size_t)a.count * sizeof *dv);
     solver_close(&s);
@@ -89,8 +92,8 @@ const char *test_pcg_axes(void)
     return failed;
 }
 
-/* Springs that push neighbours apart by less than the masses hold: A is
- * positive definite, and yet not what multigrid's smoothing needs. */
+/* Gives springs a negative stiffness that the masses outweigh: A is positive
+ * definite, but the smoother of multigrid does not converge. */
 static void make_pushing(struct system *a, real push)
 {
     const sym block = {-push, 0, 0, -push, 0, -push};
@@ -105,7 +108,7 @@ static void make_pushing(struct system *a, real push)
     }
 }
 
-/* §5: where multigrid breaks down, Jacobi goes on and arrives. */
+/* §5: where multigrid breaks down, Jacobi continues and converges. */
 const char *test_pcg_falls_back(void)
 {
     for (int k = 22; k <= 24; k += 2) {

@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What steps learn from those before. spec/world/step.md §7.5 */
+/* Caution: a step begins with shorter slices after steps that had to be taken
+ * again. spec/world/step.md §7.2, §7.3, §7.5 */
 #include "ref/world/checkpoint.h"
 #include "ref/world/slice.h"
 #include "ref/world/state.h"
 #include "tests/base/choices.h"
 
-enum { TURNS = 200 }; /* more than a step may have: 64 slices, some again */
+enum { TURNS = 200 }; /* more than the slices of a step, retries included */
 
-/* A step whose slices longer than dt/2^calm end with `gain` times their
- * energy. Returns how many were taken again, or TURNS if it never ends. */
+/* Makes a step whose slices longer than dt/2^calm multiply their energy by
+ * `gain`. Returns how many slices were taken again, or TURNS if the step never
+ * ends. */
 static int make_step(struct world *w, int calm, double gain)
 {
     const double before[3] = {1, 0, 0}, more[3] = {gain, 0, 0};
@@ -27,8 +29,9 @@ static int make_step(struct world *w, int calm, double gain)
     return again;
 }
 
-/* A step that gains a tenth is kept, one that doubles is halved, once; both
- * teach the next eight; then one tries. A step that knows goes one further. */
+/* §7.5: a step that gains a tenth of its energy is kept; a step that doubles
+ * its energy is halved once. After either, eight steps begin halved, and the
+ * next begins whole. A cautious step that gains may be halved once more. */
 const char *test_world_caution(void)
 {
     struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
@@ -51,13 +54,13 @@ const char *test_world_caution(void)
     EXPECT(w.caution.level == 1 && w.caution.calm == 0);
     EXPECT(make_step(&w, 3, 2) == 1 && w.slicing.slices == 4);
     EXPECT(w.caution.level == 1);
-    w.def.max_slices = 1; /* what is asked for is the most */
+    w.def.max_slices = 1; /* caution never exceeds max_slices */
     EXPECT(make_step(&w, 1, 2) == 0 && w.slicing.slices == 1);
     return NULL;
 }
 
-/* A step whose way is that of 2^far slices. Returns how many were too long, or
- * TURNS if it never ends. */
+/* Makes a step whose displacement needs 2^far slices. Returns how many slices
+ * were too long, or TURNS if the step never ends. */
 static int make_way(struct world *w, int far)
 {
     int again = 0, turns = 0;
@@ -76,8 +79,8 @@ static int make_way(struct world *w, int far)
     return again;
 }
 
-/* §7.2: the step after one whose way was too long begins with slices that are
- * short enough, eight times running; one whose way is short ends whole. */
+/* §7.2: after a step that moved too far, the next eight steps begin with slices
+ * that are short enough; a step that moves little ends whole. */
 const char *test_world_way(void)
 {
     struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
@@ -95,8 +98,9 @@ const char *test_world_way(void)
     return NULL;
 }
 
-/* §7.3, §7.5: what the fail-safe ended teaches too; a whole step that can be
- * taken again is given up after 12 rounds, all else after what is allowed. */
+/* §7.3, §7.5: slices that the fail-safe ended count for caution too. A whole
+ * step that can be taken again ends after 12 rounds, any other slice after the
+ * rounds that are allowed. */
 const char *test_world_rounds(void)
 {
     const double energy[3] = {1, 0, 0};
@@ -123,7 +127,7 @@ const char *test_world_rounds(void)
     w.def.max_rounds = 5;
     EXPECT(slice_rounds(&w) == 5);
     w.def.max_rounds = 16;
-    w.def.max_slices = 1; /* it cannot be cut: its zones are not for nothing */
+    w.def.max_slices = 1; /* the step cannot be cut, so zones are used */
     slice_begin(&w);
     EXPECT(!slice_brief(&w) && slice_rounds(&w) == 16);
     struct response c = {.iterations = 16}; /* response.md §4 */
@@ -160,7 +164,7 @@ static int play(void *user, void *data, size_t bytes)
     return 0;
 }
 
-/* A checkpoint keeps all that steps have learned. */
+/* A checkpoint keeps the whole state of caution. */
 const char *test_world_knows(void)
 {
     const struct caution all = {1, 1, 5, 3, 7};
@@ -174,5 +178,45 @@ const char *test_world_knows(void)
     EXPECT(checkpoint_load(&b, play, &tape) == DRAPE_OK);
     EXPECT(memcmp(&b.caution, &all, sizeof all) == 0);
     ran(1);
+    return NULL;
+}
+
+/* §7.3: whether a whole slice that ends with `more` energy of kind k than
+ * `before` is taken again. */
+static bool again(struct world *w, int k, double before, double more)
+{
+    double start[3] = {0}, end[3] = {0};
+    start[k] = before;
+    end[k] = before + more;
+    w->caution = (struct caution){0};
+    slice_begin(w);
+    return slice_wrong(w, 0, start, end);
+}
+
+const char *test_world_wrong(void)
+{
+    struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
+    w.def.max_slices = 32;
+    w.def.dt = 1;
+    for (int k = 0; k < 2; k++) { /* limit: 1/8 of the energy at the end */
+        EXPECT(!again(&w, k, 7, 0.999) && again(&w, k, 7, 1.001));
+        w.plan.led = true;
+        EXPECT(!again(&w, k, 7, 5));
+        w.plan.led = false;
+        w.plan.wind = true;
+        EXPECT(!again(&w, k, 7, 5));
+        w.plan.wind = w.plan.implicit = false;
+        EXPECT(!again(&w, k, 7, 5));
+        w.plan.implicit = true;
+    }
+    EXPECT(!again(&w, 2, 32767, 0.999) && again(&w, 2, 32767, 1.001));
+    EXPECT(!again(&w, 2, -32769, 0.999) && again(&w, 2, -32769, 1.001));
+    w.mass = 3; /* repulsion: 2 m (g d + (d / dt)² / 2), d = 0.1 reach */
+    w.reach = 10;
+    w.def.gravity[0] = 3;
+    w.def.gravity[2] = 4;
+    w.dt = 0.5;
+    EXPECT(!again(&w, 2, -1, 41.9) && again(&w, 2, -1, 42.1));
+    ran(13);
     return NULL;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole steps on the device are the reference's bit for bit: as usual, where
- * pools are too small, and where the host ends loops. spec/gpu.md */
+/* Whole steps on the device give the bits of the reference: in normal runs,
+ * when pools overflow, and when the host ends all loops. spec/gpu.md */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -10,16 +10,15 @@
 
 enum { STEPS = 26, VERTICES = 256 };
 
-/* How a scene differs from the guest's. */
+/* How a scene differs from the basic scene of tests/api/guest.h. */
 struct variant {
     const char *name;
     int integrator, precond;
     bool moves, two, windy;
-    bool pinned; /* at a corner that moves */
-    bool taps;   /* the plate comes and goes, and nothing falls */
+    bool pinned; /* a pin leads one corner of the sheet */
+    bool taps;   /* the plate moves up and down; no gravity */
     bool uncut;  /* a step is one slice */
-    bool fails;  /* no impulse is allowed, and a slice that needs one ends there
-                    or not, as it may be cut once more or not */
+    bool fails;  /* no round of impulses: slices go straight to the fail-safe */
 };
 
 static const struct variant variants[] = {
@@ -39,13 +38,13 @@ static const struct variant variants[] = {
      .windy = true, .pinned = true},
 };
 
-/* A world, without the API around it, which does not show its device. */
+/* A world made without the public API, which would hide its device. */
 struct run {
     struct guest s;
     drape_cloth cloth[2];
     drape_motion motion;
     drape_pin pin;
-    bool device; /* there is one: of it a turn of substeps is longer */
+    bool device; /* the machine has a device, with longer runs of substeps */
     struct arena arena;
     const struct world_ops *ops;
     struct world *world;
@@ -55,7 +54,8 @@ struct run {
 
 static const double times[2] = {0, 1}, path[2][3] = {{0}, {0.02, 0.005, 0}};
 
-/* Every third step, so that contact begins and ends again and again. */
+/* The plate moves at every third step, so that contact begins and ends often.
+ */
 enum { TAPS = 44 };
 static double tap_time[TAPS], tap[TAPS][3];
 
@@ -91,7 +91,7 @@ static void define(struct run *r, const struct variant *a, int backend)
         def->max_slices = 1;
     if (a->fails)
         def->max_rounds = 0;
-    if (a->integrator < DRAPE_BW) { /* few substeps, and contact at once */
+    if (a->integrator < DRAPE_BW) { /* few substeps; contact from the start */
         def->dt = r->device ? 7e-4 : 7e-5;
         r->cloth[0].origin[1] = 0.0019;
     }
@@ -100,7 +100,8 @@ static void define(struct run *r, const struct variant *a, int backend)
     r->cloth[0].pins = &r->pin;
     r->cloth[0].n_pins = a->pinned;
     if (a->windy)
-        def->wind = (drape_wind){{0.2, 0, 0}, 1.2, 1, 0.5};
+        def->wind = (drape_wind){
+            .velocity = {0.2, 0, 0}, .density = 1.2, .drag = 1, .lift = 0.5};
 }
 
 static const char *begin(struct run *r, const struct variant *a, int backend)
@@ -117,7 +118,7 @@ static const char *begin(struct run *r, const struct variant *a, int backend)
 static const char *step(struct run *r, const struct variant *a)
 {
     int64_t k = r->world->step;
-    if (a->fails) /* all else that the launches depend on stays */
+    if (a->fails) /* other settings on which launches depend stay */
         r->world->def.max_slices = k > 9 && k % 4 == 1 ? 2 : 4;
     EXPECT(r->ops->step(r->world, &r->report) == DRAPE_OK);
     memset(r->report.seconds, 0, sizeof r->report.seconds);
@@ -132,7 +133,7 @@ static void end(struct run *r)
     arena_free(&r->arena);
 }
 
-/* Where the steps of the reference went. */
+/* The states and reports of the reference's steps. */
 struct trail {
     double x[STEPS][VERTICES][3], v[STEPS][VERTICES][3];
     drape_step_report report[STEPS];
@@ -152,13 +153,13 @@ static const char *lead_way(struct run *r, const struct variant *a,
     return what;
 }
 
-/* PLAIN: nothing is forced. SHORT: some pools have one item of capacity, so
- * that stages overflow, pools grow by no more than they must, and the stages
+/* PLAIN: a normal run. SHORT: some pools are cut to one item of capacity, so
+ * that stages overflow, their pools grow by the least amount, and the stages
  * run again. HOSTED: the host ends all loops. */
 enum how { PLAIN, SHORT, HOSTED };
 
-/* One of three pools is cut to one item, in turn; a pool that was empty until
- * now stays empty. */
+/* Cuts one of three pools, chosen by k, to one item of capacity. False: the
+ * pool has no more than one item. */
 static bool cut_pool(struct run *r, int k)
 {
     struct world *w = r->world;
@@ -221,7 +222,7 @@ const char *test_device_steps(void)
     const char *what = r && t ? NULL : "out of memory";
     if (!what)
         r->device = gpu_device(g) >= 0;
-    /* in the other precision it is the same source */
+    /* binary64 is compiled from the same source, so one variant is enough */
     size_t n = REAL_BITS == 64 ? 1 : sizeof variants / sizeof *variants;
     for (size_t k = 0; k < n && !what; k++) {
         what = compare(r, &variants[k], t);

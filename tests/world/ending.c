@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a step says of intersections in the state that it ends in.
+/* A step reports exactly whether the state that it ends in intersects.
  * spec/world/step.md §11 */
+#include "tests/world/recall.h"
 #include "tests/world/scene.h"
 #include "tests/world/slab.h"
 
-enum { SIDE = 9, STEPS = 14, SIZE = 1 << 17 };
+enum { SIDE = 9, STEPS = 14 };
 
-/* A sheet over the slab, whose two edges are led down past it and up again:
- * what hangs between them cannot follow. */
+/* A sheet over the slab. Two of its edges are led down past the slab and up
+ * again; the middle of the sheet, which the slab holds, cannot follow. */
 struct press {
     struct slab d;
     drape_pin pin[2 * SIDE];
@@ -22,10 +23,10 @@ static void make_press(struct press *p, int integrator)
     slab_make(&p->d, integrator);
     drape_cloth *c = &p->d.cloth;
     c->m = c->n = SIDE;
-    c->width = c->height = 0.15; /* within the slab */
+    c->width = c->height = 0.15; /* narrower than the slab */
     c->origin[0] = c->origin[2] = -0.075;
     p->d.obstacle.motion = -1;
-    p->motion[0] = (drape_motion){3, times, way, NULL, {0, 0, 0}};
+    p->motion[0] = (drape_motion){.keys = 3, .time = times, .position = way};
     p->d.def.motions = p->motion;
     for (int k = 0; k < 2 * SIDE; k++)
         p->pin[k] = (drape_pin){k % SIDE, k < SIDE ? 0 : SIDE - 1, 0};
@@ -33,7 +34,7 @@ static void make_press(struct press *p, int integrator)
     c->n_pins = 2 * SIDE;
 }
 
-/* What one step says is what an audit finds. */
+/* The report of a step agrees with an audit of the state. */
 static const char *agree(const drape_world *world, const drape_step_report *r)
 {
     int64_t found = scene_audit(world, 1);
@@ -52,7 +53,7 @@ static drape_world *make(const struct press *p, int backend)
     return slab_world(&d);
 }
 
-/* The steps of a press on one backend: hashes of what each ends with. */
+/* Runs the press on one backend. hash: of the state after each step. */
 static const char *follow(const struct press *p, int backend,
                           uint64_t hash[STEPS], int *trapped)
 {
@@ -76,8 +77,9 @@ static const char *follow(const struct press *p, int backend,
     return failed;
 }
 
-/* §11: TRAPPED in each step that ends with a pair and in no other, by the same
- * bits on both backends; the state is free again once the pins are back. */
+/* §11: a step reports TRAPPED if and only if its state has an intersecting
+ * pair, with the same bits on both backends. The state has none any more once
+ * the pins are back. */
 const char *test_ending_trapped(void)
 {
     for (int method = DRAPE_BW; method <= DRAPE_CK; method++) {
@@ -96,36 +98,10 @@ const char *test_ending_trapped(void)
     return NULL;
 }
 
-/* Bytes of a checkpoint. */
-struct file {
-    unsigned char data[SIZE];
-    size_t n, at;
-};
-
-static int put(void *user, const void *data, size_t bytes)
-{
-    struct file *f = user;
-    if (f->n + bytes > SIZE)
-        return 1;
-    memcpy(f->data + f->n, data, bytes);
-    f->n += bytes;
-    return 0;
-}
-
-static int get(void *user, void *data, size_t bytes)
-{
-    struct file *f = user;
-    if (f->at + bytes > f->n)
-        return 1;
-    memcpy(data, f->data + f->at, bytes);
-    f->at += bytes;
-    return 0;
-}
-
-/* §11: a checkpoint knows that its state intersects. */
+/* §11: a checkpoint keeps the number of intersecting pairs. */
 const char *test_ending_resumed(void)
 {
-    static struct file f;
+    static struct recall f;
     struct press p;
     drape_step_report r[2];
     make_press(&p, DRAPE_BW);
@@ -134,9 +110,8 @@ const char *test_ending_resumed(void)
     do
         EXPECT(drape_step(world[0], &r[0]) == DRAPE_OK);
     while (!(r[0].outcome & DRAPE_TRAPPED));
-    f.n = f.at = 0;
-    EXPECT(drape_save(world[0], put, &f) == DRAPE_OK);
-    EXPECT(drape_load(world[1], get, &f) == DRAPE_OK);
+    EXPECT(recall_save(world[0], &f));
+    EXPECT(recall_load(world[1], &f) == DRAPE_OK);
     for (int k = 0; k < 2; k++)
         EXPECT(drape_step(world[k], &r[k]) == DRAPE_OK);
     EXPECT(r[1].outcome & DRAPE_TRAPPED);
@@ -148,7 +123,8 @@ const char *test_ending_resumed(void)
     return NULL;
 }
 
-/* A sheet at rest without weight, and how it lies. */
+/* Where a weightless sheet at rest lies: above the slab, across it, or pierced
+ * by a needle. */
 enum lie { BESIDE, WITHIN, PIERCED };
 
 static void make_rest(struct press *p, enum lie lie)
@@ -167,15 +143,15 @@ static void make_rest(struct press *p, enum lie lie)
     p->d.cloth.origin[1] = lie == BESIDE ? 0.12 : 0.09;
     if (lie != PIERCED)
         return;
-    p->d.cloth.material.thickness = 1e-4; /* so that nothing pushes */
+    p->d.cloth.material.thickness = 1e-4; /* so thin that no pair repels */
     p->d.obstacle.x = needle;
     p->d.obstacle.n_vertices = 3;
     p->d.obstacle.tri = tri;
     p->d.obstacle.n_triangles = 1;
 }
 
-/* §11: a start that intersects and may is told of from the first step on, also
- * asleep. */
+/* §11: where the start intersects, and may, each step reports this from the
+ * first on, asleep or not. */
 const char *test_ending_start(void)
 {
     for (int k = 0; k < 6; k++) {
@@ -199,7 +175,8 @@ const char *test_ending_start(void)
     return NULL;
 }
 
-/* §11: without self-collision what a cloth does with another is no matter. */
+/* §11: without self-collision, cloths that intersect each other do not count.
+ */
 const char *test_ending_alone(void)
 {
     for (int k = 0; k < 2; k++) {
@@ -222,8 +199,8 @@ const char *test_ending_alone(void)
     return NULL;
 }
 
-/* §11: what is led through a plate within a step is told of, though nothing
- * intersects at its end. */
+/* §11: a cloth that is led through a plate within a step is reported (PASSED),
+ * though nothing intersects at the end. */
 const char *test_ending_passed(void)
 {
     static const double at[2] = {0, 1.0 / 60};
@@ -232,7 +209,7 @@ const char *test_ending_passed(void)
     drape_pin all[SIDE * SIDE];
     for (int k = 0; k < 2; k++) {
         make_press(&p, DRAPE_BW);
-        p.motion[0] = (drape_motion){2, at, down, NULL, {0, 0, 0}};
+        p.motion[0] = (drape_motion){.keys = 2, .time = at, .position = down};
         for (int i = 0; i < SIDE * SIDE; i++)
             all[i] = (drape_pin){i % SIDE, i / SIDE, 0};
         p.d.cloth.pins = all;

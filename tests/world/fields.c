@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A checkpoint belongs to one definition: every word of it is changed, one by
- * one, and the checkpoint refused, but for what leaves the bits alone. Nothing
- * is listed but pointers and exceptions, so what the API gains is tried too. */
+/* A checkpoint fits one definition only. Each word of the definition is changed
+ * in turn, and the checkpoint must then be refused, except for words that do
+ * not change results. Only pointers and exceptions are listed here, so a field
+ * that is added to the API is tested without a change of this file. */
 #include <stdio.h>
-#include <stdlib.h>
 
-#include "tests/base/harness.h"
+#include "tests/world/recall.h"
 
 enum { SIDE = 4, ROOM = 64, SPARE = 3 };
 
-/* A definition with something behind each pointer, and room for one more of
- * everything that it counts. */
+/* A definition whose pointers all point to data, with one spare item in each
+ * array, so that counts can grow by one. */
 struct scene {
     drape_def def;
     drape_cloth cloth[SPARE];
@@ -22,29 +22,8 @@ struct scene {
     double corner[ROOM][3], frame[ROOM][3];
     int32_t tri[ROOM][3];
     double time[ROOM], position[ROOM][3], rotation[ROOM][4];
-    uint8_t saved[1 << 15]; /* of the definition as it was */
-    size_t size, at;
+    struct recall saved; /* checkpoint of the unchanged definition */
 };
-
-static int save(void *user, const void *data, size_t bytes)
-{
-    struct scene *s = user;
-    if (bytes > sizeof s->saved - s->size)
-        return 1;
-    memcpy(s->saved + s->size, data, bytes);
-    s->size += bytes;
-    return 0;
-}
-
-static int load(void *user, void *data, size_t bytes)
-{
-    struct scene *s = user;
-    if (bytes > s->size - s->at)
-        return 1;
-    memcpy(data, s->saved + s->at, bytes);
-    s->at += bytes;
-    return 0;
-}
 
 static void fill_cloths(struct scene *s)
 {
@@ -107,7 +86,8 @@ static void fill_obstacles(struct scene *s)
     s->obstacle[1].frames = 2;
 }
 
-/* What starts intersecting is accepted, so that few changes are refused. */
+/* Makes the definition. It allows a start that intersects, so that few changed
+ * definitions are invalid. */
 static void fill(struct scene *s)
 {
     drape_def *d = &s->def;
@@ -119,7 +99,8 @@ static void fill(struct scene *s)
     d->precision = REAL_BITS;
     d->threads = 1;
     d->block = 256;
-    d->wind = (drape_wind){{1, 2, 3}, 1.25, 1, 0.5};
+    d->wind = (drape_wind){
+        .velocity = {1, 2, 3}, .density = 1.25, .drag = 1, .lift = 0.5};
     d->allow_intersecting = 1;
     d->cloths = s->cloth;
     d->obstacles = s->obstacle;
@@ -127,21 +108,19 @@ static void fill(struct scene *s)
     d->n_cloths = d->n_obstacles = d->n_motions = 2;
 }
 
-/* What drape_load says to the checkpoint, or 1 where there is no such world. */
+/* Returns drape_load's status for the saved checkpoint, or 1 if the definition
+ * is invalid. */
 static int try_load(struct scene *s)
 {
     drape_world *world;
     if (drape_create(&s->def, &world, NULL) != DRAPE_OK)
         return 1;
-    s->at = 0;
-    int status = drape_load(world, load, s);
+    int status = recall_load(world, &s->saved);
     drape_destroy(world);
     return status;
 }
 
-/* ---- Every word ---- */
-
-/* Bytes [from, to) of a struct. */
+/* Bytes [from, to) of a struct; a list of parts ends with {0, 0}. */
 struct part {
     size_t from, to;
 };
@@ -158,10 +137,10 @@ struct part {
 struct walk {
     const char *name;
     void *data;
-    size_t bytes, unit;       /* unit: changed at once, 4 or 1 */
-    const struct part *skip;  /* pointers; the last is empty */
-    const struct part *free;  /* what may change; the last is empty */
-    const struct part *stiff; /* what may know no other valid value */
+    size_t bytes, unit;       /* unit: bytes changed at once, 4 or 1 */
+    const struct part *skip;  /* pointers, which are not changed */
+    const struct part *free;  /* parts that do not change results */
+    const struct part *stiff; /* parts that may have one valid value only */
 };
 
 static bool within(const struct part *p, size_t at)
@@ -172,7 +151,8 @@ static bool within(const struct part *p, size_t at)
     return false;
 }
 
-/* The first change of the word that gives a world: what loading says. */
+/* Changes the word at `at` until the definition is valid, and restores the
+ * word. Returns the status of loading, or 1 if no change is valid. */
 static int change(struct scene *s, const struct walk *w, size_t at)
 {
     uint8_t *p = (uint8_t *)w->data + at;
@@ -180,7 +160,7 @@ static int change(struct scene *s, const struct walk *w, size_t at)
     int status = 1;
     memcpy(&old, p, w->unit);
     for (unsigned k = 0; k < 16 * w->unit && status == 1; k++) {
-        now = old ^ (k % 2 ? 3u : 1u) << k / 2; /* 32 to 64 needs two bits */
+        now = old ^ (k % 2 ? 3u : 1u) << k / 2; /* 32 to 64: two bits change */
         memcpy(p, &now, w->unit);
         status = try_load(s);
     }
@@ -206,7 +186,7 @@ static const char *walk(struct scene *s, const struct walk *w)
     return NULL;
 }
 
-/* Padding is free: no fingerprint may depend on it. */
+/* Padding counts as free: a definition's fingerprint must not depend on it. */
 static const struct part def_skip[] = {PART(drape_def, cloths),
                                        PART(drape_def, obstacles),
                                        PART(drape_def, motions),
@@ -226,7 +206,7 @@ static const struct part def_free[] = {PART(drape_def, backend),
                                        BETWEEN(drape_def, n_obstacles, motions),
                                        BETWEEN(drape_def, n_motions, allocator),
                                        {0, 0}};
-/* There may be no device here. */
+/* Without a device on this machine these may have one valid value only. */
 static const struct part def_stiff[] = {
     PART(drape_def, solver), PART(drape_def, backend), {0, 0}};
 static const struct part cloth_skip[] = {
@@ -239,8 +219,9 @@ static const struct part obstacle_skip[] = {PART(drape_obstacle, x),
                                             PART(drape_obstacle, tri),
                                             PART(drape_obstacle, frame),
                                             {0, 0}};
-/* The upper halves of counts, as a mesh of 2^32 is refused; and an obstacle has
- * a motion or frames, so the one is tried at obstacle 0, the other at 1. */
+/* Parts of an obstacle without another valid value: the upper halves of counts,
+ * as a mesh of 2^32 is refused. An obstacle has a motion or frames, not both:
+ * obstacle 0 tests the one, obstacle 1 the other. */
 #define UPPER_HALVES                                                           \
     {offsetof(drape_obstacle, n_vertices) + 4,                                 \
      offsetof(drape_obstacle, n_vertices) + 8},                                \
@@ -278,7 +259,7 @@ static const char *walk_structs(struct scene *s)
     return failed;
 }
 
-/* What pointers point to. */
+/* Changes each word of the arrays behind the pointers. */
 static const char *walk_arrays(struct scene *s)
 {
     const size_t n = SIDE * SIDE;
@@ -286,7 +267,7 @@ static const char *walk_arrays(struct scene *s)
         {"x", s->x, n * sizeof *s->x, 4, NULL, NULL, NULL},
         {"velocity", s->velocity, n * sizeof *s->x, 4, NULL, NULL, NULL},
         {"hole", s->hole + 10, n - 10, 1, NULL, NULL,
-         NULL}, /* behind the pins */
+         NULL}, /* the particles after the pinned ones */
         {"cut", s->cut, (SIDE - 1) * (SIDE - 1), 1, NULL, NULL, NULL},
         {"pins", s->pin, 2 * sizeof *s->pin, 4, NULL, NULL, NULL},
         {"corners", s->corner, 4 * sizeof *s->corner, 4, NULL, NULL, NULL},
@@ -302,7 +283,7 @@ static const char *walk_arrays(struct scene *s)
     return failed;
 }
 
-/* What is there, or is not. */
+/* Removes optional arrays one by one. */
 static const char *drop_arrays(struct scene *s)
 {
     drape_cloth cloth = s->cloth[0];
@@ -331,7 +312,7 @@ const char *test_checkpoint_fields(void)
     drape_world *world;
     fill(&s);
     EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
-    EXPECT(drape_save(world, save, &s) == DRAPE_OK);
+    EXPECT(recall_save(world, &s.saved));
     drape_destroy(world);
     EXPECT(try_load(&s) == DRAPE_OK);
     const char *failed = walk_structs(&s);

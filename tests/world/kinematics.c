@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage kinematics: generator, properties, tests. spec/world/kinematics.md */
+/* Stage kinematics: generator, properties and tests.
+ * spec/world/kinematics.md */
 #include "ref/world/kinematics.h"
 
 #include "tests/base/harness.h"
@@ -8,7 +9,8 @@ const struct field fields_kinematics[] = {
     IN(kinematics, rest, n, 3), IN(kinematics, motion, n, 1),
     IN(kinematics, pose, poses, 1), OUT(kinematics, x, n, 1), FIELD_END};
 
-/* A turn about a coordinate axis by a multiple of 90°, or a random one. */
+/* Picks a rotation about a coordinate axis by a multiple of 90°, or a random
+ * rotation. */
 static void pick_rotation(struct bytes *b, double q[4])
 {
     double norm = 0;
@@ -56,7 +58,7 @@ const char *prop_kinematics(const struct kinematics *s)
     for (int64_t k = 0; k < s->n; k++) {
         const double *a = s->rest + 3 * k;
         vec x = s->x[k];
-        if (s->motion[k] < 0) { /* §1: not led, not moved */
+        if (s->motion[k] < 0) { /* §1: without a motion, x is rest */
             EXPECT(x.x == (real)a[0] && x.y == (real)a[1] && x.z == (real)a[2]);
             continue;
         }
@@ -74,7 +76,8 @@ const char *prop_kinematics(const struct kinematics *s)
     return NULL;
 }
 
-/* §2: keys are met, the way between is straight, the ends are held. */
+/* §2: a motion passes through its keys, is linear between them, and rests
+ * before the first key and after the last. */
 const char *test_motion_keys(void)
 {
     const double time[] = {1, 2, 4};
@@ -90,9 +93,10 @@ const char *test_motion_keys(void)
     EXPECT(kinematics_pose(&m, 0).p[0] == 0);
     EXPECT(kinematics_pose(&m, 9).p[1] == 4);
     EXPECT(kinematics_pose(&m, 3).p[1] == 2);
-    /* q and -q are one rotation: nothing turns between keys 1 and 2. */
+    /* §2.2: q and -q are the same rotation: between keys 1 and 2 nothing turns
+     */
     EXPECT(kinematics_pose(&m, 3).rotation[0] == -1);
-    /* Half of a half turn about z is a quarter: x goes to y. */
+    /* half way through a half turn about z, x has turned to y */
     EXPECT(fabs(kinematics_pose(&m, 1.5).rotation[3] - 1) <= 0x1p-50);
     return NULL;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One world on both backends, through the public API and without a trace, while
- * a program sets the wind, wakes it, goes back to a checkpoint or wants no
- * report: after each step both have the same report and would write the same
+/* The same world on both backends, through the public API and without a trace,
+ * while a program changes the wind, wakes the world, loads a checkpoint or asks
+ * for no report: after each step both have the same report and the same
  * checkpoint. spec/gpu.md §6 */
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,7 +53,7 @@ static int save(const drape_world *world, struct store *s)
     return drape_save(world, append, s);
 }
 
-/* NULL, or why there are none. */
+/* Makes both worlds. Returns NULL, or why they cannot be made. */
 static const char *create(struct pair *p)
 {
     for (int k = 0; k < 2; k++) {
@@ -94,7 +94,7 @@ static const char *step(struct pair *p, bool reported)
     return compare(p);
 }
 
-/* ---- What a program does between two steps ---- */
+/* Calls of a program between two steps */
 
 static const char *blow(struct pair *p, const drape_wind *wind)
 {
@@ -134,10 +134,9 @@ static const char *interfere(struct pair *p, struct bytes *b)
     }
 }
 
-/* ---- Scenes ---- */
-
-/* A sheet, or two, above a plate that comes and goes, by little or so much that
- * steps are cut; with few rounds of impulses before the fail-safe. */
+/* Picks a scene: one sheet or two above a plate that moves up and down, slowly
+ * or so fast that steps are cut, with few rounds of impulses before the
+ * fail-safe. */
 static void pick_pair(struct pair *p, struct bytes *b)
 {
     static const double far[] = {0.0015, 0.02, 0.2, 0.6};
@@ -170,7 +169,7 @@ static void pick_pair(struct pair *p, struct bytes *b)
     p->s.plate.motion = pick(b, 5) ? 0 : -1;
 }
 
-/* Steps are cut in these scenes. */
+/* Random scenes, in which steps are cut. */
 const char *test_paired_random(void)
 {
     enum { SEEDS = 7, STEPS = 18 };
@@ -201,9 +200,9 @@ const char *test_paired_random(void)
     return NULL;
 }
 
-/* Two cells above each other, held by all corners, of which one moves far away:
- * the first vertex of the world or the last. That one alone tells that the step
- * is to be cut. */
+/* Makes two cells above each other, with all corners pinned. One pin moves far:
+ * the first vertex of the world, or the last. Only the displacement of this
+ * vertex makes a cut of the step necessary. */
 static void hold_cells(struct pair *p, bool last, drape_pin pin[2][4])
 {
     memset(p, 0, sizeof *p);
@@ -249,9 +248,9 @@ const char *test_paired_far(void)
     return NULL;
 }
 
-/* A sheet thrown at the plate from so far that it falls two steps before, whose
- * third is cut: whichever allocation on the device fails there, in whichever
- * slice, all that the next step reads is as it was. */
+/* Makes a sheet that is thrown at the plate; it falls freely for two steps, and
+ * the third step is cut. Whichever device allocation fails in the third step,
+ * in whichever slice, the state stays as it was before the step. */
 static void throw_sheet(struct pair *p)
 {
     static double v[7 * 6][3];
@@ -261,11 +260,12 @@ static void throw_sheet(struct pair *p)
         v[k][1] = -20 - 0.01 * k;
     p->s.cloth.velocity = (const double(*)[3])v;
     p->s.cloth.origin[1] = 0.9;
-    p->s.def.integrator = DRAPE_CK; /* which has a past */
+    p->s.def.integrator = DRAPE_CK; /* keeps the step before in its state */
     p->s.def.precond = DRAPE_JACOBI;
 }
 
-/* The third step with room for k allocations; *failed: there were more. */
+/* Makes the third step with k device allocations allowed; *failed: it needed
+ * more. */
 static const char *short_third(struct pair *p, int64_t k, bool *failed)
 {
     drape_step_report r;

@@ -12,7 +12,7 @@ struct recall {
 };
 
 bool recall_save(const drape_world *world, struct recall *r);
-/* What drape_load says. */
+/* Loads r; returns drape_load's status. */
 int recall_load(drape_world *world, struct recall *r);
 bool recall_same(const struct recall *a, const struct recall *b);
 

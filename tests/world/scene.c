@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Small random scenes through the public API, as tests/world/scene.h says. */
+/* Small random scenes through the public API; see tests/world/scene.h. */
 #include "tests/world/scene.h"
 
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 
 enum { SIDE = 14, PINS = 3, KEYS = 2 };
 
-/* Everything that a random definition points to. */
+/* A random definition and the data that it points to. */
 struct scene {
     drape_def def;
     drape_cloth cloth[2];
@@ -159,7 +159,8 @@ uint64_t scene_hash(const drape_world *world)
     return hash;
 }
 
-/* Counters and outcome belong together. step.md §7, §10; response.md §5, §6 */
+/* The counters and the outcome of a report agree with each other. step.md §7,
+ * §10; response.md §5, §6 */
 static const char *check_report(const drape_def *def,
                                 const drape_step_report *r)
 {
@@ -176,7 +177,7 @@ static const char *check_report(const drape_def *def,
     return NULL;
 }
 
-/* What is held by a pin has not moved by a bit. */
+/* Whether all fixed pins have kept their bits. */
 static bool stays(const struct scene *s, const drape_world *world)
 {
     const drape_cloth *c = &s->cloth[0];
@@ -206,9 +207,9 @@ const char *scene_random(struct bytes *b)
     drape_error error;
     pick_scene(b, &s);
     if (s.def.integrator < DRAPE_BW)
-        s.def.dt = 1.0 / 240; /* a quarter of the substeps, as many steps */
+        s.def.dt = 1.0 / 240; /* a quarter of the substeps, for speed */
     int status = drape_create(&s.def, &world, &error);
-    if (status != DRAPE_OK) { /* a refusal says why */
+    if (status != DRAPE_OK) { /* a refusal has a message */
         EXPECT(error.text[0] && !world);
         return NULL;
     }

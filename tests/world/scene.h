@@ -5,18 +5,19 @@
 
 #include "tests/base/harness.h"
 
-/* A small random scene runs some steps: NULL, or what does not hold. Every
- * step that does not say otherwise ends without an intersecting pair. */
+/* Runs a small random scene for some steps. Each step ends without an
+ * intersecting pair, or reports that it does not. Returns NULL, or the property
+ * that fails. */
 const char *scene_random(struct bytes *b);
 
-/* The same scene for a few steps on both backends: NULL, or what differs
- * first; *steps: how many were compared. */
+/* Runs the same scene for a few steps on both backends. Returns NULL, or the
+ * first difference; *steps: the number of steps compared. */
 const char *scene_twins(struct bytes *b, int64_t *steps);
 
-/* Intersecting pairs that involve cloth, by the exact audit. */
+/* The number of intersecting pairs that involve cloth, by the exact audit. */
 int64_t scene_audit(const drape_world *world, int n_cloths);
 
-/* Hash of the whole state. */
+/* A hash of the whole state. */
 uint64_t scene_hash(const drape_world *world);
 
 #endif

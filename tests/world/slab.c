@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A sheet above a slab. */
+/* A sheet above a slab, the small scene of many tests. */
 #include "tests/world/slab.h"
 
 #include <stdio.h>
+
+#include "ref/world/state.h"
 
 static const double slab_x[8][3] = {
     {-.1, .0, -.1}, {.1, .0, -.1}, {-.1, .0, .1}, {.1, .0, .1},
@@ -18,7 +20,7 @@ void slab_make(struct slab *d, int integrator)
     drape_default(&d->def);
     drape_default_cloth(&d->cloth);
     drape_default_obstacle(&d->obstacle);
-    d->motion = (drape_motion){2, times, way, NULL, {0, 0, 0}};
+    d->motion = (drape_motion){.keys = 2, .time = times, .position = way};
     d->cloth.m = d->cloth.n = 24;
     d->cloth.width = d->cloth.height = 0.46;
     d->cloth.origin[0] = d->cloth.origin[2] = -0.23;
@@ -46,4 +48,22 @@ drape_world *slab_world(const struct slab *d)
     if (drape_create(&d->def, &world, &error) != DRAPE_OK)
         printf("%s\n", error.text);
     return world;
+}
+
+void slab_small(struct slab *d, int integrator, double y)
+{
+    slab_make(d, integrator);
+    d->cloth.m = d->cloth.n = SLAB_SMALL;
+    d->cloth.width = d->cloth.height = (SLAB_SMALL - 1) / 64.0;
+    d->cloth.origin[0] = d->cloth.origin[2] = -0.0625;
+    d->cloth.origin[1] = y;
+    d->def.dt = integrator < DRAPE_BW ? 0x1p-10 : 0x1p-6;
+}
+
+struct world *slab_inner(const drape_def *def, struct arena *arena)
+{
+    struct world *w;
+    drape_error error;
+    arena_init(arena, &def->allocator);
+    return world_make(def, arena, &w, &error) == DRAPE_OK ? w : NULL;
 }

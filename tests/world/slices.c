@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Steps cut into slices. spec/world/step.md §7 */
+/* Steps that are cut into slices, and steps that are not. spec/world/step.md §7
+ */
 #include <stdlib.h>
 
 #include "tests/world/scene.h"
 #include "tests/world/slab.h"
 
-/* An allocator that gives out once `left` is used up. */
+/* An allocator that fails after `left` allocations. */
 struct meter {
     int left;
 };
@@ -23,7 +24,7 @@ static void give_metered(void *user, void *p, size_t bytes)
     free(p);
 }
 
-/* The demo with its sheet thrown down, 1 mm above the slab. */
+/* Makes the slab scene with its sheet thrown down, 1 mm above the slab. */
 static void make_throw(struct slab *d, int integrator, double speed)
 {
     static double v[24 * 24][3];
@@ -34,9 +35,9 @@ static void make_throw(struct slab *d, int integrator, double speed)
     d->cloth.origin[1] = 0.105;
 }
 
-/* step.md §7.2: a step is cut where a sheet is thrown at something, and ends
- * clean; it is whole in free fall, however fast, and where that is asked for.
- */
+/* step.md §7.2: a step is cut where a sheet is thrown at an obstacle, and ends
+ * without an intersection. It is not cut in free fall, however fast, or where
+ * max_slices is 1. */
 const char *test_world_slices(void)
 {
     struct slab d;
@@ -60,9 +61,8 @@ const char *test_world_slices(void)
     return NULL;
 }
 
-/* step.md §7.3: where no impulse is allowed, the fail-safe is left to the
- * shortest slice: the longer ones end before their zones, and are taken again.
- */
+/* step.md §7.3: without rounds of impulses only the shortest slice runs the
+ * fail-safe; longer slices end before their zones and are taken again. */
 const char *test_world_brief(void)
 {
     for (int slices = 1; slices <= 4; slices *= 2) {
@@ -83,9 +83,9 @@ const char *test_world_brief(void)
     return NULL;
 }
 
-/* step.md §7.3: a sheet laid on a slope that friction holds is parted from it
- * by repulsion, a thousandth of a joule against next to none of its own, and
- * that is no reason to cut a step. */
+/* step.md §7.3: repulsion may add energy. Repulsion pushes a sheet at rest on a
+ * slope away from the slope; the added energy, about 1 mJ, exceeds the energy
+ * of the sheet, but does not cut the step. */
 const char *test_world_rest(void)
 {
     for (int k = 0; k < 2; k++) {
@@ -93,7 +93,7 @@ const char *test_world_rest(void)
         slab_make(&d, k ? DRAPE_CK : DRAPE_BW);
         d.cloth.width = d.cloth.height = 0.19;
         d.cloth.origin[0] = d.cloth.origin[2] = -0.095;
-        d.cloth.origin[1] = 0.1039; /* 0.1 mm within its thickness */
+        d.cloth.origin[1] = 0.1039; /* 0.1 mm closer than the thickness */
         d.cloth.material.friction = 0.8;
         d.obstacle.motion = -1;
         d.def.gravity[0] = 5.886; /* 9.81 on a slope of 3/4 */
@@ -111,16 +111,16 @@ const char *test_world_rest(void)
     return NULL;
 }
 
-/* A sheet that rests in empty space until the slab hits it in step 4. */
+/* Makes a sheet at rest in empty space, which the slab hits in step 4. */
 static void make_blow(struct slab *d, int integrator)
 {
     static const double time[3] = {0, 3.0 / 60, 4.0 / 60};
     static const double way[3][3] = {{0}, {0}, {0, 0.5, 0}};
     slab_make(d, integrator);
-    d->motion = (drape_motion){3, time, way, NULL, {0, 0, 0}};
+    d->motion = (drape_motion){.keys = 3, .time = time, .position = way};
     d->def.gravity[1] = 0;
-    d->cloth.width = d->cloth.height = 23.0 / 64;    /* so that no rounding */
-    d->cloth.origin[0] = d->cloth.origin[2] = -0.25; /* moves it */
+    d->cloth.width = d->cloth.height = 23.0 / 64;    /* exact numbers: no */
+    d->cloth.origin[0] = d->cloth.origin[2] = -0.25; /* force by rounding */
     d->cloth.origin[1] = 0.375;
 }
 
@@ -131,15 +131,15 @@ static int hash_written(void *user, const void *data, size_t bytes)
     return 0;
 }
 
-/* Hash of all that the next step reads; 0: there is none. */
+/* A hash of everything that the next step reads; 0 if saving fails. */
 static uint64_t checkpoint_hash(const drape_world *world)
 {
     uint64_t hash = HASH_START;
     return drape_save(world, hash_written, &hash) == DRAPE_OK ? hash : 0;
 }
 
-/* step.md §7: a step that fails for want of memory, in whichever slice, changes
- * nothing, and done again it gives the same bits. */
+/* step.md §7: a step that runs out of memory, in whichever slice, leaves the
+ * state as it was; repeated, it gives the same bits. */
 const char *test_world_restore(void)
 {
     struct slab d;
@@ -177,10 +177,10 @@ const char *test_world_restore(void)
     return NULL;
 }
 
-/* step.md §7.7: a swatch hung by an edge, whose free fall in a step is more
- * than a cell, is beyond a whole step's linearised solve, not beyond a shorter
- * one's; what may not be cut has diverged, and time stands still. Both
- * backends. */
+/* step.md §7.7: a swatch hangs by an edge and falls further than a cell in a
+ * step. The linearised solve of a whole step diverges, shorter slices do not;
+ * where the step may not be cut it reports DIVERGED and time does not advance.
+ * Both backends. */
 const char *test_world_cut(void)
 {
     drape_pin pins[3] = {{0, 0, -1}, {0, 1, -1}, {0, 2, -1}};

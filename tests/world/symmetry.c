@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What whole steps do not depend on, to the last bit: what is far away, a
- * mirror, the names of two axes. */
+/* Symmetries of whole steps, to the last bit: a body far away, a mirror image,
+ * or an exchange of two axes does not change the motion. */
 #include <stdlib.h>
 
 #include "tests/solve/system.h"
@@ -8,7 +8,7 @@
 
 enum { SIDE = 12, COUNT = SIDE * SIDE, STEPS = 8 };
 
-/* A thrown sheet, uneven, over a slab that moves, as positions. */
+/* An uneven sheet thrown over a moving slab, given by its positions. */
 struct thrown {
     struct slab d;
     drape_cloth cloth[2];
@@ -26,11 +26,12 @@ static void make_thrown(struct thrown *s, int integrator)
     s->d.def.precond = DRAPE_JACOBI; /* multigrid rounds directions by axis */
     s->d.def.gravity[0] = 1;
     s->d.def.gravity[2] = 0.5;
-    s->d.def.wind = (drape_wind){{1, 2, 3}, 1.2, 1, 0.3};
+    s->d.def.wind = (drape_wind){
+        .velocity = {1, 2, 3}, .density = 1.2, .drag = 1, .lift = 0.3};
     s->way[1][0] = 0.2;
     s->way[1][1] = 0.3;
-    s->d.motion =
-        (drape_motion){2, time, (const double(*)[3])s->way, NULL, {0, 0, 0}};
+    s->d.motion = (drape_motion){
+        .keys = 2, .time = time, .position = (const double(*)[3])s->way};
     s->d.cloth.m = s->d.cloth.n = SIDE;
     s->d.cloth.width = s->d.cloth.height = (SIDE - 1) / 64.0;
     for (int k = 0; k < COUNT; k++) {
@@ -51,7 +52,7 @@ static void make_thrown(struct thrown *s, int integrator)
     s->d.cloth.n_pins = 2;
 }
 
-/* Vertices of a body after a step. */
+/* Reads x and v of a body's vertices after a step. */
 static void read_body(const drape_world *world, int body, double (*x)[3],
                       double (*v)[3])
 {
@@ -67,10 +68,9 @@ static void read_body(const drape_world *world, int body, double (*x)[3],
     free(all);
 }
 
-/* ---- A bystander ---- */
-
-/* The same scene with a sheet held far away before or behind its own, and a
- * slab beside that. Returns the body that is its sheet. */
+/* A body far away: adds a pinned sheet, before or after the scene's own sheet
+ * in the order of bodies, with a slab beside it. Returns the index of the
+ * scene's own sheet. */
 static int add_far(struct thrown *s, bool before)
 {
     for (int k = 0; k < COUNT; k++)
@@ -143,9 +143,8 @@ const char *test_world_bystander(void)
     return failed;
 }
 
-/* ---- Mirrors and names of axes ---- */
-
-/* How a point is seen: its axes, and their signs. */
+/* Mirrors and exchanged axes: how a view maps a point, as the axis of each
+ * coordinate and its sign. */
 struct view {
     int axis[3];
     double sign[3];
@@ -206,7 +205,8 @@ static const char *check_view(const struct view *w, int integrator)
     return NULL;
 }
 
-/* Two axes change places where no block is factored, which begins with x. */
+/* Mirrors work with every method. Axes are exchanged only with methods that
+ * factor no block, since a factorisation starts with x. */
 const char *test_world_mirror(void)
 {
     static const struct view all[] = {{{0, 1, 2}, {-1, 1, 1}},

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What later rounds of contact leave as it was has not moved: their boxes are
- * those of all vertices. spec/broad/refit.md §4, spec/contact/response.md §3 */
+/* Later rounds of contact refit only the boxes of touched vertices; the result
+ * equals a refit of all boxes. spec/broad/refit.md §4,
+ * spec/contact/response.md §3 */
 #include <stdlib.h>
 
 #include "ref/world/state.h"
@@ -12,7 +13,7 @@ enum { SIDE = 16 };
 
 struct witness {
     struct world *w;
-    int later; /* queries that made some boxes and kept others */
+    int later; /* queries that refitted some boxes and kept others */
     const char *failed;
 };
 
@@ -31,7 +32,7 @@ static const char *compare(const struct broad *b)
     return NULL;
 }
 
-/* A drape_trace. */
+/* A drape_trace that compares the boxes of each query. */
 static void listen(void *user, int64_t step, const char *stage, uint64_t digest,
                    double seconds)
 {
@@ -50,7 +51,8 @@ static void listen(void *user, int64_t step, const char *stage, uint64_t digest,
         }
 }
 
-/* A soft sheet in disorder over a slab; mode: impulses, zones, rollback. */
+/* Steps a soft, disordered sheet over a slab. mode: contacts are resolved by
+ * impulses, by zones, or by rollback. */
 static const char *run(int integrator, int mode)
 {
     static double v[SIDE * SIDE][3];
@@ -81,7 +83,7 @@ static const char *run(int integrator, int mode)
         EXPECT(step_advance(a.w, &r) == DRAPE_OK);
     }
     arena_free(&arena);
-    EXPECT(a.failed || a.later > 0); /* or nothing is tested */
+    EXPECT(a.failed || a.later > 0); /* some query kept boxes */
     ran(a.later);
     return a.failed;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One scene on both backends, as tests/world/twin.h says. */
+/* Runs one scene on both backends; see tests/world/twin.h. */
 #include "tests/world/twin.h"
 
 #include <stdio.h>
@@ -29,7 +29,8 @@ static int hash_written(void *user, const void *data, size_t bytes)
     return 0;
 }
 
-/* A checkpoint holds all that the next step reads. */
+/* Compares the checkpoints of both worlds, which hold everything that the next
+ * step reads. */
 static const char *compare_checkpoints(drape_world *const world[2])
 {
     uint64_t hash[2] = {HASH_START, HASH_START};
@@ -39,8 +40,9 @@ static const char *compare_checkpoints(drape_world *const world[2])
     return hash[0] == hash[1] ? NULL : "the checkpoints differ";
 }
 
-/* Stages are not compared in a step that diverges: it may make a NaN, whose
- * payload is free. */
+/* Makes a step of both worlds and compares them. The stages of a step that
+ * diverges are not compared: it may make a NaN, whose payload IEEE 754 leaves
+ * open. */
 static const char *step_both(drape_world *const world[2], struct notes notes[2],
                              struct twin *out)
 {

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a step says that it did and left out. spec/world/step.md §10 */
+/* The work counters of a step's report are true. spec/world/step.md §10 */
 #include "tests/base/notes.h"
+#include "tests/world/recall.h"
 #include "tests/world/slab.h"
 
 enum { SIDE = 12 };
 
-/* How often a stage ran in the steps that were traced. */
+/* How often a stage ran in the traced steps. */
 static int times(const struct notes *a, const char *stage)
 {
     int n = 0;
@@ -14,7 +15,8 @@ static int times(const struct notes *a, const char *stage)
     return n;
 }
 
-/* The counts are those of the trace, which the stages themselves write. */
+/* The report's counts agree with the trace, which the stages write themselves.
+ */
 static const char *agree(const struct notes *a, const drape_step_report *r)
 {
     const drape_work *w = &r->work;
@@ -38,7 +40,7 @@ static const char *step(drape_world *world, struct notes *a,
     return agree(a, r);
 }
 
-/* A slab under a sheet that is small enough for many steps. */
+/* Makes a slab and a sheet, small enough for many steps. */
 static drape_world *small_world(struct slab *d, struct notes *a, double height)
 {
     d->cloth.m = d->cloth.n = SIDE;
@@ -50,8 +52,8 @@ static drape_world *small_world(struct slab *d, struct notes *a, double height)
     return slab_world(d);
 }
 
-/* §10: what is far away or at rest is not refitted, not decided and not even
- * looked at but once. */
+/* §10: for a body far away or at rest, boxes, the narrow phase and the rest of
+ * the broad phase are skipped; one cheap test runs. */
 static const char *far_away(int integrator, bool moves)
 {
     struct slab d;
@@ -72,7 +74,7 @@ static const char *far_away(int integrator, bool moves)
         EXPECT(w->queries == 1 && r.rounds == 0);
         EXPECT(!w->narrow && !w->near && !w->later && !r.candidates);
         EXPECT(times(&a, "features") == 0 && times(&a, "impacts") == 0);
-        /* what cannot move is not looked into, nor a flat sheet */
+        /* a static mesh and a flat sheet need no walk inside themselves */
         EXPECT(times(&a, "extent") == !moves);
         EXPECT((w->boxes == 0) == !moves && (w->boxes_kept == 0) == moves);
         EXPECT(w->walked <= 4 && w->cleared == moves);
@@ -82,7 +84,7 @@ static const char *far_away(int integrator, bool moves)
     return NULL;
 }
 
-/* A sheet falls on the slab: every count moves. */
+/* A sheet falls on the slab: every counter becomes positive. */
 static const char *falls(int integrator)
 {
     struct slab d;
@@ -113,7 +115,7 @@ static const char *falls(int integrator)
     return NULL;
 }
 
-/* Held everywhere it falls asleep; then a step does nothing. */
+/* A sheet with all particles pinned falls asleep; then all counters are 0. */
 static const char *sleeps(void)
 {
     static const drape_work none = {0};
@@ -151,4 +153,27 @@ const char *test_world_work(void)
         failed = falls(m);
     ran(7);
     return failed;
+}
+
+/* A step without a report has the same bits. */
+const char *test_world_unread(void)
+{
+    static struct recall state[2];
+    for (int integrator = DRAPE_VERLET; integrator <= DRAPE_CK; integrator++) {
+        struct slab d;
+        drape_step_report r;
+        slab_small(&d, integrator, 0.105);
+        d.obstacle.motion = -1;
+        drape_world *a = slab_world(&d), *b = slab_world(&d);
+        EXPECT(a && b);
+        for (int step = 0; step < 12; step++) {
+            EXPECT(drape_step(a, &r) == DRAPE_OK && !drape_step(b, NULL));
+            EXPECT(recall_save(a, &state[0]) && recall_save(b, &state[1]));
+            EXPECT(recall_same(&state[0], &state[1]));
+            ran(1);
+        }
+        drape_destroy(a);
+        drape_destroy(b);
+    }
+    return NULL;
 }

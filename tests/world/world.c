@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole scenes through the public API: same bits for any threads and after a
- * checkpoint, no intersection, clear refusals. spec/world/step.md */
+/* Whole scenes through the public API: the same bits with any number of threads
+ * and after a checkpoint, no intersection, refusals that name the fault.
+ * spec/world/step.md */
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "tests/base/choices.h"
+#include "tests/world/recall.h"
 #include "tests/world/scene.h"
 #include "tests/world/slab.h"
 
-/* Hash after n steps, 0 where one fails or is not clean. */
+/* Makes n steps. Returns the hash of the state, or 0 if a step fails or is not
+ * clean. */
 static uint64_t run(drape_world *world, int n)
 {
     for (int k = 0; k < n; k++) {
@@ -21,8 +23,8 @@ static uint64_t run(drape_world *world, int n)
     return scene_hash(world);
 }
 
-/* spec/README.md §1.7, over whole steps; the cloth is large enough for the
- * step to use its threads. */
+/* spec/README.md §1.7: whole steps give the same bits with any number of
+ * threads. The cloth is large enough for the step to use them. */
 const char *test_world_threads(void)
 {
     static const int some[] = {DRAPE_EULER, DRAPE_BW, DRAPE_CK};
@@ -35,7 +37,7 @@ const char *test_world_threads(void)
             d.cloth.m = d.cloth.n = 65;
             d.def.threads = threads;
             if (integrator < DRAPE_BW)
-                d.def.dt = 1e-4; /* a few substeps, else it takes long */
+                d.def.dt = 1e-4; /* few substeps, for speed */
             d.cloth.origin[1] = 0.1041;
             drape_world *world = slab_world(&d);
             EXPECT(world);
@@ -50,87 +52,58 @@ const char *test_world_threads(void)
     return NULL;
 }
 
-struct memory {
-    uint8_t *data;
-    size_t size, at;
-};
-
-static int write_memory(void *user, const void *data, size_t bytes)
-{
-    struct memory *m = user;
-    uint8_t *p = realloc(m->data, m->size + bytes);
-    if (!p)
-        return 1;
-    memcpy(p + m->size, data, bytes);
-    m->data = p;
-    m->size += bytes;
-    return 0;
-}
-
-static int read_memory(void *user, void *data, size_t bytes)
-{
-    struct memory *m = user;
-    if (bytes > m->size - m->at)
-        return 1;
-    memcpy(data, m->data + m->at, bytes);
-    m->at += bytes;
-    return 0;
-}
-
-/* A resumed run equals an unbroken one; damage is refused and changes
- * nothing. */
+/* A run resumed from a checkpoint equals an unbroken run; a damaged checkpoint
+ * is refused and changes nothing. */
 const char *test_world_resume(void)
 {
     struct slab d;
     for (int integrator = DRAPE_VERLET; integrator <= DRAPE_CK; integrator++) {
-        struct memory m = {NULL, 0, 0};
+        static struct recall m;
         slab_make(&d, integrator);
         if (integrator < DRAPE_BW)
             d.def.dt = 2e-4;
         drape_world *a = slab_world(&d), *b = slab_world(&d);
         EXPECT(a && b);
         EXPECT(run(a, 10));
-        EXPECT(drape_save(a, write_memory, &m) == DRAPE_OK);
+        EXPECT(recall_save(a, &m));
         uint64_t want = run(a, 6);
 
         m.data[m.size / 2] ^= 1;
         uint64_t before = scene_hash(b);
-        EXPECT(drape_load(b, read_memory, &m) == DRAPE_EMATCH);
+        EXPECT(recall_load(b, &m) == DRAPE_EMATCH);
         EXPECT(scene_hash(b) == before);
         m.data[m.size / 2] ^= 1;
-        m.at = 0;
         m.data[12] ^= 1; /* in the header: steps at rest */
-        EXPECT(drape_load(b, read_memory, &m) == DRAPE_EMATCH);
+        EXPECT(recall_load(b, &m) == DRAPE_EMATCH);
         m.data[12] ^= 1;
-        m.at = 0;
-        EXPECT(drape_load(b, read_memory, &m) == DRAPE_OK);
+        EXPECT(recall_load(b, &m) == DRAPE_OK);
         EXPECT(run(b, 6) == want && want);
         drape_destroy(b);
 
         d.cloth.material.friction += 1e-3; /* another scene */
         b = slab_world(&d);
-        m.at = 0;
-        EXPECT(drape_load(b, read_memory, &m) == DRAPE_EMATCH);
-        m.at = 0;
+        EXPECT(recall_load(b, &m) == DRAPE_EMATCH);
         m.size /= 2;
-        EXPECT(drape_load(b, read_memory, &m) < 0);
+        EXPECT(recall_load(b, &m) < 0);
         drape_destroy(a);
         drape_destroy(b);
-        free(m.data);
         ran(1);
     }
     return NULL;
 }
 
-/* Wind that is set is wind that was there from the start, and wakes; a world
- * without air has none of it, and no checkpoint that does. */
+/* Wind set by a call acts like wind in the definition, and wakes a sleeping
+ * world. A world without air refuses wind and checkpoints with wind. */
 const char *test_world_wind(void)
 {
-    const drape_wind calm = {{0, 0, 0}, 1.2, 1, 0.3};
-    const drape_wind gale = {{6, 0, 2}, 1.2, 1, 0.3};
-    const drape_wind wrong = {{0, 0, 0}, -1, 1, 0.3};
+    const drape_wind calm = {
+        .velocity = {0, 0, 0}, .density = 1.2, .drag = 1, .lift = 0.3};
+    const drape_wind gale = {
+        .velocity = {6, 0, 2}, .density = 1.2, .drag = 1, .lift = 0.3};
+    const drape_wind wrong = {
+        .velocity = {0, 0, 0}, .density = -1, .drag = 1, .lift = 0.3};
     for (int k = 0; k < 2; k++) {
-        struct memory m = {NULL, 0, 0};
+        static struct recall m;
         struct slab d;
         slab_make(&d, k ? DRAPE_CK : DRAPE_BW);
         drape_world *airless = slab_world(&d);
@@ -144,20 +117,19 @@ const char *test_world_wind(void)
         EXPECT(drape_set_wind(a, &gale) == DRAPE_OK);
         uint64_t want = run(b, 3);
         EXPECT(want && run(a, 3) == want && run(airless, 3) != want);
-        EXPECT(drape_save(a, write_memory, &m) == DRAPE_OK);
+        EXPECT(recall_save(a, &m));
         uint64_t before = scene_hash(airless);
-        EXPECT(drape_load(airless, read_memory, &m) == DRAPE_EMATCH);
+        EXPECT(recall_load(airless, &m) == DRAPE_EMATCH);
         EXPECT(scene_hash(airless) == before);
         drape_destroy(airless);
         drape_destroy(a);
         drape_destroy(b);
-        free(m.data);
         ran(1);
     }
     return NULL;
 }
 
-/* Small random scenes end every step without an intersection. */
+/* Small random scenes end each step without an intersection. */
 const char *test_world_random(void)
 {
     for (uint64_t seed = 1; seed <= 24; seed++) {
@@ -173,8 +145,8 @@ const char *test_world_random(void)
     return NULL;
 }
 
-/* spec/gpu.md §6: every stage of every step has the same bits on both
- * backends, and so have reports and states. */
+/* spec/gpu.md §6: stages, reports and states of every step have the same bits
+ * on both backends. */
 const char *test_world_device(void)
 {
     for (uint64_t seed = 1; seed <= 12; seed++) {
@@ -191,7 +163,7 @@ const char *test_world_device(void)
     return NULL;
 }
 
-/* A definition out of range is refused by one line that names the place. */
+/* An invalid definition is refused with one line that names the place. */
 const char *test_world_refusals(void)
 {
     struct slab d;
@@ -220,7 +192,7 @@ const char *test_world_refusals(void)
     memset(gone, 1, sizeof gone);
     EXPECT(sizeof gone >= (size_t)d.cloth.m * (size_t)d.cloth.n);
     REFUSED(d.cloth.hole = gone, DRAPE_EARG, "cloth 0: holes and cuts leave");
-    /* The corner has one cell, which is cut. */
+    /* the corner particle has one cell, which is cut away */
     const drape_pin pins[2] = {{1, 0, -1}, {0, 0, -1}};
     REFUSED((d.cloth.cut = cut, d.cloth.pins = pins, d.cloth.n_pins = 2),
             DRAPE_EARG, "cloth 0: pin 1: particle (0, 0) is missing");
