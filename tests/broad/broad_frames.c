@@ -3,10 +3,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "tests/base/data.h"
 #include "tests/broad/fabric.h"
 #include "tests/narrow/ply.h"
-
-#define FRAMES "../shared/ccd/frames"
 
 /* Vertices of every `every`-th line of hits.txt; returns how many lines. */
 static int64_t mark_hits(const char *path, int every, uint8_t *mark)
@@ -75,7 +74,7 @@ struct frame {
     struct ply at[2];
     struct fabric f;
     struct broad b;
-    char hits[160];
+    char hits[512];
     int64_t lines, n;
     bool good;
 };
@@ -104,13 +103,15 @@ static void query_frame(struct frame *u, const uint8_t *mark)
 static const char *frame_hits(const char *name, int every)
 {
     struct frame u = {.good = false};
-    char path[160];
+    char path[512];
     int64_t missing = 0;
     for (int k = 0; k < 2; k++) {
-        snprintf(path, sizeof path, "%s/%s/t%d.ply", FRAMES, name, k);
+        snprintf(path, sizeof path, "%s/ccd/frames/%s/t%d.ply", data_home(),
+                 name, k);
         u.good = ply_read(path, &u.at[k]) && (k == 0 || u.good);
     }
-    snprintf(u.hits, sizeof u.hits, "%s/%s/hits.txt", FRAMES, name);
+    snprintf(u.hits, sizeof u.hits, "%s/ccd/frames/%s/hits.txt", data_home(),
+             name);
     uint8_t *mark = calloc((size_t)u.at[0].nv + 1, 1);
     if (u.good && mark) {
         u.lines = mark_hits(u.hits, every, mark);
@@ -138,7 +139,7 @@ const char *test_broad_frames(void)
 {
     int every = getenv("DRAPE_SOAK") ? 1 : 64;
     const char *failed = NULL;
-    FILE *f = fopen(FRAMES "/cloth-funnel/hits.txt", "r");
+    FILE *f = data_open("ccd/frames/cloth-funnel/hits.txt");
     if (!f)
         return skip("the frames are not here");
     fclose(f);

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "gpu/world/world.h"
+#include "tests/base/data.h"
 #include "tests/base/notes.h"
 #include "tests/broad/fabric.h"
 #include "tests/narrow/ply.h"
@@ -272,16 +273,17 @@ static const char *large_sheet(const char *name, int32_t n, real noise)
     return failed;
 }
 
-/* A frame of ../shared as one mesh against itself. */
+/* A frame of ccd/frames as one mesh against itself. */
 static const char *large_frame(const char *name)
 {
     int status;
-    char path[160];
+    char path[512];
     struct ply p[2] = {{0}, {0}};
     bool good = true;
     struct both t = {.g = gpu_open(NULL, &status)};
     for (int k = 0; k < 2; k++) {
-        snprintf(path, sizeof path, "../shared/ccd/frames/%s/t%d.ply", name, k);
+        snprintf(path, sizeof path, "%s/ccd/frames/%s/t%d.ply", data_home(),
+                 name, k);
         good = ply_read(path, &p[k]) && good;
     }
     fabric_make(&t.f, p[0].nv + 1, p[0].nt + 1, 1);

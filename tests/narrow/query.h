@@ -44,7 +44,7 @@ struct query query_real(uint32_t choice);
 /* Replaces the queries that query_real has; the caller's, n = 0 to undo. */
 void query_pool(const struct query *q, int n);
 
-/* A query of ../shared/ccd/queries, whether it touches, and whether its numbers
+/* A query of ccd/queries, whether it touches, and whether its numbers
  * are numbers of this precision, so that the truth is. */
 struct known {
     struct query q;

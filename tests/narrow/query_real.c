@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Queries of real scenes, for mutation: of each file of ../shared/ccd/queries
- * one that touches and one that does not. From the CCD sample queries (Wang et
- * al. 2021, MIT) and the Scalable CCD sample data (Belgrod et al.). */
+/* Queries of real scenes, for mutation: of each file of ccd/queries
+ * (ci/data.sh) one that touches and one that does not. From the CCD sample
+ * queries (Wang et al. 2021, MIT) and the Scalable CCD sample data (Belgrod et
+ * al.). */
 #include "tests/narrow/query.h"
 
 static const struct {

@@ -236,7 +236,7 @@ static const char *ask_all(bool all)
 
 /* §1: each family, all by GMP, some by CGAL: the same contacts at the same
  * times. Where DRAPE_SOAK is set, 10^7 of each kind, half of them in binary32,
- * and then the scenes are all of ../shared/ccd/queries. */
+ * and then the scenes are all of ccd/queries. */
 const char *test_narrow_soak(void)
 {
     bool all = getenv("DRAPE_SOAK");

@@ -8,8 +8,6 @@
 /* its names need those */
 #include "tests/narrow/ply.h"
 
-#define FRAMES "../shared/ccd/frames"
-
 /* A mesh before and after a step, and which pairs are asked for: those whose
  * second box, by x, begins in [from, to). */
 struct frames {
