@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Narrow phase: queries of every family against the oracles, and a table of
- * what was found: `make soak`, spec/soak.md. */
+ * what was found: `make soak`, ci/bench/soak.md. */
 #include "tests/narrow/soak.h"
 
 #include <stdio.h>
@@ -234,9 +234,9 @@ static const char *ask_all(bool all)
     return NULL;
 }
 
-/* §1: each family, all by GMP, some by CGAL: the same contacts at the same
- * times. Where DRAPE_SOAK is set, 10^7 of each kind, half of them in binary32,
- * and then the scenes are all of ccd/queries. */
+/* narrow.md §1: each family, all by GMP, some by CGAL: the same contacts at the
+ * same times. Where DRAPE_SOAK is set, 10^7 of each kind, half of them in
+ * binary32, and then the scenes are all of ccd/queries. */
 const char *test_narrow_soak(void)
 {
     bool all = getenv("DRAPE_SOAK");
