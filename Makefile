@@ -303,9 +303,9 @@ $(BUILD)/table: $(ROOT)/oracle/table.o $(ORC_O)
 # CGAL's audit of a run's frames, beside `drape audit`.
 $(BUILD)/frames: $(ROOT)/oracle/frames.o $(ROOT)/oracle/cgal_self.o
 	$(CXX17) $^ -o $@ $(ORC_L)
-QUERIES ?= ../shared/ccd/queries
-oracles: $(BUILD)/table ## the tables of oracle/README.md, from QUERIES=DIR
-	$(BUILD)/table $(QUERIES)/*.csv
+DRAPE_DATA ?= ../shared
+oracles: $(BUILD)/table ## the tables of oracle/README.md, from DRAPE_DATA
+	$(BUILD)/table $(DRAPE_DATA)/ccd/queries/*.csv
 
 fuzz-libs: # what links with parts.a, for ci/fuzz.sh
 	@echo $(FUZZ_L)

@@ -44,8 +44,8 @@ static int read_series(struct json *json, const cJSON *node, void *out)
     return APP_OK;
 }
 
-/* Finds a mesh file: relative to the scene's folder, then in $DRAPE_MODELS,
- * ../shared/models and build/models. */
+/* Where a mesh is looked for: as named from the scene's folder, then in
+ * $DRAPE_MODELS, in models/ of $DRAPE_DATA and in build/models. */
 static int find_mesh(const struct json *json, const char *name,
                      char path[FILE_PATH])
 {
@@ -60,16 +60,19 @@ static int find_mesh(const struct json *json, const char *name,
             return APP_OK;
         return json_refuse(json, "%s: no such mesh file", name);
     }
-    const char *models = getenv("DRAPE_MODELS");
-    const char *folders[] = {*folder ? folder : "/", models ? models : ".",
-                             "../shared/models", "build/models"};
+    const char *own = getenv("DRAPE_MODELS"), *data = getenv("DRAPE_DATA");
+    char models[FILE_PATH];
+    if (!file_join(models, data && *data ? data : "../shared", "models"))
+        return APP_USAGE;
+    const char *folders[] = {*folder ? folder : "/", own ? own : ".", models,
+                             "build/models"};
     for (int k = 0; k < 4; k++)
         if (file_join(path, folders[k], name) && file_exists(path))
             return APP_OK;
     return json_refuse(json,
-                       "mesh %s: found neither in %s, $DRAPE_MODELS, "
-                       "../shared/models nor build/models",
-                       name, folders[0]);
+                       "mesh %s: found neither in %s, $DRAPE_MODELS, %s nor "
+                       "build/models",
+                       name, folders[0], models);
 }
 
 static int load(struct json *json, const char *name, struct mesh *mesh)

@@ -13,8 +13,7 @@ case $scene in
 esac
 
 start=$(date +%s)
-DRAPE_MODELS=$build/models "$build/drape" run "$scene" --frames 120 --out "$out" \
-    --force
+DRAPE_DATA=$build "$build/drape" run "$scene" --frames 120 --out "$out" --force
 "$build/drape" audit "$out"
 for frame in 20 40 120; do
     "$build/drape" render "$out" --frame $frame --samples 24

@@ -9,7 +9,6 @@ shift
 [ $# -gt 0 ] || set -- lion_20k buddha_20k dragon_20k statue_20k sphere \
     funnel twist curtain flag
 out=$build/outcomes failed=0
-models=${DRAPE_MODELS:-../shared/models}
 
 row() {
     python3 - "$1" "$2" <<'END'
@@ -42,7 +41,7 @@ echo '| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |'
 for scene in "$@"; do
     rm -rf "${out:?}/$scene"
     mkdir -p "$out"
-    DRAPE_MODELS=$models "$build/drape" run "app/scenes/$scene.json" \
+    "$build/drape" run "app/scenes/$scene.json" \
         --frames 120 --no-obj --backend "${BACKEND:-ref}" \
         --out "$out/$scene" >"$out/$scene.log" 2>&1 ||
         tail -n 1 "$out/$scene.log"

@@ -11,14 +11,14 @@ out=$build/scene-$2
 log=$out.log
 if [ "$2" = demo ]; then
     scene=$(sh ci/lion.sh "$build")
-    models=$build/models
+    data=$build
     every=1 seen=121
 else
     scene=app/scenes/buddha_20k.json
     every=10 seen=13
-    models=${DRAPE_MODELS:-../shared/models}
-    if [ ! -f "$models/buddha_100k.ply" ]; then
-        echo "skipped: no $models/buddha_100k.ply"
+    data=${DRAPE_DATA:-../shared}
+    if [ ! -f "$data/models/buddha_100k.ply" ]; then
+        echo "skipped: no $data/models/buddha_100k.ply"
         echo '0 passed, 0 failed, 1 skipped'
         exit 0
     fi
@@ -30,7 +30,7 @@ ours() { "$build/drape" audit "$1" 2>&1 | tail -n 1; }
 cgal() { "$build/frames" "$@" 2>&1 | tail -n 1; }
 
 rm -rf "$out"
-ok 'runs' env DRAPE_MODELS="$models" "$build/drape" run "$scene" \
+ok 'runs' env DRAPE_DATA="$data" "$build/drape" run "$scene" \
     --frames 120 --no-obj --threads 1 --out "$out"
 none='0 of them with intersecting pairs, 0 pairs'
 ok 'no pair by our predicates' test "$(ours "$out")" = \

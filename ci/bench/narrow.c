@@ -7,11 +7,11 @@
 
 #include "oracle/oracle.h"
 #include "ref/narrow/narrow.h"
+#include "tests/base/data.h"
 #include "tests/base/harness.h"
 /* its names need the harness's */
 #include "tests/narrow/ply.h"
 
-#define FRAMES "../shared/ccd/frames/cloth-ball"
 enum { MOST = 400000 }; /* candidates, half of each kind at most */
 
 struct item {
@@ -27,6 +27,15 @@ struct list {
 };
 
 static struct ply at[2];
+
+/* cloth-ball before (0) or after (1) the step; false where it is not here. */
+static bool frame_read(int t)
+{
+    char path[512];
+    snprintf(path, sizeof path, "%s/ccd/frames/cloth-ball/t%d.ply", data_home(),
+             t);
+    return ply_read(path, &at[t]);
+}
 
 static double now(clockid_t clock)
 {
@@ -149,10 +158,8 @@ int main(void)
 {
     static const char *const names[] = {"narrow", "FCL 0.7 Newton", "GMP"};
     struct list l = {calloc(MOST, sizeof *l.v), calloc(MOST, 1), 0};
-    if (!l.v || !l.kind || !orc_present() ||
-        !ply_read(FRAMES "/t0.ply", &at[0]) ||
-        !ply_read(FRAMES "/t1.ply", &at[1])) {
-        puts("skipped: no " FRAMES " or no oracles here");
+    if (!l.v || !l.kind || !orc_present() || !frame_read(0) || !frame_read(1)) {
+        puts("skipped: no ccd/frames in DRAPE_DATA, or no oracles here");
         return 0;
     }
     sweep(&l, false, MOST / 2);

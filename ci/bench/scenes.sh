@@ -26,7 +26,6 @@ modes=${MODES:-ours jacobi cdf paper}
 draped=$((frames * 2 / 3 / every * every))
 end=$(($(date +%s) + ${LIMIT:-1000000}))
 runs=$work/runs results=$work/results
-export DRAPE_MODELS="${DRAPE_MODELS:-../shared/models}"
 failed=0
 mkdir -p "$runs" "$results"
 

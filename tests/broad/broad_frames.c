@@ -4,10 +4,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "tests/base/data.h"
 #include "tests/broad/fabric.h"
 #include "tests/narrow/ply.h"
-
-#define FRAMES "../shared/ccd/frames"
 
 /* Marks the vertices of every `every`-th line of hits.txt. Returns the number
  * of lines. */
@@ -78,7 +77,7 @@ struct frame {
     struct ply at[2];
     struct fabric f;
     struct broad b;
-    char hits[160];
+    char hits[512];
     int64_t lines, n;
     bool good;
 };
@@ -108,13 +107,15 @@ static void query_frame(struct frame *u, const uint8_t *mark)
 static const char *frame_hits(const char *name, int every)
 {
     struct frame u = {.good = false};
-    char path[160];
+    char path[512];
     int64_t missing = 0;
     for (int k = 0; k < 2; k++) {
-        snprintf(path, sizeof path, "%s/%s/t%d.ply", FRAMES, name, k);
+        snprintf(path, sizeof path, "%s/ccd/frames/%s/t%d.ply", data_home(),
+                 name, k);
         u.good = ply_read(path, &u.at[k]) && (k == 0 || u.good);
     }
-    snprintf(u.hits, sizeof u.hits, "%s/%s/hits.txt", FRAMES, name);
+    snprintf(u.hits, sizeof u.hits, "%s/ccd/frames/%s/hits.txt", data_home(),
+             name);
     uint8_t *mark = calloc((size_t)u.at[0].nv + 1, 1);
     if (u.good && mark) {
         u.lines = mark_hits(u.hits, every, mark);
@@ -143,7 +144,7 @@ const char *test_broad_frames(void)
 {
     int every = getenv("DRAPE_SOAK") ? 1 : 64;
     const char *failed = NULL;
-    FILE *f = fopen(FRAMES "/cloth-funnel/hits.txt", "r");
+    FILE *f = data_open("ccd/frames/cloth-funnel/hits.txt");
     if (!f)
         return skip("the frames are not here");
     fclose(f);

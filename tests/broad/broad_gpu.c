@@ -6,6 +6,7 @@
 
 #include "gpu/world/world.h"
 #include "ref/narrow/narrow.h"
+#include "tests/base/data.h"
 #include "tests/base/notes.h"
 #include "tests/broad/fabric.h"
 #include "tests/narrow/ply.h"
@@ -278,12 +279,13 @@ static const char *large_sheet(const char *name, int32_t n, real noise)
 static const char *large_frame(const char *name)
 {
     int status;
-    char path[160];
+    char path[512];
     struct ply p[2] = {{0}, {0}};
     bool good = true;
     struct both t = {.g = gpu_open(NULL, &status)};
     for (int k = 0; k < 2; k++) {
-        snprintf(path, sizeof path, "../shared/ccd/frames/%s/t%d.ply", name, k);
+        snprintf(path, sizeof path, "%s/ccd/frames/%s/t%d.ply", data_home(),
+                 name, k);
         good = ply_read(path, &p[k]) && good;
     }
     fabric_make(&t.f, p[0].nv + 1, p[0].nt + 1, 1);

@@ -9,6 +9,7 @@
 #include "oracle/rational.h"
 #include "ref/narrow/tritri.h"
 #include "tests/base/choices.h"
+#include "tests/base/data.h"
 #include "tests/narrow/ply.h"
 
 const struct field fields_audit[] = {IN(audit, x, nv, 1),
@@ -347,19 +348,20 @@ const char *test_audit_cgal(void)
  * themselves. */
 const char *test_audit_shared(void)
 {
-    static const char *const files[] = {
-        "../shared/models/lion_20k.ply",
-        "../shared/ccd/frames/cloth-funnel/t0.ply",
-        "../shared/ccd/frames/cloth-funnel/t1.ply"};
+    static const char *const files[] = {"models/lion_20k.ply",
+                                        "ccd/frames/cloth-funnel/t0.ply",
+                                        "ccd/frames/cloth-funnel/t1.ply"};
     const char *what = NULL;
     if (!orc_present())
         return skip("the oracles' libraries are not installed");
     for (size_t k = 0; k < sizeof files / sizeof *files && !what; k++) {
         struct bytes b = {.size = 0};
         struct ply p;
-        if (!ply_read(files[k], &p)) {
+        char path[512];
+        snprintf(path, sizeof path, "%s/%s", data_home(), files[k]);
+        if (!ply_read(path, &p)) {
             ply_free(&p);
-            return skip("no ../shared/models or frames here");
+            return skip("no models or ccd/frames in DRAPE_DATA");
         }
         struct audit s = {0};
         struct mesh m = {p.nv, p.nt, p.x, p.tri};

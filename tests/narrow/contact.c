@@ -149,11 +149,11 @@ const char *test_narrow_queries(void)
     struct known *k = query_load(&n);
     if (!k)
         return n ? "a query file cannot be read"
-                 : skip("no ../shared/ccd/queries here");
+                 : skip("no ccd/queries in DRAPE_DATA");
     for (int i = 0; i < n && !failed; i++)
         if (k[i].exact) {
             if ((query_toi(&k[i].q) != NARROW_MISS) != k[i].truth)
-                failed = "a query of ../shared/ccd/queries";
+                failed = "a query of ccd/queries";
             ran(1);
         }
     free(k);

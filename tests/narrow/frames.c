@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "tests/base/data.h"
 #include "tests/narrow/soak.h"
 #include "tests/narrow/sweep.h"
 
@@ -55,9 +56,9 @@ static const char *check_scene(const char *name, int parts)
 const char *test_narrow_frames(void)
 {
     bool all = getenv("DRAPE_SOAK");
-    FILE *f = fopen(FRAMES "/cloth-ball/hits.txt", "r");
+    FILE *f = data_open("ccd/frames/cloth-ball/hits.txt");
     if (!f)
-        return skip("no ../shared/ccd/frames here");
+        return skip("no ccd/frames in DRAPE_DATA");
     fclose(f);
     if (all) {
         printf("\n### All candidates of the shared frames, binary%d\n\n",

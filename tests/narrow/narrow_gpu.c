@@ -6,6 +6,7 @@
 
 #include "gpu/base/stages.h"
 #include "ref/base/stages.h"
+#include "tests/base/data.h"
 #include "tests/base/harness.h"
 #include "tests/narrow/sweep.h"
 
@@ -144,14 +145,14 @@ static const char *check_scene(const char *name, int parts)
 const char *test_narrow_gpu(void)
 {
     bool all = getenv("DRAPE_SOAK");
-    FILE *f = fopen(FRAMES "/cloth-ball/hits.txt", "r");
+    FILE *f = data_open("ccd/frames/cloth-ball/hits.txt");
     if (!f)
-        return skip("no ../shared/ccd/frames here");
+        return skip("no ccd/frames in DRAPE_DATA");
     fclose(f);
     if (REAL_BITS == 64)
         return check_scene("cloth-funnel", 0);
     const char *what = check_scene("cloth-ball", all ? 0 : 16);
-    f = all ? fopen(FRAMES "/n-body-simulation/hits.txt", "r") : NULL;
+    f = all ? data_open("ccd/frames/n-body-simulation/hits.txt") : NULL;
     if (f && !what)
         what = check_scene("n-body-simulation", 0);
     if (f)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads binary PLY meshes for tests. */
+/* Reads the binary PLY meshes that ci/data.sh fetches, for tests. */
 #ifndef TESTS_PLY_H
 #define TESTS_PLY_H
 

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Reads the public queries with exact truth (Wang et al. 2021).
- * ../shared/ccd/README.md */
+/* Reads the public queries with exact truth that ci/data.sh fetches. */
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "tests/base/data.h"
 #include "tests/narrow/query.h"
-
-#define HOME "../shared/ccd/queries"
 
 struct list {
     struct known *at;
@@ -75,13 +73,15 @@ struct known *query_load(int *n)
 {
     struct list l = {0};
     struct dirent **file;
-    int files = scandir(HOME, &file, NULL, alphasort);
+    char home[512];
+    snprintf(home, sizeof home, "%s/ccd/queries", data_home());
+    int files = scandir(home, &file, NULL, alphasort);
     bool good = true;
     for (int i = 0; i < files; i++) {
-        char path[512];
+        char path[1024];
         const char *name = file[i]->d_name, *dot = strrchr(name, '.');
         bool csv = dot && !strcmp(dot, ".csv") && dot - name >= 2;
-        snprintf(path, sizeof path, HOME "/%s", name);
+        snprintf(path, sizeof path, "%s/%s", home, name);
         if (csv)
             good = read_file(path, !strncmp(dot - 2, "ee", 2), &l) && good;
         free(file[i]);

@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "tests/base/data.h"
+
 enum { VERTEX, FACE, EDGE };
 
 struct item {
@@ -130,10 +132,11 @@ bool frames_sweep(const struct frames *f,
 
 bool frames_read(const char *name, struct frames *f)
 {
-    char path[160];
+    char path[512];
     bool good = true;
     for (int t = 0; t < 2; t++) {
-        snprintf(path, sizeof path, FRAMES "/%s/t%d.ply", name, t);
+        snprintf(path, sizeof path, "%s/ccd/frames/%s/t%d.ply", data_home(),
+                 name, t);
         good = ply_read(path, &f->at[t]) && good;
     }
     return good && f->at[0].nv == f->at[1].nv;
@@ -172,11 +175,11 @@ int64_t frames_hits(const struct frames *s, const char *name,
                     void (*pair)(void *user, int kind, const int32_t v[4]),
                     void *user, int64_t *lines)
 {
-    char path[160], kind[8];
+    char path[512], kind[8];
     int32_t v[4];
     int64_t inside = 0;
     *lines = 0;
-    snprintf(path, sizeof path, FRAMES "/%s/hits.txt", name);
+    snprintf(path, sizeof path, "%s/ccd/frames/%s/hits.txt", data_home(), name);
     FILE *f = fopen(path, "r");
     while (f && fscanf(f, "%7s%d%d%d%d", kind, v, v + 1, v + 2, v + 3) == 5) {
         int split = kind[0] == 'e' ? 2 : 1;

@@ -8,8 +8,6 @@
 /* its macros need the names above */
 #include "tests/narrow/ply.h"
 
-#define FRAMES "../shared/ccd/frames"
-
 /* A mesh before and after a step. Only pairs are reported whose second box
  * begins, on x, in [from, to). */
 struct frames {
