@@ -53,8 +53,6 @@ struct gpu {
     void *stream;
     double event;
 #endif
-    int tape; /* TAPE_OFF; with the next it goes with tape.cuh */
-    int64_t changes;
     bool tight;       /* memory grows by no more than it must, gpu_way */
     bool hosted[2];   /* the host ends loops: as gpu_way says, and for good */
     int number;       /* CUDA's number of the device; -1: emulated */

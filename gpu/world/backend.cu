@@ -5,6 +5,7 @@
 #include "gpu/run/gpu.cuh"
 
 extern "C" {
+#include "gpu/broad/broad.h"
 #include "ref/base/stages.h"
 }
 

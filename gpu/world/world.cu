@@ -7,6 +7,7 @@
 #include "gpu/compare/blas.h"
 
 extern "C" {
+#include "gpu/broad/broad.h"
 #include "ref/world/step.h"
 }
 

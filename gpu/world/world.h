@@ -42,22 +42,10 @@ real gpu_led_furthest(struct gpu *g, int64_t n, const vec *x0, const vec *x1);
 /* group [nt]: 1 for the first `cloths` triangles, else 0. */
 void gpu_led_group(struct gpu *g, int64_t nt, int64_t cloths, int32_t *group);
 
-/* As trace_stage, of a stream on the device; waits only where t asks. */
-void gpu_trace(struct gpu *g, struct trace *t, const char *stage,
-               const void *out, size_t bytes);
-
 /* gpu/cloth/motion.cu: ref_dynamics and dynamics_energy on the device. */
 int gpu_motion(struct gpu *g, struct sheet *s);
 void gpu_motion_energy(struct gpu *g, struct sheet *s, const vec *x,
                        const vec *v, double value[3]);
-
-/* gpu/broad/broad.cu: broad_make's result copied from the host's; broad_ask
- * and broad_query. */
-int gpu_broad_make(struct gpu *g, const struct broad *host, struct broad *b);
-int gpu_broad_ask(struct gpu *g, struct broad *b, const vec *x0, const vec *x1,
-                  real r, bool *apart);
-int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
-                    const vec *x1, real r, const uint8_t *moved);
 
 /* gpu/contact/rounds.cu: ref/contact/rounds.c on the device. */
 void gpu_rounds_start(struct gpu *g, const struct response *s);

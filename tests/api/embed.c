@@ -35,7 +35,7 @@ const char *test_embed_memory(void)
         if (status == DRAPE_EDEVICE)
             return skip("there is no device");
         EXPECT(status == DRAPE_OK);
-        EXPECT(guest_go(world, SETTLED) == DRAPE_OK); /* tapes, too */
+        EXPECT(guest_go(world, SETTLED) == DRAPE_OK);
         EXPECT(drape_count(world, &a) == DRAPE_OK);
         EXPECT(guest_go(world, SETTLE) == DRAPE_OK);
         EXPECT(drape_count(world, &b) == DRAPE_OK);
@@ -75,8 +75,7 @@ const char *test_embed_lent(void)
         EXPECT(guest_go(world, SETTLE) == DRAPE_OK);
         EXPECT(drape_step(world, &r) == DRAPE_OK && r.contacts > 0);
         EXPECT(drape_count(world, &b) == DRAPE_OK);
-        /* the front, contacts, their lists, what tapes keep or make larger, and
-         * what is too large */
+        /* the front, contacts, their lists, and what is too large */
         EXPECT(b.device_allocations - a.device_allocations < LENT);
         EXPECT(backend ? b.borrowed_bytes > a.borrowed_bytes
                        : b.borrowed_bytes == 0);

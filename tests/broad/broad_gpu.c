@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "gpu/broad/broad.h"
 #include "gpu/world/world.h"
 #include "ref/narrow/narrow.h"
 #include "tests/base/data.h"

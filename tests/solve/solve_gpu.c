@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "gpu/cloth/rate.h"
-#include "gpu/run/blas.h"
+#include "gpu/compare/blas.h"
 #include "ref/base/clock.h"
 #include "ref/base/sum.h"
 #include "ref/solve/residual.h"
