@@ -237,8 +237,6 @@ $(BUILD)/parts.a: $(PARTS)
 $(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
 	$(C17) $^ -o $@ $(FUZZ_L)
 
-# ---- what people call ----
-
 check: ## everything that must hold
 	sh ci/check.sh $(BUILD)
 # What its parts share, so that they can run side by side.

@@ -23,8 +23,6 @@ def check(name, good):
     print(("ok " if good else "not ok ") + name)
 
 
-# ---- The tables ----
-
 def sections(text):
     """{name: rows of cells} of the tables that have ranges and defaults."""
     name, tables = "", {}
@@ -65,8 +63,6 @@ def bounds(text):
     parts = text.split(" … ")
     return tuple(map(number, parts)) if len(parts) == 2 else None
 
-
-# ---- Scenes ----
 
 # What a key needs around it to have an effect, as parts of the scene below.
 AROUND = {
@@ -145,8 +141,6 @@ def other(default):
     return round(1.25 * default) if default > 8 else 1.25 * default + 0.01 * (
         default == 0)
 
-
-# ---- Checks ----
 
 def check_range(section, key, text, default):
     beyond = [1e300] * len(default) if isinstance(default, list) else 1e300

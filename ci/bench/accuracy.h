@@ -34,8 +34,6 @@ extern const char *const integrator_name[DRAPE_CK + 1];
 extern const char *const precond_name[2];
 extern const char *const backend_name[2];
 
-/* ---- Runs ---- */
-
 /* What a run of a scene came to. */
 struct run {
     int status;         /* of drape_create or the step that failed */
@@ -76,8 +74,6 @@ double bench_clock(const struct bench *b);
 /* Pairs of triangles that intersect in the world as it is, by the audit. */
 int64_t world_pairs(const drape_world *world, int n_cloths);
 
-/* ---- Samples: cloth without contact ---- */
-
 enum sample_kind {
     SAMPLE_STRETCHED, /* pinned all around, all springs long: smooth */
     SAMPLE_HANGING,   /* held by its upper edge, released 2 % long */
@@ -116,8 +112,6 @@ void solid_free(struct solid *s);
  * m, it is from itself at twice the step. */
 double run_converged(struct bench *b, struct sample *s, double time, int steps,
                      struct run *to);
-
-/* ---- Parts: each a file of its own ---- */
 
 void part_work(struct bench *b);
 void part_orders(struct bench *b);

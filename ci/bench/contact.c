@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Friction: a sheet on an inclined plane ---- */
-
 struct slope {
     double tangent, friction, tolerance, dt;
     int integrator, steps;
@@ -104,8 +102,6 @@ static void friction(struct bench *b)
     }
     fclose(out);
 }
-
-/* ---- Two sheets that collide in empty space ---- */
 
 struct sums {
     double momentum[3], mass, energy, rise, lost;
@@ -205,8 +201,6 @@ static void collide(struct bench *b, FILE *out, const struct clash *q)
                 integrator_name[integrator], ratio, q->dt, lost);
     run_free(&r);
 }
-
-/* ---- A drape under refinement ---- */
 
 struct drape {
     double lowest, mean, elastic, contacts;

@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Long runs ---- */
-
 struct log {
     FILE *out;
     const struct sample *s;
@@ -65,8 +63,6 @@ static void long_runs(struct bench *b)
     fclose(out);
 }
 
-/* ---- Scenes with a ball ---- */
-
 struct fall {
     drape_def def;
     drape_cloth cloth;
@@ -99,8 +95,6 @@ static void fall_free(struct fall *f)
     solid_free(&f->ball);
     free(f->x);
 }
-
-/* ---- One unit in the last place ---- */
 
 struct record {
     int side, steps;
@@ -176,8 +170,6 @@ static void one_unit(struct bench *b, FILE *out, bool ball)
         free(k[i].sum);
     }
 }
-
-/* ---- Far from the origin ---- */
 
 static void offsets(struct bench *b)
 {

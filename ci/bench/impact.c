@@ -20,8 +20,6 @@ static double uniform(void)
     return (double)(state >> 11) * 0x1p-52 - 1;
 }
 
-/* ---- Times of impact ---- */
-
 enum { OURS, NEWTON, BISECTION, METHODS };
 static const char *const method_name[] = {"drape_ccd", "FCL 0.7 Newton",
                                           "bisection to 1e-6"};
@@ -124,8 +122,6 @@ void impact_times(struct bench *b)
         family(b, out, grazing);
     fclose(out);
 }
-
-/* ---- Distances ---- */
 
 typedef long double wider[3];
 

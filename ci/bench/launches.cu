@@ -76,8 +76,6 @@ static void as_graph(cudaGraphExec_t graph)
     check(cudaGraphLaunch(graph, stream));
 }
 
-/* ---- graphs ---- */
-
 /* Captures what follows into g, behind `after` where that is not NULL. */
 static void begin(cudaGraph_t g, cudaGraphNode_t *after)
 {
@@ -180,8 +178,6 @@ static void nested(cudaGraph_t g)
     work_kernel<<<BLOCKS, THREADS, 0, capture>>>(data);
     end();
 }
-
-/* ---- times ---- */
 
 static double now(void)
 {

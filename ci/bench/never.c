@@ -77,8 +77,6 @@ void skip_never(struct bench *b)
     fclose(out);
 }
 
-/* ---- Sleep ---- */
-
 struct watch {
     int64_t fell; /* the step that was the first asleep, or 0 */
     double awake, asleep;

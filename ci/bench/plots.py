@@ -111,8 +111,6 @@ def stacks(title, unit, columns, names, labels):
     return plot
 
 
-# ---- The figures ----
-
 def columns_of(header, rows, wanted):
     """(name, values) a row; columns are found by name, the last so called."""
     at = [len(header) - 1 - header[::-1].index(name) for name in wanted]

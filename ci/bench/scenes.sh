@@ -29,8 +29,6 @@ runs=$work/runs results=$work/results
 failed=0
 mkdir -p "$runs" "$results"
 
-# ---- The machine ----
-
 row() { printf '%s\t%s\n' "$1" "$2"; }
 ask() { nvidia-smi --query-gpu="$1" --format=csv,noheader,nounits | head -n 1; }
 trees() {
@@ -55,8 +53,6 @@ elif [ "$(trees)" != "$(grep '^tree' "$results/machine")" ]; then
     echo "$work holds runs of another tree: remove it, or name another" >&2
     exit 2
 fi
-
-# ---- One run ----
 
 # What a mode changes in a scene, as keys for its first line.
 keys() {
@@ -143,8 +139,6 @@ go() {
     tool run "$@"
     kill "$watcher" 2>/dev/null
 }
-
-# ---- What is measured of a scene ----
 
 # Ours stops at the draped state, for the reference to go on from there.
 ours() {

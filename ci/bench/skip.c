@@ -29,8 +29,6 @@ static void call(void *user, int64_t step, const char *stage, uint64_t digest,
         c->count[k]++;
 }
 
-/* ---- Scenes: the bare one, and with one feature more ---- */
-
 static void add_body(struct skip *s, int detail, double height)
 {
     const double at[3] = {0, height, 0};
@@ -150,8 +148,6 @@ uint64_t skip_hash(const struct run *r)
         hash = (hash ^ p[k]) * UINT64_C(1099511628211);
     return hash;
 }
-
-/* ---- Rows ---- */
 
 static void count_calls(struct bench *b, const struct feature *f,
                         struct calls *c, int64_t *candidates)

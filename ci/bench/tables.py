@@ -58,8 +58,6 @@ def ratio(a, b):
     return float(a) / b if a not in ("", None) and b else ""
 
 
-# ---- Figure 8: seconds a frame ----
-
 def audited(results, scene):
     """Frames audited and pairs found, of a line a frame."""
     lines = results.text(scene + ".audit").splitlines()
@@ -111,8 +109,6 @@ def figure8(results, paper):
     return rows
 
 
-# ---- Figures 9 and 10: memory ----
-
 def figure9(results, paper):
     rows = {}
     for scene, kind, held in memory(results):
@@ -137,8 +133,6 @@ def figure10(results, _):
     return rows
 
 
-# ---- Figure 11: time by stage ----
-
 def figure11(results, _):
     rows = []
     for scene, run in results.ours():
@@ -149,8 +143,6 @@ def figure11(results, _):
             rows.append(row)
     return rows
 
-
-# ---- Figure 12: speed-up over the reference ----
 
 def without_time(step):
     return {key: value for key, value in step.items() if key != "seconds"}
@@ -188,8 +180,6 @@ def figure12(results, paper):
     return rows
 
 
-# ---- What each choice in the solver is worth ----
-
 def modes(results, _):
     rows = []
     for scene in results.scenes:
@@ -213,8 +203,6 @@ def modes(results, _):
             before = mean
     return rows
 
-
-# ---- Writing ----
 
 def write_csv(path, rows):
     with open(path, "w", newline="") as file:

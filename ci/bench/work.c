@@ -71,8 +71,6 @@ double run_converged(struct bench *b, struct sample *s, double time, int steps,
     return d;
 }
 
-/* ---- The diagrams ---- */
-
 struct diagram {
     const char *name;
     enum sample_kind kind;

@@ -55,8 +55,6 @@ static __device__ inline real root(real a)
 #endif
 }
 
-/* ---- Vectors ---- */
-
 static __device__ inline vec make(real x, real y, real z)
 {
     return vec{x, y, z};
@@ -114,8 +112,6 @@ static __device__ inline bool sane(vec a)
 {
     return sane(a.x) && sane(a.y) && sane(a.z);
 }
-
-/* ---- Symmetric blocks ---- */
 
 static __device__ inline sym add(sym a, sym b)
 {

@@ -22,8 +22,7 @@ static __host__ __device__ constexpr int forward_j(int o)
     return o < SPRINGS_SINGLE ? one : 2 * one;
 }
 
-/* ---- §5: the law of a spring, s = √(q + shift), t = s − 25/32 ---- */
-
+/* §5: the law of a spring, s = √(q + shift), t = s − 25/32. */
 static __device__ inline real spring_s(real q)
 {
     return root(q + R(0.21723362821122166));

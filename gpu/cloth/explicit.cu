@@ -58,8 +58,6 @@ static __host__ __device__ real place(struct moment m, double node)
     return (real)(start + node * length);
 }
 
-/* ---- A force, and what it makes ---- */
-
 static struct advance update(const struct walk_on *w, const struct use *u)
 {
     const struct cloth *c = &w->s->cloth;
@@ -136,8 +134,6 @@ static void force(struct walk_on *w, struct state at, int n,
     springs_to(w->g, &f, to);
 }
 
-/* ---- The methods ---- */
-
 static void euler(struct walk_on *w)
 {
     struct use whole = {w->now, NULL, w->next, w->h, w->h, 1};
@@ -181,8 +177,6 @@ static void runge_kutta(struct walk_on *w)
         at = ahead;
     }
 }
-
-/* ---- Substeps ---- */
 
 /* What substeps leave as `now`. */
 static void swap(struct walk_on *w)

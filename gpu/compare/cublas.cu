@@ -82,8 +82,6 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     arrive(&e, at, about(&e, at), a.x[k], cdf_row(&a, &d, at));
 }
 
-/* ---- ref_pcg, on the host ---- */
-
 static real dotted(struct gpu *g, const struct pcg *s, const vec *a,
                    const vec *b)
 {

@@ -81,8 +81,6 @@ void emulate_items(int64_t n, int threads, emulate_call kernel)
         }
 }
 
-/* ---- Fibers ---- */
-
 /* Each thread of a block is a fiber with a stack of its own, which serves
  * kernel after kernel. Fibers switch by the compiler's __builtin_setjmp, which
  * saves three words where setjmp saves and encrypts all registers: switching is
@@ -290,8 +288,6 @@ bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
            !emulate_lost(false));
     return status == DRAPE_OK;
 }
-
-/* ---- Clusters ---- */
 
 alignas(16) static thread_local double room[EMULATE_RANKS]
                                            [EMULATE_ROOM / sizeof(double)];

@@ -90,8 +90,6 @@ void gpu_note(struct gpu *g, cudaError_t error);
 cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room);
 #endif
 
-/* ---- Kernels of one thread an item ---- */
-
 /* In a kernel: k is the item of this thread, of n items; threads without an
  * item return. */
 #define ITEM(k, n)                                                             \
@@ -147,8 +145,6 @@ cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room);
 #define UNROLL_8
 #endif
 
-/* ---- Small results: counts, flags, a stage's scalars ---- */
-
 /* Returns g->words, which are zero for the kernels that are launched next. */
 int64_t *gpu_words(struct gpu *g);
 /* Reads back the first n words, or zeros after a failure. The host waits for
@@ -167,8 +163,6 @@ const int64_t *gpu_late_seen(const struct gpu *g);
  * called after a failure. */
 void gpu_show(struct gpu *g, bool clear);
 
-/* ---- Memory, gpu/run/memory.cu ---- */
-
 /* At least count · size bytes of scratch, or NULL if there is no memory. All
  * slots but SLOT_SOLVE are borrowed: the next solve overwrites them. */
 void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size);
@@ -178,8 +172,6 @@ void *gpu_aside(struct gpu *g, size_t bytes);
  * memory. native: the allocator of device memory if def has none. */
 struct gpu *gpu_make(const drape_def *def, const drape_allocator *native);
 void gpu_unmake(struct gpu *g);
-
-/* ---- Primitives, gpu/run/prim.cu ---- */
 
 /* Exclusive scan: a[k] becomes a[0] + … + a[k-1]. If the last item was 0,
  * a[n-1] is the total afterwards. The items are integers, so no order shows. */

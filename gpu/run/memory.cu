@@ -65,8 +65,6 @@ void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size)
     return p;
 }
 
-/* ---- Lending ---- */
-
 void gpu_lend(struct gpu *g, void *p, size_t bytes)
 {
     char *from = (char *)p;

@@ -12,8 +12,6 @@ enum { TILES_LEAST = 1 << 15 };
 enum { TILES_LEAST = 64 };
 #endif
 
-/* ---- one grid ---- */
-
 /* Thread p of the coarse particles owns coarse_rule[p]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     coarsen_find_kernel(struct coarsen s, struct grid c)
@@ -92,8 +90,6 @@ int gpu_coarsen(struct gpu *g, struct coarsen *s)
     LAUNCH(g, s->n_coarse, coarsen_factor_kernel, *s, c);
     return gpu_status(g);
 }
-
-/* ---- the small grids, by one cluster ---- */
 
 /* Grids, the first of which is made already. */
 struct chain {

@@ -64,8 +64,6 @@ struct opening gpu_multigrid_opening(const struct multigrid *s)
     return opening{s->factor, s->room, weights_of(2).first};
 }
 
-/* ---- kernels ---- */
-
 /* Thread p owns y[p]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     multigrid_first_kernel(struct opening o, int32_t count, const vec *b)
@@ -91,8 +89,6 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (!idle(f.go))
         f.x[item] = value_at(&s, place_of(f.g, item));
 }
-
-/* ---- the stage ---- */
 
 template <class X, class END>
 static void multiply(struct gpu *g, const struct level *l, X x, END end)

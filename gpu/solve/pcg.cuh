@@ -157,8 +157,6 @@ static __device__ inline void leave(const struct pcg *s, struct pcg_state *c,
         end(c, PCG_LIMIT);
 }
 
-/* ---- vectors ---- */
-
 /* TwoSum (Knuth): *a becomes *a + b, rounded; returns the rounding error,
  * exactly. */
 static __device__ inline real two_sum(real *a, real b)

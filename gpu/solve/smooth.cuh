@@ -18,8 +18,6 @@ static __host__ __device__ inline edges<sym> edges_of(const struct level *l)
     return edges<sym>{l->g, l->mass, l->extra, l->excess, l->block};
 }
 
-/* ---- smoothing ---- */
-
 /* A half-step of smoothing: d = keep·d + gain·F (b - A x), to = x + d. */
 struct half {
     const vec *b;
@@ -80,8 +78,6 @@ static __device__ inline void arrive(const struct left *l, struct place at,
     (void)x;
     l->to[at.p] = own.fixed ? make(0, 0, 0) : sub(own.b, y);
 }
-
-/* ---- between grids ---- */
 
 /* The right-hand side of coarse particle p from the fine residual y around it,
  * and, unless the grid is the coarsest, its first half-step. */

@@ -114,8 +114,6 @@ static __device__ inline void fetch_vectors(const struct tail *s)
         ((real *)vecs(l->b))[e] = b[e];
 }
 
-/* ---- the passes ---- */
-
 /* The second half-step on the way down, after the first one in y; then the
  * residual goes to y. */
 static __device__ inline void smooth_down(const struct tail *s,
@@ -265,8 +263,6 @@ static __global__ void __launch_bounds__(TAIL_BLOCK, 1)
         smooth_up(&s, &s.patch[k], k ? NULL : s.x);
     }
 }
-
-/* ---- on the host ---- */
 
 /* Lays out the levels from `first` on as patches, those from `alone` on for one
  * rank. Returns the bytes of shared memory of a rank. */

@@ -89,8 +89,6 @@ static __device__ inline void read_tile(struct tile *t, const struct coarsen *s,
     }
 }
 
-/* ---- the recipes, unrolled ---- */
-
 /* C++14 has no folds: what is to be done one after another returns a bool, and
  * of these a list is made, which is defined to be done in order. */
 

@@ -41,8 +41,6 @@ struct pool {
  * device. Streams lie in the memory of the backend. A function of a device
  * may queue its work and return; then its error shows in a later `status`. */
 struct backend {
-    /* ---- Memory ---- */
-
     /* Zeroed; NULL where there is none. */
     void *(*take)(void *on, enum arena_part part, int64_t n, size_t size);
     /* Gives the pool room for `need` items, and for more, so that growth is
@@ -57,16 +55,12 @@ struct backend {
     /* Vectors of scratch that stage contacts has for each contact. */
     int pushes;
 
-    /* ---- Order and errors ---- */
-
     void (*begin)(void *on); /* forgets an earlier lack of memory */
     void (*wait)(void *on);  /* until all work is done, to take the time */
     int (*status)(void *on); /* DRAPE_OK or the first error since begin */
     /* As trace_stage, of a stream in the backend's memory. */
     void (*trace)(void *on, struct trace *t, const char *stage, const void *out,
                   size_t bytes);
-
-    /* ---- Stages: ref_X or gpu_X of spec/stages.def ---- */
 
     int (*kinematics)(void *on, struct kinematics *s);
     int (*history)(void *on, struct history *s);
@@ -84,8 +78,6 @@ struct backend {
     int (*penalty)(void *on, struct penalty *s);
     int (*penalty_status)(void *on);
 
-    /* ---- Stages in an order of the backend's own ---- */
-
     /* ref_dynamics and dynamics_energy of a cloth. */
     int (*motion)(void *on, struct sheet *s);
     void (*energy)(void *on, struct sheet *s, const vec *x, const vec *v,
@@ -98,15 +90,11 @@ struct backend {
     int (*broad_query)(void *on, struct broad *b, const vec *x0, const vec *x1,
                        real r, const uint8_t *moved);
 
-    /* ---- Loops between stages: ref/contact/rounds.c ---- */
-
     void (*start)(void *on, struct response *s);
     void (*advance)(void *on, struct response *s, int64_t n,
                     const int32_t *vertex, const uint8_t *moved, bool stop);
     void (*touch)(void *on, const struct response *s);
     void (*settle)(void *on, const struct response *s, struct contact *contact);
-
-    /* ---- Loops between solves: ref/contact/turn.h ---- */
 
     /* Scratch of penalty and warm for n contacts. DRAPE_OK or DRAPE_ENOMEM. */
     int (*turn_room)(struct world *w, int64_t n);
@@ -116,8 +104,6 @@ struct backend {
     void (*turn_move)(void *on, const struct turn *s);
     /* No stream that a solver has lent is read any more. */
     void (*turn_end)(void *on);
-
-    /* ---- Loops of a slice: ref/world/led.h ---- */
 
     void (*pin)(void *on, int64_t n, const int32_t *pinned, const vec *x,
                 vec *to);

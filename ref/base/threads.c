@@ -46,8 +46,6 @@ static int processors(void)
     return n > 0 && n < THREADS_MOST ? (int)n : 1;
 }
 
-/* ---- Parts ---- */
-
 static void run_part(void run(void *data), void *data, int k, int n)
 {
     struct threads *t = team;
@@ -86,8 +84,6 @@ static void run_parts(struct threads *t)
         ticket = atomic_load(&t->ticket);
     }
 }
-
-/* ---- Workers ---- */
 
 /* What is awaited is looked at again after each has said that it sleeps; who
  * brings it about looks for sleepers afterwards. So none is missed. */

@@ -83,8 +83,6 @@ int64_t ref_multigrid_size(struct multigrid *s)
            s->n_parts * (int64_t)sizeof *s->parts;
 }
 
-/* ---- products ---- */
-
 /* §3: y = A x on a coarse grid. */
 static void multiply_coarse(const struct level *l)
 {
@@ -113,8 +111,7 @@ static void multiply(const struct multigrid *s, const struct level *l)
     }
 }
 
-/* ---- smoothing, §4 ---- */
-
+/* smoothing, §4. */
 /* Chebyshev of degree 2 on [high / RATIO, high]: d = first·F r, then
  * d = keep·d + second·F r. */
 struct weights {
@@ -154,8 +151,7 @@ static void smooth(const struct multigrid *s, const struct level *l, real keep,
     }
 }
 
-/* ---- between grids, §2 ---- */
-
+/* between grids, §2. */
 /* y = b - A x, 0 where fixed. */
 static void residual(const struct multigrid *s, const struct level *l)
 {
@@ -213,8 +209,6 @@ static void prolong(const struct level *c, const struct level *f)
                 f->x[p] = vec_add(f->x[p], prolonged(c, f->rule[p], i, j));
         }
 }
-
-/* ---- the stage ---- */
 
 static struct coarsest coarsest_of(const struct multigrid *s,
                                    const struct level *l)

@@ -5,8 +5,6 @@
 /* §3: rows that one thread does; it computes a spring once for both ends. */
 enum { BAND = 16 };
 
-/* ---- from blocks of forward springs ---- */
-
 /* Where a row of ties lies; thin: read in place of block, or NULL. */
 struct ties {
     const sym *block;
@@ -76,8 +74,6 @@ void product_couplings(const struct couplings *c)
     }
 }
 
-/* ---- from the compressed diagonal format ---- */
-
 /* y += A (x of the neighbour - x), along one row. */
 static void add_blocks(int32_t n, const mat *restrict a, const vec *restrict x,
                        int64_t step, vec *restrict y)
@@ -104,8 +100,6 @@ static void add_diagonals(const struct product *s, const struct cdf *c,
                        c->offset[diagonal], s->y + p);
     }
 }
-
-/* ---- the stage ---- */
 
 /* + 0 turns -0 into +0. */
 void product_start(const struct product *s)

@@ -106,7 +106,8 @@ struct world {
     struct slicing slicing;
     struct caution caution;
     struct start start;
-    struct audit ending; /* streams of §11's audit, NULL until it is needed */
+    struct audit
+        ending; /* streams of step.md §11's audit, NULL until it is needed */
 };
 
 /* Whether past_x and past_v are those of a slice as long as this one. */

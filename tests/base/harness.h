@@ -9,8 +9,6 @@
 #include "ref/base/stage.h"
 #include "tests/base/names.h"
 
-/* ---- Fields: what the harness allocates, poisons, guards and hashes ---- */
-
 enum field_kind { FIELD_IN, FIELD_OUT, FIELD_INOUT, FIELD_SCRATCH };
 
 /* A stream of a stage: struct member `at` is a pointer to `count` items of
@@ -64,8 +62,6 @@ struct field {
         NULL, FIELD_IN, 0, 0, 0, -1, -1, 0, 0                                  \
     }
 
-/* ---- Choices: one stream of them drives every generator ---- */
-
 struct bytes; /* a seeded generator, a fuzzer's bytes, or a file's */
 
 /* A choice in [0, n), n ≥ 1. */
@@ -85,8 +81,6 @@ void *take(struct bytes *b, int64_t count, size_t size);
 /* True where gen should make the benchmark's input: large and typical. */
 bool for_bench(const struct bytes *b);
 
-/* ---- Properties and tests ---- */
-
 #define HARNESS_TEXT_(x) #x
 #define HARNESS_TEXT(x) HARNESS_TEXT_(x)
 /* In prop_X and tests: returns the text of what does not hold. */
@@ -103,8 +97,6 @@ const char *skip(const char *why);
 /* FNV-1a of bytes, from `hash` on; start with HASH_START. */
 #define HASH_START UINT64_C(14695981039346656037)
 uint64_t hash_bytes(uint64_t hash, const void *data, size_t bytes);
-
-/* ---- The tables ---- */
 
 struct gpu;
 

@@ -357,8 +357,6 @@ const char *test_past_of_contact(void)
     return NULL;
 }
 
-/* ---- Drapes ---- */
-
 /* A sheet n × n of 1 m hung by its upper edge, or by its upper corners. */
 static int make_hung(struct sheet *s, int n, bool corners)
 {

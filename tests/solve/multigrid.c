@@ -122,8 +122,7 @@ const char *prop_excess(const struct excess *s)
     return NULL;
 }
 
-/* ---- the Galerkin product, §2 ---- */
-
+/* the Galerkin product, §2. */
 static double entry(sym b, int r, int c)
 {
     double a[3][3] = {{(double)b.xx, (double)b.xy, (double)b.xz},
@@ -247,8 +246,7 @@ const char *prop_multigrid(const struct multigrid *s)
     return NULL;
 }
 
-/* ---- symmetry, §4 ---- */
-
+/* symmetry, §4. */
 static void *room(int64_t count, size_t size)
 {
     return calloc((size_t)count + 1, size);

@@ -83,8 +83,6 @@ const char *prop_pcg(const struct pcg *s)
     return NULL;
 }
 
-/* ---- a dense solution in binary64 ---- */
-
 static void *room(int64_t count, size_t size)
 {
     return calloc((size_t)count + 1, size);

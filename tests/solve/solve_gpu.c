@@ -292,8 +292,7 @@ const char *test_sum_gpu_levels(void)
     return NULL;
 }
 
-/* ---- spec/solve/pcg.md §6: cuBLAS's solution ---- */
-
+/* spec/solve/pcg.md §6: cuBLAS's solution. */
 static double part(vec a, int64_t r)
 {
     return (double)(r == 0 ? a.x : r == 1 ? a.y : a.z);
