@@ -4,7 +4,7 @@
 #ifndef GPU_BULK_CUH
 #define GPU_BULK_CUH
 
-#include "gpu/base/team.cuh"
+#include "gpu/base/cluster.cuh"
 
 /* An mbarrier for a number of copies that are made together, in turns. One
  * thread calls bulk_open before a barrier of the block. In each turn as many

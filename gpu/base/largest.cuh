@@ -25,7 +25,7 @@ static __device__ inline void block_largest(int64_t *word, real value)
     for (int half = GPU_BLOCK / 2; half > 0; half /= 2) {
         __syncthreads();
         if (t < half)
-            a[t] = most(a[t], a[t + half]);
+            a[t] = max_of(a[t], a[t + half]);
     }
     if (t == 0)
         note_largest(word, a[0]);

@@ -10,11 +10,11 @@
 #include "gpu/run/launch.cuh"
 
 /* §1.2: the second operand on ties and on NaN. */
-template <class T> static __device__ inline T least(T a, T b)
+template <class T> static __device__ inline T min_of(T a, T b)
 {
     return a < b ? a : b;
 }
-template <class T> static __device__ inline T most(T a, T b)
+template <class T> static __device__ inline T max_of(T a, T b)
 {
     return a > b ? a : b;
 }
@@ -98,14 +98,14 @@ static __device__ inline real length(vec a)
     return root(dot(a, a));
 }
 
-static __device__ inline vec least(vec a, vec b)
+static __device__ inline vec min_of(vec a, vec b)
 {
-    return vec{least(a.x, b.x), least(a.y, b.y), least(a.z, b.z)};
+    return vec{min_of(a.x, b.x), min_of(a.y, b.y), min_of(a.z, b.z)};
 }
 
-static __device__ inline vec most(vec a, vec b)
+static __device__ inline vec max_of(vec a, vec b)
 {
-    return vec{most(a.x, b.x), most(a.y, b.y), most(a.z, b.z)};
+    return vec{max_of(a.x, b.x), max_of(a.y, b.y), max_of(a.z, b.z)};
 }
 
 static __device__ inline bool sane(vec a)

@@ -30,7 +30,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 
 static int read_value(struct gpu *g, real *value)
 {
-    memcpy(value, gpu_read_words(g, 1), sizeof *value);
+    memcpy(value, gpu_read_back(g, 1), sizeof *value);
     return gpu_status(g);
 }
 

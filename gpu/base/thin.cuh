@@ -13,8 +13,8 @@ static __device__ inline uint32_t steps_of(real t)
 {
     if (!(t >= R(-0.5) && t <= R(0.5)))
         return THIN_HALF;
-    return least((uint32_t)(int32_t)(t * 32768 + R(16384.5)),
-                 (uint32_t)THIN_MOST);
+    return min_of((uint32_t)(int32_t)(t * 32768 + R(16384.5)),
+                  (uint32_t)THIN_MOST);
 }
 
 static __device__ inline float float_of(uint32_t bits)
@@ -27,7 +27,7 @@ static __device__ inline float float_of(uint32_t bits)
 /* The upper half of a > 0; 0 for what is not. */
 static __device__ inline uint32_t upper_of(real a)
 {
-    float f = (float)least(a, R(0x1.fep127));
+    float f = (float)min_of(a, R(0x1.fep127));
     uint32_t bits;
     memcpy(&bits, &f, sizeof bits);
     return a > 0 ? bits >> 16 : 0;

@@ -49,8 +49,8 @@ static __device__ inline void put_as(T *p, const T &t)
 static __device__ inline struct box join(const struct box &a,
                                          const struct box &b)
 {
-    struct box c = {least(a.lo0, b.lo0), most(a.hi0, b.hi0),
-                    least(a.lo1, b.lo1), most(a.hi1, b.hi1)};
+    struct box c = {min_of(a.lo0, b.lo0), max_of(a.hi0, b.hi0),
+                    min_of(a.lo1, b.lo1), max_of(a.hi1, b.hi1)};
     return c;
 }
 
@@ -102,8 +102,8 @@ static __device__ inline struct gaps between(struct sides a, struct sides b,
  * gap so far. */
 static __device__ inline bool apart(struct gaps g, real *low)
 {
-    *low = least(*low, least(least(g.g0, g.g1), least(g.h0, g.h1)));
-    return most(g.g0, g.g1) < 0 || most(g.h0, g.h1) < 0;
+    *low = min_of(*low, min_of(min_of(g.g0, g.g1), min_of(g.h0, g.h1)));
+    return max_of(g.g0, g.g1) < 0 || max_of(g.h0, g.h1) < 0;
 }
 
 /* Narrows the bounds of q = (1 - t) / t by a gap that goes from g0 to g1
@@ -111,9 +111,9 @@ static __device__ inline bool apart(struct gaps g, real *low)
 static __device__ inline void bound(real g0, real g1, real *late, real *early)
 {
     if (g0 < 0)
-        *late = least(*late, g1 / -g0);
+        *late = min_of(*late, g1 / -g0);
     else if (g1 < 0)
-        *early = most(*early, -g1 / g0);
+        *early = max_of(*early, -g1 / g0);
 }
 
 static __device__ inline void bound(struct gaps g, real *late, real *early)

@@ -310,8 +310,8 @@ static void drop(struct gpu *g, struct broad *b)
     b->n_front = 0;
 }
 
-int gpu_broad_ask(struct gpu *g, struct broad *b, const vec *x0, const vec *x1,
-                  real r, bool *apart)
+int gpu_broad_whole_apart(struct gpu *g, struct broad *b, const vec *x0,
+                          const vec *x1, real r, bool *apart)
 {
     struct extent s = {};
     s.nv = b->nv;
@@ -332,7 +332,7 @@ int gpu_broad_ask(struct gpu *g, struct broad *b, const vec *x0, const vec *x1,
         status = gpu_status(g);
     *apart = status == DRAPE_OK && apart_all(&b->apart, r);
     if (*apart)
-        broad_answer(b);
+        broad_count_empty(b);
     return status;
 }
 
@@ -349,7 +349,7 @@ int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
     bool now = !b->started || b->trace;
     refit(g, b);
     if (now)
-        gpu_look_words(g, REFIT_WORDS);
+        gpu_read_back_keep(g, REFIT_WORDS);
     int status = now ? refitted(g, b) : (int)DRAPE_OK;
     if (status == DRAPE_OK && b->cones)
         status = cones(g, b);

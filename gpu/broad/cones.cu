@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Proves which patches of cloth cannot touch themselves, on the device.
  * spec/broad/cones.md */
-#include "gpu/base/team.cuh"
+#include "gpu/base/cluster.cuh"
 #include "gpu/broad/bvtt.cuh"
 #include "gpu/broad/cones.cuh"
 #include "gpu/broad/nodes.cuh"
@@ -23,8 +23,8 @@ static __device__ struct tangents edges(const vec *x, int32_t v, int32_t m)
 {
     vec a = x[v], b = x[v + 1], c = x[v + m], d = x[v + m + 1];
     vec u0 = sub(b, a), u1 = sub(d, c), v0 = sub(c, a), v1 = sub(d, b);
-    struct tangents t = {least(u0, u1), most(u0, u1), least(v0, v1),
-                         most(v0, v1)};
+    struct tangents t = {min_of(u0, u1), max_of(u0, u1), min_of(v0, v1),
+                         max_of(v0, v1)};
     return t;
 }
 
@@ -229,19 +229,19 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
  * are joined in memory that no other block reads. */
 static __device__ void mark_top(const struct cones *s, int l, bool whole)
 {
-    uint8_t *bit = (uint8_t *)team_room();
+    uint8_t *bit = (uint8_t *)cluster_shared();
     int t = rank_thread(), nodes = rank_threads() / BITS;
-    int64_t end = s->tree.n_cloth, step = (int64_t)team_ranks() * nodes;
+    int64_t end = s->tree.n_cloth, step = (int64_t)group_ranks() * nodes;
     for (int64_t all = s->tree.range[l]; all < end; all += step) {
-        int64_t first = all + team_rank() * nodes, a = first + t / BITS;
+        int64_t first = all + group_rank() * nodes, a = first + t / BITS;
         if (t < BITS * nodes && a < end)
             bit[t] = whole ? clear_above(s, (int32_t)a, t % BITS)
                            : clear_alone(s, (int32_t)a, t % BITS);
-        team_sync(!whole);
+        cluster_sync(!whole);
         a = first + t;
         if (t < nodes && a < end)
             s->clear[a] = joined(bit + BITS * t) | (whole ? s->clear[a] : 0);
-        team_sync(false);
+        cluster_sync(false);
     }
 }
 
@@ -253,7 +253,7 @@ static __global__ void __launch_bounds__(TOP_BLOCK)
     for (int k = l; k < s.tree.levels; k++) {
         EACH_NODE(a, s.tree, 1, k)
         fit(&s, k, a);
-        team_sync(false);
+        cluster_sync(false);
     }
     mark_top(&s, l, false);
     mark_top(&s, l, true);
@@ -274,7 +274,7 @@ int gpu_cones(struct gpu *g, struct cones *s)
     for (int l = 1; l < top; l++)
         LAUNCH(g, level_threads(n, l), cones_level_kernel, *s, l);
     if (n > 0 && top < s->tree.levels)
-        LAUNCH_TEAM(g, TOP_BLOCK, TOP_BLOCK, cones_top_kernel, *s, top);
+        LAUNCH_CLUSTER(g, TOP_BLOCK, TOP_BLOCK, cones_top_kernel, *s, top);
     for (int l = top - 1; l >= 0 && n > 0; l--)
         LAUNCH_BLOCKS(g, mark_blocks(n, l), GPU_BLOCK, cones_mark_kernel, *s,
                       l);

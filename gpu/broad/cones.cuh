@@ -14,8 +14,8 @@ extern "C" {
 static __device__ inline struct tangents join(const struct tangents &a,
                                               const struct tangents &b)
 {
-    struct tangents c = {least(a.ulo, b.ulo), most(a.uhi, b.uhi),
-                         least(a.vlo, b.vlo), most(a.vhi, b.vhi)};
+    struct tangents c = {min_of(a.ulo, b.ulo), max_of(a.uhi, b.uhi),
+                         min_of(a.vlo, b.vlo), max_of(a.vhi, b.vhi)};
     return c;
 }
 
@@ -28,7 +28,8 @@ struct span {
 static __device__ inline struct span span_axis(real p, real lo, real hi)
 {
     real a = p * lo, b = p * hi;
-    struct span s = {least(a, b), most(a, b), most(magnitude(a), magnitude(b))};
+    struct span s = {min_of(a, b), max_of(a, b),
+                     max_of(magnitude(a), magnitude(b))};
     return s;
 }
 
@@ -63,7 +64,7 @@ static __device__ inline bool spread(const struct tangents &b, real r)
     real mu = R(1.5) * r * norm * (1 + room) + tiny;
     real am = a.lo - (a.size * room + mu);
     real bm = d.lo - (d.size * room + mu);
-    real c = R(0.5) * most(magnitude(e.lo + f.lo), magnitude(e.hi + f.hi));
+    real c = R(0.5) * max_of(magnitude(e.lo + f.lo), magnitude(e.hi + f.hi));
     real cm = c + ((e.size + f.size) * room + tiny);
     return am > 0 && bm > 0 && am * bm > cm * cm;
 }

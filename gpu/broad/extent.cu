@@ -105,7 +105,7 @@ int gpu_extent(struct gpu *g, struct extent *s)
     LAUNCH_BLOCKS(g, s->n_grid * PARTS, EXTENT_BLOCK, extent_parts_kernel, *s,
                   part, bad);
     LAUNCH_BLOCKS(g, s->n_grid, EXTENT_BLOCK, extent_kernel, s->whole, part);
-    int64_t failed = gpu_read_words(g, 1)[0];
+    int64_t failed = gpu_read_back(g, 1)[0];
     if (gpu_status(g) != DRAPE_OK)
         return gpu_status(g);
     return failed ? DRAPE_EDATA : DRAPE_OK;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Turns triangle pairs into vertex-face and edge-edge candidates, each exactly
  * once, on the device. spec/broad/features.md */
-#include "gpu/base/last.cuh"
+#include "gpu/base/last_block.cuh"
 #include "gpu/broad/bvtt.cuh"
 
 extern "C" {
@@ -156,7 +156,7 @@ struct quad {
 static __device__ struct quad ordered(int32_t a, int32_t b, int32_t c,
                                       int32_t d)
 {
-    struct quad e = {{least(a, b), most(a, b), least(c, d), most(c, d)}};
+    struct quad e = {{min_of(a, b), max_of(a, b), min_of(c, d), max_of(c, d)}};
     struct quad turned = {{e.v[2], e.v[3], e.v[0], e.v[1]}};
     return e.v[0] > e.v[2] ? turned : e;
 }
@@ -220,7 +220,7 @@ int gpu_features(struct gpu *g, struct features *s)
     LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_test_kernel, *s,
                   reach_of(s->r), word);
     LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_emit_kernel, *s, word);
-    const int64_t *seen = gpu_read_words(g, WORDS);
+    const int64_t *seen = gpu_read_back(g, WORDS);
     if (gpu_status(g) != DRAPE_OK)
         return gpu_status(g);
     s->need = seen[WORD_VF] + seen[WORD_EE];

@@ -132,22 +132,22 @@ static __device__ void swap_streams(struct pass *p)
 
 /* A loop in which all threads together go through n pairs. */
 #define EACH_PAIR(k, n)                                                        \
-    for (int64_t k = team_rank() * (int64_t)rank_threads() + rank_thread();    \
-         k < (n); k += team_ranks() * (int64_t)rank_threads())
+    for (int64_t k = group_rank() * (int64_t)rank_threads() + rank_thread();   \
+         k < (n); k += group_ranks() * (int64_t)rank_threads())
 
 /* §3: makes passes until no pair is new. The actions of all pairs must be set
  * before the first pass. Ends early where the capacity is too small. The second
  * barrier of a pass makes its output visible to all threads; sums and words of
  * the next pass are written after that. Returns the capacity that the last pass
  * needed. */
-template <bool CROWD>
+template <bool GRID>
 static __device__ int64_t settle(const struct front *s, struct pass *p)
 {
     int64_t need = 0;
     for (int64_t before = -1;;) {
         EACH_TILE(tile, blocks_of(p->n))
         count_tile(s, p, tile);
-        meet<CROWD>();
+        group_sync<GRID>();
         int64_t tested = p->word[WORD_TESTED];
         if (tested == before)
             return need;
@@ -159,21 +159,21 @@ static __device__ int64_t settle(const struct front *s, struct pass *p)
         emit(&s->in.tree, p, tile);
         swap_streams(p);
         p->n = need;
-        meet<CROWD>();
+        group_sync<GRID>();
     }
 }
 
-template <int BLOCKS, bool CROWD>
+template <int BLOCKS, bool GRID>
 static __global__ void PASSES_BOUNDS(BLOCKS)
     front_kernel(const __grid_constant__ struct front s, struct pass p)
 {
     EACH_PAIR(k, p.n)
     climb(&s, &p, k);
-    meet<CROWD>();
-    int64_t need = settle<CROWD>(&s, &p);
+    group_sync<GRID>();
+    int64_t need = settle<GRID>(&s, &p);
     EACH_PAIR(k, p.pair != s.pair ? p.n : 0)
     put_duo(&s.pair[k], fetch_duo(&p.pair[k]));
-    if (team_rank() == 0 && rank_thread() == 0) {
+    if (group_rank() == 0 && rank_thread() == 0) {
         p.word[WORD_N] = p.n;
         p.word[WORD_NEED] = need;
     }
@@ -189,7 +189,7 @@ int gpu_front(struct gpu *g, struct front *s)
         return gpu_status(g);
     p.word = gpu_words(g);
     LAUNCH_PASSES(g, s->n, front_kernel, *s, p);
-    const int64_t *seen = gpu_read_words(g, WORDS);
+    const int64_t *seen = gpu_read_back(g, WORDS);
     s->visited = s->n + seen[WORD_TESTED];
     s->need = seen[WORD_NEED];
     s->n = seen[WORD_N];

@@ -5,7 +5,7 @@
 #ifndef GPU_PASSES_CUH
 #define GPU_PASSES_CUH
 
-#include "gpu/base/crowd.cuh"
+#include "gpu/base/cooperative.cuh"
 #include "gpu/broad/bvtt.cuh"
 
 /* Limits that choose how a kernel runs. Up to RANK_ITEMS items for each block
@@ -26,12 +26,14 @@ enum { SMALL_BLOCKS = 2, LARGE_BLOCK = BVTT_BLOCK };
     do {                                                                       \
         int64_t items_ = (n);                                                  \
         if (items_ <= (int64_t)(g)->ranks * RANK_ITEMS)                        \
-            LAUNCH_TEAM(g, LARGE_BLOCK, 0, (kernel<1, false>), __VA_ARGS__);   \
-        else if (items_ <= (int64_t)(g)->crowd * LARGE_ITEMS)                  \
-            LAUNCH_CROWD(g, 1, LARGE_BLOCK, (kernel<1, true>), __VA_ARGS__);   \
+            LAUNCH_CLUSTER(g, LARGE_BLOCK, 0, (kernel<1, false>),              \
+                           __VA_ARGS__);                                       \
+        else if (items_ <= (int64_t)(g)->multiprocessors * LARGE_ITEMS)        \
+            LAUNCH_COOPERATIVE(g, 1, LARGE_BLOCK, (kernel<1, true>),           \
+                               __VA_ARGS__);                                   \
         else                                                                   \
-            LAUNCH_CROWD(g, SMALL_BLOCKS, BVTT_BLOCK,                          \
-                         (kernel<SMALL_BLOCKS, true>), __VA_ARGS__);           \
+            LAUNCH_COOPERATIVE(g, SMALL_BLOCKS, BVTT_BLOCK,                    \
+                               (kernel<SMALL_BLOCKS, true>), __VA_ARGS__);     \
     } while (0)
 
 /* The launch bounds of such a kernel. */
@@ -56,7 +58,7 @@ static inline bool take_tiles(struct gpu *g, int64_t cap, struct tiles *t)
 
 /* A block's loop over its tiles of n items. */
 #define EACH_TILE(tile, n)                                                     \
-    for (int64_t tile = team_rank(); tile < (n); tile += team_ranks())
+    for (int64_t tile = group_rank(); tile < (n); tile += group_ranks())
 
 /* Turns sums into the places of a block's tiles. All sums must be visible.
  * Returns the total in all threads. */
@@ -75,8 +77,8 @@ static __device__ inline int64_t place_tiles(const struct tiles *s, int64_t n)
         int64_t before = all + block_scan(rank_thread(), mine, &total);
         for (int k = 0; k < EACH; k++) {
             if (in && at + k < n &&
-                (uint32_t)(at + k) % (uint32_t)team_ranks() ==
-                    (uint32_t)team_rank())
+                (uint32_t)(at + k) % (uint32_t)group_ranks() ==
+                    (uint32_t)group_rank())
                 s->place[at + k] = before;
             before += sum[k];
         }

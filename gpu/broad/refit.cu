@@ -123,7 +123,7 @@ void gpu_refit_queue(struct gpu *g, const struct refit *s, int64_t *words)
 int gpu_refit(struct gpu *g, struct refit *s)
 {
     gpu_refit_queue(g, s, gpu_words(g));
-    const int64_t *seen = gpu_read_words(g, REFIT_WORDS);
+    const int64_t *seen = gpu_read_back(g, REFIT_WORDS);
     s->made = seen[REFIT_BAD] ? 0 : seen[REFIT_MADE];
     if (gpu_status(g) != DRAPE_OK)
         return gpu_status(g);

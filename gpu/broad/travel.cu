@@ -32,7 +32,7 @@ static __device__ real relative_motion(const struct travel *s, int64_t k,
         int a = e / 4, b = e % 4;
         vec apart = sub(d[a], d[b]);
         if (a < first && b >= first)
-            far = most(far, dot(apart, apart));
+            far = max_of(far, dot(apart, apart));
     }
     return far;
 }
@@ -51,7 +51,7 @@ int gpu_travel(struct gpu *g, struct travel *s)
 {
     int64_t *words = gpu_words(g);
     LAUNCH_BLOCKS(g, largest_blocks(s->n), GPU_BLOCK, travel_kernel, *s, words);
-    const int64_t *seen = gpu_read_words(g, WORDS);
+    const int64_t *seen = gpu_read_back(g, WORDS);
     if (seen[BAD])
         return DRAPE_EARG;
     s->most = largest_of(&seen[MOST]);

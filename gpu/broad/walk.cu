@@ -123,7 +123,7 @@ static __device__ uint32_t test_triangles(const struct walk *s, real reach,
     const struct tree *t = &s->in.tree;
     const int32_t *of_a = t->order + t->first[e.a];
     const int32_t *of_b = t->order + t->first[e.b];
-    int na = least((int)t->count[e.a], i + EACH), nb = t->count[e.b];
+    int na = min_of((int)t->count[e.a], i + EACH), nb = t->count[e.b];
     struct box b[FOURS];
     uint32_t mask = 0;
     for (int j = 0; j < nb && i < na; j++)
@@ -199,11 +199,11 @@ static __device__ void emit(const struct walk *s, const struct pass *p,
 
 /* Finishes a pass whose counts are complete: scans them and writes the outputs
  * if the capacity suffices. Returns the number of outputs. */
-template <int SHARE, bool CROWD>
+template <int SHARE, bool GRID>
 static __device__ int64_t finish(const struct walk *s, const struct pass *p,
                                  int64_t cap, bool triangles)
 {
-    meet<CROWD>();
+    group_sync<GRID>();
     int64_t need = place_tiles(&p->tiles, blocks_of(p->n));
     EACH_TILE(tile, need <= cap ? blocks_of(p->n) : 0)
     emit<SHARE>(s, p, tile, triangles);
@@ -213,7 +213,7 @@ static __device__ int64_t finish(const struct walk *s, const struct pass *p,
 /* §1: makes passes until all pairs are leaves or the capacity is too small. The
  * counters in words are visible behind the first barrier of a pass. Returns the
  * largest number of pairs that a pass made. */
-template <int SHARE, bool CROWD>
+template <int SHARE, bool GRID>
 static __device__ int64_t go_down(const struct walk *s, struct pass *p,
                                   real reach, int64_t *visited)
 {
@@ -221,12 +221,12 @@ static __device__ int64_t go_down(const struct walk *s, struct pass *p,
     for (bool last = false; !last && need <= s->cap;) {
         EACH_TILE(tile, blocks_of(p->n))
         test_children(s, p, reach, tile);
-        int64_t made = finish<SHARE, CROWD>(s, p, s->cap, false);
+        int64_t made = finish<SHARE, GRID>(s, p, s->cap, false);
         last = p->word[WORD_DEEPER] == deeper;
         deeper = p->word[WORD_DEEPER];
         *visited += p->n;
-        need = most(need, made);
-        meet<CROWD>();
+        need = max_of(need, made);
+        group_sync<GRID>();
         p->from = (const int32_t(*)[2])p->to;
         p->to = p->to == s->pair ? s->other : s->pair;
         p->front = false;
@@ -236,21 +236,21 @@ static __device__ int64_t go_down(const struct walk *s, struct pass *p,
 }
 
 /* Runs the descent of §1, then the triangles of §2. */
-template <int BLOCKS, bool CROWD>
+template <int BLOCKS, bool GRID>
 static __global__ void PASSES_BOUNDS(BLOCKS)
     walk_kernel(const __grid_constant__ struct walk s, struct pass p,
                 real reach)
 {
     enum { SHARE = BLOCKS > 1 ? 1 : FOURS };
     int64_t visited = 0, triangles = 0;
-    int64_t need = go_down<SHARE, CROWD>(&s, &p, reach, &visited);
+    int64_t need = go_down<SHARE, GRID>(&s, &p, reach, &visited);
     if (need <= s.cap) {
         p.to = s.tri;
         EACH_TILE(tile, blocks_of(p.n))
         test_leaves<SHARE>(&s, &p, reach, tile);
-        triangles = finish<SHARE, CROWD>(&s, &p, s.cap_tri, true);
+        triangles = finish<SHARE, GRID>(&s, &p, s.cap_tri, true);
     }
-    if (team_rank() == 0 && rank_thread() == 0) {
+    if (group_rank() == 0 && rank_thread() == 0) {
         p.word[WORD_NEED] = need;
         p.word[WORD_TRI] = triangles;
         p.word[WORD_VISITED] = visited;
@@ -270,7 +270,7 @@ int gpu_walk(struct gpu *g, struct walk *s)
         return gpu_status(g);
     p.word = gpu_words(g);
     LAUNCH_PASSES(g, s->n_front, walk_kernel, *s, p, reach_of(s->in.r));
-    const int64_t *seen = gpu_read_words(g, WORDS);
+    const int64_t *seen = gpu_read_back(g, WORDS);
     if (gpu_status(g) != DRAPE_OK)
         return gpu_status(g);
     s->need = seen[WORD_NEED];

@@ -24,7 +24,7 @@ static __device__ struct parts spring_parts(const struct law *law, real tau,
         return parts{0, 0, 0, make(0, 0, 0)};
     real square = tau * tau;
     real a = tau * law->damp + square * spring_slope(law, l);
-    real b = square * most(spring_tension(law, l) / l, R(0));
+    real b = square * max_of(spring_tension(law, l) / l, R(0));
     real inverse = 1 / l;
     return parts{b, a - b, inverse, scale(inverse, d)};
 }

@@ -64,7 +64,7 @@ void gpu_motion_energy(struct gpu *g, struct sheet *s, const vec *x,
     struct energy e = energy_at(s, x, v);
     int64_t *word = gpu_words(g);
     gpu_energy_into(g, &e, word);
-    const int64_t *seen = gpu_read_words(g, 3);
+    const int64_t *seen = gpu_read_back(g, 3);
     for (int k = 0; k < 3; k++)
         value[k] = real_of(seen + k);
 }
@@ -78,7 +78,7 @@ bool gpu_motion_bounded(struct gpu *g, struct sheet *s)
     gpu_energy_into(g, &start, word + WORD_BEFORE);
     gpu_energy_into(g, &end, word + WORD_AFTER);
     LAUNCH(g, s->cloth.count, sane_kernel, *d, s->cloth, word);
-    const int64_t *seen = gpu_read_words(g, WORDS);
+    const int64_t *seen = gpu_read_back(g, WORDS);
     for (int k = 0; k < 3; k++) {
         d->before[k] = real_of(seen + WORD_BEFORE + k);
         d->energy[k] = real_of(seen + WORD_AFTER + k);

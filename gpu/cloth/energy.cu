@@ -51,7 +51,7 @@ void gpu_energy_into(struct gpu *g, const struct energy *s, int64_t *word)
 int gpu_energy(struct gpu *g, struct energy *s)
 {
     gpu_energy_into(g, s, gpu_words(g));
-    const int64_t *word = gpu_read_words(g, KINDS);
+    const int64_t *word = gpu_read_back(g, KINDS);
     for (int e = 0; e < KINDS; e++)
         memcpy(&s->value[e], word + e, sizeof *s->value);
     return gpu_status(g);

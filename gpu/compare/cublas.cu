@@ -231,6 +231,6 @@ int gpu_pcg_compare(struct gpu *g, struct pcg *s)
         status = gpu_pcg_set_up(g, s);
     if (status == DRAPE_OK && s->count > 0)
         solve(g, s);
-    gpu_read_words(g, 0); /* brings the late words, as gpu_pcg does */
+    gpu_read_back(g, 0); /* brings the late words, as gpu_pcg does */
     return status == DRAPE_OK ? gpu_status(g) : status;
 }

@@ -25,7 +25,7 @@ static __device__ inline void closest_from(const struct wide x[4],
     p->best.size2 = 0;
     for (int k = 0; k < 4; k++) {
         p->y[k] = sub(x[k], x[0]);
-        p->best.size2 = most(dot(p->y[k], p->y[k]), p->best.size2);
+        p->best.size2 = max_of(dot(p->y[k], p->y[k]), p->best.size2);
     }
 }
 
@@ -135,7 +135,7 @@ static __device__ inline void nearest_weights(const struct closest *r, int kind,
     double t = closest_quantum(-r->c[3]);
     if (kind == 0) {
         double s = closest_quantum(-r->c[2]);
-        t = least(t, 1 - s);
+        t = min_of(t, 1 - s);
         c[0] = 1;
         c[1] = -(real)((1 - s) - t);
         c[2] = -(real)s;

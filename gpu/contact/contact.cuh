@@ -52,8 +52,8 @@ static __device__ inline struct surface surface_of(const struct skin *s,
     struct surface r = s->surface[s->of[v[0]]];
     for (int j = 1; j < 4; j++) {
         struct surface t = s->surface[s->of[v[j]]];
-        r.thickness = most(r.thickness, t.thickness);
-        r.friction = most(r.friction, t.friction);
+        r.thickness = max_of(r.thickness, t.thickness);
+        r.friction = max_of(r.friction, t.friction);
     }
     return r;
 }

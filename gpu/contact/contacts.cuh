@@ -36,19 +36,19 @@ enum { PUSHED = AWAKE + 1 };
 static __device__ void wake(const struct contacts &s, int64_t k)
 {
     const struct contact *c = &s.contact[k];
-    s.awake[k] = AWAKE;
+    s.contact_awake[k] = AWAKE;
     for (int j = 0; j < 4; j++)
-        if (!s.stirred[c->v[j]])
-            s.stirred[c->v[j]] = AWAKE;
+        if (!s.vertex_awake[c->v[j]])
+            s.vertex_awake[c->v[j]] = AWAKE;
 }
 
 static __device__ void spread(const struct contacts &s, int32_t i)
 {
-    if (s.stirred[i] == SPREAD)
+    if (s.vertex_awake[i] == SPREAD)
         return;
-    s.stirred[i] = SPREAD;
+    s.vertex_awake[i] = SPREAD;
     for (int32_t j = s.start[i]; j < s.start[i + 1]; j++)
-        if (!s.awake[s.item[j] / 4])
+        if (!s.contact_awake[s.item[j] / 4])
             wake(s, s.item[j] / 4);
 }
 
@@ -79,9 +79,9 @@ static __device__ real effective_mass(const struct contacts &s,
             continue;
         real w = (real)split(s, i) * s.w[i];
         sum += c->c[k] * c->c[k] * w;
-        largest = most(w, largest);
+        largest = max_of(w, largest);
     }
-    sum = most(sum, R(0x1p-12) * largest);
+    sum = max_of(sum, R(0x1p-12) * largest);
     return sum > 0 ? 1 / sum : 0;
 }
 
@@ -109,18 +109,18 @@ static __device__ void give(const struct mass_splitting &m, int64_t k, vec push)
         if (at >= 0)
             m.pushed[at] = {scale(m.s.contact[k].c[j], push), 0};
     }
-    m.s.awake[k] = PUSHED;
+    m.s.contact_awake[k] = PUSHED;
 }
 
 /* Whether contact k acts; if it does not, its pushes are set to 0. */
 static __device__ bool acts(const struct mass_splitting &m, int64_t k)
 {
-    if (!m.s.awake[k] || m.s.lack[k] != 0 ||
-        m.s.ahead[k] != m.s.contact[k].impulse)
-        return m.s.awake[k];
-    if (m.s.awake[k] == PUSHED) {
+    if (!m.s.contact_awake[k] || m.s.lack[k] != 0 ||
+        m.s.lookahead[k] != m.s.contact[k].impulse)
+        return m.s.contact_awake[k];
+    if (m.s.contact_awake[k] == PUSHED) {
         give(m, k, make(0, 0, 0));
-        m.s.awake[k] = AWAKE;
+        m.s.contact_awake[k] = AWAKE;
     }
     return false;
 }
@@ -130,7 +130,7 @@ static __device__ real lack_of(const struct contacts &s, int64_t k)
 {
     const struct contact *c = &s.contact[k];
     real lack = c->target - dot(c->n, pair_sum(c, s.u));
-    return lack > 0 || s.ahead[k] > 0 ? lack : R(0.0);
+    return lack > 0 || s.lookahead[k] > 0 ? lack : R(0.0);
 }
 
 /* Writes before[k], ahead[k] and lack[k]. */
@@ -142,9 +142,9 @@ static __device__ void begin(const struct mass_splitting &m, int64_t k)
         c->impulse = 0;
         c->tangent = make(0, 0, 0);
     }
-    s.awake[k] = ASLEEP;
+    s.contact_awake[k] = ASLEEP;
     s.before[k] = total(c);
-    s.ahead[k] = c->impulse;
+    s.lookahead[k] = c->impulse;
     s.lack[k] = lack_of(s, k);
     if (s.lack[k] != 0)
         wake(s, k);
@@ -155,7 +155,7 @@ static __device__ void begin(const struct mass_splitting &m, int64_t k)
 static __device__ void find_lack(const struct mass_splitting &m, int64_t k,
                                  int t, real beta)
 {
-    if (!m.s.awake[k])
+    if (!m.s.contact_awake[k])
         return;
     m.s.lack[k] = lack_of(m.s, k);
     if (m.s.lack[k] != 0 && count(m, k, beta))
@@ -166,8 +166,8 @@ static __device__ void find_lack(const struct mass_splitting &m, int64_t k,
 static __device__ void set_lookahead(const struct mass_splitting &m, int64_t k,
                                      real y)
 {
-    give(m, k, scale(y - m.s.ahead[k], m.s.contact[k].n));
-    m.s.ahead[k] = y;
+    give(m, k, scale(y - m.s.lookahead[k], m.s.contact[k].n));
+    m.s.lookahead[k] = y;
 }
 
 /* §3: the normal part of one iteration. Reads d of its vertices; writes its
@@ -178,11 +178,11 @@ static __device__ void push_normal(const struct mass_splitting &m, int64_t k)
     if (!acts(m, k))
         return;
     struct contact *c = &s.contact[k];
-    real y = s.ahead[k], was = c->impulse, now = y;
+    real y = s.lookahead[k], was = c->impulse, now = y;
     if (s.lack[k] != 0)
-        now = most(y + effective_mass(s, c) * s.lack[k], R(0.0));
+        now = max_of(y + effective_mass(s, c) * s.lack[k], R(0.0));
     c->impulse = now;
-    set_lookahead(m, k, most(now + s.keep * (now - was), R(0.0)));
+    set_lookahead(m, k, max_of(now + s.keep * (now - was), R(0.0)));
 }
 
 /* §3: a void iteration: y is moved back towards λ. */
@@ -191,7 +191,7 @@ static __device__ void shrink_lookahead(const struct mass_splitting &m,
 {
     real now = m.s.contact[k].impulse;
     if (acts(m, k))
-        set_lookahead(m, k, now + m.s.keep * (m.s.ahead[k] - now));
+        set_lookahead(m, k, now + m.s.keep * (m.s.lookahead[k] - now));
 }
 
 /* §4: writes lack[k], not 0 if the contact can have friction, and adds such a
@@ -202,7 +202,7 @@ static __device__ void find_friction(const struct mass_splitting &m, int64_t k)
     m.s.lack[k] = c->impulse > 0 || dot(c->tangent, c->tangent) > 0;
     if (m.s.lack[k] == 0)
         return;
-    if (!m.s.awake[k])
+    if (!m.s.contact_awake[k])
         wake(m.s, k);
     count(m, k, R(0.0));
 }
@@ -229,7 +229,7 @@ static __device__ void push_tangent(const struct mass_splitting &m, int64_t k)
 /* §4: the push of this whole call, for v. */
 static __device__ void find_total(const struct mass_splitting &m, int64_t k)
 {
-    if (m.s.awake[k])
+    if (m.s.contact_awake[k])
         give(m, k, sub(total(&m.s.contact[k]), m.s.before[k]));
 }
 
@@ -248,7 +248,7 @@ static __device__ void first_parts(const struct mass_splitting &m, int64_t k)
 static __device__ bool apply(const struct mass_splitting &m, vec *u, int64_t k)
 {
     int32_t i = m.s.vertex[k];
-    if (!m.s.stirred[i])
+    if (!m.s.vertex_awake[i])
         return false;
     vec sum = make(0, 0, 0);
     int32_t last = m.s.start[i + 1];

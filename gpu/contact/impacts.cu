@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Selects the candidates that touch and that a response can part.
  * spec/contact/impacts.md */
-#include "gpu/base/place.cuh"
+#include "gpu/base/compact.cuh"
 #include "gpu/contact/contact.cuh"
 
 extern "C" {
@@ -44,27 +44,27 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.at[k] = at;
 }
 
-/* A block owns PLACE_BLOCK candidates: counts those with at = want. */
-static __global__ void __launch_bounds__(PLACE_BLOCK)
+/* A block owns COMPACT_BLOCK candidates: counts those with at = want. */
+static __global__ void __launch_bounds__(COMPACT_BLOCK)
     impacts_count_kernel(struct impacts s, int32_t want, int64_t *first)
 {
-    int64_t k = place_item();
+    int64_t k = compact_item();
     int count;
-    block_place(k < s.n && s.at[k] == want, &count);
+    block_compact(k < s.n && s.at[k] == want, &count);
     if (threadIdx.x == 0)
         first[blockIdx.x] = count;
 }
 
-/* A block owns PLACE_BLOCK candidates: copies those with at = RETEST to its
+/* A block owns COMPACT_BLOCK candidates: copies those with at = RETEST to its
  * part of a. */
-static __global__ void __launch_bounds__(PLACE_BLOCK)
+static __global__ void __launch_bounds__(COMPACT_BLOCK)
     impacts_gather_kernel(struct impacts s, const int64_t *first,
                           struct retest a)
 {
-    int64_t k = place_item();
+    int64_t k = compact_item();
     bool asks = k < s.n && s.at[k] == RETEST;
     int count;
-    int64_t at = block_place(asks, &count) + first[blockIdx.x];
+    int64_t at = block_compact(asks, &count) + first[blockIdx.x];
     if (!asks)
         return;
     copy_pair(s.pair, k, a.pair, at);
@@ -84,14 +84,14 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         count_up(&words[HITS], 1);
 }
 
-/* A block owns PLACE_BLOCK candidates: copies its hits to their places. */
-static __global__ void __launch_bounds__(PLACE_BLOCK)
+/* A block owns COMPACT_BLOCK candidates: copies its hits to their places. */
+static __global__ void __launch_bounds__(COMPACT_BLOCK)
     impacts_emit_kernel(struct impacts s, const int64_t *first)
 {
-    int64_t k = place_item();
+    int64_t k = compact_item();
     bool hit = k < s.n && s.at[k] == HIT;
     int count;
-    int64_t at = block_place(hit, &count) + first[blockIdx.x];
+    int64_t at = block_compact(hit, &count) + first[blockIdx.x];
     if (!hit)
         return;
     copy_pair(s.pair, k, s.hit, at);
@@ -102,10 +102,10 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
 /* For each block, the place of its first candidate with at = want. */
 static int64_t *place(struct gpu *g, const struct impacts *s, int32_t want)
 {
-    int64_t blocks = place_blocks(s->n);
+    int64_t blocks = compact_blocks(s->n);
     int64_t *first =
         (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks, sizeof *first);
-    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, impacts_count_kernel, *s, want,
+    LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, impacts_count_kernel, *s, want,
                   first);
     gpu_scan(g, first, blocks);
     return first;
@@ -125,8 +125,8 @@ static int retest_start(struct gpu *g, struct impacts *s, int64_t n)
     a.kind = (uint8_t *)(memory + 6 * n);
     a.tier = a.kind + n;
     int64_t *first = place(g, s, RETEST);
-    LAUNCH_BLOCKS(g, place_blocks(s->n), PLACE_BLOCK, impacts_gather_kernel, *s,
-                  first, a);
+    LAUNCH_BLOCKS(g, compact_blocks(s->n), COMPACT_BLOCK, impacts_gather_kernel,
+                  *s, first, a);
     struct narrow m = {.n = n,
                        .pair = a.pair,
                        .kind = a.kind,
@@ -138,7 +138,7 @@ static int retest_start(struct gpu *g, struct impacts *s, int64_t n)
     int status = gpu_narrow(g, &m);
     int64_t *words = gpu_words(g);
     LAUNCH(g, n, impacts_answer_kernel, *s, n, a, words);
-    int64_t hits = gpu_read_words(g, WORDS)[HITS];
+    int64_t hits = gpu_read_back(g, WORDS)[HITS];
     s->found += hits;
     s->started = n - hits;
     return status == DRAPE_OK ? gpu_status(g) : status;
@@ -148,7 +148,7 @@ int gpu_impacts(struct gpu *g, struct impacts *s)
 {
     int64_t *words = gpu_words(g);
     LAUNCH(g, s->n, impacts_decide_kernel, *s, words);
-    const int64_t *seen = gpu_read_words(g, WORDS);
+    const int64_t *seen = gpu_read_back(g, WORDS);
     if (seen[BAD])
         return DRAPE_EARG;
     int64_t asks = seen[RETESTS];
@@ -163,7 +163,7 @@ int gpu_impacts(struct gpu *g, struct impacts *s)
     if (!s->found || status != DRAPE_OK)
         return status;
     int64_t *first = place(g, s, HIT);
-    LAUNCH_BLOCKS(g, place_blocks(s->n), PLACE_BLOCK, impacts_emit_kernel, *s,
-                  first);
+    LAUNCH_BLOCKS(g, compact_blocks(s->n), COMPACT_BLOCK, impacts_emit_kernel,
+                  *s, first);
     return gpu_status(g);
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes a contact of each new impact and merges it into the active set.
  * spec/contact/impulses.md */
-#include "gpu/base/last.cuh"
-#include "gpu/base/place.cuh"
+#include "gpu/base/compact.cuh"
+#include "gpu/base/last_block.cuh"
 #include "gpu/base/scan.cuh"
 #include "gpu/contact/closest.cuh"
 #include "gpu/contact/contact.cuh"
@@ -26,14 +26,14 @@ static __device__ struct key identity(const int32_t v[4], int64_t kind,
                                       int64_t item)
 {
     if (kind == CONTACT_EE) {
-        uint64_t a = join(least(v[0], v[1]), most(v[0], v[1]));
-        uint64_t b = join(least(v[2], v[3]), most(v[2], v[3]));
-        struct key r = {least(a, b) | 1ull << 63, most(a, b), item};
+        uint64_t a = join(min_of(v[0], v[1]), max_of(v[0], v[1]));
+        uint64_t b = join(min_of(v[2], v[3]), max_of(v[2], v[3]));
+        struct key r = {min_of(a, b) | 1ull << 63, max_of(a, b), item};
         return r;
     }
-    int32_t lo = least(v[1], v[2]), hi = most(v[1], v[2]);
-    int32_t first = least(lo, v[3]), last = most(hi, v[3]);
-    int32_t middle = most(lo, least(hi, v[3]));
+    int32_t lo = min_of(v[1], v[2]), hi = max_of(v[1], v[2]);
+    int32_t first = min_of(lo, v[3]), last = max_of(hi, v[3]);
+    int32_t middle = max_of(lo, min_of(hi, v[3]));
     struct key r = {join(v[0], first), join(middle, last), item};
     return r;
 }
@@ -131,14 +131,15 @@ static __device__ bool stays(const struct key *key, int64_t n, int64_t k)
                      key[k].lo != key[k + 1].lo);
 }
 
-/* A block owns PLACE_BLOCK sorted keys: counts those that stay. The block that
- * ends last scans the counts into the place of each block's first contact. */
-static __global__ void __launch_bounds__(PLACE_BLOCK)
+/* A block owns COMPACT_BLOCK sorted keys: counts those that stay. The block
+ * that ends last scans the counts into the place of each block's first contact.
+ */
+static __global__ void __launch_bounds__(COMPACT_BLOCK)
     impulses_count_kernel(const struct key *key, int64_t n, int64_t *first,
                           int64_t *words)
 {
     int count;
-    block_place(stays(key, n, place_item()), &count);
+    block_compact(stays(key, n, compact_item()), &count);
     if (threadIdx.x == 0) {
         first[blockIdx.x] = count;
         count_up(&words[FOUND], count);
@@ -147,16 +148,16 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
         scan_blocks(first, (int64_t)gridDim.x);
 }
 
-/* A block owns PLACE_BLOCK sorted keys: writes the contacts of those that stay
- * to their places. */
-static __global__ void __launch_bounds__(PLACE_BLOCK)
+/* A block owns COMPACT_BLOCK sorted keys: writes the contacts of those that
+ * stay to their places. */
+static __global__ void __launch_bounds__(COMPACT_BLOCK)
     impulses_emit_kernel(struct impulses s, const struct key *key,
                          const int64_t *first)
 {
-    int64_t k = place_item();
+    int64_t k = compact_item();
     bool stay = stays(key, s.n_all, k);
     int count;
-    int64_t at = block_place(stay, &count) + first[blockIdx.x];
+    int64_t at = block_compact(stay, &count) + first[blockIdx.x];
     if (!stay)
         return;
     int64_t item = key[k].item;
@@ -171,20 +172,21 @@ int gpu_impulses(struct gpu *g, struct impulses *s)
     if (!(s->dt > 0 && s->dt <= REAL_BIG && s->margin >= 0) ||
         s->n_all != s->n + s->n_active || s->n_all > INT32_MAX / 4)
         return DRAPE_EARG;
-    int64_t blocks = place_blocks(s->n_all);
+    int64_t blocks = compact_blocks(s->n_all);
     int64_t *words = gpu_words(g);
     int64_t *first =
         (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks, sizeof *first);
     LAUNCH(g, s->n_all, impulses_key_kernel, *s, words);
     struct key *key = gpu_sort(g, s->n_all, s->key, s->spare);
-    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, impulses_count_kernel, key, s->n_all,
-                  first, words);
-    const int64_t *seen = gpu_read_words(g, WORDS);
+    LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, impulses_count_kernel, key,
+                  s->n_all, first, words);
+    const int64_t *seen = gpu_read_back(g, WORDS);
     if (seen[BAD])
         return DRAPE_EARG;
     s->found = seen[FOUND];
     if (s->found > s->cap)
         return DRAPE_EFULL;
-    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, impulses_emit_kernel, *s, key, first);
+    LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, impulses_emit_kernel, *s, key,
+                  first);
     return gpu_status(g);
 }

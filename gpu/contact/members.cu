@@ -3,7 +3,7 @@
  * zone. spec/contact/zones.md §1 */
 #include "gpu/contact/members.cuh"
 
-#include "gpu/base/place.cuh"
+#include "gpu/base/compact.cuh"
 #include "gpu/contact/contact.cuh"
 
 /* Thread k owns corner k of the pairs: sets its vertex's label to the vertex
@@ -41,7 +41,7 @@ static __device__ void unite(int32_t *label, int32_t a, int32_t b)
     a = root_of(label, a);
     b = root_of(label, b);
     while (a != b) {
-        int32_t hi = most(a, b), lo = least(a, b);
+        int32_t hi = max_of(a, b), lo = min_of(a, b);
         int32_t old = atomicCAS(&label[hi], hi, lo);
         if (old == hi)
             return;
@@ -111,18 +111,18 @@ static __device__ struct begins begins_at(const struct zones *s,
     return b;
 }
 
-/* A block owns PLACE_BLOCK sorted keys: counts the members, zones and free
+/* A block owns COMPACT_BLOCK sorted keys: counts the members, zones and free
  * vertices that begin there. `first` holds three streams of gridDim.x counts.
  */
-static __global__ void __launch_bounds__(PLACE_BLOCK)
+static __global__ void __launch_bounds__(COMPACT_BLOCK)
     zones_count_kernel(struct zones s, const struct key *key, int64_t *first,
                        int64_t *words)
 {
-    struct begins b = begins_at(&s, key, place_item(), words);
+    struct begins b = begins_at(&s, key, compact_item(), words);
     int members, zones, free;
-    block_place(b.member, &members);
-    block_place(b.zone, &zones);
-    block_place(b.free, &free);
+    block_compact(b.member, &members);
+    block_compact(b.zone, &zones);
+    block_compact(b.free, &free);
     if (threadIdx.x > 0)
         return;
     first[blockIdx.x] = members;
@@ -133,20 +133,20 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
     count_up(&words[MEMBERS_FREE], free);
 }
 
-/* A block owns PLACE_BLOCK sorted keys: writes the members, zones and free
+/* A block owns COMPACT_BLOCK sorted keys: writes the members, zones and free
  * vertices that begin there to their places. */
-static __global__ void __launch_bounds__(PLACE_BLOCK)
+static __global__ void __launch_bounds__(COMPACT_BLOCK)
     zones_emit_kernel(struct zones s, const struct key *key, struct key *member,
                       const int64_t *first, const int64_t *words)
 {
-    int64_t k = place_item();
+    int64_t k = compact_item();
     struct begins b = begins_at(&s, key, k, words);
     int count;
-    int64_t at = first[blockIdx.x] + block_place(b.member, &count);
+    int64_t at = first[blockIdx.x] + block_compact(b.member, &count);
     int64_t zone = first[gridDim.x + blockIdx.x] - words[MEMBERS_ALL] +
-                   block_place(b.zone, &count);
+                   block_compact(b.zone, &count);
     int64_t free = first[2 * gridDim.x + blockIdx.x] - words[MEMBERS_ALL] -
-                   words[MEMBERS_ZONES] + block_place(b.free, &count);
+                   words[MEMBERS_ZONES] + block_compact(b.free, &count);
     if (b.member)
         member[at] = key[k];
     if (b.zone)
@@ -157,7 +157,7 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
 
 struct key *gpu_members(struct gpu *g, struct zones *s, int64_t *words)
 {
-    int64_t blocks = place_blocks(s->n4);
+    int64_t blocks = compact_blocks(s->n4);
     int64_t *first =
         (int64_t *)gpu_scratch(g, SLOT_STAGE, 3 * blocks, sizeof *first);
     LAUNCH(g, s->n4, zones_label_kernel, *s, words);
@@ -165,10 +165,10 @@ struct key *gpu_members(struct gpu *g, struct zones *s, int64_t *words)
     LAUNCH(g, s->n4, zones_key_kernel, *s, words);
     struct key *key = gpu_sort(g, s->n4, s->key, s->spare);
     struct key *member = key == s->key ? s->spare : s->key;
-    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, zones_count_kernel, *s, key, first,
+    LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, zones_count_kernel, *s, key, first,
                   words);
     gpu_scan(g, first, 3 * blocks);
-    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, zones_emit_kernel, *s, key, member,
+    LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, zones_emit_kernel, *s, key, member,
                   first, words);
     return member;
 }

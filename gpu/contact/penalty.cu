@@ -56,7 +56,7 @@ static __device__ real given_impulse(const struct penalty *s,
         push += c->c[j] * (along / hold * dot(c->n, s->g[i]));
         all += c->c[j] * c->c[j];
     }
-    return all > 0 ? most(push / all, R(0.0)) : R(0.0);
+    return all > 0 ? max_of(push / all, R(0.0)) : R(0.0);
 }
 
 /* §1.1. Thread i owns vertex i: writes guess[i], and brake[i] as for a vertex
@@ -120,7 +120,7 @@ static __device__ real stopping_impulse(const struct penalty *s,
     for (int j = 0; j < 4; j++)
         give += c->c[j] * c->c[j] * (s->brake[c->v[j]] * s->w[c->v[j]]);
     real lack = c->target - dot(c->n, pair_sum(c, s->guess));
-    return most(lack, R(0.0)) * (s->dt / s->tau) / give;
+    return max_of(lack, R(0.0)) * (s->dt / s->tau) / give;
 }
 
 /* §3. Thread k owns place k of all lists: reads its item's contact; writes
@@ -200,7 +200,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (words[INCIDENCE_BAD])
         return;
     const struct contact *c = &s.contact[k];
-    real push = most(stopping_impulse(&s, c), s.gave[k]);
+    real push = max_of(stopping_impulse(&s, c), s.gave[k]);
     real limit = c->held ? c->friction * push : R(0.0);
     s.most[k] = limit;
     s.more[k] = limit - c->slide * length(across(c, s.u));
@@ -245,10 +245,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     real speed = length(slip);
     for (int j = 0; j < 4; j++)
         speed -= magnitude(c->c[j]) * s.brake[c->v[j]];
-    real slide = s.most[k] / most(speed, s.slip);
+    real slide = s.most[k] / max_of(speed, s.slip);
     c->slide = slide;
     c->impulse =
-        c->held ? most(spring_impulse(&s, c, s.u), -s.gave[k]) : R(0.0);
+        c->held ? max_of(spring_impulse(&s, c, s.u), -s.gave[k]) : R(0.0);
     c->tangent = scale(-slide, slip);
 }
 
@@ -302,6 +302,6 @@ int gpu_penalty(struct gpu *g, struct penalty *s)
     int status = gpu_penalty_queue(g, s, gpu_words(g));
     if (status != DRAPE_OK)
         return status;
-    const int64_t *seen = gpu_read_words(g, INCIDENCE_WORDS);
+    const int64_t *seen = gpu_read_back(g, INCIDENCE_WORDS);
     return seen[INCIDENCE_BAD] ? DRAPE_EARG : gpu_status(g);
 }

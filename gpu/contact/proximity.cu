@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Finds the candidates closer than their thickness and makes them contacts: a
  * first kernel counts, a second one emits. spec/contact/proximity.md */
-#include "gpu/base/last.cuh"
-#include "gpu/base/place.cuh"
+#include "gpu/base/compact.cuh"
+#include "gpu/base/last_block.cuh"
 #include "gpu/base/scan.cuh"
 #include "gpu/contact/closest.cuh"
 #include "gpu/contact/contact.cuh"
@@ -64,7 +64,7 @@ static __device__ real push_target(const struct proximity *s,
     for (int j = 0; j < 4; j++)
         w += (c->c[j] * c->c[j]) * s->w[c->v[j]];
     real spring = ((s->dt * s->stiffness) * overlap) * w;
-    return least(spring, (R(0.1) * overlap) / s->dt);
+    return min_of(spring, (R(0.1) * overlap) / s->dt);
 }
 
 static __device__ void emit(const struct proximity *s, int64_t k,
@@ -81,7 +81,7 @@ static __device__ void emit(const struct proximity *s, int64_t k,
     c.n = narrowed(direction(x, kind, &r));
     c.gap = (real)sqrt(r.length2);
     c.friction = skin.friction;
-    c.target = push_target(s, &c, most(skin.thickness - c.gap, R(0)));
+    c.target = push_target(s, &c, max_of(skin.thickness - c.gap, R(0)));
     c.held = 0;
     c.impulse = c.slide = 0;
     c.tangent = make(0, 0, 0);
@@ -92,17 +92,17 @@ static __device__ void emit(const struct proximity *s, int64_t k,
  * among the block's contacts, or -1. A block writes its number of contacts to
  * base; the block that ends last scans base into the place of each block's
  * first contact. */
-static __global__ void __launch_bounds__(PLACE_BLOCK)
+static __global__ void __launch_bounds__(COMPACT_BLOCK)
     near_kernel(struct proximity s, int64_t *base, int64_t *word)
 {
-    int64_t k = (int64_t)blockIdx.x * PLACE_BLOCK + threadIdx.x;
+    int64_t k = (int64_t)blockIdx.x * COMPACT_BLOCK + threadIdx.x;
     bool keep = k < s.n && is_near(&s, k, (int *)&word[WORD_BAD]);
-    int total, place = block_place(keep, &total);
+    int total, place = block_compact(keep, &total);
     if (k < s.n)
         s.at[k] = keep ? place : -1;
     if (threadIdx.x == 0)
         base[blockIdx.x] = total;
-    __syncthreads(); /* other threads may still read block_place's words */
+    __syncthreads(); /* other threads may still read block_compact's words */
     if (!ends_last((unsigned *)&word[WORD_TICKET]))
         return;
     if (threadIdx.x == 0)
@@ -117,11 +117,12 @@ static __global__ void __launch_bounds__(PLACE_BLOCK)
 /* Thread t of block b writes the block's contact t, at place base[b] + t; reads
  * `at` and the candidate. The threads that have work are neighbours, so few
  * warps are partly idle. */
-static __global__ void __launch_bounds__(PLACE_BLOCK)
+static __global__ void __launch_bounds__(COMPACT_BLOCK)
     emit_kernel(struct proximity s, const int64_t *base)
 {
-    __shared__ uint8_t kept[PLACE_BLOCK];
-    int64_t first = (int64_t)blockIdx.x * PLACE_BLOCK, k = first + threadIdx.x;
+    __shared__ uint8_t kept[COMPACT_BLOCK];
+    int64_t first = (int64_t)blockIdx.x * COMPACT_BLOCK,
+            k = first + threadIdx.x;
     int32_t place = k < s.n ? s.at[k] : -1;
     if (place >= 0)
         kept[place] = (uint8_t)threadIdx.x;
@@ -135,12 +136,12 @@ int gpu_proximity(struct gpu *g, struct proximity *s)
 {
     if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0))
         return DRAPE_EARG;
-    int64_t blocks = place_blocks(s->n);
+    int64_t blocks = compact_blocks(s->n);
     int64_t *base =
         (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks + 1, sizeof *base);
     int64_t *word = gpu_words(g);
-    LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, near_kernel, *s, base, word);
-    const int64_t *seen = gpu_read_words(g, WORDS);
+    LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, near_kernel, *s, base, word);
+    const int64_t *seen = gpu_read_back(g, WORDS);
     int status = gpu_status(g);
     if (status != DRAPE_OK)
         return status;
@@ -150,6 +151,6 @@ int gpu_proximity(struct gpu *g, struct proximity *s)
     if (s->found > s->cap)
         return DRAPE_EFULL;
     if (s->found)
-        LAUNCH_BLOCKS(g, blocks, PLACE_BLOCK, emit_kernel, *s, base);
+        LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, emit_kernel, *s, base);
     return gpu_status(g);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Puts the vertices of touching pairs back to the start of the step.
  * spec/contact/rollback.md */
-#include "gpu/base/place.cuh"
+#include "gpu/base/compact.cuh"
 #include "gpu/contact/contact.cuh"
 
 extern "C" {
@@ -37,19 +37,19 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         count_up(&words[TRAPPED], 1);
 }
 
-/* A block owns PLACE_BLOCK vertices, a thread one vertex: rolls it back if it
+/* A block owns COMPACT_BLOCK vertices, a thread one vertex: rolls it back if it
  * is marked, or if all vertices go back. */
-static __global__ void __launch_bounds__(PLACE_BLOCK)
+static __global__ void __launch_bounds__(COMPACT_BLOCK)
     rollback_send_kernel(struct rollback s, int64_t *words)
 {
-    int64_t i = place_item();
+    int64_t i = compact_item();
     bool goes = false;
     if (i < s.nv && !words[BAD]) {
         bool all = s.all && s.n > words[TRAPPED];
         goes = s.touched[i] || (all && can_go(&s, i));
     }
     int count;
-    block_place(goes, &count);
+    block_compact(goes, &count);
     if (threadIdx.x == 0 && count)
         count_up(&words[GROWN], count);
     if (!goes)
@@ -64,9 +64,9 @@ int gpu_rollback(struct gpu *g, struct rollback *s)
     int64_t *words = gpu_words(g);
     gpu_clear(g, s->touched, (size_t)s->nv);
     LAUNCH(g, s->n, rollback_mark_kernel, *s, words);
-    LAUNCH_BLOCKS(g, place_blocks(s->nv), PLACE_BLOCK, rollback_send_kernel, *s,
-                  words);
-    const int64_t *seen = gpu_read_words(g, WORDS);
+    LAUNCH_BLOCKS(g, compact_blocks(s->nv), COMPACT_BLOCK, rollback_send_kernel,
+                  *s, words);
+    const int64_t *seen = gpu_read_back(g, WORDS);
     s->trapped = seen[TRAPPED];
     s->grown = seen[GROWN];
     return seen[BAD] ? DRAPE_EARG : gpu_status(g);

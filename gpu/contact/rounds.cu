@@ -60,7 +60,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     ITEM(k, s.active);
     struct contact *c = &contact[k];
     real keep = s.margin * surface_of(&s.skin, c->v).thickness;
-    c->target = least(c->target, (keep - c->gap) / s.dt);
+    c->target = min_of(c->target, (keep - c->gap) / s.dt);
 }
 
 void gpu_rounds_settle(struct gpu *g, const struct response *s,

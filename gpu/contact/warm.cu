@@ -45,7 +45,7 @@ static __device__ real kept_impulse(const struct warm &s,
         now = -now;
         before = -before;
     }
-    return least(now, s.again * most(before, R(0.0)) + s.speed / s.w[i]);
+    return min_of(now, s.again * max_of(before, R(0.0)) + s.speed / s.w[i]);
 }
 
 /* §2. Thread k owns contact k: reads g, before, all and v of its vertices,
@@ -60,12 +60,12 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         int32_t i = c->v[j];
         if (!(s.w[i] > 0) || c->c[j] == 0)
             continue;
-        push = least(kept_impulse(s, c, j) / s.all[i], push);
+        push = min_of(kept_impulse(s, c, j) / s.all[i], push);
         give += c->c[j] * c->c[j] * s.w[i];
     }
     if (give > 0) {
-        real speed = least(dot(c->n, pair_sum(c, s.v)), R(0.0));
-        impulse = most(push + speed / give, R(0.0));
+        real speed = min_of(dot(c->n, pair_sum(c, s.v)), R(0.0));
+        impulse = max_of(push + speed / give, R(0.0));
     }
     c->impulse = impulse;
 }

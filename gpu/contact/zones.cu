@@ -159,7 +159,7 @@ int gpu_zones(struct gpu *g, struct zones *s)
         return DRAPE_EARG;
     int64_t *words = gpu_words(g);
     const struct key *member = gpu_members(g, s, words);
-    const int64_t *seen = gpu_look_words(g, MEMBERS_WORDS);
+    const int64_t *seen = gpu_read_back_keep(g, MEMBERS_WORDS);
     if (seen[MEMBERS_BAD])
         return DRAPE_EARG;
     s->found = seen[MEMBERS_ZONES];

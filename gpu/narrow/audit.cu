@@ -2,7 +2,7 @@
 /* Finds every intersecting pair of triangles on the device. Neither the order
  * of triangles nor that of the lists affects the result, because the pairs are
  * sorted at the end. spec/narrow/audit.md */
-#include "gpu/base/place.cuh"
+#include "gpu/base/compact.cuh"
 #include "gpu/narrow/audit.cuh"
 #include "gpu/narrow/tritri.cuh"
 
@@ -54,12 +54,12 @@ static __device__ void mark(const struct audit *s, int32_t t, bool flat,
 /* Thread t owns triangle t: it writes degenerate[t], or appends t to the list
  * `turn` where the filter is not certain. A block counts its triangles of group
  * 0. */
-static __global__ void __launch_bounds__(PLACE_BLOCK)
+static __global__ void __launch_bounds__(COMPACT_BLOCK)
     mark_kernel(struct audit s, struct lists l, int64_t *word)
 {
-    int64_t t = place_item();
+    int64_t t = compact_item();
     int total, at;
-    block_place(t < s.nt && s.group && s.group[t] == 0, &total);
+    block_compact(t < s.nt && s.group && s.group[t] == 0, &total);
     if (threadIdx.x == 0)
         count_up(&word[AUDIT_FIXED], total);
     if (t >= s.nt || word[AUDIT_BAD])
@@ -125,7 +125,7 @@ static __device__ void filter_pair(const struct audit *s, const struct lists *l,
         return;
     int64_t at = audit_next(&word[AUDIT_LEFT]);
     if (at < l->room)
-        l->left[at] = (uint64_t)least(p, q) << 32 | (uint32_t)most(p, q);
+        l->left[at] = (uint64_t)min_of(p, q) << 32 | (uint32_t)max_of(p, q);
 }
 
 /* Thread i owns place i of the order. It visits all later places, without those
@@ -144,7 +144,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         return;
     struct audit_span own = audit_lane(&s, 0, (int32_t)i);
     struct face f = face_of(&s, p);
-    int32_t b = most((int32_t)i + 1, fixed);
+    int32_t b = max_of((int32_t)i + 1, fixed);
     int level = 0;
     bool next = true; /* false: b was just reached as a first child */
     for (;;) {
@@ -230,7 +230,7 @@ static const int64_t *pairs(struct gpu *g, struct audit *s, struct lists *l,
     take_lists(g, l, PAIRS_EACH * s->nt + PAIRS_MORE);
     for (;;) {
         search(g, s, &v, *l, word);
-        const int64_t *seen = gpu_look_words(g, AUDIT_WORDS);
+        const int64_t *seen = gpu_read_back_keep(g, AUDIT_WORDS);
         if (gpu_status(g) || seen[AUDIT_BAD] || seen[AUDIT_LEFT] <= l->room)
             return seen;
         take_lists(g, l, seen[AUDIT_LEFT]);
@@ -243,11 +243,11 @@ int gpu_audit(struct gpu *g, struct audit *s)
     struct lists l = {};
     int64_t *word = gpu_words(g);
     s->found = s->n_degenerate = 0;
-    gpu_audit_look(g, s, word);
+    gpu_audit_check(g, s, word);
     l.turn = (uint32_t *)gpu_scratch(g, SLOT_STAGE + 2, s->nt, 4);
     l.slab = (uint32_t *)gpu_scratch(g, SLOT_STAGE + 3,
                                      (int64_t)WORKERS * SIGNS_ROOM, 4);
-    LAUNCH_BLOCKS(g, place_blocks(s->nt), PLACE_BLOCK, mark_kernel, *s, l,
+    LAUNCH_BLOCKS(g, compact_blocks(s->nt), COMPACT_BLOCK, mark_kernel, *s, l,
                   word);
     LAUNCH(g, (int64_t)WORKERS * APART, turn_kernel, *s, l, word);
     const int64_t *seen = pairs(g, s, &l, word);

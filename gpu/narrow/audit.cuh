@@ -70,8 +70,8 @@ static __device__ inline bool in_mesh(const int32_t v[3], int64_t nv)
 struct audit_levels gpu_audit_levels(int64_t nt);
 
 /* Checks every position and computes the box of all positions. */
-void gpu_audit_look(struct gpu *g, struct audit *s, int64_t *word);
-/* Sorts the triangles and builds the tree over them, after gpu_audit_look and
+void gpu_audit_check(struct gpu *g, struct audit *s, int64_t *word);
+/* Sorts the triangles and builds the tree over them, after gpu_audit_check and
  * with word[AUDIT_FIXED] complete. After a fault the order and the tree must
  * not be used. */
 void gpu_audit_tree(struct gpu *g, struct audit *s,

@@ -61,8 +61,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
             audit_bad(word, AUDIT_BAD_PLACE);
         float x[3] = {(float)s.x[k].x, (float)s.x[k].y, (float)s.x[k].z};
         for (int i = 0; i < 3; i++) {
-            own[i] = most(own[i], ordered(x[i]));
-            own[3 + i] = most(own[3 + i], ordered(-x[i]));
+            own[i] = max_of(own[i], ordered(x[i]));
+            own[3 + i] = max_of(own[3 + i], ordered(-x[i]));
         }
     }
     for (int i = 0; i < 6; i++)
@@ -72,7 +72,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         atomicMax((uint32_t *)&word[AUDIT_HIGH + t], high[t]);
 }
 
-void gpu_audit_look(struct gpu *g, struct audit *s, int64_t *word)
+void gpu_audit_check(struct gpu *g, struct audit *s, int64_t *word)
 {
     LAUNCH_BLOCKS(g, CHECK_BLOCKS, GPU_BLOCK, check_kernel, *s, word);
 }
@@ -81,7 +81,7 @@ static __device__ struct audit_span span_of(const struct audit *s, int64_t t)
 {
     const int32_t *v = s->tri[t];
     vec a = s->x[v[0]], b = s->x[v[1]], c = s->x[v[2]];
-    return audit_span{least(least(a, b), c), most(most(a, b), c)};
+    return audit_span{min_of(min_of(a, b), c), max_of(max_of(a, b), c)};
 }
 
 /* Spreads the low 21 bits of b, with two zero bits between neighbours
@@ -101,7 +101,7 @@ static __device__ uint64_t cell(real lo, real hi, float from, float size)
 {
     float middle = (float)lo * 0.5f + (float)hi * 0.5f;
     float c = size > 0 ? (middle - from) / size * 2097151.0f : 0;
-    return c > 0 ? (uint64_t)least(c, 2097151.0f) : 0;
+    return c > 0 ? (uint64_t)min_of(c, 2097151.0f) : 0;
 }
 
 /* Thread t writes the key of triangle t: group 0 first, then along a Morton
@@ -115,8 +115,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         float from[3], size = 0;
         for (int i = 0; i < 3; i++) {
             from[i] = -of_ordered((uint32_t)word[AUDIT_HIGH + 3 + i]);
-            size = most(size,
-                        of_ordered((uint32_t)word[AUDIT_HIGH + i]) - from[i]);
+            size = max_of(size,
+                          of_ordered((uint32_t)word[AUDIT_HIGH + i]) - from[i]);
         }
         struct audit_span b = span_of(&s, t);
         k.hi = spread(cell(b.lo.x, b.hi.x, from[0], size)) |
@@ -166,8 +166,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     struct audit_span box = audit_lane(&s, l.at[level - 1], k);
     for (int j = 1; j < 4 && k + j < n; j++) {
         struct audit_span c = audit_lane(&s, l.at[level - 1], k + j);
-        box.lo = least(box.lo, c.lo);
-        box.hi = most(box.hi, c.hi);
+        box.lo = min_of(box.lo, c.lo);
+        box.hi = max_of(box.hi, c.hi);
     }
     put(&s, l.at[level], (int32_t)b, box);
 }

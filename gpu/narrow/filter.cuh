@@ -38,10 +38,12 @@ static __device__ inline bool box_apart(real a0, real a1, real b0, real b1,
                                         real b2, real c0, real c1, real d0,
                                         real d1, real d2)
 {
-    real low_b = least(b0, least(b1, b2)), high_b = most(b0, most(b1, b2));
-    real low_d = least(d0, least(d1, d2)), high_d = most(d0, most(d1, d2));
-    return (low_b > most(a0, a1) && low_d > most(c0, c1)) ||
-           (high_b < least(a0, a1) && high_d < least(c0, c1));
+    real low_b = min_of(b0, min_of(b1, b2)),
+         high_b = max_of(b0, max_of(b1, b2));
+    real low_d = min_of(d0, min_of(d1, d2)),
+         high_d = max_of(d0, max_of(d1, d2));
+    return (low_b > max_of(a0, a1) && low_d > max_of(c0, c1)) ||
+           (high_b < min_of(a0, a1) && high_d < min_of(c0, c1));
 }
 
 /* Whether on some axis one primitive stays strictly beyond the other. Side A of
@@ -130,8 +132,8 @@ static __device__ inline double size_on(const struct vectors *m, int k)
 {
     double d = 0;
     for (int t = 0; t < 2; t++)
-        d = most(d, most(fabs(m->f[t][k]),
-                         most(fabs(m->g[t][k]), fabs(m->h[t][k]))));
+        d = max_of(d, max_of(fabs(m->f[t][k]),
+                             max_of(fabs(m->g[t][k]), fabs(m->h[t][k]))));
     return d;
 }
 
@@ -152,16 +154,16 @@ static __device__ inline bool errors_of(const struct vectors *m,
  * bound e, else 0. */
 static __device__ inline int certain(const double c[3], double e)
 {
-    if (least(c[0], least(c[1], c[2])) > e)
+    if (min_of(c[0], min_of(c[1], c[2])) > e)
         return 1;
-    return most(c[0], most(c[1], c[2])) < -e ? -1 : 0;
+    return max_of(c[0], max_of(c[1], c[2])) < -e ? -1 : 0;
 }
 
 static __device__ inline int certain_cubic(const double c[4], double e)
 {
-    if (least(least(c[0], c[1]), least(c[2], c[3])) > e)
+    if (min_of(min_of(c[0], c[1]), min_of(c[2], c[3])) > e)
         return 1;
-    return most(most(c[0], c[1]), most(c[2], c[3])) < -e ? -1 : 0;
+    return max_of(max_of(c[0], c[1]), max_of(c[2], c[3])) < -e ? -1 : 0;
 }
 
 /* §4.2: whether two forms on axis k have certain and opposite signs. */

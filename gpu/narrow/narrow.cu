@@ -3,7 +3,7 @@
  * appends the pairs that it cannot decide to a list for the next tier. The
  * order of a list does not affect the result, because each item writes only its
  * own toi and tier. spec/narrow/narrow.md */
-#include "gpu/base/place.cuh"
+#include "gpu/base/compact.cuh"
 #include "gpu/contact/contact.cuh"
 #include "gpu/narrow/exact.cuh"
 #include "gpu/narrow/split.cuh"
@@ -86,13 +86,13 @@ static __device__ bool filter_leaves(const struct narrow *s, int64_t k,
 /* Thread k owns candidate k: it reads the vertices and writes toi[k] and
  * tier[k], or appends k to the list. A block reserves its places in the list
  * with one atomic. */
-static __global__ void __launch_bounds__(PLACE_BLOCK, 3)
+static __global__ void __launch_bounds__(COMPACT_BLOCK, 3)
     filter_kernel(struct narrow s, struct list left, uint32_t *bad)
 {
     __shared__ uint32_t first;
-    int64_t k = (int64_t)blockIdx.x * PLACE_BLOCK + threadIdx.x;
+    int64_t k = (int64_t)blockIdx.x * COMPACT_BLOCK + threadIdx.x;
     bool leaves = k < s.n && filter_leaves(&s, k, bad);
-    int total, place = block_place(leaves, &total);
+    int total, place = block_compact(leaves, &total);
     if (threadIdx.x == 0 && total)
         first = atomicAdd(left.count, (uint32_t)total);
     __syncthreads();
@@ -179,7 +179,7 @@ int gpu_narrow(struct gpu *g, struct narrow *s)
     struct list a = {item, word + WORD_SPLIT};
     struct list b = {item + s->n, word + WORD_EXACT};
     LAUNCH(g, s->nv, finite_kernel, *s, bad);
-    LAUNCH_BLOCKS(g, place_blocks(s->n), PLACE_BLOCK, filter_kernel, *s, a,
+    LAUNCH_BLOCKS(g, compact_blocks(s->n), COMPACT_BLOCK, filter_kernel, *s, a,
                   bad);
     int64_t workers = s->n < SPLIT_WORKERS ? s->n : (int64_t)SPLIT_WORKERS;
     LAUNCH(g, workers, split_kernel, *s, a, b, bad);
@@ -187,7 +187,7 @@ int gpu_narrow(struct gpu *g, struct narrow *s)
     exact(g, s, s->n, b, a, crew{NULL, SHORT_WORKERS, SHORT_ROOM});
     b.count = word + WORD_LEFT;
     exact(g, s, s->n, a, b, crew{NULL, LONG_WORKERS, LONG_ROOM});
-    const uint32_t *seen = (const uint32_t *)gpu_read_words(g, WORDS / 2);
+    const uint32_t *seen = (const uint32_t *)gpu_read_back(g, WORDS / 2);
     int status = gpu_status(g);
     if (status == DRAPE_OK && seen[WORD_BAD])
         return DRAPE_EDATA;

@@ -133,7 +133,7 @@ static __device__ inline struct rough poly_rough(const struct big_arena *m,
     struct rough r = {{0, 0, 0, 0}};
     int top = 0;
     for (int i = 0; i <= p->degree; i++)
-        top = most(top, big_words(p->c[i]));
+        top = max_of(top, big_words(p->c[i]));
     for (int i = 0; i <= p->degree; i++)
         r.c[i] = big_rough(m, p->c[i], top);
     return r;

@@ -36,7 +36,7 @@ static __device__ inline void whole_numbers(struct big_arena *m, int n,
     int e = 2000;
     for (int k = 0; k < n; k++)
         if (x[k] != 0)
-            e = least(e, lowest_bit(x[k]));
+            e = min_of(e, lowest_bit(x[k]));
     m->used = 0;
     for (int k = 0; k < n; k++)
         r[k] = big_make(m, x[k], e);

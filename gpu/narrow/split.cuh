@@ -51,8 +51,8 @@ static __device__ inline bool make_forms(const struct quad *p, struct forms *s)
     for (int k = 0; k < 3; k++) {
         double size = 0;
         for (int j = 0; j < 4; j++)
-            size =
-                most(size, most(fabs(s->box[k][j][0]), fabs(s->box[k][j][1])));
+            size = max_of(size,
+                          max_of(fabs(s->box[k][j][0]), fabs(s->box[k][j][1])));
         s->e_box[k] = ERROR_BOX * size + UNDERFLOW;
         cross_form(m.g, m.h, k, n[k]);
         axis_forms(&m, p->ee, k, n[k], s->w[k]);
@@ -106,8 +106,8 @@ static __device__ inline bool apart_on(const struct forms *s, double a,
         for (int j = 0; j < 4; j++) {
             const double *c = s->box[k][j];
             double p = mix(c[0], c[1], a), q = mix(c[0], c[1], b);
-            up = up && least(p, q) > s->e_box[k];
-            down = down && most(p, q) < -s->e_box[k];
+            up = up && min_of(p, q) > s->e_box[k];
+            down = down && max_of(p, q) < -s->e_box[k];
         }
         apart = apart || up || down;
     }

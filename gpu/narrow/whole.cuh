@@ -36,7 +36,7 @@ set_vertices(struct big_arena *m, const struct quad *p, struct workspace *s)
     for (int i = 0; i < 24; i++) {
         double a = coordinate(p->x[i / 12][i / 3 % 4], i % 3);
         if (a != 0)
-            e = least(e, lowest_bit(a));
+            e = min_of(e, lowest_bit(a));
     }
     for (int i = 0; i < 24; i++) {
         double a = coordinate(p->x[i / 12][i / 3 % 4], i % 3);

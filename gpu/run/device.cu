@@ -13,9 +13,9 @@ extern "C" {
 /* Does nothing: it shows for which devices the kernels were compiled. */
 static __global__ void probe_kernel(void) {}
 
-cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room)
+cudaError_t gpu_allow_cluster(struct gpu *g, const void *kernel, bool room)
 {
-    if (g->team == kernel)
+    if (g->cluster_kernel == kernel)
         return cudaSuccess;
     cudaError_t error = cudaSuccess;
     if (room)
@@ -24,12 +24,12 @@ cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room)
     if (error == cudaSuccess && g->ranks > 1)
         error = cudaFuncSetAttribute(
             kernel, cudaFuncAttributeNonPortableClusterSizeAllowed, 1);
-    g->team = error == cudaSuccess ? kernel : NULL;
+    g->cluster_kernel = error == cudaSuccess ? kernel : NULL;
     return error;
 }
 
 /* Whether a cluster of g->ranks blocks can run. */
-static bool team_runs(struct gpu *g)
+static bool cluster_runs(struct gpu *g)
 {
     cudaLaunchAttribute cluster = {};
     cluster.id = cudaLaunchAttributeClusterDimension;
@@ -41,7 +41,7 @@ static bool team_runs(struct gpu *g)
     config.attrs = &cluster;
     config.numAttrs = 1;
     int teams = 0;
-    cudaError_t error = gpu_allow_team(g, (const void *)probe_kernel, true);
+    cudaError_t error = gpu_allow_cluster(g, (const void *)probe_kernel, true);
     if (error == cudaSuccess)
         error = cudaOccupancyMaxActiveClusters(&teams, probe_kernel, &config);
     cudaGetLastError(); /* an error here means that it cannot */
@@ -50,14 +50,14 @@ static bool team_runs(struct gpu *g)
 
 /* Devices of compute capability 9 have clusters of at most 16 blocks, and each
  * of them has clusters of 8; an instance of MIG may have fewer. */
-static void make_team(struct gpu *g, const cudaDeviceProp *p, int ptx)
+static void make_cluster(struct gpu *g, const cudaDeviceProp *p, int ptx)
 {
     bool clusters = p->major >= 9 && ptx >= 90;
-    g->crowd = p->multiProcessorCount;
+    g->multiprocessors = p->multiProcessorCount;
     g->room = (int)p->sharedMemPerBlockOptin;
     g->bulk = clusters;
     g->ranks = clusters ? 16 : 1;
-    while (g->ranks > 1 && !team_runs(g))
+    while (g->ranks > 1 && !cluster_runs(g))
         g->ranks /= 2;
 }
 
@@ -71,7 +71,7 @@ static void name_device(struct gpu *g)
     /* fails if ARCHES of the Makefile left this device out */
     gpu_note(g, cudaFuncGetAttributes(&code, probe_kernel));
     if (!g->failed)
-        make_team(g, &p, code.ptxVersion);
+        make_cluster(g, &p, code.ptxVersion);
     cudaDriverGetVersion(&driver);
     cudaRuntimeGetVersion(&runtime);
     snprintf(g->name, sizeof g->name, "%s, driver CUDA %d.%d, runtime %d.%d",
@@ -106,7 +106,8 @@ const drape_allocator *gpu_native(void)
 void gpu_set_ranks(struct gpu *g, int ranks)
 {
     g->ranks = ranks < g->ranks ? ranks : g->ranks;
-    g->crowd = ranks < g->crowd ? ranks : g->crowd;
+    g->multiprocessors =
+        ranks < g->multiprocessors ? ranks : g->multiprocessors;
 }
 
 void gpu_set_way(struct gpu *g, struct gpu_way way)

@@ -43,8 +43,8 @@ struct gpu *gpu_open(const drape_def *def, int *status)
     g->number = -1;
     g->bulk = true;
     g->ranks = EMULATE_RANKS;
-    g->crowd = 1;
-    g->room = EMULATE_ROOM;
+    g->multiprocessors = 1;
+    g->room = EMULATE_SHARED;
     g->words =
         (int64_t *)gpu_take(g, ARENA_SCRATCH, GPU_ALL_WORDS, sizeof *g->words);
     g->seen = (int64_t *)arena_take(&g->host, ARENA_OTHER, GPU_ALL_WORDS,

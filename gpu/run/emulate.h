@@ -47,7 +47,7 @@ template <class K, class... A> static auto emulate_bind(K kernel, A... a)
 }
 
 /* The most blocks of a cluster, and the bytes of shared memory of each. */
-enum { EMULATE_RANKS = 3, EMULATE_ROOM = 1 << 16 };
+enum { EMULATE_RANKS = 3, EMULATE_SHARED = 1 << 16 };
 
 /* Whether the device is lost (gpu_way.lost). more: this call is one more
  * launch, copy or allocation. Launches on a lost device do nothing, and waiting
@@ -62,9 +62,9 @@ void emulate_items(int64_t n, int threads, emulate_call kernel);
 void emulate_blocks(int64_t blocks, int threads, emulate_call kernel);
 /* A cluster, as one block that has parts (ranks) of `threads` threads each,
  * with barriers of their own. */
-void emulate_team(int ranks, int threads, emulate_call kernel);
+void emulate_cluster(int ranks, int threads, emulate_call kernel);
 extern __thread int emulate_ranks; /* of the cluster that runs */
-char *emulate_room(int rank);      /* [EMULATE_ROOM] filled with poison */
+char *emulate_shared(int rank);    /* [EMULATE_SHARED] filled with poison */
 
 /* Barrier of the block; in a cluster, of the rank. Aborts in a kernel of items,
  * and if some threads are at a barrier of their rank while others are at one of
@@ -72,7 +72,7 @@ char *emulate_room(int rank);      /* [EMULATE_ROOM] filled with poison */
 void __syncthreads(void);
 void emulate_meet(void); /* the same, but gpu_set_way never leaves it out */
 void emulate_meet_warp(void);
-void emulate_team_sync(bool alone);
+void emulate_cluster_sync(bool alone);
 
 /* Asynchronous copies. They are made as late as is allowed, when copies_end
  * waits for them; or at once where threads run in ascending order. */

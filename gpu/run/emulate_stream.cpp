@@ -72,7 +72,7 @@ double gpu_clock_stop(struct gpu *g)
     return host_clock() - g->event;
 }
 
-void gpu_show(struct gpu *g, bool clear)
+void gpu_read_back_now(struct gpu *g, bool clear)
 {
     size_t bytes = GPU_ALL_WORDS * sizeof *g->words;
     if (fails(g, true))

@@ -99,7 +99,7 @@ static thread_local struct stacks {
 /* Fibers are numbered in the order in which they run. The fibers of a rank are
  * consecutive, those of the rank that runs now go from `first` to before `end`;
  * the fibers of a warp are consecutive, too. */
-enum meeting { NOWHERE, OF_WARP, OF_RANK, OF_TEAM };
+enum meeting { NOWHERE, OF_WARP, OF_RANK, OF_CLUSTER };
 static __thread unsigned in_block, in_rank, in_warp, to_run, here;
 static __thread unsigned first, end, warp_end;
 static __thread enum meeting met;      /* where those of the rank wait so far */
@@ -208,16 +208,16 @@ void emulate_meet(void)
     meet(OF_RANK);
 }
 
-void emulate_team_sync(bool alone)
+void emulate_cluster_sync(bool alone)
 {
     int n = running ? ++barriers[here] : 0;
     if (!running || n != way.left_out)
-        meet(alone || (n && n == way.parted) ? OF_RANK : OF_TEAM);
+        meet(alone || (n && n == way.parted) ? OF_RANK : OF_CLUSTER);
 }
 
 void __syncthreads(void)
 {
-    emulate_team_sync(true);
+    emulate_cluster_sync(true);
 }
 
 /* Runs all fibers of a block, from barrier to barrier, until all have returned.
@@ -290,16 +290,16 @@ bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
 }
 
 alignas(16) static thread_local double room[EMULATE_RANKS]
-                                           [EMULATE_ROOM / sizeof(double)];
+                                           [EMULATE_SHARED / sizeof(double)];
 
-char *emulate_room(int rank)
+char *emulate_shared(int rank)
 {
     return (char *)room[rank];
 }
 
 /* Shared memory is filled with poison first, as a kernel must not rely on what
  * the kernel before it, which may have been the same, left there. */
-void emulate_team(int ranks, int threads, emulate_call kernel)
+void emulate_cluster(int ranks, int threads, emulate_call kernel)
 {
     memset(room, 0xff, sizeof room);
     for (int f = 0; f < ranks * threads; f++) {

@@ -53,16 +53,17 @@ struct gpu {
     void *stream;
     double event;
 #endif
-    bool tight;       /* memory grows by no more than it must, gpu_way */
-    bool hosted[2];   /* the host ends loops: as gpu_way says, and for good */
-    int number;       /* CUDA's number of the device; -1: emulated */
-    int block;        /* threads of a block of item kernels */
-    int ranks;        /* blocks of a thread-block cluster, 1: no clusters */
-    int crowd;        /* multiprocessors, for cooperative launches */
-    const void *team; /* the last kernel that was allowed to be a cluster */
-    int room;         /* bytes of shared memory that a block may have */
-    bool bulk;        /* the device has bulk copies, gpu/base/bulk.cuh */
-    int failed;       /* the first failure, or DRAPE_OK */
+    bool tight;     /* memory grows by no more than it must, gpu_way */
+    bool hosted[2]; /* the host ends loops: as gpu_way says, and for good */
+    int number;     /* CUDA's number of the device; -1: emulated */
+    int block;      /* threads of a block of item kernels */
+    int ranks;      /* blocks of a thread-block cluster, 1: no clusters */
+    int multiprocessors; /* multiprocessors, for cooperative launches */
+    const void
+        *cluster_kernel; /* the last kernel that was allowed to be a cluster */
+    int room;            /* bytes of shared memory that a block may have */
+    bool bulk;           /* the device has bulk copies, gpu/base/bulk.cuh */
+    int failed;          /* the first failure, or DRAPE_OK */
     char name[320];
     int64_t *words; /* device [GPU_ALL_WORDS] small results of this stage, then
                        the late words of stages before it */
@@ -85,9 +86,9 @@ struct gpu {
 /* Records a failure of CUDA; the first one stays. */
 #ifdef __CUDACC__
 void gpu_note(struct gpu *g, cudaError_t error);
-/* Allows a kernel to be launched as a cluster. room: it uses team_room(), and
- * no other shared memory. */
-cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room);
+/* Allows a kernel to be launched as a cluster. room: it uses cluster_shared(),
+ * and no other shared memory. */
+cudaError_t gpu_allow_cluster(struct gpu *g, const void *kernel, bool room);
 #endif
 
 /* In a kernel: k is the item of this thread, of n items; threads without an
@@ -149,9 +150,9 @@ cudaError_t gpu_allow_team(struct gpu *g, const void *kernel, bool room);
 int64_t *gpu_words(struct gpu *g);
 /* Reads back the first n words, or zeros after a failure. The host waits for
  * the stream. The words on the device are zero afterwards. */
-const int64_t *gpu_read_words(struct gpu *g, int n);
+const int64_t *gpu_read_back(struct gpu *g, int n);
 /* The same, but the words on the device stay as they are. */
-const int64_t *gpu_look_words(struct gpu *g, int n);
+const int64_t *gpu_read_back_keep(struct gpu *g, int n);
 /* Words [GPU_LATE], zero at first, for results that the host need not know
  * before the next stage begins: gpu_words of that stage leaves them alone. The
  * next readback of any stage brings them to gpu_late_seen, where they stay
@@ -161,7 +162,7 @@ const int64_t *gpu_late_seen(const struct gpu *g);
 /* The readback itself: waits for the stream and writes g->seen, or sets
  * g->failed. clear: the words on the device are zero afterwards. Must not be
  * called after a failure. */
-void gpu_show(struct gpu *g, bool clear);
+void gpu_read_back_now(struct gpu *g, bool clear);
 
 /* At least count · size bytes of scratch, or NULL if there is no memory. All
  * slots but SLOT_SOLVE are borrowed: the next solve overwrites them. */

@@ -114,7 +114,7 @@ static void wait_for(struct gpu *g, const int64_t *mark, int64_t next)
 
 /* A kernel writes the words to pinned memory of the host, and the host polls a
  * mark behind them: a copy takes longer until the host knows of its end. */
-void gpu_show(struct gpu *g, bool clear)
+void gpu_read_back_now(struct gpu *g, bool clear)
 {
     const int64_t *mark = g->seen + GPU_ALL_WORDS;
     int64_t next = *mark + 1;

@@ -39,21 +39,21 @@ static void keep_late(struct gpu *g, bool wiped)
 static void read_back(struct gpu *g, bool clear)
 {
     if (!g->failed)
-        gpu_show(g, clear);
+        gpu_read_back_now(g, clear);
     if (g->failed)
         memset(g->seen, 0, GPU_ALL_WORDS * sizeof *g->seen);
     keep_late(g, clear);
 }
 
 /* All words are read: as few as n would take as long. */
-const int64_t *gpu_read_words(struct gpu *g, int)
+const int64_t *gpu_read_back(struct gpu *g, int)
 {
     read_back(g, true);
     g->clean[0] = g->clean[1] = !g->failed;
     return g->seen;
 }
 
-const int64_t *gpu_look_words(struct gpu *g, int)
+const int64_t *gpu_read_back_keep(struct gpu *g, int)
 {
     read_back(g, false);
     return g->seen;

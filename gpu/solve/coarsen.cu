@@ -123,8 +123,8 @@ static __device__ struct coarsen link_of(const struct chain *s, int k)
 /* Of all whom a particle with a rule matters to: as find. */
 static __device__ void mark(const struct chain::small *c, struct place at)
 {
-    for (int j = most((at.j - 4) / 2, 0); j <= (at.j + 3) / 2; j++)
-        for (int i = most((at.i - 4) / 2, 0); i <= (at.i + 5) / 2; i++)
+    for (int j = max_of((at.j - 4) / 2, 0); j <= (at.j + 3) / 2; j++)
+        for (int i = max_of((at.i - 4) / 2, 0); i <= (at.i + 5) / 2; i++)
             if (within(c->g, i, j))
                 c->rule[i + c->g.m * j] = 1;
 }
@@ -138,7 +138,7 @@ static __global__ void __launch_bounds__(CHAIN_BLOCK)
                          const __grid_constant__ struct book book)
 {
     struct coarsen c = link_of(&s, 1);
-    EACH_OF_TEAM(e, c.n_coarse)
+    EACH_OF_GROUP(e, c.n_coarse)
     find(&c, place_of(s.grid[1].g, e));
     for (int k = 1; k <= s.grids; k++) {
         struct coarsen before = c;
@@ -148,8 +148,8 @@ static __global__ void __launch_bounds__(CHAIN_BLOCK)
             c = link_of(&s, k);
         struct grid g = s.grid[k - !more].g;
         int items = more ? (STENCIL + 1) * (int)c.n_coarse : 0;
-        team_sync(false);
-        EACH_OF_TEAM(e, items + done)
+        cluster_sync(false);
+        EACH_OF_GROUP(e, items + done)
         if (e < items)
             make_item<16>(&c, g, &book, e);
         else
@@ -159,10 +159,10 @@ static __global__ void __launch_bounds__(CHAIN_BLOCK)
             break;
         const struct chain::small *after =
             k + 1 < s.grids ? &s.grid[k + 1] : NULL;
-        EACH_OF_TEAM(e, after ? after->g.m * after->g.n : 0)
+        EACH_OF_GROUP(e, after ? after->g.m * after->g.n : 0)
         after->rule[e] = 0;
-        team_sync(false);
-        EACH_OF_TEAM(e, c.n_coarse)
+        cluster_sync(false);
+        EACH_OF_GROUP(e, c.n_coarse)
         {
             struct place at = place_of(g, e);
             if (make_rule(&c, g, at) && after)
@@ -177,6 +177,6 @@ void gpu_coarsen_chain(struct gpu *g, const struct level *l, int levels)
     s.grids = levels;
     for (int k = 0; k < levels; k++)
         s.grid[k] = chain::small{l[k].g, l[k].excess, l[k].rule};
-    LAUNCH_TEAM(g, CHAIN_BLOCK, 0, coarsen_chain_kernel, s,
-                *book_of<STENCIL>());
+    LAUNCH_CLUSTER(g, CHAIN_BLOCK, 0, coarsen_chain_kernel, s,
+                   *book_of<STENCIL>());
 }

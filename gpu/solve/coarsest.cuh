@@ -3,7 +3,7 @@
 #ifndef GPU_COARSEST_CUH
 #define GPU_COARSEST_CUH
 
-#include "gpu/base/team.cuh"
+#include "gpu/base/cluster.cuh"
 #include "gpu/solve/grid.cuh"
 
 extern "C" {

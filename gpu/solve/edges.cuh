@@ -5,7 +5,7 @@
 #ifndef GPU_EDGES_CUH
 #define GPU_EDGES_CUH
 
-#include "gpu/base/team.cuh"
+#include "gpu/base/cluster.cuh"
 #include "gpu/base/thin.cuh"
 #include "gpu/solve/product.cuh"
 

@@ -27,8 +27,8 @@ static __device__ inline int weight(const struct coarsen *s, int x, int y,
  * whether a fine particle that matters to it has a rule. */
 static __device__ inline void find(const struct coarsen *s, struct place at)
 {
-    int x0 = most(2 * at.i - 5, 0), x1 = least(2 * at.i + 5, s->m - 1);
-    int y0 = most(2 * at.j - 3, 0), y1 = least(2 * at.j + 5, s->n - 1);
+    int x0 = max_of(2 * at.i - 5, 0), x1 = min_of(2 * at.i + 5, s->m - 1);
+    int y0 = max_of(2 * at.j - 3, 0), y1 = min_of(2 * at.j + 5, s->n - 1);
     int cut = 0;
     for (int y = y0; y <= y1; y++)
         for (int x = x0; x <= x1; x++)

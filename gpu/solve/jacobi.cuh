@@ -31,9 +31,9 @@ static __device__ inline sym factored(struct wide_sym d)
     double least = share * (a[0] + a[3] + a[5]);
     if (!(least > 0))
         return sym{0, 0, 0, 0, 0, 0};
-    double x = most(a[0], least), l1 = a[1] / x, l2 = a[2] / x;
-    double y = most(a[3] - l1 * a[1], least), l3 = (a[4] - l1 * a[2]) / y;
-    double z = most((a[5] - l2 * a[2]) - l3 * l3 * y, least);
+    double x = max_of(a[0], least), l1 = a[1] / x, l2 = a[2] / x;
+    double y = max_of(a[3] - l1 * a[1], least), l3 = (a[4] - l1 * a[2]) / y;
+    double z = max_of((a[5] - l2 * a[2]) - l3 * l3 * y, least);
     return sym{(real)(1 / x), (real)l1, (real)l2,
                (real)(1 / y), (real)l3, (real)(1 / z)};
 }

@@ -154,7 +154,7 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, struct lent lent,
     tail.y = l[first].y;
     tail.x = l[first].x;
     tail.go = go;
-    LAUNCH_TEAM(g, TAIL_BLOCK, room, tail_kernel, tail);
+    LAUNCH_CLUSTER(g, TAIL_BLOCK, room, tail_kernel, tail);
     for (int k = first - 1; k >= 0; k--)
         go_up(g, &l[k], k ? coarse : fine, k ? NULL : item);
 }

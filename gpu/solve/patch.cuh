@@ -5,7 +5,7 @@
 #ifndef GPU_PATCH_CUH
 #define GPU_PATCH_CUH
 
-#include "gpu/base/team.cuh"
+#include "gpu/base/cluster.cuh"
 #include "gpu/solve/level.cuh"
 
 /* A grid, and where its streams begin in the shared memory of every rank, in
@@ -64,13 +64,13 @@ static __host__ __device__ inline int edge_size(const struct patch *l, int o)
 
 static __device__ inline int low_of(const struct patch *l, int rank)
 {
-    return most(rank * l->share - l->reach, 0);
+    return max_of(rank * l->share - l->reach, 0);
 }
 
 static __device__ inline struct run run_of(const struct patch *l)
 {
-    int rank = team_rank(), first = least(rank * l->share, l->count);
-    int own = least(l->share, l->count - first);
+    int rank = group_rank(), first = min_of(rank * l->share, l->count);
+    int own = min_of(l->share, l->count - first);
     return run{first, own, low_of(l, rank), l->table, l->g, l->across};
 }
 
@@ -83,29 +83,29 @@ static __device__ inline struct place place_in(struct run r, int p)
 /* The stream at byte `at` of shared memory. */
 static __device__ inline sym *syms(int at)
 {
-    return (sym *)(team_room() + at);
+    return (sym *)(cluster_shared() + at);
 }
 
 static __device__ inline vec *vecs(int at)
 {
-    return (vec *)(team_room() + at);
+    return (vec *)(cluster_shared() + at);
 }
 
 static __device__ inline struct edge *edges_at(int at)
 {
-    return (struct edge *)(team_room() + at);
+    return (struct edge *)(cluster_shared() + at);
 }
 
 static __device__ inline uint8_t *rules_of(const struct patch *l)
 {
-    return (uint8_t *)(team_room() + l->rules);
+    return (uint8_t *)(cluster_shared() + l->rules);
 }
 
 /* How many blocks of edge o a rank has of particles before its own. */
 static __device__ inline int edge_before(const struct patch *l, struct run r,
                                          int o)
 {
-    return least(edge_step(l->g, o), r.first);
+    return min_of(edge_step(l->g, o), r.first);
 }
 
 /* A part of a grid's coefficients that a rank copies: n blocks from `from` on,
@@ -159,13 +159,13 @@ static __device__ inline struct edge edge_in(const struct patch *l,
 static __device__ inline void spread(const struct patch *l, int to, int p,
                                      vec value)
 {
-    int rank = team_rank(), end = least(rank + l->far, team_ranks() - 1);
-    for (int r = most(rank - l->far, 0); r <= end; r++) {
+    int rank = group_rank(), end = min_of(rank + l->far, group_ranks() - 1);
+    for (int r = max_of(rank - l->far, 0); r <= end; r++) {
         int low = low_of(l, r), high = (r + 1) * l->share + l->reach;
         if (r == rank)
             vecs(to)[p - low] = value;
         else if (p >= low && p < high)
-            team_at(vecs(to), r)[p - low] = value;
+            cluster_at(vecs(to), r)[p - low] = value;
     }
 }
 
@@ -173,7 +173,7 @@ static __device__ inline void spread(const struct patch *l, int to, int p,
 static __device__ inline vec owned(const struct patch *l, int from, int p)
 {
     int rank = (int)(p * l->inverse >> 32);
-    return team_at(vecs(from), rank)[p - low_of(l, rank)];
+    return cluster_at(vecs(from), rank)[p - low_of(l, rank)];
 }
 
 /* The bytes of a stream of n blocks, for any offset within 16 bytes. */

@@ -44,7 +44,7 @@ static void iterate(struct gpu *g, struct pcg *s, struct pcg_state *c,
     }
     search(g, s, c, room, p, to);
     bool waits = gpu_pcg_sweeps(s) && turn + 1 < room.ring;
-    int64_t blocks = UPDATES * g->crowd;
+    int64_t blocks = UPDATES * g->multiprocessors;
     LAUNCH_BLOCKS(g, blocks < s->n_chunks ? blocks : s->n_chunks, SUM_CHUNK,
                   pcg_update_kernel, *s, c, room, waits ? NULL : to);
 }
@@ -101,7 +101,7 @@ static struct pcg_state look(struct gpu *g)
 {
     struct pcg_state seen;
     int words = (int)((sizeof seen + sizeof(int64_t) - 1) / sizeof(int64_t));
-    memcpy((void *)&seen, gpu_look_words(g, words), sizeof seen);
+    memcpy((void *)&seen, gpu_read_back_keep(g, words), sizeof seen);
     return seen;
 }
 

@@ -76,7 +76,7 @@ static __device__ inline void begin(const struct pcg *s, struct pcg_state *c,
                                     real square)
 {
     c->square = square;
-    c->most = s->energy ? most(square, c->most) : square;
+    c->most = s->energy ? max_of(square, c->most) : square;
     c->before = 2;
     c->outcome = PCG_CONVERGED;
     c->phase = PHASE_DONE;
@@ -112,7 +112,7 @@ static __device__ inline void enter(const struct pcg *s, struct pcg_state *c,
     c->fresh = 0;
     if (s->energy) {
         if (c->iterations == 0)
-            c->from = most(next, c->from);
+            c->from = max_of(next, c->from);
         c->recurrence = root(next / c->from);
         bool near = c->recurrence <= s->tolerance &&
                     root(c->left / c->most) <= s->tolerance;

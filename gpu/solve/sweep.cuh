@@ -34,12 +34,12 @@ static __global__ void __launch_bounds__(sweep_size<EDGES, B>::threads,
     w.lane = lane;
     w.g = t.g;
     w.i = strip * c.width + lane - REACH;
-    w.low = most(strip * c.width - REACH, 0);
-    w.end = least((strip + 1) * c.width + REACH, t.g.m);
+    w.low = max_of(strip * c.width - REACH, 0);
+    w.end = min_of((strip + 1) * c.width + REACH, t.g.m);
     w.out = columns(&w, c.width);
     w.top = (int)blockIdx.x / c.strips * c.rows;
-    w.j = most(w.top - REACH, 0);
-    int bottom = least(w.top + c.rows, t.g.n);
+    w.j = max_of(w.top - REACH, 0);
+    int bottom = min_of(w.top + c.rows, t.g.n);
     bool mine = lane >= REACH && lane < c.width + REACH && w.i < t.g.m;
     int first = w.j;
     if (size::staged) {

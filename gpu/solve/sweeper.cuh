@@ -171,8 +171,8 @@ template <int EDGES, class B>
 static __device__ inline struct place
 place_in(const struct sweeper<EDGES, B> *w, int j)
 {
-    int i = least(most(w->i, 0), w->g.m - 1);
-    j = least(j, w->g.n - 1);
+    int i = min_of(max_of(w->i, 0), w->g.m - 1);
+    j = min_of(j, w->g.n - 1);
     return place{i + w->g.m * j, i, j};
 }
 
@@ -184,13 +184,13 @@ pull_row(struct sweeper<EDGES, B> *w, const struct staging<EDGES, B> *s,
 {
     constexpr bool staged = sweep_size<EDGES, B>::staged;
     SPOT here = x[w->j % X_ROWS][w->lane];
-    int column = most(least(w->i, w->end - 1), w->low) - w->low;
+    int column = max_of(min_of(w->i, w->end - 1), w->low) - w->low;
     int at = staged ? skipped(w, w->j) + column : 0;
     w->here = x_of(here);
     UNROLL
     for (int o = 0; o < EDGES; o++) {
         int di = toward_i<EDGES>(o), dj = toward_j<EDGES>(o);
-        int lane = least(most(w->lane + di, 0), THREADS - 1);
+        int lane = min_of(max_of(w->lane + di, 0), THREADS - 1);
         B b = staged ? s->edge[w->j % STAGES][staged ? o : 0][at]
                      : w->block[staged ? 0 : o];
         vec f = edge_pull(b, here, x[(w->j + dj) % X_ROWS][lane]);

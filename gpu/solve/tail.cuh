@@ -40,7 +40,7 @@ static __device__ inline void fetch_stream(struct stream s)
     int lane = rank_thread() % WARP, bytes = s.n * (int)sizeof(sym);
     int head = s.at % QUAD, quads = (bytes - head) / QUAD;
     const char *from = (const char *)s.from;
-    char *to = team_room() + s.at;
+    char *to = cluster_shared() + s.at;
     if (lane == 0 && head && bytes)
         copy_ahead((double *)to, (const double *)from);
     if (lane == 1 && (bytes - head) % QUAD)
@@ -94,7 +94,7 @@ static __device__ inline void fetch_vectors(const struct tail *s)
 {
     const struct patch *l = &s->patch[0];
     struct run r = run_of(l);
-    int high = least(r.first + r.own + l->reach, l->count);
+    int high = min_of(r.first + r.own + l->reach, l->count);
     int n = s->levels > 1 ? 3 * (high - r.low)
                           : 0; /* otherwise there is no half-step */
     const real *y = (const real *)(s->y + r.low);
@@ -130,7 +130,7 @@ static __device__ inline void smooth_down(const struct tail *s,
         }
     }
     copies_end<0>(); /* of the grids to come */
-    team_sync(l->alone);
+    cluster_sync(l->alone);
     EACH_ROW(item, l, r)
     {
         struct row w = row_of(l, r, item);
@@ -138,7 +138,7 @@ static __device__ inline void smooth_down(const struct tail *s,
         if (w.last)
             vecs(l->y)[w.at.p - r.low] = sub(vecs(l->b)[w.at.p - r.first], y);
     }
-    team_sync(l->alone);
+    cluster_sync(l->alone);
 }
 
 /* As restrict_at. */
@@ -152,8 +152,8 @@ static __device__ inline void restrict_patch(const struct patch *f,
         int rule[9];
         UNROLL
         for (int e = 0; e < 9; e++) {
-            int i = least(most(2 * at.i + e % 3 - 1, 0), f->g.m - 1);
-            int j = least(most(2 * at.j + e / 3 - 1, 0), f->g.n - 1);
+            int i = min_of(max_of(2 * at.i + e % 3 - 1, 0), f->g.m - 1);
+            int j = min_of(max_of(2 * at.j + e / 3 - 1, 0), f->g.n - 1);
             rule[e] = rules_of(f)[i + f->g.m * j];
             y[e] = owned(f, f->y, i + f->g.m * j);
         }
@@ -170,7 +170,7 @@ static __device__ inline void restrict_patch(const struct patch *f,
             spread(l, l->y, at.p, scale(first, solved(factor, sum)));
         }
     }
-    team_sync(l->alone);
+    cluster_sync(l->alone);
 }
 
 /* Adds the correction of the coarser grid c to x. */
@@ -190,7 +190,7 @@ static __device__ inline void prolong_patch(const struct patch *l,
         }
         spread(l, l->x, at.p, made((const struct raised *)NULL, x, at));
     }
-    team_sync(l->alone);
+    cluster_sync(l->alone);
 }
 
 /* Both half-steps on the way up. The result goes to `to`, or to x if `to` is
@@ -208,7 +208,7 @@ static __device__ inline void smooth_up(const struct tail *s,
             spread(l, l->y, w.at.p, add(vecs(l->x)[w.at.p - r.low], d));
         }
     }
-    team_sync(l->alone);
+    cluster_sync(l->alone);
     EACH_ROW(item, l, r)
     {
         struct row w = row_of(l, r, item);
@@ -234,9 +234,9 @@ static __device__ inline void fetch_all(const struct tail *s)
     copies_group();
     fetch_rules(s);
     fetch_vectors(s);
-    fetch_coarsest(&s->coarsest, (double *)(team_room() + s->dense));
+    fetch_coarsest(&s->coarsest, (double *)(cluster_shared() + s->dense));
     copies_end<1>();
-    team_sync(false);
+    cluster_sync(false);
 }
 
 /* One cluster. All ranks come to every barrier, whether they have work or not.
@@ -255,10 +255,10 @@ static __global__ void __launch_bounds__(TAIL_BLOCK, 1)
         restrict_patch(&s.patch[k], &s.patch[k + 1],
                        k + 1 < last ? s.w.first : 0);
     }
-    solve_coarsest(&s.coarsest, (const double *)(team_room() + s.dense),
-                   vecs(end->b), last || team_rank() ? vecs(end->x) : s.x);
+    solve_coarsest(&s.coarsest, (const double *)(cluster_shared() + s.dense),
+                   vecs(end->b), last || group_rank() ? vecs(end->x) : s.x);
     for (int k = last - 1; k >= 0; k--) {
-        team_sync(s.patch[k].alone);
+        cluster_sync(s.patch[k].alone);
         prolong_patch(&s.patch[k], &s.patch[k + 1]);
         smooth_up(&s, &s.patch[k], k ? NULL : s.x);
     }

@@ -120,7 +120,7 @@ static int solve(void *on, struct sheet *s)
 static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,
                bool *apart)
 {
-    return gpu_broad_ask(gpu_of(on), b, x0, x1, r, apart);
+    return gpu_broad_whole_apart(gpu_of(on), b, x0, x1, r, apart);
 }
 
 static int query(void *on, struct broad *b, const vec *x0, const vec *x1,
@@ -145,7 +145,8 @@ static void touch(void *on, const struct response *s)
     gpu_rounds_touch(gpu_of(on), s);
 }
 
-static void settle(void *on, const struct response *s, struct contact *contact)
+static void cap_targets(void *on, const struct response *s,
+                        struct contact *contact)
 {
     gpu_rounds_settle(gpu_of(on), s, contact);
 }
@@ -227,12 +228,12 @@ extern const struct backend backend_gpu = {.take = take,
                                            .motion = motion,
                                            .energy = energy,
                                            .solve = solve,
-                                           .broad_ask = ask,
+                                           .broad_whole_apart = ask,
                                            .broad_query = query,
                                            .start = start,
                                            .advance = advance,
                                            .touch = touch,
-                                           .settle = settle,
+                                           .cap_targets = cap_targets,
                                            .turn_room = gpu_turn_room,
                                            .turn_begin = first_turn,
                                            .turn_carry = carry,

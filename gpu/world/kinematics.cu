@@ -38,7 +38,7 @@ int gpu_kinematics(struct gpu *g, struct kinematics *s)
 {
     int64_t *bad = gpu_words(g);
     LAUNCH(g, s->n, kinematics_kernel, *s, bad);
-    bool out = gpu_read_words(g, 1)[0] != 0;
+    bool out = gpu_read_back(g, 1)[0] != 0;
     int status = gpu_status(g);
     return status == DRAPE_OK && out ? DRAPE_EDATA : status;
 }

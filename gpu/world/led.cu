@@ -48,7 +48,7 @@ bool gpu_led_moves(const struct world *w)
         LAUNCH(g, s->pins.n, moves_kernel, s->pins.n, s->pinned,
                w->x0 + s->first, s->pins.x, moves);
     }
-    return gpu_read_words(g, 1)[0] != 0;
+    return gpu_read_back(g, 1)[0] != 0;
 }
 
 /* Thread k owns vertex k. */
@@ -79,7 +79,7 @@ real gpu_led_furthest(struct gpu *g, int64_t n, const vec *x0, const vec *x1)
 {
     int64_t *most = gpu_words(g);
     LAUNCH_BLOCKS(g, largest_blocks(n), GPU_BLOCK, way_kernel, n, x0, x1, most);
-    return largest_of(gpu_read_words(g, 1));
+    return largest_of(gpu_read_back(g, 1));
 }
 
 /* Thread k owns triangle k: writes whether it is a cloth's. */

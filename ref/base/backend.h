@@ -85,8 +85,8 @@ struct backend {
     /* Stage pcg with the settings in the sheet's struct pcg. */
     int (*solve)(void *on, struct sheet *s);
     /* ref/broad/broad.h. */
-    int (*broad_ask)(void *on, struct broad *b, const vec *x0, const vec *x1,
-                     real r, bool *apart);
+    int (*broad_whole_apart)(void *on, struct broad *b, const vec *x0,
+                             const vec *x1, real r, bool *apart);
     int (*broad_query)(void *on, struct broad *b, const vec *x0, const vec *x1,
                        real r, const uint8_t *moved);
 
@@ -94,7 +94,8 @@ struct backend {
     void (*advance)(void *on, struct response *s, int64_t n,
                     const int32_t *vertex, const uint8_t *moved, bool stop);
     void (*touch)(void *on, const struct response *s);
-    void (*settle)(void *on, const struct response *s, struct contact *contact);
+    void (*cap_targets)(void *on, const struct response *s,
+                        struct contact *contact);
 
     /* Scratch of penalty and warm for n contacts. DRAPE_OK or DRAPE_ENOMEM. */
     int (*turn_room)(struct world *w, int64_t n);

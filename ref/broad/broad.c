@@ -124,15 +124,15 @@ int broad_make(struct broad *b, const struct tree_scene *scene, bool self,
     return status == DRAPE_OK ? begin_front(b, b->roots) : status;
 }
 
-void broad_answer(struct broad *b)
+void broad_count_empty(struct broad *b)
 {
     b->queries++;
     b->kept += b->tree.n;
     b->n = b->n_vf = b->n_both = b->visited = 0;
 }
 
-int broad_ask(struct broad *b, const vec *x0, const vec *x1, real r,
-              bool *apart)
+int broad_whole_apart(struct broad *b, const vec *x0, const vec *x1, real r,
+                      bool *apart)
 {
     struct extent s = {.nv = b->nv,
                        .n_grid = b->map.n_grid,
@@ -148,7 +148,7 @@ int broad_ask(struct broad *b, const vec *x0, const vec *x1, real r,
                 (size_t)s.n_grid * sizeof *s.whole);
     *apart = status == DRAPE_OK && apart_all(&b->apart, r);
     if (*apart)
-        broad_answer(b);
+        broad_count_empty(b);
     return status;
 }
 

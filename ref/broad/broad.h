@@ -74,14 +74,15 @@ int broad_make(struct broad *b, const struct tree_scene *scene, bool self,
                struct arena *arena);
 
 /* Sets *apart where whole meshes are so far apart that the query has no
- * candidates. The query is then complete: it is counted by broad_answer and no
- * other call is needed. *apart is false where this cheap test cannot tell. */
-int broad_ask(struct broad *b, const vec *x0, const vec *x1, real r,
-              bool *apart);
+ * candidates. The query is then complete: it is counted by broad_count_empty
+ * and no other call is needed. *apart is false where this cheap test cannot
+ * tell. */
+int broad_whole_apart(struct broad *b, const vec *x0, const vec *x1, real r,
+                      bool *apart);
 
-/* Counts a query that broad_ask has settled, and sets its candidates to
+/* Counts a query that broad_whole_apart has settled, and sets its candidates to
  * none. */
-void broad_answer(struct broad *b);
+void broad_count_empty(struct broad *b);
 
 /* Begins a query for features that come within r of each other on the way from
  * x0 to x1 [nv]; x1 = x0 queries one time. Refits boxes and cones. With `moved`

@@ -11,26 +11,26 @@
 static void wake(struct contacts *s, int64_t k)
 {
     const int32_t *v = s->contact[k].v;
-    s->awake[k] = AWAKE;
+    s->contact_awake[k] = AWAKE;
     for (int j = 0; j < 4; j++)
-        if (s->stirred[v[j]] == ASLEEP)
-            s->stirred[v[j]] = AWAKE;
+        if (s->vertex_awake[v[j]] == ASLEEP)
+            s->vertex_awake[v[j]] = AWAKE;
 }
 
 /* Wakes the contacts that act. */
 static void wake_acting(struct contacts *s)
 {
     for (int64_t k = 0; k < s->n; k++)
-        if (s->lack[k] != 0 && !s->awake[k])
+        if (s->lack[k] != 0 && !s->contact_awake[k])
             wake(s, k);
 }
 
 /* Wakes all contacts of vertex i. */
 static void wake_around(struct contacts *s, int32_t i)
 {
-    s->stirred[i] = SPREAD;
+    s->vertex_awake[i] = SPREAD;
     for (int32_t j = s->start[i]; j < s->start[i + 1]; j++)
-        if (!s->awake[s->item[j] / 4])
+        if (!s->contact_awake[s->item[j] / 4])
             wake(s, s->item[j] / 4);
 }
 
@@ -38,7 +38,7 @@ static void wake_around(struct contacts *s, int32_t i)
 static void spread(struct contacts *s)
 {
     for (int64_t k = 0; k < s->vertices; k++)
-        if (s->moved[k] && s->stirred[s->vertex[k]] != SPREAD)
+        if (s->moved[k] && s->vertex_awake[s->vertex[k]] != SPREAD)
             wake_around(s, s->vertex[k]);
 }
 
@@ -71,7 +71,7 @@ static void find_lack(struct contacts *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
     real lack = c->target - vec_dot(c->n, pair_sum(c->v, c->c, s->u));
-    s->lack[k] = lack > 0 || s->ahead[k] > 0 ? lack : 0;
+    s->lack[k] = lack > 0 || s->lookahead[k] > 0 ? lack : 0;
 }
 
 static void begin(struct contacts *s, int64_t k)
@@ -81,8 +81,8 @@ static void begin(struct contacts *s, int64_t k)
         c->impulse = 0;
         c->tangent = vec_make(0, 0, 0);
     }
-    s->awake[k] = ASLEEP;
-    s->ahead[k] = c->impulse;
+    s->contact_awake[k] = ASLEEP;
+    s->lookahead[k] = c->impulse;
     s->before[k] = total(c);
     s->push[k] = vec_make(0, 0, 0);
     find_lack(s, k);
@@ -91,15 +91,15 @@ static void begin(struct contacts *s, int64_t k)
 /* §3: changes y of contact k, and records the push that takes u along. */
 static void set_lookahead(struct contacts *s, int64_t k, real y)
 {
-    s->push[k] = vec_scale(y - s->ahead[k], s->contact[k].n);
-    s->ahead[k] = y;
+    s->push[k] = vec_scale(y - s->lookahead[k], s->contact[k].n);
+    s->lookahead[k] = y;
 }
 
 /* §3: the normal part of one iteration. */
 static void push_normal(struct contacts *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
-    real y = s->ahead[k], was = c->impulse;
+    real y = s->lookahead[k], was = c->impulse;
     c->impulse = y;
     if (s->lack[k] != 0)
         c->impulse = real_max(y + effective_mass(s, c) * s->lack[k], 0);
@@ -110,7 +110,7 @@ static void push_normal(struct contacts *s, int64_t k)
 static void shrink_lookahead(struct contacts *s, int64_t k)
 {
     real now = s->contact[k].impulse;
-    set_lookahead(s, k, now + s->keep * (s->ahead[k] - now));
+    set_lookahead(s, k, now + s->keep * (s->lookahead[k] - now));
 }
 
 /* §4: marks the contacts that can have friction; they act in all iterations. */
@@ -198,7 +198,7 @@ static void each_awake(struct contacts *s, void act(struct contacts *, int64_t))
 {
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        if (s->awake[k])
+        if (s->contact_awake[k])
             act(s, k);
 }
 
@@ -208,7 +208,7 @@ static bool count_all(struct contacts *s, real beta)
     bool over = false;
 #pragma omp parallel for schedule(static) reduction(| : over)
     for (int64_t k = 0; k < s->vertices; k++)
-        if (s->stirred[s->vertex[k]])
+        if (s->vertex_awake[s->vertex[k]])
             over |= count(s, s->vertex[k], beta);
     return over;
 }
@@ -217,7 +217,7 @@ static void split_all(struct contacts *s)
 {
     EACH_ITEM
     for (int64_t k = 0; k < s->vertices; k++)
-        if (s->stirred[s->vertex[k]])
+        if (s->vertex_awake[s->vertex[k]])
             split(s, s->vertex[k]);
 }
 
@@ -228,7 +228,7 @@ static void apply(const struct contacts *s, vec *u)
     EACH_ITEM
     for (int64_t k = 0; k < s->vertices; k++) {
         int32_t i = s->vertex[k];
-        if (!s->stirred[i])
+        if (!s->vertex_awake[i])
             continue;
         vec sum = gather(s, i);
         if (sum.x == 0 && sum.y == 0 && sum.z == 0)
@@ -294,7 +294,7 @@ int ref_contacts(struct contacts *s)
     s->vertices = by.vertices;
     s->keep = 0;
     memset(s->moved, 0, (size_t)s->vertices);
-    memset(s->stirred, ASLEEP, (size_t)s->nv);
+    memset(s->vertex_awake, ASLEEP, (size_t)s->nv);
     for (int64_t k = 0; k < s->vertices; k++)
         first_parts(s, s->vertex[k]);
     each_contact(s, begin);

@@ -18,21 +18,21 @@ struct contacts {
     vec *u;                  /* in, out: [nv] m/s mean velocity of the step */
     vec *v;                  /* in, out: [nv] m/s velocity at its end */
 
-    int64_t nv1, n4;  /* nv + 1, 4 n */
-    int32_t *start;   /* scratch: [nv1] */
-    int32_t *item;    /* scratch: [n4] */
-    int32_t *acting;  /* scratch: [nv] contacts of a vertex that act */
-    int32_t *parts;   /* scratch: [nv] d, parts of a vertex */
-    real *lack;       /* scratch: [n] m/s */
-    real *ahead;      /* scratch: [n] N·s, y of §3: the impulses that u has */
-    real keep;        /* scratch: factor of momentum for the next y, §3 */
-    vec *push;        /* scratch: [n] N·s, to be added to u or v */
-    vec *before;      /* scratch: [n] N·s, impulse when the call began */
-    uint8_t *awake;   /* scratch: [n] enum waking, of contacts */
-    uint8_t *stirred; /* scratch: [nv] enum waking, of vertices */
-    int32_t *vertex;  /* out: [n4] free vertices in contact, ascending */
-    uint8_t *moved;   /* out: [n4] 1 where vertex[k] was pushed */
-    int64_t vertices; /* out: length of vertex and of moved */
+    int64_t nv1, n4; /* nv + 1, 4 n */
+    int32_t *start;  /* scratch: [nv1] */
+    int32_t *item;   /* scratch: [n4] */
+    int32_t *acting; /* scratch: [nv] contacts of a vertex that act */
+    int32_t *parts;  /* scratch: [nv] d, parts of a vertex */
+    real *lack;      /* scratch: [n] m/s */
+    real *lookahead; /* scratch: [n] N·s, y of §3: the impulses that u has */
+    real keep;       /* scratch: factor of momentum for the next y, §3 */
+    vec *push;       /* scratch: [n] N·s, to be added to u or v */
+    vec *before;     /* scratch: [n] N·s, impulse when the call began */
+    uint8_t *contact_awake; /* scratch: [n] enum waking, of contacts */
+    uint8_t *vertex_awake;  /* scratch: [nv] enum waking, of vertices */
+    int32_t *vertex;        /* out: [n4] free vertices in contact, ascending */
+    uint8_t *moved;         /* out: [n4] 1 where vertex[k] was pushed */
+    int64_t vertices;       /* out: length of vertex and of moved */
 };
 
 /* DRAPE_OK, or DRAPE_EARG for a bad vertex, iterations or nv1, n4. */

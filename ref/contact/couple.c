@@ -90,7 +90,7 @@ static int solve_sheet(struct world *w, struct sheet *s)
     return status == DRAPE_OK ? w->run->status(w->on) : status;
 }
 
-static void carry(const struct world *w)
+static void add_residual(const struct world *w)
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
         struct turn turn = turn_of(w, &w->sheet[k]);
@@ -138,7 +138,7 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
         w->run->trace(w->on, w->tracing, "penalty", p->force,
                       (size_t)p->nv * sizeof *p->force);
         if (w->couple.rough && w->couple.solves == 0)
-            carry(w);
+            add_residual(w);
         w->couple.residual = 0;
         for (int i = 0; i < w->def.n_cloths && status == DRAPE_OK; i++)
             status = solve_sheet(w, &w->sheet[i]);

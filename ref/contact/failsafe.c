@@ -12,8 +12,8 @@ static int tangle(struct response *s)
     struct pool *from = &s->tangle[s->tangle_side];
     struct pool *to = &s->tangle[!s->tangle_side];
     int64_t n = s->tangled + s->hits;
-    struct pool_need room = {to, 4 * n, sizeof(int32_t)};
-    int status = response_grow(s, 1, &room);
+    struct pool_need pool_need = {to, 4 * n, sizeof(int32_t)};
+    int status = response_grow(s, 1, &pool_need);
     if (status != DRAPE_OK)
         return status;
     int32_t *pair = to->data;
@@ -28,12 +28,12 @@ static int tangle(struct response *s)
 
 static int grow_zones(struct response *s, int64_t n)
 {
-    struct pool_need room[] = {{&s->key[0], 4 * n, sizeof(struct key)},
-                               {&s->key[1], 4 * n, sizeof(struct key)},
-                               {&s->sum, 4 * n, sizeof(struct zone_sum)},
-                               {&s->zone, n, sizeof(struct zone)},
-                               {&s->vertex, 4 * n, sizeof(int32_t)}};
-    return response_grow(s, 5, room);
+    struct pool_need pool_need[] = {{&s->key[0], 4 * n, sizeof(struct key)},
+                                    {&s->key[1], 4 * n, sizeof(struct key)},
+                                    {&s->sum, 4 * n, sizeof(struct zone_sum)},
+                                    {&s->zone, n, sizeof(struct zone)},
+                                    {&s->vertex, 4 * n, sizeof(int32_t)}};
+    return response_grow(s, 5, pool_need);
 }
 
 int failsafe_stiffen(struct response *s)

@@ -25,14 +25,15 @@ int response_start(struct response *s)
 /* Solves the contacts in contact[side] and moves their vertices. */
 static int solve_contacts(struct response *s, int64_t n, int warm)
 {
-    struct pool_need room[] = {{&s->item, 4 * n, sizeof(int32_t)},
-                               {&s->parts, 2 * s->nv, sizeof(int32_t)},
-                               {&s->lack, 2 * n, sizeof(real)},
-                               {&s->push, s->run->pushes * n, sizeof(vec)},
-                               {&s->vertex, 4 * n, sizeof(int32_t)},
-                               {&s->moved, 4 * n, sizeof(uint8_t)},
-                               {&s->awake, n + s->nv, sizeof(uint8_t)}};
-    int status = response_grow(s, 7, room);
+    struct pool_need pool_need[] = {
+        {&s->item, 4 * n, sizeof(int32_t)},
+        {&s->parts, 2 * s->nv, sizeof(int32_t)},
+        {&s->lack, 2 * n, sizeof(real)},
+        {&s->push, s->run->pushes * n, sizeof(vec)},
+        {&s->vertex, 4 * n, sizeof(int32_t)},
+        {&s->moved, 4 * n, sizeof(uint8_t)},
+        {&s->contact_awake, n + s->nv, sizeof(uint8_t)}};
+    int status = response_grow(s, 7, pool_need);
     if (status != DRAPE_OK)
         return status;
     vec *push = s->push.data;
@@ -54,10 +55,10 @@ static int solve_contacts(struct response *s, int64_t n, int warm)
                          .before = push + (s->run->pushes - 1) * n,
                          .vertex = s->vertex.data,
                          .moved = s->moved.data,
-                         .awake = s->awake.data};
+                         .contact_awake = s->contact_awake.data};
     c.acting = c.parts + s->nv;
-    c.ahead = c.lack + n;
-    c.stirred = c.awake + n;
+    c.lookahead = c.lack + n;
+    c.vertex_awake = c.contact_awake + n;
     status = s->run->contacts(s->on, &c);
     s->run->trace(s->on, s->trace, "contacts", s->u,
                   (size_t)s->nv * sizeof *s->u);
@@ -123,10 +124,10 @@ static int find_times(struct response *s, const struct pairs *p)
                        .x0 = s->x0,
                        .x1 = s->x1,
                        .nv = (int32_t)s->nv};
-    struct pool_need room[] = {{&s->toi, p->n, sizeof *n.toi},
-                               {&s->tier, p->n, sizeof *n.tier},
-                               {&s->at, p->n, sizeof(int32_t)}};
-    int status = response_grow(s, 3, room);
+    struct pool_need pool_need[] = {{&s->toi, p->n, sizeof *n.toi},
+                                    {&s->tier, p->n, sizeof *n.tier},
+                                    {&s->at, p->n, sizeof(int32_t)}};
+    int status = response_grow(s, 3, pool_need);
     if (status != DRAPE_OK)
         return status;
     n.toi = s->toi.data;
@@ -141,10 +142,10 @@ static int find_times(struct response *s, const struct pairs *p)
 
 static int grow_hits(struct response *s, int64_t n)
 {
-    struct pool_need room[] = {{&s->hit, 4 * n, sizeof(int32_t)},
-                               {&s->hit_kind, n, sizeof(uint8_t)},
-                               {&s->hit_toi, n, sizeof(uint32_t)}};
-    return response_grow(s, 3, room);
+    struct pool_need pool_need[] = {{&s->hit, 4 * n, sizeof(int32_t)},
+                                    {&s->hit_kind, n, sizeof(uint8_t)},
+                                    {&s->hit_toi, n, sizeof(uint32_t)}};
+    return response_grow(s, 3, pool_need);
 }
 
 static int64_t hits_cap(const struct response *s)
@@ -212,9 +213,9 @@ static int find_impulses(struct response *s)
                          .n_active = s->active,
                          .active = from->data};
     m.n_all = m.n + m.n_active;
-    struct pool_need room[] = {{&s->key[0], m.n_all, sizeof *m.key},
-                               {&s->key[1], m.n_all, sizeof *m.key}};
-    int status = response_grow(s, 2, room);
+    struct pool_need pool_need[] = {{&s->key[0], m.n_all, sizeof *m.key},
+                                    {&s->key[1], m.n_all, sizeof *m.key}};
+    int status = response_grow(s, 2, pool_need);
     if (status != DRAPE_OK)
         return status;
     m.key = s->key[0].data;
@@ -244,10 +245,10 @@ static int push(struct response *s, int round)
     if (round == 0 && s->solve && s->active > held)
         return s->solve(s->user, s->active, contact);
     /* only impulses that contacts gave can it withdraw */
-    bool warm = s->impelled;
+    bool warm = s->contacts_solved;
     if (!warm)
-        s->run->settle(s->on, s, contact);
-    s->impelled = true;
+        s->run->cap_targets(s->on, s, contact);
+    s->contacts_solved = true;
     return solve_contacts(s, s->active, warm);
 }
 
@@ -268,7 +269,7 @@ int response_penetrate(struct response *s)
     int status = detect(s, NULL);
     s->rounds = 1;
     for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {
-        if (s->brief && round >= s->max_rounds) {
+        if (s->stop_before_zones && round >= s->max_rounds) {
             s->outcome |= DRAPE_ZONES;
             break;
         }

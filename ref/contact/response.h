@@ -32,7 +32,8 @@ struct response {
     int max_rounds;   /* of impulses, ≥ 0 */
     int zone_rounds;  /* ≥ 0, after those */
     int roll_rounds;  /* ≥ 0: of growing rollback before all go back */
-    bool brief;       /* end where zones would begin: the step is tried anew */
+    bool stop_before_zones; /* end where zones would begin: the step is tried
+                               anew */
 
     /* Every pair that may touch between x0 and x1 and has a vertex i with
      * touched[i] (NULL: every pair). DRAPE_OK or an error. */
@@ -52,7 +53,8 @@ struct response {
 
     /* Pools, empty at first, kept from step to step. */
     struct pool at, toi, tier, hit, hit_kind, hit_toi;
-    struct pool contact[2], item, parts, lack, push, vertex, moved, awake;
+    struct pool contact[2], item, parts, lack, push, vertex, moved,
+        contact_awake;
     struct pool key[2], sum, zone, tangle[2];
 
     int rounds;         /* out: of penetration, the last finds nothing */
@@ -69,7 +71,7 @@ struct response {
 
     int64_t hits, active, tangled; /* what the pools hold */
     int side, tangle_side;         /* which of two pools */
-    bool impelled;                 /* contacts has solved a round */
+    bool contacts_solved;          /* contacts has solved a round */
 };
 
 /* §4: iterations of contacts in the round under way: as many more in each late
@@ -88,7 +90,7 @@ static inline void response_reset(struct response *s)
     s->started = s->led = 0;
     s->zone_vertices = s->rolled_back = 0;
     s->hits = s->active = s->tangled = 0;
-    s->impelled = false;
+    s->contacts_solved = false;
 }
 
 /* What a pool must hold. */
@@ -101,13 +103,13 @@ struct pool_need {
 /* Makes the n pools hold what they must, until the next solve. DRAPE_OK or
  * DRAPE_ENOMEM. */
 static inline int response_grow(const struct response *s, int n,
-                                const struct pool_need *room)
+                                const struct pool_need *pool_need)
 {
     int status = DRAPE_OK;
     for (int k = 0; k < n && status == DRAPE_OK; k++)
-        if (room[k].need > room[k].pool->cap)
-            status = s->run->grow(s->on, room[k].pool, room[k].need,
-                                  room[k].size, false);
+        if (pool_need[k].need > pool_need[k].pool->cap)
+            status = s->run->grow(s->on, pool_need[k].pool, pool_need[k].need,
+                                  pool_need[k].size, false);
     return status;
 }
 

@@ -43,7 +43,7 @@ static uint32_t decide(double x[2][4][3], int kind, int *tier)
     if (filter_signs(&m, &s, &inside) == FILTER_MISS)
         return NARROW_MISS;
     *tier = 2;
-    int end = inside ? filter_split(&m, &s, &toi) : FILTER_UNSURE;
+    int end = inside ? split_interval(&m, &s, &toi) : FILTER_UNSURE;
     if (end != FILTER_UNSURE)
         return end == FILTER_HIT ? toi : NARROW_MISS;
     *tier = 3;

@@ -120,7 +120,7 @@ static bool locate(const struct forms *s, uint32_t lo, uint32_t hi, uint32_t *g)
     return hi - lo == 1;
 }
 
-int filter_split(const struct motion *m, const struct forms *s, uint32_t *toi)
+int split_interval(const struct motion *m, const struct forms *s, uint32_t *toi)
 {
     uint32_t i = 0;
     int d = 0;

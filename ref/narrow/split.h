@@ -8,6 +8,7 @@
 
 /* Runs tier 2 (§5). Returns FILTER_MISS, FILTER_HIT with the exact *toi, or
  * FILTER_UNSURE with a lower bound in *toi. */
-int filter_split(const struct motion *m, const struct forms *s, uint32_t *toi);
+int split_interval(const struct motion *m, const struct forms *s,
+                   uint32_t *toi);
 
 #endif

@@ -6,13 +6,13 @@
 enum { BAND = 16 };
 
 /* Where a row of ties lies; thin: read in place of block, or NULL. */
-struct ties {
+struct edges {
     const sym *block;
     const struct thin_parts *thin;
 };
 
 /* B (x - x of the neighbour), §1. */
-static inline vec pull(struct ties b, int32_t i, const vec *x, int64_t step)
+static inline vec pull(struct edges b, int32_t i, const vec *x, int64_t step)
 {
     vec d = vec_sub(x[i], x[i + step]);
     return b.thin ? thin_apply(b.thin[i], d) : sym_apply(b.block[i], d);
@@ -20,7 +20,7 @@ static inline vec pull(struct ties b, int32_t i, const vec *x, int64_t step)
 
 /* To both ends. In ascending order an end has the spring that leads to it
  * before the one that starts from it. */
-static void pull_both(int32_t n, struct ties b, const vec *restrict x,
+static void pull_both(int32_t n, struct edges b, const vec *restrict x,
                       int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++) {
@@ -30,14 +30,14 @@ static void pull_both(int32_t n, struct ties b, const vec *restrict x,
     }
 }
 
-static void pull_first(int32_t n, struct ties b, const vec *restrict x,
+static void pull_first(int32_t n, struct edges b, const vec *restrict x,
                        int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++)
         y[i] = vec_add(y[i], pull(b, i, x, step));
 }
 
-static void pull_second(int32_t n, struct ties b, const vec *restrict x,
+static void pull_second(int32_t n, struct edges b, const vec *restrict x,
                         int64_t step, vec *restrict y)
 {
     for (int32_t i = 0; i < n; i++)
@@ -52,7 +52,7 @@ static void pull_row(const struct couplings *c, int o, int32_t j, int32_t from,
     int32_t n = c->m - (di < 0 ? -di : di);
     int64_t p = first + (int64_t)c->m * j, step = di + (int64_t)c->m * dj;
     int64_t at = o * c->count + p;
-    struct ties b = {c->block + at, c->thin ? c->thin + at : NULL};
+    struct edges b = {c->block + at, c->thin ? c->thin + at : NULL};
     if (j < 0 || j + dj >= c->n)
         return;
     if (j >= from && j + dj < to)

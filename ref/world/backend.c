@@ -112,7 +112,7 @@ static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,
                bool *apart)
 {
     (void)on;
-    return broad_ask(b, x0, x1, r, apart);
+    return broad_whole_apart(b, x0, x1, r, apart);
 }
 
 static int query(void *on, struct broad *b, const vec *x0, const vec *x1,
@@ -141,7 +141,8 @@ static void touch(void *on, const struct response *s)
     rounds_touch(s);
 }
 
-static void settle(void *on, const struct response *s, struct contact *contact)
+static void cap_targets(void *on, const struct response *s,
+                        struct contact *contact)
 {
     (void)on;
     rounds_settle(s, contact);
@@ -230,12 +231,12 @@ const struct backend backend_ref = {.take = take,
                                     .motion = motion,
                                     .energy = energy,
                                     .solve = solve,
-                                    .broad_ask = ask,
+                                    .broad_whole_apart = ask,
                                     .broad_query = query,
                                     .start = start,
                                     .advance = advance,
                                     .touch = touch,
-                                    .settle = settle,
+                                    .cap_targets = cap_targets,
                                     .turn_room = turn_room,
                                     .turn_begin = first_turn,
                                     .turn_carry = carry,

@@ -39,7 +39,8 @@ static int find_near(struct world *w, const vec *to, real r)
     bool apart = false;
     int status = DRAPE_OK;
     if (w->near == NEAR_NONE)
-        status = w->run->broad_ask(w->on, &w->broad, w->x0, to, r, &apart);
+        status =
+            w->run->broad_whole_apart(w->on, &w->broad, w->x0, to, r, &apart);
     if (status == DRAPE_OK && !apart)
         status = w->run->broad_query(w->on, &w->broad, w->x0, to, r, NULL);
     w->broad_seconds += clock_now() - start;
@@ -51,7 +52,7 @@ static int find_near(struct world *w, const vec *to, real r)
 int collide_far(struct world *w, drape_step_report *r, double *last,
                 bool *again)
 {
-    *again = slice_far(w, 4 * w->run->furthest(w->on, w->nv, w->x0, w->x1));
+    *again = slice_too_far(w, 4 * w->run->furthest(w->on, w->nv, w->x0, w->x1));
     if (!*again)
         return w->run->status(w->on);
     int status = find_near(w, w->x1, 0);
@@ -65,7 +66,7 @@ int collide_far(struct world *w, drape_step_report *r, double *last,
         status = w->run->travel(w->on, &t);
         trace_stage(w->tracing, "travel", &t.most, sizeof t.most);
     }
-    *again = slice_far(w, t.most);
+    *again = slice_too_far(w, t.most);
     if (*again)
         slice_cut(w);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
@@ -93,7 +94,7 @@ static int start(struct world *w)
     c->x1 = w->x1;
     c->v = w->v1;
     c->dt = (real)w->dt;
-    c->brief = slice_brief(w);
+    c->stop_before_zones = slice_can_retry(w);
     c->max_rounds = slice_rounds(w);
     int status = response_start(c);
     if (w->plan.implicit)

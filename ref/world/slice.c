@@ -27,8 +27,8 @@ void slice_begin(struct world *w)
     while (2 << s.deepest <= w->def.max_slices)
         s.deepest++;
     bool known = w->caution.level <= s.deepest;
-    s.level = s.least = s.jolts = known ? w->caution.level : s.deepest;
-    s.began = s.jolts;
+    s.level = s.least = s.energy_retries = known ? w->caution.level : s.deepest;
+    s.began = s.energy_retries;
     if (w->caution.far > s.level && w->caution.far <= s.deepest)
         s.level = w->caution.far;
     w->slicing = s;
@@ -47,7 +47,7 @@ bool slice_last(const struct world *w)
     return w->slicing.done == WHOLE;
 }
 
-bool slice_far(struct world *w, real travel)
+bool slice_too_far(struct world *w, real travel)
 {
     w->slicing.travel = travel;
     return w->slicing.level < w->slicing.deepest && travel > allowed(w);
@@ -55,7 +55,7 @@ bool slice_far(struct world *w, real travel)
 
 void slice_cut(struct world *w)
 {
-    for (; slice_far(w, w->slicing.travel); w->slicing.level++)
+    for (; slice_too_far(w, w->slicing.travel); w->slicing.level++)
         w->slicing.travel /= 4;
 }
 
@@ -69,7 +69,7 @@ static double lift(const struct world *w)
     return w->mass * (way * weight + speed * speed / 2);
 }
 
-bool slice_brief(const struct world *w)
+bool slice_can_retry(const struct world *w)
 {
     const struct slicing *s = &w->slicing;
     return s->tries < TRIES && s->level < s->deepest;
@@ -77,11 +77,11 @@ bool slice_brief(const struct world *w)
 
 int slice_rounds(const struct world *w)
 {
-    bool few = w->slicing.level == 0 && slice_brief(w);
+    bool few = w->slicing.level == 0 && slice_can_retry(w);
     return few && w->def.max_rounds > ROUNDS ? ROUNDS : w->def.max_rounds;
 }
 
-bool slice_weighs(const struct world *w)
+bool slice_checks_energy(const struct world *w)
 {
     return w->plan.implicit && !w->plan.led && !w->plan.wind;
 }
@@ -95,14 +95,14 @@ bool slice_wrong(struct world *w, int outcome, const double before[3],
                   (after[2] - before[2]);
     double height = after[2] < 0 ? -after[2] : after[2];
     double least = (after[0] + after[1]) / 16 + height / 65536 + lift(w);
-    bool gains = !failed && slice_weighs(w) && rise > least;
-    bool jolt =
-        gains && rise > 2 * least && (s->jolts < JOLTS || s->jolts == s->began);
+    bool gains = !failed && slice_checks_energy(w) && rise > least;
+    bool jolt = gains && rise > 2 * least &&
+                (s->energy_retries < JOLTS || s->energy_retries == s->began);
     s->gained |= gains;
     if (!(failed || jolt) || s->level >= s->deepest)
         return false;
     s->tries += failed;
-    s->jolts += jolt;
+    s->energy_retries += jolt;
     s->least = ++s->level;
     return true;
 }
@@ -111,7 +111,7 @@ bool slice_diverged(struct world *w)
 {
     struct slicing *s = &w->slicing;
     if (state_warm(w)) {
-        s->cold = true;
+        s->without_press = true;
         return true;
     }
     if (s->level >= s->deepest)
@@ -124,7 +124,7 @@ bool slice_diverged(struct world *w)
 void slice_keep(struct world *w)
 {
     struct slicing *s = &w->slicing;
-    s->cold = false;
+    s->without_press = false;
     s->done += unit(s);
     s->slices++;
     bool even = s->done % (2 * unit(s)) == 0;
@@ -134,7 +134,7 @@ void slice_keep(struct world *w)
 
 /* What the next step is to know of the way; every now and then nothing, as ways
  * grow short. */
-static void foresee(struct caution *c, const struct slicing *s)
+static void predict_level(struct caution *c, const struct slicing *s)
 {
     int far = s->level > s->least ? s->level : 0;
     c->blind = far && c->far ? c->blind + 1 : 0;
@@ -151,8 +151,8 @@ void slice_end(struct world *w)
 {
     const struct slicing *s = &w->slicing;
     struct caution *c = &w->caution;
-    foresee(c, s);
-    int wrong = s->jolts + s->tries;
+    predict_level(c, s);
+    int wrong = s->energy_retries + s->tries;
     if (s->cuts || s->gained || (c->again && wrong > s->began))
         caution_raise(c, s->cuts ? s->least : JOLTS);
     if (s->cuts || s->gained || wrong > s->began) {

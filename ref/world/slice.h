@@ -13,17 +13,17 @@ struct world;
 
 /* The step that is under way. */
 struct slicing {
-    int level;        /* a slice is 2^-level of the step */
-    int least;        /* level that a slice which went wrong asks for */
-    int deepest;      /* level of def.max_slices */
-    int done;         /* 1/64 of the step */
-    int slices;       /* done so far */
-    int tries, jolts; /* slices taken again, of each kind */
-    int began;        /* of jolts, those of steps before: §7.5 */
-    int cuts;         /* slices taken again, shorter, as they diverged */
-    bool gained;      /* §7.5: a slice did, half of what is wrong or more */
-    bool cold;        /* warm.md §5: the slice does without press */
-    real travel;      /* m², §7.2 of the slice under way, at most */
+    int level;   /* a slice is 2^-level of the step */
+    int least;   /* level that a slice which went wrong asks for */
+    int deepest; /* level of def.max_slices */
+    int done;    /* 1/64 of the step */
+    int slices;  /* done so far */
+    int tries, energy_retries; /* slices taken again, of each kind */
+    int began;                 /* of jolts, those of steps before: §7.5 */
+    int cuts;           /* slices taken again, shorter, as they diverged */
+    bool gained;        /* §7.5: a slice did, half of what is wrong or more */
+    bool without_press; /* warm.md §5: the slice does without press */
+    real travel;        /* m², §7.2 of the slice under way, at most */
 };
 
 /* What steps before have taught, §7.5; kept in checkpoints. */
@@ -43,7 +43,7 @@ double slice_time(struct world *w);
 bool slice_last(const struct world *w);
 /* §7.2: whether candidates that move `travel` at most (m², its square) move
  * too far for this slice; and makes it as short as they need. */
-bool slice_far(struct world *w, real travel);
+bool slice_too_far(struct world *w, real travel);
 void slice_cut(struct world *w);
 /* Whether the fail-safe ended it. */
 static inline bool slice_failed(int outcome)
@@ -52,10 +52,10 @@ static inline bool slice_failed(int outcome)
 }
 /* §7.3: whether it would be taken again if the fail-safe ended it; and the
  * rounds of impulses before that would. */
-bool slice_brief(const struct world *w);
+bool slice_can_retry(const struct world *w);
 int slice_rounds(const struct world *w);
 /* §7.3: whether energy from nowhere is looked for: nothing feeds the scene. */
-bool slice_weighs(const struct world *w);
+bool slice_checks_energy(const struct world *w);
 /* §7.3: whether the slice is to be taken again, shorter, as it ended by the
  * fail-safe, or with energy from nowhere: before, after [3]: kinetic, elastic,
  * of gravity, J. */

@@ -119,7 +119,7 @@ static inline bool state_has_past(const struct world *w)
 /* Whether contacts press on in this slice: warm.md §3, §5. */
 static inline bool state_warm(const struct world *w)
 {
-    return w->pressed && !w->slicing.cold;
+    return w->pressed && !w->slicing.without_press;
 }
 
 /* What a slice found near. */

@@ -165,7 +165,7 @@ static void touch(struct world *w, struct step *s)
 static void judge(struct world *w, struct step *s)
 {
     double before[3] = {0}, after[3] = {0};
-    bool anew = w->met && (w->reported || slice_weighs(w));
+    bool anew = w->met && (w->reported || slice_checks_energy(w));
     if (!goes_on(s))
         return;
     for (int k = 0; k < w->def.n_cloths; k++)

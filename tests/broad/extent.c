@@ -99,7 +99,7 @@ static const char *compare(const struct fabric *f, struct broad *b, real r,
                            int told[2])
 {
     bool apart;
-    EXPECT(broad_ask(b, f->x0, f->x1, r, &apart) == DRAPE_OK);
+    EXPECT(broad_whole_apart(b, f->x0, f->x1, r, &apart) == DRAPE_OK);
     EXPECT(!apart || (b->n == 0 && b->n_both == 0 && b->queries == 1));
     EXPECT(broad_query(b, f->x0, f->x1, r, NULL) == DRAPE_OK);
     EXPECT(!apart || (b->n == 0 && b->n_both == 0));
@@ -125,7 +125,7 @@ const char *test_broad_ask(void)
         f.x1[k % 64].z = R(NAN);
         bool apart;
         if (!failed && still && b.apart.able &&
-            broad_ask(&b, f.x0, f.x1, 0, &apart) != DRAPE_EDATA)
+            broad_whole_apart(&b, f.x0, f.x1, 0, &apart) != DRAPE_EDATA)
             failed = "§1: a NaN was not met";
         fabric_free(&f);
     }

@@ -16,11 +16,11 @@ const struct field fields_contacts[] = {
     SCRATCH(contacts, acting, nv, 1),
     SCRATCH(contacts, parts, nv, 1),
     SCRATCH(contacts, lack, n, 1),
-    SCRATCH(contacts, ahead, n, 1),
+    SCRATCH(contacts, lookahead, n, 1),
     SCRATCH(contacts, push, n, 1),
     SCRATCH(contacts, before, n, 1),
-    SCRATCH(contacts, awake, n, 1),
-    SCRATCH(contacts, stirred, nv, 1),
+    SCRATCH(contacts, contact_awake, n, 1),
+    SCRATCH(contacts, vertex_awake, nv, 1),
     OUT_USED(contacts, vertex, n4, 1, vertices),
     OUT_USED(contacts, moved, n4, 1, vertices),
     OUT_VALUE(contacts, vertices),
@@ -155,13 +155,13 @@ void contacts_scratch(struct bytes *b, struct contacts *s)
     s->acting = take(b, s->nv, sizeof *s->acting);
     s->parts = take(b, s->nv, sizeof *s->parts);
     s->lack = take(b, s->n, sizeof *s->lack);
-    s->ahead = take(b, s->n, sizeof *s->ahead);
+    s->lookahead = take(b, s->n, sizeof *s->lookahead);
     s->push = take(b, s->n, sizeof *s->push);
     s->before = take(b, s->n, sizeof *s->before);
     s->vertex = take(b, s->n4, sizeof *s->vertex);
     s->moved = take(b, s->n4, sizeof *s->moved);
-    s->awake = take(b, s->n, sizeof *s->awake);
-    s->stirred = take(b, s->nv, sizeof *s->stirred);
+    s->contact_awake = take(b, s->n, sizeof *s->contact_awake);
+    s->vertex_awake = take(b, s->nv, sizeof *s->vertex_awake);
 }
 
 /* Allocates the streams of n contacts between nv free vertices, with random
@@ -270,9 +270,9 @@ const char *test_contacts_rest(void)
     static const real w[NV] = {1, 0, 0, 0, 1};
     vec u[NV] = {[0] = {0, -1, 0}, [4] = {R(-0.0), 0, 0}};
     vec v[NV] = {[0] = {0, -1, 0}, [4] = {R(-0.0), 0, 0}}, push[N], before[N];
-    uint8_t moved[4 * N], awake[N], stirred[NV];
+    uint8_t moved[4 * N], contact_awake[N], vertex_awake[NV];
     int32_t start[NV + 1], item[4 * N], vertex[4 * N], acting[NV], parts[NV];
-    real lack[N], ahead[N];
+    real lack[N], lookahead[N];
     struct contact contact[N];
     for (int k = 0; k < N; k++) {
         struct contact one = {.v = {k > 0 ? 0 : 4, 1, 2, 3},
@@ -296,11 +296,11 @@ const char *test_contacts_rest(void)
                          .acting = acting,
                          .parts = parts,
                          .lack = lack,
-                         .ahead = ahead,
+                         .lookahead = lookahead,
                          .push = push,
                          .before = before,
-                         .awake = awake,
-                         .stirred = stirred,
+                         .contact_awake = contact_awake,
+                         .vertex_awake = vertex_awake,
                          .vertex = vertex,
                          .moved = moved};
     EXPECT(ref_contacts(&s) == DRAPE_OK);

@@ -15,7 +15,7 @@ struct every {
     const struct contacts *s;
     struct contact *contact;
     vec *u, *v, *sum, *push, *before;
-    real *lack, *ahead, *change; /* change: Δ, λ minus the λ before */
+    real *lack, *lookahead, *change; /* change: Δ, λ minus the λ before */
     int *items, *acting, *parts;
     int voids;
     double slack; /* J, allowance for rounding */
@@ -121,7 +121,7 @@ static void find_lack(struct every *e)
     for (int64_t k = 0; k < e->s->n; k++) {
         const struct contact *c = &e->contact[k];
         real lack = c->target - vec_dot(c->n, pair_sum(c->v, c->c, e->u));
-        e->lack[k] = lack > 0 || e->ahead[k] > 0 ? lack : 0;
+        e->lack[k] = lack > 0 || e->lookahead[k] > 0 ? lack : 0;
     }
 }
 
@@ -145,7 +145,7 @@ static double bound(struct every *e)
         double change = (double)e->change[k], m = (double)mass(e, k);
         sum -= (double)c->impulse * free_target(e, k);
         sum += m > 0 ? 0.5 * change * change / m : 0;
-        e->push[k] = vec_scale(c->impulse - e->ahead[k], c->n);
+        e->push[k] = vec_scale(c->impulse - e->lookahead[k], c->n);
     }
     add_up(e);
     for (int64_t i = 0; i < e->s->nv; i++)
@@ -163,16 +163,16 @@ static void normal(struct every *e, bool over, real keep)
 {
     for (int64_t k = 0; k < e->s->n; k++) {
         struct contact *c = &e->contact[k];
-        real y = e->ahead[k], now = y;
+        real y = e->lookahead[k], now = y;
         if (e->lack[k] != 0)
             now = real_max(y + mass(e, k) * e->lack[k], 0);
         if (!over) {
             e->change[k] = now - c->impulse;
             c->impulse = now;
-            e->ahead[k] = real_max(now + keep * e->change[k], 0);
+            e->lookahead[k] = real_max(now + keep * e->change[k], 0);
         } else
-            e->ahead[k] = c->impulse + keep * (y - c->impulse);
-        e->push[k] = vec_scale(e->ahead[k] - y, c->n);
+            e->lookahead[k] = c->impulse + keep * (y - c->impulse);
+        e->push[k] = vec_scale(e->lookahead[k] - y, c->n);
     }
 }
 
@@ -229,7 +229,7 @@ static void begin(struct every *e)
             c->tangent = vec_make(0, 0, 0);
         }
         e->before[k] = total(c);
-        e->ahead[k] = c->impulse;
+        e->lookahead[k] = c->impulse;
     }
 }
 
@@ -268,7 +268,7 @@ static void take_plain(struct bytes *b, struct every *e)
     e->push = take(b, s->n, sizeof *e->push);
     e->before = take(b, s->n, sizeof *e->before);
     e->lack = take(b, s->n, sizeof *e->lack);
-    e->ahead = take(b, s->n, sizeof *e->ahead);
+    e->lookahead = take(b, s->n, sizeof *e->lookahead);
     e->change = take(b, s->n, sizeof *e->change);
     e->items = take(b, s->nv, sizeof *e->items);
     e->acting = take(b, s->nv, sizeof *e->acting);
@@ -309,7 +309,7 @@ const char *test_contacts_every(void)
         gen_contacts(&b, &s);
         const char *failed = compare(&b, &s, &voids);
         for (int64_t j = 0; j < s.n; j++)
-            asleep += !s.awake[j];
+            asleep += !s.contact_awake[j];
         choices_free(&b);
         if (failed)
             return failed;

@@ -64,9 +64,9 @@ static int push(struct incline *s, struct contact *contact, int64_t n, int warm)
 {
     int32_t start[BLOCK + 5], item[8 * BLOCK], vertex[8 * BLOCK];
     int32_t acting[BLOCK + 4], parts[BLOCK + 4];
-    real lack[2 * BLOCK], ahead[2 * BLOCK];
+    real lack[2 * BLOCK], lookahead[2 * BLOCK];
     vec pushes[2 * BLOCK], before[2 * BLOCK];
-    uint8_t moved[8 * BLOCK], awake[2 * BLOCK], stirred[BLOCK + 4];
+    uint8_t moved[8 * BLOCK], contact_awake[2 * BLOCK], vertex_awake[BLOCK + 4];
     struct contacts c = {.nv = BLOCK + 4,
                          .n = n,
                          .w = s->w,
@@ -81,13 +81,13 @@ static int push(struct incline *s, struct contact *contact, int64_t n, int warm)
                          .acting = acting,
                          .parts = parts,
                          .lack = lack,
-                         .ahead = ahead,
+                         .lookahead = lookahead,
                          .push = pushes,
                          .before = before,
                          .warm = warm,
                          .vertex = vertex,
-                         .awake = awake,
-                         .stirred = stirred,
+                         .contact_awake = contact_awake,
+                         .vertex_awake = vertex_awake,
                          .moved = moved};
     return ref_contacts(&c);
 }

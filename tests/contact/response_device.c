@@ -77,20 +77,20 @@ static int solve(struct response *r, int64_t n, struct contact *contact)
                          .start = r->start};
     size_t bytes = 4 * sizeof *c.item + 4 * sizeof *c.vertex +
                    2 * sizeof *c.lack + 2 * sizeof *c.push +
-                   4 * sizeof *c.moved + 2 * sizeof *c.awake;
+                   4 * sizeof *c.moved + 2 * sizeof *c.contact_awake;
     c.push = calloc((size_t)(n + r->nv) + 1, bytes);
     if (!c.push)
         return DRAPE_ENOMEM;
     c.before = c.push + n;
     c.lack = (real *)(c.before + n);
-    c.ahead = c.lack + n;
-    c.item = (int32_t *)(c.ahead + n);
+    c.lookahead = c.lack + n;
+    c.item = (int32_t *)(c.lookahead + n);
     c.vertex = c.item + 4 * n;
     c.parts = c.vertex + 4 * n;
     c.acting = c.parts + r->nv;
     c.moved = (uint8_t *)(c.acting + r->nv);
-    c.awake = c.moved + 4 * n;
-    c.stirred = c.awake + n;
+    c.contact_awake = c.moved + 4 * n;
+    c.vertex_awake = c.contact_awake + n;
     int status = ref_contacts(&c);
     if (status == DRAPE_OK)
         rounds_advance(r, c.vertices, c.vertex, c.moved, false);

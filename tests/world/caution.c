@@ -69,8 +69,8 @@ static int make_way(struct world *w, int far)
         if (turns++ == TURNS)
             return TURNS;
         real way = 8 * w->cell * (real)ldexp(1, far - w->slicing.level);
-        again += slice_far(w, way * way);
-        if (slice_far(w, way * way))
+        again += slice_too_far(w, way * way);
+        if (slice_too_far(w, way * way))
             slice_cut(w);
         else
             slice_keep(w);
@@ -129,7 +129,7 @@ const char *test_world_rounds(void)
     w.def.max_rounds = 16;
     w.def.max_slices = 1; /* the step cannot be cut, so zones are used */
     slice_begin(&w);
-    EXPECT(!slice_brief(&w) && slice_rounds(&w) == 16);
+    EXPECT(!slice_can_retry(&w) && slice_rounds(&w) == 16);
     struct response c = {.iterations = 16}; /* response.md §4 */
     for (; c.rounds < 16; c.rounds++)
         EXPECT(response_iterations(&c) ==

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Finds the block of a kernel that ends last. That block may combine the
  * results of all blocks, which saves another kernel. */
-#ifndef GPU_LAST_CUH
-#define GPU_LAST_CUH
+#ifndef GPU_LAST_BLOCK_CUH
+#define GPU_LAST_BLOCK_CUH
 
 #include "gpu/base/real.cuh"
 

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stream compaction within a block: the place of each item that is kept. */
-#ifndef GPU_PLACE_CUH
-#define GPU_PLACE_CUH
+#ifndef GPU_COMPACT_CUH
+#define GPU_COMPACT_CUH
 
 #include "gpu/run/launch.cuh"
 
-enum { PLACE_BLOCK = 256 };
+enum { COMPACT_BLOCK = 256 };
 
 /* How many threads before this one keep their item; *total: how many of all.
- * Every thread of a block of PLACE_BLOCK must call it. */
-static __device__ inline int block_place(bool keep, int *total)
+ * Every thread of a block of COMPACT_BLOCK must call it. */
+static __device__ inline int block_compact(bool keep, int *total)
 {
-    __shared__ unsigned word[PLACE_BLOCK / 32];
+    __shared__ unsigned word[COMPACT_BLOCK / 32];
     int t = (int)threadIdx.x, rank = 0, sum = 0;
     __syncthreads(); /* other threads may still read word from the call before
                       */
@@ -21,7 +21,7 @@ static __device__ inline int block_place(bool keep, int *total)
     if (keep)
         atomicOr(&word[t / 32], 1u << t % 32);
     __syncthreads();
-    for (int k = 0; k < PLACE_BLOCK / 32; k++) {
+    for (int k = 0; k < COMPACT_BLOCK / 32; k++) {
         int here = __popc(word[k]);
         rank += k < t / 32 ? here : 0;
         sum += here;
@@ -31,13 +31,13 @@ static __device__ inline int block_place(bool keep, int *total)
 }
 
 /* The number of blocks for n items, and the item of this thread. */
-static inline int64_t place_blocks(int64_t n)
+static inline int64_t compact_blocks(int64_t n)
 {
-    return (n + PLACE_BLOCK - 1) / PLACE_BLOCK;
+    return (n + COMPACT_BLOCK - 1) / COMPACT_BLOCK;
 }
-static __device__ inline int64_t place_item(void)
+static __device__ inline int64_t compact_item(void)
 {
-    return (int64_t)blockIdx.x * PLACE_BLOCK + threadIdx.x;
+    return (int64_t)blockIdx.x * COMPACT_BLOCK + threadIdx.x;
 }
 
 /* Adds to a counter of gpu_words: integers, so no order shows. */

@@ -2,18 +2,19 @@
 /* Thread-block clusters: a few blocks that run at the same time, synchronise
  * and read each other's shared memory. On a device without clusters a cluster
  * is one block. Functions named group_ serve cooperative grids
- * (gpu/base/crowd.cuh), too; a rank is one block of a cluster or grid. */
-#ifndef GPU_TEAM_CUH
-#define GPU_TEAM_CUH
+ * (gpu/base/cooperative.cuh), too; a rank is one block of a cluster or grid. */
+#ifndef GPU_CLUSTER_CUH
+#define GPU_CLUSTER_CUH
 
 #include "gpu/base/real.cuh"
 
 enum { WARP = 32 };
 
-/* LAUNCH_TEAM(g, threads, bytes, kernel, arguments…) launches one cluster of
- * g->ranks blocks; each has `bytes` ≤ g->room of shared memory, team_room(). */
+/* LAUNCH_CLUSTER(g, threads, bytes, kernel, arguments…) launches one cluster of
+ * g->ranks blocks; each has `bytes` ≤ g->room of shared memory,
+ * cluster_shared(). */
 #ifdef __CUDACC__
-#define LAUNCH_TEAM(g, threads, bytes, kernel, ...)                            \
+#define LAUNCH_CLUSTER(g, threads, bytes, kernel, ...)                         \
     do {                                                                       \
         cudaLaunchAttribute cluster_ = {};                                     \
         cluster_.id = cudaLaunchAttributeClusterDimension;                     \
@@ -26,18 +27,18 @@ enum { WARP = 32 };
         config_.numAttrs = (g)->ranks > 1 ? 1 : 0;                             \
         config_.stream = (g)->stream;                                          \
         if (!(g)->failed)                                                      \
-            gpu_note((g), gpu_allow_team((g), (const void *)(kernel),          \
-                                         (bytes) > 0));                        \
+            gpu_note((g), gpu_allow_cluster((g), (const void *)(kernel),       \
+                                            (bytes) > 0));                     \
         if (!(g)->failed)                                                      \
             gpu_note((g), cudaLaunchKernelEx(&config_, kernel, __VA_ARGS__));  \
     } while (0)
 
-static __device__ inline int team_rank(void)
+static __device__ inline int group_rank(void)
 {
     return (int)blockIdx.x;
 }
 
-static __device__ inline int team_ranks(void)
+static __device__ inline int group_ranks(void)
 {
     return (int)gridDim.x;
 }
@@ -52,15 +53,15 @@ static __device__ inline int rank_threads(void)
     return (int)blockDim.x;
 }
 
-static __device__ inline char *team_room(void)
+static __device__ inline char *cluster_shared(void)
 {
-    extern __shared__ double2 team_words[];
-    return (char *)team_words;
+    extern __shared__ double2 cluster_words[];
+    return (char *)cluster_words;
 }
 
 /* The address in the shared memory of another rank that corresponds to p in the
  * own. */
-template <class T> static __device__ inline T *team_at(T *p, int rank)
+template <class T> static __device__ inline T *cluster_at(T *p, int rank)
 {
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 900
     T *there;
@@ -74,7 +75,7 @@ template <class T> static __device__ inline T *team_at(T *p, int rank)
 
 /* Barrier of the cluster; alone: of the own block only. Writes before the
  * barrier are seen after it. */
-static __device__ inline void team_sync(bool alone)
+static __device__ inline void cluster_sync(bool alone)
 {
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 900
     if (!alone) {
@@ -125,16 +126,16 @@ template <int LEFT> static __device__ inline void copies_end(void)
 
 #else /* emulated, the ranks are parts of one block, gpu/run/emulate.h */
 
-#define LAUNCH_TEAM(g, threads, bytes, kernel, ...)                            \
+#define LAUNCH_CLUSTER(g, threads, bytes, kernel, ...)                         \
     do {                                                                       \
         int ranks_ = (bytes) > (g)->room ? 0 : (g)->ranks;                     \
         int threads_ = (int)(threads);                                         \
         auto call_ = emulate_bind(kernel, __VA_ARGS__);                        \
         if (!(g)->failed)                                                      \
-            emulate_team(ranks_, threads_, call_);                             \
+            emulate_cluster(ranks_, threads_, call_);                          \
     } while (0)
 
-static inline int team_ranks(void)
+static inline int group_ranks(void)
 {
     return emulate_ranks;
 }
@@ -144,7 +145,7 @@ static inline int rank_threads(void)
     return (int)blockDim.x / emulate_ranks;
 }
 
-static inline int team_rank(void)
+static inline int group_rank(void)
 {
     return (int)threadIdx.x / rank_threads();
 }
@@ -154,19 +155,19 @@ static inline int rank_thread(void)
     return (int)threadIdx.x % rank_threads();
 }
 
-static inline char *team_room(void)
+static inline char *cluster_shared(void)
 {
-    return emulate_room(team_rank());
+    return emulate_shared(group_rank());
 }
 
-template <class T> static inline T *team_at(T *p, int rank)
+template <class T> static inline T *cluster_at(T *p, int rank)
 {
-    return (T *)((char *)p + (rank - team_rank()) * (int)EMULATE_ROOM);
+    return (T *)((char *)p + (rank - group_rank()) * (int)EMULATE_SHARED);
 }
 
-static inline void team_sync(bool alone)
+static inline void cluster_sync(bool alone)
 {
-    emulate_team_sync(alone);
+    emulate_cluster_sync(alone);
 }
 
 template <class T> static inline void copy_ahead(T *to, const T *from)
@@ -212,13 +213,13 @@ static __device__ inline double lane_value(double value, int lane)
 
 /* Loops over n items with all threads of the group. Warps take turns between
  * the ranks, so that each rank gets as many items as the others. */
-#define EACH_OF_TEAM(e, n)                                                     \
-    for (int e = team_item(), n_ = (int)(n); e < n_;                           \
-         e += team_ranks() * rank_threads())
+#define EACH_OF_GROUP(e, n)                                                    \
+    for (int e = group_item(), n_ = (int)(n); e < n_;                          \
+         e += group_ranks() * rank_threads())
 
-static __device__ inline int team_item(void)
+static __device__ inline int group_item(void)
 {
-    int t = rank_thread(), warp = t / WARP * team_ranks() + team_rank();
+    int t = rank_thread(), warp = t / WARP * group_ranks() + group_rank();
     return warp * WARP + t % WARP;
 }
 
