@@ -36,7 +36,7 @@ static int grow_zones(struct response *s, int64_t n)
     return response_grow(s, 5, pool_need);
 }
 
-int failsafe_stiffen(struct response *s)
+int failsafe_zones(struct response *s)
 {
     int status = tangle(s);
     if (status == DRAPE_OK)
@@ -67,7 +67,7 @@ int failsafe_stiffen(struct response *s)
     return DRAPE_OK;
 }
 
-int failsafe_roll(struct response *s, int round)
+int failsafe_rollback(struct response *s, int round)
 {
     struct rollback r = {.nv = s->nv,
                          .n = s->hits,

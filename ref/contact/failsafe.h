@@ -7,9 +7,9 @@
 #include "ref/contact/response.h"
 
 /* §5: the vertices of all hits since impulses ended move in zones. */
-int failsafe_stiffen(struct response *s);
+int failsafe_zones(struct response *s);
 
 /* §6: the vertices of the hits go back; hits is how many did. */
-int failsafe_roll(struct response *s, int round);
+int failsafe_rollback(struct response *s, int round);
 
 #endif

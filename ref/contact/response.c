@@ -256,10 +256,10 @@ static int resolve(struct response *s, int round)
 {
     int rolls = round - s->max_rounds - s->zone_rounds;
     if (rolls >= 0)
-        return failsafe_roll(s, rolls);
+        return failsafe_rollback(s, rolls);
     s->run->clear(s->on, s->touched, (size_t)s->nv);
     s->run->touch(s->on, s);
-    return round < s->max_rounds ? push(s, round) : failsafe_stiffen(s);
+    return round < s->max_rounds ? push(s, round) : failsafe_zones(s);
 }
 
 int response_penetrate(struct response *s)
