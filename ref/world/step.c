@@ -298,9 +298,9 @@ int step_advance(struct world *w, drape_step_report *report)
         look_far(w, &s); /* §7.2: travel.md */
         touch(w, &s);    /* §3: refit.md … features.md, response.md */
         judge(w, &s);    /* §7.3: energy.md */
-        finish(w, &s);   /* §4: implicit.md §4; §6, §7.4 */
+        finish(w, &s);   /* step.md §4, §6, §7.4: implicit.md */
     }
-    int status = end(w, &s); /* §11: audit.md; §7.5 */
+    int status = end(w, &s); /* step.md §11, §7.5: audit.md */
     threads_end(&threads);
     return status;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Soaks the narrow phase: compares queries of every family with the oracles and
- * prints a table of the differences (`make soak`, spec/soak.md). */
+ * prints a table of the differences (`make soak`, ci/bench/soak.md). */
 #include "tests/narrow/soak.h"
 
 #include <stdio.h>
@@ -235,10 +235,10 @@ static const char *ask_all(bool all)
     return NULL;
 }
 
-/* §1: queries of each family have the same contacts at the same times as GMP's,
- * a sample of them also as CGAL's. Where DRAPE_SOAK is set there are 10^7
- * queries of each kind, half of them in binary32, and the real scenes are all
- * public queries. */
+/* narrow.md §1: queries of each family have the same contacts at the same times
+ * as GMP's, a sample of them also as CGAL's. Where DRAPE_SOAK is set there are
+ * 10^7 queries of each kind, half of them in binary32, and the real scenes are
+ * all public queries. */
 const char *test_narrow_soak(void)
 {
     bool all = getenv("DRAPE_SOAK");
