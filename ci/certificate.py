@@ -93,8 +93,8 @@ def symbols(objects):
     out = subprocess.run(["nm", "-P", "-g", "-A"] + objects, check=True,
                          stdout=subprocess.PIPE, universal_newlines=True).stdout
     for line in out.splitlines():
-        name, symbol, kind = line.split()[:3]
-        name = name.rstrip(":")
+        name, rest = line.split(": ", 1)
+        symbol, kind = rest.split()[:2]
         if kind in "Uwv":
             needs.setdefault(name, set()).add(symbol)
         else:
