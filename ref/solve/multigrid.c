@@ -1,24 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Geometric multigrid V-cycle. spec/solve/multigrid.md */
+/* The V-cycle of geometric multigrid with Galerkin coarsening.
+ * spec/solve/multigrid.md */
 #include "ref/solve/multigrid.h"
 
 #include "ref/solve/coarsest.h"
 #include "ref/solve/jacobi.h"
 #include "ref/solve/product.h"
 
-/* One grid and its streams. */
+/* One grid of the hierarchy and its streams. */
 struct level {
     int32_t m, n;
     int64_t count;
     const uint8_t *fixed; /* NULL: all free */
-    uint8_t *rule;        /* interpolation to it from the next */
+    uint8_t *rule;        /* rules of interpolation from the next coarser
+                             grid */
     sym *excess, *block;
     const sym *factor;
     const vec *b;   /* right-hand side */
     vec *x, *y, *d; /* solution, residual, direction */
 };
 
-/* §5: the grids from fine to coarse and where their streams are. */
+/* §5: lays out the grids, from fine to coarse, in the streams of scratch.
+ * Returns the number of grids. */
 static int lay_out(const struct multigrid *s, struct level *l)
 {
     sym *a = s->pool;
@@ -83,8 +86,6 @@ int64_t ref_multigrid_size(struct multigrid *s)
            s->n_parts * (int64_t)sizeof *s->parts;
 }
 
-/* ---- products ---- */
-
 /* §3: y = A x on a coarse grid. */
 static void multiply_coarse(const struct level *l)
 {
@@ -96,7 +97,8 @@ static void multiply_coarse(const struct level *l)
     product_couplings(&c);
 }
 
-/* On the finest grid as spec/12 §1, of the thin blocks where there are. */
+/* §3: y = A x on any grid; on the finest with the thin blocks, if there are
+ * any. */
 static void multiply(const struct multigrid *s, const struct level *l)
 {
     struct product a = {s->m,       s->n,     s->count,    s->mass,
@@ -113,10 +115,8 @@ static void multiply(const struct multigrid *s, const struct level *l)
     }
 }
 
-/* ---- smoothing, §4 ---- */
-
-/* Chebyshev of degree 2 on [high / RATIO, high]: d = first·F r, then
- * d = keep·d + second·F r. */
+/* §4: coefficients of a Chebyshev smoothing of degree 2 for eigenvalues in
+ * [high / 8, high]: d = first·F r, then d = keep·d + second·F r. */
 struct weights {
     real first, keep, second;
 };
@@ -131,7 +131,7 @@ static struct weights weights_of(double high)
     return w;
 }
 
-/* x = d = first·F b: the first half-step from x = 0. */
+/* The first half of a smoothing that starts from x = 0: x = d = first·F b. */
 static void smooth_zero(const struct level *l, struct weights w)
 {
     EACH_MANY(l->count)
@@ -140,7 +140,7 @@ static void smooth_zero(const struct level *l, struct weights w)
             vec_scale(w.first, factor_solve(l->factor[p], l->b[p]));
 }
 
-/* d = keep·d + gain·F (b - A x), x += d. */
+/* One half of a smoothing: d = keep·d + gain·F (b - A x), x += d. */
 static void smooth(const struct multigrid *s, const struct level *l, real keep,
                    real gain)
 {
@@ -154,9 +154,7 @@ static void smooth(const struct multigrid *s, const struct level *l, real keep,
     }
 }
 
-/* ---- between grids, §2 ---- */
-
-/* y = b - A x, 0 where fixed. */
+/* The residual that is restricted: y = b - A x, 0 where fixed. */
 static void residual(const struct multigrid *s, const struct level *l)
 {
     multiply(s, l);
@@ -166,7 +164,7 @@ static void residual(const struct multigrid *s, const struct level *l)
                                           : vec_sub(l->b[p], l->y[p]);
 }
 
-/* Coarse (i, j) gathers the residual around it. */
+/* §2: the restricted residual of coarse particle (i, j), (Pᵀ y)_ij. */
 static vec restricted(const struct level *f, int32_t i, int32_t j)
 {
     vec sum = {0, 0, 0};
@@ -184,14 +182,15 @@ static vec restricted(const struct level *f, int32_t i, int32_t j)
 
 static void restrict_to(const struct level *f, const struct level *c)
 {
-    vec *b = c->x + c->count; /* c->b, that others only read */
+    vec *b = c->x + c->count; /* c->b, const elsewhere */
     EACH_MANY(c->count)
     for (int32_t j = 0; j < c->n; j++)
         for (int32_t i = 0; i < c->m; i++)
             b[i + (int64_t)c->m * j] = restricted(f, i, j);
 }
 
-/* Fine (i, j) gathers the correction of the coarse ones around it. */
+/* §2: the correction of the coarse grid, interpolated to fine particle (i,
+ * j). */
 static vec prolonged(const struct level *c, uint8_t rule, int32_t i, int32_t j)
 {
     vec sum = {0, 0, 0};
@@ -213,8 +212,6 @@ static void prolong(const struct level *c, const struct level *f)
                 f->x[p] = vec_add(f->x[p], prolonged(c, f->rule[p], i, j));
         }
 }
-
-/* ---- the stage ---- */
 
 static struct coarsest coarsest_of(const struct multigrid *s,
                                    const struct level *l)

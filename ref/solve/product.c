@@ -1,27 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sparse matrix times vector by differences. spec/solve/product.md */
+/* Sparse matrix times vector (SpMV) by differences. spec/solve/product.md */
 #include "ref/solve/product.h"
 
-/* §3: rows that one thread does; it computes a spring once for both ends. */
+/* §3: rows of the grid that one thread owns. A spring with both ends in these
+ * rows is computed once. */
 enum { BAND = 16 };
 
-/* ---- from blocks of forward springs ---- */
-
-/* Where a row of ties lies; thin: read in place of block, or NULL. */
+/* The blocks of one direction that start in one row of the grid. thin: read in
+ * place of block, unless NULL. */
 struct ties {
     const sym *block;
     const struct thin_parts *thin;
 };
 
-/* B (x - x of the neighbour), §1. */
+/* §1: B (x_p - x_q) for particle p = i of the row, q = p + step. */
 static inline vec pull(struct ties b, int32_t i, const vec *x, int64_t step)
 {
     vec d = vec_sub(x[i], x[i + step]);
     return b.thin ? thin_apply(b.thin[i], d) : sym_apply(b.block[i], d);
 }
 
-/* To both ends. In ascending order an end has the spring that leads to it
- * before the one that starts from it. */
+/* Adds each spring's term to both of its ends. As i ascends, a particle
+ * receives the spring that ends at it before the spring that starts at it; §1
+ * demands this order. */
 static void pull_both(int32_t n, struct ties b, const vec *restrict x,
                       int64_t step, vec *restrict y)
 {
@@ -46,7 +47,8 @@ static void pull_second(int32_t n, struct ties b, const vec *restrict x,
         y[i + step] = vec_sub(y[i + step], pull(b, i, x, step));
 }
 
-/* Direction o of row j, for the ends within rows from … to - 1. */
+/* Adds the terms of the springs of direction o that start in row j, at those
+ * ends that lie in rows from … to - 1. */
 static void pull_row(const struct couplings *c, int o, int32_t j, int32_t from,
                      int32_t to)
 {
@@ -76,9 +78,7 @@ void product_couplings(const struct couplings *c)
     }
 }
 
-/* ---- from the compressed diagonal format ---- */
-
-/* y += A (x of the neighbour - x), along one row. */
+/* §1, cdf: y_p += A_pq (x_q - x_p) along one row of one diagonal. */
 static void add_blocks(int32_t n, const mat *restrict a, const vec *restrict x,
                        int64_t step, vec *restrict y)
 {
@@ -105,9 +105,7 @@ static void add_diagonals(const struct product *s, const struct cdf *c,
     }
 }
 
-/* ---- the stage ---- */
-
-/* + 0 turns -0 into +0. */
+/* Adding +0 turns -0 into +0. */
 void product_start(const struct product *s)
 {
     EACH_MANY(s->count)

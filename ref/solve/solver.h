@@ -9,7 +9,7 @@
 
 struct solver {
     struct pcg pcg;
-    double seconds; /* out: of the last solve */
+    double seconds; /* out: s, of the last solve */
 };
 
 /* Settings and sizes of the cloth's system; no streams. */
