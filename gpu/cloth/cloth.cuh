@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The cloth's grid and its law of a spring on the device.
- * spec/cloth/cloth.md §3 and §5 */
+/* The directions and the force law of springs on the device.
+ * spec/cloth/cloth.md §2 and §5 */
 #ifndef GPU_CLOTH_CUH
 #define GPU_CLOTH_CUH
 
 #include "gpu/base/real.cuh"
 
-/* Forward direction o: (1,0) (0,1) (1,1) (-1,1) and twice each. */
+/* §2: forward direction o: (1,0) (0,1) (1,1) (-1,1), then the double of
+ * each. */
 static __host__ __device__ constexpr int forward_i(int o)
 {
     int one = o % 4 == 0 || o % 4 == 2 ? 1 : o % 4 == 3 ? -1 : 0;
@@ -18,7 +19,7 @@ static __host__ __device__ constexpr int forward_j(int o)
     return o < SPRINGS_SINGLE ? one : 2 * one;
 }
 
-/* ---- §5: the law of a spring, s = √(q + shift), t = s − 25/32 ---- */
+/* §5: g(q) = P(t) / s, s = √(q + shift), t = s − 25/32. */
 
 static __device__ inline real spring_s(real q)
 {
@@ -56,7 +57,7 @@ static __device__ inline real spring_ip(real t)
     return p * t;
 }
 
-/* Tension, N, at a length. */
+/* Tension, N, of a spring of the given length. */
 static __device__ inline real spring_tension(const struct law *a, real length)
 {
     if (length >= a->knee) {
@@ -67,7 +68,7 @@ static __device__ inline real spring_tension(const struct law *a, real length)
     return -(a->bend * (spring_p(s - R(0.78125)) / s));
 }
 
-/* Its slope, N/m. */
+/* Slope of the tension, N/m. */
 static __device__ inline real spring_slope(const struct law *a, real length)
 {
     if (length >= a->knee)
@@ -77,7 +78,7 @@ static __device__ inline real spring_slope(const struct law *a, real length)
     return a->bend * slope / a->rest;
 }
 
-/* Its energy, J. */
+/* Elastic energy, J, 0 at the rest length. */
 static __device__ inline real spring_energy(const struct law *a, real length)
 {
     real d = length - a->rest;

@@ -1,31 +1,35 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The explicit methods as sequences of springs and advance, fused where nothing
- * traces them; substeps in turns of a loop that the device ends.
- * spec/cloth/advance.md §2, spec/gpu.md §14 */
+/* The explicit methods as sequences of the stages springs and advance. Without
+ * a trace, the force and the updates that use it are one kernel, and many
+ * substeps are a loop that runs on the device. spec/cloth/advance.md §2,
+ * spec/gpu.md §13 */
 #include "gpu/cloth/advance.cuh"
 #include "gpu/cloth/motion.cuh"
 #include "gpu/cloth/springs.cuh"
 #include "gpu/run/loop.cuh"
 
-/* Substeps of a turn: even, so that each begins with the same streams. */
+/* Substeps of one iteration of the device's loop. The number is even, so that
+ * every iteration begins with the same streams. */
 #ifdef __CUDACC__
 enum { TURN = 32 };
 #else
 enum { TURN = 4 };
 #endif
 
-/* A state that a method passes through. */
+/* Positions and velocities at one point of a method. */
 struct state {
     vec *x, *v;
 };
 
-/* Which of n substeps: k, or in a loop k of its turn. */
+/* The current substep, of n: number k, or number k of the current iteration of
+ * the device's loop. */
 struct moment {
     int32_t k, n, turns;
-    const int32_t *left; /* device: turns that are still to do, or NULL */
+    const int32_t *left; /* device: iterations left, or NULL outside a loop */
 };
 
-/* A cloth in one substep of h: next, more and spare are streams of work. */
+/* A cloth in a substep of length h, which takes it from `now` to `next`. more
+ * and spare: memory for states between. */
 struct walk_on {
     struct gpu *g;
     struct gpu_sheet *s;
@@ -34,8 +38,9 @@ struct walk_on {
     struct moment when;
 };
 
-/* What a force makes: to = from + a·rate, from + b·force / mass, pins at `node`
- * of the substep; no rate: symplectic. */
+/* An update by a force: x moves by a·rate and v by b·force / mass, from state
+ * `from` to state `to`. rate NULL: symplectic. node: the time of the result
+ * within the substep, 0 … 1, for pins. */
 struct use {
     struct state from;
     const vec *rate;
@@ -44,8 +49,8 @@ struct use {
     double node;
 };
 
-/* Where in the step that is. The last substep ends at exactly 1: the pins are
- * then where they should. */
+/* The time within the step, 0 … 1. The last substep ends at exactly 1, so the
+ * pins end exactly at their targets. */
 static __host__ __device__ real place(struct moment m, double node)
 {
     int32_t k = m.k + (m.left ? (m.turns - *m.left) * (int32_t)TURN : 0);
@@ -53,8 +58,6 @@ static __host__ __device__ real place(struct moment m, double node)
     double length = k + 1 < m.n ? (k + 1) / n - start : 1 - start;
     return (real)(start + node * length);
 }
-
-/* ---- A force, and what it makes ---- */
 
 static struct advance update(const struct walk_on *w, const struct use *u)
 {
@@ -82,7 +85,8 @@ static struct advance update(const struct walk_on *w, const struct use *u)
 namespace
 {
 
-/* Of a particle, one update after the other. */
+/* What the springs kernel does with a force: one or two updates of the
+ * particle, one after the other. */
 struct updates {
     int n;
     struct advance of[2];
@@ -100,7 +104,7 @@ struct updates {
 
 } // namespace
 
-/* As stages that a trace shows. */
+/* The force and its updates as separate stages, which a trace shows. */
 static void show(struct walk_on *w, struct state at, int n,
                  const struct use *use)
 {
@@ -113,7 +117,8 @@ static void show(struct walk_on *w, struct state at, int n,
     }
 }
 
-/* The force at a state, and n ≤ 2 uses of it, none of them to that state. */
+/* Computes the force at a state and applies n ≤ 2 updates with it. No update
+ * may write that state, since other blocks still read it. */
 static void force(struct walk_on *w, struct state at, int n,
                   const struct use *use)
 {
@@ -132,8 +137,6 @@ static void force(struct walk_on *w, struct state at, int n,
     springs_to(w->g, &f, to);
 }
 
-/* ---- The methods ---- */
-
 static void euler(struct walk_on *w)
 {
     struct use whole = {w->now, NULL, w->next, w->h, w->h, 1};
@@ -150,7 +153,8 @@ static void midpoint(struct walk_on *w)
     force(w, mid, 1, &whole);
 }
 
-/* The second force is at the velocity that the first one predicts. */
+/* The second force is evaluated at the velocity that the first force
+ * predicts. */
 static void verlet(struct walk_on *w)
 {
     struct state next = w->next, ahead = w->more;
@@ -178,9 +182,7 @@ static void runge_kutta(struct walk_on *w)
     }
 }
 
-/* ---- Substeps ---- */
-
-/* What substeps leave as `now`. */
+/* Makes the result of a substep the start of the next. */
 static void swap(struct walk_on *w)
 {
     struct state old = w->now;
@@ -188,7 +190,7 @@ static void swap(struct walk_on *w)
     w->next = old;
 }
 
-/* Substeps from w's on. */
+/* Queues the launches of some substeps, beginning with w's. */
 static int queue(struct walk_on w, int32_t substeps)
 {
     int method = w.s->dynamics.method;
@@ -207,7 +209,8 @@ static int queue(struct walk_on w, int32_t substeps)
     return gpu_status(w.g);
 }
 
-/* What the launches of substeps depend on. */
+/* Everything that the launches of substeps depend on: the key of a captured
+ * graph. */
 struct walk_key {
     struct walk_on w;
     struct dynamics d;
@@ -217,16 +220,17 @@ struct walk_key {
 static void write_key(struct walk_key *key, const struct walk_on *w,
                       int32_t substeps)
 {
-    memset((void *)key, 0, sizeof *key); /* what lies between, too */
+    memset((void *)key, 0, sizeof *key); /* padding, too */
     memcpy((void *)&key->w, (const void *)w, sizeof key->w);
     memcpy((void *)&key->d, (const void *)&w->s->dynamics, sizeof key->d);
-    key->d.reference = key->d.surplus = 0; /* not read there, as these */
+    /* The launches do not read the members that follow. */
+    key->d.reference = key->d.surplus = 0;
     memset(key->d.before, 0, sizeof key->d.before);
     memset(key->d.energy, 0, sizeof key->d.energy);
     key->substeps = substeps;
 }
 
-/* Those before the turns: as many as do not make one. */
+/* Runs the first substeps, those that do not fill an iteration of the loop. */
 static void queue_rest(struct walk_on *w, int32_t substeps)
 {
     struct walk_key key;
@@ -242,18 +246,20 @@ static void queue_rest(struct walk_on *w, int32_t substeps)
     w->when.k += substeps;
 }
 
-/* One thread: so many turns are left. */
+/* One thread sets the number of iterations left. */
 static __global__ void turns_kernel(int32_t *left, int32_t turns)
 {
     *left = turns;
 }
 
-/* One thread: one of them is done. */
+/* One thread counts one iteration as done. */
 static __global__ void turn_kernel(int32_t *left)
 {
     *left = *left - 1;
 }
 
+/* Runs `turns` iterations of TURN substeps, as a loop on the device if it has
+ * such loops. */
 static void take_turns(struct walk_on *w, int32_t turns)
 {
     struct walk_key key;
@@ -287,7 +293,7 @@ int gpu_motion_explicit(struct gpu *g, struct gpu_sheet *s)
     w.now = {d->x1, d->v1};
     w.next = {motion_stream(s, 1), motion_stream(s, 2)};
     w.more = w.spare = {motion_stream(s, 3), motion_stream(s, 4)};
-    if (!d->trace && motion_spares(d)) /* then no force is written */
+    if (!d->trace && motion_spares(d)) /* the stream of forces is then free */
         w.spare = {motion_stream(s, 0), motion_stream(s, (int)motion_vecs(d))};
     w.h = (real)(d->dt / n);
     w.when.n = n;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A product's vector and ties where these are rates. gpu/cloth/rate.h */
+/* The vector and the edges of a product that reads rates in place of blocks.
+ * gpu/cloth/rate.h */
 #ifndef GPU_RATE_CUH
 #define GPU_RATE_CUH
 
 #include "gpu/cloth/rate.h"
 #include "gpu/solve/ties.cuh"
 
-/* x of a particle and where it is. */
+/* The item x and the position `at` of a particle. */
 struct alignas(2 * sizeof(real)) footing {
     vec x, at;
 };
@@ -21,7 +22,7 @@ static __device__ inline vec x_of(struct footing f)
     return f.x;
 }
 
-/* A source of x, gpu/solve/ties.cuh, with the positions. */
+/* A source of x (see take and made of the product), with the positions. */
 template <class X> struct grounded {
     X x;
     const vec *at;
@@ -65,7 +66,7 @@ template <> __device__ inline int64_t stride_of<struct rate>(struct grid g)
     return RATES_PITCH((int64_t)g.m * g.n);
 }
 
-/* By the roundings of spec/cloth/blocks.md §2. */
+/* The block of a rate, with the roundings of spec/cloth/blocks.md §1. */
 static __device__ inline sym block_of(struct rate r, vec d)
 {
     vec u = scale(r.inverse, d), w = scale(r.along, u);
