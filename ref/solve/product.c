@@ -117,15 +117,9 @@ void product_start(const struct product *s)
 
 int ref_product(struct product *s)
 {
-    struct couplings springs = {.m = s->m,
-                                .n = s->n,
-                                .count = s->count,
-                                .directions = SPRINGS,
-                                .di = spring_di,
-                                .dj = spring_dj,
-                                .block = s->block,
-                                .x = s->x,
-                                .y = s->y};
+    struct couplings springs = {s->m,      s->n,      s->count, SPRINGS,
+                                spring_di, spring_dj, s->block, NULL,
+                                s->x,      s->y};
     struct cdf c = ref_cdf(s->m, s->n);
     product_start(s);
     if (!s->n_cdf) {
