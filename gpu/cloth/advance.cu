@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The update that every explicit method is made of, of a stream of forces.
+/* Stage advance as a kernel of its own, which reads the forces from a stream.
  * spec/cloth/advance.md */
 #include "gpu/cloth/advance.cuh"
 

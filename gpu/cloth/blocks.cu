@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One positive semidefinite block a spring. spec/cloth/blocks.md */
+/* Computes a positive semidefinite 3 × 3 block for each spring.
+ * spec/cloth/blocks.md */
 #include "gpu/base/thin.cuh"
 #include "gpu/cloth/cloth.cuh"
 #include "gpu/cloth/rate.h"
@@ -10,7 +11,7 @@ extern "C" {
 
 enum { SIX = sizeof(sym) / sizeof(real) };
 
-/* §2: c u uᵀ + b I, where c = a - b. */
+/* §1: the block c u uᵀ + b I, where c = a - b and u is the direction. */
 struct parts {
     real b, c, inverse; /* 1 / |d| */
     vec u;
@@ -36,9 +37,10 @@ static __device__ sym whole_block(const struct parts *s)
                w.y * u.y + s->b, w.y * u.z, w.z * u.z + s->b};
 }
 
-/* Thread t of block k owns particle 256 k + t: reads it and the far ends of
- * its forward springs. The blocks of a direction go through `s`, so that the
- * threads write them side by side. rate: NULL: none. */
+/* Thread t of block k owns particle 256 k + t: reads the particle and the far
+ * ends of its forward springs. The thread block collects the blocks of one
+ * direction in shared memory, so that the writes are coalesced. rate: NULL if
+ * no rates are wanted. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     blocks_kernel(struct blocks a, int64_t pitch, struct rate *rate)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The cloth's grid and its law of a spring on the device.
- * spec/cloth/cloth.md §3 and §5 */
+/* The directions and the force law of springs on the device.
+ * spec/cloth/cloth.md §2 and §5 */
 #ifndef GPU_CLOTH_CUH
 #define GPU_CLOTH_CUH
 
@@ -59,7 +59,7 @@ static __device__ inline real spring_ip(real t)
     return p * t;
 }
 
-/* Tension, N, at a length. */
+/* Tension, N, of a spring of the given length. */
 static __device__ inline real spring_tension(const struct law *a, real length)
 {
     if (length >= a->knee) {
@@ -70,7 +70,7 @@ static __device__ inline real spring_tension(const struct law *a, real length)
     return -(a->bend * (spring_p(s - R(0.78125)) / s));
 }
 
-/* Its slope, N/m. */
+/* Slope of the tension, N/m. */
 static __device__ inline real spring_slope(const struct law *a, real length)
 {
     if (length >= a->knee)
@@ -80,7 +80,7 @@ static __device__ inline real spring_slope(const struct law *a, real length)
     return a->bend * slope / a->rest;
 }
 
-/* Its energy, J. */
+/* Elastic energy, J, 0 at the rest length. */
 static __device__ inline real spring_energy(const struct law *a, real length)
 {
     real d = length - a->rest;

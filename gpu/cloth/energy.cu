@@ -7,7 +7,8 @@
 
 enum { KINDS = 3 };
 
-/* §1: of the forward springs, so that each counts once. */
+/* §1: the elastic energy of the forward springs of p. So each spring counts
+ * once. */
 static __device__ real elastic(const struct energy *s, int p)
 {
     real e = 0;
@@ -22,8 +23,9 @@ static __device__ real elastic(const struct energy *s, int p)
     return e;
 }
 
-/* Block k owns chunk k: a thread a particle. The last one to end leaves the
- * sums of all chunks in word[0 … 2]; word[KINDS] is its ticket. */
+/* Block k owns chunk k, one thread for each particle. The block that ends last
+ * writes the three sums over all chunks to word[0 … 2]; word[KINDS] counts the
+ * blocks that have ended. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
     energy_kernel(struct energy a, int64_t *word)
 {

@@ -9,8 +9,9 @@ extern "C" {
 #include "ref/cloth/energy.h"
 }
 
-/* The three energies of s into the first bytes of word[0 … 2] on the device;
- * word[0 … 3] are 0 before. s->chunk is used up, s->value not written. */
+/* Writes the three energies of s to the first bytes of word[0 … 2], in device
+ * memory; word[0 … 3] must be 0 before. Overwrites s->chunk and leaves s->value
+ * alone. */
 void gpu_energy_into(struct gpu *g, const struct energy *s, int64_t *word);
 
 #endif

@@ -18,18 +18,20 @@ enum { TURN = 32 };
 enum { TURN = 4 };
 #endif
 
-/* A state that a method passes through. */
+/* Positions and velocities at one point of a method. */
 struct state {
     vec *x, *v;
 };
 
-/* Which of n substeps: k, or in a loop k of its turn. */
+/* The current substep, of n: number k, or number k of the current iteration of
+ * the device's loop. */
 struct moment {
     int32_t k, n, turns;
-    const int32_t *left; /* device: turns that are still to do, or NULL */
+    const int32_t *left; /* device: iterations left, or NULL outside a loop */
 };
 
-/* A cloth in one substep of h: next, more and spare are streams of work. */
+/* A cloth in a substep of length h, which takes it from `now` to `next`. more
+ * and spare: memory for states between. */
 struct walk_on {
     struct gpu *g;
     struct sheet *s;
@@ -38,8 +40,9 @@ struct walk_on {
     struct moment when;
 };
 
-/* What a force makes: to = from + a·rate, from + b·force / mass, pins at `node`
- * of the substep; no rate: symplectic. */
+/* An update by a force: x moves by a·rate and v by b·force / mass, from state
+ * `from` to state `to`. rate NULL: symplectic. node: the time of the result
+ * within the substep, 0 … 1, for pins. */
 struct use {
     struct state from;
     const vec *rate;
@@ -48,8 +51,8 @@ struct use {
     double node;
 };
 
-/* Where in the step that is. The last substep ends at exactly 1: the pins are
- * then where they should. */
+/* The time within the step, 0 … 1. The last substep ends at exactly 1, so the
+ * pins end exactly at their targets. */
 static __host__ __device__ real place(struct moment m, double node)
 {
     int32_t k = m.k + (m.left ? (m.turns - *m.left) * (int32_t)TURN : 0);
@@ -84,7 +87,8 @@ static struct advance update(const struct walk_on *w, const struct use *u)
 namespace
 {
 
-/* Of a particle, one update after the other. */
+/* What the springs kernel does with a force: one or two updates of the
+ * particle, one after the other. */
 struct updates {
     int n;
     struct advance of[2];
@@ -102,7 +106,7 @@ struct updates {
 
 } // namespace
 
-/* As stages that a trace shows. */
+/* The force and its updates as separate stages, which a trace shows. */
 static void show(struct walk_on *w, struct state at, int n,
                  const struct use *use)
 {
@@ -115,7 +119,8 @@ static void show(struct walk_on *w, struct state at, int n,
     }
 }
 
-/* The force at a state, and n ≤ 2 uses of it, none of them to that state. */
+/* Computes the force at a state and applies n ≤ 2 updates with it. No update
+ * may write that state, since other blocks still read it. */
 static void force(struct walk_on *w, struct state at, int n,
                   const struct use *use)
 {
@@ -150,7 +155,8 @@ static void midpoint(struct walk_on *w)
     force(w, mid, 1, &whole);
 }
 
-/* The second force is at the velocity that the first one predicts. */
+/* The second force is evaluated at the velocity that the first force
+ * predicts. */
 static void verlet(struct walk_on *w)
 {
     struct state next = w->next, ahead = w->more;
@@ -186,7 +192,7 @@ static void swap(struct walk_on *w)
     w->next = old;
 }
 
-/* Substeps from w's on. */
+/* Queues the launches of some substeps, beginning with w's. */
 static int queue(struct walk_on w, int32_t substeps)
 {
     int method = w.s->dynamics.method;
@@ -205,7 +211,8 @@ static int queue(struct walk_on w, int32_t substeps)
     return gpu_status(w.g);
 }
 
-/* What the launches of substeps depend on. */
+/* Everything that the launches of substeps depend on: the key of a captured
+ * graph. */
 struct walk_key {
     struct walk_on w;
     struct dynamics d;
@@ -215,16 +222,17 @@ struct walk_key {
 static void write_key(struct walk_key *key, const struct walk_on *w,
                       int32_t substeps)
 {
-    memset((void *)key, 0, sizeof *key); /* what lies between, too */
+    memset((void *)key, 0, sizeof *key); /* padding, too */
     memcpy((void *)&key->w, (const void *)w, sizeof key->w);
     memcpy((void *)&key->d, (const void *)&w->s->dynamics, sizeof key->d);
-    key->d.reference = key->d.surplus = 0; /* not read there, as these */
+    /* The launches do not read the members that follow. */
+    key->d.reference = key->d.surplus = 0;
     memset(key->d.before, 0, sizeof key->d.before);
     memset(key->d.energy, 0, sizeof key->d.energy);
     key->substeps = substeps;
 }
 
-/* Those before the turns: as many as do not make one. */
+/* Runs the first substeps, those that do not fill an iteration of the loop. */
 static void queue_rest(struct walk_on *w, int32_t substeps)
 {
     struct walk_key key;
@@ -240,18 +248,20 @@ static void queue_rest(struct walk_on *w, int32_t substeps)
     w->when.k += substeps;
 }
 
-/* One thread: so many turns are left. */
+/* One thread sets the number of iterations left. */
 static __global__ void turns_kernel(int32_t *left, int32_t turns)
 {
     *left = turns;
 }
 
-/* One thread: one of them is done. */
+/* One thread counts one iteration as done. */
 static __global__ void turn_kernel(int32_t *left)
 {
     *left = *left - 1;
 }
 
+/* Runs `turns` iterations of TURN substeps, as a loop on the device if it has
+ * such loops. */
 static void take_turns(struct walk_on *w, int32_t turns)
 {
     struct walk_key key;
@@ -285,7 +295,7 @@ int gpu_motion_explicit(struct gpu *g, struct sheet *s)
     w.now = {d->x1, d->v1};
     w.next = {motion_stream(s, 1), motion_stream(s, 2)};
     w.more = w.spare = {motion_stream(s, 3), motion_stream(s, 4)};
-    if (!d->trace && motion_spares(d)) /* then no force is written */
+    if (!d->trace && motion_spares(d)) /* the stream of forces is then free */
         w.spare = {motion_stream(s, 0), motion_stream(s, (int)motion_vecs(d))};
     w.h = (real)(d->dt / n);
     w.when.n = n;

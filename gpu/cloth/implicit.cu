@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Before and after the linear solve of an implicit step; a thread for each
- * coordinate where they do not meet. spec/cloth/implicit.md */
+/* The stages before and after the linear solve of an implicit step. predict and
+ * update give each coordinate a thread. spec/cloth/implicit.md */
 #include "gpu/cloth/cloth.cuh"
 
 extern "C" {
@@ -17,7 +17,7 @@ static __device__ real *flat(vec *a)
     return &a->x;
 }
 
-/* A third of what the past moved a coordinate by. */
+/* (x - past) / 3: the share of the step before in the second-order method. */
 static __device__ real drift(real x, real past)
 {
     return R(1.0 / 3) * (x - past);
@@ -44,7 +44,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     }
 }
 
-/* As above; x1 and v1 are written only. */
+/* Thread k owns coordinate k of 3·count in every stream. Any order. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     update_kernel(struct update s)
 {
@@ -65,8 +65,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     flat(s.v1)[k] = v;
 }
 
-/* A block is six reals of a stream that starts aligned to two: three loads,
- * not six. */
+/* Loads a block of six reals. The stream is aligned to two reals, so three
+ * loads suffice. */
 static __device__ sym load(const sym *a)
 {
     sym r;
@@ -79,8 +79,8 @@ static __device__ vec pull(const sym *block, vec here, vec other)
     return apply(load(block), sub(here, other));
 }
 
-/* Thread p owns particle p: reads q and the blocks of its springs, writes
- * b[p]. §2: forward and backward spring of each direction in turn. */
+/* Thread p owns particle p: reads q and the blocks of p's springs, writes b[p].
+ * §2: for each direction the forward, then the backward spring. */
 static __global__ void __launch_bounds__(GPU_BLOCK) rhs_kernel(struct rhs s)
 {
     ITEM(k, s.count);

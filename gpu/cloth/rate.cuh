@@ -6,7 +6,7 @@
 #include "gpu/cloth/rate.h"
 #include "gpu/solve/edges.cuh"
 
-/* x of a particle and where it is. */
+/* The item x and the position `at` of a particle. */
 struct alignas(2 * sizeof(real)) footing {
     vec x, at;
 };
@@ -65,7 +65,7 @@ template <> __device__ inline int64_t stride_of<struct rate>(struct grid g)
     return RATES_PITCH((int64_t)g.m * g.n);
 }
 
-/* By the roundings of spec/cloth/blocks.md §2. */
+/* The block of a rate, with the roundings of spec/cloth/blocks.md §1. */
 static __device__ inline sym block_of(struct rate r, vec d)
 {
     vec u = scale(r.inverse, d), w = scale(r.along, u);

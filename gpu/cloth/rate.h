@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Springs by their rates: half the bytes of their blocks, which the positions
- * make of them to the last bit. For products that are bound by bytes.
- * spec/cloth/blocks.md §6 */
+/* The rates of springs: a compact form of their blocks. With the positions,
+ * rates give the same block to the last bit at half the bytes; for products
+ * that are bound by memory. spec/cloth/blocks.md §6 */
 #ifndef GPU_RATE_H
 #define GPU_RATE_H
 
@@ -17,25 +17,26 @@ struct rate {
     real across, along, inverse; /* kg, kg, 1/m */
 };
 
-/* So many are copied at once. */
+/* Rates that the device copies at once. */
 enum { RATES_AT_ONCE = 4 };
 
-/* From those of a direction to those of the next. */
+/* Rates from one direction to the next: count, rounded up to whole copies. */
 #define RATES_PITCH(count)                                                     \
     (((count) + RATES_AT_ONCE - 1) / RATES_AT_ONCE * RATES_AT_ONCE)
 
-/* Those of a system, on the device. */
+/* The rates of a system, in device memory. */
 struct rates {
     const struct rate *of; /* spring o of p at o·pitch + p; NULL: none */
     const vec *x;          /* [count] m, where the blocks were made */
 };
 
-/* Whether a solve of this form would read them on this device. */
+/* Whether a solve of this form reads rates on this device. */
 bool gpu_rates_help(const struct gpu *g, const struct pcg *s);
-/* gpu_blocks, and rate [SPRINGS·pitch] on the device; NULL: none. */
+/* As gpu_blocks; also writes rate [SPRINGS·pitch] in device memory, unless
+ * NULL. */
 int gpu_blocks_and_rates(struct gpu *g, const struct blocks *s,
                          struct rate *rate);
-/* gpu_pcg, the same bits; r.of NULL: just that. */
+/* As gpu_pcg, to the same bits, but reads the rates r unless r.of is NULL. */
 int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, struct rates r);
 
 #ifdef __cplusplus

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The force on each particle, as a stream. spec/cloth/springs.md */
+/* Stage springs as a kernel of its own, which writes the forces to a stream.
+ * spec/cloth/springs.md */
 #include "gpu/cloth/springs.cuh"
 
 namespace

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The force on each particle, for who takes it. spec/cloth/springs.md */
+/* The force on each particle, handed to a functor: the stream of forces or the
+ * updates of an explicit method. spec/cloth/springs.md */
 #ifndef GPU_SPRINGS_CUH
 #define GPU_SPRINGS_CUH
 
@@ -12,8 +13,9 @@ extern "C" {
 /* A block owns TILE_WIDE × HIGH particles; springs reach TILE_RIM further. */
 enum { TILE_WIDE = 32, TILE_RIM = 2, TILE_ACROSS = TILE_WIDE + 2 * TILE_RIM };
 
-/* The springs of direction o that pull at a tile's particles start in it or one
- * step before it: in rows of so many, from this column of the tile on. */
+/* The springs of direction o that pull at a tile's particles start in the tile
+ * or one step before it. tile_left: the first column in which they start, seen
+ * from the tile's first column; tile_wide: how many start in a row. */
 static __host__ __device__ constexpr int tile_left(int o)
 {
     return forward_i(o) > 0 ? -forward_i(o) : 0;
@@ -23,7 +25,8 @@ static __host__ __device__ constexpr int tile_wide(int o)
     return TILE_WIDE + (forward_i(o) < 0 ? -forward_i(o) : forward_i(o));
 }
 
-/* How many those of directions before o are, in a tile so high. */
+/* before[o]: the number of such springs in the directions before o, for a tile
+ * of `high` rows. */
 struct tile_pulls {
     int before[SPRINGS + 1];
     __host__ __device__ constexpr tile_pulls(int high) : before{}
@@ -33,14 +36,14 @@ struct tile_pulls {
     }
 };
 
-/* Of a direction: its first pull, its rows and the place of the first spring.
- */
+/* A direction in a tile: its first pull, the springs in a row, 65536 / wide + 1
+ * for divisions by wide, and the place of its first spring. */
 struct alignas(16) tile_way {
     int pull, wide, over, place;
 };
 
-/* What the threads of a block share: particles with their rim, row by row, and
- * the pull of each spring on the particle that it starts at. */
+/* Shared memory of a block: the particles of the tile and its rim, row by row,
+ * and the pull of each spring on the particle that the spring starts at. */
 template <int HIGH> struct tile {
     enum { PLACES = TILE_ACROSS * (HIGH + 2 * TILE_RIM) };
     enum { PULLS = tile_pulls(HIGH).before[SPRINGS] };
@@ -66,7 +69,7 @@ static __device__ void tile_lead(const struct springs *s, struct tile<HIGH> *a,
     a->law[o] = s->law[o];
 }
 
-/* Place k of the tile whose particle 0 is (i0, j0). */
+/* Loads place k of the tile whose first particle is (i0, j0). */
 template <int HIGH>
 static __device__ void tile_fill(const struct springs *s, struct tile<HIGH> *a,
                                  int i0, int j0, int k)
@@ -100,7 +103,7 @@ static __device__ vec tile_pull(const struct tile<HIGH> *a,
     return scale(f, u);
 }
 
-/* Pull k of all directions'. */
+/* Computes pull k of the tile, counted over all directions. */
 template <int HIGH>
 static __device__ vec tile_pull_of(const struct tile<HIGH> *a, bool damped,
                                    int k)
@@ -119,11 +122,11 @@ static __device__ vec tile_pull_of(const struct tile<HIGH> *a, bool damped,
     return tile_pull(a, &a->law[o], damped, p, q);
 }
 
-/* What the springs pull at particle (i, j) of the tile with. §2: forward and
- * backward spring of each direction in turn. A spring's pull on its far end is
- * exactly the negative of that on its start (§4), up to the sign of a zero,
- * which no sum that starts from +0 shows; for the same reason springs that are
- * not there may add +0. */
+/* §2: the sum of the pulls on particle (i, j) of the tile, for each direction
+ * the forward, then the backward spring. A spring's pull on its far end is the
+ * exact negative of the pull on its start (§4). The sign of a zero may differ,
+ * but no sum that starts from +0 shows this; hence a missing spring may also
+ * add +0. */
 template <int HIGH>
 static __device__ vec tile_force(const struct tile<HIGH> *a, int i, int j)
 {
@@ -139,9 +142,9 @@ static __device__ vec tile_force(const struct tile<HIGH> *a, int i, int j)
     return f;
 }
 
-/* Thread t of a block owns particle (t % TILE_WIDE, t / TILE_WIDE) of it, where
- * there are so many, and hands its force to `to`; all take part in the pulls.
- * Streams that `to` writes are not x or v, which other blocks read. */
+/* Thread t of a block owns particle (t % TILE_WIDE, t / TILE_WIDE) of the tile,
+ * if the tile has that particle, and hands its force to `to`. All threads
+ * compute pulls. `to` must not write x or v, which other blocks still read. */
 template <int HIGH, int THREADS, class To>
 static __global__ void __launch_bounds__(THREADS)
     springs_kernel(struct springs s, int across, To to)
@@ -176,8 +179,8 @@ static void springs_in(struct gpu *g, const struct springs *s, To to)
                   (springs_kernel<HIGH, THREADS, To>), *s, across, to);
 }
 
-/* to.take(p, force) for each particle p. Small grids are short of blocks, large
- * ones of what a block shares. */
+/* Calls to.take(p, force) for each particle p. Small grids get small tiles,
+ * since they have few blocks; in binary64 shared memory limits the tile. */
 template <class To>
 static void springs_to(struct gpu *g, const struct springs *s, To to)
 {

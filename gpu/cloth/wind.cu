@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Drag and lift of each triangle, gathered by its corners.
- * spec/cloth/wind.md */
+/* Drag and lift of each triangle, summed by its corners. spec/cloth/wind.md */
 #include "gpu/base/real.cuh"
 
 extern "C" {
@@ -15,7 +14,7 @@ enum {
     CELLS = CELLS_WIDE * (HIGH + 1)
 };
 
-/* §1: a third of the force on triangle abc. */
+/* §1: a third of the force on triangle abc, the share of each corner. */
 static __device__ vec third(const struct wind *s, int a, int b, int c)
 {
     vec ab = sub(s->x[b], s->x[a]), ac = sub(s->x[c], s->x[a]);
@@ -32,7 +31,8 @@ static __device__ vec third(const struct wind *s, int a, int b, int c)
     return scale(R(1.0 / 3), f);
 }
 
-/* The two triangles of cell (i, j), 0 where it is not there. */
+/* The shares of the two triangles of cell (i, j); 0 if the cell is not
+ * present. */
 static __device__ void fill_cell(const struct wind *s, int i, int j,
                                  vec part[2])
 {
@@ -46,9 +46,9 @@ static __device__ void fill_cell(const struct wind *s, int i, int j,
     part[1] = third(s, p, up + 1, up);
 }
 
-/* Thread t of a block fills cells t and t + 256 of its CELLS, then owns
- * particle (t % WIDE, t / WIDE) of it and writes its force. §2: the cells
- * around a particle by ascending number. */
+/* Thread t of a block computes cells t and t + 256 of its CELLS, then owns
+ * particle (t % WIDE, t / WIDE) and writes the particle's force. §2: the cells
+ * around a particle in ascending order. */
 static __global__ void __launch_bounds__(WIDE *HIGH)
     wind_kernel(struct wind s, int across)
 {

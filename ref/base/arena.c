@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Memory of a world, as ref/base/arena.h says. */
+/* The memory of a world; see ref/base/arena.h. */
 #include "ref/base/arena.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Stands before each stream, as large as its alignment. */
+/* The header in front of each stream. It occupies HEADER bytes, which is also
+ * the alignment of streams. The headers form one doubly linked list. */
 struct arena_block {
     struct arena_block *next, *prev;
-    size_t bytes; /* of the stream */
+    size_t bytes; /* of the stream, without the header */
     enum arena_part part;
 };
 enum { HEADER = 64 };

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Memory of a world: the only place that allocates. Everything is released
- * at once; a stream that must grow is replaced. Counted by part. */
+/* The allocator of a world, and the only place in ref/ that allocates. Streams
+ * are zeroed, aligned, and counted by part. All of them are released together;
+ * a stream that must grow is replaced by a larger one. */
 #ifndef REF_ARENA_H
 #define REF_ARENA_H
 
@@ -10,7 +11,7 @@
 
 #include "spec/drape.h"
 
-/* Whose memory it is, as the plan reports it. */
+/* What a stream is used for; the plan reports bytes by part. */
 enum arena_part {
     ARENA_STATE,
     ARENA_CLOTH,
@@ -20,7 +21,8 @@ enum arena_part {
     ARENA_FRONT,
     ARENA_PAIRS,
     ARENA_RESPONSE,
-    ARENA_SCRATCH, /* of a device's stages; the reference's is in the others */
+    ARENA_SCRATCH, /* of the device's stages; the reference counts scratch in
+                      the other parts */
     ARENA_OTHER,
     ARENA_PARTS
 };
@@ -28,13 +30,15 @@ enum arena_part {
 struct arena {
     drape_allocator allocator;
     struct arena_block *blocks;
-    size_t bytes[ARENA_PARTS]; /* held now */
-    int64_t taken;             /* how often something was */
-    bool failed;               /* an allocation gave nothing since create */
+    size_t bytes[ARENA_PARTS]; /* held now, without headers */
+    int64_t taken;             /* allocations tried since arena_init */
+    bool failed;               /* an allocation has failed; the caller resets
+                                  it */
 };
 
 void arena_init(struct arena *a, const drape_allocator *allocator);
-/* Zeroed, aligned to 64 bytes; NULL and a->failed where there is none. */
+/* Returns a zeroed stream of count items of `size` bytes, aligned to 64 bytes.
+ * If there is no memory, returns NULL and sets a->failed. */
 void *arena_take(struct arena *a, enum arena_part part, int64_t count,
                  size_t size);
 void arena_give(struct arena *a, void *p); /* back; NULL is allowed */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The digest of fingerprints, checkpoints and traces: FNV-1a's shape on words
- * of eight bytes. Against accidents, not against malice. */
+/* The hash of fingerprints, checkpoints and traces: FNV-1a over words of eight
+ * bytes, with an additional shift. The hash detects accidental changes; it is
+ * not cryptographic. */
 #ifndef REF_HASH_H
 #define REF_HASH_H
 

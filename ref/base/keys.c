@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Merge sort from the bottom up. The order is total, so the result does not
- * depend on the method: a device may sort by radix. */
+/* Bottom-up merge sort. The order of keys is total, so every correct sort gives
+ * the same result; the device uses a radix sort. */
 #include "ref/base/keys.h"
 
 #include "ref/base/stage.h"
@@ -14,7 +14,7 @@ static bool less(const struct key *a, const struct key *b)
     return a->item < b->item;
 }
 
-/* Runs [a, m) and [m, e) of `from` into [a, e) of `to`. */
+/* Merges the sorted runs [a, m) and [m, e) of `from` into [a, e) of `to`. */
 static void merge(const struct key *from, struct key *to, int64_t a, int64_t m,
                   int64_t e)
 {

@@ -12,7 +12,8 @@ struct key {
     int64_t item;    /* breaks ties, so that the order is total */
 };
 
-/* Ascending; spare is [n] too. The sorted keys are in the one returned. */
+/* Sorts key [n] in ascending order, with spare [n] as scratch. Returns the
+ * array of the two that holds the sorted keys. */
 struct key *keys_sort(int64_t n, struct key *key, struct key *spare);
 
 #endif

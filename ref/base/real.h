@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The number type of a build and the dozen vector operations.
- * spec/README.md §1 defines each to the last bit. */
+/* The number type of a build, binary32 or binary64, and the operations on
+ * numbers, vectors and symmetric blocks. spec/README.md §1 defines each to the
+ * last bit. */
 #ifndef REF_REAL_H
 #define REF_REAL_H
 
@@ -20,7 +21,7 @@ typedef double real;
 typedef uint64_t real_bits;
 #endif
 
-/* A literal in the build's precision, rounded to nearest. */
+/* The literal x in the build's precision, rounded to nearest. */
 #define R(x) ((real)(x))
 
 /* Largest magnitude of a coordinate or velocity that a stage accepts. */
@@ -35,7 +36,8 @@ typedef struct sym {
     real xx, xy, xz, yy, yz, zz;
 } sym;
 
-/* The second operand on ties and on NaN, like SSE's min and max. */
+/* Minimum and maximum. On a tie, or if an operand is NaN, the result is the
+ * second operand, as with SSE's min and max. */
 static inline real real_min(real a, real b)
 {
     return a < b ? a : b;
@@ -52,11 +54,11 @@ static inline real real_abs(real a)
 
 static inline real real_sqrt(real a)
 {
-    /* IEEE 754 rounds the root correctly: the same bits everywhere. */
+    /* IEEE 754 demands a correctly rounded root: the same bits everywhere. */
     return sizeof a == sizeof(float) ? (real)sqrtf((float)a) : (real)sqrt(a);
 }
 
-/* False for NaN and for what exceeds REAL_BIG. */
+/* Whether |a| ≤ REAL_BIG; false for NaN. */
 static inline bool real_sane(real a)
 {
     return a >= -REAL_BIG && a <= REAL_BIG;
@@ -148,7 +150,7 @@ static inline sym sym_add(sym a, sym b)
     return r;
 }
 
-/* Rows of a times b, each (x + y) + z. */
+/* The product a b; each component is summed as (x + y) + z. */
 static inline vec sym_apply(sym a, vec b)
 {
     return vec_make(a.xx * b.x + a.xy * b.y + a.xz * b.z,

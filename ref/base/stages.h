@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every stage's struct and entry point, in pipeline order. */
+/* Includes the struct and the function ref_X of every stage X. */
 #ifndef REF_STAGES_H
 #define REF_STAGES_H
 

@@ -6,7 +6,8 @@ real ref_sum_finish(int64_t n, real *chunk)
 {
     while (n > 1) {
         int64_t m = sum_chunks(n);
-        /* In place: chunk k of the next level reads no item before k. */
+        /* In place: chunk k of the next level reads items from SUM_CHUNK·k on,
+         * and none of these has been overwritten yet. */
         for (int64_t k = 0; k < m; k++) {
             real s[SUM_CHUNK];
             for (int64_t i = 0; i < SUM_CHUNK; i++) {

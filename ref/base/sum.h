@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stages sum and dot, and the one order of every sum. spec/base/sum.md */
+/* Stages sum and dot, and the order of additions that all sums of drape have.
+ * spec/base/sum.md */
 #ifndef REF_SUM_H
 #define REF_SUM_H
 
@@ -7,13 +8,14 @@
 
 enum { SUM_CHUNK = 256 };
 
-/* Chunks of n items: the reals of scratch that their sum needs. */
+/* The number of chunks of n items. The sum of the items needs as many reals of
+ * scratch. */
 static inline int64_t sum_chunks(int64_t n)
 {
     return (n + SUM_CHUNK - 1) / SUM_CHUNK;
 }
 
-/* §2: the sum of one chunk, halving strides; s is used up. */
+/* §2: the sum of one chunk by halving strides. Overwrites s. */
 static inline real sum_tree(real s[SUM_CHUNK])
 {
     for (int h = SUM_CHUNK / 2; h > 0; h /= 2)
@@ -22,8 +24,8 @@ static inline real sum_tree(real s[SUM_CHUNK])
     return s[0];
 }
 
-/* §3: the sum of n chunk sums, which are used up; 0 where n is 0. A stage
- * that sums what it computes fills its chunks with sum_tree and ends here. */
+/* §3: the sum of n chunk sums; 0 if n is 0. Overwrites chunk. A stage that sums
+ * computed items calls sum_tree for each chunk, then this function. */
 real ref_sum_finish(int64_t n, real *chunk);
 
 struct sum {

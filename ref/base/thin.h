@@ -1,20 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A spring's block in 64 bits, for preconditioners: spec/cloth/blocks.md §5. */
+/* A spring's 3 × 3 block in 64 bits, for the smoothing of multigrid.
+ * spec/cloth/blocks.md §5 */
 #ifndef REF_THIN_H
 #define REF_THIN_H
 
 #include "ref/base/wide.h"
 
-/* size·e eᵀ + all·I, where e has 1/2 on one axis and at most that on the
- * others: way holds the axis and these, in 15 bits each; both, the upper half
- * of each as a binary32, size and all. */
+/* The block is size·e eᵀ + all·I. One component of e is 1/2, the others are in
+ * [-1/2, 1/2]. way: bits 0 and 1 are the axis of the component 1/2; then follow
+ * the next two components, 15 bits each. both: the upper halves, as binary32,
+ * of size (lower 16 bits) and of all (upper 16 bits). */
 struct thin {
     uint32_t way, both;
 };
 
 enum { THIN_HALF = 1 << 14, THIN_MOST = (1 << 15) - 1 };
 
-/* §5: t in [-1/2, 1/2] as whole steps of 2^-15 from -1/2. */
+/* §5: t in [-1/2, 1/2] as an integer, the number of steps of 2^-15 from -1/2.
+ * Outside, and for NaN, the integer of t = 0. */
 static inline uint32_t thin_steps(real t)
 {
     if (!(t >= R(-0.5) && t <= R(0.5)))
@@ -23,7 +26,7 @@ static inline uint32_t thin_steps(real t)
     return m < THIN_MOST ? m : (uint32_t)THIN_MOST;
 }
 
-/* The upper half of a ≥ 0 as a binary32, no more than the largest. */
+/* The upper 16 bits of a ≥ 0 as a binary32, with a capped at 0x1.fep127. */
 static inline uint32_t thin_upper(real a)
 {
     float f = (float)real_min(a, R(0x1.fep127));
@@ -40,7 +43,8 @@ static inline float thin_lower(uint32_t upper)
     return f;
 }
 
-/* c u uᵀ + b I, u of length 1; 0 where c or b is negative or no number. */
+/* The thin block of c u uᵀ + b I, u of length 1. A c or b that is negative or
+ * NaN counts as 0. */
 static inline struct thin thin_make(real c, real b, vec u)
 {
     const real of[5] = {u.x, u.y, u.z, u.x, u.y};
@@ -55,7 +59,7 @@ static inline struct thin thin_make(real c, real b, vec u)
     return t;
 }
 
-/* What a thin block says: the same numbers in either precision. */
+/* The numbers that a thin block encodes; exact in either precision. */
 struct thin_parts {
     real size, all;
     vec e;
@@ -74,7 +78,7 @@ static inline struct thin_parts thin_open(struct thin t)
     return a;
 }
 
-/* Its product with d. */
+/* The product of the block with d. */
 static inline vec thin_apply(struct thin_parts a, vec d)
 {
     return vec_axpy(vec_scale(a.all, d), a.size * vec_dot(a.e, d), a.e);

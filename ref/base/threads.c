@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The threads that parallel loops run on. A part of a loop that no worker has
- * begun is done by the caller, who so waits for nobody that has no processor.
- * Which thread does a part does not show: spec/README.md §1.7. */
-/* For the processors that this thread may have. */
+/* The thread pool of parallel loops. The caller itself runs every part of a
+ * loop that no worker has begun, so the caller never waits for a worker that
+ * has no processor. No result depends on which thread runs a part:
+ * spec/README.md §1.7. */
+/* For sched_getaffinity, the processors that this thread may use. */
 #define _GNU_SOURCE /* NOLINT(bugprone-reserved-identifier) */
 #include "ref/base/threads.h"
 
@@ -12,13 +13,16 @@
 #include <stdint.h>
 #include <unistd.h>
 
-/* Looks before a thread sleeps: some microseconds, as long as waking takes. */
+/* Polls before a thread sleeps: some microseconds, about as long as waking a
+ * thread takes. */
 enum { LOOKS = 4000 };
 
-/* The team whose loops this thread begins, and the part that it is in. */
+/* Of this thread: the pool that runs its loops; the part that it is running
+ * now, number `number` of `count`. */
 static _Thread_local struct threads *team;
 static _Thread_local int number, count = 1;
-static _Thread_local int serial; /* loops in one part that are around it */
+static _Thread_local int serial; /* depth of the enclosing loops that run in
+                                    one part */
 
 int threads_number(void)
 {
@@ -50,7 +54,7 @@ static void run_part(void run(void *data), void *data, int k, int n)
 {
     struct threads *t = team;
     int before = number, of = count, within = serial;
-    team = NULL; /* loops within a part stay in it */
+    team = NULL; /* a loop inside a part is not divided */
     number = k;
     count = n;
     serial = 0;
@@ -66,9 +70,10 @@ static bool has_part(struct threads *t)
     return (uint32_t)atomic_load(&t->ticket) < (uint32_t)t->count;
 }
 
-/* Begins parts until none is left. A ticket is of one loop alone, and a loop
- * does not end before the parts that were begun: who has taken a part may
- * read what it is of. */
+/* Runs parts until all of the loop have begun. A ticket holds the number of its
+ * loop, so an outdated ticket takes no part of a later loop. A loop ends only
+ * after all of its parts, so a thread that has taken a part may read t->run and
+ * t->data. */
 static void run_parts(struct threads *t)
 {
     unsigned long long ticket = atomic_load(&t->ticket);
@@ -103,7 +108,7 @@ static void wait_for_work(struct threads *t)
 static void *work(void *user)
 {
     struct threads *t = user;
-    /* it waits until the team is complete */
+    /* waits until start_workers has set t->count */
     pthread_mutex_lock(&t->lock);
     pthread_mutex_unlock(&t->lock);
     while (!atomic_load(&t->over)) {
@@ -113,7 +118,8 @@ static void *work(void *user)
     return NULL;
 }
 
-/* As many as can be had; a host's signals are not for them. */
+/* Starts t->asked threads, or as many of them as the system allows. Workers
+ * block all signals: signals are for the threads of the host program. */
 static void start_workers(struct threads *t)
 {
     sigset_t all, before;
@@ -127,7 +133,7 @@ static void start_workers(struct threads *t)
     while (n < t->asked && !pthread_create(&t->worker[n], NULL, work, t))
         n++;
     t->count = n;
-    atomic_store(&t->ticket, (unsigned)n); /* of loop 0: nothing to begin */
+    atomic_store(&t->ticket, (unsigned)n); /* loop 0, all parts begun */
     pthread_mutex_unlock(&t->lock);
     pthread_sigmask(SIG_SETMASK, &before, NULL);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The threads that parallel loops run on. They are there within one call of the
- * API alone; one that waits sleeps. spec/README.md §1.7 */
+/* The thread pool of parallel loops. The threads exist only during a call of
+ * the API, and sleep while they have no work. spec/README.md §1.7 */
 #ifndef REF_THREADS_H
 #define REF_THREADS_H
 
@@ -8,43 +8,50 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
-/* More than some, and than twice the processors, and than most, are never
- * started, however many are asked for: they would only take memory. */
+/* The size of a pool is at most twice the number of processors, but at least
+ * THREADS_SOME and never above THREADS_MOST: more threads would only take
+ * memory. */
 enum { THREADS_SOME = 8, THREADS_MOST = 1024 };
 
-/* The team of a thread that called the API, between begin and end. */
+/* The pool of a thread that has called the API, between threads_begin and
+ * threads_end. */
 struct threads {
-    struct threads *outer; /* the caller's before, as calls may nest */
-    int asked;             /* threads, the caller's own among them */
-    int count;             /* that there are; 0: not looked for yet */
+    struct threads *outer; /* the caller's previous pool, as calls may nest;
+                              or NULL */
+    int asked;             /* threads wanted, with the caller */
+    int count;             /* threads there are, with the caller; 0: workers
+                              not started yet */
     pthread_t worker[THREADS_MOST];
 
-    /* The loop under way, in `count` parts. */
+    /* The loop that is running, in `count` parts. */
     void (*run)(void *data);
     void *data;
     atomic_ullong ticket; /* the loop's number · 2^32 + parts begun */
-    atomic_int left;      /* parts not ended */
+    atomic_int left;      /* parts that have not ended */
 
-    pthread_mutex_t lock; /* of those who sleep */
+    pthread_mutex_t lock; /* of the conditions, for threads that sleep */
     pthread_cond_t work, done;
-    atomic_int asleep;   /* workers */
-    atomic_bool waiting; /* the caller */
+    atomic_int asleep;   /* workers that sleep */
+    atomic_bool waiting; /* the caller sleeps */
     atomic_bool over;
 };
 
-/* Loops of this thread take up to `threads` threads, 0: as many as it may have
- * processors, until threads_end. Fewer where no more can be had. */
+/* Until threads_end, loops of this thread run on up to `threads` threads; 0: as
+ * many as there are processors for the thread. Fewer threads are used if the
+ * system allows fewer. */
 void threads_begin(struct threads *t, int threads);
 void threads_end(struct threads *t);
 
-/* What gcc calls for a loop: `run` once for each part, of which threads_number
- * says which it is and threads_count how many there are. `most` 1: in one part.
- * The Makefile gives its calls these names; clang's are in threads_clang.c. */
+/* Runs a parallel loop: calls run(data) once for each part. In the call,
+ * threads_number is the part's number and threads_count the number of parts.
+ * most = 1: one part only. The Makefile renames gcc's calls of its OpenMP
+ * library to these functions; those of clang are in threads_clang.c. */
 void threads_parallel(void run(void *data), void *data, unsigned most,
                       unsigned flags);
 int threads_number(void);
 int threads_count(void);
-/* 1 before and -1 after what is a loop in one part of its own. */
+/* Called with 1 before and with -1 after a loop that runs in one part: between,
+ * the part has number 0 of 1. */
 void threads_serial(int by);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What clang calls for the parallel loops of ref/: the same as
- * ref/base/threads.c has for gcc, by the interface of LLVM's OpenMP runtime.
- * The Makefile gives the calls these names. */
+/* The functions that clang calls for the parallel loops of ref/, with the
+ * interface of LLVM's OpenMP library; they run on the pool of
+ * ref/base/threads.c. The Makefile renames clang's calls to these names. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -10,7 +10,8 @@
 
 typedef void micro(int32_t *, int32_t *, ...);
 
-/* Of a loop: the function of a part and the addresses of what it shares. */
+/* A loop: the function of one part, and the addresses of the variables that the
+ * parts share. */
 enum { SHARED = 16 };
 struct call {
     micro *run;
@@ -18,8 +19,8 @@ struct call {
     void *at[SHARED];
 };
 
-/* where: of the source, for messages; thread: what threads_global gave. Both
- * are not needed here. */
+/* where: the place in the source, for messages; thread: the result of
+ * threads_global. Neither is used here. */
 void threads_fork(void *where, int32_t n, micro *run, ...);
 int32_t threads_global(void *where);
 void threads_serialized(void *where, int32_t thread);
@@ -89,7 +90,8 @@ static void call(void *data)
         CALL(14);
         CALL(15);
         CALL(16);
-    default: /* no loop of ref/ shares more: its results would miss */
+    default: /* no loop of ref/ shares more variables; such a loop would not
+                run at all, which every test of it shows */
         break;
     }
 }
@@ -126,8 +128,9 @@ void threads_end_serialized(void *where, int32_t thread)
     threads_serial(-1);
 }
 
-/* From lower to upper, both included, to those of this thread's part. `kind` is
- * static, as all of ours are, of one run of items a part. */
+/* Narrows the iterations lower … upper, both included, to those of this
+ * thread's part. `kind` is always the static schedule with one run of
+ * iterations a part, the only schedule in ref/. */
 #define STATIC_INIT(name, type)                                                \
     void name(void *where, int32_t thread, int32_t kind, int32_t *last,        \
               type *lower, type *upper, type *stride, type by, type chunk);    \
@@ -159,8 +162,9 @@ void threads_fini(void *where, int32_t thread)
     (void)thread;
 }
 
-/* Parts add what they found to the whole one after the other: 1 says that the
- * caller is to do it, and then to end. */
+/* A reduction. The parts add their sums to the shared sum one after the other,
+ * under a lock: the result 1 tells the caller to add, then to call
+ * threads_end_reduce. */
 static pthread_mutex_t adding = PTHREAD_MUTEX_INITIALIZER;
 
 int32_t threads_reduce(void *where, int32_t thread, int32_t n, size_t size,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The trace of a run: what each stage gave, and how long it took. Off (a NULL
- * pointer), it costs a comparison a stage. */
+/* The trace of a run: a hash of each stage's output, and the time of the stage.
+ * A NULL trace is off and costs one comparison a stage. */
 #ifndef REF_TRACE_H
 #define REF_TRACE_H
 
@@ -12,10 +12,10 @@ struct trace {
     drape_trace *call;
     void *user;
     int64_t step;
-    double last; /* s, when the stage before ended */
+    double last; /* s, the end of the stage before */
 };
 
-/* A stage has ended and given out[bytes]. */
+/* Called at the end of a stage, whose output is out[bytes]. */
 static inline void trace_stage(struct trace *t, const char *stage,
                                const void *out, size_t bytes)
 {

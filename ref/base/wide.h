@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Vectors of binary64 in either build, for geometry that cancels. */
+/* Vectors of binary64 in either build, for sums and differences that would lose
+ * too much in binary32. */
 #ifndef REF_WIDE_H
 #define REF_WIDE_H
 

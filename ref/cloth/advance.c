@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Explicit updates, and how small their steps must be.
- * spec/cloth/advance.md */
+/* The update of the explicit methods, and the number of substeps that is
+ * stable. spec/cloth/advance.md */
 #include "ref/cloth/advance.h"
 
 int ref_advance(struct advance *s)

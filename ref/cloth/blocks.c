@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One positive semidefinite block a spring. spec/cloth/blocks.md */
+/* Computes a positive semidefinite 3 × 3 block for each spring.
+ * spec/cloth/blocks.md */
 #include "ref/cloth/blocks.h"
 
 #include "ref/cloth/law.h"
 
-/* §2: c u uᵀ + b I, where c = a − b. */
+/* §1: the block c u uᵀ + b I, where c = a − b and u is the direction. */
 struct parts {
     real b, c;
     vec u;

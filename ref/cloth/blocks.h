@@ -9,18 +9,18 @@
 
 struct blocks {
     int64_t count;          /* particles */
-    int32_t m;              /* along i */
+    int32_t m;              /* particles along i */
     int64_t laws;           /* SPRINGS */
     const struct law *law;  /* [laws] */
     const uint8_t *springs; /* [count] bit o: forward spring o is there */
     const vec *x;           /* [count] m */
     real tau;               /* s, > 0 */
     sym *block; /* out: [SPRINGS·count] kg, spring o of p at o·count + p */
-    int64_t n_thin;    /* SPRINGS·count, or 0: not wanted */
-    struct thin *thin; /* out: [n_thin] the same in brief, §5 */
+    int64_t n_thin;    /* SPRINGS·count, or 0: no thin blocks */
+    struct thin *thin; /* out: [n_thin] the same blocks in 64 bits, §5 */
 };
 
-/* DRAPE_OK. What is not finite stays so. */
+/* Returns DRAPE_OK. Values that are not finite propagate. */
 int ref_blocks(struct blocks *s);
 
 #endif

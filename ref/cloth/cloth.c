@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The cloth model: masks, triangles, masses, laws. spec/cloth/cloth.md */
+/* Builds the cloth model: masks, triangles, masses and force laws.
+ * spec/cloth/cloth.md */
 #include "ref/cloth/cloth.h"
 
 #include "ref/cloth/law.h"
@@ -9,7 +10,8 @@ static bool absent(const drape_cloth *d, int64_t p)
     return d->hole && d->hole[p];
 }
 
-/* §1: cell (i, j) is there iff it is not cut and has its four corners. */
+/* §1: cell (i, j) is present iff it is not cut and no corner of it is a
+ * hole. */
 static bool has_cell(const drape_cloth *d, int64_t i, int64_t j)
 {
     if (i < 0 || j < 0 || i >= d->m - 1 || j >= d->n - 1)
@@ -21,12 +23,13 @@ static bool has_cell(const drape_cloth *d, int64_t i, int64_t j)
            !absent(d, p + d->m + 1);
 }
 
-/* Stiffness a width of the springs along u, v and each diagonal, §4. */
+/* §4: the shares of the springs along u, v and each diagonal in the stiffness
+ * per width, N/m, or in the bending stiffness, N·m. */
 struct share {
     double u, v, diagonal;
 };
 
-/* Oblong cells: cos² and sin² of the diagonal's angle to u. */
+/* cos² and sin² of the angle between a cell's diagonal and u. */
 struct angle {
     double c2, s2;
 };
@@ -54,8 +57,9 @@ static struct share bending(const drape_material *a, struct angle t)
     return s;
 }
 
-/* One direction's law, §4: half the stretch goes to single springs of the
- * given length, half to double ones, which take the bending too. */
+/* §4: sets the law of direction o. Half of the stiffness goes to single
+ * springs, half to double springs, which also get the bending. length: of a
+ * single spring, m. */
 static void set_law(struct cloth *c, int o, double length, double stretch,
                     double bend)
 {
@@ -64,7 +68,7 @@ static void set_law(struct cloth *c, int o, double length, double stretch,
     bool two = o >= SPRINGS_SINGLE;
     double rest = two ? 2 * length : length;
     double k = 0.5 * stretch * area / (rest * rest);
-    double press = two ? 4 * k : k; /* of the single spring along it */
+    double press = two ? 4 * k : k; /* of the single springs along it */
     double b = two && bend > 0 ? bend * area / (rest * rest * rest) : 0;
     double slope = LAW_STEEPEST * b / rest;
     *a = (struct law){.k = (real)k, .press = (real)press};
@@ -103,7 +107,8 @@ int ref_cloth_size(const drape_cloth *d, struct cloth *c)
     return DRAPE_OK;
 }
 
-/* §2: the single springs of particle (i, j), by the cells beside them. */
+/* §2: the mask of the single springs that start at particle (i, j). A spring is
+ * present iff a cell beside it is. */
 static uint8_t single_springs(const drape_cloth *d, int64_t i, int64_t j)
 {
     bool here = has_cell(d, i, j);
@@ -112,7 +117,8 @@ static uint8_t single_springs(const drape_cloth *d, int64_t i, int64_t j)
                      left << 3);
 }
 
-/* §2: a double spring is where both its halves are. */
+/* §2: the mask of all springs. A double spring is present iff the two single
+ * springs along it are. */
 static uint8_t all_springs(const drape_cloth *d, int64_t i, int64_t j)
 {
     uint8_t one = single_springs(d, i, j), mask = one;
@@ -134,7 +140,7 @@ static void fill_particle(const drape_cloth *d, struct cloth *c, int64_t p)
     c->mass[p] = (real)cells * (R(0.25) * c->cell_mass);
 }
 
-/* Sum of the bounds on the stiffness of all springs at p. */
+/* §6: sum of the stiffness bounds, N/m, of all springs at p. */
 static double stiffness(const struct cloth *c, int64_t p)
 {
     int64_t j = p / c->m, i = p % c->m;
@@ -151,7 +157,8 @@ static double stiffness(const struct cloth *c, int64_t p)
     return k;
 }
 
-/* §6: twice that by the mass, the largest. */
+/* §6: the bound of Gershgorin on the eigenvalues of M⁻¹K: the maximum over the
+ * free particles of twice the stiffness by the mass. */
 static double gershgorin(const struct cloth *c)
 {
     double bound = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The cloth model: a grid of particles, cells and springs, and a material
- * turned into spring constants. spec/cloth/cloth.md */
+/* The cloth model: a grid of particles, cells and springs, with spring
+ * constants that follow from the material. spec/cloth/cloth.md */
 #ifndef REF_CLOTH_H
 #define REF_CLOTH_H
 
@@ -11,35 +11,36 @@ enum { SPRINGS = 8, SPRINGS_SINGLE = 4 };
 static const int8_t spring_di[SPRINGS] = {1, 0, 1, -1, 2, 0, 2, -2};
 static const int8_t spring_dj[SPRINGS] = {0, 1, 1, 1, 0, 2, 2, 2};
 
-/* Why a particle has no freedom; 0: it has. */
+/* Why a particle does not move freely; 0: the particle is free. */
 enum { CLOTH_PINNED = 1, CLOTH_ABSENT = 2 };
 
-/* One direction's springs, §4: linear in tension, linear in compression down
- * to the knee, buckled below it. Single springs have their knee at 0. */
+/* §5: the force law of the springs of one direction: linear in tension, linear
+ * in compression down to the knee, buckled below the knee. Single springs never
+ * buckle: their knee is 0. */
 struct law {
     real k;     /* N/m, along the spring, in tension */
     real press; /* N/m, in compression: c_b of a double spring */
     real rest;  /* m, > 0 */
-    real knee;  /* m, 0 … rest */
+    real knee;  /* m, shorter springs are buckled; 0 … rest */
     real bend;  /* N, k_b / rest² of a double spring; 0 for a single one */
     real damp;  /* N·s/m, along the spring */
-    real stiff; /* N/m, no slope of the tension exceeds it, §5 */
-    real well;  /* J, so that the energy is continuous at the knee */
+    real stiff; /* N/m, bound on the slope of the tension, §6 */
+    real well;  /* J, makes the energy continuous at the knee */
 };
 
 struct cloth {
     int32_t m, n;        /* particles along i and j */
     int64_t count;       /* m·n */
-    int64_t n_triangles; /* two a present cell */
-    real hu, hv;         /* m, cell at rest */
-    real cell_mass;      /* kg */
+    int64_t n_triangles; /* two for each present cell */
+    real hu, hv;         /* m, sides of a cell at rest */
+    real cell_mass;      /* kg, of a present cell */
     real beta;           /* s, damping / stiffness */
     struct law law[SPRINGS];
-    double bound;     /* out: 1/s², on the eigenvalues of M⁻¹K, §6 */
-    int64_t n_pinned; /* out: particles */
+    double bound;     /* out: 1/s², bound of the eigenvalues of M⁻¹K, §6 */
+    int64_t n_pinned; /* out: pinned particles */
 
-    uint8_t *cell;     /* out: [count] 1: the cell with lower corner p is */
-    uint8_t *springs;  /* out: [count] bit o: forward spring o is */
+    uint8_t *cell;     /* out: [count] 1: cell with lower corner p is present */
+    uint8_t *springs;  /* out: [count] bit o: forward spring o is present */
     uint8_t *fixed;    /* out: [count] 0, CLOTH_PINNED or CLOTH_ABSENT */
     real *mass;        /* out: [count] kg; 0 for absent particles */
     int32_t (*tri)[3]; /* out: [n_triangles] scene vertices */
@@ -51,17 +52,18 @@ static inline int32_t cloth_row(int64_t p, int32_t m)
     return (int32_t)(p / m);
 }
 
-/* First of two calls: sizes and laws. DRAPE_OK, or DRAPE_EARG if the cells
- * are too oblong for the shear stiffness (§4). def is checked but for that. */
+/* First of two calls: sets the sizes and the laws of c. Returns DRAPE_OK, or
+ * DRAPE_EARG if the cells are too oblong for the shear stiffness (§4).
+ * Everything else in def has been checked before. */
 int ref_cloth_size(const drape_cloth *def, struct cloth *c);
 
-/* Second call: fills the streams that the caller gave; base is the scene's
- * number of particle 0. DRAPE_OK, or DRAPE_EARG if an absent particle is
- * pinned. */
+/* Second call: fills the streams, which the caller has allocated. base: the
+ * scene's index of particle 0. Returns DRAPE_OK, or DRAPE_EARG if an absent
+ * particle is pinned. */
 int ref_cloth_fill(const drape_cloth *def, struct cloth *c, int64_t base);
 
-/* The start state: x, v [count]. DRAPE_OK, or DRAPE_EDATA if a position or
- * velocity leaves ±2^60. */
+/* Writes the start state x, v [count]. Returns DRAPE_OK, or DRAPE_EDATA if a
+ * coordinate or velocity is NaN or outside ±2^60. */
 int ref_cloth_start(const drape_cloth *def, vec *x, vec *v);
 
 #endif

@@ -5,7 +5,8 @@
 #include "ref/base/sum.h"
 #include "ref/cloth/law.h"
 
-/* §1: of the forward springs, so that each counts once. */
+/* §1: the elastic energy of the forward springs of p. So each spring counts
+ * once. */
 static real elastic(const struct energy *s, int64_t p)
 {
     real e = 0;

@@ -7,7 +7,7 @@
 
 struct energy {
     int64_t count;          /* particles */
-    int32_t m;              /* along i */
+    int32_t m;              /* particles along i */
     int64_t laws;           /* SPRINGS */
     const struct law *law;  /* [laws] */
     const uint8_t *springs; /* [count] bit o: forward spring o is there */
@@ -16,10 +16,10 @@ struct energy {
     vec gravity;            /* m/s² */
     int64_t n_chunks;       /* sum_chunks(count) */
     real *chunk;            /* scratch: [3·n_chunks] */
-    real value[3];          /* out: kinetic, elastic, of gravity, J */
+    real value[3];          /* out: J, kinetic, elastic, of gravity */
 };
 
-/* DRAPE_OK. A NaN or an overflow shows in the values. */
+/* Returns DRAPE_OK. A NaN or an overflow shows in the values. */
 int ref_energy(struct energy *s);
 
 #endif

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Before and after the linear solve of an implicit step.
+/* The stages before and after the linear solve of an implicit step.
  * spec/cloth/implicit.md */
 #include "ref/cloth/implicit.h"
 
-/* (x0 - xp) / 3: what the past moves x by. */
+/* (x - xp) / 3: the share of the step before in the second-order method. */
 static vec drift(vec x, vec xp)
 {
     return vec_scale(R(1.0 / 3), vec_sub(x, xp));
@@ -31,7 +31,8 @@ int ref_predict(struct predict *s)
     return DRAPE_OK;
 }
 
-/* Σ block·(q_p − q_other), forward and backward of each direction. */
+/* §2: Σ block·(q_p − q_other) over the springs of p, for each direction the
+ * forward, then the backward spring. */
 static vec pulls(const struct rhs *s, int64_t p, int32_t i, int32_t j)
 {
     vec f = vec_make(0, 0, 0), here = s->q[p];

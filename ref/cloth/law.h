@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The one force law of a spring: tension, its slope and its energy, as
- * functions of the length. spec/cloth/cloth.md §5, after Choi–Ko 2002 §4. */
+/* The force law of a spring: its tension, the slope of the tension, and its
+ * energy, as functions of the length. spec/cloth/cloth.md §5, after Choi–Ko
+ * 2002 §4. */
 #ifndef REF_LAW_H
 #define REF_LAW_H
 
@@ -17,7 +18,7 @@ static inline real law_s(real q)
     return real_sqrt(q + R(LAW_SHIFT));
 }
 
-/* P, Horner from the highest power. */
+/* P(t) by Horner's rule. */
 static inline real law_p(real t)
 {
     real r = R(0.94535780075);
@@ -53,18 +54,18 @@ static inline real law_ip(real t)
     return r * t;
 }
 
-/* Compression of a buckled spring of length q·rest, q in [0, 1], as a part
- * of `bend`: 12 at the rest length, 4π² at none. */
+/* §5: the compressive force of a buckled spring of length q·rest, q in [0, 1],
+ * divided by `bend`: 12 at q = 1, 4π² at q = 0. */
 static inline real law_g(real q)
 {
     real s = law_s(q);
     return law_p(s - R(LAW_MIDDLE)) / s;
 }
 
-/* Length of a double spring's knee as a part of its rest length, §5: the
- * largest root of stiff·(q − 1) + g(q), stiff = press·rest / bend;
- * 0: none.
- * g is convex, so Newton from 1 comes down to that root and not below. */
+/* §5: the knee of a double spring divided by its rest length: the largest root
+ * of stiff·(q − 1) + g(q), stiff = press·rest / bend; 0 if there is no root.
+ * The function is convex, so Newton's method from q = 1 descends to that root
+ * and never passes it. */
 static inline real law_knee(real stiff)
 {
     real q = 1;
@@ -79,7 +80,7 @@ static inline real law_knee(real stiff)
     return q;
 }
 
-/* Fills knee and well from the rest. */
+/* Sets knee and well from the other members. two: a double spring. */
 static inline void law_set_knee(struct law *a, bool two)
 {
     a->knee = a->well = 0;
@@ -93,7 +94,7 @@ static inline void law_set_knee(struct law *a, bool two)
     a->well = R(0.5) * a->press * d * d + a->bend * a->rest * (2 * law_ip(t));
 }
 
-/* The constant of a spring that is not buckled. */
+/* The spring constant, N/m, of a spring that is not buckled. */
 static inline real law_constant(const struct law *a, real length)
 {
     return length >= a->rest ? a->k : a->press;

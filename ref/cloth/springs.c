@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The force on each particle: its springs, wind, weight.
+/* The force on each particle: of its springs, of wind and of gravity.
  * spec/cloth/springs.md */
 #include "ref/cloth/springs.h"
 
 #include "ref/cloth/law.h"
 
-/* §1: the pull on p of a spring to q; d = x_q - x_p. Exactly opposite for
- * p and q exchanged. */
+/* §1: the pull on p of a spring to q. §4: the pull on q is its exact
+ * negative. */
 static vec pull(const struct springs *s, const struct law *a, int64_t p,
                 int64_t q)
 {
@@ -21,8 +21,9 @@ static vec pull(const struct springs *s, const struct law *a, int64_t p,
     return vec_scale(f, u);
 }
 
-/* The particle that spring k of p = (i, j) leads to, or -1: forward and
- * backward spring of each direction in turn, §2. */
+/* §2: the particle at the other end of spring k of p = (i, j); -1 if that
+ * spring is not present. Spring 2·o is the forward, 2·o + 1 the backward one of
+ * direction o. */
 static int64_t other_end(const struct springs *s, int64_t p, int32_t i,
                          int32_t j, int k)
 {

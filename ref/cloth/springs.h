@@ -21,7 +21,7 @@ struct springs {
     vec *force;             /* out: [count] N */
 };
 
-/* DRAPE_OK. What is not finite stays so. */
+/* Returns DRAPE_OK. Values that are not finite propagate. */
 int ref_springs(struct springs *s);
 
 #endif

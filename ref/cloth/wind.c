@@ -3,7 +3,7 @@
  * spec/cloth/wind.md */
 #include "ref/cloth/wind.h"
 
-/* §1: a third of the force on triangle abc. */
+/* §1: a third of the force on triangle abc, the share of each corner. */
 static vec third(const struct wind *s, int64_t a, int64_t b, int64_t c)
 {
     vec ab = vec_sub(s->x[b], s->x[a]), ac = vec_sub(s->x[c], s->x[a]);
@@ -20,7 +20,8 @@ static vec third(const struct wind *s, int64_t a, int64_t b, int64_t c)
     return vec_scale(R(1.0 / 3), f);
 }
 
-/* §2: the parts of the cells around p, by ascending cell. */
+/* §2: adds the shares of p in the triangles around it, in ascending order of
+ * their cells. */
 static vec gather(const struct wind *s, int64_t p, int32_t i, int32_t j)
 {
     const vec *part = s->part;

@@ -8,15 +8,16 @@
 struct wind {
     int32_t m, n;        /* particles along i and j */
     int64_t count;       /* m·n */
-    const uint8_t *cell; /* [count] 1: the cell with lower corner p is */
+    const uint8_t *cell; /* [count] 1: cell with lower corner p is present */
     const vec *x, *v;    /* [count] m, m/s */
-    vec air;             /* m/s */
+    vec air;             /* m/s, velocity of the air */
     real drag, lift;     /* kg/m³, half the air's density × coefficient */
-    vec *part;           /* scratch: [2·count] N, a third of a triangle's */
+    vec *part;           /* scratch: [2·count] N, a third of each triangle's
+                            force */
     vec *force;          /* out: [count] N */
 };
 
-/* DRAPE_OK. What is not finite stays so. */
+/* Returns DRAPE_OK. Values that are not finite propagate. */
 int ref_wind(struct wind *s);
 
 #endif

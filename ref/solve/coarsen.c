@@ -4,34 +4,36 @@
 
 #include "ref/solve/jacobi.h"
 
-/* §2: `weight` sixteenths of fine block o of the particle at (di, dj) from
- * the coarse one's place. */
+/* §2: one term of a coarse block: weight/16 times block o of the fine particle
+ * at (di, dj) from the place of the coarse particle. */
 struct term {
     int8_t o, di, dj, weight;
 };
 
-/* AROUND: origins of springs that may reach a coarse particle. */
+/* TERMS: the capacity of a recipe. AROUND: how many fine particles may have a
+ * forward spring that contributes to a coarse particle. */
 enum { TERMS = 64, AROUND = 7 * 5 };
 
-/* The terms of one coarse direction. */
+/* The terms of the coarse blocks of one direction, away from cuts. */
 struct recipe {
     int terms;
     struct term term[TERMS];
 };
 
-/* weight_of where nothing is cut. */
+/* weight_of for a particle with rule 0, away from cuts. */
 static int hat(int di, int dj)
 {
     return weight_of(0, di, dj);
 }
 
-/* §2: the rule of the particle at (i, j), from the blocks to its right and
- * above: a tie is a block that is not 0. */
+/* §2: whether a block couples two particles, that is, is not 0. */
 static bool tied(sym b)
 {
     return b.xx != 0 || b.yy != 0 || b.zz != 0;
 }
 
+/* §2: the rule of the particle at (i, j). right, up: the blocks of the
+ * directions (1, 0) and (0, 1). */
 static uint8_t rule_of(int32_t m, int32_t n, int32_t i, int32_t j,
                        const sym *right, const sym *up)
 {
@@ -44,8 +46,9 @@ static uint8_t rule_of(int32_t m, int32_t n, int32_t i, int32_t j,
     return (uint8_t)rule;
 }
 
-/* §2: weights -(wᵢ - wᵢ')(wⱼ - wⱼ') of all springs for a pair of coarse
- * particles, the second (ci, cj) steps from the first. */
+/* §2: the recipe for a pair of coarse particles, the second (ci, cj) steps from
+ * the first: the non-zero weights -(w_pI - w_qI)(w_pJ - w_qJ) over all fine
+ * springs (p, q). */
 static struct recipe recipe_of(int springs, const int8_t *si, const int8_t *sj,
                                int ci, int cj)
 {
@@ -75,7 +78,7 @@ static sym add_scaled(sym a, real w, sym b)
     return a;
 }
 
-/* The sum of a recipe at coarse (i, j). */
+/* §2: the sum of a recipe's terms for coarse particle (i, j). */
 static sym cook(const struct coarsen *s, const struct recipe *r, int32_t i,
                 int32_t j)
 {
@@ -93,7 +96,8 @@ static sym cook(const struct coarsen *s, const struct recipe *r, int32_t i,
     return sum;
 }
 
-/* Four times the weight of coarse (ci, cj) in fine (x, y). */
+/* Four times the weight of coarse particle (ci, cj) in the interpolation to
+ * fine particle (x, y). */
 static int weight(const struct coarsen *s, int32_t x, int32_t y, int32_t ci,
                   int32_t cj)
 {
@@ -102,7 +106,8 @@ static int weight(const struct coarsen *s, int32_t x, int32_t y, int32_t ci,
     return weight_of(s->rule[x + (int64_t)s->m * y], x - 2 * ci, y - 2 * cj);
 }
 
-/* Spring o of particle (x, y), seen from coarse (i, j), to all its pairs. */
+/* Adds the terms of spring o of fine particle (x, y) to the blocks of all pairs
+ * of coarse particle (i, j). at: i, j, x, y. */
 static void cook_spring(const struct coarsen *s, const int32_t at[4], int o,
                         sym sum[STENCIL])
 {
@@ -123,7 +128,8 @@ static void cook_spring(const struct coarsen *s, const int32_t at[4], int o,
     }
 }
 
-/* §2: the same as cook, in the same order, where something is cut. */
+/* §2: the same terms in the same order near a cut, where the weights follow
+ * from the rules and not from a recipe. */
 static void cook_cut(const struct coarsen *s, int32_t i, int32_t j,
                      sym sum[STENCIL])
 {
@@ -134,7 +140,8 @@ static void cook_cut(const struct coarsen *s, int32_t i, int32_t j,
     }
 }
 
-/* Whether a particle that matters to coarse (i, j) has a rule. */
+/* Whether a fine particle that contributes to coarse particle (i, j) has a rule
+ * other than 0. */
 static bool is_cut(const struct coarsen *s, int32_t i, int32_t j)
 {
     for (int32_t y = 2 * j - 3; y <= 2 * j + 5; y++)
@@ -145,8 +152,9 @@ static bool is_cut(const struct coarsen *s, int32_t i, int32_t j)
     return false;
 }
 
-/* §2: what the fine excess gives to the pair: -wᵢ wⱼ, and to (i, j) itself:
- * wᵢ, each over the particles around (i, j). */
+/* §2: what the fine excesses around coarse particle (i, j) contribute: to the
+ * block of the pair with (i + ci, j + cj), weighted by -w_I w_J, or, with ci =
+ * cj = 0, to the coarse excess of (i, j), weighted by w_I. */
 static sym share(const struct coarsen *s, int32_t i, int32_t j, int ci, int cj)
 {
     sym sum = {0, 0, 0, 0, 0, 0};
@@ -182,7 +190,7 @@ static void gather_node(const struct coarsen *s, const struct recipe *recipe,
     }
 }
 
-/* §3: the diagonal block, in binary64. */
+/* §3: sums the diagonal block in binary64 and factors it; then the rule. */
 static void factor_node(const struct coarsen *s, int32_t i, int32_t j)
 {
     int32_t m = coarse_size(s->m), n = coarse_size(s->n);
@@ -227,7 +235,7 @@ int ref_coarsen(struct coarsen *s)
     return DRAPE_OK;
 }
 
-/* §1: particle p at (i, j). */
+/* §1: the excess, the live springs and the rule of particle (i, j). */
 static void excess_node(const struct excess *s, int32_t i, int32_t j)
 {
     int64_t p = i + (int64_t)s->m * j;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The coarsest grid by a dense factorisation. spec/solve/multigrid.md §5 */
+/* Solves the coarsest grid by a dense factorisation in binary64.
+ * spec/solve/multigrid.md §5 */
 #include "ref/solve/coarsest.h"
 
 #include "ref/solve/coarsen.h"
@@ -34,7 +35,8 @@ static void fill(const struct coarsest *l, double *a)
     }
 }
 
-/* L D Lᵀ below the diagonal of a; 1/D in inverse, 0 where D is noise. */
+/* Factors a = L D Lᵀ in place: L below the diagonal of a, 1/D in inverse. A
+ * pivot that is only rounding error has 0 in inverse. */
 static void factor(int n, double *a, double *inverse)
 {
     double trace = 0;

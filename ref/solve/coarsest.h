@@ -6,21 +6,22 @@
 
 #include "ref/base/real.h"
 
-/* It has at most so many particles: 48 unknowns. */
+/* Particles and unknowns of the coarsest grid, at most. */
 enum { COARSEST = 16, DENSE = 3 * COARSEST };
 
 struct coarsest {
-    int32_t m, n;      /* the grid */
+    int32_t m, n;      /* particles along i and j */
     int64_t count;     /* m·n ≤ COARSEST */
     const sym *excess; /* [count] kg */
     const sym *block;  /* [STENCIL·count] kg */
-    double *dense;     /* [DENSE·(DENSE + 1)] L below 1/D in the last row */
+    double *dense;     /* [DENSE·(DENSE + 1)] DENSE rows of L, a row of 1/D */
 };
 
 /* Fills dense with L and 1/D. */
 void coarsest_factor(const struct coarsest *s);
 
-/* z [count] = A⁻¹ b, 0 along what has no stiffness. */
+/* Solves A z = b, z [count]. An unknown whose pivot was too small counts as
+ * having 1/D = 0. */
 void coarsest_solve(const struct coarsest *s, const vec *b, vec *z);
 
 #endif

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Block-Jacobi preconditioner. spec/solve/jacobi.md */
+/* The block-Jacobi preconditioner: factored diagonal blocks.
+ * spec/solve/jacobi.md */
 #include "ref/solve/jacobi.h"
 
-/* A pivot below this share of the trace is noise of the rounded blocks. */
+/* §2: a pivot below this share of the trace is rounding error of the blocks. */
 #if REAL_BITS == 32
 static const double noise = 0x1p-26;
 #else

@@ -15,13 +15,13 @@ struct jacobi {
     const sym *extra;        /* [n_extra] kg */
     int64_t n_blocks;        /* SPRINGS·count */
     const sym *block;        /* [n_blocks] kg, spring o of p at o·count + p */
-    int64_t n_thin;          /* SPRINGS·count, or 0: the blocks are read */
-    const struct thin *thin; /* [n_thin] kg, read in their place */
+    int64_t n_thin;          /* SPRINGS·count, or 0: none, block is read */
+    const struct thin *thin; /* [n_thin] kg, read in place of block */
     const uint8_t *fixed;    /* [count] not 0: the factor is 0 */
-    sym *factor;             /* out: [count] 1/kg on its diagonal, §2 */
+    sym *factor;             /* out: [count] 1/D, in 1/kg, and L; §2 */
 };
 
-/* DRAPE_OK. */
+/* Returns DRAPE_OK. */
 int ref_jacobi(struct jacobi *s);
 
 /* A symmetric block summed in binary64, xx xy xz yy yz zz; §1. */
@@ -40,7 +40,7 @@ static inline struct wide_sym wide_sym_add(struct wide_sym d, sym b)
     return d;
 }
 
-/* The same of a thin block, whose products are exact. */
+/* Adds a thin block. The products are exact in binary64. */
 static inline struct wide_sym wide_sym_thin(struct wide_sym d, struct thin t)
 {
     struct thin_parts a = thin_open(t);
@@ -55,10 +55,10 @@ static inline struct wide_sym wide_sym_thin(struct wide_sym d, struct thin t)
     return d;
 }
 
-/* §2: L D Lᵀ = d as 1/D on the diagonal and L below it. */
+/* §2: factors d = L D Lᵀ. Returns 1/D on the diagonal and L beside it. */
 sym ref_factor(struct wide_sym d);
 
-/* §3: the solution of L D Lᵀ z = r; 0 where the factor is. */
+/* §3: solves L D Lᵀ z = r; z = 0 if the factor is 0. */
 static inline vec factor_solve(sym f, vec r)
 {
     real y = r.y - f.xy * r.x;

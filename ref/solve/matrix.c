@@ -35,7 +35,7 @@ static sym diagonal(const struct matrix *s, int32_t i, int32_t j)
     return d;
 }
 
-/* 0 - b, so that what is missing is +0 and not -0. */
+/* 0 - b and not -b, so that a missing block gives +0. */
 static mat negate(sym b)
 {
     mat a = {vec_make(0 - b.xx, 0 - b.xy, 0 - b.xz),
@@ -44,7 +44,7 @@ static mat negate(sym b)
     return a;
 }
 
-/* §3: row p of all diagonals, where they have it. */
+/* §3: writes row p of each diagonal that has a row p. */
 static void fill_row(const struct matrix *s, const struct cdf *c, int32_t i,
                      int32_t j)
 {

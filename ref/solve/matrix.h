@@ -6,8 +6,8 @@
 
 #include "ref/cloth/cloth.h"
 
-/* The main diagonal, then of each spring direction the forward and the
- * backward one. */
+/* The main diagonal, then for each spring direction the forward and the
+ * backward diagonal. */
 enum { DIAGONALS = 1 + 2 * SPRINGS };
 
 /* Rows of a 3 × 3 block. */
@@ -15,11 +15,11 @@ typedef struct mat {
     vec x, y, z;
 } mat;
 
-/* Where the blocks of the diagonals are, §3. */
+/* §3: where the blocks of each diagonal are stored. */
 struct cdf {
     int64_t offset[DIAGONALS]; /* column minus row */
     int64_t start[DIAGONALS];  /* row p of diagonal k is at start[k] + p */
-    int64_t blocks;            /* all of them */
+    int64_t blocks;            /* of all diagonals */
 };
 
 struct matrix {
@@ -35,12 +35,14 @@ struct matrix {
     mat *cdf;         /* out: [n_cdf] */
 };
 
+/* §3: the layout of the format for a grid of m × n particles. */
 struct cdf ref_cdf(int32_t m, int32_t n);
 
-/* DRAPE_OK, or DRAPE_EARG if the counts do not belong together. */
+/* Returns DRAPE_OK, or DRAPE_EARG if the counts are inconsistent. */
 int ref_matrix(struct matrix *s);
 
-/* Whether spring direction o, sign ±1, leads from (i, j) to a particle. */
+/* Whether direction o, forward (sign 1) or backward (sign -1), leads from (i,
+ * j) to a particle within the grid. */
 static inline bool spring_inside(int32_t m, int32_t n, int32_t i, int32_t j,
                                  int o, int sign)
 {
@@ -48,7 +50,8 @@ static inline bool spring_inside(int32_t m, int32_t n, int32_t i, int32_t j,
     return a >= 0 && a < m && b >= 0 && b < n;
 }
 
-/* How far the number of that particle is from p's. */
+/* How much larger than p the index of the particle at the forward end of spring
+ * o of p is. */
 static inline int64_t spring_step(int32_t m, int o)
 {
     return spring_di[o] + (int64_t)m * spring_dj[o];

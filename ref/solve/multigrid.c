@@ -1,24 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Geometric multigrid V-cycle. spec/solve/multigrid.md */
+/* The V-cycle of geometric multigrid with Galerkin coarsening.
+ * spec/solve/multigrid.md */
 #include "ref/solve/multigrid.h"
 
 #include "ref/solve/coarsest.h"
 #include "ref/solve/jacobi.h"
 #include "ref/solve/product.h"
 
-/* One grid and its streams. */
+/* One grid of the hierarchy and its streams. */
 struct level {
     int32_t m, n;
     int64_t count;
     const uint8_t *fixed; /* NULL: all free */
-    uint8_t *rule;        /* interpolation to it from the next */
+    uint8_t *rule;        /* rules of interpolation from the next coarser
+                             grid */
     sym *excess, *block;
     const sym *factor;
     const vec *b;   /* right-hand side */
     vec *x, *y, *d; /* solution, residual, direction */
 };
 
-/* §5: the grids from fine to coarse and where their streams are. */
+/* §5: lays out the grids, from fine to coarse, in the streams of scratch.
+ * Returns the number of grids. */
 static int lay_out(const struct multigrid *s, struct level *l)
 {
     sym *a = s->pool;
@@ -128,7 +131,7 @@ static struct weights weights_of(double high)
     return w;
 }
 
-/* x = d = first·F b: the first half-step from x = 0. */
+/* The first half of a smoothing that starts from x = 0: x = d = first·F b. */
 static void smooth_zero(const struct level *l, struct weights w)
 {
     EACH_MANY(l->count)
@@ -137,7 +140,7 @@ static void smooth_zero(const struct level *l, struct weights w)
             vec_scale(w.first, factor_solve(l->factor[p], l->b[p]));
 }
 
-/* d = keep·d + gain·F (b - A x), x += d. */
+/* One half of a smoothing: d = keep·d + gain·F (b - A x), x += d. */
 static void smooth(const struct multigrid *s, const struct level *l, real keep,
                    real gain)
 {
@@ -162,7 +165,7 @@ static void residual(const struct multigrid *s, const struct level *l)
                                           : vec_sub(l->b[p], l->y[p]);
 }
 
-/* Coarse (i, j) gathers the residual around it. */
+/* §2: the restricted residual of coarse particle (i, j), (Pᵀ y)_ij. */
 static vec restricted(const struct level *f, int32_t i, int32_t j)
 {
     vec sum = {0, 0, 0};
@@ -180,14 +183,15 @@ static vec restricted(const struct level *f, int32_t i, int32_t j)
 
 static void restrict_to(const struct level *f, const struct level *c)
 {
-    vec *b = c->x + c->count; /* c->b, that others only read */
+    vec *b = c->x + c->count; /* c->b, const elsewhere */
     EACH_MANY(c->count)
     for (int32_t j = 0; j < c->n; j++)
         for (int32_t i = 0; i < c->m; i++)
             b[i + (int64_t)c->m * j] = restricted(f, i, j);
 }
 
-/* Fine (i, j) gathers the correction of the coarse ones around it. */
+/* §2: the correction of the coarse grid, interpolated to fine particle (i,
+ * j). */
 static vec prolonged(const struct level *c, uint8_t rule, int32_t i, int32_t j)
 {
     vec sum = {0, 0, 0};

@@ -16,35 +16,37 @@ struct multigrid {
     const sym *extra;        /* [n_extra] kg */
     int64_t n_blocks;        /* SPRINGS·count */
     const sym *block;        /* [n_blocks] kg, 0 where missing */
-    int64_t n_thin;          /* SPRINGS·count, or 0: the blocks are read */
-    const struct thin *thin; /* [n_thin] kg, smoothed with in their place */
+    int64_t n_thin;          /* SPRINGS·count, or 0: none, smooth with block */
+    const struct thin *thin; /* [n_thin] kg, in place of block for smoothing */
     const uint8_t *fixed;    /* [count] */
-    const sym *factor;       /* [count] from ref_jacobi, of the same */
+    const sym *factor;       /* [count] of ref_jacobi, with thin if there is
+                                any */
     const vec *r;            /* [count] 0 where fixed */
 
     int64_t n_pool, n_room, n_live, n_dense; /* from ref_multigrid_size */
-    int64_t n_parts;                         /* likewise */
-    struct thin_parts *parts; /* scratch: [n_parts] thin, opened once; the
-                                 device opens them where they are read */
+    int64_t n_parts;                         /* from ref_multigrid_size */
+    struct thin_parts *parts; /* scratch: [n_parts] thin, decoded once; the
+                                 device decodes thin at each read */
     sym *pool;                /* scratch: [n_pool] coarse operators */
-    vec *room;                /* scratch: [n_room] */
-    uint8_t *live;            /* scratch: [n_live] */
-    double *dense;            /* scratch: [n_dense] coarsest factor */
+    vec *room;                /* scratch: [n_room] vectors of all grids */
+    uint8_t *live;            /* scratch: [n_live] live springs, then rules */
+    double *dense;            /* scratch: [n_dense] factor of the coarsest
+                                 grid */
 
     vec *z; /* out: [count] M⁻¹ r, 0 where fixed */
 };
 
-/* Sets the sizes from m, n and n_thin. Returns the bytes of scratch, 0 if the
- * grid makes no sense. */
+/* Sets the sizes from m, n and n_thin. Returns the bytes of scratch, 0 if m or
+ * n is below 1. */
 int64_t ref_multigrid_size(struct multigrid *s);
 
 /* Builds the coarse operators. DRAPE_OK, or DRAPE_EARG as ref_coarsen. */
 int ref_multigrid_build(struct multigrid *s);
 
-/* One V-cycle on what was built. */
+/* Runs one V-cycle with the operators that ref_multigrid_build has made. */
 void ref_multigrid_cycle(struct multigrid *s);
 
-/* Both. */
+/* Builds the operators, then runs one V-cycle. Returns as the build does. */
 int ref_multigrid(struct multigrid *s);
 
 #endif

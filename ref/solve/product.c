@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sparse matrix times vector by differences. spec/solve/product.md */
+/* Sparse matrix times vector (SpMV) by differences. spec/solve/product.md */
 #include "ref/solve/product.h"
 
-/* §3: rows that one thread does; it computes a spring once for both ends. */
+/* §3: rows of the grid that one thread owns. A spring with both ends in these
+ * rows is computed once. */
 enum { BAND = 16 };
 
 /* Where a row of ties lies; thin: read in place of block, or NULL. */
@@ -44,7 +45,8 @@ static void pull_second(int32_t n, struct edges b, const vec *restrict x,
         y[i + step] = vec_sub(y[i + step], pull(b, i, x, step));
 }
 
-/* Direction o of row j, for the ends within rows from … to - 1. */
+/* Adds the terms of the springs of direction o that start in row j, at those
+ * ends that lie in rows from … to - 1. */
 static void pull_row(const struct couplings *c, int o, int32_t j, int32_t from,
                      int32_t to)
 {

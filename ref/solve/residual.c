@@ -10,7 +10,7 @@ static struct wide solution(const struct residual *s, int64_t p)
     return wide_make(x.x + low.x, x.y + low.y, x.z + low.z);
 }
 
-/* r - a d. */
+/* Returns r - a d. */
 static struct wide minus(struct wide r, sym a, struct wide d)
 {
     struct wide x = {(double)a.xx, (double)a.xy, (double)a.xz};
@@ -20,6 +20,7 @@ static struct wide minus(struct wide r, sym a, struct wide d)
     return wide_sub(r, f);
 }
 
+/* §2: b - A (x + low) at the particle (i, j), rounded once. */
 static vec left_over(const struct residual *s, int32_t i, int32_t j)
 {
     int64_t p = i + (int64_t)s->m * j;

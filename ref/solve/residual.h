@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a solution leaves over, for stage pcg. spec/solve/pcg.md §2 */
+/* The true residual b - A x, for stage pcg. spec/solve/pcg.md §2 */
 #ifndef REF_RESIDUAL_H
 #define REF_RESIDUAL_H
 

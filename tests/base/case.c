@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One case of one stage, as tests/base/case.h says. */
+/* Runs one case of one stage; see tests/base/case.h. */
 #include "tests/base/case.h"
 
 #include <stdio.h>
@@ -9,7 +9,8 @@
 enum { GUARD = 64, FIELDS = 64 };
 
 struct buffer {
-    uint8_t *memory; /* guard, stream, guard; NULL: the generator's */
+    uint8_t *memory; /* guard, stream, guard; NULL: an input, which the
+                        generator owns */
     uint8_t *data;
     size_t size;
     uint8_t *before; /* the stream as it was generated, for IN and INOUT */
@@ -39,7 +40,8 @@ static bool is_value(const struct field *f)
     return f->element == 0;
 }
 
-/* Bytes of a stream that hold results: all, or what `used` says. */
+/* The bytes of a stream that hold results: all, or as many items as the stage's
+ * member `used` counts. */
 static size_t used_bytes(const struct run *r, const struct field *f, size_t all)
 {
     int64_t used;
@@ -115,7 +117,8 @@ static uint64_t hash_outputs(struct run *r, int status)
     return hash;
 }
 
-/* Plants the fault where there is a place for it. */
+/* Plants the fault in the first stream that can have it. Returns false if there
+ * is no such stream. */
 static bool plant(struct run *r, enum fault fault, uint8_t poison)
 {
     for (int k = 0; r->stage->fields[k].name; k++) {
@@ -160,7 +163,7 @@ static struct case_result run_once(const struct stage *stage, const uint8_t *s,
     else if (hash_inputs(&r) != inputs)
         c.failed = "an input was changed";
     if (c.faulted && fault == FAULT_INPUT)
-        plant(&r, fault, poison); /* a second flip undoes it */
+        plant(&r, fault, poison); /* a second flip restores the input */
     c.hash = hash_outputs(&r, c.status);
     if (!c.failed && c.status == DRAPE_OK && prop)
         c.failed = stage->prop(r.s);
@@ -176,7 +179,8 @@ struct case_result case_run(const struct stage *stage, struct bytes *b,
     if (!s)
         abort();
     stage->gen(b, s);
-    /* Of the second run the hash is enough: it is the same outputs or fails. */
+    /* The properties are not checked in the second run, since its outputs must
+     * be equal to those of the first. */
     struct case_result a = run_once(stage, s, 0x55, fault, prop);
     struct case_result z = run_once(stage, s, 0xaa, fault, false);
     if (!a.failed)
@@ -210,7 +214,7 @@ double case_bench(const struct stage *stage, int64_t *bytes)
     if (!s)
         abort();
     stage->gen(&b, s);
-    for (; n < REPEATS && all < 2; n++) { /* s: a long one runs once */
+    for (; n < REPEATS && all < 2; n++) { /* 2 s: a long stage runs once */
         struct run r = {.stage = stage};
         r.s = malloc(stage->size);
         if (!r.s)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The one test binary: differential cases, tests, golden hashes, replay,
- * self-test and bench of every stage in spec/stages.def. */
+/* The test program: generated cases, tests, golden hashes, replay of failures,
+ * self-test and benchmark of every stage in spec/stages.def. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -111,7 +111,8 @@ static void run_tests(void)
         }
 }
 
-/* Each planted fault must be caught in at least one case of each stage. */
+/* Each kind of planted fault must be caught in at least one case of each stage
+ * that can have the fault. */
 static void self_test(void)
 {
     static const char *const names[] = {"none",    "flip",     "miss",
@@ -160,7 +161,7 @@ static void golden(const char *path, bool write)
                    ? NULL
                    : "other bits than recorded");
     }
-    /* A stage without a line is a failure, not a silence. */
+    /* A stage without a recorded hash is a failure, too. */
     rewind(f);
     int lines = 0, rows = 0;
     for (int c; !write && (c = fgetc(f)) != EOF;)
@@ -238,8 +239,9 @@ static int usage(void)
     return 2;
 }
 
-/* Sets an option, or runs a mode where `modes`: options hold for all modes,
- * wherever they stand. Returns the words read, 0 if it is neither. */
+/* Interprets one argument: sets an option or, if `modes`, runs a mode. Options
+ * are set in a first pass, so they hold for all modes wherever they stand.
+ * Returns how many arguments were used; 0 if the argument is unknown. */
 static int obey(const char *a, const char *value, bool modes)
 {
     static const struct {
@@ -289,7 +291,8 @@ static int obey(const char *a, const char *value, bool modes)
     return 2;
 }
 
-/* How many threads stages that are called alone take: OMP_NUM_THREADS, 1. */
+/* The number of threads for stages that are called outside a world:
+ * OMP_NUM_THREADS, or 1. */
 static int threads_asked(void)
 {
     const char *text = getenv("OMP_NUM_THREADS");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The stream of choices that drives every generator. Every choice is a word
- * of 32 bits, so that a failure is a file of words. */
+/* The stream of choices that every generator reads. A choice is a word of 32
+ * bits, so a failed case can be saved as a file of words. */
 #include "tests/base/choices.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One case of one stage on the device, as tests/base/device.h says. */
+/* Runs one case of one stage on the device; see tests/base/device.h. */
 #include "tests/base/device.h"
 
 #include <stdio.h>
@@ -7,14 +7,14 @@
 
 enum { GUARD = 256, FIELDS = 64 };
 
-/* The streams of one run: the reference's, or the device's. */
+/* The streams of one run, of the reference or of the device. */
 struct streams {
     const struct stage *stage;
-    struct gpu *g;     /* NULL: of the host */
+    struct gpu *g;     /* NULL: the reference, in memory of the host */
     uint8_t *s;        /* struct X */
     uint8_t *slab;     /* guard, stream, guard, stream, … guard */
     size_t bytes;      /* of the slab */
-    size_t at[FIELDS]; /* of each stream in the slab */
+    size_t at[FIELDS]; /* offset of each stream in the slab */
     size_t size[FIELDS];
 };
 
@@ -42,7 +42,8 @@ static bool is_stream(const struct field *f)
     return f->element != 0;
 }
 
-/* Lays the streams of a generated s out in one slab of poison. */
+/* Lays out the streams of a generated struct in one slab. Returns the slab's
+ * contents: poison, with the inputs in place. */
 static uint8_t *fill(struct streams *r, const uint8_t *from, uint8_t poison)
 {
     r->s = must(malloc(r->stage->size));
@@ -71,7 +72,8 @@ static uint8_t *fill(struct streams *r, const uint8_t *from, uint8_t poison)
     return image;
 }
 
-/* Where the slab is to be, and the pointers of s into it. */
+/* Allocates the slab, copies the contents into it, and sets the pointers of
+ * s. */
 static void place(struct streams *r, const uint8_t *image)
 {
     r->slab = r->g ? gpu_take(r->g, ARENA_OTHER, (int64_t)r->bytes, 1)
@@ -132,7 +134,8 @@ static bool same(const struct stage *stage, const struct field *f,
     return f->reals && same_words(stage, a, b, bytes);
 }
 
-/* Which output differs; NULL if none does. image: the device's slab now. */
+/* Compares outputs. Returns a text that names the first output that differs, or
+ * NULL. image: a copy of the device's slab after the run. */
 static const char *differs(const struct streams *ref, const struct streams *dev,
                            const uint8_t *image)
 {
@@ -155,7 +158,8 @@ static const char *differs(const struct streams *ref, const struct streams *dev,
     return NULL;
 }
 
-/* Whether everything but outputs and scratch is as it was sent. */
+/* Checks that inputs and guards in the device's slab are as they were sent.
+ * Overwrites the other streams of image. Returns NULL if so. */
 static const char *disturbed(const struct streams *dev, const uint8_t *sent,
                              uint8_t *image)
 {
@@ -191,15 +195,16 @@ static const char *run_device(const struct streams *ref, int want,
     return failed;
 }
 
-/* One run on the device. */
+/* How one run on the device differs from others. */
 struct device_run {
     int block;
     uint8_t poison;
     struct gpu_way way;
 };
 
-/* Whether s still points to what the generator took, which is the host's: such
- * a pointer has no row in the stage's fields, and only a device would tell. */
+/* Whether the struct still points to memory of the generator. Such a pointer
+ * has no row in the stage's fields, so it points to memory of the host, which
+ * only a real device would notice. */
 static bool unlisted(const struct streams *r, const struct bytes *b)
 {
     for (size_t at = 0; at + sizeof(void *) <= r->stage->size;
@@ -210,7 +215,8 @@ static bool unlisted(const struct streams *r, const struct bytes *b)
     return false;
 }
 
-/* Whether the items of field f are a room that is only to be large enough. */
+/* Whether the count of field f is a capacity: the stage may write fewer
+ * items. */
 static bool has_room(const struct stage *stage, const struct field *f)
 {
     bool room = is_stream(f) && f->used_at >= 0;
@@ -219,9 +225,9 @@ static bool has_room(const struct stage *stage, const struct field *f)
     return room;
 }
 
-/* The outputs that have a room, in the two that is too small by one and that
- * has no more: both sides must tell so or write all of them, and nothing beside
- * them. s, as generated; ref: as it was run. */
+/* Runs both sides with a capacity that is exact, and with one that is too small
+ * by 1: both sides must return the same status and the same results, and must
+ * write nothing beside the outputs. s: as generated; ref: after its run. */
 static const char *compare_rooms(const struct streams *ref, struct gpu *g,
                                  const uint8_t *s)
 {

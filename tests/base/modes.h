@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the modes of check share. */
+/* Options and functions that the modes of check share. */
 #ifndef TESTS_MODES_H
 #define TESTS_MODES_H
 
@@ -11,42 +11,45 @@ extern const int bits_of[2];
 
 struct options {
     const char *only; /* one stage or test, or NULL */
-    int cases;        /* of each size */
+    int cases;        /* for each size */
     uint64_t seed;
-    int ranks;   /* of a team on the device, at most; 0: as many as it has */
-    bool hosted; /* the host ends loops on the device */
-    bool plain;  /* stages' properties are not looked at */
+    int ranks;   /* blocks of a cluster on the device, at most; 0: its limit */
+    bool hosted; /* loops on the device are ended by the host */
+    bool plain;  /* properties of stages are not checked */
 };
 extern struct options options;
 extern int passed, failed, skipped;
 
-const struct stage *stages(int k); /* of 32 and 64 bits */
+const struct stage *stages(int k); /* k = 0: 32 bits, 1: 64 bits */
 bool wanted(const char *name);
 /* Case k of a size, the same on every run. */
 struct bytes seeded(int64_t size, int k);
-/* A failure is a file of choices: check --replay runs it again. */
+/* Saves a failed case as a file of choices, which check --replay runs again. */
 void save_case(const char *stage, int bits, const struct bytes *b);
-/* Counts, and prints what fails; what: NULL if nothing does. */
+/* Counts a result and prints a failure. what: the failure, or NULL. */
 void report(const char *kind, const char *name, int bits, const char *what);
-/* All cases of a stage; returns the hash of all their outputs. */
+/* Runs all cases of a stage and returns the hash of all their outputs. */
 uint64_t run_stage(const struct stage *stage, int bits, bool quiet);
 
-/* Loses the device in that stage of a world's steps, counted from 1 on, 0:
- * between two; NULL, or what does not hold from there on. tests/api/lost.c */
+/* Simulates the loss of the device in the given stage, counted from 1, of a
+ * world's steps; 0: between two steps. Returns NULL, or what does not hold
+ * afterwards. tests/api/lost.c */
 const char *lose_device_32(int stage);
 const char *lose_device_64(int stage);
 
 /* Modes on the device, tests/base/certify.c. */
 void run_devices(void);
-/* Emulated kernels without one of their barriers: some order of threads must
- * have other results, and each of both orders where the other has not. */
+/* Runs emulated kernels with a barrier left out: some order of threads must
+ * give other results, and each of the two orders must find a race that the
+ * other misses. */
 void self_test_races(void);
 void bench_gpu(void);
-/* Whole solves there, tests/solve/solve_gpu.c. */
+/* Times whole solves on the device, tests/solve/solve_gpu.c. */
 void bench_solve_32(void);
 void bench_solve_64(void);
-/* Rows `stage bits cases mismatches digest` of every stage: generated cases
- * and, in 64 bits and 32, the files of corpus/STAGE. */
+/* Prints a row `stage bits cases mismatches digest` for every stage, from
+ * generated cases and from the files of corpus/STAGE, in binary32 and
+ * binary64. */
 void certify(const char *corpus);
 
 #endif

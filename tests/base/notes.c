@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the stages of a run gave, as its trace tells. */
+/* Records the trace of a run: the digest of each stage's output. */
 #include "tests/base/notes.h"
 
 #include <stdio.h>

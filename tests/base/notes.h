@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the stages of a run gave, as its trace tells. */
+/* A record of a run's trace: the digest of each stage's output, in order. */
 #ifndef TESTS_NOTES_H
 #define TESTS_NOTES_H
 
@@ -13,11 +13,11 @@ struct notes {
     } * note;
 };
 
-/* A drape_trace; user is the notes. */
+/* The callback of type drape_trace that records; user: the struct notes. */
 void notes_take(void *user, int64_t step, const char *stage, uint64_t digest,
                 double seconds);
-/* The first stage of b, the device, that gave something else than a; NULL if
- * none. The text lasts until the next call. */
+/* Describes the first stage at which b, of the device, differs from a, of the
+ * reference; NULL if there is none. The text lasts until the next call. */
 const char *notes_compare(const struct notes *a, const struct notes *b);
 void notes_free(struct notes *a);
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Choices of numbers, adversarial by default; one build a precision. */
+/* Choices of real numbers, adversarial by default. Compiled once for each
+ * precision. */
 #include "tests/base/choices.h"
 
 /* 2^e by repeated doubling or halving: exact. */

@@ -11,7 +11,7 @@ const struct field fields_dot[] = {IN(dot, a, n, 1), IN(dot, b, n, 1),
                                    SCRATCH(dot, chunk, n_chunks, 1),
                                    OUT_VALUE(dot, value), FIELD_END};
 
-/* Now and then a size at which the tree has a third level. */
+/* Sometimes returns a size at which the tree has a third level. */
 static int64_t size_of(struct bytes *b)
 {
     if (for_bench(b))
@@ -44,8 +44,9 @@ void gen_dot(struct bytes *b, struct dot *s)
     s->b = y;
 }
 
-/* §2 and §3 by recursion: item i of a chunk is met by i + h, and the tree of
- * a level stands on the one below. A leaf is x[k]·y[k], or x[k] alone. */
+/* An independent definition of §2 and §3, by recursion: item i of a chunk is
+ * added to item i + h, and the items of a level are the chunk sums of the level
+ * below. A leaf is the item one[k] of sum or x[k]·y[k] of dot. */
 struct leaves {
     int64_t n;
     const real *one;
@@ -94,7 +95,7 @@ const char *prop_sum(const struct sum *s)
 {
     struct leaves l = {s->n, s->a, NULL, NULL};
     EXPECT(same_bits(s->value, expected(&l)));
-    /* §4: one rounding a level, exact where the items are. */
+    /* §4: the error bound, with the rounding of the plain sum in binary64. */
     double exact = 0, size = 0;
     for (int64_t k = 0; k < s->n; k++) {
         exact += (double)s->a[k];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What tests report to the harness while they run, and what it asks of them. */
+/* What tests report to the harness while they run, and the options of check. */
 #include "tests/base/tally.h"
 
 #include <stdio.h>

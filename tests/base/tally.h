@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the running test has counted; check resets it before each. */
+/* What the running test has counted; check resets the counts before each
+ * test. */
 #ifndef TESTS_TALLY_H
 #define TESTS_TALLY_H
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The library's own threads: each part of a loop is run once, whoever runs it;
- * where no more threads can be had fewer do, to the same bits. */
+/* The thread pool of ref/base/threads.c: each part of a loop runs exactly once,
+ * and if the system allows fewer threads than asked for, results have the same
+ * bits. */
 #include "ref/base/threads.h"
 
 #include <sys/resource.h>
@@ -30,10 +31,10 @@ static void part(void *user)
     int k = threads_number();
     s->count[k]++;
     s->of[k] = threads_count();
-    threads_parallel(inner, s, 0, 0); /* a loop in a loop is not cut up */
+    threads_parallel(inner, s, 0, 0); /* a loop inside a part is not divided */
 }
 
-/* Also short loops in a row, in which a worker may come late. */
+/* Many short loops follow each other, so that workers may be late for some. */
 const char *test_threads_parts(void)
 {
     for (int n = 1; n <= THREADS_SOME; n += 3) {
@@ -56,7 +57,7 @@ const char *test_threads_parts(void)
     return NULL;
 }
 
-/* The hash after two steps, 0 where anything fails. */
+/* Returns the hash of the state after two steps, 0 on any failure. */
 static uint64_t run(int threads)
 {
     struct slab d;
@@ -73,8 +74,8 @@ static uint64_t run(int threads)
     return hash;
 }
 
-/* The same in a process of its own that gets few threads, or no memory for
- * their stacks; its own end tells a library that ends it. */
+/* The same in a child process that gets few threads, or no memory for their
+ * stacks. The hash is 0, too, if the library ends the process. */
 static uint64_t run_short(int resource, rlim_t most, int threads)
 {
     int way[2], status;
@@ -104,12 +105,11 @@ const char *test_threads_short(void)
     EXPECT(want && run(0) == want && run(3) == want);
     EXPECT(run(4096) == want);
 #ifdef __SANITIZE_ADDRESS__
-    (void)run_short; /* a sanitizer needs more room than there would be */
+    (void)run_short; /* a sanitizer needs more memory than the limit leaves */
     ran(4);
 #else
     EXPECT(run_short(RLIMIT_AS, (rlim_t)1 << 30, 4096) == want);
-    EXPECT(run_short(RLIMIT_NPROC, 1, 4096) ==
-           want); /* root's are not counted */
+    EXPECT(run_short(RLIMIT_NPROC, 1, 4096) == want); /* root has no limit */
     ran(6);
 #endif
     return NULL;

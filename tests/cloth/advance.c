@@ -40,7 +40,7 @@ static bool near(double have, double want, double size)
     return fabs(have - want) <= 8 * REAL_U * size + 1e-35;
 }
 
-/* One coordinate k of particle p. */
+/* Checks coordinate k of particle p. */
 static const char *check(const struct advance *s, int64_t p, int k)
 {
     double x = (double)(&s->x[p].x)[k], v = (double)(&s->v[p].x)[k];
@@ -50,7 +50,7 @@ static const char *check(const struct advance *s, int64_t p, int k)
     if (s->fixed[p] == CLOTH_ABSENT) {
         EXPECT(x1 == x && v1 == v);
     } else if (s->fixed[p] == CLOTH_PINNED) {
-        /* §1: at the end a pin is exactly where it should be. */
+        /* §1: at the end of the step a pin is exactly at its target. */
         EXPECT(s->at < 1 || x1 == to);
         EXPECT(near(x1, from + at * (to - from), fabs(from) + fabs(to)));
         EXPECT(near(v1, (to - from) / dt, (fabs(from) + fabs(to)) / dt));

@@ -23,8 +23,9 @@ void gen_blocks(struct bytes *b, struct blocks *s)
     s->n_thin = pick(b, 3) ? SPRINGS * g.count : 0;
 }
 
-/* §5: of c u uᵀ + b I, d along u: entries to 2^-6, and hardly any of c across
- * it. `error`: of the block's own entries. */
+/* §5: checks a thin block of c u uᵀ + b I, with d along u: entries to 2^-6 of c
+ * + b, and at most 2^-26 of c leaks into directions across u. error: of the
+ * entries of the block itself. */
 static const char *check_thin(struct thin t, double c, double b,
                               const double d[3], double error)
 {
@@ -49,7 +50,7 @@ static const char *check_thin(struct thin t, double c, double b,
     return NULL;
 }
 
-/* §3: the block against a u uᵀ + b (I - u uᵀ) in binary64. */
+/* §1 and §3: compares the block with a u uᵀ + b (I - u uᵀ) in binary64. */
 static const char *check(const struct blocks *s, const struct law *law, vec p,
                          vec q, const sym *block, const struct thin *thin)
 {
@@ -59,7 +60,8 @@ static const char *check(const struct blocks *s, const struct law *law, vec p,
     if (!(length > 1e-15 && length < 1e15))
         return NULL;
     double tau = (double)s->tau, slope, tension = law_oracle(law, length);
-    /* Where rounding or the fit may put the length beyond a kink. */
+    /* Near a kink of the law, rounding or the fit may put the length on its
+     * other side. */
     double blur = 16 * REAL_U * (length + (double)law->rest);
     double shift = 13 * LAW_ERROR * (double)law->bend / (double)law->press;
     bool kink = fabs(length - (double)law->rest) <= blur ||
@@ -80,7 +82,7 @@ static const char *check(const struct blocks *s, const struct law *law, vec p,
     return thin ? check_thin(*thin, a - b, b, d, error) : NULL;
 }
 
-/* §2: no direction z of a small lattice has zᵀ B z < 0, to rounding. */
+/* §2: zᵀ B z ≥ 0, up to rounding, for all z of a small lattice. */
 static const char *semidefinite(const sym *a)
 {
     double trace = (double)a->xx + (double)a->yy + (double)a->zz;
@@ -119,8 +121,8 @@ const char *prop_blocks(const struct blocks *s)
     return NULL;
 }
 
-/* §5: what is no positive number counts as 0, and what is too large as the
- * largest; the axis is the first of equals. */
+/* §5: a number that is not positive counts as 0, one that is too large as the
+ * largest; of equally long axes the first is chosen. */
 const char *test_thin_limits(void)
 {
     const real nan = (real)NAN, inf = (real)INFINITY;
@@ -130,7 +132,7 @@ const char *test_thin_limits(void)
     EXPECT(a.e.x == R(0.5) && a.e.y == 0 && a.e.z == 0);
     a = thin_open(thin_make(1, 0, even));
     EXPECT(a.size == 1 && a.all == 0 && a.e.x == R(0.5) && a.e.z == R(-0.5));
-    EXPECT(a.e.y == R(0.5) - R(0x1p-15)); /* there is no last step */
+    EXPECT(a.e.y == R(0.5) - R(0x1p-15)); /* +1/2 itself has no step */
     a = thin_open(thin_make(-1, nan, x));
     EXPECT(a.size == 0 && a.all == 0);
     a = thin_open(thin_make(inf, inf, x));
@@ -138,7 +140,8 @@ const char *test_thin_limits(void)
     a = thin_open(thin_make(1, 1, vec_make(nan, nan, nan)));
     EXPECT(a.size == 0 && a.all == 1 && a.e.y == 0);
     a = thin_open(thin_make(R(0x1.01ffp0), R(0x1.01ffp0), x));
-    EXPECT(a.size == 4 * R(0x1.00p0) && a.all == R(0x1.00p0)); /* cut off */
+    EXPECT(a.size == 4 * R(0x1.00p0) &&
+           a.all == R(0x1.00p0)); /* cut off, not rounded */
     ran(6);
     return NULL;
 }

@@ -26,9 +26,9 @@ void gen_energy(struct bytes *b, struct energy *s)
     s->n_chunks = sum_chunks(g.count);
 }
 
-/* A sum in binary64, what its additions rounded off (Knuth's two-sum; else
- * the plain sum of many equal terms is worse than the stage's tree), and a
- * bound on the stage's error. */
+/* A sum in binary64, the rounding errors of its additions (by Knuth's TwoSum;
+ * without them the sum of many equal terms would be less accurate than the
+ * stage's tree), and a bound on the stage's error. */
 struct total {
     double sum, low, error;
 };
@@ -57,7 +57,7 @@ static void add_spring(const struct energy *s, const struct law *a, int64_t p,
     add(t, e, e + f * (length + (double)a->rest));
     t->error += LAW_ERROR * e + (LAW_ERROR + 40 * REAL_U) * (double)a->well;
     if (!(length < 1e15))
-        t->error = 1e300; /* the stage may overflow: §2 bounds nothing */
+        t->error = 1e300; /* the stage may overflow, so §2 gives no bound */
 }
 
 const char *prop_energy(const struct energy *s)

@@ -140,7 +140,8 @@ const char *prop_predict(const struct predict *s)
     return NULL;
 }
 
-/* Row p of Σ blocks·(q_p - q_other), and the sizes of its terms. */
+/* Adds block·(q_p - q_q) to row[0 … 2], and the sizes of its terms to row[3 …
+ * 5]. */
 static void add_block(const struct rhs *s, int64_t block, int64_t p, int64_t q,
                       double row[6])
 {
@@ -219,7 +220,7 @@ const char *prop_history(const struct history *s)
                 EXPECT(at(s->xp, k) == at(s->x0, k) && at(s->vp, k) == v0);
                 continue;
             }
-            /* -0 and +0 are no contact. */
+            /* +0 and -0 are equal: such a difference is not a contact. */
             bool same = at(s->x, 3 * p) == at(s->x1, 3 * p) &&
                         at(s->xp, k) == at(s->x0, k) && at(s->vp, k) == v0;
             EXPECT(same || near(at(s->vp, k), vp, size));

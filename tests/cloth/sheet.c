@@ -93,7 +93,7 @@ int sheet_step(struct sheet *s)
     return status;
 }
 
-/* y = (mass + Σ blocks) z on free particles, 0 elsewhere. */
+/* y = (mass + Σ blocks) z for free particles, 0 for the others. */
 static void multiply(const struct dynamics *d, const double *z, double *y)
 {
     const struct cloth *c = d->cloth;
@@ -196,7 +196,7 @@ void sheet_energy(const struct sheet *s, const vec *x, const vec *v,
         energy[k] = (double)e.value[k];
 }
 
-/* a in [0, π] with sin(a) / a = q: half the angle of the arc. */
+/* Half the angle of the arc: a in [0, π] with sin(a) / a = q, by bisection. */
 static double half_angle(double q)
 {
     double lo = 0, hi = 3.1415926535897932;
@@ -210,8 +210,9 @@ static double half_angle(double q)
     return lo;
 }
 
-/* -f_b of Choi–Ko by bend, 4a² / (sinc a - cos a); near 1 by its series,
- * as the difference cancels there: 12 + 36/5 (1 - q) + O((1 - q)²). */
+/* The buckling force -f_b of Choi–Ko divided by bend: 4a² / (sin(a)/a - cos a).
+ * Near q = 1 the difference cancels, so its series is used: 12 + 36/5 (1 - q) +
+ * O((1 - q)²). */
 static double arc_force(double q)
 {
     if (1 - q < 1e-4)
@@ -327,7 +328,8 @@ vec *pick_state(struct bytes *b, const struct grid *g)
     return x;
 }
 
-/* One statement a choice: C leaves the order of arguments open. */
+/* One statement for each choice, since C does not define the order in which
+ * arguments are evaluated. */
 static vec pick_in_box(struct bytes *b, real scale)
 {
     vec r;

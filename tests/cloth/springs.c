@@ -28,12 +28,12 @@ void gen_springs(struct bytes *b, struct springs *s)
     s->gravity = pick(b, 2) ? vec_make(0, 0, 0) : pick_vec(b, 10);
 }
 
-/* A particle's force in binary64, and what bounds the error of it. */
+/* A particle's force in binary64, and a bound on the stage's error. */
 struct exact {
     double f[3];
     double size;  /* Σ |pull| */
     double error; /* §3 */
-    bool known;   /* all lengths are such that §3 applies */
+    bool known;   /* §3 applies to all of its springs' lengths */
 };
 
 static void add_pull(const struct springs *s, const struct law *a, int64_t p,
@@ -96,13 +96,13 @@ const char *prop_springs(const struct springs *s)
         bound += 17 * REAL_U * e.size * (1 + 1e-5) + 1e-35;
         for (int k = 0; k < 3; k++) {
             double f = (double)(&s->force[p].x)[k];
-            /* §3: the force is that of the law, to rounding. */
+            /* §3: the force follows the law, up to rounding. */
             EXPECT(!e.known || fabs(f - e.f[k]) <= e.error);
             sum[k] += f;
             bound += (double)s->count * 0x1p-53 * fabs(f);
         }
     }
-    /* §4: the springs' forces add up to nothing, to rounding. */
+    /* §4: the springs' forces add up to 0, up to rounding. */
     for (int k = 0; k < 3; k++)
         EXPECT(!all || fabs(sum[k]) <= bound);
     return NULL;

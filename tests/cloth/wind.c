@@ -37,8 +37,9 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* §1 in binary64 by the angle: drag along the wind, lift across it. Adds a
- * third to each corner of f[4·p], and to its bound f[4·p + 3]. */
+/* §1 in binary64, by the angle between wind and normal: drag along the wind,
+ * lift across it. Adds a third of the force to f[4·p … 4·p + 2] of each corner
+ * p, and a bound on the error to f[4·p + 3]. */
 static void scatter(const struct wind *s, const int64_t t[3], double *f)
 {
     double x[3][3], v[3][3], ab[3], ac[3], u[3], n[3], speed = 0;

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How many iterations the solver needs, spec/solve/multigrid.md §6. */
+/* The number of iterations that multigrid needs. spec/solve/multigrid.md §6 */
 #include <stdio.h>
 #include <stdlib.h>
 
 #include "tests/solve/solver.h"
 
-/* Iterations to a true relative residual of 1e-3, or limit + 1. */
+/* Returns the iterations to a true relative residual of 1e-3, or limit + 1.
+ * every: if not 0, contacts hold one particle in `every`. */
 static int32_t iterations(const struct design *d, uint32_t every, int32_t limit)
 {
     struct system a;
@@ -29,8 +30,8 @@ static int32_t iterations(const struct design *d, uint32_t every, int32_t limit)
     return good ? s.iterations : limit + 1;
 }
 
-/* A crease as sharp as this has no isometric neighbour: springs there are
- * uneven by 5 % of a cell. */
+/* The sharp folds have positions that are uneven by 5 % of a cell, as cloth in
+ * motion has; perfectly isometric folds need more iterations (§6). */
 static double uneven_of(int shape)
 {
     return shape == SHAPE_FOLDED ? 0.05 : 0;
@@ -43,7 +44,7 @@ static const int trims[] = {TRIM_NONE,
                             TRIM_SLIT | TRIM_MOTHS,
                             TRIM_HOLE | TRIM_CUT | TRIM_MOTHS | TRIM_PINS};
 
-/* §6: 20 thousand triangles, every shape and trim. */
+/* §6: 20 thousand triangles, in every shape and with every trim. */
 const char *test_multigrid_20k(void)
 {
     for (int shape = 0; shape < SHAPES; shape++)
@@ -55,7 +56,7 @@ const char *test_multigrid_20k(void)
     return NULL;
 }
 
-/* §6: other sizes: no power of two, not square. */
+/* §6: other sizes, neither powers of two nor square. */
 const char *test_multigrid_sizes(void)
 {
     static const int32_t sizes[][2] = {{254, 259}, {63, 1008}, {2, 300}};
@@ -69,7 +70,7 @@ const char *test_multigrid_sizes(void)
     return NULL;
 }
 
-/* §6: 2 million triangles, in binary32 as in binary64. */
+/* §6: 2 million triangles, in binary32 and in binary64. */
 const char *test_multigrid_2m(void)
 {
     if (!getenv("DRAPE_SOAK"))
@@ -83,7 +84,7 @@ const char *test_multigrid_2m(void)
     return NULL;
 }
 
-/* §4: contacts, few or many, leave the cycle positive definite. */
+/* §4: with few or with many contacts the cycle stays positive definite. */
 const char *test_multigrid_contacts(void)
 {
     for (int shape = 0; shape < SHAPES; shape++)

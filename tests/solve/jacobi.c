@@ -24,7 +24,7 @@ void gen_jacobi(struct bytes *b, struct jacobi *s)
     s->fixed = a.fixed;
 }
 
-/* §2: L D Lᵀ is the block within 40 roundings of its trace. */
+/* §2: L D Lᵀ differs from the block by at most 40 u·trace. */
 static const char *expect_product(sym f, mat block)
 {
     const double u = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
@@ -79,8 +79,8 @@ const char *prop_jacobi(const struct jacobi *s)
     return failed;
 }
 
-/* §2: what has no positive trace gets the zero factor; a pivot that rounding
- * took is the noise. */
+/* §2: a block without a positive trace gets the factor 0; a pivot that cancels
+ * is raised to the noise of rounding. */
 const char *test_factor_singular(void)
 {
     struct wide_sym none = {{0, 0, 0, 0, 0, 0}};

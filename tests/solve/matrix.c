@@ -37,8 +37,8 @@ static struct system system_of(const struct matrix *s)
     return a;
 }
 
-/* §3: the dense matrix is the sum of the diagonals, bit for bit; each block
- * of the storage is used once. */
+/* §3: the sum of all diagonals is the dense matrix, bit for bit, and each block
+ * of the format is used exactly once. */
 static const char *expect_dense(const struct matrix *s)
 {
     struct system a = system_of(s);
@@ -85,7 +85,7 @@ const char *prop_matrix(const struct matrix *s)
     return s->n_cdf && s->count <= 64 ? expect_dense(s) : NULL;
 }
 
-/* §3: bytes of the paper's 1008 × 1008 cloth in binary32. */
+/* §3: the bytes of the paper's cloth of 1008 × 1008 particles in binary32. */
 const char *test_cdf_bytes(void)
 {
     struct cdf c = ref_cdf(1008, 1008);
@@ -96,7 +96,8 @@ const char *test_cdf_bytes(void)
     return NULL;
 }
 
-/* §3: every small grid, with holes, cuts and pins, entry by entry. */
+/* §3: all small grids, without and with holes, cuts and pins, entry by
+ * entry. */
 const char *test_matrix_dense(void)
 {
     for (int k = 0; k < 2 * 7 * 7; k++) {

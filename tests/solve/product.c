@@ -42,7 +42,8 @@ void gen_product(struct bytes *b, struct product *s)
     }
 }
 
-/* Row r of the block of spring o from p or, backward, to p. */
+/* Writes row r of the block of diagonal k at particle p: of the spring that
+ * starts at p (k odd) or ends at p (k even). */
 static void block_row(const struct product *s, int64_t p, int k, int r,
                       double row[3])
 {
@@ -67,8 +68,8 @@ static double part(vec a, int r)
     return (double)(r == 0 ? a.x : r == 1 ? a.y : a.z);
 }
 
-/* §2 and §3: component r of row p in binary64 by differences, the size of
- * its terms, and the size of the dense row's. */
+/* §2 and §3: component r of (A x)_p in binary64 by differences, the sum of the
+ * sizes of its terms, and the same sum for the dense product. */
 struct row {
     double value, size, dense_size;
 };
@@ -123,7 +124,8 @@ const char *prop_product(const struct product *s)
     return expect_near(s);
 }
 
-/* §1: both forms, the same bits; §3: near the dense binary64 product. */
+/* §1: both forms of A give the same bits; §3: these are near the dense product
+ * in binary64. */
 static const char *expect_forms(const struct system *a, vec *const v[3],
                                 mat *cdf, sym *diagonal)
 {
@@ -184,8 +186,9 @@ const char *test_product_forms(void)
     return NULL;
 }
 
-/* §4: a rigid motion of the finest cloth sees its mass alone, to the last
- * bit; the assembled diagonal in binary32 would drown it. */
+/* §4: A times a translation is mass·x to the last bit, with the masses of the
+ * finest cloth; in binary32 rounding of an assembled diagonal would be as
+ * large. */
 const char *test_product_constant(void)
 {
     struct system a;

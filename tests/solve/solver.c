@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A pcg with memory of its own. */
+/* A struct pcg with memory of its own. */
 #include "tests/solve/solver.h"
 
 #include <stdlib.h>

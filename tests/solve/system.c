@@ -17,7 +17,7 @@ static int64_t index_of(const struct system *s, int32_t i, int32_t j)
     return i + (int64_t)s->m * j;
 }
 
-/* A grid of about `size` particles, now and then one row or two columns. */
+/* Chooses a grid of about `size` particles, sometimes with very few columns. */
 static void pick_grid(struct bytes *b, int64_t size, struct system *s)
 {
     int64_t m = 1 + (int64_t)pick(b, 40);
@@ -84,7 +84,8 @@ double noise_of(uint64_t k)
     return (double)((k ^ (k >> 31)) >> 11) * 0x1p-52 - 1;
 }
 
-/* A curve whose direction swings by `swing` either way, each `period`. */
+/* A point at length s of a curve whose direction swings by ±swing, in radians,
+ * with the given period, in m; by steps of h. */
 static void fold(double s, double swing, double period, double h, double *x)
 {
     x[0] = x[1] = 0;
@@ -145,7 +146,7 @@ static bool severed(const struct design *d, int32_t i, int32_t j, int o)
 static const double stiffness[SPRINGS] = {500,  500,  150,   150,
                                           62.5, 62.5, 31.25, 31.25};
 
-/* Linear springs of no damping, for cells of h. */
+/* Sets linear springs without damping, for square cells of side h. */
 static void add_laws(struct system *s, double h)
 {
     s->tau = R(1.0 / 60);
@@ -159,7 +160,7 @@ static void add_laws(struct system *s, double h)
     }
 }
 
-/* What spring o of p pulls in a step, added to its ends. */
+/* Adds the impulse of spring o of p over a step to its two ends. */
 static void add_push(struct system *s, int64_t p, int o)
 {
     int64_t q = p + spring_step(s->m, o);
