@@ -9,8 +9,8 @@ extern "C" {
 #include "ref/cloth/advance.h"
 }
 
-/* Reads particle p in all streams, then writes x1 and v1, which may be x and v;
- * `at` and force in place of the struct's. */
+/* Updates particle p: reads p in all streams, then writes x1 and v1, which may
+ * be x and v. `force` and `at` replace the members of s. */
 static __device__ inline void advance_particle(const struct advance *s,
                                                int64_t p, vec force, real at)
 {

@@ -10,7 +10,8 @@ extern "C" {
 #include "ref/cloth/cloth.h"
 }
 
-/* Forward direction o: (1,0) (0,1) (1,1) (-1,1) and twice each. */
+/* §2: forward direction o: (1,0) (0,1) (1,1) (-1,1), then the double of
+ * each. */
 static __host__ __device__ constexpr int forward_i(int o)
 {
     int one = o % 4 == 0 || o % 4 == 2 ? 1 : o % 4 == 3 ? -1 : 0;
@@ -22,7 +23,7 @@ static __host__ __device__ constexpr int forward_j(int o)
     return o < SPRINGS_SINGLE ? one : 2 * one;
 }
 
-/* §5: the law of a spring, s = √(q + shift), t = s − 25/32. */
+/* §5: g(q) = P(t) / s, s = √(q + shift), t = s − 25/32. */
 static __device__ inline real spring_s(real q)
 {
     return root(q + R(0.21723362821122166));

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The explicit methods as sequences of springs and advance, fused where nothing
- * traces them; substeps in turns of a loop that the device ends.
- * spec/cloth/advance.md §2, spec/gpu.md §13 */
+/* The explicit methods as sequences of the stages springs and advance. Without
+ * a trace, the force and the updates that use it are one kernel, and many
+ * substeps are a loop that runs on the device. spec/cloth/advance.md §2,
+ * spec/gpu.md §13 */
 #include "gpu/cloth/advance.cuh"
 #include "gpu/cloth/motion.cuh"
 #include "gpu/cloth/springs.cuh"
@@ -11,7 +12,8 @@ extern "C" {
 #include "ref/cloth/dynamics.h"
 }
 
-/* Substeps of a turn: even, so that each begins with the same streams. */
+/* Substeps of one iteration of the device's loop. The number is even, so that
+ * every iteration begins with the same streams. */
 #ifdef __CUDACC__
 enum { TURN = 32 };
 #else
@@ -184,7 +186,7 @@ static void runge_kutta(struct walk_on *w)
     }
 }
 
-/* What substeps leave as `now`. */
+/* Makes the result of a substep the start of the next. */
 static void swap(struct walk_on *w)
 {
     struct state old = w->now;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A product's vector and edges where these are rates. gpu/cloth/rate.h */
+/* The vector and the edges of a product that reads rates in place of blocks.
+ * gpu/cloth/rate.h */
 #ifndef GPU_RATE_CUH
 #define GPU_RATE_CUH
 
@@ -21,7 +22,7 @@ static __device__ inline vec x_of(struct footing f)
     return f.x;
 }
 
-/* A source of x, gpu/solve/edges.cuh, with the positions. */
+/* A source of x (see take and made of the product), with the positions. */
 template <class X> struct grounded {
     X x;
     const vec *at;

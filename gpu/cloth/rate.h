@@ -12,7 +12,8 @@ extern "C" {
 #include "gpu/base/stages.h"
 #include "ref/base/real.h"
 
-/* The block is along u uᵀ + across I, u = inverse (x_q - x_p). */
+/* The block along u uᵀ + across I of a spring from p to q, where u =
+ * inverse·(x_q - x_p). */
 struct rate {
     real across, along, inverse; /* kg, kg, 1/m */
 };
@@ -27,7 +28,7 @@ enum { RATES_AT_ONCE = 4 };
 /* The rates of a system, in device memory. */
 struct rates {
     const struct rate *of; /* spring o of p at o·pitch + p; NULL: none */
-    const vec *x;          /* [count] m, where the blocks were made */
+    const vec *x;          /* [count] m, positions that the blocks are of */
 };
 
 /* Whether a solve of this form reads rates on this device. */

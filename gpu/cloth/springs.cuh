@@ -10,7 +10,8 @@ extern "C" {
 #include "ref/cloth/springs.h"
 }
 
-/* A block owns TILE_WIDE × HIGH particles; springs reach TILE_RIM further. */
+/* A block owns a tile of TILE_WIDE × HIGH particles. Springs reach TILE_RIM
+ * particles further. */
 enum { TILE_WIDE = 32, TILE_RIM = 2, TILE_ACROSS = TILE_WIDE + 2 * TILE_RIM };
 
 /* The springs of direction o that pull at a tile's particles start in the tile

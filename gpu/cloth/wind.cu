@@ -6,7 +6,8 @@ extern "C" {
 #include "ref/cloth/wind.h"
 }
 
-/* A block owns WIDE × HIGH particles and the cells with a corner there. */
+/* A thread block owns WIDE × HIGH particles and computes all cells with a
+ * corner among them. */
 enum {
     WIDE = 32,
     HIGH = 8,

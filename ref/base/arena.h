@@ -41,7 +41,7 @@ void arena_init(struct arena *a, const drape_allocator *allocator);
  * If there is no memory, returns NULL and sets a->failed. */
 void *arena_take(struct arena *a, enum arena_part part, int64_t count,
                  size_t size);
-void arena_give(struct arena *a, void *p); /* back; NULL is allowed */
+void arena_give(struct arena *a, void *p); /* releases one stream, or NULL */
 void arena_free(struct arena *a);
 
 #endif

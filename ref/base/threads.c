@@ -15,11 +15,11 @@
 
 /* Polls before a thread sleeps: some microseconds, about as long as waking a
  * thread takes. */
-enum { LOOKS = 4000 };
+enum { POLLS = 4000 };
 
 /* Of this thread: the pool that runs its loops; the part that it is running
  * now, number `number` of `count`. */
-static _Thread_local struct threads *team;
+static _Thread_local struct threads *pool;
 static _Thread_local int number, count = 1;
 static _Thread_local int serial; /* depth of the enclosing loops that run in
                                     one part */
@@ -52,14 +52,14 @@ static int processors(void)
 
 static void run_part(void run(void *data), void *data, int k, int n)
 {
-    struct threads *t = team;
+    struct threads *t = pool;
     int before = number, of = count, within = serial;
-    team = NULL; /* a loop inside a part is not divided */
+    pool = NULL; /* a loop inside a part is not divided */
     number = k;
     count = n;
     serial = 0;
     run(data);
-    team = t;
+    pool = t;
     number = before;
     count = of;
     serial = within;
@@ -90,11 +90,12 @@ static void run_parts(struct threads *t)
     }
 }
 
-/* What is awaited is looked at again after each has said that it sleeps; who
- * brings it about looks for sleepers afterwards. So none is missed. */
+/* Waits for a loop or the end. The worker announces its sleep in t->asleep and
+ * then checks for work once more; threads_parallel publishes the loop and then
+ * checks t->asleep. So no wake-up is lost. */
 static void wait_for_work(struct threads *t)
 {
-    for (int k = 0; k < LOOKS; k++)
+    for (int k = 0; k < POLLS; k++)
         if (has_part(t) || atomic_load(&t->over))
             return;
     pthread_mutex_lock(&t->lock);
@@ -140,7 +141,7 @@ static void start_workers(struct threads *t)
 
 static void wait_for_parts(struct threads *t)
 {
-    for (int k = 0; k < LOOKS; k++)
+    for (int k = 0; k < POLLS; k++)
         if (atomic_load(&t->left) == 0)
             return;
     pthread_mutex_lock(&t->lock);
@@ -154,7 +155,7 @@ static void wait_for_parts(struct threads *t)
 void threads_parallel(void run(void *data), void *data, unsigned most,
                       unsigned flags)
 {
-    struct threads *t = team;
+    struct threads *t = pool;
     (void)flags;
     if (t && most != 1 && t->asked > 1 && t->count == 0)
         start_workers(t);
@@ -181,7 +182,7 @@ void threads_begin(struct threads *t, int threads)
     if (most < 2 * n)
         most = 2 * n < THREADS_MOST ? 2 * n : THREADS_MOST;
     n = threads > 0 ? threads : n;
-    t->outer = team;
+    t->outer = pool;
     t->asked = n < most ? n : most;
     t->count = 0;
     atomic_init(&t->ticket, 0);
@@ -189,12 +190,12 @@ void threads_begin(struct threads *t, int threads)
     atomic_init(&t->asleep, 0);
     atomic_init(&t->waiting, false);
     atomic_init(&t->over, false);
-    team = t;
+    pool = t;
 }
 
 void threads_end(struct threads *t)
 {
-    team = t->outer;
+    pool = t->outer;
     if (t->count == 0)
         return;
     pthread_mutex_lock(&t->lock);

@@ -12,7 +12,7 @@ struct blocks {
     int32_t m;              /* particles along i */
     int64_t laws;           /* SPRINGS */
     const struct law *law;  /* [laws] */
-    const uint8_t *springs; /* [count] bit o: forward spring o is there */
+    const uint8_t *springs; /* [count] bit o: forward spring o is present */
     const vec *x;           /* [count] m */
     real tau;               /* s, > 0 */
     sym *block; /* out: [SPRINGS·count] kg, spring o of p at o·count + p */

@@ -10,7 +10,7 @@ struct energy {
     int32_t m;              /* particles along i */
     int64_t laws;           /* SPRINGS */
     const struct law *law;  /* [laws] */
-    const uint8_t *springs; /* [count] bit o: forward spring o is there */
+    const uint8_t *springs; /* [count] bit o: forward spring o is present */
     const real *mass;       /* [count] kg */
     const vec *x, *v;       /* [count] m, m/s */
     vec gravity;            /* m/s² */

@@ -29,7 +29,7 @@ struct rhs {
     int64_t count;          /* particles */
     int32_t m, n;           /* along i and j */
     const uint8_t *fixed;   /* [count] */
-    const uint8_t *springs; /* [count] bit o: forward spring o is there */
+    const uint8_t *springs; /* [count] bit o: forward spring o is present */
     int64_t n_blocks;       /* SPRINGS·count */
     const sym *block;       /* [n_blocks] kg, spring o of p at o·count + p */
     const vec *force;       /* [count] N */

@@ -10,7 +10,7 @@ struct springs {
     int64_t count;          /* m·n */
     int64_t laws;           /* SPRINGS */
     const struct law *law;  /* [laws] */
-    const uint8_t *springs; /* [count] bit o: forward spring o is there */
+    const uint8_t *springs; /* [count] bit o: forward spring o is present */
     const real *mass;       /* [count] kg */
     const vec *x;           /* [count] m */
     int64_t n_v;            /* count, or 0: no damping */

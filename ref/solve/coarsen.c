@@ -27,7 +27,7 @@ static int hat(int di, int dj)
 }
 
 /* §2: whether a block couples two particles, that is, is not 0. */
-static bool tied(sym b)
+static bool couples(sym b)
 {
     return b.xx != 0 || b.yy != 0 || b.zz != 0;
 }
@@ -39,10 +39,10 @@ static uint8_t rule_of(int32_t m, int32_t n, int32_t i, int32_t j,
 {
     int64_t p = i + (int64_t)m * j;
     int rule = 0;
-    if (i % 2 && i + 1 < m && tied(right[p - 1]) != tied(right[p]))
-        rule |= tied(right[p]) ? ONLY_RIGHT : ONLY_LEFT;
-    if (j % 2 && j + 1 < n && tied(up[p - m]) != tied(up[p]))
-        rule |= tied(up[p]) ? ONLY_UP : ONLY_DOWN;
+    if (i % 2 && i + 1 < m && couples(right[p - 1]) != couples(right[p]))
+        rule |= couples(right[p]) ? ONLY_RIGHT : ONLY_LEFT;
+    if (j % 2 && j + 1 < n && couples(up[p - m]) != couples(up[p]))
+        rule |= couples(up[p]) ? ONLY_UP : ONLY_DOWN;
     return (uint8_t)rule;
 }
 
@@ -79,8 +79,8 @@ static sym add_scaled(sym a, real w, sym b)
 }
 
 /* §2: the sum of a recipe's terms for coarse particle (i, j). */
-static sym cook(const struct coarsen *s, const struct recipe *r, int32_t i,
-                int32_t j)
+static sym sum_recipe(const struct coarsen *s, const struct recipe *r,
+                      int32_t i, int32_t j)
 {
     sym sum = {0, 0, 0, 0, 0, 0};
     for (int k = 0; k < r->terms; k++) {
@@ -108,8 +108,8 @@ static int weight(const struct coarsen *s, int32_t x, int32_t y, int32_t ci,
 
 /* Adds the terms of spring o of fine particle (x, y) to the blocks of all pairs
  * of coarse particle (i, j). at: i, j, x, y. */
-static void cook_spring(const struct coarsen *s, const int32_t at[4], int o,
-                        sym sum[STENCIL])
+static void add_spring(const struct coarsen *s, const int32_t at[4], int o,
+                       sym sum[STENCIL])
 {
     int32_t i = at[0], j = at[1], x = at[2], y = at[3];
     int32_t z = x + (s->n_live ? spring_di[o] : stencil_di[o]);
@@ -130,13 +130,13 @@ static void cook_spring(const struct coarsen *s, const int32_t at[4], int o,
 
 /* §2: the same terms in the same order near a cut, where the weights follow
  * from the rules and not from a recipe. */
-static void cook_cut(const struct coarsen *s, int32_t i, int32_t j,
-                     sym sum[STENCIL])
+static void sum_near_cut(const struct coarsen *s, int32_t i, int32_t j,
+                         sym sum[STENCIL])
 {
     for (int k = 0; k < AROUND * (int)(s->n_blocks / s->count); k++) {
         int around = k % AROUND;
         int32_t at[4] = {i, j, 2 * i + around % 7 - 3, 2 * j + around / 7 - 3};
-        cook_spring(s, at, k / AROUND, sum);
+        add_spring(s, at, k / AROUND, sum);
     }
 }
 
@@ -177,10 +177,10 @@ static void gather_node(const struct coarsen *s, const struct recipe *recipe,
     int64_t p = i + (int64_t)coarse_size(s->m) * j;
     sym sum[STENCIL] = {{0}};
     if (is_cut(s, i, j))
-        cook_cut(s, i, j, sum);
+        sum_near_cut(s, i, j, sum);
     else
         for (int o = 0; o < STENCIL; o++)
-            sum[o] = cook(s, &recipe[o], i, j);
+            sum[o] = sum_recipe(s, &recipe[o], i, j);
     s->coarse_excess[p] = share(s, i, j, 0, 0);
     for (int o = 0; o < STENCIL; o++) {
         int di = stencil_di[o], dj = stencil_dj[o];

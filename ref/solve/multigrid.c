@@ -89,22 +89,44 @@ int64_t ref_multigrid_size(struct multigrid *s)
 /* §3: y = A x on a coarse grid. */
 static void multiply_coarse(const struct level *l)
 {
-    struct couplings c = {l->m,       l->n,     l->count, STENCIL, stencil_di,
-                          stencil_dj, l->block, NULL,     l->x,    l->y};
+    struct couplings c = {.m = l->m,
+                          .n = l->n,
+                          .count = l->count,
+                          .directions = STENCIL,
+                          .di = stencil_di,
+                          .dj = stencil_dj,
+                          .block = l->block,
+                          .x = l->x,
+                          .y = l->y};
     EACH_MANY(l->count)
     for (int64_t p = 0; p < l->count; p++)
         l->y[p] = vec_add(sym_apply(l->excess[p], l->x[p]), vec_make(0, 0, 0));
     product_couplings(&c);
 }
 
-/* On the finest grid as product.md §1, of the thin blocks where there are. */
+/* §3: y = A x on any grid; on the finest with the thin blocks, if there are
+ * any. */
 static void multiply(const struct multigrid *s, const struct level *l)
 {
-    struct product a = {s->m,       s->n,     s->count,    s->mass,
-                        s->n_extra, s->extra, s->n_blocks, s->block,
-                        0,          NULL,     l->x,        l->y};
-    struct couplings c = {l->m,      l->n,     l->count, SPRINGS, spring_di,
-                          spring_dj, s->block, NULL,     l->x,    l->y};
+    struct product a = {.m = s->m,
+                        .n = s->n,
+                        .count = s->count,
+                        .mass = s->mass,
+                        .n_extra = s->n_extra,
+                        .extra = s->extra,
+                        .n_blocks = s->n_blocks,
+                        .block = s->block,
+                        .x = l->x,
+                        .y = l->y};
+    struct couplings c = {.m = l->m,
+                          .n = l->n,
+                          .count = l->count,
+                          .directions = SPRINGS,
+                          .di = spring_di,
+                          .dj = spring_dj,
+                          .block = s->block,
+                          .x = l->x,
+                          .y = l->y};
     if (l->block) {
         multiply_coarse(l);
     } else {
@@ -114,9 +136,8 @@ static void multiply(const struct multigrid *s, const struct level *l)
     }
 }
 
-/* smoothing, §4. */
-/* Chebyshev of degree 2 on [high / RATIO, high]: d = first·F r, then
- * d = keep·d + second·F r. */
+/* §4: coefficients of a Chebyshev smoothing of degree 2 for eigenvalues in
+ * [high / 8, high]: d = first·F r, then d = keep·d + second·F r. */
 struct weights {
     real first, keep, second;
 };
@@ -154,8 +175,7 @@ static void smooth(const struct multigrid *s, const struct level *l, real keep,
     }
 }
 
-/* between grids, §2. */
-/* y = b - A x, 0 where fixed. */
+/* The residual that is restricted: y = b - A x, 0 where fixed. */
 static void residual(const struct multigrid *s, const struct level *l)
 {
     multiply(s, l);
@@ -217,17 +237,30 @@ static void prolong(const struct level *c, const struct level *f)
 static struct coarsest coarsest_of(const struct multigrid *s,
                                    const struct level *l)
 {
-    struct coarsest c = {l->m, l->n, l->count, l->excess, l->block, s->dense};
-    return c;
+    return (struct coarsest){.m = l->m,
+                             .n = l->n,
+                             .count = l->count,
+                             .excess = l->excess,
+                             .block = l->block,
+                             .dense = s->dense};
 }
 
 int ref_multigrid_build(struct multigrid *s)
 {
     struct level l[LEVELS];
     int levels = lay_out(s, l);
-    struct excess e = {s->m,       s->n,        s->count,    s->mass,
-                       s->n_extra, s->extra,    s->n_blocks, s->block,
-                       s->fixed,   l[0].excess, s->live,     l[0].rule};
+    struct excess e = {.m = s->m,
+                       .n = s->n,
+                       .count = s->count,
+                       .mass = s->mass,
+                       .n_extra = s->n_extra,
+                       .extra = s->extra,
+                       .n_blocks = s->n_blocks,
+                       .block = s->block,
+                       .fixed = s->fixed,
+                       .excess = l[0].excess,
+                       .live = s->live,
+                       .rule = l[0].rule};
     int status = ref_excess(&e);
     EACH_ITEM
     for (int64_t k = 0; k < s->n_thin; k++)

@@ -6,21 +6,23 @@
  * rows is computed once. */
 enum { BAND = 16 };
 
-/* Where a row of ties lies; thin: read in place of block, or NULL. */
+/* The blocks of one direction that start in one row of the grid. thin: read in
+ * place of block, unless NULL. */
 struct edges {
     const sym *block;
     const struct thin_parts *thin;
 };
 
-/* B (x - x of the neighbour), §1. */
+/* §1: B (x_p - x_q) for particle p = i of the row, q = p + step. */
 static inline vec pull(struct edges b, int32_t i, const vec *x, int64_t step)
 {
     vec d = vec_sub(x[i], x[i + step]);
     return b.thin ? thin_apply(b.thin[i], d) : sym_apply(b.block[i], d);
 }
 
-/* To both ends. In ascending order an end has the spring that leads to it
- * before the one that starts from it. */
+/* Adds each spring's term to both of its ends. As i ascends, a particle
+ * receives the spring that ends at it before the spring that starts at it; §1
+ * demands this order. */
 static void pull_both(int32_t n, struct edges b, const vec *restrict x,
                       int64_t step, vec *restrict y)
 {
@@ -76,7 +78,7 @@ void product_couplings(const struct couplings *c)
     }
 }
 
-/* y += A (x of the neighbour - x), along one row. */
+/* §1, cdf: y_p += A_pq (x_q - x_p) along one row of one diagonal. */
 static void add_blocks(int32_t n, const mat *restrict a, const vec *restrict x,
                        int64_t step, vec *restrict y)
 {
@@ -103,7 +105,7 @@ static void add_diagonals(const struct product *s, const struct cdf *c,
     }
 }
 
-/* + 0 turns -0 into +0. */
+/* Adding +0 turns -0 into +0. */
 void product_start(const struct product *s)
 {
     EACH_MANY(s->count)
@@ -115,9 +117,15 @@ void product_start(const struct product *s)
 
 int ref_product(struct product *s)
 {
-    struct couplings springs = {s->m,      s->n,      s->count, SPRINGS,
-                                spring_di, spring_dj, s->block, NULL,
-                                s->x,      s->y};
+    struct couplings springs = {.m = s->m,
+                                .n = s->n,
+                                .count = s->count,
+                                .directions = SPRINGS,
+                                .di = spring_di,
+                                .dj = spring_dj,
+                                .block = s->block,
+                                .x = s->x,
+                                .y = s->y};
     struct cdf c = ref_cdf(s->m, s->n);
     product_start(s);
     if (!s->n_cdf) {

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The modes of check on the device: compare, time, certify. spec/gpu.md */
+/* The modes of check that run on the device: comparison with the reference,
+ * timing, and the rows of a certificate. spec/gpu.md §7 */
 #include <dirent.h>
 #include <stdio.h>
 
 #include "tests/base/device.h"
 #include "tests/base/modes.h"
 
-/* All cases of a stage on the device, against the reference. */
+/* Compares all cases of a stage on the device with the reference. */
 static void run_device(struct gpu *g, const struct stage *stage, int bits)
 {
     const char *what = NULL;
@@ -44,7 +45,8 @@ void run_devices(void)
     gpu_close(g);
 }
 
-/* Whether some case of a stage differs in that way of running. */
+/* Whether some case of a stage has other results when threads run in this
+ * way. */
 static bool caught(struct gpu *g, const struct stage *s, struct gpu_way way)
 {
     static const int64_t size[] = {33, 257, 1000};
@@ -89,8 +91,8 @@ void self_test_races(void)
     gpu_close(g);
 }
 
-/* The last column is against a floor: all bytes once, as fast as an H200 copies
- * (read and written). */
+/* The last column is the time over a lower bound: all bytes moved once at the
+ * copy speed of an H200, reads and writes counted. */
 void bench_gpu(void)
 {
     const double copied = 4.27e12;
@@ -112,7 +114,7 @@ void bench_gpu(void)
 }
 
 struct row {
-    int cases, good, mismatches; /* good: those that ref ran to their end */
+    int cases, good, mismatches; /* good: ref returned DRAPE_OK */
 };
 
 static void count(struct row *r, const char *stage, struct case_result c)
@@ -180,7 +182,8 @@ void certify(const char *corpus)
             struct row r = {0};
             certify_cases(g, s, &r);
             certify_corpus(g, s, corpus, &r);
-            r.mismatches += !r.good; /* two refusals prove nothing */
+            r.mismatches += !r.good; /* if every case was refused, nothing
+                                        was compared */
             printf("stage %s %d %d %d %016llx\n", s->name, bits_of[k], r.cases,
                    r.mismatches,
                    (unsigned long long)run_stage(s, bits_of[k], true));

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* spec/stages.def and tests/tests.def as tables, one build a precision. */
+/* The tables of spec/stages.def and tests/tests.def. Compiled once for each
+ * precision. */
 #include "tests/base/harness.h"
 
 #include "gpu/base/stages.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The cloth model: masks, masses, laws, energy against force.
+/* The cloth model: masks, masses, force laws, and forces against energies.
  * spec/cloth/cloth.md */
 #include "ref/cloth/cloth.h"
 
@@ -10,7 +10,7 @@
 
 enum { MOST = 12 };
 
-/* A random small cloth with holes and cuts, drawn by a counter. */
+/* A small random cloth with holes and cuts, the same for the same seed. */
 static drape_cloth holed(unsigned seed, uint8_t *hole, uint8_t *cut)
 {
     unsigned state = seed * 2654435761u + 1;
@@ -28,7 +28,8 @@ static drape_cloth holed(unsigned seed, uint8_t *hole, uint8_t *cut)
     return d;
 }
 
-/* By the words of §1: a cell is not cut and has its four corners. */
+/* §1, independent of ref/: a cell is present if it is not cut and none of its
+ * corners is a hole. */
 static bool cell(const drape_cloth *d, int i, int j)
 {
     if (i < 0 || j < 0 || i > d->m - 2 || j > d->n - 2)
@@ -39,8 +40,8 @@ static bool cell(const drape_cloth *d, int i, int j)
     return there;
 }
 
-/* By the words of §2: whether the unit segment from (i, j) by (di, dj) is
- * an edge or a diagonal of some present cell. */
+/* §2, independent of ref/: whether the segment from (i, j) to (i + di, j + dj)
+ * is an edge or a diagonal of a present cell. */
 static bool along(const drape_cloth *d, int i, int j, int di, int dj)
 {
     for (int y = 0; y < d->n - 1; y++)
@@ -81,14 +82,14 @@ static const char *check_masks(const drape_cloth *d, const struct cloth *c)
         area += c->cell[p];
         if (!c->cell[p])
             continue;
-        /* §3: two triangles that share the diagonal p, p + m + 1. */
+        /* §3: two triangles that share the diagonal from p to p + m + 1. */
         const int32_t want[6] = {p, p + 1,        p + d->m + 1,
                                  p, p + d->m + 1, p + d->m};
         EXPECT(!memcmp(c->tri + t, want, sizeof want));
         t += 2;
     }
     EXPECT(t == c->n_triangles);
-    /* §3: at most eight roundings a particle, and those of this sum. */
+    /* §3: at most eight roundings a particle, and the roundings of this sum. */
     double mass = d->material.density * area * d->width * d->height /
                   ((d->m - 1) * (d->n - 1));
     EXPECT(fabs(total - mass) <=
@@ -96,7 +97,8 @@ static const char *check_masks(const drape_cloth *d, const struct cloth *c)
     return NULL;
 }
 
-/* §1–3: masks, triangles and masses against the words, by brute force. */
+/* §1 to §3: masks, triangles and masses, compared by brute force with the
+ * definitions above. */
 const char *test_cloth_masks(void)
 {
     uint8_t hole[MOST * MOST], cut[MOST * MOST];
@@ -113,8 +115,8 @@ const char *test_cloth_masks(void)
     return NULL;
 }
 
-/* Energy a width of a uniform strain or curvature, from interior springs:
- * eu, ev, g are strains along u, v and shear; k is a curvature along u. */
+/* The elastic energy per area of a uniform strain, by the springs of an inner
+ * particle. eu, ev: strains along u and v; g: shear. */
 static double density(const struct cloth *c, double eu, double ev, double g)
 {
     double sum = 0, hu = (double)c->hu, hv = (double)c->hv;
@@ -126,9 +128,10 @@ static double density(const struct cloth *c, double eu, double ev, double g)
     return sum / (hu * hv);
 }
 
-/* §4: a small strain has the energy of the material on any cell. Each
- * spring's energy is cubic beyond the quadratic form: relative error about
- * the strain; e is large enough against the rounding of rest lengths. */
+/* §4: on a cell of any shape a small strain has the energy of the material. A
+ * spring's energy has a cubic term besides the quadratic one, hence a relative
+ * error of the order of the strain; e is large enough against the rounding of
+ * rest lengths. */
 const char *test_cloth_material(void)
 {
     static const double ratio[] = {1, 0.8, 1.3};
@@ -140,7 +143,8 @@ const char *test_cloth_material(void)
         d.height = d.width * ratio[k % 3];
         EXPECT(ref_cloth_size(&d, &c) == DRAPE_OK);
         double s = d.material.stretch, g = d.material.shear;
-        /* Compression is stiffer (§4): only strains that stretch. */
+        /* Double springs are stiffer in compression (§4), so the strains only
+         * stretch. */
         EXPECT(fabs(density(&c, e, 0, 0) / (s * e * e / 2) - 1) <= close);
         EXPECT(fabs(density(&c, 0, e, 0) / (s * e * e / 2) - 1) <= close);
         double both = (s + g) * e * e;
@@ -149,7 +153,7 @@ const char *test_cloth_material(void)
         EXPECT(fabs(more / (g * e * e / 2) - 1) <= 4 * close);
         ran(1);
     }
-    /* Cells too oblong for the shear are refused. */
+    /* Cells that are too oblong for the shear stiffness are refused. */
     drape_cloth d = sheet_default(2, 2);
     struct cloth c;
     d.height = 0.2;
@@ -157,9 +161,10 @@ const char *test_cloth_material(void)
     return NULL;
 }
 
-/* §5: a cylinder of radius 1 / curvature along u has B curvature² / 2 a
- * area on any grid fine enough to see it and coarse enough to buckle. What
- * is lost is the well: about 12·bend / press of the chord. */
+/* §4 and §5: a cylinder of radius 1 / curvature has the energy bend·curvature²
+ * / 2 per area, on any grid that is fine enough to resolve the cylinder and
+ * coarse enough that springs buckle. The error is the energy of the knee,
+ * `well`: a share of about 12·bend / press. */
 const char *test_cloth_bending(void)
 {
     const double curvature = 40, pi = 3.1415926535897932;
@@ -188,7 +193,8 @@ const char *test_cloth_bending(void)
     return NULL;
 }
 
-/* §5: the fit of the arc's force over the whole range, its slope and energy. */
+/* §5: the fit of the arc's force, of its slope and of its energy, over the
+ * whole range of lengths. */
 const char *test_cloth_arc(void)
 {
     struct law a = {.k = 1, .press = 1e6, .rest = 1, .bend = 1, .stiff = 1e6};
@@ -244,7 +250,8 @@ const char *test_force_gradient(void)
             *x = keep;
             double f = -(hi[1] - lo[1] + hi[2] - lo[2]) / (2 * h);
             double have = (double)(&s.d.x1[k / 3].x)[k % 3];
-            /* One side of a kink: the slope jumps by 3k over h at most. */
+            /* At a kink of the law the slope jumps by at most 3k, over a
+             * distance h. */
             EXPECT(fabs(f - have) <= 1e-6 + 50 * h * fabs(have) + 160 * h);
             ran(1);
         }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Motion without contact: orders, limits, energies. spec/cloth/dynamics.md */
+/* Motion without contact: orders of the methods, stability limits, energies.
+ * spec/cloth/dynamics.md */
 #include "ref/cloth/dynamics.h"
 
 #include <stdlib.h>
@@ -10,8 +11,9 @@
 
 enum { METHODS = DRAPE_CK + 1 };
 
-/* A sheet of n × n pinned all around and stretched by a quarter, so that no
- * spring comes near a kink, with a smooth push in its middle. */
+/* Makes a sheet of n × n particles, pinned along its border and stretched by
+ * about a quarter, so that no spring comes near a kink of the law, with a
+ * smooth velocity in its middle. */
 static int make_drum(struct sheet *s, int method, int n, double damping)
 {
     drape_pin pins[64];
@@ -36,7 +38,8 @@ static int make_drum(struct sheet *s, int method, int n, double damping)
     return status;
 }
 
-/* `steps` steps of T in all; the distance to `to` in x and v. */
+/* Runs `steps` steps over `time` in all. Returns the distance of x and v from
+ * those of `to`; NAN if a step fails or takes more than one substep. */
 static double run(struct sheet *s, double time, int steps,
                   const struct sheet *to)
 {
@@ -52,8 +55,9 @@ static double run(struct sheet *s, double time, int steps,
     return sqrt(e);
 }
 
-/* §4: the error falls with dt as theory says, against Runge–Kutta at a
- * hundredth of the step. Choi–Ko without damping: implicit.md §5. */
+/* §4: the error falls with dt as the order of the method demands; the exact
+ * motion is Runge–Kutta with much smaller steps. Choi–Ko has its order only
+ * without damping (implicit.md §5). */
 const char *test_orders(void)
 {
     static const double order[METHODS] = {1, 2, 2, 4, 1, 2};
@@ -108,7 +112,8 @@ const char *test_substeps(void)
     return NULL;
 }
 
-/* The largest eigenvalue of -M⁻¹ ∂f/∂x at the drum's rest, by powers. */
+/* The largest eigenvalue of -M⁻¹ ∂f/∂x at the drum's rest, by power iteration
+ * with central differences of forces. */
 static double top_eigenvalue(struct sheet *s)
 {
     vec *z = s->xp, *x = s->vp, *lo = s->d.work, *hi = lo + s->c.count;
@@ -143,8 +148,9 @@ static double top_eigenvalue(struct sheet *s)
     return value;
 }
 
-/* The drum with a push of 1 µm/s in many shapes, stepped by `part` of the
- * limit; the steps that went well. */
+/* Starts the drum from rest with velocities of some µm/s that contain many
+ * modes, and steps it by `part` of the stability limit. Returns the number of
+ * steps until divergence, at most `most`; -1 if the set-up fails. */
 static int steps_at(int method, double part, int most)
 {
     struct sheet s;
@@ -153,17 +159,17 @@ static int steps_at(int method, double part, int most)
     s.d.gravity = vec_make(0, 0, 0);
     s.d.dt = 1;
     for (int k = 0; k < 200; k++)
-        sheet_step(&s); /* to its equilibrium */
+        sheet_step(&s); /* until equilibrium */
     memcpy(s.to, s.x, (size_t)s.c.count * sizeof *s.x);
     memset(s.v, 0, (size_t)s.c.count * sizeof *s.v);
     s.d.method = method;
     double limit = 2 / sqrt(top_eigenvalue(&s));
     if (4 / (limit * limit) > s.c.bound)
-        return -1; /* §3 is wrong: the bound is none */
+        return -1; /* advance.md §3 is violated: `bound` is no bound */
     for (int64_t k = 0; k < 3 * s.c.count; k++)
         if (!s.c.fixed[k / 3])
             (&s.v[k / 3].x)[k % 3] = (real)(1e-6 * (double)(k * k % 11 - 5));
-    s.c.bound = 0; /* one substep, whatever the limit */
+    s.c.bound = 0; /* so that one substep is taken beyond the limit, too */
     s.d.dt = part * limit;
     int k = 0;
     while (k < most && sheet_step(&s) == DRAPE_OK && !s.d.outcome)
@@ -194,7 +200,8 @@ static bool same_bits(const vec *a, const vec *b, int64_t n)
     return !memcmp(a, b, (size_t)n * sizeof *a);
 }
 
-/* §3: a value that is no number ends the step; the state stays. */
+/* §3: if a value is NaN or too large, the step is DRAPE_DIVERGED and the state
+ * stays as it was. */
 const char *test_diverged(void)
 {
     for (int m = 0; m < METHODS; m++)
@@ -237,7 +244,7 @@ const char *test_moving_pins(void)
     return NULL;
 }
 
-/* Σ m v of one axis. */
+/* The momentum Σ m v along axis k. */
 static double momentum(const struct sheet *s, int k)
 {
     double sum = 0;
@@ -288,8 +295,8 @@ const char *test_momentum(void)
     return NULL;
 }
 
-/* §4: without damping Verlet's energy stays near and Runge–Kutta's falls by
- * little; Baraff–Witkin's only falls. */
+/* Without damping the energy of Verlet and of Runge–Kutta stays near its first
+ * value; the energy of Baraff–Witkin only falls. */
 const char *test_energy_behaviour(void)
 {
     static const int methods[] = {DRAPE_VERLET, DRAPE_RK4, DRAPE_BW};
@@ -357,7 +364,8 @@ const char *test_past_of_contact(void)
     return NULL;
 }
 
-/* A sheet n × n of 1 m hung by its upper edge, or by its upper corners. */
+/* Makes a sheet of n × n particles, 1 m wide, that hangs from its upper edge or
+ * from its two upper corners. */
 static int make_hung(struct sheet *s, int n, bool corners)
 {
     drape_pin pins[64];
@@ -373,8 +381,8 @@ static int make_hung(struct sheet *s, int n, bool corners)
     return status;
 }
 
-/* Steps until nothing moves faster than 10⁻⁹ m/s, or u of it in binary32;
- * false where that never comes. */
+/* Steps until nothing moves faster than 10⁻⁹ m/s (10⁻⁴ m/s in binary32).
+ * Returns false if this does not happen or a step fails. */
 static bool settle(struct sheet *s)
 {
     for (int k = 0; k < 300; k++) {
@@ -416,8 +424,8 @@ const char *test_refinement(void)
     return NULL;
 }
 
-/* The equilibrium of s by damped relaxation in binary64 with the law by the
- * arc: an oracle of another method and another source. */
+/* Finds the equilibrium of s by damped relaxation in binary64, with the law of
+ * the arc itself: an oracle that shares neither method nor source with ref/. */
 static void relax(const struct sheet *s, double *x)
 {
     int64_t n = s->c.count;
@@ -452,9 +460,10 @@ static void relax(const struct sheet *s, double *x)
     free(v);
 }
 
-/* §4: a sheet hung by two corners takes the shape of the oracle. A force is
- * rounded by some 100 u·k·L, which moves particles by 100 u·L: 10⁻⁵ m in
- * binary32; in binary64 what is left is how far both have settled. */
+/* §4: a sheet that hangs from two corners takes the shape that the oracle
+ * finds. A force has a rounding error of some 100 u·k·L, which moves particles
+ * by 100 u·L: 10⁻⁵ m in binary32. In binary64 the difference is how far both
+ * have settled. */
 const char *test_hanging(void)
 {
     struct sheet s;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The explicit methods' kernels, which a trace does without: sheets of several
- * blocks, whose neighbours show what a block must not write yet. With --cases 1
- * the small one alone, with --hosted by launches, for compute-sanitizer.
+/* The fused kernels of the explicit methods, which run only without a trace,
+ * compared with the reference. The sheets have several thread blocks, so that a
+ * block that writes too early shows in its neighbours. --cases 1 takes the
+ * small sheet only and --hosted launches each substep, for compute-sanitizer.
  * spec/gpu.md §13 */
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,24 +12,25 @@
 #include "tests/api/guest.h"
 #include "tests/base/modes.h"
 
-/* Beyond 2^16 particles a block owns others (gpu/cloth/springs.cuh). Steps are
- * so short that there are few substeps; a device makes more of them a turn. */
+/* Beyond 2^16 particles blocks own larger tiles (gpu/cloth/springs.cuh). The
+ * steps are short, so that there are few substeps; on a device they are longer,
+ * so that substeps fill a loop on the device. */
 enum { LONGER_ON_A_DEVICE = 12 };
 static const struct variant {
     int m, n;
     double dt;    /* s */
-    int substeps; /* of each method, at least */
+    int substeps; /* the fewest of any method */
 } variants[] = {{69, 21, 3e-6, 6}, {257, 256, 7e-7, 2}};
 
 struct rumpled {
     struct guest s;
-    bool device; /* there is one, and time */
+    bool device; /* there is a real device, and not --cases 1 */
     drape_pin pin;
     drape_motion motion;
-    double (*x)[3], (*v)[3]; /* [m·n] where it starts */
+    double (*x)[3], (*v)[3]; /* [m·n] m, m/s, the start state */
 };
 
-/* What a run ends at. */
+/* The state and the report at the end of a run. */
 struct ended {
     double (*x)[3], (*v)[3];
     drape_step_report report;
@@ -36,7 +38,7 @@ struct ended {
 
 static const double times[2] = {0, 1}, path[2][3] = {{0}, {0.02, 0.005, 0}};
 
-/* No two particles move alike. */
+/* Fills the start state with noise, so that no two particles move alike. */
 static void rumple(struct rumpled *r)
 {
     const drape_cloth *c = &r->s.cloth;
@@ -61,7 +63,8 @@ static void define(struct rumpled *r, const struct variant *a, int integrator,
     def->dt = r->device ? LONGER_ON_A_DEVICE * a->dt : a->dt;
     def->self_collision = 0;
     def->n_obstacles = 0;
-    def->wind = (drape_wind){{0.2, 0, 0}, 1.2, 1, 0.5};
+    def->wind = (drape_wind){
+        .velocity = {0.2, 0, 0}, .density = 1.2, .drag = 1, .lift = 0.5};
     c->m = a->m;
     c->n = a->n;
     c->width = 0.01 * (a->m - 1);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Cloths without contact stepped by the reference and by the device beside
- * each other: the same bits after every stage. spec/cloth/dynamics.md, gpu.md
- */
+/* Cloths without contact, stepped by the reference and by the device: every
+ * stage must give the same bits. spec/cloth/dynamics.md, spec/gpu.md */
 #include "tests/world/twin.h"
 
 enum {
@@ -13,7 +12,7 @@ enum {
     STEPS = 3
 };
 
-/* A cloth, pinned, led, with holes, in wind or tearing away. */
+/* A scene of one cloth with all the memory that its definition points to. */
 struct motion_scene {
     drape_def def;
     drape_cloth cloth;
@@ -26,7 +25,8 @@ struct motion_scene {
 static const double times[2] = {0, 1};
 static const double way[2][3] = {{0, 0, 0}, {0.1, 0.3, -0.2}};
 
-/* Near the grid's plane, by `noise` off it, with a spin. */
+/* Sets positions near the grid's plane, with noise of `noise` m, and a rotation
+ * as velocity. */
 static void set_state(struct motion_scene *s, double noise)
 {
     uint32_t random = 1;
@@ -41,8 +41,8 @@ static void set_state(struct motion_scene *s, double noise)
     s->cloth.velocity = (const double(*)[3])s->v;
 }
 
-/* Scene 0 is pinned, 1 has holes and wind, 2 is free, damped and crumpled, 3
- * is led by its pins. */
+/* Scene 0: pinned; 1: with holes and wind; 2: free, damped and crumpled; 3:
+ * with a moving pin. */
 static void make_scene(struct motion_scene *s, int integrator, int scene)
 {
     memset(s, 0, sizeof *s);
@@ -60,7 +60,7 @@ static void make_scene(struct motion_scene *s, int integrator, int scene)
     s->def.n_cloths = 1;
     s->def.motions = &s->lead;
     s->def.n_motions = 1;
-    s->lead = (drape_motion){2, times, way, NULL, {0, 0, 0}};
+    s->lead = (drape_motion){.keys = 2, .time = times, .position = way};
     s->cloth.m = WIDE;
     s->cloth.n = HIGH;
     s->cloth.width = 0.1 * (WIDE - 1);
@@ -74,7 +74,8 @@ static void make_scene(struct motion_scene *s, int integrator, int scene)
     s->hole[0] = s->hole[WIDE * 3 + 4] = s->hole[WIDE * 3 + 5] = 1;
     if (scene == 1) {
         s->cloth.hole = s->hole;
-        s->def.wind = (drape_wind){{1, -2, 0.5}, 1.2, 1.1, 0.8};
+        s->def.wind = (drape_wind){
+            .velocity = {1, -2, 0.5}, .density = 1.2, .drag = 1.1, .lift = 0.8};
     }
 }
 
@@ -90,8 +91,9 @@ static const char *compare(const struct motion_scene *s, bool diverges)
     return NULL;
 }
 
-/* A free sheet, all of it as fast as may be: 0, gravity takes it beyond what
- * a coordinate may be; 1, it is so heavy that its energy is. */
+/* A free sheet at the largest velocity that is allowed. how = 0: gravity moves
+ * it beyond the largest coordinate; how = 1: its mass makes the energy too
+ * large. */
 static void make_diverge(struct motion_scene *s, int integrator, int how)
 {
     make_scene(s, integrator, 2);

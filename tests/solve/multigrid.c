@@ -46,7 +46,7 @@ void gen_excess(struct bytes *b, struct excess *s)
     excess_of(&a, s);
 }
 
-/* From the finest level, or from the one below it. */
+/* Makes the input of a coarsening of the finest grid, or of the grid below. */
 void gen_coarsen(struct bytes *b, struct coarsen *s)
 {
     struct system a;
@@ -122,7 +122,6 @@ const char *prop_excess(const struct excess *s)
     return NULL;
 }
 
-/* the Galerkin product, §2. */
 static double entry(sym b, int r, int c)
 {
     double a[3][3] = {{(double)b.xx, (double)b.xy, (double)b.xz},
@@ -131,7 +130,8 @@ static double entry(sym b, int r, int c)
     return a[r][c];
 }
 
-/* A field for the quadratic form, and the fine field that it means. */
+/* A random field on the coarse grid for the quadratic form of §2; fine_value is
+ * its interpolation to the fine grid. */
 static double coarse_value(int64_t p, int c)
 {
     return noise_of((uint64_t)(3 * p + c));
@@ -152,7 +152,7 @@ struct energy {
     double value, size;
 };
 
-/* dᵀ b d, for d the difference of two fields, or one field. */
+/* Adds dᵀ b d to the value, and the sizes of its terms. */
 static void add_energy(struct energy *e, sym b, const double d[3])
 {
     for (int r = 0; r < 3; r++)
@@ -210,8 +210,9 @@ static struct energy coarse_energy(const struct coarsen *s)
     return e;
 }
 
-/* §2: the coarse operator's energy of a field is the fine one's of what the
- * field interpolates to; nothing leads outside. */
+/* §2, the Galerkin product: the quadratic form of the coarse operator for a
+ * field equals the form of the fine operator for the interpolated field. No
+ * coarse block leads outside the grid. */
 const char *prop_coarsen(const struct coarsen *s)
 {
     const double u = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
@@ -240,13 +241,12 @@ const char *prop_multigrid(const struct multigrid *s)
         if (s->fixed[p])
             EXPECT(z.x == 0 && z.y == 0 && z.z == 0); /* §2 */
         else
-            zero &= vec_length(r) == 0; /* or its square underflows */
+            zero &= vec_length(r) == 0; /* also if its square underflows */
     }
     EXPECT(zero || inner > 0); /* §4: positive definite */
     return NULL;
 }
 
-/* symmetry, §4. */
 static void *room(int64_t count, size_t size)
 {
     return calloc((size_t)count + 1, size);
@@ -294,7 +294,8 @@ static double inner(int64_t n, const vec *a, const vec *b)
     return s;
 }
 
-/* |yᵀM⁻¹x - xᵀM⁻¹y| over √(xᵀM⁻¹x yᵀM⁻¹y), 1 where not positive. */
+/* §4: |yᵀM⁻¹x - xᵀM⁻¹y| / √(xᵀM⁻¹x yᵀM⁻¹y) for random x and y; 1 if M⁻¹ is not
+ * positive for them. */
 static double asymmetry(struct multigrid *s)
 {
     vec *v[4];

@@ -88,7 +88,8 @@ static void *room(int64_t count, size_t size)
     return calloc((size_t)count + 1, size);
 }
 
-/* Cholesky of the free rows, in place; fixed rows are those of I. */
+/* Cholesky factorisation in place of the dense matrix, whose fixed rows are
+ * rows of I. Returns false if the matrix is not positive definite. */
 static bool cholesky(double *a, int64_t n)
 {
     for (int64_t j = 0; j < n; j++) {
@@ -123,7 +124,7 @@ static double part(vec a, int64_t r)
     return (double)(r == 0 ? a.x : r == 1 ? a.y : a.z);
 }
 
-/* The dense matrix of the free particles and its right-hand side. */
+/* Fills the dense matrix of the free particles and its right-hand side. */
 static void fill_dense(const struct system *a, const struct pcg *s, double *l,
                        double *x)
 {
@@ -142,7 +143,8 @@ static void fill_dense(const struct system *a, const struct pcg *s, double *l,
     }
 }
 
-/* §4: |dv - A⁻¹b| ≤ |A⁻¹| |residual|, and A exceeds its least mass. */
+/* §4: |dv - A⁻¹b| ≤ |A⁻¹| |residual|, where 1/|A⁻¹| is at least the smallest
+ * free mass. */
 static const char *expect_solution(const struct system *a, const struct pcg *s)
 {
     int64_t n = 3 * a->count;
@@ -199,7 +201,8 @@ const char *test_pcg_dense(void)
     return NULL;
 }
 
-/* §4: what does not converge, or is not a number, says so and ends. */
+/* §4 and §5: a solve that does not converge, or meets a NaN, ends with the
+ * outcome that says so. */
 const char *test_pcg_outcomes(void)
 {
     struct system a;
@@ -242,7 +245,8 @@ const char *test_pcg_outcomes(void)
     return NULL;
 }
 
-/* Two cloths solved in turn do not see each other, nor do threads show. */
+/* Two cloths that are solved alternately do not influence each other, nor does
+ * the number of threads influence them. */
 const char *test_pcg_repeats(void)
 {
     struct system a[2];

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whole solves on the device, against the reference, and timed.
+/* Whole solves on the device, compared with the reference and timed.
  * spec/solve/pcg.md */
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,11 +12,11 @@
 #include "tests/base/modes.h"
 #include "tests/solve/solver.h"
 
-/* RUNS: of a timing, the least counts; SHORT: iterations of Jacobi that are
- * compared, as all of them take the reference minutes. */
+/* RUNS: repeats of a timing, of which the shortest counts. SHORT: iterations of
+ * Jacobi to compare, as a whole solve by the reference takes minutes. */
 enum { RUNS = 5, SHORT = 20 };
 
-/* A copy on the device, or only room there. */
+/* Allocates a stream on the device and copies `host` there, unless NULL. */
 static void *put(struct gpu *g, const void *host, int64_t n, size_t size)
 {
     void *p = gpu_take(g, ARENA_OTHER, n, size);
@@ -25,7 +25,8 @@ static void *put(struct gpu *g, const void *host, int64_t n, size_t size)
     return p;
 }
 
-/* s with streams of its own on the device, as a world has them. */
+/* Returns a copy of s with streams of its own on the device, laid out as in a
+ * world. */
 static struct pcg on_device(struct gpu *g, const struct pcg *s)
 {
     struct pcg d = *s;
@@ -53,8 +54,8 @@ static struct pcg on_device(struct gpu *g, const struct pcg *s)
     return d;
 }
 
-/* The rates of a's springs on the device, if a solve there reads them in place
- * of blocks. */
+/* Makes the rates of a's springs on the device, if a solve there reads rates in
+ * place of blocks; else returns none. */
 static struct rates rates_of(struct gpu *g, const struct system *a,
                              const struct pcg *d)
 {
@@ -86,8 +87,8 @@ static bool same_result(struct gpu *g, const struct pcg *s, const struct pcg *d)
     return same && gpu_status(g) == DRAPE_OK;
 }
 
-/* A drape on pins, where it is trimmed held by contacts too, solved to 1e-3 by
- * at most `most` iterations. */
+/* Makes a pinned, draped cloth of n × n particles for both sides, to be solved
+ * to 1e-3 in at most `most` iterations. With a trim, contacts hold it, too. */
 static void open_both(struct gpu *g, int32_t n, int trim, int precond,
                       int32_t most, struct system *a, struct pcg *s,
                       struct pcg *d)
@@ -104,7 +105,7 @@ static void open_both(struct gpu *g, int32_t n, int trim, int precond,
     *d = on_device(g, s);
 }
 
-/* The least seconds of some solves. */
+/* Returns the shortest time, s, of RUNS solves. */
 static double timed(struct gpu *g, struct pcg *d, struct rates r)
 {
     double least = HUGE_VAL;
@@ -117,7 +118,8 @@ static double timed(struct gpu *g, struct pcg *d, struct rates r)
     return least;
 }
 
-/* The rest of a line: the reference's time, and whether both agree. */
+/* Prints the rest of a line: the reference's time an iteration, and whether
+ * both results have the same bits. */
 static void compare_bits(struct gpu *g, struct pcg *s, struct pcg *d,
                          struct rates r)
 {
@@ -130,7 +132,8 @@ static void compare_bits(struct gpu *g, struct pcg *s, struct pcg *d,
            same_result(g, s, d) ? "same" : "DIFFERENT");
 }
 
-/* One line; with SHORT iterations of Jacobi both results are compared. */
+/* Prints one line of the benchmark. set_up is the time of a solve of 0
+ * iterations. */
 static void bench_one(int32_t n, int precond, int solver)
 {
     int status;
@@ -163,8 +166,8 @@ static void bench_one(int32_t n, int precond, int solver)
     gpu_close(g);
 }
 
-/* Of 20 thousand, 500 thousand and 2 million triangles; where the device is
- * emulated the first only. */
+/* Times solves of 20 thousand, 500 thousand and 2 million triangles; only the
+ * first on an emulated device. */
 void bench_solve(void)
 {
     static const int32_t sizes[] = {101, 504, 1008};
@@ -181,8 +184,9 @@ void bench_solve(void)
                   k % 2 ? DRAPE_CUBLAS : DRAPE_EXACT);
 }
 
-/* Whether both have the same bits of a drape of n² particles, by blocks and by
- * rates, of which an emulated device has those of Jacobi. */
+/* Whether device and reference give the same bits for a draped cloth of n²
+ * particles, both with blocks and with rates. An emulated device must have
+ * rates for Jacobi. */
 static bool agree(struct gpu *g, int32_t n, int trim, int precond)
 {
     struct system a;
@@ -198,9 +202,9 @@ static bool agree(struct gpu *g, int32_t n, int trim, int precond)
     return good;
 }
 
-/* Both preconditioners, of 20 thousand triangles and, but for an emulated
- * device, of 720 thousand, from which on cloth is cut into strips and tiles;
- * whole, and with a hole and a cut. */
+/* Both preconditioners, for cloths with and without a hole and a cut: 20
+ * thousand triangles and, on a real device, 720 thousand, from which size on
+ * kernels divide the cloth into strips and tiles. */
 const char *test_solve_gpu(void)
 {
     static const int32_t sizes[] = {101, 600};
@@ -223,8 +227,8 @@ const char *test_solve_gpu(void)
     return NULL;
 }
 
-/* The tolerance is met by the recurrence in the last iteration that is allowed,
- * and often not by the true residual: CG begins anew, and ends at once. */
+/* The recurrence meets the tolerance in the last iteration that is allowed, but
+ * the true residual often does not: CG restarts and ends at once. */
 const char *test_solve_gpu_limits(void)
 {
     enum { MOST = 12 };
@@ -256,8 +260,8 @@ const char *test_solve_gpu_limits(void)
     return NULL;
 }
 
-/* A sum of more chunks than the last level but one holds: 2^24 items and more,
- * on an emulated device 2^17. spec/base/sum.md §3 */
+/* A sum with one more level than usual: more than 2^24 items, or 2^17 on an
+ * emulated device. spec/base/sum.md §3 */
 const char *test_sum_gpu_levels(void)
 {
     int status;
@@ -292,19 +296,27 @@ const char *test_sum_gpu_levels(void)
     return NULL;
 }
 
-/* spec/solve/pcg.md §6: cuBLAS's solution. */
 static double part(vec a, int64_t r)
 {
     return (double)(r == 0 ? a.x : r == 1 ? a.y : a.z);
 }
 
-/* |b - A (dv + low)|, by the reference. */
+/* pcg.md §6: |b - A (dv + low)|, computed by the reference. */
 static double left_over(const struct pcg *s, const vec *dv, const vec *low)
 {
     vec *r = calloc((size_t)s->count + 1, sizeof *r);
-    struct residual a = {s->m,       s->n,     s->count, s->mass,
-                         s->n_extra, s->extra, s->block, s->fixed,
-                         s->b,       dv,       low,      r};
+    struct residual a = {.m = s->m,
+                         .n = s->n,
+                         .count = s->count,
+                         .mass = s->mass,
+                         .n_extra = s->n_extra,
+                         .extra = s->extra,
+                         .block = s->block,
+                         .fixed = s->fixed,
+                         .b = s->b,
+                         .x = dv,
+                         .low = low,
+                         .r = r};
     double sum = 0;
     residual_find(&a);
     for (int64_t k = 0; k < 3 * s->count; k++)
@@ -313,7 +325,8 @@ static double left_over(const struct pcg *s, const vec *dv, const vec *low)
     return sqrt(sum);
 }
 
-/* s is solved by the reference, dv and low are cuBLAS's; zero [count] is 0. */
+/* pcg.md §6: checks the solution dv, low of cuBLAS's solver, and how far it is
+ * from that of the reference, s->dv. zero [count]: zeros. */
 static const char *expect_near(const struct pcg *s, const vec *dv,
                                const vec *low, const vec *zero)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Systems for the tests of the linear solver: from a stream of choices, and
- * from cloths in named shapes. */
+/* Linear systems for the tests of the solver: from a stream of choices, or of a
+ * cloth in one of several shapes. */
 #ifndef TESTS_SYSTEM_H
 #define TESTS_SYSTEM_H
 
@@ -13,18 +13,19 @@ struct system {
     int64_t count, n_extra, n_blocks;
     real *mass;
     sym *extra, *block;
-    struct thin *thin; /* [n_blocks] of the blocks */
+    struct thin *thin; /* [n_blocks] the blocks in 64 bits */
     uint8_t *fixed;
     vec *b; /* momentum of a falling, stretched cloth over one step */
 
-    /* What make_system made the blocks of; pick_system leaves them alone. */
+    /* Laws, masks, positions and τ from which make_system made the blocks;
+     * pick_system does not set them. */
     struct law law[SPRINGS];
     uint8_t *springs;
     vec *x;
     real tau;
 };
 
-/* Gives a stage of the solver the system's grid, masses and blocks. */
+/* Sets a stage's grid, masses, extra and blocks to those of the system. */
 #define GIVE_SYSTEM(stage, system)                                             \
     do {                                                                       \
         (stage)->m = (system)->m;                                              \
@@ -37,7 +38,7 @@ struct system {
         (stage)->block = (system)->block;                                      \
     } while (0)
 
-/* A small system: any shape of grid, blocks vvᵀ or zero, holes and pins. */
+/* Chooses a system: a grid of any shape, blocks v vᵀ or 0, holes and pins. */
 void pick_system(struct bytes *b, struct system *s);
 
 enum shape {
@@ -62,26 +63,27 @@ enum trim {
 struct design {
     int32_t m, n;
     enum shape shape;
-    int trim;      /* or of enum trim */
+    int trim;      /* a bitwise or of enum trim */
     double uneven; /* random displacement, as a share of the cell */
 };
 
-/* A cloth of cotton, longest side 1 m, dt = 1/60; memory from malloc. */
+/* Makes the system of a cloth of cotton whose longest side is 1 m, for dt =
+ * 1/60 s. free_system frees its memory. */
 void make_system(const struct design *design, struct system *s);
-/* Contacts hold one particle in `every`, about as penalty.md does, and only
- * they push: the right-hand side is theirs. */
+/* Adds contacts that hold one particle in `every` with a stiffness about that
+ * of penalty.md. The right-hand side is then only the push of the contacts. */
 void hold_system(struct system *a, uint32_t every);
-/* The stage that made its blocks. */
+/* Returns the stage blocks that makes the system's blocks. */
 struct blocks blocks_of(const struct system *s);
 void free_system(struct system *s);
 
-/* What a thin block is, rounded. */
+/* The 3 × 3 block that a thin block encodes, rounded to the precision. */
 sym thin_sym(struct thin t);
 
-/* Block (p, q) of the dense matrix, by the definition of matrix.md §2. */
+/* Block (p, q) of the dense matrix, by the definition in matrix.md §2. */
 mat dense_entry(const struct system *s, int64_t p, int64_t q);
 
-/* A uniform number in [-1, 1) that depends on k alone. */
+/* A number in [-1, 1), uniform over k, that depends on k alone. */
 double noise_of(uint64_t k);
 
 #endif
