@@ -110,6 +110,8 @@ static int read_pins(struct json *json, const cJSON *node, void *out)
     return status;
 }
 
+static const char *const bendings[] = {"triples", "springs", NULL};
+
 static int read_cloth(struct json *json, const cJSON *node, void *out)
 {
 #define CLOTH(name) offsetof(struct cloth, name)
@@ -118,6 +120,7 @@ static int read_cloth(struct json *json, const cJSON *node, void *out)
         VECTOR_KEY("particles", CLOTH(particles), 2, 32768, 2),
         VECTOR_KEY("size", CLOTH(size), 1e-6, 1e6, 2),
         NESTED_KEY("material", CLOTH(out.material), read_material),
+        CHOICE_KEY("bending", CLOTH(out.bending), bendings),
         NESTED_KEY("start", CLOTH(start), read_start),
         VECTOR_KEY("velocity", CLOTH(velocity), -1e6, 1e6, 3),
         NESTED_KEY("holes", CLOTH(holes), read_regions),

@@ -72,6 +72,12 @@ enum drape_solver {
 };
 enum drape_backend { DRAPE_REF, DRAPE_GPU };
 
+/* What resists bending. spec/cloth/cloth.md §4, §6 */
+enum drape_bending {
+    DRAPE_TRIPLES, /* second differences: `bend` at any size of cells */
+    DRAPE_SPRINGS  /* the paper's springs between every second particle */
+};
+
 /* What cloth is made of, independent of the grid that samples it. */
 typedef struct drape_material {
     double density;   /* kg/m², > 0 */
@@ -117,6 +123,7 @@ typedef struct drape_cloth {
                               least one cell is left */
     const drape_pin *pins; /* [n_pins] of particles with a cell */
     int n_pins;            /* 0 … m·n */
+    int bending;           /* enum drape_bending */
 } drape_cloth;
 
 /* A triangle mesh that moves as told; open, closed or non-manifold. */
@@ -276,8 +283,8 @@ typedef struct drape_world drape_world;
  * here and in the next two, is left alone. */
 void drape_default(drape_def *def);
 /* Defaults: 101 × 101, 1 m × 1 m, flat in the xz plane, and light cotton:
- * density 0.2, stretch 1000, shear 300, bend 1e-4, damping 1e-3, thickness
- * 0.002, friction 0.3. */
+ * density 0.2, stretch 1000, shear 300, bend 1e-5, damping 1e-3, thickness
+ * 0.002, friction 0.3, bending by triples. */
 void drape_default_cloth(drape_cloth *cloth);
 /* Defaults: friction 0.3, no motion. */
 void drape_default_obstacle(drape_obstacle *obstacle);

@@ -33,6 +33,18 @@ static __device__ inline uint32_t upper_of(real a)
     return a > 0 ? bits >> 16 : 0;
 }
 
+/* The upper half of a number that is at least a and near it; 0 for NaN. */
+static __device__ inline uint32_t above_of(real a)
+{
+    real size = min_of(magnitude(a), R(0x1.fep127));
+    float f = (float)size;
+    uint32_t bits;
+    memcpy(&bits, &f, sizeof bits);
+    uint32_t up = (bits + ((real)f < size) + 0xffff) >> 16;
+    uint32_t down = (bits - ((real)f > size)) >> 16 | 0x8000;
+    return a > 0 ? up : a < 0 ? down : 0;
+}
+
 /* c u uᵀ + b I, u of length 1. */
 static __device__ inline struct thin thin_of(real c, real b, vec u)
 {
@@ -44,7 +56,7 @@ static __device__ inline struct thin thin_of(real c, real b, vec u)
     uint32_t p = steps_of(R(0.5) * v.y / v.x);
     uint32_t q = steps_of(R(0.5) * v.z / v.x);
     return thin{k | p << 2 | q << 17,
-                upper_of(4 * c * (v.x * v.x)) | upper_of(b) << 16};
+                upper_of(4 * c * (v.x * v.x)) | above_of(b) << 16};
 }
 
 /* m steps of 2^-15 from -1/2: as the lower bits of a number in [1, 2). */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes a positive semidefinite 3 × 3 block for each spring.
- * spec/cloth/blocks.md */
+/* Computes the 3 × 3 block of each pair of particles that a spring or a triple
+ * couples. spec/cloth/blocks.md */
 #include "gpu/base/thin.cuh"
 #include "gpu/cloth/cloth.cuh"
 #include "gpu/cloth/rate.h"
@@ -30,6 +30,33 @@ static __device__ struct parts spring_parts(const struct law *law, real tau,
     return parts{b, a - b, inverse, scale(inverse, d)};
 }
 
+/* §2: the spring's share of its block, and that of the triples that have their
+ * middle at one of its ends; cells: about these ends. */
+static __device__ struct parts with_triples(const struct blocks *s, int o,
+                                            struct parts a, int p, int q)
+{
+    const real *triple = s->triple + CELL_MASKS * o;
+    int here = s->beside[p], there = s->beside[q];
+    real share = share_of(o, here), square = s->tau * s->tau;
+    a.b = share * a.b + 2 * square * (triple[here] + triple[there]);
+    a.c *= share;
+    return a;
+}
+
+static __device__ struct parts parts_of(const struct blocks *s, int o, int p,
+                                        vec here)
+{
+    int q = p + forward_i(o) + forward_j(o) * s->m;
+    if (s->triples && o >= SPRINGS_SINGLE) { /* of a triple, end to end */
+        int single = o % SPRINGS_SINGLE;
+        int at = p + forward_i(single) + forward_j(single) * s->m;
+        real k = s->triple[CELL_MASKS * single + s->beside[at]];
+        return parts{-(s->tau * s->tau * k), 0, 0, make(0, 0, 0)};
+    }
+    struct parts a = spring_parts(&s->law[o], s->tau, sub(s->x[q], here));
+    return s->triples ? with_triples(s, o, a, p, q) : a;
+}
+
 static __device__ sym whole_block(const struct parts *s)
 {
     vec u = s->u, w = scale(s->c, u);
@@ -52,10 +79,9 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     vec here = t < n ? a.x[p] : make(0, 0, 0);
     UNROLL
     for (int o = 0; o < SPRINGS; o++) {
-        vec d = make(0, 0, 0);
+        struct parts b = {0, 0, 0, make(0, 0, 0)};
         if (mask >> o & 1)
-            d = sub(a.x[p + forward_i(o) + forward_j(o) * a.m], here);
-        struct parts b = spring_parts(&a.law[o], a.tau, d);
+            b = parts_of(&a, o, p, here);
         s[t] = whole_block(&b);
         if (a.n_thin && t < n)
             a.thin[o * a.count + p] = thin_of(b.c, b.b, b.u);

@@ -42,6 +42,10 @@ static struct energy energy_at(const struct sheet *s, const vec *x,
     e.laws = SPRINGS;
     e.law = s->device->law;
     e.springs = c->springs;
+    e.triples = c->triples;
+    e.triple = s->device->triple;
+    e.n_beside = c->triples ? c->count : 0;
+    e.beside = c->beside;
     e.mass = c->mass;
     e.x = x;
     e.v = v;

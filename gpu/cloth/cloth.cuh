@@ -23,6 +23,20 @@ static __host__ __device__ constexpr int forward_j(int o)
     return o < SPRINGS_SINGLE ? one : 2 * one;
 }
 
+/* §6: the share of a single spring's constant that belongs to the cells beside
+ * it; cells: about its first particle. */
+static __device__ inline real share_of(int o, int cells)
+{
+    int both = o == 0 ? 1 + 4 : 1 + 2;
+    return o > 1 || (cells & both) == both ? R(1) : R(0.5);
+}
+
+/* §6: the second difference, by differences. */
+static __device__ inline vec triple_at(vec before, vec middle, vec after)
+{
+    return add(sub(before, middle), sub(after, middle));
+}
+
 /* §5: g(q) = P(t) / s, s = √(q + shift), t = s − 25/32. */
 static __device__ inline real spring_s(real q)
 {

@@ -9,18 +9,42 @@ enum { KINDS = 3 };
 
 /* §1: the elastic energy of the forward springs of p. So each spring counts
  * once. */
-static __device__ real elastic(const struct energy *s, int p)
+static __device__ real stretched(const struct energy *s, int p)
 {
     real e = 0;
-    int mask = s->springs[p];
+    int mask = s->springs[p], cells = s->triples ? s->beside[p] : 0;
     vec here = s->x[p];
     UNROLL
-    for (int o = 0; o < SPRINGS; o++)
-        if (mask >> o & 1) {
-            int q = p + forward_i(o) + forward_j(o) * s->m;
-            e += spring_energy(&s->law[o], length(sub(s->x[q], here)));
-        }
+    for (int o = 0; o < SPRINGS; o++) {
+        if (!(mask >> o & 1) || (s->triples && o >= SPRINGS_SINGLE))
+            continue;
+        int q = p + forward_i(o) + forward_j(o) * s->m;
+        real one = spring_energy(&s->law[o], length(sub(s->x[q], here)));
+        e += s->triples ? share_of(o, cells) * one : one;
+    }
     return e;
+}
+
+/* §1: the energy of the triples that have their middle at p. */
+static __device__ real bent(const struct energy *s, int p)
+{
+    real e = 0;
+    UNROLL
+    for (int o = 0; o < SPRINGS_SINGLE; o++) {
+        real k = s->triple[CELL_MASKS * o + s->beside[p]];
+        int step = forward_i(o) + forward_j(o) * s->m;
+        if (!(k > 0))
+            continue;
+        vec t = triple_at(s->x[p - step], s->x[p], s->x[p + step]);
+        e += R(0.5) * k * dot(t, t);
+    }
+    return e;
+}
+
+static __device__ real elastic(const struct energy *s, int p)
+{
+    real e = stretched(s, p);
+    return s->triples ? e + bent(s, p) : e;
 }
 
 /* Block k owns chunk k, one thread for each particle. The block that ends last

@@ -39,6 +39,10 @@ struct springs gpu_motion_springs(struct gpu *g, struct sheet *s, const vec *x,
     f.laws = SPRINGS;
     f.law = s->device->law;
     f.springs = c->springs;
+    f.triples = c->triples;
+    f.triple = s->device->triple;
+    f.n_beside = c->triples ? c->count : 0;
+    f.beside = c->beside;
     f.mass = c->mass;
     f.x = x;
     f.n_v = damping && c->beta > 0 ? c->count : 0;
@@ -103,6 +107,10 @@ static void blocks(struct gpu *g, struct sheet *s, const struct about *a)
     b.laws = SPRINGS;
     b.law = s->device->law;
     b.springs = c->springs;
+    b.triples = c->triples;
+    b.triple = s->device->triple;
+    b.n_beside = c->triples ? c->count : 0;
+    b.beside = c->beside;
     b.x = s->dynamics.x;
     b.tau = a->tau;
     b.block = s->dynamics.block;

@@ -51,7 +51,8 @@ template <int HIGH> struct tile {
     struct tile_way way[SPRINGS];
     struct law law[SPRINGS];
     vec x[PLACES], v[PLACES], pull[PULLS];
-    uint8_t springs[PLACES]; /* 0 outside the grid */
+    real triple[TRIPLES];
+    uint8_t springs[PLACES], beside[PLACES]; /* 0 outside the grid */
 };
 
 template <int HIGH>
@@ -77,11 +78,13 @@ static __device__ void tile_fill(const struct springs *s, struct tile<HIGH> *a,
 {
     int j = k / TILE_ACROSS, i = i0 - TILE_RIM + (k - j * TILE_ACROSS);
     j += j0 - TILE_RIM;
-    a->springs[k] = 0;
+    a->springs[k] = a->beside[k] = 0;
     if (i < 0 || j < 0 || i >= s->m || j >= s->n)
         return;
     int p = i + j * s->m;
     a->springs[k] = s->springs[p];
+    if (s->triples)
+        a->beside[k] = s->beside[p];
     a->x[k] = s->x[p];
     if (s->n_v)
         a->v[k] = s->v[p];
@@ -90,8 +93,8 @@ static __device__ void tile_fill(const struct springs *s, struct tile<HIGH> *a,
 /* §1: the pull on place p of a spring to place q. */
 template <int HIGH>
 static __device__ vec tile_pull(const struct tile<HIGH> *a,
-                                const struct law *law, bool damped, int p,
-                                int q)
+                                const struct law *law, bool damped, real share,
+                                int p, int q)
 {
     vec d = sub(a->x[q], a->x[p]);
     real l = length(d);
@@ -101,13 +104,26 @@ static __device__ vec tile_pull(const struct tile<HIGH> *a,
     real f = spring_tension(law, l);
     if (damped)
         f += law->damp * dot(sub(a->v[q], a->v[p]), u);
-    return scale(f, u);
+    return scale(share * f, u);
 }
 
-/* Computes pull k of the tile, counted over all directions. */
+/* §3: the constant times the second difference of the triple of direction o, of
+ * a single spring, that starts at place p. */
+template <int HIGH>
+static __device__ vec tile_triple(const struct tile<HIGH> *a, int o, int p)
+{
+    int step = forward_i(o) + forward_j(o) * TILE_ACROSS, at = p + step;
+    real k = a->triple[CELL_MASKS * o + a->beside[at]];
+    if (!(k > 0))
+        return make(0, 0, 0);
+    return scale(k, triple_at(a->x[p], a->x[at], a->x[at + step]));
+}
+
+/* Computes pull k of the tile, counted over all directions. With triples the
+ * pulls of double springs are what tile_triple returns. */
 template <int HIGH>
 static __device__ vec tile_pull_of(const struct tile<HIGH> *a, bool damped,
-                                   int k)
+                                   bool triples, int k)
 {
     constexpr struct tile_pulls pulls(HIGH);
     int o = 0;
@@ -117,10 +133,13 @@ static __device__ vec tile_pull_of(const struct tile<HIGH> *a, bool damped,
     struct tile_way w = a->way[o];
     int n = k - w.pull, row = n * w.over >> 16; /* n / wide, as n < 1024 */
     int p = w.place + row * TILE_ACROSS + (n - row * w.wide);
+    if (triples && o >= SPRINGS_SINGLE)
+        return tile_triple(a, o - SPRINGS_SINGLE, p);
     if (!(a->springs[p] >> o & 1))
         return make(0, 0, 0);
     int q = p + forward_i(o) + forward_j(o) * TILE_ACROSS;
-    return tile_pull(a, &a->law[o], damped, p, q);
+    real share = triples ? share_of(o, a->beside[p]) : R(1);
+    return tile_pull(a, &a->law[o], damped, share, p, q);
 }
 
 /* §2: the sum of the pulls on particle (i, j) of the tile, for each direction
@@ -129,7 +148,8 @@ static __device__ vec tile_pull_of(const struct tile<HIGH> *a, bool damped,
  * but no sum that starts from +0 shows this; hence a missing spring may also
  * add +0. */
 template <int HIGH>
-static __device__ vec tile_force(const struct tile<HIGH> *a, int i, int j)
+static __device__ vec tile_force(const struct tile<HIGH> *a, bool triples,
+                                 int i, int j)
 {
     constexpr struct tile_pulls pulls(HIGH);
     vec f = make(0, 0, 0);
@@ -137,8 +157,13 @@ static __device__ vec tile_force(const struct tile<HIGH> *a, int i, int j)
     for (int o = 0; o < SPRINGS; o++) {
         int wide = tile_wide(o);
         const vec *row = a->pull + pulls.before[o] + j * wide;
-        f = add(f, row[forward_j(o) * wide + i - tile_left(o)]);
-        f = sub(f, row[i - forward_i(o) - tile_left(o)]);
+        int here = forward_j(o) * wide + i - tile_left(o);
+        vec from = row[here], to = row[i - forward_i(o) - tile_left(o)];
+        if (triples && o >= SPRINGS_SINGLE) {
+            vec at = row[here - forward_j(o) / 2 * wide - forward_i(o) / 2];
+            f = add(f, sub(scale(2, at), add(from, to)));
+        } else
+            f = sub(add(f, from), to);
     }
     return f;
 }
@@ -156,16 +181,18 @@ static __global__ void __launch_bounds__(THREADS)
     int j0 = row * HIGH, i = t % TILE_WIDE, j = t / TILE_WIDE;
     if (t < SPRINGS)
         tile_lead(&s, &a, t);
+    if (s.triples && t < TRIPLES)
+        a.triple[t] = s.triple[t];
     for (int k = t; k < tile<HIGH>::PLACES; k += THREADS)
         tile_fill(&s, &a, i0, j0, k);
     __syncthreads();
     for (int k = t; k < tile<HIGH>::PULLS; k += THREADS)
-        a.pull[k] = tile_pull_of(&a, s.n_v > 0, k);
+        a.pull[k] = tile_pull_of(&a, s.n_v > 0, s.triples > 0, k);
     __syncthreads();
     if (j >= HIGH || i0 + i >= s.m || j0 + j >= s.n)
         return;
     int p = i0 + i + (j0 + j) * s.m;
-    vec f = tile_force(&a, i, j);
+    vec f = tile_force(&a, s.triples > 0, i, j);
     if (s.n_wind)
         f = add(f, s.wind[p]);
     to.take(p, axpy(f, s.mass[p], s.gravity));

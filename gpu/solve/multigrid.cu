@@ -59,9 +59,14 @@ static struct weights weights_of(double high)
                    (real)(2 * rho / half)};
 }
 
+static struct weights fine_weights(const struct multigrid *s)
+{
+    return weights_of(s->triples ? 2.75 : 2);
+}
+
 struct opening gpu_multigrid_opening(const struct multigrid *s)
 {
-    return opening{s->factor, s->room, weights_of(2).first};
+    return opening{s->factor, s->room, fine_weights(s).first};
 }
 
 /* Thread p owns y[p]. */
@@ -142,7 +147,7 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, struct lent lent,
 {
     struct level l[LEVELS];
     int levels = lay_out(s, lent, go, l), first = 1;
-    struct weights fine = weights_of(2),
+    struct weights fine = fine_weights(s),
                    coarse = weights_of(s->n_extra ? 4 : 2.5);
     struct tail tail = {};
     int64_t room = fit_tail(&tail, l, levels, &first, g);

@@ -152,9 +152,11 @@ static void give_sheet(struct gpu_world *d, int k)
     c->tri = NULL;
     GIVE(c->cell, ARENA_CLOTH, h->cloth.cell, c->count);
     GIVE(c->springs, ARENA_CLOTH, h->cloth.springs, c->count);
+    GIVE(c->beside, ARENA_CLOTH, h->cloth.beside, c->count);
     GIVE(c->fixed, ARENA_CLOTH, h->cloth.fixed, c->count);
     GIVE(c->mass, ARENA_CLOTH, h->cloth.mass, c->count);
     GIVE(more->law, ARENA_CLOTH, c->law, SPRINGS);
+    GIVE(more->triple, ARENA_CLOTH, c->triple, TRIPLES);
     GIVE(s->pinned, ARENA_CLOTH, h->pinned, h->pins.n);
     give_place(d, ARENA_CLOTH, &h->pins, &s->pins);
     GIVE(s->pins.x, ARENA_CLOTH, h->pins.x, h->pins.n);

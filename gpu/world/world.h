@@ -15,6 +15,7 @@ extern "C" {
 /* What the device has for a cloth besides its struct sheet. */
 struct gpu_sheet {
     struct law *law;   /* device [SPRINGS] */
+    real *triple;      /* device [TRIPLES] */
     struct rate *rate; /* device, or NULL: a solve has no use for it */
     vec *star, *b;     /* device [count], within the world's */
 };

@@ -38,7 +38,7 @@ void drape_default_cloth(drape_cloth *cloth)
     cloth->material.density = 0.2;
     cloth->material.stretch = 1000;
     cloth->material.shear = 300;
-    cloth->material.bend = 1e-4;
+    cloth->material.bend = 1e-5;
     cloth->material.damping = 1e-3;
     cloth->material.thickness = 2e-3;
     cloth->material.friction = 0.3;

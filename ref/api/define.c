@@ -125,6 +125,7 @@ static void check_cloth(struct check *c, const drape_cloth *cloth,
     positive(c, "width", cloth->width);
     positive(c, "height", cloth->height);
     check_material(c, &cloth->material);
+    integer(c, "bending", cloth->bending, DRAPE_TRIPLES, DRAPE_SPRINGS);
     integer(c, "n_pins", cloth->n_pins, 0, n);
     if (!there(c, "pins", cloth->n_pins, cloth->pins))
         return;

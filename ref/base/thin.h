@@ -35,6 +35,20 @@ static inline uint32_t thin_upper(real a)
     return bits >> 16;
 }
 
+/* The upper 16 bits of a binary32 that is at least a and near it. The lower 16
+ * bits of a number are cut off where it is negative, else they count as one
+ * more. 0 for NaN. */
+static inline uint32_t thin_above(real a)
+{
+    real most = R(0x1.fep127), size = real_min(real_abs(a), most);
+    float f = (float)size;
+    uint32_t bits;
+    memcpy(&bits, &f, sizeof bits);
+    if (a > 0)
+        return (bits + ((real)f < size) + 0xffff) >> 16;
+    return a < 0 ? (bits - ((real)f > size)) >> 16 | 0x8000 : 0;
+}
+
 static inline float thin_lower(uint32_t upper)
 {
     float f;
@@ -43,8 +57,8 @@ static inline float thin_lower(uint32_t upper)
     return f;
 }
 
-/* The thin block of c u uᵀ + b I, u of length 1. A c or b that is negative or
- * NaN counts as 0. */
+/* The thin block of c u uᵀ + b I, u of length 1. A c that is negative or NaN
+ * counts as 0, as does a b that is NaN. */
 static inline struct thin thin_make(real c, real b, vec u)
 {
     const real of[5] = {u.x, u.y, u.z, u.x, u.y};
@@ -54,8 +68,7 @@ static inline struct thin thin_make(real c, real b, vec u)
     uint32_t p = thin_steps(R(0.5) * of[k + 1] / of[k]);
     uint32_t q = thin_steps(R(0.5) * of[k + 2] / of[k]);
     struct thin t = {(uint32_t)k | p << 2 | q << 17,
-                     (size > 0 ? thin_upper(size) : 0) |
-                         (b > 0 ? thin_upper(b) : 0) << 16};
+                     (size > 0 ? thin_upper(size) : 0) | thin_above(b) << 16};
     return t;
 }
 

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Computes a positive semidefinite 3 × 3 block for each spring.
- * spec/cloth/blocks.md */
+/* Computes the 3 × 3 block of each pair of particles that a spring or a triple
+ * couples. spec/cloth/blocks.md */
 #include "ref/cloth/blocks.h"
 
 #include "ref/cloth/law.h"
+#include "ref/cloth/triple.h"
 
 /* §1: the block c u uᵀ + b I, where c = a − b and u is the direction. */
 struct parts {
@@ -25,6 +26,42 @@ static struct parts spring_parts(const struct law *law, real tau, vec d)
     return s;
 }
 
+static real middle(const struct blocks *s, int o, int64_t p)
+{
+    return triple_constant(s->triple, o, s->beside[p]);
+}
+
+/* §2: adds to the block of a single spring from p to q the share of the triples
+ * that have their middle at one of its ends. */
+static struct parts with_triples(const struct blocks *s, int o, int64_t p,
+                                 struct parts a)
+{
+    int64_t q = p + spring_step(s->m, o);
+    real share = spring_share(o, s->beside[p]), square = s->tau * s->tau;
+    a.b = share * a.b + 2 * square * (middle(s, o, p) + middle(s, o, q));
+    a.c *= share;
+    return a;
+}
+
+/* §2: of the triple that starts at p, the block between its ends. */
+static struct parts end_to_end(const struct blocks *s, int o, int64_t p)
+{
+    real k = middle(s, o, p + spring_step(s->m, o));
+    return (struct parts){-(s->tau * s->tau * k), 0, {0, 0, 0}};
+}
+
+static struct parts parts_of(const struct blocks *s, int o, int64_t p)
+{
+    struct parts none = {0, 0, {0, 0, 0}};
+    if (!(s->springs[p] >> o & 1))
+        return none;
+    if (s->triples && o >= SPRINGS_SINGLE)
+        return end_to_end(s, o - SPRINGS_SINGLE, p);
+    vec d = vec_sub(s->x[p + spring_step(s->m, o)], s->x[p]);
+    struct parts a = spring_parts(&s->law[o], s->tau, d);
+    return s->triples ? with_triples(s, o, p, a) : a;
+}
+
 static sym whole_block(const struct parts *s)
 {
     vec u = s->u, w = vec_scale(s->c, u);
@@ -35,13 +72,10 @@ static sym whole_block(const struct parts *s)
 int ref_blocks(struct blocks *s)
 {
     for (int o = 0; o < SPRINGS; o++) {
-        int64_t step = spring_di[o] + (int64_t)spring_dj[o] * s->m;
         sym *block = s->block + o * s->count;
         EACH_ITEM
         for (int64_t p = 0; p < s->count; p++) {
-            bool is = s->springs[p] >> o & 1;
-            vec d = is ? vec_sub(s->x[p + step], s->x[p]) : vec_make(0, 0, 0);
-            struct parts a = spring_parts(&s->law[o], s->tau, d);
+            struct parts a = parts_of(s, o, p);
             block[p] = whole_block(&a);
             if (s->n_thin)
                 s->thin[o * s->count + p] = thin_make(a.c, a.b, a.u);

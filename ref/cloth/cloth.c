@@ -4,6 +4,7 @@
 #include "ref/cloth/cloth.h"
 
 #include "ref/cloth/law.h"
+#include "ref/cloth/triple.h"
 
 static bool absent(const drape_cloth *d, int64_t p)
 {
@@ -57,9 +58,9 @@ static struct share bending(const drape_material *a, struct angle t)
     return s;
 }
 
-/* §4: sets the law of direction o. Half of the stiffness goes to single
- * springs, half to double springs, which also get the bending. length: of a
- * single spring, m. */
+/* §4: sets the law of direction o. With triples the single springs have all of
+ * the stiffness; else half of it goes to double springs, which also get the
+ * bending. length: of a single spring, m. */
 static void set_law(struct cloth *c, int o, double length, double stretch,
                     double bend)
 {
@@ -67,16 +68,33 @@ static void set_law(struct cloth *c, int o, double length, double stretch,
     double area = (double)c->hu * (double)c->hv;
     bool two = o >= SPRINGS_SINGLE;
     double rest = two ? 2 * length : length;
-    double k = 0.5 * stretch * area / (rest * rest);
+    double share = c->triples ? !two : 0.5;
+    double k = share * stretch * area / (rest * rest);
     double press = two ? 4 * k : k; /* of the single springs along it */
-    double b = two && bend > 0 ? bend * area / (rest * rest * rest) : 0;
+    double b = two && !c->triples ? bend * area / (rest * rest * rest) : 0;
     double slope = LAW_STEEPEST * b / rest;
     *a = (struct law){.k = (real)k, .press = (real)press};
     a->rest = (real)rest;
     a->bend = (real)b;
     a->damp = (real)((double)c->beta * k);
     a->stiff = (real)(slope > press ? slope : press);
-    law_set_knee(a, two);
+    law_set_knee(a, two && !c->triples);
+}
+
+/* §6: sets the constants of the triples of direction o. length: of a single
+ * spring, m; moment: of the direction; whole: of the material, for borders
+ * that no diagonal triple has its middle on. N·m both. */
+static void set_triples(struct cloth *c, int o, double length, double moment,
+                        double whole)
+{
+    double area = (double)c->hu * (double)c->hv;
+    double square = length * length, unit = area / (square * square);
+    for (unsigned b = 0; b < CELL_MASKS; b++) {
+        double cells = (b & 1) + (b >> 1 & 1) + (b >> 2 & 1) + (b >> 3);
+        bool alone = !has_triple(2, b) && !has_triple(3, b);
+        double k = (alone ? whole : moment) * unit * (cells / 4);
+        c->triple[CELL_MASKS * o + (int)b] = has_triple(o, b) ? (real)k : 0;
+    }
 }
 
 int ref_cloth_size(const drape_cloth *d, struct cloth *c)
@@ -86,6 +104,7 @@ int ref_cloth_size(const drape_cloth *d, struct cloth *c)
     c->hu = (real)(d->width / (d->m - 1));
     c->hv = (real)(d->height / (d->n - 1));
     c->beta = (real)d->material.damping;
+    c->triples = d->bending == DRAPE_TRIPLES ? TRIPLES : 0;
     double hu = (double)c->hu, hv = (double)c->hv;
     c->cell_mass = (real)(d->material.density * hu * hv);
     for (int64_t j = 0; j < d->n; j++)
@@ -104,6 +123,11 @@ int ref_cloth_size(const drape_cloth *d, struct cloth *c)
         set_law(c, two + 2, diagonal, s.diagonal, b.diagonal);
         set_law(c, two + 3, diagonal, s.diagonal, b.diagonal);
     }
+    double whole = d->material.bend;
+    set_triples(c, 0, hu, b.u, whole);
+    set_triples(c, 1, hv, b.v, whole);
+    set_triples(c, 2, diagonal, b.diagonal, whole);
+    set_triples(c, 3, diagonal, b.diagonal, whole);
     return DRAPE_OK;
 }
 
@@ -132,19 +156,38 @@ static uint8_t all_springs(const drape_cloth *d, int64_t i, int64_t j)
 static void fill_particle(const drape_cloth *d, struct cloth *c, int64_t p)
 {
     int64_t i = p % d->m, j = p / d->m;
-    int cells = has_cell(d, i, j) + has_cell(d, i - 1, j) +
-                has_cell(d, i, j - 1) + has_cell(d, i - 1, j - 1);
+    int cells = 0, beside = 0;
+    for (int k = 0; k < 4; k++) {
+        int is = has_cell(d, i - k % 2, j - k / 2);
+        cells += is;
+        beside |= is << k;
+    }
+    c->beside[p] = (uint8_t)beside;
     c->cell[p] = has_cell(d, i, j);
     c->springs[p] = all_springs(d, i, j);
     c->fixed[p] = cells ? 0 : CLOTH_ABSENT;
     c->mass[p] = (real)cells * (R(0.25) * c->cell_mass);
 }
 
-/* §6: sum of the stiffness bounds, N/m, of all springs at p. */
+/* The constant of the triple of direction o with its middle at (i, j). */
+static double middle(const struct cloth *c, int o, int64_t i, int64_t j)
+{
+    if (!c->triples || i < 0 || j < 0 || i >= c->m || j >= c->n)
+        return 0;
+    return (double)triple_constant(c->triple, o, c->beside[i + c->m * j]);
+}
+
+/* §7: half of p's row sum of the stiffness bounds, N/m, of all springs and
+ * triples at p. */
 static double stiffness(const struct cloth *c, int64_t p)
 {
     int64_t j = p / c->m, i = p % c->m;
     double k = 0;
+    for (int o = 0; o < SPRINGS_SINGLE; o++) {
+        int64_t di = spring_di[o], dj = spring_dj[o];
+        k += 4 * middle(c, o, i, j) +
+             2 * (middle(c, o, i + di, j + dj) + middle(c, o, i - di, j - dj));
+    }
     for (int o = 0; o < SPRINGS; o++) {
         int64_t di = spring_di[o], dj = spring_dj[o];
         if (c->springs[p] >> o & 1)
@@ -157,7 +200,7 @@ static double stiffness(const struct cloth *c, int64_t p)
     return k;
 }
 
-/* §6: the bound of Gershgorin on the eigenvalues of M⁻¹K: the maximum over the
+/* §7: the bound of Gershgorin on the eigenvalues of M⁻¹K: the maximum over the
  * free particles of twice the stiffness by the mass. */
 static double gershgorin(const struct cloth *c)
 {

@@ -28,6 +28,13 @@ struct law {
     real well;  /* J, makes the energy continuous at the knee */
 };
 
+/* §6: bits of the cells that meet at a particle: bit di + 2·dj says that the
+ * cell with lower corner (i - di, j - dj) is present. */
+enum { CELL_MASKS = 16 };
+/* The constants of triples: N/m, of direction o with cells b about the middle,
+ * at CELL_MASKS·o + b; 0 where these cells leave no triple. */
+enum { TRIPLES = CELL_MASKS * SPRINGS_SINGLE };
+
 struct cloth {
     int32_t m, n;        /* particles along i and j */
     int64_t count;       /* m·n */
@@ -36,11 +43,14 @@ struct cloth {
     real cell_mass;      /* kg, of a present cell */
     real beta;           /* s, damping / stiffness */
     struct law law[SPRINGS];
+    int64_t triples; /* TRIPLES, or 0: double springs resist bending */
+    real triple[TRIPLES];
     double bound;     /* out: 1/s², bound of the eigenvalues of M⁻¹K, §6 */
     int64_t n_pinned; /* out: pinned particles */
 
     uint8_t *cell;     /* out: [count] 1: cell with lower corner p is present */
     uint8_t *springs;  /* out: [count] bit o: forward spring o is present */
+    uint8_t *beside;   /* out: [count] bits of the cells about p */
     uint8_t *fixed;    /* out: [count] 0, CLOTH_PINNED or CLOTH_ABSENT */
     real *mass;        /* out: [count] kg; 0 for absent particles */
     int32_t (*tri)[3]; /* out: [n_triangles] scene vertices */
@@ -50,6 +60,22 @@ struct cloth {
 static inline int32_t cloth_row(int64_t p, int32_t m)
 {
     return (int32_t)(p / m);
+}
+
+/* Whether direction o, forward (sign 1) or backward (sign -1), leads from (i,
+ * j) to a particle within the grid. */
+static inline bool spring_inside(int32_t m, int32_t n, int32_t i, int32_t j,
+                                 int o, int sign)
+{
+    int32_t a = i + sign * spring_di[o], b = j + sign * spring_dj[o];
+    return a >= 0 && a < m && b >= 0 && b < n;
+}
+
+/* How much larger than p the index of the particle at the forward end of spring
+ * o of p is. */
+static inline int64_t spring_step(int32_t m, int o)
+{
+    return spring_di[o] + (int64_t)m * spring_dj[o];
 }
 
 /* First of two calls: sets the sizes and the laws of c. Returns DRAPE_OK, or

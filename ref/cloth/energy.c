@@ -4,19 +4,44 @@
 
 #include "ref/base/sum.h"
 #include "ref/cloth/law.h"
+#include "ref/cloth/triple.h"
 
 /* §1: the elastic energy of the forward springs of p. So each spring counts
  * once. */
-static real elastic(const struct energy *s, int64_t p)
+static real stretched(const struct energy *s, int64_t p)
 {
+    int springs = s->triples ? SPRINGS_SINGLE : SPRINGS;
     real e = 0;
-    for (int o = 0; o < SPRINGS; o++) {
+    for (int o = 0; o < springs; o++) {
         if (!(s->springs[p] >> o & 1))
             continue;
-        int64_t q = p + spring_di[o] + (int64_t)spring_dj[o] * s->m;
-        e += law_energy(&s->law[o], vec_length(vec_sub(s->x[q], s->x[p])));
+        int64_t q = p + spring_step(s->m, o);
+        real one =
+            law_energy(&s->law[o], vec_length(vec_sub(s->x[q], s->x[p])));
+        e += s->triples ? spring_share(o, s->beside[p]) * one : one;
     }
     return e;
+}
+
+/* §1: the energy of the triples that have their middle at p. */
+static real bent(const struct energy *s, int64_t p)
+{
+    real e = 0;
+    for (int o = 0; o < SPRINGS_SINGLE; o++) {
+        real k = triple_constant(s->triple, o, s->beside[p]);
+        int64_t step = spring_step(s->m, o);
+        if (!(k > 0))
+            continue;
+        vec t = triple_of(s->x[p - step], s->x[p], s->x[p + step]);
+        e += R(0.5) * k * vec_dot(t, t);
+    }
+    return e;
+}
+
+static real elastic(const struct energy *s, int64_t p)
+{
+    real e = stretched(s, p);
+    return s->triples ? e + bent(s, p) : e;
 }
 
 static void sum_chunk(const struct energy *s, int64_t k)

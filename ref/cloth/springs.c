@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The force on each particle: of its springs, of wind and of gravity.
+/* The force on each particle: of its springs and triples, of wind and of
+ * gravity.
  * spec/cloth/springs.md */
 #include "ref/cloth/springs.h"
 
 #include "ref/cloth/law.h"
+#include "ref/cloth/triple.h"
 
-/* §1: the pull on p of a spring to q. §4: the pull on q is its exact
- * negative. */
-static vec pull(const struct springs *s, const struct law *a, int64_t p,
-                int64_t q)
+/* §1: the pull on p of a spring of direction o to q, of which `first` is the
+ * first particle. §4: the pull on q is its exact negative. */
+static vec pull(const struct springs *s, int o, int64_t p, int64_t q,
+                int64_t first)
 {
+    const struct law *a = &s->law[o];
     vec d = vec_sub(s->x[q], s->x[p]);
     real length = vec_length(d);
     if (!(length > 0))
@@ -18,6 +21,8 @@ static vec pull(const struct springs *s, const struct law *a, int64_t p,
     real f = law_tension(a, length);
     if (s->n_v)
         f += a->damp * vec_dot(vec_sub(s->v[q], s->v[p]), u);
+    if (s->triples)
+        f *= spring_share(o, s->beside[first]);
     return vec_scale(f, u);
 }
 
@@ -37,17 +42,49 @@ static int64_t other_end(const struct springs *s, int64_t p, int32_t i,
     return s->springs[p - step] >> o & 1 ? p - step : -1;
 }
 
+/* §2: the sum of the pulls of springs on particle p = (i, j). */
+static vec pulls(const struct springs *s, int64_t p, int32_t i, int32_t j)
+{
+    int ends = 2 * (s->triples ? SPRINGS_SINGLE : SPRINGS);
+    vec f = vec_make(0, 0, 0);
+    for (int k = 0; k < ends; k++) {
+        int64_t q = other_end(s, p, i, j, k);
+        if (q >= 0)
+            f = vec_add(f, pull(s, k / 2, p, q, k % 2 ? q : p));
+    }
+    return f;
+}
+
+/* §3: the force that the triple of direction o with its middle at (i, j) exerts
+ * on its ends, with opposite sign; 0 if there is none. */
+static vec moment(const struct springs *s, int o, int32_t i, int32_t j)
+{
+    if (i < 0 || j < 0 || i >= s->m || j >= s->n)
+        return vec_make(0, 0, 0);
+    int64_t p = i + (int64_t)j * s->m, step = spring_step(s->m, o);
+    real k = triple_constant(s->triple, o, s->beside[p]);
+    if (!(k > 0))
+        return vec_make(0, 0, 0);
+    return vec_scale(k, triple_of(s->x[p - step], s->x[p], s->x[p + step]));
+}
+
+/* §3: the force of the triples of direction o on particle (i, j). */
+static vec unbend(const struct springs *s, int o, int32_t i, int32_t j)
+{
+    int32_t di = spring_di[o], dj = spring_dj[o];
+    vec after = moment(s, o, i + di, j + dj);
+    vec before = moment(s, o, i - di, j - dj);
+    return vec_sub(vec_scale(2, moment(s, o, i, j)), vec_add(after, before));
+}
+
 int ref_springs(struct springs *s)
 {
     EACH_ITEM
     for (int64_t p = 0; p < s->count; p++) {
         int32_t j = cloth_row(p, s->m), i = (int32_t)(p - (int64_t)j * s->m);
-        vec f = vec_make(0, 0, 0);
-        for (int k = 0; k < 2 * SPRINGS; k++) {
-            int64_t q = other_end(s, p, i, j, k);
-            if (q >= 0)
-                f = vec_add(f, pull(s, &s->law[k / 2], p, q));
-        }
+        vec f = pulls(s, p, i, j);
+        for (int o = 0; o < SPRINGS_SINGLE && s->triples; o++)
+            f = vec_add(f, unbend(s, o, i, j));
         if (s->n_wind)
             f = vec_add(f, s->wind[p]);
         s->force[p] = vec_axpy(f, s->mass[p], s->gravity);

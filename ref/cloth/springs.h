@@ -11,6 +11,10 @@ struct springs {
     int64_t laws;           /* SPRINGS */
     const struct law *law;  /* [laws] */
     const uint8_t *springs; /* [count] bit o: forward spring o is present */
+    int64_t triples;        /* TRIPLES, or 0: springs resist bending */
+    const real *triple;     /* [triples] N/m, constants of triples */
+    int64_t n_beside;       /* count, or 0 likewise */
+    const uint8_t *beside;  /* [n_beside] bits of the cells about p */
     const real *mass;       /* [count] kg */
     const vec *x;           /* [count] m */
     int64_t n_v;            /* count, or 0: no damping */

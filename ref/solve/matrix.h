@@ -41,20 +41,4 @@ struct cdf ref_cdf(int32_t m, int32_t n);
 /* Returns DRAPE_OK, or DRAPE_EARG if the counts are inconsistent. */
 int ref_matrix(struct matrix *s);
 
-/* Whether direction o, forward (sign 1) or backward (sign -1), leads from (i,
- * j) to a particle within the grid. */
-static inline bool spring_inside(int32_t m, int32_t n, int32_t i, int32_t j,
-                                 int o, int sign)
-{
-    int32_t a = i + sign * spring_di[o], b = j + sign * spring_dj[o];
-    return a >= 0 && a < m && b >= 0 && b < n;
-}
-
-/* How much larger than p the index of the particle at the forward end of spring
- * o of p is. */
-static inline int64_t spring_step(int32_t m, int o)
-{
-    return spring_di[o] + (int64_t)m * spring_dj[o];
-}
-
 #endif

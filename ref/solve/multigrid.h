@@ -18,6 +18,8 @@ struct multigrid {
     const sym *block;        /* [n_blocks] kg, 0 where missing */
     int64_t n_thin;          /* SPRINGS·count, or 0: none, smooth with block */
     const struct thin *thin; /* [n_thin] kg, in place of block for smoothing */
+    int32_t triples;         /* 1: blocks of triples, A ≤ 3·diagonal; 0: of
+                                springs alone, A ≤ 2·diagonal */
     const uint8_t *fixed;    /* [count] */
     const sym *factor;       /* [count] of ref_jacobi, with thin if there is
                                 any */

@@ -117,6 +117,7 @@ static void share(struct pcg *s)
     s->grid.block = s->block;
     s->grid.n_thin = s->n_thin;
     s->grid.thin = s->thin;
+    s->grid.triples = s->triples;
     s->grid.fixed = s->fixed;
     s->grid.factor = s->factor;
     s->grid.r = s->r;

@@ -30,11 +30,13 @@ struct pcg {
     int64_t n_extra;         /* count, or 0: none */
     const sym *extra;        /* [n_extra] kg, positive semidefinite */
     int64_t n_blocks;        /* SPRINGS·count */
-    const sym *block;        /* [n_blocks] kg, positive semidefinite, spring o
-                                of p at o·count + p, 0 where missing */
+    const sym *block;        /* [n_blocks] kg, spring o of p at o·count + p, 0
+                                where missing; their sum is positive
+                                semidefinite */
     int64_t n_thin;          /* SPRINGS·count, or 0: the blocks themselves */
     const struct thin *thin; /* [n_thin] kg, from ref_blocks, of which multigrid
                                 is made */
+    int32_t triples;         /* 1: the blocks are of triples, too */
     const uint8_t *fixed;    /* [count] not 0: dv is given */
     const vec *b;            /* [count] N·s */
     int64_t n_z;             /* count, or 0: given dv are 0 */

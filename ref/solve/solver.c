@@ -21,6 +21,7 @@ void solver_size(struct pcg *p, const drape_def *def, const struct cloth *cloth)
     p->max_iterations = def->max_iterations;
     p->mass = cloth->mass;
     p->fixed = cloth->fixed;
+    p->triples = cloth->triples > 0;
     ref_pcg_size(p);
 }
 

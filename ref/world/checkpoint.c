@@ -39,6 +39,7 @@ static uint64_t mix_cloth(uint64_t h, const drape_cloth *c)
     h = hash_mix(h, &c->width, sizeof c->width);
     h = hash_mix(h, &c->height, sizeof c->height);
     h = hash_mix(h, &c->material, sizeof c->material);
+    h = hash_mix(h, &c->bending, sizeof c->bending);
     h = hash_mix(h, c->origin, sizeof c->origin);
     h = hash_mix(h, c->u, sizeof c->u);
     h = hash_mix(h, c->v, sizeof c->v);

@@ -111,6 +111,7 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
     struct cloth *c = &s->cloth;
     c->cell = take(w, ARENA_CLOTH, c->count, 1);
     c->springs = take(w, ARENA_CLOTH, c->count, 1);
+    c->beside = take(w, ARENA_CLOTH, c->count, 1);
     c->fixed = take(w, ARENA_CLOTH, c->count, 1);
     c->mass = take(w, ARENA_CLOTH, c->count, sizeof *c->mass);
     c->tri = w->tri + s->first_triangle;

@@ -2,30 +2,30 @@
 /* Stage blocks: generator and properties. spec/cloth/blocks.md */
 #include "ref/cloth/blocks.h"
 
+#include "ref/cloth/triple.h"
 #include "tests/cloth/sheet.h"
 #include "tests/solve/system.h"
 
 const struct field fields_blocks[] = {
-    IN(blocks, law, laws, 1),     IN(blocks, springs, count, 1),
-    IN(blocks, x, count, 1),      OUT(blocks, block, count, SPRINGS),
-    OUT(blocks, thin, n_thin, 1), FIELD_END};
+    IN(blocks, law, laws, 1),       IN(blocks, springs, count, 1),
+    IN(blocks, triple, triples, 1), IN(blocks, beside, n_beside, 1),
+    IN(blocks, x, count, 1),        OUT(blocks, block, count, SPRINGS),
+    OUT(blocks, thin, n_thin, 1),   FIELD_END};
 
 void gen_blocks(struct bytes *b, struct blocks *s)
 {
-    struct grid g = pick_grid(b);
+    struct grid g = pick_bent_grid(b);
     s->m = g.m;
     s->count = g.count;
-    s->laws = SPRINGS;
-    s->law = g.law;
-    s->springs = g.springs;
+    GIVE_GRID(s, &g);
     s->x = pick_state(b, &g);
     s->tau = pick_uniform(b, R(1e-4), R(0.05));
     s->n_thin = pick(b, 3) ? SPRINGS * g.count : 0;
 }
 
-/* §5: checks a thin block of c u uᵀ + b I, with d along u: entries to 2^-6 of c
- * + b, and at most 2^-26 of c leaks into directions across u. error: of the
- * entries of the block itself. */
+/* §6: checks a thin block of c u uᵀ + b I, with d along u: entries to 2^-6 of c
+ * + |b|, b not less than it was, and at most 2^-26 of c leaks into directions
+ * across u. error: of the entries of the block itself. */
 static const char *check_thin(struct thin t, double c, double b,
                               const double d[3], double error)
 {
@@ -33,14 +33,16 @@ static const char *check_thin(struct thin t, double c, double b,
     double e[3] = {(double)a.e.x, (double)a.e.y, (double)a.e.z};
     double size = (double)a.size, all = (double)a.all;
     double square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    double room = 0x1p-6 * (c + b) + error;
-    EXPECT(size >= 0 && all >= 0 && all <= b + error);
+    double room = 0x1p-6 * (c + fabs(b)) + error;
+    EXPECT(size >= 0 && all >= b - error);
+    EXPECT(all <= b + 0x1p-7 * fabs(b) + error);
     for (int i = 0; i < 3; i++)
         for (int j = i; j < 3; j++) {
             double want = c * d[i] * d[j] / square + (i == j ? b : 0);
             double is = size * e[i] * e[j] + (i == j ? all : 0);
             EXPECT(fabs(is - want) <= room);
-            EXPECT(i != j || is <= want + error + 0x1p-12 * c);
+            EXPECT(i != j ||
+                   is <= want + error + 0x1p-12 * c + 0x1p-7 * fabs(b));
         }
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3;
@@ -50,10 +52,24 @@ static const char *check_thin(struct thin t, double c, double b,
     return NULL;
 }
 
-/* §1 and §3: compares the block with a u uᵀ + b (I - u uᵀ) in binary64. */
-static const char *check(const struct blocks *s, const struct law *law, vec p,
-                         vec q, const sym *block, const struct thin *thin)
+/* §2: the constants of the triples with their middle at p and at q. */
+static double triples_at(const struct blocks *s, int o, int64_t p, int64_t q)
 {
+    return !s->triples
+               ? 0
+               : (double)triple_constant(s->triple, o, s->beside[p]) +
+                     (double)triple_constant(s->triple, o, s->beside[q]);
+}
+
+/* §1 to §4: compares the block with share·(a u uᵀ + b (I - u uᵀ)) + 2τ²k I in
+ * binary64. */
+static const char *check(const struct blocks *s, int o, int64_t from,
+                         const sym *block, const struct thin *thin)
+{
+    int64_t to = from + spring_step(s->m, o);
+    vec p = s->x[from], q = s->x[to];
+    const struct law *law = &s->law[o];
+    double share = s->triples ? (double)spring_share(o, s->beside[from]) : 1;
     double d[3] = {(double)q.x - (double)p.x, (double)q.y - (double)p.y,
                    (double)q.z - (double)p.z};
     double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
@@ -67,22 +83,37 @@ static const char *check(const struct blocks *s, const struct law *law, vec p,
     bool kink = fabs(length - (double)law->rest) <= blur ||
                 fabs(length - (double)law->knee) <= blur + shift;
     slope = law_oracle_slope(law, length);
-    double a = tau * (double)law->damp + tau * tau * slope;
-    double b = tension > 0 ? tau * tau * tension / length : 0;
+    double a = share * (tau * (double)law->damp + tau * tau * slope);
+    double b = tension > 0 ? share * tau * tau * tension / length : 0;
+    double bend = 2 * tau * tau * triples_at(s, o, from, to);
     const real *entry = &block->xx;
     double fit = LAW_SLOPE_ERROR * (double)law->bend / (double)law->rest;
     double stiff = (double)law->stiff * (40 * REAL_U + (kink ? 1 : 0));
-    double error = tau * tau * (fit + stiff) + 40 * REAL_U * a + 1e-35;
+    double error = tau * tau * (fit + stiff) + 40 * REAL_U * (a + bend) + 1e-35;
     for (int i = 0, e = 0; i < 3; i++)
         for (int j = i; j < 3; j++, e++) {
             double uu = d[i] * d[j] / (length * length);
-            double want = (a - b) * uu + (i == j ? b : 0);
+            double want = (a - b) * uu + (i == j ? b + bend : 0);
             EXPECT(fabs((double)entry[e] - want) <= error);
         }
-    return thin ? check_thin(*thin, a - b, b, d, error) : NULL;
+    return thin ? check_thin(*thin, a - b, b + bend, d, error) : NULL;
 }
 
-/* §2: zᵀ B z ≥ 0, up to rounding, for all z of a small lattice. */
+/* §2: the block between the ends of the triple that starts at p. */
+static const char *check_ends(const struct blocks *s, int o, int64_t p,
+                              const sym *block, const struct thin *thin)
+{
+    int64_t at = p + spring_step(s->m, o);
+    real k = triple_constant(s->triple, o, s->beside[at]);
+    real want = -(s->tau * s->tau * k);
+    EXPECT(want < 0 && block->xx == want && block->yy == want);
+    EXPECT(block->zz == want && block->xy == 0 && block->xz == 0 &&
+           block->yz == 0);
+    const double along[3] = {1, 0, 0};
+    return thin ? check_thin(*thin, 0, (double)want, along, 1e-35) : NULL;
+}
+
+/* §3: zᵀ B z ≥ 0, up to rounding, for all z of a small lattice. */
 static const char *semidefinite(const sym *a)
 {
     double trace = (double)a->xx + (double)a->yy + (double)a->zz;
@@ -110,10 +141,12 @@ const char *prop_blocks(const struct blocks *s)
             EXPECT(!s->n_thin || s->thin[k].both == 0);
             continue;
         }
-        int64_t q = p + spring_di[o] + (int64_t)spring_dj[o] * s->m;
-        const char *bad = check(s, &s->law[o], s->x[p], s->x[q], block,
-                                s->n_thin ? &s->thin[k] : NULL);
-        if (!bad)
+        const struct thin *thin = s->n_thin ? &s->thin[k] : NULL;
+        bool ends = s->triples && o >= SPRINGS_SINGLE;
+        const char *bad =
+            ends ? check_ends(s, (int)o - SPRINGS_SINGLE, p, block, thin)
+                 : check(s, (int)o, p, block, thin);
+        if (!bad && !ends)
             bad = semidefinite(block);
         if (bad)
             return bad;
@@ -121,8 +154,8 @@ const char *prop_blocks(const struct blocks *s)
     return NULL;
 }
 
-/* §5: a number that is not positive counts as 0, one that is too large as the
- * largest; of equally long axes the first is chosen. */
+/* §6: a c that is not positive counts as 0, as does a b that is NaN; one that
+ * is too large as the largest; of equally long axes the first is chosen. */
 const char *test_thin_limits(void)
 {
     const real nan = (real)NAN, inf = (real)INFINITY;
@@ -139,9 +172,20 @@ const char *test_thin_limits(void)
     EXPECT(a.size == R(0x1.fep127) && a.all == R(0x1.fep127));
     a = thin_open(thin_make(1, 1, vec_make(nan, nan, nan)));
     EXPECT(a.size == 0 && a.all == 1 && a.e.y == 0);
+    /* c is cut off, b goes up, whatever its sign. */
     a = thin_open(thin_make(R(0x1.01ffp0), R(0x1.01ffp0), x));
-    EXPECT(a.size == 4 * R(0x1.00p0) &&
-           a.all == R(0x1.00p0)); /* cut off, not rounded */
-    ran(6);
+    EXPECT(a.size == 4 * R(0x1.00p0) && a.all == R(0x1.02p0));
+    a = thin_open(thin_make(0, R(-0x1.01ffp0), x));
+    EXPECT(a.size == 0 && a.all == R(-0x1.00p0));
+    a = thin_open(thin_make(0, -inf, x));
+    EXPECT(a.all == R(-0x1.fep127));
+    for (int k = 0; k < 64; k++) {
+        real b = R(1) + (real)k * R(0x1p-23), low = R(1) + R(0x1p-40);
+        EXPECT(thin_open(thin_make(0, b, x)).all >= b);
+        EXPECT(thin_open(thin_make(0, -b, x)).all >= -b);
+        EXPECT(thin_open(thin_make(0, low * b, x)).all >= low * b);
+        EXPECT(thin_open(thin_make(0, -low * b, x)).all >= -low * b);
+    }
+    ran(72);
     return NULL;
 }

@@ -174,6 +174,7 @@ const char *test_cloth_bending(void)
         d.width = d.height = 0.1;
         d.material.stretch = 1e7;
         d.material.shear = 3e6;
+        d.bending = DRAPE_SPRINGS;
         EXPECT(ref_cloth_size(&d, &c) == DRAPE_OK);
         double e = 0, h = (double)c.hu;
         for (int o = SPRINGS_SINGLE; o < SPRINGS; o++) {

@@ -7,6 +7,7 @@
 
 #include "ref/cloth/advance.h"
 #include "ref/cloth/implicit.h"
+#include "ref/cloth/triple.h"
 #include "tests/cloth/sheet.h"
 
 enum { METHODS = DRAPE_CK + 1 };
@@ -398,15 +399,16 @@ static bool settle(struct sheet *s)
 }
 
 /* cloth.md §4: one material gives one drape. The mean sag of the lower edge
- * converges as the cells are halved: what a halving changes falls by at
- * least a quarter each time (first order, of the border, would halve it;
- * measured 0.66 and 0.52) and is at last below 1 % (measured 0.5 %). */
+ * converges as the cells are halved: what a halving changes falls to at most
+ * 0.6 of it each time (first order, of the corners, would halve it; measured
+ * 0.57 and 0.51) and is at last below 0.25 % (measured 0.11 %). In binary32 a
+ * sag is known to 3·10⁻⁵ m, as rounding moves a force by 100 u·k·L. */
 const char *test_refinement(void)
 {
-    double sag[4];
+    double sag[4], noise = REAL_BITS == 32 ? 3e-5 : 0;
     for (int k = 0; k < 4; k++) {
         struct sheet s;
-        int n = (3 << k) + 1;
+        int n = (6 << k) + 1;
         EXPECT(make_hung(&s, n, false) == DRAPE_OK);
         EXPECT(settle(&s));
         sag[k] = 0;
@@ -415,13 +417,29 @@ const char *test_refinement(void)
         sheet_free(&s);
         ran(1);
     }
-    EXPECT(sag[1] - sag[0] > 0);
+    EXPECT(sag[1] - sag[0] > -noise);
     for (int k = 1; k < 3; k++) {
         double now = sag[k + 1] - sag[k], before = sag[k] - sag[k - 1];
-        EXPECT(now > 0 && now <= 0.75 * before);
+        EXPECT(now > -noise && now <= 0.6 * before + noise);
     }
-    EXPECT(sag[3] - sag[2] <= 0.01 * sag[3]);
+    EXPECT(sag[3] - sag[2] <= 0.0025 * sag[3] + noise);
     return NULL;
+}
+
+/* Adds the forces of triples. */
+static void unbend(const struct sheet *s, const double *x, double *f)
+{
+    for (int64_t k = 0; k < SPRINGS_SINGLE * s->c.count && s->c.triples; k++) {
+        int64_t p = k / SPRINGS_SINGLE, o = k % SPRINGS_SINGLE;
+        int64_t step = spring_step(s->c.m, (int)o);
+        double c = (double)s->c.triple[CELL_MASKS * o + s->c.beside[p]];
+        for (int64_t e = 3 * p; e < 3 * p + 3 && c > 0; e++) {
+            double t = x[e - 3 * step] - 2 * x[e] + x[e + 3 * step];
+            f[e - 3 * step] -= c * t;
+            f[e] += 2 * c * t;
+            f[e + 3 * step] -= c * t;
+        }
+    }
 }
 
 /* Finds the equilibrium of s by damped relaxation in binary64, with the law of
@@ -444,11 +462,16 @@ static void relax(const struct sheet *s, double *x)
                 square += d[e] * d[e];
             }
             double pull = law_oracle(&s->c.law[o], sqrt(square)) / sqrt(square);
+            if (s->c.triples)
+                pull *= o < SPRINGS_SINGLE
+                            ? (double)spring_share((int)o, s->c.beside[p])
+                            : 0;
             for (int e = 0; e < 3; e++) {
                 f[3 * p + e] += pull * d[e];
                 f[3 * q + e] -= pull * d[e];
             }
         }
+        unbend(s, x, f);
         double h = 0.5 / sqrt(s->c.bound);
         for (int64_t k = 0; k < 3 * n; k++) {
             if (s->c.fixed[k / 3])

@@ -9,6 +9,7 @@
 #include "ref/cloth/implicit.h"
 #include "ref/cloth/law.h"
 #include "ref/cloth/springs.h"
+#include "ref/cloth/triple.h"
 
 drape_cloth sheet_default(int m, int n)
 {
@@ -40,6 +41,7 @@ int sheet_make(struct sheet *s, const drape_cloth *def, int method)
     int64_t n = s->c.count;
     s->c.cell = need(s, n, 1);
     s->c.springs = need(s, n, 1);
+    s->c.beside = need(s, n, 1);
     s->c.fixed = need(s, n, 1);
     s->c.mass = need(s, n, sizeof(real));
     s->c.tri = need(s, s->c.n_triangles, sizeof *s->c.tri);
@@ -167,6 +169,10 @@ void sheet_force(const struct sheet *s, const vec *x, const vec *v, vec *f)
                         .laws = SPRINGS,
                         .law = c->law,
                         .springs = c->springs,
+                        .triples = c->triples,
+                        .triple = c->triple,
+                        .n_beside = c->triples ? c->count : 0,
+                        .beside = c->beside,
                         .mass = c->mass,
                         .x = x,
                         .n_v = c->count,
@@ -185,6 +191,10 @@ void sheet_energy(const struct sheet *s, const vec *x, const vec *v,
                        .laws = SPRINGS,
                        .law = c->law,
                        .springs = c->springs,
+                       .triples = c->triples,
+                       .triple = c->triple,
+                       .n_beside = c->triples ? c->count : 0,
+                       .beside = c->beside,
                        .mass = c->mass,
                        .x = x,
                        .v = v,
@@ -306,6 +316,40 @@ struct grid pick_grid(struct bytes *b)
         g.mass[p] =
             g.fixed[p] == CLOTH_ABSENT ? 0 : pick_uniform(b, R(1e-5), R(1e-3));
     }
+    return g;
+}
+
+/* The cells about each particle, and the springs and triples that they leave,
+ * as spec/cloth/cloth.md §2 and §6 have them. */
+static void pick_triples(struct bytes *b, struct grid *g)
+{
+    g->triples = TRIPLES;
+    g->n_beside = g->count;
+    g->triple = take(b, TRIPLES, sizeof *g->triple);
+    g->beside = take(b, g->count, 1);
+    for (int k = 0; k < TRIPLES; k++)
+        if (has_triple(k / CELL_MASKS, (unsigned)(k % CELL_MASKS)))
+            g->triple[k] = pick_uniform(b, R(0.01), 10);
+    for (int64_t p = 0; p < g->count; p++)
+        for (int k = 0; k < 4 && g->cell[p]; k++)
+            g->beside[p + k % 2 + k / 2 * g->m] |= (uint8_t)(1 << k);
+    for (int64_t p = 0; p < g->count; p++) {
+        unsigned a = g->beside[p];
+        g->springs[p] =
+            (uint8_t)(((a & 5) != 0) | ((a & 3) != 0) << 1 | (a & 3) << 2);
+    }
+    for (int64_t p = 0; p < g->count; p++)
+        for (int o = 0; o < SPRINGS_SINGLE; o++)
+            if (g->springs[p] >> o & 1 &&
+                g->springs[p + spring_step(g->m, o)] >> o & 1)
+                g->springs[p] |= (uint8_t)(1 << (o + SPRINGS_SINGLE));
+}
+
+struct grid pick_bent_grid(struct bytes *b)
+{
+    struct grid g = pick_grid(b);
+    if (for_bench(b) || pick(b, 2))
+        pick_triples(b, &g);
     return g;
 }
 

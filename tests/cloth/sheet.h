@@ -12,7 +12,7 @@ struct sheet {
     struct dynamics d;
     vec *x, *v, *xp, *vp, *to;
     double *dense; /* scratch of sheet_solve, [15·count] */
-    void *memory[16];
+    void *memory[20];
     int n_memory;
 };
 
@@ -51,10 +51,25 @@ struct grid {
     int32_t m, n;
     int64_t count;
     struct law *law;
-    uint8_t *springs, *cell, *fixed;
+    int64_t triples, n_beside;
+    real *triple;
+    uint8_t *springs, *beside, *cell, *fixed;
     real *mass;
 };
 struct grid pick_grid(struct bytes *b);
+/* The same, sometimes with triples. */
+struct grid pick_bent_grid(struct bytes *b);
+/* Gives a stage the grid's springs and triples. */
+#define GIVE_GRID(stage, grid)                                                 \
+    do {                                                                       \
+        (stage)->laws = SPRINGS;                                               \
+        (stage)->law = (grid)->law;                                            \
+        (stage)->springs = (grid)->springs;                                    \
+        (stage)->triples = (grid)->triples;                                    \
+        (stage)->triple = (grid)->triple;                                      \
+        (stage)->n_beside = (grid)->n_beside;                                  \
+        (stage)->beside = (grid)->beside;                                      \
+    } while (0)
 /* Returns positions [count] near the grid's rest shape; some are coincident or
  * far away. */
 vec *pick_state(struct bytes *b, const struct grid *g);

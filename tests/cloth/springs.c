@@ -2,23 +2,23 @@
 /* Stage springs: generator and properties. spec/cloth/springs.md */
 #include "ref/cloth/springs.h"
 
+#include "ref/cloth/triple.h"
 #include "tests/cloth/sheet.h"
 
 const struct field fields_springs[] = {
-    IN(springs, law, laws, 1),     IN(springs, springs, count, 1),
-    IN(springs, mass, count, 1),   IN(springs, x, count, 1),
-    IN(springs, v, n_v, 1),        IN(springs, wind, n_wind, 1),
-    OUT(springs, force, count, 1), FIELD_END};
+    IN(springs, law, laws, 1),       IN(springs, springs, count, 1),
+    IN(springs, triple, triples, 1), IN(springs, beside, n_beside, 1),
+    IN(springs, mass, count, 1),     IN(springs, x, count, 1),
+    IN(springs, v, n_v, 1),          IN(springs, wind, n_wind, 1),
+    OUT(springs, force, count, 1),   FIELD_END};
 
 void gen_springs(struct bytes *b, struct springs *s)
 {
-    struct grid g = pick_grid(b);
+    struct grid g = pick_bent_grid(b);
     s->m = g.m;
     s->n = g.n;
     s->count = g.count;
-    s->laws = SPRINGS;
-    s->law = g.law;
-    s->springs = g.springs;
+    GIVE_GRID(s, &g);
     s->mass = g.mass;
     s->x = pick_state(b, &g);
     s->n_v = for_bench(b) || pick(b, 2) ? g.count : 0;
@@ -37,7 +37,7 @@ struct exact {
 };
 
 static void add_pull(const struct springs *s, const struct law *a, int64_t p,
-                     int64_t q, struct exact *e)
+                     int64_t q, double share, struct exact *e)
 {
     const real *xp = &s->x[p].x, *xq = &s->x[q].x;
     double d[3], square = 0, rate = 0, speed = 0;
@@ -53,8 +53,8 @@ static void add_pull(const struct springs *s, const struct law *a, int64_t p,
         rate += w * d[k] / length;
         speed += fabs(w);
     }
-    double tension = law_oracle(a, length);
-    double damped = (double)a->damp * rate;
+    double tension = share * law_oracle(a, length);
+    double damped = share * (double)a->damp * rate;
     for (int k = 0; k < 3; k++)
         e->f[k] += (tension + damped) * d[k] / length;
     e->known &= length > 1e-15 && length < 1e15;
@@ -64,17 +64,47 @@ static void add_pull(const struct springs *s, const struct law *a, int64_t p,
                 60 * REAL_U * (double)a->damp * speed;
 }
 
+/* §3: adds `times` the force that the triple of direction o with its middle at
+ * (i, j) exerts on an end. */
+static void add_triple(const struct springs *s, int o, int64_t i, int64_t j,
+                       double times, struct exact *e)
+{
+    if (i < 0 || j < 0 || i >= s->m || j >= s->n)
+        return;
+    int64_t p = i + j * s->m, step = spring_step(s->m, o);
+    double k = (double)triple_constant(s->triple, o, s->beside[p]);
+    for (int c = 0; c < 3 && k > 0; c++) {
+        double x = (double)(&s->x[p].x)[c];
+        double before = (double)(&s->x[p - step].x)[c] - x;
+        double after = (double)(&s->x[p + step].x)[c] - x;
+        e->f[c] -= times * k * (before + after);
+        e->size += fabs(times) * k * (fabs(before) + fabs(after));
+        e->error +=
+            60 * REAL_U * fabs(times) * k * (fabs(before) + fabs(after));
+        e->known &= fabs(before) + fabs(after) < 1e15;
+    }
+}
+
 static struct exact force_of(const struct springs *s, int64_t p)
 {
     struct exact e = {.known = true};
     int64_t i = p % s->m, j = p / s->m;
-    for (int o = 0; o < SPRINGS; o++) {
+    for (int o = 0; o < (s->triples ? SPRINGS_SINGLE : SPRINGS); o++) {
         int64_t di = spring_di[o], dj = spring_dj[o], step = di + dj * s->m;
+        double here = s->triples ? (double)spring_share(o, s->beside[p]) : 1;
         if (s->springs[p] >> o & 1)
-            add_pull(s, &s->law[o], p, p + step, &e);
+            add_pull(s, &s->law[o], p, p + step, here, &e);
         if (i - di >= 0 && i - di < s->m && j >= dj &&
-            s->springs[p - step] >> o & 1)
-            add_pull(s, &s->law[o], p, p - step, &e);
+            s->springs[p - step] >> o & 1) {
+            double there =
+                s->triples ? (double)spring_share(o, s->beside[p - step]) : 1;
+            add_pull(s, &s->law[o], p, p - step, there, &e);
+        }
+        if (s->triples) {
+            add_triple(s, o, i, j, -2, &e);
+            add_triple(s, o, i + di, j + dj, 1, &e);
+            add_triple(s, o, i - di, j - dj, 1, &e);
+        }
     }
     for (int k = 0; k < 3; k++) {
         double w = s->n_wind ? (double)(&s->wind[p].x)[k] : 0;
@@ -93,7 +123,7 @@ const char *prop_springs(const struct springs *s)
     for (int64_t p = 0; p < s->count; p++) {
         struct exact e = force_of(s, p);
         all &= e.known;
-        bound += 17 * REAL_U * e.size * (1 + 1e-5) + 1e-35;
+        bound += (s->triples ? 25 : 17) * REAL_U * e.size * (1 + 1e-5) + 1e-35;
         for (int k = 0; k < 3; k++) {
             double f = (double)(&s->force[p].x)[k];
             /* §3: the force follows the law, up to rounding. */

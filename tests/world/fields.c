@@ -213,8 +213,6 @@ static const struct part cloth_skip[] = {
     PART(drape_cloth, x),    PART(drape_cloth, velocity),
     PART(drape_cloth, hole), PART(drape_cloth, cut),
     PART(drape_cloth, pins), {0, 0}};
-static const struct part cloth_free[] = {
-    {offsetof(drape_cloth, n_pins) + sizeof(int), sizeof(drape_cloth)}, {0, 0}};
 static const struct part obstacle_skip[] = {PART(drape_obstacle, x),
                                             PART(drape_obstacle, tri),
                                             PART(drape_obstacle, frame),
@@ -248,7 +246,7 @@ static const char *walk_structs(struct scene *s)
     for (int k = 0; k < 2 && !failed; k++) {
         const struct walk all[] = {
             {"drape_cloth", &s->cloth[k], sizeof s->cloth[k], 4, cloth_skip,
-             cloth_free, NULL},
+             NULL, NULL},
             {"drape_obstacle", &s->obstacle[k], sizeof s->obstacle[k], 4,
              obstacle_skip, NULL, obstacle_stiff[k]},
             {"drape_motion", &s->motion[k], sizeof s->motion[k], 4, motion_skip,

@@ -191,6 +191,7 @@ const char *test_world_cut(void)
         d.def.backend = k % 2 ? DRAPE_GPU : DRAPE_REF;
         d.def.max_slices = k < 2 ? 32 : 1;
         d.def.n_obstacles = d.def.n_motions = 0;
+        d.cloth.bending = DRAPE_SPRINGS;
         d.cloth.m = 16;
         d.cloth.n = 3;
         d.cloth.width = 0.015;

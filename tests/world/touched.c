@@ -72,6 +72,7 @@ static const char *run(int integrator, int mode)
     d.cloth.material.stretch = 0.1;
     d.cloth.material.shear = 0.02;
     d.cloth.material.bend = 0;
+    d.cloth.bending = DRAPE_SPRINGS;
     d.def.max_slices = 1;
     d.def.trace = listen;
     d.def.trace_user = &a;
