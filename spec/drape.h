@@ -72,7 +72,7 @@ enum drape_solver {
 };
 enum drape_backend { DRAPE_REF, DRAPE_GPU };
 
-/* What resists bending. spec/cloth/cloth.md §4, §6 */
+/* What resists bending. spec/cloth/cloth.md §4, §7 */
 enum drape_bending {
     DRAPE_TRIPLES, /* second differences: `bend` at any size of cells */
     DRAPE_SPRINGS  /* the paper's springs between every second particle */

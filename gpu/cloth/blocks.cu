@@ -30,7 +30,7 @@ static __device__ struct parts spring_parts(const struct law *law, real tau,
     return parts{b, a - b, inverse, scale(inverse, d)};
 }
 
-/* §2: the spring's share of its block, and that of the triples that have their
+/* §7: the spring's share of its block, and that of the triples that have their
  * middle at one of its ends; cells: about these ends. */
 static __device__ struct parts with_triples(const struct blocks *s, int o,
                                             struct parts a, int p, int q)

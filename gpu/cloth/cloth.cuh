@@ -23,7 +23,7 @@ static __host__ __device__ constexpr int forward_j(int o)
     return o < SPRINGS_SINGLE ? one : 2 * one;
 }
 
-/* §6: the share of a single spring's constant that belongs to the cells beside
+/* §7: the share of a single spring's constant that belongs to the cells beside
  * it; cells: about its first particle. */
 static __device__ inline real share_of(int o, int cells)
 {
@@ -31,7 +31,7 @@ static __device__ inline real share_of(int o, int cells)
     return o > 1 || (cells & both) == both ? R(1) : R(0.5);
 }
 
-/* §6: the second difference, by differences. */
+/* §7: the second difference, by differences. */
 static __device__ inline vec triple_at(vec before, vec middle, vec after)
 {
     return add(sub(before, middle), sub(after, middle));

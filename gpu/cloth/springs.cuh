@@ -107,7 +107,7 @@ static __device__ vec tile_pull(const struct tile<HIGH> *a,
     return scale(share * f, u);
 }
 
-/* §3: the constant times the second difference of the triple of direction o, of
+/* §5: the constant times the second difference of the triple of direction o, of
  * a single spring, that starts at place p. */
 template <int HIGH>
 static __device__ vec tile_triple(const struct tile<HIGH> *a, int o, int p)

@@ -61,7 +61,7 @@ static struct weights weights_of(double high)
 
 static struct weights fine_weights(const struct multigrid *s)
 {
-    return weights_of(s->triples ? 2.75 : 2);
+    return weights_of(s->triples ? 2.7 : 2);
 }
 
 struct opening gpu_multigrid_opening(const struct multigrid *s)

@@ -31,7 +31,7 @@ static real middle(const struct blocks *s, int o, int64_t p)
     return triple_constant(s->triple, o, s->beside[p]);
 }
 
-/* §2: adds to the block of a single spring from p to q the share of the triples
+/* §7: adds to the block of a single spring from p to q the share of the triples
  * that have their middle at one of its ends. */
 static struct parts with_triples(const struct blocks *s, int o, int64_t p,
                                  struct parts a)
@@ -43,7 +43,7 @@ static struct parts with_triples(const struct blocks *s, int o, int64_t p,
     return a;
 }
 
-/* §2: of the triple that starts at p, the block between its ends. */
+/* §7: of the triple that starts at p, the block between its ends. */
 static struct parts end_to_end(const struct blocks *s, int o, int64_t p)
 {
     real k = middle(s, o, p + spring_step(s->m, o));

@@ -11,10 +11,12 @@ static double allowance(const struct dynamics *s, double reach, double elastic)
     double k = 0, pins = (double)c->n_pinned;
     for (int o = 0; o < SPRINGS; o++)
         k = (double)c->law[o].stiff > k ? (double)c->law[o].stiff : k;
+    for (int64_t o = 0; o < c->triples; o++)
+        k = (double)c->triple[o] > k ? (double)c->triple[o] : k;
     double speed = reach / s->dt,
            wind = s->windy ? (double)vec_length(s->air) : 0;
     return 2 * mass * (speed * speed + wind * wind) +
-           reach * (2 * sqrt(32 * pins * k * elastic) + 16 * pins * k * reach);
+           reach * (2 * sqrt(64 * pins * k * elastic) + 32 * pins * k * reach);
 }
 
 /* The energy of a strain of 2^-10 in every spring. */

@@ -81,7 +81,7 @@ static void set_law(struct cloth *c, int o, double length, double stretch,
     law_set_knee(a, two && !c->triples);
 }
 
-/* §6: sets the constants of the triples of direction o. length: of a single
+/* §7: sets the constants of the triples of direction o. length: of a single
  * spring, m; moment: of the direction; whole: of the material, for borders
  * that no diagonal triple has its middle on. N·m both. */
 static void set_triples(struct cloth *c, int o, double length, double moment,
@@ -177,7 +177,7 @@ static double middle(const struct cloth *c, int o, int64_t i, int64_t j)
     return (double)triple_constant(c->triple, o, c->beside[i + c->m * j]);
 }
 
-/* §7: half of p's row sum of the stiffness bounds, N/m, of all springs and
+/* §6: half of p's row sum of the stiffness bounds, N/m, of all springs and
  * triples at p. */
 static double stiffness(const struct cloth *c, int64_t p)
 {
@@ -200,7 +200,7 @@ static double stiffness(const struct cloth *c, int64_t p)
     return k;
 }
 
-/* §7: the bound of Gershgorin on the eigenvalues of M⁻¹K: the maximum over the
+/* §6: the bound of Gershgorin on the eigenvalues of M⁻¹K: the maximum over the
  * free particles of twice the stiffness by the mass. */
 static double gershgorin(const struct cloth *c)
 {

@@ -28,7 +28,7 @@ struct law {
     real well;  /* J, makes the energy continuous at the knee */
 };
 
-/* §6: bits of the cells that meet at a particle: bit di + 2·dj says that the
+/* §7: bits of the cells that meet at a particle: bit di + 2·dj says that the
  * cell with lower corner (i - di, j - dj) is present. */
 enum { CELL_MASKS = 16 };
 /* The constants of triples: N/m, of direction o with cells b about the middle,

@@ -55,7 +55,7 @@ static vec pulls(const struct springs *s, int64_t p, int32_t i, int32_t j)
     return f;
 }
 
-/* §3: the force that the triple of direction o with its middle at (i, j) exerts
+/* §5: the force that the triple of direction o with its middle at (i, j) exerts
  * on its ends, with opposite sign; 0 if there is none. */
 static vec moment(const struct springs *s, int o, int32_t i, int32_t j)
 {
@@ -68,7 +68,7 @@ static vec moment(const struct springs *s, int o, int32_t i, int32_t j)
     return vec_scale(k, triple_of(s->x[p - step], s->x[p], s->x[p + step]));
 }
 
-/* §3: the force of the triples of direction o on particle (i, j). */
+/* §5: the force of the triples of direction o on particle (i, j). */
 static vec unbend(const struct springs *s, int o, int32_t i, int32_t j)
 {
     int32_t di = spring_di[o], dj = spring_dj[o];

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Bending by triples: three particles in a row resist the second difference of
- * their positions. spec/cloth/cloth.md §6 */
+ * their positions. spec/cloth/cloth.md §7 */
 #ifndef REF_TRIPLE_H
 #define REF_TRIPLE_H
 
 #include "ref/cloth/cloth.h"
 
-/* §6: whether the cells about a particle let a triple of direction o have its
+/* §7: whether the cells about a particle let a triple of direction o have its
  * middle there. */
 static inline bool has_triple(int o, unsigned cells)
 {
@@ -15,7 +15,7 @@ static inline bool has_triple(int o, unsigned cells)
     return (cells & ahead[o]) && (cells & behind[o]);
 }
 
-/* §6: the share of a single spring's constant that belongs to the cells beside
+/* §7: the share of a single spring's constant that belongs to the cells beside
  * it: all of it, or half of it on a border. cells: about its first particle. */
 static inline real spring_share(int o, unsigned cells)
 {
@@ -23,7 +23,7 @@ static inline real spring_share(int o, unsigned cells)
     return o > 1 || (cells & both) == both ? 1 : R(0.5);
 }
 
-/* §6: t = x₋ - 2x + x₊ by differences, as neighbours are close. */
+/* §7: t = x₋ - 2x + x₊ by differences, as neighbours are close. */
 static inline vec triple_of(vec before, vec middle, vec after)
 {
     return vec_add(vec_sub(before, middle), vec_sub(after, middle));

@@ -298,7 +298,7 @@ void ref_multigrid_cycle(struct multigrid *s)
 {
     struct level l[LEVELS];
     int last = lay_out(s, l) - 1;
-    struct weights fine = weights_of(s->triples ? 2.75 : 2),
+    struct weights fine = weights_of(s->triples ? 2.7 : 2),
                    coarse = weights_of(s->n_extra ? 4 : 2.5);
     for (int k = 0; k < last; k++) {
         struct weights w = k ? coarse : fine;

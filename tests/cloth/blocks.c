@@ -23,7 +23,7 @@ void gen_blocks(struct bytes *b, struct blocks *s)
     s->n_thin = pick(b, 3) ? SPRINGS * g.count : 0;
 }
 
-/* §6: checks a thin block of c u uᵀ + b I, with d along u: entries to 2^-6 of c
+/* §5: checks a thin block of c u uᵀ + b I, with d along u: entries to 2^-6 of c
  * + |b|, b not less than it was, and at most 2^-26 of c leaks into directions
  * across u. error: of the entries of the block itself. */
 static const char *check_thin(struct thin t, double c, double b,
@@ -52,7 +52,7 @@ static const char *check_thin(struct thin t, double c, double b,
     return NULL;
 }
 
-/* §2: the constants of the triples with their middle at p and at q. */
+/* §7: the constants of the triples with their middle at p and at q. */
 static double triples_at(const struct blocks *s, int o, int64_t p, int64_t q)
 {
     return !s->triples
@@ -61,7 +61,7 @@ static double triples_at(const struct blocks *s, int o, int64_t p, int64_t q)
                      (double)triple_constant(s->triple, o, s->beside[q]);
 }
 
-/* §1 to §4: compares the block with share·(a u uᵀ + b (I - u uᵀ)) + 2τ²k I in
+/* §1, §3 and §7: compares the block with share·(a u uᵀ + b (I - u uᵀ)) + 2τ²k I in
  * binary64. */
 static const char *check(const struct blocks *s, int o, int64_t from,
                          const sym *block, const struct thin *thin)
@@ -99,7 +99,7 @@ static const char *check(const struct blocks *s, int o, int64_t from,
     return thin ? check_thin(*thin, a - b, b + bend, d, error) : NULL;
 }
 
-/* §2: the block between the ends of the triple that starts at p. */
+/* §7: the block between the ends of the triple that starts at p. */
 static const char *check_ends(const struct blocks *s, int o, int64_t p,
                               const sym *block, const struct thin *thin)
 {
@@ -113,7 +113,7 @@ static const char *check_ends(const struct blocks *s, int o, int64_t p,
     return thin ? check_thin(*thin, 0, (double)want, along, 1e-35) : NULL;
 }
 
-/* §3: zᵀ B z ≥ 0, up to rounding, for all z of a small lattice. */
+/* §2: zᵀ B z ≥ 0, up to rounding, for all z of a small lattice. */
 static const char *semidefinite(const sym *a)
 {
     double trace = (double)a->xx + (double)a->yy + (double)a->zz;
@@ -154,7 +154,7 @@ const char *prop_blocks(const struct blocks *s)
     return NULL;
 }
 
-/* §6: a c that is not positive counts as 0, as does a b that is NaN; one that
+/* §5: a c that is not positive counts as 0, as does a b that is NaN; one that
  * is too large as the largest; of equally long axes the first is chosen. */
 const char *test_thin_limits(void)
 {

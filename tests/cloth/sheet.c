@@ -320,7 +320,7 @@ struct grid pick_grid(struct bytes *b)
 }
 
 /* The cells about each particle, and the springs and triples that they leave,
- * as spec/cloth/cloth.md §2 and §6 have them. */
+ * as spec/cloth/cloth.md §2 and §7 have them. */
 static void pick_triples(struct bytes *b, struct grid *g)
 {
     g->triples = TRIPLES;

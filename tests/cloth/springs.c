@@ -64,7 +64,7 @@ static void add_pull(const struct springs *s, const struct law *a, int64_t p,
                 60 * REAL_U * (double)a->damp * speed;
 }
 
-/* §3: adds `times` the force that the triple of direction o with its middle at
+/* §5: adds `times` the force that the triple of direction o with its middle at
  * (i, j) exerts on an end. */
 static void add_triple(const struct springs *s, int o, int64_t i, int64_t j,
                        double times, struct exact *e)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Bending by triples: energies of cylinders and of plane strains against the
- * continuum's. spec/cloth/cloth.md §4, §6 */
+ * continuum's. spec/cloth/cloth.md §4, §7 */
 #include "ref/cloth/triple.h"
 
 #include "tests/cloth/sheet.h"
@@ -32,7 +32,7 @@ static double density(const struct cloth *a, double bow, double c, double s)
     return sum / 2 / (hu * hv);
 }
 
-/* cloth.md §6: on square cells a cylinder has the energy ½ bend κ² by area in
+/* cloth.md §7: on square cells a cylinder has the energy ½ bend κ² by area in
  * every direction and at every size of cells; on others along both axes. The
  * error of a triple is (κL)²/12 of it, L its single spring's length. */
 const char *test_triples_cylinder(void)
@@ -58,7 +58,7 @@ const char *test_triples_cylinder(void)
     return NULL;
 }
 
-/* cloth.md §6: a whole sheet that is bent along u has the same energy up to its
+/* cloth.md §7: a whole sheet that is bent along u has the same energy up to its
  * borders along u, where there are no triples for half a cell each. */
 const char *test_triples_border(void)
 {
