@@ -33,7 +33,7 @@ struct law {
 enum { CELL_MASKS = 16 };
 /* The constants of triples: N/m, of direction o with cells b about the middle,
  * at CELL_MASKS·o + b; 0 where these cells leave no triple. */
-enum { TRIPLES = CELL_MASKS * SPRINGS_SINGLE };
+enum { TRIPLES = CELL_MASKS * (int)SPRINGS_SINGLE };
 
 struct cloth {
     int32_t m, n;        /* particles along i and j */
