@@ -61,8 +61,8 @@ static double triples_at(const struct blocks *s, int o, int64_t p, int64_t q)
                      (double)triple_constant(s->triple, o, s->beside[q]);
 }
 
-/* §1, §3 and §7: compares the block with share·(a u uᵀ + b (I - u uᵀ)) + 2τ²k I in
- * binary64. */
+/* §1, §3 and §7: compares the block with share·(a u uᵀ + b (I - u uᵀ)) + 2τ²k I
+ * in binary64. */
 static const char *check(const struct blocks *s, int o, int64_t from,
                          const sym *block, const struct thin *thin)
 {
