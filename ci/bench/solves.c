@@ -35,7 +35,8 @@ int stages_products(FILE *out, int quick)
 {
     int differ = 0;
     for (int side = 33; side <= (quick ? 33 : 513); side = 2 * side - 1) {
-        struct design design = {side, side, SHAPE_DRAPED, TRIM_NONE, 0.05};
+        struct design design = {side,      side, SHAPE_DRAPED,
+                                TRIM_NONE, 0.05, DRAPE_TRIPLES};
         struct system a;
         make_system(&design, &a);
         struct cdf cdf = ref_cdf(side, side);
@@ -97,8 +98,8 @@ int stages_solves(FILE *out, int quick)
     int missed = 0;
     for (int side = 33; side <= (quick ? 33 : 129); side = 2 * side - 1)
         for (int shape = SHAPE_WRINKLED; shape <= SHAPE_DRAPED; shape += 2) {
-            struct design design = {side, side, (enum shape)shape, TRIM_PINS,
-                                    0.05};
+            struct design design = {side,      side, (enum shape)shape,
+                                    TRIM_PINS, 0.05, DRAPE_TRIPLES};
             struct system a;
             make_system(&design, &a);
             for (int precond = 0; precond < 2; precond++)

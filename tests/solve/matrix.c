@@ -103,8 +103,9 @@ const char *test_matrix_dense(void)
     for (int k = 0; k < 2 * 7 * 7; k++) {
         struct system a;
         struct design d = {
-            2 + k % 7, 2 + k / 7 % 7, SHAPE_DRAPED,
-            k < 49 ? TRIM_NONE : TRIM_HOLE | TRIM_CUT | TRIM_PINS, 0.1};
+            2 + k % 7,    2 + k / 7 % 7,
+            SHAPE_DRAPED, k < 49 ? TRIM_NONE : TRIM_HOLE | TRIM_CUT | TRIM_PINS,
+            0.1,          k % 2};
         make_system(&d, &a);
         struct matrix s = {.n_cdf = ref_cdf(a.m, a.n).blocks};
         GIVE_SYSTEM(&s, &a);

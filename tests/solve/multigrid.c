@@ -94,6 +94,7 @@ void gen_multigrid(struct bytes *b, struct multigrid *s)
     pick_system(b, &a);
     GIVE_SYSTEM(s, &a);
     s->n_thin = pick(b, 4) ? a.n_blocks : 0;
+    s->triples = a.triples;
     ref_multigrid_size(s);
     s->fixed = a.fixed;
     s->thin = a.thin;
@@ -257,6 +258,7 @@ static void open_grid(const struct system *a, struct multigrid *s)
     s->m = a->m;
     s->n = a->n;
     s->n_thin = a->n_blocks;
+    s->triples = a->triples;
     ref_multigrid_size(s);
     s->mass = a->mass;
     s->block = a->block;
@@ -324,8 +326,12 @@ const char *test_multigrid_symmetry(void)
     const double u = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
     for (int k = 0; k < 24; k++) {
         struct system a;
-        struct design d = {9 + 3 * k % 29, 40 - k, (enum shape)(k % SHAPES),
-                           k % 4 * (TRIM_HOLE | TRIM_CUT | TRIM_PINS), 0.1};
+        struct design d = {9 + 3 * k % 29,
+                           40 - k,
+                           (enum shape)(k % SHAPES),
+                           k % 4 * (TRIM_HOLE | TRIM_CUT | TRIM_PINS),
+                           0.1,
+                           k / 4 % 2};
         struct multigrid s = {0};
         make_system(&d, &a);
         open_grid(&a, &s);

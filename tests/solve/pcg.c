@@ -173,8 +173,12 @@ const char *test_pcg_dense(void)
 {
     for (int k = 0; k < 24; k++) {
         struct system a;
-        struct design d = {4 + k % 3, 3 + k % 4, (enum shape)(k % SHAPES),
-                           k % 2 ? TRIM_HOLE | TRIM_CUT | TRIM_PINS : 0, 0.1};
+        struct design d = {4 + k % 3,
+                           3 + k % 4,
+                           (enum shape)(k % SHAPES),
+                           k % 2 ? TRIM_HOLE | TRIM_CUT | TRIM_PINS : 0,
+                           0.1,
+                           k / 8 % 2};
         make_system(&d, &a);
         struct pcg s = {.precond = k / 4 % 2 ? DRAPE_MULTIGRID : DRAPE_JACOBI,
                         .form = k % 4 < 2 ? DRAPE_CDF : DRAPE_COMPACT,
@@ -206,7 +210,7 @@ const char *test_pcg_dense(void)
 const char *test_pcg_outcomes(void)
 {
     struct system a;
-    struct design d = {31, 17, SHAPE_DRAPED, TRIM_PINS, 0.1};
+    struct design d = {31, 17, SHAPE_DRAPED, TRIM_PINS, 0.1, DRAPE_TRIPLES};
     make_system(&d, &a);
     struct pcg s = {.precond = DRAPE_JACOBI,
                     .form = DRAPE_COMPACT,
@@ -254,8 +258,9 @@ const char *test_pcg_repeats(void)
     uint64_t hash[2][2];
     struct threads threads;
     for (int c = 0; c < 2; c++) {
-        struct design d = {c ? 40 : 90, 71, c ? SHAPE_DRAPED : SHAPE_WRINKLED,
-                           TRIM_HOLE | TRIM_PINS, 0.1};
+        struct design d = {
+            c ? 40 : 90,           71,  c ? SHAPE_DRAPED : SHAPE_WRINKLED,
+            TRIM_HOLE | TRIM_PINS, 0.1, c};
         make_system(&d, &a[c]);
         s[c].precond = DRAPE_MULTIGRID;
         s[c].form = c ? DRAPE_CDF : DRAPE_COMPACT;

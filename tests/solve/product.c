@@ -162,8 +162,12 @@ const char *test_product_forms(void)
 {
     for (int k = 0; k < 30; k++) {
         struct system a;
-        struct design d = {2 + k % 6, 3 + k % 5, (enum shape)(k % SHAPES),
-                           k % 3 ? TRIM_HOLE | TRIM_CUT | TRIM_PINS : 0, 0.1};
+        struct design d = {2 + k % 6,
+                           3 + k % 5,
+                           (enum shape)(k % SHAPES),
+                           k % 3 ? TRIM_HOLE | TRIM_CUT | TRIM_PINS : 0,
+                           0.1,
+                           k % 2};
         make_system(&d, &a);
         vec *v[3];
         for (int c = 0; c < 3; c++)
@@ -192,7 +196,7 @@ const char *test_product_forms(void)
 const char *test_product_constant(void)
 {
     struct system a;
-    struct design d = {101, 101, SHAPE_DRAPED, TRIM_NONE, 0.1};
+    struct design d = {101, 101, SHAPE_DRAPED, TRIM_NONE, 0.1, DRAPE_TRIPLES};
     make_system(&d, &a);
     vec *x = calloc((size_t)a.count, sizeof *x);
     vec *y = calloc((size_t)a.count, sizeof *y);

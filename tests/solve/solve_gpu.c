@@ -62,8 +62,10 @@ static struct rates rates_of(struct gpu *g, const struct system *a,
     struct blocks b = blocks_of(a);
     if (!gpu_rates_help(g, d))
         return (struct rates){NULL, NULL};
-    b.law = put(g, a->law, SPRINGS, sizeof *a->law);
-    b.springs = put(g, a->springs, a->count, sizeof *a->springs);
+    b.law = put(g, b.law, SPRINGS, sizeof *b.law);
+    b.springs = put(g, b.springs, a->count, sizeof *b.springs);
+    b.triple = put(g, b.triple, b.triples, sizeof *b.triple);
+    b.beside = put(g, b.beside, b.n_beside, sizeof *b.beside);
     b.x = put(g, a->x, a->count, sizeof *a->x);
     b.block = put(g, NULL, SPRINGS * a->count, sizeof *b.block);
     b.n_thin = 0;
@@ -93,7 +95,8 @@ static void open_both(struct gpu *g, int32_t n, int trim, int precond,
                       int32_t most, struct system *a, struct pcg *s,
                       struct pcg *d)
 {
-    struct design design = {n, n, SHAPE_DRAPED, TRIM_PINS | trim, 0};
+    struct design design = {
+        n, n, SHAPE_DRAPED, TRIM_PINS | trim, 0, DRAPE_TRIPLES};
     make_system(&design, a);
     if (trim != TRIM_NONE)
         hold_system(a, 8);
@@ -232,7 +235,8 @@ const char *test_solve_gpu(void)
 const char *test_solve_gpu_limits(void)
 {
     enum { MOST = 12 };
-    struct design design = {24, 24, SHAPE_WRINKLED, TRIM_PINS, 0};
+    struct design design = {24,        24, SHAPE_WRINKLED,
+                            TRIM_PINS, 0,  DRAPE_TRIPLES};
     int anew = 0;
     for (int32_t most = 1; most <= MOST; most++) {
         int status;
@@ -351,7 +355,8 @@ static const char *expect_near(const struct pcg *s, const vec *dv,
 static const char *check_cublas(struct gpu *g, int precond, int form)
 {
     struct system a;
-    struct design design = {51, 47, SHAPE_DRAPED, TRIM_PINS, 0.1};
+    struct design design = {51,        47,  SHAPE_DRAPED,
+                            TRIM_PINS, 0.1, DRAPE_TRIPLES};
     make_system(&design, &a);
     struct pcg s = {.precond = precond,
                     .form = form,

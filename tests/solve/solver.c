@@ -18,6 +18,7 @@ void solver_give(struct pcg *s, const struct system *a)
     s->extra = a->extra;
     s->block = a->block;
     s->thin = a->thin;
+    s->triples = a->triples;
     s->fixed = a->fixed;
     s->b = a->b;
     ref_pcg_size(s);

@@ -4,12 +4,18 @@
 
 #include <stdlib.h>
 
-#include "ref/cloth/law.h"
+#include "ref/cloth/springs.h"
+#include "spec/drape.h"
 
 static sym outer(vec a)
 {
     sym r = {a.x * a.x, a.x * a.y, a.x * a.z, a.y * a.y, a.y * a.z, a.z * a.z};
     return r;
+}
+
+static void *room(int64_t count, size_t size)
+{
+    return calloc((size_t)count + 1, size);
 }
 
 static int64_t index_of(const struct system *s, int32_t i, int32_t j)
@@ -28,6 +34,55 @@ static void pick_grid(struct bytes *b, int64_t size, struct system *s)
     s->count = (int64_t)s->m * s->n;
     s->n_blocks = SPRINGS * s->count;
     s->n_extra = pick(b, 3) ? 0 : s->count;
+    s->triples = (int)pick(b, 2);
+}
+
+/* Whether the spring of direction o from p and both of its ends exist. */
+static bool is_there(const struct system *s, int64_t p, int o)
+{
+    int32_t i = (int32_t)(p % s->m), j = (int32_t)(p / s->m);
+    return spring_inside(s->m, s->n, i, j, o, 1) &&
+           s->fixed[p] != CLOTH_ABSENT &&
+           s->fixed[p + spring_step(s->m, o)] != CLOTH_ABSENT;
+}
+
+/* Adds k |x₋ − 2x + x₊|², for some triples, to the blocks b I of its three
+ * pairs. blocks.md §7 */
+static void pick_triples(struct bytes *b, const struct system *s, real *across)
+{
+    for (int o = 0; o < SPRINGS_SINGLE; o++)
+        for (int64_t p = 0; p < s->count; p++) {
+            int64_t at = p + spring_step(s->m, o), two = o + SPRINGS_SINGLE;
+            if (!is_there(s, p, (int)two) || !is_there(s, p, o) ||
+                !is_there(s, at, o) || !pick(b, 8))
+                continue;
+            real k = for_bench(b) ? R(0.5) : pick_uniform(b, 0, 1);
+            across[o * s->count + p] += 2 * k;
+            across[o * s->count + at] += 2 * k;
+            across[two * s->count + p] -= k;
+        }
+}
+
+/* Sets the blocks v vᵀ + across I; with triples v is 0 for double springs. */
+static void pick_blocks(struct bytes *b, struct system *s, bool flat,
+                        const real *across)
+{
+    for (int o = 0; o < SPRINGS; o++)
+        for (int64_t p = 0; p < s->count; p++) {
+            int64_t k = o * s->count + p;
+            vec v = for_bench(b) ? vec_make(1, 0, R(0.5)) : pick_vec(b, 1);
+            if (flat)
+                v.z = 0;
+            if (!is_there(s, p, o) || !pick(b, 8) ||
+                (s->triples && o >= SPRINGS_SINGLE))
+                v = vec_make(0, 0, 0);
+            real length = vec_length(v), one = length > 0 ? 1 / length : 0;
+            s->block[k] = outer(v);
+            s->block[k].xx += across[k];
+            s->block[k].yy += across[k];
+            s->block[k].zz += across[k];
+            s->thin[k] = thin_make(vec_dot(v, v), across[k], vec_scale(one, v));
+        }
 }
 
 void pick_system(struct bytes *b, struct system *s)
@@ -48,21 +103,10 @@ void pick_system(struct bytes *b, struct system *s)
         if (s->n_extra && !pick(b, 3))
             s->extra[p] = outer(pick_vec(b, 1));
     }
-    for (int o = 0; o < SPRINGS; o++)
-        for (int64_t p = 0; p < s->count; p++) {
-            int32_t i = (int32_t)(p % s->m), j = (int32_t)(p / s->m);
-            vec v = for_bench(b) ? vec_make(1, 0, R(0.5)) : pick_vec(b, 1);
-            if (flat)
-                v.z = 0;
-            if (!spring_inside(s->m, s->n, i, j, o, 1) || !pick(b, 8) ||
-                s->fixed[p] == CLOTH_ABSENT ||
-                s->fixed[p + spring_step(s->m, o)] == CLOTH_ABSENT)
-                continue;
-            s->block[o * s->count + p] = outer(v);
-            real length = vec_length(v), one = length > 0 ? 1 / length : 0;
-            s->thin[o * s->count + p] =
-                thin_make(vec_dot(v, v), 0, vec_scale(one, v));
-        }
+    real *across = take(b, s->n_blocks, sizeof *across);
+    if (s->triples)
+        pick_triples(b, s, across);
+    pick_blocks(b, s, flat, across);
 }
 
 sym thin_sym(struct thin t)
@@ -136,96 +180,76 @@ static bool pinned(const struct design *d, int32_t i, int32_t j)
                                      noise_of(k + 12345) < -0.99);
 }
 
-static bool severed(const struct design *d, int32_t i, int32_t j, int o)
+/* Whether cell (i, j) is missing. */
+static bool severed(const struct design *d, int32_t i, int32_t j)
 {
-    int32_t k = i + spring_di[o], low = i < k ? i : k, high = i < k ? k : i;
-    return (d->trim & TRIM_CUT) && low <= d->m / 2 && high > d->m / 2 &&
-           j > d->n / 10 && j < d->n - d->n / 10;
+    return (d->trim & TRIM_CUT) && i == d->m / 2 && j > d->n / 10 &&
+           j < d->n - d->n / 10;
 }
 
-static const double stiffness[SPRINGS] = {500,  500,  150,   150,
-                                          62.5, 62.5, 31.25, 31.25};
-
-/* Sets linear springs without damping, for square cells of side h. */
-static void add_laws(struct system *s, double h)
-{
-    s->tau = R(1.0 / 60);
-    for (int o = 0; o < SPRINGS; o++) {
-        double di = spring_di[o], dj = spring_dj[o];
-        real k = (real)stiffness[o];
-        s->law[o] = (struct law){.k = k,
-                                 .press = k,
-                                 .rest = (real)(h * sqrt(di * di + dj * dj)),
-                                 .stiff = k};
-    }
-}
-
-/* Adds the impulse of spring o of p over a step to its two ends. */
-static void add_push(struct system *s, int64_t p, int o)
-{
-    int64_t q = p + spring_step(s->m, o);
-    vec d = vec_sub(s->x[q], s->x[p]);
-    real length = vec_length(d), tension = law_tension(&s->law[o], length);
-    vec f = vec_scale(s->tau * tension / length, d);
-    s->b[p] = vec_add(s->b[p], f);
-    s->b[q] = vec_sub(s->b[q], f);
-}
-
-static void add_springs(const struct design *d, struct system *s)
-{
-    for (int32_t j = 0; j < s->n; j++)
-        for (int32_t i = 0; i < s->m; i++)
-            for (int o = 0; o < SPRINGS; o++) {
-                int64_t p = index_of(s, i, j), q = p + spring_step(s->m, o);
-                if (!spring_inside(s->m, s->n, i, j, o, 1) ||
-                    severed(d, i, j, o) || s->fixed[p] == CLOTH_ABSENT ||
-                    s->fixed[q] == CLOTH_ABSENT)
-                    continue;
-                s->springs[p] |= (uint8_t)(1 << o);
-                add_push(s, p, o);
-            }
-}
+/* Gives a stage the springs and triples of a cloth. */
+#define GIVE_CLOTH(stage, cloth)                                               \
+    do {                                                                       \
+        (stage)->laws = SPRINGS;                                               \
+        (stage)->law = (cloth)->law;                                           \
+        (stage)->springs = (cloth)->springs;                                   \
+        (stage)->triples = (cloth)->triples;                                   \
+        (stage)->triple = (cloth)->triple;                                     \
+        (stage)->n_beside = (cloth)->triples ? (cloth)->count : 0;             \
+        (stage)->beside = (cloth)->beside;                                     \
+    } while (0)
 
 struct blocks blocks_of(const struct system *s)
 {
-    return (struct blocks){.count = s->count,
-                           .m = s->m,
-                           .laws = SPRINGS,
-                           .law = s->law,
-                           .springs = s->springs,
-                           .x = s->x,
-                           .tau = s->tau,
-                           .block = s->block,
-                           .n_thin = s->n_blocks,
-                           .thin = s->thin};
+    struct blocks b = {.count = s->count,
+                       .m = s->m,
+                       .x = s->x,
+                       .tau = s->tau,
+                       .block = s->block,
+                       .n_thin = s->n_blocks,
+                       .thin = s->thin};
+    GIVE_CLOTH(&b, &s->cloth);
+    return b;
 }
 
-void make_system(const struct design *d, struct system *s)
+/* The cloth of the design: a sheet of default cotton, its longest side 1 m. */
+static void add_cloth(const struct design *d, double h, struct system *s)
 {
-    double h = 1.0 / ((d->m > d->n ? d->m : d->n) - 1), mass = 0.2 * h * h;
-    s->m = d->m;
-    s->n = d->n;
-    s->count = (int64_t)d->m * d->n;
-    s->n_blocks = SPRINGS * s->count;
-    s->n_extra = 0;
-    s->extra = NULL;
-    s->mass = calloc((size_t)s->count, sizeof *s->mass);
-    s->block = calloc((size_t)s->n_blocks, sizeof *s->block);
-    s->thin = calloc((size_t)s->n_blocks, sizeof *s->thin);
-    s->fixed = calloc((size_t)s->count, sizeof *s->fixed);
-    s->b = calloc((size_t)s->count, sizeof *s->b);
-    s->springs = calloc((size_t)s->count, sizeof *s->springs);
-    s->x = calloc((size_t)s->count, sizeof *s->x);
-    double(*x)[3] = calloc((size_t)s->count, sizeof *x);
+    uint8_t *hole = room(s->count, 1), *cut = room(s->count, 1);
+    drape_cloth def;
+    drape_default_cloth(&def);
+    def.m = d->m;
+    def.n = d->n;
+    def.width = (d->m - 1) * h;
+    def.height = (d->n - 1) * h;
+    def.bending = d->bending;
+    def.hole = hole;
+    def.cut = cut;
+    for (int32_t j = 0; j < d->n; j++)
+        for (int32_t i = 0; i < d->m; i++) {
+            hole[index_of(s, i, j)] = trimmed(d, i, j);
+            if (i < d->m - 1 && j < d->n - 1)
+                cut[i + (int64_t)j * (d->m - 1)] = severed(d, i, j);
+        }
+    struct cloth *c = &s->cloth;
+    ref_cloth_size(&def, c);
+    c->cell = room(s->count, 1);
+    c->springs = room(s->count, 1);
+    c->beside = room(s->count, 1);
+    c->fixed = s->fixed;
+    c->mass = s->mass;
+    c->tri = room(2 * s->count, sizeof *c->tri);
+    ref_cloth_fill(&def, c, 0);
+    free(hole);
+    free(cut);
+}
+
+/* Where the particles are, in the shape of the design. */
+static void add_positions(const struct design *d, double h, struct system *s)
+{
+    double(*x)[3] = room(s->count, sizeof *x);
     for (int64_t p = 0; p < s->count; p++) {
         int32_t i = (int32_t)(p % s->m), j = (int32_t)(p / s->m);
-        s->mass[p] = (real)mass;
-        s->b[p] = vec_make(0, (real)(-9.81 / 60 * mass), 0);
-        if (trimmed(d, i, j)) {
-            s->fixed[p] = CLOTH_ABSENT;
-            s->mass[p] = 1;
-        } else if (pinned(d, i, j))
-            s->fixed[p] = CLOTH_PINNED;
         if (d->shape == SHAPE_FOLDED && j > 0) {
             memcpy(x[p], x[i], sizeof *x);
             x[p][2] = j * h;
@@ -237,8 +261,44 @@ void make_system(const struct design *d, struct system *s)
     for (int64_t p = 0; p < s->count; p++)
         s->x[p] = vec_make((real)x[p][0], (real)x[p][1], (real)x[p][2]);
     free(x);
-    add_laws(s, h);
-    add_springs(d, s);
+}
+
+/* The right-hand side of a step from rest: springs, triples and gravity. */
+static void add_forces(struct system *s)
+{
+    const struct cloth *c = &s->cloth;
+    struct springs f = {.m = s->m,
+                        .n = s->n,
+                        .count = s->count,
+                        .mass = s->mass,
+                        .x = s->x,
+                        .gravity = vec_make(0, R(-9.81), 0),
+                        .force = s->b};
+    GIVE_CLOTH(&f, c);
+    ref_springs(&f);
+    for (int64_t p = 0; p < s->count; p++)
+        s->b[p] = s->fixed[p] ? vec_make(0, 0, 0) : vec_scale(s->tau, s->b[p]);
+}
+
+void make_system(const struct design *d, struct system *s)
+{
+    double h = 1.0 / ((d->m > d->n ? d->m : d->n) - 1);
+    *s = (struct system){.m = d->m, .n = d->n, .tau = R(1.0 / 60)};
+    s->count = (int64_t)d->m * d->n;
+    s->n_blocks = SPRINGS * s->count;
+    s->mass = room(s->count, sizeof *s->mass);
+    s->block = room(s->n_blocks, sizeof *s->block);
+    s->thin = room(s->n_blocks, sizeof *s->thin);
+    s->fixed = room(s->count, sizeof *s->fixed);
+    s->b = room(s->count, sizeof *s->b);
+    s->x = room(s->count, sizeof *s->x);
+    add_cloth(d, h, s);
+    s->triples = s->cloth.triples > 0;
+    for (int64_t p = 0; p < s->count; p++)
+        if (!s->fixed[p] && pinned(d, (int32_t)(p % s->m), (int32_t)(p / s->m)))
+            s->fixed[p] = CLOTH_PINNED;
+    add_positions(d, h, s);
+    add_forces(s);
     struct blocks b = blocks_of(s);
     ref_blocks(&b);
 }
@@ -246,7 +306,7 @@ void make_system(const struct design *d, struct system *s)
 void hold_system(struct system *a, uint32_t every)
 {
     a->n_extra = a->count;
-    a->extra = calloc((size_t)a->count, sizeof *a->extra);
+    a->extra = room(a->count, sizeof *a->extra);
     for (int64_t p = 0; p < a->count; p++) {
         uint64_t seed = (uint64_t)(8 * p);
         vec n = vec_make((real)noise_of(seed), (real)noise_of(seed + 1),
@@ -267,8 +327,11 @@ void free_system(struct system *s)
     free(s->thin);
     free(s->fixed);
     free(s->b);
-    free(s->springs);
     free(s->x);
+    free(s->cloth.cell);
+    free(s->cloth.springs);
+    free(s->cloth.beside);
+    free(s->cloth.tri);
 }
 
 mat dense_entry(const struct system *s, int64_t p, int64_t q)

@@ -15,12 +15,12 @@ struct system {
     sym *extra, *block;
     struct thin *thin; /* [n_blocks] the blocks in 64 bits */
     uint8_t *fixed;
-    vec *b; /* momentum of a falling, stretched cloth over one step */
+    vec *b;      /* momentum of a falling, stretched cloth over one step */
+    int triples; /* 1: some blocks are of triples, A ≤ 3·diagonal */
 
-    /* Laws, masks, positions and τ from which make_system made the blocks;
+    /* The cloth, positions and τ from which make_system made the blocks;
      * pick_system does not set them. */
-    struct law law[SPRINGS];
-    uint8_t *springs;
+    struct cloth cloth;
     vec *x;
     real tau;
 };
@@ -38,7 +38,8 @@ struct system {
         (stage)->block = (system)->block;                                      \
     } while (0)
 
-/* Chooses a system: a grid of any shape, blocks v vᵀ or 0, holes and pins. */
+/* Chooses a system: a grid of any shape, blocks v vᵀ or 0, sometimes triples,
+ * holes and pins. */
 void pick_system(struct bytes *b, struct system *s);
 
 enum shape {
@@ -54,7 +55,7 @@ enum shape {
 enum trim {
     TRIM_NONE = 0,
     TRIM_HOLE = 1,  /* a round hole in the middle */
-    TRIM_CUT = 2,   /* no springs across most of the middle line */
+    TRIM_CUT = 2,   /* a column of missing cells along most of the middle */
     TRIM_MOTHS = 4, /* one particle in 50 is missing */
     TRIM_PINS = 8,  /* two corners and one particle in 200 are pinned */
     TRIM_SLIT = 16  /* a column of missing particles */
@@ -65,10 +66,11 @@ struct design {
     enum shape shape;
     int trim;      /* a bitwise or of enum trim */
     double uneven; /* random displacement, as a share of the cell */
+    int bending;   /* enum drape_bending */
 };
 
-/* Makes the system of a cloth of cotton whose longest side is 1 m, for dt =
- * 1/60 s. free_system frees its memory. */
+/* Makes the system of a cloth of default cotton whose longest side is 1 m, at
+ * rest in the shape, for dt = 1/60 s. free_system frees its memory. */
 void make_system(const struct design *design, struct system *s);
 /* Adds contacts that hold one particle in `every` with a stiffness about that
  * of penalty.md. The right-hand side is then only the push of the contacts. */

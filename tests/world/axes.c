@@ -36,7 +36,8 @@ static sym turned_block(sym a, int k)
 
 static void make_turned(struct system *a, int k)
 {
-    struct design d = {M, N, SHAPE_WRINKLED, TRIM_HOLE | TRIM_PINS, 0.1};
+    struct design d = {
+        M, N, SHAPE_WRINKLED, TRIM_HOLE | TRIM_PINS, 0.1, DRAPE_TRIPLES};
     make_system(&d, a);
     for (int64_t i = 0; i < a->n_blocks; i++)
         a->block[i] = turned_block(a->block[i], k);
@@ -97,13 +98,13 @@ const char *test_pcg_axes(void)
 static void make_pushing(struct system *a, real push)
 {
     const sym block = {-push, 0, 0, -push, 0, -push};
-    struct design d = {24, 24, SHAPE_FLAT, TRIM_NONE, 0};
+    struct design d = {24, 24, SHAPE_FLAT, TRIM_NONE, 0, DRAPE_SPRINGS};
     make_system(&d, a);
     for (int64_t i = 0; i < a->count; i++) {
         a->mass[i] = 1;
         a->b[i] = vec_make(1, (real)noise_of((uint64_t)i), 2);
         for (int o = 0; o < SPRINGS; o++)
-            if (a->springs[i] >> o & 1)
+            if (a->cloth.springs[i] >> o & 1)
                 a->block[o * a->count + i] = block;
     }
 }
