@@ -102,7 +102,9 @@ ORC_O  := $(addprefix $(ROOT)/,$(addsuffix .o,$(basename $(if \
           $(HAS_ORACLE),$(filter-out oracle/absent.c oracle/frames.cpp \
           oracle/table.cpp,$(ORACLE)),oracle/absent.c oracle/brute.c))))
 ORC_L  := $(if $(HAS_ORACLE),$(ORACLE_LIBS))
+# The library, and its objects in an archive for programs that look inside.
 LIB    := $(BUILD)/libdrape.a
+INSIDE := $(BUILD)/inside.a
 # Time against error, stability, skipped work: spec/accuracy.md. A few files
 # look inside; all else is the public API, so a device runs it too.
 MACHINE ?= $(shell uname -m)
@@ -114,7 +116,7 @@ ACC_O   := $(call obj,$(addprefix ci/bench/,accuracy backends bisect contact dri
            $(foreach p,.32 .64,$(call obj,ci/bench/solves \
            $(addprefix tests/,base/reals cloth/sheet solve/solver solve/system),$(p))) \
            $(call obj,tests/base/choices) $(if $(HAS_APP),$(filter-out \
-           $(BUILD)/app/main.o,$(APP_O))) $(ORC_O) $(LIB)
+           $(BUILD)/app/main.o,$(APP_O))) $(ORC_O) $(INSIDE)
 ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
            $(if $(GPU),$(CUDA_L))
 
@@ -199,14 +201,24 @@ $(ROOT)/oracle/%.o: oracle/%.cpp
 	@mkdir -p $(@D)
 	$(CXX17) -c $< -o $@
 
-$(LIB): $(REF_O) $(if $(GPU),$(CUDA_O),$(BUILD)/gpu/run/absent.o)
+$(INSIDE): $(REF_O) $(if $(GPU),$(CUDA_O),$(BUILD)/gpu/run/absent.o)
 	@rm -f $@
 	$(AR) rcs $@ $^
-$(BUILD)/check: $(TEST_O) $(EMU_O) $(ORC_O) $(LIB)
-	$(C17) $(TEST_O) $(EMU_O) $(ORC_O) $(LIB) -o $@ $(ORC_L) -lstdc++ -lm
+# A program that embeds drape may have functions of the same names, so the
+# library is one object in which only the names of drape.h are global. Groups
+# (instances of templates) are resolved here, too: the linker would drop a group
+# for another of its name elsewhere and leave local references to nothing.
+$(BUILD)/libdrape.o: $(INSIDE)
+	$(LD) -r --force-group-allocation --whole-archive $< -o $@
+	$(OBJCOPY) --wildcard --keep-global-symbol='drape_*' $@
+$(LIB): $(BUILD)/libdrape.o
+	@rm -f $@
+	$(AR) rcs $@ $<
+$(BUILD)/check: $(TEST_O) $(EMU_O) $(ORC_O) $(INSIDE)
+	$(C17) $(TEST_O) $(EMU_O) $(ORC_O) $(INSIDE) -o $@ $(ORC_L) -lstdc++ -lm
 # Without the oracles: so it runs on a device's machine that has none.
 $(BUILD)/check-cuda: $(TEST_O) $(CUDA_O) $(ROOT)/oracle/absent.o \
-    $(ROOT)/oracle/brute.o $(LIB)
+    $(ROOT)/oracle/brute.o $(INSIDE)
 	$(C17) $^ -o $@ $(CUDA_L)
 $(BUILD)/whole: $(WHOLE_O) $(LIB)
 	$(C17) $^ -o $@ -lpthread $(if $(GPU),$(CUDA_L),-lm)
@@ -256,7 +268,7 @@ tables: $(BUILD)/drape ## on a device: the paper's figures, in ci/bench/MACHINE
 	  python3 ci/bench/tables.py $(BUILD)/bench/results; exit $$status
 # The narrow phase beside FCL and GMP, on one thread.
 $(BUILD)/speed: $(BUILD)/ci/bench/narrow.32.o $(BUILD)/tests/narrow/ply.32.o \
-    $(ORC_O) $(LIB)
+    $(ORC_O) $(INSIDE)
 	$(C17) $^ -o $@ $(ORC_L) -lstdc++ -lm
 
 $(BUILD)/accuracy: $(ACC_O)
@@ -278,7 +290,7 @@ $(LOOSE_O): $(BUILD)/cuda/price/%.o: ci/bench/kernels.cu
 	@mkdir -p $(@D)
 	$(subst $(EXACT),$(LOOSE_$(basename $*)),$(CUDA)) -DFLAGS=$(basename $*) \
 	  -DREAL_BITS=$(subst .,,$(suffix $*)) -c $< -o $@
-$(BUILD)/price: $(PRICE_O) $(LIB)
+$(BUILD)/price: $(PRICE_O) $(INSIDE)
 	$(C17) $^ -o $@ $(CUDA_L)
 price: $(BUILD)/price ## what exactness costs on a device, as csv
 	$(BUILD)/price

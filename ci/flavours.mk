@@ -50,8 +50,8 @@ clang-tests: $(BUILD)/certificate.h
 	  $(TWICE) $(ONCE) || exit 1; done
 
 # Whether the library holds all of ref/, and nothing that others have compiled.
-pure: $(LIB)
-	sh ci/pure.sh $(LIB) '$(CC)' '$(OPT) $(SAN)' $(notdir $(REF_O)) absent.o
+pure: $(INSIDE)
+	sh ci/pure.sh $(INSIDE) '$(CC)' '$(OPT) $(SAN)' $(notdir $(REF_O)) absent.o
 
 # What ROOT's build makes of the small scenes: what all others must make.
 $(BUILD)/whole.txt: $(BUILD)/whole
