@@ -130,10 +130,20 @@ all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, t
 say-gpu:
 	@$(if $(GPU),,echo 'drape: $(if $(NVCC),no device,no nvcc) here: CPU part only')
 
+# Macros that keep the two precisions' names apart: ref/base/names.h. They are
+# rewritten where they change.
+NAMES := $(addprefix $(BUILD)/names/,ref.h gpu.h tests.h)
+$(BUILD)/names/ref.h: $(REF)
+$(BUILD)/names/gpu.h: $(KERNEL)
+$(BUILD)/names/tests.h: $(TWICE)
+$(NAMES): ci/names.sh FORCE
+	@mkdir -p $(@D)
+	@new=$@.$$$$; sh ci/names.sh $(filter %.c %.cu,$^) >$$new && \
+	  { cmp -s $@ $$new && rm $$new || mv $$new $@; }
 # Tests take longer to compile than to run. One that no table runs is told of.
 $(BUILD)/tests/%.o: OPT := -O1
 $(BUILD)/tests/%.o: WARN += -Wmissing-prototypes
-$(BUILD)/%.32.o: %.c
+$(BUILD)/%.32.o: %.c | $(NAMES)
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=32 -c $< -o $@
 # The library's loops run on its own threads, which sleep while they wait, as
@@ -149,39 +159,39 @@ RENAMES  = $(addprefix --redefine-sym ,GOMP_parallel=threads_parallel \
           for_static_init_8=threads_init_8 for_static_init_8u=threads_init_8u \
           for_static_fini=threads_fini reduce_nowait=threads_reduce \
           end_reduce_nowait=threads_end_reduce))
-$(BUILD)/ref/%.32.o: ref/%.c
+$(BUILD)/ref/%.32.o: ref/%.c | $(NAMES)
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=32 -c $< -o $@
 	@$(OBJCOPY) $(RENAMES) $@
-$(BUILD)/ref/%.64.o: ref/%.c
+$(BUILD)/ref/%.64.o: ref/%.c | $(NAMES)
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=64 -c $< -o $@
 	@$(OBJCOPY) $(RENAMES) $@
-$(BUILD)/%.64.o: %.c
+$(BUILD)/%.64.o: %.c | $(NAMES)
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=64 -c $< -o $@
-$(BUILD)/%.o: %.c
+$(BUILD)/%.o: %.c | $(NAMES)
 	@mkdir -p $(@D)
 	$(C17) -c $< -o $@
-$(BUILD)/gpu/%.32.o: gpu/%.cu
+$(BUILD)/gpu/%.32.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(EMU) $(SAN) -DREAL_BITS=32 -c $< -o $@
-$(BUILD)/gpu/%.64.o: gpu/%.cu
+$(BUILD)/gpu/%.64.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(EMU) $(SAN) -DREAL_BITS=64 -c $< -o $@
-$(BUILD)/gpu/%.o: gpu/%.cpp
+$(BUILD)/gpu/%.o: gpu/%.cpp | $(NAMES)
 	@mkdir -p $(@D)
 	$(EMU) -c $< -o $@
-$(BUILD)/gpu/%.o: gpu/%.cu
+$(BUILD)/gpu/%.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(EMU) $(SAN) -c $< -o $@
-$(BUILD)/cuda/gpu/%.32.o: gpu/%.cu
+$(BUILD)/cuda/gpu/%.32.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(CUDA) -DREAL_BITS=32 -c $< -o $@
-$(BUILD)/cuda/gpu/%.64.o: gpu/%.cu
+$(BUILD)/cuda/gpu/%.64.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(CUDA) -DREAL_BITS=64 -c $< -o $@
-$(BUILD)/cuda/gpu/%.o: gpu/%.cu
+$(BUILD)/cuda/gpu/%.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(CUDA) -c $< -o $@
 # What drape_info says of ci/certificate.json, rewritten where it changes.
@@ -286,7 +296,7 @@ LOOSE_O    := $(foreach f,exact fma fast,$(BUILD)/cuda/price/$(f).32.o \
               $(BUILD)/cuda/price/$(f).64.o)
 PRICE_O    := $(call obj,ci/bench/price,.32) $(call obj,ci/bench/price,.64) \
               $(call obj,ci/bench/main) $(LOOSE_O) $(BUILD)/cuda/gpu/run/device.o
-$(LOOSE_O): $(BUILD)/cuda/price/%.o: ci/bench/kernels.cu
+$(LOOSE_O): $(BUILD)/cuda/price/%.o: ci/bench/kernels.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(subst $(EXACT),$(LOOSE_$(basename $*)),$(CUDA)) -DFLAGS=$(basename $*) \
 	  -DREAL_BITS=$(subst .,,$(suffix $*)) -c $< -o $@
@@ -376,7 +386,7 @@ format: ## clang-format everything in place
 # it takes: paths that only a longer search finds are not looked at.
 TIDY := -std=c17 -I. -Ispec -I$(BUILD) -D_POSIX_C_SOURCE=200809L \
         -Xclang -analyzer-config -Xclang max-nodes=20000
-tidy: $(BUILD)/words.h ## clang-tidy over our C
+tidy: $(BUILD)/words.h $(NAMES) ## clang-tidy over our C
 	ls app/*.c app/examples/*.c fuzz/*.c ref/*/*.c tests/*/*.c | \
 	  xargs -P2 -n8 sh -c 'clang-tidy --quiet "$$@" -- $(TIDY) 2>/dev/null' sh
 

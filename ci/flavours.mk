@@ -44,7 +44,7 @@ $(FLAVOURS):
 	  GPU= $(HOW) $(addprefix $(BUILD)/$@/,$(GOALS)) pure
 
 # clang's warnings about the tests, which no flavour compiles by clang.
-clang-tests: $(BUILD)/certificate.h
+clang-tests: $(BUILD)/certificate.h $(NAMES)
 	for bits in 32 64; do clang -std=c17 -D_POSIX_C_SOURCE=200809L $(WARN) \
 	  $(OPENMP) -I. -Ispec -I$(BUILD) -fsyntax-only -DREAL_BITS=$$bits \
 	  $(TWICE) $(ONCE) || exit 1; done
