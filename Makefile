@@ -102,7 +102,9 @@ ORC_O  := $(addprefix $(ROOT)/,$(addsuffix .o,$(basename $(if \
           $(HAS_ORACLE),$(filter-out oracle/absent.c oracle/frames.cpp \
           oracle/table.cpp,$(ORACLE)),oracle/absent.c oracle/brute.c))))
 ORC_L  := $(if $(HAS_ORACLE),$(ORACLE_LIBS))
+# The library, and its objects in an archive for programs that look inside.
 LIB    := $(BUILD)/libdrape.a
+INSIDE := $(BUILD)/inside.a
 # Time against error, stability, skipped work: spec/accuracy.md. A few files
 # look inside; all else is the public API, so a device runs it too.
 MACHINE ?= $(shell uname -m)
@@ -114,7 +116,7 @@ ACC_O   := $(call obj,$(addprefix ci/bench/,accuracy backends bisect contact dri
            $(foreach p,.32 .64,$(call obj,ci/bench/solves \
            $(addprefix tests/,base/reals cloth/sheet solve/solver solve/system),$(p))) \
            $(call obj,tests/base/choices) $(if $(HAS_APP),$(filter-out \
-           $(BUILD)/app/main.o,$(APP_O))) $(ORC_O) $(LIB)
+           $(BUILD)/app/main.o,$(APP_O))) $(ORC_O) $(INSIDE)
 ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
            $(if $(GPU),$(CUDA_L))
 
@@ -128,10 +130,20 @@ all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, t
 say-gpu:
 	@$(if $(GPU),,echo 'drape: $(if $(NVCC),no device,no nvcc) here: CPU part only')
 
+# Macros that keep the two precisions' names apart: ref/base/names.h. They are
+# rewritten where they change.
+NAMES := $(addprefix $(BUILD)/names/,ref.h gpu.h tests.h)
+$(BUILD)/names/ref.h: $(REF)
+$(BUILD)/names/gpu.h: $(KERNEL)
+$(BUILD)/names/tests.h: $(TWICE)
+$(NAMES): ci/names.sh FORCE
+	@mkdir -p $(@D)
+	@new=$@.$$$$; sh ci/names.sh $(filter %.c %.cu,$^) >$$new && \
+	  { cmp -s $@ $$new && rm $$new || mv $$new $@; }
 # Tests take longer to compile than to run. One that no table runs is told of.
 $(BUILD)/tests/%.o: OPT := -O1
 $(BUILD)/tests/%.o: WARN += -Wmissing-prototypes
-$(BUILD)/%.32.o: %.c
+$(BUILD)/%.32.o: %.c | $(NAMES)
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=32 -c $< -o $@
 # The library's loops run on its own threads, which sleep while they wait, as
@@ -147,39 +159,39 @@ RENAMES  = $(addprefix --redefine-sym ,GOMP_parallel=threads_parallel \
           for_static_init_8=threads_init_8 for_static_init_8u=threads_init_8u \
           for_static_fini=threads_fini reduce_nowait=threads_reduce \
           end_reduce_nowait=threads_end_reduce))
-$(BUILD)/ref/%.32.o: ref/%.c
+$(BUILD)/ref/%.32.o: ref/%.c | $(NAMES)
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=32 -c $< -o $@
 	@$(OBJCOPY) $(RENAMES) $@
-$(BUILD)/ref/%.64.o: ref/%.c
+$(BUILD)/ref/%.64.o: ref/%.c | $(NAMES)
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=64 -c $< -o $@
 	@$(OBJCOPY) $(RENAMES) $@
-$(BUILD)/%.64.o: %.c
+$(BUILD)/%.64.o: %.c | $(NAMES)
 	@mkdir -p $(@D)
 	$(C17) -DREAL_BITS=64 -c $< -o $@
-$(BUILD)/%.o: %.c
+$(BUILD)/%.o: %.c | $(NAMES)
 	@mkdir -p $(@D)
 	$(C17) -c $< -o $@
-$(BUILD)/gpu/%.32.o: gpu/%.cu
+$(BUILD)/gpu/%.32.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(EMU) $(SAN) -DREAL_BITS=32 -c $< -o $@
-$(BUILD)/gpu/%.64.o: gpu/%.cu
+$(BUILD)/gpu/%.64.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(EMU) $(SAN) -DREAL_BITS=64 -c $< -o $@
-$(BUILD)/gpu/%.o: gpu/%.cpp
+$(BUILD)/gpu/%.o: gpu/%.cpp | $(NAMES)
 	@mkdir -p $(@D)
 	$(EMU) -c $< -o $@
-$(BUILD)/gpu/%.o: gpu/%.cu
+$(BUILD)/gpu/%.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(EMU) $(SAN) -c $< -o $@
-$(BUILD)/cuda/gpu/%.32.o: gpu/%.cu
+$(BUILD)/cuda/gpu/%.32.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(CUDA) -DREAL_BITS=32 -c $< -o $@
-$(BUILD)/cuda/gpu/%.64.o: gpu/%.cu
+$(BUILD)/cuda/gpu/%.64.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(CUDA) -DREAL_BITS=64 -c $< -o $@
-$(BUILD)/cuda/gpu/%.o: gpu/%.cu
+$(BUILD)/cuda/gpu/%.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(CUDA) -c $< -o $@
 # What drape_info says of ci/certificate.json, rewritten where it changes.
@@ -199,14 +211,24 @@ $(ROOT)/oracle/%.o: oracle/%.cpp
 	@mkdir -p $(@D)
 	$(CXX17) -c $< -o $@
 
-$(LIB): $(REF_O) $(if $(GPU),$(CUDA_O),$(BUILD)/gpu/run/absent.o)
+$(INSIDE): $(REF_O) $(if $(GPU),$(CUDA_O),$(BUILD)/gpu/run/absent.o)
 	@rm -f $@
 	$(AR) rcs $@ $^
-$(BUILD)/check: $(TEST_O) $(EMU_O) $(ORC_O) $(LIB)
-	$(C17) $(TEST_O) $(EMU_O) $(ORC_O) $(LIB) -o $@ $(ORC_L) -lstdc++ -lm
+# A program that embeds drape may have functions of the same names, so the
+# library is one object in which only the names of drape.h are global. Groups
+# (instances of templates) are resolved here, too: the linker would drop a group
+# for another of its name elsewhere and leave local references to nothing.
+$(BUILD)/libdrape.o: $(INSIDE)
+	$(LD) -r --force-group-allocation --whole-archive $< -o $@
+	$(OBJCOPY) --wildcard --keep-global-symbol='drape_*' $@
+$(LIB): $(BUILD)/libdrape.o
+	@rm -f $@
+	$(AR) rcs $@ $<
+$(BUILD)/check: $(TEST_O) $(EMU_O) $(ORC_O) $(INSIDE)
+	$(C17) $(TEST_O) $(EMU_O) $(ORC_O) $(INSIDE) -o $@ $(ORC_L) -lstdc++ -lm
 # Without the oracles: so it runs on a device's machine that has none.
 $(BUILD)/check-cuda: $(TEST_O) $(CUDA_O) $(ROOT)/oracle/absent.o \
-    $(ROOT)/oracle/brute.o $(LIB)
+    $(ROOT)/oracle/brute.o $(INSIDE)
 	$(C17) $^ -o $@ $(CUDA_L)
 $(BUILD)/whole: $(WHOLE_O) $(LIB)
 	$(C17) $^ -o $@ -lpthread $(if $(GPU),$(CUDA_L),-lm)
@@ -256,7 +278,7 @@ tables: $(BUILD)/drape ## on a device: the paper's figures, in ci/bench/MACHINE
 	  python3 ci/bench/tables.py $(BUILD)/bench/results; exit $$status
 # The narrow phase beside FCL and GMP, on one thread.
 $(BUILD)/speed: $(BUILD)/ci/bench/narrow.32.o $(BUILD)/tests/narrow/ply.32.o \
-    $(ORC_O) $(LIB)
+    $(ORC_O) $(INSIDE)
 	$(C17) $^ -o $@ $(ORC_L) -lstdc++ -lm
 
 $(BUILD)/accuracy: $(ACC_O)
@@ -274,11 +296,11 @@ LOOSE_O    := $(foreach f,exact fma fast,$(BUILD)/cuda/price/$(f).32.o \
               $(BUILD)/cuda/price/$(f).64.o)
 PRICE_O    := $(call obj,ci/bench/price,.32) $(call obj,ci/bench/price,.64) \
               $(call obj,ci/bench/main) $(LOOSE_O) $(BUILD)/cuda/gpu/run/device.o
-$(LOOSE_O): $(BUILD)/cuda/price/%.o: ci/bench/kernels.cu
+$(LOOSE_O): $(BUILD)/cuda/price/%.o: ci/bench/kernels.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(subst $(EXACT),$(LOOSE_$(basename $*)),$(CUDA)) -DFLAGS=$(basename $*) \
 	  -DREAL_BITS=$(subst .,,$(suffix $*)) -c $< -o $@
-$(BUILD)/price: $(PRICE_O) $(LIB)
+$(BUILD)/price: $(PRICE_O) $(INSIDE)
 	$(C17) $^ -o $@ $(CUDA_L)
 price: $(BUILD)/price ## what exactness costs on a device, as csv
 	$(BUILD)/price
@@ -364,7 +386,7 @@ format: ## clang-format everything in place
 # it takes: paths that only a longer search finds are not looked at.
 TIDY := -std=c17 -I. -Ispec -I$(BUILD) -D_POSIX_C_SOURCE=200809L \
         -Xclang -analyzer-config -Xclang max-nodes=20000
-tidy: $(BUILD)/words.h ## clang-tidy over our C
+tidy: $(BUILD)/words.h $(NAMES) ## clang-tidy over our C
 	ls app/*.c app/examples/*.c fuzz/*.c ref/*/*.c tests/*/*.c | \
 	  xargs -P2 -n8 sh -c 'clang-tidy --quiet "$$@" -- $(TIDY) 2>/dev/null' sh
 

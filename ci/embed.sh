@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Tests the installed library: installs it into an empty folder, builds the
-# examples against that folder alone, runs hang, and compiles the README's
-# example, and share if nvcc is installed.
+# examples against that folder alone, runs hang, alone and beside functions that
+# are named as some of the library's, and compiles the README's example, and
+# share if nvcc is installed.
 # usage: ci/embed.sh BUILD
 set -u
 build=$1
@@ -24,6 +25,23 @@ ok 'hang, against the installed library' ${CC:-gcc} -std=c17 $strict \
     app/examples/hang.c $flags -o "$work/hang"
 # shellcheck disable=SC2016
 ok 'hang hangs' sh -c '"$0" | grep -q "^60 of 60 steps clean"' "$work/hang"
+
+# Only the names of drape.h are global, so that an embedder may use all others.
+# shellcheck disable=SC2016
+ok 'only drape_* is global' sh -c 'nm -g --defined-only "$0" >"$1" &&
+    grep -q " T drape_step$" "$1" && ! grep " [A-Za-z] " "$1" | grep -v " drape_"' \
+    "$work/usr/lib/libdrape.a" "$work/names"
+{
+    cat app/examples/hang.c
+    echo 'int arena_init(void); int arena_init(void) { return 1; }'
+    echo 'double ref_pcg_64; int threads_parallel = 7;'
+} >"$work/names.c"
+# shellcheck disable=SC2086
+ok 'hang, beside functions of the same names' ${CC:-gcc} -std=c17 $strict \
+    "$work/names.c" $flags -o "$work/names-run"
+# shellcheck disable=SC2016
+ok 'that hangs, too' sh -c '"$0" | grep -q "^60 of 60 steps clean"' \
+    "$work/names-run"
 {
     printf '#include <stdio.h>\n#include <drape.h>\nint main(void)\n{\n'
     sed -n '/^```c$/,/^```$/{/^```/d;/^#include/d;p}' README.md

@@ -44,14 +44,14 @@ $(FLAVOURS):
 	  GPU= $(HOW) $(addprefix $(BUILD)/$@/,$(GOALS)) pure
 
 # clang's warnings about the tests, which no flavour compiles by clang.
-clang-tests: $(BUILD)/certificate.h
+clang-tests: $(BUILD)/certificate.h $(NAMES)
 	for bits in 32 64; do clang -std=c17 -D_POSIX_C_SOURCE=200809L $(WARN) \
 	  $(OPENMP) -I. -Ispec -I$(BUILD) -fsyntax-only -DREAL_BITS=$$bits \
 	  $(TWICE) $(ONCE) || exit 1; done
 
 # Whether the library holds all of ref/, and nothing that others have compiled.
-pure: $(LIB)
-	sh ci/pure.sh $(LIB) '$(CC)' '$(OPT) $(SAN)' $(notdir $(REF_O)) absent.o
+pure: $(INSIDE)
+	sh ci/pure.sh $(INSIDE) '$(CC)' '$(OPT) $(SAN)' $(notdir $(REF_O)) absent.o
 
 # What ROOT's build makes of the small scenes: what all others must make.
 $(BUILD)/whole.txt: $(BUILD)/whole

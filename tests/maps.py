@@ -28,7 +28,6 @@ KNOWN = {
     "gpu/cloth/explicit.cu",
     "gpu/cloth/bounded.cu",
     "gpu/cloth/motion.cu",
-    "gpu/compare/cublas.cu",
     "gpu/contact/rounds.cu",
     "gpu/contact/turn.cu",
     "gpu/world/backend.cu",

@@ -4,8 +4,9 @@
 #ifndef GPU_GPU_H
 #define GPU_GPU_H
 
-#include "gpu/base/names.h"
+#include "names/gpu.h"
 #include "ref/base/arena.h"
+#include "ref/base/names.h"
 
 #ifdef __cplusplus
 extern "C" {

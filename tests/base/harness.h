@@ -7,8 +7,8 @@
 
 #include <stddef.h>
 
+#include "names/tests.h"
 #include "ref/base/stage.h"
-#include "tests/base/names.h"
 
 enum field_kind { FIELD_IN, FIELD_OUT, FIELD_INOUT, FIELD_SCRATCH };
 

@@ -3,8 +3,8 @@
 #ifndef TESTS_PLY_H
 #define TESTS_PLY_H
 
+#include "names/tests.h"
 #include "ref/base/real.h"
-#include "tests/base/names.h"
 
 struct ply {
     int32_t nv, nt;

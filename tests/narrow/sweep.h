@@ -4,8 +4,6 @@
 #ifndef TESTS_SWEEP_H
 #define TESTS_SWEEP_H
 
-#include "tests/base/names.h"
-/* its macros need the names above */
 #include "tests/narrow/ply.h"
 
 /* A mesh before and after a step. Only pairs are reported whose second box
