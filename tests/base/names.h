@@ -308,6 +308,7 @@
 #define test_sliver_starts REAL_NAME(test_sliver_starts)
 #define test_solve_gpu REAL_NAME(test_solve_gpu)
 #define test_solve_gpu_limits REAL_NAME(test_solve_gpu_limits)
+#define test_solve_gpu_parked REAL_NAME(test_solve_gpu_parked)
 #define test_stability REAL_NAME(test_stability)
 #define test_substeps REAL_NAME(test_substeps)
 #define test_sum_gpu_levels REAL_NAME(test_sum_gpu_levels)
