@@ -239,6 +239,7 @@
 #define test_cloth_arc REAL_NAME(test_cloth_arc)
 #define test_cloth_bending REAL_NAME(test_cloth_bending)
 #define test_triples_cylinder REAL_NAME(test_triples_cylinder)
+#define test_triples_bound REAL_NAME(test_triples_bound)
 #define test_triples_border REAL_NAME(test_triples_border)
 #define test_triples_plane REAL_NAME(test_triples_plane)
 #define test_cloth_masks REAL_NAME(test_cloth_masks)
