@@ -2,10 +2,10 @@
 /* drape ccd: continuous collision queries, single ones given by exact rational
  * numbers, or all pairs of a moving mesh. */
 #include "app/app.h"
+#include "app/file.h"
 #include "app/mesh.h"
 
 #include <drape.h>
-#include <errno.h>
 #include <gmp.h>
 #include <math.h>
 #include <stdbool.h>
@@ -153,9 +153,9 @@ static int answer_file(const char *path, const char *kind)
 {
     struct queries q = {
         .path = path, .kind = strcmp(kind, "ee") == 0, .truth = -1};
-    q.stream = fopen(q.path, "r");
+    q.stream = file_stream(q.path);
     if (!q.stream)
-        return complain(APP_USAGE, "%s: %s", q.path, strerror(errno));
+        return APP_USAGE;
     mpq_init(q.exact);
     mpq_init(q.back);
     int status = read_all(&q);

@@ -5,7 +5,6 @@
 #include "app/app.h"
 #include "app/file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -116,12 +115,13 @@ static int open_checked(struct checkpoint *c)
     if (memcmp(h->magic, magic, sizeof magic) != 0)
         return refuse(c, "a checkpoint of another version of drape; expected "
                          "one of this version");
-    rewind(c->stream);
+    if (fseek(c->stream, 0, SEEK_SET) != 0)
+        return refuse(c, "cannot be read twice; expected a file");
     if (!is_whole(c->stream))
         return refuse(c, "damaged or cut off: its checksum is not that of its "
                          "bytes");
-    if (fseek(c->stream, 0, SEEK_SET) != 0 ||
-        read_stream(c->stream, h, sizeof *h))
+    rewind(c->stream);
+    if (read_stream(c->stream, h, sizeof *h))
         return refuse(c, "cannot be read twice; expected a file");
     return h->report_bytes == sizeof(drape_step_report)
                ? APP_OK
@@ -131,12 +131,8 @@ static int open_checked(struct checkpoint *c)
 int checkpoint_open(struct checkpoint *c, const char *path)
 {
     c->path = path;
-    c->stream = file_is_directory(path) ? NULL : fopen(path, "rb");
-    if (!c->stream)
-        return refuse(c, file_is_directory(path)
-                             ? "is a directory; expected a checkpoint"
-                             : strerror(errno));
-    return open_checked(c);
+    c->stream = file_stream(path);
+    return c->stream ? open_checked(c) : APP_USAGE;
 }
 
 void checkpoint_close(struct checkpoint *c)

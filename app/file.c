@@ -5,10 +5,71 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <poll.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+/* Milliseconds that a process has to come and write to a pipe. */
+enum { PATIENCE = 1000 };
+
+/* Returns the first byte of a pipe, or EOF if no process writes to the pipe. A
+ * writer may take its time: while there is one, reading waits. */
+static int first_of_pipe(int descriptor)
+{
+    struct pollfd there = {.fd = descriptor, .events = POLLIN};
+    unsigned char byte;
+    poll(&there, 1, PATIENCE);
+    ssize_t got = read(descriptor, &byte, 1);
+    if (got < 0 && errno == EAGAIN) {
+        fcntl(descriptor, F_SETFL, 0);
+        do
+            got = read(descriptor, &byte, 1);
+        while (got < 0 && errno == EINTR);
+    }
+    return got == 1 ? byte : EOF;
+}
+
+/* Makes an open file a stream. Returns NULL after one line. */
+static FILE *stream_of(int descriptor, const char *path)
+{
+    struct stat status;
+    const char *why = NULL;
+    int first = 0;
+    if (fstat(descriptor, &status) != 0)
+        why = strerror(errno);
+    else if (S_ISDIR(status.st_mode))
+        why = "is a directory; expected a file";
+    else if (!S_ISREG(status.st_mode) && !S_ISFIFO(status.st_mode))
+        why = "is a device; expected a file";
+    else if (S_ISFIFO(status.st_mode))
+        first = first_of_pipe(descriptor);
+    if (first == EOF)
+        why = "is a pipe that no process writes to";
+    fcntl(descriptor, F_SETFL, 0); /* from now on, reading waits */
+    FILE *stream = why ? NULL : fdopen(descriptor, "rb");
+    if (!stream)
+        complain(APP_USAGE, "%s: %s", path, why ? why : strerror(errno));
+    else if (S_ISFIFO(status.st_mode))
+        ungetc(first, stream);
+    return stream;
+}
+
+FILE *file_stream(const char *path)
+{
+    /* without O_NONBLOCK, opening a pipe waits for a writer */
+    int how = O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
+    int descriptor = open(path, how);
+    if (descriptor < 0) {
+        complain(APP_USAGE, "%s: %s", path, strerror(errno));
+        return NULL;
+    }
+    FILE *stream = stream_of(descriptor, path);
+    if (!stream)
+        close(descriptor);
+    return stream;
+}
 
 /* Reads until the end, growing as it goes: a pipe has no size. */
 static char *read_all(FILE *stream, size_t *size)
@@ -33,15 +94,9 @@ static char *read_all(FILE *stream, size_t *size)
 
 char *file_read(const char *path, size_t *size)
 {
-    if (file_is_directory(path)) {
-        complain(APP_USAGE, "%s: is a directory; expected a file", path);
+    FILE *stream = file_stream(path);
+    if (!stream)
         return NULL;
-    }
-    FILE *stream = fopen(path, "rb");
-    if (!stream) {
-        complain(APP_USAGE, "%s: %s", path, strerror(errno));
-        return NULL;
-    }
     char *data = read_all(stream, size);
     if (!data) {
         complain(APP_FAILED, "%s: out of memory", path);
@@ -64,6 +119,12 @@ bool file_is_directory(const char *path)
 {
     struct stat status;
     return stat(path, &status) == 0 && S_ISDIR(status.st_mode);
+}
+
+bool file_is_regular(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISREG(status.st_mode);
 }
 
 bool file_join(char path[FILE_PATH], const char *directory, const char *name)

@@ -9,11 +9,16 @@
 
 enum { FILE_PATH = 4096 };
 
+/* Opens a regular file, or a pipe that a process writes to, for reading. NULL
+ * after one line: no other file is opened, and a pipe without a writer is given
+ * up after a second. */
+FILE *file_stream(const char *path);
 /* Returns the file's bytes followed by a zero, or NULL after one line. The
  * caller frees. */
 char *file_read(const char *path, size_t *size);
 bool file_exists(const char *path);
 bool file_is_directory(const char *path);
+bool file_is_regular(const char *path);
 
 /* A file that is being written. It is written in its directory under a name
  * that no other process uses; file_close renames it, so that no reader ever

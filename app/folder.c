@@ -144,7 +144,7 @@ static bool is_own(const char *directory, const char *id)
     char path[FILE_PATH], head[256], there[64] = "";
     if (!file_join(path, directory, "report.json"))
         return false;
-    FILE *stream = fopen(path, "rb");
+    FILE *stream = file_is_regular(path) ? fopen(path, "rb") : NULL;
     size_t length = stream ? fread(head, 1, sizeof head - 1, stream) : 0;
     if (stream)
         fclose(stream);

@@ -51,6 +51,7 @@ static const struct command {
      "  --every K        every K-th of the frames there\n"
      "  --width W --height H   in pixels (default: 800 × 600)\n"
      "  --samples S      a pixel (default: 8)\n"
+     "  --threads N      0: as many as cores (default)\n"
      "  --rate R         pictures a second of film (default: real time)\n"
      "  --no-film        pictures only\n"},
     {"ccd", command_ccd, "decide collision queries, exactly",

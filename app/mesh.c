@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 
 /* For qsort: orders by position, then by index. */
 static int by_position(const void *a, const void *b)
@@ -102,8 +101,7 @@ int mesh_load(struct pool *pool, const char *path, struct mesh *mesh)
     memset(mesh, 0, sizeof *mesh);
     if (!file_exists(path) || file_is_directory(path))
         return complain(APP_USAGE, "%s: no such mesh file", path);
-    struct stat file;
-    if (stat(path, &file) != 0 || !S_ISREG(file.st_mode))
+    if (!file_is_regular(path))
         return complain(APP_USAGE, "%s: is a device or a pipe; expected a file",
                         path);
     bool ply = ends_with(path, "ply"), off = ends_with(path, "off");

@@ -5,7 +5,12 @@
 #include "app/paint.h"
 
 #include <embree3/rtcore.h>
+#include <pthread.h>
+#include <stdatomic.h>
 #include <string.h>
+#include <unistd.h>
+
+enum { THREADS_MOST = 256 };
 
 struct studio {
     const struct model *model;
@@ -244,6 +249,43 @@ static RTCScene build(RTCDevice device, const struct model *m)
     return NULL;
 }
 
+/* A picture in the making, which threads share. */
+struct work {
+    const struct studio *studio;
+    const struct shot *shot;
+    uint8_t *rgb;    /* [height][width][3] */
+    atomic_int rows; /* that a thread has taken */
+};
+
+/* Takes rows until none is left. A pixel depends on its place alone, so it does
+ * not matter which thread takes a row. */
+static void *take_rows(void *user)
+{
+    struct work *w = user;
+    const int width = w->shot->width;
+    for (int row; (row = atomic_fetch_add(&w->rows, 1)) < w->shot->height;)
+        for (int column = 0; column < width; column++)
+            pixel(w->studio, w->shot, row, column,
+                  w->rgb + 3 * ((size_t)row * (size_t)width + (size_t)column));
+    return NULL;
+}
+
+/* The caller takes rows too, so a system without threads to spare only makes
+ * the picture slower. */
+static void take_all(struct work *w)
+{
+    pthread_t other[THREADS_MOST];
+    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    long threads = w->shot->threads ? w->shot->threads : cores;
+    int n = 0;
+    while (n < THREADS_MOST && n + 1 < threads &&
+           pthread_create(&other[n], NULL, take_rows, w) == 0)
+        n++;
+    take_rows(w);
+    while (n)
+        pthread_join(other[--n], NULL);
+}
+
 int picture_take(const struct model *model, const struct shot *shot,
                  uint8_t *rgb)
 {
@@ -252,12 +294,7 @@ int picture_take(const struct model *model, const struct shot *shot,
     s.scene = device ? build(device, model) : NULL;
     if (s.scene) {
         set_up(&s, shot);
-#pragma omp parallel for schedule(dynamic, 4)
-        for (int row = 0; row < shot->height; row++)
-            for (int column = 0; column < shot->width; column++)
-                pixel(&s, shot, row, column,
-                      rgb + 3 * ((size_t)row * (size_t)shot->width +
-                                 (size_t)column));
+        take_all(&(struct work){.studio = &s, .shot = shot, .rgb = rgb});
         rtcReleaseScene(s.scene);
     }
     if (device)

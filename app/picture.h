@@ -20,6 +20,7 @@ struct model {
 
 struct shot {
     int width, height, samples;
+    int threads;          /* 0: as many as there are cores */
     struct camera camera; /* fov 0: chosen so that it sees the model's box */
 };
 

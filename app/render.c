@@ -149,6 +149,7 @@ int command_render(int argc, char **argv)
         {"--width", OPTION_INT, &r.shot.width, 16, 16384},
         {"--height", OPTION_INT, &r.shot.height, 16, 16384},
         {"--samples", OPTION_INT, &r.shot.samples, 1, 65536},
+        {"--threads", OPTION_INT, &r.shot.threads, 0, 256},
         {"--rate", OPTION_INT, &r.rate, 1, 1000},
         {"--no-film", OPTION_FLAG, &r.no_film, 0, 0},
         {0}};

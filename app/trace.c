@@ -45,7 +45,8 @@ int trace_begin(struct file *trace, const char *directory, int64_t done)
     if (!file_open(trace, directory, "trace.csv"))
         return APP_FAILED;
     fputs(head, trace->stream);
-    FILE *old = done ? fopen(trace->path, "rb") : NULL;
+    FILE *old =
+        done && file_is_regular(trace->path) ? fopen(trace->path, "rb") : NULL;
     int64_t kept = old ? copy_rows(old, trace->stream, done) : 0;
     if (old)
         fclose(old);

@@ -2,8 +2,10 @@
 /* Runs the threads of a device on the host. gpu/run/emulate.h */
 #include "gpu/run/loop.cuh"
 
+#include <condition_variable>
 #include <stdio.h>
 #include <stdlib.h>
+#include <thread>
 #include <ucontext.h>
 #include <vector>
 
@@ -107,6 +109,27 @@ static __thread enum meeting met_warp; /* those of the warp */
 static __thread int barriers[THREADS]; /* that a fiber has come to */
 static __thread unsigned thread_of[THREADS]; /* a fiber is */
 
+/* A block that waits within a barrier for the other blocks of its kernel. It
+ * runs in a thread of the host of its own, and so has shared memory of its own.
+ */
+struct parked {
+    std::mutex lock;
+    std::condition_variable turn;
+    bool others; /* it is the turn of the other blocks */
+    bool over;   /* they have ended */
+    int left;    /* barriers to the one where it waits */
+};
+static __thread struct parked *parked; /* NULL: the block does not wait */
+
+static void park(struct parked *p)
+{
+    std::unique_lock<std::mutex> hold(p->lock);
+    p->others = true;
+    p->turn.notify_all();
+    while (!p->over)
+        p->turn.wait(hold);
+}
+
 /* An asynchronous copy that has not been made yet, and its group. */
 struct pending {
     void *to;
@@ -195,6 +218,8 @@ static void meet(enum meeting at)
     }
     met_warp = at;
     met = at == OF_WARP ? met : at;
+    if (parked && at != OF_WARP && --parked->left == 0)
+        park(parked);
     leave();
 }
 
@@ -248,26 +273,74 @@ static void order_threads(int ranks)
                        turn(&lane, f % in_warp);
 }
 
-static void run_blocks(int64_t blocks, int ranks, int threads,
-                       const emulate_call *kernel)
+/* The launch under way: what threads of the host that run blocks of it must
+ * know. */
+struct launch {
+    unsigned blocks, ranks, threads;
+    const emulate_call *kernel;
+    struct gpu_way way;
+};
+
+static void prepare(const struct launch *l)
 {
     if (!stack.of)
         stack.of = (char *)malloc((size_t)THREADS * STACK);
-    in_rank = (unsigned)threads;
-    in_block = (unsigned)(ranks * threads);
-    in_warp = threads % WARP ? in_rank : (unsigned)WARP;
-    gridDim = {(unsigned)(blocks > 0 ? blocks : 0), 1, 1};
+    way = l->way;
+    in_rank = l->threads;
+    in_block = l->ranks * l->threads;
+    in_warp = in_rank % WARP ? in_rank : (unsigned)WARP;
+    gridDim = {l->blocks, 1, 1};
     blockDim = {in_block, 1, 1};
+    order_threads((int)l->ranks);
+}
+
+static void run_one(const struct launch *l, unsigned block)
+{
+    running = l->kernel;
+    blockIdx = {block, 0, 0};
+    run_block();
+    running = NULL;
+}
+
+/* Runs a block until it waits or ends; run_parked lets it go on. */
+static void be_parked(struct parked *p, const struct launch *l, unsigned block)
+{
+    parked = p;
+    prepare(l);
+    run_one(l, block);
+    std::unique_lock<std::mutex> hold(p->lock);
+    p->others = true;
+    p->turn.notify_all();
+}
+
+static void run_blocks(int64_t blocks, int ranks, int threads,
+                       const emulate_call *kernel)
+{
+    struct launch l = {(unsigned)(blocks > 0 ? blocks : 0), (unsigned)ranks,
+                       (unsigned)threads, kernel, way};
+    struct parked p = {};
+    std::thread first;
+    prepare(&l);
     if (blocks > 0 && emulate_lost(true))
         return;
-    order_threads(ranks);
     struct order block = order_of(blocks, way.descending);
-    running = kernel;
-    for (int64_t b = 0; b < blocks; b++) {
-        blockIdx = {turn(&block, b), 0, 0};
-        run_block();
+    int64_t b = 0;
+    if (way.parked && blocks > 1) {
+        p.left = way.parked;
+        first = std::thread(be_parked, &p, &l, turn(&block, b++));
+        std::unique_lock<std::mutex> hold(p.lock);
+        while (!p.others)
+            p.turn.wait(hold);
     }
-    running = NULL;
+    for (; b < blocks; b++)
+        run_one(&l, turn(&block, b));
+    if (first.joinable()) {
+        p.lock.lock();
+        p.over = true;
+        p.lock.unlock();
+        p.turn.notify_all();
+        first.join();
+    }
 }
 
 void emulate_blocks(int64_t blocks, int threads, emulate_call kernel)

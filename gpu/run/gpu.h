@@ -43,6 +43,9 @@ struct gpu_way {
     int left_out; /* kernels leave out the barrier of this number; 0: none */
     int parted;   /* the barrier of this number synchronises a block only, not
                      its cluster; 0: none */
+    int parked;   /* the first of a kernel's blocks waits at the barrier that it
+                     comes to as this number, until all other blocks have ended;
+                     0: it does not */
     int64_t lost; /* the device is lost with the launch, copy or allocation of
                      this number, until the way is set again; 0: never */
 };

@@ -91,8 +91,17 @@ cp 'an out/pictures/frame_0006.png' once.png
 exits 'render again' 0 render 'an out' --frame 6 --width 64 --height 48 \
     --samples 1
 is 'the same picture' cmp once.png 'an out/pictures/frame_0006.png'
+for threads in 1 2 7 256; do # of 48 rows
+    exits "render, threads: $threads" 0 render 'an out' --frame 6 --width 64 \
+        --height 48 --samples 1 --threads $threads
+    is "the same picture, threads: $threads" cmp once.png \
+        'an out/pictures/frame_0006.png'
+done
 refused 'render of no frame' 'last frame' render 'an out' --frame 7
 refused 'render of no run' 'frames' render .
+is 'whose threads are its own, not OpenMP'"'"'s' sh -c \
+    'nm -D "$0" >symbols && grep -q pthread_create symbols &&
+    ! grep -E "GOMP|kmpc|omp_" symbols' "$drape"
 exits 'film' 0 render 'an out' --width 64 --height 48 --samples 1
 is 'film or a word' sh -c 'test -s "an out/film.mp4" || grep -q ffmpeg err'
 exits 'plan' 0 plan tiny.json

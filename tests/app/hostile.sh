@@ -165,6 +165,57 @@ no_mesh 'PLY that goes on' 'goes on behind what its header' bad.ply
 ln -s /dev/zero zero.ply
 no_mesh 'device as a mesh' 'is a device or a pipe' zero.ply
 
+# Pipes and devices. A scene and queries may come through a pipe.
+# hangs NAME TEXT ARGUMENTS...: refused, and within ten seconds.
+hangs() {
+    name=$1 text=$2
+    shift 2
+    timeout 10 "$drape" "$@" >out 2>err </dev/null
+    got=$?
+    if [ $got -eq 2 ] && [ "$(wc -l <err)" -eq 1 ] &&
+        grep -qF -- "$text" err; then
+        ok "$name"
+    else
+        bad "$name (exit $got, expected 2 and: $text)"
+    fi
+}
+nobody='is a pipe that no process writes to'
+mkfifo pipe pipe.ply
+hangs 'a pipe without a writer as a scene' "pipe: $nobody" plan pipe
+hangs 'as a checkpoint' "pipe: $nobody" run tiny.json --out refused \
+    --resume pipe
+hangs 'as queries' "pipe: $nobody" ccd --kind vf pipe
+hangs 'as a mesh' 'pipe.ply: is a device or a pipe' audit pipe.ply
+hangs 'a device as a scene' '/dev/zero: is a device' plan /dev/zero
+hangs 'as a checkpoint' '/dev/zero: is a device' run tiny.json --out refused \
+    --resume /dev/zero
+hangs 'as queries' '/dev/zero: is a device' ccd --kind vf /dev/zero
+# through COMMAND: a pipe named pipe, which a process fills by the command.
+through() {
+    sh -c "$1" >pipe 2>/dev/null &
+    filler=$!
+}
+through 'sleep 1.5; cat tiny.json' # longer than a pipe without a writer waits
+"$drape" plan tiny.json >expected.txt
+exits 'a scene through a slow pipe' 0 plan pipe
+is 'the plan is the same' cmp out expected.txt
+wait $filler
+(sleep 0.3 && cat tiny.json >pipe) &
+exits 'a pipe whose writer is late' 0 plan pipe
+wait $!
+is 'the plan is the same, late' cmp out expected.txt
+through 'printf "\\000"'
+hangs 'a zero byte through a pipe' 'pipe: line 1: not JSON here' plan pipe
+through 'exit 0'
+hangs 'nothing through a pipe' "pipe: $nobody" plan pipe
+through "printf 'drape run 2\\000\\000\\000\\000\\000'; exec sleep 2"
+hangs 'a checkpoint through a pipe' 'pipe: cannot be read twice' run tiny.json \
+    --out refused --resume pipe
+kill $filler
+wait $filler
+is 'a scene on standard input' sh -c \
+    'cat tiny.json | "$0" plan /dev/stdin | cmp - expected.txt' "$drape"
+
 # Frames of a deforming obstacle
 ply turn_0.ply '3 0 1 2'
 ply turn_1.ply '3 1 0 2'

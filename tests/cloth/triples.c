@@ -121,3 +121,68 @@ const char *test_triples_plane(void)
     }
     return NULL;
 }
+
+/* The sum of the absolute values in row p of the matrix of all triples, which
+ * is found from forces alone: those of a sheet whose springs have no force,
+ * with one particle at a time moved by 1 m. */
+static void triple_rows(struct sheet *s, double *row)
+{
+    for (int o = 0; o < SPRINGS; o++)
+        s->c.law[o].k = s->c.law[o].press = 0;
+    memset(s->x, 0, (size_t)s->c.count * sizeof *s->x);
+    for (int64_t q = 0; q < s->c.count; q++) {
+        s->x[q].y = 1;
+        sheet_force(s, s->x, s->v, s->d.x1);
+        s->x[q].y = 0;
+        for (int64_t p = 0; p < s->c.count; p++)
+            row[p] += fabs((double)s->d.x1[p].y);
+    }
+}
+
+/* cloth.md §6: the bound is the largest row of the matrix by the row's mass,
+ * where a spring counts with stiff at both of its ends. */
+static const char *check_bound(const drape_cloth *d)
+{
+    double row[36] = {0}, want = 0;
+    struct sheet s;
+    EXPECT(sheet_make(&s, d, DRAPE_BW) == DRAPE_OK && s.c.count <= 36);
+    for (int64_t p = 0; p < s.c.count; p++)
+        for (int o = 0; o < SPRINGS; o++)
+            if (s.c.springs[p] >> o & 1) {
+                row[p] += 2 * (double)s.c.law[o].stiff;
+                row[p + spring_di[o] + d->m * spring_dj[o]] +=
+                    2 * (double)s.c.law[o].stiff;
+            }
+    triple_rows(&s, row);
+    for (int64_t p = 0; p < s.c.count; p++)
+        if (!s.c.fixed[p] && row[p] > want * (double)s.c.mass[p])
+            want = row[p] / (double)s.c.mass[p];
+    double bound = s.c.bound;
+    sheet_free(&s);
+    EXPECT(want > 0 && fabs(bound / want - 1) <= 64 * REAL_U);
+    return NULL;
+}
+
+const char *test_triples_bound(void)
+{
+    const char *failed = NULL;
+    unsigned state = 5;
+    for (int k = 0; k < 200 && !failed; k++) {
+        uint8_t cut[36];
+        drape_cloth d = sheet_default(3 + k % 4, 3 + k / 4 % 4);
+        for (int p = 0; p < 36; p++) {
+            state = state * 1664525u + 1013904223u;
+            cut[p] = p > 0 && (state >> 24 & 7) == 0;
+        }
+        d.cut = k % 3 ? cut : NULL;
+        d.width = 0.1 * (d.m - 1);
+        d.height = 0.12 * (d.n - 1);
+        d.material.stretch =
+            k % 2 ? 1e-3 : 10; /* springs count little, or as */
+        d.material.shear = d.material.stretch / 3; /* much as triples */
+        d.material.bend = 0.1;
+        failed = check_bound(&d);
+        ran(1);
+    }
+    return failed;
+}

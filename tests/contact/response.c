@@ -3,6 +3,7 @@
  * spec/contact/response.md */
 #include "ref/contact/response.h"
 
+#include "ref/contact/zones.h"
 #include "tests/base/choices.h"
 #include "tests/contact/tangle.h"
 
@@ -233,4 +234,57 @@ const char *test_tangle_plates(void)
         choices_free(&b);
     }
     return failed;
+}
+
+/* The pairs of all rounds of zones in the step so far, as a backend that
+ * listens has heard them. */
+static struct {
+    const struct response *r;
+    int32_t pair[4 * 4096];
+    int64_t n, hits; /* pairs; pairs that touched at their round */
+    int rounds, wrong;
+} zoned;
+
+static int hear_zones(void *on, struct zones *z)
+{
+    size_t bytes = 4 * sizeof *zoned.pair;
+    const int32_t *hit = zoned.r->hit.data;
+    zoned.hits += zoned.r->hits;
+    zoned.rounds++;
+    if (z->n > 4096)
+        return DRAPE_ENOMEM;
+    zoned.wrong +=
+        z->n != zoned.n + zoned.r->hits ||
+        memcmp(z->pair, zoned.pair, (size_t)zoned.n * bytes) != 0 ||
+        memcmp(z->pair + 4 * zoned.n, hit, (size_t)zoned.r->hits * bytes) != 0;
+    zoned.n = z->n;
+    memcpy(zoned.pair, z->pair, (size_t)z->n * bytes);
+    return backend_ref.zones(on, z);
+}
+
+/* §5: a round of zones is given the pairs of all rounds of zones before it, and
+ * then those that touch now. */
+const char *test_tangle_zones(void)
+{
+    static struct backend ear;
+    int again = 0;
+    ear = backend_ref;
+    ear.zones = hear_zones;
+    for (int k = 0; k < 6; k++) {
+        struct bytes b = {.seed = (uint64_t)k, .size = -1};
+        struct tangle t;
+        tangle_press(&t, &b, (real)(8 + 4 * k), -20);
+        t.r.run = &ear;
+        t.r.max_rounds = k / 2;
+        zoned.r = &t.r;
+        zoned.n = zoned.hits = zoned.rounds = zoned.wrong = 0;
+        EXPECT(tangle_step(&t, none) == DRAPE_OK);
+        EXPECT(zoned.wrong == 0 && zoned.n == zoned.hits);
+        again += zoned.rounds > 1;
+        ran(1);
+        tangle_free(&t);
+        choices_free(&b);
+    }
+    EXPECT(again > 3);
+    return NULL;
 }

@@ -264,16 +264,14 @@ const char *test_solve_gpu_limits(void)
     return NULL;
 }
 
-/* A sum with one more level than usual: more than 2^24 items, or 2^17 on an
- * emulated device. spec/base/sum.md §3 */
-const char *test_sum_gpu_levels(void)
+/* Sums of n items by every order of emulated threads. */
+static bool sums_alike(int64_t n)
 {
+    static const struct gpu_way ways[] = {
+        {0}, {.descending = true}, {.shuffled = 5}};
     int status;
     struct gpu *g = gpu_open(NULL, &status);
-    if (!g)
-        return skip("there is no device");
-    struct sum s = {.n = (gpu_device(g) < 0 ? 1 << 17 : 1 << 24) + 300};
-    s.n_chunks = sum_chunks(s.n);
+    struct sum s = {.n = n, .n_chunks = sum_chunks(n)};
     real *a = malloc((size_t)s.n * sizeof *a);
     real *chunk = malloc((size_t)s.n_chunks * sizeof *chunk);
     for (int64_t k = 0; k < s.n; k++)
@@ -283,8 +281,6 @@ const char *test_sum_gpu_levels(void)
     s.a = a;
     s.chunk = chunk;
     bool good = ref_sum(&s) == DRAPE_OK;
-    static const struct gpu_way ways[] = {
-        {0}, {.descending = true}, {.shuffled = 5}};
     for (int k = 0; k < 3 && good; k++) {
         gpu_set_way(g, ways[k]);
         d.chunk = put(g, NULL, s.n_chunks, sizeof *chunk);
@@ -295,8 +291,54 @@ const char *test_sum_gpu_levels(void)
     free(a);
     free(chunk);
     gpu_close(g);
-    EXPECT(good);
-    ran(1);
+    return good;
+}
+
+/* spec/base/sum.md §3: the level in shared memory has one chunk, two chunks, or
+ * one more level before it than usual: more than 2^24 items, or 2^17 on an
+ * emulated device. */
+const char *test_sum_gpu_levels(void)
+{
+    int status;
+    struct gpu *g = gpu_open(NULL, &status);
+    if (!g)
+        return skip("there is no device");
+    int64_t most = gpu_device(g) < 0 ? 1 << 17 : 1 << 24;
+    gpu_close(g);
+    EXPECT(sums_alike(300) && sums_alike(65536 + 300) &&
+           sums_alike(most + 300));
+    ran(3);
+    return NULL;
+}
+
+/* gpu.md §5: blocks of a kernel may run in any order, and one may wait between
+ * two of its barriers while all others run: the solve has the same bits. There
+ * are more particles than one block of pcg_sum_kernel sums. */
+const char *test_solve_gpu_parked(void)
+{
+    struct design design = {51, 47, SHAPE_DRAPED, TRIM_PINS, 0.1};
+    for (int parked = 1; parked <= 2; parked++) {
+        int status;
+        struct gpu *g = gpu_open(NULL, &status);
+        struct system a;
+        if (!g)
+            return skip("there is no device");
+        make_system(&design, &a);
+        struct pcg s = {.precond = DRAPE_MULTIGRID,
+                        .form = DRAPE_COMPACT,
+                        .tolerance = R(1e-3),
+                        .max_iterations = 8};
+        solver_open(&s, &a);
+        struct pcg d = on_device(g, &s);
+        gpu_set_way(g, (struct gpu_way){.hosted = true, .parked = parked});
+        bool good = ref_pcg(&s) == gpu_pcg(g, &d) && same_result(g, &s, &d);
+        solver_close(&s);
+        free_system(&a);
+        gpu_set_way(g, (struct gpu_way){0});
+        gpu_close(g);
+        EXPECT(good && s.iterations > 1);
+        ran(1);
+    }
     return NULL;
 }
 
