@@ -122,7 +122,7 @@ ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
 
 .PHONY: all demo check bench reference certify fuzz install help golden \
         format tidy check-parts soak fuzz-soak mutants outcomes prove oracles \
-        fuzz-libs price launches say-gpu tables
+        fuzz-libs price launches say-gpu tables validate
 .DELETE_ON_ERROR:
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, tool
@@ -262,7 +262,7 @@ $(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
 check: ## everything that must hold
 	sh ci/check.sh $(BUILD)
 # What its parts share, so that they can run side by side.
-check-parts: all $(ACC) $(BUILD)/whole.txt $(BUILD)/replay \
+check-parts: all $(ACC) $(BUILD)/validate $(BUILD)/whole.txt $(BUILD)/replay \
     $(if $(HAS_ORACLE),$(BUILD)/frames)
 
 demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
@@ -280,6 +280,13 @@ tables: $(BUILD)/drape ## on a device: the paper's figures, in ci/bench/MACHINE
 $(BUILD)/speed: $(BUILD)/ci/bench/narrow.32.o $(BUILD)/tests/narrow/ply.32.o \
     $(ORC_O) $(INSIDE)
 	$(C17) $^ -o $@ $(ORC_L) -lstdc++ -lm
+
+# Physics as a suite, through the public API alone: spec/validation.md.
+VAL_O   := $(call obj,$(sort $(wildcard ci/validate/*.c)),)
+$(BUILD)/validate: $(VAL_O) $(LIB)
+	$(C17) $^ -o $@ -lpthread $(if $(GPU),$(CUDA_L),-lm)
+validate: $(BUILD)/validate ## what cloth does against theory: ci/validate/MACHINE
+	sh ci/validate/run.sh $(BUILD) $(MACHINE)
 
 $(BUILD)/accuracy: $(ACC_O)
 	$(C17) $^ -o $@ $(ACC_L)
@@ -379,8 +386,8 @@ install: $(LIB) ## to $(DESTDIR)$(PREFIX): library, header, tool, man page
 	  $(DESTDIR)$(PREFIX)/share/man/man1/drape.1
 
 format: ## clang-format everything in place
-	clang-format -i $(wildcard app/*.[ch] app/examples/* fuzz/*.[ch] \
-	  gpu/*/* oracle/*.[ch]* ref/*/*.[ch] spec/*.h tests/*/*.[ch])
+	clang-format -i $(wildcard app/*.[ch] app/examples/* ci/validate/*.[ch] \
+	  fuzz/*.[ch] gpu/*/* oracle/*.[ch]* ref/*/*.[ch] spec/*.h tests/*/*.[ch])
 
 # The analyzer's search is cut at 20000 nodes (225000 usually) for the time
 # it takes: paths that only a longer search finds are not looked at.
@@ -399,6 +406,7 @@ help: ## this list
 	@echo 'ARCHES=   "80 90", say: for which devices; all: every one nvcc knows'
 
 -include $(patsubst %.o,%.d,$(REF_O) $(TEST_O) $(WHOLE_O) $(APP_O) $(ORC_O) \
-  $(EMU_O) $(CUDA_O) $(PRICE_O) $(filter %.o,$(ACC_O)))
+  $(EMU_O) $(CUDA_O) $(PRICE_O) $(filter %.o,$(ACC_O)) \
+  $(VAL_O))
 -include $(patsubst %.o,%.d,$(PARTS) $(BUILD)/fuzz/main.o \
   $(BUILD)/ci/bench/narrow.32.o $(ROOT)/oracle/frames.o $(ROOT)/oracle/table.o)

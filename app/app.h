@@ -40,5 +40,6 @@ int command_audit(int argc, char **argv);
 int command_render(int argc, char **argv);
 int command_ccd(int argc, char **argv);
 int command_convert(int argc, char **argv);
+int command_materials(int argc, char **argv);
 
 #endif

@@ -3,6 +3,7 @@
 #include "app/cloth.h"
 #include "app/app.h"
 #include "app/bodies.h"
+#include "app/fabrics.h"
 
 #include <math.h>
 
@@ -11,10 +12,17 @@ static int read_material(struct json *json, const cJSON *node, void *out)
 #define MATERIAL(name, lo, hi)                                                 \
     NUMBER_KEY(#name, offsetof(drape_material, name), lo, hi)
     static const struct json_key keys[] = {
-        MATERIAL(density, 1e-4, 1e3), MATERIAL(stretch, 1e-4, 1e9),
-        MATERIAL(shear, 0, 1e9),      MATERIAL(bend, 0, 1e6),
-        MATERIAL(damping, 0, 1e3),    MATERIAL(thickness, 1e-6, 1),
-        MATERIAL(friction, 0, 10),    {0}};
+        NESTED_KEY("name", 0, read_fabric), /* first: the others override it */
+        MATERIAL(density, 1e-4, 1e3),
+        MATERIAL(stretch, 1e-4, 1e9),
+        MATERIAL(shear, 0, 1e9),
+        MATERIAL(bend, 0, 1e6),
+        MATERIAL(damping, 0, 1e3),
+        MATERIAL(thickness, 1e-6, 1),
+        MATERIAL(friction, 0, 10),
+        {0}};
+    if (cJSON_IsString(node))
+        return read_fabric(json, node, out);
     return json_object(json, node, keys, out);
 }
 

@@ -64,6 +64,9 @@ static const struct command {
      "drape convert IN OUT.ply [--up X,Y,Z] [--size S]\n"
      "Direction --up becomes +y, the largest dimension S, and the mesh\n"
      "stands on y = 0 in the middle of x and z.\n"},
+    {"materials", command_materials, "list the fabrics that scenes may name",
+     "drape materials\n"
+     "Each with its numbers, what it is, and where they are from.\n"},
     {"info", command_info, "print versions, precisions and backends",
      "drape info\n"},
     {"help", command_help, "print this, or the help of one command",
@@ -92,7 +95,7 @@ static void list_commands(FILE *out)
 {
     fputs("usage: drape COMMAND [arguments]\n\n", out);
     for (int k = 0; k < COMMANDS; k++)
-        fprintf(out, "  %-8s %s\n", commands[k].name, commands[k].summary);
+        fprintf(out, "  %-9s %s\n", commands[k].name, commands[k].summary);
     fputs("\nExit status: 0 done, 1 findings, 2 bad input, 3 failure, 130 "
           "interrupted.\n",
           out);

@@ -13,7 +13,7 @@ cores=$(nproc)
 sh ci/part.sh "$build" build "$cores"
 # The longest parts start first.
 parts="tests asan gcc-O0 clang-O0 buddha demo gcc-O3 tidy clang-O2 clang-O3
-       tsan msan accuracy tool device fuzz prove golden-1 embed format
+       tsan msan accuracy validate tool device fuzz prove golden-1 embed format
        golden-3 rows maps root self tokens certificate"
 # shellcheck disable=SC2086
 printf '%s\n' $parts | xargs -P "$cores" -n 1 sh ci/part.sh "$build"

@@ -90,6 +90,10 @@ build) one build make -j"$jobs" BUILD="$build" check-parts ;;
 self) count 'planted faults' "$build/check" --self-test ;;
 device) count 'kernels, emulated' "$build/check" --gpu ;;
 accuracy) count accuracy "$build/accuracy" --quick "$build" ;;
+validate)
+    mkdir -p "$build/validation"
+    count validation "$build/validate" --quick "$build/validation"
+    ;;
 tests) count tests "$build/check" --tests ;;
 golden-1) count golden "$build/check" --golden tests/golden/stages.txt ;;
 golden-3)
@@ -99,8 +103,9 @@ golden-3)
 root) count 'whole scenes' sh ci/flavour.sh "$build" root ;;
 gcc-* | clang-* | ?san) flavour ;;
 format)
-    one format sh -c 'ls app/*.[ch] app/examples/* ci/bench/*.[ch] fuzz/*.[ch] \
-        gpu/*/* oracle/*.[ch]* ref/*/*.[ch] spec/*.h tests/*/*.[ch] |
+    one format sh -c 'ls app/*.[ch] app/examples/* ci/bench/*.[ch] \
+        ci/validate/*.[ch] fuzz/*.[ch] gpu/*/* oracle/*.[ch]* ref/*/*.[ch] \
+        spec/*.h tests/*/*.[ch] |
         xargs clang-format --dry-run -Werror'
     ;;
 tidy) tidy ;;

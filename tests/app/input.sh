@@ -57,6 +57,37 @@ exits 'start that intersects, allowed' 0 plan start.json --allow-intersecting
 sed 's/"thickness": 0.01/"thickness": 0/' tiny.json >key.json
 refused 'thickness 0' 'thickness' run key.json --out refused
 
+# Fabrics
+fabric() { # FILE MATERIAL: a small sheet of it that falls
+    printf '{"frames": 2, "cloths": [{"particles": [9, 9],
+        "size": [0.4, 0.4], "pins": [{"at": [0, 0]}], "material": %s}]}\n' \
+        "$2" >"$1"
+}
+exits 'fabrics are listed' 0 materials
+is 'denim is' grep -q '^denim  *0.324 ' out
+is 'with its source' grep -q 'Wang' out
+refused 'materials takes no argument' 'no argument' materials denim
+fabric named.json '"denim"'
+fabric same.json '{"density": 0.324, "stretch": 641.8, "shear": 26.7,
+    "bend": 7.7e-5, "thickness": 0.002, "friction": 0.3}'
+fabric other.json '{"bend": 1e-3, "name": "denim"}'
+for f in named same other; do
+    exits "a sheet: $f" 0 run $f.json --out $f --no-obj
+done
+is 'a fabric is its numbers' cmp named/cloth.pc2 same/cloth.pc2
+is 'a key overrides it' sh -c '! cmp -s named/cloth.pc2 other/cloth.pc2'
+fabric bad.json '"denm"'
+refused 'unknown fabric, by path' '$.cloths[0].material: unknown fabric "denm"' \
+    run bad.json --out refused
+is 'the fabrics are named' grep -q 'denim, interlock.*leather' err
+fabric bad.json '{"name": "felt"}'
+refused 'unknown name of a fabric' '$.cloths[0].material.name: unknown' \
+    run bad.json --out refused
+fabric bad.json '{"name": 3}'
+refused 'a number as a fabric' '.material.name: expected the name' run bad.json
+fabric bad.json '["denim"]'
+refused 'a list as a fabric' '.material: expected' run bad.json
+
 # Meshes
 obstacle nowhere.obj
 refused 'missing mesh' 'mesh.json: $.obstacles[0]: mesh nowhere.obj: found' \

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Fabrics by name: the table of app/fabrics.def, and its list. */
+#include "app/fabrics.h"
+#include "app/app.h"
+
+#include <drape.h>
+#include <string.h>
+
+static const struct fabric {
+    const char *name;
+    drape_material material;
+    const char *what, *source;
+} fabrics[] = {
+#define FABRIC(name_, density_, stretch_, shear_, bend_, thickness_,           \
+               friction_, what_, source_)                                      \
+    {.name = name_,                                                            \
+     .material = {.density = density_,                                         \
+                  .stretch = stretch_,                                         \
+                  .shear = shear_,                                             \
+                  .bend = bend_,                                               \
+                  .thickness = thickness_,                                     \
+                  .friction = friction_},                                      \
+     .what = what_,                                                            \
+     .source = source_},
+#include "app/fabrics.def"
+#undef FABRIC
+};
+enum { FABRICS = sizeof fabrics / sizeof *fabrics };
+
+int read_fabric(struct json *json, const cJSON *node, void *out)
+{
+    drape_material *material = out;
+    char names[512] = "";
+    if (!cJSON_IsString(node))
+        return json_refuse(json, "expected the name of a fabric");
+    for (int k = 0; k < FABRICS; k++) {
+        size_t length = strlen(names);
+        snprintf(names + length, sizeof names - length, "%s%s", k ? ", " : "",
+                 fabrics[k].name);
+        if (strcmp(fabrics[k].name, node->valuestring) != 0)
+            continue;
+        double damping = material->damping; /* nobody measured it */
+        *material = fabrics[k].material;
+        material->damping = damping;
+        return APP_OK;
+    }
+    return json_refuse(json, "unknown fabric \"%.60s\"; expected one of %s",
+                       node->valuestring, names);
+}
+
+int command_materials(int argc, char **argv)
+{
+    (void)argv;
+    if (argc)
+        return complain(APP_USAGE, "materials takes no argument");
+    printf("%-11s %8s %8s %8s %9s %9s %8s\n", "name", "density", "stretch",
+           "shear", "bend", "thickness", "friction");
+    printf("%-11s %8s %8s %8s %9s %9s\n", "", "kg/m2", "N/m", "N/m", "N m",
+           "m");
+    for (int k = 0; k < FABRICS; k++) {
+        const drape_material *m = &fabrics[k].material;
+        printf("%-11s %8g %8g %8g %9.3g %9g %8g\n", fabrics[k].name, m->density,
+               m->stretch, m->shear, m->bend, m->thickness, m->friction);
+    }
+    putchar('\n');
+    for (int k = 0; k < FABRICS; k++)
+        printf("%-11s %s\n%-11s %s\n", fabrics[k].name, fabrics[k].what, "",
+               fabrics[k].source);
+    return APP_OK;
+}

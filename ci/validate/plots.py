@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures of what build/validate wrote.  usage: plots.py DIRECTORY"""
+import csv
+import os
+import sys
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+HERE = sys.argv[1]
+COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9",
+           "#999999", "#000000"]
+plt.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": 0.25,
+                     "axes.spines.top": False, "axes.spines.right": False,
+                     "legend.frameon": False, "savefig.dpi": 110})
+
+
+def rows(name):
+    path = os.path.join(HERE, name + ".csv")
+    if not os.path.exists(path):
+        return []
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def series(part, bits="64"):
+    """Property to its rows with a value, of one precision."""
+    found = {}
+    for row in rows("values-" + part):
+        if row["bits"] == bits and row["value"]:
+            found.setdefault(row["property"], []).append(row)
+    return found
+
+
+def save(figure, name):
+    figure.tight_layout()
+    figure.savefig(os.path.join(HERE, name + ".png"))
+    plt.close(figure)
+
+
+def errors(axes, part, wanted, label):
+    """Relative error over size, of the properties that `wanted` takes."""
+    chosen = [(name, points) for name, points in series(part).items()
+              if wanted(name)]
+    for k, (name, points) in enumerate(chosen):
+        at = [(1e3 * float(p["size"]),
+               abs(float(p["value"]) / float(p["theory"]) - 1))
+              for p in points if p["theory"]]
+        at = [(x, y) for x, y in at if y > 0]
+        if at:
+            axes.loglog(*zip(*at), "o-", color=COLOURS[k % 8], markersize=3,
+                        linewidth=1, label=label(name))
+    if chosen:
+        axes.legend(fontsize=8)
+
+
+def cantilever():
+    found = series("cantilever")
+    if not found:
+        return
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.8))
+    marks = {"ribbon in warp": ("o", COLOURS[0]),
+             "bias strip": ("s", COLOURS[4]),
+             "sheet in warp": ("^", COLOURS[2])}
+    theory = sorted({(float(name.split("= ")[1]), float(points[0]["theory"]))
+                     for name, points in found.items()})
+    left.loglog(*zip(*theory), "-", color="black", linewidth=1,
+                label="heavy elastica")
+    for kind, (mark, colour) in marks.items():
+        at = [(float(name.split("= ")[1]), float(points[-1]["value"]))
+              for name, points in found.items() if name.startswith(kind)]
+        if at:
+            left.loglog(*zip(*at), mark, color=colour, markersize=5,
+                        fillstyle="none", label=kind + ", finest cells")
+    left.set_xlabel("Γ = w L³ / D")
+    left.set_ylabel("H / W of the tip")
+    left.legend(fontsize=8)
+    errors(right, "cantilever", lambda name: True, lambda name: name)
+    right.legend(fontsize=6)
+    right.set_xlabel("cell, mm")
+    right.set_ylabel("relative error of H / W")
+    save(figure, "cantilever")
+
+
+def cylinder():
+    if not series("cylinder"):
+        return
+    figure, axes = plt.subplots(figsize=(5.5, 3.6))
+    errors(axes, "cylinder", lambda name: True,
+           lambda name: name.split(" degrees")[0].replace("bent at ", "") + "°")
+    axes.set_xlabel("cell, mm; κ = 10 / m")
+    axes.set_ylabel("relative error of ½ D κ²")
+    save(figure, "cylinder")
+
+
+def tension():
+    if not series("tension"):
+        return
+    figure, axes = plt.subplots(figsize=(5.5, 3.6))
+    errors(axes, "tension", lambda name: True,
+           lambda name: name.replace(" of a hanging strip", ""))
+    axes.set_xlabel("cell, mm")
+    axes.set_ylabel("relative error")
+    save(figure, "tension")
+
+
+def motion():
+    found = series("motion")
+    if not found:
+        return
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.6))
+    errors(left, "motion", lambda name: name.startswith("free fall"),
+           lambda name: name.split("; ")[1])
+    left.set_xlabel("step, ms")
+    left.set_ylabel("relative error of the depth after 0.5 s")
+    for k, (name, points) in enumerate(
+            (n, p) for n, p in found.items() if "kept a period" in n):
+        right.loglog([1e3 * float(p["size"]) for p in points],
+                     [1 - float(p["value"]) for p in points], "o-",
+                     color=COLOURS[k], markersize=4, label=name.split("; ")[2])
+        if "baraff" in name:
+            ratio = found.get("pendulum; baraff-witkin over exact backward "
+                              "Euler", [])
+            exact = [float(p["value"]) / float(r["value"])
+                     for p, r in zip(points, ratio)]
+            right.loglog([1e3 * float(p["size"]) for p in points],
+                         [1 - e for e in exact], "--", color="black",
+                         linewidth=1, label="exact backward Euler")
+    right.set_xlabel("step, ms")
+    right.set_ylabel("part of the swing lost in a period")
+    right.legend(fontsize=8)
+    save(figure, "motion")
+
+
+def bars(part, wanted, unit, name):
+    """Values at the finest cells beside published bands, which are in
+    bands.csv of the same directory's values."""
+    found = [(n, p[-1]) for n, p in series(part).items() if wanted(n)]
+    if not found:
+        return
+    figure, axes = plt.subplots(figsize=(8, 0.9 + 0.28 * len(found)))
+    band = {r["fabric"]: (float(r["low"]), float(r["high"]))
+            for r in rows("bands") if r["low"]}
+    for k, (n, point) in enumerate(found):
+        fabric = n.split("; ")[-1]
+        if fabric in band:
+            low, high = band[fabric]
+            axes.barh(k, high - low, left=low, height=0.6, color="#cccccc")
+        axes.plot(float(point["value"]), k, "o", color=COLOURS[0])
+    axes.set_yticks(range(len(found)), [n.split("; ")[-1] for n, _ in found])
+    axes.invert_yaxis()
+    axes.set_xlim(0, 100)
+    axes.set_xlabel(unit)
+    save(figure, name)
+
+
+def cusick():
+    found = series("cusick")
+    if not found:
+        return
+    figure, axes = plt.subplots(figsize=(5.5, 3.4))
+    for name, points in found.items():
+        if name.startswith("drape"):
+            axes.semilogx([1e3 * float(p["size"]) for p in points],
+                          [float(p["value"]) for p in points], "o-",
+                          color=COLOURS[0], markersize=4)
+    axes.set_xlabel("cell, mm")
+    axes.set_ylabel("drape coefficient, %")
+    axes.set_ylim(50, 90)
+    save(figure, "cusick")
+
+
+cantilever()
+cylinder()
+tension()
+motion()
+cusick()
+bars("fabrics", lambda name: name.startswith("drape coefficient"),
+     "drape coefficient, %; grey: published band", "fabrics")
