@@ -59,8 +59,8 @@ static __device__ inline char *cluster_shared(void)
     return (char *)cluster_words;
 }
 
-/* The address in the shared memory of another rank that corresponds to p in the
- * own. */
+/* Returns the address in the shared memory of another rank that corresponds to
+ * p in the own. */
 template <class T> static __device__ inline T *cluster_at(T *p, int rank)
 {
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 900

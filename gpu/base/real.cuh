@@ -77,7 +77,7 @@ static __device__ inline vec scale(real s, vec a)
     return vec{s * a.x, s * a.y, s * a.z};
 }
 
-/* a + s·b, two roundings a component. */
+/* Returns a + s·b, two roundings a component. */
 static __device__ inline vec axpy(vec a, real s, vec b)
 {
     return vec{a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};

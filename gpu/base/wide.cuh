@@ -36,7 +36,7 @@ static __device__ inline struct wide scale(double s, struct wide a)
     return wide3(s * a.x, s * a.y, s * a.z);
 }
 
-/* a + s·b, two roundings a component. */
+/* Returns a + s·b, two roundings a component. */
 static __device__ inline struct wide axpy(struct wide a, double s,
                                           struct wide b)
 {

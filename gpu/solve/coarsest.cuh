@@ -14,7 +14,7 @@ extern "C" {
 /* Fills s.dense with L and 1/D. */
 void gpu_coarsest_factor(struct gpu *g, const struct coarsest *s);
 
-/* The pitch of a row in shared memory: odd, to avoid bank conflicts. */
+/* Returns the pitch of a row in shared memory: odd, to avoid bank conflicts. */
 static __host__ __device__ inline int dense_pitch(int n)
 {
     return n | 1;

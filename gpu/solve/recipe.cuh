@@ -46,7 +46,7 @@ static __host__ __device__ constexpr int factor_of(int o, int di, int dj,
            (hat(di - ci, dj - cj) - hat(zi - ci, zj - cj));
 }
 
-/* The offset of the k-th of the AROUND places. */
+/* Returns the offset of the k-th of the AROUND places. */
 static __host__ __device__ constexpr int around_i(int k)
 {
     return k % 7 - 3;
