@@ -33,7 +33,8 @@ struct option {
 int options_read(const struct option *table, int argc, char **argv,
                  int *positional);
 
-/* The commands: arguments after the command's name. They return app_exit. */
+/* The commands. They take the arguments after the command's name and return
+ * app_exit. */
 int command_run(int argc, char **argv);
 int command_plan(int argc, char **argv);
 int command_audit(int argc, char **argv);

@@ -12,11 +12,11 @@ struct estimate {
     double horizon; /* s from the start: the error is of this time span */
 };
 
-/* Sets the scene's integrator, dt, steps a frame and tolerance. Rows of the
- * table of spec/accuracy.md §9 are tried, the cheapest first, from the row that
- * the page's diagrams give for this error. The measured error is that of time
- * stepping and of the solver alone, over the first frames. APP_OK; APP_FINDINGS
- * after one line where no row is good enough; or as scene_create. */
+/* Sets the scene's integrator, dt, steps a frame and tolerance. The settings of
+ * app/error.c are tried, from the cheapest one that is meant for this error on
+ * (spec/accuracy.md §9). The measured error is that of time stepping and of the
+ * solver alone, over the first frames. APP_OK; APP_FINDINGS after one line if
+ * no setting is good enough; or what scene_create returns. */
 int error_choose(struct scene *scene, const struct overrides *overrides,
                  double asked, struct estimate *estimate);
 

@@ -11,7 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* The number in a file's name, or -1 if the name has none. */
+/* Returns the number in a file's name, or -1 if the name has none. */
 static int file_number(const char *name, const char *body, const char *end)
 {
     char expected[64];
@@ -28,7 +28,7 @@ static int ascending(const void *a, const void *b)
     return *(const int *)a - *(const int *)b;
 }
 
-/* The numbers of a directory's matching files. NULL: out of memory. */
+/* Returns the numbers of a directory's matching files. NULL: out of memory. */
 static int *read_numbers(DIR *directory, const char *body, const char *end,
                          int *count)
 {

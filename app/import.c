@@ -54,8 +54,8 @@ static void lower(int resource, double soft, double hard)
     setrlimit(resource, &limit);
 }
 
-/* Bytes of address space that the tool uses already, which count for the child
- * too. 0 if the system does not tell. */
+/* Returns the bytes of address space that the tool uses already, which count
+ * for the child too. 0 if the system does not say. */
 static double taken(void)
 {
     double pages = 0;

@@ -45,7 +45,7 @@ void json_leave(struct json *json, size_t length)
     json->where[length] = 0;
 }
 
-/* A number in lo … hi; whole: without a fraction. */
+/* Reads a number in lo … hi; whole: it must have no fraction. */
 static int read_number(struct json *json, const cJSON *node,
                        const struct json_key *key, double *out)
 {

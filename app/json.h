@@ -28,8 +28,8 @@ enum json_type {
     JSON_NESTED   /* any value, read by read() */
 };
 
-/* A reader of one value; out: base + offset of the key's row. APP_OK or the
- * exit code. */
+/* Reads one value to `out`, which is base + offset of the key's row. Returns
+ * APP_OK or the exit code. */
 typedef int json_reader(struct json *json, const cJSON *node, void *out);
 
 struct json_key {
@@ -92,10 +92,10 @@ int json_array(struct json *json, const cJSON *node, struct json_list *list);
 /* Writes a table's numbers, booleans, vectors and choices as an object. */
 void json_write(FILE *out, const struct json_key *keys, const void *base);
 
-/* The index of a text in a NULL-terminated table, or -1. */
+/* Returns the index of a text in a NULL-terminated table, or -1. */
 int json_choice(const char *const *choices, const char *text);
 
-/* One line "file: path: …" on standard error; returns APP_USAGE. */
+/* Prints one line "file: path: …" on standard error. Returns APP_USAGE. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
@@ -114,8 +114,8 @@ size_t
 json_enter(struct json *json, const char *format, ...);
 void json_leave(struct json *json, size_t length);
 
-/* The parsed file, or NULL after one line that names file and line. The
- * caller deletes it with cJSON_Delete. */
+/* Parses a file. Returns NULL after one line that names file and line. The
+ * caller deletes the result with cJSON_Delete. */
 cJSON *json_parse(const char *file);
 
 #endif

@@ -8,8 +8,8 @@
 
 enum { LONGEST = 32 };
 
-/* The edit distance of two words (Levenshtein 1966); LONGEST if a word is
- * longer than any key. */
+/* Returns the edit distance of two words (Levenshtein 1966); LONGEST if a word
+ * is longer than any key. */
 static int distance(const char *a, const char *b)
 {
     int m = (int)strlen(a), n = (int)strlen(b), row[LONGEST + 1];

@@ -22,7 +22,8 @@ struct mesh {
  * that is out of range or has a fraction. No other thread may run yet. */
 int mesh_load(struct pool *pool, const char *path, struct mesh *mesh);
 
-/* The number of triangles with two equal corners or no area in binary64. */
+/* Returns the number of triangles with two equal corners or no area in
+ * binary64. */
 int64_t mesh_degenerate(const struct mesh *mesh);
 
 /* How a mesh is placed in the scene; the steps are applied in this order. */

@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* Number k of a list, or `otherwise` if the list has no such number. */
+/* Returns number k of a list, or `otherwise` if the list has no such number. */
 static double number(const cJSON *node, int k, double otherwise)
 {
     const cJSON *item = k < 0 ? node : cJSON_GetArrayItem(node, k);

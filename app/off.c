@@ -102,7 +102,8 @@ static int read_vertices(struct lines *in, struct mesh *mesh)
     return APP_OK;
 }
 
-/* A polygon becomes a fan; triangles beyond `room` are only counted. */
+/* Reads a polygon as a fan of triangles. Triangles beyond `room` are only
+ * counted. */
 static int read_face(struct lines *in, struct mesh *mesh, int64_t room)
 {
     char *line = next_line(in);

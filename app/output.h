@@ -41,8 +41,8 @@ int output_frame(struct output *output, const drape_world *world, int k);
 int output_cache(const struct output *output, int last);
 void output_close(struct output *output);
 
-/* The numbers, ascending, of the cloth's frames in a run's directory; the
- * caller frees. NULL after one line, also if there are no frames. */
+/* Returns the numbers, ascending, of the cloth's frames in a run's directory;
+ * the caller frees. NULL after one line, also if there are no frames. */
 int *output_frames(const char *directory, int *count);
 /* Puts directory/frames/<body>_<k>.ply into path. false if it is too long. */
 bool output_path(char path[FILE_PATH], const char *directory, const char *body,

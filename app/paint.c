@@ -17,7 +17,8 @@ static const float dyes[][2][3] = {
 };
 enum { DYES = sizeof dyes / sizeof dyes[0] };
 
-/* A woven check 4 cm wide, thin and even on both sides. */
+/* Returns the brightness at uv of a woven check: squares of 4 cm, with thin
+ * dark threads between them. */
 static float weave(const float uv[2])
 {
     float a = uv[0] * 25, b = uv[1] * 25;

@@ -112,7 +112,8 @@ static int32_t read_index(struct ply *r, const struct property *p,
     return 0;
 }
 
-/* A polygon becomes a fan; triangles beyond `room` are only counted. */
+/* Reads a polygon as a fan of triangles. Triangles beyond `room` are only
+ * counted. */
 static void read_polygon(struct ply *r, const struct property *p,
                          struct mesh *mesh, int64_t room)
 {

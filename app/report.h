@@ -33,8 +33,8 @@ extern const struct outcome {
 /* Outcomes after which a step counts as not clean. */
 enum { NOT_CLEAN = DRAPE_TRAPPED | DRAPE_PASSED | DRAPE_DIVERGED };
 
-/* The names of an outcome's bits, "clean" for 0; the text lasts until the next
- * call with the same buffer. */
+/* Writes the names of an outcome's bits to text, or "clean" for 0, and returns
+ * it. */
 const char *report_outcome(int outcome, char text[128]);
 
 /* The counts of work of a step, in the order of drape_work. */

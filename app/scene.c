@@ -97,7 +97,7 @@ static double default_memory(void)
     return pages > 0 && size > 0 ? 0.8e-9 * (double)pages * (double)size : 8;
 }
 
-/* The file's name without folder and extension. */
+/* Returns the file's name without folder and extension. */
 static char *base_name(struct pool *pool, const char *file)
 {
     const char *slash = strrchr(file, '/');

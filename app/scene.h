@@ -39,7 +39,7 @@ void scene_free(struct scene *scene);
 /* Writes the scene's plain keys, given or default, as JSON. */
 void scene_settings(FILE *out, const struct scene *scene);
 
-/* The integrator's name in a scene file. */
+/* Returns the integrator's name in a scene file. */
 const char *scene_integrator(const struct scene *scene);
 
 /* Settings of the command line that replace those of a scene; -1: not given. */

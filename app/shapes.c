@@ -157,7 +157,7 @@ static int make_box(struct pool *pool, const struct shape *s, struct mesh *mesh)
     return APP_OK;
 }
 
-/* A capsule: a sphere whose halves are `length` apart along y. */
+/* Makes a capsule: a sphere whose halves are `length` apart along y. */
 static int make_capsule(struct pool *pool, const struct shape *s, double length,
                         struct mesh *mesh)
 {
@@ -205,7 +205,7 @@ static double spline(const double p[4], double t)
     return p[1] + t * (a + t * (b + t * c)) / 2;
 }
 
-/* A figure on a pedestal: a fluted robe, shoulders and a head. */
+/* Makes a figure on a pedestal: a fluted robe, shoulders and a head. */
 static int make_statue(struct pool *pool, const struct shape *s,
                        struct mesh *mesh)
 {

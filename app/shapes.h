@@ -41,8 +41,8 @@ struct start {
     double radius, gap;  /* rolled: innermost radius, between layers, m */
 };
 enum { START_FLAT, START_HUNG, START_ROLLED };
-/* The curve's points for m particles h apart along it: (a, b) in the plane
- * of u and u × v, so that chords are h long. false if folds do not fit. */
+/* Computes the points (a, b), in the plane of u and u × v, of m particles along
+ * the curve, so that neighbours are h apart. False if the folds do not fit. */
 bool start_curve(const struct start *start, int m, double h,
                  double (*curve)[2]);
 

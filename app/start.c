@@ -33,7 +33,7 @@ static double distance(const double a[2], const double b[2])
     return square_root(x * x + y * y);
 }
 
-/* The first t after `from` at distance h from p, by bisection within
+/* Returns the first t after `from` at distance h from p, by bisection within
  * `reach`, in which the distance grows to h or more. */
 static double advance(const struct curve *curve, const double p[2], double from,
                       double reach, double h)
@@ -50,7 +50,7 @@ static double advance(const struct curve *curve, const double p[2], double from,
     return hi;
 }
 
-/* The length of one wave of a sine, by short chords. */
+/* Returns the length of one wave of a sine, by short chords. */
 static double wave_length(const struct curve *curve)
 {
     enum { CHORDS = 512 };
@@ -65,7 +65,8 @@ static double wave_length(const struct curve *curve)
     return sum;
 }
 
-/* The wavelength at which one wave takes `length` of cloth. */
+/* Sets the wavelength at which one wave takes `length` of cloth. False if there
+ * is none. */
 static bool fit_wave(struct curve *curve, double length)
 {
     if (!(4.2 * curve->depth < length))

@@ -4,9 +4,9 @@
 
 #include <math.h>
 
-/* The number of bytes of the first UTF-8 character, or 0 if the bytes are not
- * UTF-8: a wrong or missing continuation byte, an overlong form, a surrogate,
- * or a code point above 10FFFF (RFC 3629 §4). */
+/* Returns the number of bytes of the first UTF-8 character, or 0 if the bytes
+ * are not UTF-8: a wrong or missing continuation byte, an overlong form, a
+ * surrogate, or a code point above 10FFFF (RFC 3629 §4). */
 static int utf8_length(const unsigned char *c)
 {
     if (c[0] < 0x80)

@@ -35,7 +35,8 @@ fuzz_run fuzz_create, fuzz_scale, fuzz_calls, fuzz_twins, fuzz_audit, fuzz_ccd,
     fuzz_ccd_frames, fuzz_text, fuzz_load;
 fuzz_mutate load_mutate;
 
-/* libFuzzer's mutation of plain bytes, in builds with libFuzzer. */
+/* Mutates plain bytes as libFuzzer does. In builds without libFuzzer it changes
+ * nothing. */
 size_t fuzz_plain(uint8_t *data, size_t size, size_t most);
 
 #endif

@@ -1,15 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* drape: certified high-resolution cloth simulation (Tang et al. 2013).
- * The whole public API. Units are SI; the up direction is the caller's.
- * No function exits, prints, keeps global state or starts a thread that was
- * not asked for. Calls on one world must not overlap; worlds are independent.
- * Positions are [3] = x, y, z in metres, |x| ≤ 2^60.
- * One fault has one status, whichever function meets it. A pointer that is NULL
- * without being allowed to, a count, an index or an enumerator out of its range
- * and half an allocator are DRAPE_EARG. A number is DRAPE_EDATA if it is not
- * finite or, but for drape_ccd, beyond 2^60; else, out of its range, it is
- * DRAPE_EARG. Arrays must be as long as their counts say. After an error all is
- * as it was before the call, and outputs may hold anything. */
+ * This header is the whole public API. The pages that it names are in spec/.
+ *
+ * Use. Fill a drape_def, starting from drape_default; drape_create makes a
+ * world of it; drape_step advances the world; drape_destroy releases it.
+ *
+ * Conventions. Units are SI. A position is [3] = x, y, z in metres, |x| ≤ 2^60;
+ * which axis points up is the caller's choice. A field's comment gives its
+ * meaning, [the shape] of an array, its unit, and its range; a field without a
+ * range takes any number up to 2^60 in size. No function exits, prints, keeps
+ * global state or starts a thread that was not asked for. Calls on one world
+ * must not overlap in time; different worlds are independent.
+ *
+ * Errors. A fault has the same status in every function. It is DRAPE_EARG if a
+ * pointer is NULL that must not be; if a count, an index or an enumerator is
+ * out of its range; or if an allocator has only one of its two functions. A
+ * number that is not finite, or is beyond 2^60, is DRAPE_EDATA (drape_ccd takes
+ * all finite numbers); any other number out of its range is DRAPE_EARG. Arrays
+ * must be as long as their counts say, which no function can check. After an
+ * error all is as it was before the call, except that outputs may hold
+ * anything. */
 #ifndef DRAPE_H
 #define DRAPE_H
 
@@ -22,36 +32,49 @@ extern "C" {
 
 #define DRAPE_VERSION "0.1.0"
 
-/* Status of a call: DRAPE_OK or negative. */
+/* What a call returns: DRAPE_OK, or a negative status if it failed. */
 enum drape_status {
     DRAPE_OK = 0,
     DRAPE_EARG = -1,    /* an argument is NULL or out of its range */
     DRAPE_EDATA = -2,   /* a number is not finite or beyond 2^60 */
-    DRAPE_ENOMEM = -3,  /* the allocator gave nothing */
-    DRAPE_EFULL = -4,   /* an output is too small; the needed size is given */
-    DRAPE_ESTART = -5,  /* the start state intersects itself or an obstacle; so
-                           do triangles without area that touch another */
-    DRAPE_EDEVICE = -6, /* no such backend here, or its device is lost */
-    DRAPE_EMATCH = -7,  /* a checkpoint of another scene, build or version */
-    DRAPE_EIO = -8,     /* the caller's reader or writer failed */
-    DRAPE_ELIMIT = -9   /* the scene forbids it, as a limit it set itself */
+    DRAPE_ENOMEM = -3,  /* an allocator returned NULL */
+    DRAPE_EFULL = -4,   /* an output is too small. Stages return this status
+                           to the pipeline; no function of this header does */
+    DRAPE_ESTART = -5,  /* at the start cloth intersects itself, other cloth or
+                           an obstacle, or a triangle without area touches
+                           another triangle (narrow/audit.md §5) */
+    DRAPE_EDEVICE = -6, /* this build or machine lacks the backend, or the
+                           device has failed */
+    DRAPE_EMATCH = -7,  /* the checkpoint is damaged, or belongs to another
+                           definition, precision or format */
+    DRAPE_EIO = -8,     /* a function of the caller's ended the call */
+    DRAPE_ELIMIT = -9   /* the step would need more than the definition allows:
+                           substeps beyond max_substeps */
 };
 
-/* How a step ended: 0 is clean, else an or of these. */
+/* How a step ended: 0, or a bitwise or of these. After a step without
+ * DRAPE_TRAPPED no two triangles intersect that can collide: world/step.md §5,
+ * §11. */
 enum drape_outcome {
-    DRAPE_UNCONVERGED = 1, /* the linear solver missed its tolerance */
-    DRAPE_ZONES = 2,       /* impact zones were needed; the state is clean */
-    DRAPE_ROLLBACK = 4,    /* vertices were rolled back; the state is clean */
-    DRAPE_TRAPPED = 8,     /* the state that the step ends in intersects: what
-                              is led left no room, or it did from the start.
-                              Every step says so until none is left */
-    DRAPE_DIVERGED = 16,   /* energy blew up or a value is not finite: the
-                              last good state is kept and time stands still */
-    DRAPE_ASLEEP = 32,     /* nothing moved, nothing was done */
-    DRAPE_PASSED = 64      /* something went through something that is led, or
-                              that it had intersected before; the state is clean */
+    DRAPE_UNCONVERGED = 1, /* the linear solver did not reach its tolerance */
+    DRAPE_ZONES = 2,       /* impulses did not part all pairs, and impact zones
+                              were used (contact/zones.md) */
+    DRAPE_ROLLBACK = 4,    /* zones did not suffice either, and vertices were
+                              put back (contact/rollback.md) */
+    DRAPE_TRAPPED = 8,     /* the state at the end of the step intersects:
+                              obstacles or pins that move left no room, or the
+                              start intersected. Every step has this outcome
+                              until no intersecting pair is left */
+    DRAPE_DIVERGED = 16,   /* energy appeared from nothing, or a value was not
+                              finite. The state and the time are those before
+                              the step (cloth/dynamics.md §3) */
+    DRAPE_ASLEEP = 32,     /* the scene is at rest, and the step was skipped */
+    DRAPE_PASSED = 64      /* cloth went through something during the step,
+                              which the response could not prevent; at the end
+                              of the step nothing intersects */
 };
 
+/* How a cloth's motion is integrated. cloth/advance.md, cloth/implicit.md */
 enum drape_integrator {
     DRAPE_EULER,    /* symplectic Euler, explicit, order 1 */
     DRAPE_MIDPOINT, /* explicit midpoint, order 2 */
@@ -61,24 +84,35 @@ enum drape_integrator {
     DRAPE_CK        /* Choi–Ko 2002, semi-implicit BDF2, order 2 */
 };
 
+/* The preconditioner of the conjugate gradients: block-Jacobi (solve/jacobi.md)
+ * or geometric multigrid (solve/multigrid.md). */
 enum drape_precond { DRAPE_JACOBI, DRAPE_MULTIGRID };
+/* How the matrix of the linear system is stored. solve/matrix.md */
 enum drape_matrix {
-    DRAPE_CDF,    /* the paper's 17 diagonals of 3 × 3 blocks */
-    DRAPE_COMPACT /* the symmetric half, blocks of 6 */
+    DRAPE_CDF,    /* the paper's 17 diagonals of full 3 × 3 blocks */
+    DRAPE_COMPACT /* the symmetric half, in symmetric blocks of 6 numbers */
 };
+/* Who computes the vector operations of the conjugate gradients. solve/pcg.md
+ * §6 */
 enum drape_solver {
-    DRAPE_EXACT, /* the same bits everywhere */
-    DRAPE_CUBLAS /* the paper's: cuBLAS adds in an order of its own */
+    DRAPE_EXACT, /* drape's own code: the same bits on every machine */
+    DRAPE_CUBLAS /* cuBLAS, as in the paper: it adds in an order of its own, so
+                    the bits are not those of the reference */
 };
+/* Where the stages run: on the CPU (ref/) or on an NVIDIA GPU (gpu/). The bits
+ * are the same with DRAPE_EXACT. */
 enum drape_backend { DRAPE_REF, DRAPE_GPU };
 
-/* What resists bending. spec/cloth/cloth.md §4, §7 */
+/* What resists bending. cloth/cloth.md §4, §5, §7 */
 enum drape_bending {
-    DRAPE_TRIPLES, /* second differences: `bend` at any size of cells */
-    DRAPE_SPRINGS  /* the paper's springs between every second particle */
+    DRAPE_TRIPLES, /* second differences of three particles in a row: they have
+                      the stiffness `bend` at any size of cells */
+    DRAPE_SPRINGS  /* the paper's springs between every second particle: weaker
+                      than `bend` where curvature is small (cloth/cloth.md §5) */
 };
 
-/* What cloth is made of, independent of the grid that samples it. */
+/* What cloth is made of. The numbers do not depend on the grid: cloth/cloth.md
+ * §4 derives the constants of springs and triples from them. */
 typedef struct drape_material {
     double density;   /* kg/m², > 0 */
     double stretch;   /* N/m, tension a width for strain 1, > 0 */
@@ -91,89 +125,118 @@ typedef struct drape_material {
                          of its two */
 } drape_material;
 
-/* A rigid motion by keyframes: x(t) = p(t) + R(q(t)) (x(0) - pivot). Linear
- * in p, normalised linear in q between keys, constant before and after. */
+/* A rigid motion by keyframes. It takes a point X, as the definition places
+ * it, to x(t) = p(t) + R(q(t)) (X - pivot) at time t. Between keys p is linear
+ * in time and q is linear and then normalised, by the shorter way round; before
+ * the first key and after the last the motion stands still.
+ * world/kinematics.md §2 */
 typedef struct drape_motion {
-    int keys;                    /* 1 … 2^24 */
+    int keys;                    /* number of keys, 1 … 2^24 */
     const double *time;          /* [keys] s, strictly ascending */
     const double (*position)[3]; /* [keys] p, m */
-    const double (*rotation)[4]; /* [keys] q = w, x, y, z, unit to 1e-6; NULL:
-                                    identity */
-    double pivot[3];             /* m */
+    const double (*rotation)[4]; /* [keys] q = w, x, y, z, of length 1 within
+                                    1e-6; NULL: no rotation */
+    double pivot[3];             /* the point that goes to p, m */
 } drape_motion;
 
-/* Particle (i, j) of a cloth is held, or led by a motion. */
+/* A particle of a cloth that does not move freely. */
 typedef struct drape_pin {
-    int i, j;
-    int motion; /* index into drape_def.motions, -1: held where it starts */
+    int i, j;   /* the particle, 0 … m - 1 and 0 … n - 1; it has a cell */
+    int motion; /* index into drape_def.motions of the motion that moves the
+                   particle, or -1: the particle stays where it starts */
 } drape_pin;
 
-/* A rectangular grid of m × n particles; (i, j) is number i + m·j. */
+/* A rectangular sheet: a grid of m × n particles, of which (i, j) is number
+ * i + m·j, with (m-1)·(n-1) cells between them, of which (i, j) is number
+ * i + (m-1)·j. cloth/cloth.md §1 */
 typedef struct drape_cloth {
-    int m, n;             /* 2 … 32768 each */
-    double width, height; /* m at rest, along i and along j; the longer side of
-                             a cell is below √(stretch / shear) of the other */
+    int m, n; /* particles along i and along j, 2 … 32768 each */
+    /* Size at rest along i and along j, m, > 0. The longer side of a cell is
+     * less than √(stretch / shear) times the shorter one. */
+    double width, height;
     drape_material material;
-    const double (*x)[3]; /* [m·n] start; NULL: flat by origin, u and v */
-    double origin[3], u[3], v[3]; /* particle 0, m; axes along i and j, unit and
-                                     at right angles to 1e-6 */
-    const double (*velocity)[3];  /* [m·n] m/s; NULL: zero */
-    const uint8_t *hole;   /* [m·n] 1: the particle is missing; NULL: none */
-    const uint8_t *cut;    /* [(m-1)·(n-1)] 1: the cell is missing; NULL; at
-                              least one cell is left */
-    const drape_pin *pins; /* [n_pins] of particles with a cell */
+    /* [m·n] m: where the particles start; NULL: flat, by the next three. */
+    const double (*x)[3];
+    /* The place of particle 0, m, and the directions of i and of j, which are
+     * of length 1 and at right angles within 1e-6. Not read if x is given. */
+    double origin[3], u[3], v[3];
+    const double (*velocity)[3]; /* [m·n] m/s, at the start; NULL: at rest */
+    const uint8_t *hole; /* [m·n] 1: the particle is missing; NULL: none is */
+    /* [(m-1)·(n-1)] 1: the cell is missing; NULL: none is. Holes and cuts
+     * leave at least one cell. */
+    const uint8_t *cut;
+    const drape_pin *pins; /* [n_pins] */
     int n_pins;            /* 0 … m·n */
     int bending;           /* enum drape_bending */
 } drape_cloth;
 
-/* A triangle mesh that moves as told; open, closed or non-manifold. */
+/* A triangle mesh that cloth collides with and does not push. The mesh may be
+ * open, closed or non-manifold. It stands still, or moves by a motion, or
+ * deforms by frames. */
 typedef struct drape_obstacle {
-    int64_t n_vertices, n_triangles;
-    const double (*x)[3];     /* [n_vertices] m, at time 0 */
-    const int32_t (*tri)[3];  /* [n_triangles] vertices of this obstacle */
-    double friction;          /* as a material's */
-    int motion;               /* index into drape_def.motions, -1: none */
-    int frames;               /* deforming: number of frames, to 2^24, and no
-                                 motion; else 0 */
-    double frame_dt;          /* s between frames, linear in between */
+    int64_t n_vertices, n_triangles; /* at least 1 each */
+    const double (*x)[3];    /* [n_vertices] m; a motion maps it at time 0 too;
+                                not used where there are frames */
+    const int32_t (*tri)[3]; /* [n_triangles] its own vertices, from 0 */
+    double friction; /* Coulomb coefficient, 0 … 1e6, as a material's */
+    int motion;      /* index into drape_def.motions, -1: none */
+    int frames; /* number of frames, to 2^24, of a mesh that deforms, which has
+                   no motion; 0: none */
+    /* s, > 0, between frames. Frame 0 is at time 0; positions are linear
+     * between frames, and the last frame stays. Not read without frames. */
+    double frame_dt;
     const double (*frame)[3]; /* [frames][n_vertices] m */
 } drape_obstacle;
 
+/* Air that moves with one velocity everywhere. cloth/wind.md */
 typedef struct drape_wind {
     double velocity[3]; /* m/s */
-    double density;     /* kg/m³ of air; 0: no air at all */
-    double drag, lift;  /* coefficients of a triangle, 0 … 1e6 */
+    double density;     /* kg/m³, ≥ 0; 0: there is no air */
+    double drag, lift;  /* coefficients of a triangle along and across the
+                           flow, 0 … 1e6 */
 } drape_wind;
 
-/* Called within calls on the worlds that have it, and nowhere else. Memory of
- * the host is aligned to 64, of a device to 256. */
+/* Where memory comes from: both functions, or zeros for the default. They are
+ * called only within calls that were given the allocator or a world made with
+ * it, and get `user` as it is here. */
 typedef struct drape_allocator {
-    void *(*allocate)(void *user, size_t bytes); /* NULL: there is none */
+    /* Returns `bytes` of memory, aligned to 64 bytes on the host and to 256 on
+     * a device, or NULL if there is none. */
+    void *(*allocate)(void *user, size_t bytes);
+    /* Takes back what `allocate` gave for this number of bytes. */
     void (*release)(void *user, void *p, size_t bytes);
-    void *user;
+    void *user; /* may be NULL */
 } drape_allocator;
 
-/* Called after each stage of a step, where asked for. digest: 64 bits of the
- * stage's main output, in stream order; seconds: since the stage before. */
+/* Called after each stage of a step. step: the steps done before this one.
+ * stage: its name, static. digest: a 64-bit hash of the stage's main output in
+ * stream order, the same on both backends. seconds: wall time since the stage
+ * before, hashing aside. */
 typedef void drape_trace(void *user, int64_t step, const char *stage,
                          uint64_t digest, double seconds);
 
-/* Called within calls on a world with a line for people, which lasts as long
- * as the call: what was made, what failed and why, where memory grew. */
+/* Called within drape_create and drape_step with a line for people to read:
+ * what was made, what failed and why, where memory grew. The line has no line
+ * end, and is valid until the function returns. */
 typedef void drape_log(void *user, const char *line);
 
-/* A scene. Everything it points to is copied by drape_create. */
+/* A scene: bodies, forces, and how a step is computed. drape_create copies all
+ * that a definition points to, except what `stream`, the allocators' `user`,
+ * log_user and trace_user point to, which must outlive the world. Fill it by
+ * drape_default first. */
 typedef struct drape_def {
     int backend;   /* enum drape_backend */
     int precision; /* 32 or 64: bits of a number in the state */
-    int threads;   /* of the reference, to 4096; 0: as many as processors.
-                      They live within a call and sleep while they wait. More
-                      than 8 and twice the processors, or than can be had, are
-                      not started. Same bits. */
-    int block;     /* threads of a block of the device, a multiple of 32 up
-                      to 256; 0: 256. Same bits. */
+    /* Threads of the reference, with the caller's, 0 … 4096; 0: as many as
+     * there are processors. At most twice as many as processors are used, but
+     * up to 8 always, and fewer if the system gives fewer. The threads exist
+     * only during a call. The number changes no bit. */
+    int threads;
+    /* Threads of a thread block on the device: a multiple of 32 up to 256; 0:
+     * 256. The number changes no bit. */
+    int block;
 
-    double dt;         /* s a step, 1e-9 … 1e3 */
+    double dt;         /* length of a step, s, 1e-9 … 1e3 */
     double gravity[3]; /* m/s² */
     drape_wind wind;
     int integrator;     /* enum drape_integrator */
@@ -181,232 +244,277 @@ typedef struct drape_def {
     int precond;        /* enum drape_precond */
     int matrix;         /* enum drape_matrix */
     int solver;         /* enum drape_solver; DRAPE_CUBLAS: backend gpu only */
-    double tolerance;   /* of the relative residual, 1e-15 … 1 */
-    int max_iterations; /* of one solve, ≥ 1 */
+    double tolerance;   /* of a solve: relative residual, 1e-15 … 1 */
+    int max_iterations; /* of the conjugate gradients in one solve, ≥ 1 */
 
-    int self_collision;     /* 0: cloth does not see cloth */
-    int max_rounds;         /* of collision impulses before the fail-safe, 0 …
-                               10000 */
-    int max_slices;         /* into which a step is cut where things move far or
-                               it goes wrong: a power of two, 1 (never) … 64 */
-    int allow_intersecting; /* 1: a start that intersects is accepted */
-    int sleep;              /* 1: a scene at rest is skipped until it wakes */
+    int self_collision; /* 1: cloth collides with cloth, its own and others'; 0:
+                           with obstacles only */
+    int max_rounds;     /* rounds of collision impulses in a slice before the
+                           fail-safe, 0 … 10000 (contact/response.md §4) */
+    /* Most slices of a step, a power of two, 1 … 64; 1: a step is never cut. A
+     * step is cut where things move far or where it ends badly
+     * (world/step.md §7). */
+    int max_slices;
+    int allow_intersecting; /* 1: a start that intersects is accepted; 0: it is
+                               DRAPE_ESTART */
+    int sleep;              /* 1: steps are skipped while the scene is at rest
+                               (world/step.md §6) */
 
-    const drape_cloth *cloths;
-    int n_cloths; /* 1 … 4096 */
-    const drape_obstacle *obstacles;
-    int n_obstacles; /* 0 … 4096 */
-    const drape_motion *motions;
-    int n_motions; /* 0 … 2^20; vertices, triangles of all: < 2^28 */
+    const drape_cloth *cloths;       /* [n_cloths] */
+    int n_cloths;                    /* 1 … 4096 */
+    const drape_obstacle *obstacles; /* [n_obstacles] */
+    int n_obstacles;                 /* 0 … 4096 */
+    const drape_motion *motions;     /* [n_motions], shared by pins and
+                                        obstacles */
+    int n_motions;                   /* 0 … 2^20 */
+    /* All bodies together have fewer than 2^28 vertices and triangles each. */
 
-    drape_allocator allocator;        /* zero: malloc and free */
-    drape_allocator device_allocator; /* zero: cudaMalloc and cudaFree */
-    void *stream;   /* of backend gpu: a cudaStream_t that outlives the world;
-                       NULL: one of its own. The device is that current in
-                       drape_create, and must be in all calls on the world. */
+    drape_allocator allocator;        /* zeros: malloc and free */
+    drape_allocator device_allocator; /* zeros: cudaMalloc and cudaFree */
+    /* Of DRAPE_GPU: the cudaStream_t on which the world works, which must
+     * outlive it; NULL: the world makes one. The world lives on the device that
+     * is current in drape_create, and this device must be current in all later
+     * calls on the world. */
+    void *stream;
     drape_log *log; /* NULL: none */
     void *log_user;
     drape_trace *trace; /* NULL: none, and no digest is computed */
     void *trace_user;
 } drape_def;
 
-/* What went wrong, in one line: what, where, and what was expected. */
+/* What was wrong with a definition: what, where, and what was expected. */
 typedef struct drape_error {
-    char text[256];
+    char text[256]; /* one line without a line end, ended by 0 */
 } drape_error;
 
-/* Stages whose time and work a step reports. */
+/* The parts into which a report divides the time of a step. */
 enum drape_part {
-    DRAPE_PART_INTEGRATION,
-    DRAPE_PART_SOLVER,
-    DRAPE_PART_BROAD,
-    DRAPE_PART_PROXIMITY,
-    DRAPE_PART_PENETRATION,
+    DRAPE_PART_INTEGRATION, /* forces and motion, without the solver */
+    DRAPE_PART_SOLVER,      /* linear systems, those with contacts too */
+    DRAPE_PART_BROAD,       /* queries of the broad phase */
+    DRAPE_PART_PROXIMITY,   /* repulsion, and how far candidates move */
+    DRAPE_PART_PENETRATION, /* narrow phase, impulses and fail-safe */
     DRAPE_PART_COUNT
 };
 
-/* What a step did of what it might have had to do: of all its slices, those
- * that were taken again too. All 0 in a step asleep. Both backends count the
- * same. spec/world/step.md §10 */
+/* The work that a step did, with that of slices which were taken again; what is
+ * not in it was skipped. All is 0 in a step asleep. Both backends count the
+ * same. world/step.md §10 */
 typedef struct drape_work {
-    int tries;          /* slices begun; slices of the report were kept */
-    int solves;         /* linear systems, a cloth's own and with contacts */
-    int queries;        /* of the broad phase */
-    int narrow;         /* narrow phases; rounds without a candidate had none */
-    int64_t boxes;      /* of the tree, refitted by the queries */
-    int64_t boxes_kept; /* not refitted: of obstacles that never move, or all
-                           where whole meshes are apart */
-    int64_t walked;     /* pairs of boxes looked into */
-    int64_t cleared;    /* pairs of boxes that meet, not looked into as cones
-                           prove their cloth apart */
-    int64_t near;       /* pairs given to proximity */
-    int64_t later;      /* of candidates, those of rounds after the first: of
-                           what had moved since */
+    int tries;          /* slices begun; the report's `slices` were kept */
+    int solves;         /* linear systems solved, without and with contacts */
+    int queries;        /* queries of the broad phase */
+    int narrow;         /* runs of the narrow phase */
+    int64_t boxes;      /* boxes of the BVH that queries refitted */
+    int64_t boxes_kept; /* boxes that they left as they were: those of obstacles
+                           that never move, or all where whole meshes are
+                           apart */
+    int64_t walked;     /* pairs of boxes that the walk visited */
+    int64_t cleared;    /* pairs of boxes that meet and were not entered, as
+                           tangent cones exclude contact (broad/cones.md) */
+    int64_t near;       /* pairs of primitives given to proximity */
+    int64_t later;      /* those of the report's `candidates` that were found in
+                           rounds after the first */
 } drape_work;
 
+/* What a step did. Counts marked * include slices that were taken again; all
+ * others are of the slices that were kept. */
 typedef struct drape_step_report {
-    int64_t step;       /* steps done so far, this one included */
+    int64_t step;       /* steps done since time 0, with this one unless it
+                           diverged */
     double time;        /* s, at the end of the step */
-    int outcome;        /* or of enum drape_outcome */
-    int slices;         /* that the step was cut into */
-    int substeps;       /* of the integrator, of a slice the most */
-    int iterations;     /* of the linear solver, all solves */
-    double residual;    /* relative, the worst of its solves */
-    int rounds;         /* of penetration, the last finds nothing; 0 where
-                           nothing was near anything */
-    int64_t contacts;   /* pairs in proximity, of the last slice */
-    int64_t impacts;    /* pairs that penetrated, all rounds */
-    int64_t candidates; /* pairs given to the narrow phase, all rounds; this,
-                           iterations and rounds with slices taken again */
-    int64_t zone_vertices, rolled_back; /* touched by the fail-safe */
-    int64_t intersecting; /* pairs of triangles that do at the end of the step,
-                             as drape_audit counts them; 0 unless TRAPPED */
-    double kinetic, elastic, potential; /* J; potential: gravity, from 0 */
-    double seconds[DRAPE_PART_COUNT];   /* wall time by part */
-    drape_work work;
+    int outcome;        /* bitwise or of enum drape_outcome; 0: clean */
+    int slices;         /* slices that make up the step, 1 … max_slices */
+    int substeps;       /* most substeps of the integrator in a slice */
+    int iterations;     /* * of the linear solver, all solves together */
+    double residual;    /* relative, the largest of the solves */
+    int rounds;         /* * detections of penetration, of which the last in a
+                           clean slice finds no pair; 0 where nothing was near
+                           anything */
+    int64_t contacts;   /* pairs closer than their thickness, last slice */
+    int64_t impacts;    /* pairs found to penetrate, all rounds */
+    int64_t candidates; /* * pairs given to the narrow phase, all rounds */
+    int64_t zone_vertices, rolled_back; /* vertices that the fail-safe moved in
+                                           zones, and that it put back */
+    int64_t intersecting; /* intersecting pairs of triangles at the end of the
+                             step, as drape_audit counts them; not 0 only with
+                             DRAPE_TRAPPED */
+    double kinetic, elastic, potential; /* J, of all cloths, at the end of the
+                                           step; potential: of gravity, 0 at the
+                                           origin */
+    double seconds[DRAPE_PART_COUNT];   /* * wall time of each part */
+    drape_work work;                    /* * what was computed */
 } drape_step_report;
 
-/* One row of the plan: a stage, whether it exists in this scene, and why. */
+/* A row of a world's plan: a stage, whether the scene uses it, and why. */
 typedef struct drape_plan_row {
-    const char *stage; /* static */
-    int on;
-    const char *why; /* static */
-    size_t bytes;    /* held now for its streams */
+    const char *stage; /* name, static */
+    int on;            /* 1: the scene uses the stage */
+    const char *why;   /* a few words, static */
+    size_t bytes;      /* of memory held now for the row's streams */
 } drape_plan_row;
 
+/* A scene that was made, and its state: opaque. */
 typedef struct drape_world drape_world;
 
-/* Defaults: the reference on one thread, 32 bits, dt 1/60, gravity -9.81 y, no
- * air (drag 1 and lift 0.3 once it has a density), Baraff–Witkin, multigrid
- * and the symmetric half to 1e-3 within 2000 iterations, at most 100000
- * substeps, self-collision, 16 rounds, 32 slices, sleep. Never fails; NULL,
- * here and in the next two, is left alone. */
+/* Fills a definition with defaults: the reference on one thread, 32 bits, dt
+ * 1/60, gravity -9.81 along y, no air (drag 1 and lift 0.3 for when a density
+ * is set), Baraff–Witkin, multigrid and the symmetric half, tolerance 1e-3, at
+ * most 2000 iterations and 100000 substeps, self-collision, 16 rounds, 32
+ * slices, sleep; no bodies. It never fails. NULL does nothing, as in the next
+ * two functions. */
 void drape_default(drape_def *def);
-/* Defaults: 101 × 101, 1 m × 1 m, flat in the xz plane, and light cotton:
- * density 0.2, stretch 1000, shear 300, bend 1e-5, damping 1e-3, thickness
- * 0.002, friction 0.3, bending by triples. */
+/* Fills a cloth with defaults: 101 × 101 particles, 1 m × 1 m, flat in the xz
+ * plane, without holes, cuts or pins, of light cotton: density 0.2, stretch
+ * 1000, shear 300, bend 1e-5, damping 1e-3, thickness 0.002, friction 0.3,
+ * bending by triples. */
 void drape_default_cloth(drape_cloth *cloth);
-/* Defaults: friction 0.3, no motion. */
+/* Fills an obstacle with defaults: friction 0.3, no motion, no frames; no
+ * vertices or triangles yet. */
 void drape_default_obstacle(drape_obstacle *obstacle);
 
-/* Checks the whole definition and makes a world, at time 0. On failure *world
- * is NULL and error (may be NULL) says what and where: DRAPE_EARG (also where
- * def or world is NULL), EDATA, ENOMEM, ESTART, EDEVICE, ELIMIT. The caller
- * destroys it. */
+/* Checks the whole definition and makes a world from it, at time 0. The caller
+ * owns *world and ends it by drape_destroy. On failure *world is NULL, and
+ * `error`, which may be NULL, says what was wrong and where: DRAPE_EARG,
+ * DRAPE_EDATA, DRAPE_ENOMEM, DRAPE_ESTART, DRAPE_EDEVICE, DRAPE_ELIMIT. */
 int drape_create(const drape_def *def, drape_world **world, drape_error *error);
-void drape_destroy(drape_world *world); /* NULL is allowed */
+/* Releases a world and all its memory. NULL does nothing. */
+void drape_destroy(drape_world *world);
 
-/* Advances by dt. report may be NULL. Negative, as DRAPE_ENOMEM after which the
- * next call may do, DRAPE_EDEVICE, or DRAPE_EARG without a world: nothing has
- * changed. */
+/* Advances a world by dt (world/step.md). DRAPE_OK: the step is done or, if its
+ * outcome has DRAPE_DIVERGED, was given up; `report`, which may be NULL, says
+ * what happened. DRAPE_EARG: world is NULL. DRAPE_ENOMEM: the next call may
+ * succeed. DRAPE_EDATA: a motion leads beyond 2^60. DRAPE_EDEVICE. After an
+ * error the state is that before the step. */
 int drape_step(drape_world *world, drape_step_report *report);
 
-/* Counts of the whole scene: cloth first, then obstacles. DRAPE_EARG without a
- * world. */
+/* Return the number of vertices and of triangles of a scene. The vertices of
+ * the cloths come first, in the definition's order, then those of the
+ * obstacles; triangles likewise. Missing particles are vertices too.
+ * DRAPE_EARG: world is NULL. */
 int64_t drape_vertices(const drape_world *world);
 int64_t drape_triangles(const drape_world *world);
-/* The first vertex (triangle) of cloth or obstacle k counts on from the
- * cloths: body k in 0 … n_cloths + n_obstacles, the last is the total; else
- * DRAPE_EARG. */
+/* Return where the vertices and the triangles of a body begin. Bodies 0 …
+ * n_cloths - 1 are the cloths, the next n_obstacles the obstacles; body
+ * n_cloths + n_obstacles gives the total. DRAPE_EARG: world is NULL, or there
+ * is no such body. */
 int64_t drape_first_vertex(const drape_world *world, int body);
 int64_t drape_first_triangle(const drape_world *world, int body);
-/* Copies of the current state: x, v [drape_vertices][3], v in m/s. Either
- * may be NULL. DRAPE_EARG without a world, DRAPE_EDEVICE where a device was
- * lost. */
+/* Copies the current state to x and v, [drape_vertices][3] each, m and m/s.
+ * Either may be NULL. DRAPE_OK; DRAPE_EARG: world is NULL; DRAPE_EDEVICE. */
 int drape_read(const drape_world *world, double (*x)[3], double (*v)[3]);
-/* Copies of the connectivity: tri [drape_triangles][3]. DRAPE_EARG without a
- * world or tri. */
+/* Copies the three vertices of each triangle to tri, [drape_triangles][3];
+ * vertices count from the scene's first. They never change. DRAPE_OK, or
+ * DRAPE_EARG: world or tri is NULL. */
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3]);
 
-/* Where the current state lies, to be read without a copy. It is the world's,
- * and valid until the next drape_step, drape_load or drape_destroy. On a
- * device it is complete in the order of `stream`: what the caller puts there
- * comes after it and before the next step; other streams wait by an event. */
+/* Where the current state lies, to be read without a copy. The memory belongs
+ * to the world; x and v are valid until the next drape_step, drape_load or
+ * drape_destroy. On a device the state is complete in the order of `stream`:
+ * what the caller puts on this stream runs after it and before the next step.
+ * Work on other streams must wait for an event on this one. */
 typedef struct drape_view {
-    const void *x, *v;       /* [vertices][3] m, m/s: float or double */
-    const int32_t (*tri)[3]; /* [triangles] */
+    const void *x, *v;       /* [vertices][3] m and m/s, of `precision` bits */
+    const int32_t (*tri)[3]; /* [triangles] vertices of the scene */
     int64_t vertices, triangles;
-    int precision; /* 32: float, 64: double */
-    int device;    /* CUDA's number of it; -1: memory of the host */
-    void *stream;  /* cudaStream_t; NULL: of the reference */
+    int precision; /* 32: x and v are of float, 64: of double */
+    int device;    /* CUDA's number of the device; -1: host memory */
+    void *stream;  /* the world's cudaStream_t; NULL for the reference */
 } drape_view;
-/* The first call on a device takes the triangles' memory there if nothing can
- * collide. DRAPE_OK, DRAPE_EARG without a world or view, DRAPE_ENOMEM,
- * DRAPE_EDEVICE. */
+/* Fills a view. On a device on which nothing can collide, the first call
+ * allocates memory for the triangles. DRAPE_OK; DRAPE_EARG: world or view is
+ * NULL; DRAPE_ENOMEM, DRAPE_EDEVICE. */
 int drape_borrow(drape_world *world, drape_view *view);
 
-/* Wakes a sleeping scene; NULL is allowed. */
+/* Wakes a scene that is asleep, so that the next step is computed. NULL does
+ * nothing. */
 void drape_wake(drape_world *world);
-/* From the next step on; wakes. wind is copied. A world made without air stays
- * so: DRAPE_EARG; give it a density, drag or lift from the start. Ranges and
- * their statuses are those of a definition. */
+/* Sets the wind from the next step on, and wakes the scene. The wind is copied.
+ * Ranges and statuses are those of a definition. DRAPE_EARG also where the
+ * definition's own wind had no force (no density, or neither drag nor lift)
+ * and this one has: such a world was made without the wind stage. */
 int drape_set_wind(drape_world *world, const drape_wind *wind);
 
-/* Rows of the plan into row[capacity]; returns how many there are. row may be
- * NULL if capacity is 0. DRAPE_EARG without a world, row or room below 0. */
+/* Writes the first `capacity` rows of the plan to row, and returns how many
+ * rows there are. row may be NULL if capacity is 0. DRAPE_EARG: world is NULL,
+ * capacity is below 0, or row is NULL otherwise. */
 int drape_plan(const drape_world *world, drape_plan_row *row, int capacity);
 
-/* A world's streams and records, without what CUDA keeps for itself. Where a
- * scene has settled, a step allocates nothing. */
+/* Memory of a world's streams and records, without what the CUDA runtime keeps
+ * for itself. Once a scene has settled, a step allocates nothing. */
 typedef struct drape_memory {
     size_t host_bytes, device_bytes; /* held now */
-    size_t borrowed_bytes; /* of device_bytes, the solver's that contact uses
-                              between solves */
+    size_t borrowed_bytes; /* part of device_bytes: memory of the solver that
+                              contact uses between solves */
     int64_t host_allocations, device_allocations; /* since drape_create */
 } drape_memory;
-/* DRAPE_OK, or DRAPE_EARG without a world or memory. */
+/* Fills memory. DRAPE_OK, or DRAPE_EARG: world or memory is NULL. */
 int drape_count(const drape_world *world, drape_memory *memory);
 
-/* A checkpoint through the caller's functions, which return 0 when all
- * bytes went through. A loaded world goes on bit for bit; it must have been
- * made from the same definition, but backend, threads, block, stream,
- * allocators, log and trace may be others. user may be NULL. DRAPE_EARG without
- * a world or a function, DRAPE_EIO, EMATCH, EDATA (a number that no step
- * gives), ENOMEM, EDEVICE: the world is unchanged. */
+/* The caller's writer and reader of a checkpoint: each returns 0 if all bytes
+ * were written, or read. */
 typedef int drape_write(void *user, const void *data, size_t bytes);
 typedef int drape_read_bytes(void *user, void *data, size_t bytes);
+/* drape_save writes a checkpoint of the state; drape_load replaces the state by
+ * one. A loaded world continues with the same bits as the saved one. It must
+ * have been made from the same definition, of which backend, threads, block,
+ * stream, allocators, log and trace may differ. user may be NULL. DRAPE_OK;
+ * DRAPE_EARG: world or the function is NULL; DRAPE_EIO: the function did not
+ * return 0; DRAPE_ENOMEM, DRAPE_EDEVICE; and of drape_load DRAPE_EMATCH, and
+ * DRAPE_EDATA: the checkpoint holds a number that no step gives. After an error
+ * the world is as before. */
 int drape_save(const drape_world *world, drape_write *write, void *user);
 int drape_load(drape_world *world, drape_read_bytes *read, void *user);
 
+/* A triangle mesh for the functions that need no world. Nothing of it is kept
+ * after the call. Computation is in binary64. */
 typedef struct drape_mesh {
-    int64_t nv, nt;            /* vertices, triangles */
+    int64_t nv, nt;            /* vertices and triangles, < 2^31 each; in
+                                  drape_ccd_frames < 2^29 */
     const double (*x)[3];      /* [nv] m */
-    const int32_t (*tri)[3];   /* [nt] vertices */
-    const int32_t *group;      /* [nt], 0: an obstacle; NULL: none is */
-    int threads;               /* to 4096; 0: as many as cores. Same bits. */
-    drape_allocator allocator; /* zero: malloc and free */
+    const int32_t (*tri)[3];   /* [nt] vertices, 0 … nv - 1 */
+    const int32_t *group;      /* [nt] 0: of an obstacle; NULL: none is */
+    int threads;               /* as in drape_def, 0 … 4096 */
+    drape_allocator allocator; /* zeros: malloc and free */
 } drape_mesh;
-/* Intersecting pairs of triangles, decided exactly (spec/narrow/audit.md); two
- * obstacles' are not compared. The first `capacity` go to pair; *found counts
- * all, *degenerate (or NULL) triangles without area, which are in none, though
- * drape_create looks at them too.
- * DRAPE_OK also when more were found than fit, and pair may be NULL if capacity
- * is 0; DRAPE_EARG (NULL, a count, an index), EDATA, ENOMEM. */
+/* Finds the intersecting pairs of triangles of a mesh, exactly
+ * (narrow/audit.md). Two triangles of group 0 are not compared. The first
+ * `capacity` pairs, ascending, go to pair, which may be NULL if capacity is 0;
+ * *found is the number of all pairs, which may be larger. *degenerate, unless
+ * degenerate is NULL, is the number of triangles without area; they are in no
+ * pair (but drape_create looks at them: narrow/audit.md §5). DRAPE_OK;
+ * DRAPE_EARG: a pointer, a count or an index; DRAPE_EDATA, DRAPE_ENOMEM. */
 int drape_audit(const drape_mesh *mesh, int64_t capacity, int32_t (*pair)[2],
                 int64_t *found, int64_t *degenerate);
 
-/* Whether a vertex x[0] and a face x[1..3] (kind 0), or two edges x[0]x[1]
- * and x[2]x[3] (kind 1), moving linearly from x0 to x1, touch in [0, 1]:
- * 1 and *toi (never late, at most 2^-30 early), 0, or DRAPE_EDATA where a
- * coordinate is not finite, DRAPE_EARG for another kind or a NULL. */
+/* Decides exactly whether two primitives that move linearly from x0 at time 0
+ * to x1 at time 1 touch (narrow/narrow.md): vertex 0 and face 1 2 3 (kind 0),
+ * or edges 0 1 and 2 3 (kind 1). Coordinates are finite, of any size. Returns 1
+ * and sets *toi, in 0 … 1, to at most 2^-30 before the first touch and never
+ * after it; 0: they do not touch; DRAPE_EARG: another kind, or NULL;
+ * DRAPE_EDATA. */
 int drape_ccd(int kind, const double x0[4][3], const double x1[4][3],
               double *toi);
 
-/* Called for each pair of primitives that touch: v f0 f1 f2 (kind 0) or
- * a0 a1 b0 b1 (kind 1), and when, as above. Other than 0 ends the query. */
+/* Called for each pair that touches, of vertex v[0] and face v[1] v[2] v[3]
+ * (kind 0) or of edges v[0] v[1] and v[2] v[3] (kind 1), with toi as above.
+ * Another return value than 0 ends the query. */
 typedef int drape_touch(void *user, int kind, const int32_t v[4], double toi);
-/* Every vertex and face, and every two edges, of the mesh's triangles that
- * share no vertex and touch in [0, 1], as it moves linearly from x to x1
- * [nv]: each once, faces before edges, in the same order on every run.
- * group must be NULL. candidates, or NULL: pairs of each kind that were
- * decided exactly. DRAPE_EIO where touch ended it; DRAPE_EARG (NULL, a count,
- * an index), EDATA, ENOMEM. */
+/* Finds every vertex and face, and every two edges, of a mesh that share no
+ * vertex and touch while the mesh moves linearly from mesh->x at time 0 to x1
+ * [nv] m at time 1. Each pair is reported once, vertices and faces before
+ * edges, in the same order on every run. mesh->group must be NULL. candidates,
+ * which may be NULL, gets the numbers of vertex-face and of edge-edge pairs
+ * that were decided. user may be NULL. DRAPE_OK; DRAPE_EIO: `touch` ended the
+ * query; DRAPE_EARG: a pointer, a count or an index; DRAPE_EDATA,
+ * DRAPE_ENOMEM. */
 int drape_ccd_frames(const drape_mesh *mesh, const double (*x1)[3],
                      drape_touch *touch, void *user, int64_t candidates[2]);
 
-/* One line a version: library, precisions, backends, certificate. */
+/* Returns a static text of four lines: the version, the precisions of each
+ * backend, and what the certificate says of this code. */
 const char *drape_info(void);
-/* A few words for any number, also for one that is no status. */
+/* Returns a few static words for a status, and for any other number too. */
 const char *drape_status_text(int status);
 
 #ifdef __cplusplus

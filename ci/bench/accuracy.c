@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Run time against error, stability, skipped work: `make bench`, and with
- * --quick a part of `make check`. spec/accuracy.md */
+/* The program of `make bench`: run time against error, stability, contact,
+ * skipped work. With --quick it is a part of `make check`. spec/accuracy.md */
 #include "ci/bench/skip.h"
 
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What accuracy costs, where each method breaks, what is skipped: the parts
- * of build/accuracy. Each writes csv; what must hold is counted as a check.
- * spec/accuracy.md */
+/* The parts of build/accuracy measure what accuracy costs, where each method
+ * breaks, and what unused features cost. Each part writes csv files; results
+ * that must hold are counted as checks. spec/accuracy.md */
 #ifndef BENCH_ACCURACY_H
 #define BENCH_ACCURACY_H
 
@@ -10,73 +10,76 @@
 #include <stdio.h>
 
 struct bench {
-    const char *program;   /* this one's path */
-    const char *directory; /* of the csv files */
+    const char *program;   /* path of this program */
+    const char *directory; /* where the csv files go */
     int backend;           /* enum drape_backend */
-    bool wall;             /* time of the reference is wall time too */
-    bool quick;            /* a small form, for make check */
-    bool mute;             /* no report is asked for: runs keep no counts */
+    bool wall;             /* measure wall time for the reference too */
+    bool quick;            /* run a small form, for make check */
+    bool mute;             /* runs ask for no reports, and so keep no counts */
     int passed, failed;
 };
 
-/* Opens DIRECTORY/name.csv and writes its first line; ends the program where
- * it cannot. */
+/* Opens DIRECTORY/name.csv and writes its first line. Ends the program if that
+ * fails. */
 FILE *bench_csv(const struct bench *b, const char *name, const char *header);
-/* Counts a check and prints it where it fails. */
+/* Counts a check, and prints it if it failed. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
 void bench_check(struct bench *b, bool good, const char *format, ...);
-/* Memory, zeroed, or the end of the program. */
+/* Returns zeroed memory. Ends the program if there is none. */
 void *bench_take(size_t count, size_t size);
 
 extern const char *const integrator_name[DRAPE_CK + 1];
 extern const char *const precond_name[2];
 extern const char *const backend_name[2];
 
-/* What a run of a scene came to. */
+/* The result of a run of a scene. */
 struct run {
-    int status;         /* of drape_create or the step that failed */
-    int outcome;        /* of all steps, or */
-    int64_t steps;      /* that ended well */
-    int64_t iterations; /* of the solver, all steps */
-    int substeps;       /* the most of a step */
-    double residual;    /* the worst */
-    double seconds;     /* of drape_step: processor's for ref, else wall */
-    double energy, own; /* J at the end: all; kinetic and elastic */
+    int status;         /* of drape_create, or of the step that failed */
+    int outcome;        /* bitwise or of the outcomes of all steps */
+    int64_t steps;      /* steps done */
+    int64_t iterations; /* of the solver, all steps together */
+    int substeps;       /* the largest number in a step */
+    double residual;    /* the largest */
+    double seconds;     /* in drape_step: processor time of the reference, or
+                           wall time */
+    double energy, own; /* J at the end: with gravity's; kinetic and elastic */
     double rise;        /* J, the largest gain of energy in a step */
-    int64_t contacts, candidates, impacts;
-    size_t bytes; /* held by the library, at most */
-    bool finite;  /* the last state is */
-    int64_t n;    /* vertices */
-    double (*x)[3], (*v)[3];
-    char text[256]; /* why it was refused */
+    int64_t contacts, candidates, impacts; /* largest of a step; sums of all */
+    size_t bytes;                          /* the most that the library held */
+    bool finite;             /* all numbers of the last state are finite */
+    int64_t n;               /* vertices */
+    double (*x)[3], (*v)[3]; /* [n] m, m/s, the last state */
+    char text[256];          /* why the scene was refused */
 };
 
-/* Looks at a world after a step; false ends the run. */
+/* Called after each step. Returns false to end the run. */
 typedef bool run_watch(void *user, drape_world *world,
                        const drape_step_report *report);
 
-/* Runs def on the bench's backend for `steps` steps, on one thread, until one
- * fails or diverges. A state that is not finite and not reported so is a
- * failed check. */
+/* Run def on the bench's backend for `steps` steps, or until a step fails or
+ * diverges. A last state that is not finite is a failed check. The caller calls
+ * run_free. */
 void run_scene(struct bench *b, const drape_def *def, int64_t steps,
                struct run *r);
 void run_watched(struct bench *b, const drape_def *def, int64_t steps,
                  run_watch *watch, void *user, struct run *r);
 void run_free(struct run *r);
-/* clean, refused, diverged …: how a run ended, in a word. */
+/* Returns a word for how a run ended: stable, refused, diverged, …. */
 const char *run_word(const struct run *r);
-/* Root of the mean squared distance of the first n positions, m. */
+/* Returns the root of the mean squared distance of the first n positions, m. */
 double run_distance(const struct run *a, const struct run *b, int64_t n);
-/* Processor seconds of the process; wall time for a device or if asked. */
+/* Returns the processor time of the process, s; wall time if the backend is a
+ * device or if b->wall is set. */
 double bench_clock(const struct bench *b);
-/* Pairs of triangles that intersect in the world as it is, by the audit. */
+/* Returns the number of intersecting pairs of triangles in the current state,
+ * by drape_audit; -1 if the audit failed. */
 int64_t world_pairs(const drape_world *world, int n_cloths);
 
 enum sample_kind {
-    SAMPLE_STRETCHED, /* pinned all around, all springs long: smooth */
-    SAMPLE_HANGING,   /* held by its upper edge, released 2 % long */
+    SAMPLE_STRETCHED, /* the border is pinned, all springs are in tension */
+    SAMPLE_HANGING,   /* held by its upper edge, released 2 % too long */
     SAMPLE_FLAG,      /* held by one edge, in wind */
     SAMPLE_FALLING,   /* held by two corners, released flat */
     SAMPLES
@@ -84,32 +87,32 @@ enum sample_kind {
 extern const char *const sample_name[SAMPLES];
 
 struct sample {
-    drape_def def; /* of cloth alone; points into this struct */
+    drape_def def; /* one cloth and no obstacle; points into this struct */
     drape_cloth cloth;
     drape_pin *pin;
     double (*x)[3], (*v)[3];
 };
-/* side × side particles of 1 m × 1 m. */
+/* Makes a sample: a sheet of 1 m × 1 m with side × side particles. */
 void sample_make(struct sample *s, enum sample_kind kind, int side);
 void sample_free(struct sample *s);
 
-/* A flat sheet of side × side particles, `size` m wide, its middle at x = z =
- * 0 and at the given height, for scenes with contact. */
+/* Makes a flat sheet of side × side particles, `size` m wide, with its middle
+ * at x = z = 0 and at the given height, for scenes with contact. */
 void cloth_flat(drape_cloth *c, int side, double size, double height);
 
-/* An obstacle with memory of its own. */
+/* An obstacle, with the memory of its mesh. */
 struct solid {
     drape_obstacle body;
     double (*x)[3];
     int32_t (*tri)[3];
 };
 void solid_ball(struct solid *s, double radius, const double at[3], int detail);
-/* A square about the origin, turned by `slope` radians about z. */
+/* Makes a square around the origin that falls along x with `slope` radians. */
 void solid_plane(struct solid *s, double size, double slope);
 void solid_free(struct solid *s);
 
-/* The converged run of a sample: Runge-Kutta in binary64. Returns how far, in
- * m, it is from itself at twice the step. */
+/* Runs a sample by RK4 in binary64, as the converged run of spec/accuracy.md
+ * §1. Returns the distance, m, from the run with twice the step. */
 double run_converged(struct bench *b, struct sample *s, double time, int steps,
                      struct run *to);
 
@@ -122,6 +125,6 @@ void part_drift(struct bench *b);
 void part_skip(struct bench *b);
 void part_stages(struct bench *b);
 void part_lion(struct bench *b);
-void part_backends(struct bench *b); /* where a device is */
+void part_backends(struct bench *b); /* only if the backend is a device */
 
 #endif

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The same settings on the reference and on a device: error is one, as bits
- * are, so only time tells them apart. spec/accuracy.md §1 */
+/* Runs the same settings on the reference and on a device. The bits must be
+ * equal, so the errors are, and only the times differ. spec/accuracy.md §1 */
 #include "ci/bench/accuracy.h"
 
 #include <string.h>
 
-static const double TIME = 0.1; /* s, of a run */
+static const double TIME = 0.1; /* s, length of a run */
 
 static const struct setting {
     int integrator, steps;
@@ -42,7 +42,8 @@ static void row(struct bench *b, FILE *out, struct sample *s,
     run_free(&r[1]);
 }
 
-/* A finer grid takes too many substeps for the reference. */
+/* Runs all settings on one grid; on a fine grid only the implicit ones, since
+ * explicit ones take too many substeps for the reference. */
 static void grid(struct bench *b, FILE *out, int side, int fine)
 {
     int first = side > 25 ? DRAPE_BW : DRAPE_EULER;
@@ -68,7 +69,7 @@ static void grid(struct bench *b, FILE *out, int side, int fine)
     sample_free(&s);
 }
 
-/* Wall time of both, the reference on one thread. */
+/* Times are wall times on both backends; the reference runs on one thread. */
 void part_backends(struct bench *b)
 {
     if (b->backend != DRAPE_GPU)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A program without the stages that the bare scene does not use: each ends it.
- * Linked before the library, whose own are then not taken. never.c */
+/* Replaces the stages that the bare scene does not use by functions that end
+ * the program. It is linked before the library, so that the library's own
+ * stages are not linked. never.c */
 #include <stdlib.h>
 
 #define NEVER(name)                                                            \

@@ -23,8 +23,9 @@ static double differ(int kind, const double x0[4][3], const double x1[4][3],
     return (1 - p[1]) * x[0] + p[1] * x[1] - ((1 - p[2]) * x[2] + p[2] * x[3]);
 }
 
-/* Linear in each parameter, so its range is that of the corners; 2^-46 of the
- * largest coordinate covers the rounding of all 20 operations. */
+/* Whether the primitives may touch within the box. The difference of the two
+ * points is linear in each parameter, so its values at the corners bound it;
+ * 2^-46 of the largest coordinate covers the rounding of all 20 operations. */
 static bool may_touch(int kind, const double x0[4][3], const double x1[4][3],
                       const struct box *b)
 {
@@ -48,7 +49,8 @@ static bool may_touch(int kind, const double x0[4][3], const double x1[4][3],
     return true;
 }
 
-/* Depth first, the earlier half first; what begins after the best is cut. */
+/* The search is depth first, the earlier half of time first. A box that begins
+ * after the best time so far is dropped. */
 bool bisect(int kind, const double x0[4][3], const double x1[4][3],
             double width, double *toi)
 {

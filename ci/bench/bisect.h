@@ -5,9 +5,10 @@
 
 #include <stdbool.h>
 
-/* Whether the primitives may touch, and a lower bound of when: boxes in time
- * and the primitives' parameters are halved down to `width` as long as what
- * they reach contains 0 (Snyder 1992). Never misses, may invent. */
+/* Returns whether the primitives may touch, and in *toi a lower bound of the
+ * time. Boxes of time and of the primitives' parameters are halved down to
+ * `width` as long as the difference of the points may be 0 in them (Snyder
+ * 1992). No contact is missed, but some may be invented. */
 bool bisect(int kind, const double x0[4][3], const double x1[4][3],
             double width, double *toi);
 

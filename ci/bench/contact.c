@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What must hold with contact, and how a drape changes with dt and grid.
- * spec/accuracy.md §5 */
+/* Checks friction, momentum and energy in contact, and measures how a drape
+ * changes with dt and grid. spec/accuracy.md §5 */
 #include "ci/bench/accuracy.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@ struct slope {
     int integrator, steps;
 };
 
-/* Mean way down the slope of a sheet from rest, m. */
+/* Returns the mean distance, m, that a sheet at rest slides down a slope. */
 static double slide(struct bench *b, const struct slope *s, struct run *r)
 {
     double slope = atan(s->tangent);
@@ -22,7 +22,7 @@ static double slide(struct bench *b, const struct slope *s, struct run *r)
     drape_default(&def);
     cloth_flat(&c, 9, 0.2, 0);
     solid_plane(&plane, 8, slope);
-    /* one triangle: a diagonal's normals would push sideways */
+    /* The plane is one triangle: the edge between two would push sideways. */
     static const double wide[3][2] = {{-9, -9}, {27, -9}, {-9, 27}};
     for (int k = 0; k < 3; k++) {
         plane.x[k][0] = wide[k][0] * cos(slope);
@@ -34,7 +34,7 @@ static double slide(struct bench *b, const struct slope *s, struct run *r)
     double out[3] = {sin(slope), cos(slope), 0};
     c.u[0] = cos(slope);
     c.u[1] = -sin(slope);
-    for (int k = 0; k < 3; k++) /* in touch: a thickness above */
+    for (int k = 0; k < 3; k++) /* just closer than the thickness */
         c.origin[k] = -0.1 * c.u[k] - 0.1 * c.v[k] + 0.0019 * out[k];
     c.material.friction = plane.body.friction = s->friction;
     def.tolerance = s->tolerance;
@@ -51,12 +51,12 @@ static double slide(struct bench *b, const struct slope *s, struct run *r)
         for (int k = 0; k < 3; k++)
             way += (r->x[p][k] - c.origin[k]) * c.u[k] / 81;
     solid_free(&plane);
-    return way - 0.1; /* the middle's at the start */
+    return way - 0.1; /* the middle starts 0.1 m from particle 0 */
 }
 
-/* Coulomb: rest below the cone's slope, g (sin - μ cos) above it. Sums of the
- * steps as backward Euler takes them; BDF2 comes close to a t² / 2. At the
- * default tolerance the solver's error shows; it is written down. */
+/* Compares with Coulomb's law: the sheet rests below the cone's slope, and
+ * accelerates with g (sin - μ cos) above it. The expected distance is the sum
+ * of the steps that backward Euler takes; BDF2 comes close to a t² / 2. */
 static void slide_row(struct bench *b, FILE *out, const struct slope *s)
 {
     struct run r;
@@ -67,9 +67,11 @@ static void slide_row(struct bench *b, FILE *out, const struct slope *s)
     fprintf(out, "%g,%g,%s,%.4g,%g,%.6g,%.6g,%.3g,%.1f,%s\n", s->tangent,
             s->friction, integrator_name[s->integrator], s->dt, s->tolerance,
             way, due, way - due, (double)r.iterations / n, run_word(&r));
-    /* penalty.md §2: gravity and friction each to twice the tolerance of the
-     * solve, of which the way may be a small difference; the creep of friction
-     * that is viscous below 1 mm/s; BDF2's first step, which is Euler's. */
+    /* The error allowed by penalty.md §2: twice the tolerance of the solve, of
+     * the distances that gravity and friction alone would give, since the
+     * distance may be a small difference of the two; the creep of friction,
+     * which is viscous below 1 mm/s; and BDF2's first step, which is Euler's.
+     */
     double t = n * s->dt, pull = 9.81 * sin(angle) * t * t / 2;
     double rub = 9.81 * s->friction * cos(angle) * t * t / 2;
     double creep = s->friction > 0 ? 1e-3 * t : 0;
@@ -90,7 +92,7 @@ static void friction(struct bench *b)
     static const double tangent[] = {0.25, 0.5, 0.75};
     static const double mu[] = {0, 0.2, 0.45, 0.55, 0.8};
     for (int k = 0; k < 2 * 3 * 5 * 2; k++) {
-        int part = k % 2 ? 16 : 1; /* of steps of 1/60 s */
+        int part = k % 2 ? 16 : 1; /* steps in 1/60 s */
         struct slope s = {.tangent = tangent[k / 2 % 3],
                           .friction = mu[k / 6 % 5],
                           .tolerance = 1e-3,
@@ -109,7 +111,8 @@ struct sums {
     double weight[2][17 * 17];
 };
 
-/* A border particle weighs half of an inner one, a corner a quarter. */
+/* Sets the mass of each particle of sheet k. A border particle has half the
+ * mass of an inner one, and a corner a quarter. */
 static void weigh(struct sums *s, int k, int side, double mass)
 {
     for (int p = 0; p < side * side; p++) {
@@ -144,8 +147,8 @@ struct clash {
     double ratio, dt, tolerance;
 };
 
-/* Energy that a step's response made would show as a rise: nothing else is
- * there to give any. */
+/* Two sheets collide in empty space. Energy that the response creates shows as
+ * a rise, since nothing else adds energy. */
 static void collide(struct bench *b, FILE *out, const struct clash *q)
 {
     int integrator = q->integrator;
@@ -191,7 +194,7 @@ static void collide(struct bench *b, FILE *out, const struct clash *q)
     bench_check(b, s.energy <= start * (1 + 1e-4),
                 "two sheets, %s, ratio %g: energy %g of 1 at the end",
                 integrator_name[integrator], ratio, s.energy / start);
-    /* Longer steps strain the sheets: their rise is in the table only. */
+    /* Longer steps strain the sheets, so their rise is only written down. */
     bool fine = q->dt < (integrator >= DRAPE_BW ? 5e-3 : 1.1e-3);
     bench_check(b, !fine || s.rise <= 2e-3 * start,
                 "two sheets, %s, ratio %g, dt %g: energy rises by %g",

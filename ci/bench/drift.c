@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Long runs, a start that differs by one unit in the last place, and scenes
- * far from the origin. spec/accuracy.md §6 */
+/* Measures the drift of energy in long runs, the effect of one unit in the last
+ * place at the start, and scenes far from the origin. spec/accuracy.md §6 */
 #include "ci/bench/accuracy.h"
 
 #include <math.h>
@@ -10,7 +10,8 @@
 struct log {
     FILE *out;
     const struct sample *s;
-    double first, most; /* J, of energy */
+    double first, most; /* J, energy after the first step; the largest
+                           relative change since */
     int64_t each;
 };
 
@@ -29,8 +30,8 @@ static bool note(void *user, drape_world *world, const drape_step_report *r)
     return true;
 }
 
-/* An undamped drum: what is left of its energy. The symplectic methods must
- * keep it, the dissipative ones may only lose it. */
+/* Runs an undamped drum and records its energy. Symplectic methods must keep
+ * it; dissipative methods may lose but not gain it. */
 static void long_runs(struct bench *b)
 {
     FILE *out = bench_csv(b, "drift",
@@ -98,8 +99,9 @@ static void fall_free(struct fall *f)
 
 struct record {
     int side, steps;
-    double (*x)[3];   /* [steps·side²] of every step */
-    double (*sum)[3]; /* [steps] own energy, mean height, lowest point */
+    double (*x)[3];   /* [steps·side²] m, after each step */
+    double (*sum)[3]; /* [steps] kinetic and elastic energy, J; mean height,
+                         lowest point, m */
 };
 
 static bool keep(void *user, drape_world *world, const drape_step_report *r)
@@ -138,8 +140,9 @@ static void compare(FILE *out, const char *scene, const struct record *k)
     }
 }
 
-/* Two runs, the second of which starts with one coordinate one unit in
- * binary32's last place higher; with a ball in the way, or without. */
+/* Compares two runs, of which the second starts with one coordinate higher by
+ * one unit in the last place of binary32. The sheet falls on a ball, or hangs
+ * by two corners. */
 static void one_unit(struct bench *b, FILE *out, bool ball)
 {
     int side = b->quick ? 9 : 33, steps = b->quick ? 10 : 180;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A step that the library would refuse, by the reference's insides. */
+/* Runs steps that the library would refuse, by calling the reference's
+ * functions directly. */
 #include "ci/bench/forced.h"
 
 #include "tests/cloth/sheet.h"
@@ -17,7 +18,7 @@ const char *forced_run(struct bench *b, const struct sample *sample, int steps)
     struct sheet s;
     const char *word = "stable";
     int status = sheet_make(&s, &sample->cloth, sample->def.integrator);
-    s.c.bound = 0; /* so that one substep does */
+    s.c.bound = 0; /* makes the limit infinite: one substep suffices */
     s.d.dt = sample->def.dt;
     s.d.gravity = vec_make(0, R(-9.81), 0);
     for (int k = 0; k < steps && status == DRAPE_OK; k++) {

@@ -5,8 +5,10 @@
 
 #include "ci/bench/accuracy.h"
 
-/* Runs a sample's explicit method at one substep whatever its limit: stable,
- * diverged, or `missed` where a state is not finite and nothing said so. */
+/* Runs a sample's explicit method with one substep a step, whatever its limit.
+ * Returns how the run ended: `stable`; `diverged`; `missed` if the state is not
+ * finite and no outcome said so; or `failed`. The last two are failed checks.
+ */
 const char *forced_run(struct bench *b, const struct sample *s, int steps);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Times of impact by ours, FCL's Newton and conservative bisection, against
- * exact rationals; distances against long double. spec/accuracy.md §8 */
+/* Compares times of impact by drape_ccd, by FCL's Newton and by conservative
+ * bisection with exact rationals, and distances with long double.
+ * spec/accuracy.md §8 */
 #include "ci/bench/impact.h"
 
 #include <math.h>
@@ -13,7 +14,7 @@
 
 static uint64_t state = 1;
 
-/* Uniform in [-1, 1). */
+/* Returns a pseudorandom number, uniform in [-1, 1). */
 static double uniform(void)
 {
     state = state * UINT64_C(6364136223846793005) + 1442695040888963407u;
@@ -29,8 +30,9 @@ struct query {
     double x[2][4][3];
 };
 
-/* Primitives of 1 cm, 1 m from the origin, that move by 1 cm; coordinates of
- * binary32. grazing: the motion is almost in the plane of the primitives. */
+/* Draws a query: primitives of 1 cm about 1 m from the origin that move by 1
+ * cm, with coordinates of binary32. grazing: the motion is almost in the plane
+ * of the primitives. */
 static void pick_query(struct query *q, bool grazing)
 {
     double from[3] = {uniform(), uniform(), uniform()};
@@ -55,10 +57,11 @@ static bool answer(int method, const struct query *q, double *t)
     return bisect(q->kind, x0, x1, 1e-6, t);
 }
 
-/* What a method made of many queries. */
+/* The errors of a method over many queries. */
 struct score {
     int64_t missed, invented, late, hits;
-    double early, after, seconds; /* the largest errors of a time */
+    double early, after, seconds; /* largest errors of the time of impact:
+                                     before the truth, and after it */
 };
 
 static void judge(struct score *s, bool touch, double truth, bool hit, double t)
@@ -144,7 +147,8 @@ static long double to_segment(const wider p, const wider a, const wider b)
     return sqrtl(dot3(e, e));
 }
 
-/* The least over the edges and, where its foot is inside, the plane. */
+/* Returns the distance of point x[0] from triangle x[1..3]: the least over the
+ * edges and, if the foot of the perpendicular is inside, the plane. */
 static long double truth(const vec x[4])
 {
     wider p[4], u, v, w, n, c;
@@ -178,8 +182,9 @@ static long double truth(const vec x[4])
     return s >= 0 && t >= 0 && s + t <= 1 ? fabsl(dot3(w, n)) / sqrtl(nn) : d;
 }
 
-/* The textbook's in binary32: the foot in barycentric coordinates by Cramer's
- * rule, clamped to the triangle; right where it is inside. */
+/* Returns the distance by the textbook in binary32: the foot in barycentric
+ * coordinates by Cramer's rule. It is correct only if the foot is inside, as
+ * here. */
 static float textbook(const vec x[4])
 {
     vec u = vec_sub(x[2], x[1]), v = vec_sub(x[3], x[1]);
@@ -191,7 +196,7 @@ static float textbook(const vec x[4])
     return sqrtf(vec_dot(d, d));
 }
 
-/* a, b and a × b, orthonormal and of no special direction. */
+/* Draws an orthonormal frame of no special direction. */
 static void pick_frame(double f[3][3])
 {
     for (int k = 0; k < 2; k++) {
@@ -213,8 +218,8 @@ static void pick_frame(double f[3][3])
     }
 }
 
-/* A triangle of 1 cm × 1 cm · thin, 1 m from the origin, and a point 1 mm
- * above its inside. */
+/* Draws a triangle of 1 cm × 1 cm · thin, 1 m from the origin, and a point 1 mm
+ * above the inside of the triangle. */
 static void pick_point(double thin, vec x[4])
 {
     double f[3][3], c = 0.3 + 0.2 * uniform();
@@ -231,7 +236,7 @@ static void pick_point(double thin, vec x[4])
     }
 }
 
-/* Relative errors of a distance: ours and the textbook's. */
+/* Computes the relative errors of a distance: drape's and the textbook's. */
 static void compare(double thin, double e[2])
 {
     vec x[4];
@@ -244,7 +249,7 @@ static void compare(double thin, double e[2])
     long double d = truth(x);
     e[0] = (double)(fabsl((long double)sqrt(r.length2) - d) / d);
     e[1] = (double)(fabsl((long double)textbook(x) - d) / d);
-    e[1] = e[1] >= 0 ? e[1] : 1e30; /* not a number */
+    e[1] = e[1] >= 0 ? e[1] : 1e30; /* in place of NaN */
 }
 
 void impact_distances(struct bench *b)

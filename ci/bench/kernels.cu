@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The kernels that the price is asked of: gpu/'s own sources, under names of
- * the flags that FLAGS is the name of. */
+/* Compiles kernels of gpu/ from their own sources, under names that end with
+ * FLAGS, the name of the set of compiler flags. */
 #include "ci/bench/price.h"
 #include "gpu/cloth/cloth.cuh"
 #include "gpu/base/sum.cuh"
@@ -10,7 +10,7 @@
 #define TEXT_(a) #a
 #define TEXT(a) TEXT_(a)
 
-/* Not the library's: these are compiled otherwise. */
+/* These must not replace the library's functions, which have other flags. */
 #undef gpu_springs
 #undef gpu_sum
 #undef gpu_dot
@@ -22,7 +22,8 @@
 
 enum { LOOSE_BLOCKS = 132 * 8 };
 
-/* Each thread sums what it meets, a warp its threads, memory the warps. */
+/* Each thread sums its items, each warp the sums of its threads, and atomic
+ * additions the sums of the warps, in no fixed order. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
     loose_kernel(struct dot s, int64_t *word)
 {
@@ -53,5 +54,5 @@ static void loose(struct gpu *g, const struct dot *s, int64_t *word)
     LAUNCH_BLOCKS(g, LOOSE_BLOCKS, SUM_CHUNK, loose_kernel, *s, word);
 }
 
-/* price.h gives it the suffix of the precision. */
+/* price.h adds the suffix of the precision to this name. */
 const struct price PASTE(price, FLAGS) = {TEXT(FLAGS), springs, ordered, loose};

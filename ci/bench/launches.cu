@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What it costs to have small kernels follow each other, by the ways that a
- * step could: `make launches` on a machine with a device. Each is a row of
- * segments of a few kernels; what lies between two segments is the way's. */
+/* Measures how long small kernels take one after another, by the ways in which
+ * a step could queue them: `make launches` on a machine with a device. Each way
+ * runs segments of a few kernels; the ways differ in what lies between two
+ * segments. */
 #include <cuda_runtime.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,7 +12,7 @@ enum { SEGMENTS = 20, KERNELS = 8, RUNS = 101, BLOCKS = 64, THREADS = 256 };
 
 static cudaStream_t stream, capture;
 static float *data;
-static int *turn;           /* on the device: of a WHILE node */
+static int *turn;           /* on the device: turns of a WHILE node */
 static volatile int *shown; /* on the host, written by the device */
 static int *shown_there;
 
@@ -59,7 +60,8 @@ static void in_stream(cudaGraphExec_t)
         segment(stream);
 }
 
-/* The host sees a word of each segment before it launches the next. */
+/* The host reads back a word of each segment before it launches the next one.
+ */
 static void with_looks(cudaGraphExec_t)
 {
     for (int k = 1; k <= SEGMENTS; k++) {
@@ -67,7 +69,7 @@ static void with_looks(cudaGraphExec_t)
         show_kernel<<<1, 1, 0, stream>>>(shown_there, k);
         while (*shown != k && cudaPeekAtLastError() == cudaSuccess)
             ;
-        check(cudaGetLastError()); /* what is not launched is not awaited */
+        check(cudaGetLastError()); /* a failed launch would never be seen */
     }
 }
 
@@ -76,14 +78,15 @@ static void as_graph(cudaGraphExec_t graph)
     check(cudaGraphLaunch(graph, stream));
 }
 
-/* Captures what follows into g, behind `after` where that is not NULL. */
+/* Captures the launches that follow into graph g, after node `after` if that is
+ * not NULL. */
 static void begin(cudaGraph_t g, cudaGraphNode_t *after)
 {
     check(cudaStreamBeginCaptureToGraph(capture, g, after, NULL, after != NULL,
                                         cudaStreamCaptureModeRelaxed));
 }
 
-/* Returns the last node. */
+/* Ends the capture and returns its last node. */
 static cudaGraphNode_t end(void)
 {
     cudaStreamCaptureStatus status;
@@ -119,7 +122,7 @@ static void plain(cudaGraph_t g)
     end();
 }
 
-/* All segments are turns of one loop. */
+/* The segments are the turns of one loop. */
 static void loop(cudaGraph_t g)
 {
     cudaGraphNode_t node;
@@ -132,7 +135,7 @@ static void loop(cudaGraph_t g)
     end();
 }
 
-/* Each segment is chosen on the device. */
+/* Each segment is the body of an IF node, whose condition a kernel sets. */
 static void choices(cudaGraph_t g, int taken)
 {
     cudaGraphNode_t last, *after = NULL;
@@ -160,7 +163,8 @@ static void left_out(cudaGraph_t g)
     choices(g, 0);
 }
 
-/* Each segment chooses whether the next is done, which lies in its graph. */
+/* Each segment lies in the body of the IF node of the segment before, which
+ * sets the condition. */
 static void nested(cudaGraph_t g)
 {
     for (int k = 0; k < SEGMENTS; k++) {
@@ -174,7 +178,7 @@ static void nested(cudaGraph_t g)
         last = end();
         g = add_conditional(g, &last, cudaGraphCondTypeIf, next, &node);
     }
-    begin(g, NULL); /* no body is empty */
+    begin(g, NULL); /* the body of a node must not be empty */
     work_kernel<<<BLOCKS, THREADS, 0, capture>>>(data);
     end();
 }
@@ -192,7 +196,8 @@ static int by_size(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* The median from before the launch until the stream is empty, µs. */
+/* Prints the median time, µs, from before the launch until the stream is empty.
+ */
 static void time_way(const char *name, void run(cudaGraphExec_t),
                      void build(cudaGraph_t))
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Run time against error with contact: a shipped scene at a short horizon.
- * spec/accuracy.md §1 */
+/* Measures run time against error with contact, on a scene of the tool for a
+ * short time. spec/accuracy.md §1 */
 #include "app/scene.h"
 #include "ci/bench/accuracy.h"
 
@@ -10,7 +10,7 @@
 static const double TIME = 0.3; /* s: 18 steps of 1/60 s */
 
 static const struct setting {
-    int integrator, each; /* steps of 1/60 s are cut into so many */
+    int integrator, each; /* each: steps in 1/60 s */
     double tolerance;
     int precond, precision;
 } settings[] = {
@@ -39,12 +39,14 @@ static void set(drape_def *d, const struct setting *a)
     d->precision = a->precision;
 }
 
-/* A setting's runs, whose gravity differs by a last bit: what is within their
- * spread, chaos decides. */
+/* The runs of a setting, whose gravity differs by a few last bits. Differences
+ * between settings that are within the spread of these runs are due to chaos.
+ */
 struct points {
     double seconds, rms; /* means */
     double least, most;  /* of rms */
-    int64_t iterations;  /* mean of the solver's: its work, without a clock */
+    int64_t iterations;  /* mean number of solver iterations: a measure of
+                            work that needs no clock */
 };
 
 static struct points row(struct bench *b, FILE *out, const struct setting *a,
@@ -81,7 +83,8 @@ static struct points row(struct bench *b, FILE *out, const struct setting *a,
     return p;
 }
 
-/* How far the converged run is from one of twice its step. */
+/* Makes the converged run, and writes its distance from a run of twice the
+ * step. */
 static void converge(struct bench *b, FILE *out, drape_def *d,
                      struct run *exact)
 {
@@ -100,9 +103,9 @@ static void converge(struct bench *b, FILE *out, drape_def *d,
     run_free(&coarse);
 }
 
-/* The default, the first, must not lose to any of its kind in both work and
- * error, by more than the runs of either differ. Times are in the table: they
- * are another matter each time. */
+/* Checks that no setting beats the first one, the default, in both work and
+ * error by more than the spread of the runs. Work is counted in iterations, as
+ * times differ from run to run; they are in the table. */
 static void compare(struct bench *b, const struct points *p)
 {
     for (int k = 1; k < SETTINGS; k++)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The price of exactness as csv; `make price` on a machine with a device. */
+/* Prints the price of exactness as csv: `make price` on a machine with a
+ * device. */
 #include <stdio.h>
 
 #include "gpu/run/gpu.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The narrow phase on cloth-ball's candidates beside FCL and the GMP oracle,
- * one thread, the same candidates in one run: `make bench`. */
+/* Measures the narrow phase, FCL and the GMP oracle on the same candidates of
+ * cloth-ball, on one thread. A part of `make bench`. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
@@ -12,7 +12,7 @@
 /* its names need the harness's */
 #include "tests/narrow/ply.h"
 
-enum { MOST = 400000 }; /* candidates, half of each kind at most */
+enum { MOST = 400000 }; /* candidates; at most half are vertex-face */
 
 struct item {
     vec lo, hi;
@@ -28,7 +28,8 @@ struct list {
 
 static struct ply at[2];
 
-/* cloth-ball before (0) or after (1) the step; false where it is not here. */
+/* Reads cloth-ball before (0) or after (1) its step. False if the file is
+ * missing. */
 static bool frame_read(int t)
 {
     char path[512];
@@ -63,7 +64,8 @@ static struct item make_item(int n, const int32_t *v)
     return i;
 }
 
-/* A pair whose swept boxes meet, of primitives without a common vertex. */
+/* Adds a vertex and a face, or two edges, to the list if their swept boxes meet
+ * and they have no common vertex. */
 static void offer(struct list *l, const struct item *a, const struct item *b)
 {
     if (a->n + b->n != 4 || a->lo.y > b->hi.y || b->lo.y > a->hi.y ||
@@ -83,8 +85,9 @@ static void offer(struct list *l, const struct item *a, const struct item *b)
     l->kind[l->n++] = a->n == 2;
 }
 
-/* Candidates of vertices and faces, or of edges, from the middle of x on:
- * up to `most` of the list. Edges of one of two faces, as each is twice. */
+/* Finds candidates of vertices and faces, or of edges, by sorting along x and
+ * starting from the middle, until the list has `most`. An edge of two faces is
+ * taken once: from the face in which its smaller vertex comes first. */
 static void sweep(struct list *l, bool edges, int most)
 {
     size_t n = 0, room = (size_t)at[0].nv + 3 * (size_t)at[0].nt;
@@ -116,7 +119,7 @@ static int narrow(int kind, const vec a[4], const vec b[4])
            NARROW_MISS;
 }
 
-/* What each method takes of one pair. */
+/* Decides one pair by a method: 0 the narrow phase, 1 FCL, 2 the GMP oracle. */
 static int decide(int method, int kind, const int32_t v[4])
 {
     vec a[2][4];
@@ -137,7 +140,8 @@ static int decide(int method, int kind, const int32_t v[4])
                        : orc_ccd_gmp(kind, x0, x1, &toi);
 }
 
-/* The slowest pair of the narrow phase, the least of five runs of it. */
+/* Returns the time of the slowest pair in the narrow phase, s. The time of a
+ * pair is the least of five runs. */
 static double worst_of(const struct list *l)
 {
     double worst = 0;

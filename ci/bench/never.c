@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The bare scene in a program that has no other stage, and a scene asleep.
- * spec/accuracy.md §7 */
+/* Runs the bare scene in a program that has no other stage, and checks a scene
+ * that is asleep. spec/accuracy.md §7 */
 #include "ci/bench/skip.h"
 
 #include <stdlib.h>
@@ -36,9 +36,9 @@ void skip_print(struct bench *b)
     printf("%.9g %zu %llx\n", a.seconds, a.bytes, (unsigned long long)a.hash);
 }
 
-/* Asks a program, this one or the other beside it, in a process of its own:
- * where its memory comes to lie can make all of its runs take 1.7 times as
- * long. The least of all that were asked stays. */
+/* Runs a program, this one or the one with the suffix, in a process of its own,
+ * and keeps the fastest result so far in *least. A new process is needed, since
+ * the place of its memory can make all runs of a process 1.7 times as slow. */
 static bool ask(const struct bench *b, const char *suffix, struct bare *least)
 {
     char command[4200];
@@ -60,7 +60,7 @@ static bool ask(const struct bench *b, const char *suffix, struct bare *least)
 void skip_never(struct bench *b)
 {
     if (b->backend == DRAPE_GPU)
-        return; /* the other program is of the reference's stages */
+        return; /* the other program lacks stages of the reference only */
     FILE *out =
         bench_csv(b, "never", "program,ms a step,bytes,hash of the positions");
     struct bare here = {0}, there = {0};
@@ -78,14 +78,16 @@ void skip_never(struct bench *b)
 }
 
 struct watch {
-    int64_t fell; /* the step that was the first asleep, or 0 */
-    double awake, asleep;
-    bool same, woke;
+    int64_t fell;         /* the first step asleep; 0: none yet */
+    double awake, asleep; /* s, of the last step of each kind */
+    bool same, woke;      /* no bit changed asleep; it woke by command */
     int n;
     double (*x)[3], (*v)[3];
 };
 
-/* Asleep no bit changes; woken by command it goes on from the same bits. */
+/* Checks after each step that no bit changes while the scene is asleep, and
+ * that drape_wake, called after five steps asleep, changes no bit and wakes the
+ * scene. */
 static bool look(void *user, drape_world *world, const drape_step_report *r)
 {
     struct watch *w = user;
@@ -116,8 +118,8 @@ static bool look(void *user, drape_world *world, const drape_step_report *r)
     return !w->woke;
 }
 
-/* A sheet laid on a plane. The solver's tolerance decides whether it comes to
- * rest: at the default one Baraff-Witkin does not. */
+/* Lays a sheet on a plane and runs it until it has slept and been woken, or for
+ * 300 steps. */
 static void lay(struct bench *b, FILE *out, int integrator, double tolerance)
 {
     drape_def def;
@@ -141,7 +143,7 @@ static void lay(struct bench *b, FILE *out, int integrator, double tolerance)
             : w.same ? "yes"
                      : "no",
             w.woke ? "yes" : "no");
-    /* whether it sleeps at all is in the table: a last bit decides */
+    /* Whether it sleeps at all can depend on a last bit: no check. */
     bench_check(b, !w.fell || w.woke, "sleep, %s: did not wake",
                 integrator_name[integrator]);
     bench_check(b, w.same, "sleep, %s: bits changed",

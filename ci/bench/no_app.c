@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* In place of what reads scene files where the tool's libraries are not. */
+/* Built in place of lion.c where the tool's libraries, which read scene files,
+ * are not installed. */
 #include "ci/bench/accuracy.h"
 
 void part_lion(struct bench *b)

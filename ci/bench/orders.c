@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Orders of convergence, fitted to runs at a step and at half of it.
+/* Measures orders of convergence from the errors at a step and at half of it.
  * spec/accuracy.md §2 */
 #include "ci/bench/accuracy.h"
 
@@ -9,12 +9,13 @@ struct fit {
     enum sample_kind kind;
     double damping;
     int integrator;
-    double theory; /* 0: none, as the forces have kinks */
-    int steps;     /* the coarser of two runs */
+    double theory; /* the order to check; 0: theory gives none */
+    int steps;     /* of the coarser of two runs */
 };
 
-/* Theory: spec/cloth/implicit.md §5 for Choi-Ko, advance.md for the others.
- * Kinks of the force law and wind at the step's start leave none. */
+/* The orders are from spec/cloth/implicit.md §5 for Choi–Ko and from advance.md
+ * for the others. Where springs cross kinks of the force law, or where the wind
+ * is that of the step's start, theory gives no order. */
 static const struct fit fits[] = {
     {SAMPLE_STRETCHED, 0, DRAPE_EULER, 1, 2048},
     {SAMPLE_STRETCHED, 0, DRAPE_VERLET, 2, 1024},
@@ -48,7 +49,7 @@ static double fit_order(struct bench *b, struct sample *s, const struct fit *f,
     int64_t n = (int64_t)s->cloth.m * s->cloth.m;
     for (int k = 0; k < 2; k++) {
         struct run r;
-        /* a quick run has the same steps on a coarser grid */
+        /* the quick form has a coarser grid, half the time and longer steps */
         int steps = (b->quick ? f->steps / 8 : f->steps) << k;
         s->def.dt = time / steps;
         run_scene(b, &s->def, steps, &r);
@@ -60,7 +61,8 @@ static double fit_order(struct bench *b, struct sample *s, const struct fit *f,
     return log2(error[0] / error[1]);
 }
 
-/* The rows of one scene and damping share their converged run. */
+/* Whether two rows have the same scene and damping, and so share a converged
+ * run. */
 static bool same(const struct fit *a, const struct fit *b)
 {
     return a->kind == b->kind && a->damping == b->damping;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Times one precision's kernels on a 1008 × 1008 cloth in waves. */
+/* Measures the price of exactness: times kernels of one precision on a wavy
+ * cloth of 1008 × 1008 particles. */
 #include "ci/bench/price.h"
 
 #include <stdio.h>
@@ -36,8 +37,8 @@ static void *give(struct bench *b, const void *host, int64_t n, size_t size)
     return p;
 }
 
-/* Waves by parabolas, so that springs are stretched, pressed and buckled, and
- * neighbours differ a little. */
+/* Makes waves of parabolas with some noise, so that springs are in tension, in
+ * compression and buckled, and neighbours differ. */
 static void make_state(vec *x, vec *v)
 {
     uint32_t random = 1;
@@ -129,8 +130,8 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Median seconds of a launch: `times` in a row, after the caches were flooded
- * where cold. */
+/* Returns the median seconds of a launch. cold: the caches are flushed before
+ * each launch; else a time is the mean of a batch of launches. */
 static double seconds(struct bench *b, const struct price *p, enum kernel k,
                       bool cold)
 {
@@ -148,20 +149,22 @@ static double seconds(struct bench *b, const struct price *p, enum kernel k,
     return s[REPEATS / 2];
 }
 
-/* The largest difference of a coordinate by the largest coordinate. */
+/* Returns the largest difference of a coordinate, divided by the largest
+ * coordinate. */
 static double off(const vec *a, const vec *b, int64_t n)
 {
     double most = 0, size = 0;
     const real *x = &a->x, *y = &b->x;
     for (int64_t k = 0; k < 3 * n; k++) {
         double d = fabs((double)x[k] - (double)y[k]), z = fabs((double)y[k]);
-        most = d <= most ? most : d; /* a NaN stays */
+        most = d <= most ? most : d; /* once NaN, it stays NaN */
         size = z <= size ? size : z;
     }
     return most / size;
 }
 
-/* How far the result of p's kernel is from the exact one. */
+/* Returns the relative difference of the result of p's kernel from the exact
+ * kernel's. */
 static double differs(struct bench *b, const struct price *p, enum kernel k)
 {
     size_t bytes = (size_t)b->springs.count * sizeof(vec);

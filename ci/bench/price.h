@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The price of exactness: kernels of gpu/ compiled as they are, and with
- * flags that let the compiler choose the bits. spec/gpu.md */
+/* The price of exactness: kernels of gpu/ compiled as they are, and with flags
+ * that let the compiler change the bits. spec/gpu.md §8 */
 #ifndef BENCH_PRICE_H
 #define BENCH_PRICE_H
 
@@ -17,18 +17,19 @@
 extern "C" {
 #endif
 
-/* The kernels by one set of flags. Streams are the device's. */
+/* The kernels compiled with one set of flags. Their streams are in device
+ * memory. */
 struct price {
     const char *flags;
     void (*springs)(struct gpu *g, const struct springs *s);
-    /* The sum into the first bytes of word[0]; word[0 … 1] are 0 at first. */
+    /* Writes the sum to the first bytes of word[0]; word[0 … 1] must be 0. */
     void (*dot)(struct gpu *g, const struct dot *s, int64_t *word);
-    /* The same in any order, by an addition in memory that is not split. */
+    /* Computes the sum in no fixed order, by atomic additions. */
     void (*loose)(struct gpu *g, const struct dot *s, int64_t *word);
 };
 extern const struct price price_exact, price_fma, price_fast;
 
-/* Prints the rows of this precision; 0 if all went well. */
+/* Prints the rows of this precision. Returns 0 if all went well. */
 int price_run(struct gpu *g);
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Runs of a scene through the public API, and what they came to. */
+/* Runs a scene through the public API and collects the results. */
 #include "ci/bench/accuracy.h"
 
 #include <math.h>
@@ -20,7 +20,7 @@ double bench_clock(const struct bench *b)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Counts what the library holds. */
+/* Counts the bytes that the library holds. */
 struct meter {
     size_t held, most;
 };

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Cloth without contact, for work-precision and stability. */
+/* Makes scenes of cloth without contact, for run time against error, orders and
+ * stability. */
 #include "ci/bench/accuracy.h"
 
 #include <stdlib.h>
@@ -7,7 +8,7 @@
 
 const char *const sample_name[] = {"stretched", "hanging", "flag", "falling"};
 
-/* Which particles are held. */
+/* Whether particle (i, j) is held. */
 static bool held(enum sample_kind kind, int i, int j, int last)
 {
     switch (kind) {
@@ -22,7 +23,8 @@ static bool held(enum sample_kind kind, int i, int j, int last)
     }
 }
 
-/* a, b in [0, 1]: where in the cloth. The push is smooth and 0 where held. */
+/* Sets the start of the particle at a, b in [0, 1], its place in the cloth. The
+ * velocity is smooth, and 0 where the cloth is held. */
 static void place(enum sample_kind kind, double a, double b, double x[3],
                   double v[3])
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a feature costs where it is used, and that it costs nothing where it
- * is not. spec/accuracy.md §7 */
+/* Measures what a feature costs where it is used, and checks that it costs
+ * nothing where it is not. spec/accuracy.md §7 */
 #include "ci/bench/skip.h"
 
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 
 enum { STAGE_NAMES = 40, SIDE = 65 };
 
-/* The stages that a run called, and how often. */
+/* The stages that a run called, and how often each. */
 struct calls {
     const char *name[STAGE_NAMES];
     int64_t count[STAGE_NAMES];
@@ -101,8 +101,8 @@ static void contact(struct skip *s)
 static const struct feature {
     const char *name;
     void (*add)(struct skip *s);
-    bool touches; /* so that there are pairs to decide */
-    bool mute;    /* nobody asks what a step did */
+    bool touches; /* the narrow phase gets candidates */
+    bool mute;    /* drape_step is called without a report */
 } features[] = {{"nothing", NULL, 0, 0},
                 {"implicit solver", implicit, 0, 0},
                 {"static obstacle, 528 triangles", obstacle, 0, 0},
@@ -163,7 +163,8 @@ static void count_calls(struct bench *b, const struct feature *f,
     solid_free(&s.ball);
 }
 
-/* The stages that a scene calls and the bare one does not, a step. */
+/* Writes the stages that a scene calls and the bare scene does not, with their
+ * number of calls a step. */
 static void put_calls(FILE *out, const struct calls *c,
                       const struct calls *bare)
 {
@@ -180,8 +181,8 @@ static void put_calls(FILE *out, const struct calls *c,
     }
 }
 
-/* Seconds a step, the least of some runs, one of each scene in turn, so that
- * the machine's moods meet all of them. */
+/* Measures the seconds of a step in every scene: the least of several runs. The
+ * scenes take turns, so that slow phases of the machine affect all of them. */
 static void time_all(struct bench *b, double seconds[FEATURES],
                      size_t bytes[FEATURES])
 {

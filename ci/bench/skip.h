@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Scenes with one feature more or less. */
+/* The bare scene, to which one feature is added, and the parts that use it. */
 #ifndef BENCH_SKIP_H
 #define BENCH_SKIP_H
 
@@ -14,15 +14,16 @@ struct skip {
     uint8_t hole[128 * 128];
 };
 
-/* One cloth, explicit, and nothing else. */
+/* Makes the bare scene: one cloth, an explicit integrator, no collisions. */
 void skip_bare(struct skip *s);
-/* Of a run's last positions. */
+/* Returns a hash of a run's last positions. */
 uint64_t skip_hash(const struct run *r);
 
 /* Parts of part_skip, ci/bench/never.c. */
 void skip_never(struct bench *b);
 void skip_sleep(struct bench *b);
-/* What the program without the other stages prints: seconds, bytes, hash. */
+/* Runs the bare scene and prints seconds a step, bytes and hash, for
+ * skip_never. */
 void skip_print(struct bench *b);
 
 #endif

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sheets and obstacles for scenes with contact. */
+/* Makes sheets and obstacles for scenes with contact. */
 #include "ci/bench/accuracy.h"
 
 #include <math.h>
@@ -26,7 +26,8 @@ static void make(struct solid *s, int64_t vertices, int64_t triangles)
     s->body.tri = (const int32_t(*)[3])s->tri;
 }
 
-/* Rings of `detail` vertices, and the two poles as the last vertices. */
+/* Makes a sphere of rings of `detail` vertices; the two poles are the last
+ * vertices. */
 void solid_ball(struct solid *s, double radius, const double at[3], int detail)
 {
     const double pi = 3.14159265358979323846;

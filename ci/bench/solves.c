@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Products by both forms of the matrix, and solves to a range of tolerances,
- * in one precision. spec/accuracy.md §8 */
+/* Measures products with both forms of the matrix, and solves to a range of
+ * tolerances, in one precision. spec/accuracy.md §8 */
 #include "ci/bench/stages.h"
 
 #include <math.h>
@@ -18,7 +18,7 @@ static double now(void)
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* Seconds of a product, the least of some. */
+/* Returns the seconds of a product: the least of 15. */
 static double time_product(struct product *p)
 {
     double least = 1e9;

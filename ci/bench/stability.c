@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Maps of stability: dt against stiffness for each integrator, with what the
- * library makes of a cell, and what one step without its limit would.
- * spec/accuracy.md §3 */
+/* Makes maps of stability: dt against stiffness for each integrator. Each cell
+ * says how the library's run ended, and how a run without the library's limit
+ * of the step ended. spec/accuracy.md §3 */
 #include "ci/bench/accuracy.h"
 
 #include <math.h>
@@ -11,8 +11,9 @@
 
 enum { STEPS = 200, SIDE = 7 };
 
-/* The longest step that the library takes at once: it says how many a long
- * step needs. 0: none, whatever the number; infinite: implicit. */
+/* Returns the longest step that the library takes without substeps, s. It is
+ * found from the error of a long step, which says how many substeps it needs.
+ * 0: the integrator is never stable; infinite: it is implicit. */
 static double limit_of(struct bench *b, const drape_def *def)
 {
     drape_def d = *def;
@@ -49,7 +50,7 @@ static void cell(struct bench *b, FILE *out, struct sample *s, double limit)
     run_free(&r);
 }
 
-/* One map; stiffness and dt by whole and half decades. */
+/* Makes one map: stiffness by decades, dt by half decades. */
 static void map(struct bench *b, FILE *out, int integrator, double damping)
 {
     int each = b->quick ? 3 : 1;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Diagrams of single stages: products, solves, times of impact, distances.
- * They are of the reference; `build/check-cuda --bench-solve` has a device's.
+/* Measures single stages of the reference: products, solves, times of impact
+ * and distances. `build/check-cuda --bench-solve` measures solves on a device.
  * spec/accuracy.md §8 */
 #include "ci/bench/accuracy.h"
 #include "ci/bench/impact.h"

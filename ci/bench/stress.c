@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Scenes at the edge of what a step can do: how each ends. Nothing may crash,
- * hang, intersect unreported or be not finite. spec/accuracy.md §4 */
+/* Runs scenes at the edge of what a step can do, and writes how each ends. None
+ * may crash or hang, have an intersection that is not reported, or a number
+ * that is not finite. spec/accuracy.md §4 */
 #include "ci/bench/accuracy.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { TURNS = 6 }; /* the most of a twist */
+enum { TURNS = 6 }; /* the most turns of the twisted strip */
 
-/* A scene with all that a case may want. */
+/* A scene, with room for all that a case may need. */
 struct stress {
     struct bench *b;
     FILE *out;
@@ -20,7 +21,7 @@ struct stress {
     drape_motion motion[2];
     double time[TURNS + 1], way[2][TURNS + 1][3], turn[2][TURNS + 1][4];
     drape_pin pin[128];
-    int64_t pairs; /* that intersect, the most of any step */
+    int64_t pairs; /* the most intersecting pairs after any step */
 };
 
 static bool audit(void *user, drape_world *world,
@@ -52,7 +53,7 @@ static void add_ball(struct stress *s)
     s->body[k] = s->solid[k].body;
 }
 
-/* Held by a corner, so that falling strains it. */
+/* Pins a corner of the sheet, so that falling strains it. */
 static void hang(struct stress *s)
 {
     s->pin[0] = (drape_pin){0, 0, -1};
@@ -60,8 +61,8 @@ static void hang(struct stress *s)
     s->cloth[0].n_pins = 1;
 }
 
-/* Runs the case and writes its row; returns false where it is to be listed
- * as a failure: an intersection that no outcome speaks of. */
+/* Runs a case and writes its row. An intersection that no step reported is a
+ * failed check. */
 static void end(struct stress *s, const char *name, double value, int steps)
 {
     struct run r;
@@ -81,7 +82,8 @@ static void end(struct stress *s, const char *name, double value, int steps)
         solid_free(&s->solid[k]);
 }
 
-/* A sheet falls on a ball, another one of another weight on it. */
+/* A sheet falls on a ball, and a sheet of another density falls on the first.
+ */
 static void mass_ratios(struct stress *s)
 {
     for (int k = 0; k <= 6; k += 2)
@@ -112,7 +114,8 @@ static void damping(struct stress *s)
         }
 }
 
-/* Grids of oblong cells and strips, for which the model may say no. */
+/* Strips, grids of oblong cells, and very small and very large cells; some of
+ * them the library must refuse. */
 static void shapes(struct stress *s)
 {
     static const struct {
@@ -150,7 +153,7 @@ static void coincident(struct stress *s)
             start(s, 9);
             s->def.integrator = m;
             s->def.allow_intersecting = 1;
-            s->def.self_collision = 0; /* or the start touches itself */
+            s->def.self_collision = 0; /* else the start intersects itself */
             if (m < DRAPE_BW)
                 s->def.dt = 1e-3;
             for (int p = 0; p < 81; p++) {
@@ -172,7 +175,7 @@ static void coincident(struct stress *s)
         }
 }
 
-/* A ball that crosses the sheet's length in a step. */
+/* A ball that crosses the sheet, or half of it, in one step. */
 static void fast_obstacle(struct stress *s)
 {
     for (int k = 0; k < (s->b->quick ? 1 : 4); k++) {
@@ -183,7 +186,7 @@ static void fast_obstacle(struct stress *s)
         s->time[1] = 20 * s->def.dt;
         s->way[0][0][0] = -1;
         s->way[0][1][0] = 20 * way - 1;
-        s->way[0][0][1] = s->way[0][1][1] = 0.1; /* through the sheet */
+        s->way[0][0][1] = s->way[0][1][1] = 0.1; /* at the sheet's height */
         s->motion[0] =
             (drape_motion){.keys = 2,
                            .time = s->time,
@@ -194,8 +197,9 @@ static void fast_obstacle(struct stress *s)
     }
 }
 
-/* Motion k turns about the x axis, half a turn a second, and moves to x = 0 by
- * a tenth of `from` in each. */
+/* Sets motion k, of one end of the strip: it rotates about the x axis by about
+ * half a turn a second, and moves towards x = 0 by a tenth of `from` a second.
+ */
 static void turn(struct stress *s, int k, double from, int turns)
 {
     s->motion[k] = (drape_motion){.keys = turns + 1,
@@ -213,7 +217,8 @@ static void turn(struct stress *s, int k, double from, int turns)
     }
 }
 
-/* A strip whose ends turn against each other, a turn a second. */
+/* A strip whose ends rotate in opposite directions: it is twisted by about a
+ * turn a second. */
 static void twist(struct stress *s, int turns)
 {
     start(s, 13);
@@ -236,7 +241,7 @@ static void twist(struct stress *s, int turns)
     end(s, "twist: turns", turns, 120 * turns);
 }
 
-/* Sheets one above the other, falling on each other. */
+/* Eight sheets, one above the other, that fall on each other. */
 static void layers(struct stress *s)
 {
     start(s, 9);
@@ -249,8 +254,8 @@ static void layers(struct stress *s)
     end(s, "layers", s->def.n_cloths, 12);
 }
 
-/* An obstacle of slivers: the ball squeezed along y, and with triangles of no
- * area. */
+/* An obstacle of slivers: the ball squeezed along y, with some triangles that
+ * have no area. */
 static void slivers(struct stress *s)
 {
     for (int k = 0; k <= 12; k += s->b->quick ? 12 : 4) {

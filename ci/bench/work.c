@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Run time against error, without contact. spec/accuracy.md §1 */
+/* Measures run time against error, without contact. spec/accuracy.md §1 */
 #include "ci/bench/accuracy.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double TIME = 0.1; /* s, of a run: 6 steps of 1/60 s */
+static const double TIME = 0.1; /* s, length of a run: 6 steps of 1/60 s */
 
-/* Errors of a run against the converged one. */
+/* Errors of a run compared with the converged run. */
 struct error {
-    double rms, most; /* m, of positions */
+    double rms, most; /* m, of positions: root mean square, largest */
     double energy;    /* J */
-    double strain;    /* of the grid's edges, root mean square */
-    double pin;       /* m, the furthest a pin is from where it is held */
+    double strain;    /* of the strain of the grid's edges, root mean square */
+    double pin;       /* m, the largest distance of a pin from its place */
 };
 
 static double length(const double a[3], const double b[3])
@@ -31,7 +31,7 @@ static double edge_error(const struct run *r, const struct run *to, int side)
             if (k ? q >= n : q % side == 0)
                 continue;
             double d = length(r->x[p], r->x[q]) - length(to->x[p], to->x[q]);
-            d *= side - 1; /* of 1 m in all */
+            d *= side - 1; /* to a strain: an edge is 1 / (side - 1) m long */
             sum += d * d;
             edges++;
         }
@@ -83,7 +83,7 @@ static const struct diagram diagrams[] = {
 };
 enum { DIAGRAMS = sizeof diagrams / sizeof *diagrams };
 
-/* What an implicit curve is made with; the first are the defaults. */
+/* The settings of the implicit curves. The first one is the default. */
 static const struct setting {
     int precision, precond;
     double tolerance;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Bulk copies from global to shared memory (cp.async.bulk). The device makes
- * them by itself, so that no thread holds registers for bytes under way. */
+/* Bulk copies from global to shared memory (cp.async.bulk). The hardware makes
+ * them asynchronously, so that no thread needs registers for bytes in flight.
+ */
 #ifndef GPU_BULK_CUH
 #define GPU_BULK_CUH
 

@@ -59,8 +59,8 @@ static __device__ inline char *cluster_shared(void)
     return (char *)cluster_words;
 }
 
-/* The address in the shared memory of another rank that corresponds to p in the
- * own. */
+/* Returns the address in the shared memory of another rank that corresponds to
+ * p in the own. */
 template <class T> static __device__ inline T *cluster_at(T *p, int rank)
 {
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 900
@@ -73,8 +73,8 @@ template <class T> static __device__ inline T *cluster_at(T *p, int rank)
 #endif
 }
 
-/* Barrier of the cluster; alone: of the own block only. Writes before the
- * barrier are seen after it. */
+/* Synchronises the cluster, or with `alone` the own block only. Writes before
+ * the barrier are visible after it. */
 static __device__ inline void cluster_sync(bool alone)
 {
 #if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 900
@@ -187,14 +187,14 @@ template <int LEFT> static inline void copies_end(void)
 
 #endif
 
-/* n rounded up to whole warps. */
+/* Returns n rounded up to a multiple of the warp size. */
 static __device__ inline int whole_warps(int n)
 {
     return (n + WARP - 1) / WARP * WARP;
 }
 
-/* The value of the lane below, or of a given lane. All lanes of the warp must
- * call it. */
+/* Return the value of the next lower lane, or of a given lane. All lanes of the
+ * warp must call them. */
 static __device__ inline vec lane_below(vec a)
 {
 #ifdef __CUDACC__

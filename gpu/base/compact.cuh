@@ -7,8 +7,9 @@
 
 enum { COMPACT_BLOCK = 256 };
 
-/* How many threads before this one keep their item; *total: how many of all.
- * Every thread of a block of COMPACT_BLOCK must call it. */
+/* Returns how many threads before this one keep their item, and in *total how
+ * many threads of the block do. All threads of a block of COMPACT_BLOCK must
+ * call it. */
 static __device__ inline int block_compact(bool keep, int *total)
 {
     __shared__ unsigned word[COMPACT_BLOCK / 32];
@@ -30,7 +31,7 @@ static __device__ inline int block_compact(bool keep, int *total)
     return rank + __popc(word[t / 32] & ((1u << t % 32) - 1));
 }
 
-/* The number of blocks for n items, and the item of this thread. */
+/* Return the number of blocks for n items, and the item of this thread. */
 static inline int64_t compact_blocks(int64_t n)
 {
     return (n + COMPACT_BLOCK - 1) / COMPACT_BLOCK;

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The largest of many reals, as the bits of a word that starts at 0. The bits
- * of positive reals are ordered as the reals are, so an integer atomic finds
- * the largest, and no order shows. */
+/* Finds the largest of many reals with an atomic maximum on integers, in a word
+ * that starts at 0. The bits of positive reals have the order of the reals, and
+ * the order of the threads does not affect a maximum. */
 #ifndef GPU_LARGEST_CUH
 #define GPU_LARGEST_CUH
 
 #include "gpu/base/real.cuh"
 
-/* word becomes the bits of value if value is larger. value ≥ 0 or NaN. */
+/* Sets the word to the bits of value if value is larger. value ≥ 0 or NaN. */
 static __device__ inline void note_largest(int64_t *word, real value)
 {
     real_bits bits;
@@ -16,7 +16,8 @@ static __device__ inline void note_largest(int64_t *word, real value)
         atomicMax((unsigned long long *)word, (unsigned long long)bits);
 }
 
-/* The same for a block: each thread has a value, and all must call it. */
+/* Does the same with the largest value of a block. Each thread has a value, and
+ * all threads must call it. */
 static __device__ inline void block_largest(int64_t *word, real value)
 {
     __shared__ real a[GPU_BLOCK];

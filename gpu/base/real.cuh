@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The operations of spec/README.md §1 on the device, each to the last bit.
- * Written apart from ref/base/real.h: only the types are shared. Functions of
- * headers are static, and structs that have functions lie in namespaces without
- * a name: else the host's linker could take one precision's for both, as vec is
- * a name of both. */
+/* The operations of spec/README.md §1 on the device, with the same bits as in
+ * ref/. They are written independently of ref/base/real.h: only the types are
+ * shared. Functions of headers are static, and structs that have functions are
+ * in unnamed namespaces. Otherwise the host's linker could take one precision's
+ * function for both, since type names such as vec are the same in both
+ * precisions. */
 #ifndef GPU_REAL_CUH
 #define GPU_REAL_CUH
 
 #include "gpu/run/launch.cuh"
 
-/* §1.2: the second operand on ties and on NaN. */
+/* §1.2: minimum and maximum; the second operand on ties and on NaN. */
 template <class T> static __device__ inline T min_of(T a, T b)
 {
     return a < b ? a : b;
@@ -29,7 +30,8 @@ static __device__ inline bool sane(real a)
     return a >= -REAL_BIG && a <= REAL_BIG;
 }
 
-/* §1.3: by the order of the bits; from either zero to the smallest number. */
+/* §1.3: returns the next larger number by the integer order of the bits; from
+ * either zero the smallest subnormal. */
 static __device__ inline real above(real a)
 {
     real_bits b = 1;
@@ -75,7 +77,7 @@ static __device__ inline vec scale(real s, vec a)
     return vec{s * a.x, s * a.y, s * a.z};
 }
 
-/* a + s·b, two roundings a component. */
+/* Returns a + s·b, two roundings a component. */
 static __device__ inline vec axpy(vec a, real s, vec b)
 {
     return vec{a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Every stage on the device: struct X as for ref_X, with its streams in device
- * memory; struct X itself is the host's, and is ref/'s header's. */
+/* Declares every stage X on the device: gpu_X takes the struct X of ref_X,
+ * whose streams are in device memory. The struct itself is in host memory. */
 #ifndef GPU_STAGES_H
 #define GPU_STAGES_H
 

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sums by a tree of fixed shape: a block owns a chunk. spec/base/sum.md */
+/* Stages sum and dot on the device: sums by a tree of fixed shape.
+ * spec/base/sum.md */
 #include "gpu/base/sum.cuh"
 
-/* Words of a stage: the value that the last block leaves, and who is last. */
+/* Words of gpu_words: the sum, written by the block that ends last; the ticket
+ * of ends_last. */
 enum { VALUE, TICKET };
 
-/* Block k owns chunk k of a, and the last one the sum of all. */
+/* Block k owns chunk k; the block that ends last writes the sum. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
     sum_kernel(struct sum s, int64_t *words)
 {

@@ -10,17 +10,20 @@ extern "C" {
 #include "ref/base/sum.h"
 }
 
-/* SUM_LAST: the most chunks that the last block sums within shared memory. Few
- * when emulated, so that tests have a level before that. */
+/* SUM_LAST: the most chunks whose sums the last block keeps in shared memory.
+ * They are few in emulation, so that tests reach a level that is kept in global
+ * memory.
+ */
 #ifdef __CUDACC__
 enum { SUM_WARPS = SUM_CHUNK / 32, SUM_LAST = SUM_CHUNK };
 #else
 enum { SUM_WARPS = SUM_CHUNK / 32, SUM_LAST = 2 };
 #endif
 
-/* §2: the sum of s[0 … 255], in all threads of the warp. Strides of 32 and more
- * are added within a thread, smaller strides between lanes; there both partners
- * add the same two numbers, in either order. */
+/* §2: returns the sum of a chunk to all threads of a warp; lane t has s[k] =
+ * item t + 32 k of the chunk. Strides of 32 and more are added within a thread,
+ * smaller strides between lanes. There both partners add the same two numbers,
+ * in either order, so they get the same bits. */
 static __device__ inline real warp_sum(real s[SUM_WARPS])
 {
     UNROLL
@@ -33,8 +36,8 @@ static __device__ inline real warp_sum(real s[SUM_WARPS])
     return s[0];
 }
 
-/* The sums of N values of each thread of a block of SUM_CHUNK, which all must
- * call it, in all of its threads. */
+/* Computes N sums over a block of SUM_CHUNK threads, of which each has N
+ * values. All threads must call it, and all get the sums. */
 template <int N>
 static __device__ inline void chunk_sums(const real value[N], real sum[N])
 {
@@ -53,9 +56,10 @@ static __device__ inline void chunk_sums(const real value[N], real sum[N])
     }
 }
 
-/* §3: of N times n chunk sums, which lie behind each other and of which `left`
- * are used, the sums of SUM_WARPS chunks from base on, by one block of
- * SUM_CHUNK; a warp a chunk of each, in all of its threads. */
+/* §3: computes one level of N trees. `chunk` holds N runs of n numbers, of
+ * which the first `left` are used. Each warp of the block sums one chunk of
+ * each run, from chunk `base` on, and all threads of the warp get the N sums.
+ */
 template <int N>
 static __device__ inline void level_sums(int64_t n, int64_t left, int64_t base,
                                          const real *chunk, real sum[N])
@@ -74,8 +78,9 @@ static __device__ inline void level_sums(int64_t n, int64_t left, int64_t base,
         sum[e] = warp_sum(a[e]);
 }
 
-/* A level of more chunks than SUM_LAST, in place: no chunk of the next level is
- * written before those that it overwrites are read. Returns them. */
+/* Replaces a level by the next one, in place, in global memory: no number is
+ * overwritten before it has been read. Returns how many numbers the next level
+ * has. */
 template <int N>
 static __device__ inline int64_t put_level(int64_t n, int64_t left, real *chunk)
 {
@@ -93,8 +98,9 @@ static __device__ inline int64_t put_level(int64_t n, int64_t left, real *chunk)
     return chunks;
 }
 
-/* The N sums, in all threads of the block; the last level is in shared memory,
- * as each trip to memory and back takes half a microsecond. */
+/* Completes N trees from n chunk sums each; all threads of the block get the N
+ * sums. The last level is kept in shared memory, since each trip to global
+ * memory and back takes half a microsecond. */
 template <int N>
 static __device__ inline void finish_sums(int64_t n, real *chunk, real sum[N])
 {
@@ -127,8 +133,8 @@ static __device__ inline void finish_sums(int64_t n, real *chunk, real sum[N])
     }
 }
 
-/* The sums of N values of each thread of all chunks. First each chunk's, by
- * whatever block of SUM_CHUNK; chunk [N·chunks] is used up. */
+/* First step of N sums over many chunks: a block writes the sums of chunk
+ * `here` to chunk [N·chunks], which the second step overwrites. */
 template <int N>
 static __device__ inline void put_sums(const real value[N], int64_t chunks,
                                        int64_t here, real *chunk)
@@ -140,8 +146,9 @@ static __device__ inline void put_sums(const real value[N], int64_t chunks,
             chunk[e * chunks + here] = sum[e];
 }
 
-/* Second, after a block has written its chunk sums: true in all threads of the
- * block that ends last, which get the sums of all chunks. */
+/* Second step, called by each block after it has written its chunk sums.
+ * Returns true in all threads of the block that ends last; these get the N
+ * sums. */
 template <int N>
 static __device__ inline bool all_sums(int64_t chunks, real *chunk,
                                        unsigned *ticket, real sum[N])
@@ -152,7 +159,7 @@ static __device__ inline bool all_sums(int64_t chunks, real *chunk,
     return true;
 }
 
-/* Both steps, for kernels whose block k owns chunk k. */
+/* Does both steps, for kernels whose block k owns chunk k. */
 template <int N>
 static __device__ inline bool grid_sums(const real value[N], real *chunk,
                                         unsigned *ticket, real sum[N])
@@ -161,13 +168,16 @@ static __device__ inline bool grid_sums(const real value[N], real *chunk,
     return all_sums<N>(gridDim.x, chunk, ticket, sum);
 }
 
-/* Blocks for item_sum over n items: a warp a chunk. */
+/* Returns how many blocks item_sum needs for n items: each warp sums a chunk.
+ */
 static inline int64_t item_blocks(int64_t n)
 {
     return (sum_chunks(n) + SUM_WARPS - 1) / SUM_WARPS;
 }
 
-/* The sum of item [n], likewise; chunk [sum_chunks(n)] is used up. */
+/* Computes the sum of item [n] over the grid, with one chunk for each warp.
+ * Returns true in all threads of the block that ends last; these get *sum.
+ * Overwrites chunk [sum_chunks(n)]. */
 static __device__ inline bool item_sum(int64_t n, const real *item, real *chunk,
                                        unsigned *ticket, real *sum)
 {

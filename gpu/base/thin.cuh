@@ -24,7 +24,7 @@ static __device__ inline float float_of(uint32_t bits)
     return a;
 }
 
-/* The upper half of a > 0; 0 for what is not. */
+/* Returns the upper half of the bits of a > 0; 0 for any other a. */
 static __device__ inline uint32_t upper_of(real a)
 {
     float f = (float)min_of(a, R(0x1.fep127));
@@ -33,7 +33,8 @@ static __device__ inline uint32_t upper_of(real a)
     return a > 0 ? bits >> 16 : 0;
 }
 
-/* The upper half of a number that is at least a and near it; 0 for NaN. */
+/* Returns the upper half of a number that is at least a and near a; 0 for NaN.
+ */
 static __device__ inline uint32_t above_of(real a)
 {
     real size = min_of(magnitude(a), R(0x1.fep127));
@@ -45,7 +46,7 @@ static __device__ inline uint32_t above_of(real a)
     return a > 0 ? up : a < 0 ? down : 0;
 }
 
-/* c u uᵀ + b I, u of length 1. */
+/* Returns the thin block of c u uᵀ + b I, u of length 1. */
 static __device__ inline struct thin thin_of(real c, real b, vec u)
 {
     real x = magnitude(u.x), y = magnitude(u.y), z = magnitude(u.z);
@@ -59,7 +60,8 @@ static __device__ inline struct thin thin_of(real c, real b, vec u)
                 upper_of(4 * c * (v.x * v.x)) | above_of(b) << 16};
 }
 
-/* m steps of 2^-15 from -1/2: as the lower bits of a number in [1, 2). */
+/* Returns the number that is m steps of 2^-15 above -1/2. m is put into the
+ * lower bits of a number in [1, 2), which needs no conversion. */
 static __device__ inline real stepped(uint32_t m)
 {
     return (real)(float_of(0x3f800000u | m << 8) - 1.5f);
@@ -82,7 +84,7 @@ static __device__ inline vec apply(struct thin t, vec d)
     return axpy(scale(a.all, d), a.size * dot(a.e, d), a.e);
 }
 
-/* fetch_once where it is not read again soon. */
+/* Read a thin block; fetch_once is for blocks that are not read again soon. */
 static __device__ inline struct thin fetch(const struct thin *t)
 {
 #ifdef __CUDA_ARCH__

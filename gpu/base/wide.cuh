@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Vectors of binary64 in either build, on the device. */
+/* Vectors of binary64 on the device, in the builds of both precisions. */
 #ifndef GPU_WIDE_CUH
 #define GPU_WIDE_CUH
 
@@ -20,7 +20,7 @@ static __device__ inline struct wide widen(vec a)
     return wide3((double)a.x, (double)a.y, (double)a.z);
 }
 
-/* Each component rounded to the build's precision. */
+/* Rounds each component to the build's precision. */
 static __device__ inline vec narrowed(struct wide a)
 {
     return make((real)a.x, (real)a.y, (real)a.z);
@@ -36,7 +36,7 @@ static __device__ inline struct wide scale(double s, struct wide a)
     return wide3(s * a.x, s * a.y, s * a.z);
 }
 
-/* a + s·b, two roundings a component. */
+/* Returns a + s·b, two roundings a component. */
 static __device__ inline struct wide axpy(struct wide a, double s,
                                           struct wide b)
 {

@@ -122,8 +122,8 @@ static __device__ inline void bound(struct gaps g, real *late, real *early)
     bound(g.h0, g.h1, late, early);
 }
 
-/* The overlap test: whether a and b may come within r of each other; reach =
- * reach_of(r). */
+/* The overlap test. Returns whether a and b may come within r of each other;
+ * reach is reach_of(r). */
 static __device__ inline bool meets(const struct box &a, const struct box &b,
                                     real reach)
 {

@@ -159,7 +159,7 @@ static __device__ bool clear_near(const struct cones *s, int32_t a, int k)
     return (up.a >= 0 && cleared(&s->tree, s->clear, up)) || spread_near(s, &n);
 }
 
-/* The bit by §4 alone, or the kept bit (§6). */
+/* Returns the bit by §4 alone, or the kept bit (§6). */
 static __device__ bool clear_alone(const struct cones *s, int32_t a, int k)
 {
     struct near n = near_of(s, a, k);
@@ -168,8 +168,8 @@ static __device__ bool clear_alone(const struct cones *s, int32_t a, int k)
     return stirs(s, n.e) ? spread_near(s, &n) : kept(s, n.e, k);
 }
 
-/* The bit by §5: whether some pair above is clear. Their `clear` bits must hold
- * at least the result of §4. */
+/* Returns the bit by §5: whether some pair above is clear. The `clear` bits of
+ * the pairs above must hold at least the result of §4. */
 static __device__ bool clear_above(const struct cones *s, int32_t a, int k)
 {
     struct duo e = near_of(s, a, k).e;

@@ -10,8 +10,8 @@ extern "C" {
 
 enum { BAD, MOST, WORDS };
 
-/* §1: the largest squared relative motion in candidate k. Returns 0 and sets
- * *bad where the candidate is bad. */
+/* §1: returns the largest squared relative motion in candidate k. Returns 0 and
+ * sets *bad where the candidate is bad. */
 static __device__ real relative_motion(const struct travel *s, int64_t k,
                                        int64_t *bad)
 {

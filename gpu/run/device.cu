@@ -10,7 +10,8 @@ extern "C" {
 
 #include <stdio.h>
 
-/* Does nothing: it shows for which devices the kernels were compiled. */
+/* Does nothing. Its attributes say for which devices the kernels were compiled.
+ */
 static __global__ void probe_kernel(void) {}
 
 cudaError_t gpu_allow_cluster(struct gpu *g, const void *kernel, bool room)
@@ -44,12 +45,13 @@ static bool cluster_runs(struct gpu *g)
     cudaError_t error = gpu_allow_cluster(g, (const void *)probe_kernel, true);
     if (error == cudaSuccess)
         error = cudaOccupancyMaxActiveClusters(&teams, probe_kernel, &config);
-    cudaGetLastError(); /* an error here means that it cannot */
+    cudaGetLastError(); /* forget the error: it means that no cluster runs */
     return error == cudaSuccess && teams > 0;
 }
 
-/* Devices of compute capability 9 have clusters of at most 16 blocks, and each
- * of them has clusters of 8; an instance of MIG may have fewer. */
+/* Chooses the number of blocks of a cluster. Devices of compute capability 9
+ * have clusters of at most 16 blocks and at least 8; a MIG instance may have
+ * fewer. */
 static void make_cluster(struct gpu *g, const cudaDeviceProp *p, int ptx)
 {
     bool clusters = p->major >= 9 && ptx >= 90;
@@ -68,7 +70,8 @@ static void name_device(struct gpu *g)
     int driver = 0, runtime = 0;
     gpu_note(g, cudaGetDevice(&g->number));
     gpu_note(g, cudaGetDeviceProperties(&p, g->number));
-    /* fails if ARCHES of the Makefile left this device out */
+    /* This fails if the kernels were not compiled for this device (ARCHES in
+     * the Makefile). */
     gpu_note(g, cudaFuncGetAttributes(&code, probe_kernel));
     if (!g->failed)
         make_cluster(g, &p, code.ptxVersion);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* gpu/run/prim.cu on the host. */
+/* Scans and sorts of the emulated device, in place of gpu/run/prim.cu. */
 #include "gpu/run/launch.cuh"
 
 extern "C" {

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* gpu/run/stream.cu on the host, where each call is done at once. */
+/* The stream of the emulated device, in place of gpu/run/stream.cu: each call
+ * is done at once. */
 #include "gpu/run/launch.cuh"
 
 #include <stdio.h>
 #include <time.h>
 
-/* Whether g can do no more; notes why. */
+/* Whether g has failed, so that nothing more may be done; records the failure.
+ */
 static bool fails(struct gpu *g, bool more)
 {
     size_t n = strlen(g->name);

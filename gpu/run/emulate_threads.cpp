@@ -49,7 +49,7 @@ static int64_t common(int64_t a, int64_t b)
     return b ? common(b, a % b) : a;
 }
 
-/* The order of n things that the way asks for: ascending, descending or
+/* Returns the order of n things that the way asks for: ascending, descending or
  * shuffled. */
 static struct order order_of(int64_t n, bool first)
 {
@@ -157,10 +157,10 @@ static __attribute__((noinline)) void resume(unsigned f)
     setcontext(&begun);
 }
 
-/* The fiber that runs after f. A warp continues when all of its fibers wait at
- * a barrier of the warp, a rank when all of its fibers wait at one of the rank.
- * Otherwise the next warp or rank runs, so that each gets as far as it can
- * without the others. */
+/* Returns the fiber that runs after f. A warp continues when all of its fibers
+ * wait at a barrier of the warp, a rank when all of its fibers wait at one of
+ * the rank. Otherwise the next warp or rank runs, so that each gets as far as
+ * it can without the others. */
 static unsigned next(unsigned f)
 {
     f++;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the host's files of a world include: launches, and the structs of every
- * stage. Files of kernels include gpu/run/launch.cuh and what they use. */
+/* Included by the files that run a world on the device: launches, and the
+ * structs of every stage. Files of kernels include gpu/run/launch.cuh and what
+ * they use. */
 #ifndef GPU_GPU_CUH
 #define GPU_GPU_CUH
 

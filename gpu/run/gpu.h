@@ -24,8 +24,8 @@ void gpu_close(struct gpu *g); /* returns all memory; NULL is allowed */
 int gpu_device(const struct gpu *g);   /* CUDA's number; -1: emulated */
 void *gpu_stream(const struct gpu *g); /* cudaStream_t */
 
-/* The device in words: name, driver and runtime versions, and the reason if it
- * was lost. Valid until gpu_close. */
+/* Returns the device in words: name, driver and runtime versions, and the
+ * reason if it was lost. Valid until gpu_close. */
 const char *gpu_name(const struct gpu *g);
 
 /* Threads of a block, 32 … 256 by 32. No result depends on it. */
@@ -54,7 +54,8 @@ void gpu_set_ranks(struct gpu *g, int ranks);
 void gpu_set_way(struct gpu *g, struct gpu_way way);
 void gpu_set_hosted(struct gpu *g); /* the host ends loops from here on */
 
-/* The allocator of device memory that is used if def has none; static. */
+/* Returns the allocator of device memory that is used if def has none, static.
+ */
 const drape_allocator *gpu_native(void);
 
 /* Takes zeroed device memory, counted for this part. NULL if there is none:
@@ -82,7 +83,7 @@ void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes);
 void gpu_clear(struct gpu *g, void *device, size_t bytes);
 void gpu_wait(struct gpu *g);
 
-/* The first failure since gpu_begin, DRAPE_ENOMEM or DRAPE_EDEVICE, or
+/* Returns the first failure since gpu_begin, DRAPE_ENOMEM or DRAPE_EDEVICE, or
  * DRAPE_OK. After a failure nothing is launched or copied. */
 int gpu_status(struct gpu *g);
 /* A call of the API begins. Memory may be there by now, so DRAPE_ENOMEM is

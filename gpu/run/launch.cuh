@@ -169,8 +169,8 @@ void gpu_read_back_now(struct gpu *g, bool clear);
 void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size);
 /* The same on the host, which has one slot. */
 void *gpu_aside(struct gpu *g, size_t bytes);
-/* A struct gpu in which only CUDA's members are missing; NULL if there is no
- * memory. native: the allocator of device memory if def has none. */
+/* Returns a struct gpu in which only CUDA's members are missing; NULL if there
+ * is no memory. native: the allocator of device memory if def has none. */
 struct gpu *gpu_make(const drape_def *def, const drape_allocator *native);
 void gpu_unmake(struct gpu *g);
 

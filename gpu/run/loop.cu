@@ -1,27 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Captures and keeps CUDA graphs, with a WHILE node for loops.
- * gpu/run/emulate_threads.cpp in a build without CUDA. gpu/run/loop.cuh */
+/* Captures and keeps CUDA graphs, with a WHILE node for loops. In a build
+ * without CUDA gpu/run/emulate_threads.cpp takes its place. gpu/run/loop.cuh */
 #include "gpu/run/loop.cuh"
 
 /* At most LOOPS graphs are kept. The least recently used one may go when
  * LOOP_IDLE launches have passed since it was used. */
 enum { LOOPS = 64, LOOP_IDLE = 4096 };
 
-/* A graph, and what it was captured with; its key follows in memory. */
+/* A graph that is kept. Its key follows it in memory. */
 struct kept {
     struct kept *next;
     cudaGraphExec_t graph;
     size_t n;
     int block, ranks;
-    int64_t used; /* the last launch, by number */
-    int status;   /* of what was queued */
+    int64_t used; /* number of its last launch */
+    int status;   /* what the captured turn returned */
 };
 
 struct gpu_loops {
     cudaStream_t stream; /* for captures: the caller's may not allow them */
     struct kept *first;
     int count;
-    bool absent; /* the device has none */
+    bool absent; /* the device has no such graphs */
     int64_t launches;
 };
 
@@ -96,7 +96,7 @@ static cudaError_t capture_loop(struct gpu *g, cudaGraph_t graph,
     return error == cudaSuccess ? capture(g, body, whole, status) : error;
 }
 
-/* Writes graph and status of k. */
+/* Captures and instantiates the graph of k, and sets k's graph and status. */
 static cudaError_t build(struct gpu *g, struct kept *k, const int32_t *again,
                          loop_turn turn)
 {
@@ -128,7 +128,8 @@ static bool same(const struct kept *k, const struct gpu *g, struct loop_key key)
            !memcmp(k + 1, key.bytes, key.n);
 }
 
-/* Makes room for one more graph; false if all that are kept are in use. */
+/* Makes room for one more graph. False if all kept graphs were used recently.
+ */
 static bool make_room(struct gpu *g)
 {
     struct gpu_loops *l = g->loops;
@@ -149,7 +150,7 @@ static bool make_room(struct gpu *g)
     return true;
 }
 
-/* Captures a new graph; NULL if that is not possible. */
+/* Captures a new graph and keeps it. NULL if that is not possible. */
 static struct kept *make(struct gpu *g, struct loop_key key,
                          const int32_t *again, loop_turn turn)
 {
@@ -162,7 +163,7 @@ static struct kept *make(struct gpu *g, struct loop_key key,
         return NULL;
     cudaError_t error = build(g, k, again, turn);
     if (error != cudaSuccess) {
-        cudaGetLastError(); /* the error is an answer */
+        cudaGetLastError(); /* forget the error: it means that there are none */
         l->absent = k->status == DRAPE_OK && error != cudaErrorMemoryAllocation;
         arena_give(&g->host, k);
         return NULL;

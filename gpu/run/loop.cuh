@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* CUDA graphs of launches that are captured once and kept: run once, or as a
- * loop that the device ends itself (a WHILE node), so that the host neither
- * launches nor reads back in between. spec/gpu.md §9 */
+/* CUDA graphs of launches that are captured once and kept. A graph runs its
+ * launches once, or as a loop that the device ends itself (a WHILE node), so
+ * that the host neither launches nor reads back in between. spec/gpu.md §9 */
 #ifndef GPU_LOOP_CUH
 #define GPU_LOOP_CUH
 

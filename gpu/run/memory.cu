@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Memory of a device, CUDA's or emulated; no other file allocates any. Works as
- * ref/base/arena.c, but the records of blocks lie on the host. spec/gpu.md §10
- */
+/* Allocates the memory of a device, real or emulated; no other file allocates
+ * device memory. It works like ref/base/arena.c, but the records of blocks are
+ * in host memory. spec/gpu.md §10 */
 #include "gpu/run/launch.cuh"
 
 enum { ALIGN = 256 }; /* bytes, of borrowed memory, as cudaMalloc aligns */
@@ -19,7 +19,7 @@ struct gpu_block {
     bool borrowed;
 };
 
-/* There was no memory: notes that, unless the device is lost. */
+/* Records that there was no memory, unless the device is lost. Returns NULL. */
 static void *none(struct gpu *g)
 {
     if (gpu_status(g) == DRAPE_OK)
@@ -32,8 +32,8 @@ static size_t whole(size_t bytes)
     return (bytes + ALIGN - 1) / ALIGN * ALIGN;
 }
 
-/* A block at data, which is borrowed; NULL: a block that is allocated, not
- * zeroed. */
+/* Makes a block. data: where borrowed memory lies; NULL: memory is allocated,
+ * and not zeroed. Returns the memory, or NULL. */
 static void *take(struct gpu *g, enum arena_part part, size_t bytes, char *data)
 {
     struct gpu_block *b =
@@ -78,7 +78,7 @@ void gpu_lend(struct gpu *g, void *p, size_t bytes)
         }
 }
 
-/* The first free bytes of the part that b lends, or NULL. */
+/* Returns the first free bytes in the part that b lends, or NULL. */
 static char *gap(const struct gpu *g, const struct gpu_block *b, size_t bytes)
 {
     char *at = b->lent, *end = at + b->lent_bytes;
@@ -92,8 +92,8 @@ static char *gap(const struct gpu *g, const struct gpu_block *b, size_t bytes)
     return o ? NULL : at;
 }
 
-/* The bytes are borrowed from the first gap that is large enough, else
- * allocated. */
+/* Borrows the bytes from the first gap that is large enough, or else allocates
+ * them. */
 static void *borrow(struct gpu *g, enum arena_part part, size_t bytes)
 {
     char *at = NULL;

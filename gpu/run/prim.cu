@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Scans and sorts: CUB behind two functions. spec/gpu.md */
+/* Scans and sorts on the device, by CUB. spec/gpu.md */
 #include "gpu/run/launch.cuh"
 
 extern "C" {
@@ -21,7 +21,7 @@ void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
             g, cub::DeviceScan::ExclusiveSum(room, bytes, a, a, n, g->stream));
 }
 
-/* The order of ref/base/keys.c. */
+/* Compares two keys in the order of ref/base/keys.c. */
 struct key_before {
     __device__ bool operator()(const struct key &a, const struct key &b) const
     {
@@ -31,8 +31,8 @@ struct key_before {
     }
 };
 
-/* By merging: a key has 24 bytes, so that a radix sort makes 24 passes, and
- * most streams are short. */
+/* A merge sort: a radix sort of keys of 24 bytes would make 24 passes, and most
+ * streams are short. */
 struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
                      struct key *spare)
 {

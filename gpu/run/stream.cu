@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The stream of a device: copies, waits, failures, times, readbacks.
- * gpu/run/emulate_stream.cpp in a build without CUDA. spec/gpu.md */
+/* Works on the stream of a device: copies, waits, failures, times and
+ * readbacks. In a build without CUDA gpu/run/emulate_stream.cpp takes its
+ * place. spec/gpu.md */
 #include "gpu/run/launch.cuh"
 
 #include <stdio.h>
@@ -59,7 +60,7 @@ int gpu_status(struct gpu *g)
 
 void gpu_begin(struct gpu *g)
 {
-    cudaGetLastError(); /* what makes a device unusable comes again */
+    cudaGetLastError(); /* an error of a lost device is reported again */
     if (g->failed == DRAPE_ENOMEM)
         g->failed = DRAPE_OK;
 }
@@ -78,7 +79,8 @@ double gpu_clock_stop(struct gpu *g)
     return 1e-3 * (double)ms;
 }
 
-/* Thread t owns word t. The mark, for which the host waits, comes last. */
+/* Thread t owns word t and writes it to host memory. The mark, for which the
+ * host waits, is written last. */
 static __global__ void __launch_bounds__(GPU_ALL_WORDS)
     show_kernel(int64_t *words, bool clear, int64_t *seen, int64_t mark)
 {
@@ -96,8 +98,8 @@ static bool arrived(const int64_t *mark, int64_t next)
     return __atomic_load_n(mark, __ATOMIC_ACQUIRE) == next;
 }
 
-/* Waits until the mark is next. The state of the stream is queried now and
- * then, as the kernel may have failed. */
+/* Waits until the mark is `next`. Queries the state of the stream now and then,
+ * as the kernel may have failed. */
 static void wait_for(struct gpu *g, const int64_t *mark, int64_t next)
 {
     enum { PATIENCE = 1 << 12 };
@@ -108,12 +110,12 @@ static void wait_for(struct gpu *g, const int64_t *mark, int64_t next)
     if (arrived(mark, next))
         return;
     gpu_wait(g);
-    if (!arrived(mark, next)) /* it was not launched */
+    if (!arrived(mark, next)) /* the kernel did not run */
         gpu_note(g, cudaErrorUnknown);
 }
 
-/* A kernel writes the words to pinned memory of the host, and the host polls a
- * mark behind them: a copy takes longer until the host knows of its end. */
+/* A kernel writes the words to pinned host memory, and then a mark, which the
+ * host polls. With a copy and a wait the host would know later. */
 void gpu_read_back_now(struct gpu *g, bool clear)
 {
     const int64_t *mark = g->seen + GPU_ALL_WORDS;

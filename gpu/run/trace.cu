@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The trace of a run on the device. spec/gpu.md §6 */
+/* Traces a stage on the device: copies its output to the host for the hash.
+ * spec/gpu.md §6 */
 #include "gpu/run/launch.cuh"
 
 extern "C" {

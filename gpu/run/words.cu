@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Small results of kernels, and how the host reads them back. For CUDA and
- * emulated. gpu/run/launch.cuh, spec/gpu.md §6 */
+/* Small results of kernels (words), and their readback by the host, for real
+ * and emulated devices. gpu/run/launch.cuh, spec/gpu.md §6 */
 #include "gpu/run/launch.cuh"
 
 static int64_t *cleared(struct gpu *g, bool late, int64_t *words, int n)
@@ -27,7 +27,8 @@ const int64_t *gpu_late_seen(const struct gpu *g)
     return g->late_seen;
 }
 
-/* What was seen of the late words since they were last wiped. */
+/* Updates late_seen after a readback. If a readback clears the words on the
+ * device, their values are added to g->late first, so that nothing is lost. */
 static void keep_late(struct gpu *g, bool wiped)
 {
     for (int k = 0; k < GPU_LATE; k++) {
@@ -45,7 +46,7 @@ static void read_back(struct gpu *g, bool clear)
     keep_late(g, clear);
 }
 
-/* All words are read: as few as n would take as long. */
+/* Reads all words whatever n is, since reading fewer takes as long. */
 const int64_t *gpu_read_back(struct gpu *g, int)
 {
     read_back(g, true);

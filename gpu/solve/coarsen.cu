@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Galerkin coarsening with bilinear interpolation. spec/solve/multigrid.md §2
- */
+/* Stage coarsen on the device: makes a coarse grid's operator from the next
+ * finer grid's, by Galerkin coarsening with bilinear interpolation.
+ * spec/solve/multigrid.md §2 */
 #include "gpu/solve/galerkin.cuh"
 #include "gpu/solve/level.cuh"
 #include "gpu/solve/tile.cuh"
 
-/* The number of coarse particles from which on tiles are faster. */
+/* With at least this many coarse particles, tiles (gpu/solve/tile.cuh) are
+ * faster than a thread for each item. */
 #ifdef __CUDACC__
 enum { TILES_LEAST = 1 << 15 };
 #else
 enum { TILES_LEAST = 64 };
 #endif
 
-/* Thread p of the coarse particles owns coarse_rule[p]. */
+/* Thread p owns coarse particle p and writes coarse_rule[p]: whether a rule of
+ * a fine particle matters to p. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     coarsen_find_kernel(struct coarsen s, struct grid c)
 {
@@ -20,7 +23,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     find(&s, place_of(c, item));
 }
 
-/* A thread owns an item. */
+/* Each thread owns an item: a coarse block, or the excess of a coarse particle.
+ */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     coarsen_kernel(struct coarsen s, struct grid c,
                    const __grid_constant__ struct book book)
@@ -29,8 +33,9 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     make_item<8>(&s, c, &book, item);
 }
 
-/* What tiles leave out: a block owns the items of GPU_BLOCK coarse particles,
- * of those that a rule matters to, a thread every so-many-th. */
+/* Makes the items that the kernel of tiles leaves out. A thread block owns
+ * GPU_BLOCK coarse particles; its threads take turns at the items of those
+ * particles to which a rule matters. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     coarsen_cut_kernel(struct coarsen s, struct grid c,
                        const __grid_constant__ struct book book)
@@ -48,8 +53,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         make_item<8>(&s, c, &book, k / n * s.n_coarse + cut[k % n]);
 }
 
-/* Thread p of the coarse particles owns factor[p] and coarse_rule[p]; reads
- * coarse blocks and excess of all. */
+/* Thread p owns coarse particle p: it writes factor[p] and coarse_rule[p], and
+ * reads the coarse blocks and the excess, which must be complete. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     coarsen_factor_kernel(struct coarsen s, struct grid c)
 {
@@ -91,17 +96,17 @@ int gpu_coarsen(struct gpu *g, struct coarsen *s)
     return gpu_status(g);
 }
 
-/* Grids, the first of which is made already. */
+/* The grids of a chain. The operator of the first one must have been made. */
 struct chain {
     int grids;
     struct small {
         struct grid g;
-        sym *excess; /* then factors, then blocks */
+        sym *excess; /* followed in memory by the factors and the blocks */
         uint8_t *rule;
     } grid[LEVELS];
 };
 
-/* How grid k comes from the one before. */
+/* Returns the arguments of the coarsening from grid k - 1 to grid k. */
 static __device__ struct coarsen link_of(const struct chain *s, int k)
 {
     const struct chain::small *f = &s->grid[k - 1], *to = &s->grid[k];
@@ -120,7 +125,8 @@ static __device__ struct coarsen link_of(const struct chain *s, int k)
     return c;
 }
 
-/* Of all whom a particle with a rule matters to: as find. */
+/* Sets the mark of each coarse particle to which the rule of the fine particle
+ * at `at` matters: the result is that of `find`. */
 static __device__ void mark(const struct chain::small *c, struct place at)
 {
     for (int j = max_of((at.j - 4) / 2, 0); j <= (at.j + 3) / 2; j++)
@@ -129,10 +135,10 @@ static __device__ void mark(const struct chain::small *c, struct place at)
                 c->rule[i + c->g.m * j] = 1;
 }
 
-/* One cluster. For each grid k: threads take turns at the items of grid k and
- * at the factors of the grid before, while the marks of the grid after are
- * cleared; after a barrier they take turns at the rules of grid k, which mark
- * particles of the grid after. */
+/* Run by one cluster. For each grid k, its threads take turns at the items of
+ * grid k and at the factors of grid k - 1, and clear the marks of grid k + 1.
+ * After a barrier they take turns at the rules of grid k; each rule sets marks
+ * of grid k + 1. */
 static __global__ void __launch_bounds__(CHAIN_BLOCK)
     coarsen_chain_kernel(const __grid_constant__ struct chain s,
                          const __grid_constant__ struct book book)

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How grids interpolate from coarser ones. spec/solve/multigrid.md §2 */
+/* The weights by which a grid interpolates from the next coarser grid, and the
+ * rules that change them at cuts. spec/solve/multigrid.md §2 */
 #ifndef GPU_COARSEN_CUH
 #define GPU_COARSEN_CUH
 
 #include "gpu/solve/grid.cuh"
 
-/* Twice the weight along an axis of the coarse particle d steps before: left
- * and right say whether a particle between two takes only that one. */
+/* Returns twice the weight, along one axis, that a fine particle gives to the
+ * coarse particle d fine steps before it. left, right: the fine particle lies
+ * between two coarse ones and takes only the left one, or only the right one.
+ */
 static __device__ inline int axis_part(int d, bool left, bool right)
 {
     if (d == 1)
@@ -16,7 +19,8 @@ static __device__ inline int axis_part(int d, bool left, bool right)
     return d == 0 ? 2 : 0;
 }
 
-/* Four times the weight of the coarse particle (di, dj) steps before. */
+/* Returns four times the weight that a fine particle with this rule gives to
+ * the coarse particle (di, dj) fine steps before it. */
 static __device__ inline int part_of(int rule, int di, int dj)
 {
     return axis_part(di, rule & ONLY_LEFT, rule & ONLY_RIGHT) *
@@ -28,7 +32,8 @@ static __device__ inline bool tied(sym b)
     return b.xx != 0 || b.yy != 0 || b.zz != 0;
 }
 
-/* The rule of a particle from the blocks to the right and up of all. */
+/* Returns the rule of a particle. right, up: the blocks of all particles to
+ * their neighbours to the right and above. */
 static __device__ inline uint8_t rule_at(struct grid g, struct place at,
                                          const sym *right, const sym *up)
 {

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The coarsest grid by a dense factorisation. spec/solve/multigrid.md §5 */
+/* Factors the operator of the coarsest grid as a dense matrix.
+ * spec/solve/multigrid.md §5 */
 #include "gpu/solve/coarsest.cuh"
 
-/* PITCH: of a row in shared memory, odd for the banks. */
+/* PITCH: the distance of two rows in shared memory, odd so that the rows begin
+ * in different banks. */
 enum { SIDE = 16, FACTOR_BLOCK = SIDE * SIDE, PITCH = DENSE + 1 };
 
 static __device__ double component(sym b, int r, int c)
@@ -16,8 +18,9 @@ static __device__ double component(sym b, int r, int c)
     return (double)a;
 }
 
-/* The block that edges particles p < q of s, among those of all directions and
- * then all excesses; -1 if none does. */
+/* Returns the index of the block that couples particles p < q, or -1 if none
+ * does. The blocks of all directions are followed by the excess of all
+ * particles. */
 static __device__ int edge_of(const struct coarsest *s, struct place p,
                               struct place q)
 {
@@ -29,8 +32,8 @@ static __device__ int edge_of(const struct coarsest *s, struct place p,
     return o < 0 ? -1 : o * (int)s->count + p.p;
 }
 
-/* Entry (r, c), c <= r, of the dense matrix, its terms by ascending first
- * particle. */
+/* Returns entry (r, c), c <= r, of the dense matrix. A diagonal entry adds its
+ * blocks by ascending first particle. */
 static __device__ double entry(const struct coarsest *s, const sym *block,
                                int r, int c)
 {
@@ -60,13 +63,15 @@ static __device__ double entry(const struct coarsest *s, const sym *block,
     return sum;
 }
 
-/* Whose entries a thread owns: of every SIDE-th row and column. */
+/* A thread's loop over the entries that it owns: those in every SIDE-th row and
+ * every SIDE-th column of the lower triangle. */
 #define OWN_ENTRIES(i, j, n)                                                   \
     for (int i = (int)threadIdx.x / SIDE; i < (n); i += SIDE)                  \
         for (int j = (int)threadIdx.x % SIDE; j <= i; j += SIDE)
 
-/* One block. Column after column, of which each thread changes its entries. L
- * is scaled at the end: no step reads a scaled column. */
+/* Run by one block. It eliminates column after column, and each thread updates
+ * the entries that it owns. The columns of L are scaled at the end, since the
+ * elimination reads unscaled columns. */
 static __global__ void __launch_bounds__(FACTOR_BLOCK)
     coarsest_factor_kernel(struct coarsest s)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The coarsest grid on the device. spec/solve/multigrid.md §5 */
+/* Factors and solves the system of the coarsest grid on the device.
+ * spec/solve/multigrid.md §5 */
 #ifndef GPU_COARSEST_CUH
 #define GPU_COARSEST_CUH
 
@@ -13,14 +14,14 @@ extern "C" {
 /* Fills s.dense with L and 1/D. */
 void gpu_coarsest_factor(struct gpu *g, const struct coarsest *s);
 
-/* The pitch of a row in shared memory: odd, to avoid bank conflicts. */
+/* Returns the pitch of a row in shared memory: odd, to avoid bank conflicts. */
 static __host__ __device__ inline int dense_pitch(int n)
 {
     return n | 1;
 }
 
-/* The threads of a block copy the factor to `a` [n·pitch]; 1/D is its diagonal.
- */
+/* Copies the factor L, with 1/D on its diagonal, to `a` [n·pitch] in shared
+ * memory. All threads of a block must call it. */
 static __device__ inline void fetch_coarsest(const struct coarsest *s,
                                              double *a)
 {
@@ -31,9 +32,10 @@ static __device__ inline void fetch_coarsest(const struct coarsest *s,
     }
 }
 
-/* z = A⁻¹ b by the first warp of a block, after a barrier behind
- * fetch_coarsest. A lane owns one or two unknowns. In both substitutions each
- * unknown, once it is known, is eliminated from the others. */
+/* Solves z = A⁻¹ b. All threads of a block call it after fetch_coarsest and a
+ * barrier; its first warp does the work. A lane owns one or two unknowns. In
+ * both substitutions each unknown, once it is known, is eliminated from the
+ * others. */
 static __device__ inline void
 solve_coarsest(const struct coarsest *s, const double *a, const vec *b, vec *z)
 {

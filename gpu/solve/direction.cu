@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The next search direction and its product with the matrix, in one pass where
- * the matrix is compact. spec/solve/pcg.md §3 */
+/* Computes the next search direction and its product with the matrix, in one
+ * pass if the matrix is compact. spec/solve/pcg.md §3 */
 #include "gpu/solve/pcg.cuh"
 #include "gpu/solve/sweep.cuh"
 
-/* The vector s + β p, which a product reads without its being in memory. */
+/* A source of x: the vector s + β p, computed where a product reads it, so that
+ * it need not be in memory first. */
 struct mixed {
     const vec *s, *p;
     const struct pcg_state *c;
@@ -31,7 +32,7 @@ static __device__ vec made(const struct mixed *m, struct mixed_parts x,
     return x.first ? x.s : axpy(x.s, m->c->beta, x.p);
 }
 
-/* Where the product goes: p[k], q[k] and item[k] are written. */
+/* The end of a row of the product: writes p[k], q[k] and item[k]. */
 struct image {
     const uint8_t *fixed;
     vec *p, *q;
@@ -52,7 +53,8 @@ static __device__ void arrive(const struct image *e, struct place at,
     e->item[at.p] = dot(x, q);
 }
 
-/* The same by compressed diagonals: first the direction, then its product. */
+/* Does the same with compressed diagonals, in two kernels: this one computes
+ * the direction, the next one its product. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     pcg_direction_kernel(struct mixed m, vec *p, int64_t count)
 {

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A symmetric system as the edges of a grid: each edge links two particles by a
- * 3 × 3 block, a spring's or a coarse grid's. And a row of the product with it
- * (SpMV). spec/solve/product.md §1, spec/solve/multigrid.md §3 */
+/* A symmetric matrix stored as the edges of a grid, and one row of its product
+ * with a vector (SpMV). An edge links two particles by a 3 × 3 block, which is
+ * a spring's or a coarse grid's. spec/solve/product.md §1,
+ * spec/solve/multigrid.md §3
+ */
 #ifndef GPU_EDGES_CUH
 #define GPU_EDGES_CUH
 
@@ -9,19 +11,21 @@
 #include "gpu/base/thin.cuh"
 #include "gpu/solve/product.cuh"
 
-/* The diagonal is mass and extra, or excess; B is the type of an edge's block:
- * sym, struct thin or struct rate. */
+/* The diagonal is made of mass and extra, or of excess. B is the type in which
+ * an edge's block is stored: sym, struct thin or struct rate. */
 template <class B> struct edges {
     struct grid g;
-    const real *mass;  /* NULL: excess is */
+    const real *mass;  /* NULL: the diagonal is made of excess */
     const sym *extra;  /* NULL: none */
-    const sym *excess; /* NULL: mass is */
+    const sym *excess; /* NULL: the diagonal is made of mass */
     const B *block;    /* [SPRINGS or STENCIL · m·n] */
 };
 
-/* A source of x: made(&source, take(&source, place), place) is x there. take
- * only reads memory, so that it may run ahead; nobody writes that memory
- * meanwhile. */
+/* A source of x is a type with two functions, so that a product can read a
+ * vector that is not in memory: made(&source, take(&source, place), place)
+ * returns x at the place. take only reads memory, which nothing may write
+ * meanwhile, and so may run early to hide latency. This source is a stream in
+ * memory. */
 struct plain {
     const vec *x;
 };
@@ -54,7 +58,7 @@ static __device__ inline struct place beside(struct grid g, struct place at,
  */
 struct base {
     real mass;
-    sym extra; /* or excess */
+    sym extra; /* extra, or the excess */
 };
 
 template <int EDGES, class B>

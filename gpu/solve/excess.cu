@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the finest level couples to nothing. spec/solve/multigrid.md §1 */
+/* Stage excess on the device: the part of the finest grid's operator that
+ * couples no two free particles. spec/solve/multigrid.md §1 */
 #include "gpu/solve/coarsen.cuh"
 
-/* Thread p owns excess[p], live[p] and rule[p]. */
+/* Thread p owns particle p and writes excess[p], live[p] and rule[p]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     excess_kernel(struct excess s)
 {

@@ -14,7 +14,8 @@ static __device__ inline sym plus(sym a, real w, sym b)
                a.yy + w * b.yy, a.yz + w * b.yz, a.zz + w * b.zz};
 }
 
-/* Four times the weight of coarse (ci, cj) in fine (x, y). */
+/* Returns four times the weight that fine particle (x, y) gives to coarse
+ * particle (ci, cj). */
 static __device__ inline int weight(const struct coarsen *s, int x, int y,
                                     int ci, int cj)
 {
@@ -23,8 +24,8 @@ static __device__ inline int weight(const struct coarsen *s, int x, int y,
     return part_of(s->rule[x + s->m * y], x - 2 * ci, y - 2 * cj);
 }
 
-/* Notes in coarse_rule of a coarse particle, which has no other use yet,
- * whether a fine particle that matters to it has a rule. */
+/* Writes to coarse_rule[p] whether a fine particle that matters to coarse
+ * particle p has a rule. coarse_rule gets the rules themselves only later. */
 static __device__ inline void find(const struct coarsen *s, struct place at)
 {
     int x0 = max_of(2 * at.i - 5, 0), x1 = min_of(2 * at.i + 5, s->m - 1);
@@ -36,8 +37,8 @@ static __device__ inline void find(const struct coarsen *s, struct place at)
     s->coarse_rule[at.p] = (uint8_t)cut;
 }
 
-/* The sum of a recipe's terms at a coarse particle. AHEAD terms are read before
- * the first is added, to hide the latency of memory. */
+/* Returns the sum of a recipe's terms at a coarse particle. AHEAD terms are
+ * read before the first is added, to hide the latency of memory. */
 template <int AHEAD>
 static __device__ inline sym cook(const struct coarsen *s,
                                   const struct recipe *r, struct place at)
@@ -65,8 +66,8 @@ static __device__ inline sym cook(const struct coarsen *s,
     return sum;
 }
 
-/* Four times the weights of coarse (ci, cj) in the nine fine particles around
- * its place, four bits each. */
+/* Returns four times the weights that the nine fine particles around coarse
+ * particle (ci, cj) give to it, in four bits each. */
 static __device__ inline uint64_t weights_near(const struct coarsen *s, int ci,
                                                int cj)
 {
@@ -78,15 +79,16 @@ static __device__ inline uint64_t weights_near(const struct coarsen *s, int ci,
     return all;
 }
 
-/* The one that is (dx, dy) from the place. */
+/* Returns the weight of the fine particle (dx, dy) steps away. */
 static __device__ inline int pick_weight(uint64_t all, int dx, int dy)
 {
     bool near = (unsigned)(dx + 1) < 3u && (unsigned)(dy + 1) < 3u;
     return near ? (int)(all >> 4 * (dx + 1 + 3 * (dy + 1)) & 15) : 0;
 }
 
-/* The same terms in the same order from the rules, for coarse direction (ci,
- * cj), EDGES directions, of springs or of couplings. */
+/* Returns the sum that `cook` returns, but with weights computed from the
+ * rules: the same terms in the same order, for coarse direction (ci, cj).
+ * EDGES: the fine grid's directions, those of springs or of couplings. */
 template <int EDGES>
 static __device__ inline sym cook_cut(const struct coarsen *s, struct place at,
                                       int ci, int cj)
@@ -112,8 +114,9 @@ static __device__ inline sym cook_cut(const struct coarsen *s, struct place at,
     return sum;
 }
 
-/* The contribution of the fine excess to coarse direction (ci, cj), or to the
- * coarse particle itself. All terms are read before the first is added. */
+/* Returns the contribution of the fine excess to coarse direction (ci, cj), or
+ * for (0, 0) to the excess of the coarse particle. All terms are read before
+ * the first is added. */
 static __device__ inline sym share(const struct coarsen *s, struct place at,
                                    int ci, int cj)
 {
@@ -140,8 +143,9 @@ static __device__ inline sym share(const struct coarsen *s, struct place at,
     return sum;
 }
 
-/* Item o·n_coarse + p is block o of coarse particle p; items after the last
- * direction are the excess of p. Reads coarse_rule as `find` has left it. */
+/* Makes an item. Item o·n_coarse + p is block o of coarse particle p; the items
+ * after the last direction are the excess of each p. coarse_rule must be as
+ * `find` has left it. */
 template <int AHEAD>
 static __device__ inline void make_item(const struct coarsen *s, struct grid c,
                                         const struct book *book, int64_t item)
@@ -165,7 +169,7 @@ static __device__ inline void make_item(const struct coarsen *s, struct grid c,
     s->coarse_block[item] = sum;
 }
 
-/* §3: factor[p] from the blocks around p and its excess. */
+/* §3: makes factor[p] from the blocks around p and the excess of p. */
 static __device__ inline void make_factor(const struct coarsen *s,
                                           struct grid c, struct place at)
 {

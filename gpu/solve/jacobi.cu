@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Block-Jacobi preconditioner. spec/solve/jacobi.md */
+/* Stage jacobi on the device: the block-Jacobi preconditioner.
+ * spec/solve/jacobi.md */
 #include "gpu/solve/jacobi.cuh"
 
 #include "gpu/base/thin.cuh"
 #include "gpu/solve/grid.cuh"
 
-/* Directions that are read before the first is added. */
+/* The number of directions whose blocks are read before the first is added. */
 enum { AHEAD = 4 };
 
-/* Exact products, as in ref/solve/jacobi.h. */
+/* Adds the thin block t. Its products are exact, as in ref/solve/jacobi.h. */
 static __device__ struct wide_sym add(struct wide_sym d, struct thin t)
 {
     struct thin_parts a = opened(t);
@@ -20,8 +21,8 @@ static __device__ struct wide_sym add(struct wide_sym d, struct thin t)
                      d.a[5] + (sz * z + all)}};
 }
 
-/* Thread p owns factor[p]: reads mass, extra and the blocks at p, of which
- * `from` has the stream. */
+/* Thread p owns particle p: it reads mass, extra and the blocks of its edges in
+ * `from`, and writes factor[p]. */
 template <class B>
 static __global__ void __launch_bounds__(GPU_BLOCK)
     jacobi_kernel(struct jacobi s, const B *from)

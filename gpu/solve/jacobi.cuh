@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Diagonal blocks on the device: summed, factored and solved.
- * spec/solve/jacobi.md */
+/* Sums, factors and solves diagonal blocks on the device. spec/solve/jacobi.md
+ */
 #ifndef GPU_JACOBI_CUH
 #define GPU_JACOBI_CUH
 
@@ -23,7 +23,8 @@ static __device__ inline struct wide_sym add(struct wide_sym d, sym b)
                      d.a[4] + (double)b.yz, d.a[5] + (double)b.zz}};
 }
 
-/* §2: L D Lᵀ = d, in binary64; all 0 where the trace is not positive. */
+/* §2: returns the factors of L D Lᵀ = d, computed in binary64; all are 0 where
+ * the trace of d is not positive. */
 static __device__ inline sym factored(struct wide_sym d)
 {
     const double *a = d.a;
@@ -38,7 +39,7 @@ static __device__ inline sym factored(struct wide_sym d)
                (real)(1 / y), (real)l3, (real)(1 / z)};
 }
 
-/* §3: L D Lᵀ z = r. */
+/* §3: returns the solution z of L D Lᵀ z = r. */
 static __device__ inline vec solved(sym f, vec r)
 {
     real below = r.y - f.xy * r.x;

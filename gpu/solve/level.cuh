@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The grids of multigrid on the device. spec/solve/multigrid.md §4, §5 */
+/* The grids (levels) of multigrid on the device, and the functions that build
+ * and run a cycle. spec/solve/multigrid.md §4, §5 */
 #ifndef GPU_LEVEL_CUH
 #define GPU_LEVEL_CUH
 
@@ -10,30 +11,30 @@ extern "C" {
 #include "ref/solve/multigrid.h"
 }
 
-/* One grid and its streams, as kernels take it. */
+/* One grid of the hierarchy and its streams, in the form that kernels take. */
 struct level {
     struct grid g;
     int32_t count;
-    const real *mass;     /* of the finest grid, where excess is not read */
-    const sym *extra;     /* there, or NULL */
-    const uint8_t *fixed; /* NULL: all free */
-    uint8_t *rule;        /* interpolation to it from the next */
+    const real *mass;     /* of the finest grid, which reads no excess */
+    const sym *extra;     /* of the finest grid; NULL: none */
+    const uint8_t *fixed; /* NULL: all particles are free */
+    uint8_t *rule;        /* rules of interpolation from the next grid */
     sym *excess;
     const sym *block;        /* [SPRINGS or STENCIL · count] */
-    const struct thin *thin; /* read in its place, or NULL */
-    const sym *factor;
-    vec *b; /* right-hand side; of the finest grid the caller's */
-    vec *x, *y, *d;
-    const int32_t *go; /* NULL, or on the device; *go 0: do nothing */
+    const struct thin *thin; /* read in place of block, unless NULL */
+    const sym *factor;       /* of the diagonal blocks, jacobi.md §2 */
+    vec *b;            /* right-hand side; for the finest grid the caller's r */
+    vec *x, *y, *d;    /* solution, residual, direction */
+    const int32_t *go; /* NULL, or on the device: if *go is 0 nothing is done */
 };
 
-/* §4: the Chebyshev polynomial of degree 2. */
+/* §4: coefficients of the Chebyshev smoothing of degree 2, as in ref/. */
 struct weights {
     real first, keep, second;
 };
 
-/* The first half-step of a cycle, which starts from 0: y = first·F b. The
- * kernel that makes the right-hand side b does it, too. */
+/* The first half-step of a cycle, which starts from x = 0: y = first·F b. The
+ * kernel that computes the right-hand side b also does this half-step. */
 struct opening {
     const sym *factor;
     vec *y;
@@ -45,9 +46,9 @@ static __device__ inline void open_at(const struct opening *o, int p, vec b)
     o->y[p] = scale(o->first, solved(o->factor[p], b));
 }
 
-/* Makes each grid from the one before, as gpu_coarsen does, all in one kernel
- * of one cluster. The first grid of the chain is made already, and is not the
- * finest. */
+/* Makes each grid of a chain from the grid before, as gpu_coarsen does, but all
+ * of them in one kernel of one cluster. The operator of the first grid must
+ * have been made; the first grid is not the finest one. */
 #ifdef __CUDACC__
 enum { CHAIN_BLOCK = 512, CHAIN_COUNT = 1200 };
 #else
@@ -57,16 +58,17 @@ void gpu_coarsen_chain(struct gpu *g, const struct level *l, int levels);
 
 struct opening gpu_multigrid_opening(const struct multigrid *s);
 
-/* Streams of the finest grid that the caller lends; multigrid's own, the first
- * [count] of pool and the second of room, are not allocated then. */
+/* Streams of the finest grid that the caller lends. Multigrid then does not
+ * need its own: the first [count] items of pool and the second [count] of room.
+ */
 struct lent {
-    sym *excess; /* [count] only the build uses it */
-    vec *d;      /* [count] only a cycle does */
+    sym *excess; /* [count] used by the build only */
+    vec *d;      /* [count] used by a cycle only */
 };
 
-/* The two halves of gpu_multigrid. The opening must have been done before a
- * cycle. go: as in struct level. item: [count] becomes z[p]·r[p], unless NULL.
- */
+/* The two halves of gpu_multigrid: the build makes the coarse operators, and a
+ * cycle applies them. The opening must have been done before a cycle. go: as in
+ * struct level. item: unless NULL, item[p] becomes z[p]·r[p]. */
 int gpu_multigrid_build(struct gpu *g, struct multigrid *s, struct lent lent);
 void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, struct lent lent,
                          const int32_t *go, real *item);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Assembly of the compressed diagonal format. spec/solve/matrix.md */
+/* Stage matrix on the device: assembles the matrix in compressed diagonal
+ * format. spec/solve/matrix.md */
 #include "gpu/solve/grid.cuh"
 
-/* 0 - b: what is missing is +0. */
+/* Returns 0 - b: a missing block, which is +0, stays +0. */
 static __device__ mat negative(sym b)
 {
     return mat{make(0 - b.xx, 0 - b.xy, 0 - b.xz),
@@ -33,7 +34,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.diagonal[at.p] = d;
 }
 
-/* Thread p owns row p of every diagonal that has it. §3 */
+/* Thread p owns row p of every diagonal that has such a row. §3 */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     matrix_kernel(struct matrix s, struct cdf c)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Geometric multigrid V-cycle. spec/solve/multigrid.md */
+/* Stage multigrid on the device: one V-cycle of geometric multigrid.
+ * spec/solve/multigrid.md */
 #include "gpu/solve/smooth.cuh"
 #include "gpu/solve/sweep.cuh"
 #include "gpu/solve/tail.cuh"
@@ -50,7 +51,8 @@ static int lay_out(const struct multigrid *s, struct lent lent,
     return levels;
 }
 
-/* §4: for eigenvalues of [high / 8, high], in binary64. */
+/* §4: returns the coefficients for eigenvalues in [high / 8, high], computed in
+ * binary64. */
 static struct weights weights_of(double high)
 {
     double low = high / 8, mid = (high + low) / 2, half = (high - low) / 2;
@@ -77,7 +79,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     open_at(&o, (int)p, b[p]);
 }
 
-/* Thread p of the coarse grid owns b[p] and y[p]. */
+/* Thread p owns particle p of the coarse grid and writes b[p] and y[p]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     multigrid_restrict_kernel(struct level f, struct level c, real first)
 {
@@ -86,7 +88,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         restrict_at(&f, &c, place_of(c.g, item), first);
 }
 
-/* Thread p of the fine grid owns x[p]. */
+/* Thread p owns particle p of the fine grid and updates x[p]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     multigrid_prolong_kernel(struct level f, struct raised s)
 {

@@ -1,45 +1,48 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A small grid in the shared memory of a cluster. Each rank owns a run of
- * consecutive particles and has copies of the x and y of other ranks' particles
- * that its own ones read. spec/solve/multigrid.md */
+/* A patch: a small grid in the shared memory of a thread-block cluster. Each
+ * rank (block) owns a run of consecutive particles, and keeps copies of x and y
+ * of other ranks' particles that its own particles read.
+ * spec/solve/multigrid.md */
 #ifndef GPU_PATCH_CUH
 #define GPU_PATCH_CUH
 
 #include "gpu/base/cluster.cuh"
 #include "gpu/solve/level.cuh"
 
-/* A grid, and where its streams begin in the shared memory of every rank, in
- * bytes. */
+/* A grid, and the byte offsets at which its streams begin in the shared memory
+ * of every rank. */
 struct patch {
     struct grid g;
-    int32_t count, share; /* of particles, all, and those of a rank */
-    int32_t reach;        /* the largest |q - p| where q reads x of p */
-    int32_t far;     /* the most ranks to each side that such q belong to */
-    int64_t inverse; /* p · inverse / 2^32 is p / share */
-    int64_t across;  /* likewise p / m */
+    int32_t count, share; /* particles of the grid, and of a rank */
+    int32_t reach;        /* the largest |q - p| where row q reads x of p */
+    int32_t far;          /* how many ranks to each side such rows lie in */
+    int64_t inverse; /* p · inverse / 2^32 is p / share, without division */
+    int64_t across;  /* p · across / 2^32 is p / m */
     bool alone;      /* rank 0 owns all particles */
     int32_t shift;   /* 2^shift threads share a row of the product */
-    int32_t table;   /* place of struct edge [STENCIL] */
-    int32_t rules;   /* place of the rules of all particles */
-    /* block o of the rank's particles and of those before that lead to them */
+    int32_t table;   /* offset of struct edge [STENCIL] */
+    int32_t rules;   /* offset of the rules of all particles */
+    /* Offsets of the blocks of edge o that start at the rank's particles, or at
+     * earlier particles and end at the rank's. */
     int32_t edge[STENCIL];
-    int32_t factor, excess; /* [share] */
-    int32_t x, y;           /* of its particles and all within reach */
-    int32_t b, d;           /* [share] */
+    int32_t factor, excess; /* offsets of [share] */
+    int32_t x, y;           /* offsets; of its particles and all within reach */
+    int32_t b, d;           /* offsets of [share] */
     const sym *block_from, *factor_from, *excess_from;
     const uint8_t *rule;
 };
 
-/* Direction o of edges in shared memory: (di, dj), the steps in particle
- * numbers, and the places of the blocks of the edge that ends at the rank's
- * first particle (even if there is none) and of the edge that starts there. */
+/* A direction of edges in shared memory: (di, dj); the step in particle
+ * numbers; and the offsets of two blocks: of the edge that ends at the rank's
+ * first particle (even if there is none), and of the edge that starts there. */
 struct alignas(16) edge {
     int16_t di, dj;
     int32_t step, in, out;
 };
 
-/* The run of a rank: its first particle, their number, and the first particle
- * whose x the rank has; and the constants that a row of the product needs. */
+/* The run of a rank: its first particle, the number of its particles, and the
+ * first particle whose x the rank has; and constants that a row of the product
+ * needs. */
 struct run {
     int first, own, low;
     int table;
@@ -55,7 +58,7 @@ static __host__ __device__ inline int edge_step(struct grid g, int o)
     return step > 0 ? step : 0;
 }
 
-/* Particles in the stream of edge o in shared memory. */
+/* Returns the number of blocks of edge o that a rank keeps. */
 static __host__ __device__ inline int edge_size(const struct patch *l, int o)
 {
     int size = l->share + edge_step(l->g, o);
@@ -80,7 +83,7 @@ static __device__ inline struct place place_in(struct run r, int p)
     return place{p, p - j * r.g.m, j};
 }
 
-/* The stream at byte `at` of shared memory. */
+/* Return the stream at byte `at` of the rank's shared memory. */
 static __device__ inline sym *syms(int at)
 {
     return (sym *)(cluster_shared() + at);
@@ -101,7 +104,8 @@ static __device__ inline uint8_t *rules_of(const struct patch *l)
     return (uint8_t *)(cluster_shared() + l->rules);
 }
 
-/* How many blocks of edge o a rank has of particles before its own. */
+/* Returns how many blocks of edge o the rank keeps of particles before its own.
+ */
 static __device__ inline int edge_before(const struct patch *l, struct run r,
                                          int o)
 {
@@ -150,7 +154,8 @@ static __device__ inline struct edge edge_in(const struct patch *l,
     return edge{(int16_t)di, (int16_t)dj, step, out - step * size, out};
 }
 
-/* All threads of a rank take turns at the particles of its run. */
+/* A loop in which the threads of a rank take turns at the particles of its run.
+ */
 #define EACH_OF(r, at)                                                         \
     for (struct place at = place_in(r, (r).first + rank_thread());             \
          at.p < (r).first + (r).own; at = place_in(r, at.p + rank_threads()))
@@ -176,15 +181,15 @@ static __device__ inline vec owned(const struct patch *l, int from, int p)
     return cluster_at(vecs(from), rank)[p - low_of(l, rank)];
 }
 
-/* The bytes of a stream of n blocks, for any offset within 16 bytes. */
+/* Returns the bytes that a stream of n blocks takes at any offset within 16
+ * bytes. */
 static int64_t stream_size(int64_t n)
 {
     return (n * (int)sizeof(sym) + 8 + 15) / 16 * 16;
 }
 
-/* Sets the share of a grid and the places of its streams from byte `at` of
- * shared memory on; returns where they end. last: the coarsest grid, without
- * edges. */
+/* Lays out the streams of a patch from byte `at` of shared memory on. Returns
+ * where they end. last: this is the coarsest grid, which keeps no edges. */
 static int64_t lay_patch(struct patch *l, int64_t at, bool last)
 {
     int64_t share = l->share, wide = share + 2 * l->reach;
@@ -209,7 +214,7 @@ static int64_t lay_patch(struct patch *l, int64_t at, bool last)
     return at;
 }
 
-/* The patch of a level for `ranks` ranks. */
+/* Returns the patch of a level for a number of ranks, not laid out yet. */
 static struct patch patch_of(const struct level *l, int ranks)
 {
     struct patch p = {};

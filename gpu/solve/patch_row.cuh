@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A row of A x of a grid in the shared memory of a cluster, by adjacent lanes
- * of a warp. spec/solve/multigrid.md */
+/* Computes a row of A x of a patch (gpu/solve/patch.cuh) by adjacent lanes of a
+ * warp. spec/solve/multigrid.md */
 #ifndef GPU_PATCH_ROW_CUH
 #define GPU_PATCH_ROW_CUH
 
 #include "gpu/solve/edges.cuh"
 #include "gpu/solve/patch.cuh"
 
-/* The pulls of an edge that ends at a particle and of the one that starts
- * there, 0 where there is none: to add or subtract that changes no y, which is
- * never -0. x: at the particle. */
+/* Computes the pulls of the edge that ends at a particle and of the edge that
+ * starts there, in one direction; 0 where there is no edge, since adding or
+ * subtracting 0 changes no y, which is never -0. x points to x of the particle.
+ */
 static __device__ inline void pulls_of(struct run r, struct place at,
                                        struct edge t, const vec *x, vec *ending,
                                        vec *starting)
@@ -25,12 +26,12 @@ static __device__ inline void pulls_of(struct run r, struct place at,
     *starting = starts ? apply(out, sub(here, to)) : none;
 }
 
-/* Adjacent lanes share a row. Each has as many consecutive directions; the last
- * lane gets the result. */
+/* A lane's part of a row. Adjacent lanes share a row; each has the same number
+ * of consecutive directions, and the last lane gets the result. */
 struct row {
     struct place at;
     int lane;
-    bool real, last; /* there is such a particle; and this lane is its last */
+    bool real, last; /* real: the row exists; last: and this lane gets it */
 };
 
 static __device__ inline struct row row_of(const struct patch *l, struct run r,
@@ -42,15 +43,15 @@ static __device__ inline struct row row_of(const struct patch *l, struct run r,
     return row{at, lane, real, real && lane == lanes - 1};
 }
 
-/* Whole warps take turns at the rows of a run. */
+/* A loop in which whole warps take turns at the rows of a run. */
 #define EACH_ROW(item, l, r)                                                   \
     for (int item = rank_thread(), n_ = whole_warps((r).own << (l)->shift);    \
          item < n_; item += rank_threads())
 
-/* Adds the pulls of all edges of a particle to y, which the first lane has; the
- * last lane has the sum. x begins at byte `from` of shared memory. All threads
- * of the warp must call it. It is not inlined, so that its instructions stay in
- * the cache. */
+/* Adds the pulls of all edges of a particle to y, which the first lane passes
+ * in. The last lane returns the sum. x begins at byte `from` of shared memory.
+ * All threads of the warp must call it. It is not inlined, so that its
+ * instructions stay in the cache. */
 template <int LANES>
 static __device__ __noinline__ vec pulled(struct run r, struct row w, int from,
                                           vec y)
@@ -68,7 +69,7 @@ static __device__ __noinline__ vec pulled(struct run r, struct row w, int from,
     return add_by_lanes<LANES, EACH>(y, ending, starting, w.lane);
 }
 
-/* A x at a particle, in the last lane of its row. */
+/* Returns A x at a particle, in the last lane of its row. */
 static __device__ inline vec patch_row(const struct patch *l, struct run r,
                                        struct row w, int from)
 {
@@ -81,7 +82,7 @@ static __device__ inline vec patch_row(const struct patch *l, struct run r,
                            : pulled<1>(r, w, from, y);
 }
 
-/* gain·F (b - A x), likewise. */
+/* Returns gain·F (b - A x) at a particle, in the last lane of its row. */
 static __device__ inline vec patch_step(const struct patch *l, struct run r,
                                         struct row w, int from, real gain)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The scalars of conjugate gradients, which stay on the device, and the
- * functions by which one thread takes the solver from one phase of ref_pcg to
- * the next. spec/solve/pcg.md §3–§5 */
+ * functions that one thread calls, at the end of a kernel, to take the solver
+ * to the next phase of ref_pcg. spec/solve/pcg.md §3–§5 */
 #ifndef GPU_PCG_CUH
 #define GPU_PCG_CUH
 
@@ -12,12 +12,12 @@ extern "C" {
 #include "ref/solve/pcg.h"
 }
 
-/* What the kernels do next: the first residual, an iteration, the residual
- * after the last iteration, nothing. */
+/* What comes next: the first residual, an iteration, the true residual after
+ * the last iteration, nothing. */
 enum phase { PHASE_OPEN, PHASE_ITERATE, PHASE_ENDED, PHASE_DONE };
 
-/* The most directions that are kept, so that dv is updated by as many at once.
- */
+/* The most directions that are kept, so that one update of dv can add that many
+ * steps. */
 enum { RING = 8 };
 
 /* The state of a solve, in gpu_words. Every kernel of the solver reads it first
@@ -26,16 +26,18 @@ enum { RING = 8 };
 struct pcg_state {
     unsigned ticket; /* for ends_last of the sums */
     int32_t phase;   /* enum phase */
-    int32_t go;      /* 1: phase is PHASE_ITERATE */
-    int32_t first;   /* 1: no direction yet */
-    int32_t fresh;   /* 1: M⁻¹ r is not known yet */
+    int32_t go;      /* 1 if phase is PHASE_ITERATE */
+    int32_t first;   /* 1: there is no direction since the (re)start */
+    int32_t fresh;   /* 1: r·M⁻¹r of the current r is not known yet */
     int32_t again;   /* 1: another turn of the loop; 0: the host decides */
     int32_t outcome; /* enum pcg_outcome */
     int32_t iterations, fell_back;
-    int32_t waits; /* how many steps dv has not been updated by yet */
-    real late[RING - 1];
-    real square, most;       /* |r|² at first, what residual is relative to */
-    real left, before, from; /* |r|² as it goes, residual, scale */
+    int32_t waits;           /* steps that have not been added to dv yet */
+    real late[RING - 1];     /* their alphas */
+    real square, most;       /* the first |r|²; the |r|² that `residual` is
+                                relative to */
+    real left, before, from; /* |r|² by the recurrence; the last true residual;
+                                the r·M⁻¹r that the tolerance is relative to */
     real rho, alpha, beta;
     real recurrence, residual;
 };
@@ -52,7 +54,8 @@ static __device__ inline void end(struct pcg_state *c, int outcome)
     c->go = 0;
 }
 
-/* The condition of ref_pcg's outer loop, and the start of its body. */
+/* Decides whether to restart, as the condition of ref_pcg's outer loop does,
+ * and prepares the iterations that follow. */
 static __device__ inline void restart(const struct pcg *s, struct pcg_state *c)
 {
     c->phase = PHASE_DONE;
@@ -71,7 +74,7 @@ static __device__ inline void restart(const struct pcg *s, struct pcg_state *c)
         end(c, PCG_LIMIT);
 }
 
-/* After the first residual; square: |b - A z|². */
+/* Called after the first residual. square: |b - A z|². */
 static __device__ inline void begin(const struct pcg *s, struct pcg_state *c,
                                     real square)
 {
@@ -88,7 +91,8 @@ static __device__ inline void begin(const struct pcg *s, struct pcg_state *c,
     restart(s, c);
 }
 
-/* After the true residual that follows the last iteration; square: |r|². */
+/* Called after the true residual that follows the last iteration. square: |r|².
+ */
 static __device__ inline void judge(const struct pcg *s, struct pcg_state *c,
                                     real square)
 {
@@ -105,7 +109,7 @@ static __device__ inline void judge(const struct pcg *s, struct pcg_state *c,
     restart(s, c);
 }
 
-/* After the preconditioner; next: r·M⁻¹r, which gives β. */
+/* Called after the preconditioner. next: r·M⁻¹r, which gives β. */
 static __device__ inline void enter(const struct pcg *s, struct pcg_state *c,
                                     real next)
 {
@@ -129,7 +133,7 @@ static __device__ inline void enter(const struct pcg *s, struct pcg_state *c,
     c->rho = next;
 }
 
-/* After the product; curvature: p·A p, which gives α. */
+/* Called after the product. curvature: p·A p, which gives α. */
 static __device__ inline void measure(struct pcg_state *c, real curvature)
 {
     if (!positive(curvature))
@@ -138,7 +142,7 @@ static __device__ inline void measure(struct pcg_state *c, real curvature)
         c->alpha = c->rho / curvature;
 }
 
-/* After a step; square: |r|². */
+/* Called after a step along p. square: |r|². */
 static __device__ inline void leave(const struct pcg *s, struct pcg_state *c,
                                     real square)
 {
@@ -167,7 +171,7 @@ static __device__ inline real two_sum(real *a, real b)
     return error;
 }
 
-/* §3: x + low += d. */
+/* §3: adds d to x + low. */
 static __device__ inline void advance(vec *x, vec *low, vec d)
 {
     low->x += two_sum(&x->x, d.x);
@@ -193,8 +197,8 @@ static inline struct lent lent_by(const struct pcg *s)
  * the status of these stages. */
 int gpu_pcg_set_up(struct gpu *g, struct pcg *s);
 
-/* §6: gpu_pcg, after pcg_open, by the solver of gpu/compare. DRAPE_EDEVICE if
- * its library is not there. */
+/* §6: solves with cuBLAS, in gpu/compare, after pcg_open. DRAPE_EDEVICE if the
+ * library is not there. */
 int gpu_pcg_compare(struct gpu *g, struct pcg *s);
 
 /* §3: queues the next direction `to` = s + β p, with β of c, its image q = A

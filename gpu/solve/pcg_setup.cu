@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The matrix, its preconditioner, and where the iteration starts.
+/* Prepares a solve: the matrix, its preconditioner, and the start of dv.
  * spec/solve/pcg.md §1 */
 #include "gpu/solve/pcg.cuh"
 
@@ -16,7 +16,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.low[k] = make(0, 0, 0);
 }
 
-/* Where pcg_set_up's stages run. */
+/* The argument of the stages that pcg_set_up calls. */
 struct on {
     struct gpu *g;
     const struct pcg *s;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The system's matrix times a vector. spec/solve/product.md */
+/* Stage product on the device: the system's matrix times a vector.
+ * spec/solve/product.md */
 #include "gpu/solve/sweep.cuh"
 
-/* Thread p owns y[p], from the compressed diagonals. */
+/* Thread p owns row p of the compressed diagonals and writes y[p]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     product_kernel(struct product s, struct cdf c)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A row of the system's matrix times a vector. spec/solve/product.md §1 */
+/* Computes one row of the system's matrix times a vector. spec/solve/product.md
+ * §1 */
 #ifndef GPU_PRODUCT_CUH
 #define GPU_PRODUCT_CUH
 
@@ -9,8 +10,8 @@ extern "C" {
 #include "ref/solve/product.h"
 }
 
-/* The part of the product that belongs to no edge, from mass or excess; + 0
- * turns -0 into +0. */
+/* Returns the part of a row that belongs to no edge, from mass or from excess.
+ * Adding 0 turns -0 into +0. */
 static __device__ inline vec own(real mass, vec x)
 {
     return add(scale(mass, x), make(0, 0, 0));
@@ -21,7 +22,7 @@ static __device__ inline vec own(sym excess, vec x)
     return add(apply(excess, x), make(0, 0, 0));
 }
 
-/* Row p of the compressed diagonals times x. */
+/* Returns row p of the compressed diagonals times x. */
 static __device__ inline vec cdf_row(const struct product *s,
                                      const struct cdf *c, struct place at)
 {
@@ -31,7 +32,8 @@ static __device__ inline vec cdf_row(const struct product *s,
         y = add(y, apply(s->extra[at.p], here));
     UNROLL
     for (int k = 1; k < DIAGONALS; k++) {
-        /* Of each direction backward before forward, §1. */
+        /* In each direction the backward diagonal comes before the forward one,
+         * §1. */
         int diagonal = k % 2 ? k + 1 : k - 1, sign = k % 2 ? -1 : 1;
         int o = (k - 1) / 2;
         if (!within(g, at.i + sign * forward_i(o), at.j + sign * forward_j(o)))

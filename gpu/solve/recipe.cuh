@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Recipes: lists of the fine blocks and weights that add up to a coarse block
- * where no interpolation is cut. The host makes them. spec/solve/multigrid.md
- * §2 */
+/* Recipes. A recipe lists the fine blocks, and their weights, that add up to a
+ * coarse block where no rule changes the interpolation. The host makes them
+ * once. spec/solve/multigrid.md §2 */
 #ifndef GPU_RECIPE_CUH
 #define GPU_RECIPE_CUH
 
 #include "gpu/solve/grid.cuh"
 
-/* `weight` sixteenths of fine block o of the particle at (di, dj) from the
- * coarse one's place. */
+/* One term: weight / 16 times block o of the fine particle that lies (di, dj)
+ * fine steps from the coarse particle. */
 struct term {
     int8_t o, di, dj, weight;
 };
 
-/* Terms of one coarse direction, and of all; AROUND: origins of edges that may
- * reach a coarse particle. */
+/* TERMS: the most terms of one coarse direction. AROUND: the number of fine
+ * places where an edge that contributes to a coarse particle can start. */
 enum { TERMS = 64, AROUND = 7 * 5 };
 struct recipe {
     int terms;
@@ -24,15 +24,18 @@ struct book {
     struct recipe recipe[STENCIL];
 };
 
-/* Four times the bilinear weight at (i, j) of a coarse particle at 0. */
+/* Returns four times the bilinear weight that the fine particle at (i, j) gives
+ * to a coarse particle at (0, 0). */
 static __host__ __device__ constexpr int hat(int i, int j)
 {
     int a = i < 0 ? -i : i, b = j < 0 ? -j : j;
     return (a < 2 ? 2 - a : 0) * (b < 2 ? 2 - b : 0);
 }
 
-/* -(wᵢ - wᵢ')(wⱼ - wⱼ'), in sixteenths, for coarse direction `to` of the edge o
- * that starts (di, dj) from the coarse particle's place. */
+/* Returns 16 times the factor of fine edge o in coarse direction `to`:
+ * -(wᵢ - wᵢ')(wⱼ - wⱼ'), where i is the coarse particle, j the coarse particle
+ * in that direction, and the dash marks the weight at the edge's other end. The
+ * edge starts (di, dj) fine steps from the coarse particle. */
 template <int EDGES>
 static __host__ __device__ constexpr int factor_of(int o, int di, int dj,
                                                    int to)
@@ -43,7 +46,7 @@ static __host__ __device__ constexpr int factor_of(int o, int di, int dj,
            (hat(di - ci, dj - cj) - hat(zi - ci, zj - cj));
 }
 
-/* Where the k-th of AROUND starts. */
+/* Returns the offset of the k-th of the AROUND places. */
 static __host__ __device__ constexpr int around_i(int k)
 {
     return k % 7 - 3;
@@ -75,8 +78,8 @@ template <int EDGES> static struct book write_book(void)
     return b;
 }
 
-/* Made once for the process: making a book takes as long as the kernels of a
- * grid. */
+/* Returns the recipes of all directions. They are made once in a process, since
+ * making them takes as long as the kernels of a grid. */
 template <int EDGES> static const struct book *book_of(void)
 {
     static const struct book book = write_book<EDGES>();

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A row of the true residual, in binary64 and rounded once. spec/solve/pcg.md
- * §2 */
+/* Computes one row of the true residual, in binary64 and rounded once.
+ * spec/solve/pcg.md §2 */
 #ifndef GPU_RESIDUAL_CUH
 #define GPU_RESIDUAL_CUH
 
@@ -17,7 +17,7 @@ static __device__ inline struct wide whole(const struct residual *s, int p)
     return wide3(x.x + low.x, x.y + low.y, x.z + low.z);
 }
 
-/* r - a d. */
+/* Returns r - a d. */
 static __device__ inline struct wide less(struct wide r, sym a, struct wide d)
 {
     double xx = (double)a.xx, xy = (double)a.xy, xz = (double)a.xz;
@@ -26,7 +26,7 @@ static __device__ inline struct wide less(struct wide r, sym a, struct wide d)
                         dot(wide3(xz, yz, zz), d)));
 }
 
-/* b - A (x + low) at one particle. */
+/* Returns b - A (x + low) at one particle. */
 static __device__ inline vec left_over(const struct residual *s,
                                        struct place at)
 {

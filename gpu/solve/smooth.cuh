@@ -22,9 +22,9 @@ static __host__ __device__ inline edges<sym> edges_of(const struct level *l)
 struct half {
     const vec *b;
     const sym *factor;
-    const vec *d;     /* NULL for 0 */
-    vec *to, *next_d; /* next_d: NULL if nothing reads it */
-    real *item;       /* becomes to[p]·b[p], unless NULL */
+    const vec *d;     /* NULL: 0 */
+    vec *to, *next_d; /* next_d: out: the new d; NULL: not needed */
+    real *item;       /* out: to[p]·b[p]; NULL: not needed */
     real keep, gain;
 };
 
@@ -79,8 +79,9 @@ static __device__ inline void arrive(const struct left *l, struct place at,
     l->to[at.p] = own.fixed ? make(0, 0, 0) : sub(own.b, y);
 }
 
-/* The right-hand side of coarse particle p from the fine residual y around it,
- * and, unless the grid is the coarsest, its first half-step. */
+/* Restricts the fine residual y to the right-hand side of coarse particle p.
+ * Does the first half-step of p too, unless `first` is 0, as for the coarsest
+ * grid. */
 static __device__ inline void restrict_at(const struct level *f,
                                           const struct level *c,
                                           struct place at, real first)
@@ -99,15 +100,17 @@ static __device__ inline void restrict_at(const struct level *f,
         c->y[at.p] = scale(first, solved(c->factor[at.p], sum));
 }
 
-/* A source of x: that of the fine grid plus the correction of the coarse
- * particles around. */
+/* A source of x (gpu/solve/edges.cuh): x of the fine grid plus the interpolated
+ * correction of the coarse grid. */
 struct raised {
     const vec *x, *coarse;
-    int32_t m;                   /* of the coarse grid */
+    int32_t m;                   /* particles of the coarse grid along i */
     const uint8_t *rule, *fixed; /* fixed: NULL: all free */
 };
 
-/* Corner k of 4, x before y: its coarse particle is (i + k % 2) / 2 along i. */
+/* What `raised` reads at a particle (i, j): x, its rule, and the corrections of
+ * the four coarse particles around. Corner k is ((i + k % 2) / 2, (j + k / 2) /
+ * 2). */
 struct raised_parts {
     vec here, corner[4];
     int rule; /* -1 where fixed */
@@ -137,7 +140,7 @@ static __device__ inline vec made(const struct raised *s, struct raised_parts x,
     for (int k = 0; k < 4; k++) {
         int right = k % 2, up = k / 2;
         if ((right && at.i % 2 == 0) || (up && at.j % 2 == 0))
-            continue; /* the corner before is this one */
+            continue; /* the same coarse particle as the corner before */
         int part = part_of(x.rule, at.i - 2 * ((at.i + right) / 2),
                            at.j - 2 * ((at.j + up) / 2));
         sum = axpy(sum, R(0.25) * (real)part, x.corner[k]);
@@ -151,7 +154,7 @@ raised_from(const struct level *c, const struct level *f)
     return raised{f->x, c->x, c->g.m, f->rule, f->fixed};
 }
 
-/* The two half-steps after the correction, by their number. */
+/* The first and the second half-step after the correction. */
 static __host__ __device__ inline struct half half_one(const struct level *l,
                                                        struct weights w)
 {
@@ -164,8 +167,8 @@ static __host__ __device__ inline struct half half_two(const struct level *l,
     return half{l->b, l->factor, l->d, l->x, NULL, NULL, w.keep, w.second};
 }
 
-/* The second half-step before the correction, where the first is y; and the
- * residual after it. */
+/* The second half-step before the correction, after the opening has left the
+ * first one in y; and the residual after it. */
 static __host__ __device__ inline struct half half_down(const struct level *l,
                                                         struct weights w)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The product of spec/solve/product.md §1 for a whole grid (SpMV). Blocks sweep
- * down strips of columns, row by row, and read each edge once: its pull is kept
+ * down strips of columns, row by row, and read each edge once. Its pull is kept
  * until both ends have added it, each in its own order. A sweep reads 24 bytes
  * for an edge where a gather, which reads each edge at both ends, reads 48, and
  * does half the arithmetic. */
@@ -11,11 +11,13 @@
 
 /* Block k owns `rows` rows of a strip of columns, one thread for each column;
  * it also computes the pulls of REACH columns to the left and right and of
- * REACH rows above. The thread that owns a particle calls arrive(&end, place,
- * about(&end, place), x, A x), and may write there without a conflict. One
- * barrier for each row separates writes for other threads, to passed and x,
- * from their reads: the next row writes the other half of passed, and the place
- * of x of row j - 1, which nobody reads any more. */
+ * REACH rows above. END is a type with two functions that use the rows of the
+ * product: about(&end, place) reads what is needed at a place, and arrive(&end,
+ * place, about(…), x, A x) uses the row. The thread that owns a particle calls
+ * them, so that arrive may write there without a conflict. One barrier for each
+ * row separates writes for other threads, to passed and x, from their reads:
+ * the next row writes the other half of passed, and the place of x of row j -
+ * 1, which nobody reads any more. */
 template <int EDGES, class B, class X, class END>
 static __global__ void __launch_bounds__(sweep_size<EDGES, B>::threads,
                                          sweep_size<EDGES, B>::at_once)
@@ -101,8 +103,9 @@ static __global__ void __launch_bounds__(sweep_size<EDGES, B>::threads,
     }
 }
 
-/* The gather: four adjacent lanes own a particle, and the last of them calls
- * arrive as above. Each edge is read twice. */
+/* Computes the product by a gather, for small grids: four adjacent lanes own a
+ * particle, and the last of them calls arrive as above. Each edge is read
+ * twice. */
 enum { GATHER_LANES = 4, GATHERED = GPU_BLOCK / GATHER_LANES };
 template <int EDGES, class B, class X, class END>
 static __global__ void __launch_bounds__(GPU_BLOCK)

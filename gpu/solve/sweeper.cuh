@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The thread that sweep down a column of a grid (gpu/solve/sweep.cuh): the
- * edges that it reads, their pulls, and the pulls that it passes to other
- * columns. spec/solve/product.md §1 */
+/* A thread that goes down a column of a grid in a sweep (gpu/solve/sweep.cuh):
+ * the edges that it reads, their pulls B (x_p - x_q), and the pulls that it
+ * passes to threads of other columns. spec/solve/product.md §1 */
 #ifndef GPU_SWEEPER_CUH
 #define GPU_SWEEPER_CUH
 
@@ -9,19 +9,20 @@
 #include "gpu/cloth/rate.cuh"
 
 /* REACH: the most columns and rows that an edge spans. SWEEP_LEAST, SWEEP_WIDE:
- * the particles and columns from which on a sweep is faster. SWEEP_UNITS: the
- * number of multiprocessors for which a grid is cut. */
+ * a sweep is faster than a gather for grids of at least so many particles and
+ * columns. SWEEP_UNITS: the number of multiprocessors for which a grid is cut.
+ */
 #ifdef __CUDACC__
 enum { REACH = 2, SWEEP_LEAST = 1 << 17, SWEEP_WIDE = 96, SWEEP_UNITS = 132 };
 #else
 enum { REACH = 2, SWEEP_LEAST = 256, SWEEP_WIDE = 2, SWEEP_UNITS = 2 };
 #endif
 
-/* How a particle and its edges are kept: blocks in registers; rates in binary32
- * as STAGES rows in shared memory, as they take longer to use. And how many
- * blocks of how many threads run on a multiprocessor: so few that each thread
- * has registers to read ahead, which for thin blocks of binary32 and rates are
- * 128. */
+/* How a thread keeps its particle (spot) and edges. Edges' blocks are kept in
+ * registers; rates in binary32 are staged, that is, kept as STAGES rows in
+ * shared memory, since they take longer to use. at_once, limit: how many blocks
+ * of at most how many threads run on a multiprocessor. They are so few that
+ * each thread has registers to read ahead. */
 enum { STAGES = 2 };
 template <class B> struct carried {
     typedef vec spot;
@@ -36,8 +37,9 @@ template <> struct carried<struct rate> {
     static constexpr int at_once = staged ? 5 : 4, limit = staged ? 96 : 128;
 };
 
-/* Shared memory of a block, at most 48 KiB: X_ROWS rows of particles, two rows
- * of pulls of edges that lead to another column, and staged edges. */
+/* The sizes of a sweep. The shared memory of a block, at most 48 KiB, holds
+ * X_ROWS rows of particles, two rows of the pulls of edges that lead to another
+ * column, and the staged edges. */
 enum { X_ROWS = 4 };
 template <int EDGES, class B> struct sweep_size : carried<B> {
     typedef typename carried<B>::spot spot;
@@ -52,7 +54,8 @@ template <int EDGES, class B> struct sweep_size : carried<B> {
     static constexpr int pitch = staged ? threads + RATES_AT_ONCE : 1;
 };
 
-/* The edges of the next rows: those of row j are in stage j % STAGES. */
+/* The staged edges of the current and the next row: row j is in stage j %
+ * STAGES. */
 template <int EDGES, class B> struct staging {
     enum {
         ROWS = sweep_size<EDGES, B>::staged ? STAGES : 1,
@@ -68,7 +71,7 @@ struct cut {
     int strips, width, rows;
 };
 
-/* The number of edge o among the edges that lead to another column. */
+/* Returns the number of edge o among the edges that lead to another column. */
 template <int EDGES> static __host__ __device__ constexpr int passed_at(int o)
 {
     if (EDGES == SPRINGS)
@@ -82,20 +85,24 @@ enum { SWEEP_AHEAD = REAL_BITS == 32 };
 /* The state that a thread carries down its column, in registers. A pull that is
  * not needed is +0: adding or subtracting +0 changes no y, as y is never -0. */
 template <int EDGES, class B> struct sweeper {
-    int lane, i, j, top; /* top: the first row that the block owns */
-    int low, end;        /* columns whose edges are staged */
+    int lane, i, j, top; /* i: column; j: row; top: first row of the block */
+    int low, end;        /* the columns whose edges are staged */
     struct grid g;
     unsigned out;    /* bit o: edge o leads to a column of strip and grid */
-    unsigned wanted; /* bit o: and someone wants its pull from the row of */
-    /* row j, or the row below once row j has pulled; none where staged */
+    unsigned wanted; /* bit o: the pull of edge o of the row that is in `block`
+                        is needed */
+    /* The blocks of row j; after pull_row and fetch_row those of row j + 1. Not
+     * used if edges are staged. */
     B block[sweep_size<EDGES, B>::staged ? 1 : EDGES];
-    vec pull[EDGES];              /* of row j */
-    vec one[EDGES];               /* of the row above, by edges that end here */
-    vec two[EDGES], older[EDGES]; /* likewise of the two rows above */
+    vec pull[EDGES]; /* pulls of the edges that start in row j */
+    vec one[EDGES];  /* pulls from row j - 1, of edges that end here */
+    vec two[EDGES], older[EDGES]; /* pulls from rows j - 1 and j - 2, of edges
+                                     that end two rows below their start */
     vec here;                     /* x of row j */
 };
 
-/* Bits: which edges lead from a column to columns of its strip and grid. */
+/* Returns a mask: bit o is set if edge o leads from this column to a column of
+ * the strip and the grid. */
 template <int EDGES, class B>
 static __device__ inline unsigned columns(const struct sweeper<EDGES, B> *w,
                                           int width)
@@ -112,7 +119,8 @@ static __device__ inline unsigned columns(const struct sweeper<EDGES, B> *w,
     return mask;
 }
 
-/* Bits: which of these lead from row j to rows that the block owns. */
+/* Returns a mask: bit o is set if edge o leads from row j to a row that the
+ * block owns or that lies below it in the grid. */
 template <int EDGES, class B>
 static __device__ inline unsigned rows(const struct sweeper<EDGES, B> *w, int j)
 {
@@ -139,16 +147,16 @@ static __device__ inline void fetch_row(struct sweeper<EDGES, B> *w,
                                  (w->wanted >> o & 1 ? p : 0));
 }
 
-/* The offset of column low of row j within its stage: copies begin at multiples
- * of 16 bytes. */
+/* Returns the offset of column `low` of row j in its stage, since copies begin
+ * at multiples of 16 bytes. */
 template <int EDGES, class B>
 static __device__ inline int skipped(const struct sweeper<EDGES, B> *w, int j)
 {
     return (int)((unsigned)(w->low + w->g.m * j) % RATES_AT_ONCE);
 }
 
-/* Starts the copies of the staged edges of row j: thread o copies edge o, if
- * edge o leads to rows that the block owns. */
+/* Starts the copies of the staged edges of row j: thread o copies edge o, or
+ * nothing if edge o does not lead to rows that the block owns. */
 template <int EDGES, class B>
 static __device__ inline void ask_row(const struct sweeper<EDGES, B> *w,
                                       const B *block,
@@ -166,7 +174,8 @@ static __device__ inline void ask_row(const struct sweeper<EDGES, B> *w,
              wanted ? n * (int)sizeof(B) : 0);
 }
 
-/* The particle of the column in row j, or one nearby if there is none. */
+/* Returns the particle of this column in row j, or a nearby one if there is
+ * none. */
 template <int EDGES, class B>
 static __device__ inline struct place
 place_in(const struct sweeper<EDGES, B> *w, int j)
@@ -200,7 +209,8 @@ pull_row(struct sweeper<EDGES, B> *w, const struct staging<EDGES, B> *s,
     }
 }
 
-/* The pull of edge o that starts in row j and ends in this column. */
+/* Returns the pull of the edge o that starts in row j and ends in this column.
+ */
 template <int EDGES, class B, int THREADS>
 static __device__ inline vec pull_at(const struct sweeper<EDGES, B> *w,
                                      const vec (*passed)[THREADS], int o)
@@ -209,7 +219,7 @@ static __device__ inline vec pull_at(const struct sweeper<EDGES, B> *w,
     return di ? passed[passed_at<EDGES>(o)][w->lane - di] : w->pull[o];
 }
 
-/* y of row j plus the pulls of its edges, in their order. */
+/* Returns y of row j plus the pulls of its edges, in the order of §1. */
 template <int EDGES, class B, int THREADS>
 static __device__ inline vec add_pulls(const struct sweeper<EDGES, B> *w,
                                        const vec (*passed)[THREADS], vec y)

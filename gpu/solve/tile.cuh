@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The recipes of spec/solve/multigrid.md §2 for a tile of coarse particles at
- * once. A thread-block reads the fine blocks around its tile once; without
- * tiles each thread would read 140 or 244 of them. */
+/* Applies the recipes of spec/solve/multigrid.md §2 to a tile of coarse
+ * particles at once. A thread block reads the fine blocks around its tile once,
+ * to shared memory; without tiles each thread would read 140 or 244 blocks. */
 #ifndef GPU_TILE_CUH
 #define GPU_TILE_CUH
 
@@ -9,14 +9,15 @@
 
 #include "gpu/solve/galerkin.cuh"
 
-/* Coarse particles of a tile along i and j, and the fine ones around them that
- * start an edge which may reach one. As even and odd columns lie apart, threads
- * side by side read words side by side. */
+/* TILE_I, TILE_J: coarse particles of a tile along i and j. TILE_WIDE,
+ * TILE_HIGH: the columns, of even or of odd number, and the rows of fine
+ * particles whose edges may contribute to the tile. Even and odd columns are
+ * stored apart, so that neighbouring threads read neighbouring words. */
 enum {
     TILE_I = 32,
     TILE_J = REAL_BITS == 32 ? 8 : 4,
     TILE_BLOCK = TILE_I * TILE_J,
-    TILE_WIDE = TILE_I + 3, /* of either parity */
+    TILE_WIDE = TILE_I + 3,
     TILE_HIGH = 2 * TILE_J + 3,
     SYM = 6 /* numbers of a block */
 };
@@ -27,10 +28,10 @@ struct tile {
 
 static_assert(sizeof(struct tile) <= 49152, "a block's shared memory");
 
-/* Of a thread's coarse particle. */
+/* A thread's coarse particle and its sums. */
 struct sums {
-    struct place at; /* p only where it is one */
-    int i, j;        /* in its tile */
+    struct place at; /* at.p is set only if there is such a particle */
+    int i, j;        /* place in the tile */
     sym sum[STENCIL];
     sym excess;
 };
@@ -45,8 +46,8 @@ static __device__ inline void set_at(struct tile *t, int x, int y, sym b)
     t->a[5][y][x % 2][x / 2] = b.zz;
 }
 
-/* The block of the edge that starts (di, dj) from the place of a coarse
- * particle. */
+/* Returns the block of the edge that starts (di, dj) fine steps from coarse
+ * particle (i, j) of the tile. */
 static __device__ inline sym at_tile(const struct tile *t, int i, int j, int di,
                                      int dj)
 {
@@ -56,9 +57,10 @@ static __device__ inline sym at_tile(const struct tile *t, int i, int j, int di,
                t->a[4][y][x % 2][x / 2], t->a[5][y][x % 2][x / 2]};
 }
 
-/* Of blocks, those of live edges in the grid; 0, which changes no sum, for the
- * others. live: NULL: all are. AHEAD are read before the first is written, as a
- * block has nothing else to wait for. */
+/* Reads the blocks of direction o around the tile to shared memory. Edges that
+ * are not live or not in the grid get 0, which changes no sum; live: NULL if
+ * all are live. AHEAD blocks are read before the first one is stored, to hide
+ * the latency of memory. */
 static __device__ inline void read_tile(struct tile *t, const struct coarsen *s,
                                         struct place corner, const sym *block,
                                         const uint8_t *live, int o)
@@ -89,11 +91,13 @@ static __device__ inline void read_tile(struct tile *t, const struct coarsen *s,
     }
 }
 
-/* C++14 has no folds: what is to be done one after another returns a bool, and
- * of these a list is made, which is defined to be done in order. */
+/* The functions below are expanded for all edges, places and directions at
+ * compile time. C++14 has no fold expressions; so each function returns a bool,
+ * and a call for each index initialises an array of them, which C++ evaluates
+ * in order. */
 
-/* Whether any coarse block has a term of edge o that starts at the k-th place.
- */
+/* Whether some coarse block has a term of the edge o that starts at the k-th of
+ * the AROUND places. */
 template <int EDGES> static __device__ constexpr bool used(int o, int k)
 {
     bool any = false;
@@ -102,7 +106,8 @@ template <int EDGES> static __device__ constexpr bool used(int o, int k)
     return any;
 }
 
-/* Edge O that starts at the K-th place, b, in coarse direction TO. */
+/* Adds the term of the edge O that starts at the K-th place, whose block is b,
+ * to coarse direction TO. */
 template <int EDGES, int O, int K, int TO>
 static __device__ inline bool add_term(struct sums *c, sym b)
 {
@@ -134,7 +139,8 @@ static __device__ inline void add_edges(struct sums *c, const struct tile *t,
     (void)each;
 }
 
-/* Direction O: all threads read the tile, then all use it. */
+/* Adds all terms of fine direction O: first all threads read its blocks to
+ * shared memory, then each thread uses them. */
 template <int EDGES, int O>
 static __device__ inline bool add_direction(struct sums *c, struct tile *t,
                                             const struct coarsen *s,
@@ -157,7 +163,8 @@ add_all(struct sums *c, struct tile *t, const struct coarsen *s,
     (void)each;
 }
 
-/* The contribution of the fine excess, as `share` of gpu/solve/galerkin.cuh. */
+/* Returns the contribution of the fine excess to a coarse direction, as `share`
+ * of gpu/solve/galerkin.cuh does. */
 static __device__ inline sym shared_of(const struct tile *t, int i, int j,
                                        int ci, int cj)
 {
@@ -183,8 +190,9 @@ static __device__ inline void add_shares(struct sums *c, const struct tile *t)
     c->excess = shared_of(t, c->i, c->j, 0, 0);
 }
 
-/* A block owns a tile, a thread a coarse particle, of those that no rule
- * matters to: all its blocks, and its excess. */
+/* A thread block owns a tile, and a thread owns a coarse particle: it writes
+ * all blocks and the excess of its particle, unless a rule matters to the
+ * particle (then coarsen_cut_kernel does it). */
 template <int EDGES>
 static __global__ void __launch_bounds__(TILE_BLOCK, 2)
     coarsen_tile_kernel(struct coarsen s, struct grid g)

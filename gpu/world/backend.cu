@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of the device: its functions queue launches, and wait only for
- * counts and outcomes. ref/base/backend.h, spec/gpu.md §6 */
+/* The device as a backend: its table of functions, which queue launches and
+ * wait only for counts and outcomes. ref/base/backend.h, spec/gpu.md §6 */
 #include "gpu/contact/incidence.cuh"
 #include "gpu/run/gpu.cuh"
 
@@ -19,7 +19,7 @@ static void *take(void *on, enum arena_part part, int64_t n, size_t size)
     return gpu_take(gpu_of(on), part, n, size);
 }
 
-/* What need not outlast a solve is borrowed from the solvers. */
+/* A pool that need not outlast a solve is borrowed from the solvers' memory. */
 static int grow(void *on, struct pool *pool, int64_t need, size_t size,
                 bool kept)
 {
@@ -68,7 +68,7 @@ static void trace(void *on, struct trace *t, const char *stage, const void *out,
     gpu_trace(gpu_of(on), t, stage, out, bytes);
 }
 
-/* STAGE(name): the stage as a function of the table. */
+/* STAGE(name) wraps gpu_name as a function of the table. */
 #define STAGE(name)                                                            \
     static int name(void *on, struct name *s)                                  \
     {                                                                          \
@@ -87,7 +87,7 @@ STAGE(warm)
 STAGE(zones)
 STAGE(rollback)
 
-/* Whether a contact is bad shows with the words that the solve reads. */
+/* Bad contacts set a late word, which the readback of the next solve brings. */
 static int penalty(void *on, struct penalty *s)
 {
     return gpu_penalty_queue(gpu_of(on), s, gpu_late_words(gpu_of(on)));
@@ -205,8 +205,7 @@ extern const struct backend backend_gpu = {.take = take,
                                            .copy = copy,
                                            .clear = clear,
                                            .send = send,
-                                           .pushes =
-                                               1, /* pushes lie by vertex */
+                                           .pushes = 1, /* stored by vertex */
                                            .begin = begin,
                                            .wait = wait,
                                            .status = status,

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where obstacles and pins are told to be. spec/world/kinematics.md */
+/* Stage kinematics on the device: computes the prescribed positions of
+ * obstacles and pins. spec/world/kinematics.md */
 #include "gpu/base/real.cuh"
 
 extern "C" {
 #include "ref/world/kinematics.h"
 }
 
-/* Thread k owns vertex k: reads its rest, next and motion, writes x[k]; sets
- * *bad where that is out of range. Any order: all write the same. */
+/* Thread k owns vertex k: it reads rest, next and motion of the vertex, and
+ * writes x[k]; it sets *bad if x[k] is out of range. Any order is correct,
+ * since all threads write the same value to *bad. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     kinematics_kernel(struct kinematics s, int64_t *bad)
 {

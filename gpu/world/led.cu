@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loops over what is led, and over the ways of vertices, on the device:
+/* Loops over led vertices and over displacements on the device, as in
  * ref/world/led.h. spec/world/step.md §1, §6, §7, §11 */
 #include "gpu/base/largest.cuh"
 #include "gpu/base/real.cuh"
 #include "gpu/run/gpu.cuh"
 
-/* Thread k owns pin k: writes where its particle ends. */
+/* Thread k owns pin k and writes the place of its particle. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     pins_kernel(int64_t n, const int32_t *pinned, const vec *x, vec *to)
 {
@@ -27,14 +27,15 @@ static __device__ bool same_bits(const vec *a, const vec *b)
     return p[0] == q[0] && p[1] == q[1] && p[2] == q[2];
 }
 
-/* Thread k owns obstacle vertex, or pin, k: notes that it moves. */
+/* Thread k owns obstacle vertex k, or pin k, and sets *moves if its place
+ * changes. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     moves_kernel(int64_t n, const int32_t *at, const vec *x0, const vec *x1,
                  int64_t *moves)
 {
     ITEM(k, n);
     if (!same_bits(&x0[at ? at[k] : k], &x1[k]))
-        *moves = 1; /* whoever writes, writes the same */
+        *moves = 1; /* all threads that write, write the same */
 }
 
 bool gpu_led_moves(const struct world *w)
@@ -51,7 +52,7 @@ bool gpu_led_moves(const struct world *w)
     return gpu_read_back(g, 1)[0] != 0;
 }
 
-/* Thread k owns vertex k. */
+/* Thread k owns vertex k and writes v[k]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     velocities_kernel(int64_t n, const vec *x0, const vec *x1, real dt, vec *v)
 {
@@ -66,7 +67,8 @@ void gpu_led_velocities(struct gpu *g, int64_t n, const vec *x0, const vec *x1,
     LAUNCH(g, n, velocities_kernel, n, x0, x1, dt, v);
 }
 
-/* Thread i owns vertex i: the square of its way, m²; a block its largest. */
+/* Thread i owns vertex i and computes the square of its displacement, m². Each
+ * block makes one atomic maximum. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     way_kernel(int64_t n, const vec *x0, const vec *x1, int64_t *most)
 {
@@ -82,7 +84,7 @@ real gpu_led_furthest(struct gpu *g, int64_t n, const vec *x0, const vec *x1)
     return largest_of(gpu_read_back(g, 1));
 }
 
-/* Thread k owns triangle k: writes whether it is a cloth's. */
+/* Thread k owns triangle k and writes 1 if it belongs to cloth, else 0. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     group_kernel(int64_t nt, int64_t cloths, int32_t *group)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A world on the device: made by ref/world/world.c, then copied there stream by
- * stream. spec/gpu.md §6 */
+/* Makes a world on the device: ref/world/world.c makes it on the host, then its
+ * streams are copied to the device one by one. Reading, saving and loading pass
+ * through the host's streams. spec/gpu.md §6 */
 #include <stdio.h>
 
 #include "gpu/cloth/motion.cuh"
@@ -11,7 +12,8 @@ extern "C" {
 #include "ref/world/step.h"
 }
 
-/* A stream on the device with what the host's holds; NULL: zero. */
+/* Takes a stream on the device and copies the host's stream to it; host: NULL
+ * for a stream of zeros. Returns NULL if there is no memory. */
 static void *give(struct gpu_world *d, enum arena_part part, const void *host,
                   int64_t n, size_t size)
 {
@@ -21,7 +23,7 @@ static void *give(struct gpu_world *d, enum arena_part part, const void *host,
     return p;
 }
 
-/* GIVE(pointer, part, host, n): with the size of what pointer points to. */
+/* GIVE(p, part, host, n) sets p to a stream of n items of p's type. */
 #define GIVE(p, part, host, n)                                                 \
     (p) = (decltype(p))give(d, part, host, n, sizeof *(p))
 
@@ -48,10 +50,11 @@ static void give_state(struct gpu_world *d)
         GIVE(w->free_x, ARENA_STATE, NULL, h->nc);
         GIVE(w->free_v, ARENA_STATE, NULL, h->nc);
     }
-    w->tri = NULL; /* borrow gives it, where nothing collides */
+    w->tri = NULL; /* borrow() takes it if nothing can collide */
 }
 
-/* Where pins end: an implicit method reads no more. */
+/* Whether the integrator reads w->to: an implicit one only if there are pins.
+ */
 static bool reads_to(const struct world *h)
 {
     bool reads = !h->plan.implicit;
@@ -86,7 +89,8 @@ static void give_place(struct gpu_world *d, enum arena_part part,
     k->pose = d->world.posed;
 }
 
-/* Streams one behind the other in one block; without it, its size. */
+/* Lays out streams one behind the other in one block; without a block it only
+ * adds up their sizes. */
 struct row {
     char *block;
     size_t at;
@@ -94,17 +98,18 @@ struct row {
 
 static void *next_in(struct row *row, int64_t n, size_t size)
 {
-    size_t align = 256, at = row->at; /* as cudaMalloc's */
+    size_t align = 256, at = row->at; /* the alignment of cudaMalloc */
     row->at = (at + (size_t)n * size + align - 1) / align * align;
     return row->block ? row->block + at : NULL;
 }
 
 #define NEXT(p, n) (p) = (decltype(p))next_in(&row, n, sizeof *(p))
 
-/* A cloth's solver in one block, sizes or streams: r, which a slice's first
- * contacts read, and all that is lent. Of multigrid's finest grid pool and room
- * lack what p and q lend it; these lie before the force, which rhs alone reads.
- */
+/* Lays out the streams of a cloth's solver in one block, or without a block
+ * finds its size. r comes first, since the first contacts of a slice read it;
+ * everything after r is lent between solves. pool and room of multigrid lack
+ * the parts for the finest grid that p and q lend it. p and q lie before the
+ * motion's streams, of which the first, the force, is only read by rhs. */
 static struct row lay_out(struct sheet *s, int64_t vecs, char *block)
 {
     struct row row = {block, 0};
@@ -206,7 +211,8 @@ static int give_response(struct gpu_world *d)
     return w->plan.implicit ? gpu_turn_make(d) : gpu_status(d->gpu);
 }
 
-/* The world that is stepped: the host's, until it has streams of its own. */
+/* Opens the device and makes *world, the world that is stepped: a copy of the
+ * host's world h, whose streams are replaced one by one later. */
 static int open_device(struct world *h, struct world **world,
                        drape_error *error)
 {
@@ -236,7 +242,7 @@ static int open_device(struct world *h, struct world **world,
     return status;
 }
 
-/* The structs of cloths and obstacles. */
+/* Takes the structs of cloths and obstacles of the world that is stepped. */
 static int take_bodies(struct world *w)
 {
     const drape_def *def = &w->def;
@@ -273,7 +279,7 @@ static int make(const drape_def *def, struct arena *arena, struct world **world,
     for (int k = 0; k < def->n_obstacles; k++)
         give_prop(d, k);
     status = gpu_status(d->gpu);
-    if (h->tracing) /* so that a step that is done has room for its trace */
+    if (h->tracing) /* taken now, so that no step fails for want of it */
         gpu_aside(d->gpu, (size_t)h->nv * sizeof(vec));
     if (status == DRAPE_OK && w->plan.collides)
         status = gpu_broad_make(d->gpu, &h->broad, &w->broad);
@@ -296,7 +302,8 @@ static void end(struct world *w)
         gpu_close(w->device->gpu);
 }
 
-/* The world with the host's streams of the state in place of the device's. */
+/* Returns a copy of the world in which the streams of the state are the host's.
+ */
 static struct world staged(const struct world *w)
 {
     const struct world *h = w->device->host;
@@ -378,7 +385,7 @@ static int load(struct world *w, drape_read_bytes *read, void *user)
     size_t press = w->press ? (size_t)w->nc * sizeof *w->press : 0;
     gpu_up(g, w->x0, all.x0, bytes);
     gpu_up(g, w->v0, all.v0, bytes);
-    gpu_up(g, w->x1, all.x0, bytes); /* what never moves is not led */
+    gpu_up(g, w->x1, all.x0, bytes); /* no step writes x1 of what never moves */
     gpu_up(g, w->past_x, all.past_x, past);
     gpu_up(g, w->past_v, all.past_v, past);
     gpu_up(g, w->press, all.press, press);

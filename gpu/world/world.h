@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A world on the device: a struct world whose streams are there, and what the
- * device has besides. spec/gpu.md §6 */
+/* A world on the device: a struct world whose streams are in device memory, and
+ * what only the device needs. spec/gpu.md §6 */
 #ifndef GPU_WORLD_H
 #define GPU_WORLD_H
 
@@ -12,22 +12,24 @@
 extern "C" {
 #endif
 
-/* What the device has for a cloth besides its struct sheet. */
+/* What the device needs for a cloth in addition to its struct sheet. */
 struct gpu_sheet {
     struct law *law;   /* device [SPRINGS] */
     real *triple;      /* device [TRIPLES] */
-    struct rate *rate; /* device, or NULL: a solve has no use for it */
-    vec *star, *b;     /* device [count], within the world's */
+    struct rate *rate; /* device; NULL: the solve does not use rates */
+    vec *star, *b;     /* device [count], parts of the world's star and b */
 };
 
 struct gpu_world {
-    struct world world; /* the one that is stepped; its streams, and those of
-                           its stages, are the device's. broad.arena is NULL */
-    struct world *host; /* made by ref/world/world.c; never stepped: its streams
-                           are for what is read, saved and loaded */
+    struct world
+        world;          /* the world that is stepped; its streams and those of
+                           its stages are in device memory; broad.arena is NULL */
+    struct world *host; /* made by ref/world/world.c and never stepped; its
+                           streams are used to read, save and load a state */
     struct gpu *gpu;
-    vec *star, *b; /* device [nc] of implicit motion, then couple's g and, [nv]
-                      if anything collides, force */
+    vec *star, *b; /* device [nc] each, of implicit motion. When contact begins,
+                      star is couple's g, and b, which is [nv] if anything can
+                      collide, is couple's force */
 };
 
 /* gpu/world/backend.cu */

@@ -39,9 +39,9 @@ static void where(struct check *c, const char *what, int k)
     snprintf(c->where, sizeof c->where, "%s %d: ", what, k);
 }
 
-/* The status for a wrong number, as in spec/drape.h: NaN or a number beyond
- * 2^60 is bad data (DRAPE_EDATA), any other number out of its range is a bad
- * argument (DRAPE_EARG). */
+/* Returns the status for a wrong number, as in spec/drape.h: NaN or a number
+ * beyond 2^60 is bad data (DRAPE_EDATA), any other number out of its range is a
+ * bad argument (DRAPE_EARG). */
 static int fault_of(double a)
 {
     return fabs(a) <= BIG ? DRAPE_EARG : DRAPE_EDATA;

@@ -31,7 +31,7 @@ struct warm;
 struct world;
 struct zones;
 
-/* A stream that grows; its contents are lost when it does. */
+/* A stream that can grow. Growing it loses its contents. */
 struct pool {
     void *data;
     int64_t cap; /* items */
@@ -41,7 +41,7 @@ struct pool {
  * device. Streams lie in the memory of the backend. A function of a device
  * may queue its work and return; then its error shows in a later `status`. */
 struct backend {
-    /* Zeroed; NULL where there is none. */
+    /* Takes a zeroed stream of n items. NULL if there is no memory. */
     void *(*take)(void *on, enum arena_part part, int64_t n, size_t size);
     /* Gives the pool room for `need` items, and for more, so that growth is
      * rare. kept: the contents must outlast a linear solve. DRAPE_OK or
@@ -50,9 +50,9 @@ struct backend {
                 bool kept);
     void (*copy)(void *on, void *to, const void *from, size_t bytes);
     void (*clear)(void *on, void *p, size_t bytes);
-    /* A copy from memory of the host, which is read before the return. */
+    /* Copies from host memory. The host memory may be reused on return. */
     void (*send)(void *on, void *to, const void *from, size_t bytes);
-    /* Vectors of scratch that stage contacts has for each contact. */
+    /* How many vectors of scratch stage contacts needs for each contact. */
     int pushes;
 
     void (*begin)(void *on); /* forgets an earlier lack of memory */
@@ -74,15 +74,16 @@ struct backend {
     int (*warm)(void *on, struct warm *s);
     int (*zones)(void *on, struct zones *s);
     int (*rollback)(void *on, struct rollback *s);
-    /* Whether a contact was bad, penalty_status says after the next solve. */
+    /* Bad contacts are reported by penalty_status after the next solve, so
+     * that the host need not wait for stage penalty. */
     int (*penalty)(void *on, struct penalty *s);
     int (*penalty_status)(void *on);
 
-    /* ref_dynamics and dynamics_energy of a cloth. */
+    /* Run ref_dynamics and dynamics_energy on one cloth. */
     int (*motion)(void *on, struct sheet *s);
     void (*energy)(void *on, struct sheet *s, const vec *x, const vec *v,
                    double value[3]);
-    /* Stage pcg with the settings in the sheet's struct pcg. */
+    /* Runs stage pcg with the settings in the sheet's struct pcg. */
     int (*solve)(void *on, struct sheet *s);
     /* ref/broad/broad.h. */
     int (*broad_whole_apart)(void *on, struct broad *b, const vec *x0,
@@ -97,13 +98,14 @@ struct backend {
     void (*cap_targets)(void *on, const struct response *s,
                         struct contact *contact);
 
-    /* Scratch of penalty and warm for n contacts. DRAPE_OK or DRAPE_ENOMEM. */
+    /* Makes room for n contacts in the scratch of penalty and warm. DRAPE_OK or
+     * DRAPE_ENOMEM. */
     int (*turn_room)(struct world *w, int64_t n);
     void (*turn_begin)(void *on, int64_t n, vec *g, const vec *press, real dt);
     void (*turn_carry)(void *on, const struct turn *s);
     void (*turn_load)(void *on, const struct turn *s);
     void (*turn_move)(void *on, const struct turn *s);
-    /* No stream that a solver has lent is read any more. */
+    /* Called when streams borrowed from a solver are not read any more. */
     void (*turn_end)(void *on);
 
     void (*pin)(void *on, int64_t n, const int32_t *pinned, const vec *x,
@@ -112,7 +114,8 @@ struct backend {
     void (*velocities)(void *on, int64_t n, const vec *x0, const vec *x1,
                        real dt, vec *v);
     real (*furthest)(void *on, int64_t n, const vec *x0, const vec *x1);
-    /* Streams of the audit that are the backend's own, and its groups. */
+    /* Takes the streams of the ending's audit that this backend alone needs,
+     * and fills the groups of its triangles. DRAPE_OK or DRAPE_ENOMEM. */
     int (*ending_streams)(struct world *w);
 };
 

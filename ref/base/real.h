@@ -64,7 +64,7 @@ static inline bool real_sane(real a)
     return a >= -REAL_BIG && a <= REAL_BIG;
 }
 
-/* The next number above a finite a. */
+/* Returns the next number above a finite a. */
 static inline real real_up(real a)
 {
     real_bits b;
@@ -78,7 +78,7 @@ static inline real real_up(real a)
     return a;
 }
 
-/* The next number below a finite a. */
+/* Returns the next number below a finite a. */
 static inline real real_down(real a)
 {
     return -real_up(-a);
@@ -105,7 +105,7 @@ static inline vec vec_scale(real s, vec a)
     return vec_make(s * a.x, s * a.y, s * a.z);
 }
 
-/* a + s·b, two roundings a component. */
+/* Returns a + s·b, two roundings a component. */
 static inline vec vec_axpy(vec a, real s, vec b)
 {
     return vec_make(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
@@ -150,7 +150,7 @@ static inline sym sym_add(sym a, sym b)
     return r;
 }
 
-/* The product a b; each component is summed as (x + y) + z. */
+/* Returns the product a b; each component is summed as (x + y) + z. */
 static inline vec sym_apply(sym a, vec b)
 {
     return vec_make(a.xx * b.x + a.xy * b.y + a.xz * b.z,

@@ -8,14 +8,14 @@
 
 enum { SUM_CHUNK = 256 };
 
-/* The number of chunks of n items. The sum of the items needs as many reals of
- * scratch. */
+/* Returns the number of chunks of n items. The sum of the items needs as many
+ * reals of scratch. */
 static inline int64_t sum_chunks(int64_t n)
 {
     return (n + SUM_CHUNK - 1) / SUM_CHUNK;
 }
 
-/* §2: the sum of one chunk by halving strides. Overwrites s. */
+/* §2: returns the sum of one chunk by halving strides. Overwrites s. */
 static inline real sum_tree(real s[SUM_CHUNK])
 {
     for (int h = SUM_CHUNK / 2; h > 0; h /= 2)
@@ -24,8 +24,9 @@ static inline real sum_tree(real s[SUM_CHUNK])
     return s[0];
 }
 
-/* §3: the sum of n chunk sums; 0 if n is 0. Overwrites chunk. A stage that sums
- * computed items calls sum_tree for each chunk, then this function. */
+/* §3: returns the sum of n chunk sums; 0 if n is 0. Overwrites chunk. A stage
+ * that sums computed items calls sum_tree for each chunk, then this function.
+ * */
 real ref_sum_finish(int64_t n, real *chunk);
 
 struct sum {

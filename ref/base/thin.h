@@ -16,8 +16,8 @@ struct thin {
 
 enum { THIN_HALF = 1 << 14, THIN_MOST = (1 << 15) - 1 };
 
-/* §5: t in [-1/2, 1/2] as an integer, the number of steps of 2^-15 from -1/2.
- * Outside, and for NaN, the integer of t = 0. */
+/* §5: returns t in [-1/2, 1/2] as an integer: the number of steps of 2^-15 from
+ * -1/2. For t outside, and for NaN, returns the integer of t = 0. */
 static inline uint32_t thin_steps(real t)
 {
     if (!(t >= R(-0.5) && t <= R(0.5)))
@@ -26,7 +26,8 @@ static inline uint32_t thin_steps(real t)
     return m < THIN_MOST ? m : (uint32_t)THIN_MOST;
 }
 
-/* The upper 16 bits of a ≥ 0 as a binary32, with a capped at 0x1.fep127. */
+/* Returns the upper 16 bits of a ≥ 0 as a binary32, with a capped at
+ * 0x1.fep127. */
 static inline uint32_t thin_upper(real a)
 {
     float f = (float)real_min(a, R(0x1.fep127));
@@ -35,9 +36,9 @@ static inline uint32_t thin_upper(real a)
     return bits >> 16;
 }
 
-/* The upper 16 bits of a binary32 that is at least a and near it. The lower 16
- * bits of a number are cut off where it is negative, else they count as one
- * more. 0 for NaN. */
+/* Returns the upper 16 bits of a binary32 that is at least a and near it. The
+ * lower 16 bits of a number are cut off where it is negative, else they count
+ * as one more. 0 for NaN. */
 static inline uint32_t thin_above(real a)
 {
     real most = R(0x1.fep127), size = real_min(real_abs(a), most);
@@ -57,8 +58,8 @@ static inline float thin_lower(uint32_t upper)
     return f;
 }
 
-/* The thin block of c u uᵀ + b I, u of length 1. A c that is negative or NaN
- * counts as 0, as does a b that is NaN. */
+/* Returns the thin block of c u uᵀ + b I, u of length 1. A c that is negative
+ * or NaN counts as 0, as does a b that is NaN. */
 static inline struct thin thin_make(real c, real b, vec u)
 {
     const real of[5] = {u.x, u.y, u.z, u.x, u.y};
@@ -91,7 +92,7 @@ static inline struct thin_parts thin_open(struct thin t)
     return a;
 }
 
-/* The product of the block with d. */
+/* Returns the product of the block with d. */
 static inline vec thin_apply(struct thin_parts a, vec d)
 {
     return vec_axpy(vec_scale(a.all, d), a.size * vec_dot(a.e, d), a.e);

@@ -21,7 +21,7 @@ static inline struct wide wide_of(vec a)
     return wide_make((double)a.x, (double)a.y, (double)a.z);
 }
 
-/* Each component rounded to the build's precision. */
+/* Rounds each component to the build's precision. */
 static inline vec wide_round(struct wide a)
 {
     return vec_make((real)a.x, (real)a.y, (real)a.z);
@@ -37,7 +37,7 @@ static inline struct wide wide_scale(double s, struct wide a)
     return wide_make(s * a.x, s * a.y, s * a.z);
 }
 
-/* a + s·b, two roundings a component. */
+/* Returns a + s·b, two roundings a component. */
 static inline struct wide wide_axpy(struct wide a, double s, struct wide b)
 {
     return wide_make(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);

@@ -50,7 +50,7 @@ static inline struct box box_face(const vec *x0, const vec *x1,
     return box_join(box_edge(x0, x1, f[0], f[1]), box_vertex(x0, x1, f[2]));
 }
 
-/* The inflated reach that box_meets takes, §3: r plus the margin for
+/* Returns the inflated reach that box_meets takes, §3: r plus the margin for
  * roundings. */
 static inline real box_reach(real r)
 {

@@ -3,7 +3,7 @@
  * spec/broad/refit.md */
 #include "ref/broad/refit.h"
 
-/* §1: the box of a leaf joins the vertices of its triangles. */
+/* §1: returns the box of a leaf, around the vertices of its triangles. */
 static struct box fit_leaf(const struct refit *s, int32_t a)
 {
     const struct tree *t = &s->tree;
@@ -14,7 +14,7 @@ static struct box fit_leaf(const struct refit *s, int32_t a)
     return b;
 }
 
-/* §1: the box of an inner node joins the boxes of its children. */
+/* §1: returns the box of an inner node, around the boxes of its children. */
 static struct box fit_inner(const struct refit *s, int32_t a)
 {
     int32_t c = s->tree.first[a];

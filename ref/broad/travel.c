@@ -3,8 +3,8 @@
  * spec/broad/travel.md */
 #include "ref/broad/travel.h"
 
-/* §1: the largest squared relative motion of two vertices of candidate k, one
- * vertex of either primitive, in m². */
+/* §1: returns the largest squared relative motion of two vertices of candidate
+ * k, one vertex of either primitive, in m². */
 static real relative_motion(const struct travel *s, int64_t k)
 {
     const int32_t *v = s->pair + 4 * k;

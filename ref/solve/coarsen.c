@@ -20,7 +20,7 @@ struct recipe {
     struct term term[TERMS];
 };
 
-/* weight_of for a particle with rule 0, away from cuts. */
+/* Returns what weight_of returns for a particle with rule 0, away from cuts. */
 static int hat(int di, int dj)
 {
     return weight_of(0, di, dj);
@@ -32,7 +32,7 @@ static bool couples(sym b)
     return b.xx != 0 || b.yy != 0 || b.zz != 0;
 }
 
-/* §2: the rule of the particle at (i, j). right, up: the blocks of the
+/* §2: returns the rule of the particle at (i, j). right, up: the blocks of the
  * directions (1, 0) and (0, 1). */
 static uint8_t rule_of(int32_t m, int32_t n, int32_t i, int32_t j,
                        const sym *right, const sym *up)
@@ -46,9 +46,9 @@ static uint8_t rule_of(int32_t m, int32_t n, int32_t i, int32_t j,
     return (uint8_t)rule;
 }
 
-/* §2: the recipe for a pair of coarse particles, the second (ci, cj) steps from
- * the first: the non-zero weights -(w_pI - w_qI)(w_pJ - w_qJ) over all fine
- * springs (p, q). */
+/* §2: returns the recipe for a pair of coarse particles, the second (ci, cj)
+ * steps from the first: the non-zero weights -(w_pI - w_qI)(w_pJ - w_qJ) over
+ * all fine springs (p, q). */
 static struct recipe recipe_of(int springs, const int8_t *si, const int8_t *sj,
                                int ci, int cj)
 {
@@ -78,7 +78,7 @@ static sym add_scaled(sym a, real w, sym b)
     return a;
 }
 
-/* §2: the sum of a recipe's terms for coarse particle (i, j). */
+/* §2: returns the sum of a recipe's terms for coarse particle (i, j). */
 static sym sum_recipe(const struct coarsen *s, const struct recipe *r,
                       int32_t i, int32_t j)
 {
@@ -96,8 +96,8 @@ static sym sum_recipe(const struct coarsen *s, const struct recipe *r,
     return sum;
 }
 
-/* Four times the weight of coarse particle (ci, cj) in the interpolation to
- * fine particle (x, y). */
+/* Returns four times the weight of coarse particle (ci, cj) in the
+ * interpolation to fine particle (x, y). */
 static int weight(const struct coarsen *s, int32_t x, int32_t y, int32_t ci,
                   int32_t cj)
 {
@@ -128,8 +128,8 @@ static void add_spring(const struct coarsen *s, const int32_t at[4], int o,
     }
 }
 
-/* §2: the same terms in the same order near a cut, where the weights follow
- * from the rules and not from a recipe. */
+/* §2: adds the same terms in the same order near a cut, where the weights
+ * follow from the rules and not from a recipe. */
 static void sum_near_cut(const struct coarsen *s, int32_t i, int32_t j,
                          sym sum[STENCIL])
 {
@@ -152,9 +152,9 @@ static bool is_cut(const struct coarsen *s, int32_t i, int32_t j)
     return false;
 }
 
-/* §2: what the fine excesses around coarse particle (i, j) contribute: to the
- * block of the pair with (i + ci, j + cj), weighted by -w_I w_J, or, with ci =
- * cj = 0, to the coarse excess of (i, j), weighted by w_I. */
+/* §2: returns the contribution of the fine excesses around coarse particle (i,
+ * j): to the block of the pair with (i + ci, j + cj), weighted by -w_I w_J; or,
+ * with ci = cj = 0, to the coarse excess of (i, j), weighted by w_I. */
 static sym share(const struct coarsen *s, int32_t i, int32_t j, int ci, int cj)
 {
     sym sum = {0, 0, 0, 0, 0, 0};
@@ -190,7 +190,8 @@ static void gather_node(const struct coarsen *s, const struct recipe *recipe,
     }
 }
 
-/* §3: sums the diagonal block in binary64 and factors it; then the rule. */
+/* §3: sums the diagonal block in binary64 and factors it; then sets the rule.
+ */
 static void factor_node(const struct coarsen *s, int32_t i, int32_t j)
 {
     int32_t m = coarse_size(s->m), n = coarse_size(s->n);
@@ -235,7 +236,7 @@ int ref_coarsen(struct coarsen *s)
     return DRAPE_OK;
 }
 
-/* §1: the excess, the live springs and the rule of particle (i, j). */
+/* §1: sets the excess, the live springs and the rule of particle (i, j). */
 static void excess_node(const struct excess *s, int32_t i, int32_t j)
 {
     int64_t p = i + (int64_t)s->m * j;

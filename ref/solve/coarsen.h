@@ -42,8 +42,8 @@ static inline int32_t coarse_size(int32_t m)
  * all from there. */
 enum { ONLY_LEFT = 1, ONLY_RIGHT = 2, ONLY_DOWN = 4, ONLY_UP = 8 };
 
-/* Twice the weight, along one axis, of the coarse particle that lies d fine
- * steps before the fine particle. */
+/* Returns twice the weight, along one axis, of the coarse particle that lies d
+ * fine steps before the fine particle. */
 static inline int axis_weight(int d, bool only_before, bool only_after)
 {
     if (d == 0)
@@ -54,8 +54,8 @@ static inline int axis_weight(int d, bool only_before, bool only_after)
     return (before ? only_before : only_after) ? 2 : 1;
 }
 
-/* Four times the weight, in a fine particle, of the coarse particle that lies
- * (di, dj) fine steps before it. */
+/* Returns four times the weight, in a fine particle, of the coarse particle
+ * that lies (di, dj) fine steps before it. */
 static inline int weight_of(uint8_t rule, int di, int dj)
 {
     return axis_weight(di, rule & ONLY_LEFT, rule & ONLY_RIGHT) *

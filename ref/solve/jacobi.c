@@ -42,7 +42,7 @@ static struct wide_sym add_spring(const struct jacobi *s, struct wide_sym d,
                      : wide_sym_add(d, s->block[k]);
 }
 
-/* §1: the diagonal block of p, at (i, j). */
+/* §1: returns the diagonal block of p, at (i, j). */
 static struct wide_sym diagonal(const struct jacobi *s, int32_t i, int32_t j)
 {
     int64_t p = i + (int64_t)s->m * j;

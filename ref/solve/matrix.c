@@ -17,7 +17,7 @@ struct cdf ref_cdf(int32_t m, int32_t n)
     return c;
 }
 
-/* §2: the diagonal block of p, at (i, j). */
+/* §2: returns the diagonal block of p, at (i, j). */
 static sym diagonal(const struct matrix *s, int32_t i, int32_t j)
 {
     int64_t p = i + (int64_t)s->m * j;

@@ -35,7 +35,7 @@ struct matrix {
     mat *cdf;         /* out: [n_cdf] */
 };
 
-/* §3: the layout of the format for a grid of m × n particles. */
+/* §3: returns the layout of the format for a grid of m × n particles. */
 struct cdf ref_cdf(int32_t m, int32_t n);
 
 /* Returns DRAPE_OK, or DRAPE_EARG if the counts are inconsistent. */

@@ -86,7 +86,7 @@ int64_t ref_multigrid_size(struct multigrid *s)
            s->n_parts * (int64_t)sizeof *s->parts;
 }
 
-/* §3: y = A x on a coarse grid. */
+/* §3: computes y = A x on a coarse grid. */
 static void multiply_coarse(const struct level *l)
 {
     struct couplings c = {.m = l->m,
@@ -104,8 +104,8 @@ static void multiply_coarse(const struct level *l)
     product_couplings(&c);
 }
 
-/* §3: y = A x on any grid; on the finest with the thin blocks, if there are
- * any. */
+/* §3: computes y = A x on any grid; on the finest grid with the thin blocks, if
+ * there are any. */
 static void multiply(const struct multigrid *s, const struct level *l)
 {
     struct product a = {.m = s->m,
@@ -152,7 +152,8 @@ static struct weights weights_of(double high)
     return w;
 }
 
-/* The first half of a smoothing that starts from x = 0: x = d = first·F b. */
+/* Does the first half of a smoothing that starts from x = 0: x = d = first·F b.
+ */
 static void smooth_zero(const struct level *l, struct weights w)
 {
     EACH_MANY(l->count)
@@ -161,7 +162,7 @@ static void smooth_zero(const struct level *l, struct weights w)
             vec_scale(w.first, factor_solve(l->factor[p], l->b[p]));
 }
 
-/* One half of a smoothing: d = keep·d + gain·F (b - A x), x += d. */
+/* Does one half of a smoothing: d = keep·d + gain·F (b - A x), x += d. */
 static void smooth(const struct multigrid *s, const struct level *l, real keep,
                    real gain)
 {
@@ -175,7 +176,7 @@ static void smooth(const struct multigrid *s, const struct level *l, real keep,
     }
 }
 
-/* The residual that is restricted: y = b - A x, 0 where fixed. */
+/* Computes the residual that is restricted: y = b - A x, 0 where fixed. */
 static void residual(const struct multigrid *s, const struct level *l)
 {
     multiply(s, l);
@@ -185,7 +186,7 @@ static void residual(const struct multigrid *s, const struct level *l)
                                           : vec_sub(l->b[p], l->y[p]);
 }
 
-/* §2: the restricted residual of coarse particle (i, j), (Pᵀ y)_ij. */
+/* §2: returns the restricted residual of coarse particle (i, j), (Pᵀ y)_ij. */
 static vec restricted(const struct level *f, int32_t i, int32_t j)
 {
     vec sum = {0, 0, 0};
@@ -210,8 +211,8 @@ static void restrict_to(const struct level *f, const struct level *c)
             b[i + (int64_t)c->m * j] = restricted(f, i, j);
 }
 
-/* §2: the correction of the coarse grid, interpolated to fine particle (i,
- * j). */
+/* §2: returns the correction of the coarse grid, interpolated to fine particle
+ * (i, j). */
 static vec prolonged(const struct level *c, uint8_t rule, int32_t i, int32_t j)
 {
     vec sum = {0, 0, 0};

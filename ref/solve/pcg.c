@@ -50,7 +50,7 @@ static void multiply(struct pcg *s, const vec *x, vec *y)
     ref_product(&a);
 }
 
-/* s->s = M⁻¹ r. */
+/* Sets s->s to M⁻¹ r. */
 static void precondition(struct pcg *s)
 {
     if (s->precond == DRAPE_MULTIGRID && !s->fell_back) {
@@ -62,7 +62,7 @@ static void precondition(struct pcg *s)
         s->s[k] = factor_solve(s->factor[k], s->r[k]);
 }
 
-/* §2: the residual while dv and low are 0. */
+/* §2: sets r to the residual for dv = low = 0: b, and 0 where fixed. */
 static void take_right_side(struct pcg *s)
 {
     EACH_ITEM
@@ -70,7 +70,7 @@ static void take_right_side(struct pcg *s)
         s->r[k] = s->fixed[k] ? vec_make(0, 0, 0) : s->b[k];
 }
 
-/* §2: r = b - A (dv + low). */
+/* §2: sets r to the true residual b - A (dv + low). */
 static void true_residual(struct pcg *s)
 {
     struct residual a = {.m = s->m,
@@ -99,7 +99,7 @@ static real two_sum(real *a, real b)
     return error;
 }
 
-/* §3: dv + low += alpha p. */
+/* §3: adds alpha p to dv + low. */
 static void advance(vec *dv, vec *low, real alpha, vec p)
 {
     vec d = vec_scale(alpha, p);
@@ -189,7 +189,7 @@ static int multigrid(void *none, struct multigrid *s)
     return ref_multigrid_build(s);
 }
 
-/* §1: the matrix, M, and the start of dv. */
+/* §1: makes the matrix and M, and sets the start of dv. */
 static int set_up(struct pcg *s)
 {
     static const struct pcg_stages stages = {matrix, jacobi, multigrid};
@@ -207,8 +207,9 @@ static bool finite_positive(real a)
     return a > 0 && a - a == 0;
 }
 
-/* §3: the next direction p from s = M⁻¹ r, where next = r·s, its image q, and a
- * step along p. False if the matrix is not positive definite along p. */
+/* §3: makes the next direction p from s = M⁻¹ r, where next = r·s, and its
+ * image q, and takes a step along p. False if the matrix is not positive
+ * definite along p. */
 static bool step(struct pcg *s, real next, real *rho, bool first)
 {
     real beta = first ? 0 : next / *rho;

@@ -78,7 +78,7 @@ void product_couplings(const struct couplings *c)
     }
 }
 
-/* §1, cdf: y_p += A_pq (x_q - x_p) along one row of one diagonal. */
+/* §1, cdf: adds A_pq (x_q - x_p) to y_p along one row of one diagonal. */
 static void add_blocks(int32_t n, const mat *restrict a, const vec *restrict x,
                        int64_t step, vec *restrict y)
 {

@@ -20,7 +20,7 @@ static struct wide minus(struct wide r, sym a, struct wide d)
     return wide_sub(r, f);
 }
 
-/* §2: b - A (x + low) at the particle (i, j), rounded once. */
+/* §2: returns b - A (x + low) at the particle (i, j), rounded once. */
 static vec left_over(const struct residual *s, int32_t i, int32_t j)
 {
     int64_t p = i + (int64_t)s->m * j;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of the reference: its functions finish before they return.
- * ref/base/backend.h */
+/* The reference as a backend: its table of functions, which finish their work
+ * before they return. ref/base/backend.h */
 #include "ref/base/backend.h"
 
 #include "ref/base/stages.h"
@@ -62,7 +62,7 @@ static void trace(void *on, struct trace *t, const char *stage, const void *out,
     trace_stage(t, stage, out, bytes);
 }
 
-/* STAGE(name): the stage as a function of the table. */
+/* STAGE(name) wraps ref_name as a function of the table. */
 #define STAGE(name)                                                            \
     static int name(void *on, struct name *s)                                  \
     {                                                                          \

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checkpoints: the state, and a fingerprint of the definition that it belongs
- * to. Everything else is made again from the definition. */
+/* Saves and loads checkpoints. A checkpoint holds the state of a world and a
+ * fingerprint of the world's definition. Everything else in a world follows
+ * from the definition, so it is not saved. */
 #include "ref/world/checkpoint.h"
 
 #include <float.h>
@@ -8,9 +9,9 @@
 #include "ref/base/hash.h"
 
 struct header {
-    char magic[8]; /* "drape" and the format's number */
+    char magic[8]; /* "drape-" and the number of this format */
     uint32_t bits, resting;
-    uint64_t fingerprint, check; /* check: of all bytes but its own */
+    uint64_t fingerprint, check; /* check: a hash of all other bytes */
     int64_t step, vertices, intersecting;
     double time;
     uint16_t asleep, near;
@@ -21,8 +22,9 @@ struct header {
 };
 static const char magic[8] = "drape-7";
 
-/* An array of n items; one that is not there is none of 0 items. The number
- * keeps what ends one array from beginning the next. */
+/* Mixes an array of n items into the hash, with its length first: so no item
+ * can move from the end of one array to the start of the next unnoticed. A
+ * missing array has length -1, which differs from an empty one. */
 static uint64_t mix_array(uint64_t hash, const void *data, int64_t n,
                           size_t size)
 {
@@ -72,8 +74,8 @@ static uint64_t mix_motion(uint64_t h, const drape_motion *m)
 
 uint64_t checkpoint_fingerprint(const drape_def *d)
 {
-    /* Not: backend, threads, block, stream, allocators, log, trace. They leave
-     * the bits alone. */
+    /* Backend, threads, block, stream, allocators, log and trace are left out:
+     * they change no bit of a result. */
     const int choice[] = {
         d->precision, d->integrator,     d->max_substeps,      d->precond,
         d->matrix,    d->max_iterations, d->self_collision,    d->max_rounds,
@@ -93,7 +95,8 @@ uint64_t checkpoint_fingerprint(const drape_def *d)
     return h;
 }
 
-/* The streams that are state: what the next step reads. */
+/* Lists the streams that are part of the state: the next step reads them. A
+ * stream that the scene does not have has 0 bytes. */
 enum { PLACE = 0, WATCH = 2, STREAMS = 6 };
 static void streams(const struct world *w, void *stream[STREAMS],
                     size_t bytes[STREAMS])
@@ -108,7 +111,8 @@ static void streams(const struct world *w, void *stream[STREAMS],
     memcpy(bytes, b, sizeof b);
 }
 
-/* Where the check begins; the header's own is 0 meanwhile. */
+/* Hashes the header, with its field `check` set to 0, as the first part of the
+ * checkpoint's hash. */
 static uint64_t check_header(struct header *h)
 {
     h->check = 0;
@@ -168,10 +172,11 @@ static bool good_wind(const drape_wind *wind)
            wind->lift <= REAL_BIG;
 }
 
-/* Whether the next step may read it: a file may be made up, check and all. */
+/* Whether all fields of the header are values that a step can handle. The hash
+ * alone does not prove that: anybody can make a file with a valid hash. */
 static bool good_header(const struct world *w, const struct header *h)
 {
-    enum { LEVELS = 6 }; /* of 64 slices */
+    enum { LEVELS = 6 }; /* the level of slices of 1/64 step */
     if ((h->past && !w->past_x) || (h->pressed && !w->press))
         return false;
     return h->step >= 0 && h->intersecting >= 0 && h->asleep <= 1 &&
@@ -180,7 +185,8 @@ static bool good_header(const struct world *w, const struct header *h)
            h->level <= LEVELS && h->far <= LEVELS && good_wind(&h->wind);
 }
 
-/* Whether n numbers at any place are at most so large. */
+/* Whether n numbers are finite and at most `most` in size. They may be
+ * unaligned. */
 static bool good_reals(const uint8_t *at, size_t n, real most)
 {
     for (real a; n > 0; n--, at += sizeof a) {
@@ -191,7 +197,7 @@ static bool good_reals(const uint8_t *at, size_t n, real most)
     return true;
 }
 
-/* The same of a cloth's reference and surplus energy. */
+/* Whether the energies in `watch` are finite and not negative. */
 static bool good_watch(const uint8_t *at, size_t bytes)
 {
     for (double a; bytes > 0; bytes -= sizeof a, at += sizeof a) {
@@ -213,7 +219,8 @@ static bool good_streams(const uint8_t *aside, const size_t bytes[STREAMS])
     return good;
 }
 
-/* Reads everything aside first, so that a bad file changes nothing. */
+/* Reads all streams into a buffer and checks them first, so that a bad file
+ * does not change the world. */
 int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
 {
     struct header h;

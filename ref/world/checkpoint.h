@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Saving a world's state and loading it again. */
+/* Saves the state of a world as a checkpoint, and loads it again. */
 #ifndef REF_CHECKPOINT_H
 #define REF_CHECKPOINT_H
 
 #include "ref/world/state.h"
 
-/* Of all that decides the bits of a definition. */
+/* Returns a hash of everything in a definition that can change the bits of a
+ * result. */
 uint64_t checkpoint_fingerprint(const drape_def *def);
-/* As drape_save and drape_load. */
+/* Do what drape_save and drape_load say. */
 int checkpoint_save(const struct world *w, drape_write *write, void *user);
 int checkpoint_load(struct world *w, drape_read_bytes *read, void *user);
 

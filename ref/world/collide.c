@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contact in a slice of a step, on either backend: how far candidates move,
- * what repels, what penetrates. spec/world/step.md §3, §7 */
+/* Handles contact in one slice of a step, for either backend: measures how far
+ * candidates move, pushes close pairs apart, and resolves penetrations.
+ * spec/world/step.md §3, §7 */
 #include "ref/world/collide.h"
 
 #include "ref/base/clock.h"
@@ -20,7 +21,8 @@ int collide_broad(void *user, const uint8_t *touched, struct pairs *out)
     return status;
 }
 
-/* Broad phase and coupled solves within it are parts of their own. */
+/* Charges the time since *last to a part of the report. The time that the broad
+ * phase and the solves with contacts took meanwhile goes to their own parts. */
 static void charge_contact(struct world *w, drape_step_report *r,
                            enum drape_part part, double *last)
 {
@@ -31,8 +33,9 @@ static void charge_contact(struct world *w, drape_step_report *r,
     slice_count(&r->work, &w->broad);
 }
 
-/* The pairs that may come within r on the way from x0 to `to`. Where none were
- * near, whole meshes may do. */
+/* Queries the broad phase for pairs that may come within r on the way from x0
+ * to `to`. If the slice before found nothing near, whole meshes are tested
+ * first, and the query is skipped if they are apart. */
 static int find_near(struct world *w, const vec *to, real r)
 {
     double start = clock_now();
@@ -47,8 +50,9 @@ static int find_near(struct world *w, const vec *to, real r)
     return status;
 }
 
-/* §7.2: *again: a shorter slice is wanted. Candidates are asked only where
- * two vertices can be far apart. */
+/* §7.2. Candidates are measured only if the largest displacement of a vertex
+ * allows two vertices to move too far relative to each other: twice as far,
+ * hence the factor 4 of the square. */
 int collide_far(struct world *w, drape_step_report *r, double *last,
                 bool *again)
 {
@@ -102,7 +106,9 @@ static int start(struct world *w)
     return status;
 }
 
-/* Pairs within reach of each other where the step starts are pushed apart. */
+/* §3.1: pushes apart the pairs that are closer than the reach at the start of
+ * the slice. If the motion was solved roughly and no contact led to a solve,
+ * the system is solved to its tolerance here. */
 static int repel(struct world *w)
 {
     int status = start(w);
@@ -116,7 +122,9 @@ static int repel(struct world *w)
     return status;
 }
 
-/* *alone: nothing is near on the way. Asked where nothing was near before. */
+/* Sets *alone if no pair comes within reach during the slice, so that the rest
+ * of the slice's contact is skipped. This is tested only if the slice before
+ * found nothing near. */
 static int look(struct world *w, bool *alone)
 {
     response_reset(&w->response);

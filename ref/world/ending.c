@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whether the state that a step ends in intersects: the audit is asked where
- * contact has left a pair, and then after each step until there is none.
- * spec/world/step.md §11 */
+/* Decides whether the state at the end of a step intersects. The audit counts
+ * the pairs after a step whose response could not part a pair, and then after
+ * each step until no pair is left. spec/world/step.md §11 */
 #include "ref/world/ending.h"
 
 static void *take(struct world *w, void *had, int64_t n, size_t size)
@@ -9,8 +9,8 @@ static void *take(struct world *w, void *had, int64_t n, size_t size)
     return had ? had : w->run->take(w->on, ARENA_RESPONSE, n, size);
 }
 
-/* Takes the streams that are not there yet; an earlier try may have got a part
- * of them. */
+/* Takes the streams that have not been taken yet. Some may have been taken by
+ * an earlier call that then ran out of memory. */
 static int take_streams(struct world *w)
 {
     struct audit *s = &w->ending;
@@ -37,7 +37,7 @@ int ending_count(struct world *w, int64_t *found)
     s->x = w->x0;
     s->tri = (const int32_t(*)[3])w->tri;
     s->across = !w->plan.self;
-    s->cap = 0; /* their number is all that is asked for */
+    s->cap = 0; /* only the number of pairs is needed, not the pairs */
     status = w->run->audit(w->on, s);
     *found = s->found;
     return status == DRAPE_EFULL ? DRAPE_OK : status;

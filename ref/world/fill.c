@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Fills a world from a checked definition: sizes first, then streams, then
- * their contents. */
+/* Fills a world from a checked definition: first the sizes, then the streams,
+ * then their contents. */
 #include "ref/world/fill.h"
 
 #include <stdarg.h>
@@ -23,7 +23,8 @@ static int say(drape_error *error, int status, const char *format, ...)
     return status;
 }
 
-/* What is wrong with a cloth's cells: spec/cloth/cloth.md §1 and §4. */
+/* Sets the sizes of a cloth. DRAPE_EARG and a text if its cells are too oblong
+ * or none is left: spec/cloth/cloth.md §1 and §4. */
 static int size_cloth(const drape_cloth *def, int k, struct cloth *cloth,
                       drape_error *error)
 {
@@ -90,7 +91,7 @@ void fill_motions(struct world *w, const drape_def *def)
     w->def.motions = motion;
 }
 
-/* The first pin of which there is no particle. */
+/* Names the first pin whose particle is missing. Returns DRAPE_EARG. */
 static int say_pin(const drape_cloth *def, const struct cloth *c, int k,
                    drape_error *error)
 {
@@ -130,7 +131,7 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
         if (c->fixed[p])
             w->v0[s->first + p] = vec_make(0, 0, 0);
     }
-    /* beyond half a cell, neighbours at rest would be in contact */
+    /* With more than half a cell, neighbours at rest would be in contact. */
     real most = R(0.5) * real_min(c->hu, c->hv);
     w->surface[k] =
         (struct surface){real_min((real)def->material.thickness, most),

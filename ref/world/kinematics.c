@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where obstacles and pins are told to be. spec/world/kinematics.md */
+/* Computes the prescribed positions of obstacles and pins.
+ * spec/world/kinematics.md */
 #include "ref/world/kinematics.h"
 
-/* §2: the last key at or before t, and how far towards the next. */
+/* §2: returns the last key at or before time t, and in *blend the fraction of
+ * the way from that key to the next. */
 static int find_key(const drape_motion *m, double t, double *blend)
 {
     int k = 0;
@@ -14,7 +16,8 @@ static int find_key(const drape_motion *m, double t, double *blend)
     return k;
 }
 
-/* §2.2: the shorter way round between two unit quaternions, normalised. */
+/* §2.2: interpolates linearly between two unit quaternions by the shorter way
+ * round, and normalises the result q. */
 static void turn(const double a[4], const double b[4], double s, double q[4])
 {
     double along = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage kinematics: where obstacles and pins are told to be at a time.
- * spec/world/kinematics.md */
+/* Stage kinematics: computes the prescribed positions of obstacles and pins at
+ * a time. spec/world/kinematics.md */
 #ifndef REF_KINEMATICS_H
 #define REF_KINEMATICS_H
 
 #include "ref/base/stage.h"
 
-/* A rigid motion at one time: x = p + R (x(0) - pivot). */
+/* A rigid motion at one time. It takes the point X of the definition to
+ * p + R (X - pivot). */
 struct pose {
     double p[3], pivot[3];
     double rotation[9]; /* R by rows */
@@ -14,10 +15,10 @@ struct pose {
 
 struct kinematics {
     int64_t n;               /* vertices */
-    const double *rest;      /* [n][3] m, at time 0 or at the frame before */
-    const double *next;      /* [n][3] m, at the frame after; NULL: no frames */
+    const double *rest;      /* [n][3] m, as defined, or of the frame before */
+    const double *next;      /* [n][3] m, of the frame after; NULL: none */
     double blend;            /* 0 … 1 from rest to next */
-    const int32_t *motion;   /* [n] pose that leads, -1: none */
+    const int32_t *motion;   /* [n] index of the vertex's pose; -1: none */
     const struct pose *pose; /* [poses] */
     int64_t poses;
     vec *x; /* out: [n] m */
@@ -26,7 +27,8 @@ struct kinematics {
 /* DRAPE_OK, or DRAPE_EDATA if a position leaves |x| ≤ 2^60. */
 int ref_kinematics(struct kinematics *s);
 
-/* The pose of a motion at time t, s. On the host, once a step. §2 */
+/* Returns the pose of a motion at time t, in s. Runs on the host for both
+ * backends. §2 */
 struct pose kinematics_pose(const drape_motion *motion, double t);
 
 #endif

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Leads obstacles and pins, on either backend. spec/world/step.md §1 */
+/* Moves obstacles and pins to their prescribed places, for either backend.
+ * spec/world/step.md §1 */
 #include "ref/world/lead.h"
 
-/* The frames about t, and how far between them. */
+/* Sets the two frames between which time t lies, and the blend between them. */
 static void find_frame(struct prop *p, double t)
 {
     struct kinematics *k = &p->place;
@@ -23,7 +24,7 @@ int lead(struct world *w, double t, vec *x)
 {
     int status = DRAPE_OK;
     if (!w->plan.led && t > 0)
-        return DRAPE_OK; /* all were placed once, when the world was made */
+        return DRAPE_OK; /* placed at time 0, and nothing moves since */
     for (int k = 0; k < w->def.n_motions; k++)
         w->pose[k] = kinematics_pose(&w->def.motions[k], t);
     w->run->send(w->on, w->posed, w->pose,

@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Leads obstacles and pins. spec/world/step.md §1 */
+/* Moves obstacles and pins to their prescribed places. spec/world/step.md §1 */
 #ifndef REF_LEAD_H
 #define REF_LEAD_H
 
 #include "ref/world/state.h"
 
-/* Puts obstacles and pins where they are at time t: x [nv] gets the
- * obstacles, w->to the pins. DRAPE_OK or DRAPE_EDATA. */
+/* Writes the places at time t, in s: those of obstacles to x [nv], those of
+ * pins to w->to. DRAPE_OK, DRAPE_EDATA if one is beyond 2^60, or an error of
+ * the backend. */
 int lead(struct world *w, double t, vec *x);
-/* Whether any of them is elsewhere in x1 than in x0. */
+/* Whether an obstacle or a pin has another place in x1 than in x0. */
 bool lead_moves(const struct world *w);
-/* v1 of the obstacles: their mean velocity. */
+/* Sets v1 of the obstacles to their mean velocity over the slice. */
 void lead_velocities(const struct world *w);
 
 #endif

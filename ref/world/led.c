@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loops over what is led, and over the ways of vertices.
+/* Loops of the reference over led vertices and over displacements.
  * spec/world/step.md §1, §6, §7 */
 #include "ref/world/led.h"
 

@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loops over what is led, and over the ways of vertices, by the reference.
- * spec/world/step.md §1, §6, §7 */
+/* Loops of the reference over led vertices and over displacements. The device
+ * has the same in gpu/world/led.cu. spec/world/step.md §1, §6, §7 */
 #ifndef REF_LED_H
 #define REF_LED_H
 
 #include "ref/world/state.h"
 
-/* Writes where the particle of each of n pins ends: to[pinned[k]] = x[k]. */
+/* Writes the place of each of n pins to its particle: to[pinned[k]] = x[k]. */
 void led_pin(int64_t n, const int32_t *pinned, const vec *x, vec *to);
-/* Whether an obstacle or a pin is elsewhere in x1 than in x0. */
+/* Whether an obstacle or a pin has another place in x1 than in x0, compared by
+ * bits. */
 bool led_moves(const struct world *w);
-/* v [n]: the mean velocity of n vertices. */
+/* Sets v [n] to the mean velocity (x1 - x0) / dt of n vertices. */
 void led_velocities(int64_t n, const vec *x0, const vec *x1, real dt, vec *v);
-/* The square of the longest way of n vertices, m². */
+/* Returns the square of the largest displacement of n vertices, m². */
 real led_furthest(int64_t n, const vec *x0, const vec *x1);
 
 #endif

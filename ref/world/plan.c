@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which stages a scene has, and why. */
+/* Says which stages a scene uses, and why. */
 #include "ref/world/plan.h"
 
 #include "ref/world/state.h"
@@ -31,7 +31,7 @@ struct row {
     const char *stage;
     bool on;
     const char *yes, *no;
-    enum arena_part part; /* whose bytes it shows */
+    enum arena_part part; /* part of memory whose bytes the row shows */
     bool shows;
 };
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Which stages a scene has, and why. Made once; the step obeys it. */
+/* Says which stages a scene uses, and why. The plan is made once, from the
+ * definition, and every step follows it. */
 #ifndef REF_PLAN_H
 #define REF_PLAN_H
 
@@ -9,22 +10,22 @@
 
 struct world;
 
-/* What a scene uses. Everything else follows from it. */
+/* What a scene uses; from this follows which stages run. */
 struct plan {
-    bool led;       /* pins or obstacles that move */
-    bool wind;      /* air with drag or lift */
-    bool implicit;  /* a linear system */
-    bool history;   /* the state before the last, for BDF2 */
-    bool self;      /* cloth can meet cloth */
-    bool obstacles; /* cloth can meet an obstacle */
-    bool collides;  /* either */
-    bool warm;      /* contacts press on in the next slice: warm.md */
+    bool led;       /* a pin or an obstacle has a motion or frames */
+    bool wind;      /* the air has a density, and drag or lift */
+    bool implicit;  /* the integrator solves a linear system */
+    bool history;   /* the integrator needs the state before: BDF2 */
+    bool self;      /* cloth can collide with cloth */
+    bool obstacles; /* cloth can collide with an obstacle */
+    bool collides;  /* self or obstacles */
+    bool warm;      /* contact forces start the next slice: warm.md */
 };
 
 struct plan plan_make(const drape_def *def);
-/* Whether this is wind at all. */
+/* Whether this wind can exert a force. */
 bool plan_windy(const drape_wind *wind);
-/* As drape_plan. */
+/* Does what drape_plan says. */
 int plan_rows(const struct world *w, drape_plan_row *row, int capacity);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a step that fails in a later slice goes back to: its start. The memory
- * is taken when a step is first cut. spec/world/step.md §7 */
+/* Keeps the state at the start of a step, and restores it if the step fails in
+ * a later slice or after its last. The memory is taken when a start is first
+ * kept. spec/world/step.md §7 */
 #include "ref/world/restore.h"
 
 static vec *take(struct world *w, vec *had, int64_t n)
@@ -8,7 +9,8 @@ static vec *take(struct world *w, vec *had, int64_t n)
     return had ? had : w->run->take(w->on, ARENA_STATE, n, sizeof *had);
 }
 
-/* Takes what is not there yet; an earlier try may have got a part of it. */
+/* Takes the streams that have not been taken yet. Some may have been taken by
+ * an earlier call that then ran out of memory. */
 static int take_start(struct world *w)
 {
     struct start *s = &w->start;
@@ -26,7 +28,7 @@ static int take_start(struct world *w)
     return s->watch ? w->run->status(w->on) : DRAPE_ENOMEM;
 }
 
-/* Copies the streams of the state, one way or the other. */
+/* Copies the streams of the state from one set to another. */
 static void copy(const struct world *w, struct start *to,
                  const struct start *from)
 {
@@ -43,7 +45,7 @@ static void copy(const struct world *w, struct start *to,
     memcpy(to->watch, from->watch, (size_t)w->def.n_cloths * sizeof *to->watch);
 }
 
-/* The state as it is. */
+/* Returns the world's own streams of the state. */
 static struct start now(const struct world *w)
 {
     return (struct start){.x = w->x0,
@@ -73,7 +75,7 @@ void restore_start(struct world *w)
 {
     const struct start *s = &w->start;
     struct start to = now(w);
-    w->run->begin(w->on); /* the failure may have been a lack of memory */
+    w->run->begin(w->on); /* a recorded lack of memory would stop the copies */
     copy(w, &to, s);
     w->pressed = s->pressed;
     w->past = s->past;

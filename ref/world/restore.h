@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a step goes back to that fails in a later slice, or behind the last.
- * spec/world/step.md §7 */
+/* Keeps the state at the start of a step, and restores it if the step fails in
+ * a later slice or after its last. spec/world/step.md §7 */
 #ifndef REF_RESTORE_H
 #define REF_RESTORE_H
 
 #include "ref/world/state.h"
 
-/* Keeps the state as the start of the step. DRAPE_OK or an error. */
+/* Keeps a copy of the state as the start of the step. DRAPE_OK or an error. */
 int restore_save(struct world *w);
-/* The state is the start of the step again. */
+/* Sets the state to the kept start of the step. */
 void restore_start(struct world *w);
 
 #endif

@@ -1,12 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Into how many slices a step is cut. spec/world/step.md §7 */
+/* Decides into how many slices a step is cut, and which slices are taken again.
+ * spec/world/step.md §7 */
 #include "ref/world/slice.h"
 
 #include "ref/base/clock.h"
 #include "ref/world/state.h"
 
+/* WHOLE: a step in units of the shortest slice. TRIES, JOLTS: how many slices
+ * of a step may be taken again after the fail-safe, and for a gain of energy.
+ * CALM: steps after which a level of caution is lowered. ROUNDS: most rounds of
+ * impulses in a slice that is a whole step and may be taken again. */
 enum { WHOLE = 64, TRIES = 3, JOLTS = 1, CALM = 8, ROUNDS = 12 };
-/* That candidates may move in a slice: implicit, explicit. */
+/* §7.2: how many cells candidates may move relative to each other in a slice,
+ * with an implicit and with an explicit integrator. */
 static const real CELLS = 8, FEW_CELLS = 4;
 
 static int unit(const struct slicing *s)
@@ -14,7 +20,7 @@ static int unit(const struct slicing *s)
     return WHOLE >> s->level;
 }
 
-/* The square of the way that §7.2 allows, m². */
+/* Returns the square of the relative displacement that §7.2 allows, m². */
 static real allowed(const struct world *w)
 {
     real way = (w->plan.implicit ? CELLS : FEW_CELLS) * w->cell;
@@ -59,8 +65,9 @@ void slice_cut(struct world *w)
         w->slicing.travel /= 4;
 }
 
-/* The energy that repulsion may add: it parts what overlaps by at most a tenth
- * of the reach in a step. */
+/* §7.3: returns the energy in J that repulsion may add, since it moves a pair
+ * by at most a tenth of the reach in a slice: that of lifting all mass by this
+ * much, and of moving it at the speed of this displacement. */
 static double lift(const struct world *w)
 {
     const double *g = w->def.gravity;
@@ -132,8 +139,9 @@ void slice_keep(struct world *w)
         s->level--;
 }
 
-/* What the next step is to know of the way; every now and then nothing, as ways
- * grow short. */
+/* §7.2: sets the level at which the next step starts for its displacements.
+ * After CALM such steps a step starts with 0 again, as displacements may have
+ * become shorter. */
 static void predict_level(struct caution *c, const struct slicing *s)
 {
     int far = s->level > s->least ? s->level : 0;
@@ -141,7 +149,7 @@ static void predict_level(struct caution *c, const struct slicing *s)
     c->far = c->blind < CALM ? far : 0;
 }
 
-/* Steps begin no longer than that from here on. */
+/* §7.5: raises the level at which steps start to `level`, at least. */
 static void caution_raise(struct caution *c, int level)
 {
     c->level = c->level > level ? c->level : level;
@@ -177,7 +185,7 @@ void slice_count(drape_work *work, struct broad *b)
     b->refitted = b->kept = b->walked = b->cleared = 0;
 }
 
-/* A step's part of work is the sum of its tries'. */
+/* Adds the work of one slice, kept or not, to the work of the step. */
 static void add_work(drape_work *all, const drape_work *one)
 {
     all->tries++;

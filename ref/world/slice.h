@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Into how many slices a step is cut. spec/world/step.md §7 */
+/* Decides into how many slices a step is cut, and which slices are taken again.
+ * spec/world/step.md §7 */
 #ifndef REF_SLICE_H
 #define REF_SLICE_H
 
@@ -11,71 +12,82 @@
 struct broad;
 struct world;
 
-/* The step that is under way. */
+/* How the current step is cut. */
 struct slicing {
-    int level;   /* a slice is 2^-level of the step */
-    int least;   /* level that a slice which went wrong asks for */
-    int deepest; /* level of def.max_slices */
-    int done;    /* 1/64 of the step */
-    int slices;  /* done so far */
-    int tries, energy_retries; /* slices taken again, of each kind */
-    int began;                 /* of jolts, those of steps before: §7.5 */
+    int level;   /* the current slice is 2^-level of the step */
+    int least;   /* the level stays at least this for the rest of the step */
+    int deepest; /* the level of def.max_slices */
+    int done;    /* the part of the step that is done, in 1/64 of it */
+    int slices;  /* slices that are done */
+    int tries, energy_retries; /* slices taken again: after the fail-safe; for
+                                  a gain of energy, plus `began` */
+    int began;          /* the level of caution at which the step started,
+                           which counts as that many energy retries, §7.5 */
     int cuts;           /* slices taken again, shorter, as they diverged */
-    bool gained;        /* §7.5: a slice did, half of what is wrong or more */
-    bool without_press; /* warm.md §5: the slice does without press */
-    real travel;        /* m², §7.2 of the slice under way, at most */
+    bool gained;        /* §7.5: a slice gained at least half of the limit */
+    bool without_press; /* warm.md §5: the slice starts without press */
+    real travel;        /* m², bound of the squared relative displacement of
+                           candidates in the current slice, §7.2 */
 };
 
-/* What steps before have taught, §7.5; kept in checkpoints. */
+/* What earlier steps have taught, §7.2 and §7.5. It is part of the state. */
 struct caution {
-    int level; /* at which a step begins */
-    int again; /* 1: the last step that could go wrong did */
-    int calm;  /* steps that did not, of this level */
-    int far;   /* 0, or the level at which the last step's way was short enough:
-                  §7.2's */
-    int blind; /* steps running that began at it */
+    int level; /* the level at which steps start */
+    int again; /* 1: a step went wrong, and at level 0 none has gone well since
+                */
+    int calm;  /* consecutive steps that went well at this level */
+    int far;   /* the level at which displacements of the last step were short
+                  enough, §7.2; 0: none was needed */
+    int blind; /* consecutive steps that started at level `far` */
 };
 
+/* Starts the slicing of a step by what earlier steps have taught. */
 void slice_begin(struct world *w);
-/* Sets w->dt to the slice's; returns the time at its end. */
+/* Sets w->dt to the length of the current slice, s. Returns the time at the end
+ * of the slice, s. */
 double slice_time(struct world *w);
-/* Whether the step is done. */
+/* Whether all slices of the step are done. */
 bool slice_last(const struct world *w);
-/* §7.2: whether candidates that move `travel` at most (m², its square) move
- * too far for this slice; and makes it as short as they need. */
+/* §7.2: whether candidates move too far for this slice and a shorter slice is
+ * allowed. travel: a bound of the squared relative displacement, m². */
 bool slice_too_far(struct world *w, real travel);
+/* Makes the slice as short as its displacements need. */
 void slice_cut(struct world *w);
-/* Whether the fail-safe ended it. */
+/* Whether the fail-safe ended a slice with this outcome. */
 static inline bool slice_failed(int outcome)
 {
     return outcome & (DRAPE_ZONES | DRAPE_ROLLBACK | DRAPE_TRAPPED);
 }
-/* §7.3: whether it would be taken again if the fail-safe ended it; and the
- * rounds of impulses before that would. */
+/* §7.3: whether the current slice will be taken again if the fail-safe ends
+ * it. */
 bool slice_can_retry(const struct world *w);
+/* §7.3: returns the number of rounds of impulses before the fail-safe. */
 int slice_rounds(const struct world *w);
-/* §7.3: whether energy from nowhere is looked for: nothing feeds the scene. */
+/* §7.3: whether gains of energy are an error in this scene, since neither wind
+ * nor prescribed motion adds energy. */
 bool slice_checks_energy(const struct world *w);
-/* §7.3: whether the slice is to be taken again, shorter, as it ended by the
- * fail-safe, or with energy from nowhere: before, after [3]: kinetic, elastic,
- * of gravity, J. */
+/* §7.3: whether the slice must be taken again, shorter, because the fail-safe
+ * ended it or because it gained energy. before, after [3]: kinetic, elastic and
+ * gravity's energy at both ends of the slice, J. */
 bool slice_wrong(struct world *w, int outcome, const double before[3],
                  const double after[3]);
-/* Whether a slice that diverged is to be taken again: without press, or else
- * shorter. */
+/* §7.6, §7.7: whether a slice that diverged is taken again: without press if it
+ * had press, else shorter if that is allowed. */
 bool slice_diverged(struct world *w);
-/* The slice is the state: on to the next. */
+/* Records that the slice was kept, and chooses the level of the next, §7.4. */
 void slice_keep(struct world *w);
-/* The step is done: what the next one is to know. */
+/* Records at the end of a step what later steps should know, §7.2, §7.5. */
 void slice_end(struct world *w);
-/* Adds the time since *last to a part of the report, but for the seconds
- * within that are another part's; waits for the backend. */
+/* Waits for the backend, then adds the time since *last to a part of the
+ * report, without the `within` seconds that belong to other parts. Sets *last
+ * to now. */
 void slice_charge(const struct world *w, drape_step_report *r,
                   enum drape_part part, double *last, double within);
-/* Moves what the queries did into a report's work. */
+/* Moves the broad phase's counters into the work of a report: the counters are
+ * 0 afterwards. */
 void slice_count(drape_work *work, struct broad *b);
-/* Adds a slice's report to the step's; of one that is taken again, only what
- * it cost. */
+/* Adds the report of a slice to the report of its step. Of a slice that is not
+ * kept only the costs are added: iterations, rounds, candidates, work, time. */
 void slice_report(drape_step_report *all, const drape_step_report *one,
                   bool kept);
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whether a scene may start as it is. */
+/* Checks whether a scene may start in the state that its definition gives. */
 #include "ref/world/start.h"
 
 #include <stdio.h>
@@ -44,16 +44,17 @@ static void give_audit(struct world *w, struct audit *s)
     arena_give(w->arena, (void *)s->group);
 }
 
-/* What intersects in a state, of what the simulation is to keep apart. */
+/* The intersecting pairs of a state, without pairs that the simulation need not
+ * keep apart. */
 struct start_pairs {
-    int64_t found;    /* pairs of triangles with area; where there is none, 1
-                         if a triangle without area touches another */
-    int32_t first[2]; /* the first of them, ascending; of the scene's */
-    bool sliver;      /* one of first has no area */
+    int64_t found;    /* pairs of triangles with area; if there is none, 1 if
+                         a triangle without area touches another triangle */
+    int32_t first[2]; /* the first pair, ascending; triangles of the scene */
+    bool sliver;      /* a triangle of `first` has no area */
 };
 
-/* Whether the simulation is to keep triangles a and b of the scene apart: two
- * obstacles' never, two cloths' where self-collision is on. */
+/* Whether the simulation must keep triangles a and b of the scene apart: never
+ * two of obstacles, and two of cloths only with self-collision. */
 static bool counts(const struct world *w, int32_t a, int32_t b)
 {
     bool cloth_a = a < w->ntc, cloth_b = b < w->ntc;
@@ -75,12 +76,13 @@ static int find_pairs(struct world *w, struct audit *s, struct start_pairs *p)
     return status;
 }
 
-/* A triangle without area, and who it touches: spec/narrow/audit.md §5. */
+/* A search for a triangle that touches the triangle t, which has no area:
+ * spec/narrow/audit.md §5. */
 struct sliver {
     const struct world *w;
     const struct audit *s;
     struct face face;
-    int32_t t, other; /* other: out */
+    int32_t t, other; /* other: out: the triangle that was tested last */
 };
 
 static bool touches(void *user, int32_t other)
@@ -93,7 +95,8 @@ static bool touches(void *user, int32_t other)
     return ref_sliver(&r->face, &face);
 }
 
-/* The first will do: where many lie at one place their pairs are too many. */
+/* Finds the first triangle without area that touches another one. Not all are
+ * listed, since many triangles in one point would make too many pairs. */
 static void find_sliver(const struct world *w, const struct audit *s,
                         struct start_pairs *p)
 {
@@ -111,8 +114,8 @@ static void find_sliver(const struct world *w, const struct audit *s,
     }
 }
 
-/* Looks at all triangles with their vertices at x. DRAPE_OK whatever was found.
- */
+/* Finds the pairs of all triangles, with their vertices at x. DRAPE_OK, also if
+ * there are pairs, or an error. */
 static int look(struct world *w, const vec *x, struct start_pairs *p)
 {
     struct audit s = {.nv = w->nv, .nt = w->nt, .x = x, .cap = 1024};
@@ -139,7 +142,7 @@ static void name(const struct world *w, int32_t t, char *text, size_t size)
              (int)(t - world_first_triangle(w, body)));
 }
 
-/* Names the bodies and the first pair. */
+/* Writes to the error which bodies intersect, and the first pair. */
 static void explain(const struct world *w, const struct start_pairs *p,
                     drape_error *error)
 {

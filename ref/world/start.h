@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Whether a scene may start as it is. */
+/* Checks whether a scene may start in the state that its definition gives. */
 #ifndef REF_START_H
 #define REF_START_H
 
 #include "ref/world/state.h"
 
-/* Counts the intersecting pairs that the simulation is to keep apart, as part
- * of the state. DRAPE_ESTART and the first of them in words where there are
- * some and the scene does not allow that. */
+/* Counts the intersecting pairs that the simulation must keep apart; the count
+ * is part of the state. DRAPE_ESTART and the first pair in words if there is a
+ * pair and the scene does not allow it. */
 int start_audit(struct world *w, drape_error *error);
 
-/* DRAPE_ELIMIT and a text where an explicit method would need more substeps
- * than it may make. */
+/* DRAPE_OK, or DRAPE_ELIMIT and a text if an explicit method needs more
+ * substeps than max_substeps. */
 int start_substeps(const struct world *w, drape_error *error);
 
 #endif

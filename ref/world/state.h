@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The state of a world, shared by the files that make, step, save and
- * explain it. */
+/* A world: its state, its stages and their settings. Shared by the files that
+ * make, step and save a world. */
 #ifndef REF_STATE_H
 #define REF_STATE_H
 
@@ -18,111 +18,115 @@
 
 struct gpu_sheet;
 
-/* One cloth: its model, its part of the streams, and its pins. */
+/* One cloth: its model, its part of the streams, its stages, and its pins. */
 struct sheet {
     struct cloth cloth;
-    int64_t first, first_triangle; /* in the scene's streams */
+    int64_t first, first_triangle; /* where the cloth begins in the streams */
     struct dynamics dynamics;
     struct solver solver;
     struct kinematics pins;
-    int32_t *pinned;          /* [pins.n] particle of each pin */
-    struct gpu_sheet *device; /* what a device has besides, or NULL */
+    int32_t *pinned;          /* [pins.n] the particle of each pin */
+    struct gpu_sheet *device; /* what only a device needs; NULL: none */
 };
 
-/* One obstacle: how it is told to move. */
+/* One obstacle and its prescribed motion. */
 struct prop {
     int64_t first, first_triangle;
     struct kinematics place;
-    double *frame; /* [frames][place.n][3], or NULL */
+    double *frame; /* [frames][place.n][3] m; NULL: it has no frames */
     int frames;
     double frame_dt;
-    bool moves; /* ever */
+    bool moves; /* it has a motion or frames */
 };
 
-/* What may collide: nothing is near anything, some is, some is in contact. */
+/* How near things came in a slice: no candidate; candidates without contact;
+ * contacts. */
 enum nearness { NEAR_NONE, NEAR_PAIRS, NEAR_CONTACTS };
 
-/* The state where the step under way started; watch is the host's. */
+/* A copy of the state at the start of the current step. `watch` lies on the
+ * host, the other streams in the memory of the backend. */
 struct start {
     vec *x, *v;           /* [nv] */
     vec *past_x, *past_v; /* [nc] or NULL */
-    vec *press;           /* likewise */
-    double (*watch)[2];   /* [n_cloths]; NULL: no step was cut yet */
+    vec *press;           /* [nc] or NULL */
+    double (*watch)[2];   /* [n_cloths]; NULL: no start was kept yet */
     int past, resting;
     bool pressed, asleep;
     enum nearness near;
 };
 
-/* Streams lie in the memory of the backend, but for watch. */
+/* Streams lie in the memory of the backend, except watch, which the host has.
+ */
 struct world {
-    drape_def def; /* scalars and motions; of the rest, no pointer is read */
-    const struct backend *run; /* who steps it */
-    void *on;                  /* the backend's own */
-    struct gpu_world *device;  /* NULL: the reference steps it */
+    drape_def def; /* only its scalars and motions are used after creation */
+    const struct backend *run; /* the functions of the backend */
+    void *on;                  /* the first argument of those functions */
+    struct gpu_world *device;  /* NULL: the backend is the reference */
     struct plan plan;
     struct arena *arena;
-    const size_t *held;   /* [ARENA_PARTS] bytes, here or on the device */
+    const size_t *held;   /* [ARENA_PARTS] bytes in the backend's memory */
     uint64_t fingerprint; /* of the whole definition, for checkpoints */
 
     int64_t nv, nt;          /* vertices and triangles of the scene */
-    int64_t nc, ntc;         /* of these, the cloths' */
-    vec *x0, *v0;            /* [nv] at the start of the step */
-    vec *x1, *v1;            /* [nv] at its end */
-    vec *free_x, *free_v;    /* [nc] as dynamics gave it, before contact */
-    vec *past_x, *past_v;    /* [nc] the step before, for Choi–Ko */
-    vec *press;              /* [nc] N, of contacts of the slice before */
-    vec *to;                 /* [nc] where pins end; NULL: nobody reads it */
-    double (*watch)[2];      /* [n_cloths] dynamics' reference and surplus */
-    real *w;                 /* [nv] inverse mass, 0 for what does not yield */
-    int32_t (*tri)[3];       /* [nt] */
-    uint16_t *body;          /* [nv] cloth or obstacle, the skin of each */
-    struct surface *surface; /* [bodies] */
+    int64_t nc, ntc;         /* how many of these belong to cloth: the first */
+    vec *x0, *v0;            /* [nv] m, m/s at the start of the slice */
+    vec *x1, *v1;            /* [nv] m, m/s at its end */
+    vec *free_x, *free_v;    /* [nc] m, m/s at its end without contact */
+    vec *past_x, *past_v;    /* [nc] the slice before, for Choi–Ko, or NULL */
+    vec *press;              /* [nc] N, contact forces of the slice before */
+    vec *to;                 /* [nc] m, where pins end; NULL: not needed */
+    double (*watch)[2];      /* [n_cloths] J, dynamics' reference, surplus */
+    real *w;                 /* [nv] 1/kg, 0 for obstacles and pins */
+    int32_t (*tri)[3];       /* [nt] vertices of the scene */
+    uint16_t *body;          /* [nv] the vertex's body: index into surface */
+    struct surface *surface; /* [bodies] thickness and friction */
 
     struct sheet *sheet; /* [n_cloths] */
     struct prop *prop;   /* [n_obstacles] */
-    struct pose *pose;   /* [n_motions] at the time being led to, the host's */
+    struct pose *pose;   /* [n_motions] at the end of the slice, on the host */
     struct pose *posed;  /* the same in the memory of the backend */
-    real reach;          /* m, at which contact begins, the largest */
-    real cell;           /* m, the smallest side of a cloth's cells */
-    double mass;         /* kg, of all cloths */
+    real reach;          /* m, the largest thickness of a cloth */
+    real cell;           /* m, the smallest side of a cell of any cloth */
+    double mass;         /* kg, of all cloths together */
     struct broad broad;
     struct response response;
-    struct couple couple; /* of implicit integrators */
+    struct couple couple; /* solves with contacts, of implicit integrators */
 
-    double broad_seconds;         /* not charged yet */
-    struct trace trace, *tracing; /* tracing: NULL where nobody asked */
+    double broad_seconds;         /* s of queries, not yet in a report */
+    struct trace trace, *tracing; /* tracing: &trace, or NULL: no trace */
 
     int64_t step;
     double time;
-    int resting; /* steps in a row in which nothing moved */
+    int resting; /* consecutive steps in which nothing moved, step.md §6 */
     bool asleep;
-    enum nearness near;   /* of the slice before */
-    bool pressed;         /* not all of press is 0 */
-    int64_t intersecting; /* pairs of triangles of x0: step.md §11 */
-    int past;  /* 1 + level of the slice that past_x and past_v hold, 0: none */
-    double dt; /* s, of the slice under way */
-    bool met;  /* contact may have changed what dynamics made of it */
-    bool reported; /* somebody reads what steps report */
+    enum nearness near;   /* how near things came in the slice before */
+    bool pressed;         /* press holds forces; false: it is all 0 */
+    int64_t intersecting; /* intersecting pairs of the state: step.md §11 */
+    int past;      /* 1 + level of the slice in past_x and past_v; 0: none */
+    double dt;     /* s, length of the current slice */
+    bool met;      /* contact may have changed x1, v1 in this slice */
+    bool reported; /* the caller gave a report to fill */
     struct slicing slicing;
     struct caution caution;
     struct start start;
     struct audit
-        ending; /* streams of step.md §11's audit, NULL until it is needed */
+        ending; /* the audit of step.md §11; its streams are taken at need */
 };
 
-/* Whether past_x and past_v are those of a slice as long as this one. */
+/* Whether past_x and past_v hold a slice of the current slice's length. */
 static inline bool state_has_past(const struct world *w)
 {
     return w->past == 1 + w->slicing.level;
 }
 
-/* Whether contacts press on in this slice: warm.md §3, §5. */
+/* Whether this slice starts with the contact forces of the slice before:
+ * warm.md §3, §5. */
 static inline bool state_warm(const struct world *w)
 {
     return w->pressed && !w->slicing.without_press;
 }
 
-/* What a slice found near. */
+/* Returns how near things came in the slice that this response handled. */
 static inline enum nearness state_nearness(const struct response *c)
 {
     if (c->contacts > 0)
@@ -130,7 +134,7 @@ static inline enum nearness state_nearness(const struct response *c)
     return c->near > 0 || c->candidates > 0 ? NEAR_PAIRS : NEAR_NONE;
 }
 
-/* ref/world/world.c, for the other files of a world and gpu/. */
+/* Functions of ref/world/world.c that the device's world uses too. */
 int world_make(const drape_def *def, struct arena *arena, struct world **world,
                drape_error *error);
 int world_read(const struct world *w, double (*x)[3], double (*v)[3]);
@@ -138,7 +142,8 @@ void world_read_triangles(const struct world *w, int32_t (*tri)[3]);
 int64_t world_first_vertex(const struct world *w, int body);
 int64_t world_first_triangle(const struct world *w, int body);
 void world_wake(struct world *w);
-/* DRAPE_OK, or DRAPE_EARG where the plan has no wind and this is some. */
+/* DRAPE_OK, or DRAPE_EARG if the wind exerts a force and the world's plan has
+ * no wind. */
 int world_set_wind(struct world *w, const drape_wind *wind);
 
 #endif

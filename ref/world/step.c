@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The pipeline of one step, on either backend; step_advance, at the end, is its
- * table of contents. spec/world/step.md */
+/* The pipeline of one step, for either backend. Its last function,
+ * step_advance, reads as a table of contents. spec/world/step.md */
 #include "ref/world/step.h"
 
 #include "ref/base/clock.h"
@@ -13,26 +13,26 @@
 #include "ref/world/slice.h"
 
 enum { REST_STEPS = 30, SMALL_SCENE = 4096 };
-static const double REST_PART = 1e-3; /* of the thickness, a step */
+static const double REST_PART = 1e-3; /* of the largest thickness, §6 */
 
-/* The step under way. */
+/* The current step. */
 struct step {
-    drape_step_report *all; /* of the step */
-    drape_step_report r;    /* of the slice under way */
-    double last;            /* s, when the part before ended */
+    drape_step_report *all; /* the report of the step */
+    drape_step_report r;    /* the report of the current slice */
+    double last;            /* s, when the last part of the step ended */
     int status;
-    bool asleep; /* nothing moves: the step is done */
-    bool again;  /* the slice is to be taken again */
+    bool asleep; /* the scene is asleep and stays so: the step is done */
+    bool again;  /* the slice must be taken again */
 };
 
-/* Whether the slice under way goes on. */
+/* Whether the rest of the current slice is to be computed. */
 static bool goes_on(const struct step *s)
 {
     return s->status == DRAPE_OK && !s->again &&
            !(s->r.outcome & DRAPE_DIVERGED);
 }
 
-/* Adds the energies of a state of all cloths. */
+/* Adds the energies of all cloths in the state x, v to energy [3]. */
 static void add_energies(const struct world *w, const vec *x, const vec *v,
                          double energy[3])
 {
@@ -52,7 +52,8 @@ static void report_energy(drape_step_report *r, const double energy[3])
     r->potential = energy[2];
 }
 
-/* A scene that sleeps is asleep until something is led elsewhere. */
+/* Starts a step. A scene that is asleep stays asleep unless an obstacle or a
+ * pin moves. */
 static void begin(struct world *w, struct step *s)
 {
     w->run->begin(w->on);
@@ -136,7 +137,8 @@ static int move_sheets(struct world *w, drape_step_report *r)
     return w->run->status(w->on);
 }
 
-/* A slice that diverges is taken again, or ends the step. */
+/* §2: moves all cloths without contact. A slice that diverged is taken again if
+ * that is allowed; else it ends the step. */
 static void move(struct world *w, struct step *s)
 {
     double *seconds = &s->r.seconds[DRAPE_PART_SOLVER];
@@ -161,7 +163,10 @@ static void touch(struct world *w, struct step *s)
         s->status = collide(w, &s->r, &s->last);
 }
 
-/* Where contact has changed nothing, the energies of dynamics hold. */
+/* §7.3: judges the slice by its outcome and its energies. The energies that
+ * dynamics computed are used if contact did not change the state; if contact
+ * may have changed it they are computed again, but only if somebody needs them.
+ */
 static void judge(struct world *w, struct step *s)
 {
     double before[3] = {0}, after[3] = {0};
@@ -198,7 +203,9 @@ static void remember(struct world *w)
     w->past = 1 + w->slicing.level;
 }
 
-/* §6: whether no particle went further than a part of the thickness. */
+/* §6: whether the scene was at rest in this slice: the slice is a whole step,
+ * the fail-safe did not end it, and no particle moved by more than 1/1000 of
+ * the largest thickness. */
 static bool rests(const struct world *w, int outcome)
 {
     real most = (real)REST_PART * w->reach;
@@ -218,7 +225,7 @@ static void keep_press(struct world *w, bool held)
     w->pressed = held;
 }
 
-/* The end of the slice becomes the state. */
+/* §4: makes the end of the slice the state. */
 static void commit(struct world *w, int outcome)
 {
     if (w->plan.history)
@@ -239,7 +246,9 @@ static void commit(struct world *w, int outcome)
     slice_keep(w);
 }
 
-/* The first slice of a step that may fail later keeps where the step starts. */
+/* Ends a slice: adds its report to the step's and commits it, unless it is
+ * taken again or failed. If the step may still fail after its first slice, the
+ * start of the step is kept before that slice is committed. */
 static void finish(struct world *w, struct step *s)
 {
     bool doubt = ending_doubtful(w, s->r.outcome);
@@ -250,8 +259,10 @@ static void finish(struct world *w, struct step *s)
         commit(w, s->r.outcome);
 }
 
-/* A step that failed goes back to its start; what it reports is the state as
- * it is then. */
+/* Ends a step: counts intersecting pairs where that is needed (§11), restores
+ * the start of the step if the step failed, and completes the report. The
+ * energies of a step that failed or is asleep are those of the state it keeps.
+ */
 static int end(struct world *w, struct step *s)
 {
     drape_step_report *r = s->all;
@@ -287,8 +298,8 @@ int step_advance(struct world *w, drape_step_report *report)
     struct step s = {.all = report ? report : &unread};
     struct threads threads;
     w->reported = report != NULL;
-    /* Waking threads costs more than the loops of a small scene; a device
-     * leaves no loops to the host. */
+    /* §8: in a small scene waking threads costs more than its loops; on a
+     * device the host has no parallel loops. */
     bool one = w->nv < SMALL_SCENE || w->device;
     threads_begin(&threads, one ? 1 : w->def.threads);
     begin(w, &s); /* §6: sleep */

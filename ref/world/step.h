@@ -5,7 +5,7 @@
 
 #include "ref/world/state.h"
 
-/* As drape_step; report may be NULL. Negative: nothing has changed. */
+/* Does what drape_step says. After a negative status the state is as before. */
 int step_advance(struct world *w, drape_step_report *report);
 
 #endif

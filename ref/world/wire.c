@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Gives each stage that a scene needs its streams and settings. */
+/* Connects the stages that a scene uses to its streams and settings. */
 #include "ref/world/wire.h"
 
 #include "ref/base/sum.h"

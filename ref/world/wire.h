@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Gives each stage that a scene needs its streams and settings. */
+/* Connects the stages that a scene uses to its streams and settings. */
 #ifndef REF_WIRE_H
 #define REF_WIRE_H
 
 #include "ref/world/state.h"
 
-/* After the world's own streams are filled. DRAPE_OK or DRAPE_ENOMEM. */
+/* Sets up the stages of cloth, broad phase and response. The world's own
+ * streams must have been filled. DRAPE_OK or an error. */
 int wire_stages(struct world *w, const drape_def *def);
 
 #endif

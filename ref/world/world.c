@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A world of one precision: made from a checked definition, asked for its state
- * and its bodies, woken, and given a wind. */
+/* Makes a world of one precision from a checked definition, and serves the
+ * API's questions about it: state, bodies, waking and wind. */
 #include "ref/world/checkpoint.h"
 #include "ref/world/fill.h"
 #include "ref/world/start.h"

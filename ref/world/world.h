@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A world of one precision, as drape.c sees it: ref/world/world.c makes it,
- * ref/world/step.c advances it. */
+/* A world of one precision as the API (ref/api/drape.c) sees it: a table of
+ * functions. ref/world/world.c makes a world, ref/world/step.c advances it. */
 #ifndef REF_WORLD_H
 #define REF_WORLD_H
 
@@ -9,7 +9,7 @@
 
 struct world;
 
-/* What the API needs of a precision. */
+/* The functions that the API calls, of one precision and one backend. */
 struct world_ops {
     int (*make)(const drape_def *def, struct arena *arena, struct world **world,
                 drape_error *error);
@@ -23,19 +23,21 @@ struct world_ops {
     int (*plan)(const struct world *w, drape_plan_row *row, int capacity);
     int (*save)(const struct world *w, drape_write *write, void *user);
     int (*load)(struct world *w, drape_read_bytes *read, void *user);
-    /* view: all but its counts and precision. */
+    /* Sets the members of view except counts and precision. */
     int (*borrow)(struct world *w, drape_view *view);
-    /* Of a device, else NULL: adds to m; says which it is and how it fares;
-     * ends what the arena does not hold. */
+    /* These three are NULL for the reference. They add the device's memory to
+     * m; name the device and, if it was lost, the reason; and release what the
+     * arena does not hold. */
     void (*count)(const struct world *w, drape_memory *m);
     const char *(*device)(const struct world *w);
     void (*end)(struct world *w);
 };
 
 extern const struct world_ops world_ops_32, world_ops_64;
-/* On the device; in a build without CUDA make refuses. */
+/* Worlds on a device. In a build without CUDA their `make` fails. */
 extern const struct world_ops world_ops_gpu_32, world_ops_gpu_64;
-/* drape_info's text, from where it is known what the device is; static. */
+/* Returns drape_info's text, static. It lives in gpu/, which knows whether the
+ * build has a device. */
 const char *gpu_info(void);
 #define WORLD_INFO(gpu)                                                        \
     "drape " DRAPE_VERSION                                                     \
