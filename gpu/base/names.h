@@ -31,6 +31,7 @@
 #define gpu_features REAL_NAME(gpu_features)
 #define gpu_front REAL_NAME(gpu_front)
 #define gpu_history REAL_NAME(gpu_history)
+#define gpu_imbalance REAL_NAME(gpu_imbalance)
 #define gpu_impacts REAL_NAME(gpu_impacts)
 #define gpu_impulses REAL_NAME(gpu_impulses)
 #define gpu_incidence REAL_NAME(gpu_incidence)

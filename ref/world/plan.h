@@ -15,6 +15,7 @@ struct plan {
     bool wind;      /* air with drag or lift */
     bool implicit;  /* a linear system */
     bool history;   /* the state before the last, for BDF2 */
+    int newton;     /* linear systems of a motion, at most; explicit: 0 */
     bool self;      /* cloth can meet cloth */
     bool obstacles; /* cloth can meet an obstacle */
     bool collides;  /* either */
