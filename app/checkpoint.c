@@ -146,7 +146,7 @@ int checkpoint_settings(const struct checkpoint *c, struct scene *scene)
 {
     const struct checkpoint_header *h = &c->header;
     if (h->steps_per_frame < 1 || h->steps_per_frame > 1000000000 ||
-        h->integrator < DRAPE_EULER || h->integrator > DRAPE_CK ||
+        h->integrator < DRAPE_EULER || h->integrator > DRAPE_BDF2 ||
         !(h->estimate.asked >= 0 && h->estimate.asked <= 1e3))
         return refuse(c, "its settings are out of range");
     if (h->estimate.asked > 0) {

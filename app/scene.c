@@ -36,7 +36,8 @@ static int read_camera(struct json *json, const cJSON *node, void *out)
 
 static const char *const backends[] = {"ref", "gpu", NULL};
 static const char *const integrators[] = {
-    "euler", "midpoint", "verlet", "rk4", "baraff-witkin", "choi-ko", NULL};
+    "euler",         "midpoint", "verlet", "rk4",
+    "baraff-witkin", "choi-ko",  "bdf2",   NULL};
 static const char *const preconds[] = {"jacobi", "multigrid", NULL};
 static const char *const solvers[] = {"exact", "cublas", NULL};
 static const char *const matrices[] = {"cdf", "compact", NULL};
@@ -61,6 +62,7 @@ static const struct json_key scene_keys[] = {
     CHOICE_KEY("solver", SCENE(def.solver), solvers),
     NUMBER_KEY("tolerance", SCENE(def.tolerance), 1e-15, 0.5),
     INTEGER_KEY("max_iterations", SCENE(def.max_iterations), 1, 1e6),
+    INTEGER_KEY("newton", SCENE(def.newton), 0, 64),
     BOOLEAN_KEY("self_collision", SCENE(def.self_collision)),
     INTEGER_KEY("max_rounds", SCENE(def.max_rounds), 0, 1e4),
     INTEGER_KEY("max_slices", SCENE(def.max_slices), 1, 64),

@@ -81,7 +81,8 @@ enum drape_integrator {
     DRAPE_VERLET,   /* velocity Verlet, explicit, order 2 */
     DRAPE_RK4,      /* classical Runge–Kutta, explicit, order 4 */
     DRAPE_BW,       /* Baraff–Witkin 1998, implicit, order 1 */
-    DRAPE_CK        /* Choi–Ko 2002, semi-implicit BDF2, order 2 */
+    DRAPE_CK,       /* Choi–Ko 2002, semi-implicit BDF2, order 2 */
+    DRAPE_BDF2      /* that formula, solved by Newton's method, order 2 */
 };
 
 /* The preconditioner of the conjugate gradients: block-Jacobi (solve/jacobi.md)
@@ -240,6 +241,9 @@ typedef struct drape_def {
     double gravity[3]; /* m/s² */
     drape_wind wind;
     int integrator;     /* enum drape_integrator */
+    int newton;         /* implicit: linear solves of a cloth's motion at most,
+                           1 … 64; 0: 1 for Baraff–Witkin and Choi–Ko, as in
+                           their papers, 4 for BDF2 */
     int max_substeps;   /* explicit: refuse (DRAPE_ELIMIT) beyond, ≥ 1 */
     int precond;        /* enum drape_precond */
     int matrix;         /* enum drape_matrix */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The stages before and after the linear solve of an implicit step. predict and
- * update give each coordinate a thread. spec/cloth/implicit.md */
+/* The stages before and after the linear solve of an implicit step. predict,
+ * update and imbalance give each coordinate a thread. spec/cloth/implicit.md */
 #include "gpu/cloth/cloth.cuh"
 
 extern "C" {
@@ -52,7 +52,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     uint8_t fixed = s.fixed[(uint32_t)k / 3];
     real x = flat(s.x)[k], v = 0;
     if (fixed == 0) {
-        v = flat(s.star)[k] + flat(s.dv)[k];
+        v = flat(s.star)[k] + s.part * flat(s.dv)[k];
         if (s.n_past)
             x = x + drift(x, flat(s.xp)[k]);
         x = x + s.tau * v;
@@ -106,6 +106,23 @@ static __global__ void __launch_bounds__(GPU_BLOCK) rhs_kernel(struct rhs s)
     s.b[p] = sub(scale(s.tau, force), f);
 }
 
+/* Thread k owns coordinate k of 3·count in every stream, and reads the mass of
+ * its particle. Any order. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    imbalance_kernel(struct imbalance s)
+{
+    ITEM(k, 3 * s.count);
+    uint32_t p = (uint32_t)k / 3;
+    real b = 0;
+    if (!s.fixed[p]) {
+        real force = flat(s.force)[k];
+        if (s.n_press)
+            force = force + flat(s.press)[k];
+        b = s.tau * force + -s.mass[p] * (flat(s.v)[k] - flat(s.star)[k]);
+    }
+    flat(s.b)[k] = b;
+}
+
 static __device__ bool same(vec a, vec b)
 {
     return a.x == b.x && a.y == b.y && a.z == b.z;
@@ -140,6 +157,12 @@ int gpu_rhs(struct gpu *g, struct rhs *s)
 int gpu_update(struct gpu *g, struct update *s)
 {
     LAUNCH(g, 3 * s->count, update_kernel, *s);
+    return gpu_status(g);
+}
+
+int gpu_imbalance(struct gpu *g, struct imbalance *s)
+{
+    LAUNCH(g, 3 * s->count, imbalance_kernel, *s);
     return gpu_status(g);
 }
 

@@ -114,7 +114,7 @@ static int solve(void *on, struct sheet *s)
     struct gpu *g = gpu_of(on);
     gpu_hand_over(g);
     return gpu_pcg_by_rates(g, &s->solver.pcg,
-                            rates{s->device->rate, s->dynamics.x});
+                            rates{s->device->rate, s->dynamics.at});
 }
 
 static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,

@@ -175,6 +175,8 @@ static void give_sheet(struct gpu_world *d, int k)
     more->star = d->star + s->first;
     more->b = d->b + s->first;
     GIVE(m->block, ARENA_SOLVER, NULL, SPRINGS * c->count);
+    if (m->newton > 1)
+        GIVE(m->kept, ARENA_SOLVER, NULL, 2 * c->count);
     if (p->n_thin)
         GIVE(m->thin, ARENA_SOLVER, NULL, p->n_thin);
     if (gpu_rates_help(d->gpu, p))

@@ -227,7 +227,7 @@ static void check_world(struct check *c, const drape_def *def)
     number(c, "dt", def->dt, 1e-9, 1e3);
     vectors(c, "gravity", 1, &def->gravity);
     check_wind(c, &def->wind);
-    integer(c, "integrator", def->integrator, DRAPE_EULER, DRAPE_CK);
+    integer(c, "integrator", def->integrator, DRAPE_EULER, DRAPE_BDF2);
     integer(c, "max_substeps", def->max_substeps, 1, INT32_MAX);
     integer(c, "precond", def->precond, DRAPE_JACOBI, DRAPE_MULTIGRID);
     integer(c, "matrix", def->matrix, DRAPE_CDF, DRAPE_COMPACT);
@@ -236,6 +236,7 @@ static void check_world(struct check *c, const drape_def *def)
         fail(c, DRAPE_EARG, "solver cublas needs backend gpu");
     number(c, "tolerance", def->tolerance, 1e-15, 1);
     integer(c, "max_iterations", def->max_iterations, 1, INT32_MAX);
+    integer(c, "newton", def->newton, 0, 64);
     integer(c, "max_rounds", def->max_rounds, 0, 10000);
     integer(c, "max_slices", def->max_slices, 1, 64);
     if (def->max_slices & (def->max_slices - 1))

@@ -3,91 +3,78 @@
  * spec/cloth/dynamics.md */
 #include "ref/cloth/dynamics.h"
 
-#include "ref/base/sum.h"
-#include "ref/cloth/blocks.h"
 #include "ref/cloth/bounded.h"
 #include "ref/cloth/energy.h"
 #include "ref/cloth/explicit.h"
 #include "ref/cloth/force.h"
-#include "ref/cloth/implicit.h"
+#include "ref/cloth/newton.h"
+
+/* Where the streams lie in work. Wind's three are the last. */
+static void lay_out(struct dynamics *s)
+{
+    int last = (int)dynamics_vecs(s->method, s->windy);
+    s->law = s->cloth->law;
+    s->triple = s->cloth->triple;
+    s->force = force_stream(s, 0);
+    s->wind = s->windy ? force_stream(s, last - 3) : NULL;
+    if (!dynamics_implicit(s->method))
+        return;
+    s->star = force_stream(s, 1);
+    s->b = force_stream(s, 2);
+    s->dv = force_stream(s, 3);
+    if (dynamics_second(s->method)) {
+        s->back = force_stream(s, 4);
+        s->q = force_stream(s, 5);
+    }
+}
+
+/* STAGE(name): the stage as a function of the table. */
+#define STAGE(name)                                                            \
+    static int name(void *on, struct name *s)                                  \
+    {                                                                          \
+        (void)on;                                                              \
+        return ref_##name(s);                                                  \
+    }
+STAGE(wind)
+STAGE(springs)
+STAGE(blocks)
+STAGE(predict)
+STAGE(rhs)
+STAGE(update)
+STAGE(imbalance)
+STAGE(dot)
+
+static int solve(void *on)
+{
+    struct dynamics *s = on;
+    return s->solve(s);
+}
+
+static void copy(void *on, vec *to, const vec *from, size_t bytes)
+{
+    (void)on;
+    memcpy(to, from, bytes);
+}
+
+static void trace(void *on, const char *stage, const void *out, size_t bytes)
+{
+    trace_stage(((struct dynamics *)on)->trace, stage, out, bytes);
+}
 
 static int go_implicit(struct dynamics *s)
 {
-    const struct cloth *c = s->cloth;
-    int64_t past = s->method == DRAPE_CK && s->has_past ? c->count : 0;
-    real tau = (real)(past ? s->dt * 2 / 3 : s->dt);
-    vec *star = force_stream(s, 1), *back = past ? force_stream(s, 4) : NULL;
-    vec *q = past ? force_stream(s, 5) : star;
-    s->b = force_stream(s, 2);
-    s->dv = force_stream(s, 3);
-    s->substeps = 1;
-
-    struct predict begin = {.count = c->count,
-                            .fixed = c->fixed,
-                            .x = s->x,
-                            .v = s->v,
-                            .n_past = past,
-                            .xp = s->xp,
-                            .vp = s->vp,
-                            .to = s->to,
-                            .tau = tau,
-                            .star = star,
-                            .back = back,
-                            .q = q};
-    ref_predict(&begin);
-    force_trace(s, "predict", star);
-    force_make(s, s->x, s->v, back);
-    struct blocks blocks = {.count = c->count,
-                            .m = c->m,
-                            .laws = SPRINGS,
-                            .law = c->law,
-                            .springs = c->springs,
-                            .triples = c->triples,
-                            .triple = c->triple,
-                            .n_beside = c->triples ? c->count : 0,
-                            .beside = c->beside,
-                            .x = s->x,
-                            .tau = tau,
-                            .block = s->block,
-                            .n_thin = s->thin ? SPRINGS * c->count : 0,
-                            .thin = s->thin};
-    ref_blocks(&blocks);
-    trace_stage(s->trace, "blocks", s->block,
-                (size_t)(SPRINGS * c->count) * sizeof *s->block);
-    struct rhs rhs = {.count = c->count,
-                      .m = c->m,
-                      .n = c->n,
-                      .fixed = c->fixed,
-                      .springs = c->springs,
-                      .n_blocks = SPRINGS * c->count,
-                      .block = s->block,
-                      .force = force_stream(s, 0),
-                      .n_press = s->press ? c->count : 0,
-                      .press = s->press,
-                      .q = q,
-                      .tau = tau,
-                      .b = s->b};
-    ref_rhs(&rhs);
-    force_trace(s, "rhs", s->b);
-    int status = s->solve(s);
-    force_trace(s, "pcg", s->dv);
-    if (status != DRAPE_OK)
-        return status;
-    struct update end = {.count = c->count,
-                         .fixed = c->fixed,
-                         .x = s->x,
-                         .n_past = past,
-                         .xp = s->xp,
-                         .to = s->to,
-                         .star = star,
-                         .dv = s->dv,
-                         .tau = tau,
-                         .dt = (real)s->dt,
-                         .x1 = s->x1,
-                         .v1 = s->v1};
-    ref_update(&end);
-    force_trace(s, "update", s->v1);
-    return DRAPE_OK;
+    static const struct newton_stages run = {.wind = wind,
+                                             .springs = springs,
+                                             .blocks = blocks,
+                                             .predict = predict,
+                                             .rhs = rhs,
+                                             .update = update,
+                                             .imbalance = imbalance,
+                                             .dot = dot,
+                                             .solve = solve,
+                                             .copy = copy,
+                                             .trace = trace};
+    return newton_move(s, &run, s);
 }
 
 void dynamics_energy(const struct dynamics *s, const vec *x, const vec *v,
@@ -140,6 +127,7 @@ int ref_dynamics(struct dynamics *s)
     s->outcome = 0;
     s->iterations = 0;
     s->residual = 0;
+    lay_out(s);
     int status =
         dynamics_implicit(s->method) ? go_implicit(s) : explicit_steps(s);
     if (status != DRAPE_OK)

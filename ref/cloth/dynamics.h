@@ -12,6 +12,8 @@ struct dynamics {
     const struct cloth *cloth;
     int method;       /* enum drape_integrator */
     double dt;        /* s, > 0 */
+    int newton;       /* implicit: linear systems at most, with kept */
+    real tolerance;   /* implicit: of what the motion leaves undone, relative */
     int max_substeps; /* of explicit methods, ≥ 1 */
     vec gravity;      /* m/s² */
     int windy;        /* 0: no air, and no wind stage */
@@ -19,7 +21,7 @@ struct dynamics {
     real drag, lift;  /* kg/m³, half the air's density × coefficient */
 
     const vec *x, *v;   /* [count] m, m/s, start of the step */
-    int has_past;       /* 1: xp and vp hold the step before (Choi–Ko) */
+    int has_past;       /* 1: xp and vp hold the step before (second order) */
     const vec *xp, *vp; /* [count] or NULL */
     const vec *to;      /* [count] m, where pinned particles end */
     const vec *press;   /* [count] N, of contacts (warm.md), or NULL */
@@ -32,33 +34,53 @@ struct dynamics {
     void *solver; /* solve's own */
 
     vec *work;  /* scratch: [dynamics_vecs()·count] */
+    vec *kept;  /* scratch: [2·count] of Newton's method; NULL: one system is
+                   solved, and nothing is computed after it */
     sym *block; /* scratch: [SPRINGS·count] of an implicit method, or NULL */
     struct thin *thin; /* scratch: likewise, of one with multigrid, or NULL */
     real *chunk;       /* scratch: [3·sum_chunks(count)] */
 
     struct trace *trace; /* NULL: none */
 
-    vec *b, *dv; /* set for solve: [count], within work */
+    /* Set by the backend, in its memory. Streams: [count], within work. */
+    const struct law *law; /* [SPRINGS] the cloth's */
+    const real *triple;    /* [TRIPLES] likewise */
+    vec *force;            /* N */
+    vec *wind; /* [3·count] N, its last third the wind; NULL: none */
+    vec *star, *back, *q; /* m/s, implicit.md §1; back, q: second order only */
+    vec *b, *dv;          /* N·s, m/s: set for solve */
+    real asked;           /* set for solve: relative residual, 0: its own */
 
     double reference, surplus; /* in, out: J, §3; 0 at first */
     vec *x1, *v1;              /* out: [count], not x or v */
     int32_t substeps;          /* out: made, or needed (DRAPE_ELIMIT) */
-    int iterations;            /* out: of the solver */
-    double residual;           /* out: relative, of the solver */
-    int outcome;               /* out: or of enum drape_outcome */
-    double before[3];          /* out: kinetic, elastic, of gravity, J, at x */
-    double energy[3];          /* out: likewise at x1 */
+    int solves;                /* out: linear systems */
+    int iterations;            /* out: of the solver, all systems */
+    double residual;           /* out: relative, of the solver; with kept: what
+                                  the motion leaves undone */
+    const vec *at;             /* out: [count] m, where `block` was made */
+    const vec *left;  /* out: [count] N·s, what the motion leaves undone;
+                         NULL: the solver's residual */
+    int outcome;      /* out: or of enum drape_outcome */
+    double before[3]; /* out: kinetic, elastic, of gravity, J, at x */
+    double energy[3]; /* out: likewise at x1 */
 };
 
 static inline bool dynamics_implicit(int method)
 {
-    return method == DRAPE_BW || method == DRAPE_CK;
+    return method >= DRAPE_BW;
+}
+
+/* Whether the method is the second-order backward difference. */
+static inline bool dynamics_second(int method)
+{
+    return method == DRAPE_CK || method == DRAPE_BDF2;
 }
 
 /* Streams of vec in work. */
 static inline int64_t dynamics_vecs(int method, int windy)
 {
-    int64_t own = method == DRAPE_BW ? 4 : method == DRAPE_CK ? 6 : 5;
+    int64_t own = method == DRAPE_BW ? 4 : dynamics_second(method) ? 6 : 5;
     return own + (windy ? 3 : 0);
 }
 

@@ -3,49 +3,58 @@
  * spec/cloth/dynamics.md */
 #include "ref/cloth/force.h"
 
-#include "ref/cloth/springs.h"
-#include "ref/cloth/wind.h"
+void force_wind(const struct dynamics *s, const vec *x, const vec *v,
+                struct wind *w)
+{
+    const struct cloth *c = s->cloth;
+    *w = (struct wind){.m = c->m,
+                       .n = c->n,
+                       .count = c->count,
+                       .cell = c->cell,
+                       .x = x,
+                       .v = v,
+                       .air = s->air,
+                       .drag = s->drag,
+                       .lift = s->lift,
+                       .part = s->wind,
+                       .force = s->wind + 2 * c->count};
+}
 
-/* The wind's three streams are the last. */
+void force_springs(const struct dynamics *s, const vec *x, const vec *damping,
+                   struct springs *f)
+{
+    const struct cloth *c = s->cloth;
+    *f = (struct springs){.m = c->m,
+                          .n = c->n,
+                          .count = c->count,
+                          .laws = SPRINGS,
+                          .law = s->law,
+                          .springs = c->springs,
+                          .triples = c->triples,
+                          .triple = s->triple,
+                          .n_beside = c->triples ? c->count : 0,
+                          .beside = c->beside,
+                          .mass = c->mass,
+                          .x = x,
+                          .n_v = damping && c->beta > 0 ? c->count : 0,
+                          .v = damping,
+                          .n_wind = s->windy ? c->count : 0,
+                          .wind = s->windy ? s->wind + 2 * c->count : NULL,
+                          .gravity = s->gravity,
+                          .force = s->force};
+}
+
 void force_make(struct dynamics *s, const vec *x, const vec *v,
                 const vec *damping)
 {
-    const struct cloth *c = s->cloth;
-    int last = (int)dynamics_vecs(s->method, s->windy);
-    vec *wind = s->windy ? force_stream(s, last - 1) : NULL;
+    struct wind w;
+    struct springs f;
     if (s->windy) {
-        struct wind w = {.m = c->m,
-                         .n = c->n,
-                         .count = c->count,
-                         .cell = c->cell,
-                         .x = x,
-                         .v = v,
-                         .air = s->air,
-                         .drag = s->drag,
-                         .lift = s->lift,
-                         .part = force_stream(s, last - 3),
-                         .force = wind};
+        force_wind(s, x, v, &w);
         ref_wind(&w);
-        force_trace(s, "wind", wind);
+        force_trace(s, "wind", w.force);
     }
-    struct springs f = {.m = c->m,
-                        .n = c->n,
-                        .count = c->count,
-                        .laws = SPRINGS,
-                        .law = c->law,
-                        .springs = c->springs,
-                        .triples = c->triples,
-                        .triple = c->triple,
-                        .n_beside = c->triples ? c->count : 0,
-                        .beside = c->beside,
-                        .mass = c->mass,
-                        .x = x,
-                        .n_v = damping && c->beta > 0 ? c->count : 0,
-                        .v = damping,
-                        .n_wind = wind ? c->count : 0,
-                        .wind = wind,
-                        .gravity = s->gravity,
-                        .force = force_stream(s, 0)};
+    force_springs(s, x, damping, &f);
     ref_springs(&f);
     force_trace(s, "springs", f.force);
 }

@@ -4,6 +4,8 @@
 #define REF_FORCE_H
 
 #include "ref/cloth/dynamics.h"
+#include "ref/cloth/springs.h"
+#include "ref/cloth/wind.h"
 
 /* Stream k of work. */
 static inline vec *force_stream(const struct dynamics *s, int k)
@@ -17,8 +19,14 @@ static inline void force_trace(const struct dynamics *s, const char *stage,
     trace_stage(s->trace, stage, out, (size_t)s->cloth->count * sizeof *out);
 }
 
-/* Stream 0 of work: the force at x; wind at v, the springs damp at damping,
- * or do not where that is NULL. */
+/* The two stages of the force, filled for either backend: wind at x, v; the
+ * springs at x, which damp at damping, or do not where that is NULL. */
+void force_wind(const struct dynamics *s, const vec *x, const vec *v,
+                struct wind *w);
+void force_springs(const struct dynamics *s, const vec *x, const vec *damping,
+                   struct springs *f);
+
+/* Both, by the reference: s->force. */
 void force_make(struct dynamics *s, const vec *x, const vec *v,
                 const vec *damping);
 

@@ -73,7 +73,7 @@ int ref_update(struct update *s)
     for (int64_t p = 0; p < s->count; p++) {
         vec x = s->x[p], v = vec_make(0, 0, 0);
         if (s->fixed[p] == 0) {
-            v = vec_add(s->star[p], s->dv[p]);
+            v = vec_axpy(s->star[p], s->part, s->dv[p]);
             if (s->n_past)
                 x = vec_add(x, drift(x, s->xp[p]));
             x = vec_axpy(x, s->tau, v);
@@ -83,6 +83,23 @@ int ref_update(struct update *s)
         }
         s->x1[p] = x;
         s->v1[p] = v;
+    }
+    return DRAPE_OK;
+}
+
+int ref_imbalance(struct imbalance *s)
+{
+    EACH_ITEM
+    for (int64_t p = 0; p < s->count; p++) {
+        vec b = vec_make(0, 0, 0);
+        if (!s->fixed[p]) {
+            vec f = s->force[p];
+            if (s->n_press)
+                f = vec_add(f, s->press[p]);
+            vec gained = vec_sub(s->v[p], s->star[p]);
+            b = vec_axpy(vec_scale(s->tau, f), -s->mass[p], gained);
+        }
+        s->b[p] = b;
     }
     return DRAPE_OK;
 }

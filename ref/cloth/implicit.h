@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stages predict, rhs and update: the steps of Baraff–Witkin and Choi–Ko before
- * and after their linear solve. Stage history: the state of the step before,
- * which the second-order method of Choi–Ko needs. spec/cloth/implicit.md */
+/* Stages predict, rhs and update: an implicit step before and after its linear
+ * solve. Stage imbalance: what the solve left undone, for Newton's method.
+ * Stage history: the state of the step before, which methods of second order
+ * need. spec/cloth/implicit.md */
 #ifndef REF_IMPLICIT_H
 #define REF_IMPLICIT_H
 
@@ -49,8 +50,22 @@ struct update {
     const vec *xp;        /* [n_past] m, start of the step before */
     const vec *to;        /* [count] m, pins at the end of the step */
     const vec *star, *dv; /* [count] m/s */
+    real part;            /* of dv that is taken: 1, or less, §6 */
     real tau, dt;         /* s */
     vec *x1, *v1;         /* out: [count] m, m/s */
+};
+
+/* §6: b = tau·(force + press) - mass·(v - star). */
+struct imbalance {
+    int64_t count;        /* particles */
+    const uint8_t *fixed; /* [count] */
+    const real *mass;     /* [count] kg */
+    const vec *force;     /* [count] N, at the end of the step */
+    int64_t n_press;      /* count, or 0: none */
+    const vec *press;     /* [n_press] N, forces of contacts; warm.md */
+    const vec *v, *star;  /* [count] m/s, at the end, and for dv = 0 */
+    real tau;             /* s */
+    vec *b;               /* out: [count] N·s, 0 where fixed */
 };
 
 /* §4: the past for the next step, where contacts may have changed the results
@@ -68,6 +83,7 @@ struct history {
 int ref_predict(struct predict *s);
 int ref_rhs(struct rhs *s);
 int ref_update(struct update *s);
+int ref_imbalance(struct imbalance *s);
 int ref_history(struct history *s);
 
 #endif

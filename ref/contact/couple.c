@@ -93,7 +93,9 @@ static int solve_sheet(struct world *w, struct sheet *s)
 static void add_residual(const struct world *w)
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
+        const struct dynamics *d = &w->sheet[k].dynamics;
         struct turn turn = turn_of(w, &w->sheet[k]);
+        turn.r = d->left ? d->left : turn.r;
         w->run->turn_carry(w->on, &turn);
     }
 }

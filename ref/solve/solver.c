@@ -55,11 +55,13 @@ int solver_solve(struct dynamics *d)
     s->pcg.thin = d->thin;
     s->pcg.b = d->b;
     s->pcg.dv = d->dv;
+    if (d->asked > 0)
+        s->pcg.tolerance = d->asked;
     int status = ref_pcg(&s->pcg);
     d->iterations += s->pcg.iterations;
     d->residual = (double)s->pcg.residual;
     if (status == DRAPE_OK && s->pcg.outcome != PCG_CONVERGED)
         d->outcome |= DRAPE_UNCONVERGED;
-    s->seconds = clock_now() - start;
+    s->seconds += clock_now() - start;
     return status;
 }

@@ -9,7 +9,7 @@
 
 struct solver {
     struct pcg pcg;
-    double seconds; /* out: s, of the last solve */
+    double seconds; /* out: s, of the last motion */
 };
 
 /* Sets the settings and sizes of the cloth's system, but no streams. */

@@ -77,10 +77,10 @@ uint64_t checkpoint_fingerprint(const drape_def *d)
     /* Backend, threads, block, stream, allocators, log and trace are left out:
      * they change no bit of a result. */
     const int choice[] = {
-        d->precision, d->integrator,     d->max_substeps,      d->precond,
-        d->matrix,    d->max_iterations, d->self_collision,    d->max_rounds,
-        d->sleep,     d->n_cloths,       d->n_obstacles,       d->n_motions,
-        d->solver,    d->max_slices,     d->allow_intersecting};
+        d->precision, d->integrator,     d->max_substeps,       d->precond,
+        d->matrix,    d->max_iterations, d->self_collision,     d->max_rounds,
+        d->sleep,     d->n_cloths,       d->n_obstacles,        d->n_motions,
+        d->solver,    d->max_slices,     d->allow_intersecting, d->newton};
     uint64_t h = hash_mix(HASH_SEED, choice, sizeof choice);
     h = hash_mix(h, &d->dt, sizeof d->dt);
     h = hash_mix(h, d->gravity, sizeof d->gravity);

@@ -4,9 +4,22 @@
 
 #include "ref/world/state.h"
 
+/* For BDF2: spec/accuracy.md §1. */
+enum { NEWTON_DEFAULT = 4 };
+
 bool plan_windy(const drape_wind *wind)
 {
     return wind->density > 0 && (wind->drag > 0 || wind->lift > 0);
+}
+
+/* Linear systems of a cloth's motion, at most: drape_def's newton. */
+static int newton_of(const drape_def *def)
+{
+    if (!dynamics_implicit(def->integrator))
+        return 0;
+    if (def->newton == 0)
+        return def->integrator == DRAPE_BDF2 ? NEWTON_DEFAULT : 1;
+    return def->newton;
 }
 
 struct plan plan_make(const drape_def *def)
@@ -19,7 +32,8 @@ struct plan plan_make(const drape_def *def)
             p.led |= def->cloths[k].pins[i].motion >= 0;
     p.wind = plan_windy(&def->wind);
     p.implicit = def->integrator >= DRAPE_BW;
-    p.history = def->integrator == DRAPE_CK;
+    p.history = dynamics_second(def->integrator);
+    p.newton = newton_of(def);
     p.self = def->self_collision;
     p.obstacles = def->n_obstacles > 0;
     p.collides = p.self || p.obstacles;
@@ -55,6 +69,8 @@ int plan_rows(const struct world *w, drape_plan_row *row, int capacity)
          "17 diagonals asked for",
          p->implicit ? "the symmetric half is used" : explicit_, 0, false},
         {"pcg", p->implicit, "a linear system each step", explicit_, 0, false},
+        {"imbalance", p->newton > 1, "Newton's method",
+         p->implicit ? "one linear system a step" : explicit_, 0, false},
         {"multigrid", multigrid, "preconditions pcg",
          p->implicit ? "block-Jacobi asked for" : explicit_, 0, false},
         {"refit", p->collides, "boxes follow what moves", alone, ARENA_TREE,

@@ -16,6 +16,7 @@ struct plan {
     bool wind;      /* the air has a density, and drag or lift */
     bool implicit;  /* the integrator solves a linear system */
     bool history;   /* the integrator needs the state before: BDF2 */
+    int newton;     /* linear systems of a motion, at most; explicit: 0 */
     bool self;      /* cloth can collide with cloth */
     bool obstacles; /* cloth can collide with an obstacle */
     bool collides;  /* self or obstacles */

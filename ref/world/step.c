@@ -109,12 +109,15 @@ static int move_sheet(struct world *w, int k, drape_step_report *r)
     d->outcome = 0;
     w->couple.rough = couple_prepare(w, &s->solver.pcg);
     d->press = state_warm(w) ? w->press + s->first : NULL;
+    d->tolerance = s->solver.pcg.tolerance;
+    d->solves = 0;
+    s->solver.seconds = 0;
     int status = w->run->motion(w->on, s);
     if (status != DRAPE_OK)
         return status;
     r->outcome |= d->outcome;
     r->iterations += d->iterations;
-    r->work.solves += w->plan.implicit;
+    r->work.solves += d->solves;
     r->residual = d->residual > r->residual ? d->residual : r->residual;
     r->substeps = d->substeps > r->substeps ? d->substeps : r->substeps;
     return DRAPE_OK;

@@ -18,6 +18,7 @@ static int make_dynamics(struct world *w, struct sheet *s, const drape_def *def)
     d->cloth = c;
     d->method = def->integrator;
     d->max_substeps = def->max_substeps;
+    d->newton = w->plan.newton;
     d->gravity = vec_make((real)def->gravity[0], (real)def->gravity[1],
                           (real)def->gravity[2]);
     d->windy = w->plan.wind;
@@ -39,6 +40,8 @@ static int make_dynamics(struct world *w, struct sheet *s, const drape_def *def)
     d->block = take(w, ARENA_SOLVER, springs, sizeof *d->block);
     if (def->precond == DRAPE_MULTIGRID)
         d->thin = take(w, ARENA_SOLVER, springs, sizeof *d->thin);
+    if (d->newton > 1)
+        d->kept = take(w, ARENA_SOLVER, 2 * c->count, sizeof *d->kept);
     d->solve = solver_solve;
     d->solver = &s->solver;
     return !w->arena->failed ? solver_make(&s->solver, def, c, w->arena)

@@ -72,6 +72,7 @@ static const char *refuse_scalars(void)
     REFUSES_EXTREMES(d.g.def.precond);
     REFUSES_EXTREMES(d.g.def.matrix);
     REFUSES_EXTREMES(d.g.def.solver);
+    REFUSES_EXTREMES(d.g.def.newton);
     REFUSES_EXTREMES(d.g.def.max_rounds);
     REFUSES_EXTREMES(d.g.def.max_slices);
     REFUSES_EXTREMES(d.g.def.n_cloths);

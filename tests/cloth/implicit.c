@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stages predict, rhs, update and history: generators and properties.
+/* Stages predict, rhs, update, imbalance and history: generators and
+ * properties.
  * spec/cloth/implicit.md */
 #include "ref/cloth/implicit.h"
 
@@ -27,6 +28,12 @@ const struct field fields_update[] = {IN(update, fixed, count, 1),
                                       OUT(update, x1, count, 1),
                                       OUT(update, v1, count, 1),
                                       FIELD_END};
+
+const struct field fields_imbalance[] = {
+    IN(imbalance, fixed, count, 1), IN(imbalance, mass, count, 1),
+    IN(imbalance, force, count, 1), IN(imbalance, press, n_press, 1),
+    IN(imbalance, v, count, 1),     IN(imbalance, star, count, 1),
+    OUT(imbalance, b, count, 1),    FIELD_END};
 
 const struct field fields_history[] = {IN(history, x0, count, 1),
                                        IN(history, v0, count, 1),
@@ -87,6 +94,21 @@ void gen_update(struct bytes *b, struct update *s)
     s->dv = pick_vecs(b, g.count, 10);
     s->dt = pick_uniform(b, R(1e-3), R(0.1));
     s->tau = s->n_past ? s->dt * R(2.0 / 3) : s->dt;
+    s->part = pick(b, 2) ? 1 : pick_uniform(b, 0, 1);
+}
+
+void gen_imbalance(struct bytes *b, struct imbalance *s)
+{
+    struct grid g = pick_grid(b);
+    s->count = g.count;
+    s->fixed = g.fixed;
+    s->mass = g.mass;
+    s->force = pick_vecs(b, g.count, 10);
+    s->n_press = pick(b, 2) ? g.count : 0;
+    s->press = pick_vecs(b, s->n_press, 10);
+    s->v = pick_vecs(b, g.count, 10);
+    s->star = pick_vecs(b, g.count, 10);
+    s->tau = pick_uniform(b, R(1e-3), R(0.1));
 }
 
 void gen_history(struct bytes *b, struct history *s)
@@ -188,7 +210,8 @@ const char *prop_update(const struct update *s)
         double x = at(s->x, k), to = at(s->to, k), tau = (double)s->tau;
         double x1 = at(s->x1, k), v1 = at(s->v1, k), dt = (double)s->dt;
         double xp = s->n_past ? at(s->xp, k) : x, star = at(s->star, k);
-        double dv = at(s->dv, k), size = fabs(star) + fabs(dv);
+        double dv = (double)s->part * at(s->dv, k);
+        double size = fabs(star) + fabs(dv);
         switch (s->fixed[k / 3]) {
         case CLOTH_ABSENT:
             EXPECT(x1 == x && v1 == 0);
@@ -202,6 +225,20 @@ const char *prop_update(const struct update *s)
             EXPECT(near(x1, x + (x - xp) / 3 + tau * (star + dv),
                         2 * fabs(x) + fabs(xp) + tau * size));
         }
+    }
+    return NULL;
+}
+
+const char *prop_imbalance(const struct imbalance *s)
+{
+    for (int64_t k = 0; k < 3 * s->count; k++) {
+        double tau = (double)s->tau, mass = (double)s->mass[k / 3];
+        double f = tau * at(s->force, k), v = mass * at(s->v, k);
+        double press = s->n_press ? tau * at(s->press, k) : 0;
+        double star = mass * at(s->star, k), b = at(s->b, k);
+        double size = fabs(f) + fabs(press) + fabs(v) + fabs(star);
+        EXPECT(s->fixed[k / 3] ? b == 0
+                               : near(b, f + press - (v - star), size));
     }
     return NULL;
 }

@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The motion of an implicit integrator, on either backend.
+ * spec/cloth/implicit.md */
+#include "ref/cloth/newton.h"
+
+#include "ref/cloth/force.h"
+
+enum { CUTS = 4 }; /* of a step that overshoots, at most */
+static const real OVERSHOT = R(0.5), LEAST_CUT = R(0.125), MOST_CUT = R(0.5);
+static const real LATER = R(0.1); /* tolerance of solves after the first */
+
+/* The motion under way. */
+struct motion {
+    struct dynamics *s;
+    const struct newton_stages *run;
+    void *on;
+    int64_t past; /* count, or 0: the step is of backward Euler */
+    real tau;
+    const vec *from; /* [count] m/s, the velocity that dv is added to */
+    int status;      /* the first that was not DRAPE_OK */
+};
+
+static void note(struct motion *a, int status)
+{
+    a->status = a->status == DRAPE_OK ? status : a->status;
+}
+
+static size_t bytes_of(const struct motion *a)
+{
+    return (size_t)a->s->cloth->count * sizeof(vec);
+}
+
+static void predict(struct motion *a)
+{
+    struct dynamics *s = a->s;
+    struct predict p = {.count = s->cloth->count,
+                        .fixed = s->cloth->fixed,
+                        .x = s->x,
+                        .v = s->v,
+                        .n_past = a->past,
+                        .xp = s->xp,
+                        .vp = s->vp,
+                        .to = s->to,
+                        .tau = a->tau,
+                        .star = s->star,
+                        .back = a->past ? s->back : NULL,
+                        .q = a->past ? s->q : s->star};
+    note(a, a->run->predict(a->on, &p));
+    a->run->trace(a->on, "predict", p.star, bytes_of(a));
+}
+
+/* Wind acts as at the start of the step, whatever the iteration. */
+static void wind(struct motion *a)
+{
+    struct wind w;
+    if (!a->s->windy)
+        return;
+    force_wind(a->s, a->s->x, a->s->v, &w);
+    note(a, a->run->wind(a->on, &w));
+    a->run->trace(a->on, "wind", w.force, bytes_of(a));
+}
+
+static void springs(struct motion *a, const vec *x, const vec *damping)
+{
+    struct springs f;
+    force_springs(a->s, x, damping, &f);
+    note(a, a->run->springs(a->on, &f));
+    a->run->trace(a->on, "springs", f.force, bytes_of(a));
+}
+
+/* The matrix at s->at. */
+static void blocks(struct motion *a)
+{
+    struct dynamics *s = a->s;
+    const struct cloth *c = s->cloth;
+    struct blocks b = {.count = c->count,
+                       .m = c->m,
+                       .laws = SPRINGS,
+                       .law = s->law,
+                       .springs = c->springs,
+                       .triples = c->triples,
+                       .triple = s->triple,
+                       .n_beside = c->triples ? c->count : 0,
+                       .beside = c->beside,
+                       .x = s->at,
+                       .tau = a->tau,
+                       .block = s->block,
+                       .n_thin = s->thin ? SPRINGS * c->count : 0,
+                       .thin = s->thin};
+    note(a, a->run->blocks(a->on, &b));
+    a->run->trace(a->on, "blocks", b.block,
+                  (size_t)(SPRINGS * c->count) * sizeof *b.block);
+}
+
+static void rhs(struct motion *a)
+{
+    struct dynamics *s = a->s;
+    const struct cloth *c = s->cloth;
+    struct rhs r = {.count = c->count,
+                    .m = c->m,
+                    .n = c->n,
+                    .fixed = c->fixed,
+                    .springs = c->springs,
+                    .n_blocks = SPRINGS * c->count,
+                    .block = s->block,
+                    .force = s->force,
+                    .n_press = s->press ? c->count : 0,
+                    .press = s->press,
+                    .q = a->past ? s->q : s->star,
+                    .tau = a->tau,
+                    .b = s->b};
+    note(a, a->run->rhs(a->on, &r));
+    a->run->trace(a->on, "rhs", r.b, bytes_of(a));
+}
+
+static void solve(struct motion *a, real tolerance)
+{
+    a->s->asked = tolerance;
+    a->s->solves++;
+    note(a, a->run->solve(a->on));
+    a->run->trace(a->on, "pcg", a->s->dv, bytes_of(a));
+}
+
+static void update(struct motion *a, real part)
+{
+    struct dynamics *s = a->s;
+    struct update u = {.count = s->cloth->count,
+                       .fixed = s->cloth->fixed,
+                       .x = s->x,
+                       .n_past = a->past,
+                       .xp = s->xp,
+                       .to = s->to,
+                       .star = a->from,
+                       .dv = s->dv,
+                       .part = part,
+                       .tau = a->tau,
+                       .dt = (real)s->dt,
+                       .x1 = s->x1,
+                       .v1 = s->v1};
+    note(a, a->run->update(a->on, &u));
+    a->run->trace(a->on, "update", u.v1, bytes_of(a));
+}
+
+/* b: what the motion x1, v1 leaves undone. */
+static void imbalance(struct motion *a)
+{
+    struct dynamics *s = a->s;
+    struct imbalance r = {.count = s->cloth->count,
+                          .fixed = s->cloth->fixed,
+                          .mass = s->cloth->mass,
+                          .force = s->force,
+                          .n_press = s->press ? s->cloth->count : 0,
+                          .press = s->press,
+                          .v = s->v1,
+                          .star = s->star,
+                          .tau = a->tau,
+                          .b = s->b};
+    springs(a, s->x1, s->v1);
+    note(a, a->run->imbalance(a->on, &r));
+    a->run->trace(a->on, "imbalance", r.b, bytes_of(a));
+}
+
+static real dot(struct motion *a, const vec *left, const vec *right)
+{
+    int64_t n = a->s->cloth->count;
+    struct dot d = {.n = n,
+                    .a = left,
+                    .b = right,
+                    .n_chunks = sum_chunks(n),
+                    .chunk = a->s->chunk};
+    note(a, a->run->dot(a->on, &d));
+    return d.value;
+}
+
+/* §6.2: takes dv, or a part of it, which is returned. `work` is b·dv of the
+ * system that gave dv. A value that is no number fails the test, and cuts the
+ * most. */
+static real search(struct motion *a, real work)
+{
+    struct dynamics *s = a->s;
+    real part = 1;
+    for (int k = 0; k <= CUTS && a->status == DRAPE_OK; k++) {
+        update(a, part);
+        imbalance(a);
+        real left = dot(a, s->b, s->dv);
+        if (left >= -OVERSHOT * work || k == CUTS)
+            break;
+        real cut = work / (work - left);
+        part *= cut > LEAST_CUT ? real_min(cut, MOST_CUT) : LEAST_CUT;
+    }
+    return part;
+}
+
+/* §6: Newton's method, from the first solve on. The last imbalance replaces the
+ * velocities of the linearisation, which nothing reads any more. */
+static void iterate(struct motion *a, real tolerance)
+{
+    struct dynamics *s = a->s;
+    vec *x = s->kept, *v = s->kept + s->cloth->count;
+    real first = real_sqrt(dot(a, s->b, s->b)), last = first, most = 0;
+    solve(a, tolerance);
+    while (a->status == DRAPE_OK) {
+        real work = dot(a, s->b, s->dv);
+        most = s->solves == 1 ? work : most;
+        bool small = search(a, work) == 1 && work <= tolerance * most;
+        last = real_sqrt(dot(a, s->b, s->b));
+        if (s->solves >= s->newton || !(last > tolerance * first) || small)
+            break;
+        a->run->copy(a->on, x, s->x1, bytes_of(a));
+        a->run->copy(a->on, v, s->v1, bytes_of(a));
+        s->at = x;
+        a->from = v;
+        blocks(a);
+        solve(a, real_max(tolerance, LATER));
+    }
+    a->run->copy(a->on, v, s->b, bytes_of(a));
+    s->left = v;
+    s->residual = first > 0 ? (double)(last / first) : 0;
+}
+
+int newton_move(struct dynamics *s, const struct newton_stages *run, void *on)
+{
+    int64_t past =
+        dynamics_second(s->method) && s->has_past ? s->cloth->count : 0;
+    struct motion a = {.s = s,
+                       .run = run,
+                       .on = on,
+                       .past = past,
+                       .tau = (real)(past ? s->dt * 2 / 3 : s->dt),
+                       .from = s->star};
+    s->substeps = 1;
+    s->solves = 0;
+    s->at = s->x;
+    s->left = NULL;
+    predict(&a);
+    wind(&a);
+    springs(&a, s->x, past ? s->back : NULL);
+    blocks(&a);
+    rhs(&a);
+    if (s->kept) {
+        iterate(&a, s->tolerance);
+        return a.status;
+    }
+    solve(&a, s->tolerance);
+    if (a.status == DRAPE_OK)
+        update(&a, 1);
+    return a.status;
+}
