@@ -123,5 +123,7 @@ void part_skip(struct bench *b);
 void part_stages(struct bench *b);
 void part_lion(struct bench *b);
 void part_backends(struct bench *b); /* where a device is */
+/* What the program without the other stages prints: seconds, bytes, hash. */
+void part_bare(struct bench *b);
 
 #endif

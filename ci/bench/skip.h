@@ -22,7 +22,5 @@ uint64_t skip_hash(const struct run *r);
 /* Parts of part_skip, ci/bench/never.c. */
 void skip_never(struct bench *b);
 void skip_sleep(struct bench *b);
-/* What the program without the other stages prints: seconds, bytes, hash. */
-void skip_print(struct bench *b);
 
 #endif
