@@ -35,8 +35,8 @@ CUDA    = nvcc -std=c++20 -O2 -lineinfo --fmad=false -prec-div=true \
           -prec-sqrt=true -ftz=false $(foreach a,$(REALS),-gencode \
           arch=compute_$(a),code=sm_$(a)) -gencode \
           arch=compute_$(lastword $(REALS)),code=compute_$(lastword $(REALS)) \
-          -Xcompiler -Wall,-Wextra,-Werror,-fPIC,-ffp-contract=off -I. -Ispec \
-          -I$(BUILD) -MMD -MP
+          -Xcompiler -Wall,-Wextra,-Werror,-fPIC,-ffp-contract=off \
+          -Xcompiler -fno-gnu-unique -I. -Ispec -I$(BUILD) -MMD -MP
 CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
           -lpthread -ldl -lrt -lm
 # -O1: what is slow in emulated kernels is to change threads. C++14, as after
