@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# drape: `make help` lists what can be made. Nothing is recursive but the
-# flavours of ci/flavours.mk: this file again with another BUILD and compiler.
+# drape: `make help` lists what can be made. This file has the compilers, the
+# sources, the rules and the library; included are ci/flavours.mk (other compilers
+# and flags: the only recursion), ci/fuzz.mk, ci/upkeep.mk and ci/bench/bench.mk.
 
 BUILD  ?= build
 PREFIX ?= /usr/local
@@ -34,8 +35,8 @@ CUDA    = nvcc -std=c++20 -O2 -lineinfo --fmad=false -prec-div=true \
           -prec-sqrt=true -ftz=false $(foreach a,$(REALS),-gencode \
           arch=compute_$(a),code=sm_$(a)) -gencode \
           arch=compute_$(lastword $(REALS)),code=compute_$(lastword $(REALS)) \
-          -Xcompiler -Wall,-Wextra,-Werror,-fPIC,-ffp-contract=off -I. -Ispec \
-          -I$(BUILD) -MMD -MP
+          -Xcompiler -Wall,-Wextra,-Werror,-fPIC,-ffp-contract=off \
+          -Xcompiler -fno-gnu-unique -I. -Ispec -I$(BUILD) -MMD -MP
 CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
           -lpthread -ldl -lrt -lm
 # -O1: what is slow in emulated kernels is to change threads. C++14, as after
@@ -58,14 +59,15 @@ HAS_APP    := $(call has,assimp/cimport.h cjson/cJSON.h embree3/rtcore.h \
 HAS_ORACLE := $(call has,CGAL/version.h Eigen/Dense fcl/fcl.h ccd/ccd.h gmp.h \
     mpfr.h)
 
-API    := ref/base/arena.c ref/api/defaults.c ref/api/define.c ref/api/drape.c ref/api/frames.c \
-          ref/api/query.c ref/base/threads.c ref/base/threads_clang.c
+# Compiled once, whatever the precision: API and ONCE.
+API    := $(addprefix ref/api/,defaults.c define.c drape.c frames.c query.c) \
+          $(addprefix ref/base/,arena.c threads.c threads_clang.c)
 # The GPU part is built where nvcc and a device are, or by GPU=yes.
 NVCC   := $(shell command -v nvcc)
 GPU    ?= $(and $(NVCC),$(wildcard /dev/nvidia0 /dev/nvidiactl),yes)
 REF    := $(sort $(filter-out $(API),$(wildcard ref/*/*.c)))
-ONCE   := tests/base/check.c tests/base/case.c tests/base/certify.c tests/base/choices.c \
-          tests/base/device.c tests/base/tally.c
+ONCE   := $(addprefix tests/base/,check.c case.c certify.c choices.c device.c \
+          tally.c)
 TWICE  := $(sort $(filter-out $(ONCE) tests/whole/%,$(wildcard tests/*/*.c)))
 # Kernels; but for memory.cu and words.cu, these are CUDA's own, which emulate*.cpp
 # replace.
@@ -105,28 +107,10 @@ ORC_L  := $(if $(HAS_ORACLE),$(ORACLE_LIBS))
 # The library, and its objects in an archive for programs that look inside.
 LIB    := $(BUILD)/libdrape.a
 INSIDE := $(BUILD)/inside.a
-# Time against error, stability, skipped work: spec/accuracy.md. A few files
-# look inside; all else is the public API, so a device runs it too.
-MACHINE ?= $(shell uname -m)
-ACC     := $(BUILD)/accuracy $(BUILD)/accuracy-bare
-ACC_O   := $(call obj,$(addprefix ci/bench/,accuracy backends bisect contact drift \
-           never orders runs samples skip solids stability stages stress \
-           work $(if $(HAS_APP),lion,no_app)),) \
-           $(call obj,ci/bench/impact,.32) $(call obj,ci/bench/forced,.64) \
-           $(foreach p,.32 .64,$(call obj,ci/bench/solves \
-           $(addprefix tests/,base/reals cloth/sheet solve/solver solve/system),$(p))) \
-           $(call obj,tests/base/choices) $(if $(HAS_APP),$(filter-out \
-           $(BUILD)/app/main.o,$(APP_O))) $(ORC_O) $(INSIDE)
-ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
-           $(if $(GPU),$(CUDA_L))
-
-.PHONY: all demo check bench reference certify fuzz install help golden \
-        format tidy check-parts soak fuzz-soak mutants outcomes prove oracles \
-        fuzz-libs price launches say-gpu tables validate
+.PHONY: all say-gpu check check-parts demo install help
 .DELETE_ON_ERROR:
 
 all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, tool
-
 say-gpu:
 	@$(if $(GPU),,echo 'drape: $(if $(NVCC),no device,no nvcc) here: CPU part only')
 
@@ -140,60 +124,44 @@ $(NAMES): ci/names.sh FORCE
 	@mkdir -p $(@D)
 	@new=$@.$$$$; sh ci/names.sh $(filter %.c %.cu,$^) >$$new && \
 	  { cmp -s $@ $$new && rm $$new || mv $$new $@; }
+
 # Tests take longer to compile than to run. One that no table runs is told of.
 $(BUILD)/tests/%.o: OPT := -O1
 $(BUILD)/tests/%.o: WARN += -Wmissing-prototypes
-$(BUILD)/%.32.o: %.c | $(NAMES)
-	@mkdir -p $(@D)
-	$(C17) -DREAL_BITS=32 -c $< -o $@
 # The library's loops run on its own threads, which sleep while they wait, as
-# OpenMP's need not: what the compiler calls takes the names of ref/base/threads.h.
+# OpenMP's need not: what the compilers call is renamed by ref/base/threads.syms.
 OBJCOPY ?= objcopy
-RENAMES  = $(addprefix --redefine-sym ,GOMP_parallel=threads_parallel \
-          omp_get_thread_num=threads_number omp_get_num_threads=threads_count \
-          $(addprefix __kmpc_,fork_call=threads_fork \
-          global_thread_num=threads_global \
-          serialized_parallel=threads_serialized \
-          end_serialized_parallel=threads_end_serialized \
-          for_static_init_4=threads_init_4 for_static_init_4u=threads_init_4u \
-          for_static_init_8=threads_init_8 for_static_init_8u=threads_init_8u \
-          for_static_fini=threads_fini reduce_nowait=threads_reduce \
-          end_reduce_nowait=threads_end_reduce))
-$(BUILD)/ref/%.32.o: ref/%.c | $(NAMES)
-	@mkdir -p $(@D)
-	$(C17) -DREAL_BITS=32 -c $< -o $@
-	@$(OBJCOPY) $(RENAMES) $@
-$(BUILD)/ref/%.64.o: ref/%.c | $(NAMES)
-	@mkdir -p $(@D)
-	$(C17) -DREAL_BITS=64 -c $< -o $@
-	@$(OBJCOPY) $(RENAMES) $@
-$(BUILD)/%.64.o: %.c | $(NAMES)
-	@mkdir -p $(@D)
-	$(C17) -DREAL_BITS=64 -c $< -o $@
+SYMS    := ref/base/threads.syms
+# C, kernels emulated on the host, and kernels: in each precision, and once.
+define twice
+$(BUILD)/%.$(1).o: %.c | $(NAMES)
+	@mkdir -p $$(@D)
+	$$(C17) -DREAL_BITS=$(1) -c $$< -o $$@
+$(BUILD)/ref/%.$(1).o: ref/%.c $(SYMS) | $(NAMES)
+	@mkdir -p $$(@D)
+	$$(C17) -DREAL_BITS=$(1) -c $$< -o $$@
+	@$$(OBJCOPY) --redefine-syms=$(SYMS) $$@
+$(BUILD)/gpu/%.$(1).o: gpu/%.cu | $(NAMES)
+	@mkdir -p $$(@D)
+	$$(EMU) $$(SAN) -DREAL_BITS=$(1) -c $$< -o $$@
+$(BUILD)/cuda/gpu/%.$(1).o: gpu/%.cu | $(NAMES)
+	@mkdir -p $$(@D)
+	$$(CUDA) -DREAL_BITS=$(1) -c $$< -o $$@
+endef
+$(foreach bits,32 64,$(eval $(call twice,$(bits))))
 $(BUILD)/%.o: %.c | $(NAMES)
 	@mkdir -p $(@D)
 	$(C17) -c $< -o $@
-$(BUILD)/gpu/%.32.o: gpu/%.cu | $(NAMES)
-	@mkdir -p $(@D)
-	$(EMU) $(SAN) -DREAL_BITS=32 -c $< -o $@
-$(BUILD)/gpu/%.64.o: gpu/%.cu | $(NAMES)
-	@mkdir -p $(@D)
-	$(EMU) $(SAN) -DREAL_BITS=64 -c $< -o $@
 $(BUILD)/gpu/%.o: gpu/%.cpp | $(NAMES)
 	@mkdir -p $(@D)
 	$(EMU) -c $< -o $@
 $(BUILD)/gpu/%.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(EMU) $(SAN) -c $< -o $@
-$(BUILD)/cuda/gpu/%.32.o: gpu/%.cu | $(NAMES)
-	@mkdir -p $(@D)
-	$(CUDA) -DREAL_BITS=32 -c $< -o $@
-$(BUILD)/cuda/gpu/%.64.o: gpu/%.cu | $(NAMES)
-	@mkdir -p $(@D)
-	$(CUDA) -DREAL_BITS=64 -c $< -o $@
 $(BUILD)/cuda/gpu/%.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
 	$(CUDA) -c $< -o $@
+
 # What drape_info says of ci/certificate.json, rewritten where it changes.
 $(BUILD)/certificate.h: FORCE
 	@mkdir -p $(@D)
@@ -235,29 +203,14 @@ $(BUILD)/whole: $(WHOLE_O) $(LIB)
 $(BUILD)/drape: $(APP_O) $(LIB)
 	$(C17) $(APP_O) $(LIB) -o $@ $(APP_LIBS) $(if $(GPU),$(CUDA_L))
 
-# For fuzzing: everything but the main functions, both precisions.
-TARGETS := bank calls create damage draw load queries small stage step table \
-           whole
-READERS := checkpoint csv files mutate part readers report strict
-PARTS := $(filter-out $(addprefix $(BUILD)/tests/base/,check.o certify.o), \
-         $(TEST_O)) $(REF_O) $(EMU_O) $(ORC_O) \
-         $(call obj,$(addprefix fuzz/,$(TARGETS))) \
-         $(if $(HAS_APP),$(filter-out $(BUILD)/app/main.o,$(APP_O)) \
-         $(call obj,$(addprefix fuzz/,$(READERS))),$(BUILD)/fuzz/absent.o)
-FUZZ_L := $(ORC_L) $(if $(HAS_APP),$(APP_LIBS)) -lstdc++ -lm
-# Comparisons are not traced where there are millions of them: ci/fuzz.sh.
-$(BUILD)/ref/%.o $(BUILD)/tests/%.o: MODEL += $(UNTRACED)
-# The words of a scene's documentation, for those who change scenes.
-$(BUILD)/words.h: app/scenes/README.md
+# A program that shares the device with a world: app/examples/share.cu.
+$(BUILD)/share.o: app/examples/share.cu
 	@mkdir -p $(@D)
-	grep -o '`[^` ]*`' $< | tr -d '`"' | grep -x '[a-z0-9_-]*' | sort -u | \
-	  sed 's/.*/"&",/' >$@
-$(BUILD)/fuzz/mutate.o: $(BUILD)/words.h
-$(BUILD)/parts.a: $(PARTS)
-	@rm -f $@
-	$(AR) rcs $@ $^
-$(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
-	$(C17) $^ -o $@ $(FUZZ_L)
+	$(CUDA) -c $< -o $@
+$(BUILD)/share: $(BUILD)/share.o $(LIB)
+	$(C17) $^ -o $@ $(CUDA_L)
+
+include ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/bench/bench.mk
 
 check: ## everything that must hold
 	sh ci/check.sh $(BUILD)
@@ -267,108 +220,6 @@ check-parts: all $(ACC) $(BUILD)/validate $(BUILD)/whole.txt $(BUILD)/replay \
 
 demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 	sh ci/demo.sh $(BUILD)
-
-bench: $(BUILD)/check $(BUILD)/speed $(ACC) ## time, bytes, error, as csv, plots
-	sh ci/bench/run.sh $(BUILD) $(MACHINE)
-	$(if $(GPU),$(BUILD)/accuracy --backend gpu ci/bench/$(MACHINE) backends)
-	$(if $(GPU),$(MAKE) tables)
-# What ci/bench/scenes.sh asks for may be given: make tables SCENES=lion_20k
-tables: $(BUILD)/drape ## on a device: the paper's figures, in ci/bench/MACHINE
-	sh ci/bench/scenes.sh $(BUILD) $(BUILD)/bench; status=$$?; \
-	  python3 ci/bench/tables.py $(BUILD)/bench/results; exit $$status
-# The narrow phase beside FCL and GMP, on one thread.
-$(BUILD)/speed: $(BUILD)/ci/bench/narrow.32.o $(BUILD)/tests/narrow/ply.32.o \
-    $(ORC_O) $(INSIDE)
-	$(C17) $^ -o $@ $(ORC_L) -lstdc++ -lm
-
-# Physics as a suite, through the public API alone: spec/validation.md.
-VAL_O   := $(call obj,$(sort $(wildcard ci/validate/*.c)),)
-$(BUILD)/validate: $(VAL_O) $(LIB)
-	$(C17) $^ -o $@ -lpthread $(if $(GPU),$(CUDA_L),-lm)
-validate: $(BUILD)/validate ## what cloth does against theory: ci/validate/MACHINE
-	sh ci/validate/run.sh $(BUILD) $(MACHINE)
-
-$(BUILD)/accuracy: $(ACC_O)
-	$(C17) $^ -o $@ $(ACC_L)
-$(BUILD)/accuracy-bare: $(BUILD)/ci/bench/bare.o $(ACC_O)
-	$(C17) -Wl,--allow-multiple-definition $^ -o $@ $(ACC_L)
-
-# The same kernels by the number model's flags, with fma, and as fast as nvcc
-# makes them.
-EXACT      := --fmad=false -prec-div=true -prec-sqrt=true -ftz=false
-LOOSE_exact = $(EXACT)
-LOOSE_fma   = $(subst --fmad=false,--fmad=true,$(EXACT))
-LOOSE_fast  = --use_fast_math
-LOOSE_O    := $(foreach f,exact fma fast,$(BUILD)/cuda/price/$(f).32.o \
-              $(BUILD)/cuda/price/$(f).64.o)
-PRICE_O    := $(call obj,ci/bench/price,.32) $(call obj,ci/bench/price,.64) \
-              $(call obj,ci/bench/main) $(LOOSE_O) $(BUILD)/cuda/gpu/run/device.o
-$(LOOSE_O): $(BUILD)/cuda/price/%.o: ci/bench/kernels.cu | $(NAMES)
-	@mkdir -p $(@D)
-	$(subst $(EXACT),$(LOOSE_$(basename $*)),$(CUDA)) -DFLAGS=$(basename $*) \
-	  -DREAL_BITS=$(subst .,,$(suffix $*)) -c $< -o $@
-$(BUILD)/price: $(PRICE_O) $(INSIDE)
-	$(C17) $^ -o $@ $(CUDA_L)
-price: $(BUILD)/price ## what exactness costs on a device, as csv
-	$(BUILD)/price
-
-$(BUILD)/launches: ci/bench/launches.cu
-	@mkdir -p $(@D)
-	$(CUDA) $< -o $@ $(CUDA_L)
-launches: $(BUILD)/launches ## what launches, graphs and looks cost there, as csv
-	$(BUILD)/launches
-
-# A program that shares the device with a world: app/examples/share.cu.
-$(BUILD)/share.o: app/examples/share.cu
-	@mkdir -p $(@D)
-	$(CUDA) -c $< -o $@
-$(BUILD)/share: $(BUILD)/share.o $(LIB)
-	$(C17) $^ -o $@ $(CUDA_L)
-
-$(BUILD)/table: $(ROOT)/oracle/table.o $(ORC_O)
-	$(CXX17) $^ -o $@ $(ORC_L)
-# CGAL's audit of a run's frames, beside `drape audit`.
-$(BUILD)/frames: $(ROOT)/oracle/frames.o $(ROOT)/oracle/cgal_self.o
-	$(CXX17) $^ -o $@ $(ORC_L)
-DRAPE_DATA ?= ../shared
-oracles: $(BUILD)/table ## the tables of oracle/README.md, from DRAPE_DATA
-	$(BUILD)/table $(DRAPE_DATA)/ccd/queries/*.csv
-
-fuzz-libs: # what links with parts.a, for ci/fuzz.sh
-	@echo $(FUZZ_L)
-
-golden: $(BUILD)/check ## records the hashes of all stages anew
-	$(BUILD)/check --golden-write tests/golden/stages.txt
-
-reference: $(BUILD)/drape ## scenes of certify by ref/: ci/reference.txt, an hour
-	sh ci/certify.sh $(BUILD) none reference
-
-certify: ## compares ref and gpu on the device: ci/certificate.json
-	$(MAKE) GPU=yes $(BUILD)/check-cuda $(BUILD)/drape
-	sh ci/certify.sh $(BUILD) ci/certificate.json
-
-include ci/flavours.mk
-
-prove: ## Gappa bounds every constant of the filters anew
-	sh ci/prove.sh
-
-N ?= 60
-SEED ?= 1
-mutants: ## plants N=60 faults in changed lines (ALL=1: in any) by SEED=: who sees?
-	python3 ci/mutants.py -n $(N) --seed $(SEED) $(if $(ALL),--all) \
-	  $(if $(BASE),--base $(BASE)) --work $(BUILD)/mutants
-
-soak: check-parts ## the tests' long forms: whole frames, 2M triangles
-	sh ci/flavour.sh $(BUILD) asan yes
-	DRAPE_SOAK=1 $(BUILD)/check --tests
-
-outcomes: $(BUILD)/drape ## whole scenes for 120 frames: table of bench/outcomes.md
-	sh ci/outcomes.sh $(BUILD)
-
-fuzz: ## T=target S=seconds: libFuzzer on one target
-	sh ci/fuzz.sh $(BUILD) $(T) $(S)
-fuzz-soak: ## S=seconds, or an hour: libFuzzer on every target, or those of T=
-	sh ci/fuzz.sh $(BUILD) soak $(or $(S),3600) $(T)
 
 VERSION = $(shell sed -n 's/.*DRAPE_VERSION "\(.*\)"/\1/p' spec/drape.h)
 install: $(LIB) ## to $(DESTDIR)$(PREFIX): library, header, tool, man page
@@ -385,21 +236,8 @@ install: $(LIB) ## to $(DESTDIR)$(PREFIX): library, header, tool, man page
 	install -D -m 644 app/drape.1 \
 	  $(DESTDIR)$(PREFIX)/share/man/man1/drape.1
 
-format: ## clang-format everything in place
-	clang-format -i $(wildcard app/*.[ch] app/examples/* ci/validate/*.[ch] \
-	  fuzz/*.[ch] gpu/*/* oracle/*.[ch]* ref/*/*.[ch] spec/*.h tests/*/*.[ch])
-
-# The analyzer's search is cut at 20000 nodes (225000 usually) for the time
-# it takes: paths that only a longer search finds are not looked at.
-TIDY := -std=c17 -I. -Ispec -I$(BUILD) -D_POSIX_C_SOURCE=200809L \
-        -Xclang -analyzer-config -Xclang max-nodes=20000
-tidy: $(BUILD)/words.h $(NAMES) ## clang-tidy over our C
-	ls app/*.c app/examples/*.c fuzz/*.c ref/*/*.c tests/*/*.c | \
-	  xargs -P2 -n8 sh -c 'clang-tidy --quiet "$$@" -- $(TIDY) 2>/dev/null' sh
-
 help: ## this list
-	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile ci/flavours.mk | \
-	  expand -t 11
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile ci/*.mk ci/*/*.mk | expand -t 11
 	@echo 'tables also takes SCENES= FRAMES= MODES= LIMIT=: ci/bench/scenes.sh'
 	@echo "OPT=      '-O2 -g', say: for a debugger"
 	@echo 'GPU=yes   with any of them: builds the device part without a device'

@@ -4,7 +4,10 @@
 #ifndef APP_IMPORT_H
 #define APP_IMPORT_H
 
-#include "app/mesh.h"
+#include "app/pool.h"
+#include "app/triangles.h"
+
+#include <stdbool.h>
 
 /* The header that the child sends before mesh->x and mesh->tri. */
 struct import_reply {

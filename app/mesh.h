@@ -4,15 +4,10 @@
 #define APP_MESH_H
 
 #include "app/pool.h"
+#include "app/triangles.h"
 
 #include <stdbool.h>
 #include <stdint.h>
-
-struct mesh {
-    int64_t nv, nt;
-    double (*x)[3];    /* [nv] */
-    int32_t (*tri)[3]; /* [nt] each 0 … nv-1 */
-};
 
 /* Reads a mesh file by its extension: PLY and OFF by our own readers, in
  * binary64; OBJ, STL, glTF, COLLADA and FBX by assimp in a child process. PLY

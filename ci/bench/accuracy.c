@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The program of `make bench`: run time against error, stability, contact,
  * skipped work. With --quick it is a part of `make check`. spec/accuracy.md */
-#include "ci/bench/skip.h"
+#include "ci/bench/accuracy.h"
 
 #include <stdarg.h>
 #include <stdlib.h>
@@ -94,7 +94,7 @@ int main(int argc, char **argv)
             return usage();
     }
     if (bare) {
-        skip_print(&b);
+        part_bare(&b);
         return 0;
     }
     if (!b.directory)

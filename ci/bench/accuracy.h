@@ -126,5 +126,8 @@ void part_skip(struct bench *b);
 void part_stages(struct bench *b);
 void part_lion(struct bench *b);
 void part_backends(struct bench *b); /* only if the backend is a device */
+/* Runs the bare scene and prints seconds a step, bytes and hash, for
+ * skip_never. */
+void part_bare(struct bench *b);
 
 #endif

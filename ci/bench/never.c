@@ -30,7 +30,7 @@ static struct bare run_bare(struct bench *b)
     return best;
 }
 
-void skip_print(struct bench *b)
+void part_bare(struct bench *b)
 {
     struct bare a = run_bare(b);
     printf("%.9g %zu %llx\n", a.seconds, a.bytes, (unsigned long long)a.hash);

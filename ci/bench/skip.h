@@ -22,8 +22,5 @@ uint64_t skip_hash(const struct run *r);
 /* Parts of part_skip, ci/bench/never.c. */
 void skip_never(struct bench *b);
 void skip_sleep(struct bench *b);
-/* Runs the bare scene and prints seconds a step, bytes and hash, for
- * skip_never. */
-void skip_print(struct bench *b);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The functions that clang calls for the parallel loops of ref/, with the
  * interface of LLVM's OpenMP library; they run on the pool of
- * ref/base/threads.c. The Makefile renames clang's calls to these names. */
+ * ref/base/threads.c. ref/base/threads.syms renames clang's calls. */
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>

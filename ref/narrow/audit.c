@@ -96,8 +96,9 @@ static void build(struct audit *s, const struct levels *l)
     for (int64_t k = 0; k < l->at[1]; k++)
         for (int j = 0; j < 4; j++)
             put(&s->node[k], j,
-                4 * k + j < s->nt ? ref_audit_box(s, s->order[0][4 * k + j])
-                                  : none);
+                4 * k + j < s->nt
+                    ? ref_audit_box(s->x, s->tri[s->order[0][4 * k + j]])
+                    : none);
     for (int level = 1; level <= l->top; level++) {
         int64_t from = l->at[level - 1], n = l->at[level] - from;
         EACH_ITEM
@@ -232,7 +233,9 @@ int ref_audit(struct audit *s)
         return status;
     int64_t n0 = mark(s);
     struct levels l = levels_of(s->nt);
-    ref_audit_order(s);
+    const struct audit_order order = {s->nv,    s->nt,  s->x,    s->tri,
+                                      s->group, s->key, s->order};
+    ref_audit_order(&order);
     build(s, &l);
     EACH_ITEM
     for (int64_t k = 0; k < l.at[1]; k++) {
@@ -286,7 +289,7 @@ bool ref_audit_any(const struct audit *s, int32_t t,
 {
     struct search r = {.s = s,
                        .l = levels_of(s->nt),
-                       .box = ref_audit_box(s, t),
+                       .box = ref_audit_box(s->x, s->tri[t]),
                        .t = t,
                        .ask = ask,
                        .user = user};

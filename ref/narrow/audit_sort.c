@@ -3,10 +3,9 @@
  * spec/narrow/audit.md §4 */
 #include "ref/narrow/audit_sort.h"
 
-struct audit_box ref_audit_box(const struct audit *s, int64_t t)
+struct audit_box ref_audit_box(const vec *x, const int32_t v[3])
 {
-    const int32_t *v = s->tri[t];
-    vec a = s->x[v[0]], b = s->x[v[1]], c = s->x[v[2]];
+    vec a = x[v[0]], b = x[v[1]], c = x[v[2]];
     struct audit_box r = {vec_min(vec_min(a, b), c), vec_max(vec_max(a, b), c)};
     return r;
 }
@@ -31,7 +30,7 @@ static uint64_t cell(real lo, real hi, real from, real size)
 }
 
 /* Makes the Morton keys. The top bit puts group 0 first. */
-static void make_keys(struct audit *s)
+static void make_keys(const struct audit_order *s)
 {
     vec lo = s->x[0], hi = s->x[0];
     for (int64_t k = 1; k < s->nv; k++) {
@@ -42,7 +41,7 @@ static void make_keys(struct audit *s)
     real size = real_max(real_max(d.x, d.y), d.z);
     EACH_ITEM
     for (int64_t t = 0; t < s->nt; t++) {
-        struct audit_box b = ref_audit_box(s, t);
+        struct audit_box b = ref_audit_box(s->x, s->tri[t]);
         s->key[0][t] = spread(cell(b.lo.x, b.hi.x, lo.x, size)) |
                        spread(cell(b.lo.y, b.hi.y, lo.y, size)) << 1 |
                        spread(cell(b.lo.z, b.hi.z, lo.z, size)) << 2;
@@ -55,7 +54,7 @@ static void make_keys(struct audit *s)
 /* One pass of a radix sort: a stable sort by the 11 bits from `shift` on, from
  * buffer `from` to the other buffer. Returns false, with nothing moved, where
  * these bits are the same in all keys. */
-static bool sort_digit(struct audit *s, int from, int shift)
+static bool sort_digit(const struct audit_order *s, int from, int shift)
 {
     int64_t at[2049] = {0};
     const uint64_t *key = s->key[from];
@@ -74,7 +73,7 @@ static bool sort_digit(struct audit *s, int from, int shift)
     return true;
 }
 
-void ref_audit_order(struct audit *s)
+void ref_audit_order(const struct audit_order *s)
 {
     make_keys(s);
     int from = 0;

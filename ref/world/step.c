@@ -154,23 +154,23 @@ static void move(struct world *w, struct step *s)
         s->again = slice_diverged(w);
 }
 
-static void look_far(struct world *w, struct step *s)
+static void check_travel(struct world *w, struct step *s)
 {
     if (goes_on(s) && w->plan.collides)
         s->status = collide_far(w, &s->r, &s->last, &s->again);
 }
 
-static void touch(struct world *w, struct step *s)
+static void handle_contact(struct world *w, struct step *s)
 {
     if (goes_on(s) && w->plan.collides)
         s->status = collide(w, &s->r, &s->last);
 }
 
-/* §7.3: judges the slice by its outcome and its energies. The energies that
+/* §7.3: checks the slice by its outcome and its energies. The energies that
  * dynamics computed are used if contact did not change the state; if contact
  * may have changed it they are computed again, but only if somebody needs them.
  */
-static void judge(struct world *w, struct step *s)
+static void check_energy(struct world *w, struct step *s)
 {
     double before[3] = {0}, after[3] = {0};
     bool anew = w->met && (w->reported || slice_checks_energy(w));
@@ -307,12 +307,12 @@ int step_advance(struct world *w, drape_step_report *report)
     threads_begin(&threads, one ? 1 : w->def.threads);
     begin(w, &s); /* §6: sleep */
     while (has_slice_left(w, &s)) {
-        place(w, &s);    /* §1: kinematics.md */
-        move(w, &s);     /* §2: wind.md, springs.md … dynamics.md, pcg.md */
-        look_far(w, &s); /* §7.2: travel.md */
-        touch(w, &s);    /* §3: refit.md … features.md, response.md */
-        judge(w, &s);    /* §7.3: energy.md */
-        finish(w, &s);   /* step.md §4, §6, §7.4: implicit.md */
+        place(w, &s);          /* §1: kinematics.md */
+        move(w, &s);           /* §2: wind.md … dynamics.md, pcg.md */
+        check_travel(w, &s);   /* §7.2: travel.md */
+        handle_contact(w, &s); /* §3: refit.md … response.md */
+        check_energy(w, &s);   /* §7.3: energy.md */
+        finish(w, &s);         /* step.md §4, §6, §7.4: implicit.md */
     }
     int status = end(w, &s); /* step.md §11, §7.5: audit.md */
     threads_end(&threads);

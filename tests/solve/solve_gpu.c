@@ -316,7 +316,8 @@ const char *test_sum_gpu_levels(void)
  * are more particles than one block of pcg_sum_kernel sums. */
 const char *test_solve_gpu_parked(void)
 {
-    struct design design = {51, 47, SHAPE_DRAPED, TRIM_PINS, 0.1};
+    struct design design = {51,        47,  SHAPE_DRAPED,
+                            TRIM_PINS, 0.1, DRAPE_TRIPLES};
     for (int parked = 1; parked <= 2; parked++) {
         int status;
         struct gpu *g = gpu_open(NULL, &status);

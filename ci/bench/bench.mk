@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: Apache-2.0
+# What ci/bench and ci/validate measure, and the tables of oracle/README.md.
+
+.PHONY: bench validate tables price launches outcomes oracles
+MACHINE ?= $(shell uname -m)
+
+# Time against error, stability, skipped work: spec/accuracy.md. A few files
+# look inside; all else is the public API, so a device runs it too.
+ACC     := $(BUILD)/accuracy $(BUILD)/accuracy-bare
+ACC_O   := $(call obj,$(addprefix ci/bench/,accuracy backends bisect contact drift \
+           never orders runs samples skip solids stability stages stress \
+           work $(if $(HAS_APP),lion,no_app)),) \
+           $(call obj,ci/bench/impact,.32) $(call obj,ci/bench/forced,.64) \
+           $(foreach p,.32 .64,$(call obj,ci/bench/solves \
+           $(addprefix tests/,base/reals cloth/sheet solve/solver solve/system),$(p))) \
+           $(call obj,tests/base/choices) $(if $(HAS_APP),$(filter-out \
+           $(BUILD)/app/main.o,$(APP_O))) $(ORC_O) $(INSIDE)
+ACC_L   := $(if $(HAS_APP),$(APP_LIBS)) $(ORC_L) -lstdc++ -lm \
+           $(if $(GPU),$(CUDA_L))
+$(BUILD)/accuracy: $(ACC_O)
+	$(C17) $^ -o $@ $(ACC_L)
+$(BUILD)/accuracy-bare: $(BUILD)/ci/bench/bare.o $(ACC_O)
+	$(C17) -Wl,--allow-multiple-definition $^ -o $@ $(ACC_L)
+
+# The narrow phase beside FCL and GMP, on one thread.
+$(BUILD)/speed: $(BUILD)/ci/bench/narrow.32.o $(BUILD)/tests/narrow/ply.32.o \
+    $(ORC_O) $(INSIDE)
+	$(C17) $^ -o $@ $(ORC_L) -lstdc++ -lm
+
+# Physics as a suite, through the public API alone: spec/validation.md.
+VAL_O   := $(call obj,$(sort $(wildcard ci/validate/*.c)),)
+$(BUILD)/validate: $(VAL_O) $(LIB)
+	$(C17) $^ -o $@ -lpthread $(if $(GPU),$(CUDA_L),-lm)
+validate: $(BUILD)/validate ## what cloth does against theory: ci/validate/MACHINE
+	sh ci/validate/run.sh $(BUILD) $(MACHINE)
+
+bench: $(BUILD)/check $(BUILD)/speed $(ACC) ## time, bytes, error, as csv, plots
+	sh ci/bench/run.sh $(BUILD) $(MACHINE)
+	$(if $(GPU),$(BUILD)/accuracy --backend gpu ci/bench/$(MACHINE) backends)
+	$(if $(GPU),$(MAKE) tables)
+# What ci/bench/scenes.sh asks for may be given: make tables SCENES=lion_20k
+tables: $(BUILD)/drape ## on a device: the paper's figures, in ci/bench/MACHINE
+	sh ci/bench/scenes.sh $(BUILD) $(BUILD)/bench; status=$$?; \
+	  python3 ci/bench/tables.py $(BUILD)/bench/results; exit $$status
+outcomes: $(BUILD)/drape ## whole scenes for 120 frames: table of bench/outcomes.md
+	sh ci/outcomes.sh $(BUILD)
+
+# The same kernels by the number model's flags, with fma, and as fast as nvcc
+# makes them.
+EXACT      := --fmad=false -prec-div=true -prec-sqrt=true -ftz=false
+LOOSE_exact = $(EXACT)
+LOOSE_fma   = $(subst --fmad=false,--fmad=true,$(EXACT))
+LOOSE_fast  = --use_fast_math
+LOOSE_O    := $(foreach f,exact fma fast,$(BUILD)/cuda/price/$(f).32.o \
+              $(BUILD)/cuda/price/$(f).64.o)
+PRICE_O    := $(call obj,ci/bench/price,.32) $(call obj,ci/bench/price,.64) \
+              $(call obj,ci/bench/main) $(LOOSE_O) $(BUILD)/cuda/gpu/run/device.o
+$(LOOSE_O): $(BUILD)/cuda/price/%.o: ci/bench/kernels.cu | $(NAMES)
+	@mkdir -p $(@D)
+	$(subst $(EXACT),$(LOOSE_$(basename $*)),$(CUDA)) -DFLAGS=$(basename $*) \
+	  -DREAL_BITS=$(subst .,,$(suffix $*)) -c $< -o $@
+$(BUILD)/price: $(PRICE_O) $(INSIDE)
+	$(C17) $^ -o $@ $(CUDA_L)
+price: $(BUILD)/price ## what exactness costs on a device, as csv
+	$(BUILD)/price
+
+$(BUILD)/launches: ci/bench/launches.cu
+	@mkdir -p $(@D)
+	$(CUDA) $< -o $@ $(CUDA_L)
+launches: $(BUILD)/launches ## what launches, graphs and looks cost there, as csv
+	$(BUILD)/launches
+
+DRAPE_DATA ?= ../shared
+$(BUILD)/table: $(ROOT)/oracle/table.o $(ORC_O)
+	$(CXX17) $^ -o $@ $(ORC_L)
+# CGAL's audit of a run's frames, beside `drape audit`.
+$(BUILD)/frames: $(ROOT)/oracle/frames.o $(ROOT)/oracle/cgal_self.o
+	$(CXX17) $^ -o $@ $(ORC_L)
+oracles: $(BUILD)/table ## the tables of oracle/README.md, from DRAPE_DATA
+	$(BUILD)/table $(DRAPE_DATA)/ccd/queries/*.csv

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+# The program that replays the corpora of fuzz/, and what ci/fuzz.sh links with
+# libFuzzer: everything but the main functions, in both precisions.
+
+.PHONY: fuzz fuzz-soak fuzz-libs
+TARGETS := bank calls create damage draw load queries small stage step table \
+           whole
+READERS := checkpoint csv files mutate part readers report strict
+PARTS := $(filter-out $(addprefix $(BUILD)/tests/base/,check.o certify.o), \
+         $(TEST_O)) $(REF_O) $(EMU_O) $(ORC_O) \
+         $(call obj,$(addprefix fuzz/,$(TARGETS))) \
+         $(if $(HAS_APP),$(filter-out $(BUILD)/app/main.o,$(APP_O)) \
+         $(call obj,$(addprefix fuzz/,$(READERS))),$(BUILD)/fuzz/absent.o)
+FUZZ_L := $(ORC_L) $(if $(HAS_APP),$(APP_LIBS)) -lstdc++ -lm
+# Comparisons are not traced where there are millions of them: ci/fuzz.sh.
+$(BUILD)/ref/%.o $(BUILD)/tests/%.o: MODEL += $(UNTRACED)
+# The words of a scene's documentation, for those who change scenes.
+$(BUILD)/words.h: app/scenes/README.md
+	@mkdir -p $(@D)
+	grep -o '`[^` ]*`' $< | tr -d '`"' | grep -x '[a-z0-9_-]*' | sort -u | \
+	  sed 's/.*/"&",/' >$@
+$(BUILD)/fuzz/mutate.o: $(BUILD)/words.h
+$(BUILD)/parts.a: $(PARTS)
+	@rm -f $@
+	$(AR) rcs $@ $^
+$(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
+	$(C17) $^ -o $@ $(FUZZ_L)
+fuzz-libs: # what links with parts.a, for ci/fuzz.sh
+	@echo $(FUZZ_L)
+fuzz: ## T=target S=seconds: libFuzzer on one target
+	sh ci/fuzz.sh $(BUILD) $(T) $(S)
+fuzz-soak: ## S=seconds, or an hour: libFuzzer on every target, or those of T=
+	sh ci/fuzz.sh $(BUILD) soak $(or $(S),3600) $(T)

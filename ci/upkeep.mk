@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+# What is recorded, certified, proved or formatted anew, and the longest tests.
+
+.PHONY: golden reference certify prove mutants soak format tidy
+golden: $(BUILD)/check ## records the hashes of all stages anew
+	$(BUILD)/check --golden-write tests/golden/stages.txt
+
+reference: $(BUILD)/drape ## scenes of certify by ref/: ci/reference.txt, an hour
+	sh ci/certify.sh $(BUILD) none reference
+
+certify: ## compares ref and gpu on the device: ci/certificate.json
+	$(MAKE) GPU=yes $(BUILD)/check-cuda $(BUILD)/drape
+	sh ci/certify.sh $(BUILD) ci/certificate.json
+
+prove: ## Gappa bounds every constant of the filters anew
+	sh ci/prove.sh
+
+N ?= 60
+SEED ?= 1
+mutants: ## plants N=60 faults in changed lines (ALL=1: in any) by SEED=: who sees?
+	python3 ci/mutants.py -n $(N) --seed $(SEED) $(if $(ALL),--all) \
+	  $(if $(BASE),--base $(BASE)) --work $(BUILD)/mutants
+
+soak: check-parts ## the tests' long forms: whole frames, 2M triangles
+	sh ci/flavour.sh $(BUILD) asan yes
+	DRAPE_SOAK=1 $(BUILD)/check --tests
+
+format: ## clang-format everything in place
+	clang-format -i $(wildcard app/*.[ch] app/examples/* ci/validate/*.[ch] fuzz/*.[ch] \
+	  gpu/*/* oracle/*.[ch]* ref/*/*.[ch] spec/*.h tests/*/*.[ch])
+
+# The analyzer's search is cut at 20000 nodes (225000 usually) for the time
+# it takes: paths that only a longer search finds are not looked at.
+TIDY := -std=c17 -I. -Ispec -I$(BUILD) -D_POSIX_C_SOURCE=200809L \
+        -Xclang -analyzer-config -Xclang max-nodes=20000
+tidy: $(BUILD)/words.h $(NAMES) ## clang-tidy over our C
+	ls app/*.c app/examples/*.c fuzz/*.c ref/*/*.c tests/*/*.c | \
+	  xargs -P2 -n8 sh -c 'clang-tidy --quiet "$$@" -- $(TIDY) 2>/dev/null' sh
