@@ -8,13 +8,59 @@
 
 /* Calls on a world */
 
+/* The defaults that drape.h states; all that it does not name is 0. */
+static const drape_def default_def = {
+    .backend = DRAPE_REF,
+    .threads = 1,
+    .precision = 32,
+    .dt = 1.0 / 60,
+    .gravity = {0, -9.81, 0},
+    .wind = {.density = 0, .drag = 1, .lift = 0.3},
+    .integrator = DRAPE_BW,
+    .precond = DRAPE_MULTIGRID,
+    .matrix = DRAPE_COMPACT,
+    .tolerance = 1e-3,
+    .max_iterations = 2000,
+    .max_substeps = 100000,
+    .self_collision = 1,
+    .max_rounds = 16,
+    .max_slices = 32,
+    .sleep = 1};
+static const drape_cloth default_cloth = {.m = 101,
+                                          .n = 101,
+                                          .width = 1,
+                                          .height = 1,
+                                          .u = {1, 0, 0},
+                                          .v = {0, 0, 1},
+                                          .bending = DRAPE_TRIPLES,
+                                          .material = {.density = 0.2,
+                                                       .stretch = 1000,
+                                                       .shear = 300,
+                                                       .bend = 1e-5,
+                                                       .damping = 1e-3,
+                                                       .thickness = 0.002,
+                                                       .friction = 0.3}};
+static const drape_obstacle default_obstacle = {.friction = 0.3, .motion = -1};
+
 static const char *call_defaults(struct api *a)
 {
+    drape_def def;
+    drape_cloth cloth;
+    drape_obstacle obstacle;
     (void)a;
     drape_default(NULL);
     drape_default_cloth(NULL);
     drape_default_obstacle(NULL);
-    ran(3);
+    memset(&def, 0xff, sizeof def);
+    memset(&cloth, 0xff, sizeof cloth);
+    memset(&obstacle, 0xff, sizeof obstacle);
+    drape_default(&def);
+    drape_default_cloth(&cloth);
+    drape_default_obstacle(&obstacle);
+    EXPECT(!memcmp(&def, &default_def, sizeof def));
+    EXPECT(!memcmp(&cloth, &default_cloth, sizeof cloth));
+    EXPECT(!memcmp(&obstacle, &default_obstacle, sizeof obstacle));
+    ran(6);
     return NULL;
 }
 
