@@ -30,16 +30,16 @@ static double warp(const struct validate *v, double gamma, int cells, int n)
 }
 
 /* The same of a strip along the diagonal of the cells, as wide as it is long,
- * whose borders are stairs. With `last` the number of the row across of the tip
- * and `first` of the last one that is pinned, h/√2 apart: triples along the
- * diagonal, two thirds of the moment, have their clamp 1.5 rows before `first`
- * on average, those along the axes half a row. The plane's stiffness keeps the
- * strip from bending across as well. It is less for strips that curve more, as
- * chords that cannot all keep their lengths lock a curved grid: the energy that
- * this adds to bending is about (stretch / D) κ² h⁴ / 300 of it. */
+ * whose borders are stairs. `last` is the number of the row across of the tip
+ * and `first` that of the last one that is pinned, h/√2 apart. Triples along
+ * the diagonal, two thirds of the moment, reach over two rows and those along
+ * the axes over one: the deflection of a line of both with a load at its end is
+ * that of a beam clamped 0.828 rows before `first`. The plane's stiffness keeps
+ * the strip from bending across as well. It is less for strips that curve more,
+ * as a curved grid locks: spec/validation.md §2. */
 static double bias(const struct validate *v, double gamma, int cells)
 {
-    const double before = (2 * 1.5 + 0.5) / 3;
+    const double before = 0.828;
     struct sheet s;
     double length = cbrt(gamma * stiffness / weight);
     int rows = 2 * (int)(cells * sqrt(0.5) + 0.5), wide = rows / 2;
@@ -81,7 +81,8 @@ static void row(struct validate *v, double gamma, const char *kind, double bar)
     double length = cbrt(gamma * stiffness / weight);
     bool ribbon = kind[0] == 'r', sheet = kind[0] == 's';
     p.up_to = length / 50;
-    for (int c = 0; c < (v->quick ? 2 : SIZES); c++) {
+    int sizes = v->quick ? 2 : sheet ? SIZES - 1 : SIZES;
+    for (int c = 0; c < sizes; c++) {
         int n = cells[!ribbon][c];
         property_add(&p, length / n,
                      ribbon  ? warp(v, gamma, n, 2)

@@ -12,7 +12,9 @@ static const struct part {
     void (*run)(struct validate *v);
 } parts[] = {{"cylinder", part_cylinder}, {"plane", part_plane},
              {"tension", part_tension},   {"cantilever", part_cantilever},
-             {"motion", part_motion},     {"cusick", part_cusick}};
+             {"motion", part_motion},     {"cusick", part_cusick},
+             {"fabrics", part_fabrics},   {"hung", part_hung},
+             {"contact", part_contact}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
 static int usage(void)

@@ -42,7 +42,8 @@ def sizes(row):
 def order_of(row):
     """Of the errors over the sizes; none where they do not depend on them."""
     value = float(row["order"]) if row["order"] else 0
-    return f"{value:.1f}" if abs(value) >= 0.2 else "–"
+    exact = row["error"] and float(row["error"]) < 1e-5
+    return "–" if exact or abs(value) < 0.2 else f"{value:.1f}"
 
 
 def verdict(row):

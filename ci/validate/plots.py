@@ -8,6 +8,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib import ticker
 
 HERE = sys.argv[1]
 COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9",
@@ -34,7 +35,16 @@ def series(part, bits="64"):
     return found
 
 
+def plain(axis):
+    """Numbers as they are, not as powers of ten."""
+    axis.set_major_formatter(ticker.FormatStrFormatter("%g"))
+    axis.set_minor_formatter(ticker.NullFormatter())
+
+
 def save(figure, name):
+    for axes in figure.axes:
+        if axes.get_xscale() == "log":
+            plain(axes.xaxis)
     figure.tight_layout()
     figure.savefig(os.path.join(HERE, name + ".png"))
     plt.close(figure)
@@ -60,7 +70,7 @@ def cantilever():
     found = series("cantilever")
     if not found:
         return
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.8))
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10.5, 3.8))
     marks = {"ribbon in warp": ("o", COLOURS[0]),
              "bias strip": ("s", COLOURS[4]),
              "sheet in warp": ("^", COLOURS[2])}
@@ -74,11 +84,12 @@ def cantilever():
         if at:
             left.loglog(*zip(*at), mark, color=colour, markersize=5,
                         fillstyle="none", label=kind + ", finest cells")
+    plain(left.yaxis)
     left.set_xlabel("Γ = w L³ / D")
     left.set_ylabel("H / W of the tip")
     left.legend(fontsize=8)
     errors(right, "cantilever", lambda name: True, lambda name: name)
-    right.legend(fontsize=6)
+    right.legend(fontsize=7, loc="center left", bbox_to_anchor=(1, 0.5))
     right.set_xlabel("cell, mm")
     right.set_ylabel("relative error of H / W")
     save(figure, "cantilever")
@@ -150,7 +161,7 @@ def bars(part, wanted, unit, name):
             axes.barh(k, high - low, left=low, height=0.6, color="#cccccc")
         axes.plot(float(point["value"]), k, "o", color=COLOURS[0])
     axes.set_yticks(range(len(found)), [n.split("; ")[-1] for n, _ in found])
-    axes.invert_yaxis()
+    axes.set_ylim(len(found) - 0.5, -0.5)
     axes.set_xlim(0, 100)
     axes.set_xlabel(unit)
     save(figure, name)

@@ -82,5 +82,8 @@ void part_plane(struct validate *v);
 void part_tension(struct validate *v);
 void part_motion(struct validate *v);
 void part_cusick(struct validate *v);
+void part_fabrics(struct validate *v);
+void part_hung(struct validate *v);
+void part_contact(struct validate *v);
 
 #endif
