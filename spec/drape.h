@@ -504,14 +504,14 @@ int drape_ccd(int kind, const double x0[4][3], const double x1[4][3],
  * (kind 0) or of edges v[0] v[1] and v[2] v[3] (kind 1), with toi as above.
  * Another return value than 0 ends the query. */
 typedef int drape_touch(void *user, int kind, const int32_t v[4], double toi);
-/* Finds every vertex and face, and every two edges, of a mesh that share no
- * vertex and touch while the mesh moves linearly from mesh->x at time 0 to x1
- * [nv] m at time 1. Each pair is reported once, vertices and faces before
- * edges, in the same order on every run. mesh->group must be NULL. candidates,
- * which may be NULL, gets the numbers of vertex-face and of edge-edge pairs
- * that were decided. user may be NULL. DRAPE_OK; DRAPE_EIO: `touch` ended the
- * query; DRAPE_EARG: a pointer, a count or an index; DRAPE_EDATA,
- * DRAPE_ENOMEM. */
+/* Finds every vertex and face, and every two edges, of a mesh's triangles that
+ * share no vertex and touch while the mesh moves linearly from mesh->x at time
+ * 0 to x1 [nv] m at time 1. Each pair is reported once, vertices and faces
+ * before edges, in the same order on every run. mesh->group must be NULL.
+ * candidates, which may be NULL, gets the numbers of vertex-face and of
+ * edge-edge pairs that were decided. user may be NULL. DRAPE_OK; DRAPE_EIO:
+ * `touch` ended the query; DRAPE_EARG: a pointer, a count or an index;
+ * DRAPE_EDATA, DRAPE_ENOMEM. */
 int drape_ccd_frames(const drape_mesh *mesh, const double (*x1)[3],
                      drape_touch *touch, void *user, int64_t candidates[2]);
 

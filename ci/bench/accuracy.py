@@ -27,7 +27,7 @@ def rows(name):
 
 
 def save(figure, name, legend=None):
-    """With the legend of some axes below all of them."""
+    """Saves a figure, with the legend of some axes below all axes."""
     if legend:
         figure.legend(*legend.get_legend_handles_labels(), fontsize=7, ncol=6,
                       loc="lower center")
@@ -41,7 +41,7 @@ def number(row, key):
 
 
 def curve(axes, points, error, label, **style):
-    """Points that end well, from the longest step to the shortest."""
+    """Draws the points that ended well, from long steps to short ones."""
     points = [r for r in points if r["end"] in ("stable", "unconverged")]
     points.sort(key=lambda r: -number(r, "dt"))
     if points:
@@ -51,8 +51,8 @@ def curve(axes, points, error, label, **style):
 
 
 def work():
-    """Time against error: one picture of positions by scene, one of the
-    other errors, one of the solver's settings."""
+    """Draws time against error: a picture of positions for each scene, one of
+    the other errors, one of the solver's settings."""
     table = rows("work")
     scenes = list(dict.fromkeys(r["scene"] for r in table))
     if not scenes:
@@ -253,7 +253,7 @@ def stages():
 
 
 def pareto(points):
-    """Those that no other is both as fast and as close as."""
+    """The points for which no other point is as fast and as near."""
     return [p for p in points if not any(
         q[0] <= p[0] and q[1] <= p[1] and q[:2] != p[:2] for q in points)]
 
@@ -289,7 +289,7 @@ def lion():
 
 
 def backends():
-    """The reference, on one thread, and a device: the same error."""
+    """Draws the reference on one thread and a device, with the same errors."""
     table = [r for r in rows("backends") if r["integrator"] != "converged"]
     if not table:
         return
@@ -311,7 +311,7 @@ def backends():
 
 
 def settings():
-    """The cheapest row of each scene for each error level, as Markdown."""
+    """Writes the cheapest setting for each scene and error as Markdown."""
     table = [r for r in rows("work") if r["integrator"] != "converged" and
              r["end"] == "stable" and r["rms m"]]
     if not table:

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# One part of ci/bench/run.sh: of build/accuracy, or `bench`, which times all
-# stages and the narrow phase. Says how many seconds it took.
+# Runs one part of ci/bench/run.sh: a part of build/accuracy, or `bench`, which
+# times all stages and the narrow phase. Prints how many seconds it took.
 # usage: ci/bench/part.sh BUILD OUT PART OPTIONS
 set -eu
 build=$1 out=$2 part=$3

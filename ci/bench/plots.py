@@ -11,7 +11,7 @@ COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#d55e00",
 
 
 class Plot:
-    """Axes in the unit square; up is positive."""
+    """A picture whose axes span the unit square; y points up."""
 
     def __init__(self, title, unit):
         self.lines = [
@@ -71,7 +71,7 @@ def read(folder, name):
 
 
 def bars(title, unit, groups, names):
-    """Bars side by side on a logarithmic scale: groups of (name, values)."""
+    """Bars side by side on a logarithmic scale. groups: (name, values)."""
     plot = Plot(title, unit)
     values = [v for _, group in groups for v in group if v > 0]
     lo = math.floor(math.log10(min(values)))
@@ -91,7 +91,7 @@ def bars(title, unit, groups, names):
 
 
 def stacks(title, unit, columns, names, labels):
-    """Values above each other: columns of values; labels {column: text}."""
+    """Stacked bars. columns: lists of values; labels: {column: text}."""
     plot = Plot(title, unit)
     most = max(sum(column) for column in columns)
     step = 10.0 ** math.floor(math.log10(most))
@@ -112,7 +112,7 @@ def stacks(title, unit, columns, names, labels):
 
 
 def columns_of(header, rows, wanted):
-    """(name, values) a row; columns are found by name, the last so called."""
+    """(name, values) for each row. A column is the last one of its name."""
     at = [len(header) - 1 - header[::-1].index(name) for name in wanted]
     return [(row[0], [number(row[k]) for k in at]) for row in rows]
 
@@ -134,7 +134,7 @@ def figure9(header, rows):
 
 
 def figure10(header, rows):
-    """The paper's: buddha in all sizes."""
+    """As in the paper, the buddha in all sizes."""
     rows = [row for row in rows if row[0].startswith("buddha")] or rows
     columns = [[number(v) for v in row[2:]] for row in rows]
     shares = [[100 * v / (sum(c) or 1) for v in c] for c in columns]
@@ -144,7 +144,7 @@ def figure10(header, rows):
 
 
 def figure11(header, rows):
-    """The paper's: the largest buddha, else the last scene."""
+    """As in the paper, the largest buddha; without one, the last scene."""
     scenes = list(dict.fromkeys(row[0] for row in rows))
     buddhas = [scene for scene in scenes if scene.startswith("buddha")]
     scene = (buddhas or scenes)[-1]
@@ -179,7 +179,7 @@ FIGURES = {"figure8": figure8, "figure9": figure9, "figure10": figure10,
 
 
 def draw(folder, name):
-    """folder/name.svg of folder/name.csv; False where there is no plot."""
+    """Draws folder/name.svg from folder/name.csv. False if it has no plot."""
     if name not in FIGURES:
         return False
     plot = FIGURES[name](*read(folder, name))

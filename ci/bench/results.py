@@ -17,7 +17,7 @@ def order(scene):
 
 
 class Results:
-    """What lies in the folder: runs[scene][mode] and some files of text."""
+    """The results in a folder: runs[scene][mode], and some text files."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -48,9 +48,9 @@ def plan_bytes(run):
 
 
 def explicit_bytes(explicit, start, implicit, borrowed):
-    """What an explicit run would come to: what its first steps left, and where
-    collisions fill streams what the implicit run filled from its start on, in
-    what it borrowed from its solver too."""
+    """The memory that a whole explicit run would take: that of its first steps,
+    and for streams that collisions fill the growth of the implicit run since
+    its start, with what that run borrowed from its solver."""
     rows = {stage: count + max(0, implicit[stage] - start[stage])
             if stage in COLLISION else count
             for stage, count in explicit.items()}
@@ -59,7 +59,7 @@ def explicit_bytes(explicit, start, implicit, borrowed):
 
 
 def memory(results):
-    """(scene, integration, bytes by stage) of the plans."""
+    """Yields (scene, integration, bytes by stage) from the plans."""
     for scene, run in results.ours():
         implicit = plan_bytes(run)
         explicit = results.runs[scene].get("explicit")
@@ -72,14 +72,14 @@ def memory(results):
 
 
 def device_mb(results, scene):
-    """The device's memory in use while the scene ran, less that before."""
+    """The device's memory in use while the scene ran, minus that before, MB."""
     samples = [int(word) for word in
                results.text(scene + ".ours.memory").split() if word.isdigit()]
     return (max(samples) - min(samples)) * 1.048576 if samples else ""
 
 
 def machine_folder(machine):
-    """As "h200" of "NVIDIA H200"."""
+    """The folder's name for a machine, such as h200 for "NVIDIA H200"."""
     words = machine.get("gpu", "no device").lower().split()
     return "-".join(w for w in words if w not in ("nvidia", "geforce"))
 

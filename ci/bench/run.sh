@@ -1,15 +1,17 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Everything that ci/bench/MACHINE holds: time of each stage, of the narrow
-# phase, time against error and what else spec/accuracy.md shows, on two
-# processors at most, and the pictures where there is matplotlib. QUICK=1: a
-# small form, to BUILD/quick instead. BACKEND=gpu: where a device is.
+# Makes everything in ci/bench/MACHINE: the times of all stages and of the
+# narrow phase, the experiments of spec/accuracy.md, and, where matplotlib is
+# installed, the pictures. Uses two processors at most. QUICK=1 runs a small
+# form and writes to BUILD/quick instead. BACKEND=gpu runs the experiments on a
+# device.
 # usage: ci/bench/run.sh BUILD MACHINE
 set -eu
 build=$1 status=0
 export OMP_NUM_THREADS=1 OMP_WAIT_POLICY=passive
 
-# The longest first. Times within a part are compared, so a part is one run.
+# The longest part comes first. Times within a part are compared with each
+# other, so a part is one process.
 parts='stress work drift contact orders stages skip stability'
 options="--backend ${BACKEND-ref}"
 if [ -n "${QUICK-}" ]; then

@@ -1,19 +1,19 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Runs the paper's scenes for ci/bench/tables.py. What lies in WORK is not done
-# again: a call that was too short is simply made again.
+# Runs the paper's scenes for ci/bench/tables.py. Results that are in WORK are
+# not made again, so a call that reached its limit can be repeated to go on.
 # usage: [NAME=VALUE...] ci/bench/scenes.sh BUILD WORK
 #   SCENES         the nine by default, e.g. "buddha_20k lion_2m"
 #   FRAMES   120   of each scene, 1/60 s each
 #   MODES    "ours jacobi cdf paper": how the linear systems are solved
 #   SHORT    30    frames of the modes other than ours
-#   EVERY    10    every how many-th frame is kept, and audited
-#   STEPS    2     of the reference, from the state of frame 2/3 FRAMES
-#   THREADS        of the reference: "1" and as many as there are processors
-#   LIMIT          s after which no more is begun; what runs stops orderly
-#   BACKEND  gpu   ref: to try this where no device is
-# Leaves reports, audits, memory and machine in WORK/results, which is small;
-# frames and checkpoints in WORK/runs. Exit status 3 at the limit.
+#   EVERY    10    every EVERY-th frame is kept and audited
+#   STEPS    2     steps of the reference from the state of frame 2/3 FRAMES
+#   THREADS        of the reference; default: 1, and the number of processors
+#   LIMIT          s after which nothing new starts and a run stops in order
+#   BACKEND  gpu   ref: try this script where there is no device
+# Writes reports, audits, memory and machine to WORK/results, which is small,
+# and frames and checkpoints to WORK/runs. The exit status is 3 at the limit.
 set -u
 build=$1 work=$2
 scenes=${SCENES:-buddha_20k lion_20k dragon_20k buddha_500k lion_500k \
@@ -54,7 +54,7 @@ elif [ "$(trees)" != "$(grep '^tree' "$results/machine")" ]; then
     exit 2
 fi
 
-# What a mode changes in a scene, as keys for its first line.
+# keys MODE: prints the keys that a mode adds to the first line of a scene.
 keys() {
     case $1 in
     ours | start) ;;
@@ -73,17 +73,17 @@ stop() {
 }
 left() { echo $((end - $(date +%s))); }
 
-# tool ARGUMENTS...: drape within the limit. Ends this script where that was
-# interrupted, and counts a failure.
+# tool ARGUMENTS...: runs drape within the time limit. Ends this script if drape
+# was interrupted; counts a failure if it failed.
 tool() {
     [ "$(left)" -gt 0 ] || stop
-    # in the foreground it gets one signal: a second one would kill it
+    # In the foreground drape gets one signal; a second one would kill it.
     timeout --foreground -s INT -k 60 "$(left)" "$build/drape" "$@" \
         >"$work/log" 2>&1
     status=$?
     case $status in
     124 | 130 | 137) stop ;;
-    0 | 1) return 0 ;; # 1: a step was not clean, which its report says
+    0 | 1) return 0 ;; # 1: a step was not clean, as the report says
     esac
     say "failed: drape $*"
     tail -n 1 "$work/log"
@@ -91,24 +91,26 @@ tool() {
     return 1
 }
 
-# number NAME REPORT: the first number of that name
+# number NAME REPORT: prints the first number of that name.
 number() { sed -n "s/.*\"$1\": \([0-9][0-9]*\).*/\1/p" "$2" | head -n 1; }
-# has REPORT FRAMES: it has so many, or cannot be brought further
+# has REPORT FRAMES: whether the run has so many frames, or has diverged.
 has() {
     [ -f "$1" ] || return 1
     ! grep -q '"end": "diverged"' "$1" || return 0
     [ "$(number steps "$1")" -ge $(($2 * $(number steps_per_frame "$1"))) ]
 }
 
-# The device's memory in use, MiB: once before a run, then while it is there.
+# watch FILE: appends the device's memory in use, MiB, once before a run and
+# then every second.
 watch() {
     ! command -v nvidia-smi >/dev/null || while :; do
         ask memory.used >>"$1"
-        sleep 1 # seldom: asking holds up the device
+        sleep 1 # seldom, since each query holds up the device
     done
 }
 
-# However this ends: reports of what has run so far, and no watcher left.
+# Runs however this script ends: collects the reports so far and ends the
+# watcher.
 collect() {
     kill "$watcher" 2>/dev/null
     for report in "$runs"/*/report.json; do
@@ -121,7 +123,7 @@ watcher=
 trap collect EXIT
 trap 'exit 3' INT TERM
 
-# go SCENE MODE FRAMES: brings this run to that frame, from where it is
+# go SCENE MODE FRAMES: continues this run until it has so many frames.
 go() {
     run=$runs/$1.$2
     ! has "$run/report.json" "$3" || return 0
@@ -131,7 +133,7 @@ go() {
     if [ -f "$run/checkpoint.drape" ]; then
         set -- "$@" --resume "$run/checkpoint.drape"
     else
-        set -- "$@" --force # what a run that was killed has left
+        set -- "$@" --force # a killed run may have left files
     fi
     watch "$results/${run##*/}.memory" &
     watcher=$!
@@ -140,7 +142,8 @@ go() {
     kill "$watcher" 2>/dev/null
 }
 
-# Ours stops at the draped state, for the reference to go on from there.
+# ours SCENE: runs the mode `ours`, and keeps a checkpoint of the draped state,
+# from which the reference goes on.
 ours() {
     if [ $draped -gt 0 ] && [ ! -f "$runs/$1.draped" ]; then
         go "$1" ours $draped
@@ -150,9 +153,10 @@ ours() {
     go "$1" ours "$frames"
 }
 
-# Three explicit steps, for their time and memory: of 1/960 s, as one of 1/60 s
-# takes more substeps at 2M (172665) than are allowed, and a minute. And ours as
-# it starts: what collisions fill later, they fill for explicit steps too.
+# explicit SCENE: runs three explicit steps, for their time and memory. They are
+# of 1/960 s, as a step of 1/60 s at 2M takes a minute and more substeps
+# (172665) than are allowed. Also runs `ours` for 0 frames: what collisions fill
+# after the start they would fill in an explicit run too.
 explicit() {
     few=3
     [ "$backend" = gpu ] || few=0 # the reference takes hours at 2M
@@ -161,7 +165,8 @@ explicit() {
     rm -rf "$runs/$1.explicit/frames" "$runs/$1.start/frames"
 }
 
-# reference SCENE THREADS: some steps from the draped state
+# reference SCENE THREADS: runs STEPS steps on the reference from the draped
+# state.
 reference() {
     twin=$runs/$1.ref$2
     [ -f "$runs/$1.draped" ] || return 0
@@ -172,7 +177,7 @@ reference() {
         --resume "$runs/$1.draped" --every 1000000 --out "$twin" --force
 }
 
-# Every frame of ours that was kept and not yet audited, side by side.
+# Audits every frame of `ours` that was kept and not audited yet, in parallel.
 audits() {
     for name in $scenes; do
         for frame in "$runs/$name.ours"/frames/cloth_*.ply; do

@@ -22,8 +22,8 @@ MODES = {
     "jacobi": "symmetric half, Jacobi, exact sums",
     "ours": "symmetric half, multigrid, exact sums",
 }
-# Rows of the plan by the paper's names for the parts of memory; what is in
-# none of them is its "auxiliary".
+# The rows of the plan that belong to each of the paper's parts of memory. All
+# other rows are its "auxiliary".
 MEMORY = {
     "solver": ["implicit"],
     "collision": ["features", "proximity"],
@@ -48,7 +48,7 @@ def percentile(values, part):
 
 
 def short(value):
-    """Three digits or more; what is no number stays as it is."""
+    """A float with three digits or more; any other value as it is."""
     if not isinstance(value, float):
         return str(value)
     return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
@@ -59,7 +59,7 @@ def ratio(a, b):
 
 
 def audited(results, scene):
-    """Frames audited and pairs found, of a line a frame."""
+    """The numbers of frames audited and of pairs found; a line is a frame."""
     lines = results.text(scene + ".audit").splitlines()
     pairs = [int(line.split(" intersecting")[0].split()[-1])
              for line in lines]
@@ -67,8 +67,8 @@ def audited(results, scene):
 
 
 def explicit_frame(results, scene):
-    """Seconds for 1/60 s of explicit steps, by the fall's first: the median, as
-    the very first loads the kernels."""
+    """Seconds for 1/60 s of explicit steps, from the first steps of the fall.
+    The median is used, as the very first step loads the kernels."""
     run = results.runs[scene].get("explicit")
     if not run or not run["steps"]:
         return ""
@@ -149,8 +149,8 @@ def without_time(step):
 
 
 def speed_row(scene, ours, ref, of_paper):
-    """The steps that the reference did itself: the others, from before its
-    checkpoint, have ours' times."""
+    """A row of figure 12, from the steps that the reference did itself. Steps
+    from before its checkpoint have the times of `ours`, and are left out."""
     both = [(a, b) for a, b in zip(ours["steps"], ref["steps"])
             if a["seconds"] != b["seconds"]]
     if not both:

@@ -41,7 +41,8 @@ static __device__ inline int64_t compact_item(void)
     return (int64_t)blockIdx.x * COMPACT_BLOCK + threadIdx.x;
 }
 
-/* Adds to a counter of gpu_words: integers, so no order shows. */
+/* Adds to a counter of gpu_words. Sums of integers do not depend on the order.
+ */
 static __device__ inline void count_up(int64_t *word, int64_t by)
 {
     atomicAdd((unsigned long long *)word, (unsigned long long)by);

@@ -8,10 +8,11 @@
 
 enum { SCAN_BLOCK = 256, SCAN_RUN = 16, SCAN_RUNS = SCAN_BLOCK / SCAN_RUN };
 
-/* Returns the sum of the counts of the threads before thread t; *total: of all.
- * Every thread of the block must call it; in a block larger than SCAN_BLOCK
- * only the first SCAN_BLOCK threads count. Two counts can be scanned at once,
- * one in each half of a word, as the totals of a block fit in 16 bits. */
+/* Returns the sum of the counts of the threads before thread t, and in *total
+ * the sum of all. Every thread of the block must call it; in a block larger
+ * than SCAN_BLOCK only the first SCAN_BLOCK threads count. Two counts can be
+ * scanned at once, one in each half of a word, as the totals of a block fit in
+ * 16 bits. */
 static __device__ inline uint32_t block_scan(int t, uint32_t count,
                                              uint32_t *total)
 {

@@ -211,7 +211,7 @@ static __device__ int64_t finish(const struct walk *s, const struct pass *p,
 }
 
 /* §1: makes passes until all pairs are leaves or the capacity is too small. The
- * counters in words are visible behind the first barrier of a pass. Returns the
+ * counters in words are visible after the first barrier of a pass. Returns the
  * largest number of pairs that a pass made. */
 template <int SHARE, bool GRID>
 static __device__ int64_t go_down(const struct walk *s, struct pass *p,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stands in for the device in a build without CUDA. */
+/* Built in place of gpu/ in a build without CUDA: worlds on a device are
+ * refused. */
 #include <stdio.h>
 
 #include "certificate.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A device as the rest of drape sees it: memory, copies, waits and failures.
- * For C and C++. spec/gpu.md */
+/* The interface of a device to the rest of drape: memory, copies, waits and
+ * failures. For C and C++. spec/gpu.md */
 #ifndef GPU_GPU_H
 #define GPU_GPU_H
 
@@ -69,7 +69,8 @@ void gpu_lend(struct gpu *g, void *p, size_t bytes);
 void *gpu_borrow(struct gpu *g, enum arena_part part, int64_t count,
                  size_t size);
 /* Called when a solve begins and when it has ended. The emulation overwrites
- * all lent memory, so that data which should have outlasted the solve shows. */
+ * all lent memory, so that tests find data that should have outlasted the
+ * solve. */
 void gpu_hand_over(struct gpu *g);
 void gpu_give(struct gpu *g, void *p);       /* returns p; NULL is allowed */
 const size_t *gpu_held(const struct gpu *g); /* [ARENA_PARTS] bytes now */

@@ -31,14 +31,14 @@ extern "C" {
 enum { GPU_BLOCK = 256, GPU_WORDS = 32, GPU_LATE = 4, GPU_SLOTS = 8 };
 enum { GPU_ALL_WORDS = GPU_WORDS + GPU_LATE };
 
-/* Memory that is kept and grows; its content is lost when it grows. */
+/* Scratch memory that is kept and can grow. Growing loses its contents. */
 struct gpu_slot {
     void *data;
     size_t bytes;
 };
 
-/* The head of a library that is opened at run time, as cuBLAS by gpu/compare.
- */
+/* The first member of the struct of a library that is opened at run time, such
+ * as cuBLAS in gpu/compare. */
 struct gpu_library {
     void (*close)(struct gpu *g);
 };
@@ -70,15 +70,16 @@ struct gpu {
     int64_t *seen;  /* host, pinned [GPU_ALL_WORDS + 1] the words as they were
                        last read back, then a mark */
     bool clean[2];  /* the stage's words are 0; the late words are 0 */
-    /* the late words up to when they were last cleared; and up to now */
+    /* The late words: those that were cleared on the device, and with those
+     * that were read back last. */
     int64_t late[GPU_LATE], late_seen[GPU_LATE];
     struct gpu_slot slot[GPU_SLOTS];
-    struct gpu_slot aside;       /* the same on the host */
+    struct gpu_slot aside;       /* scratch in host memory */
     struct gpu_library *library; /* opened by gpu/compare; NULL: none */
-    struct arena host;           /* all memory of the host, this struct's too */
-    drape_allocator device;      /* of the device's memory */
-    struct gpu_block *blocks;    /* all blocks of the device's memory */
-    size_t bytes[ARENA_PARTS];   /* held on the device now, by part */
+    struct arena host;           /* all host memory, with that of this struct */
+    drape_allocator device;      /* of device memory */
+    struct gpu_block *blocks;    /* all blocks of device memory */
+    size_t bytes[ARENA_PARTS];   /* device memory held now, by part */
     size_t borrowed;             /* bytes that are borrowed now */
     int64_t taken;               /* allocations so far */
 };
@@ -136,8 +137,8 @@ cudaError_t gpu_allow_cluster(struct gpu *g, const void *kernel, bool room);
     } while (0)
 #endif
 
-/* Stands before a short loop, so that its counter is a constant in each turn.
- */
+/* UNROLL stands before a short loop and makes the compiler unroll it, so that
+ * the counter is a constant in each iteration. */
 #ifdef __CUDACC__
 #define UNROLL _Pragma("unroll")
 #define UNROLL_8 _Pragma("unroll 8")
@@ -175,7 +176,8 @@ struct gpu *gpu_make(const drape_def *def, const drape_allocator *native);
 void gpu_unmake(struct gpu *g);
 
 /* Exclusive scan: a[k] becomes a[0] + … + a[k-1]. If the last item was 0,
- * a[n-1] is the total afterwards. The items are integers, so no order shows. */
+ * a[n-1] is the total afterwards. Sums of integers do not
+ * depend on the order. */
 void gpu_scan(struct gpu *g, int64_t *a, int64_t n);
 /* Sorts n keys, ascending by hi, lo, item (ref/base/keys.h). Returns key or
  * spare, whichever has the sorted keys. */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a backend is to the host: a table of functions. The host's decisions
- * (ref/world, ref/contact/response.c, failsafe.c and couple.c) are written once
- * and call the stages through the table of the world's backend: of the
- * reference, ref/world/backend.c, or of the device, gpu/world/backend.cu.
- * spec/world/step.md §12 */
+/* A backend: the table of functions by which the host's code calls stages. The
+ * host's decisions (ref/world, ref/contact/response.c, failsafe.c and couple.c)
+ * are written once. They use the table of the world's backend, which
+ * ref/world/backend.c fills for the reference and gpu/world/backend.cu for a
+ * device. spec/world/step.md §12 */
 #ifndef REF_BACKEND_H
 #define REF_BACKEND_H
 
@@ -37,9 +37,10 @@ struct pool {
     int64_t cap; /* items */
 };
 
-/* `on` is the backend's own: the arena of the reference, the struct gpu of a
- * device. Streams lie in the memory of the backend. A function of a device
- * may queue its work and return; then its error shows in a later `status`. */
+/* The functions of a backend. Their argument `on` is the arena of the
+ * reference, or the struct gpu of a device. Streams lie in the memory of the
+ * backend. A function of a device may queue its work and return; a later
+ * `status` then returns its error. */
 struct backend {
     /* Takes a zeroed stream of n items. NULL if there is no memory. */
     void *(*take)(void *on, enum arena_part part, int64_t n, size_t size);
@@ -56,9 +57,9 @@ struct backend {
     int pushes;
 
     void (*begin)(void *on); /* forgets an earlier lack of memory */
-    void (*wait)(void *on);  /* until all work is done, to take the time */
+    void (*wait)(void *on);  /* waits for all work, to measure time */
     int (*status)(void *on); /* DRAPE_OK or the first error since begin */
-    /* As trace_stage, of a stream in the backend's memory. */
+    /* Does what trace_stage does, for a stream in the backend's memory. */
     void (*trace)(void *on, struct trace *t, const char *stage, const void *out,
                   size_t bytes);
 
@@ -85,7 +86,7 @@ struct backend {
                    double value[3]);
     /* Runs stage pcg with the settings in the sheet's struct pcg. */
     int (*solve)(void *on, struct sheet *s);
-    /* ref/broad/broad.h. */
+    /* Do what the functions of these names in ref/broad/broad.h do. */
     int (*broad_whole_apart)(void *on, struct broad *b, const vec *x0,
                              const vec *x1, real r, bool *apart);
     int (*broad_query)(void *on, struct broad *b, const vec *x0, const vec *x1,

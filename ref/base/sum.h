@@ -25,8 +25,8 @@ static inline real sum_tree(real s[SUM_CHUNK])
 }
 
 /* §3: returns the sum of n chunk sums; 0 if n is 0. Overwrites chunk. A stage
- * that sums computed items calls sum_tree for each chunk, then this function.
- * */
+ * that computes the items of its sum calls sum_tree for each chunk, then this.
+ */
 real ref_sum_finish(int64_t n, real *chunk);
 
 struct sum {
@@ -45,7 +45,7 @@ struct dot {
     real value;       /* out: the sum of vec_dot(a[k], b[k]) */
 };
 
-/* Both: DRAPE_OK. A NaN or an overflow shows in the value. */
+/* Both return DRAPE_OK. A NaN or an overflow appears in the value. */
 int ref_sum(struct sum *s);
 int ref_dot(struct dot *s);
 

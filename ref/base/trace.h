@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The trace of a run: a hash of each stage's output, and the time of the stage.
- * A NULL trace is off and costs one comparison a stage. */
+/* Traces a run: calls the caller's function with a hash of each stage's output
+ * and the time of the stage. A NULL trace is off and costs one comparison a
+ * stage. */
 #ifndef REF_TRACE_H
 #define REF_TRACE_H
 
