@@ -108,7 +108,7 @@ LIB    := $(BUILD)/libdrape.a
 MACHINE ?= $(shell uname -m)
 ACC     := $(BUILD)/accuracy $(BUILD)/accuracy-bare
 ACC_O   := $(call obj,$(addprefix ci/bench/,accuracy backends bisect contact drift \
-           never orders runs samples skip solids stability stages stress \
+           never newton orders runs samples skip solids stability stages stress \
            work $(if $(HAS_APP),lion,no_app)),) \
            $(call obj,ci/bench/impact,.32) $(call obj,ci/bench/forced,.64) \
            $(foreach p,.32 .64,$(call obj,ci/bench/solves \

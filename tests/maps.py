@@ -22,7 +22,8 @@ KNOWN = {
     "app/import, app/mesh",
     "ci/bench/accuracy, ci/bench/skip",
     "gpu/cloth/motion, gpu/world/world",
-    "ref/cloth/bounded, ref/cloth/dynamics, ref/cloth/explicit, ref/cloth/force",
+    "ref/cloth/bounded, ref/cloth/dynamics, ref/cloth/explicit, ref/cloth/force, "
+    "ref/cloth/newton",
     "ref/contact/failsafe, ref/contact/response",
     "ref/narrow/audit, ref/narrow/audit_sort",
     "gpu/cloth/explicit.cu",

@@ -10,7 +10,7 @@ build=$1 status=0
 export OMP_NUM_THREADS=1 OMP_WAIT_POLICY=passive
 
 # The longest first. Times within a part are compared, so a part is one run.
-parts='stress work drift contact orders stages skip stability'
+parts='stress work newton drift contact orders stages skip stability'
 options="--backend ${BACKEND-ref}"
 if [ -n "${QUICK-}" ]; then
     out=$build/quick options="$options --quick"

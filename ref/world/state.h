@@ -69,7 +69,7 @@ struct world {
     vec *x0, *v0;            /* [nv] at the start of the step */
     vec *x1, *v1;            /* [nv] at its end */
     vec *free_x, *free_v;    /* [nc] as dynamics gave it, before contact */
-    vec *past_x, *past_v;    /* [nc] the step before, for Choi–Ko */
+    vec *past_x, *past_v;    /* [nc] the step before, for BDF2 */
     vec *press;              /* [nc] N, of contacts of the slice before */
     vec *to;                 /* [nc] where pins end; NULL: nobody reads it */
     double (*watch)[2];      /* [n_cloths] dynamics' reference and surplus */
