@@ -10,11 +10,12 @@
 static const struct part {
     const char *name;
     void (*run)(struct bench *b);
-} parts[] = {{"orders", part_orders},       {"work", part_work},
-             {"stability", part_stability}, {"stress", part_stress},
-             {"contact", part_contact},     {"drift", part_drift},
-             {"skip", part_skip},           {"stages", part_stages},
-             {"lion", part_lion},           {"backends", part_backends}};
+} parts[] = {{"orders", part_orders},    {"work", part_work},
+             {"newton", part_newton},    {"stability", part_stability},
+             {"stress", part_stress},    {"contact", part_contact},
+             {"drift", part_drift},      {"skip", part_skip},
+             {"stages", part_stages},    {"lion", part_lion},
+             {"backends", part_backends}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
 FILE *bench_csv(const struct bench *b, const char *name, const char *header)
@@ -59,7 +60,8 @@ void *bench_take(size_t count, size_t size)
 static int usage(void)
 {
     fputs("usage: accuracy [--quick] [--backend ref|gpu] DIRECTORY [PART...]\n"
-          "Writes PART.csv: orders work stability stress contact drift skip\n"
+          "Writes PART.csv: orders work newton stability stress contact drift "
+          "skip\n"
           "stages lion backends (default: all).\n",
           stderr);
     return 2;

@@ -30,7 +30,7 @@ void bench_check(struct bench *b, bool good, const char *format, ...);
 /* Returns zeroed memory. Ends the program if there is none. */
 void *bench_take(size_t count, size_t size);
 
-extern const char *const integrator_name[DRAPE_CK + 1];
+extern const char *const integrator_name[DRAPE_BDF2 + 1];
 extern const char *const precond_name[2];
 extern const char *const backend_name[2];
 
@@ -82,6 +82,7 @@ enum sample_kind {
     SAMPLE_HANGING,   /* held by its upper edge, released 2 % too long */
     SAMPLE_FLAG,      /* held by one edge, in wind */
     SAMPLE_FALLING,   /* held by two corners, released flat */
+    SAMPLE_SWINGING,  /* hangs by one edge, released at 0.3 rad */
     SAMPLES
 };
 extern const char *const sample_name[SAMPLES];
@@ -118,6 +119,7 @@ double run_converged(struct bench *b, struct sample *s, double time, int steps,
 
 void part_work(struct bench *b);
 void part_orders(struct bench *b);
+void part_newton(struct bench *b);
 void part_stability(struct bench *b);
 void part_stress(struct bench *b);
 void part_contact(struct bench *b);

@@ -8,7 +8,7 @@ MACHINE ?= $(shell uname -m)
 # look inside; all else is the public API, so a device runs it too.
 ACC     := $(BUILD)/accuracy $(BUILD)/accuracy-bare
 ACC_O   := $(call obj,$(addprefix ci/bench/,accuracy backends bisect contact drift \
-           never orders runs samples skip solids stability stages stress \
+           never newton orders runs samples skip solids stability stages stress \
            work $(if $(HAS_APP),lion,no_app)),) \
            $(call obj,ci/bench/impact,.32) $(call obj,ci/bench/forced,.64) \
            $(foreach p,.32 .64,$(call obj,ci/bench/solves \

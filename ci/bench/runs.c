@@ -7,8 +7,8 @@
 #include <string.h>
 #include <time.h>
 
-const char *const integrator_name[] = {"euler", "midpoint",      "verlet",
-                                       "rk4",   "baraff-witkin", "choi-ko"};
+const char *const integrator_name[] = {
+    "euler", "midpoint", "verlet", "rk4", "baraff-witkin", "choi-ko", "bdf2"};
 const char *const precond_name[] = {"jacobi", "multigrid"};
 const char *const backend_name[] = {"ref", "gpu"};
 

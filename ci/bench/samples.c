@@ -6,7 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const char *const sample_name[] = {"stretched", "hanging", "flag", "falling"};
+const char *const sample_name[] = {"stretched", "hanging", "flag", "falling",
+                                   "swinging"};
 
 /* Whether particle (i, j) is held. */
 static bool held(enum sample_kind kind, int i, int j, int last)
@@ -15,6 +16,7 @@ static bool held(enum sample_kind kind, int i, int j, int last)
     case SAMPLE_STRETCHED:
         return i == 0 || j == 0 || i == last || j == last;
     case SAMPLE_HANGING:
+    case SAMPLE_SWINGING:
         return j == 0;
     case SAMPLE_FLAG:
         return i == 0;
@@ -32,10 +34,12 @@ static void place(enum sample_kind kind, double a, double b, double x[3],
     double start[SAMPLES][3] = {{1.3 * a, 1.2 * b, 0},
                                 {1.02 * a, -1.02 * b, 0},
                                 {1.02 * a, -1.02 * b, 0},
-                                {a, 0, b}};
+                                {a, 0, b},
+                                {a, -0.955336489 * b, 0.295520207 * b}};
     double push[SAMPLES][3] = {{0.5 * w * (a - 0.3), 0.3 * w * b, w},
                                {0, 0, b * b * (a - 0.3)},
                                {0, 0, a * a * (b - 0.3)},
+                               {0, 0, 0},
                                {0, 0, 0}};
     memcpy(x, start[kind], sizeof start[kind]);
     memcpy(v, push[kind], sizeof push[kind]);

@@ -72,7 +72,7 @@ struct world {
     vec *x0, *v0;            /* [nv] m, m/s at the start of the slice */
     vec *x1, *v1;            /* [nv] m, m/s at its end */
     vec *free_x, *free_v;    /* [nc] m, m/s at its end without contact */
-    vec *past_x, *past_v;    /* [nc] the slice before, for Choi–Ko, or NULL */
+    vec *past_x, *past_v;    /* [nc] the slice before, for BDF2, or NULL */
     vec *press;              /* [nc] N, contact forces of the slice before */
     vec *to;                 /* [nc] m, where pins end; NULL: not needed */
     double (*watch)[2];      /* [n_cloths] J, dynamics' reference, surplus */

@@ -61,6 +61,11 @@ int sheet_make(struct sheet *s, const drape_cloth *def, int method)
                              .chunk = need(s, 3 * sum_chunks(n), sizeof(real)),
                              .x1 = need(s, n, sizeof(vec)),
                              .v1 = need(s, n, sizeof(vec))};
+    if (method == DRAPE_BDF2) {
+        s->d.newton = 64;
+        s->d.tolerance = REAL_BITS == 32 ? R(1e-4) : R(1e-12);
+        s->d.kept = need(s, 2 * n, sizeof(vec));
+    }
     status = ref_cloth_fill(def, &s->c, 0);
     if (status == DRAPE_OK)
         status = ref_cloth_start(def, s->x, s->v);

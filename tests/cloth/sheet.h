@@ -19,7 +19,7 @@ struct sheet {
 /* A cloth of a plain material: 1 m × 1 m, no holes, no pins, no damping. */
 drape_cloth sheet_default(int m, int n);
 /* Allocates and fills all streams. There is no wind and no gravity; dt is 1/60
- * s. Returns a status of the library. */
+ * s; BDF2 solves its equation far. Returns a status of the library. */
 int sheet_make(struct sheet *s, const drape_cloth *def, int method);
 void sheet_free(struct sheet *s);
 /* Runs one step. If it neither fails nor diverges, x, v, xp and vp move on to

@@ -18,6 +18,7 @@ struct variant {
     bool pinned; /* a pin leads one corner of the sheet */
     bool taps;   /* the plate moves up and down; no gravity */
     bool uncut;  /* a step is one slice */
+    int newton;  /* linear systems of a motion, 0: the integrator's own */
     bool fails;  /* no round of impulses: slices go straight to the fail-safe */
 };
 
@@ -25,6 +26,10 @@ static const struct variant variants[] = {
     {"multigrid", DRAPE_BW, DRAPE_MULTIGRID, .uncut = true},
     {"choi-ko, wind, a plate that moves", DRAPE_CK, DRAPE_JACOBI, .moves = true,
      .windy = true},
+    {"newton, a plate that taps", DRAPE_BW, DRAPE_MULTIGRID, .taps = true,
+     .newton = 3},
+    {"bdf2, wind, a plate that moves", DRAPE_BDF2, DRAPE_MULTIGRID,
+     .moves = true, .windy = true},
     {"two sheets, rounds in each step", DRAPE_BW, DRAPE_JACOBI, .two = true},
     {"a plate that taps", DRAPE_BW, DRAPE_JACOBI, .taps = true},
     {"euler, a pin that moves", DRAPE_EULER, DRAPE_JACOBI, .moves = true,
@@ -83,6 +88,7 @@ static void define(struct run *r, const struct variant *a, int backend)
     guest_make(&r->s, backend);
     def->integrator = a->integrator;
     def->precond = a->precond;
+    def->newton = a->newton;
     r->cloth[0] = r->cloth[1] = r->s.cloth;
     r->cloth[1].origin[1] = 0.006;
     def->cloths = r->cloth;

@@ -149,9 +149,9 @@ const char *test_world_work(void)
     const char *failed = sleeps();
     for (int k = 0; k < 4 && !failed; k++)
         failed = far_away(k / 2 ? DRAPE_BW : DRAPE_VERLET, k % 2);
-    for (int m = DRAPE_BW; m <= DRAPE_CK && !failed; m++)
+    for (int m = DRAPE_BW; m <= DRAPE_BDF2 && !failed; m++)
         failed = falls(m);
-    ran(7);
+    ran(8);
     return failed;
 }
 

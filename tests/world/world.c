@@ -27,8 +27,8 @@ static uint64_t run(drape_world *world, int n)
  * threads. The cloth is large enough for the step to use them. */
 const char *test_world_threads(void)
 {
-    static const int some[] = {DRAPE_EULER, DRAPE_BW, DRAPE_CK};
-    for (int k = 0; k < 3; k++) {
+    static const int some[] = {DRAPE_EULER, DRAPE_BW, DRAPE_CK, DRAPE_BDF2};
+    for (int k = 0; k < 4; k++) {
         int integrator = some[k];
         uint64_t want = 0;
         for (int threads = 1; threads <= 3; threads += 2) {
@@ -57,7 +57,8 @@ const char *test_world_threads(void)
 const char *test_world_resume(void)
 {
     struct slab d;
-    for (int integrator = DRAPE_VERLET; integrator <= DRAPE_CK; integrator++) {
+    for (int integrator = DRAPE_VERLET; integrator <= DRAPE_BDF2;
+         integrator++) {
         static struct recall m;
         slab_make(&d, integrator);
         if (integrator < DRAPE_BW)
