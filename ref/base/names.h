@@ -13,6 +13,7 @@
 #define REAL_NAME(name) REAL_PASTE(name, REAL_BITS)
 #define advance_stable REAL_NAME(advance_stable)
 #define advance_substeps REAL_NAME(advance_substeps)
+#define advance_substeps_of REAL_NAME(advance_substeps_of)
 #define apart_all REAL_NAME(apart_all)
 #define apart_make REAL_NAME(apart_make)
 #define backend_ref REAL_NAME(backend_ref)

@@ -61,8 +61,8 @@ static double triples_at(const struct blocks *s, int o, int64_t p, int64_t q)
                      (double)triple_constant(s->triple, o, s->beside[q]);
 }
 
-/* §1, §3 and §7: compares the block with share·(a u uᵀ + b (I - u uᵀ)) + 2τ²k I in
- * binary64. */
+/* §1, §3 and §7: compares the block with share·(a u uᵀ + b (I - u uᵀ)) + 2τ²k I
+ * in binary64. */
 static const char *check(const struct blocks *s, int o, int64_t from,
                          const sym *block, const struct thin *thin)
 {
@@ -89,6 +89,8 @@ static const char *check(const struct blocks *s, int o, int64_t from,
     const real *entry = &block->xx;
     double fit = LAW_SLOPE_ERROR * (double)law->bend / (double)law->rest;
     double stiff = (double)law->stiff * (40 * REAL_U + (kink ? 1 : 0));
+    if (length > (double)law->from)
+        stiff += 10 * REAL_U * (double)law->gain * length;
     double error = tau * tau * (fit + stiff) + 40 * REAL_U * (a + bend) + 1e-35;
     for (int i = 0, e = 0; i < 3; i++)
         for (int j = i; j < 3; j++, e++) {
