@@ -107,19 +107,18 @@ static int make_hung(struct sheet *s, int n, int method, double density)
 }
 
 /* §8: hung by two corners no spring is beyond its limit by more than a tenth.
- * A pin bears as much by the constant and length of a spring at cells of 50, 25
- * and 12.5 mm as it would with the density of 0.2 kg/m² at 50, 25 and 0.5 mm:
- * the last sheet is 25 times as heavy. */
+ * What a pin bears by the constant and length of a spring decides; as heavy as
+ * here a sheet of 0.2 kg/m² is at cells of 100, 13 and 0.5 mm. */
 const char *test_limits_hung(void)
 {
     static const struct {
         int n;
         double density;
-    } of[] = {{21, 0.2}, {41, 0.2}, {41, 5}, {11, 20}};
-    for (int k = 0; k < 4; k++) {
+    } of[] = {{11, 0.2}, {16, 1}, {21, 20}};
+    for (int k = 0; k < 3; k++) {
         struct sheet s;
         EXPECT(make_hung(&s, of[k].n, DRAPE_BW, of[k].density) == DRAPE_OK);
-        for (int step = 0; step < 90; step++)
+        for (int step = 0; step < 60; step++)
             EXPECT(sheet_step(&s) == DRAPE_OK && !s.d.outcome);
         double most = most_strain(&s);
         EXPECT(most <= 1.1 * 0.05);

@@ -156,7 +156,8 @@ static void add_laws(struct system *s, double h)
         s->law[o] = (struct law){.k = k,
                                  .press = k,
                                  .rest = (real)(h * sqrt(di * di + dj * dj)),
-                                 .stiff = k};
+                                 .stiff = k,
+                                 .from = (real)INFINITY};
     }
 }
 
