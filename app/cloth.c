@@ -6,6 +6,27 @@
 #include "app/fabrics.h"
 
 #include <math.h>
+#include <stdbool.h>
+
+/* One number s is the strain of every direction: the shear angle is then 2 s,
+ * by which a square cell's diagonals strain by s. */
+static int read_limit(struct json *json, const cJSON *node, void *out)
+{
+    static const struct json_key one = NUMBER_KEY("limit", 0, 0, 10);
+    static const struct json_key each = VECTOR_KEY("limit", 0, 0, 10, 3);
+    bool single = cJSON_IsNumber(node);
+    double *limit = out;
+    int status = json_value(json, node, single ? &one : &each, limit);
+    if (single && status == APP_OK) {
+        limit[1] = limit[0];
+        limit[2] = 2 * limit[0];
+    }
+    for (int k = 0; k < 3 && status == APP_OK; k++)
+        if (limit[k] > 0 && limit[k] < 0.01)
+            status = json_refuse(
+                json, "%.15g: expected 0, for none, or 0.01 to 10", limit[k]);
+    return status;
+}
 
 static int read_material(struct json *json, const cJSON *node, void *out)
 {
@@ -20,6 +41,7 @@ static int read_material(struct json *json, const cJSON *node, void *out)
         MATERIAL(damping, 0, 1e3),
         MATERIAL(thickness, 1e-6, 1),
         MATERIAL(friction, 0, 10),
+        NESTED_KEY("limit", offsetof(drape_material, limit), read_limit),
         {0}};
     if (cJSON_IsString(node))
         return read_fabric(json, node, out);

@@ -107,8 +107,8 @@ static int read_text(struct json *json, const cJSON *node, char **out)
     return *out ? APP_OK : complain(APP_FAILED, "out of memory");
 }
 
-static int read_value(struct json *json, const cJSON *node,
-                      const struct json_key *key, void *out)
+int json_value(struct json *json, const cJSON *node, const struct json_key *key,
+               void *out)
 {
     double number = 0;
     switch (key->type) {
@@ -148,7 +148,7 @@ int json_object(struct json *json, const cJSON *node,
         if (!item)
             continue;
         size_t length = json_enter(json, ".%s", keys->name);
-        status = read_value(json, item, keys, (char *)base + keys->offset);
+        status = json_value(json, item, keys, (char *)base + keys->offset);
         if (status == APP_OK)
             json_leave(json, length);
     }

@@ -74,6 +74,9 @@ struct json_key {
         .name = key, .type = JSON_NESTED, .offset = at, .read = reader         \
     }
 
+/* Reads one value of the key's type and range to `out`. */
+int json_value(struct json *json, const cJSON *node, const struct json_key *key,
+               void *out);
 /* Reads an object's keys in the table's order; an absent key leaves its field
  * unchanged. */
 int json_object(struct json *json, const cJSON *node,

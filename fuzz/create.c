@@ -133,6 +133,9 @@ static void scale(struct bytes *b, struct small *s)
             m->damping = draw_scale(b, -100, 19);
         if (pick(b, 2))
             m->friction = draw_scale(b, -100, 19);
+        for (int i = 0; i < 3; i++)
+            if (pick(b, 4) == 3)
+                m->limit[i] = draw_in(b, 0.01, 10);
     }
     if (pick(b, 2))
         d->dt = draw_scale(b, -29, 9);

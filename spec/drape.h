@@ -124,6 +124,9 @@ typedef struct drape_material {
                          half the smaller side of a cell counts */
     double friction;  /* Coulomb coefficient, 0 … 1e6; a pair takes the larger
                          of its two */
+    double limit[3];  /* of strain, 0.01 … 10 each, 0: none: along u, along v,
+                         and of the shear angle, radians; a diagonal has the
+                         strain of that angle, half of it on square cells */
 } drape_material;
 
 /* A rigid motion by keyframes. It takes a point X, as the definition places

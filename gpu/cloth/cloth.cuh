@@ -74,9 +74,29 @@ static __device__ inline real spring_ip(real t)
     return p * t;
 }
 
+/* §8: what a spring longer than `from` has more: tension, slope, energy. */
+static __device__ inline real spring_more(const struct law *a, real length)
+{
+    real e = length - a->from, w = min_of(e, a->over);
+    return a->gain * w * (e + (e - w));
+}
+static __device__ inline real spring_more_slope(const struct law *a,
+                                                real length)
+{
+    return 2 * (a->gain * min_of(length - a->from, a->over));
+}
+static __device__ inline real spring_more_energy(const struct law *a,
+                                                 real length)
+{
+    real e = length - a->from, w = min_of(e, a->over);
+    return a->gain * w * (w * w / 3 + e * (e - w));
+}
+
 /* Tension, N, of a spring of the given length. */
 static __device__ inline real spring_tension(const struct law *a, real length)
 {
+    if (length > a->from)
+        return a->k * (length - a->rest) + spring_more(a, length);
     if (length >= a->knee) {
         real k = length >= a->rest ? a->k : a->press;
         return k * (length - a->rest);
@@ -88,6 +108,8 @@ static __device__ inline real spring_tension(const struct law *a, real length)
 /* Slope of the tension, N/m. */
 static __device__ inline real spring_slope(const struct law *a, real length)
 {
+    if (length > a->from)
+        return a->k + spring_more_slope(a, length);
     if (length >= a->knee)
         return length >= a->rest ? a->k : a->press;
     real s = spring_s(length / a->rest), t = s - R(0.78125);
@@ -99,6 +121,8 @@ static __device__ inline real spring_slope(const struct law *a, real length)
 static __device__ inline real spring_energy(const struct law *a, real length)
 {
     real d = length - a->rest;
+    if (length > a->from)
+        return R(0.5) * a->k * d * d + spring_more_energy(a, length);
     if (length >= a->knee) {
         real k = length >= a->rest ? a->k : a->press;
         return R(0.5) * k * d * d;

@@ -287,7 +287,7 @@ int gpu_motion_explicit(struct gpu *g, struct sheet *s)
 {
     struct dynamics *d = &s->dynamics;
     const struct cloth *c = &s->cloth;
-    int32_t n = advance_substeps(d->method, d->dt, c->bound, (double)c->beta);
+    int32_t n = advance_substeps_of(d->method, d->dt, c);
     d->substeps = n;
     if (n > d->max_substeps)
         return DRAPE_ELIMIT;

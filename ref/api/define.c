@@ -100,6 +100,9 @@ static void check_material(struct check *c, const drape_material *m)
     number(c, "damping", m->damping, 0, 1e6);
     positive(c, "thickness", m->thickness);
     number(c, "friction", m->friction, 0, 1e6);
+    for (int k = 0; k < 3; k++)
+        if (m->limit[k] != 0)
+            number(c, "a limit that is not 0", m->limit[k], 0.01, 10);
 }
 
 /* Checks the axes of a flat start: unit length and orthogonal, within 1e-6. */

@@ -53,3 +53,14 @@ int32_t advance_substeps(int method, double dt, double bound, double beta)
     }
     return (int32_t)hi;
 }
+
+int32_t advance_substeps_of(int method, double dt, const struct cloth *c)
+{
+    double beta = (double)c->beta;
+    if (!(c->damped < c->bound))
+        return advance_substeps(method, dt, c->bound, beta);
+    int32_t slack = advance_substeps(method, dt, c->damped, beta);
+    int32_t taut =
+        advance_substeps(method, dt, c->bound, beta * (c->damped / c->bound));
+    return taut > slack ? taut : slack;
+}

@@ -35,4 +35,7 @@ bool advance_stable(int method, double dt, int64_t substeps, double bound,
 /* The smallest stable number of substeps; INT32_MAX if no smaller number is
  * stable. */
 int32_t advance_substeps(int method, double dt, double bound, double beta);
+/* §4: the same for all modes of a cloth, whose limits stiffen it but do not
+ * damp it. */
+int32_t advance_substeps_of(int method, double dt, const struct cloth *c);
 #endif

@@ -60,9 +60,10 @@ static struct share bending(const drape_material *a, struct angle t)
 
 /* §4: sets the law of direction o. With triples the single springs have all of
  * the stiffness; else half of it goes to double springs, which also get the
- * bending. length: of a single spring, m. */
+ * bending. length: of a single spring, m; limit: of its strain (§8), 0: none.
+ */
 static void set_law(struct cloth *c, int o, double length, double stretch,
-                    double bend)
+                    double bend, double limit)
 {
     struct law *a = &c->law[o];
     double area = (double)c->hu * (double)c->hv;
@@ -79,6 +80,7 @@ static void set_law(struct cloth *c, int o, double length, double stretch,
     a->damp = (real)((double)c->beta * k);
     a->stiff = (real)(slope > press ? slope : press);
     law_set_knee(a, two && !c->triples);
+    law_set_limit(a, two ? 0 : limit);
 }
 
 /* §7: sets the constants of the triples of direction o. length: of a single
@@ -117,11 +119,13 @@ int ref_cloth_size(const drape_cloth *d, struct cloth *c)
     struct share b = bending(&d->material, t);
     if (!(s.u > 0 && s.v > 0))
         return DRAPE_EARG;
+    const double *limit = d->material.limit;
+    double leaning = limit[2] * sqrt(t.c2 * t.s2); /* of diagonals, §8 */
     for (int two = 0; two < SPRINGS; two += SPRINGS_SINGLE) {
-        set_law(c, two + 0, hu, s.u, b.u);
-        set_law(c, two + 1, hv, s.v, b.v);
-        set_law(c, two + 2, diagonal, s.diagonal, b.diagonal);
-        set_law(c, two + 3, diagonal, s.diagonal, b.diagonal);
+        set_law(c, two + 0, hu, s.u, b.u, limit[0]);
+        set_law(c, two + 1, hv, s.v, b.v, limit[1]);
+        set_law(c, two + 2, diagonal, s.diagonal, b.diagonal, leaning);
+        set_law(c, two + 3, diagonal, s.diagonal, b.diagonal, leaning);
     }
     double whole = d->material.bend;
     set_triples(c, 0, hu, b.u, whole);
@@ -177,9 +181,17 @@ static double middle(const struct cloth *c, int o, int64_t i, int64_t j)
     return (double)triple_constant(c->triple, o, c->beside[i + c->m * j]);
 }
 
+/* The bound on the slope of the springs of direction o; limited: with what a
+ * limit adds to it, which is not damped (§8). */
+static double steepest(const struct cloth *c, int o, bool limited)
+{
+    const struct law *a = &c->law[o];
+    return (double)(limited || o >= SPRINGS_SINGLE ? a->stiff : a->press);
+}
+
 /* §6: half of p's row sum of the stiffness bounds, N/m, of all springs and
  * triples at p. */
-static double stiffness(const struct cloth *c, int64_t p)
+static double stiffness(const struct cloth *c, int64_t p, bool limited)
 {
     int64_t j = p / c->m, i = p % c->m;
     double k = 0;
@@ -191,24 +203,24 @@ static double stiffness(const struct cloth *c, int64_t p)
     for (int o = 0; o < SPRINGS; o++) {
         int64_t di = spring_di[o], dj = spring_dj[o];
         if (c->springs[p] >> o & 1)
-            k += (double)c->law[o].stiff;
+            k += steepest(c, o, limited);
         if (i - di < 0 || i - di >= c->m || j < dj)
             continue;
         if (c->springs[p - di - dj * c->m] >> o & 1)
-            k += (double)c->law[o].stiff;
+            k += steepest(c, o, limited);
     }
     return k;
 }
 
 /* §6: the bound of Gershgorin on the eigenvalues of M⁻¹K: the maximum over the
  * free particles of twice the stiffness by the mass. */
-static double gershgorin(const struct cloth *c)
+static double gershgorin(const struct cloth *c, bool limited)
 {
     double bound = 0;
     for (int64_t p = 0; p < c->count; p++) {
         if (c->fixed[p])
             continue;
-        double row = 2 * stiffness(c, p) / (double)c->mass[p];
+        double row = 2 * stiffness(c, p, limited) / (double)c->mass[p];
         bound = row > bound ? row : bound;
     }
     return bound;
@@ -236,7 +248,8 @@ int ref_cloth_fill(const drape_cloth *d, struct cloth *c, int64_t base)
         c->n_pinned += c->fixed[p] != CLOTH_PINNED;
         c->fixed[p] = CLOTH_PINNED;
     }
-    c->bound = gershgorin(c);
+    c->bound = gershgorin(c, true);
+    c->damped = gershgorin(c, false);
     return DRAPE_OK;
 }
 

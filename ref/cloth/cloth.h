@@ -16,7 +16,8 @@ enum { CLOTH_PINNED = 1, CLOTH_ABSENT = 2 };
 
 /* §5: the force law of the springs of one direction: linear in tension, linear
  * in compression down to the knee, buckled below the knee. Single springs never
- * buckle: their knee is 0. */
+ * buckle: their knee is 0. §8: if they have a limit, their slope grows near
+ * it. */
 struct law {
     real k;     /* N/m, along the spring, in tension */
     real press; /* N/m, in compression: c_b of a double spring */
@@ -26,6 +27,9 @@ struct law {
     real damp;  /* N·s/m, along the spring */
     real stiff; /* N/m, bound on the slope of the tension, §6 */
     real well;  /* J, makes the energy continuous at the knee */
+    real from;  /* m, longer springs stiffen; +∞: none does */
+    real over;  /* m, the range of lengths in which the slope grows */
+    real gain;  /* N/m², half the growth of the slope by length */
 };
 
 /* §7: bits of the cells that meet at a particle: bit di + 2·dj says that the
@@ -46,6 +50,7 @@ struct cloth {
     int64_t triples; /* TRIPLES, or 0: double springs resist bending */
     real triple[TRIPLES];
     double bound;     /* out: 1/s², bound of the eigenvalues of M⁻¹K, §6 */
+    double damped;    /* out: 1/s², bound of those of M⁻¹C / β, §8 */
     int64_t n_pinned; /* out: pinned particles */
 
     uint8_t *cell;     /* out: [count] 1: cell with lower corner p is present */

@@ -112,7 +112,7 @@ static void substep(struct dynamics *s, struct state *now, struct state *next,
 int explicit_steps(struct dynamics *s)
 {
     const struct cloth *c = s->cloth;
-    s->substeps = advance_substeps(s->method, s->dt, c->bound, (double)c->beta);
+    s->substeps = advance_substeps_of(s->method, s->dt, c);
     if (s->substeps > s->max_substeps)
         return DRAPE_ELIMIT;
     struct state now = {s->x1, s->v1},

@@ -94,6 +94,48 @@ static inline void law_set_knee(struct law *a, bool two)
     a->well = R(0.5) * a->press * d * d + a->bend * a->rest * (2 * law_ip(t));
 }
 
+/* §8: a single spring stiffens from LIMIT_FROM of its limit on. Its slope grows
+ * up to LIMIT_TO of the limit, where it has LIMIT_PULL k·rest of tension more
+ * than k alone gives. */
+#define LIMIT_FROM 0.75
+#define LIMIT_TO 1.1
+#define LIMIT_PULL 6
+
+/* Sets from, over and gain, and raises stiff. limit: the strain; 0: none. */
+static inline void law_set_limit(struct law *a, double limit)
+{
+    double rest = (double)a->rest, k = (double)a->k;
+    a->from = (real)INFINITY;
+    a->over = a->gain = 0;
+    if (!(limit > 0))
+        return;
+    double over = (LIMIT_TO - LIMIT_FROM) * limit * rest;
+    double gain = LIMIT_PULL * k * rest / (over * over);
+    a->from = (real)(rest * (1 + LIMIT_FROM * limit));
+    a->over = (real)over;
+    a->gain = (real)gain;
+    a->stiff = real_max(a->stiff, (real)(k + 2 * gain * over));
+}
+
+/* §8: the tension, N, the slope, N/m, and the energy, J, that a spring longer
+ * than `from` has beyond those of §5. w: how far its slope has grown. */
+static inline real law_more(const struct law *a, real length)
+{
+    real e = length - a->from, w = real_min(e, a->over);
+    return a->gain * w * (e + (e - w));
+}
+
+static inline real law_more_slope(const struct law *a, real length)
+{
+    return 2 * (a->gain * real_min(length - a->from, a->over));
+}
+
+static inline real law_more_energy(const struct law *a, real length)
+{
+    real e = length - a->from, w = real_min(e, a->over);
+    return a->gain * w * (w * w / 3 + e * (e - w));
+}
+
 /* The spring constant, N/m, of a spring that is not buckled. */
 static inline real law_constant(const struct law *a, real length)
 {
@@ -103,6 +145,8 @@ static inline real law_constant(const struct law *a, real length)
 /* Tension, N, of a spring of the given length. */
 static inline real law_tension(const struct law *a, real length)
 {
+    if (length > a->from)
+        return a->k * (length - a->rest) + law_more(a, length);
     if (length >= a->knee)
         return law_constant(a, length) * (length - a->rest);
     return -(a->bend * law_g(length / a->rest));
@@ -111,6 +155,8 @@ static inline real law_tension(const struct law *a, real length)
 /* Slope of the tension, N/m, in [0, stiff]. */
 static inline real law_slope(const struct law *a, real length)
 {
+    if (length > a->from)
+        return a->k + law_more_slope(a, length);
     if (length >= a->knee)
         return law_constant(a, length);
     real s = law_s(length / a->rest), t = s - R(LAW_MIDDLE);
@@ -122,6 +168,8 @@ static inline real law_slope(const struct law *a, real length)
 static inline real law_energy(const struct law *a, real length)
 {
     real d = length - a->rest;
+    if (length > a->from)
+        return R(0.5) * a->k * d * d + law_more_energy(a, length);
     if (length >= a->knee)
         return R(0.5) * law_constant(a, length) * d * d;
     real t = law_s(length / a->rest) - R(LAW_MIDDLE);

@@ -175,8 +175,7 @@ int start_substeps(const struct world *w, drape_error *error)
 {
     for (int k = 0; k < w->def.n_cloths && !w->plan.implicit; k++) {
         const struct cloth *c = &w->sheet[k].cloth;
-        int32_t n = advance_substeps(w->def.integrator, w->def.dt, c->bound,
-                                     (double)c->beta);
+        int32_t n = advance_substeps_of(w->def.integrator, w->def.dt, c);
         if (n <= w->def.max_substeps)
             continue;
         if (error)

@@ -118,6 +118,10 @@ static const char *refuse_cloth(void)
     REFUSES_NUMBER(d.g.cloth.material.damping);
     REFUSES_NUMBER(d.g.cloth.material.thickness);
     REFUSES_NUMBER(d.g.cloth.material.friction);
+    REFUSES_NUMBER(d.g.cloth.material.limit[0]);
+    REFUSES_NUMBER(d.g.cloth.material.limit[2]);
+    REFUSES_DEF(d.g.cloth.material.limit[1] = 0.009, DRAPE_EARG);
+    REFUSES_DEF(d.g.cloth.material.limit[1] = 10.1, DRAPE_EARG);
     REFUSES_COORDINATE(d.g.cloth.origin[0]);
     REFUSES_COORDINATE(d.g.cloth.u[1]);
     REFUSES_COORDINATE(d.g.cloth.v[2]);

@@ -4,6 +4,20 @@
 # Read by tests/app.sh, whose functions it calls.
 
 # Scenes
+limited() {
+    printf '{"frames": 1, "cloths": [{"particles": [9, 9], "size": [0.1, 0.1],
+ "material": {"limit": %s}}]}\n' "$1" >limit.json
+}
+limited 0.05
+is 'one limit of strain' "$drape" plan limit.json
+limited '[0.05, 0, 0.1]'
+is 'three limits of strain' "$drape" plan limit.json
+limited 0.001
+refused 'limit too small' '$.cloths[0].material.limit: 0.001' run limit.json
+limited '[0.05, 0.05]'
+refused 'two limits' 'limit: expected a list of 3' run limit.json
+limited '[0.05, 0.05, 11]'
+refused 'limit too large' 'limit[2]: 11' run limit.json
 printf '{"frames": 3,\n "cloths": [}\n' >broken.json
 refused 'malformed JSON, by line' 'broken.json: line 2' run broken.json
 : >empty.json

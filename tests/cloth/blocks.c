@@ -89,6 +89,8 @@ static const char *check(const struct blocks *s, int o, int64_t from,
     const real *entry = &block->xx;
     double fit = LAW_SLOPE_ERROR * (double)law->bend / (double)law->rest;
     double stiff = (double)law->stiff * (40 * REAL_U + (kink ? 1 : 0));
+    if (length > (double)law->from)
+        stiff += 10 * REAL_U * (double)law->gain * length;
     double error = tau * tau * (fit + stiff) + 40 * REAL_U * (a + bend) + 1e-35;
     for (int i = 0, e = 0; i < 3; i++)
         for (int j = i; j < 3; j++, e++) {

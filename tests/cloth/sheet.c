@@ -248,18 +248,36 @@ static double constant(const struct law *a, double length)
     return (double)(length < (double)a->rest ? a->press : a->k);
 }
 
+/* cloth.md §8: the law of a stiffened spring as polynomials of the pieces. */
+struct more {
+    double tension, slope, energy;
+};
+
+static struct more more_of(const struct law *a, double length)
+{
+    double e = length - (double)a->from, w = (double)a->over;
+    double gain = (double)a->gain, g = e - w;
+    if (!(e > 0))
+        return (struct more){0, 0, 0};
+    if (e <= w)
+        return (struct more){gain * e * e, 2 * gain * e, gain * e * e * e / 3};
+    return (struct more){gain * (w * w + 2 * w * g), 2 * gain * w,
+                         gain * (w * w * w / 3 + w * w * g + w * g * g)};
+}
+
 double law_oracle(const struct law *a, double length)
 {
     if (is_buckled(a, length))
         return -(double)a->bend * arc_force(length / (double)a->rest);
-    return constant(a, length) * (length - (double)a->rest);
+    return constant(a, length) * (length - (double)a->rest) +
+           more_of(a, length).tension;
 }
 
 double law_oracle_slope(const struct law *a, double length)
 {
     double q = length / (double)a->rest;
     if (!is_buckled(a, length))
-        return constant(a, length);
+        return constant(a, length) + more_of(a, length).slope;
     if (1 - q < 1e-4)
         return 7.2 * (double)a->bend / (double)a->rest;
     double b = half_angle(q), h = q - cos(b), db = -b / h;
@@ -271,7 +289,7 @@ double law_oracle_energy(const struct law *a, double length)
 {
     double rest = (double)a->rest, d = length - rest;
     if (!is_buckled(a, length))
-        return constant(a, length) * d * d / 2;
+        return constant(a, length) * d * d / 2 + more_of(a, length).energy;
     double knee = (double)a->knee, angle = half_angle(length / rest);
     double start = half_angle(knee / rest), e = knee - rest;
     return (double)a->press * e * e / 2 +
@@ -306,6 +324,7 @@ struct grid pick_grid(struct bytes *b)
     for (int o = 0; o < SPRINGS; o++) {
         g.law[o] = pick_law(b, o);
         law_set_knee(&g.law[o], o >= SPRINGS_SINGLE);
+        law_set_limit(&g.law[o], 0);
     }
     bool whole = for_bench(b) || pick(b, 2);
     for (int64_t p = 0; p < g.count; p++) {
@@ -350,9 +369,20 @@ static void pick_triples(struct bytes *b, struct grid *g)
                 g->springs[p] |= (uint8_t)(1 << (o + SPRINGS_SINGLE));
 }
 
+/* Gives some directions a limit that many springs of pick_state exceed. */
+static void pick_limits(struct bytes *b, struct grid *g)
+{
+    for (int o = 0; o < SPRINGS_SINGLE; o++)
+        if (pick(b, 2))
+            law_set_limit(&g->law[o],
+                          (double)pick_uniform(b, R(0.005), R(0.5)));
+}
+
 struct grid pick_bent_grid(struct bytes *b)
 {
     struct grid g = pick_grid(b);
+    if (!for_bench(b) && pick(b, 2))
+        pick_limits(b, &g);
     if (for_bench(b) || pick(b, 2))
         pick_triples(b, &g);
     return g;

@@ -57,7 +57,7 @@ struct grid {
     real *mass;
 };
 struct grid pick_grid(struct bytes *b);
-/* The same, sometimes with triples. */
+/* The same, sometimes with limits or triples. */
 struct grid pick_bent_grid(struct bytes *b);
 /* Gives a stage the grid's springs and triples. */
 #define GIVE_GRID(stage, grid)                                                 \
