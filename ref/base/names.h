@@ -208,6 +208,7 @@
 #define tree_grid_fill REAL_NAME(tree_grid_fill)
 #define tree_grid_levels REAL_NAME(tree_grid_levels)
 #define tree_grid_mark REAL_NAME(tree_grid_mark)
+#define tree_fan REAL_NAME(tree_fan)
 #define tree_own REAL_NAME(tree_own)
 #define turn_begin REAL_NAME(turn_begin)
 #define turn_carry REAL_NAME(turn_carry)
