@@ -236,6 +236,8 @@
 #define test_checkpoint_fields REAL_NAME(test_checkpoint_fields)
 #define test_closest_least REAL_NAME(test_closest_least)
 #define test_proximity_flat REAL_NAME(test_proximity_flat)
+#define test_slide_rest REAL_NAME(test_slide_rest)
+#define test_slide_way REAL_NAME(test_slide_way)
 #define test_closest_points REAL_NAME(test_closest_points)
 #define test_cloth_arc REAL_NAME(test_cloth_arc)
 #define test_cloth_bending REAL_NAME(test_cloth_bending)
