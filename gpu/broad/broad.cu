@@ -92,6 +92,8 @@ static void copy_tree(struct gpu *g, struct tree *t, struct tree_map *map)
     take_copy(g, ARENA_TREE, &t->order, t->n_tri);
     take_copy(g, ARENA_TREE, &t->tri, t->n_tri);
     take_copy(g, ARENA_TREE, &t->own, t->n_tri);
+    take_copy(g, ARENA_TREE, &t->fan.start, t->fan.n_start);
+    take_copy(g, ARENA_TREE, &t->fan.rim, t->fan.n_rim);
     take_copy(g, ARENA_TREE, &t->place, t->n_cloth);
     take_copy(g, ARENA_TREE, &t->range, t->n_range);
     take_copy(g, ARENA_TREE, &map->grid, map->n_grid);

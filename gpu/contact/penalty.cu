@@ -53,13 +53,14 @@ static __device__ real given_impulse(const struct penalty *s,
             continue;
         real along = part_of(s, c, share, j) * s->stiffness * s->tau * s->tau;
         real hold = dot(c->n, apply(s->hold[i], c->n));
-        push += c->c[j] * (along / hold * dot(c->n, s->g[i]));
-        all += c->c[j] * c->c[j];
+        real took = along / hold * dot(c->n, s->g[i]);
+        push += c->c[j] < 0 ? -took : took;
+        all += magnitude(c->c[j]);
     }
     return all > 0 ? max_of(push / all, R(0.0)) : R(0.0);
 }
 
-/* §1.1. Thread i owns vertex i: writes guess[i], and brake[i] as for a vertex
+/* §1.1. Thread i owns vertex i: writes guess[i], and parts[i] as for a vertex
  * without contacts. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     penalty_guess_kernel(struct penalty s)
@@ -67,7 +68,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     ITEM(i, s.nv);
     real w = s.w[i] * (s.tau / s.dt);
     s.guess[i] = s.first && w > 0 ? axpy(s.u[i], -w, s.g[i]) : s.u[i];
-    s.brake[i] = 0;
+    s.parts[i] = 0;
 }
 
 /* §1. Thread k owns contact k: reads guess, u, g and hold of its vertices,
@@ -90,8 +91,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
               spring_impulse(&s, c, s.u) > 0 || before > 0;
 }
 
-/* §2.1. Thread k owns vertex[k]: counts its held contacts and writes the count
- * to its brake. */
+/* §2.1. Thread k owns vertex[k]: counts its held contacts into its parts. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     penalty_parts_kernel(struct penalty s, const int64_t *words)
 {
@@ -109,18 +109,30 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         for (int a = 0; a < AHEAD; a++)
             parts += at + a < end ? held[a] : 0;
     }
-    s.brake[i] = (real)parts;
+    s.parts[i] = (real)parts;
 }
 
-/* §2.1: p', the impulse with which contact c stops its parts alone, N·s. */
-static __device__ real stopping_impulse(const struct penalty *s,
-                                        const struct contact *c)
+/* §2.1: Σ c² d w, by which a unit impulse changes the velocity of the parts of
+ * contact c, 1/kg. */
+static __device__ real yield_of(const struct penalty *s,
+                                const struct contact *c)
 {
-    real give = 1 / (s->stiffness * s->tau * s->tau);
+    real sum = 0;
     for (int j = 0; j < 4; j++)
-        give += c->c[j] * c->c[j] * (s->brake[c->v[j]] * s->w[c->v[j]]);
-    real lack = c->target - dot(c->n, pair_sum(c, s->guess));
-    return max_of(lack, R(0.0)) * (s->dt / s->tau) / give;
+        sum += c->c[j] * c->c[j] * (s->parts[c->v[j]] * s->w[c->v[j]]);
+    return sum;
+}
+
+/* §2.1: N, the impulse along n that contact c is expected to give, N·s. */
+static __device__ real expected_impulse(const struct penalty *s,
+                                        const struct contact *c, real gave,
+                                        real yield)
+{
+    real push = spring_impulse(s, c, s->guess);
+    if (!s->first)
+        push = max_of(push, -gave);
+    real stiff = s->stiffness * s->tau * s->tau;
+    return max_of(gave + (push - gave) / (1 + stiff * yield), R(0.0));
 }
 
 /* §3. Thread k owns place k of all lists: reads its item's contact; writes
@@ -191,65 +203,39 @@ static __device__ vec across(const struct contact *c, const vec *u)
     return axpy(v, -dot(c->n, v), c->n);
 }
 
-/* §2.2. Thread k owns contact k: reads guess and u of its vertices, writes
- * most[k] and more[k]. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_bound_kernel(struct penalty s, const int64_t *words)
+/* §2.2: whether contact c sticks, where friction is at most `most` and could
+ * stop a slip of speed `stop`. */
+static __device__ bool sticks(const struct penalty *s, const struct contact *c,
+                              vec slip, real most, real stop)
 {
-    ITEM(k, s.n);
-    if (words[INCIDENCE_BAD])
-        return;
-    const struct contact *c = &s.contact[k];
-    real push = max_of(stopping_impulse(&s, c), s.gave[k]);
-    real limit = c->held ? c->friction * push : R(0.0);
-    s.most[k] = limit;
-    s.more[k] = limit - c->slide * length(across(c, s.u));
+    real speed = length(slip);
+    if (s->first)
+        return speed <= stop;
+    if (c->slide > 0)
+        return c->slide * speed <= most;
+    if (dot(c->tangent, c->tangent) > 0)
+        return dot(slip, c->tangent) > 0;
+    return speed <= stop;
 }
 
-/* §2.3. Thread k owns vertex[k]: reads its items in their order, writes its
- * brake. */
+/* §1, §2. Thread k owns contact k: reads guess, parts and u of its vertices and
+ * gave[k], writes its slide, impulse and tangent. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_brake_kernel(struct penalty s, const int64_t *words)
-{
-    enum { AHEAD = 8 }; /* items that are loaded before the first is added */
-    ITEM(k, s.n4);
-    if (words[INCIDENCE_BAD] || k >= words[INCIDENCE_VERTICES])
-        return;
-    int32_t i = s.vertex[k], end = s.start[i + 1];
-    real sum = 0;
-    for (int32_t at = s.start[i]; at < end; at += AHEAD) {
-        real part[AHEAD];
-        UNROLL
-        for (int k = 0; k < AHEAD; k++) {
-            int32_t item = s.item[at + k < end ? at + k : at];
-            part[k] =
-                magnitude(s.contact[item / 4].c[item % 4]) * s.more[item / 4];
-        }
-        UNROLL
-        for (int k = 0; k < AHEAD; k++)
-            sum = at + k < end ? sum + part[k] : sum;
-    }
-    s.brake[i] = sum * s.w[i] * (s.tau / s.dt);
-}
-
-/* §2.4. Thread k owns contact k: reads brake and u of its vertices, writes its
- * slide, impulse and tangent. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_friction_kernel(struct penalty s, const int64_t *words)
+    penalty_push_kernel(struct penalty s, const int64_t *words)
 {
     ITEM(k, s.n);
     if (words[INCIDENCE_BAD])
         return;
     struct contact *c = &s.contact[k];
     vec slip = across(c, s.u);
-    real speed = length(slip);
-    for (int j = 0; j < 4; j++)
-        speed -= magnitude(c->c[j]) * s.brake[c->v[j]];
-    real slide = s.most[k] / max_of(speed, s.slip);
-    c->slide = slide;
-    c->impulse =
-        c->held ? max_of(spring_impulse(&s, c, s.u), -s.gave[k]) : R(0.0);
-    c->tangent = scale(-slide, slip);
+    real gave = s.gave[k], yield = yield_of(&s, c), limit = 0;
+    if (c->held)
+        limit = c->friction * expected_impulse(&s, c, gave, yield);
+    bool stick = sticks(&s, c, slip, limit, yield * limit * (s.tau / s.dt));
+    real slow = stick ? s.slip : max_of(length(slip), s.slip);
+    c->slide = stick ? limit / s.slip : R(0.0);
+    c->tangent = scale(-(limit / slow), slip);
+    c->impulse = c->held ? max_of(spring_impulse(&s, c, s.u), -gave) : R(0.0);
 }
 
 /* §3. A thread owns one of the PARTS numbers of every (gridDim.x · GROUP)-th
@@ -288,9 +274,7 @@ int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
     LAUNCH(g, s->n, penalty_select_kernel, *s, words);
     gpu_clear(g, s->hold, (size_t)s->nv * sizeof *s->hold);
     LAUNCH(g, touched, penalty_parts_kernel, *s, words);
-    LAUNCH(g, s->n, penalty_bound_kernel, *s, words);
-    LAUNCH(g, touched, penalty_brake_kernel, *s, words);
-    LAUNCH(g, s->n, penalty_friction_kernel, *s, words);
+    LAUNCH(g, s->n, penalty_push_kernel, *s, words);
     LAUNCH(g, s->n4, penalty_item_kernel, *s, part, words);
     LAUNCH_BLOCKS(g, blocks, GROUP_BLOCK, penalty_gather_kernel, *s, part,
                   words);

@@ -25,10 +25,120 @@ static __device__ struct closest measure(const struct proximity *s, int kind,
     return nearest(x, kind);
 }
 
+/* §3.2: the closest point of a led side: in a face, on an edge or at a vertex,
+ * by how many vertices have a weight. */
+struct foot {
+    int vertices;
+    int32_t v[2];   /* the first two of them */
+    struct wide at; /* m */
+    struct wide p;  /* m, from here to the other side's point */
+};
+
+/* Whether side A or B of the pair is led; then its closest point. */
+static __device__ bool find_foot(const struct proximity *s, int kind,
+                                 const int32_t v[4], const struct wide x[4],
+                                 const struct closest *r, struct foot *f)
+{
+    int split = kind == CONTACT_VF ? 1 : 2;
+    bool led[2] = {true, true};
+    for (int j = 0; j < 4; j++)
+        led[j >= split] = led[j >= split] && !(s->w[v[j]] > 0);
+    f->vertices = 0;
+    f->v[0] = f->v[1] = -1;
+    f->at = wide3(0, 0, 0);
+    f->p = led[0] ? scale(-1, r->p) : r->p;
+    for (int j = 0; j < 4; j++) {
+        if ((j < split) != led[0] || r->c[j] == 0)
+            continue;
+        if (f->vertices < 2)
+            f->v[f->vertices] = v[j];
+        f->vertices++;
+        f->at = axpy(f->at, r->c[j] < 0 ? -r->c[j] : r->c[j], x[j]);
+    }
+    return led[0] || led[1];
+}
+
+/* §3.2: whether the foot comes nearer to the other side towards vertex y. */
+static __device__ bool comes_nearer(const struct proximity *s,
+                                    const struct foot *f, int32_t y)
+{
+    struct wide d = sub(widen(s->x[y]), f->at);
+    double along = dot(f->p, d);
+    return along > 0 && along * along > 0x1p-20 * (dot(f->p, f->p) * dot(d, d));
+}
+
+/* §3.2: whether a triangle around f.v[0], with these other vertices, is at the
+ * foot. */
+static __device__ bool is_at(const struct foot *f, int32_t a, int32_t b)
+{
+    return f->vertices == 1 || a == f->v[1] || b == f->v[1];
+}
+
+/* §3.2: whether the foot is the nearest point of the triangles around it. */
+static __device__ bool is_nearest(const struct proximity *s,
+                                  const struct foot *f)
+{
+    if (f->vertices == 3)
+        return true;
+    int32_t end = s->fan.start[f->v[0] + 1];
+    for (int32_t k = s->fan.start[f->v[0]]; k < end; k++) {
+        int32_t a = s->fan.rim[k][0], b = s->fan.rim[k][1];
+        if (is_at(f, a, b) && (comes_nearer(s, f, a) || comes_nearer(s, f, b)))
+            return false;
+    }
+    return true;
+}
+
+/* §3.2: the normal of the triangle at the foot that p is most along; false if
+ * p is more than 60° off all of them. */
+static __device__ bool turn_normal(const struct proximity *s,
+                                   const struct foot *f, struct wide *n)
+{
+    double most = 0.25 * dot(f->p, f->p);
+    bool found = false;
+    struct wide o = widen(s->x[f->v[0]]);
+    int32_t end = s->fan.start[f->v[0] + 1];
+    for (int32_t k = s->fan.start[f->v[0]]; k < end; k++) {
+        int32_t a = s->fan.rim[k][0], b = s->fan.rim[k][1];
+        if (!is_at(f, a, b))
+            continue;
+        struct wide m = cross(sub(widen(s->x[a]), o), sub(widen(s->x[b]), o));
+        double along = dot(m, f->p), mm = dot(m, m);
+        if (!(along * along > most * mm))
+            continue;
+        most = along * along / mm;
+        *n = unit(along < 0 ? scale(-1, m) : m, *n);
+        found = true;
+    }
+    return found;
+}
+
+/* §3: the normal: along p, or the primitives' own normal where p is too short
+ * to have a direction, or the led surface's where p is none of its normals.
+ * False if the pair is no contact. */
+static __device__ bool find_normal(const struct proximity *s, int kind,
+                                   const int32_t v[4], const struct wide x[4],
+                                   const struct closest *r, struct wide *n)
+{
+    struct foot f;
+    struct wide p = unit(r->p, wide3(1, 0, 0));
+    bool along = r->length2 > 0x1p-80 * r->size2;
+    *n = along ? p : unit(nearest_normal(x, kind), p);
+    if (along) {
+        if (!find_foot(s, kind, v, x, r, &f) || is_nearest(s, &f))
+            return true;
+        if (!turn_normal(s, &f, n))
+            return false;
+    }
+    if (dot(*n, r->p) < 0)
+        *n = scale(-1, *n);
+    return true;
+}
+
 static __device__ bool is_near(const struct proximity *s, int64_t k, int *bad)
 {
     int32_t v[4];
-    struct wide x[4];
+    struct wide x[4], n;
     int kind = s->kind[k];
     load_pair(s->pair, k, v);
     if (!in_range(v, s->nv) || kind > CONTACT_EE) {
@@ -41,19 +151,8 @@ static __device__ bool is_near(const struct proximity *s, int64_t k, int *bad)
             return false;
         }
     struct closest r = measure(s, kind, v, x);
-    return sqrt(r.length2) < (double)surface_of(&s->skin, v).thickness;
-}
-
-/* §3: the normal: along p, or the primitives' own normal where p is too short
- * to have a direction. */
-static __device__ struct wide direction(const struct wide x[4], int kind,
-                                        const struct closest *r)
-{
-    struct wide p = unit(r->p, wide3(1, 0, 0));
-    if (r->length2 > 0x1p-80 * r->size2)
-        return p;
-    struct wide n = unit(nearest_normal(x, kind), p);
-    return dot(n, r->p) < 0 ? scale(-1, n) : n;
+    return sqrt(r.length2) < (double)surface_of(&s->skin, v).thickness &&
+           find_normal(s, kind, v, x, &r, &n);
 }
 
 /* §4: the target velocity, which the overlap and the repulsion spring give. */
@@ -70,7 +169,7 @@ static __device__ real push_target(const struct proximity *s,
 static __device__ void emit(const struct proximity *s, int64_t k,
                             struct contact *to)
 {
-    struct wide x[4];
+    struct wide x[4], n;
     struct contact c;
     int kind = s->kind[k];
     load_pair(s->pair, k, c.v);
@@ -78,8 +177,9 @@ static __device__ void emit(const struct proximity *s, int64_t k,
     struct surface skin = surface_of(&s->skin, c.v);
     struct closest r = measure(s, kind, c.v, x);
     nearest_weights(&r, kind, c.c);
-    c.n = narrowed(direction(x, kind, &r));
-    c.gap = (real)sqrt(r.length2);
+    find_normal(s, kind, c.v, x, &r, &n);
+    c.n = narrowed(n);
+    c.gap = (real)dot(n, r.p);
     c.friction = skin.friction;
     c.target = push_target(s, &c, max_of(skin.thickness - c.gap, R(0)));
     c.held = 0;

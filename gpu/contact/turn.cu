@@ -23,7 +23,7 @@ int gpu_turn_make(struct gpu_world *w)
     p->hold = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
     p->guess = (vec *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(vec));
     c->press = p->guess; /* of the last contacts: no solve is after */
-    p->brake = (real *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(real));
+    p->parts = (real *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(real));
     return gpu_status(g);
 }
 
@@ -42,8 +42,6 @@ int gpu_turn_room(struct world *w, int64_t n)
     p->vertex = (int32_t *)s->vertex.data;
     p->share = (real *)s->lack.data;
     p->gave = (real *)s->push.data;
-    p->most = p->gave + n;
-    p->more = p->most + n;
     if (status != DRAPE_OK || n <= c->cap)
         return status;
     gpu_give(g, p->item);

@@ -205,6 +205,7 @@ static int give_response(struct gpu_world *d)
     c->w = w->w;
     c->skin.of = w->body;
     c->skin.surface = w->surface;
+    c->fan = w->broad.tree.fan;
     c->user = w;
     GIVE(c->u, ARENA_RESPONSE, NULL, w->nv);
     GIVE(c->touched, ARENA_RESPONSE, NULL, w->nv);

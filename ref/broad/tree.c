@@ -279,6 +279,8 @@ int tree_build(const struct tree_scene *scene, struct arena *arena,
     status = arena->failed ? DRAPE_ENOMEM : fill(&p, item, run);
     if (status == DRAPE_OK)
         status = tree_own(scene, arena, p.own);
+    if (status == DRAPE_OK)
+        status = tree_fan(scene, arena, &tree->fan);
     arena_give(arena, item);
     arena_give(arena, run);
     publish(&p, map);

@@ -8,6 +8,15 @@
 #include "ref/base/arena.h"
 #include "ref/base/stage.h"
 
+/* The triangles around each vertex. spec/broad/tree.md §4 */
+struct fan {
+    int64_t n_start, n_rim;  /* vertices + 1, 3 · triangles */
+    const int32_t *start;    /* [n_start] the list of vertex v is rim[start[v]]
+                                … rim[start[v + 1] - 1] */
+    const int32_t (*rim)[2]; /* [n_rim] the other two vertices of a triangle, in
+                                its order; triangles ascend */
+};
+
 enum { TREE_LEVELS = 20, TREE_CLASSES = 3 };
 
 /* Classes of nodes, in the order of the stream. */
@@ -46,6 +55,7 @@ struct tree {
     const uint8_t *own;      /* [n_tri] bits 0–2: the triangle represents its
                                 vertex k; bits 3–5: its edge from vertex k to
                                 k + 1 */
+    struct fan fan;          /* of all triangles */
     const int32_t *place;    /* [n_cloth] I | J << 16: position in its level */
     const int32_t *range;    /* [n_range] first node of class c, level l at
                                 c · levels + l */

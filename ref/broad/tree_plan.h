@@ -39,4 +39,8 @@ void tree_grid_fill(struct tree_plan *p, int32_t k, const struct tree_run *run);
  * vertex or edge represents it. Returns DRAPE_OK or DRAPE_ENOMEM. */
 int tree_own(const struct tree_scene *s, struct arena *arena, uint8_t *own);
 
+/* Makes the lists of the triangles around each vertex. Returns DRAPE_OK or
+ * DRAPE_ENOMEM. */
+int tree_fan(const struct tree_scene *s, struct arena *arena, struct fan *fan);
+
 #endif

@@ -21,7 +21,8 @@ struct contact {
     real friction; /* Coulomb coefficient */
     real impulse;  /* N·s along n; ≥ 0 after stage contacts */
     vec tangent;   /* N·s across n, |tangent| ≤ friction · impulse */
-    real slide;    /* kg, factor f of friction in the solve; penalty.md §2 */
+    real slide;    /* kg, factor f of friction where it sticks, else 0;
+                      penalty.md §2 */
 };
 
 /* Contact properties of a body's surface. A pair has the largest value of each

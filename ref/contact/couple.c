@@ -9,7 +9,10 @@
 #include "ref/world/state.h"
 
 enum { TURNS = 2 }; /* of the first contacts of a slice; later ones: 1 */
-static const real ROUGH = R(0.1); /* tolerance of a motion before contact */
+static const real ROUGH = R(0.1);     /* tolerance of a motion before contact */
+static const real FINE = R(1.0) / 32; /* of the tolerance, after a motion that
+                                         was not solved roughly */
+static const real SLIP = R(5e-4);     /* m/s, friction is viscous below */
 
 bool couple_prepare(const struct world *w, struct pcg *p)
 {
@@ -28,7 +31,7 @@ void couple_start(struct world *w)
     struct penalty *p = &c->penalty;
     bool past = w->plan.history && state_has_past(w);
     p->dt = w->response.dt;
-    p->slip = real_min(R(1e-3), R(0.01) * w->reach / p->dt);
+    p->slip = real_min(SLIP, R(0.01) * w->reach / p->dt);
     p->tau = (real)(past ? w->dt * 2 / 3 : w->dt);
     c->iterations = c->solves = c->outcome = 0;
     c->residual = 0;
@@ -74,6 +77,8 @@ static int solve_sheet(struct world *w, struct sheet *s)
     p->extra = turn.hold;
     p->energy = 1;
     p->tolerance = (real)w->def.tolerance;
+    if (w->plan.history)
+        p->tolerance *= FINE;
     int status = w->run->solve(w->on, s);
     w->run->trace(w->on, w->tracing, "pcg", turn.dv,
                   (size_t)turn.count * sizeof *turn.dv);
@@ -119,7 +124,7 @@ static int keep_warm(struct world *w)
                      .n4 = p->n4,
                      .start = p->start,
                      .item = p->item,
-                     .all = p->brake,
+                     .all = p->parts,
                      .press = c->press};
     return w->run->warm(w->on, &s);
 }

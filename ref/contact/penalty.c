@@ -58,8 +58,9 @@ static real given_impulse(const struct penalty *s, int64_t k)
             continue;
         real along = part_of(s, k, j) * s->stiffness * s->tau * s->tau;
         real hold = vec_dot(c->n, sym_apply(s->hold[i], c->n));
-        push += c->c[j] * (along / hold * vec_dot(c->n, s->g[i]));
-        all += c->c[j] * c->c[j];
+        real took = along / hold * vec_dot(c->n, s->g[i]);
+        push += c->c[j] < 0 ? -took : took;
+        all += real_abs(c->c[j]);
     }
     return all > 0 ? real_max(push / all, 0) : 0;
 }
@@ -108,18 +109,27 @@ static void count_parts(struct penalty *s, int64_t i)
     int32_t parts = 0;
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++)
         parts += s->contact[s->item[k] / 4].held;
-    s->brake[i] = (real)parts;
+    s->parts[i] = (real)parts;
 }
 
-/* §2.1: p', the impulse with which contact k stops its parts alone, N·s. */
-static real stopping_impulse(const struct penalty *s, int64_t k)
+/* §2.1: Σ c² d w, by which a unit impulse changes the velocity of the parts of
+ * contact c, 1/kg. */
+static real yield_of(const struct penalty *s, const struct contact *c)
 {
-    const struct contact *c = &s->contact[k];
-    real give = 1 / (s->stiffness * s->tau * s->tau);
+    real sum = 0;
     for (int j = 0; j < 4; j++)
-        give += c->c[j] * c->c[j] * (s->brake[c->v[j]] * s->w[c->v[j]]);
-    real lack = c->target - vec_dot(c->n, pair_sum(c->v, c->c, s->guess));
-    return real_max(lack, 0) * (s->dt / s->tau) / give;
+        sum += c->c[j] * c->c[j] * (s->parts[c->v[j]] * s->w[c->v[j]]);
+    return sum;
+}
+
+/* §2.1: N, the impulse along n that contact k is expected to give, N·s. */
+static real expected_impulse(const struct penalty *s, int64_t k, real yield)
+{
+    real gave = s->gave[k], push = spring_impulse(s, k, s->guess);
+    if (!s->first)
+        push = real_max(push, -gave);
+    real stiff = s->stiffness * s->tau * s->tau;
+    return real_max(gave + (push - gave) / (1 + stiff * yield), 0);
 }
 
 /* The part of Σ c u across the normal. */
@@ -129,41 +139,33 @@ static vec across(const struct contact *c, const vec *u)
     return vec_axpy(v, -vec_dot(c->n, v), c->n);
 }
 
-/* §2.2: the largest friction of contact k, and by how much friction can grow
- * from its present value, N·s. */
-static void bound_friction(struct penalty *s, int64_t k)
+/* §2.2: whether contact c sticks, where friction is at most `most` and could
+ * stop a slip of speed `stop`. */
+static bool sticks(const struct penalty *s, const struct contact *c, vec slip,
+                   real most, real stop)
 {
-    struct contact *c = &s->contact[k];
-    vec slip = across(c, s->u);
-    real push = real_max(stopping_impulse(s, k), s->gave[k]);
-    real most = c->held ? c->friction * push : 0;
-    s->most[k] = most;
-    s->more[k] = most - c->slide * vec_length(slip);
-}
-
-/* §2.3: the speed that growing friction takes from vertex i. */
-static void sum_brake(struct penalty *s, int64_t i)
-{
-    real sum = 0;
-    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
-        int32_t at = s->item[k] / 4;
-        sum += real_abs(s->contact[at].c[s->item[k] % 4]) * s->more[at];
-    }
-    s->brake[i] = sum * s->w[i] * (s->tau / s->dt);
-}
-
-/* §2.4: by the speed that is then left. */
-static void apply_friction(struct penalty *s, int64_t k)
-{
-    struct contact *c = &s->contact[k];
-    vec slip = across(c, s->u);
     real speed = vec_length(slip);
-    for (int j = 0; j < 4; j++)
-        speed -= real_abs(c->c[j]) * s->brake[c->v[j]];
-    c->slide = s->most[k] / real_max(speed, s->slip);
+    if (c->slide > 0 && !s->first)
+        return c->slide * speed <= most;
+    if (vec_dot(c->tangent, c->tangent) > 0 && !s->first)
+        return vec_dot(slip, c->tangent) > 0;
+    return speed <= stop;
+}
+
+/* §1, §2: the impulses of contact k. */
+static void push(struct penalty *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    vec slip = across(c, s->u);
+    real yield = yield_of(s, c), most = 0;
+    if (c->held)
+        most = c->friction * expected_impulse(s, k, yield);
+    bool stick = sticks(s, c, slip, most, yield * most * (s->tau / s->dt));
+    real slow = stick ? s->slip : real_max(vec_length(slip), s->slip);
+    c->slide = stick ? most / s->slip : 0;
+    c->tangent = vec_scale(-(most / slow), slip);
     c->impulse =
         c->held ? real_max(spring_impulse(s, k, s->u), -s->gave[k]) : 0;
-    c->tangent = vec_scale(-c->slide, slip);
 }
 
 /* §3: the sum of force and hold over the held contacts of vertex i. */
@@ -209,13 +211,7 @@ int ref_penalty(struct penalty *s)
         count_parts(s, i);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        bound_friction(s, k);
-    EACH_ITEM
-    for (int64_t i = 0; i < s->nv; i++)
-        sum_brake(s, i);
-    EACH_ITEM
-    for (int64_t k = 0; k < s->n; k++)
-        apply_friction(s, k);
+        push(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
         gather(s, (int32_t)i);

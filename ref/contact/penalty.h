@@ -15,21 +15,20 @@ struct penalty {
     real stiffness; /* N/m, > 0, of a contact */
     real dt, tau;   /* s, > 0: the slice, and the integrator's effective step */
     real slip;      /* m/s, > 0: friction is viscous below */
-    struct contact *contact; /* [n] out: held, impulse, slide, tangent; in: held
-                                of the turn before, 0 for a new contact */
+    struct contact *contact; /* [n] out: held, impulse, slide, tangent; in:
+                                held, slide and tangent of the turn before, 0
+                                for a new contact */
 
     int64_t nv1, n4; /* nv + 1, 4 n */
     int32_t *start;  /* scratch: [nv1] */
     int32_t *item;   /* scratch: [n4] */
     int32_t *vertex; /* scratch: [n4] */
     real *share;     /* scratch: [n] 1/kg, S of §3 */
-    real *most;      /* scratch: [n] N·s, largest friction, §2.2 */
     real *gave;      /* scratch: [n] N·s, ≥ 0, §1.2 */
-    real *more;  /* scratch: [n] N·s, by how much friction can grow, §2.2 */
-    vec *guess;  /* scratch: [nv] m/s, velocity of §1.1 */
-    real *brake; /* scratch: [nv] parts of a vertex, then m/s of §2.3 */
-    vec *force;  /* out: [nv] N·s, 0 where no contact is held */
-    sym *hold;   /* out: [nv] kg, likewise; in, §1.2: of the turn before */
+    vec *guess;      /* scratch: [nv] m/s, velocity of §1.1 */
+    real *parts;     /* scratch: [nv] d, held contacts of a vertex, §2.1 */
+    vec *force;      /* out: [nv] N·s, 0 where no contact is held */
+    sym *hold;       /* out: [nv] kg, likewise; in, §1.2: of the turn before */
 };
 
 /* DRAPE_OK, or DRAPE_EARG for a bad vertex or setting. */

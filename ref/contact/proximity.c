@@ -30,25 +30,123 @@ static void measure(const struct proximity *s, int64_t k, struct wide x[4],
         closest_ee(x, r);
 }
 
-static bool is_near(const struct proximity *s, int64_t k)
+/* §3.2: the closest point of a led side: in a face, on an edge or at a vertex,
+ * by how many vertices have a weight. */
+struct foot {
+    int vertices;
+    int32_t v[2];   /* the first two of them */
+    struct wide at; /* m */
+    struct wide p;  /* m, from here to the other side's point */
+};
+
+/* Whether side A or B of the pair is led; then its closest point. */
+static bool find_foot(const struct proximity *s, int64_t k,
+                      const struct wide x[4], const struct closest *r,
+                      struct foot *f)
 {
-    struct wide x[4];
-    struct closest r;
-    real thickness = skin_pair(&s->skin, s->pair + 4 * k).thickness;
-    measure(s, k, x, &r);
-    return sqrt(r.length2) < (double)thickness;
+    const int32_t *v = s->pair + 4 * k;
+    int split = s->kind[k] == CONTACT_VF ? 1 : 2;
+    bool a = true, b = true;
+    for (int j = 0; j < 4; j++)
+        if (s->w[v[j]] > 0)
+            *(j < split ? &a : &b) = false;
+    *f = (struct foot){.p = a ? wide_scale(-1, r->p) : r->p};
+    for (int j = a ? 0 : split; j < (a ? split : 4); j++) {
+        if (r->c[j] == 0)
+            continue;
+        if (f->vertices < 2)
+            f->v[f->vertices] = v[j];
+        f->vertices++;
+        f->at = wide_axpy(f->at, r->c[j] < 0 ? -r->c[j] : r->c[j], x[j]);
+    }
+    return a || b;
+}
+
+/* §3.2: whether triangles of the fan of f.v[0] are at the foot. */
+static bool is_at(const struct foot *f, const int32_t rim[2])
+{
+    return f->vertices == 1 || rim[0] == f->v[1] || rim[1] == f->v[1];
+}
+
+/* §3.2: whether the foot comes nearer to the other side towards vertex y. */
+static bool comes_nearer(const struct proximity *s, const struct foot *f,
+                         int32_t y)
+{
+    struct wide d = wide_sub(wide_of(s->x[y]), f->at);
+    double along = wide_dot(f->p, d);
+    return along > 0 &&
+           along * along > 0x1p-20 * (wide_dot(f->p, f->p) * wide_dot(d, d));
+}
+
+/* §3.2: whether the foot is the nearest point of the triangles around it. */
+static bool is_nearest(const struct proximity *s, const struct foot *f)
+{
+    int32_t i = f->v[0];
+    for (int32_t k = s->fan.start[i];
+         f->vertices < 3 && k < s->fan.start[i + 1]; k++) {
+        const int32_t *rim = s->fan.rim[k];
+        for (int j = 0; j < 2; j++)
+            if (is_at(f, rim) && comes_nearer(s, f, rim[j]))
+                return false;
+    }
+    return true;
+}
+
+/* §3.2: the normal of the triangle at the foot that p is most along; false if
+ * p is more than 60° off all of them. */
+static bool turn_normal(const struct proximity *s, const struct foot *f,
+                        struct wide *n)
+{
+    int32_t i = f->v[0];
+    double most = 0.25 * wide_dot(f->p, f->p);
+    bool found = false;
+    for (int32_t k = s->fan.start[i]; k < s->fan.start[i + 1]; k++) {
+        const int32_t *rim = s->fan.rim[k];
+        struct wide o = wide_of(s->x[i]);
+        struct wide m = wide_cross(wide_sub(wide_of(s->x[rim[0]]), o),
+                                   wide_sub(wide_of(s->x[rim[1]]), o));
+        double along = wide_dot(m, f->p), mm = wide_dot(m, m);
+        if (!is_at(f, rim) || !(along * along > most * mm))
+            continue;
+        most = along * along / mm;
+        *n = closest_unit(along < 0 ? wide_scale(-1, m) : m, *n);
+        found = true;
+    }
+    return found;
 }
 
 /* §3: the normal: along p, or the primitives' own normal where p is too short
- * to have a direction. */
-static struct wide direction(const struct wide x[4], int kind,
-                             const struct closest *r)
+ * to have a direction, or the led surface's where p is none of its normals.
+ * False if the pair is no contact. */
+static bool find_normal(const struct proximity *s, int64_t k,
+                        const struct wide x[4], const struct closest *r,
+                        struct wide *n)
 {
+    struct foot f;
     struct wide p = closest_unit(r->p, wide_make(1, 0, 0));
-    if (r->length2 > 0x1p-80 * r->size2)
-        return p;
-    struct wide n = closest_unit(closest_normal(x, kind), p);
-    return wide_dot(n, r->p) < 0 ? wide_scale(-1, n) : n;
+    *n = p;
+    if (!(r->length2 > 0x1p-80 * r->size2)) {
+        *n = closest_unit(closest_normal(x, s->kind[k]), p);
+        if (wide_dot(*n, r->p) < 0)
+            *n = wide_scale(-1, *n);
+        return true;
+    }
+    if (!find_foot(s, k, x, r, &f) || is_nearest(s, &f))
+        return true;
+    if (!turn_normal(s, &f, n))
+        return false;
+    if (wide_dot(*n, r->p) < 0)
+        *n = wide_scale(-1, *n);
+    return true;
+}
+
+static bool is_near(const struct proximity *s, int64_t k)
+{
+    struct wide x[4], n;
+    struct closest r;
+    real thickness = skin_pair(&s->skin, s->pair + 4 * k).thickness;
+    measure(s, k, x, &r);
+    return sqrt(r.length2) < (double)thickness && find_normal(s, k, x, &r, &n);
 }
 
 /* §4: the target velocity, which the overlap and the repulsion spring give. */
@@ -64,15 +162,16 @@ static real push_target(const struct proximity *s, const struct contact *c,
 
 static void emit(const struct proximity *s, int64_t k, struct contact *c)
 {
-    struct wide x[4];
+    struct wide x[4], n;
     struct closest r;
     memcpy(c->v, s->pair + 4 * k, sizeof c->v);
     c->kind = s->kind[k];
     struct surface skin = skin_pair(&s->skin, c->v);
     measure(s, k, x, &r);
     closest_weights(&r, s->kind[k], c->c);
-    c->n = wide_round(direction(x, s->kind[k], &r));
-    c->gap = (real)sqrt(r.length2);
+    find_normal(s, k, x, &r, &n);
+    c->n = wide_round(n);
+    c->gap = (real)wide_dot(n, r.p);
     c->friction = skin.friction;
     c->target = push_target(s, c, real_max(skin.thickness - c->gap, 0));
     c->held = 0;

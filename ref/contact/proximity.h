@@ -3,6 +3,7 @@
 #ifndef REF_PROXIMITY_H
 #define REF_PROXIMITY_H
 
+#include "ref/broad/tree.h"
 #include "ref/contact/contact.h"
 
 struct proximity {
@@ -12,6 +13,7 @@ struct proximity {
     const vec *x;        /* [nv] m, at the start of the step */
     const real *w;       /* [nv] 1/kg, 0: led */
     struct skin skin;    /* of the vertices */
+    struct fan fan;      /* the triangles around each vertex */
     real dt;             /* s, > 0 */
     real stiffness;      /* N/m, ≥ 0, of the repulsion spring, §4 */
 

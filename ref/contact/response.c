@@ -87,6 +87,7 @@ int response_repel(struct response *s, const struct pairs *near)
                           .x = s->x0,
                           .w = s->w,
                           .skin = s->skin,
+                          .fan = s->fan,
                           .dt = s->dt,
                           .stiffness = s->stiffness};
     struct pool *out = &s->contact[s->side];

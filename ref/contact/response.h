@@ -5,6 +5,7 @@
 #define REF_RESPONSE_H
 
 #include "ref/base/backend.h"
+#include "ref/broad/tree.h"
 #include "ref/contact/contact.h"
 
 /* Candidates: each pair once; the memory is the broad phase's, valid until
@@ -23,6 +24,7 @@ struct response {
     int64_t nv;
     const real *w;    /* [nv] 1/kg, ≥ 0; 0: led, x1 and v as they are told */
     struct skin skin; /* of the vertices */
+    struct fan fan;   /* the triangles around each vertex */
     const vec *x0;    /* [nv] m, start of the step; nothing touches there */
     vec *x1, *v;      /* in, out: [nv] m and m/s, end of the step */
     real dt;          /* s, > 0 */

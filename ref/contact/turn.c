@@ -24,7 +24,7 @@ int turn_make(struct world *w)
     p->hold = take(w, w->nv, sizeof *p->hold);
     p->guess = take(w, w->nv, sizeof *p->guess);
     c->press = p->guess; /* which nobody reads between two penalties */
-    p->brake = take(w, w->nv, sizeof *p->brake);
+    p->parts = take(w, w->nv, sizeof *p->parts);
     c->g = take(w, w->nc, sizeof *c->g);
     p->g = c->g;
     c->b = take(w, w->nc, sizeof *c->b);
@@ -42,15 +42,11 @@ int turn_room(struct world *w, int64_t n)
     arena_give(w->arena, p->vertex);
     arena_give(w->arena, p->share);
     arena_give(w->arena, p->gave);
-    arena_give(w->arena, p->most);
-    arena_give(w->arena, p->more);
     int64_t cap = n + n / 4 + 64;
     p->item = take(w, 4 * cap, sizeof *p->item);
     p->vertex = take(w, 4 * cap, sizeof *p->vertex);
     p->share = take(w, cap, sizeof *p->share);
     p->gave = take(w, cap, sizeof *p->gave);
-    p->most = take(w, cap, sizeof *p->most);
-    p->more = take(w, cap, sizeof *p->more);
     c->cap = w->arena->failed ? 0 : cap;
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }

@@ -89,6 +89,7 @@ static int make_response(struct world *w, const drape_def *def)
     c->skin.n = def->n_cloths + def->n_obstacles;
     c->skin.of = w->body;
     c->skin.surface = w->surface;
+    c->fan = w->broad.tree.fan;
     for (int k = 0; k < def->n_cloths; k++)
         c->stiffness =
             real_max(c->stiffness, (real)def->cloths[k].material.stretch);

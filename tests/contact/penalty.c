@@ -11,9 +11,8 @@ const struct field fields_penalty[] = {
     IN(penalty, g, nv, 1),           INOUT(penalty, contact, n, 1),
     SCRATCH(penalty, start, nv1, 1), SCRATCH(penalty, item, n4, 1),
     SCRATCH(penalty, vertex, n4, 1), SCRATCH(penalty, share, n, 1),
-    SCRATCH(penalty, most, n, 1),    SCRATCH(penalty, gave, n, 1),
-    SCRATCH(penalty, more, n, 1),    SCRATCH(penalty, guess, nv, 1),
-    SCRATCH(penalty, brake, nv, 1),  OUT(penalty, force, nv, 1),
+    SCRATCH(penalty, gave, n, 1),    SCRATCH(penalty, guess, nv, 1),
+    SCRATCH(penalty, parts, nv, 1),  OUT(penalty, force, nv, 1),
     INOUT(penalty, hold, nv, 1),     FIELD_END};
 
 /* Stage contacts' generator; both stages take the same input. */
@@ -124,7 +123,8 @@ const char *prop_penalty(const struct penalty *s)
             free_all &= s->w[c->v[j]] > 0;
         }
         double stop = (double)c->friction * fmax(lack, 0);
-        double most = (double)(s->most[k] * s->tau / s->dt) * alone;
+        double rub = (double)(c->slide > 0 ? c->slide * s->slip : length);
+        double most = rub * (double)(s->tau / s->dt) * alone;
         EXPECT(!s->first || most <= stop * (1 + 64 * unit));
         size += (double)(real_abs(c->impulse) + length);
     }
@@ -150,7 +150,7 @@ struct lone {
     struct penalty p;
     struct contact c;
     vec u[4], g[4], force[4], guess[4];
-    real w[4], share, most, gave, more, brake[4];
+    real w[4], share, gave, parts[4];
     sym hold[4];
     int32_t start[5], item[4], vertex[4];
 };
@@ -168,11 +168,9 @@ static void make_lone(struct bytes *b, struct lone *s)
     p.item = s->item;
     p.vertex = s->vertex;
     p.share = &s->share;
-    p.most = &s->most;
     p.gave = &s->gave;
-    p.more = &s->more;
     p.guess = s->guess;
-    p.brake = s->brake;
+    p.parts = s->parts;
     p.force = s->force;
     p.hold = s->hold;
     p.stiffness = pick_uniform(b, 10, 1000);
@@ -223,7 +221,10 @@ const char *test_penalty_cone(void)
         vec u = s.u[0];
         double normal = fmax((double)approach(&s.p, &s.c), 0);
         double slip = (double)vec_length(slip_of(&s.c, s.u));
-        double rub = (double)s.c.slide * slip, most = normal * s.c.friction;
+        double rub = (double)vec_length(s.c.tangent),
+               most = normal * s.c.friction;
+        if (s.c.slide > 0)
+            rub = (double)s.c.slide * slip;
         double room = 64 * unit * give * (1 + (double)s.c.friction);
         EXPECT(rub <= most + room);
         if (slip > 2e-3) {
@@ -247,7 +248,7 @@ const char *test_penalty_cone(void)
 static int part_from(bool first, bool held, struct contact c[2], real gave[2])
 {
     enum { NV = 7, N = 2 };
-    real w[NV] = {R(5e5)}, share[N], most[N], more[N], brake[NV];
+    real w[NV] = {R(5e5)}, share[N], parts[NV];
     vec u[NV] = {{0, R(-0.3), 0}}, g[NV] = {{0, R(-8e-4), 0}};
     vec guess[NV], force[NV];
     sym hold[NV] = {{R(0.02), 0, 0, R(0.02), 0, R(0.02)}};
@@ -278,11 +279,9 @@ static int part_from(bool first, bool held, struct contact c[2], real gave[2])
                         .item = item,
                         .vertex = vertex,
                         .share = share,
-                        .most = most,
                         .gave = gave,
-                        .more = more,
                         .guess = guess,
-                        .brake = brake,
+                        .parts = parts,
                         .force = force,
                         .hold = hold};
     return ref_penalty(&s);

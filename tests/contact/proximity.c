@@ -9,11 +9,18 @@
 #include "tests/base/choices.h"
 
 const struct field fields_proximity[] = {
-    IN(proximity, pair, n, 4),     IN(proximity, kind, n, 1),
-    IN(proximity, x, nv, 1),       IN(proximity, w, nv, 1),
-    IN(proximity, skin.of, nv, 1), IN(proximity, skin.surface, skin.n, 1),
-    SCRATCH(proximity, at, n, 1),  OUT_USED(proximity, contact, cap, 1, found),
-    OUT_VALUE(proximity, found),   FIELD_END};
+    IN(proximity, pair, n, 4),
+    IN(proximity, kind, n, 1),
+    IN(proximity, x, nv, 1),
+    IN(proximity, w, nv, 1),
+    IN(proximity, skin.of, nv, 1),
+    IN(proximity, skin.surface, skin.n, 1),
+    IN(proximity, fan.start, fan.n_start, 1),
+    IN(proximity, fan.rim, fan.n_rim, 1),
+    SCRATCH(proximity, at, n, 1),
+    OUT_USED(proximity, contact, cap, 1, found),
+    OUT_VALUE(proximity, found),
+    FIELD_END};
 
 /* Picks a point of a coarse grid. The picks are statements, since C leaves the
  * order of a call's arguments to the compiler. */
@@ -38,6 +45,28 @@ static vec pick_place(struct bytes *b, real scale, bool flat)
     if (flat)
         x.y = 0;
     return x;
+}
+
+/* Two triangles around each vertex, as a rule with the other vertices of its
+ * pairs; x, pair and kind are set. */
+static void pick_fan(struct bytes *b, struct proximity *s)
+{
+    s->fan.n_start = s->nv + 1;
+    s->fan.n_rim = 2 * s->nv;
+    int32_t *start = take(b, s->fan.n_start, sizeof *start);
+    int32_t(*rim)[2] = take(b, s->fan.n_rim, sizeof *rim);
+    for (int64_t i = 0; i <= s->nv; i++)
+        start[i] = (int32_t)(2 * i);
+    for (int64_t i = 0; i < s->fan.n_rim; i++) {
+        rim[i][0] = (int32_t)pick(b, (uint64_t)s->nv);
+        rim[i][1] = (int32_t)pick(b, (uint64_t)s->nv);
+    }
+    for (int64_t k = 0; k < 4 * s->n; k++) {
+        int64_t at = 2 * (int64_t)s->pair[k] + (int64_t)pick(b, 2);
+        rim[at][pick(b, 2)] = s->pair[k ^ (1 + (int64_t)pick(b, 3))];
+    }
+    s->fan.start = start;
+    s->fan.rim = (const int32_t(*)[2])rim;
 }
 
 void gen_proximity(struct bytes *b, struct proximity *s)
@@ -71,6 +100,7 @@ void gen_proximity(struct bytes *b, struct proximity *s)
     s->w = w;
     s->skin.of = of;
     s->skin.surface = surface;
+    pick_fan(b, s);
     s->cap = pick(b, 8) ? s->n : s->n / 16;
 }
 
@@ -193,6 +223,16 @@ static bool is_distance(const struct wide x[4], int kind, double r,
            orc_distance(kind, q, r + bound) <= 0;
 }
 
+/* §3.2: whether a side of the pair is led. */
+static bool has_led_side(const struct proximity *s, int64_t k)
+{
+    const int32_t *v = s->pair + 4 * k;
+    int split = s->kind[k] == CONTACT_VF ? 1 : 2, led[2] = {1, 1};
+    for (int j = 0; j < 4; j++)
+        led[j >= split] &= !(s->w[v[j]] > 0);
+    return led[0] || led[1];
+}
+
 const char *prop_proximity(const struct proximity *s)
 {
     int64_t at = 0;
@@ -207,12 +247,13 @@ const char *prop_proximity(const struct proximity *s)
                     c->kind == s->kind[k];
         double d = s->kind[k] == CONTACT_VF ? to_triangle(x) : to_edge(x);
         double bound = 0x1p-22 * size_of(x); /* §2.1 */
-        EXPECT(kept ? d <= r + bound : d >= r - bound);
-        EXPECT(!kept ||
-               ((double)c->gap <= d + bound && (double)c->gap >= d - bound));
+        bool led = has_led_side(s, k);
+        EXPECT(kept ? d <= r + bound : led || d >= r - bound);
         if (!kept)
             continue;
-        if (k % 8 == 0 && orc_present())
+        double least = (led ? 0.5 : 1) * d; /* §3.2: within 60° */
+        EXPECT((double)c->gap <= d + bound && (double)c->gap >= least - bound);
+        if (k % 8 == 0 && orc_present() && !led)
             EXPECT(is_distance(x, s->kind[k], (double)c->gap, bound));
         const char *failed = check_contact(c, x);
         if (failed)
@@ -283,5 +324,115 @@ const char *test_closest_points(void)
         ran(1);
     }
     choices_free(&b);
+    return NULL;
+}
+
+/* §3.2: a led plane of triangles, and free vertices above it */
+enum { SIDE = 5, GROUND = SIDE * SIDE, FREE = 64, MESH = GROUND + FREE };
+enum { TRIS = 2 * (SIDE - 1) * (SIDE - 1) };
+
+struct ground {
+    vec x[MESH], up;
+    real w[MESH];
+    uint16_t of[MESH];
+    int32_t tri[TRIS][3], start[MESH + 1], rim[3 * TRIS][2];
+    struct surface surface;
+};
+
+/* A plane across `up`; each cell is cut along a diagonal that is picked. */
+static void make_ground(struct bytes *b, struct ground *s)
+{
+    memset(s, 0, sizeof *s);
+    s->surface = (struct surface){R(0.1), R(0.3)};
+    vec n = vec_make(pick_uniform(b, -1, 1), 1, pick_uniform(b, -1, 1));
+    s->up = vec_scale(1 / vec_length(n), n);
+    vec e = vec_make(s->up.y, -s->up.x, 0);
+    e = vec_scale(1 / vec_length(e), e);
+    vec f = vec_cross(s->up, e);
+    for (int i = 0; i < MESH; i++) {
+        bool ground = i < GROUND;
+        real a = ground ? (real)(i % SIDE) : pick_uniform(b, 1, 3);
+        real c = ground ? (real)(i / SIDE) : pick_uniform(b, 1, 3);
+        real h = ground ? 0 : pick_uniform(b, R(0.001), R(0.099));
+        s->x[i] = vec_axpy(vec_axpy(vec_scale(a, e), c, f), h, s->up);
+        s->w[i] = ground ? 0 : 1;
+    }
+    for (int k = 0; k < TRIS / 2; k++) {
+        int32_t p = k % (SIDE - 1) + SIDE * (k / (SIDE - 1));
+        int32_t c[4] = {p, p + 1, p + SIDE + 1, p + SIDE};
+        int turn = (int)pick(b, 2);
+        for (int j = 0; j < 6; j++)
+            s->tri[2 * k + j / 3][j % 3] =
+                c[(turn + (j < 3 ? j : (j - 1) % 4)) % 4];
+    }
+    int32_t at = 0;
+    for (int32_t i = 0; i < MESH; i++) {
+        for (int k = 0; k < 3 * TRIS; k++)
+            if (s->tri[k / 3][k % 3] == i) {
+                s->rim[at][0] = s->tri[k / 3][(k + 1) % 3];
+                s->rim[at++][1] = s->tri[k / 3][(k + 2) % 3];
+            }
+        s->start[i + 1] = at;
+    }
+}
+
+/* Every free vertex with every triangle, and every edge between neighbouring
+ * free vertices with every side of a triangle. Returns the number of pairs. */
+static int64_t pair_all(const struct ground *s, int32_t *pair, uint8_t *kind)
+{
+    int64_t n = 0;
+    for (int32_t i = GROUND; i < MESH; i++)
+        for (int t = 0; t < 4 * TRIS; t++) {
+            const int32_t *f = s->tri[t / 4];
+            int j = t % 4;
+            int32_t edge[4] = {i, i + 1, f[j % 3], f[(j + 1) % 3]};
+            int32_t face[4] = {i, f[0], f[1], f[2]};
+            if (j < 3 && i + 1 == MESH)
+                continue;
+            memcpy(pair + 4 * n, j < 3 ? edge : face, sizeof face);
+            kind[n++] = j < 3 ? CONTACT_EE : CONTACT_VF;
+        }
+    return n;
+}
+
+/* §3.2: however a plane is cut into triangles, the normals of contacts with it
+ * are the plane's, gaps are heights, and no vertex is without a contact. */
+const char *test_proximity_flat(void)
+{
+    enum { PAIRS = 4 * TRIS * FREE };
+    static int32_t pair[4 * PAIRS], at[PAIRS];
+    static uint8_t kind[PAIRS];
+    static struct contact contact[PAIRS];
+    for (int k = 0; k < 20; k++) {
+        struct bytes b = {.seed = (uint64_t)k, .size = -1};
+        struct ground s;
+        bool met[MESH] = {false};
+        make_ground(&b, &s);
+        struct proximity p = {
+            .nv = MESH,
+            .n = pair_all(&s, pair, kind),
+            .pair = pair,
+            .kind = kind,
+            .x = s.x,
+            .w = s.w,
+            .skin = {1, s.of, &s.surface},
+            .fan = {MESH + 1, 3 * TRIS, s.start, (const int32_t(*)[2])s.rim},
+            .dt = R(0.01),
+            .at = at,
+            .cap = PAIRS,
+            .contact = contact};
+        EXPECT(ref_proximity(&p) == DRAPE_OK);
+        for (int64_t j = 0; j < p.found; j++) {
+            const struct contact *c = &contact[j];
+            vec gap = pair_sum(c->v, c->c, s.x);
+            EXPECT((double)vec_dot(c->n, s.up) > 1 - 0x1p-20); /* 2^-10 off */
+            EXPECT(fabs((double)(vec_dot(gap, s.up) - c->gap)) < 1e-4);
+            met[c->v[0]] |= c->kind == CONTACT_VF;
+        }
+        for (int i = GROUND; i < MESH; i++)
+            EXPECT(met[i]);
+        choices_free(&b);
+        ran(1);
+    }
     return NULL;
 }

@@ -79,7 +79,7 @@ static const char *run(int integrator, int mode)
     arena_init(&arena, &d.def.allocator);
     EXPECT(world_make(&d.def, &arena, &a.w, &error) == DRAPE_OK);
     a.w->response.zone_rounds = mode < 2 ? a.w->response.zone_rounds : 0;
-    for (int k = 0; k < 6 && !a.failed; k++) {
+    for (int k = 0; k < 12 && !a.failed; k++) {
         drape_step_report r;
         EXPECT(step_advance(a.w, &r) == DRAPE_OK);
     }
