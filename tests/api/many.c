@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A query of more candidates than drape_ccd_frames decides at once.
+/* Queries with more candidates or more pairs than the library takes at once.
  * spec/drape.h */
 #include "tests/base/harness.h"
 
@@ -80,5 +80,39 @@ const char *test_frames_many(void)
     EXPECT(all.n[0] >= 3 * GROUPS / 2 && all.n[1] >= 3 * GROUPS / 2);
     EXPECT(all.n[0] == parts.n[0] && all.n[1] == parts.n[1]);
     EXPECT(all.sum == parts.sum);
+    return NULL;
+}
+
+/* 40 triangles across each of 40 others: all 1600 pairs are found in order, and
+ * as many of them are given as fit. */
+const char *test_audit_many(void)
+{
+    enum { M = 40, PAIRS = M * M };
+    static int32_t pair[PAIRS + 1][2];
+    static const int64_t room[] = {0, 1, 1024, 1025, PAIRS - 1, PAIRS + 1};
+    drape_mesh mesh = {.nv = 6 * M,
+                       .nt = 2 * M,
+                       .x = (const double(*)[3])x0,
+                       .tri = (const int32_t(*)[3])tri};
+    for (int k = 0; k < 6 * M; k++) {
+        bool across = k >= 3 * M;
+        int axis = across ? 0 : 2;
+        tri[k / 3][k % 3] = k;
+        x0[k][axis] = 1 + k / 3 % M;
+        x0[k][2 - axis] = k % 3 == 1 ? 2 * M + 10 : -10;
+        x0[k][1] = k % 3 == 2 ? 100 : -1;
+    }
+    for (int k = 0; k < 6; k++) {
+        int64_t found, flat;
+        memset(pair, 0xff, sizeof pair);
+        EXPECT(drape_audit(&mesh, room[k], pair, &found, &flat) == DRAPE_OK);
+        EXPECT(found == PAIRS && flat == 0);
+        for (int p = 0; p <= PAIRS; p++) {
+            bool given = p < room[k] && p < PAIRS;
+            EXPECT(pair[p][0] == (given ? p / M : -1));
+            EXPECT(pair[p][1] == (given ? M + p % M : -1));
+        }
+        ran(1);
+    }
     return NULL;
 }
