@@ -36,6 +36,8 @@ static void pick_cloth(struct bytes *b, struct scene *s, int k)
     c->material.thickness = 0.002;
     c->material.bend = pick(b, 2) ? 1e-4 : 0;
     c->material.friction = 0.25 * pick(b, 5);
+    for (int i = 0; i < 3 && c->m % 3 == 0; i++)
+        c->material.limit[i] = 0.05;
     c->origin[1] = 0.12 + 0.05 * k;
     c->origin[0] = -0.5 * c->width;
     c->origin[2] = -0.5 * c->height;
