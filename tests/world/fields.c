@@ -39,6 +39,8 @@ static void fill_cloths(struct scene *s)
         c->m = c->n = SIDE;
         c->width = c->height = 0.3;
         c->origin[1] = 2 + k;
+        for (int i = 0; i < 3; i++)
+            c->material.limit[i] = 0.5;
         s->pin[k] = (drape_pin){1, 1 + k, 0};
     }
     s->cloth[0].x = (const double(*)[3])s->x;
