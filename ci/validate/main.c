@@ -14,7 +14,7 @@ static const struct part {
              {"tension", part_tension},   {"cantilever", part_cantilever},
              {"motion", part_motion},     {"cusick", part_cusick},
              {"fabrics", part_fabrics},   {"hung", part_hung},
-             {"contact", part_contact}};
+             {"contact", part_contact},   {"buckling", part_buckling}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
 static int usage(void)

@@ -83,6 +83,7 @@ void part_tension(struct validate *v);
 void part_motion(struct validate *v);
 void part_cusick(struct validate *v);
 void part_fabrics(struct validate *v);
+void part_buckling(struct validate *v);
 void part_hung(struct validate *v);
 void part_contact(struct validate *v);
 
