@@ -14,14 +14,14 @@ static const struct part {
              {"tension", part_tension},   {"cantilever", part_cantilever},
              {"motion", part_motion},     {"cusick", part_cusick},
              {"fabrics", part_fabrics},   {"hung", part_hung},
-             {"contact", part_contact}};
+             {"contact", part_contact},   {"buckling", part_buckling}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
 static int usage(void)
 {
     fputs(
-        "usage: validate [--quick] [--backend ref|gpu] [--precision 32|64]\n"
-        "                DIRECTORY [PART...]\n"
+        "usage: validate [--quick | --fine] [--backend ref|gpu]\n"
+        "                [--precision 32|64] DIRECTORY [PART...]\n"
         "Writes values-PART.csv and properties-PART.csv; parts (default: all):",
         stderr);
     for (int k = 0; k < PARTS; k++)
@@ -78,6 +78,8 @@ int main(int argc, char **argv)
             part++;
         if (!strcmp(argv[k], "--quick"))
             v.quick = true;
+        else if (!strcmp(argv[k], "--fine"))
+            v.fine = true;
         else if (!strcmp(argv[k], "--backend") && k + 1 < argc)
             v.backend = !strcmp(argv[++k], "gpu") ? DRAPE_GPU : DRAPE_REF;
         else if (!strcmp(argv[k], "--precision") && k + 1 < argc)
