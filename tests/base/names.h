@@ -278,6 +278,7 @@
 #define test_multigrid_symmetry REAL_NAME(test_multigrid_symmetry)
 #define test_narrow_close_roots REAL_NAME(test_narrow_close_roots)
 #define test_narrow_flat REAL_NAME(test_narrow_flat)
+#define test_audit_gpu_status REAL_NAME(test_audit_gpu_status)
 #define test_audit_many REAL_NAME(test_audit_many)
 #define test_frames_many REAL_NAME(test_frames_many)
 #define test_narrow_frames REAL_NAME(test_narrow_frames)
