@@ -31,6 +31,6 @@ const char *small_state(const struct small *s, const drape_world *world);
  * failed. */
 int64_t small_audit(const struct small *s, const drape_world *world);
 /* All bits of enum drape_outcome. */
-enum { OUTCOME_BITS = 63 };
+enum { OUTCOME_BITS = 127 };
 
 #endif
