@@ -106,7 +106,7 @@ static void draw_motion(struct bytes *b, struct small *s)
 static void draw_choices(struct bytes *b, drape_def *d)
 {
     d->precision = pick(b, 2) ? 64 : 32;
-    d->integrator = (DRAPE_BW + (int)pick(b, 6)) % (DRAPE_CK + 1);
+    d->integrator = (DRAPE_BW + (int)pick(b, 7)) % (DRAPE_BDF2 + 1);
     d->dt = d->integrator < DRAPE_BW ? 2e-4 : 1.0 / 60;
     d->threads = 1 + (int)pick(b, 2);
     d->block = 32 * (int)pick(b, 3);
@@ -122,6 +122,7 @@ static void draw_choices(struct bytes *b, drape_def *d)
     d->wind.density = pick(b, 2) ? 1.2 : 0;
     d->wind.velocity[0] = pick(b, 5);
     d->gravity[1] = pick(b, 4) == 3 ? -200 : -9.81;
+    d->newton = (int)pick(b, 4);
 }
 
 void small_make(struct small *s, struct bytes *b)

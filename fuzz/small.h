@@ -30,8 +30,7 @@ const char *small_state(const struct small *s, const drape_world *world);
 /* Returns the number of intersecting pairs that involve cloth; -1: the audit
  * failed. */
 int64_t small_audit(const struct small *s, const drape_world *world);
-/* All bits of enum drape_outcome below DRAPE_PASSED: a step that reports
- * DRAPE_PASSED fails the targets' checks. */
-enum { OUTCOME_BITS = 63 };
+/* All bits of enum drape_outcome. */
+enum { OUTCOME_BITS = 127 };
 
 #endif

@@ -236,7 +236,7 @@ void whole_make(struct whole *w, struct bytes *b, struct bank *bank)
         d->allocator = d->device_allocator = bank_of(bank);
     d->backend = pick(b, 16) == 15 ? draw_int(b) : DRAPE_REF;
     d->precision = pick(b, 2) ? 64 : 32;
-    d->integrator = (DRAPE_BW + (int)pick(b, 6)) % (DRAPE_CK + 1);
+    d->integrator = (DRAPE_BW + (int)pick(b, 7)) % (DRAPE_BDF2 + 1);
     d->max_substeps = 200;
     d->max_iterations = 200;
     d->n_cloths = 1 + (int)pick(b, WHOLE_MOST);
