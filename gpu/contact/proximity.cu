@@ -78,7 +78,7 @@ static __device__ bool is_at(const struct foot *f, int32_t a, int32_t b)
 static __device__ bool is_nearest(const struct proximity *s,
                                   const struct foot *f)
 {
-    if (f->vertices == 3)
+    if (f->vertices == 3 || !s->fan.n_start)
         return true;
     int32_t end = s->fan.start[f->v[0] + 1];
     for (int32_t k = s->fan.start[f->v[0]]; k < end; k++) {

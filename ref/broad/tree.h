@@ -10,7 +10,7 @@
 
 /* The triangles around each vertex. spec/broad/tree.md §4 */
 struct fan {
-    int64_t n_start, n_rim;  /* vertices + 1, 3 · triangles */
+    int64_t n_start, n_rim;  /* vertices + 1, 3 · triangles; 0: none known */
     const int32_t *start;    /* [n_start] the list of vertex v is rim[start[v]]
                                 … rim[start[v + 1] - 1] */
     const int32_t (*rim)[2]; /* [n_rim] the other two vertices of a triangle, in

@@ -82,6 +82,8 @@ static bool comes_nearer(const struct proximity *s, const struct foot *f,
 static bool is_nearest(const struct proximity *s, const struct foot *f)
 {
     int32_t i = f->v[0];
+    if (!s->fan.n_start)
+        return true;
     for (int32_t k = s->fan.start[i];
          f->vertices < 3 && k < s->fan.start[i + 1]; k++) {
         const int32_t *rim = s->fan.rim[k];

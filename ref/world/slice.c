@@ -103,8 +103,10 @@ bool slice_wrong(struct world *w, int outcome, const double before[3],
     double height = after[2] < 0 ? -after[2] : after[2];
     double least = (after[0] + after[1]) / 16 + height / 65536 + lift(w);
     bool gains = !failed && slice_checks_energy(w) && rise > least;
-    bool jolt = gains && rise > 2 * least &&
-                (s->energy_retries < JOLTS || s->energy_retries == s->began);
+    /* what no later slice gives back */
+    bool blast = rise > 2 * lift(w) + (before[0] + before[1]) / 4;
+    bool few = s->energy_retries < JOLTS || s->energy_retries == s->began;
+    bool jolt = gains && rise > 2 * least && (few || blast);
     s->gained |= gains;
     if (!(failed || jolt) || s->level >= s->deepest)
         return false;

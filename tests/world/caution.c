@@ -29,19 +29,24 @@ static int make_step(struct world *w, int calm, double gain)
     return again;
 }
 
-/* §7.5: a step that gains a tenth of its energy is kept; a step that doubles
- * its energy is halved once. After either, eight steps begin halved, and the
- * next begins whole. A cautious step that gains may be halved once more. */
+/* §7.3, §7.5: a step that gains a tenth of its energy is kept; a step that
+ * gains a fifth is halved once, and a step that doubles its energy until it
+ * does not. After either, eight steps begin halved, and the next begins whole.
+ * A cautious step that gains may be halved once more. */
 const char *test_world_caution(void)
 {
+    static const struct {
+        double gain;
+        int again, slices;
+    } row[] = {{1.1, 0, 1}, {1.2, 1, 2}, {2, 3, 8}};
     struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
     w.def.max_slices = 32;
     w.def.dt = 1;
     EXPECT(make_step(&w, 3, 1.05) == 0);
     EXPECT(w.caution.level == 0 && w.slicing.slices == 1);
-    for (int doubles = 0; doubles < 2; doubles++) {
-        EXPECT(make_step(&w, 3, doubles ? 2 : 1.1) == doubles);
-        EXPECT(w.caution.level == 1 && w.slicing.slices == 1 + doubles);
+    for (int j = 0; j < 3; j++) {
+        EXPECT(make_step(&w, 3, row[j].gain) == row[j].again);
+        EXPECT(w.caution.level == 1 && w.slicing.slices == row[j].slices);
         for (int k = 0; k < 8; k++) {
             EXPECT(make_step(&w, 1, 2) == 0 && w.slicing.slices == 2);
             ran(1);
@@ -52,7 +57,7 @@ const char *test_world_caution(void)
     w.caution = (struct caution){.level = 1, .again = 1, .calm = 7};
     EXPECT(make_step(&w, 3, 1.1) == 0 && w.slicing.slices == 2);
     EXPECT(w.caution.level == 1 && w.caution.calm == 0);
-    EXPECT(make_step(&w, 3, 2) == 1 && w.slicing.slices == 4);
+    EXPECT(make_step(&w, 3, 1.2) == 1 && w.slicing.slices == 4);
     EXPECT(w.caution.level == 1);
     w.def.max_slices = 1; /* caution never exceeds max_slices */
     EXPECT(make_step(&w, 1, 2) == 0 && w.slicing.slices == 1);
