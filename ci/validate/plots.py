@@ -61,7 +61,7 @@ def errors(axes, part, wanted, label):
               for p in points if p["theory"]]
         at = [(x, y) for x, y in at if y > 0]
         if at:
-            axes.loglog(*zip(*at), "o-", color=COLOURS[k % 8], markersize=3,
+            axes.loglog(*zip(*at), "o-" if k < 8 else "s--", color=COLOURS[k % 8], markersize=3,
                         linewidth=1, label=label(name))
     if chosen:
         axes.legend(fontsize=8)
