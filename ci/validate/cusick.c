@@ -121,7 +121,7 @@ void part_cusick(struct validate *v)
                              .unit = "%",
                              .theory = NAN,
                              .bar = v->quick ? 10 : 1,
-                             .promised = true};
+                             .promised = v->fine || v->quick};
     struct property folds = {.part = "cusick",
                              .name = "folds; D = 1e-5",
                              .unit = "1",

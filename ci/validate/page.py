@@ -2,8 +2,8 @@
 """Writes the tables of spec/validation.md anew from the csv of build/validate.
 usage: page.py DIRECTORY PAGE
 
-A table stands between `<!-- table PART -->` and `<!-- end -->`; a second
-directory beside the first, of another backend, is not mixed in."""
+A table stands between `<!-- table PART -->` and `<!-- end -->`. The part `missed`
+is of all rows that miss their bars."""
 import csv
 import os
 import re
@@ -42,7 +42,7 @@ def sizes(row):
 def order_of(row):
     """Of the errors over the sizes; none where they do not depend on them."""
     value = float(row["order"]) if row["order"] else 0
-    exact = row["error"] and float(row["error"]) < 1e-5
+    exact = not row["theory"] or (row["error"] and float(row["error"]) < 1e-5)
     return "–" if exact or abs(value) < 0.2 else f"{value:.1f}"
 
 
@@ -52,7 +52,24 @@ def verdict(row):
     return {"met": "meets", "shown": "no bar"}[row["result"]]
 
 
+def missed(folder):
+    """Every row of any part that misses its bar."""
+    lines = []
+    for name in sorted(os.listdir(folder)):
+        part = re.fullmatch(r"properties-(\w+)\.csv", name)
+        for row in rows(folder, part[1]) if part else []:
+            if row["result"] == "MISSED":
+                lines.append(f"| {part[1]} | {row['property'].replace(';', ',')}"
+                             f" | {row['bits']} | {error_of(row)} | "
+                             f"{short(row['bar'])} | {verdict(row)} |")
+    head = ["| part | property | bits | error | bar | |",
+            "| --- | --- | --- | --- | --- | --- |"]
+    return "\n".join(head + lines) if lines else "None."
+
+
 def table(folder, part):
+    if part == "missed":
+        return missed(folder)
     lines = ["| property | bits | theory | value (size, mm or ms) | error | "
              "order | bar | |", "| --- | --- | --- | --- | --- | --- | --- | "
              "--- |"]

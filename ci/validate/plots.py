@@ -38,7 +38,8 @@ def series(part, bits="64"):
 def plain(axis):
     """Numbers as they are, not as powers of ten."""
     axis.set_major_formatter(ticker.FormatStrFormatter("%g"))
-    axis.set_minor_formatter(ticker.NullFormatter())
+    axis.set_minor_locator(ticker.LogLocator(subs=(2, 5)))
+    axis.set_minor_formatter(ticker.FormatStrFormatter("%g"))
 
 
 def save(figure, name):
@@ -60,7 +61,7 @@ def errors(axes, part, wanted, label):
               for p in points if p["theory"]]
         at = [(x, y) for x, y in at if y > 0]
         if at:
-            axes.loglog(*zip(*at), "o-", color=COLOURS[k % 8], markersize=3,
+            axes.loglog(*zip(*at), "o-" if k < 8 else "s--", color=COLOURS[k % 8], markersize=3,
                         linewidth=1, label=label(name))
     if chosen:
         axes.legend(fontsize=8)
@@ -146,19 +147,20 @@ def motion():
 
 
 def bars(part, wanted, unit, name):
-    """Values at the finest cells beside published bands, which are in
-    bands.csv of the same directory's values."""
+    """Values at the finest cells beside published bands, where a row's theory
+    and bar are the middle and half the width of one."""
     found = [(n, p[-1]) for n, p in series(part).items() if wanted(n)]
     if not found:
         return
     figure, axes = plt.subplots(figsize=(8, 0.9 + 0.28 * len(found)))
-    band = {r["fabric"]: (float(r["low"]), float(r["high"]))
-            for r in rows("bands") if r["low"]}
+    band = {r["property"].split("; ")[-1]: (float(r["theory"]), float(r["bar"]))
+            for r in rows("properties-" + part) if r["theory"] and r["bar"]}
     for k, (n, point) in enumerate(found):
         fabric = n.split("; ")[-1]
         if fabric in band:
-            low, high = band[fabric]
-            axes.barh(k, high - low, left=low, height=0.6, color="#cccccc")
+            middle, half = band[fabric]
+            axes.barh(k, 2 * half, left=middle - half, height=0.6,
+                      color="#cccccc")
         axes.plot(float(point["value"]), k, "o", color=COLOURS[0])
     axes.set_yticks(range(len(found)), [n.split("; ")[-1] for n, _ in found])
     axes.set_ylim(len(found) - 0.5, -0.5)
@@ -174,7 +176,7 @@ def cusick():
     figure, axes = plt.subplots(figsize=(5.5, 3.4))
     for name, points in found.items():
         if name.startswith("drape"):
-            axes.semilogx([1e3 * float(p["size"]) for p in points],
+            axes.plot([1e3 * float(p["size"]) for p in points],
                           [float(p["value"]) for p in points], "o-",
                           color=COLOURS[0], markersize=4)
     axes.set_xlabel("cell, mm")

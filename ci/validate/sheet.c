@@ -99,8 +99,9 @@ static double moved(int64_t n, double (*a)[3], double (*b)[3])
     for (int64_t p = 0; p < n; p++) {
         double d = hypot(hypot(a[p][0] - b[p][0], a[p][1] - b[p][1]),
                          a[p][2] - b[p][2]);
-        if (!(d <= most))
-            most = d;
+        if (isnan(d))
+            return NAN;
+        most = fmax(most, d);
     }
     return most;
 }
@@ -122,7 +123,9 @@ static double settle(struct sheet *s, double dt, int steps, double still)
         drape_read(world, next, NULL);
         way = moved(s->n, s->x, next);
         memcpy(s->x, next, (size_t)s->n * sizeof *next);
-        if (way <= still && !(report.outcome & DRAPE_UNCONVERGED))
+        if (report.outcome & DRAPE_UNCONVERGED)
+            way = INFINITY; /* it says nothing of how far rest is */
+        if (way <= still)
             break;
     }
     drape_destroy(world);
