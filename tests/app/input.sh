@@ -57,7 +57,7 @@ refused 'cloth beyond the memory' 'memory' run big.json --out refused
 scene key.json ', "memory": 0.001}'
 sed 's/\[9, 9\]/[900, 900]/' key.json >big.json
 refused 'memory limit' 'memory limit' run big.json --out refused
-sed 's/\[9, 9\]/[29, 29]/' key.json >big.json
+sed 's/\[9, 9\]/[26, 26]/' key.json >big.json
 exits 'no memory for a step' 3 run big.json --out short
 is 'what was done is reported' grep -q '"end": "failed"' short/report.json
 is 'and its frames are there' test -s short/cloth.pc2

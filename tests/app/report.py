@@ -226,7 +226,7 @@ def check_ranges(drape, header, rows, state):
         assert refused(drape, "made.drape", words), words
     write("made.drape", header, rows, state + b"x")
     assert refused(drape, "made.drape", "has bytes behind its end")
-    for j, value in [(4, nan), (4, -1.0), (3, -1), (10, 0), (11, 6), (5, nan)]:
+    for j, value in [(4, nan), (4, -1.0), (3, -1), (10, 0), (11, 7), (5, nan)]:
         wrong = list(header)
         wrong[j] = value
         write("made.drape", wrong, rows, state)
