@@ -4,7 +4,7 @@
  * spec/contact/proximity.md §3.2 */
 #include "tests/base/harness.h"
 
-enum { MOST_SIDE = 33, MOST_CELLS = 20 };
+enum { MOST_SIDE = 33, MOST_CELLS = 40 };
 enum { MOST_GROUND = (MOST_CELLS + 1) * (MOST_CELLS + 1) };
 
 struct row {
@@ -128,6 +128,7 @@ const char *test_slide_way(void)
         {33, 3, DRAPE_BW, 60, 3.0 / 5, 4.0 / 5, 0.5},
         {9, 20, DRAPE_BW, 60, 8.0 / 17, 15.0 / 17, 0.3},
         {17, 20, DRAPE_BW, 240, 8.0 / 17, 15.0 / 17, 0.3},
+        {21, 40, DRAPE_BW, 240, 8.0 / 17, 15.0 / 17, 0.3},
         {13, 7, DRAPE_BW, 60, 7.0 / 25, 24.0 / 25, 0.05},
         {21, 7, DRAPE_CK, 60, 3.0 / 5, 4.0 / 5, 0.3},
         {13, 20, DRAPE_CK, 120, 5.0 / 13, 12.0 / 13, 0.3}};
