@@ -17,8 +17,10 @@ static const struct part {
              {"contact", part_contact},   {"buckling", part_buckling}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
-static int usage(void)
+/* argument: what was not understood. */
+static int usage(const char *argument)
 {
+    fprintf(stderr, "validate: %s\n", argument);
     fputs(
         "usage: validate [--quick | --fine] [--backend ref|gpu]\n"
         "                [--precision 32|64] DIRECTORY [PART...]\n"
@@ -66,8 +68,26 @@ static void run_part(struct validate *v, const char *directory,
             (double)(clock() - start) / CLOCKS_PER_SEC);
 }
 
+/* Whether argument *k is this option with one of its two values: then which,
+ * and *k is moved to the value. */
+static bool choice(int argc, char **argv, int *k, const char *option,
+                   const char *const value[2], int *chosen)
+{
+    if (strcmp(argv[*k], option) != 0 || *k + 1 >= argc)
+        return false;
+    for (*chosen = 0; *chosen < 2; ++*chosen)
+        if (!strcmp(argv[*k + 1], value[*chosen])) {
+            ++*k;
+            return true;
+        }
+    return false;
+}
+
 int main(int argc, char **argv)
 {
+    static const char *const backends[] = {"ref", "gpu"};
+    static const char *const precisions[] = {"32", "64"};
+    int chosen = 0;
     struct validate v = {0};
     const char *directory = NULL;
     int bits[2] = {64, 32};
@@ -80,19 +100,19 @@ int main(int argc, char **argv)
             v.quick = true;
         else if (!strcmp(argv[k], "--fine"))
             v.fine = true;
-        else if (!strcmp(argv[k], "--backend") && k + 1 < argc)
-            v.backend = !strcmp(argv[++k], "gpu") ? DRAPE_GPU : DRAPE_REF;
-        else if (!strcmp(argv[k], "--precision") && k + 1 < argc)
-            bits[!strcmp(argv[++k], "64")] = 0; /* the other one is left out */
+        else if (choice(argc, argv, &k, "--backend", backends, &chosen))
+            v.backend = chosen ? DRAPE_GPU : DRAPE_REF;
+        else if (choice(argc, argv, &k, "--precision", precisions, &chosen))
+            bits[chosen] = 0; /* the other one is left out */
         else if (!directory && argv[k][0] != '-')
             directory = argv[k];
         else if (part < PARTS)
             some = wanted[part] = true;
         else
-            return usage();
+            return usage(argv[k]);
     }
     if (!directory)
-        return usage();
+        return usage("no directory");
     for (int k = 0; k < PARTS; k++)
         if (wanted[k] || !some)
             run_part(&v, directory, &parts[k], bits);

@@ -132,7 +132,7 @@ def motion():
         right.loglog([1e3 * float(p["size"]) for p in points],
                      [1 - float(p["value"]) for p in points], "o-",
                      color=COLOURS[k], markersize=4, label=name.split("; ")[2])
-        if "baraff" in name:
+        if name.endswith("baraff-witkin"):
             ratio = found.get("pendulum; baraff-witkin over exact backward "
                               "Euler", [])
             exact = [float(p["value"]) / float(r["value"])
