@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # drape: `make help` lists what can be made. This file has the compilers, the
-# sources, the rules and the library; included are ci/flavours.mk (other compilers
-# and flags: the only recursion), ci/fuzz.mk, ci/upkeep.mk and ci/bench/bench.mk.
+# sources, the rules and the library; included are ci/install.mk (the shared
+# library, what is installed, packages), ci/flavours.mk (other compilers and
+# flags: the only recursion), ci/fuzz.mk, ci/upkeep.mk and ci/bench/bench.mk.
 
 BUILD  ?= build
 PREFIX ?= /usr/local
@@ -13,11 +14,13 @@ CXX    := g++
 endif
 OPT    ?= -O2
 OPENMP ?= -fopenmp
-WARN   := -Wall -Wextra -Wpedantic -Werror
+# Warnings are errors in CI only: another compiler may know other warnings.
+WERROR := $(if $(CI),-Werror)
+WARN   := -Wall -Wextra -Wpedantic $(WERROR)
 # The number model (spec/README.md §1): no contraction, no reassociation.
 MODEL  := -ffp-contract=off -fno-math-errno -fno-fast-math
-COMMON  = $(OPT) $(WARN) $(MODEL) $(OPENMP) $(SAN) -I. -Ispec -I$(BUILD) \
-          -MMD -MP -fPIC
+COMMON  = $(OPT) $(CPPFLAGS) $(CFLAGS) $(WARN) $(MODEL) $(OPENMP) $(SAN) $(DEFINES) -I. -Ispec \
+          -I$(BUILD) -MMD -MP -fPIC
 C17     = $(CC) -std=c17 -D_POSIX_C_SOURCE=200809L $(COMMON)
 CXX17   = $(CXX) -std=c++17 -O1 -I. -Ispec $(EIGEN) -MMD -MP -fPIC
 
@@ -37,12 +40,14 @@ CUDA    = nvcc -std=c++20 -O2 -lineinfo --fmad=false -prec-div=true \
           arch=compute_$(lastword $(REALS)),code=compute_$(lastword $(REALS)) \
           -Xcompiler -Wall,-Wextra,-Werror,-fPIC,-ffp-contract=off \
           -Xcompiler -fno-gnu-unique -I. -Ispec -I$(BUILD) -MMD -MP
+comma  := ,
+NVCC_C  = $(if $(CI),$(CUDA),$(subst -Werror$(comma),,$(CUDA)))
 CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
           -lpthread -ldl -lrt -lm
 # -O1: what is slow in emulated kernels is to change threads. C++14, as after
 # it math.h alone takes as long to compile as a file of kernels. What C's
 # functions return is incomplete in files that do not call them: clang warns.
-EMU     = $(CXX) -x c++ -std=gnu++14 $(OPT:-O2=-O1) -Wall -Wextra -Werror \
+EMU     = $(CXX) -x c++ -std=gnu++14 $(OPT:-O2=-O1) -Wall -Wextra $(WERROR) \
           -Wno-return-type-c-linkage $(MODEL) -I. -Ispec -I$(BUILD) -MMD -MP -fPIC
 
 # FCL's headers want Eigen's.
@@ -54,10 +59,11 @@ HASH    := \#
 has     = $(shell printf '$(HASH)if !__has_include(<%s>)\n$(HASH)error\n'$(\
             )'$(HASH)endif\n' $(1) | $(CXX) -std=c++17 -x c++ $(EIGEN) \
             -E - >/dev/null 2>&1 && echo yes)
-HAS_APP    := $(call has,assimp/cimport.h cjson/cJSON.h embree3/rtcore.h \
-    png.h gmp.h)
-HAS_ORACLE := $(call has,CGAL/version.h Eigen/Dense fcl/fcl.h ccd/ccd.h gmp.h \
-    mpfr.h)
+EMBREE     := $(or $(and $(call has,embree4/rtcore.h),4),3)
+APP_H      := assimp/cimport.h cjson/cJSON.h embree$(EMBREE)/rtcore.h png.h gmp.h
+HAS_APP    := $(call has,$(APP_H))
+ORACLE_H   := CGAL/version.h Eigen/Dense fcl/fcl.h ccd/ccd.h gmp.h mpfr.h
+HAS_ORACLE := $(call has,$(ORACLE_H))
 
 # Compiled once, whatever the precision: API and ONCE.
 API    := $(addprefix ref/api/,defaults.c define.c drape.c frames.c query.c) \
@@ -76,7 +82,7 @@ DEVICE := gpu/compare/blas.cu $(addprefix gpu/run/,device.cu loop.cu memory.cu \
 KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
-APP_LIBS    := -lassimp -lcjson -lembree3 -lpng -lgmp -lm
+APP_LIBS    := -lassimp -lcjson -lembree$(EMBREE) -lpng -lgmp -lm
 ORACLE_LIBS := -lfcl -lccd -lmpfr -lgmpxx -lgmp -lstdc++ -lm
 
 obj     = $(addprefix $(BUILD)/,$(addsuffix $(2).o,$(basename $(1))))
@@ -107,12 +113,10 @@ ORC_L  := $(if $(HAS_ORACLE),$(ORACLE_LIBS))
 # The library, and its objects in an archive for programs that look inside.
 LIB    := $(BUILD)/libdrape.a
 INSIDE := $(BUILD)/inside.a
-.PHONY: all say-gpu check check-parts demo install help
+.PHONY: all check check-parts demo help
 .DELETE_ON_ERROR:
 
-all: $(LIB) $(BUILD)/check $(if $(HAS_APP),$(BUILD)/drape) say-gpu ## library, tool
-say-gpu:
-	@$(if $(GPU),,echo 'drape: $(if $(NVCC),no device,no nvcc) here: CPU part only')
+all: say ## library, tool, tests
 
 # Macros that keep the two precisions' names apart: ref/base/names.h. They are
 # rewritten where they change.
@@ -146,7 +150,7 @@ $(BUILD)/gpu/%.$(1).o: gpu/%.cu | $(NAMES)
 	$$(EMU) $$(SAN) -DREAL_BITS=$(1) -c $$< -o $$@
 $(BUILD)/cuda/gpu/%.$(1).o: gpu/%.cu | $(NAMES)
 	@mkdir -p $$(@D)
-	$$(CUDA) -DREAL_BITS=$(1) -c $$< -o $$@
+	$$(NVCC_C) -DREAL_BITS=$(1) -c $$< -o $$@
 endef
 $(foreach bits,32 64,$(eval $(call twice,$(bits))))
 $(BUILD)/%.o: %.c | $(NAMES)
@@ -160,7 +164,7 @@ $(BUILD)/gpu/%.o: gpu/%.cu | $(NAMES)
 	$(EMU) $(SAN) -c $< -o $@
 $(BUILD)/cuda/gpu/%.o: gpu/%.cu | $(NAMES)
 	@mkdir -p $(@D)
-	$(CUDA) -c $< -o $@
+	$(NVCC_C) -c $< -o $@
 
 # What drape_info says of ci/certificate.json, rewritten where it changes.
 $(BUILD)/certificate.h: FORCE
@@ -201,16 +205,18 @@ $(BUILD)/check-cuda: $(TEST_O) $(CUDA_O) $(ROOT)/oracle/absent.o \
 $(BUILD)/whole: $(WHOLE_O) $(LIB)
 	$(C17) $^ -o $@ -lpthread $(if $(GPU),$(CUDA_L),-lm)
 $(BUILD)/drape: $(APP_O) $(LIB)
-	$(C17) $(APP_O) $(LIB) -o $@ $(APP_LIBS) $(if $(GPU),$(CUDA_L))
+	$(C17) $(LDFLAGS) $(APP_O) $(LIB) -o $@ $(APP_LIBS) $(if $(GPU),$(CUDA_L))
+
+$(BUILD)/app/%.o: DEFINES := -DEMBREE=$(EMBREE)
 
 # A program that shares the device with a world: app/examples/share.cu.
 $(BUILD)/share.o: app/examples/share.cu
 	@mkdir -p $(@D)
-	$(CUDA) -c $< -o $@
+	$(NVCC_C) -c $< -o $@
 $(BUILD)/share: $(BUILD)/share.o $(LIB)
 	$(C17) $^ -o $@ $(CUDA_L)
 
-include ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/bench/bench.mk
+include ci/install.mk ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/bench/bench.mk
 
 check: ## everything that must hold
 	sh ci/check.sh $(BUILD)
@@ -221,26 +227,12 @@ check-parts: all $(ACC) $(BUILD)/validate $(BUILD)/whole.txt $(BUILD)/replay \
 demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
 	sh ci/demo.sh $(BUILD)
 
-VERSION = $(shell sed -n 's/.*DRAPE_VERSION "\(.*\)"/\1/p' spec/drape.h)
-install: $(LIB) ## to $(DESTDIR)$(PREFIX): library, header, tool, man page
-	install -D -m 644 $(LIB) $(DESTDIR)$(PREFIX)/lib/libdrape.a
-	install -D -m 644 spec/drape.h $(DESTDIR)$(PREFIX)/include/drape.h
-	install -d $(DESTDIR)$(PREFIX)/lib/pkgconfig
-	@printf '%s\n' 'prefix=$${pcfiledir}/../..' 'Name: drape' \
-	  'Description: certified high-resolution cloth simulation' \
-	  'Version: $(VERSION)' 'Cflags: -I$${prefix}/include' \
-	  'Libs: -L$${prefix}/lib -ldrape -pthread $(if $(GPU),$(CUDA_L),-lm)' \
-	  >$(DESTDIR)$(PREFIX)/lib/pkgconfig/drape.pc
-	test ! -x $(BUILD)/drape || install -D $(BUILD)/drape \
-	  $(DESTDIR)$(PREFIX)/bin/drape
-	install -D -m 644 app/drape.1 \
-	  $(DESTDIR)$(PREFIX)/share/man/man1/drape.1
-
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile ci/*.mk ci/*/*.mk | expand -t 11
 	@echo 'tables also takes SCENES= FRAMES= MODES= LIMIT=: ci/bench/scenes.sh'
 	@echo "OPT=      '-O2 -g', say: for a debugger"
 	@echo 'GPU=yes   with any of them: builds the device part without a device'
+	@echo 'CI=true   compiler warnings are errors'
 	@echo 'ARCHES=   "80 90", say: for which devices; all: every one nvcc knows'
 
 -include $(patsubst %.o,%.d,$(REF_O) $(TEST_O) $(WHOLE_O) $(APP_O) $(ORC_O) \

@@ -2,9 +2,9 @@
 /* Pictures of a frame by ray tracing with Embree. */
 #include "app/picture.h"
 #include "app/app.h"
+#include "app/embree.h"
 #include "app/paint.h"
 
-#include <embree3/rtcore.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -88,9 +88,7 @@ static void look_at_triangle(const struct studio *s, struct RTCRayHit *r, vec d,
 static bool look(const struct studio *s, vec p, vec d, struct hit *hit)
 {
     struct RTCRayHit r = ray_from(p, d);
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(s->scene, &context, &r);
+    embree_intersect(s->scene, &r);
     float down = (s->model->floor - p.y) / d.y;
     bool floor = d.y < 0 && down > 0 && down < r.ray.tfar;
     if (!floor && r.hit.geomID == RTC_INVALID_GEOMETRY_ID)
@@ -111,9 +109,7 @@ static bool look(const struct studio *s, vec p, vec d, struct hit *hit)
 static bool dark(const struct studio *s, vec p, vec d)
 {
     struct RTCRayHit r = ray_from(p, d);
-    struct RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(s->scene, &context, &r.ray);
+    embree_occlude(s->scene, &r.ray);
     return r.ray.tfar < 0;
 }
 

@@ -103,7 +103,7 @@ golden-3)
 root) count 'whole scenes' sh ci/flavour.sh "$build" root ;;
 gcc-* | clang-* | ?san) flavour ;;
 format)
-    one format sh -c 'ls app/*.[ch] app/examples/* ci/bench/*.[ch] \
+    one format sh -c 'ls app/*.[ch] app/examples/*.c* ci/bench/*.[ch] \
         ci/validate/*.[ch] fuzz/*.[ch] gpu/*/* oracle/*.[ch]* ref/*/*.[ch] \
         spec/*.h tests/*/*.[ch] |
         xargs clang-format --dry-run -Werror'

@@ -31,6 +31,10 @@ extern "C" {
 #endif
 
 #define DRAPE_VERSION "0.1.0"
+/* The same as numbers, for #if. */
+#define DRAPE_VERSION_MAJOR 0
+#define DRAPE_VERSION_MINOR 1
+#define DRAPE_VERSION_PATCH 0
 
 /* What a call returns: DRAPE_OK, or a negative status if it failed. */
 enum drape_status {
