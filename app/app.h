@@ -3,6 +3,7 @@
 #ifndef APP_APP_H
 #define APP_APP_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 enum app_exit {
@@ -13,24 +14,36 @@ enum app_exit {
     APP_INTERRUPTED = 130
 };
 
-/* Prints "drape: …" as one line on standard error and returns code. */
+/* Set by --quiet: errors alone are printed. */
+extern bool app_quiet;
+
+/* Prints "drape: …" as one line on standard error and returns code. A line of
+ * code 0 is a note, which --quiet suppresses. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
 int complain(int code, const char *format, ...);
 
+/* Prints to standard output what a command did, unless --quiet was given. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 1, 2)))
+#endif
+void say(const char *format, ...);
+
 /* A table of options. An argument that is not an option is positional. */
 enum option_type { OPTION_FLAG, OPTION_INT, OPTION_TEXT };
-struct option {
+struct option_row {
     const char *name; /* with its dashes */
     enum option_type type;
     void *out;   /* int *, int * or const char ** */
     long lo, hi; /* of OPTION_INT */
 };
-/* Reads argv[0 … argc) by the table (its last row has no name). Positional
- * arguments move to the front of argv and their number goes to *positional.
- * APP_OK, or APP_USAGE after one line that names the argument. */
-int options_read(const struct option *table, int argc, char **argv,
+/* Reads argv[0 … argc) by the table (its last row has no name) and getopt_long:
+ * `--name value`, `--name=value`, and a name's beginning where it is unique.
+ * Every table also has --quiet. Positional arguments move to the front of argv
+ * and their number goes to *positional. APP_OK, or APP_USAGE after one line
+ * that names the argument. */
+int options_read(const struct option_row *table, int argc, char **argv,
                  int *positional);
 
 /* The commands. They take the arguments after the command's name and return

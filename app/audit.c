@@ -257,7 +257,7 @@ int command_audit(int argc, char **argv)
 {
     int list = 0, positional;
     const char *obstacle = NULL;
-    const struct option options[] = {
+    const struct option_row options[] = {
         {"--list", OPTION_FLAG, &list, 0, 0},
         {"--obstacle", OPTION_TEXT, &obstacle, 0, 0},
         {0}};

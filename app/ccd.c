@@ -249,9 +249,10 @@ int command_ccd(int argc, char **argv)
 {
     const char *kind = NULL;
     int frames = 0, positional;
-    const struct option options[] = {{"--kind", OPTION_TEXT, &kind, 0, 0},
-                                     {"--frames", OPTION_FLAG, &frames, 0, 0},
-                                     {0}};
+    const struct option_row options[] = {
+        {"--kind", OPTION_TEXT, &kind, 0, 0},
+        {"--frames", OPTION_FLAG, &frames, 0, 0},
+        {0}};
     int status = options_read(options, argc, argv, &positional);
     if (status != APP_OK)
         return status;

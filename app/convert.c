@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* drape convert: places a mesh (rotates, scales, levels) and writes it as PLY.
+/* drape convert: places a mesh (rotates, scales, levels) and writes it in
+ * the format of its name.
  */
 #include "app/app.h"
-#include "app/file.h"
-#include "app/mesh.h"
+#include "app/export.h"
 
-#include <stdlib.h>
+#include <stdio.h>
 #include <string.h>
 
 static int read_direction(const char *text, double d[3])
@@ -25,35 +25,21 @@ static int read_size(const char *text, double *size)
     return complain(APP_USAGE, "--size %s: expected metres above 0", text);
 }
 
-static int save(const char *path, const struct mesh *mesh)
-{
-    char directory[FILE_PATH] = ".";
-    const char *slash = strrchr(path, '/');
-    size_t length = slash ? (size_t)(slash - path) : 0;
-    if (length >= sizeof directory)
-        return complain(APP_USAGE, "the path of the output is too long");
-    if (slash) {
-        memcpy(directory, length ? path : "/", length ? length : 1);
-        directory[length ? length : 1] = 0;
-    }
-    bool saved = ply_save(directory, slash ? slash + 1 : path, mesh, 32);
-    return saved ? APP_OK : APP_FAILED;
-}
-
 int command_convert(int argc, char **argv)
 {
     const char *up = NULL, *size = NULL;
-    const struct option options[] = {{"--up", OPTION_TEXT, &up, 0, 0},
-                                     {"--size", OPTION_TEXT, &size, 0, 0},
-                                     {0}};
+    const struct option_row options[] = {{"--up", OPTION_TEXT, &up, 0, 0},
+                                         {"--size", OPTION_TEXT, &size, 0, 0},
+                                         {0}};
     int positional;
     int status = options_read(options, argc, argv, &positional);
     if (status != APP_OK)
         return status;
     if (positional != 2)
-        return complain(APP_USAGE, "convert: expected IN and OUT.ply");
+        return complain(APP_USAGE, "convert: expected IN and OUT");
     struct placement placement = {.scale = 1, .stand = 1};
-    if (up)
+    status = export_check(argv[1]);
+    if (status == APP_OK && up)
         status = read_direction(up, placement.up);
     if (status == APP_OK && size)
         status = read_size(size, &placement.size);
@@ -63,11 +49,11 @@ int command_convert(int argc, char **argv)
         status = mesh_load(&pool, argv[0], &mesh);
     if (status == APP_OK) {
         mesh_place(&mesh, &placement);
-        status = save(argv[1], &mesh);
+        status = export_save(argv[1], &mesh);
     }
-    if (status == APP_OK)
-        printf("%s: %lld vertices, %lld triangles\n", argv[1],
-               (long long)mesh.nv, (long long)mesh.nt);
+    if (status == APP_OK && strcmp(argv[1], "-") != 0)
+        say("%s: %lld vertices, %lld triangles\n", argv[1], (long long)mesh.nv,
+            (long long)mesh.nt);
     pool_free(&pool);
     return status;
 }

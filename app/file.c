@@ -60,7 +60,8 @@ FILE *file_stream(const char *path)
 {
     /* without O_NONBLOCK, opening a pipe waits for a writer */
     int how = O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
-    int descriptor = open(path, how);
+    bool standard = strcmp(path, "-") == 0;
+    int descriptor = standard ? dup(STDIN_FILENO) : open(path, how);
     if (descriptor < 0) {
         complain(APP_USAGE, "%s: %s", path, strerror(errno));
         return NULL;

@@ -9,9 +9,9 @@
 
 enum { FILE_PATH = 4096 };
 
-/* Opens a regular file, or a pipe that a process writes to, for reading. NULL
- * after one line: no other file is opened, and a pipe without a writer is given
- * up after a second. */
+/* Opens a regular file, or a pipe that a process writes to, for reading; "-" is
+ * standard input, which is one of the two. NULL after one line: no other file
+ * is opened, and a pipe without a writer is given up after a second. */
 FILE *file_stream(const char *path);
 /* Returns the file's bytes followed by a zero, or NULL after one line. The
  * caller frees. */

@@ -81,7 +81,7 @@ static const struct kind {
 static const char *const results[] = {"report.json", "obstacles.ply",
                                       "cloth.pc2",   "trace.csv",
                                       "film.mp4",    "checkpoint.drape"};
-enum { KINDS = 5, FRAME_KINDS = 3, RESULTS = 6, CHECKPOINT = 5 };
+enum { KINDS = 5, FILM_PICTURES = 4, RESULTS = 6, FILM = 4, CHECKPOINT = 5 };
 
 static int remove_file(const char *directory, const char *name)
 {
@@ -164,7 +164,7 @@ static int look(const char *directory, bool resumed, bool *holds)
         if (!(k == CHECKPOINT && resumed))
             *holds |=
                 file_join(path, directory, results[k]) && file_exists(path);
-    for (int k = 0; k < FRAME_KINDS; k++) {
+    for (int k = 0; k < KINDS; k++) {
         int count;
         if (!file_join(path, directory, kinds[k].folder))
             return APP_USAGE;
@@ -219,6 +219,12 @@ int folder_empty(const char *path)
     return status == APP_OK && holds ? refuse(path, "a") : status;
 }
 
+int folder_clear_film(const char *path)
+{
+    int status = remove_kind(path, &kinds[FILM_PICTURES], 0);
+    return status == APP_OK ? remove_file(path, results[FILM]) : status;
+}
+
 int folder_prepare(const char *path, const struct claim *claim)
 {
     static const char *const folders[] = {".", "frames", "pictures"};
@@ -231,6 +237,8 @@ int folder_prepare(const char *path, const struct claim *claim)
     for (int k = 0; k < KINDS && status == APP_OK && own; k++)
         if (kinds[k].frame)
             status = remove_kind(path, &kinds[k], claim->last + 1);
+    if (status == APP_OK && own)
+        status = folder_clear_film(path);
     if (status == APP_OK && holds && !own)
         status = clear(path, claim->checkpoint);
     return status;

@@ -18,9 +18,15 @@ struct claim {
     bool force;             /* files of another run may be removed */
 };
 /* Removes all files that do not belong to this run: those of another run, where
- * this is allowed, and frames of this run after the checkpoint. Returns
+ * this is allowed, and of this run its film, and frames and pictures after the
+ * checkpoint. Returns
  * app_exit; a failure prints one line. */
 int folder_prepare(const char *path, const struct claim *claim);
+
+/* Removes a film and its pictures: a later film, or a run that goes on, would
+ * leave some of them, which would not be its own. Returns app_exit; a failure
+ * prints one line. */
+int folder_clear_film(const char *path);
 
 /* Returns the numbers, ascending, of the files <body>_<number>.<end> in a
  * folder, with space for one more; the caller frees. A missing folder has none.

@@ -31,26 +31,31 @@ static void put_vertex(FILE *out, const double x[3], int bits)
     }
 }
 
-bool ply_save(const char *directory, const char *name, const struct mesh *mesh,
-              int bits)
+void ply_put(FILE *out, const struct mesh *mesh, int bits)
 {
-    struct file file;
-    if (!file_open(&file, directory, name))
-        return false;
     const char *type = bits == 32 ? "float" : "double";
-    fprintf(file.stream,
+    fprintf(out,
             "ply\nformat binary_little_endian 1.0\ncomment drape, metres\n"
             "element vertex %lld\nproperty %s x\nproperty %s y\n"
             "property %s z\nelement face %lld\n"
             "property list uchar int vertex_indices\nend_header\n",
             (long long)mesh->nv, type, type, type, (long long)mesh->nt);
     for (int64_t k = 0; k < mesh->nv; k++)
-        put_vertex(file.stream, mesh->x[k], bits);
+        put_vertex(out, mesh->x[k], bits);
     for (int64_t k = 0; k < mesh->nt; k++) {
-        fputc(3, file.stream);
+        fputc(3, out);
         for (int i = 0; i < 3; i++)
-            put(file.stream, &mesh->tri[k][i], sizeof(int32_t));
+            put(out, &mesh->tri[k][i], sizeof(int32_t));
     }
+}
+
+bool ply_save(const char *directory, const char *name, const struct mesh *mesh,
+              int bits)
+{
+    struct file file;
+    if (!file_open(&file, directory, name))
+        return false;
+    ply_put(file.stream, mesh, bits);
     return file_close(&file);
 }
 

@@ -2,6 +2,7 @@
 /* drape, the command-line tool. It includes <drape.h> only, so it is also
  * the example of how to embed the library. */
 #include "app/app.h"
+#include "app/nearest.h"
 
 #include <drape.h>
 #include <errno.h>
@@ -19,12 +20,12 @@ static const struct command {
     const char *summary, *usage;
 } commands[] = {
     {"run", command_run, "simulate a scene and write its frames",
-     "drape run SCENE.json [options]\n"
+     "drape run SCENE.json|- [options]\n"
      "  --frames N            frames to make (default: the scene's)\n"
      "  --out DIR             where to write (default: the scene's name)\n"
      "  --backend ref|gpu     who computes (default: the scene's)\n"
      "  --precision 32|64     bits of a number in the state\n"
-     "  --threads N           of the reference, 0: as many as cores\n"
+     "  --threads N           of the reference, 0: as many as cores (default)\n"
      "  --block N             threads of a block on the device, to 256\n"
      "  --every N             write every N-th frame only\n"
      "  --error E             m: choose integrator, dt and tolerance by trial\n"
@@ -36,7 +37,7 @@ static const struct command {
      "  --allow-intersecting  accept a start state that intersects\n"
      "Ctrl-C finishes the step and leaves a checkpoint and the report.\n"},
     {"plan", command_plan, "print the stages of a scene and their memory",
-     "drape plan SCENE.json [--backend ref|gpu] [--precision 32|64]\n"
+     "drape plan SCENE.json|- [--backend ref|gpu] [--precision 32|64]\n"
      "  [--allow-intersecting]\n"
      "Each stage, whether it is on, its memory, and why.\n"},
     {"audit", command_audit, "count intersecting triangle pairs, exactly",
@@ -55,15 +56,16 @@ static const struct command {
      "  --rate R         pictures a second of film (default: real time)\n"
      "  --no-film        pictures only\n"},
     {"ccd", command_ccd, "decide collision queries, exactly",
-     "drape ccd --kind vf|ee FILE.csv | --frames A.ply B.ply\n"
+     "drape ccd --kind vf|ee FILE.csv|- | --frames A.ply B.ply\n"
      "Eight rows a query, xn,xd,yn,yd,zn,zd[,truth]: `v f0 f1 f2` or\n"
      "`a0 a1 b0 b1` at time 0, then at time 1. Prints `0` or `1 TOI`.\n"
      "--frames: a mesh at time 0 and 1. Prints all pairs that share no\n"
      "vertex and touch, `vf v f0 f1 f2` or `ee a0 a1 b0 b1`.\n"},
     {"convert", command_convert, "turn, size and level a mesh",
-     "drape convert IN OUT.ply [--up X,Y,Z] [--size S]\n"
+     "drape convert IN OUT [--up X,Y,Z] [--size S]\n"
      "Direction --up becomes +y, the largest dimension S, and the mesh\n"
-     "stands on y = 0 in the middle of x and z.\n"},
+     "stands on y = 0 in the middle of x and z. OUT ends in .ply, .obj,\n"
+     ".stl, .glb, .dae or .fbx; - is PLY on standard output.\n"},
     {"materials", command_materials, "list the fabrics that scenes may name",
      "drape materials\n"
      "Each with its numbers, what it is, and where they are from.\n"},
@@ -82,6 +84,17 @@ static const struct command *find(const char *name)
     return NULL;
 }
 
+static int unknown(const char *name)
+{
+    struct nearest nearest = {.word = name};
+    for (int k = 0; k < COMMANDS; k++)
+        nearest_try(&nearest, commands[k].name);
+    if (nearest.name)
+        return complain(APP_USAGE, "%s: no such command; did you mean %s?",
+                        name, nearest.name);
+    return complain(APP_USAGE, "%s: no such command (try: drape help)", name);
+}
+
 static int command_info(int argc, char **argv)
 {
     (void)argv;
@@ -96,6 +109,12 @@ static void list_commands(FILE *out)
     fputs("usage: drape COMMAND [arguments]\n\n", out);
     for (int k = 0; k < COMMANDS; k++)
         fprintf(out, "  %-9s %s\n", commands[k].name, commands[k].summary);
+    fputs(
+        "\n--quiet with any of them: no progress and no notes; --version: one "
+        "line.\n"
+        "`-` is standard input for a SCENE.json or a FILE.csv, and standard "
+        "output\nfor the mesh that convert writes.\n",
+        out);
     fputs("\nExit status: 0 done, 1 findings, 2 bad input, 3 failure, 130 "
           "interrupted.\n",
           out);
@@ -109,7 +128,7 @@ static int command_help(int argc, char **argv)
     }
     const struct command *command = find(argv[0]);
     if (!command)
-        return complain(APP_USAGE, "help %s: no such command", argv[0]);
+        return unknown(argv[0]);
     printf("%s\n\nusage: %s", command->summary, command->usage);
     return APP_OK;
 }
@@ -147,12 +166,13 @@ int main(int argc, char **argv)
     const char *name = argv[1];
     if (strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0)
         name = "help";
-    if (strcmp(name, "--version") == 0)
-        name = "info";
+    if (strcmp(name, "--version") == 0) {
+        puts("drape " DRAPE_VERSION);
+        return flush(APP_OK);
+    }
     const struct command *command = find(name);
     if (!command)
-        return complain(APP_USAGE, "%s: no such command (try: drape help)",
-                        name);
+        return unknown(name);
     if (asks_help(argc, argv))
         return flush(command_help(1, argv + 1));
     return flush(command->call(argc - 2, argv + 2));

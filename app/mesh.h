@@ -8,6 +8,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 /* Reads a mesh file by its extension: PLY and OFF by our own readers, in
  * binary64; OBJ, STL, glTF, COLLADA and FBX by assimp in a child process. PLY
@@ -38,6 +39,8 @@ void mesh_box(const struct mesh *mesh, double lo[3], double hi[3]);
 /* Readers of one format each. Return app_exit; a failure prints one line. */
 int ply_load(struct pool *pool, const char *path, struct mesh *mesh);
 int off_load(struct pool *pool, const char *path, struct mesh *mesh);
+/* Writes the mesh as PLY to an open stream, which tells of failures. */
+void ply_put(FILE *out, const struct mesh *mesh, int bits);
 /* Writers of one format each. bits: 32 writes floats, 64 doubles. false after
  * one line. */
 bool ply_save(const char *directory, const char *name, const struct mesh *mesh,

@@ -44,8 +44,29 @@ static int read_series(struct json *json, const cJSON *node, void *out)
     return APP_OK;
 }
 
-/* Where a mesh is looked for: as named from the scene's folder, then in
- * $DRAPE_MODELS, in models/ of $DRAPE_DATA and in build/models. */
+/* Looks for a mesh in the folders of a list with colons, such as $DRAPE_MODELS;
+ * an empty one is the current folder, as in PATH. */
+static bool find_in_list(const char *list, const char *name,
+                         char path[FILE_PATH])
+{
+    while (list) {
+        char folder[FILE_PATH];
+        size_t length = strcspn(list, ":");
+        const char *next = list[length] ? list + length + 1 : NULL;
+        if (length < sizeof folder) {
+            memcpy(folder, list, length);
+            folder[length] = 0;
+            if (file_join(path, length ? folder : ".", name) &&
+                file_exists(path))
+                return true;
+        }
+        list = next;
+    }
+    return false;
+}
+
+/* Where a mesh is looked for: as named from the scene's folder, then in the
+ * folders of $DRAPE_MODELS, in models/ of $DRAPE_DATA and in build/models. */
 static int find_mesh(const struct json *json, const char *name,
                      char path[FILE_PATH])
 {
@@ -64,11 +85,13 @@ static int find_mesh(const struct json *json, const char *name,
     char models[FILE_PATH];
     if (!file_join(models, data && *data ? data : "../shared", "models"))
         return APP_USAGE;
-    const char *folders[] = {*folder ? folder : "/", own ? own : ".", models,
-                             "build/models"};
-    for (int k = 0; k < 4; k++)
+    const char *folders[] = {*folder ? folder : "/", models, "build/models"};
+    for (int k = 0; k < 3; k++) {
+        if (k == 1 && find_in_list(own ? own : "", name, path))
+            return APP_OK;
         if (file_join(path, folders[k], name) && file_exists(path))
             return APP_OK;
+    }
     return json_refuse(json,
                        "mesh %s: found neither in %s, $DRAPE_MODELS, %s nor "
                        "build/models",

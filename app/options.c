@@ -1,13 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The command line: messages and a table of options. */
 #include "app/app.h"
+#include "app/nearest.h"
 
 #include <errno.h>
+#include <getopt.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+bool app_quiet;
+
+void say(const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    if (!app_quiet)
+        vprintf(format, arguments);
+    va_end(arguments);
+}
 
 int complain(int code, const char *format, ...)
 {
@@ -20,12 +33,13 @@ int complain(int code, const char *format, ...)
     for (char *p = line; *p; p++)
         if ((unsigned char)*p < 32 || *p == 127)
             *p = '?';
-    fprintf(stderr, "drape: %s\n", line);
+    if (code || !app_quiet)
+        fprintf(stderr, "drape: %s\n", line);
     return code;
 }
 
 /* Reads a decimal integer within the row's range, or returns APP_USAGE. */
-static int read_int(const struct option *row, const char *text)
+static int read_int(const struct option_row *row, const char *text)
 {
     char *end;
     errno = 0;
@@ -39,56 +53,120 @@ static int read_int(const struct option *row, const char *text)
     return APP_OK;
 }
 
-/* Reads the option at argv[*k] and its value; *k becomes the last argument
- * used.
- */
-static int read_option(const struct option *table, int argc, char **argv,
-                       int *k)
+/* Sets what the row points to; value is NULL for a flag. */
+static int read_value(const struct option_row *row, const char *value)
 {
-    const char *name = argv[*k];
-    const struct option *row = table;
-    while (row->name && strcmp(row->name, name) != 0)
-        row++;
-    if (!row->name)
-        return complain(APP_USAGE, "%s: unknown option (try: drape help)",
-                        name);
-    if (row->type == OPTION_FLAG) {
+    if (row->type == OPTION_FLAG)
         *(int *)row->out = 1;
-        return APP_OK;
-    }
-    if (*k + 1 >= argc)
-        return complain(APP_USAGE, "%s: expected a value after it", name);
-    const char *value = argv[++*k];
-    if (row->type == OPTION_INT)
+    else if (row->type == OPTION_INT)
         return read_int(row, value);
-    if (!*value)
+    else if (!*value)
         return complain(APP_USAGE, "%s: expected a value, not an empty text",
-                        name);
-    *(const char **)row->out = value;
+                        row->name);
+    else
+        *(const char **)row->out = value;
     return APP_OK;
 }
 
-int options_read(const struct option *table, int argc, char **argv,
-                 int *positional)
+enum { ROWS_MOST = 30, QUIET = 'q', FIRST = 256 };
+
+/* The table in getopt's form: row k answers FIRST + k. */
+static void make_longs(const struct option_row *table,
+                       struct option longs[ROWS_MOST + 2])
 {
-    *positional = 0;
-    bool ended = false;
-    for (int k = 0; k < argc; k++) {
-        if (!ended && strcmp(argv[k], "--") == 0) {
-            ended = true;
-            continue;
-        }
-        if (!*argv[k])
-            return complain(APP_USAGE,
-                            "argument %d: expected a name, not an empty text",
-                            k + 1);
-        if (ended || argv[k][0] != '-' || !argv[k][1]) {
-            argv[(*positional)++] = argv[k];
-            continue;
-        }
-        int status = read_option(table, argc, argv, &k);
+    int k = 0;
+    for (; table[k].name && k < ROWS_MOST; k++)
+        longs[k] = (struct option){
+            table[k].name + 2,
+            table[k].type == OPTION_FLAG ? no_argument : required_argument,
+            NULL, FIRST + k};
+    longs[k] = (struct option){"quiet", no_argument, NULL, QUIET};
+    longs[k + 1] = (struct option){0};
+}
+
+/* Refuses an option that is not in the table, or begins several names. */
+static int refuse(const struct option_row *table, const char *text)
+{
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
+    struct nearest nearest = {.word = name};
+    int begun = 0;
+    for (; table->name; table++) {
+        nearest_try(&nearest, table->name);
+        begun += strncmp(table->name, name, strlen(name)) == 0;
+    }
+    nearest_try(&nearest, "--quiet");
+    if (begun > 1)
+        return complain(APP_USAGE, "%s: is the beginning of %d options", name,
+                        begun);
+    if (nearest.name)
+        return complain(APP_USAGE, "%s: unknown option; did you mean %s?", name,
+                        nearest.name);
+    return complain(APP_USAGE, "%s: unknown option (try: drape help)", name);
+}
+
+/* What getopt_long could not read: a value that lacks or is too much, or an
+ * unknown option. `all` is what it was reading. */
+static int explain(const struct option_row *table, int answer, char *const *all)
+{
+    if (answer == ':' && optopt >= FIRST)
+        return complain(APP_USAGE, "%s: expected a value after it",
+                        table[optopt - FIRST].name);
+    if (optopt >= FIRST || optopt == QUIET)
+        return complain(APP_USAGE, "%s: takes no value", all[optind - 1]);
+    if (optopt) {
+        const char name[] = {'-', (char)optopt, 0};
+        return refuse(table, name);
+    }
+    return refuse(table, all[optind - 1]);
+}
+
+/* Reads all[1 … count) and gathers the positional arguments in argv, which all
+ * is a copy of. */
+static int read_all(const struct option_row *table, int count, char **all,
+                    char **argv, int *positional)
+{
+    struct option longs[ROWS_MOST + 2];
+    make_longs(table, longs);
+    opterr = 0;
+    optind = 0; /* glibc: begin anew */
+    for (;;) {
+        /* "-": positional arguments come in their order, as answer 1 */
+        int answer = getopt_long(count, all, "-:", longs, NULL);
+        int status = APP_OK;
+        if (answer == -1)
+            break;
+        if (answer == 1 && !*optarg)
+            status = complain(APP_USAGE,
+                              "argument %d: expected a name, not an empty text",
+                              optind - 1);
+        else if (answer == 1)
+            argv[(*positional)++] = optarg;
+        else if (answer == QUIET)
+            app_quiet = true;
+        else if (answer >= FIRST)
+            status = read_value(&table[answer - FIRST], optarg);
+        else
+            status = explain(table, answer, all);
         if (status != APP_OK)
             return status;
     }
+    for (; optind < count; optind++) /* after `--` */
+        argv[(*positional)++] = all[optind];
     return APP_OK;
+}
+
+int options_read(const struct option_row *table, int argc, char **argv,
+                 int *positional)
+{
+    *positional = 0;
+    char **all = calloc((size_t)argc + 2, sizeof *all);
+    if (!all)
+        return complain(APP_FAILED, "out of memory");
+    for (int k = 0; k < argc; k++)
+        all[k + 1] = argv[k];
+    all[0] = "drape";
+    int status = read_all(table, argc + 1, all, argv, positional);
+    free(all);
+    return status;
 }

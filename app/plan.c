@@ -34,7 +34,7 @@ int command_plan(int argc, char **argv)
 {
     struct overrides overrides = {NULL, -1, -1, -1, 0};
     int positional;
-    const struct option options[] = {
+    const struct option_row options[] = {
         {"--backend", OPTION_TEXT, &overrides.backend, 0, 0},
         {"--precision", OPTION_INT, &overrides.precision, 32, 64},
         {"--allow-intersecting", OPTION_FLAG, &overrides.allow_intersecting, 0,

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Shows how far a run is: one line that is rewritten on a terminal, else a line
- * every few seconds. */
+/* Shows how far a run or a film is: one line that is rewritten on a terminal,
+ * else a line every few seconds. */
 #include "app/progress.h"
+#include "app/app.h"
 #include "app/report.h"
 
 #include <stdio.h>
@@ -30,29 +31,34 @@ static void duration(double seconds, char text[32])
         snprintf(text, 32, "%d:%02d:%02d", s / 3600, s / 60 % 60, s % 60);
 }
 
-void progress_step(struct progress *p, const drape_step_report *step)
+void progress_show(struct progress *p, int64_t done, const char *words)
 {
     double now = seconds_now();
-    int64_t done = step->step - p->first, left = p->total - step->step;
-    bool last = left <= 0;
+    int64_t new = done - p->first, left = p->total - done;
     /* a terminal is updated ten times a second, a log every 5 s */
-    if (now - p->printed < (p->terminal ? 0.1 : 5) && !last)
+    if (app_quiet || (now - p->printed < (p->terminal ? 0.1 : 5) && left > 0))
         return;
     p->printed = now;
-    char eta[32], words[128], bar[21];
+    char eta[32], bar[21];
     double spent = now - p->began;
-    duration(done > 0 ? spent / (double)done * (double)left : 0, eta);
+    duration(new > 0 ? spent / (double)new *(double)left : 0, eta);
     for (int k = 0; k < 20; k++)
-        bar[k] = 20 * step->step > k * p->total ? '#' : '.';
+        bar[k] = 20 * done > k * p->total ? '#' : '.';
     bar[20] = 0;
-    fprintf(stderr,
-            "%s[%s] step %lld/%lld  contacts %lld  rounds %d  iterations %d  "
-            "%s  ETA %s%s",
-            p->terminal ? "\r" : "", bar, (long long)step->step,
-            (long long)p->total, (long long)step->contacts, step->rounds,
-            step->iterations, report_outcome(step->outcome, words), eta,
-            p->terminal ? "\033[K" : "\n");
+    fprintf(stderr, "%s[%s] %s  ETA %s%s", p->terminal ? "\r" : "", bar, words,
+            eta, p->terminal ? "\033[K" : "\n");
     fflush(stderr);
+}
+
+void progress_step(struct progress *p, const drape_step_report *step)
+{
+    char words[128], line[320];
+    snprintf(line, sizeof line,
+             "step %lld/%lld  contacts %lld  rounds %d  iterations %d  %s",
+             (long long)step->step, (long long)p->total,
+             (long long)step->contacts, step->rounds, step->iterations,
+             report_outcome(step->outcome, words));
+    progress_show(p, step->step, line);
 }
 
 void progress_end(struct progress *p)

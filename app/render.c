@@ -4,6 +4,7 @@
 #include "app/file.h"
 #include "app/model.h"
 #include "app/output.h"
+#include "app/progress.h"
 
 #include <errno.h>
 #include <spawn.h>
@@ -82,40 +83,38 @@ static int make_film(const struct render *r)
         return APP_OK;
     }
     if (status == 0 && rename(part, film) == 0) {
-        printf("%s\n", film);
+        say("%s\n", film);
         return APP_OK;
     }
     remove(part);
     return complain(APP_FAILED, "render: ffmpeg failed on %s", film);
 }
 
-/* Removes the pictures of an earlier film, which would get into this one. */
-static void clear_film(const struct render *r)
-{
-    for (int k = 0, found = 1; found; k++) {
-        char name[64], path[FILE_PATH];
-        snprintf(name, sizeof name, "film_%04d.png", k);
-        found = file_join(path, r->pictures, name) && remove(path) == 0;
-    }
-}
-
 static int take_one(struct render *r)
 {
     int status = take(r, r->frame, r->frame);
     if (status == APP_OK)
-        printf("%s/frame_%04d.png\n", r->pictures, r->frame);
+        say("%s/frame_%04d.png\n", r->pictures, r->frame);
     return status;
 }
 
 static int take_all(struct render *r)
 {
-    int made = 0, status = APP_OK;
-    clear_film(r);
-    for (int k = 0; k < r->count && status == APP_OK; k += r->every)
+    int made = 0, status = folder_clear_film(r->directory);
+    int total = (r->count + r->every - 1) / r->every;
+    struct progress progress;
+    progress_begin(&progress, 0, total);
+    for (int k = 0; k < r->count && status == APP_OK; k += r->every) {
+        char words[64];
         status = take(r, r->frames[k], made++);
+        snprintf(words, sizeof words, "picture %d/%d", made, total);
+        if (status == APP_OK)
+            progress_show(&progress, made, words);
+    }
+    progress_end(&progress);
     if (status != APP_OK)
         return status;
-    printf("%s: %d pictures\n", r->pictures, made);
+    say("%s: %d pictures\n", r->pictures, made);
     /* a run may have written only every n-th frame */
     int apart = r->count > 1 ? r->frames[1] - r->frames[0] : 1;
     if (!r->rate)
@@ -143,7 +142,7 @@ int command_render(int argc, char **argv)
 {
     struct render r = {.frame = -1, .every = 1};
     r.shot = (struct shot){.width = 800, .height = 600, .samples = 8};
-    const struct option options[] = {
+    const struct option_row options[] = {
         {"--frame", OPTION_INT, &r.frame, 0, 1000000},
         {"--every", OPTION_INT, &r.every, 1, 1000000},
         {"--width", OPTION_INT, &r.shot.width, 16, 16384},

@@ -94,10 +94,10 @@ static int choose(struct run *run)
         return complain(APP_USAGE, "--error: a resumed run has its settings");
     int status = error_choose(scene, &run->overrides, asked, e);
     if (status == APP_OK)
-        printf("--error %g: %s, dt %.4g s, tolerance %g; estimated %.2g m rms "
-               "after %.3g s, of time and solver\n",
-               asked, scene_integrator(scene), scene->def.dt,
-               scene->def.tolerance, e->error, e->horizon);
+        say("--error %g: %s, dt %.4g s, tolerance %g; estimated %.2g m rms "
+            "after %.3g s, of time and solver\n",
+            asked, scene_integrator(scene), scene->def.dt, scene->def.tolerance,
+            e->error, e->horizon);
     return status;
 }
 
@@ -202,16 +202,16 @@ static void tell(const struct run *run, const struct totals *t, const char *end)
         complain(0, "note: the solver missed its tolerance in %lld steps",
                  (long long)t->unconverged);
     if (t->not_clean)
-        complain(0, "%lld of %lld steps are not clean", (long long)t->not_clean,
-                 (long long)t->steps);
-    printf("%s: %lld steps, %.3g s, %s", run->output.directory,
-           (long long)t->done, run->report.seconds, end);
+        complain(APP_FINDINGS, "%lld of %lld steps are not clean",
+                 (long long)t->not_clean, (long long)t->steps);
+    say("%s: %lld steps, %.3g s, %s", run->output.directory, (long long)t->done,
+        run->report.seconds, end);
     if (t->intersecting)
-        printf("; %lld of them intersect at their end, from step %lld to step "
-               "%lld",
-               (long long)t->intersecting, (long long)t->first,
-               (long long)t->last);
-    printf("\n");
+        say("; %lld of them intersect at their end, from step %lld to step "
+            "%lld",
+            (long long)t->intersecting, (long long)t->first,
+            (long long)t->last);
+    say("\n");
 }
 
 /* Writes the final files of a run, however it ended. */
@@ -263,7 +263,7 @@ int command_run(int argc, char **argv)
 {
     struct run run = {.frames = -1, .overrides = {NULL, -1, -1, -1, 0}};
     run.output.every = 1;
-    const struct option options[] = {
+    const struct option_row options[] = {
         {"--frames", OPTION_INT, &run.frames, 0, 1000000},
         {"--out", OPTION_TEXT, &run.directory, 0, 0},
         {"--backend", OPTION_TEXT, &run.overrides.backend, 0, 0},

@@ -116,6 +116,7 @@ int scene_load(struct scene *scene, const char *file)
     drape_default(&scene->def);
     scene->frames = 120;
     scene->steps_per_frame = 1;
+    scene->def.threads = 0;
     scene->memory = default_memory();
     scene->pool.most = &scene->memory;
     if (strlen(file) >= sizeof scene->file)
@@ -128,7 +129,8 @@ int scene_load(struct scene *scene, const char *file)
     int status = read_scene(&json, root, scene);
     cJSON_Delete(root);
     if (status == APP_OK && !scene->name)
-        scene->name = base_name(&scene->pool, file);
+        scene->name = strcmp(file, "-") == 0 ? pool_text(&scene->pool, "scene")
+                                             : base_name(&scene->pool, file);
     return status;
 }
 
@@ -163,6 +165,39 @@ static void release(void *user, void *p, size_t bytes)
     free(p);
 }
 
+/* The name of a body that the library calls `cloth 0`, say. */
+static const char *name_of(const struct scene *scene, const char *kind, int k)
+{
+    bool cloth = strcmp(kind, "cloth") == 0;
+    if (k < 0 || k >= (cloth ? scene->def.n_cloths : scene->def.n_obstacles))
+        return "?";
+    return cloth ? scene->cloth_name[k] : scene->obstacle_name[k];
+}
+
+/* Writes the library's words on a start that intersects, with the names of the
+ * two bodies. False if the text is about something else. */
+static bool name_bodies(const struct scene *scene, const char *text,
+                        char out[512])
+{
+    static const char begin[] = "the start state is intersecting: ";
+    char kind[2][16];
+    int body[2], triangle[2], end = 0;
+    if (strncmp(text, begin, sizeof begin - 1) != 0 ||
+        sscanf(text + sizeof begin - 1,
+               "%15[a-z] %d triangle %d and %15[a-z] %d triangle %d%n", kind[0],
+               &body[0], &triangle[0], kind[1], &body[1], &triangle[1],
+               &end) != 6 ||
+        !end)
+        return false;
+    snprintf(out, 512,
+             "%s%s %d (%.60s) triangle %d and %s %d (%.60s) triangle %d%s; "
+             "move them apart, or allow it by --allow-intersecting",
+             begin, kind[0], body[0], name_of(scene, kind[0], body[0]),
+             triangle[0], kind[1], body[1], name_of(scene, kind[1], body[1]),
+             triangle[1], text + sizeof begin - 1 + end);
+    return true;
+}
+
 /* Prints the library's refusal with the path in the scene's file of the cloth,
  * obstacle or motion that the refusal names. */
 static int refuse_world(const struct scene *scene, int code, const char *text)
@@ -176,6 +211,9 @@ static int refuse_world(const struct scene *scene, int code, const char *text)
         pin < scene->def.cloths[body].n_pins)
         return complain(code, "%s: $.cloths[%d].pins[%d]: %s", scene->file,
                         body, scene->pin_from[body][pin], text + end);
+    char start[512];
+    if (name_bodies(scene, text, start))
+        return complain(code, "%s: %s", scene->file, start);
     for (int k = 0; k < 3 && read >= 2 && rest; k++)
         if (strcmp(name, bodies[k]) == 0)
             return complain(code, "%s: $.%ss[%d]: %s", scene->file, name, body,

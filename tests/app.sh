@@ -38,15 +38,15 @@ exits() {
     if [ $got -eq "$code" ]; then ok "$name"; else bad "$name (exit $got)"; fi
 }
 # refused NAME TEXT ARGUMENTS...: exit 2, one line on stderr that has the
-# text, nothing on stdout, and no directory `refused` comes to be.
+# text, nothing on stdout, and neither `refused` nor refused.ply comes to be.
 refused() {
     name=$1 text=$2
     shift 2
-    rm -rf refused
+    rm -rf refused refused.ply
     "$drape" "$@" >out 2>err </dev/null
     got=$?
     if [ $got -eq 2 ] && [ ! -s out ] && [ "$(wc -l <err)" -eq 1 ] &&
-        grep -qF -- "$text" err && [ ! -e refused ]; then
+        grep -qF -- "$text" err && [ ! -e refused ] && [ ! -e refused.ply ]; then
         ok "$name"
     else
         bad "$name (exit $got, expected 2 and: $text)"
@@ -69,7 +69,7 @@ EOF
 cp "$root/app/scenes/tiny.json" tiny.json
 
 # In this order, as later ones use what earlier ones have written.
-for part in help input hostile run resume folder audit files; do
+for part in help input hostile run resume folder audit files manners; do
     # shellcheck disable=SC1090
     . "$root/tests/app/$part.sh"
 done

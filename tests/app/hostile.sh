@@ -5,7 +5,7 @@
 
 # no_mesh NAME TEXT FILE: every command refuses the file as a mesh, with TEXT.
 no_mesh() {
-    refused "$1" "$3: $2" convert "$3" refused
+    refused "$1" "$3: $2" convert "$3" refused.ply
 }
 
 # Formats that assimp reads in a child process
