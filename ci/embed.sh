@@ -68,6 +68,25 @@ needed='readelf -d "$0" | grep -q "NEEDED.*\[libdrape.so.[0-9.]*\]"'
 ok 'the one needs libdrape.so' sh -c "$needed" "$work/hang-shared"
 ok 'the other does not' sh -c "! $needed" "$work/hang-static"
 
+# With the GPU part, the same bits on the device: the example prints a position.
+if command -v nvcc >/dev/null && [ -e /dev/nvidiactl ]; then
+    sed 's/def.n_cloths = 1;/& def.backend = DRAPE_GPU;/' \
+        app/examples/hang.cpp >"$work/gpu.cpp"
+    for kind in shared static; do
+        libs=$flags
+        [ $kind = shared ] || libs=$parts
+        # shellcheck disable=SC2086
+        ok "hang.cpp for the GPU, $kind" $CXX -std=c++17 $strict \
+            "$work/gpu.cpp" $libs -o "$work/gpu-$kind"
+        # shellcheck disable=SC2016
+        ok "hangs there, too, $kind" sh -c \
+            '[ "$("$0")" = "$("$1")" ] && [ -n "$("$0")" ]' \
+            "$work/gpu-$kind" "$work/hang.cpp-$kind"
+    done
+else
+    skip 'hang.cpp for the GPU: there is no device, or no nvcc'
+fi
+
 # The same by CMake.
 if command -v cmake >/dev/null; then
     for kind in ON OFF; do

@@ -36,6 +36,7 @@ void check(int status)
 world_pointer make()
 {
     std::vector<drape_pin> pins;
+    pins.reserve(side);
     for (int i = 0; i < side; i++)
         pins.push_back({i, 0, -1});
     drape_cloth cloth;
