@@ -156,10 +156,12 @@ static int read_cloth(struct json *json, const cJSON *node, void *out)
         NESTED_KEY("holes", CLOTH(holes), read_regions),
         NESTED_KEY("cuts", CLOTH(cuts), read_regions),
         NESTED_KEY("pins", 0, read_pins),
+        NESTED_KEY("look", CLOTH(look), read_look),
         {0}};
     struct cloth *cloth = out;
     drape_cloth *c = &cloth->out;
     drape_default_cloth(c);
+    cloth->look = look_default();
     cloth->particles[0] = c->m;
     cloth->particles[1] = c->n;
     cloth->size[0] = c->width;
@@ -199,11 +201,13 @@ int read_cloths(struct json *json, const cJSON *node, void *out)
     drape_cloth *to = pool_take(json->pool, count + 1, sizeof *to);
     scene->cloth_name = pool_take(json->pool, count + 1, sizeof(char *));
     scene->pin_from = pool_take(json->pool, count + 1, sizeof(int *));
-    if (!to || !scene->cloth_name || !scene->pin_from)
+    scene->cloth_look = pool_take(json->pool, count + 1, sizeof(struct look));
+    if (!to || !scene->cloth_name || !scene->pin_from || !scene->cloth_look)
         return complain(APP_FAILED, "out of memory");
     for (size_t k = 0; k < count; k++) {
         to[k] = cloth[k].out;
         scene->pin_from[k] = cloth[k].pin_from;
+        scene->cloth_look[k] = cloth[k].look;
         scene->cloth_name[k] =
             cloth[k].name ? cloth[k].name : pool_text(json->pool, "cloth");
     }

@@ -5,6 +5,7 @@
 #define APP_CLOTH_H
 
 #include "app/json.h"
+#include "app/look.h"
 #include "app/shapes.h"
 
 #include <drape.h>
@@ -24,6 +25,7 @@ struct pin {
 struct cloth {
     drape_cloth out;
     char *name;
+    struct look look;
     double particles[2], size[2], velocity[3];
     struct start start;
     struct regions holes, cuts;

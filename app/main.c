@@ -50,6 +50,8 @@ static const struct command {
      "  --frame N        this frame only (default: a film of all that are "
      "there)\n"
      "  --every K        every K-th of the frames there\n"
+     "  --turn N         N pictures of one frame (default: the last), all "
+     "around\n"
      "  --width W --height H   in pixels (default: 800 × 600)\n"
      "  --samples S      a pixel (default: 8)\n"
      "  --threads N      0: as many as cores (default)\n"

@@ -5,6 +5,8 @@
 #include "app/file.h"
 #include "app/json.h"
 #include "app/output.h"
+#include "app/paint.h"
+#include "app/rim.h"
 #include "app/vec.h"
 
 #include <string.h>
@@ -31,12 +33,16 @@ static bool bounded(const cJSON *node, int k, double lo, double hi, double *out)
 /* Reads a camera; false if no scene could have it. */
 static bool load_camera(const cJSON *node, struct camera *camera)
 {
-    bool good = true;
+    bool good = bounded(get(node, "fov"), -1, 0, 150, &camera->fov) &&
+                bounded(get(node, "turn"), -1, -3600, 3600, &camera->turn) &&
+                bounded(get(node, "light"), -1, 0, 10, &camera->light);
     for (int i = 0; i < 3; i++)
         good = good &&
                bounded(get(node, "eye"), i, -1e6, 1e6, &camera->eye[i]) &&
-               bounded(get(node, "target"), i, -1e6, 1e6, &camera->target[i]);
-    return good && bounded(get(node, "fov"), -1, 0, 150, &camera->fov);
+               bounded(get(node, "target"), i, -1e6, 1e6, &camera->target[i]) &&
+               bounded(get(node, "sun"), i, -1e6, 1e6, &camera->sun[i]) &&
+               bounded(get(node, "floor"), i, 0, 1, &camera->floor[i]);
+    return good;
 }
 
 /* Reads a cloth's look; false if no run could have written it. */
@@ -49,10 +55,22 @@ static bool load_cloth(const cJSON *body, struct look_cloth *cloth)
         !bounded(size, 0, 0, 1e9, &cloth->width) ||
         !bounded(size, 1, 0, 1e9, &cloth->height))
         return false;
+    if (!look_restore(get(body, "look"), &cloth->look))
+        return false;
     cloth->first = (int64_t)first;
     cloth->m = (int)m;
     cloth->n = (int)n;
     return true;
+}
+
+/* Reads an obstacle's look; false if no run could have written it. */
+static bool load_obstacle(const cJSON *body, struct look_obstacle *obstacle)
+{
+    double first;
+    if (!bounded(get(body, "first_triangle"), -1, 0, INT32_MAX, &first))
+        return false;
+    obstacle->first = (int64_t)first;
+    return look_restore(get(body, "look"), &obstacle->look);
 }
 
 static int load_bodies(struct pool *pool, const cJSON *bodies, const char *path,
@@ -62,19 +80,20 @@ static int load_bodies(struct pool *pool, const cJSON *bodies, const char *path,
     size_t count = (size_t)cJSON_GetArraySize(bodies);
     int k = -1;
     look->cloths = pool_take(pool, count + 1, sizeof *look->cloths);
-    if (!look->cloths)
+    look->obstacles = pool_take(pool, count + 1, sizeof *look->obstacles);
+    if (!look->cloths || !look->obstacles)
         return complain(APP_FAILED, "out of memory");
     cJSON_ArrayForEach(body, bodies)
     {
         k++;
-        if (!get(body, "particles"))
+        bool cloth = get(body, "particles");
+        if (cloth ? load_cloth(body, &look->cloths[look->count++])
+                  : load_obstacle(body, &look->obstacles[look->n_obstacles++]))
             continue;
-        if (!load_cloth(body, &look->cloths[look->count++]))
-            return complain(
-                APP_USAGE,
-                "%s: $.bodies[%d]: expected a cloth's first_vertex, "
-                "particles and size",
-                path, k);
+        return complain(APP_USAGE, "%s: $.bodies[%d]: expected %s, and a look",
+                        path, k,
+                        cloth ? "a cloth's first_vertex, particles and size"
+                              : "an obstacle's first_triangle");
     }
     return APP_OK;
 }
@@ -83,6 +102,8 @@ int look_load(struct pool *pool, const char *directory, struct run_look *look)
 {
     char path[FILE_PATH];
     *look = (struct run_look){.rate = 60};
+    look->camera =
+        (struct camera){.fov = 35, .light = 1, .floor = {.635, .627, .623}};
     if (!file_join(path, directory, "report.json"))
         return APP_USAGE;
     if (!file_exists(path))
@@ -93,8 +114,8 @@ int look_load(struct pool *pool, const char *directory, struct run_look *look)
     int status = load_bodies(pool, get(root, "bodies"), path, look);
     const cJSON *camera = get(root, "camera");
     if (status == APP_OK && camera && !load_camera(camera, &look->camera))
-        status = complain(APP_USAGE,
-                          "%s: $.camera: expected eye, target and fov", path);
+        status = complain(APP_USAGE, "%s: $.camera: expected what a run writes",
+                          path);
     double frame = number(get(root, "dt"), -1, 1.0 / 60) *
                    number(get(root, "steps_per_frame"), -1, 1);
     if (status == APP_OK && !(frame > 1e-9 && frame < 1e9))
@@ -123,19 +144,25 @@ static bool is_floor(const struct mesh *mesh, int64_t k, float *floor)
     return true;
 }
 
-static void append(struct model *m, const struct mesh *mesh, bool cloth)
+/* Appends a mesh; obstacles get their paint, which follows that of cloths. */
+static void append(struct model *m, const struct mesh *mesh,
+                   const struct run_look *look, bool cloth)
 {
+    int of = 0;
     int64_t first = m->nv;
     for (int64_t k = 0; k < mesh->nv; k++)
         for (int i = 0; i < 3; i++)
             m->x[first + k][i] = (float)mesh->x[k][i];
     m->nv += mesh->nv;
     for (int64_t k = 0; k < mesh->nt; k++) {
+        while (!cloth && of + 1 < look->n_obstacles &&
+               look->obstacles[of + 1].first - look->obstacles[0].first <= k)
+            of++;
         if (!cloth && is_floor(mesh, k, &m->floor))
             continue;
         for (int i = 0; i < 3; i++)
             m->tri[m->nt][i] = (uint32_t)(first + mesh->tri[k][i]);
-        m->paint[m->nt++] = cloth ? 0 : PAINT_STONE;
+        m->paint[m->nt++] = (uint16_t)(look->count + of);
     }
 }
 
@@ -188,8 +215,10 @@ static void set_normals(struct model *m)
     }
 }
 
-/* Sets the rest coordinates of each particle and the cloth of each triangle. */
-static void set_paint(struct model *m, const struct run_look *look)
+/* Sets the rest coordinates of each particle and the cloth of each of the first
+ * `triangles`. */
+static void set_paint(struct model *m, const struct run_look *look,
+                      int64_t triangles)
 {
     for (int c = 0; c < look->count; c++) {
         const struct look_cloth *l = &look->cloths[c];
@@ -200,10 +229,50 @@ static void set_paint(struct model *m, const struct run_look *look)
             uv[1] = (float)(l->height * (double)(k / l->m) / (l->n - 1));
         }
     }
-    for (int64_t k = 0; k < m->nt; k++)
-        for (int c = 0; c < look->count && m->paint[k] != PAINT_STONE; c++)
+    for (int64_t k = 0; k < triangles; k++) {
+        m->paint[k] = 0;
+        for (int c = 0; c < look->count; c++)
             if (m->tri[k][0] >= look->cloths[c].first)
-                m->paint[k] = (uint8_t)(c % 32);
+                m->paint[k] = (uint16_t)c;
+    }
+}
+
+static void set_colour(const double given[3], vec otherwise, float out[3])
+{
+    const float own[3] = {otherwise.x, otherwise.y, otherwise.z};
+    for (int i = 0; i < 3; i++)
+        out[i] = given[0] >= 0 ? linear(given[i]) : own[i];
+}
+
+/* Makes the surfaces: the cloths', the obstacles', and one for bodies that the
+ * report does not name. */
+static int set_surfaces(struct pool *pool, struct model *m,
+                        const struct run_look *look)
+{
+    const vec stone = make(.60f, .555f, .49f);
+    int cloths = look->count, count = cloths + look->n_obstacles + 2;
+    struct surface *surface = pool_take(pool, (size_t)count, sizeof *surface);
+    if (!surface)
+        return complain(APP_FAILED, "render: out of memory");
+    for (int k = 0; k < count; k++) {
+        struct look own = look_default();
+        bool cloth = k < cloths || (cloths == 0 && k == 0);
+        if (k < cloths)
+            own = look->cloths[k].look;
+        else if (k < cloths + look->n_obstacles)
+            own = look->obstacles[k - cloths].look;
+        struct surface *s = &surface[k];
+        set_colour(own.colour, cloth ? cloth_dye(k, true) : stone, s->side[0]);
+        set_colour(own.inside[0] < 0 && !cloth ? own.colour : own.inside,
+                   cloth ? cloth_dye(k, false) : stone, s->side[1]);
+        s->gloss = own.gloss >= 0 ? 0.1f * (float)own.gloss
+                   : cloth        ? 0.007f
+                                  : 0.05f;
+        s->sheen = cloth ? 0.35f : 0;
+        s->check = cloth && own.check;
+    }
+    m->surface = surface;
+    return APP_OK;
 }
 
 int model_load(struct pool *pool, const char *directory, int k,
@@ -229,14 +298,23 @@ int model_load(struct pool *pool, const char *directory, int k,
     model->normal = pool_take(pool, nv, sizeof *model->normal);
     model->uv = pool_take(pool, nv, sizeof *model->uv);
     model->tri = pool_take(pool, nt, sizeof *model->tri);
-    model->paint = pool_take(pool, nt, 1);
+    model->paint = pool_take(pool, nt, sizeof *model->paint);
     if (!model->x || !model->normal || !model->uv || !model->tri ||
         !model->paint)
         return complain(APP_FAILED, "render: out of memory");
-    append(model, &cloth, true);
-    append(model, &stone, false);
+    append(model, &cloth, look, true);
+    int64_t triangles = model->nt;
+    append(model, &stone, look, false);
+    status = set_surfaces(pool, model, look);
+    for (int c = 0; c < look->count && status == APP_OK; c++) {
+        const struct look_cloth *l = &look->cloths[c];
+        const struct grid grid = {l->first, l->m, l->n};
+        status = rim_round(pool, model, &grid, triangles);
+    }
+    if (status != APP_OK)
+        return status;
     set_box(model);
     set_normals(model);
-    set_paint(model, look);
+    set_paint(model, look, triangles);
     return check_box(model, directory, k);
 }

@@ -11,8 +11,14 @@ struct run_look {
         int64_t first; /* vertex */
         int m, n;
         double width, height;
+        struct look look;
     } * cloths; /* [count], in the order of their vertices */
     int count;
+    struct look_obstacle {
+        int64_t first; /* triangle of the scene */
+        struct look look;
+    } * obstacles; /* [n_obstacles], in the order of their triangles */
+    int n_obstacles;
     struct camera camera;
     double rate; /* frames a second */
 };

@@ -17,6 +17,7 @@ struct series {
 struct obstacle {
     drape_obstacle out;
     char *name, *file;
+    struct look look;
     struct shape shape;
     struct placement placement;
     struct series series;
@@ -196,8 +197,10 @@ static int read_obstacle(struct json *json, const cJSON *node, void *out)
         VECTOR_KEY("at", O(placement.at), -1e6, 1e6, 3),
         NUMBER_KEY("friction", O(out.friction), 0, 10),
         NESTED_KEY("motion", O(out.motion), read_motion_name),
+        NESTED_KEY("look", O(look), read_look),
         {0}};
     struct obstacle *o = out;
+    o->look = look_default();
     drape_default_obstacle(&o->out);
     o->out.motion = -1;
     o->placement.scale = 1;
@@ -219,10 +222,13 @@ int read_obstacles(struct json *json, const cJSON *node, void *out)
     const struct obstacle *o = list.items;
     drape_obstacle *to = pool_take(json->pool, count + 1, sizeof *to);
     scene->obstacle_name = pool_take(json->pool, count + 1, sizeof(char *));
-    if (!to || !scene->obstacle_name)
+    scene->obstacle_look =
+        pool_take(json->pool, count + 1, sizeof(struct look));
+    if (!to || !scene->obstacle_name || !scene->obstacle_look)
         return complain(APP_FAILED, "out of memory");
     for (size_t k = 0; k < count; k++) {
         to[k] = o[k].out;
+        scene->obstacle_look[k] = o[k].look;
         scene->obstacle_name[k] =
             o[k].name ? o[k].name : pool_text(json->pool, "obstacle");
     }

@@ -68,7 +68,7 @@ static int read_value(const struct option_row *row, const char *value)
     return APP_OK;
 }
 
-enum { ROWS_MOST = 30, QUIET = 'q', FIRST = 256 };
+enum { ROWS_MOST = 30, QUIET = 255, FIRST = 256 };
 
 /* The table in getopt's form: row k answers FIRST + k. */
 static void make_longs(const struct option_row *table,

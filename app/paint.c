@@ -19,7 +19,7 @@ enum { DYES = sizeof dyes / sizeof dyes[0] };
 
 /* Returns the brightness at uv of a woven check: squares of 4 cm, with thin
  * dark threads between them. */
-static float weave(const float uv[2])
+float weave(const float uv[2])
 {
     float a = uv[0] * 25, b = uv[1] * 25;
     bool checker = ((int)floorf(a) + (int)floorf(b)) & 1;
@@ -28,9 +28,15 @@ static float weave(const float uv[2])
     return (checker ? 1.0f : 0.90f) * (thread ? 0.82f : 1.0f);
 }
 
-vec cloth_colour(int dye, const float uv[2], bool outside)
+vec cloth_dye(int k, bool outside)
 {
-    return scale(from(dyes[dye % DYES][outside ? 0 : 1]), weave(uv));
+    return from(dyes[k % DYES][outside ? 0 : 1]);
+}
+
+float linear(double part)
+{
+    return (float)(part < 0.04045 ? part / 12.92
+                                  : pow((part + 0.055) / 1.055, 2.4));
 }
 
 static uint32_t scramble(uint32_t a)

@@ -12,9 +12,13 @@
  * horizon.
  */
 vec sky(vec d);
-/* Colour of cloth number `dye` at uv, m at rest, on its outer or inner
- * side: a woven check, linear. */
-vec cloth_colour(int dye, const float uv[2], bool outside);
+/* Colour of cloth number k that is not told its own: outside or inside, linear.
+ */
+vec cloth_dye(int k, bool outside);
+/* Brightness at uv, m at rest, of a woven check. */
+float weave(const float uv[2]);
+/* Linear light of a part of an sRGB colour, 0 … 1. */
+float linear(double part);
 /* Sample number k of a pixel: a point of the unit cube in six dimensions,
  * each in [0, 1). */
 void randoms(uint32_t pixel, int k, float out[6]);

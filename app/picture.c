@@ -10,13 +10,17 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { THREADS_MOST = 256 };
+enum { THREADS_MOST = 256, FLOOR_SAMPLES = 6 };
+/* Roberts' sequence in four dimensions. */
+static const float floor_step[4] = {0.8566749f, 0.7338919f, 0.6287067f,
+                                    0.5385973f};
 
 struct studio {
     const struct model *model;
     RTCScene scene;
     vec eye, right, up, ahead; /* right and up reach the picture's edges */
     vec sun;                   /* unit, towards the sun */
+    vec light, floor;          /* of the sun; the floor's colour */
     float far;                 /* m, where the floor has faded away */
 };
 
@@ -31,20 +35,17 @@ struct hit {
 static void paint(const struct model *m, uint32_t triangle, const float w[3],
                   bool outside, struct hit *hit)
 {
-    int dye = m->paint[triangle];
-    if (dye == PAINT_STONE) {
-        hit->colour = make(.60f, .555f, .49f);
-        hit->gloss = 0.05f;
-        hit->sheen = 0;
+    const struct surface *surface = &m->surface[m->paint[triangle]];
+    hit->colour = from(surface->side[outside ? 0 : 1]);
+    hit->gloss = surface->gloss;
+    hit->sheen = surface->sheen;
+    if (!surface->check)
         return;
-    }
     float uv[2] = {0, 0};
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 2; k++)
             uv[k] += w[i] * m->uv[m->tri[triangle][i]][k];
-    hit->colour = cloth_colour(dye, uv, outside);
-    hit->gloss = 0.007f;
-    hit->sheen = 0.35f;
+    hit->colour = scale(hit->colour, weave(uv));
 }
 
 static struct RTCRayHit ray_from(vec p, vec d)
@@ -101,7 +102,7 @@ static bool look(const struct studio *s, vec p, vec d, struct hit *hit)
     }
     hit->floor = true;
     hit->face = hit->normal = make(0, 1, 0);
-    hit->colour = make(.36f, .35f, .345f);
+    hit->colour = s->floor;
     hit->gloss = hit->sheen = 0;
     return true;
 }
@@ -139,7 +140,7 @@ static vec shade(const struct studio *s, const struct hit *h, vec view,
         vec half = unit(add(sun, view));
         float shine = powf(clamp(dot(h->normal, half)), 40) * h->gloss * 12;
         light = add(scale(h->colour, lit), make(shine, shine, shine));
-        light = mul(light, make(1.75f, 1.62f, 1.42f));
+        light = mul(light, s->light);
     }
     vec d = about(h->normal, random[2], random[3], 0.9999f);
     struct hit other;
@@ -161,9 +162,20 @@ static vec trace(const struct studio *s, vec d, const float random[4])
     vec backdrop = sky(make(d.x, 0, d.z));
     if (!look(s, s->eye, d, &hit))
         return mix(backdrop, sky(d), clamp(d.y));
-    vec light = shade(s, &hit, scale(d, -1), random);
     if (!hit.floor)
-        return light;
+        return shade(s, &hit, scale(d, -1), random);
+    /* On the even floor the grain of the light shows, and its rays are short:
+     * more of them. */
+    vec light = {0, 0, 0};
+    for (int k = 0; k < FLOOR_SAMPLES; k++) {
+        float r[4];
+        for (int i = 0; i < 4; i++) {
+            float at = random[i] + (float)k * floor_step[i];
+            r[i] = (at - floorf(at)) * 0.999999f;
+        }
+        light = add(light, shade(s, &hit, scale(d, -1), r));
+    }
+    light = scale(light, 1.0f / FLOOR_SAMPLES);
     float t = clamp(hit.distance / s->far);
     return mix(light, backdrop, t * t * (3 - 2 * t));
 }
@@ -187,23 +199,50 @@ static void pixel(const struct studio *s, const struct shot *shot, int row,
     rgb[2] = develop(sum.z);
 }
 
-/* Sets up the camera; without a given camera, one that sees the model's box
- * from above and from the side. */
+/* Chooses a camera that sees the model's box from above and from the side. */
+static void choose(const struct model *m, struct camera *c)
+{
+    static const double way[3] = {1.25, 0.85, 1.75};
+    double reach = 0;
+    for (int i = 0; i < 3; i++)
+        reach = fmax(reach, m->hi[i] - m->lo[i]);
+    for (int i = 0; i < 3; i++) {
+        c->target[i] = (m->lo[i] + m->hi[i]) / 2;
+        c->eye[i] = c->target[i] + way[i] * reach;
+    }
+}
+
+/* Turns the camera about the vertical through its target. */
+static void turn(struct camera *c, double degrees)
+{
+    double a = degrees * 0.017453292519943295, co = cos(a), si = sin(a);
+    double x = c->eye[0] - c->target[0], z = c->eye[2] - c->target[2];
+    c->eye[0] = c->target[0] + co * x + si * z;
+    c->eye[2] = c->target[2] - si * x + co * z;
+}
+
+/* Sets up light and floor. The sun stands where it is told, else high, to the
+ * left behind the camera. */
+static void set_light(struct studio *s, const struct camera *c, vec right)
+{
+    float strength = (float)c->light;
+    s->light = scale(make(1.75f, 1.62f, 1.42f), strength);
+    s->floor =
+        make(linear(c->floor[0]), linear(c->floor[1]), linear(c->floor[2]));
+    vec back = scale(s->ahead, -0.55f);
+    s->sun = unit(add(add(back, scale(right, -0.75f)), make(0, 1.0f, 0)));
+    if (c->sun[0] != 0 || c->sun[1] != 0 || c->sun[2] != 0)
+        s->sun =
+            unit(make((float)c->sun[0], (float)c->sun[1], (float)c->sun[2]));
+}
+
 static void set_up(struct studio *s, const struct shot *shot)
 {
     struct camera c = shot->camera;
-    const struct model *m = s->model;
-    float reach = 0;
-    for (int i = 0; i < 3; i++)
-        reach = fmaxf(reach, (float)(m->hi[i] - m->lo[i]));
-    if (!(c.fov > 0)) {
-        static const double way[3] = {1.25, 0.85, 1.75};
-        c.fov = 34;
-        for (int i = 0; i < 3; i++) {
-            c.target[i] = (m->lo[i] + m->hi[i]) / 2;
-            c.eye[i] = c.target[i] + way[i] * (double)reach;
-        }
-    }
+    if (memcmp(c.eye, c.target, sizeof c.eye) == 0)
+        choose(s->model, &c);
+    if (shot->turned != 0)
+        turn(&c, shot->turned);
     vec target =
         make((float)c.target[0], (float)c.target[1], (float)c.target[2]);
     s->eye = make((float)c.eye[0], (float)c.eye[1], (float)c.eye[2]);
@@ -213,9 +252,7 @@ static void set_up(struct studio *s, const struct shot *shot)
     vec right = unit(cross(s->ahead, make(0, 1, 0)));
     s->up = scale(cross(right, s->ahead), edge);
     s->right = scale(right, edge * (float)shot->width / (float)shot->height);
-    /* The sun stands high, to the left behind the camera. */
-    vec back = scale(s->ahead, -0.55f);
-    s->sun = unit(add(add(back, scale(right, -0.75f)), make(0, 1.0f, 0)));
+    set_light(s, &c, right);
 }
 
 static RTCScene build(RTCDevice device, const struct model *m)

@@ -5,7 +5,12 @@
 
 #include "app/scene.h"
 
-enum { PAINT_STONE = 255 };
+/* How triangles of one body look. */
+struct surface {
+    float side[2][3]; /* colour of the outside and of the inside, linear */
+    float gloss, sheen;
+    bool check; /* woven in checks */
+};
 
 /* The geometry of a picture, in binary32. */
 struct model {
@@ -13,15 +18,17 @@ struct model {
     float (*x)[3], (*normal)[3]; /* [nv] m; unit, smooth */
     float (*uv)[2];              /* [nv] m on the cloth at rest */
     uint32_t (*tri)[3];          /* [nt] */
-    uint8_t *paint;              /* [nt] index of the cloth, or PAINT_STONE */
-    float floor;                 /* y of an endless floor; NaN: none */
-    double lo[3], hi[3];         /* box around all but the floor */
+    uint16_t *paint;             /* [nt] index into surface */
+    const struct surface *surface;
+    float floor;         /* y of an endless floor; NaN: none */
+    double lo[3], hi[3]; /* box around all but the floor */
 };
 
 struct shot {
     int width, height, samples;
     int threads;          /* 0: as many as there are cores */
-    struct camera camera; /* fov 0: chosen so that it sees the model's box */
+    struct camera camera; /* eye at the target: it sees the model's box */
+    double turned;        /* degrees that the camera is turned, to the right */
 };
 
 /* Fills rgb [height][width][3]; the bytes do not depend on the number of

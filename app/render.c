@@ -21,6 +21,7 @@ struct render {
     struct shot shot;
     uint8_t *rgb;
     int frame, every, no_film, rate;
+    int turn;           /* pictures of one frame from all around; 0: a film */
     int *frames, count; /* numbers of the existing frames, ascending */
 };
 
@@ -29,8 +30,10 @@ static int take(struct render *r, int frame, int number)
     struct pool pool = {0};
     struct model model;
     char name[64];
-    snprintf(name, sizeof name, "%s_%04d.png", r->frame < 0 ? "film" : "frame",
-             number);
+    bool one = r->frame >= 0 && !r->turn;
+    snprintf(name, sizeof name, "%s_%04d.png", one ? "frame" : "film", number);
+    r->shot.turned = r->turn ? 360.0 * number / r->turn
+                             : r->look.camera.turn * frame / r->look.rate;
     int status = model_load(&pool, r->directory, frame, &r->look, &model);
     if (status == APP_OK)
         status = picture_take(&model, &r->shot, r->rgb);
@@ -101,12 +104,14 @@ static int take_one(struct render *r)
 static int take_all(struct render *r)
 {
     int made = 0, status = folder_clear_film(r->directory);
-    int total = (r->count + r->every - 1) / r->every;
+    int total = r->turn ? r->turn : (r->count + r->every - 1) / r->every;
+    int still = r->frame >= 0 ? r->frame : r->frames[r->count - 1];
     struct progress progress;
     progress_begin(&progress, 0, total);
-    for (int k = 0; k < r->count && status == APP_OK; k += r->every) {
+    for (int k = 0; made < total && status == APP_OK; k += r->every) {
         char words[64];
-        status = take(r, r->frames[k], made++);
+        status = take(r, r->turn ? still : r->frames[k], made);
+        made++;
         snprintf(words, sizeof words, "picture %d/%d", made, total);
         if (status == APP_OK)
             progress_show(&progress, made, words);
@@ -116,6 +121,8 @@ static int take_all(struct render *r)
         return status;
     say("%s: %d pictures\n", r->pictures, made);
     /* a run may have written only every n-th frame */
+    if (r->turn && !r->rate)
+        r->rate = r->turn / 6; /* once around in six seconds */
     int apart = r->count > 1 ? r->frames[1] - r->frames[0] : 1;
     if (!r->rate)
         r->rate = (int)(r->look.rate / r->every / apart + 0.5);
@@ -135,7 +142,7 @@ static int render(struct render *r)
         return APP_USAGE;
     if (!file_make_directory(r->pictures))
         return APP_FAILED;
-    return r->frame >= 0 ? take_one(r) : take_all(r);
+    return r->frame >= 0 && !r->turn ? take_one(r) : take_all(r);
 }
 
 int command_render(int argc, char **argv)
@@ -145,6 +152,7 @@ int command_render(int argc, char **argv)
     const struct option_row options[] = {
         {"--frame", OPTION_INT, &r.frame, 0, 1000000},
         {"--every", OPTION_INT, &r.every, 1, 1000000},
+        {"--turn", OPTION_INT, &r.turn, 1, 100000},
         {"--width", OPTION_INT, &r.shot.width, 16, 16384},
         {"--height", OPTION_INT, &r.shot.height, 16, 16384},
         {"--samples", OPTION_INT, &r.shot.samples, 1, 65536},

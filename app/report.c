@@ -135,6 +135,12 @@ static void put_bodies(FILE *out, const struct scene *scene,
             fprintf(out, ", \"particles\": [%d, %d], \"size\": [%.17g, %.17g]",
                     c->m, c->n, c->width, c->height);
         }
+        const struct look *looks =
+            cloth ? scene->cloth_look : scene->obstacle_look;
+        if (looks) {
+            fputs(", \"look\": ", out);
+            look_write(out, &looks[cloth ? k : k - def->n_cloths]);
+        }
         fprintf(out, "}%s\n", k + 1 < bodies ? "," : "");
     }
     fprintf(out, "  ],\n  \"vertices\": %lld, \"triangles\": %lld,\n",
@@ -181,14 +187,22 @@ static void put_estimate(FILE *out, const struct estimate *e)
     fputs("},\n", out);
 }
 
+static void put_vector(FILE *out, const char *name, const double v[3])
+{
+    fprintf(out, "\"%s\": [%.17g, %.17g, %.17g], ", name, v[0], v[1], v[2]);
+}
+
 static void put_camera(FILE *out, const struct camera *c)
 {
-    if (c->fov > 0)
-        fprintf(out,
-                "  \"camera\": {\"eye\": [%.17g, %.17g, %.17g], \"target\": "
-                "[%.17g, %.17g, %.17g], \"fov\": %.17g},\n",
-                c->eye[0], c->eye[1], c->eye[2], c->target[0], c->target[1],
-                c->target[2], c->fov);
+    if (!(c->fov > 0))
+        return;
+    fputs("  \"camera\": {", out);
+    put_vector(out, "eye", c->eye);
+    put_vector(out, "target", c->target);
+    put_vector(out, "sun", c->sun);
+    put_vector(out, "floor", c->floor);
+    fprintf(out, "\"fov\": %.17g, \"turn\": %.17g, \"light\": %.17g},\n",
+            c->fov, c->turn, c->light);
 }
 
 bool report_write(const struct report *report, const struct scene *scene,

@@ -28,9 +28,12 @@ static int read_camera(struct json *json, const cJSON *node, void *out)
         VECTOR_KEY("eye", offsetof(struct camera, eye), -1e6, 1e6, 3),
         VECTOR_KEY("target", offsetof(struct camera, target), -1e6, 1e6, 3),
         NUMBER_KEY("fov", offsetof(struct camera, fov), 1, 150),
+        NUMBER_KEY("turn", offsetof(struct camera, turn), -3600, 3600),
+        VECTOR_KEY("sun", offsetof(struct camera, sun), -1e6, 1e6, 3),
+        NUMBER_KEY("light", offsetof(struct camera, light), 0, 10),
+        VECTOR_KEY("floor", offsetof(struct camera, floor), 0, 1, 3),
         {0}};
     struct camera *camera = out;
-    camera->fov = 35;
     return json_object(json, node, keys, camera);
 }
 
@@ -117,6 +120,8 @@ int scene_load(struct scene *scene, const char *file)
     scene->frames = 120;
     scene->steps_per_frame = 1;
     scene->def.threads = 0;
+    scene->camera =
+        (struct camera){.fov = 35, .light = 1, .floor = {.635, .627, .623}};
     scene->memory = default_memory();
     scene->pool.most = &scene->memory;
     if (strlen(file) >= sizeof scene->file)

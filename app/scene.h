@@ -3,14 +3,19 @@
 #ifndef APP_SCENE_H
 #define APP_SCENE_H
 
+#include "app/look.h"
 #include "app/mesh.h"
 
 #include <drape.h>
 #include <stdio.h>
 
 struct camera {
-    double eye[3], target[3]; /* m */
+    double eye[3], target[3]; /* m; the same: chosen by the picture */
     double fov;               /* degrees, of the picture's height; 0: unset */
+    double turn;              /* degrees a second, about the target */
+    double sun[3];            /* towards it; 0: by the camera */
+    double light;             /* strength of the sun */
+    double floor[3];          /* colour, sRGB */
 };
 
 struct scene {
@@ -23,6 +28,7 @@ struct scene {
     struct camera camera;
     /* Names, NULL-terminated: [n_cloths], [n_obstacles], [n_motions]. */
     char **cloth_name, **obstacle_name, **motion_name;
+    struct look *cloth_look, *obstacle_look; /* as many */
     int **pin_from;   /* [n_cloths][n_pins] index in the file's list of pins */
     double particles; /* sum over all cloths */
     int64_t degenerate; /* obstacle triangles without area */

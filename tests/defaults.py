@@ -27,7 +27,7 @@ def sections(text):
     """{name: rows of cells} of the tables that have ranges and defaults."""
     name, tables = "", {}
     for line in text.splitlines():
-        title = re.fullmatch(r"## (?:The|An|A) (\w+)|\*\*(\w+)\*\*", line)
+        title = re.fullmatch(r"## (?:The|An|A) (\w+)|\*\*(\w+)\*\*.*", line)
         if title:
             name = title[1] or title[2]
         cells = [c.strip() for c in line.strip("|").split("|")]
@@ -87,7 +87,7 @@ SMALL = {"particles": [9, 9], "size": [0.4, 0.4]}
 def scene(section, key, given):
     """A sheet above a ball; `given` {} or {key: value} in its section."""
     parts = {name: {} for name in ("wind", "camera", "cloth", "start",
-                                   "material", "obstacle")}
+                                   "material", "obstacle", "look")}
     parts["start"] = {"at": [0, 0.61, 0]}
     parts["obstacle"] = {"shape": "sphere", "at": [0.1, 0.1, 0], "detail": 12}
     for name, change in {**AROUND.get((section, None), {}),
@@ -98,7 +98,7 @@ def scene(section, key, given):
         parts[section].pop(key, None)
         parts[section].update(given)
     cloth = dict(parts["cloth"], start=parts["start"],
-                 material=parts["material"])
+                 material=parts["material"], look=parts["look"])
     whole = {"wind": parts["wind"], "camera": parts["camera"],
              "cloths": [cloth], "obstacles": [parts["obstacle"]],
              "allow_intersecting": True, "sleep": False}
@@ -181,7 +181,7 @@ def main():
                     check_range(section, key[1], span, default)
                     check_default(section, key[1], default, settings)
         os.chdir("/")
-    check("every table was read", len(tables) == 7)
+    check("every table was read", len(tables) == 8)
     told = {name for row in tables["scene"]
             for name in re.findall(r"`(\w+)`", row[0])}
     check("every setting is in the table", set(settings) <= told)

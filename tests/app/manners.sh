@@ -23,6 +23,7 @@ refused 'no value' '--frames: expected a value' run tiny.json --frames
 refused 'an empty value' '--out: expected a value, not an empty' \
     run tiny.json --out=
 refused 'a short option' '-x: unknown option' run tiny.json -x
+refused 'another' '-q: unknown option' run tiny.json -q
 is 'the order of GNU, whatever POSIXLY_CORRECT says' env POSIXLY_CORRECT=1 \
     "$drape" run tiny.json --frames 1 --out posix
 refused 'an option that is nearly one' '--frmes: unknown option; did you mean --frames?' \

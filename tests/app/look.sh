@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2154,SC2016
+# What a scene says of its look is seen in its pictures.
+# Read by tests/app.sh, whose functions it calls.
+
+# shot NAME CAMERA CLOTH OBSTACLE: a picture of a sheet over a ball on a floor
+shot() {
+    cat >"$1.json" <<END
+{"frames": 0, "camera": {$2},
+ "cloths": [{"particles": [21, 21], "size": [1, 1], "start": {"at": [0, 1, 0]},
+   "holes": [{"disc": [0.5, 0.5, 0.2]}], "look": {$3}}],
+ "obstacles": [{"shape": "plane", "extent": [4, 1, 4], "at": [0, -0.1, 0]},
+   {"shape": "sphere", "radius": 0.3, "at": [0, 0.3, 0], "look": {$4}}]}
+END
+    exits "a run: $1" 0 run "$1.json" --out "look_$1" --quiet
+    exits "a picture: $1" 0 render "look_$1" --frame 0 --width 64 --height 48 \
+        --samples 4 --quiet
+    cp "look_$1/pictures/frame_0000.png" "$1.png"
+}
+# differ A B: two pictures are not the same
+differ() { is "pictures differ: $1, $2" sh -c '! cmp -s "$0.png" "$1.png"' "$1" "$2"; }
+eye='"eye": [1.5, 2, 2.5], "target": [0, 0.5, 0]'
+shot plain "$eye" '' ''
+shot told "$eye, \"fov\": 35, \"light\": 1, \"turn\": 0" '"check": true' ''
+is 'the defaults are the defaults' cmp plain.png told.png
+shot blue "$eye" '"colour": [0, 0, 1], "check": false' ''
+shot inside "$eye" '"inside": [0, 1, 0]' ''
+shot ball "$eye" '' '"colour": [1, 0, 0], "gloss": 1'
+shot floor "$eye, \"floor\": [0, 0.2, 0]" '' ''
+shot sun "$eye, \"sun\": [1, 0.2, 0]" '' ''
+shot dim "$eye, \"light\": 0.2" '' ''
+shot around '' '' ''
+for other in blue inside ball floor sun dim around; do
+    differ plain $other
+done
+is 'colours are those that were said' python3 "$root/tests/app/png.py" plain.png \
+    blue.png floor.png dim.png
+printf '{"frames": 0, "cloths": [{"look": {"colour": [0, 2, 0]}}]}' >bad.json
+refused 'a colour out of range' '$.cloths[0].look.colour[1]: 2' run bad.json
+
+# A turntable, and a camera that goes round during a film.
+exits 'a turntable' 0 render look_plain --turn 4 --width 64 --height 48 \
+    --samples 4 --no-film --quiet
+is 'of four pictures, the first straight on' sh -c \
+    'cmp look_plain/pictures/film_0000.png plain.png &&
+    [ "$(ls look_plain/pictures/film_* | wc -l)" -eq 4 ] &&
+    ! cmp -s look_plain/pictures/film_0001.png look_plain/pictures/film_0003.png'
+sed 's/"frames": 0/"frames": 2, "gravity": [0, 0, 0]/; s/"camera": {/&"turn": 600, /' \
+    plain.json >look_turn.json
+exits 'a run with a camera that turns' 0 run look_turn.json --out look_turn --quiet
+exits 'its film' 0 render look_turn --width 64 --height 48 --samples 4 --no-film --quiet
+cp look_turn/pictures/film_0002.png turned.png
+sed 's/"turn": 600/"turn": 0/' look_turn/report.json >still.json
+cp still.json look_turn/report.json
+exits 'a picture that is not turned' 0 render look_turn --frame 2 --width 64 \
+    --height 48 --samples 4 --quiet
+is 'begins as it is, and turns' sh -c 'cmp look_turn/pictures/film_0000.png plain.png &&
+    ! cmp -s look_turn/pictures/frame_0002.png turned.png'
+sed 's/"gloss": 1,/"gloss": 7,/' look_ball/report.json >wrong.json
+cp wrong.json look_ball/report.json
+refused 'a report with a look that no run writes' 'and a look' render look_ball
