@@ -15,7 +15,7 @@ endif
 OPT    ?= -O2
 OPENMP ?= -fopenmp
 # Warnings are errors in CI only: another compiler may know other warnings.
-WERROR := $(if $(CI),-Werror)
+WERROR ?= $(if $(CI),-Werror)
 WARN   := -Wall -Wextra -Wpedantic $(WERROR)
 # The number model (spec/README.md §1): no contraction, no reassociation.
 MODEL  := -ffp-contract=off -fno-math-errno -fno-fast-math
@@ -41,7 +41,7 @@ CUDA    = nvcc -std=c++20 -O2 -lineinfo --fmad=false -prec-div=true \
           -Xcompiler -Wall,-Wextra,-Werror,-fPIC,-ffp-contract=off \
           -Xcompiler -fno-gnu-unique -I. -Ispec -I$(BUILD) -MMD -MP
 comma  := ,
-NVCC_C  = $(if $(CI),$(CUDA),$(subst -Werror$(comma),,$(CUDA)))
+NVCC_C  = $(if $(WERROR),$(CUDA),$(subst -Werror$(comma),,$(CUDA)))
 CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
           -lpthread -ldl -lrt -lm
 # -O1: what is slow in emulated kernels is to change threads. C++14, as after

@@ -31,7 +31,7 @@ refused() {
 export CC="${CC:-gcc}" CXX="${CXX:-g++}"
 multi=lib/$($CC -print-multiarch) # Debian's LIBDIR, of two parts
 ok install make BUILD="$build" DESTDIR="$work/at first" PREFIX=/usr \
-    LIBDIR=$multi install
+    LIBDIR="$multi" install
 usr=$work/usr lib=$work/usr/$multi
 mv "$work/at first/usr" "$usr"
 archive=$lib/libdrape.a
@@ -42,6 +42,7 @@ if command -v pkg-config >/dev/null; then
     parts=$(pkg-config --cflags drape)\ $archive\ $(
         pkg-config --static --libs-only-l --libs-only-other drape |
             sed 's/-ldrape//')
+    # shellcheck disable=SC2016
     ok "pkg-config's version" sh -c 'pkg-config --modversion drape |
         grep -qx "$(sed -n "s/.*DRAPE_VERSION \"\(.*\)\"/\1/p" spec/drape.h)"'
 else
@@ -163,6 +164,7 @@ int main(void)
     return strcmp(text, DRAPE_VERSION) != 0;
 }
 END
+# shellcheck disable=SC2086
 ok 'the version, compiled' $CC -std=c17 $strict "$work/version.c" \
     -I"$usr/include" -o "$work/version"
 ok 'the version as numbers' "$work/version"
