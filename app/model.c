@@ -33,13 +33,22 @@ static bool bounded(const cJSON *node, int k, double lo, double hi, double *out)
 /* Reads a camera; false if no scene could have it. */
 static bool load_camera(const cJSON *node, struct camera *camera)
 {
+    bool good = true;
+    for (int i = 0; i < 3; i++)
+        good = good &&
+               bounded(get(node, "eye"), i, -1e6, 1e6, &camera->eye[i]) &&
+               bounded(get(node, "target"), i, -1e6, 1e6, &camera->target[i]);
+    return good && bounded(get(node, "fov"), -1, 0, 150, &camera->fov);
+}
+
+/* Reads light, floor and turn; false if no scene could have them. */
+static bool load_picture(const cJSON *node, struct camera *camera)
+{
     bool good = bounded(get(node, "fov"), -1, 0, 150, &camera->fov) &&
                 bounded(get(node, "turn"), -1, -3600, 3600, &camera->turn) &&
                 bounded(get(node, "light"), -1, 0, 10, &camera->light);
     for (int i = 0; i < 3; i++)
         good = good &&
-               bounded(get(node, "eye"), i, -1e6, 1e6, &camera->eye[i]) &&
-               bounded(get(node, "target"), i, -1e6, 1e6, &camera->target[i]) &&
                bounded(get(node, "sun"), i, -1e6, 1e6, &camera->sun[i]) &&
                bounded(get(node, "floor"), i, 0, 1, &camera->floor[i]);
     return good;
@@ -112,10 +121,15 @@ int look_load(struct pool *pool, const char *directory, struct run_look *look)
     if (!root)
         return APP_USAGE;
     int status = load_bodies(pool, get(root, "bodies"), path, look);
-    const cJSON *camera = get(root, "camera");
-    if (status == APP_OK && camera && !load_camera(camera, &look->camera))
-        status = complain(APP_USAGE, "%s: $.camera: expected what a run writes",
+    const cJSON *camera = get(root, "camera"), *picture = get(root, "picture");
+    if (status == APP_OK && picture && !load_picture(picture, &look->camera))
+        status = complain(APP_USAGE,
+                          "%s: $.picture: expected fov, turn, light, sun and "
+                          "floor",
                           path);
+    if (status == APP_OK && camera && !load_camera(camera, &look->camera))
+        status = complain(APP_USAGE,
+                          "%s: $.camera: expected eye, target and fov", path);
     double frame = number(get(root, "dt"), -1, 1.0 / 60) *
                    number(get(root, "steps_per_frame"), -1, 1);
     if (status == APP_OK && !(frame > 1e-9 && frame < 1e9))

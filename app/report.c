@@ -4,6 +4,8 @@
 #include "app/file.h"
 #include "app/text.h"
 
+#include <string.h>
+
 static const char *const part_names[] = {"integration", "solver", "broad",
                                          "proximity", "penetration"};
 _Static_assert(sizeof part_names / sizeof *part_names == DRAPE_PART_COUNT,
@@ -192,13 +194,19 @@ static void put_vector(FILE *out, const char *name, const double v[3])
     fprintf(out, "\"%s\": [%.17g, %.17g, %.17g], ", name, v[0], v[1], v[2]);
 }
 
+/* Writes where the camera stands, if the scene says so, and what else pictures
+ * need. */
 static void put_camera(FILE *out, const struct camera *c)
 {
     if (!(c->fov > 0))
         return;
-    fputs("  \"camera\": {", out);
-    put_vector(out, "eye", c->eye);
-    put_vector(out, "target", c->target);
+    if (memcmp(c->eye, c->target, sizeof c->eye) != 0) {
+        fputs("  \"camera\": {", out);
+        put_vector(out, "eye", c->eye);
+        put_vector(out, "target", c->target);
+        fprintf(out, "\"fov\": %.17g},\n", c->fov);
+    }
+    fputs("  \"picture\": {", out);
     put_vector(out, "sun", c->sun);
     put_vector(out, "floor", c->floor);
     fprintf(out, "\"fov\": %.17g, \"turn\": %.17g, \"light\": %.17g},\n",

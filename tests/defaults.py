@@ -124,7 +124,7 @@ def outcome(what):
         report = json.load(file)
     for step in report["steps"]:
         del step["seconds"]
-    left = json.dumps([report["steps"], report.get("camera"),
+    left = json.dumps([report["steps"], report.get("camera"), report["picture"],
                        report["bodies"]]).encode()
     for name in ["obstacles.ply", "frames/cloth_0000.ply"]:
         with open(os.path.join("out", name), "rb") as file:

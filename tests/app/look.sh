@@ -59,3 +59,7 @@ is 'begins as it is, and turns' sh -c 'cmp look_turn/pictures/film_0000.png plai
 sed 's/"gloss": 1,/"gloss": 7,/' look_ball/report.json >wrong.json
 cp wrong.json look_ball/report.json
 refused 'a report with a look that no run writes' 'and a look' render look_ball
+sed 's/"light": 1/"light": 11/' look_plain/report.json >wrong.json
+cp wrong.json look_plain/report.json
+refused 'a report with a light that no run writes' '$.picture: expected fov' \
+    render look_plain
