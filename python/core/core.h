@@ -51,7 +51,7 @@ typedef struct core_touches {
         double toi;
         int32_t kind, v[4];
         int32_t unused;
-    } *touch;
+    } * touch;
 } core_touches;
 /* Appends a pair; user is the list. Not 0: memory ran out. */
 int core_touch_add(void *user, int kind, const int32_t v[4], double toi);

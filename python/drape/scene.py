@@ -387,7 +387,8 @@ def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text
         if isinstance(error, SceneError):
             raise
         raise SceneError(f"a scene's number is not finite: {error}") from error
-    return Text(text, os.path.join(folder or ".", "scene"), cloths, obstacles)
+    file = os.path.join(folder, "scene") if folder else "scene"
+    return Text(text, file, cloths, obstacles)
 
 
 def _bodies(tree: dict[str, Any], key: str) -> list[Any]:

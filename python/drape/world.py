@@ -390,17 +390,25 @@ class World:
         Raises:
             CheckpointError: it is damaged, or of another scene
         """
+        before = self.checkpoint()
+        left = self._restore(data)
+        if left:
+            self._restore(before)
+        self._refresh()
+        if left:
+            raise CheckpointError(f"checkpoint: {left} bytes behind its end")
+
+    def _restore(self, data: bytes) -> int:
+        """Loads a checkpoint and returns how many bytes are behind its end."""
+        calls = self._calls
         with self._guard:
-            calls = self._calls
             calls.unread = memoryview(data)
             status = lib.drape_load(self._world, lib.core_read_bytes, calls.pointer)
             left, calls.unread = len(calls.unread), memoryview(b"")
         if status == Status.EIO:
             raise CheckpointError("checkpoint: it ends too early")
         check(status, "checkpoint")
-        self._refresh()
-        if left:
-            raise CheckpointError(f"checkpoint: {left} bytes behind its end")
+        return left
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a checkpoint to a file, which appears complete or not at all."""
