@@ -63,6 +63,7 @@ def sweep(
     frames: int | None = None,
     every: int = 0,
     workers: int | None = None,
+    threads: int = 1,
     attempts: int = 3,
     devices: Sequence[int] = (),
     options: Any = None,
@@ -86,6 +87,7 @@ def sweep(
         every: of the frames, whose positions are kept; 0: only the end is
         workers: jobs at a time; default: as many as processors, or as the
             cluster takes
+        threads: of each scene; the number changes no result
         attempts: how often a job may begin
         devices: "local": CUDA's numbers of GPUs, over which workers are spread
         options: "ray": a mapping of its tasks' options, as {"num_gpus": 0.25};
@@ -101,6 +103,7 @@ def sweep(
         raise Error(f'on={on!r}: expected "local", "ray" or "slurm"')
     _arrow()
     store = Store(os.fspath(out), storage)
+    keys = {"threads": threads, **keys}
     jobs = list(jobs_of(scenes, keys, frames, every))
     answers: dict[str, Answer] = {}
     for job in jobs:
