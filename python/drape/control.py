@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Live control: calls between two steps that change a world from the next step
-on, and wake it (spec/world/control.md); the contacts of the last step; and logs
+on, and wake it (spec/control/control.md); the contacts of the last step; and logs
 that replay a session bit for bit."""
 
 from __future__ import annotations
