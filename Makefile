@@ -2,7 +2,8 @@
 # drape: `make help` lists what can be made. This file has the compilers, the
 # sources, the rules and the library; included are ci/install.mk (the shared
 # library, what is installed, packages), ci/flavours.mk (other compilers and
-# flags: the only recursion), ci/fuzz.mk, ci/upkeep.mk and ci/bench/bench.mk.
+# flags: the only recursion), ci/fuzz.mk, ci/upkeep.mk, ci/python.mk and
+# ci/bench/bench.mk.
 
 BUILD  ?= build
 PREFIX ?= /usr/local
@@ -216,7 +217,8 @@ $(BUILD)/share.o: app/examples/share.cu
 $(BUILD)/share: $(BUILD)/share.o $(LIB)
 	$(C17) $^ -o $@ $(CUDA_L)
 
-include ci/install.mk ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/bench/bench.mk
+include ci/install.mk ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/python.mk \
+        ci/bench/bench.mk
 
 check: ## everything that must hold
 	sh ci/check.sh $(BUILD)
