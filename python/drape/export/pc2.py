@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Point caches (.pc2), which Blender's Mesh Cache modifier reads."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+from types import TracebackType
+
+import numpy as np
+
+
+class PointCache:
+    """Writes a point cache, one sample a frame: `with PointCache(…) as cache`."""
+
+    def __init__(self, path: Path, points: int, samples: int) -> None:
+        self._shape = points, 3
+        self._file = open(path, "wb")
+        head = b"POINTCACHE2\0", 1, points, 0.0, 1.0, samples
+        self._file.write(struct.pack("<12siiffi", *head))
+
+    def __enter__(self) -> PointCache:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._file.close()
+
+    def add(self, x: np.ndarray) -> None:
+        """Appends positions [points, 3], m."""
+        if x.shape != self._shape:
+            raise ValueError(f"expected {self._shape}, not {x.shape}")
+        self._file.write(np.ascontiguousarray(x, "<f4").tobytes())
