@@ -220,25 +220,30 @@ void json_write(FILE *out, const struct json_key *keys, const void *base)
     fputc('}', out);
 }
 
+cJSON *json_parse_text(const char *text, size_t size, const char *file)
+{
+    const char *end = NULL;
+    cJSON *root = cJSON_ParseWithOpts(text, &end, 1);
+    if (root && strlen(text) == size)
+        return root;
+    int line = 1;
+    for (const char *p = text; p < end; p++)
+        line += *p == '\n';
+    cJSON_Delete(root);
+    if (size == 0)
+        complain(APP_USAGE, "%s: empty, where JSON is expected", file);
+    else
+        complain(APP_USAGE, "%s: line %d: not JSON here", file, line);
+    return NULL;
+}
+
 cJSON *json_parse(const char *file)
 {
     size_t size;
     char *text = file_read(file, &size);
     if (!text)
         return NULL;
-    const char *end = NULL;
-    cJSON *root = cJSON_ParseWithOpts(text, &end, 1);
-    if (!root || strlen(text) != size) {
-        int line = 1;
-        for (const char *p = text; p < end; p++)
-            line += *p == '\n';
-        cJSON_Delete(root);
-        root = NULL;
-        if (size == 0)
-            complain(APP_USAGE, "%s: empty, where JSON is expected", file);
-        else
-            complain(APP_USAGE, "%s: line %d: not JSON here", file, line);
-    }
+    cJSON *root = json_parse_text(text, size, file);
     free(text);
     return root;
 }

@@ -120,5 +120,8 @@ void json_leave(struct json *json, size_t length);
 /* Parses a file. Returns NULL after one line that names file and line. The
  * caller deletes the result with cJSON_Delete. */
 cJSON *json_parse(const char *file);
+/* The same of a text of `size` bytes, ended by 0, which messages call `file`.
+ */
+cJSON *json_parse_text(const char *text, size_t size, const char *file);
 
 #endif

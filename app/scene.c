@@ -110,7 +110,8 @@ static char *base_name(struct pool *pool, const char *file)
     return name;
 }
 
-int scene_load(struct scene *scene, const char *file)
+/* Sets what no key of a scene gives. */
+static int begin(struct scene *scene, const char *file)
 {
     memset(scene, 0, sizeof *scene);
     drape_default(&scene->def);
@@ -121,15 +122,34 @@ int scene_load(struct scene *scene, const char *file)
     if (strlen(file) >= sizeof scene->file)
         return complain(APP_USAGE, "%.60s…: the path is too long", file);
     strcpy(scene->file, file);
-    struct json json = {file, "$", &scene->pool, scene};
-    cJSON *root = json_parse(file);
+    return APP_OK;
+}
+
+/* Reads a scene's JSON, NULL if it has been refused, and deletes it. */
+static int load(struct scene *scene, cJSON *root)
+{
+    struct json json = {scene->file, "$", &scene->pool, scene};
     if (!root)
         return APP_USAGE;
     int status = read_scene(&json, root, scene);
     cJSON_Delete(root);
     if (status == APP_OK && !scene->name)
-        scene->name = base_name(&scene->pool, file);
+        scene->name = base_name(&scene->pool, scene->file);
     return status;
+}
+
+int scene_load(struct scene *scene, const char *file)
+{
+    int status = begin(scene, file);
+    return status == APP_OK ? load(scene, json_parse(file)) : status;
+}
+
+int scene_load_text(struct scene *scene, const char *text, size_t size,
+                    const char *file)
+{
+    int status = begin(scene, file);
+    return status == APP_OK ? load(scene, json_parse_text(text, size, file))
+                            : status;
 }
 
 const char *scene_integrator(const struct scene *scene)

@@ -35,6 +35,10 @@ struct scene {
 /* Reads a scene. APP_OK, or the exit code after one line; the caller calls
  * scene_free in both cases. */
 int scene_load(struct scene *scene, const char *file);
+/* The same of a text of `size` bytes, ended by 0. Messages call it `file`, and
+ * the paths in it begin in that file's folder. */
+int scene_load_text(struct scene *scene, const char *text, size_t size,
+                    const char *file);
 void scene_free(struct scene *scene);
 /* Writes the scene's plain keys, given or default, as JSON. */
 void scene_settings(FILE *out, const struct scene *scene);

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``python -m drape COMMAND …``: the tool, and the commands that are Python.
+
+The commands of the table below are Python modules that expose
+``main(argv: list[str]) -> int``, where argv is what follows the command. They
+are imported when they are called, so that the tool needs none of their
+libraries. All other commands are those of the tool (``man drape``).
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Sequence
+
+COMMANDS = {
+    "export": "drape.export.cli",
+    "view": "drape.view.cli",
+}
+
+
+def main(argv: Sequence[str]) -> int:
+    """Runs one command and returns its exit status."""
+    if argv and argv[0] in COMMANDS:
+        module = importlib.import_module(COMMANDS[argv[0]])
+        return int(module.main(list(argv[1:])))
+    from drape import tool
+
+    return tool.main(argv)
+
+
+def entry() -> int:
+    """The console script ``drape``."""
+    return main(sys.argv[1:])
+
+
+if __name__ == "__main__":
+    sys.exit(entry())
