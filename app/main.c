@@ -64,6 +64,15 @@ static const struct command {
      "drape convert IN OUT.ply [--up X,Y,Z] [--size S]\n"
      "Direction --up becomes +y, the largest dimension S, and the mesh\n"
      "stands on y = 0 in the middle of x and z.\n"},
+    {"export", command_export, "write a run as USD, glTF or Alembic",
+     "drape export DIR --to FILE [--every K]\n"
+     "FILE ends in .usdc, .usda, .usd, .glb or .abc and gets the frames "
+     "there,\n"
+     "or every K-th of them. It is part of the Python package.\n"},
+    {"view", command_view, "show a run or a scene in a web browser",
+     "drape view DIR|SCENE.json [--port N] [--host NAME]\n"
+     "Serves a page that shows the run, or the scene while it is computed.\n"
+     "It is part of the Python package.\n"},
     {"materials", command_materials, "list the fabrics that scenes may name",
      "drape materials\n"
      "Each with its numbers, what it is, and where they are from.\n"},

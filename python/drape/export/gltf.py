@@ -168,3 +168,27 @@ def write(run: Run, frames: list[int], path: Path) -> None:
     gltf.buffers.append(g.Buffer(byteLength=buffer.length))
     gltf.set_binary_blob(b"".join(buffer.chunks))
     gltf.save_binary(str(path))
+
+
+def snapshot(
+    x: np.ndarray, normal: np.ndarray, faces: np.ndarray, rgb: np.ndarray
+) -> bytes:
+    """A mesh of one moment as a .glb, with a linear colour for each vertex."""
+    gltf = g.GLTF2(asset=g.Asset(version="2.0", generator="drape"), scene=0)
+    buffer, array = _Buffer(gltf), g.ARRAY_BUFFER
+    attributes = g.Attributes(
+        POSITION=buffer.add(x.astype(np.float32), g.VEC3, array),
+        NORMAL=buffer.add(normal.astype(np.float32), g.VEC3, array),
+        COLOR_0=buffer.add(rgb.astype(np.float32), g.VEC3, array),
+    )
+    indices = buffer.add(
+        faces.astype(np.uint32).ravel(), g.SCALAR, g.ELEMENT_ARRAY_BUFFER
+    )
+    primitive = g.Primitive(attributes=attributes, indices=indices, material=0)
+    gltf.meshes.append(g.Mesh(primitives=[primitive]))
+    gltf.materials.append(_material("colours", (1.0, 1.0, 1.0)))
+    gltf.nodes.append(g.Node(mesh=0))
+    gltf.scenes.append(g.Scene(nodes=[0]))
+    gltf.buffers.append(g.Buffer(byteLength=buffer.length))
+    gltf.set_binary_blob(b"".join(buffer.chunks))
+    return b"".join(gltf.save_to_bytes())
