@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # drape: `make help` lists what can be made. This file has the compilers, the
 # sources, the rules and the library; included are ci/flavours.mk (other compilers
-# and flags: the only recursion), ci/fuzz.mk, ci/upkeep.mk and ci/bench/bench.mk.
+# and flags: the only recursion), ci/fuzz.mk, ci/upkeep.mk, ci/python.mk and
+# ci/bench/bench.mk.
 
 BUILD  ?= build
 PREFIX ?= /usr/local
@@ -210,7 +211,7 @@ $(BUILD)/share.o: app/examples/share.cu
 $(BUILD)/share: $(BUILD)/share.o $(LIB)
 	$(C17) $^ -o $@ $(CUDA_L)
 
-include ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/bench/bench.mk
+include ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/python.mk ci/bench/bench.mk
 
 check: ## everything that must hold
 	sh ci/check.sh $(BUILD)

@@ -1,4 +1,98 @@
 # SPDX-License-Identifier: Apache-2.0
-"""drape: certified high-resolution cloth simulation."""
+"""drape: certified high-resolution cloth simulation.
 
-__version__ = "0.1.0"
+A scene becomes a `World`, which `World.step` advances::
+
+    import drape
+
+    sheet = drape.Cloth(particles=[51, 51], start=drape.Start(at=[0, 1, 0]))
+    ball = drape.Obstacle(shape="sphere", radius=0.3, at=[0, 0.5, 0])
+    world = drape.World(drape.Scene(cloths=[sheet], obstacles=[ball]))
+    reports = world.step(60)
+    assert reports.clean and world.audit().count == 0
+    print(world.positions[world.bodies[0].vertices].min(axis=0))
+
+Units are SI. Results are the same to the last bit on every machine, with any
+number of threads, on the CPU and on a GPU.
+"""
+
+from importlib.metadata import version as _version
+
+from . import tool
+from ._core import ffi as _ffi
+from ._core import lib as _lib
+from .arrays import SharedArray
+from .errors import (
+    CheckpointError,
+    DeviceError,
+    DivergedError,
+    Error,
+    OutOfMemoryError,
+    SceneError,
+)
+from .mesh import Audit, Touches, audit, ccd, ccd_mesh
+from .record import Recorder
+from .reports import Memory, Outcome, PlanRow, Status, StepReport, Work
+from .scene import (
+    Camera,
+    Cloth,
+    Frames,
+    Key,
+    Material,
+    Motion,
+    Obstacle,
+    Pin,
+    Region,
+    Scene,
+    Start,
+    Wind,
+)
+from .world import Body, Reports, World
+
+__version__ = _version("drape")
+
+
+def info() -> str:
+    """Returns four lines: the version, the precisions of each backend, and what
+    the certificate says of this code."""
+    return str(_ffi.string(_lib.drape_info()).decode())
+
+
+__all__ = [
+    "Audit",
+    "Body",
+    "Camera",
+    "CheckpointError",
+    "Cloth",
+    "DeviceError",
+    "DivergedError",
+    "Error",
+    "Frames",
+    "Key",
+    "Material",
+    "Memory",
+    "Motion",
+    "Obstacle",
+    "OutOfMemoryError",
+    "Outcome",
+    "Pin",
+    "PlanRow",
+    "Recorder",
+    "Region",
+    "Reports",
+    "Scene",
+    "SceneError",
+    "SharedArray",
+    "Start",
+    "Status",
+    "StepReport",
+    "Touches",
+    "Wind",
+    "Work",
+    "World",
+    "audit",
+    "ccd",
+    "ccd_mesh",
+    "info",
+    "tool",
+]

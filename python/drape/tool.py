@@ -9,22 +9,46 @@ import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 
+from .errors import Error, SceneError
+
 
 def path() -> Path:
-    """Returns the tool's executable: the package's own, else ``$DRAPE_TOOL``.
-
-    The variable wins, so that a developer's build can be tried."""
+    """Returns the tool's executable: that which $DRAPE_TOOL names, so that
+    another build can be tried, else the package's own."""
     given = os.environ.get("DRAPE_TOOL")
-    own = Path(__file__).with_name("bin") / "drape"
-    for file in (Path(given) if given else own, own):
-        if shutil.which(file):
-            return file
-    raise FileNotFoundError(
-        f"{own}: this installation of drape was built without the tool; name "
-        "another one by $DRAPE_TOOL"
-    )
+    file = Path(given) if given else Path(__file__).with_name("bin") / "drape"
+    if not shutil.which(file):
+        raise Error(
+            f"{file}: no such executable: this drape was built without the tool; "
+            "$DRAPE_TOOL can name another one"
+        )
+    return file
+
+
+def call(*arguments: object) -> str:
+    """Runs the tool and returns what it prints. A failure raises an exception
+    with the tool's last line on standard error.
+
+    Raises:
+        SceneError: the tool refused its input
+        Error: it failed, or found what it looked for (exit status 1)
+    """
+    words = [str(path()), *map(str, arguments)]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    if done.returncode:
+        lines = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
+        text = lines[-1].removeprefix("drape: ")
+        raise (SceneError if done.returncode == 2 else Error)(text)
+    return done.stdout
 
 
 def main(argv: Sequence[str]) -> int:
     """Runs the tool with these arguments and returns its exit status."""
-    return subprocess.run([path(), *argv], check=False).returncode
+    command = [str(path()), *argv]
+    process = subprocess.Popen(command)
+    while True:
+        try:
+            code = process.wait()
+            return 128 - code if code < 0 else code
+        except KeyboardInterrupt:
+            continue  # the tool has it too, and ends its run in order

@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+# The Python package of python/: what its extension is linked of, its wheel and
+# its tests. python/README.md says how they fit together.
+
+.PHONY: wheel check-python python-core
+PY     := $(BUILD)/python
+PIP    := $(PY)/venv/bin/python -m pip install -q
+
+# The tool's reader of scenes and writer of runs, which the extension shares.
+CORE   := $(addprefix app/,checkpoint.c cloth.c fabrics.c file.c folder.c \
+          frame.c import.c json.c json_keys.c lock.c mesh.c motion.c \
+          obstacle.c off.c options.c output.c place.c ply.c ply_head.c pool.c \
+          report.c scene.c sew.c shapes.c start.c steps.c text.c)
+HAS_ASSIMP := $(call has,assimp/cimport.h)
+CORE   += $(if $(HAS_ASSIMP),app/assimp.c,python/core/absent.c)
+CORE_L := $(if $(HAS_ASSIMP),-lassimp) -lcjson -lpthread $(if $(GPU),$(CUDA_L),-lm)
+
+# Prints what setup.py links: objects and libraries, then macros; and the tool.
+python-core: $(call obj,$(CORE),) $(LIB) $(if $(HAS_APP),$(BUILD)/drape)
+	@echo 'link $(abspath $(filter %.o %.a,$^)) $(CORE_L)'
+	@echo 'compile $(if $(GPU),-DDRAPE_CUDA \
+	  -I$(dir $(realpath $(NVCC)))../include)'
+	@echo 'tool $(if $(HAS_APP),$(abspath $(BUILD)/drape))'
+
+# What builds and tests the package, in an environment of its own.
+$(PY)/venv/made: python/requirements.txt
+	python3 -m venv $(PY)/venv
+	$(PIP) -r $<
+	@touch $@
+
+wheel: $(PY)/venv/made ## a wheel of the Python package, in dist/
+	sh python/wheel.sh $(BUILD)
+
+check-python: wheel ## tests the wheel in a fresh environment
+	sh python/check.sh $(BUILD)

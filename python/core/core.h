@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the Python package calls beside spec/drape.h: the tool's reader of
+ * scenes and its writer of runs, and loops that are slow in Python. cffi reads
+ * the lines behind CORE_BEGIN, so they hold declarations only. */
+#ifndef PYTHON_CORE_CORE_H
+#define PYTHON_CORE_CORE_H
+
+#include "app/scene.h"
+
+/* CORE_BEGIN */
+
+/* Returns what this thread's last failed call said, and forgets it; then what
+ * the calls before noted, a line each. Empty: nothing. */
+const char *core_error(void);
+const char *core_notes(void);
+
+/* Reads a scene from a text of `size` bytes, ended by 0, which messages call
+ * `file`. Returns the tool's exit code, 0: *scene is the caller's, who ends it
+ * by core_free. */
+int core_read(const char *text, size_t size, const char *file,
+              struct scene **scene);
+void core_free(struct scene *scene);
+/* Makes the scene's world under its memory limit. Returns the tool's exit code.
+ * The scene must outlive the world. */
+int core_create(struct scene *scene, drape_world **world);
+
+/* The files of a run, as `drape run` writes them (app/output.h). */
+typedef struct core_run core_run;
+/* Claims the folder for the run of a new world. Returns the tool's exit code,
+ * 0: the caller ends *run by core_run_close. */
+int core_run_open(struct scene *scene, drape_world *world, const char *folder,
+                  int obj, int force, core_run **run);
+/* Writes the world's state as frame k; adds a step's report. */
+int core_run_frame(core_run *run, drape_world *world, int k);
+int core_run_add(core_run *run, const drape_step_report *report);
+/* Writes the point cache of the frames 0 … last and report.json, which calls
+ * the run's end `end`, and releases the folder and the memory. NULL as `end`:
+ * writes nothing. */
+int core_run_close(core_run *run, drape_world *world, int last,
+                   const char *end);
+
+/* drape_ccd of n queries: hit[k] is 1 and toi[k] set, or 0. Returns DRAPE_OK,
+ * or the status of the first query that was refused, whose number is *bad. */
+int core_ccd(int kind, int64_t n, const double (*x0)[4][3],
+             const double (*x1)[4][3], uint8_t *hit, double *toi, int64_t *bad);
+
+/* The pairs that drape_ccd_frames reports, in its order. */
+typedef struct core_touches {
+    int64_t count, room;
+    struct core_touch {
+        double toi;
+        int32_t kind, v[4];
+        int32_t unused;
+    } * touch;
+} core_touches;
+/* Appends a pair; user is the list. Not 0: memory ran out. */
+int core_touch_add(void *user, int kind, const int32_t v[4], double toi);
+void core_touches_free(core_touches *touches);
+
+/* Makes the stream `later` wait for all that is on `stream` now: CUDA streams
+ * of the current device. Returns 0, or CUDA's error; -1: built without CUDA. */
+int core_stream_wait(void *stream, void *later);
+
+/* A tensor of DLPack that shares `data`, [n][3]. owner is a PyObject that is
+ * released with the tensor; read_only is told where `versioned` is set. NULL:
+ * no memory. core_tensor_end is the destructor of its capsule. */
+void *core_tensor(void *data, int64_t n, int code, int bits, int device_type,
+                  int device, int versioned, void *owner);
+void core_tensor_end(void *capsule);
+
+/* CORE_END */
+
+#endif

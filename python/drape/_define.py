@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Makes a world from a scene: the reader's definition, and arrays put into it."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from . import scene as scenes
+from ._core import ffi, lib
+from ._library import Calls
+from .errors import SceneError, check_code
+
+
+class Handle:
+    """A world of the library with the scene that it was made of. Both are
+    released when nothing refers to this any more."""
+
+    def __init__(self, text: scenes.Text, calls: Calls) -> None:
+        self.world = ffi.NULL
+        self.calls = calls  # the library calls them as long as the world is
+        data = text.text.encode()
+        out = ffi.new("struct scene **")
+        check_code(lib.core_read(data, len(data), os.fsencode(text.file), out))
+        self.scene = out[0]
+        self.definition = getattr(self.scene, "def")
+        kept = put_arrays(self.definition, text)
+        if calls.log:
+            self.definition.log = lib.core_log
+            self.definition.log_user = calls.pointer
+        if calls.trace:
+            self.definition.trace = lib.core_trace
+            self.definition.trace_user = calls.pointer
+        made = ffi.new("drape_world **")
+        code = lib.core_create(self.scene, made)
+        del kept  # the library has copied the arrays
+        check_code(code)
+        self.world = made[0]
+
+    def __del__(self) -> None:
+        lib.drape_destroy(self.world)
+        lib.core_free(getattr(self, "scene", ffi.NULL))
+
+
+def put_arrays(definition: Any, text: scenes.Text) -> list[np.ndarray[Any, Any]]:
+    """Puts the arrays of a scene's bodies into its definition. Returns them:
+    they must live until the world is made."""
+    kept: list[np.ndarray[Any, Any]] = []
+
+    def pointer(value: Any, shape: tuple[int | None, ...], where: str) -> Any:
+        kept.append(scenes.array(value, shape, where))
+        return ffi.cast("double (*)[3]", kept[-1].ctypes.data)
+
+    for k, arrays in enumerate(text.cloths):
+        cloth = definition.cloths[k]
+        shape = (cloth.m * cloth.n, 3)
+        for key, field in (("positions", "x"), ("velocities", "velocity")):
+            if key in arrays:
+                at = pointer(arrays[key], shape, f"cloths[{k}].{key}")
+                setattr(cloth, field, at)
+    for k, arrays in enumerate(text.obstacles):
+        if arrays:
+            put_mesh(definition.obstacles[k], arrays, f"obstacles[{k}]", kept, pointer)
+    return kept
+
+
+def put_mesh(
+    obstacle: Any, arrays: scenes.Arrays, where: str, kept: list[Any], pointer: Any
+) -> None:
+    """Puts an obstacle's arrays into its definition."""
+    if "triangles" not in arrays:
+        raise SceneError(f"{where}: its arrays lack triangles")
+    if ("vertices" in arrays) == ("vertex_frames" in arrays):
+        raise SceneError(f"{where}: expected one of vertices and vertex_frames")
+    tri = scenes.array(
+        arrays["triangles"], (None, 3), f"{where}.triangles", kind=np.int32
+    )
+    kept.append(tri)
+    obstacle.tri = ffi.cast("int32_t (*)[3]", tri.ctypes.data)
+    obstacle.n_triangles = len(tri)
+    if "vertices" in arrays:
+        obstacle.x = pointer(arrays["vertices"], (None, 3), f"{where}.vertices")
+        obstacle.n_vertices = len(kept[-1])
+        return
+    shape = (None, None, 3)
+    obstacle.frame = pointer(arrays["vertex_frames"], shape, f"{where}.vertex_frames")
+    obstacle.x = obstacle.frame
+    obstacle.frames, obstacle.n_vertices = kept[-1].shape[:2]
+    obstacle.frame_dt = arrays.get("frame_dt", 1 / 60)
+
+
+def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Refuses a key that is there twice, as the reader does."""
+    tree = dict(pairs)
+    if len(tree) != len(pairs):
+        keys = [key for key, _ in pairs]
+        twice = next(key for key in keys if keys.count(key) > 1)
+        raise SceneError(f"{twice}: the key is there twice")
+    return tree
+
+
+def with_keys(text: scenes.Text, keys: Mapping[str, Any]) -> scenes.Text:
+    """Returns the scene with some of its keys replaced."""
+    if not keys:
+        return text
+    try:
+        tree = json.loads(text.text, object_pairs_hook=_once)
+        tree.update(scenes.as_dict(dict(keys)))
+        text.text = json.dumps(tree)
+    except SceneError as error:
+        raise SceneError(f"{text.file}: {error}") from error
+    except (ValueError, AttributeError, TypeError) as error:
+        raise SceneError(f"{text.file}: not a scene in JSON: {error}") from error
+    return text

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The files of a run, written as the tool writes them, and pictures."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from . import tool
+from ._core import ffi, lib
+from ._define import Handle
+from ._library import Guard
+from .errors import check_code
+
+
+class Recorder:
+    """Writes a world's run to a folder; `World.record` makes one."""
+
+    def __init__(
+        self,
+        handle: Handle,
+        guard: Guard,
+        folder: str | os.PathLike[str],
+        obj: bool,
+        force: bool,
+    ) -> None:
+        """Claims the folder, and writes the world's state as frame 0."""
+        self.folder = Path(folder)
+        self.steps = 0
+        self.on_close: Callable[[], None] = lambda: None
+        self._handle = handle
+        self._guard = guard
+        self._run = ffi.NULL
+        run = ffi.new("core_run **")
+        name = os.fsencode(self.folder)
+        with guard:
+            check_code(
+                lib.core_run_open(handle.scene, handle.world, name, obj, force, run)
+            )
+            self._run = run[0]
+            try:
+                check_code(lib.core_run_frame(self._run, handle.world, 0))
+            except BaseException:
+                self._end(None)
+                raise
+
+    def add(self, report: Any) -> None:
+        """Adds a step's report, and the frame that is due. The world's guard is
+        held."""
+        if report.outcome & lib.DRAPE_DIVERGED == 0:
+            self.steps += 1
+        check_code(lib.core_run_add(self._run, report))
+        frame, rest = divmod(self.steps, self._handle.scene.steps_per_frame)
+        if rest == 0:
+            check_code(lib.core_run_frame(self._run, self._handle.world, frame))
+
+    def _end(self, end: bytes | None) -> None:
+        run, self._run = self._run, ffi.NULL
+        if run:
+            frame = self.steps // self._handle.scene.steps_per_frame
+            name = ffi.NULL if end is None else end
+            check_code(lib.core_run_close(run, self._handle.world, frame, name))
+
+    def close(self, end: str = "complete") -> None:
+        """Writes the run's report, which calls its end `end`."""
+        self.on_close()
+        with self._guard:
+            self._end(end.encode())
+
+    def __enter__(self) -> Recorder:
+        """A with statement closes the run."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Closes the run; an exception makes it one that failed."""
+        self.close("complete" if kind is None else "failed")
+
+
+def picture(
+    handle: Handle, guard: Guard, path: Path, width: int, height: int, samples: int
+) -> Path:
+    """Makes a picture of a world's state: a run of one frame, and the tool."""
+    with tempfile.TemporaryDirectory(prefix="drape-") as folder:
+        Recorder(handle, guard, folder, False, False).close()
+        tool.call(
+            "render",
+            folder,
+            "--frame",
+            0,
+            "--width",
+            width,
+            "--height",
+            height,
+            "--samples",
+            samples,
+        )
+        made = Path(folder) / "pictures/frame_0000.png"
+        part = path.with_name(f".{path.name}.{os.getpid()}.part")
+        try:
+            shutil.copyfile(made, part)
+            part.replace(path)
+        finally:
+            part.unlink(missing_ok=True)
+    return path

@@ -1,0 +1,423 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes as objects. Their fields are the keys of a scene's file, which
+app/scenes/README.md describes with ranges and defaults; a field that is None is
+left out, so that the default is the reader's own.
+
+Arrays are beyond what a file holds: a cloth may be given its `positions` and
+`velocities`, an obstacle its `vertices`, `triangles` and `vertex_frames`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import SceneError
+
+Vector = Sequence[float]
+
+
+@dataclass
+class Wind:
+    """Air that moves with one velocity everywhere.
+
+    Attributes:
+        velocity: [3] m/s
+        density: of air, kg/m³
+        drag, lift: coefficients of a triangle along and across the flow
+    """
+
+    velocity: Vector | None = None
+    density: float | None = None
+    drag: float | None = None
+    lift: float | None = None
+
+
+@dataclass
+class Camera:
+    """Where pictures are taken from.
+
+    Attributes:
+        eye, target: [3] m
+        fov: degrees of the picture's height
+    """
+
+    eye: Vector | None = None
+    target: Vector | None = None
+    fov: float | None = None
+
+
+@dataclass
+class Key:
+    """A keyframe of a motion.
+
+    Attributes:
+        time: s
+        move: [3] m from the start
+        angle: degrees about axis
+        axis: [3]
+    """
+
+    time: float | None = None
+    move: Vector | None = None
+    angle: float | None = None
+    axis: Vector | None = None
+
+
+@dataclass
+class Motion:
+    """A rigid motion by keyframes, which bodies and pins call by its name.
+
+    Attributes:
+        pivot: [3] m, the point that the turn goes about
+    """
+
+    name: str | None = None
+    pivot: Vector | None = None
+    keys: Sequence[Key] | None = None
+
+
+@dataclass
+class Material:
+    """What cloth is made of: a fabric's name, and numbers that override its own.
+
+    Attributes:
+        density: kg/m²
+        stretch, shear: N/m, tension a width for strain 1
+        bend: N·m, moment a width for curvature 1
+        damping: s
+        thickness: m, distance at which contact begins
+        friction: Coulomb coefficient
+        limit: of strain along u, along v and of the shear angle, or one number
+    """
+
+    name: str | None = None
+    density: float | None = None
+    stretch: float | None = None
+    shear: float | None = None
+    bend: float | None = None
+    damping: float | None = None
+    thickness: float | None = None
+    friction: float | None = None
+    limit: float | Vector | None = None
+
+
+@dataclass
+class Start:
+    """Where and how a cloth starts.
+
+    Attributes:
+        shape: "flat", "hung" or "rolled"
+        at, u, v: [3] m, place and directions
+        folds: of a hung cloth, across its width; depth: their amplitude, m
+        radius, gap: of a roll, m
+    """
+
+    shape: str | None = None
+    at: Vector | None = None
+    u: Vector | None = None
+    v: Vector | None = None
+    folds: int | None = None
+    depth: float | None = None
+    radius: float | None = None
+    gap: float | None = None
+
+
+@dataclass
+class Region:
+    """A part of a sheet at rest, m from its corner u0 v0.
+
+    Attributes:
+        disc: x, y, r
+        rect: x0, y0, x1, y1
+    """
+
+    disc: Vector | None = None
+    rect: Vector | None = None
+
+
+@dataclass
+class Pin:
+    """Particles that are held, or led by a motion.
+
+    Attributes:
+        edge: "u0", "u1", "v0" or "v1"; every: m between its pins
+        at: [2] m at rest, the nearest particle
+        motion: the name of the motion that leads them
+    """
+
+    edge: str | None = None
+    at: Vector | None = None
+    every: float | None = None
+    motion: str | None = None
+
+
+@dataclass
+class Cloth:
+    """A rectangular sheet of m × n particles.
+
+    Attributes:
+        particles: m along u and n along v
+        size: width and height at rest, m
+        velocity: [3] m/s, of all particles at the start
+        material: a fabric's name, a Material or a mapping
+        bending: "triples" or "springs"
+        positions: [m·n, 3] m, where the particles start, instead of `start`;
+            particle (i, j) is number i + m·j
+        velocities: [m·n, 3] m/s, instead of `velocity`
+    """
+
+    name: str | None = None
+    particles: Sequence[int] | None = None
+    size: Vector | None = None
+    start: Start | None = None
+    velocity: Vector | None = None
+    material: str | Material | Mapping[str, Any] | None = None
+    bending: str | None = None
+    holes: Sequence[Region] | None = None
+    cuts: Sequence[Region] | None = None
+    pins: Sequence[Pin] | None = None
+    positions: ArrayLike | None = None
+    velocities: ArrayLike | None = None
+
+
+@dataclass
+class Frames:
+    """Numbered mesh files of an obstacle that deforms.
+
+    Attributes:
+        files: with one %d or %04d in the name
+        first, count: numbers of the files
+        dt: s between them
+    """
+
+    files: str | None = None
+    first: int | None = None
+    count: int | None = None
+    dt: float | None = None
+
+
+@dataclass
+class Obstacle:
+    """A mesh that cloth collides with: from a file, made in code, or arrays.
+
+    Attributes:
+        mesh: a file; shape: "plane", "box", "sphere", "capsule", "funnel" or
+            "statue"
+        extent, radius, length, throat, height: of the shape, m
+        up, size, scale, stand, axis, angle, at: where the mesh is put
+        motion: name of the motion that it follows
+        vertices: [n, 3] m, where they are in the scene, with triangles: [k, 3]
+            their numbers, instead of `mesh` and its placement
+        vertex_frames: [f, n, 3] m, of an obstacle that deforms, instead of
+            `vertices`, every frame_dt s
+    """
+
+    name: str | None = None
+    mesh: str | None = None
+    shape: str | None = None
+    frames: Frames | None = None
+    extent: Vector | None = None
+    radius: float | None = None
+    length: float | None = None
+    throat: float | None = None
+    height: float | None = None
+    detail: int | None = None
+    up: Vector | None = None
+    size: float | None = None
+    scale: float | None = None
+    stand: bool | None = None
+    axis: Vector | None = None
+    angle: float | None = None
+    at: Vector | None = None
+    friction: float | None = None
+    motion: str | None = None
+    vertices: ArrayLike | None = None
+    triangles: ArrayLike | None = None
+    vertex_frames: ArrayLike | None = None
+    frame_dt: float | None = None
+
+
+@dataclass
+class Scene:
+    """A scene: bodies, forces, and how a step is computed.
+
+    Attributes:
+        frames, steps_per_frame: of a run
+        memory: GB that the library may hold
+        dt: s a step
+        gravity: [3] m/s²
+    """
+
+    name: str | None = None
+    cloths: Sequence[Cloth] | None = None
+    obstacles: Sequence[Obstacle] | None = None
+    motions: Sequence[Motion] | None = None
+    wind: Wind | None = None
+    camera: Camera | None = None
+    memory: float | None = None
+    frames: int | None = None
+    steps_per_frame: int | None = None
+    backend: str | None = None
+    precision: int | None = None
+    threads: int | None = None
+    block: int | None = None
+    dt: float | None = None
+    gravity: Vector | None = None
+    integrator: str | None = None
+    max_substeps: int | None = None
+    precond: str | None = None
+    matrix: str | None = None
+    solver: str | None = None
+    tolerance: float | None = None
+    max_iterations: int | None = None
+    newton: int | None = None
+    self_collision: bool | None = None
+    max_rounds: int | None = None
+    max_slices: int | None = None
+    allow_intersecting: bool | None = None
+    sleep: bool | None = None
+
+
+# A scene in any form: an object, a mapping of its keys, the path of its file.
+SceneLike = Scene | Mapping[str, Any] | str | os.PathLike[str]
+
+CLOTH_ARRAYS = ("positions", "velocities")
+OBSTACLE_ARRAYS = ("vertices", "triangles", "vertex_frames", "frame_dt")
+# What a scene's file may say of an obstacle whose mesh is given by arrays.
+OBSTACLE_KEYS = ("name", "friction", "motion")
+
+
+def as_dict(value: Any) -> Any:
+    """Returns a scene's object as the mappings and lists of its keys; arrays
+    stay as they are."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        pairs = ((f.name, getattr(value, f.name)) for f in dataclasses.fields(value))
+        return {key: as_dict(item) for key, item in pairs if item is not None}
+    if isinstance(value, Mapping):
+        return {key: as_dict(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [as_dict(item) for item in value]
+    return value
+
+
+def _plain(value: Any) -> Any:
+    """What JSON is not able to hold: NumPy's numbers and arrays, and paths."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise SceneError(f"a scene holds numbers, texts and lists, not {value!r}")
+
+
+Arrays = dict[str, Any]
+
+
+@dataclass
+class Text:
+    """A scene as its reader takes it.
+
+    Attributes:
+        text: JSON
+        file: what messages call it; paths begin in its folder
+        cloths, obstacles: the arrays of each body, which the text lacks
+    """
+
+    text: str
+    file: str
+    cloths: list[Arrays]
+    obstacles: list[Arrays]
+
+
+def _take(body: Any, names: Sequence[str]) -> Arrays:
+    """Takes the arrays out of a body's mapping."""
+    if not isinstance(body, dict):
+        return {}
+    return {name: body.pop(name) for name in names if body.get(name) is not None}
+
+
+def _take_obstacle(k: int, body: Any) -> Arrays:
+    """Takes an obstacle's arrays; the reader gets a plane in their place, which
+    the world's definition never sees."""
+    arrays = _take(body, OBSTACLE_ARRAYS)
+    if arrays:
+        for key in sorted(set(body) - set(OBSTACLE_KEYS)):
+            raise SceneError(
+                f"obstacles[{k}]: {key}: an obstacle of arrays has no such key, "
+                "as its vertices are where the scene has them"
+            )
+        body["shape"] = "plane"
+    return arrays
+
+
+def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text:
+    """Returns a scene in the form that its reader takes.
+
+    Args:
+        scene: an object, a mapping, or the path of a file
+        folder: where the paths of an object's meshes begin; default: here
+    """
+    if isinstance(scene, (str, os.PathLike)):
+        file = os.fspath(scene)
+        try:
+            text = Path(file).read_text(encoding="utf-8")
+        except OSError as error:
+            raise SceneError(f"{file}: {error.strerror}") from error
+        except UnicodeDecodeError as error:
+            raise SceneError(f"{file}: not a text in UTF-8") from error
+        return Text(text, file, [], [])
+    tree = as_dict(scene)
+    if not isinstance(tree, dict):
+        raise SceneError(f"expected a scene, a mapping or a path, not {scene!r}")
+    cloths = [_take(body, CLOTH_ARRAYS) for body in _bodies(tree, "cloths")]
+    obstacles = [
+        _take_obstacle(k, body) for k, body in enumerate(_bodies(tree, "obstacles"))
+    ]
+    try:
+        text = json.dumps(tree, default=_plain, allow_nan=False)
+    except (TypeError, ValueError) as error:
+        if isinstance(error, SceneError):
+            raise
+        raise SceneError(f"a scene's number is not finite: {error}") from error
+    file = os.path.join(folder, "scene") if folder else "scene"
+    return Text(text, file, cloths, obstacles)
+
+
+def _bodies(tree: dict[str, Any], key: str) -> list[Any]:
+    """Returns a scene's list of bodies; what is none is left to the reader."""
+    bodies = tree.get(key)
+    return bodies if isinstance(bodies, list) else []
+
+
+def array(
+    value: Any, shape: tuple[int | None, ...], where: str, kind: Any = np.float64
+) -> NDArray[Any]:
+    """Returns a C-contiguous array of this shape, where None is any number.
+
+    Raises SceneError that names `where`, the shape that it has and the one that
+    was expected."""
+    try:
+        found = np.asarray(value)
+        if kind is not np.float64 and found.dtype.kind not in "iu":
+            raise TypeError("expected whole numbers")
+        if found.dtype.kind not in "iuf":
+            raise TypeError("expected numbers")
+        made = np.ascontiguousarray(found, dtype=kind)
+    except (TypeError, ValueError) as error:
+        raise SceneError(f"{where}: {error}") from error
+    fits = made.ndim == len(shape) and all(
+        want in (None, have) for want, have in zip(shape, made.shape, strict=True)
+    )
+    if not fits or (found.size and found.dtype.kind != "f" and (made != found).any()):
+        wanted = " × ".join("n" if want is None else str(want) for want in shape)
+        have = " × ".join(map(str, made.shape)) or "one number"
+        raise SceneError(f"{where}: {have}; expected {wanted} numbers in range")
+    return made

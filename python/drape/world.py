@@ -1,0 +1,511 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Worlds: scenes that were made, and their state."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import weakref
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import scene as scenes
+from ._core import ffi, lib
+from ._define import Handle, with_keys
+from ._library import Calls, Guard, Log, Trace
+from .arrays import SharedArray, order
+from .errors import CheckpointError, DivergedError, Error, SceneError, check
+from .mesh import Audit, audit
+from .record import Recorder, picture
+from .reports import PARTS, Memory, Outcome, PlanRow, Status, StepReport, Work
+
+NOT_CLEAN = Outcome.TRAPPED | Outcome.PASSED | Outcome.DIVERGED
+
+
+@dataclass(frozen=True)
+class Body:
+    """A cloth or an obstacle of a world.
+
+    Attributes:
+        name: as the scene calls it
+        kind: "cloth" or "obstacle"
+        vertices, triangles: where its rows are in the world's arrays
+        particles: of a cloth, (m, n); particle (i, j) is its vertex i + m·j
+        size: of a cloth at rest, (width, height), m
+    """
+
+    name: str
+    kind: str
+    vertices: slice
+    triangles: slice
+    particles: tuple[int, int] | None = None
+    size: tuple[float, float] | None = None
+
+
+class Reports(list[StepReport]):
+    """The reports of some steps, in their order."""
+
+    @property
+    def outcome(self) -> Outcome:
+        """All that happened in any of the steps."""
+        all_of_them = Outcome(0)
+        for report in self:
+            all_of_them |= report.outcome
+        return all_of_them
+
+    @property
+    def clean(self) -> bool:
+        """Whether no step is trapped, passed or diverged: nothing intersects
+        at the end of any step, and nothing went through anything."""
+        return not self.outcome & NOT_CLEAN
+
+
+def _plain(c: Any) -> dict[str, Any]:
+    """Returns the numbers of a struct by the names of its fields."""
+    kind = ffi.typeof(c)
+    struct = kind.item if kind.kind == "pointer" else kind
+    return {name: getattr(c, name) for name, _ in struct.fields}
+
+
+def step_report(c: Any) -> StepReport:
+    """Returns a drape_step_report."""
+    fields = _plain(c)
+    fields["outcome"] = Outcome(c.outcome)
+    fields["seconds"] = dict(zip(PARTS, c.seconds, strict=True))
+    fields["work"] = Work(**_plain(c.work))
+    return StepReport(**fields)
+
+
+class World:
+    """A scene that was made, and its state, which `step` advances.
+
+    Calls on one world from several threads follow one another; worlds are
+    independent, and threads that step different worlds run side by side. No
+    thread changes a bit of any of them.
+    """
+
+    def __init__(
+        self,
+        scene: scenes.SceneLike,
+        *,
+        folder: str | os.PathLike[str] | None = None,
+        log: Log | None = None,
+        trace: Trace | None = None,
+        **keys: Any,
+    ) -> None:
+        """Reads a scene, checks the whole of it, and makes the world, at time 0.
+
+        Args:
+            scene: a `Scene`, a mapping of a scene's keys, or its file's path
+            folder: where the paths of meshes of a scene without file begin
+            log: called with lines for people: what was made, and why not
+            trace: called after each stage of a step with the steps done, the
+                stage's name, a 64-bit digest of its output, and seconds
+            keys: replace the scene's own: backend="gpu", precision=64, …
+
+        Raises:
+            SceneError: the scene is refused; the text says what and where
+            OutOfMemoryError, DeviceError: what the text says is lacking
+        """
+        text = with_keys(scenes.read(scene, folder), keys)
+        self._calls = Calls(log, trace)
+        self._guard = Guard()
+        self._mirrors: dict[str, weakref.ref[NDArray[Any]]] = {}
+        self._recorder: Recorder | None = None
+        self._report: StepReport | None = None
+        self._handle: Handle | None = Handle(text, self._calls)
+        self._calls.raise_kept()
+        self._triangles = self._read_triangles()
+        self.bodies: tuple[Body, ...] = tuple(self._read_bodies())
+
+    # What the world is
+
+    def _open(self) -> Handle:
+        if self._handle is None:
+            raise Error("the world is closed")
+        return self._handle
+
+    @property
+    def _world(self) -> Any:
+        return self._open().world
+
+    @property
+    def name(self) -> str:
+        """The scene's name."""
+        return str(ffi.string(self._open().scene.name).decode(errors="replace"))
+
+    @property
+    def frames(self) -> int:
+        """Frames that a run of the scene makes."""
+        return int(self._open().scene.frames)
+
+    @property
+    def steps_per_frame(self) -> int:
+        """Steps between two frames of a run."""
+        return int(self._open().scene.steps_per_frame)
+
+    @property
+    def dt(self) -> float:
+        """Length of a step, s."""
+        return float(self._open().definition.dt)
+
+    @property
+    def precision(self) -> int:
+        """Bits of a number in the state, 32 or 64."""
+        return int(self._open().definition.precision)
+
+    @property
+    def backend(self) -> str:
+        """Where steps are computed: "ref" or "gpu"."""
+        return "gpu" if self._open().definition.backend == lib.DRAPE_GPU else "ref"
+
+    @property
+    def report(self) -> StepReport | None:
+        """The report of the last step; None before the first."""
+        return self._report
+
+    def body(self, name: str) -> Body:
+        """Returns the first body of this name; a KeyError if there is none."""
+        for body in self.bodies:
+            if body.name == name:
+                return body
+        raise KeyError(f"{name}: no body has this name")
+
+    def _read_bodies(self) -> Iterator[Body]:
+        handle = self._open()
+        definition, scene = handle.definition, handle.scene
+        first_v, first_t = lib.drape_first_vertex, lib.drape_first_triangle
+        for k in range(definition.n_cloths + definition.n_obstacles):
+            vertices = slice(first_v(handle.world, k), first_v(handle.world, k + 1))
+            triangles = slice(first_t(handle.world, k), first_t(handle.world, k + 1))
+            if k < definition.n_cloths:
+                c = definition.cloths[k]
+                name = ffi.string(scene.cloth_name[k]).decode(errors="replace")
+                grid, size = (c.m, c.n), (c.width, c.height)
+                yield Body(name, "cloth", vertices, triangles, grid, size)
+            else:
+                names = scene.obstacle_name
+                name = ffi.string(names[k - definition.n_cloths])
+                yield Body(
+                    name.decode(errors="replace"), "obstacle", vertices, triangles
+                )
+
+    def _read_triangles(self) -> NDArray[np.int32]:
+        tri = np.empty((lib.drape_triangles(self._world), 3), np.int32)
+        at = ffi.cast("int32_t (*)[3]", tri.ctypes.data)
+        check(lib.drape_read_triangles(self._world, at), "triangles")
+        tri.flags.writeable = False
+        return tri
+
+    # Steps
+
+    def _step(self) -> StepReport:
+        c = ffi.new("drape_step_report *")
+        with self._guard:
+            status = lib.drape_step(self._world, c)
+            self._calls.raise_kept()
+            check(status, "step")
+            self._report = step_report(c)
+            if self._recorder:
+                self._recorder.add(c)
+        return self._report
+
+    def step(self, n: int = 1) -> Reports:
+        """Advances the world by n steps of `dt`.
+
+        Returns:
+            the reports of the steps
+
+        Raises:
+            DivergedError: a step was given up; the steps before it are done
+            OutOfMemoryError: the next call may succeed
+            DeviceError: the device has failed
+        """
+        reports = Reports()
+        try:
+            for _ in range(n):
+                reports.append(self._step())
+                if reports[-1].outcome & Outcome.DIVERGED:
+                    raise DivergedError(
+                        f"step {reports[-1].step + 1}: diverged; the state before "
+                        "it is kept"
+                    )
+        finally:
+            self._refresh()
+        return reports
+
+    def wake(self) -> None:
+        """Wakes a scene that is asleep, so that the next step is computed."""
+        with self._guard:
+            lib.drape_wake(self._world)
+
+    def set_wind(self, wind: scenes.Wind | Mapping[str, Any]) -> None:
+        """Sets the wind from the next step on, and wakes the scene; what is not
+        given stays as it is. A scene that was made without wind takes none."""
+        given = scenes.as_dict(wind)
+        unknown = sorted(set(given) - {"velocity", "density", "drag", "lift"})
+        if unknown:
+            raise SceneError(f"wind: {unknown[0]}: there is no such key")
+        new = ffi.new("drape_wind *", self._open().definition.wind)
+        for key, value in given.items():
+            if key == "velocity":
+                new.velocity = scenes.array(value, (3,), "wind.velocity").tolist()
+            else:
+                setattr(new, key, float(value))
+        with self._guard:
+            check(lib.drape_set_wind(self._world, new), "wind")
+            self._open().definition.wind = new[0]
+
+    # The state
+
+    @property
+    def triangles(self) -> NDArray[np.int32]:
+        """[triangles, 3] vertices of each; they never change."""
+        return self._triangles
+
+    @property
+    def positions(self) -> NDArray[Any] | SharedArray:
+        """[vertices, 3] m, read-only: the cloths in their order, then the
+        obstacles. On the host a NumPy array that follows the world: after each
+        call of `step` it holds the new state. On a device a `SharedArray`."""
+        return self._array("x")
+
+    @property
+    def velocities(self) -> NDArray[Any] | SharedArray:
+        """[vertices, 3] m/s, likewise."""
+        return self._array("v")
+
+    def share(self) -> tuple[SharedArray, SharedArray]:
+        """Returns positions and velocities where they lie, without a copy, on
+        the host too: see `SharedArray` for how long they are valid."""
+        handle = self._open()
+        return (
+            SharedArray(handle, self._guard, "x"),
+            SharedArray(handle, self._guard, "v"),
+        )
+
+    def _array(self, field: str) -> NDArray[Any] | SharedArray:
+        if self.backend == "gpu":
+            return SharedArray(self._open(), self._guard, field)
+        owner = self._mirrors[field]() if field in self._mirrors else None
+        if owner is None:
+            shared = SharedArray(self._open(), self._guard, field)
+            owner = np.array(shared)
+            self._mirrors[field] = weakref.ref(owner)
+        view = owner.view()
+        view.flags.writeable = False
+        return view
+
+    def _refresh(self) -> None:
+        """Copies the state to the arrays that someone holds."""
+        for field, mirror in list(self._mirrors.items()):
+            owner = mirror()
+            if owner is None:
+                del self._mirrors[field]
+            else:
+                owner[:] = np.asarray(SharedArray(self._open(), self._guard, field))
+
+    def read(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Copies positions, m, and velocities, m/s, [vertices, 3] each, to the
+        host."""
+        x = np.empty((len(self), 3))
+        v = np.empty_like(x)
+        a, b = (ffi.cast("double (*)[3]", each.ctypes.data) for each in (x, v))
+        with self._guard:
+            check(lib.drape_read(self._world, a, b), "read")
+        return x, v
+
+    def __len__(self) -> int:
+        """The number of vertices."""
+        return int(lib.drape_vertices(self._world))
+
+    def digest(self) -> str:
+        """Returns the SHA-256 of the state: positions, then velocities, as
+        little-endian numbers of the world's precision. Equal states have equal
+        digests on every machine and backend."""
+        kind = f"<f{self.precision // 8}"
+        sum_of_all = hashlib.sha256()
+        for each in self.read():
+            sum_of_all.update(each.astype(kind).tobytes())
+        return sum_of_all.hexdigest()
+
+    @property
+    def stream(self) -> int:
+        """The CUDA stream on which the world works; 0 on the host."""
+        view = ffi.new("drape_view *")
+        with self._guard:
+            check(lib.drape_borrow(self._world, view), "borrow")
+        return int(ffi.cast("uintptr_t", view.stream))
+
+    def wait_for(self, stream: int) -> None:
+        """Makes the next step wait for what is on this CUDA stream now, as for
+        work that still reads a `SharedArray`."""
+        order(ffi.cast("void *", stream), self.stream or 1)
+
+    # Plan, memory, checkpoints
+
+    def plan(self) -> list[PlanRow]:
+        """Returns the stages, whether the scene uses each, and why."""
+        with self._guard:
+            count = check(lib.drape_plan(self._world, ffi.NULL, 0), "plan")
+            rows = ffi.new("drape_plan_row[]", max(count, 1))
+            check(lib.drape_plan(self._world, rows, count), "plan")
+        return [
+            PlanRow(
+                ffi.string(row.stage).decode(),
+                bool(row.on),
+                ffi.string(row.why).decode(),
+                row.bytes,
+            )
+            for row in rows[0:count]
+        ]
+
+    def memory(self) -> Memory:
+        """Returns how much memory the world holds."""
+        c = ffi.new("drape_memory *")
+        with self._guard:
+            check(lib.drape_count(self._world, c), "memory")
+        return Memory(**_plain(c))
+
+    def checkpoint(self) -> bytes:
+        """Returns a checkpoint of the state, which `restore` takes."""
+        with self._guard:
+            self._calls.written = bytearray()
+            status = lib.drape_save(self._world, lib.core_write, self._calls.pointer)
+            data, self._calls.written = self._calls.written, bytearray()
+        check(status, "checkpoint")
+        return bytes(data)
+
+    def restore(self, data: bytes) -> None:
+        """Replaces the state by a checkpoint's. The world continues with the
+        same bits as the one that was saved, which had the same scene; backend
+        and threads may differ.
+
+        Raises:
+            CheckpointError: it is damaged, or of another scene
+        """
+        before = self.checkpoint()
+        left = self._restore(data)
+        if left:
+            self._restore(before)
+        self._refresh()
+        if left:
+            raise CheckpointError(f"checkpoint: {left} bytes behind its end")
+
+    def _restore(self, data: bytes) -> int:
+        """Loads a checkpoint and returns how many bytes are behind its end."""
+        calls = self._calls
+        with self._guard:
+            calls.unread = memoryview(data)
+            status = lib.drape_load(self._world, lib.core_read_bytes, calls.pointer)
+            left, calls.unread = len(calls.unread), memoryview(b"")
+        if status == Status.EIO:
+            raise CheckpointError("checkpoint: it ends too early")
+        check(status, "checkpoint")
+        return left
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a checkpoint to a file, which appears complete or not at all."""
+        target = Path(path)
+        part = target.with_name(f".{target.name}.{os.getpid()}.part")
+        try:
+            part.write_bytes(self.checkpoint())
+            part.replace(target)
+        finally:
+            part.unlink(missing_ok=True)
+
+    def load(self, path: str | os.PathLike[str]) -> None:
+        """Replaces the state by that of a file that `save` wrote."""
+        try:
+            self.restore(Path(path).read_bytes())
+        except CheckpointError as error:
+            raise CheckpointError(f"{os.fspath(path)}: {error}") from error
+
+    # Exact checks, files and pictures
+
+    def audit(self, *, threads: int = 0) -> Audit:
+        """Finds the intersecting pairs of triangles of the state, exactly.
+        Obstacles are not compared with one another."""
+        group = np.ones(len(self.triangles), np.int32)
+        for body in self.bodies:
+            group[body.triangles] = body.kind == "cloth"
+        return audit(self.read()[0], self.triangles, group, threads=threads)
+
+    def record(
+        self, folder: str | os.PathLike[str], *, obj: bool = False, force: bool = False
+    ) -> Recorder:
+        """Writes the files of a run from here on, as ``drape run`` does: after
+        each step its report, and a frame every `steps_per_frame` steps. Use it
+        in a with statement, which writes the report at its end.
+
+        Args:
+            folder: of this run only; it is made
+            obj: whether frames are written as OBJ too
+            force: whether files of another run are removed from the folder
+        """
+        if self._recorder:
+            raise Error("the world is being recorded already")
+        if self._report is not None:
+            raise Error("a run is recorded from its start: before the first step")
+        self._recorder = Recorder(self._open(), self._guard, folder, obj, force)
+        self._recorder.on_close = self._end_record
+        return self._recorder
+
+    def _end_record(self) -> None:
+        self._recorder = None
+
+    def render(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        width: int = 800,
+        height: int = 600,
+        samples: int = 8,
+    ) -> Path:
+        """Makes a picture of the state, as ``drape render`` does, by the scene's
+        camera or one that sees all.
+
+        Args:
+            path: of the picture, which is a PNG
+            width, height: in pixels
+            samples: a pixel
+
+        Returns:
+            the path
+        """
+        return picture(self._open(), self._guard, Path(path), width, height, samples)
+
+    def close(self) -> None:
+        """Ends the world. Its memory is released when no array shares it."""
+        if self._recorder:
+            self._recorder.close()
+        self._handle = None
+
+    def __enter__(self) -> World:
+        """A with statement closes the world."""
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Closes the world."""
+        self.close()
+
+    def __repr__(self) -> str:
+        """The world in one line."""
+        if self._handle is None:
+            return "<drape.World: closed>"
+        done = self._report.step if self._report else 0
+        return (
+            f"<drape.World {self.name!r}: {len(self)} vertices, "
+            f"{len(self.triangles)} triangles, {done} steps>"
+        )

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The reports are those of spec/drape.h."""
+
+from __future__ import annotations
+
+import dataclasses
+import importlib.util
+import re
+from typing import Any
+
+import pytest
+from conftest import ROOT
+
+import drape
+from drape import reports
+from drape._core import ffi, lib
+
+STRUCTS = {
+    "drape_work": reports.Work,
+    "drape_step_report": reports.StepReport,
+    "drape_plan_row": reports.PlanRow,
+    "drape_memory": reports.Memory,
+}
+
+
+def generator() -> Any:
+    spec = importlib.util.spec_from_file_location(
+        "generate", ROOT / "python/generate.py"
+    )
+    assert spec and spec.loader
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_file_is_what_the_header_says() -> None:
+    text = (ROOT / "python/drape/reports.py").read_text(encoding="utf-8")
+    assert text == generator().written()
+
+
+@pytest.mark.parametrize("name", STRUCTS)
+def test_fields_are_those_of_the_struct(name: str) -> None:
+    theirs = [field for field, _ in ffi.typeof(name).fields]
+    assert theirs == [field.name for field in dataclasses.fields(STRUCTS[name])]
+
+
+def test_enumerations_are_those_of_the_header() -> None:
+    for kind in (reports.Status, reports.Outcome):
+        for member in kind:
+            assert getattr(lib, f"DRAPE_{member.name}") == member.value
+    assert len(reports.PARTS) == lib.DRAPE_PART_COUNT
+    for status in reports.Status:
+        assert "unknown" not in ffi.string(lib.drape_status_text(status)).decode()
+
+
+def test_every_function_of_the_header_is_there() -> None:
+    text = (ROOT / "spec/drape.h").read_text(encoding="utf-8")
+    text = re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
+    names = set(re.findall(r"\b(drape_\w+)\((?=[^)]*\)?[^;]*;)", text))
+    names -= set(re.findall(r"typedef \w+ (drape_\w+)\(", text))
+    assert len(names) > 20
+    missing = {name for name in names if not hasattr(lib, name)}
+    assert not missing
+
+
+def test_versions() -> None:
+    text = (ROOT / "spec/drape.h").read_text(encoding="utf-8")
+    found = re.search(r'DRAPE_VERSION "(.*)"', text)
+    assert found and drape.__version__ == found[1]
+    assert f"drape {found[1]}" in drape.info()

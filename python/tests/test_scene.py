@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes: objects, mappings and files are the same, and mistakes are named."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import ROOT, SCENES
+
+import drape
+from drape import scene as scenes
+
+# The file of the tool's reader that has the keys of each object.
+TABLES = {
+    drape.Scene: "scene.c",
+    drape.Wind: "scene.c",
+    drape.Camera: "scene.c",
+    drape.Key: "motion.c",
+    drape.Motion: "motion.c",
+    drape.Start: "cloth.c",
+    drape.Region: "cloth.c",
+    drape.Pin: "cloth.c",
+    drape.Cloth: "cloth.c",
+    drape.Frames: "obstacle.c",
+    drape.Obstacle: "obstacle.c",
+}
+ARRAYS = {*scenes.CLOTH_ARRAYS, *scenes.OBSTACLE_ARRAYS}
+
+
+@pytest.mark.parametrize("kind", TABLES, ids=lambda kind: kind.__name__)
+def test_the_fields_are_the_readers_keys(kind: Any) -> None:
+    text = (ROOT / "app" / TABLES[kind]).read_text()
+    tables = re.findall(r"json_key \w+\[\] = \{(.*?)\{0\}", text, re.DOTALL)
+    keys = [set(re.findall(r'[A-Z]+_KEY\("(\w+)"', table)) for table in tables]
+    assert {field.name for field in dataclasses.fields(kind)} - ARRAYS in keys
+
+
+def test_a_materials_fields_are_the_readers_keys() -> None:
+    text = (ROOT / "app/cloth.c").read_text()
+    table = text[text.index('NESTED_KEY("name", 0, read_fabric)') :].split("{0}")[0]
+    keys = {"name", "limit", *re.findall(r"MATERIAL\((\w+),", table)}
+    assert keys == {field.name for field in dataclasses.fields(drape.Material)}
+
+
+def test_objects_mappings_and_files_are_the_same(tmp_path: Path) -> None:
+    objects = drape.Scene(
+        cloths=[
+            drape.Cloth(
+                particles=(9, 9),
+                size=(0.5, 0.5),
+                material=drape.Material(name="denim", bend=2e-5),
+                start=drape.Start(at=np.array([0, 0.6, 0])),
+                pins=[drape.Pin(edge="u0", motion="lift")],
+                holes=[drape.Region(disc=[0.25, 0.25, 0.05])],
+            )
+        ],
+        obstacles=[drape.Obstacle(shape="sphere", radius=np.float64(0.2), detail=16)],
+        motions=[
+            drape.Motion("lift", keys=[drape.Key(time=0), drape.Key(1, [0, 1, 0])])
+        ],
+        wind=drape.Wind(velocity=[1, 0, 0]),
+        dt=0.01,
+    )
+    mapping = scenes.as_dict(objects)
+    text = scenes.read(objects).text
+    (tmp_path / "a.json").write_text(text)
+    digests = set()
+    for each in (objects, mapping, tmp_path / "a.json", str(tmp_path / "a.json")):
+        world = drape.World(each)
+        world.step(5)
+        digests.add(world.digest())
+    assert len(digests) == 1
+    assert drape.World(tmp_path / "a.json").name == "a"
+
+
+@pytest.mark.parametrize("scene", ["tiny", "sphere", "flag", "twist"])
+def test_scenes_of_the_tool(scene: str) -> None:
+    tree = json.loads((SCENES / f"{scene}.json").read_text())
+    from_file, from_tree = drape.World(SCENES / f"{scene}.json"), drape.World(tree)
+    assert from_file.digest() == from_tree.digest()
+
+
+WRONG = [
+    ({}, r"scene: \$: cloths: expected at least one"),
+    ({"cloth": []}, r'unknown key "cloth"; did you mean "cloths"'),
+    ({"cloths": [{"particles": [1, 5]}]}, r"\$\.cloths\[0\]\.particles"),
+    ({"cloths": [{"material": "denin"}]}, "denin"),
+    ({"cloths": [{"size": [1, float("nan")]}]}, "not finite"),
+    ({"cloths": [{"size": [1, 1j]}]}, "1j"),
+    ({"cloths": 5}, r"\$\.cloths: expected a list"),
+    ({"cloths": [{"positions": [[0, 0, 0]]}]}, r"cloths\[0\]\.positions: 1 × 3"),
+    ({"cloths": [{}], "obstacles": [{"vertices": [[0, 0, 0]]}]}, "lack triangles"),
+    ({"cloths": [{}], "obstacles": [{"triangles": [[0, 1, 2]]}]}, "one of vertices"),
+    (
+        {"cloths": [{}], "obstacles": [{"vertices": [], "triangles": [], "at": [0]}]},
+        r"obstacles\[0\]: at: an obstacle of arrays",
+    ),
+    (
+        {
+            "cloths": [{}],
+            "obstacles": [{"vertices": np.eye(3), "triangles": [[0.5] * 3]}],
+        },
+        "whole numbers",
+    ),
+    (
+        {
+            "cloths": [{"start": {"at": [5, 0, 0]}}],
+            "obstacles": [{"vertices": np.eye(3), "triangles": [[0, 1, 3]]}],
+        },
+        r"\$\.obstacles\[0\]",
+    ),
+]
+
+
+@pytest.mark.parametrize("scene, text", WRONG)
+def test_mistakes_are_named(scene: Any, text: str) -> None:
+    with pytest.raises(drape.SceneError, match=text):
+        drape.World(scene)
+
+
+def test_files_that_are_none(tmp_path: Path) -> None:
+    with pytest.raises(drape.SceneError, match="No such file"):
+        drape.World(tmp_path / "none.json")
+    (tmp_path / "a.json").write_text('{"cloths": [{}],\n"dt" 1}')
+    with pytest.raises(drape.SceneError, match=r"a\.json: line 2: not JSON"):
+        drape.World(tmp_path / "a.json")
+    (tmp_path / "a.json").write_text('{"dt": 1, "dt": 2, "cloths": [{}]}')
+    for keys in ({}, {"threads": 1}):
+        with pytest.raises(drape.SceneError, match="twice"):
+            drape.World(tmp_path / "a.json", **keys)
+    with pytest.raises(drape.SceneError, match="expected a scene"):
+        drape.World(3)  # type: ignore[arg-type]
+
+
+def test_arrays_of_a_mesh_are_that_mesh() -> None:
+    ball = {"shape": "sphere", "radius": 0.2, "detail": 16, "at": [0, -0.25, 0]}
+    cloth = {"particles": [11, 11], "size": [0.5, 0.5]}
+    shaped = drape.World({"cloths": [cloth], "obstacles": [ball]}, precision=64)
+    body = shaped.bodies[1]
+    x = np.asarray(shaped.positions)
+    given = drape.World(
+        {
+            "cloths": [{**cloth, "positions": x[: body.vertices.start]}],
+            "obstacles": [
+                drape.Obstacle(
+                    vertices=x[body.vertices],
+                    triangles=shaped.triangles[body.triangles] - body.vertices.start,
+                )
+            ],
+        },
+        precision=64,
+    )
+    for world in (shaped, given):
+        assert world.step(12).clean
+        assert world.report and world.report.contacts > 0
+    assert shaped.digest() == given.digest()
+
+
+def test_velocities_and_frames() -> None:
+    square = np.array([[-1, 0, -1], [1, 0, -1], [1, 0, 1], [-1, 0, 1]], float)
+    frames = np.stack([square - [0, 1, 0], square - [0, 0.5, 0]])
+    scene = drape.Scene(
+        cloths=[
+            drape.Cloth(particles=[3, 3], velocities=np.tile([0.0, 2.0, 0.0], (9, 1)))
+        ],
+        obstacles=[
+            drape.Obstacle(
+                triangles=[[0, 2, 1], [0, 3, 2]], vertex_frames=frames, frame_dt=0.1
+            )
+        ],
+        gravity=[0, 0, 0],
+        dt=0.05,
+    )
+    world = drape.World(scene, precision=64)
+    assert (world.velocities[:9, 1] == 2).all()
+    world.step()
+    assert world.positions[9:, 1] == pytest.approx(np.full(4, -0.75))
+    assert world.positions[:9, 1] == pytest.approx(np.full(9, 0.1))
+
+
+def test_paths_begin_in_the_folder(tmp_path: Path) -> None:
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models/a.off").write_text(
+        "OFF\n3 1 0\n0 -1 0\n1 -1 0\n0 -1 1\n3 0 1 2\n"
+    )
+    scene = {"cloths": [{}], "obstacles": [{"mesh": "models/a.off"}]}
+    assert len(drape.World(scene, folder=tmp_path).triangles) == 20001
+    with pytest.raises(drape.SceneError, match="found neither"):
+        drape.World(scene)
+
+
+def test_other_formats_are_read_too(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_text("v 0 -1 0\nv 1 -1 0\nv 0 -1 1\nf 1 2 3\n")
+    scene = {"cloths": [{}], "obstacles": [{"mesh": "a.obj"}]}
+    assert len(drape.World(scene, folder=tmp_path).triangles) == 20001
+    (tmp_path / "a.obj").write_text("v 0 -1 0\n")
+    with pytest.raises(drape.SceneError, match=r"a\.obj"):
+        drape.World(scene, folder=tmp_path)

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: Apache-2.0
+"""``python -m drape`` is the tool."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from conftest import SCENES
+
+import drape
+
+
+def drape_m(*words: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "drape", *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_run_and_its_exit_codes(tiny: Path, tmp_path: Path) -> None:
+    done = drape_m("run", tiny, "--frames", 2, "--out", tmp_path / "a")
+    assert done.returncode == 0 and "2 steps" in done.stdout
+    assert (tmp_path / "a/report.json").exists()
+    wrong = drape_m("run", tmp_path / "none.json")
+    assert wrong.returncode == 2 and wrong.stderr.startswith("drape: ")
+    assert drape_m("info").stdout == drape.info()
+    assert drape_m().returncode == 2
+
+
+def test_an_interrupted_run_ends_in_order(tmp_path: Path) -> None:
+    out = tmp_path / "a"
+    command = [sys.executable, "-m", "drape", "run", SCENES / "sphere.json"]
+    process = subprocess.Popen(
+        [*map(str, command), "--out", str(out), "--frames", "100000"],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+        start_new_session=True,
+    )
+    try:
+        end = time.monotonic() + 20
+        while not (out / "frames/cloth_0001.ply").exists():
+            assert time.monotonic() < end and process.poll() is None
+            time.sleep(0.05)
+        # as a terminal does: to both processes
+        os.killpg(process.pid, signal.SIGINT)
+        assert process.wait(20) == 130
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+    assert (out / "checkpoint.drape").exists()
+
+
+def test_call_raises_what_the_tool_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(drape.SceneError, match=r"none\.json"):
+        drape.tool.call("run", tmp_path / "none.json")
+    monkeypatch.setenv("DRAPE_TOOL", str(tmp_path / "nothing"))
+    with pytest.raises(drape.Error, match="nothing"):
+        drape.tool.call("info")

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Worlds: their arrays, what they report, and what they refuse."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import drape
+
+
+def test_arrays_follow_the_world(tiny: Path) -> None:
+    world = drape.World(tiny)
+    x, v = world.positions, world.velocities
+    part = x[world.bodies[0].vertices]
+    before = part.copy()
+    for _ in range(5):
+        world.step()
+        exact = world.read()
+        assert np.array_equal(x, exact[0]) and np.array_equal(v, exact[1])
+        assert np.array_equal(part, exact[0][: len(part)])
+    assert not np.array_equal(part, before)
+    assert x.dtype == np.float32 and x.shape == (len(world), 3)
+
+
+def test_arrays_cannot_be_written(tiny: Path) -> None:
+    world = drape.World(tiny)
+    for array in (world.positions, world.triangles, np.asarray(world.share()[0])):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0, 0] = 1
+
+
+def test_bodies_are_slices_of_the_arrays(tiny: Path) -> None:
+    world = drape.World(tiny)
+    cloth, ball = world.bodies
+    assert (cloth.kind, ball.kind) == ("cloth", "obstacle")
+    m, n = cloth.particles or (0, 0)
+    assert cloth.vertices == slice(0, m * n)
+    assert ball.vertices == slice(m * n, len(world))
+    assert ball.triangles.stop == len(world.triangles)
+    assert world.triangles[ball.triangles].min() == m * n
+    assert world.body(ball.name) is ball
+    with pytest.raises(KeyError, match="nothing"):
+        world.body("nothing")
+
+
+def test_reports(tiny: Path) -> None:
+    world = drape.World(tiny)
+    assert world.report is None
+    reports = world.step(6)
+    assert [report.step for report in reports] == [1, 2, 3, 4, 5, 6]
+    assert reports[-1].time == pytest.approx(6 * world.dt)
+    assert reports.clean and reports.outcome == 0
+    assert world.report is reports[-1]
+    assert set(reports[0].seconds) == {
+        *("integration", "solver", "broad", "proximity", "penetration")
+    }
+    assert reports[-1].work.tries >= reports[-1].slices
+
+
+def test_a_start_that_intersects(sheet: dict[str, Any]) -> None:
+    sheet["cloths"].append(
+        {"particles": [5, 5], "size": [0.3, 0.3], "start": {"v": [0, 1, 0]}}
+    )
+    with pytest.raises(drape.SceneError, match="intersect"):
+        drape.World(sheet)
+    world = drape.World(sheet, allow_intersecting=True)
+    found = world.audit()
+    assert found.count > 0 and found.pairs.shape == (found.count, 2)
+    reports = world.step()
+    assert reports.outcome & drape.Outcome.TRAPPED and not reports.clean
+
+
+def test_sleep_and_wake(sheet: dict[str, Any]) -> None:
+    world = drape.World(sheet, gravity=[0, 0, 0])
+    assert world.step(40).outcome & drape.Outcome.ASLEEP
+    world.wake()
+    assert not world.step()[0].outcome & drape.Outcome.ASLEEP
+
+
+def test_wind(sheet: dict[str, Any]) -> None:
+    sheet["wind"] = {"velocity": [0, 0, 0]}
+    sheet["gravity"] = [0, 0, 0]
+    world = drape.World(sheet)
+    world.set_wind(drape.Wind(velocity=[0, 5, 0]))
+    world.step(3)
+    assert world.positions[:, 1].min() > 0
+    with pytest.raises(drape.SceneError, match="speed"):
+        world.set_wind({"speed": 1})
+    with pytest.raises(drape.SceneError, match="3 numbers"):
+        world.set_wind({"velocity": [1, 2]})
+    with pytest.raises(drape.SceneError, match="range"):
+        world.set_wind({"density": -1})
+
+
+def test_plan_and_memory(tiny: Path) -> None:
+    world = drape.World(tiny)
+    rows = {row.stage: row for row in world.plan()}
+    assert rows["narrow"].on and not rows["wind"].on and rows["wind"].why
+    assert world.memory().host_bytes > 1000
+    assert world.memory().device_bytes == 0
+
+
+def test_log_and_trace_may_fail(tiny: Path) -> None:
+    lines: list[str] = []
+    drape.World(tiny, log=lines.append)
+    assert lines
+
+    def wrong(*_: object) -> None:
+        raise RuntimeError("of the caller's")
+
+    world = drape.World(tiny, trace=wrong)
+    with pytest.raises(RuntimeError, match="of the caller's"):
+        world.step()
+
+    def inward(*_: object) -> None:
+        worlds[0].read()
+
+    worlds = [drape.World(tiny, trace=inward)]
+    with pytest.raises(drape.Error, match="own world"):
+        worlds[0].step()
+
+
+def test_shared_arrays_keep_the_world(tiny: Path) -> None:
+    world = drape.World(tiny)
+    world.step(2)
+    exact = world.read()[0]
+    array = np.asarray(world.share()[0])
+    handle = weakref.ref(world._handle)
+    world.close()
+    gc.collect()
+    assert handle() is not None and np.array_equal(array, exact)
+    with pytest.raises(drape.Error, match="closed"):
+        world.step()
+    del array
+    gc.collect()
+    assert handle() is None
+
+
+def test_pictures(tiny: Path, tmp_path: Path) -> None:
+    world = drape.World(tiny)
+    path = world.render(tmp_path / "a.png", width=64, height=48, samples=2)
+    head = path.read_bytes()[:24]
+    assert head[:8] == b"\x89PNG\r\n\x1a\n"
+    assert head[16:24] == (64).to_bytes(4, "big") + (48).to_bytes(4, "big")
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_memory_limit(sheet: dict[str, Any]) -> None:
+    sheet["cloths"][0]["particles"] = [101, 101]
+    sheet["cloths"][0]["size"] = [1, 1]
+    with pytest.raises(drape.Error, match="memory"):
+        drape.World(sheet, memory=0.001)
+
+
+def test_no_device_here(tiny: Path) -> None:
+    if "gpu: not built in" not in drape.info():
+        pytest.skip("this build has the device's part")
+    with pytest.raises(drape.Error, match="backend"):
+        drape.World(tiny, backend="gpu")

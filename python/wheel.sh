@@ -1,0 +1,26 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Builds the Python package's wheel and puts it into dist/, with all libraries
+# that it needs beside glibc inside (auditwheel), so that it installs on every
+# Linux of the same or a later glibc. $DRAPE_MAKE: as for setup.py.
+# usage: python/wheel.sh BUILD
+set -eu
+build=$1
+work=$build/python
+bin=$work/venv/bin
+rm -rf "$work/raw" "$work/repaired" python/build
+DRAPE_BUILD=$build "$bin/python" -m build -q --wheel --no-isolation \
+    --outdir "$work/raw" python >"$work/wheel.log" 2>&1 || {
+    tail -n 40 "$work/wheel.log" >&2
+    exit 1
+}
+# CUDA's driver is the machine's own.
+PATH="$(cd "$bin" && pwd):$PATH" "$bin/auditwheel" repair --exclude 'libcuda.so*' \
+    --wheel-dir "$work/repaired" "$work"/raw/*.whl >"$work/repair.log" 2>&1 || {
+    tail -n 40 "$work/repair.log" >&2
+    exit 1
+}
+mkdir -p dist
+rm -f dist/drape-*.whl
+mv "$work"/repaired/*.whl dist/
+ls -s --block-size=1M dist/*.whl
