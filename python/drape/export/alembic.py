@@ -15,13 +15,14 @@ from typing import Any
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from drape.export import mesh
 from drape.export.pc2 import PointCache
 from drape.export.run import Body, Run
 
 
-def _turned(x: np.ndarray) -> np.ndarray:
+def _turned(x: NDArray[Any]) -> NDArray[Any]:
     """Positions with +y up as positions with +z up."""
     x = x.astype(np.float32)
     return np.stack([x[:, 0], -x[:, 2], x[:, 1]], 1)

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import pygltflib as g
+from numpy.typing import NDArray
 
 from drape.export import mesh
 from drape.export.run import Body, Run, RunError
@@ -30,7 +31,7 @@ class _Buffer:
     def __init__(self, gltf: g.GLTF2) -> None:
         self.gltf, self.chunks, self.length = gltf, list[bytes](), 0
 
-    def add(self, array: np.ndarray, type_: str, target: int | None = None) -> int:
+    def add(self, array: NDArray[Any], type_: str, target: int | None = None) -> int:
         """Appends an array of float32 or uint32; returns its accessor."""
         data = np.ascontiguousarray(array).tobytes()
         view = g.BufferView(
@@ -73,7 +74,7 @@ class _Shape:
         )
         self.rows = faces.ravel()[self.corner]
 
-    def at(self, frame: int) -> tuple[np.ndarray, np.ndarray]:
+    def at(self, frame: int) -> tuple[NDArray[Any], NDArray[Any]]:
         """Positions and normals [vertices, 3] of a frame."""
         x, faces = self.run.positions(self.body, frame), self.body.faces
         normal = mesh.corner_normals(x, faces, self.sharp).reshape(-1, 3)
@@ -171,7 +172,7 @@ def write(run: Run, frames: list[int], path: Path) -> None:
 
 
 def snapshot(
-    x: np.ndarray, normal: np.ndarray, faces: np.ndarray, rgb: np.ndarray
+    x: NDArray[Any], normal: NDArray[Any], faces: NDArray[Any], rgb: NDArray[Any]
 ) -> bytes:
     """A mesh of one moment as a .glb, with a linear colour for each vertex."""
     gltf = g.GLTF2(asset=g.Asset(version="2.0", generator="drape"), scene=0)

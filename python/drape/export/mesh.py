@@ -60,7 +60,8 @@ def sharp_corners(x: Array, faces: NDArray[np.int32]) -> NDArray[np.bool_]:
     round.
     """
     smooth, flat = _corner_sum(x, faces)
-    return (smooth[faces] * flat[:, None]).sum(2) < SHARP
+    sharp: NDArray[np.bool_] = (smooth[faces] * flat[:, None]).sum(2) < SHARP
+    return sharp
 
 
 def corner_normals(

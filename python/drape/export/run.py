@@ -10,13 +10,15 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from drape.errors import Error
 
 Positions = NDArray[np.floating[Any]]
 
@@ -30,7 +32,7 @@ _HEADER = re.compile(
 _FACE = np.dtype([("count", "u1"), ("vertices", "<i4", 3)])
 
 
-class RunError(ValueError):
+class RunError(Error, ValueError):
     """A folder that no run has left. The text is one line, and names the file."""
 
 
@@ -53,6 +55,30 @@ class Body:
     """Size of a cloth at rest along u and v, m."""
     moving: bool
     """Whether the frames differ."""
+
+
+def make_body(name: str, tri: NDArray[np.int32], moving: bool) -> Body:
+    """An obstacle of these triangles, whose vertices are rows of a frame."""
+    rows, flat = np.unique(tri, return_inverse=True)
+    faces = flat.reshape(-1, 3).astype(np.int32)
+    return Body(
+        name, "obstacle", rows.astype(np.int64), faces, None, None, None, moving
+    )
+
+
+def make_cloth(
+    name: str,
+    tri: NDArray[np.int32],
+    first: int,
+    grid: tuple[int, int],
+    size: tuple[float, float],
+) -> Body:
+    """A cloth of these triangles, whose particle 0 is row `first` of a frame."""
+    body = make_body(name, tri, True)
+    m, n = grid
+    i, j = (body.rows - first) % m, (body.rows - first) // m
+    uv = np.stack([i / (m - 1), j / (n - 1)], 1).astype(np.float32)
+    return replace(body, kind="cloth", uv=uv, grid=grid, size=size)
 
 
 def read_ply(path: Path) -> tuple[Positions, NDArray[np.int32]]:
@@ -87,6 +113,7 @@ class Run:
     """
 
     def __init__(self, folder: str | Path) -> None:
+        """Reads the report and the first frame."""
         self.folder = Path(folder)
         path = self.folder / "report.json"
         try:
@@ -130,6 +157,8 @@ class Run:
         """Whether some obstacle moves, so that each frame has its own file."""
         x, tri = read_ply(self._path("cloth", frames[0]))
         self._vertices = {"cloth": len(x), "obstacle": 0}
+        # the bodies of one frame share its file
+        self._all = lru_cache(maxsize=4)(self._load)
         first = [int(b["first_vertex"]) for b in list_]
         cloths = sum(b["kind"] == "cloth" for b in list_)
         first.append(int(self.report["vertices"]))
@@ -152,17 +181,12 @@ class Run:
             self.bodies.append(self._make(body, mine, first[k] - shift[0]))
 
     def _make(self, body: dict[str, Any], tri: NDArray[np.int32], first: int) -> Body:
-        rows, flat = np.unique(tri, return_inverse=True)
-        faces = flat.reshape(-1, 3).astype(np.int32)
-        rows = rows.astype(np.int64)
-        name, kind = str(body["name"]), str(body["kind"])
-        if kind != "cloth":
-            return Body(name, kind, rows, faces, None, None, None, self.moving)
+        name = str(body["name"])
+        if body["kind"] != "cloth":
+            return make_body(name, tri, self.moving)
         m, n = (int(k) for k in body["particles"])
         width, height = (float(k) for k in body["size"])
-        i, j = (rows - first) % m, (rows - first) // m
-        uv = np.stack([i / (m - 1), j / (n - 1)], 1).astype(np.float32)
-        return Body(name, kind, rows, faces, uv, (m, n), (width, height), True)
+        return make_cloth(name, tri, first, (m, n), (width, height))
 
     def _path(self, kind: str, frame: int) -> Path:
         if kind == "cloth":
@@ -182,8 +206,7 @@ class Run:
             return []
         return sorted(int(m[1]) for m in map(_FRAME.fullmatch, names) if m)
 
-    @lru_cache(maxsize=4)  # a few frames of few runs
-    def _all(self, kind: str, frame: int) -> Positions:
+    def _load(self, kind: str, frame: int) -> Positions:
         path = self._path(kind, frame)
         x, _ = read_ply(path)
         if len(x) != self._vertices[kind]:

@@ -9,15 +9,17 @@ run of 32 bits keeps every bit, and one of 64 bits is rounded to nearest.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from pxr import Gf, Kind, Sdf, Usd, UsdGeom, UsdShade, Vt
 
 from drape.export import mesh
 from drape.export.run import Body, Run
 
 
-def _points(array: np.ndarray) -> Vt.Vec3fArray:
+def _points(array: NDArray[Any]) -> Vt.Vec3fArray:
     flat = np.ascontiguousarray(array.reshape(-1, 3), np.float32)
     return Vt.Vec3fArray.FromNumpy(flat)
 
@@ -94,7 +96,7 @@ def write(run: Run, frames: list[int], path: Path) -> None:
     # "materials" is the scope's name, so no body gets it
     names = mesh.identifiers(["materials"] + [b.name for b in run.bodies])[1:]
     UsdGeom.Scope.Define(stage, f"/{top}/materials")
-    for number, (name, body) in enumerate(zip(names, run.bodies)):
+    for number, (name, body) in enumerate(zip(names, run.bodies, strict=True)):
         prim = _define(stage, f"/{top}/{name}", body)
         rgb = mesh.colour(body.kind, number)
         prim.CreateDisplayColorAttr([Gf.Vec3f(*rgb)])

@@ -6,8 +6,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from drape.errors import Error, SceneError
 from drape.export.console import FAILED, OK, USAGE, Parser, complain, whole
 from drape.export.run import RunError
+from drape.view.live import Live
 from drape.view.source import Recorded, Source
 
 
@@ -16,7 +18,9 @@ def open_source(name: str) -> Source:
     path = Path(name)
     if path.is_dir():
         return Recorded(path)
-    raise RunError(f"{name}: expected the folder of a run, or a scene")
+    if not path.is_file():
+        raise RunError(f"{name}: expected the folder of a run, or a scene's file")
+    return Live(path)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -38,14 +42,16 @@ def main(argv: Sequence[str] | None = None) -> int:
         )
     try:
         page = Page(open_source(given.run), given.host, given.port)
-    except RunError as error:
+    except (RunError, SceneError) as error:
         return complain(USAGE, f"view: {error}")
+    except Error as error:
+        return complain(FAILED, f"view: {error}")
     print(f"http://{given.host}:{page.port} (Ctrl-C ends it)", flush=True)
     try:
         page.serve()
     except KeyboardInterrupt:
         print()
-    except RunError as error:
+    except Error as error:
         return complain(FAILED, f"view: {error}")
     finally:
         page.close()

@@ -5,10 +5,12 @@ from __future__ import annotations
 
 import threading
 import time
+from bisect import bisect_left
 from typing import Any
 
 import numpy as np
 import viser
+from numpy.typing import NDArray
 
 from drape.export import mesh
 from drape.export.gltf import snapshot
@@ -32,7 +34,7 @@ class _Shape:
     """A body on the page: its surface, its wires, and its strain."""
 
     def __init__(
-        self, server: viser.ViserServer, body: Body, number: int, x: np.ndarray
+        self, server: viser.ViserServer, body: Body, number: int, x: NDArray[Any]
     ) -> None:
         self.server, self.body = server, body
         self.path = f"/{number:03d} {body.name}"
@@ -46,7 +48,7 @@ class _Shape:
         )
         self.strain: Any = None
 
-    def place(self, x: np.ndarray, wires: bool, limit: float | None) -> None:
+    def place(self, x: NDArray[Any], wires: bool, limit: float | None) -> None:
         """Shows the body at these positions; with colours of strain up to a limit."""
         strained = limit is not None and self.body.kind == "cloth"
         self.surface.visible = not strained
@@ -71,6 +73,7 @@ class Page:
     """Serves a source on a port, until `close`."""
 
     def __init__(self, source: Source, host: str, port: int) -> None:
+        """Starts the server; `serve` keeps the page up to date."""
         self.source = source
         self.frames = list(source.frames())
         self.shown: int | None = None
@@ -94,7 +97,7 @@ class Page:
         """The port, which is another one than asked for if that was taken."""
         return int(self.server.get_port())
 
-    def _positions(self, body: Body, frame: int) -> np.ndarray:
+    def _positions(self, body: Body, frame: int) -> NDArray[Any]:
         return self.source.positions(body, frame).astype(np.float32)
 
     def _bounds(self) -> None:
@@ -121,8 +124,8 @@ class Page:
         self.words = gui.add_markdown("")
         self.play = gui.add_button("Pause" if self.source.growing() else "Play")
         self.playing = self.source.growing()
-        self.frame = gui.add_slider("Frame", 0, max(count - 1, 1), 1, 0)
-        self.speed = gui.add_slider("Speed", 0.05, 2.0, 0.05, 1.0)
+        self.frame: Any = gui.add_slider("Frame", 0, max(count - 1, 1), 1, 0)
+        self.speed: Any = gui.add_slider("Speed", 0.05, 2.0, 0.05, 1.0)
         self.wires = gui.add_checkbox("Wires", False)
         self.colour = gui.add_dropdown("Colour", (CLOTH, STRAIN))
         self.limit = gui.add_slider("Strain at full colour, %", 0.1, 20, 0.1, 2)
@@ -191,11 +194,15 @@ class Page:
         self.shown = frame
 
     def _grow(self) -> None:
-        """Takes the frames that have come since, and follows them if it plays."""
+        """Takes the frames that have come since, and stays at the one that is shown."""
         frames = list(self.source.frames())
-        if len(frames) > len(self.frames):
-            self.frames = frames
-            self.frame.max = len(frames) - 1
+        if frames == self.frames:
+            return
+        now = self.frames[min(int(self.frame.value), len(self.frames) - 1)]
+        self.frames = frames
+        self.frame.max = max(len(frames) - 1, 1)
+        # a source may have dropped frames before this one
+        self.frame.value = min(bisect_left(frames, now), len(frames) - 1)
 
     def _advance(self) -> bool:
         """Goes to the frame of this moment while it plays; whether it moved."""

@@ -66,9 +66,10 @@ class Recorded:
     """The frames of a run's folder; while the run goes on there come more."""
 
     def __init__(self, folder: str | Path) -> None:
+        """Opens the folder of a run."""
         self._run = Run(folder)
         self.title = self._run.scene
-        self.bodies = self._run.bodies
+        self.bodies: Sequence[Body] = self._run.bodies
         self.seconds = self._run.seconds
         self.camera: dict[str, Any] | None = self._run.report.get("camera")
         self._steps: list[dict[str, Any]] = self._run.report["steps"]

@@ -60,7 +60,7 @@ def read(folder: Path, file: Path) -> tuple[Run, Glb]:
 def test_the_first_frame_has_all_bits(still: Path, tmp_path: Path) -> None:
     run, glb = read(still, tmp_path / "run.glb")
     assert [n["name"] for n in glb.root["nodes"]] == [b.name for b in run.bodies]
-    for node, body in zip(glb.root["nodes"], run.bodies):
+    for node, body in zip(glb.root["nodes"], run.bodies, strict=True):
         part = glb.root["meshes"][node["mesh"]]["primitives"][0]
         x = glb.array(part["attributes"]["POSITION"])
         faces = glb.array(part["indices"]).reshape(-1, 3)
@@ -76,14 +76,14 @@ def test_a_later_frame_is_exact_to_its_last_place(
 ) -> None:
     run, glb = read(request.getfixturevalue(name), tmp_path / "run.glb")
     frames = run.frames()
-    for node, body in zip(glb.root["nodes"], run.bodies):
+    for node, body in zip(glb.root["nodes"], run.bodies, strict=True):
         part = glb.root["meshes"][node["mesh"]]["primitives"][0]
         x = glb.array(part["attributes"]["POSITION"])
         normal = glb.array(part["attributes"]["NORMAL"])
         faces = glb.array(part["indices"]).reshape(-1, 3)
         targets = part.get("targets") or []
         assert len(targets) == (len(frames) - 1 if body.moving else 0)
-        for frame, target in zip(frames[1:], targets):
+        for frame, target in zip(frames[1:], targets, strict=False):
             got = (x + glb.array(target["POSITION"]))[faces]
             expected = run.positions(body, frame)[body.faces].astype(np.float32)
             larger = np.maximum(np.abs(expected), np.abs(x[faces]))

@@ -97,7 +97,8 @@ def test_alembic_keeps_every_bit(pushed: Path, tmp_path: Path) -> None:
     for k, frame in enumerate(run.frames()):
         bpy.context.scene.frame_set(k)
         graph = bpy.context.evaluated_depsgraph_get()
-        for name, body in zip(("sheet_é", "sheet_é_001", "ball"), run.bodies):
+        names = "sheet_é", "sheet_é_001", "ball"
+        for name, body in zip(names, run.bodies, strict=False):
             mesh = bpy.data.objects[name].evaluated_get(graph).data
             x = np.empty(3 * len(mesh.vertices), np.float32)
             mesh.vertices.foreach_get("co", x)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from drape.export import Body, Run
 from drape.view import strain
 

@@ -12,7 +12,7 @@ from drape.export import Run
 from drape.export.cli import export
 
 pytest.importorskip("pxr", reason="usd-core is not installed: no test of USD")
-from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdValidation  # noqa: E402
+from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdValidation
 
 
 @pytest.mark.parametrize("ending", [".usdc", ".usda", ".usd"])
@@ -24,7 +24,7 @@ def test_every_bit_of_every_frame(still: Path, tmp_path: Path, ending: str) -> N
     assert [m.GetPrim().GetDisplayName() for m in meshes] == [
         b.name for b in run.bodies
     ]
-    for prim, body in zip(meshes, run.bodies):
+    for prim, body in zip(meshes, run.bodies, strict=True):
         indices = np.array(prim.GetFaceVertexIndicesAttr().Get())
         assert np.array_equal(indices.reshape(-1, 3), body.faces)
         times = prim.GetPointsAttr().GetTimeSamples()

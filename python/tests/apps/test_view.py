@@ -20,6 +20,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from conftest import FRAMES, moving
+
 from drape.view.source import Contacts, Recorded, Source
 
 WHY = "is not installed: no test of the page"
@@ -28,7 +30,7 @@ pytest.importorskip("pygltflib", reason=f"pygltflib {WHY}")
 playwright = pytest.importorskip(
     "playwright.sync_api", reason=f"playwright (and chromium) {WHY}"
 )
-from drape.view.cli import main  # noqa: E402
+from drape.view.cli import main, open_source  # noqa: E402
 from drape.view.page import Page  # noqa: E402
 
 SECONDS = 60  # until what a test waits for has failed
@@ -202,6 +204,15 @@ def test_a_run_that_goes_on_is_followed(
         view.window.get_by_text("frame 8").wait_for()
         (folder / "report.json").write_text(whole)
         view.window.get_by_text("frame 3").wait_for()  # it begins again
+
+
+def test_a_scene_is_shown_while_it_is_computed(tmp_path: Path, browser: Any) -> None:
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps(moving()))
+    with shown(open_source(str(file)), browser) as view:
+        view.until(lambda p: red(p) > 2000, "live")
+        view.window.get_by_text("frame 8").wait_for()
+        assert view.page.shown == FRAMES
 
 
 class Touching(Recorded):

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A scene that is computed while it is shown gives the frames of a run."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import FRAMES, moving
+
+from drape.errors import SceneError
+from drape.export import Run
+from drape.view import live
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    """The file of the scene of `pushed`."""
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps(moving()))
+    return file
+
+
+def wait(source: live.Live) -> None:
+    """Waits until all frames are there."""
+    end = time.monotonic() + 60
+    while source.growing():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def test_frames_are_those_of_the_tool(scene: Path, pushed: Path) -> None:
+    run, source = Run(pushed), live.Live(scene)
+    wait(source)
+    assert list(source.frames()) == list(range(FRAMES + 1))
+    assert [b.name for b in source.bodies] == [b.name for b in run.bodies]
+    for mine, theirs in zip(source.bodies, run.bodies, strict=True):
+        assert np.array_equal(mine.faces, theirs.faces)
+        for frame in run.frames():
+            x = source.positions(mine, frame)
+            assert x.tobytes() == run.positions(theirs, frame).tobytes()
+    assert "contacts" in source.words(FRAMES) and source.words(0) == ""
+
+
+def test_only_the_latest_frames_are_kept(
+    scene: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(live, "MOST", 20000)
+    source = live.Live(scene)
+    wait(source)
+    kept = list(source.frames())
+    assert 2 <= len(kept) < FRAMES and kept[-1] == FRAMES
+    body = source.bodies[0]
+    assert np.array_equal(source.positions(body, 0), source.positions(body, kept[0]))
+
+
+def test_closing_ends_the_thread(scene: Path) -> None:
+    source = live.Live(scene)
+    source.close()
+    assert not source.growing()
+
+
+def test_a_fault_of_the_thread_is_told(
+    scene: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise MemoryError("planted")
+
+    monkeypatch.setattr(live.World, "step", fail)
+    source = live.Live(scene)
+    with pytest.raises(MemoryError, match="planted"):
+        wait(source)
+
+
+def test_a_scene_that_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "bad.json"
+    file.write_text('{"cloths": [{"particles": [1, 1]}]}')
+    with pytest.raises(SceneError, match="particles"):
+        live.Live(file)
