@@ -33,6 +33,10 @@ class PointCache:
         trace: TracebackType | None,
     ) -> None:
         """Closes the file."""
+        self.close()
+
+    def close(self) -> None:
+        """Closes the file; again, too."""
         self._file.close()
 
     def add(self, x: NDArray[Any]) -> None:
