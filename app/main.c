@@ -32,7 +32,8 @@ static const struct command {
      "  --resume FILE         go on from a checkpoint, bit for bit\n"
      "  --force               remove another run's files from DIR first\n"
      "  --trace               write DIR/trace.csv, a digest a stage\n"
-     "  --no-obj              frames as PLY only\n"
+     "  --obj                 frames as OBJ too, with names and UVs\n"
+     "  --no-obj              frames as PLY only, as without --obj\n"
      "  --allow-intersecting  accept a start state that intersects\n"
      "Ctrl-C finishes the step and leaves a checkpoint and the report.\n"},
     {"plan", command_plan, "print the stages of a scene and their memory",

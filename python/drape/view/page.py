@@ -161,7 +161,7 @@ class Page:
             "/contacts",
             points,
             rgb.astype(np.uint8),
-            point_size=0.004 * self._size,
+            point_size=0.008 * self._size,
             point_shape="circle",
             precision="float32",
         )
@@ -170,9 +170,9 @@ class Page:
             "/impulses",
             np.stack([points, tips], 1),
             rgb.astype(np.uint8),
-            shaft_radius=0.001 * self._size,
-            head_radius=0.003 * self._size,
-            head_length=0.008 * self._size,
+            shaft_radius=0.002 * self._size,
+            head_radius=0.006 * self._size,
+            head_length=0.016 * self._size,
         )
 
     def _show(self, all_: bool) -> None:
