@@ -8,8 +8,9 @@ shows the result, which a Mesh Cache modifier reads.
 
 import functools
 import importlib
-import subprocess
+import re
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -26,23 +27,12 @@ _items: list[tuple[str, str, str]] = []  # Blender needs them kept
 
 @functools.cache
 def fabrics() -> dict[str, str]:
-    """The fabrics that `drape materials` lists, with what each is."""
-    try:
-        from drape import tool
-
-        text = subprocess.run(
-            [str(tool.path()), "materials"], capture_output=True, text=True, check=True
-        ).stdout
-    except (ImportError, OSError, subprocess.CalledProcessError):
-        return {"cotton": "An estimate"}
-    table, _, words = text.partition("\n\n")
-    names = [line.split()[0] for line in table.splitlines()[2:]]
-    about = dict.fromkeys(names, "")
-    for line in words.splitlines():
-        first, _, rest = line.partition(" ")
-        if first in about:
-            about[first] = rest.strip()
-    return about
+    """The fabrics of drape, with what each is: app/fabrics.def, which is packed."""
+    here = Path(__file__).resolve().parent
+    table = here / "fabrics.def"
+    table = table if table.exists() else here.parent / "fabrics.def"
+    row = r'FABRIC\("([^"]+)",[^"]*"([^"]*)"'
+    return dict(re.findall(row, table.read_text(encoding="utf-8")))
 
 
 def fabric_items(_self: Any, _context: Any) -> list[tuple[str, str, str]]:

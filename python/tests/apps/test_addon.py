@@ -4,14 +4,16 @@
 from __future__ import annotations
 
 import importlib.util
+import subprocess
 import sys
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import ROOT, tool
 
 import drape
 
@@ -93,8 +95,26 @@ def triangles(thing: Any) -> np.ndarray:
 
 def test_every_fabric_is_offered(addon: Any) -> None:
     names = [item[0] for item in addon.fabric_items(None, None)]
-    table = (ROOT / "app/fabrics.def").read_text()
-    assert len(names) >= 14 and all(f'"{name}"' in table for name in names)
+    listed = subprocess.run([tool(), "materials"], capture_output=True, text=True)
+    rows = listed.stdout.split("\n\n")[0].splitlines()[2:]
+    assert names == [row.split()[0] for row in rows] and len(names) >= 14
+    assert all(item[2] for item in addon.fabric_items(None, None))
+
+
+def test_the_pack_names_its_wheels(tmp_path: Path) -> None:
+    wheel, out = tmp_path / "some-1.whl", tmp_path / "out.zip"
+    wheel.write_text("a wheel")
+    pack = ROOT / "app/blender/pack.py"
+    subprocess.run([sys.executable, pack, out, wheel], check=True)
+    with zipfile.ZipFile(out) as archive:
+        manifest = archive.read("blender_manifest.toml").decode()
+        names = archive.namelist()
+    assert 'wheels = [\n    "./wheels/some-1.whl",\n]' in manifest
+    assert manifest.index("wheels") < manifest.index("[permissions]")
+    modules = {p.name for p in pack.parent.glob("*.py")} - {"pack.py"}
+    assert {*modules, "fabrics.def", "wheels/some-1.whl"} < set(names)
+    version = (ROOT / "spec/drape.h").read_text().split('DRAPE_VERSION "')[1]
+    assert f'version = "{version.split(chr(34))[0]}"' in manifest
 
 
 def test_a_baked_cloth_falls_upright_and_apart(addon: Any) -> None:

@@ -80,3 +80,28 @@ def test_a_scene_that_is_refused(tmp_path: Path) -> None:
     file.write_text('{"cloths": [{"particles": [1, 1]}]}')
     with pytest.raises(SceneError, match="particles"):
         live.Live(file)
+
+
+def test_places_and_impulses_of_contacts() -> None:
+    x = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.2, 0.2, 0.1], [1, 1, 1]], float)
+    found = np.zeros(2, live.CONTACT)
+    found["vertex"] = [[3, 0, 1, 2], [0, 1, 3, 4]]
+    found["kind"] = [0, 1]
+    found["weight"] = [[1, -0.6, -0.2, -0.2], [0.25, 0.75, -0.5, -0.5]]
+    found["body"] = [[0, 1], [1, 0]]
+    found["impulse"] = [[0, 0, 2], [0, 0, 3]]
+    got = live.located(found, x, 1)
+    assert np.allclose(got.points, [[0.2, 0.2, 0.1], [0.75, 0, 0]])
+    assert np.array_equal(got.impulses, [[0, 0, 2], [0, 0, -3]])
+
+
+def test_contacts_hold_a_cloth_up(scene: Path) -> None:
+    source = live.Live(scene)
+    wait(source)
+    if source.contacts(FRAMES) is None:
+        pytest.skip("this library has no drape_contacts: no test of contacts")
+    before, after = source.contacts(0), source.contacts(FRAMES)
+    assert before is not None and not len(before.points)
+    assert after is not None and len(after.points) > 10
+    assert after.impulses[:, 1].sum() > 0
+    assert np.linalg.norm(after.points - [0, 0.2, 0], axis=1).max() < 0.6
