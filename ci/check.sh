@@ -12,7 +12,7 @@ cores=$(nproc)
 
 sh ci/part.sh "$build" build "$cores"
 # The longest parts start first.
-parts="tests asan gcc-O0 clang-O0 buddha demo gcc-O3 tidy clang-O2 clang-O3
+parts="python tests asan gcc-O0 clang-O0 buddha demo gcc-O3 tidy clang-O2 clang-O3
        tsan msan accuracy validate tool device fuzz prove golden-1 embed format
        golden-3 rows maps root self tokens certificate"
 # shellcheck disable=SC2086

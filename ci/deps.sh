@@ -6,7 +6,7 @@ set -eu
 need='gcc g++ make clang clang-format clang-tidy libomp-dev
       libassimp-dev libcjson-dev libembree-dev libpng-dev ffmpeg
       libcgal-dev libfcl-dev libccd-dev libgmp-dev libmpfr-dev gappa
-      libclang-rt-dev python3'
+      libclang-rt-dev python3 python3-dev python3-venv'
 missing=
 for package in $need; do
     state=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null) ||

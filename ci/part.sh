@@ -104,13 +104,14 @@ root) count 'whole scenes' sh ci/flavour.sh "$build" root ;;
 gcc-* | clang-* | ?san) flavour ;;
 format)
     one format sh -c 'ls app/*.[ch] app/examples/* ci/bench/*.[ch] \
-        ci/validate/*.[ch] fuzz/*.[ch] gpu/*/* oracle/*.[ch]* ref/*/*.[ch] \
-        spec/*.h tests/*/*.[ch] |
+        ci/validate/*.[ch] fuzz/*.[ch] gpu/*/* oracle/*.[ch]* \
+        python/core/*.[ch] ref/*/*.[ch] spec/*.h tests/*/*.[ch] |
         xargs clang-format --dry-run -Werror'
     ;;
 tidy) tidy ;;
 tool) with_tool tool sh tests/app.sh "$tool" ;;
 embed) count 'embedding examples' sh ci/embed.sh "$build" ;;
+python) with_tool 'Python package' sh python/check.sh "$build" ;;
 demo) with_tool "the demo's frames" sh ci/scenes.sh "$build" demo ;;
 buddha) with_tool 'buddha, 120 steps' sh ci/scenes.sh "$build" buddha ;;
 fuzz) count 'fuzz corpus' sh ci/fuzz.sh "$build" ;;

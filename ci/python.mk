@@ -6,11 +6,10 @@
 PY     := $(BUILD)/python
 PIP    := $(PY)/venv/bin/python -m pip install -q
 
-# The tool's reader of scenes and writer of runs, which the extension shares.
-CORE   := $(addprefix app/,checkpoint.c cloth.c fabrics.c file.c folder.c \
-          frame.c import.c json.c json_keys.c lock.c mesh.c motion.c \
-          obstacle.c off.c options.c output.c place.c ply.c ply_head.c pool.c \
-          report.c scene.c sew.c shapes.c start.c steps.c text.c)
+# The tool's reader of scenes and writer of runs, which the extension shares: all
+# of app/ but what wants libraries that these do not.
+CORE   := $(filter-out $(addprefix app/,assimp.c ccd.c main.c picture.c png.c \
+          render.c),$(APP))
 HAS_ASSIMP := $(call has,assimp/cimport.h)
 CORE   += $(if $(HAS_ASSIMP),app/assimp.c,python/core/absent.c)
 CORE_L := $(if $(HAS_ASSIMP),-lassimp) -lcjson -lpthread $(if $(GPU),$(CUDA_L),-lm)
@@ -22,7 +21,7 @@ python-core: $(call obj,$(CORE),) $(LIB) $(if $(HAS_APP),$(BUILD)/drape)
 	  -I$(dir $(realpath $(NVCC)))../include)'
 	@echo 'tool $(if $(HAS_APP),$(abspath $(BUILD)/drape))'
 
-# What builds and tests the package, in an environment of its own.
+# What builds the package, in an environment of its own.
 $(PY)/venv/made: python/requirements.txt
 	python3 -m venv $(PY)/venv
 	$(PIP) -r $<

@@ -65,7 +65,7 @@ setup(
             define_macros=[("_POSIX_C_SOURCE", "200809L")],
             extra_compile_args=["-std=c17", "-O2"],
             extra_link_args=[
-                "-Wl,--wrap=complain",
+                "-Wl,--wrap=complain,--defsym=__wrap_complain=core_complain",
                 f"-Wl,--version-script={HERE / 'core/exports.map'}",
                 "-Wl,-z,now",
             ],

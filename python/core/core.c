@@ -12,14 +12,14 @@ static _Thread_local struct said {
     char error[2048], notes[4096], told[4096];
 } said;
 
-/* The linker calls this for `complain` (app/app.h): a library has no standard
- * error of its own. */
+/* The linker puts this in the place of `complain` (app/app.h), as setup.py
+ * tells it: a library has no standard error of its own. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-int __wrap_complain(int code, const char *format, ...);
+int core_complain(int code, const char *format, ...);
 
-int __wrap_complain(int code, const char *format, ...)
+int core_complain(int code, const char *format, ...)
 {
     size_t length = code ? 0 : strlen(said.notes);
     char *to = code ? said.error : said.notes + length;

@@ -47,6 +47,7 @@ from .scene import (
     Start,
     Wind,
 )
+from .sweeps import Sweep, Variant, grid, sweep
 from .world import Body, Reports, World
 
 __version__ = _version("drape")
@@ -86,13 +87,17 @@ __all__ = [
     "Start",
     "Status",
     "StepReport",
+    "Sweep",
     "Touches",
+    "Variant",
     "Wind",
     "Work",
     "World",
     "audit",
     "ccd",
     "ccd_mesh",
+    "grid",
     "info",
+    "sweep",
     "tool",
 ]

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 from collections.abc import Mapping
@@ -110,9 +111,8 @@ def with_keys(text: scenes.Text, keys: Mapping[str, Any]) -> scenes.Text:
     try:
         tree = json.loads(text.text, object_pairs_hook=_once)
         tree.update(scenes.as_dict(dict(keys)))
-        text.text = json.dumps(tree)
+        return dataclasses.replace(text, text=json.dumps(tree))
     except SceneError as error:
         raise SceneError(f"{text.file}: {error}") from error
     except (ValueError, AttributeError, TypeError) as error:
         raise SceneError(f"{text.file}: not a scene in JSON: {error}") from error
-    return text

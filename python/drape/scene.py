@@ -287,9 +287,6 @@ class Scene:
     sleep: bool | None = None
 
 
-# A scene in any form: an object, a mapping of its keys, the path of its file.
-SceneLike = Scene | Mapping[str, Any] | str | os.PathLike[str]
-
 CLOTH_ARRAYS = ("positions", "velocities")
 OBSTACLE_ARRAYS = ("vertices", "triangles", "vertex_frames", "frame_dt")
 # What a scene's file may say of an obstacle whose mesh is given by arrays.
@@ -337,6 +334,11 @@ class Text:
     obstacles: list[Arrays]
 
 
+# A scene in any form: an object, a mapping of its keys, the path of its file, or
+# what `read` has made of one of these.
+SceneLike = Scene | Mapping[str, Any] | str | os.PathLike[str] | Text
+
+
 def _take(body: Any, names: Sequence[str]) -> Arrays:
     """Takes the arrays out of a body's mapping."""
     if not isinstance(body, dict):
@@ -365,6 +367,8 @@ def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text
         scene: an object, a mapping, or the path of a file
         folder: where the paths of an object's meshes begin; default: here
     """
+    if isinstance(scene, Text):
+        return scene
     if isinstance(scene, (str, os.PathLike)):
         file = os.fspath(scene)
         try:

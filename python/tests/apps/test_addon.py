@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import ROOT, tool
+from runs import ROOT, tool
 
 import drape
 

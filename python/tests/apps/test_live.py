@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import FRAMES, moving
+from runs import FRAMES, moving
 
 from drape.errors import SceneError
 from drape.export import Run

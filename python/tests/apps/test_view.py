@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import moving
+from runs import moving
 
 from drape.view.source import Contacts, Recorded, Source
 

@@ -1,0 +1,44 @@
+#!/bin/sh
+# SPDX-License-Identifier: Apache-2.0
+# Tests the Python package as its users have it: builds the wheel, installs it into
+# a fresh environment, and there runs the lines of its page and its tests; checks
+# style and types.
+# usage: python/check.sh BUILD; ends with `N passed, N failed, N skipped`.
+set -u
+build=$1
+work=$build/python
+log=$work/log
+tests=$work/tests.log
+mkdir -p "$work"
+. ci/ok.sh
+
+if ! python3 -c 'import venv, ensurepip' 2>"$log"; then
+    echo 'skipped: python3 has no venv'
+    echo '0 passed, 0 failed, 1 skipped'
+    exit 0
+fi
+ok 'a wheel' make BUILD="$build" wheel
+ok style "$work/venv/bin/ruff" check python
+ok format "$work/venv/bin/ruff" format --check python
+ok types "$work/venv/bin/mypy" --config-file python/pyproject.toml python/drape
+rm -rf "$work/fresh"
+ok 'a fresh environment' python3 -m venv "$work/fresh"
+python=$work/fresh/bin/python
+wheel=$(ls dist/drape-*.whl)
+ok 'it takes the wheel' "$python" -m pip install -q "$wheel[ray]" pytest
+ok "the page's lines" "$python" python/lines.py python/README.md
+export RAY_USAGE_STATS_ENABLED=0
+"$python" -m pytest -q -p no:cacheprovider python/tests >"$tests" 2>&1 ||
+    sed -n '/^=.* FAILURES/,$p' "$tests" | tail -n 60
+# the last line: `1 failed, 2 passed, 3 skipped in 4.56s`
+last=$(tail -n 1 "$tests")
+number() {
+    of=$(echo "$last" | sed -n "s/.*\\b\\([0-9][0-9]*\\) $1.*/\\1/p")
+    echo "${of:-0}"
+}
+good=$(number passed) bad=$(($(number failed) + $(number error)))
+[ "$good" -gt 0 ] || bad=$((bad + 1)) # no test ran
+passed=$((passed + good)) failed=$((failed + bad))
+skipped=$((skipped + $(number skipped)))
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" -eq 0 ]

@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Many scenes: parameter sweeps and data sets, on this machine, Ray or Slurm."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from ..errors import Error
+from .job import Answer, Data, Job, Variant, grid, jobs_of
+from .store import Store
+
+Progress = Callable[[int, int], None]
+
+__all__ = ["Sweep", "Variant", "grid", "sweep"]
+
+
+class Sweep:
+    """What became of a sweep's scenes.
+
+    Attributes:
+        rows: a mapping for each scene, in their order, with the columns of the
+            table; `status` is "done" or "failed", and `error` says why
+        path: of the table in its file system, which is a file of parquet
+        reused: how many results were there already
+    """
+
+    def __init__(self, store: Store, rows: list[dict[str, Any]], reused: int) -> None:
+        """Made by `sweep`."""
+        self.store = store
+        self.rows = rows
+        self.reused = reused
+        self.path = store.path("table.parquet")
+
+    @property
+    def failed(self) -> list[dict[str, Any]]:
+        """The rows of the scenes that have no result."""
+        return [row for row in self.rows if row["status"] != "done"]
+
+    def data(self, name: str | int) -> Data:
+        """Returns a scene's arrays, by its name or its number: `positions`, m,
+        and `velocities`, m/s, at the end, and the `frames` that were kept.
+
+        Raises:
+            Error: there is no result, or its digest is not that of its arrays
+        """
+        key = name if isinstance(name, str) else self.rows[name]["name"]
+        for row in self.rows:
+            if row["name"] == key:
+                found = self.store.get(row["id"])
+                if found and found[0]["digest"] == row["digest"]:
+                    return found[1]
+                raise Error(f"{key}: {row['error'] or 'its result is damaged'}")
+        raise KeyError(f"{key}: no scene has this name")
+
+
+def sweep(
+    scenes: Mapping[str, Any] | Sequence[Any],
+    out: str | os.PathLike[str],
+    *,
+    on: str = "local",
+    frames: int | None = None,
+    every: int = 0,
+    workers: int | None = None,
+    threads: int = 1,
+    attempts: int = 3,
+    devices: Sequence[int] = (),
+    options: Any = None,
+    storage: dict[str, Any] | None = None,
+    progress: Progress | None = None,
+    **keys: Any,
+) -> Sweep:
+    """Runs many scenes and collects their results in a folder.
+
+    A scene whose result is there already is not run again, so that a sweep that
+    was interrupted goes on where it was. Each result is checked by its digest.
+    A scene whose worker is killed or lost begins anew; one that is refused, or
+    diverges, has failed, and the others go on.
+
+    Args:
+        scenes: by names, or a list: what `World` takes, or what `grid` returns
+        out: a folder or a URL that fsspec knows, as s3://bucket/folder
+        on: "local": processes of this machine; "ray": a Ray cluster; "slurm":
+            job arrays, with `out` on a file system that the nodes share
+        frames: to make of each scene; default: as many as it says
+        every: of the frames, whose positions are kept; 0: only the end is
+        workers: jobs at a time; default: as many as processors, or as the
+            cluster takes
+        threads: of each scene; the number changes no result
+        attempts: how often a job may begin
+        devices: "local": CUDA's numbers of GPUs, over which workers are spread
+        options: "ray": a mapping of its tasks' options, as {"num_gpus": 0.25};
+            "slurm": a list of sbatch's, as ["--partition=gpu", "--time=60"]
+        storage: options of the file system, as {"endpoint_url": …}
+        progress: called with the numbers of scenes done and of all
+        keys: replace the scenes' own: backend="gpu", precision=64, …
+
+    Returns:
+        the rows of the table that is written to `out`/table.parquet
+    """
+    if on not in ("local", "ray", "slurm"):
+        raise Error(f'on={on!r}: expected "local", "ray" or "slurm"')
+    _arrow()
+    store = Store(os.fspath(out), storage)
+    keys = {"threads": threads, **keys}
+    jobs = list(jobs_of(scenes, keys, frames, every))
+    answers: dict[str, Answer] = {}
+    for job in jobs:
+        found = store.get(job.id)
+        if found:
+            answers[job.id] = Answer(row=found[0])
+    reused = len(answers)
+    todo = list({job.id: job for job in jobs if job.id not in answers}.values())
+    for job, answer in _run(todo, store, on, workers, attempts, devices, options):
+        if answer.row is not None and answer.data is not None and on != "slurm":
+            store.put(job.id, answer.row, answer.data)
+        answer.data = None  # it is in the store, and may be large
+        answers[job.id] = answer
+        if progress:
+            progress(len(answers), len(jobs))
+    done = Sweep(store, [_row(job, answers[job.id]) for job in jobs], reused)
+    _write_table(store, done.rows)
+    return done
+
+
+def _run(
+    jobs: list[Job],
+    store: Store,
+    on: str,
+    workers: int | None,
+    attempts: int,
+    devices: Sequence[int],
+    options: Any,
+) -> Iterator[tuple[Job, Answer]]:
+    if not jobs:
+        return iter(())
+    if on == "ray":
+        from . import cluster
+
+        return cluster.run(jobs, workers, attempts, dict(options or {}))
+    if on == "slurm":
+        from . import slurm
+
+        return slurm.run(jobs, store, workers, attempts, list(options or ()))
+    from . import local
+
+    return local.run(jobs, workers or os.cpu_count() or 1, attempts, devices)
+
+
+def _row(job: Job, answer: Answer) -> dict[str, Any]:
+    """Returns a scene's row of the table."""
+    row = {
+        "name": job.name,
+        "id": job.id,
+        "status": "failed" if answer.row is None else "done",
+        "error": answer.error,
+    }
+    row |= {f"parameter.{key}": value for key, value in job.parameters.items()}
+    return row | (answer.row or {"digest": None})
+
+
+def _arrow() -> Any:
+    try:
+        import pyarrow.parquet
+    except ImportError as error:
+        raise Error("drape.sweep needs pyarrow: pip install drape[sweep]") from error
+    return pyarrow
+
+
+def _write_table(store: Store, rows: list[dict[str, Any]]) -> None:
+    """Writes the rows as one file of parquet; a column of values of several
+    types is one of texts."""
+    arrow = _arrow()
+    names = list(dict.fromkeys(name for row in rows for name in row))
+    columns = {}
+    for name in names:
+        values = [row.get(name) for row in rows]
+        try:
+            columns[name] = arrow.array(values)
+        except (arrow.ArrowInvalid, arrow.ArrowTypeError):
+            columns[name] = arrow.array([str(value) for value in values])
+    sink = arrow.BufferOutputStream()
+    arrow.parquet.write_table(arrow.table(columns), sink)
+    store.write("table.parquet", sink.getvalue().to_pybytes())

@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Jobs of a sweep: a scene, how long it runs, and what is kept of it."""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+import os
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import scene as scenes
+from .._core import ffi, lib
+from .._define import with_keys
+from ..errors import Error, SceneError
+from ..world import Reports, World
+
+Data = dict[str, NDArray[Any]]
+
+
+@dataclass
+class Variant:
+    """A scene of a sweep, and the parameters that made it.
+
+    Attributes:
+        scene: what `World` takes
+        parameters: columns of the sweep's table
+    """
+
+    scene: scenes.SceneLike
+    parameters: dict[str, Any] = field(default_factory=dict)
+
+
+def grid(scene: scenes.SceneLike, axes: Mapping[str, Sequence[Any]]) -> list[Variant]:
+    """Returns a scene's variants: all combinations of some parameters' values.
+
+    Args:
+        scene: what `World` takes
+        axes: values by the path of a key, as "dt" or "cloths.0.material.bend"
+    """
+    variants = []
+    for values in product(*axes.values()):
+        tree = _tree(scene)
+        parameters = dict(zip(axes, values, strict=True))
+        for path, value in parameters.items():
+            _put(tree, path, value)
+        variants.append(Variant(tree, parameters))
+    return variants
+
+
+def _tree(scene: scenes.SceneLike) -> Any:
+    """Returns a scene's keys, in containers that nobody else has."""
+    if isinstance(scene, (str, os.PathLike, scenes.Text)):
+        return json.loads(scenes.read(scene).text)
+    return scenes.as_dict(scene)
+
+
+def _put(tree: Any, path: str, value: Any) -> None:
+    """Sets the key of a path; an object that is not there is made."""
+    *way, last = path.split(".")
+    try:
+        for word in way:
+            tree = tree[int(word)] if isinstance(tree, list) else _into(tree, word)
+        if isinstance(tree, list):
+            tree[int(last)] = value
+        else:
+            tree[last] = value
+    except (IndexError, ValueError, TypeError) as error:
+        raise SceneError(f"{path}: the scene has no such place") from error
+
+
+def _into(tree: Any, word: str) -> Any:
+    if isinstance(tree.get(word, {}), str):
+        tree[word] = {"name": tree[word]}  # "material": "denim"
+    return tree.setdefault(word, {})
+
+
+@dataclass(frozen=True)
+class Job:
+    """A scene to run, as it goes to another process or machine.
+
+    Attributes:
+        name: of the scene in the sweep
+        scene: as its reader takes it
+        frames: to make; every: of which the positions are kept, 0: of none
+        parameters: columns of the table
+    """
+
+    name: str
+    scene: scenes.Text
+    frames: int | None
+    every: int
+    parameters: dict[str, Any]
+
+    @property
+    def id(self) -> str:
+        """Identifies what is computed: scene, frames, version and what is kept.
+        Files of meshes are known by their paths, not by what is in them."""
+        total = hashlib.sha256()
+        text = self.scene.text
+        about = [text, self.frames, self.every, version()]
+        if '"mesh"' in text or '"files"' in text:
+            about.append(self.scene.file)
+        total.update(json.dumps(about).encode())
+        for arrays in (*self.scene.cloths, *self.scene.obstacles):
+            for key in sorted(arrays):
+                array = np.ascontiguousarray(arrays[key])
+                total.update(f"{key} {array.dtype} {array.shape} ".encode())
+                total.update(array.tobytes())
+        return total.hexdigest()[:32]
+
+
+def version() -> str:
+    """What the library says of itself: another one's results are others'."""
+    return str(ffi.string(lib.drape_info()).decode().splitlines()[0])
+
+
+def jobs_of(
+    given: Mapping[str, Any] | Sequence[Any],
+    keys: Mapping[str, Any],
+    frames: int | None,
+    every: int,
+) -> Iterator[Job]:
+    """Returns the jobs of scenes by names, or in a list, by their numbers."""
+    if not isinstance(given, Mapping):
+        given = {f"{k:06d}": each for k, each in enumerate(given)}
+    for name, each in given.items():
+        variant = each if isinstance(each, Variant) else Variant(each)
+        text = with_keys(scenes.read(variant.scene), keys)
+        # a worker may be started in another folder
+        text = dataclasses.replace(text, file=os.path.abspath(text.file))
+        yield Job(str(name), text, frames, every, variant.parameters)
+
+
+def digest(data: Data) -> str:
+    """Returns the SHA-256 of arrays: their names, types, shapes and bytes."""
+    total = hashlib.sha256()
+    for name in sorted(data):
+        array = np.ascontiguousarray(data[name])
+        total.update(f"{name} {array.dtype.str} {array.shape} ".encode())
+        total.update(array.tobytes())
+    return total.hexdigest()
+
+
+def run(job: Job) -> tuple[dict[str, Any], Data]:
+    """Runs a job and returns its row of the table and its arrays: `positions`
+    and `velocities` at the end, and `frames` [count, vertices of cloths, 3]."""
+    began = time.perf_counter()
+    with World(job.scene) as world:
+        frames = world.frames if job.frames is None else job.frames
+        cloths = max(b.vertices.stop for b in world.bodies if b.kind == "cloth")
+        reports, kept = Reports(), []
+        for frame in range(frames + 1):
+            if frame:
+                reports += world.step(world.steps_per_frame)
+            if job.every and frame % job.every == 0:
+                kept.append(_state(world)[0][:cloths])
+        x, v = _state(world)
+        data = {"positions": x, "velocities": v}
+        if kept:
+            data["frames"] = np.stack(kept)
+        row = _row(world, reports)
+    row["seconds"] = time.perf_counter() - began
+    row["digest"] = digest(data)
+    return row, data
+
+
+def _state(world: World) -> tuple[NDArray[Any], NDArray[Any]]:
+    kind = np.dtype(f"<f{world.precision // 8}")
+    x, v = world.read()
+    return x.astype(kind), v.astype(kind)
+
+
+def _row(world: World, reports: Reports) -> dict[str, Any]:
+    last = reports[-1] if reports else None
+    names = [flag.name.lower() for flag in reports.outcome if flag.name]
+    return {
+        "scene": world.name,
+        "vertices": len(world),
+        "triangles": len(world.triangles),
+        "steps": len(reports),
+        "time": last.time if last else 0.0,
+        "outcome": "+".join(names) or "clean",
+        "clean": reports.clean,
+        "intersecting": last.intersecting if last else world.audit().count,
+        "most_contacts": max((r.contacts for r in reports), default=0),
+        "most_rounds": max((r.rounds for r in reports), default=0),
+        "kinetic": last.kinetic if last else None,
+        "elastic": last.elastic if last else None,
+        "potential": last.potential if last else None,
+    }
+
+
+@dataclass
+class Answer:
+    """What became of a job.
+
+    Attributes:
+        row, data: its result; None if it failed
+        error: why it failed
+        final: whether another attempt would fail likewise
+    """
+
+    row: dict[str, Any] | None = None
+    data: Data | None = None
+    error: str = ""
+    final: bool = False
+
+
+def attempt(job: Job) -> Answer:
+    """Runs a job; a failure is an answer too."""
+    try:
+        return Answer(*run(job))
+    except (SceneError, ArithmeticError) as error:
+        return Answer(error=f"{type(error).__name__}: {error}", final=True)
+    except (Error, OSError, MemoryError) as error:
+        return Answer(error=f"{type(error).__name__}: {error}")

@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sweeps: results, what is resumed, and what becomes of lost workers."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import stat
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow.parquet
+import pytest
+
+import drape
+
+# Long enough to be killed while it runs.
+LONG = {
+    "name": "long",
+    "cloths": [{"particles": [61, 61], "start": {"at": [0, 0.5, 0]}}],
+    "obstacles": [{"shape": "sphere", "radius": 0.3, "detail": 24}],
+    "frames": 40,
+}
+
+
+def processes(words: str, parent: int | None = None) -> dict[int, int]:
+    """The running processes with these words in their command: to its parent."""
+    found = {}
+    for entry in Path("/proc").iterdir():
+        try:
+            if entry.name.isdigit() and words in (entry / "cmdline").read_text():
+                fields = (entry / "stat").read_text().rsplit(")", 1)[1].split()
+                if parent in (None, int(fields[1])) and fields[0] != "Z":
+                    found[int(entry.name)] = int(fields[1])
+        except OSError:
+            continue  # it has ended
+    return found
+
+
+def kill_first(find: Callable[[], Any]) -> tuple[threading.Thread, list[int]]:
+    """Kills the first process that is found, soon after it is."""
+    killed: list[int] = []
+
+    def watch() -> None:
+        end = time.monotonic() + 30
+        while not killed and time.monotonic() < end:
+            for process in find():
+                time.sleep(0.7)
+                os.kill(process, signal.SIGKILL)
+                killed.append(process)
+                return
+            time.sleep(0.02)
+
+    thread = threading.Thread(target=watch)
+    thread.start()
+    return thread, killed
+
+
+def test_results_are_the_worlds(tiny: Path, tmp_path: Path) -> None:
+    variants = drape.grid(tiny, {"dt": [0.01, 0.02], "precision": [32, 64]})
+    done = drape.sweep(variants, tmp_path, frames=6, every=3, workers=2)
+    assert not done.failed and done.reused == 0 and len(done.rows) == 4
+    for row, variant in zip(done.rows, variants, strict=True):
+        world = drape.World(tiny, **variant.parameters)
+        world.step(3)
+        middle = world.positions.copy()
+        world.step(3)
+        data = done.data(row["name"])
+        assert data["positions"].tobytes() == world.positions.tobytes()
+        assert data["velocities"].tobytes() == world.velocities.tobytes()
+        cloth = world.bodies[0].vertices
+        assert data["frames"].shape[0] == 3
+        assert data["frames"][1].tobytes() == middle[cloth].tobytes()
+    table = pyarrow.parquet.read_table(done.path)
+    assert table.column("parameter.dt").to_pylist() == [0.01, 0.01, 0.02, 0.02]
+    assert table.column("digest").to_pylist() == [row["digest"] for row in done.rows]
+    assert table.column("clean").to_pylist() == [True] * 4
+    assert len(set(table.column("digest").to_pylist())) == 4
+
+
+def test_a_sweep_is_resumed_and_damage_is_seen(tiny: Path, tmp_path: Path) -> None:
+    scenes = drape.grid(tiny, {"dt": [0.01, 0.011, 0.012, 0.013]})
+    first = drape.sweep(scenes[:3], tmp_path, frames=3)
+    digests = [row["digest"] for row in first.rows]
+    results = tmp_path / "results"
+    # of the three results, one is damaged, and one is not complete
+    damaged, partial = (results / first.rows[k]["id"] for k in (0, 1))
+    row = json.loads(damaged.with_suffix(".json").read_text())
+    data = dict(np.load(damaged.with_suffix(".npz")))
+    data["positions"][0, 0] += 1
+    np.savez_compressed(damaged.with_suffix(".npz"), **data)
+    partial.with_suffix(".json").unlink()
+    with pytest.raises(drape.Error, match="damaged"):
+        first.data(0)
+    seen: list[tuple[int, int]] = []
+    again = drape.sweep(scenes, tmp_path, frames=3, progress=lambda *n: seen.append(n))
+    assert again.reused == 1 and seen == [(2, 4), (3, 4), (4, 4)]
+    assert [row["digest"] for row in again.rows[:3]] == digests
+    assert row["digest"] == digests[0] and again.data(0)["positions"].shape
+    assert drape.sweep(scenes, tmp_path, frames=3).reused == 4
+    assert drape.sweep(scenes, tmp_path, frames=4).reused == 0
+
+
+def test_failures_are_listed(tiny: Path) -> None:
+    scenes = {
+        "good": tiny,
+        "refused": {"cloths": [{"particles": [1, 2]}]},
+        "diverged": drape.Scene(
+            cloths=[
+                drape.Cloth(particles=[9, 9], material={"stretch": 1e8, "shear": 0})
+            ],
+            integrator="euler",
+            max_substeps=1,
+        ),
+    }
+    done = drape.sweep(scenes, "memory://failures", frames=3, workers=2)
+    assert [row["status"] for row in done.rows] == ["done", "failed", "failed"]
+    assert [row["name"] for row in done.failed] == ["refused", "diverged"]
+    assert "particles" in done.rows[1]["error"]
+    assert done.data("good")["positions"].shape == (143, 3)
+    with pytest.raises(drape.Error, match=r"refused: SceneError: .*particles"):
+        done.data("refused")
+    with done.store.files.open(done.path) as file:
+        table = pyarrow.parquet.read_table(file)
+    assert table.column("status").to_pylist() == ["done", "failed", "failed"]
+    assert table.column("digest").to_pylist()[1] is None
+
+
+def test_a_killed_worker(tmp_path: Path) -> None:
+    scenes = [LONG, {**LONG, "dt": 0.01}, {**LONG, "dt": 0.012}]
+    thread, killed = kill_first(
+        lambda: processes("drape.sweeps.worker", parent=os.getpid())
+    )
+    done = drape.sweep(scenes, tmp_path, workers=2)
+    thread.join()
+    assert killed and not done.failed
+    world = drape.World(LONG)
+    world.step(LONG["frames"])
+    assert done.data(0)["positions"].tobytes() == world.positions.tobytes()
+
+
+def test_a_worker_that_always_dies(tmp_path: Path) -> None:
+    stop = threading.Event()
+
+    def watch() -> None:
+        while not stop.wait(0.05):
+            for process in processes("drape.sweeps.worker", parent=os.getpid()):
+                os.kill(process, signal.SIGKILL)
+
+    thread = threading.Thread(target=watch)
+    thread.start()
+    try:
+        done = drape.sweep([LONG], tmp_path, attempts=2)
+    finally:
+        stop.set()
+        thread.join()
+    assert len(done.failed) == 1
+    assert done.failed[0]["error"] == "the worker ended: signal 9"
+
+
+def test_devices_are_spread() -> None:
+    from drape.sweeps.local import Worker
+
+    assert Worker(3).environment["CUDA_VISIBLE_DEVICES"] == "3"
+
+
+def test_wrong_arguments(tiny: Path, tmp_path: Path) -> None:
+    with pytest.raises(drape.Error, match="local"):
+        drape.sweep([tiny], tmp_path, on="mars")
+    with pytest.raises(drape.SceneError, match=r"cloths\.3\.size"):
+        drape.grid(tiny, {"cloths.3.size": [1]})
+    with pytest.raises(drape.Error, match="nodes reach"):
+        drape.sweep([tiny], "memory://slurm", on="slurm")
+
+
+# Stands in for Slurm's sbatch --wait: it runs the tasks of an array here, one
+# after another. Its task 1 is killed the first time, as by a lost node.
+SBATCH = """#!{python}
+import os, pathlib, re, signal, subprocess, sys
+text = open(sys.argv[-1]).read()
+last = int(re.search(r"--array=0-(\\d+)", text)[1])
+here = pathlib.Path(__file__).parent
+count = len(list(here.glob("script-*")))
+(here / f"script-{{count}}").write_text(text)
+print(4242 + count)
+failed = 0
+for task in range(last + 1):
+    environment = dict(os.environ, SLURM_ARRAY_TASK_ID=str(task))
+    process = subprocess.Popen(["sh", sys.argv[-1]], env=environment)
+    if count == 0 and task == 1:
+        process.send_signal(signal.SIGKILL)
+    failed |= process.wait() != 0
+sys.exit(failed)
+"""
+
+
+def test_slurm(tiny: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fake = tmp_path / "bin/sbatch"
+    fake.parent.mkdir()
+    fake.write_text(SBATCH.format(python=sys.executable))
+    fake.chmod(fake.stat().st_mode | stat.S_IXUSR)
+    monkeypatch.setenv("PATH", f"{fake.parent}:{os.environ['PATH']}")
+    scenes = [*drape.grid(tiny, {"dt": [0.01, 0.02, 0.03]}), {"cloths": []}]
+    done = drape.sweep(
+        scenes,
+        tmp_path / "out",
+        on="slurm",
+        frames=3,
+        workers=8,
+        options=["--time=10"],
+    )
+    assert [row["status"] for row in done.rows] == ["done"] * 3 + ["failed"]
+    assert "cloths" in done.failed[0]["error"]
+    scripts = sorted(fake.parent.glob("script-*"))
+    assert len(scripts) == 2  # the task that was killed is submitted again
+    assert "#SBATCH --array=0-3%8\n#SBATCH --time=10\n" in scripts[0].read_text()
+    assert "#SBATCH --array=0-0%8" in scripts[1].read_text()
+    same = drape.sweep(scenes[:3], tmp_path / "local", frames=3)
+    assert [r["digest"] for r in done.rows[:3]] == [r["digest"] for r in same.rows]
+    monkeypatch.setenv("PATH", "/nothing")
+    with pytest.raises(drape.Error, match="sbatch"):
+        drape.sweep([{**LONG, "frames": 1}], tmp_path / "out", on="slurm")
+
+
+def test_ray_on_two_nodes_loses_a_worker(tmp_path: Path) -> None:
+    os.environ.setdefault("RAY_ENABLE_UV_RUN_RUNTIME_ENV", "0")
+    ray = pytest.importorskip("ray")
+    from ray.cluster_utils import Cluster
+
+    memory = 100 * 2**20
+    cluster = Cluster(
+        initialize_head=True,
+        head_node_args={"num_cpus": 1, "object_store_memory": memory},
+    )
+    nodes: set[int] = set()
+
+    def tasks() -> list[int]:
+        found = processes("ray::attempt")
+        nodes.update(found.values())  # a worker's parent is its node's raylet
+        return sorted(found) if len(nodes) == 2 else []
+
+    try:
+        cluster.add_node(num_cpus=1, object_store_memory=memory)
+        ray.init(address=cluster.address, log_to_driver=False)
+        assert sum(node["Alive"] for node in ray.nodes()) == 2
+        thread, killed = kill_first(tasks)
+        scenes = [{**LONG, "dt": dt, "frames": 60} for dt in (0.01, 0.011, 0.012)]
+        done = drape.sweep(scenes, tmp_path / "ray", on="ray")
+        thread.join()
+    finally:
+        ray.shutdown()
+        cluster.shutdown()
+    assert killed and len(nodes) == 2 and not done.failed
+    same = drape.sweep(scenes, tmp_path / "local")
+    assert [row["digest"] for row in done.rows] == [row["digest"] for row in same.rows]
