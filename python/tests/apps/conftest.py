@@ -6,7 +6,8 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from runs import STILL, make, moving
+
+from apps.runs import STILL, make, moving
 
 
 @pytest.fixture(scope="session")

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from runs import ROOT, tool
 
 import drape
+from apps.runs import ROOT, tool
 
 bpy = pytest.importorskip("bpy", reason="bpy is not installed: no test of the add-on")
 FRAMES = 12

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from runs import FRAMES, moving
 
+from apps.runs import FRAMES, moving
 from drape.errors import SceneError
 from drape.export import Run
 from drape.view import live

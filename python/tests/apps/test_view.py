@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from runs import moving
 
+from apps.runs import moving
 from drape.view.source import Contacts, Recorded, Source
 
 WHY = "is not installed: no test of the page"
