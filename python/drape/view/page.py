@@ -3,9 +3,11 @@
 
 from __future__ import annotations
 
+import io
 import threading
 import time
 from bisect import bisect_left
+from contextlib import redirect_stdout
 from typing import Any
 
 import numpy as np
@@ -81,7 +83,8 @@ class Page:
         self._dirty = threading.Event()
         self._closed = threading.Event()
         self._due = 0.0
-        self.server = viser.ViserServer(host=host, port=port, verbose=False)
+        with redirect_stdout(io.StringIO()):  # viser's own greeting
+            self.server = viser.ViserServer(host=host, port=port, verbose=False)
         self.server.scene.set_up_direction("+y")
         self._bounds()
         self._camera()
@@ -241,4 +244,5 @@ class Page:
         self._closed.set()
         self._dirty.set()
         self.source.close()
-        self.server.stop()
+        with redirect_stdout(io.StringIO()):
+            self.server.stop()

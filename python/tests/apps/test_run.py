@@ -4,12 +4,16 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from apps.runs import tool
 from drape.export import Run, RunError, mesh
 from drape.export.cli import FORMATS, export, main
 from drape.export.run import read_ply
@@ -194,3 +198,21 @@ def test_a_fault_while_writing_leaves_what_was_there(
     with pytest.raises(RunError, match="cloth_0099"):
         export(run, file)
     assert file.read_text() == "old" and len(list(tmp_path.iterdir())) == 1
+
+
+def test_the_tool_becomes_python(still: Path, tmp_path: Path) -> None:
+    pytest.importorskip("pygltflib", reason="pygltflib is not installed")
+    python = tmp_path / "python3"
+    python.write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
+    python.chmod(0o755)
+    (tmp_path / "json.py").write_text("raise SystemExit('the wrong module')")
+    file = tmp_path / "run file.glb"
+    done = subprocess.run(
+        [tool(), "export", still, "--to", file],
+        env={**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"},
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == f"{file}: 9 frames, 60 a second\n" and file.exists()
