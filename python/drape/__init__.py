@@ -22,6 +22,7 @@ from . import tool
 from ._core import ffi as _ffi
 from ._core import lib as _lib
 from .arrays import SharedArray
+from .control import Contacts
 from .errors import (
     CheckpointError,
     DeviceError,
@@ -65,6 +66,7 @@ __all__ = [
     "Camera",
     "CheckpointError",
     "Cloth",
+    "Contacts",
     "DeviceError",
     "DivergedError",
     "Error",

@@ -21,7 +21,8 @@ _capsule.restype = ctypes.py_object
 _capsule.argtypes = (ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p)
 
 
-def _address(pointer: Any) -> int:
+def address(pointer: Any) -> int:
+    """Returns a pointer of C's as a number."""
     return int(ffi.cast("uintptr_t", pointer))
 
 
@@ -71,7 +72,7 @@ class SharedArray:
         about = {
             "shape": self.shape,
             "typestr": self.dtype.str,
-            "data": (_address(getattr(view, self._field)), True),
+            "data": (address(getattr(view, self._field)), True),
             "version": 3,
         }
         return about, view
@@ -86,7 +87,7 @@ class SharedArray:
         """Version 3 of it; an AttributeError where the array is on the host."""
         about, view = self._interface(True)
         # 1 is the default stream, which 0 may not name
-        return {**about, "stream": _address(view.stream) or 1}
+        return {**about, "stream": address(view.stream) or 1}
 
     def __dlpack_device__(self) -> tuple[int, int]:
         """(1, 0): the host; (2, n): CUDA's device n."""
@@ -132,8 +133,8 @@ class SharedArray:
         if not tensor:
             raise MemoryError("a tensor of DLPack")
         name = b"dltensor_versioned" if versioned else b"dltensor"
-        end = _address(ffi.addressof(lib, "core_tensor_end"))
-        return _capsule(_address(tensor), name, end)
+        end = address(ffi.addressof(lib, "core_tensor_end"))
+        return _capsule(address(tensor), name, end)
 
 
 def order(stream: Any, later: int | None) -> None:

@@ -19,7 +19,8 @@ from . import scene as scenes
 from ._core import ffi, lib
 from ._define import Handle, with_keys
 from ._library import Calls, Guard, Log, Trace
-from .arrays import SharedArray, order
+from .arrays import SharedArray, address, order
+from .control import Control
 from .errors import CheckpointError, DivergedError, Error, SceneError, check
 from .mesh import Audit, audit
 from .record import Recorder, picture
@@ -82,7 +83,7 @@ def step_report(c: Any) -> StepReport:
     return StepReport(**fields)
 
 
-class World:
+class World(Control):
     """A scene that was made, and its state, which `step` advances.
 
     Calls on one world from several threads follow one another; worlds are
@@ -211,9 +212,13 @@ class World:
             status = lib.drape_step(self._world, c)
             self._calls.raise_kept()
             check(status, "step")
-            self._report = step_report(c)
-            if self._recorder:
-                self._recorder.add(c)
+            return self._done(c)
+
+    def _done(self, report: Any) -> StepReport:
+        """Takes note of a step's report, for the recorder too."""
+        self._report = step_report(report)
+        if self._recorder:
+            self._recorder.add(report)
         return self._report
 
     def step(self, n: int = 1) -> Reports:
@@ -341,7 +346,7 @@ class World:
         view = ffi.new("drape_view *")
         with self._guard:
             check(lib.drape_borrow(self._world, view), "borrow")
-        return int(ffi.cast("uintptr_t", view.stream))
+        return address(view.stream)
 
     def wait_for(self, stream: int) -> None:
         """Makes the next step wait for what is on this CUDA stream now, as for

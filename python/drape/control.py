@@ -1,0 +1,316 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Live control: calls between two steps that change a world from the next step
+on, and wake it (spec/world/control.md); the contacts of the last step; and logs
+that replay a session bit for bit."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import scene as scenes
+from ._core import ffi, lib
+from ._define import Handle
+from ._library import Calls, Guard
+from .arrays import address, order
+from .errors import CheckpointError, Error, SceneError, check
+from .reports import Status, StepReport
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """The pairs in contact in the last slice of the last step, sides A and B: a
+    vertex and a face, or two edges.
+
+    Attributes:
+        kind: [n] 0: A is a vertex and B a face, 1: both are edges
+        vertices: [n, 4] of the scene: A's, then B's
+        bodies: [n, 2] numbers in `World.bodies` of A and of B
+        weights: [n, 4] those of A add to 1, those of B to -1: the point of
+            contact on A is the sum of weight · x over A's vertices
+        normals: [n, 3] of length 1, from B to A
+        gaps: [n] m, along the normal, at the start of the slice
+        impulses: [n, 3] N·s, that A got from B, with friction
+        body_impulses: [bodies, 3] N·s, that each body got in all
+        dt: s, length of the slice: an impulse divided by it is the mean force
+    """
+
+    kind: NDArray[np.int32]
+    vertices: NDArray[np.int32]
+    bodies: NDArray[np.int32]
+    weights: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    gaps: NDArray[np.float64]
+    impulses: NDArray[np.float64]
+    body_impulses: NDArray[np.float64]
+    dt: float
+
+    def __len__(self) -> int:
+        """How many pairs there are."""
+        return len(self.kind)
+
+
+# A drape_contact.
+ROW = np.dtype(
+    [
+        ("vertex", "i4", 4),
+        ("kind", "i4"),
+        ("body", "i4", 2),
+        ("unused", "i4"),
+        ("weight", "f8", 4),
+        ("normal", "f8", 3),
+        ("gap", "f8"),
+        ("impulse", "f8", 3),
+    ]
+)
+
+
+def _copied(pointer: Any, count: int, kind: np.dtype[Any]) -> NDArray[Any]:
+    """Copies an array of C's."""
+    size = count * kind.itemsize
+    data = bytes(ffi.buffer(ffi.cast("char *", pointer), size)) if size else b""
+    return np.frombuffer(data, kind)
+
+
+class Control:
+    """What a `World` adds to its steps. A call that is refused changes nothing.
+
+    Arrays of CUDA (torch, CuPy, Warp) are taken where they lie by a world on
+    the same device, if they have the world's precision; all others are read as
+    binary64 on the host. What a call was given may be changed after it.
+    """
+
+    _guard: Guard
+    _calls: Calls
+    bodies: tuple[Any, ...]
+    _log: Calls | None = None
+
+    def _open(self) -> Handle:
+        raise NotImplementedError
+
+    def _refresh(self) -> None:
+        raise NotImplementedError
+
+    def _done(self, report: Any) -> StepReport:
+        raise NotImplementedError
+
+    def _number(self, body: int | str | Any, kind: str) -> int:
+        """Returns a body's number among those of its kind."""
+        alike = [each for each in self.bodies if each.kind == kind]
+        for k, each in enumerate(alike):
+            if body is each or body == each.name or (body == k and body is not True):
+                return k
+        raise SceneError(f"{body!r}: there is no such {kind}")
+
+    def _call(self, name: str, where: str, *arguments: Any) -> int:
+        """Calls a function of the library that takes the world first."""
+        with self._guard:
+            status = getattr(lib, name)(self._open().world, *arguments)
+        return check(status, where)
+
+    def _vectors(
+        self,
+        name: str,
+        where: str,
+        before: tuple[Any, ...],
+        value: Any,
+        n: int,
+        after: tuple[Any, ...] = (),
+    ) -> None:
+        """Calls the form of a function that reads [n, 3] vectors where they are."""
+        pointer, kept = self._on_device(value, n, where)
+        if pointer is None:
+            kept = scenes.array(value, (n, 3), where)
+            pointer = ffi.cast("double (*)[3]", kept.ctypes.data)
+        else:
+            name += "_device"
+        self._call(name, where, *before, pointer, *after)
+        del kept
+
+    def _on_device(self, value: Any, n: int, where: str) -> tuple[Any, Any]:
+        """Returns the address of an array of CUDA for a world on a device."""
+        definition = self._open().definition
+        about = getattr(value, "__cuda_array_interface__", None)
+        if about is None:
+            return None, None
+        kind = f"<f{definition.precision // 8}"
+        if definition.backend != lib.DRAPE_GPU:
+            raise SceneError(f"{where}: an array of CUDA, for a world on the host")
+        if (about["shape"], about["typestr"]) != ((n, 3), kind) or about.get("strides"):
+            raise SceneError(
+                f"{where}: {about['shape']} of {about['typestr']}; expected "
+                f"({n}, 3) of {kind}, one row after the other"
+            )
+        view = ffi.new("drape_view *")
+        self._call("drape_borrow", where, view)
+        order(ffi.cast("void *", about.get("stream") or 1), address(view.stream) or 1)
+        return ffi.cast("void *", about["data"][0]), value
+
+    # What is changed
+
+    def set_gravity(self, gravity: ArrayLike) -> None:
+        """Sets gravity, [3] m/s²."""
+        g = scenes.array(gravity, (3,), "gravity")
+        self._call("drape_set_gravity", "gravity", g.tolist())
+
+    def set_material(
+        self, cloth: int | str | Any, material: scenes.Material | Mapping[str, Any]
+    ) -> None:
+        """Sets numbers of a cloth's material; those not given stay.
+
+        Args:
+            cloth: its number, name or `Body`
+            material: numbers, as in a scene, without a fabric's name
+        """
+        k = self._number(cloth, "cloth")
+        c = self._open().definition.cloths[k]
+        new = ffi.new("drape_material *", c.material)
+        given = scenes.as_dict(material)
+        known = {f.name for f in dataclasses.fields(scenes.Material)} - {"name"}
+        for key, value in given.items():
+            if key not in known:
+                raise SceneError(f"material: {key}: there is no such number")
+            if key == "limit":
+                value = np.multiply(value, [1, 1, 2]) if np.ndim(value) == 0 else value
+                value = scenes.array(value, (3,), "material.limit").tolist()
+            setattr(new, key, value)
+        self._call("drape_set_material", "material", k, new)
+        c.material = new[0]
+
+    def set_positions(self, positions: Any, first: int = 0) -> None:
+        """Sets where vertices of cloths are, [n, 3] m, from vertex `first` on.
+        The world forgets its past; entries of pinned particles are not used."""
+        n, error = len(positions), ffi.new("drape_error *")
+        try:
+            self._vectors(
+                "drape_set_positions", "positions", (first, n), positions, n, (error,)
+            )
+        except SceneError as refused:
+            text = ffi.string(error.text).decode(errors="replace")
+            if not text:
+                raise
+            told = SceneError(f"positions: {text}")
+            told.status = refused.status
+            raise told from None
+        self._refresh()
+
+    def set_velocities(self, velocities: Any, first: int = 0) -> None:
+        """Sets velocities of vertices of cloths, [n, 3] m/s, likewise."""
+        n = len(velocities)
+        self._vectors("drape_set_velocities", "velocities", (first, n), velocities, n)
+        self._refresh()
+
+    def set_pins(
+        self, cloth: int | str | Any, particles: ArrayLike, targets: Any = None
+    ) -> None:
+        """Sets which particles of a cloth are pinned, in place of all its pins.
+
+        Args:
+            cloth: its number, name or `Body`
+            particles: [n] numbers i + m·j; n may be 0
+            targets: [n, 3] m, where each is at the end of the next step; None:
+                they stay where they are
+        """
+        k = self._number(cloth, "cloth")
+        who = np.asarray(particles)
+        who = scenes.array(
+            who if who.size else np.empty(0, np.int32), (None,), "pins", np.int32
+        )
+        before = (k, len(who), ffi.cast("int32_t *", who.ctypes.data))
+        if targets is None:
+            self._call("drape_set_pins", "pins", *before, ffi.NULL)
+        else:
+            self._vectors("drape_set_pins", "pins", before, targets, len(who))
+
+    def set_obstacle(self, obstacle: int | str | Any, vertices: Any) -> None:
+        """Tells an obstacle where its vertices, [n, 3] m, are at the end of the
+        next step. Cloth in the way is pushed."""
+        k = self._number(obstacle, "obstacle")
+        body = [each for each in self.bodies if each.kind == "obstacle"][k]
+        n = body.vertices.stop - body.vertices.start
+        self._vectors("drape_set_obstacle", "obstacle", (k,), vertices, n)
+
+    def set_pose(
+        self,
+        obstacle: int | str | Any,
+        position: Sequence[float],
+        rotation: Sequence[float] | None = None,
+        pivot: Sequence[float] | None = None,
+    ) -> None:
+        """Tells an obstacle its pose at the end of the next step: its vertex X of
+        the scene goes to position + R (X - pivot).
+
+        Args:
+            obstacle: its number, name or `Body`
+            position: [3] m
+            rotation: [4] quaternion w, x, y, z of length 1; None: none
+            pivot: [3] m; None: the origin
+        """
+        k = self._number(obstacle, "obstacle")
+        p = scenes.array(position, (3,), "position").tolist()
+        none = ffi.NULL
+        q = none if rotation is None else scenes.array(rotation, (4,), "rotation")
+        c = none if pivot is None else scenes.array(pivot, (3,), "pivot")
+        rest = (each if each is none else each.tolist() for each in (q, c))
+        self._call("drape_set_pose", "pose", k, p, *rest)
+
+    # What is told
+
+    def contacts(self) -> Contacts:
+        """Returns the pairs that were closer than their thickness, or met, in the
+        last slice of the last step that was not skipped. None of an explicit
+        integrator's: that is a SceneError."""
+        c = ffi.new("drape_contact_list *")
+        with self._guard:
+            check(lib.drape_contacts(self._open().world, c), "contacts")
+            rows = _copied(c.contact, c.n, ROW)
+            flat = _copied(c.impulse, 3 * len(self.bodies), np.dtype("f8"))
+        return Contacts(
+            rows["kind"],
+            rows["vertex"],
+            rows["body"],
+            rows["weight"],
+            rows["normal"],
+            rows["gap"],
+            rows["impulse"],
+            flat.reshape(-1, 3),
+            c.dt,
+        )
+
+    def start_log(self) -> None:
+        """Begins a log: the state now, and then all that changes the world."""
+        log = Calls(None, None)  # a checkpoint that is made meanwhile is not in it
+        self._call("drape_record", "log", lib.core_write, log.pointer)
+        self._log = log
+
+    def end_log(self) -> bytes:
+        """Ends the log and returns it; `replay` takes it."""
+        if self._log is None:
+            raise Error("log: none was begun")
+        self._call("drape_record", "log", ffi.NULL, ffi.NULL)
+        log, self._log = self._log, None
+        return bytes(log.written)
+
+    def replay(self, log: bytes) -> Iterator[StepReport]:
+        """Makes the calls of a log again, and returns the report of each step
+        when it is done. The bits are those of the world that was logged."""
+        unread = memoryview(log)
+        while True:
+            c = ffi.new("drape_step_report *")
+            with self._guard:
+                self._calls.unread = unread
+                status = lib.drape_replay(
+                    self._open().world, lib.core_read_bytes, self._calls.pointer, c
+                )
+                unread, self._calls.unread = self._calls.unread, memoryview(b"")
+            self._refresh()
+            if status == Status.EIO:
+                raise CheckpointError("log: it ends within a call")
+            if check(status, "log") == 0:
+                return
+            yield self._done(c)

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Live control from Python; its rules are tested in C."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import drape
+from drape._core import ffi, lib
+from drape.control import ROW
+
+pytestmark = pytest.mark.skipif(
+    not hasattr(lib, "drape_set_gravity"), reason="the library has no live control"
+)
+
+
+def test_the_row_is_the_struct() -> None:
+    struct = ffi.typeof("drape_contact")
+    assert ROW.itemsize == ffi.sizeof(struct)
+    assert ROW.names == tuple(name for name, _ in struct.fields)
+    for name, field in struct.fields:
+        assert ROW.fields and ROW.fields[name][1] == field.offset
+
+
+def test_gravity_and_velocities(sheet: dict[str, Any]) -> None:
+    world = drape.World(sheet, gravity=[0, 0, 0], precision=64)
+    x = world.positions
+    world.set_gravity([0, 0, 3])
+    world.step()
+    assert x[:, 2].max() == pytest.approx(0.4 / 2 + 3 / 60**2, rel=0.2)
+    world.set_velocities(np.tile([0.0, 1.0, 0.0], (len(world), 1)))
+    assert (world.velocities[:, 1] == 1).all()
+    with pytest.raises(drape.SceneError, match=r"gravity: 2"):
+        world.set_gravity([1, 2])
+    with pytest.raises(drape.SceneError, match="finite"):
+        world.set_gravity([np.inf, 0, 0])
+
+
+def test_positions(tiny: Path) -> None:
+    world = drape.World(tiny)
+    cloth = world.bodies[0].vertices
+    x = world.positions
+    lifted = world.read()[0][cloth] + [0, 0.1, 0]
+    world.set_positions(lifted)
+    assert np.array_equal(x[cloth], lifted.astype(np.float32))
+    inside = lifted.copy()
+    inside[:, 1] = world.read()[0][world.bodies[1].vertices][:, 1].mean()
+    before = world.digest()
+    with pytest.raises(drape.SceneError, match=r"positions: .*intersect"):
+        world.set_positions(inside)
+    assert world.digest() == before
+    with pytest.raises(drape.SceneError, match="positions: 81 × 2"):
+        world.set_positions(lifted[:, :2])
+    with pytest.raises(drape.SceneError, match="positions"):
+        world.set_positions(lifted, first=len(world))
+
+
+def test_pins_lead_particles(sheet: dict[str, Any]) -> None:
+    world = drape.World(sheet, precision=64)
+    name = world.bodies[0].name
+    world.set_pins(name, [0, 6], world.read()[0][[0, 6]] + [0, 0.01, 0])
+    start = world.read()[0]
+    world.step()
+    assert world.positions[[0, 6], 1] == pytest.approx(start[[0, 6], 1] + 0.01)
+    held = world.positions[[0, 6]].copy()
+    world.step(3)
+    assert np.array_equal(world.positions[[0, 6]], held)
+    world.set_pins(0, [])
+    world.step(3)
+    assert (world.positions[[0, 6], 1] < held[:, 1]).all()
+    with pytest.raises(drape.SceneError, match="pins"):
+        world.set_pins(world.bodies[0], [99])
+    with pytest.raises(drape.SceneError, match="no such cloth"):
+        world.set_pins("nothing", [])
+
+
+def test_material(sheet: dict[str, Any]) -> None:
+    sheet["cloths"][0]["pins"] = [{"edge": "u0"}]
+    ends = []
+    for stretch in (None, 50):
+        world = drape.World(sheet, precision=64)
+        if stretch:
+            world.set_material(0, {"stretch": stretch, "shear": 10, "limit": 0.3})
+        world.step(30)
+        ends.append(world.positions[:, 1].min())
+    assert ends[1] < ends[0]
+    with pytest.raises(drape.SceneError, match="strech"):
+        world.set_material(0, {"strech": 1})
+    with pytest.raises(drape.SceneError, match="range"):
+        world.set_material(0, {"stretch": -1})
+
+
+def test_obstacles_push_and_contacts_tell(tiny: Path) -> None:
+    world = drape.World(tiny, precision=64)
+    assert len(world.contacts()) == 0
+    world.step(5)
+    contacts = world.contacts()
+    assert len(contacts) > 0 and contacts.dt == pytest.approx(world.dt, rel=1)
+    assert np.linalg.norm(contacts.normals, axis=1) == pytest.approx(1)
+    assert contacts.weights.sum(axis=1) == pytest.approx(0, abs=1e-9)
+    assert set(contacts.bodies.flat) <= {0, 1} and contacts.vertices.max() < len(world)
+    assert contacts.body_impulses.shape == (2, 3)
+    assert contacts.body_impulses[0, 1] > 0  # the ball holds the cloth up
+    ball = world.bodies[1]
+    x = world.read()[0][ball.vertices]
+    lifted = np.add(x, [0, 0.01, 0])
+    world.set_obstacle(ball.name, lifted)
+    world.step()
+    assert world.positions[ball.vertices] == pytest.approx(lifted)
+    world.set_pose(0, [0, 0.02, 0])
+    assert world.step(2).clean
+    with pytest.raises(drape.SceneError, match="obstacle"):
+        world.set_obstacle(0, x[1:])
+    with pytest.raises(drape.SceneError, match="contacts"):
+        drape.World(tiny, integrator="verlet").contacts()
+
+
+def test_a_log_replays_a_session(tiny: Path) -> None:
+    world = drape.World(tiny)
+    world.step(2)
+    world.start_log()
+    world.step(2)
+    world.checkpoint()
+    world.set_gravity([1, -9, 0])
+    world.step(3)
+    log = world.end_log()
+    end = world.digest()
+    world.step()
+    other = drape.World(tiny, threads=2)
+    x = other.positions
+    reports = list(other.replay(log))
+    assert [report.step for report in reports] == [3, 4, 5, 6, 7]
+    assert other.digest() == end and np.array_equal(x, other.read()[0])
+    with pytest.raises(drape.CheckpointError):
+        list(drape.World(tiny).replay(log[:-9]))
+    with pytest.raises(drape.Error, match="begun"):
+        other.end_log()
