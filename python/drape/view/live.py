@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drape._core import ffi, lib
-from drape.errors import DivergedError
+from drape.control import Contacts as Pairs
+from drape.errors import DivergedError, SceneError
 from drape.export.run import Body, Positions, make_body, make_cloth
 from drape.view.source import Contacts
 from drape.world import World
@@ -21,47 +21,25 @@ from drape.world import World
 MOST = 2e9  # bytes of frames that are kept
 
 
-# drape_contact of spec/drape.h
-CONTACT = np.dtype(
-    [
-        ("vertex", "i4", 4),
-        ("kind", "i4"),
-        ("body", "i4", 2),
-        ("unused", "i4"),
-        ("weight", "f8", 4),
-        ("normal", "f8", 3),
-        ("gap", "f8"),
-        ("impulse", "f8", 3),
-    ]
-)
-
-
 def contacts_of(world: World) -> Contacts | None:
-    """The contacts of the world's last step.
-
-    None where the library has no list of them, or the integrator makes none.
-    """
-    if not hasattr(lib, "drape_contacts"):
+    """The contacts of the world's last step; None of an explicit integrator's."""
+    try:
+        pairs = world.contacts()
+    except SceneError:
         return None
-    given = ffi.new("drape_contact_list *")
-    with world._guard:
-        if lib.drape_contacts(world._world, given) != 0:
-            return None
-        data = bytes(ffi.buffer(given.contact, given.n * CONTACT.itemsize))
-    cloths = sum(b.kind == "cloth" for b in world.bodies)
-    return located(np.frombuffer(data, CONTACT), world.read()[0], cloths)
+    cloths = sum(body.kind == "cloth" for body in world.bodies)
+    return located(pairs, world.read()[0], cloths)
 
 
-def located(found: NDArray[Any], x: NDArray[np.float64], cloths: int) -> Contacts:
+def located(pairs: Pairs, x: NDArray[np.float64], cloths: int) -> Contacts:
     """Contacts at these positions: their places on side A, and the impulses that
     cloth got, which is side B where A is of an obstacle."""
-    weight = found["weight"].copy()
+    weight = pairs.weights.copy()
     # side A has the vertex of kind 0, and the first edge of kind 1
     weight[:, 2:] = 0
-    weight[found["kind"] == 0, 1] = 0
-    points = (weight[:, :, None] * x[found["vertex"]]).sum(1)
-    on_cloth = np.where(found["body"][:, :1] < cloths, 1, -1)
-    impulses = on_cloth * found["impulse"]
+    weight[pairs.kind == 0, 1] = 0
+    points = (weight[:, :, None] * x[pairs.vertices]).sum(1)
+    impulses = np.where(pairs.bodies[:, :1] < cloths, 1, -1) * pairs.impulses
     return Contacts(points.astype(np.float32), impulses.astype(np.float32))
 
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from apps.runs import FRAMES, moving
+from drape.control import Contacts
 from drape.errors import SceneError
 from drape.export import Run
 from drape.view import live
@@ -84,13 +85,18 @@ def test_a_scene_that_is_refused(tmp_path: Path) -> None:
 
 def test_places_and_impulses_of_contacts() -> None:
     x = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0.2, 0.2, 0.1], [1, 1, 1]], float)
-    found = np.zeros(2, live.CONTACT)
-    found["vertex"] = [[3, 0, 1, 2], [0, 1, 3, 4]]
-    found["kind"] = [0, 1]
-    found["weight"] = [[1, -0.6, -0.2, -0.2], [0.25, 0.75, -0.5, -0.5]]
-    found["body"] = [[0, 1], [1, 0]]
-    found["impulse"] = [[0, 0, 2], [0, 0, 3]]
-    got = live.located(found, x, 1)
+    pairs = Contacts(
+        kind=np.array([0, 1], np.int32),
+        vertices=np.array([[3, 0, 1, 2], [0, 1, 3, 4]], np.int32),
+        bodies=np.array([[0, 1], [1, 0]], np.int32),
+        weights=np.array([[1, -0.6, -0.2, -0.2], [0.25, 0.75, -0.5, -0.5]]),
+        normals=np.zeros((2, 3)),
+        gaps=np.zeros(2),
+        impulses=np.array([[0.0, 0, 2], [0, 0, 3]]),
+        body_impulses=np.zeros((2, 3)),
+        dt=1.0,
+    )
+    got = live.located(pairs, x, 1)
     assert np.allclose(got.points, [[0.2, 0.2, 0.1], [0.75, 0, 0]])
     assert np.array_equal(got.impulses, [[0, 0, 2], [0, 0, -3]])
 
@@ -98,10 +104,17 @@ def test_places_and_impulses_of_contacts() -> None:
 def test_contacts_hold_a_cloth_up(scene: Path) -> None:
     source = live.Live(scene)
     wait(source)
-    if source.contacts(FRAMES) is None:
-        pytest.skip("this library has no drape_contacts: no test of contacts")
     before, after = source.contacts(0), source.contacts(FRAMES)
     assert before is not None and not len(before.points)
     assert after is not None and len(after.points) > 10
     assert after.impulses[:, 1].sum() > 0
     assert np.linalg.norm(after.points - [0, 0.2, 0], axis=1).max() < 0.6
+
+
+def test_an_explicit_integrator_has_no_contacts(scene: Path) -> None:
+    keys = json.loads(scene.read_text())
+    keys.update(integrator="euler", frames=1)
+    scene.write_text(json.dumps(keys))
+    source = live.Live(scene)
+    wait(source)
+    assert source.contacts(1) is None
