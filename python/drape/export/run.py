@@ -152,6 +152,7 @@ class Run:
         frames = self.frames()
         if not frames:
             raise RunError(f"{self.folder}: no frames/cloth_0000.ply here")
+        self._first = frames[0]
         still = self.folder / "obstacles.ply"
         self.moving = not still.exists()
         """Whether some obstacle moves, so that each frame has its own file."""
@@ -183,7 +184,7 @@ class Run:
     def _make(self, body: dict[str, Any], tri: NDArray[np.int32], first: int) -> Body:
         name = str(body["name"])
         if body["kind"] != "cloth":
-            return make_body(name, tri, self.moving)
+            return make_body(name, tri, bool(body.get("moving", self.moving)))
         m, n = (int(k) for k in body["particles"])
         width, height = (float(k) for k in body["size"])
         return make_cloth(name, tri, first, (m, n), (width, height))
@@ -215,4 +216,4 @@ class Run:
 
     def positions(self, body: Body, frame: int) -> Positions:
         """The vertices of a body in a frame, [vertices, 3] m, of `precision` bits."""
-        return self._all(body.kind, frame if body.moving else 0)[body.rows]
+        return self._all(body.kind, frame if body.moving else self._first)[body.rows]

@@ -48,7 +48,9 @@ def _body(world: World, k: int) -> Body:
     body = world.bodies[k]
     tri = world.triangles[body.triangles]
     if body.particles is None or body.size is None:
-        return make_body(body.name, tri, True)
+        definition = world._open().definition
+        obstacle = definition.obstacles[k - definition.n_cloths]
+        return make_body(body.name, tri, obstacle.motion >= 0 or obstacle.frames > 0)
     first = body.vertices.start
     return make_cloth(body.name, tri, first, body.particles, body.size)
 

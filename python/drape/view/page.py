@@ -158,24 +158,29 @@ class Page:
         points = found.points if found else none
         impulses = found.impulses if found else none
         size = np.linalg.norm(impulses, axis=1)
-        share = size / size.max() if size.any() else np.zeros(len(size))
+        # a few contacts may press much harder than all others
+        most = np.percentile(size, 95) if size.any() else 0
+        share = np.clip(size / (most or 1), 0, 1)
         rgb = np.stack([255 * share, 200 * (1 - share), 40 + 0 * share], 1)
         scene.add_point_cloud(
             "/contacts",
             points,
             rgb.astype(np.uint8),
-            point_size=0.008 * self._size,
+            point_size=0.006 * self._size,
             point_shape="circle",
             precision="float32",
         )
-        tips = points + 1e3 * float(self.arrows.value) * impulses
+        arrows = 1e3 * float(self.arrows.value) * impulses
+        head = 0.01 * self._size
+        long = np.linalg.norm(arrows, axis=1) > head
+        tips = points + arrows
         scene.add_arrows(
             "/impulses",
-            np.stack([points, tips], 1),
-            rgb.astype(np.uint8),
-            shaft_radius=0.002 * self._size,
-            head_radius=0.006 * self._size,
-            head_length=0.016 * self._size,
+            np.stack([points, tips], 1)[long],
+            rgb.astype(np.uint8)[long],
+            shaft_radius=0.15 * head,
+            head_radius=0.4 * head,
+            head_length=head,
         )
 
     def _show(self, all_: bool) -> None:

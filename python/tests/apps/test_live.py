@@ -40,6 +40,7 @@ def test_frames_are_those_of_the_tool(scene: Path, pushed: Path) -> None:
     assert [b.name for b in source.bodies] == [b.name for b in run.bodies]
     for mine, theirs in zip(source.bodies, run.bodies, strict=True):
         assert np.array_equal(mine.faces, theirs.faces)
+        assert mine.moving == theirs.moving
         for frame in run.frames():
             x = source.positions(mine, frame)
             assert x.tobytes() == run.positions(theirs, frame).tobytes()

@@ -60,6 +60,7 @@ def test_uvs_are_places_on_the_grid(still: Path) -> None:
 def test_frames_that_were_left_out(pushed: Path) -> None:
     run = Run(pushed)
     assert run.frames() == [0, 2, 4, 6, 8] and run.fps == 24
+    assert [b.moving for b in run.bodies] == [True, True, True, False]
     ball = run.bodies[2]
     moved = run.positions(ball, 8) - run.positions(ball, 0)
     assert np.allclose(moved, [0, 0.1 / 3, 0.1], atol=1e-6)
