@@ -2,7 +2,7 @@
 # The Python package of python/: what its extension is linked of, its wheel and
 # its tests. python/README.md says how they fit together.
 
-.PHONY: wheel check-python python-core
+.PHONY: wheel check-python docs python-core
 PY     := $(BUILD)/python
 PIP    := $(PY)/venv/bin/python -m pip install -q
 
@@ -32,3 +32,6 @@ wheel: $(PY)/venv/made ## a wheel of the Python package, in dist/
 
 check-python: wheel ## tests the wheel in a fresh environment
 	sh python/check.sh $(BUILD)
+
+docs: wheel ## the documentation site: build/python/site/index.html
+	sh python/docs.sh $(BUILD)

@@ -26,9 +26,13 @@ ok 'a fresh environment' python3 -m venv "$work/fresh"
 python=$work/fresh/bin/python
 wheel=$(ls dist/drape-*.whl)
 ok 'it takes the wheel' "$python" -m pip install -q "$wheel[ray]" pytest
-ok "the page's lines" "$python" python/lines.py python/README.md
+ok "the pages' lines" "$python" python/lines.py README.md python/README.md \
+    python/docs/*.md python/docs/tutorials/*.md
+ok 'the site' sh python/docs.sh "$build" tiny=20
 export RAY_USAGE_STATS_ENABLED=0
-"$python" -m pytest -q -p no:cacheprovider python/tests >"$tests" 2>&1 ||
+# apps/ has an environment of its own
+"$python" -m pytest -q -p no:cacheprovider --ignore python/tests/apps \
+    python/tests >"$tests" 2>&1 ||
     sed -n '/^=.* FAILURES/,$p' "$tests" | tail -n 60
 # the last line: `1 failed, 2 passed, 3 skipped in 4.56s`
 last=$(tail -n 1 "$tests")

@@ -30,7 +30,7 @@ STRUCTS = {
     "drape_work": ("Work", "The work that a step did; all is 0 in a step asleep."),
     "drape_step_report": (
         "StepReport",
-        "What a step did. Counts marked * include slices that were taken again.",
+        "What a step did. Counts marked (*) include slices that were taken again.",
     ),
     "drape_plan_row": (
         "PlanRow",
@@ -64,7 +64,8 @@ from dataclasses import dataclass
 
 def words(comment: str) -> str:
     """Returns a C comment's text in one line."""
-    return " ".join(comment.removeprefix("/*").removesuffix("*/").split())
+    plain = " ".join(comment.removeprefix("/*").removesuffix("*/").split())
+    return plain.replace("* ", "(*) ", 1) if plain.startswith("* ") else plain
 
 
 def body(text: str, pattern: str) -> str:

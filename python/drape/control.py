@@ -309,7 +309,7 @@ class Control:
                 )
                 unread, self._calls.unread = self._calls.unread, memoryview(b"")
             self._refresh()
-            if status == Status.EIO:
+            if status == Status.EIO or (status == 0 and unread):
                 raise CheckpointError("log: it ends within a call")
             if check(status, "log") == 0:
                 return

@@ -113,7 +113,7 @@ class Work:
 
 @dataclass(frozen=True)
 class StepReport:
-    """What a step did. Counts marked * include slices that were taken again.
+    """What a step did. Counts marked (*) include slices that were taken again.
 
     Attributes:
         step: steps done since time 0, with this one unless it diverged
@@ -121,21 +121,21 @@ class StepReport:
         outcome: bitwise or of enum drape_outcome; 0: clean
         slices: slices that make up the step, 1 … max_slices
         substeps: most substeps of the integrator in a slice
-        iterations: * of the linear solver, all solves together
+        iterations: (*) of the linear solver, all solves together
         residual: relative, the largest of the solves
-        rounds: * detections of penetration, of which the last in a clean slice
-            finds no pair; 0 where nothing was near anything
+        rounds: (*) detections of penetration, of which the last in a clean
+            slice finds no pair; 0 where nothing was near anything
         contacts: pairs closer than their thickness, last slice
         impacts: pairs found to penetrate, all rounds
-        candidates: * pairs given to the narrow phase, all rounds
+        candidates: (*) pairs given to the narrow phase, all rounds
         zone_vertices, rolled_back: vertices that the fail-safe moved in zones,
             and that it put back
         intersecting: intersecting pairs of triangles at the end of the step, as
             drape_audit counts them; not 0 only with DRAPE_TRAPPED
         kinetic, elastic, potential: J, of all cloths, at the end of the step;
             potential: of gravity, 0 at the origin
-        seconds: * wall time of each part
-        work: * what was computed
+        seconds: (*) wall time of each part
+        work: (*) what was computed
     """
 
     step: int

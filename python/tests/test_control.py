@@ -82,12 +82,12 @@ def test_material(sheet: dict[str, Any]) -> None:
     sheet["cloths"][0]["pins"] = [{"edge": "u0"}]
     ends = []
     for stretch in (None, 50):
-        world = drape.World(sheet, precision=64)
+        world = drape.World(sheet, precision=64, gravity=[9.81, 0, 0])
         if stretch:
             world.set_material(0, {"stretch": stretch, "shear": 10, "limit": 0.3})
         world.step(30)
-        ends.append(world.positions[:, 1].min())
-    assert ends[1] < ends[0]
+        ends.append(world.positions[:, 0].max())
+    assert ends[1] > ends[0] + 1e-3
     with pytest.raises(drape.SceneError, match="strech"):
         world.set_material(0, {"strech": 1})
     with pytest.raises(drape.SceneError, match="range"):
@@ -136,6 +136,6 @@ def test_a_log_replays_a_session(tiny: Path) -> None:
     assert [report.step for report in reports] == [3, 4, 5, 6, 7]
     assert other.digest() == end and np.array_equal(x, other.read()[0])
     with pytest.raises(drape.CheckpointError):
-        list(drape.World(tiny).replay(log[:-9]))
+        list(drape.World(tiny).replay(log[:-1]))
     with pytest.raises(drape.Error, match="begun"):
         other.end_log()

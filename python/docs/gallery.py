@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the gallery: a picture of each scene, and the scene behind it.
+
+usage: gallery.py FOLDER [SCENE=FRAME…]
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import drape
+
+SCENES = Path(__file__).resolve().parents[2] / "app/scenes"
+# Scenes that need no mesh from elsewhere, and the frame of each picture.
+FRAMES = {
+    "tiny": 40,
+    "sphere": 60,
+    "flag": 90,
+    "twist": 60,
+    "curtain": 60,
+    "funnel": 60,
+}
+
+
+def main(folder: Path, frames: dict[str, int]) -> None:
+    """Runs the scenes, takes the pictures and writes the page."""
+    folder.mkdir(parents=True, exist_ok=True)
+    page = ["# Gallery\n", "Each picture is of the scene below it, at that frame.\n"]
+    for name, frame in frames.items():
+        with drape.World(SCENES / f"{name}.json", threads=0) as world:
+            reports = world.step(frame * world.steps_per_frame)
+            world.render(folder / f"{name}.png", width=640, height=480)
+            about = f"Frame {frame}; {len(world.triangles):,} triangles; "
+            about += "every step clean." if reports.clean else str(reports.outcome)
+        text = (SCENES / f"{name}.json").read_text(encoding="utf-8")
+        page += [f"## {name}\n", f"![The scene {name}]({name}.png)\n", f"{about}\n"]
+        page += [f"```json\n{text}```\n"]
+    (folder / "gallery.md").write_text("\n".join(page), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    given = dict(word.split("=") for word in sys.argv[2:])
+    main(Path(sys.argv[1]), {k: int(v) for k, v in given.items()} or FRAMES)

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the pages that come from the code's own tables: the commands of the
+tool with their help, and the keys of a scene with their types and ranges."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import drape
+
+ROOT = Path(__file__).resolve().parents[2]
+# The objects of a scene: their heading, the file and the mark of their table.
+OBJECTS = [
+    ("The scene", "scene.c", "SCENE("),
+    ("wind", "scene.c", "WIND("),
+    ("camera", "scene.c", "struct camera,"),
+    ("A motion", "motion.c", "struct motion,"),
+    ("A keyframe", "motion.c", "struct key,"),
+    ("A cloth", "cloth.c", "CLOTH("),
+    ("start", "cloth.c", "START("),
+    ("A region of holes or cuts", "cloth.c", "struct region,"),
+    ("A pin", "cloth.c", "struct pin,"),
+    ("An obstacle", "obstacle.c", "O("),
+    ("frames of an obstacle", "obstacle.c", "struct series,"),
+]
+KINDS = {
+    "NUMBER": "number",
+    "INTEGER": "whole number",
+    "BOOLEAN": "true or false",
+    "VECTOR": "numbers",
+    "TEXT": "text",
+    "CHOICE": "one of",
+    "NESTED": "see below",
+}
+ROW = re.compile(
+    r'([A-Z]+)_KEY\(\s*"(\w+)",([^{}]*?)\),?\s*(?=[A-Z]+_KEY|/\*|$)', re.DOTALL
+)
+
+
+def tool() -> str:
+    """Returns the page of the tool's commands."""
+    listed = drape.tool.call("help")
+    names = re.findall(r"^  (\w+) ", listed, re.MULTILINE)
+    parts = ["# The tool\n", f"```text\n{listed}```\n"]
+    for name in names:
+        text = drape.tool.call("help", name)
+        parts.append(f"## {name}\n\n```text\n{text}```\n")
+    return "\n".join(parts)
+
+
+def choices(text: str, name: str) -> str:
+    """Returns the values of a table of texts."""
+    found = re.search(rf"{name}\[\] = \{{(.*?)NULL", text, re.DOTALL)
+    values = re.findall(r'"([\w-]+)"', found[1]) if found else []
+    return ", ".join(f"`{value}`" for value in values)
+
+
+def keys(file: str, mark: str) -> list[tuple[str, str, str]]:
+    """Returns (key, type, range) of the rows of a table of the scene's reader."""
+    text = (ROOT / "app" / file).read_text(encoding="utf-8")
+    tables = re.findall(r"json_key \w+\[\] = \{(.*?)\{0\}", text, re.DOTALL)
+    table = next(each for each in tables if mark in each)
+    rows = []
+    for kind, key, rest in ROW.findall(table):
+        words = [word.strip() for word in rest.split(",")]
+        numbers = [word for word in words if re.fullmatch(r"-?[\d.]+(e-?\d+)?", word)]
+        limits = f"{numbers[0]} … {numbers[1]}" if len(numbers) > 1 else ""
+        what = KINDS[kind]
+        if kind == "VECTOR":
+            what = f"{numbers[2]} numbers"
+        if kind == "CHOICE":
+            limits = choices(text, words[-1])
+        rows.append((key, what, limits))
+    return rows
+
+
+def scene() -> str:
+    """Returns the page of a scene's keys."""
+    parts = [
+        "# Keys of a scene\n",
+        "These tables are made of those that the reader itself checks a scene by; "
+        "[Scenes](../scenes.md) says what each key means.\n",
+    ]
+    for heading, file, mark in OBJECTS:
+        parts.append(f"## {heading}\n\n| key | type | range |\n| --- | --- | --- |")
+        parts += [
+            f"| `{k}` | {kind} | {limits} |" for k, kind, limits in keys(file, mark)
+        ]
+        parts.append("")
+    return "\n".join(parts)
+
+
+def write(folder: Path) -> None:
+    """Writes the pages."""
+    folder.mkdir(exist_ok=True)
+    (folder / "tool.md").write_text(tool(), encoding="utf-8")
+    (folder / "keys.md").write_text(scene(), encoding="utf-8")
+    fabrics = drape.tool.call("materials")
+    text = f"# Fabrics\n\n```text\n{fabrics}```\n"
+    (folder / "fabrics.md").write_text(text, encoding="utf-8")
