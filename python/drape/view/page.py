@@ -171,14 +171,14 @@ class Page:
             precision="float32",
         )
         arrows = 1e3 * float(self.arrows.value) * impulses
-        head = 0.01 * self._size
+        head = 0.015 * self._size
         long = np.linalg.norm(arrows, axis=1) > head
         tips = points + arrows
         scene.add_arrows(
             "/impulses",
             np.stack([points, tips], 1)[long],
             rgb.astype(np.uint8)[long],
-            shaft_radius=0.15 * head,
+            shaft_radius=0.2 * head,
             head_radius=0.4 * head,
             head_length=head,
         )

@@ -228,7 +228,7 @@ class Touching(Recorded):
         """One contact above the cloths, with an impulse to the left, after frame 0."""
         count = min(frame, 1)
         points = np.array([[0, 0.43, 0]] * count, np.float32).reshape(-1, 3)
-        return Contacts(points, np.full_like(points, -0.003) * [1, 0, 0])
+        return Contacts(points, np.full_like(points, -0.006) * [1, 0, 0])
 
 
 def test_contacts_and_impulses(still: Path, browser: Any) -> None:
