@@ -56,6 +56,24 @@ bool ply_save(const char *directory, const char *name, const struct mesh *mesh,
     return file_close(&file);
 }
 
+bool obj_save(const char *directory, const char *name, const struct mesh *mesh,
+              int bits)
+{
+    struct file file;
+    if (!file_open(&file, directory, name))
+        return false;
+    /* with this many digits a number reads back with the same bits */
+    int digits = bits == 32 ? 9 : 17;
+    fputs("# drape, metres\n", file.stream);
+    for (int64_t k = 0; k < mesh->nv; k++)
+        fprintf(file.stream, "v %.*g %.*g %.*g\n", digits, mesh->x[k][0],
+                digits, mesh->x[k][1], digits, mesh->x[k][2]);
+    for (int64_t k = 0; k < mesh->nt; k++)
+        fprintf(file.stream, "f %d %d %d\n", (int)mesh->tri[k][0] + 1,
+                (int)mesh->tri[k][1] + 1, (int)mesh->tri[k][2] + 1);
+    return file_close(&file);
+}
+
 /* Sets number[k] to vertex k's number in the file, from 1, or to 0 if no
  * triangle has the vertex. */
 static void number_vertices(const struct mesh *mesh, int32_t *number)
@@ -100,8 +118,9 @@ static void put_face(FILE *out, const int32_t tri[3], const int32_t *number,
         fprintf(out, "f %d %d %d\n", a, b, c);
 }
 
-bool obj_save(const char *directory, const char *name, const struct mesh *mesh,
-              const struct part *part, int parts, int bits)
+bool obj_save_parts(const char *directory, const char *name,
+                    const struct mesh *mesh, const struct part *part, int parts,
+                    int bits)
 {
     struct file file;
     int32_t *number = calloc((size_t)mesh->nv + 1, sizeof *number);

@@ -42,6 +42,8 @@ int off_load(struct pool *pool, const char *path, struct mesh *mesh);
  * one line. */
 bool ply_save(const char *directory, const char *name, const struct mesh *mesh,
               int bits);
+bool obj_save(const char *directory, const char *name, const struct mesh *mesh,
+              int bits);
 /* A body in a mesh of several, for its object in an OBJ file. */
 struct part {
     const char *name;
@@ -51,7 +53,8 @@ struct part {
                  no UVs */
 };
 /* Writes parts as objects by their names, without vertices of no triangle. */
-bool obj_save(const char *directory, const char *name, const struct mesh *mesh,
-              const struct part *part, int parts, int bits);
+bool obj_save_parts(const char *directory, const char *name,
+                    const struct mesh *mesh, const struct part *part, int parts,
+                    int bits);
 
 #endif

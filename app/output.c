@@ -85,8 +85,8 @@ static int write_still(struct output *o, const drape_world *world)
                         drape_status_text(status));
     bool good = ply_save(o->directory, "obstacles.ply", &o->obstacles, o->bits);
     if (good && o->obj)
-        good = obj_save(o->directory, "obstacles.obj", &o->obstacles,
-                        o->obstacle_part, o->n_obstacles, o->bits);
+        good = obj_save_parts(o->directory, "obstacles.obj", &o->obstacles,
+                              o->obstacle_part, o->n_obstacles, o->bits);
     return good ? APP_OK : APP_FAILED;
 }
 
@@ -130,12 +130,12 @@ static bool write_obj(const struct output *o, int k)
     char name[64];
     snprintf(name, sizeof name, "obstacles_%04d.obj", k);
     if (o->obstacles.nt && o->moving &&
-        !obj_save(o->frames, name, &o->obstacles, o->obstacle_part,
-                  o->n_obstacles, o->bits))
+        !obj_save_parts(o->frames, name, &o->obstacles, o->obstacle_part,
+                        o->n_obstacles, o->bits))
         return false;
     snprintf(name, sizeof name, "cloth_%04d.obj", k);
-    return obj_save(o->frames, name, &o->cloth, o->cloth_part, o->cloths,
-                    o->bits);
+    return obj_save_parts(o->frames, name, &o->cloth, o->cloth_part, o->cloths,
+                          o->bits);
 }
 
 int output_frame(struct output *o, const drape_world *world, int k)
