@@ -69,7 +69,7 @@ def write(run: Run, frames: list[int], path: Path) -> None:
     with tempfile.TemporaryDirectory() as folder:
         for number, body in enumerate(run.bodies):
             thing = _object(run, body, frames, Path(folder) / f"{number}.pc2")
-            rgb = mesh.colour(body.kind, number)
+            rgb = mesh.colour(body, number)
             thing.data.materials.append(_material(body.name, rgb))
             scene.collection.objects.link(thing)
         bpy.ops.wm.alembic_export(

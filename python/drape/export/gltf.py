@@ -161,7 +161,7 @@ def write(run: Run, frames: list[int], path: Path) -> None:
         made = _mesh(buffer, run, body, frames)
         made.primitives[0].material = number
         gltf.meshes.append(made)
-        gltf.materials.append(_material(body.name, mesh.colour(body.kind, number)))
+        gltf.materials.append(_material(body.name, mesh.colour(body, number)))
         gltf.nodes.append(g.Node(name=body.name, mesh=number))
     gltf.scenes.append(g.Scene(nodes=list(range(len(gltf.nodes)))))
     if len(frames) > 1:

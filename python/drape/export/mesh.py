@@ -9,10 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from drape.export.run import Body
+
 Array = NDArray[np.floating[Any]]
 
 # Linear colours: the outer one of each cloth, as in app/paint.c, and that of
-# obstacles, as in app/picture.c.
+# obstacles, as in `drape render`.
 CLOTHS = (
     (0.42, 0.018, 0.028),
     (0.020, 0.12, 0.34),
@@ -24,9 +26,17 @@ STONE = (0.60, 0.555, 0.49)
 SHARP = np.cos(np.radians(40))
 
 
-def colour(kind: str, number: int) -> tuple[float, float, float]:
-    """The linear colour of cloth `number`, or of an obstacle."""
-    return CLOTHS[number % len(CLOTHS)] if kind == "cloth" else STONE
+def colour(body: Body, number: int) -> tuple[float, float, float]:
+    """The linear colour of body `number`: the scene's, or that of its kind."""
+    if body.colour is not None:
+        r, g, b = (linear(part) for part in body.colour)
+        return r, g, b
+    return CLOTHS[number % len(CLOTHS)] if body.kind == "cloth" else STONE
+
+
+def linear(part: float) -> float:
+    """A part of an sRGB colour, 0 to 1, as a linear one."""
+    return part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4
 
 
 def _unit(v: Array) -> Array:

@@ -55,6 +55,8 @@ class Body:
     """Size of a cloth at rest along u and v, m."""
     moving: bool
     """Whether the frames differ."""
+    colour: tuple[float, float, float] | None = None
+    """sRGB, 0 to 1; None where the scene gives none."""
 
 
 def make_body(name: str, tri: NDArray[np.int32], moving: bool) -> Body:
@@ -182,12 +184,16 @@ class Run:
             self.bodies.append(self._make(body, mine, first[k] - shift[0]))
 
     def _make(self, body: dict[str, Any], tri: NDArray[np.int32], first: int) -> Body:
-        name = str(body["name"])
+        name, look = str(body["name"]), body.get("look") or {}
+        r, g, b = look.get("colour") or (None, 0, 0)
+        colour = None if r is None else (float(r), float(g), float(b))
         if body["kind"] != "cloth":
-            return make_body(name, tri, bool(body.get("moving", self.moving)))
+            moving = bool(body.get("moving", self.moving))
+            return replace(make_body(name, tri, moving), colour=colour)
         m, n = (int(k) for k in body["particles"])
         width, height = (float(k) for k in body["size"])
-        return make_cloth(name, tri, first, (m, n), (width, height))
+        made = make_cloth(name, tri, first, (m, n), (width, height))
+        return replace(made, colour=colour)
 
     def _path(self, kind: str, frame: int) -> Path:
         if kind == "cloth":

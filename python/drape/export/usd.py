@@ -98,7 +98,7 @@ def write(run: Run, frames: list[int], path: Path) -> None:
     UsdGeom.Scope.Define(stage, f"/{top}/materials")
     for number, (name, body) in enumerate(zip(names, run.bodies, strict=True)):
         prim = _define(stage, f"/{top}/{name}", body)
-        rgb = mesh.colour(body.kind, number)
+        rgb = mesh.colour(body, number)
         prim.CreateDisplayColorAttr([Gf.Vec3f(*rgb)])
         material = _material(stage, f"/{top}/materials/{name}", rgb)
         UsdShade.MaterialBindingAPI.Apply(prim.GetPrim()).Bind(material)

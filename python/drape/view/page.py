@@ -40,7 +40,7 @@ class _Shape:
     ) -> None:
         self.server, self.body = server, body
         self.path = f"/{number:03d} {body.name}"
-        rgb = display(mesh.colour(body.kind, number))
+        rgb = display(mesh.colour(body, number))
         server.scene.add_frame(self.path, show_axes=False)
         add, faces = server.scene.add_mesh_simple, body.faces.astype(np.uint32)
         self.surface = add(f"{self.path}/surface", x, faces, color=rgb, side="double")
@@ -111,14 +111,15 @@ class Page:
         self._size = float(np.linalg.norm(x.max(0) - x.min(0)))
 
     def _camera(self) -> None:
-        camera, start = self.source.camera, self.server.initial_camera
-        if camera:
-            start.position, start.look_at = camera["eye"], camera["target"]
-            start.fov = np.radians(camera["fov"])
+        camera, start = self.source.camera or {}, self.server.initial_camera
+        eye, target = camera.get("eye"), camera.get("target")
+        start.fov = np.radians(camera.get("fov", 35))
+        # a report's camera of which both are one place is one that sees all
+        if eye and target and list(eye) != list(target):
+            start.position, start.look_at = eye, target
         else:
             away = np.array([0.5, 0.4, 1.0]) * 1.6 * self._size
             start.position, start.look_at = self._middle + away, self._middle
-            start.fov = np.radians(40)
 
     def _controls(self) -> None:
         gui, count = self.server.gui, len(self.frames)

@@ -96,8 +96,15 @@ def test_colours_are_those_of_render() -> None:
             for line in paint.splitlines()
             if line.startswith("    {{")
         ), rgb
-    stone = (root / "app" / "picture.c").read_text()
+    stone = "".join((root / "app" / f).read_text() for f in ("picture.c", "model.c"))
     assert "make(.60f, .555f, .49f)" in stone and mesh.STONE == (0.60, 0.555, 0.49)
+
+
+def test_a_colour_of_the_scene_is_taken(still: Path, tmp_path: Path) -> None:
+    look = "r['bodies'][2]['look'] = {'colour': [0, 0.5, 1], 'check': False}"
+    run = Run(spoil(still, tmp_path / "run", "report.json", look))
+    assert np.allclose(mesh.colour(run.bodies[2], 2), [0, 0.21404, 1], atol=1e-5)
+    assert mesh.colour(run.bodies[3], 3) == mesh.STONE
 
 
 def test_identifiers_differ() -> None:
