@@ -30,7 +30,7 @@ $(PY)/venv/made: python/requirements.txt
 wheel: $(PY)/venv/made ## a wheel of the Python package, in dist/
 	sh python/wheel.sh $(BUILD)
 
-check-python: wheel ## tests the wheel in a fresh environment
+check-python: $(PY)/venv/made ## tests the package's wheel in a fresh environment
 	sh python/check.sh $(BUILD)
 
 docs: wheel ## the documentation site: build/python/site/index.html

@@ -275,14 +275,14 @@ class World(Control):
         return self._triangles
 
     @property
-    def positions(self) -> NDArray[Any] | SharedArray:
+    def positions(self) -> Any:
         """[vertices, 3] m, read-only: the cloths in their order, then the
         obstacles. On the host a NumPy array that follows the world: after each
         call of `step` it holds the new state. On a device a `SharedArray`."""
         return self._array("x")
 
     @property
-    def velocities(self) -> NDArray[Any] | SharedArray:
+    def velocities(self) -> Any:
         """[vertices, 3] m/s, likewise."""
         return self._array("v")
 

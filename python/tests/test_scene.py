@@ -202,3 +202,11 @@ def test_other_formats_are_read_too(tmp_path: Path) -> None:
     (tmp_path / "a.obj").write_text("v 0 -1 0\n")
     with pytest.raises(drape.SceneError, match=r"a\.obj"):
         drape.World(scene, folder=tmp_path)
+
+
+def test_notes_are_warnings_at_the_callers_line(tmp_path: Path) -> None:
+    (tmp_path / "a.off").write_text("OFF\n3 1 0\n0 -1 0\n1 -1 0\n2 -1 0\n3 0 1 2\n")
+    scene = {"cloths": [{}], "obstacles": [{"mesh": "a.off"}]}
+    with pytest.warns(UserWarning, match="1 triangles without area") as warned:
+        drape.World(scene, folder=tmp_path)
+    assert [warning.filename for warning in warned] == [__file__]

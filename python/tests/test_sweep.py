@@ -25,7 +25,7 @@ LONG = {
     "name": "long",
     "cloths": [{"particles": [61, 61], "start": {"at": [0, 0.5, 0]}}],
     "obstacles": [{"shape": "sphere", "radius": 0.3, "detail": 24}],
-    "frames": 40,
+    "frames": 24,
 }
 
 
@@ -228,7 +228,7 @@ def test_slurm(tiny: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
         drape.sweep([{**LONG, "frames": 1}], tmp_path / "out", on="slurm")
 
 
-def test_ray_on_two_nodes_loses_a_worker(tmp_path: Path) -> None:
+def test_ray_on_two_nodes_loses_a_worker_and_a_node(tmp_path: Path) -> None:
     os.environ.setdefault("RAY_ENABLE_UV_RUN_RUNTIME_ENV", "0")
     ray = pytest.importorskip("ray")
     from ray.cluster_utils import Cluster
@@ -246,13 +246,21 @@ def test_ray_on_two_nodes_loses_a_worker(tmp_path: Path) -> None:
         return sorted(found) if len(nodes) == 2 else []
 
     try:
-        cluster.add_node(num_cpus=1, object_store_memory=memory)
+        node = cluster.add_node(num_cpus=1, object_store_memory=memory)
         ray.init(address=cluster.address, log_to_driver=False)
         assert sum(node["Alive"] for node in ray.nodes()) == 2
         thread, killed = kill_first(tasks)
-        scenes = [{**LONG, "dt": dt, "frames": 60} for dt in (0.01, 0.011, 0.012)]
+
+        def lose() -> None:
+            thread.join()
+            time.sleep(1)
+            cluster.remove_node(node, allow_graceful=False)
+
+        loss = threading.Thread(target=lose)
+        loss.start()
+        scenes = [{**LONG, "dt": dt, "frames": 36} for dt in (0.01, 0.011, 0.012)]
         done = drape.sweep(scenes, tmp_path / "ray", on="ray")
-        thread.join()
+        loss.join()
     finally:
         ray.shutdown()
         cluster.shutdown()
