@@ -73,15 +73,14 @@ int *folder_list(const char *path, const char *body, const char *end,
 static const struct kind {
     const char *folder, *body, *end;
     bool frame; /* the number is a frame's */
-} kinds[] = {{"frames", "cloth", "ply", true},
-             {"frames", "cloth", "obj", true},
-             {"frames", "obstacles", "ply", true},
-             {"pictures", "frame", "png", true},
-             {"pictures", "film", "png", false}};
-static const char *const results[] = {"report.json", "obstacles.ply",
-                                      "cloth.pc2",   "trace.csv",
-                                      "film.mp4",    "checkpoint.drape"};
-enum { KINDS = 5, FILM_PICTURES = 4, RESULTS = 6, FILM = 4, CHECKPOINT = 5 };
+} kinds[] = {
+    {"frames", "cloth", "ply", true},     {"frames", "cloth", "obj", true},
+    {"frames", "obstacles", "ply", true}, {"frames", "obstacles", "obj", true},
+    {"pictures", "frame", "png", true},   {"pictures", "film", "png", false}};
+static const char *const results[] = {
+    "report.json", "obstacles.ply",    "cloth.pc2",    "trace.csv",
+    "film.mp4",    "checkpoint.drape", "obstacles.obj"};
+enum { KINDS = 6, FILM_PICTURES = 5, RESULTS = 7, FILM = 4, CHECKPOINT = 5 };
 
 static int remove_file(const char *directory, const char *name)
 {

@@ -33,7 +33,8 @@ static const struct command {
      "  --resume FILE         go on from a checkpoint, bit for bit\n"
      "  --force               remove another run's files from DIR first\n"
      "  --trace               write DIR/trace.csv, a digest a stage\n"
-     "  --no-obj              frames as PLY only\n"
+     "  --obj                 frames as OBJ too, with names and UVs\n"
+     "  --no-obj              frames as PLY only, as without --obj\n"
      "  --allow-intersecting  accept a start state that intersects\n"
      "Ctrl-C finishes the step and leaves a checkpoint and the report.\n"},
     {"plan", command_plan, "print the stages of a scene and their memory",
@@ -68,6 +69,15 @@ static const struct command {
      "Direction --up becomes +y, the largest dimension S, and the mesh\n"
      "stands on y = 0 in the middle of x and z. OUT ends in .ply, .obj,\n"
      ".stl, .glb, .dae or .fbx; - is PLY on standard output.\n"},
+    {"export", command_export, "write a run as USD, glTF or Alembic",
+     "drape export DIR --to FILE [--every K]\n"
+     "FILE ends in .usdc, .usda, .usd, .glb or .abc and gets the frames "
+     "there,\n"
+     "or every K-th of them. It is part of the Python package.\n"},
+    {"view", command_view, "show a run or a scene in a web browser",
+     "drape view DIR|SCENE.json [--port N] [--host NAME]\n"
+     "Serves a page that shows the run, or the scene while it is computed.\n"
+     "It is part of the Python package.\n"},
     {"materials", command_materials, "list the fabrics that scenes may name",
      "drape materials\n"
      "Each with its numbers, what it is, and where they are from.\n"},

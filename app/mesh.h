@@ -47,5 +47,17 @@ bool ply_save(const char *directory, const char *name, const struct mesh *mesh,
               int bits);
 bool obj_save(const char *directory, const char *name, const struct mesh *mesh,
               int bits);
+/* A body in a mesh of several, for its object in an OBJ file. */
+struct part {
+    const char *name;
+    int64_t nv, nt; /* its vertices and triangles, after those of the part
+                       before */
+    int m, n; /* particles of a cloth along u and v; 0: an obstacle, which has
+                 no UVs */
+};
+/* Writes parts as objects by their names, without vertices of no triangle. */
+bool obj_save_parts(const char *directory, const char *name,
+                    const struct mesh *mesh, const struct part *part, int parts,
+                    int bits);
 
 #endif

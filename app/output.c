@@ -6,6 +6,34 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Names the bodies of the views. */
+static int make_parts(struct output *o, const struct scene *scene,
+                      const drape_world *world)
+{
+    int cloths = scene->def.n_cloths, bodies = cloths + scene->def.n_obstacles;
+    struct part *part = pool_take(&o->pool, (size_t)bodies + 1, sizeof *part);
+    if (!part)
+        return complain(APP_FAILED, "out of memory");
+    for (int k = 0; k < bodies; k++) {
+        part[k].nv =
+            drape_first_vertex(world, k + 1) - drape_first_vertex(world, k);
+        part[k].nt =
+            drape_first_triangle(world, k + 1) - drape_first_triangle(world, k);
+        if (k < cloths) {
+            part[k].name = scene->cloth_name[k];
+            part[k].m = scene->def.cloths[k].m;
+            part[k].n = scene->def.cloths[k].n;
+        } else {
+            part[k].name = scene->obstacle_name[k - cloths];
+        }
+    }
+    o->cloth_part = part;
+    o->obstacle_part = part + cloths;
+    o->cloths = cloths;
+    o->n_obstacles = bodies - cloths;
+    return APP_OK;
+}
+
 /* Makes cloth and obstacles separate meshes that share the scene's memory. */
 static int make_views(struct output *o, const struct scene *scene,
                       const drape_world *world)
@@ -29,7 +57,7 @@ static int make_views(struct output *o, const struct scene *scene,
     for (int64_t k = 0; k < o->obstacles.nt; k++)
         for (int i = 0; i < 3; i++)
             o->obstacles.tri[k][i] -= (int32_t)nv;
-    return APP_OK;
+    return make_parts(o, scene, world);
 }
 
 bool output_name(char path[FILE_PATH], const struct scene *scene,
@@ -56,6 +84,9 @@ static int write_still(struct output *o, const drape_world *world)
         return complain(APP_FAILED, "the obstacles: %s",
                         drape_status_text(status));
     bool good = ply_save(o->directory, "obstacles.ply", &o->obstacles, o->bits);
+    if (good && o->obj)
+        good = obj_save_parts(o->directory, "obstacles.obj", &o->obstacles,
+                              o->obstacle_part, o->n_obstacles, o->bits);
     return good ? APP_OK : APP_FAILED;
 }
 
@@ -94,6 +125,19 @@ bool output_path(char path[FILE_PATH], const char *directory, const char *body,
     return file_join(path, directory, name);
 }
 
+static bool write_obj(const struct output *o, int k)
+{
+    char name[64];
+    snprintf(name, sizeof name, "obstacles_%04d.obj", k);
+    if (o->obstacles.nt && o->moving &&
+        !obj_save_parts(o->frames, name, &o->obstacles, o->obstacle_part,
+                        o->n_obstacles, o->bits))
+        return false;
+    snprintf(name, sizeof name, "cloth_%04d.obj", k);
+    return obj_save_parts(o->frames, name, &o->cloth, o->cloth_part, o->cloths,
+                          o->bits);
+}
+
 int output_frame(struct output *o, const drape_world *world, int k)
 {
     char name[64];
@@ -108,8 +152,7 @@ int output_frame(struct output *o, const drape_world *world, int k)
     if (o->obstacles.nt && o->moving &&
         !ply_save(o->frames, name, &o->obstacles, o->bits))
         return APP_FAILED;
-    snprintf(name, sizeof name, "cloth_%04d.obj", k);
-    if (o->obj && !obj_save(o->frames, name, &o->cloth, o->bits))
+    if (o->obj && !write_obj(o, k))
         return APP_FAILED;
     snprintf(name, sizeof name, "cloth_%04d.ply", k);
     bool good = ply_save(o->frames, name, &o->cloth, o->bits);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Writes the files of a run into its directory:
- *   frames/cloth_0000.ply .obj   the cloths, frame 0 is the start
+ *   frames/cloth_0000.ply        the cloths, frame 0 is the start
  *   obstacles.ply                the obstacles, where none of them moves
  *   frames/obstacles_0000.ply    else, a frame each
+ *   .obj                         with each of these, where asked for
  *   cloth.pc2                    all frames, for Blender's Mesh Cache
  *   report.json checkpoint.drape trace.csv */
 #ifndef APP_OUTPUT_H
@@ -15,7 +16,9 @@
 struct output {
     char directory[FILE_PATH], frames[FILE_PATH];
     struct mesh all, cloth, obstacles; /* views of the whole scene */
-    double (*v)[3]; /* scratch: velocities, which no file has */
+    struct part *cloth_part, *obstacle_part;
+    int cloths, n_obstacles; /* number of their parts */
+    double (*v)[3];          /* scratch: velocities, which no file has */
     struct pool pool;
     struct lock lock;
     int bits;

@@ -136,6 +136,10 @@ static void put_bodies(FILE *out, const struct scene *scene,
             const drape_cloth *c = &def->cloths[k];
             fprintf(out, ", \"particles\": [%d, %d], \"size\": [%.17g, %.17g]",
                     c->m, c->n, c->width, c->height);
+        } else {
+            const drape_obstacle *o = &def->obstacles[k - def->n_cloths];
+            bool moves = o->motion >= 0 || o->frames > 0;
+            fprintf(out, ", \"moving\": %s", moves ? "true" : "false");
         }
         const struct look *looks =
             cloth ? scene->cloth_look : scene->obstacle_look;

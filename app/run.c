@@ -22,7 +22,7 @@ struct run {
     struct checkpoint from; /* of --resume */
     const char *resume, *directory, *error;
     char out[FILE_PATH]; /* the directory, given or by the scene's name */
-    int frames, checkpoint_every, tracing, no_obj, force;
+    int frames, checkpoint_every, tracing, obj, no_obj, force;
     bool failed; /* a step failed; the state before the step is intact */
 };
 
@@ -72,7 +72,7 @@ static int open_output(struct run *run)
     char id[REPORT_ID];
     struct claim claim = {report_id(&run->report, scene, id), run->resume,
                           (int)frame, run->force};
-    run->output.obj = !run->no_obj;
+    run->output.obj = run->obj && !run->no_obj;
     int status = output_open(&run->output, scene, run->world, run->out, &claim);
     if (status == APP_OK &&
         !report_write(&run->report, scene, run->world, run->out, "unfinished"))
@@ -276,6 +276,7 @@ int command_run(int argc, char **argv)
         {"--resume", OPTION_TEXT, &run.resume, 0, 0},
         {"--force", OPTION_FLAG, &run.force, 0, 0},
         {"--trace", OPTION_FLAG, &run.tracing, 0, 0},
+        {"--obj", OPTION_FLAG, &run.obj, 0, 0},
         {"--no-obj", OPTION_FLAG, &run.no_obj, 0, 0},
         {"--allow-intersecting", OPTION_FLAG, &run.overrides.allow_intersecting,
          0, 0},

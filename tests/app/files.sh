@@ -135,3 +135,13 @@ for json in "$root"/app/scenes/*.json; do
     esac
     exits "scene $name" 0 plan "$json"
 done
+
+# The commands that are Python's: without it, and without the package.
+fails 'export without Python' 'export: python3 cannot be started' \
+    env PATH=/nowhere "$drape" export 'an out' --to x.usdc
+mkdir no_package no_package/drape
+printf '#!/bin/sh\nexec %s -S -E "$@"\n' "$(command -v python3)" \
+    >no_package/python3
+chmod +x no_package/python3
+fails 'view without the package' 'view: python3 cannot import the package' \
+    env PATH="$work/no_package:$PATH" "$drape" view 'an out'

@@ -106,7 +106,7 @@ else
     skip 'full output: no /dev/full here'
 fi
 mkdir disk
-if mount -t tmpfs -o size=64k drape disk 2>/dev/null; then
+if mount -t tmpfs -o size=40k drape disk 2>/dev/null; then
     fails 'full disk' 'cannot write: No space left' \
         "$drape" run tiny.json --out disk/run
     is 'frames that are there are whole' sh -c '

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""drape export: writes a run's frames as one USD, glTF or Alembic file."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from drape.export.console import FAILED, OK, USAGE, Parser, complain, whole
+from drape.export.run import Run, RunError
+
+# By the file's ending: the module that writes it, and the package it needs.
+FORMATS = {
+    ".usdc": ("usd", "usd-core"),
+    ".usda": ("usd", "usd-core"),
+    ".usd": ("usd", "usd-core"),
+    ".glb": ("gltf", "pygltflib"),
+    ".abc": ("alembic", "bpy"),
+}
+
+
+def export(run: Run, to: str | Path, every: int = 1) -> int:
+    """Writes every `every`-th frame of a run into a file, by the file's ending.
+
+    The file appears whole or not at all, in place of one that is there. Returns
+    the number of frames in it. Raises RunError, ImportError where the format's
+    package is not installed, or OSError.
+    """
+    path = Path(to)
+    form = FORMATS.get(path.suffix.lower())
+    if not form:
+        endings = ", ".join(FORMATS)
+        raise RunError(f"{path}: expected a name that ends in {endings}")
+    if not path.parent.is_dir():
+        raise RunError(f"{path}: there is no folder {path.parent}")
+    try:
+        module = importlib.import_module(f"drape.export.{form[0]}")
+    except ImportError as error:
+        raise ImportError(
+            f"{path.suffix} needs the package {form[1]} ({error}): "
+            f"pip install {form[1]}"
+        ) from None
+    frames = run.frames()[::every]
+    part = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix.lower()}")
+    try:
+        module.write(run, frames, part.absolute())
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+    return len(frames)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """`drape export`; returns the exit code."""
+    parser = Parser(
+        prog="drape export",
+        description="Write the frames of a run as one file: USD, glTF or Alembic.",
+    )
+    parser.add_argument("run", metavar="RUN", help="folder that `drape run` wrote")
+    parser.add_argument(
+        "--to", required=True, metavar="FILE", help="that ends in " + ", ".join(FORMATS)
+    )
+    parser.add_argument(
+        "--every", type=whole, default=1, metavar="K", help="every K-th frame only"
+    )
+    given = parser.parse_args(argv)
+    try:
+        run = Run(given.run)
+        count = export(run, given.to, given.every)
+    except RunError as error:
+        return complain(USAGE, f"export: {error}")
+    except ImportError as error:
+        return complain(FAILED, f"export: {error}")
+    except OSError as error:
+        return complain(FAILED, f"export: {given.to}: {error.strerror or error}")
+    if run.precision == 64:
+        complain(OK, "note: the run has 64 bits; the file's points have 32")
+    if run.end != "complete":
+        complain(OK, f"note: the run is {run.end}; these are its frames so far")
+    print(f"{given.to}: {count} frames, {run.fps:g} a second")
+    return OK

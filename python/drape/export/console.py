@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What the commands have in common: one line for an error, and exit codes."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import NoReturn
+
+OK, USAGE, FAILED = 0, 2, 3  # app/app.h's app_exit
+
+
+def complain(code: int, text: str) -> int:
+    """Prints one line on standard error, and returns the code."""
+    line = "".join(c if c.isprintable() else "?" for c in text)
+    print(f"drape: {line}", file=sys.stderr)
+    return code
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line, as the tool's are."""
+
+    def error(self, message: str) -> NoReturn:
+        """Ends the process with the exit code of a wrong command line."""
+        command = self.prog.split()[-1]
+        raise SystemExit(complain(USAGE, f"{command}: {message}"))
+
+
+def whole(text: str) -> int:
+    """Reads a whole number from 1 on."""
+    if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= 1000000:
+        raise argparse.ArgumentTypeError(
+            f"{text}: expected a whole number from 1 to 1000000"
+        )
+    return int(text)

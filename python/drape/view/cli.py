@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+"""drape view: serves a page that shows a run, or a scene while it is computed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from drape.errors import Error, SceneError
+from drape.export.console import FAILED, OK, USAGE, Parser, complain, whole
+from drape.export.run import RunError
+from drape.view.live import Live
+from drape.view.source import Recorded, Source
+
+
+def open_source(name: str) -> Source:
+    """A run's folder, or a scene's file."""
+    path = Path(name)
+    if path.is_dir():
+        return Recorded(path)
+    if not path.is_file():
+        raise RunError(f"{name}: expected the folder of a run, or a scene's file")
+    return Live(path)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """`drape view`; returns the exit code."""
+    parser = Parser(
+        prog="drape view", description="Show a run or a scene in a web browser."
+    )
+    parser.add_argument("run", metavar="RUN|SCENE", help="a folder, or a .json")
+    parser.add_argument("--port", type=whole, default=8080, metavar="N")
+    parser.add_argument("--host", default="127.0.0.1", metavar="NAME")
+    given = parser.parse_args(argv)
+    try:
+        from drape.view.page import Page
+    except ImportError as error:
+        return complain(
+            FAILED,
+            f"view: needs the packages viser and pygltflib ({error}): "
+            "pip install viser pygltflib",
+        )
+    try:
+        page = Page(open_source(given.run), given.host, given.port)
+    except (RunError, SceneError) as error:
+        return complain(USAGE, f"view: {error}")
+    except Error as error:
+        return complain(FAILED, f"view: {error}")
+    print(f"http://{given.host}:{page.port} (Ctrl-C ends it)", flush=True)
+    try:
+        page.serve()
+    except KeyboardInterrupt:
+        print()
+    except Error as error:
+        return complain(FAILED, f"view: {error}")
+    finally:
+        page.close()
+    return OK

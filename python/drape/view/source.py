@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What a page can show: frames that are recorded, or that are being made."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from drape.export.run import Body, Positions, Run
+
+
+@dataclass(frozen=True, eq=False)
+class Contacts:
+    """Where bodies touch in a frame, and how they push each other."""
+
+    points: NDArray[np.float32]
+    """[contacts, 3] m."""
+    impulses: NDArray[np.float32]
+    """[contacts, 3] N·s, on the cloth."""
+
+
+class Source(Protocol):
+    """A run that a page shows. Frames are numbered in ascending order."""
+
+    title: str
+    bodies: Sequence[Body]
+    seconds: float
+    """Time between frame k and frame k + 1, s."""
+    camera: dict[str, Any] | None
+    """The scene's camera: `eye` and `target`, m, and `fov`, degrees."""
+
+    def frames(self) -> Sequence[int]:
+        """The numbers of the frames that can be shown now."""
+
+    def growing(self) -> bool:
+        """Whether there may be more frames later."""
+
+    def positions(self, body: Body, frame: int) -> Positions:
+        """The vertices of a body, [vertices, 3] m."""
+
+    def contacts(self, frame: int) -> Contacts | None:
+        """The contacts of a frame; None where nobody knows them."""
+
+    def words(self, frame: int) -> str:
+        """What to say of a frame, in one line."""
+
+    def close(self) -> None:
+        """Ends what makes the frames."""
+
+
+def step_words(step: dict[str, Any]) -> str:
+    """What a step's report says, in one line."""
+    return (
+        f"{step['outcome']}, {step['contacts']} contacts, {step['rounds']} rounds, "
+        f"{step['iterations']} iterations"
+    )
+
+
+class Recorded:
+    """The frames of a run's folder; while the run goes on there come more."""
+
+    def __init__(self, folder: str | Path) -> None:
+        """Opens the folder of a run."""
+        self._run = Run(folder)
+        self.title = self._run.scene
+        self.bodies: Sequence[Body] = self._run.bodies
+        self.seconds = self._run.seconds
+        self.camera: dict[str, Any] | None = self._run.report.get("camera")
+        self._steps: list[dict[str, Any]] = self._run.report["steps"]
+        self._end = self._run.end
+
+    def frames(self) -> Sequence[int]:
+        """The numbers of the frames that are there."""
+        return self._run.frames()
+
+    def growing(self) -> bool:
+        """Whether the report says that the run has not come to its end."""
+        if self._end != "unfinished":
+            return False
+        path = self._run.folder / "report.json"
+        report = json.loads(path.read_text(encoding="utf-8"))
+        self._end, self._steps = str(report["end"]), report["steps"]
+        return self._end == "unfinished"
+
+    def positions(self, body: Body, frame: int) -> Positions:
+        """The vertices of a body, [vertices, 3] m."""
+        return self._run.positions(body, frame)
+
+    def contacts(self, frame: int) -> Contacts | None:
+        """None: a run's folder has only their number."""
+        return None
+
+    def words(self, frame: int) -> str:
+        """The report of the frame's last step."""
+        step = frame * int(self._run.report["steps_per_frame"]) - 1
+        return step_words(self._steps[step]) if 0 <= step < len(self._steps) else ""
+
+    def close(self) -> None:
+        """Does nothing: the run is another process's."""

@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The Blender add-on: it marks, bakes and scrubs, in Blender without a window."""
+
+from __future__ import annotations
+
+import importlib.util
+import subprocess
+import sys
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import drape
+from apps.runs import ROOT, tool
+
+bpy = pytest.importorskip("bpy", reason="bpy is not installed: no test of the add-on")
+FRAMES = 12
+
+
+def load() -> Any:
+    """The add-on as a package of its own name."""
+    folder = ROOT / "app/blender"
+    spec = importlib.util.spec_from_file_location(
+        "drape_blender",
+        folder / "__init__.py",
+        submodule_search_locations=[str(folder)],
+    )
+    assert spec and spec.loader
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["drape_blender"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture
+def addon() -> Iterator[Any]:
+    """The add-on, in an empty scene of 13 frames at 30 a second."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    module = load()
+    module.register()
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end, scene.render.fps = 5, 5 + FRAMES, 30
+    yield module
+    module.unregister()
+
+
+def sheet(name: str = "sheet", m: int = 13, n: int = 9) -> Any:
+    """A cloth of 0.6 m × 0.4 m, turned, 0.32 m above the ground."""
+    bpy.ops.mesh.primitive_grid_add(
+        x_subdivisions=m - 1,
+        y_subdivisions=n - 1,
+        size=1,
+        location=(0, 0, 0.32),
+        rotation=(0, 0, 0.3),
+    )
+    thing = bpy.context.object
+    thing.name, thing.scale = name, (0.6, 0.4, 1)
+    thing.drape.role, thing.drape.fabric = "CLOTH", "cotton"
+    return thing
+
+
+def ball(moving: bool = False) -> Any:
+    """A body of radius 0.15 m, which may move along x."""
+    bpy.ops.mesh.primitive_uv_sphere_add(
+        radius=0.15, location=(0, 0, 0.16), segments=16, ring_count=8
+    )
+    thing = bpy.context.object
+    thing.name, thing.drape.role = "ball", "BODY"
+    if moving:
+        thing.keyframe_insert("location", index=0, frame=5)
+        thing.location.x = 0.1
+        thing.keyframe_insert("location", index=0, frame=5 + FRAMES)
+    return thing
+
+
+def shown(thing: Any, frame: int) -> np.ndarray:
+    """The vertices of an object in the world at a frame."""
+    bpy.context.scene.frame_set(frame)
+    mesh = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    pose = np.array(mesh.matrix_world)
+    x = np.array([v.co for v in mesh.data.vertices])
+    return x @ pose[:3, :3].T + pose[:3, 3]
+
+
+def triangles(thing: Any) -> np.ndarray:
+    """The triangles of an object."""
+    mesh = thing.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    mesh.calc_loop_triangles()
+    return np.array([t.vertices for t in mesh.loop_triangles], np.int32)
+
+
+def test_every_fabric_is_offered(addon: Any) -> None:
+    names = [item[0] for item in addon.fabric_items(None, None)]
+    listed = subprocess.run([tool(), "materials"], capture_output=True, text=True)
+    rows = listed.stdout.split("\n\n")[0].splitlines()[2:]
+    assert names == [row.split()[0] for row in rows] and len(names) >= 14
+    assert all(item[2] for item in addon.fabric_items(None, None))
+
+
+def test_the_pack_names_its_wheels(tmp_path: Path) -> None:
+    wheel, out = tmp_path / "some-1.whl", tmp_path / "out.zip"
+    wheel.write_text("a wheel")
+    pack = ROOT / "app/blender/pack.py"
+    subprocess.run([sys.executable, pack, out, wheel], check=True)
+    with zipfile.ZipFile(out) as archive:
+        manifest = archive.read("blender_manifest.toml").decode()
+        names = archive.namelist()
+    assert 'wheels = [\n    "./wheels/some-1.whl",\n]' in manifest
+    assert manifest.index("wheels") < manifest.index("[permissions]")
+    modules = {p.name for p in pack.parent.glob("*.py")} - {"pack.py"}
+    assert {*modules, "fabrics.def", "wheels/some-1.whl"} < set(names)
+    version = (ROOT / "spec/drape.h").read_text().split('DRAPE_VERSION "')[1]
+    assert f'version = "{version.split(chr(34))[0]}"' in manifest
+
+
+def test_a_baked_cloth_falls_upright_and_apart(addon: Any) -> None:
+    cloth, body = sheet(), ball(moving=True)
+    start = shown(cloth, 5)
+    assert bpy.ops.drape.bake() == {"FINISHED"}
+    assert cloth.drape.baked == FRAMES + 1
+    assert np.allclose(shown(cloth, 5), start, atol=1e-6)
+    end = shown(cloth, 5 + FRAMES)
+    # corners fall along -z as far as gravity takes them; the ball holds the middle
+    fallen = start[:, 2] - end[:, 2]
+    assert 0.2 < fallen.max() < 9.81 * 0.4**2 / 2 + 0.01
+    assert fallen.min() < 0.05
+    # no frame intersects, by the exact count
+    for frame in (5, 9, 5 + FRAMES):
+        x, y = shown(cloth, frame), shown(body, frame)
+        tri = np.concatenate([triangles(cloth), triangles(body) + len(x)])
+        group = np.repeat([1, 0], [len(triangles(cloth)), len(triangles(body))])
+        both = np.concatenate([x, y])
+        assert drape.audit(both, tri, group.astype(np.int32)).count == 0
+
+
+def test_frames_are_those_of_the_world(addon: Any) -> None:
+    cloth = sheet()
+    ball()
+    scene = bpy.context.scene
+    scene.drape.steps = 3
+    assert bpy.ops.drape.bake() == {"FINISHED"}
+    cloths = [addon.bake._cloth(cloth)]
+    body = addon.bake.Body(bpy.data.objects["ball"], np.empty((0, 3), np.int32), [])
+    addon.bake._sample(scene, cloths, [body])
+    world = drape.World(addon.bake._definition(scene, cloths, [body]))
+    assert world.steps_per_frame == 3 and abs(world.dt - 1 / 90) < 1e-15
+    for frame in range(FRAMES + 1):
+        x = np.asarray(world.positions[world.bodies[0].vertices], np.float64)
+        rows = cloths[0].rows.ravel()
+        got = shown(cloth, 5 + frame)[rows]
+        assert np.allclose(got, addon.bake.to_blender(x), atol=1e-6), frame
+        world.step(3)
+
+
+def test_a_bake_again_gives_the_same_file(addon: Any) -> None:
+    cloth = sheet()
+    bpy.ops.drape.bake()
+    path = addon.bake.cache_path(cloth)
+    first = path.read_bytes()
+    bpy.context.scene.frame_set(9)
+    bpy.ops.drape.bake()
+    assert path.read_bytes() == first
+    assert [m.name for m in cloth.modifiers] == ["drape"]
+    bpy.ops.drape.free()
+    assert not path.exists() and not cloth.modifiers
+
+
+def test_pins_hold(addon: Any) -> None:
+    cloth = sheet()
+    group = cloth.vertex_groups.new(name="held")
+    group.add([0, 12], 1.0, "REPLACE")
+    cloth.drape.pins = "held"
+    start = shown(cloth, 5)
+    bpy.ops.drape.bake()
+    moved = np.linalg.norm(shown(cloth, 5 + FRAMES) - start, axis=1)
+    assert moved[[0, 12]].max() < 1e-6 and moved[100] > 0.1
+
+
+def test_the_cache_is_beside_the_saved_file(addon: Any, tmp_path: Path) -> None:
+    cloth = sheet("a/b")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    bpy.ops.drape.bake()
+    [file] = tmp_path.glob("scene_a_b_*.pc2")
+    assert cloth.modifiers["drape"].filepath == f"//{file.name}"
+    end = shown(cloth, 5 + FRAMES)
+    bpy.ops.wm.save_mainfile()
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
+    assert np.array_equal(shown(bpy.data.objects["a/b"], 5 + FRAMES), end)
+    assert not list(tmp_path.glob("*.part"))
+
+
+def test_a_bake_that_is_ended_leaves_what_was_there(addon: Any) -> None:
+    cloth = sheet()
+    bpy.ops.drape.bake()
+    path = addon.bake.cache_path(cloth)
+    before = path.read_bytes()
+    work = addon.bake.bake(bpy.context.scene)
+    next(work)
+    work.close()
+    assert path.read_bytes() == before
+    assert not list(path.parent.glob("*.part"))
+
+
+def refused(words: str) -> None:
+    """Baking is refused by one line with these words."""
+    with pytest.raises(RuntimeError) as error:
+        bpy.ops.drape.bake()
+    assert words in str(error.value) and str(error.value).strip().count("\n") == 0
+
+
+def test_faults_name_the_object(addon: Any) -> None:
+    refused("no object of the scene is a cloth")
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    bpy.context.object.drape.role = "CLOTH"
+    refused("Sphere: expected")
+    bpy.context.object.drape.role = "NONE"
+    cloth = sheet()
+    body = ball()
+    body.location.z = 0.3
+    refused("intersecting")  # the cloth starts within the ball
+    assert not cloth.modifiers
+    body.location.z = -1
+    body.data.clear_geometry()
+    refused("ball: a body without faces")
+
+
+def test_grids_are_found_in_any_order(addon: Any) -> None:
+    grid = addon.bake.grid
+    rng = np.random.default_rng(7)
+    for m, n in ((2, 2), (2, 5), (6, 2), (7, 4)):
+        number = np.arange(m * n).reshape(n, m)
+        corners = number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]
+        quads = np.stack(corners, -1).reshape(-1, 4)
+        plain = grid.order([tuple(q) for q in quads.tolist()], m * n)
+        assert np.array_equal(plain, number)
+        other = rng.permutation(m * n)
+        mixed = [tuple(np.roll(other[q], k).tolist()) for k, q in enumerate(quads)]
+        found = grid.order([mixed[k] for k in rng.permutation(len(mixed))], m * n)
+        place = np.argsort(other)[found]
+        steps = np.abs(np.diff(place, axis=1)), np.abs(np.diff(place, axis=0))
+        assert {*steps[0].ravel(), *steps[1].ravel()} <= {1, m}
+        assert found.size == m * n
+        with pytest.raises(grid.NoGrid):
+            grid.order([tuple(q) for q in quads[1:].tolist()], m * n)
+        with pytest.raises(grid.NoGrid):
+            grid.order([tuple(q[:3]) for q in quads.tolist()], m * n)

@@ -1,0 +1,269 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The page of `drape view` in headless Chromium, by what its pixels show.
+
+DRAPE_SHOTS=DIR keeps the pictures.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import shutil
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from apps.runs import moving
+from drape.view.source import Contacts, Recorded, Source
+
+WHY = "is not installed: no test of the page"
+pytest.importorskip("viser", reason=f"viser {WHY}")
+pytest.importorskip("pygltflib", reason=f"pygltflib {WHY}")
+playwright = pytest.importorskip(
+    "playwright.sync_api", reason=f"playwright (and chromium) {WHY}"
+)
+from drape.view.cli import main, open_source  # noqa: E402
+from drape.view.page import Page  # noqa: E402
+
+SECONDS = 60  # until what a test waits for has failed
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    """Chromium that draws in software."""
+    program = shutil.which("chromium")
+    if not program:
+        pytest.skip(f"chromium {WHY}")
+    flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    with playwright.sync_playwright() as p:
+        chromium = p.chromium.launch(executable_path=program, args=flags)
+        yield chromium
+        chromium.close()
+
+
+def free_port() -> int:
+    """A port that nobody listens on."""
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return int(s.getsockname()[1])
+
+
+class View:
+    """A page that is served, and the browser's window on it."""
+
+    def __init__(self, page: Page, window: Any) -> None:
+        self.page, self.window = page, window
+        self.errors: list[str] = []
+        window.on("pageerror", lambda e: self.errors.append(str(e)))
+        window.goto(f"http://127.0.0.1:{page.port}")
+        window.get_by_text("frame", exact=False).first.wait_for()
+
+    def pixels(self) -> np.ndarray:
+        """The picture [height, width, 3], left of the controls."""
+        image = pytest.importorskip("PIL.Image", reason=f"pillow {WHY}")
+        data = image.open(io.BytesIO(self.window.screenshot())).convert("RGB")
+        return np.array(data).astype(int)[170:, :480]
+
+    def until(self, good: Callable[[np.ndarray], bool], name: str) -> np.ndarray:
+        """Waits for a picture with a property, keeps it, and returns it."""
+        end = time.monotonic() + SECONDS
+        while True:
+            found = self.pixels()
+            if good(found):
+                break
+            if time.monotonic() > end:
+                self.keep(f"failed {name}")
+                pytest.fail(f"never shown: {name}")
+            time.sleep(0.1)
+        self.keep(name)
+        return found
+
+    def still(self) -> np.ndarray:
+        """The picture when it does not change any more."""
+        before = self.pixels()
+        while not np.array_equal(before, after := self.pixels()):
+            before = after
+        return after
+
+    def keep(self, name: str) -> None:
+        """Keeps the picture, if anybody asked for it."""
+        if folder := os.environ.get("DRAPE_SHOTS"):
+            self.window.screenshot(path=Path(folder) / f"{name}.png")
+
+
+@contextmanager
+def shown(source: Source, browser: Any) -> Iterator[View]:
+    """Serves a source, and opens its page."""
+    page = Page(source, "127.0.0.1", free_port())
+    page.server.scene.configure_default_lights(cast_shadow=False)  # slow here
+    thread = threading.Thread(target=page.serve)
+    thread.start()
+    window = browser.new_page(viewport={"width": 800, "height": 400})
+    try:
+        view = View(page, window)
+        yield view
+        assert not view.errors
+    finally:
+        window.close()
+        page.close()
+        thread.join()
+
+
+def box(window: Any, name: str) -> Any:
+    """A checkbox of the controls."""
+    return window.get_by_role("checkbox", name=name)
+
+
+def red(p: np.ndarray) -> int:
+    """Number of pixels of the first cloth's colour."""
+    return int(((p[..., 0] > 2 * p[..., 1]) & (p[..., 0] > 2 * p[..., 2])).sum())
+
+
+def dark(p: np.ndarray) -> int:
+    """Number of pixels of wires."""
+    return int((p.max(-1) < 60).sum())
+
+
+def differ(a: np.ndarray, b: np.ndarray) -> int:
+    """Number of blocks of 8 × 8 pixels whose means differ.
+
+    The page draws with fewer pixels where it is slow, which moves its edges.
+    """
+    blocks = (a - b)[: len(a) // 8 * 8, : a.shape[1] // 8 * 8]
+    means = blocks.reshape(len(a) // 8, 8, -1, 8, 3).mean((1, 3))
+    return int((np.abs(means).max(-1) > 16).sum())
+
+
+def test_a_recorded_run(still: Path, browser: Any) -> None:
+    with shown(Recorded(still), browser) as view:
+        view.until(lambda p: red(p) > 2000, "start")
+        window = view.window
+        assert window.get_by_text("frame 0").is_visible()
+
+        first = view.still()
+        slider = window.get_by_role("slider").first
+        slider.focus()
+        slider.press("End")
+        window.get_by_text("frame 8").wait_for()
+        assert window.get_by_text("contacts,").is_visible()
+        view.until(lambda p: differ(p, first) > 10, "scrubbed")
+
+        plain = view.still()
+        box(window, "Wires").check()
+        view.until(lambda p: dark(p) > dark(plain) + 100, "wires")
+        box(window, "Wires").uncheck()
+        view.until(lambda p: dark(p) < dark(plain) + 50, "no wires")
+
+        view.page.colour.value = "strain"
+        view.until(lambda p: red(p) < red(plain) / 2, "strain")
+        view.page.colour.value = "cloth"
+        view.until(lambda p: red(p) > 0.9 * red(plain), "cloth again")
+
+        window.mouse.move(250, 330)
+        window.mouse.down()
+        window.mouse.move(350, 300, steps=5)
+        window.mouse.up()
+        turned = view.until(lambda p: differ(p, plain) > 30, "orbited")
+        assert red(turned) > 1000
+        assert not box(window, "Contacts").is_enabled()
+
+
+def test_play_and_pause(still: Path, browser: Any) -> None:
+    with shown(Recorded(still), browser) as view:
+        window, seen = view.window, set()
+        view.page.speed.value = 0.05
+        window.get_by_role("button", name="Play").click()
+        end = time.monotonic() + SECONDS
+        while len(seen) < 4 and time.monotonic() < end:
+            seen.add(view.page.shown)
+            time.sleep(0.05)
+        assert len(seen) >= 4
+        window.get_by_role("button", name="Pause").click()
+        window.get_by_role("button", name="Play").wait_for()
+        time.sleep(0.2)
+        frame = view.page.shown
+        time.sleep(1)
+        assert view.page.shown == frame
+
+
+def test_a_run_that_goes_on_is_followed(
+    still: Path, tmp_path: Path, browser: Any
+) -> None:
+    folder = tmp_path / "run"
+    shutil.copytree(still, folder)
+    later = folder / "frames" / "cloth_0008.ply"
+    later.rename(tmp_path / "later.ply")
+    report = json.loads((folder / "report.json").read_text())
+    whole = json.dumps(report)
+    report.update(end="unfinished", steps=[])
+    (folder / "report.json").write_text(json.dumps(report))
+    with shown(Recorded(folder), browser) as view:
+        view.window.get_by_text("frame 7").wait_for()
+        (tmp_path / "later.ply").rename(later)
+        view.window.get_by_text("frame 8").wait_for()
+        (folder / "report.json").write_text(whole)
+        view.window.get_by_text("frame 3").wait_for()  # it begins again
+
+
+def test_a_scene_is_shown_while_it_is_computed(tmp_path: Path, browser: Any) -> None:
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps(moving()))
+    with shown(open_source(str(file)), browser) as view:
+        view.until(lambda p: red(p) > 2000, "live")
+        view.window.get_by_text("frame 8").wait_for()
+
+
+class Touching(Recorded):
+    """A run with contacts that a test can recognise."""
+
+    def contacts(self, frame: int) -> Contacts:
+        """One contact above the cloths, with an impulse to the left, after frame 0."""
+        count = min(frame, 1)
+        points = np.array([[0, 0.43, 0]] * count, np.float32).reshape(-1, 3)
+        return Contacts(points, np.full_like(points, -0.006) * [1, 0, 0])
+
+
+def test_contacts_and_impulses(still: Path, browser: Any) -> None:
+    with shown(Touching(still), browser) as view:
+        view.page.frame.value = 1
+        contacts = box(view.window, "Contacts")
+        contacts.uncheck()
+        view.until(lambda p: red(p) > 2000, "no contacts")
+        bare = view.still()
+        contacts.check()
+        view.until(lambda p: differ(p, bare) > 1, "contacts")
+        contacts.uncheck()
+        view.until(lambda p: differ(p, bare) == 0, "contacts off")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nowhere"], "nowhere"),
+        (["."], "report.json"),
+        ([".", "--port", "none"], "--port"),
+        ([], "RUN"),
+    ],
+)
+def test_a_wrong_command_line_is_one_line(
+    arguments: list[str],
+    words: str,
+    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    try:
+        code = main(arguments)
+    except SystemExit as end:
+        code = int(str(end.code))
+    out, err = capsys.readouterr()
+    assert code == 2 and not out and err.count("\n") == 1 and words in err
