@@ -26,6 +26,7 @@ struct response;
 struct rollback;
 struct sheet;
 struct travel;
+struct joint;
 struct turn;
 struct warm;
 struct world;
@@ -84,8 +85,8 @@ struct backend {
     int (*motion)(void *on, struct sheet *s);
     void (*energy)(void *on, struct sheet *s, const vec *x, const vec *v,
                    double value[3]);
-    /* Runs stage pcg with the settings in the sheet's struct pcg. */
-    int (*solve)(void *on, struct sheet *s);
+    /* Solves the cloths and their contacts together (ref/contact/joint.h). */
+    int (*joint)(struct world *w, struct joint *s);
     /* Do what the functions of these names in ref/broad/broad.h do. */
     int (*broad_whole_apart)(void *on, struct broad *b, const vec *x0,
                              const vec *x1, real r, bool *apart);
@@ -103,7 +104,7 @@ struct backend {
      * DRAPE_ENOMEM. */
     int (*turn_room)(struct world *w, int64_t n);
     void (*turn_begin)(void *on, int64_t n, vec *g, const vec *press, real dt);
-    void (*turn_carry)(void *on, const struct turn *s);
+    void (*turn_carry)(void *on, int64_t n, const vec *r, vec *g);
     void (*turn_load)(void *on, const struct turn *s);
     void (*turn_move)(void *on, const struct turn *s);
     /* Called when streams borrowed from a solver are not read any more. */

@@ -5,6 +5,7 @@
 #define REF_COUPLE_H
 
 #include "ref/base/arena.h"
+#include "ref/contact/joint.h"
 #include "ref/contact/penalty.h"
 
 struct pcg;
@@ -21,7 +22,8 @@ struct couple {
     struct penalty penalty; /* nv, w, stiffness, dt, tau, slip, streams */
     vec *g;                 /* [nc] A times the change so far */
     vec *press;             /* [nv] N, warm.md; penalty's guess */
-    vec *b, *dv;            /* [nc]; dv is NULL where a motion's own dv does */
+    vec *b;                 /* [nc] force - g */
+    struct joint joint;     /* its streams, scale and square */
     int64_t cap;            /* contacts that the scratch is for */
     bool rough;             /* the motion before contact was solved so, with
                                the press of the slice before */

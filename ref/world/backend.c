@@ -102,12 +102,6 @@ static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
     dynamics_energy(&s->dynamics, x, v, value);
 }
 
-static int solve(void *on, struct sheet *s)
-{
-    (void)on;
-    return ref_pcg(&s->solver.pcg);
-}
-
 static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,
                bool *apart)
 {
@@ -154,10 +148,10 @@ static void first_turn(void *on, int64_t n, vec *g, const vec *press, real dt)
     turn_begin(n, g, press, dt);
 }
 
-static void carry(void *on, const struct turn *s)
+static void carry(void *on, int64_t n, const vec *r, vec *g)
 {
     (void)on;
-    turn_carry(s);
+    turn_carry(n, r, g);
 }
 
 static void load(void *on, const struct turn *s)
@@ -230,7 +224,7 @@ const struct backend backend_ref = {.take = take,
                                     .penalty_status = penalty_status,
                                     .motion = motion,
                                     .energy = energy,
-                                    .solve = solve,
+                                    .joint = joint_solve,
                                     .broad_whole_apart = ask,
                                     .broad_query = query,
                                     .start = start,
