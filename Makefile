@@ -72,7 +72,7 @@ TWICE  := $(sort $(filter-out $(ONCE) tests/whole/%,$(wildcard tests/*/*.c)))
 # Kernels; but for memory.cu and words.cu, these are CUDA's own, which emulate*.cpp
 # replace.
 DEVICE := gpu/compare/blas.cu $(addprefix gpu/run/,device.cu loop.cu memory.cu \
-          prim.cu stream.cu words.cu)
+          branch.cu prim.cu stream.cu words.cu)
 KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))

@@ -109,14 +109,6 @@ static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
     gpu_motion_energy(gpu_of(on), s, x, v, value);
 }
 
-static int solve(void *on, struct sheet *s)
-{
-    struct gpu *g = gpu_of(on);
-    gpu_hand_over(g);
-    return gpu_pcg_by_rates(g, &s->solver.pcg,
-                            rates{s->device->rate, s->dynamics.at});
-}
-
 static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,
                bool *apart)
 {
@@ -156,9 +148,9 @@ static void first_turn(void *on, int64_t n, vec *g, const vec *press, real dt)
     gpu_turn_begin(gpu_of(on), n, g, press, dt);
 }
 
-static void carry(void *on, const struct turn *s)
+static void carry(void *on, int64_t n, const vec *r, vec *g)
 {
-    gpu_turn_carry(gpu_of(on), s);
+    gpu_turn_carry(gpu_of(on), n, r, g);
 }
 
 static void load(void *on, const struct turn *s)
@@ -226,7 +218,7 @@ extern const struct backend backend_gpu = {.take = take,
                                            .penalty_status = penalty_status,
                                            .motion = motion,
                                            .energy = energy,
-                                           .solve = solve,
+                                           .joint = gpu_joint,
                                            .broad_whole_apart = ask,
                                            .broad_query = query,
                                            .start = start,

@@ -30,6 +30,7 @@ struct gpu_world {
     vec *star, *b; /* device [nc] each, of implicit motion. When contact begins,
                       star is couple's g, and b, which is [nv] if anything can
                       collide, is couple's force */
+    struct links *links; /* device [1] the contacts of the joint solve */
 };
 
 /* gpu/world/backend.cu */
@@ -61,11 +62,14 @@ void gpu_rounds_settle(struct gpu *g, const struct response *s,
 /* gpu/contact/turn.cu: ref/contact/turn.h on the device. */
 void gpu_turn_begin(struct gpu *g, int64_t n, vec *to, const vec *press,
                     real dt);
-void gpu_turn_carry(struct gpu *g, const struct turn *s);
+void gpu_turn_carry(struct gpu *g, int64_t n, const vec *r, vec *to);
 void gpu_turn_load(struct gpu *g, const struct turn *s);
 void gpu_turn_move(struct gpu *g, const struct turn *s);
 int gpu_turn_make(struct gpu_world *w);
 int gpu_turn_room(struct world *w, int64_t n);
+
+/* gpu/contact/joint.cu: ref/contact/joint.h on the device. */
+int gpu_joint(struct world *w, struct joint *s);
 
 #ifdef __cplusplus
 }

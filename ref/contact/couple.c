@@ -89,6 +89,7 @@ static int solve_joint(struct world *w, bool rough, bool *still)
     w->run->turn_load(w->on, &turn);
     s->nc = w->nc;
     s->hold = c->penalty.hold;
+    s->wall = c->penalty.wall;
     s->b = c->b;
     s->links = links_of(&c->penalty, s->links.push);
     s->tolerance = (real)w->def.tolerance;

@@ -78,9 +78,9 @@ static real precondition(struct world *w, struct joint *a)
     return dot(a, a->r, a->q);
 }
 
-/* y = A x without the contacts, 0 where fixed. */
-static void multiply(struct world *w, const struct joint *a, const vec *x,
-                     vec *y)
+/* y = A x, or (A + wall) x, 0 where fixed. */
+static void multiply(struct world *w, const struct joint *a, bool with_walls,
+                     const vec *x, vec *y)
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct sheet *s = &w->sheet[k];
@@ -89,6 +89,8 @@ static void multiply(struct world *w, const struct joint *a, const vec *x,
                             .n = p->n,
                             .count = p->count,
                             .mass = p->mass,
+                            .n_extra = with_walls ? p->count : 0,
+                            .extra = a->wall + s->first,
                             .n_blocks = p->n_cdf ? 0 : p->n_blocks,
                             .block = s->dynamics.block,
                             .n_cdf = p->n_cdf,
@@ -124,7 +126,7 @@ static bool step(struct world *w, struct joint *a, real next, real before)
     EACH_ITEM
     for (int64_t i = 0; i < a->nc; i++)
         a->p[i] = a->iterations ? vec_axpy(a->q[i], beta, a->p[i]) : a->q[i];
-    multiply(w, a, a->p, a->q);
+    multiply(w, a, true, a->p, a->q);
     add_links(a, a->p, a->q);
     real curvature = dot(a, a->p, a->q);
     if (!finite_positive(curvature))
@@ -166,10 +168,10 @@ static int iterate(struct world *w, struct joint *a, real square)
 /* done = A dv, and the true residual of the whole. */
 static void conclude(struct world *w, struct joint *a)
 {
-    multiply(w, a, a->dv, a->q);
+    multiply(w, a, false, a->dv, a->q);
     EACH_ITEM
     for (int64_t i = 0; i < a->nc; i++)
-        a->p[i] = vec_make(0, 0, 0);
+        a->p[i] = sym_apply(a->wall[i], a->dv[i]);
     add_links(a, a->dv, a->p);
     EACH_ITEM
     for (int64_t i = 0; i < a->nc; i++)

@@ -13,7 +13,7 @@ struct joint {
     real tolerance;         /* ≥ 0, in the energy norm (pcg.md §4.1) */
     int32_t max_iterations; /* ≥ 0 */
     real scale, square;     /* inout: pcg.md §4.1, of the step so far */
-    const sym *hold;        /* [nv] kg, of penalty */
+    const sym *hold, *wall; /* [nv] kg, of penalty */
     const vec *b;           /* [nc] N·s, 0 where fixed */
     struct links links;     /* the contacts; x and y are set by the solve */
 

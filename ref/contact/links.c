@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Multiplies the contacts' own matrix with a vector. spec/contact/penalty.md §3
+/* Multiplies the own matrix of the contacts between cloths with a vector.
+ * spec/contact/penalty.md §3
  */
 #include "ref/contact/links.h"
 
@@ -17,8 +18,9 @@ int ref_links(struct links *s)
         return DRAPE_EARG;
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
-        s->push[k] =
-            s->contact[k].held ? answer(s, &s->contact[k]) : vec_make(0, 0, 0);
+        s->push[k] = s->contact[k].held == CONTACT_MUTUAL
+                         ? answer(s, &s->contact[k])
+                         : vec_make(0, 0, 0);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
         for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {

@@ -30,9 +30,11 @@ int turn_make(struct world *w)
     p->w = w->w;
     p->u = w->response.u;
     p->stiffness = w->response.stiffness;
+    p->walls = w->def.n_cloths == 1;
     p->start = w->response.start;
     p->force = take(w, w->nv, sizeof *p->force);
     p->hold = take(w, w->nv, sizeof *p->hold);
+    p->wall = take(w, w->nv, sizeof *p->wall);
     p->guess = take(w, w->nv, sizeof *p->guess);
     c->press = p->guess; /* which nobody reads between two penalties */
     p->parts = take(w, w->nv, sizeof *p->parts);
