@@ -79,9 +79,9 @@ static struct links links_of(const struct penalty *p, vec *push)
                           .push = push};
 }
 
-/* Solves (A + C) dv = force - g and moves what moves. *still: nothing was left
- * to do. After a breakdown the exact rounds go on without. */
-static int solve_joint(struct world *w, bool rough, bool *still)
+/* Solves (A + C) dv = force - g and moves what moves. After a breakdown the
+ * exact rounds go on without. */
+static int solve_joint(struct world *w, bool rough)
 {
     struct couple *c = &w->couple;
     struct joint *s = &c->joint;
@@ -106,8 +106,7 @@ static int solve_joint(struct world *w, bool rough, bool *still)
     if (s->outcome != PCG_CONVERGED)
         c->outcome |= DRAPE_UNCONVERGED;
     c->residual = (double)s->residual;
-    *still = s->iterations == 0;
-    if (status == DRAPE_OK && s->outcome != PCG_BREAKDOWN && !*still)
+    if (status == DRAPE_OK && s->outcome != PCG_BREAKDOWN && s->iterations > 0)
         w->run->turn_move(w->on, &turn);
     w->run->turn_end(w->on);
     return status == DRAPE_OK ? w->run->status(w->on) : status;
@@ -156,8 +155,7 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
     p->n4 = 4 * n;
     p->contact = contact;
     int turns = n > 0 && w->couple.solves == 0 ? TURNS : 1;
-    bool still = false;
-    for (int k = 0; k < turns && status == DRAPE_OK && !still; k++) {
+    for (int k = 0; k < turns && status == DRAPE_OK; k++) {
         p->first = w->couple.solves == 0;
         status = w->run->penalty(w->on, p);
         w->run->trace(w->on, w->tracing, "penalty", p->force,
@@ -165,7 +163,7 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
         if (w->couple.rough && w->couple.solves == 0)
             add_residual(w);
         if (status == DRAPE_OK)
-            status = solve_joint(w, k + 1 < turns, &still);
+            status = solve_joint(w, k + 1 < turns);
         if (status == DRAPE_OK)
             status = w->run->penalty_status(w->on);
     }
