@@ -9,22 +9,11 @@
 #include <string.h>
 
 #include "ref/api/define.h"
+#include "ref/api/handle.h"
+#include "ref/api/record.h"
 #include "ref/base/threads.h"
 #include "ref/narrow/audit.h"
 #include "ref/narrow/narrow.h"
-#include "ref/world/world.h"
-
-struct drape_world {
-    struct arena arena;
-    const struct world_ops *ops;
-    struct world *world;
-    int bodies; /* cloths and obstacles */
-    int precision;
-    drape_log *log;
-    void *log_user;
-    int64_t steps; /* begun since the world was made */
-    int64_t taken; /* allocations that the log has reported */
-};
 
 /* The log */
 
@@ -100,6 +89,7 @@ static int make(const drape_def *def, drape_world **world, drape_error *error)
         return DRAPE_ENOMEM;
     d->arena = arena;
     d->ops = choose_ops(def);
+    d->cloths = def->n_cloths;
     d->bodies = def->n_cloths + def->n_obstacles;
     d->precision = def->precision;
     d->log = def->log;
@@ -160,8 +150,14 @@ int drape_step(drape_world *world, drape_step_report *report)
         return DRAPE_EARG;
     world->steps++;
     world->arena.failed = false; /* memory may be available again */
+    drape_step_report own;
+    if (world->record && !report) /* for its outcome */
+        report = &own;
     int status = world->ops->step(world->world, report);
     tell_step(world, status);
+    if (status == DRAPE_OK && world->record)
+        record_call(world,
+                    (struct record){.kind = RECORD_STEP, .n = report->outcome});
     return status;
 }
 
@@ -214,8 +210,10 @@ int drape_read_triangles(const drape_world *world, int32_t (*tri)[3])
 
 void drape_wake(drape_world *world)
 {
-    if (world)
-        world->ops->wake(world->world);
+    if (!world)
+        return;
+    world->ops->wake(world->world);
+    record_call(world, (struct record){.kind = RECORD_WAKE});
 }
 
 int drape_set_wind(drape_world *world, const drape_wind *wind)
@@ -223,8 +221,13 @@ int drape_set_wind(drape_world *world, const drape_wind *wind)
     if (!world || !wind)
         return DRAPE_EARG;
     int status = define_check_wind(wind);
-    return status == DRAPE_OK ? world->ops->set_wind(world->world, wind)
-                              : status;
+    if (status == DRAPE_OK)
+        status = world->ops->set_wind(world->world, wind);
+    if (status == DRAPE_OK)
+        record_call(world, (struct record){.kind = RECORD_WIND,
+                                           .data = wind,
+                                           .bytes = sizeof *wind});
+    return status;
 }
 
 int drape_plan(const drape_world *world, drape_plan_row *row, int capacity)
@@ -258,7 +261,10 @@ int drape_load(drape_world *world, drape_read_bytes *read, void *user)
 {
     if (!world || !read)
         return DRAPE_EARG;
-    return world->ops->load(world->world, read, user);
+    int status = world->ops->load(world->world, read, user);
+    if (status == DRAPE_OK)
+        record_state(world);
+    return status;
 }
 
 const char *drape_info(void)

@@ -164,6 +164,13 @@ static int fill_pins(struct world *w, const drape_cloth *def, int k)
     s->pins.motion = motion;
     s->pins.pose = w->pose;
     s->pins.poses = w->def.n_motions;
+    s->made = (drape_cloth){.m = def->m,
+                            .n = def->n,
+                            .width = def->width,
+                            .height = def->height,
+                            .material = def->material,
+                            .bending = def->bending};
+    s->defined = def->material;
     return DRAPE_OK;
 }
 

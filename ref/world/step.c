@@ -7,6 +7,7 @@
 #include "ref/base/threads.h"
 #include "ref/cloth/implicit.h"
 #include "ref/world/collide.h"
+#include "ref/world/control.h"
 #include "ref/world/ending.h"
 #include "ref/world/lead.h"
 #include "ref/world/restore.h"
@@ -64,6 +65,7 @@ static void begin(struct world *w, struct step *s)
         w->tracing->last = s->last;
     }
     slice_begin(w);
+    control_begin(w);
     if (!w->asleep)
         return;
     if (w->plan.led)
@@ -274,7 +276,7 @@ static int end(struct world *w, struct step *s)
     int64_t found = w->intersecting;
     if (s->status == DRAPE_OK && !diverged && !s->asleep &&
         ending_doubtful(w, r->outcome))
-        s->status = ending_count(w, &found);
+        s->status = ending_count(w, w->x0, &found);
     bool failed = s->status != DRAPE_OK || diverged;
     if (failed && w->slicing.done > 0)
         restore_start(w);
@@ -284,6 +286,8 @@ static int end(struct world *w, struct step *s)
     ending_tell(w, r);
     if (!failed && !s->asleep)
         slice_end(w);
+    if (!failed)
+        control_end(w);
     w->step += !failed;
     w->time = (double)w->step * w->def.dt;
     if (failed || s->asleep) {
