@@ -434,6 +434,44 @@ typedef struct drape_view {
  * NULL; DRAPE_ENOMEM, DRAPE_EDEVICE. */
 int drape_borrow(drape_world *world, drape_view *view);
 
+/* Two features in contact, sides A and B: a vertex and a face, or two edges,
+ * of which one side is of cloth at least. The point of contact on A is the sum
+ * of weight · x over A's vertices, on B minus that sum. */
+typedef struct drape_contact {
+    int32_t vertex[4]; /* of the scene: kind 0: A is vertex[0], B the face of
+                          the other three; kind 1: A is the edge of the first
+                          two, B that of the last two */
+    int32_t kind;
+    int32_t body[2];   /* of A and of B, as in drape_first_vertex */
+    int32_t unused;    /* 0 */
+    double weight[4];  /* those of A add to 1, those of B to -1 */
+    double normal[3];  /* unit, from B to A */
+    double gap;        /* m, along the normal, at the start of the slice */
+    double impulse[3]; /* N·s, that A got from B in the slice, with friction */
+} drape_contact;
+
+/* The contacts of a step's last slice, which is the whole step unless its
+ * report says otherwise. An impulse divided by dt is the mean force. */
+typedef struct drape_contact_list {
+    int64_t n;
+    const drape_contact *contact; /* [n] */
+    const double (*impulse)[3];   /* [n_cloths + n_obstacles] N·s, what each
+                                     body got from contacts in all */
+    double dt;                    /* s, length of the slice */
+} drape_contact_list;
+/* Lends the list of pairs that were closer than their thickness or met in the
+ * last slice of the last step that was not skipped (world/control.md §8): n is
+ * 0 before the first step, after a step that failed, drape_load,
+ * drape_set_positions or drape_set_velocities. The memory belongs to the world
+ * and is valid until the next call of these two functions, drape_step or
+ * drape_destroy: host memory, or, by the form `_device`, where drape_borrow
+ * says. Nothing is computed or kept for a list that is not asked for. The
+ * impulses do not have what zones and rollback change. DRAPE_OK; DRAPE_EARG: a
+ * pointer is NULL, or the integrator is explicit; DRAPE_ENOMEM, DRAPE_EDEVICE.
+ */
+int drape_contacts(drape_world *world, drape_contact_list *list);
+int drape_contacts_device(drape_world *world, drape_contact_list *list);
+
 /* Wakes a scene that is asleep, so that the next step is computed. NULL does
  * nothing. */
 void drape_wake(drape_world *world);

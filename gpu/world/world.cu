@@ -10,6 +10,7 @@
 extern "C" {
 #include "gpu/broad/broad.h"
 #include "ref/world/control.h"
+#include "ref/world/list.h"
 #include "ref/world/step.h"
 }
 
@@ -422,6 +423,7 @@ const struct world_ops world_ops_gpu = {.make = make,
                                         .wake = world_wake,
                                         .set_wind = world_set_wind,
                                         .control = CONTROL_OPS,
+                                        .contacts = list_contacts,
                                         .plan = plan_rows,
                                         .save = save,
                                         .load = load,

@@ -200,6 +200,25 @@ int drape_borrow(drape_world *world, drape_view *view)
     return world->ops->borrow(world->world, view);
 }
 
+static int contacts(drape_world *world, bool there, drape_contact_list *list)
+{
+    if (!world || !list)
+        return DRAPE_EARG;
+    world->arena.failed = false;
+    memset(list, 0, sizeof *list);
+    return world->ops->contacts(world->world, there, list);
+}
+
+int drape_contacts(drape_world *world, drape_contact_list *list)
+{
+    return contacts(world, false, list);
+}
+
+int drape_contacts_device(drape_world *world, drape_contact_list *list)
+{
+    return contacts(world, true, list);
+}
+
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3])
 {
     if (!world || !tri)

@@ -383,6 +383,7 @@ static void apply(struct world *w, const struct read *r)
             memcpy(r->stream[k], r->aside + at, r->bytes[k]);
     if (w->home == w) /* no step writes x1 of what never moves */
         memcpy(w->x1, w->x0, (size_t)w->nv * sizeof *w->x1);
+    w->list.known = false;
     w->step = h->step;
     w->intersecting = h->intersecting;
     w->time = h->time;

@@ -107,6 +107,7 @@ static void restart(struct world *w)
     w->pressed = false;
     w->past = 0;
     w->near = NEAR_NONE;
+    w->list.known = false;
     world_wake(w);
 }
 

@@ -32,9 +32,10 @@ int control_pose(struct world *w, int obstacle, const drape_motion *motion);
  * DRAPE_EDEVICE. */
 int control_fetch(struct world *w, void *host, const void *there, size_t bytes);
 
-/* §3: called when a step begins, and when it has been done. */
+/* §3: called when a step begins, and when it has been computed or has failed.
+ */
 void control_begin(struct world *w);
-void control_end(struct world *w);
+void control_end(struct world *w, bool failed);
 
 /* §6: the part of a checkpoint that only a changed world has: words of eight
  * bytes. Returns its size, 0 for a world that is as defined; writes it to

@@ -35,9 +35,11 @@ void control_begin(struct world *w)
     w->told.stirred = moves;
 }
 
-void control_end(struct world *w)
+void control_end(struct world *w, bool failed)
 {
-    w->told.armed = false;
+    if (!failed)
+        w->told.armed = false;
+    w->list.known = !failed;
 }
 
 /* §4 */

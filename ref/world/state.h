@@ -80,6 +80,21 @@ struct start {
     enum nearness near;
 };
 
+/* The list of contacts that the caller asks for. All but the last three lie on
+ * the host; all are NULL until they are needed. spec/world/control.md §8 */
+struct list {
+    bool known; /* response and couple hold the contacts of the last slice */
+    drape_contact *item; /* [cap] */
+    struct contact *raw; /* [cap] of a device */
+    int64_t cap;
+    vec *g;               /* [nc] of a device */
+    double *weight;       /* [nc] */
+    double (*body)[3];    /* [bodies] N·s */
+    drape_contact *there; /* [cap_there] in the memory of a device */
+    int64_t cap_there;
+    double (*body_there)[3];
+};
+
 /* Streams lie in the memory of the backend, except watch, which the host has.
  */
 struct world {
@@ -138,6 +153,7 @@ struct world {
     struct caution caution;
     struct start start;
     struct told told;
+    struct list list;
     struct audit
         ending; /* the audit of step.md §11; its streams are taken at need */
 };

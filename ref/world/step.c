@@ -278,6 +278,8 @@ static int end(struct world *w, struct step *s)
         ending_doubtful(w, r->outcome))
         s->status = ending_count(w, w->x0, &found);
     bool failed = s->status != DRAPE_OK || diverged;
+    if (!s->asleep)
+        control_end(w, failed);
     if (failed && w->slicing.done > 0)
         restore_start(w);
     if (s->status != DRAPE_OK)
@@ -286,8 +288,6 @@ static int end(struct world *w, struct step *s)
     ending_tell(w, r);
     if (!failed && !s->asleep)
         slice_end(w);
-    if (!failed)
-        control_end(w);
     w->step += !failed;
     w->time = (double)w->step * w->def.dt;
     if (failed || s->asleep) {

@@ -4,6 +4,7 @@
 #include "ref/world/checkpoint.h"
 #include "ref/world/control.h"
 #include "ref/world/fill.h"
+#include "ref/world/list.h"
 #include "ref/world/start.h"
 #include "ref/world/state.h"
 #include "ref/world/step.h"
@@ -128,6 +129,7 @@ const struct world_ops world_ops = {.make = world_make,
                                     .wake = world_wake,
                                     .set_wind = world_set_wind,
                                     .control = CONTROL_OPS,
+                                    .contacts = list_contacts,
                                     .plan = plan_rows,
                                     .save = checkpoint_save,
                                     .load = checkpoint_load,

@@ -43,6 +43,7 @@ struct world_ops {
     void (*wake)(struct world *w);
     int (*set_wind)(struct world *w, const drape_wind *wind);
     struct control_ops control;
+    int (*contacts)(struct world *w, bool there, drape_contact_list *list);
     int (*plan)(const struct world *w, drape_plan_row *row, int capacity);
     int (*save)(const struct world *w, drape_write *write, void *user);
     int (*load)(struct world *w, drape_read_bytes *read, void *user);
