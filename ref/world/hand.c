@@ -17,8 +17,11 @@ int control_take_told(struct world *w)
 /* §3: a target is told: what is led goes there from where it is. */
 static void arm(struct world *w)
 {
-    if (!w->told.armed)
-        w->run->copy(w->on, w->told.from, w->x0, (size_t)w->nv * sizeof *w->x0);
+    size_t bytes = (size_t)w->nv * sizeof *w->x0;
+    if (!w->told.armed) { /* what is told no other target stays */
+        w->run->copy(w->on, w->told.from, w->x0, bytes);
+        w->run->copy(w->on, w->told.to, w->x0, bytes);
+    }
     w->told.armed = true;
     w->plan.led = true;
     world_wake(w);
