@@ -460,7 +460,7 @@ typedef struct drape_contact_list {
     double dt;                    /* s, length of the slice */
 } drape_contact_list;
 /* Lends the list of pairs that were closer than their thickness or met in the
- * last slice of the last step that was not skipped (world/control.md §8): n is
+ * last slice of the last step that was not skipped (control/control.md §8): n is
  * 0 before the first step, after a step that failed, drape_load,
  * drape_set_positions or drape_set_velocities. The memory belongs to the world
  * and is valid until the next call of these two functions, drape_step or
@@ -482,7 +482,7 @@ void drape_wake(drape_world *world);
 int drape_set_wind(drape_world *world, const drape_wind *wind);
 
 /* Live control: calls between two steps that change the world from the next
- * step on, and wake it (world/control.md). What they are given is copied. A
+ * step on, and wake it (control/control.md). What they are given is copied. A
  * call that is refused changes nothing. Numbers are rounded once to the world's
  * precision. A checkpoint holds what was changed. The number of bodies, their
  * sizes and their triangles never change: for other bodies make another world,

@@ -9,8 +9,8 @@
 
 extern "C" {
 #include "gpu/broad/broad.h"
-#include "ref/world/control.h"
-#include "ref/world/list.h"
+#include "ref/control/control.h"
+#include "ref/control/list.h"
 #include "ref/world/step.h"
 }
 

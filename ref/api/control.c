@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Live control: checks the arguments of the calls that change a world between
- * two steps. spec/world/control.md */
+ * two steps. spec/control/control.md */
 #include "ref/api/define.h"
 #include "ref/api/record.h"
 

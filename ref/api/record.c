@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A log of the calls that change a world, and the calls again from the log.
- * spec/world/control.md §7 */
+ * spec/control/control.md §7 */
 #include "ref/api/record.h"
 
 #include <string.h>

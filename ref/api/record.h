@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Records the calls that change a world, for drape_record and drape_replay.
- * spec/world/control.md §7 */
+ * spec/control/control.md §7 */
 #ifndef REF_RECORD_H
 #define REF_RECORD_H
 

@@ -7,7 +7,7 @@
 #include <float.h>
 
 #include "ref/base/hash.h"
-#include "ref/world/control.h"
+#include "ref/control/control.h"
 
 struct header {
     char magic[8]; /* "drape-" and the number of this format */

@@ -55,7 +55,7 @@ struct prop {
 };
 
 /* Where the caller leads vertices. The streams are taken when they are first
- * needed. spec/world/control.md §3 */
+ * needed. spec/control/control.md §3 */
 struct told {
     vec *from, *to; /* [nv] m, the start and the end of the next step */
     bool armed;     /* a target was told since the last step */
@@ -81,7 +81,7 @@ struct start {
 };
 
 /* The list of contacts that the caller asks for. All but the last three lie on
- * the host; all are NULL until they are needed. spec/world/control.md §8 */
+ * the host; all are NULL until they are needed. spec/control/control.md §8 */
 struct list {
     bool known; /* response and couple hold the contacts of the last slice */
     drape_contact *item; /* [cap] */

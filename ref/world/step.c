@@ -7,7 +7,7 @@
 #include "ref/base/threads.h"
 #include "ref/cloth/implicit.h"
 #include "ref/world/collide.h"
-#include "ref/world/control.h"
+#include "ref/control/control.h"
 #include "ref/world/ending.h"
 #include "ref/world/lead.h"
 #include "ref/world/restore.h"

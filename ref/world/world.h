@@ -16,7 +16,7 @@ struct given {
     const void *there;
 };
 
-/* Live control: ref/world/control.h. */
+/* Live control: ref/control/control.h. */
 struct control_ops {
     void (*gravity)(struct world *w, const double gravity[3]);
     int (*material)(struct world *w, int cloth, const drape_material *m);

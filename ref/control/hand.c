@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Live control of pins and obstacles, for either backend: where the caller
- * leads vertices in the next step. spec/world/control.md §3, §4, §5 */
-#include "ref/world/control.h"
+ * leads vertices in the next step. spec/control/control.md §3, §4, §5 */
+#include "ref/control/control.h"
 #include "ref/world/start.h"
 
 int control_take_told(struct world *w)

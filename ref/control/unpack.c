@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The part of a checkpoint that says what the caller has changed of a world.
- * spec/world/control.md §6 */
-#include "ref/world/control.h"
+ * spec/control/control.md §6 */
+#include "ref/control/control.h"
 #include "ref/world/start.h"
 
 /* The part is, for each cloth, its material, the number of pins or -1 where the

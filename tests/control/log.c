@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A session of random live control: it gives the same bits on both backends,
- * goes on from a checkpoint, and again from its log. spec/world/control.md §6,
- * §7 */
+ * goes on from a checkpoint, and again from its log. spec/control/control.md
+ * §6, §7 */
 #include <stdio.h>
 
 #include "tests/api/guest.h"

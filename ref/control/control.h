@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Live control: what the caller changes between two steps, for either backend.
  * Arguments that need no world to be checked have been checked.
- * spec/world/control.md */
+ * spec/control/control.md */
 #ifndef REF_CONTROL_H
 #define REF_CONTROL_H
 

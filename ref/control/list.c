@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes the list of the last slice's contacts. The host makes it for both
  * backends, from what the solve and the rounds have left.
- * spec/world/control.md §8 */
-#include "ref/world/list.h"
+ * spec/control/control.md §8 */
+#include "ref/control/list.h"
 
 static int bodies_of(const struct world *w)
 {

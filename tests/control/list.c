@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The list of contacts: its impulses are what contacts changed of the momentum,
- * and each pair's impulse pushes. spec/world/control.md §8 */
+ * and each pair's impulse pushes. spec/control/control.md §8 */
 #include <stdlib.h>
 
 #include "gpu/run/gpu.h"

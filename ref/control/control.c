@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Live control of gravity, materials, positions and velocities, for either
- * backend. spec/world/control.md §1, §2 */
-#include "ref/world/control.h"
+ * backend. spec/control/control.md §1, §2 */
+#include "ref/control/control.h"
 
 #include "ref/world/ending.h"
 #include "ref/world/start.h"

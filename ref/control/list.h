@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The contacts of the last slice, for the caller. spec/world/control.md §8 */
+/* The contacts of the last slice, for the caller. spec/control/control.md §8 */
 #ifndef REF_LIST_H
 #define REF_LIST_H
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Live control through the public API, on both backends: a world that is
- * changed equals a world that was made so. spec/world/control.md */
+ * changed equals a world that was made so. spec/control/control.md */
 #include <stdio.h>
 #include <stdlib.h>
 
