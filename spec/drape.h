@@ -143,7 +143,8 @@ typedef struct drape_motion {
     double pivot[3];             /* the point that goes to p, m */
 } drape_motion;
 
-/* A particle of a cloth that does not move freely. */
+/* A particle of a cloth that does not move freely. Of several pins of one
+ * particle the last holds. */
 typedef struct drape_pin {
     int i, j;   /* the particle, 0 … m - 1 and 0 … n - 1; it has a cell */
     int motion; /* index into drape_def.motions of the motion that moves the

@@ -154,11 +154,10 @@ int control_pins(struct world *w, int cloth, int64_t n, const int32_t *particle,
         return status;
     arm(w);
     vec *to = w->told.to + s->first;
+    w->run->copy(w->on, to, w->x0 + s->first,
+                 (size_t)s->cloth.count * sizeof *to);
     if (x.here || x.there)
         w->run->pin(w->on, n, s->hand.at, told, to);
-    else
-        w->run->copy(w->on, to, w->x0 + s->first,
-                     (size_t)s->cloth.count * sizeof *to);
     return w->run->status(w->on);
 }
 
