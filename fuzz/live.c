@@ -203,7 +203,7 @@ const char *play_obstacle(struct play *p)
 
 const char *play_contacts(struct play *p)
 {
-    drape_contact_list l[2];
+    drape_contact_list l[2] = {{0}, {0}};
     int status[2] = {0, 0};
     int64_t nv = drape_vertices(p->world[0]);
     int bodies = p->s.def.n_cloths + p->s.def.n_obstacles;

@@ -267,7 +267,7 @@ int control_unpack(struct world *w, const uint8_t *in, int64_t bytes,
     if (status == DRAPE_OK && bytes > 0)
         status = control_take_told(w);
     for (int k = 0; k < n && status == DRAPE_OK; k++) {
-        struct said said;
+        struct said said = {.n = -1};
         if (bytes > 0)
             read_cloth(&w->sheet[k].cloth, in, bytes, &at, &said);
         status = prepare(w, k, bytes > 0 ? &said : NULL, &next[k]);
