@@ -3,8 +3,18 @@
  * two steps. spec/control/control.md */
 #include "ref/api/define.h"
 #include "ref/api/record.h"
+#include "ref/base/threads.h"
 
 #include <string.h>
+
+/* Makes a call with the threads of the world. */
+#define WITHIN(world, call)                                                    \
+    do {                                                                       \
+        struct threads threads_;                                               \
+        threads_begin(&threads_, (world)->threads);                            \
+        call;                                                                  \
+        threads_end(&threads_);                                                \
+    } while (0)
 
 static bool is_cloth(const drape_world *world, int cloth)
 {
@@ -37,7 +47,7 @@ int drape_set_gravity(drape_world *world, const double gravity[3])
     int status = define_check_vectors(1, (const double(*)[3])gravity);
     if (status != DRAPE_OK)
         return status;
-    world->ops->control.gravity(world->world, gravity);
+    WITHIN(world, world->ops->control.gravity(world->world, gravity));
     record_call(world, (struct record){.kind = RECORD_GRAVITY,
                                        .data = gravity,
                                        .bytes = 3 * sizeof *gravity});
@@ -51,7 +61,8 @@ int drape_set_material(drape_world *world, int cloth,
         return DRAPE_EARG;
     int status = define_check_material(material);
     if (status == DRAPE_OK)
-        status = world->ops->control.material(world->world, cloth, material);
+        WITHIN(world, status = world->ops->control.material(world->world, cloth,
+                                                            material));
     if (status == DRAPE_OK)
         record_call(world, (struct record){.kind = RECORD_MATERIAL,
                                            .at = cloth,
@@ -69,8 +80,8 @@ static int set_positions(drape_world *world, int64_t first, int64_t n,
         return DRAPE_EARG;
     int status = vectors(n, x);
     if (status == DRAPE_OK && n > 0)
-        status =
-            world->ops->control.positions(world->world, first, n, x, error);
+        WITHIN(world, status = world->ops->control.positions(
+                          world->world, first, n, x, error));
     if (status == DRAPE_OK)
         record_call(world, (struct record){.kind = RECORD_POSITIONS,
                                            .at = first,
@@ -99,7 +110,8 @@ static int set_velocities(drape_world *world, int64_t first, int64_t n,
         return DRAPE_EARG;
     int status = vectors(n, v);
     if (status == DRAPE_OK && n > 0)
-        status = world->ops->control.velocities(world->world, first, n, v);
+        WITHIN(world, status = world->ops->control.velocities(world->world,
+                                                              first, n, v));
     if (status == DRAPE_OK)
         record_call(world, (struct record){.kind = RECORD_VELOCITIES,
                                            .at = first,
@@ -131,7 +143,8 @@ static int set_pins(drape_world *world, int cloth, int64_t n,
         return DRAPE_EARG;
     int status = vectors(n, x);
     if (status == DRAPE_OK)
-        status = world->ops->control.pins(world->world, cloth, n, particle, x);
+        WITHIN(world, status = world->ops->control.pins(world->world, cloth, n,
+                                                        particle, x));
     if (status == DRAPE_OK)
         record_call(world,
                     (struct record){.kind = RECORD_PINS,
@@ -165,7 +178,8 @@ static int set_obstacle(drape_world *world, int obstacle, struct given x)
         drape_first_vertex(world, body + 1) - drape_first_vertex(world, body);
     int status = vectors(n, x);
     if (status == DRAPE_OK)
-        status = world->ops->control.obstacle(world->world, obstacle, x);
+        WITHIN(world, status = world->ops->control.obstacle(world->world,
+                                                            obstacle, x));
     if (status == DRAPE_OK)
         record_call(world, (struct record){.kind = RECORD_OBSTACLE,
                                            .at = obstacle,
@@ -203,7 +217,8 @@ int drape_set_pose(drape_world *world, int obstacle, const double position[3],
     memcpy(motion.pivot, p.pivot, sizeof p.pivot);
     int status = define_check_motion(&motion);
     if (status == DRAPE_OK)
-        status = world->ops->control.pose(world->world, obstacle, &motion);
+        WITHIN(world, status = world->ops->control.pose(world->world, obstacle,
+                                                        &motion));
     if (status == DRAPE_OK)
         record_call(world, (struct record){.kind = RECORD_POSE,
                                            .at = obstacle,

@@ -98,9 +98,12 @@ static int make(const drape_def *def, drape_world **world, drape_error *error)
     threads_begin(&threads, def->threads);
     int status = d->ops->make(def, &d->arena, &d->world, error);
     threads_end(&threads);
-    if (status == DRAPE_OK)
+    if (status == DRAPE_OK) {
+        enum { SMALL_SCENE = 4096 }; /* world/step.md §8 */
         *world = d;
-    else
+        bool one = drape_vertices(d) < SMALL_SCENE || def->backend == DRAPE_GPU;
+        d->threads = one ? 1 : def->threads;
+    } else
         drape_destroy(d);
     return status;
 }
@@ -280,7 +283,10 @@ int drape_load(drape_world *world, drape_read_bytes *read, void *user)
 {
     if (!world || !read)
         return DRAPE_EARG;
+    struct threads threads;
+    threads_begin(&threads, world->threads);
     int status = world->ops->load(world->world, read, user);
+    threads_end(&threads);
     if (status == DRAPE_OK)
         record_state(world);
     return status;

@@ -15,6 +15,7 @@ struct drape_world {
     int cloths;
     int bodies; /* cloths and obstacles */
     int precision;
+    int threads; /* of a call that changes the world */
     drape_log *log;
     void *log_user;
     int64_t steps;       /* begun since the world was made */
