@@ -461,8 +461,8 @@ typedef struct drape_contact_list {
     double dt;                    /* s, length of the slice */
 } drape_contact_list;
 /* Lends the list of pairs that were closer than their thickness or met in the
- * last slice of the last step that was not skipped (control/control.md §8): n is
- * 0 before the first step, after a step that failed, drape_load,
+ * last slice of the last step that was not skipped (control/control.md §8): n
+ * is 0 before the first step, after a step that failed, drape_load,
  * drape_set_positions or drape_set_velocities. The memory belongs to the world
  * and is valid until the next call of these two functions, drape_step or
  * drape_destroy: host memory, or, by the form `_device`, where drape_borrow
@@ -509,12 +509,12 @@ int drape_set_material(drape_world *world, int cloth,
                        const drape_material *material);
 /* Set the places, m, or the velocities, m/s, of the n vertices of the scene
  * from `first` on, all of which are of cloths; x and v are [n]. The entries of
- * pinned particles are not used, nor are velocities of missing ones. The world
- * then steps as one that was made in this state: it forgets its past (Choi–Ko,
- * BDF2), what contacts pressed with, and what it has learnt about slices.
- * Positions that intersect are DRAPE_ESTART, unless the definition allows an
- * intersecting start; `error`, which may be NULL, then names the bodies and the
- * first pair. DRAPE_OK; DRAPE_EARG: a range, or a pointer; DRAPE_EDATA. */
+ * pinned and of missing particles are not used. The world then steps as one
+ * that was made in this state: it forgets its past (Choi–Ko, BDF2), what
+ * contacts pressed with, and what it has learnt about slices. Positions that
+ * intersect are DRAPE_ESTART, unless the definition allows an intersecting
+ * start; `error`, which may be NULL, then names the bodies and the first pair.
+ * DRAPE_OK; DRAPE_EARG: a range, or a pointer; DRAPE_EDATA. */
 int drape_set_positions(drape_world *world, int64_t first, int64_t n,
                         const double (*x)[3], drape_error *error);
 int drape_set_positions_device(drape_world *world, int64_t first, int64_t n,

@@ -99,7 +99,7 @@ static int make(const drape_def *def, drape_world **world, drape_error *error)
     int status = d->ops->make(def, &d->arena, &d->world, error);
     threads_end(&threads);
     if (status == DRAPE_OK) {
-        enum { SMALL_SCENE = 4096 }; /* world/step.md §8 */
+        enum { SMALL_SCENE = 4096 }; /* spec/world/step.md §8 */
         *world = d;
         bool one = drape_vertices(d) < SMALL_SCENE || def->backend == DRAPE_GPU;
         d->threads = one ? 1 : def->threads;
