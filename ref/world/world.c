@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes a world of one precision from a checked definition, and serves the
  * API's questions about it: state, bodies, waking and wind. */
-#include "ref/world/checkpoint.h"
 #include "ref/control/control.h"
-#include "ref/world/fill.h"
 #include "ref/control/list.h"
+#include "ref/world/checkpoint.h"
+#include "ref/world/fill.h"
 #include "ref/world/start.h"
 #include "ref/world/state.h"
 #include "ref/world/step.h"
