@@ -60,7 +60,8 @@ HAS_ORACLE := $(call has,CGAL/version.h Eigen/Dense fcl/fcl.h ccd/ccd.h gmp.h \
     mpfr.h)
 
 # Compiled once, whatever the precision: API and ONCE.
-API    := $(addprefix ref/api/,defaults.c define.c drape.c frames.c query.c) \
+API    := $(addprefix ref/api/,control.c defaults.c define.c drape.c \
+          frames.c query.c record.c) \
           $(addprefix ref/base/,arena.c threads.c threads_clang.c)
 # The GPU part is built where nvcc and a device are, or by GPU=yes.
 NVCC   := $(shell command -v nvcc)

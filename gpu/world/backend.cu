@@ -32,6 +32,11 @@ static int grow(void *on, struct pool *pool, int64_t need, size_t size,
     return gpu_status(g);
 }
 
+static void give(void *on, void *p)
+{
+    gpu_give(gpu_of(on), p);
+}
+
 static void copy(void *on, void *to, const void *from, size_t bytes)
 {
     gpu_copy(gpu_of(on), to, from, bytes);
@@ -174,6 +179,35 @@ static void pin(void *on, int64_t n, const int32_t *pinned, const vec *x,
     gpu_led_pin(gpu_of(on), n, pinned, x, to);
 }
 
+static void blend(void *on, const struct blend *s)
+{
+    gpu_led_blend(gpu_of(on), s);
+}
+
+static void keep(void *on, int64_t n, const uint8_t *fixed, const vec *old,
+                 vec *a)
+{
+    gpu_led_keep(gpu_of(on), n, fixed, old, a);
+}
+
+static bool sane(void *on, int64_t n, const vec *a)
+{
+    return gpu_led_sane(gpu_of(on), n, a);
+}
+
+static void fetch(void *on, void *host, const void *from, size_t bytes)
+{
+    gpu_down(gpu_of(on), host, from, bytes);
+}
+
+static void laws(struct world *w, int k)
+{
+    const struct sheet *s = &w->sheet[k];
+    struct gpu *g = w->device->gpu;
+    gpu_up(g, s->device->law, s->cloth.law, sizeof s->cloth.law);
+    gpu_up(g, s->device->triple, s->cloth.triple, sizeof s->cloth.triple);
+}
+
 static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
                        real dt, vec *v)
 {
@@ -194,6 +228,7 @@ static int ending_streams(struct world *w)
 
 extern const struct backend backend_gpu = {.take = take,
                                            .grow = grow,
+                                           .give = give,
                                            .copy = copy,
                                            .clear = clear,
                                            .send = send,
@@ -232,6 +267,11 @@ extern const struct backend backend_gpu = {.take = take,
                                            .turn_move = move,
                                            .turn_end = hand_over,
                                            .pin = pin,
+                                           .blend = blend,
+                                           .keep = keep,
+                                           .sane = sane,
+                                           .fetch = fetch,
+                                           .laws = laws,
                                            .moves = gpu_led_moves,
                                            .velocities = velocities,
                                            .furthest = furthest,

@@ -6,6 +6,7 @@
 
 #include "gpu/cloth/rate.h"
 #include "ref/contact/turn.h"
+#include "ref/world/led.h"
 #include "ref/world/state.h"
 
 #ifdef __cplusplus
@@ -40,6 +41,10 @@ extern const struct backend backend_gpu;
 void gpu_led_pin(struct gpu *g, int64_t n, const int32_t *pinned, const vec *x,
                  vec *to);
 bool gpu_led_moves(const struct world *w);
+void gpu_led_blend(struct gpu *g, const struct blend *s);
+void gpu_led_keep(struct gpu *g, int64_t n, const uint8_t *fixed,
+                  const vec *old, vec *a);
+bool gpu_led_sane(struct gpu *g, int64_t n, const vec *a);
 void gpu_led_velocities(struct gpu *g, int64_t n, const vec *x0, const vec *x1,
                         real dt, vec *v);
 real gpu_led_furthest(struct gpu *g, int64_t n, const vec *x0, const vec *x1);

@@ -12,6 +12,7 @@
 #include "ref/base/trace.h"
 
 struct audit;
+struct blend;
 struct broad;
 struct contact;
 struct contacts;
@@ -50,6 +51,8 @@ struct backend {
      * DRAPE_ENOMEM. */
     int (*grow)(void *on, struct pool *pool, int64_t need, size_t size,
                 bool kept);
+    /* Gives back a stream of `take`, or NULL. */
+    void (*give)(void *on, void *p);
     void (*copy)(void *on, void *to, const void *from, size_t bytes);
     void (*clear)(void *on, void *p, size_t bytes);
     /* Copies from host memory. The host memory may be reused on return. */
@@ -112,6 +115,16 @@ struct backend {
 
     void (*pin)(void *on, int64_t n, const int32_t *pinned, const vec *x,
                 vec *to);
+    /* The loops of ref/world/led.h. */
+    void (*blend)(void *on, const struct blend *s);
+    void (*keep)(void *on, int64_t n, const uint8_t *fixed, const vec *old,
+                 vec *a);
+    bool (*sane)(void *on, int64_t n, const vec *a);
+    /* Copies to host memory; it is there on return. */
+    void (*fetch)(void *on, void *host, const void *from, size_t bytes);
+    /* Brings the laws and triples of cloth k, which have changed, to where the
+     * backend's stages read them. */
+    void (*laws)(struct world *w, int k);
     bool (*moves)(const struct world *w);
     void (*velocities)(void *on, int64_t n, const vec *x0, const vec *x1,
                        real dt, vec *v);

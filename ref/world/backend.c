@@ -26,6 +26,11 @@ static int grow(void *on, struct pool *pool, int64_t need, size_t size,
     return DRAPE_OK;
 }
 
+static void give(void *on, void *p)
+{
+    arena_give(on, p);
+}
+
 static void copy(void *on, void *to, const void *from, size_t bytes)
 {
     (void)on;
@@ -173,6 +178,31 @@ static void pin(void *on, int64_t n, const int32_t *pinned, const vec *x,
     led_pin(n, pinned, x, to);
 }
 
+static void blend(void *on, const struct blend *s)
+{
+    (void)on;
+    led_blend(s);
+}
+
+static void keep(void *on, int64_t n, const uint8_t *fixed, const vec *old,
+                 vec *a)
+{
+    (void)on;
+    led_keep(n, fixed, old, a);
+}
+
+static bool sane(void *on, int64_t n, const vec *a)
+{
+    (void)on;
+    return led_sane(n, a);
+}
+
+static void laws(struct world *w, int k)
+{
+    (void)w; /* the stages read them in struct cloth */
+    (void)k;
+}
+
 static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
                        real dt, vec *v)
 {
@@ -200,6 +230,7 @@ static int ending_streams(struct world *w)
 
 const struct backend backend_ref = {.take = take,
                                     .grow = grow,
+                                    .give = give,
                                     .copy = copy,
                                     .clear = clear,
                                     .send = copy,
@@ -238,6 +269,11 @@ const struct backend backend_ref = {.take = take,
                                     .turn_move = move,
                                     .turn_end = wait,
                                     .pin = pin,
+                                    .blend = blend,
+                                    .keep = keep,
+                                    .sane = sane,
+                                    .fetch = copy,
+                                    .laws = laws,
                                     .moves = led_moves,
                                     .velocities = velocities,
                                     .furthest = furthest,
