@@ -17,6 +17,8 @@ struct world;
 #define COUPLE_KEPT R(0.75)
 #define COUPLE_GROWTH R(2.0)
 #define COUPLE_GUST R(0.25)
+/* penalty.md §1: a contact's stiffness by the largest stretch of a cloth. */
+#define COUPLE_SOFT R(0.1)
 
 struct couple {
     struct penalty penalty; /* nv, w, stiffness, dt, tau, slip, streams */

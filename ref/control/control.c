@@ -34,7 +34,7 @@ static void derive(struct world *w)
         const drape_material *m = &w->sheet[k].made.material;
         w->reach = real_max(w->reach, h->surface[k].thickness);
         w->response.stiffness =
-            real_max(w->response.stiffness, (real)m->stretch);
+            real_max(w->response.stiffness, COUPLE_SOFT * (real)m->stretch);
         for (int64_t p = 0; p < c->count; p++)
             w->mass += (double)c->mass[p];
     }

@@ -80,9 +80,6 @@ static int make_broad(struct world *w, const drape_def *def)
     return status;
 }
 
-/* A contact's stiffness by that of the cloth. penalty.md §1 */
-static const real SOFT = R(0.1);
-
 static int make_response(struct world *w, const drape_def *def)
 {
     struct response *c = &w->response;
@@ -95,7 +92,7 @@ static int make_response(struct world *w, const drape_def *def)
     c->fan = w->broad.tree.fan;
     for (int k = 0; k < def->n_cloths; k++)
         c->stiffness = real_max(c->stiffness,
-                                SOFT * (real)def->cloths[k].material.stretch);
+                                COUPLE_SOFT * (real)def->cloths[k].material.stretch);
     c->margin = R(0.125);
     c->iterations = 16;
     c->max_rounds = def->max_rounds;
