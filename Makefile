@@ -67,7 +67,8 @@ ORACLE_H   := CGAL/version.h Eigen/Dense fcl/fcl.h ccd/ccd.h gmp.h mpfr.h
 HAS_ORACLE := $(call has,$(ORACLE_H))
 
 # Compiled once, whatever the precision: API and ONCE.
-API    := $(addprefix ref/api/,defaults.c define.c drape.c frames.c query.c) \
+API    := $(addprefix ref/api/,control.c defaults.c define.c drape.c \
+          frames.c query.c record.c) \
           $(addprefix ref/base/,arena.c threads.c threads_clang.c)
 # The GPU part is built where nvcc and a device are, or by GPU=yes.
 NVCC   := $(shell command -v nvcc)
@@ -79,7 +80,7 @@ TWICE  := $(sort $(filter-out $(ONCE) tests/whole/%,$(wildcard tests/*/*.c)))
 # Kernels; but for memory.cu and words.cu, these are CUDA's own, which emulate*.cpp
 # replace.
 DEVICE := gpu/compare/blas.cu $(addprefix gpu/run/,device.cu loop.cu memory.cu \
-          prim.cu stream.cu words.cu)
+          branch.cu prim.cu stream.cu words.cu)
 KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))

@@ -199,6 +199,14 @@ static const struct call {
              {"again", play_again},
              {"drape_set_wind", play_wind},
              {"drape_wake", play_wake},
+             {"drape_set_gravity", play_gravity},
+             {"drape_set_material", play_material},
+             {"drape_set_positions", play_positions},
+             {"drape_set_velocities", play_velocities},
+             {"drape_set_pins", play_pins},
+             {"drape_set_obstacle", play_obstacle},
+             {"drape_contacts", play_contacts},
+             {"drape_record", play_log},
              {"drape_save", play_save},
              {"drape_load", play_load},
              {"drape_read", play_read},
@@ -267,6 +275,7 @@ static const char *start(const uint8_t *data, size_t size, int often,
     }
     const char *failed = play_all(&p, often, twins);
     free(p.kept.data);
+    free(p.log.data);
     for (int k = 0; k < 2; k++) {
         free(p.before[k].data);
         free(p.after[k].data);

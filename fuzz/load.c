@@ -11,9 +11,25 @@
 
 enum { WORLDS = 8, HEAD = 176, PATIENCE = 30 };
 
+/* Changes a world by live control, so that its checkpoint says so. */
+static void change(const struct small *s, drape_world *world)
+{
+    static double x[1 << 9][3];
+    const int32_t pin = 4; /* it may be missing: then no pin is set */
+    drape_material m = s->cloth[0].material;
+    m.friction += 0.25;
+    drape_set_material(world, 0, &m);
+    drape_set_pins(world, 0, 1, &pin, NULL);
+    if (s->def.n_obstacles && drape_vertices(world) <= 1 << 9 &&
+        drape_read(world, x, NULL) == DRAPE_OK)
+        drape_set_obstacle(world, 0,
+                           (const double(*)[3])x +
+                               drape_first_vertex(world, s->def.n_cloths));
+}
+
 /* Makes world k: the first of a thousand worlds whose checkpoints can be
- * repaired, after k steps. *tape is its checkpoint. Returns NULL if there is no
- * such world. */
+ * repaired, after k steps; every fourth is changed. *tape is its checkpoint.
+ * Returns NULL if there is no such world. */
 static drape_world *make(struct small *s, unsigned k, struct tape *tape)
 {
     static uint64_t seed[WORLDS]; /* 0: not searched yet */
@@ -27,6 +43,8 @@ static drape_world *make(struct small *s, unsigned k, struct tape *tape)
             continue;
         for (unsigned step = 0; step < k; step++)
             drape_step(world, NULL);
+        if (k % 4 == 3)
+            change(s, world);
         if (tape_save(tape, world) && damage_repairs(tape->data, tape->size)) {
             seed[k] = try;
             return world;

@@ -13,6 +13,8 @@ struct play {
                               world */
     struct tape kept;      /* checkpoint to return to; empty: none */
     struct tape before[2], after[2];
+    struct tape log; /* of the calls on world[0] */
+    bool recording;
     int64_t pairs; /* intersecting pairs now; -1: not known */
     double time;   /* s, time of the last report */
     int steps, most_steps;
@@ -21,6 +23,9 @@ struct play {
 /* One call with its checks. Returns NULL or the check that failed. */
 typedef const char *play_call(struct play *p);
 play_call play_step, play_again;
+/* fuzz/live.c */
+play_call play_gravity, play_material, play_positions, play_velocities,
+    play_pins, play_obstacle, play_contacts, play_log;
 
 /* Saves the checkpoint of each world. Returns whether the checkpoints are
  * equal. */

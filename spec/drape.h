@@ -49,8 +49,8 @@ enum drape_status {
                            another triangle (narrow/audit.md §5) */
     DRAPE_EDEVICE = -6, /* this build or machine lacks the backend, or the
                            device has failed */
-    DRAPE_EMATCH = -7,  /* the checkpoint is damaged, or belongs to another
-                           definition, precision or format */
+    DRAPE_EMATCH = -7,  /* the checkpoint or log is damaged, or belongs to
+                           another definition, precision or format */
     DRAPE_EIO = -8,     /* a function of the caller's ended the call */
     DRAPE_ELIMIT = -9   /* the step would need more than the definition allows:
                            substeps beyond max_substeps */
@@ -147,7 +147,8 @@ typedef struct drape_motion {
     double pivot[3];             /* the point that goes to p, m */
 } drape_motion;
 
-/* A particle of a cloth that does not move freely. */
+/* A particle of a cloth that does not move freely. Of several pins of one
+ * particle the last holds. */
 typedef struct drape_pin {
     int i, j;   /* the particle, 0 … m - 1 and 0 … n - 1; it has a cell */
     int motion; /* index into drape_def.motions of the motion that moves the
@@ -420,10 +421,11 @@ int drape_read(const drape_world *world, double (*x)[3], double (*v)[3]);
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3]);
 
 /* Where the current state lies, to be read without a copy. The memory belongs
- * to the world; x and v are valid until the next drape_step, drape_load or
- * drape_destroy. On a device the state is complete in the order of `stream`:
- * what the caller puts on this stream runs after it and before the next step.
- * Work on other streams must wait for an event on this one. */
+ * to the world; x and v are valid until the next drape_step,
+ * drape_load, drape_replay, drape_set_positions or drape_destroy. On a device
+ * the state is complete in the order of `stream`: what the caller puts on this
+ * stream runs after it and before the next step. Work on other streams must
+ * wait for an event on this one. */
 typedef struct drape_view {
     const void *x, *v;       /* [vertices][3] m and m/s, of `precision` bits */
     const int32_t (*tri)[3]; /* [triangles] vertices of the scene */
@@ -437,6 +439,44 @@ typedef struct drape_view {
  * NULL; DRAPE_ENOMEM, DRAPE_EDEVICE. */
 int drape_borrow(drape_world *world, drape_view *view);
 
+/* Two features in contact, sides A and B: a vertex and a face, or two edges,
+ * of which one side is of cloth at least. The point of contact on A is the sum
+ * of weight · x over A's vertices, on B minus that sum. */
+typedef struct drape_contact {
+    int32_t vertex[4]; /* of the scene: kind 0: A is vertex[0], B the face of
+                          the other three; kind 1: A is the edge of the first
+                          two, B that of the last two */
+    int32_t kind;
+    int32_t body[2];   /* of A and of B, as in drape_first_vertex */
+    int32_t unused;    /* 0 */
+    double weight[4];  /* those of A add to 1, those of B to -1 */
+    double normal[3];  /* unit, from B to A */
+    double gap;        /* m, along the normal, at the start of the slice */
+    double impulse[3]; /* N·s, that A got from B in the slice, with friction */
+} drape_contact;
+
+/* The contacts of a step's last slice, which is the whole step unless its
+ * report says otherwise. An impulse divided by dt is the mean force. */
+typedef struct drape_contact_list {
+    int64_t n;
+    const drape_contact *contact; /* [n] */
+    const double (*impulse)[3];   /* [n_cloths + n_obstacles] N·s, what each
+                                     body got from contacts in all */
+    double dt;                    /* s, length of the slice */
+} drape_contact_list;
+/* Lends the list of pairs that were closer than their thickness or met in the
+ * last slice of the last step that was not skipped (control/control.md §8): n
+ * is 0 before the first step, after a step that failed, drape_load,
+ * drape_set_positions or drape_set_velocities. The memory belongs to the world
+ * and is valid until the next call of these two functions, drape_step or
+ * drape_destroy: host memory, or, by the form `_device`, where drape_borrow
+ * says. Nothing is computed or kept for a list that is not asked for. The
+ * impulses do not have what zones and rollback change. DRAPE_OK; DRAPE_EARG: a
+ * pointer is NULL, or the integrator is explicit; DRAPE_ENOMEM, DRAPE_EDEVICE.
+ */
+int drape_contacts(drape_world *world, drape_contact_list *list);
+int drape_contacts_device(drape_world *world, drape_contact_list *list);
+
 /* Wakes a scene that is asleep, so that the next step is computed. NULL does
  * nothing. */
 void drape_wake(drape_world *world);
@@ -445,6 +485,73 @@ void drape_wake(drape_world *world);
  * definition's own wind had no force (no density, or neither drag nor lift)
  * and this one has: such a world was made without the wind stage. */
 int drape_set_wind(drape_world *world, const drape_wind *wind);
+
+/* Live control: calls between two steps that change the world from the next
+ * step on, and wake it (control/control.md). What they are given is copied. A
+ * call that is refused changes nothing. Numbers are rounded once to the world's
+ * precision. A checkpoint holds what was changed. The number of bodies, their
+ * sizes and their triangles never change: for other bodies make another world,
+ * and hand over the state by drape_read, drape_set_positions and
+ * drape_set_velocities.
+ *
+ * Each call with vectors has two forms. The plain one reads binary64 on the
+ * host. The form `_device` reads numbers of the world's precision where the
+ * world lives, as drape_borrow shows: memory of its device, or host memory for
+ * the reference. It reads them in the order of the world's stream, so what the
+ * caller put on this stream before is seen; they may be changed after the call
+ * in the same order. Besides the statuses named, calls return DRAPE_ENOMEM and
+ * DRAPE_EDEVICE. */
+
+/* Sets gravity, [3] m/s². DRAPE_OK; DRAPE_EARG: a pointer is NULL; DRAPE_EDATA.
+ */
+int drape_set_gravity(drape_world *world, const double gravity[3]);
+/* Sets the material of a cloth, 0 … n_cloths - 1; positions and velocities
+ * stay. Ranges and statuses are those of a definition; DRAPE_EARG also where
+ * the cells are too oblong for it, DRAPE_ELIMIT where an explicit integrator
+ * would need more than max_substeps. */
+int drape_set_material(drape_world *world, int cloth,
+                       const drape_material *material);
+/* Set the places, m, or the velocities, m/s, of the n vertices of the scene
+ * from `first` on, all of which are of cloths; x and v are [n]. The entries of
+ * pinned and of missing particles are not used. The world then steps as one
+ * that was made in this state: it forgets its past (Choi–Ko, BDF2), what
+ * contacts pressed with, and what it has learnt about slices. Positions that
+ * intersect are DRAPE_ESTART, unless the definition allows an intersecting
+ * start; `error`, which may be NULL, then names the bodies and the first pair.
+ * DRAPE_OK; DRAPE_EARG: a range, or a pointer; DRAPE_EDATA. */
+int drape_set_positions(drape_world *world, int64_t first, int64_t n,
+                        const double (*x)[3], drape_error *error);
+int drape_set_positions_device(drape_world *world, int64_t first, int64_t n,
+                               const void *x, drape_error *error);
+int drape_set_velocities(drape_world *world, int64_t first, int64_t n,
+                         const double (*v)[3]);
+int drape_set_velocities_device(drape_world *world, int64_t first, int64_t n,
+                                const void *v);
+/* Sets which particles of a cloth are pinned, in place of all its pins so far:
+ * particle [n], i + m·j each, none twice and none that is missing; n may be 0.
+ * In the next step pin k goes in a straight line from where it is to x[k], m,
+ * [n], and stays there until it is told otherwise; x NULL: all stay where they
+ * are. A particle that is let go keeps the velocity with which it was led. The
+ * list is on the host in both forms; a call that repeats it costs no more than
+ * its targets. DRAPE_OK; DRAPE_EARG: an index, a count or a pointer;
+ * DRAPE_EDATA; DRAPE_ELIMIT as in drape_set_material. */
+int drape_set_pins(drape_world *world, int cloth, int64_t n,
+                   const int32_t *particle, const double (*x)[3]);
+int drape_set_pins_device(drape_world *world, int cloth, int64_t n,
+                          const int32_t *particle, const void *x);
+/* Tells an obstacle, 0 … n_obstacles - 1, where its vertices x, [its number of
+ * vertices] m, are at the end of the next step. They go there in straight lines
+ * and then stay until they are told otherwise; the obstacle's own motion or
+ * frames hold no more. Cloth in the way is pushed as by any obstacle that
+ * moves. DRAPE_OK; DRAPE_EARG: an index or a pointer; DRAPE_EDATA. */
+int drape_set_obstacle(drape_world *world, int obstacle, const double (*x)[3]);
+int drape_set_obstacle_device(drape_world *world, int obstacle, const void *x);
+/* The same for a rigid pose: a vertex X of the definition, which has no frames,
+ * goes to position + R (X - pivot), R by the quaternion rotation = w, x, y, z,
+ * of length 1 within 1e-6; NULL: no rotation, and pivot 0. DRAPE_EARG also for
+ * an obstacle with frames, or a wrong length. */
+int drape_set_pose(drape_world *world, int obstacle, const double position[3],
+                   const double rotation[4], const double pivot[3]);
 
 /* Writes the first `capacity` rows of the plan to row, and returns how many
  * rows there are. row may be NULL if capacity is 0. DRAPE_EARG: world is NULL,
@@ -476,6 +583,23 @@ typedef int drape_read_bytes(void *user, void *data, size_t bytes);
  * the world is as before. */
 int drape_save(const drape_world *world, drape_write *write, void *user);
 int drape_load(drape_world *world, drape_read_bytes *read, void *user);
+
+/* drape_record writes the state now, as a checkpoint, and then each call that
+ * changes the world (steps, waking, wind, live control, loading) after it was
+ * made, by `write`; `write` NULL ends that. A write that fails ends the record,
+ * changes nothing else, and makes the next drape_record return DRAPE_EIO. The
+ * log is in the machine's byte order. DRAPE_OK; DRAPE_EARG: world is NULL;
+ * DRAPE_EIO. */
+int drape_record(drape_world *world, drape_write *write, void *user);
+/* Makes the recorded calls again, up to and with the next step, on a world of
+ * the same definition, of which may differ what may differ in drape_load; the
+ * bits are those of the recorded world. Returns 1 after a step, of which
+ * `report`, which may be NULL, says what it did; 0 where `read` had no further
+ * call; DRAPE_EARG: world or read is NULL; DRAPE_EIO: the log ends within a
+ * call; DRAPE_EMATCH: the log is damaged or of another world, or the step did
+ * not end as recorded; or the status of a call. */
+int drape_replay(drape_world *world, drape_read_bytes *read, void *user,
+                 drape_step_report *report);
 
 /* A triangle mesh for the functions that need no world. Nothing of it is kept
  * after the call. Computation is in binary64. */

@@ -138,7 +138,7 @@ static void refit(struct gpu *g, struct broad *b)
     fit.x1 = b->x1;
     fit.n_moved = b->later ? b->nv : 0;
     fit.moved = b->moved;
-    fit.all = !b->started;
+    fit.all = !b->started || (b->restless && !b->later);
     fit.box = b->box;
     fit.stir = b->stir;
     gpu_refit_queue(g, &fit, gpu_late_words(g));

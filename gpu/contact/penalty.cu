@@ -3,10 +3,12 @@
  * spec/contact/penalty.md */
 #include "gpu/contact/incidence.cuh"
 
-/* An item adds PARTS numbers to its vertex: PUSHES of force, then those of
- * hold. In the gather a block owns GROUP vertices at a time, a thread one
- * number of a vertex. GROUPS: the largest number of blocks. */
-enum { PUSHES = 3, PARTS = 9, GROUP = 32, GROUP_BLOCK = PARTS * GROUP };
+/* An item adds PARTS numbers to its vertex: PUSHES of force, HOLDS of hold
+ * without walls, and HOLDS of wall. In the gather a block owns GROUP vertices
+ * at a time, a thread one number of force or hold of a vertex. GROUPS: the
+ * largest number of blocks. */
+enum { PUSHES = 3, HOLDS = 6, PARTS = PUSHES + 2 * HOLDS, GROUP = 32 };
+enum { GROUP_BLOCK = (PUSHES + HOLDS) * GROUP };
 enum { GROUPS = 1024 };
 
 /* §3: w_i of vertex j: the smallest inverse mass of its side's free vertices.
@@ -87,8 +89,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     real before = s.first ? R(0.0) : given_impulse(&s, c, share);
     s.share[k] = share;
     s.gave[k] = before;
-    c->held = spring_impulse(&s, c, s.guess) > 0 ||
-              spring_impulse(&s, c, s.u) > 0 || before > 0;
+    bool held = spring_impulse(&s, c, s.guess) > 0 ||
+                spring_impulse(&s, c, s.u) > 0 || before > 0;
+    bool wall = s.walls && (side_of(&s, c, 0) == 0 || side_of(&s, c, 3) == 0);
+    c->held = !held ? CONTACT_APART : wall ? CONTACT_WALL : CONTACT_MUTUAL;
 }
 
 /* §2.1. Thread k owns vertex[k]: counts its held contacts into its parts. */
@@ -107,7 +111,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
             held[a] = s.contact[s.item[at + a < end ? at + a : at] / 4].held;
         UNROLL
         for (int a = 0; a < AHEAD; a++)
-            parts += at + a < end ? held[a] : 0;
+            parts += at + a < end && held[a] != CONTACT_APART;
     }
     s.parts[i] = (real)parts;
 }
@@ -156,18 +160,26 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     } else {
         n = push;
     }
-    real all[PARTS] = {push.x,
-                       push.y,
-                       push.z,
-                       a * n.x * n.x + b,
-                       a * n.x * n.y,
-                       a * n.x * n.z,
-                       a * n.y * n.y + b,
-                       a * n.y * n.z,
-                       a * n.z * n.z + b};
+    real all[PUSHES + HOLDS] = {push.x,
+                                push.y,
+                                push.z,
+                                a * n.x * n.x + b,
+                                a * n.x * n.y,
+                                a * n.x * n.z,
+                                a * n.y * n.y + b,
+                                a * n.y * n.z,
+                                a * n.z * n.z + b};
+    bool wall = c->held == CONTACT_WALL;
     UNROLL
-    for (int o = 0; o < PARTS; o++)
-        part[o * s.n4 + k] = all[o];
+    for (int o = 0; o < PUSHES + HOLDS; o++) {
+        real to[2] = {all[o], 0};
+        if (o < PUSHES) {
+            part[o * s.n4 + k] = all[o];
+            continue;
+        }
+        part[o * s.n4 + k] = to[wall];
+        part[(o + HOLDS) * s.n4 + k] = to[!wall];
+    }
 }
 
 /* Sums one of the PARTS numbers of vertex i, in the order of its items. The sum
@@ -249,10 +261,13 @@ static __global__ void __launch_bounds__(GROUP_BLOCK)
          k < vertices(words); k += (int64_t)gridDim.x * GROUP) {
         int32_t i = s.vertex[k];
         real sum = total(&s, part + o * s.n4, i);
-        if (o < PUSHES)
+        if (o < PUSHES) {
             ((real *)&s.force[i])[o] = sum;
-        else
-            ((real *)&s.hold[i])[o - PUSHES] = sum;
+            continue;
+        }
+        real wall = total(&s, part + (o + HOLDS) * s.n4, i);
+        ((real *)&s.wall[i])[o - PUSHES] = wall;
+        ((real *)&s.hold[i])[o - PUSHES] = sum + wall;
     }
 }
 
@@ -273,6 +288,7 @@ int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
     LAUNCH(g, s->nv, penalty_guess_kernel, *s);
     LAUNCH(g, s->n, penalty_select_kernel, *s, words);
     gpu_clear(g, s->hold, (size_t)s->nv * sizeof *s->hold);
+    gpu_clear(g, s->wall, (size_t)s->nv * sizeof *s->wall);
     LAUNCH(g, touched, penalty_parts_kernel, *s, words);
     LAUNCH(g, s->n, penalty_push_kernel, *s, words);
     LAUNCH(g, s->n4, penalty_item_kernel, *s, part, words);

@@ -4,8 +4,31 @@
 #include "gpu/base/real.cuh"
 #include "gpu/run/gpu.cuh"
 
-/* g, b and dv are the motion's star, b and dv, which that does not read any
- * more; b is penalty's force at first. */
+extern "C" {
+#include "ref/base/sum.h"
+}
+
+/* The streams of the joint solve. Directions are 0 beyond the cloths. */
+static void make_joint(struct gpu_world *w, struct joint *s)
+{
+    struct gpu *g = w->gpu;
+    int64_t nv = w->world.nv, nc = w->world.nc;
+    size_t bytes = (size_t)nv * sizeof(vec);
+    vec **stream[] = {&s->r, &s->q, &s->p, &s->p2, &s->dv};
+    for (int k = 0; k < 5; k++) {
+        *stream[k] = (vec *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(vec));
+        if (*stream[k])
+            gpu_clear(g, *stream[k], bytes);
+    }
+    s->n_chunks = sum_chunks(nc);
+    s->item = (real *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(real));
+    s->chunk = (real *)gpu_take(g, ARENA_RESPONSE, s->n_chunks, sizeof(real));
+    w->links =
+        (struct links *)gpu_take(g, ARENA_RESPONSE, 1, sizeof(struct links));
+}
+
+/* g and b are the motion's star and b, which that does not read any more; b is
+ * penalty's force at first. */
 int gpu_turn_make(struct gpu_world *w)
 {
     struct couple *c = &w->world.couple;
@@ -16,13 +39,16 @@ int gpu_turn_make(struct gpu_world *w)
     p->w = w->world.w;
     p->u = w->world.response.u;
     p->stiffness = w->world.response.stiffness;
+    p->walls = w->world.def.n_cloths == 1;
     p->start = w->world.response.start;
     struct gpu *g = w->gpu;
     p->force = c->b = w->b;
     p->g = c->g = w->star;
     p->hold = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
+    p->wall = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
     p->guess = (vec *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(vec));
     c->press = p->guess; /* of the last contacts: no solve is after */
+    make_joint(w, &c->joint);
     p->parts = (real *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(real));
     return gpu_status(g);
 }
@@ -47,7 +73,10 @@ int gpu_turn_room(struct world *w, int64_t n)
     gpu_give(g, p->item);
     int64_t cap = n + n / 4 + 64;
     p->item = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
-    c->cap = p->item ? cap : 0;
+    struct links *links = &c->joint.links;
+    gpu_give(g, links->push);
+    links->push = (vec *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(vec));
+    c->cap = p->item && links->push ? cap : 0;
     return gpu_status(g);
 }
 
@@ -71,15 +100,15 @@ void gpu_turn_begin(struct gpu *g, int64_t n, vec *to, const vec *press,
 /* Thread i owns particle i: what the solve of the free motion left over is the
  * first turn's to do. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    turn_carry_kernel(struct turn s)
+    turn_carry_kernel(int64_t n, const vec *r, vec *g)
 {
-    ITEM(i, s.count);
-    s.g[i] = sub(s.g[i], s.r[i]);
+    ITEM(i, n);
+    g[i] = sub(g[i], r[i]);
 }
 
-void gpu_turn_carry(struct gpu *g, const struct turn *s)
+void gpu_turn_carry(struct gpu *g, int64_t n, const vec *r, vec *to)
 {
-    LAUNCH(g, s->count, turn_carry_kernel, *s);
+    LAUNCH(g, n, turn_carry_kernel, n, r, to);
 }
 
 /* Thread i owns particle i: b = force - g, 0 where fixed. */
@@ -87,7 +116,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     turn_load_kernel(struct turn s)
 {
     ITEM(i, s.count);
-    s.b[i] = s.fixed[i] ? make(0, 0, 0) : sub(s.force[i], s.g[i]);
+    s.b[i] = s.w[i] > 0 ? sub(s.force[i], s.g[i]) : make(0, 0, 0);
 }
 
 void gpu_turn_load(struct gpu *g, const struct turn *s)
@@ -95,18 +124,15 @@ void gpu_turn_load(struct gpu *g, const struct turn *s)
     LAUNCH(g, s->count, turn_load_kernel, *s);
 }
 
-/* Thread i owns particle i: g gains A dv, whatever pcg left over; u, v, x1
- * move with dv. */
+/* Thread i owns particle i: g gains A dv; u, v and x1 move with dv. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     turn_move_kernel(struct turn s)
 {
     ITEM(i, s.count);
-    if (s.fixed[i])
+    if (!(s.w[i] > 0))
         return;
-    vec dv = s.dv[i];
-    vec done = sub(sub(s.b[i], s.r[i]), apply(s.hold[i], dv));
-    vec u = axpy(s.u[i], s.span, dv);
-    s.g[i] = add(s.g[i], done);
+    vec dv = s.dv[i], u = axpy(s.u[i], s.span, dv);
+    s.g[i] = add(s.g[i], s.q[i]);
     s.u[i] = u;
     s.v[i] = add(s.v[i], dv);
     s.x1[i] = axpy(s.x0[i], s.dt, u);

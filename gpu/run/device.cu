@@ -165,6 +165,7 @@ void gpu_close(struct gpu *g)
     cudaFreeHost(g->seen);
     cudaStream_t stream = g->lent ? NULL : g->stream;
     cudaEvent_t event[2] = {g->event[0], g->event[1]};
+    gpu_branches_close(g);
     gpu_unmake(g);
     for (int k = 0; k < 2; k++)
         if (event[k])

@@ -40,6 +40,22 @@ void gpu_clear(struct gpu *g, void *device, size_t bytes)
         memset(device, 0, bytes);
 }
 
+void gpu_fork(struct gpu *g)
+{
+    (void)g;
+}
+
+void gpu_branch(struct gpu *g, int k)
+{
+    (void)g;
+    (void)k;
+}
+
+void gpu_join(struct gpu *g)
+{
+    (void)g;
+}
+
 void gpu_wait(struct gpu *g)
 {
     fails(g, false);

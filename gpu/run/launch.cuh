@@ -30,6 +30,8 @@ extern "C" {
  * results of a stage, and those that may be read later. GPU_SLOTS: scratch. */
 enum { GPU_BLOCK = 256, GPU_WORDS = 32, GPU_LATE = 4, GPU_SLOTS = 8 };
 enum { GPU_ALL_WORDS = GPU_WORDS + GPU_LATE };
+/* GPU_SIDES: branches that may run beside each other. */
+enum { GPU_SIDES = 8 };
 
 /* Scratch memory that is kept and can grow. Growing loses its contents. */
 struct gpu_slot {
@@ -47,6 +49,9 @@ struct gpu {
 #ifdef __CUDACC__
     cudaStream_t stream;
     cudaEvent_t event[2];
+    cudaStream_t main, side[GPU_SIDES]; /* gpu_fork; side: opened when used */
+    cudaEvent_t forked, done[GPU_SIDES];
+    unsigned used;           /* bit k: branch k has launches since the fork */
     bool lent;               /* the stream is the caller's */
     struct gpu_loops *loops; /* gpu/run/loop.cu; NULL: none yet */
 #else
@@ -87,6 +92,7 @@ struct gpu {
 /* Records a failure of CUDA; the first one stays. */
 #ifdef __CUDACC__
 void gpu_note(struct gpu *g, cudaError_t error);
+void gpu_branches_close(struct gpu *g);
 /* Allows a kernel to be launched as a cluster. room: it uses cluster_shared(),
  * and no other shared memory. */
 cudaError_t gpu_allow_cluster(struct gpu *g, const void *kernel, bool room);
@@ -146,6 +152,14 @@ cudaError_t gpu_allow_cluster(struct gpu *g, const void *kernel, bool room);
 #define UNROLL
 #define UNROLL_8
 #endif
+
+/* Launches of different branches may run beside each other. gpu_fork: branches
+ * begin after what was launched before. gpu_branch: the launches that follow
+ * belong to branch k ≥ 0. gpu_join: what follows waits for all branches. A
+ * scratch slot must not be used by two branches. */
+void gpu_fork(struct gpu *g);
+void gpu_branch(struct gpu *g, int k);
+void gpu_join(struct gpu *g);
 
 /* Returns g->words, which are zero for the kernels that are launched next. */
 int64_t *gpu_words(struct gpu *g);

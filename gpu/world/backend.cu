@@ -32,6 +32,11 @@ static int grow(void *on, struct pool *pool, int64_t need, size_t size,
     return gpu_status(g);
 }
 
+static void give(void *on, void *p)
+{
+    gpu_give(gpu_of(on), p);
+}
+
 static void copy(void *on, void *to, const void *from, size_t bytes)
 {
     gpu_copy(gpu_of(on), to, from, bytes);
@@ -109,14 +114,6 @@ static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
     gpu_motion_energy(gpu_of(on), s, x, v, value);
 }
 
-static int solve(void *on, struct sheet *s)
-{
-    struct gpu *g = gpu_of(on);
-    gpu_hand_over(g);
-    return gpu_pcg_by_rates(g, &s->solver.pcg,
-                            rates{s->device->rate, s->dynamics.at});
-}
-
 static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,
                bool *apart)
 {
@@ -156,9 +153,9 @@ static void first_turn(void *on, int64_t n, vec *g, const vec *press, real dt)
     gpu_turn_begin(gpu_of(on), n, g, press, dt);
 }
 
-static void carry(void *on, const struct turn *s)
+static void carry(void *on, int64_t n, const vec *r, vec *g)
 {
-    gpu_turn_carry(gpu_of(on), s);
+    gpu_turn_carry(gpu_of(on), n, r, g);
 }
 
 static void load(void *on, const struct turn *s)
@@ -182,6 +179,35 @@ static void pin(void *on, int64_t n, const int32_t *pinned, const vec *x,
     gpu_led_pin(gpu_of(on), n, pinned, x, to);
 }
 
+static void blend(void *on, const struct blend *s)
+{
+    gpu_led_blend(gpu_of(on), s);
+}
+
+static void keep(void *on, int64_t n, const uint8_t *fixed, const vec *old,
+                 vec *a)
+{
+    gpu_led_keep(gpu_of(on), n, fixed, old, a);
+}
+
+static bool sane(void *on, int64_t n, const vec *a)
+{
+    return gpu_led_sane(gpu_of(on), n, a);
+}
+
+static void fetch(void *on, void *host, const void *from, size_t bytes)
+{
+    gpu_down(gpu_of(on), host, from, bytes);
+}
+
+static void laws(struct world *w, int k)
+{
+    const struct sheet *s = &w->sheet[k];
+    struct gpu *g = w->device->gpu;
+    gpu_up(g, s->device->law, s->cloth.law, sizeof s->cloth.law);
+    gpu_up(g, s->device->triple, s->cloth.triple, sizeof s->cloth.triple);
+}
+
 static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
                        real dt, vec *v)
 {
@@ -202,6 +228,7 @@ static int ending_streams(struct world *w)
 
 extern const struct backend backend_gpu = {.take = take,
                                            .grow = grow,
+                                           .give = give,
                                            .copy = copy,
                                            .clear = clear,
                                            .send = send,
@@ -226,7 +253,7 @@ extern const struct backend backend_gpu = {.take = take,
                                            .penalty_status = penalty_status,
                                            .motion = motion,
                                            .energy = energy,
-                                           .solve = solve,
+                                           .joint = gpu_joint,
                                            .broad_whole_apart = ask,
                                            .broad_query = query,
                                            .start = start,
@@ -240,6 +267,11 @@ extern const struct backend backend_gpu = {.take = take,
                                            .turn_move = move,
                                            .turn_end = hand_over,
                                            .pin = pin,
+                                           .blend = blend,
+                                           .keep = keep,
+                                           .sane = sane,
+                                           .fetch = fetch,
+                                           .laws = laws,
                                            .moves = gpu_led_moves,
                                            .velocities = velocities,
                                            .furthest = furthest,

@@ -45,11 +45,65 @@ bool gpu_led_moves(const struct world *w)
     LAUNCH(g, w->nv - w->nc, moves_kernel, w->nv - w->nc, nullptr,
            w->x0 + w->nc, w->x1 + w->nc, moves);
     for (int k = 0; k < w->def.n_cloths; k++) {
-        const struct sheet *s = &w->sheet[k];
-        LAUNCH(g, s->pins.n, moves_kernel, s->pins.n, s->pinned,
-               w->x0 + s->first, s->pins.x, moves);
+        struct pins pins = state_pins(&w->sheet[k]);
+        LAUNCH(g, pins.n, moves_kernel, pins.n, pins.at,
+               w->x0 + w->sheet[k].first, pins.x, moves);
     }
     return gpu_read_back(g, 1)[0] != 0;
+}
+
+static __device__ real between(real a, real b, double part)
+{
+    double from = (double)a;
+    return (real)(from + part * ((double)b - from));
+}
+
+/* Thread i owns item i and writes x[i]. */
+static __global__ void __launch_bounds__(GPU_BLOCK) blend_kernel(struct blend s)
+{
+    ITEM(i, s.n);
+    int64_t k = s.at ? s.at[i] : i;
+    vec a = s.from[k], b = s.to[k];
+    if (s.part < 1)
+        b = make(between(a.x, b.x, s.part), between(a.y, b.y, s.part),
+                 between(a.z, b.z, s.part));
+    s.x[i] = b;
+}
+
+void gpu_led_blend(struct gpu *g, const struct blend *s)
+{
+    LAUNCH(g, s->n, blend_kernel, *s);
+}
+
+/* Thread i owns particle i and puts a[i] back where the particle is fixed. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    keep_kernel(int64_t n, const uint8_t *fixed, const vec *old, vec *a)
+{
+    ITEM(i, n);
+    if (fixed[i])
+        a[i] = old[i];
+}
+
+void gpu_led_keep(struct gpu *g, int64_t n, const uint8_t *fixed,
+                  const vec *old, vec *a)
+{
+    LAUNCH(g, n, keep_kernel, n, fixed, old, a);
+}
+
+/* Thread i owns item i and sets *bad if a[i] is out of range. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    sane_kernel(int64_t n, const vec *a, int64_t *bad)
+{
+    ITEM(i, n);
+    if (!sane(a[i]))
+        *bad = 1; /* all threads that write, write the same */
+}
+
+bool gpu_led_sane(struct gpu *g, int64_t n, const vec *a)
+{
+    int64_t *bad = gpu_words(g);
+    LAUNCH(g, n, sane_kernel, n, a, bad);
+    return gpu_read_back(g, 1)[0] == 0;
 }
 
 /* Thread k owns vertex k and writes v[k]. */

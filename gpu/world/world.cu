@@ -9,6 +9,8 @@
 
 extern "C" {
 #include "gpu/broad/broad.h"
+#include "ref/control/control.h"
+#include "ref/control/list.h"
 #include "ref/world/step.h"
 }
 
@@ -226,6 +228,7 @@ static int open_device(struct world *h, struct world **world,
         return DRAPE_ENOMEM;
     d->host = h;
     d->world = *h;
+    d->world.home = h;
     d->world.device = d;
     *world = &d->world;
     d->gpu = gpu_open(&h->def, &status);
@@ -372,6 +375,12 @@ static int save(const struct world *w, drape_write *write, void *user)
 {
     struct world all = staged(w);
     int status = fetch(w);
+    if (w->told.armed) {
+        all.told.to = w->home->x1;
+        gpu_down(w->device->gpu, all.told.to, w->told.to,
+                 (size_t)w->nv * sizeof *w->x0);
+        status = gpu_status(w->device->gpu);
+    }
     return status == DRAPE_OK ? checkpoint_save(&all, write, user) : status;
 }
 
@@ -380,6 +389,9 @@ static int load(struct world *w, drape_read_bytes *read, void *user)
     struct world all = staged(w), now = *w;
     struct gpu *g = w->device->gpu;
     int status = checkpoint_load(&all, read, user);
+    w->told.from = all.told.from; /* streams that may have been taken */
+    w->told.to = all.told.to;
+    w->to = all.to;
     if (status != DRAPE_OK)
         return status;
     gpu_begin(g);
@@ -410,6 +422,8 @@ const struct world_ops world_ops_gpu = {.make = make,
                                         .first_triangle = world_first_triangle,
                                         .wake = world_wake,
                                         .set_wind = world_set_wind,
+                                        .control = CONTROL_OPS,
+                                        .contacts = list_contacts,
                                         .plan = plan_rows,
                                         .save = save,
                                         .load = load,

@@ -6,6 +6,7 @@
 
 #include "gpu/cloth/rate.h"
 #include "ref/contact/turn.h"
+#include "ref/world/led.h"
 #include "ref/world/state.h"
 
 #ifdef __cplusplus
@@ -30,6 +31,7 @@ struct gpu_world {
     vec *star, *b; /* device [nc] each, of implicit motion. When contact begins,
                       star is couple's g, and b, which is [nv] if anything can
                       collide, is couple's force */
+    struct links *links; /* device [1] the contacts of the joint solve */
 };
 
 /* gpu/world/backend.cu */
@@ -39,6 +41,10 @@ extern const struct backend backend_gpu;
 void gpu_led_pin(struct gpu *g, int64_t n, const int32_t *pinned, const vec *x,
                  vec *to);
 bool gpu_led_moves(const struct world *w);
+void gpu_led_blend(struct gpu *g, const struct blend *s);
+void gpu_led_keep(struct gpu *g, int64_t n, const uint8_t *fixed,
+                  const vec *old, vec *a);
+bool gpu_led_sane(struct gpu *g, int64_t n, const vec *a);
 void gpu_led_velocities(struct gpu *g, int64_t n, const vec *x0, const vec *x1,
                         real dt, vec *v);
 real gpu_led_furthest(struct gpu *g, int64_t n, const vec *x0, const vec *x1);
@@ -61,11 +67,14 @@ void gpu_rounds_settle(struct gpu *g, const struct response *s,
 /* gpu/contact/turn.cu: ref/contact/turn.h on the device. */
 void gpu_turn_begin(struct gpu *g, int64_t n, vec *to, const vec *press,
                     real dt);
-void gpu_turn_carry(struct gpu *g, const struct turn *s);
+void gpu_turn_carry(struct gpu *g, int64_t n, const vec *r, vec *to);
 void gpu_turn_load(struct gpu *g, const struct turn *s);
 void gpu_turn_move(struct gpu *g, const struct turn *s);
 int gpu_turn_make(struct gpu_world *w);
 int gpu_turn_room(struct world *w, int64_t n);
+
+/* gpu/contact/joint.cu: ref/contact/joint.h on the device. */
+int gpu_joint(struct world *w, struct joint *s);
 
 #ifdef __cplusplus
 }

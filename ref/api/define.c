@@ -208,6 +208,27 @@ int define_check_wind(const drape_wind *wind)
     return c.status;
 }
 
+int define_check_material(const drape_material *material)
+{
+    struct check c = {.error = NULL, .status = DRAPE_OK};
+    check_material(&c, material);
+    return c.status;
+}
+
+int define_check_vectors(int64_t n, const double (*x)[3])
+{
+    struct check c = {.error = NULL, .status = DRAPE_OK};
+    vectors(&c, "vector", n, x);
+    return c.status;
+}
+
+int define_check_motion(const drape_motion *motion)
+{
+    struct check c = {.error = NULL, .status = DRAPE_OK};
+    check_motion(&c, motion);
+    return c.status;
+}
+
 bool define_check_allocator(const drape_allocator *allocator)
 {
     return !allocator->allocate == !allocator->release;

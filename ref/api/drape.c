@@ -9,22 +9,11 @@
 #include <string.h>
 
 #include "ref/api/define.h"
+#include "ref/api/handle.h"
+#include "ref/api/record.h"
 #include "ref/base/threads.h"
 #include "ref/narrow/audit.h"
 #include "ref/narrow/narrow.h"
-#include "ref/world/world.h"
-
-struct drape_world {
-    struct arena arena;
-    const struct world_ops *ops;
-    struct world *world;
-    int bodies; /* cloths and obstacles */
-    int precision;
-    drape_log *log;
-    void *log_user;
-    int64_t steps; /* begun since the world was made */
-    int64_t taken; /* allocations that the log has reported */
-};
 
 /* The log */
 
@@ -100,6 +89,7 @@ static int make(const drape_def *def, drape_world **world, drape_error *error)
         return DRAPE_ENOMEM;
     d->arena = arena;
     d->ops = choose_ops(def);
+    d->cloths = def->n_cloths;
     d->bodies = def->n_cloths + def->n_obstacles;
     d->precision = def->precision;
     d->log = def->log;
@@ -108,9 +98,12 @@ static int make(const drape_def *def, drape_world **world, drape_error *error)
     threads_begin(&threads, def->threads);
     int status = d->ops->make(def, &d->arena, &d->world, error);
     threads_end(&threads);
-    if (status == DRAPE_OK)
+    if (status == DRAPE_OK) {
+        enum { SMALL_SCENE = 4096 }; /* spec/world/step.md §8 */
         *world = d;
-    else
+        bool one = drape_vertices(d) < SMALL_SCENE || def->backend == DRAPE_GPU;
+        d->threads = one ? 1 : def->threads;
+    } else
         drape_destroy(d);
     return status;
 }
@@ -160,8 +153,14 @@ int drape_step(drape_world *world, drape_step_report *report)
         return DRAPE_EARG;
     world->steps++;
     world->arena.failed = false; /* memory may be available again */
+    drape_step_report own;
+    if (world->record && !report) /* for its outcome */
+        report = &own;
     int status = world->ops->step(world->world, report);
     tell_step(world, status);
+    if (status == DRAPE_OK && world->record)
+        record_call(world,
+                    (struct record){.kind = RECORD_STEP, .n = report->outcome});
     return status;
 }
 
@@ -204,6 +203,25 @@ int drape_borrow(drape_world *world, drape_view *view)
     return world->ops->borrow(world->world, view);
 }
 
+static int contacts(drape_world *world, bool there, drape_contact_list *list)
+{
+    if (!world || !list)
+        return DRAPE_EARG;
+    world->arena.failed = false;
+    memset(list, 0, sizeof *list);
+    return world->ops->contacts(world->world, there, list);
+}
+
+int drape_contacts(drape_world *world, drape_contact_list *list)
+{
+    return contacts(world, false, list);
+}
+
+int drape_contacts_device(drape_world *world, drape_contact_list *list)
+{
+    return contacts(world, true, list);
+}
+
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3])
 {
     if (!world || !tri)
@@ -214,8 +232,10 @@ int drape_read_triangles(const drape_world *world, int32_t (*tri)[3])
 
 void drape_wake(drape_world *world)
 {
-    if (world)
-        world->ops->wake(world->world);
+    if (!world)
+        return;
+    world->ops->wake(world->world);
+    record_call(world, (struct record){.kind = RECORD_WAKE});
 }
 
 int drape_set_wind(drape_world *world, const drape_wind *wind)
@@ -223,8 +243,13 @@ int drape_set_wind(drape_world *world, const drape_wind *wind)
     if (!world || !wind)
         return DRAPE_EARG;
     int status = define_check_wind(wind);
-    return status == DRAPE_OK ? world->ops->set_wind(world->world, wind)
-                              : status;
+    if (status == DRAPE_OK)
+        status = world->ops->set_wind(world->world, wind);
+    if (status == DRAPE_OK)
+        record_call(world, (struct record){.kind = RECORD_WIND,
+                                           .data = wind,
+                                           .bytes = sizeof *wind});
+    return status;
 }
 
 int drape_plan(const drape_world *world, drape_plan_row *row, int capacity)
@@ -258,7 +283,13 @@ int drape_load(drape_world *world, drape_read_bytes *read, void *user)
 {
     if (!world || !read)
         return DRAPE_EARG;
-    return world->ops->load(world->world, read, user);
+    struct threads threads;
+    threads_begin(&threads, world->threads);
+    int status = world->ops->load(world->world, read, user);
+    threads_end(&threads);
+    if (status == DRAPE_OK)
+        record_state(world);
+    return status;
 }
 
 const char *drape_info(void)

@@ -12,6 +12,7 @@
 #include "ref/base/trace.h"
 
 struct audit;
+struct blend;
 struct broad;
 struct contact;
 struct contacts;
@@ -26,6 +27,7 @@ struct response;
 struct rollback;
 struct sheet;
 struct travel;
+struct joint;
 struct turn;
 struct warm;
 struct world;
@@ -49,6 +51,8 @@ struct backend {
      * DRAPE_ENOMEM. */
     int (*grow)(void *on, struct pool *pool, int64_t need, size_t size,
                 bool kept);
+    /* Gives back a stream of `take`, or NULL. */
+    void (*give)(void *on, void *p);
     void (*copy)(void *on, void *to, const void *from, size_t bytes);
     void (*clear)(void *on, void *p, size_t bytes);
     /* Copies from host memory. The host memory may be reused on return. */
@@ -84,8 +88,8 @@ struct backend {
     int (*motion)(void *on, struct sheet *s);
     void (*energy)(void *on, struct sheet *s, const vec *x, const vec *v,
                    double value[3]);
-    /* Runs stage pcg with the settings in the sheet's struct pcg. */
-    int (*solve)(void *on, struct sheet *s);
+    /* Solves the cloths and their contacts together (ref/contact/joint.h). */
+    int (*joint)(struct world *w, struct joint *s);
     /* Do what the functions of these names in ref/broad/broad.h do. */
     int (*broad_whole_apart)(void *on, struct broad *b, const vec *x0,
                              const vec *x1, real r, bool *apart);
@@ -103,7 +107,7 @@ struct backend {
      * DRAPE_ENOMEM. */
     int (*turn_room)(struct world *w, int64_t n);
     void (*turn_begin)(void *on, int64_t n, vec *g, const vec *press, real dt);
-    void (*turn_carry)(void *on, const struct turn *s);
+    void (*turn_carry)(void *on, int64_t n, const vec *r, vec *g);
     void (*turn_load)(void *on, const struct turn *s);
     void (*turn_move)(void *on, const struct turn *s);
     /* Called when streams borrowed from a solver are not read any more. */
@@ -111,6 +115,16 @@ struct backend {
 
     void (*pin)(void *on, int64_t n, const int32_t *pinned, const vec *x,
                 vec *to);
+    /* The loops of ref/world/led.h. */
+    void (*blend)(void *on, const struct blend *s);
+    void (*keep)(void *on, int64_t n, const uint8_t *fixed, const vec *old,
+                 vec *a);
+    bool (*sane)(void *on, int64_t n, const vec *a);
+    /* Copies to host memory; it is there on return. */
+    void (*fetch)(void *on, void *host, const void *from, size_t bytes);
+    /* Brings the laws and triples of cloth k, which have changed, to where the
+     * backend's stages read them. */
+    void (*laws)(struct world *w, int k);
     bool (*moves)(const struct world *w);
     void (*velocities)(void *on, int64_t n, const vec *x0, const vec *x1,
                        real dt, vec *v);

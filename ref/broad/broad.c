@@ -162,7 +162,7 @@ int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
                         .x1 = x1,
                         .n_moved = b->later ? b->nv : 0,
                         .moved = moved,
-                        .all = !b->started,
+                        .all = !b->started || (b->restless && !b->later),
                         .box = b->box,
                         .stir = b->stir};
     b->x0 = x0;
@@ -172,7 +172,7 @@ int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
     int status = ref_refit(&fit);
     b->queries++;
     int64_t made =
-        status == DRAPE_OK && fit.all ? fit.made - b->still : fit.made;
+        status == DRAPE_OK && !b->started ? fit.made - b->still : fit.made;
     b->refitted += made;
     b->kept += b->tree.n - made;
     trace_stage(b->trace, "refit", b->box, (size_t)b->tree.n * sizeof *b->box);

@@ -29,6 +29,8 @@ struct broad {
                       spec/broad/front.md §5 */
     bool cones;    /* false: stage cones is not run */
     bool started;  /* the boxes of static meshes are made */
+    bool restless; /* a static mesh moves: its boxes are made in each query
+                      that refits all boxes */
     int64_t roots; /* root pairs: meshes that are compared */
     int32_t (*root)[2];
     struct box *box;

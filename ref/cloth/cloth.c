@@ -99,19 +99,14 @@ static void set_triples(struct cloth *c, int o, double length, double moment,
     }
 }
 
-int ref_cloth_size(const drape_cloth *d, struct cloth *c)
+int ref_cloth_laws(const drape_cloth *d, struct cloth *c)
 {
-    *c = (struct cloth){.m = d->m, .n = d->n};
-    c->count = (int64_t)d->m * d->n;
     c->hu = (real)(d->width / (d->m - 1));
     c->hv = (real)(d->height / (d->n - 1));
     c->beta = (real)d->material.damping;
     c->triples = d->bending == DRAPE_TRIPLES ? TRIPLES : 0;
     double hu = (double)c->hu, hv = (double)c->hv;
     c->cell_mass = (real)(d->material.density * hu * hv);
-    for (int64_t j = 0; j < d->n; j++)
-        for (int64_t i = 0; i < d->m; i++)
-            c->n_triangles += has_cell(d, i, j) ? 2 : 0;
 
     double square = hu * hu + hv * hv, diagonal = sqrt(square);
     struct angle t = {hu * hu / square, hv * hv / square};
@@ -133,6 +128,16 @@ int ref_cloth_size(const drape_cloth *d, struct cloth *c)
     set_triples(c, 2, diagonal, b.diagonal, whole);
     set_triples(c, 3, diagonal, b.diagonal, whole);
     return DRAPE_OK;
+}
+
+int ref_cloth_size(const drape_cloth *d, struct cloth *c)
+{
+    *c = (struct cloth){.m = d->m, .n = d->n};
+    c->count = (int64_t)d->m * d->n;
+    for (int64_t j = 0; j < d->n; j++)
+        for (int64_t i = 0; i < d->m; i++)
+            c->n_triangles += has_cell(d, i, j) ? 2 : 0;
+    return ref_cloth_laws(d, c);
 }
 
 /* §2: the mask of the single springs that start at particle (i, j). A spring is
@@ -160,17 +165,13 @@ static uint8_t all_springs(const drape_cloth *d, int64_t i, int64_t j)
 static void fill_particle(const drape_cloth *d, struct cloth *c, int64_t p)
 {
     int64_t i = p % d->m, j = p / d->m;
-    int cells = 0, beside = 0;
-    for (int k = 0; k < 4; k++) {
-        int is = has_cell(d, i - k % 2, j - k / 2);
-        cells += is;
-        beside |= is << k;
-    }
+    int beside = 0;
+    for (int k = 0; k < 4; k++)
+        beside |= has_cell(d, i - k % 2, j - k / 2) << k;
     c->beside[p] = (uint8_t)beside;
     c->cell[p] = has_cell(d, i, j);
     c->springs[p] = all_springs(d, i, j);
-    c->fixed[p] = cells ? 0 : CLOTH_ABSENT;
-    c->mass[p] = (real)cells * (R(0.25) * c->cell_mass);
+    c->fixed[p] = beside ? 0 : CLOTH_ABSENT;
 }
 
 /* The constant of the triple of direction o with its middle at (i, j). */
@@ -226,6 +227,18 @@ static double gershgorin(const struct cloth *c, bool limited)
     return bound;
 }
 
+void ref_cloth_weigh(struct cloth *c)
+{
+    EACH_ITEM
+    for (int64_t p = 0; p < c->count; p++) {
+        unsigned b = c->beside[p];
+        int cells = (int)((b & 1) + (b >> 1 & 1) + (b >> 2 & 1) + (b >> 3));
+        c->mass[p] = (real)cells * (R(0.25) * c->cell_mass);
+    }
+    c->bound = gershgorin(c, true);
+    c->damped = gershgorin(c, false);
+}
+
 int ref_cloth_fill(const drape_cloth *d, struct cloth *c, int64_t base)
 {
     EACH_ITEM
@@ -248,8 +261,7 @@ int ref_cloth_fill(const drape_cloth *d, struct cloth *c, int64_t base)
         c->n_pinned += c->fixed[p] != CLOTH_PINNED;
         c->fixed[p] = CLOTH_PINNED;
     }
-    c->bound = gershgorin(c, true);
-    c->damped = gershgorin(c, false);
+    ref_cloth_weigh(c);
     return DRAPE_OK;
 }
 

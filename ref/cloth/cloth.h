@@ -88,6 +88,14 @@ static inline int64_t spring_step(int32_t m, int o)
  * Everything else in def has been checked before. */
 int ref_cloth_size(const drape_cloth *def, struct cloth *c);
 
+/* Sets the laws, the triples and the mass of a cell by the sizes, the material
+ * and the bending of def, as ref_cloth_size does; for a material that changes.
+ * DRAPE_OK, or DRAPE_EARG as there; c may have changed then. */
+int ref_cloth_laws(const drape_cloth *def, struct cloth *c);
+
+/* Fills mass, bound and damped from the laws and from what is fixed. */
+void ref_cloth_weigh(struct cloth *c);
+
 /* Second call: fills the streams, which the caller has allocated. base: the
  * scene's index of particle 0. Returns DRAPE_OK, or DRAPE_EARG if an absent
  * particle is pinned. */

@@ -9,11 +9,15 @@
 
 enum contact_kind { CONTACT_VF, CONTACT_EE };
 
+/* Whether a contact takes part in the implicit solve: not; with vertices of
+ * both sides that move; with one side that is led. */
+enum contact_held { CONTACT_APART, CONTACT_MUTUAL, CONTACT_WALL };
+
 /* A contact holds two sides, A and B, apart: it asks for n·Σ c u ≥ target. */
 struct contact {
     int32_t v[4];  /* vertices, as the pair names them */
     int32_t kind;  /* enum contact_kind */
-    int32_t held;  /* 1: takes part in the implicit solve; penalty.md §1 */
+    int32_t held;  /* enum contact_held; penalty.md §1 */
     real c[4];     /* weights: side A adds to 1, side B to -1 */
     vec n;         /* unit, from B to A */
     real gap;      /* m, n·Σ c x at the start of the step */

@@ -36,60 +36,77 @@ void couple_start(struct world *w)
     c->iterations = c->solves = c->outcome = 0;
     c->residual = 0;
     c->seconds = 0;
+    c->joint.scale = c->joint.square = 0;
+    for (int k = 0; k < w->def.n_cloths && c->rough; k++) {
+        c->joint.scale += w->sheet[k].solver.pcg.scale;
+        c->joint.square += w->sheet[k].solver.pcg.square;
+    }
     w->run->turn_begin(w->on, w->nc, c->g, state_warm(w) ? w->press : NULL,
                        p->dt);
 }
 
-static struct turn turn_of(const struct world *w, const struct sheet *s)
+static struct turn turn_of(const struct world *w)
 {
     const struct couple *c = &w->couple;
-    int64_t at = s->first;
-    return (struct turn){.count = s->cloth.count,
-                         .fixed = s->cloth.fixed,
-                         .force = c->penalty.force + at,
-                         .hold = c->penalty.hold + at,
-                         .r = s->solver.pcg.r,
-                         .dv = c->dv ? c->dv + at : s->dynamics.dv,
-                         .g = c->g + at,
-                         .b = c->b + at,
-                         .x0 = w->x0 + at,
-                         .u = w->response.u + at,
-                         .v = w->v1 + at,
-                         .x1 = w->x1 + at,
-                         .touched = w->response.touched + at,
+    return (struct turn){.count = w->nc,
+                         .w = w->w,
+                         .force = c->penalty.force,
+                         .dv = c->joint.dv,
+                         .q = c->joint.q,
+                         .g = c->g,
+                         .b = c->b,
+                         .x0 = w->x0,
+                         .u = w->response.u,
+                         .v = w->v1,
+                         .x1 = w->x1,
+                         .touched = w->response.touched,
                          .span = c->penalty.tau / c->penalty.dt,
                          .dt = w->response.dt};
 }
 
-/* One cloth: (A + hold) dv = force - g; what moves is moved. After a breakdown
- * the exact rounds go on without. */
-static int solve_sheet(struct world *w, struct sheet *s)
+/* The contacts as penalty left them. */
+static struct links links_of(const struct penalty *p, vec *push)
+{
+    return (struct links){.nv = p->nv,
+                          .n = p->n,
+                          .contact = p->contact,
+                          .along = p->stiffness * p->tau * p->tau,
+                          .across = p->tau / p->dt,
+                          .nv1 = p->nv1,
+                          .n4 = p->n4,
+                          .start = p->start,
+                          .item = p->item,
+                          .push = push};
+}
+
+/* Solves (A + C) dv = force - g and moves what moves. After a breakdown the
+ * exact rounds go on without. */
+static int solve_joint(struct world *w, bool rough)
 {
     struct couple *c = &w->couple;
-    struct pcg *p = &s->solver.pcg;
-    struct turn turn = turn_of(w, s);
+    struct joint *s = &c->joint;
+    struct turn turn = turn_of(w);
     w->run->turn_load(w->on, &turn);
-    p->block = s->dynamics.block;
-    p->thin = s->dynamics.thin;
-    p->b = turn.b;
-    p->dv = turn.dv;
-    p->n_extra = s->cloth.count;
-    p->extra = turn.hold;
-    p->energy = 1;
-    p->tolerance = (real)w->def.tolerance;
+    s->nc = w->nc;
+    s->hold = c->penalty.hold;
+    s->wall = c->penalty.wall;
+    s->b = c->b;
+    s->links = links_of(&c->penalty, s->links.push);
+    s->tolerance = (real)w->def.tolerance;
     if (w->plan.history)
-        p->tolerance *= FINE;
-    int status = w->run->solve(w->on, s);
-    w->run->trace(w->on, w->tracing, "pcg", turn.dv,
-                  (size_t)turn.count * sizeof *turn.dv);
-    p->n_extra = p->energy = 0;
-    c->iterations += p->iterations;
+        s->tolerance *= FINE;
+    if (rough)
+        s->tolerance = real_max(s->tolerance, ROUGH);
+    s->max_iterations = w->def.max_iterations;
+    int status = w->run->joint(w, s);
+    w->run->trace(w->on, w->tracing, "joint", s->dv,
+                  (size_t)w->nc * sizeof *s->dv);
+    c->iterations += s->iterations;
     c->solves++;
-    if (p->outcome != PCG_CONVERGED)
+    if (s->outcome != PCG_CONVERGED)
         c->outcome |= DRAPE_UNCONVERGED;
-    if ((double)p->residual > c->residual)
-        c->residual = (double)p->residual;
-    if (status == DRAPE_OK && p->outcome != PCG_BREAKDOWN)
+    c->residual = (double)s->residual;
+    if (status == DRAPE_OK && s->outcome != PCG_BREAKDOWN && s->iterations > 0)
         w->run->turn_move(w->on, &turn);
     w->run->turn_end(w->on);
     return status == DRAPE_OK ? w->run->status(w->on) : status;
@@ -98,10 +115,9 @@ static int solve_sheet(struct world *w, struct sheet *s)
 static void add_residual(const struct world *w)
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
-        const struct dynamics *d = &w->sheet[k].dynamics;
-        struct turn turn = turn_of(w, &w->sheet[k]);
-        turn.r = d->left ? d->left : turn.r;
-        w->run->turn_carry(w->on, &turn);
+        const struct sheet *s = &w->sheet[k];
+        const vec *r = s->dynamics.left ? s->dynamics.left : s->solver.pcg.r;
+        w->run->turn_carry(w->on, s->cloth.count, r, w->couple.g + s->first);
     }
 }
 
@@ -146,9 +162,8 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
                       (size_t)p->nv * sizeof *p->force);
         if (w->couple.rough && w->couple.solves == 0)
             add_residual(w);
-        w->couple.residual = 0;
-        for (int i = 0; i < w->def.n_cloths && status == DRAPE_OK; i++)
-            status = solve_sheet(w, &w->sheet[i]);
+        if (status == DRAPE_OK)
+            status = solve_joint(w, k + 1 < turns);
         if (status == DRAPE_OK)
             status = w->run->penalty_status(w->on);
     }

@@ -5,6 +5,7 @@
 #define REF_COUPLE_H
 
 #include "ref/base/arena.h"
+#include "ref/contact/joint.h"
 #include "ref/contact/penalty.h"
 
 struct pcg;
@@ -16,12 +17,15 @@ struct world;
 #define COUPLE_KEPT R(0.75)
 #define COUPLE_GROWTH R(2.0)
 #define COUPLE_GUST R(0.25)
+/* penalty.md §1: a contact's stiffness by the largest stretch of a cloth. */
+#define COUPLE_SOFT R(0.1)
 
 struct couple {
     struct penalty penalty; /* nv, w, stiffness, dt, tau, slip, streams */
     vec *g;                 /* [nc] A times the change so far */
     vec *press;             /* [nv] N, warm.md; penalty's guess */
-    vec *b, *dv;            /* [nc]; dv is NULL where a motion's own dv does */
+    vec *b;                 /* [nc] force - g */
+    struct joint joint;     /* its streams, scale and square */
     int64_t cap;            /* contacts that the scratch is for */
     bool rough;             /* the motion before contact was solved so, with
                                the press of the slice before */

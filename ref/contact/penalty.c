@@ -85,8 +85,10 @@ static void select_held(struct penalty *s, int64_t k)
             share += real_abs(c->c[j]) * side_of(s, c, j);
     s->share[k] = share;
     s->gave[k] = s->first ? 0 : given_impulse(s, k);
-    c->held = spring_impulse(s, k, s->guess) > 0 ||
-              spring_impulse(s, k, s->u) > 0 || s->gave[k] > 0;
+    bool held = spring_impulse(s, k, s->guess) > 0 ||
+                spring_impulse(s, k, s->u) > 0 || s->gave[k] > 0;
+    bool wall = s->walls && (side_of(s, c, 0) == 0 || side_of(s, c, 3) == 0);
+    c->held = !held ? CONTACT_APART : wall ? CONTACT_WALL : CONTACT_MUTUAL;
 }
 
 /* §3: what contact k adds to the hold of its vertex j. */
@@ -108,7 +110,7 @@ static void count_parts(struct penalty *s, int64_t i)
 {
     int32_t parts = 0;
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++)
-        parts += s->contact[s->item[k] / 4].held;
+        parts += s->contact[s->item[k] / 4].held != CONTACT_APART;
     s->parts[i] = (real)parts;
 }
 
@@ -168,11 +170,11 @@ static void push(struct penalty *s, int64_t k)
         c->held ? real_max(spring_impulse(s, k, s->u), -s->gave[k]) : 0;
 }
 
-/* §3: the sum of force and hold over the held contacts of vertex i. */
+/* §3: the sums of force, wall and hold over the held contacts of vertex i. */
 static void gather(const struct penalty *s, int32_t i)
 {
     vec force = vec_make(0, 0, 0);
-    sym hold = {0, 0, 0, 0, 0, 0};
+    sym sum[2] = {{0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}};
     for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
         int64_t at = s->item[k] / 4;
         const struct contact *c = &s->contact[at];
@@ -181,10 +183,12 @@ static void gather(const struct penalty *s, int32_t i)
         int j = s->item[k] % 4;
         vec push = vec_axpy(c->tangent, c->impulse, c->n);
         force = vec_axpy(force, c->c[j], push);
-        hold = sym_add(hold, hold_of(s, at, j, c->slide));
+        sym *to = &sum[c->held == CONTACT_WALL];
+        *to = sym_add(*to, hold_of(s, at, j, c->slide));
     }
     s->force[i] = force;
-    s->hold[i] = hold;
+    s->wall[i] = sum[1];
+    s->hold[i] = sym_add(sum[0], sum[1]);
 }
 
 int ref_penalty(struct penalty *s)

@@ -12,6 +12,7 @@ struct penalty {
     const vec *u;   /* [nv] m/s, mean velocity of the step */
     const vec *g;   /* [nv] N·s, contacts' impulse so far, of free vertices */
     int first;      /* 1: the first turn of a slice */
+    int walls;      /* 1: contacts with a led side are CONTACT_WALL, §3.2 */
     real stiffness; /* N/m, > 0, of a contact */
     real dt, tau;   /* s, > 0: the slice, and the integrator's effective step */
     real slip;      /* m/s, > 0: friction is viscous below */
@@ -28,6 +29,7 @@ struct penalty {
     vec *guess;      /* scratch: [nv] m/s, velocity of §1.1 */
     real *parts;     /* scratch: [nv] d, held contacts of a vertex, §2.1 */
     vec *force;      /* out: [nv] N·s, 0 where no contact is held */
+    sym *wall;       /* out: [nv] kg, the part of hold of CONTACT_WALL */
     sym *hold;       /* out: [nv] kg, likewise; in, §1.2: of the turn before */
 };
 

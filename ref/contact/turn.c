@@ -3,11 +3,22 @@
  * memory. spec/contact/penalty.md §4 */
 #include "ref/contact/turn.h"
 
+#include "ref/base/sum.h"
 #include "ref/world/state.h"
 
 static void *take(struct world *w, int64_t n, size_t size)
 {
     return arena_take(w->arena, ARENA_RESPONSE, n, size);
+}
+
+static void make_joint(struct world *w, struct joint *s)
+{
+    s->r = take(w, w->nv, sizeof *s->r);
+    s->q = take(w, w->nv, sizeof *s->q);
+    s->p = take(w, w->nv, sizeof *s->p);
+    s->dv = take(w, w->nv, sizeof *s->dv);
+    s->n_chunks = sum_chunks(w->nc);
+    s->chunk = take(w, s->n_chunks, sizeof *s->chunk);
 }
 
 int turn_make(struct world *w)
@@ -19,16 +30,18 @@ int turn_make(struct world *w)
     p->w = w->w;
     p->u = w->response.u;
     p->stiffness = w->response.stiffness;
+    p->walls = w->def.n_cloths == 1;
     p->start = w->response.start;
     p->force = take(w, w->nv, sizeof *p->force);
     p->hold = take(w, w->nv, sizeof *p->hold);
+    p->wall = take(w, w->nv, sizeof *p->wall);
     p->guess = take(w, w->nv, sizeof *p->guess);
     c->press = p->guess; /* which nobody reads between two penalties */
     p->parts = take(w, w->nv, sizeof *p->parts);
     c->g = take(w, w->nc, sizeof *c->g);
     p->g = c->g;
     c->b = take(w, w->nc, sizeof *c->b);
-    c->dv = take(w, w->nc, sizeof *c->dv);
+    make_joint(w, &c->joint);
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
 
@@ -42,11 +55,13 @@ int turn_room(struct world *w, int64_t n)
     arena_give(w->arena, p->vertex);
     arena_give(w->arena, p->share);
     arena_give(w->arena, p->gave);
+    arena_give(w->arena, c->joint.links.push);
     int64_t cap = n + n / 4 + 64;
     p->item = take(w, 4 * cap, sizeof *p->item);
     p->vertex = take(w, 4 * cap, sizeof *p->vertex);
     p->share = take(w, cap, sizeof *p->share);
     p->gave = take(w, cap, sizeof *p->gave);
+    c->joint.links.push = take(w, cap, sizeof(vec));
     c->cap = w->arena->failed ? 0 : cap;
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
 }
@@ -58,11 +73,11 @@ void turn_begin(int64_t n, vec *g, const vec *press, real dt)
         g[i] = press ? vec_scale(dt, press[i]) : vec_make(0, 0, 0);
 }
 
-void turn_carry(const struct turn *s)
+void turn_carry(int64_t n, const vec *r, vec *g)
 {
     EACH_ITEM
-    for (int64_t i = 0; i < s->count; i++)
-        s->g[i] = vec_sub(s->g[i], s->r[i]);
+    for (int64_t i = 0; i < n; i++)
+        g[i] = vec_sub(g[i], r[i]);
 }
 
 void turn_load(const struct turn *s)
@@ -70,19 +85,17 @@ void turn_load(const struct turn *s)
     EACH_ITEM
     for (int64_t i = 0; i < s->count; i++)
         s->b[i] =
-            s->fixed[i] ? vec_make(0, 0, 0) : vec_sub(s->force[i], s->g[i]);
+            s->w[i] > 0 ? vec_sub(s->force[i], s->g[i]) : vec_make(0, 0, 0);
 }
 
 void turn_move(const struct turn *s)
 {
     EACH_ITEM
     for (int64_t i = 0; i < s->count; i++) {
-        if (s->fixed[i])
+        if (!(s->w[i] > 0))
             continue;
         vec dv = s->dv[i];
-        vec done =
-            vec_sub(vec_sub(s->b[i], s->r[i]), sym_apply(s->hold[i], dv));
-        s->g[i] = vec_add(s->g[i], done);
+        s->g[i] = vec_add(s->g[i], s->q[i]);
         s->u[i] = vec_axpy(s->u[i], s->span, dv);
         s->v[i] = vec_add(s->v[i], dv);
         s->x1[i] = vec_axpy(s->x0[i], s->dt, s->u[i]);

@@ -8,14 +8,13 @@
 
 struct world;
 
-/* One cloth's part of the streams. All are [count]. */
+/* The streams of the particles of all cloths. All are [count]. */
 struct turn {
     int64_t count;
-    const uint8_t *fixed;
+    const real *w;    /* 1/kg, 0: fixed */
     const vec *force; /* N·s, of penalty */
-    const sym *hold;  /* kg, likewise */
-    const vec *r;     /* N·s, that the last solve left */
-    vec *dv;          /* m/s, its result */
+    const vec *dv;    /* m/s, the result of the solve */
+    const vec *q;     /* N·s, A dv */
     vec *g;           /* N·s, A times the change so far */
     vec *b;           /* out: force - g; it may be force */
     const vec *x0;
@@ -26,16 +25,17 @@ struct turn {
 
 /* Takes the streams of w->couple. DRAPE_OK or DRAPE_ENOMEM. */
 int turn_make(struct world *w);
-/* Takes scratch of penalty and warm for n contacts. DRAPE_OK or DRAPE_ENOMEM.
- */
+/* Takes scratch of penalty, links and warm for n contacts. DRAPE_OK or
+ * DRAPE_ENOMEM. */
 int turn_room(struct world *w, int64_t n);
 /* g [n] begins with what presses already, or NULL: with nothing. */
 void turn_begin(int64_t n, vec *g, const vec *press, real dt);
-/* What the solve of the free motion left over is the first turn's to do. */
-void turn_carry(const struct turn *s);
+/* What the solve of the free motion left over, r [n], is the first turn's to
+ * do. */
+void turn_carry(int64_t n, const vec *r, vec *g);
 /* b = force - g, 0 where fixed. */
 void turn_load(const struct turn *s);
-/* g gains A dv, whatever pcg left over; u, v and x1 move with dv. */
+/* g gains A dv; u, v and x1 move with dv. */
 void turn_move(const struct turn *s);
 
 #endif

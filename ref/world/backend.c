@@ -26,6 +26,11 @@ static int grow(void *on, struct pool *pool, int64_t need, size_t size,
     return DRAPE_OK;
 }
 
+static void give(void *on, void *p)
+{
+    arena_give(on, p);
+}
+
 static void copy(void *on, void *to, const void *from, size_t bytes)
 {
     (void)on;
@@ -102,12 +107,6 @@ static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
     dynamics_energy(&s->dynamics, x, v, value);
 }
 
-static int solve(void *on, struct sheet *s)
-{
-    (void)on;
-    return ref_pcg(&s->solver.pcg);
-}
-
 static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,
                bool *apart)
 {
@@ -154,10 +153,10 @@ static void first_turn(void *on, int64_t n, vec *g, const vec *press, real dt)
     turn_begin(n, g, press, dt);
 }
 
-static void carry(void *on, const struct turn *s)
+static void carry(void *on, int64_t n, const vec *r, vec *g)
 {
     (void)on;
-    turn_carry(s);
+    turn_carry(n, r, g);
 }
 
 static void load(void *on, const struct turn *s)
@@ -177,6 +176,31 @@ static void pin(void *on, int64_t n, const int32_t *pinned, const vec *x,
 {
     (void)on;
     led_pin(n, pinned, x, to);
+}
+
+static void blend(void *on, const struct blend *s)
+{
+    (void)on;
+    led_blend(s);
+}
+
+static void keep(void *on, int64_t n, const uint8_t *fixed, const vec *old,
+                 vec *a)
+{
+    (void)on;
+    led_keep(n, fixed, old, a);
+}
+
+static bool sane(void *on, int64_t n, const vec *a)
+{
+    (void)on;
+    return led_sane(n, a);
+}
+
+static void laws(struct world *w, int k)
+{
+    (void)w; /* the stages read them in struct cloth */
+    (void)k;
 }
 
 static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
@@ -206,6 +230,7 @@ static int ending_streams(struct world *w)
 
 const struct backend backend_ref = {.take = take,
                                     .grow = grow,
+                                    .give = give,
                                     .copy = copy,
                                     .clear = clear,
                                     .send = copy,
@@ -230,7 +255,7 @@ const struct backend backend_ref = {.take = take,
                                     .penalty_status = penalty_status,
                                     .motion = motion,
                                     .energy = energy,
-                                    .solve = solve,
+                                    .joint = joint_solve,
                                     .broad_whole_apart = ask,
                                     .broad_query = query,
                                     .start = start,
@@ -244,6 +269,11 @@ const struct backend backend_ref = {.take = take,
                                     .turn_move = move,
                                     .turn_end = wait,
                                     .pin = pin,
+                                    .blend = blend,
+                                    .keep = keep,
+                                    .sane = sane,
+                                    .fetch = copy,
+                                    .laws = laws,
                                     .moves = led_moves,
                                     .velocities = velocities,
                                     .furthest = furthest,

@@ -7,6 +7,7 @@
 #include <float.h>
 
 #include "ref/base/hash.h"
+#include "ref/control/control.h"
 
 struct header {
     char magic[8]; /* "drape-" and the number of this format */
@@ -21,6 +22,14 @@ struct header {
     drape_wind wind;
 };
 static const char magic[8] = "drape-7";
+/* A world that its caller has changed has another magic, and after the header
+ * what follows from the changes: control.md §6. */
+static const char changed[8] = "drape-8";
+struct changes {
+    int64_t bytes;  /* of control_pack; 0 */
+    uint64_t armed; /* 1: the targets of the next step follow the streams */
+    double gravity[3];
+};
 
 /* Mixes an array of n items into the hash, with its length first: so no item
  * can move from the end of one array to the start of the next unnoticed. A
@@ -119,14 +128,11 @@ static uint64_t check_header(struct header *h)
     return hash_mix(HASH_SEED, h, sizeof *h);
 }
 
-int checkpoint_save(const struct world *w, drape_write *write, void *user)
+/* The header but for its magic and its hash. */
+static struct header header_of(const struct world *w)
 {
     struct header h;
-    void *stream[STREAMS];
-    size_t bytes[STREAMS];
-    streams(w, stream, bytes);
     memset(&h, 0, sizeof h);
-    memcpy(h.magic, magic, sizeof magic);
     h.bits = REAL_BITS;
     h.resting = (uint32_t)w->resting;
     h.fingerprint = w->fingerprint;
@@ -144,22 +150,80 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     h.blind = (uint16_t)w->caution.blind;
     h.pressed = (uint16_t)w->pressed;
     h.wind = w->def.wind;
-    uint64_t check = check_header(&h);
-    for (int k = 0; k < STREAMS; k++)
-        check = hash_mix(check, stream[k], bytes[k]);
-    h.check = check;
-    if (write(user, &h, sizeof h))
+    return h;
+}
+
+/* The parts of a checkpoint behind its header: the changes, what control_pack
+ * gives, the streams, the targets. */
+enum { PARTS = 3 + STREAMS };
+struct parts {
+    const void *data[PARTS];
+    size_t bytes[PARTS];
+};
+
+static void add_part(struct parts *p, int *n, const void *data, size_t bytes)
+{
+    p->data[*n] = data;
+    p->bytes[(*n)++] = bytes;
+}
+
+static int write_parts(struct header *h, const struct parts *p, int n,
+                       drape_write *write, void *user)
+{
+    uint64_t check = check_header(h);
+    for (int k = 0; k < n; k++)
+        check = hash_mix(check, p->data[k], p->bytes[k]);
+    h->check = check;
+    if (write(user, h, sizeof *h))
         return DRAPE_EIO;
-    for (int k = 0; k < STREAMS; k++)
-        if (bytes[k] && write(user, stream[k], bytes[k]))
+    for (int k = 0; k < n; k++)
+        if (p->bytes[k] && write(user, p->data[k], p->bytes[k]))
             return DRAPE_EIO;
     return DRAPE_OK;
 }
 
+static bool same_gravity(const struct world *w)
+{
+    return !memcmp(w->def.gravity, w->defined_gravity,
+                   sizeof w->defined_gravity);
+}
+
+int checkpoint_save(const struct world *w, drape_write *write, void *user)
+{
+    struct header h = header_of(w);
+    struct parts p;
+    void *stream[STREAMS];
+    size_t bytes[STREAMS];
+    int n = 0;
+    struct changes c = {.bytes = control_pack(w, NULL), .armed = w->told.armed};
+    memcpy(c.gravity, w->def.gravity, sizeof c.gravity);
+    bool plain = c.bytes == 0 && same_gravity(w);
+    memcpy(h.magic, plain ? magic : changed, sizeof magic);
+    uint8_t *pack = NULL;
+    if (c.bytes > 0 && !(pack = arena_take(w->arena, ARENA_OTHER, c.bytes, 1)))
+        return DRAPE_ENOMEM;
+    if (!plain) {
+        if (pack)
+            control_pack(w, pack);
+        add_part(&p, &n, &c, sizeof c);
+        add_part(&p, &n, pack, (size_t)c.bytes);
+    }
+    streams(w, stream, bytes);
+    for (int k = 0; k < STREAMS; k++)
+        add_part(&p, &n, stream[k], bytes[k]);
+    if (c.armed)
+        add_part(&p, &n, w->told.to, (size_t)w->nv * sizeof(vec));
+    int status = write_parts(&h, &p, n, write, user);
+    arena_give(w->arena, pack);
+    return status;
+}
+
 static bool matches(const struct world *w, const struct header *h)
 {
-    return !memcmp(h->magic, magic, sizeof magic) && h->bits == REAL_BITS &&
-           h->fingerprint == w->fingerprint && h->vertices == w->nv;
+    bool known = !memcmp(h->magic, magic, sizeof magic) ||
+                 !memcmp(h->magic, changed, sizeof changed);
+    return known && h->bits == REAL_BITS && h->fingerprint == w->fingerprint &&
+           h->vertices == w->nv;
 }
 
 static bool good_wind(const drape_wind *wind)
@@ -219,49 +283,133 @@ static bool good_streams(const uint8_t *aside, const size_t bytes[STREAMS])
     return good;
 }
 
-/* Reads all streams into a buffer and checks them first, so that a bad file
- * does not change the world. */
-int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
-{
+/* A checkpoint as it was read, and checked but for what only applying it can
+ * tell. */
+struct read {
     struct header h;
+    struct changes c;
+    uint8_t *pack;  /* [c.bytes] */
+    uint8_t *aside; /* the streams */
+    vec *to;        /* [nv]; NULL: no target is told */
+    size_t bytes[STREAMS];
     void *stream[STREAMS];
-    size_t bytes[STREAMS], all = 0;
-    streams(w, stream, bytes);
-    if (read(user, &h, sizeof h))
-        return DRAPE_EIO;
-    if (!matches(w, &h))
-        return DRAPE_EMATCH;
-    for (int k = 0; k < STREAMS; k++)
-        all += bytes[k];
-    uint8_t *aside = arena_take(w->arena, ARENA_OTHER, (int64_t)all, 1);
-    if (!aside)
+};
+
+static bool good_changes(const struct world *w, const struct changes *c)
+{
+    bool good = c->bytes >= 0 && c->bytes <= control_most(w) && c->armed <= 1 &&
+                (c->bytes > 0 || !c->armed);
+    for (int k = 0; k < 3; k++)
+        good &= c->gravity[k] >= -REAL_BIG && c->gravity[k] <= REAL_BIG;
+    return good;
+}
+
+/* Reads bytes to new memory and mixes them into the hash. */
+static int read_part(struct world *w, drape_read_bytes *read, void *user,
+                     size_t bytes, void *to, uint64_t *check)
+{
+    void *p = arena_take(w->arena, ARENA_OTHER, (int64_t)bytes, 1);
+    if (!p)
         return DRAPE_ENOMEM;
-    uint64_t want = h.check, check = check_header(&h);
-    int status = read(user, aside, all) ? DRAPE_EIO : DRAPE_OK;
-    size_t at = 0;
-    for (int k = 0; k < STREAMS; at += bytes[k++])
-        check = hash_mix(check, aside + at, bytes[k]);
+    memcpy(to, &p, sizeof p);
+    if (bytes && read(user, p, bytes))
+        return DRAPE_EIO;
+    *check = hash_mix(*check, p, bytes);
+    return DRAPE_OK;
+}
+
+static int read_changes(struct world *w, drape_read_bytes *read, void *user,
+                        struct read *r, uint64_t *check)
+{
+    memcpy(r->c.gravity, w->defined_gravity, sizeof r->c.gravity);
+    if (!memcmp(r->h.magic, magic, sizeof magic))
+        return DRAPE_OK;
+    if (read(user, &r->c, sizeof r->c))
+        return DRAPE_EIO;
+    if (!good_changes(w, &r->c))
+        return DRAPE_EMATCH; /* the rest cannot be read */
+    *check = hash_mix(*check, &r->c, sizeof r->c);
+    return read_part(w, read, user, (size_t)r->c.bytes, &r->pack, check);
+}
+
+static int read_streams(struct world *w, drape_read_bytes *read, void *user,
+                        struct read *r, uint64_t *check)
+{
+    size_t all = 0, at = 0;
+    uint64_t unused = 0;
+    for (int k = 0; k < STREAMS; k++)
+        all += r->bytes[k];
+    int status = read_part(w, read, user, all, &r->aside, &unused);
+    for (int k = 0; k < STREAMS && status == DRAPE_OK; at += r->bytes[k++])
+        *check = hash_mix(*check, r->aside + at, r->bytes[k]);
+    if (status == DRAPE_OK && r->c.armed)
+        status = read_part(w, read, user, (size_t)w->nv * sizeof *r->to, &r->to,
+                           check);
+    return status;
+}
+
+static bool good_read(const struct world *w, const struct read *r)
+{
+    return good_header(w, &r->h) && good_streams(r->aside, r->bytes) &&
+           (!r->c.bytes || control_fits(w, r->pack, r->c.bytes)) &&
+           (!r->to ||
+            good_reals((const uint8_t *)r->to, 3 * (size_t)w->nv, REAL_BIG));
+}
+
+/* Reads the whole checkpoint and checks it, so that a bad one does not change
+ * the world. */
+static int read_all(struct world *w, drape_read_bytes *read, void *user,
+                    struct read *r)
+{
+    if (read(user, &r->h, sizeof r->h))
+        return DRAPE_EIO;
+    if (!matches(w, &r->h))
+        return DRAPE_EMATCH;
+    uint64_t want = r->h.check, check = check_header(&r->h);
+    int status = read_changes(w, read, user, r, &check);
+    if (status == DRAPE_OK)
+        status = read_streams(w, read, user, r, &check);
     if (status == DRAPE_OK && check != want)
         status = DRAPE_EMATCH;
-    if (status == DRAPE_OK &&
-        !(good_header(w, &h) && good_streams(aside, bytes)))
-        status = DRAPE_EDATA;
-    at = 0;
-    for (int k = 0; k < STREAMS && status == DRAPE_OK; at += bytes[k++])
-        if (bytes[k])
-            memcpy(stream[k], aside + at, bytes[k]);
-    arena_give(w->arena, aside);
-    if (status != DRAPE_OK)
-        return status;
-    w->step = h.step;
-    w->intersecting = h.intersecting;
-    w->time = h.time;
-    world_set_wind(w, &h.wind);
-    w->resting = (int)h.resting;
-    w->asleep = h.asleep;
-    w->near = (enum nearness)h.near;
-    w->past = (int)h.past;
-    w->pressed = h.pressed;
-    w->caution = (struct caution){h.level, h.again, h.calm, h.far, h.blind};
-    return DRAPE_OK;
+    return status == DRAPE_OK && !good_read(w, r) ? DRAPE_EDATA : status;
+}
+
+static void apply(struct world *w, const struct read *r)
+{
+    const struct header *h = &r->h;
+    size_t at = 0;
+    for (int k = 0; k < STREAMS; at += r->bytes[k++])
+        if (r->bytes[k])
+            memcpy(r->stream[k], r->aside + at, r->bytes[k]);
+    if (w->home == w) /* no step writes x1 of what never moves */
+        memcpy(w->x1, w->x0, (size_t)w->nv * sizeof *w->x1);
+    w->list.known = false;
+    w->step = h->step;
+    w->intersecting = h->intersecting;
+    w->time = h->time;
+    control_gravity(w, r->c.gravity);
+    world_set_wind(w, &h->wind);
+    w->resting = (int)h->resting;
+    w->asleep = h->asleep;
+    w->near = (enum nearness)h->near;
+    w->past = (int)h->past;
+    w->pressed = h->pressed;
+    w->caution =
+        (struct caution){h->level, h->again, h->calm, h->far, h->blind};
+}
+
+int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
+{
+    struct read r = {.pack = NULL};
+    streams(w, r.stream, r.bytes);
+    int status = read_all(w, read, user, &r);
+    if (status == DRAPE_OK)
+        status = control_unpack(w, r.pack, r.c.bytes, r.to,
+                                (const vec *)(const void *)r.aside);
+    if (status == DRAPE_OK)
+        apply(w, &r);
+    arena_give(w->arena, r.pack);
+    arena_give(w->arena, r.aside);
+    arena_give(w->arena, r.to);
+    return status;
 }

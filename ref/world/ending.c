@@ -26,7 +26,7 @@ static int take_streams(struct world *w)
     return status == DRAPE_OK ? w->run->ending_streams(w) : status;
 }
 
-int ending_count(struct world *w, int64_t *found)
+int ending_count(struct world *w, const vec *x, int64_t *found)
 {
     struct audit *s = &w->ending;
     int status = take_streams(w);
@@ -34,7 +34,7 @@ int ending_count(struct world *w, int64_t *found)
         return status;
     s->nv = w->nv;
     s->nt = w->nt;
-    s->x = w->x0;
+    s->x = x;
     s->tri = (const int32_t(*)[3])w->tri;
     s->across = !w->plan.self;
     s->cap = 0; /* only the number of pairs is needed, not the pairs */

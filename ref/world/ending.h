@@ -13,9 +13,10 @@ static inline bool ending_doubtful(const struct world *w, int outcome)
     return w->intersecting > 0 || (outcome & DRAPE_TRAPPED);
 }
 
-/* Writes the number of intersecting pairs of the state x0 to *found. DRAPE_OK
- * or DRAPE_ENOMEM. */
-int ending_count(struct world *w, int64_t *found);
+/* Writes the number of intersecting pairs of the scene's triangles, with their
+ * vertices at x [nv] in the backend's memory, to *found. DRAPE_OK or
+ * DRAPE_ENOMEM. */
+int ending_count(struct world *w, const vec *x, int64_t *found);
 
 /* Sets the report's `intersecting` and the outcomes TRAPPED and PASSED from
  * w->intersecting. */

@@ -142,6 +142,21 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
     return DRAPE_OK;
 }
 
+/* Gives all pins of a particle the motion of the last of them, so that it does
+ * not matter which of them is written last. */
+static int agree(struct world *w, const struct sheet *s, int32_t *motion)
+{
+    int32_t *last = take(w, ARENA_OTHER, s->cloth.count, sizeof *last);
+    if (!last)
+        return DRAPE_ENOMEM;
+    for (int64_t i = 0; i < s->pins.n; i++)
+        last[s->pinned[i]] = motion[i];
+    for (int64_t i = 0; i < s->pins.n; i++)
+        motion[i] = last[s->pinned[i]];
+    arena_give(w->arena, last);
+    return DRAPE_OK;
+}
+
 static int fill_pins(struct world *w, const drape_cloth *def, int k)
 {
     struct sheet *s = &w->sheet[k];
@@ -164,7 +179,14 @@ static int fill_pins(struct world *w, const drape_cloth *def, int k)
     s->pins.motion = motion;
     s->pins.pose = w->pose;
     s->pins.poses = w->def.n_motions;
-    return DRAPE_OK;
+    s->made = (drape_cloth){.m = def->m,
+                            .n = def->n,
+                            .width = def->width,
+                            .height = def->height,
+                            .material = def->material,
+                            .bending = def->bending};
+    s->defined = def->material;
+    return s->pins.n > s->cloth.n_pinned ? agree(w, s, motion) : DRAPE_OK;
 }
 
 static int fill_obstacle(struct world *w, const drape_obstacle *def, int k)

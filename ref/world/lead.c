@@ -3,6 +3,9 @@
  * spec/world/step.md §1 */
 #include "ref/world/lead.h"
 
+#include "ref/world/led.h"
+#include "ref/world/slice.h"
+
 /* Sets the two frames between which time t lies, and the blend between them. */
 static void find_frame(struct prop *p, double t)
 {
@@ -20,6 +23,46 @@ static void find_frame(struct prop *p, double t)
     k->next = k->blend > 0 ? k->rest + 3 * k->n : NULL;
 }
 
+/* control.md §3: writes to x the places of n items of which `from` is the first
+ * vertex, on their way to where the caller told them to be. */
+static void go(const struct world *w, int64_t first, int64_t n,
+               const int32_t *at, vec *x)
+{
+    struct blend s = {.n = n,
+                      .at = at,
+                      .from = w->told.from + first,
+                      .to = w->told.to + first,
+                      .part = w->told.armed ? slice_part(w) : 1,
+                      .x = x};
+    w->run->blend(w->on, &s);
+}
+
+static int lead_obstacle(struct world *w, struct prop *p, double t, vec *x)
+{
+    if (p->told)
+        go(w, p->first, p->place.n, NULL, x + p->first);
+    if (p->told || (!p->moves && t > 0))
+        return DRAPE_OK;
+    if (p->frames)
+        find_frame(p, t);
+    p->place.x = x + p->first;
+    return w->run->kinematics(w->on, &p->place);
+}
+
+static int lead_pins(struct world *w, struct sheet *s)
+{
+    struct pins pins = state_pins(s);
+    int status = DRAPE_OK;
+    if (pins.n == 0)
+        return DRAPE_OK;
+    if (s->hand.on)
+        go(w, s->first, pins.n, pins.at, pins.x);
+    else
+        status = w->run->kinematics(w->on, &s->pins);
+    w->run->pin(w->on, pins.n, pins.at, pins.x, w->to + s->first);
+    return status;
+}
+
 int lead(struct world *w, double t, vec *x)
 {
     int status = DRAPE_OK;
@@ -29,22 +72,10 @@ int lead(struct world *w, double t, vec *x)
         w->pose[k] = kinematics_pose(&w->def.motions[k], t);
     w->run->send(w->on, w->posed, w->pose,
                  (size_t)w->def.n_motions * sizeof *w->pose);
-    for (int k = 0; k < w->def.n_obstacles && status == DRAPE_OK; k++) {
-        struct prop *p = &w->prop[k];
-        if (!p->moves && t > 0)
-            continue;
-        if (p->frames)
-            find_frame(p, t);
-        p->place.x = x + p->first;
-        status = w->run->kinematics(w->on, &p->place);
-    }
-    for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
-        struct sheet *s = &w->sheet[k];
-        if (s->pins.n == 0)
-            continue;
-        status = w->run->kinematics(w->on, &s->pins);
-        w->run->pin(w->on, s->pins.n, s->pinned, s->pins.x, w->to + s->first);
-    }
+    for (int k = 0; k < w->def.n_obstacles && status == DRAPE_OK; k++)
+        status = lead_obstacle(w, &w->prop[k], t, x);
+    for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++)
+        status = lead_pins(w, &w->sheet[k]);
     return status == DRAPE_OK ? w->run->status(w->on) : status;
 }
 

@@ -15,14 +15,50 @@ bool led_moves(const struct world *w)
         if (memcmp(&w->x0[i], &w->x1[i], sizeof *w->x0) != 0)
             return true;
     for (int k = 0; k < w->def.n_cloths; k++) {
-        const struct sheet *s = &w->sheet[k];
-        for (int64_t i = 0; i < s->pins.n; i++) {
-            const vec *x = w->x0 + s->first + s->pinned[i];
-            if (memcmp(x, &s->pins.x[i], sizeof *x) != 0)
+        struct pins pins = state_pins(&w->sheet[k]);
+        for (int64_t i = 0; i < pins.n; i++) {
+            const vec *x = w->x0 + w->sheet[k].first + pins.at[i];
+            if (memcmp(x, &pins.x[i], sizeof *x) != 0)
                 return true;
         }
     }
     return false;
+}
+
+static real between(real a, real b, double part)
+{
+    double from = (double)a;
+    return (real)(from + part * ((double)b - from));
+}
+
+void led_blend(const struct blend *s)
+{
+    EACH_ITEM
+    for (int64_t i = 0; i < s->n; i++) {
+        int64_t k = s->at ? s->at[i] : i;
+        vec a = s->from[k], b = s->to[k];
+        s->x[i] = s->part < 1 ? vec_make(between(a.x, b.x, s->part),
+                                         between(a.y, b.y, s->part),
+                                         between(a.z, b.z, s->part))
+                              : b;
+    }
+}
+
+void led_keep(int64_t n, const uint8_t *fixed, const vec *old, vec *a)
+{
+    EACH_ITEM
+    for (int64_t i = 0; i < n; i++)
+        if (fixed[i])
+            a[i] = old[i];
+}
+
+bool led_sane(int64_t n, const vec *a)
+{
+    int bad = 0;
+#pragma omp parallel for schedule(static) reduction(| : bad)
+    for (int64_t i = 0; i < n; i++)
+        bad |= !vec_sane(a[i]);
+    return !bad;
 }
 
 void led_velocities(int64_t n, const vec *x0, const vec *x1, real dt, vec *v)

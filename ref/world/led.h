@@ -11,6 +11,19 @@ void led_pin(int64_t n, const int32_t *pinned, const vec *x, vec *to);
 /* Whether an obstacle or a pin has another place in x1 than in x0, compared by
  * bits. */
 bool led_moves(const struct world *w);
+/* A part of the straight way of n items to where they are told to be. */
+struct blend {
+    int64_t n;
+    const int32_t *at;    /* [n] the vertex of each item; NULL: the item */
+    const vec *from, *to; /* m, by vertex */
+    double part;          /* of the way, 0 … 1; 1: `to` itself */
+    vec *x;               /* out: [n] m, by item */
+};
+void led_blend(const struct blend *s);
+/* Puts back old[i] into a[i] of n particles where they are fixed. */
+void led_keep(int64_t n, const uint8_t *fixed, const vec *old, vec *a);
+/* Whether all n vectors are finite and within |a| ≤ 2^60. */
+bool led_sane(int64_t n, const vec *a);
 /* Sets v [n] to the mean velocity (x1 - x0) / dt of n vertices. */
 void led_velocities(int64_t n, const vec *x0, const vec *x1, real dt, vec *v);
 /* Returns the square of the largest displacement of n vertices, m². */

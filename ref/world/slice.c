@@ -48,6 +48,11 @@ double slice_time(struct world *w)
     return ((double)w->step + part) * w->def.dt;
 }
 
+double slice_part(const struct world *w)
+{
+    return (double)(w->slicing.done + unit(&w->slicing)) / WHOLE;
+}
+
 bool slice_last(const struct world *w)
 {
     return w->slicing.done == WHOLE;

@@ -46,6 +46,8 @@ void slice_begin(struct world *w);
 /* Sets w->dt to the length of the current slice, s. Returns the time at the end
  * of the slice, s. */
 double slice_time(struct world *w);
+/* Returns the part of the step that is done at the end of the slice, 0 … 1. */
+double slice_part(const struct world *w);
 /* Whether all slices of the step are done. */
 bool slice_last(const struct world *w);
 /* §7.2: whether candidates move too far for this slice and a shorter slice is

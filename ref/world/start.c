@@ -157,13 +157,14 @@ static void explain(const struct world *w, const struct start_pairs *p,
              p->sliver ? ", one of them without area" : "");
 }
 
-int start_audit(struct world *w, drape_error *error)
+int start_look(struct world *w, const vec *x, int64_t *found,
+               drape_error *error)
 {
     struct start_pairs p;
-    int status = look(w, w->x0, &p);
+    int status = look(w, x, &p);
+    *found = p.sliver ? 0 : p.found;
     if (status != DRAPE_OK || p.found == 0)
         return status;
-    w->intersecting = p.sliver ? 0 : p.found;
     if (w->def.allow_intersecting)
         return DRAPE_OK;
     if (error)
@@ -171,13 +172,25 @@ int start_audit(struct world *w, drape_error *error)
     return DRAPE_ESTART;
 }
 
+int start_audit(struct world *w, drape_error *error)
+{
+    return start_look(w, w->x0, &w->intersecting, error);
+}
+
+bool start_too_stiff(const struct world *w, const struct cloth *cloth)
+{
+    return !w->plan.implicit &&
+           advance_substeps_of(w->def.integrator, w->def.dt, cloth) >
+               w->def.max_substeps;
+}
+
 int start_substeps(const struct world *w, drape_error *error)
 {
-    for (int k = 0; k < w->def.n_cloths && !w->plan.implicit; k++) {
+    for (int k = 0; k < w->def.n_cloths; k++) {
         const struct cloth *c = &w->sheet[k].cloth;
-        int32_t n = advance_substeps_of(w->def.integrator, w->def.dt, c);
-        if (n <= w->def.max_substeps)
+        if (!start_too_stiff(w, c))
             continue;
+        int32_t n = advance_substeps_of(w->def.integrator, w->def.dt, c);
         if (error)
             snprintf(error->text, sizeof error->text,
                      "cloth %d: stable from %d substeps on, max_substeps is "

@@ -18,9 +18,21 @@
 
 struct gpu_sheet;
 
+/* Pins that the caller has set and moves: control.md §4. */
+struct hand {
+    bool on;       /* false: the definition's pins hold */
+    int64_t n;     /* pins */
+    int32_t *list; /* [n] the particle of each pin, on the host */
+    int32_t *at;   /* [n] the same in the memory of the backend */
+    vec *x;        /* [n] m, where the pins end */
+};
+
 /* One cloth: its model, its part of the streams, its stages, and its pins. */
 struct sheet {
     struct cloth cloth;
+    drape_cloth made;       /* its scalars; the material is the current one */
+    drape_material defined; /* the definition's material */
+    struct hand hand;
     int64_t first, first_triangle; /* where the cloth begins in the streams */
     struct dynamics dynamics;
     struct solver solver;
@@ -36,7 +48,20 @@ struct prop {
     double *frame; /* [frames][place.n][3] m; NULL: it has no frames */
     int frames;
     double frame_dt;
-    bool moves; /* it has a motion or frames */
+    bool moves;    /* it has a motion or frames */
+    bool told;     /* it goes where the caller says: control.md §5 */
+    int32_t *none; /* [place.n] zeros, the motion of a pose; NULL: not yet */
+    struct pose *pose; /* in the memory of the backend; NULL: not yet */
+};
+
+/* Where the caller leads vertices. The streams are taken when they are first
+ * needed. spec/control/control.md §3 */
+struct told {
+    vec *from, *to; /* [nv] m, the start and the end of the next step */
+    bool armed;     /* a target was told since the last step */
+    bool stirred;   /* a mesh of class TREE_STATIC moved in the last step */
+    bool planned;   /* the definition moves something, and so plan.led */
+    bool able;      /* the broad phase's apart.able as it was made */
 };
 
 /* How near things came in a slice: no candidate; candidates without contact;
@@ -55,6 +80,21 @@ struct start {
     enum nearness near;
 };
 
+/* The list of contacts that the caller asks for. All but the last three lie on
+ * the host; all are NULL until they are needed. spec/control/control.md §8 */
+struct list {
+    bool known; /* response and couple hold the contacts of the last slice */
+    drape_contact *item; /* [cap] */
+    struct contact *raw; /* [cap] of a device */
+    int64_t cap;
+    vec *g;               /* [nc] of a device */
+    double *weight;       /* [nc] */
+    double (*body)[3];    /* [bodies] N·s */
+    drape_contact *there; /* [cap_there] in the memory of a device */
+    int64_t cap_there;
+    double (*body_there)[3];
+};
+
 /* Streams lie in the memory of the backend, except watch, which the host has.
  */
 struct world {
@@ -62,10 +102,13 @@ struct world {
     const struct backend *run; /* the functions of the backend */
     void *on;                  /* the first argument of those functions */
     struct gpu_world *device;  /* NULL: the backend is the reference */
+    struct world *home;        /* the world whose streams are on the host: this
+                                  one, or the one that a device's was made of */
     struct plan plan;
     struct arena *arena;
-    const size_t *held;   /* [ARENA_PARTS] bytes in the backend's memory */
-    uint64_t fingerprint; /* of the whole definition, for checkpoints */
+    const size_t *held;        /* [ARENA_PARTS] bytes in the backend's memory */
+    uint64_t fingerprint;      /* of the whole definition, for checkpoints */
+    double defined_gravity[3]; /* the definition's */
 
     int64_t nv, nt;          /* vertices and triangles of the scene */
     int64_t nc, ntc;         /* how many of these belong to cloth: the first */
@@ -109,6 +152,8 @@ struct world {
     struct slicing slicing;
     struct caution caution;
     struct start start;
+    struct told told;
+    struct list list;
     struct audit
         ending; /* the audit of step.md §11; its streams are taken at need */
 };
@@ -124,6 +169,19 @@ static inline bool state_has_past(const struct world *w)
 static inline bool state_warm(const struct world *w)
 {
     return w->pressed && !w->slicing.without_press;
+}
+
+/* The pins of a cloth that hold now. */
+struct pins {
+    int64_t n;
+    const int32_t *at; /* [n] the particle of each pin */
+    vec *x;            /* [n] m, where the pins end */
+};
+static inline struct pins state_pins(const struct sheet *s)
+{
+    if (s->hand.on)
+        return (struct pins){s->hand.n, s->hand.at, s->hand.x};
+    return (struct pins){s->pins.n, s->pinned, s->pins.x};
 }
 
 /* Returns how near things came in the slice that this response handled. */

@@ -6,6 +6,7 @@
 #include "ref/base/clock.h"
 #include "ref/base/threads.h"
 #include "ref/cloth/implicit.h"
+#include "ref/control/control.h"
 #include "ref/world/collide.h"
 #include "ref/world/ending.h"
 #include "ref/world/lead.h"
@@ -64,6 +65,7 @@ static void begin(struct world *w, struct step *s)
         w->tracing->last = s->last;
     }
     slice_begin(w);
+    control_begin(w);
     if (!w->asleep)
         return;
     if (w->plan.led)
@@ -274,8 +276,10 @@ static int end(struct world *w, struct step *s)
     int64_t found = w->intersecting;
     if (s->status == DRAPE_OK && !diverged && !s->asleep &&
         ending_doubtful(w, r->outcome))
-        s->status = ending_count(w, &found);
+        s->status = ending_count(w, w->x0, &found);
     bool failed = s->status != DRAPE_OK || diverged;
+    if (!s->asleep)
+        control_end(w, failed);
     if (failed && w->slicing.done > 0)
         restore_start(w);
     if (s->status != DRAPE_OK)

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes a world of one precision from a checked definition, and serves the
  * API's questions about it: state, bodies, waking and wind. */
+#include "ref/control/control.h"
+#include "ref/control/list.h"
 #include "ref/world/checkpoint.h"
 #include "ref/world/fill.h"
 #include "ref/world/start.h"
@@ -16,11 +18,13 @@ int world_make(const drape_def *def, struct arena *arena, struct world **world,
         return DRAPE_ENOMEM;
     w->arena = arena;
     w->held = arena->bytes;
+    w->home = w;
     w->run = &backend_ref;
     w->on = arena;
     w->def = *def;
     w->plan = plan_make(def);
     w->dt = def->dt;
+    memcpy(w->defined_gravity, def->gravity, sizeof w->defined_gravity);
     w->fingerprint = checkpoint_fingerprint(def);
     w->trace = (struct trace){def->trace, def->trace_user, 0, 0};
     w->tracing = def->trace ? &w->trace : NULL;
@@ -40,6 +44,8 @@ int world_make(const drape_def *def, struct arena *arena, struct world **world,
     if (status == DRAPE_OK)
         status = start_substeps(w, error);
     world_set_wind(w, &def->wind);
+    w->told.planned = w->plan.led;
+    w->told.able = w->broad.apart.able;
     *world = w;
     return status;
 }
@@ -122,6 +128,8 @@ const struct world_ops world_ops = {.make = world_make,
                                     .first_triangle = world_first_triangle,
                                     .wake = world_wake,
                                     .set_wind = world_set_wind,
+                                    .control = CONTROL_OPS,
+                                    .contacts = list_contacts,
                                     .plan = plan_rows,
                                     .save = checkpoint_save,
                                     .load = checkpoint_load,

@@ -9,6 +9,28 @@
 
 struct world;
 
+/* Vectors that the caller gives: `here` in binary64 on the host, or else
+ * `there` in the precision and the memory of the world. Both NULL: none. */
+struct given {
+    const double (*here)[3];
+    const void *there;
+};
+
+/* Live control: ref/control/control.h. */
+struct control_ops {
+    void (*gravity)(struct world *w, const double gravity[3]);
+    int (*material)(struct world *w, int cloth, const drape_material *m);
+    int (*positions)(struct world *w, int64_t first, int64_t n, struct given x,
+                     drape_error *error);
+    int (*velocities)(struct world *w, int64_t first, int64_t n,
+                      struct given v);
+    int (*pins)(struct world *w, int cloth, int64_t n, const int32_t *particle,
+                struct given x);
+    int (*obstacle)(struct world *w, int obstacle, struct given x);
+    int (*pose)(struct world *w, int obstacle, const drape_motion *motion);
+    int (*fetch)(struct world *w, void *host, const void *there, size_t bytes);
+};
+
 /* The functions that the API calls, of one precision and one backend. */
 struct world_ops {
     int (*make)(const drape_def *def, struct arena *arena, struct world **world,
@@ -20,6 +42,8 @@ struct world_ops {
     int64_t (*first_triangle)(const struct world *w, int body);
     void (*wake)(struct world *w);
     int (*set_wind)(struct world *w, const drape_wind *wind);
+    struct control_ops control;
+    int (*contacts)(struct world *w, bool there, drape_contact_list *list);
     int (*plan)(const struct world *w, drape_plan_row *row, int capacity);
     int (*save)(const struct world *w, drape_write *write, void *user);
     int (*load)(struct world *w, drape_read_bytes *read, void *user);

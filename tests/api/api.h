@@ -48,5 +48,13 @@ const char *api_call_create(struct api *a);
 const char *api_call_audit(struct api *a);
 const char *api_call_ccd(struct api *a);
 const char *api_call_frames(struct api *a);
+/* Faults that live control refuses; in tests/api/api_control.c. */
+const char *api_call_gravity(struct api *a);
+const char *api_call_material(struct api *a);
+const char *api_call_state(struct api *a);
+const char *api_call_pins(struct api *a);
+const char *api_call_obstacle(struct api *a);
+const char *api_call_contacts(struct api *a);
+const char *api_call_log(struct api *a);
 
 #endif

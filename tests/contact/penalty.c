@@ -1,21 +1,42 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage penalty: generator and properties. spec/contact/penalty.md */
+/* Stages penalty and links: generators and properties. spec/contact/penalty.md
+ */
 #include "ref/contact/penalty.h"
 
+#include <stdlib.h>
+
+#include "ref/base/wide.h"
 #include "ref/contact/contacts.h"
+#include "ref/contact/incidence.h"
+#include "ref/contact/links.h"
 #include "ref/solve/jacobi.h"
 #include "tests/base/choices.h"
 
-const struct field fields_penalty[] = {
-    IN(penalty, w, nv, 1),           IN(penalty, u, nv, 1),
-    IN(penalty, g, nv, 1),           INOUT(penalty, contact, n, 1),
-    SCRATCH(penalty, start, nv1, 1), SCRATCH(penalty, item, n4, 1),
-    SCRATCH(penalty, vertex, n4, 1), SCRATCH(penalty, share, n, 1),
-    SCRATCH(penalty, gave, n, 1),    SCRATCH(penalty, guess, nv, 1),
-    SCRATCH(penalty, parts, nv, 1),  OUT(penalty, force, nv, 1),
-    INOUT(penalty, hold, nv, 1),     FIELD_END};
+const struct field fields_penalty[] = {IN(penalty, w, nv, 1),
+                                       IN(penalty, u, nv, 1),
+                                       IN(penalty, g, nv, 1),
+                                       INOUT(penalty, contact, n, 1),
+                                       SCRATCH(penalty, start, nv1, 1),
+                                       SCRATCH(penalty, item, n4, 1),
+                                       SCRATCH(penalty, vertex, n4, 1),
+                                       SCRATCH(penalty, share, n, 1),
+                                       SCRATCH(penalty, gave, n, 1),
+                                       SCRATCH(penalty, guess, nv, 1),
+                                       SCRATCH(penalty, parts, nv, 1),
+                                       OUT(penalty, force, nv, 1),
+                                       OUT(penalty, wall, nv, 1),
+                                       INOUT(penalty, hold, nv, 1),
+                                       FIELD_END};
 
-/* Stage contacts' generator; both stages take the same input. */
+const struct field fields_links[] = {IN(links, contact, n, 1),
+                                     IN(links, x, nv, 1),
+                                     IN(links, start, nv1, 1),
+                                     IN(links, item, n4, 1),
+                                     SCRATCH(links, push, n, 1),
+                                     INOUT(links, y, nv, 1),
+                                     FIELD_END};
+
+/* Stage contacts' generator; all three stages take the same contacts. */
 void gen_contacts(struct bytes *b, struct contacts *s);
 
 void gen_penalty(struct bytes *b, struct penalty *s)
@@ -39,6 +60,7 @@ void gen_penalty(struct bytes *b, struct penalty *s)
         g[i] = pick_vec(b, R(0.01));
     s->g = g;
     s->first = pick(b, 2);
+    s->walls = pick(b, 2);
     s->hold = take(b, s->nv, sizeof *s->hold);
     for (int64_t i = 0; i < s->nv; i++) {
         real a = pick_uniform(b, R(1e-4), 1), d = pick_uniform(b, 0, a / 2);
@@ -46,6 +68,46 @@ void gen_penalty(struct bytes *b, struct penalty *s)
     }
     for (int64_t k = 0; k < s->n; k++)
         s->contact[k].held = !s->first && pick(b, 2);
+}
+
+/* What y of vertex i is before links adds to it. */
+static vec before_links(int64_t i)
+{
+    int32_t k = (int32_t)(i % 97);
+    return vec_make(R(0.125) * (real)(k % 7 - 3), (real)(k % 5 - 2) / 3,
+                    (real)(k - 48));
+}
+
+void gen_links(struct bytes *b, struct links *s)
+{
+    struct contacts c = {0};
+    gen_contacts(b, &c);
+    s->nv = c.nv;
+    s->n = c.n;
+    s->nv1 = c.nv1;
+    s->n4 = c.n4;
+    s->contact = c.contact;
+    for (int64_t k = 0; k < s->n; k++)
+        c.contact[k].held = (int32_t)pick(b, 3);
+    s->along = pick(b, 8) ? pick_uniform(b, R(1e-4), 1) : 0;
+    s->across = pick(b, 2) ? 1 : R(2.0) / 3;
+    bool all = pick(b, 2); /* no vertex is led */
+    real *w = take(b, s->nv, sizeof *w);
+    vec *x = take(b, s->nv, sizeof *x);
+    s->y = take(b, s->nv, sizeof *s->y);
+    for (int64_t i = 0; i < s->nv; i++) {
+        w[i] = all ? 1 : c.w[i];
+        x[i] = w[i] > 0 ? pick_vec(b, 10) : vec_make(0, 0, 0);
+        s->y[i] = before_links(i);
+    }
+    s->x = x;
+    int32_t *start = take(b, s->nv1, sizeof *start);
+    int32_t *item = take(b, s->n4, sizeof *item);
+    int32_t *vertex = take(b, s->n4, sizeof *vertex);
+    struct incidence by = {s->nv, s->n, w, s->contact, start, item, vertex, 0};
+    ref_incidence(&by);
+    s->start = start;
+    s->item = item;
 }
 
 static double dot(vec a, vec b)
@@ -99,6 +161,15 @@ static vec slip_of(const struct contact *c, const vec *u)
     return vec_axpy(v, -vec_dot(c->n, v), c->n);
 }
 
+/* Whether no vertex of a side of contact c is free. */
+static bool side_led(const struct penalty *s, const struct contact *c)
+{
+    bool led[2] = {true, true};
+    for (int j = 0; j < 4; j++)
+        led[j >= (c->kind == CONTACT_VF ? 1 : 2)] &= !(s->w[c->v[j]] > 0);
+    return led[0] || led[1];
+}
+
 const char *prop_penalty(const struct penalty *s)
 {
     double total[3] = {0, 0, 0}, size = 0;
@@ -108,7 +179,9 @@ const char *prop_penalty(const struct penalty *s)
         const struct contact *c = &s->contact[k];
         real length = vec_length(c->tangent);
         /* §1: a contact that approaches is held; §2: friction opposes slip */
-        EXPECT(c->held == 0 || c->held == 1);
+        EXPECT(c->held == CONTACT_APART || c->held == CONTACT_MUTUAL ||
+               (c->held == CONTACT_WALL && s->walls && side_led(s, c)));
+        EXPECT(c->held != CONTACT_MUTUAL || !s->walls || !side_led(s, c));
         EXPECT(c->impulse >= 0 || !s->first); /* §1.3 */
         EXPECT(c->held || (c->impulse == 0 && length == 0 && c->slide == 0));
         EXPECT(c->held || !(approach(s, c) > 0));
@@ -145,13 +218,94 @@ const char *prop_penalty(const struct penalty *s)
     return NULL;
 }
 
+/* §3, of one contact: adds its block of corners j and k times x of corner k to
+ * sum of corner j, for all j and k; and to size of corner j: |c| times a bound
+ * of the push, 2 (a + b) Σ |c| |x|₁. */
+static void add_blocks(const struct links *s, const struct contact *c,
+                       struct wide *sum, double *size)
+{
+    struct wide n = wide_of(c->n);
+    double a = (double)s->along;
+    double b = (double)c->slide * (double)s->across;
+    for (int j = 0; j < 4; j++)
+        for (int k = 0; k < 4; k++) {
+            struct wide x = wide_of(s->x[c->v[k]]);
+            double both = (double)c->c[j] * (double)c->c[k];
+            double one = fabs(x.x) + fabs(x.y) + fabs(x.z);
+            struct wide *to = &sum[c->v[j]];
+            *to = wide_axpy(*to, both * b, x);
+            *to = wide_axpy(*to, both * (a - b) * wide_dot(n, x), n);
+            size[c->v[j]] += 2 * (a + b) * fabs(both) * one;
+        }
+}
+
+/* §3: y gained the contacts' matrix times x, which is symmetric, positive
+ * semidefinite and 0 on a motion of all vertices alike. A push has at most 12
+ * roundings (pair_sum 4, n·v 3, a - b 2, and 3 more) and with |n| ≤ 1 is below
+ * the bound of add_blocks; a vertex of d items adds d + 1 roundings, and the
+ * sums here as many as in all binary64. */
+static const char *check_links(const struct links *s, struct wide *sum,
+                               double *size)
+{
+    double unit = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
+    double least = REAL_BITS == 32 ? 0x1p-140 : 0x1p-1060; /* underflow */
+    double energy = 0, error = 0, total[3] = {0, 0, 0}, all = 0;
+    int64_t items = 0;
+    for (int64_t k = 0; k < s->n; k++) {
+        if (s->contact[k].held == CONTACT_MUTUAL)
+            add_blocks(s, &s->contact[k], sum, size);
+        for (int j = 0; j < 4; j++)
+            items += s->contact[k].c[j] != 0;
+    }
+    for (int64_t i = 0; i < s->nv; i++) {
+        int32_t d = s->start[i + 1] - s->start[i];
+        struct wide x = wide_of(s->x[i]), y = wide_of(s->y[i]);
+        struct wide old = wide_of(before_links(i)), gain = wide_sub(y, old);
+        double part = fabs(old.x) + fabs(old.y) + fabs(old.z) + size[i];
+        double bound = 2 * (d + 16) * (unit * part + least);
+        if (d == 0) { /* a led vertex, or one without contact */
+            EXPECT(y.x == old.x && y.y == old.y && y.z == old.z);
+            continue;
+        }
+        EXPECT(fabs(gain.x - sum[i].x) <= bound);
+        EXPECT(fabs(gain.y - sum[i].y) <= bound);
+        EXPECT(fabs(gain.z - sum[i].z) <= bound);
+        energy += wide_dot(x, gain);
+        error += (fabs(x.x) + fabs(x.y) + fabs(x.z)) * bound;
+        total[0] += gain.x;
+        total[1] += gain.y;
+        total[2] += gain.z;
+        all += bound;
+    }
+    EXPECT(energy >= -error);
+    /* momentum, where no corner is led */
+    for (int k = 0; k < 3 && items == s->start[s->nv]; k++)
+        EXPECT(fabs(total[k]) <= all);
+    return NULL;
+}
+
+const char *prop_links(const struct links *s)
+{
+    struct wide *sum = calloc((size_t)s->nv + 1, sizeof *sum);
+    double *size = calloc((size_t)s->nv + 1, sizeof *size);
+    const char *failed = "no memory";
+    if (sum && size)
+        failed = check_links(s, sum, size);
+    free(sum);
+    free(size);
+    struct links wrong = *s;
+    wrong.nv1 = s->nv;
+    EXPECT(failed || ref_links(&wrong) == DRAPE_EARG);
+    return failed;
+}
+
 /* §2: one particle that meets a wall */
 struct lone {
     struct penalty p;
     struct contact c;
     vec u[4], g[4], force[4], guess[4];
     real w[4], share, gave, parts[4];
-    sym hold[4];
+    sym hold[4], wall[4];
     int32_t start[5], item[4], vertex[4];
 };
 
@@ -173,6 +327,7 @@ static void make_lone(struct bytes *b, struct lone *s)
     p.parts = s->parts;
     p.force = s->force;
     p.hold = s->hold;
+    p.wall = s->wall;
     p.stiffness = pick_uniform(b, 10, 1000);
     p.dt = R(1.0) / (real)(30 << pick(b, 5));
     p.tau = pick(b, 2) ? p.dt : p.dt * R(2.0) / 3;
@@ -251,6 +406,7 @@ static int part_from(bool first, bool held, struct contact c[2], real gave[2])
     real w[NV] = {R(5e5)}, share[N], parts[NV];
     vec u[NV] = {{0, R(-0.3), 0}}, g[NV] = {{0, R(-8e-4), 0}};
     vec guess[NV], force[NV];
+    sym wall[NV];
     sym hold[NV] = {{R(0.02), 0, 0, R(0.02), 0, R(0.02)}};
     int32_t start[NV + 1], item[4 * N], vertex[4 * N];
     struct contact down = {.v = {0, 1, 2, 3},
@@ -283,6 +439,7 @@ static int part_from(bool first, bool held, struct contact c[2], real gave[2])
                         .guess = guess,
                         .parts = parts,
                         .force = force,
+                        .wall = wall,
                         .hold = hold};
     return ref_penalty(&s);
 }

@@ -135,9 +135,9 @@ static const char *check_bystander(int integrator, bool before)
 const char *test_world_bystander(void)
 {
     const char *failed = NULL;
-    for (int k = 0; k < 8 && !failed; k++) {
-        static const int some[] = {DRAPE_EULER, DRAPE_VERLET, DRAPE_BW,
-                                   DRAPE_CK};
+    for (int k = 0; k < 4 && !failed; k++) {
+        /* implicit methods solve all cloths together: penalty.md §4 */
+        static const int some[] = {DRAPE_EULER, DRAPE_VERLET};
         failed = check_bystander(some[k / 2], k % 2);
     }
     return failed;

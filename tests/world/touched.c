@@ -61,7 +61,7 @@ static const char *run(int integrator, int mode)
     struct witness a = {0};
     drape_error error;
     for (uint64_t k = 0; k < sizeof v / sizeof v[0][0]; k++)
-        v[k / 3][k % 3] = 5 * noise_of(k);
+        v[k / 3][k % 3] = 20 * noise_of(k);
     slab_make(&d, integrator);
     d.cloth.m = d.cloth.n = SIDE;
     d.cloth.width = d.cloth.height = 0.2;

@@ -20,7 +20,7 @@ static int times(const struct notes *a, const char *stage)
 static const char *agree(const struct notes *a, const drape_step_report *r)
 {
     const drape_work *w = &r->work;
-    EXPECT(times(a, "pcg") == w->solves);
+    EXPECT(times(a, "pcg") + times(a, "joint") == w->solves);
     int walks = times(a, "walk"), asked = times(a, "extent");
     EXPECT(times(a, "refit") == walks && walks <= w->queries);
     EXPECT(w->queries <= walks + asked && (w->boxes > 0) == (walks > 0));

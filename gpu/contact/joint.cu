@@ -1,0 +1,374 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Conjugate gradients over all cloths and their contacts, on the device: the
+ * host queues iterations, and the device decides when they end.
+ * spec/contact/penalty.md §4 */
+#include "gpu/base/sum.cuh"
+#include "gpu/contact/links.cuh"
+#include "gpu/run/gpu.cuh"
+#include "gpu/run/loop.cuh"
+#include "gpu/solve/pcg.cuh"
+
+/* Iterations that are queued before the first readback, and in each turn of a
+ * loop. Both are even, as directions alternate between two streams. */
+enum { FIRST = 4, NEXT = 2 };
+
+static_assert(sizeof(struct pcg_state) <= GPU_WORDS * sizeof(int64_t), "words");
+
+/* What the launches of a solve depend on: the key of its graphs, too. The
+ * contacts are in device memory. */
+struct solve {
+    struct pcg rule;     /* energy, tolerance and max_iterations of the whole */
+    struct pcg_state *c; /* device */
+    struct links *links; /* device */
+    int64_t nc, nv, n_chunks;
+    vec *r, *p[2], *q, *dv;
+    const vec *b, *at; /* at: the positions that rates are of */
+    real *item, *chunk;
+    int32_t loop; /* 1: the loop; 0: the launches before it */
+};
+
+/* Block k of the kernels below owns chunk k of the particles, a thread each
+ * particle; the block that ends last writes the next state. */
+#define PARTICLE(k) int64_t k = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x
+
+/* One thread writes what differs from one solve to the next, which no captured
+ * kernel takes as an argument. */
+static __global__ void joint_keep_kernel(struct pcg_state *c, real scale,
+                                         real square, struct links *to,
+                                         struct links links)
+{
+    struct pcg_state fresh = {};
+    fresh.from = scale;
+    fresh.most = square;
+    *c = fresh;
+    *to = links;
+}
+
+/* r = b and dv = 0; the state before the first iteration. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    joint_open_kernel(struct solve a)
+{
+    PARTICLE(k);
+    struct pcg_state *c = a.c;
+    real value = 0, sum;
+    if (k < a.nc) {
+        vec r = a.b[k];
+        a.r[k] = r;
+        value = dot(r, r);
+    }
+    if (!grid_sums<1>(&value, a.chunk, &c->ticket, &sum) || threadIdx.x)
+        return;
+    c->square = c->left = sum;
+    c->most = max_of(sum, c->most);
+    c->outcome = PCG_CONVERGED;
+    c->phase = PHASE_DONE;
+    if (sum == 0)
+        return;
+    c->first = c->go = 1;
+    c->phase = PHASE_ITERATE;
+    if (!positive(sum))
+        end(c, PCG_BREAKDOWN);
+    else if (a.rule.max_iterations <= 0)
+        end(c, PCG_LIMIT);
+}
+
+/* Thread k owns particle k of one cloth: begins M⁻¹ r. By Jacobi s and item =
+ * r·s; by multigrid the first half-step of the cycle. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    joint_begin_kernel(struct pcg p, bool jacobi, struct opening o, real *item,
+                       const int32_t *go)
+{
+    ITEM(k, p.count);
+    if (!*go)
+        return;
+    vec r = p.r[k];
+    if (!jacobi) {
+        open_at(&o, (int)k, r);
+        return;
+    }
+    vec z = solved(p.factor[k], r);
+    p.s[k] = z;
+    item[k] = dot(r, z);
+}
+
+/* The sum of item: r·M⁻¹r. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    joint_enter_kernel(struct solve a)
+{
+    struct pcg_state *c = a.c;
+    real sum;
+    if (!c->go || !item_sum(a.nc, a.item, a.chunk, &c->ticket, &sum) ||
+        threadIdx.x)
+        return;
+    enter(&a.rule, c, sum);
+}
+
+/* p·q, which gives α. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    joint_measure_kernel(struct solve a, const vec *p)
+{
+    PARTICLE(k);
+    struct pcg_state *c = a.c;
+    real value = 0, sum;
+    if (!c->go)
+        return;
+    if (k < a.nc)
+        value = dot(p[k], a.q[k]);
+    if (grid_sums<1>(&value, a.chunk, &c->ticket, &sum) && threadIdx.x == 0)
+        measure(c, sum);
+}
+
+/* dv += α p, r -= α q, and |r|². */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    joint_update_kernel(struct solve a, const vec *p)
+{
+    PARTICLE(k);
+    struct pcg_state *c = a.c;
+    real value = 0, sum, alpha = c->alpha;
+    if (!c->go)
+        return;
+    if (k < a.nc) {
+        vec r = axpy(a.r[k], -alpha, a.q[k]);
+        a.dv[k] = axpy(a.dv[k], alpha, p[k]);
+        a.r[k] = r;
+        value = dot(r, r);
+    }
+    if (grid_sums<1>(&value, a.chunk, &c->ticket, &sum) && threadIdx.x == 0)
+        leave(&a.rule, c, sum);
+}
+
+/* Thread k owns particle k: p[0] = wall dv. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    joint_walls_kernel(struct solve a, const sym *wall)
+{
+    ITEM(k, a.nc);
+    a.p[0][k] = apply(wall[k], a.dv[k]);
+}
+
+/* The true residual: q = A dv, 0 where fixed, and `other` is the contacts'
+ * part of the product. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    joint_conclude_kernel(struct solve a, const real *w, const vec *other)
+{
+    PARTICLE(k);
+    struct pcg_state *c = a.c;
+    real value = 0, sum;
+    if (k < a.nc) {
+        vec q = w[k] > 0 ? a.q[k] : make(0, 0, 0);
+        vec r = sub(sub(a.b[k], q), other[k]);
+        a.q[k] = q;
+        value = dot(r, r);
+    }
+    if (!grid_sums<1>(&value, a.chunk, &c->ticket, &sum) || threadIdx.x)
+        return;
+    c->residual = c->square == 0 ? 0 : root(sum / c->most);
+}
+
+/* The system of one cloth, whose residual is its part of the joint one. */
+static struct pcg part_of(const struct world *w, const struct sheet *s)
+{
+    const struct joint *a = &w->couple.joint;
+    struct pcg p = s->solver.pcg;
+    p.block = s->dynamics.block;
+    p.thin = s->dynamics.thin;
+    p.n_extra = p.count;
+    p.extra = a->hold + s->first;
+    p.r = a->r + s->first;
+    p.dv = a->dv + s->first;
+    p.n_z = 0;
+    p.z = NULL;
+    p.fell_back = 0;
+    pcg_open(&p);
+    return p;
+}
+
+/* Cloths' own launches run beside each other. */
+static void fork_cloths(const struct world *w)
+{
+    if (w->def.n_cloths > 1)
+        gpu_fork(w->device->gpu);
+}
+
+static void branch_to(const struct world *w, int k)
+{
+    if (w->def.n_cloths > 1)
+        gpu_branch(w->device->gpu, k);
+}
+
+static void join_cloths(const struct world *w)
+{
+    if (w->def.n_cloths > 1)
+        gpu_join(w->device->gpu);
+}
+
+/* s = M⁻¹ r and item = r·s of all cloths, then β. */
+static void precondition(const struct world *w, const struct solve *a)
+{
+    struct gpu *g = w->device->gpu;
+    fork_cloths(w);
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        struct pcg p = part_of(w, &w->sheet[k]);
+        bool jacobi = p.precond == DRAPE_JACOBI;
+        branch_to(w, k);
+        real *item = a->item + w->sheet[k].first;
+        struct opening o = {};
+        if (!jacobi)
+            o = gpu_multigrid_opening(&p.grid);
+        LAUNCH(g, p.count, joint_begin_kernel, p, jacobi, o, item, &a->c->go);
+        if (!jacobi)
+            gpu_multigrid_cycle(g, &p.grid, lent_by(&p), &a->c->go, item);
+    }
+    join_cloths(w);
+    LAUNCH_BLOCKS(g, item_blocks(a->nc), SUM_CHUNK, joint_enter_kernel, *a);
+}
+
+/* The next direction `to` = s + β from and its image q. */
+static void search(const struct world *w, const struct solve *a,
+                   const vec *from, vec *to)
+{
+    struct gpu *g = w->device->gpu;
+    fork_cloths(w);
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        const struct sheet *s = &w->sheet[k];
+        struct pcg p = part_of(w, s);
+        branch_to(w, k);
+        p.extra = w->couple.joint.wall + s->first;
+        p.q = a->q + s->first;
+        gpu_pcg_search(g, &p,
+                       {a->c, rates{s->device->rate, s->dynamics.at},
+                        from + s->first, to + s->first, a->item + s->first});
+    }
+    join_cloths(w);
+    gpu_links_queue(g, a->links, a->nc, to, a->q, &a->c->go);
+    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_measure_kernel, *a, to);
+}
+
+static void iterate(const struct world *w, const struct solve *a, int times)
+{
+    for (int k = 0; k < times; k++) {
+        const vec *from = a->p[k % 2];
+        vec *to = a->p[(k + 1) % 2];
+        precondition(w, a);
+        search(w, a, from, to);
+        LAUNCH_BLOCKS(w->device->gpu, a->n_chunks, SUM_CHUNK,
+                      joint_update_kernel, *a, to);
+    }
+}
+
+/* Queues the preconditioners, the first residual and the first iterations. */
+static int begin(const struct world *w, const struct solve *a)
+{
+    struct gpu *g = w->device->gpu;
+    int status = DRAPE_OK;
+    for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
+        struct pcg p = part_of(w, &w->sheet[k]);
+        status = gpu_pcg_set_up(g, &p);
+    }
+    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_open_kernel, *a);
+    iterate(w, a, FIRST);
+    return status;
+}
+
+/* q = A dv and the true residual. */
+static void conclude(const struct world *w, const struct solve *a)
+{
+    struct gpu *g = w->device->gpu;
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        const struct sheet *s = &w->sheet[k];
+        const struct pcg *p = &s->solver.pcg;
+        struct product m = {.m = p->m,
+                            .n = p->n,
+                            .count = p->count,
+                            .mass = p->mass,
+                            .n_extra = 0,
+                            .extra = NULL,
+                            .n_blocks = p->n_cdf ? 0 : p->n_blocks,
+                            .block = s->dynamics.block,
+                            .n_cdf = p->n_cdf,
+                            .cdf = p->cdf,
+                            .x = a->dv + s->first,
+                            .y = a->q + s->first};
+        gpu_product(g, &m);
+    }
+    LAUNCH(g, a->nc, joint_walls_kernel, *a, w->couple.joint.wall);
+    gpu_links_queue(g, a->links, a->nc, a->dv, a->p[0], NULL);
+    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_conclude_kernel, *a, w->w,
+                  a->p[0]);
+}
+
+static struct pcg_state look(struct gpu *g)
+{
+    struct pcg_state seen;
+    int words = (int)((sizeof seen + sizeof(int64_t) - 1) / sizeof(int64_t));
+    memcpy((void *)&seen, gpu_read_back_keep(g, words), sizeof seen);
+    return seen;
+}
+
+/* Runs iterations until the device has ended them. */
+static int run(const struct world *w, struct solve *a)
+{
+    struct gpu *g = w->device->gpu;
+    int status = DRAPE_OK;
+    auto first = [&] { return begin(w, a); };
+    auto next = [&] {
+        iterate(w, a, NEXT);
+        return (int)DRAPE_OK;
+    };
+    a->loop = 0;
+    if (!gpu_loop(g, loop_key{a, sizeof *a}, NULL, first))
+        status = first();
+    if (status != DRAPE_OK)
+        return status;
+    bool go = look(g).go;
+    a->loop = 1;
+    if (go && gpu_loop(g, loop_key{a, sizeof *a}, &a->c->go, next))
+        go = look(g).go;
+    for (; go && gpu_status(g) == DRAPE_OK; go = look(g).go)
+        next();
+    return gpu_status(g);
+}
+
+static void write_solve(struct solve *a, const struct world *w,
+                        const struct joint *s)
+{
+    struct gpu_world *d = w->device;
+    memset((void *)a, 0, sizeof *a); /* padding, too: it is a key */
+    a->rule.energy = 1;
+    a->rule.tolerance = s->tolerance;
+    a->rule.max_iterations = s->max_iterations;
+    a->c = (struct pcg_state *)gpu_words(d->gpu);
+    a->links = d->links;
+    a->nc = s->nc;
+    a->nv = w->nv;
+    a->n_chunks = s->n_chunks;
+    a->r = s->r;
+    a->p[0] = s->p;
+    a->p[1] = s->p2;
+    a->q = s->q;
+    a->dv = s->dv;
+    a->b = s->b;
+    a->at = w->sheet[0].dynamics.at;
+    a->item = s->item;
+    a->chunk = s->chunk;
+}
+
+int gpu_joint(struct world *w, struct joint *s)
+{
+    struct gpu *g = w->device->gpu;
+    struct solve a;
+    gpu_hand_over(g);
+    write_solve(&a, w, s);
+    LAUNCH(g, 1, joint_keep_kernel, a.c, s->scale, s->square, a.links,
+           s->links);
+    int status = run(w, &a);
+    if (status != DRAPE_OK)
+        return status;
+    conclude(w, &a);
+    struct pcg_state c = look(g);
+    s->scale = c.from;
+    s->square = c.most;
+    s->iterations = c.iterations;
+    s->outcome = c.outcome;
+    s->residual = c.residual;
+    return gpu_status(g);
+}

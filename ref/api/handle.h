@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the opaque drape_world holds. Only files of the API read it. */
+#ifndef REF_HANDLE_H
+#define REF_HANDLE_H
+
+#include <stdbool.h>
+
+#include "ref/base/names.h"
+#include "ref/world/world.h"
+
+struct drape_world {
+    struct arena arena;
+    const struct world_ops *ops;
+    struct world *world;
+    int cloths;
+    int bodies; /* cloths and obstacles */
+    int precision;
+    int threads; /* of a call that changes the world */
+    drape_log *log;
+    void *log_user;
+    int64_t steps;       /* begun since the world was made */
+    int64_t taken;       /* allocations that the log has reported */
+    drape_write *record; /* NULL: no call is recorded */
+    void *record_user;
+    bool lost; /* the record could not be written */
+};
+
+#endif

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Records the calls that change a world, for drape_record and drape_replay.
+ * spec/control/control.md §7 */
+#ifndef REF_RECORD_H
+#define REF_RECORD_H
+
+#include "ref/api/handle.h"
+
+enum record_kind {
+    RECORD_STATE, /* a checkpoint follows */
+    RECORD_STEP,  /* n: the outcome */
+    RECORD_WAKE,
+    RECORD_WIND,       /* drape_wind */
+    RECORD_GRAVITY,    /* 3 numbers */
+    RECORD_MATERIAL,   /* of cloth `at`: drape_material */
+    RECORD_POSITIONS,  /* of vertices at … at + n - 1: n vectors */
+    RECORD_VELOCITIES, /* likewise */
+    RECORD_PINS,       /* of cloth `at`: n particles; n vectors or none */
+    RECORD_OBSTACLE,   /* obstacle `at`: n vectors */
+    RECORD_POSE,       /* obstacle `at`: struct record_pose */
+    RECORD_KINDS
+};
+
+struct record_pose {
+    double position[3], rotation[4], pivot[3];
+};
+
+/* A call, whose data are in two pieces, of which the second are vectors. */
+struct record {
+    enum record_kind kind;
+    int64_t at, n;
+    const void *data;
+    size_t bytes;
+    int64_t vectors;
+    struct given x; /* [vectors] */
+};
+
+/* Writes a call, if calls are recorded. A failure to write ends the record. */
+void record_call(drape_world *world, struct record call);
+/* Writes the state that was loaded, if calls are recorded. */
+void record_state(drape_world *world);
+
+#endif

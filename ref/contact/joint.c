@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Conjugate gradients over all cloths and their contacts; each cloth's own
+ * preconditioner takes its part. spec/contact/penalty.md §4 */
+#include "ref/contact/joint.h"
+
+#include "ref/base/sum.h"
+#include "ref/solve/jacobi.h"
+#include "ref/solve/matrix.h"
+#include "ref/solve/product.h"
+#include "ref/world/state.h"
+
+/* The system of one cloth, whose residual is its part of the joint one. */
+static struct pcg part_of(const struct sheet *s, const struct joint *a)
+{
+    struct pcg p = s->solver.pcg;
+    p.block = s->dynamics.block;
+    p.thin = s->dynamics.thin;
+    p.n_extra = p.count;
+    p.extra = a->hold + s->first;
+    p.r = a->r + s->first;
+    p.n_z = 0;
+    return p;
+}
+
+static int matrix(void *none, struct matrix *s)
+{
+    (void)none;
+    return ref_matrix(s);
+}
+
+static int jacobi(void *none, struct jacobi *s)
+{
+    (void)none;
+    return ref_jacobi(s);
+}
+
+static int multigrid(void *none, struct multigrid *s)
+{
+    (void)none;
+    return ref_multigrid_build(s);
+}
+
+static int set_up(struct world *w, struct joint *a)
+{
+    static const struct pcg_stages stages = {matrix, jacobi, multigrid};
+    int status = DRAPE_OK;
+    for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
+        struct pcg p = part_of(&w->sheet[k], a);
+        status = pcg_open(&p);
+        if (status == DRAPE_OK)
+            status = pcg_set_up(&p, &stages, NULL);
+    }
+    return status;
+}
+
+static real dot(struct joint *a, const vec *x, const vec *y)
+{
+    struct dot d = {a->nc, x, y, a->n_chunks, a->chunk, 0};
+    ref_dot(&d);
+    return d.value;
+}
+
+/* Sets the parts' s to M⁻¹ r and returns r·M⁻¹ r. */
+static real precondition(struct world *w, struct joint *a)
+{
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        struct pcg p = part_of(&w->sheet[k], a);
+        pcg_open(&p);
+        vec *z = a->q + w->sheet[k].first;
+        if (p.precond == DRAPE_MULTIGRID)
+            ref_multigrid_cycle(&p.grid);
+        EACH_ITEM
+        for (int64_t i = 0; i < p.count; i++)
+            z[i] = p.precond == DRAPE_MULTIGRID
+                       ? p.s[i]
+                       : factor_solve(p.factor[i], p.r[i]);
+    }
+    return dot(a, a->r, a->q);
+}
+
+/* y = A x, or (A + wall) x, 0 where fixed. */
+static void multiply(struct world *w, const struct joint *a, bool with_walls,
+                     const vec *x, vec *y)
+{
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        const struct sheet *s = &w->sheet[k];
+        const struct pcg *p = &s->solver.pcg;
+        struct product m = {.m = p->m,
+                            .n = p->n,
+                            .count = p->count,
+                            .mass = p->mass,
+                            .n_extra = with_walls ? p->count : 0,
+                            .extra = a->wall + s->first,
+                            .n_blocks = p->n_cdf ? 0 : p->n_blocks,
+                            .block = s->dynamics.block,
+                            .n_cdf = p->n_cdf,
+                            .cdf = p->cdf,
+                            .x = x + s->first,
+                            .y = y + s->first};
+        ref_product(&m);
+    }
+    EACH_ITEM
+    for (int64_t i = 0; i < a->nc; i++)
+        if (!(w->w[i] > 0))
+            y[i] = vec_make(0, 0, 0);
+}
+
+/* y gains the contacts' matrix times x. */
+static void add_links(struct joint *a, const vec *x, vec *y)
+{
+    a->links.x = x;
+    a->links.y = y;
+    ref_links(&a->links);
+}
+
+static bool finite_positive(real x)
+{
+    return x > 0 && x - x == 0;
+}
+
+/* p = M⁻¹ r + β p, and a step along p. False if the matrix is not positive
+ * definite along p. */
+static bool step(struct world *w, struct joint *a, real next, real before)
+{
+    real beta = a->iterations ? next / before : 0;
+    EACH_ITEM
+    for (int64_t i = 0; i < a->nc; i++)
+        a->p[i] = a->iterations ? vec_axpy(a->q[i], beta, a->p[i]) : a->q[i];
+    multiply(w, a, true, a->p, a->q);
+    add_links(a, a->p, a->q);
+    real curvature = dot(a, a->p, a->q);
+    if (!finite_positive(curvature))
+        return false;
+    real alpha = next / curvature;
+    EACH_ITEM
+    for (int64_t i = 0; i < a->nc; i++) {
+        a->dv[i] = vec_axpy(a->dv[i], alpha, a->p[i]);
+        a->r[i] = vec_axpy(a->r[i], -alpha, a->q[i]);
+    }
+    a->iterations++;
+    return true;
+}
+
+/* pcg.md §4.1: whether r·M⁻¹r and |r|² have fallen below the tolerance. */
+static bool calm(struct joint *a, real next, real square)
+{
+    if (a->iterations == 0)
+        a->scale = real_max(next, a->scale);
+    return next == 0 || (real_sqrt(next / a->scale) <= a->tolerance &&
+                         real_sqrt(square / a->square) <= a->tolerance);
+}
+
+static int iterate(struct world *w, struct joint *a, real square)
+{
+    real before = 0;
+    while (a->iterations < a->max_iterations) {
+        real next = precondition(w, a);
+        if (calm(a, next, square))
+            return PCG_CONVERGED;
+        if (!finite_positive(next) || !step(w, a, next, before))
+            return PCG_BREAKDOWN;
+        before = next;
+        square = dot(a, a->r, a->r);
+    }
+    return PCG_LIMIT;
+}
+
+/* done = A dv, and the true residual of the whole. */
+static void conclude(struct world *w, struct joint *a)
+{
+    multiply(w, a, false, a->dv, a->q);
+    EACH_ITEM
+    for (int64_t i = 0; i < a->nc; i++)
+        a->p[i] = sym_apply(a->wall[i], a->dv[i]);
+    add_links(a, a->dv, a->p);
+    EACH_ITEM
+    for (int64_t i = 0; i < a->nc; i++)
+        a->r[i] = vec_sub(vec_sub(a->b[i], a->q[i]), a->p[i]);
+    a->residual = real_sqrt(dot(a, a->r, a->r) / a->square);
+}
+
+int joint_solve(struct world *w, struct joint *a)
+{
+    a->iterations = 0;
+    a->residual = 0;
+    a->outcome = PCG_CONVERGED;
+    EACH_ITEM
+    for (int64_t i = 0; i < a->links.nv; i++) {
+        a->r[i] = i < a->nc ? a->b[i] : vec_make(0, 0, 0);
+        a->dv[i] = a->p[i] = vec_make(0, 0, 0);
+    }
+    int status = set_up(w, a);
+    real square = dot(a, a->r, a->r);
+    a->square = real_max(square, a->square);
+    if (status != DRAPE_OK || square == 0)
+        return status;
+    a->outcome =
+        finite_positive(square) ? iterate(w, a, square) : PCG_BREAKDOWN;
+    conclude(w, a);
+    return DRAPE_OK;
+}

@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Live control of gravity, materials, positions and velocities, for either
+ * backend. spec/control/control.md §1, §2 */
+#include "ref/control/control.h"
+
+#include "ref/world/ending.h"
+#include "ref/world/start.h"
+
+/* Copies a stream that changed on the host to the backend's own. */
+static void resend(struct world *w, void *to, const void *from, size_t bytes)
+{
+    if (to != from)
+        w->run->send(w->on, to, from, bytes);
+}
+
+void control_gravity(struct world *w, const double gravity[3])
+{
+    for (int i = 0; i < 3; i++)
+        w->def.gravity[i] = gravity[i];
+    for (int k = 0; k < w->def.n_cloths; k++)
+        w->sheet[k].dynamics.gravity =
+            vec_make((real)gravity[0], (real)gravity[1], (real)gravity[2]);
+    world_wake(w);
+}
+
+/* Sets what the scene derives from all cloths, as fill.c and wire.c do. */
+static void derive(struct world *w)
+{
+    const struct world *h = w->home;
+    w->reach = w->response.stiffness = 0;
+    w->mass = 0;
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        const struct cloth *c = &h->sheet[k].cloth;
+        const drape_material *m = &w->sheet[k].made.material;
+        w->reach = real_max(w->reach, h->surface[k].thickness);
+        w->response.stiffness =
+            real_max(w->response.stiffness, COUPLE_SOFT * (real)m->stretch);
+        for (int64_t p = 0; p < c->count; p++)
+            w->mass += (double)c->mass[p];
+    }
+    w->couple.penalty.stiffness = w->response.stiffness;
+}
+
+void control_tell_cloth(struct world *w, int k)
+{
+    struct world *h = w->home;
+    struct sheet *s = &w->sheet[k];
+    const struct cloth *c = &h->sheet[k].cloth;
+    const drape_material *m = &s->made.material;
+    size_t n = (size_t)c->count;
+    for (int64_t p = 0; p < c->count; p++)
+        h->w[s->first + p] = c->fixed[p] ? 0 : 1 / c->mass[p];
+    real most = R(0.5) * real_min(c->hu, c->hv);
+    h->surface[k] =
+        (struct surface){real_min((real)m->thickness, most), (real)m->friction};
+    if (&s->cloth != c) {
+        struct cloth own = s->cloth;
+        s->cloth = *c;
+        s->cloth.cell = own.cell;
+        s->cloth.springs = own.springs;
+        s->cloth.beside = own.beside;
+        s->cloth.fixed = own.fixed;
+        s->cloth.mass = own.mass;
+        s->cloth.tri = own.tri;
+    }
+    resend(w, s->cloth.fixed, c->fixed, n * sizeof *c->fixed);
+    resend(w, s->cloth.mass, c->mass, n * sizeof *c->mass);
+    resend(w, w->w + s->first, h->w + s->first, n * sizeof *w->w);
+    resend(w, w->surface + k, h->surface + k, sizeof *w->surface);
+    w->run->laws(w, k);
+    derive(w);
+}
+
+int control_material(struct world *w, int cloth, const drape_material *m)
+{
+    struct sheet *s = &w->sheet[cloth];
+    struct cloth *c = &w->home->sheet[cloth].cloth, was = *c;
+    drape_cloth def = s->made;
+    def.material = *m;
+    w->run->begin(w->on);
+    int status = ref_cloth_laws(&def, c);
+    if (status == DRAPE_OK) {
+        ref_cloth_weigh(c);
+        status = start_too_stiff(w, c) ? DRAPE_ELIMIT : DRAPE_OK;
+    }
+    if (status != DRAPE_OK) {
+        *c = was;
+        ref_cloth_weigh(c);
+        return status;
+    }
+    s->made.material = *m;
+    control_tell_cloth(w, cloth);
+    world_wake(w);
+    return w->run->status(w->on);
+}
+
+/* §2 */
+
+/* Makes the world forget what earlier steps have taught, as if it were made in
+ * the state that it has. */
+static void restart(struct world *w)
+{
+    if (w->pressed)
+        w->run->clear(w->on, w->press, (size_t)w->nc * sizeof *w->press);
+    memset(w->watch, 0, (size_t)w->def.n_cloths * sizeof *w->watch);
+    w->caution = (struct caution){0};
+    w->pressed = false;
+    w->past = 0;
+    w->near = NEAR_NONE;
+    w->list.known = false;
+    world_wake(w);
+}
+
+int control_take(struct world *w, struct given a, int64_t n, vec *stage,
+                 vec *to)
+{
+    size_t bytes = (size_t)n * sizeof *to;
+    bool sane = true;
+    if (a.there) {
+        w->run->copy(w->on, to, a.there, bytes);
+        sane = w->run->sane(w->on, n, to);
+        int status = w->run->status(w->on);
+        return status == DRAPE_OK && !sane ? DRAPE_EDATA : status;
+    }
+    for (int64_t i = 0; i < n && sane; i++) {
+        const double *p = a.here[i];
+        stage[i] = vec_make((real)p[0], (real)p[1], (real)p[2]);
+        sane = vec_sane(stage[i]);
+    }
+    if (!sane)
+        return DRAPE_EDATA;
+    resend(w, to, stage, bytes);
+    return DRAPE_OK;
+}
+
+/* Puts back what the caller cannot set: the entries of a, within vertices first
+ * … first + n - 1, of particles that are fixed. */
+static void keep_fixed(struct world *w, int64_t first, int64_t n,
+                       const vec *old, vec *a)
+{
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        const struct sheet *s = &w->sheet[k];
+        int64_t end = s->first + s->cloth.count;
+        int64_t from = first > s->first ? first : s->first;
+        int64_t to = first + n < end ? first + n : end;
+        if (from < to)
+            w->run->keep(w->on, to - from, s->cloth.fixed + (from - s->first),
+                         old + from, a + from);
+    }
+}
+
+/* Counts the intersecting pairs with the vertices at x1. The host looks again
+ * where the pairs have to be named, or a triangle has no area. */
+static int look(struct world *w, int64_t *found, drape_error *error)
+{
+    *found = 0;
+    if (!w->plan.collides)
+        return DRAPE_OK;
+    int status = ending_count(w, w->x1, found);
+    bool again = w->ending.n_degenerate > 0 ||
+                 (*found > 0 && !w->def.allow_intersecting);
+    if (status != DRAPE_OK || !again)
+        return status;
+    vec *x = w->home->x1;
+    if (x != w->x1)
+        w->run->fetch(w->on, x, w->x1, (size_t)w->nv * sizeof *x);
+    status = w->run->status(w->on);
+    return status == DRAPE_OK ? start_look(w->home, x, found, error) : status;
+}
+
+int control_positions(struct world *w, int64_t first, int64_t n, struct given x,
+                      drape_error *error)
+{
+    int64_t end = first + n, found;
+    w->run->begin(w->on);
+    int status = control_take(w, x, n, w->home->x1 + first, w->x1 + first);
+    if (status != DRAPE_OK)
+        return status;
+    w->run->copy(w->on, w->x1, w->x0, (size_t)first * sizeof *w->x1);
+    w->run->copy(w->on, w->x1 + end, w->x0 + end,
+                 (size_t)(w->nv - end) * sizeof *w->x1);
+    keep_fixed(w, first, n, w->x0, w->x1);
+    status = look(w, &found, error);
+    if (status == DRAPE_OK)
+        status = w->run->status(w->on);
+    if (status != DRAPE_OK)
+        return status;
+    vec *old = w->x0;
+    w->x0 = w->x1;
+    w->x1 = old;
+    w->intersecting = found;
+    restart(w);
+    return DRAPE_OK;
+}
+
+int control_velocities(struct world *w, int64_t first, int64_t n,
+                       struct given v)
+{
+    w->run->begin(w->on);
+    int status = control_take(w, v, n, w->home->v1 + first, w->v1 + first);
+    if (status != DRAPE_OK)
+        return status;
+    keep_fixed(w, first, n, w->v0, w->v1);
+    w->run->copy(w->on, w->v0 + first, w->v1 + first,
+                 (size_t)n * sizeof *w->v0);
+    restart(w);
+    return w->run->status(w->on);
+}
+
+int control_fetch(struct world *w, void *host, const void *there, size_t bytes)
+{
+    w->run->begin(w->on);
+    w->run->fetch(w->on, host, there, bytes);
+    return w->run->status(w->on);
+}

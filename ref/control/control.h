@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Live control: what the caller changes between two steps, for either backend.
+ * Arguments that need no world to be checked have been checked.
+ * spec/control/control.md */
+#ifndef REF_CONTROL_H
+#define REF_CONTROL_H
+
+#include "ref/world/state.h"
+
+/* §1, §2 */
+void control_gravity(struct world *w, const double gravity[3]);
+/* DRAPE_OK; DRAPE_EARG if the cells are too oblong for the material;
+ * DRAPE_ELIMIT if it needs more substeps than max_substeps. */
+int control_material(struct world *w, int cloth, const drape_material *m);
+/* §2 DRAPE_OK; DRAPE_EDATA; DRAPE_ESTART and a text if the positions intersect;
+ * DRAPE_ENOMEM, DRAPE_EDEVICE. Vertices first … first + n - 1 are of cloths. */
+int control_positions(struct world *w, int64_t first, int64_t n, struct given x,
+                      drape_error *error);
+int control_velocities(struct world *w, int64_t first, int64_t n,
+                       struct given v);
+
+/* §4 DRAPE_OK; DRAPE_EARG for a particle that is out of range, missing or named
+ * twice; DRAPE_EDATA, DRAPE_ELIMIT, DRAPE_ENOMEM, DRAPE_EDEVICE. */
+int control_pins(struct world *w, int cloth, int64_t n, const int32_t *particle,
+                 struct given x);
+/* §5 DRAPE_OK, DRAPE_EDATA, DRAPE_ENOMEM, DRAPE_EDEVICE. */
+int control_obstacle(struct world *w, int obstacle, struct given x);
+/* §5 `motion` has one key. Also DRAPE_EARG for an obstacle with frames. */
+int control_pose(struct world *w, int obstacle, const drape_motion *motion);
+
+/* Copies bytes from the backend's memory to the host. DRAPE_OK or
+ * DRAPE_EDEVICE. */
+int control_fetch(struct world *w, void *host, const void *there, size_t bytes);
+
+/* §3: called when a step begins, and when it has been computed or has failed.
+ */
+void control_begin(struct world *w);
+void control_end(struct world *w, bool failed);
+
+/* §6: the part of a checkpoint that only a changed world has: words of eight
+ * bytes. Returns its size, 0 for a world that is as defined; writes it to
+ * `out` unless that is NULL. */
+int64_t control_pack(const struct world *w, uint8_t *out);
+/* Whether a part of this size, which anybody may have made, fits the world. */
+bool control_fits(const struct world *w, const uint8_t *in, int64_t bytes);
+/* The largest size of a part that can fit. */
+int64_t control_most(const struct world *w);
+/* Makes the world as the part says; bytes: 0 for a world as defined. The part
+ * fits. to: [nv] on the host, targets that were told for the next step, or
+ * NULL; x: [nv] on the host, the state. DRAPE_OK, or DRAPE_ENOMEM and nothing
+ * has changed; DRAPE_EDATA if a material does not go with the cloth. */
+int control_unpack(struct world *w, const uint8_t *in, int64_t bytes,
+                   const vec *to, const vec *x);
+
+#define CONTROL_OPS                                                            \
+    {                                                                          \
+        control_gravity, control_material, control_positions,                  \
+            control_velocities, control_pins, control_obstacle, control_pose,  \
+            control_fetch                                                      \
+    }
+
+/* For the files of live control alone. */
+
+/* Takes the streams of §3. Some may have been taken by an earlier call that
+ * then ran out of memory. DRAPE_OK or DRAPE_ENOMEM. */
+int control_take_told(struct world *w);
+/* Fills fixed [count] with what is missing and with n pins. DRAPE_OK, or
+ * DRAPE_EARG for a particle that is out of range, missing or named twice. */
+int control_mark(const struct cloth *c, int64_t n, const int32_t *particle,
+                 uint8_t *fixed);
+/* Takes the streams of n pins and copies their particles. DRAPE_OK or
+ * DRAPE_ENOMEM. */
+int control_make_hand(struct world *w, int64_t n, const int32_t *particle,
+                      struct hand *hand);
+void control_drop_hand(struct world *w, struct hand *hand);
+
+/* Brings what stages read of cloth k, which changed on the host, up to date,
+ * and what the scene derives from it. */
+void control_tell_cloth(struct world *w, int k);
+/* Converts n given vectors into `to`, a stream of the backend, through the
+ * host's stream `stage`, or takes `old` if none are given. DRAPE_OK or
+ * DRAPE_EDATA. */
+int control_take(struct world *w, struct given a, int64_t n, vec *stage,
+                 vec *to);
+
+#endif

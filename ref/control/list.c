@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Makes the list of the last slice's contacts. The host makes it for both
+ * backends, from what the solve and the rounds have left.
+ * spec/control/control.md §8 */
+#include "ref/control/list.h"
+
+static int bodies_of(const struct world *w)
+{
+    return w->def.n_cloths + w->def.n_obstacles;
+}
+
+static void *take(struct world *w, int64_t n, size_t size)
+{
+    return arena_take(w->arena, ARENA_OTHER, n, size);
+}
+
+/* Gives back *p and takes n items with a reserve. False: no memory. */
+static bool grow(struct world *w, void **p, int64_t n, size_t size)
+{
+    arena_give(w->arena, *p);
+    *p = take(w, n + n / 4 + 64, size);
+    return *p != NULL;
+}
+
+/* Takes the host's memory for n contacts. */
+static int make_room(struct world *w, int64_t n)
+{
+    struct list *l = &w->list;
+    bool good = true;
+    if (!l->weight)
+        l->weight = take(w, w->nc, sizeof *l->weight);
+    if (!l->body)
+        l->body = take(w, bodies_of(w), sizeof *l->body);
+    if (w->home != w && !l->g)
+        l->g = take(w, w->nc, sizeof *l->g);
+    good = l->weight && l->body && (w->home == w || l->g);
+    if (good && n > l->cap) {
+        void *item = l->item, *raw = l->raw;
+        good = grow(w, &item, n, sizeof *l->item);
+        good = good && (w->home == w || grow(w, &raw, n, sizeof *l->raw));
+        l->item = item;
+        l->raw = raw;
+        l->cap = good ? n + n / 4 + 64 : 0;
+    }
+    return good ? DRAPE_OK : DRAPE_ENOMEM;
+}
+
+/* What the solve and the rounds left, on the host. */
+struct left {
+    int64_t n;
+    const struct contact *contact; /* [n] */
+    const vec *g;                  /* [nc] N·s */
+};
+
+static int bring(struct world *w, struct left *s)
+{
+    struct list *l = &w->list;
+    const struct response *c = &w->response;
+    s->contact = c->contact[c->side].data;
+    s->g = w->couple.g;
+    if (w->home == w)
+        return DRAPE_OK;
+    w->run->fetch(w->on, l->raw, s->contact, (size_t)s->n * sizeof *l->raw);
+    w->run->fetch(w->on, l->g, s->g, (size_t)w->nc * sizeof *l->g);
+    s->contact = l->raw;
+    s->g = l->g;
+    return w->run->status(w->on);
+}
+
+static bool is_free(const struct world *w, int32_t i)
+{
+    return w->home->w[i] > 0;
+}
+
+/* The number of vertices of side A. */
+static int split(const struct contact *c)
+{
+    return c->kind == CONTACT_VF ? 1 : 2;
+}
+
+/* §8.2: the sum of |c| at each free vertex over its held contacts. */
+static void weigh(struct world *w, const struct left *s)
+{
+    double *weight = w->list.weight;
+    memset(weight, 0, (size_t)w->nc * sizeof *weight);
+    for (int64_t k = 0; k < s->n; k++)
+        for (int j = 0; j < 4 && s->contact[k].held; j++) {
+            int32_t i = s->contact[k].v[j];
+            if (is_free(w, i))
+                weight[i] += fabs((double)s->contact[k].c[j]);
+        }
+}
+
+static void add(double to[3], double a, vec b)
+{
+    to[0] += a * (double)b.x;
+    to[1] += a * (double)b.y;
+    to[2] += a * (double)b.z;
+}
+
+/* §8.2: what the solve gave the vertices of contact c, as an impulse on A. */
+static void share(const struct world *w, const struct left *s,
+                  const struct contact *c, double impulse[3])
+{
+    double side[2][3] = {{0}};
+    bool is[2] = {false, false};
+    for (int j = 0; j < 4 && c->held; j++) {
+        int32_t i = c->v[j];
+        int b = j >= split(c);
+        double a = fabs((double)c->c[j]);
+        if (!is_free(w, i) || a == 0)
+            continue;
+        is[b] = true;
+        add(side[b], (b ? -a : a) / w->list.weight[i], s->g[i]);
+    }
+    double part = is[0] && is[1] ? 0.5 : 1;
+    for (int i = 0; i < 3; i++)
+        impulse[i] = part * (side[0][i] + side[1][i]);
+}
+
+/* §8.1: the impulse of the rounds. */
+static vec pushed(const struct world *w, const struct contact *c)
+{
+    if (!w->response.contacts_solved)
+        return vec_make(0, 0, 0);
+    return vec_axpy(c->tangent, c->impulse, c->n);
+}
+
+static void fill(const struct world *w, const struct left *s, int64_t k)
+{
+    const struct contact *c = &s->contact[k];
+    drape_contact *to = &w->list.item[k];
+    const uint16_t *body = w->home->body;
+    memset(to, 0, sizeof *to);
+    to->kind = c->kind;
+    to->body[0] = body[c->v[0]];
+    to->body[1] = body[c->v[split(c)]];
+    for (int j = 0; j < 4; j++) {
+        to->vertex[j] = c->v[j];
+        to->weight[j] = (double)c->c[j];
+    }
+    to->normal[0] = (double)c->n.x;
+    to->normal[1] = (double)c->n.y;
+    to->normal[2] = (double)c->n.z;
+    to->gap = (double)c->gap;
+    share(w, s, c, to->impulse);
+    add(to->impulse, 1, pushed(w, c));
+}
+
+/* §8.3: what each body got: a cloth by what its vertices got, an obstacle by
+ * the contacts. */
+static void sum(struct world *w, const struct left *s)
+{
+    double(*body)[3] = w->list.body;
+    const uint16_t *of = w->home->body;
+    memset(body, 0, (size_t)bodies_of(w) * sizeof *body);
+    for (int64_t i = 0; i < w->nc && w->met; i++)
+        if (is_free(w, (int32_t)i))
+            add(body[of[i]], 1, s->g[i]);
+    for (int64_t k = 0; k < s->n; k++) {
+        const struct contact *c = &s->contact[k];
+        const drape_contact *a = &w->list.item[k];
+        for (int j = 0; j < 4; j++)
+            if (is_free(w, c->v[j]))
+                add(body[of[c->v[j]]], (double)c->c[j], pushed(w, c));
+        for (int b = 0; b < 2; b++)
+            for (int i = 0; i < 3 && a->body[b] >= w->def.n_cloths; i++)
+                body[a->body[b]][i] += b ? -a->impulse[i] : a->impulse[i];
+    }
+}
+
+/* Brings the list to the backend's memory. */
+static int lend_there(struct world *w, int64_t n, drape_contact_list *list)
+{
+    struct list *l = &w->list;
+    size_t bodies = (size_t)bodies_of(w);
+    if (w->home == w)
+        return DRAPE_OK;
+    if (!l->body_there)
+        l->body_there = w->run->take(w->on, ARENA_OTHER, (int64_t)bodies,
+                                     sizeof *l->body_there);
+    if (n > l->cap_there) {
+        w->run->give(w->on, l->there);
+        l->cap_there = 0;
+        l->there = w->run->take(w->on, ARENA_OTHER, l->cap, sizeof *l->there);
+        l->cap_there = l->there ? l->cap : 0;
+    }
+    if (!l->body_there || n > l->cap_there)
+        return w->run->status(w->on);
+    w->run->send(w->on, l->there, l->item, (size_t)n * sizeof *l->item);
+    w->run->send(w->on, l->body_there, l->body, bodies * sizeof *l->body);
+    list->contact = l->there;
+    list->impulse = (const double(*)[3])l->body_there;
+    return w->run->status(w->on);
+}
+
+int list_contacts(struct world *w, bool there, drape_contact_list *list)
+{
+    struct left s = {.n = w->list.known && w->met ? w->response.active : 0};
+    if (!w->plan.implicit)
+        return DRAPE_EARG;
+    w->run->begin(w->on);
+    int status = make_room(w, s.n);
+    if (status == DRAPE_OK && w->plan.collides && w->list.known && w->met) {
+        status = bring(w, &s);
+        if (status == DRAPE_OK)
+            weigh(w, &s);
+        for (int64_t k = 0; k < s.n && status == DRAPE_OK; k++)
+            fill(w, &s, k);
+        if (status == DRAPE_OK)
+            sum(w, &s);
+    } else if (status == DRAPE_OK)
+        memset(w->list.body, 0, (size_t)bodies_of(w) * sizeof *w->list.body);
+    list->n = s.n;
+    list->contact = w->list.item;
+    list->impulse = (const double(*)[3])w->list.body;
+    list->dt = w->dt;
+    return status == DRAPE_OK && there ? lend_there(w, s.n, list) : status;
+}

@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A session of random live control: it gives the same bits on both backends,
+ * goes on from a checkpoint, and again from its log. spec/control/control.md
+ * §6, §7 */
+#include <stdio.h>
+
+#include "tests/api/guest.h"
+#include "tests/base/choices.h"
+#include "tests/world/recall.h"
+
+enum { M = 7, N = 6, COUNT = M * N, PLATE = 4, NV = COUNT + PLATE };
+
+/* The same scene on both backends, the log of each, and a checkpoint. */
+struct session {
+    struct guest s[2];
+    drape_motion motion;
+    drape_world *world[2];
+    struct recall now[2], old, log[2];
+    double x[NV][3], v[NV][3];
+};
+
+static int append(void *user, const void *data, size_t bytes)
+{
+    struct recall *r = user;
+    if (bytes > sizeof r->data - r->size)
+        return 1;
+    memcpy(r->data + r->size, data, bytes);
+    r->size += bytes;
+    return 0;
+}
+
+static int take_back(void *user, void *data, size_t bytes)
+{
+    struct recall *r = user;
+    if (bytes > r->size - r->at)
+        return 1;
+    memcpy(data, r->data + r->at, bytes);
+    r->at += bytes;
+    return 0;
+}
+
+static void define(struct session *p, struct bytes *b, struct guest *s, int k)
+{
+    static const int integrator[] = {DRAPE_BW, DRAPE_CK, DRAPE_VERLET,
+                                     DRAPE_BDF2};
+    guest_make(s, k);
+    s->def.precond = DRAPE_JACOBI;
+    s->def.integrator = integrator[pick(b, 4)];
+    if (s->def.integrator == DRAPE_VERLET)
+        s->def.dt = 1e-3;
+    s->def.sleep = (int)pick(b, 2);
+    s->def.allow_intersecting = (int)pick(b, 2);
+    static const double time[2] = {0, 0.25};
+    static const double way[2][3] = {{0, 0, 0}, {0.01, 0, 0}};
+    p->motion = (drape_motion){2, time, way, NULL, {0, 0, 0}};
+    s->def.motions = &p->motion;
+    s->def.n_motions = 1;
+    s->plate.motion = (int)pick(b, 2) - 1;
+}
+
+static drape_world *make(const struct session *p, int k)
+{
+    drape_world *world;
+    return drape_create(&p->s[k].def, &world, NULL) == DRAPE_OK ? world : NULL;
+}
+
+/* Sets the state of some vertices; a place may be refused. */
+static int set_state(struct session *p, struct bytes *b, drape_world *w)
+{
+    int64_t first = pick(b, COUNT), n = pick(b, (uint32_t)(COUNT - first));
+    drape_read(w, p->x, p->v);
+    double by = 0.004 * pick(b, 4) - 0.003;
+    for (int64_t k = 0; k < COUNT; k++) {
+        p->x[k][1] += by;
+        p->v[k][2] = by;
+    }
+    if (pick(b, 2))
+        return drape_set_velocities(w, first, n,
+                                    (const double(*)[3])p->v + first);
+    return drape_set_positions(w, first, n, (const double(*)[3])p->x + first,
+                               NULL);
+}
+
+static int set_pins(struct session *p, struct bytes *b, drape_world *w)
+{
+    int32_t list[3] = {(int32_t)pick(b, COUNT), (int32_t)pick(b, COUNT),
+                       (int32_t)pick(b, COUNT)};
+    double x[3][3];
+    int64_t n = pick(b, 4);
+    drape_read(w, p->x, NULL);
+    for (int k = 0; k < 9; k++)
+        x[k / 3][k % 3] = p->x[list[k / 3]][k % 3] + 0.001 * pick(b, 5);
+    return drape_set_pins(w, 0, n, list,
+                          pick(b, 3) ? (const double(*)[3])x : NULL);
+}
+
+static int set_obstacle(struct session *p, struct bytes *b, drape_world *w)
+{
+    drape_read(w, p->x, NULL);
+    for (int k = COUNT; k < NV; k++)
+        for (int i = 0; i < 3; i++)
+            p->x[k][i] += 0.001 * pick(b, 5) - 0.002;
+    return drape_set_obstacle(w, 0, (const double(*)[3])p->x + COUNT);
+}
+
+static int set_rest(struct session *p, struct bytes *b, drape_world *w)
+{
+    const double g[3] = {0.5 * pick(b, 3), -9.81, 0};
+    const double at[3] = {0, 0.002 * pick(b, 3), 0}, turn[4] = {0.8, 0, 0.6, 0};
+    drape_material m = p->s[0].cloth.material;
+    m.stretch = 500 + 250 * pick(b, 4);
+    m.friction = 0.25 * pick(b, 4);
+    m.thickness = 0.001 + 0.001 * pick(b, 3);
+    switch (pick(b, 4)) {
+    case 0:
+        return drape_set_gravity(w, g);
+    case 1:
+        return drape_set_material(w, 0, &m);
+    case 2:
+        return drape_set_pose(w, 0, at, pick(b, 2) ? turn : NULL, NULL);
+    default:
+        drape_wake(w);
+        return DRAPE_OK;
+    }
+}
+
+static int call(struct session *p, struct bytes *b, drape_world *w)
+{
+    switch (pick(b, 8)) {
+    case 0:
+    case 1:
+        return set_state(p, b, w);
+    case 2:
+        return set_pins(p, b, w);
+    case 3:
+    case 4:
+        return set_obstacle(p, b, w);
+    default:
+        return set_rest(p, b, w);
+    }
+}
+
+/* Both worlds have the same checkpoint; the first: p->now[0]. */
+static const char *compare(struct session *p)
+{
+    EXPECT(recall_save(p->world[0], &p->now[0]));
+    EXPECT(recall_save(p->world[1], &p->now[1]));
+    EXPECT(recall_same(&p->now[0], &p->now[1]));
+    ran(1);
+    return NULL;
+}
+
+static const char *turn(struct session *p, uint64_t seed, int64_t *refused)
+{
+    int status[2] = {0, 0};
+    drape_step_report r;
+    for (int k = 0; k < 2; k++) {
+        struct bytes b = {.seed = seed, .size = -1};
+        for (uint32_t n = pick(&b, 3); n; n--)
+            status[k] = call(p, &b, p->world[k]);
+        choices_free(&b);
+    }
+    EXPECT(status[0] == status[1]);
+    *refused += status[0] != DRAPE_OK;
+    const char *what = compare(p);
+    for (int k = 0; k < 2 && !what; k++)
+        EXPECT(drape_step(p->world[k], k ? &r : NULL) == DRAPE_OK);
+    return what ? what : compare(p);
+}
+
+/* A fresh world goes on from the checkpoint with the same bits. */
+static const char *go_on(struct session *p, int backend, uint64_t seed)
+{
+    int64_t unused = 0;
+    drape_world *fresh = make(p, backend);
+    EXPECT(fresh && recall_load(fresh, &p->now[0]) == DRAPE_OK);
+    EXPECT(recall_save(fresh, &p->old) && recall_same(&p->old, &p->now[0]));
+    drape_destroy(p->world[backend]);
+    p->world[backend] = fresh;
+    EXPECT(drape_record(fresh, append, &p->log[backend]) == DRAPE_OK);
+    return turn(p, seed, &unused);
+}
+
+/* A world plays the log and ends as the recorded one. */
+static const char *play(struct session *p, int from, int to, int steps)
+{
+    drape_step_report r;
+    drape_world *fresh = make(p, to);
+    int n = 0, status;
+    EXPECT(fresh);
+    p->log[from].at = 0;
+    while ((status = drape_replay(fresh, take_back, &p->log[from], &r)) == 1)
+        n++;
+    EXPECT(status == 0 && n == steps);
+    EXPECT(recall_save(fresh, &p->old) && recall_same(&p->old, &p->now[0]));
+    drape_destroy(fresh);
+    return NULL;
+}
+
+/* A damaged log is refused. */
+static const char *damage(struct session *p, struct bytes *b)
+{
+    struct recall *log = &p->log[0];
+    for (int k = 0; k < 8; k++) {
+        drape_world *fresh = make(p, 0);
+        size_t at = pick(b, (uint32_t)log->size);
+        int status;
+        log->data[at] ^= 4;
+        log->at = 0;
+        while ((status = drape_replay(fresh, take_back, log, NULL)) == 1)
+            continue;
+        log->data[at] ^= 4;
+        EXPECT(status < 0);
+        drape_destroy(fresh);
+        ran(1);
+    }
+    return NULL;
+}
+
+static const char *run(struct session *p, uint64_t seed, int64_t *refused)
+{
+    enum { STEPS = 8 };
+    struct bytes b = {.seed = seed, .size = -1};
+    memset(p, 0, sizeof *p);
+    for (int k = 0; k < 2; k++) {
+        struct bytes c = {.seed = seed, .size = -1};
+        define(p, &c, &p->s[k], k);
+        choices_free(&c);
+        p->world[k] = make(p, k);
+        EXPECT(p->world[k]);
+        EXPECT(drape_record(p->world[k], append, &p->log[k]) == DRAPE_OK);
+    }
+    const char *what = NULL;
+    for (int k = 0; k < STEPS && !what; k++)
+        what = turn(p, 1000 * seed + (uint64_t)k, refused);
+    for (int k = 0; k < 2 && !what; k++) {
+        what = play(p, k, !k, STEPS);
+        EXPECT(what || drape_record(p->world[k], NULL, NULL) == DRAPE_OK);
+    }
+    if (!what)
+        what = damage(p, &b);
+    for (int k = 0; k < 2 && !what; k++) {
+        p->log[k].size = 0;
+        what = go_on(p, k, seed + 77);
+    }
+    for (int k = 0; k < 2; k++)
+        drape_destroy(p->world[k]);
+    choices_free(&b);
+    return what;
+}
+
+const char *test_control_log(void)
+{
+    enum { SEEDS = 12 };
+    static struct session p;
+    static char text[200];
+    int64_t refused = 0;
+    for (uint64_t seed = 1; seed <= SEEDS; seed++) {
+        const char *what = run(&p, seed, &refused);
+        if (!what)
+            continue;
+        snprintf(text, sizeof text, "seed %d: %s", (int)seed, what);
+        return text;
+    }
+    EXPECT(refused > 0);
+    return NULL;
+}
+
+static int no_room(void *user, const void *data, size_t bytes)
+{
+    (void)data;
+    return (*(int *)user)-- <= 0 && bytes > 0;
+}
+
+/* §7: a record that cannot be written ends, and says so. */
+const char *test_control_lost(void)
+{
+    struct guest s;
+    drape_world *world;
+    int room = 1000;
+    guest_make(&s, DRAPE_REF);
+    EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
+    EXPECT(drape_record(world, no_room, &room) == DRAPE_OK);
+    room = 1;
+    EXPECT(guest_go(world, 2) == DRAPE_OK);
+    EXPECT(drape_record(world, NULL, NULL) == DRAPE_EIO);
+    EXPECT(drape_record(world, NULL, NULL) == DRAPE_OK);
+    room = 0;
+    EXPECT(drape_record(world, no_room, &room) == DRAPE_EIO);
+    drape_destroy(world);
+    ran(1);
+    return NULL;
+}
