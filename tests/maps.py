@@ -28,6 +28,7 @@ KNOWN = {
     "gpu/cloth/motion.cu",
     "gpu/contact/rounds.cu",
     "gpu/contact/turn.cu",
+    "gpu/solve/joint.cu",
     "gpu/world/backend.cu",
     "gpu/world/led.cu",
     "gpu/world/world.cu",

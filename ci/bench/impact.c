@@ -10,7 +10,7 @@
 
 #include "ci/bench/bisect.h"
 #include "oracle/oracle.h"
-#include "ref/contact/closest.h"
+#include "ref/narrow/closest.h"
 
 static uint64_t state = 1;
 

@@ -7,7 +7,7 @@
 #include "gpu/base/wide.cuh"
 
 extern "C" {
-#include "ref/contact/closest.h"
+#include "ref/narrow/closest.h"
 }
 
 /* A search: four points relative to the first, and the nearest candidate so

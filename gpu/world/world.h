@@ -73,7 +73,7 @@ void gpu_turn_move(struct gpu *g, const struct turn *s);
 int gpu_turn_make(struct gpu_world *w);
 int gpu_turn_room(struct world *w, int64_t n);
 
-/* gpu/contact/joint.cu: ref/contact/joint.h on the device. */
+/* gpu/solve/joint.cu: ref/solve/joint.h on the device. */
 int gpu_joint(struct world *w, struct joint *s);
 
 #ifdef __cplusplus

@@ -88,7 +88,7 @@ struct backend {
     int (*motion)(void *on, struct sheet *s);
     void (*energy)(void *on, struct sheet *s, const vec *x, const vec *v,
                    double value[3]);
-    /* Solves the cloths and their contacts together (ref/contact/joint.h). */
+    /* Solves the cloths and their contacts together (ref/solve/joint.h). */
     int (*joint)(struct world *w, struct joint *s);
     /* Do what the functions of these names in ref/broad/broad.h do. */
     int (*broad_whole_apart)(void *on, struct broad *b, const vec *x0,

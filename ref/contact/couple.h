@@ -5,8 +5,8 @@
 #define REF_COUPLE_H
 
 #include "ref/base/arena.h"
-#include "ref/contact/joint.h"
 #include "ref/contact/penalty.h"
+#include "ref/solve/joint.h"
 
 struct pcg;
 struct world;

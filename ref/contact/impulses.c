@@ -3,7 +3,7 @@
  * spec/contact/impulses.md */
 #include "ref/contact/impulses.h"
 
-#include "ref/contact/closest.h"
+#include "ref/narrow/closest.h"
 
 static int check(const struct impulses *s)
 {

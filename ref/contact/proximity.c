@@ -3,7 +3,7 @@
  * spec/contact/proximity.md */
 #include "ref/contact/proximity.h"
 
-#include "ref/contact/closest.h"
+#include "ref/narrow/closest.h"
 
 static int check(const struct proximity *s)
 {

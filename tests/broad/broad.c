@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Tests the broad phase as a whole: against brute force, with and without
  * cones, and over many steps. spec/broad/broad.md */
-#include "ref/contact/closest.h"
+#include "ref/narrow/closest.h"
 #include "ref/narrow/narrow.h"
 #include "tests/broad/fabric.h"
 

@@ -5,7 +5,7 @@
 
 #include "oracle/oracle.h"
 #include "oracle/rational.h"
-#include "ref/contact/closest.h"
+#include "ref/narrow/closest.h"
 #include "tests/base/choices.h"
 
 const struct field fields_proximity[] = {

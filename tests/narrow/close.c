@@ -5,7 +5,7 @@
 
 #include "oracle/oracle.h"
 #include "ref/broad/cones.h"
-#include "ref/contact/closest.h"
+#include "ref/narrow/closest.h"
 #include "ref/narrow/exact.h"
 #include "ref/narrow/narrow.h"
 #include "tests/narrow/query.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Conjugate gradients over all cloths and their contacts; each cloth's own
  * preconditioner takes its part. spec/contact/penalty.md §4 */
-#include "ref/contact/joint.h"
+#include "ref/solve/joint.h"
 
 #include "ref/base/sum.h"
 #include "ref/solve/jacobi.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Closest points of two primitives: computes a few candidate pairs of points
  * and keeps the nearest pair. spec/contact/proximity.md §1, §2 */
-#include "ref/contact/closest.h"
+#include "ref/narrow/closest.h"
 
 /* Starts a search: y = x - x[0], and the size of the pair; no candidate yet. */
 static void relative(const struct wide x[4], struct wide y[4],
