@@ -17,6 +17,7 @@ OBJECTS = [
     ("camera", "scene.c", "struct camera,"),
     ("A motion", "motion.c", "struct motion,"),
     ("A keyframe", "motion.c", "struct key,"),
+    ("look", "look.c", "struct look,"),
     ("A cloth", "cloth.c", "CLOTH("),
     ("start", "cloth.c", "START("),
     ("A region of holes or cuts", "cloth.c", "struct region,"),

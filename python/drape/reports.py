@@ -32,8 +32,8 @@ class Status(enum.IntEnum):
             (narrow/audit.md §5)
         EDEVICE: this build or machine lacks the backend, or the device has
             failed
-        EMATCH: the checkpoint is damaged, or belongs to another definition,
-            precision or format
+        EMATCH: the checkpoint or log is damaged, or belongs to another
+            definition, precision or format
         EIO: a function of the caller's ended the call
         ELIMIT: the step would need more than the definition allows: substeps
             beyond max_substeps

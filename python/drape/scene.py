@@ -48,11 +48,34 @@ class Camera:
     Attributes:
         eye, target: [3] m
         fov: degrees of the picture's height
+        turn: degrees a second that it goes about target, in a film
+        sun: [3] direction towards the sun; light: its strength
+        floor: [3] colour of a level obstacle, which is drawn without an end
     """
 
     eye: Vector | None = None
     target: Vector | None = None
     fov: float | None = None
+    turn: float | None = None
+    sun: Vector | None = None
+    light: float | None = None
+    floor: Vector | None = None
+
+
+@dataclass
+class Look:
+    """How a body looks in pictures.
+
+    Attributes:
+        colour, inside: [3] sRGB, 0 … 1; inside: a cloth's other side
+        gloss: how much the sun shines in it, 0 … 1
+        check: of cloth: woven in squares of 4 cm
+    """
+
+    colour: Vector | None = None
+    inside: Vector | None = None
+    gloss: float | None = None
+    check: bool | None = None
 
 
 @dataclass
@@ -185,6 +208,7 @@ class Cloth:
     holes: Sequence[Region] | None = None
     cuts: Sequence[Region] | None = None
     pins: Sequence[Pin] | None = None
+    look: Look | None = None
     positions: ArrayLike | None = None
     velocities: ArrayLike | None = None
 
@@ -240,6 +264,7 @@ class Obstacle:
     at: Vector | None = None
     friction: float | None = None
     motion: str | None = None
+    look: Look | None = None
     vertices: ArrayLike | None = None
     triangles: ArrayLike | None = None
     vertex_frames: ArrayLike | None = None
@@ -290,7 +315,7 @@ class Scene:
 CLOTH_ARRAYS = ("positions", "velocities")
 OBSTACLE_ARRAYS = ("vertices", "triangles", "vertex_frames", "frame_dt")
 # What a scene's file may say of an obstacle whose mesh is given by arrays.
-OBSTACLE_KEYS = ("name", "friction", "motion")
+OBSTACLE_KEYS = ("name", "friction", "motion", "look")
 
 
 def as_dict(value: Any) -> Any:

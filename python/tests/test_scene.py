@@ -27,6 +27,7 @@ TABLES = {
     drape.Region: "cloth.c",
     drape.Pin: "cloth.c",
     drape.Cloth: "cloth.c",
+    drape.Look: "look.c",
     drape.Frames: "obstacle.c",
     drape.Obstacle: "obstacle.c",
 }

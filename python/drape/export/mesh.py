@@ -41,7 +41,8 @@ def linear(part: float) -> float:
 
 def _unit(v: Array) -> Array:
     length = np.sqrt((v * v).sum(-1, keepdims=True))
-    return np.divide(v, length, out=np.zeros_like(v), where=length > 0)
+    unit: Array = np.divide(v, length, out=np.zeros_like(v), where=length > 0)
+    return unit
 
 
 def _corner_sum(x: Array, faces: NDArray[np.int32]) -> tuple[Array, Array]:
