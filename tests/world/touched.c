@@ -61,7 +61,7 @@ static const char *run(int integrator, int mode)
     struct witness a = {0};
     drape_error error;
     for (uint64_t k = 0; k < sizeof v / sizeof v[0][0]; k++)
-        v[k / 3][k % 3] = 20 * noise_of(k);
+        v[k / 3][k % 3] = (mode ? 2 : 5) * noise_of(k);
     slab_make(&d, integrator);
     d.cloth.m = d.cloth.n = SIDE;
     d.cloth.width = d.cloth.height = 0.2;
@@ -78,6 +78,7 @@ static const char *run(int integrator, int mode)
     d.def.trace_user = &a;
     arena_init(&arena, &d.def.allocator);
     EXPECT(world_make(&d.def, &arena, &a.w, &error) == DRAPE_OK);
+    a.w->couple.penalty.stiffness *= R(1e-6); /* so that rounds are left */
     a.w->response.zone_rounds = mode < 2 ? a.w->response.zone_rounds : 0;
     for (int k = 0; k < 12 && !a.failed; k++) {
         drape_step_report r;
