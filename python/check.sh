@@ -30,19 +30,29 @@ ok "the pages' lines" "$python" python/lines.py README.md python/README.md \
     python/docs/*.md python/docs/tutorials/*.md
 ok 'the site' sh python/docs.sh "$build" tiny=20
 export RAY_USAGE_STATS_ENABLED=0
-# apps/ has an environment of its own
-"$python" -m pytest -q -p no:cacheprovider --ignore python/tests/apps \
-    python/tests >"$tests" 2>&1 ||
-    sed -n '/^=.* FAILURES/,$p' "$tests" | tail -n 60
-# the last line: `1 failed, 2 passed, 3 skipped in 4.56s`
-last=$(tail -n 1 "$tests")
+# The last line of pytest's log: `1 failed, 2 passed, 3 skipped in 4.56s`.
 number() {
-    of=$(echo "$last" | sed -n "s/.*\\b\\([0-9][0-9]*\\) $1.*/\\1/p")
+    of=$(tail -n 1 "$tests" | sed -n "s/.*\\b\\([0-9][0-9]*\\) $1.*/\\1/p")
     echo "${of:-0}"
 }
-good=$(number passed) bad=$(($(number failed) + $(number error)))
-[ "$good" -gt 0 ] || bad=$((bad + 1)) # no test ran
-passed=$((passed + good)) failed=$((failed + bad))
-skipped=$((skipped + $(number skipped)))
+# suite PYTHON FOLDER OPTION...: runs tests and adds up their counts.
+suite() {
+    with=$1
+    shift
+    "$with" -m pytest -q -rs -p no:cacheprovider "$@" >"$tests" 2>&1 ||
+        sed -n '/^=.* FAILURES/,$p' "$tests" | tail -n 60
+    grep '^SKIPPED' "$tests"
+    good=$(number passed) bad=$(($(number failed) + $(number error)))
+    [ "$good" -gt 0 ] || bad=$((bad + 1)) # no test ran
+    passed=$((passed + good)) failed=$((failed + bad))
+    skipped=$((skipped + $(number skipped)))
+}
+suite "$python" python/tests --ignore python/tests/apps
+# apps/ has an environment of its own
+rm -rf "$work/apps"
+ok 'an environment for apps' python3 -m venv "$work/apps"
+ok 'it takes what they need' "$work/apps/bin/python" -m pip install -q "$wheel" \
+    pytest -r python/tests/apps/requirements.txt
+suite "$work/apps/bin/python" python/tests/apps
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]
