@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Sheets that lie on each other and on a slab: the work of a step by layers.
+ * spec/contact/penalty.md §4 */
+#include "tests/world/slab.h"
+
+enum { MOST = 4, STEPS = 24 };
+
+/* What the steps of a stack needed in all. */
+struct effort {
+    int iterations, solves, rounds, slices;
+    int64_t impacts;
+};
+
+/* Sheets on a slab at rest, each shifted a little, so that vertices lie over
+ * edges and faces. They start just apart and settle. */
+static const char *settle(int layers, int backend, struct effort *e)
+{
+    struct slab d;
+    drape_cloth cloth[MOST];
+    slab_small(&d, DRAPE_BW, 0.104);
+    for (int k = 0; k < layers; k++) {
+        cloth[k] = d.cloth;
+        cloth[k].origin[0] += 0.003 * k;
+        cloth[k].origin[1] += 0.0042 * k;
+        cloth[k].origin[2] += 0.002 * k;
+        cloth[k].material.thickness = 0.004;
+    }
+    d.obstacle.motion = -1;
+    d.def.cloths = cloth;
+    d.def.n_cloths = layers;
+    d.def.backend = backend;
+    drape_world *world = slab_world(&d);
+    EXPECT(world);
+    *e = (struct effort){0};
+    for (int k = 0; k < STEPS; k++) {
+        drape_step_report r;
+        EXPECT(drape_step(world, &r) == DRAPE_OK && r.outcome == 0);
+        e->iterations += r.iterations;
+        e->solves += r.work.solves;
+        e->rounds += r.rounds;
+        e->slices += r.slices;
+        e->impacts += r.impacts;
+        ran(1);
+    }
+    drape_destroy(world);
+    return NULL;
+}
+
+/* Upper bounds, of counts that are exact: the contacts' own matrix carries a
+ * push through all layers in one solve, so that rounds and slices do not grow
+ * with the number of layers, and iterations of a step grow slower. */
+const char *test_stack_layers(void)
+{
+    static const int some[] = {1, 2, MOST};
+    struct effort e[3], on_device;
+    for (int k = 0; k < 3; k++) {
+        const char *failed = settle(some[k], DRAPE_REF, &e[k]);
+        if (failed)
+            return failed;
+        EXPECT(e[k].rounds <= 2 * STEPS && 4 * e[k].slices <= 7 * STEPS);
+    }
+    EXPECT(e[0].iterations <= 5 * STEPS && e[0].impacts == 0);
+    EXPECT(e[1].iterations <= 75 * STEPS && e[1].solves <= 6 * STEPS);
+    EXPECT(2 * e[2].iterations <= 5 * e[1].iterations);
+    const char *failed = settle(2, DRAPE_GPU, &on_device);
+    if (failed)
+        return failed;
+    EXPECT(!memcmp(&on_device, &e[1], sizeof on_device));
+    return NULL;
+}
