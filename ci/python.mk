@@ -16,10 +16,10 @@ CORE_L := $(if $(HAS_ASSIMP),-lassimp) -lcjson -lpthread $(if $(GPU),$(CUDA_L),-
 
 # Prints what setup.py links: objects and libraries, then macros; and the tool.
 python-core: $(call obj,$(CORE),) $(LIB) $(if $(HAS_APP),$(BUILD)/drape)
-	@echo 'link $(abspath $(filter %.o %.a,$^)) $(CORE_L)'
+	@echo 'link $(filter %.o %.a,$^) $(CORE_L)'
 	@echo 'compile $(if $(GPU),-DDRAPE_CUDA \
 	  -I$(dir $(realpath $(NVCC)))../include)'
-	@echo 'tool $(if $(HAS_APP),$(abspath $(BUILD)/drape))'
+	@echo 'tool $(if $(HAS_APP),$(BUILD)/drape)'
 
 # What builds the package, in an environment of its own.
 $(PY)/venv/made: python/requirements.txt

@@ -30,7 +30,13 @@ def made() -> dict[str, list[str]]:
     make += [f"BUILD={build}", "python-core"]
     lines = subprocess.run(make, check=True, stdout=subprocess.PIPE, text=True)
     words = [shlex.split(line) for line in lines.stdout.splitlines() if line]
-    return {word[0]: word[1:] for word in words}
+    return {word[0]: [located(one) for one in word[1:]] for word in words}
+
+
+def located(word: str) -> str:
+    """Returns the path of a word that names a file of the checkout."""
+    file = ROOT / word
+    return str(file) if file.is_file() else word
 
 
 class Build(build_ext):
