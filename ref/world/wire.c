@@ -91,8 +91,8 @@ static int make_response(struct world *w, const drape_def *def)
     c->skin.surface = w->surface;
     c->fan = w->broad.tree.fan;
     for (int k = 0; k < def->n_cloths; k++)
-        c->stiffness = real_max(c->stiffness,
-                                COUPLE_SOFT * (real)def->cloths[k].material.stretch);
+        c->stiffness = real_max(
+            c->stiffness, COUPLE_SOFT * (real)def->cloths[k].material.stretch);
     c->margin = R(0.125);
     c->iterations = 16;
     c->max_rounds = def->max_rounds;

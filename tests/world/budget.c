@@ -69,7 +69,8 @@ const char *test_world_made(void)
     EXPECT(near((double)w->cell, side));
     EXPECT(near((double)w->surface[0].thickness, 0.00390625));
     EXPECT(near((double)w->surface[1].thickness, side / 2));
-    EXPECT(near((double)w->reach, side / 2) && w->response.stiffness == R(0.1) * 800);
+    EXPECT(near((double)w->reach, side / 2) &&
+           w->response.stiffness == R(0.1) * 800);
     for (int k = 0; k < 2; k++) {
         EXPECT(w->surface[k].friction == (real)cloth[k].material.friction);
         EXPECT(w->surface[2 + k].friction == (real)obstacle[k].friction);
