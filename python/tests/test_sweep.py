@@ -181,7 +181,9 @@ def test_wrong_arguments(tiny: Path, tmp_path: Path) -> None:
 
 # Stands in for Slurm's sbatch --wait: it runs the tasks of an array here, one
 # after another. Its task 1 is killed the first time, as by a lost node.
-SBATCH = """#!{python}
+# The shell's line is text to Python: a path with spaces cannot follow #!.
+SBATCH = """#!/bin/sh
+"exec" "{python}" "$0" "$@"
 import os, pathlib, re, signal, subprocess, sys
 text = open(sys.argv[-1]).read()
 last = int(re.search(r"--array=0-(\\d+)", text)[1])
