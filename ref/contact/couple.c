@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contacts within the implicit solve of every cloth, on either backend.
+/* Contacts within the implicit solve of all cloths, on either backend.
  * spec/contact/penalty.md §4 */
 #include "ref/contact/couple.h"
 
@@ -64,7 +64,7 @@ static struct turn turn_of(const struct world *w)
                          .dt = w->response.dt};
 }
 
-/* The contacts as penalty left them. */
+/* The contacts' part of the joint matrix, as penalty left them. */
 static struct links links_of(const struct penalty *p, vec *push)
 {
     return (struct links){.nv = p->nv,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Contacts within the implicit solve of every cloth. spec/contact/penalty.md §4
+/* Contacts within the implicit solve of all cloths. spec/contact/penalty.md §4
  */
 #ifndef REF_COUPLE_H
 #define REF_COUPLE_H
@@ -25,11 +25,12 @@ struct couple {
     vec *g;                 /* [nc] A times the change so far */
     vec *press;             /* [nv] N, warm.md; penalty's guess */
     vec *b;                 /* [nc] force - g */
-    struct joint joint;     /* its streams, scale and square */
+    struct joint joint;     /* of its members only streams, scale and square
+                               last from one turn to the next */
     int64_t cap;            /* contacts that the scratch is for */
     bool rough;             /* the motion before contact was solved so, with
                                the press of the slice before */
-    int iterations, solves; /* out: of pcg, this step */
+    int iterations, solves; /* out: of joint, this step */
     int outcome;            /* out: enum drape_outcome, this step */
     double residual;        /* out: of the last solves */
     double seconds;         /* out: this step */

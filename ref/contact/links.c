@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Multiplies the own matrix of the contacts between cloths with a vector.
+/* Multiplies the matrix of the contacts that are CONTACT_MUTUAL with a vector.
  * spec/contact/penalty.md §3
  */
 #include "ref/contact/links.h"

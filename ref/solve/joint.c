@@ -9,7 +9,8 @@
 #include "ref/solve/product.h"
 #include "ref/world/state.h"
 
-/* The system of one cloth, whose residual is its part of the joint one. */
+/* The system of one cloth: its solver with hold as `extra`, on its part of the
+ * joint residual. Only its preconditioner is used. */
 static struct pcg part_of(const struct sheet *s, const struct joint *a)
 {
     struct pcg p = s->solver.pcg;
@@ -60,7 +61,7 @@ static real dot(struct joint *a, const vec *x, const vec *y)
     return d.value;
 }
 
-/* Sets the parts' s to M⁻¹ r and returns r·M⁻¹ r. */
+/* Sets q to M⁻¹ r, cloth by cloth, and returns r·q. */
 static real precondition(struct world *w, struct joint *a)
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
@@ -165,7 +166,8 @@ static int iterate(struct world *w, struct joint *a, real square)
     return PCG_LIMIT;
 }
 
-/* done = A dv, and the true residual of the whole. */
+/* Sets q to A dv without contacts, and finds the true residual, which counts
+ * them: b - A dv - wall dv - C dv. */
 static void conclude(struct world *w, struct joint *a)
 {
     multiply(w, a, false, a->dv, a->q);
