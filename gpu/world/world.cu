@@ -400,7 +400,9 @@ static int load(struct world *w, drape_read_bytes *read, void *user)
     size_t press = w->press ? (size_t)w->nc * sizeof *w->press : 0;
     gpu_up(g, w->x0, all.x0, bytes);
     gpu_up(g, w->v0, all.v0, bytes);
-    gpu_up(g, w->x1, all.x0, bytes); /* no step writes x1 of what never moves */
+    /* no step writes x1 and v1 of what never moves */
+    gpu_up(g, w->x1, all.x0, bytes);
+    gpu_up(g, w->v1, all.v0, bytes);
     gpu_up(g, w->past_x, all.past_x, past);
     gpu_up(g, w->past_v, all.past_v, past);
     gpu_up(g, w->press, all.press, press);

@@ -381,8 +381,10 @@ static void apply(struct world *w, const struct read *r)
     for (int k = 0; k < STREAMS; at += r->bytes[k++])
         if (r->bytes[k])
             memcpy(r->stream[k], r->aside + at, r->bytes[k]);
-    if (w->home == w) /* no step writes x1 of what never moves */
+    if (w->home == w) { /* no step writes x1 and v1 of what never moves */
         memcpy(w->x1, w->x0, (size_t)w->nv * sizeof *w->x1);
+        memcpy(w->v1, w->v0, (size_t)w->nv * sizeof *w->v1);
+    }
     w->list.known = false;
     w->step = h->step;
     w->intersecting = h->intersecting;

@@ -150,10 +150,18 @@ static const char *compare(struct session *p)
     return NULL;
 }
 
+/* Both worlds make a step, one with a report, and are compared. */
+static const char *step_both(struct session *p)
+{
+    drape_step_report r;
+    for (int k = 0; k < 2; k++)
+        EXPECT(drape_step(p->world[k], k ? &r : NULL) == DRAPE_OK);
+    return compare(p);
+}
+
 static const char *turn(struct session *p, uint64_t seed, int64_t *refused)
 {
     int status[2] = {0, 0};
-    drape_step_report r;
     for (int k = 0; k < 2; k++) {
         struct bytes b = {.seed = seed, .size = -1};
         for (uint32_t n = pick(&b, 3); n; n--)
@@ -163,9 +171,7 @@ static const char *turn(struct session *p, uint64_t seed, int64_t *refused)
     EXPECT(status[0] == status[1]);
     *refused += status[0] != DRAPE_OK;
     const char *what = compare(p);
-    for (int k = 0; k < 2 && !what; k++)
-        EXPECT(drape_step(p->world[k], k ? &r : NULL) == DRAPE_OK);
-    return what ? what : compare(p);
+    return what ? what : step_both(p);
 }
 
 /* A fresh world goes on from the checkpoint with the same bits. */
@@ -263,6 +269,67 @@ const char *test_control_log(void)
         return text;
     }
     EXPECT(refused > 0);
+    return NULL;
+}
+
+/* Two worlds of one backend, in a session that begins anew. */
+static const char *begin(struct session *p, uint64_t seed, int backend)
+{
+    memset(p, 0, sizeof *p);
+    for (int k = 0; k < 2; k++) {
+        struct bytes b = {.seed = seed, .size = -1};
+        define(p, &b, &p->s[k], backend);
+        choices_free(&b);
+        p->world[k] = make(p, k);
+        EXPECT(p->world[k]);
+    }
+    return NULL;
+}
+
+/* A world whose obstacle was told a place, and whose caller may have changed
+ * more, loads the checkpoint of its start, and goes on as a fresh one that
+ * does. */
+static const char *go_back(struct session *p, uint64_t seed, int backend)
+{
+    enum { TURNS = 2 };
+    struct recall *start = &p->log[0];
+    int64_t unused = 0;
+    const char *what = begin(p, seed, backend);
+    EXPECT(what || recall_save(p->world[0], start));
+    for (int k = 0; k < TURNS && !what; k++) {
+        struct bytes b = {.seed = seed, .size = -1};
+        EXPECT(set_obstacle(p, &b, p->world[0]) == DRAPE_OK);
+        choices_free(&b);
+        b = (struct bytes){.seed = seed + (uint64_t)k, .size = -1};
+        call(p, &b, p->world[0]);
+        choices_free(&b);
+        EXPECT(drape_step(p->world[0], NULL) == DRAPE_OK);
+    }
+    for (int k = 0; k < 2; k++)
+        EXPECT(what || recall_load(p->world[k], start) == DRAPE_OK);
+    for (int k = 0; k < TURNS && !what; k++)
+        what = step_both(p);
+    if (!what)
+        what = turn(p, seed, &unused);
+    for (int k = 0; k < 2; k++)
+        drape_destroy(p->world[k]);
+    return what;
+}
+
+/* §6: loading makes a world as the checkpoint says, whatever was changed
+ * before. */
+const char *test_control_back(void)
+{
+    enum { SEEDS = 6 };
+    static struct session p;
+    static char text[200];
+    for (uint64_t k = 0; k < 2 * SEEDS; k++) {
+        const char *what = go_back(&p, k / 2, k % 2);
+        if (!what)
+            continue;
+        snprintf(text, sizeof text, "seed %d: %s", (int)k, what);
+        return text;
+    }
     return NULL;
 }
 
