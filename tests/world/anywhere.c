@@ -3,6 +3,7 @@
  * the run continues with the same bits. spec/world/step.md */
 #include <stdlib.h>
 
+#include "ref/world/step.h"
 #include "tests/world/recall.h"
 #include "tests/world/slab.h"
 
@@ -107,4 +108,38 @@ const char *test_checkpoint_anywhere(void)
         drape_destroy(other);
     }
     return failed;
+}
+
+/* dynamics.md §3: the energies that a cloth's steps are watched by go on from a
+ * checkpoint; only a step that diverges would show that they were lost. */
+const char *test_checkpoint_watch(void)
+{
+    static struct recall r;
+    struct slab d;
+    struct arena arena[2];
+    struct world *w[2];
+    drape_step_report report;
+    slab_small(&d, DRAPE_BW, 0.103);
+    drape_cloth cloth[2] = {d.cloth, d.cloth};
+    cloth[1].origin[1] = 0.25;
+    d.def.cloths = cloth;
+    d.def.n_cloths = 2;
+    for (int k = 0; k < 2; k++) {
+        w[k] = slab_inner(&d.def, &arena[k]);
+        EXPECT(w[k]);
+    }
+    for (int k = 0; k < 4; k++)
+        EXPECT(step_advance(w[0], &report) == DRAPE_OK);
+    w[0]->watch[1][1] = 0.5; /* a step that keeps to the law adds no surplus */
+    EXPECT(recall_save_inner(w[0], &r));
+    EXPECT(recall_load_inner(w[1], &r) == DRAPE_OK);
+    for (int k = 0; k < 2; k++) {
+        EXPECT(w[0]->watch[k][0] > 0);
+        EXPECT(w[1]->watch[k][0] == w[0]->watch[k][0]);
+        EXPECT(w[1]->watch[k][1] == w[0]->watch[k][1]);
+        ran(1);
+    }
+    arena_free(&arena[0]);
+    arena_free(&arena[1]);
+    return NULL;
 }

@@ -2,6 +2,8 @@
 /* Checkpoints in memory. */
 #include "tests/world/recall.h"
 
+#include "ref/world/checkpoint.h"
+
 static int take_in(void *user, const void *data, size_t bytes)
 {
     struct recall *r = user;
@@ -34,6 +36,18 @@ int recall_load(drape_world *world, struct recall *r)
 {
     r->at = 0;
     return drape_load(world, give_out, r);
+}
+
+bool recall_save_inner(const struct world *world, struct recall *r)
+{
+    r->size = 0;
+    return checkpoint_save(world, take_in, r) == DRAPE_OK;
+}
+
+int recall_load_inner(struct world *world, struct recall *r)
+{
+    r->at = 0;
+    return checkpoint_load(world, give_out, r);
 }
 
 bool recall_same(const struct recall *a, const struct recall *b)

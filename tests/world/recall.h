@@ -5,6 +5,8 @@
 
 #include "tests/base/harness.h"
 
+struct world;
+
 /* A checkpoint of a small scene. */
 struct recall {
     size_t size, at;
@@ -14,6 +16,9 @@ struct recall {
 bool recall_save(const drape_world *world, struct recall *r);
 /* Loads r; returns drape_load's status. */
 int recall_load(drape_world *world, struct recall *r);
+/* The same of a world that was made without the public API. */
+bool recall_save_inner(const struct world *world, struct recall *r);
+int recall_load_inner(struct world *world, struct recall *r);
 bool recall_same(const struct recall *a, const struct recall *b);
 
 #endif
