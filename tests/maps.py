@@ -13,6 +13,9 @@ import re
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.join(ROOT, "ci"))
+import mutate  # noqa: E402: it lies in ci/
+
 ROOMS = ("ref", "gpu", "tests", "spec")
 MOST_FILES = 30    # in a room
 MOST_HEADERS = 40  # of ours that a .cu file sees
@@ -56,7 +59,7 @@ def tree():
                       ("build", ".git", "__pycache__", "corpus", "shared")]
         for name in names:
             path = os.path.relpath(os.path.join(at, name), ROOT)
-            if name.endswith(C + SCRIPTS + (".md", ".gappa")):
+            if name.endswith(C + SCRIPTS + (".md", ".gappa", ".equivalent")):
                 with open(os.path.join(at, name), encoding="utf-8") as file:
                     texts[path] = file.read()
             else:
@@ -391,8 +394,27 @@ def check_numbers(texts):
     return seen, faults
 
 
+def check_equivalents(texts):
+    """Each row of ci/mutants.equivalent is a fault that can still be planted: a
+    line that was reworded may mean something else now."""
+    rows, faults, changes = 0, [], {}
+    for row in texts["ci/mutants.equivalent"].split("\n"):
+        if not row.strip() or row.startswith("#"):
+            continue
+        path, line, change, _ = (x.strip() for x in row.split(" | ", 3))
+        if path in texts and path not in changes:
+            changes[path] = {(m.text, m.changes[0][2].what)
+                             for m in mutate.mutants_of(path, texts)}
+        rows += 1
+        if (line, change) not in changes.get(path, ()):
+            faults.append(f"ci/mutants.equivalent: {path} has no such fault: "
+                          f"{line} | {change}")
+    return rows, faults
+
+
 CHECKS = (check_diagram, check_stages, check_files, check_citations, check_rooms,
-          check_circles, check_headers, check_banners, check_numbers)
+          check_circles, check_headers, check_banners, check_numbers,
+          check_equivalents)
 
 
 def planted(texts):
@@ -435,6 +457,9 @@ def planted(texts):
     yield check_banners, add(home, "/* ---- A part ---- */\n")
     yield check_numbers, add(home, "/* As 31_response §2 says. */\n")
     yield check_numbers, add(page, "\nSee 31 §2.\n")
+    thin = "real_min(real_abs(a), most)"
+    yield check_equivalents, edit("ref/base/thin.h", thin, thin.replace("(a)", "(b)"))
+    yield check_equivalents, add("ci/mutants.equivalent", f"{home} | x | y | z\n")
 
 
 def known_as(fault):
