@@ -150,6 +150,9 @@ def drop_edits(ts, k, source):
         return []
     if first == 'return' and follow.text != ';' or follow.kind == 'name':
         return []
+    if [t.text for t in ts[k + 1:k + 3]] == ['(', '*'] and \
+            [t.text for t in ts[k + 4:k + 6]] in ([')', '('], [')', '[']):
+        return []  # declares a pointer to a function or to an array
     end, depth = k, 0
     while end < len(ts) and not (ts[end].text == ';' and depth == 0):
         depth += ts[end].text in ('(', '[', '{')
