@@ -403,8 +403,9 @@ def check_equivalents(texts):
             continue
         path, line, change, _ = (x.strip() for x in row.split(" | ", 3))
         if path in texts and path not in changes:
-            changes[path] = {(m.text, m.changes[0][2].what)
-                             for m in mutate.mutants_of(path, texts)}
+            changes[path] = {(m.text, m.changes[0][2].what) for m in
+                             [*mutate.mutants_of(path, texts),
+                              *mutate.twins_of(path, texts)]}
         rows += 1
         if (line, change) not in changes.get(path, ()):
             faults.append(f"ci/mutants.equivalent: {path} has no such fault: "
