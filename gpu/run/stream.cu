@@ -4,6 +4,7 @@
  * place. spec/gpu.md */
 #include "gpu/run/launch.cuh"
 
+#include <sched.h>
 #include <stdio.h>
 
 void gpu_note(struct gpu *g, cudaError_t error)
@@ -98,15 +99,21 @@ static bool arrived(const int64_t *mark, int64_t next)
     return __atomic_load_n(mark, __ATOMIC_ACQUIRE) == next;
 }
 
-/* Waits until the mark is `next`. Queries the state of the stream now and then,
- * as the kernel may have failed. */
+/* Waits until the mark is `next`. After a few looks the host lets other threads
+ * run between two looks, as they may drive other worlds. Queries the state of
+ * the stream every few milliseconds, as the kernel may have failed: more often,
+ * and queries would keep other threads from launching, since both take a lock
+ * of the driver. */
 static void wait_for(struct gpu *g, const int64_t *mark, int64_t next)
 {
-    enum { PATIENCE = 1 << 12 };
-    for (int64_t k = 1; !arrived(mark, next); k++)
+    enum { LOOKS = 1 << 12, PATIENCE = 1 << 14 };
+    for (int64_t k = 1; !arrived(mark, next); k++) {
+        if (k > LOOKS)
+            sched_yield();
         if (k % PATIENCE == 0 &&
             cudaStreamQuery(g->stream) != cudaErrorNotReady)
             break;
+    }
     if (arrived(mark, next))
         return;
     gpu_wait(g);
