@@ -82,7 +82,7 @@ void slice_keep(struct world *w);
 void slice_end(struct world *w);
 /* Waits for the backend, then adds the time since *last to a part of the
  * report, without the `within` seconds that belong to other parts. Sets *last
- * to now. */
+ * to now. Does nothing if the caller gave no report. */
 void slice_charge(const struct world *w, drape_step_report *r,
                   enum drape_part part, double *last, double within);
 /* Moves the broad phase's counters into the work of a report: the counters are
