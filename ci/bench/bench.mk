@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # What ci/bench and ci/validate measure, and the tables of oracle/README.md.
 
-.PHONY: bench validate tables price launches outcomes oracles
+.PHONY: bench validate tables price launches outcomes oracles many
 MACHINE ?= $(shell uname -m)
 
 # Time against error, stability, skipped work: spec/accuracy.md. A few files
@@ -21,6 +21,13 @@ $(BUILD)/accuracy: $(ACC_O)
 	$(C17) $^ -o $@ $(ACC_L)
 $(BUILD)/accuracy-bare: $(BUILD)/ci/bench/bare.o $(ACC_O)
 	$(C17) -Wl,--allow-multiple-definition $^ -o $@ $(ACC_L)
+
+# Many small worlds on one machine. It looks inside to choose how a device runs.
+$(BUILD)/ci/bench/many.32.o: DEFINES := $(if $(GPU),-DMANY_GPU)
+$(BUILD)/many: $(BUILD)/ci/bench/many.32.o $(BUILD)/ci/bench/solids.o $(INSIDE)
+	$(C17) $^ -o $@ -lpthread $(if $(GPU),$(CUDA_L),-lm)
+many: $(BUILD)/many ## steps of many small worlds a second, on a device, as csv
+	$(BUILD)/many
 
 # The narrow phase beside FCL and GMP, on one thread.
 $(BUILD)/speed: $(BUILD)/ci/bench/narrow.32.o $(BUILD)/tests/narrow/ply.32.o \
