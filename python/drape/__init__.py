@@ -31,6 +31,7 @@ from .errors import (
     OutOfMemoryError,
     SceneError,
 )
+from .many import step_many
 from .mesh import Audit, Touches, audit, ccd, ccd_mesh
 from .record import Recorder
 from .reports import Memory, Outcome, PlanRow, Status, StepReport, Work
@@ -102,6 +103,7 @@ __all__ = [
     "ccd_mesh",
     "grid",
     "info",
+    "step_many",
     "sweep",
     "tool",
 ]
