@@ -27,8 +27,13 @@ $(PY)/venv/made: python/requirements.txt
 	$(PIP) -r $<
 	@touch $@
 
-wheel: $(PY)/venv/made ## a wheel of the Python package, in dist/
-	sh python/wheel.sh $(BUILD)
+# A wheel with the device's part says by which CUDA: drape-0.1.0+cu130-….whl.
+DIST ?= dist
+WITH_CUDA = $(if $(GPU),cu$(shell nvcc --version | sed -n \
+            's/.*release \([0-9]*\)\.\([0-9]*\).*/\1\2/p'))
+wheel: $(PY)/venv/made ## a wheel of the Python package, in DIST=dist
+	DRAPE_MAKE="GPU=$(GPU) $${DRAPE_MAKE-}" DRAPE_LOCAL=$(WITH_CUDA) \
+	  sh python/wheel.sh $(BUILD) $(DIST)
 
 check-python: $(PY)/venv/made ## tests the package's wheel in a fresh environment
 	sh python/check.sh $(BUILD)

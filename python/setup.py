@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Builds the package: the library and the tool by make, the extension by cffi.
 
-$DRAPE_BUILD names the build folder (default: build/ of the checkout), and
-$DRAPE_MAKE further arguments of make, as GPU=yes.
+$DRAPE_BUILD names the build folder (default: build/ of the checkout), $DRAPE_MAKE
+further arguments of make, as GPU=yes, and $DRAPE_LOCAL the local version of the
+wheel, as cu130 for one with the device's part by CUDA 13.0.
 """
 
 import os
@@ -59,9 +60,11 @@ class Build(build_ext):
             shutil.copy2(tool, package / "bin/drape")
 
 
+LOCAL = os.environ.get("DRAPE_LOCAL", "")
+
 os.chdir(HERE)
 setup(
-    version=declare.version(),
+    version=declare.version() + (f"+{LOCAL}" if LOCAL else ""),
     ext_modules=[
         Extension(
             "drape._core",

@@ -1,11 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Builds the Python package's wheel and puts it into dist/, with all libraries
+# Builds the Python package's wheel and puts it into DIST, with all libraries
 # that it needs beside glibc inside (auditwheel), so that it installs on every
-# Linux of the same or a later glibc. $DRAPE_MAKE: as for setup.py.
-# usage: python/wheel.sh BUILD
+# Linux of the same or a later glibc. $DRAPE_MAKE, $DRAPE_LOCAL: as for setup.py.
+# usage: python/wheel.sh BUILD [DIST]
 set -eu
 build=$1
+dist=${2-dist}
 work=$build/python
 bin=$work/venv/bin
 rm -rf "$work/raw" "$work/repaired" python/build
@@ -20,7 +21,7 @@ PATH="$(cd "$bin" && pwd):$PATH" "$bin/auditwheel" repair --exclude 'libcuda.so*
     tail -n 40 "$work/repair.log" >&2
     exit 1
 }
-mkdir -p dist
-rm -f dist/drape-*.whl
-mv "$work"/repaired/*.whl dist/
-ls -s --block-size=1M dist/*.whl
+mkdir -p "$dist"
+rm -f "$dist"/drape-*.whl
+mv "$work"/repaired/*.whl "$dist"/
+ls -s --block-size=1M "$dist"/*.whl
