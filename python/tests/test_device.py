@@ -41,6 +41,17 @@ def test_the_bits_are_the_references(tiny: Path, bits: int) -> None:
     assert other.digest() == device.digest()
 
 
+def test_worlds_side_by_side_have_the_same_bits(tiny: Path) -> None:
+    winds = [{"velocity": [k, 0, 0], "density": 1.2} for k in range(12)]
+    host = [drape.World(tiny, wind=wind) for wind in winds]
+    device = [drape.World(tiny, wind=wind, backend="gpu") for wind in winds]
+    for _ in range(3):
+        drape.step_many(host, 4)
+        drape.step_many(device, 4, threads=12)
+        assert [w.digest() for w in host] == [w.digest() for w in device]
+    assert len({w.digest() for w in host}) == len(winds)
+
+
 @pytest.mark.parametrize("bits", [32, 64])
 def test_others_take_the_arrays(tiny: Path, bits: int) -> None:
     torch = pytest.importorskip("torch")
