@@ -10,7 +10,8 @@
  * meaning, [the shape] of an array, its unit, and its range; a field without a
  * range takes any number up to 2^60 in size. No function exits, prints, keeps
  * global state or starts a thread that was not asked for. Calls on one world
- * must not overlap in time; different worlds are independent.
+ * must not overlap in time; different worlds are independent, and may be
+ * stepped by different threads at the same time.
  *
  * Errors. A fault has the same status in every function. It is DRAPE_EARG if a
  * pointer is NULL that must not be; if a count, an index or an enumerator is
