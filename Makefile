@@ -67,8 +67,8 @@ ORACLE_H   := CGAL/version.h Eigen/Dense fcl/fcl.h ccd/ccd.h gmp.h mpfr.h
 HAS_ORACLE := $(call has,$(ORACLE_H))
 
 # Compiled once, whatever the precision: API and ONCE.
-API    := $(addprefix ref/api/,control.c defaults.c define.c drape.c \
-          frames.c query.c record.c) \
+API    := $(addprefix ref/api/,bodies.c control.c defaults.c define.c \
+          drape.c frames.c query.c record.c record_body.c) \
           $(addprefix ref/base/,arena.c threads.c threads_clang.c)
 # The GPU part is built where nvcc and a device are, or by GPU=yes.
 NVCC   := $(shell command -v nvcc)

@@ -57,5 +57,6 @@ int command_convert(int argc, char **argv);
 int command_materials(int argc, char **argv);
 int command_export(int argc, char **argv);
 int command_view(int argc, char **argv);
+int command_fetch_models(int argc, char **argv);
 
 #endif

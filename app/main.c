@@ -78,6 +78,14 @@ static const struct command {
      "drape view DIR|SCENE.json [--port N] [--host NAME]\n"
      "Serves a page that shows the run, or the scene while it is computed.\n"
      "It is part of the Python package.\n"},
+    {"fetch-models", command_fetch_models,
+     "fetch the statues of drape's own scenes",
+     "drape fetch-models DIR [--from FROM]\n"
+     "Fetches the public statues into DIR/models and collision queries with\n"
+     "their truth into DIR/ccd, and prints their credits. What is there stays.\n"
+     "DRAPE_DATA=DIR then names them to all commands. --from: a folder or an\n"
+     "address that holds them, in place of the public ones. It needs curl,\n"
+     "python3, and for the lion apt-get. Exit status 1: something is missing.\n"},
     {"materials", command_materials, "list the fabrics that scenes may name",
      "drape materials\n"
      "Each with its numbers, what it is, and where they are from.\n"},
@@ -120,7 +128,7 @@ static void list_commands(FILE *out)
 {
     fputs("usage: drape COMMAND [arguments]\n\n", out);
     for (int k = 0; k < COMMANDS; k++)
-        fprintf(out, "  %-9s %s\n", commands[k].name, commands[k].summary);
+        fprintf(out, "  %-12s %s\n", commands[k].name, commands[k].summary);
     fputs(
         "\n--quiet with any of them: no progress and no notes; --version: one "
         "line.\n"

@@ -95,8 +95,8 @@ static int find_mesh(const struct json *json, const char *name,
     }
     return json_refuse(json,
                        "mesh %s: found neither in %s, $DRAPE_MODELS, %s nor "
-                       "build/models (sh ci/data.sh DIR fetches the statues "
-                       "of drape's own scenes)",
+                       "build/models (drape fetch-models DIR fetches the "
+                       "statues of drape's own scenes)",
                        name, folders[0], models);
 }
 

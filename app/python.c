@@ -40,12 +40,48 @@ static int become_python(char *name, int argc, char **argv)
                     strerror(fault));
 }
 
+/* Checks the arguments, so that a wrong command line is refused as by any other
+ * command, whether or not there is Python. The package reads them again. */
+static int check(const struct option_row *table, int argc, char **argv,
+                 const char *expected)
+{
+    int positional;
+    char **copy = calloc((size_t)argc + 1, sizeof *copy);
+    if (!copy)
+        return complain(APP_FAILED, "out of memory");
+    for (int k = 0; k < argc; k++)
+        copy[k] = argv[k];
+    int status = options_read(table, argc, copy, &positional);
+    free(copy);
+    if (status == APP_OK && positional != 1)
+        return complain(APP_USAGE, "%s", expected);
+    return status;
+}
+
 int command_export(int argc, char **argv)
 {
-    return become_python("export", argc, argv);
+    const char *to = NULL;
+    int every;
+    const struct option_row options[] = {
+        {"--to", OPTION_TEXT, &to, 0, 0},
+        {"--every", OPTION_INT, &every, 1, 1000000},
+        {0}};
+    int status =
+        check(options, argc, argv, "export: expected one DIR, a run's");
+    if (status == APP_OK && !to)
+        status = complain(APP_USAGE, "export: expected --to FILE");
+    return status == APP_OK ? become_python("export", argc, argv) : status;
 }
 
 int command_view(int argc, char **argv)
 {
-    return become_python("view", argc, argv);
+    const char *host;
+    int port;
+    const struct option_row options[] = {
+        {"--port", OPTION_INT, &port, 0, 65535},
+        {"--host", OPTION_TEXT, &host, 0, 0},
+        {0}};
+    int status = check(options, argc, argv,
+                       "view: expected one DIR, a run's, or SCENE.json");
+    return status == APP_OK ? become_python("view", argc, argv) : status;
 }

@@ -14,6 +14,7 @@
 # the exit status is 1.
 #
 # The statues need BUILD/drape (`make`), which scales them and sets them upright.
+# `drape fetch-models` calls this script, which is installed with the tool.
 # usage: ci/data.sh DIR [FROM] [BUILD]
 set -eu
 [ $# -ge 1 ] || {
@@ -123,8 +124,8 @@ if [ -x "$build/drape" ]; then
         dragon_recon/dragon_vrip_res3.ply
     lion=$to/models/lion_20k.ply
     if [ ! -s "$lion" ]; then
-        sh "$here/lion.sh" "$build" >/dev/null
-        cp "$build/models/lion_20k.ply" "$lion" 2>/dev/null || {
+        sh "$here/lion.sh" "$build" "$to/models" >/dev/null
+        [ -s "$lion" ] || {
             echo 'missing: the lion of the Debian package libcgal-demo' >&2
             missing=1
         }

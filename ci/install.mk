@@ -56,6 +56,8 @@ install: $(LIB) $(SO) ## to $(DESTDIR)$(PREFIX): libraries, header, tool, man pa
 	@$(call fill,drapeConfigVersion.cmake,cmake/drape)
 	test ! -x $(BUILD)/drape || install -D $(BUILD)/drape "$(TO)/bin/drape"
 	install -D -m 644 app/drape.1 "$(TO)/share/man/man1/drape.1"
+	install -d "$(TO)/share/drape"
+	install -m 644 ci/data.sh ci/data.py ci/lion.sh "$(TO)/share/drape"
 
 deb: ## Debian packages in BUILD/deb, by dpkg-buildpackage, looked at by lintian
 	sh ci/deb.sh $(BUILD)

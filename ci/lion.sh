@@ -3,10 +3,10 @@
 # Makes BUILD/models/lion_20k.ply from the lion in Debian's libcgal-demo, and
 # prints the name of the demo's scene: with the lion or, if that package is not
 # available, with a statue made in code.
-# usage: ci/lion.sh BUILD
+# usage: ci/lion.sh BUILD [MODELS]; MODELS: where the lion goes to instead.
 set -eu
 build=$1
-models=$build/models
+models=${2-$build/models}
 lion=$models/lion_20k.ply
 
 # The lion is levelled on its feet, 1 m high. The direction that is up in the

@@ -58,6 +58,10 @@ class Build(build_ext):
         for tool in flags["tool"]:
             (package / "bin").mkdir(exist_ok=True)
             shutil.copy2(tool, package / "bin/drape")
+        share = package / "share/drape"  # where the tool looks for them
+        share.mkdir(parents=True, exist_ok=True)
+        for script in ("data.sh", "data.py", "lion.sh"):
+            shutil.copy2(ROOT / "ci" / script, share / script)
 
 
 LOCAL = os.environ.get("DRAPE_LOCAL", "")

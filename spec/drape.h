@@ -417,13 +417,14 @@ int64_t drape_first_triangle(const drape_world *world, int body);
  * Either may be NULL. DRAPE_OK; DRAPE_EARG: world is NULL; DRAPE_EDEVICE. */
 int drape_read(const drape_world *world, double (*x)[3], double (*v)[3]);
 /* Copies the three vertices of each triangle to tri, [drape_triangles][3];
- * vertices count from the scene's first. They never change. DRAPE_OK, or
- * DRAPE_EARG: world or tri is NULL. */
+ * vertices count from the scene's first. They change with the bodies alone.
+ * DRAPE_OK, or DRAPE_EARG: world or tri is NULL. */
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3]);
 
 /* Where the current state lies, to be read without a copy. The memory belongs
  * to the world; x and v are valid until the next drape_step,
- * drape_load, drape_replay, drape_set_positions or drape_destroy. On a device
+ * drape_load, drape_replay, drape_set_positions or drape_destroy, and all until
+ * a body is added or removed. On a device
  * the state is complete in the order of `stream`: what the caller puts on this
  * stream runs after it and before the next step. Work on other streams must
  * wait for an event on this one. */
@@ -468,9 +469,9 @@ typedef struct drape_contact_list {
 /* Lends the list of pairs that were closer than their thickness or met in the
  * last slice of the last step that was not skipped (control/control.md §8): n
  * is 0 before the first step, after a step that failed, drape_load,
- * drape_set_positions or drape_set_velocities. The memory belongs to the world
- * and is valid until the next call of these two functions, drape_step or
- * drape_destroy: host memory, or, by the form `_device`, where drape_borrow
+ * drape_set_positions or drape_set_velocities, or a change of bodies. The
+ * memory belongs to the world and is valid until the next call of these two
+ * functions, drape_step, a change of bodies or drape_destroy: host memory, or, by the form `_device`, where drape_borrow
  * says. Nothing is computed or kept for a list that is not asked for. The
  * impulses do not have what zones and rollback change. DRAPE_OK; DRAPE_EARG: a
  * pointer is NULL, or the integrator is explicit; DRAPE_ENOMEM, DRAPE_EDEVICE.
@@ -490,10 +491,8 @@ int drape_set_wind(drape_world *world, const drape_wind *wind);
 /* Live control: calls between two steps that change the world from the next
  * step on, and wake it (control/control.md). What they are given is copied. A
  * call that is refused changes nothing. Numbers are rounded once to the world's
- * precision. A checkpoint holds what was changed. The number of bodies, their
- * sizes and their triangles never change: for other bodies make another world,
- * and hand over the state by drape_read, drape_set_positions and
- * drape_set_velocities.
+ * precision. A checkpoint holds what was changed. The bodies change by
+ * drape_add_cloth, drape_add_obstacle and drape_remove alone.
  *
  * Each call with vectors has two forms. The plain one reads binary64 on the
  * host. The form `_device` reads numbers of the world's precision where the
@@ -554,6 +553,30 @@ int drape_set_obstacle_device(drape_world *world, int obstacle, const void *x);
 int drape_set_pose(drape_world *world, int obstacle, const double position[3],
                    const double rotation[4], const double pivot[3]);
 
+/* Add a body to a world at its present time, with all the definition's rules
+ * and ranges: the last of the cloths, or of the obstacles. Vertices and
+ * triangles of later bodies, and the numbers of later bodies, move up behind
+ * the new one's. A motion or frames hold as if the body had been there from
+ * time 0: the obstacle is where they have it now, and a pin is led there in the
+ * next step; motions are those of the definition. The other bodies, and what
+ * the world has learnt, keep their bits. Costs as much as drape_create, and
+ * while it runs the memory of both worlds; drape_view and drape_contact_list
+ * end. Return the number of the cloth, or of the obstacle; DRAPE_EARG,
+ * DRAPE_EDATA, DRAPE_ENOMEM, DRAPE_EDEVICE, DRAPE_ELIMIT; DRAPE_ESTART if the
+ * new body intersects itself or another body, unless the definition allows an
+ * intersecting start. `error`, which may be NULL, says what was wrong, by the
+ * numbers that the bodies would have. */
+int drape_add_cloth(drape_world *world, const drape_cloth *cloth,
+                    drape_error *error);
+int drape_add_obstacle(drape_world *world, const drape_obstacle *obstacle,
+                       drape_error *error);
+/* Removes a body, numbered as in drape_first_vertex, at the same cost; those
+ * behind it move down. The world is then that of the definition without this
+ * body, in the state that the others have: a checkpoint of either goes on in
+ * the other. DRAPE_OK; DRAPE_EARG: world is NULL, there is no such body, or it
+ * is the only cloth; DRAPE_ENOMEM, DRAPE_EDEVICE. */
+int drape_remove(drape_world *world, int body);
+
 /* Writes the first `capacity` rows of the plan to row, and returns how many
  * rows there are. row may be NULL if capacity is 0. DRAPE_EARG: world is NULL,
  * capacity is below 0, or row is NULL otherwise. */
@@ -586,8 +609,8 @@ int drape_save(const drape_world *world, drape_write *write, void *user);
 int drape_load(drape_world *world, drape_read_bytes *read, void *user);
 
 /* drape_record writes the state now, as a checkpoint, and then each call that
- * changes the world (steps, waking, wind, live control, loading) after it was
- * made, by `write`; `write` NULL ends that. A write that fails ends the record,
+ * changes the world (steps, waking, wind, live control with the bodies that
+ * come and go, loading) after it was made, by `write`; `write` NULL ends that. A write that fails ends the record,
  * changes nothing else, and makes the next drape_record return DRAPE_EIO. The
  * log is in the machine's byte order. DRAPE_OK; DRAPE_EARG: world is NULL;
  * DRAPE_EIO. */

@@ -10,6 +10,7 @@
 extern "C" {
 #include "gpu/broad/broad.h"
 #include "ref/control/control.h"
+#include "ref/control/heir.h"
 #include "ref/control/list.h"
 #include "ref/world/step.h"
 }
@@ -265,10 +266,11 @@ static int take_bodies(struct world *w)
     return DRAPE_OK;
 }
 
-static int make(const drape_def *def, struct arena *arena, struct world **world,
-                drape_error *error)
+static int make_heir(const drape_def *def, const struct heir *heir,
+                     struct arena *arena, struct world **world,
+                     drape_error *error)
 {
-    int status = world_make(def, arena, world, error);
+    int status = world_make_heir(def, heir, arena, world, error);
     struct world *h = *world;
     if (status == DRAPE_OK)
         status = open_device(h, world, error);
@@ -295,6 +297,12 @@ static int make(const drape_def *def, struct arena *arena, struct world **world,
     }
     gpu_wait(d->gpu);
     return status == DRAPE_OK ? gpu_status(d->gpu) : status;
+}
+
+static int make(const drape_def *def, struct arena *arena, struct world **world,
+                drape_error *error)
+{
+    return make_heir(def, NULL, arena, world, error);
 }
 
 static void count(const struct world *w, drape_memory *m)
@@ -425,6 +433,7 @@ const struct world_ops world_ops_gpu = {.make = make,
                                         .wake = world_wake,
                                         .set_wind = world_set_wind,
                                         .control = CONTROL_OPS,
+                                        .heir = HEIR_OPS(make_heir),
                                         .contacts = list_contacts,
                                         .plan = plan_rows,
                                         .save = save,

@@ -40,7 +40,7 @@ static const char *device_of(const drape_world *world)
     return world->ops->device ? world->ops->device(world->world) : "";
 }
 
-static void tell_made(drape_world *world, const drape_def *def)
+static void tell_made(drape_world *world)
 {
     drape_memory m;
     if (!world->log)
@@ -49,10 +49,18 @@ static void tell_made(drape_world *world, const drape_def *def)
     tell(world,
          "made: backend %s, %d bits, %lld vertices, %lld triangles, %zu bytes "
          "here, %zu on the device%s%s",
-         def->backend == DRAPE_GPU ? "gpu" : "ref", def->precision,
+         world->ops->device ? "gpu" : "ref", world->precision,
          (long long)drape_vertices(world), (long long)drape_triangles(world),
          m.host_bytes, m.device_bytes, world->ops->device ? ": " : "",
          device_of(world));
+}
+
+void handle_tell_edit(drape_world *handle, int status, const char *why)
+{
+    if (status == DRAPE_OK)
+        tell_made(handle);
+    else if (handle->log)
+        handle->log(handle->log_user, why);
 }
 
 static void tell_step(drape_world *world, int status)
@@ -80,6 +88,17 @@ static const struct world_ops *choose_ops(const drape_def *def)
     return def->precision == 32 ? &world_ops_32 : &world_ops_64;
 }
 
+void handle_set(drape_world *handle, const drape_def *def, struct world *world)
+{
+    enum { SMALL_SCENE = 4096 }; /* spec/world/step.md §8 */
+    handle->world = world;
+    handle->cloths = def->n_cloths;
+    handle->bodies = def->n_cloths + def->n_obstacles;
+    bool one =
+        drape_vertices(handle) < SMALL_SCENE || def->backend == DRAPE_GPU;
+    handle->threads = one ? 1 : def->threads;
+}
+
 static int make(const drape_def *def, drape_world **world, drape_error *error)
 {
     struct arena arena;
@@ -89,8 +108,6 @@ static int make(const drape_def *def, drape_world **world, drape_error *error)
         return DRAPE_ENOMEM;
     d->arena = arena;
     d->ops = choose_ops(def);
-    d->cloths = def->n_cloths;
-    d->bodies = def->n_cloths + def->n_obstacles;
     d->precision = def->precision;
     d->log = def->log;
     d->log_user = def->log_user;
@@ -99,10 +116,8 @@ static int make(const drape_def *def, drape_world **world, drape_error *error)
     int status = d->ops->make(def, &d->arena, &d->world, error);
     threads_end(&threads);
     if (status == DRAPE_OK) {
-        enum { SMALL_SCENE = 4096 }; /* spec/world/step.md §8 */
+        handle_set(d, def, d->world);
         *world = d;
-        bool one = drape_vertices(d) < SMALL_SCENE || def->backend == DRAPE_GPU;
-        d->threads = one ? 1 : def->threads;
     } else
         drape_destroy(d);
     return status;
@@ -127,7 +142,7 @@ int drape_create(const drape_def *def, drape_world **world, drape_error *error)
     if (status == DRAPE_OK)
         status = make(def, world, error);
     if (status == DRAPE_OK) {
-        tell_made(*world, def);
+        tell_made(*world);
         return DRAPE_OK;
     }
     if (!error->text[0])
@@ -264,7 +279,8 @@ int drape_count(const drape_world *world, drape_memory *memory)
     if (!world || !memory)
         return DRAPE_EARG;
     const struct arena *a = &world->arena;
-    *memory = (drape_memory){.host_allocations = a->taken};
+    *memory = world->gone;
+    memory->host_allocations += a->taken;
     for (int k = 0; k < ARENA_PARTS; k++)
         memory->host_bytes += a->bytes[k];
     if (world->ops->count)

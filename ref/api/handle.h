@@ -18,11 +18,18 @@ struct drape_world {
     int threads; /* of a call that changes the world */
     drape_log *log;
     void *log_user;
+    drape_memory gone;   /* allocations of devices of worlds that were replaced
+                            as bodies came and went; its bytes are 0 */
     int64_t steps;       /* begun since the world was made */
     int64_t taken;       /* allocations that the log has reported */
     drape_write *record; /* NULL: no call is recorded */
     void *record_user;
     bool lost; /* the record could not be written */
 };
+
+/* Sets what a handle says of its world, which was made of this definition. */
+void handle_set(drape_world *handle, const drape_def *def, struct world *world);
+/* Writes to the log what became of a change of bodies. */
+void handle_tell_edit(drape_world *handle, int status, const char *why);
 
 #endif

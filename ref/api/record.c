@@ -50,7 +50,7 @@ static int gather(const drape_world *world, const struct record *call,
     return status;
 }
 
-static void lose(drape_world *world)
+void record_lose(drape_world *world)
 {
     world->record = NULL;
     world->lost = true;
@@ -73,7 +73,7 @@ void record_call(drape_world *world, struct record call)
         good && (!h.bytes || !world->record(world->record_user, data, h.bytes));
     arena_give(&world->arena, data);
     if (!good)
-        lose(world);
+        record_lose(world);
 }
 
 void record_state(drape_world *world)
@@ -83,7 +83,7 @@ void record_state(drape_world *world)
     record_call(world, (struct record){.kind = RECORD_STATE});
     if (world->record &&
         drape_save(world, world->record, world->record_user) != DRAPE_OK)
-        lose(world);
+        record_lose(world);
 }
 
 int drape_record(drape_world *world, drape_write *write, void *user)
@@ -100,16 +100,24 @@ int drape_record(drape_world *world, drape_write *write, void *user)
     return lost ? DRAPE_EIO : DRAPE_OK;
 }
 
+static bool is_body(const struct head *h)
+{
+    return h->kind == RECORD_CLOTH || h->kind == RECORD_MESH;
+}
+
 /* The bytes that a record of this kind must have, or -1. */
 static int64_t bytes_of(const drape_world *world, const struct head *h)
 {
     int64_t nv = drape_vertices(world), n = h->n;
+    if (is_body(h))
+        return n > 0 && h->at == record_mark(n) ? n : -1;
     if (h->at < 0 || n < 0 || h->at > nv || (n > nv && h->kind != RECORD_STEP))
         return -1;
     switch (h->kind) {
     case RECORD_STATE:
     case RECORD_STEP:
     case RECORD_WAKE:
+    case RECORD_REMOVE:
         return 0;
     case RECORD_WIND:
         return sizeof(drape_wind);
@@ -171,6 +179,8 @@ static int again(drape_world *world, const struct head *h, const void *data)
         return pins_again(world, h, data);
     case RECORD_OBSTACLE:
         return drape_set_obstacle(world, k, x);
+    case RECORD_REMOVE:
+        return drape_remove(world, k);
     default:
         return pose_again(world, k, data);
     }
@@ -195,7 +205,9 @@ static int play(drape_world *world, drape_read_bytes *read, void *user,
         memcmp(h->magic, magic, sizeof magic) == 0 ? bytes_of(world, h) : -1;
     if (bytes < 0 || (uint64_t)bytes != h->bytes)
         return DRAPE_EMATCH;
-    uint8_t *data = arena_take(&world->arena, ARENA_OTHER, bytes, 1);
+    struct arena arena; /* the world's own may be replaced with the world */
+    arena_init(&arena, &world->arena.allocator);
+    uint8_t *data = arena_take(&arena, ARENA_OTHER, bytes, 1);
     int status = data ? DRAPE_OK : DRAPE_ENOMEM;
     if (status == DRAPE_OK && bytes && read(user, data, (size_t)bytes))
         status = DRAPE_EIO;
@@ -203,9 +215,13 @@ static int play(drape_world *world, drape_read_bytes *read, void *user,
         status = DRAPE_EMATCH;
     if (status == DRAPE_OK && h->kind == RECORD_STATE)
         status = drape_load(world, read, user);
-    else if (status == DRAPE_OK && h->kind != RECORD_STEP)
+    else if (status == DRAPE_OK && is_body(h)) {
+        status = record_body_again(world, h->kind, data, bytes);
+        status = status < 0 ? status : DRAPE_OK;
+    } else if (status == DRAPE_OK && h->kind != RECORD_STEP)
         status = again(world, h, data);
-    arena_give(&world->arena, data);
+    world->arena.taken += arena.taken;
+    arena_free(&arena);
     return status;
 }
 

@@ -18,6 +18,9 @@ enum record_kind {
     RECORD_PINS,       /* of cloth `at`: n particles; n vectors or none */
     RECORD_OBSTACLE,   /* obstacle `at`: n vectors */
     RECORD_POSE,       /* obstacle `at`: struct record_pose */
+    RECORD_CLOTH,      /* n: bytes; at: record_mark(n) */
+    RECORD_MESH,       /* an obstacle, likewise */
+    RECORD_REMOVE,     /* body `at` */
     RECORD_KINDS
 };
 
@@ -37,6 +40,19 @@ struct record {
 
 /* Writes a call, if calls are recorded. A failure to write ends the record. */
 void record_call(drape_world *world, struct record call);
+/* Ends the record, since a call could not be written. */
+void record_lose(drape_world *world);
+/* Write a body that was added. */
+void record_cloth(drape_world *world, const drape_cloth *cloth);
+void record_obstacle(drape_world *world, const drape_obstacle *obstacle);
+/* Adds a body again from the data of its record. The new body's number, or
+ * DRAPE_EMATCH if the record has not the size that it says, or the call's
+ * status. */
+int record_body_again(drape_world *world, enum record_kind kind,
+                      const uint8_t *data, int64_t bytes);
+/* What `at` of a body's record must be. Memory for n bytes is taken before
+ * their hash is seen, so n has a hash of its own. */
+int64_t record_mark(int64_t n);
 /* Writes the state that was loaded, if calls are recorded. */
 void record_state(drape_world *world);
 

@@ -37,6 +37,32 @@ void arena_init(struct arena *a, const drape_allocator *allocator)
     }
 }
 
+static void link_block(struct arena *a, struct arena_block *b)
+{
+    b->prev = NULL;
+    b->next = a->blocks;
+    if (b->next)
+        b->next->prev = b;
+    a->blocks = b;
+    a->bytes[b->part] += b->bytes;
+}
+
+static void unlink_block(struct arena *a, struct arena_block *b)
+{
+    if (b->prev)
+        b->prev->next = b->next;
+    else
+        a->blocks = b->next;
+    if (b->next)
+        b->next->prev = b->prev;
+    a->bytes[b->part] -= b->bytes;
+}
+
+static struct arena_block *block_of(void *p)
+{
+    return (struct arena_block *)(void *)((uint8_t *)p - HEADER);
+}
+
 void *arena_take(struct arena *a, enum arena_part part, int64_t count,
                  size_t size)
 {
@@ -54,12 +80,7 @@ void *arena_take(struct arena *a, enum arena_part part, int64_t count,
     struct arena_block *b = (struct arena_block *)(void *)p;
     b->bytes = n * size;
     b->part = part;
-    b->prev = NULL;
-    b->next = a->blocks;
-    if (b->next)
-        b->next->prev = b;
-    a->blocks = b;
-    a->bytes[part] += b->bytes;
+    link_block(a, b);
     memset(p + HEADER, 0, b->bytes);
     return p + HEADER;
 }
@@ -68,15 +89,8 @@ void arena_give(struct arena *a, void *p)
 {
     if (!p)
         return;
-    struct arena_block *b =
-        (struct arena_block *)(void *)((uint8_t *)p - HEADER);
-    if (b->prev)
-        b->prev->next = b->next;
-    else
-        a->blocks = b->next;
-    if (b->next)
-        b->next->prev = b->prev;
-    a->bytes[b->part] -= b->bytes;
+    struct arena_block *b = block_of(p);
+    unlink_block(a, b);
     a->allocator.release(a->allocator.user, b, HEADER + b->bytes);
 }
 
@@ -84,4 +98,24 @@ void arena_free(struct arena *a)
 {
     while (a->blocks)
         arena_give(a, (uint8_t *)a->blocks + HEADER);
+}
+
+void arena_set_aside(struct arena *a, struct arena *aside)
+{
+    *aside = *a;
+    a->blocks = NULL;
+    memset(a->bytes, 0, sizeof a->bytes);
+}
+
+void arena_move(struct arena *from, struct arena *to, void *p)
+{
+    struct arena_block *b = block_of(p);
+    unlink_block(from, b);
+    link_block(to, b);
+}
+
+void arena_put_back(struct arena *a, struct arena *aside)
+{
+    a->blocks = aside->blocks;
+    memcpy(a->bytes, aside->bytes, sizeof a->bytes);
 }

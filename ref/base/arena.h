@@ -44,4 +44,12 @@ void *arena_take(struct arena *a, enum arena_part part, int64_t count,
 void arena_give(struct arena *a, void *p); /* releases one stream, or NULL */
 void arena_free(struct arena *a);
 
+/* Moves all streams of a to `aside`, which becomes an arena of the same
+ * allocator. */
+void arena_set_aside(struct arena *a, struct arena *aside);
+/* Moves one stream from an arena to another of the same allocator. */
+void arena_move(struct arena *from, struct arena *to, void *p);
+/* Moves all streams that were set aside back to a, which has none. */
+void arena_put_back(struct arena *a, struct arena *aside);
+
 #endif

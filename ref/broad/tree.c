@@ -146,8 +146,8 @@ static void fill_mesh(struct tree_plan *p, int32_t k,
     }
 }
 
-/* Returns floor(log2) of a mesh's longest side in metres, at least -60. */
-static int size_of(const struct tree_scene *s, const struct tree_mesh *g)
+enum { SIZE_OF_ONE = 100 };
+int tree_size(const struct tree_scene *s, const struct tree_mesh *g)
 {
     vec lo = {0}, hi = {0};
     for (int32_t t = g->first_tri; t < g->first_tri + g->tris; t++)
@@ -163,7 +163,7 @@ static int size_of(const struct tree_scene *s, const struct tree_mesh *g)
         longest /= 2;
     for (; longest < 1 && e > -60; e--)
         longest *= 2;
-    return e;
+    return SIZE_OF_ONE + e;
 }
 
 /* §1: gives each run of nodes its place in the stream, class by class, then
@@ -207,7 +207,8 @@ static int fill(struct tree_plan *p, struct item *item, struct tree_run *run)
     number_nodes(p, run);
     for (int32_t k = 0; k < s->meshes; k++) {
         const struct tree_mesh *g = &s->mesh[k];
-        int low = 100 + size_of(s, g) - mesh_levels(g);
+        int size = g->size ? g->size : tree_size(s, g);
+        int low = size - mesh_levels(g);
         if (g->kind == TREE_CLOTH)
             tree_grid_fill(p, k, &run[k]);
         else

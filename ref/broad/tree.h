@@ -28,6 +28,7 @@ struct tree_mesh {
     int32_t base, m, n;      /* of a grid: particle (i, j) is base + i + m j */
     int32_t first_tri, tris; /* a grid's triangles go cell by cell, row-major */
     bool self;               /* its triangles are tested against each other */
+    int size; /* as tree_size tells it; 0: by the scene's positions */
 };
 
 /* The lookup table of a grid's nodes. Level l has ceil(cells / 2^l) nodes a
@@ -77,6 +78,10 @@ struct tree_scene {
     const int32_t (*tri)[3];
     const vec *x; /* m, [vertices] positions at rest */
 };
+
+/* Returns floor(log2) of a mesh's longest side in metres, at least -60, plus a
+ * constant that makes it positive. */
+int tree_size(const struct tree_scene *scene, const struct tree_mesh *mesh);
 
 /* Builds the BVH. Returns DRAPE_OK, DRAPE_ENOMEM or DRAPE_EARG. The arena owns
  * the new streams; tri stays the scene's. */

@@ -52,6 +52,10 @@ int64_t control_most(const struct world *w);
 int control_unpack(struct world *w, const uint8_t *in, int64_t bytes,
                    const vec *to, const vec *x);
 
+/* §9.2: makes an heir, which has the state of the old world, as that was
+ * changed. DRAPE_OK, DRAPE_ENOMEM or DRAPE_EDEVICE. */
+int control_inherit(struct world *w, const struct heir *heir);
+
 #define CONTROL_OPS                                                            \
     {                                                                          \
         control_gravity, control_material, control_positions,                  \

@@ -253,35 +253,96 @@ static void commit_told(struct world *w, const vec *to, const vec *x)
     w->run->send(w->on, w->told.to, to ? to : x, bytes);
 }
 
+/* Makes the world as `said` [n_cloths] and the words `told` [n_obstacles] say,
+ * or, where said is NULL, as it was defined. */
+static int become(struct world *w, const struct said *said, const uint8_t *told)
+{
+    int n = w->def.n_cloths, status = DRAPE_OK;
+    struct next *next = arena_take(w->arena, ARENA_OTHER, n, sizeof *next);
+    w->run->begin(w->on);
+    if (!next)
+        status = DRAPE_ENOMEM;
+    if (status == DRAPE_OK && said)
+        status = control_take_told(w);
+    for (int k = 0; k < n && status == DRAPE_OK; k++)
+        status = prepare(w, k, said ? &said[k] : NULL, &next[k]);
+    for (int k = 0; k < n && status == DRAPE_OK; k++)
+        commit(w, k, &next[k]);
+    if (status == DRAPE_OK)
+        commit_obstacles(w, told);
+    for (int k = 0; k < n && next; k++) {
+        control_drop_hand(w, &next[k].hand);
+        arena_give(w->arena, next[k].fixed);
+    }
+    arena_give(w->arena, next);
+    return status;
+}
+
 int control_unpack(struct world *w, const uint8_t *in, int64_t bytes,
                    const vec *to, const vec *x)
 {
     int64_t at = 0;
     if (bytes == 0 && !changed(w))
         return DRAPE_OK;
-    int n = w->def.n_cloths, status = DRAPE_OK;
-    struct next *next = arena_take(w->arena, ARENA_OTHER, n, sizeof *next);
-    w->run->begin(w->on);
-    if (!next)
-        status = DRAPE_ENOMEM;
-    if (status == DRAPE_OK && bytes > 0)
-        status = control_take_told(w);
-    for (int k = 0; k < n && status == DRAPE_OK; k++) {
-        struct said said = {.n = -1};
-        if (bytes > 0)
-            read_cloth(&w->sheet[k].cloth, in, bytes, &at, &said);
-        status = prepare(w, k, bytes > 0 ? &said : NULL, &next[k]);
-    }
-    for (int k = 0; k < n && status == DRAPE_OK; k++)
-        commit(w, k, &next[k]);
-    if (status == DRAPE_OK) {
-        commit_obstacles(w, bytes > 0 ? in + at : NULL);
+    int n = w->def.n_cloths;
+    struct said *said = arena_take(w->arena, ARENA_OTHER, n, sizeof *said);
+    if (!said)
+        return DRAPE_ENOMEM;
+    for (int k = 0; k < n && bytes > 0; k++)
+        read_cloth(&w->sheet[k].cloth, in, bytes, &at, &said[k]);
+    int status =
+        become(w, bytes > 0 ? said : NULL, bytes > 0 ? in + at : NULL);
+    if (status == DRAPE_OK)
         commit_told(w, to, x);
+    arena_give(w->arena, said);
+    return status;
+}
+
+/* The targets that the old world was told for the next step. */
+static void inherit_told(struct world *w, const struct heir *heir)
+{
+    const struct told *old = &heir->old->told;
+    size_t bytes = (size_t)w->nv * sizeof *w->x0;
+    int bodies = w->def.n_cloths + w->def.n_obstacles;
+    w->told.armed = old->armed && changed(w);
+    w->run->copy(w->on, w->told.from, w->x0, bytes);
+    w->run->copy(w->on, w->told.to, w->x0, bytes);
+    for (int k = 0; k < bodies && w->told.armed; k++) {
+        if (heir->from[k] < 0)
+            continue;
+        int64_t to = world_first_vertex(w, k);
+        int64_t n = world_first_vertex(w, k + 1) - to;
+        int64_t from = world_first_vertex(heir->old, heir->from[k]);
+        w->run->copy(w->on, w->told.to + to, old->to + from,
+                     (size_t)n * sizeof *w->x0);
     }
-    for (int k = 0; k < n && next; k++) {
-        control_drop_hand(w, &next[k].hand);
-        arena_give(w->arena, next[k].fixed);
+}
+
+int control_inherit(struct world *w, const struct heir *heir)
+{
+    const struct world *old = heir->old;
+    int n = w->def.n_cloths, m = w->def.n_obstacles;
+    if (!changed(old))
+        return DRAPE_OK;
+    struct said *said = arena_take(w->arena, ARENA_OTHER, n, sizeof *said);
+    uint64_t *told = arena_take(w->arena, ARENA_OTHER, m, sizeof *told);
+    int status = said && told ? DRAPE_OK : DRAPE_ENOMEM;
+    for (int k = 0; k < n && status == DRAPE_OK; k++) {
+        int from = heir->from[k];
+        const struct sheet *s = from < 0 ? &w->sheet[k] : &old->sheet[from];
+        said[k].material = s->made.material;
+        said[k].n = s->hand.on ? s->hand.n : -1;
+        said[k].list = (const uint8_t *)s->hand.list;
     }
-    arena_give(w->arena, next);
+    for (int k = 0; k < m && status == DRAPE_OK; k++) {
+        int from = heir->from[n + k];
+        told[k] = from >= 0 && old->prop[from - old->def.n_cloths].told;
+    }
+    if (status == DRAPE_OK)
+        status = become(w, said, (const uint8_t *)told);
+    if (status == DRAPE_OK)
+        inherit_told(w, heir);
+    arena_give(w->arena, told);
+    arena_give(w->arena, said);
     return status;
 }

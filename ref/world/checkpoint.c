@@ -42,8 +42,9 @@ static uint64_t mix_array(uint64_t hash, const void *data, int64_t n,
     return n > 0 ? hash_mix(hash, data, (size_t)n * size) : hash;
 }
 
-static uint64_t mix_cloth(uint64_t h, const drape_cloth *c)
+static uint64_t print_cloth(const drape_cloth *c)
 {
+    uint64_t h = HASH_SEED;
     int64_t n = (int64_t)c->m * c->n, cells = (int64_t)(c->m - 1) * (c->n - 1);
     const int size[2] = {c->m, c->n};
     h = hash_mix(h, size, sizeof size);
@@ -61,8 +62,9 @@ static uint64_t mix_cloth(uint64_t h, const drape_cloth *c)
     return mix_array(h, c->pins, c->n_pins, sizeof *c->pins);
 }
 
-static uint64_t mix_obstacle(uint64_t h, const drape_obstacle *o)
+static uint64_t print_obstacle(const drape_obstacle *o)
 {
+    uint64_t h = HASH_SEED;
     int64_t shown = o->frames * o->n_vertices;
     h = hash_mix(h, &o->friction, sizeof o->friction);
     h = hash_mix(h, &o->motion, sizeof o->motion);
@@ -81,7 +83,7 @@ static uint64_t mix_motion(uint64_t h, const drape_motion *m)
     return mix_array(h, m->rotation, m->keys, sizeof *m->rotation);
 }
 
-uint64_t checkpoint_fingerprint(const drape_def *d)
+uint64_t checkpoint_fingerprint(const drape_def *d, uint64_t *print)
 {
     /* Backend, threads, block, stream, allocators, log and trace are left out:
      * they change no bit of a result. */
@@ -95,10 +97,13 @@ uint64_t checkpoint_fingerprint(const drape_def *d)
     h = hash_mix(h, d->gravity, sizeof d->gravity);
     h = hash_mix(h, &d->wind, sizeof d->wind);
     h = hash_mix(h, &d->tolerance, sizeof d->tolerance);
-    for (int k = 0; k < d->n_cloths; k++)
-        h = mix_cloth(h, &d->cloths[k]);
-    for (int k = 0; k < d->n_obstacles; k++)
-        h = mix_obstacle(h, &d->obstacles[k]);
+    int bodies = d->n_cloths + d->n_obstacles;
+    for (int k = 0; k < bodies; k++)
+        if (!print[k])
+            print[k] = k < d->n_cloths
+                           ? print_cloth(&d->cloths[k])
+                           : print_obstacle(&d->obstacles[k - d->n_cloths]);
+    h = hash_mix(h, print, (size_t)bodies * sizeof *print);
     for (int k = 0; k < d->n_motions; k++)
         h = mix_motion(h, &d->motions[k]);
     return h;

@@ -131,6 +131,10 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
         if (c->fixed[p])
             w->v0[s->first + p] = vec_make(0, 0, 0);
     }
+    struct tree_mesh mesh = {.first_tri = (int32_t)s->first_triangle,
+                             .tris = (int32_t)c->n_triangles};
+    struct tree_scene scene = {.tri = (const int32_t(*)[3])w->tri, .x = w->x0};
+    s->size = tree_size(&scene, &mesh);
     /* With more than half a cell, neighbours at rest would be in contact. */
     real most = R(0.5) * real_min(c->hu, c->hv);
     w->surface[k] =

@@ -6,8 +6,7 @@
 #include "ref/world/led.h"
 #include "ref/world/slice.h"
 
-/* Sets the two frames between which time t lies, and the blend between them. */
-static void find_frame(struct prop *p, double t)
+void lead_frame(struct prop *p, double t)
 {
     struct kinematics *k = &p->place;
     double at = t / p->frame_dt;
@@ -44,7 +43,7 @@ static int lead_obstacle(struct world *w, struct prop *p, double t, vec *x)
     if (p->told || (!p->moves && t > 0))
         return DRAPE_OK;
     if (p->frames)
-        find_frame(p, t);
+        lead_frame(p, t);
     p->place.x = x + p->first;
     return w->run->kinematics(w->on, &p->place);
 }

@@ -9,6 +9,9 @@
  * pins to w->to. DRAPE_OK, DRAPE_EDATA if one is beyond 2^60, or an error of
  * the backend. */
 int lead(struct world *w, double t, vec *x);
+/* Sets the two frames of an obstacle between which time t lies, and the blend
+ * between them. */
+void lead_frame(struct prop *p, double t);
 /* Whether an obstacle or a pin has another place in x1 than in x0. */
 bool lead_moves(const struct world *w);
 /* Sets v1 of the obstacles to their mean velocity over the slice. */

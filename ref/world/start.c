@@ -47,6 +47,8 @@ static void give_audit(struct world *w, struct audit *s)
 /* The intersecting pairs of a state, without pairs that the simulation need not
  * keep apart. */
 struct start_pairs {
+    int32_t from, to; /* of each pair one triangle is from … to - 1 */
+    int64_t all;      /* pairs of triangles with area, `from` and `to` aside */
     int64_t found;    /* pairs of triangles with area; if there is none, 1 if
                          a triangle without area touches another triangle */
     int32_t first[2]; /* the first pair, ascending; triangles of the scene */
@@ -61,6 +63,11 @@ static bool counts(const struct world *w, int32_t a, int32_t b)
     return w->plan.self ? cloth_a || cloth_b : cloth_a != cloth_b;
 }
 
+static bool within(const struct start_pairs *p, int32_t a, int32_t b)
+{
+    return (a >= p->from && a < p->to) || (b >= p->from && b < p->to);
+}
+
 static int find_pairs(struct world *w, struct audit *s, struct start_pairs *p)
 {
     int status = ref_audit(s);
@@ -70,9 +77,10 @@ static int find_pairs(struct world *w, struct audit *s, struct start_pairs *p)
         s->pair = take(w, s->cap, sizeof *s->pair);
         status = s->pair ? ref_audit(s) : DRAPE_ENOMEM;
     }
-    if (status == DRAPE_OK && s->found > 0)
-        memcpy(p->first, s->pair[0], sizeof p->first);
-    p->found = s->found;
+    p->all = s->found;
+    for (int64_t k = 0; k < s->found && status == DRAPE_OK; k++)
+        if (within(p, s->pair[k][0], s->pair[k][1]) && !p->found++)
+            memcpy(p->first, s->pair[k], sizeof p->first);
     return status;
 }
 
@@ -81,6 +89,7 @@ static int find_pairs(struct world *w, struct audit *s, struct start_pairs *p)
 struct sliver {
     const struct world *w;
     const struct audit *s;
+    const struct start_pairs *p;
     struct face face;
     int32_t t, other; /* other: out: the triangle that was tested last */
 };
@@ -89,7 +98,7 @@ static bool touches(void *user, int32_t other)
 {
     struct sliver *r = user;
     r->other = other;
-    if (!counts(r->w, r->t, other))
+    if (!counts(r->w, r->t, other) || !within(r->p, r->t, other))
         return false;
     struct face face = ref_audit_face(r->s, other);
     return ref_sliver(&r->face, &face);
@@ -101,7 +110,7 @@ static void find_sliver(const struct world *w, const struct audit *s,
                         struct start_pairs *p)
 {
     for (int32_t t = 0; t < s->nt && p->found == 0; t++) {
-        struct sliver r = {.w = w, .s = s, .t = t};
+        struct sliver r = {.w = w, .s = s, .p = p, .t = t};
         if (!s->degenerate[t])
             continue;
         r.face = ref_audit_face(s, t);
@@ -114,14 +123,13 @@ static void find_sliver(const struct world *w, const struct audit *s,
     }
 }
 
-/* Finds the pairs of all triangles, with their vertices at x. DRAPE_OK, also if
- * there are pairs, or an error. */
+/* Finds the pairs, with their vertices at x. DRAPE_OK, also if there are pairs,
+ * or an error. */
 static int look(struct world *w, const vec *x, struct start_pairs *p)
 {
     struct audit s = {.nv = w->nv, .nt = w->nt, .x = x, .cap = 1024};
     s.tri = (const int32_t(*)[3])w->tri;
     s.across = !w->plan.self;
-    memset(p, 0, sizeof *p);
     int status = take_audit(w, &s);
     if (status == DRAPE_OK)
         status = find_pairs(w, &s, p);
@@ -157,12 +165,16 @@ static void explain(const struct world *w, const struct start_pairs *p,
              p->sliver ? ", one of them without area" : "");
 }
 
-int start_look(struct world *w, const vec *x, int64_t *found,
+int start_look(struct world *w, const vec *x, int body, int64_t *found,
                drape_error *error)
 {
-    struct start_pairs p;
+    struct start_pairs p = {.from = 0, .to = (int32_t)w->nt};
+    if (body >= 0) {
+        p.from = (int32_t)world_first_triangle(w, body);
+        p.to = (int32_t)world_first_triangle(w, body + 1);
+    }
     int status = look(w, x, &p);
-    *found = p.sliver ? 0 : p.found;
+    *found = p.all;
     if (status != DRAPE_OK || p.found == 0)
         return status;
     if (w->def.allow_intersecting)
@@ -174,7 +186,7 @@ int start_look(struct world *w, const vec *x, int64_t *found,
 
 int start_audit(struct world *w, drape_error *error)
 {
-    return start_look(w, w->x0, &w->intersecting, error);
+    return start_look(w, w->x0, -1, &w->intersecting, error);
 }
 
 bool start_too_stiff(const struct world *w, const struct cloth *cloth)

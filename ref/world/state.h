@@ -34,6 +34,7 @@ struct sheet {
     drape_material defined; /* the definition's material */
     struct hand hand;
     int64_t first, first_triangle; /* where the cloth begins in the streams */
+    int size;                      /* tree_size of its start */
     struct dynamics dynamics;
     struct solver solver;
     struct kinematics pins;
@@ -108,7 +109,9 @@ struct world {
     struct arena *arena;
     const size_t *held;        /* [ARENA_PARTS] bytes in the backend's memory */
     uint64_t fingerprint;      /* of the whole definition, for checkpoints */
+    uint64_t *print;           /* [bodies] the same of each body */
     double defined_gravity[3]; /* the definition's */
+    drape_wind defined_wind;
 
     int64_t nv, nt;          /* vertices and triangles of the scene */
     int64_t nc, ntc;         /* how many of these belong to cloth: the first */
@@ -195,6 +198,10 @@ static inline enum nearness state_nearness(const struct response *c)
 /* Functions of ref/world/world.c that the device's world uses too. */
 int world_make(const drape_def *def, struct arena *arena, struct world **world,
                drape_error *error);
+/* The same for an heir, which may start in any state; NULL: it is none. */
+int world_make_heir(const drape_def *def, const struct heir *heir,
+                    struct arena *arena, struct world **world,
+                    drape_error *error);
 int world_read(const struct world *w, double (*x)[3], double (*v)[3]);
 void world_read_triangles(const struct world *w, int32_t (*tri)[3]);
 int64_t world_first_vertex(const struct world *w, int body);

@@ -65,6 +65,7 @@ static int make_broad(struct world *w, const drape_def *def)
             mesh[k].m = w->sheet[k].cloth.m;
             mesh[k].n = w->sheet[k].cloth.n;
             mesh[k].self = def->self_collision;
+            mesh[k].size = w->sheet[k].size;
         } else
             mesh[k].kind =
                 w->prop[k - def->n_cloths].moves ? TREE_MOVING : TREE_STATIC;

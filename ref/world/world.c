@@ -2,6 +2,7 @@
 /* Makes a world of one precision from a checked definition, and serves the
  * API's questions about it: state, bodies, waking and wind. */
 #include "ref/control/control.h"
+#include "ref/control/heir.h"
 #include "ref/control/list.h"
 #include "ref/world/checkpoint.h"
 #include "ref/world/fill.h"
@@ -10,8 +11,24 @@
 #include "ref/world/step.h"
 #include "ref/world/wire.h"
 
-int world_make(const drape_def *def, struct arena *arena, struct world **world,
-               drape_error *error)
+/* The hashes of the bodies; those of an heir are known but for a new body. */
+static int make_prints(struct world *w, const drape_def *def,
+                       const struct heir *heir)
+{
+    int bodies = def->n_cloths + def->n_obstacles;
+    w->print = arena_take(w->arena, ARENA_OTHER, bodies, sizeof *w->print);
+    if (!w->print)
+        return DRAPE_ENOMEM;
+    for (int k = 0; k < bodies && heir; k++)
+        if (heir->from[k] >= 0)
+            w->print[k] = heir->old->print[heir->from[k]];
+    w->fingerprint = checkpoint_fingerprint(def, w->print);
+    return DRAPE_OK;
+}
+
+int world_make_heir(const drape_def *def, const struct heir *heir,
+                    struct arena *arena, struct world **world,
+                    drape_error *error)
 {
     struct world *w = arena_take(arena, ARENA_OTHER, 1, sizeof *w);
     if (!w)
@@ -25,7 +42,7 @@ int world_make(const drape_def *def, struct arena *arena, struct world **world,
     w->plan = plan_make(def);
     w->dt = def->dt;
     memcpy(w->defined_gravity, def->gravity, sizeof w->defined_gravity);
-    w->fingerprint = checkpoint_fingerprint(def);
+    w->defined_wind = def->wind;
     w->trace = (struct trace){def->trace, def->trace_user, 0, 0};
     w->tracing = def->trace ? &w->trace : NULL;
     w->sheet = arena_take(arena, ARENA_OTHER, def->n_cloths, sizeof *w->sheet);
@@ -34,10 +51,14 @@ int world_make(const drape_def *def, struct arena *arena, struct world **world,
     w->posed = w->pose;
     if (arena->failed)
         return DRAPE_ENOMEM;
-    int status = fill_sizes(w, def, error);
+    int status = make_prints(w, def, heir);
+    if (status == DRAPE_OK)
+        status = fill_sizes(w, def, error);
     if (status == DRAPE_OK)
         status = fill_streams(w, def, error);
-    if (status == DRAPE_OK && w->plan.collides)
+    if (status == DRAPE_OK && heir)
+        heir_sizes(w, heir);
+    else if (status == DRAPE_OK && w->plan.collides)
         status = start_audit(w, error);
     if (status == DRAPE_OK)
         status = wire_stages(w, def);
@@ -48,6 +69,12 @@ int world_make(const drape_def *def, struct arena *arena, struct world **world,
     w->told.able = w->broad.apart.able;
     *world = w;
     return status;
+}
+
+int world_make(const drape_def *def, struct arena *arena, struct world **world,
+               drape_error *error)
+{
+    return world_make_heir(def, NULL, arena, world, error);
 }
 
 static void copy_out(double (*out)[3], const vec *a, int64_t n)
@@ -129,6 +156,7 @@ const struct world_ops world_ops = {.make = world_make,
                                     .wake = world_wake,
                                     .set_wind = world_set_wind,
                                     .control = CONTROL_OPS,
+                                    .heir = HEIR_OPS(world_make_heir),
                                     .contacts = list_contacts,
                                     .plan = plan_rows,
                                     .save = checkpoint_save,

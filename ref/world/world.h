@@ -16,6 +16,31 @@ struct given {
     const void *there;
 };
 
+/* A change of the bodies of a world: one of the first two, which is added, or
+ * else the body to remove. */
+struct edit {
+    const drape_cloth *cloth;
+    const drape_obstacle *obstacle;
+    int removed;
+};
+
+/* A world that takes the place of another one, whose bodies were changed. */
+struct heir {
+    const struct world *old;
+    int32_t *from; /* [bodies] the body of the old world, -1: it is new */
+    int added;     /* the new body, -1: none */
+};
+
+/* Bodies that are added and removed: ref/control/heir.h. */
+struct heir_ops {
+    int (*define)(const struct world *old, const struct edit *edit,
+                  struct arena *arena, drape_def *def, struct heir *heir);
+    int (*make)(const drape_def *def, const struct heir *heir,
+                struct arena *arena, struct world **world, drape_error *error);
+    int (*inherit)(struct world *w, const struct heir *heir,
+                   drape_error *error);
+};
+
 /* Live control: ref/control/control.h. */
 struct control_ops {
     void (*gravity)(struct world *w, const double gravity[3]);
@@ -43,6 +68,7 @@ struct world_ops {
     void (*wake)(struct world *w);
     int (*set_wind)(struct world *w, const drape_wind *wind);
     struct control_ops control;
+    struct heir_ops heir;
     int (*contacts)(struct world *w, bool there, drape_contact_list *list);
     int (*plan)(const struct world *w, drape_plan_row *row, int capacity);
     int (*save)(const struct world *w, drape_write *write, void *user);

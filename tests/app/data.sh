@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 # shellcheck shell=sh disable=SC2154,SC2016
-# ci/data.sh fetches the statues of the scenes: here from a folder that stands for
-# the public addresses, with small meshes in the archives' form.
+# drape fetch-models fetches the statues of the scenes by ci/data.sh: here from a
+# folder that stands for the public addresses, with small meshes in the archives'
+# form.
 # Read by tests/app.sh, whose functions it calls.
 
 public=from/3Dscanrep
@@ -12,7 +13,7 @@ tar -czf $public/happy/happy_recon.tar.gz happy_recon
 tar -czf $public/dragon/dragon_recon.tar.gz dragon_recon
 mkdir -p data/models
 cp quiet.ply data/models/lion_20k.ply # which comes from Debian
-sh "$root/ci/data.sh" data from "${drape%/*}" >data.log 2>data.err
+"$drape" fetch-models data --from from >data.log 2>data.err
 is 'what the folder lacks is reported' test $? -eq 1 -a -s data.err
 is 'by name' grep -q 'missing: from/Sample-Queries/' data.err
 for name in buddha_100k dragon_100k; do
@@ -21,8 +22,24 @@ for name in buddha_100k dragon_100k; do
     is "a scene finds $name" env DRAPE_DATA="$work/data" "$drape" plan \
         "$root/app/scenes/${name%_*}_20k.json" --allow-intersecting
 done
+# An installed tool finds the script in share/, and the lion's folder is DIR.
+mkdir -p at/bin at/share/drape at/data/models
+cp "$drape" at/bin
+cp "$root/ci/data.sh" "$root/ci/data.py" "$root/ci/lion.sh" at/share/drape
+cp quiet.ply at/data/models/lion_20k.ply
+at/bin/drape fetch-models at/data --from from >at.log 2>at.err
+is 'an installed tool fetches them, too' cmp data/models/buddha_100k.ply \
+    at/data/models/buddha_100k.ply
+is 'what an installed tool cannot find is by name' grep -q \
+    'missing: from/Sample-Queries/' at.err
+rm -r at/share
+at/bin/drape fetch-models at/data --from from 2>at.err
+is 'without the script it says so' sh -c 'test $? -eq 0 &&
+    grep -q "share/drape/data.sh is not beside" at.err'
+refused 'fetch-models: no folder' 'expected one DIR' fetch-models
+refused 'fetch-models: two folders' 'expected one DIR' fetch-models a b
 is 'no credit is left out' grep -q 'Stanford 3D Scanning Repository' data.log
 cp "$root/app/scenes/buddha_20k.json" .
 unset DRAPE_DATA DRAPE_MODELS # this part is the last
 refused 'without the statues: how to get them' \
-    'sh ci/data.sh DIR fetches' run buddha_20k.json --out refused
+    'drape fetch-models DIR fetches' run buddha_20k.json --out refused

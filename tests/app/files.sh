@@ -136,7 +136,17 @@ for json in "$root"/app/scenes/*.json; do
     exits "scene $name" 0 plan "$json"
 done
 
-# The commands that are Python's: without it, and without the package.
+# The commands that are Python's: a wrong command line is told first; then
+# without Python, and without the package.
+for wrong in view 'view a b' 'view a --port=x' export 'export a' \
+    'export a --to x.usdc --every 0' 'export a --for b'; do
+    # shellcheck disable=SC2086
+    env PATH=/nowhere "$drape" $wrong >out 2>err
+    is "$wrong: a wrong command line" test $? -eq 2
+    is "$wrong: no word of Python" sh -c '! grep -i python err'
+done
+env PATH=/nowhere "$drape" view 2>err
+is 'view: what is missing' grep -q '^drape: view: expected one DIR' err
 fails 'export without Python' 'export: python3 cannot be started' \
     env PATH=/nowhere "$drape" export 'an out' --to x.usdc
 mkdir no_package no_package/drape

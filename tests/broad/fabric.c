@@ -48,6 +48,7 @@ static struct tree_mesh *add_mesh(struct fabric *f, int kind)
     g->base = f->scene.vertices;
     g->first_tri = f->scene.tris;
     g->tris = 0;
+    g->size = 0;
     return g;
 }
 

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The records of bodies that were added: the definition of a body, then what it
+ * points to, each filled up to whole words. spec/control/control.md §7 */
+#include <string.h>
+
+#include "ref/api/record.h"
+#include "ref/base/hash.h"
+
+enum { WORD = 8, CLOTH_PIECES = 5, MESH_PIECES = 3 };
+
+/* An array that a definition points to; at: NULL: it has none. */
+struct piece {
+    const void *at;
+    size_t bytes;
+};
+
+static size_t whole(size_t bytes)
+{
+    return (bytes + WORD - 1) / WORD * WORD;
+}
+
+int64_t record_mark(int64_t n)
+{
+    return (int64_t)(hash_mix(HASH_SEED, &n, sizeof n) >> 1);
+}
+
+static void cloth_pieces(const drape_cloth *c, struct piece p[CLOTH_PIECES])
+{
+    size_t n = (size_t)c->m * (size_t)c->n;
+    size_t cells = (size_t)(c->m - 1) * (size_t)(c->n - 1);
+    p[0] = (struct piece){c->x, n * sizeof *c->x};
+    p[1] = (struct piece){c->velocity, n * sizeof *c->velocity};
+    p[2] = (struct piece){c->hole, n};
+    p[3] = (struct piece){c->cut, cells};
+    p[4] = (struct piece){c->n_pins ? c->pins : NULL,
+                          (size_t)c->n_pins * sizeof *c->pins};
+}
+
+static void mesh_pieces(const drape_obstacle *o, struct piece p[MESH_PIECES])
+{
+    size_t n = (size_t)o->n_vertices * sizeof *o->x;
+    p[0] = (struct piece){o->x, n};
+    p[1] = (struct piece){o->tri, (size_t)o->n_triangles * sizeof *o->tri};
+    p[2] = (struct piece){o->frames ? o->frame : NULL, n * (size_t)o->frames};
+}
+
+/* Writes a record of a definition with its pointers and its pieces. The words
+ * behind the definition say which pieces there are. */
+static void put(drape_world *world, enum record_kind kind, const void *head,
+                size_t size, const struct piece *piece, int pieces)
+{
+    size_t bytes = whole(size) + WORD * (size_t)pieces, at = whole(size);
+    if (!world->record)
+        return;
+    for (int k = 0; k < pieces; k++)
+        bytes += piece[k].at ? whole(piece[k].bytes) : 0;
+    uint8_t *data = arena_take(&world->arena, ARENA_OTHER, (int64_t)bytes, 1);
+    if (!data) {
+        record_lose(world);
+        return;
+    }
+    memcpy(data, head, size);
+    for (int k = 0; k < pieces; k++, at += WORD) {
+        uint64_t there = piece[k].at != NULL;
+        memcpy(data + at, &there, sizeof there);
+    }
+    for (int k = 0; k < pieces; k++)
+        if (piece[k].at && piece[k].bytes > 0) {
+            memcpy(data + at, piece[k].at, piece[k].bytes);
+            at += whole(piece[k].bytes);
+        }
+    int64_t n = (int64_t)bytes;
+    record_call(world, (struct record){.kind = kind,
+                                       .at = record_mark(n),
+                                       .n = n,
+                                       .data = data,
+                                       .bytes = bytes});
+    arena_give(&world->arena, data);
+}
+
+void record_cloth(drape_world *world, const drape_cloth *cloth)
+{
+    struct piece p[CLOTH_PIECES];
+    drape_cloth c = *cloth;
+    cloth_pieces(cloth, p);
+    c.x = c.velocity = NULL;
+    c.hole = c.cut = NULL;
+    c.pins = NULL;
+    put(world, RECORD_CLOTH, &c, sizeof c, p, CLOTH_PIECES);
+}
+
+void record_obstacle(drape_world *world, const drape_obstacle *obstacle)
+{
+    struct piece p[MESH_PIECES];
+    drape_obstacle o = *obstacle;
+    mesh_pieces(obstacle, p);
+    o.x = o.frame = NULL;
+    o.tri = NULL;
+    put(world, RECORD_MESH, &o, sizeof o, p, MESH_PIECES);
+}
+
+/* Finds the pieces in a record, whose sizes are given. False: the record has
+ * another size than they need. */
+static bool find(const uint8_t *data, int64_t bytes, size_t size,
+                 struct piece *piece, int pieces)
+{
+    size_t at = whole(size) + WORD * (size_t)pieces;
+    const uint8_t *flag = data + whole(size);
+    for (int k = 0; k < pieces; k++, flag += WORD) {
+        uint64_t there;
+        memcpy(&there, flag, sizeof there);
+        piece[k].at = there ? data + at : NULL;
+        at += there ? whole(piece[k].bytes) : 0;
+        if (at > (size_t)bytes)
+            return false;
+    }
+    return at == (size_t)bytes;
+}
+
+static int cloth_again(drape_world *world, const uint8_t *data, int64_t bytes)
+{
+    struct piece p[CLOTH_PIECES];
+    drape_cloth c;
+    if ((size_t)bytes < whole(sizeof c) + WORD * CLOTH_PIECES)
+        return DRAPE_EMATCH;
+    memcpy(&c, data, sizeof c);
+    if (c.m < 2 || c.n < 2 || c.m > 32768 || c.n > 32768 || c.n_pins < 0)
+        return DRAPE_EMATCH;
+    cloth_pieces(&c, p);
+    if (!find(data, bytes, sizeof c, p, CLOTH_PIECES))
+        return DRAPE_EMATCH;
+    c.x = p[0].at;
+    c.velocity = p[1].at;
+    c.hole = p[2].at;
+    c.cut = p[3].at;
+    c.pins = p[4].at;
+    return drape_add_cloth(world, &c, NULL);
+}
+
+static int mesh_again(drape_world *world, const uint8_t *data, int64_t bytes)
+{
+    struct piece p[MESH_PIECES];
+    drape_obstacle o;
+    if ((size_t)bytes < whole(sizeof o) + WORD * MESH_PIECES)
+        return DRAPE_EMATCH;
+    memcpy(&o, data, sizeof o);
+    if (o.n_vertices < 1 || o.n_vertices > INT32_MAX || o.n_triangles < 1 ||
+        o.n_triangles > INT32_MAX || o.frames < 0 || o.frames > 1 << 24)
+        return DRAPE_EMATCH;
+    mesh_pieces(&o, p);
+    if (!find(data, bytes, sizeof o, p, MESH_PIECES))
+        return DRAPE_EMATCH;
+    o.x = p[0].at;
+    o.tri = p[1].at;
+    o.frame = p[2].at;
+    return drape_add_obstacle(world, &o, NULL);
+}
+
+int record_body_again(drape_world *world, enum record_kind kind,
+                      const uint8_t *data, int64_t bytes)
+{
+    return kind == RECORD_CLOTH ? cloth_again(world, data, bytes)
+                                : mesh_again(world, data, bytes);
+}
