@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* drape fetch-models: fetches the public statues of drape's own scenes, and the
- * queries of its numbers. A script does it, which is installed with the tool. */
+ * queries of its numbers. A script does it, which is installed with the tool.
+ */
 #include "app/app.h"
 #include "app/file.h"
 

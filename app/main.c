@@ -82,10 +82,12 @@ static const struct command {
      "fetch the statues of drape's own scenes",
      "drape fetch-models DIR [--from FROM]\n"
      "Fetches the public statues into DIR/models and collision queries with\n"
-     "their truth into DIR/ccd, and prints their credits. What is there stays.\n"
+     "their truth into DIR/ccd, and prints their credits. What is there "
+     "stays.\n"
      "DRAPE_DATA=DIR then names them to all commands. --from: a folder or an\n"
      "address that holds them, in place of the public ones. It needs curl,\n"
-     "python3, and for the lion apt-get. Exit status 1: something is missing.\n"},
+     "python3, and for the lion apt-get. Exit status 1: something is "
+     "missing.\n"},
     {"materials", command_materials, "list the fabrics that scenes may name",
      "drape materials\n"
      "Each with its numbers, what it is, and where they are from.\n"},

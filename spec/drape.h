@@ -413,6 +413,9 @@ int64_t drape_triangles(const drape_world *world);
  * is no such body. */
 int64_t drape_first_vertex(const drape_world *world, int body);
 int64_t drape_first_triangle(const drape_world *world, int body);
+/* Returns the number of bodies, and sets *cloths, unless cloths is NULL, to the
+ * number of cloths among them. DRAPE_EARG: world is NULL. */
+int drape_bodies(const drape_world *world, int *cloths);
 /* Copies the current state to x and v, [drape_vertices][3] each, m and m/s.
  * Either may be NULL. DRAPE_OK; DRAPE_EARG: world is NULL; DRAPE_EDEVICE. */
 int drape_read(const drape_world *world, double (*x)[3], double (*v)[3]);
@@ -471,10 +474,11 @@ typedef struct drape_contact_list {
  * is 0 before the first step, after a step that failed, drape_load,
  * drape_set_positions or drape_set_velocities, or a change of bodies. The
  * memory belongs to the world and is valid until the next call of these two
- * functions, drape_step, a change of bodies or drape_destroy: host memory, or, by the form `_device`, where drape_borrow
- * says. Nothing is computed or kept for a list that is not asked for. The
- * impulses do not have what zones and rollback change. DRAPE_OK; DRAPE_EARG: a
- * pointer is NULL, or the integrator is explicit; DRAPE_ENOMEM, DRAPE_EDEVICE.
+ * functions, drape_step, a change of bodies or drape_destroy: host memory, or,
+ * by the form `_device`, where drape_borrow says. Nothing is computed or kept
+ * for a list that is not asked for. The impulses do not have what zones and
+ * rollback change. DRAPE_OK; DRAPE_EARG: a pointer is NULL, or the integrator
+ * is explicit; DRAPE_ENOMEM, DRAPE_EDEVICE.
  */
 int drape_contacts(drape_world *world, drape_contact_list *list);
 int drape_contacts_device(drape_world *world, drape_contact_list *list);
@@ -610,10 +614,10 @@ int drape_load(drape_world *world, drape_read_bytes *read, void *user);
 
 /* drape_record writes the state now, as a checkpoint, and then each call that
  * changes the world (steps, waking, wind, live control with the bodies that
- * come and go, loading) after it was made, by `write`; `write` NULL ends that. A write that fails ends the record,
- * changes nothing else, and makes the next drape_record return DRAPE_EIO. The
- * log is in the machine's byte order. DRAPE_OK; DRAPE_EARG: world is NULL;
- * DRAPE_EIO. */
+ * come and go, loading) after it was made, by `write`; `write` NULL ends that.
+ * A write that fails ends the record, changes nothing else, and makes the next
+ * drape_record return DRAPE_EIO. The log is in the machine's byte order.
+ * DRAPE_OK; DRAPE_EARG: world is NULL; DRAPE_EIO. */
 int drape_record(drape_world *world, drape_write *write, void *user);
 /* Makes the recorded calls again, up to and with the next step, on a world of
  * the same definition, of which may differ what may differ in drape_load; the

@@ -307,7 +307,8 @@ static int make(const drape_def *def, struct arena *arena, struct world **world,
 
 static void count(const struct world *w, drape_memory *m)
 {
-    gpu_count(w->device->gpu, m);
+    if (w->device && w->device->gpu) /* else its making failed */
+        gpu_count(w->device->gpu, m);
 }
 
 static void end(struct world *w)

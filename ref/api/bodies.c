@@ -27,8 +27,7 @@ static int make(drape_world *world, const drape_def *def,
 {
     struct threads threads;
     threads_begin(&threads, def->threads);
-    int status =
-        world->ops->heir.make(def, heir, &world->arena, made, error);
+    int status = world->ops->heir.make(def, heir, &world->arena, made, error);
     if (status == DRAPE_OK)
         status = world->ops->heir.inherit(*made, heir, error);
     threads_end(&threads);
@@ -95,8 +94,8 @@ int drape_add_cloth(drape_world *world, const drape_cloth *cloth,
 {
     if (!world || !cloth)
         return refuse(error, !world ? "world is NULL" : "cloth is NULL");
-    int status = change(
-        world, &(struct edit){.cloth = cloth, .removed = -1}, error);
+    int status =
+        change(world, &(struct edit){.cloth = cloth, .removed = -1}, error);
     if (status != DRAPE_OK)
         return status;
     record_cloth(world, cloth);

@@ -193,6 +193,15 @@ int64_t drape_first_triangle(const drape_world *world, int body)
     return world->ops->first_triangle(world->world, body);
 }
 
+int drape_bodies(const drape_world *world, int *cloths)
+{
+    if (!world)
+        return DRAPE_EARG;
+    if (cloths)
+        *cloths = world->cloths;
+    return world->bodies;
+}
+
 int64_t drape_vertices(const drape_world *world)
 {
     return world ? drape_first_vertex(world, world->bodies) : DRAPE_EARG;

@@ -129,8 +129,8 @@ static int cloth_again(drape_world *world, const uint8_t *data, int64_t bytes)
     cloth_pieces(&c, p);
     if (!find(data, bytes, sizeof c, p, CLOTH_PIECES))
         return DRAPE_EMATCH;
-    c.x = p[0].at;
-    c.velocity = p[1].at;
+    c.x = (const double(*)[3])p[0].at;
+    c.velocity = (const double(*)[3])p[1].at;
     c.hole = p[2].at;
     c.cut = p[3].at;
     c.pins = p[4].at;
@@ -150,9 +150,9 @@ static int mesh_again(drape_world *world, const uint8_t *data, int64_t bytes)
     mesh_pieces(&o, p);
     if (!find(data, bytes, sizeof o, p, MESH_PIECES))
         return DRAPE_EMATCH;
-    o.x = p[0].at;
-    o.tri = p[1].at;
-    o.frame = p[2].at;
+    o.x = (const double(*)[3])p[0].at;
+    o.tri = (const int32_t(*)[3])p[1].at;
+    o.frame = (const double(*)[3])p[2].at;
     return drape_add_obstacle(world, &o, NULL);
 }
 

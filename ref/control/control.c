@@ -165,7 +165,8 @@ static int look(struct world *w, int64_t *found, drape_error *error)
     if (x != w->x1)
         w->run->fetch(w->on, x, w->x1, (size_t)w->nv * sizeof *x);
     status = w->run->status(w->on);
-    return status == DRAPE_OK ? start_look(w->home, x, -1, found, error) : status;
+    return status == DRAPE_OK ? start_look(w->home, x, -1, found, error)
+                              : status;
 }
 
 int control_positions(struct world *w, int64_t first, int64_t n, struct given x,

@@ -53,16 +53,16 @@ static int define_obstacle(const struct world *w, int k, struct arena *arena,
         for (int i = 0; i < 3; i++)
             tri[t][i] = h->tri[first + t][i] - (int32_t)p->first;
     const double *x = p->frames ? p->frame : p->place.rest;
-    *def = (drape_obstacle){
-        .n_vertices = p->place.n,
-        .n_triangles = n,
-        .x = (const double(*)[3])x,
-        .tri = (const int32_t(*)[3])tri,
-        .friction = (double)h->surface[body].friction,
-        .motion = p->place.motion[0],
-        .frames = p->frames,
-        .frame_dt = p->frame_dt,
-        .frame = p->frames ? (const double(*)[3])p->frame : NULL};
+    *def = (drape_obstacle){.n_vertices = p->place.n,
+                            .n_triangles = n,
+                            .x = (const double(*)[3])x,
+                            .tri = (const int32_t(*)[3])tri,
+                            .friction = (double)h->surface[body].friction,
+                            .motion = p->place.motion[0],
+                            .frames = p->frames,
+                            .frame_dt = p->frame_dt,
+                            .frame = p->frames ? (const double(*)[3])p->frame
+                                               : NULL};
     return DRAPE_OK;
 }
 
@@ -107,9 +107,9 @@ int heir_define(const struct world *old, const struct edit *edit,
     for (int k = 0; k < bodies && status == DRAPE_OK; k++) {
         int from = heir->from[k], o = k - def->n_cloths;
         if (from >= 0)
-            status =
-                o < 0 ? define_cloth(old, from, arena, &cloth[k])
-                      : define_obstacle(old, from - cloths, arena, &obstacle[o]);
+            status = o < 0 ? define_cloth(old, from, arena, &cloth[k])
+                           : define_obstacle(old, from - cloths, arena,
+                                             &obstacle[o]);
         else if (o < 0)
             cloth[k] = *edit->cloth;
         else

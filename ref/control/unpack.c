@@ -290,8 +290,7 @@ int control_unpack(struct world *w, const uint8_t *in, int64_t bytes,
         return DRAPE_ENOMEM;
     for (int k = 0; k < n && bytes > 0; k++)
         read_cloth(&w->sheet[k].cloth, in, bytes, &at, &said[k]);
-    int status =
-        become(w, bytes > 0 ? said : NULL, bytes > 0 ? in + at : NULL);
+    int status = become(w, bytes > 0 ? said : NULL, bytes > 0 ? in + at : NULL);
     if (status == DRAPE_OK)
         commit_told(w, to, x);
     arena_give(w->arena, said);

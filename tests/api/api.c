@@ -112,18 +112,18 @@ static const char *call_wind(struct api *a)
 {
     const drape_wind calm = {
         .velocity = {0, 0, 0}, .density = 0, .drag = 1, .lift = 1};
-    const double wrong[] = {(double)NAN, (double)INFINITY, 0x1p61, -0x1p61, -1};
     drape_wake(NULL);
     REFUSES(drape_set_wind(NULL, &calm));
     REFUSES(drape_set_wind(a->world, NULL));
-    for (int k = 0; k < 5; k++) {
+    for (int k = 0; k < WRONG + 1; k++) {
         drape_wind w[4] = {calm, calm, calm, calm};
-        w[0].velocity[k % 3] = wrong[k];
-        w[1].density = wrong[k];
-        w[2].drag = wrong[k];
-        w[3].lift = wrong[k];
+        double a_number = k < WRONG ? api_wrong[k] : -1;
+        w[0].velocity[k % 3] = a_number;
+        w[1].density = a_number;
+        w[2].drag = a_number;
+        w[3].lift = a_number;
         for (int i = 0; i < 4; i++) {
-            int want = k < 4 ? DRAPE_EDATA : i ? DRAPE_EARG : DRAPE_OK;
+            int want = k < WRONG ? DRAPE_EDATA : i ? DRAPE_EARG : DRAPE_OK;
             drape_world *world;
             struct input d;
             EXPECT(drape_set_wind(a->world, &w[i]) == want);
@@ -151,7 +151,7 @@ static const char *call_plan(struct api *a)
     return NULL;
 }
 
-static int write_none(void *user, const void *data, size_t bytes)
+int api_write_none(void *user, const void *data, size_t bytes)
 {
     (void)user;
     (void)data;
@@ -159,7 +159,7 @@ static int write_none(void *user, const void *data, size_t bytes)
     return 1;
 }
 
-static int read_none(void *user, void *data, size_t bytes)
+int api_read_zeros(void *user, void *data, size_t bytes)
 {
     (void)user;
     memset(data, 0, bytes);
@@ -168,12 +168,12 @@ static int read_none(void *user, void *data, size_t bytes)
 
 static const char *call_saves(struct api *a)
 {
-    REFUSES(drape_save(NULL, write_none, NULL));
+    REFUSES(drape_save(NULL, api_write_none, NULL));
     REFUSES(drape_save(a->world, NULL, NULL));
-    EXPECT(drape_save(a->world, write_none, NULL) == DRAPE_EIO);
-    REFUSES(drape_load(NULL, read_none, NULL));
+    EXPECT(drape_save(a->world, api_write_none, NULL) == DRAPE_EIO);
+    REFUSES(drape_load(NULL, api_read_zeros, NULL));
     REFUSES(drape_load(a->world, NULL, NULL));
-    EXPECT(drape_load(a->world, read_none, NULL) == DRAPE_EMATCH);
+    EXPECT(drape_load(a->world, api_read_zeros, NULL) == DRAPE_EMATCH);
     return NULL;
 }
 
@@ -219,6 +219,10 @@ static const struct {
     {"drape_set_obstacle", api_call_obstacle},
     {"drape_set_obstacle_device", api_call_obstacle},
     {"drape_set_pose", api_call_obstacle},
+    {"drape_bodies", api_call_bodies},
+    {"drape_add_cloth", api_call_bodies},
+    {"drape_add_obstacle", api_call_bodies},
+    {"drape_remove", api_call_bodies},
     {"drape_contacts", api_call_contacts},
     {"drape_contacts_device", api_call_contacts},
     {"drape_record", api_call_log},

@@ -42,6 +42,14 @@ struct api {
 
 void api_input(struct input *d);
 
+/* Numbers that no definition has. */
+extern const double api_wrong[];
+enum { WRONG = 4 };
+
+/* A writer that fails, and a reader of a file of zeros. */
+drape_write api_write_none;
+drape_read_bytes api_read_zeros;
+
 /* Faults that drape_create refuses; in tests/api/api_create.c. */
 const char *api_call_create(struct api *a);
 /* Faults that the calls on a mesh refuse; in tests/api/api_mesh.c. */
@@ -54,6 +62,7 @@ const char *api_call_material(struct api *a);
 const char *api_call_state(struct api *a);
 const char *api_call_pins(struct api *a);
 const char *api_call_obstacle(struct api *a);
+const char *api_call_bodies(struct api *a);
 const char *api_call_contacts(struct api *a);
 const char *api_call_log(struct api *a);
 

@@ -5,8 +5,7 @@
 
 enum { CLOTH = 7 * 6, PLATE = 4 };
 
-static const double wrong[] = {(double)NAN, (double)INFINITY, 0x1p61, -0x1p61};
-enum { WRONG = 4 };
+const double api_wrong[] = {(double)NAN, (double)INFINITY, 0x1p61, -0x1p61};
 
 const char *api_call_gravity(struct api *a)
 {
@@ -15,7 +14,7 @@ const char *api_call_gravity(struct api *a)
     REFUSES(drape_set_gravity(a->world, NULL));
     for (int k = 0; k < WRONG; k++) {
         double bad[3] = {0, 0, 0};
-        bad[k % 3] = wrong[k];
+        bad[k % 3] = api_wrong[k];
         EXPECT(drape_set_gravity(a->world, bad) == DRAPE_EDATA);
     }
     EXPECT(drape_set_gravity(a->world, g) == DRAPE_OK);
@@ -37,7 +36,7 @@ const char *api_call_material(struct api *a)
     for (int i = 0; i < 9; i++) {
         double kept = *number[i];
         for (int j = 0; j < WRONG; j++) {
-            *number[i] = wrong[j];
+            *number[i] = api_wrong[j];
             EXPECT(drape_set_material(a->world, 0, &m) == DRAPE_EDATA);
             ran(1);
         }
@@ -77,7 +76,7 @@ static const char *refuse_state(struct api *a, double (*x)[3],
     }
     for (int k = 0; k < WRONG; k++) {
         double kept = x[7][k % 3];
-        x[7][k % 3] = wrong[k];
+        x[7][k % 3] = api_wrong[k];
         EXPECT(drape_set_positions(a->world, 0, CLOTH, is, NULL) ==
                DRAPE_EDATA);
         EXPECT(drape_set_velocities(a->world, 0, CLOTH, is) == DRAPE_EDATA);
@@ -126,7 +125,7 @@ const char *api_call_pins(struct api *a)
     REFUSES(drape_set_pins(a->world, 0, 2, list, is));
     list[1] = 4;
     for (int i = 0; i < WRONG; i++) {
-        x[1][i % 3] = wrong[i];
+        x[1][i % 3] = api_wrong[i];
         EXPECT(drape_set_pins(a->world, 0, 2, list, is) == DRAPE_EDATA);
         x[1][i % 3] = 0;
     }
@@ -156,8 +155,8 @@ const char *api_call_obstacle(struct api *a)
                  drape_set_pose(a->world, k, zero, turn, zero));
     REFUSES(drape_set_pose(a->world, 0, zero, long_turn, zero));
     for (int i = 0; i < WRONG; i++) {
-        double bad[4] = {wrong[i], 0, 0, 0};
-        x[CLOTH + 1][i % 3] = wrong[i];
+        double bad[4] = {api_wrong[i], 0, 0, 0};
+        x[CLOTH + 1][i % 3] = api_wrong[i];
         EXPECT(drape_set_obstacle(a->world, 0, is) == DRAPE_EDATA);
         x[CLOTH + 1][i % 3] = 0;
         EXPECT(drape_set_pose(a->world, 0, bad, turn, zero) == DRAPE_EDATA);
@@ -173,6 +172,47 @@ const char *api_call_obstacle(struct api *a)
     return NULL;
 }
 
+/* A body that the definition would refuse is refused with the same code. */
+const char *api_call_bodies(struct api *a)
+{
+    drape_cloth cloth = a->input.g.cloth;
+    drape_obstacle plate = a->input.g.plate;
+    drape_error error;
+    int k;
+    cloth.pins = NULL;
+    cloth.n_pins = 0;
+    cloth.origin[1] = 9;
+    EXPECT(drape_bodies(NULL, &k) == DRAPE_EARG);
+    EXPECT(drape_bodies(a->world, NULL) == 2);
+    EXPECT(drape_bodies(a->world, &k) == 2 && k == 1);
+    REFUSES(drape_add_cloth(NULL, &cloth, &error));
+    REFUSES(drape_add_cloth(a->world, NULL, &error));
+    REFUSES(drape_add_obstacle(NULL, &plate, &error));
+    REFUSES(drape_add_obstacle(a->world, NULL, &error));
+    REFUSES(drape_remove(NULL, 0));
+    REFUSES(drape_remove(a->world, 0)); /* the only cloth */
+    REFUSES(drape_remove(a->world, 2));
+    REFUSES_EACH(api_extremes, k, drape_remove(a->world, k));
+    REFUSES_EACH(api_extremes, cloth.m,
+                 drape_add_cloth(a->world, &cloth, NULL));
+    cloth.m = a->input.g.cloth.m;
+    REFUSES_EACH(api_wide, plate.n_triangles,
+                 drape_add_obstacle(a->world, &plate, &error));
+    EXPECT(strstr(error.text, "obstacle 1: n_triangles"));
+    plate.n_triangles = 2;
+    plate.motion = 1;
+    REFUSES(drape_add_obstacle(a->world, &plate, &error));
+    EXPECT(strstr(error.text, "obstacle 1: motion"));
+    for (int i = 0; i < WRONG; i++) {
+        cloth.width = api_wrong[i];
+        EXPECT(drape_add_cloth(a->world, &cloth, &error) < 0);
+        EXPECT(strstr(error.text, "cloth 1: width"));
+        ran(1);
+    }
+    EXPECT(drape_bodies(a->world, NULL) == 2);
+    return NULL;
+}
+
 const char *api_call_contacts(struct api *a)
 {
     drape_contact_list list;
@@ -181,21 +221,6 @@ const char *api_call_contacts(struct api *a)
     REFUSES(drape_contacts_device(NULL, &list));
     REFUSES(drape_contacts_device(a->world, NULL));
     return NULL;
-}
-
-static int write_none(void *user, const void *data, size_t bytes)
-{
-    (void)user;
-    (void)data;
-    (void)bytes;
-    return 1;
-}
-
-static int read_zeros(void *user, void *data, size_t bytes)
-{
-    (void)user;
-    memset(data, 0, bytes);
-    return 0;
 }
 
 static int read_none(void *user, void *data, size_t bytes)
@@ -208,12 +233,12 @@ static int read_none(void *user, void *data, size_t bytes)
 
 const char *api_call_log(struct api *a)
 {
-    REFUSES(drape_record(NULL, write_none, NULL));
-    EXPECT(drape_record(a->world, write_none, NULL) == DRAPE_EIO);
+    REFUSES(drape_record(NULL, api_write_none, NULL));
+    EXPECT(drape_record(a->world, api_write_none, NULL) == DRAPE_EIO);
     EXPECT(drape_record(a->world, NULL, NULL) == DRAPE_OK);
     REFUSES(drape_replay(NULL, read_none, NULL, NULL));
     REFUSES(drape_replay(a->world, NULL, NULL, NULL));
     EXPECT(drape_replay(a->world, read_none, NULL, NULL) == 0);
-    EXPECT(drape_replay(a->world, read_zeros, NULL, NULL) == DRAPE_EMATCH);
+    EXPECT(drape_replay(a->world, api_read_zeros, NULL, NULL) == DRAPE_EMATCH);
     return NULL;
 }

@@ -239,7 +239,8 @@ const char *test_bodies_alone(void)
     return NULL;
 }
 
-/* §9.3: an obstacle that moves is where it would be had it always been there. */
+/* §9.3: an obstacle that moves is where it would be had it always been there.
+ */
 static const char *check_moving(int backend, bool frames)
 {
     static double x[2][TROUPE_NV][3];

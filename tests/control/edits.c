@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Changes of bodies that are refused, that lack memory, and that a log repeats.
+ * spec/control/control.md §7, §9 */
+#include <stdio.h>
+
+#include "tests/control/troupe.h"
+
+static const char *unchanged(drape_world *a, const struct recall *before)
+{
+    static struct recall after;
+    EXPECT(recall_save(a, &after) && recall_same(before, &after));
+    ran(1);
+    return NULL;
+}
+
+/* §9.4: a body that intersects is refused by bodies and first pair. */
+static const char *check_start(int backend)
+{
+    static struct recall before;
+    struct troupe t;
+    drape_error error;
+    troupe_make(&t, DRAPE_BW, backend);
+    drape_world *a = troupe_world(&t);
+    EXPECT(a && guest_go(a, 3) == DRAPE_OK && recall_save(a, &before));
+    drape_cloth low = t.cloth[1];
+    low.x = NULL;
+    low.origin[1] = -0.001;
+    low.u[1] = 0.6;
+    low.u[0] = 0.8;
+    EXPECT(drape_add_cloth(a, &low, &error) == DRAPE_ESTART);
+    EXPECT(strstr(error.text, "cloth 2 triangle"));
+    const char *what = unchanged(a, &before);
+    drape_obstacle across = t.obstacle[0];
+    static const double x[4][3] = {
+        {-.05, -.01, -.06}, {.05, .5, -.06}, {-.05, 0, .06}, {.05, .5, .06}};
+    across.x = x;
+    EXPECT(what || drape_add_obstacle(a, &across, &error) == DRAPE_ESTART);
+    EXPECT(what || strstr(error.text, "obstacle 2 triangle"));
+    EXPECT(what || drape_add_obstacle(a, &across, NULL) == DRAPE_ESTART);
+    what = what ? what : unchanged(a, &before);
+    /* two obstacles may intersect each other */
+    across = t.obstacle[1];
+    EXPECT(what || drape_add_obstacle(a, &across, &error) == 2);
+    drape_destroy(a);
+    return what;
+}
+
+/* §9.4: pairs of the bodies that stay remain the state's, until a removal ends
+ * them; where such a start is allowed a new body may bring more. */
+static const char *check_pairs(int backend)
+{
+    struct troupe t;
+    drape_step_report r;
+    troupe_make(&t, DRAPE_BW, backend);
+    t.cloth[0].origin[1] = -0.03;
+    t.cloth[0].u[1] = 0.28;
+    t.cloth[0].u[0] = 0.96;
+    t.def.allow_intersecting = 1;
+    troupe_drop(&t, 1);
+    struct troupe less = t;
+    troupe_drop(&less, 1);
+    drape_world *a = troupe_world(&t), *b = troupe_world(&less);
+    EXPECT(a && b && drape_remove(a, 2) == DRAPE_OK);
+    EXPECT(drape_step(a, &r) == DRAPE_OK && r.intersecting > 0);
+    EXPECT(drape_add_obstacle(a, &t.obstacle[1], NULL) == 1);
+    EXPECT(drape_remove(a, 1) == DRAPE_OK);
+    EXPECT(drape_step(a, &r) == DRAPE_OK && !(r.outcome & DRAPE_TRAPPED));
+    EXPECT(drape_add_obstacle(b, &t.obstacle[0], NULL) == 1);
+    EXPECT(drape_step(b, &r) == DRAPE_OK && r.intersecting > 0);
+    drape_destroy(a);
+    drape_destroy(b);
+    ran(1);
+    return NULL;
+}
+
+const char *test_edits_start(void)
+{
+    const char *what = NULL;
+    for (int backend = 0; backend < 2 && !what; backend++)
+        what = check_start(backend);
+    for (int backend = 0; backend < 2 && !what; backend++)
+        what = check_pairs(backend);
+    return what;
+}
+
+/* A change for which there is no memory changes nothing, wherever it fails, and
+ * later it can be made; a device then holds as much as for a world made so. */
+static const char *check_memory(int backend, int kind)
+{
+    static struct recall before;
+    struct guest s, t;
+    drape_world *a, *b;
+    guest_make(&s, backend);
+    guest_make(&t, backend);
+    drape_cloth cloths[2] = {s.cloth, s.cloth};
+    cloths[1].origin[1] = 0.1;
+    if (kind == 0) {
+        t.def.cloths = cloths;
+        t.def.n_cloths = 2;
+    } else {
+        t.def.n_obstacles = 0;
+    }
+    EXPECT(drape_create(&s.def, &a, NULL) == DRAPE_OK);
+    EXPECT(drape_create(&t.def, &b, NULL) == DRAPE_OK);
+    EXPECT(recall_save(a, &before));
+    size_t here = s.host.held, there = s.device.held;
+    int status = DRAPE_ENOMEM;
+    int64_t fails = 0;
+    for (; status == DRAPE_ENOMEM; fails++) {
+        struct counting_allocator *p = fails % 2 ? &s.device : &s.host;
+        p->most = p->calls + fails / 2;
+        status = kind == 0 ? drape_add_cloth(a, &cloths[1], NULL)
+                           : drape_remove(a, 1);
+        s.host.most = s.device.most = INT64_MAX;
+        if (status >= 0 && fails < 40) { /* of the other allocator */
+            EXPECT(backend == DRAPE_REF && p == &s.device);
+            EXPECT(drape_remove(a, 1) == DRAPE_OK || kind == 1);
+            if (kind == 1)
+                EXPECT(drape_add_obstacle(a, &s.plate, NULL) == 0);
+            status = DRAPE_ENOMEM;
+        }
+        if (status != DRAPE_ENOMEM)
+            break;
+        EXPECT(s.host.held == here && s.device.held == there);
+        const char *what = unchanged(a, &before);
+        if (what)
+            return what;
+    }
+    EXPECT(status >= 0 && fails > 40);
+    EXPECT(drape_vertices(a) == drape_vertices(b));
+    /* what is added is audited, by streams that stay */
+    EXPECT(kind == 0 || s.device.held == t.device.held);
+    EXPECT(guest_go(a, 2) == DRAPE_OK);
+    drape_destroy(a);
+    drape_destroy(b);
+    EXPECT(s.host.held == 0 && s.device.held == 0);
+    return NULL;
+}
+
+const char *test_edits_memory(void)
+{
+    const char *what = NULL;
+    for (int k = 0; k < 4 && !what; k++)
+        what = check_memory(k % 2, k / 2);
+    return what;
+}
+
+/* The log of a session in which bodies come and go. */
+struct session {
+    struct troupe t;
+    struct recall log, end, other;
+};
+
+static int append(void *user, const void *data, size_t bytes)
+{
+    struct recall *r = user;
+    if (bytes > sizeof r->data - r->size)
+        return 1;
+    memcpy(r->data + r->size, data, bytes);
+    r->size += bytes;
+    return 0;
+}
+
+static int take_back(void *user, void *data, size_t bytes)
+{
+    struct recall *r = user;
+    if (bytes > r->size - r->at)
+        return 1;
+    memcpy(data, r->data + r->at, bytes);
+    r->at += bytes;
+    return 0;
+}
+
+enum { STEPS = 10 };
+
+static const char *record(struct session *p, drape_world *a)
+{
+    const double up[3] = {0, 0.001, 0};
+    const int32_t pins[2] = {1, 2};
+    drape_cloth high = p->t.cloth[0];
+    drape_obstacle plate = p->t.obstacle[0];
+    EXPECT(drape_record(a, append, &p->log) == DRAPE_OK);
+    EXPECT(guest_go(a, 2) == DRAPE_OK);
+    high.origin[1] = 0.05;
+    EXPECT(drape_add_cloth(a, &high, NULL) == 2);
+    EXPECT(drape_set_pins(a, 2, 2, pins, NULL) == DRAPE_OK);
+    EXPECT(guest_go(a, 2) == DRAPE_OK);
+    EXPECT(drape_remove(a, 0) == DRAPE_OK);
+    EXPECT(drape_remove(a, 9) == DRAPE_EARG); /* not in the log */
+    EXPECT(guest_go(a, 2) == DRAPE_OK);
+    static double low[2][4][3];
+    for (int k = 0; k < 24; k++)
+        (&low[0][0][0])[k] = plate.x[k % 12 / 3][k % 3] -
+                             (k % 3 == 1 ? 0.3 + 0.01 * (k / 12) : 0);
+    plate.frames = 2;
+    plate.frame_dt = 0.1;
+    plate.frame = (const double(*)[3])low[0];
+    EXPECT(drape_add_obstacle(a, &plate, NULL) == 2);
+    plate.frames = 0;
+    plate.x = (const double(*)[3])low[1];
+    EXPECT(drape_add_obstacle(a, &plate, NULL) == 3);
+    EXPECT(drape_set_pose(a, 3, up, NULL, NULL) == DRAPE_OK);
+    EXPECT(guest_go(a, 2) == DRAPE_OK);
+    EXPECT(drape_remove(a, 2) == DRAPE_OK);
+    EXPECT(guest_go(a, 2) == DRAPE_OK && recall_save(a, &p->end));
+    return NULL;
+}
+
+static const char *play(struct session *p, int backend)
+{
+    drape_step_report r;
+    int steps = 0, status, cloths;
+    p->t.def.backend = backend;
+    p->log.at = 0;
+    drape_world *b = troupe_world(&p->t);
+    EXPECT(b);
+    while ((status = drape_replay(b, take_back, &p->log, &r)) == 1)
+        steps++;
+    EXPECT(status == 0 && steps == STEPS);
+    EXPECT(drape_bodies(b, &cloths) == 5 && cloths == 2);
+    EXPECT(recall_save(b, &p->other) && recall_same(&p->end, &p->other));
+    drape_destroy(b);
+    ran(1);
+    return NULL;
+}
+
+/* A log of which one bit is wrong, anywhere, is refused. */
+static const char *damage(struct session *p)
+{
+    uint64_t seed = 7;
+    p->t.def.backend = DRAPE_REF;
+    for (int k = 0; k < 60; k++) {
+        seed = seed * UINT64_C(6364136223846793005) + 1;
+        size_t at = (size_t)(seed >> 33) % p->log.size;
+        uint8_t bit = (uint8_t)(1 << (seed >> 40) % 8);
+        drape_world *b = troupe_world(&p->t);
+        int status;
+        EXPECT(b);
+        p->log.at = 0;
+        p->log.data[at] ^= bit;
+        while ((status = drape_replay(b, take_back, &p->log, NULL)) == 1)
+            continue;
+        p->log.data[at] ^= bit;
+        drape_destroy(b);
+        EXPECT(status < 0);
+        ran(1);
+    }
+    return NULL;
+}
+
+const char *test_edits_log(void)
+{
+    static struct session p;
+    const char *what = NULL;
+    for (int backend = 0; backend < 2 && !what; backend++) {
+        memset(&p, 0, sizeof p);
+        troupe_make(&p.t, backend ? DRAPE_BDF2 : DRAPE_BW, backend);
+        drape_world *a = troupe_world(&p.t);
+        EXPECT(a);
+        what = record(&p, a);
+        drape_destroy(a);
+        what = what ? what : play(&p, backend);
+        what = what ? what : play(&p, !backend);
+    }
+    return what ? what : damage(&p);
+}
