@@ -72,7 +72,13 @@ setup(
     ext_modules=[
         Extension(
             "drape._core",
-            ["core/core.c", "core/run.c", "core/tensor.c", "core/stream.c"],
+            [
+                "core/core.c",
+                "core/bodies.c",
+                "core/run.c",
+                "core/tensor.c",
+                "core/stream.c",
+            ],
             depends=["declare.py", "core/core.h", "core/exports.map"],
             include_dirs=[str(ROOT), str(ROOT / "spec")],
             define_macros=[("_POSIX_C_SOURCE", "200809L")],

@@ -24,6 +24,16 @@ void core_free(struct scene *scene);
  * The scene must outlive the world. */
 int core_create(struct scene *scene, drape_world **world);
 
+/* Put a body that its world got behind the others of its kind, with the name
+ * and the look of the last one of `from`, or NULL. Return the tool's exit code.
+ */
+int core_add_cloth(struct scene *scene, const drape_cloth *cloth,
+                   const struct scene *from);
+int core_add_obstacle(struct scene *scene, const drape_obstacle *obstacle,
+                      const struct scene *from);
+/* Takes a body, numbered as in drape_remove, out of a scene. */
+void core_remove(struct scene *scene, int body);
+
 /* The files of a run, as `drape run` writes them (app/output.h). */
 typedef struct core_run core_run;
 /* Claims the folder for the run of a new world. Returns the tool's exit code,

@@ -22,6 +22,7 @@ from . import tool
 from ._core import ffi as _ffi
 from ._core import lib as _lib
 from .arrays import SharedArray
+from .bodies import Body
 from .control import Contacts
 from .errors import (
     CheckpointError,
@@ -51,7 +52,7 @@ from .scene import (
     Wind,
 )
 from .sweeps import Sweep, Variant, grid, sweep
-from .world import Body, Reports, World
+from .world import Reports, World
 
 __version__ = _version("drape")
 

@@ -25,6 +25,7 @@ class Calls:
         self.trace = trace
         self.written = bytearray()
         self.unread = memoryview(b"")
+        self.reads: list[memoryview] | None = None  # what was read, if asked for
         self.raised: BaseException | None = None
         self.pointer = ffi.new_handle(self)
 
@@ -78,6 +79,8 @@ def core_read_bytes(user: Any, data: Any, size: int) -> int:
         return 1
     if size:
         ffi.buffer(data, size)[:] = calls.unread[:size]
+    if calls.reads is not None:
+        calls.reads.append(calls.unread[:size])
     calls.unread = calls.unread[size:]
     return 0
 

@@ -34,7 +34,8 @@ class SharedArray:
     ``__cuda_array_interface__`` does: ``torch.from_dlpack``,
     ``cupy.from_dlpack``, ``warp.array``. Each such call gives the state as it
     is then. What it returns is valid until the world's next step, which writes
-    the next state elsewhere: call again after each step.
+    the next state elsewhere: call again after each step. When bodies come or go
+    its memory is released: do not read it any more.
 
     On a device the array is complete in the order of the world's stream
     (`World.stream`). DLPack makes the caller's stream wait for it; whoever

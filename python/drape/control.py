@@ -99,6 +99,9 @@ class Control:
     def _done(self, report: Any) -> StepReport:
         raise NotImplementedError
 
+    def _follow(self, reads: list[memoryview], done: bool) -> None:
+        raise NotImplementedError
+
     def _number(self, body: int | str | Any, kind: str) -> int:
         """Returns a body's number among those of its kind."""
         alike = [each for each in self.bodies if each.kind == kind]
@@ -298,16 +301,19 @@ class Control:
 
     def replay(self, log: bytes) -> Iterator[StepReport]:
         """Makes the calls of a log again, and returns the report of each step
-        when it is done. The bits are those of the world that was logged."""
+        when it is done. The bits are those of the world that was logged. Bodies
+        that the log adds are called "cloth" and "obstacle"."""
         unread = memoryview(log)
         while True:
             c = ffi.new("drape_step_report *")
             with self._guard:
-                self._calls.unread = unread
+                self._calls.unread, self._calls.reads = unread, []
                 status = lib.drape_replay(
                     self._open().world, lib.core_read_bytes, self._calls.pointer, c
                 )
                 unread, self._calls.unread = self._calls.unread, memoryview(b"")
+                reads, self._calls.reads = self._calls.reads, None
+            self._follow(reads, status >= 0)
             self._refresh()
             if status == Status.EIO or (status == 0 and unread):
                 raise CheckpointError("log: it ends within a call")

@@ -8,17 +8,17 @@ import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from . import tool
+from ._closing import Closing
 from ._core import ffi, lib
 from ._define import Handle
 from ._library import Guard
 from .errors import check_code
 
 
-class Recorder:
+class Recorder(Closing):
     """Writes a world's run to a folder; `World.record` makes one."""
 
     def __init__(
@@ -72,18 +72,9 @@ class Recorder:
         with self._guard:
             self._end(end.encode())
 
-    def __enter__(self) -> Recorder:
-        """A with statement closes the run."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Closes the run; an exception makes it one that failed."""
-        self.close("complete" if kind is None else "failed")
+    def _leave(self, failed: bool) -> None:
+        """An exception makes the run one that failed."""
+        self.close("failed" if failed else "complete")
 
 
 def picture(

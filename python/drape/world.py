@@ -6,20 +6,20 @@ from __future__ import annotations
 import hashlib
 import os
 import weakref
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import scene as scenes
+from ._closing import Closing
 from ._core import ffi, lib
 from ._define import Handle, with_keys
 from ._library import Calls, Guard, Log, Trace
 from .arrays import SharedArray, address, order
+from .bodies import Bodies
 from .control import Control
 from .errors import CheckpointError, DivergedError, Error, SceneError, check
 from .mesh import Audit, audit
@@ -27,26 +27,6 @@ from .record import Recorder, picture
 from .reports import PARTS, Memory, Outcome, PlanRow, Status, StepReport, Work
 
 NOT_CLEAN = Outcome.TRAPPED | Outcome.PASSED | Outcome.DIVERGED
-
-
-@dataclass(frozen=True)
-class Body:
-    """A cloth or an obstacle of a world.
-
-    Attributes:
-        name: as the scene calls it
-        kind: "cloth" or "obstacle"
-        vertices, triangles: where its rows are in the world's arrays
-        particles: of a cloth, (m, n); particle (i, j) is its vertex i + m·j
-        size: of a cloth at rest, (width, height), m
-    """
-
-    name: str
-    kind: str
-    vertices: slice
-    triangles: slice
-    particles: tuple[int, int] | None = None
-    size: tuple[float, float] | None = None
 
 
 class Reports(list[StepReport]):
@@ -83,7 +63,7 @@ def step_report(c: Any) -> StepReport:
     return StepReport(**fields)
 
 
-class World(Control):
+class World(Bodies, Control, Closing):
     """A scene that was made, and its state, which `step` advances.
 
     Calls on one world from several threads follow one another; worlds are
@@ -115,6 +95,7 @@ class World(Control):
             OutOfMemoryError, DeviceError: what the text says is lacking
         """
         text = with_keys(scenes.read(scene, folder), keys)
+        self._text = scenes.Text(text.text, text.file, [], [])
         self._calls = Calls(log, trace)
         self._guard = Guard()
         self._mirrors: dict[str, weakref.ref[NDArray[Any]]] = {}
@@ -123,7 +104,7 @@ class World(Control):
         self._handle: Handle | None = Handle(text, self._calls)
         self._calls.raise_kept()
         self._triangles = self._read_triangles()
-        self.bodies: tuple[Body, ...] = tuple(self._read_bodies())
+        self.bodies = tuple(self._read_bodies())
 
     # What the world is
 
@@ -170,39 +151,6 @@ class World(Control):
     def report(self) -> StepReport | None:
         """The report of the last step; None before the first."""
         return self._report
-
-    def body(self, name: str) -> Body:
-        """Returns the first body of this name; a KeyError if there is none."""
-        for body in self.bodies:
-            if body.name == name:
-                return body
-        raise KeyError(f"{name}: no body has this name")
-
-    def _read_bodies(self) -> Iterator[Body]:
-        handle = self._open()
-        definition, scene = handle.definition, handle.scene
-        first_v, first_t = lib.drape_first_vertex, lib.drape_first_triangle
-        for k in range(definition.n_cloths + definition.n_obstacles):
-            vertices = slice(first_v(handle.world, k), first_v(handle.world, k + 1))
-            triangles = slice(first_t(handle.world, k), first_t(handle.world, k + 1))
-            if k < definition.n_cloths:
-                c = definition.cloths[k]
-                name = ffi.string(scene.cloth_name[k]).decode(errors="replace")
-                grid, size = (c.m, c.n), (c.width, c.height)
-                yield Body(name, "cloth", vertices, triangles, grid, size)
-            else:
-                names = scene.obstacle_name
-                name = ffi.string(names[k - definition.n_cloths])
-                yield Body(
-                    name.decode(errors="replace"), "obstacle", vertices, triangles
-                )
-
-    def _read_triangles(self) -> NDArray[np.int32]:
-        tri = np.empty((lib.drape_triangles(self._world), 3), np.int32)
-        at = ffi.cast("int32_t (*)[3]", tri.ctypes.data)
-        check(lib.drape_read_triangles(self._world, at), "triangles")
-        tri.flags.writeable = False
-        return tri
 
     # Steps
 
@@ -271,14 +219,15 @@ class World(Control):
 
     @property
     def triangles(self) -> NDArray[np.int32]:
-        """[triangles, 3] vertices of each; they never change."""
+        """[triangles, 3] vertices of each, which change with the bodies alone."""
         return self._triangles
 
     @property
     def positions(self) -> Any:
         """[vertices, 3] m, read-only: the cloths in their order, then the
         obstacles. On the host a NumPy array that follows the world: after each
-        call of `step` it holds the new state. On a device a `SharedArray`."""
+        call of `step` it holds the new state, until bodies come or go. On a
+        device a `SharedArray`."""
         return self._array("x")
 
     @property
@@ -491,19 +440,6 @@ class World(Control):
         if self._recorder:
             self._recorder.close()
         self._handle = None
-
-    def __enter__(self) -> World:
-        """A with statement closes the world."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Closes the world."""
-        self.close()
 
     def __repr__(self) -> str:
         """The world in one line."""

@@ -62,3 +62,16 @@ def test_call_raises_what_the_tool_says(
     monkeypatch.setenv("DRAPE_TOOL", str(tmp_path / "nothing"))
     with pytest.raises(drape.Error, match="nothing"):
         drape.tool.call("info")
+
+
+def test_fetch_models_finds_its_script(tmp_path: Path) -> None:
+    lion = tmp_path / "data/models/lion_20k.ply"  # which Debian's archive has
+    lion.parent.mkdir(parents=True)
+    lion.write_text("here already")
+    (tmp_path / "from").mkdir()
+    done = drape_m("fetch-models", tmp_path / "data", "--from", tmp_path / "from")
+    assert done.returncode == 1  # that folder has nothing
+    assert f"missing: {tmp_path}/from/Sample-Queries/" in done.stderr
+    assert f"missing: {tmp_path}/from/3Dscanrep/happy" in done.stderr
+    assert f"export DRAPE_DATA={tmp_path}/data" in done.stdout
+    assert lion.read_text() == "here already"

@@ -5,14 +5,15 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from drape._closing import Closing
 
-class PointCache:
+
+class PointCache(Closing):
     """Writes a point cache, one sample a frame: `with PointCache(…) as cache`."""
 
     def __init__(self, path: Path, points: int, samples: int) -> None:
@@ -21,19 +22,6 @@ class PointCache:
         self._file = open(path, "wb")
         head = b"POINTCACHE2\0", 1, points, 0.0, 1.0, samples
         self._file.write(struct.pack("<12siiffi", *head))
-
-    def __enter__(self) -> PointCache:
-        """A with statement closes the file."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Closes the file."""
-        self.close()
 
     def close(self) -> None:
         """Closes the file; again, too."""

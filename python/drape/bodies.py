@@ -1,0 +1,212 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Bodies of a world: what they are, and how they come and go between two steps
+(spec/control/control.md)."""
+
+from __future__ import annotations
+
+import json
+import os
+import struct
+import weakref
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import scene as scenes
+from ._core import ffi, lib
+from ._define import Handle, put_arrays
+from ._library import Calls, Guard
+from .errors import Error, SceneError, check, check_code
+from .record import Recorder
+
+
+@dataclass(frozen=True)
+class Body:
+    """A cloth or an obstacle of a world.
+
+    Attributes:
+        name: as the scene calls it
+        kind: "cloth" or "obstacle"
+        vertices, triangles: where its rows are in the world's arrays
+        particles: of a cloth, (m, n); particle (i, j) is its vertex i + m·j
+        size: of a cloth at rest, (width, height), m
+    """
+
+    name: str
+    kind: str
+    vertices: slice
+    triangles: slice
+    particles: tuple[int, int] | None = None
+    size: tuple[float, float] | None = None
+
+
+# What each record of a log begins with, and the kinds of those that change
+# bodies (ref/api/record.h).
+HEAD = struct.Struct("=4sIqqQQ")
+CLOTH, MESH, REMOVE = 11, 12, 13
+
+# A scene must have a cloth; this one stands in where an obstacle is read.
+ANY_CLOTH = {"particles": [2, 2]}
+
+
+class Bodies:
+    """What a `World` has of bodies."""
+
+    bodies: tuple[Body, ...]
+    _calls: Calls
+    _guard: Guard
+    _mirrors: dict[str, weakref.ref[NDArray[Any]]]
+    _recorder: Recorder | None
+    _text: scenes.Text
+    _triangles: NDArray[np.int32]
+
+    def _open(self) -> Handle:
+        raise NotImplementedError
+
+    def body(self, name: str) -> Body:
+        """Returns the first body of this name; a KeyError if there is none."""
+        for body in self.bodies:
+            if body.name == name:
+                return body
+        raise KeyError(f"{name}: no body has this name")
+
+    def add_cloth(self, cloth: scenes.Cloth | Mapping[str, Any]) -> Body:
+        """Adds a cloth behind the others, at the world's present time, as the
+        scene's reader takes it. Bodies behind it, and their vertices and
+        triangles, move up; all keep their state. Arrays that were taken before,
+        `Body` objects and contacts are those of the world as it was. Pins may
+        name motions of the scene, which hold as if the cloth had been there from
+        time 0.
+
+        Returns:
+            the new body
+
+        Raises:
+            SceneError: it is refused, as where it intersects itself or another
+                body; the world is as it was
+        """
+        return self._add("cloths", {"cloths": [scenes.as_dict(cloth)]})
+
+    def add_obstacle(self, obstacle: scenes.Obstacle | Mapping[str, Any]) -> Body:
+        """Adds an obstacle behind all other bodies, likewise. One that follows a
+        motion of the scene, or has frames, is where these have it now."""
+        tree = {"cloths": [ANY_CLOTH], "obstacles": [scenes.as_dict(obstacle)]}
+        return self._add("obstacles", tree)
+
+    def remove(self, body: int | str | Body) -> None:
+        """Removes a body; those behind it move down, and keep their state. The
+        last cloth stays.
+
+        Args:
+            body: its number in `bodies`, its name, or itself
+        """
+        for k, each in enumerate(self.bodies):
+            if body is each or body == each.name or (body == k and body is not True):
+                break
+        else:
+            raise SceneError(f"{body!r}: there is no such body")
+        self._may_change()
+        cloths = sum(each.kind == "cloth" for each in self.bodies)
+        if each.kind == "cloth" and cloths == 1:
+            raise SceneError(f"{each.name}: a world has at least one cloth")
+        with self._guard:
+            check(lib.drape_remove(self._open().world, k), "remove")
+            lib.core_remove(self._open().scene, k)
+        self._changed()
+
+    def _may_change(self) -> None:
+        if self._recorder:
+            raise Error("the world is being recorded, with the bodies that it has")
+
+    def _add(self, key: str, tree: dict[str, Any]) -> Body:
+        """Reads a scene of this one body, and adds it to the world."""
+        self._may_change()
+        handle = self._open()
+        motions = json.loads(self._text.text).get("motions")
+        if motions:
+            tree["motions"] = motions
+        text = scenes.read(tree, os.path.dirname(self._text.file) or None)
+        data, out = text.text.encode(), ffi.new("struct scene **")
+        check_code(lib.core_read(data, len(data), os.fsencode(text.file), out))
+        made = ffi.gc(out[0], lib.core_free)
+        definition = getattr(made, "def")
+        kept = put_arrays(definition, text)
+        error = ffi.new("drape_error *")
+        add = lib.drape_add_cloth if key == "cloths" else lib.drape_add_obstacle
+        note = lib.core_add_cloth if key == "cloths" else lib.core_add_obstacle
+        new = getattr(definition, key) + (getattr(definition, f"n_{key}") - 1)
+        with self._guard:
+            status = add(handle.world, new, error)
+            self._calls.raise_kept()
+            if status >= 0:
+                check_code(note(handle.scene, new, made))
+        del kept
+        kind = key[:-1]
+        try:
+            number = check(status, kind)
+        except SceneError as refused:
+            words = ffi.string(error.text).decode(errors="replace")
+            told = SceneError(f"{kind}: {words}")
+            told.status = refused.status
+            raise told from None
+        self._changed()
+        return [each for each in self.bodies if each.kind == kind][number]
+
+    def _follow(self, reads: list[memoryview], done: bool) -> None:
+        """Brings the scene up to the changes of bodies in what a replay has read,
+        of which the last call has failed unless it is done."""
+        scene, changed = self._open().scene, False
+        heads = [
+            at
+            for at, read in enumerate(reads)
+            if len(read) == HEAD.size and bytes(read[:4]) == b"drL1"
+        ]
+        for at in heads if done else heads[:-1]:
+            _, kind, where, *_ = HEAD.unpack(reads[at])
+            if kind == REMOVE:
+                lib.core_remove(scene, where)
+            elif kind in (CLOTH, MESH):
+                name = "drape_cloth" if kind == CLOTH else "drape_obstacle"
+                new = ffi.new(f"{name} *")
+                ffi.buffer(new)[:] = reads[at + 1][: ffi.sizeof(name)]
+                note = lib.core_add_cloth if kind == CLOTH else lib.core_add_obstacle
+                check_code(note(scene, new, ffi.NULL))
+            changed |= kind in (CLOTH, MESH, REMOVE)
+        if changed:
+            self._changed()
+
+    def _changed(self) -> None:
+        """Takes note of other bodies."""
+        self._mirrors.clear()  # what others hold of them stays as it is
+        self._triangles = self._read_triangles()
+        self.bodies = tuple(self._read_bodies())
+
+    def _read_bodies(self) -> Iterator[Body]:
+        handle = self._open()
+        definition, scene = handle.definition, handle.scene
+        first_v, first_t = lib.drape_first_vertex, lib.drape_first_triangle
+        for k in range(definition.n_cloths + definition.n_obstacles):
+            vertices = slice(first_v(handle.world, k), first_v(handle.world, k + 1))
+            triangles = slice(first_t(handle.world, k), first_t(handle.world, k + 1))
+            if k < definition.n_cloths:
+                c = definition.cloths[k]
+                name = ffi.string(scene.cloth_name[k]).decode(errors="replace")
+                grid, size = (c.m, c.n), (c.width, c.height)
+                yield Body(name, "cloth", vertices, triangles, grid, size)
+            else:
+                names = scene.obstacle_name
+                name = ffi.string(names[k - definition.n_cloths])
+                yield Body(
+                    name.decode(errors="replace"), "obstacle", vertices, triangles
+                )
+
+    def _read_triangles(self) -> NDArray[np.int32]:
+        world = self._open().world
+        tri = np.empty((lib.drape_triangles(world), 3), np.int32)
+        at = ffi.cast("int32_t (*)[3]", tri.ctypes.data)
+        check(lib.drape_read_triangles(world, at), "triangles")
+        tri.flags.writeable = False
+        return tri
