@@ -76,11 +76,12 @@ static const struct kind {
 } kinds[] = {
     {"frames", "cloth", "ply", true},     {"frames", "cloth", "obj", true},
     {"frames", "obstacles", "ply", true}, {"frames", "obstacles", "obj", true},
-    {"pictures", "frame", "png", true},   {"pictures", "film", "png", false}};
+    {"frames", "contacts", "ply", true},  {"pictures", "frame", "png", true},
+    {"pictures", "film", "png", false}};
 static const char *const results[] = {
     "report.json", "obstacles.ply",    "cloth.pc2",    "trace.csv",
     "film.mp4",    "checkpoint.drape", "obstacles.obj"};
-enum { KINDS = 6, FILM_PICTURES = 5, RESULTS = 7, FILM = 4, CHECKPOINT = 5 };
+enum { KINDS = 7, FILM_PICTURES = 6, RESULTS = 7, FILM = 4, CHECKPOINT = 5 };
 
 static int remove_file(const char *directory, const char *name)
 {

@@ -33,6 +33,7 @@ static const struct command {
      "  --resume FILE         go on from a checkpoint, bit for bit\n"
      "  --force               remove another run's files from DIR first\n"
      "  --trace               write DIR/trace.csv, a digest a stage\n"
+     "  --contacts            write what touches in each frame, and impulses\n"
      "  --obj                 frames as OBJ too, with names and UVs\n"
      "  --no-obj              frames as PLY only, as without --obj\n"
      "  --allow-intersecting  accept a start state that intersects\n"

@@ -2,6 +2,7 @@
 /* The frames and the point cache of a run. */
 #include "app/output.h"
 #include "app/app.h"
+#include "app/contacts.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -138,7 +139,7 @@ static bool write_obj(const struct output *o, int k)
                           o->bits);
 }
 
-int output_frame(struct output *o, const drape_world *world, int k)
+int output_frame(struct output *o, drape_world *world, int k)
 {
     char name[64];
     if (k % o->every)
@@ -154,6 +155,11 @@ int output_frame(struct output *o, const drape_world *world, int k)
         return APP_FAILED;
     if (o->obj && !write_obj(o, k))
         return APP_FAILED;
+    if (o->contacts)
+        status =
+            contacts_save(world, o->frames, k, (const double(*)[3])o->all.x);
+    if (status != APP_OK)
+        return status;
     snprintf(name, sizeof name, "cloth_%04d.ply", k);
     bool good = ply_save(o->frames, name, &o->cloth, o->bits);
     return good ? APP_OK : APP_FAILED;

@@ -3,6 +3,8 @@
  *   frames/cloth_0000.ply        the cloths, frame 0 is the start
  *   obstacles.ply                the obstacles, where none of them moves
  *   frames/obstacles_0000.ply    else, a frame each
+ *   frames/contacts_0000.ply     what touched in the frame's last step, where
+ *                                asked for
  *   .obj                         with each of these, where asked for
  *   cloth.pc2                    all frames, for Blender's Mesh Cache
  *   report.json checkpoint.drape trace.csv */
@@ -24,6 +26,7 @@ struct output {
     int bits;
     int every;        /* of the frames, every how many-th is written */
     bool obj, moving; /* moving: some obstacle moves */
+    bool contacts;    /* they are asked for */
 };
 
 /* Puts the given directory into path, or one named after the scene. false after
@@ -38,7 +41,7 @@ int output_open(struct output *output, const struct scene *scene,
                 const struct claim *claim);
 /* Writes the world's state as frame k, if k is a multiple of `every`. Returns
  * app_exit; a failure prints one line. */
-int output_frame(struct output *output, const drape_world *world, int k);
+int output_frame(struct output *output, drape_world *world, int k);
 /* Writes the point cache of the frames 0 … last that are multiples of `every`,
  * from their PLY files; prints a note if a file is missing. */
 int output_cache(const struct output *output, int last);

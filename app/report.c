@@ -47,8 +47,9 @@ static void put_work(FILE *out, const int64_t work[WORKS], int64_t rounds)
     fputs("}", out);
 }
 
-static void put_step(FILE *out, const drape_step_report *s)
+static void put_step(FILE *out, const struct report *report, int64_t k)
 {
+    const drape_step_report *s = &report->step[k];
     char words[128];
     int64_t work[WORKS];
     fprintf(out, "    {\"step\": %lld", (long long)s->step);
@@ -74,6 +75,7 @@ static void put_step(FILE *out, const drape_step_report *s)
     fputs("}, ", out);
     report_work(&s->work, work);
     put_work(out, work, s->rounds);
+    contacts_put(out, &report->impulses, k);
     fputs("}", out);
 }
 
@@ -248,7 +250,7 @@ bool report_write(const struct report *report, const struct scene *scene,
     put_summary(out, report);
     fputs("  \"steps\": [\n", out);
     for (int64_t k = 0; k < report->count; k++) {
-        put_step(out, &report->step[k]);
+        put_step(out, report, k);
         fputs(k + 1 < report->count ? ",\n" : "\n", out);
     }
     fputs("  ]\n}\n", out);

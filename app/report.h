@@ -3,6 +3,7 @@
 #ifndef APP_REPORT_H
 #define APP_REPORT_H
 
+#include "app/contacts.h"
 #include "app/error.h"
 
 struct report {
@@ -11,6 +12,7 @@ struct report {
     double seconds;           /* wall time of the steps */
     struct estimate estimate; /* of --error */
     uint64_t start;           /* a digest of the run's first state */
+    struct impulses impulses; /* of --contacts */
 };
 
 /* Identifies the frames of a run by the run's start and the steps a frame. Runs

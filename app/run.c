@@ -22,7 +22,7 @@ struct run {
     struct checkpoint from; /* of --resume */
     const char *resume, *directory, *error;
     char out[FILE_PATH]; /* the directory, given or by the scene's name */
-    int frames, checkpoint_every, tracing, obj, no_obj, force;
+    int frames, checkpoint_every, tracing, obj, no_obj, force, contacts;
     bool failed; /* a step failed; the state before the step is intact */
 };
 
@@ -73,6 +73,8 @@ static int open_output(struct run *run)
     struct claim claim = {report_id(&run->report, scene, id), run->resume,
                           (int)frame, run->force};
     run->output.obj = run->obj && !run->no_obj;
+    run->output.contacts = run->report.impulses.on = run->contacts;
+    run->report.impulses.first = run->report.count;
     int status = output_open(&run->output, scene, run->world, run->out, &claim);
     if (status == APP_OK &&
         !report_write(&run->report, scene, run->world, run->out, "unfinished"))
@@ -137,6 +139,8 @@ static int begin(struct run *run, const char *scene_file)
         if (status == APP_OK)
             status = checkpoint_settings(&run->from, scene);
     }
+    if (status == APP_OK && run->contacts)
+        status = contacts_known(scene->def.integrator, scene_file);
     if (status != APP_OK)
         return status;
     if (run->tracing) {
@@ -180,6 +184,10 @@ static int step(struct run *run)
     run->report.seconds += seconds_now() - began;
     if (!report_add(&run->report, &report))
         return APP_FAILED;
+    if (run->report.impulses.on)
+        code = contacts_add(&run->report.impulses, run->world);
+    if (code != APP_OK)
+        return code;
     progress_step(&run->progress, &report);
     if (report.outcome & DRAPE_DIVERGED)
         return complain(APP_FINDINGS,
@@ -277,6 +285,7 @@ int command_run(int argc, char **argv)
         {"--force", OPTION_FLAG, &run.force, 0, 0},
         {"--trace", OPTION_FLAG, &run.tracing, 0, 0},
         {"--obj", OPTION_FLAG, &run.obj, 0, 0},
+        {"--contacts", OPTION_FLAG, &run.contacts, 0, 0},
         {"--no-obj", OPTION_FLAG, &run.no_obj, 0, 0},
         {"--allow-intersecting", OPTION_FLAG, &run.overrides.allow_intersecting,
          0, 0},

@@ -44,6 +44,7 @@ const char *report_id(const struct report *report, const struct scene *scene,
 
 void report_free(struct report *report)
 {
+    contacts_free(&report->impulses);
     free(report->step);
     *report = (struct report){0};
 }

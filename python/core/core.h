@@ -36,13 +36,18 @@ void core_remove(struct scene *scene, int body);
 
 /* The files of a run, as `drape run` writes them (app/output.h). */
 typedef struct core_run core_run;
+/* What a run has and does beside its frames; each 0 or 1. */
+typedef struct core_run_how {
+    int obj, contacts, force;
+} core_run_how;
 /* Claims the folder for the run of a new world. Returns the tool's exit code,
  * 0: the caller ends *run by core_run_close. */
 int core_run_open(struct scene *scene, drape_world *world, const char *folder,
-                  int obj, int force, core_run **run);
-/* Writes the world's state as frame k; adds a step's report. */
+                  const core_run_how *how, core_run **run);
+/* Writes the world's state as frame k; adds the report of its last step. */
 int core_run_frame(core_run *run, drape_world *world, int k);
-int core_run_add(core_run *run, const drape_step_report *report);
+int core_run_add(core_run *run, drape_world *world,
+                 const drape_step_report *report);
 /* Writes the point cache of the frames 0 … last and report.json, which calls
  * the run's end `end`, and releases the folder and the memory. NULL as `end`:
  * writes nothing. */

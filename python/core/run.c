@@ -43,15 +43,21 @@ static void end_run(core_run *run)
 }
 
 int core_run_open(struct scene *scene, drape_world *world, const char *folder,
-                  int obj, int force, core_run **run)
+                  const core_run_how *how, core_run **run)
 {
     *run = calloc(1, sizeof **run);
     if (!*run)
         return complain(APP_FAILED, "out of memory");
     (*run)->scene = scene;
     (*run)->output.every = 1;
-    (*run)->output.obj = obj != 0;
-    int status = begin(*run, world, folder, force);
+    (*run)->output.obj = how->obj != 0;
+    (*run)->output.contacts = how->contacts != 0;
+    (*run)->report.impulses.on = how->contacts != 0;
+    int status = how->contacts
+                     ? contacts_known(scene->def.integrator, scene->file)
+                     : APP_OK;
+    if (status == APP_OK)
+        status = begin(*run, world, folder, how->force);
     if (status == APP_OK)
         return status;
     end_run(*run);
@@ -64,11 +70,15 @@ int core_run_frame(core_run *run, drape_world *world, int k)
     return output_frame(&run->output, world, k);
 }
 
-int core_run_add(core_run *run, const drape_step_report *report)
+int core_run_add(core_run *run, drape_world *world,
+                 const drape_step_report *report)
 {
     for (int k = 0; k < DRAPE_PART_COUNT; k++)
         run->report.seconds += report->seconds[k];
-    return report_add(&run->report, report) ? APP_OK : APP_FAILED;
+    if (!report_add(&run->report, report))
+        return APP_FAILED;
+    return run->report.impulses.on ? contacts_add(&run->report.impulses, world)
+                                   : APP_OK;
 }
 
 int core_run_close(core_run *run, drape_world *world, int last, const char *end)

@@ -26,8 +26,7 @@ class Recorder(Closing):
         handle: Handle,
         guard: Guard,
         folder: str | os.PathLike[str],
-        obj: bool,
-        force: bool,
+        how: Any,
     ) -> None:
         """Claims the folder, and writes the world's state as frame 0."""
         self.folder = Path(folder)
@@ -39,9 +38,7 @@ class Recorder(Closing):
         run = ffi.new("core_run **")
         name = os.fsencode(self.folder)
         with guard:
-            check_code(
-                lib.core_run_open(handle.scene, handle.world, name, obj, force, run)
-            )
+            check_code(lib.core_run_open(handle.scene, handle.world, name, how, run))
             self._run = run[0]
             try:
                 check_code(lib.core_run_frame(self._run, handle.world, 0))
@@ -54,7 +51,7 @@ class Recorder(Closing):
         held."""
         if report.outcome & lib.DRAPE_DIVERGED == 0:
             self.steps += 1
-        check_code(lib.core_run_add(self._run, report))
+        check_code(lib.core_run_add(self._run, self._handle.world, report))
         frame, rest = divmod(self.steps, self._handle.scene.steps_per_frame)
         if rest == 0:
             check_code(lib.core_run_frame(self._run, self._handle.world, frame))
@@ -82,7 +79,7 @@ def picture(
 ) -> Path:
     """Makes a picture of a world's state: a run of one frame, and the tool."""
     with tempfile.TemporaryDirectory(prefix="drape-") as folder:
-        Recorder(handle, guard, folder, False, False).close()
+        Recorder(handle, guard, folder, ffi.new("core_run_how *")).close()
         tool.call(
             "render",
             folder,

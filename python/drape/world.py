@@ -392,7 +392,12 @@ class World(Bodies, Control, Closing):
         return audit(self.read()[0], self.triangles, group, threads=threads)
 
     def record(
-        self, folder: str | os.PathLike[str], *, obj: bool = False, force: bool = False
+        self,
+        folder: str | os.PathLike[str],
+        *,
+        obj: bool = False,
+        contacts: bool = False,
+        force: bool = False,
     ) -> Recorder:
         """Writes the files of a run from here on, as ``drape run`` does: after
         each step its report, and a frame every `steps_per_frame` steps. Use it
@@ -401,13 +406,16 @@ class World(Bodies, Control, Closing):
         Args:
             folder: of this run only; it is made
             obj: whether frames are written as OBJ too
+            contacts: whether each frame's contacts are written, and the impulse
+                that each body got in each step
             force: whether files of another run are removed from the folder
         """
         if self._recorder:
             raise Error("the world is being recorded already")
         if self._report is not None:
             raise Error("a run is recorded from its start: before the first step")
-        self._recorder = Recorder(self._open(), self._guard, folder, obj, force)
+        how = ffi.new("core_run_how *", (obj, contacts, force))
+        self._recorder = Recorder(self._open(), self._guard, folder, how)
         self._recorder.on_close = self._end_record
         return self._recorder
 

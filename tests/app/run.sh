@@ -29,6 +29,29 @@ assert len(d) == 32 + 7 * 81 * 12
 p = open("an out/frames/cloth_0006.ply", "rb").read()
 p = p[p.index(b"end_header\n") + 11:][:81 * 12]
 assert d[-81 * 12:] == p'
+# Contacts: a file of points a frame, and what each body got in each step.
+exits 'run --contacts' 0 run tiny.json --frames 12 --out touch --contacts
+is 'a file a frame' test "$(find touch/frames -name 'contacts_*.ply' | wc -l)" -eq 13
+is 'the same frames without' sh -c '"$0" run tiny.json --frames 12 --out plain \
+    --quiet && cmp touch/frames/cloth_0012.ply plain/frames/cloth_0012.ply' "$drape"
+is 'the sums of its points are those of the report' \
+    python3 "$root/tests/app/contacts.py" touch 12
+exits 'a part of it' 0 run tiny.json --frames 6 --out part --contacts \
+    --checkpoint-every 6
+exits 'the rest of it' 0 run tiny.json --frames 12 --out part --contacts \
+    --resume part/checkpoint.drape
+is 'is the same' sh -c 'for k in 0006 0012; do
+    cmp touch/frames/contacts_$k.ply part/frames/contacts_$k.ply || exit 1; done'
+is 'and its report has what came after the checkpoint' python3 -c '
+import json
+a, b = (json.load(open(d + "/report.json"))["steps"] for d in ("touch", "part"))
+assert all("impulses" not in step for step in b[:6])
+assert [s["impulses"] for s in b[6:]] == [s["impulses"] for s in a[6:]]'
+exits 'without contacts, over it' 0 run tiny.json --frames 6 --out touch --force
+is 'no contacts are left' test -z "$(find touch/frames -name 'contacts_*')"
+sed 's/"frames"/"integrator": "verlet", "dt": 1e-4, "frames"/' tiny.json >verlet.json
+refused 'contacts of an explicit integrator' 'explicit integrator keeps no list' \
+    run verlet.json --out refused --contacts
 # A sheet with a hole of 2 × 2 cells, whose middle particle has no triangle.
 cat >hole.json <<EOF
 {"frames": 1,

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from drape.errors import Error
+from drape.export.contacts import FrameContacts, read_contacts
 
 Positions = NDArray[np.floating[Any]]
 
@@ -223,3 +224,14 @@ class Run:
     def positions(self, body: Body, frame: int) -> Positions:
         """The vertices of a body in a frame, [vertices, 3] m, of `precision` bits."""
         return self._all(body.kind, frame if body.moving else self._first)[body.rows]
+
+    def contacts(self, frame: int) -> FrameContacts | None:
+        """What touched in a frame's last step; None where the run has not written
+        contacts (`drape run --contacts`)."""
+        path = self.folder / "frames" / f"contacts_{frame:04d}.ply"
+        try:
+            return read_contacts(path)
+        except FileNotFoundError:
+            return None
+        except (OSError, ValueError) as error:
+            raise RunError(str(error)) from None

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from drape.control import Contacts as Pairs
 from drape.errors import DivergedError, SceneError
 from drape.export.run import Body, Positions, make_body, make_cloth
-from drape.view.source import Contacts
+from drape.view.source import Contacts, on_cloths
 from drape.world import World
 
 MOST = 2e9  # bytes of frames that are kept
@@ -39,7 +39,7 @@ def located(pairs: Pairs, x: NDArray[np.float64], cloths: int) -> Contacts:
     weight[:, 2:] = 0
     weight[pairs.kind == 0, 1] = 0
     points = (weight[:, :, None] * x[pairs.vertices]).sum(1)
-    impulses = np.where(pairs.bodies[:, :1] < cloths, 1, -1) * pairs.impulses
+    impulses = on_cloths(pairs.bodies, pairs.impulses, cloths)
     return Contacts(points.astype(np.float32), impulses.astype(np.float32))
 
 

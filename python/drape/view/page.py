@@ -134,7 +134,7 @@ class Page:
         self.colour = gui.add_dropdown("Colour", (CLOTH, STRAIN))
         self.limit = gui.add_slider("Strain at full colour, %", 0.1, 20, 0.1, 2)
         known = self.source.contacts(self.frames[0]) is not None
-        hint = None if known else "A run's folder has only the number of contacts."
+        hint = None if known else "The run was made without --contacts."
         self.contacts = gui.add_checkbox("Contacts", known, disabled=not known)
         self.contacts.hint = hint
         self.arrows = gui.add_slider("Arrow, m for 1 mN·s", 0.0, 1.0, 0.01, 0.05)

@@ -25,6 +25,14 @@ class Contacts:
     """[contacts, 3] N·s, on the cloth."""
 
 
+def on_cloths(
+    bodies: NDArray[np.int32], impulses: NDArray[np.float64], cloths: int
+) -> NDArray[np.float64]:
+    """Impulses that side A got, as those that cloth got, which is side B where A
+    is of an obstacle."""
+    return np.where(bodies[:, :1] < cloths, 1, -1) * impulses
+
+
 class Source(Protocol):
     """A run that a page shows. Frames are numbered in ascending order."""
 
@@ -93,8 +101,13 @@ class Recorded:
         return self._run.positions(body, frame)
 
     def contacts(self, frame: int) -> Contacts | None:
-        """None: a run's folder has only their number."""
-        return None
+        """The contacts of a frame; None where the run was made without."""
+        found = self._run.contacts(frame)
+        if found is None:
+            return None
+        cloths = sum(body.kind == "cloth" for body in self.bodies)
+        on_cloth = on_cloths(found.bodies, found.impulses, cloths)
+        return Contacts(found.points.astype(np.float32), on_cloth.astype(np.float32))
 
     def words(self, frame: int) -> str:
         """The report of the frame's last step."""

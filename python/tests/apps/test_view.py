@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from apps.runs import moving
+from apps.runs import STILL, make, moving
 from drape.view.source import Contacts, Recorded, Source
 
 WHY = "is not installed: no test of the page"
@@ -242,6 +242,21 @@ def test_contacts_and_impulses(still: Path, browser: Any) -> None:
         view.until(lambda p: differ(p, bare) > 1, "contacts")
         contacts.uncheck()
         view.until(lambda p: differ(p, bare) == 0, "contacts off")
+
+
+def test_recorded_contacts_and_impulses(tmp_path: Path, browser: Any) -> None:
+    folder = make(tmp_path / "run", STILL, "--contacts", "--frames", "24")
+    with shown(Recorded(folder), browser) as view:
+        view.page.frame.value = 24
+        contacts = box(view.window, "Contacts")
+        contacts.uncheck()
+        view.until(lambda p: red(p) > 2000, "no contacts recorded")
+        bare = view.still()
+        contacts.check()
+        view.until(lambda p: differ(p, bare) > 1, "contacts recorded")
+        points = view.still()
+        view.page.arrows.value = 1.0
+        view.until(lambda p: differ(p, points) > 0.5, "impulses recorded")
 
 
 @pytest.mark.parametrize(
