@@ -245,9 +245,9 @@ def test_contacts_and_impulses(still: Path, browser: Any) -> None:
 
 
 def test_recorded_contacts_and_impulses(tmp_path: Path, browser: Any) -> None:
-    folder = make(tmp_path / "run", STILL, "--contacts", "--frames", "24")
+    folder = make(tmp_path / "run", STILL, "--contacts")
     with shown(Recorded(folder), browser) as view:
-        view.page.frame.value = 24
+        view.page.frame.value = 8
         contacts = box(view.window, "Contacts")
         contacts.uncheck()
         view.until(lambda p: red(p) > 2000, "no contacts recorded")
