@@ -23,12 +23,12 @@ static bool own_folder(char folder[FILE_PATH])
 }
 
 /* Finds the script: where it is installed, beside the tool of the Python
- * package, or in the checkout whose build/ has the tool. */
+ * package, or in the checkout whose build/ has the tool or a flavour of it. */
 static bool find_script(const char *folder, char path[FILE_PATH])
 {
     static const char *const places[] = {"../share/drape/data.sh",
-                                         "../ci/data.sh"};
-    for (int k = 0; k < 2; k++)
+                                         "../ci/data.sh", "../../ci/data.sh"};
+    for (int k = 0; k < 3; k++)
         if (file_join(path, folder, places[k]) && file_exists(path))
             return true;
     return false;
