@@ -7,6 +7,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <string.h>
 
 /* One number s is the strain of every direction: the shear angle is then 2 s,
  * by which a square cell's diagonals strain by s. */
@@ -28,6 +29,51 @@ static int read_limit(struct json *json, const cJSON *node, void *out)
     return status;
 }
 
+static int read_point(struct json *json, const cJSON *node, void *out)
+{
+    static const struct json_key strain = NUMBER_KEY("", 0, 1e-6, 10);
+    static const struct json_key force = NUMBER_KEY("", 0, 1e-6, 1e9);
+    double *point = out;
+    if (!cJSON_IsArray(node) || cJSON_GetArraySize(node) != 2)
+        return json_refuse(json, "expected [strain, N/m]");
+    int status = json_value(json, node->child, &strain, &point[0]);
+    return status == APP_OK
+               ? json_value(json, node->child->next, &force, &point[1])
+               : status;
+}
+
+/* The points of a table. The library checks them beside each other. */
+static int read_table(struct json *json, const cJSON *node, void *out)
+{
+    struct json_list list = {
+        .read = read_point, .size = sizeof(double[2]), .most = DRAPE_POINTS};
+    double(*table)[2] = out;
+    int status = json_array(json, node, &list);
+    if (status == APP_OK && !list.count)
+        status = json_refuse(json, "expected at least one point");
+    if (status == APP_OK)
+        memcpy(table, list.items, (size_t)list.count * sizeof *table);
+    return status;
+}
+
+/* A number, or an object of that number and of measured tensions. */
+static int read_stretch(struct json *json, const cJSON *node, void *out)
+{
+#define TABLE(name, way)                                                       \
+    NESTED_KEY(name, offsetof(drape_material, table[way]), read_table)
+    static const struct json_key modulus = NUMBER_KEY("stretch", 0, 1e-4, 1e9);
+    static const struct json_key keys[] = {
+        NUMBER_KEY("modulus", offsetof(drape_material, stretch), 1e-4, 1e9),
+        TABLE("warp", DRAPE_WARP),
+        TABLE("weft", DRAPE_WEFT),
+        TABLE("bias", DRAPE_BIAS),
+        {0}};
+    drape_material *material = out;
+    if (cJSON_IsObject(node))
+        return json_object(json, node, keys, material);
+    return json_value(json, node, &modulus, &material->stretch);
+}
+
 static int read_material(struct json *json, const cJSON *node, void *out)
 {
 #define MATERIAL(name, lo, hi)                                                 \
@@ -35,7 +81,7 @@ static int read_material(struct json *json, const cJSON *node, void *out)
     static const struct json_key keys[] = {
         NESTED_KEY("name", 0, read_fabric), /* first: the others override it */
         MATERIAL(density, 1e-4, 1e3),
-        MATERIAL(stretch, 1e-4, 1e9),
+        NESTED_KEY("stretch", 0, read_stretch),
         MATERIAL(shear, 0, 1e9),
         MATERIAL(bend, 0, 1e6),
         MATERIAL(damping, 0, 1e3),

@@ -107,6 +107,20 @@ const char *fuzz_create(const char *name, const uint8_t *data, size_t size)
     return failed;
 }
 
+/* Draws a table whose points are in range. Few such tables have laws. */
+static void scale_table(struct bytes *b, double table[DRAPE_POINTS][2])
+{
+    double strain = 0, force = 0, stiff = draw_scale(b, -100, 40);
+    int n = 1 + (int)pick(b, DRAPE_POINTS);
+    for (int k = 0; k < n; k++) {
+        double step = draw_in(b, 1e-5, 0.5);
+        strain += step;
+        force += stiff * step * draw_in(b, 0.5, 8);
+        table[k][0] = strain;
+        table[k][1] = force;
+    }
+}
+
 /* Draws valid numbers over the whole range that a definition allows. */
 static void scale(struct bytes *b, struct small *s)
 {
@@ -136,6 +150,9 @@ static void scale(struct bytes *b, struct small *s)
         for (int i = 0; i < 3; i++)
             if (pick(b, 4) == 3)
                 m->limit[i] = draw_in(b, 0.01, 10);
+        for (int o = 0; o < DRAPE_TABLES; o++)
+            if (pick(b, 8) == 7)
+                scale_table(b, m->table[o]);
     }
     if (pick(b, 2))
         d->dt = draw_scale(b, -29, 9);

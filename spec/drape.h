@@ -117,6 +117,15 @@ enum drape_bending {
                       than `bend` where curvature is small (cloth/cloth.md §5) */
 };
 
+/* The directions in which a tension can be measured. cloth/cloth.md §9 */
+enum drape_table {
+    DRAPE_WARP, /* along u */
+    DRAPE_WEFT, /* along v */
+    DRAPE_BIAS, /* at 45° to both */
+    DRAPE_TABLES
+};
+enum { DRAPE_POINTS = 16 }; /* of a table, at most */
+
 /* What cloth is made of. The numbers do not depend on the grid: cloth/cloth.md
  * §4 derives the constants of springs and triples from them. */
 typedef struct drape_material {
@@ -132,6 +141,13 @@ typedef struct drape_material {
     double limit[3];  /* of strain, 0.01 … 10 each, 0: none: along u, along v,
                          and of the shear angle, radians; a diagonal has the
                          strain of that angle, half of it on square cells */
+    /* Measured tensions, by enum drape_table: points (strain, N/m of width at
+     * rest) of a strip whose sides are free. The origin is a point, too. Each
+     * strain is at least 1e-6 above the one before it, and at most 10; forces
+     * are > 0 and do not fall. A strain of 0 ends a table. A direction whose
+     * table has no point is linear, by `stretch` and `shear`, which also resist
+     * all compression. Tables need bending by triples. */
+    double table[DRAPE_TABLES][DRAPE_POINTS][2];
 } drape_material;
 
 /* A rigid motion by keyframes. It takes a point X, as the definition places
@@ -511,7 +527,8 @@ int drape_set_wind(drape_world *world, const drape_wind *wind);
 int drape_set_gravity(drape_world *world, const double gravity[3]);
 /* Sets the material of a cloth, 0 … n_cloths - 1; positions and velocities
  * stay. Ranges and statuses are those of a definition; DRAPE_EARG also where
- * the cells are too oblong for it, DRAPE_ELIMIT where an explicit integrator
+ * no springs fit it, as with cells too oblong or a table too soft (cloth.md §4,
+ * §9), DRAPE_ELIMIT where an explicit integrator
  * would need more than max_substeps. */
 int drape_set_material(drape_world *world, int cloth,
                        const drape_material *material);

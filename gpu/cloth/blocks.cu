@@ -17,15 +17,16 @@ struct parts {
     vec u;
 };
 
-static __device__ struct parts spring_parts(const struct law *law, real tau,
+static __device__ struct parts spring_parts(const struct blocks *s, int o,
                                             vec d)
 {
+    const struct law *law = &s->law[o];
     real l = length(d);
     if (!(l > 0))
         return parts{0, 0, 0, make(0, 0, 0)};
-    real square = tau * tau;
-    real a = tau * law->damp + square * spring_slope(law, l);
-    real b = square * max_of(spring_tension(law, l) / l, R(0));
+    real tau = s->tau, square = tau * tau;
+    real a = tau * law->damp + square * spring_slope(law, s->piece, l);
+    real b = square * max_of(spring_tension(law, s->piece, l) / l, R(0));
     real inverse = 1 / l;
     return parts{b, a - b, inverse, scale(inverse, d)};
 }
@@ -53,7 +54,7 @@ static __device__ struct parts parts_of(const struct blocks *s, int o, int p,
         real k = s->triple[CELL_MASKS * single + s->beside[at]];
         return parts{-(s->tau * s->tau * k), 0, 0, make(0, 0, 0)};
     }
-    struct parts a = spring_parts(&s->law[o], s->tau, sub(s->x[q], here));
+    struct parts a = spring_parts(s, o, sub(s->x[q], here));
     return s->triples ? with_triples(s, o, a, p, q) : a;
 }
 

@@ -41,6 +41,8 @@ static struct energy energy_at(const struct sheet *s, const vec *x,
     e.m = c->m;
     e.laws = SPRINGS;
     e.law = s->device->law;
+    e.pieces = c->pieces;
+    e.piece = s->device->piece;
     e.springs = c->springs;
     e.triples = c->triples;
     e.triple = s->device->triple;

@@ -74,29 +74,75 @@ static __device__ inline real spring_ip(real t)
     return p * t;
 }
 
-/* §8: what a spring longer than `from` has more: tension, slope, energy. */
+/* §8: what a spring longer than `limit` has more: tension, slope, energy. */
 static __device__ inline real spring_more(const struct law *a, real length)
 {
-    real e = length - a->from, w = min_of(e, a->over);
+    real e = length - a->limit, w = min_of(e, a->over);
     return a->gain * w * (e + (e - w));
 }
 static __device__ inline real spring_more_slope(const struct law *a,
                                                 real length)
 {
-    return 2 * (a->gain * min_of(length - a->from, a->over));
+    return 2 * (a->gain * min_of(length - a->limit, a->over));
 }
 static __device__ inline real spring_more_energy(const struct law *a,
                                                  real length)
 {
-    real e = length - a->from, w = min_of(e, a->over);
+    real e = length - a->limit, w = min_of(e, a->over);
     return a->gain * w * (w * w / 3 + e * (e - w));
 }
 
+/* §9: the piece that holds for a length above rest: the last that has begun. */
+static __device__ inline const struct piece *
+spring_piece(const struct law *a, const struct piece *t, real length)
+{
+    int at = a->first;
+    for (int k = 1; k < a->pieces && length > t[a->first + k].from; k++)
+        at = a->first + k;
+    return t + at;
+}
+
+/* The same three of a spring longer than `from`. t: the cloth's pieces. */
+static __device__ inline real spring_long(const struct law *a,
+                                          const struct piece *t, real length)
+{
+    real f;
+    if (a->pieces > 0) {
+        const struct piece *is = spring_piece(a, t, length);
+        f = is->pull + is->slope * (length - is->from);
+    } else
+        f = a->k * (length - a->rest);
+    return length > a->limit ? f + spring_more(a, length) : f;
+}
+static __device__ inline real
+spring_long_slope(const struct law *a, const struct piece *t, real length)
+{
+    real k = a->k;
+    if (a->pieces > 0)
+        k = spring_piece(a, t, length)->slope;
+    return length > a->limit ? k + spring_more_slope(a, length) : k;
+}
+static __device__ inline real
+spring_long_energy(const struct law *a, const struct piece *t, real length)
+{
+    real e;
+    if (a->pieces > 0) {
+        const struct piece *is = spring_piece(a, t, length);
+        real d = length - is->from;
+        e = is->work + d * (is->pull + R(0.5) * is->slope * d);
+    } else {
+        real d = length - a->rest;
+        e = R(0.5) * a->k * d * d;
+    }
+    return length > a->limit ? e + spring_more_energy(a, length) : e;
+}
+
 /* Tension, N, of a spring of the given length. */
-static __device__ inline real spring_tension(const struct law *a, real length)
+static __device__ inline real spring_tension(const struct law *a,
+                                             const struct piece *t, real length)
 {
     if (length > a->from)
-        return a->k * (length - a->rest) + spring_more(a, length);
+        return spring_long(a, t, length);
     if (length >= a->knee) {
         real k = length >= a->rest ? a->k : a->press;
         return k * (length - a->rest);
@@ -106,29 +152,31 @@ static __device__ inline real spring_tension(const struct law *a, real length)
 }
 
 /* Slope of the tension, N/m. */
-static __device__ inline real spring_slope(const struct law *a, real length)
+static __device__ inline real spring_slope(const struct law *a,
+                                           const struct piece *t, real length)
 {
     if (length > a->from)
-        return a->k + spring_more_slope(a, length);
+        return spring_long_slope(a, t, length);
     if (length >= a->knee)
         return length >= a->rest ? a->k : a->press;
-    real s = spring_s(length / a->rest), t = s - R(0.78125);
-    real slope = (spring_p(t) / s - spring_dp(t)) / (2 * s * s);
+    real s = spring_s(length / a->rest), h = s - R(0.78125);
+    real slope = (spring_p(h) / s - spring_dp(h)) / (2 * s * s);
     return a->bend * slope / a->rest;
 }
 
 /* Elastic energy, J, 0 at the rest length. */
-static __device__ inline real spring_energy(const struct law *a, real length)
+static __device__ inline real spring_energy(const struct law *a,
+                                            const struct piece *t, real length)
 {
     real d = length - a->rest;
     if (length > a->from)
-        return R(0.5) * a->k * d * d + spring_more_energy(a, length);
+        return spring_long_energy(a, t, length);
     if (length >= a->knee) {
         real k = length >= a->rest ? a->k : a->press;
         return R(0.5) * k * d * d;
     }
-    real t = spring_s(length / a->rest) - R(0.78125);
-    return a->well - a->bend * a->rest * (2 * spring_ip(t));
+    real h = spring_s(length / a->rest) - R(0.78125);
+    return a->well - a->bend * a->rest * (2 * spring_ip(h));
 }
 
 #endif

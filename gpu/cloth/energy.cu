@@ -19,7 +19,8 @@ static __device__ real stretched(const struct energy *s, int p)
         if (!(mask >> o & 1) || (s->triples && o >= SPRINGS_SINGLE))
             continue;
         int q = p + forward_i(o) + forward_j(o) * s->m;
-        real one = spring_energy(&s->law[o], length(sub(s->x[q], here)));
+        real l = length(sub(s->x[q], here));
+        real one = spring_energy(&s->law[o], s->piece, l);
         e += s->triples ? share_of(o, cells) * one : one;
     }
     return e;

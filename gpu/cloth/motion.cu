@@ -45,6 +45,7 @@ static void lay_out(struct sheet *s)
 {
     struct dynamics *d = &s->dynamics;
     d->law = s->device->law;
+    d->piece = s->device->piece;
     d->triple = s->device->triple;
     d->force = motion_stream(s, 0);
     d->wind = d->windy ? motion_stream(s, (int)motion_vecs(d) - 3) : NULL;

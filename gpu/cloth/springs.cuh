@@ -50,6 +50,7 @@ template <int HIGH> struct tile {
     enum { PULLS = tile_pulls(HIGH).before[SPRINGS] };
     struct tile_way way[SPRINGS];
     struct law law[SPRINGS];
+    const struct piece *piece;
     vec x[PLACES], v[PLACES], pull[PULLS];
     real triple[TRIPLES];
     uint8_t springs[PLACES], beside[PLACES]; /* 0 outside the grid */
@@ -101,7 +102,7 @@ static __device__ vec tile_pull(const struct tile<HIGH> *a,
     if (!(l > 0))
         return make(0, 0, 0);
     vec u = scale(1 / l, d);
-    real f = spring_tension(law, l);
+    real f = spring_tension(law, a->piece, l);
     if (damped)
         f += law->damp * dot(sub(a->v[q], a->v[p]), u);
     return scale(share * f, u);
@@ -181,6 +182,8 @@ static __global__ void __launch_bounds__(THREADS)
     int j0 = row * HIGH, i = t % TILE_WIDE, j = t / TILE_WIDE;
     if (t < SPRINGS)
         tile_lead(&s, &a, t);
+    if (t == 0)
+        a.piece = s.piece;
     if (s.triples && t < TRIPLES)
         a.triple[t] = s.triple[t];
     for (int k = t; k < tile<HIGH>::PLACES; k += THREADS)

@@ -205,6 +205,7 @@ static void laws(struct world *w, int k)
     const struct sheet *s = &w->sheet[k];
     struct gpu *g = w->device->gpu;
     gpu_up(g, s->device->law, s->cloth.law, sizeof s->cloth.law);
+    gpu_up(g, s->device->piece, s->cloth.piece, sizeof s->cloth.piece);
     gpu_up(g, s->device->triple, s->cloth.triple, sizeof s->cloth.triple);
 }
 

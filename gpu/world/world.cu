@@ -164,6 +164,7 @@ static void give_sheet(struct gpu_world *d, int k)
     GIVE(c->fixed, ARENA_CLOTH, h->cloth.fixed, c->count);
     GIVE(c->mass, ARENA_CLOTH, h->cloth.mass, c->count);
     GIVE(more->law, ARENA_CLOTH, c->law, SPRINGS);
+    GIVE(more->piece, ARENA_CLOTH, c->piece, PIECES);
     GIVE(more->triple, ARENA_CLOTH, c->triple, TRIPLES);
     GIVE(s->pinned, ARENA_CLOTH, h->pinned, h->pins.n);
     give_place(d, ARENA_CLOTH, &h->pins, &s->pins);

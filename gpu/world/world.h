@@ -15,10 +15,11 @@ extern "C" {
 
 /* What the device needs for a cloth in addition to its struct sheet. */
 struct gpu_sheet {
-    struct law *law;   /* device [SPRINGS] */
-    real *triple;      /* device [TRIPLES] */
-    struct rate *rate; /* device; NULL: the solve does not use rates */
-    vec *star, *b;     /* device [count], parts of the world's star and b */
+    struct law *law;     /* device [SPRINGS] */
+    struct piece *piece; /* device [PIECES] */
+    real *triple;        /* device [TRIPLES] */
+    struct rate *rate;   /* device; NULL: the solve does not use rates */
+    vec *star, *b;       /* device [count], parts of the world's star and b */
 };
 
 struct gpu_world {

@@ -43,9 +43,10 @@ class Body:
     size: tuple[float, float] | None = None
 
 
-# What each record of a log begins with, and the kinds of those that change
-# bodies (ref/api/record.h).
+# What each record of a log begins with, its magic, and the kinds of those that
+# change bodies (ref/api/record.h, record.c).
 HEAD = struct.Struct("=4sIqqQQ")
+MAGIC = b"drL2"
 CLOTH, MESH, REMOVE = 11, 12, 13
 
 # A scene must have a cloth; this one stands in where an obstacle is read.
@@ -162,7 +163,7 @@ class Bodies:
         heads = [
             at
             for at, read in enumerate(reads)
-            if len(read) == HEAD.size and bytes(read[:4]) == b"drL1"
+            if len(read) == HEAD.size and bytes(read[:4]) == MAGIC
         ]
         for at in heads if done else heads[:-1]:
             _, kind, where, *_ = HEAD.unpack(reads[at])

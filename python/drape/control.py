@@ -77,6 +77,25 @@ def _copied(pointer: Any, count: int, kind: np.dtype[Any]) -> NDArray[Any]:
     return np.frombuffer(data, kind)
 
 
+def _set_tables(new: Any, stretch: Mapping[str, Any]) -> None:
+    """Sets a material's modulus and its measured tensions; what is not given stays,
+    and an array of shape (0, 2) takes a table away."""
+    for key, value in stretch.items():
+        if key == "modulus":
+            new.stretch = value
+            continue
+        if key not in scenes.TABLES:
+            raise SceneError(f"material.stretch: {key}: there is no such direction")
+        points = scenes.array(value, (None, 2), f"material.stretch.{key}")
+        if len(points) > lib.DRAPE_POINTS:
+            raise SceneError(
+                f"material.stretch.{key}: {len(points)} points; expected at most "
+                f"{lib.DRAPE_POINTS}"
+            )
+        zeros = np.zeros((lib.DRAPE_POINTS - len(points), 2))
+        new.table[scenes.TABLES.index(key)] = np.vstack([points, zeros]).tolist()
+
+
 class Control:
     """What a `World` adds to its steps. A call that is refused changes nothing.
 
@@ -168,7 +187,8 @@ class Control:
 
         Args:
             cloth: its number, name or `Body`
-            material: numbers, as in a scene, without a fabric's name
+            material: numbers, as in a scene, without a fabric's name. An array
+                of shape (0, 2) in `stretch` makes a direction linear again
         """
         k = self._number(cloth, "cloth")
         c = self._open().definition.cloths[k]
@@ -181,6 +201,9 @@ class Control:
             if key == "limit":
                 value = np.multiply(value, [1, 1, 2]) if np.ndim(value) == 0 else value
                 value = scenes.array(value, (3,), "material.limit").tolist()
+            if key == "stretch" and isinstance(value, Mapping):
+                _set_tables(new, value)
+                continue
             setattr(new, key, value)
         self._call("drape_set_material", "material", k, new)
         c.material = new[0]

@@ -108,13 +108,20 @@ class Motion:
     keys: Sequence[Key] | None = None
 
 
+# The directions of measured tensions, in the order of enum drape_table.
+TABLES = ("warp", "weft", "bias")
+
+
 @dataclass
 class Material:
     """What cloth is made of: a fabric's name, and numbers that override its own.
 
     Attributes:
         density: kg/m²
-        stretch, shear: N/m, tension a width for strain 1
+        stretch: N/m, tension a width for strain 1; or a mapping of that
+            "modulus" and of measured tensions "warp", "weft" and "bias", each a
+            list of [strain, N/m]
+        shear: N/m, likewise
         bend: N·m, moment a width for curvature 1
         damping: s
         thickness: m, distance at which contact begins
@@ -124,7 +131,7 @@ class Material:
 
     name: str | None = None
     density: float | None = None
-    stretch: float | None = None
+    stretch: float | Mapping[str, Any] | None = None
     shear: float | None = None
     bend: float | None = None
     damping: float | None = None

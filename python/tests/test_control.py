@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -92,6 +93,39 @@ def test_material(sheet: dict[str, Any]) -> None:
         world.set_material(0, {"strech": 1})
     with pytest.raises(drape.SceneError, match="range"):
         world.set_material(0, {"stretch": -1})
+
+
+def test_measured_tension(sheet: dict[str, Any]) -> None:
+    sheet["cloths"][0]["pins"] = [{"edge": "u0"}]
+    table = {"modulus": 100, "warp": [[0.01, 0.5], [0.02, 20]]}
+    ends = []
+    for live in (False, True, None):
+        scene = json.loads(json.dumps(sheet))
+        material = {"stretch": table, "shear": 10}
+        if live is False:
+            scene["cloths"][0]["material"] = material
+        world = drape.World(scene, precision=64, gravity=[9.81, 0, 0])
+        if live:
+            world.set_material(0, material)
+        world.step(30)
+        ends.append(world.positions[:, 0].max())
+    assert ends[0] == ends[1] != ends[2]
+    linear = drape.World(sheet, precision=64, gravity=[9.81, 0, 0])
+    linear.set_material(0, {"stretch": 100, "shear": 10})
+    taken = drape.World(sheet, precision=64, gravity=[9.81, 0, 0])
+    taken.set_material(0, material)
+    taken.set_material(0, {"stretch": {"warp": np.empty((0, 2))}})
+    for each in (linear, taken):
+        each.step(3)
+    assert np.array_equal(linear.positions, taken.positions)
+    with pytest.raises(drape.SceneError, match="wrap"):
+        world.set_material(0, {"stretch": {"wrap": [[0.1, 1]]}})
+    with pytest.raises(drape.SceneError, match="expected n × 2"):
+        world.set_material(0, {"stretch": {"warp": [0.1, 1]}})
+    with pytest.raises(drape.SceneError, match="17 points"):
+        world.set_material(0, {"stretch": {"weft": [[0.1, 1]] * 17}})
+    with pytest.raises(drape.SceneError, match="range"):
+        world.set_material(0, {"stretch": {"warp": [[0.2, 1], [0.1, 2]]}})
 
 
 def test_obstacles_push_and_contacts_tell(tiny: Path) -> None:

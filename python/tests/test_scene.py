@@ -45,7 +45,7 @@ def test_the_fields_are_the_readers_keys(kind: Any) -> None:
 def test_a_materials_fields_are_the_readers_keys() -> None:
     text = (ROOT / "app/cloth.c").read_text()
     table = text[text.index('NESTED_KEY("name", 0, read_fabric)') :].split("{0}")[0]
-    keys = {"name", "limit", *re.findall(r"MATERIAL\((\w+),", table)}
+    keys = {"name", "stretch", "limit", *re.findall(r"MATERIAL\((\w+),", table)}
     assert keys == {field.name for field in dataclasses.fields(drape.Material)}
 
 

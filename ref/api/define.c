@@ -9,6 +9,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "ref/cloth/table.h"
+
 static const double BIG = 1152921504606846976.0; /* 2^60 */
 
 /* The state of a check: the place in the definition, and the first fault. */
@@ -91,6 +93,24 @@ static void vectors(struct check *c, const char *name, int64_t n,
             }
 }
 
+static void check_table(struct check *c, int o,
+                        const double table[DRAPE_POINTS][2])
+{
+    int k = table_fault(table);
+    if (k < 0)
+        return;
+    double strain = table[k][0], force = table[k][1];
+    double least = (k ? table[k - 1][0] : 0) + TABLE_STEP;
+    if (!(strain >= least && strain <= TABLE_STRAIN))
+        fail(c, fault_of(strain),
+             "material.stretch.%s[%d]: strain %g, expected %g to %d",
+             table_name(o), k, strain, least, TABLE_STRAIN);
+    else
+        fail(c, fault_of(force),
+             "material.stretch.%s[%d]: %g N/m, expected %s %g", table_name(o),
+             k, force, k ? "at least" : "above", k ? table[k - 1][1] : 0);
+}
+
 static void check_material(struct check *c, const drape_material *m)
 {
     positive(c, "density", m->density);
@@ -103,6 +123,8 @@ static void check_material(struct check *c, const drape_material *m)
     for (int k = 0; k < 3; k++)
         if (m->limit[k] != 0)
             number(c, "a limit that is not 0", m->limit[k], 0.01, 10);
+    for (int o = 0; o < DRAPE_TABLES; o++)
+        check_table(c, o, m->table[o]);
 }
 
 /* Checks the axes of a flat start: unit length and orthogonal, within 1e-6. */

@@ -16,7 +16,9 @@ struct head {
                        which knows its length */
     uint64_t check; /* a hash of the head, with 0 here, and of these bytes */
 };
-static const char magic[4] = "drL1";
+/* The last character is the number of this format, and of the layout of the
+ * structs of drape.h that records hold. */
+static const char magic[4] = "drL2";
 
 static uint64_t check_of(struct head h, const void *data)
 {

@@ -12,18 +12,19 @@ struct parts {
     vec u;
 };
 
-static struct parts spring_parts(const struct law *law, real tau, vec d)
+static struct parts spring_parts(const struct blocks *s, int o, vec d)
 {
-    struct parts s = {0, 0, {0, 0, 0}};
-    real length = vec_length(d);
+    const struct law *law = &s->law[o];
+    struct parts b = {0, 0, {0, 0, 0}};
+    real length = vec_length(d), tau = s->tau;
     if (!(length > 0))
-        return s;
+        return b;
     real square = tau * tau;
-    real a = tau * law->damp + square * law_slope(law, length);
-    s.b = square * real_max(law_tension(law, length) / length, 0);
-    s.c = a - s.b;
-    s.u = vec_scale(1 / length, d);
-    return s;
+    real a = tau * law->damp + square * law_slope(law, s->piece, length);
+    b.b = square * real_max(law_tension(law, s->piece, length) / length, 0);
+    b.c = a - b.b;
+    b.u = vec_scale(1 / length, d);
+    return b;
 }
 
 static real middle(const struct blocks *s, int o, int64_t p)
@@ -58,7 +59,7 @@ static struct parts parts_of(const struct blocks *s, int o, int64_t p)
     if (s->triples && o >= SPRINGS_SINGLE)
         return end_to_end(s, o - SPRINGS_SINGLE, p);
     vec d = vec_sub(s->x[p + spring_step(s->m, o)], s->x[p]);
-    struct parts a = spring_parts(&s->law[o], s->tau, d);
+    struct parts a = spring_parts(s, o, d);
     return s->triples ? with_triples(s, o, p, a) : a;
 }
 

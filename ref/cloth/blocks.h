@@ -8,17 +8,19 @@
 #include "ref/cloth/cloth.h"
 
 struct blocks {
-    int64_t count;          /* particles */
-    int32_t m;              /* particles along i */
-    int64_t laws;           /* SPRINGS */
-    const struct law *law;  /* [laws] */
-    const uint8_t *springs; /* [count] bit o: forward spring o is present */
-    int64_t triples;        /* TRIPLES, or 0: springs resist bending */
-    const real *triple;     /* [triples] N/m, constants of triples */
-    int64_t n_beside;       /* count, or 0 likewise */
-    const uint8_t *beside;  /* [n_beside] bits of the cells about p */
-    const vec *x;           /* [count] m */
-    real tau;               /* s, > 0 */
+    int64_t count;             /* particles */
+    int32_t m;                 /* particles along i */
+    int64_t laws;              /* SPRINGS */
+    const struct law *law;     /* [laws] */
+    int64_t pieces;            /* PIECES, or 0: no tension was measured */
+    const struct piece *piece; /* [pieces] */
+    const uint8_t *springs;    /* [count] bit o: forward spring o is present */
+    int64_t triples;           /* TRIPLES, or 0: springs resist bending */
+    const real *triple;        /* [triples] N/m, constants of triples */
+    int64_t n_beside;          /* count, or 0 likewise */
+    const uint8_t *beside;     /* [n_beside] bits of the cells about p */
+    const vec *x;              /* [count] m */
+    real tau;                  /* s, > 0 */
     sym *block; /* out: [SPRINGS·count] kg, spring o of p at o·count + p */
     int64_t n_thin;    /* SPRINGS·count, or 0: no thin blocks */
     struct thin *thin; /* out: [n_thin] the same blocks in 64 bits, §5 */

@@ -4,6 +4,7 @@
 #include "ref/cloth/cloth.h"
 
 #include "ref/cloth/law.h"
+#include "ref/cloth/measured.h"
 #include "ref/cloth/triple.h"
 
 static bool absent(const drape_cloth *d, int64_t p)
@@ -112,6 +113,7 @@ int ref_cloth_laws(const drape_cloth *d, struct cloth *c)
     struct angle t = {hu * hu / square, hv * hv / square};
     struct share s = membrane(&d->material, t);
     struct share b = bending(&d->material, t);
+    c->misfit = (struct misfit){.kind = MISFIT_OBLONG};
     if (!(s.u > 0 && s.v > 0))
         return DRAPE_EARG;
     const double *limit = d->material.limit;
@@ -127,7 +129,7 @@ int ref_cloth_laws(const drape_cloth *d, struct cloth *c)
     set_triples(c, 1, hv, b.v, whole);
     set_triples(c, 2, diagonal, b.diagonal, whole);
     set_triples(c, 3, diagonal, b.diagonal, whole);
-    return DRAPE_OK;
+    return measured_laws(&d->material, c);
 }
 
 int ref_cloth_size(const drape_cloth *d, struct cloth *c)
@@ -183,7 +185,7 @@ static double middle(const struct cloth *c, int o, int64_t i, int64_t j)
 }
 
 /* The bound on the slope of the springs of direction o; limited: with what a
- * limit adds to it, which is not damped (§8). */
+ * limit or a measured tension adds to it, which is not damped (§8, §9). */
 static double steepest(const struct cloth *c, int o, bool limited)
 {
     const struct law *a = &c->law[o];

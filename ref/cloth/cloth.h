@@ -17,7 +17,7 @@ enum { CLOTH_PINNED = 1, CLOTH_ABSENT = 2 };
 /* §5: the force law of the springs of one direction: linear in tension, linear
  * in compression down to the knee, buckled below the knee. Single springs never
  * buckle: their knee is 0. §8: if they have a limit, their slope grows near
- * it. */
+ * it. §9: a measured tension has straight pieces. */
 struct law {
     real k;     /* N/m, along the spring, in tension */
     real press; /* N/m, in compression: c_b of a double spring */
@@ -27,9 +27,40 @@ struct law {
     real damp;  /* N·s/m, along the spring */
     real stiff; /* N/m, bound on the slope of the tension, §6 */
     real well;  /* J, makes the energy continuous at the knee */
-    real from;  /* m, longer springs stiffen; +∞: none does */
+    real from;  /* m, longer springs have more than k alone, or pieces instead
+                   of k; +∞: none does */
+    real limit; /* m, §8: longer springs stiffen; +∞: none does */
     real over;  /* m, the range of lengths in which the slope grows */
     real gain;  /* N/m², half the growth of the slope by length */
+    int32_t pieces; /* of a measured tension; 0: k holds up to the limit */
+    int32_t first;  /* the first of them */
+};
+
+/* §9: a straight piece of a measured tension. A spring longer than `from` has
+ * pull + slope·(length − from), N, unless a later piece has begun. */
+struct piece {
+    real from;  /* m */
+    real slope; /* N/m */
+    real pull;  /* N, at `from` */
+    real work;  /* J, at `from` */
+};
+/* Those of the tables in warp, weft and bias. */
+enum { PIECES = (int)DRAPE_TABLES * DRAPE_POINTS };
+
+/* Why no laws of springs give a sheet the stiffness that is asked for. */
+enum misfit_kind {
+    MISFIT_NONE,
+    MISFIT_OBLONG,    /* of cells: §4 */
+    MISFIT_BENDING,   /* a table needs bending by triples: §9.4 */
+    MISFIT_UNSETTLED, /* the laws of the tables do not settle: §9.3 */
+    MISFIT_SOFT       /* a table asks for too little at a point: §9.4 */
+};
+struct misfit {
+    enum misfit_kind kind;
+    enum drape_table table; /* of MISFIT_BENDING, the first that is given, and
+                               of MISFIT_SOFT */
+    int point;              /* of MISFIT_SOFT: of the table */
+    double least;           /* likewise: N/m, the least force there that fits */
 };
 
 /* §7: bits of the cells that meet at a particle: bit di + 2·dj says that the
@@ -47,7 +78,10 @@ struct cloth {
     real cell_mass;      /* kg, of a present cell */
     real beta;           /* s, damping / stiffness */
     struct law law[SPRINGS];
-    int64_t triples; /* TRIPLES, or 0: double springs resist bending */
+    int64_t pieces; /* PIECES, or 0: no tension was measured */
+    struct piece piece[PIECES];
+    struct misfit misfit; /* out: why setting the laws failed */
+    int64_t triples;      /* TRIPLES, or 0: double springs resist bending */
     real triple[TRIPLES];
     double bound;     /* out: 1/s², bound of the eigenvalues of M⁻¹K, §6 */
     double damped;    /* out: 1/s², bound of those of M⁻¹C / β, §8 */
@@ -84,8 +118,8 @@ static inline int64_t spring_step(int32_t m, int o)
 }
 
 /* First of two calls: sets the sizes and the laws of c. Returns DRAPE_OK, or
- * DRAPE_EARG if the cells are too oblong for the shear stiffness (§4).
- * Everything else in def has been checked before. */
+ * DRAPE_EARG if no laws fit: `misfit` says why. Everything else in def has been
+ * checked before. */
 int ref_cloth_size(const drape_cloth *def, struct cloth *c);
 
 /* Sets the laws, the triples and the mass of a cell by the sizes, the material

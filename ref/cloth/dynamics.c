@@ -14,6 +14,7 @@ static void lay_out(struct dynamics *s)
 {
     int last = (int)dynamics_vecs(s->method, s->windy);
     s->law = s->cloth->law;
+    s->piece = s->cloth->piece;
     s->triple = s->cloth->triple;
     s->force = force_stream(s, 0);
     s->wind = s->windy ? force_stream(s, last - 3) : NULL;
@@ -85,6 +86,8 @@ void dynamics_energy(const struct dynamics *s, const vec *x, const vec *v,
                        .m = c->m,
                        .laws = SPRINGS,
                        .law = c->law,
+                       .pieces = c->pieces,
+                       .piece = c->piece,
                        .springs = c->springs,
                        .triples = c->triples,
                        .triple = c->triple,

@@ -43,9 +43,10 @@ struct dynamics {
     struct trace *trace; /* NULL: none */
 
     /* Set by the backend, in its memory. Streams: [count], within work. */
-    const struct law *law; /* [SPRINGS] the cloth's */
-    const real *triple;    /* [TRIPLES] likewise */
-    vec *force;            /* N */
+    const struct law *law;     /* [SPRINGS] the cloth's */
+    const struct piece *piece; /* [PIECES] likewise */
+    const real *triple;        /* [TRIPLES] likewise */
+    vec *force;                /* N */
     vec *wind; /* [3·count] N, its last third the wind; NULL: none */
     vec *star, *back, *q; /* m/s, implicit.md §1; back, q: second order only */
     vec *b, *dv;          /* N·s, m/s: set for solve */

@@ -16,8 +16,8 @@ static real stretched(const struct energy *s, int64_t p)
         if (!(s->springs[p] >> o & 1))
             continue;
         int64_t q = p + spring_step(s->m, o);
-        real one =
-            law_energy(&s->law[o], vec_length(vec_sub(s->x[q], s->x[p])));
+        real length = vec_length(vec_sub(s->x[q], s->x[p]));
+        real one = law_energy(&s->law[o], s->piece, length);
         e += s->triples ? spring_share(o, s->beside[p]) * one : one;
     }
     return e;

@@ -101,39 +101,82 @@ static inline void law_set_knee(struct law *a, bool two)
 #define LIMIT_TO 1.1
 #define LIMIT_PULL 6
 
-/* Sets from, over and gain, and raises stiff. limit: the strain; 0: none. */
+/* Sets from, limit, over and gain, and raises stiff. limit: the strain; 0:
+ * none. */
 static inline void law_set_limit(struct law *a, double limit)
 {
     double rest = (double)a->rest, k = (double)a->k;
-    a->from = (real)INFINITY;
+    a->from = a->limit = (real)INFINITY;
     a->over = a->gain = 0;
     if (!(limit > 0))
         return;
     double over = (LIMIT_TO - LIMIT_FROM) * limit * rest;
     double gain = LIMIT_PULL * k * rest / (over * over);
-    a->from = (real)(rest * (1 + LIMIT_FROM * limit));
+    a->from = a->limit = (real)(rest * (1 + LIMIT_FROM * limit));
     a->over = (real)over;
     a->gain = (real)gain;
     a->stiff = real_max(a->stiff, (real)(k + 2 * gain * over));
 }
 
 /* §8: the tension, N, the slope, N/m, and the energy, J, that a spring longer
- * than `from` has beyond those of §5. w: how far its slope has grown. */
+ * than `limit` has in addition. w: how far its slope has grown. */
 static inline real law_more(const struct law *a, real length)
 {
-    real e = length - a->from, w = real_min(e, a->over);
+    real e = length - a->limit, w = real_min(e, a->over);
     return a->gain * w * (e + (e - w));
 }
 
 static inline real law_more_slope(const struct law *a, real length)
 {
-    return 2 * (a->gain * real_min(length - a->from, a->over));
+    return 2 * (a->gain * real_min(length - a->limit, a->over));
 }
 
 static inline real law_more_energy(const struct law *a, real length)
 {
-    real e = length - a->from, w = real_min(e, a->over);
+    real e = length - a->limit, w = real_min(e, a->over);
     return a->gain * w * (w * w / 3 + e * (e - w));
+}
+
+/* §9: the piece that holds for a length above rest, of a law that has some. */
+static inline struct piece law_piece(const struct law *a, const struct piece *t,
+                                     real length)
+{
+    struct piece found = t[a->first];
+    for (int32_t k = 1; k < a->pieces; k++)
+        if (length > t[a->first + k].from)
+            found = t[a->first + k];
+    return found;
+}
+
+/* Tension, slope and energy of a spring that is longer than `from`. */
+static inline real law_long(const struct law *a, const struct piece *t,
+                            real length)
+{
+    real f = a->k * (length - a->rest);
+    if (a->pieces > 0) {
+        struct piece is = law_piece(a, t, length);
+        f = is.pull + is.slope * (length - is.from);
+    }
+    return length > a->limit ? f + law_more(a, length) : f;
+}
+
+static inline real law_long_slope(const struct law *a, const struct piece *t,
+                                  real length)
+{
+    real slope = a->pieces > 0 ? law_piece(a, t, length).slope : a->k;
+    return length > a->limit ? slope + law_more_slope(a, length) : slope;
+}
+
+static inline real law_long_energy(const struct law *a, const struct piece *t,
+                                   real length)
+{
+    real d = length - a->rest, work = R(0.5) * a->k * d * d;
+    if (a->pieces > 0) {
+        struct piece is = law_piece(a, t, length);
+        real e = length - is.from;
+        work = is.work + e * (is.pull + R(0.5) * is.slope * e);
+    }
+    return length > a->limit ? work + law_more_energy(a, length) : work;
 }
 
 /* The spring constant, N/m, of a spring that is not buckled. */
@@ -142,38 +185,42 @@ static inline real law_constant(const struct law *a, real length)
     return length >= a->rest ? a->k : a->press;
 }
 
-/* Tension, N, of a spring of the given length. */
-static inline real law_tension(const struct law *a, real length)
+/* Tension, N, of a spring of the given length. t: the cloth's pieces, of which
+ * the law may have some. */
+static inline real law_tension(const struct law *a, const struct piece *t,
+                               real length)
 {
     if (length > a->from)
-        return a->k * (length - a->rest) + law_more(a, length);
+        return law_long(a, t, length);
     if (length >= a->knee)
         return law_constant(a, length) * (length - a->rest);
     return -(a->bend * law_g(length / a->rest));
 }
 
 /* Slope of the tension, N/m, in [0, stiff]. */
-static inline real law_slope(const struct law *a, real length)
+static inline real law_slope(const struct law *a, const struct piece *t,
+                             real length)
 {
     if (length > a->from)
-        return a->k + law_more_slope(a, length);
+        return law_long_slope(a, t, length);
     if (length >= a->knee)
         return law_constant(a, length);
-    real s = law_s(length / a->rest), t = s - R(LAW_MIDDLE);
-    real slope = (law_p(t) / s - law_dp(t)) / (2 * s * s);
+    real s = law_s(length / a->rest), h = s - R(LAW_MIDDLE);
+    real slope = (law_p(h) / s - law_dp(h)) / (2 * s * s);
     return a->bend * slope / a->rest;
 }
 
 /* Elastic energy, J, 0 at the rest length. */
-static inline real law_energy(const struct law *a, real length)
+static inline real law_energy(const struct law *a, const struct piece *t,
+                              real length)
 {
     real d = length - a->rest;
     if (length > a->from)
-        return R(0.5) * a->k * d * d + law_more_energy(a, length);
+        return law_long_energy(a, t, length);
     if (length >= a->knee)
         return R(0.5) * law_constant(a, length) * d * d;
-    real t = law_s(length / a->rest) - R(LAW_MIDDLE);
-    return a->well - a->bend * a->rest * (2 * law_ip(t));
+    real h = law_s(length / a->rest) - R(LAW_MIDDLE);
+    return a->well - a->bend * a->rest * (2 * law_ip(h));
 }
 
 #endif

@@ -77,6 +77,8 @@ static void blocks(struct motion *a)
                        .m = c->m,
                        .laws = SPRINGS,
                        .law = s->law,
+                       .pieces = c->pieces,
+                       .piece = s->piece,
                        .springs = c->springs,
                        .triples = c->triples,
                        .triple = s->triple,

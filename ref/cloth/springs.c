@@ -18,7 +18,7 @@ static vec pull(const struct springs *s, int o, int64_t p, int64_t q,
     if (!(length > 0))
         return vec_make(0, 0, 0);
     vec u = vec_scale(1 / length, d);
-    real f = law_tension(a, length);
+    real f = law_tension(a, s->piece, length);
     if (s->n_v)
         f += a->damp * vec_dot(vec_sub(s->v[q], s->v[p]), u);
     if (s->triples)

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The part of a checkpoint that says what the caller has changed of a world.
  * spec/control/control.md §6 */
+#include "ref/cloth/table.h"
 #include "ref/control/control.h"
 #include "ref/world/start.h"
 
@@ -84,6 +85,8 @@ static bool good_material(const drape_material *m)
                 within(m->friction, 0, 1e6);
     for (int k = 0; k < 3; k++)
         good &= m->limit[k] == 0 || within(m->limit[k], 0.01, 10);
+    for (int o = 0; o < DRAPE_TABLES; o++)
+        good &= table_fault(m->table[o]) < 0;
     return good;
 }
 

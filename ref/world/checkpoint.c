@@ -7,6 +7,7 @@
 #include <float.h>
 
 #include "ref/base/hash.h"
+#include "ref/cloth/table.h"
 #include "ref/control/control.h"
 
 struct header {
@@ -23,8 +24,9 @@ struct header {
 };
 static const char magic[8] = "drape-7";
 /* A world that its caller has changed has another magic, and after the header
- * what follows from the changes: control.md §6. */
-static const char changed[8] = "drape-8";
+ * what follows from the changes: control.md §6. This part holds materials, so
+ * its number is also that of the layout of drape_material. */
+static const char changed[8] = "drape-9";
 struct changes {
     int64_t bytes;  /* of control_pack; 0 */
     uint64_t armed; /* 1: the targets of the next step follow the streams */
@@ -42,6 +44,21 @@ static uint64_t mix_array(uint64_t hash, const void *data, int64_t n,
     return n > 0 ? hash_mix(hash, data, (size_t)n * size) : hash;
 }
 
+/* Of tables only their points: a material without one has the hash that it had
+ * before there were tables, and old checkpoints of its world stay valid. */
+static uint64_t mix_material(uint64_t h, const drape_material *m)
+{
+    h = hash_mix(h, m, offsetof(drape_material, table));
+    for (int o = 0; o < DRAPE_TABLES; o++) {
+        int64_t n = table_points(m->table[o]);
+        if (n > 0) {
+            h = hash_mix(h, &o, sizeof o);
+            h = mix_array(h, m->table[o], n, sizeof *m->table[o]);
+        }
+    }
+    return h;
+}
+
 static uint64_t print_cloth(const drape_cloth *c)
 {
     uint64_t h = HASH_SEED;
@@ -50,7 +67,7 @@ static uint64_t print_cloth(const drape_cloth *c)
     h = hash_mix(h, size, sizeof size);
     h = hash_mix(h, &c->width, sizeof c->width);
     h = hash_mix(h, &c->height, sizeof c->height);
-    h = hash_mix(h, &c->material, sizeof c->material);
+    h = mix_material(h, &c->material);
     h = hash_mix(h, &c->bending, sizeof c->bending);
     h = hash_mix(h, c->origin, sizeof c->origin);
     h = hash_mix(h, c->u, sizeof c->u);

@@ -6,6 +6,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+#include "ref/cloth/table.h"
 #include "ref/world/lead.h"
 
 static void *take(struct world *w, enum arena_part part, int64_t n, size_t size)
@@ -23,18 +24,44 @@ static int say(drape_error *error, int status, const char *format, ...)
     return status;
 }
 
-/* Sets the sizes of a cloth. DRAPE_EARG and a text if its cells are too oblong
- * or none is left: spec/cloth/cloth.md §1 and §4. */
-static int size_cloth(const drape_cloth *def, int k, struct cloth *cloth,
+/* Says why cloth k cannot have its material. DRAPE_EARG. */
+static int say_misfit(const drape_cloth *def, int k, const struct misfit *why,
                       drape_error *error)
 {
     const drape_material *m = &def->material;
-    if (ref_cloth_size(def, cloth) != DRAPE_OK)
+    if (why->kind == MISFIT_OBLONG)
         return say(error, DRAPE_EARG,
                    "cloth %d: cells of %.4g by %.4g m are too oblong: expected "
                    "a ratio of sides below sqrt(stretch / shear) = %.4g",
                    k, def->width / (def->m - 1), def->height / (def->n - 1),
                    sqrt(m->stretch / m->shear));
+    if (why->kind == MISFIT_UNSETTLED)
+        return say(error, DRAPE_EARG,
+                   "cloth %d: material.stretch: no laws of springs were found "
+                   "that give these tables",
+                   k);
+    const char *name = table_name(why->table);
+    if (why->kind == MISFIT_BENDING)
+        return say(error, DRAPE_EARG,
+                   "cloth %d: material.stretch.%s: a table needs bending by "
+                   "triples",
+                   k, name);
+    const double *at = m->table[why->table][why->point];
+    double least = 1.001 * why->least; /* not below it when rounded */
+    return say(
+        error, DRAPE_EARG,
+        "cloth %d: material.stretch.%s[%d]: %.4g N/m at strain %.4g is too "
+        "little beside the other directions: expected at least %.4g",
+        k, name, why->point, at[1], at[0], least);
+}
+
+/* Sets the sizes of a cloth. DRAPE_EARG and a text if no laws of springs fit
+ * its material, or no cell of it is left. */
+static int size_cloth(const drape_cloth *def, int k, struct cloth *cloth,
+                      drape_error *error)
+{
+    if (ref_cloth_size(def, cloth) != DRAPE_OK)
+        return say_misfit(def, k, &cloth->misfit, error);
     if (cloth->n_triangles == 0)
         return say(error, DRAPE_EARG,
                    "cloth %d: holes and cuts leave no cell of it", k);

@@ -44,6 +44,11 @@ const char *api_call_material(struct api *a)
         REFUSES(drape_set_material(a->world, 0, &m));
         *number[i] = kept;
     }
+    m.table[DRAPE_WEFT][0][0] = 0.01; /* without a force */
+    REFUSES(drape_set_material(a->world, 0, &m));
+    m.table[DRAPE_WEFT][0][1] = 8;
+    EXPECT(drape_set_material(a->world, 0, &m) == DRAPE_OK);
+    m.table[DRAPE_WEFT][0][0] = 0;
     m.shear = 0.6 * m.stretch;
     REFUSES(drape_set_material(a->world, 0, &m));
     m.shear = a->input.g.cloth.material.shear;

@@ -128,6 +128,31 @@ static const char *refuse_cloth(void)
     return NULL;
 }
 
+/* Sets points 0 and 1 of a table in warp. */
+static void set_table(drape_material *m, double e0, double f0, double e1,
+                      double f1)
+{
+    const double points[][2] = {{e0, f0}, {e1, f1}};
+    memcpy(m->table[DRAPE_WARP], points, sizeof points);
+}
+
+static const char *refuse_table(void)
+{
+#define REFUSES_TABLE(e0, f0, e1, f1, want)                                    \
+    REFUSES_DEF(set_table(&d.g.cloth.material, e0, f0, e1, f1), want)
+    REFUSES_TABLE(0.01, 8, 0.01, 9, DRAPE_EARG);
+    REFUSES_TABLE(0.02, 8, 0.01, 9, DRAPE_EARG);
+    REFUSES_TABLE(0.01, 8, 0.02, 7, DRAPE_EARG);
+    REFUSES_TABLE(0.01, 8, 0.02, 8, DRAPE_EARG); /* cloth.md §9.4 */
+    REFUSES_TABLE(-0.01, 8, 0.02, 9, DRAPE_EARG);
+    REFUSES_TABLE(0.01, -8, 0.02, 9, DRAPE_EARG);
+    REFUSES_TABLE(0.01, 0, 0.02, 9, DRAPE_EARG);
+    REFUSES_TABLE(0.01, 8, 11, 1e5, DRAPE_EARG);
+    REFUSES_TABLE(NAN, 8, 0, 0, DRAPE_EDATA);
+    REFUSES_TABLE(0.01, INFINITY, 0, 0, DRAPE_EDATA);
+    return NULL;
+}
+
 static const char *refuse_bodies(void)
 {
     for (int k = 0; k < EXTREMES; k++) {
@@ -170,5 +195,6 @@ const char *api_call_create(struct api *a)
     REFUSES(drape_create(NULL, NULL, NULL));
     const char *what = refuse_scalars();
     what = what ? what : refuse_cloth();
+    what = what ? what : refuse_table();
     return what ? what : refuse_bodies();
 }

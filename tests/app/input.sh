@@ -18,6 +18,33 @@ limited '[0.05, 0.05]'
 refused 'two limits' 'limit: expected a list of 3' run limit.json
 limited '[0.05, 0.05, 11]'
 refused 'limit too large' 'limit[2]: 11' run limit.json
+tabled() {
+    printf '{"frames": 1, "cloths": [{"particles": [9, 9], "size": [0.1, 0.1],
+ "material": {"stretch": {%s}}}]}\n' "$1" >table.json
+}
+tabled '"modulus": 1000, "warp": [[0.01, 8], [0.03, 60]]'
+is 'a measured tension' "$drape" plan table.json
+tabled '"warp": [[0.01, 8], [0.01, 60]]'
+refused 'strains that do not ascend' \
+    '$.cloths[0]: material.stretch.warp[1]: strain 0.01, expected 0.010001' \
+    run table.json
+tabled '"bias": [[0.01, 8], [0.02, 7]]'
+refused 'forces that fall' 'stretch.bias[1]: 7 N/m, expected at least 8' \
+    run table.json
+tabled '"weft": [[0.01, 8], [0.02]]'
+refused 'half a point' 'stretch.weft[1]: expected [strain, N/m]' run table.json
+tabled '"weft": []'
+refused 'an empty table' 'stretch.weft: expected at least one point' \
+    run table.json
+tabled "\"weft\": [$(i=0; while [ $((i += 1)) -le 16 ]; do printf '[0.0%s, %s],' $((i + 10)) $i; done)[1, 99]]"
+refused '17 points' 'stretch.weft: expected a list of at most 16' run table.json
+tabled '"wrap": [[0.01, 8]]'
+refused 'an unknown direction' 'did you mean "warp"' run table.json
+tabled '"modulus": 0'
+refused 'no modulus' 'material.stretch.modulus: 0' run table.json
+tabled '"bias": [[0.01, 1]]'
+refused 'a bias softer than shear' \
+    '$.cloths[0]: material.stretch.bias[0]: 1 N/m' run table.json
 printf '{"frames": 3,\n "cloths": [}\n' >broken.json
 refused 'malformed JSON, by line' 'broken.json: line 2' run broken.json
 : >empty.json

@@ -6,11 +6,15 @@
 #include "tests/cloth/sheet.h"
 #include "tests/solve/system.h"
 
-const struct field fields_blocks[] = {
-    IN(blocks, law, laws, 1),       IN(blocks, springs, count, 1),
-    IN(blocks, triple, triples, 1), IN(blocks, beside, n_beside, 1),
-    IN(blocks, x, count, 1),        OUT(blocks, block, count, SPRINGS),
-    OUT(blocks, thin, n_thin, 1),   FIELD_END};
+const struct field fields_blocks[] = {IN(blocks, law, laws, 1),
+                                      IN(blocks, piece, pieces, 1),
+                                      IN(blocks, springs, count, 1),
+                                      IN(blocks, triple, triples, 1),
+                                      IN(blocks, beside, n_beside, 1),
+                                      IN(blocks, x, count, 1),
+                                      OUT(blocks, block, count, SPRINGS),
+                                      OUT(blocks, thin, n_thin, 1),
+                                      FIELD_END};
 
 void gen_blocks(struct bytes *b, struct blocks *s)
 {
@@ -75,14 +79,17 @@ static const char *check(const struct blocks *s, int o, int64_t from,
     double length = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
     if (!(length > 1e-15 && length < 1e15))
         return NULL;
-    double tau = (double)s->tau, slope, tension = law_oracle(law, length);
+    double tau = (double)s->tau, slope,
+           tension = law_oracle(law, s->piece, length);
     /* Near a kink of the law, rounding or the fit may put the length on its
      * other side. */
     double blur = 16 * REAL_U * (length + (double)law->rest);
     double shift = 13 * LAW_ERROR * (double)law->bend / (double)law->press;
     bool kink = fabs(length - (double)law->rest) <= blur ||
                 fabs(length - (double)law->knee) <= blur + shift;
-    slope = law_oracle_slope(law, length);
+    for (int k = 0; k < law->pieces; k++)
+        kink |= fabs(length - (double)s->piece[law->first + k].from) <= blur;
+    slope = law_oracle_slope(law, s->piece, length);
     double a = share * (tau * (double)law->damp + tau * tau * slope);
     double b = tension > 0 ? share * tau * tau * tension / length : 0;
     double bend = 2 * tau * tau * triples_at(s, o, from, to);

@@ -461,7 +461,8 @@ static void relax(const struct sheet *s, double *x)
                 d[e] = x[3 * q + e] - x[3 * p + e];
                 square += d[e] * d[e];
             }
-            double pull = law_oracle(&s->c.law[o], sqrt(square)) / sqrt(square);
+            double pull = law_oracle(&s->c.law[o], s->c.piece, sqrt(square)) /
+                          sqrt(square);
             if (s->c.triples)
                 pull *= o < SPRINGS_SINGLE
                             ? (double)spring_share((int)o, s->c.beside[p])

@@ -6,12 +6,17 @@
 #include "ref/cloth/triple.h"
 #include "tests/cloth/sheet.h"
 
-const struct field fields_energy[] = {
-    IN(energy, law, laws, 1),       IN(energy, springs, count, 1),
-    IN(energy, triple, triples, 1), IN(energy, beside, n_beside, 1),
-    IN(energy, mass, count, 1),     IN(energy, x, count, 1),
-    IN(energy, v, count, 1),        SCRATCH(energy, chunk, n_chunks, 3),
-    OUT_VALUE(energy, value),       FIELD_END};
+const struct field fields_energy[] = {IN(energy, law, laws, 1),
+                                      IN(energy, piece, pieces, 1),
+                                      IN(energy, springs, count, 1),
+                                      IN(energy, triple, triples, 1),
+                                      IN(energy, beside, n_beside, 1),
+                                      IN(energy, mass, count, 1),
+                                      IN(energy, x, count, 1),
+                                      IN(energy, v, count, 1),
+                                      SCRATCH(energy, chunk, n_chunks, 3),
+                                      OUT_VALUE(energy, value),
+                                      FIELD_END};
 
 void gen_energy(struct bytes *b, struct energy *s)
 {
@@ -55,8 +60,8 @@ static void add_spring(const struct energy *s, int o, int64_t p, int64_t q,
     double y = (double)s->x[q].y - (double)s->x[p].y;
     double z = (double)s->x[q].z - (double)s->x[p].z;
     double length = sqrt(x * x + y * y + z * z);
-    double e = share * law_oracle_energy(a, length);
-    double f = share * fabs(law_oracle(a, length));
+    double e = share * law_oracle_energy(a, s->piece, length);
+    double f = share * fabs(law_oracle(a, s->piece, length));
     add(t, e, e + f * (length + (double)a->rest));
     t->error += LAW_ERROR * e + (LAW_ERROR + 40 * REAL_U) * (double)a->well;
     if (!(length < 1e15))

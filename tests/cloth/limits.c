@@ -13,20 +13,23 @@ static const char *check_law(const struct law *a, double length)
 {
     double h = 1e-5 * (double)a->rest, size = (double)a->stiff, u = 8 * REAL_U;
     double jump = 4 * (double)a->gain * h + 1e-9 * size;
-    double slope = law_oracle_slope(a, length), pull = law_oracle(a, length);
-    double rise = law_oracle(a, length + h) - law_oracle(a, length - h);
-    double work =
-        law_oracle_energy(a, length + h) - law_oracle_energy(a, length - h);
+    double slope = law_oracle_slope(a, NULL, length),
+           pull = law_oracle(a, NULL, length);
+    double rise =
+        law_oracle(a, NULL, length + h) - law_oracle(a, NULL, length - h);
+    double work = law_oracle_energy(a, NULL, length + h) -
+                  law_oracle_energy(a, NULL, length - h);
     EXPECT(fabs(rise / (2 * h) - slope) <= jump);
     EXPECT(fabs(work / (2 * h) - pull) <= jump * h + 1e-9 * fabs(pull));
 
     real l = (real)length;
-    double is = (double)law_tension(a, l), steep = (double)law_slope(a, l);
-    double e = (double)law_energy(a, l), near = u * size * length;
-    EXPECT(fabs(is - law_oracle(a, (double)l)) <= near + u * fabs(pull));
-    EXPECT(fabs(steep - law_oracle_slope(a, (double)l)) <=
+    double is = (double)law_tension(a, NULL, l),
+           steep = (double)law_slope(a, NULL, l);
+    double e = (double)law_energy(a, NULL, l), near = u * size * length;
+    EXPECT(fabs(is - law_oracle(a, NULL, (double)l)) <= near + u * fabs(pull));
+    EXPECT(fabs(steep - law_oracle_slope(a, NULL, (double)l)) <=
            u * (2 * (double)a->gain * length + size));
-    EXPECT(fabs(e - law_oracle_energy(a, (double)l)) <=
+    EXPECT(fabs(e - law_oracle_energy(a, NULL, (double)l)) <=
            u * (e + fabs(pull) * length) + near * (double)a->rest * u);
     /* blocks.md §2: T' ≥ T/ℓ, and neither exceeds the bound. */
     EXPECT(steep >= is / length * (1 - u));
@@ -50,23 +53,23 @@ const char *test_limits_law(void)
             if (bad)
                 return bad;
             real l = (real)length;
-            EXPECT((double)law_tension(&a, l) >= last);
-            EXPECT((double)law_slope(&a, l) >= steep);
-            last = (double)law_tension(&a, l);
-            steep = (double)law_slope(&a, l);
+            EXPECT((double)law_tension(&a, NULL, l) >= last);
+            EXPECT((double)law_slope(&a, NULL, l) >= steep);
+            last = (double)law_tension(&a, NULL, l);
+            steep = (double)law_slope(&a, NULL, l);
             ran(1);
         }
         /* §8: by LIMIT_TO of the limit the tension is what the page says. */
         double want = 700 * rest * (LIMIT_PULL + LIMIT_TO * limit[k]);
-        double have = (double)law_tension(&a, (real)to);
+        double have = (double)law_tension(&a, NULL, (real)to);
         EXPECT(fabs(have / want - 1) <= 1e3 * REAL_U / limit[k]);
         /* Below LIMIT_FROM of the limit no bit is different. */
         struct law free = a;
         law_set_limit(&free, 0);
         real l = (real)(rest * (1 + 0.999 * LIMIT_FROM * limit[k]));
-        EXPECT(law_tension(&a, l) == law_tension(&free, l));
-        EXPECT(law_slope(&a, l) == law_slope(&free, l));
-        EXPECT(law_energy(&a, l) == law_energy(&free, l));
+        EXPECT(law_tension(&a, NULL, l) == law_tension(&free, NULL, l));
+        EXPECT(law_slope(&a, NULL, l) == law_slope(&free, NULL, l));
+        EXPECT(law_energy(&a, NULL, l) == law_energy(&free, NULL, l));
     }
     return NULL;
 }

@@ -173,6 +173,8 @@ void sheet_force(const struct sheet *s, const vec *x, const vec *v, vec *f)
                         .count = c->count,
                         .laws = SPRINGS,
                         .law = c->law,
+                        .pieces = c->pieces,
+                        .piece = c->piece,
                         .springs = c->springs,
                         .triples = c->triples,
                         .triple = c->triple,
@@ -195,6 +197,8 @@ void sheet_energy(const struct sheet *s, const vec *x, const vec *v,
                        .m = c->m,
                        .laws = SPRINGS,
                        .law = c->law,
+                       .pieces = c->pieces,
+                       .piece = c->piece,
                        .springs = c->springs,
                        .triples = c->triples,
                        .triple = c->triple,
@@ -255,7 +259,7 @@ struct more {
 
 static struct more more_of(const struct law *a, double length)
 {
-    double e = length - (double)a->from, w = (double)a->over;
+    double e = length - (double)a->limit, w = (double)a->over;
     double gain = (double)a->gain, g = e - w;
     if (!(e > 0))
         return (struct more){0, 0, 0};
@@ -265,19 +269,45 @@ static struct more more_of(const struct law *a, double length)
                          gain * (w * w * w / 3 + w * w * g + w * g * g)};
 }
 
-double law_oracle(const struct law *a, double length)
+/* cloth.md §9: what holds above the rest length without a limit, as polynomials
+ * of the pieces; without pieces the constant. */
+static struct more straight(const struct law *a, const struct piece *t,
+                            double length)
+{
+    double rest = (double)a->rest, k = constant(a, length), d = length - rest;
+    struct more sum = {k * d, k, k * d * d / 2};
+    double from = rest, pull = 0, work = 0;
+    if (!a->pieces || !(d > 0))
+        return sum;
+    for (int i = 0; i < a->pieces; i++) {
+        double slope = (double)t[a->first + i].slope, to = INFINITY;
+        if (i + 1 < a->pieces)
+            to = (double)t[a->first + i + 1].from;
+        double e = (length < to ? length : to) - from;
+        sum = (struct more){pull + slope * e, slope,
+                            work + pull * e + slope * e * e / 2};
+        if (length <= to)
+            break;
+        from = to;
+        pull = sum.tension;
+        work = sum.energy;
+    }
+    return sum;
+}
+
+double law_oracle(const struct law *a, const struct piece *t, double length)
 {
     if (is_buckled(a, length))
         return -(double)a->bend * arc_force(length / (double)a->rest);
-    return constant(a, length) * (length - (double)a->rest) +
-           more_of(a, length).tension;
+    return straight(a, t, length).tension + more_of(a, length).tension;
 }
 
-double law_oracle_slope(const struct law *a, double length)
+double law_oracle_slope(const struct law *a, const struct piece *t,
+                        double length)
 {
     double q = length / (double)a->rest;
     if (!is_buckled(a, length))
-        return constant(a, length) + more_of(a, length).slope;
+        return straight(a, t, length).slope + more_of(a, length).slope;
     if (1 - q < 1e-4)
         return 7.2 * (double)a->bend / (double)a->rest;
     double b = half_angle(q), h = q - cos(b), db = -b / h;
@@ -285,11 +315,12 @@ double law_oracle_slope(const struct law *a, double length)
     return (double)a->bend * drop / (double)a->rest;
 }
 
-double law_oracle_energy(const struct law *a, double length)
+double law_oracle_energy(const struct law *a, const struct piece *t,
+                         double length)
 {
-    double rest = (double)a->rest, d = length - rest;
+    double rest = (double)a->rest;
     if (!is_buckled(a, length))
-        return constant(a, length) * d * d / 2 + more_of(a, length).energy;
+        return straight(a, t, length).energy + more_of(a, length).energy;
     double knee = (double)a->knee, angle = half_angle(length / rest);
     double start = half_angle(knee / rest), e = knee - rest;
     return (double)a->press * e * e / 2 +
@@ -378,11 +409,55 @@ static void pick_limits(struct bytes *b, struct grid *g)
                           (double)pick_uniform(b, R(0.005), R(0.5)));
 }
 
+/* Gives a law 1 to DRAPE_POINTS random pieces whose tension grows as fast as
+ * cloth.md §9.4 asks for. */
+static void pick_pieces(struct bytes *b, struct law *a, struct piece *t)
+{
+    double from = (double)a->rest, pull = 0, work = 0, most = 0;
+    a->from = a->rest;
+    a->pieces = 1 + (int32_t)pick(b, DRAPE_POINTS);
+    for (int k = 0; k < a->pieces; k++) {
+        double slope = (double)(a->k * pick_uniform(b, R(0.01), 3));
+        double step = (double)(a->rest * pick_uniform(b, R(0.001), R(0.5)));
+        t[k] = (struct piece){.from = (real)from};
+        from = (double)t[k].from; /* as rounded */
+        t[k].pull = (real)pull;
+        t[k].work = (real)work;
+        t[k].slope = (real)(slope + 1.001 * pull / from);
+        slope = (double)t[k].slope;
+        most = slope > most ? slope : most;
+        from = (double)(real)(from + step);
+        step = from - (double)t[k].from;
+        work += step * (pull + slope * step / 2);
+        pull += slope * step;
+    }
+    a->stiff =
+        real_max(a->stiff, (real)(most + 2 * (double)(a->gain * a->over)));
+}
+
+static void pick_tables(struct bytes *b, struct grid *g)
+{
+    g->pieces = PIECES;
+    g->piece = take(b, PIECES, sizeof *g->piece);
+    for (int o = 0; o < SPRINGS_SINGLE; o++) {
+        struct law *a = &g->law[o];
+        int table = o < DRAPE_BIAS ? o : DRAPE_BIAS;
+        a->first = DRAPE_POINTS * table;
+        if (o <= DRAPE_BIAS && pick(b, 3))
+            pick_pieces(b, a, g->piece + a->first);
+    }
+    real damp = g->law[3].damp;
+    g->law[3] = g->law[2]; /* both diagonals have one table */
+    g->law[3].damp = damp;
+}
+
 struct grid pick_bent_grid(struct bytes *b)
 {
     struct grid g = pick_grid(b);
     if (!for_bench(b) && pick(b, 2))
         pick_limits(b, &g);
+    if (!for_bench(b) && !pick(b, 3))
+        pick_tables(b, &g);
     if (for_bench(b) || pick(b, 2))
         pick_triples(b, &g);
     return g;

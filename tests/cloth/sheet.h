@@ -41,9 +41,11 @@ void sheet_energy(const struct sheet *s, const vec *x, const vec *v,
 #define LAW_SLOPE_ERROR 1.6e-3
 /* The force law with the arc itself in place of the fit: tension, slope and
  * energy of a spring, in binary64. */
-double law_oracle(const struct law *a, double length);
-double law_oracle_slope(const struct law *a, double length);
-double law_oracle_energy(const struct law *a, double length);
+double law_oracle(const struct law *a, const struct piece *t, double length);
+double law_oracle_slope(const struct law *a, const struct piece *t,
+                        double length);
+double law_oracle_energy(const struct law *a, const struct piece *t,
+                         double length);
 
 /* A random grid of about pick_size() particles, with springs that stay within
  * it. */
@@ -51,19 +53,23 @@ struct grid {
     int32_t m, n;
     int64_t count;
     struct law *law;
+    int64_t pieces;
+    struct piece *piece;
     int64_t triples, n_beside;
     real *triple;
     uint8_t *springs, *beside, *cell, *fixed;
     real *mass;
 };
 struct grid pick_grid(struct bytes *b);
-/* The same, sometimes with limits or triples. */
+/* The same, sometimes with limits, measured tensions or triples. */
 struct grid pick_bent_grid(struct bytes *b);
 /* Gives a stage the grid's springs and triples. */
 #define GIVE_GRID(stage, grid)                                                 \
     do {                                                                       \
         (stage)->laws = SPRINGS;                                               \
         (stage)->law = (grid)->law;                                            \
+        (stage)->pieces = (grid)->pieces;                                      \
+        (stage)->piece = (grid)->piece;                                        \
         (stage)->springs = (grid)->springs;                                    \
         (stage)->triples = (grid)->triples;                                    \
         (stage)->triple = (grid)->triple;                                      \

@@ -5,12 +5,17 @@
 #include "ref/cloth/triple.h"
 #include "tests/cloth/sheet.h"
 
-const struct field fields_springs[] = {
-    IN(springs, law, laws, 1),       IN(springs, springs, count, 1),
-    IN(springs, triple, triples, 1), IN(springs, beside, n_beside, 1),
-    IN(springs, mass, count, 1),     IN(springs, x, count, 1),
-    IN(springs, v, n_v, 1),          IN(springs, wind, n_wind, 1),
-    OUT(springs, force, count, 1),   FIELD_END};
+const struct field fields_springs[] = {IN(springs, law, laws, 1),
+                                       IN(springs, piece, pieces, 1),
+                                       IN(springs, springs, count, 1),
+                                       IN(springs, triple, triples, 1),
+                                       IN(springs, beside, n_beside, 1),
+                                       IN(springs, mass, count, 1),
+                                       IN(springs, x, count, 1),
+                                       IN(springs, v, n_v, 1),
+                                       IN(springs, wind, n_wind, 1),
+                                       OUT(springs, force, count, 1),
+                                       FIELD_END};
 
 void gen_springs(struct bytes *b, struct springs *s)
 {
@@ -53,7 +58,7 @@ static void add_pull(const struct springs *s, const struct law *a, int64_t p,
         rate += w * d[k] / length;
         speed += fabs(w);
     }
-    double tension = share * law_oracle(a, length);
+    double tension = share * law_oracle(a, s->piece, length);
     double damped = share * (double)a->damp * rate;
     for (int k = 0; k < 3; k++)
         e->f[k] += (tension + damped) * d[k] / length;

@@ -63,6 +63,10 @@ static const char *check_settings(int integrator, int backend)
     m.thickness = 0.003;
     m.friction = 0.1;
     m.damping = 2e-3;
+    const double warp[][2] = {{0.001, 0.2}, {0.004, 3}, {0.02, 40}};
+    const double bias[][2] = {{0.002, 0.3}, {0.02, 6}};
+    memcpy(m.table[DRAPE_WARP], warp, sizeof warp);
+    memcpy(m.table[DRAPE_BIAS], bias, sizeof bias);
     d.cloth.material = m;
     memcpy(d.def.gravity, g, sizeof g);
     drape_world *b = slab_world(&d);

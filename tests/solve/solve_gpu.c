@@ -63,6 +63,7 @@ static struct rates rates_of(struct gpu *g, const struct system *a,
     if (!gpu_rates_help(g, d))
         return (struct rates){NULL, NULL};
     b.law = put(g, b.law, SPRINGS, sizeof *b.law);
+    b.piece = put(g, b.piece, b.pieces, sizeof *b.piece);
     b.springs = put(g, b.springs, a->count, sizeof *b.springs);
     b.triple = put(g, b.triple, b.triples, sizeof *b.triple);
     b.beside = put(g, b.beside, b.n_beside, sizeof *b.beside);

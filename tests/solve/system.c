@@ -192,6 +192,8 @@ static bool severed(const struct design *d, int32_t i, int32_t j)
     do {                                                                       \
         (stage)->laws = SPRINGS;                                               \
         (stage)->law = (cloth)->law;                                           \
+        (stage)->pieces = (cloth)->pieces;                                     \
+        (stage)->piece = (cloth)->piece;                                       \
         (stage)->springs = (cloth)->springs;                                   \
         (stage)->triples = (cloth)->triples;                                   \
         (stage)->triple = (cloth)->triple;                                     \

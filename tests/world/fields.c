@@ -43,6 +43,11 @@ static void fill_cloths(struct scene *s)
             c->material.limit[i] = 0.5;
         s->pin[k] = (drape_pin){1, 1 + k, 0};
     }
+    for (int o = 0; o < DRAPE_TABLES; o++)
+        for (int k = 0; k < DRAPE_POINTS; k++) {
+            s->cloth[0].material.table[o][k][0] = 0.01 * (k + 1);
+            s->cloth[0].material.table[o][k][1] = 8 * (k + 1);
+        }
     s->cloth[0].x = (const double(*)[3])s->x;
     s->cloth[0].velocity = (const double(*)[3])s->velocity;
     s->cloth[0].hole = s->hole;
@@ -214,6 +219,9 @@ static const struct part cloth_skip[] = {
     PART(drape_cloth, x),    PART(drape_cloth, velocity),
     PART(drape_cloth, hole), PART(drape_cloth, cut),
     PART(drape_cloth, pins), {0, 0}};
+/* Cloth 0 has whole tables, which need triples; cloth 1 has none. */
+static const struct part table[] = {PART(drape_cloth, material.table), {0, 0}};
+static const struct part bending[] = {PART(drape_cloth, bending), {0, 0}};
 static const struct part obstacle_skip[] = {PART(drape_obstacle, x),
                                             PART(drape_obstacle, tri),
                                             PART(drape_obstacle, frame),
@@ -247,7 +255,7 @@ static const char *walk_structs(struct scene *s)
     for (int k = 0; k < 2 && !failed; k++) {
         const struct walk all[] = {
             {"drape_cloth", &s->cloth[k], sizeof s->cloth[k], 4, cloth_skip,
-             NULL, NULL},
+             k ? table : NULL, k ? table : bending},
             {"drape_obstacle", &s->obstacle[k], sizeof s->obstacle[k], 4,
              obstacle_skip, NULL, obstacle_stiff[k]},
             {"drape_motion", &s->motion[k], sizeof s->motion[k], 4, motion_skip,

@@ -38,6 +38,11 @@ static void pick_cloth(struct bytes *b, struct scene *s, int k)
     c->material.friction = 0.25 * pick(b, 5);
     for (int i = 0; i < 3 && c->m % 3 == 0; i++)
         c->material.limit[i] = 0.05;
+    for (int o = 0; o < DRAPE_TABLES && c->n % 3 == 0; o++)
+        for (int i = 0; i < 3; i++) { /* soft first; far from warp and weft */
+            c->material.table[o][i][0] = 0.005 * (i + 1);
+            c->material.table[o][i][1] = 1.5 * (i + 1) * (i + 1) * (3 - o);
+        }
     c->origin[1] = 0.12 + 0.05 * k;
     c->origin[0] = -0.5 * c->width;
     c->origin[2] = -0.5 * c->height;
