@@ -10,11 +10,17 @@
 static const struct part {
     const char *name;
     void (*run)(struct validate *v);
-} parts[] = {{"cylinder", part_cylinder}, {"plane", part_plane},
-             {"tension", part_tension},   {"cantilever", part_cantilever},
-             {"motion", part_motion},     {"cusick", part_cusick},
-             {"fabrics", part_fabrics},   {"hung", part_hung},
-             {"contact", part_contact},   {"buckling", part_buckling}};
+} parts[] = {{"cylinder", part_cylinder},
+             {"plane", part_plane},
+             {"tension", part_tension},
+             {"measured", part_measured},
+             {"cantilever", part_cantilever},
+             {"motion", part_motion},
+             {"cusick", part_cusick},
+             {"fabrics", part_fabrics},
+             {"hung", part_hung},
+             {"contact", part_contact},
+             {"buckling", part_buckling}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
 /* argument: what was not understood. */

@@ -80,6 +80,7 @@ void part_cantilever(struct validate *v);
 void part_cylinder(struct validate *v);
 void part_plane(struct validate *v);
 void part_tension(struct validate *v);
+void part_measured(struct validate *v);
 void part_motion(struct validate *v);
 void part_cusick(struct validate *v);
 void part_fabrics(struct validate *v);
