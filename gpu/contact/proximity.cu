@@ -25,8 +25,8 @@ static __device__ struct closest measure(const struct proximity *s, int kind,
     return nearest(x, kind);
 }
 
-/* §3.2: the closest point of a led side: in a face, on an edge or at a vertex,
- * by how many vertices have a weight. */
+/* The closest point of a side: in a face, on an edge or at a vertex, by how
+ * many vertices have a weight. */
 struct foot {
     int vertices;
     int32_t v[2];   /* the first two of them */
@@ -34,31 +34,34 @@ struct foot {
     struct wide p;  /* m, from here to the other side's point */
 };
 
-/* Whether side A or B of the pair is led; then its closest point. */
-static __device__ bool find_foot(const struct proximity *s, int kind,
-                                 const int32_t v[4], const struct wide x[4],
-                                 const struct closest *r, struct foot *f)
+/* The foot on side B, or on side A: the vertices from `split` on, or before it.
+ */
+static __device__ struct foot find_foot(int split, bool b, const int32_t v[4],
+                                        const struct wide x[4],
+                                        const struct closest *r)
 {
-    int split = kind == CONTACT_VF ? 1 : 2;
-    bool led[2] = {true, true};
-    for (int j = 0; j < 4; j++)
-        led[j >= split] = led[j >= split] && !(s->w[v[j]] > 0);
-    f->vertices = 0;
-    f->v[0] = f->v[1] = -1;
-    f->at = wide3(0, 0, 0);
-    f->p = led[0] ? scale(-1, r->p) : r->p;
+    struct foot f = {0, {-1, -1}, wide3(0, 0, 0), b ? r->p : scale(-1, r->p)};
     for (int j = 0; j < 4; j++) {
-        if ((j < split) != led[0] || r->c[j] == 0)
+        if ((j >= split) != b || r->c[j] == 0)
             continue;
-        if (f->vertices < 2)
-            f->v[f->vertices] = v[j];
-        f->vertices++;
-        f->at = axpy(f->at, r->c[j] < 0 ? -r->c[j] : r->c[j], x[j]);
+        if (f.vertices < 2)
+            f.v[f.vertices] = v[j];
+        f.vertices++;
+        f.at = axpy(f.at, r->c[j] < 0 ? -r->c[j] : r->c[j], x[j]);
     }
-    return led[0] || led[1];
+    return f;
 }
 
-/* §3.2: whether the foot comes nearer to the other side towards vertex y. */
+/* Whether side A, and side B, is led: has no free vertex. */
+static __device__ void find_led(const struct proximity *s, int split,
+                                const int32_t v[4], bool led[2])
+{
+    led[0] = led[1] = true;
+    for (int j = 0; j < 4; j++)
+        led[j >= split] = led[j >= split] && !(s->w[v[j]] > 0);
+}
+
+/* Whether the foot comes nearer to the other side towards vertex y. */
 static __device__ bool comes_nearer(const struct proximity *s,
                                     const struct foot *f, int32_t y)
 {
@@ -67,14 +70,14 @@ static __device__ bool comes_nearer(const struct proximity *s,
     return along > 0 && along * along > 0x1p-20 * (dot(f->p, f->p) * dot(d, d));
 }
 
-/* §3.2: whether a triangle around f.v[0], with these other vertices, is at the
- * foot. */
+/* Whether a triangle around f.v[0], with these other vertices, is at the foot.
+ */
 static __device__ bool is_at(const struct foot *f, int32_t a, int32_t b)
 {
     return f->vertices == 1 || a == f->v[1] || b == f->v[1];
 }
 
-/* §3.2: whether the foot is the nearest point of the triangles around it. */
+/* Whether the foot is the nearest point of the triangles around it. */
 static __device__ bool is_nearest(const struct proximity *s,
                                   const struct foot *f)
 {
@@ -113,6 +116,21 @@ static __device__ bool turn_normal(const struct proximity *s,
     return found;
 }
 
+/* §3.3: whether the distance of a pair of free sides is the least around. A
+ * vertex's own side is not asked. */
+static __device__ bool is_least(const struct proximity *s, int split,
+                                const int32_t v[4], const struct wide x[4],
+                                const struct closest *r)
+{
+    struct foot f = find_foot(split, true, v, x, r);
+    if (!is_nearest(s, &f))
+        return false;
+    if (split == 1)
+        return true;
+    f = find_foot(split, false, v, x, r);
+    return is_nearest(s, &f);
+}
+
 /* §3: the normal: along p, or the primitives' own normal where p is too short
  * to have a direction, or the led surface's where p is none of its normals.
  * False if the pair is no contact. */
@@ -120,12 +138,16 @@ static __device__ bool find_normal(const struct proximity *s, int kind,
                                    const int32_t v[4], const struct wide x[4],
                                    const struct closest *r, struct wide *n)
 {
-    struct foot f;
     struct wide p = unit(r->p, wide3(1, 0, 0));
-    bool along = r->length2 > 0x1p-80 * r->size2;
+    bool along = r->length2 > 0x1p-80 * r->size2, led[2];
+    int split = kind == CONTACT_VF ? 1 : 2;
     *n = along ? p : unit(nearest_normal(x, kind), p);
     if (along) {
-        if (!find_foot(s, kind, v, x, r, &f) || is_nearest(s, &f))
+        find_led(s, split, v, led);
+        if (!led[0] && !led[1])
+            return is_least(s, split, v, x, r);
+        struct foot f = find_foot(split, !led[0], v, x, r);
+        if (is_nearest(s, &f))
             return true;
         if (!turn_normal(s, &f, n))
             return false;

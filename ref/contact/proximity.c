@@ -30,8 +30,19 @@ static void measure(const struct proximity *s, int64_t k, struct wide x[4],
         closest_ee(x, r);
 }
 
-/* §3.2: the closest point of a led side: in a face, on an edge or at a vertex,
- * by how many vertices have a weight. */
+/* The sides of a pair: A is the vertex or edge a, B the face or edge b. */
+enum side { SIDE_A, SIDE_B, SIDES };
+
+/* The place in the pair of a side's first vertex; for SIDES, of the pair's end.
+ */
+static int side_start(int kind, int side)
+{
+    int split = kind == CONTACT_VF ? 1 : 2;
+    return side == SIDE_A ? 0 : side == SIDE_B ? split : 4;
+}
+
+/* The closest point of a side: in a face, on an edge or at a vertex, by how
+ * many vertices have a weight. */
 struct foot {
     int vertices;
     int32_t v[2];   /* the first two of them */
@@ -39,36 +50,44 @@ struct foot {
     struct wide p;  /* m, from here to the other side's point */
 };
 
-/* Whether side A or B of the pair is led; then its closest point. */
-static bool find_foot(const struct proximity *s, int64_t k,
-                      const struct wide x[4], const struct closest *r,
-                      struct foot *f)
+static struct foot find_foot(const struct proximity *s, int64_t k, int side,
+                             const struct wide x[4], const struct closest *r)
 {
     const int32_t *v = s->pair + 4 * k;
-    int split = s->kind[k] == CONTACT_VF ? 1 : 2;
-    bool a = true, b = true;
-    for (int j = 0; j < 4; j++)
-        if (s->w[v[j]] > 0)
-            *(j < split ? &a : &b) = false;
-    *f = (struct foot){.p = a ? wide_scale(-1, r->p) : r->p};
-    for (int j = a ? 0 : split; j < (a ? split : 4); j++) {
+    int end = side_start(s->kind[k], side + 1);
+    struct foot f = {.p = side == SIDE_A ? wide_scale(-1, r->p) : r->p};
+    for (int j = side_start(s->kind[k], side); j < end; j++) {
         if (r->c[j] == 0)
             continue;
-        if (f->vertices < 2)
-            f->v[f->vertices] = v[j];
-        f->vertices++;
-        f->at = wide_axpy(f->at, r->c[j] < 0 ? -r->c[j] : r->c[j], x[j]);
+        if (f.vertices < 2)
+            f.v[f.vertices] = v[j];
+        f.vertices++;
+        f.at = wide_axpy(f.at, r->c[j] < 0 ? -r->c[j] : r->c[j], x[j]);
     }
-    return a || b;
+    return f;
 }
 
-/* §3.2: whether triangles of the fan of f.v[0] are at the foot. */
+/* The led side of a pair: the first whose vertices are all led; SIDES if both
+ * have free ones. */
+static int led_side(const struct proximity *s, int64_t k)
+{
+    for (int side = SIDE_A; side < SIDES; side++) {
+        int free = 0, end = side_start(s->kind[k], side + 1);
+        for (int j = side_start(s->kind[k], side); j < end; j++)
+            free += s->w[s->pair[4 * k + j]] > 0;
+        if (!free)
+            return side;
+    }
+    return SIDES;
+}
+
+/* Whether triangles of the fan of f.v[0] are at the foot. */
 static bool is_at(const struct foot *f, const int32_t rim[2])
 {
     return f->vertices == 1 || rim[0] == f->v[1] || rim[1] == f->v[1];
 }
 
-/* §3.2: whether the foot comes nearer to the other side towards vertex y. */
+/* Whether the foot comes nearer to the other side towards vertex y. */
 static bool comes_nearer(const struct proximity *s, const struct foot *f,
                          int32_t y)
 {
@@ -78,7 +97,7 @@ static bool comes_nearer(const struct proximity *s, const struct foot *f,
            along * along > 0x1p-20 * (wide_dot(f->p, f->p) * wide_dot(d, d));
 }
 
-/* §3.2: whether the foot is the nearest point of the triangles around it. */
+/* Whether the foot is the nearest point of the triangles around it. */
 static bool is_nearest(const struct proximity *s, const struct foot *f)
 {
     int32_t i = f->v[0];
@@ -117,6 +136,36 @@ static bool turn_normal(const struct proximity *s, const struct foot *f,
     return found;
 }
 
+/* §3.3: whether the distance of a pair of free sides is the least around: no
+ * surface beside its closest points comes nearer. A vertex is itself what is
+ * tested against a surface, so its own side is not asked. */
+static bool is_least(const struct proximity *s, int64_t k,
+                     const struct wide x[4], const struct closest *r)
+{
+    for (int side = s->kind[k] == CONTACT_VF ? SIDE_B : SIDE_A; side < SIDES;
+         side++) {
+        struct foot f = find_foot(s, k, side, x, r);
+        if (!is_nearest(s, &f))
+            return false;
+    }
+    return true;
+}
+
+/* §3.2: the normal at a led side. False if the pair is no contact. */
+static bool led_normal(const struct proximity *s, int64_t k, int side,
+                       const struct wide x[4], const struct closest *r,
+                       struct wide *n)
+{
+    struct foot f = find_foot(s, k, side, x, r);
+    if (is_nearest(s, &f))
+        return true;
+    if (!turn_normal(s, &f, n))
+        return false;
+    if (wide_dot(*n, r->p) < 0)
+        *n = wide_scale(-1, *n);
+    return true;
+}
+
 /* §3: the normal: along p, or the primitives' own normal where p is too short
  * to have a direction, or the led surface's where p is none of its normals.
  * False if the pair is no contact. */
@@ -124,19 +173,13 @@ static bool find_normal(const struct proximity *s, int64_t k,
                         const struct wide x[4], const struct closest *r,
                         struct wide *n)
 {
-    struct foot f;
     struct wide p = closest_unit(r->p, wide_make(1, 0, 0));
+    int side = led_side(s, k);
     *n = p;
-    if (!(r->length2 > 0x1p-80 * r->size2)) {
-        *n = closest_unit(closest_normal(x, s->kind[k]), p);
-        if (wide_dot(*n, r->p) < 0)
-            *n = wide_scale(-1, *n);
-        return true;
-    }
-    if (!find_foot(s, k, x, r, &f) || is_nearest(s, &f))
-        return true;
-    if (!turn_normal(s, &f, n))
-        return false;
+    if (r->length2 > 0x1p-80 * r->size2)
+        return side < SIDES ? led_normal(s, k, side, x, r, n)
+                            : is_least(s, k, x, r);
+    *n = closest_unit(closest_normal(x, s->kind[k]), p);
     if (wide_dot(*n, r->p) < 0)
         *n = wide_scale(-1, *n);
     return true;
