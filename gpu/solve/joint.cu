@@ -20,7 +20,7 @@ struct solve {
     struct pcg rule;     /* energy, tolerance and max_iterations of the whole */
     struct pcg_state *c; /* device */
     struct links *links; /* device */
-    int64_t nc, nv, n_chunks;
+    int64_t nc, n_chunks;
     vec *r, *p[2], *q, *dv;
     const vec *b, *at; /* at: the positions that rates are of */
     real *item, *chunk;
@@ -260,10 +260,13 @@ static int begin(const struct world *w, const struct solve *a)
 {
     struct gpu *g = w->device->gpu;
     int status = DRAPE_OK;
+    fork_cloths(w);
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
         struct pcg p = part_of(w, &w->sheet[k]);
+        branch_to(w, k);
         status = gpu_pcg_set_up(g, &p);
     }
+    join_cloths(w);
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_open_kernel, *a);
     iterate(w, a, FIRST);
     return status;
@@ -273,9 +276,11 @@ static int begin(const struct world *w, const struct solve *a)
 static void conclude(const struct world *w, const struct solve *a)
 {
     struct gpu *g = w->device->gpu;
+    fork_cloths(w);
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct sheet *s = &w->sheet[k];
         const struct pcg *p = &s->solver.pcg;
+        branch_to(w, k);
         struct product m = {.m = p->m,
                             .n = p->n,
                             .count = p->count,
@@ -290,6 +295,7 @@ static void conclude(const struct world *w, const struct solve *a)
                             .y = a->q + s->first};
         gpu_product(g, &m);
     }
+    join_cloths(w);
     LAUNCH(g, a->nc, joint_walls_kernel, *a, w->couple.joint.wall);
     gpu_links_queue(g, a->links, a->nc, a->dv, a->p[0], NULL);
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_conclude_kernel, *a, w->w,
@@ -339,7 +345,6 @@ static void write_solve(struct solve *a, const struct world *w,
     a->c = (struct pcg_state *)gpu_words(d->gpu);
     a->links = d->links;
     a->nc = s->nc;
-    a->nv = w->nv;
     a->n_chunks = s->n_chunks;
     a->r = s->r;
     a->p[0] = s->p;

@@ -81,7 +81,7 @@ struct tree_scene {
 
 /* Returns floor(log2) of a mesh's longest side in metres, at least -60, plus a
  * constant that makes it positive. */
-int tree_size(const struct tree_scene *scene, const struct tree_mesh *mesh);
+int tree_size(const struct tree_scene *s, const struct tree_mesh *g);
 
 /* Builds the BVH. Returns DRAPE_OK, DRAPE_ENOMEM or DRAPE_EARG. The arena owns
  * the new streams; tri stays the scene's. */

@@ -5,7 +5,6 @@
 
 #include "ref/base/sum.h"
 #include "ref/solve/jacobi.h"
-#include "ref/solve/matrix.h"
 #include "ref/solve/product.h"
 #include "ref/world/state.h"
 
@@ -23,33 +22,14 @@ static struct pcg part_of(const struct sheet *s, const struct joint *a)
     return p;
 }
 
-static int matrix(void *none, struct matrix *s)
-{
-    (void)none;
-    return ref_matrix(s);
-}
-
-static int jacobi(void *none, struct jacobi *s)
-{
-    (void)none;
-    return ref_jacobi(s);
-}
-
-static int multigrid(void *none, struct multigrid *s)
-{
-    (void)none;
-    return ref_multigrid_build(s);
-}
-
 static int set_up(struct world *w, struct joint *a)
 {
-    static const struct pcg_stages stages = {matrix, jacobi, multigrid};
     int status = DRAPE_OK;
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
         struct pcg p = part_of(&w->sheet[k], a);
         status = pcg_open(&p);
         if (status == DRAPE_OK)
-            status = pcg_set_up(&p, &stages, NULL);
+            status = ref_pcg_set_up(&p);
     }
     return status;
 }
@@ -114,11 +94,6 @@ static void add_links(struct joint *a, const vec *x, vec *y)
     ref_links(&a->links);
 }
 
-static bool finite_positive(real x)
-{
-    return x > 0 && x - x == 0;
-}
-
 /* p = M⁻¹ r + β p, and a step along p. False if the matrix is not positive
  * definite along p. */
 static bool step(struct world *w, struct joint *a, real next, real before)
@@ -130,7 +105,7 @@ static bool step(struct world *w, struct joint *a, real next, real before)
     multiply(w, a, true, a->p, a->q);
     add_links(a, a->p, a->q);
     real curvature = dot(a, a->p, a->q);
-    if (!finite_positive(curvature))
+    if (!pcg_positive(curvature))
         return false;
     real alpha = next / curvature;
     EACH_ITEM
@@ -158,7 +133,7 @@ static int iterate(struct world *w, struct joint *a, real square)
         real next = precondition(w, a);
         if (calm(a, next, square))
             return PCG_CONVERGED;
-        if (!finite_positive(next) || !step(w, a, next, before))
+        if (!pcg_positive(next) || !step(w, a, next, before))
             return PCG_BREAKDOWN;
         before = next;
         square = dot(a, a->r, a->r);
@@ -196,8 +171,7 @@ int joint_solve(struct world *w, struct joint *a)
     a->square = real_max(square, a->square);
     if (status != DRAPE_OK || square == 0)
         return status;
-    a->outcome =
-        finite_positive(square) ? iterate(w, a, square) : PCG_BREAKDOWN;
+    a->outcome = pcg_positive(square) ? iterate(w, a, square) : PCG_BREAKDOWN;
     conclude(w, a);
     return DRAPE_OK;
 }

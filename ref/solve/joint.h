@@ -31,7 +31,6 @@ struct joint {
 
 /* Runs the solve by the reference. DRAPE_OK however it ends, or the status of a
  * stage. */
-/* NOLINTNEXTLINE(readability-inconsistent-declaration-parameter-name) */
-int joint_solve(struct world *w, struct joint *s);
+int joint_solve(struct world *w, struct joint *a);
 
 #endif

@@ -189,22 +189,22 @@ static int multigrid(void *none, struct multigrid *s)
     return ref_multigrid_build(s);
 }
 
+int ref_pcg_set_up(struct pcg *s)
+{
+    static const struct pcg_stages stages = {matrix, jacobi, multigrid};
+    return pcg_set_up(s, &stages, NULL);
+}
+
 /* §1: makes the matrix and M, and sets the start of dv. */
 static int set_up(struct pcg *s)
 {
-    static const struct pcg_stages stages = {matrix, jacobi, multigrid};
-    int status = pcg_set_up(s, &stages, NULL);
+    int status = ref_pcg_set_up(s);
     EACH_ITEM
     for (int64_t k = 0; k < s->count; k++) {
         s->dv[k] = s->fixed[k] && s->n_z ? s->z[k] : vec_make(0, 0, 0);
         s->low[k] = vec_make(0, 0, 0);
     }
     return status;
-}
-
-static bool finite_positive(real a)
-{
-    return a > 0 && a - a == 0;
 }
 
 /* §3: makes the next direction p from s = M⁻¹ r, where next = r·s, and its
@@ -224,7 +224,7 @@ static bool step(struct pcg *s, real next, real *rho, bool first)
         if (s->fixed[k])
             s->q[k] = vec_make(0, 0, 0);
     real curvature = dot(s, s->p, s->q);
-    if (!finite_positive(curvature))
+    if (!pcg_positive(curvature))
         return false;
     real alpha = next / curvature;
     EACH_ITEM
@@ -256,7 +256,7 @@ static int iterate(struct pcg *s, real square)
         real next = dot(s, s->r, s->s);
         if (s->energy && calm(s, next, left))
             return PCG_CONVERGED;
-        if (!finite_positive(next) || !step(s, next, &rho, first))
+        if (!pcg_positive(next) || !step(s, next, &rho, first))
             return PCG_BREAKDOWN;
         s->iterations++;
         left = dot(s, s->r, s->r);
@@ -289,7 +289,7 @@ int ref_pcg(struct pcg *s)
     real most = square;
     if (s->energy)
         most = s->square = real_max(square, s->square);
-    if (!finite_positive(square))
+    if (!pcg_positive(square))
         s->outcome = PCG_BREAKDOWN;
     /* §4: restarts from the true residual, as long as each restart at least
      * halves it. */

@@ -82,6 +82,15 @@ struct pcg_stages {
  * status of the stages. */
 int pcg_set_up(struct pcg *s, const struct pcg_stages *stages, void *backend);
 
+/* The same by the reference's stages. */
+int ref_pcg_set_up(struct pcg *s);
+
+/* Whether a, a curvature or a squared norm, is finite and above 0. */
+static inline bool pcg_positive(real a)
+{
+    return a > 0 && a - a == 0;
+}
+
 /* DRAPE_OK however the iteration ends; DRAPE_EARG as pcg_open. */
 int ref_pcg(struct pcg *s);
 
