@@ -184,6 +184,16 @@ static const char *check_report(const drape_def *def,
     return NULL;
 }
 
+/* Whether a later pin names the particle of pin k: of several pins of one
+ * particle the last holds (drape.h). */
+static bool replaced(const drape_cloth *c, int k)
+{
+    for (int l = k + 1; l < c->n_pins; l++)
+        if (c->pins[l].i == c->pins[k].i && c->pins[l].j == c->pins[k].j)
+            return true;
+    return false;
+}
+
 /* Whether all fixed pins have kept their bits. */
 static bool stays(const struct scene *s, const drape_world *world)
 {
@@ -194,7 +204,7 @@ static bool stays(const struct scene *s, const drape_world *world)
         const drape_pin *pin = &s->pin[k];
         int p = pin->i + c->m * pin->j;
         real start[3];
-        if (pin->motion >= 0)
+        if (pin->motion >= 0 || replaced(c, k))
             continue;
         for (int i = 0; i < 3; i++)
             start[i] =
