@@ -2,6 +2,8 @@
 /* Stage contacts: generator and properties. spec/contact/contacts.md */
 #include "tests/contact/contacts.h"
 
+#include <stdlib.h>
+
 #include "ref/base/wide.h"
 #include "ref/contact/proximity.h"
 #include "tests/base/choices.h"
@@ -76,7 +78,52 @@ void gen_contacts(struct bytes *b, struct contacts *s)
     s->v = v;
 }
 
-const char *prop_contacts(const struct contacts *s)
+static const double eps = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
+
+/* §4.1, of each vertex: how many items act on it, and how far friction can have
+ * taken its velocity from where it ended, m/s. */
+struct rub {
+    int64_t acting;
+    double way;
+};
+
+static void find_rubs(const struct contacts *s, struct rub *rub)
+{
+    for (int64_t k = 0; k < s->n4; k++) {
+        const struct contact *c = &s->contact[k / 4];
+        double most = (double)c->friction * (double)c->impulse;
+        struct rub *r = &rub[c->v[k % 4]];
+        double part = (double)real_abs(c->c[k % 4]);
+        r->acting += c->impulse > 0 && part > 0;
+        r->way += 2 * (double)s->w[c->v[k % 4]] * part * most;
+    }
+}
+
+/* §4.1: the greatest n·τ of contact c that rounding can leave, N·s. */
+static double along_most(const struct contacts *s, const struct contact *c,
+                         const struct rub *rub)
+{
+    double speed = 0, a = 0, widest = 0;
+    for (int j = 0; j < 4; j++) {
+        int32_t i = c->v[j];
+        double part = (double)real_abs(c->c[j]);
+        double w = (double)s->w[i] * (double)rub[i].acting;
+        speed += part * ((double)vec_length(s->u[i]) + rub[i].way);
+        a += part * part * w;
+        widest = part > 0 && w > widest ? w : widest;
+    }
+    a = a > 0x1p-12 * widest ? a : 0x1p-12 * widest;
+    if (!(a > 0))
+        return 0;
+    struct wide n = wide_of(c->n);
+    double most = (double)c->friction * (double)c->impulse;
+    double each = (fabs(1 - wide_dot(n, n)) + 8 * eps) * speed / a;
+    return 2 * s->iterations * (each + 3 * eps * most);
+}
+
+/* §4: impulses in the friction cone, and across n up to rounding. */
+static const char *check_friction(const struct contacts *s,
+                                  const struct rub *rub)
 {
     /* §4: the square of a component below 2^-62 (2^-510) underflows, so a
      * computed length may lose such a component. */
@@ -84,11 +131,25 @@ const char *prop_contacts(const struct contacts *s)
     for (int64_t k = 0; k < s->n; k++) {
         const struct contact *c = &s->contact[k];
         real most = c->friction * c->impulse;
-        /* §4: the friction cone, up to rounding of the length and the scale */
+        /* up to rounding of the length and the scale */
         EXPECT(c->impulse >= 0);
         EXPECT(vec_length(c->tangent) <= most * (1 + R(0x1p-20)) + lost);
-        EXPECT(real_abs(vec_dot(c->tangent, c->n)) <= most * R(0x1p-18) + lost);
+        double along = wide_dot(wide_of(c->tangent), wide_of(c->n));
+        EXPECT(fabs(along) <=
+               along_most(s, c, rub) + 4 * eps * (double)most + (double)lost);
     }
+    return NULL;
+}
+
+const char *prop_contacts(const struct contacts *s)
+{
+    struct rub *rub = calloc((size_t)s->nv + 1, sizeof *rub);
+    EXPECT(rub);
+    find_rubs(s, rub);
+    const char *failed = check_friction(s, rub);
+    free(rub);
+    if (failed)
+        return failed;
     int64_t at = 0;
     for (int64_t i = 0; i < s->nv; i++) {
         bool in = false;
@@ -106,8 +167,6 @@ const char *prop_contacts(const struct contacts *s)
 }
 
 /* §5: conservation of momentum and bound of energy */
-
-static const double eps = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
 
 struct sums {
     struct wide p, l; /* linear and angular momentum */
