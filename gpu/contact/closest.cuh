@@ -161,6 +161,8 @@ static __device__ inline struct wide nearest_normal(const struct wide x[4],
  * finite. */
 static __device__ inline struct wide unit(struct wide a, struct wide fallback)
 {
+    if (dot(a, a) < 0x1p-900) /* §2.4 */
+        a = scale(0x1p600, a);
     double l = sqrt(dot(a, a));
     if (!(l > 0 && l - l == 0))
         return fallback;

@@ -127,6 +127,8 @@ struct wide closest_normal(const struct wide x[4], int kind)
 
 struct wide closest_unit(struct wide a, struct wide fallback)
 {
+    if (wide_dot(a, a) < 0x1p-900) /* §2.4: squares may have underflowed */
+        a = wide_scale(0x1p600, a);
     double l = sqrt(wide_dot(a, a));
     if (!(l > 0 && l - l == 0))
         return fallback;

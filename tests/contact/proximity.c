@@ -111,9 +111,13 @@ static double clamp(double a)
     return a < 0 ? 0 : a > 1 ? 1 : a;
 }
 
+/* Of vectors whose squares underflow too. */
 static double length(struct wide a)
 {
-    return sqrt(wide_dot(a, a));
+    if (wide_dot(a, a) >= 0x1p-900)
+        return sqrt(wide_dot(a, a));
+    a = wide_scale(0x1p600, a);
+    return 0x1p-600 * sqrt(wide_dot(a, a));
 }
 
 static double to_segment(struct wide p, struct wide a, struct wide b)
@@ -181,6 +185,9 @@ static double size_of(const struct wide x[4])
     return size;
 }
 
+/* §2.4: by how much underflow may change a distance, m. */
+static const double lost = REAL_BITS == 32 ? 0x1p-150 : 0x1p-260;
+
 static bool finite_contact(const struct contact *c)
 {
     return vec_sane(c->n) && real_sane(c->gap) && real_sane(c->target);
@@ -203,7 +210,7 @@ static const char *check_contact(const struct contact *c,
     EXPECT(unit > 1 - 0x1p-20 && unit < 1 + 0x1p-20);
     /* §3: n·Σ c x is the gap */
     p -= (double)c->gap;
-    EXPECT(p <= 0x1p-19 * size && p >= -0x1p-19 * size);
+    EXPECT(fabs(p) <= 0x1p-19 * size + lost);
     return NULL;
 }
 
@@ -273,7 +280,7 @@ const char *prop_proximity(const struct proximity *s)
         bool kept = at < s->found && !memcmp(c->v, v, sizeof c->v) &&
                     c->kind == s->kind[k];
         double d = s->kind[k] == CONTACT_VF ? to_triangle(x) : to_edge(x);
-        double bound = 0x1p-22 * size_of(x); /* §2.1 */
+        double bound = 0x1p-22 * size_of(x) + lost; /* §2.1, §2.4 */
         bool led = has_led_side(s, k);
         EXPECT(!kept || d <= r + bound);
         if (!kept) {
@@ -291,6 +298,57 @@ const char *prop_proximity(const struct proximity *s)
     }
     EXPECT(at == s->found);
     return NULL;
+}
+
+/* Picks coordinates that are small multiples of 2^e or, one in three, of 1. */
+static void pick_tiny(struct bytes *b, int e, vec x[4])
+{
+    for (int k = 0; k < 12; k++) {
+        real a = (real)ldexp((double)pick(b, 9) - 4, pick(b, 3) ? e : 0);
+        *(k % 3 == 0   ? &x[k / 3].x
+          : k % 3 == 1 ? &x[k / 3].y
+                       : &x[k / 3].z) = a;
+    }
+    if (pick(b, 2)) /* side A touches the other side */
+        x[0] = x[1 + pick(b, 3)];
+}
+
+/* §2.4, §3: the properties hold for pairs of any size down to the smallest
+ * number, and for needles of any height: the normal's length too. */
+const char *test_proximity_tiny(void)
+{
+    static const int32_t v[4] = {0, 1, 2, 3}, start[5], rim[1][2];
+    static const struct surface surface = {2, 0};
+    static const uint16_t of[4];
+    struct bytes b = {.seed = 1, .size = -1};
+    const char *failed = NULL;
+    const int least = REAL_BITS == 32 ? -149 : -1074;
+    for (int k = 0; k < 64 * -least && !failed; k++) {
+        vec x[4];
+        uint8_t kind = (uint8_t)pick(&b, 2);
+        real w = (real)pick(&b, 2);
+        const real ws[4] = {w, w, 1, 1};
+        struct contact contact;
+        int32_t at;
+        pick_tiny(&b, least + k / 64, x);
+        struct proximity p = {.nv = 4,
+                              .n = 1,
+                              .pair = v,
+                              .kind = &kind,
+                              .x = x,
+                              .w = ws,
+                              .skin = {1, of, &surface},
+                              .fan = {5, 0, start, rim},
+                              .dt = 1,
+                              .at = &at,
+                              .cap = 1,
+                              .contact = &contact};
+        EXPECT(ref_proximity(&p) == DRAPE_OK);
+        failed = prop_proximity(&p);
+        ran(1);
+    }
+    choices_free(&b);
+    return failed;
 }
 
 /* The smallest distance between sample points of both primitives: an upper
