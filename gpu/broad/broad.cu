@@ -349,6 +349,7 @@ int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
     /* Refit is waited for at once in a first query, whose boxes do not exist
      * yet, and in a traced run, whose trace must end at bad positions. */
     bool now = !b->started || b->trace;
+    int64_t walked = b->walked, cleared = b->cleared;
     refit(g, b);
     if (now)
         gpu_read_back_keep(g, REFIT_WORDS);
@@ -361,6 +362,11 @@ int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
         status = walk(g, b);
     if (status == DRAPE_OK && !now)
         status = refitted(g, b);
+    if (status == DRAPE_EDATA) { /* walked among boxes of another query */
+        b->walked = walked;
+        b->cleared = cleared;
+        b->n_front = b->later ? b->n_front : 0;
+    }
     if (status == DRAPE_OK)
         status = candidates(g, b);
     if (status == DRAPE_ENOMEM)

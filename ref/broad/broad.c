@@ -199,6 +199,8 @@ int broad_update_front(struct broad *b)
     struct front s = {
         .stop = b->stop,
         .in = {.tree = b->tree, .box = b->box, .clear = b->clear, .r = b->r}};
+    if (!b->n_front && begin_front(b, b->roots) != DRAPE_OK)
+        return DRAPE_ENOMEM;
     for (;;) {
         s.cap = b->front.cap;
         s.n = b->n_front;
@@ -305,6 +307,8 @@ int broad_query(struct broad *b, const vec *x0, const vec *x1, real r,
                 const uint8_t *moved)
 {
     int status = broad_refit(b, x0, x1, r, moved);
+    if (status == DRAPE_EDATA && !b->later)
+        b->n_front = 0; /* a device may have moved it */
     if (status == DRAPE_OK && !b->later)
         status = broad_update_front(b);
     return status == DRAPE_OK ? broad_candidates(b) : status;

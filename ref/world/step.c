@@ -162,10 +162,19 @@ static void check_travel(struct world *w, struct step *s)
         s->status = collide_far(w, &s->r, &s->last, &s->again);
 }
 
+/* §3.3: positions were in range before. If one no longer is, contact led it
+ * beyond, and the slice has diverged. */
 static void handle_contact(struct world *w, struct step *s)
 {
-    if (goes_on(s) && w->plan.collides)
-        s->status = collide(w, &s->r, &s->last);
+    if (!goes_on(s) || !w->plan.collides)
+        return;
+    s->status = collide(w, &s->r, &s->last);
+    if (s->status != DRAPE_EDATA)
+        return;
+    s->status = DRAPE_OK;
+    s->r.outcome |= DRAPE_DIVERGED;
+    s->r.outcome &= ~DRAPE_TRAPPED; /* the slice is given up */
+    s->again = slice_diverged(w);
 }
 
 /* §7.3: checks the slice by its outcome and its energies. The energies that
