@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The generator and the properties of stage features. spec/broad/features.md */
+#include "tests/base/choices.h"
 #include "tests/broad/fabric.h"
 
 const struct field fields_features[] = {
@@ -114,5 +115,35 @@ const char *prop_features(const struct features *s)
         EXPECT(s->kind[k] == (k < s->n_vf ? FEATURES_VF : FEATURES_EE));
         EXPECT(ordered(s, k) && meeting(s, k) && stirred(s, s->pair[k]));
     }
+    return NULL;
+}
+
+/* A stage that is refused or needs more room reports no candidate: the second
+ * also says how much room. */
+const char *test_features_refused(void)
+{
+    int full = 0;
+    for (uint64_t k = 0; k < 40; k++) {
+        struct bytes b = {.seed = k, .size = 33};
+        struct features s = {0};
+        gen_features(&b, &s);
+        s.mask = take(&b, s.n, sizeof *s.mask);
+        s.sum = take(&b, 2 * bvtt_blocks(s.n) + 2, sizeof *s.sum);
+        s.cap = 0;
+        s.n_pair = s.n_vf = -1;
+        int status = ref_features(&s);
+        full += status == DRAPE_EFULL;
+        EXPECT(status == (s.need > 0 ? DRAPE_EFULL : DRAPE_OK));
+        EXPECT(s.n_pair == 0 && s.n_vf == 0);
+        for (int wrong = 0; wrong < 3; wrong++) {
+            s.r = wrong == 0 ? -1 : wrong == 1 ? (real)NAN : 2 * REAL_BIG;
+            s.n_pair = s.n_vf = -1;
+            EXPECT(ref_features(&s) == DRAPE_EDATA);
+            EXPECT(s.n_pair == 0 && s.n_vf == 0);
+        }
+        choices_free(&b);
+        ran(1);
+    }
+    EXPECT(full > 20);
     return NULL;
 }
