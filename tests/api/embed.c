@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "ref/base/sum.h"
+#include "ref/cloth/dynamics.h"
 #include "tests/api/guest.h"
 #include "tests/world/scene.h"
 
@@ -48,6 +50,44 @@ const char *test_embed_memory(void)
         EXPECT(planned(world) == (backend ? b.device_bytes : b.host_bytes));
         drape_destroy(world);
         EXPECT(s.host.held == 0 && s.device.held == 0);
+        ran(1);
+    }
+    return NULL;
+}
+
+/* Bytes of the solver's part. */
+static size_t solver_bytes(const drape_world *world)
+{
+    drape_plan_row row[64];
+    int rows = drape_plan(world, row, 64);
+    for (int k = 0; k < rows && k < 64; k++)
+        if (!strcmp(row[k].stage, "implicit"))
+            return row[k].bytes;
+    return 0;
+}
+
+/* An explicit integrator holds no memory of an implicit one's linear system:
+ * only its substeps' streams, and on a device RK4's spare. */
+const char *test_embed_explicit(void)
+{
+    for (int k = 0; k < 8; k++) {
+        struct guest s;
+        drape_world *world;
+        guest_make(&s, k % 2 ? DRAPE_GPU : DRAPE_REF);
+        s.def.integrator = DRAPE_EULER + k / 2;
+        s.def.dt = 1e-3;
+        int status = drape_create(&s.def, &world, NULL);
+        if (status == DRAPE_EDEVICE)
+            return skip("there is no device");
+        EXPECT(status == DRAPE_OK);
+        int64_t count = s.cloth.m * s.cloth.n;
+        int64_t vecs = dynamics_vecs(s.def.integrator, s.def.wind.density > 0);
+        vecs += s.def.integrator == DRAPE_RK4 && k % 2;
+        int64_t most = vecs * count * (int64_t)sizeof(vec) +
+                       3 * sum_chunks(count) * (int64_t)sizeof(real);
+        size_t held = solver_bytes(world);
+        EXPECT(held > 0 && held <= (size_t)most + 1024); /* alignment */
+        drape_destroy(world);
         ran(1);
     }
     return NULL;
