@@ -173,7 +173,6 @@ static void handle_contact(struct world *w, struct step *s)
         return;
     s->status = DRAPE_OK;
     s->r.outcome |= DRAPE_DIVERGED;
-    s->r.outcome &= ~DRAPE_TRAPPED; /* the slice is given up */
     s->again = slice_diverged(w);
 }
 
@@ -294,6 +293,8 @@ static int end(struct world *w, struct step *s)
     if (s->status != DRAPE_OK)
         return s->status;
     w->intersecting = found;
+    if (diverged)
+        r->outcome &= ~DRAPE_TRAPPED; /* what the response met is undone */
     ending_tell(w, r);
     if (!failed && !s->asleep)
         slice_end(w);
