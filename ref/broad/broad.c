@@ -307,9 +307,11 @@ int broad_query(struct broad *b, const vec *x0, const vec *x1, real r,
                 const uint8_t *moved)
 {
     int status = broad_refit(b, x0, x1, r, moved);
-    if (status == DRAPE_EDATA && !b->later)
-        b->n_front = 0; /* a device may have moved it */
     if (status == DRAPE_OK && !b->later)
         status = broad_update_front(b);
-    return status == DRAPE_OK ? broad_candidates(b) : status;
+    if (status == DRAPE_OK)
+        status = broad_candidates(b);
+    if (status == DRAPE_EDATA && !b->later)
+        b->n_front = 0; /* a device may have moved it */
+    return status;
 }
