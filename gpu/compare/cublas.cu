@@ -38,7 +38,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.s[k] = solved(s.factor[k], s.r[k]);
 }
 
-/* Thread k owns particle k: the first half-step of multigrid's cycle from r[k].
+/* Thread k owns particle k: the first smoothing of multigrid's cycle from r[k].
  */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     cublas_open_kernel(struct opening o, int64_t count, const vec *r)

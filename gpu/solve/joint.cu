@@ -73,7 +73,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 }
 
 /* Thread k owns particle k of one cloth: begins M⁻¹ r. By Jacobi s and item =
- * r·s; by multigrid the first half-step of the cycle. */
+ * r·s; by multigrid the first smoothing of the cycle. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     joint_begin_kernel(struct pcg p, bool jacobi, struct opening o, real *item,
                        const int32_t *go)

@@ -24,26 +24,22 @@ struct level {
     const struct thin *thin; /* read in place of block, unless NULL */
     const sym *factor;       /* of the diagonal blocks, jacobi.md §2 */
     vec *b;            /* right-hand side; for the finest grid the caller's r */
-    vec *x, *y, *d;    /* solution, residual, direction */
+    vec *x;            /* on the way down the residual, then the solution */
+    vec *y;            /* what is smoothed before x is known */
     const int32_t *go; /* NULL, or on the device: if *go is 0 nothing is done */
 };
 
-/* §4: coefficients of the Chebyshev smoothing of degree 2, as in ref/. */
-struct weights {
-    real first, keep, second;
-};
-
-/* The first half-step of a cycle, which starts from x = 0: y = first·F b. The
- * kernel that computes the right-hand side b also does this half-step. */
+/* The first smoothing of a cycle, which starts from 0: y = damping·F b. The
+ * kernel that computes the right-hand side b also does it. */
 struct opening {
     const sym *factor;
     vec *y;
-    real first;
+    real damping;
 };
 
 static __device__ inline void open_at(const struct opening *o, int p, vec b)
 {
-    o->y[p] = scale(o->first, solved(o->factor[p], b));
+    o->y[p] = scale(o->damping, solved(o->factor[p], b));
 }
 
 /* Makes each grid of a chain from the grid before, as gpu_coarsen does, but all
@@ -58,19 +54,13 @@ void gpu_coarsen_chain(struct gpu *g, const struct level *l, int levels);
 
 struct opening gpu_multigrid_opening(const struct multigrid *s);
 
-/* Streams of the finest grid that the caller lends. Multigrid then does not
- * need its own: the first [count] items of pool and the second [count] of room.
- */
-struct lent {
-    sym *excess; /* [count] used by the build only */
-    vec *d;      /* [count] used by a cycle only */
-};
-
 /* The two halves of gpu_multigrid: the build makes the coarse operators, and a
  * cycle applies them. The opening must have been done before a cycle. go: as in
- * struct level. item: unless NULL, item[p] becomes z[p]·r[p]. */
-int gpu_multigrid_build(struct gpu *g, struct multigrid *s, struct lent lent);
-void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, struct lent lent,
+ * struct level. item: unless NULL, item[p] becomes z[p]·r[p]. lent: unless
+ * NULL, the excess of the finest grid [count], which only the build uses; pool
+ * then lacks its first [count] items. */
+int gpu_multigrid_build(struct gpu *g, struct multigrid *s, sym *lent);
+void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, sym *lent,
                          const int32_t *go, real *item);
 
 #endif

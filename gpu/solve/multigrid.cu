@@ -7,11 +7,11 @@
 
 /* §5: fills the list of grids, from fine to coarse, with the places of their
  * streams. */
-static int lay_out(const struct multigrid *s, struct lent lent,
-                   const int32_t *go, struct level *l)
+static int lay_out(const struct multigrid *s, sym *lent, const int32_t *go,
+                   struct level *l)
 {
-    sym *a = lent.excess ? s->pool : s->pool + s->count;
-    vec *v = lent.d ? s->room + s->count : s->room + 2 * s->count;
+    sym *a = lent ? s->pool : s->pool + s->count;
+    vec *v = s->room + s->count;
     struct level fine = {};
     fine.g = grid{s->m, s->n};
     fine.count = (int32_t)s->count;
@@ -19,14 +19,13 @@ static int lay_out(const struct multigrid *s, struct lent lent,
     fine.extra = s->n_extra ? s->extra : NULL;
     fine.fixed = s->fixed;
     fine.rule = s->live + s->count;
-    fine.excess = lent.excess ? lent.excess : s->pool;
+    fine.excess = lent ? lent : s->pool;
     fine.block = s->block;
     fine.thin = s->n_thin ? s->thin : NULL;
     fine.factor = s->factor;
     fine.b = (vec *)s->r; /* only read */
     fine.x = s->z;
     fine.y = s->room;
-    fine.d = lent.d ? lent.d : s->room + s->count;
     fine.go = go;
     l[0] = fine;
     int levels = 1;
@@ -42,33 +41,28 @@ static int lay_out(const struct multigrid *s, struct lent lent,
         c.x = v;
         c.b = v + c.count;
         c.y = v + 2 * (int64_t)c.count;
-        c.d = v + 3 * (int64_t)c.count;
         c.go = go;
         a += (2 + STENCIL) * (int64_t)c.count;
-        v += 4 * (int64_t)c.count;
+        v += 3 * (int64_t)c.count;
         l[levels++] = c;
     }
     return levels;
 }
 
-/* §4: returns the coefficients for eigenvalues in [high / 8, high], computed in
- * binary64. */
-static struct weights weights_of(double high)
+/* §4: the damping where the eigenvalues of F A are at most `high`. */
+static real damping_of(double high)
 {
-    double low = high / 8, mid = (high + low) / 2, half = (high - low) / 2;
-    double sigma = mid / half, rho = 1 / (2 * sigma - 1 / sigma);
-    return weights{(real)(1 / mid), (real)(rho / sigma),
-                   (real)(2 * rho / half)};
+    return (real)(16 / (9 * high));
 }
 
-static struct weights fine_weights(const struct multigrid *s)
+static real fine_damping(const struct multigrid *s)
 {
-    return weights_of(s->triples ? 2.7 : 2);
+    return damping_of(s->triples ? 2.7 : 2);
 }
 
 struct opening gpu_multigrid_opening(const struct multigrid *s)
 {
-    return opening{s->factor, s->room, fine_weights(s).first};
+    return opening{s->factor, s->room, fine_damping(s)};
 }
 
 /* Thread p owns y[p]. */
@@ -81,20 +75,20 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* Thread p owns particle p of the coarse grid and writes b[p] and y[p]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    multigrid_restrict_kernel(struct level f, struct level c, real first)
+    multigrid_restrict_kernel(struct level f, struct level c, real damping)
 {
     ITEM(item, c.count);
     if (!idle(c.go))
-        restrict_at(&f, &c, place_of(c.g, item), first);
+        restrict_at(&f, &c, place_of(c.g, item), damping);
 }
 
-/* Thread p owns particle p of the fine grid and updates x[p]. */
+/* Thread p owns particle p of the fine grid and updates y[p]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     multigrid_prolong_kernel(struct level f, struct raised s)
 {
     ITEM(item, f.count);
     if (!idle(f.go))
-        f.x[item] = value_at(&s, place_of(f.g, item));
+        f.y[item] = value_at(&s, place_of(f.g, item));
 }
 
 template <class X, class END>
@@ -109,31 +103,28 @@ static void multiply(struct gpu *g, const struct level *l, X x, END end)
         product_of<STENCIL>(g, edges_of(l), x, end, l->go);
 }
 
-/* Queues the way down on one grid: from b, with the first half-step in y, to x,
- * and then b of the next grid. */
-static void go_down(struct gpu *g, const struct level *l, struct weights w,
-                    real next_first)
+/* Queues the way down on one grid: from b, smoothed in y, to the residual, and
+ * then b of the next grid. */
+static void go_down(struct gpu *g, const struct level *l, real next_damping)
 {
     const struct level *c = l + 1;
-    multiply(g, l, plain{l->y}, half_down(l, w));
-    multiply(g, l, plain{l->x}, left_after(l));
-    LAUNCH(g, c->count, multigrid_restrict_kernel, *l, *c, next_first);
+    multiply(g, l, plain{l->y}, left_of(l));
+    LAUNCH(g, c->count, multigrid_restrict_kernel, *l, *c, next_damping);
 }
 
-/* Queues the way up on one grid. item: as in struct half. */
-static void go_up(struct gpu *g, const struct level *l, struct weights w,
+/* Queues the way up on one grid. item: as in struct smoothing. */
+static void go_up(struct gpu *g, const struct level *l, real damping,
                   real *item)
 {
-    struct raised x = raised_from(l + 1, l);
-    struct half two = half_two(l, w);
-    two.item = item;
+    struct raised y = raised_from(l + 1, l);
+    struct smoothing end = smoothing_of(l, damping);
+    end.item = item;
     if (sweeps(l->g)) {
-        multiply(g, l, x, half_one(l, w));
-    } else {
-        LAUNCH(g, l->count, multigrid_prolong_kernel, *l, x);
-        multiply(g, l, plain{l->x}, half_one(l, w));
+        multiply(g, l, y, end);
+        return;
     }
-    multiply(g, l, plain{l->y}, two);
+    LAUNCH(g, l->count, multigrid_prolong_kernel, *l, y);
+    multiply(g, l, plain{l->y}, end);
 }
 
 static struct coarsest coarsest_of(const struct multigrid *s,
@@ -144,19 +135,18 @@ static struct coarsest coarsest_of(const struct multigrid *s,
     return c;
 }
 
-void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, struct lent lent,
+void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, sym *lent,
                          const int32_t *go, real *item)
 {
     struct level l[LEVELS];
     int levels = lay_out(s, lent, go, l), first = 1;
-    struct weights fine = fine_weights(s),
-                   coarse = weights_of(s->n_extra ? 4 : 2.5);
+    real fine = fine_damping(s), coarse = damping_of(s->n_extra ? 4 : 2.5);
     struct tail tail = {};
     int64_t room = fit_tail(&tail, l, levels, &first, g);
     for (int k = 0; k < first; k++)
-        go_down(g, &l[k], k ? coarse : fine, k + 2 < levels ? coarse.first : 0);
+        go_down(g, &l[k], k + 2 < levels ? coarse : 0);
     tail.coarsest = coarsest_of(s, &l[levels - 1]);
-    tail.w = coarse;
+    tail.damping = coarse;
     tail.b = l[first].b;
     tail.y = l[first].y;
     tail.x = l[first].x;
@@ -191,14 +181,14 @@ static int coarsen(struct gpu *g, const struct multigrid *s,
     return gpu_coarsen(g, &c);
 }
 
-int gpu_multigrid_build(struct gpu *g, struct multigrid *s, struct lent lent)
+int gpu_multigrid_build(struct gpu *g, struct multigrid *s, sym *lent)
 {
     struct level l[LEVELS];
     struct excess e = {s->m,        s->n,
                        s->count,    s->mass,
                        s->n_extra,  s->extra,
                        s->n_blocks, s->block,
-                       s->fixed,    lent.excess ? lent.excess : s->pool,
+                       s->fixed,    lent ? lent : s->pool,
                        s->live,     s->live + s->count};
     int status = gpu_excess(g, &e), k = 1;
     int levels = status == DRAPE_OK ? lay_out(s, lent, NULL, l) : 0;
@@ -218,11 +208,11 @@ int gpu_multigrid_build(struct gpu *g, struct multigrid *s, struct lent lent)
 
 int gpu_multigrid(struct gpu *g, struct multigrid *s)
 {
-    int status = gpu_multigrid_build(g, s, lent{});
+    int status = gpu_multigrid_build(g, s, NULL);
     if (status == DRAPE_OK) {
         LAUNCH(g, s->count, multigrid_first_kernel, gpu_multigrid_opening(s),
                (int32_t)s->count, s->r);
-        gpu_multigrid_cycle(g, s, lent{}, NULL, NULL);
+        gpu_multigrid_cycle(g, s, NULL, NULL, NULL);
     }
     return status == DRAPE_OK ? gpu_status(g) : status;
 }

@@ -27,7 +27,7 @@ struct patch {
     int32_t edge[STENCIL];
     int32_t factor, excess; /* offsets of [share] */
     int32_t x, y;           /* offsets; of its particles and all within reach */
-    int32_t b, d;           /* offsets of [share] */
+    int32_t b;              /* offset of [share] */
     const sym *block_from, *factor_from, *excess_from;
     const uint8_t *rule;
 };
@@ -160,7 +160,7 @@ static __device__ inline struct edge edge_in(const struct patch *l,
     for (struct place at = place_in(r, (r).first + rank_thread());             \
          at.p < (r).first + (r).own; at = place_in(r, at.p + rank_threads()))
 
-/* Writes x or y of a particle to all ranks that read it. */
+/* Writes y of a particle to all ranks that read it. */
 static __device__ inline void spread(const struct patch *l, int to, int p,
                                      vec value)
 {
@@ -198,16 +198,12 @@ static int64_t lay_patch(struct patch *l, int64_t at, bool last)
         l->edge[o] = (int32_t)at;
         at += stream_size(edge_size(l, o));
     }
-    int64_t size[] = {stream_size(share),
-                      stream_size(share),
-                      wide * (int)sizeof(vec),
-                      wide * (int)sizeof(vec),
-                      share * (int)sizeof(vec),
-                      share * (int)sizeof(vec),
-                      STENCIL * (int)sizeof(struct edge)};
-    int32_t *place[] = {&l->factor, &l->excess, &l->x,    &l->y,
-                        &l->b,      &l->d,      &l->table};
-    for (int k = 0; k < 7; k++) {
+    int64_t size[] = {
+        stream_size(share),       stream_size(share),
+        wide * (int)sizeof(vec),  wide * (int)sizeof(vec),
+        share * (int)sizeof(vec), STENCIL * (int)sizeof(struct edge)};
+    int32_t *place[] = {&l->factor, &l->excess, &l->x, &l->y, &l->b, &l->table};
+    for (int k = 0; k < 6; k++) {
         *place[k] = (int32_t)at;
         at += (size[k] + 15) / 16 * 16;
     }

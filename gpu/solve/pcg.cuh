@@ -186,11 +186,11 @@ static inline bool lies_before(const struct pcg *s)
     return s->q == s->p + s->count;
 }
 
-/* Streams that multigrid may use while M is built or applied: p, q and the
- * stream after them are idle then. */
-static inline struct lent lent_by(const struct pcg *s)
+/* The stream that multigrid may use while M is built, as p and q are idle then;
+ * or NULL. */
+static inline sym *lent_by(const struct pcg *s)
 {
-    return lies_before(s) ? lent{(sym *)s->p, s->q} : lent{};
+    return lies_before(s) ? (sym *)s->p : NULL;
 }
 
 /* Queues the matrix, its preconditioner M, and the start of dv and low. Returns

@@ -15,7 +15,7 @@ struct room {
     real *chunk; /* [2·n_chunks] */
     real *item;  /* [count] */
     bool jacobi; /* M is Jacobi's, from the start or since multigrid gave up */
-    struct opening opening; /* multigrid's first half-step, if !jacobi */
+    struct opening opening; /* multigrid's first smoothing, if !jacobi */
     struct rates rates;     /* the matrix, if rates.of is not NULL */
     int ring;               /* streams of directions: 1, 2 or RING */
     vec *p[RING];           /* [count] each; directions take turns */
@@ -40,7 +40,7 @@ static __global__ void pcg_open_kernel(struct pcg_state *c, real scale,
     *c = fresh;
 }
 
-/* By Jacobi: s[k] = M⁻¹ r[k], and r[k]·s[k]. By multigrid: the first half-step
+/* By Jacobi: s[k] = M⁻¹ r[k], and r[k]·s[k]. By multigrid: the first smoothing
  * of the cycle. */
 static __device__ real begin_from(const struct pcg *s, const struct room *room,
                                   int k, vec r)

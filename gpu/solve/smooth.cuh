@@ -18,40 +18,34 @@ static __host__ __device__ inline edges<sym> edges_of(const struct level *l)
     return edges<sym>{l->g, l->mass, l->extra, l->excess, l->block};
 }
 
-/* A half-step of smoothing: d = keep·d + gain·F (b - A x), to = x + d. */
-struct half {
+/* A smoothing: to = x + damping·F (b - A x). */
+struct smoothing {
     const vec *b;
     const sym *factor;
-    const vec *d;     /* NULL: 0 */
-    vec *to, *next_d; /* next_d: out: the new d; NULL: not needed */
-    real *item;       /* out: to[p]·b[p]; NULL: not needed */
-    real keep, gain;
+    vec *to;
+    real *item; /* out: to[p]·b[p]; NULL: not needed */
+    real damping;
 };
 
-struct half_at {
-    vec b, d;
+struct smoothing_at {
+    vec b;
     sym factor;
 };
 
-static __device__ inline struct half_at about(const struct half *h,
-                                              struct place at)
+static __device__ inline struct smoothing_at about(const struct smoothing *s,
+                                                   struct place at)
 {
-    vec d = h->d ? h->d[at.p] : make(0, 0, 0);
-    return half_at{h->b[at.p], d, fetch(h->factor + at.p)};
+    return smoothing_at{s->b[at.p], fetch(s->factor + at.p)};
 }
 
-static __device__ inline void arrive(const struct half *h, struct place at,
-                                     struct half_at own, vec x, vec y)
+static __device__ inline void arrive(const struct smoothing *s, struct place at,
+                                     struct smoothing_at own, vec x, vec y)
 {
-    vec d = scale(h->gain, solved(own.factor, sub(own.b, y)));
-    if (h->d)
-        d = axpy(d, h->keep, own.d);
-    if (h->next_d)
-        h->next_d[at.p] = d;
+    vec d = scale(s->damping, solved(own.factor, sub(own.b, y)));
     vec to = add(x, d);
-    h->to[at.p] = to;
-    if (h->item)
-        h->item[at.p] = dot(own.b, to);
+    s->to[at.p] = to;
+    if (s->item)
+        s->item[at.p] = dot(own.b, to);
 }
 
 /* The residual: to = b - A x, 0 where fixed. */
@@ -79,12 +73,12 @@ static __device__ inline void arrive(const struct left *l, struct place at,
     l->to[at.p] = own.fixed ? make(0, 0, 0) : sub(own.b, y);
 }
 
-/* Restricts the fine residual y to the right-hand side of coarse particle p.
- * Does the first half-step of p too, unless `first` is 0, as for the coarsest
+/* Restricts the fine residual, in x, to the right-hand side of coarse particle
+ * p. Smooths p for the first time too, unless damping is 0, as for the coarsest
  * grid. */
 static __device__ inline void restrict_at(const struct level *f,
                                           const struct level *c,
-                                          struct place at, real first)
+                                          struct place at, real damping)
 {
     vec sum = make(0, 0, 0);
     UNROLL
@@ -93,22 +87,22 @@ static __device__ inline void restrict_at(const struct level *f,
         int x = 2 * at.i + di, y = 2 * at.j + dj, p = x + f->g.m * y;
         if (within(f->g, x, y))
             sum =
-                axpy(sum, R(0.25) * (real)part_of(f->rule[p], di, dj), f->y[p]);
+                axpy(sum, R(0.25) * (real)part_of(f->rule[p], di, dj), f->x[p]);
     }
     c->b[at.p] = sum;
-    if (first != 0)
-        c->y[at.p] = scale(first, solved(c->factor[at.p], sum));
+    if (damping != 0)
+        c->y[at.p] = scale(damping, solved(c->factor[at.p], sum));
 }
 
-/* A source of x (gpu/solve/edges.cuh): x of the fine grid plus the interpolated
+/* A source of x (gpu/solve/edges.cuh): y of the fine grid plus the interpolated
  * correction of the coarse grid. */
 struct raised {
-    const vec *x, *coarse;
+    const vec *y, *coarse;
     int32_t m;                   /* particles of the coarse grid along i */
     const uint8_t *rule, *fixed; /* fixed: NULL: all free */
 };
 
-/* What `raised` reads at a particle (i, j): x, its rule, and the corrections of
+/* What `raised` reads at a particle (i, j): y, its rule, and the corrections of
  * the four coarse particles around. Corner k is ((i + k % 2) / 2, (j + k / 2) /
  * 2). */
 struct raised_parts {
@@ -120,7 +114,7 @@ static __device__ inline struct raised_parts take(const struct raised *s,
                                                   struct place at)
 {
     struct raised_parts x;
-    x.here = s->x[at.p];
+    x.here = s->y[at.p];
     x.rule = s->fixed && s->fixed[at.p] ? -1 : s->rule[at.p];
     UNROLL
     for (int k = 0; k < 4; k++)
@@ -151,33 +145,20 @@ static __device__ inline vec made(const struct raised *s, struct raised_parts x,
 static __host__ __device__ inline struct raised
 raised_from(const struct level *c, const struct level *f)
 {
-    return raised{f->x, c->x, c->g.m, f->rule, f->fixed};
+    return raised{f->y, c->x, c->g.m, f->rule, f->fixed};
 }
 
-/* The first and the second half-step after the correction. */
-static __host__ __device__ inline struct half half_one(const struct level *l,
-                                                       struct weights w)
+/* The smoothing after the correction. */
+static __host__ __device__ inline struct smoothing
+smoothing_of(const struct level *l, real damping)
 {
-    return half{l->b, l->factor, NULL, l->y, l->d, NULL, 0, w.first};
+    return smoothing{l->b, l->factor, l->x, NULL, damping};
 }
 
-static __host__ __device__ inline struct half half_two(const struct level *l,
-                                                       struct weights w)
+/* The residual before the correction. */
+static __host__ __device__ inline struct left left_of(const struct level *l)
 {
-    return half{l->b, l->factor, l->d, l->x, NULL, NULL, w.keep, w.second};
-}
-
-/* The second half-step before the correction, after the opening has left the
- * first one in y; and the residual after it. */
-static __host__ __device__ inline struct half half_down(const struct level *l,
-                                                        struct weights w)
-{
-    return half{l->b, l->factor, l->y, l->x, NULL, NULL, w.keep, w.second};
-}
-
-static __host__ __device__ inline struct left left_after(const struct level *l)
-{
-    return left{l->b, l->fixed, l->y};
+    return left{l->b, l->fixed, l->x};
 }
 
 #endif

@@ -23,8 +23,8 @@ struct tail {
     struct coarsest coarsest;
     int32_t rules; /* of all grids but the coarsest */
     int32_t dense; /* place of the coarsest's factor */
-    struct weights w;
-    const vec *b, *y; /* the first grid's right-hand side and half-step */
+    real damping;
+    const vec *b, *y; /* the first grid's right-hand side, and y smoothed */
     vec *x;           /* the result there */
     const int32_t *go;
 };
@@ -89,14 +89,14 @@ static __device__ inline void fetch_rules(const struct tail *s)
     }
 }
 
-/* Copies the right-hand side and the half-step of the first grid. */
+/* Copies the right-hand side and y of the first grid. */
 static __device__ inline void fetch_vectors(const struct tail *s)
 {
     const struct patch *l = &s->patch[0];
     struct run r = run_of(l);
     int high = min_of(r.first + r.own + l->reach, l->count);
     int n = s->levels > 1 ? 3 * (high - r.low)
-                          : 0; /* otherwise there is no half-step */
+                          : 0; /* otherwise nothing is smoothed */
     const real *y = (const real *)(s->y + r.low);
     const real *b = (const real *)(s->b + r.first);
     UNROLL
@@ -114,66 +114,55 @@ static __device__ inline void fetch_vectors(const struct tail *s)
         ((real *)vecs(l->b))[e] = b[e];
 }
 
-/* The second half-step on the way down, after the first one in y; then the
- * residual goes to y. */
-static __device__ inline void smooth_down(const struct tail *s,
-                                          const struct patch *l)
+/* The residual after y goes to x. */
+static __device__ inline void find_left(const struct patch *l)
 {
     struct run r = run_of(l);
     EACH_ROW(item, l, r)
     {
         struct row w = row_of(l, r, item);
-        vec d = patch_step(l, r, w, l->y, s->w.second);
-        if (w.last) {
-            vec here = vecs(l->y)[w.at.p - r.low];
-            spread(l, l->x, w.at.p, add(here, axpy(d, s->w.keep, here)));
-        }
+        vec y = patch_row(l, r, w, l->y);
+        if (w.last)
+            vecs(l->x)[w.at.p - r.low] = sub(vecs(l->b)[w.at.p - r.first], y);
     }
     copies_end<0>(); /* of the grids to come */
-    cluster_sync(l->alone);
-    EACH_ROW(item, l, r)
-    {
-        struct row w = row_of(l, r, item);
-        vec y = patch_row(l, r, w, l->x);
-        if (w.last)
-            vecs(l->y)[w.at.p - r.low] = sub(vecs(l->b)[w.at.p - r.first], y);
-    }
     cluster_sync(l->alone);
 }
 
 /* As restrict_at. */
-static __device__ inline void restrict_patch(const struct patch *f,
-                                             const struct patch *l, real first)
+static __device__ inline void
+restrict_patch(const struct patch *f, const struct patch *l, real damping)
 {
     struct run r = run_of(l);
     EACH_OF(r, at)
     {
-        vec sum = make(0, 0, 0), y[9];
+        vec sum = make(0, 0, 0), left[9];
         int rule[9];
         UNROLL
         for (int e = 0; e < 9; e++) {
             int i = min_of(max_of(2 * at.i + e % 3 - 1, 0), f->g.m - 1);
             int j = min_of(max_of(2 * at.j + e / 3 - 1, 0), f->g.n - 1);
             rule[e] = rules_of(f)[i + f->g.m * j];
-            y[e] = owned(f, f->y, i + f->g.m * j);
+            left[e] = owned(f, f->x, i + f->g.m * j);
         }
         UNROLL
         for (int e = 0; e < 9; e++) {
             int di = e % 3 - 1, dj = e / 3 - 1;
             if (within(f->g, 2 * at.i + di, 2 * at.j + dj))
-                sum = axpy(sum, R(0.25) * (real)part_of(rule[e], di, dj), y[e]);
+                sum = axpy(sum, R(0.25) * (real)part_of(rule[e], di, dj),
+                           left[e]);
         }
         int k = at.p - r.first;
         vecs(l->b)[k] = sum;
-        if (first != 0) {
+        if (damping != 0) {
             sym factor = fetch(syms(factors_of(l, r).at) + k);
-            spread(l, l->y, at.p, scale(first, solved(factor, sum)));
+            spread(l, l->y, at.p, scale(damping, solved(factor, sum)));
         }
     }
     cluster_sync(l->alone);
 }
 
-/* Adds the correction of the coarser grid c to x. */
+/* Adds the correction of the coarser grid c to y. */
 static __device__ inline void prolong_patch(const struct patch *l,
                                             const struct patch *c)
 {
@@ -181,20 +170,19 @@ static __device__ inline void prolong_patch(const struct patch *l,
     EACH_OF(r, at)
     {
         struct raised_parts x;
-        x.here = vecs(l->x)[at.p - r.low];
+        x.here = vecs(l->y)[at.p - r.low];
         x.rule = rules_of(l)[at.p];
         UNROLL
         for (int k = 0; k < 4; k++) {
             int i = (at.i + k % 2) / 2, j = (at.j + k / 2) / 2;
             x.corner[k] = owned(c, c->x, i + c->g.m * j);
         }
-        spread(l, l->x, at.p, made((const struct raised *)NULL, x, at));
+        spread(l, l->y, at.p, made((const struct raised *)NULL, x, at));
     }
     cluster_sync(l->alone);
 }
 
-/* Both half-steps on the way up. The result goes to `to`, or to x if `to` is
- * NULL. */
+/* Smooths y. The result goes to `to`, or to x if `to` is NULL. */
 static __device__ inline void smooth_up(const struct tail *s,
                                         const struct patch *l, vec *to)
 {
@@ -202,19 +190,8 @@ static __device__ inline void smooth_up(const struct tail *s,
     EACH_ROW(item, l, r)
     {
         struct row w = row_of(l, r, item);
-        vec d = patch_step(l, r, w, l->x, s->w.first);
+        vec d = patch_step(l, r, w, l->y, s->damping);
         if (w.last) {
-            vecs(l->d)[w.at.p - r.first] = d;
-            spread(l, l->y, w.at.p, add(vecs(l->x)[w.at.p - r.low], d));
-        }
-    }
-    cluster_sync(l->alone);
-    EACH_ROW(item, l, r)
-    {
-        struct row w = row_of(l, r, item);
-        vec d = patch_step(l, r, w, l->y, s->w.second);
-        if (w.last) {
-            d = axpy(d, s->w.keep, vecs(l->d)[w.at.p - r.first]);
             vec x = add(vecs(l->y)[w.at.p - r.low], d);
             (to ? to + w.at.p : vecs(l->x) + (w.at.p - r.low))[0] = x;
         }
@@ -251,9 +228,9 @@ static __global__ void __launch_bounds__(TAIL_BLOCK, 1)
     const struct patch *end = &s.patch[last];
     fetch_all(&s);
     for (int k = 0; k < last; k++) {
-        smooth_down(&s, &s.patch[k]);
+        find_left(&s.patch[k]);
         restrict_patch(&s.patch[k], &s.patch[k + 1],
-                       k + 1 < last ? s.w.first : 0);
+                       k + 1 < last ? s.damping : 0);
     }
     solve_coarsest(&s.coarsest, (const double *)(cluster_shared() + s.dense),
                    vecs(end->b), last || group_rank() ? vecs(end->x) : s.x);

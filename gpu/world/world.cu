@@ -110,8 +110,8 @@ static void *next_in(struct row *row, int64_t n, size_t size)
 
 /* Lays out the streams of a cloth's solver in one block, or without a block
  * finds its size. r comes first, since the first contacts of a slice read it;
- * everything after r is lent between solves. pool and room of multigrid lack
- * the parts for the finest grid that p and q lend it. p and q lie before the
+ * everything after r is lent between solves. pool of multigrid lacks the part
+ * for the finest grid that p and q lend it. p and q lie before the
  * motion's streams, of which the first, the force, is only read by rhs. */
 static struct row lay_out(struct sheet *s, int64_t vecs, char *block)
 {
@@ -125,7 +125,7 @@ static struct row lay_out(struct sheet *s, int64_t vecs, char *block)
     NEXT(p->low, p->count);
     NEXT(p->s, p->count);
     NEXT(p->grid.pool, p->grid.n_pool - lent);
-    NEXT(p->grid.room, p->grid.n_room - lent);
+    NEXT(p->grid.room, p->grid.n_room);
     NEXT(p->grid.live, p->grid.n_live);
     NEXT(p->p, (2 + vecs) * p->count);
     return row;

@@ -16,8 +16,8 @@ struct level {
                              grid */
     sym *excess, *block;
     const sym *factor;
-    const vec *b;   /* right-hand side */
-    vec *x, *y, *d; /* solution, residual, direction */
+    const vec *b; /* right-hand side */
+    vec *x, *y;   /* solution; product and residual */
 };
 
 /* §5: lays out the grids, from fine to coarse, in the streams of scratch.
@@ -35,12 +35,11 @@ static int lay_out(const struct multigrid *s, struct level *l)
                          .factor = s->factor,
                          .b = s->r,
                          .x = s->z,
-                         .y = v,
-                         .d = v + s->count};
+                         .y = v};
     int levels = 1;
     l[0] = fine;
     a += s->count;
-    v += 2 * s->count;
+    v += s->count;
     while (levels == 1 || l[levels - 1].count > COARSEST) {
         struct level *c = &l[levels], *f = &l[levels - 1];
         c->m = coarse_size(f->m);
@@ -54,9 +53,8 @@ static int lay_out(const struct multigrid *s, struct level *l)
         c->x = v;
         c->b = v + k;
         c->y = v + 2 * k;
-        c->d = v + 3 * k;
         a += (2 + STENCIL) * k;
-        v += 4 * k;
+        v += 3 * k;
         levels++;
     }
     return levels;
@@ -71,14 +69,14 @@ int64_t ref_multigrid_size(struct multigrid *s)
     s->n_blocks = SPRINGS * s->count;
     s->n_parts = s->n_thin ? s->n_blocks : 0;
     s->n_pool = s->count;
-    s->n_room = 2 * s->count;
+    s->n_room = s->count;
     s->n_live = 2 * s->count;
     s->n_dense = DENSE * (DENSE + 1);
     do {
         m = coarse_size(m);
         n = coarse_size(n);
         s->n_pool += (2 + STENCIL) * (int64_t)m * n;
-        s->n_room += 4 * (int64_t)m * n;
+        s->n_room += 3 * (int64_t)m * n;
         s->n_live += (int64_t)m * n;
     } while ((int64_t)m * n > COARSEST);
     return s->n_pool * (int64_t)sizeof(sym) + s->n_room * (int64_t)sizeof(vec) +
@@ -136,43 +134,30 @@ static void multiply(const struct multigrid *s, const struct level *l)
     }
 }
 
-/* §4: coefficients of a Chebyshev smoothing of degree 2 for eigenvalues in
- * [high / 8, high]: d = first·F r, then d = keep·d + second·F r. */
-struct weights {
-    real first, keep, second;
-};
-
-static struct weights weights_of(double high)
+/* §4: the part of F (b - A x) by which a grid is smoothed, where the
+ * eigenvalues of F A are at most `high`. */
+static real damping_of(double high)
 {
-    const double ratio = 8;
-    double low = high / ratio, mid = (high + low) / 2, half = (high - low) / 2;
-    double sigma = mid / half, rho = 1 / (2 * sigma - 1 / sigma);
-    struct weights w = {(real)(1 / mid), (real)(rho / sigma),
-                        (real)(2 * rho / half)};
-    return w;
+    return (real)(16 / (9 * high));
 }
 
-/* Does the first half of a smoothing that starts from x = 0: x = d = first·F b.
- */
-static void smooth_zero(const struct level *l, struct weights w)
+/* Smooths from x = 0. */
+static void smooth_zero(const struct level *l, real damping)
 {
     EACH_MANY(l->count)
     for (int64_t p = 0; p < l->count; p++)
-        l->x[p] = l->d[p] =
-            vec_scale(w.first, factor_solve(l->factor[p], l->b[p]));
+        l->x[p] = vec_scale(damping, factor_solve(l->factor[p], l->b[p]));
 }
 
-/* Does one half of a smoothing: d = keep·d + gain·F (b - A x), x += d. */
-static void smooth(const struct multigrid *s, const struct level *l, real keep,
-                   real gain)
+static void smooth(const struct multigrid *s, const struct level *l,
+                   real damping)
 {
     multiply(s, l);
     EACH_MANY(l->count)
     for (int64_t p = 0; p < l->count; p++) {
         vec r = vec_sub(l->b[p], l->y[p]);
-        vec g = vec_scale(gain, factor_solve(l->factor[p], r));
-        l->d[p] = keep == 0 ? g : vec_axpy(g, keep, l->d[p]);
-        l->x[p] = vec_add(l->x[p], l->d[p]);
+        vec d = vec_scale(damping, factor_solve(l->factor[p], r));
+        l->x[p] = vec_add(l->x[p], d);
     }
 }
 
@@ -299,22 +284,18 @@ void ref_multigrid_cycle(struct multigrid *s)
 {
     struct level l[LEVELS];
     int last = lay_out(s, l) - 1;
-    struct weights fine = weights_of(s->triples ? 2.7 : 2),
-                   coarse = weights_of(s->n_extra ? 4 : 2.5);
+    real fine = damping_of(s->triples ? 2.7 : 2),
+         coarse = damping_of(s->n_extra ? 4 : 2.5);
     for (int k = 0; k < last; k++) {
-        struct weights w = k ? coarse : fine;
-        smooth_zero(&l[k], w);
-        smooth(s, &l[k], w.keep, w.second);
+        smooth_zero(&l[k], k ? coarse : fine);
         residual(s, &l[k]);
         restrict_to(&l[k], &l[k + 1]);
     }
     struct coarsest d = coarsest_of(s, &l[last]);
     coarsest_solve(&d, l[last].b, l[last].x);
     for (int k = last - 1; k >= 0; k--) {
-        struct weights w = k ? coarse : fine;
         prolong(&l[k + 1], &l[k]);
-        smooth(s, &l[k], 0, w.first);
-        smooth(s, &l[k], w.keep, w.second);
+        smooth(s, &l[k], k ? coarse : fine);
     }
 }
 
