@@ -134,6 +134,14 @@ const char *test_world_free_fall(void)
 
 /* Two sheets that meet */
 
+static double kinetic(const struct world *w)
+{
+    double sum = 0;
+    for (int64_t i = 0; i < w->nc; i++)
+        sum += (double)vec_dot(w->v0[i], w->v0[i]) / (2 * (double)w->w[i]);
+    return sum;
+}
+
 static void momentum(const struct world *w, double p[3], double *size)
 {
     memset(p, 0, 3 * sizeof *p);
@@ -148,8 +156,8 @@ static void momentum(const struct world *w, double p[3], double *size)
 }
 
 /* Two sheets that meet keep their momentum, friction included, and gain no
- * energy. The implicit solve bounds contacts vertex by vertex (penalty.md §3)
- * and so loses a part of the momentum exchanged: at most 7 % in these cases. */
+ * energy. The implicit solve loses as much of it as its tolerance allows
+ * (penalty.md §4.2): at most 0.22 % in these cases. */
 static const char *check_meeting(int integrator)
 {
     static double v[2][COUNT][3];
@@ -157,8 +165,8 @@ static const char *check_meeting(int integrator)
     struct slab d;
     struct arena arena;
     drape_step_report r;
-    double before[3], after[3], size, first = 0;
-    double lost = integrator < DRAPE_BW ? 1e-5 : 0.1;
+    double before[3], after[3], size;
+    double lost = integrator < DRAPE_BW ? 1e-5 : 3e-3;
     int64_t contacts = 0;
     make_small(&d, integrator);
     for (int k = 0; k < 2; k++) {
@@ -177,6 +185,7 @@ static const char *check_meeting(int integrator)
     d.def.n_cloths = 2;
     struct world *w = slab_inner(&d.def, &arena);
     EXPECT(w);
+    double first = kinetic(w);
     momentum(w, before, &size);
     for (int step = 0; step < (integrator < DRAPE_BW ? 40 : 10); step++) {
         EXPECT(step_advance(w, &r) == DRAPE_OK);
@@ -184,8 +193,7 @@ static const char *check_meeting(int integrator)
         momentum(w, after, &size);
         for (int i = 0; i < 3; i++)
             EXPECT(fabs(after[i] - before[i]) <= lost * size);
-        first = first > 0 ? first : r.kinetic + r.elastic;
-        EXPECT(r.kinetic + r.elastic <= 1.02 * first);
+        EXPECT(r.kinetic + r.elastic <= 1.001 * first);
         contacts += r.contacts;
         ran(1);
     }
