@@ -47,7 +47,7 @@ static struct pcg on_device(struct gpu *g, const struct pcg *s)
     d.q = d.p + s->count;
     d.chunk = put(g, NULL, s->n_chunks, sizeof *s->chunk);
     d.grid.pool = put(g, NULL, s->grid.n_pool - lent, sizeof *s->grid.pool);
-    d.grid.room = put(g, NULL, s->grid.n_room - lent, sizeof *s->grid.room);
+    d.grid.room = put(g, NULL, s->grid.n_room, sizeof *s->grid.room);
     d.grid.live = put(g, NULL, s->grid.n_live, sizeof *s->grid.live);
     d.grid.dense = put(g, NULL, s->grid.n_dense, sizeof *s->grid.dense);
     d.dv = put(g, NULL, s->count, sizeof *s->dv);
