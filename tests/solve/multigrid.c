@@ -338,7 +338,7 @@ const char *test_multigrid_symmetry(void)
         double error = asymmetry(&s);
         close_grid(&s);
         free_system(&a);
-        EXPECT(error <= 4096 * u);
+        EXPECT(error <= 2112 * u);
         ran(1);
     }
     return NULL;

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What the tests of stage proximity share. spec/contact/proximity.md */
+#ifndef TESTS_PROXIMITY_H
+#define TESTS_PROXIMITY_H
+
+#include "ref/contact/proximity.h"
+#include "ref/narrow/closest.h"
+#include "tests/base/harness.h"
+
+/* The distance, m, of a vertex x[0] and a face, or of two edges, by other
+ * methods than the stage's: regions of the plane, and clamping. */
+double pair_distance(const struct wide x[4], int kind);
+
+#endif
