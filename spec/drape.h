@@ -360,7 +360,7 @@ typedef struct drape_step_report {
     int rounds;         /* * detections of penetration, of which the last in a
                            clean slice finds no pair; 0 where nothing was near
                            anything */
-    int64_t contacts;   /* pairs closer than their thickness, last slice */
+    int64_t contacts;   /* pairs in contact, contact/proximity.md, last slice */
     int64_t impacts;    /* pairs found to penetrate, all rounds */
     int64_t candidates; /* * pairs given to the narrow phase, all rounds */
     int64_t zone_vertices, rolled_back; /* vertices that the fail-safe moved in
