@@ -125,7 +125,7 @@ class StepReport:
         residual: relative, the largest of the solves
         rounds: (*) detections of penetration, of which the last in a clean
             slice finds no pair; 0 where nothing was near anything
-        contacts: pairs in contact, last slice
+        contacts: pairs in contact, contact/proximity.md, last slice
         impacts: pairs found to penetrate, all rounds
         candidates: (*) pairs given to the narrow phase, all rounds
         zone_vertices, rolled_back: vertices that the fail-safe moved in zones,
