@@ -206,10 +206,18 @@ static __device__ inline vec lane_below(vec a)
 #endif
 }
 
-static __device__ inline double lane_value(double value, int lane)
+template <class T> static __device__ inline T lane_value(T value, int lane)
 {
     return __shfl_sync(0xffffffffu, value, lane);
 }
+
+#ifdef __CUDACC__
+static __device__ inline vec lane_value(vec a, int lane)
+{
+    return make(lane_value(a.x, lane), lane_value(a.y, lane),
+                lane_value(a.z, lane));
+}
+#endif
 
 /* Loops over n items with all threads of the group. Warps take turns between
  * the ranks, so that each rank gets as many items as the others. */

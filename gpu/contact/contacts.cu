@@ -23,6 +23,20 @@ static __device__ void pass(const struct mass_splitting &m, int64_t n)
     group_sync<GRID>();
 }
 
+/* Calls act for each vertex in contact, with the sum of its pushes; warps take
+ * turns at the long lists. */
+template <class ACT>
+static __device__ void each_vertex(const struct mass_splitting &m, int64_t n,
+                                   ACT act)
+{
+    EACH_OF_GROUP(k, n)
+    if (!is_long(m.s, m.s.vertex[k]))
+        act(find_pushed<false>(m, k));
+    int warps = group_ranks() * rank_threads() / WARP;
+    for (int l = group_item() / WARP; l < (int)*m.n_longer; l += warps)
+        act(find_pushed<true>(m, m.longer[l]));
+}
+
 static __device__ real momentum(int age)
 {
     return (real)age / ((real)age + 3);
@@ -48,8 +62,8 @@ static __device__ void solve_normal(struct mass_splitting &m, int64_t n,
             pass<GRID, shrink_lookahead>(m, n);
         } else
             pass<GRID, push_normal>(m, n);
-        EACH_OF_GROUP(k, touched)
-        apply_normal(m, k, over);
+        each_vertex(m, touched,
+                    [&](struct pushed_vertex p) { apply_normal(m, p, over); });
         group_sync<GRID>();
     }
 }
@@ -67,10 +81,13 @@ static __global__ void __launch_bounds__(GROUP_THREADS)
     pass<GRID, find_friction>(m, n);
     for (int t = 0; t < m.s.iterations; t++) {
         pass<GRID, push_tangent>(m, n);
-        pass<GRID, apply_tangent>(m, touched);
+        each_vertex(m, touched,
+                    [&](struct pushed_vertex p) { apply(m, m.s.u, p); });
+        group_sync<GRID>();
     }
     pass<GRID, find_total>(m, n);
-    pass<GRID, apply_all>(m, touched);
+    each_vertex(m, touched,
+                [&](struct pushed_vertex p) { apply(m, m.s.v, p); });
 }
 
 int gpu_contacts(struct gpu *g, struct contacts *s)
@@ -81,8 +98,13 @@ int gpu_contacts(struct gpu *g, struct contacts *s)
     struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
                            s->start, s->item, s->vertex, 0};
     int64_t *words = gpu_words(g);
-    struct mass_splitting m = {*s, gpu_incidence(g, &by, words), NULL,
-                               words + INCIDENCE_WORDS}; /* §1 */
+    struct mass_splitting m = {};
+    m.s = *s;
+    m.slot = gpu_incidence(g, &by, words); /* §1 */
+    m.over = words + INCIDENCE_WORDS;
+    m.n_longer = (unsigned long long *)m.over + 1;
+    m.longer =
+        (int32_t *)gpu_scratch(g, SLOT_STAGE, s->nv + 1, sizeof(int64_t));
     m.pushed = (struct pushed *)gpu_scratch(g, SLOT_STAGE + 3, s->n4,
                                             sizeof *m.pushed);
     gpu_clear(g, m.pushed, (size_t)s->n4 * sizeof *m.pushed);

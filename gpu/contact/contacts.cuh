@@ -5,6 +5,7 @@
 #define GPU_CONTACTS_CUH
 
 #include "gpu/contact/contact.cuh"
+#include "gpu/contact/lists.cuh"
 
 extern "C" {
 #include "ref/contact/contacts.h"
@@ -23,6 +24,8 @@ struct mass_splitting {
     const int32_t *slot;   /* [4 n] -1: the item does not count */
     struct pushed *pushed; /* [4 n] */
     int64_t *over;         /* 1 + the last iteration of §3 that was void */
+    int32_t *longer;       /* [n_longer] k of each vertex[k] with a long list */
+    unsigned long long *n_longer;
 };
 
 /* §1: waking */
@@ -42,12 +45,12 @@ static __device__ void wake(const struct contacts &s, int64_t k)
             s.vertex_awake[c->v[j]] = AWAKE;
 }
 
-static __device__ void spread(const struct contacts &s, int32_t i)
+/* Wakes the contacts of vertex i; a lane of several takes its share of them. */
+static __device__ void spread(const struct contacts &s, int32_t i, int lane,
+                              int lanes)
 {
-    if (s.vertex_awake[i] == SPREAD)
-        return;
     s.vertex_awake[i] = SPREAD;
-    for (int32_t j = s.start[i]; j < s.start[i + 1]; j++)
+    for (int32_t j = s.start[i] + lane; j < s.start[i + 1]; j += lanes)
         if (!s.contact_awake[s.item[j] / 4])
             wake(s, s.item[j] / 4);
 }
@@ -235,57 +238,87 @@ static __device__ void find_total(const struct mass_splitting &m, int64_t k)
 
 /* Work of a thread for vertex[k] */
 
-/* §3: the first d: 0, as no contact acts yet; 1 for a vertex of one contact. */
+static __device__ bool is_long(const struct contacts &s, int32_t i)
+{
+    return s.start[i + 1] - s.start[i] > LIST_SHORT;
+}
+
+/* §3: the first d: 0, as no contact acts yet; 1 for a vertex of one contact.
+ * Vertices with long lists are listed, in any order. */
 static __device__ void first_parts(const struct mass_splitting &m, int64_t k)
 {
     int32_t i = m.s.vertex[k];
     m.s.moved[k] = 0;
     m.s.acting[i] = 0;
     m.s.parts[i] = m.s.start[i + 1] - m.s.start[i] == 1;
+    if (is_long(m.s, i))
+        m.longer[atomicAdd(m.n_longer, 1ull)] = (int32_t)k;
+}
+
+/* The pushes on a vertex. */
+struct contacts_list {
+    const struct pushed *pushed;
+    __device__ vec value(int32_t at) const
+    {
+        struct pushed p = pushed[at];
+        return p.push;
+    }
+};
+
+/* A vertex in contact, for a thread or for a lane of a warp: vertex[k], whether
+ * its contacts may have pushes, whether they are all awake, and the sum of the
+ * pushes. */
+struct pushed_vertex {
+    int64_t k;
+    int32_t i;
+    bool awake, spread;
+    vec sum;
+    int lane, lanes;
+};
+
+template <bool BY_WARP>
+static __device__ struct pushed_vertex
+find_pushed(const struct mass_splitting &m, int64_t k)
+{
+    int32_t i = m.s.vertex[k], from = m.s.start[i], end = m.s.start[i + 1];
+    struct contacts_list list = {m.pushed};
+    int awake = m.s.vertex_awake[i];
+    struct pushed_vertex p = {
+        k, i, awake != ASLEEP, awake == SPREAD, make(0, 0, 0), 0, 1};
+    if (BY_WARP) {
+        p.lane = (int)threadIdx.x % WARP;
+        p.lanes = WARP;
+        p.sum = sum_by_warp(list, from, end, p.sum);
+    } else if (p.awake) {
+        p.sum = sum_by_thread(list, from, end, p.sum);
+    }
+    return p;
 }
 
 /* Adds w Σ c push to velocities u. False: the vertex is not pushed. */
-static __device__ bool apply(const struct mass_splitting &m, vec *u, int64_t k)
+static __device__ bool apply(const struct mass_splitting &m, vec *u,
+                             struct pushed_vertex p)
 {
-    int32_t i = m.s.vertex[k];
-    if (!m.s.vertex_awake[i])
-        return false;
-    vec sum = make(0, 0, 0);
-    int32_t last = m.s.start[i + 1];
-    UNROLL_8
-    for (int32_t j = m.s.start[i]; j < last; j++) {
-        struct pushed p = m.pushed[j];
-        sum = add(sum, p.push);
-    }
-    bool any = sum.x != 0 || sum.y != 0 || sum.z != 0;
-    if (any) {
-        u[i] = axpy(u[i], m.s.w[i], sum);
-        m.s.moved[k] = 1;
+    bool any = p.awake && (p.sum.x != 0 || p.sum.y != 0 || p.sum.z != 0);
+    if (any && p.lane == 0) {
+        u[p.i] = axpy(u[p.i], m.s.w[p.i], p.sum);
+        m.s.moved[p.k] = 1;
     }
     return any;
 }
 
 /* §3: moves the vertex; keeps the new d unless the iteration was void; clears
  * the acting count for the next iteration. */
-static __device__ void apply_normal(const struct mass_splitting &m, int64_t k,
-                                    bool over)
+static __device__ void apply_normal(const struct mass_splitting &m,
+                                    struct pushed_vertex p, bool over)
 {
-    int32_t i = m.s.vertex[k];
-    if (apply(m, m.s.u, k))
-        spread(m.s, i);
-    if (m.s.acting[i] > 0 && !over)
-        m.s.parts[i] = split(m.s, i);
-    m.s.acting[i] = 0;
-}
-
-static __device__ void apply_tangent(const struct mass_splitting &m, int64_t k)
-{
-    apply(m, m.s.u, k);
-}
-
-static __device__ void apply_all(const struct mass_splitting &m, int64_t k)
-{
-    apply(m, m.s.v, k);
+    if (apply(m, m.s.u, p) && !p.spread)
+        spread(m.s, p.i, p.lane, p.lanes);
+    if (p.lane)
+        return;
+    if (m.s.acting[p.i] > 0 && !over)
+        m.s.parts[p.i] = split(m.s, p.i);
+    m.s.acting[p.i] = 0;
 }
 
 #endif

@@ -2,10 +2,10 @@
 /* Stage links on the device: the contacts' own matrix times a vector.
  * spec/contact/penalty.md §3 */
 #include "gpu/contact/links.cuh"
+#include "gpu/contact/lists.cuh"
 
-/* PUSH_BLOCKS: blocks of the push kernel for each multiprocessor. AHEAD: items
- * that are loaded before the first is added, so that latencies overlap. */
-enum { PUSH_BLOCKS = 8, AHEAD = 8 };
+/* Blocks of the push kernel for each multiprocessor. */
+enum { PUSH_BLOCKS = 8 };
 
 static __device__ inline bool idle(const int32_t *go)
 {
@@ -33,34 +33,33 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     }
 }
 
+/* The pushes of the items of a vertex, which add to y. */
+struct links_list {
+    const struct links *s;
+    const int32_t *start;
+    vec *y;
+    __device__ vec value(int32_t at) const
+    {
+        int32_t item = s->item[at];
+        return scale(s->contact[item / 4].c[item % 4], s->push[item / 4]);
+    }
+    __device__ vec first(int64_t i) const { return y[i]; }
+    __device__ void done(int64_t i, vec sum) const { y[i] = sum; }
+};
+
 /* Thread i owns vertex i: adds the pushes of its items to y[i], in the order of
  * its list. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
+static __global__ void __launch_bounds__(LIST_BLOCK)
     links_gather_kernel(const struct links *s, int64_t nv, vec *y,
                         const int32_t *go)
 {
-    ITEM(i, nv);
     if (idle(go))
         return;
-    int32_t from = s->start[i], end = s->start[i + 1];
-    if (from == end)
-        return;
-    vec sum = y[i];
-    for (int32_t at = from; at < end; at += AHEAD) {
-        vec push[AHEAD];
-        real c[AHEAD];
-        UNROLL
-        for (int a = 0; a < AHEAD; a++) {
-            int32_t item = s->item[at + a < end ? at + a : at];
-            push[a] = s->push[item / 4];
-            c[a] = s->contact[item / 4].c[item % 4];
-        }
-        UNROLL
-        for (int a = 0; a < AHEAD; a++)
-            if (at + a < end)
-                sum = axpy(sum, c[a], push[a]);
-    }
-    y[i] = sum;
+    struct links_list list = {s, s->start, y};
+    int64_t i = own_list(nv);
+    if (i >= 0 && list.start[i] == list.start[i + 1])
+        i = -1;
+    sum_list(list, i);
 }
 
 void gpu_links_queue(struct gpu *g, const struct links *links, int64_t nv,
@@ -68,7 +67,7 @@ void gpu_links_queue(struct gpu *g, const struct links *links, int64_t nv,
 {
     LAUNCH(g, (int64_t)PUSH_BLOCKS * g->multiprocessors * g->block,
            links_push_kernel, links, x, go);
-    LAUNCH(g, nv, links_gather_kernel, links, nv, y, go);
+    LAUNCH_LISTS(g, nv, links_gather_kernel, links, nv, y, go);
 }
 
 /* One thread keeps the struct where the kernels read it. */

@@ -2,6 +2,7 @@
 /* Turns contacts into forces and matrix blocks of the implicit solve.
  * spec/contact/penalty.md */
 #include "gpu/contact/incidence.cuh"
+#include "gpu/contact/lists.cuh"
 
 /* An item adds PARTS numbers to its vertex: PUSHES of force, HOLDS of hold
  * without walls, and HOLDS of wall. In the gather a block owns GROUP vertices
@@ -95,25 +96,33 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     c->held = !held ? CONTACT_APART : wall ? CONTACT_WALL : CONTACT_MUTUAL;
 }
 
+/* The held contacts of a vertex. */
+struct penalty_parts {
+    struct penalty s;
+    const int32_t *start;
+    __device__ int32_t value(int32_t at) const
+    {
+        return s.contact[s.item[at] / 4].held != CONTACT_APART;
+    }
+    __device__ int32_t first(int64_t) const { return 0; }
+    __device__ void done(int64_t i, int32_t sum) const
+    {
+        s.parts[i] = (real)sum;
+    }
+};
+
+/* The number of vertices in contact; 0 if a contact is bad. */
+static __device__ int64_t vertices(const int64_t *words)
+{
+    return words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
+}
+
 /* §2.1. Thread k owns vertex[k]: counts its held contacts into its parts. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
+static __global__ void __launch_bounds__(LIST_BLOCK)
     penalty_parts_kernel(struct penalty s, const int64_t *words)
 {
-    enum { AHEAD = 8 }; /* items that are loaded before the first is added */
-    ITEM(k, s.n4);
-    if (words[INCIDENCE_BAD] || k >= words[INCIDENCE_VERTICES])
-        return;
-    int32_t i = s.vertex[k], end = s.start[i + 1], parts = 0;
-    for (int32_t at = s.start[i]; at < end; at += AHEAD) {
-        int32_t held[AHEAD];
-        UNROLL
-        for (int a = 0; a < AHEAD; a++)
-            held[a] = s.contact[s.item[at + a < end ? at + a : at] / 4].held;
-        UNROLL
-        for (int a = 0; a < AHEAD; a++)
-            parts += at + a < end && held[a] != CONTACT_APART;
-    }
-    s.parts[i] = (real)parts;
+    int64_t k = own_list(vertices(words));
+    sum_list(penalty_parts{s, s.start}, k < 0 ? -1 : (int64_t)s.vertex[k]);
 }
 
 /* §2.1: Σ c² d w, by which a unit impulse changes the velocity of the parts of
@@ -182,33 +191,6 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     }
 }
 
-/* Sums one of the PARTS numbers of vertex i, in the order of its items. The sum
- * is never -0, so adding a 0 does not change its bits. AHEAD items are loaded
- * before the first is added, so that their latencies overlap. */
-static __device__ real total(const struct penalty *s, const real *part,
-                             int32_t i)
-{
-    enum { AHEAD = 16 };
-    real sum = 0;
-    int32_t end = s->start[i + 1];
-    for (int32_t at = s->start[i]; at < end; at += AHEAD) {
-        real a[AHEAD];
-        UNROLL
-        for (int k = 0; k < AHEAD; k++)
-            a[k] = at + k < end ? part[at + k] : 0;
-        UNROLL
-        for (int k = 0; k < AHEAD; k++)
-            sum += a[k];
-    }
-    return sum;
-}
-
-/* The number of vertices in contact; 0 if a contact is bad. */
-static __device__ int64_t vertices(const int64_t *words)
-{
-    return words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
-}
-
 static __device__ vec across(const struct contact *c, const vec *u)
 {
     vec v = pair_sum(c, u);
@@ -250,24 +232,63 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     c->impulse = c->held ? max_of(spring_impulse(&s, c, s.u), -gave) : R(0.0);
 }
 
-/* §3. A thread owns one of the PARTS numbers of every (gridDim.x · GROUP)-th
- * vertex in contact: writes its sum to force or hold, which are 0 elsewhere. */
+/* One of the PARTS numbers of the items of all lists. */
+struct penalty_number {
+    const real *part;
+    __device__ real value(int32_t at) const { return part[at]; }
+};
+
+template <bool BY_WARP>
+static __device__ real total(const struct penalty *s, const real *part,
+                             int32_t i)
+{
+    struct penalty_number list = {part};
+    int32_t from = s->start[i], end = s->start[i + 1];
+    return BY_WARP ? sum_by_warp(list, from, end, R(0.0))
+                   : sum_by_thread(list, from, end, R(0.0));
+}
+
+/* Writes number o of vertex i to force or hold. */
+template <bool BY_WARP>
+static __device__ void put_number(const struct penalty *s, const real *part,
+                                  int32_t i, int o)
+{
+    real sum = total<BY_WARP>(s, part + o * s->n4, i);
+    if (o < PUSHES) {
+        ((real *)&s->force[i])[o] = sum;
+        return;
+    }
+    real wall = total<BY_WARP>(s, part + (o + HOLDS) * s->n4, i);
+    ((real *)&s->wall[i])[o - PUSHES] = wall;
+    ((real *)&s->hold[i])[o - PUSHES] = sum + wall;
+}
+
+/* §3. A block owns GROUP vertices in contact at a time, warp o their number o:
+ * writes their force and hold, which are 0 elsewhere. */
 static __global__ void __launch_bounds__(GROUP_BLOCK)
     penalty_gather_kernel(struct penalty s, const real *part,
                           const int64_t *words)
 {
+    static_assert((int)GROUP == (int)WARP, "a warp sums a long list");
+    __shared__ int32_t longer[GROUP];
+    __shared__ int n;
     int t = (int)threadIdx.x, o = t / GROUP;
-    for (int64_t k = (int64_t)blockIdx.x * GROUP + t % GROUP;
-         k < vertices(words); k += (int64_t)gridDim.x * GROUP) {
-        int32_t i = s.vertex[k];
-        real sum = total(&s, part + o * s.n4, i);
-        if (o < PUSHES) {
-            ((real *)&s.force[i])[o] = sum;
-            continue;
-        }
-        real wall = total(&s, part + (o + HOLDS) * s.n4, i);
-        ((real *)&s.wall[i])[o - PUSHES] = wall;
-        ((real *)&s.hold[i])[o - PUSHES] = sum + wall;
+    int64_t touched = vertices(words);
+    for (int64_t first = (int64_t)blockIdx.x * GROUP; first < touched;
+         first += (int64_t)gridDim.x * GROUP) {
+        int64_t k = first + t % GROUP;
+        int32_t i = k < touched ? s.vertex[k] : -1;
+        if (t == 0)
+            n = 0;
+        __syncthreads();
+        if (i >= 0 && s.start[i + 1] - s.start[i] <= LIST_SHORT)
+            put_number<false>(&s, part, i, o);
+        else if (i >= 0 && o == 0)
+            longer[atomicAdd(&n, 1)] = i;
+        __syncthreads();
+        for (int l = 0; l < n; l++)
+            put_number<true>(&s, part, longer[l], o);
+        __syncthreads(); /* n and longer are written again */
     }
 }
 
@@ -289,7 +310,7 @@ int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
     LAUNCH(g, s->n, penalty_select_kernel, *s, words);
     gpu_clear(g, s->hold, (size_t)s->nv * sizeof *s->hold);
     gpu_clear(g, s->wall, (size_t)s->nv * sizeof *s->wall);
-    LAUNCH(g, touched, penalty_parts_kernel, *s, words);
+    LAUNCH_LISTS(g, touched, penalty_parts_kernel, *s, words);
     LAUNCH(g, s->n, penalty_push_kernel, *s, words);
     LAUNCH(g, s->n4, penalty_item_kernel, *s, part, words);
     LAUNCH_BLOCKS(g, blocks, GROUP_BLOCK, penalty_gather_kernel, *s, part,

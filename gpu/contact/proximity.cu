@@ -61,11 +61,10 @@ static __device__ void find_led(const struct proximity *s, int split,
         led[j >= split] = led[j >= split] && !(s->w[v[j]] > 0);
 }
 
-/* Whether the foot comes nearer to the other side towards vertex y. */
-static __device__ bool comes_nearer(const struct proximity *s,
-                                    const struct foot *f, int32_t y)
+/* Whether the foot comes nearer to the other side towards point y. */
+static __device__ bool comes_nearer(const struct foot *f, vec y)
 {
-    struct wide d = sub(widen(s->x[y]), f->at);
+    struct wide d = sub(widen(y), f->at);
     double along = dot(f->p, d);
     return along > 0 && along * along > 0x1p-20 * (dot(f->p, f->p) * dot(d, d));
 }
@@ -77,6 +76,35 @@ static __device__ bool is_at(const struct foot *f, int32_t a, int32_t b)
     return f->vertices == 1 || a == f->v[1] || b == f->v[1];
 }
 
+/* Triangles around f.v[0] that are loaded before the first is used, so that
+ * latencies overlap: the pole of a sphere has a hundred. */
+enum { FAN_AHEAD = 4 };
+
+/* The other vertices of a triangle, and their places; at: it is at the foot. */
+struct fan_triangle {
+    bool at;
+    vec a, b;
+};
+
+/* Loads triangles [k, end) around f.v[0], FAN_AHEAD at most. */
+static __device__ void load_fan(const struct proximity *s, const struct foot *f,
+                                int32_t k, int32_t end,
+                                struct fan_triangle t[FAN_AHEAD])
+{
+    int32_t a[FAN_AHEAD], b[FAN_AHEAD];
+    UNROLL
+    for (int e = 0; e < FAN_AHEAD; e++) {
+        a[e] = s->fan.rim[k + e < end ? k + e : k][0];
+        b[e] = s->fan.rim[k + e < end ? k + e : k][1];
+    }
+    UNROLL
+    for (int e = 0; e < FAN_AHEAD; e++) {
+        t[e].at = k + e < end && is_at(f, a[e], b[e]);
+        t[e].a = s->x[t[e].at ? a[e] : f->v[0]];
+        t[e].b = s->x[t[e].at ? b[e] : f->v[0]];
+    }
+}
+
 /* Whether the foot is the nearest point of the triangles around it. */
 static __device__ bool is_nearest(const struct proximity *s,
                                   const struct foot *f)
@@ -84,9 +112,15 @@ static __device__ bool is_nearest(const struct proximity *s,
     if (f->vertices == 3 || !s->fan.n_start)
         return true;
     int32_t end = s->fan.start[f->v[0] + 1];
-    for (int32_t k = s->fan.start[f->v[0]]; k < end; k++) {
-        int32_t a = s->fan.rim[k][0], b = s->fan.rim[k][1];
-        if (is_at(f, a, b) && (comes_nearer(s, f, a) || comes_nearer(s, f, b)))
+    for (int32_t k = s->fan.start[f->v[0]]; k < end; k += FAN_AHEAD) {
+        struct fan_triangle t[FAN_AHEAD];
+        bool nearer = false;
+        load_fan(s, f, k, end, t);
+        UNROLL
+        for (int e = 0; e < FAN_AHEAD; e++)
+            nearer = nearer || (t[e].at && (comes_nearer(f, t[e].a) ||
+                                            comes_nearer(f, t[e].b)));
+        if (nearer)
             return false;
     }
     return true;
@@ -101,17 +135,19 @@ static __device__ bool turn_normal(const struct proximity *s,
     bool found = false;
     struct wide o = widen(s->x[f->v[0]]);
     int32_t end = s->fan.start[f->v[0] + 1];
-    for (int32_t k = s->fan.start[f->v[0]]; k < end; k++) {
-        int32_t a = s->fan.rim[k][0], b = s->fan.rim[k][1];
-        if (!is_at(f, a, b))
-            continue;
-        struct wide m = cross(sub(widen(s->x[a]), o), sub(widen(s->x[b]), o));
-        double along = dot(m, f->p), mm = dot(m, m);
-        if (!(along * along > most * mm))
-            continue;
-        most = along * along / mm;
-        *n = unit(along < 0 ? scale(-1, m) : m, *n);
-        found = true;
+    for (int32_t k = s->fan.start[f->v[0]]; k < end; k += FAN_AHEAD) {
+        struct fan_triangle t[FAN_AHEAD];
+        load_fan(s, f, k, end, t);
+        UNROLL
+        for (int e = 0; e < FAN_AHEAD; e++) {
+            struct wide m = cross(sub(widen(t[e].a), o), sub(widen(t[e].b), o));
+            double along = dot(m, f->p), mm = dot(m, m);
+            if (!t[e].at || !(along * along > most * mm))
+                continue;
+            most = along * along / mm;
+            *n = unit(along < 0 ? scale(-1, m) : m, *n);
+            found = true;
+        }
     }
     return found;
 }

@@ -2,36 +2,32 @@
 /* Finds the push of the contacts that the next slice starts with (warm start).
  * spec/contact/warm.md */
 #include "gpu/contact/contact.cuh"
+#include "gpu/contact/lists.cuh"
 #include "gpu/run/gpu.h"
 
 extern "C" {
 #include "ref/contact/warm.h"
 }
 
-/* Items of a list that are loaded before the first is added. */
-enum { AHEAD = 8 };
+/* The weights of the held contacts of a vertex. */
+struct warm_weights {
+    struct warm s;
+    const int32_t *start;
+    __device__ real value(int32_t at) const
+    {
+        int32_t item = s.item[at];
+        const struct contact *c = &s.contact[item / 4];
+        return c->held ? magnitude(c->c[item % 4]) : R(0.0);
+    }
+    __device__ real first(int64_t) const { return 0; }
+    __device__ void done(int64_t i, real sum) const { s.all[i] = sum; }
+};
 
-/* §1. Thread i owns vertex i: reads its items; writes all[i] if it has items.
- */
-static __global__ void __launch_bounds__(GPU_BLOCK)
+/* §1. Thread i owns vertex i: reads its items, writes all[i]. */
+static __global__ void __launch_bounds__(LIST_BLOCK)
     warm_sum_weights_kernel(struct warm s)
 {
-    ITEM(i, s.nv);
-    int32_t end = s.start[i + 1];
-    real sum = 0;
-    for (int32_t at = s.start[i]; at < end; at += AHEAD) {
-        real a[AHEAD];
-        UNROLL
-        for (int k = 0; k < AHEAD; k++) {
-            int32_t item = s.item[at + k < end ? at + k : at];
-            const struct contact *c = &s.contact[item / 4];
-            a[k] = at + k < end && c->held ? magnitude(c->c[item % 4]) : 0;
-        }
-        UNROLL
-        for (int k = 0; k < AHEAD; k++)
-            sum += a[k];
-    }
-    s.all[i] = sum;
+    sum_list(warm_weights{s, s.start}, own_list(s.nv));
 }
 
 /* §2: the impulse along n that vertex j of contact c took up, up to the limit
@@ -70,35 +66,35 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     c->impulse = impulse;
 }
 
+/* The impulses of the contacts of a vertex. */
+struct warm_impulses {
+    struct warm s;
+    const int32_t *start;
+    __device__ vec value(int32_t at) const
+    {
+        int32_t item = s.item[at];
+        const struct contact *c = &s.contact[item / 4];
+        return scale(c->c[item % 4] * c->impulse, c->n);
+    }
+    __device__ vec first(int64_t) const { return make(0, 0, 0); }
+    __device__ void done(int64_t i, vec sum) const
+    {
+        s.press[i] = scale(s.part, sum);
+    }
+};
+
 /* §3. Thread i owns vertex i: reads its items in their order; writes press[i].
- * Beyond the end of a list 0 is added, which does not change the sum, as the
- * sum is never -0. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
+ */
+static __global__ void __launch_bounds__(LIST_BLOCK)
     warm_gather_kernel(struct warm s)
 {
-    ITEM(i, s.nv);
-    int32_t end = s.start[i + 1];
-    vec sum = make(0, 0, 0);
-    for (int32_t at = s.start[i]; at < end; at += AHEAD) {
-        vec a[AHEAD];
-        UNROLL
-        for (int k = 0; k < AHEAD; k++) {
-            int32_t item = s.item[at + k < end ? at + k : at];
-            const struct contact *c = &s.contact[item / 4];
-            real part = at + k < end ? c->c[item % 4] : R(0.0);
-            a[k] = scale(part * c->impulse, c->n);
-        }
-        UNROLL
-        for (int k = 0; k < AHEAD; k++)
-            sum = add(sum, a[k]);
-    }
-    s.press[i] = scale(s.part, sum);
+    sum_list(warm_impulses{s, s.start}, own_list(s.nv));
 }
 
 int gpu_warm(struct gpu *g, struct warm *s)
 {
-    LAUNCH(g, s->nv, warm_sum_weights_kernel, *s);
+    LAUNCH_LISTS(g, s->nv, warm_sum_weights_kernel, *s);
     LAUNCH(g, s->n, warm_share_push_kernel, *s);
-    LAUNCH(g, s->nv, warm_gather_kernel, *s);
+    LAUNCH_LISTS(g, s->nv, warm_gather_kernel, *s);
     return gpu_status(g);
 }
