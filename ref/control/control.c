@@ -3,6 +3,7 @@
  * backend. spec/control/control.md §1, §2 */
 #include "ref/control/control.h"
 
+#include "ref/api/ops.h"
 #include "ref/world/ending.h"
 #include "ref/world/start.h"
 
@@ -67,7 +68,7 @@ void control_tell_cloth(struct world *w, int k)
     resend(w, s->cloth.mass, c->mass, n * sizeof *c->mass);
     resend(w, w->w + s->first, h->w + s->first, n * sizeof *w->w);
     resend(w, w->surface + k, h->surface + k, sizeof *w->surface);
-    w->run->laws(w, k);
+    w->run->laws(w->on, s);
     derive(w);
 }
 

@@ -3,6 +3,7 @@
  * state. spec/control/control.md §9 */
 #include "ref/control/heir.h"
 
+#include "ref/api/ops.h"
 #include "ref/control/control.h"
 #include "ref/world/ending.h"
 #include "ref/world/lead.h"

@@ -6,6 +6,7 @@
 
 #include "ref/base/clock.h"
 #include "ref/broad/travel.h"
+#include "ref/contact/response.h"
 #include "ref/world/slice.h"
 
 int collide_broad(void *user, const uint8_t *touched, struct pairs *out)
