@@ -29,7 +29,11 @@ int gpu_systems_joint(struct world *w, struct joint *s)
         p->rates = {a->device->rate, a->dynamics.at};
         p->first = a->first;
     }
-    const struct joint_system all = {d->gpu, w->def.n_cloths, d->part,
-                                     s,      d->links,        w->w};
+    const struct joint_system all = {.gpu = d->gpu,
+                                     .n = w->def.n_cloths,
+                                     .part = d->part,
+                                     .joint = s,
+                                     .links = d->links,
+                                     .w = w->w};
     return gpu_joint(&all);
 }

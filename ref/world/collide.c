@@ -126,7 +126,7 @@ static int repel(struct world *w)
 /* Sets *alone if no pair comes within reach during the slice, so that the rest
  * of the slice's contact is skipped. This is tested only if the slice before
  * found nothing near. */
-static int look(struct world *w, bool *alone)
+static int test_alone(struct world *w, bool *alone)
 {
     response_reset(&w->response);
     *alone = false;
@@ -141,7 +141,7 @@ int collide(struct world *w, drape_step_report *r, double *last)
 {
     struct response *c = &w->response;
     bool alone;
-    int status = look(w, &alone);
+    int status = test_alone(w, &alone);
     if (status == DRAPE_OK && !alone)
         status = repel(w);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
