@@ -68,7 +68,8 @@ HAS_ORACLE := $(call has,$(ORACLE_H))
 
 # Compiled once, whatever the precision: API and ONCE.
 API    := $(addprefix ref/api/,bodies.c control.c defaults.c define.c \
-          drape.c frames.c query.c record.c record_body.c) \
+          drape.c frames.c query.c record.c record_body.c \
+          replay.c) \
           $(addprefix ref/base/,arena.c threads.c threads_clang.c)
 # The GPU part is built where nvcc and a device are, or by GPU=yes.
 NVCC   := $(shell command -v nvcc)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* drape export and drape view, which are written in Python (python/drape): the
- * tool becomes their interpreter. */
+/* Runs `drape export` and `drape view`, which are written in Python
+ * (python/drape): the process replaces itself by a Python interpreter. */
 #include "app/app.h"
 
 #include <errno.h>
@@ -8,8 +8,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Runs the package's command of the first argument. Modules of the working
- * directory are not taken for Python's own. */
+/* The Python program that runs the command named by its first argument. It
+ * takes the working directory out of the module path, so that a file that lies
+ * there cannot stand in for one of Python's own modules. */
 static char program[] =
     "import sys\n"
     "sys.path[:] = [p for p in sys.path if p]\n"
@@ -21,7 +22,8 @@ static char program[] =
     "    sys.exit(3)\n"
     "sys.exit(main(sys.argv[1:]))\n";
 
-/* Returns only after a failure. */
+/* Replaces the process by Python. Returns only if that fails: the exit code,
+ * after a line that says why. */
 static int become_python(char *name, int argc, char **argv)
 {
     char **words = calloc((size_t)argc + 5, sizeof *words);

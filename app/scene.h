@@ -38,11 +38,12 @@ struct scene {
     } budget; /* of def.allocator */
 };
 
-/* Reads a scene. APP_OK, or the exit code after one line; the caller calls
- * scene_free in both cases. */
+/* Reads a scene file. Returns APP_OK; or prints one line that says what is
+ * wrong and returns the exit code. The caller calls scene_free in both cases.
+ */
 int scene_load(struct scene *scene, const char *file);
-/* The same of a text of `size` bytes, ended by 0. Messages call it `file`, and
- * the paths in it begin in that file's folder. */
+/* Reads a scene from a text of `size` bytes that ends with a 0. Messages name
+ * it `file`, and relative paths in it begin in the folder of that file. */
 int scene_load_text(struct scene *scene, const char *text, size_t size,
                     const char *file);
 void scene_free(struct scene *scene);
@@ -52,13 +53,15 @@ void scene_settings(FILE *out, const struct scene *scene);
 /* Returns the integrator's name in a scene file. */
 const char *scene_integrator(const struct scene *scene);
 
-/* Settings of the command line that replace those of a scene; -1: not given. */
+/* Options of the command line that replace settings of a scene; -1: the option
+ * was not given. */
 struct overrides {
     const char *backend; /* ref, gpu or NULL */
     int precision, threads, block, allow_intersecting;
 };
-/* Makes the scene's world under its memory limit. APP_OK, or the exit code
- * after one line if the library refuses. */
+/* Makes the world of a scene within the scene's limit of memory. Returns
+ * APP_OK; or, if the library refuses, prints one line that says why and returns
+ * the exit code. */
 int scene_create(struct scene *scene, const struct overrides *overrides,
                  drape_world **world);
 

@@ -16,7 +16,8 @@ flavours: check-parts ## gcc and clang, -O0 to -O3, three sanitizers
 
 # What a flavour's library must say of itself: ci/pure.sh.
 RECORD = -frecord-gcc-switches
-# Kernels at -O0, too: in what -O1 inlines, the linker may mix precisions.
+# Kernels at -O0, too: there both precisions may emit symbols of one name, and a
+# mix-up shows.
 gcc-O0:   HOW = CC=gcc CXX=g++ OPT='-O0 $(RECORD)' EMU_IN=$(BUILD)/$@
 gcc-O3:   HOW = CC=gcc CXX=g++ OPT='-O3 -march=native $(RECORD)'
 clang-O0: HOW = CC=clang CXX=clang++ OPT='-O0 $(RECORD)' EMU_IN=$(BUILD)/$@

@@ -124,7 +124,10 @@ void part_stability(struct bench *b);
 void part_stress(struct bench *b);
 void part_contact(struct bench *b);
 void part_drift(struct bench *b);
-void part_skip(struct bench *b);
+/* Part skip: what unused features cost, and programs and scenes without them. */
+void skip_table(struct bench *b);
+void skip_never(struct bench *b);
+void skip_sleep(struct bench *b);
 void part_stages(struct bench *b);
 void part_lion(struct bench *b);
 void part_backends(struct bench *b); /* only if the backend is a device */

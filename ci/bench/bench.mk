@@ -7,8 +7,8 @@ MACHINE ?= $(shell uname -m)
 # Time against error, stability, skipped work: spec/accuracy.md. A few files
 # look inside; all else is the public API, so a device runs it too.
 ACC     := $(BUILD)/accuracy $(BUILD)/accuracy-bare
-ACC_O   := $(call obj,$(addprefix ci/bench/,accuracy backends bisect contact drift \
-           never newton orders runs samples skip solids stability stages stress \
+ACC_O   := $(call obj,$(addprefix ci/bench/,backends bench bisect contact drift \
+           never newton orders parts runs samples skip solids stability stages stress \
            work $(if $(HAS_APP),lion,no_app)),) \
            $(call obj,ci/bench/impact,.32) $(call obj,ci/bench/forced,.64) \
            $(foreach p,.32 .64,$(call obj,ci/bench/solves \

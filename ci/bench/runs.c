@@ -5,20 +5,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 const char *const integrator_name[] = {
     "euler", "midpoint", "verlet", "rk4", "baraff-witkin", "choi-ko", "bdf2"};
 const char *const precond_name[] = {"jacobi", "multigrid"};
 const char *const backend_name[] = {"ref", "gpu"};
-
-double bench_clock(const struct bench *b)
-{
-    struct timespec t;
-    bool wall = b->wall || b->backend == DRAPE_GPU;
-    clock_gettime(wall ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* Counts the bytes that the library holds. */
 struct meter {

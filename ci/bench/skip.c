@@ -205,7 +205,7 @@ static void time_all(struct bench *b, double seconds[FEATURES],
         }
 }
 
-static void table(struct bench *b)
+void skip_table(struct bench *b)
 {
     FILE *out = bench_csv(b, "skip",
                           "feature,ms a step,by the bare scene,MB,candidates,"
@@ -230,11 +230,4 @@ static void table(struct bench *b)
                     (long long)candidates);
     }
     fclose(out);
-}
-
-void part_skip(struct bench *b)
-{
-    table(b);
-    skip_never(b);
-    skip_sleep(b);
 }

@@ -19,8 +19,4 @@ void skip_bare(struct skip *s);
 /* Returns a hash of a run's last positions. */
 uint64_t skip_hash(const struct run *r);
 
-/* Parts of part_skip, ci/bench/never.c. */
-void skip_never(struct bench *b);
-void skip_sleep(struct bench *b);
-
 #endif

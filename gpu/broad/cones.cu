@@ -6,9 +6,9 @@
 #include "gpu/broad/cones.cuh"
 #include "gpu/broad/nodes.cuh"
 
-/* BITS is the number of bits of a node; each bit has a thread. TOP_BLOCK is the
- * number of threads in each block of the cluster that does the levels of few
- * nodes. */
+/* BITS: how many bits of `clear` a node has; a thread computes one of them.
+ * TOP_BLOCK: the threads in a block of the cluster that computes the upper
+ * levels of the BVH, which have few nodes. */
 enum { BITS = CLEAR_NW + 1 };
 #ifdef __CUDACC__
 enum { TOP_BLOCK = 512 };
@@ -16,7 +16,7 @@ enum { TOP_BLOCK = 512 };
 enum { TOP_BLOCK = 64 };
 #endif
 
-/* §2: tangents, from the leaves up. */
+/* §2: bounds of tangents, from the leaves up. */
 
 /* Bounds the four edges of the cell with corner v, at one end of the step. */
 static __device__ struct tangents edges(const vec *x, int32_t v, int32_t m)
@@ -60,7 +60,7 @@ static __device__ void fit(const struct cones *s, int l, int32_t a)
     put_as<word16>(inner(s, a), b);
 }
 
-/* §4, §5: bits, from the root down. */
+/* §4, §5: the bits of `clear`, from the root down. */
 
 /* The grid of a node, and the node's position on its level. */
 struct spot {

@@ -103,8 +103,9 @@ static __device__ uint32_t test_edges(const struct features *s, real reach,
     return mask;
 }
 
-static __device__ uint32_t look(const struct features *s, real reach,
-                                struct duo e)
+/* The mask of the candidates of a pair of triangles, §1. */
+static __device__ uint32_t mask_of(const struct features *s, real reach,
+                                   struct duo e)
 {
     if (!(s->own[e.a] | s->own[e.b]))
         return 0;
@@ -123,7 +124,7 @@ static __global__ void __launch_bounds__(BVTT_BLOCK)
     int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
     uint32_t mask = 0, total;
     if (k < s.n) {
-        mask = look(&s, reach, fetch_duo(&s.both[k]));
+        mask = mask_of(&s, reach, fetch_duo(&s.both[k]));
         s.mask[k] = (uint16_t)mask;
     }
     uint32_t vf = (uint32_t)__popc(mask & VF_MASK);

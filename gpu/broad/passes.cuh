@@ -20,8 +20,9 @@ enum { RANK_ITEMS = 100, LARGE_ITEMS = 1000 };
 enum { SMALL_BLOCKS = 2, LARGE_BLOCK = BVTT_BLOCK };
 #endif
 
-/* Launches the kernel, a template of int BLOCKS (least number of blocks per
- * multiprocessor) and bool CROWD (the whole device runs, not one cluster). */
+/* Launches a kernel for n items by these limits. The kernel is a template of
+ * int BLOCKS, the least number of blocks on a multiprocessor, and bool GRID:
+ * whether the whole device runs it, or else one thread-block cluster. */
 #define LAUNCH_PASSES(g, n, kernel, ...)                                       \
     do {                                                                       \
         int64_t items_ = (n);                                                  \
@@ -36,18 +37,19 @@ enum { SMALL_BLOCKS = 2, LARGE_BLOCK = BVTT_BLOCK };
                                (kernel<SMALL_BLOCKS, true>), __VA_ARGS__);     \
     } while (0)
 
-/* The launch bounds of such a kernel. */
+/* The launch bounds of a kernel of LAUNCH_PASSES. */
 #define PASSES_BOUNDS(blocks)                                                  \
     __launch_bounds__((blocks) > 1 ? (int)BVTT_BLOCK : (int)LARGE_BLOCK, blocks)
 
-/* The number of outputs of each tile and the place where they begin:
- * [blocks_of(cap)] each. A tile is BVTT_BLOCK items, which one block processes
- * at a time. */
+/* A stream is processed in tiles of BVTT_BLOCK items, one tile by one block at
+ * a time. Of each tile: the number of its outputs, and the place in the output
+ * stream where they begin. Both are [blocks_of(cap)], in scratch. */
 struct tiles {
     int64_t *sum, *place;
 };
 
-/* Returns false without memory. */
+/* Takes the scratch for a stream of cap items. Returns false if there is no
+ * memory. */
 static inline bool take_tiles(struct gpu *g, int64_t cap, struct tiles *t)
 {
     int64_t n = blocks_of(cap);
@@ -56,12 +58,13 @@ static inline bool take_tiles(struct gpu *g, int64_t cap, struct tiles *t)
     return t->sum != NULL;
 }
 
-/* A block's loop over its tiles of n items. */
+/* A block's loop over those of n tiles that are its own. */
 #define EACH_TILE(tile, n)                                                     \
     for (int64_t tile = group_rank(); tile < (n); tile += group_ranks())
 
-/* Turns sums into the places of a block's tiles. All sums must be visible.
- * Returns the total in all threads. */
+/* Computes the places of the tiles of this block from the sums of all tiles: an
+ * exclusive prefix sum. All sums must be visible. Returns the total in all
+ * threads. */
 static __device__ inline int64_t place_tiles(const struct tiles *s, int64_t n)
 {
     enum { EACH = 8 };

@@ -7,6 +7,7 @@
 #include "gpu/cloth/motion.cuh"
 
 extern "C" {
+#include "ref/base/sum.h"
 #include "ref/cloth/bounded.h"
 }
 

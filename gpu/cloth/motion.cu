@@ -2,6 +2,7 @@
 /* One cloth's step without contact: each method as a sequence of stages.
  * spec/cloth/dynamics.md */
 #include "gpu/cloth/motion.cuh"
+#include "gpu/cloth/rate.h"
 
 extern "C" {
 #include "ref/cloth/force.h"
@@ -38,6 +39,13 @@ void gpu_motion_copy(struct gpu *g, struct sheet *s, const vec *x, const vec *v)
         gpu_copy(g, s->dynamics.x1, x, bytes);
     if (v != s->dynamics.v1)
         gpu_copy(g, s->dynamics.v1, v, bytes);
+}
+
+void gpu_motion_laws(struct gpu *g, struct sheet *s)
+{
+    gpu_up(g, s->device->law, s->cloth.law, sizeof s->cloth.law);
+    gpu_up(g, s->device->piece, s->cloth.piece, sizeof s->cloth.piece);
+    gpu_up(g, s->device->triple, s->cloth.triple, sizeof s->cloth.triple);
 }
 
 /* Where the streams lie. Wind's three are the last. */

@@ -4,19 +4,16 @@
 #ifndef GPU_MOTION_CUH
 #define GPU_MOTION_CUH
 
-#include "gpu/run/gpu.cuh"
-#include "gpu/world/world.h"
+#include "gpu/run/launch.cuh"
 
+extern "C" {
+#include "gpu/cloth/motion.h"
+}
+
+/* Stream k of work. */
 static inline vec *motion_stream(const struct sheet *s, int k)
 {
     return s->dynamics.work + k * s->cloth.count;
-}
-
-/* How many there are: an implicit method's star and b lie elsewhere. */
-static inline int64_t motion_vecs(const struct dynamics *d)
-{
-    int64_t apart = dynamics_implicit(d->method) ? 2 : 0;
-    return dynamics_vecs(d->method, d->windy) - apart;
 }
 
 static inline void motion_trace(struct gpu *g, const struct sheet *s,
@@ -38,12 +35,6 @@ struct springs gpu_motion_springs(struct gpu *g, struct sheet *s, const vec *x,
 /* x1 = x, v1 = v. */
 void gpu_motion_copy(struct gpu *g, struct sheet *s, const vec *x,
                      const vec *v);
-
-/* Streams of vec that an explicit method has besides. */
-static inline int64_t motion_spares(const struct dynamics *d)
-{
-    return d->method == DRAPE_RK4 ? 1 : 0;
-}
 
 /* Substeps of the method from x, v to x1, v1. DRAPE_OK or DRAPE_ELIMIT. */
 int gpu_motion_explicit(struct gpu *g, struct sheet *s);

@@ -5,9 +5,9 @@
 #include "gpu/contact/contacts.cuh"
 #include "gpu/contact/incidence.cuh"
 
-/* Below RANK_CONTACTS contacts a block of a thread-block cluster (team), one
- * cluster solves them, as its barriers are cheap; above, a cooperative launch
- * uses the whole device (crowd). GROUP_THREADS: threads of a block. */
+/* Below RANK_CONTACTS contacts for each block of a thread-block cluster, one
+ * cluster solves them, as its barriers are cheap. Beyond that a cooperative
+ * launch uses the whole device. GROUP_THREADS: threads of a block. */
 #ifdef __CUDACC__
 enum { RANK_CONTACTS = 2048, GROUP_THREADS = 1024 };
 #else

@@ -9,9 +9,11 @@ extern "C" {
 #include "ref/narrow/narrow.h"
 }
 
-/* Values of at[k] for candidate k. RETEST: it has toi 0, and the narrow phase
- * has to tell whether it touches at the start. */
+/* at[k] says what candidate k is. HIT: an impact. MISS: it does not touch, or
+ * it is left out. RETEST: its toi is 0, so the narrow phase must still say
+ * whether it touches at the start already. */
 enum { HIT = 0, MISS = -1, RETEST = -2 };
+/* The words of the counts. BAD: not 0 if a vertex or a kind is out of range. */
 enum { BAD, HITS, LED, RETESTS, WORDS };
 
 /* The candidates that the narrow phase tests with x0 as start and end. */
@@ -99,7 +101,8 @@ static __global__ void __launch_bounds__(COMPACT_BLOCK)
     s.hit_toi[at] = s.toi[k];
 }
 
-/* For each block, the place of its first candidate with at = want. */
+/* Returns, for each block, the place of its first candidate with at = want in
+ * the list of all of them. */
 static int64_t *place(struct gpu *g, const struct impacts *s, int32_t want)
 {
     int64_t blocks = compact_blocks(s->n);

@@ -2,7 +2,11 @@
 /* What a round of collision response computes between its stages, on the
  * device: ref/contact/rounds.c. spec/contact/response.md */
 #include "gpu/contact/contact.cuh"
-#include "gpu/run/gpu.cuh"
+
+extern "C" {
+#include "gpu/contact/rounds.h"
+#include "ref/contact/rounds.h"
+}
 
 /* Thread i owns vertex i: writes u[i]. */
 static __global__ void __launch_bounds__(GPU_BLOCK)

@@ -2,10 +2,12 @@
 /* Contacts within the implicit solve of every cloth, on the device: memory, and
  * ref/contact/turn.h. spec/contact/penalty.md §4 */
 #include "gpu/base/real.cuh"
-#include "gpu/run/gpu.cuh"
 
 extern "C" {
+#include "gpu/contact/turn.h"
+#include "gpu/world/state.h"
 #include "ref/base/sum.h"
+#include "ref/contact/turn.h"
 }
 
 /* The streams of the joint solve. Directions are 0 beyond the cloths. */

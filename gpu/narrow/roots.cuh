@@ -17,7 +17,7 @@ struct chain {
     int roots; /* roots in 0 < t < 1 */
 };
 
-/* Root i = 1, 2, … of a chain, counted from t = 0; or a time on the grid. */
+/* Root i of a chain, counted 1, 2, … from t = 0; or a time on the grid. */
 struct root {
     const struct chain *chain;
     int i;
@@ -132,9 +132,9 @@ chains_make(struct big_arena *m, const struct poly *p, struct chain c[2])
     return 1;
 }
 
-/* Returns how many roots lie in (0, τ], and whether τ is a root. τ is the
- * point, or without a point the grid time. If the chain has one root, the sign
- * of p suffices. */
+/* Returns how many roots of the chain lie in (0, τ], and sets *zero to whether
+ * τ is one. τ is the point, or if that is NULL the time g on the grid. If the
+ * chain has one root, the sign of p at τ suffices. */
 static __device__ __noinline__ int roots_to(struct big_arena *m,
                                             const struct chain *c,
                                             const struct point *point,

@@ -4,7 +4,7 @@
 #include <stdio.h>
 
 #include "certificate.h"
-#include "ref/world/world.h"
+#include "ref/api/ops.h"
 
 static int refuse(const drape_def *def, struct arena *arena,
                   struct world **world, drape_error *error)

@@ -3,7 +3,7 @@
 #include "gpu/run/loop.cuh"
 
 extern "C" {
-#include "ref/world/world.h"
+#include "ref/api/ops.h"
 }
 
 #include "certificate.h"

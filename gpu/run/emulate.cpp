@@ -3,7 +3,7 @@
 #include "gpu/run/launch.cuh"
 
 extern "C" {
-#include "ref/world/world.h"
+#include "ref/api/ops.h"
 }
 
 #include "certificate.h"

@@ -31,23 +31,23 @@ const char *gpu_name(const struct gpu *g);
 /* Threads of a block, 32 … 256 by 32. No result depends on it. */
 void gpu_set_block(struct gpu *g, int threads);
 
-/* How work is done from here on, for tests: no result depends on it. The
- * members after `tight` hold for emulated threads alone. */
+/* How the device does its work from here on. Tests change it, as no result may
+ * depend on it. The members after `tight` matter to emulated devices only. */
 struct gpu_way {
     bool hosted;     /* the host ends loops, gpu/run/loop.cuh */
     bool tight;      /* memory grows by no more than it must */
     bool descending; /* blocks run first to last, threads and the blocks of a
                         cluster last to first; else the other way round */
-    int shuffled; /* blocks, warps and lanes run in the shuffled order of this
-                     number; 0: not */
-    int left_out; /* kernels leave out the barrier of this number; 0: none */
-    int parted;   /* the barrier of this number synchronises a block only, not
-                     its cluster; 0: none */
-    int parked;   /* the first of a kernel's blocks waits at the barrier that it
-                     comes to as this number, until all other blocks have ended;
-                     0: it does not */
-    int64_t lost; /* the device is lost with the launch, copy or allocation of
-                     this number, until the way is set again; 0: never */
+    int shuffled;    /* not 0: the seed of the shuffled order in which blocks,
+                        warps and lanes run; 0: `descending` says the order */
+    int left_out; /* kernels skip the barrier that has this number; 0: none */
+    int parted;   /* the barrier that has this number synchronises each block by
+                     itself and not the whole cluster; 0: none */
+    int parked;   /* the first block of a kernel waits at the barrier that is
+                     this number on its way, until all other blocks have ended;
+                     0: it does not wait */
+    int64_t lost; /* the device is lost at the launch, copy or allocation that
+                     has this number, until the way is set again; 0: never */
 };
 /* At most so many blocks in a cluster. */
 void gpu_set_ranks(struct gpu *g, int ranks);
@@ -58,19 +58,27 @@ void gpu_set_hosted(struct gpu *g); /* the host ends loops from here on */
  */
 const drape_allocator *gpu_native(void);
 
-/* Takes zeroed device memory, counted for this part. NULL if there is none:
- * then gpu_status is DRAPE_ENOMEM from there on. */
+/* Takes zeroed device memory, which is counted for this part. Returns NULL if
+ * there is no memory; gpu_status is then DRAPE_ENOMEM. */
 void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size);
-/* Declares that these bytes, of a block of gpu_take, are free between two
- * solves: gpu_borrow may give them to others meanwhile. */
+/* Takes device memory for a stream and copies the host's stream to it, or
+ * leaves it zero if host is NULL. Returns NULL if there is no memory. */
+void *gpu_take_copy(struct gpu *g, enum arena_part part, const void *host,
+                    int64_t count, size_t size);
+/* The same for a pointer p: sets p to a stream of count items of its type. */
+#define GPU_TAKE_COPY(g, p, part, host, count)                                 \
+    (p) = (decltype(p))gpu_take_copy(g, part, host, count, sizeof *(p))
+/* Lends bytes of a block of gpu_take: their owner does not need them between
+ * two solves, so gpu_borrow may give them to others meanwhile. */
 void gpu_lend(struct gpu *g, void *p, size_t bytes);
-/* Memory, not zeroed, for data that need not outlast the next solve of any
- * cloth: lent memory if enough of it is free in one piece, else gpu_take's. */
+/* Returns memory, not zeroed, for data that need not outlast the next solve of
+ * any cloth. It is lent memory if enough of that is free in one piece, else
+ * memory of gpu_take. */
 void *gpu_borrow(struct gpu *g, enum arena_part part, int64_t count,
                  size_t size);
-/* Called when a solve begins and when it has ended. The emulation overwrites
- * all lent memory, so that tests find data that should have outlasted the
- * solve. */
+/* Called when a solve begins and when it has ended. The emulation then
+ * overwrites all lent memory, so that a test fails where a stage relies on data
+ * that a solve may destroy. */
 void gpu_hand_over(struct gpu *g);
 void gpu_give(struct gpu *g, void *p);       /* returns p; NULL is allowed */
 const size_t *gpu_held(const struct gpu *g); /* [ARENA_PARTS] bytes now */
@@ -91,6 +99,10 @@ int gpu_status(struct gpu *g);
  * forgotten; a lost device stays lost. CUDA errors of the caller's own calls
  * are forgotten, too. */
 void gpu_begin(struct gpu *g);
+
+/* Returns scratch of at least so many bytes in host memory, or NULL if there is
+ * no memory. The next call may return the same memory. */
+void *gpu_aside(struct gpu *g, size_t bytes);
 
 /* trace_stage of a stream on the device. Waits only if t is not NULL. */
 struct trace;

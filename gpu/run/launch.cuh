@@ -26,8 +26,9 @@ extern "C" {
 #include "ref/base/real.h"
 }
 
-/* GPU_BLOCK: the largest block of an item kernel. GPU_WORDS, GPU_LATE: small
- * results of a stage, and those that may be read later. GPU_SLOTS: scratch. */
+/* GPU_BLOCK: the largest number of threads in a block of an item kernel.
+ * GPU_WORDS: the words of a stage's small results. GPU_LATE: the words that may
+ * be read back later. GPU_SLOTS: the slots of scratch. */
 enum { GPU_BLOCK = 256, GPU_WORDS = 32, GPU_LATE = 4, GPU_SLOTS = 8 };
 enum { GPU_ALL_WORDS = GPU_WORDS + GPU_LATE };
 /* GPU_SIDES: branches that may run beside each other. */
@@ -71,12 +72,13 @@ struct gpu {
     int failed;          /* the first failure, or DRAPE_OK */
     char name[320];
     int64_t *words; /* device [GPU_ALL_WORDS] small results of this stage, then
-                       the late words of stages before it */
-    int64_t *seen;  /* host, pinned [GPU_ALL_WORDS + 1] the words as they were
-                       last read back, then a mark */
-    bool clean[2];  /* the stage's words are 0; the late words are 0 */
-    /* The late words: those that were cleared on the device, and with those
-     * that were read back last. */
+                       the late words of earlier stages */
+    int64_t *seen;  /* host, pinned [GPU_ALL_WORDS + 1] the words at the last
+                       readback, then a mark */
+    bool clean[2];  /* whether the stage's words, and the late words, are 0 */
+    /* Values of the late words. late: what a readback has brought and cleared
+     * on the device since gpu_late_words; late_seen: with what was on the
+     * device at the last readback, which is what gpu_late_seen returns. */
     int64_t late[GPU_LATE], late_seen[GPU_LATE];
     struct gpu_slot slot[GPU_SLOTS];
     struct gpu_slot aside;       /* scratch in host memory */
@@ -168,10 +170,10 @@ int64_t *gpu_words(struct gpu *g);
 const int64_t *gpu_read_back(struct gpu *g, int n);
 /* The same, but the words on the device stay as they are. */
 const int64_t *gpu_read_back_keep(struct gpu *g, int n);
-/* Words [GPU_LATE], zero at first, for results that the host need not know
- * before the next stage begins: gpu_words of that stage leaves them alone. The
- * next readback of any stage brings them to gpu_late_seen, where they stay
- * until the next call of gpu_late_words. */
+/* Returns words [GPU_LATE], zero at first, for results that the host need not
+ * know before the next stage begins. gpu_words of later stages does not clear
+ * them. The next readback of any stage brings them to gpu_late_seen, which
+ * returns them until the next call of gpu_late_words. */
 int64_t *gpu_late_words(struct gpu *g);
 const int64_t *gpu_late_seen(const struct gpu *g);
 /* The readback itself: waits for the stream and writes g->seen, or sets
@@ -179,11 +181,10 @@ const int64_t *gpu_late_seen(const struct gpu *g);
  * called after a failure. */
 void gpu_read_back_now(struct gpu *g, bool clear);
 
-/* At least count · size bytes of scratch, or NULL if there is no memory. All
- * slots but SLOT_SOLVE are borrowed: the next solve overwrites them. */
+/* Returns at least count · size bytes of scratch, or NULL if there is no
+ * memory. All slots but SLOT_SOLVE are borrowed: the next solve overwrites
+ * them. */
 void *gpu_scratch(struct gpu *g, int slot, int64_t count, size_t size);
-/* The same on the host, which has one slot. */
-void *gpu_aside(struct gpu *g, size_t bytes);
 /* Returns a struct gpu in which only CUDA's members are missing; NULL if there
  * is no memory. native: the allocator of device memory if def has none. */
 struct gpu *gpu_make(const drape_def *def, const drape_allocator *native);

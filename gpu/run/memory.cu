@@ -65,6 +65,15 @@ void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size)
     return p;
 }
 
+void *gpu_take_copy(struct gpu *g, enum arena_part part, const void *host,
+                    int64_t count, size_t size)
+{
+    void *p = gpu_take(g, part, count, size);
+    if (p && host)
+        gpu_up(g, p, host, (size_t)count * size);
+    return p;
+}
+
 void gpu_lend(struct gpu *g, void *p, size_t bytes)
 {
     char *from = (char *)p;

@@ -4,9 +4,13 @@
  * spec/contact/penalty.md §4 */
 #include "gpu/base/sum.cuh"
 #include "gpu/contact/links.cuh"
-#include "gpu/run/gpu.cuh"
 #include "gpu/run/loop.cuh"
 #include "gpu/solve/pcg.cuh"
+
+extern "C" {
+#include "gpu/contact/joint.h"
+#include "ref/solve/product.h"
+}
 
 /* Iterations that are queued before the first readback, and in each turn of a
  * loop. Both are even, as directions alternate between two streams. */
@@ -165,12 +169,11 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 }
 
 /* The system of one cloth, whose residual is its part of the joint one. */
-static struct pcg part_of(const struct world *w, const struct sheet *s)
+static struct pcg part_of(const struct joint_system *w,
+                          const struct joint_part *s)
 {
-    const struct joint *a = &w->couple.joint;
-    struct pcg p = s->solver.pcg;
-    p.block = s->dynamics.block;
-    p.thin = s->dynamics.thin;
+    const struct joint *a = w->joint;
+    struct pcg p = s->pcg;
     p.n_extra = p.count;
     p.extra = a->hold + s->first;
     p.r = a->r + s->first;
@@ -183,34 +186,34 @@ static struct pcg part_of(const struct world *w, const struct sheet *s)
 }
 
 /* Cloths' own launches run beside each other. */
-static void fork_cloths(const struct world *w)
+static void fork_cloths(const struct joint_system *w)
 {
-    if (w->def.n_cloths > 1)
-        gpu_fork(w->device->gpu);
+    if (w->n > 1)
+        gpu_fork(w->gpu);
 }
 
-static void branch_to(const struct world *w, int k)
+static void branch_to(const struct joint_system *w, int k)
 {
-    if (w->def.n_cloths > 1)
-        gpu_branch(w->device->gpu, k);
+    if (w->n > 1)
+        gpu_branch(w->gpu, k);
 }
 
-static void join_cloths(const struct world *w)
+static void join_cloths(const struct joint_system *w)
 {
-    if (w->def.n_cloths > 1)
-        gpu_join(w->device->gpu);
+    if (w->n > 1)
+        gpu_join(w->gpu);
 }
 
 /* s = M⁻¹ r and item = r·s of all cloths, then β. */
-static void precondition(const struct world *w, const struct solve *a)
+static void precondition(const struct joint_system *w, const struct solve *a)
 {
-    struct gpu *g = w->device->gpu;
+    struct gpu *g = w->gpu;
     fork_cloths(w);
-    for (int k = 0; k < w->def.n_cloths; k++) {
-        struct pcg p = part_of(w, &w->sheet[k]);
+    for (int k = 0; k < w->n; k++) {
+        struct pcg p = part_of(w, &w->part[k]);
         bool jacobi = p.precond == DRAPE_JACOBI;
         branch_to(w, k);
-        real *item = a->item + w->sheet[k].first;
+        real *item = a->item + w->part[k].first;
         struct opening o = {};
         if (!jacobi)
             o = gpu_multigrid_opening(&p.grid);
@@ -223,46 +226,47 @@ static void precondition(const struct world *w, const struct solve *a)
 }
 
 /* The next direction `to` = s + β from and its image q. */
-static void search(const struct world *w, const struct solve *a,
+static void search(const struct joint_system *w, const struct solve *a,
                    const vec *from, vec *to)
 {
-    struct gpu *g = w->device->gpu;
+    struct gpu *g = w->gpu;
     fork_cloths(w);
-    for (int k = 0; k < w->def.n_cloths; k++) {
-        const struct sheet *s = &w->sheet[k];
+    for (int k = 0; k < w->n; k++) {
+        const struct joint_part *s = &w->part[k];
         struct pcg p = part_of(w, s);
         branch_to(w, k);
-        p.extra = w->couple.joint.wall + s->first;
+        p.extra = w->joint->wall + s->first;
         p.q = a->q + s->first;
         gpu_pcg_search(g, &p,
-                       {a->c, rates{s->device->rate, s->dynamics.at},
-                        from + s->first, to + s->first, a->item + s->first});
+                       {a->c, s->rates, from + s->first, to + s->first,
+                        a->item + s->first});
     }
     join_cloths(w);
     gpu_links_queue(g, a->links, a->nc, to, a->q, &a->c->go);
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_measure_kernel, *a, to);
 }
 
-static void iterate(const struct world *w, const struct solve *a, int times)
+static void iterate(const struct joint_system *w, const struct solve *a,
+                    int times)
 {
     for (int k = 0; k < times; k++) {
         const vec *from = a->p[k % 2];
         vec *to = a->p[(k + 1) % 2];
         precondition(w, a);
         search(w, a, from, to);
-        LAUNCH_BLOCKS(w->device->gpu, a->n_chunks, SUM_CHUNK,
-                      joint_update_kernel, *a, to);
+        LAUNCH_BLOCKS(w->gpu, a->n_chunks, SUM_CHUNK, joint_update_kernel, *a,
+                      to);
     }
 }
 
 /* Queues the preconditioners, the first residual and the first iterations. */
-static int begin(const struct world *w, const struct solve *a)
+static int begin(const struct joint_system *w, const struct solve *a)
 {
-    struct gpu *g = w->device->gpu;
+    struct gpu *g = w->gpu;
     int status = DRAPE_OK;
     fork_cloths(w);
-    for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
-        struct pcg p = part_of(w, &w->sheet[k]);
+    for (int k = 0; k < w->n && status == DRAPE_OK; k++) {
+        struct pcg p = part_of(w, &w->part[k]);
         branch_to(w, k);
         status = gpu_pcg_set_up(g, &p);
     }
@@ -273,13 +277,13 @@ static int begin(const struct world *w, const struct solve *a)
 }
 
 /* q = A dv and the true residual. */
-static void conclude(const struct world *w, const struct solve *a)
+static void conclude(const struct joint_system *w, const struct solve *a)
 {
-    struct gpu *g = w->device->gpu;
+    struct gpu *g = w->gpu;
     fork_cloths(w);
-    for (int k = 0; k < w->def.n_cloths; k++) {
-        const struct sheet *s = &w->sheet[k];
-        const struct pcg *p = &s->solver.pcg;
+    for (int k = 0; k < w->n; k++) {
+        const struct joint_part *s = &w->part[k];
+        const struct pcg *p = &s->pcg;
         branch_to(w, k);
         struct product m = {.m = p->m,
                             .n = p->n,
@@ -288,7 +292,7 @@ static void conclude(const struct world *w, const struct solve *a)
                             .n_extra = 0,
                             .extra = NULL,
                             .n_blocks = p->n_cdf ? 0 : p->n_blocks,
-                            .block = s->dynamics.block,
+                            .block = p->block,
                             .n_cdf = p->n_cdf,
                             .cdf = p->cdf,
                             .x = a->dv + s->first,
@@ -296,7 +300,7 @@ static void conclude(const struct world *w, const struct solve *a)
         gpu_product(g, &m);
     }
     join_cloths(w);
-    LAUNCH(g, a->nc, joint_walls_kernel, *a, w->couple.joint.wall);
+    LAUNCH(g, a->nc, joint_walls_kernel, *a, w->joint->wall);
     gpu_links_queue(g, a->links, a->nc, a->dv, a->p[0], NULL);
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_conclude_kernel, *a, w->w,
                   a->p[0]);
@@ -311,9 +315,9 @@ static struct pcg_state look(struct gpu *g)
 }
 
 /* Runs iterations until the device has ended them. */
-static int run(const struct world *w, struct solve *a)
+static int run(const struct joint_system *w, struct solve *a)
 {
-    struct gpu *g = w->device->gpu;
+    struct gpu *g = w->gpu;
     int status = DRAPE_OK;
     auto first = [&] { return begin(w, a); };
     auto next = [&] {
@@ -334,16 +338,15 @@ static int run(const struct world *w, struct solve *a)
     return gpu_status(g);
 }
 
-static void write_solve(struct solve *a, const struct world *w,
-                        const struct joint *s)
+static void write_solve(struct solve *a, const struct joint_system *w)
 {
-    struct gpu_world *d = w->device;
+    const struct joint *s = w->joint;
     memset((void *)a, 0, sizeof *a); /* padding, too: it is a key */
     a->rule.energy = 1;
     a->rule.tolerance = s->tolerance;
     a->rule.max_iterations = s->max_iterations;
-    a->c = (struct pcg_state *)gpu_words(d->gpu);
-    a->links = d->links;
+    a->c = (struct pcg_state *)gpu_words(w->gpu);
+    a->links = w->links;
     a->nc = s->nc;
     a->n_chunks = s->n_chunks;
     a->r = s->r;
@@ -352,17 +355,18 @@ static void write_solve(struct solve *a, const struct world *w,
     a->q = s->q;
     a->dv = s->dv;
     a->b = s->b;
-    a->at = w->sheet[0].dynamics.at;
+    a->at = w->part[0].rates.x;
     a->item = s->item;
     a->chunk = s->chunk;
 }
 
-int gpu_joint(struct world *w, struct joint *s)
+int gpu_joint(const struct joint_system *w)
 {
-    struct gpu *g = w->device->gpu;
+    struct joint *s = w->joint;
+    struct gpu *g = w->gpu;
     struct solve a;
     gpu_hand_over(g);
-    write_solve(&a, w, s);
+    write_solve(&a, w);
     LAUNCH(g, 1, joint_keep_kernel, a.c, s->scale, s->square, a.links,
            s->links);
     int status = run(w, &a);

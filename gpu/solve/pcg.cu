@@ -23,53 +23,56 @@ static_assert(sizeof(struct pcg_state) <= GPU_WORDS * sizeof(int64_t), "words");
 
 /* §3: to = s + β p, q = A to, and the sum of to·q. */
 static void search(struct gpu *g, struct pcg *s, struct pcg_state *c,
-                   struct room room, const vec *p, vec *to)
+                   struct scratch scratch, const vec *p, vec *to)
 {
-    gpu_pcg_search(g, s, {c, room.rates, p, to, room.item});
+    gpu_pcg_search(g, s, {c, scratch.rates, p, to, scratch.item});
     LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s, c,
-                  room, true);
+                  scratch, true);
 }
 
 /* Queues iteration k of the solve. Where products sweep, memory traffic and not
  * launches takes the time; dv is then updated only with the last of a ring. */
 static void iterate(struct gpu *g, struct pcg *s, struct pcg_state *c,
-                    struct room room, int k)
+                    struct scratch scratch, int k)
 {
-    int turn = k % room.ring;
-    vec *p = room.p[(turn + room.ring - 1) % room.ring], *to = room.p[turn];
-    if (!room.jacobi) {
-        gpu_multigrid_cycle(g, &s->grid, lent_by(s), &c->go, room.item);
+    int turn = k % scratch.ring;
+    vec *p = scratch.p[(turn + scratch.ring - 1) % scratch.ring],
+        *to = scratch.p[turn];
+    if (!scratch.jacobi) {
+        gpu_multigrid_cycle(g, &s->grid, lent_by(s), &c->go, scratch.item);
         LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s,
-                      c, room, false);
+                      c, scratch, false);
     }
-    search(g, s, c, room, p, to);
-    bool waits = gpu_pcg_sweeps(s) && turn + 1 < room.ring;
+    search(g, s, c, scratch, p, to);
+    bool waits = gpu_pcg_sweeps(s) && turn + 1 < scratch.ring;
     int64_t blocks = UPDATES * g->multiprocessors;
     LAUNCH_BLOCKS(g, blocks < s->n_chunks ? blocks : s->n_chunks, SUM_CHUNK,
-                  pcg_update_kernel, *s, c, room, waits ? NULL : to);
+                  pcg_update_kernel, *s, c, scratch, waits ? NULL : to);
 }
 
 /* Queues a turn: iterations, which are numbered from `queued` on, then the true
  * residual. */
 static void take_turn(struct gpu *g, struct pcg *s, struct pcg_state *c,
-                      struct room room, int queued, int iterations)
+                      struct scratch scratch, int queued, int iterations)
 {
-    if (room.jacobi)
+    if (scratch.jacobi)
         LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_jacobi_kernel, *s, c,
-                      room);
+                      scratch);
     for (int k = 0; k < iterations; k++)
-        iterate(g, s, c, room, queued + k);
+        iterate(g, s, c, scratch, queued + k);
     if (gpu_pcg_sweeps(s))
-        LAUNCH(g, s->count, pcg_settle_kernel, *s, c, room);
-    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
+        LAUNCH(g, s->count, pcg_settle_kernel, *s, c, scratch);
+    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c,
+                  scratch);
 }
 
 /* Queues the matrix, M and the first residual. */
 static int prepare(struct gpu *g, struct pcg *s, struct pcg_state *c,
-                   struct room room)
+                   struct scratch scratch)
 {
     int status = gpu_pcg_set_up(g, s);
-    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c, room);
+    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, pcg_residual_kernel, *s, c,
+                  scratch);
     return status;
 }
 
@@ -83,7 +86,7 @@ struct solve_key {
 };
 
 static void write_key(struct solve_key *key, const struct pcg *s,
-                      struct pcg_state *c, const struct room *room)
+                      struct pcg_state *c, const struct scratch *scratch)
 {
     memset((void *)key, 0, sizeof *key); /* padding, too */
     memcpy((void *)&key->s, (const void *)s, sizeof key->s);
@@ -93,11 +96,11 @@ static void write_key(struct solve_key *key, const struct pcg *s,
     key->s.iterations = key->s.outcome = key->s.fell_back = 0;
     key->s.z = s->n_z ? s->z : NULL;
     key->c = c;
-    key->chunk = room->chunk;
-    key->rates = room->rates;
+    key->chunk = scratch->chunk;
+    key->rates = scratch->rates;
 }
 
-static struct pcg_state look(struct gpu *g)
+static struct pcg_state read_state(struct gpu *g)
 {
     struct pcg_state seen;
     int words = (int)((sizeof seen + sizeof(int64_t) - 1) / sizeof(int64_t));
@@ -108,15 +111,15 @@ static struct pcg_state look(struct gpu *g)
 /* Queues everything up to the end of the first turn, as one graph if possible.
  */
 static int first_turn(struct gpu *g, struct pcg *s, struct pcg_state *c,
-                      struct room room, int iterations)
+                      struct scratch scratch, int iterations)
 {
     struct solve_key key;
     auto launch = [&] {
-        int status = prepare(g, s, c, room);
-        take_turn(g, s, c, room, 0, iterations);
+        int status = prepare(g, s, c, scratch);
+        take_turn(g, s, c, scratch, 0, iterations);
         return status;
     };
-    write_key(&key, s, c, &room);
+    write_key(&key, s, c, &scratch);
     LAUNCH(g, 1, pcg_open_kernel, c, s->scale, s->square);
     return gpu_loop(g, loop_key{&key, sizeof key}, NULL, launch) ? (int)DRAPE_OK
                                                                  : launch();
@@ -125,15 +128,15 @@ static int first_turn(struct gpu *g, struct pcg *s, struct pcg_state *c,
 /* Queues turns as a loop on the device, until the solve has ended or the host
  * must decide. False if the device has no such loop. */
 static bool loop(struct gpu *g, struct pcg *s, struct pcg_state *c,
-                 struct room room)
+                 struct scratch scratch)
 {
     struct solve_key key;
     auto launch = [&] {
-        take_turn(g, s, c, room, 0,
-                  room.jacobi ? (int)TURN_MOST : (int)TURN_LOOP);
+        take_turn(g, s, c, scratch, 0,
+                  scratch.jacobi ? (int)TURN_MOST : (int)TURN_LOOP);
         return (int)DRAPE_OK;
     };
-    write_key(&key, s, c, &room);
+    write_key(&key, s, c, &scratch);
     key.loop = 1;
     return gpu_loop(g, loop_key{&key, sizeof key}, &c->again, launch);
 }
@@ -141,24 +144,24 @@ static bool loop(struct gpu *g, struct pcg *s, struct pcg_state *c,
 /* Runs the solve to its end. The host reads the state back after the first
  * turn, after the loop, and after each turn if the device has no loops or
  * multigrid gave up. */
-static struct pcg_state solve(struct gpu *g, struct pcg *s, struct room room,
-                              int *status)
+static struct pcg_state solve(struct gpu *g, struct pcg *s,
+                              struct scratch scratch, int *status)
 {
     struct pcg_state *c = (struct pcg_state *)gpu_words(g), seen = {};
     bool small = s->count <= SMALL_GRID;
-    int queued = room.jacobi ? TURN : small ? TURN_GRID : TURN_LOOP;
-    *status = first_turn(g, s, c, room, queued);
+    int queued = scratch.jacobi ? TURN : small ? TURN_GRID : TURN_LOOP;
+    *status = first_turn(g, s, c, scratch, queued);
     if (*status == DRAPE_OK)
-        seen = look(g);
-    if (*status == DRAPE_OK && seen.again && loop(g, s, c, room))
-        seen = look(g);
+        seen = read_state(g);
+    if (*status == DRAPE_OK && seen.again && loop(g, s, c, scratch))
+        seen = read_state(g);
     while (*status == DRAPE_OK && seen.phase != PHASE_DONE) {
-        room.jacobi = s->precond == DRAPE_JACOBI || seen.fell_back;
+        scratch.jacobi = s->precond == DRAPE_JACOBI || seen.fell_back;
         int grids = small ? TURN_GRID : 1;
-        int iterations = room.jacobi ? TURN_MOST : grids;
-        take_turn(g, s, c, room, queued, iterations);
+        int iterations = scratch.jacobi ? TURN_MOST : grids;
+        take_turn(g, s, c, scratch, queued, iterations);
         queued += iterations;
-        seen = look(g);
+        seen = read_state(g);
         if (gpu_status(g) != DRAPE_OK)
             break;
     }
@@ -174,25 +177,26 @@ int gpu_pcg(struct gpu *g, struct pcg *s)
  * direction is written to another stream, as neighbours still read the last
  * one; with Jacobi, which takes many iterations, and products that sweep, there
  * is a ring of RING streams. False if there is no memory. */
-static bool lay_out(struct gpu *g, const struct pcg *s, struct room *room)
+static bool lay_out(struct gpu *g, const struct pcg *s, struct scratch *scratch)
 {
     int64_t sums = 2 * s->n_chunks, count = s->count;
-    room->jacobi = s->precond == DRAPE_JACOBI;
-    room->ring = s->n_cdf                            ? 1
-                 : room->jacobi && gpu_pcg_sweeps(s) ? (int)RING
-                                                     : 2;
-    bool lent = room->ring > 1 && lies_before(s);
-    int64_t vecs = room->ring - 1 - lent, all = sums + (1 + 3 * vecs) * count;
-    room->chunk = (real *)gpu_scratch(g, SLOT_SOLVE, all, sizeof(real));
-    if (!room->chunk)
+    scratch->jacobi = s->precond == DRAPE_JACOBI;
+    scratch->ring = s->n_cdf                               ? 1
+                    : scratch->jacobi && gpu_pcg_sweeps(s) ? (int)RING
+                                                           : 2;
+    bool lent = scratch->ring > 1 && lies_before(s);
+    int64_t vecs = scratch->ring - 1 - lent,
+            all = sums + (1 + 3 * vecs) * count;
+    scratch->chunk = (real *)gpu_scratch(g, SLOT_SOLVE, all, sizeof(real));
+    if (!scratch->chunk)
         return false;
-    if (!room->jacobi)
-        room->opening = gpu_multigrid_opening(&s->grid);
-    room->item = room->chunk + sums;
-    vec *more = (vec *)(room->item + count);
-    room->p[0] = s->p;
-    for (int k = 1; k < room->ring; k++)
-        room->p[k] =
+    if (!scratch->jacobi)
+        scratch->opening = gpu_multigrid_opening(&s->grid);
+    scratch->item = scratch->chunk + sums;
+    vec *more = (vec *)(scratch->item + count);
+    scratch->p[0] = s->p;
+    for (int k = 1; k < scratch->ring; k++)
+        scratch->p[k] =
             k == 1 && lent ? s->q + count : more + (k - 1 - lent) * count;
     return true;
 }
@@ -207,10 +211,10 @@ int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, struct rates r)
     struct pcg_state c = {};
     c.from = s->scale; /* the result if there is nothing to solve */
     c.most = s->square;
-    struct room room = {};
-    room.rates = r;
-    if (s->count > 0 && lay_out(g, s, &room)) {
-        c = solve(g, s, room, &status);
+    struct scratch scratch = {};
+    scratch.rates = r;
+    if (s->count > 0 && lay_out(g, s, &scratch)) {
+        c = solve(g, s, scratch, &status);
     } else {
         status = gpu_pcg_set_up(g, s);
     }

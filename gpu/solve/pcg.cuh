@@ -93,8 +93,8 @@ static __device__ inline void begin(const struct pcg *s, struct pcg_state *c,
 
 /* Called after the true residual that follows the last iteration. square: |r|².
  */
-static __device__ inline void judge(const struct pcg *s, struct pcg_state *c,
-                                    real square)
+static __device__ inline void check_residual(const struct pcg *s,
+                                             struct pcg_state *c, real square)
 {
     c->residual = root(square / c->most);
     c->phase = PHASE_DONE;

@@ -11,7 +11,7 @@
 #include "gpu/solve/residual.cuh"
 
 /* Scratch of a solve, and how M⁻¹r starts once r is known. */
-struct room {
+struct scratch {
     real *chunk; /* [2·n_chunks] */
     real *item;  /* [count] */
     bool jacobi; /* M is Jacobi's, from the start or since multigrid gave up */
@@ -42,11 +42,11 @@ static __global__ void pcg_open_kernel(struct pcg_state *c, real scale,
 
 /* By Jacobi: s[k] = M⁻¹ r[k], and r[k]·s[k]. By multigrid: the first smoothing
  * of the cycle. */
-static __device__ real begin_from(const struct pcg *s, const struct room *room,
-                                  int k, vec r)
+static __device__ real begin_from(const struct pcg *s,
+                                  const struct scratch *scratch, int k, vec r)
 {
-    if (!room->jacobi) {
-        open_at(&room->opening, k, r);
+    if (!scratch->jacobi) {
+        open_at(&scratch->opening, k, r);
         return 0;
     }
     vec z = solved(fetch_once(s->factor + k), r);
@@ -56,7 +56,8 @@ static __device__ real begin_from(const struct pcg *s, const struct room *room,
 
 /* §2: writes r[k]; reads dv and low of the neighbours, unless all are 0. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_residual_kernel(struct pcg s, struct pcg_state *c, struct room room)
+    pcg_residual_kernel(struct pcg s, struct pcg_state *c,
+                        struct scratch scratch)
 {
     PARTICLE(k);
     int phase = c->phase;
@@ -80,41 +81,43 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         if (!s.fixed[k])
             r = zero ? s.b[k] : left_over(&a, place_of(grid{s.m, s.n}, k));
         s.r[k] = r;
-        begin_from(&s, &room, (int)k, r);
+        begin_from(&s, &scratch, (int)k, r);
     }
     real value = dot(r, r), sum;
-    if (!grid_sums<1>(&value, room.chunk, &c->ticket, &sum) || threadIdx.x)
+    if (!grid_sums<1>(&value, scratch.chunk, &c->ticket, &sum) || threadIdx.x)
         return;
     if (phase == PHASE_OPEN)
         begin(&s, c, sum);
     else
-        judge(&s, c, sum);
+        check_residual(&s, c, sum);
     c->waits = 0;
-    c->again = c->phase != PHASE_DONE && (room.jacobi || !c->fell_back);
+    c->again = c->phase != PHASE_DONE && (scratch.jacobi || !c->fell_back);
 }
 
 /* r·M⁻¹r by Jacobi after a restart, or after multigrid gave up; in later
  * iterations pcg_update_kernel computes it. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_jacobi_kernel(struct pcg s, struct pcg_state *c, struct room room)
+    pcg_jacobi_kernel(struct pcg s, struct pcg_state *c, struct scratch scratch)
 {
     PARTICLE(k);
     if (!c->go || !c->fresh)
         return;
     real value = 0, sum;
     if (k < s.count)
-        value = begin_from(&s, &room, (int)k, s.r[k]);
-    if (grid_sums<1>(&value, room.chunk, &c->ticket, &sum) && threadIdx.x == 0)
+        value = begin_from(&s, &scratch, (int)k, s.r[k]);
+    if (grid_sums<1>(&value, scratch.chunk, &c->ticket, &sum) &&
+        threadIdx.x == 0)
         enter(&s, c, sum);
 }
 
 /* The sum of item[k] of all particles: r·M⁻¹r by multigrid, or p·A p. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_sum_kernel(struct pcg s, struct pcg_state *c, struct room room,
+    pcg_sum_kernel(struct pcg s, struct pcg_state *c, struct scratch scratch,
                    bool curvature)
 {
     real sum;
-    if (!c->go || !item_sum(s.count, room.item, room.chunk, &c->ticket, &sum) ||
+    if (!c->go ||
+        !item_sum(s.count, scratch.item, scratch.chunk, &c->ticket, &sum) ||
         threadIdx.x)
         return;
     if (curvature)
@@ -126,12 +129,12 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 /* Updates dv + low of particle k by the steps that are outstanding, then by
  * alpha times p. */
 static __device__ void move(const struct pcg *s, const struct pcg_state *c,
-                            const struct room *room, int64_t k, const vec *p,
-                            real alpha)
+                            const struct scratch *scratch, int64_t k,
+                            const vec *p, real alpha)
 {
     vec x = fetch_once(s->dv + k), low = fetch_once(s->low + k);
     for (int e = 0, waits = c->waits; e < waits; e++)
-        advance(&x, &low, scale(c->late[e], room->p[e][k]));
+        advance(&x, &low, scale(c->late[e], scratch->p[e][k]));
     if (p)
         advance(&x, &low, scale(alpha, p[k]));
     store_once(s->dv + k, x);
@@ -142,7 +145,7 @@ static __device__ void move(const struct pcg *s, const struct pcg_state *c,
  * step; NULL: the update of dv and low is left to a later step, so that they
  * are read and written once for several steps. A block owns several chunks. */
 static __global__ void __launch_bounds__(SUM_CHUNK, UPDATES)
-    pcg_update_kernel(struct pcg s, struct pcg_state *c, struct room room,
+    pcg_update_kernel(struct pcg s, struct pcg_state *c, struct scratch scratch,
                       const vec *p)
 {
     real value[2], sum[2], alpha = c->alpha;
@@ -153,32 +156,33 @@ static __global__ void __launch_bounds__(SUM_CHUNK, UPDATES)
         value[0] = value[1] = 0;
         if (k < s.count) {
             if (p && !s.fixed[k])
-                move(&s, c, &room, k, p, alpha);
+                move(&s, c, &scratch, k, p, alpha);
             vec r = axpy(s.r[k], -alpha, s.q[k]);
             s.r[k] = r;
             value[0] = dot(r, r);
-            value[1] = begin_from(&s, &room, (int)k, r);
+            value[1] = begin_from(&s, &scratch, (int)k, r);
         }
-        put_sums<2>(value, s.n_chunks, here, room.chunk);
+        put_sums<2>(value, s.n_chunks, here, scratch.chunk);
     }
-    if (!all_sums<2>(s.n_chunks, room.chunk, &c->ticket, sum) || threadIdx.x)
+    if (!all_sums<2>(s.n_chunks, scratch.chunk, &c->ticket, sum) || threadIdx.x)
         return;
     if (!p)
         c->late[c->waits] = alpha;
     c->waits = p ? 0 : c->waits + 1;
     leave(&s, c, sum[0]);
-    if (room.jacobi && c->go)
+    if (scratch.jacobi && c->go)
         enter(&s, c, sum[1]);
 }
 
 /* Updates dv and low by the steps that are outstanding when the iterations have
  * ended; the residual is next. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    pcg_settle_kernel(struct pcg s, const struct pcg_state *c, struct room room)
+    pcg_settle_kernel(struct pcg s, const struct pcg_state *c,
+                      struct scratch scratch)
 {
     ITEM(k, s.count);
     if (c->phase == PHASE_ENDED && c->waits && !s.fixed[k])
-        move(&s, c, &room, k, NULL, 0);
+        move(&s, c, &scratch, k, NULL, 0);
 }
 
 #endif

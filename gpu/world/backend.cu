@@ -2,11 +2,17 @@
 /* The device as a backend: its table of functions, which queue launches and
  * wait only for counts and outcomes. ref/base/backend.h, spec/gpu.md §6 */
 #include "gpu/contact/incidence.cuh"
-#include "gpu/run/gpu.cuh"
+#include "gpu/run/launch.cuh"
 
 extern "C" {
 #include "gpu/broad/broad.h"
-#include "ref/base/stages.h"
+#include "gpu/cloth/motion.h"
+#include "gpu/contact/rounds.h"
+#include "gpu/contact/turn.h"
+#include "gpu/world/backend.h"
+#include "gpu/world/led.h"
+#include "gpu/world/systems.h"
+#include "ref/narrow/audit.h"
 }
 
 static struct gpu *gpu_of(void *on)
@@ -200,13 +206,9 @@ static void fetch(void *on, void *host, const void *from, size_t bytes)
     gpu_down(gpu_of(on), host, from, bytes);
 }
 
-static void laws(struct world *w, int k)
+static void laws(void *on, struct sheet *s)
 {
-    const struct sheet *s = &w->sheet[k];
-    struct gpu *g = w->device->gpu;
-    gpu_up(g, s->device->law, s->cloth.law, sizeof s->cloth.law);
-    gpu_up(g, s->device->piece, s->cloth.piece, sizeof s->cloth.piece);
-    gpu_up(g, s->device->triple, s->cloth.triple, sizeof s->cloth.triple);
+    gpu_motion_laws(gpu_of(on), s);
 }
 
 static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
@@ -220,11 +222,10 @@ static real furthest(void *on, int64_t n, const vec *x0, const vec *x1)
     return gpu_led_furthest(gpu_of(on), n, x0, x1);
 }
 
-static int ending_streams(struct world *w)
+static int ending_streams(void *on, struct audit *s, int64_t nt, int64_t cloths)
 {
-    struct gpu *g = w->device->gpu;
-    gpu_led_group(g, w->nt, w->ntc, (int32_t *)w->ending.group);
-    return gpu_status(g);
+    gpu_led_group(gpu_of(on), nt, cloths, (int32_t *)s->group);
+    return gpu_status(gpu_of(on));
 }
 
 extern const struct backend backend_gpu = {.take = take,
@@ -254,7 +255,7 @@ extern const struct backend backend_gpu = {.take = take,
                                            .penalty_status = penalty_status,
                                            .motion = motion,
                                            .energy = energy,
-                                           .joint = gpu_joint,
+                                           .joint = gpu_systems_joint,
                                            .broad_whole_apart = ask,
                                            .broad_query = query,
                                            .start = start,

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage kinematics on the device: computes the prescribed positions of
- * obstacles and pins. spec/world/kinematics.md */
+ * obstacles and pins, and their streams. spec/world/kinematics.md */
 #include "gpu/base/real.cuh"
 
 extern "C" {
-#include "ref/world/kinematics.h"
+#include "gpu/world/kinematics.h"
 }
 
 /* Thread k owns vertex k: it reads rest, next and motion of the vertex, and
@@ -43,4 +43,19 @@ int gpu_kinematics(struct gpu *g, struct kinematics *s)
     bool out = gpu_read_back(g, 1)[0] != 0;
     int status = gpu_status(g);
     return status == DRAPE_OK && out ? DRAPE_EDATA : status;
+}
+
+void gpu_kinematics_make(struct gpu *g, enum arena_part part,
+                         const struct kinematics *host,
+                         const struct pose *posed, struct kinematics *k)
+{
+    *k = *host;
+    k->rest = k->next = NULL;
+    double *rest = NULL;
+    int32_t *motion = NULL;
+    GPU_TAKE_COPY(g, rest, part, host->rest, 3 * host->n);
+    GPU_TAKE_COPY(g, motion, part, host->motion, host->n);
+    k->rest = rest;
+    k->motion = motion;
+    k->pose = posed;
 }

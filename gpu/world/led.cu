@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Loops over led vertices and over displacements on the device, as in
- * ref/world/led.h. spec/world/step.md §1, §6, §7, §11 */
+/* Loops over led vertices and over displacements on the device.
+ * spec/world/step.md §1, §6, §7, §11 */
 #include "gpu/base/largest.cuh"
 #include "gpu/base/real.cuh"
-#include "gpu/run/gpu.cuh"
+
+extern "C" {
+#include "gpu/world/led.h"
+#include "gpu/world/state.h"
+#include "ref/world/led.h"
+}
 
 /* Thread k owns pin k and writes the place of its particle. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
@@ -45,7 +50,7 @@ bool gpu_led_moves(const struct world *w)
     LAUNCH(g, w->nv - w->nc, moves_kernel, w->nv - w->nc, nullptr,
            w->x0 + w->nc, w->x1 + w->nc, moves);
     for (int k = 0; k < w->def.n_cloths; k++) {
-        struct pins pins = state_pins(&w->sheet[k]);
+        struct pins pins = sheet_pins(&w->sheet[k]);
         LAUNCH(g, pins.n, moves_kernel, pins.n, pins.at,
                w->x0 + w->sheet[k].first, pins.x, moves);
     }

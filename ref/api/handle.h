@@ -5,8 +5,8 @@
 
 #include <stdbool.h>
 
+#include "ref/api/ops.h"
 #include "ref/base/names.h"
-#include "ref/world/world.h"
 
 struct drape_world {
     struct arena arena;

@@ -28,6 +28,21 @@ struct record_pose {
     double position[3], rotation[4], pivot[3];
 };
 
+/* What each record begins with. */
+struct record_head {
+    char magic[4];
+    uint32_t kind; /* enum record_kind */
+    int64_t at, n;
+    uint64_t bytes; /* that follow; of RECORD_STATE 0: a checkpoint follows,
+                       which knows its length */
+    uint64_t check; /* a hash of the head, with 0 here, and of these bytes */
+};
+/* The last character is the number of this format, and of the layout of the
+ * structs of drape.h that records hold. */
+#define RECORD_MAGIC "drL2"
+/* The hash `check` of a head and of the bytes that follow it. */
+uint64_t record_check(struct record_head h, const void *data);
+
 /* A call, whose data are in two pieces, of which the second are vectors. */
 struct record {
     enum record_kind kind;
@@ -45,11 +60,11 @@ void record_lose(drape_world *world);
 /* Write a body that was added. */
 void record_cloth(drape_world *world, const drape_cloth *cloth);
 void record_obstacle(drape_world *world, const drape_obstacle *obstacle);
-/* Adds a body again from the data of its record. The new body's number, or
- * DRAPE_EMATCH if the record has not the size that it says, or the call's
- * status. */
-int record_body_again(drape_world *world, enum record_kind kind,
-                      const uint8_t *data, int64_t bytes);
+/* Read a body from the data of its record, which the definition then points to.
+ * DRAPE_OK, or DRAPE_EMATCH if the record has not the size that it says. */
+int record_cloth_of(const uint8_t *data, int64_t bytes, drape_cloth *cloth);
+int record_obstacle_of(const uint8_t *data, int64_t bytes,
+                       drape_obstacle *obstacle);
 /* What `at` of a body's record must be. Memory for n bytes is taken before
  * their hash is seen, so n has a hash of its own. */
 int64_t record_mark(int64_t n);

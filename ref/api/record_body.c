@@ -117,7 +117,7 @@ static bool find(const uint8_t *data, int64_t bytes, size_t size,
     return at == (size_t)bytes;
 }
 
-static int cloth_again(drape_world *world, const uint8_t *data, int64_t bytes)
+int record_cloth_of(const uint8_t *data, int64_t bytes, drape_cloth *cloth)
 {
     struct piece p[CLOTH_PIECES];
     drape_cloth c;
@@ -134,10 +134,12 @@ static int cloth_again(drape_world *world, const uint8_t *data, int64_t bytes)
     c.hole = p[2].at;
     c.cut = p[3].at;
     c.pins = p[4].at;
-    return drape_add_cloth(world, &c, NULL);
+    *cloth = c;
+    return DRAPE_OK;
 }
 
-static int mesh_again(drape_world *world, const uint8_t *data, int64_t bytes)
+int record_obstacle_of(const uint8_t *data, int64_t bytes,
+                       drape_obstacle *obstacle)
 {
     struct piece p[MESH_PIECES];
     drape_obstacle o;
@@ -153,12 +155,6 @@ static int mesh_again(drape_world *world, const uint8_t *data, int64_t bytes)
     o.x = (const double(*)[3])p[0].at;
     o.tri = (const int32_t(*)[3])p[1].at;
     o.frame = (const double(*)[3])p[2].at;
-    return drape_add_obstacle(world, &o, NULL);
-}
-
-int record_body_again(drape_world *world, enum record_kind kind,
-                      const uint8_t *data, int64_t bytes)
-{
-    return kind == RECORD_CLOTH ? cloth_again(world, data, bytes)
-                                : mesh_again(world, data, bytes);
+    *obstacle = o;
+    return DRAPE_OK;
 }

@@ -84,7 +84,7 @@ struct backend {
     int (*penalty)(void *on, struct penalty *s);
     int (*penalty_status)(void *on);
 
-    /* Run ref_dynamics and dynamics_energy on one cloth. */
+    /* Run ref_motion and motion_energy on one cloth. */
     int (*motion)(void *on, struct sheet *s);
     void (*energy)(void *on, struct sheet *s, const vec *x, const vec *v,
                    double value[3]);
@@ -122,16 +122,18 @@ struct backend {
     bool (*sane)(void *on, int64_t n, const vec *a);
     /* Copies to host memory; it is there on return. */
     void (*fetch)(void *on, void *host, const void *from, size_t bytes);
-    /* Brings the laws and triples of cloth k, which have changed, to where the
+    /* Brings the laws and triples of a cloth, which have changed, to where the
      * backend's stages read them. */
-    void (*laws)(struct world *w, int k);
+    void (*laws)(void *on, struct sheet *s);
     bool (*moves)(const struct world *w);
     void (*velocities)(void *on, int64_t n, const vec *x0, const vec *x1,
                        real dt, vec *v);
     real (*furthest)(void *on, int64_t n, const vec *x0, const vec *x1);
     /* Takes the streams of the ending's audit that this backend alone needs,
-     * and fills the groups of its triangles. DRAPE_OK or DRAPE_ENOMEM. */
-    int (*ending_streams)(struct world *w);
+     * and fills the groups of its nt triangles, of which the first `cloths`
+     * belong to cloth. DRAPE_OK or DRAPE_ENOMEM. */
+    int (*ending_streams)(void *on, struct audit *s, int64_t nt,
+                          int64_t cloths);
 };
 
 /* ref/world/backend.c */

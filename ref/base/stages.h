@@ -30,6 +30,7 @@
 #include "ref/contact/zones.h"
 #include "ref/narrow/audit.h"
 #include "ref/narrow/narrow.h"
+#include "ref/solve/coarsen.h"
 #include "ref/solve/jacobi.h"
 #include "ref/solve/matrix.h"
 #include "ref/solve/multigrid.h"

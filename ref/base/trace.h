@@ -5,8 +5,10 @@
 #ifndef REF_TRACE_H
 #define REF_TRACE_H
 
-#include "ref/base/clock.h"
-#include "ref/base/hash.h"
+#include <stddef.h>
+#include <stdint.h>
+
+#include "ref/base/names.h"
 #include "spec/drape.h"
 
 struct trace {
@@ -17,15 +19,7 @@ struct trace {
 };
 
 /* Called at the end of a stage, whose output is out[bytes]. */
-static inline void trace_stage(struct trace *t, const char *stage,
-                               const void *out, size_t bytes)
-{
-    if (!t)
-        return;
-    double end = clock_now();
-    t->call(t->user, t->step, stage, hash_mix(HASH_SEED, out, bytes),
-            end - t->last);
-    t->last = clock_now();
-}
+void trace_stage(struct trace *t, const char *stage, const void *out,
+                 size_t bytes);
 
 #endif

@@ -3,6 +3,10 @@
  * spec/broad/extent.md §2 */
 #include "ref/broad/apart.h"
 
+#include "ref/broad/box.h"
+#include "ref/broad/cones.h"
+#include "ref/broad/extent.h"
+
 /* Returns the box around all triangles of a mesh that never moves. */
 static struct box still_box(const struct tree_scene *s,
                             const struct tree_mesh *m)

@@ -6,7 +6,9 @@
 #ifndef REF_APART_H
 #define REF_APART_H
 
-#include "ref/broad/extent.h"
+#include "ref/broad/tree.h"
+
+struct whole;
 
 struct apart {
     bool able;           /* false: §2 does not apply to some pair, so the

@@ -3,6 +3,15 @@
  * capacity is exceeded. spec/broad/broad.md */
 #include "ref/broad/broad.h"
 
+#include "ref/broad/box.h"
+#include "ref/broad/bvtt.h"
+#include "ref/broad/cones.h"
+#include "ref/broad/extent.h"
+#include "ref/broad/features.h"
+#include "ref/broad/front.h"
+#include "ref/broad/refit.h"
+#include "ref/broad/walk.h"
+
 /* Makes sure that a pool has a capacity of `need` items, with a quarter more in
  * reserve when the pool must grow. Without memory the old pool stays. */
 static int grow(struct broad *b, struct broad_pool *p, enum arena_part part,

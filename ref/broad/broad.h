@@ -6,11 +6,10 @@
 
 #include "ref/base/trace.h"
 #include "ref/broad/apart.h"
-#include "ref/broad/cones.h"
-#include "ref/broad/features.h"
-#include "ref/broad/front.h"
-#include "ref/broad/refit.h"
-#include "ref/broad/walk.h"
+#include "ref/broad/tree.h"
+
+struct box;
+struct tangents;
 
 /* A stream with a capacity. Growing the pool loses its contents. */
 struct broad_pool {

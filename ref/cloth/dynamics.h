@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One cloth's motion over a step as if nothing were in its way.
- * spec/cloth/dynamics.md */
+/* The inputs, scratch and results of one cloth's motion over a step as if
+ * nothing were in its way. spec/cloth/dynamics.md */
 #ifndef REF_DYNAMICS_H
 #define REF_DYNAMICS_H
 
-#include "ref/base/thin.h"
-#include "ref/base/trace.h"
 #include "ref/cloth/cloth.h"
+
+struct thin;
+struct trace;
 
 struct dynamics {
     const struct cloth *cloth;
@@ -84,13 +85,5 @@ static inline int64_t dynamics_vecs(int method, int windy)
     int64_t own = method == DRAPE_BW ? 4 : dynamics_second(method) ? 6 : 5;
     return own + (windy ? 3 : 0);
 }
-
-/* DRAPE_OK; DRAPE_ELIMIT if max_substeps are not stable; or what solve
- * returned. An outcome with DRAPE_DIVERGED leaves x1 = x and v1 = v. */
-int ref_dynamics(struct dynamics *s);
-
-/* Kinetic, elastic and gravitational energy of a state, J; uses chunk. */
-void dynamics_energy(const struct dynamics *s, const vec *x, const vec *v,
-                     double value[3]);
 
 #endif

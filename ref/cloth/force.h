@@ -3,6 +3,7 @@
 #ifndef REF_FORCE_H
 #define REF_FORCE_H
 
+#include "ref/base/trace.h"
 #include "ref/cloth/dynamics.h"
 #include "ref/cloth/springs.h"
 #include "ref/cloth/wind.h"

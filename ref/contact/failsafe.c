@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Zones and rollback as rounds of a step, on either backend.
  * spec/contact/response.md §5 and §6 */
-#include "ref/contact/failsafe.h"
+#include "ref/contact/rounds.h"
 
 #include "ref/contact/rollback.h"
 #include "ref/contact/zones.h"

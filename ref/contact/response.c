@@ -4,7 +4,6 @@
 #include "ref/contact/response.h"
 
 #include "ref/contact/contacts.h"
-#include "ref/contact/failsafe.h"
 #include "ref/contact/impacts.h"
 #include "ref/contact/impulses.h"
 #include "ref/contact/proximity.h"

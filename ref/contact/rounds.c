@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a round of collision response computes between its stages.
  * spec/contact/response.md */
-#include "ref/contact/response.h"
+#include "ref/contact/rounds.h"
 
 void rounds_start(struct response *s)
 {

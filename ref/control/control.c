@@ -3,6 +3,7 @@
  * backend. spec/control/control.md §1, §2 */
 #include "ref/control/control.h"
 
+#include "ref/api/ops.h"
 #include "ref/world/ending.h"
 #include "ref/world/start.h"
 
@@ -67,7 +68,7 @@ void control_tell_cloth(struct world *w, int k)
     resend(w, s->cloth.mass, c->mass, n * sizeof *c->mass);
     resend(w, w->w + s->first, h->w + s->first, n * sizeof *w->w);
     resend(w, w->surface + k, h->surface + k, sizeof *w->surface);
-    w->run->laws(w, k);
+    w->run->laws(w->on, s);
     derive(w);
 }
 
@@ -151,7 +152,7 @@ static void keep_fixed(struct world *w, int64_t first, int64_t n,
 
 /* Counts the intersecting pairs with the vertices at x1. The host looks again
  * where the pairs have to be named, or a triangle has no area. */
-static int look(struct world *w, int64_t *found, drape_error *error)
+static int count_pairs(struct world *w, int64_t *found, drape_error *error)
 {
     *found = 0;
     if (!w->plan.collides)
@@ -165,7 +166,7 @@ static int look(struct world *w, int64_t *found, drape_error *error)
     if (x != w->x1)
         w->run->fetch(w->on, x, w->x1, (size_t)w->nv * sizeof *x);
     status = w->run->status(w->on);
-    return status == DRAPE_OK ? start_look(w->home, x, -1, found, error)
+    return status == DRAPE_OK ? start_audit_at(w->home, x, -1, found, error)
                               : status;
 }
 
@@ -181,7 +182,7 @@ int control_positions(struct world *w, int64_t first, int64_t n, struct given x,
     w->run->copy(w->on, w->x1 + end, w->x0 + end,
                  (size_t)(w->nv - end) * sizeof *w->x1);
     keep_fixed(w, first, n, w->x0, w->x1);
-    status = look(w, &found, error);
+    status = count_pairs(w, &found, error);
     if (status == DRAPE_OK)
         status = w->run->status(w->on);
     if (status != DRAPE_OK)

@@ -7,6 +7,8 @@
 
 #include "ref/world/state.h"
 
+struct given;
+
 /* §1, §2 */
 void control_gravity(struct world *w, const double gravity[3]);
 /* DRAPE_OK; DRAPE_EARG if the cells are too oblong for the material;

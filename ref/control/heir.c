@@ -3,6 +3,7 @@
  * state. spec/control/control.md §9 */
 #include "ref/control/heir.h"
 
+#include "ref/api/ops.h"
 #include "ref/control/control.h"
 #include "ref/world/ending.h"
 #include "ref/world/lead.h"
@@ -217,7 +218,7 @@ static int admit(struct world *w, const struct heir *heir, drape_error *error)
     w->run->fetch(w->on, x, w->x0, (size_t)w->nv * sizeof *x);
     status = w->run->status(w->on);
     return status == DRAPE_OK
-               ? start_look(w->home, x, heir->added, &found, error)
+               ? start_audit_at(w->home, x, heir->added, &found, error)
                : status;
 }
 

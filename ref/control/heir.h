@@ -7,6 +7,8 @@
 
 #include "ref/world/state.h"
 
+struct edit;
+
 /* Fills the definition of the heir, and says where its bodies come from. The
  * arena, which must outlive both, owns what they point to, except what the edit
  * and the old world do. A cloth's particles start at 0, except the pinned ones.

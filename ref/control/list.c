@@ -79,7 +79,7 @@ static int split(const struct contact *c)
 }
 
 /* §8.2: the sum of |c| at each free vertex over its held contacts. */
-static void weigh(struct world *w, const struct left *s)
+static void sum_weights(struct world *w, const struct left *s)
 {
     double *weight = w->list.weight;
     memset(weight, 0, (size_t)w->nc * sizeof *weight);
@@ -204,7 +204,7 @@ int list_contacts(struct world *w, bool there, drape_contact_list *list)
     if (status == DRAPE_OK && w->plan.collides && w->list.known && w->met) {
         status = bring(w, &s);
         if (status == DRAPE_OK)
-            weigh(w, &s);
+            sum_weights(w, &s);
         for (int64_t k = 0; k < s.n && status == DRAPE_OK; k++)
             fill(w, &s, k);
         if (status == DRAPE_OK)

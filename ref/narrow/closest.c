@@ -75,8 +75,8 @@ void closest_ee(const struct wide x[4], struct closest *r)
     double dq = -wide_dot(d, y[2]), eq = -wide_dot(e, y[2]);
     double det = dd * ee - de * de;
     if (det > 0) {
-        /* s is computed from t, and t from s: the product of both errors is
-         * left */
+        /* t is the best for the s of the 2 × 2 system, and s then the best for
+         * that t: the squared distance errs by the square of the first error */
         double t = ratio(eq + ratio(de * eq - dq * ee, det) * de, ee);
         double s = ratio(t * de - dq, dd);
         offer(r, y, (double[4]){1 - s, s, -(1 - t), -t});

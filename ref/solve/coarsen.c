@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Galerkin coarsening with bilinear interpolation. spec/solve/multigrid.md */
+/* Stages excess and coarsen: the operator of the finest grid in difference
+ * form, and Galerkin coarsening by bilinear interpolation, which does not reach
+ * across cuts. spec/solve/multigrid.md §1, §2 */
 #include "ref/solve/coarsen.h"
 
 #include "ref/solve/jacobi.h"
 
-/* §2: one term of a coarse block: weight/16 times block o of the fine particle
- * at (di, dj) from the place of the coarse particle. */
+/* §2: a coarse block is a sum of terms. A term is weight/16 times block o of
+ * the fine particle that lies (di, dj) from the coarse particle. */
 struct term {
     int8_t o, di, dj, weight;
 };
@@ -20,7 +22,8 @@ struct recipe {
     struct term term[TERMS];
 };
 
-/* Returns what weight_of returns for a particle with rule 0, away from cuts. */
+/* Returns four times the weight of interpolation away from cuts, where the rule
+ * is 0. */
 static int hat(int di, int dj)
 {
     return weight_of(0, di, dj);

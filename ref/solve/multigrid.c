@@ -3,6 +3,7 @@
  * spec/solve/multigrid.md */
 #include "ref/solve/multigrid.h"
 
+#include "ref/solve/coarsen.h"
 #include "ref/solve/coarsest.h"
 #include "ref/solve/jacobi.h"
 #include "ref/solve/product.h"

@@ -4,7 +4,10 @@
 #ifndef REF_MULTIGRID_H
 #define REF_MULTIGRID_H
 
-#include "ref/solve/coarsen.h"
+#include "ref/base/stage.h"
+
+struct thin;
+struct thin_parts;
 
 enum { LEVELS = 40 };
 

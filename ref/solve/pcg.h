@@ -6,6 +6,8 @@
 
 #include "ref/solve/multigrid.h"
 
+struct mat;
+
 enum pcg_outcome {
     PCG_CONVERGED, /* the true residual is within the tolerance */
     PCG_LIMIT,     /* max_iterations are used up */
@@ -43,7 +45,7 @@ struct pcg {
     const vec *z;            /* [n_z] m/s, read where fixed */
 
     int64_t n_cdf, n_chunks; /* from ref_pcg_size */
-    mat *cdf;                /* scratch: [n_cdf] */
+    struct mat *cdf;         /* scratch: [n_cdf] */
     sym *diagonal;           /* scratch: [count], of the cdf alone */
     sym *factor;             /* scratch: [count] */
     vec *low;                /* scratch: [count] m/s, rounding errors of dv */

@@ -3,6 +3,10 @@
 #include "ref/solve/solver.h"
 
 #include "ref/base/clock.h"
+#include "ref/base/thin.h"
+#include "ref/cloth/cloth.h"
+#include "ref/cloth/dynamics.h"
+#include "ref/solve/matrix.h"
 
 static void *take(struct arena *a, int64_t n, size_t size)
 {

@@ -4,8 +4,10 @@
 #define REF_SOLVER_H
 
 #include "ref/base/arena.h"
-#include "ref/cloth/dynamics.h"
 #include "ref/solve/pcg.h"
+
+struct cloth;
+struct dynamics;
 
 struct solver {
     struct pcg pcg;

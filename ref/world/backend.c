@@ -4,6 +4,7 @@
 #include "ref/base/backend.h"
 
 #include "ref/base/stages.h"
+#include "ref/cloth/motion.h"
 #include "ref/contact/turn.h"
 #include "ref/world/led.h"
 
@@ -97,14 +98,14 @@ static int penalty_status(void *on)
 static int motion(void *on, struct sheet *s)
 {
     (void)on;
-    return ref_dynamics(&s->dynamics);
+    return ref_motion(&s->dynamics);
 }
 
 static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
                    double value[3])
 {
     (void)on;
-    dynamics_energy(&s->dynamics, x, v, value);
+    motion_energy(&s->dynamics, x, v, value);
 }
 
 static int ask(void *on, struct broad *b, const vec *x0, const vec *x1, real r,
@@ -197,10 +198,10 @@ static bool sane(void *on, int64_t n, const vec *a)
     return led_sane(n, a);
 }
 
-static void laws(struct world *w, int k)
+static void laws(void *on, struct sheet *s)
 {
-    (void)w; /* the stages read them in struct cloth */
-    (void)k;
+    (void)on; /* the stages read them in struct cloth */
+    (void)s;
 }
 
 static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
@@ -216,15 +217,13 @@ static real furthest(void *on, int64_t n, const vec *x0, const vec *x1)
     return led_furthest(n, x0, x1);
 }
 
-static int ending_streams(struct world *w)
+static int ending_streams(void *on, struct audit *s, int64_t nt, int64_t cloths)
 {
-    struct audit *s = &w->ending;
     int32_t *group = (int32_t *)s->group;
     if (!s->count)
-        s->count =
-            arena_take(w->arena, ARENA_RESPONSE, s->n_nodes, sizeof *s->count);
-    for (int64_t k = 0; k < w->nt; k++)
-        group[k] = k < w->ntc;
+        s->count = arena_take(on, ARENA_RESPONSE, s->n_nodes, sizeof *s->count);
+    for (int64_t k = 0; k < nt; k++)
+        group[k] = k < cloths;
     return s->count ? DRAPE_OK : DRAPE_ENOMEM;
 }
 

@@ -6,6 +6,7 @@
 
 #include "ref/base/clock.h"
 #include "ref/broad/travel.h"
+#include "ref/contact/response.h"
 #include "ref/world/slice.h"
 
 int collide_broad(void *user, const uint8_t *touched, struct pairs *out)
@@ -125,7 +126,7 @@ static int repel(struct world *w)
 /* Sets *alone if no pair comes within reach during the slice, so that the rest
  * of the slice's contact is skipped. This is tested only if the slice before
  * found nothing near. */
-static int look(struct world *w, bool *alone)
+static int test_alone(struct world *w, bool *alone)
 {
     response_reset(&w->response);
     *alone = false;
@@ -140,7 +141,7 @@ int collide(struct world *w, drape_step_report *r, double *last)
 {
     struct response *c = &w->response;
     bool alone;
-    int status = look(w, &alone);
+    int status = test_alone(w, &alone);
     if (status == DRAPE_OK && !alone)
         status = repel(w);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);

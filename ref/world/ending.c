@@ -23,7 +23,9 @@ static int take_streams(struct world *w)
     s->degenerate = take(w, s->degenerate, w->nt, 1);
     s->group = take(w, (void *)s->group, w->nt, sizeof *s->group);
     int status = w->run->status(w->on);
-    return status == DRAPE_OK ? w->run->ending_streams(w) : status;
+    if (status != DRAPE_OK)
+        return status;
+    return w->run->ending_streams(w->on, s, w->nt, w->ntc);
 }
 
 int ending_count(struct world *w, const vec *x, int64_t *found)

@@ -50,7 +50,7 @@ static int lead_obstacle(struct world *w, struct prop *p, double t, vec *x)
 
 static int lead_pins(struct world *w, struct sheet *s)
 {
-    struct pins pins = state_pins(s);
+    struct pins pins = sheet_pins(s);
     int status = DRAPE_OK;
     if (pins.n == 0)
         return DRAPE_OK;

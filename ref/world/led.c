@@ -15,7 +15,7 @@ bool led_moves(const struct world *w)
         if (memcmp(&w->x0[i], &w->x1[i], sizeof *w->x0) != 0)
             return true;
     for (int k = 0; k < w->def.n_cloths; k++) {
-        struct pins pins = state_pins(&w->sheet[k]);
+        struct pins pins = sheet_pins(&w->sheet[k]);
         for (int64_t i = 0; i < pins.n; i++) {
             const vec *x = w->x0 + w->sheet[k].first + pins.at[i];
             if (memcmp(x, &pins.x[i], sizeof *x) != 0)

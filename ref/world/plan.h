@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Says which stages a scene uses, and why. The plan is made once, from the
- * definition, and every step follows it. */
+/* Says which stages a scene uses, and why. The plan is made from the definition
+ * when the world is made, and every step follows it. Only `led` changes later:
+ * where the caller moves pins or obstacles (spec/control/control.md). */
 #ifndef REF_PLAN_H
 #define REF_PLAN_H
 

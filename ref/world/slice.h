@@ -80,9 +80,10 @@ bool slice_diverged(struct world *w);
 void slice_keep(struct world *w);
 /* Records at the end of a step what later steps should know, §7.2, §7.5. */
 void slice_end(struct world *w);
-/* Waits for the backend, then adds the time since *last to a part of the
- * report, without the `within` seconds that belong to other parts. Sets *last
- * to now. Does nothing if the caller gave no report. */
+/* Measures a part of the step: waits for the backend, then adds the seconds
+ * since *last to this part of the report, less `within`, the seconds in between
+ * that were added to other parts. Sets *last to now. Without a report from the
+ * caller it neither waits nor adds. */
 void slice_charge(const struct world *w, drape_step_report *r,
                   enum drape_part part, double *last, double within);
 /* Moves the broad phase's counters into the work of a report: the counters are

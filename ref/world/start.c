@@ -125,7 +125,7 @@ static void find_sliver(const struct world *w, const struct audit *s,
 
 /* Finds the pairs, with their vertices at x. DRAPE_OK, also if there are pairs,
  * or an error. */
-static int look(struct world *w, const vec *x, struct start_pairs *p)
+static int audit_at(struct world *w, const vec *x, struct start_pairs *p)
 {
     struct audit s = {.nv = w->nv, .nt = w->nt, .x = x, .cap = 1024};
     s.tri = (const int32_t(*)[3])w->tri;
@@ -165,15 +165,15 @@ static void explain(const struct world *w, const struct start_pairs *p,
              p->sliver ? ", one of them without area" : "");
 }
 
-int start_look(struct world *w, const vec *x, int body, int64_t *found,
-               drape_error *error)
+int start_audit_at(struct world *w, const vec *x, int body, int64_t *found,
+                   drape_error *error)
 {
     struct start_pairs p = {.from = 0, .to = (int32_t)w->nt};
     if (body >= 0) {
         p.from = (int32_t)world_first_triangle(w, body);
         p.to = (int32_t)world_first_triangle(w, body + 1);
     }
-    int status = look(w, x, &p);
+    int status = audit_at(w, x, &p);
     *found = p.all;
     if (status != DRAPE_OK || p.found == 0)
         return status;
@@ -186,7 +186,7 @@ int start_look(struct world *w, const vec *x, int body, int64_t *found,
 
 int start_audit(struct world *w, drape_error *error)
 {
-    return start_look(w, w->x0, -1, &w->intersecting, error);
+    return start_audit_at(w, w->x0, -1, &w->intersecting, error);
 }
 
 bool start_too_stiff(const struct world *w, const struct cloth *cloth)

@@ -12,8 +12,8 @@ int start_audit(struct world *w, drape_error *error);
 /* The same for vertices at x [nv], on the host, and the count goes to *found.
  * body: pairs of which no side is of this body are counted and not refused; -1:
  * all are refused. w is a world whose streams are on the host. */
-int start_look(struct world *w, const vec *x, int body, int64_t *found,
-               drape_error *error);
+int start_audit_at(struct world *w, const vec *x, int body, int64_t *found,
+                   drape_error *error);
 
 /* DRAPE_OK, or DRAPE_ELIMIT and a text if an explicit method needs more
  * substeps than max_substeps. */

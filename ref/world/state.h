@@ -5,42 +5,16 @@
 #define REF_STATE_H
 
 #include "ref/base/arena.h"
+#include "ref/base/trace.h"
 #include "ref/broad/broad.h"
-#include "ref/cloth/dynamics.h"
 #include "ref/contact/couple.h"
-#include "ref/contact/response.h"
+#include "ref/contact/rounds.h"
 #include "ref/narrow/audit.h"
-#include "ref/solve/solver.h"
-#include "ref/world/kinematics.h"
 #include "ref/world/plan.h"
+#include "ref/world/sheet.h"
 #include "ref/world/slice.h"
-#include "ref/world/world.h"
 
-struct gpu_sheet;
-
-/* Pins that the caller has set and moves: control.md §4. */
-struct hand {
-    bool on;       /* false: the definition's pins hold */
-    int64_t n;     /* pins */
-    int32_t *list; /* [n] the particle of each pin, on the host */
-    int32_t *at;   /* [n] the same in the memory of the backend */
-    vec *x;        /* [n] m, where the pins end */
-};
-
-/* One cloth: its model, its part of the streams, its stages, and its pins. */
-struct sheet {
-    struct cloth cloth;
-    drape_cloth made;       /* its scalars; the material is the current one */
-    drape_material defined; /* the definition's material */
-    struct hand hand;
-    int64_t first, first_triangle; /* where the cloth begins in the streams */
-    int size;                      /* tree_size of its start */
-    struct dynamics dynamics;
-    struct solver solver;
-    struct kinematics pins;
-    int32_t *pinned;          /* [pins.n] the particle of each pin */
-    struct gpu_sheet *device; /* what only a device needs; NULL: none */
-};
+struct heir;
 
 /* One obstacle and its prescribed motion. */
 struct prop {
@@ -172,19 +146,6 @@ static inline bool state_has_past(const struct world *w)
 static inline bool state_warm(const struct world *w)
 {
     return w->pressed && !w->slicing.without_press;
-}
-
-/* The pins of a cloth that hold now. */
-struct pins {
-    int64_t n;
-    const int32_t *at; /* [n] the particle of each pin */
-    vec *x;            /* [n] m, where the pins end */
-};
-static inline struct pins state_pins(const struct sheet *s)
-{
-    if (s->hand.on)
-        return (struct pins){s->hand.n, s->hand.at, s->hand.x};
-    return (struct pins){s->pins.n, s->pinned, s->pins.x};
 }
 
 /* Returns how near things came in the slice that this response handled. */

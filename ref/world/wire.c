@@ -3,6 +3,7 @@
 #include "ref/world/wire.h"
 
 #include "ref/base/sum.h"
+#include "ref/base/thin.h"
 #include "ref/contact/turn.h"
 #include "ref/world/collide.h"
 

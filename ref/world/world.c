@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes a world of one precision from a checked definition, and serves the
  * API's questions about it: state, bodies, waking and wind. */
+#include "ref/api/ops.h"
 #include "ref/control/control.h"
 #include "ref/control/heir.h"
 #include "ref/control/list.h"

@@ -4,8 +4,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "gpu/base/stages.h"
 #include "gpu/broad/broad.h"
-#include "gpu/world/world.h"
+#include "gpu/world/state.h"
+#include "ref/base/clock.h"
 #include "ref/narrow/narrow.h"
 #include "tests/base/data.h"
 #include "tests/base/notes.h"

@@ -2,6 +2,8 @@
 /* The generator and the properties of stage cones. spec/broad/cones.md */
 #include <stdlib.h>
 
+#include "ref/broad/cones.h"
+#include "ref/broad/refit.h"
 #include "tests/broad/fabric.h"
 
 const struct field fields_cones[] = {FABRIC_TREE(cones, tree),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The generator and the properties of stage extent, and scenes that its bounds
  * settle. spec/broad/extent.md */
+#include "ref/broad/extent.h"
 #include "tests/broad/fabric.h"
 
 const struct field fields_extent[] = {

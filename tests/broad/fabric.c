@@ -3,6 +3,9 @@
  * by brute force. See tests/broad/fabric.h. */
 #include "tests/broad/fabric.h"
 
+#include "ref/broad/cones.h"
+#include "ref/broad/refit.h"
+
 #include <stdlib.h>
 
 static void make_in(struct fabric *f, int32_t vertices, int32_t tris,

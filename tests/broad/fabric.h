@@ -5,6 +5,7 @@
 #define TESTS_FABRIC_H
 
 #include "ref/broad/broad.h"
+#include "ref/broad/bvtt.h"
 #include "tests/base/harness.h"
 
 enum { FABRIC_MESHES = 8 };

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The generator and the properties of stage features. spec/broad/features.md */
+#include "ref/broad/features.h"
 #include "tests/base/choices.h"
 #include "tests/broad/fabric.h"
 

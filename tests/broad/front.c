@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The generator and the properties of stage front. spec/broad/front.md */
+#include "ref/broad/front.h"
 #include "tests/broad/fabric.h"
 
 const struct field fields_front[] = {FABRIC_BVTT(front),

@@ -2,6 +2,7 @@
 /* The generator and the properties of stage refit. spec/broad/refit.md */
 #include <stdlib.h>
 
+#include "ref/broad/refit.h"
 #include "tests/broad/fabric.h"
 
 const struct field fields_refit[] = {FABRIC_TREE(refit, tree),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The generator and the properties of stage walk. spec/broad/walk.md */
+#include "ref/broad/walk.h"
 #include "tests/broad/fabric.h"
 
 const struct field fields_walk[] = {FABRIC_BVTT(walk),

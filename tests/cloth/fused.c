@@ -8,7 +8,8 @@
 #include <stdlib.h>
 
 #include "gpu/run/gpu.h"
-#include "gpu/world/world.h"
+#include "gpu/world/state.h"
+#include "ref/api/ops.h"
 #include "tests/api/guest.h"
 #include "tests/base/modes.h"
 

@@ -8,6 +8,7 @@
 #include "ref/cloth/energy.h"
 #include "ref/cloth/implicit.h"
 #include "ref/cloth/law.h"
+#include "ref/cloth/motion.h"
 #include "ref/cloth/springs.h"
 #include "ref/cloth/triple.h"
 
@@ -89,7 +90,7 @@ int sheet_step(struct sheet *s)
     d->xp = s->xp;
     d->vp = s->vp;
     d->to = s->to;
-    int status = ref_dynamics(d);
+    int status = ref_motion(d);
     if (status != DRAPE_OK || d->outcome & DRAPE_DIVERGED)
         return status;
     memcpy(s->xp, s->x, bytes);

@@ -3,7 +3,9 @@
  * scenes: every stage gives the same bits. spec/contact/response.md, gpu.md */
 #include <stdlib.h>
 
-#include "gpu/world/world.h"
+#include "gpu/contact/rounds.h"
+#include "gpu/world/backend.h"
+#include "gpu/world/state.h"
 #include "ref/contact/contacts.h"
 #include "tests/base/choices.h"
 #include "tests/base/notes.h"

@@ -5,6 +5,7 @@
 
 #include <stdlib.h>
 
+#include "ref/solve/coarsen.h"
 #include "ref/solve/jacobi.h"
 #include "tests/solve/system.h"
 

@@ -3,6 +3,7 @@
  * that meet, wind and led frames. spec/world/step.md */
 #include <stdlib.h>
 
+#include "ref/broad/box.h"
 #include "ref/world/state.h"
 #include "ref/world/step.h"
 #include "tests/solve/system.h"

@@ -5,7 +5,8 @@
 #include <stdlib.h>
 
 #include "gpu/run/gpu.h"
-#include "gpu/world/world.h"
+#include "gpu/world/state.h"
+#include "ref/api/ops.h"
 #include "tests/api/guest.h"
 
 enum { STEPS = 26, VERTICES = 256 };

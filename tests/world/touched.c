@@ -4,6 +4,7 @@
  * spec/contact/response.md §3 */
 #include <stdlib.h>
 
+#include "ref/broad/refit.h"
 #include "ref/world/state.h"
 #include "ref/world/step.h"
 #include "tests/solve/system.h"

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A world of one precision as the API (ref/api/drape.c) sees it: a table of
  * functions. ref/world/world.c makes a world, ref/world/step.c advances it. */
-#ifndef REF_WORLD_H
-#define REF_WORLD_H
+#ifndef REF_OPS_H
+#define REF_OPS_H
 
 #include "ref/base/arena.h"
+#include "ref/base/names.h"
 #include "spec/drape.h"
 
 struct world;

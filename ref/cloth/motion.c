@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* One cloth's step without contact: each method as a sequence of stages.
  * spec/cloth/dynamics.md */
-#include "ref/cloth/dynamics.h"
+#include "ref/cloth/motion.h"
 
 #include "ref/cloth/bounded.h"
 #include "ref/cloth/energy.h"
@@ -78,8 +78,8 @@ static int go_implicit(struct dynamics *s)
     return newton_move(s, &run, s);
 }
 
-void dynamics_energy(const struct dynamics *s, const vec *x, const vec *v,
-                     double value[3])
+void motion_energy(const struct dynamics *s, const vec *x, const vec *v,
+                   double value[3])
 {
     const struct cloth *c = s->cloth;
     struct energy e = {.count = c->count,
@@ -125,7 +125,7 @@ static double reach(const struct dynamics *s)
     return most;
 }
 
-int ref_dynamics(struct dynamics *s)
+int ref_motion(struct dynamics *s)
 {
     s->outcome = 0;
     s->iterations = 0;
@@ -135,8 +135,8 @@ int ref_dynamics(struct dynamics *s)
         dynamics_implicit(s->method) ? go_implicit(s) : explicit_steps(s);
     if (status != DRAPE_OK)
         return status;
-    dynamics_energy(s, s->x, s->v, s->before);
-    dynamics_energy(s, s->x1, s->v1, s->energy);
+    motion_energy(s, s->x, s->v, s->before);
+    motion_energy(s, s->x1, s->v1, s->energy);
     if (!bounded_keeps(s, sane(s), reach(s)))
         force_copy(s, s->x, s->v);
     return DRAPE_OK;

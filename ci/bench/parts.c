@@ -3,9 +3,14 @@
  * skipped work. With --quick it is a part of `make check`. spec/accuracy.md */
 #include "ci/bench/accuracy.h"
 
-#include <stdarg.h>
-#include <stdlib.h>
 #include <string.h>
+
+static void part_skip(struct bench *b)
+{
+    skip_table(b);
+    skip_never(b);
+    skip_sleep(b);
+}
 
 static const struct part {
     const char *name;
@@ -17,45 +22,6 @@ static const struct part {
              {"stages", part_stages},    {"lion", part_lion},
              {"backends", part_backends}};
 enum { PARTS = sizeof parts / sizeof *parts };
-
-FILE *bench_csv(const struct bench *b, const char *name, const char *header)
-{
-    char path[4096];
-    snprintf(path, sizeof path, "%s/%s.csv", b->directory, name);
-    FILE *out = fopen(path, "w");
-    if (!out) {
-        fprintf(stderr, "accuracy: %s: cannot be written\n", path);
-        exit(2);
-    }
-    fprintf(out, "%s\n", header);
-    return out;
-}
-
-void bench_check(struct bench *b, bool good, const char *format, ...)
-{
-    if (good) {
-        b->passed++;
-        return;
-    }
-    va_list arguments;
-    va_start(arguments, format);
-    printf("FAILED ");
-    vprintf(format, arguments);
-    printf("\n");
-    fflush(stdout);
-    va_end(arguments);
-    b->failed++;
-}
-
-void *bench_take(size_t count, size_t size)
-{
-    void *p = calloc(count + 1, size);
-    if (!p) {
-        fputs("accuracy: out of memory\n", stderr);
-        exit(2);
-    }
-    return p;
-}
 
 static int usage(void)
 {

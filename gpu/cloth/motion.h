@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* One cloth's motion on the device: ref/cloth/motion.h.
+ * spec/cloth/dynamics.md */
+#ifndef GPU_MOTION_H
+#define GPU_MOTION_H
+
+#include "gpu/cloth/sheet.h"
+#include "gpu/run/gpu.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* How many streams of vec work has on the device, where star and b of an
+ * implicit method lie elsewhere. */
+static inline int64_t motion_vecs(const struct dynamics *d)
+{
+    int64_t apart = dynamics_implicit(d->method) ? 2 : 0;
+    return dynamics_vecs(d->method, d->windy) - apart;
+}
+
+/* Streams of vec that an explicit method has in addition. */
+static inline int64_t motion_spares(const struct dynamics *d)
+{
+    return d->method == DRAPE_RK4 ? 1 : 0;
+}
+
+/* ref_motion and motion_energy on the device. Both wait for it. */
+int gpu_motion(struct gpu *g, struct sheet *s);
+void gpu_motion_energy(struct gpu *g, struct sheet *s, const vec *x,
+                       const vec *v, double value[3]);
+
+/* Copies the laws and triples of the cloth, which have changed on the host, to
+ * the device. */
+void gpu_motion_laws(struct gpu *g, struct sheet *s);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

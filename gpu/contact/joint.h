@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The joint solve of all cloths and their contacts on the device.
+ * spec/contact/penalty.md §4 */
+#ifndef GPU_JOINT_H
+#define GPU_JOINT_H
+
+#include "gpu/cloth/rate.h"
+#include "ref/solve/joint.h"
+#include "ref/solve/pcg.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One cloth in the joint solve. */
+struct joint_part {
+    struct pcg pcg;     /* its own system; block and thin are set */
+    struct rates rates; /* of its springs */
+    int64_t first;      /* its first particle */
+};
+
+/* What the joint solve needs of a world. */
+struct joint_system {
+    struct gpu *gpu;
+    int n;                         /* cloths, ≥ 1 */
+    const struct joint_part *part; /* host [n] */
+    struct joint *joint;
+    struct links *links; /* device [1] */
+    const real *w;       /* [nv] 1/kg, 0: fixed */
+};
+
+/* joint_solve on the device: sets the results of s->joint. DRAPE_OK however the
+ * iteration ends, or the status of a stage. */
+int gpu_joint(const struct joint_system *s);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A world on the device: a struct world whose streams are in device memory, and
+ * what only the device needs. spec/gpu.md §6 */
+#ifndef GPU_STATE_H
+#define GPU_STATE_H
+
+#include "ref/world/state.h"
+
+struct gpu;
+struct joint_part;
+struct links;
+
+struct gpu_world {
+    struct world
+        world;          /* the world that is stepped; its streams and those of
+                           its stages are in device memory; broad.arena is NULL */
+    struct world *host; /* made by ref/world/world.c and never stepped; its
+                           streams are used to read, save and load a state */
+    struct gpu *gpu;
+    vec *star, *b; /* device [nc] each, of implicit motion. When contact begins,
+                      star is couple's g, and b, which is [nv] if anything can
+                      collide, is couple's force */
+    struct links *links;     /* device [1] the contacts of the joint solve */
+    struct joint_part *part; /* host [n_cloths] the cloths in the joint solve */
+};
+
+#endif

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Makes the calls of a log again. spec/control/control.md §7 */
+#include <string.h>
+
+#include "ref/api/record.h"
+
+static bool is_body(const struct record_head *h)
+{
+    return h->kind == RECORD_CLOTH || h->kind == RECORD_MESH;
+}
+
+/* The bytes that a record of this kind must have, or -1. */
+static int64_t bytes_of(const drape_world *world, const struct record_head *h)
+{
+    int64_t nv = drape_vertices(world), n = h->n;
+    if (is_body(h))
+        return n > 0 && h->at == record_mark(n) ? n : -1;
+    if (h->at < 0 || n < 0 || h->at > nv || (n > nv && h->kind != RECORD_STEP))
+        return -1;
+    switch (h->kind) {
+    case RECORD_STATE:
+    case RECORD_STEP:
+    case RECORD_WAKE:
+    case RECORD_REMOVE:
+        return 0;
+    case RECORD_WIND:
+        return sizeof(drape_wind);
+    case RECORD_GRAVITY:
+        return 3 * sizeof(double);
+    case RECORD_MATERIAL:
+        return sizeof(drape_material);
+    case RECORD_POSITIONS:
+    case RECORD_VELOCITIES:
+    case RECORD_OBSTACLE:
+        return 24 * n;
+    case RECORD_PINS: /* with or without vectors */
+        return (int64_t)h->bytes == (n + 1) / 2 * 8 ? (n + 1) / 2 * 8
+                                                    : (n + 1) / 2 * 8 + 24 * n;
+    case RECORD_POSE:
+        return sizeof(struct record_pose);
+    default:
+        return -1;
+    }
+}
+
+/* Adds a body again. Returns its number, or a negative status. */
+static int body_again(drape_world *world, uint32_t kind, const uint8_t *data,
+                      int64_t bytes)
+{
+    drape_cloth cloth;
+    drape_obstacle obstacle;
+    int status = kind == RECORD_CLOTH
+                     ? record_cloth_of(data, bytes, &cloth)
+                     : record_obstacle_of(data, bytes, &obstacle);
+    if (status != DRAPE_OK)
+        return status;
+    return kind == RECORD_CLOTH ? drape_add_cloth(world, &cloth, NULL)
+                                : drape_add_obstacle(world, &obstacle, NULL);
+}
+
+static int pose_again(drape_world *world, int obstacle, const void *data)
+{
+    struct record_pose p;
+    memcpy(&p, data, sizeof p);
+    return drape_set_pose(world, obstacle, p.position, p.rotation, p.pivot);
+}
+
+static int pins_again(drape_world *world, const struct record_head *h,
+                      const uint8_t *data)
+{
+    size_t list = ((size_t)h->n + 1) / 2 * 8;
+    const void *at = h->bytes > list ? data + list : NULL;
+    return drape_set_pins(world, (int)h->at, h->n,
+                          (const int32_t *)(const void *)data,
+                          (const double(*)[3])at);
+}
+
+/* Makes a recorded call again. */
+static int again(drape_world *world, const struct record_head *h,
+                 const void *data)
+{
+    const double(*x)[3] = (const double(*)[3])data;
+    int k = (int)h->at;
+    switch (h->kind) {
+    case RECORD_WAKE:
+        drape_wake(world);
+        return DRAPE_OK;
+    case RECORD_WIND:
+        return drape_set_wind(world, data);
+    case RECORD_GRAVITY:
+        return drape_set_gravity(world, *x);
+    case RECORD_MATERIAL:
+        return drape_set_material(world, k, data);
+    case RECORD_POSITIONS:
+        return drape_set_positions(world, h->at, h->n, x, NULL);
+    case RECORD_VELOCITIES:
+        return drape_set_velocities(world, h->at, h->n, x);
+    case RECORD_PINS:
+        return pins_again(world, h, data);
+    case RECORD_OBSTACLE:
+        return drape_set_obstacle(world, k, x);
+    case RECORD_REMOVE:
+        return drape_remove(world, k);
+    default:
+        return pose_again(world, k, data);
+    }
+}
+
+static int step_again(drape_world *world, const struct record_head *h,
+                      drape_step_report *report)
+{
+    drape_step_report own;
+    report = report ? report : &own;
+    int status = drape_step(world, report);
+    if (status == DRAPE_OK && report->outcome != h->n)
+        return DRAPE_EMATCH;
+    return status == DRAPE_OK ? 1 : status;
+}
+
+/* Reads what follows a head, checks it, and makes the call. */
+static int play(drape_world *world, drape_read_bytes *read, void *user,
+                const struct record_head *h)
+{
+    int64_t bytes = memcmp(h->magic, RECORD_MAGIC, sizeof h->magic) == 0
+                        ? bytes_of(world, h)
+                        : -1;
+    if (bytes < 0 || (uint64_t)bytes != h->bytes)
+        return DRAPE_EMATCH;
+    struct arena arena; /* the world's own may be replaced with the world */
+    arena_init(&arena, &world->arena.allocator);
+    uint8_t *data = arena_take(&arena, ARENA_OTHER, bytes, 1);
+    int status = data ? DRAPE_OK : DRAPE_ENOMEM;
+    if (status == DRAPE_OK && bytes && read(user, data, (size_t)bytes))
+        status = DRAPE_EIO;
+    if (status == DRAPE_OK && record_check(*h, data) != h->check)
+        status = DRAPE_EMATCH;
+    if (status == DRAPE_OK && h->kind == RECORD_STATE)
+        status = drape_load(world, read, user);
+    else if (status == DRAPE_OK && is_body(h)) {
+        status = body_again(world, h->kind, data, bytes);
+        status = status < 0 ? status : DRAPE_OK;
+    } else if (status == DRAPE_OK && h->kind != RECORD_STEP)
+        status = again(world, h, data);
+    world->arena.taken += arena.taken;
+    arena_free(&arena);
+    return status;
+}
+
+int drape_replay(drape_world *world, drape_read_bytes *read, void *user,
+                 drape_step_report *report)
+{
+    struct record_head h;
+    int status = DRAPE_OK;
+    if (!world || !read)
+        return DRAPE_EARG;
+    while (status == DRAPE_OK) {
+        if (read(user, &h, sizeof h))
+            return 0;
+        status = play(world, read, user, &h);
+        if (status == DRAPE_OK && h.kind == RECORD_STEP)
+            return step_again(world, &h, report);
+    }
+    return status;
+}
