@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import stat
 import sys
@@ -221,7 +222,11 @@ def test_slurm(tiny: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert "cloths" in done.failed[0]["error"]
     scripts = sorted(fake.parent.glob("script-*"))
     assert len(scripts) == 2  # the task that was killed is submitted again
-    assert "#SBATCH --array=0-3%8\n#SBATCH --time=10\n" in scripts[0].read_text()
+    text = scripts[0].read_text()
+    name = re.search(r"--job-name=(drape-\w+)\n", text)
+    assert name and "#SBATCH --array=0-3%8\n" in text
+    log = tmp_path / f"out/slurm/{name[1]}-%a.log"
+    assert f'#SBATCH --output="{log}"\n#SBATCH --time=10\n' in text
     assert "#SBATCH --array=0-0%8" in scripts[1].read_text()
     same = drape.sweep(scenes[:3], tmp_path / "local", frames=3)
     assert [r["digest"] for r in done.rows[:3]] == [r["digest"] for r in same.rows]
