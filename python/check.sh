@@ -25,7 +25,8 @@ rm -rf "$work/fresh"
 ok 'a fresh environment' python3 -m venv "$work/fresh"
 python=$work/fresh/bin/python
 wheel=$(ls dist/drape-*.whl)
-ok 'it takes the wheel' "$python" -m pip install -q "$wheel[ray]" pytest
+ok 'it takes the wheel' "$python" -m pip install -q "$wheel[ray,s3]" \
+    -r python/tests/requirements.txt
 ok "the pages' lines" "$python" python/lines.py README.md python/README.md \
     python/docs/*.md python/docs/tutorials/*.md
 ok 'the site' sh python/docs.sh "$build" tiny=20

@@ -274,27 +274,3 @@ def test_ray_on_two_nodes_loses_a_worker_and_a_node(tmp_path: Path) -> None:
     assert killed and len(nodes) == 2 and not done.failed
     same = drape.sweep(scenes, tmp_path / "local")
     assert [row["digest"] for row in done.rows] == [row["digest"] for row in same.rows]
-
-
-def test_s3(tiny: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("s3fs")
-    server_of = pytest.importorskip("moto.server").ThreadedMotoServer
-    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
-        monkeypatch.setenv(name, "test")
-    server = server_of(port=0)
-    server.start()
-    try:
-        host, port = server.get_host_and_port()
-        storage = {"endpoint_url": f"http://{host}:{port}"}
-        import s3fs
-
-        s3fs.S3FileSystem(**storage).mkdir("bucket")
-        scenes = drape.grid(tiny, {"dt": [0.01, 0.02]})
-        done = drape.sweep(scenes, "s3://bucket/sweep", frames=2, storage=storage)
-        again = drape.sweep(scenes, "s3://bucket/sweep", frames=2, storage=storage)
-        assert not done.failed and again.reused == 2
-        assert again.data(1)["positions"].shape == (143, 3)
-        with done.store.files.open(done.path) as file:
-            assert pyarrow.parquet.read_table(file).num_rows == 2
-    finally:
-        server.stop()
