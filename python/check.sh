@@ -49,6 +49,15 @@ suite() {
     skipped=$((skipped + $(number skipped)))
 }
 suite "$python" python/tests --ignore python/tests/apps
+# Debian's torch, where it is installed, runs the notebook's cells that need it.
+if /usr/bin/python3 -c 'import torch, venv' 2>"$log"; then
+    rm -rf "$work/torch"
+    ok 'an environment with torch' \
+        /usr/bin/python3 -m venv --system-site-packages "$work/torch"
+    ok 'torch and the wheel' "$work/torch/bin/python" -m pip install -q "$wheel" \
+        pytest
+    suite "$work/torch/bin/python" python/tests/test_notebook.py
+fi
 # apps/ has an environment of its own
 rm -rf "$work/apps"
 ok 'an environment for apps' python3 -m venv "$work/apps"
