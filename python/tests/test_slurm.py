@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import getpass
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -36,11 +35,9 @@ def slurm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
         yield found
 
 
-def tasks() -> dict[int, int]:
-    """The processes of job arrays that run now."""
-    return {
-        p: q for p, q in processes("drape.sweeps.worker").items() if q != os.getpid()
-    }
+def tasks(out: Path) -> dict[int, int]:
+    """The processes of job arrays that run now for the sweep in this folder."""
+    return processes(f"drape.sweeps.worker\0{out}\0")
 
 
 def scenes(n: int) -> list[dict[str, object]]:
@@ -52,7 +49,7 @@ def test_a_killed_task_and_what_is_there_already(
 ) -> None:
     out = tmp_path / "with a space"
     given = [*scenes(3), {"cloths": []}]
-    thread, killed = kill_first(tasks)
+    thread, killed = kill_first(lambda: tasks(out))
     done = drape.sweep(given, out, on="slurm", workers=2)
     thread.join()
     assert killed
@@ -107,17 +104,18 @@ def test_a_sweep_that_is_interrupted_leaves_no_array(
         "import drape, json, sys\n"
         "drape.sweep(json.loads(sys.argv[1]), sys.argv[2], on='slurm')\n"
     )
-    words = [json.dumps([{**LONG, "frames": 100000}]), str(tmp_path / "out")]
+    out = tmp_path / "out"
+    words = [json.dumps([{**LONG, "frames": 100000}]), str(out)]
     process = subprocess.Popen(
         [sys.executable, "-c", code, *words], stderr=subprocess.DEVNULL
     )
     end = time.monotonic() + 60
-    while time.monotonic() < end and not tasks():
+    while time.monotonic() < end and not tasks(out):
         time.sleep(0.1)
-    assert tasks()
+    assert tasks(out)
     process.send_signal(signal.SIGINT)
     assert process.wait(60) != 0
     end = time.monotonic() + 60
-    while time.monotonic() < end and tasks():
+    while time.monotonic() < end and tasks(out):
         time.sleep(0.2)
-    assert not tasks()
+    assert not tasks(out)
