@@ -176,6 +176,13 @@ $(BUILD)/certificate.h: FORCE
 	  line ci/certificate.json 2>/dev/null || \
 	  echo 'NOT CERTIFIED (python3 and git must be there to tell)')\"" >$$new; \
 	  cmp -s $@ $$new && rm $$new || mv $$new $@
+# What steps cost on machines where they were measured, for `drape plan`: the rows
+# of ci/bench/MACHINE/speed.csv as literals.
+SPEEDS := $(sort $(wildcard ci/bench/*/speed.csv))
+$(BUILD)/speed.inc: $(SPEEDS) Makefile
+	@mkdir -p $(@D)
+	@for f in $(SPEEDS); do sed '1d;s/.*/"&\\n"/' $$f; done >$@
+$(BUILD)/app/speed.o: $(BUILD)/speed.inc
 FORCE:
 $(BUILD)/gpu/run/absent.o $(BUILD)/gpu/run/emulate.o $(BUILD)/cuda/gpu/run/device.o: \
     $(BUILD)/certificate.h

@@ -38,10 +38,13 @@ static const struct command {
      "  --no-obj              frames as PLY only, as without --obj\n"
      "  --allow-intersecting  accept a start state that intersects\n"
      "Ctrl-C finishes the step and leaves a checkpoint and the report.\n"},
-    {"plan", command_plan, "print the stages of a scene and their memory",
+    {"plan", command_plan, "print the stages of a scene, memory and time",
      "drape plan SCENE.json|- [--backend ref|gpu] [--precision 32|64]\n"
-     "  [--allow-intersecting]\n"
-     "Each stage, whether it is on, its memory, and why.\n"},
+     "  [--allow-intersecting] [--speed speed.csv]\n"
+     "Each stage, whether it is on, its memory, and why; and the time of a "
+     "step\n"
+     "on machines that were measured, or on those in what `make bench` "
+     "wrote.\n"},
     {"audit", command_audit, "count intersecting triangle pairs, exactly",
      "drape audit MESH... | DIR [--obstacle MESH] [--list]\n"
      "Meshes are tested against themselves and each other; those given by\n"

@@ -57,7 +57,8 @@ install: $(LIB) $(SO) ## to $(DESTDIR)$(PREFIX): libraries, header, tool, man pa
 	test ! -x $(BUILD)/drape || install -D $(BUILD)/drape "$(TO)/bin/drape"
 	install -D -m 644 app/drape.1 "$(TO)/share/man/man1/drape.1"
 	install -d "$(TO)/share/drape"
-	install -m 644 ci/data.sh ci/data.py ci/lion.sh "$(TO)/share/drape"
+	install -m 755 ci/data.sh ci/lion.sh "$(TO)/share/drape"
+	install -m 644 ci/data.py "$(TO)/share/drape"
 
 deb: ## Debian packages in BUILD/deb, by dpkg-buildpackage, looked at by lintian
 	sh ci/deb.sh $(BUILD)

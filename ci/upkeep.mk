@@ -35,6 +35,6 @@ TIDY := -std=c17 -I. -Ispec -I$(BUILD) -D_POSIX_C_SOURCE=200809L \
         -Xclang -analyzer-config -Xclang max-nodes=20000
 # Python.h is not everywhere.
 TIDY_CORE := $(filter-out %/tensor.c,$(wildcard python/core/*.c))
-tidy: $(BUILD)/words.h $(NAMES) ## clang-tidy over our C
+tidy: $(BUILD)/words.h $(BUILD)/speed.inc $(NAMES) ## clang-tidy over our C
 	ls app/*.c app/examples/*.c fuzz/*.c $(TIDY_CORE) ref/*/*.c tests/*/*.c | \
 	  xargs -P2 -n8 sh -c 'clang-tidy --quiet "$$@" -- $(TIDY) 2>/dev/null' sh

@@ -25,7 +25,8 @@ rm -rf "$work/fresh"
 ok 'a fresh environment' python3 -m venv "$work/fresh"
 python=$work/fresh/bin/python
 wheel=$(ls dist/drape-*.whl)
-ok 'it takes the wheel' "$python" -m pip install -q "$wheel[ray]" pytest
+ok 'it takes the wheel' "$python" -m pip install -q "$wheel[ray,s3]" \
+    -r python/tests/requirements.txt
 ok "the pages' lines" "$python" python/lines.py README.md python/README.md \
     python/docs/*.md python/docs/tutorials/*.md
 ok 'the site' sh python/docs.sh "$build" tiny=20
@@ -48,6 +49,15 @@ suite() {
     skipped=$((skipped + $(number skipped)))
 }
 suite "$python" python/tests --ignore python/tests/apps
+# Debian's torch, where it is installed, runs the notebook's cells that need it.
+if /usr/bin/python3 -c 'import torch, venv' 2>"$log"; then
+    rm -rf "$work/torch"
+    ok 'an environment with torch' \
+        /usr/bin/python3 -m venv --system-site-packages "$work/torch"
+    ok 'torch and the wheel' "$work/torch/bin/python" -m pip install -q "$wheel" \
+        pytest
+    suite "$work/torch/bin/python" python/tests/test_notebook.py
+fi
 # apps/ has an environment of its own
 rm -rf "$work/apps"
 ok 'an environment for apps' python3 -m venv "$work/apps"

@@ -41,7 +41,7 @@ $(BUILD)/validate: $(VAL_O) $(LIB)
 validate: $(BUILD)/validate ## what cloth does against theory: ci/validate/MACHINE
 	sh ci/validate/run.sh $(BUILD) $(MACHINE)
 
-bench: $(BUILD)/check $(BUILD)/speed $(ACC) ## time, bytes, error, as csv, plots
+bench: $(BUILD)/check $(BUILD)/speed $(ACC) $(BUILD)/drape ## time, bytes, error, as csv, plots
 	sh ci/bench/run.sh $(BUILD) $(MACHINE)
 	$(if $(GPU),$(BUILD)/accuracy --backend gpu ci/bench/$(MACHINE) backends)
 	$(if $(GPU),$(MAKE) tables)

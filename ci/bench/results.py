@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import re
 
 # Rows of the plan that collisions fill.
 COLLISION = ["features", "proximity", "front, obstacles", "front, self"]
@@ -28,6 +29,8 @@ class Results:
                 with open(os.path.join(folder, name)) as file:
                     self.runs.setdefault(scene, {})[mode] = json.load(file)
         self.scenes = sorted(self.runs, key=order)
+        # scenes of the table of contact; all others are in the paper's figures
+        self.contact = self.text("contact").split()
         rows = [line.split("\t") for line in self.text("machine").splitlines()]
         self.machine = dict(rows)
 
@@ -38,9 +41,10 @@ class Results:
         with open(path) as file:
             return file.read().strip()
 
-    def ours(self):
+    def ours(self, contact=False):
+        """The runs of the paper's scenes, or of those rich in contact."""
         return [(s, self.runs[s]["ours"]) for s in self.scenes
-                if "ours" in self.runs[s]]
+                if "ours" in self.runs[s] and contact == (s in self.contact)]
 
 
 def plan_bytes(run):
@@ -81,7 +85,8 @@ def device_mb(results, scene):
 def machine_folder(machine):
     """The folder's name for a machine, such as h200 for "NVIDIA H200"."""
     words = machine.get("gpu", "no device").lower().split()
-    return "-".join(w for w in words if w not in ("nvidia", "geforce"))
+    memory = re.compile(r"\d+gb|hbm\w+|nvidia|geforce")
+    return "-".join(w for w in words if not memory.fullmatch(w))
 
 
 def paper_rows(folder):

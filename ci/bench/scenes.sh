@@ -1,9 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Runs the paper's scenes for ci/bench/tables.py. Results that are in WORK are
+# Runs the paper's scenes, and scenes rich in contact, for ci/bench/tables.py. Results that are in WORK are
 # not made again, so a call that reached its limit can be repeated to go on.
 # usage: [NAME=VALUE...] ci/bench/scenes.sh BUILD WORK
-#   SCENES         the nine by default, e.g. "buddha_20k lion_2m"
+#   SCENES         the paper's nine by default, e.g. "buddha_20k lion_2m"
+#   CONTACT        scenes for the table of contact, in mode ours alone; default,
+#                  where SCENES is not given: layers, funnel and balls
 #   FRAMES   120   of each scene, 1/60 s each
 #   MODES    "ours jacobi cdf paper": how the linear systems are solved
 #   SHORT    30    frames of the modes other than ours
@@ -16,8 +18,14 @@
 # and frames and checkpoints to WORK/runs. The exit status is 3 at the limit.
 set -u
 build=$1 work=$2
-scenes=${SCENES:-buddha_20k lion_20k dragon_20k buddha_500k lion_500k \
-dragon_500k buddha_2m lion_2m dragon_2m}
+nine='buddha_20k lion_20k dragon_20k buddha_500k lion_500k dragon_500k buddha_2m
+lion_2m dragon_2m'
+six='layers_2 layers_4 layers_8 funnel_540k ball_past ball_stops'
+if [ -z "${SCENES+given}${CONTACT+given}" ]; then
+    scenes=$nine contact=$six
+else
+    scenes=${SCENES-} contact=${CONTACT-}
+fi
 frames=${FRAMES:-120} short=${SHORT:-30} every=${EVERY:-10} steps=${STEPS:-2}
 cores=$(nproc)
 threads=${THREADS:-1 $cores}
@@ -179,14 +187,16 @@ reference() {
 
 # Audits every frame of `ours` that was kept and not audited yet, in parallel.
 audits() {
-    for name in $scenes; do
+    for name in $scenes $contact; do
         for frame in "$runs/$name.ours"/frames/cloth_*.ply; do
             [ -f "${frame%.ply}.audit" ] || echo "$frame"
         done
     done >"$work/frames"
     # shellcheck disable=SC2016
     xargs <"$work/frames" -P "$cores" -I FRAME timeout "$(left)" sh -c '
-        "$0" audit "$1" --obstacle "${1%/frames/*}/obstacles.ply" >"$1.part"
+        led=${1%/frames/*}/obstacles.ply
+        [ -f "$led" ] || led=$(echo "$1" | sed "s/cloth_\([0-9]*.ply\)$/obstacles_\1/")
+        "$0" audit "$1" --obstacle "$led" >"$1.part"
         [ $? -gt 1 ] || mv "$1.part" "${1%.ply}.audit"' "$build/drape" FRAME
 }
 
@@ -204,11 +214,16 @@ for name in $scenes; do
         reference "$name" "$n"
     done
 done
+echo "$contact" >"$results/contact"
+for name in $contact; do
+    say "$name, of contact"
+    ours "$name"
+done
 [ "$(left)" -gt 0 ] || stop
 say 'audits, side by side'
 audits
 [ "$(left)" -gt 0 ] || stop
-for name in $scenes; do
+for name in $scenes $contact; do
     cat "$runs/$name.ours"/frames/*.audit >"$results/$name.audit"
     grep ' [1-9][0-9]* intersecting' "$results/$name.audit" &&
         failed=$((failed + 1))

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""The paper's figures 8 to 12 from what ci/bench/scenes.sh left.
+"""The paper's figures 8 to 12, and a table of contact, from what ci/bench/scenes.sh left.
 
 usage: ci/bench/tables.py WORK/results [OUT]
-Writes OUT/figure8.csv ... figure12.csv, modes.csv and tables.md, and draws
-them (ci/bench/plots.py). OUT is the machine's folder, as ci/bench/h200.
+Writes OUT/figure8.csv ... figure12.csv, modes.csv, contact.csv, tables.md and
+speed.csv, what `drape plan` estimates by (ci/bench/speed.py), and draws the figures (ci/bench/plots.py). OUT is the machine's folder, as ci/bench/h200.
 """
 import csv
 import math
@@ -13,6 +13,7 @@ import statistics
 import sys
 
 import plots
+import speed
 from results import Results, device_mb, machine_folder, memory, paper_rows
 
 PARTS = ["integration", "solver", "broad", "proximity", "penetration"]
@@ -204,6 +205,50 @@ def modes(results, _):
     return rows
 
 
+def contact(results, _):
+    rows = []
+    for scene, run in results.ours(contact=True):
+        steps = run["steps"]
+        if not steps:
+            continue
+        ms = [1e3 * seconds(s) for s in steps]
+        n = sum(math.prod(b["particles"]) for b in run["bodies"]
+                if b["kind"] == "cloth")
+        near = [s["contacts"] / n for s in steps if s["contacts"]] or [0]
+        mean = {key: statistics.mean(s[key] for s in steps)
+                for key in ("iterations", "rounds", "slices", "impacts")}
+        outcome = run["summary"]["outcomes"]
+        frames_audited, pairs = audited(results, scene)
+        rows.append({
+            "scene": scene, "triangles of all": run["triangles"],
+            "dt, ms": 1e3 * run["dt"], "frames": len(frames(run)),
+            "steps": len(steps), "ms a step, median": statistics.median(ms),
+            "p95": percentile(ms, 0.95), "max": max(ms),
+            "mean": statistics.mean(ms),
+            "contacts a particle, median": statistics.median(near),
+            "solves a step": statistics.mean(
+                s["work"]["solves"] for s in steps),
+            "iterations": mean["iterations"], "rounds": mean["rounds"],
+            "impacts": mean["impacts"], "slices": mean["slices"],
+            "with zones": outcome["zones"],
+            "with rollback": outcome["rollback"],
+            "unconverged": outcome["unconverged"],
+            "not clean": outcome["trapped"] + outcome.get("passed", 0) +
+            outcome["diverged"],
+            "asleep": outcome["asleep"],
+            "frames audited": frames_audited, "intersecting pairs": pairs})
+    return rows
+
+
+def write_speed(results, out):
+    """Writes what a step costs, which `drape plan` estimates by."""
+    runs = [run for of in (False, True) for _, run in results.ours(of)]
+    machine = results.machine
+    if runs:
+        speed.write(os.path.join(out, "speed.csv"), speed.row_of(
+            machine.get("gpu") or machine["cpu"], machine["date"], runs))
+
+
 def write_csv(path, rows):
     with open(path, "w", newline="") as file:
         out = csv.writer(file, lineterminator="\n")
@@ -259,6 +304,10 @@ FIGURES = [
     ("modes", modes, "What each choice in the solver is worth",
      "The first steps of each scene. Mode paper is the paper's solver within "
      "our pipeline: contacts are found the same way in all rows."),
+    ("contact", contact, "Contact: layers, a funnel, fast bodies",
+     "Scenes that the paper does not have. Iterations, rounds, impacts and "
+     "slices are means of a step, contacts of a particle the median of steps "
+     "in which there are any."),
 ]
 
 
@@ -284,6 +333,7 @@ def main():
         text.append(f"## {title}\n\n{words}\n\n{markdown(shown)}\n")
         if plots.draw(out, name):
             text.append(f"![{title}]({name}.svg)\n")
+    write_speed(results, out)
     with open(os.path.join(out, "tables.md"), "w") as file:
         file.write("\n".join(text))
     print(os.path.join(out, "tables.md"))

@@ -6,6 +6,59 @@
 
 #include <string.h>
 
+/* What a scene has of the bodies of one kind: n of each. */
+struct list {
+    const void *body;
+    size_t size; /* of one of them */
+    char **name;
+    struct look *look;
+    int n;
+};
+
+static struct list list_of(const struct scene *scene, enum core_kind kind)
+{
+    const drape_def *def = &scene->def;
+    if (kind == CORE_CLOTH)
+        return (struct list){def->cloths, sizeof *def->cloths,
+                             scene->cloth_name, scene->cloth_look,
+                             def->n_cloths};
+    return (struct list){def->obstacles, sizeof *def->obstacles,
+                         scene->obstacle_name, scene->obstacle_look,
+                         def->n_obstacles};
+}
+
+static void set_list(struct scene *scene, enum core_kind kind,
+                     const struct list *list)
+{
+    drape_def *def = &scene->def;
+    if (kind == CORE_CLOTH) {
+        def->cloths = list->body;
+        def->n_cloths = list->n;
+        scene->cloth_name = list->name;
+        scene->cloth_look = list->look;
+    } else {
+        def->obstacles = list->body;
+        def->n_obstacles = list->n;
+        scene->obstacle_name = list->name;
+        scene->obstacle_look = list->look;
+    }
+}
+
+/* Takes from a body the arrays of its caller, which the world has copied. */
+static void forget(enum core_kind kind, void *body)
+{
+    if (kind == CORE_CLOTH) {
+        drape_cloth *cloth = body;
+        cloth->x = cloth->velocity = NULL;
+        cloth->hole = cloth->cut = NULL;
+        cloth->pins = NULL;
+    } else {
+        drape_obstacle *obstacle = body;
+        obstacle->x = obstacle->frame = NULL;
+        obstacle->tri = NULL;
+    }
+}
+
 /* Returns a copy of a list of n items with room for one more and a NULL. */
 static void *longer(struct scene *scene, const void *list, int n, size_t size)
 {
@@ -15,57 +68,26 @@ static void *longer(struct scene *scene, const void *list, int n, size_t size)
     return to;
 }
 
-/* Puts a name and a look behind n others: those of `from`, or else the kind's.
- */
-static bool label(struct scene *scene, char ***names, struct look **looks,
-                  int n, const char *name, const struct look *look)
+int core_add(struct scene *scene, enum core_kind kind, const void *body,
+             const struct scene *from)
 {
-    char **all = longer(scene, *names, n, sizeof *all);
-    struct look *look_of = longer(scene, *looks, n, sizeof *look_of);
-    char *copy = pool_text(&scene->pool, name);
-    if (!all || !look_of || !copy)
-        return false;
-    all[n] = copy;
-    look_of[n] = look ? *look : look_default();
-    *names = all;
-    *looks = look_of;
-    return true;
-}
-
-int core_add_cloth(struct scene *scene, const drape_cloth *cloth,
-                   const struct scene *from)
-{
-    drape_def *def = &scene->def;
-    int n = def->n_cloths, last = from ? from->def.n_cloths - 1 : 0;
-    drape_cloth *all = longer(scene, def->cloths, n, sizeof *all);
-    if (!all || !label(scene, &scene->cloth_name, &scene->cloth_look, n,
-                       from ? from->cloth_name[last] : "cloth",
-                       from ? &from->cloth_look[last] : NULL))
+    struct list old = list_of(scene, kind), new = old;
+    struct list last = from ? list_of(from, kind) : (struct list){0};
+    char *all = longer(scene, old.body, old.n, old.size);
+    new.name = longer(scene, old.name, old.n, sizeof *new.name);
+    new.look = longer(scene, old.look, old.n, sizeof *new.look);
+    const char *called = kind == CORE_CLOTH ? "cloth" : "obstacle";
+    char *name = pool_text(&scene->pool, from ? last.name[last.n - 1] : called);
+    if (!all || !new.name || !new.look || !name)
         return complain(APP_FAILED, "out of memory");
-    all[n] = *cloth; /* the world has copied what it points to */
-    all[n].x = all[n].velocity = NULL;
-    all[n].hole = all[n].cut = NULL;
-    all[n].pins = NULL;
-    def->cloths = all;
-    def->n_cloths++;
-    return APP_OK;
-}
-
-int core_add_obstacle(struct scene *scene, const drape_obstacle *obstacle,
-                      const struct scene *from)
-{
-    drape_def *def = &scene->def;
-    int n = def->n_obstacles, last = from ? from->def.n_obstacles - 1 : 0;
-    drape_obstacle *all = longer(scene, def->obstacles, n, sizeof *all);
-    if (!all || !label(scene, &scene->obstacle_name, &scene->obstacle_look, n,
-                       from ? from->obstacle_name[last] : "obstacle",
-                       from ? &from->obstacle_look[last] : NULL))
-        return complain(APP_FAILED, "out of memory");
-    all[n] = *obstacle;
-    all[n].x = all[n].frame = NULL;
-    all[n].tri = NULL;
-    def->obstacles = all;
-    def->n_obstacles++;
+    char *added = all + (size_t)old.n * old.size;
+    memcpy(added, body, old.size);
+    forget(kind, added);
+    new.body = all;
+    new.name[old.n] = name;
+    new.look[old.n] = from ? last.look[last.n - 1] : look_default();
+    new.n++;
+    set_list(scene, kind, &new);
     return APP_OK;
 }
 
@@ -77,19 +99,13 @@ static void drop(void *list, int n, int k, size_t size)
 
 void core_remove(struct scene *scene, int body)
 {
-    drape_def *def = &scene->def;
-    int n = def->n_cloths, o = body - n, m = def->n_obstacles;
-    if (o < 0) {
-        drop((void *)def->cloths, n, body, sizeof *def->cloths);
-        drop(scene->cloth_name, n, body, sizeof *scene->cloth_name);
-        drop(scene->cloth_look, n, body, sizeof *scene->cloth_look);
-        scene->cloth_name[n - 1] = NULL;
-        def->n_cloths--;
-    } else {
-        drop((void *)def->obstacles, m, o, sizeof *def->obstacles);
-        drop(scene->obstacle_name, m, o, sizeof *scene->obstacle_name);
-        drop(scene->obstacle_look, m, o, sizeof *scene->obstacle_look);
-        scene->obstacle_name[m - 1] = NULL;
-        def->n_obstacles--;
-    }
+    int cloths = scene->def.n_cloths;
+    enum core_kind kind = body < cloths ? CORE_CLOTH : CORE_OBSTACLE;
+    int k = body < cloths ? body : body - cloths;
+    struct list list = list_of(scene, kind);
+    drop((void *)list.body, list.n, k, list.size);
+    drop(list.name, list.n, k, sizeof *list.name);
+    drop(list.look, list.n, k, sizeof *list.look);
+    list.name[--list.n] = NULL;
+    set_list(scene, kind, &list);
 }

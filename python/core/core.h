@@ -24,13 +24,12 @@ void core_free(struct scene *scene);
  * The scene must outlive the world. */
 int core_create(struct scene *scene, drape_world **world);
 
-/* Put a body that its world got behind the others of its kind, with the name
- * and the look of the last one of `from`, or NULL. Return the tool's exit code.
- */
-int core_add_cloth(struct scene *scene, const drape_cloth *cloth,
-                   const struct scene *from);
-int core_add_obstacle(struct scene *scene, const drape_obstacle *obstacle,
-                      const struct scene *from);
+enum core_kind { CORE_CLOTH, CORE_OBSTACLE };
+/* Puts a drape_cloth or drape_obstacle that the scene's world got behind the
+ * others of its kind, with the name and the look of the last one of `from`, or
+ * NULL. Returns the tool's exit code. */
+int core_add(struct scene *scene, enum core_kind kind, const void *body,
+             const struct scene *from);
 /* Takes a body, numbered as in drape_remove, out of a scene. */
 void core_remove(struct scene *scene, int body);
 

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes the pages that come from the code's own tables: the commands of the
-tool with their help, and the keys of a scene with their types and ranges."""
+tool with their help, and the keys of a scene with their types and ranges; and
+those of the notebooks."""
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -92,11 +94,27 @@ def scene() -> str:
     return "\n".join(parts)
 
 
+def notebook(path: Path) -> str:
+    """Returns a notebook as a page. A cell that needs something says what."""
+    parts = []
+    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
+        text = "".join(cell["source"])
+        tags = cell["metadata"].get("tags", ())
+        if cell["cell_type"] == "code":
+            needs = f":caption: needs {', '.join(tags)}\n" if tags else ""
+            text = f"```{{code-block}} python\n{needs}\n{text}\n```"
+        parts.append(text)
+    return "\n\n".join(parts) + f"\n\nThe notebook is `{path.name}`.\n"
+
+
 def write(folder: Path) -> None:
     """Writes the pages."""
     folder.mkdir(exist_ok=True)
     (folder / "tool.md").write_text(tool(), encoding="utf-8")
     (folder / "keys.md").write_text(scene(), encoding="utf-8")
+    for path in (ROOT / "python/docs/tutorials").glob("*.ipynb"):
+        page = folder / f"{path.stem}.md"
+        page.write_text(notebook(path), encoding="utf-8")
     fabrics = drape.tool.call("materials")
     text = f"# Fabrics\n\n```text\n{fabrics}```\n"
     (folder / "fabrics.md").write_text(text, encoding="utf-8")

@@ -23,7 +23,7 @@ from ._core import ffi as _ffi
 from ._core import lib as _lib
 from .arrays import SharedArray
 from .bodies import Body
-from .control import Contacts
+from .contacts import Contacts
 from .errors import (
     CheckpointError,
     DeviceError,

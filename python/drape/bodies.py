@@ -137,13 +137,13 @@ class Bodies:
         kept = put_arrays(definition, text)
         error = ffi.new("drape_error *")
         add = lib.drape_add_cloth if key == "cloths" else lib.drape_add_obstacle
-        note = lib.core_add_cloth if key == "cloths" else lib.core_add_obstacle
+        sort = lib.CORE_CLOTH if key == "cloths" else lib.CORE_OBSTACLE
         new = getattr(definition, key) + (getattr(definition, f"n_{key}") - 1)
         with self._guard:
             status = add(handle.world, new, error)
             self._calls.raise_kept()
             if status >= 0:
-                check_code(note(handle.scene, new, made))
+                check_code(lib.core_add(handle.scene, sort, new, made))
         del kept
         kind = key[:-1]
         try:
@@ -173,8 +173,8 @@ class Bodies:
                 name = "drape_cloth" if kind == CLOTH else "drape_obstacle"
                 new = ffi.new(f"{name} *")
                 ffi.buffer(new)[:] = reads[at + 1][: ffi.sizeof(name)]
-                note = lib.core_add_cloth if kind == CLOTH else lib.core_add_obstacle
-                check_code(note(scene, new, ffi.NULL))
+                sort = lib.CORE_CLOTH if kind == CLOTH else lib.CORE_OBSTACLE
+                check_code(lib.core_add(scene, sort, new, ffi.NULL))
             changed |= kind in (CLOTH, MESH, REMOVE)
         if changed:
             self._changed()

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,56 +17,9 @@ from ._core import ffi, lib
 from ._define import Handle
 from ._library import Calls, Guard
 from .arrays import address, order
+from .contacts import ROW, Contacts
 from .errors import CheckpointError, Error, SceneError, check
 from .reports import Status, StepReport
-
-
-@dataclass(frozen=True)
-class Contacts:
-    """The pairs in contact in the last slice of the last step, sides A and B: a
-    vertex and a face, or two edges.
-
-    Attributes:
-        kind: [n] 0: A is a vertex and B a face, 1: both are edges
-        vertices: [n, 4] of the scene: A's, then B's
-        bodies: [n, 2] numbers in `World.bodies` of A and of B
-        weights: [n, 4] those of A add to 1, those of B to -1: the point of
-            contact on A is the sum of weight · x over A's vertices
-        normals: [n, 3] of length 1, from B to A
-        gaps: [n] m, along the normal, at the start of the slice
-        impulses: [n, 3] N·s, that A got from B, with friction
-        body_impulses: [bodies, 3] N·s, that each body got in all
-        dt: s, length of the slice: an impulse divided by it is the mean force
-    """
-
-    kind: NDArray[np.int32]
-    vertices: NDArray[np.int32]
-    bodies: NDArray[np.int32]
-    weights: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    gaps: NDArray[np.float64]
-    impulses: NDArray[np.float64]
-    body_impulses: NDArray[np.float64]
-    dt: float
-
-    def __len__(self) -> int:
-        """How many pairs there are."""
-        return len(self.kind)
-
-
-# A drape_contact.
-ROW = np.dtype(
-    [
-        ("vertex", "i4", 4),
-        ("kind", "i4"),
-        ("body", "i4", 2),
-        ("unused", "i4"),
-        ("weight", "f8", 4),
-        ("normal", "f8", 3),
-        ("gap", "f8"),
-        ("impulse", "f8", 3),
-    ]
-)
 
 
 def _copied(pointer: Any, count: int, kind: np.dtype[Any]) -> NDArray[Any]:
@@ -297,15 +249,15 @@ class Control:
             rows = _copied(c.contact, c.n, ROW)
             flat = _copied(c.impulse, 3 * len(self.bodies), np.dtype("f8"))
         return Contacts(
-            rows["kind"],
-            rows["vertex"],
-            rows["body"],
-            rows["weight"],
-            rows["normal"],
-            rows["gap"],
-            rows["impulse"],
-            flat.reshape(-1, 3),
-            c.dt,
+            kind=rows["kind"],
+            vertices=rows["vertex"],
+            bodies=rows["body"],
+            weights=rows["weight"],
+            normals=rows["normal"],
+            gaps=rows["gap"],
+            impulses=rows["impulse"],
+            dt=c.dt,
+            body_impulses=flat.reshape(-1, 3),
         )
 
     def start_log(self) -> None:

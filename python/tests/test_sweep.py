@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import signal
 import stat
 import sys
@@ -221,7 +222,11 @@ def test_slurm(tiny: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     assert "cloths" in done.failed[0]["error"]
     scripts = sorted(fake.parent.glob("script-*"))
     assert len(scripts) == 2  # the task that was killed is submitted again
-    assert "#SBATCH --array=0-3%8\n#SBATCH --time=10\n" in scripts[0].read_text()
+    text = scripts[0].read_text()
+    name = re.search(r"--job-name=(drape-\w+)\n", text)
+    assert name and "#SBATCH --array=0-3%8\n" in text
+    log = tmp_path / f"out/slurm/{name[1]}-%a.log"
+    assert f'#SBATCH --output="{log}"\n#SBATCH --time=10\n' in text
     assert "#SBATCH --array=0-0%8" in scripts[1].read_text()
     same = drape.sweep(scenes[:3], tmp_path / "local", frames=3)
     assert [r["digest"] for r in done.rows[:3]] == [r["digest"] for r in same.rows]
@@ -269,27 +274,3 @@ def test_ray_on_two_nodes_loses_a_worker_and_a_node(tmp_path: Path) -> None:
     assert killed and len(nodes) == 2 and not done.failed
     same = drape.sweep(scenes, tmp_path / "local")
     assert [row["digest"] for row in done.rows] == [row["digest"] for row in same.rows]
-
-
-def test_s3(tiny: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("s3fs")
-    server_of = pytest.importorskip("moto.server").ThreadedMotoServer
-    for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
-        monkeypatch.setenv(name, "test")
-    server = server_of(port=0)
-    server.start()
-    try:
-        host, port = server.get_host_and_port()
-        storage = {"endpoint_url": f"http://{host}:{port}"}
-        import s3fs
-
-        s3fs.S3FileSystem(**storage).mkdir("bucket")
-        scenes = drape.grid(tiny, {"dt": [0.01, 0.02]})
-        done = drape.sweep(scenes, "s3://bucket/sweep", frames=2, storage=storage)
-        again = drape.sweep(scenes, "s3://bucket/sweep", frames=2, storage=storage)
-        assert not done.failed and again.reused == 2
-        assert again.data(1)["positions"].shape == (143, 3)
-        with done.store.files.open(done.path) as file:
-            assert pyarrow.parquet.read_table(file).num_rows == 2
-    finally:
-        server.stop()

@@ -106,6 +106,26 @@ exits 'film' 0 render 'an out' --width 64 --height 48 --samples 1
 is 'film or a word' sh -c 'test -s "an out/film.mp4" || grep -q ffmpeg err'
 exits 'plan' 0 plan tiny.json
 is 'plan says on and off' sh -c 'grep -q " on " out && grep -q " off " out'
+is 'and what a step takes, and where it was measured' sh -c \
+    'sed -n "/^estimate/,\$p" out | grep -q "^NVIDIA H100  .* gpu, binary32"'
+# tiny.json has 81 particles: 0.5 + 2 · 81, and 3 + 10 · 81 and 100 times its
+# contacts, of which there are 8.1 and 81.
+{
+    echo names
+    echo 'a machine,ref,2000-01-01,2,64,0.5,2e6,3,10e6,100e6,0.25,4,7'
+} >speed.csv
+exits 'plan by measured constants' 0 plan tiny.json --speed speed.csv
+is 'a sum of a constant, particles and contacts' test "$(tail -n 1 out |
+    tr -s ' ')" = 'a machine 162 1623 8913 0.25 to 4 ref, binary64, 2 threads, 2000-01-01'
+scene explicit.json ', "integrator": "euler"}'
+exits 'plan of an explicit integrator' 0 plan explicit.json
+is 'it has no estimate' grep -q 'not estimated for an explicit' out
+{
+    cat speed.csv
+    echo 'a machine,ref,2000-01-01,2,64,0.5,2e6'
+} >bad.csv
+refused 'constants that are none' 'bad.csv: line 3: expected a row' \
+    plan tiny.json --speed bad.csv
 
 # Ranges and defaults in the documents agree with the code.
 line=$(python3 "$root/tests/defaults.py" "$drape" \
@@ -115,14 +135,19 @@ passed=$((passed + ${line%% *}))
 failed=$((failed + $(echo "$line" | cut -d' ' -f3)))
 
 # The tables of the paper's figures, made from a very small scene.
-is 'runs for the tables' sh -c 'cd "$1" && SCENES=tiny FRAMES=6 SHORT=4 \
-    EVERY=2 STEPS=1 THREADS="1 2" BACKEND=ref sh ci/bench/scenes.sh \
+is 'runs for the tables' sh -c 'cd "$1" && SCENES=tiny CONTACT=sphere \
+    FRAMES=6 SHORT=4 EVERY=2 STEPS=1 THREADS="1 2" BACKEND=ref sh ci/bench/scenes.sh \
     "${2%/*}" "$3/bench"' sh "$root" "$drape" "$work"
 is 'tables of them' python3 "$root/ci/bench/tables.py" bench/results tables
 is 'steps of frames 5 and 6 by the reference, the same' sh -c \
     '[ "$(cut -d, -f1-4,8 tables/figure12.csv | tr "\n" " ")" = "scene,from \
 step,steps,threads,same counts and energies tiny,5,1,1,yes tiny,5,1,2,yes " ]'
 is 'the paper beside them' grep -q '^scene.*GTX 680' tables/figure8.csv
+is 'scenes of contact in a table of their own' sh -c \
+    '[ "$(cut -d, -f1,4,5,21,22 tables/contact.csv | tail -n 1)" = "sphere,6,6,4,0" ] &&
+    ! grep -q sphere tables/figure8.csv && grep -q "^## Contact" tables/tables.md'
+is 'what a step took' grep -q ',ref,....-..-..,.*,32,' tables/speed.csv
+exits 'a plan by it' 0 plan tiny.json --speed tables/speed.csv
 is 'plots are XML' python3 -c '
 import xml.dom.minidom
 for k in range(8, 13):

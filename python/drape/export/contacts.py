@@ -11,6 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from drape.contacts import Pairs
+
 _AXES = "xyz"
 _ROW = np.dtype(
     [
@@ -37,32 +39,15 @@ _HEADER = re.compile(
 
 
 @dataclass(frozen=True, eq=False)
-class FrameContacts:
-    """The pairs in contact in the last slice of a frame's last step, sides A and B:
-    a vertex and a face, or two edges."""
+class FrameContacts(Pairs):
+    """The pairs of a frame's last step. A body's number is that in the list of the
+    run's report.
+
+    Attributes:
+        points: [n, 3] m, where they touch, on side A
+    """
 
     points: NDArray[np.float64]
-    """[n, 3] m, on side A."""
-    normals: NDArray[np.float64]
-    """[n, 3] of length 1, from B to A."""
-    gaps: NDArray[np.float64]
-    """[n] m, along the normal, at the start of the slice."""
-    impulses: NDArray[np.float64]
-    """[n, 3] N·s, that A got from B, with friction."""
-    weights: NDArray[np.float64]
-    """[n, 4] those of A add to 1, those of B to -1."""
-    vertices: NDArray[np.int32]
-    """[n, 4] of the scene: A's, then B's."""
-    kind: NDArray[np.int32]
-    """[n] 0: A is a vertex and B a face, 1: both are edges."""
-    bodies: NDArray[np.int32]
-    """[n, 2] numbers of A's and of B's body in the report's list."""
-    dt: float
-    """s, length of the slice: an impulse divided by it is the mean force."""
-
-    def __len__(self) -> int:
-        """How many pairs there are."""
-        return len(self.kind)
 
 
 def _columns(rows: NDArray[np.void], names: list[str]) -> NDArray[np.float64]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import os
+import secrets
 import shlex
 import shutil
 import subprocess
@@ -21,20 +22,34 @@ from .store import Store
 MOST_TASKS = 1000  # of an array: Slurm's own limit, MaxArraySize, is 1001
 
 SCRIPT = """#!/bin/sh
-#SBATCH --job-name=drape
+#SBATCH --job-name={name}
 #SBATCH --array=0-{last}{limit}
-{more}export DRAPE_STORE_OPTIONS={options}
+{log}{more}export DRAPE_STORE_OPTIONS={options}
 exec {python} -m drape.sweeps.worker {url} {jobs} "$SLURM_ARRAY_TASK_ID" {tasks}
 """
 
 
+def log_of(store: Store, name: str, task: str) -> str:
+    """Returns the file of a task's output; empty for a store that Slurm cannot
+    write to, where the file is in the present folder, by Slurm's own name."""
+    return "" if "://" in store.url else store.path(f"slurm/{name}-{task}.log")
+
+
 def script(
-    store: Store, jobs: str, tasks: int, workers: int | None, options: Sequence[str]
+    store: Store,
+    name: str,
+    jobs: str,
+    tasks: int,
+    workers: int | None,
+    options: Sequence[str],
 ) -> str:
     """Returns the batch script of an array of tasks over a file of jobs."""
+    log = log_of(store, name, "\0").replace("%", "%%").replace("\0", "%a")
     return SCRIPT.format(
+        name=name,
         last=tasks - 1,
         limit=f"%{workers}" if workers else "",
+        log=f'#SBATCH --output="{log}"\n' if log else "",
         more="".join(f"#SBATCH {option}\n" for option in options),
         options=shlex.quote(json.dumps(store.options)),
         python=shlex.quote(sys.executable),
@@ -44,30 +59,36 @@ def script(
     )
 
 
-def submit(text: str) -> None:
+def submit(text: str, name: str) -> None:
     """Submits a batch script, and waits until all of its tasks have ended. How
-    they ended is seen from their results."""
+    they ended is seen from their results. If the wait is interrupted, as by the
+    keyboard, the array of this name is cancelled."""
     if not shutil.which("sbatch"):
         raise Error('on="slurm" needs sbatch, which is not in PATH')
     with tempfile.TemporaryDirectory(prefix="drape-") as folder:
         path = Path(folder) / "array.sh"
         path.write_text(text)
         command = ["sbatch", "--wait", "--parsable", str(path)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        try:
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+        except BaseException:
+            subprocess.run(["scancel", f"--name={name}"], check=False)
+            raise
     if done.returncode and not done.stdout.strip():
         raise Error(f"sbatch: {done.stderr.strip() or done.returncode}")
 
 
-def answer_of(store: Store, job: Job) -> Answer:
-    """Returns what became of a job."""
+def answer_of(store: Store, job: Job, log: str) -> Answer:
+    """Returns what became of a job, whose task's output is in a file."""
     found = store.get(job.id)
     if found:
         return Answer(*found)
     try:
-        told = json.loads(store.read(f"failed/{job.id}.json"))
-        return Answer(error=told["error"], final=told["final"])
+        failed = json.loads(store.read(f"failed/{job.id}.json"))
+        return Answer(error=failed["error"], final=failed["final"])
     except (OSError, ValueError, KeyError):
-        return Answer(error="the task ended without a result")
+        told = f"; its output: {log}" if log else ""
+        return Answer(error=f"the task ended without a result{told}")
 
 
 def run(
@@ -86,12 +107,13 @@ def run(
     left = list(jobs)
     for k in range(attempts):
         tasks = min(len(left), MOST_TASKS)
-        name = f"slurm/jobs-{k}.pickle"
-        store.put_jobs(name, left)
-        submit(script(store, name, tasks, workers, options))
+        jobs_file = f"slurm/jobs-{k}.pickle"
+        name = f"drape-{secrets.token_hex(4)}"
+        store.put_jobs(jobs_file, left)
+        submit(script(store, name, jobs_file, tasks, workers, options), name)
         again = []
-        for job in left:
-            answer = answer_of(store, job)
+        for number, job in enumerate(left):
+            answer = answer_of(store, job, log_of(store, name, str(number % tasks)))
             if answer.row is None and not answer.final and k + 1 < attempts:
                 again.append(job)
             else:

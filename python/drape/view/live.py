@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from drape.control import Contacts as Pairs
+from drape.contacts import Pairs
 from drape.errors import DivergedError, SceneError
 from drape.export.run import Body, Positions, make_body, make_cloth
 from drape.view.source import Contacts, on_cloths

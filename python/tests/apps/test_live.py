@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from apps.runs import FRAMES, moving
-from drape.control import Contacts
+from drape.contacts import Contacts
 from drape.errors import SceneError
 from drape.export import Run
 from drape.view import live
