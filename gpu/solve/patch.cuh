@@ -19,7 +19,6 @@ struct patch {
     int64_t inverse; /* p · inverse / 2^32 is p / share, without division */
     int64_t across;  /* p · across / 2^32 is p / m */
     bool alone;      /* rank 0 owns all particles */
-    int32_t shift;   /* 2^shift threads share a row of the product */
     int32_t table;   /* offset of struct edge [STENCIL] */
     int32_t rules;   /* offset of the rules of all particles */
     /* Offsets of the blocks of edge o that start at the rank's particles, or at

@@ -26,37 +26,39 @@ static __device__ inline void pulls_of(struct run r, struct place at,
     *starting = starts ? apply(out, sub(here, to)) : none;
 }
 
-/* A lane's part of a row. Adjacent lanes share a row; each has the same number
- * of consecutive directions, and the last lane gets the result. */
+/* Adjacent lanes that share a row. One number for all grids keeps the code of a
+ * row in the instruction cache. */
+enum { ROW_LANES = 4 };
+
+/* A lane's part of a row. Each lane has the same number of consecutive
+ * directions, and the last lane gets the result. */
 struct row {
     struct place at;
     int lane;
     bool real, last; /* real: the row exists; last: and this lane gets it */
 };
 
-static __device__ inline struct row row_of(const struct patch *l, struct run r,
-                                           int item)
+static __device__ inline struct row row_of(struct run r, int item)
 {
-    int k = item >> l->shift, lanes = 1 << l->shift, lane = item & (lanes - 1);
+    int k = item / ROW_LANES, lane = item % ROW_LANES;
     bool real = k < r.own;
     struct place at = place_in(r, real ? r.first + k : 0);
-    return row{at, lane, real, real && lane == lanes - 1};
+    return row{at, lane, real, real && lane == ROW_LANES - 1};
 }
 
 /* A loop in which whole warps take turns at the rows of a run. */
-#define EACH_ROW(item, l, r)                                                   \
-    for (int item = rank_thread(), n_ = whole_warps((r).own << (l)->shift);    \
+#define EACH_ROW(item, r)                                                      \
+    for (int item = rank_thread(), n_ = whole_warps((r).own * ROW_LANES);      \
          item < n_; item += rank_threads())
 
 /* Adds the pulls of all edges of a particle to y, which the first lane passes
  * in. The last lane returns the sum. x begins at byte `from` of shared memory.
  * All threads of the warp must call it. It is not inlined, so that its
  * instructions stay in the cache. */
-template <int LANES>
 static __device__ __noinline__ vec pulled(struct run r, struct row w, int from,
                                           vec y)
 {
-    enum { EACH = STENCIL / LANES };
+    enum { EACH = STENCIL / ROW_LANES };
     const vec *x = vecs(from) + (w.at.p - r.low);
     vec ending[EACH], starting[EACH];
     UNROLL
@@ -66,7 +68,7 @@ static __device__ __noinline__ vec pulled(struct run r, struct row w, int from,
             pulls_of(r, w.at, edges_at(r.table)[w.lane * EACH + k], x,
                      &ending[k], &starting[k]);
     }
-    return add_by_lanes<LANES, EACH>(y, ending, starting, w.lane);
+    return add_by_lanes<ROW_LANES, EACH>(y, ending, starting, w.lane);
 }
 
 /* Returns A x at a particle, in the last lane of its row. */
@@ -77,9 +79,7 @@ static __device__ inline vec patch_row(const struct patch *l, struct run r,
     if (w.real && w.lane == 0)
         y = own(fetch(syms(excess_of(l, r).at) + (w.at.p - r.first)),
                 vecs(from)[w.at.p - r.low]);
-    return l->shift == 2   ? pulled<4>(r, w, from, y)
-           : l->shift == 1 ? pulled<2>(r, w, from, y)
-                           : pulled<1>(r, w, from, y);
+    return pulled(r, w, from, y);
 }
 
 /* Returns gain·F (b - A x) at a particle, in the last lane of its row. */

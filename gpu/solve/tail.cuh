@@ -118,9 +118,9 @@ static __device__ inline void fetch_vectors(const struct tail *s)
 static __device__ inline void find_left(const struct patch *l)
 {
     struct run r = run_of(l);
-    EACH_ROW(item, l, r)
+    EACH_ROW(item, r)
     {
-        struct row w = row_of(l, r, item);
+        struct row w = row_of(r, item);
         vec y = patch_row(l, r, w, l->y);
         if (w.last)
             vecs(l->x)[w.at.p - r.low] = sub(vecs(l->b)[w.at.p - r.first], y);
@@ -187,9 +187,9 @@ static __device__ inline void smooth_up(const struct tail *s,
                                         const struct patch *l, vec *to)
 {
     struct run r = run_of(l);
-    EACH_ROW(item, l, r)
+    EACH_ROW(item, r)
     {
-        struct row w = row_of(l, r, item);
+        struct row w = row_of(r, item);
         vec d = patch_step(l, r, w, l->y, s->damping);
         if (w.last) {
             vec x = add(vecs(l->y)[w.at.p - r.low], d);
@@ -251,8 +251,6 @@ static int64_t lay_tail(struct tail *s, const struct level *l, int levels,
     for (int k = first; k < levels; k++) {
         struct patch *p = &s->patch[k - first];
         *p = patch_of(&l[k], k >= alone ? 1 : ranks);
-        while (p->shift < 2 && p->share << (p->shift + 1) <= TAIL_BLOCK)
-            p->shift++;
         at = lay_patch(p, at, k == levels - 1);
     }
     for (int k = 0; k < s->levels - 1; k++) {
