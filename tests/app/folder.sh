@@ -6,6 +6,8 @@
 
 # One run, one folder
 refused 'a folder that holds a run' 'w2: holds a run' run tiny.json --out w2
+refused 'it is, before settings are chosen for an error' 'w2: holds a run' \
+    run tiny.json --out w2 --error 5
 refused 'a folder that holds another run than the checkpoint' \
     'v: holds another run' run tiny.json --out v --resume u2/checkpoint.drape
 mkdir -p frames_only/frames
