@@ -3,7 +3,7 @@
 # libFuzzer: everything but the main functions, in both precisions.
 
 .PHONY: fuzz fuzz-soak fuzz-libs
-TARGETS := bank calls create damage draw live load queries small stage step table \
+TARGETS := bank bodies calls create damage draw live load queries small stage step table \
            whole
 READERS := checkpoint csv files mutate part readers report strict
 PARTS := $(filter-out $(addprefix $(BUILD)/tests/base/,check.o certify.o), \

@@ -3,23 +3,30 @@
 """Mutation testing: plants faults one by one and reports which checks find
 them.
 
-usage: mutants.py [-n 60] [--seed 1] [--all | --base REV] [--kind ref,gpu,both]
-                  [--match RE] [--quick] [--work DIR] [--jobs 2] [--list]
+usage: mutants.py [-n 60] [--seed 1] [--skip 0] [--all | --base REV]
+                  [--kind ref,gpu,both,app] [--match RE] [--quick]
+                  [--work DIR] [--costs FILE] [--jobs 2] [--list]
 
-A mutant changes one token, statement or pair of arguments in a line of ref/ or
-gpu/, or in a line of ref/ and in the equal lines of its twin in gpu/ (`both`):
-a comparison of the two backends cannot find such a fault. By default mutants
-are made in the lines that the working tree or the commits since --base changed
-(if there are none, in those of the last commit); with --all in any line. A
-mutant does not count if its objects equal the base's byte for byte, if it does
-not compile, or if ci/mutants.equivalent argues that it is equivalent. Checks
-run from the fastest on, and a hang counts as found. The recorded hashes run
-last: they show that bits changed, not that the change is wrong, so a mutant
-that they alone find is not killed.
+A mutant changes one token, statement or pair of arguments in a line of ref/,
+gpu/ or app/, or in a line of ref/ and in the equal lines of its twin in gpu/
+(`both`): a comparison of the two backends cannot find such a fault. By default
+mutants are made in the lines that the working tree or the commits since --base
+changed (if there are none, in those of the last commit); with --all in any
+line. --skip leaves out those that a run before has judged. A mutant does not
+count if its objects equal the base's byte for byte, if
+it does not compile, or if ci/mutants.equivalent argues that it is equivalent.
+
+Every check runs first on the unchanged tree, which must pass it; --costs names
+a file that has the seconds of each check from a run before, or gets them. Checks
+of a mutant run from the fastest on, and one that takes five times as long as there,
+and 20 s, counts as found: it hangs. The recorded hashes run last: they show
+that bits changed, not that the change is wrong, so a mutant that they alone
+find is not killed.
 """
 import argparse
 import filecmp
 import glob
+import json
 import os
 import random
 import re
@@ -32,8 +39,9 @@ import time
 
 from mutate import mutants_of, twins_of
 
-# Files of gpu/ that emulation replaces, or that are the emulation.
-ABSENT = re.compile(r'gpu/\w+/(emulate.*|(blas|cublas|device|loop|prim|stream|trace|'
+# Files of gpu/ that emulation replaces, or that are the emulation, and examples,
+# which the tool does not hold.
+ABSENT = re.compile(r'app/examples/|gpu/\w+/(emulate.*|(blas|cublas|device|loop|prim|stream|trace|'
                     r'absent)\.\w+|.*\.h|bulk\.cuh)$')
 
 
@@ -47,7 +55,7 @@ def git(*args):
 def changed_lines(base):
     """Lines by file, from 0, that differ from a revision."""
     lines, path = {}, None
-    for row in git('diff', '-U0', base, '--', 'ref', 'gpu').splitlines():
+    for row in git('diff', '-U0', base, '--', 'ref', 'gpu', 'app').splitlines():
         if row.startswith('+++ '):
             path = row[6:]
         m = re.match(r'@@ -\S+ \+(\d+)(?:,(\d+))? @@', row)
@@ -113,6 +121,7 @@ class Workshop:
         self.cwd = self.base
         if self.run(['git', 'init', '-q'], 60) or self.make(''):
             sys.exit(f'mutants: the tree does not build: see {self.log}')
+        self.cost = {}
         shutil.rmtree(self.tree, ignore_errors=True)
         shutil.copytree(self.base, self.tree, symlinks=True)
         self.cwd = self.tree
@@ -147,7 +156,27 @@ class Workshop:
 
     def make(self, flags='SAN=-w'):
         return self.run(['make', '-s', f'-j{self.jobs}', 'GPU=',
-                         flags or 'SAN=', 'build/check'], 1800)
+                         flags or 'SAN=', 'build/check', 'build/drape'], 1800)
+
+    def measure(self, commands, costs):
+        """The seconds that each check takes on the base, which must pass it."""
+        if costs and os.path.exists(costs):
+            self.cost = {tuple(c): s for c, s in json.load(open(costs))}
+            return
+        self.cwd = self.base
+        for command in commands:
+            start = resource.getrusage(resource.RUSAGE_CHILDREN)
+            why = self.failed(command, 600)
+            if why:
+                sys.exit(f'mutants: {" ".join(command)} fails without a '
+                         f'fault: {why}')
+            end = resource.getrusage(resource.RUSAGE_CHILDREN)
+            self.cost[tuple(command)] = end.ru_utime + end.ru_stime - \
+                start.ru_utime - start.ru_stime
+        self.cwd = self.tree
+        if costs:
+            with open(costs, 'w') as out:
+                json.dump(list(self.cost.items()), out)
 
     def restore(self):
         """The tree is the base again, with its times."""
@@ -163,8 +192,8 @@ class Workshop:
 
     def same_objects(self):
         """Whether what was compiled anew is the base's, byte for byte."""
-        for part in ('ref', 'gpu', 'tests'):
-            for a in glob.glob(f'{self.base}/build/{part}/*/*.o'):
+        for part in ('ref/*', 'gpu/*', 'tests/*', 'app'):
+            for a in glob.glob(f'{self.base}/build/{part}/*.o'):
                 b = self.tree + a[len(self.base):]
                 if not filecmp.cmp(a, b, shallow=False):
                     return False
@@ -182,38 +211,49 @@ class Workshop:
             'a hang' if status == 124 else f'exit {status}'
 
 
-# Slow checks, which run last, the slowest at the end.
-SLOW = ('embed_lost', 'embed_memory', 'embed_lent', 'fused', 'motion_device',
-        'device_steps', 'narrow_soak')
+CHECK = 'build/check'
+PROVE = ['sh', 'ci/prove.sh']
+GOLDEN = [CHECK, '--plain', '--golden', 'tests/golden/stages.txt']
+# The tool's tests, to the first that fails.
+TOOL = ['sh', '-c', 'sh tests/app.sh build/drape | awk '
+        "'{ print; last = $0 } /^not ok/ { bad = 1; exit } "
+        "END { exit bad || last !~ / 0 failed/ }'"]
 
 
-def checks(mutant, quick):
-    """Name, command, limit in seconds, from the fastest on."""
-    check = 'build/check'
+def every_check(quick):
+    """All checks, as commands."""
+    found = [[CHECK, '--stages'], [CHECK, '--gpu'], PROVE, GOLDEN]
+    if quick:
+        return found
+    tests = re.findall(r'^TEST\((\w+)\)', open('tests/tests.def').read(), re.M)
+    return found + [[CHECK, '--tests', '--only', t] for t in tests] + [TOOL]
+
+
+def checks(mutant, cost):
+    """The checks that can see a mutant, each with the seconds that it takes at
+    most: those named after its files, then the others, the fastest first."""
+    if mutant.kind == 'app':
+        return [(TOOL, cost[tuple(TOOL)])] if tuple(TOOL) in cost else []
     stems = {os.path.splitext(os.path.basename(f))[0]
              for f, _, _ in mutant.changes}
     stages = re.findall(r'^STAGE\(\w+, \w+, (\w+),',
                         open('spec/stages.def').read(), re.M)
-    tests = re.findall(r'^TEST\((\w+)\)', open('tests/tests.def').read(), re.M)
-    for s in sorted(stems & set(stages)):
-        yield [check, '--stages', '--only', s], 60
-        yield [check, '--gpu', '--only', s], 120
-    if any('0x1p' in e.what or 'define' in mutant.text
-           for _, _, e in mutant.changes):
-        yield ['sh', 'ci/prove.sh'], 120
-    if mutant.kind != 'gpu':
-        yield [check, '--stages'], 120
-    yield [check, '--gpu'], 300
-    if quick:
-        return
-    near = [t for t in tests if any(t.startswith(s) for s in stems)]
-    rest = [t for t in tests if t not in near]
-    rest.sort(key=lambda t: t in SLOW and 1 + SLOW.index(t))
-    for t in near + rest:
-        yield [check, '--tests', '--only', t], 300
+    found = [([CHECK, how, '--only', s], cost[CHECK, how])
+             for s in sorted(stems & set(stages))
+             for how in ('--stages', '--gpu')]
+    constant = any('0x1p' in e.what or 'define' in mutant.text
+                   for _, _, e in mutant.changes)
+    skip = [GOLDEN] + ([] if constant else [PROVE]) + \
+        ([TOOL, [CHECK, '--stages']] if mutant.kind == 'gpu' else [])
+    rest = [(list(c), s) for c, s in cost.items() if list(c) not in skip]
+
+    def order(c):
+        near = c[0][1] == '--tests' and any(map(c[0][3].startswith, stems))
+        return not near, c[1]
+    return found + sorted(rest, key=order)
 
 
-def judge(shop, mutant, sources, quick):
+def judge(shop, mutant, sources):
     """equal, invalid, killed by …, only golden, or SURVIVED."""
     shop.restore()
     for f, text in mutant.apply(sources):
@@ -223,24 +263,25 @@ def judge(shop, mutant, sources, quick):
         return 'invalid'
     if shop.same_objects():
         return 'equal'
-    for command, limit in checks(mutant, quick):
-        why = shop.failed(command, limit)
+    for command, seconds in checks(mutant, shop.cost):
+        why = shop.failed(command, 20 + int(5 * seconds))
         if why:
             return f'killed: {" ".join(command[1:])}: {why}'
-    golden = ['build/check', '--plain', '--golden', 'tests/golden/stages.txt']
-    return 'only golden' if shop.failed(golden, 300) else 'SURVIVED'
+    return 'only golden' if shop.failed(GOLDEN, 300) else 'SURVIVED'
 
 
 def arguments():
     p = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     p.add_argument('-n', type=int, default=60)
     p.add_argument('--seed', type=int, default=1)
+    p.add_argument('--skip', type=int, default=0)
     p.add_argument('--all', action='store_true')
     p.add_argument('--base', default='')
-    p.add_argument('--kind', default='ref,gpu,both')
+    p.add_argument('--kind', default='ref,gpu,both,app')
     p.add_argument('--match', default='')
     p.add_argument('--quick', action='store_true')
     p.add_argument('--work', default='build/mutants')
+    p.add_argument('--costs', default='')
     p.add_argument('--jobs', type=int, default=2)
     p.add_argument('--list', action='store_true')
     return p.parse_args()
@@ -259,14 +300,14 @@ def base_of(given):
 
 def main():
     a = arguments()
-    files = [f for f in git('ls-files', 'ref', 'gpu').splitlines()
+    files = [f for f in git('ls-files', 'ref', 'gpu', 'app').splitlines()
              if f.endswith(('.c', '.h', '.cu', '.cuh')) and
              not ABSENT.match(f)]
     sources = {f: open(f).read() for f in files}
     lines = None if a.all else changed_lines(base_of(a.base))
     found = [m for m in all_mutants(sources, a.kind.split(','), lines)
              if re.search(a.match, m.changes[0][2].what)]
-    chosen = sample(found, a.n, a.seed)
+    chosen = sample(found, a.n, a.seed)[a.skip:]
     known = equivalents('ci/mutants.equivalent')
     if a.list or not chosen:
         for m in chosen:
@@ -274,11 +315,12 @@ def main():
         print(f'{len(chosen)} mutants')
         return 0
     shop = Workshop(os.path.abspath(a.work), a.jobs)
+    shop.measure(every_check(a.quick), a.costs)
     tally, left = {}, []
     for m in chosen:
         f, _, e = m.changes[0]
         start = time.time()
-        how = judge(shop, m, sources, a.quick)
+        how = judge(shop, m, sources)
         if (f, m.text, e.what) in known and not how.startswith('killed'):
             how = 'argued equivalent'
         word = how.split(':')[0]

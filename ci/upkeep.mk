@@ -21,8 +21,10 @@ mutants: ## plants N=60 faults in changed lines (ALL=1: in any) by SEED=: who se
 	python3 ci/mutants.py -n $(N) --seed $(SEED) $(if $(ALL),--all) \
 	  $(if $(BASE),--base $(BASE)) --work $(BUILD)/mutants
 
-soak: check-parts ## the tests' long forms: whole frames, 2M triangles
+soak: check-parts ## the tests under sanitizers, and their long forms
 	sh ci/flavour.sh $(BUILD) asan yes
+	OMP_WAIT_POLICY=passive UBSAN_OPTIONS=print_stacktrace=1 \
+	  $(BUILD)/asan/check --tests
 	DRAPE_SOAK=1 $(BUILD)/check --tests
 
 format: ## clang-format everything in place

@@ -214,7 +214,15 @@ static const struct call {
              {"drape_first_vertex", play_first},
              {"drape_borrow", play_borrow},
              {"drape_plan", play_plan},
-             {"drape_count", play_count}};
+             {"drape_count", play_count},
+             {"drape_add_cloth", play_add_cloth},
+             {"drape_add_obstacle", play_add_obstacle},
+             {"drape_remove", play_remove},
+             {"drape_set_positions_device", play_positions_device},
+             {"drape_set_velocities_device", play_velocities_device},
+             {"drape_set_pins_device", play_pins_device},
+             {"drape_set_obstacle_device", play_obstacle_device},
+             {"drape_contacts_device", play_contacts_device}};
 enum { CALLS = sizeof calls / sizeof *calls };
 
 /* Makes calls drawn from the input; every other call is `often`. */

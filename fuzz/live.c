@@ -13,8 +13,7 @@ static const char *unchanged(struct play *p)
     return NULL;
 }
 
-/* Makes allocations fail in one call of eight. */
-static void be_short(struct play *p)
+void play_short(struct play *p)
 {
     struct bank *bank = pick(&p->b, 2) ? &p->s.device : &p->s.host;
     if (p->world[1] || pick(&p->b, 8) != 7)
@@ -23,9 +22,7 @@ static void be_short(struct play *p)
     bank->times = pick(&p->b, 2) ? 1 : INT64_MAX;
 }
 
-/* Ends a call with the statuses of both worlds: both are the same, and a
- * refused call has changed nothing. wrong: whether it had to be refused. */
-static const char *judge(struct play *p, const int status[2], bool wrong)
+const char *play_judge(struct play *p, const int status[2], bool wrong)
 {
     p->s.host.from = p->s.device.from = INT64_MAX;
     EXPECT(!p->world[1] || status[0] == status[1]);
@@ -49,7 +46,7 @@ const char *play_gravity(struct play *p)
     for (int k = 0; k < 2 && p->world[k]; k++)
         status[k] = drape_set_gravity(p->world[k], g);
     EXPECT(wrong || status[0] == DRAPE_OK);
-    const char *failed = judge(p, status, wrong);
+    const char *failed = play_judge(p, status, wrong);
     const double mild[3] = {0, -9.81, 0};
     bool huge = false;
     for (int i = 0; i < 3; i++)
@@ -74,10 +71,10 @@ const char *play_material(struct play *p)
     if (any)
         *number[pick(&p->b, 8)] = draw_any(&p->b);
     bool wrong = !(m.density > 0 && m.stretch > 0 && m.bend >= 0);
-    be_short(p);
+    play_short(p);
     for (int k = 0; k < 2 && p->world[k]; k++)
         status[k] = drape_set_material(p->world[k], cloth, &m);
-    const char *failed = judge(p, status, wrong);
+    const char *failed = play_judge(p, status, wrong);
     if (failed || status[0] != DRAPE_OK || !any)
         return failed;
     for (int k = 0; k < 2 && p->world[k]; k++)
@@ -96,18 +93,40 @@ static double (*state_of(const struct play *p, bool velocities))[3]
     return x;
 }
 
-static int set_state(drape_world *world, bool velocities, const int64_t at[2],
-                     const double (*x)[3])
+/* Vectors in the world's precision, as the forms `_device` read them: an
+ * emulated device's memory is the host's. For those that the caller frees. */
+static void *there(const struct play *p, const double (*x)[3], int64_t n)
 {
+    bool single = p->s.def.precision == 32;
+    size_t numbers = 3 * (size_t)n;
+    void *copy = malloc((numbers + 1) * sizeof(double));
+    if (!copy)
+        abort();
+    for (size_t k = 0; k < numbers; k++)
+        if (single)
+            ((float *)copy)[k] = (float)x[k / 3][k % 3];
+        else
+            ((double *)copy)[k] = x[k / 3][k % 3];
+    return copy;
+}
+
+/* near: x is [n] of binary64; else `far` is it as there() has made it. */
+static int set_state(drape_world *world, bool velocities, const int64_t at[2],
+                     const double (*near)[3], const void *far)
+{
+    drape_error error = {""};
     if (velocities)
-        return drape_set_velocities(world, at[0], at[1], x);
-    drape_error error;
-    int status = drape_set_positions(world, at[0], at[1], x, &error);
+        return near ? drape_set_velocities(world, at[0], at[1], near)
+                    : drape_set_velocities_device(world, at[0], at[1], far);
+    int status =
+        near ? drape_set_positions(world, at[0], at[1], near, &error)
+             : drape_set_positions_device(world, at[0], at[1], far, &error);
     return status == DRAPE_ESTART && !error.text[0] ? 1 : status;
 }
 
-/* Moves some vertices of cloth by a little, or by anything. */
-static const char *set(struct play *p, bool velocities)
+/* Moves some vertices of cloth by a little, or by anything. device: by the form
+ * of this name. */
+static const char *set(struct play *p, bool velocities, bool device)
 {
     int64_t nc = drape_first_vertex(p->world[0], p->s.def.n_cloths);
     int64_t from = pick(&p->b, (uint32_t)nc);
@@ -122,29 +141,45 @@ static const char *set(struct play *p, bool velocities)
         double any = draw_any(&p->b);
         x[from + pick(&p->b, (uint32_t)n)][pick(&p->b, 3)] =
             fabs(any) <= 0x1p60 ? by : any;
+        if (device && p->s.def.precision == 32)
+            any = (float)any; /* the form's own numbers */
         far = !(fabs(any) <= 0x1p60);
     }
     int status[2] = {0, 0};
     const double(*is)[3] = (const double(*)[3])x;
-    be_short(p);
+    void *copy = there(p, is + from, n);
+    play_short(p);
     for (int k = 0; k < 2 && p->world[k]; k++)
-        status[k] = set_state(p->world[k], velocities, at, is + from);
+        status[k] = set_state(p->world[k], velocities, at,
+                              device ? NULL : is + from, copy);
     free(x);
+    const char *failed = play_judge(p, status, out || far);
+    free(copy);
     EXPECT(status[0] <= DRAPE_OK);
-    return judge(p, status, out || far);
+    return failed;
 }
 
 const char *play_positions(struct play *p)
 {
-    return set(p, false);
+    return set(p, false, false);
+}
+
+const char *play_positions_device(struct play *p)
+{
+    return set(p, false, true);
 }
 
 const char *play_velocities(struct play *p)
 {
-    return set(p, true);
+    return set(p, true, false);
 }
 
-const char *play_pins(struct play *p)
+const char *play_velocities_device(struct play *p)
+{
+    return set(p, true, true);
+}
+
+static const char *set_pins(struct play *p, bool device)
 {
     enum { MOST = 4 };
     int cloth = (int)pick(&p->b, (uint32_t)p->s.def.n_cloths);
@@ -166,15 +201,30 @@ const char *play_pins(struct play *p)
     }
     free(x);
     bool told = pick(&p->b, 4) > 0;
-    be_short(p);
+    const double(*to)[3] = told ? (const double(*)[3])at : NULL;
+    void *copy = there(p, (const double(*)[3])at, n);
+    play_short(p);
     for (int k = 0; k < 2 && p->world[k]; k++)
-        status[k] = drape_set_pins(p->world[k], cloth, n, list,
-                                   told ? (const double(*)[3])at : NULL);
+        status[k] = device ? drape_set_pins_device(p->world[k], cloth, n, list,
+                                                   told ? copy : NULL)
+                           : drape_set_pins(p->world[k], cloth, n, list, to);
     p->s.led = p->s.led || status[0] == DRAPE_OK;
-    return judge(p, status, out);
+    const char *failed = play_judge(p, status, out);
+    free(copy);
+    return failed;
 }
 
-const char *play_obstacle(struct play *p)
+const char *play_pins(struct play *p)
+{
+    return set_pins(p, false);
+}
+
+const char *play_pins_device(struct play *p)
+{
+    return set_pins(p, true);
+}
+
+static const char *set_obstacle(struct play *p, bool device)
 {
     int n = p->s.def.n_obstacles;
     int which = n && pick(&p->b, 8) < 7 ? (int)pick(&p->b, (uint32_t)n)
@@ -191,25 +241,41 @@ const char *play_obstacle(struct play *p)
         x[k][pick(&p->b, 3)] += by;
     const double(*to)[3] = (const double(*)[3])x;
     bool turned = pick(&p->b, 2);
-    be_short(p);
+    void *copy = there(p, to + first, end - first);
+    play_short(p);
     for (int k = 0; k < 2 && p->world[k]; k++)
         status[k] = pose ? drape_set_pose(p->world[k], which, shift,
                                           turned ? turn : NULL, NULL)
-                         : drape_set_obstacle(p->world[k], which, to + first);
+                    : device
+                        ? drape_set_obstacle_device(p->world[k], which, copy)
+                        : drape_set_obstacle(p->world[k], which, to + first);
     free(x);
     p->s.led = p->s.led || status[0] == DRAPE_OK;
-    return judge(p, status, out);
+    const char *failed = play_judge(p, status, out);
+    free(copy);
+    return failed;
 }
 
-const char *play_contacts(struct play *p)
+const char *play_obstacle(struct play *p)
+{
+    return set_obstacle(p, false);
+}
+
+const char *play_obstacle_device(struct play *p)
+{
+    return set_obstacle(p, true);
+}
+
+static const char *list(struct play *p, bool device)
 {
     drape_contact_list l[2] = {{0}, {0}};
     int status[2] = {0, 0};
     int64_t nv = drape_vertices(p->world[0]);
     int bodies = p->s.def.n_cloths + p->s.def.n_obstacles;
-    be_short(p);
+    play_short(p);
     for (int k = 0; k < 2 && p->world[k]; k++)
-        status[k] = drape_contacts(p->world[k], &l[k]);
+        status[k] = device ? drape_contacts_device(p->world[k], &l[k])
+                           : drape_contacts(p->world[k], &l[k]);
     p->s.host.from = p->s.device.from = INT64_MAX;
     EXPECT(!p->world[1] || status[0] == status[1]);
     if (status[0] == DRAPE_OK) {
@@ -230,13 +296,25 @@ const char *play_contacts(struct play *p)
     return unchanged(p);
 }
 
+const char *play_contacts(struct play *p)
+{
+    return list(p, false);
+}
+
+const char *play_contacts_device(struct play *p)
+{
+    return list(p, true);
+}
+
 /* Plays the log on a fresh world, which ends as this one. */
 static const char *play_back(struct play *p)
 {
     drape_world *fresh;
     int status;
-    drape_def def = p->s.def;
+    drape_def def = p->began;
     def.threads = 3 - def.threads;
+    def.cloths = p->cloth;
+    def.obstacles = p->obstacle;
     p->log.at = 0;
     EXPECT(drape_create(&def, &fresh, NULL) == DRAPE_OK);
     while ((status = drape_replay(fresh, tape_read, &p->log, NULL)) == 1)
@@ -255,6 +333,9 @@ const char *play_log(struct play *p)
     if (!p->recording) {
         p->log.size = 0;
         p->log.left = -1;
+        p->began = p->s.def;
+        memcpy(p->cloth, p->s.cloth, sizeof p->cloth);
+        memcpy(p->obstacle, p->s.obstacle, sizeof p->obstacle);
         p->recording =
             drape_record(p->world[0], tape_write, &p->log) == DRAPE_OK;
         EXPECT(p->recording);

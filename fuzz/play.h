@@ -15,6 +15,9 @@ struct play {
     struct tape before[2], after[2];
     struct tape log; /* of the calls on world[0] */
     bool recording;
+    drape_def began; /* the world's definition where the log begins */
+    drape_cloth cloth[SMALL_CLOTHS];
+    drape_obstacle obstacle[SMALL_OBSTACLES];
     int64_t pairs; /* intersecting pairs now; -1: not known */
     double time;   /* s, time of the last report */
     int steps, most_steps;
@@ -25,10 +28,20 @@ typedef const char *play_call(struct play *p);
 play_call play_step, play_again;
 /* fuzz/live.c */
 play_call play_gravity, play_material, play_positions, play_velocities,
-    play_pins, play_obstacle, play_contacts, play_log;
+    play_pins, play_obstacle, play_contacts, play_log, play_positions_device,
+    play_velocities_device, play_pins_device, play_obstacle_device,
+    play_contacts_device;
+/* fuzz/bodies.c */
+play_call play_add_cloth, play_add_obstacle, play_remove;
 
 /* Saves the checkpoint of each world. Returns whether the checkpoints are
  * equal. */
 bool play_note(struct play *p, struct tape note[2]);
+/* Makes allocations fail in one call of eight. */
+void play_short(struct play *p);
+/* Ends a call of live control with the statuses of both worlds: both are the
+ * same, and a refused call has changed nothing. wrong: whether it had to be
+ * refused. */
+const char *play_judge(struct play *p, const int status[2], bool wrong);
 
 #endif

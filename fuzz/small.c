@@ -11,9 +11,9 @@ static const int32_t box_tri[12][3] = {
     {0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
     {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
 
-static void draw_cloth(struct bytes *b, struct small *s, int k)
+void small_cloth(struct small *s, struct bytes *b, drape_cloth *c)
 {
-    drape_cloth *c = &s->cloth[k];
+    int k = s->drawn++;
     drape_default_cloth(c);
     c->m = 3 + (int)pick(b, SMALL_SIDE - 2);
     c->n = 3 + (int)pick(b, SMALL_SIDE - 2);
@@ -74,7 +74,7 @@ static void draw_obstacles(struct bytes *b, struct small *s)
             s->frame[f][k][2] = k & 2 ? 0.1 : -0.1;
         }
     }
-    drape_obstacle *o = s->obstacle;
+    drape_obstacle *o = s->kind;
     add_mesh(&o[0], 4, (const double(*)[3])s->ground_x, 2, ground_tri);
     add_mesh(&o[1], 8, (const double(*)[3])s->box_x, 12, box_tri);
     add_mesh(&o[2], 4, (const double(*)[3])s->frame[0], 2, ground_tri);
@@ -82,6 +82,7 @@ static void draw_obstacles(struct bytes *b, struct small *s)
     o[2].frames = 2;
     o[2].frame_dt = 0.03;
     o[2].frame = (const double(*)[3])s->frame;
+    memcpy(s->obstacle, s->kind, sizeof s->kind);
 }
 
 static void draw_motion(struct bytes *b, struct small *s)
@@ -132,7 +133,7 @@ void small_make(struct small *s, struct bytes *b)
     draw_choices(b, &s->def);
     s->def.n_cloths = 1 + (int)pick(b, 2);
     for (int k = 0; k < s->def.n_cloths; k++)
-        draw_cloth(b, s, k);
+        small_cloth(s, b, &s->cloth[k]);
     draw_obstacles(b, s);
     draw_motion(b, s);
     s->def.n_obstacles = (int)pick(b, 4);

@@ -5,16 +5,23 @@
 
 #include "fuzz/draw.h"
 
-enum { SMALL_SIDE = 9, SMALL_PINS = 4, SMALL_KEYS = 3 };
+enum {
+    SMALL_SIDE = 9,
+    SMALL_PINS = 4,
+    SMALL_KEYS = 3,
+    SMALL_CLOTHS = 5, /* that are drawn for a world in its whole life */
+    SMALL_OBSTACLES = 5
+};
 
 struct small {
     drape_def def;
-    drape_cloth cloth[2];
-    drape_obstacle obstacle[3];
+    drape_cloth cloth[SMALL_CLOTHS];
+    drape_obstacle obstacle[SMALL_OBSTACLES], kind[3];
+    int drawn; /* cloths so far: each starts higher than those before */
     drape_motion motion;
     double time[SMALL_KEYS], position[SMALL_KEYS][3], rotation[SMALL_KEYS][4];
-    drape_pin pin[2][SMALL_PINS];
-    double velocity[2][SMALL_SIDE * SMALL_SIDE][3];
+    drape_pin pin[SMALL_CLOTHS][SMALL_PINS];
+    double velocity[SMALL_CLOTHS][SMALL_SIDE * SMALL_SIDE][3];
     uint8_t hole[SMALL_SIDE * SMALL_SIDE], cut[SMALL_SIDE * SMALL_SIDE];
     double box_x[8][3], ground_x[4][3], frame[2][4][3];
     bool led; /* set by callers that lead pins or obstacles: what the definition
@@ -25,6 +32,8 @@ struct small {
 /* Draws a world. s must not move in memory while a world of it exists. A stream
  * of zeros gives one cloth of 3 × 3 in the air. */
 void small_make(struct small *s, struct bytes *b);
+/* Draws the next cloth to *c; s keeps its arrays. */
+void small_cloth(struct small *s, struct bytes *b, drape_cloth *c);
 
 /* Checks a state. Returns NULL or the fault: a number that is not finite, or a
  * held particle or an obstacle at rest that has moved. */

@@ -396,9 +396,19 @@ def check_equivalents(texts):
     return rows, faults
 
 
+def check_targets(texts):
+    """Each function of spec/drape.h is called by a fuzz target."""
+    bare = re.sub(r"/\*.*?\*/", "", texts["spec/drape.h"], flags=re.S)
+    functions = set(re.findall(r"^(?!typedef)[\w *]*\b(drape_\w+)\(", bare, re.M))
+    named = {t.text for path in texts if re.fullmatch(r"fuzz/\w+\.c", path)
+             for t in mutate.tokens(texts[path]) if t.kind == "name"}
+    return len(functions), [f"spec/drape.h: no fuzz target calls {name}"
+                            for name in sorted(functions - named)]
+
+
 CHECKS = (check_diagram, check_stages, check_files, check_citations, check_rooms,
           check_circles, check_headers, check_banners, check_numbers,
-          check_equivalents)
+          check_equivalents, check_targets)
 
 
 def planted(texts):
@@ -444,6 +454,8 @@ def planted(texts):
     thin = "real_min(real_abs(a), most)"
     yield check_equivalents, edit("ref/base/thin.h", thin, thin.replace("(a)", "(b)"))
     yield check_equivalents, add("ci/mutants.equivalent", f"{home} | x | y | z\n")
+    yield check_targets, add("spec/drape.h", "int drape_more(int many);\n")
+    yield check_targets, edit("fuzz/bodies.c", "drape_remove(", "remove(")
 
 
 def main():

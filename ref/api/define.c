@@ -285,7 +285,7 @@ static void check_world(struct check *c, const drape_def *def)
     integer(c, "newton", def->newton, 0, 64);
     integer(c, "max_rounds", def->max_rounds, 0, 10000);
     integer(c, "max_slices", def->max_slices, 1, 64);
-    if (def->max_slices & (def->max_slices - 1))
+    if (def->max_slices > 0 && def->max_slices & (def->max_slices - 1))
         fail(c, DRAPE_EARG, "max_slices is %d, expected a power of two",
              def->max_slices);
     integer(c, "n_cloths", def->n_cloths, 1, 4096);

@@ -32,8 +32,9 @@ static void cloth_pieces(const drape_cloth *c, struct piece p[CLOTH_PIECES])
     p[1] = (struct piece){c->velocity, n * sizeof *c->velocity};
     p[2] = (struct piece){c->hole, n};
     p[3] = (struct piece){c->cut, cells};
-    p[4] = (struct piece){c->n_pins ? c->pins : NULL,
-                          (size_t)c->n_pins * sizeof *c->pins};
+    /* an empty array is not a missing one: a world's fingerprint tells them
+     * apart */
+    p[4] = (struct piece){c->pins, (size_t)c->n_pins * sizeof *c->pins};
 }
 
 static void mesh_pieces(const drape_obstacle *o, struct piece p[MESH_PIECES])

@@ -75,6 +75,7 @@ static const char *refuse_scalars(void)
     REFUSES_EXTREMES(d.g.def.newton);
     REFUSES_EXTREMES(d.g.def.max_rounds);
     REFUSES_EXTREMES(d.g.def.max_slices);
+    REFUSES_DEF(d.g.def.max_slices = 48, DRAPE_EARG);
     REFUSES_EXTREMES(d.g.def.n_cloths);
     REFUSES_EXTREMES(d.g.def.n_obstacles);
     REFUSES_EXTREMES(d.g.def.n_motions);

@@ -6,6 +6,8 @@
 
 # One run, one folder
 refused 'a folder that holds a run' 'w2: holds a run' run tiny.json --out w2
+refused 'it is, before settings are chosen for an error' 'w2: holds a run' \
+    run tiny.json --out w2 --error 5
 refused 'a folder that holds another run than the checkpoint' \
     'v: holds another run' run tiny.json --out v --resume u2/checkpoint.drape
 mkdir -p frames_only/frames
@@ -85,6 +87,24 @@ else
         "$@" "$drape" run tiny.json --out shut
     fails 'a folder in it' 'shut/a: cannot make this folder: Permission den' \
         "$@" "$drape" run tiny.json --out shut/a/b
+fi
+# A file system without locks, by a library that refuses them.
+cat >nolock.c <<'EOF'
+#include <errno.h>
+int fcntl(int file, int how, ...)
+{
+    errno = ENOLCK;
+    return file < 0 && how < 0 ? 0 : -1;
+}
+int fcntl64(int file, int how, ...) __attribute__((alias("fcntl")));
+EOF
+if ldd "$drape" | grep -q 'lib[a-z]*san' ||
+    ! "${CC:-cc}" -shared -fPIC nolock.c -o nolock.so 2>/dev/null; then
+    skip 'a folder without locks: no library can stand before this tool'
+else
+    fails 'a folder without locks' \
+        'unlocked: cannot be locked: No locks available' \
+        env LD_PRELOAD="$PWD/nolock.so" "$drape" run tiny.json --out unlocked
 fi
 limited() { (
     ulimit -f "$1"

@@ -12,6 +12,10 @@ for command in run plan audit render ccd convert export view fetch-models \
     exits "help $command" 0 help $command
     is "help $command shows its usage" grep -q "usage: drape $command" out
 done
+for command in run plan audit render ccd convert export view fetch-models; do
+    refused "$command --nonsense" '--nonsense: unknown option' \
+        $command --nonsense
+done
 exits 'help after other arguments' 0 run none.json --help
 is 'it is the command'"'"'s' grep -q 'usage: drape run' out
 # Every option in a command's table is in its help and in the manual.

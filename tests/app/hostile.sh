@@ -452,3 +452,33 @@ cp sheet.json damaged/scene.json
 cp at.csv damaged/at.csv
 line=$(python3 "$root/tests/damage.py" "$drape" damaged | tail -n 1)
 is "damaged files ($line)" test "${line#* }" = 'files, 0 wrong'
+
+# The child that reads a mesh dies after it has sent a part of it: the tool is
+# stopped meanwhile, so that the child waits at the full pipe.
+awk 'BEGIN {
+    for (k = 1; k < 60000; k++)
+        printf "v %d 0 0\nv %d 1 0\nv %d 0 1\nf -1 -2 -3\n", k, k, k
+}' >sent.obj
+"$drape" convert sent.obj sent.ply >out 2>err &
+tool=$! reader= waits=0
+while [ -z "$reader" ] && kill -0 $tool 2>/dev/null; do
+    reader=$(tr -d ' ' <"/proc/$tool/task/$tool/children")
+done 2>/dev/null
+if [ -n "$reader" ]; then
+    kill -STOP $tool
+    while [ $waits -lt 3 ]; do
+        sleep 0.2
+        case $(cut -d ' ' -f 3 "/proc/$reader/stat") in
+        S) waits=$((waits + 1)) ;;
+        *) waits=0 ;;
+        esac
+    done
+    kill -9 "$reader"
+    kill -CONT $tool
+    wait $tool
+    is 'a reader that dies while it sends' test $? -eq 2 -a ! -e sent.ply
+    is 'is said to have died' grep -q 'sent.obj: .* crashed (signal 9' err
+else
+    wait $tool
+    skip 'a reader that dies while it sends: its number is not known here'
+fi

@@ -105,6 +105,8 @@ fabric() { # FILE MATERIAL: a small sheet of it that falls
         "$2" >"$1"
 }
 exits 'fabrics are listed' 0 materials
+is 'as a table and, apart from it, what each is' awk 'BEGIN { RS = "" }
+    NR == 1 && !/^name .*friction/ { bad = 1 } END { exit bad || NR != 2 }' out
 is 'denim is' grep -q '^denim  *0.324 ' out
 is 'with its source' grep -q 'Wang' out
 refused 'materials takes no argument' 'no argument' materials denim

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The thread pool of ref/base/threads.c: each part of a loop runs exactly once,
- * and if the system allows fewer threads than asked for, results have the same
- * bits. */
+ * threads that wait sleep, and if the system allows fewer threads than asked
+ * for, results have the same bits. */
 #include "ref/base/threads.h"
 
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "tests/world/scene.h"
@@ -53,6 +54,55 @@ const char *test_threads_parts(void)
             EXPECT(s.of[k] == n);
         EXPECT(s.of[0] == 1 && atomic_load(&s.inner) == LOOPS * n + 1);
         ran(LOOPS);
+    }
+    return NULL;
+}
+
+/* Waits ten seconds at most for *flag to become `want`; whether it did. */
+static bool becomes(atomic_int *flag, int want)
+{
+    struct timespec brief = {0, 1000000};
+    for (int k = 0; k < 10000 && atomic_load(flag) != want; k++)
+        nanosleep(&brief, NULL);
+    return atomic_load(flag) == want;
+}
+
+/* Two threads: `caller` and one worker. */
+struct nap {
+    struct threads t;
+    pthread_t caller;
+    atomic_int begun; /* the worker has begun its part */
+    bool slept;       /* the caller slept while the worker ran */
+};
+
+/* The caller's part ends when the worker's has begun, and the worker's when the
+ * caller sleeps. */
+static void outlast(void *user)
+{
+    struct nap *s = user;
+    struct timespec brief = {0, 1000000};
+    if (pthread_equal(pthread_self(), s->caller)) {
+        becomes(&s->begun, 1);
+        return;
+    }
+    atomic_store(&s->begun, 1);
+    for (int k = 0; k < 10000 && !atomic_load(&s->t.waiting); k++)
+        nanosleep(&brief, NULL);
+    s->slept = atomic_load(&s->t.waiting);
+}
+
+/* Between two loops all workers sleep, and the caller sleeps while a worker
+ * still runs a part. */
+const char *test_threads_sleep(void)
+{
+    for (int k = 0; k < 3; k++) {
+        struct nap s = {.caller = pthread_self()};
+        threads_begin(&s.t, 2);
+        threads_parallel(outlast, &s, 0, 0);
+        bool rests = becomes(&s.t.asleep, 1);
+        threads_end(&s.t);
+        EXPECT(s.slept && rests);
+        ran(1);
     }
     return NULL;
 }

@@ -84,6 +84,19 @@ static bool spares(const struct warm *s, int64_t k, double unit)
     return (double)c->impulse <= fmax(most, 0) * (1 + 64 * unit) + 0x1p-60;
 }
 
+/* §1: whether all_i is the sum of |c| of the held contacts of vertex i: with a
+ * larger sum the limits below would hold, and less be kept than there was. */
+static bool shares(const struct warm *s, int64_t i, double unit)
+{
+    double sum = 0;
+    int items = s->start[i + 1] - s->start[i];
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+        const struct contact *c = &s->contact[s->item[k] / 4];
+        sum += c->held ? fabs((double)c->c[s->item[k] % 4]) : 0;
+    }
+    return fabs((double)s->all[i] - sum) <= items * unit * sum;
+}
+
 const char *prop_warm(const struct warm *s)
 {
     double total[3] = {0, 0, 0}, size = 0;
@@ -104,6 +117,7 @@ const char *prop_warm(const struct warm *s)
     for (int64_t i = 0; i < s->nv; i++) {
         vec f = s->press[i];
         double took = (double)vec_length(s->g[i]);
+        EXPECT(shares(s, i, unit));
         double grown = (double)s->again * (double)vec_length(s->before[i]);
         int items = s->start[i + 1] - s->start[i];
         if (s->w[i] > 0)

@@ -159,11 +159,14 @@ static const char *record(struct session *p, drape_world *a)
 {
     const double up[3] = {0, 0.001, 0};
     const int32_t pins[2] = {1, 2};
+    const drape_pin none = {0, 0, -1};
     drape_cloth high = p->t.cloth[0];
     drape_obstacle plate = p->t.obstacle[0];
     EXPECT(drape_record(a, append, &p->log) == DRAPE_OK);
     EXPECT(guest_go(a, 2) == DRAPE_OK);
     high.origin[1] = 0.05;
+    high.pins = &none; /* an empty array, which is not a missing one */
+    high.n_pins = 0;
     EXPECT(drape_add_cloth(a, &high, NULL) == 2);
     EXPECT(drape_set_pins(a, 2, 2, pins, NULL) == DRAPE_OK);
     EXPECT(guest_go(a, 2) == DRAPE_OK);

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A step that fails, at whatever point, leaves the state as it was; repeated,
- * it gives the bits of a step that never failed. spec/world/step.md §7 */
+ * it gives the bits of a step that never failed. A slice that contact leads
+ * beyond all numbers is taken again. spec/world/step.md §7 */
+#include <limits.h>
+
 #include "ref/contact/couple.h"
 #include "ref/world/checkpoint.h"
 #include "ref/world/collide.h"
@@ -109,4 +112,70 @@ const char *test_world_aborts(void)
         EXPECT(later > 0); /* some step failed half-way */
     }
     return NULL;
+}
+
+/* Queries of the response find a position out of range, this many times. */
+static int out_of_range;
+
+static int broad_spoilt(void *user, const uint8_t *touched, struct pairs *out)
+{
+    return out_of_range-- > 0 ? DRAPE_EDATA : collide_broad(user, touched, out);
+}
+
+/* Makes a step in which contact leads `times` slices beyond all numbers. */
+static drape_step_report spoil(struct world *w, int times)
+{
+    drape_step_report r;
+    w->response.broad = broad_spoilt;
+    out_of_range = times;
+    r.step = step_advance(w, &r) == DRAPE_OK ? r.step : -1;
+    out_of_range = 0;
+    return r;
+}
+
+/* step.md §3.3, §7.6, §7.7: a slice that contact leads beyond all numbers is
+ * taken again: without press, if it had any, else at half the length. If no
+ * shorter slice is left the step has diverged, and the state stays. The first
+ * step of both worlds is spoilt; later one of a with press, where b forgets
+ * its press instead. */
+static const char *check_spoilt(struct world *a, struct world *b, bool warm)
+{
+    drape_step_report r, same;
+    int step = 0;
+    do {
+        r = spoil(a, step == 0);
+        same = spoil(b, step == 0);
+        EXPECT(r.step == ++step && same.step == step);
+        EXPECT(!(r.outcome & DRAPE_DIVERGED));
+        EXPECT(step > 1 || (r.slices == 2 && r.work.tries == 3));
+    } while (step < (warm ? 4 * BEFORE : 2) && !a->pressed);
+    EXPECT(a->pressed == warm);
+    b->pressed = false;
+    r = spoil(a, warm);
+    same = spoil(b, 0);
+    EXPECT(r.step == ++step && same.step == step && state(a) == state(b));
+    EXPECT(r.slices == same.slices);
+    EXPECT(r.work.tries == same.work.tries + warm);
+    uint64_t before = state(a);
+    int most = 1 + a->pressed + a->slicing.deepest - a->caution.level;
+    r = spoil(a, INT_MAX);
+    EXPECT(r.outcome & DRAPE_DIVERGED && r.step == step);
+    EXPECT(state(a) == before && r.work.tries == most);
+    ran(1);
+    return NULL;
+}
+
+const char *test_world_spoilt(void)
+{
+    static const int some[] = {DRAPE_VERLET, DRAPE_BW, DRAPE_CK};
+    const char *failed = NULL;
+    for (int k = 0; k < 3 && !failed; k++) {
+        struct arena arena[2];
+        struct world *a = make_struck(some[k], &arena[0]);
+        struct world *b = make_struck(some[k], &arena[1]);
+        failed = a && b ? check_spoilt(a, b, some[k] == DRAPE_BW) : "no world";
+        arena_free(&arena[0]);
+        arena_free(&arena[1]);
+    }
+    return failed;
 }
