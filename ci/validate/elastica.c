@@ -1,32 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The heavy elastica, by shooting. spec/validation.md §2 */
+#include "ci/validate/shooting.h"
 #include "ci/validate/validate.h"
 
 #include <math.h>
 
-/* Length 1, u from the free end: φ, how far the strip is from straight down,
- * has φ'' = Γ u sin φ from φ(0) = rest, φ'(0) = 0, by the classical Runge–Kutta
- * method. Returns φ at the clamp, and the tip's distance and drop. */
-static double shoot(double gamma, double rest, double tip[2])
+/* y: φ, how far the strip is from straight down, its derivative, and the tip's
+ * distance and drop: φ'' = Γ u sin φ, u from the free end. */
+static void slope(const void *user, double u, const double *y, double *dy)
 {
-    enum { STEPS = 2000 };
-    double d = 1.0 / STEPS, y[4] = {rest, 0, 0, 0};
-    for (int k = 0; k < STEPS; k++) {
-        double slope[4][4];
-        for (int r = 0; r < 4; r++) {
-            double at[4], part = r == 0 ? 0 : r == 3 ? d : d / 2;
-            for (int c = 0; c < 4; c++)
-                at[c] = y[c] + (r ? part * slope[r - 1][c] : 0);
-            slope[r][0] = at[1];
-            slope[r][1] = gamma * (k * d + part) * sin(at[0]);
-            slope[r][2] = sin(at[0]);
-            slope[r][3] = cos(at[0]);
-        }
-        for (int c = 0; c < 4; c++)
-            y[c] +=
-                d / 6 *
-                (slope[0][c] + 2 * slope[1][c] + 2 * slope[2][c] + slope[3][c]);
-    }
+    const double *gamma = user;
+    dy[0] = y[1];
+    dy[1] = *gamma * u * sin(y[0]);
+    dy[2] = sin(y[0]);
+    dy[3] = cos(y[0]);
+}
+
+/* From φ(0) = rest, φ'(0) = 0. Returns φ at the clamp. */
+static double from_end(double gamma, double rest, double tip[2])
+{
+    static const struct ode equations = {4, 2000, slope};
+    double y[4] = {rest, 0, 0, 0};
+    runge_kutta(&equations, &gamma, y);
     tip[0] = y[2];
     tip[1] = y[3];
     return y[0];
@@ -39,11 +34,11 @@ double elastica(double gamma)
     double lo = 0, hi = acos(-1) / 2, tip[2] = {0, 0};
     for (int k = 0; k < 200; k++) {
         double rest = (lo + hi) / 2;
-        if (shoot(gamma, rest, tip) < acos(-1) / 2)
+        if (from_end(gamma, rest, tip) < acos(-1) / 2)
             lo = rest;
         else
             hi = rest;
     }
-    shoot(gamma, (lo + hi) / 2, tip);
+    from_end(gamma, (lo + hi) / 2, tip);
     return tip[1] / tip[0];
 }

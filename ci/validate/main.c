@@ -20,7 +20,10 @@ static const struct part {
              {"fabrics", part_fabrics},
              {"hung", part_hung},
              {"contact", part_contact},
-             {"buckling", part_buckling}};
+             {"meeting", part_meeting},
+             {"buckling", part_buckling},
+             {"bendtwist", part_bendtwist},
+             {"stickslip", part_stickslip}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
 /* argument: what was not understood. */

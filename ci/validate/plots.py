@@ -154,7 +154,8 @@ def bars(part, wanted, unit, name):
         return
     figure, axes = plt.subplots(figsize=(8, 0.9 + 0.28 * len(found)))
     band = {r["property"].split("; ")[-1]: (float(r["theory"]), float(r["bar"]))
-            for r in rows("properties-" + part) if r["theory"] and r["bar"]}
+            for r in rows("properties-" + part)
+            if wanted(r["property"]) and r["theory"] and r["bar"]}
     for k, (n, point) in enumerate(found):
         fabric = n.split("; ")[-1]
         if fabric in band:
@@ -185,8 +186,50 @@ def cusick():
     save(figure, "cusick")
 
 
+def strips():
+    """What slender strips do, over theory."""
+    parts = [("buckling", "cell, mm"), ("bendtwist", "cell, mm"),
+             ("stickslip", "cell, mm")]
+    if not any(series(part) for part, _ in parts):
+        return
+    figure, all_axes = plt.subplots(1, 3, figsize=(12, 4.2))
+    for axes, (part, label) in zip(all_axes, parts):
+        chosen = [(n, p) for n, p in series(part).items()
+                  if float(p[0]["theory"]) > 1e-6 and "slides" not in n]
+        for k, (name, points) in enumerate(chosen):
+            axes.semilogx([1e3 * float(p["size"]) for p in points],
+                          [float(p["value"]) / float(p["theory"])
+                           for p in points], "o-", color=COLOURS[k],
+                          markersize=4, linewidth=1, label=name)
+        axes.axhline(1, color="black", linewidth=0.8)
+        axes.set_xlabel(label)
+        axes.set_title(part)
+        axes.legend(fontsize=6, loc="upper center",
+                    bbox_to_anchor=(0.5, -0.15))
+    all_axes[0].set_ylabel("over theory")
+    save(figure, "strips")
+
+
+def meeting():
+    found = [(n, p) for n, p in series("meeting").items()
+             if "by steps" in n and n.endswith("angular momentum lost")]
+    if not found:
+        return
+    figure, axes = plt.subplots(figsize=(5.5, 3.6))
+    for k, (name, points) in enumerate(found):
+        axes.loglog([1e3 * float(p["size"]) for p in points],
+                    [float(p["value"]) for p in points], "o-",
+                    color=COLOURS[k], markersize=4, label=name.split("; ")[2])
+    axes.set_xlabel("step, ms")
+    axes.set_ylabel("angular momentum lost in 0.2 s, of the start's")
+    axes.legend(fontsize=8)
+    save(figure, "meeting")
+
+
 cantilever()
 cylinder()
+strips()
+meeting()
 tension()
 motion()
 cusick()

@@ -85,7 +85,10 @@ void part_motion(struct validate *v);
 void part_cusick(struct validate *v);
 void part_fabrics(struct validate *v);
 void part_buckling(struct validate *v);
+void part_bendtwist(struct validate *v);
+void part_stickslip(struct validate *v);
 void part_hung(struct validate *v);
 void part_contact(struct validate *v);
+void part_meeting(struct validate *v);
 
 #endif
