@@ -44,8 +44,9 @@ static __device__ real part_of(const struct penalty *s, const struct contact *c,
     return share / side_of(s, c, j) * magnitude(c->c[j]);
 }
 
-/* §1.2: the impulse along n that contact c has given so far: its part of g,
- * shared by the holds of the turn before, N·s. */
+/* §1.2: the impulse along n, N·s, that contact c has given so far. Each
+ * vertex's part of g is divided among its contacts in proportion to their holds
+ * in the turn before. */
 static __device__ real given_impulse(const struct penalty *s,
                                      const struct contact *c, real share)
 {

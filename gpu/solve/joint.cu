@@ -306,7 +306,7 @@ static void conclude(const struct joint_system *w, const struct solve *a)
                   a->p[0]);
 }
 
-static struct pcg_state look(struct gpu *g)
+static struct pcg_state read_state(struct gpu *g)
 {
     struct pcg_state seen;
     int words = (int)((sizeof seen + sizeof(int64_t) - 1) / sizeof(int64_t));
@@ -329,11 +329,11 @@ static int run(const struct joint_system *w, struct solve *a)
         status = first();
     if (status != DRAPE_OK)
         return status;
-    bool go = look(g).go;
+    bool go = read_state(g).go;
     a->loop = 1;
     if (go && gpu_loop(g, loop_key{a, sizeof *a}, &a->c->go, next))
-        go = look(g).go;
-    for (; go && gpu_status(g) == DRAPE_OK; go = look(g).go)
+        go = read_state(g).go;
+    for (; go && gpu_status(g) == DRAPE_OK; go = read_state(g).go)
         next();
     return gpu_status(g);
 }
@@ -373,7 +373,7 @@ int gpu_joint(const struct joint_system *w)
     if (status != DRAPE_OK)
         return status;
     conclude(w, &a);
-    struct pcg_state c = look(g);
+    struct pcg_state c = read_state(g);
     s->scale = c.from;
     s->square = c.most;
     s->iterations = c.iterations;

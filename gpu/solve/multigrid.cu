@@ -184,12 +184,18 @@ static int coarsen(struct gpu *g, const struct multigrid *s,
 int gpu_multigrid_build(struct gpu *g, struct multigrid *s, sym *lent)
 {
     struct level l[LEVELS];
-    struct excess e = {s->m,        s->n,
-                       s->count,    s->mass,
-                       s->n_extra,  s->extra,
-                       s->n_blocks, s->block,
-                       s->fixed,    lent ? lent : s->pool,
-                       s->live,     s->live + s->count};
+    struct excess e = {.m = s->m,
+                       .n = s->n,
+                       .count = s->count,
+                       .mass = s->mass,
+                       .n_extra = s->n_extra,
+                       .extra = s->extra,
+                       .n_blocks = s->n_blocks,
+                       .block = s->block,
+                       .fixed = s->fixed,
+                       .excess = lent ? lent : s->pool,
+                       .live = s->live,
+                       .rule = s->live + s->count};
     int status = gpu_excess(g, &e), k = 1;
     int levels = status == DRAPE_OK ? lay_out(s, lent, NULL, l) : 0;
     for (; k < levels && status == DRAPE_OK; k++) {

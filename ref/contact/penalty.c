@@ -46,8 +46,9 @@ static real part_of(const struct penalty *s, int64_t k, int j)
     return s->share[k] / side_of(s, c, j) * real_abs(c->c[j]);
 }
 
-/* §1.2: the impulse along n that contact k has given so far: its part of g,
- * shared by the holds of the turn before, N·s. */
+/* §1.2: the impulse along n, N·s, that contact c has given so far. Each
+ * vertex's part of g is divided among its contacts in proportion to their holds
+ * in the turn before. */
 static real given_impulse(const struct penalty *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
