@@ -124,7 +124,8 @@ void part_stability(struct bench *b);
 void part_stress(struct bench *b);
 void part_contact(struct bench *b);
 void part_drift(struct bench *b);
-/* Part skip: what unused features cost, and programs and scenes without them. */
+/* Part skip: what unused features cost, and programs and scenes without them.
+ */
 void skip_table(struct bench *b);
 void skip_never(struct bench *b);
 void skip_sleep(struct bench *b);
