@@ -125,11 +125,11 @@ all: say ## library, tool, tests
 # rewritten where they change.
 NAMES := $(addprefix $(BUILD)/names/,ref.h gpu.h tests.h)
 $(BUILD)/names/ref.h: $(REF)
-$(BUILD)/names/gpu.h: $(KERNEL)
+$(BUILD)/names/gpu.h: $(KERNEL) $(wildcard gpu/*/*.cuh)
 $(BUILD)/names/tests.h: $(TWICE)
 $(NAMES): ci/names.sh FORCE
 	@mkdir -p $(@D)
-	@new=$@.$$$$; sh ci/names.sh $(filter %.c %.cu,$^) >$$new && \
+	@new=$@.$$$$; sh ci/names.sh $(filter %.c %.cu %.cuh,$^) >$$new && \
 	  { cmp -s $@ $$new && rm $$new || mv $$new $@; }
 
 # Tests take longer to compile than to run. One that no table runs is told of.

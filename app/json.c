@@ -5,21 +5,10 @@
 #include "app/file.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-int json_refuse(const struct json *json, const char *format, ...)
-{
-    char text[512];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    return complain(APP_USAGE, "%s: %s: %s", json->file, json->where, text);
-}
 
 int json_choice(const char *const *choices, const char *text)
 {
@@ -27,22 +16,6 @@ int json_choice(const char *const *choices, const char *text)
         if (strcmp(choices[k], text) == 0)
             return k;
     return -1;
-}
-
-size_t json_enter(struct json *json, const char *format, ...)
-{
-    size_t length = strlen(json->where);
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(json->where + length, sizeof json->where - length, format,
-              arguments);
-    va_end(arguments);
-    return length;
-}
-
-void json_leave(struct json *json, size_t length)
-{
-    json->where[length] = 0;
 }
 
 /* Reads a number in lo … hi; whole: it must have no fraction. */

@@ -1,15 +1,22 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Prints `#define X REAL_NAME(X)` for each external function or variable X that
-# the sources define; ref/base/names.h says what for. A definition is known by
+# the sources define, and for each struct of .cu and .cuh that has functions, as
+# these are external, too; ref/base/names.h says what for. A definition is known by
 # the layout of .clang-format: it begins in the first column, and nothing within
 # it does. Two definitions that this script does not see fail to link.
 # usage: ci/names.sh SOURCE...
 set -eu
 echo '/* What ci/names.sh finds: see ref/base/names.h. */'
 awk '
+    /^struct [a-z_0-9]+ [{]$/ { type = $2 } # whose functions may follow
+    /^}/ { type = "" }
+    type && /^    __device__ / {
+        print "#define " type " REAL_NAME(" type ")"
+        type = ""
+    }
     /^[a-z]/ { text = "" } # text: what may be a definition, as far as read
-    text !~ /[{=;]/ {
+    FILENAME !~ /[.]cuh$/ && text !~ /[{=;]/ {
         gsub("/[*][^*]*[*]/", "")
         text = text " " $0
         if (!match(text, /[{=;]/))
