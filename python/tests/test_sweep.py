@@ -44,15 +44,17 @@ def processes(words: str, parent: int | None = None) -> dict[int, int]:
     return found
 
 
-def kill_first(find: Callable[[], Any]) -> tuple[threading.Thread, list[int]]:
-    """Kills the first process that is found, soon after it is."""
+def kill_first(
+    find: Callable[[], Any], after: float = 0.7
+) -> tuple[threading.Thread, list[int]]:
+    """Kills the first process that is found, so many seconds after it is."""
     killed: list[int] = []
 
     def watch() -> None:
         end = time.monotonic() + 30
         while not killed and time.monotonic() < end:
             for process in find():
-                time.sleep(0.7)
+                time.sleep(after)
                 os.kill(process, signal.SIGKILL)
                 killed.append(process)
                 return
