@@ -26,27 +26,39 @@ static bool read_row(const char *line, struct speed *s)
     return n == 13 && (line[end] == '\n' || line[end] == '\0');
 }
 
-int speed_read(const char *path, struct speed *rows, int room)
+/* Reads rows from `line` on, which has this number in the file. */
+static int read_rows(const char *name, const char *line, int number,
+                     struct speed *rows, int room)
 {
-    char *text = NULL;
-    size_t size;
-    if (path && !(text = file_read(path, &size)))
-        return -1;
-    int n = 0, number = 1;
-    const char *line = text ? text : built_in;
-    const char *head = text ? strchr(line, '\n') : NULL; /* the names */
-    for (line = head ? head + 1 : line; line && *line && n < room; number++) {
-        if (!read_row(line, &rows[n++])) {
+    int n = 0;
+    for (; line && *line; n++) {
+        if (n == room || !read_row(line, &rows[n])) {
             complain(APP_USAGE,
-                     "%s: line %d: expected a row of speed.csv, as "
-                     "ci/bench/speed.py writes it",
-                     path ? path : "speed.inc", number + (head != NULL));
-            free(text);
+                     n == room ? "%s: line %d: more rows than can be read"
+                               : "%s: line %d: expected a row of speed.csv, as "
+                                 "ci/bench/speed.py writes it",
+                     name, number + n);
             return -1;
         }
         line = strchr(line, '\n');
         line = line ? line + 1 : NULL;
     }
+    if (n > 0)
+        return n;
+    complain(APP_USAGE, "%s: no row of a machine", name);
+    return -1;
+}
+
+int speed_read(const char *path, struct speed *rows, int room)
+{
+    size_t size;
+    if (!path)
+        return read_rows("speed.inc", built_in, 1, rows, room);
+    char *text = file_read(path, &size);
+    if (!text)
+        return -1;
+    const char *head = strchr(text, '\n'); /* the names of columns */
+    int n = read_rows(path, head ? head + 1 : NULL, 2, rows, room);
     free(text);
     return n;
 }

@@ -17,8 +17,8 @@ struct speed {
 };
 
 /* Reads the rows of a file, or with NULL those that drape was built with; up to
- * `room`. Returns how many; -1 after one line: the file cannot be read, or has
- * a row that is none. */
+ * `room`. Returns how many, at least 1; -1 after one line of error: the file
+ * cannot be read, has no row, too many, or one that is none. */
 int speed_read(const char *path, struct speed *rows, int room);
 
 /* The estimate of a step, ms. */

@@ -76,6 +76,16 @@ def explicit_frame(results, scene):
     return statistics.median(map(seconds, run["steps"])) / (60 * run["dt"])
 
 
+def endings(outcome):
+    """How steps ended: the columns that all tables of runs share."""
+    return {"with zones": outcome["zones"],
+            "with rollback": outcome["rollback"],
+            "unconverged": outcome["unconverged"],
+            "not clean": outcome["trapped"] + outcome.get("passed", 0) +
+            outcome["diverged"],
+            "asleep": outcome["asleep"]}
+
+
 def figure8(results, paper):
     rows = []
     for scene, run in results.ours():
@@ -100,12 +110,7 @@ def figure8(results, paper):
             "K20c": of_paper.get("K20c s", ""),
             "K20c / mean": ratio(of_paper.get("K20c s"),
                                  statistics.mean(times)),
-            "steps": len(steps), "with zones": outcome["zones"],
-            "with rollback": outcome["rollback"],
-            "unconverged": outcome["unconverged"],
-            "not clean": outcome["trapped"] + outcome.get("passed", 0) +
-            outcome["diverged"],
-            "asleep": outcome["asleep"],
+            "steps": len(steps), **endings(outcome),
             "frames audited": count, "intersecting pairs": pairs})
     return rows
 
@@ -230,12 +235,7 @@ def contact(results, _):
                 s["work"]["solves"] for s in steps),
             "iterations": mean["iterations"], "rounds": mean["rounds"],
             "impacts": mean["impacts"], "slices": mean["slices"],
-            "with zones": outcome["zones"],
-            "with rollback": outcome["rollback"],
-            "unconverged": outcome["unconverged"],
-            "not clean": outcome["trapped"] + outcome.get("passed", 0) +
-            outcome["diverged"],
-            "asleep": outcome["asleep"],
+            **endings(outcome),
             "frames audited": frames_audited, "intersecting pairs": pairs})
     return rows
 

@@ -126,6 +126,9 @@ is 'it has no estimate' grep -q 'not estimated for an explicit' out
 } >bad.csv
 refused 'constants that are none' 'bad.csv: line 3: expected a row' \
     plan tiny.json --speed bad.csv
+: >empty.csv
+refused 'constants of no machine' 'empty.csv: no row of a machine' \
+    plan tiny.json --speed empty.csv
 
 # Ranges and defaults in the documents agree with the code.
 line=$(python3 "$root/tests/defaults.py" "$drape" \
