@@ -70,8 +70,8 @@ void record_state(drape_world *world)
     if (!world->record)
         return;
     record_call(world, (struct record){.kind = RECORD_STATE});
-    if (world->record &&
-        drape_save(world, world->record, world->record_user) != DRAPE_OK)
+    if (world->record && world->ops->save(world->world, world->record,
+                                          world->record_user) != DRAPE_OK)
         record_lose(world);
 }
 

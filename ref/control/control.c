@@ -21,7 +21,23 @@ void control_gravity(struct world *w, const double gravity[3])
     for (int k = 0; k < w->def.n_cloths; k++)
         w->sheet[k].dynamics.gravity =
             vec_make((real)gravity[0], (real)gravity[1], (real)gravity[2]);
-    world_wake(w);
+    state_wake(w);
+}
+
+int control_wind(struct world *w, const drape_wind *wind)
+{
+    if (plan_windy(wind) && !w->plan.wind)
+        return DRAPE_EARG;
+    w->def.wind = *wind;
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        struct dynamics *d = &w->sheet[k].dynamics;
+        d->air = vec_make((real)wind->velocity[0], (real)wind->velocity[1],
+                          (real)wind->velocity[2]);
+        d->drag = (real)(0.5 * wind->density * wind->drag);
+        d->lift = (real)(0.5 * wind->density * wind->lift);
+    }
+    state_wake(w);
+    return DRAPE_OK;
 }
 
 /* Sets what the scene derives from all cloths, as fill.c and wire.c do. */
@@ -91,7 +107,7 @@ int control_material(struct world *w, int cloth, const drape_material *m)
     }
     s->made.material = *m;
     control_tell_cloth(w, cloth);
-    world_wake(w);
+    state_wake(w);
     return w->run->status(w->on);
 }
 
@@ -109,7 +125,7 @@ static void restart(struct world *w)
     w->past = 0;
     w->near = NEAR_NONE;
     w->list.known = false;
-    world_wake(w);
+    state_wake(w);
 }
 
 int control_take(struct world *w, struct given a, int64_t n, vec *stage,

@@ -11,6 +11,9 @@ struct given;
 
 /* §1, §2 */
 void control_gravity(struct world *w, const double gravity[3]);
+/* DRAPE_OK; DRAPE_EARG if the wind exerts a force and the world's plan has no
+ * wind. */
+int control_wind(struct world *w, const drape_wind *wind);
 /* DRAPE_OK; DRAPE_EARG if the cells are too oblong for the material;
  * DRAPE_ELIMIT if it needs more substeps than max_substeps. */
 int control_material(struct world *w, int cloth, const drape_material *m);

@@ -25,7 +25,7 @@ static void arm(struct world *w)
     }
     w->told.armed = true;
     w->plan.led = true;
-    world_wake(w);
+    state_wake(w);
 }
 
 void control_begin(struct world *w)

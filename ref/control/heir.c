@@ -45,8 +45,8 @@ static int define_obstacle(const struct world *w, int k, struct arena *arena,
     const struct world *h = w->home;
     const struct prop *p = &h->prop[k];
     int body = w->def.n_cloths + k;
-    int64_t first = world_first_triangle(w, body);
-    int64_t n = world_first_triangle(w, body + 1) - first;
+    int64_t first = state_first_triangle(w, body);
+    int64_t n = state_first_triangle(w, body + 1) - first;
     int32_t(*tri)[3] = arena_take(arena, ARENA_OTHER, n, sizeof *tri);
     if (!tri)
         return DRAPE_ENOMEM;
@@ -138,8 +138,8 @@ static void resend(struct world *w, vec *to, const vec *from, int64_t n)
 /* Hands over what a body has of the streams. */
 static void hand_over(struct world *w, int k, const struct world *old, int from)
 {
-    int64_t to = world_first_vertex(w, k), at = world_first_vertex(old, from);
-    size_t bytes = (size_t)(world_first_vertex(w, k + 1) - to) * sizeof(vec);
+    int64_t to = state_first_vertex(w, k), at = state_first_vertex(old, from);
+    size_t bytes = (size_t)(state_first_vertex(w, k + 1) - to) * sizeof(vec);
     w->run->copy(w->on, w->x0 + to, old->x0 + at, bytes);
     w->run->copy(w->on, w->x1 + to, old->x0 + at, bytes);
     w->run->copy(w->on, w->v0 + to, old->v0 + at, bytes);
@@ -199,7 +199,7 @@ static void hand_over_numbers(struct world *w, const struct world *old)
     w->pressed = w->press && old->pressed;
     w->caution = old->caution;
     control_gravity(w, old->def.gravity);
-    world_set_wind(w, &old->def.wind);
+    control_wind(w, &old->def.wind);
 }
 
 /* §9.4: refuses pairs of the new body, and counts all. The host looks where the

@@ -313,9 +313,9 @@ static void inherit_told(struct world *w, const struct heir *heir)
     for (int k = 0; k < bodies && w->told.armed; k++) {
         if (heir->from[k] < 0)
             continue;
-        int64_t to = world_first_vertex(w, k);
-        int64_t n = world_first_vertex(w, k + 1) - to;
-        int64_t from = world_first_vertex(heir->old, heir->from[k]);
+        int64_t to = state_first_vertex(w, k);
+        int64_t n = state_first_vertex(w, k + 1) - to;
+        int64_t from = state_first_vertex(heir->old, heir->from[k]);
         w->run->copy(w->on, w->told.to + to, old->to + from,
                      (size_t)n * sizeof *w->x0);
     }

@@ -412,7 +412,7 @@ static void apply(struct world *w, const struct read *r)
     w->intersecting = h->intersecting;
     w->time = h->time;
     control_gravity(w, r->c.gravity);
-    world_set_wind(w, &h->wind);
+    control_wind(w, &h->wind);
     w->resting = (int)h->resting;
     w->asleep = h->asleep;
     w->near = (enum nearness)h->near;

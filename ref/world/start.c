@@ -142,12 +142,12 @@ static int audit_at(struct world *w, const vec *x, struct start_pairs *p)
 static void name(const struct world *w, int32_t t, char *text, size_t size)
 {
     int body = 0, last = w->def.n_cloths + w->def.n_obstacles - 1;
-    while (body < last && world_first_triangle(w, body + 1) <= t)
+    while (body < last && state_first_triangle(w, body + 1) <= t)
         body++;
     bool cloth = body < w->def.n_cloths;
     snprintf(text, size, "%s %d triangle %d", cloth ? "cloth" : "obstacle",
              cloth ? body : body - w->def.n_cloths,
-             (int)(t - world_first_triangle(w, body)));
+             (int)(t - state_first_triangle(w, body)));
 }
 
 /* Writes to the error which bodies intersect, and the first pair. */
@@ -170,8 +170,8 @@ int start_audit_at(struct world *w, const vec *x, int body, int64_t *found,
 {
     struct start_pairs p = {.from = 0, .to = (int32_t)w->nt};
     if (body >= 0) {
-        p.from = (int32_t)world_first_triangle(w, body);
-        p.to = (int32_t)world_first_triangle(w, body + 1);
+        p.from = (int32_t)state_first_triangle(w, body);
+        p.to = (int32_t)state_first_triangle(w, body + 1);
     }
     int status = audit_at(w, x, &p);
     *found = p.all;

@@ -148,6 +148,32 @@ static inline bool state_warm(const struct world *w)
     return w->pressed && !w->slicing.without_press;
 }
 
+/* A scene that slept is awake, and is not at rest: step.md §6. */
+static inline void state_wake(struct world *w)
+{
+    w->asleep = false;
+    w->resting = 0;
+}
+
+/* First vertex or triangle of a body, cloths first; of the body after the last:
+ * their number. */
+static inline int64_t state_first_vertex(const struct world *w, int body)
+{
+    int cloths = w->def.n_cloths;
+    if (body >= cloths + w->def.n_obstacles)
+        return w->nv;
+    return body < cloths ? w->sheet[body].first : w->prop[body - cloths].first;
+}
+
+static inline int64_t state_first_triangle(const struct world *w, int body)
+{
+    int cloths = w->def.n_cloths;
+    if (body >= cloths + w->def.n_obstacles)
+        return w->nt;
+    return body < cloths ? w->sheet[body].first_triangle
+                         : w->prop[body - cloths].first_triangle;
+}
+
 /* Returns how near things came in the slice that this response handled. */
 static inline enum nearness state_nearness(const struct response *c)
 {
@@ -165,11 +191,5 @@ int world_make_heir(const drape_def *def, const struct heir *heir,
                     drape_error *error);
 int world_read(const struct world *w, double (*x)[3], double (*v)[3]);
 void world_read_triangles(const struct world *w, int32_t (*tri)[3]);
-int64_t world_first_vertex(const struct world *w, int body);
-int64_t world_first_triangle(const struct world *w, int body);
-void world_wake(struct world *w);
-/* DRAPE_OK, or DRAPE_EARG if the wind exerts a force and the world's plan has
- * no wind. */
-int world_set_wind(struct world *w, const drape_wind *wind);
 
 #endif

@@ -57,9 +57,9 @@ static int make_broad(struct world *w, const drape_def *def)
         return DRAPE_ENOMEM;
     for (int k = 0; k < bodies; k++) {
         bool grid = k < def->n_cloths;
-        int64_t first = world_first_triangle(w, k);
+        int64_t first = state_first_triangle(w, k);
         mesh[k].first_tri = (int32_t)first;
-        mesh[k].tris = (int32_t)(world_first_triangle(w, k + 1) - first);
+        mesh[k].tris = (int32_t)(state_first_triangle(w, k + 1) - first);
         if (grid) {
             mesh[k].kind = TREE_CLOTH;
             mesh[k].base = (int32_t)w->sheet[k].first;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes a world of one precision from a checked definition, and serves the
- * API's questions about it: state, bodies, waking and wind. */
+ * API's questions about its state. */
 #include "ref/api/ops.h"
 #include "ref/control/control.h"
 #include "ref/control/heir.h"
@@ -65,7 +65,7 @@ int world_make_heir(const drape_def *def, const struct heir *heir,
         status = wire_stages(w, def);
     if (status == DRAPE_OK)
         status = start_substeps(w, error);
-    world_set_wind(w, &def->wind);
+    control_wind(w, &def->wind);
     w->told.planned = w->plan.led;
     w->told.able = w->broad.apart.able;
     *world = w;
@@ -109,53 +109,14 @@ void world_read_triangles(const struct world *w, int32_t (*tri)[3])
     memcpy(tri, w->tri, (size_t)w->nt * sizeof *tri);
 }
 
-int64_t world_first_vertex(const struct world *w, int body)
-{
-    int cloths = w->def.n_cloths;
-    if (body >= cloths + w->def.n_obstacles)
-        return w->nv;
-    return body < cloths ? w->sheet[body].first : w->prop[body - cloths].first;
-}
-
-int64_t world_first_triangle(const struct world *w, int body)
-{
-    int cloths = w->def.n_cloths;
-    if (body >= cloths + w->def.n_obstacles)
-        return w->nt;
-    return body < cloths ? w->sheet[body].first_triangle
-                         : w->prop[body - cloths].first_triangle;
-}
-
-void world_wake(struct world *w)
-{
-    w->asleep = false;
-    w->resting = 0;
-}
-
-int world_set_wind(struct world *w, const drape_wind *wind)
-{
-    if (plan_windy(wind) && !w->plan.wind)
-        return DRAPE_EARG;
-    w->def.wind = *wind;
-    for (int k = 0; k < w->def.n_cloths; k++) {
-        struct dynamics *d = &w->sheet[k].dynamics;
-        d->air = vec_make((real)wind->velocity[0], (real)wind->velocity[1],
-                          (real)wind->velocity[2]);
-        d->drag = (real)(0.5 * wind->density * wind->drag);
-        d->lift = (real)(0.5 * wind->density * wind->lift);
-    }
-    world_wake(w);
-    return DRAPE_OK;
-}
-
 const struct world_ops world_ops = {.make = world_make,
                                     .step = step_advance,
                                     .read = world_read,
                                     .read_triangles = world_read_triangles,
-                                    .first_vertex = world_first_vertex,
-                                    .first_triangle = world_first_triangle,
-                                    .wake = world_wake,
-                                    .set_wind = world_set_wind,
+                                    .first_vertex = state_first_vertex,
+                                    .first_triangle = state_first_triangle,
+                                    .wake = state_wake,
+                                    .set_wind = control_wind,
                                     .control = CONTROL_OPS,
                                     .heir = HEIR_OPS(world_make_heir),
                                     .contacts = list_contacts,

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "ref/broad/box.h"
+#include "ref/control/control.h"
 #include "ref/world/state.h"
 #include "ref/world/step.h"
 #include "tests/solve/system.h"
@@ -232,7 +233,7 @@ static const char *check_air(int integrator, bool later)
     struct world *w = slab_inner(&d.def, &arena);
     EXPECT(w);
     if (later)
-        EXPECT(world_set_wind(w, &wind) == DRAPE_OK);
+        EXPECT(control_wind(w, &wind) == DRAPE_OK);
     EXPECT(step_advance(w, NULL) == DRAPE_OK);
     double p[3], size, thrust = 0.5 * 1.25 * 0.0625 * 4 * d.def.dt;
     momentum(w, p, &size);
