@@ -11,20 +11,34 @@
  * CALM: steps after which a level of caution is lowered. ROUNDS: most rounds of
  * impulses in a slice that is a whole step and may be taken again. */
 enum { WHOLE = 64, TRIES = 3, JOLTS = 1, CALM = 8, ROUNDS = 12 };
-/* §7.2: how many cells candidates may move relative to each other in a slice,
- * with an implicit and with an explicit integrator. */
-static const real CELLS = 8, FEW_CELLS = 4;
+/* §7.2: how many cells candidates may move relative to each other in a slice
+ * of an implicit integrator, in one where gains of energy could not be seen or
+ * more cells did harm, and in one of an explicit integrator. */
+static const real CELLS = 16, STRICT_CELLS = 8, FEW_CELLS = 4;
 
 static int unit(const struct slicing *s)
 {
     return WHOLE >> s->level;
 }
 
+/* Returns the square of a displacement by so many cells, m². */
+static real way_of(const struct world *w, real cells)
+{
+    real way = cells * w->cell;
+    return way * way;
+}
+
 /* Returns the square of the relative displacement that §7.2 allows, m². */
 static real allowed(const struct world *w)
 {
-    real way = (w->plan.implicit ? CELLS : FEW_CELLS) * w->cell;
-    return way * way;
+    real cells = w->slicing.strict ? STRICT_CELLS : CELLS;
+    return way_of(w, w->plan.implicit ? cells : FEW_CELLS);
+}
+
+/* Whether the slice moved further than the strict limit allows. */
+static bool is_far(const struct world *w)
+{
+    return w->plan.implicit && w->slicing.travel > way_of(w, STRICT_CELLS);
 }
 
 void slice_begin(struct world *w)
@@ -35,6 +49,7 @@ void slice_begin(struct world *w)
     bool known = w->caution.level <= s.deepest;
     s.level = s.least = s.energy_retries = known ? w->caution.level : s.deepest;
     s.began = s.energy_retries;
+    s.strict = !slice_checks_energy(w);
     if (w->caution.far > s.level && w->caution.far <= s.deepest)
         s.level = w->caution.far;
     w->slicing = s;
@@ -112,8 +127,11 @@ bool slice_wrong(struct world *w, int outcome, const double before[3],
     bool blast = rise > 2 * lift(w) + (before[0] + before[1]) / 4;
     bool few = s->energy_retries < JOLTS || s->energy_retries == s->began;
     bool jolt = gains && rise > 2 * least && (few || blast);
-    s->gained |= gains;
-    if (!(failed || jolt) || s->level >= s->deepest)
+    bool shorter = s->level < s->deepest;
+    bool far = shorter && (failed || gains) && is_far(w);
+    s->gained |= gains && !far;
+    s->strict |= far;
+    if (!shorter || !(failed || jolt || far))
         return false;
     s->tries += failed;
     s->energy_retries += jolt;
@@ -131,6 +149,7 @@ bool slice_diverged(struct world *w)
     if (s->level >= s->deepest)
         return false;
     s->cuts++;
+    s->strict |= is_far(w);
     s->least = ++s->level;
     return true;
 }

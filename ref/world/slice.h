@@ -25,6 +25,7 @@ struct slicing {
                            which counts as that many energy retries, §7.5 */
     int cuts;           /* slices taken again, shorter, as they diverged */
     bool gained;        /* §7.5: a slice gained at least half of the limit */
+    bool strict;        /* §7.2: the strict limit of displacements holds */
     bool without_press; /* warm.md §5: the slice starts without press */
     real travel;        /* m², bound of the squared relative displacement of
                            candidates in the current slice, §7.2 */

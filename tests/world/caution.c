@@ -103,6 +103,41 @@ const char *test_world_way(void)
     return NULL;
 }
 
+/* Whether a slice may move its candidates by so many cells of 1 m. */
+static bool may_move(struct world *w, real cells)
+{
+    slice_begin(w);
+    return !slice_too_far(w, cells * cells);
+}
+
+/* §7.2: candidates may move by 16 cells where gains of energy are an error, and
+ * by 8 where nobody can see them: with led bodies or wind. A slice that moved
+ * by more than 8 cells is taken again for a gain for which one that moved by
+ * less is kept; then 8 cells are the limit until the step ends. */
+const char *test_world_strict(void)
+{
+    struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
+    const double before[3] = {1, 0, 0}, after[3] = {1.1, 0, 0};
+    w.def.max_slices = 32;
+    w.def.dt = 1;
+    EXPECT(may_move(&w, 15) && !may_move(&w, 17));
+    EXPECT(may_move(&w, 7) && !slice_wrong(&w, 0, before, after));
+    EXPECT(!w.slicing.strict);
+    EXPECT(may_move(&w, 9) && !slice_wrong(&w, 0, before, before));
+    EXPECT(may_move(&w, 9) && slice_wrong(&w, 0, before, after));
+    EXPECT(w.slicing.level == 1 && slice_too_far(&w, 9 * 9));
+    EXPECT(!slice_too_far(&w, 7 * 7) && may_move(&w, 15));
+    w.plan.led = true;
+    EXPECT(may_move(&w, 7) && !may_move(&w, 9));
+    w.plan.led = false;
+    w.plan.wind = true;
+    EXPECT(may_move(&w, 7) && !may_move(&w, 9));
+    w.plan = (struct plan){0};
+    EXPECT(may_move(&w, 3) && !may_move(&w, 5));
+    ran(1);
+    return NULL;
+}
+
 /* §7.3, §7.5: slices that the fail-safe ended count for caution too. A whole
  * step that can be taken again ends after 12 rounds, any other slice after the
  * rounds that are allowed. */
