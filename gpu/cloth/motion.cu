@@ -136,10 +136,9 @@ static void go_trace(void *on, const char *stage, const void *out, size_t bytes)
     gpu_trace(a->g, a->s->dynamics.trace, stage, out, bytes);
 }
 
-static int go_implicit(struct gpu *g, struct sheet *s)
+static struct newton_stages stages_make(void)
 {
     struct newton_stages run = {};
-    struct motion on = {g, s};
     run.wind = go_wind;
     run.springs = go_springs;
     run.blocks = go_blocks;
@@ -151,24 +150,59 @@ static int go_implicit(struct gpu *g, struct sheet *s)
     run.solve = go_solve;
     run.copy = go_copy;
     run.trace = go_trace;
+    return run;
+}
+
+static int go_implicit(struct gpu *g, struct sheet *s)
+{
+    struct newton_stages run = stages_make();
+    struct motion on = {g, s};
     gpu_hand_over(g);
     int status = newton_move(&s->dynamics, &run, &on);
     gpu_hand_over(g);
     return status;
 }
 
-int gpu_motion(struct gpu *g, struct sheet *s)
+static void begin(struct sheet *s)
 {
     struct dynamics *d = &s->dynamics;
     d->outcome = 0;
     d->iterations = 0;
     d->residual = 0;
     lay_out(s);
-    int status = dynamics_implicit(d->method) ? go_implicit(g, s)
-                                              : gpu_motion_explicit(g, s);
+}
+
+static int finish(struct gpu *g, struct sheet *s, int status)
+{
     if (status != DRAPE_OK)
         return status;
     if (!gpu_motion_bounded(g, s))
-        gpu_motion_copy(g, s, d->x, d->v);
+        gpu_motion_copy(g, s, s->dynamics.x, s->dynamics.v);
     return gpu_status(g);
+}
+
+int gpu_motion(struct gpu *g, struct sheet *s)
+{
+    begin(s);
+    return finish(g, s,
+                  dynamics_implicit(s->dynamics.method)
+                      ? go_implicit(g, s)
+                      : gpu_motion_explicit(g, s));
+}
+
+int gpu_motion_open(struct gpu *g, struct sheet *s)
+{
+    struct newton_stages run = stages_make();
+    struct motion on = {g, s};
+    begin(s);
+    gpu_hand_over(g);
+    return newton_open(&s->dynamics, &run, &on);
+}
+
+int gpu_motion_close(struct gpu *g, struct sheet *s, vec *dv)
+{
+    struct newton_stages run = stages_make();
+    struct motion on = {g, s};
+    s->dynamics.dv = dv;
+    return finish(g, s, newton_close(&s->dynamics, &run, &on));
 }

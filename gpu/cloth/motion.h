@@ -25,8 +25,10 @@ static inline int64_t motion_spares(const struct dynamics *d)
     return d->method == DRAPE_RK4 ? 1 : 0;
 }
 
-/* ref_motion and motion_energy on the device. Both wait for it. */
+/* ref_motion and motion_energy on the device. All but open wait for it. */
 int gpu_motion(struct gpu *g, struct sheet *s);
+int gpu_motion_open(struct gpu *g, struct sheet *s);
+int gpu_motion_close(struct gpu *g, struct sheet *s, vec *dv);
 void gpu_motion_energy(struct gpu *g, struct sheet *s, const vec *x,
                        const vec *v, double value[3]);
 

@@ -24,7 +24,8 @@ static void make_joint(struct gpu_world *w, struct joint *s)
     }
     s->n_chunks = sum_chunks(nc);
     s->item = (real *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(real));
-    s->chunk = (real *)gpu_take(g, ARENA_RESPONSE, s->n_chunks, sizeof(real));
+    s->chunk =
+        (real *)gpu_take(g, ARENA_RESPONSE, 3 * s->n_chunks, sizeof(real));
     w->links =
         (struct links *)gpu_take(g, ARENA_RESPONSE, 1, sizeof(struct links));
 }

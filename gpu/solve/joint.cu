@@ -161,6 +161,50 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         vec q = w[k] > 0 ? a.q[k] : make(0, 0, 0);
         vec r = sub(sub(a.b[k], q), other[k]);
         a.q[k] = q;
+        a.r[k] = r;
+        value = dot(r, r);
+    }
+    if (!grid_sums<1>(&value, a.chunk, &c->ticket, &sum) || threadIdx.x)
+        return;
+    c->residual = c->square == 0 ? 0 : root(sum / c->most);
+}
+
+/* §4.4: the velocity that gives all cloths together the momentum that the
+ * residual lacks. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    joint_drift_kernel(struct solve a, real mass)
+{
+    PARTICLE(k);
+    struct pcg_state *c = a.c;
+    real value[3] = {0, 0, 0}, sum[3];
+    if (k < a.nc) {
+        value[0] = a.r[k].x;
+        value[1] = a.r[k].y;
+        value[2] = a.r[k].z;
+    }
+    if (!grid_sums<3>(value, a.chunk, &c->ticket, sum) || threadIdx.x)
+        return;
+    for (int e = 0; e < 3; e++)
+        c->drift[e] = sum[e] / mass;
+}
+
+/* Adds that velocity; then the residual again. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    joint_balance_kernel(struct solve a, const real *w)
+{
+    PARTICLE(k);
+    struct pcg_state *c = a.c;
+    real value = 0, sum;
+    if (k < a.nc) {
+        vec r = a.r[k];
+        if (w[k] > 0) {
+            vec drift = make(c->drift[0], c->drift[1], c->drift[2]);
+            vec push = scale(1 / w[k], drift);
+            a.dv[k] = add(a.dv[k], drift);
+            a.q[k] = add(a.q[k], push);
+            r = sub(r, push);
+            a.r[k] = r;
+        }
         value = dot(r, r);
     }
     if (!grid_sums<1>(&value, a.chunk, &c->ticket, &sum) || threadIdx.x)
@@ -304,6 +348,11 @@ static void conclude(const struct joint_system *w, const struct solve *a)
     gpu_links_queue(g, a->links, a->nc, a->dv, a->p[0], NULL);
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_conclude_kernel, *a, w->w,
                   a->p[0]);
+    if (!(w->joint->mass > 0))
+        return;
+    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_drift_kernel, *a,
+                  w->joint->mass);
+    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_balance_kernel, *a, w->w);
 }
 
 static struct pcg_state read_state(struct gpu *g)

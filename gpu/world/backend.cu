@@ -114,6 +114,16 @@ static int motion(void *on, struct sheet *s)
     return gpu_motion(gpu_of(on), s);
 }
 
+static int motion_open(void *on, struct sheet *s)
+{
+    return gpu_motion_open(gpu_of(on), s);
+}
+
+static int motion_close(void *on, struct sheet *s, vec *dv)
+{
+    return gpu_motion_close(gpu_of(on), s, dv);
+}
+
 static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
                    double value[3])
 {
@@ -254,6 +264,8 @@ extern const struct backend backend_gpu = {.take = take,
                                            .penalty = penalty,
                                            .penalty_status = penalty_status,
                                            .motion = motion,
+                                           .motion_open = motion_open,
+                                           .motion_close = motion_close,
                                            .energy = energy,
                                            .joint = gpu_systems_joint,
                                            .broad_whole_apart = ask,

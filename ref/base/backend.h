@@ -86,6 +86,9 @@ struct backend {
 
     /* Run ref_motion and motion_energy on one cloth. */
     int (*motion)(void *on, struct sheet *s);
+    /* The parts of it before and after the solve, which gives dv. */
+    int (*motion_open)(void *on, struct sheet *s);
+    int (*motion_close)(void *on, struct sheet *s, vec *dv);
     void (*energy)(void *on, struct sheet *s, const vec *x, const vec *v,
                    double value[3]);
     /* Solves the cloths and their contacts together (ref/solve/joint.h). */

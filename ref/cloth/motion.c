@@ -62,21 +62,17 @@ static void trace(void *on, const char *stage, const void *out, size_t bytes)
     trace_stage(((struct dynamics *)on)->trace, stage, out, bytes);
 }
 
-static int go_implicit(struct dynamics *s)
-{
-    static const struct newton_stages run = {.wind = wind,
-                                             .springs = springs,
-                                             .blocks = blocks,
-                                             .predict = predict,
-                                             .rhs = rhs,
-                                             .update = update,
-                                             .imbalance = imbalance,
-                                             .dot = dot,
-                                             .solve = solve,
-                                             .copy = copy,
-                                             .trace = trace};
-    return newton_move(s, &run, s);
-}
+static const struct newton_stages stages = {.wind = wind,
+                                            .springs = springs,
+                                            .blocks = blocks,
+                                            .predict = predict,
+                                            .rhs = rhs,
+                                            .update = update,
+                                            .imbalance = imbalance,
+                                            .dot = dot,
+                                            .solve = solve,
+                                            .copy = copy,
+                                            .trace = trace};
 
 void motion_energy(const struct dynamics *s, const vec *x, const vec *v,
                    double value[3])
@@ -125,14 +121,17 @@ static double reach(const struct dynamics *s)
     return most;
 }
 
-int ref_motion(struct dynamics *s)
+static void begin(struct dynamics *s)
 {
     s->outcome = 0;
     s->iterations = 0;
     s->residual = 0;
     lay_out(s);
-    int status =
-        dynamics_implicit(s->method) ? go_implicit(s) : explicit_steps(s);
+}
+
+/* dynamics.md §3: checks the motion, and undoes it if it went wrong. */
+static int finish(struct dynamics *s, int status)
+{
     if (status != DRAPE_OK)
         return status;
     motion_energy(s, s->x, s->v, s->before);
@@ -140,4 +139,23 @@ int ref_motion(struct dynamics *s)
     if (!bounded_keeps(s, sane(s), reach(s)))
         force_copy(s, s->x, s->v);
     return DRAPE_OK;
+}
+
+int ref_motion(struct dynamics *s)
+{
+    begin(s);
+    return finish(s, dynamics_implicit(s->method) ? newton_move(s, &stages, s)
+                                                  : explicit_steps(s));
+}
+
+int ref_motion_open(struct dynamics *s)
+{
+    begin(s);
+    return newton_open(s, &stages, s);
+}
+
+int ref_motion_close(struct dynamics *s, vec *dv)
+{
+    s->dv = dv;
+    return finish(s, newton_close(s, &stages, s));
 }

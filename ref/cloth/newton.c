@@ -220,25 +220,45 @@ static void iterate(struct motion *a, real tolerance)
     s->residual = first > 0 ? (double)(last / first) : 0;
 }
 
-int newton_move(struct dynamics *s, const struct newton_stages *run, void *on)
+static struct motion motion_of(struct dynamics *s,
+                               const struct newton_stages *run, void *on)
 {
     int64_t past =
         dynamics_second(s->method) && s->has_past ? s->cloth->count : 0;
-    struct motion a = {.s = s,
-                       .run = run,
-                       .on = on,
-                       .past = past,
-                       .tau = (real)(past ? s->dt * 2 / 3 : s->dt),
-                       .from = s->star};
+    return (struct motion){.s = s,
+                           .run = run,
+                           .on = on,
+                           .past = past,
+                           .tau = (real)(past ? s->dt * 2 / 3 : s->dt),
+                           .from = s->star};
+}
+
+int newton_open(struct dynamics *s, const struct newton_stages *run, void *on)
+{
+    struct motion a = motion_of(s, run, on);
     s->substeps = 1;
     s->solves = 0;
     s->at = s->x;
     s->left = NULL;
     predict(&a);
     wind(&a);
-    springs(&a, s->x, past ? s->back : NULL);
+    springs(&a, s->x, a.past ? s->back : NULL);
     blocks(&a);
     rhs(&a);
+    return a.status;
+}
+
+int newton_close(struct dynamics *s, const struct newton_stages *run, void *on)
+{
+    struct motion a = motion_of(s, run, on);
+    update(&a, 1);
+    return a.status;
+}
+
+int newton_move(struct dynamics *s, const struct newton_stages *run, void *on)
+{
+    struct motion a = motion_of(s, run, on);
+    a.status = newton_open(s, run, on);
     if (s->kept) {
         iterate(&a, s->tolerance);
         return a.status;

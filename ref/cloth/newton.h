@@ -33,4 +33,10 @@ struct newton_stages {
  * a stage returned. */
 int newton_move(struct dynamics *s, const struct newton_stages *run, void *on);
 
+/* The stages of a step without Newton's method before its solve, and those
+ * after it, for a caller that solves the cloths of a scene together: open sets
+ * the system, close moves by dv. DRAPE_OK or what a stage returned. */
+int newton_open(struct dynamics *s, const struct newton_stages *run, void *on);
+int newton_close(struct dynamics *s, const struct newton_stages *run, void *on);
+
 #endif

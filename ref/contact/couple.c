@@ -36,8 +36,9 @@ void couple_start(struct world *w)
     c->iterations = c->solves = c->outcome = 0;
     c->residual = 0;
     c->seconds = 0;
-    c->joint.scale = c->joint.square = 0;
-    for (int k = 0; k < w->def.n_cloths && c->rough; k++) {
+    if (!c->moved)
+        c->joint.scale = c->joint.square = 0;
+    for (int k = 0; k < w->def.n_cloths && c->rough && !c->moved; k++) {
         c->joint.scale += w->sheet[k].solver.pcg.scale;
         c->joint.square += w->sheet[k].solver.pcg.square;
     }
@@ -79,14 +80,20 @@ static struct links links_of(const struct penalty *p, vec *push)
                           .push = push};
 }
 
-/* Solves (A + C) dv = force - g and moves what moves. After a breakdown the
- * exact rounds go on without. */
-static int solve_joint(struct world *w, bool rough)
+/* Whether nothing but cloths can act on cloths. */
+static bool is_free(const struct world *w)
+{
+    int64_t pinned = 0;
+    for (int k = 0; k < w->def.n_cloths; k++)
+        pinned += w->sheet[k].cloth.n_pinned;
+    return w->def.n_obstacles == 0 && pinned == 0;
+}
+
+/* Solves (A + wall + C) dv = b, to ROUGH or to the scene's tolerance. */
+static int run_joint(struct world *w, bool rough)
 {
     struct couple *c = &w->couple;
     struct joint *s = &c->joint;
-    struct turn turn = turn_of(w);
-    w->run->turn_load(w->on, &turn);
     s->nc = w->nc;
     s->hold = c->penalty.hold;
     s->wall = c->penalty.wall;
@@ -98,9 +105,68 @@ static int solve_joint(struct world *w, bool rough)
     if (rough)
         s->tolerance = real_max(s->tolerance, ROUGH);
     s->max_iterations = w->def.max_iterations;
+    s->mass = is_free(w) ? (real)w->mass : 0;
     int status = w->run->joint(w, s);
     w->run->trace(w->on, w->tracing, "joint", s->dv,
                   (size_t)w->nc * sizeof *s->dv);
+    return status;
+}
+
+/* The systems of all cloths, of which no contact is part. */
+static int open_sheets(struct world *w)
+{
+    struct couple *c = &w->couple;
+    struct penalty *p = &c->penalty;
+    int status = DRAPE_OK;
+    for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
+        struct sheet *s = &w->sheet[k];
+        vec *b = c->b + s->first;
+        status = w->run->motion_open(w->on, s);
+        if (b != s->dynamics.b)
+            w->run->copy(w->on, b, s->dynamics.b,
+                         (size_t)s->cloth.count * sizeof *b);
+    }
+    p->n = p->n4 = 0;
+    w->run->clear(w->on, p->hold, (size_t)p->nv * sizeof *p->hold);
+    w->run->clear(w->on, p->wall, (size_t)p->nv * sizeof *p->wall);
+    w->run->clear(w->on, p->start, (size_t)p->nv1 * sizeof *p->start);
+    return status;
+}
+
+int couple_move(struct world *w, drape_step_report *r)
+{
+    struct couple *c = &w->couple;
+    struct joint *s = &c->joint;
+    double start = clock_now();
+    c->moved = c->rough && w->def.n_cloths > 1 && w->plan.newton == 1 &&
+               w->def.solver == DRAPE_EXACT;
+    if (!c->moved)
+        return DRAPE_OK;
+    int status = open_sheets(w);
+    s->scale = s->square = 0;
+    if (status == DRAPE_OK)
+        status = run_joint(w, true);
+    c->moved = s->outcome != PCG_BREAKDOWN;
+    r->seconds[DRAPE_PART_SOLVER] += clock_now() - start;
+    r->iterations += s->iterations;
+    r->work.solves++;
+    if (s->outcome == PCG_LIMIT)
+        r->outcome |= DRAPE_UNCONVERGED;
+    for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK && c->moved; k++)
+        status = w->run->motion_close(w->on, &w->sheet[k],
+                                      s->dv + w->sheet[k].first);
+    return status;
+}
+
+/* Solves (A + wall + C) dv = force - g and moves what moves. After a breakdown
+ * the exact rounds go on without. */
+static int solve_joint(struct world *w, bool rough)
+{
+    struct couple *c = &w->couple;
+    struct joint *s = &c->joint;
+    struct turn turn = turn_of(w);
+    w->run->turn_load(w->on, &turn);
+    int status = run_joint(w, rough);
     c->iterations += s->iterations;
     c->solves++;
     if (s->outcome != PCG_CONVERGED)
@@ -114,6 +180,11 @@ static int solve_joint(struct world *w, bool rough)
 
 static void add_residual(const struct world *w)
 {
+    const struct couple *c = &w->couple;
+    if (c->moved) {
+        w->run->turn_carry(w->on, w->nc, c->joint.r, c->g);
+        return;
+    }
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct sheet *s = &w->sheet[k];
         const vec *r = s->dynamics.left ? s->dynamics.left : s->solver.pcg.r;

@@ -30,6 +30,7 @@ struct couple {
     int64_t cap;            /* contacts that the scratch is for */
     bool rough;             /* the motion before contact was solved so, with
                                the press of the slice before */
+    bool moved;             /* one solve moved all cloths: couple_move */
     int iterations, solves; /* out: of joint, this step */
     int outcome;            /* out: enum drape_outcome, this step */
     double residual;        /* out: of the last solves */
@@ -39,6 +40,9 @@ struct couple {
 /* How well the motion of a cloth without contact must be solved: whether
  * roughly. */
 bool couple_prepare(const struct world *w, struct pcg *p);
+/* §4.1: moves all cloths without contact by one solve and sets w->couple.moved;
+ * false: they must be moved one by one. DRAPE_OK or the status of a stage. */
+int couple_move(struct world *w, drape_step_report *r);
 /* Before the first contacts of a step. */
 void couple_start(struct world *w);
 /* response's solve; user is the world. With n = 0 one turn. */

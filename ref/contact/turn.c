@@ -18,7 +18,7 @@ static void make_joint(struct world *w, struct joint *s)
     s->p = take(w, w->nv, sizeof *s->p);
     s->dv = take(w, w->nv, sizeof *s->dv);
     s->n_chunks = sum_chunks(w->nc);
-    s->chunk = take(w, s->n_chunks, sizeof *s->chunk);
+    s->chunk = take(w, 3 * s->n_chunks, sizeof *s->chunk);
 }
 
 int turn_make(struct world *w)

@@ -20,7 +20,9 @@ struct joint {
     vec *r, *p, *p2;  /* scratch: [nv], 0 where fixed; p2: the device's */
     real *item;       /* scratch: [nc], the device's */
     int64_t n_chunks; /* sum_chunks(nc) */
-    real *chunk;      /* scratch: [2·n_chunks] */
+    real *chunk;      /* scratch: [3·n_chunks] */
+    real mass;        /* kg of all cloths, if nothing but themselves holds them;
+                         else 0 */
 
     vec *dv;            /* out: [nv] m/s, 0 where fixed */
     vec *q;             /* out: [nv] N·s, A dv; undefined if iterations is 0 */

@@ -101,6 +101,18 @@ static int motion(void *on, struct sheet *s)
     return ref_motion(&s->dynamics);
 }
 
+static int motion_open(void *on, struct sheet *s)
+{
+    (void)on;
+    return ref_motion_open(&s->dynamics);
+}
+
+static int motion_close(void *on, struct sheet *s, vec *dv)
+{
+    (void)on;
+    return ref_motion_close(&s->dynamics, dv);
+}
+
 static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
                    double value[3])
 {
@@ -253,6 +265,8 @@ const struct backend backend_ref = {.take = take,
                                     .penalty = penalty,
                                     .penalty_status = penalty_status,
                                     .motion = motion,
+                                    .motion_open = motion_open,
+                                    .motion_close = motion_close,
                                     .energy = energy,
                                     .joint = joint_solve,
                                     .broad_whole_apart = ask,

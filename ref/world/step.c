@@ -91,7 +91,8 @@ static void place(struct world *w, struct step *s)
                   (size_t)(w->nv - w->nc) * sizeof *w->x1);
 }
 
-static int move_sheet(struct world *w, int k, drape_step_report *r)
+/* Sets what the motion of cloth k reads. */
+static void prepare_sheet(struct world *w, int k)
 {
     struct sheet *s = &w->sheet[k];
     struct dynamics *d = &s->dynamics;
@@ -114,25 +115,33 @@ static int move_sheet(struct world *w, int k, drape_step_report *r)
     d->tolerance = s->solver.pcg.tolerance;
     d->solves = 0;
     s->solver.seconds = 0;
-    int status = w->run->motion(w->on, s);
-    if (status != DRAPE_OK)
-        return status;
+}
+
+static void report_sheet(const struct world *w, int k, drape_step_report *r)
+{
+    const struct sheet *s = &w->sheet[k];
+    const struct dynamics *d = &s->dynamics;
     r->outcome |= d->outcome;
     r->iterations += d->iterations;
     r->work.solves += d->solves;
     r->residual = d->residual > r->residual ? d->residual : r->residual;
     r->substeps = d->substeps > r->substeps ? d->substeps : r->substeps;
-    return DRAPE_OK;
+    r->seconds[DRAPE_PART_SOLVER] += s->solver.seconds;
 }
 
 static int move_sheets(struct world *w, drape_step_report *r)
 {
     size_t bytes = (size_t)w->nc * sizeof *w->x1;
-    int status = DRAPE_OK;
-    for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++)
-        status = move_sheet(w, k, r);
+    int n = w->def.n_cloths;
+    for (int k = 0; k < n; k++)
+        prepare_sheet(w, k);
+    int status = couple_move(w, r);
+    for (int k = 0; k < n && status == DRAPE_OK && !w->couple.moved; k++)
+        status = w->run->motion(w->on, &w->sheet[k]);
     if (status != DRAPE_OK)
         return status;
+    for (int k = 0; k < n; k++)
+        report_sheet(w, k, r);
     if (w->plan.led)
         lead_velocities(w);
     if (w->plan.history && w->plan.collides) {
@@ -146,12 +155,10 @@ static int move_sheets(struct world *w, drape_step_report *r)
  * that is allowed; else it ends the step. */
 static void move(struct world *w, struct step *s)
 {
-    double *seconds = &s->r.seconds[DRAPE_PART_SOLVER];
     if (goes_on(s))
         s->status = move_sheets(w, &s->r);
-    for (int k = 0; k < w->def.n_cloths; k++)
-        *seconds += w->sheet[k].solver.seconds;
-    slice_charge(w, &s->r, DRAPE_PART_INTEGRATION, &s->last, *seconds);
+    slice_charge(w, &s->r, DRAPE_PART_INTEGRATION, &s->last,
+                 s->r.seconds[DRAPE_PART_SOLVER]);
     if (s->r.outcome & DRAPE_DIVERGED)
         s->again = slice_diverged(w);
 }

@@ -20,6 +20,7 @@ struct variant {
     bool taps;   /* the plate moves up and down; no gravity */
     bool uncut;  /* a step is one slice */
     int newton;  /* linear systems of a motion, 0: the integrator's own */
+    bool alone;  /* no plate; the second sheet falls on the first */
     bool fails;  /* no round of impulses: slices go straight to the fail-safe */
 };
 
@@ -32,6 +33,7 @@ static const struct variant variants[] = {
     {"bdf2, wind, a plate that moves", DRAPE_BDF2, DRAPE_MULTIGRID,
      .moves = true, .windy = true},
     {"two sheets, rounds in each step", DRAPE_BW, DRAPE_JACOBI, .two = true},
+    {"two sheets alone", DRAPE_BW, DRAPE_MULTIGRID, .two = true, .alone = true},
     {"a plate that taps", DRAPE_BW, DRAPE_JACOBI, .taps = true},
     {"euler, a pin that moves", DRAPE_EULER, DRAPE_JACOBI, .moves = true,
      .pinned = true},
@@ -94,6 +96,14 @@ static void define(struct run *r, const struct variant *a, int backend)
     r->cloth[1].origin[1] = 0.006;
     def->cloths = r->cloth;
     def->n_cloths = 1 + a->two;
+    if (a->alone) {
+        static double down[VERTICES][3];
+        for (int k = 0; k < VERTICES; k++)
+            down[k][1] = -1;
+        r->cloth[1].velocity = (const double(*)[3])down;
+        def->n_obstacles = 0;
+        def->gravity[1] = 0;
+    }
     if (a->uncut)
         def->max_slices = 1;
     if (a->fails)
