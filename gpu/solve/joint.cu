@@ -28,6 +28,7 @@ struct solve {
     vec *r, *p[2], *q, *dv;
     const vec *b, *at; /* at: the positions that rates are of */
     real *item, *chunk;
+    real exact;   /* as in struct joint */
     int32_t loop; /* 1: the loop; 0: the launches before it */
 };
 
@@ -104,7 +105,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
     if (!c->go || !item_sum(a.nc, a.item, a.chunk, &c->ticket, &sum) ||
         threadIdx.x)
         return;
-    enter(&a.rule, c, sum);
+    enter(&a.rule, c, sum, a.exact);
 }
 
 /* p·q, which gives α. */
@@ -393,6 +394,7 @@ static void write_solve(struct solve *a, const struct joint_system *w)
     memset((void *)a, 0, sizeof *a); /* padding, too: it is a key */
     a->rule.energy = 1;
     a->rule.tolerance = s->tolerance;
+    a->exact = s->exact;
     a->rule.max_iterations = s->max_iterations;
     a->c = (struct pcg_state *)gpu_words(w->gpu);
     a->links = w->links;

@@ -110,17 +110,18 @@ static __device__ inline void check_residual(const struct pcg *s,
     restart(s, c);
 }
 
-/* Called after the preconditioner. next: r·M⁻¹r, which gives β. */
+/* Called after the preconditioner. next: r·M⁻¹r, which gives β. exact: the
+ * tolerance of |r|, where the energy norm has that of s. */
 static __device__ inline void enter(const struct pcg *s, struct pcg_state *c,
-                                    real next)
+                                    real next, real exact)
 {
     c->fresh = 0;
     if (s->energy) {
         if (c->iterations == 0)
             c->from = max_of(next, c->from);
         c->recurrence = root(next / c->from);
-        bool near = c->recurrence <= s->tolerance &&
-                    root(c->left / c->most) <= s->tolerance;
+        bool near =
+            c->recurrence <= s->tolerance && root(c->left / c->most) <= exact;
         if (next == 0 || near) {
             end(c, PCG_CONVERGED);
             return;

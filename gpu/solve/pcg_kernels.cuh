@@ -107,7 +107,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         value = begin_from(&s, &scratch, (int)k, s.r[k]);
     if (grid_sums<1>(&value, scratch.chunk, &c->ticket, &sum) &&
         threadIdx.x == 0)
-        enter(&s, c, sum);
+        enter(&s, c, sum, s.tolerance);
 }
 
 /* The sum of item[k] of all particles: r·M⁻¹r by multigrid, or p·A p. */
@@ -123,7 +123,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
     if (curvature)
         measure(c, sum);
     else
-        enter(&s, c, sum);
+        enter(&s, c, sum, s.tolerance);
 }
 
 /* Updates dv + low of particle k by the steps that are outstanding, then by
@@ -171,7 +171,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK, UPDATES)
     c->waits = p ? 0 : c->waits + 1;
     leave(&s, c, sum[0]);
     if (scratch.jacobi && c->go)
-        enter(&s, c, sum[1]);
+        enter(&s, c, sum[1], s.tolerance);
 }
 
 /* Updates dv and low by the steps that are outstanding when the iterations have

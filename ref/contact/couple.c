@@ -9,7 +9,8 @@
 #include "ref/world/state.h"
 
 enum { TURNS = 2 }; /* of the first contacts of a slice; later ones: 1 */
-static const real ROUGH = R(0.1);     /* tolerance of a motion before contact */
+static const real ROUGH = R(0.1);     /* tolerance of what the next solve takes
+                                         up again */
 static const real FINE = R(1.0) / 32; /* of the tolerance, after a motion that
                                          was not solved roughly */
 static const real SLIP = R(5e-4);     /* m/s, friction is viscous below */
@@ -89,8 +90,13 @@ static bool is_free(const struct world *w)
     return w->def.n_obstacles == 0 && pinned == 0;
 }
 
-/* Solves (A + wall + C) dv = b, to ROUGH or to the scene's tolerance. */
-static int run_joint(struct world *w, bool rough)
+/* How well a joint solve is done. MOTION: roughly, in both norms of pcg.md
+ * §4.1. FIRST: roughly in the energy norm alone, as the next turn takes its
+ * friction from what contacts press. LAST: to the tolerance. */
+enum care { MOTION, FIRST, LAST };
+
+/* Solves (A + wall + C) dv = b. */
+static int run_joint(struct world *w, enum care care)
 {
     struct couple *c = &w->couple;
     struct joint *s = &c->joint;
@@ -99,11 +105,10 @@ static int run_joint(struct world *w, bool rough)
     s->wall = c->penalty.wall;
     s->b = c->b;
     s->links = links_of(&c->penalty, s->links.push);
-    s->tolerance = (real)w->def.tolerance;
-    if (w->plan.history)
-        s->tolerance *= FINE;
-    if (rough)
-        s->tolerance = real_max(s->tolerance, ROUGH);
+    real asked = (real)w->def.tolerance * (w->plan.history ? FINE : 1);
+    real rough = real_max(asked, ROUGH);
+    s->tolerance = care == LAST ? asked : rough;
+    s->exact = care == MOTION ? rough : asked;
     s->max_iterations = w->def.max_iterations;
     s->mass = is_free(w) ? (real)w->mass : 0;
     int status = w->run->joint(w, s);
@@ -145,7 +150,7 @@ int couple_move(struct world *w, drape_step_report *r)
     int status = open_sheets(w);
     s->scale = s->square = 0;
     if (status == DRAPE_OK)
-        status = run_joint(w, true);
+        status = run_joint(w, MOTION);
     c->moved = s->outcome != PCG_BREAKDOWN;
     r->seconds[DRAPE_PART_SOLVER] += clock_now() - start;
     r->iterations += s->iterations;
@@ -160,13 +165,13 @@ int couple_move(struct world *w, drape_step_report *r)
 
 /* Solves (A + wall + C) dv = force - g and moves what moves. After a breakdown
  * the exact rounds go on without. */
-static int solve_joint(struct world *w, bool rough)
+static int solve_joint(struct world *w, enum care care)
 {
     struct couple *c = &w->couple;
     struct joint *s = &c->joint;
     struct turn turn = turn_of(w);
     w->run->turn_load(w->on, &turn);
-    int status = run_joint(w, rough);
+    int status = run_joint(w, care);
     c->iterations += s->iterations;
     c->solves++;
     if (s->outcome != PCG_CONVERGED)
@@ -234,7 +239,7 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
         if (w->couple.rough && w->couple.solves == 0)
             add_residual(w);
         if (status == DRAPE_OK)
-            status = solve_joint(w, k + 1 < turns);
+            status = solve_joint(w, k + 1 < turns ? FIRST : LAST);
         if (status == DRAPE_OK)
             status = w->run->penalty_status(w->on);
     }

@@ -123,7 +123,7 @@ static bool calm(struct joint *a, real next, real square)
     if (a->iterations == 0)
         a->scale = real_max(next, a->scale);
     return next == 0 || (real_sqrt(next / a->scale) <= a->tolerance &&
-                         real_sqrt(square / a->square) <= a->tolerance);
+                         real_sqrt(square / a->square) <= a->exact);
 }
 
 static int iterate(struct world *w, struct joint *a, real square)

@@ -11,6 +11,7 @@ struct world;
 struct joint {
     int64_t nc;             /* particles of all cloths */
     real tolerance;         /* ≥ 0, in the energy norm (pcg.md §4.1) */
+    real exact;             /* ≥ 0, in the norm of the residual, likewise */
     int32_t max_iterations; /* ≥ 0 */
     real scale, square;     /* inout: pcg.md §4.1, of the step so far */
     const sym *hold, *wall; /* [nv] kg, of penalty */
