@@ -265,6 +265,7 @@ def test_recorded_contacts_and_impulses(tmp_path: Path, browser: Any) -> None:
         (["nowhere"], "nowhere"),
         (["."], "report.json"),
         ([".", "--port", "none"], "--port"),
+        ([".", "--port", "65536"], "from 0 to 65535"),
         ([], "RUN"),
     ],
 )
