@@ -54,10 +54,12 @@ ok 'the image' b bud --pull-never --build-arg "DEBIAN=$version" -t drape \
     -f ci/container/Dockerfile .
 [ "$failed" -eq 0 ] || finish
 
-# in_image COMMAND...: with the folder `out` as /work. buildah knows no entry point.
+# in_image COMMAND...: with the folder `out` as /work, as a user without a name, as
+# docker run -u makes one. buildah knows no entry point.
 tool=$(b from --pull-never localhost/drape)
 in_image() { b run --user "$user" -v "$out:/work" "$tool" -- "$@"; }
-user=$(id -u):$(id -g)
+user=1000:1000
+chmod 777 "$out"
 cp app/scenes/sphere.json "$out"
 ok 'drape --version' in_image drape --version
 ok 'drape run' in_image drape run sphere.json --frames 60 --out run
