@@ -31,11 +31,12 @@ work=$(cd "$build/container" && pwd)
 log=$work/log base=$work/debian-$version.tar out=$work/out
 . ci/ok.sh
 export BUILDAH_ISOLATION=chroot
-b() { buildah --log-level error --root "$work/store" --runroot "$work/run" "$@"; }
+store=$work/store.$$ # of this run alone
+b() { buildah --log-level error --root "$store/root" --runroot "$store/run" "$@"; }
 clean() {
     b rm --all
     b rmi --all --force
-    rm -rf "$work/store" "$work/run"
+    rm -rf "$store"
 } >"$work/log.clean" 2>&1
 finish() {
     echo "$passed passed, $failed failed, $skipped skipped"
@@ -86,6 +87,7 @@ user=0:0
 ok 'compilers' in_image sh -c 'apt-get update && apt-get install -y \
     --no-install-recommends gcc g++ libc6-dev make cmake pkg-config'
 in_image sh -c 'cp -r /usr/share/doc/libdrape-dev/examples .' >"$log" 2>&1
+# shellcheck disable=SC2016
 ok 'hang.c by pkg-config' in_image sh -c \
     'cc examples/hang.c $(pkg-config --cflags --libs drape) -o hang && ./hang'
 ok 'examples by CMake' in_image sh -c \
@@ -145,7 +147,7 @@ ok 'the notebook in a kernel' in_fresh sh -c "cp -r python/docs/tutorials / &&
 suite $python python/tests/apps/test_view.py
 if [ "$all" = all ]; then
     ok 'what all tests need' in_fresh sh ci/deps.sh apps
-    ok 'their packages' in_fresh $python -m pip install -q "$wheel[ray,s3]" \
+    ok 'their packages' in_fresh $python -m pip install -q "${wheel}[ray,s3]" \
         -r python/tests/requirements.txt -r python/tests/apps/requirements.txt
     suite $python python/tests/apps --deselect python/tests/apps/test_view.py
     suite $python python/tests --ignore python/tests/apps
