@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs the packages that drape is built and tested with, on Debian 12; prints
-# nothing if none is missing. The library itself needs only a C compiler.
+# Installs the packages that drape is built and tested with, on Debian 12 or 13;
+# prints nothing if none is missing. The library itself needs only a C compiler.
 # `apps`: what the tests of export, viewer, Blender add-on and notebook need
 # besides; `slurm`: what those of sweeps by Slurm need, which are skipped without.
 # usage: ci/deps.sh [apps|slurm]
