@@ -48,6 +48,17 @@ int read_fabric(struct json *json, const cJSON *node, void *out)
                        node->valuestring, names);
 }
 
+const char *fabric_at(int k, drape_material *out, const char **what)
+{
+    if (k < 0 || k >= FABRICS)
+        return NULL;
+    double damping = out->damping;
+    *out = fabrics[k].material;
+    out->damping = damping;
+    *what = fabrics[k].what;
+    return fabrics[k].name;
+}
+
 int command_materials(int argc, char **argv)
 {
     (void)argv;

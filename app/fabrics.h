@@ -5,8 +5,14 @@
 
 #include "app/json.h"
 
+#include <drape.h>
+
 /* Reads a fabric's name into the drape_material at out, all but its damping. An
  * unknown name is refused with all that are known. */
 int read_fabric(struct json *json, const cJSON *node, void *out);
+
+/* The name of fabric k, whose numbers it copies to *out but for the damping,
+ * and what it is; NULL behind the last. */
+const char *fabric_at(int k, drape_material *out, const char **what);
 
 #endif

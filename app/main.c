@@ -115,6 +115,7 @@ static int unknown(const char *name)
     struct nearest nearest = {.word = name};
     for (int k = 0; k < COMMANDS; k++)
         nearest_try(&nearest, commands[k].name);
+    nearest_try(&nearest, "--version");
     if (nearest.name)
         return complain(APP_USAGE, "%s: no such command; did you mean %s?",
                         name, nearest.name);

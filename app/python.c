@@ -38,8 +38,11 @@ static int become_python(char *name, int argc, char **argv)
     execvp(words[0], words);
     int fault = errno;
     free(words);
-    return complain(APP_FAILED, "%s: python3 cannot be started: %s", name,
-                    strerror(fault));
+    return complain(
+        APP_FAILED,
+        "%s: python3 cannot be started: %s; this command is part of "
+        "the Python package drape",
+        name, strerror(fault));
 }
 
 /* Checks the arguments, so that a wrong command line is refused as by any other

@@ -164,8 +164,11 @@ int command_render(int argc, char **argv)
     int status = options_read(options, argc, argv, &positional);
     if (status != APP_OK)
         return status;
-    if (positional != 1 || !file_is_directory(argv[0]))
+    if (positional != 1)
         return complain(APP_USAGE, "render: expected one DIR of a run");
+    if (!file_is_directory(argv[0]))
+        return complain(APP_USAGE, "%s: no such folder; expected a run's",
+                        argv[0]);
     r.directory = argv[0];
     r.frames = output_frames(r.directory, &r.count);
     if (!r.frames)

@@ -36,25 +36,47 @@ static struct span find_span(const struct region *region, int axis, double side,
         (int64_t)fmin(ceil(hi / side) + 2, (double)points - 1)};
 }
 
-/* Marks the points of the regions in a map of m × n points, which start at half
- * a cell times `shift`. */
-static const uint8_t *mark(struct pool *pool, const struct regions *regions,
-                           const drape_cloth *c, int shift)
+/* Marks the points of a region in a map of m × n points, which start at half a
+ * cell times `shift`, and returns their number. */
+static int64_t mark(const struct region *region, const drape_cloth *c,
+                    int shift, uint8_t *map)
 {
-    int64_t m = c->m - shift, n = c->n - shift;
+    int64_t m = c->m - shift, n = c->n - shift, count = 0;
     double h = c->width / (c->m - 1), g = c->height / (c->n - 1);
-    uint8_t *map = pool_take(pool, (size_t)(m * n), 1);
-    for (int k = 0; map && k < regions->count; k++) {
-        const struct region *region = &regions->list[k];
-        struct span u = find_span(region, 0, h, m);
-        struct span v = find_span(region, 1, g, n);
-        for (int64_t j = v.from; j <= v.to; j++)
-            for (int64_t i = u.from; i <= u.to; i++)
-                if (inside(region, ((double)i + 0.5 * shift) * h,
-                           ((double)j + 0.5 * shift) * g))
-                    map[i + m * j] = 1;
-    }
-    return map;
+    struct span u = find_span(region, 0, h, m);
+    struct span v = find_span(region, 1, g, n);
+    for (int64_t j = v.from; j <= v.to; j++)
+        for (int64_t i = u.from; i <= u.to; i++)
+            if (inside(region, ((double)i + 0.5 * shift) * h,
+                       ((double)j + 0.5 * shift) * g)) {
+                map[i + m * j] = 1;
+                count++;
+            }
+    return count;
+}
+
+/* Makes the map of a cloth's holes (shift 0) or cuts (shift 1). A region that
+ * takes nothing away is refused: it is too small for the cells, or misplaced.
+ */
+static int mark_all(struct json *json, const struct regions *regions,
+                    const drape_cloth *c, int shift, const uint8_t **out)
+{
+    if (!regions->count)
+        return APP_OK;
+    size_t points = (size_t)(c->m - shift) * (size_t)(c->n - shift);
+    uint8_t *map = pool_take(json->pool, points, 1);
+    if (!map)
+        return complain(APP_FAILED, "out of memory");
+    for (int k = 0; k < regions->count; k++)
+        if (!mark(&regions->list[k], c, shift, map))
+            return json_refuse(json,
+                               "%s[%d] takes nothing away: it holds no %s; "
+                               "cells are %g m × %g m",
+                               shift ? "cuts" : "holes", k,
+                               shift ? "middle of a cell" : "particle",
+                               c->width / (c->m - 1), c->height / (c->n - 1));
+    *out = map;
+    return APP_OK;
 }
 
 /* Assigns the particles of pin p's edge or place to pin p. */
@@ -194,12 +216,11 @@ int cloth_sew(struct json *json, struct cloth *cloth)
     if (status != APP_OK)
         return status;
     drape_cloth *c = &cloth->out;
-    if (cloth->holes.count)
-        c->hole = mark(json->pool, &cloth->holes, c, 0);
-    if (cloth->cuts.count)
-        c->cut = mark(json->pool, &cloth->cuts, c, 1);
-    if ((cloth->holes.count && !c->hole) || (cloth->cuts.count && !c->cut))
-        return complain(APP_FAILED, "out of memory");
+    status = mark_all(json, &cloth->holes, c, 0, &c->hole);
+    if (status == APP_OK)
+        status = mark_all(json, &cloth->cuts, c, 1, &c->cut);
+    if (status != APP_OK)
+        return status;
     const struct start *s = &cloth->start;
     bool folded = s->shape == START_HUNG && s->folds > 0 && s->depth > 0;
     if (folded || s->shape == START_ROLLED)

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs the packages that drape is built and tested with, on Debian 12; prints
-# nothing if none is missing. The library itself needs only a C compiler.
+# Installs the packages that drape is built and tested with, on Debian 12 or 13;
+# prints nothing if none is missing. The library itself needs only a C compiler.
 # `apps`: what the tests of export, viewer, Blender add-on and notebook need
 # besides; `slurm`: what those of sweeps by Slurm need, which are skipped without.
 # usage: ci/deps.sh [apps|slurm]
@@ -11,7 +11,7 @@ need='gcc g++ make clang clang-format clang-tidy libomp-dev
       libcgal-dev libfcl-dev libccd-dev libgmp-dev libmpfr-dev gappa
       libclang-rt-dev python3 python3-dev python3-venv cmake pkg-config'
 [ "${1-}" != slurm ] || need='slurm-wlm munge'
-[ "${1-}" != apps ] || need='chromium python3-torch libgl1 libsm6 libice6 libx11-6 libxext6
+[ "${1-}" != apps ] || need='chromium libatomic1 python3-torch libgl1 libsm6 libice6 libx11-6 libxext6
       libxfixes3 libxi6 libxkbcommon0 libxrender1'
 missing=
 for package in $need; do

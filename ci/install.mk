@@ -63,5 +63,5 @@ install: $(LIB) $(SO) ## to $(DESTDIR)$(PREFIX): libraries, header, tool, man pa
 deb: ## Debian packages in BUILD/deb, by dpkg-buildpackage, looked at by lintian
 	sh ci/deb.sh $(BUILD)
 
-docker: ## an image `drape` with the tool and the library: ci/Dockerfile
-	docker build -t drape -f ci/Dockerfile .
+docker: ## an image `drape` with the tool and the library: ci/container/Dockerfile
+	docker build -t drape -f ci/container/Dockerfile .

@@ -63,6 +63,8 @@ rm -rf "$work/apps"
 ok 'an environment for apps' python3 -m venv "$work/apps"
 ok 'it takes what they need' "$work/apps/bin/python" -m pip install -q "$wheel" \
     pytest -r python/tests/apps/requirements.txt
+ok "the pages' commands" "$work/apps/bin/python" python/lines.py --sh README.md \
+    python/README.md python/docs/*.md python/docs/tutorials/*.md
 suite "$work/apps/bin/python" python/tests/apps
 echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" -eq 0 ]

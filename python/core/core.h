@@ -24,6 +24,9 @@ void core_free(struct scene *scene);
  * The scene must outlive the world. */
 int core_create(struct scene *scene, drape_world **world);
 
+/* app/fabrics.h */
+const char *fabric_at(int k, drape_material *out, const char **what);
+
 enum core_kind { CORE_CLOTH, CORE_OBSTACLE };
 /* Puts a drape_cloth or drape_obstacle that the scene's world got behind the
  * others of its kind, with the name and the look of the last one of `from`, or

@@ -19,6 +19,7 @@ FRAMES = {
     "flag": 90,
     "twist": 60,
     "curtain": 60,
+    "poncho": 130,
     "funnel": 60,
 }
 

@@ -18,7 +18,7 @@ number of threads, on the CPU and on a GPU.
 
 from importlib.metadata import version as _version
 
-from . import tool
+from . import export, tool
 from ._core import ffi as _ffi
 from ._core import lib as _lib
 from .arrays import SharedArray
@@ -32,6 +32,7 @@ from .errors import (
     OutOfMemoryError,
     SceneError,
 )
+from .fabrics import Fabric, materials
 from .many import step_many
 from .mesh import Audit, Touches, audit, ccd, ccd_mesh
 from .record import Recorder
@@ -73,6 +74,7 @@ __all__ = [
     "DeviceError",
     "DivergedError",
     "Error",
+    "Fabric",
     "Frames",
     "Key",
     "Look",
@@ -102,8 +104,10 @@ __all__ = [
     "audit",
     "ccd",
     "ccd_mesh",
+    "export",
     "grid",
     "info",
+    "materials",
     "step_many",
     "sweep",
     "tool",

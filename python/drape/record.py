@@ -15,7 +15,7 @@ from ._closing import Closing
 from ._core import ffi, lib
 from ._define import Handle
 from ._library import Guard
-from .errors import check_code
+from .errors import Error, check_code
 
 
 class Recorder(Closing):
@@ -78,6 +78,10 @@ def picture(
     handle: Handle, guard: Guard, path: Path, width: int, height: int, samples: int
 ) -> Path:
     """Makes a picture of a world's state: a run of one frame, and the tool."""
+    if path.suffix.lower() != ".png":
+        raise Error(f"{path}: expected a name that ends in .png")
+    if not path.parent.is_dir():
+        raise Error(f"{path}: there is no folder {path.parent}")
     with tempfile.TemporaryDirectory(prefix="drape-") as folder:
         Recorder(handle, guard, folder, ffi.new("core_run_how *")).close()
         tool.call(

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from .errors import Error, SceneError
 
@@ -25,6 +26,14 @@ def path() -> Path:
     return file
 
 
+def start(arguments: Sequence[str], **how: Any) -> subprocess.Popen[str]:
+    """Starts the tool. Its process does not see $DRAPE_TOOL: if that names a script
+    of this package, the script takes the package's own executable."""
+    words = [str(path()), *arguments]
+    seen = {key: text for key, text in os.environ.items() if key != "DRAPE_TOOL"}
+    return subprocess.Popen(words, env=seen, text=True, **how)
+
+
 def call(*arguments: object) -> str:
     """Runs the tool and returns what it prints. A failure raises an exception
     with the tool's last line on standard error.
@@ -33,19 +42,19 @@ def call(*arguments: object) -> str:
         SceneError: the tool refused its input
         Error: it failed, or found what it looked for (exit status 1)
     """
-    words = [str(path()), *map(str, arguments)]
-    done = subprocess.run(words, capture_output=True, text=True, check=False)
-    if done.returncode:
-        lines = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
+    pipe = subprocess.PIPE
+    with start([str(each) for each in arguments], stdout=pipe, stderr=pipe) as process:
+        printed, told = process.communicate()
+    if process.returncode:
+        lines = told.strip().splitlines() or [f"exit status {process.returncode}"]
         text = lines[-1].removeprefix("drape: ")
-        raise (SceneError if done.returncode == 2 else Error)(text)
-    return done.stdout
+        raise (SceneError if process.returncode == 2 else Error)(text)
+    return printed
 
 
 def main(argv: Sequence[str]) -> int:
     """Runs the tool with these arguments and returns its exit status."""
-    command = [str(path()), *argv]
-    process = subprocess.Popen(command)
+    process = start(argv)
     while True:
         try:
             code = process.wait()

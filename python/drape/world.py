@@ -176,10 +176,13 @@ class World(Bodies, Control, Closing):
             the reports of the steps
 
         Raises:
+            ValueError: n is negative
             DivergedError: a step was given up; the steps before it are done
             OutOfMemoryError: the next call may succeed
             DeviceError: the device has failed
         """
+        if n < 0:
+            raise ValueError(f"step: {n}: expected 0 or more")
         reports = Reports()
         try:
             for _ in range(n):
@@ -434,7 +437,7 @@ class World(Bodies, Control, Closing):
         camera or one that sees all.
 
         Args:
-            path: of the picture, which is a PNG
+            path: of the picture, a PNG: it ends in .png
             width, height: in pixels
             samples: a pixel
 

@@ -42,6 +42,18 @@ def test_the_fields_are_the_readers_keys(kind: Any) -> None:
     assert {field.name for field in dataclasses.fields(kind)} - ARRAYS in keys
 
 
+def test_fabrics_are_the_tools() -> None:
+    fabrics = drape.materials()
+    rows = drape.tool.call("materials").splitlines()[2:]
+    listed = [row.split() for row in rows[: rows.index("")]]
+    assert [row[0] for row in listed] == list(fabrics) and "denim" in fabrics
+    for name, density, *_, friction in listed:
+        material = fabrics[name].material
+        assert fabrics[name].name == name and fabrics[name].what
+        assert material.density == float(density)
+        assert material.friction == float(friction)
+
+
 def test_a_materials_fields_are_the_readers_keys() -> None:
     text = (ROOT / "app/cloth.c").read_text()
     table = text[text.index('NESTED_KEY("name", 0, read_fabric)') :].split("{0}")[0]

@@ -64,6 +64,20 @@ def test_call_raises_what_the_tool_says(
         drape.tool.call("info")
 
 
+def test_the_tool_may_be_this_package_s_script(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    started = tmp_path / "started"
+    script = tmp_path / "drape"
+    script.write_text(
+        f'#!/bin/sh\necho once >>"{started}"\nexec {sys.executable} -m drape "$@"\n'
+    )
+    script.chmod(0o755)
+    monkeypatch.setenv("DRAPE_TOOL", str(script))
+    assert "backend ref" in drape.tool.call("info")
+    assert started.read_text() == "once\n"
+
+
 def test_fetch_models_finds_its_script(tmp_path: Path) -> None:
     lion = tmp_path / "data/models/lion_20k.ply"  # which Debian's archive has
     lion.parent.mkdir(parents=True)

@@ -76,6 +76,13 @@ def test_a_start_that_intersects(sheet: dict[str, Any]) -> None:
     assert reports.outcome & drape.Outcome.TRAPPED and not reports.clean
 
 
+def test_a_number_of_steps_is_not_negative(sheet: dict[str, Any]) -> None:
+    world = drape.World(sheet)
+    with pytest.raises(ValueError, match="-1"):
+        world.step(-1)
+    assert world.step(0) == [] and world.report is None
+
+
 def test_sleep_and_wake(sheet: dict[str, Any]) -> None:
     world = drape.World(sheet, gravity=[0, 0, 0])
     assert world.step(40).outcome & drape.Outcome.ASLEEP
@@ -149,6 +156,10 @@ def test_pictures(tiny: Path, tmp_path: Path) -> None:
     assert head[:8] == b"\x89PNG\r\n\x1a\n"
     assert head[16:24] == (64).to_bytes(4, "big") + (48).to_bytes(4, "big")
     assert list(tmp_path.iterdir()) == [path]
+    with pytest.raises(drape.Error, match=r"b\.jpg: expected .* \.png"):
+        world.render(tmp_path / "b.jpg")
+    with pytest.raises(drape.Error, match=r"there is no folder .*nowhere"):
+        world.render(tmp_path / "nowhere/b.png")
 
 
 def test_memory_limit(sheet: dict[str, Any]) -> None:

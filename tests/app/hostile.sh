@@ -344,6 +344,14 @@ refused 'nothing but holes' '$.cloths[1]: holes and cuts leave no cell' \
 sheet '"cuts": [{"rect": [0, 0, 5, 5]}]'
 refused 'nothing but cuts' '$.cloths[1]: holes and cuts leave no cell' \
     run sheet.json --out refused
+sheet '"holes": [{"disc": [0.5, 0.25, 0.1]}, {"disc": [0.525, 0.275, 0.02]}]'
+refused 'a hole between particles' \
+    '$.cloths[1]: holes[1] takes nothing away: it holds no particle' \
+    run sheet.json --out refused
+sheet '"cuts": [{"rect": [0.98, 0.4, 2, 0.6]}]'
+refused 'a cut beside the cloth' \
+    '$.cloths[1]: cuts[0] takes nothing away: it holds no middle of a cell' \
+    run sheet.json --out refused
 held='"pins": [{"at": [0.5, 0.25]}, {"edge": "v0"}]'
 missing='$.cloths[1].pins[1]: particle (0, 0) is missing'
 sheet "$held"

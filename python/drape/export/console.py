@@ -26,10 +26,15 @@ class Parser(argparse.ArgumentParser):
         raise SystemExit(complain(USAGE, f"{command}: {message}"))
 
 
-def whole(text: str) -> int:
-    """Reads a whole number from 1 on."""
-    if not text.isascii() or not text.isdigit() or not 1 <= int(text) <= 1000000:
+def whole(text: str, least: int = 1, most: int = 1000000) -> int:
+    """Reads a whole number of a range."""
+    if not text.isascii() or not text.isdigit() or not least <= int(text) <= most:
         raise argparse.ArgumentTypeError(
-            f"{text}: expected a whole number from 1 to 1000000"
+            f"{text}: expected a whole number from {least} to {most}"
         )
     return int(text)
+
+
+def port(text: str) -> int:
+    """Reads a port's number; 0 is any that nobody listens on."""
+    return whole(text, 0, 65535)

@@ -164,7 +164,7 @@ def _arrow() -> Any:
     try:
         import pyarrow.parquet
     except ImportError as error:
-        raise Error("drape.sweep needs pyarrow: pip install drape[sweep]") from error
+        raise Error("drape.sweep needs pyarrow: pip install pyarrow") from error
     return pyarrow
 
 

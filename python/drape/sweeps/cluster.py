@@ -25,7 +25,7 @@ def run(
     try:
         import ray
     except ImportError as error:
-        raise Error('on="ray" needs ray: pip install drape[ray]') from error
+        raise Error('on="ray" needs ray: pip install ray') from error
     if not ray.is_initialized():
         ray.init(log_to_driver=False)
     again = {"max_retries": attempts - 1}

@@ -28,10 +28,13 @@ class Store:
         try:
             import fsspec
         except ImportError as error:
-            raise Error("drape.sweep needs fsspec: pip install drape[sweep]") from error
+            raise Error("drape.sweep needs fsspec: pip install fsspec") from error
         self.url = url
         self.options = options or {}
-        self.files, self.root = fsspec.core.url_to_fs(url, **self.options)
+        try:
+            self.files, self.root = fsspec.core.url_to_fs(url, **self.options)
+        except (ImportError, ValueError) as error:
+            raise Error(f"{url}: {error}") from error
 
     @property
     def shared(self) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from drape.errors import Error, SceneError
-from drape.export.console import FAILED, OK, USAGE, Parser, complain, whole
+from drape.export.console import FAILED, OK, USAGE, Parser, complain, port
 from drape.export.run import RunError
 from drape.view.live import Live
 from drape.view.source import Recorded, Source
@@ -29,7 +29,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         prog="drape view", description="Show a run or a scene in a web browser."
     )
     parser.add_argument("run", metavar="RUN|SCENE", help="a folder, or a .json")
-    parser.add_argument("--port", type=whole, default=8080, metavar="N")
+    parser.add_argument("--port", type=port, default=8080, metavar="N")
     parser.add_argument("--host", default="127.0.0.1", metavar="NAME")
     given = parser.parse_args(argv)
     try:
