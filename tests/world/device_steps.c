@@ -178,6 +178,22 @@ static bool cut_pool(struct run *r, int k)
     return cut;
 }
 
+/* Spoils what the world on the host has of its cloths. It is never stepped, and
+ * a kernel that read it would be seen on a real device alone. */
+static void spoil_host(struct run *r)
+{
+    struct world *h = r->world->device->host;
+    for (int k = 0; k < h->def.n_cloths; k++) {
+        struct cloth *c = &h->sheet[k].cloth;
+        size_t n = (size_t)c->count;
+        memset(c->cell, 0xff, n * sizeof *c->cell);
+        memset(c->springs, 0xff, n * sizeof *c->springs);
+        memset(c->beside, 0xff, n * sizeof *c->beside);
+        memset(c->fixed, 0xff, n * sizeof *c->fixed);
+        memset(c->mass, 0xff, n * sizeof *c->mass);
+    }
+}
+
 static const char *follow(struct run *r, const struct variant *a,
                           const struct trail *t, enum how how)
 {
@@ -187,6 +203,8 @@ static const char *follow(struct run *r, const struct variant *a,
         "where the host ends loops it is another step"};
     const char *what = begin(r, a, DRAPE_GPU);
     int cuts = 0;
+    if (!what)
+        spoil_host(r);
     if (!what && how == HOSTED)
         gpu_set_hosted(r->world->device->gpu);
     for (int k = 0; k < STEPS && !what; k++) {
