@@ -178,19 +178,35 @@ static bool cut_pool(struct run *r, int k)
     return cut;
 }
 
-/* Spoils what the world on the host has of its cloths. It is never stepped, and
- * a kernel that read it would be seen on a real device alone. */
+static void spoil(void *stream, int64_t n, size_t size)
+{
+    if (stream)
+        memset(stream, 0xff, (size_t)n * size);
+}
+
+/* Spoils the streams of the world on the host, which is never stepped. A kernel
+ * that read them would be seen on a real device alone. */
 static void spoil_host(struct run *r)
 {
     struct world *h = r->world->device->host;
+    int64_t bodies = h->def.n_cloths + h->def.n_obstacles;
+    spoil(h->x0, h->nv, sizeof *h->x0);
+    spoil(h->v0, h->nv, sizeof *h->v0);
+    spoil(h->past_x, h->nc, sizeof *h->past_x);
+    spoil(h->past_v, h->nc, sizeof *h->past_v);
+    spoil(h->press, h->nc, sizeof *h->press);
+    spoil(h->to, h->nc, sizeof *h->to);
+    spoil(h->w, h->nv, sizeof *h->w);
+    spoil(h->body, h->nv, sizeof *h->body);
+    spoil(h->surface, bodies, sizeof *h->surface);
+    spoil(h->broad.root, h->broad.roots, sizeof *h->broad.root);
     for (int k = 0; k < h->def.n_cloths; k++) {
         struct cloth *c = &h->sheet[k].cloth;
-        size_t n = (size_t)c->count;
-        memset(c->cell, 0xff, n * sizeof *c->cell);
-        memset(c->springs, 0xff, n * sizeof *c->springs);
-        memset(c->beside, 0xff, n * sizeof *c->beside);
-        memset(c->fixed, 0xff, n * sizeof *c->fixed);
-        memset(c->mass, 0xff, n * sizeof *c->mass);
+        spoil(c->cell, c->count, sizeof *c->cell);
+        spoil(c->springs, c->count, sizeof *c->springs);
+        spoil(c->beside, c->count, sizeof *c->beside);
+        spoil(c->fixed, c->count, sizeof *c->fixed);
+        spoil(c->mass, c->count, sizeof *c->mass);
     }
 }
 
