@@ -178,10 +178,33 @@ static bool cut_pool(struct run *r, int k)
     return cut;
 }
 
-static void spoil(void *stream, int64_t n, size_t size)
+static void spoil(const void *stream, int64_t n, size_t size)
 {
     if (stream)
-        memset(stream, 0xff, (size_t)n * size);
+        memset((void *)stream, 0xff, (size_t)n * size);
+}
+
+static void spoil_place(const struct kinematics *s)
+{
+    spoil(s->rest, s->n, sizeof *s->rest * 3);
+    spoil(s->motion, s->n, sizeof *s->motion);
+}
+
+static void spoil_tree(const struct tree *t, const struct tree_map *map)
+{
+    spoil(t->first, t->n, sizeof *t->first);
+    spoil(t->parent, t->n, sizeof *t->parent);
+    spoil(t->count, t->n, sizeof *t->count);
+    spoil(t->level, t->n, sizeof *t->level);
+    spoil(t->rank, t->n, sizeof *t->rank);
+    spoil(t->mesh, t->n, sizeof *t->mesh);
+    spoil(t->order, t->n_tri, sizeof *t->order);
+    spoil(t->tri, t->n_tri, sizeof *t->tri);
+    spoil(t->own, t->n_tri, sizeof *t->own);
+    spoil(t->place, t->n_cloth, sizeof *t->place);
+    spoil(t->range, t->n_range, sizeof *t->range);
+    spoil(map->at, map->n_at, sizeof *map->at);
+    spoil(map->full, t->n_cloth, sizeof *map->full);
 }
 
 /* Spoils the streams of the world on the host, which is never stepped. A kernel
@@ -200,6 +223,9 @@ static void spoil_host(struct run *r)
     spoil(h->body, h->nv, sizeof *h->body);
     spoil(h->surface, bodies, sizeof *h->surface);
     spoil(h->broad.root, h->broad.roots, sizeof *h->broad.root);
+    spoil_tree(&h->broad.tree, &h->broad.map);
+    for (int k = 0; k < h->def.n_obstacles; k++)
+        spoil_place(&h->prop[k].place);
     for (int k = 0; k < h->def.n_cloths; k++) {
         struct cloth *c = &h->sheet[k].cloth;
         spoil(c->cell, c->count, sizeof *c->cell);
@@ -207,6 +233,8 @@ static void spoil_host(struct run *r)
         spoil(c->beside, c->count, sizeof *c->beside);
         spoil(c->fixed, c->count, sizeof *c->fixed);
         spoil(c->mass, c->count, sizeof *c->mass);
+        spoil(h->sheet[k].pinned, h->sheet[k].pins.n, sizeof(int32_t));
+        spoil_place(&h->sheet[k].pins);
     }
 }
 
