@@ -191,11 +191,14 @@ class Workshop:
                     shutil.copy2(theirs, mine)
 
     def same_objects(self):
-        """Whether what was compiled anew is the base's, byte for byte."""
+        """Whether what was compiled anew is the base's, byte for byte, but for
+        the objects that hold the digests of the code: these always differ."""
         for part in ('ref/*', 'gpu/*', 'tests/*', 'app'):
             for a in glob.glob(f'{self.base}/build/{part}/*.o'):
                 b = self.tree + a[len(self.base):]
-                if not filecmp.cmp(a, b, shallow=False):
+                with open(a[:-1] + 'd') as needs:
+                    digests = 'certificate.h' in needs.read()
+                if not digests and not filecmp.cmp(a, b, shallow=False):
                     return False
         return True
 

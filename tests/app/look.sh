@@ -33,8 +33,11 @@ shot around '' '' ''
 for other in blue inside ball floor sun dim around; do
     differ plain $other
 done
-is 'colours are those that were said' python3 "$root/tests/app/png.py" plain.png \
-    blue.png floor.png dim.png
+front='"eye": [0, 0.3, 3], "target": [0, 0.3, 0]'
+shot east "$front, \"sun\": [1, 0.2, 0]" '' ''
+shot west "$front, \"sun\": [-1, 0.2, 0]" '' ''
+is 'colours and light are those that were said' python3 "$root/tests/app/png.py" \
+    plain.png blue.png floor.png dim.png east.png west.png
 printf '{"frames": 0, "cloths": [{"look": {"colour": [0, 2, 0]}}]}' >bad.json
 refused 'a colour out of range' '$.cloths[0].look.colour[1]: 2' run bad.json
 

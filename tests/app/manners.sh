@@ -47,6 +47,17 @@ exits 'a film, with its progress' 0 render still --width 16 --height 16 \
     --samples 1 --no-film
 is 'the last line' grep -q '^\[####################\] picture 3/3  ETA 0:00$' err
 
+# A film that ffmpeg begins and breaks off leaves nothing behind.
+mkdir broken
+printf '%s\n' '#!/bin/sh' 'for last; do :; done' 'echo half >"$last"' 'exit 1' \
+    >broken/ffmpeg
+chmod +x broken/ffmpeg
+is 'no part of a film is left' sh -c '
+    PATH="$PWD/broken:$PATH" "$0" render still --width 16 --height 16 \
+        --samples 1 --quiet 2>err
+    [ $? -eq 3 ] && grep -q "ffmpeg failed on still/film.mp4" err &&
+    [ ! -e still/film.mp4 ] && [ ! -e still/.film.part.mp4 ]' "$drape"
+
 # Standard input and output
 is 'a scene from standard input' sh -c \
     '"$0" run - --out in --frames 2 <tiny.json && cmp in/cloth.pc2 \

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Whether pictures have the colours that their scenes say.
 
-usage: png.py PLAIN BLUE FLOOR DIM    PNG files of the tool: the plain scene has a
-                                      red cloth, the others a blue cloth, a
-                                      green floor, and less light
+usage: png.py PLAIN BLUE FLOOR DIM EAST WEST    PNG files of the tool: the plain
+        scene has a red cloth, the others a blue cloth, a green floor, and less
+        light; EAST and WEST have a ball in the middle and a low sun on that side
 Fails with a line that names the picture.
 """
 import struct
@@ -11,8 +11,8 @@ import sys
 import zlib
 
 
-def mean(path):
-    """The mean of red, green and blue over the whole picture."""
+def read(path):
+    """The rows of a picture, each with three bytes a pixel."""
     with open(path, "rb") as file:
         data = file.read()
     width, height, at, packed = *struct.unpack(">II", data[16:24]), 8, b""
@@ -25,8 +25,23 @@ def mean(path):
         line = raw[row * (3 * width + 1):(row + 1) * (3 * width + 1)]
         before = unfilter(line[0], bytearray(line[1:]), before)
         rows.append(before)
-    return [sum(sum(row[k::3]) for row in rows) / (width * height)
+    return rows
+
+
+def mean(path):
+    """The mean of red, green and blue over the whole picture."""
+    rows = read(path)
+    return [sum(sum(row[k::3]) for row in rows) / (len(rows) * len(rows[0]) / 3)
             for k in range(3)]
+
+
+def swell(path, limb, middle):
+    """How much brighter, a byte, a ball in the middle is in three columns near
+    its limb than in three near its middle: it is if its light follows its shape.
+    """
+    rows = read(path)[22:26]
+    return sum(sum(row[3 * limb:3 * limb + 9]) - sum(row[3 * middle:3 * middle + 9])
+               for row in rows) / (9 * len(rows))
 
 
 def unfilter(kind, line, above):
@@ -40,10 +55,13 @@ def unfilter(kind, line, above):
     return line
 
 
-plain, blue, floor, dim = map(mean, sys.argv[1:])
+plain, blue, floor, dim = map(mean, sys.argv[1:5])
+east, west = swell(sys.argv[5], 36, 32), swell(sys.argv[6], 25, 29)
 for name, good in (("plain: red", plain[0] > plain[2] + 5),
                    ("blue", blue[2] > blue[0] + 5),
                    ("floor: green", floor[1] > floor[0] + 5),
-                   ("dim", sum(dim) < sum(plain) - 15)):
+                   ("dim", sum(dim) < sum(plain) - 15),
+                   ("a low sun in the east", east > 20),
+                   ("a low sun in the west", west > 20)):
     if not good:
-        sys.exit(f"{name}: {plain} {blue} {floor} {dim}")
+        sys.exit(f"{name}: {plain} {blue} {floor} {dim} {east} {west}")

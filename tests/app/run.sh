@@ -125,6 +125,12 @@ r = json.load(open("near/report.json"))
 assert r["dt"] < 1 / 61 and 0 < r["error"]["estimated"] <= 0.004
 assert abs(r["dt"] * r["steps_per_frame"] - 1 / 60) < 1e-12
 assert len(r["steps"]) == 6 * r["steps_per_frame"]'
+exits '--error of 5 cm' 0 run tiny.json --out coarse --frames 6 --error 0.05
+is 'for which the cheapest setting suffices' python3 -c '
+import json
+r = json.load(open("coarse/report.json"))
+assert r["steps_per_frame"] == 1 and 0 < r["error"]["estimated"] <= 0.05
+assert r["settings"]["integrator"] == "baraff-witkin"'
 refused '--error of no number' '--error' run tiny.json --error small
 refused '--error of 0' '--error' run tiny.json --error 0
 refused '--error and --resume' '--error' \

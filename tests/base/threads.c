@@ -16,7 +16,7 @@ enum { PARTS = 64, LOOPS = 3000 };
 
 struct loop {
     int count[PARTS], of[PARTS];
-    atomic_int inner;
+    atomic_int inner, lone;
 };
 
 static void inner(void *user)
@@ -29,10 +29,19 @@ static void inner(void *user)
 static void part(void *user)
 {
     struct loop *s = user;
-    int k = threads_number();
+    int k = threads_number(), n = threads_count();
     s->count[k]++;
-    s->of[k] = threads_count();
+    s->of[k] = n;
     threads_parallel(inner, s, 0, 0); /* a loop inside a part is not divided */
+
+    /* The part is number 0 of 1 until a loop that runs in one part ends, also
+     * after another loop in it. */
+    threads_serial(1);
+    threads_parallel(inner, s, 0, 0);
+    bool lone = threads_number() == 0 && threads_count() == 1;
+    threads_serial(-1);
+    if (lone && threads_number() == k && threads_count() == n)
+        atomic_fetch_add(&s->lone, 1);
 }
 
 /* Many short loops follow each other, so that workers may be late for some. */
@@ -40,7 +49,7 @@ const char *test_threads_parts(void)
 {
     for (int n = 1; n <= THREADS_SOME; n += 3) {
         struct threads outer, t;
-        struct loop s = {{0}, {0}, 0};
+        struct loop s = {{0}, {0}, 0, 0};
         threads_begin(&outer, 2);
         threads_begin(&t, n);
         for (int k = 0; k < LOOPS; k++)
@@ -52,7 +61,8 @@ const char *test_threads_parts(void)
             EXPECT(s.count[k] == (k < n ? LOOPS : 0) + (k == 0));
         for (int k = 1; k < n; k++)
             EXPECT(s.of[k] == n);
-        EXPECT(s.of[0] == 1 && atomic_load(&s.inner) == LOOPS * n + 1);
+        EXPECT(s.of[0] == 1 && atomic_load(&s.inner) == 2 * (LOOPS * n + 1));
+        EXPECT(atomic_load(&s.lone) == LOOPS * n + 1);
         ran(LOOPS);
     }
     return NULL;

@@ -57,6 +57,7 @@ static void define(struct session *p, struct bytes *b, struct guest *s, int k)
     s->def.motions = &p->motion;
     s->def.n_motions = 1;
     s->plate.motion = (int)pick(b, 2) - 1;
+    s->def.wind = (drape_wind){{0}, 1.2 * pick(b, 2), 1, 0.5};
 }
 
 static drape_world *make(const struct session *p, int k)
@@ -108,6 +109,7 @@ static int set_rest(struct session *p, struct bytes *b, drape_world *w)
 {
     const double g[3] = {0.5 * pick(b, 3), -9.81, 0};
     const double at[3] = {0, 0.002 * pick(b, 3), 0}, turn[4] = {0.8, 0, 0.6, 0};
+    const drape_wind wind = {{0.5 * pick(b, 3), 0, 0.5}, 1.2, 1, 0.5};
     drape_material m = p->s[0].cloth.material;
     m.stretch = 500 + 250 * pick(b, 4);
     if (m.stretch > 1000) { /* tables go into logs and checkpoints, too */
@@ -116,12 +118,14 @@ static int set_rest(struct session *p, struct bytes *b, drape_world *w)
     }
     m.friction = 0.25 * pick(b, 4);
     m.thickness = 0.001 + 0.001 * pick(b, 3);
-    switch (pick(b, 4)) {
+    switch (pick(b, 5)) {
     case 0:
         return drape_set_gravity(w, g);
     case 1:
         return drape_set_material(w, 0, &m);
     case 2:
+        return drape_set_wind(w, &wind);
+    case 3:
         return drape_set_pose(w, 0, at, pick(b, 2) ? turn : NULL, NULL);
     default:
         drape_wake(w);

@@ -188,6 +188,66 @@ static bool cut_pool(struct run *r, int k)
     return cut;
 }
 
+static void spoil(const void *stream, int64_t n, size_t size)
+{
+    if (stream)
+        memset((void *)stream, 0xff, (size_t)n * size);
+}
+
+static void spoil_place(const struct kinematics *s)
+{
+    spoil(s->rest, s->n, sizeof *s->rest * 3);
+    spoil(s->motion, s->n, sizeof *s->motion);
+}
+
+static void spoil_tree(const struct tree *t, const struct tree_map *map)
+{
+    spoil(t->first, t->n, sizeof *t->first);
+    spoil(t->parent, t->n, sizeof *t->parent);
+    spoil(t->count, t->n, sizeof *t->count);
+    spoil(t->level, t->n, sizeof *t->level);
+    spoil(t->rank, t->n, sizeof *t->rank);
+    spoil(t->mesh, t->n, sizeof *t->mesh);
+    spoil(t->order, t->n_tri, sizeof *t->order);
+    spoil(t->tri, t->n_tri, sizeof *t->tri);
+    spoil(t->own, t->n_tri, sizeof *t->own);
+    spoil(t->place, t->n_cloth, sizeof *t->place);
+    spoil(t->range, t->n_range, sizeof *t->range);
+    spoil(map->at, map->n_at, sizeof *map->at);
+    spoil(map->full, t->n_cloth, sizeof *map->full);
+}
+
+/* Spoils the streams of the world on the host, which is never stepped. A kernel
+ * that read them would be seen on a real device alone. */
+static void spoil_host(struct run *r)
+{
+    struct world *h = r->world->device->host;
+    int64_t bodies = h->def.n_cloths + h->def.n_obstacles;
+    spoil(h->x0, h->nv, sizeof *h->x0);
+    spoil(h->v0, h->nv, sizeof *h->v0);
+    spoil(h->past_x, h->nc, sizeof *h->past_x);
+    spoil(h->past_v, h->nc, sizeof *h->past_v);
+    spoil(h->press, h->nc, sizeof *h->press);
+    spoil(h->to, h->nc, sizeof *h->to);
+    spoil(h->w, h->nv, sizeof *h->w);
+    spoil(h->body, h->nv, sizeof *h->body);
+    spoil(h->surface, bodies, sizeof *h->surface);
+    spoil(h->broad.root, h->broad.roots, sizeof *h->broad.root);
+    spoil_tree(&h->broad.tree, &h->broad.map);
+    for (int k = 0; k < h->def.n_obstacles; k++)
+        spoil_place(&h->prop[k].place);
+    for (int k = 0; k < h->def.n_cloths; k++) {
+        struct cloth *c = &h->sheet[k].cloth;
+        spoil(c->cell, c->count, sizeof *c->cell);
+        spoil(c->springs, c->count, sizeof *c->springs);
+        spoil(c->beside, c->count, sizeof *c->beside);
+        spoil(c->fixed, c->count, sizeof *c->fixed);
+        spoil(c->mass, c->count, sizeof *c->mass);
+        spoil(h->sheet[k].pinned, h->sheet[k].pins.n, sizeof(int32_t));
+        spoil_place(&h->sheet[k].pins);
+    }
+}
+
 static const char *follow(struct run *r, const struct variant *a,
                           const struct trail *t, enum how how)
 {
@@ -197,6 +257,8 @@ static const char *follow(struct run *r, const struct variant *a,
         "where the host ends loops it is another step"};
     const char *what = begin(r, a, DRAPE_GPU);
     int cuts = 0;
+    if (!what)
+        spoil_host(r);
     if (!what && how == HOSTED)
         gpu_set_hosted(r->world->device->gpu);
     for (int k = 0; k < STEPS && !what; k++) {
