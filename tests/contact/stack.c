@@ -48,8 +48,8 @@ static const char *settle(int layers, int backend, struct effort *e)
 }
 
 /* Upper bounds, of counts that are exact: the contacts' own matrix carries a
- * push through all layers in one solve, so that rounds and slices do not grow
- * with the number of layers, and iterations of a step grow slower. */
+ * push through all layers in one solve, so that solves, rounds and slices
+ * hardly grow with the number of layers. */
 const char *test_stack_layers(void)
 {
     static const int some[] = {1, 2, MOST};
@@ -59,11 +59,11 @@ const char *test_stack_layers(void)
         if (failed)
             return failed;
         EXPECT(e[k].rounds <= 2 * STEPS && 4 * e[k].slices <= 7 * STEPS);
-        EXPECT(e[k].contacts <= 2 * some[k] * SLAB_SMALL * SLAB_SMALL);
+        EXPECT(e[k].contacts <= 3 * some[k] * SLAB_SMALL * SLAB_SMALL);
     }
     EXPECT(e[0].iterations <= 7 * STEPS && e[0].impacts == 0);
-    EXPECT(e[1].iterations <= 58 * STEPS && e[1].solves <= 6 * STEPS);
-    EXPECT(e[2].iterations <= 2 * e[1].iterations);
+    EXPECT(e[1].iterations <= 40 * STEPS && e[1].solves <= 4 * STEPS);
+    EXPECT(e[2].iterations <= 110 * STEPS && e[2].solves <= 5 * STEPS);
     const char *failed = settle(2, DRAPE_GPU, &on_device);
     if (failed)
         return failed;

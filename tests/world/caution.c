@@ -73,7 +73,7 @@ static int make_way(struct world *w, int far)
     while (!slice_last(w)) {
         if (turns++ == TURNS)
             return TURNS;
-        real way = 8 * w->cell * (real)ldexp(1, far - w->slicing.level);
+        real way = 16 * w->cell * (real)ldexp(1, far - w->slicing.level);
         again += slice_too_far(w, way * way);
         if (slice_too_far(w, way * way))
             slice_cut(w);

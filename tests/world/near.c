@@ -96,7 +96,7 @@ const char *test_world_meeting(void)
 {
     for (int k = 0; k < 2; k++) {
         int integrator = k ? DRAPE_BW : DRAPE_VERLET;
-        double most = k ? 8 : 4; /* cells, limit of relative displacement */
+        double most = k ? 16 : 4; /* cells, limit of relative displacement */
         EXPECT(pass(integrator, 0.49 * most, 0.49 * most) == 1);
         EXPECT(pass(integrator, 0.51 * most, 0.51 * most) == 2);
         EXPECT(pass(integrator, 0.98 * most, 0) == 1);

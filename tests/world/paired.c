@@ -183,7 +183,7 @@ const char *test_paired_random(void)
         pick_pair(&p, &b);
         p.s.def.newton = seed % 3 == 0 ? 3 : 0;
         if (seed == 5)
-            p.s.def.dt *= 4; /* so that steps are cut */
+            p.s.def.dt *= 8; /* so that steps are cut */
         if (seed == 6)
             p.s.def.integrator = DRAPE_BDF2;
         const char *what = create(&p);
