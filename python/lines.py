@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 import subprocess
 import sys
 import tempfile
@@ -50,7 +51,7 @@ def commands(block: str, folder: Path) -> tuple[list[str], list[str]]:
     tool = [line for line in lines if re.match(r"(build/)?drape ", line)]
     build = folder / "build"
     build.mkdir()
-    (build / "drape").write_text(SHORT.format(python=sys.executable))
+    (build / "drape").write_text(SHORT.format(python=shlex.quote(sys.executable)))
     (build / "drape").chmod(0o755)
     (folder / "app").symlink_to(ROOT / "app")
     path = f'PATH="{build}:{os.environ["PATH"]}"'

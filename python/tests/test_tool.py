@@ -70,7 +70,7 @@ def test_the_tool_may_be_this_package_s_script(
     started = tmp_path / "started"
     script = tmp_path / "drape"
     script.write_text(
-        f'#!/bin/sh\necho once >>"{started}"\nexec {sys.executable} -m drape "$@"\n'
+        f'#!/bin/sh\necho once >>"{started}"\nexec "{sys.executable}" -m drape "$@"\n'
     )
     script.chmod(0o755)
     monkeypatch.setenv("DRAPE_TOOL", str(script))
