@@ -2,9 +2,11 @@
 /* Whole sheets on slopes of triangles, by the public API: they slide as
  * Coulomb's law says, however the slope is cut. spec/contact/penalty.md §2,
  * spec/contact/proximity.md §3.2 */
+#include <stdlib.h>
+
 #include "tests/base/harness.h"
 
-enum { MOST_SIDE = 61, MOST_CELLS = 40 };
+enum { MOST_SIDE = 121, MOST_CELLS = 40 };
 enum { MOST_GROUND = (MOST_CELLS + 1) * (MOST_CELLS + 1) };
 
 struct row {
@@ -116,9 +118,16 @@ static int run(const struct row *r, struct ride *ride)
     return status;
 }
 
-/* The way is Coulomb's to 2 %, friction to 1 % in the mean, and to a quarter in
- * the worst step: the solve's two turns leave open how contacts share the load
- * (limits.md). */
+/* How far a sheet slides by Coulomb's law, m. */
+static double due_of(const struct row *r)
+{
+    double way = 9.81 * (r->sine - r->friction * r->cosine) / 2;
+    /* backward Euler: dt² (1 + 2 + … + steps) */
+    return r->integrator == DRAPE_BW ? way * (1 + 1.0 / r->hz) : way;
+}
+
+/* The way is Coulomb's to 2 %, friction to 1 % in the mean, and to 3 % in the
+ * worst step: the second turn moves load between contacts (limits.md). */
 const char *test_slide_way(void)
 {
     static const struct row row[] = {
@@ -136,13 +145,35 @@ const char *test_slide_way(void)
     for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
         const struct row *r = &row[k];
         struct ride ride;
-        double due = 9.81 * (r->sine - r->friction * r->cosine) / 2;
-        if (r->integrator == DRAPE_BW)
-            due *= 1 + 1.0 / r->hz; /* dt² (1 + 2 + … + steps) */
+        double due = due_of(r);
         EXPECT(run(r, &ride) == DRAPE_OK);
         EXPECT(fabs(ride.way - due) <= 0.02 * due);
         EXPECT(fabs(ride.ratio - r->friction) <= 0.01 * r->friction);
-        EXPECT(ride.worst <= 1.25 * r->friction);
+        EXPECT(ride.worst <= 1.03 * r->friction);
+        ran(1);
+    }
+    return NULL;
+}
+
+/* Cells of 4 to 6 mm. The last row is what is not right yet (limits.md): a way
+ * that is up to 15 % too short. */
+const char *test_slide_fine(void)
+{
+    static const struct {
+        struct row row;
+        double bar;
+    } some[] = {{{121, 1, DRAPE_BW, 60, 8.0 / 17, 15.0 / 17, 0.3}, 0.02},
+                {{121, 7, DRAPE_BW, 60, 8.0 / 17, 15.0 / 17, 0.3}, 0.02},
+                {{81, 40, DRAPE_BW, 60, 8.0 / 17, 15.0 / 17, 0.3}, 0.02},
+                {{121, 40, DRAPE_BW, 240, 8.0 / 17, 15.0 / 17, 0.3}, 0.02},
+                {{121, 40, DRAPE_BW, 60, 8.0 / 17, 15.0 / 17, 0.3}, 0.15}};
+    if (!getenv("DRAPE_SOAK"))
+        return skip("fine sheets take minutes: set DRAPE_SOAK");
+    for (size_t k = 0; k < sizeof some / sizeof *some; k++) {
+        struct ride ride;
+        double due = due_of(&some[k].row);
+        EXPECT(run(&some[k].row, &ride) == DRAPE_OK);
+        EXPECT(fabs(ride.way - due) <= some[k].bar * due);
         ran(1);
     }
     return NULL;
