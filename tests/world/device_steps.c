@@ -217,8 +217,8 @@ static void spoil_tree(const struct tree *t, const struct tree_map *map)
     spoil(map->full, t->n_cloth, sizeof *map->full);
 }
 
-/* Spoils the streams of the world on the host, which is never stepped. A kernel
- * that read them would be seen on a real device alone. */
+/* Spoils the streams of the world on the host, which is never stepped: a kernel
+ * that reads them by mistake finds the right numbers there in emulation. */
 static void spoil_host(struct run *r)
 {
     struct world *h = r->world->device->host;
