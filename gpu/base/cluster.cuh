@@ -88,6 +88,23 @@ static __device__ inline void cluster_sync(bool alone)
     __syncthreads();
 }
 
+/* The same, but of writes before it only those to the own block's shared memory
+ * are visible after it. It takes a fifth of the time, as the others need not
+ * reach the L2 cache. */
+static __device__ inline void cluster_sync_shared(bool alone)
+{
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 900
+    if (!alone) {
+        asm volatile("fence.release.sync_restrict::shared::cta.cluster;\n"
+                     "barrier.cluster.arrive.relaxed;\n"
+                     "barrier.cluster.wait.acquire;" ::
+                         : "memory");
+        return;
+    }
+#endif
+    __syncthreads();
+}
+
 /* Starts an asynchronous copy of 8 or 16 bytes to shared memory, bypassing L1
  * for 16. The bytes are seen after copies_end and a barrier. copies_group
  * closes a group of such copies. */
@@ -170,6 +187,11 @@ static inline void cluster_sync(bool alone)
     emulate_cluster_sync(alone);
 }
 
+static inline void cluster_sync_shared(bool alone)
+{
+    emulate_cluster_sync(alone);
+}
+
 template <class T> static inline void copy_ahead(T *to, const T *from)
 {
     emulate_copy(to, from, sizeof *to);
@@ -193,16 +215,16 @@ static __device__ inline int whole_warps(int n)
     return (n + WARP - 1) / WARP * WARP;
 }
 
-/* Return the value of the next lower lane, or of a given lane. All lanes of the
- * warp must call them. */
-static __device__ inline vec lane_below(vec a)
+/* Return the value of the lane that is APART lower, or of a given lane. All
+ * lanes of the warp must call them. */
+template <int APART> static __device__ inline vec lane_below(vec a)
 {
 #ifdef __CUDACC__
-    return make(__shfl_up_sync(0xffffffffu, a.x, 1),
-                __shfl_up_sync(0xffffffffu, a.y, 1),
-                __shfl_up_sync(0xffffffffu, a.z, 1));
+    return make(__shfl_up_sync(0xffffffffu, a.x, APART),
+                __shfl_up_sync(0xffffffffu, a.y, APART),
+                __shfl_up_sync(0xffffffffu, a.z, APART));
 #else
-    return __shfl_up_sync(0xffffffffu, a, 1);
+    return __shfl_up_sync(0xffffffffu, a, APART);
 #endif
 }
 

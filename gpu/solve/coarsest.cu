@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Factors the operator of the coarsest grid as a dense matrix.
+/* Inverts the operator of the coarsest grid as a dense matrix.
  * spec/solve/multigrid.md §5 */
 #include "gpu/solve/coarsest.cuh"
 
 /* PITCH: the distance of two rows in shared memory, odd so that the rows begin
  * in different banks. */
-enum { SIDE = 16, FACTOR_BLOCK = SIDE * SIDE, PITCH = DENSE + 1 };
+enum { SIDE = 16, INVERT_BLOCK = SIDE * SIDE, PITCH = DENSE + 1 };
 
 static __device__ double component(sym b, int r, int c)
 {
@@ -69,43 +69,68 @@ static __device__ double entry(const struct coarsest *s, const sym *block,
     for (int i = (int)threadIdx.x / SIDE; i < (n); i += SIDE)                  \
         for (int j = (int)threadIdx.x % SIDE; j <= i; j += SIDE)
 
-/* Run by one block. It eliminates column after column, and each thread updates
- * the entries that it owns. The columns of L are scaled at the end, since the
- * elimination reads unscaled columns. */
-static __global__ void __launch_bounds__(FACTOR_BLOCK)
-    coarsest_factor_kernel(struct coarsest s)
+/* A thread's part of the sweep of unknown k. column: that of k, with the pivot;
+ * next: gets that of k + 1. */
+static __device__ void sweep(int n, double *a, int k, double inverse,
+                             const double *column, double *next)
 {
-    __shared__ double a[DENSE * PITCH], inverse[DENSE];
+    OWN_ENTRIES(i, j, n)
+    {
+        double *e = a + i * PITCH + j, l = column[i] * inverse;
+        if (inverse == 0) /* it is not swept */
+            l = *e;
+        else if (i == k)
+            l = j == k ? -inverse : column[j] * inverse;
+        else if (j != k)
+            l = *e - l * column[j];
+        *e = l;
+        if (i == k + 1)
+            next[j] = l;
+        else if (j == k + 1)
+            next[i] = l;
+    }
+}
+
+/* Run by one block, which sweeps unknown after unknown. Each thread updates the
+ * entries that it owns, and those of the next column twice. */
+static __global__ void __launch_bounds__(INVERT_BLOCK)
+    coarsest_invert_kernel(struct coarsest s)
+{
+    __shared__ double a[DENSE * PITCH], column[2][DENSE];
     __shared__ sym block[(STENCIL + 1) * COARSEST];
+    __shared__ bool swept[DENSE];
     int n = 3 * (int)s.count, t = (int)threadIdx.x;
     int blocks = STENCIL * (int)s.count;
     double trace = 0;
-    for (int e = t; e < blocks + (int)s.count; e += FACTOR_BLOCK)
+    for (int e = t; e < blocks + (int)s.count; e += INVERT_BLOCK)
         block[e] = e < blocks ? s.block[e] : s.excess[e - blocks];
     __syncthreads();
     OWN_ENTRIES(i, j, n)
-    a[i * PITCH + j] = entry(&s, block, i, j);
+    {
+        double e = a[i * PITCH + j] = entry(&s, block, i, j);
+        if (j == 0)
+            column[0][i] = e;
+    }
     __syncthreads();
     for (int k = 0; k < n; k++)
         trace += a[k * PITCH + k];
     for (int k = 0; k < n; k++) {
         __syncthreads();
-        double d = a[k * PITCH + k], scale = d > 0x1p-40 * trace ? 1 / d : 0;
+        const double *from = column[k % 2];
+        bool good = from[k] > 0x1p-40 * trace;
+        sweep(n, a, k, good ? 1 / from[k] : 0, from, column[(k + 1) % 2]);
         if (t == 0)
-            inverse[k] = scale;
-        OWN_ENTRIES(i, j, n)
-        if (j > k)
-            a[i * PITCH + j] -= (a[i * PITCH + k] * scale) * a[j * PITCH + k];
+            swept[k] = good;
     }
     __syncthreads();
     OWN_ENTRIES(i, j, n)
-    if (j < i)
-        s.dense[i * DENSE + j] = a[i * PITCH + j] * inverse[j];
-    if (t < n)
-        s.dense[DENSE * DENSE + t] = inverse[t];
+    {
+        double e = swept[i] && swept[j] ? -a[i * PITCH + j] : 0;
+        s.dense[i * DENSE + j] = s.dense[j * DENSE + i] = e;
+    }
 }
 
-void gpu_coarsest_factor(struct gpu *g, const struct coarsest *s)
+void gpu_coarsest_invert(struct gpu *g, const struct coarsest *s)
 {
-    LAUNCH_BLOCKS(g, 1, FACTOR_BLOCK, coarsest_factor_kernel, *s);
+    LAUNCH_BLOCKS(g, 1, INVERT_BLOCK, coarsest_invert_kernel, *s);
 }

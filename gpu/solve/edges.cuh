@@ -85,16 +85,16 @@ static __device__ inline vec own_part(const struct edges<B> *t, struct base b,
     return t->extra ? add(y, apply(b.extra, x)) : y;
 }
 
-/* Starts with y of the first of LANES adjacent lanes, then subtracts and adds
- * the terms of each lane, lane after lane. The last lane has the result. All
- * threads of the warp must call it. */
-template <int LANES, int EACH>
+/* Starts with y of the first of LANES lanes, APART from one to the next, then
+ * subtracts and adds the terms of each lane, lane after lane. The last lane has
+ * the result. All threads of the warp must call it. */
+template <int LANES, int APART, int EACH>
 static __device__ inline vec add_by_lanes(vec y, const vec less[EACH],
                                           const vec plus[EACH], int lane)
 {
     UNROLL
     for (int turn = 0; turn < LANES; turn++) {
-        vec below = turn ? lane_below(y) : y;
+        vec below = turn ? lane_below<APART>(y) : y;
         if (lane != turn)
             continue;
         y = below;
@@ -143,7 +143,7 @@ static __device__ inline vec gathered(const struct edges<B> *t, const X *x,
         from[k] = ends[k] ? apply(before[k], sub(from[k], own)) : none;
         to[k] = starts[k] ? apply(after[k], sub(own, to[k])) : none;
     }
-    return add_by_lanes<LANES, EACH>(y, from, to, lane);
+    return add_by_lanes<LANES, 1, EACH>(y, from, to, lane);
 }
 
 #endif

@@ -207,7 +207,7 @@ int gpu_multigrid_build(struct gpu *g, struct multigrid *s, sym *lent)
         struct coarsest d = coarsest_of(s, &l[levels - 1]);
         if (k < levels)
             gpu_coarsen_chain(g, &l[k - 1], levels - k + 1);
-        gpu_coarsest_factor(g, &d);
+        gpu_coarsest_invert(g, &d);
     }
     return status;
 }

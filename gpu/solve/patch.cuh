@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A patch: a small grid in the shared memory of a thread-block cluster. Each
- * rank (block) owns a run of consecutive particles, and keeps copies of x and y
- * of other ranks' particles that its own particles read.
+ * rank (block) owns a run of consecutive particles, whose rows it computes, and
+ * keeps y of all particles that these rows read. It computes the y of others
+ * itself, as their owners do, so that no rank writes to another.
  * spec/solve/multigrid.md */
 #ifndef GPU_PATCH_CUH
 #define GPU_PATCH_CUH
@@ -14,21 +15,26 @@
 struct patch {
     struct grid g;
     int32_t count, share; /* particles of the grid, and of a rank */
-    int32_t reach;        /* the largest |q - p| where row q reads x of p */
-    int32_t far;          /* how many ranks to each side such rows lie in */
-    int64_t inverse; /* p · inverse / 2^32 is p / share, without division */
-    int64_t across;  /* p · across / 2^32 is p / m */
-    bool alone;      /* rank 0 owns all particles */
-    int32_t table;   /* offset of struct edge [STENCIL] */
-    int32_t rules;   /* offset of the rules of all particles */
+    int32_t reach;        /* the largest |q - p| where row q reads y of p */
+    int64_t inverse;      /* p · inverse / 2^32 is p / share, without division */
+    int64_t across;       /* p · across / 2^32 is p / m */
+    bool whole;           /* each rank owns all particles */
+    int32_t table;        /* offset of struct edge [STENCIL] */
+    int32_t rules;        /* offset of the rules of all particles */
     /* Offsets of the blocks of edge o that start at the rank's particles, or at
      * earlier particles and end at the rank's. */
     int32_t edge[STENCIL];
-    int32_t factor, excess; /* offsets of [share] */
-    int32_t x, y;           /* offsets; of its particles and all within reach */
-    int32_t b;              /* offset of [share] */
+    int32_t excess, factor; /* of its particles; of all within reach */
+    int32_t left;           /* residuals of its particles */
+    int32_t x;              /* of its particles: right-hand side, then solution */
+    int32_t y;              /* of all within reach */
     const sym *block_from, *factor_from, *excess_from;
     const uint8_t *rule;
+};
+
+/* A vector in shared memory, which one instruction reads or writes. */
+struct alignas(16) slot {
+    real x, y, z, none;
 };
 
 /* A direction of edges in shared memory: (di, dj); the step in particle
@@ -39,11 +45,10 @@ struct alignas(16) edge {
     int32_t step, in, out;
 };
 
-/* The run of a rank: its first particle, the number of its particles, and the
- * first particle whose x the rank has; and constants that a row of the product
- * needs. */
+/* The run of a rank: its first particle, the number of its particles, the
+ * particles [low, high) whose y it has, and what a row needs to know. */
 struct run {
-    int first, own, low;
+    int first, own, low, high;
     int table;
     struct grid g;
     int64_t across;
@@ -64,16 +69,13 @@ static __host__ __device__ inline int edge_size(const struct patch *l, int o)
     return size < l->count ? size : l->count;
 }
 
-static __device__ inline int low_of(const struct patch *l, int rank)
-{
-    return max_of(rank * l->share - l->reach, 0);
-}
-
 static __device__ inline struct run run_of(const struct patch *l)
 {
-    int rank = group_rank(), first = min_of(rank * l->share, l->count);
+    int first = l->whole ? 0 : min_of(group_rank() * l->share, l->count);
     int own = min_of(l->share, l->count - first);
-    return run{first, own, low_of(l, rank), l->table, l->g, l->across};
+    int low = max_of(first - l->reach, 0);
+    int high = own ? min_of(first + own + l->reach, l->count) : low;
+    return run{first, own, low, high, l->table, l->g, l->across};
 }
 
 static __device__ inline struct place place_in(struct run r, int p)
@@ -88,9 +90,24 @@ static __device__ inline sym *syms(int at)
     return (sym *)(cluster_shared() + at);
 }
 
-static __device__ inline vec *vecs(int at)
+static __device__ inline struct slot *slots(int at)
 {
-    return (vec *)(cluster_shared() + at);
+    return (struct slot *)(cluster_shared() + at);
+}
+
+static __device__ inline vec value_of(struct slot a)
+{
+    return make(a.x, a.y, a.z);
+}
+
+static __device__ inline vec slot_at(int at, int k)
+{
+    return value_of(slots(at)[k]);
+}
+
+static __device__ inline void put_slot(int at, int k, vec a)
+{
+    slots(at)[k] = slot{a.x, a.y, a.z, 0};
 }
 
 static __device__ inline struct edge *edges_at(int at)
@@ -127,7 +144,7 @@ static __device__ inline struct stream stream_at(const sym *from, int n, int at)
 static __device__ inline struct stream factors_of(const struct patch *l,
                                                   struct run r)
 {
-    return stream_at(l->factor_from + r.first, r.own, l->factor);
+    return stream_at(l->factor_from + r.low, r.high - r.low, l->factor);
 }
 
 static __device__ inline struct stream excess_of(const struct patch *l,
@@ -153,31 +170,24 @@ static __device__ inline struct edge edge_in(const struct patch *l,
     return edge{(int16_t)di, (int16_t)dj, step, out - step * size, out};
 }
 
-/* A loop in which the threads of a rank take turns at the particles of its run.
- */
-#define EACH_OF(r, at)                                                         \
-    for (struct place at = place_in(r, (r).first + rank_thread());             \
-         at.p < (r).first + (r).own; at = place_in(r, at.p + rank_threads()))
+/* A loop in which the threads of a rank take turns at the particles within
+ * reach. */
+#define EACH_WITHIN(r, at)                                                     \
+    for (struct place at = place_in(r, (r).low + rank_thread());               \
+         at.p < (r).high; at = place_in(r, at.p + rank_threads()))
 
-/* Writes y of a particle to all ranks that read it. */
-static __device__ inline void spread(const struct patch *l, int to, int p,
-                                     vec value)
+static __device__ inline bool owns(struct run r, int p)
 {
-    int rank = group_rank(), end = min_of(rank + l->far, group_ranks() - 1);
-    for (int r = max_of(rank - l->far, 0); r <= end; r++) {
-        int low = low_of(l, r), high = (r + 1) * l->share + l->reach;
-        if (r == rank)
-            vecs(to)[p - low] = value;
-        else if (p >= low && p < high)
-            cluster_at(vecs(to), r)[p - low] = value;
-    }
+    return p >= r.first && p < r.first + r.own;
 }
 
-/* Reads x or y of a particle from the rank that owns it. */
+/* Reads the residual or x of a particle from the rank that owns it. */
 static __device__ inline vec owned(const struct patch *l, int from, int p)
 {
+    if (l->whole)
+        return slot_at(from, p);
     int rank = (int)(p * l->inverse >> 32);
-    return cluster_at(vecs(from), rank)[p - low_of(l, rank)];
+    return value_of(cluster_at(slots(from), rank)[p - rank * l->share]);
 }
 
 /* Returns the bytes that a stream of n blocks takes at any offset within 16
@@ -197,11 +207,12 @@ static int64_t lay_patch(struct patch *l, int64_t at, bool last)
         l->edge[o] = (int32_t)at;
         at += stream_size(edge_size(l, o));
     }
-    int64_t size[] = {
-        stream_size(share),       stream_size(share),
-        wide * (int)sizeof(vec),  wide * (int)sizeof(vec),
-        share * (int)sizeof(vec), STENCIL * (int)sizeof(struct edge)};
-    int32_t *place[] = {&l->factor, &l->excess, &l->x, &l->y, &l->b, &l->table};
+    int64_t slot = (int)sizeof(struct slot);
+    int64_t size[] = {stream_size(share), stream_size(wide), share * slot,
+                      share * slot,       wide * slot,
+                      STENCIL * (int)sizeof(struct edge)};
+    int32_t *place[] = {&l->excess, &l->factor, &l->left,
+                        &l->x,      &l->y,      &l->table};
     for (int k = 0; k < 6; k++) {
         *place[k] = (int32_t)at;
         at += (size[k] + 15) / 16 * 16;
@@ -215,10 +226,9 @@ static struct patch patch_of(const struct level *l, int ranks)
     struct patch p = {};
     p.g = l->g;
     p.count = l->count;
-    p.alone = ranks == 1;
+    p.whole = ranks == 1;
     p.share = (l->count + ranks - 1) / ranks;
     p.reach = 2 * l->g.m + 2;
-    p.far = ranks == 1 ? 0 : (p.reach + p.share - 1) / p.share;
     p.inverse = ((INT64_C(1) << 32) + p.share - 1) / p.share;
     p.across = ((INT64_C(1) << 32) + l->g.m - 1) / l->g.m;
     p.block_from = l->block;

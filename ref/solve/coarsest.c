@@ -35,50 +35,64 @@ static void fill(const struct coarsest *l, double *a)
     }
 }
 
-/* Factors a = L D Lᵀ in place: L below the diagonal of a, 1/D in inverse. A
- * pivot that is only rounding error has 0 in inverse. */
-static void factor(int n, double *a, double *inverse)
+/* Sweeps unknown k in the lower triangle of a symmetric matrix: after all of
+ * them it is -A⁻¹. inverse: 1 / a[k][k]. */
+static void sweep(int n, double *a, int k, double inverse)
 {
+    double column[DENSE];
+    for (int i = 0; i < n; i++)
+        column[i] = i < k ? a[k * DENSE + i] : a[i * DENSE + k];
+    for (int i = 0; i < n; i++) {
+        double l = column[i] * inverse;
+        for (int j = 0; j <= i && i != k; j++)
+            a[i * DENSE + j] -= l * column[j];
+    }
+    for (int i = 0; i < k; i++)
+        a[k * DENSE + i] = column[i] * inverse;
+    for (int i = k + 1; i < n; i++)
+        a[i * DENSE + k] = column[i] * inverse;
+    a[k * DENSE + k] = -inverse;
+}
+
+/* Inverts a symmetric matrix in place. */
+static void invert(int n, double *a)
+{
+    bool swept[DENSE];
     double trace = 0;
     for (int k = 0; k < n; k++)
         trace += a[k * DENSE + k];
     for (int k = 0; k < n; k++) {
         double d = a[k * DENSE + k];
-        inverse[k] = d > 0x1p-40 * trace ? 1 / d : 0;
-        for (int i = k + 1; i < n; i++) {
-            double l = a[i * DENSE + k] * inverse[k];
-            for (int j = k + 1; j <= i; j++)
-                a[i * DENSE + j] -= l * a[j * DENSE + k];
-        }
-        for (int i = k + 1; i < n; i++)
-            a[i * DENSE + k] *= inverse[k];
+        swept[k] = d > 0x1p-40 * trace;
+        if (swept[k])
+            sweep(n, a, k, 1 / d);
     }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++)
+            a[i * DENSE + j] = a[j * DENSE + i] =
+                swept[i] && swept[j] ? -a[i * DENSE + j] : 0;
 }
 
-void coarsest_factor(const struct coarsest *s)
+void coarsest_invert(const struct coarsest *s)
 {
     fill(s, s->dense);
-    factor(3 * (int)s->count, s->dense, s->dense + DENSE * DENSE);
+    invert(3 * (int)s->count, s->dense);
 }
 
 void coarsest_solve(const struct coarsest *s, const vec *b, vec *z)
 {
     int n = 3 * (int)s->count;
-    const double *a = s->dense, *inverse = s->dense + DENSE * DENSE;
-    double x[DENSE] = {0};
+    double x[DENSE], y[DENSE];
     for (int64_t p = 0; p < s->count; p++) {
         x[3 * p] = (double)b[p].x;
         x[3 * p + 1] = (double)b[p].y;
         x[3 * p + 2] = (double)b[p].z;
     }
-    for (int k = 0; k < n; k++)
-        for (int i = k + 1; i < n; i++)
-            x[i] -= a[i * DENSE + k] * x[k];
-    for (int k = 0; k < n; k++)
-        x[k] *= inverse[k];
-    for (int k = n - 1; k >= 0; k--)
-        for (int i = 0; i < k; i++)
-            x[i] -= a[k * DENSE + i] * x[k];
+    for (int i = 0; i < n; i++) {
+        y[i] = 0;
+        for (int k = 0; k < n; k++)
+            y[i] += s->dense[i * DENSE + k] * x[k];
+    }
     for (int64_t p = 0; p < s->count; p++)
-        z[p] = vec_make((real)x[3 * p], (real)x[3 * p + 1], (real)x[3 * p + 2]);
+        z[p] = vec_make((real)y[3 * p], (real)y[3 * p + 1], (real)y[3 * p + 2]);
 }

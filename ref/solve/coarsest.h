@@ -14,14 +14,14 @@ struct coarsest {
     int64_t count;     /* m·n ≤ COARSEST */
     const sym *excess; /* [count] kg */
     const sym *block;  /* [STENCIL·count] kg */
-    double *dense;     /* [DENSE·(DENSE + 1)] DENSE rows of L, a row of 1/D */
+    double *dense;     /* [DENSE·DENSE] rows of the inverse */
 };
 
-/* Fills dense with L and 1/D. */
-void coarsest_factor(const struct coarsest *s);
+/* Fills the rows of A's unknowns in dense with the inverse of A. An unknown
+ * whose pivot is too small has zeros in its row and column. */
+void coarsest_invert(const struct coarsest *s);
 
-/* Solves A z = b, z [count]. An unknown whose pivot was too small counts as
- * having 1/D = 0. */
+/* z = A⁻¹ b, z [count]. */
 void coarsest_solve(const struct coarsest *s, const vec *b, vec *z);
 
 #endif

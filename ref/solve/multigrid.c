@@ -72,7 +72,7 @@ int64_t ref_multigrid_size(struct multigrid *s)
     s->n_pool = s->count;
     s->n_room = s->count;
     s->n_live = 2 * s->count;
-    s->n_dense = DENSE * (DENSE + 1);
+    s->n_dense = DENSE * DENSE;
     do {
         m = coarse_size(m);
         n = coarse_size(n);
@@ -276,7 +276,7 @@ int ref_multigrid_build(struct multigrid *s)
     }
     if (status == DRAPE_OK) {
         struct coarsest d = coarsest_of(s, &l[levels - 1]);
-        coarsest_factor(&d);
+        coarsest_invert(&d);
     }
     return status;
 }
