@@ -7,11 +7,11 @@
 
 /* Below RANK_CONTACTS contacts for each block of a thread-block cluster, one
  * cluster solves them, as its barriers are cheap. Beyond that a cooperative
- * launch uses the whole device. GROUP_THREADS: threads of a block. */
+ * launch uses the whole device. GROUP_THREADS, WARPS: of a block. */
 #ifdef __CUDACC__
-enum { RANK_CONTACTS = 2048, GROUP_THREADS = 1024 };
+enum { RANK_CONTACTS = 2048, GROUP_THREADS = 1024, WARPS = 32 };
 #else
-enum { RANK_CONTACTS = 10, GROUP_THREADS = 64 };
+enum { RANK_CONTACTS = 10, GROUP_THREADS = 64, WARPS = 32 }; /* of all ranks */
 #endif
 
 /* Runs ACT for n items and then synchronises all threads. */
@@ -74,6 +74,8 @@ static __global__ void __launch_bounds__(GROUP_THREADS)
 {
     int64_t n = words[INCIDENCE_BAD] ? 0 : m.s.n;
     int64_t touched = words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
+    __shared__ vec row[WARPS][WARP];
+    m.row = row[threadIdx.x / WARP];
     m.s.keep = 0;
     pass<GRID, first_parts>(m, touched);
     pass<GRID, begin>(m, n);

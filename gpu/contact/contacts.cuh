@@ -26,6 +26,7 @@ struct mass_splitting {
     int64_t *over;         /* 1 + the last iteration of §3 that was void */
     int32_t *longer;       /* [n_longer] k of each vertex[k] with a long list */
     unsigned long long *n_longer;
+    vec *row; /* [WARP] in shared memory, of this warp: sum_by_warp */
 };
 
 /* §1: waking */
@@ -288,7 +289,7 @@ find_pushed(const struct mass_splitting &m, int64_t k)
     if (BY_WARP) {
         p.lane = (int)threadIdx.x % WARP;
         p.lanes = WARP;
-        p.sum = sum_by_warp(list, from, end, p.sum);
+        p.sum = sum_by_warp(list, from, end, p.sum, m.row);
     } else if (p.awake) {
         p.sum = sum_by_thread(list, from, end, p.sum);
     }

@@ -19,14 +19,18 @@ struct joint_part {
     int64_t first;      /* its first particle */
 };
 
+struct linked;
+
 /* What the joint solve needs of a world. */
 struct joint_system {
     struct gpu *gpu;
     int n;                         /* cloths, ≥ 1 */
     const struct joint_part *part; /* host [n] */
     struct joint *joint;
-    struct links *links; /* device [1] */
-    const real *w;       /* [nv] 1/kg, 0: fixed */
+    struct linked *links; /* device [1] */
+    int32_t *mutual_end,
+        *mutual;   /* device [nc], [4 n], gpu/contact/links.cuh */
+    const real *w; /* [nv] 1/kg, 0: fixed */
 };
 
 /* joint_solve on the device: sets the results of s->joint. DRAPE_OK however the

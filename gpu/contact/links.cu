@@ -15,33 +15,34 @@ static __device__ inline bool idle(const int32_t *go)
 /* A thread owns every (threads of the grid)-th contact: reads x of its four
  * vertices and writes its push. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    links_push_kernel(const struct links *s, const vec *x, const int32_t *go)
+    links_push_kernel(const struct linked *l, const vec *x, const int32_t *go)
 {
     if (idle(go))
         return;
+    const struct links *s = &l->s;
     int64_t threads = (int64_t)gridDim.x * blockDim.x;
     for (int64_t k = (int64_t)blockIdx.x * blockDim.x + threadIdx.x; k < s->n;
          k += threads) {
         const struct contact *c = &s->contact[k];
-        vec push = make(0, 0, 0);
-        if (c->held == CONTACT_MUTUAL) {
-            vec v = pair_sum(c, x), n = c->n;
-            real a = s->along, b = c->slide * s->across;
-            push = axpy(scale(b, v), (a - b) * dot(n, v), n);
-        }
-        s->push[k] = push;
+        if (c->held != CONTACT_MUTUAL)
+            continue;
+        vec v = pair_sum(c, x), n = c->n;
+        real a = s->along, b = c->slide * s->across;
+        s->push[k] = axpy(scale(b, v), (a - b) * dot(n, v), n);
     }
 }
 
-/* The pushes of the items of a vertex, which add to y. */
+/* The pushes of the mutual contacts of a vertex, which add to y. A contact that
+ * is not would add 0, which changes no y, as no y is -0. */
 struct links_list {
     const struct links *s;
-    const int32_t *start;
+    const int32_t *start, *past, *item;
     vec *y;
+    __device__ int32_t end(int64_t i) const { return past[i]; }
     __device__ vec value(int32_t at) const
     {
-        int32_t item = s->item[at];
-        return scale(s->contact[item / 4].c[item % 4], s->push[item / 4]);
+        int32_t k = item[at];
+        return scale(s->contact[k / 4].c[k % 4], s->push[k / 4]);
     }
     __device__ vec first(int64_t i) const { return y[i]; }
     __device__ void done(int64_t i, vec sum) const { y[i] = sum; }
@@ -50,19 +51,19 @@ struct links_list {
 /* Thread i owns vertex i: adds the pushes of its items to y[i], in the order of
  * its list. */
 static __global__ void __launch_bounds__(LIST_BLOCK)
-    links_gather_kernel(const struct links *s, int64_t nv, vec *y,
+    links_gather_kernel(const struct linked *l, int64_t nv, vec *y,
                         const int32_t *go)
 {
     if (idle(go))
         return;
-    struct links_list list = {s, s->start, y};
+    struct links_list list = {&l->s, l->s.start, l->end, l->item, y};
     int64_t i = own_list(nv);
-    if (i >= 0 && list.start[i] == list.start[i + 1])
+    if (i >= 0 && list.start[i] == list.past[i])
         i = -1;
     sum_list(list, i);
 }
 
-void gpu_links_queue(struct gpu *g, const struct links *links, int64_t nv,
+void gpu_links_queue(struct gpu *g, const struct linked *links, int64_t nv,
                      const vec *x, vec *y, const int32_t *go)
 {
     LAUNCH(g, (int64_t)PUSH_BLOCKS * g->multiprocessors * g->block,
@@ -71,18 +72,100 @@ void gpu_links_queue(struct gpu *g, const struct links *links, int64_t nv,
 }
 
 /* One thread keeps the struct where the kernels read it. */
-static __global__ void links_keep_kernel(struct links *to, struct links s)
+static __global__ void links_keep_kernel(struct linked *to, struct linked s)
 {
     *to = s;
+}
+
+static __device__ inline bool is_mutual(const struct linked *l, int32_t item)
+{
+    return l->s.contact[item / 4].held == CONTACT_MUTUAL;
+}
+
+/* Copies the mutual items of places [from, end) to the places from `from` on.
+ * Returns where they end. */
+static __device__ int32_t list_by_thread(const struct linked *l, int32_t from,
+                                         int32_t end)
+{
+    int32_t to = from;
+    for (int32_t at = from; at < end; at += LIST_AHEAD) {
+        int32_t item[LIST_AHEAD];
+        bool mutual[LIST_AHEAD];
+        UNROLL
+        for (int k = 0; k < LIST_AHEAD; k++)
+            item[k] = l->s.item[at + k < end ? at + k : at];
+        UNROLL
+        for (int k = 0; k < LIST_AHEAD; k++)
+            mutual[k] = at + k < end && is_mutual(l, item[k]);
+        UNROLL
+        for (int k = 0; k < LIST_AHEAD; k++)
+            if (mutual[k])
+                l->item[to++] = item[k];
+    }
+    return to;
+}
+
+/* The same by all lanes of a warp, which must call it with the same arguments.
+ */
+static __device__ int32_t list_by_warp(const struct linked *l, int32_t from,
+                                       int32_t end)
+{
+    int lane = (int)threadIdx.x % WARP;
+    int32_t to = from;
+    for (int32_t row = from; row < end; row += WARP) {
+        int32_t item = l->s.item[row + lane < end ? row + lane : row];
+        bool mutual = row + lane < end && is_mutual(l, item);
+        int upto = mutual; /* how many of this lane and those below it */
+        UNROLL
+        for (int h = 1; h < WARP; h *= 2) {
+            int below = __shfl_up_sync(0xffffffffu, upto, h);
+            upto += lane >= h ? below : 0;
+        }
+        if (mutual)
+            l->item[to + upto - 1] = item;
+        to += lane_value(upto, WARP - 1);
+    }
+    return to;
+}
+
+/* Thread i owns vertex i and makes its list; a warp makes the long lists of its
+ * vertices together. */
+static __global__ void __launch_bounds__(LIST_BLOCK)
+    links_list_kernel(const struct linked *l, int64_t nv)
+{
+    int64_t i = own_list(nv);
+    int32_t from = i < 0 ? 0 : l->s.start[i],
+            end = i < 0 ? 0 : l->s.start[i + 1];
+    bool longer = end - from > WARP;
+    int32_t past = longer ? from : list_by_thread(l, from, end);
+    for (int k = 0; k < WARP; k++) {
+        if (!lane_value((int)longer, k))
+            continue;
+        int32_t to = list_by_warp(l, lane_value(from, k), lane_value(end, k));
+        past = k == (int)threadIdx.x % WARP ? to : past;
+    }
+    if (i >= 0)
+        l->end[i] = past;
+}
+
+void gpu_links_keep(struct gpu *g, const struct links *s, int64_t nv,
+                    struct linked *to, int32_t *end, int32_t *item)
+{
+    LAUNCH(g, 1, links_keep_kernel, to, linked{*s, end, item});
+    LAUNCH_LISTS(g, nv, links_list_kernel, to, nv);
 }
 
 int gpu_links(struct gpu *g, struct links *s)
 {
     if (s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX)
         return DRAPE_EARG;
-    struct links *keep =
-        (struct links *)gpu_scratch(g, SLOT_STAGE, 1, sizeof *keep);
-    LAUNCH(g, 1, links_keep_kernel, keep, *s);
+    struct linked *keep =
+        (struct linked *)gpu_scratch(g, SLOT_STAGE, 1, sizeof *keep);
+    int32_t *end =
+        (int32_t *)gpu_scratch(g, SLOT_STAGE + 1, s->nv, sizeof *end);
+    int32_t *item =
+        (int32_t *)gpu_scratch(g, SLOT_STAGE + 2, s->n4, sizeof *item);
+    gpu_links_keep(g, s, s->nv, keep, end, item);
     gpu_links_queue(g, keep, s->nv, s->x, s->y, NULL);
     return gpu_status(g);
 }

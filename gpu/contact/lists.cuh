@@ -13,15 +13,15 @@
  * items of a list that a thread sums. LIST_AHEAD, LIST_ROWS: items that a
  * thread, and a lane, load before the first is added, so that latencies
  * overlap. */
-enum { LIST_SHORT = 64 };
+enum { LIST_SHORT = 32 };
 #ifdef __CUDACC__
 enum { LIST_BLOCK = 256, LIST_AHEAD = 8, LIST_ROWS = 4 };
 #else
 enum { LIST_BLOCK = 64, LIST_AHEAD = 3, LIST_ROWS = 2 };
 #endif
 
-/* The items of all lists: list.value(at) returns what the item at a place adds
- * to its sum. */
+/* The items of all lists: list i has places [list.start[i], list.end(i)), and
+ * list.value(at) returns what the item at a place adds to its sum. */
 
 static __device__ inline vec list_add(vec sum, vec value)
 {
@@ -56,30 +56,53 @@ static __device__ inline T sum_by_thread(const LIST &list, int32_t from,
     return sum;
 }
 
+/* The numbers of which an item consists. */
+static __device__ inline real *numbers(vec *a)
+{
+    return &a->x;
+}
+
+template <class N> static __device__ inline N *numbers(N *a)
+{
+    return a;
+}
+
 /* The same by all lanes of a warp, which must call it with the same arguments;
- * each returns the sum. */
+ * each returns the sum. The lanes put a row of items into shared memory,
+ * [WARP], and a lane for each number of an item adds them. */
 template <class LIST, class T>
 static __device__ inline T sum_by_warp(const LIST &list, int32_t from,
-                                       int32_t end, T sum)
+                                       int32_t end, T sum, T *row)
 {
-    int lane = (int)threadIdx.x % WARP;
-    for (int32_t row = from; row < end; row += LIST_ROWS * WARP) {
+    auto *number = numbers(row), *own = numbers(&sum);
+    enum { NUMBERS = sizeof(T) / sizeof *own };
+    int lane = (int)threadIdx.x % WARP, e = lane % NUMBERS;
+    auto s = own[0];
+    UNROLL
+    for (int k = 1; k < NUMBERS; k++)
+        s = e == k ? own[k] : s;
+    for (; from < end; from += LIST_ROWS * WARP) {
         T a[LIST_ROWS];
         UNROLL
         for (int r = 0; r < LIST_ROWS; r++) {
-            int32_t at = row + r * WARP + lane;
+            int32_t at = from + r * WARP + lane;
             a[r] = list.value(at < end ? at : from);
         }
         UNROLL
         for (int r = 0; r < LIST_ROWS; r++) {
-            int left = end - row - r * WARP;
+            __syncwarp();
+            row[lane] = a[r];
+            __syncwarp();
+            int n = min_of(end - from - r * (int)WARP, (int32_t)WARP);
             UNROLL_8
-            for (int k = 0; k < WARP; k++) {
-                T next = lane_value(a[r], k);
-                sum = k < left ? list_add(sum, next) : sum;
-            }
+            for (int k = 0; k < n; k++)
+                s += number[NUMBERS * k + e];
         }
     }
+    __syncwarp(); /* the row may be written again */
+    UNROLL
+    for (int k = 0; k < NUMBERS; k++)
+        own[k] = lane_value(s, k);
     return sum;
 }
 
@@ -88,22 +111,24 @@ static __device__ inline T sum_by_warp(const LIST &list, int32_t from,
 template <class LIST>
 static __device__ inline void sum_list(const LIST &list, int64_t i)
 {
+    typedef decltype(list.first(i)) item;
     __shared__ int32_t longer[LIST_BLOCK];
+    __shared__ item row[LIST_BLOCK / WARP][WARP];
     __shared__ int n;
+    int warp = (int)threadIdx.x / WARP;
     if (threadIdx.x == 0)
         n = 0;
     __syncthreads();
-    int32_t from = i < 0 ? 0 : list.start[i],
-            end = i < 0 ? 0 : list.start[i + 1];
+    int32_t from = i < 0 ? 0 : list.start[i], end = i < 0 ? 0 : list.end(i);
     if (end - from > LIST_SHORT)
         longer[atomicAdd(&n, 1)] = (int32_t)i;
     else if (i >= 0)
         list.done(i, sum_by_thread(list, from, end, list.first(i)));
     __syncthreads();
-    for (int k = (int)threadIdx.x / WARP; k < n; k += LIST_BLOCK / WARP) {
+    for (int k = warp; k < n; k += LIST_BLOCK / WARP) {
         int32_t of = longer[k];
-        auto sum = sum_by_warp(list, list.start[of], list.start[of + 1],
-                               list.first(of));
+        auto sum = sum_by_warp(list, list.start[of], list.end(of),
+                               list.first(of), row[warp]);
         if (threadIdx.x % WARP == 0)
             list.done(of, sum);
     }

@@ -101,6 +101,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 struct penalty_parts {
     struct penalty s;
     const int32_t *start;
+    __device__ int32_t end(int64_t i) const { return start[i + 1]; }
     __device__ int32_t value(int32_t at) const
     {
         return s.contact[s.item[at] / 4].held != CONTACT_APART;
@@ -241,25 +242,26 @@ struct penalty_number {
 
 template <bool BY_WARP>
 static __device__ real total(const struct penalty *s, const real *part,
-                             int32_t i)
+                             int32_t i, real *row)
 {
     struct penalty_number list = {part};
     int32_t from = s->start[i], end = s->start[i + 1];
-    return BY_WARP ? sum_by_warp(list, from, end, R(0.0))
+    return BY_WARP ? sum_by_warp(list, from, end, R(0.0), row)
                    : sum_by_thread(list, from, end, R(0.0));
 }
 
-/* Writes number o of vertex i to force or hold. */
+/* Writes number o of vertex i to force or hold. row: a warp's, [WARP] in shared
+ * memory, where it sums a long list. */
 template <bool BY_WARP>
 static __device__ void put_number(const struct penalty *s, const real *part,
-                                  int32_t i, int o)
+                                  int32_t i, int o, real *row)
 {
-    real sum = total<BY_WARP>(s, part + o * s->n4, i);
+    real sum = total<BY_WARP>(s, part + o * s->n4, i, row);
     if (o < PUSHES) {
         ((real *)&s->force[i])[o] = sum;
         return;
     }
-    real wall = total<BY_WARP>(s, part + (o + HOLDS) * s->n4, i);
+    real wall = total<BY_WARP>(s, part + (o + HOLDS) * s->n4, i, row);
     ((real *)&s->wall[i])[o - PUSHES] = wall;
     ((real *)&s->hold[i])[o - PUSHES] = sum + wall;
 }
@@ -272,6 +274,7 @@ static __global__ void __launch_bounds__(GROUP_BLOCK)
 {
     static_assert((int)GROUP == (int)WARP, "a warp sums a long list");
     __shared__ int32_t longer[GROUP];
+    __shared__ real row[GROUP_BLOCK / WARP][WARP];
     __shared__ int n;
     int t = (int)threadIdx.x, o = t / GROUP;
     int64_t touched = vertices(words);
@@ -283,12 +286,12 @@ static __global__ void __launch_bounds__(GROUP_BLOCK)
             n = 0;
         __syncthreads();
         if (i >= 0 && s.start[i + 1] - s.start[i] <= LIST_SHORT)
-            put_number<false>(&s, part, i, o);
+            put_number<false>(&s, part, i, o, NULL);
         else if (i >= 0 && o == 0)
             longer[atomicAdd(&n, 1)] = i;
         __syncthreads();
         for (int l = 0; l < n; l++)
-            put_number<true>(&s, part, longer[l], o);
+            put_number<true>(&s, part, longer[l], o, row[o]);
         __syncthreads(); /* n and longer are written again */
     }
 }

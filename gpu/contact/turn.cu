@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Contacts within the implicit solve of every cloth, on the device: memory, and
  * ref/contact/turn.h. spec/contact/penalty.md §4 */
-#include "gpu/base/real.cuh"
+#include "gpu/contact/links.cuh"
 
 extern "C" {
 #include "gpu/contact/turn.h"
@@ -27,7 +27,8 @@ static void make_joint(struct gpu_world *w, struct joint *s)
     s->chunk =
         (real *)gpu_take(g, ARENA_RESPONSE, 3 * s->n_chunks, sizeof(real));
     w->links =
-        (struct links *)gpu_take(g, ARENA_RESPONSE, 1, sizeof(struct links));
+        (struct linked *)gpu_take(g, ARENA_RESPONSE, 1, sizeof(struct linked));
+    w->mutual_end = (int32_t *)gpu_take(g, ARENA_RESPONSE, nc, sizeof(int32_t));
 }
 
 /* g and b are the motion's star and b, which that does not read any more; b is
@@ -77,9 +78,12 @@ int gpu_turn_room(struct world *w, int64_t n)
     int64_t cap = n + n / 4 + 64;
     p->item = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
     struct links *links = &c->joint.links;
+    int32_t **mutual = &w->device->mutual;
     gpu_give(g, links->push);
+    gpu_give(g, *mutual);
     links->push = (vec *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(vec));
-    c->cap = p->item && links->push ? cap : 0;
+    *mutual = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
+    c->cap = p->item && links->push && *mutual ? cap : 0;
     return gpu_status(g);
 }
 

@@ -13,6 +13,7 @@ extern "C" {
 struct warm_weights {
     struct warm s;
     const int32_t *start;
+    __device__ int32_t end(int64_t i) const { return start[i + 1]; }
     __device__ real value(int32_t at) const
     {
         int32_t item = s.item[at];
@@ -70,6 +71,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 struct warm_impulses {
     struct warm s;
     const int32_t *start;
+    __device__ int32_t end(int64_t i) const { return start[i + 1]; }
     __device__ vec value(int32_t at) const
     {
         int32_t item = s.item[at];

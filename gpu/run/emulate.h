@@ -105,6 +105,11 @@ template <class T> static T __shfl_sync(unsigned, T value, int lane)
     return emulate_from(value, threadIdx.x / 32 * 32 + (unsigned)lane);
 }
 
+static inline void __syncwarp(void)
+{
+    emulate_meet_warp();
+}
+
 /* Blocks run one after another and nothing is cached, so fences do nothing. */
 static inline void __threadfence(void) {}
 template <class T> T __ldcg(const T *a)

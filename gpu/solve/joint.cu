@@ -23,7 +23,7 @@ static_assert(sizeof(struct pcg_state) <= GPU_WORDS * sizeof(int64_t), "words");
 struct solve {
     struct pcg rule;     /* energy, tolerance and max_iterations of the whole */
     struct pcg_state *c; /* device */
-    struct links *links; /* device */
+    struct linked *links; /* device */
     int64_t nc, n_chunks;
     vec *r, *p[2], *q, *dv;
     const vec *b, *at; /* at: the positions that rates are of */
@@ -39,14 +39,12 @@ struct solve {
 /* One thread writes what differs from one solve to the next, which no captured
  * kernel takes as an argument. */
 static __global__ void joint_keep_kernel(struct pcg_state *c, real scale,
-                                         real square, struct links *to,
-                                         struct links links)
+                                         real square)
 {
     struct pcg_state fresh = {};
     fresh.from = scale;
     fresh.most = square;
     *c = fresh;
-    *to = links;
 }
 
 /* r = b and dv = 0; the state before the first iteration. */
@@ -418,8 +416,8 @@ int gpu_joint(const struct joint_system *w)
     struct solve a;
     gpu_hand_over(g);
     write_solve(&a, w);
-    LAUNCH(g, 1, joint_keep_kernel, a.c, s->scale, s->square, a.links,
-           s->links);
+    LAUNCH(g, 1, joint_keep_kernel, a.c, s->scale, s->square);
+    gpu_links_keep(g, &s->links, s->nc, a.links, w->mutual_end, w->mutual);
     int status = run(w, &a);
     if (status != DRAPE_OK)
         return status;

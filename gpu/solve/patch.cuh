@@ -16,18 +16,18 @@ struct patch {
     struct grid g;
     int32_t count, share; /* particles of the grid, and of a rank */
     int32_t reach;        /* the largest |q - p| where row q reads y of p */
-    int64_t inverse;      /* p · inverse / 2^32 is p / share, without division */
-    int64_t across;       /* p · across / 2^32 is p / m */
-    bool whole;           /* each rank owns all particles */
-    int32_t table;        /* offset of struct edge [STENCIL] */
-    int32_t rules;        /* offset of the rules of all particles */
+    int64_t inverse; /* p · inverse / 2^32 is p / share, without division */
+    int64_t across;  /* p · across / 2^32 is p / m */
+    bool whole;      /* each rank owns all particles */
+    int32_t table;   /* offset of struct edge [STENCIL] */
+    int32_t rules;   /* offset of the rules of all particles */
     /* Offsets of the blocks of edge o that start at the rank's particles, or at
      * earlier particles and end at the rank's. */
     int32_t edge[STENCIL];
     int32_t excess, factor; /* of its particles; of all within reach */
     int32_t left;           /* residuals of its particles */
-    int32_t x;              /* of its particles: right-hand side, then solution */
-    int32_t y;              /* of all within reach */
+    int32_t x; /* of its particles: right-hand side, then solution */
+    int32_t y; /* of all within reach */
     const sym *block_from, *factor_from, *excess_from;
     const uint8_t *rule;
 };
@@ -208,9 +208,9 @@ static int64_t lay_patch(struct patch *l, int64_t at, bool last)
         at += stream_size(edge_size(l, o));
     }
     int64_t slot = (int)sizeof(struct slot);
-    int64_t size[] = {stream_size(share), stream_size(wide), share * slot,
-                      share * slot,       wide * slot,
-                      STENCIL * (int)sizeof(struct edge)};
+    int64_t size[] = {stream_size(share), stream_size(wide),
+                      share * slot,       share * slot,
+                      wide * slot,        STENCIL * (int)sizeof(struct edge)};
     int32_t *place[] = {&l->excess, &l->factor, &l->left,
                         &l->x,      &l->y,      &l->table};
     for (int k = 0; k < 6; k++) {

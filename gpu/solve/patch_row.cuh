@@ -27,9 +27,9 @@ static __device__ inline void pulls_of(struct run r, struct place at,
     *starting = starts ? apply(out, sub(here, to)) : none;
 }
 
-/* Lanes that share a row, and rows of a warp. One number for all grids keeps the
- * code of a row in the instruction cache. Adjacent lanes have adjacent rows and
- * the same directions, so that their blocks are in different banks. */
+/* Lanes that share a row, and rows of a warp. One number for all grids keeps
+ * the code of a row in the instruction cache. Adjacent lanes have adjacent rows
+ * and the same directions, so that their blocks are in different banks. */
 enum { ROW_LANES = 4, WARP_ROWS = WARP / ROW_LANES };
 
 /* A lane's part of a row. Each lane has the same number of consecutive
@@ -72,7 +72,8 @@ static __device__ __noinline__ vec pulled(struct run r, struct row w, int from,
             pulls_of(r, w.at, edges_at(r.table)[w.lane * EACH + k], x,
                      &ending[k], &starting[k]);
     }
-    return add_by_lanes<ROW_LANES, WARP_ROWS, EACH>(y, ending, starting, w.lane);
+    return add_by_lanes<ROW_LANES, WARP_ROWS, EACH>(y, ending, starting,
+                                                    w.lane);
 }
 
 /* Returns A x at a particle, in the last lane of its row. */

@@ -265,8 +265,8 @@ static __global__ void __launch_bounds__(TAIL_BLOCK, 1)
     }
 }
 
-/* Lays out the levels from `first` on as patches, those from `whole` on whole in
- * each rank. Returns the bytes of shared memory of a rank. */
+/* Lays out the levels from `first` on as patches, those from `whole` on whole
+ * in each rank. Returns the bytes of shared memory of a rank. */
 static int64_t lay_tail(struct tail *s, const struct level *l, int levels,
                         int first, int whole, int ranks)
 {

@@ -8,7 +8,7 @@
 
 struct gpu;
 struct joint_part;
-struct links;
+struct linked;
 
 struct gpu_world {
     struct world
@@ -20,7 +20,10 @@ struct gpu_world {
     vec *star, *b; /* device [nc] each, of implicit motion. When contact begins,
                       star is couple's g, and b, which is [nv] if anything can
                       collide, is couple's force */
-    struct links *links;     /* device [1] the contacts of the joint solve */
+    struct linked *links; /* device [1] the contacts of the joint solve */
+    /* Device [nc], [4 couple.cap]: the contacts of each vertex that are mutual
+     * (gpu/contact/links.cuh). */
+    int32_t *mutual_end, *mutual;
     struct joint_part *part; /* host [n_cloths] the cloths in the joint solve */
 };
 

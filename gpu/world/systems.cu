@@ -34,6 +34,8 @@ int gpu_systems_joint(struct world *w, struct joint *s)
                                      .part = d->part,
                                      .joint = s,
                                      .links = d->links,
+                                     .mutual_end = d->mutual_end,
+                                     .mutual = d->mutual,
                                      .w = w->w};
     return gpu_joint(&all);
 }
