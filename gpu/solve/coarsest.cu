@@ -3,9 +3,16 @@
  * spec/solve/multigrid.md §5 */
 #include "gpu/solve/coarsest.cuh"
 
-/* PITCH: the distance of two rows in shared memory, odd so that the rows begin
- * in different banks. */
-enum { SIDE = 16, INVERT_BLOCK = SIDE * SIDE, PITCH = DENSE + 1 };
+/* ENTRIES: of the lower triangle. OWN: the most of a thread. */
+#ifdef __CUDACC__
+enum { INVERT_BLOCK = 1024 };
+#else
+enum { INVERT_BLOCK = 64 };
+#endif
+enum {
+    ENTRIES = DENSE * (DENSE + 1) / 2,
+    OWN = (ENTRIES + INVERT_BLOCK - 1) / INVERT_BLOCK
+};
 
 static __device__ double component(sym b, int r, int c)
 {
@@ -63,69 +70,89 @@ static __device__ double entry(const struct coarsest *s, const sym *block,
     return sum;
 }
 
-/* A thread's loop over the entries that it owns: those in every SIDE-th row and
- * every SIDE-th column of the lower triangle. */
-#define OWN_ENTRIES(i, j, n)                                                   \
-    for (int i = (int)threadIdx.x / SIDE; i < (n); i += SIDE)                  \
-        for (int j = (int)threadIdx.x % SIDE; j <= i; j += SIDE)
-
-/* A thread's part of the sweep of unknown k. column: that of k, with the pivot;
- * next: gets that of k + 1. */
-static __device__ void sweep(int n, double *a, int k, double inverse,
-                             const double *column, double *next)
+/* Row i and column j <= i of entry e of the lower triangle, row by row. */
+static __device__ void place_entry(int e, int *i, int *j)
 {
-    OWN_ENTRIES(i, j, n)
-    {
-        double *e = a + i * PITCH + j, l = column[i] * inverse;
-        if (inverse == 0) /* it is not swept */
-            l = *e;
-        else if (i == k)
-            l = j == k ? -inverse : column[j] * inverse;
-        else if (j != k)
-            l = *e - l * column[j];
-        *e = l;
-        if (i == k + 1)
-            next[j] = l;
-        else if (j == k + 1)
-            next[i] = l;
-    }
+    int row = 0;
+    while ((row + 1) * (row + 2) / 2 <= e)
+        row++;
+    *i = row;
+    *j = e - row * (row + 1) / 2;
 }
 
-/* Run by one block, which sweeps unknown after unknown. Each thread updates the
- * entries that it owns, and those of the next column twice. */
+/* 1/d, or 0 if d is too small for a pivot: then its unknown is not swept. */
+static __device__ double inverse_of(double d, double least)
+{
+    return d > least ? 1 / d : 0;
+}
+
+/* Entry (i, j), which is a, after unknown k is swept. column: that of k. */
+static __device__ double swept(double a, int i, int j, int k, double inverse,
+                               const double *column)
+{
+    double l = column[i] * inverse;
+    if (inverse == 0)
+        return a;
+    if (i == k)
+        return j == k ? -inverse : column[j] * inverse;
+    return j == k ? l : a - l * column[j];
+}
+
+/* Run by one block. Each thread keeps its entries in registers, and sweeps
+ * unknown after unknown; whoever has entries of the next column, or the next
+ * pivot, writes them for all. */
 static __global__ void __launch_bounds__(INVERT_BLOCK)
     coarsest_invert_kernel(struct coarsest s)
 {
-    __shared__ double a[DENSE * PITCH], column[2][DENSE];
+    __shared__ double diagonal[DENSE], column[2][DENSE], inverse[DENSE];
     __shared__ sym block[(STENCIL + 1) * COARSEST];
-    __shared__ bool swept[DENSE];
-    int n = 3 * (int)s.count, t = (int)threadIdx.x;
+    int n = 3 * (int)s.count, t = (int)threadIdx.x, row[OWN], col[OWN];
     int blocks = STENCIL * (int)s.count;
-    double trace = 0;
+    double a[OWN], least = 0;
     for (int e = t; e < blocks + (int)s.count; e += INVERT_BLOCK)
         block[e] = e < blocks ? s.block[e] : s.excess[e - blocks];
     __syncthreads();
-    OWN_ENTRIES(i, j, n)
-    {
-        double e = a[i * PITCH + j] = entry(&s, block, i, j);
-        if (j == 0)
-            column[0][i] = e;
+    UNROLL
+    for (int o = 0; o < OWN; o++) {
+        place_entry(t + o * INVERT_BLOCK, &row[o], &col[o]);
+        if (row[o] >= n)
+            continue;
+        a[o] = entry(&s, block, row[o], col[o]);
+        if (row[o] == col[o])
+            diagonal[row[o]] = a[o];
+        if (col[o] == 0)
+            column[0][row[o]] = a[o];
     }
     __syncthreads();
     for (int k = 0; k < n; k++)
-        trace += a[k * PITCH + k];
+        least += diagonal[k];
+    least *= 0x1p-40;
+    if (t == 0)
+        inverse[0] = inverse_of(diagonal[0], least);
     for (int k = 0; k < n; k++) {
         __syncthreads();
-        const double *from = column[k % 2];
-        bool good = from[k] > 0x1p-40 * trace;
-        sweep(n, a, k, good ? 1 / from[k] : 0, from, column[(k + 1) % 2]);
-        if (t == 0)
-            swept[k] = good;
+        double *next = column[(k + 1) % 2];
+        UNROLL
+        for (int o = 0; o < OWN; o++) {
+            int i = row[o], j = col[o];
+            if (i >= n)
+                continue;
+            a[o] = swept(a[o], i, j, k, inverse[k], column[k % 2]);
+            if (i == k + 1)
+                next[j] = a[o];
+            else if (j == k + 1)
+                next[i] = a[o];
+            if (i == k + 1 && j == k + 1)
+                inverse[i] = inverse_of(a[o], least);
+        }
     }
     __syncthreads();
-    OWN_ENTRIES(i, j, n)
-    {
-        double e = swept[i] && swept[j] ? -a[i * PITCH + j] : 0;
+    UNROLL
+    for (int o = 0; o < OWN; o++) {
+        int i = row[o], j = col[o];
+        if (i >= n)
+            continue;
+        double e = inverse[i] != 0 && inverse[j] != 0 ? -a[o] : 0;
         s.dense[i * DENSE + j] = s.dense[j * DENSE + i] = e;
     }
 }

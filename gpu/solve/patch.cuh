@@ -14,13 +14,12 @@
  * of every rank. */
 struct patch {
     struct grid g;
-    int32_t count, share; /* particles of the grid, and of a rank */
-    int32_t reach;        /* the largest |q - p| where row q reads y of p */
-    int64_t inverse; /* p · inverse / 2^32 is p / share, without division */
-    int64_t across;  /* p · across / 2^32 is p / m */
-    bool whole;      /* each rank owns all particles */
-    int32_t table;   /* offset of struct edge [STENCIL] */
-    int32_t rules;   /* offset of the rules of all particles */
+    int32_t count, share;     /* particles of the grid, and of a rank */
+    int32_t reach;            /* the largest |q - p| where row q reads y of p */
+    uint32_t inverse, across; /* of share and of m, for quotient */
+    bool whole;               /* each rank owns all particles */
+    int32_t table;            /* offset of struct edge [STENCIL] */
+    int32_t rules;            /* offset of the rules of all particles */
     /* Offsets of the blocks of edge o that start at the rank's particles, or at
      * earlier particles and end at the rank's. */
     int32_t edge[STENCIL];
@@ -51,8 +50,19 @@ struct run {
     int first, own, low, high;
     int table;
     struct grid g;
-    int64_t across;
+    uint32_t across;
 };
+
+/* Returns a / b without division, for a < 2^16; inverse is inverse_of(b). */
+static __device__ inline int quotient(int a, uint32_t inverse)
+{
+    return inverse ? (int)((uint64_t)a * inverse >> 32) : a;
+}
+
+static uint32_t inverse_of(int b)
+{
+    return b > 1 ? (uint32_t)(((INT64_C(1) << 32) + b - 1) / b) : 0;
+}
 
 /* Steps in particle numbers from the start to the end of edge o; 0 if no
  * particle of the grid has an edge o. */
@@ -80,7 +90,7 @@ static __device__ inline struct run run_of(const struct patch *l)
 
 static __device__ inline struct place place_in(struct run r, int p)
 {
-    int j = (int)(p * r.across >> 32);
+    int j = quotient(p, r.across);
     return place{p, p - j * r.g.m, j};
 }
 
@@ -186,7 +196,7 @@ static __device__ inline vec owned(const struct patch *l, int from, int p)
 {
     if (l->whole)
         return slot_at(from, p);
-    int rank = (int)(p * l->inverse >> 32);
+    int rank = quotient(p, l->inverse);
     return value_of(cluster_at(slots(from), rank)[p - rank * l->share]);
 }
 
@@ -229,8 +239,8 @@ static struct patch patch_of(const struct level *l, int ranks)
     p.whole = ranks == 1;
     p.share = (l->count + ranks - 1) / ranks;
     p.reach = 2 * l->g.m + 2;
-    p.inverse = ((INT64_C(1) << 32) + p.share - 1) / p.share;
-    p.across = ((INT64_C(1) << 32) + l->g.m - 1) / l->g.m;
+    p.inverse = inverse_of(p.share);
+    p.across = inverse_of(l->g.m);
     p.block_from = l->block;
     p.factor_from = l->factor;
     p.excess_from = l->excess;

@@ -13,7 +13,7 @@
  * is computed whole by each rank if it fits, as barriers of a block are faster.
  */
 #ifdef __CUDACC__
-enum { TAIL_BLOCK = 1024, TAIL_LEVELS = 16, TAIL_WHOLE = 200 };
+enum { TAIL_BLOCK = 512, TAIL_LEVELS = 16, TAIL_WHOLE = 200 };
 #else
 enum { TAIL_BLOCK = 64, TAIL_LEVELS = 16, TAIL_WHOLE = 30 };
 #endif
@@ -23,12 +23,18 @@ struct tail {
     struct patch patch[TAIL_LEVELS];
     struct coarsest coarsest;
     int32_t rules; /* of all grids but the coarsest */
-    int32_t dense; /* place of the coarsest's factor */
+    int32_t ruled; /* place of a word: whether any rule is not 0 */
+    int32_t dense; /* place of the inverse of the coarsest's operator */
     real damping;
     const vec *b, *y; /* the first grid's right-hand side, and y smoothed */
     vec *x;           /* the result there */
     const int32_t *go;
 };
+
+static __device__ inline int32_t *ruled(const struct tail *s)
+{
+    return (int32_t *)(cluster_shared() + s->ruled);
+}
 
 /* A warp copies a stream to its place; parts that are not aligned to 16 bytes
  * come first and last. */
@@ -54,24 +60,40 @@ static __device__ inline void fetch_stream(struct stream s)
         copy_ahead((quad *)(to + head) + k, (const quad *)(from + head) + k);
 }
 
-/* Starts the copies of a rank's coefficients of a grid: a warp copies the
- * blocks of one direction, two more warps the factors and the excess. */
-static __device__ inline void fetch_patch(const struct patch *l)
+/* Starts the copies of a rank's coefficients of the grids but the coarsest,
+ * which has none: those of the first, of the second and of all others in a
+ * group each. A warp copies a stream: the blocks of one direction, the factors
+ * or the excess. */
+static __device__ inline void fetch_patches(const struct tail *s)
 {
-    struct run r = run_of(l);
-    int t = rank_thread();
-    if (t < STENCIL)
-        edges_at(l->table)[t] = edge_in(l, r, t);
-    for (int o = t / WARP; o < STENCIL + 2; o += rank_threads() / WARP)
+    enum { STREAMS = STENCIL + 2 };
+    int grids = s->levels - 1, groups = 0;
+    for (int e = rank_thread(); e < STENCIL * grids; e += rank_threads()) {
+        const struct patch *l = &s->patch[e / STENCIL];
+        int o = e % STENCIL;
+        edges_at(l->table)[o] = edge_in(l, run_of(l), o);
+    }
+    for (int e = rank_thread() / WARP; e < STREAMS * grids;
+         e += rank_threads() / WARP) {
+        const struct patch *l = &s->patch[e / STREAMS];
+        struct run r = run_of(l);
+        int o = e % STREAMS;
+        for (; groups < min_of(e / STREAMS, 2); groups++)
+            copies_group();
         fetch_stream(o < STENCIL    ? blocks_of(l, r, o)
                      : o == STENCIL ? factors_of(l, r)
                                     : excess_of(l, r));
+    }
+    for (; groups < 2; groups++)
+        copies_group();
 }
 
-/* Copies the rules of all grids, which are adjacent in memory. */
+/* Copies the rules of all grids, which are adjacent in memory, and tells
+ * whether any is not 0. */
 static __device__ inline void fetch_rules(const struct tail *s)
 {
     enum { AT_ONCE = 6 };
+    bool any = false;
     const uint8_t *from = s->patch[0].rule;
     uint8_t *to = rules_of(&s->patch[0]), rule[AT_ONCE];
     for (int first = rank_thread(); first < s->rules;
@@ -86,8 +108,11 @@ static __device__ inline void fetch_rules(const struct tail *s)
             int e = first + k * rank_threads();
             if (e < s->rules)
                 to[e] = rule[k];
+            any |= rule[k];
         }
     }
+    if (any)
+        *ruled(s) = 1;
 }
 
 /* Copies the right-hand side and y of the first grid. */
@@ -130,29 +155,39 @@ static __device__ inline void find_left(const struct patch *l, bool later)
     patch_sync(l);
 }
 
+/* The residual of the finer grid, restricted to a particle of the coarser one.
+ */
+template <bool RULED>
+static __device__ inline vec restricted(const struct patch *f, struct place at)
+{
+    vec sum = make(0, 0, 0), left[9];
+    int rule[9];
+    UNROLL
+    for (int e = 0; e < 9; e++) {
+        int i = min_of(max_of(2 * at.i + e % 3 - 1, 0), f->g.m - 1);
+        int j = min_of(max_of(2 * at.j + e / 3 - 1, 0), f->g.n - 1);
+        rule[e] = RULED ? rules_of(f)[i + f->g.m * j] : 0;
+        left[e] = owned(f, f->left, i + f->g.m * j);
+    }
+    UNROLL
+    for (int e = 0; e < 9; e++) {
+        int di = e % 3 - 1, dj = e / 3 - 1;
+        real part = R(0.25) * (real)part_of(rule[e], di, dj);
+        if (within(f->g, 2 * at.i + di, 2 * at.j + dj))
+            sum = axpy(sum, part, left[e]);
+    }
+    return sum;
+}
+
 /* As restrict_at; y is computed of all particles within reach. */
+template <bool RULED>
 static __device__ inline void
 restrict_patch(const struct patch *f, const struct patch *l, real damping)
 {
     struct run r = run_of(l);
     EACH_WITHIN(r, at)
     {
-        vec sum = make(0, 0, 0), left[9];
-        int rule[9];
-        UNROLL
-        for (int e = 0; e < 9; e++) {
-            int i = min_of(max_of(2 * at.i + e % 3 - 1, 0), f->g.m - 1);
-            int j = min_of(max_of(2 * at.j + e / 3 - 1, 0), f->g.n - 1);
-            rule[e] = rules_of(f)[i + f->g.m * j];
-            left[e] = owned(f, f->left, i + f->g.m * j);
-        }
-        UNROLL
-        for (int e = 0; e < 9; e++) {
-            int di = e % 3 - 1, dj = e / 3 - 1;
-            if (within(f->g, 2 * at.i + di, 2 * at.j + dj))
-                sum = axpy(sum, R(0.25) * (real)part_of(rule[e], di, dj),
-                           left[e]);
-        }
+        vec sum = restricted<RULED>(f, at);
         if (owns(r, at.p))
             put_slot(l->x, at.p - r.first, sum);
         if (damping != 0) {
@@ -166,6 +201,7 @@ restrict_patch(const struct patch *f, const struct patch *l, real damping)
 
 /* Adds the correction of the coarser grid c to y of all particles within reach.
  */
+template <bool RULED>
 static __device__ inline void prolong_patch(const struct patch *l,
                                             const struct patch *c)
 {
@@ -175,7 +211,7 @@ static __device__ inline void prolong_patch(const struct patch *l,
         struct raised_parts x;
         int own = at.p - r.low;
         x.here = slot_at(l->y, own);
-        x.rule = rules_of(l)[at.p];
+        x.rule = RULED ? rules_of(l)[at.p] : 0;
         UNROLL
         for (int k = 0; k < 4; k++) {
             int i = (at.i + k % 2) / 2, j = (at.j + k / 2) / 2;
@@ -220,27 +256,39 @@ static __device__ inline void solve_coarsest(const struct tail *s,
     cluster_sync_shared(true);
 }
 
-/* Starts all copies from global memory, those of the first grid, of the second
- * and of all others in a group each, and waits for those of the first. */
+/* Starts all copies from global memory and waits for those of the first grid.
+ */
 static __device__ inline void fetch_all(const struct tail *s)
 {
-    int last = s->levels - 1;
-    for (int k = 0; k < last; k++) {
-        fetch_patch(&s->patch[k]);
-        if (k < 2)
-            copies_group();
-    }
-    for (int k = last; k < 2; k++)
-        copies_group();
+    if (rank_thread() == 0)
+        *ruled(s) = 0;
+    fetch_patches(s);
     fetch_coarsest(&s->coarsest, s->dense);
     copies_group();
+    cluster_sync_shared(true); /* ruled is 0 */
     fetch_rules(s);
     fetch_vectors(s);
-    if (last > 0)
+    if (s->levels > 1)
         copies_end<2>();
     else
         copies_end<0>();
     cluster_sync_shared(true);
+}
+
+/* The cycle. RULED: whether any rule is not 0. */
+template <bool RULED> static __device__ inline void cycle(const struct tail *s)
+{
+    int last = s->levels - 1;
+    for (int k = 0; k < last; k++) {
+        find_left(&s->patch[k], k == 0 && last > 1);
+        restrict_patch<RULED>(&s->patch[k], &s->patch[k + 1],
+                              k + 1 < last ? s->damping : 0);
+    }
+    solve_coarsest(s, &s->patch[last], last ? NULL : s->x);
+    for (int k = last - 1; k >= 0; k--) {
+        prolong_patch<RULED>(&s->patch[k], &s->patch[k + 1]);
+        smooth_up(s, &s->patch[k], k ? NULL : s->x);
+    }
 }
 
 /* One cluster. All ranks come to every barrier, whether they have work or not.
@@ -251,18 +299,11 @@ static __global__ void __launch_bounds__(TAIL_BLOCK, 1)
 {
     if (idle(s.go))
         return;
-    int last = s.levels - 1;
     fetch_all(&s);
-    for (int k = 0; k < last; k++) {
-        find_left(&s.patch[k], k == 0 && last > 1);
-        restrict_patch(&s.patch[k], &s.patch[k + 1],
-                       k + 1 < last ? s.damping : 0);
-    }
-    solve_coarsest(&s, &s.patch[last], last ? NULL : s.x);
-    for (int k = last - 1; k >= 0; k--) {
-        prolong_patch(&s.patch[k], &s.patch[k + 1]);
-        smooth_up(&s, &s.patch[k], k ? NULL : s.x);
-    }
+    if (*ruled(&s))
+        cycle<true>(&s);
+    else
+        cycle<false>(&s);
 }
 
 /* Lays out the levels from `first` on as patches, those from `whole` on whole
@@ -283,6 +324,8 @@ static int64_t lay_tail(struct tail *s, const struct level *l, int levels,
     }
     s->rules = (int32_t)rules;
     at += (rules + 15) / 16 * 16;
+    s->ruled = (int32_t)at;
+    at += 16;
     s->dense = (int32_t)at;
     return at + n * DENSE * (int)sizeof(double);
 }

@@ -54,23 +54,23 @@ static void sweep(int n, double *a, int k, double inverse)
     a[k * DENSE + k] = -inverse;
 }
 
-/* Inverts a symmetric matrix in place. */
+/* Inverts a symmetric matrix in place. A pivot that is only rounding error
+ * counts as having the inverse 0, and its unknown is not swept. */
 static void invert(int n, double *a)
 {
-    bool swept[DENSE];
-    double trace = 0;
+    double inverse[DENSE], trace = 0;
     for (int k = 0; k < n; k++)
         trace += a[k * DENSE + k];
     for (int k = 0; k < n; k++) {
         double d = a[k * DENSE + k];
-        swept[k] = d > 0x1p-40 * trace;
-        if (swept[k])
-            sweep(n, a, k, 1 / d);
+        inverse[k] = d > 0x1p-40 * trace ? 1 / d : 0;
+        if (inverse[k] != 0)
+            sweep(n, a, k, inverse[k]);
     }
     for (int i = 0; i < n; i++)
         for (int j = 0; j <= i; j++)
             a[i * DENSE + j] = a[j * DENSE + i] =
-                swept[i] && swept[j] ? -a[i * DENSE + j] : 0;
+                inverse[i] != 0 && inverse[j] != 0 ? -a[i * DENSE + j] : 0;
 }
 
 void coarsest_invert(const struct coarsest *s)
