@@ -2,7 +2,6 @@
 /* Stage links on the device: the contacts' own matrix times a vector.
  * spec/contact/penalty.md §3 */
 #include "gpu/contact/links.cuh"
-#include "gpu/contact/lists.cuh"
 
 /* Blocks of the push kernel for each multiprocessor. */
 enum { PUSH_BLOCKS = 8 };
@@ -32,42 +31,26 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     }
 }
 
-/* The pushes of the mutual contacts of a vertex, which add to y. A contact that
- * is not would add 0, which changes no y, as no y is -0. */
-struct links_list {
-    const struct links *s;
-    const int32_t *start, *past, *item;
-    vec *y;
-    __device__ int32_t end(int64_t i) const { return past[i]; }
-    __device__ vec value(int32_t at) const
-    {
-        int32_t k = item[at];
-        return scale(s->contact[k / 4].c[k % 4], s->push[k / 4]);
-    }
-    __device__ vec first(int64_t i) const { return y[i]; }
-    __device__ void done(int64_t i, vec sum) const { y[i] = sum; }
-};
-
-/* Thread i owns vertex i: adds the pushes of its items to y[i], in the order of
- * its list. */
+/* Thread i owns vertex i. */
 static __global__ void __launch_bounds__(LIST_BLOCK)
     links_gather_kernel(const struct linked *l, int64_t nv, vec *y,
                         const int32_t *go)
 {
-    if (idle(go))
-        return;
-    struct links_list list = {&l->s, l->s.start, l->end, l->item, y};
-    int64_t i = own_list(nv);
-    if (i >= 0 && list.start[i] == list.past[i])
-        i = -1;
-    sum_list(list, i);
+    if (!idle(go))
+        gather_links(l, nv, y);
+}
+
+void gpu_links_push(struct gpu *g, const struct linked *links, const vec *x,
+                    const int32_t *go)
+{
+    LAUNCH(g, (int64_t)PUSH_BLOCKS * g->multiprocessors * g->block,
+           links_push_kernel, links, x, go);
 }
 
 void gpu_links_queue(struct gpu *g, const struct linked *links, int64_t nv,
                      const vec *x, vec *y, const int32_t *go)
 {
-    LAUNCH(g, (int64_t)PUSH_BLOCKS * g->multiprocessors * g->block,
-           links_push_kernel, links, x, go);
+    gpu_links_push(g, links, x, go);
     LAUNCH_LISTS(g, nv, links_gather_kernel, links, nv, y, go);
 }
 

@@ -13,11 +13,11 @@
  * items of a list that a thread sums. LIST_AHEAD, LIST_ROWS: items that a
  * thread, and a lane, load before the first is added, so that latencies
  * overlap. */
-enum { LIST_SHORT = 32 };
+enum { LIST_SHORT = 32, LIST_BLOCK = 256 };
 #ifdef __CUDACC__
-enum { LIST_BLOCK = 256, LIST_AHEAD = 8, LIST_ROWS = 4 };
+enum { LIST_AHEAD = 8, LIST_ROWS = 4 };
 #else
-enum { LIST_BLOCK = 64, LIST_AHEAD = 3, LIST_ROWS = 2 };
+enum { LIST_AHEAD = 3, LIST_ROWS = 2 };
 #endif
 
 /* The items of all lists: list i has places [list.start[i], list.end(i)), and

@@ -18,6 +18,17 @@ enum { FIRST = 4, NEXT = 2 };
 
 static_assert(sizeof(struct pcg_state) <= GPU_WORDS * sizeof(int64_t), "words");
 
+/* How M⁻¹ r begins: by Jacobi s and item = r·s; by multigrid the first
+ * smoothing of the cycle. */
+struct begin {
+    int32_t with_r; /* 1: there is one cloth: whoever makes r begins, too */
+    int32_t jacobi;
+    struct opening opening;
+    const sym *factor;
+    vec *s;
+    real *item;
+};
+
 /* What the launches of a solve depend on: the key of its graphs, too. The
  * contacts are in device memory. */
 struct solve {
@@ -30,6 +41,7 @@ struct solve {
     real *item, *chunk;
     real exact;   /* as in struct joint */
     int32_t loop; /* 1: the loop; 0: the launches before it */
+    struct begin begin;
 };
 
 /* Block k of the kernels below owns chunk k of the particles, a thread each
@@ -47,6 +59,17 @@ static __global__ void joint_keep_kernel(struct pcg_state *c, real scale,
     *c = fresh;
 }
 
+static __device__ void begin_at(const struct begin *b, int64_t k, vec r)
+{
+    if (!b->jacobi) {
+        open_at(&b->opening, (int)k, r);
+        return;
+    }
+    vec z = solved(b->factor[k], r);
+    b->s[k] = z;
+    b->item[k] = dot(r, z);
+}
+
 /* r = b and dv = 0; the state before the first iteration. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
     joint_open_kernel(struct solve a)
@@ -58,6 +81,8 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         vec r = a.b[k];
         a.r[k] = r;
         value = dot(r, r);
+        if (a.begin.with_r)
+            begin_at(&a.begin, k, r);
     }
     if (!grid_sums<1>(&value, a.chunk, &c->ticket, &sum) || threadIdx.x)
         return;
@@ -75,23 +100,14 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         end(c, PCG_LIMIT);
 }
 
-/* Thread k owns particle k of one cloth: begins M⁻¹ r. By Jacobi s and item =
- * r·s; by multigrid the first smoothing of the cycle. */
+/* Thread k owns particle k of one cloth. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    joint_begin_kernel(struct pcg p, bool jacobi, struct opening o, real *item,
+    joint_begin_kernel(struct begin b, int64_t count, const vec *r,
                        const int32_t *go)
 {
-    ITEM(k, p.count);
-    if (!*go)
-        return;
-    vec r = p.r[k];
-    if (!jacobi) {
-        open_at(&o, (int)k, r);
-        return;
-    }
-    vec z = solved(p.factor[k], r);
-    p.s[k] = z;
-    item[k] = dot(r, z);
+    ITEM(k, count);
+    if (*go)
+        begin_at(&b, k, r[k]);
 }
 
 /* The sum of item: r·M⁻¹r. */
@@ -106,15 +122,18 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
     enter(&a.rule, c, sum, a.exact);
 }
 
-/* p·q, which gives α. */
+/* q gains what the contacts push; then p·q, which gives α. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
     joint_measure_kernel(struct solve a, const vec *p)
 {
     PARTICLE(k);
     struct pcg_state *c = a.c;
     real value = 0, sum;
+    static_assert((int)LIST_BLOCK == (int)SUM_CHUNK, "a thread's particle");
     if (!c->go)
         return;
+    gather_links(a.links, a.nc, a.q);
+    __syncthreads();
     if (k < a.nc)
         value = dot(p[k], a.q[k]);
     if (grid_sums<1>(&value, a.chunk, &c->ticket, &sum) && threadIdx.x == 0)
@@ -135,6 +154,8 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         a.dv[k] = axpy(a.dv[k], alpha, p[k]);
         a.r[k] = r;
         value = dot(r, r);
+        if (a.begin.with_r)
+            begin_at(&a.begin, k, r);
     }
     if (grid_sums<1>(&value, a.chunk, &c->ticket, &sum) && threadIdx.x == 0)
         leave(&a.rule, c, sum);
@@ -228,6 +249,22 @@ static struct pcg part_of(const struct joint_system *w,
     return p;
 }
 
+/* Writes all but with_r of *b, which is part of a key: padding stays as it is.
+ * item: [p->count], of that cloth. */
+static void write_begin(struct begin *b, struct pcg *p, real *item)
+{
+    b->jacobi = p->precond == DRAPE_JACOBI;
+    if (!b->jacobi) {
+        struct opening o = gpu_multigrid_opening(&p->grid);
+        b->opening.factor = o.factor;
+        b->opening.y = o.y;
+        b->opening.damping = o.damping;
+    }
+    b->factor = p->factor;
+    b->s = p->s;
+    b->item = item;
+}
+
 /* Cloths' own launches run beside each other. */
 static void fork_cloths(const struct joint_system *w)
 {
@@ -254,15 +291,13 @@ static void precondition(const struct joint_system *w, const struct solve *a)
     fork_cloths(w);
     for (int k = 0; k < w->n; k++) {
         struct pcg p = part_of(w, &w->part[k]);
-        bool jacobi = p.precond == DRAPE_JACOBI;
+        struct begin b = {};
+        write_begin(&b, &p, a->item + w->part[k].first);
         branch_to(w, k);
-        real *item = a->item + w->part[k].first;
-        struct opening o = {};
-        if (!jacobi)
-            o = gpu_multigrid_opening(&p.grid);
-        LAUNCH(g, p.count, joint_begin_kernel, p, jacobi, o, item, &a->c->go);
-        if (!jacobi)
-            gpu_multigrid_cycle(g, &p.grid, lent_by(&p), &a->c->go, item);
+        if (!a->begin.with_r)
+            LAUNCH(g, p.count, joint_begin_kernel, b, p.count, p.r, &a->c->go);
+        if (!b.jacobi)
+            gpu_multigrid_cycle(g, &p.grid, lent_by(&p), &a->c->go, b.item);
     }
     join_cloths(w);
     LAUNCH_BLOCKS(g, item_blocks(a->nc), SUM_CHUNK, joint_enter_kernel, *a);
@@ -285,7 +320,7 @@ static void search(const struct joint_system *w, const struct solve *a,
                         a->item + s->first});
     }
     join_cloths(w);
-    gpu_links_queue(g, a->links, a->nc, to, a->q, &a->c->go);
+    gpu_links_push(g, a->links, to, &a->c->go);
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_measure_kernel, *a, to);
 }
 
@@ -407,6 +442,11 @@ static void write_solve(struct solve *a, const struct joint_system *w)
     a->at = w->part[0].rates.x;
     a->item = s->item;
     a->chunk = s->chunk;
+    if (w->n > 1)
+        return;
+    struct pcg only = part_of(w, &w->part[0]);
+    write_begin(&a->begin, &only, s->item);
+    a->begin.with_r = 1;
 }
 
 int gpu_joint(const struct joint_system *w)
