@@ -104,12 +104,14 @@ static void multiply(struct gpu *g, const struct level *l, X x, END end)
 }
 
 /* Queues the way down on one grid: from b, smoothed in y, to the residual, and
- * then b of the next grid. */
-static void go_down(struct gpu *g, const struct level *l, real next_damping)
+ * then b of the next grid, unless the tail has it. */
+static void go_down(struct gpu *g, const struct level *l, bool last,
+                    real damping)
 {
     const struct level *c = l + 1;
     multiply(g, l, plain{l->y}, left_of(l));
-    LAUNCH(g, c->count, multigrid_restrict_kernel, *l, *c, next_damping);
+    if (!last)
+        LAUNCH(g, c->count, multigrid_restrict_kernel, *l, *c, damping);
 }
 
 /* Queues the way up on one grid. item: as in struct smoothing. */
@@ -144,11 +146,10 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, sym *lent,
     struct tail tail = {};
     int64_t room = fit_tail(&tail, l, levels, &first, g);
     for (int k = 0; k < first; k++)
-        go_down(g, &l[k], k + 2 < levels ? coarse : 0);
+        go_down(g, &l[k], k + 1 == first, coarse);
     tail.coarsest = coarsest_of(s, &l[levels - 1]);
     tail.damping = coarse;
-    tail.b = l[first].b;
-    tail.y = l[first].y;
+    tail.fine = l[first - 1];
     tail.x = l[first].x;
     tail.go = go;
     LAUNCH_CLUSTER(g, TAIL_BLOCK, room, tail_kernel, tail);

@@ -73,12 +73,8 @@ static __device__ inline void arrive(const struct left *l, struct place at,
     l->to[at.p] = own.fixed ? make(0, 0, 0) : sub(own.b, y);
 }
 
-/* Restricts the fine residual, in x, to the right-hand side of coarse particle
- * p. Smooths p for the first time too, unless damping is 0, as for the coarsest
- * grid. */
-static __device__ inline void restrict_at(const struct level *f,
-                                          const struct level *c,
-                                          struct place at, real damping)
+/* The fine residual, in x, restricted to a coarse particle. */
+static __device__ inline vec restricted(const struct level *f, struct place at)
 {
     vec sum = make(0, 0, 0);
     UNROLL
@@ -89,9 +85,18 @@ static __device__ inline void restrict_at(const struct level *f,
             sum =
                 axpy(sum, R(0.25) * (real)part_of(f->rule[p], di, dj), f->x[p]);
     }
+    return sum;
+}
+
+/* Restricts to the right-hand side of coarse particle p, and smooths p for the
+ * first time. */
+static __device__ inline void restrict_at(const struct level *f,
+                                          const struct level *c,
+                                          struct place at, real damping)
+{
+    vec sum = restricted(f, at);
     c->b[at.p] = sum;
-    if (damping != 0)
-        c->y[at.p] = scale(damping, solved(c->factor[at.p], sum));
+    c->y[at.p] = scale(damping, solved(c->factor[at.p], sum));
 }
 
 /* A source of x (gpu/solve/edges.cuh): y of the fine grid plus the interpolated

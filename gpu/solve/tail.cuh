@@ -26,8 +26,8 @@ struct tail {
     int32_t ruled; /* place of a word: whether any rule is not 0 */
     int32_t dense; /* place of the inverse of the coarsest's operator */
     real damping;
-    const vec *b, *y; /* the first grid's right-hand side, and y smoothed */
-    vec *x;           /* the result there */
+    struct level fine; /* the grid before the first, whose residual is in x */
+    vec *x;            /* the result on the first grid */
     const int32_t *go;
 };
 
@@ -115,19 +115,34 @@ static __device__ inline void fetch_rules(const struct tail *s)
         *ruled(s) = 1;
 }
 
-/* Copies the right-hand side and y of the first grid. */
+/* Restricts the residual of the fine grid to all particles of the first grid
+ * within reach. It goes to y, until the factors are there. */
 static __device__ inline void fetch_vectors(const struct tail *s)
 {
     const struct patch *l = &s->patch[0];
     struct run r = run_of(l);
-    for (int p = r.low + rank_thread(); p < r.high; p += rank_threads()) {
-        bool own = owns(r, p);
-        vec b = s->b[own ? p : r.first];
-        if (s->levels > 1) /* otherwise nothing is smoothed */
-            put_slot(l->y, p - r.low, s->y[p]);
-        if (own)
-            put_slot(l->x, p - r.first, b);
+    EACH_WITHIN(r, at)
+    {
+        vec b = restricted(&s->fine, at);
+        put_slot(l->y, at.p - r.low, b);
+        if (owns(r, at.p))
+            put_slot(l->x, at.p - r.first, b);
     }
+}
+
+/* The first smoothing of the first grid. */
+static __device__ inline void open_first(const struct tail *s)
+{
+    const struct patch *l = &s->patch[0];
+    struct run r = run_of(l);
+    EACH_WITHIN(r, at)
+    {
+        int k = at.p - r.low;
+        sym factor = fetch(syms(factors_of(l, r).at) + k);
+        vec b = slot_at(l->y, k);
+        put_slot(l->y, k, scale(s->damping, solved(factor, b)));
+    }
+    cluster_sync_shared(true);
 }
 
 /* Waits for all ranks that have particles of this grid. */
@@ -273,6 +288,8 @@ static __device__ inline void fetch_all(const struct tail *s)
     else
         copies_end<0>();
     cluster_sync_shared(true);
+    if (s->levels > 1)
+        open_first(s);
 }
 
 /* The cycle. RULED: whether any rule is not 0. */
