@@ -114,18 +114,20 @@ static void go_down(struct gpu *g, const struct level *l, bool last,
         LAUNCH(g, c->count, multigrid_restrict_kernel, *l, *c, damping);
 }
 
-/* Queues the way up on one grid. item: as in struct smoothing. */
-static void go_up(struct gpu *g, const struct level *l, real damping,
-                  real *item)
+/* Queues the way up on one grid. raised: y has the correction already. item: as
+ * in struct smoothing. */
+static void go_up(struct gpu *g, const struct level *l, bool raised,
+                  real damping, real *item)
 {
     struct raised y = raised_from(l + 1, l);
     struct smoothing end = smoothing_of(l, damping);
     end.item = item;
-    if (sweeps(l->g)) {
+    if (!raised && sweeps(l->g)) {
         multiply(g, l, y, end);
         return;
     }
-    LAUNCH(g, l->count, multigrid_prolong_kernel, *l, y);
+    if (!raised)
+        LAUNCH(g, l->count, multigrid_prolong_kernel, *l, y);
     multiply(g, l, plain{l->y}, end);
 }
 
@@ -150,11 +152,13 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, sym *lent,
     tail.coarsest = coarsest_of(s, &l[levels - 1]);
     tail.damping = coarse;
     tail.fine = l[first - 1];
+    tail.raises = !sweeps(l[first - 1].g);
     tail.x = l[first].x;
     tail.go = go;
     LAUNCH_CLUSTER(g, TAIL_BLOCK, room, tail_kernel, tail);
     for (int k = first - 1; k >= 0; k--)
-        go_up(g, &l[k], k ? coarse : fine, k ? NULL : item);
+        go_up(g, &l[k], tail.raises && k == first - 1, k ? coarse : fine,
+              k ? NULL : item);
 }
 
 /* Makes grid k from the grid before. The finest grid has springs as its edges.

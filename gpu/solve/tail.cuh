@@ -27,7 +27,8 @@ struct tail {
     int32_t dense; /* place of the inverse of the coarsest's operator */
     real damping;
     struct level fine; /* the grid before the first, whose residual is in x */
-    vec *x;            /* the result on the first grid */
+    bool raises; /* the correction is added to fine.y; else it goes to x */
+    vec *x;
     const int32_t *go;
 };
 
@@ -271,6 +272,26 @@ static __device__ inline void solve_coarsest(const struct tail *s,
     cluster_sync_shared(true);
 }
 
+/* Adds the correction to y of the fine grid. */
+static __device__ inline void raise_fine(const struct tail *s)
+{
+    const struct patch *c = &s->patch[0];
+    EACH_OF_GROUP(p, s->fine.count)
+    {
+        struct place at = place_of(s->fine.g, p);
+        struct raised_parts x;
+        x.here = s->fine.y[p];
+        x.rule = s->fine.fixed && s->fine.fixed[p] ? -1 : s->fine.rule[p];
+        UNROLL
+        for (int k = 0; k < 4; k++) {
+            int i = (at.i + k % 2) / 2, j = (at.j + k / 2) / 2;
+            x.corner[k] = owned(c, c->x, i + c->g.m * j);
+        }
+        s->fine.y[p] = made((const struct raised *)NULL, x, at);
+    }
+    cluster_sync_shared(false); /* no rank ends while others read from it */
+}
+
 /* Starts all copies from global memory and waits for those of the first grid.
  */
 static __device__ inline void fetch_all(const struct tail *s)
@@ -301,11 +322,14 @@ template <bool RULED> static __device__ inline void cycle(const struct tail *s)
         restrict_patch<RULED>(&s->patch[k], &s->patch[k + 1],
                               k + 1 < last ? s->damping : 0);
     }
-    solve_coarsest(s, &s->patch[last], last ? NULL : s->x);
+    vec *to = s->raises ? NULL : s->x;
+    solve_coarsest(s, &s->patch[last], last ? NULL : to);
     for (int k = last - 1; k >= 0; k--) {
         prolong_patch<RULED>(&s->patch[k], &s->patch[k + 1]);
-        smooth_up(s, &s->patch[k], k ? NULL : s->x);
+        smooth_up(s, &s->patch[k], k ? NULL : to);
     }
+    if (s->raises)
+        raise_fine(s);
 }
 
 /* One cluster. All ranks come to every barrier, whether they have work or not.
