@@ -19,7 +19,14 @@ struct joint_part {
     int64_t first;      /* its first particle */
 };
 
-struct linked;
+/* The contacts as the kernels of a solve take them. In the lists of links all
+ * contacts of a vertex stand, with obstacles, too; here those that are mutual,
+ * in the same order. */
+struct linked {
+    struct links s;
+    int32_t *end;  /* [nv] the lists begin at s.start and end here */
+    int32_t *item; /* [n4] */
+};
 
 /* What the joint solve needs of a world. */
 struct joint_system {
@@ -27,10 +34,9 @@ struct joint_system {
     int n;                         /* cloths, ≥ 1 */
     const struct joint_part *part; /* host [n] */
     struct joint *joint;
-    struct linked *links; /* device [1] */
-    int32_t *mutual_end,
-        *mutual;   /* device [nc], [4 n], gpu/contact/links.cuh */
-    const real *w; /* [nv] 1/kg, 0: fixed */
+    struct linked *links;         /* device [1] */
+    int32_t *mutual_end, *mutual; /* device [nc], [4 n], of *links */
+    const real *w;                /* [nv] 1/kg, 0: fixed */
 };
 
 /* joint_solve on the device: sets the results of s->joint. DRAPE_OK however the

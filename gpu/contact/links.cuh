@@ -8,17 +8,8 @@
 #include "gpu/contact/lists.cuh"
 
 extern "C" {
-#include "ref/contact/links.h"
+#include "gpu/contact/joint.h"
 }
-
-/* The contacts as the kernels of a solve take them. In the lists of links all
- * contacts of a vertex stand, with obstacles, too; here those that are mutual,
- * in the same order. */
-struct linked {
-    struct links s;
-    int32_t *end;  /* [nv] the lists begin at s.start and end here */
-    int32_t *item; /* [n4] */
-};
 
 /* Queues the writing of *to, in device memory, and of end and item. nv:
  * vertices whose lists are wanted; of s, x and y are not read. */

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Contacts within the implicit solve of every cloth, on the device: memory, and
  * ref/contact/turn.h. spec/contact/penalty.md §4 */
-#include "gpu/contact/links.cuh"
+#include "gpu/base/real.cuh"
 
 extern "C" {
+#include "gpu/contact/joint.h"
 #include "gpu/contact/turn.h"
 #include "gpu/world/state.h"
 #include "ref/base/sum.h"

@@ -22,7 +22,7 @@ struct gpu_world {
                       collide, is couple's force */
     struct linked *links; /* device [1] the contacts of the joint solve */
     /* Device [nc], [4 couple.cap]: the contacts of each vertex that are mutual
-     * (gpu/contact/links.cuh). */
+     * (gpu/contact/joint.h). */
     int32_t *mutual_end, *mutual;
     struct joint_part *part; /* host [n_cloths] the cloths in the joint solve */
 };
