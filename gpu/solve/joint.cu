@@ -39,8 +39,9 @@ struct solve {
     vec *r, *p[2], *q, *dv;
     const vec *b, *at; /* at: the positions that rates are of */
     real *item, *chunk;
-    real exact;   /* as in struct joint */
-    int32_t loop; /* 1: the loop; 0: the launches before it */
+    real exact;    /* as in struct joint */
+    int32_t loop;  /* 1: the loop; 0: the launches before it */
+    int32_t touch; /* 1: there are contacts */
     struct begin begin;
 };
 
@@ -132,7 +133,8 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
     static_assert((int)LIST_BLOCK == (int)SUM_CHUNK, "a thread's particle");
     if (!c->go)
         return;
-    gather_links(a.links, a.nc, a.q);
+    if (a.touch)
+        gather_links(a.links, a.nc, a.q);
     __syncthreads();
     if (k < a.nc)
         value = dot(p[k], a.q[k]);
@@ -320,7 +322,8 @@ static void search(const struct joint_system *w, const struct solve *a,
                         a->item + s->first});
     }
     join_cloths(w);
-    gpu_links_push(g, a->links, to, &a->c->go);
+    if (a->touch)
+        gpu_links_push(g, a->links, to, &a->c->go);
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_measure_kernel, *a, to);
 }
 
@@ -431,6 +434,7 @@ static void write_solve(struct solve *a, const struct joint_system *w)
     a->rule.max_iterations = s->max_iterations;
     a->c = (struct pcg_state *)gpu_words(w->gpu);
     a->links = w->links;
+    a->touch = s->links.n > 0;
     a->nc = s->nc;
     a->n_chunks = s->n_chunks;
     a->r = s->r;
