@@ -10,21 +10,24 @@
 
 enum { WARP = 32 };
 
-/* LAUNCH_CLUSTER(g, threads, bytes, kernel, arguments…) launches one cluster of
- * g->ranks blocks; each has `bytes` ≤ g->room of shared memory,
- * cluster_shared(). */
-#ifdef __CUDACC__
+/* LAUNCH_RANKS(g, ranks, threads, bytes, kernel, arguments…) launches one
+ * cluster of ranks ≤ g->ranks blocks; each has `bytes` ≤ g->room of shared
+ * memory, cluster_shared(). LAUNCH_CLUSTER takes as many as there may be. */
 #define LAUNCH_CLUSTER(g, threads, bytes, kernel, ...)                         \
+    LAUNCH_RANKS(g, (g)->ranks, threads, bytes, kernel, __VA_ARGS__)
+
+#ifdef __CUDACC__
+#define LAUNCH_RANKS(g, ranks_, threads, bytes, kernel, ...)                   \
     do {                                                                       \
         cudaLaunchAttribute cluster_ = {};                                     \
         cluster_.id = cudaLaunchAttributeClusterDimension;                     \
-        cluster_.val.clusterDim = {(unsigned)(g)->ranks, 1, 1};                \
+        cluster_.val.clusterDim = {(unsigned)(ranks_), 1, 1};                  \
         cudaLaunchConfig_t config_ = {};                                       \
-        config_.gridDim = {(unsigned)(g)->ranks, 1, 1};                        \
+        config_.gridDim = {(unsigned)(ranks_), 1, 1};                          \
         config_.blockDim = {(unsigned)(threads), 1, 1};                        \
         config_.dynamicSmemBytes = (size_t)(bytes);                            \
         config_.attrs = &cluster_;                                             \
-        config_.numAttrs = (g)->ranks > 1 ? 1 : 0;                             \
+        config_.numAttrs = (ranks_) > 1 ? 1 : 0;                               \
         config_.stream = (g)->stream;                                          \
         if (!(g)->failed)                                                      \
             gpu_note((g), gpu_allow_cluster((g), (const void *)(kernel),       \
@@ -143,9 +146,9 @@ template <int LEFT> static __device__ inline void copies_end(void)
 
 #else /* emulated, the ranks are parts of one block, gpu/run/emulate.h */
 
-#define LAUNCH_CLUSTER(g, threads, bytes, kernel, ...)                         \
+#define LAUNCH_RANKS(g, ranks, threads, bytes, kernel, ...)                    \
     do {                                                                       \
-        int ranks_ = (bytes) > (g)->room ? 0 : (g)->ranks;                     \
+        int ranks_ = (bytes) > (g)->room ? 0 : (ranks);                        \
         int threads_ = (int)(threads);                                         \
         auto call_ = emulate_bind(kernel, __VA_ARGS__);                        \
         if (!(g)->failed)                                                      \
@@ -208,6 +211,17 @@ template <int LEFT> static inline void copies_end(void)
 }
 
 #endif
+
+/* Returns how many ranks it takes for a rank to get at most so many items, as
+ * far as there may be so many: 1, 2, 4, … Where one is enough others would only
+ * keep other worlds from their multiprocessors. */
+static inline int ranks_for(int64_t items, int64_t each, int most)
+{
+    int ranks = 1;
+    while (ranks < most && items > ranks * each)
+        ranks *= 2;
+    return ranks < most ? ranks : most;
+}
 
 /* Returns n rounded up to a multiple of the warp size. */
 static __device__ inline int whole_warps(int n)

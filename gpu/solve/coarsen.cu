@@ -183,6 +183,7 @@ void gpu_coarsen_chain(struct gpu *g, const struct level *l, int levels)
     s.grids = levels;
     for (int k = 0; k < levels; k++)
         s.grid[k] = chain::small{l[k].g, l[k].excess, l[k].rule};
-    LAUNCH_CLUSTER(g, CHAIN_BLOCK, 0, coarsen_chain_kernel, s,
-                   *book_of<STENCIL>());
+    int64_t items = levels > 1 ? (STENCIL + 1) * (int64_t)l[1].count : 0;
+    LAUNCH_RANKS(g, ranks_for(items, CHAIN_BLOCK, g->ranks), CHAIN_BLOCK, 0,
+                 coarsen_chain_kernel, s, *book_of<STENCIL>());
 }

@@ -143,10 +143,10 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, sym *lent,
                          const int32_t *go, real *item)
 {
     struct level l[LEVELS];
-    int levels = lay_out(s, lent, go, l), first = 1;
+    int levels = lay_out(s, lent, go, l), first = 1, ranks = 1;
     real fine = fine_damping(s), coarse = damping_of(s->n_extra ? 4 : 2.5);
     struct tail tail = {};
-    int64_t room = fit_tail(&tail, l, levels, &first, g);
+    int64_t room = fit_tail(&tail, l, levels, &first, &ranks, g);
     for (int k = 0; k < first; k++)
         go_down(g, &l[k], k + 1 == first, coarse);
     tail.coarsest = coarsest_of(s, &l[levels - 1]);
@@ -155,7 +155,7 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, sym *lent,
     tail.raises = !sweeps(l[first - 1].g);
     tail.x = l[first].x;
     tail.go = go;
-    LAUNCH_CLUSTER(g, TAIL_BLOCK, room, tail_kernel, tail);
+    LAUNCH_RANKS(g, ranks, TAIL_BLOCK, room, tail_kernel, tail);
     for (int k = first - 1; k >= 0; k--)
         go_up(g, &l[k], tail.raises && k == first - 1, k ? coarse : fine,
               k ? NULL : item);

@@ -371,24 +371,45 @@ static int64_t lay_tail(struct tail *s, const struct level *l, int levels,
     return at + n * DENSE * (int)sizeof(double);
 }
 
-/* Finds the finest grid, *first ≥ 1, from which on all grids fit, and lays them
- * out. Returns the bytes of shared memory of a rank. */
+/* Lays out the tail from `first` on for so many ranks, with as many grids whole
+ * as fit. Returns the bytes of shared memory of a rank. */
+static int64_t fit_ranks(struct tail *s, const struct level *l, int levels,
+                         int first, int ranks, int64_t room)
+{
+    int whole = levels - 1;
+    int64_t bytes = 0;
+    while (whole > first && l[whole - 1].count <= TAIL_WHOLE)
+        whole--;
+    for (; whole < levels; whole++) {
+        bytes = lay_tail(s, l, levels, first, whole, ranks);
+        if (bytes <= room)
+            break;
+    }
+    return bytes;
+}
+
+/* Finds the finest grid, *first ≥ 1, from which on all grids fit, with the
+ * fewest ranks that have a thread for each lane of their rows, or more if it
+ * takes more to fit. Lays the grids out. Returns the bytes of shared memory of
+ * a rank. */
 static int64_t fit_tail(struct tail *s, const struct level *l, int levels,
-                        int *first, const struct gpu *g)
+                        int *first, int *ranks, const struct gpu *g)
 {
     for (*first = 1; *first < levels - 1; ++*first) {
-        int whole = levels - 1;
-        if (levels - *first > TAIL_LEVELS || l[*first].count > 1 << 16)
+        int64_t count = l[*first].count;
+        if (levels - *first > TAIL_LEVELS || count > 1 << 16)
             continue;
-        for (int k = levels - 1; k >= *first && l[k].count <= TAIL_WHOLE; k--)
-            whole = k;
-        for (; whole < levels; whole++) {
-            int64_t bytes = lay_tail(s, l, levels, *first, whole, g->ranks);
+        *ranks = ranks_for(count, TAIL_BLOCK / ROW_LANES, g->ranks);
+        for (;; *ranks = ranks_for(2 * *ranks, 1, g->ranks)) {
+            int64_t bytes = fit_ranks(s, l, levels, *first, *ranks, g->room);
             if (bytes <= g->room)
                 return bytes;
+            if (*ranks == g->ranks)
+                break;
         }
     }
-    return lay_tail(s, l, levels, *first, levels - 1, g->ranks);
+    *ranks = 1;
+    return lay_tail(s, l, levels, *first, levels - 1, 1);
 }
 
 #endif
