@@ -9,14 +9,15 @@
 #include "gpu/broad/bvtt.cuh"
 
 /* Limits that choose how a kernel runs. Up to RANK_ITEMS items for each block
- * of a thread-block cluster, one cluster runs, whose barriers are fast. Up to
+ * of a thread-block cluster, one cluster runs, whose barriers are fast, with no
+ * more blocks than have LEAST_ITEMS each. Up to
  * LARGE_ITEMS for each multiprocessor, the whole device runs with large blocks,
  * so that a tile has many threads. Beyond that it runs with small blocks. */
 #ifdef __CUDACC__
-enum { RANK_ITEMS = 256, LARGE_ITEMS = 256 };
+enum { LEAST_ITEMS = 64, RANK_ITEMS = 256, LARGE_ITEMS = 256 };
 enum { SMALL_BLOCKS = 4, LARGE_BLOCK = 1024 };
 #else
-enum { RANK_ITEMS = 100, LARGE_ITEMS = 1000 };
+enum { LEAST_ITEMS = 25, RANK_ITEMS = 100, LARGE_ITEMS = 1000 };
 enum { SMALL_BLOCKS = 2, LARGE_BLOCK = BVTT_BLOCK };
 #endif
 
@@ -26,9 +27,10 @@ enum { SMALL_BLOCKS = 2, LARGE_BLOCK = BVTT_BLOCK };
 #define LAUNCH_PASSES(g, n, kernel, ...)                                       \
     do {                                                                       \
         int64_t items_ = (n);                                                  \
+        int most_ = ranks_for(items_, LEAST_ITEMS, (g)->ranks);                \
         if (items_ <= (int64_t)(g)->ranks * RANK_ITEMS)                        \
-            LAUNCH_CLUSTER(g, LARGE_BLOCK, 0, (kernel<1, false>),              \
-                           __VA_ARGS__);                                       \
+            LAUNCH_RANKS(g, most_, LARGE_BLOCK, 0, (kernel<1, false>),         \
+                         __VA_ARGS__);                                         \
         else if (items_ <= (int64_t)(g)->multiprocessors * LARGE_ITEMS)        \
             LAUNCH_COOPERATIVE(g, 1, LARGE_BLOCK, (kernel<1, true>),           \
                                __VA_ARGS__);                                   \

@@ -6,12 +6,15 @@
 #include "gpu/contact/incidence.cuh"
 
 /* Below RANK_CONTACTS contacts for each block of a thread-block cluster, one
- * cluster solves them, as its barriers are cheap. Beyond that a cooperative
+ * cluster solves them, as its barriers are cheap, of no more blocks than have
+ * RANK_LEAST contacts each. Beyond that a cooperative
  * launch uses the whole device. GROUP_THREADS, WARPS: of a block. */
 #ifdef __CUDACC__
-enum { RANK_CONTACTS = 2048, GROUP_THREADS = 1024, WARPS = 32 };
+enum { RANK_LEAST = 256, RANK_CONTACTS = 2048 };
+enum { GROUP_THREADS = 1024, WARPS = 32 };
 #else
-enum { RANK_CONTACTS = 10, GROUP_THREADS = 64, WARPS = 32 }; /* of all ranks */
+enum { RANK_LEAST = 3, RANK_CONTACTS = 10 };
+enum { GROUP_THREADS = 64, WARPS = 32 }; /* WARPS: of all ranks */
 #endif
 
 /* Runs ACT for n items and then synchronises all threads. */
@@ -112,7 +115,8 @@ int gpu_contacts(struct gpu *g, struct contacts *s)
     gpu_clear(g, m.pushed, (size_t)s->n4 * sizeof *m.pushed);
     gpu_clear(g, s->vertex_awake, (size_t)s->nv);
     if (s->n < (int64_t)g->ranks * RANK_CONTACTS)
-        LAUNCH_CLUSTER(g, GROUP_THREADS, 0, contacts_kernel<false>, m, words);
+        LAUNCH_RANKS(g, ranks_for(s->n, RANK_LEAST, g->ranks), GROUP_THREADS, 0,
+                     contacts_kernel<false>, m, words);
     else
         LAUNCH_COOPERATIVE(g, 1, GROUP_THREADS, contacts_kernel<true>, m,
                            words);
