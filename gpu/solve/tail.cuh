@@ -113,7 +113,7 @@ static __device__ inline void fetch_rules(const struct tail *s)
         }
     }
     if (any)
-        *ruled(s) = 1;
+        atomicAdd(ruled(s), 1);
 }
 
 /* Restricts the residual of the fine grid to all particles of the first grid
