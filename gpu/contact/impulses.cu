@@ -14,6 +14,9 @@ extern "C" {
 /* Words of the device. TICKET: counts blocks for ends_last. */
 enum { BAD, FOUND, TICKET, WORDS };
 
+/* §5: the key of what is left to a later round, and no first impact. */
+static const uint64_t NONE = ~0ull;
+
 /* §1: keys */
 
 static __device__ uint64_t join(int32_t a, int32_t b)
@@ -36,24 +39,6 @@ static __device__ struct key identity(const int32_t v[4], int64_t kind,
     int32_t middle = max_of(lo, min_of(hi, v[3]));
     struct key r = {join(v[0], first), join(middle, last), item};
     return r;
-}
-
-/* Thread k owns key k: of active contact k, or of impact k - n_active. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    impulses_key_kernel(struct impulses s, int64_t *words)
-{
-    ITEM(k, s.n_all);
-    int64_t j = k - s.n_active;
-    if (j < 0) {
-        struct contact c = s.active[k];
-        s.key[k] = identity(c.v, c.kind, k);
-        return;
-    }
-    int32_t v[4];
-    load_pair(s.pair, j, v);
-    if (!in_range(v, s.nv) || s.kind[j] > CONTACT_EE)
-        words[BAD] = 1;
-    s.key[k] = identity(v, s.kind[j], k);
 }
 
 /* §2: geometry */
@@ -124,11 +109,109 @@ static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
     return c;
 }
 
+/* §5: what a vertex meets first */
+
+/* Whether impact j is one; its vertices are then in v. */
+static __device__ bool is_sound(const struct impulses *s, int64_t j,
+                                int32_t v[4])
+{
+    load_pair(s->pair, j, v);
+    return in_range(v, s->nv) && s->kind[j] <= CONTACT_EE;
+}
+
+/* Thread j owns impact j: writes NONE to its vertices; all threads that write
+ * to a vertex write the same. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    impulses_clear_kernel(struct impulses s)
+{
+    ITEM(j, s.n);
+    int32_t v[4];
+    if (!is_sound(&s, j, v))
+        return;
+    for (int k = 0; k < 4; k++)
+        s.first[v[k]] = NONE;
+}
+
+/* Thread j owns impact j: lowers the first of its free vertices to its time.
+ * The minimum does not depend on the order. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    impulses_first_kernel(struct impulses s)
+{
+    ITEM(j, s.n);
+    int32_t v[4];
+    if (!is_sound(&s, j, v))
+        return;
+    unsigned long long time = (unsigned long long)join((int32_t)s.toi[j], j);
+    for (int k = 0; k < 4; k++)
+        if (s.w[v[k]] > 0)
+            atomicMin((unsigned long long *)&s.first[v[k]], time);
+}
+
+/* The direction in which impact j, of vertices v, pushes its side A. */
+static __device__ struct wide aim_of(const struct impulses *s, int64_t j,
+                                     const int32_t v[4])
+{
+    struct impact m;
+    place(s, v, (double)s->toi[j] * 0x1p-30, &m);
+    struct closest r = nearest(m.x, s->kind[j]);
+    return normal_of(&m, s->kind[j], r.c);
+}
+
+/* Whether vertex i, one of v, is on side A. */
+static __device__ bool on_side_a(const int32_t v[4], int kind, int32_t i)
+{
+    return v[0] == i || (kind == CONTACT_EE && v[1] == i);
+}
+
+/* Whether impact j, of vertices v, pushes a free vertex of its against what
+ * this vertex met before. */
+static __device__ bool shadowed(const struct impulses *s, int64_t j,
+                                const int32_t v[4])
+{
+    struct wide aim = aim_of(s, j, v);
+    for (int k = 0; k < 4; k++) {
+        uint64_t first = s->first[v[k]];
+        if (!(s->w[v[k]] > 0) || first >> 32 >= s->toi[j])
+            continue;
+        int64_t before = (int64_t)(first & 0xffffffffu);
+        int32_t other[4];
+        load_pair(s->pair, before, other);
+        double along = dot(aim, aim_of(s, before, other));
+        if (on_side_a(v, s->kind[j], v[k]) !=
+            on_side_a(other, s->kind[before], v[k]))
+            along = -along;
+        if (along < 0)
+            return true;
+    }
+    return false;
+}
+
+/* Thread k owns key k: of active contact k, or of impact k - n_active. */
+static __global__ void __launch_bounds__(GPU_BLOCK)
+    impulses_key_kernel(struct impulses s, int64_t *words)
+{
+    ITEM(k, s.n_all);
+    int64_t j = k - s.n_active;
+    if (j < 0) {
+        struct contact c = s.active[k];
+        s.key[k] = identity(c.v, c.kind, k);
+        return;
+    }
+    int32_t v[4];
+    struct key late = {NONE, NONE, k};
+    if (!is_sound(&s, j, v)) {
+        words[BAD] = 1;
+        s.key[k] = late;
+    } else
+        s.key[k] = shadowed(&s, j, v) ? late : identity(v, s.kind[j], k);
+}
+
 /* §1: of equal keys the newest, which is the last, stays. */
 static __device__ bool stays(const struct key *key, int64_t n, int64_t k)
 {
-    return k < n && (k + 1 == n || key[k].hi != key[k + 1].hi ||
-                     key[k].lo != key[k + 1].lo);
+    return k < n && key[k].hi != NONE &&
+           (k + 1 == n || key[k].hi != key[k + 1].hi ||
+            key[k].lo != key[k + 1].lo);
 }
 
 /* A block owns COMPACT_BLOCK sorted keys: counts those that stay. The block
@@ -176,6 +259,8 @@ int gpu_impulses(struct gpu *g, struct impulses *s)
     int64_t *words = gpu_words(g);
     int64_t *first =
         (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks, sizeof *first);
+    LAUNCH(g, s->n, impulses_clear_kernel, *s);
+    LAUNCH(g, s->n, impulses_first_kernel, *s);
     LAUNCH(g, s->n_all, impulses_key_kernel, *s, words);
     struct key *key = gpu_sort(g, s->n_all, s->key, s->spare);
     LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, impulses_count_kernel, key,

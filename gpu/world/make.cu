@@ -92,6 +92,7 @@ static int give_response(struct gpu_world *d)
     GPU_TAKE_COPY(d->gpu, c->touched, ARENA_RESPONSE, NULL, w->nv);
     GPU_TAKE_COPY(d->gpu, c->rolled, ARENA_RESPONSE, NULL, w->nv);
     GPU_TAKE_COPY(d->gpu, c->start, ARENA_RESPONSE, NULL, w->nv + 1);
+    GPU_TAKE_COPY(d->gpu, c->first, ARENA_RESPONSE, NULL, w->nv);
     return w->plan.implicit ? gpu_turn_make(d) : gpu_status(d->gpu);
 }
 

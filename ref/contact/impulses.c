@@ -110,6 +110,72 @@ static void emit(const struct impulses *s, int64_t k, struct contact *c)
     c->tangent = vec_make(0, 0, 0);
 }
 
+/* §5: what a vertex meets first */
+
+static const uint64_t NONE = ~UINT64_C(0);
+
+/* Finds the first impact of each free vertex of the impacts. The order of time
+ * is total: of those at the same toi the one that is listed first counts. */
+static void find_first(struct impulses *s)
+{
+    for (int64_t k = 0; k < 4 * s->n; k++)
+        s->first[s->pair[k]] = NONE;
+    for (int64_t k = 0; k < 4 * s->n; k++) {
+        int32_t i = s->pair[k];
+        uint64_t time = (uint64_t)s->toi[k / 4] << 32 | (uint64_t)(k / 4);
+        if (s->w[i] > 0 && time < s->first[i])
+            s->first[i] = time;
+    }
+}
+
+/* The direction in which impact k pushes its side A. */
+static struct wide aim_of(const struct impulses *s, int64_t k)
+{
+    struct impact m;
+    struct closest r;
+    place(s, s->pair + 4 * k, (double)s->toi[k] * 0x1p-30, &m);
+    if (s->kind[k] == CONTACT_VF)
+        closest_vf(m.x, &r);
+    else
+        closest_ee(m.x, &r);
+    return normal_of(&m, s->kind[k], &r);
+}
+
+/* Whether vertex i, one of its four, is on side A of impact k. */
+static bool on_side_a(const struct impulses *s, int64_t k, int32_t i)
+{
+    const int32_t *v = s->pair + 4 * k;
+    return v[0] == i || (s->kind[k] == CONTACT_EE && v[1] == i);
+}
+
+/* Whether impact k pushes a free vertex of its against what this vertex met
+ * before. */
+static bool shadowed(const struct impulses *s, int64_t k)
+{
+    struct wide aim = aim_of(s, k);
+    for (int j = 0; j < 4; j++) {
+        int32_t i = s->pair[4 * k + j];
+        if (!(s->w[i] > 0) || s->first[i] >> 32 >= s->toi[k])
+            continue;
+        int64_t before = (int64_t)(s->first[i] & UINT32_MAX);
+        double along = wide_dot(aim, aim_of(s, before));
+        if (on_side_a(s, k, i) != on_side_a(s, before, i))
+            along = -along;
+        if (along < 0)
+            return true;
+    }
+    return false;
+}
+
+/* The key of impact k: its pair's, or one behind all others if it is left to a
+ * later round. */
+static struct key key_of(const struct impulses *s, int64_t k)
+{
+    if (shadowed(s, k))
+        return (struct key){NONE, NONE, s->n_active + k};
+    return identity(s->pair + 4 * k, s->kind[k], s->n_active + k);
+}
+
 static bool same(const struct key *a, const struct key *b)
 {
     return a->hi == b->hi && a->lo == b->lo;
@@ -120,19 +186,18 @@ int ref_impulses(struct impulses *s)
     int status = check(s);
     if (status != DRAPE_OK)
         return status;
+    find_first(s); /* §5 */
     EACH_ITEM
     for (int64_t k = 0; k < s->n_active; k++)
         s->key[k] = identity(s->active[k].v, s->active[k].kind, k);
     EACH_ITEM
-    for (int64_t k = s->n_active; k < s->n_all; k++) {
-        int64_t j = k - s->n_active;
-        s->key[k] = identity(s->pair + 4 * j, s->kind[j], k);
-    }
+    for (int64_t k = 0; k < s->n; k++)
+        s->key[s->n_active + k] = key_of(s, k);
     struct key *key = keys_sort(s->n_all, s->key, s->spare);
 
     /* §1: of equal keys the newest, which is the last, stays */
     s->found = 0;
-    for (int64_t k = 0; k < s->n_all; k++)
+    for (int64_t k = 0; k < s->n_all && key[k].hi != NONE; k++)
         if (k + 1 == s->n_all || !same(&key[k], &key[k + 1]))
             key[s->found++] = key[k];
     if (s->found > s->cap)

@@ -11,6 +11,7 @@ struct impulses {
     const int32_t *pair; /* [n][4] v f f f or a a b b */
     const uint8_t *kind; /* [n] enum contact_kind */
     const uint32_t *toi; /* [n] floor(2^30 t) */
+    const real *w;       /* [nv] 1/kg, 0: led */
     const vec *x0, *x1;  /* [nv] m, start and end of the step */
     struct skin skin;    /* of the vertices */
     real dt;             /* s, > 0 */
@@ -20,6 +21,7 @@ struct impulses {
 
     int64_t n_all;           /* n + n_active */
     struct key *key, *spare; /* scratch: [n_all] */
+    uint64_t *first;         /* scratch: [nv] the first impact of a vertex */
     int64_t cap;             /* capacity of contact, items */
     struct contact *contact; /* out: [found] by key, ascending */
     int64_t found;           /* out: contacts, also if beyond cap */

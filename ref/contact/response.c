@@ -205,13 +205,15 @@ static int find_impulses(struct response *s)
                          .pair = s->hit.data,
                          .kind = s->hit_kind.data,
                          .toi = s->hit_toi.data,
+                         .w = s->w,
                          .x0 = s->x0,
                          .x1 = s->x1,
                          .skin = s->skin,
                          .dt = s->dt,
                          .margin = s->margin,
                          .n_active = s->active,
-                         .active = from->data};
+                         .active = from->data,
+                         .first = s->first};
     m.n_all = m.n + m.n_active;
     struct pool_need pool_need[] = {{&s->key[0], m.n_all, sizeof *m.key},
                                     {&s->key[1], m.n_all, sizeof *m.key}};

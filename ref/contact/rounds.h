@@ -53,6 +53,7 @@ struct response {
     uint8_t *touched; /* scratch: [nv] */
     uint8_t *rolled;  /* scratch: [nv] */
     int32_t *start;   /* scratch: [nv + 1]; also the zones' labels */
+    uint64_t *first;  /* scratch: [nv], of impulses */
 
     /* Pools, empty at first, kept from step to step. */
     struct pool at, toi, tier, hit, hit_kind, hit_toi;

@@ -31,7 +31,8 @@ static real way_of(const struct world *w, real cells)
 /* Returns the square of the relative displacement that §7.2 allows, m². */
 static real allowed(const struct world *w)
 {
-    real cells = w->slicing.strict ? STRICT_CELLS : CELLS;
+    bool strict = w->slicing.strict || !slice_checks_energy(w);
+    real cells = strict ? STRICT_CELLS : CELLS;
     return way_of(w, w->plan.implicit ? cells : FEW_CELLS);
 }
 
@@ -49,7 +50,6 @@ void slice_begin(struct world *w)
     bool known = w->caution.level <= s.deepest;
     s.level = s.least = s.energy_retries = known ? w->caution.level : s.deepest;
     s.began = s.energy_retries;
-    s.strict = !slice_checks_energy(w);
     if (w->caution.far > s.level && w->caution.far <= s.deepest)
         s.level = w->caution.far;
     w->slicing = s;
@@ -110,7 +110,7 @@ int slice_rounds(const struct world *w)
 
 bool slice_checks_energy(const struct world *w)
 {
-    return w->plan.implicit && !w->plan.led && !w->plan.wind;
+    return w->plan.implicit && !w->leads && !w->plan.wind;
 }
 
 bool slice_wrong(struct world *w, int outcome, const double before[3],

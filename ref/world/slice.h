@@ -25,7 +25,8 @@ struct slicing {
                            which counts as that many energy retries, §7.5 */
     int cuts;           /* slices taken again, shorter, as they diverged */
     bool gained;        /* §7.5: a slice gained at least half of the limit */
-    bool strict;        /* §7.2: the strict limit of displacements holds */
+    bool strict;        /* §7.2: more than the strict limit did harm in this
+                           step */
     bool without_press; /* warm.md §5: the slice starts without press */
     real travel;        /* m², bound of the squared relative displacement of
                            candidates in the current slice, §7.2 */
@@ -66,7 +67,7 @@ static inline bool slice_failed(int outcome)
 bool slice_can_retry(const struct world *w);
 /* §7.3: returns the number of rounds of impulses before the fail-safe. */
 int slice_rounds(const struct world *w);
-/* §7.3: whether gains of energy are an error in this scene, since neither wind
+/* §7.3: whether gains of energy are an error in this slice, since neither wind
  * nor prescribed motion adds energy. */
 bool slice_checks_energy(const struct world *w);
 /* §7.3: whether the slice must be taken again, shorter, because the fail-safe

@@ -124,6 +124,7 @@ struct world {
     int64_t intersecting; /* intersecting pairs of the state: step.md §11 */
     int past;      /* 1 + level of the slice in past_x and past_v; 0: none */
     double dt;     /* s, length of the current slice */
+    bool leads;    /* an obstacle or a pin moves in this slice */
     bool met;      /* contact may have changed x1, v1 in this slice */
     bool reported; /* the caller gave a report to fill */
     struct slicing slicing;

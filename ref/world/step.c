@@ -87,6 +87,7 @@ static void place(struct world *w, struct step *s)
     s->again = false;
     w->met = false;
     s->status = lead(w, slice_time(w), w->x1);
+    w->leads = s->status == DRAPE_OK && lead_moves(w);
     w->run->trace(w->on, w->tracing, "kinematics", w->x1 + w->nc,
                   (size_t)(w->nv - w->nc) * sizeof *w->x1);
 }

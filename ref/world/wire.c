@@ -112,6 +112,7 @@ static int make_response(struct world *w, const drape_def *def)
     c->touched = take(w, ARENA_RESPONSE, w->nv, 1);
     c->rolled = take(w, ARENA_RESPONSE, w->nv, 1);
     c->start = take(w, ARENA_RESPONSE, w->nv + 1, sizeof *c->start);
+    c->first = take(w, ARENA_RESPONSE, w->nv, sizeof *c->first);
     if (w->arena->failed)
         return DRAPE_ENOMEM;
     return w->plan.implicit ? turn_make(w) : DRAPE_OK;

@@ -157,6 +157,7 @@ static void rival_open(struct rival *t)
     r->touched = give(t, NULL, nv, 1);
     r->rolled = give(t, NULL, nv, 1);
     r->start = give(t, NULL, nv + 1, sizeof(int32_t));
+    r->first = give(t, NULL, nv, sizeof(uint64_t));
     r->broad = rival_broad;
     r->solve = r->solve ? rival_solve : NULL;
     r->user = t;

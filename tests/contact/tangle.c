@@ -52,7 +52,8 @@ void tangle_make(struct tangle *t, int64_t nv, int64_t nt)
                              .u = zeros(nv, sizeof(vec)),
                              .touched = zeros(nv, 1),
                              .rolled = zeros(nv, 1),
-                             .start = zeros(nv + 1, sizeof(int32_t))};
+                             .start = zeros(nv + 1, sizeof(int32_t)),
+                             .first = zeros(nv, sizeof(uint64_t))};
 }
 
 static bool has_edge(const struct tangle *t, int32_t a, int32_t b)
@@ -80,9 +81,9 @@ void tangle_free(struct tangle *t)
 {
     struct response *r = &t->r;
     arena_free(&t->arena);
-    void *memory[] = {t->tri,     t->edge,   t->w,    t->x0,   t->x1,
-                      t->v,       t->of,     t->pair, t->kind, r->u,
-                      r->touched, r->rolled, r->start};
+    void *memory[] = {t->tri,     t->edge,   t->w,     t->x0,   t->x1,
+                      t->v,       t->of,     t->pair,  t->kind, r->u,
+                      r->touched, r->rolled, r->start, r->first};
     for (size_t k = 0; k < sizeof memory / sizeof *memory; k++)
         free(memory[k]);
 }

@@ -111,9 +111,9 @@ static bool may_move(struct world *w, real cells)
 }
 
 /* §7.2: candidates may move by 16 cells where gains of energy are an error, and
- * by 8 where nobody can see them: with led bodies or wind. A slice that moved
- * by more than 8 cells is taken again for a gain for which one that moved by
- * less is kept; then 8 cells are the limit until the step ends. */
+ * by 8 where nobody can see them: while bodies are led, or with wind. A slice
+ * that moved by more than 8 cells is taken again for a gain for which one that
+ * moved by less is kept; then 8 cells are the limit until the step ends. */
 const char *test_world_strict(void)
 {
     struct world w = {.plan = {.implicit = true}, .cell = 1, .dt = 1};
@@ -127,11 +127,14 @@ const char *test_world_strict(void)
     EXPECT(may_move(&w, 9) && slice_wrong(&w, 0, before, after));
     EXPECT(w.slicing.level == 1 && slice_too_far(&w, 9 * 9));
     EXPECT(!slice_too_far(&w, 7 * 7) && may_move(&w, 15));
-    w.plan.led = true;
+    w.leads = true;
     EXPECT(may_move(&w, 7) && !may_move(&w, 9));
-    w.plan.led = false;
+    w.leads = false;
     w.plan.wind = true;
     EXPECT(may_move(&w, 7) && !may_move(&w, 9));
+    w.plan.led = true; /* of which nothing moves in this slice */
+    w.plan.wind = false;
+    EXPECT(may_move(&w, 15) && !may_move(&w, 17));
     w.plan = (struct plan){0};
     EXPECT(may_move(&w, 3) && !may_move(&w, 5));
     ran(1);
@@ -240,9 +243,9 @@ const char *test_world_wrong(void)
     w.def.dt = 1;
     for (int k = 0; k < 2; k++) { /* limit: 1/8 of the energy at the end */
         EXPECT(!again(&w, k, 7, 0.999) && again(&w, k, 7, 1.001));
-        w.plan.led = true;
+        w.leads = true;
         EXPECT(!again(&w, k, 7, 5));
-        w.plan.led = false;
+        w.leads = false;
         w.plan.wind = true;
         EXPECT(!again(&w, k, 7, 5));
         w.plan.wind = w.plan.implicit = false;
