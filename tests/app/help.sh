@@ -42,3 +42,5 @@ refused 'no scene' 'expected one' run
 refused 'two scenes' 'expected one' run tiny.json tiny.json
 refused 'precision 33' 'precision' run tiny.json --precision 33 --out refused
 refused 'unknown backend' '--backend' run tiny.json --backend abacus
+refused 'blocks of no whole warps' 'tiny.json: block is 33, expected a multiple' \
+    run tiny.json --block 33 --out refused

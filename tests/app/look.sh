@@ -24,13 +24,15 @@ shot plain "$eye" '' ''
 shot told "$eye, \"fov\": 35, \"light\": 1, \"turn\": 0" '"check": true' ''
 is 'the defaults are the defaults' cmp plain.png told.png
 shot blue "$eye" '"colour": [0, 0, 1], "check": false' ''
+shot even "$eye" '"check": false' ''
 shot inside "$eye" '"inside": [0, 1, 0]' ''
 shot ball "$eye" '' '"colour": [1, 0, 0], "gloss": 1'
+shot glossy "$eye" '' '"gloss": 1'
 shot floor "$eye, \"floor\": [0, 0.2, 0]" '' ''
 shot sun "$eye, \"sun\": [1, 0.2, 0]" '' ''
 shot dim "$eye, \"light\": 0.2" '' ''
 shot around '' '' ''
-for other in blue inside ball floor sun dim around; do
+for other in blue even inside ball glossy floor sun dim around; do
     differ plain $other
 done
 front='"eye": [0, 0.3, 3], "target": [0, 0.3, 0]'

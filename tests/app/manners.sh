@@ -33,6 +33,8 @@ refused 'help for it' 'rendr: no such command; did you mean render?' help rendr
 scene key.json ', "gravty": [0, 0, 0]}'
 refused 'a key that is nearly one' 'did you mean "gravity"' run key.json
 
+is 'of near names the nearest' python3 "$root/tests/app/nearest.py" "$drape"
+
 # Quiet
 exits '--quiet' 0 run tiny.json --out still --frames 2 --quiet
 is 'says nothing' test ! -s out -a ! -s err
@@ -46,6 +48,11 @@ refused 'but errors are said' 'holds a run' run tiny.json --out still --quiet
 exits 'a film, with its progress' 0 render still --width 16 --height 16 \
     --samples 1 --no-film
 is 'the last line' grep -q '^\[####################\] picture 3/3  ETA 0:00$' err
+
+is 'a film, on a terminal' python3 "$root/tests/app/terminal.py" 'picture 3/3' \
+    "$drape" render still --width 16 --height 16 --samples 1 --no-film
+is 'a run, on a terminal' python3 "$root/tests/app/terminal.py" 'step 6/6  contacts' \
+    "$drape" run tiny.json --out terminal
 
 # A film that ffmpeg begins and breaks off leaves nothing behind.
 mkdir broken

@@ -24,6 +24,20 @@ cat >moves.json <<'EOF'
 EOF
 exits 'a run with a trace' 0 run moves.json --out u --trace
 is 'its summary is the sum of its steps' python3 "$what" sums u
+is 'its report describes each body' python3 -c '
+import json
+r = json.load(open("u/report.json"))
+high, low, ball, floor = r["bodies"]
+at = [(b["name"], b["kind"], b["first_vertex"]) for b in r["bodies"]]
+assert at == [("high", "cloth", 0), ("low", "cloth", 117),
+              ("ball", "obstacle", 198), ("floor", "obstacle", at[3][2])], at
+assert high["particles"] == [13, 9] and high["size"] == [0.5, 0.4]
+assert low["particles"] == [9, 9] and low["size"] == [0.4, 0.4]
+assert low["first_triangle"] == 2 * 12 * 8
+assert ball["first_triangle"] == 2 * 12 * 8 + 2 * 8 * 8
+assert ball["moving"] is True and floor["moving"] is False
+assert r["vertices"] == floor["first_vertex"] + 4
+assert r["triangles"] == floor["first_triangle"] + 2'
 exits 'half of it' 0 run moves.json --out r --trace --frames 7 \
     --checkpoint-every 3
 exits 'the rest of it' 0 run moves.json --out r --trace --resume \
