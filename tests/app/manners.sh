@@ -54,6 +54,19 @@ is 'a film, on a terminal' python3 "$root/tests/app/terminal.py" 'picture 3/3' \
 is 'a run, on a terminal' python3 "$root/tests/app/terminal.py" 'step 6/6  contacts' \
     "$drape" run tiny.json --out terminal
 
+# A film, by an ffmpeg that writes down what it is told.
+mkdir told
+printf '%s\n' '#!/bin/sh' 'printf "%s\n" "$@" >told/words' 'for last; do :; done' \
+    'echo film >"$last"' >told/ffmpeg
+chmod +x told/ffmpeg
+exits 'a run of 2 frames in 0.1 s' 0 run tiny.json --frames 2 --out film --quiet
+is 'its film' sh -c 'PATH="$PWD/told:$PATH" "$0" render film --width 16 --height 16 \
+    --samples 1 >told/out' "$drape"
+is 'is where the tool says' grep -qx film/film.mp4 told/out
+is 'is of its pictures, as fast as its frames' sh -c '[ "$(cat film/film.mp4)" = film ] &&
+    [ "$(grep -A1 -xe -framerate told/words | tail -n 1)" = 60 ] &&
+    [ "$(grep -A1 -xe -i told/words | tail -n 1)" = film/pictures/film_%04d.png ]'
+
 # A film that ffmpeg begins and breaks off leaves nothing behind.
 mkdir broken
 printf '%s\n' '#!/bin/sh' 'for last; do :; done' 'echo half >"$last"' 'exit 1' \

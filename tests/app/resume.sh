@@ -70,6 +70,11 @@ exits '--error, cut short' 0 run tiny.json --out near2 --frames 6 \
 exits 'what --error chose holds on' 0 run tiny.json --out near2 --frames 6 \
     --resume near2/checkpoint.drape
 is 'and the estimate' python3 "$what" same near near2
+exits '--error of 5 cm, cut short' 0 run tiny.json --out coarse2 --frames 6 \
+    --error 0.05 --checkpoint-every 3
+exits 'what it chose holds on' 0 run tiny.json --out coarse2 --frames 6 \
+    --resume coarse2/checkpoint.drape
+is 'and its integrator' python3 "$what" same coarse coarse2
 
 # A killed run leaves complete files, a report and its trace so far.
 scene killed.json ', "steps_per_frame": 11, "sleep": false}'
