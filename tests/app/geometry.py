@@ -368,9 +368,14 @@ def check(run):
                {(0, j) for j in range(N)} | {(i, N - 1) for i in range(M)})
 
 
-if sys.argv[1] == "write":
-    write(sys.argv[2])
-elif sys.argv[1] == "converted":
-    check_converted(load(sys.argv[2]))
-else:
-    check(sys.argv[2])
+def main():
+    if sys.argv[1] == "write":
+        write(sys.argv[2])
+    elif sys.argv[1] == "converted":
+        check_converted(load(sys.argv[2]))
+    else:
+        check(sys.argv[2])
+
+
+if __name__ == "__main__":
+    main()

@@ -68,3 +68,17 @@ sed 's/"light": 1/"light": 11/' look_plain/report.json >wrong.json
 cp wrong.json look_plain/report.json
 refused 'a report with a light that no run writes' '$.picture: expected fov' \
     render look_plain
+
+# Small pictures, drawn anew by a program of their own: cloths with a hole and with
+# a look, round and level obstacles; a camera that turns, and the tool's own.
+# drawn NAME FRAME CAMERA
+drawn() {
+    python3 "$root/tests/app/ray.py" write "$1.json" "{\"camera\": {$3}}"
+    exits "a run: $1" 0 run "$1.json" --out "$1" --quiet
+    exits "a picture: $1" 0 render "$1" --frame "$2" --width 20 --height 16 \
+        --samples 1 --quiet
+    is "$1: every pixel is as another program draws it" \
+        python3 "$root/tests/app/ray.py" check "$1" "$2" "$1/pictures/frame_000$2.png"
+}
+drawn drawn_turned 1 '"eye": [1.2, 1.6, 2.3], "target": [0, 0.35, 0], "turn": 600, "fov": 50'
+drawn drawn_around 0 '"sun": [1, 0.6, 0.4], "light": 0.7, "floor": [0.3, 0.6, 0.7], "fov": 45'

@@ -55,13 +55,18 @@ def unfilter(kind, line, above):
     return line
 
 
-plain, blue, floor, dim = map(mean, sys.argv[1:5])
-east, west = swell(sys.argv[5], 36, 32), swell(sys.argv[6], 25, 29)
-for name, good in (("plain: red", plain[0] > plain[2] + 5),
-                   ("blue", blue[2] > blue[0] + 5),
-                   ("floor: green", floor[1] > floor[0] + 5),
-                   ("dim", sum(dim) < sum(plain) - 15),
-                   ("a low sun in the east", east > 20),
-                   ("a low sun in the west", west > 20)):
-    if not good:
-        sys.exit(f"{name}: {plain} {blue} {floor} {dim} {east} {west}")
+def main():
+    plain, blue, floor, dim = map(mean, sys.argv[1:5])
+    east, west = swell(sys.argv[5], 36, 32), swell(sys.argv[6], 25, 29)
+    for name, good in (("plain: red", plain[0] > plain[2] + 5),
+                       ("blue", blue[2] > blue[0] + 5),
+                       ("floor: green", floor[1] > floor[0] + 5),
+                       ("dim", sum(dim) < sum(plain) - 15),
+                       ("a low sun in the east", east > 20),
+                       ("a low sun in the west", west > 20)):
+        if not good:
+            sys.exit(f"{name}: {plain} {blue} {floor} {dim} {east} {west}")
+
+
+if __name__ == "__main__":
+    main()

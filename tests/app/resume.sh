@@ -70,11 +70,15 @@ exits '--error, cut short' 0 run tiny.json --out near2 --frames 6 \
 exits 'what --error chose holds on' 0 run tiny.json --out near2 --frames 6 \
     --resume near2/checkpoint.drape
 is 'and the estimate' python3 "$what" same near near2
-exits '--error of 5 cm, cut short' 0 run tiny.json --out coarse2 --frames 6 \
-    --error 0.05 --checkpoint-every 3
-exits 'what it chose holds on' 0 run tiny.json --out coarse2 --frames 6 \
-    --resume coarse2/checkpoint.drape
-is 'and its integrator' python3 "$what" same coarse coarse2
+scene choi.json ', "integrator": "choi-ko", "tolerance": 1e-5}'
+exits '--error of 5 cm' 0 run choi.json --out coarse2 --frames 6 --error 0.05
+exits 'the same, cut short' 0 run choi.json --out coarse3 --frames 6 --error 0.05 \
+    --checkpoint-every 3
+exits 'what it chose holds on, whatever the scene says' 0 run choi.json \
+    --out coarse3 --frames 6 --resume coarse3/checkpoint.drape
+is 'its integrator is not the scene'"'"'s' grep -q '"integrator": "baraff-witkin"' \
+    coarse3/report.json
+is 'it is the same run' python3 "$what" same coarse2 coarse3
 
 # A killed run leaves complete files, a report and its trace so far.
 scene killed.json ', "steps_per_frame": 11, "sleep": false}'
