@@ -7,10 +7,11 @@
 # A library that counts the allocations that the tool's own code makes, and
 # refuses them from number $STARVE on; in a child, from $STARVE_CHILD on. Where
 # the tool or libcjson has not given back all memory at the end, the exit status
-# is 99.
+# is 99; where a file is still open, 98.
 cat >starve.c <<'EOF'
 #define _GNU_SOURCE
 #include <errno.h>
+#include <fcntl.h>
 #include <link.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -22,12 +23,18 @@ extern void *__libc_calloc(size_t count, size_t size);
 extern void *__libc_realloc(void *old, size_t size);
 extern void __libc_free(void *old);
 
-enum { OWN, JSON, OBJECTS, KEPT = 1 << 16 };
+enum { OWN, JSON, OBJECTS, FILES = 256, KEPT = 1 << 16 };
 static struct { uintptr_t low, high; } object[OBJECTS];
 static void *kept[KEPT]; /* what was taken and not given back */
 static int used;         /* no place from here on was ever taken */
 static long left = -1;
 static pid_t process;
+static int open_before[FILES];
+
+static int is_open(int file)
+{
+    return fcntl(file, F_GETFD) != -1;
+}
 
 /* The first object is the program. */
 static int see(struct dl_phdr_info *info, size_t size, void *user)
@@ -61,6 +68,8 @@ __attribute__((constructor)) static void begin(void)
     dl_iterate_phdr(see, &seen);
     left = count ? atol(count) : -1;
     process = getpid();
+    for (int k = 3; k < FILES; k++)
+        open_before[k] = is_open(k);
 }
 
 __attribute__((destructor)) static void end(void)
@@ -68,6 +77,9 @@ __attribute__((destructor)) static void end(void)
     for (int k = 0; k < used; k++)
         if (kept[k] && process == getpid())
             _exit(99);
+    for (int k = 3; k < FILES; k++)
+        if (is_open(k) && !open_before[k] && process == getpid())
+            _exit(98);
 }
 
 static int fails(void *caller)
@@ -175,7 +187,7 @@ else
     printf 'OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' >meager/one.off
     sed 's/"name": "cloth"/&, "look": {"gloss": 1}/' moves.json >meager/moves.json
     "$drape" run meager/moves.json --out meager/run --frames 2 --quiet \
-        --checkpoint-every 1
+        --checkpoint-every 1 --trace
     starves STARVE 10 plan meager/moves.json
     for end in obj off ply stl; do
         starves STARVE 4 convert meager/one.$end starved.obj
@@ -191,6 +203,9 @@ else
     starves STARVE 20 run meager/moves.json --out starved --frames 3 --quiet \
         --resume meager/run/checkpoint.drape
     starves STARVE 20 run tiny.json --out starved --frames 1 --error 0.05
+    is 'a run that goes on gives back all' env LD_PRELOAD="$PWD/starve.so" "$drape" \
+        run meager/moves.json --out meager/run --frames 3 --trace --quiet \
+        --resume meager/run/checkpoint.drape
     env LD_PRELOAD="$PWD/starve.so" PATH=/nowhere "$drape" export meager/run \
         --to x.usdc >out 2>err
     is 'an export without Python gives back all' test $? -eq 3
