@@ -33,6 +33,7 @@ done
 exits 'run --help' 0 run --help
 exits 'info' 0 info
 exits 'no command' 2
+is 'which is told the commands' grep -q '^  run  ' err
 refused 'unknown command' 'frobnicate' frobnicate
 refused 'unknown option' '--frob' run tiny.json --frob
 refused 'option without value' '--frames' run tiny.json --frames

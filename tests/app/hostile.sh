@@ -73,6 +73,18 @@ gltf good.gltf AAEC 3
 exits 'good glTF' 0 convert good.gltf good_gltf.ply
 gltf index.gltf AAECAAEJ 6
 no_mesh 'glTF, index out of range' 'cannot be read as a mesh' index.gltf
+# nodes COUNT: glTF of a triangle in a node, which lies in COUNT others
+nodes() {
+    gltf nodes.gltf AAEC 3
+    sed "s/.\"nodes\": \[{\"mesh\": 0}\]/ \"nodes\": [$(awk -v n="$1" 'BEGIN {
+        for (k = 1; k <= n; k++) printf "{\"children\": [%d]}, ", k
+        print "{\"mesh\": 0}]" }')/" nodes.gltf >deep.gltf
+}
+nodes 200
+exits 'glTF, a node in 200 others' 0 convert deep.gltf deep.ply
+nodes 300
+no_mesh 'glTF, a node in 300 others' \
+    'cannot be read as a mesh: its nodes lie in more than 256 others' deep.gltf
 printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n' >cut.stl
 no_mesh 'STL that ends early' 'cannot be read as a mesh' cut.stl
 
@@ -119,6 +131,17 @@ off bad.off 'OFF BINARY'
 no_mesh 'binary OFF' 'line 1: expected the numbers of' bad.off
 
 # PLY
+# A polygon is a fan of triangles.
+printf '%s\n' ply 'format ascii 1.0' 'element vertex 5' 'property float x' \
+    'property float y' 'property float z' 'element face 1' \
+    'property list uchar int vertex_indices' end_header \
+    '0 0 0' '1 0 0' '2 1 0' '1 2 0' '0 1 0' >five.ply
+sed -e 's/face 1/face 3/' five.ply >fan.ply
+echo '5 0 1 2 3 4' >>five.ply
+printf '%s\n' '3 0 1 2' '3 0 2 3' '3 0 3 4' >>fan.ply
+exits 'PLY with a pentagon' 0 convert five.ply five_3.ply
+exits 'PLY with its three triangles' 0 convert fan.ply fan_3.ply
+is 'the same mesh' cmp five_3.ply fan_3.ply
 # ply FILE FACE [FROM TO]: three vertices and a face; TO replaces FROM in the
 # file.
 ply() {

@@ -64,6 +64,13 @@ is 'begins as it is, and turns' sh -c 'cmp look_turn/pictures/film_0000.png plai
 sed 's/"gloss": 1,/"gloss": 7,/' look_ball/report.json >wrong.json
 cp wrong.json look_ball/report.json
 refused 'a report with a look that no run writes' 'and a look' render look_ball
+sed 's/"check": true/"gloss": 7, "check": true/' look_plain/report.json >wrong.json
+cp look_plain/report.json right.json
+cp wrong.json look_plain/report.json
+refused 'a report with a cloth whose look no run writes' \
+    "\$.bodies[0]: expected a cloth's first_vertex, particles and size, and a look" \
+    render look_plain
+cp right.json look_plain/report.json
 sed 's/"light": 1/"light": 11/' look_plain/report.json >wrong.json
 cp wrong.json look_plain/report.json
 refused 'a report with a light that no run writes' '$.picture: expected fov' \

@@ -19,7 +19,10 @@ def read(path):
     while at < len(data):
         size, kind = struct.unpack(">I4s", data[at:at + 8])
         packed += data[at + 8:at + 8 + size] if kind == b"IDAT" else b""
+        check = struct.unpack(">I", data[at + 8 + size:at + 12 + size])[0]
+        assert check == zlib.crc32(data[at + 4:at + 8 + size]), kind
         at += size + 12
+    assert kind == b"IEND" and at == len(data), "its end"
     raw, rows, before = zlib.decompress(packed), [], bytearray(3 * width)
     for row in range(height):
         line = raw[row * (3 * width + 1):(row + 1) * (3 * width + 1)]
