@@ -105,7 +105,8 @@ static void hear(void *user, const char *line)
 }
 
 /* Each step in which memory is taken, here or on the device, has one line: the
- * sheet begins above its plate, so that some steps need more on the device alone. */
+ * sheet begins above its plate, so that some steps need more on the device
+ * alone. */
 static const char *check_growth(int backend)
 {
     struct guest s;

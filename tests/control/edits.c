@@ -277,7 +277,8 @@ static void move_to(struct copies *to, drape_cloth *sheet,
     sheet->origin[1] += 1;
 }
 
-/* §7: the bytes of a log are those of what a world was told, wherever it lay. */
+/* §7: the bytes of a log are those of what a world was told, wherever it lay.
+ */
 const char *test_edits_bytes(void)
 {
     static struct recall log[2];
