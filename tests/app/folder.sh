@@ -119,6 +119,7 @@ else
     fails 'a folder without locks' \
         'unlocked: cannot be locked: No locks available' \
         env LD_PRELOAD="$PWD/nolock.so" "$drape" run tiny.json --out unlocked
+    is 'a lock that was not taken is not removed' test -e unlocked/.drape.lock
 fi
 limited() { (
     ulimit -f "$1"

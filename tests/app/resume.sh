@@ -148,8 +148,10 @@ import random
 chance = random.Random(1)
 bytes_ = [0x41, 0x7f, 0x80, 0x8f, 0x90, 0x9f, 0xa0, 0xbf, 0xc0, 0xc1, 0xc2, 0xdf,
           0xe0, 0xe1, 0xec, 0xed, 0xee, 0xef, 0xf0, 0xf1, 0xf3, 0xf4, 0xf5, 0xff]
-names = [bytes(chance.choice(bytes_) for _ in range(chance.randrange(1, 12)))
-         for _ in range(400)]
+# each kind of first byte before each kind of second, and bytes of chance
+names = [bytes([a, b, 0x80, 0x80]) for a in bytes_ for b in bytes_[1:10]]
+names += [bytes(chance.choice(bytes_) for _ in range(chance.randrange(1, 12)))
+          for _ in range(400 - len(names))]
 cloths = b','.join(b'{"particles": [2, 2], "size": [1, 1], "start": '
                    b'{"at": [0, %d, 0]}, "name": "%s"}' % (2 * k, name)
                    for k, name in enumerate(names))
