@@ -165,7 +165,10 @@ starves() {
         [ $whole -lt 8 ] || break
         case $got in
         0) ;;
-        2 | 3) [ $whole -eq 0 ] && tail -n 1 err | grep -qE "$meager" || break ;;
+        2 | 3)
+            [ $whole -eq 0 ] || break
+            tail -n 1 err | grep -qE "$meager" || break
+            ;;
         *) break ;;
         esac
         n=$((n + 1))

@@ -192,6 +192,7 @@ static double expected_friction(const struct penalty *s, int64_t k,
         push = fmax(push, -gave);
     double share = 1 / (1 + spring * (double)s->tau * yield);
     *bound = 64 * unit * (double)c->friction * (gave + (most + gave) * share);
+    *bound += REAL_BITS == 32 ? 0x1p-140 : 0x1p-1060; /* underflow */
     return (double)c->friction * fmax(gave + (push - gave) * share, 0);
 }
 
