@@ -7,7 +7,7 @@
 #include "gpu/run/gpu.h"
 #include "tests/api/guest.h"
 
-enum { SETTLE = 12, SHORT = 3 };
+enum { FALL = 16, SETTLE = 12, SHORT = 3 };
 
 /* Copies n numbers of the view's precision to `to`, from the host or the
  * device.
@@ -104,6 +104,32 @@ static void hear(void *user, const char *line)
     snprintf(l->last, sizeof l->last, "%s", line);
 }
 
+/* Each step in which memory is taken, here or on the device, has one line: the
+ * sheet begins above its plate, so that some steps need more on the device
+ * alone. */
+static const char *check_growth(int backend)
+{
+    struct guest s;
+    struct lines l = {0};
+    drape_world *world;
+    int grew = 0;
+    guest_make(&s, backend);
+    s.def.precond = DRAPE_JACOBI;
+    s.def.log = hear;
+    s.def.log_user = &l;
+    s.cloth.origin[1] += 0.02;
+    EXPECT(drape_create(&s.def, &world, NULL) == DRAPE_OK);
+    for (int k = 0; k < FALL; k++) {
+        int64_t calls = s.host.calls + s.device.calls;
+        EXPECT(guest_go(world, 1) == DRAPE_OK);
+        grew += calls != s.host.calls + s.device.calls;
+    }
+    EXPECT(grew > 1 && l.grew == grew);
+    drape_destroy(world);
+    ran(1);
+    return NULL;
+}
+
 /* The log has one line when a world is made or refused, when memory grows, and
  * when a step fails; it has no other lines. */
 const char *test_embed_log(void)
@@ -135,6 +161,9 @@ const char *test_embed_log(void)
         EXPECT(!strcmp(l.last, error.text));
         EXPECT(l.made == 1 && l.failed == 1 && l.other == 1);
         ran(1);
+        const char *what = check_growth(backend);
+        if (what)
+            return what;
     }
     return NULL;
 }

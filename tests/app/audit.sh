@@ -27,3 +27,12 @@ refused 'audit with a frame of another run' 'lost/frames/cloth_0003.ply' \
     audit lost
 exits 'a run that has no obstacle' 0 run odd.json --out alone
 exits 'audit of cloth alone' 0 audit alone
+mkdir -p hundred/frames
+cp u2/obstacles.ply u2/report.json hundred
+frame=0
+while [ $frame -lt 100 ]; do
+    ln u2/frames/cloth_0000.ply "hundred/frames/cloth_$(printf %04d $frame).ply"
+    frame=$((frame + 1))
+done
+exits 'audit of a hundred frames' 0 audit hundred
+is 'audit counts them' grep -q '100 frames, 0 of them' out

@@ -61,6 +61,8 @@ for z in 1 -1; do
         "1 1 $z" "1 2 $((z + 9))" "2 1 $((z + 9))" '3 0 1 2' '3 3 4 5' >>$file
 done
 exits 'ccd of two frames' 0 ccd --frames before.ply after.ply
+is 'of its candidates one touches' \
+    grep -qx '[1-9][0-9]* vf and [0-9]* ee candidates, 1 touch' err
 is 'the vertex that falls through' test "$(cat out)" = 'vf 3 0 1 2'
 exits 'ccd of a mesh at rest' 0 ccd --frames before.ply before.ply
 is 'nothing touches' test ! -s out
@@ -103,8 +105,17 @@ is 'whose threads are its own, not OpenMP'"'"'s' sh -c \
     'nm -D "$0" >symbols && grep -q pthread_create symbols &&
     ! grep -E "GOMP|kmpc|omp_" symbols' "$drape"
 exits 'film' 0 render 'an out' --width 64 --height 48 --samples 1
+mkdir no_ffmpeg
+env PATH="$work/no_ffmpeg" "$drape" render 'an out' --width 16 --height 16 \
+    --samples 1 >out 2>err
+is 'a film without ffmpeg' test $? -eq 0
+is 'is its pictures, and a word' grep -q 'no ffmpeg here.* in an out/pictures' err
 is 'film or a word' sh -c 'test -s "an out/film.mp4" || grep -q ffmpeg err'
 exits 'plan' 0 plan tiny.json
+is 'its sum is of its stages, and less than what is held' awk '
+    match($0, / (on|off) +[0-9]+ /) { split(substr($0, RSTART), part); sum += part[2] }
+    $1 == "sum" { told = $2 }
+    $1 == "held" { held = $2 } END { exit !(0 < sum && sum == told && told < held) }' out
 is 'plan says on and off' sh -c 'grep -q " on " out && grep -q " off " out'
 is 'and what a step takes, and where it was measured' sh -c \
     'sed -n "/^estimate/,\$p" out | grep -q "^NVIDIA H100  .* gpu, binary32"'
@@ -119,7 +130,8 @@ is 'a sum of a constant, particles and contacts' test "$(tail -n 1 out |
     tr -s ' ')" = 'a machine 162 1623 8913 0.25 to 4 ref, binary64, 2 threads, 2000-01-01'
 scene explicit.json ', "integrator": "euler"}'
 exits 'plan of an explicit integrator' 0 plan explicit.json
-is 'it has no estimate' grep -q 'not estimated for an explicit' out
+is 'it has no estimate' sh -c 'grep -q "not estimated for an explicit" out &&
+    ! grep -q machine out'
 {
     cat speed.csv
     echo 'a machine,ref,2000-01-01,2,64,0.5,2e6'

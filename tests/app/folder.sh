@@ -70,6 +70,20 @@ fails() {
 }
 fails 'a folder below a file' 'tiny.json: cannot make this folder: Not a dir' \
     "$drape" run tiny.json --out tiny.json/below
+mkdir no_frames
+: >no_frames/frames
+fails 'a file where frames go' 'no_frames/frames: cannot make this folder: Not a dir' \
+    "$drape" run tiny.json --out no_frames
+# What stands where a file of a run goes, and cannot be removed.
+for name in report.json obstacles.ply obstacles.obj cloth.pc2 trace.csv film.mp4 \
+    checkpoint.drape frames/cloth_0001.ply frames/cloth_0001.obj \
+    frames/obstacles_0001.ply frames/obstacles_0001.obj \
+    frames/contacts_0001.ply pictures/frame_0001.png pictures/film_0001.png; do
+    rm -rf stays
+    mkdir -p "stays/$name/here"
+    fails "a folder as $name" "stays/$name: cannot be removed: Directory not empty" \
+        "$drape" run tiny.json --out stays --force
+done
 chmod 755 .
 mkdir -m 555 shut
 if [ "$(id -u)" -ne 0 ]; then
@@ -105,6 +119,7 @@ else
     fails 'a folder without locks' \
         'unlocked: cannot be locked: No locks available' \
         env LD_PRELOAD="$PWD/nolock.so" "$drape" run tiny.json --out unlocked
+    is 'a lock that was not taken is not removed' test -e unlocked/.drape.lock
 fi
 limited() { (
     ulimit -f "$1"

@@ -33,6 +33,7 @@ done
 exits 'run --help' 0 run --help
 exits 'info' 0 info
 exits 'no command' 2
+is 'which is told the commands' grep -q '^  run  ' err
 refused 'unknown command' 'frobnicate' frobnicate
 refused 'unknown option' '--frob' run tiny.json --frob
 refused 'option without value' '--frames' run tiny.json --frames
@@ -42,3 +43,5 @@ refused 'no scene' 'expected one' run
 refused 'two scenes' 'expected one' run tiny.json tiny.json
 refused 'precision 33' 'precision' run tiny.json --precision 33 --out refused
 refused 'unknown backend' '--backend' run tiny.json --backend abacus
+refused 'blocks of no whole warps' 'tiny.json: block is 33, expected a multiple' \
+    run tiny.json --block 33 --out refused

@@ -73,6 +73,18 @@ gltf good.gltf AAEC 3
 exits 'good glTF' 0 convert good.gltf good_gltf.ply
 gltf index.gltf AAECAAEJ 6
 no_mesh 'glTF, index out of range' 'cannot be read as a mesh' index.gltf
+# nodes COUNT: glTF of a triangle in a node, which lies in COUNT others
+nodes() {
+    gltf nodes.gltf AAEC 3
+    sed "s/.\"nodes\": \[{\"mesh\": 0}\]/ \"nodes\": [$(awk -v n="$1" 'BEGIN {
+        for (k = 1; k <= n; k++) printf "{\"children\": [%d]}, ", k
+        print "{\"mesh\": 0}]" }')/" nodes.gltf >deep.gltf
+}
+nodes 200
+exits 'glTF, a node in 200 others' 0 convert deep.gltf deep.ply
+nodes 300
+no_mesh 'glTF, a node in 300 others' \
+    'cannot be read as a mesh: its nodes lie in more than 256 others' deep.gltf
 printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n' >cut.stl
 no_mesh 'STL that ends early' 'cannot be read as a mesh' cut.stl
 
@@ -119,6 +131,17 @@ off bad.off 'OFF BINARY'
 no_mesh 'binary OFF' 'line 1: expected the numbers of' bad.off
 
 # PLY
+# A polygon is a fan of triangles.
+printf '%s\n' ply 'format ascii 1.0' 'element vertex 5' 'property float x' \
+    'property float y' 'property float z' 'element face 1' \
+    'property list uchar int vertex_indices' end_header \
+    '0 0 0' '1 0 0' '2 1 0' '1 2 0' '0 1 0' >five.ply
+sed -e 's/face 1/face 3/' five.ply >fan.ply
+echo '5 0 1 2 3 4' >>five.ply
+printf '%s\n' '3 0 1 2' '3 0 2 3' '3 0 3 4' >>fan.ply
+exits 'PLY with a pentagon' 0 convert five.ply five_3.ply
+exits 'PLY with its three triangles' 0 convert fan.ply fan_3.ply
+is 'the same mesh' cmp five_3.ply fan_3.ply
 # ply FILE FACE [FROM TO]: three vertices and a face; TO replaces FROM in the
 # file.
 ply() {
@@ -159,6 +182,32 @@ ply bad.ply '3 0 1 2' 'vertex 3' 'vertex 2147483647'
 no_mesh 'PLY of far too many vertices' 'ends before its' bad.ply
 ply bad.ply '3 0 1 2' 'vertex 3' 'vertex 2147483648'
 no_mesh 'PLY of more than can be counted' 'line 3: not a PLY' bad.ply
+ply bad.ply '3 0 1 2' 'property list.*' 'comment none'
+no_mesh 'PLY, faces of nothing' 'goes on behind what its header' bad.ply
+ply bad.ply '3 0 1 2' 'element vertex 3' 'property int a'
+no_mesh 'PLY, a property of no element' 'line 3: not a PLY' bad.ply
+ply bad.ply '3 0 1 2' 'list uchar' 'list float'
+no_mesh 'PLY, a list as long as a float' 'line 8: not a PLY' bad.ply
+ply bad.ply '3 0 1 2' 'uchar int' 'uchar word'
+no_mesh 'PLY, a list of no type' 'line 8: not a PLY' bad.ply
+ply bad.ply '3 0 1 2' 'double y' 'triple y'
+no_mesh 'PLY, a coordinate of no type' 'line 5: not a PLY' bad.ply
+ply bad.ply '3 0 1 2' 'vertex 3' 'vertex -1'
+no_mesh 'PLY of fewer than none' 'line 3: not a PLY' bad.ply
+# many TEXT COUNT: that many lines of the header before its end
+many() {
+    ply bad.ply '3 0 1 2' end_header "$(awk -v text="$1" -v n="$2" 'BEGIN {
+        for (k = 0; k < n; k++) printf "%s a%d%s\\n", text, k, " 0"
+        print "end_header" }')"
+}
+many 'element' 14
+exits 'PLY of 16 elements' 0 convert bad.ply many.ply
+many 'element' 15
+no_mesh 'PLY of 17 elements' 'line 23: not a PLY' bad.ply
+many 'obj_info' 99
+sed -i 's/$/\r/' bad.ply
+exits 'PLY with CRLF and obj_info' 0 convert bad.ply many.ply
+is 'its triangle' grep -q '3 vertices, 1 triangles' out
 ply bad.ply '3 0 1 2
 3 0 1 2'
 no_mesh 'PLY that goes on' 'goes on behind what its header' bad.ply
@@ -190,6 +239,14 @@ hangs 'a device as a scene' '/dev/zero: is a device' plan /dev/zero
 hangs 'as a checkpoint' '/dev/zero: is a device' run tiny.json --out refused \
     --resume /dev/zero
 hangs 'as queries' '/dev/zero: is a device' ccd --kind vf /dev/zero
+# Headers that end early must not be read for ever.
+printf 'ply' >bad.ply
+hangs 'PLY of half a line' 'bad.ply: line 1: expected ply' convert bad.ply refused.ply
+for end in '' '\ncomment' '\nelement face 1'; do
+    printf 'ply\nformat ascii 1.0\ncomment the last whole line%b' "$end" >bad.ply
+    hangs "PLY whose header ends early:$(printf '%b' "$end" | tail -n 1)" \
+        'bad.ply: expected end_header' convert bad.ply refused.ply
+done
 # through COMMAND: a pipe named pipe, which a process fills by the command.
 through() {
     sh -c "$1" >pipe 2>/dev/null &

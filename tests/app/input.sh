@@ -64,7 +64,7 @@ refused 'key twice' 'twice' run key.json --out refused
 scene key.json ', "dt": "fast"}'
 refused 'wrong type' '$.dt: expected a number' run key.json --out refused
 scene key.json ', "dt": -1}'
-refused 'out of range' '$.dt: -1' run key.json --out refused
+refused 'out of range' '$.dt: -1: expected a number from 1e-07 to 1' run key.json --out refused
 scene key.json ', "dt": 1e999}'
 refused 'number overflows' '$.dt' run key.json --out refused
 scene key.json ', "gravity": [0, 1]}'

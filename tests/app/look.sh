@@ -24,13 +24,15 @@ shot plain "$eye" '' ''
 shot told "$eye, \"fov\": 35, \"light\": 1, \"turn\": 0" '"check": true' ''
 is 'the defaults are the defaults' cmp plain.png told.png
 shot blue "$eye" '"colour": [0, 0, 1], "check": false' ''
+shot even "$eye" '"check": false' ''
 shot inside "$eye" '"inside": [0, 1, 0]' ''
 shot ball "$eye" '' '"colour": [1, 0, 0], "gloss": 1'
+shot glossy "$eye" '' '"gloss": 1'
 shot floor "$eye, \"floor\": [0, 0.2, 0]" '' ''
 shot sun "$eye, \"sun\": [1, 0.2, 0]" '' ''
 shot dim "$eye, \"light\": 0.2" '' ''
 shot around '' '' ''
-for other in blue inside ball floor sun dim around; do
+for other in blue even inside ball glossy floor sun dim around; do
     differ plain $other
 done
 front='"eye": [0, 0.3, 3], "target": [0, 0.3, 0]'
@@ -62,7 +64,28 @@ is 'begins as it is, and turns' sh -c 'cmp look_turn/pictures/film_0000.png plai
 sed 's/"gloss": 1,/"gloss": 7,/' look_ball/report.json >wrong.json
 cp wrong.json look_ball/report.json
 refused 'a report with a look that no run writes' 'and a look' render look_ball
+sed 's/"check": true/"gloss": 7, "check": true/' look_plain/report.json >wrong.json
+cp look_plain/report.json right.json
+cp wrong.json look_plain/report.json
+refused 'a report with a cloth whose look no run writes' \
+    "\$.bodies[0]: expected a cloth's first_vertex, particles and size, and a look" \
+    render look_plain
+cp right.json look_plain/report.json
 sed 's/"light": 1/"light": 11/' look_plain/report.json >wrong.json
 cp wrong.json look_plain/report.json
 refused 'a report with a light that no run writes' '$.picture: expected fov' \
     render look_plain
+
+# Small pictures, drawn anew by a program of their own: cloths with a hole and with
+# a look, round and level obstacles; a camera that turns, and the tool's own.
+# drawn NAME FRAME CAMERA
+drawn() {
+    python3 "$root/tests/app/ray.py" write "$1.json" "{\"camera\": {$3}}"
+    exits "a run: $1" 0 run "$1.json" --out "$1" --quiet
+    exits "a picture: $1" 0 render "$1" --frame "$2" --width 20 --height 16 \
+        --samples 1 --quiet
+    is "$1: every pixel is as another program draws it" \
+        python3 "$root/tests/app/ray.py" check "$1" "$2" "$1/pictures/frame_000$2.png"
+}
+drawn drawn_turned 1 '"eye": [1.2, 1.6, 2.3], "target": [0, 0.35, 0], "turn": 600, "fov": 50'
+drawn drawn_around 0 '"sun": [1, 0.6, 0.4], "light": 0.7, "floor": [0.3, 0.6, 0.7], "fov": 45'

@@ -33,6 +33,8 @@ refused 'help for it' 'rendr: no such command; did you mean render?' help rendr
 scene key.json ', "gravty": [0, 0, 0]}'
 refused 'a key that is nearly one' 'did you mean "gravity"' run key.json
 
+is 'of near names the nearest' python3 "$root/tests/app/nearest.py" "$drape"
+
 # Quiet
 exits '--quiet' 0 run tiny.json --out still --frames 2 --quiet
 is 'says nothing' test ! -s out -a ! -s err
@@ -46,6 +48,24 @@ refused 'but errors are said' 'holds a run' run tiny.json --out still --quiet
 exits 'a film, with its progress' 0 render still --width 16 --height 16 \
     --samples 1 --no-film
 is 'the last line' grep -q '^\[####################\] picture 3/3  ETA 0:00$' err
+
+is 'a film, on a terminal' python3 "$root/tests/app/terminal.py" 'picture 3/3' \
+    "$drape" render still --width 16 --height 16 --samples 1 --no-film
+is 'a run, on a terminal' python3 "$root/tests/app/terminal.py" 'step 6/6  contacts' \
+    "$drape" run tiny.json --out terminal
+
+# A film, by an ffmpeg that writes down what it is told.
+mkdir told
+printf '%s\n' '#!/bin/sh' 'printf "%s\n" "$@" >told/words' 'for last; do :; done' \
+    'echo film >"$last"' >told/ffmpeg
+chmod +x told/ffmpeg
+exits 'a run of 2 frames in 0.1 s' 0 run tiny.json --frames 2 --out film --quiet
+is 'its film' sh -c 'PATH="$PWD/told:$PATH" "$0" render film --width 16 --height 16 \
+    --samples 1 >told/out' "$drape"
+is 'is where the tool says' grep -qx film/film.mp4 told/out
+is 'is of its pictures, as fast as its frames' sh -c '[ "$(cat film/film.mp4)" = film ] &&
+    [ "$(grep -A1 -xe -framerate told/words | tail -n 1)" = 60 ] &&
+    [ "$(grep -A1 -xe -i told/words | tail -n 1)" = film/pictures/film_%04d.png ]'
 
 # A film that ffmpeg begins and breaks off leaves nothing behind.
 mkdir broken

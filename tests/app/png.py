@@ -19,7 +19,10 @@ def read(path):
     while at < len(data):
         size, kind = struct.unpack(">I4s", data[at:at + 8])
         packed += data[at + 8:at + 8 + size] if kind == b"IDAT" else b""
+        check = struct.unpack(">I", data[at + 8 + size:at + 12 + size])[0]
+        assert check == zlib.crc32(data[at + 4:at + 8 + size]), kind
         at += size + 12
+    assert kind == b"IEND" and at == len(data), "its end"
     raw, rows, before = zlib.decompress(packed), [], bytearray(3 * width)
     for row in range(height):
         line = raw[row * (3 * width + 1):(row + 1) * (3 * width + 1)]
@@ -55,13 +58,18 @@ def unfilter(kind, line, above):
     return line
 
 
-plain, blue, floor, dim = map(mean, sys.argv[1:5])
-east, west = swell(sys.argv[5], 36, 32), swell(sys.argv[6], 25, 29)
-for name, good in (("plain: red", plain[0] > plain[2] + 5),
-                   ("blue", blue[2] > blue[0] + 5),
-                   ("floor: green", floor[1] > floor[0] + 5),
-                   ("dim", sum(dim) < sum(plain) - 15),
-                   ("a low sun in the east", east > 20),
-                   ("a low sun in the west", west > 20)):
-    if not good:
-        sys.exit(f"{name}: {plain} {blue} {floor} {dim} {east} {west}")
+def main():
+    plain, blue, floor, dim = map(mean, sys.argv[1:5])
+    east, west = swell(sys.argv[5], 36, 32), swell(sys.argv[6], 25, 29)
+    for name, good in (("plain: red", plain[0] > plain[2] + 5),
+                       ("blue", blue[2] > blue[0] + 5),
+                       ("floor: green", floor[1] > floor[0] + 5),
+                       ("dim", sum(dim) < sum(plain) - 15),
+                       ("a low sun in the east", east > 20),
+                       ("a low sun in the west", west > 20)):
+        if not good:
+            sys.exit(f"{name}: {plain} {blue} {floor} {dim} {east} {west}")
+
+
+if __name__ == "__main__":
+    main()

@@ -24,10 +24,25 @@ cat >moves.json <<'EOF'
 EOF
 exits 'a run with a trace' 0 run moves.json --out u --trace
 is 'its summary is the sum of its steps' python3 "$what" sums u
+is 'its report describes each body' python3 -c '
+import json
+r = json.load(open("u/report.json"))
+high, low, ball, floor = r["bodies"]
+at = [(b["name"], b["kind"], b["first_vertex"]) for b in r["bodies"]]
+assert at == [("high", "cloth", 0), ("low", "cloth", 117),
+              ("ball", "obstacle", 198), ("floor", "obstacle", at[3][2])], at
+assert high["particles"] == [13, 9] and high["size"] == [0.5, 0.4]
+assert low["particles"] == [9, 9] and low["size"] == [0.4, 0.4]
+assert low["first_triangle"] == 2 * 12 * 8
+assert ball["first_triangle"] == 2 * 12 * 8 + 2 * 8 * 8
+assert ball["moving"] is True and floor["moving"] is False
+assert r["vertices"] == floor["first_vertex"] + 4
+assert r["triangles"] == floor["first_triangle"] + 2'
 exits 'half of it' 0 run moves.json --out r --trace --frames 7 \
     --checkpoint-every 3
 exits 'the rest of it' 0 run moves.json --out r --trace --resume \
     r/checkpoint.drape
+is 'which lacks no row of its trace' sh -c '! grep note err'
 is 'the whole run is the unbroken one' python3 "$what" same u r
 exits 'the rest of it again, less far' 0 run moves.json --out r --frames 9 \
     --resume r/checkpoint.drape
@@ -56,6 +71,15 @@ exits '--error, cut short' 0 run tiny.json --out near2 --frames 6 \
 exits 'what --error chose holds on' 0 run tiny.json --out near2 --frames 6 \
     --resume near2/checkpoint.drape
 is 'and the estimate' python3 "$what" same near near2
+scene choi.json ', "integrator": "choi-ko", "tolerance": 1e-5}'
+exits '--error of 5 cm' 0 run choi.json --out coarse2 --frames 6 --error 0.05
+exits 'the same, cut short' 0 run choi.json --out coarse3 --frames 6 --error 0.05 \
+    --checkpoint-every 3
+exits 'what it chose holds on, whatever the scene says' 0 run choi.json \
+    --out coarse3 --frames 6 --resume coarse3/checkpoint.drape
+is 'its integrator is not the scene'"'"'s' grep -q '"integrator": "baraff-witkin"' \
+    coarse3/report.json
+is 'it is the same run' python3 "$what" same coarse2 coarse3
 
 # A killed run leaves complete files, a report and its trace so far.
 scene killed.json ', "steps_per_frame": 11, "sleep": false}'
@@ -119,6 +143,43 @@ is 'its summary is the sum of its steps, too' python3 "$what" sums storm
 printf '{"name": "\377a\300\257\355\240\200\364\220\200\200\\u0001\177\303\251",
  "frames": 0, "cloths": [{"particles": [3, 3], "size": [1, 1],
   "name": "q\\"\\\\\\n\360\237\247\265\342\202"}]}' >odd.json
+python3 - <<'EOF'
+import random
+chance = random.Random(1)
+bytes_ = [0x41, 0x7f, 0x80, 0x8f, 0x90, 0x9f, 0xa0, 0xbf, 0xc0, 0xc1, 0xc2, 0xdf,
+          0xe0, 0xe1, 0xec, 0xed, 0xee, 0xef, 0xf0, 0xf1, 0xf3, 0xf4, 0xf5, 0xff]
+# each kind of first byte before each kind of second, and bytes of chance
+names = [bytes([a, b, 0x80, 0x80]) for a in bytes_ for b in bytes_[1:10]]
+names += [bytes(chance.choice(bytes_) for _ in range(chance.randrange(1, 12)))
+          for _ in range(400 - len(names))]
+cloths = b','.join(b'{"particles": [2, 2], "size": [1, 1], "start": '
+                   b'{"at": [0, %d, 0]}, "name": "%s"}' % (2 * k, name)
+                   for k, name in enumerate(names))
+with open('names.json', 'wb') as file:
+    file.write(b'{"frames": 0, "cloths": [' + cloths + b']}')
+with open('names.bin', 'wb') as file:
+    file.write(b'\n'.join(names))
+EOF
+exits 'names of random bytes' 0 run names.json --out names
+is 'have a mark for each byte that is not of UTF-8' python3 -c '
+import json
+def read(name):
+    text = ""
+    while name:
+        for k in range(1, 5):
+            try:
+                text, name = text + name[:k].decode(), name[k:]
+                break
+            except UnicodeDecodeError:
+                pass
+        else:
+            text, name = text + "\ufffd", name[1:]
+    return text
+names = open("names.bin", "rb").read().split(b"\n")
+bodies = json.load(open("names/report.json", encoding="utf-8"))["bodies"]
+assert len(bodies) == len(names) == 400
+for name, body in zip(names, bodies):
+    assert body["name"] == read(name), (name, body["name"])'
 exits 'a name that is no UTF-8' 0 run odd.json --out odd
 is 'is in a report that is JSON and UTF-8' python3 -c '
 import json

@@ -149,10 +149,10 @@ refused 'resume from nothing' 'nothing.drape' \
 refused 'resume from no checkpoint' 'tiny.json' \
     run tiny.json --out refused --resume tiny.json
 head -c 200 half/checkpoint.drape >cut.drape
-refused 'resume from a part' 'cut.drape' \
+refused 'resume from a part' 'drape: cut.drape: ' \
     run tiny.json --out refused --resume cut.drape
 sed 's/\[9, 9\]/[8, 8]/' tiny.json >other.json
-refused 'resume another scene' 'half/checkpoint.drape' \
+refused 'resume another scene' 'drape: half/checkpoint.drape: ' \
     run other.json --out refused --resume half/checkpoint.drape
 scene long.json ', "steps_per_frame": 37, "sleep": false}'
 "$drape" run long.json --out cut --frames 100000 >out 2>err &

@@ -240,6 +240,8 @@ static const char *front_steps(int k)
             return "a query failed";
         if (hash_result(&kept) != hash_result(&fresh))
             failed = "front §3: it depends on the steps before";
+        if (fresh.walked != fresh.visited || fresh.visited < fresh.n_both / 16)
+            failed = "the walk visited other pairs than it counted";
         for (int32_t v = 0; v < f.scene.vertices && step % 3 == 0; v++)
             f.x0[v] = f.x1[v];
         ran(1);

@@ -170,6 +170,48 @@ static bool side_led(const struct penalty *s, const struct contact *c)
     return led[0] || led[1];
 }
 
+/* §2.1: μ N of held contact k in binary64, and a bound of the rounding in the
+ * stage: its sums of four, and a few operations with what they give. */
+static double expected_friction(const struct penalty *s, int64_t k,
+                                double *bound)
+{
+    const struct contact *c = &s->contact[k];
+    double unit = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53, yield = 0;
+    double gave = (double)s->gave[k], push = (double)c->target;
+    double most = fabs(push), spring = (double)s->stiffness * (double)s->tau;
+    for (int j = 0; j < 4; j++) {
+        double part = (double)c->c[j];
+        int32_t i = c->v[j];
+        push -= part * dot(c->n, s->guess[i]);
+        most += fabs(part) * sqrt(dot(s->guess[i], s->guess[i]));
+        yield += part * part * (double)s->parts[i] * (double)s->w[i];
+    }
+    push *= spring * (double)s->dt;
+    most *= spring * (double)s->dt;
+    if (!s->first)
+        push = fmax(push, -gave);
+    double share = 1 / (1 + spring * (double)s->tau * yield);
+    *bound = 64 * unit * (double)c->friction * (gave + (most + gave) * share);
+    *bound += REAL_BITS == 32 ? 0x1p-140 : 0x1p-1060; /* underflow */
+    return (double)c->friction * fmax(gave + (push - gave) * share, 0);
+}
+
+/* §2.2, §2.3: a contact that sticks has the damper of μ N, one that slides has
+ * the impulse μ N, or less where it slips slower than `slip`. */
+static const char *check_friction(const struct penalty *s, int64_t k)
+{
+    const struct contact *c = &s->contact[k];
+    double bound, most = expected_friction(s, k, &bound);
+    double slip = (double)vec_length(slip_of(c, s->u)), low = (double)s->slip;
+    double rub = (double)vec_length(c->tangent);
+    if (c->slide > 0)
+        EXPECT(fabs((double)c->slide * low - most) <= bound);
+    else
+        EXPECT(fabs(rub * fmax(slip, low) - most * slip) <=
+               bound * (slip + low));
+    return NULL;
+}
+
 const char *prop_penalty(const struct penalty *s)
 {
     double total[3] = {0, 0, 0}, size = 0;
@@ -199,6 +241,9 @@ const char *prop_penalty(const struct penalty *s)
         double rub = (double)(c->slide > 0 ? c->slide * s->slip : length);
         double most = rub * (double)(s->tau / s->dt) * alone;
         EXPECT(!s->first || most <= stop * (1 + 64 * unit));
+        const char *wrong = c->held ? check_friction(s, k) : NULL;
+        if (wrong)
+            return wrong;
         size += (double)(real_abs(c->impulse) + length);
     }
     for (int64_t i = 0; i < s->nv; i++) {

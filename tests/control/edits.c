@@ -249,3 +249,56 @@ const char *test_edits_log(void)
     }
     return what ? what : damage(&p);
 }
+
+/* Copies of a sheet's and a plate's arrays, at places of their own. */
+struct copies {
+    double x[TROUPE_PLATE][3];
+    int32_t tri[2][3];
+    uint8_t hole[TROUPE_COUNT], cut[TROUPE_COUNT];
+    drape_pin pin[1];
+};
+
+static void move_to(struct copies *to, drape_cloth *sheet,
+                    drape_obstacle *plate)
+{
+    memcpy(to->x, plate->x, sizeof to->x);
+    memcpy(to->tri, plate->tri, sizeof to->tri);
+    for (int k = 0; k < TROUPE_PLATE; k++)
+        to->x[k][1] -= 1;
+    memcpy(to->hole, sheet->hole, TROUPE_COUNT);
+    memcpy(to->cut, sheet->cut, (TROUPE_M - 1) * (TROUPE_N - 1));
+    to->pin[0] = (drape_pin){0, TROUPE_N - 1, -1};
+    plate->x = (const double(*)[3])to->x;
+    plate->tri = (const int32_t(*)[3])to->tri;
+    sheet->hole = to->hole;
+    sheet->cut = to->cut;
+    sheet->pins = to->pin;
+    sheet->n_pins = 1;
+    sheet->origin[1] += 1;
+}
+
+/* §7: the bytes of a log are those of what a world was told, wherever it lay.
+ */
+const char *test_edits_bytes(void)
+{
+    static struct recall log[2];
+    static struct copies copies[2];
+    for (int k = 0; k < 2; k++) {
+        struct troupe t;
+        troupe_make(&t, DRAPE_BW, DRAPE_REF);
+        drape_world *world = troupe_world(&t);
+        drape_cloth sheet = t.cloth[0];
+        drape_obstacle plate = t.obstacle[0];
+        move_to(&copies[k], &sheet, &plate);
+        EXPECT(drape_record(world, append, &log[k]) == DRAPE_OK);
+        size_t before = log[k].size;
+        EXPECT(drape_add_obstacle(world, &plate, NULL) > 0);
+        EXPECT(drape_add_cloth(world, &sheet, NULL) > 0);
+        EXPECT(drape_record(world, NULL, NULL) == DRAPE_OK);
+        EXPECT(log[k].size >= before + sizeof copies->x + sizeof copies->tri);
+        drape_destroy(world);
+        ran(1);
+    }
+    EXPECT(recall_same(&log[0], &log[1]));
+    return NULL;
+}

@@ -8,6 +8,7 @@
 #include "tests/api/guest.h"
 #include "tests/base/choices.h"
 #include "tests/world/recall.h"
+#include "tests/world/slab.h"
 
 enum { M = 7, N = 6, COUNT = M * N, PLATE = 4, NV = COUNT + PLATE };
 
@@ -399,5 +400,83 @@ const char *test_control_format(void)
     }
     for (int k = 0; k < 2; k++)
         drape_destroy(p.world[k]);
+    return NULL;
+}
+
+/* Calls that leave everything as it is. */
+static int call_again(drape_world *w, const struct slab *d, int kind)
+{
+    enum { SHEET = SLAB_SMALL * SLAB_SMALL };
+    static double x[SHEET + 8][3], v[SHEET + 8][3];
+    const double zero[3] = {0};
+    drape_read(w, x, v);
+    switch (kind) {
+    case 0:
+        drape_wake(w);
+        return DRAPE_OK;
+    case 1:
+        return drape_set_wind(w, &d->def.wind);
+    case 2:
+        return drape_set_gravity(w, d->def.gravity);
+    case 3:
+        return drape_set_material(w, 0, &d->cloth.material);
+    case 4:
+        return drape_set_positions(w, 0, SHEET, (const double(*)[3])x, NULL);
+    case 5:
+        return drape_set_velocities(w, 0, SHEET, (const double(*)[3])v);
+    case 6:
+        return drape_set_pins(w, 0, 0, NULL, NULL);
+    case 7:
+        return drape_set_obstacle(w, 0, (const double(*)[3])x + SHEET);
+    case 8:
+        return drape_set_pose(w, 0, zero, NULL, NULL);
+    default:
+        return drape_remove(w, 1);
+    }
+}
+
+enum { CALLS = 10, TIRED = 200 };
+
+/* Steps until the scene is asleep: how many steps were not. */
+static int doze(drape_world *world)
+{
+    drape_step_report r = {0};
+    for (int k = 0; k < TIRED; k++)
+        if (drape_step(world, &r) != DRAPE_OK || r.outcome & DRAPE_ASLEEP)
+            return r.outcome & DRAPE_ASLEEP ? k : TIRED;
+    return TIRED;
+}
+
+/* §1, §7: each call wakes a scene that sleeps, and so does the call that a log
+ * repeats. */
+const char *test_control_wakes(void)
+{
+    static const double still[2][3] = {{0}};
+    static struct recall log;
+    struct slab d;
+    slab_small(&d, DRAPE_BW, 0.375);
+    d.def.gravity[1] = 0;
+    d.motion.position = still;
+    drape_world *world = slab_world(&d), *other = slab_world(&d);
+    EXPECT(world && other && doze(world) < TIRED);
+    log.size = log.at = 0;
+    EXPECT(drape_record(world, append, &log) == DRAPE_OK);
+    for (int k = 0; k < CALLS; k++) {
+        EXPECT(doze(world) == 0);
+        EXPECT(call_again(world, &d, k) == DRAPE_OK);
+        int awake = doze(world);
+        EXPECT(0 < awake && awake < TIRED);
+        ran(1);
+    }
+    EXPECT(drape_record(world, NULL, NULL) == DRAPE_OK);
+    int status, asleep = 0, steps = 0;
+    drape_step_report r;
+    while ((status = drape_replay(other, take_back, &log, &r)) == 1) {
+        asleep += (r.outcome & DRAPE_ASLEEP) != 0;
+        steps++;
+    }
+    EXPECT(status == 0 && asleep == 2 * CALLS && steps > asleep + CALLS);
+    drape_destroy(world);
+    drape_destroy(other);
     return NULL;
 }

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2154
+# Whichever allocation of the tool finds no memory, the tool says so, leaves no
+# half of a file, and gives back what it has taken, as after any end.
+# Read by tests/app.sh, whose functions it calls.
+
+# A library that counts the allocations that the tool's own code makes, and
+# refuses them from number $STARVE on; in a child, from $STARVE_CHILD on. Where
+# the tool or libcjson has not given back all memory at the end, the exit status
+# is 99; where a file is still open, 98.
+cat >starve.c <<'EOF'
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <link.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+extern void *__libc_malloc(size_t size);
+extern void *__libc_calloc(size_t count, size_t size);
+extern void *__libc_realloc(void *old, size_t size);
+extern void __libc_free(void *old);
+
+enum { OWN, JSON, OBJECTS, FILES = 256, KEPT = 1 << 16 };
+static struct { uintptr_t low, high; } object[OBJECTS];
+static void *kept[KEPT]; /* what was taken and not given back */
+static int used;         /* no place from here on was ever taken */
+static long left = -1;
+static pid_t process;
+static int open_before[FILES];
+
+static int is_open(int file)
+{
+    return fcntl(file, F_GETFD) != -1;
+}
+
+/* The first object is the program. */
+static int see(struct dl_phdr_info *info, size_t size, void *user)
+{
+    int *seen = user, k = (*seen)++ == 0 ? OWN : JSON;
+    (void)size;
+    if (k == JSON && !strstr(info->dlpi_name, "libcjson.so"))
+        return 0;
+    object[k].low = UINTPTR_MAX;
+    for (int j = 0; j < info->dlpi_phnum; j++) {
+        uintptr_t a = info->dlpi_addr + info->dlpi_phdr[j].p_vaddr;
+        uintptr_t b = a + info->dlpi_phdr[j].p_memsz;
+        if (info->dlpi_phdr[j].p_type != PT_LOAD)
+            continue;
+        object[k].low = a < object[k].low ? a : object[k].low;
+        object[k].high = b > object[k].high ? b : object[k].high;
+    }
+    return 0;
+}
+
+static int is_in(int k, void *caller)
+{
+    uintptr_t a = (uintptr_t)caller;
+    return a >= object[k].low && a < object[k].high;
+}
+
+__attribute__((constructor)) static void begin(void)
+{
+    const char *count = getenv("STARVE");
+    int seen = 0;
+    dl_iterate_phdr(see, &seen);
+    left = count ? atol(count) : -1;
+    process = getpid();
+    for (int k = 3; k < FILES; k++)
+        open_before[k] = is_open(k);
+}
+
+__attribute__((destructor)) static void end(void)
+{
+    for (int k = 0; k < used; k++)
+        if (kept[k] && process == getpid())
+            _exit(99);
+    for (int k = 3; k < FILES; k++)
+        if (is_open(k) && !open_before[k] && process == getpid())
+            _exit(98);
+}
+
+static int fails(void *caller)
+{
+    const char *count = getenv("STARVE_CHILD");
+    if (process != getpid()) {
+        process = getpid();
+        left = count ? atol(count) : -1;
+    }
+    if (left < 0 || !is_in(OWN, caller))
+        return 0;
+    left -= left > 0;
+    errno = ENOMEM;
+    return left == 0;
+}
+
+/* The place of a pointer among those kept; of NULL: a free one. */
+static void **place(void *old)
+{
+    for (int k = 0; k < used; k++)
+        if (kept[k] == old)
+            return &kept[k];
+    if (!old && used == KEPT)
+        abort();
+    return old ? NULL : &kept[used++];
+}
+
+static void *keep(void *caller, void *data)
+{
+    if (data && (is_in(OWN, caller) || is_in(JSON, caller)))
+        *place(NULL) = data;
+    return data;
+}
+
+static void drop(void *old)
+{
+    void **at = old ? place(old) : NULL;
+    if (at)
+        *at = NULL;
+}
+
+void *malloc(size_t size)
+{
+    void *caller = __builtin_return_address(0);
+    return fails(caller) ? NULL : keep(caller, __libc_malloc(size));
+}
+
+void *calloc(size_t count, size_t size)
+{
+    void *caller = __builtin_return_address(0);
+    return fails(caller) ? NULL : keep(caller, __libc_calloc(count, size));
+}
+
+void *realloc(void *old, size_t size)
+{
+    void *caller = __builtin_return_address(0);
+    void *data = fails(caller) ? NULL : __libc_realloc(old, size);
+    if (data)
+        drop(old);
+    return keep(caller, data);
+}
+
+void free(void *old)
+{
+    drop(old);
+    __libc_free(old);
+}
+EOF
+
+# What is said then: for `ccd --frames` a touch that cannot be kept.
+meager='memory|reader needs more than|ccd: reading or writing failed'
+# starves WHO LEAST COMMAND...: the command's first, second, ... allocation is the
+# first that fails, until none does in eight runs; there are at least LEAST. Each
+# time the exit status is 2 or 3 and the last line names the memory.
+starves() {
+    who=$1 least=$2 n=1 whole=0
+    shift 2
+    while [ $n -lt 1000 ]; do
+        rm -rf starved starved.*
+        env "$who=$n" LD_PRELOAD="$PWD/starve.so" "$drape" "$@" >out 2>err </dev/null
+        got=$?
+        [ $got -ne 0 ] || whole=$((whole + 1))
+        [ $whole -lt 8 ] || break
+        case $got in
+        0) ;;
+        2 | 3)
+            [ $whole -eq 0 ] || break
+            tail -n 1 err | grep -qE "$meager" || break
+            ;;
+        *) break ;;
+        esac
+        n=$((n + 1))
+    done
+    if [ $whole -eq 8 ] && [ $((n - 8)) -ge "$least" ]; then
+        ok "$1 without memory, $((n - 8)) times"
+    else
+        bad "$1 without memory: allocation $n (exit $got)"
+    fi
+    is "$1 leaves no part of a file" sh -c '! find . -name "*.part" | grep .'
+}
+if ldd "$drape" | grep -q 'lib[a-z]*san' ||
+    ! "${CC:-cc}" -shared -fPIC starve.c -o starve.so 2>/dev/null; then
+    skip 'a tool without memory: no library can stand before this one'
+else
+    mkdir meager
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >meager/one.obj
+    for end in ply off stl; do
+        [ $end = off ] || "$drape" convert meager/one.obj meager/one.$end --quiet
+    done
+    printf 'OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' >meager/one.off
+    sed 's/"name": "cloth"/&, "look": {"gloss": 1}/' moves.json >meager/moves.json
+    "$drape" run meager/moves.json --out meager/run --frames 2 --quiet \
+        --checkpoint-every 1 --trace
+    starves STARVE 10 plan meager/moves.json
+    starves STARVE 40 plan geometry.json
+    for end in obj off ply stl; do
+        starves STARVE 4 convert meager/one.$end starved.obj
+    done
+    starves STARVE_CHILD 2 convert meager/one.obj starved.ply
+    starves STARVE 10 audit meager/run
+    starves STARVE 4 audit meager/one.stl
+    starves STARVE 1 ccd --kind vf hit.csv
+    starves STARVE 4 ccd --frames before.ply after.ply
+    starves STARVE 10 render meager/run --frame 1 --width 16 --height 16 --samples 1
+    starves STARVE 20 run meager/moves.json --out starved --frames 1 --obj --trace \
+        --contacts --checkpoint-every 1
+    starves STARVE 20 run meager/moves.json --out starved --frames 3 --quiet \
+        --resume meager/run/checkpoint.drape
+    starves STARVE 20 run tiny.json --out starved --frames 1 --error 0.05
+    is 'a run that goes on gives back all' env LD_PRELOAD="$PWD/starve.so" "$drape" \
+        run meager/moves.json --out meager/run --frames 3 --trace --quiet \
+        --resume meager/run/checkpoint.drape
+    env LD_PRELOAD="$PWD/starve.so" PATH=/nowhere "$drape" export meager/run \
+        --to x.usdc >out 2>err
+    is 'an export without Python gives back all' test $? -eq 3
+fi
