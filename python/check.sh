@@ -55,7 +55,7 @@ if /usr/bin/python3 -c 'import torch, venv' 2>"$log"; then
     ok 'an environment with torch' \
         /usr/bin/python3 -m venv --system-site-packages "$work/torch"
     ok 'torch and the wheel' "$work/torch/bin/python" -m pip install -q "$wheel" \
-        pytest
+        pytest nbclient ipykernel
     suite "$work/torch/bin/python" python/tests/test_notebook.py
 fi
 # apps/ has an environment of its own
