@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from . import scene as scenes
 from ._core import ffi, lib
-from ._define import Handle, put_arrays
+from ._define import Handle, put_arrays, read_scene
 from ._library import Calls, Guard
 from .errors import Error, SceneError, check, check_code
 from .record import Recorder
@@ -130,9 +130,7 @@ class Bodies:
         if motions:
             tree["motions"] = motions
         text = scenes.read(tree, os.path.dirname(self._text.file) or None)
-        data, out = text.text.encode(), ffi.new("struct scene **")
-        check_code(lib.core_read(data, len(data), os.fsencode(text.file), out))
-        made = ffi.gc(out[0], lib.core_free)
+        made = read_scene(text)
         definition = getattr(made, "def")
         kept = put_arrays(definition, text)
         error = ffi.new("drape_error *")

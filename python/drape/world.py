@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import struct
 import weakref
 from collections.abc import Mapping
 from pathlib import Path
@@ -29,6 +30,17 @@ from .reports import PARTS, Memory, Outcome, PlanRow, Status, StepReport, Work
 NOT_CLEAN = Outcome.TRAPPED | Outcome.PASSED | Outcome.DIVERGED
 
 
+# What a checkpoint begins with (ref/world/checkpoint.c). Number 5 is that of the
+# step, number 8 the time, and the last six are the wind.
+HEADER = struct.Struct("=8s2I2Qq2qd2HI6H4x6d")
+
+
+def clock(checkpoint: bytes) -> tuple[int, float]:
+    """Returns the steps done and the time, s, of a checkpoint's state."""
+    fields = HEADER.unpack_from(checkpoint)
+    return fields[5], fields[8]
+
+
 class Reports(list[StepReport]):
     """The reports of some steps, in their order."""
 
@@ -45,6 +57,12 @@ class Reports(list[StepReport]):
         """Whether no step is trapped, passed or diverged: nothing intersects
         at the end of any step, and nothing went through anything."""
         return not self.outcome & NOT_CLEAN
+
+    def __repr__(self) -> str:
+        """How many there are, and all that happened in any of the steps."""
+        names = "|".join(str(each.name) for each in Outcome if each & self.outcome)
+        clean = "clean" if self.clean else "not clean"
+        return f"<drape.Reports: {len(self)} steps, {clean}{names and f': {names}'}>"
 
 
 def _plain(c: Any) -> dict[str, Any]:
@@ -101,6 +119,7 @@ class World(Bodies, Control, Closing):
         self._mirrors: dict[str, weakref.ref[NDArray[Any]]] = {}
         self._recorder: Recorder | None = None
         self._report: StepReport | None = None
+        self._now: tuple[int, float] | None = (0, 0.0)  # None: a checkpoint tells
         self._handle: Handle | None = Handle(text, self._calls)
         self._calls.raise_kept()
         self._triangles = self._read_triangles()
@@ -148,8 +167,24 @@ class World(Bodies, Control, Closing):
         return "gpu" if self._open().definition.backend == lib.DRAPE_GPU else "ref"
 
     @property
+    def steps(self) -> int:
+        """Steps done since time 0, those before a checkpoint or log too."""
+        return self._clock()[0]
+
+    @property
+    def time(self) -> float:
+        """Time of the state, s."""
+        return self._clock()[1]
+
+    def _clock(self) -> tuple[int, float]:
+        if self._now is None:
+            self._now = clock(self.checkpoint())
+        return self._now
+
+    @property
     def report(self) -> StepReport | None:
-        """The report of the last step; None before the first."""
+        """The report of the last step; None before the first one, and before the
+        first one after a checkpoint was loaded."""
         return self._report
 
     # Steps
@@ -165,6 +200,7 @@ class World(Bodies, Control, Closing):
     def _done(self, report: Any) -> StepReport:
         """Takes note of a step's report, for the recorder too."""
         self._report = step_report(report)
+        self._now = self._report.step, self._report.time
         if self._recorder:
             self._recorder.add(report)
         return self._report
@@ -354,6 +390,9 @@ class World(Bodies, Control, Closing):
         self._refresh()
         if left:
             raise CheckpointError(f"checkpoint: {left} bytes behind its end")
+        self._report, self._now = None, clock(data)
+        wind = HEADER.unpack_from(data)[-6:]
+        self._open().definition.wind = (list(wind[:3]), *wind[3:])
 
     def _restore(self, data: bytes) -> int:
         """Loads a checkpoint and returns how many bytes are behind its end."""
@@ -415,7 +454,7 @@ class World(Bodies, Control, Closing):
         """
         if self._recorder:
             raise Error("the world is being recorded already")
-        if self._report is not None:
+        if self.steps:
             raise Error("a run is recorded from its start: before the first step")
         how = ffi.new("core_run_how *", (obj, contacts, force))
         self._recorder = Recorder(self._open(), self._guard, folder, how)
@@ -456,8 +495,14 @@ class World(Bodies, Control, Closing):
         """The world in one line."""
         if self._handle is None:
             return "<drape.World: closed>"
-        done = self._report.step if self._report else 0
         return (
             f"<drape.World {self.name!r}: {len(self)} vertices, "
-            f"{len(self.triangles)} triangles, {done} steps>"
+            f"{len(self.triangles)} triangles, {self.steps} steps, {self.time:g} s>"
+        )
+
+    def __reduce__(self) -> Any:
+        """Refuses copies and pickles."""
+        raise TypeError(
+            "a World can be neither copied nor pickled: make another one of the "
+            "same scene, and give its restore() what checkpoint() returns"
         )
