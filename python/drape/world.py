@@ -41,6 +41,11 @@ def clock(checkpoint: bytes) -> tuple[int, float]:
     return fields[5], fields[8]
 
 
+def outcome_names(outcome: Outcome) -> str:
+    """Returns the names of all that happened; empty if nothing did."""
+    return "|".join(str(each.name) for each in Outcome if each & outcome)
+
+
 class Reports(list[StepReport]):
     """The reports of some steps, in their order."""
 
@@ -54,13 +59,13 @@ class Reports(list[StepReport]):
 
     @property
     def clean(self) -> bool:
-        """Whether no step is trapped, passed or diverged: nothing intersects
+        """Whether no step is trapped, passed or diverged, so that nothing intersects
         at the end of any step, and nothing went through anything."""
         return not self.outcome & NOT_CLEAN
 
     def __repr__(self) -> str:
         """How many there are, and all that happened in any of the steps."""
-        names = "|".join(str(each.name) for each in Outcome if each & self.outcome)
+        names = outcome_names(self.outcome)
         clean = "clean" if self.clean else "not clean"
         return f"<drape.Reports: {len(self)} steps, {clean}{names and f': {names}'}>"
 
@@ -163,7 +168,7 @@ class World(Bodies, Control, Closing):
 
     @property
     def backend(self) -> str:
-        """Where steps are computed: "ref" or "gpu"."""
+        """Where steps are computed, "ref" or "gpu"."""
         return "gpu" if self._open().definition.backend == lib.DRAPE_GPU else "ref"
 
     @property
@@ -263,7 +268,7 @@ class World(Bodies, Control, Closing):
 
     @property
     def positions(self) -> Any:
-        """[vertices, 3] m, read-only: the cloths in their order, then the
+        """[vertices, 3] m, read-only, the cloths in their order and then the
         obstacles. On the host a NumPy array that follows the world: after each
         call of `step` it holds the new state, until bodies come or go. On a
         device a `SharedArray`."""
