@@ -459,9 +459,24 @@ def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text
     except (TypeError, ValueError) as error:
         if isinstance(error, SceneError):
             raise
-        raise SceneError(f"a scene's number is not finite: {error}") from error
+        where = _not_finite(tree, "$")
+        what = f"{where}: the number is not finite" if where else str(error)
+        raise SceneError(f"scene: {what}") from error
     file = os.path.join(folder, "scene") if folder else "scene"
     return Text(text, file, cloths, obstacles)
+
+
+def _not_finite(value: Any, path: str) -> str | None:
+    """Returns the path of the first number that is not finite; None: all are."""
+    if isinstance(value, dict):
+        inner = ((f"{path}.{key}", item) for key, item in value.items())
+    elif isinstance(value, (list, tuple, np.ndarray)):
+        inner = ((f"{path}[{k}]", item) for k, item in enumerate(value))
+    else:
+        wrong = isinstance(value, (float, np.floating)) and not np.isfinite(value)
+        return path if wrong else None
+    found = (_not_finite(item, at) for at, item in inner)
+    return next(filter(None, found), None)
 
 
 def _bodies(tree: dict[str, Any], key: str) -> list[Any]:

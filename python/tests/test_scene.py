@@ -104,7 +104,12 @@ WRONG = [
     ({"cloth": []}, r'unknown key "cloth"; did you mean "cloths"'),
     ({"cloths": [{"particles": [1, 5]}]}, r"\$\.cloths\[0\]\.particles"),
     ({"cloths": [{"material": "denin"}]}, "denin"),
-    ({"cloths": [{"size": [1, float("nan")]}]}, "not finite"),
+    (
+        {"cloths": [{"size": [1, float("nan")]}]},
+        r"scene: \$\.cloths\[0\]\.size\[1\]: the number is not finite",
+    ),
+    ({"dt": np.float32("inf")}, r"\$\.dt: the number is not finite"),
+    ({("a", 1): 2}, "keys must be"),
     ({"cloths": [{"size": [1, 1j]}]}, "1j"),
     ({"cloths": 5}, r"\$\.cloths: expected a list"),
     ({"cloths": [{"positions": [[0, 0, 0]]}]}, r"cloths\[0\]\.positions: 1 × 3"),
