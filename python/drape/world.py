@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import hashlib
 import os
-import struct
 import weakref
 from collections.abc import Mapping
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _state
 from . import scene as scenes
 from ._closing import Closing
 from ._core import ffi, lib
@@ -28,17 +28,6 @@ from .record import Recorder, picture
 from .reports import PARTS, Memory, Outcome, PlanRow, Status, StepReport, Work
 
 NOT_CLEAN = Outcome.TRAPPED | Outcome.PASSED | Outcome.DIVERGED
-
-
-# What a checkpoint begins with (ref/world/checkpoint.c). Number 5 is that of the
-# step, number 8 the time, and the last six are the wind.
-HEADER = struct.Struct("=8s2I2Qq2qd2HI6H4x6d")
-
-
-def clock(checkpoint: bytes) -> tuple[int, float]:
-    """Returns the steps done and the time, s, of a checkpoint's state."""
-    fields = HEADER.unpack_from(checkpoint)
-    return fields[5], fields[8]
 
 
 def outcome_names(outcome: Outcome) -> str:
@@ -121,6 +110,7 @@ class World(Bodies, Control, Closing):
         self._text = scenes.Text(text.text, text.file, [], [])
         self._calls = Calls(log, trace)
         self._guard = Guard()
+        self._defined: dict[int, Any] = {}
         self._mirrors: dict[str, weakref.ref[NDArray[Any]]] = {}
         self._recorder: Recorder | None = None
         self._report: StepReport | None = None
@@ -183,7 +173,7 @@ class World(Bodies, Control, Closing):
 
     def _clock(self) -> tuple[int, float]:
         if self._now is None:
-            self._now = clock(self.checkpoint())
+            self._now = _state.clock(self.checkpoint())
         return self._now
 
     @property
@@ -245,6 +235,7 @@ class World(Bodies, Control, Closing):
     def set_wind(self, wind: scenes.Wind | Mapping[str, Any]) -> None:
         """Sets the wind from the next step on, and wakes the scene; what is not
         given stays as it is. A scene that was made without wind takes none."""
+        self._know()
         given = scenes.as_dict(wind)
         unknown = sorted(set(given) - {"velocity", "density", "drag", "lift"})
         if unknown:
@@ -395,9 +386,8 @@ class World(Bodies, Control, Closing):
         self._refresh()
         if left:
             raise CheckpointError(f"checkpoint: {left} bytes behind its end")
-        self._report, self._now = None, clock(data)
-        wind = HEADER.unpack_from(data)[-6:]
-        self._open().definition.wind = (list(wind[:3]), *wind[3:])
+        self._report, self._now = None, _state.clock(data)
+        self._know(data)
 
     def _restore(self, data: bytes) -> int:
         """Loads a checkpoint and returns how many bytes are behind its end."""

@@ -79,6 +79,62 @@ def test_wind_follows_a_checkpoint(sheet: dict[str, Any]) -> None:
     assert world.digest() == other.digest()
 
 
+def two(sheet: dict[str, Any]) -> drape.World:
+    """A world of two pinned cloths that gravity stretches."""
+    first = {**sheet["cloths"][0], "pins": [{"edge": "u0"}]}
+    second = {**first, "name": "second", "start": {"at": [0, 0.5, 0]}}
+    return drape.World({"cloths": [first, second]}, gravity=[9.81, 0, 0])
+
+
+def end(world: drape.World, **numbers: float) -> str:
+    """Where it is after some steps with these numbers of the last cloth's."""
+    world.set_material("second", numbers)
+    world.step(3)
+    return world.digest()
+
+
+def test_materials_follow_a_checkpoint(sheet: dict[str, Any]) -> None:
+    """What set_material is not given is as the checkpoint has it."""
+    world = two(sheet)
+    plain = world.checkpoint()
+    world.set_pins(0, [0, 1, 2])
+    pinned = world.checkpoint()  # changes, and materials as defined
+    world.set_material(1, {"bend": 1e-3})
+    bent = world.checkpoint()
+    world.set_material(1, {"bend": 1e-2, "stretch": {"warp": [[0.01, 5]]}})
+    for data in (plain, pinned, bent, plain):
+        world.restore(data)
+        other = two(sheet)
+        if data != plain:
+            other.set_pins(0, [0, 1, 2])
+        bend = {"bend": 1e-3} if data == bent else {}
+        assert end(world, shear=50) == end(other, shear=50, **bend)
+    ends = {end(two(sheet), shear=50), end(two(sheet), shear=50, bend=1e-3)}
+    assert len(ends) == 2  # the number can be seen
+
+
+def test_materials_follow_a_log_and_bodies(sheet: dict[str, Any]) -> None:
+    world = two(sheet)
+    world.start_log()
+    world.set_material(1, {"bend": 1e-3})
+    world.step()
+    world.remove(0)
+    world.step()
+    log, later = world.end_log(), world.checkpoint()
+    other = two(sheet)
+    assert len(list(other.replay(log))) == 2
+    for each in (world, other):
+        each.set_material(0, {"bend": 1e-2})
+        each.restore(later)
+    assert end(world, shear=50) == end(other, shear=50)
+    third = two(sheet)
+    list(third.replay(log))
+    assert end(third, shear=50) == other.digest()
+    fourth = two(sheet)
+    list(fourth.replay(log))
+    assert end(fourth, shear=50, bend=1e-5) != other.digest()
+
+
 def test_damage_is_refused(tiny: Path, tmp_path: Path) -> None:
     world = drape.World(tiny)
     world.step(4)
