@@ -31,11 +31,11 @@ __attribute__((format(printf, 1, 2)))
 void say(const char *format, ...);
 
 /* A table of options. An argument that is not an option is positional. */
-enum option_type { OPTION_FLAG, OPTION_INT, OPTION_TEXT };
+enum option_type { OPTION_FLAG, OPTION_INT, OPTION_BITS, OPTION_TEXT };
 struct option_row {
     const char *name; /* with its dashes */
     enum option_type type;
-    void *out;   /* int *, int * or const char ** */
+    void *out;   /* int * or, of OPTION_TEXT, const char ** */
     long lo, hi; /* of OPTION_INT */
 };
 /* Reads argv[0 … argc) by the table (its last row has no name) and getopt_long:
@@ -45,6 +45,9 @@ struct option_row {
  * that names the argument. */
 int options_read(const struct option_row *table, int argc, char **argv,
                  int *positional);
+/* Reads the arguments of a command that takes none but --quiet. APP_OK, or
+ * APP_USAGE after one line. */
+int options_none(const char *command, int argc, char **argv);
 
 /* The commands. They take the arguments after the command's name and return
  * app_exit. */

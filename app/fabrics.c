@@ -61,9 +61,9 @@ const char *fabric_at(int k, drape_material *out, const char **what)
 
 int command_materials(int argc, char **argv)
 {
-    (void)argv;
-    if (argc)
-        return complain(APP_USAGE, "materials takes no argument");
+    int status = options_none("materials", argc, argv);
+    if (status != APP_OK)
+        return status;
     printf("%-11s %8s %8s %8s %9s %9s %8s\n", "name", "density", "stretch",
            "shear", "bend", "thickness", "friction");
     printf("%-11s %8s %8s %8s %9s %9s\n", "", "kg/m2", "N/m", "N/m", "N m",

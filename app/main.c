@@ -116,19 +116,21 @@ static int unknown(const char *name)
     for (int k = 0; k < COMMANDS; k++)
         nearest_try(&nearest, commands[k].name);
     nearest_try(&nearest, "--version");
+    nearest_try(&nearest, "--quiet");
+    nearest_try(&nearest, "--help");
+    const char *what = *name == '-' ? "unknown option" : "no such command";
     if (nearest.name)
-        return complain(APP_USAGE, "%s: no such command; did you mean %s?",
-                        name, nearest.name);
-    return complain(APP_USAGE, "%s: no such command (try: drape help)", name);
+        return complain(APP_USAGE, "%s: %s; did you mean %s?", name, what,
+                        nearest.name);
+    return complain(APP_USAGE, "%s: %s (try: drape help)", name, what);
 }
 
 static int command_info(int argc, char **argv)
 {
-    (void)argv;
-    if (argc)
-        return complain(APP_USAGE, "info takes no argument");
-    fputs(drape_info(), stdout);
-    return APP_OK;
+    int status = options_none("info", argc, argv);
+    if (status == APP_OK)
+        fputs(drape_info(), stdout);
+    return status;
 }
 
 static void list_commands(FILE *out)
@@ -136,12 +138,11 @@ static void list_commands(FILE *out)
     fputs("usage: drape COMMAND [arguments]\n\n", out);
     for (int k = 0; k < COMMANDS; k++)
         fprintf(out, "  %-12s %s\n", commands[k].name, commands[k].summary);
-    fputs(
-        "\n--quiet with any of them: no progress and no notes; --version: one "
-        "line.\n"
-        "`-` is standard input for a SCENE.json or a FILE.csv, and standard "
-        "output\nfor the mesh that convert writes.\n",
-        out);
+    fputs("\n--quiet, before or after a command: no progress and no notes.\n"
+          "--version: one line.\n"
+          "`-` is standard input for a SCENE.json or a FILE.csv, and standard "
+          "output\nfor the mesh that convert writes.\n",
+          out);
     fputs("\nExit status: 0 done, 1 findings, 2 bad input, 3 failure, 130 "
           "interrupted.\n",
           out);
@@ -149,7 +150,14 @@ static void list_commands(FILE *out)
 
 static int command_help(int argc, char **argv)
 {
-    if (argc == 0) {
+    static const struct option_row none[] = {{0}};
+    int positional;
+    int status = options_read(none, argc, argv, &positional);
+    if (status != APP_OK)
+        return status;
+    if (positional > 1)
+        return complain(APP_USAGE, "help: expected one COMMAND");
+    if (positional == 0) {
         list_commands(stdout);
         return APP_OK;
     }
@@ -186,6 +194,8 @@ int main(int argc, char **argv)
      * is reported, instead of ending the process */
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
+    for (; argc > 1 && strcmp(argv[1], "--quiet") == 0; argc--, argv++)
+        app_quiet = true;
     if (argc < 2) {
         list_commands(stderr);
         return APP_USAGE;

@@ -53,6 +53,15 @@ static int read_int(const struct option_row *row, const char *text)
     return APP_OK;
 }
 
+/* Reads a precision. */
+static int read_bits(const struct option_row *row, const char *text)
+{
+    if (strcmp(text, "32") != 0 && strcmp(text, "64") != 0)
+        return complain(APP_USAGE, "%s %s: expected 32 or 64", row->name, text);
+    *(int *)row->out = atoi(text);
+    return APP_OK;
+}
+
 /* Sets what the row points to; value is NULL for a flag. */
 static int read_value(const struct option_row *row, const char *value)
 {
@@ -60,6 +69,8 @@ static int read_value(const struct option_row *row, const char *value)
         *(int *)row->out = 1;
     else if (row->type == OPTION_INT)
         return read_int(row, value);
+    else if (row->type == OPTION_BITS)
+        return read_bits(row, value);
     else if (!*value)
         return complain(APP_USAGE, "%s: expected a value, not an empty text",
                         row->name);
@@ -168,5 +179,15 @@ int options_read(const struct option_row *table, int argc, char **argv,
     all[0] = "drape";
     int status = read_all(table, argc + 1, all, argv, positional);
     free(all);
+    return status;
+}
+
+int options_none(const char *command, int argc, char **argv)
+{
+    static const struct option_row none[] = {{0}};
+    int positional;
+    int status = options_read(none, argc, argv, &positional);
+    if (status == APP_OK && positional)
+        return complain(APP_USAGE, "%s takes no argument", command);
     return status;
 }

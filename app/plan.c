@@ -72,7 +72,7 @@ int command_plan(int argc, char **argv)
     const char *measured = NULL;
     const struct option_row options[] = {
         {"--backend", OPTION_TEXT, &overrides.backend, 0, 0},
-        {"--precision", OPTION_INT, &overrides.precision, 32, 64},
+        {"--precision", OPTION_BITS, &overrides.precision, 0, 0},
         {"--allow-intersecting", OPTION_FLAG, &overrides.allow_intersecting, 0,
          0},
         {"--speed", OPTION_TEXT, &measured, 0, 0},

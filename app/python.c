@@ -26,15 +26,18 @@ static char program[] =
  * after a line that says why. */
 static int become_python(char *name, int argc, char **argv)
 {
-    char **words = calloc((size_t)argc + 5, sizeof *words);
+    char **words = calloc((size_t)argc + 6, sizeof *words);
     if (!words)
         return complain(APP_FAILED, "out of memory");
     words[0] = "python3";
     words[1] = "-c";
     words[2] = program;
-    words[3] = name;
+    int count = 3;
+    words[count++] = name;
+    if (app_quiet) /* it may have stood before the command */
+        words[count++] = "--quiet";
     if (argc)
-        memcpy(words + 4, argv, (size_t)argc * sizeof *words);
+        memcpy(words + count, argv, (size_t)argc * sizeof *words);
     execvp(words[0], words);
     int fault = errno;
     free(words);

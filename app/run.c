@@ -275,7 +275,7 @@ int command_run(int argc, char **argv)
         {"--frames", OPTION_INT, &run.frames, 0, 1000000},
         {"--out", OPTION_TEXT, &run.directory, 0, 0},
         {"--backend", OPTION_TEXT, &run.overrides.backend, 0, 0},
-        {"--precision", OPTION_INT, &run.overrides.precision, 32, 64},
+        {"--precision", OPTION_BITS, &run.overrides.precision, 0, 0},
         {"--threads", OPTION_INT, &run.overrides.threads, 0, 4096},
         {"--block", OPTION_INT, &run.overrides.block, 0, 256},
         {"--every", OPTION_INT, &run.output.every, 1, 1000000},

@@ -258,8 +258,6 @@ int scene_create(struct scene *scene, const struct overrides *overrides,
                         overrides->backend);
     if (overrides->precision >= 0)
         def->precision = overrides->precision;
-    if (def->precision != 32 && def->precision != 64)
-        return complain(APP_USAGE, "--precision: expected 32 or 64");
     if (overrides->threads >= 0)
         def->threads = overrides->threads;
     if (overrides->block >= 0)
@@ -270,6 +268,7 @@ int scene_create(struct scene *scene, const struct overrides *overrides,
     def->allocator = (drape_allocator){allocate, release, &scene->budget};
     drape_error error = {""};
     int status = drape_create(def, world, &error);
+    scene->status = status;
     if (status == DRAPE_OK)
         return APP_OK;
     int code = status == DRAPE_ENOMEM || status == DRAPE_EDEVICE ? APP_FAILED

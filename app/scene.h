@@ -35,7 +35,8 @@ struct scene {
     struct pool pool;   /* owns all that def points to */
     struct budget {
         size_t held, most;
-    } budget; /* of def.allocator */
+    } budget;   /* of def.allocator */
+    int status; /* of drape_create, in scene_create */
 };
 
 /* Reads a scene file. Returns APP_OK; or prints one line that says what is

@@ -31,9 +31,11 @@ ok "the pages' lines" "$python" python/lines.py README.md python/README.md \
     python/docs/*.md python/docs/tutorials/*.md
 ok 'the site' sh python/docs.sh "$build" tiny=20
 export RAY_USAGE_STATS_ENABLED=0
-# The last line of pytest's log: `1 failed, 2 passed, 3 skipped in 4.56s`.
+# The summary in pytest's log: `1 failed, 2 passed, 3 skipped in 4.56s`. What Blender
+# has printed may follow it.
 number() {
-    of=$(tail -n 1 "$tests" | sed -n "s/.*\\b\\([0-9][0-9]*\\) $1.*/\\1/p")
+    of=$(grep -E '^[0-9]+ [a-z]+.* in [0-9.]+s' "$tests" | tail -n 1 |
+        sed -n "s/.*\\b\\([0-9][0-9]*\\) $1.*/\\1/p")
     echo "${of:-0}"
 }
 # suite PYTHON FOLDER OPTION...: runs tests and adds up their counts.
@@ -55,7 +57,7 @@ if /usr/bin/python3 -c 'import torch, venv' 2>"$log"; then
     ok 'an environment with torch' \
         /usr/bin/python3 -m venv --system-site-packages "$work/torch"
     ok 'torch and the wheel' "$work/torch/bin/python" -m pip install -q "$wheel" \
-        pytest
+        pytest nbclient ipykernel
     suite "$work/torch/bin/python" python/tests/test_notebook.py
 fi
 # apps/ has an environment of its own

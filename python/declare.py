@@ -26,6 +26,7 @@ struct scene {
     double memory;
     struct camera camera;
     char **cloth_name, **obstacle_name, **motion_name;
+    int status;
     ...;
 };
 """

@@ -127,7 +127,8 @@ suite() {
     shift
     in_fresh "$suite_python" -m pytest -q -rs -p no:cacheprovider "$@" >"$log" 2>&1
     grep '^SKIPPED' "$log"
-    line=$(tail -n 1 "$log")
+    # the summary; what Blender has printed may follow it
+    line=$(grep -E '^[0-9]+ [a-z]+.* in [0-9.]+s' "$log" | tail -n 1)
     good=$(number passed) bad=$(($(number failed) + $(number error)))
     [ "$good" -gt 0 ] || bad=$((bad + 1)) # no test ran
     [ "$bad" -eq 0 ] || tail -n 60 "$log"

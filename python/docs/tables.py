@@ -24,6 +24,7 @@ OBJECTS = [
     ("start", "cloth.c", "START("),
     ("A region of holes or cuts", "cloth.c", "struct region,"),
     ("A pin", "cloth.c", "struct pin,"),
+    ("material", "cloth.c", "MATERIAL("),
     ("An obstacle", "obstacle.c", "O("),
     ("frames of an obstacle", "obstacle.c", "struct series,"),
 ]
@@ -39,12 +40,19 @@ KINDS = {
 ROW = re.compile(
     r'([A-Z]+)_KEY\(\s*"(\w+)",([^{}]*?)\),?\s*(?=[A-Z]+_KEY|/\*|$)', re.DOTALL
 )
+# What says more than the kind of a nested key: the reader of its values.
+NESTED = {
+    "read_fabric": "a fabric's name",
+    "read_stretch": "number, or an object of measured tensions",
+    "read_limit": "number or 3 numbers",
+    "read_motion_name": "a motion's name",
+}
 
 
 def tool() -> str:
     """Returns the page of the tool's commands."""
     listed = drape.tool.call("help")
-    names = re.findall(r"^  (\w+) ", listed, re.MULTILINE)
+    names = re.findall(r"^  ([\w-]+) ", listed, re.MULTILINE)
     parts = ["# The tool\n", f"```text\n{listed}```\n"]
     for name in names:
         text = drape.tool.call("help", name)
@@ -64,6 +72,8 @@ def keys(file: str, mark: str) -> list[tuple[str, str, str]]:
     text = (ROOT / "app" / file).read_text(encoding="utf-8")
     tables = re.findall(r"json_key \w+\[\] = \{(.*?)\{0\}", text, re.DOTALL)
     table = next(each for each in tables if mark in each)
+    # a macro of the file's own that stands for a number of its argument's name
+    table = re.sub(r"MATERIAL\((\w+), ", r'NUMBER_KEY("\1", , ', table)
     rows = []
     for kind, key, rest in ROW.findall(table):
         words = [word.strip() for word in rest.split(",")]
@@ -72,9 +82,13 @@ def keys(file: str, mark: str) -> list[tuple[str, str, str]]:
         what = KINDS[kind]
         if kind == "VECTOR":
             what = f"{numbers[2]} numbers"
+        if kind == "NESTED":
+            what = NESTED.get(words[-1], what)
         if kind == "CHOICE":
             limits = choices(text, words[-1])
         rows.append((key, what, limits))
+    if not rows:
+        raise ValueError(f"app/{file}: a table of keys that this cannot read: {mark}")
     return rows
 
 

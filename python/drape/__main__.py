@@ -21,9 +21,12 @@ COMMANDS = {
 
 def main(argv: Sequence[str]) -> int:
     """Runs one command and returns its exit status."""
-    if argv and argv[0] in COMMANDS:
-        module = importlib.import_module(COMMANDS[argv[0]])
-        return int(module.main(list(argv[1:])))
+    words = list(argv)
+    quiet = words[:1] == ["--quiet"]  # it may stand before any command
+    name = "".join(words[quiet : quiet + 1])
+    if name in COMMANDS:
+        module = importlib.import_module(COMMANDS[name])
+        return int(module.main(words[:quiet] + words[quiet + 1 :]))
     from drape import tool
 
     return tool.main(argv)

@@ -24,10 +24,7 @@ class Handle:
     def __init__(self, text: scenes.Text, calls: Calls) -> None:
         self.world = ffi.NULL
         self.calls = calls  # the library calls them as long as the world is
-        data = text.text.encode()
-        out = ffi.new("struct scene **")
-        check_code(lib.core_read(data, len(data), os.fsencode(text.file), out))
-        self.scene = out[0]
+        self.scene = read_scene(text)
         self.definition = getattr(self.scene, "def")
         kept = put_arrays(self.definition, text)
         if calls.log:
@@ -39,12 +36,18 @@ class Handle:
         made = ffi.new("drape_world **")
         code = lib.core_create(self.scene, made)
         del kept  # the library has copied the arrays
-        check_code(code)
+        check_code(code, self.scene.status)
         self.world = made[0]
 
     def __del__(self) -> None:
         lib.drape_destroy(self.world)
-        lib.core_free(getattr(self, "scene", ffi.NULL))
+
+
+def read_scene(text: scenes.Text) -> Any:
+    """Returns what the tool's reader makes of a scene: a struct scene."""
+    data, out = text.text.encode(), ffi.new("struct scene **")
+    check_code(lib.core_read(data, len(data), os.fsencode(text.file), out))
+    return ffi.gc(out[0], lib.core_free)
 
 
 def put_arrays(definition: Any, text: scenes.Text) -> list[np.ndarray[Any, Any]]:

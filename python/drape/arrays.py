@@ -49,6 +49,16 @@ class SharedArray:
         self._guard = guard
         self._field = field
 
+    def __repr__(self) -> str:
+        """Its shape, type and place; the numbers are not read."""
+        kind, at = self.__dlpack_device__()
+        place = f"device {at}" if kind == CUDA else "the host"
+        return f"<drape.SharedArray: {self.shape} {self.dtype} on {place}>"
+
+    def __len__(self) -> int:
+        """The number of vertices."""
+        return self.shape[0]
+
     def _view(self) -> Any:
         view = ffi.new("drape_view *")
         with self._guard:

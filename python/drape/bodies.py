@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from . import scene as scenes
 from ._core import ffi, lib
-from ._define import Handle, put_arrays
+from ._define import Handle, put_arrays, read_scene
 from ._library import Calls, Guard
 from .errors import Error, SceneError, check, check_code
 from .record import Recorder
@@ -58,6 +58,7 @@ class Bodies:
 
     bodies: tuple[Body, ...]
     _calls: Calls
+    _defined: dict[int, Any]
     _guard: Guard
     _mirrors: dict[str, weakref.ref[NDArray[Any]]]
     _recorder: Recorder | None
@@ -116,7 +117,13 @@ class Bodies:
         with self._guard:
             check(lib.drape_remove(self._open().world, k), "remove")
             lib.core_remove(self._open().scene, k)
+        self._forget(k)
         self._changed()
+
+    def _forget(self, body: int) -> None:
+        """Moves what is kept of cloths down over a body that is removed."""
+        kept = {k: m for k, m in self._defined.items() if k != body}
+        self._defined = {k - (k > body): m for k, m in kept.items()}
 
     def _may_change(self) -> None:
         if self._recorder:
@@ -130,9 +137,7 @@ class Bodies:
         if motions:
             tree["motions"] = motions
         text = scenes.read(tree, os.path.dirname(self._text.file) or None)
-        data, out = text.text.encode(), ffi.new("struct scene **")
-        check_code(lib.core_read(data, len(data), os.fsencode(text.file), out))
-        made = ffi.gc(out[0], lib.core_free)
+        made = read_scene(text)
         definition = getattr(made, "def")
         kept = put_arrays(definition, text)
         error = ffi.new("drape_error *")
@@ -169,6 +174,7 @@ class Bodies:
             _, kind, where, *_ = HEAD.unpack(reads[at])
             if kind == REMOVE:
                 lib.core_remove(scene, where)
+                self._forget(where)
             elif kind in (CLOTH, MESH):
                 name = "drape_cloth" if kind == CLOTH else "drape_obstacle"
                 new = ffi.new(f"{name} *")

@@ -6,19 +6,21 @@ that replay a session bit for bit."""
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import _state
 from . import scene as scenes
 from ._core import ffi, lib
-from ._define import Handle
+from ._define import Handle, read_scene
 from ._library import Calls, Guard
 from .arrays import address, order
 from .contacts import ROW, Contacts
 from .errors import CheckpointError, Error, SceneError, check
+from .fabrics import materials
 from .reports import Status, StepReport
 
 
@@ -48,6 +50,68 @@ def _set_tables(new: Any, stretch: Mapping[str, Any]) -> None:
         new.table[scenes.TABLES.index(key)] = np.vstack([points, zeros]).tolist()
 
 
+def _set_numbers(new: Any, given: Mapping[str, Any]) -> None:
+    """Sets numbers of a drape_material."""
+    known = {f.name for f in dataclasses.fields(scenes.Material)} - {"name"}
+    for key, value in given.items():
+        if key not in known:
+            raise SceneError(f"material: {key}: there is no such number")
+        if key == "stretch" and isinstance(value, Mapping):
+            _set_tables(new, value)
+        elif key == "limit":
+            value = np.multiply(value, [1, 1, 2]) if np.ndim(value) == 0 else value
+            new.limit = scenes.array(value, (3,), "material.limit").tolist()
+        else:
+            setattr(new, key, float(scenes.array(value, (), f"material.{key}")))
+
+
+def _set_fabric(new: Any, name: str) -> None:
+    """Sets a material to a fabric's numbers. What nobody measured stays."""
+    fabrics = materials()
+    if name not in fabrics:
+        raise SceneError(
+            f"material: unknown fabric {name!r}; expected one of {', '.join(fabrics)}"
+        )
+    _set_tables(new, dict.fromkeys(scenes.TABLES, np.empty((0, 2))))
+    given = scenes.as_dict(fabrics[name].material)
+    _set_numbers(new, {key: given[key] for key in given if key != "name"})
+
+
+def _material_fault(new: Any) -> str | None:
+    """Returns what a scene's reader says of a material that the library has refused,
+    which names the number and its range; None: nothing."""
+    given: dict[str, Any] = {
+        field.name: getattr(new, field.name)
+        for field in dataclasses.fields(scenes.Material)
+        if field.name not in ("name", "limit")
+    }
+    given["limit"] = list(new.limit)
+    tree = {"cloths": [{"particles": [2, 2], "material": given}]}
+    try:
+        read_scene(scenes.read(tree))
+    except SceneError as error:
+        return str(error).rpartition("$.cloths[0].")[2]
+    return None
+
+
+def _told(refused: SceneError, text: str | None) -> SceneError:
+    """Returns what the library has refused with a text that says more."""
+    told = SceneError(text) if text else refused
+    told.status = refused.status
+    return told
+
+
+def _pins_fault(who: NDArray[np.int32], count: int) -> str:
+    """Returns what is wrong with pins that the library has refused."""
+    for k in who:
+        if not 0 <= k < count:
+            return f"particle {k}: expected a number from 0 to {count - 1}"
+    twice = np.flatnonzero(np.bincount(who, minlength=1) > 1)
+    if len(twice):
+        return f"particle {twice[0]} is there twice"
+    return "one of the particles is missing: it is in a hole or a cut"
+
+
 class Control:
     """What a `World` adds to its steps. A call that is refused changes nothing.
 
@@ -60,11 +124,39 @@ class Control:
     _calls: Calls
     bodies: tuple[Any, ...]
     _log: Calls | None = None
+    _now: tuple[int, float] | None
+    _defined: dict[int, Any]  # materials as defined, of cloths that have others
+    _known = True  # whether the definition has the wind and materials of now
+
+    def _know(self, checkpoint: bytes = b"") -> None:
+        """Brings the definition's wind and materials up to a checkpoint's, or to
+        the world's where a log has led it elsewhere."""
+        if not checkpoint and self._known:
+            return
+        data = checkpoint or self.checkpoint()
+        definition = self._open().definition
+        definition.wind = _state.wind(data)
+        for k, material in self._defined.items():
+            definition.cloths[k].material = material[0]
+        for k, new in enumerate(_state.materials(data, definition.n_cloths)):
+            self._put_material(k, new)
+        self._known = True
+
+    def _put_material(self, k: int, new: Any) -> None:
+        """Notes a cloth's material in the definition."""
+        c = self._open().definition.cloths[k]
+        if k not in self._defined:
+            self._defined[k] = ffi.new("drape_material *", c.material)
+        c.material = new[0]
 
     def _open(self) -> Handle:
         raise NotImplementedError
 
     def _refresh(self) -> None:
+        raise NotImplementedError
+
+    def checkpoint(self) -> bytes:
+        """Returns a checkpoint of the state."""
         raise NotImplementedError
 
     def _done(self, report: Any) -> StepReport:
@@ -125,6 +217,17 @@ class Control:
         order(ffi.cast("void *", about.get("stream") or 1), address(view.stream) or 1)
         return ffi.cast("void *", about["data"][0]), value
 
+    def _rows(self, value: Any, first: int, where: str) -> int:
+        """Returns the number of rows of an array that begins at a vertex."""
+        n = len(value) if hasattr(value, "__len__") else 1
+        end = max(each.vertices.stop for each in self.bodies if each.kind == "cloth")
+        if not 0 <= first <= end - n:
+            raise SceneError(
+                f"{where}: {n} rows from vertex {first} on; the vertices of cloths "
+                f"are 0 to {end - 1}"
+            )
+        return n
+
     # What is changed
 
     def set_gravity(self, gravity: ArrayLike) -> None:
@@ -133,53 +236,49 @@ class Control:
         self._call("drape_set_gravity", "gravity", g.tolist())
 
     def set_material(
-        self, cloth: int | str | Any, material: scenes.Material | Mapping[str, Any]
+        self,
+        cloth: int | str | Any,
+        material: str | scenes.Material | Mapping[str, Any],
     ) -> None:
         """Sets numbers of a cloth's material; those not given stay.
 
         Args:
             cloth: its number, name or `Body`
-            material: numbers, as in a scene, without a fabric's name. An array
-                of shape (0, 2) in `stretch` makes a direction linear again
+            material: as in a scene: a fabric's name, or numbers, which override
+                those of a fabric that is named beside them. An array of shape
+                (0, 2) in `stretch` makes a direction linear again
         """
         k = self._number(cloth, "cloth")
+        self._know()
         c = self._open().definition.cloths[k]
         new = ffi.new("drape_material *", c.material)
-        given = scenes.as_dict(material)
-        known = {f.name for f in dataclasses.fields(scenes.Material)} - {"name"}
-        for key, value in given.items():
-            if key not in known:
-                raise SceneError(f"material: {key}: there is no such number")
-            if key == "limit":
-                value = np.multiply(value, [1, 1, 2]) if np.ndim(value) == 0 else value
-                value = scenes.array(value, (3,), "material.limit").tolist()
-            if key == "stretch" and isinstance(value, Mapping):
-                _set_tables(new, value)
-                continue
-            setattr(new, key, value)
-        self._call("drape_set_material", "material", k, new)
-        c.material = new[0]
+        given = {"name": material} if isinstance(material, str) else material
+        given = dict(scenes.as_dict(given))
+        if (name := given.pop("name", None)) is not None:
+            _set_fabric(new, name)
+        _set_numbers(new, given)
+        try:
+            self._call("drape_set_material", "material", k, new)
+        except SceneError as refused:
+            raise _told(refused, _material_fault(new)) from None
+        self._put_material(k, new)
 
     def set_positions(self, positions: Any, first: int = 0) -> None:
         """Sets where vertices of cloths are, [n, 3] m, from vertex `first` on.
         The world forgets its past; entries of pinned particles are not used."""
-        n, error = len(positions), ffi.new("drape_error *")
+        n, error = self._rows(positions, first, "positions"), ffi.new("drape_error *")
         try:
             self._vectors(
                 "drape_set_positions", "positions", (first, n), positions, n, (error,)
             )
         except SceneError as refused:
             text = ffi.string(error.text).decode(errors="replace")
-            if not text:
-                raise
-            told = SceneError(f"positions: {text}")
-            told.status = refused.status
-            raise told from None
+            raise _told(refused, text and f"positions: {text}") from None
         self._refresh()
 
     def set_velocities(self, velocities: Any, first: int = 0) -> None:
         """Sets velocities of vertices of cloths, [n, 3] m/s, likewise."""
-        n = len(velocities)
+        n = self._rows(velocities, first, "velocities")
         self._vectors("drape_set_velocities", "velocities", (first, n), velocities, n)
         self._refresh()
 
@@ -200,10 +299,17 @@ class Control:
             who if who.size else np.empty(0, np.int32), (None,), "pins", np.int32
         )
         before = (k, len(who), ffi.cast("int32_t *", who.ctypes.data))
-        if targets is None:
-            self._call("drape_set_pins", "pins", *before, ffi.NULL)
-        else:
-            self._vectors("drape_set_pins", "pins", before, targets, len(who))
+        try:
+            if targets is None:
+                self._call("drape_set_pins", "pins", *before, ffi.NULL)
+            else:
+                self._vectors("drape_set_pins", "pins", before, targets, len(who))
+        except SceneError as refused:
+            c = self._open().definition.cloths[k]
+            fault = f"pins: {_pins_fault(who, c.m * c.n)}"
+            raise _told(
+                refused, fault if refused.status == Status.EARG else None
+            ) from None
 
     def set_obstacle(self, obstacle: int | str | Any, vertices: Any) -> None:
         """Tells an obstacle where its vertices, [n, 3] m, are at the end of the
@@ -216,9 +322,9 @@ class Control:
     def set_pose(
         self,
         obstacle: int | str | Any,
-        position: Sequence[float],
-        rotation: Sequence[float] | None = None,
-        pivot: Sequence[float] | None = None,
+        position: scenes.Vector,
+        rotation: scenes.Vector | None = None,
+        pivot: scenes.Vector | None = None,
     ) -> None:
         """Tells an obstacle its pose at the end of the next step: its vertex X of
         the scene goes to position + R (X - pivot).
@@ -288,6 +394,7 @@ class Control:
                 )
                 unread, self._calls.unread = self._calls.unread, memoryview(b"")
                 reads, self._calls.reads = self._calls.reads, None
+                self._now, self._known = None, False  # it may have led elsewhere
             self._follow(reads, status >= 0)
             self._refresh()
             if status == Status.EIO or (status == 0 and unread):

@@ -61,12 +61,17 @@ def check(status: int, what: str) -> int:
     raise error
 
 
-def check_code(code: int) -> None:
+def check_code(code: int, status: int = 0) -> None:
     """Raises what a call of the tool's code has said before it failed, and
-    warns of what it has noted. Call it in the thread that made the call."""
+    warns of what it has noted. Call it in the thread that made the call. The
+    library's status, if that is why the call failed, decides the exception."""
     for note in ffi.string(lib.core_notes()).decode(errors="replace").splitlines():
         warnings.warn(note, stacklevel=_outside())
     text = ffi.string(lib.core_error()).decode(errors="replace")
+    if code and status < 0:
+        error = KINDS.get(Status(status), SceneError)(text)
+        error.status = Status(status)
+        raise error
     if code == 2:
         raise SceneError(text)
     if code:

@@ -15,7 +15,7 @@ from ._closing import Closing
 from ._core import ffi, lib
 from ._define import Handle
 from ._library import Guard
-from .errors import Error, check_code
+from .errors import Error, SceneError, check_code
 
 
 class Recorder(Closing):
@@ -38,13 +38,23 @@ class Recorder(Closing):
         run = ffi.new("core_run **")
         name = os.fsencode(self.folder)
         with guard:
-            check_code(lib.core_run_open(handle.scene, handle.world, name, how, run))
+            self._claim(name, how, run)
             self._run = run[0]
             try:
                 check_code(lib.core_run_frame(self._run, handle.world, 0))
             except BaseException:
                 self._end(None)
                 raise
+
+    def _claim(self, name: bytes, how: Any, run: Any) -> None:
+        handle = self._handle
+        try:
+            check_code(lib.core_run_open(handle.scene, handle.world, name, how, run))
+        except SceneError as error:
+            words = (
+                str(error).replace("--out", "folder").replace("--force", "force=True")
+            )
+            raise SceneError(words) from None
 
     def add(self, report: Any) -> None:
         """Adds a step's report, and the frame that is due. The world's guard is

@@ -22,7 +22,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import SceneError
 
-Vector = Sequence[float]
+# A list or an array of numbers.
+Vector = Sequence[float] | NDArray[Any]
 
 
 @dataclass
@@ -206,7 +207,7 @@ class Cloth:
     """
 
     name: str | None = None
-    particles: Sequence[int] | None = None
+    particles: Vector | None = None
     size: Vector | None = None
     start: Start | None = None
     velocity: Vector | None = None
@@ -243,8 +244,13 @@ class Obstacle:
     Attributes:
         mesh: a file; shape: "plane", "box", "sphere", "capsule", "funnel" or
             "statue"
-        extent, radius, length, throat, height: of the shape, m
-        up, size, scale, stand, axis, angle, at: where the mesh is put
+        frames: mesh files of an obstacle that deforms
+        extent, radius, length, throat, height: of the shape, m; detail:
+            segments around it
+        up: [3] direction of the mesh that becomes +y; size: its largest
+            dimension, m, or scale: a factor; stand: whether it is set on y = 0
+        axis, angle: [3] and degrees, by which it is then turned; at: [3] m
+        friction: Coulomb coefficient
         motion: name of the motion that it follows
         vertices: [n, 3] m, where they are in the scene, with triangles: [k, 3]
             their numbers, instead of `mesh` and its placement
@@ -283,10 +289,28 @@ class Scene:
     """A scene: bodies, forces, and how a step is computed.
 
     Attributes:
-        frames, steps_per_frame: of a run
+        name: of the run
+        cloths, obstacles, motions: the bodies, and the motions that they name
+        wind: default: there is no air
+        camera: of pictures; default: one that sees all
         memory: GB that the library may hold
+        frames, steps_per_frame: of a run
+        backend: "ref", the CPU, or "gpu"
+        precision: bits of a number in the state, 32 or 64
+        threads: of the CPU, 0: as many as cores; block: of a block on a GPU
         dt: s a step
         gravity: [3] m/s²
+        integrator: "baraff-witkin", "choi-ko", "bdf2", or an explicit one:
+            "euler", "midpoint", "verlet", "rk4"; max_substeps: of these at most
+        precond: "multigrid" or "jacobi"; matrix: "compact" or "cdf"; solver:
+            "exact" or "cublas"
+        tolerance: of a linear solve, relative; max_iterations: of it at most
+        newton: linear solves of a cloth's motion in a step at most, 0: by the
+            integrator
+        self_collision: whether cloth meets cloth
+        max_rounds: of collision impulses; max_slices: into which a step is cut
+        allow_intersecting: whether a start may intersect
+        sleep: whether a scene at rest is skipped
     """
 
     name: str | None = None
@@ -317,6 +341,19 @@ class Scene:
     max_slices: int | None = None
     allow_intersecting: bool | None = None
     sleep: bool | None = None
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the scene as a file, which `World` and the tool take. Paths of
+        meshes begin in the folder of the file.
+
+        Raises:
+            SceneError: a body is given by arrays, which a file cannot hold
+        """
+        made = read(self)
+        if any(made.cloths) or any(made.obstacles):
+            raise SceneError(f"{os.fspath(path)}: a scene's file cannot hold arrays")
+        text = json.dumps(json.loads(made.text), indent=2, ensure_ascii=False)
+        Path(path).write_text(text + "\n", encoding="utf-8")
 
 
 CLOTH_ARRAYS = ("positions", "velocities")
@@ -422,9 +459,24 @@ def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text
     except (TypeError, ValueError) as error:
         if isinstance(error, SceneError):
             raise
-        raise SceneError(f"a scene's number is not finite: {error}") from error
+        where = _not_finite(tree, "$")
+        what = f"{where}: the number is not finite" if where else str(error)
+        raise SceneError(f"scene: {what}") from error
     file = os.path.join(folder, "scene") if folder else "scene"
     return Text(text, file, cloths, obstacles)
+
+
+def _not_finite(value: Any, path: str) -> str | None:
+    """Returns the path of the first number that is not finite; None: all are."""
+    if isinstance(value, dict):
+        inner = ((f"{path}.{key}", item) for key, item in value.items())
+    elif isinstance(value, (list, tuple, np.ndarray)):
+        inner = ((f"{path}[{k}]", item) for k, item in enumerate(value))
+    else:
+        wrong = isinstance(value, (float, np.floating)) and not np.isfinite(value)
+        return path if wrong else None
+    found = (_not_finite(item, at) for at, item in inner)
+    return next(filter(None, found), None)
 
 
 def _bodies(tree: dict[str, Any], key: str) -> list[Any]:
@@ -446,14 +498,15 @@ def array(
             raise TypeError("expected whole numbers")
         if found.dtype.kind not in "iuf":
             raise TypeError("expected numbers")
-        made = np.ascontiguousarray(found, dtype=kind)
+        made = np.ascontiguousarray(found, dtype=kind).reshape(found.shape)
     except (TypeError, ValueError) as error:
         raise SceneError(f"{where}: {error}") from error
-    fits = made.ndim == len(shape) and all(
-        want in (None, have) for want, have in zip(shape, made.shape, strict=True)
+    fits = found.ndim == len(shape) and all(
+        want in (None, have) for want, have in zip(shape, found.shape, strict=True)
     )
     if not fits or (found.size and found.dtype.kind != "f" and (made != found).any()):
         wanted = " × ".join("n" if want is None else str(want) for want in shape)
-        have = " × ".join(map(str, made.shape)) or "one number"
-        raise SceneError(f"{where}: {have}; expected {wanted} numbers in range")
+        wanted = f"{wanted} numbers in range" if shape else "one number"
+        have = " × ".join(map(str, found.shape)) or "one number"
+        raise SceneError(f"{where}: {have}; expected {wanted}")
     return made

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _state
 from . import scene as scenes
 from ._closing import Closing
 from ._core import ffi, lib
@@ -29,6 +30,11 @@ from .reports import PARTS, Memory, Outcome, PlanRow, Status, StepReport, Work
 NOT_CLEAN = Outcome.TRAPPED | Outcome.PASSED | Outcome.DIVERGED
 
 
+def outcome_names(outcome: Outcome) -> str:
+    """Returns the names of all that happened; empty if nothing did."""
+    return "|".join(str(each.name) for each in Outcome if each & outcome)
+
+
 class Reports(list[StepReport]):
     """The reports of some steps, in their order."""
 
@@ -42,9 +48,15 @@ class Reports(list[StepReport]):
 
     @property
     def clean(self) -> bool:
-        """Whether no step is trapped, passed or diverged: nothing intersects
+        """Whether no step is trapped, passed or diverged, so that nothing intersects
         at the end of any step, and nothing went through anything."""
         return not self.outcome & NOT_CLEAN
+
+    def __repr__(self) -> str:
+        """How many there are, and all that happened in any of the steps."""
+        names = outcome_names(self.outcome)
+        clean = "clean" if self.clean else "not clean"
+        return f"<drape.Reports: {len(self)} steps, {clean}{names and f': {names}'}>"
 
 
 def _plain(c: Any) -> dict[str, Any]:
@@ -98,9 +110,11 @@ class World(Bodies, Control, Closing):
         self._text = scenes.Text(text.text, text.file, [], [])
         self._calls = Calls(log, trace)
         self._guard = Guard()
+        self._defined: dict[int, Any] = {}
         self._mirrors: dict[str, weakref.ref[NDArray[Any]]] = {}
         self._recorder: Recorder | None = None
         self._report: StepReport | None = None
+        self._now: tuple[int, float] | None = (0, 0.0)  # None: a checkpoint tells
         self._handle: Handle | None = Handle(text, self._calls)
         self._calls.raise_kept()
         self._triangles = self._read_triangles()
@@ -144,12 +158,28 @@ class World(Bodies, Control, Closing):
 
     @property
     def backend(self) -> str:
-        """Where steps are computed: "ref" or "gpu"."""
+        """Where steps are computed, "ref" or "gpu"."""
         return "gpu" if self._open().definition.backend == lib.DRAPE_GPU else "ref"
 
     @property
+    def steps(self) -> int:
+        """Steps done since time 0, those before a checkpoint or log too."""
+        return self._clock()[0]
+
+    @property
+    def time(self) -> float:
+        """Time of the state, s."""
+        return self._clock()[1]
+
+    def _clock(self) -> tuple[int, float]:
+        if self._now is None:
+            self._now = _state.clock(self.checkpoint())
+        return self._now
+
+    @property
     def report(self) -> StepReport | None:
-        """The report of the last step; None before the first."""
+        """The report of the last step; None before the first one, and before the
+        first one after a checkpoint was loaded."""
         return self._report
 
     # Steps
@@ -165,6 +195,7 @@ class World(Bodies, Control, Closing):
     def _done(self, report: Any) -> StepReport:
         """Takes note of a step's report, for the recorder too."""
         self._report = step_report(report)
+        self._now = self._report.step, self._report.time
         if self._recorder:
             self._recorder.add(report)
         return self._report
@@ -204,6 +235,7 @@ class World(Bodies, Control, Closing):
     def set_wind(self, wind: scenes.Wind | Mapping[str, Any]) -> None:
         """Sets the wind from the next step on, and wakes the scene; what is not
         given stays as it is. A scene that was made without wind takes none."""
+        self._know()
         given = scenes.as_dict(wind)
         unknown = sorted(set(given) - {"velocity", "density", "drag", "lift"})
         if unknown:
@@ -227,7 +259,7 @@ class World(Bodies, Control, Closing):
 
     @property
     def positions(self) -> Any:
-        """[vertices, 3] m, read-only: the cloths in their order, then the
+        """[vertices, 3] m, read-only, the cloths in their order and then the
         obstacles. On the host a NumPy array that follows the world: after each
         call of `step` it holds the new state, until bodies come or go. On a
         device a `SharedArray`."""
@@ -354,6 +386,8 @@ class World(Bodies, Control, Closing):
         self._refresh()
         if left:
             raise CheckpointError(f"checkpoint: {left} bytes behind its end")
+        self._report, self._now = None, _state.clock(data)
+        self._know(data)
 
     def _restore(self, data: bytes) -> int:
         """Loads a checkpoint and returns how many bytes are behind its end."""
@@ -415,7 +449,7 @@ class World(Bodies, Control, Closing):
         """
         if self._recorder:
             raise Error("the world is being recorded already")
-        if self._report is not None:
+        if self.steps:
             raise Error("a run is recorded from its start: before the first step")
         how = ffi.new("core_run_how *", (obj, contacts, force))
         self._recorder = Recorder(self._open(), self._guard, folder, how)
@@ -456,8 +490,14 @@ class World(Bodies, Control, Closing):
         """The world in one line."""
         if self._handle is None:
             return "<drape.World: closed>"
-        done = self._report.step if self._report else 0
         return (
             f"<drape.World {self.name!r}: {len(self)} vertices, "
-            f"{len(self.triangles)} triangles, {done} steps>"
+            f"{len(self.triangles)} triangles, {self.steps} steps, {self.time:g} s>"
+        )
+
+    def __reduce__(self) -> Any:
+        """Refuses copies and pickles."""
+        raise TypeError(
+            "a World can be neither copied nor pickled: make another one of the "
+            "same scene, and give its restore() what checkpoint() returns"
         )

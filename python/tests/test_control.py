@@ -91,8 +91,61 @@ def test_material(sheet: dict[str, Any]) -> None:
     assert ends[1] > ends[0] + 1e-3
     with pytest.raises(drape.SceneError, match="strech"):
         world.set_material(0, {"strech": 1})
-    with pytest.raises(drape.SceneError, match="range"):
+    with pytest.raises(drape.SceneError, match=r"stretch: -1: expected"):
         world.set_material(0, {"stretch": -1})
+
+
+def test_a_fabric_by_name(sheet: dict[str, Any]) -> None:
+    """A material that is set is that of a scene which has it from the start."""
+    sheet["cloths"][0]["pins"] = [{"edge": "u0"}]
+    made = {"name": "denim", "bend": 1e-4}
+    named = json.loads(json.dumps(sheet))
+    named["cloths"][0]["material"] = made
+    measured = {"stretch": {"modulus": 100, "warp": [[0.01, 0.5]]}, "shear": 10}
+    ends = []
+    for material in (made, drape.Material(**made), "denim", None):
+        world = drape.World(sheet, precision=64)
+        world.set_material(0, measured)
+        if material:
+            world.set_material(0, material)
+        world.step(5)
+        ends.append(world.positions.copy())
+    other = drape.World(named, precision=64)
+    other.step(5)
+    assert np.array_equal(ends[0], other.positions)
+    assert np.array_equal(ends[0], ends[1])
+    assert not np.array_equal(ends[0], ends[2])
+    assert not np.array_equal(ends[0], ends[3])
+    with pytest.raises(drape.SceneError, match=r"'denin'; expected one of denim"):
+        world.set_material(0, "denin")
+
+
+def test_what_was_wrong_is_told(sheet: dict[str, Any]) -> None:
+    sheet["cloths"][0]["holes"] = [{"disc": [0.3, 0.2, 0.05]}]
+    world = drape.World(sheet)
+    n = len(world)
+    before = world.checkpoint()
+    with pytest.raises(drape.SceneError, match=r"material\.bend: -1: expected .* 0 to"):
+        world.set_material(0, {"bend": -1})
+    with pytest.raises(drape.SceneError, match=r"material\.bend: 2; expected one"):
+        world.set_material(0, {"bend": [1, 2]})
+    with pytest.raises(drape.SceneError, match=rf"{n + 1} rows from vertex 0 on"):
+        world.set_positions(np.zeros((n + 1, 3)))
+    with pytest.raises(drape.SceneError, match=rf"2 rows from vertex {n - 1} on"):
+        world.set_velocities(np.zeros((2, 3)), first=n - 1)
+    with pytest.raises(drape.SceneError, match="rows from vertex -1 on"):
+        world.set_velocities(np.zeros((2, 3)), first=-1)
+    with pytest.raises(drape.SceneError, match=rf"particle {n}: .* to {n - 1}"):
+        world.set_pins(0, [0, n])
+    with pytest.raises(drape.SceneError, match="particle 3 is there twice"):
+        world.set_pins(0, [3, 1, 3])
+    with pytest.raises(drape.SceneError, match="in a hole"):
+        world.set_pins(0, [17])
+    with pytest.raises(drape.SceneError, match="finite"):
+        world.set_pins(0, [0], [[np.nan, 0, 0]])
+    with pytest.raises(drape.SceneError, match="gravity: one number; expected 3"):
+        world.set_gravity(9.81)
+    assert world.checkpoint() == before
 
 
 def test_measured_tension(sheet: dict[str, Any]) -> None:

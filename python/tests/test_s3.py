@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import os
 import socket
 import subprocess
 import sys
@@ -17,7 +18,7 @@ from typing import Any
 import pyarrow.parquet
 import pytest
 import slurmnode
-from test_sweep import LONG
+from test_sweep import LONG, kill_first, processes
 
 import drape
 
@@ -96,6 +97,22 @@ def test_results_are_written_resumed_and_checked(
     with files(storage).open(again.path) as file:
         table = pyarrow.parquet.read_table(file)
     assert table.column("digest").to_pylist() == digests
+
+
+def test_a_killed_worker(tmp_path: Path, storage: dict[str, Any]) -> None:
+    scenes = [LONG, {**LONG, "dt": 0.01}]
+    thread, killed = kill_first(
+        lambda: processes("drape.sweeps.worker", parent=os.getpid())
+    )
+    done = drape.sweep(scenes, OUT, storage=storage, workers=2)
+    thread.join()
+    assert killed and not done.failed
+    same = drape.sweep(scenes, tmp_path, workers=2)
+    digests = [row["digest"] for row in same.rows]
+    with files(storage).open(done.path) as file:
+        table = pyarrow.parquet.read_table(file)
+    assert table.column("digest").to_pylist() == digests
+    assert drape.sweep(scenes, OUT, storage=storage).reused == 2
 
 
 def test_a_sweep_that_is_killed_goes_on(

@@ -104,7 +104,12 @@ WRONG = [
     ({"cloth": []}, r'unknown key "cloth"; did you mean "cloths"'),
     ({"cloths": [{"particles": [1, 5]}]}, r"\$\.cloths\[0\]\.particles"),
     ({"cloths": [{"material": "denin"}]}, "denin"),
-    ({"cloths": [{"size": [1, float("nan")]}]}, "not finite"),
+    (
+        {"cloths": [{"size": [1, float("nan")]}]},
+        r"scene: \$\.cloths\[0\]\.size\[1\]: the number is not finite",
+    ),
+    ({"dt": np.float32("inf")}, r"\$\.dt: the number is not finite"),
+    ({("a", 1): 2}, "keys must be"),
     ({"cloths": [{"size": [1, 1j]}]}, "1j"),
     ({"cloths": 5}, r"\$\.cloths: expected a list"),
     ({"cloths": [{"positions": [[0, 0, 0]]}]}, r"cloths\[0\]\.positions: 1 × 3"),
@@ -195,6 +200,23 @@ def test_velocities_and_frames() -> None:
     world.step()
     assert world.positions[9:, 1] == pytest.approx(np.full(4, -0.75))
     assert world.positions[:9, 1] == pytest.approx(np.full(9, 0.1))
+
+
+def test_a_scene_is_saved(tmp_path: Path) -> None:
+    sheet = drape.Cloth(particles=np.array([9, 9]), start=drape.Start(at=(0, 0.8, 0)))
+    ball = drape.Obstacle(name="Kugel ä", shape="sphere", radius=0.3)
+    scene = drape.Scene(name="saved", cloths=[sheet], obstacles=[ball], dt=0.01)
+    scene.save(tmp_path / "a.json")
+    ends = []
+    for each in (scene, tmp_path / "a.json"):
+        world = drape.World(each)
+        world.step(20)
+        ends.append((world.name, world.digest(), world.bodies))
+    assert ends[0] == ends[1]
+    sheet.positions = np.zeros((81, 3))
+    with pytest.raises(drape.SceneError, match=r"b\.json: .* arrays"):
+        scene.save(tmp_path / "b.json")
+    assert [each.name for each in tmp_path.iterdir()] == ["a.json"]
 
 
 def test_paths_begin_in_the_folder(tmp_path: Path) -> None:

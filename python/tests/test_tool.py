@@ -31,6 +31,19 @@ def test_run_and_its_exit_codes(tiny: Path, tmp_path: Path) -> None:
     assert drape_m().returncode == 2
 
 
+def test_quiet_before_and_after_a_command(tiny: Path, tmp_path: Path) -> None:
+    out = tmp_path / "a"
+    for words in (
+        ("--quiet", "run", tiny, "--frames", 2, "--out", out),
+        ("--quiet", "audit", out / "frames/cloth_0002.ply", out / "obstacles.ply"),
+    ):
+        done = drape_m(*words)
+        assert done.returncode == 0 and not done.stderr
+    for words in (("--quiet", "export", out), ("export", out, "--quiet")):
+        done = drape_m(*words)  # both are read by Python
+        assert done.returncode == 2 and "--to" in done.stderr
+
+
 def test_an_interrupted_run_ends_in_order(tmp_path: Path) -> None:
     out = tmp_path / "a"
     command = [sys.executable, "-m", "drape", "run", SCENES / "sphere.json"]

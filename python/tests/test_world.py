@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import copy
 import gc
+import pickle
 import weakref
 from pathlib import Path
 from typing import Any
@@ -165,12 +167,46 @@ def test_pictures(tiny: Path, tmp_path: Path) -> None:
 def test_memory_limit(sheet: dict[str, Any]) -> None:
     sheet["cloths"][0]["particles"] = [101, 101]
     sheet["cloths"][0]["size"] = [1, 1]
-    with pytest.raises(drape.Error, match="memory"):
-        drape.World(sheet, memory=0.001)
+    with pytest.raises(drape.OutOfMemoryError, match="memory") as raised:
+        drape.World(sheet, memory=0.006)
+    assert raised.value.status == drape.Status.ENOMEM
 
 
 def test_no_device_here(tiny: Path) -> None:
     if "gpu: not built in" not in drape.info():
         pytest.skip("this build has the device's part")
-    with pytest.raises(drape.Error, match="backend"):
+    with pytest.raises(drape.DeviceError, match="backend"):
         drape.World(tiny, backend="gpu")
+
+
+def test_what_is_printed_is_short(tiny: Path, tmp_path: Path) -> None:
+    world = drape.World(tiny)
+    assert repr(world.step(3)) == "<drape.Reports: 3 steps, clean>"
+    assert repr(world).endswith(" 3 steps, 0.05 s>")
+    shared = world.share()[0]
+    assert repr(shared) == "<drape.SharedArray: (143, 3) float32 on the host>"
+    assert len(shared) == len(world)
+    done = drape.sweep([tiny, {"cloths": []}], tmp_path, frames=1)
+    assert repr(done).startswith("<drape.Sweep: 2 scenes, 1 failed, 0 reused, ")
+
+
+def test_a_start_that_intersects_is_printed(sheet: dict[str, Any]) -> None:
+    sheet["cloths"].append(
+        {"particles": [5, 5], "size": [0.3, 0.3], "start": {"v": [0, 1, 0]}}
+    )
+    reports = drape.World(sheet, allow_intersecting=True).step()
+    assert "1 steps, not clean: " in repr(reports) and "TRAPPED" in repr(reports)
+
+
+def test_a_world_is_not_copied(tiny: Path) -> None:
+    world = drape.World(tiny)
+    for call in (copy.copy, copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match="checkpoint"):
+            call(world)
+
+
+def test_a_folder_that_holds_a_run(tiny: Path, tmp_path: Path) -> None:
+    drape.World(tiny).record(tmp_path).close()
+    with pytest.raises(drape.SceneError, match=r"another folder, or force=True"):
+        drape.World(tiny).record(tmp_path)
+    drape.World(tiny).record(tmp_path, force=True).close()

@@ -30,6 +30,14 @@ refused 'an option that is nearly one' '--frmes: unknown option; did you mean --
     run tiny.json --frmes=3 --out refused
 refused 'a command that is nearly one' 'rnu: no such command; did you mean run?' rnu
 refused 'help for it' 'rendr: no such command; did you mean render?' help rendr
+refused 'help for two' 'help: expected one COMMAND' help run audit
+refused 'an option in its place' '--vresion: unknown option; did you mean --version?' --vresion
+refused 'info with an option' '-x: unknown option' info -x
+refused 'a precision' '--precision 16: expected 32 or 64' \
+    run tiny.json --precision 16 --out refused
+sed 's/^ *"frames"/"precision": 48, &/' tiny.json >bits.json
+refused 'one in a scene' 'bits.json: $: precision: expected 32 or 64' \
+    run bits.json --out refused
 scene key.json ', "gravty": [0, 0, 0]}'
 refused 'a key that is nearly one' 'did you mean "gravity"' run key.json
 
@@ -43,6 +51,13 @@ is 'says nothing either' test ! -s out -a ! -s err
 exits 'convert --quiet' 0 convert still/obstacles.ply quiet.ply --quiet
 is 'nor this' test ! -s out -a ! -s err -a -s quiet.ply
 refused 'but errors are said' 'holds a run' run tiny.json --out still --quiet
+exits '--quiet before the command' 0 --quiet run tiny.json --out before --frames 1
+is 'says nothing' test ! -s out -a ! -s err -a -s before/report.json
+for command in info materials help; do
+    exits "$command --quiet" 0 $command --quiet
+    is "$command says what it was asked" test -s out -a ! -s err
+done
+exits '--quiet alone' 2 --quiet
 
 # Progress of a film
 exits 'a film, with its progress' 0 render still --width 16 --height 16 \

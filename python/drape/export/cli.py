@@ -21,13 +21,15 @@ FORMATS = {
 }
 
 
-def export(run: Run, to: str | Path, every: int = 1) -> int:
-    """Writes every `every`-th frame of a run into a file, by the file's ending.
+def export(run: Run | str | Path, to: str | Path, every: int = 1) -> int:
+    """Writes every `every`-th frame of a run, or of the run in a folder, into a
+    file, by the file's ending.
 
     The file appears whole or not at all, in place of one that is there. Returns
     the number of frames in it. Raises RunError, ImportError where the format's
     package is not installed, or OSError.
     """
+    run = run if isinstance(run, Run) else Run(run)
     path = Path(to)
     form = FORMATS.get(path.suffix.lower())
     if not form:
@@ -75,6 +77,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return complain(FAILED, f"export: {error}")
     except OSError as error:
         return complain(FAILED, f"export: {given.to}: {error.strerror or error}")
+    if given.quiet:
+        return OK
     if run.precision == 64:
         complain(OK, "note: the run has 64 bits; the file's points have 32")
     if run.end != "complete":

@@ -18,7 +18,15 @@ def complain(code: int, text: str) -> int:
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line, as the tool's are."""
+    """A parser whose errors are one line, as the tool's are, and that knows
+    --quiet, as all commands do."""
+
+    def __init__(self, prog: str, description: str) -> None:
+        """For the command that `prog` ends with."""
+        super().__init__(prog=prog, description=description)
+        self.add_argument(
+            "--quiet", action="store_true", help="no notes and no closing line"
+        )
 
     def error(self, message: str) -> NoReturn:
         """Ends the process with the exit code of a wrong command line."""

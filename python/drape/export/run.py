@@ -135,6 +135,13 @@ class Run:
                 raise
             raise RunError(f"{path}: expected a run's report ({error!r})") from None
 
+    def __repr__(self) -> str:
+        """The run in one line."""
+        return (
+            f"<drape.export.Run {self.scene!r}: {len(self.frames())} frames, "
+            f"{len(self.bodies)} bodies, {self.end}>"
+        )
+
     def _read_head(self) -> None:
         report = self.report
         self.scene = str(report["scene"])

@@ -33,6 +33,13 @@ class Sweep:
         self.reused = reused
         self.path = store.path("table.parquet")
 
+    def __repr__(self) -> str:
+        """How many scenes there were, and what became of them."""
+        return (
+            f"<drape.Sweep: {len(self.rows)} scenes, {len(self.failed)} failed, "
+            f"{self.reused} reused, {self.path}>"
+        )
+
     @property
     def failed(self) -> list[dict[str, Any]]:
         """The rows of the scenes that have no result."""

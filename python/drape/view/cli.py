@@ -29,8 +29,19 @@ def main(argv: Sequence[str] | None = None) -> int:
         prog="drape view", description="Show a run or a scene in a web browser."
     )
     parser.add_argument("run", metavar="RUN|SCENE", help="a folder, or a .json")
-    parser.add_argument("--port", type=port, default=8080, metavar="N")
-    parser.add_argument("--host", default="127.0.0.1", metavar="NAME")
+    parser.add_argument(
+        "--port",
+        type=port,
+        default=8080,
+        metavar="N",
+        help="8080, or another one where that is taken; 0: any that is free",
+    )
+    parser.add_argument(
+        "--host",
+        default="127.0.0.1",
+        metavar="NAME",
+        help="who may see the page; default: this machine alone",
+    )
     given = parser.parse_args(argv)
     try:
         from drape.view.page import Page

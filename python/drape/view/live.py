@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from drape.contacts import Pairs
 from drape.errors import DivergedError, SceneError
 from drape.export.run import Body, Positions, make_body, make_cloth
-from drape.view.source import Contacts, on_cloths
-from drape.world import World
+from drape.view.source import Contacts, on_cloths, step_words
+from drape.world import World, outcome_names
 
 MOST = 2e9  # bytes of frames that are kept
 
@@ -98,12 +98,13 @@ class Live:
                     if self._stop.is_set():
                         return
                     [report] = self._world.step()
-                name = report.outcome.name or "clean"
-                self._keep(
-                    frame,
-                    f"{name.lower()}, {report.contacts} contacts, "
-                    f"{report.rounds} rounds, {report.iterations} iterations",
+                words = step_words(
+                    outcome_names(report.outcome).lower() or "clean",
+                    report.contacts,
+                    report.rounds,
+                    report.iterations,
                 )
+                self._keep(frame, words)
         except DivergedError as error:
             with self._lock:
                 self._words[max(self._words)] += f"  \n{error}"

@@ -145,6 +145,11 @@ class Page:
             *(self.contacts, self.arrows),
         ):
             control.on_update(lambda _: self._dirty.set())
+        self.limit.disabled = True  # until there is strain to colour
+        self.colour.on_update(lambda _: self._enable())
+
+    def _enable(self) -> None:
+        self.limit.disabled = self.colour.value != STRAIN
 
     def _toggle(self) -> None:
         self.playing = not self.playing

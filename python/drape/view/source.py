@@ -62,12 +62,11 @@ class Source(Protocol):
         """Ends what makes the frames."""
 
 
-def step_words(step: dict[str, Any]) -> str:
+def step_words(outcome: str, contacts: int, rounds: int, iterations: int) -> str:
     """What a step's report says, in one line."""
-    return (
-        f"{step['outcome']}, {step['contacts']} contacts, {step['rounds']} rounds, "
-        f"{step['iterations']} iterations"
-    )
+    counts = {"contact": contacts, "round": rounds, "iteration": iterations}
+    parts = (f"{n} {name}{'s' if n != 1 else ''}" for name, n in counts.items())
+    return ", ".join([outcome, *parts])
 
 
 class Recorded:
@@ -112,7 +111,10 @@ class Recorded:
     def words(self, frame: int) -> str:
         """The report of the frame's last step."""
         step = frame * int(self._run.report["steps_per_frame"]) - 1
-        return step_words(self._steps[step]) if 0 <= step < len(self._steps) else ""
+        if not 0 <= step < len(self._steps):
+            return ""
+        keys = "outcome", "contacts", "rounds", "iterations"
+        return step_words(*(self._steps[step][key] for key in keys))
 
     def close(self) -> None:
         """Does nothing: the run is another process's."""

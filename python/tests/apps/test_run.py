@@ -186,6 +186,22 @@ def test_a_wrong_command_line_is_one_line(
     assert code == 2 and not out and err.count("\n") == 1 and words in err
 
 
+def test_quiet_says_nothing(
+    still: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip("pygltflib", reason="pygltflib is not installed")
+    file = tmp_path / "x.glb"
+    assert main([str(still), "--to", str(file), "--quiet"]) == 0
+    assert capsys.readouterr() == ("", "") and file.stat().st_size > 0
+
+
+def test_a_run_may_be_given_by_its_folder(still: Path, tmp_path: Path) -> None:
+    pytest.importorskip("pygltflib", reason="pygltflib is not installed")
+    files = [tmp_path / "a.glb", tmp_path / "b.glb"]
+    assert export(Run(still), files[0]) == export(still, files[1]) == 9
+    assert files[0].read_bytes() == files[1].read_bytes()
+
+
 def test_a_package_that_is_missing_is_named(
     still: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 from apps.runs import STILL, make, moving
-from drape.view.source import Contacts, Recorded, Source
+from drape.view.source import Contacts, Recorded, Source, step_words
 
 WHY = "is not installed: no test of the page"
 pytest.importorskip("viser", reason=f"viser {WHY}")
@@ -165,7 +165,9 @@ def test_a_recorded_run(still: Path, browser: Any) -> None:
         box(window, "Wires").uncheck()
         view.until(lambda p: dark(p) < dark(plain) + 50, "no wires")
 
+        assert view.page.limit.disabled
         view.page.colour.value = "strain"
+        assert not view.page.limit.disabled
         view.until(lambda p: red(p) < red(plain) / 2, "strain")
         view.page.colour.value = "cloth"
         view.until(lambda p: red(p) > 0.9 * red(plain), "cloth again")
@@ -222,6 +224,11 @@ def test_a_scene_is_shown_while_it_is_computed(tmp_path: Path, browser: Any) -> 
     with shown(open_source(str(file)), browser) as view:
         view.until(lambda p: red(p) > 2000, "live")
         view.window.get_by_text("frame 8").wait_for()
+
+
+def test_the_words_of_a_step() -> None:
+    words = step_words("clean", 0, 1, 12)
+    assert words == "clean, 0 contacts, 1 round, 12 iterations"
 
 
 class Touching(Recorded):
