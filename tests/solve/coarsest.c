@@ -112,7 +112,7 @@ static const char *check_inverse(const struct coarsest *s, const int *kind,
 
 static const char *check_solution(const struct coarsest *s)
 {
-    vec b[COARSEST], z[COARSEST];
+    vec b[COARSEST] = {{0, 0, 0}}, z[COARSEST] = {{0, 0, 0}};
     int n = 3 * (int)s->count;
     for (int64_t p = 0; p < s->count; p++)
         b[p] = vec_make((real)noise_of((uint64_t)p), R(1.0),
