@@ -538,11 +538,21 @@ if [ -n "$reader" ]; then
         *) waits=0 ;;
         esac
     done
+    cat "/proc/$reader/limits" >limits
+    held=$(awk '$1 == "VmPeak:" { print $2 }' "/proc/$tool/status")
     kill -9 "$reader"
     kill -CONT $tool
     wait $tool
     is 'a reader that dies while it sends' test $? -eq 2 -a ! -e sent.ply
     is 'is said to have died' grep -q 'sent.obj: .* crashed (signal 9' err
+    # its memory comes on top of what the tool holds
+    is 'had the limits that the manual states' awk -v size="$(wc -c <sent.obj)" \
+        -v held="$held" '
+        /^Max cpu time/ { cpu = $4 == int(10 + 1e-5 * size) && $5 == $4 + 1 }
+        /^Max core file size/ { core = $5 == 0 && $6 == 0 }
+        /^Max address space/ { more = $4 - 1e9 - 100 * size
+            room = $4 == $5 && 512 * held < more && more <= 1024 * held }
+        END { exit !(cpu && core && room) }' limits
 else
     wait $tool
     skip 'a reader that dies while it sends: its number is not known here'
