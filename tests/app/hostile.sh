@@ -31,6 +31,25 @@ EOT
 collada good.dae 'count="15"'
 exits 'good COLLADA' 0 convert good.dae good_dae.ply
 is 'its triangles' grep -q '2 triangles' out
+# One that waits for ever is ended by the alarm that it set.
+cat >clock.c <<'EOF'
+#include <stdio.h>
+unsigned alarm(unsigned seconds)
+{
+    FILE *told = fopen("alarm", "a");
+    if (told && fprintf(told, "%u\n", seconds) > 0)
+        fclose(told);
+    return 0;
+}
+EOF
+if ldd "$drape" | grep -q 'lib[a-z]*san' ||
+    ! "${CC:-cc}" -shared -fPIC clock.c -o clock.so 2>/dev/null; then
+    skip 'the alarm of a reader: no library can stand before this tool'
+else
+    is 'a reader sets its alarm' env LD_PRELOAD="$PWD/clock.so" "$drape" \
+        convert good.dae alarm.ply
+    is 'to four times its 10 s of CPU time' test "$(cat alarm)" = 40
+fi
 collada many.dae 'count="9999999999"'
 no_mesh 'COLLADA that wants all memory' \
     'cannot be read as a mesh: its reader' many.dae
@@ -538,11 +557,26 @@ if [ -n "$reader" ]; then
         *) waits=0 ;;
         esac
     done
+    cat "/proc/$reader/limits" >limits
+    for k in 0 1 2; do
+        readlink "/proc/$reader/fd/$k"
+    done >streams
+    held=$(awk '$1 == "VmPeak:" { print $2 }' "/proc/$tool/status")
     kill -9 "$reader"
     kill -CONT $tool
     wait $tool
     is 'a reader that dies while it sends' test $? -eq 2 -a ! -e sent.ply
     is 'is said to have died' grep -q 'sent.obj: .* crashed (signal 9' err
+    # its memory comes on top of what the tool holds
+    is 'had the limits that the manual states' awk -v size="$(wc -c <sent.obj)" \
+        -v held="$held" '
+        /^Max cpu time/ { cpu = $4 == int(10 + 1e-5 * size) && $5 == $4 + 1 }
+        /^Max core file size/ { core = $5 == 0 && $6 == 0 }
+        /^Max address space/ { more = $4 - 1e9 - 100 * size
+            room = $4 == $5 && 512 * held < more && more <= 1024 * held }
+        END { exit !(cpu && core && room) }' limits
+    is 'and could say nothing to anybody' test \
+        "$(uniq -c streams | tr -s ' ')" = ' 3 /dev/null'
 else
     wait $tool
     skip 'a reader that dies while it sends: its number is not known here'

@@ -160,6 +160,8 @@ exits 'a run with a checkpoint' 0 run tiny.json --out stale --frames 4 \
     --checkpoint-every 2 --no-obj
 exits 'its film' 0 render stale --width 16 --height 16 --samples 1
 exits 'its picture' 0 render stale --frame 4 --width 16 --height 16 --samples 1
+is 'is where the tool says, too' sh -c '[ "$(cat out)" = \
+    stale/pictures/frame_0004.png ] && [ -s "$(cat out)" ]'
 : >stale/film.mp4
 : >stale/pictures/film_0099.png
 exits 'a shorter film' 0 render stale --every 2 --width 16 --height 16 \

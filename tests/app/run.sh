@@ -124,7 +124,12 @@ import json
 r = json.load(open("near/report.json"))
 assert r["dt"] < 1 / 61 and 0 < r["error"]["estimated"] <= 0.004
 assert abs(r["dt"] * r["steps_per_frame"] - 1 / 60) < 1e-12
-assert len(r["steps"]) == 6 * r["steps_per_frame"]'
+assert len(r["steps"]) == 6 * r["steps_per_frame"]
+assert open("out").readline() == (
+    "--error 0.004: %s, dt %.4g s, tolerance %g; estimated %.2g m rms after "
+    "%.3g s, of time and solver\n" % (
+        r["settings"]["integrator"], r["dt"], r["settings"]["tolerance"],
+        r["error"]["estimated"], r["error"]["horizon"]))'
 exits '--error of 5 cm' 0 run tiny.json --out coarse --frames 6 --error 0.05
 is 'for which the cheapest setting suffices' python3 -c '
 import json
