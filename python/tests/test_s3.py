@@ -102,7 +102,7 @@ def test_results_are_written_resumed_and_checked(
 def test_a_killed_worker(tmp_path: Path, storage: dict[str, Any]) -> None:
     scenes = [LONG, {**LONG, "dt": 0.01}]
     thread, killed = kill_first(
-        lambda: processes("drape.sweeps.worker", parent=os.getpid())
+        lambda: processes("drape.sweeps.worker", parent=os.getpid()), after=0.3
     )
     done = drape.sweep(scenes, OUT, storage=storage, workers=2)
     thread.join()

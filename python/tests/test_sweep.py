@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import re
@@ -55,9 +56,10 @@ def kill_first(
         while not killed and time.monotonic() < end:
             for process in find():
                 time.sleep(after)
-                os.kill(process, signal.SIGKILL)
-                killed.append(process)
-                return
+                with contextlib.suppress(ProcessLookupError):  # it has ended
+                    os.kill(process, signal.SIGKILL)
+                    killed.append(process)
+                    return
             time.sleep(0.02)
 
     thread = threading.Thread(target=watch)
