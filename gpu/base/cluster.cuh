@@ -92,7 +92,7 @@ static __device__ inline void cluster_sync(bool alone)
 }
 
 /* The same, but of writes before it only those to the own block's shared memory
- * are visible after it. It takes a fifth of the time, as the others need not
+ * are visible after it. It takes a thousand clocks less, as nothing has to
  * reach the L2 cache. */
 static __device__ inline void cluster_sync_shared(bool alone)
 {
@@ -213,8 +213,8 @@ template <int LEFT> static inline void copies_end(void)
 #endif
 
 /* Returns how many ranks it takes for a rank to get at most so many items, as
- * far as there may be so many: 1, 2, 4, … Where one is enough others would only
- * keep other worlds from their multiprocessors. */
+ * far as there may be so many: 1, 2, 4, … A rank without items would only hold
+ * a multiprocessor. */
 static inline int ranks_for(int64_t items, int64_t each, int most)
 {
     int ranks = 1;

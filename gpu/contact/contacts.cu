@@ -7,8 +7,8 @@
 
 /* Below RANK_CONTACTS contacts for each block of a thread-block cluster, one
  * cluster solves them, as its barriers are cheap, of no more blocks than have
- * RANK_LEAST contacts each. Beyond that a cooperative
- * launch uses the whole device. GROUP_THREADS, WARPS: of a block. */
+ * RANK_LEAST contacts each. Beyond that a cooperative launch uses the whole
+ * device. GROUP_THREADS, WARPS: of a block. */
 #ifdef __CUDACC__
 enum { RANK_LEAST = 256, RANK_CONTACTS = 2048 };
 enum { GROUP_THREADS = 1024, WARPS = 32 };
