@@ -4,13 +4,12 @@
 from __future__ import annotations
 
 import os
-import shutil
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from . import tool
+from . import _whole, tool
 from ._closing import Closing
 from ._core import ffi, lib
 from ._define import Handle
@@ -107,10 +106,5 @@ def picture(
             samples,
         )
         made = Path(folder) / "pictures/frame_0000.png"
-        part = path.with_name(f".{path.name}.{os.getpid()}.part")
-        try:
-            shutil.copyfile(made, part)
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
+        _whole.write(path, made.read_bytes())
     return path

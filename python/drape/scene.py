@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import _whole
 from .errors import SceneError
 
 # A list or an array of numbers.
@@ -343,8 +344,8 @@ class Scene:
     sleep: bool | None = None
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the scene as a file, which `World` and the tool take. Paths of
-        meshes begin in the folder of the file.
+        """Writes the scene as a file, which `World` and the tool take, and which
+        appears complete or not at all. Paths of meshes begin in its folder.
 
         Raises:
             SceneError: a body is given by arrays, which a file cannot hold
@@ -353,7 +354,7 @@ class Scene:
         if any(made.cloths) or any(made.obstacles):
             raise SceneError(f"{os.fspath(path)}: a scene's file cannot hold arrays")
         text = json.dumps(json.loads(made.text), indent=2, ensure_ascii=False)
-        Path(path).write_text(text + "\n", encoding="utf-8")
+        _whole.write(path, (text + "\n").encode())
 
 
 CLOTH_ARRAYS = ("positions", "velocities")

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _state
+from . import _state, _whole
 from . import scene as scenes
 from ._closing import Closing
 from ._core import ffi, lib
@@ -403,13 +403,7 @@ class World(Bodies, Control, Closing):
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes a checkpoint to a file, which appears complete or not at all."""
-        target = Path(path)
-        part = target.with_name(f".{target.name}.{os.getpid()}.part")
-        try:
-            part.write_bytes(self.checkpoint())
-            part.replace(target)
-        finally:
-            part.unlink(missing_ok=True)
+        _whole.write(path, self.checkpoint())
 
     def load(self, path: str | os.PathLike[str]) -> None:
         """Replaces the state by that of a file that `save` wrote."""
