@@ -179,6 +179,13 @@ static __global__ void PASSES_BOUNDS(BLOCKS)
     }
 }
 
+/* The pairs that the front may come to have. One that begins at the roots again
+ * grows until it fills much of its capacity. */
+static int64_t expected(const struct front *s)
+{
+    return s->n < s->cap / 16 ? s->cap : s->n;
+}
+
 int gpu_front(struct gpu *g, struct front *s)
 {
     struct pass p = {s->pair, s->other,          s->act, s->act_other,
@@ -188,7 +195,7 @@ int gpu_front(struct gpu *g, struct front *s)
     if (!take_tiles(g, s->cap, &p.tiles))
         return gpu_status(g);
     p.word = gpu_words(g);
-    LAUNCH_PASSES(g, s->n, front_kernel, *s, p);
+    LAUNCH_PASSES(g, expected(s), front_kernel, *s, p);
     const int64_t *seen = gpu_read_back(g, WORDS);
     s->visited = s->n + seen[WORD_TESTED];
     s->need = seen[WORD_NEED];

@@ -5,7 +5,7 @@
 
 /* ENTRIES: of the lower triangle. OWN: the most of a thread. */
 #ifdef __CUDACC__
-enum { INVERT_BLOCK = 1024 };
+enum { INVERT_BLOCK = 384 };
 #else
 enum { INVERT_BLOCK = 64 };
 #endif
