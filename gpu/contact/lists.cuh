@@ -15,7 +15,7 @@
  * overlap. */
 enum { LIST_SHORT = 32, LIST_BLOCK = 256 };
 #ifdef __CUDACC__
-enum { LIST_AHEAD = 8, LIST_ROWS = 4 };
+enum { LIST_AHEAD = 8, LIST_ROWS = 8 };
 #else
 enum { LIST_AHEAD = 3, LIST_ROWS = 2 };
 #endif
@@ -67,8 +67,22 @@ template <class N> static __device__ inline N *numbers(N *a)
     return a;
 }
 
+/* Loads the items of a lane in the rows from `from` on. */
+template <class LIST, class T>
+static __device__ inline void load_rows(const LIST &list, int32_t from,
+                                        int32_t end, int lane, T row[LIST_ROWS])
+{
+    UNROLL
+    for (int r = 0; r < LIST_ROWS; r++) {
+        int32_t at = from + r * WARP + lane;
+        if (at < end)
+            row[r] = list.value(at);
+    }
+}
+
 /* The same by all lanes of a warp, which must call it with the same arguments;
- * each returns the sum. The lanes put a row of items into shared memory,
+ * each returns the sum. Rows are loaded while those before are added. The lanes
+ * put a row of items into shared memory,
  * [WARP], and a lane for each number of an item adds them. */
 template <class LIST, class T>
 static __device__ inline T sum_by_warp(const LIST &list, int32_t from,
@@ -81,13 +95,14 @@ static __device__ inline T sum_by_warp(const LIST &list, int32_t from,
     UNROLL
     for (int k = 1; k < NUMBERS; k++)
         s = e == k ? own[k] : s;
+    T next[LIST_ROWS] = {};
+    load_rows(list, from, end, lane, next);
     for (; from < end; from += LIST_ROWS * WARP) {
         T a[LIST_ROWS];
         UNROLL
-        for (int r = 0; r < LIST_ROWS; r++) {
-            int32_t at = from + r * WARP + lane;
-            a[r] = list.value(at < end ? at : from);
-        }
+        for (int r = 0; r < LIST_ROWS; r++)
+            a[r] = next[r];
+        load_rows(list, from + LIST_ROWS * WARP, end, lane, next);
         UNROLL
         for (int r = 0; r < LIST_ROWS; r++) {
             __syncwarp();
