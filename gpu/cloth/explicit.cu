@@ -243,7 +243,7 @@ static void queue_rest(struct walk_on *w, int32_t substeps)
         return;
     write_key(&key, w, substeps);
     if (w->s->dynamics.trace ||
-        !gpu_loop(w->g, loop_key{&key, sizeof key}, NULL, launch))
+        !gpu_loop(w->g, loop_key{&key, sizeof key}, {NULL, launch, {}, {}}))
         launch();
     if (substeps % 2)
         swap(w);
@@ -277,7 +277,7 @@ static void take_turns(struct walk_on *w, int32_t turns)
     };
     write_key(&key, w, TURN);
     LAUNCH_BLOCKS(w->g, 1, 1, turns_kernel, left, turns);
-    if (gpu_loop(w->g, loop_key{&key, sizeof key}, left, launch))
+    if (gpu_loop(w->g, loop_key{&key, sizeof key}, {left, {}, launch, {}}))
         return;
     for (int32_t k = 0; k < turns && gpu_status(w->g) == DRAPE_OK; k++)
         launch();

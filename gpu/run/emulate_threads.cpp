@@ -348,18 +348,17 @@ void emulate_blocks(int64_t blocks, int threads, emulate_call kernel)
     run_blocks(blocks, 1, threads, &kernel);
 }
 
-bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
-              loop_turn turn)
+bool gpu_loop(struct gpu *g, struct loop_key key, const struct loop &of)
 {
     (void)key;
-    int status = DRAPE_OK;
     if (g->failed || g->hosted[0] || g->hosted[1])
         return false;
-    do
-        status = turn.run(turn.with);
-    while (status == DRAPE_OK && again && *again && !g->failed &&
-           !emulate_lost(false));
-    return status == DRAPE_OK;
+    int status = of.first.run(of.first.with);
+    while (status == DRAPE_OK && of.again && *of.again && !g->failed &&
+           !emulate_lost(false))
+        status = of.turn.run(of.turn.with);
+    return (status == DRAPE_OK ? of.last.run(of.last.with) : status) ==
+           DRAPE_OK;
 }
 
 alignas(16) static thread_local double room[EMULATE_RANKS]

@@ -14,7 +14,7 @@ struct kept {
     size_t n;
     int block, ranks;
     int64_t used; /* number of its last launch */
-    int status;   /* what the captured turn returned */
+    int status;   /* what the captured parts returned */
 };
 
 struct gpu_loops {
@@ -33,44 +33,73 @@ static __global__ void loop_kernel(cudaGraphConditionalHandle handle,
     cudaGraphSetConditional(handle, *again != 0);
 }
 
-/* Adds a WHILE node to the graph: its body, still empty, and the handle that
- * says whether the body runs once more, which each launch sets to true. */
-static cudaError_t add_while(cudaGraph_t graph, cudaGraph_t *body,
-                             cudaGraphConditionalHandle *handle)
+/* A WHILE node: its body, which is empty at first, and the handle that says
+ * whether the body runs once more. */
+struct while_node {
+    cudaGraphNode_t node;
+    cudaGraph_t body;
+    cudaGraphConditionalHandle handle;
+};
+
+static cudaError_t add_while(cudaGraph_t graph, struct while_node *w)
 {
     cudaGraphNodeParams p = {};
-    cudaGraphNode_t node;
-    cudaError_t error = cudaGraphConditionalHandleCreate(
-        handle, graph, 1, cudaGraphCondAssignDefault);
+    cudaError_t error =
+        cudaGraphConditionalHandleCreate(&w->handle, graph, 0, 0);
     if (error != cudaSuccess)
         return error;
     p.type = cudaGraphNodeTypeConditional;
-    p.conditional.handle = *handle;
+    p.conditional.handle = w->handle;
     p.conditional.type = cudaGraphCondTypeWhile;
     p.conditional.size = 1;
 #if CUDART_VERSION >= 13000
-    error = cudaGraphAddNode(&node, graph, NULL, NULL, 0, &p);
+    error = cudaGraphAddNode(&w->node, graph, NULL, NULL, 0, &p);
 #else
-    error = cudaGraphAddNode(&node, graph, NULL, 0, &p);
+    error = cudaGraphAddNode(&w->node, graph, NULL, 0, &p);
 #endif
     if (error == cudaSuccess)
-        *body = p.conditional.phGraph_out[0];
+        w->body = p.conditional.phGraph_out[0];
     return error;
 }
 
-/* Captures the launches of the turn into the graph. A failure of the capture is
- * not a failure of the device. */
-static cudaError_t capture(struct gpu *g, cudaGraph_t graph, loop_turn turn,
+/* Makes the node wait for what the stream has captured so far. */
+static cudaError_t put_after(cudaStream_t stream, struct while_node *w)
+{
+    cudaStreamCaptureStatus status;
+    const cudaGraphNode_t *last;
+    cudaGraph_t graph;
+    size_t n;
+#if CUDART_VERSION >= 13000
+    cudaError_t error = cudaStreamGetCaptureInfo(stream, &status, NULL, &graph,
+                                                 &last, NULL, &n);
+#else
+    cudaError_t error =
+        cudaStreamGetCaptureInfo(stream, &status, NULL, &graph, &last, &n);
+#endif
+    for (size_t k = 0; k < n && error == cudaSuccess; k++)
+#if CUDART_VERSION >= 13000
+        error = cudaGraphAddDependencies(graph, &last[k], &w->node, NULL, 1);
+#else
+        error = cudaGraphAddDependencies(graph, &last[k], &w->node, 1);
+#endif
+    return error;
+}
+
+/* Captures the launches of a part into the graph, after a node unless that is
+ * NULL. A failure of the capture is not a failure of the device. */
+static cudaError_t capture(struct gpu *g, cudaGraph_t graph,
+                           const cudaGraphNode_t *after, loop_part part,
                            int *status)
 {
     cudaStream_t stream = g->loops->stream, callers = g->stream;
     size_t n = strlen(g->name);
-    cudaError_t error = cudaStreamBeginCaptureToGraph(
-        stream, graph, NULL, NULL, 0, cudaStreamCaptureModeRelaxed);
+    cudaError_t error =
+        cudaStreamBeginCaptureToGraph(stream, graph, after, NULL, after != NULL,
+                                      cudaStreamCaptureModeRelaxed);
     if (error != cudaSuccess)
         return error;
     g->stream = stream;
-    *status = turn.run(turn.with);
+    *status = part.run(part.with);
     g->stream = callers;
     error = cudaStreamEndCapture(stream, &graph);
     if (g->failed) {
@@ -81,31 +110,45 @@ static cudaError_t capture(struct gpu *g, cudaGraph_t graph, loop_turn turn,
     return *status == DRAPE_OK ? error : cudaErrorInvalidValue;
 }
 
+/* The body is captured first, as branches must not be captured within another
+ * capture. */
 static cudaError_t capture_loop(struct gpu *g, cudaGraph_t graph,
-                                const int32_t *again, loop_turn turn,
-                                int *status)
+                                const struct loop *of, int *status)
 {
-    cudaGraphConditionalHandle handle;
-    cudaGraph_t body;
-    cudaError_t error = add_while(graph, &body, &handle);
-    auto whole = [&] {
-        int done = turn.run(turn.with);
-        loop_kernel<<<1, 1, 0, g->stream>>>(handle, again);
+    struct while_node w;
+    cudaError_t error = add_while(graph, &w), tied = cudaSuccess;
+    auto look = [&] {
+        loop_kernel<<<1, 1, 0, g->stream>>>(w.handle, of->again);
+    };
+    auto turn = [&] {
+        int done = of->turn.run(of->turn.with);
+        look();
         return done;
     };
-    return error == cudaSuccess ? capture(g, body, whole, status) : error;
+    auto first = [&] {
+        int done = of->first.run(of->first.with);
+        look();
+        tied = put_after(g->stream, &w);
+        return done;
+    };
+    if (error == cudaSuccess)
+        error = capture(g, w.body, NULL, turn, status);
+    if (error == cudaSuccess)
+        error = capture(g, graph, NULL, first, status);
+    if (error == cudaSuccess && tied == cudaSuccess)
+        error = capture(g, graph, &w.node, of->last, status);
+    return tied == cudaSuccess ? error : tied;
 }
 
 /* Captures and instantiates the graph of k, and sets k's graph and status. */
-static cudaError_t build(struct gpu *g, struct kept *k, const int32_t *again,
-                         loop_turn turn)
+static cudaError_t build(struct gpu *g, struct kept *k, const struct loop *of)
 {
     cudaGraph_t graph;
     cudaError_t error = cudaGraphCreate(&graph, 0);
     if (error != cudaSuccess)
         return error;
-    error = again ? capture_loop(g, graph, again, turn, &k->status)
-                  : capture(g, graph, turn, &k->status);
+    error = of->again ? capture_loop(g, graph, of, &k->status)
+                      : capture(g, graph, NULL, of->first, &k->status);
     if (error == cudaSuccess)
         error = cudaGraphInstantiate(&k->graph, graph, 0);
     cudaGraphDestroy(graph);
@@ -114,8 +157,7 @@ static cudaError_t build(struct gpu *g, struct kept *k, const int32_t *again,
 
 #else
 
-static cudaError_t build(struct gpu *, struct kept *, const int32_t *,
-                         loop_turn)
+static cudaError_t build(struct gpu *, struct kept *, const struct loop *)
 {
     return cudaErrorNotSupported;
 }
@@ -152,7 +194,7 @@ static bool make_room(struct gpu *g)
 
 /* Captures a new graph and keeps it. NULL if that is not possible. */
 static struct kept *make(struct gpu *g, struct loop_key key,
-                         const int32_t *again, loop_turn turn)
+                         const struct loop *of)
 {
     struct gpu_loops *l = g->loops;
     struct kept *k = NULL;
@@ -161,7 +203,7 @@ static struct kept *make(struct gpu *g, struct loop_key key,
                                       (int64_t)(sizeof *k + key.n), 1);
     if (!k)
         return NULL;
-    cudaError_t error = build(g, k, again, turn);
+    cudaError_t error = build(g, k, of);
     if (error != cudaSuccess) {
         cudaGetLastError(); /* forget the error: it means that there are none */
         l->absent = k->status == DRAPE_OK && error != cudaErrorMemoryAllocation;
@@ -191,8 +233,7 @@ static bool open_loops(struct gpu *g)
     return !g->failed;
 }
 
-bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
-              loop_turn turn)
+bool gpu_loop(struct gpu *g, struct loop_key key, const struct loop &of)
 {
     if (g->hosted[0] || g->hosted[1] || g->failed || !open_loops(g))
         return false;
@@ -200,7 +241,7 @@ bool gpu_loop(struct gpu *g, struct loop_key key, const int32_t *again,
     while (k && !same(k, g, key))
         k = k->next;
     if (!k)
-        k = make(g, key, again, turn);
+        k = make(g, key, &of);
     if (!k)
         return false;
     k->used = ++g->loops->launches;

@@ -38,10 +38,11 @@ struct solve {
     int64_t nc, n_chunks;
     vec *r, *p[2], *q, *dv;
     const vec *b, *at; /* at: the positions that rates are of */
+    const real *w;     /* [nv] 1/kg, 0: fixed */
+    const sym *wall;
     real *item, *chunk;
-    real exact;    /* as in struct joint */
-    int32_t loop;  /* 1: the loop; 0: the launches before it */
-    int32_t touch; /* 1: there are contacts */
+    real exact, mass; /* as in struct joint */
+    int32_t touch;    /* 1: there are contacts */
     struct begin begin;
 };
 
@@ -165,22 +166,22 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 
 /* Thread k owns particle k: p[0] = wall dv. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
-    joint_walls_kernel(struct solve a, const sym *wall)
+    joint_walls_kernel(struct solve a)
 {
     ITEM(k, a.nc);
-    a.p[0][k] = apply(wall[k], a.dv[k]);
+    a.p[0][k] = apply(a.wall[k], a.dv[k]);
 }
 
 /* The true residual: q = A dv, 0 where fixed, and `other` is the contacts'
  * part of the product. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    joint_conclude_kernel(struct solve a, const real *w, const vec *other)
+    joint_conclude_kernel(struct solve a, const vec *other)
 {
     PARTICLE(k);
     struct pcg_state *c = a.c;
     real value = 0, sum;
     if (k < a.nc) {
-        vec q = w[k] > 0 ? a.q[k] : make(0, 0, 0);
+        vec q = a.w[k] > 0 ? a.q[k] : make(0, 0, 0);
         vec r = sub(sub(a.b[k], q), other[k]);
         a.q[k] = q;
         a.r[k] = r;
@@ -194,7 +195,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 /* §4.4: the velocity that gives all cloths together the momentum that the
  * residual lacks. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    joint_drift_kernel(struct solve a, real mass)
+    joint_drift_kernel(struct solve a)
 {
     PARTICLE(k);
     struct pcg_state *c = a.c;
@@ -207,21 +208,21 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
     if (!grid_sums<3>(value, a.chunk, &c->ticket, sum) || threadIdx.x)
         return;
     for (int e = 0; e < 3; e++)
-        c->drift[e] = sum[e] / mass;
+        c->drift[e] = sum[e] / a.mass;
 }
 
 /* Adds that velocity; then the residual again. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    joint_balance_kernel(struct solve a, const real *w)
+    joint_balance_kernel(struct solve a)
 {
     PARTICLE(k);
     struct pcg_state *c = a.c;
     real value = 0, sum;
     if (k < a.nc) {
         vec r = a.r[k];
-        if (w[k] > 0) {
+        if (a.w[k] > 0) {
             vec drift = make(c->drift[0], c->drift[1], c->drift[2]);
-            vec push = scale(1 / w[k], drift);
+            vec push = scale(1 / a.w[k], drift);
             a.dv[k] = add(a.dv[k], drift);
             a.q[k] = add(a.q[k], push);
             r = sub(r, push);
@@ -381,15 +382,14 @@ static void conclude(const struct joint_system *w, const struct solve *a)
         gpu_product(g, &m);
     }
     join_cloths(w);
-    LAUNCH(g, a->nc, joint_walls_kernel, *a, w->joint->wall);
+    LAUNCH(g, a->nc, joint_walls_kernel, *a);
     gpu_links_queue(g, a->links, a->nc, a->dv, a->p[0], NULL);
-    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_conclude_kernel, *a, w->w,
+    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_conclude_kernel, *a,
                   a->p[0]);
-    if (!(w->joint->mass > 0))
+    if (!(a->mass > 0))
         return;
-    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_drift_kernel, *a,
-                  w->joint->mass);
-    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_balance_kernel, *a, w->w);
+    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_drift_kernel, *a);
+    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_balance_kernel, *a);
 }
 
 static struct pcg_state read_state(struct gpu *g)
@@ -400,28 +400,28 @@ static struct pcg_state read_state(struct gpu *g)
     return seen;
 }
 
-/* Runs iterations until the device has ended them. */
-static int run(const struct joint_system *w, struct solve *a)
+/* Queues the whole solve as one graph; or runs it, if the host is to end the
+ * iterations. */
+static int run(const struct joint_system *w, const struct solve *a)
 {
     struct gpu *g = w->gpu;
-    int status = DRAPE_OK;
     auto first = [&] { return begin(w, a); };
     auto next = [&] {
         iterate(w, a, NEXT);
         return (int)DRAPE_OK;
     };
-    a->loop = 0;
-    if (!gpu_loop(g, loop_key{a, sizeof *a}, NULL, first))
-        status = first();
-    if (status != DRAPE_OK)
-        return status;
-    bool go = read_state(g).go;
-    a->loop = 1;
-    if (go && gpu_loop(g, loop_key{a, sizeof *a}, &a->c->go, next))
-        go = read_state(g).go;
-    for (; go && gpu_status(g) == DRAPE_OK; go = read_state(g).go)
+    auto last = [&] {
+        conclude(w, a);
+        return (int)DRAPE_OK;
+    };
+    if (gpu_loop(g, loop_key{a, sizeof *a}, {&a->c->go, first, next, last}))
+        return gpu_status(g);
+    int status = first();
+    while (status == DRAPE_OK && read_state(g).go) {
         next();
-    return gpu_status(g);
+        status = gpu_status(g);
+    }
+    return status == DRAPE_OK ? last() : status;
 }
 
 static void write_solve(struct solve *a, const struct joint_system *w)
@@ -444,6 +444,9 @@ static void write_solve(struct solve *a, const struct joint_system *w)
     a->dv = s->dv;
     a->b = s->b;
     a->at = w->part[0].rates.x;
+    a->w = w->w;
+    a->wall = s->wall;
+    a->mass = s->mass;
     a->item = s->item;
     a->chunk = s->chunk;
     if (w->n > 1)
@@ -465,7 +468,6 @@ int gpu_joint(const struct joint_system *w)
     int status = run(w, &a);
     if (status != DRAPE_OK)
         return status;
-    conclude(w, &a);
     struct pcg_state c = read_state(g);
     s->scale = c.from;
     s->square = c.most;

@@ -76,13 +76,12 @@ static int prepare(struct gpu *g, struct pcg *s, struct pcg_state *c,
     return status;
 }
 
-/* Everything that the launches of a solve depend on: the key of its graphs. */
+/* Everything that the launches of a solve depend on: the key of its graph. */
 struct solve_key {
     struct pcg s;
     struct pcg_state *c;
     real *chunk;
     struct rates rates;
-    int32_t loop; /* 1: the loop; 0: the launches before it */
 };
 
 static void write_key(struct solve_key *key, const struct pcg *s,
@@ -108,52 +107,40 @@ static struct pcg_state read_state(struct gpu *g)
     return seen;
 }
 
-/* Queues everything up to the end of the first turn, as one graph if possible.
- */
-static int first_turn(struct gpu *g, struct pcg *s, struct pcg_state *c,
-                      struct scratch scratch, int iterations)
+/* Queues the first turn, and then turns as a loop on the device until the solve
+ * has ended or the host must decide; or the first turn alone, if the device has
+ * no such loop. */
+static int queue(struct gpu *g, struct pcg *s, struct pcg_state *c,
+                 struct scratch scratch, int iterations)
 {
     struct solve_key key;
-    auto launch = [&] {
+    auto first = [&] {
         int status = prepare(g, s, c, scratch);
         take_turn(g, s, c, scratch, 0, iterations);
         return status;
     };
-    write_key(&key, s, c, &scratch);
-    LAUNCH(g, 1, pcg_open_kernel, c, s->scale, s->square);
-    return gpu_loop(g, loop_key{&key, sizeof key}, NULL, launch) ? (int)DRAPE_OK
-                                                                 : launch();
-}
-
-/* Queues turns as a loop on the device, until the solve has ended or the host
- * must decide. False if the device has no such loop. */
-static bool loop(struct gpu *g, struct pcg *s, struct pcg_state *c,
-                 struct scratch scratch)
-{
-    struct solve_key key;
-    auto launch = [&] {
+    auto turn = [&] {
         take_turn(g, s, c, scratch, 0,
                   scratch.jacobi ? (int)TURN_MOST : (int)TURN_LOOP);
         return (int)DRAPE_OK;
     };
     write_key(&key, s, c, &scratch);
-    key.loop = 1;
-    return gpu_loop(g, loop_key{&key, sizeof key}, &c->again, launch);
+    LAUNCH(g, 1, pcg_open_kernel, c, s->scale, s->square);
+    return gpu_loop(g, loop_key{&key, sizeof key}, {&c->again, first, turn, {}})
+               ? (int)DRAPE_OK
+               : first();
 }
 
-/* Runs the solve to its end. The host reads the state back after the first
- * turn, after the loop, and after each turn if the device has no loops or
- * multigrid gave up. */
+/* Runs the solve to its end. The host reads the state back, and again after
+ * each turn if the device has no loops or multigrid gave up. */
 static struct pcg_state solve(struct gpu *g, struct pcg *s,
                               struct scratch scratch, int *status)
 {
     struct pcg_state *c = (struct pcg_state *)gpu_words(g), seen = {};
     bool small = s->count <= SMALL_GRID;
     int queued = scratch.jacobi ? TURN : small ? TURN_GRID : TURN_LOOP;
-    *status = first_turn(g, s, c, scratch, queued);
+    *status = queue(g, s, c, scratch, queued);
     if (*status == DRAPE_OK)
-        seen = read_state(g);
-    if (*status == DRAPE_OK && seen.again && loop(g, s, c, scratch))
         seen = read_state(g);
     while (*status == DRAPE_OK && seen.phase != PHASE_DONE) {
         scratch.jacobi = s->precond == DRAPE_JACOBI || seen.fell_back;
