@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Thread-block clusters: a few blocks that run at the same time, synchronise
- * and read each other's shared memory. On a device without clusters a cluster
- * is one block. Functions named group_ serve cooperative grids
- * (gpu/base/cooperative.cuh), too; a rank is one block of a cluster or grid. */
+/* What the blocks of a kernel do together. Thread-block clusters: a few blocks
+ * that run at the same time, synchronise and read each other's shared memory. On
+ * a device without clusters a cluster is one block. Functions named group_ serve
+ * cooperative grids (gpu/base/cooperative.cuh), too; a rank is one block of a
+ * cluster or grid. */
 #ifndef GPU_CLUSTER_CUH
 #define GPU_CLUSTER_CUH
 
@@ -12,18 +13,21 @@ enum { WARP = 32 };
 
 /* LAUNCH_RANKS(g, ranks, threads, bytes, kernel, arguments…) launches one
  * cluster of ranks ≤ g->ranks blocks; each has `bytes` ≤ g->room of shared
- * memory, cluster_shared(). LAUNCH_CLUSTER takes as many as there may be. */
+ * memory, cluster_shared(). LAUNCH_CLUSTER takes as many as there may be.
+ * LAUNCH_CLUSTERS launches several clusters, whose number is blockIdx.y. */
 #define LAUNCH_CLUSTER(g, threads, bytes, kernel, ...)                         \
     LAUNCH_RANKS(g, (g)->ranks, threads, bytes, kernel, __VA_ARGS__)
+#define LAUNCH_RANKS(g, ranks, threads, bytes, kernel, ...)                    \
+    LAUNCH_CLUSTERS(g, 1, ranks, threads, bytes, kernel, __VA_ARGS__)
 
 #ifdef __CUDACC__
-#define LAUNCH_RANKS(g, ranks_, threads, bytes, kernel, ...)                   \
+#define LAUNCH_CLUSTERS(g, clusters, ranks_, threads, bytes, kernel, ...)      \
     do {                                                                       \
         cudaLaunchAttribute cluster_ = {};                                     \
         cluster_.id = cudaLaunchAttributeClusterDimension;                     \
         cluster_.val.clusterDim = {(unsigned)(ranks_), 1, 1};                  \
         cudaLaunchConfig_t config_ = {};                                       \
-        config_.gridDim = {(unsigned)(ranks_), 1, 1};                          \
+        config_.gridDim = {(unsigned)(ranks_), (unsigned)(clusters), 1};       \
         config_.blockDim = {(unsigned)(threads), 1, 1};                        \
         config_.dynamicSmemBytes = (size_t)(bytes);                            \
         config_.attrs = &cluster_;                                             \
@@ -146,13 +150,13 @@ template <int LEFT> static __device__ inline void copies_end(void)
 
 #else /* emulated, the ranks are parts of one block, gpu/run/emulate.h */
 
-#define LAUNCH_RANKS(g, ranks, threads, bytes, kernel, ...)                    \
+#define LAUNCH_CLUSTERS(g, clusters, ranks, threads, bytes, kernel, ...)       \
     do {                                                                       \
         int ranks_ = (bytes) > (g)->room ? 0 : (ranks);                        \
         int threads_ = (int)(threads);                                         \
         auto call_ = emulate_bind(kernel, __VA_ARGS__);                        \
         if (!(g)->failed)                                                      \
-            emulate_cluster(ranks_, threads_, call_);                          \
+            emulate_cluster(ranks_, clusters, threads_, call_);                \
     } while (0)
 
 static inline int group_ranks(void)
@@ -265,6 +269,25 @@ static __device__ inline int group_item(void)
 {
     int t = rank_thread(), warp = t / WARP * group_ranks() + group_rank();
     return warp * WARP + t % WARP;
+}
+
+/* Finds the block of a kernel that ends last, which may combine the results of
+ * all blocks; that saves another kernel. Called by all threads after thread 0
+ * has written the result of the block. True in all threads of the block that
+ * ends last; it sees the results of all blocks. *ticket is 0 before and after.
+ */
+static __device__ inline bool ends_last(unsigned *ticket)
+{
+    __shared__ bool last;
+    if (threadIdx.x == 0) {
+        __threadfence(); /* the result is written before the ticket is drawn */
+        last = atomicAdd(ticket, 1u) == gridDim.x - 1;
+        if (last)
+            *ticket = 0;
+    }
+    __syncthreads();
+    __threadfence();
+    return last;
 }
 
 #endif

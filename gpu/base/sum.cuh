@@ -4,7 +4,7 @@
 #ifndef GPU_SUM_CUH
 #define GPU_SUM_CUH
 
-#include "gpu/base/last_block.cuh"
+#include "gpu/base/cluster.cuh"
 
 extern "C" {
 #include "ref/base/sum.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Turns triangle pairs into vertex-face and edge-edge candidates, each exactly
  * once, on the device. spec/broad/features.md */
-#include "gpu/base/last_block.cuh"
+#include "gpu/base/cluster.cuh"
 #include "gpu/broad/bvtt.cuh"
 
 extern "C" {

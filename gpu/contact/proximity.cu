@@ -2,7 +2,7 @@
 /* Finds the candidates closer than their thickness and makes them contacts: a
  * first kernel counts, a second one emits. spec/contact/proximity.md */
 #include "gpu/base/compact.cuh"
-#include "gpu/base/last_block.cuh"
+#include "gpu/base/cluster.cuh"
 #include "gpu/base/scan.cuh"
 #include "gpu/contact/closest.cuh"
 #include "gpu/contact/contact.cuh"

@@ -58,11 +58,12 @@ bool emulate_lost(bool more);
  */
 void emulate_next_order(void);
 
-void emulate_items(int64_t n, int threads, emulate_call kernel);
-void emulate_blocks(int64_t blocks, int threads, emulate_call kernel);
+/* Each of the three runs row after row. */
+void emulate_items(int64_t n, int rows, int threads, emulate_call kernel);
+void emulate_blocks(int64_t blocks, int rows, int threads, emulate_call kernel);
 /* A cluster, as one block that has parts (ranks) of `threads` threads each,
  * with barriers of their own. */
-void emulate_cluster(int ranks, int threads, emulate_call kernel);
+void emulate_cluster(int ranks, int rows, int threads, emulate_call kernel);
 extern __thread int emulate_ranks; /* of the cluster that runs */
 char *emulate_shared(int rank);    /* [EMULATE_SHARED] filled with poison */
 

@@ -66,18 +66,19 @@ static unsigned turn(const struct order *o, int64_t k)
     return (unsigned)((o->from + k * o->step) % o->n);
 }
 
-void emulate_items(int64_t n, int threads, emulate_call kernel)
+void emulate_items(int64_t n, int rows, int threads, emulate_call kernel)
 {
     int64_t blocks = n > 0 ? (n + threads - 1) / threads : 0;
     if (blocks && emulate_lost(true))
         return;
-    struct order block = order_of(blocks, way.descending);
+    struct order block = order_of(blocks * rows, way.descending);
     struct order thread = order_of(threads, !way.descending);
-    gridDim = {(unsigned)blocks, 1, 1};
+    gridDim = {(unsigned)blocks, (unsigned)rows, 1};
     blockDim = {(unsigned)threads, 1, 1};
-    for (int64_t b = 0; b < blocks; b++)
+    for (int64_t b = 0; b < blocks * rows; b++)
         for (int t = 0; t < threads; t++) {
-            blockIdx = {turn(&block, b), 0, 0};
+            unsigned at = turn(&block, b);
+            blockIdx = {at % gridDim.x, at / gridDim.x, 0};
             threadIdx = {turn(&thread, t), 0, 0};
             kernel.run(kernel.with);
         }
@@ -273,10 +274,25 @@ static void order_threads(int ranks)
                        turn(&lane, f % in_warp);
 }
 
+alignas(16) static thread_local double room[EMULATE_RANKS]
+                                           [EMULATE_SHARED / sizeof(double)];
+
+/* The shared memory of a cluster is filled with poison first, as a kernel must
+ * not rely on what the kernel before it, which may have been the same, left
+ * there. */
+static void clear_cluster(void)
+{
+    memset(room, 0xff, sizeof room);
+    for (unsigned f = 0; f < in_block; f++) {
+        ahead[f].clear();
+        groups[f] = 0;
+    }
+}
+
 /* The launch under way: what threads of the host that run blocks of it must
  * know. */
 struct launch {
-    unsigned blocks, ranks, threads;
+    unsigned blocks, rows, ranks, threads; /* ranks: 0: it is no cluster */
     const emulate_call *kernel;
     struct gpu_way way;
 };
@@ -286,18 +302,22 @@ static void prepare(const struct launch *l)
     if (!stack.of)
         stack.of = (char *)malloc((size_t)THREADS * STACK);
     way = l->way;
+    unsigned ranks = l->ranks ? l->ranks : 1;
+    emulate_ranks = (int)ranks;
     in_rank = l->threads;
-    in_block = l->ranks * l->threads;
+    in_block = ranks * l->threads;
     in_warp = in_rank % WARP ? in_rank : (unsigned)WARP;
-    gridDim = {l->blocks, 1, 1};
+    gridDim = {l->blocks, l->rows, 1};
     blockDim = {in_block, 1, 1};
-    order_threads((int)l->ranks);
+    order_threads((int)ranks);
 }
 
 static void run_one(const struct launch *l, unsigned block)
 {
+    if (l->ranks)
+        clear_cluster();
     running = l->kernel;
-    blockIdx = {block, 0, 0};
+    blockIdx = {block % l->blocks, block / l->blocks, 0};
     run_block();
     running = NULL;
 }
@@ -313,11 +333,12 @@ static void be_parked(struct parked *p, const struct launch *l, unsigned block)
     p->turn.notify_all();
 }
 
-static void run_blocks(int64_t blocks, int ranks, int threads,
+static void run_blocks(int64_t each, int rows, int ranks, int threads,
                        const emulate_call *kernel)
 {
-    struct launch l = {(unsigned)(blocks > 0 ? blocks : 0), (unsigned)ranks,
-                       (unsigned)threads, kernel, way};
+    int64_t blocks = each > 0 ? each * rows : 0;
+    struct launch l = {(unsigned)each,    (unsigned)rows, (unsigned)ranks,
+                       (unsigned)threads, kernel,         way};
     struct parked p = {};
     std::thread first;
     prepare(&l);
@@ -343,9 +364,9 @@ static void run_blocks(int64_t blocks, int ranks, int threads,
     }
 }
 
-void emulate_blocks(int64_t blocks, int threads, emulate_call kernel)
+void emulate_blocks(int64_t blocks, int rows, int threads, emulate_call kernel)
 {
-    run_blocks(blocks, 1, threads, &kernel);
+    run_blocks(blocks, rows, 0, threads, &kernel);
 }
 
 bool gpu_loop(struct gpu *g, struct loop_key key, const struct loop &of)
@@ -361,25 +382,14 @@ bool gpu_loop(struct gpu *g, struct loop_key key, const struct loop &of)
            DRAPE_OK;
 }
 
-alignas(16) static thread_local double room[EMULATE_RANKS]
-                                           [EMULATE_SHARED / sizeof(double)];
-
 char *emulate_shared(int rank)
 {
     return (char *)room[rank];
 }
 
-/* Shared memory is filled with poison first, as a kernel must not rely on what
- * the kernel before it, which may have been the same, left there. */
-void emulate_cluster(int ranks, int threads, emulate_call kernel)
+void emulate_cluster(int ranks, int rows, int threads, emulate_call kernel)
 {
-    memset(room, 0xff, sizeof room);
-    for (int f = 0; f < ranks * threads; f++) {
-        ahead[f].clear();
-        groups[f] = 0;
-    }
-    emulate_ranks = ranks;
-    run_blocks(ranks > 0, ranks, threads, &kernel);
+    run_blocks(ranks > 0, rows, ranks, threads, &kernel);
 }
 
 void emulate_copy(void *to, const void *from, size_t bytes)

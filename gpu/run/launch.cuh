@@ -83,6 +83,7 @@ struct gpu {
     struct gpu_slot slot[GPU_SLOTS];
     struct gpu_slot aside;       /* scratch in host memory */
     struct gpu_library *library; /* opened by gpu/compare; NULL: none */
+    struct gpu_merge *merge;     /* gpu/run/merge.cuh; NULL: not open */
     struct arena host;           /* all host memory, with that of this struct */
     drape_allocator device;      /* of device memory */
     struct gpu_block *blocks;    /* all blocks of device memory */
@@ -109,41 +110,46 @@ cudaError_t gpu_allow_cluster(struct gpu *g, const void *kernel, bool room);
 
 /* LAUNCH(g, n, kernel, arguments…) runs one thread for each of n items; the
  * threads must not synchronise. LAUNCH_BLOCKS runs blocks of a fixed number of
- * threads, which may synchronise. Neither does anything for n or blocks < 1. */
+ * threads, which may synchronise. Neither does anything for n or blocks < 1.
+ * LAUNCH_ITEM_ROWS and LAUNCH_ROWS do the same in each of `rows` rows, whose
+ * number is blockIdx.y. */
 #ifdef __CUDACC__
-#define LAUNCH(g, n, kernel, ...)                                              \
+#define LAUNCH_ITEM_ROWS(g, n, rows, kernel, ...)                              \
     do {                                                                       \
         int64_t items_ = (n);                                                  \
-        unsigned threads_ = (unsigned)(g)->block;                              \
-        if (items_ > 0 && !(g)->failed)                                        \
-            kernel<<<(unsigned)((items_ + threads_ - 1) / threads_), threads_, \
-                     0, (g)->stream>>>(__VA_ARGS__);                           \
+        int threads_ = (g)->block;                                             \
+        LAUNCH_ROWS(g, (items_ + threads_ - 1) / threads_, rows, threads_,     \
+                    kernel, __VA_ARGS__);                                      \
     } while (0)
-#define LAUNCH_BLOCKS(g, blocks, threads, kernel, ...)                         \
+#define LAUNCH_ROWS(g, blocks, rows, threads, kernel, ...)                     \
     do {                                                                       \
         int64_t blocks_ = (blocks);                                            \
+        dim3 grid_((unsigned)blocks_, (unsigned)(rows));                       \
         if (blocks_ > 0 && !(g)->failed)                                       \
-            kernel<<<(unsigned)blocks_, (unsigned)(threads), 0,                \
-                     (g)->stream>>>(__VA_ARGS__);                              \
+            kernel<<<grid_, (unsigned)(threads), 0, (g)->stream>>>(            \
+                __VA_ARGS__);                                                  \
     } while (0)
 #else
-#define LAUNCH(g, n, kernel, ...)                                              \
+#define LAUNCH_ITEM_ROWS(g, n, rows, kernel, ...)                              \
     do {                                                                       \
         int64_t items_ = (n);                                                  \
         int threads_ = (g)->block;                                             \
         auto call_ = emulate_bind(kernel, __VA_ARGS__);                        \
         if (items_ > 0 && !(g)->failed)                                        \
-            emulate_items(items_, threads_, call_);                            \
+            emulate_items(items_, rows, threads_, call_);                      \
     } while (0)
-#define LAUNCH_BLOCKS(g, blocks, threads, kernel, ...)                         \
+#define LAUNCH_ROWS(g, blocks, rows, threads, kernel, ...)                     \
     do {                                                                       \
         int64_t blocks_ = (blocks);                                            \
         int threads_ = (int)(threads);                                         \
         auto call_ = emulate_bind(kernel, __VA_ARGS__);                        \
         if (blocks_ > 0 && !(g)->failed)                                       \
-            emulate_blocks(blocks_, threads_, call_);                          \
+            emulate_blocks(blocks_, rows, threads_, call_);                    \
     } while (0)
 #endif
+#define LAUNCH(g, n, kernel, ...) LAUNCH_ITEM_ROWS(g, n, 1, kernel, __VA_ARGS__)
+#define LAUNCH_BLOCKS(g, blocks, threads, kernel, ...)                         \
+    LAUNCH_ROWS(g, blocks, 1, threads, kernel, __VA_ARGS__)
 
 /* UNROLL stands before a short loop and makes the compiler unroll it, so that
  * the counter is a constant in each iteration. */

@@ -2,6 +2,7 @@
 /* Stage coarsen on the device: makes a coarse grid's operator from the next
  * finer grid's, by Galerkin coarsening with bilinear interpolation.
  * spec/solve/multigrid.md §2 */
+#include "gpu/run/merge.cuh"
 #include "gpu/solve/galerkin.cuh"
 #include "gpu/solve/level.cuh"
 #include "gpu/solve/tile.cuh"
@@ -16,8 +17,8 @@ enum { TILES_LEAST = 64 };
 
 /* Thread p owns coarse particle p and writes coarse_rule[p]: whether a rule of
  * a fine particle matters to p. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    coarsen_find_kernel(struct coarsen s, struct grid c)
+static __device__ void coarsen_find_kernel(const struct coarsen &s,
+                                           const struct grid &c)
 {
     ITEM(item, s.n_coarse);
     find(&s, place_of(c, item));
@@ -25,9 +26,9 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* Each thread owns an item: a coarse block, or the excess of a coarse particle.
  */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    coarsen_kernel(struct coarsen s, struct grid c,
-                   const __grid_constant__ struct book book)
+static __device__ void coarsen_kernel(const struct coarsen &s,
+                                      const struct grid &c,
+                                      const struct book &book)
 {
     ITEM(item, (STENCIL + 1) * s.n_coarse);
     make_item<8>(&s, c, &book, item);
@@ -36,9 +37,9 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 /* Makes the items that the kernel of tiles leaves out. A thread block owns
  * GPU_BLOCK coarse particles; its threads take turns at the items of those
  * particles to which a rule matters. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    coarsen_cut_kernel(struct coarsen s, struct grid c,
-                       const __grid_constant__ struct book book)
+static __device__ void coarsen_cut_kernel(const struct coarsen &s,
+                                          const struct grid &c,
+                                          const struct book &book)
 {
     __shared__ int32_t cut[GPU_BLOCK], n;
     int t = (int)threadIdx.x;
@@ -55,8 +56,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* Thread p owns coarse particle p: it writes factor[p] and coarse_rule[p], and
  * reads the coarse blocks and the excess, which must be complete. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    coarsen_factor_kernel(struct coarsen s, struct grid c)
+static __device__ void coarsen_factor_kernel(const struct coarsen &s,
+                                             const struct grid &c)
 {
     ITEM(item, s.n_coarse);
     struct place at = place_of(c, item);
@@ -68,13 +69,13 @@ static void coarsen_by_tiles(struct gpu *g, const struct coarsen *s,
                              struct grid c, const struct book *book)
 {
     if (s->n_live > 0)
-        LAUNCH_BLOCKS(g, tiles_of(c), TILE_BLOCK, coarsen_tile_kernel<SPRINGS>,
-                      *s, c);
+        MERGE_BLOCKS(g, tiles_of(c), TILE_BLOCK, TILE_BLOCK, 2, (*s, c),
+                     coarsen_tile_kernel<SPRINGS>);
     else
-        LAUNCH_BLOCKS(g, tiles_of(c), TILE_BLOCK, coarsen_tile_kernel<STENCIL>,
-                      *s, c);
-    LAUNCH_BLOCKS(g, (s->n_coarse + GPU_BLOCK - 1) / GPU_BLOCK, GPU_BLOCK,
-                  coarsen_cut_kernel, *s, c, *book);
+        MERGE_BLOCKS(g, tiles_of(c), TILE_BLOCK, TILE_BLOCK, 2, (*s, c),
+                     coarsen_tile_kernel<STENCIL>);
+    MERGE_BLOCKS(g, (s->n_coarse + GPU_BLOCK - 1) / GPU_BLOCK, GPU_BLOCK,
+                 GPU_BLOCK, 1, (*s, c, *book), coarsen_cut_kernel);
 }
 
 int gpu_coarsen(struct gpu *g, struct coarsen *s)
@@ -87,23 +88,27 @@ int gpu_coarsen(struct gpu *g, struct coarsen *s)
         s->n_coarse != (int64_t)c.m * c.n || s->n_out != STENCIL * s->n_coarse)
         return DRAPE_EARG;
     const struct book *book = springs ? book_of<SPRINGS>() : book_of<STENCIL>();
-    LAUNCH(g, s->n_coarse, coarsen_find_kernel, *s, c);
+    MERGE(g, s->n_coarse, (*s, c), coarsen_find_kernel);
     if (s->n_coarse >= TILES_LEAST)
         coarsen_by_tiles(g, s, c, book);
     else
-        LAUNCH(g, (STENCIL + 1) * s->n_coarse, coarsen_kernel, *s, c, *book);
-    LAUNCH(g, s->n_coarse, coarsen_factor_kernel, *s, c);
+        MERGE(g, (STENCIL + 1) * s->n_coarse, (*s, c, *book), coarsen_kernel);
+    MERGE(g, s->n_coarse, (*s, c), coarsen_factor_kernel);
     return gpu_status(g);
 }
 
-/* The grids of a chain. The operator of the first one must have been made. */
+/* The grids of a chain. The operator of the first one must have been made.
+ * CHAIN_GRIDS: the most of them: the second has at most CHAIN_COUNT < 2^11
+ * particles, each later one not much more than half as many (1200 by 1, 601 by
+ * 1, …), and the last at most COARSEST. */
+enum { CHAIN_GRIDS = 16 };
 struct chain {
     int grids;
     struct small {
         struct grid g;
         sym *excess; /* followed in memory by the factors and the blocks */
         uint8_t *rule;
-    } grid[LEVELS];
+    } grid[CHAIN_GRIDS];
 };
 
 /* Returns the arguments of the coarsening from grid k - 1 to grid k. */
@@ -139,9 +144,8 @@ static __device__ void mark(const struct chain::small *c, struct place at)
  * grid k and at the factors of grid k - 1, and clear the marks of grid k + 1.
  * After a barrier they take turns at the rules of grid k; each rule sets marks
  * of grid k + 1. */
-static __global__ void __launch_bounds__(CHAIN_BLOCK)
-    coarsen_chain_kernel(const __grid_constant__ struct chain s,
-                         const __grid_constant__ struct book book)
+static __device__ void coarsen_chain_kernel(const struct chain &s,
+                                            const struct book &book)
 {
     struct coarsen c = link_of(&s, 1);
     EACH_OF_GROUP(e, c.n_coarse)
@@ -184,6 +188,6 @@ void gpu_coarsen_chain(struct gpu *g, const struct level *l, int levels)
     for (int k = 0; k < levels; k++)
         s.grid[k] = chain::small{l[k].g, l[k].excess, l[k].rule};
     int64_t items = levels > 1 ? (STENCIL + 1) * (int64_t)l[1].count : 0;
-    LAUNCH_RANKS(g, ranks_for(items, CHAIN_BLOCK, g->ranks), CHAIN_BLOCK, 0,
-                 coarsen_chain_kernel, s, *book_of<STENCIL>());
+    MERGE_RANKS(g, ranks_for(items, CHAIN_BLOCK, g->ranks), CHAIN_BLOCK, 0,
+                (s, *book_of<STENCIL>()), coarsen_chain_kernel);
 }

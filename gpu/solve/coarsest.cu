@@ -3,6 +3,8 @@
  * spec/solve/multigrid.md §5 */
 #include "gpu/solve/coarsest.cuh"
 
+#include "gpu/run/merge.cuh"
+
 /* ENTRIES: of the lower triangle. OWN: the most of a thread. */
 #ifdef __CUDACC__
 enum { INVERT_BLOCK = 384 };
@@ -101,8 +103,7 @@ static __device__ double swept(double a, int i, int j, int k, double inverse,
 /* Run by one block. Each thread keeps its entries in registers, and sweeps
  * unknown after unknown; whoever has entries of the next column, or the next
  * pivot, writes them for all. */
-static __global__ void __launch_bounds__(INVERT_BLOCK)
-    coarsest_invert_kernel(struct coarsest s)
+static __device__ void coarsest_invert_kernel(const struct coarsest &s)
 {
     __shared__ double diagonal[DENSE], column[2][DENSE], inverse[DENSE];
     __shared__ sym block[(STENCIL + 1) * COARSEST];
@@ -159,5 +160,6 @@ static __global__ void __launch_bounds__(INVERT_BLOCK)
 
 void gpu_coarsest_invert(struct gpu *g, const struct coarsest *s)
 {
-    LAUNCH_BLOCKS(g, 1, INVERT_BLOCK, coarsest_invert_kernel, *s);
+    MERGE_BLOCKS(g, 1, INVERT_BLOCK, INVERT_BLOCK, 1, (*s),
+                 coarsest_invert_kernel);
 }

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage excess on the device: the part of the finest grid's operator that
  * couples no two free particles. spec/solve/multigrid.md §1 */
+#include "gpu/run/merge.cuh"
 #include "gpu/solve/coarsen.cuh"
 
 /* Thread p owns particle p and writes excess[p], live[p] and rule[p]. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    excess_kernel(struct excess s)
+static __device__ void excess_kernel(const struct excess &s)
 {
     ITEM(item, s.count);
     struct grid g = {s.m, s.n};
@@ -39,6 +39,6 @@ int gpu_excess(struct gpu *g, struct excess *s)
         s->n_blocks != SPRINGS * s->count ||
         (s->n_extra && s->n_extra != s->count))
         return DRAPE_EARG;
-    LAUNCH(g, s->count, excess_kernel, *s);
+    MERGE(g, s->count, (*s), excess_kernel);
     return gpu_status(g);
 }

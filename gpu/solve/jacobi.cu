@@ -4,6 +4,7 @@
 #include "gpu/solve/jacobi.cuh"
 
 #include "gpu/base/thin.cuh"
+#include "gpu/run/merge.cuh"
 #include "gpu/solve/grid.cuh"
 
 /* The number of directions whose blocks are read before the first is added. */
@@ -24,8 +25,7 @@ static __device__ struct wide_sym add(struct wide_sym d, struct thin t)
 /* Thread p owns particle p: it reads mass, extra and the blocks of its edges in
  * `from`, and writes factor[p]. */
 template <class B>
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    jacobi_kernel(struct jacobi s, const B *from)
+static __device__ void jacobi_kernel(const struct jacobi &s, const B *from)
 {
     ITEM(item, s.count);
     struct grid g = {s.m, s.n};
@@ -59,8 +59,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 int gpu_jacobi(struct gpu *g, struct jacobi *s)
 {
     if (s->n_thin)
-        LAUNCH(g, s->count, jacobi_kernel<struct thin>, *s, s->thin);
+        MERGE(g, s->count, (*s, s->thin), jacobi_kernel<struct thin>);
     else
-        LAUNCH(g, s->count, jacobi_kernel<sym>, *s, s->block);
+        MERGE(g, s->count, (*s, s->block), jacobi_kernel<sym>);
     return gpu_status(g);
 }

@@ -5,6 +5,7 @@
 #include "gpu/base/sum.cuh"
 #include "gpu/contact/links.cuh"
 #include "gpu/run/loop.cuh"
+#include "gpu/run/merge.cuh"
 #include "gpu/solve/pcg.cuh"
 
 extern "C" {
@@ -20,7 +21,7 @@ static_assert(sizeof(struct pcg_state) <= GPU_WORDS * sizeof(int64_t), "words");
 
 /* How M⁻¹ r begins: by Jacobi s and item = r·s; by multigrid the first
  * smoothing of the cycle. */
-struct begin {
+struct beginning {
     int32_t with_r; /* 1: there is one cloth: whoever makes r begins, too */
     int32_t jacobi;
     struct opening opening;
@@ -43,7 +44,7 @@ struct solve {
     real *item, *chunk;
     real exact, mass; /* as in struct joint */
     int32_t touch;    /* 1: there are contacts */
-    struct begin begin;
+    struct beginning begin;
 };
 
 /* Block k of the kernels below owns chunk k of the particles, a thread each
@@ -61,7 +62,7 @@ static __global__ void joint_keep_kernel(struct pcg_state *c, real scale,
     *c = fresh;
 }
 
-static __device__ void begin_at(const struct begin *b, int64_t k, vec r)
+static __device__ void begin_at(const struct beginning *b, int64_t k, vec r)
 {
     if (!b->jacobi) {
         open_at(&b->opening, (int)k, r);
@@ -103,9 +104,9 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 }
 
 /* Thread k owns particle k of one cloth. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    joint_begin_kernel(struct begin b, int64_t count, const vec *r,
-                       const int32_t *go)
+static __device__ void joint_begin_kernel(const struct beginning &b,
+                                          int64_t count, const vec *r,
+                                          const int32_t *go)
 {
     ITEM(k, count);
     if (*go)
@@ -254,7 +255,7 @@ static struct pcg part_of(const struct joint_system *w,
 
 /* Writes all but with_r of *b, which is part of a key: padding stays as it is.
  * item: [p->count], of that cloth. */
-static void write_begin(struct begin *b, struct pcg *p, real *item)
+static void write_begin(struct beginning *b, struct pcg *p, real *item)
 {
     b->jacobi = p->precond == DRAPE_JACOBI;
     if (!b->jacobi) {
@@ -266,6 +267,28 @@ static void write_begin(struct begin *b, struct pcg *p, real *item)
     b->factor = p->factor;
     b->s = p->s;
     b->item = item;
+}
+
+/* The most particles of a cloth whose launches are merged with others'. Larger
+ * cloths fill the device, and run beside each other in branches. */
+enum { SMALL_CLOTH = 1 << 14 };
+
+/* Cloths from k on that make the same launches, and so few particles that they
+ * are merged. */
+static int alike(const struct joint_system *w, int k)
+{
+    const struct pcg *a = &w->part[k].pcg;
+    int n = 1;
+    if (a->count > SMALL_CLOTH || a->n_cdf || w->part[k].rates.of)
+        return n;
+    for (; k + n < w->n && n < MERGE_MOST; n++) {
+        const struct pcg *b = &w->part[k + n].pcg;
+        if (a->m != b->m || a->n != b->n || b->n_cdf ||
+            w->part[k + n].rates.of || a->precond != b->precond ||
+            a->triples != b->triples || a->n_thin != b->n_thin)
+            break;
+    }
+    return n;
 }
 
 /* Cloths' own launches run beside each other. */
@@ -287,22 +310,44 @@ static void join_cloths(const struct joint_system *w)
         gpu_join(w->gpu);
 }
 
+/* Calls launch(k) for each cloth k: those that are alike are merged, and what
+ * is not runs beside each other. */
+template <class F> static int each_cloth(const struct joint_system *w, F launch)
+{
+    struct gpu *g = w->gpu;
+    int status = DRAPE_OK, branch = 0;
+    fork_cloths(w);
+    for (int k = 0, n; k < w->n && status == DRAPE_OK; k += n) {
+        n = alike(w, k);
+        branch_to(w, branch++);
+        if (n > 1)
+            gpu_merge_open(g);
+        for (int c = 0; c < n && status == DRAPE_OK; c++) {
+            gpu_merge_next(g);
+            status = launch(k + c);
+        }
+        gpu_merge_close(g);
+    }
+    join_cloths(w);
+    return status;
+}
+
 /* s = M⁻¹ r and item = r·s of all cloths, then β. */
 static void precondition(const struct joint_system *w, const struct solve *a)
 {
     struct gpu *g = w->gpu;
-    fork_cloths(w);
-    for (int k = 0; k < w->n; k++) {
+    each_cloth(w, [&](int k) {
         struct pcg p = part_of(w, &w->part[k]);
-        struct begin b = {};
+        struct beginning b = {};
         write_begin(&b, &p, a->item + w->part[k].first);
-        branch_to(w, k);
         if (!a->begin.with_r)
-            LAUNCH(g, p.count, joint_begin_kernel, b, p.count, p.r, &a->c->go);
+            MERGE(g, p.count,
+                  (b, p.count, (const vec *)p.r, (const int32_t *)&a->c->go),
+                  joint_begin_kernel);
         if (!b.jacobi)
             gpu_multigrid_cycle(g, &p.grid, lent_by(&p), &a->c->go, b.item);
-    }
-    join_cloths(w);
+        return (int)DRAPE_OK;
+    });
     LAUNCH_BLOCKS(g, item_blocks(a->nc), SUM_CHUNK, joint_enter_kernel, *a);
 }
 
@@ -311,18 +356,16 @@ static void search(const struct joint_system *w, const struct solve *a,
                    const vec *from, vec *to)
 {
     struct gpu *g = w->gpu;
-    fork_cloths(w);
-    for (int k = 0; k < w->n; k++) {
+    each_cloth(w, [&](int k) {
         const struct joint_part *s = &w->part[k];
         struct pcg p = part_of(w, s);
-        branch_to(w, k);
         p.extra = w->joint->wall + s->first;
         p.q = a->q + s->first;
         gpu_pcg_search(g, &p,
                        {a->c, s->rates, from + s->first, to + s->first,
                         a->item + s->first});
-    }
-    join_cloths(w);
+        return (int)DRAPE_OK;
+    });
     if (a->touch)
         gpu_links_push(g, a->links, to, &a->c->go);
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_measure_kernel, *a, to);
@@ -345,14 +388,10 @@ static void iterate(const struct joint_system *w, const struct solve *a,
 static int begin(const struct joint_system *w, const struct solve *a)
 {
     struct gpu *g = w->gpu;
-    int status = DRAPE_OK;
-    fork_cloths(w);
-    for (int k = 0; k < w->n && status == DRAPE_OK; k++) {
+    int status = each_cloth(w, [&](int k) {
         struct pcg p = part_of(w, &w->part[k]);
-        branch_to(w, k);
-        status = gpu_pcg_set_up(g, &p);
-    }
-    join_cloths(w);
+        return gpu_pcg_set_up(g, &p);
+    });
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_open_kernel, *a);
     iterate(w, a, FIRST);
     return status;
@@ -362,11 +401,9 @@ static int begin(const struct joint_system *w, const struct solve *a)
 static void conclude(const struct joint_system *w, const struct solve *a)
 {
     struct gpu *g = w->gpu;
-    fork_cloths(w);
-    for (int k = 0; k < w->n; k++) {
+    each_cloth(w, [&](int k) {
         const struct joint_part *s = &w->part[k];
         const struct pcg *p = &s->pcg;
-        branch_to(w, k);
         struct product m = {.m = p->m,
                             .n = p->n,
                             .count = p->count,
@@ -379,11 +416,11 @@ static void conclude(const struct joint_system *w, const struct solve *a)
                             .cdf = p->cdf,
                             .x = a->dv + s->first,
                             .y = a->q + s->first};
-        gpu_product(g, &m);
-    }
-    join_cloths(w);
+        return gpu_product(g, &m);
+    });
     LAUNCH(g, a->nc, joint_walls_kernel, *a);
-    gpu_links_queue(g, a->links, a->nc, a->dv, a->p[0], NULL);
+    if (a->touch)
+        gpu_links_queue(g, a->links, a->nc, a->dv, a->p[0], NULL);
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_conclude_kernel, *a,
                   a->p[0]);
     if (!(a->mass > 0))
@@ -464,7 +501,8 @@ int gpu_joint(const struct joint_system *w)
     gpu_hand_over(g);
     write_solve(&a, w);
     LAUNCH(g, 1, joint_keep_kernel, a.c, s->scale, s->square);
-    gpu_links_keep(g, &s->links, s->nc, a.links, w->mutual_end, w->mutual);
+    if (a.touch)
+        gpu_links_keep(g, &s->links, s->nc, a.links, w->mutual_end, w->mutual);
     int status = run(w, &a);
     if (status != DRAPE_OK)
         return status;

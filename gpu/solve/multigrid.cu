@@ -74,8 +74,9 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 }
 
 /* Thread p owns particle p of the coarse grid and writes b[p] and y[p]. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    multigrid_restrict_kernel(struct level f, struct level c, real damping)
+static __device__ void multigrid_restrict_kernel(const struct level &f,
+                                                 const struct level &c,
+                                                 real damping)
 {
     ITEM(item, c.count);
     if (!idle(c.go))
@@ -83,8 +84,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 }
 
 /* Thread p owns particle p of the fine grid and updates y[p]. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    multigrid_prolong_kernel(struct level f, struct raised s)
+static __device__ void multigrid_prolong_kernel(const struct level &f,
+                                                const struct raised &s)
 {
     ITEM(item, f.count);
     if (!idle(f.go))
@@ -111,7 +112,7 @@ static void go_down(struct gpu *g, const struct level *l, bool last,
     const struct level *c = l + 1;
     multiply(g, l, plain{l->y}, left_of(l));
     if (!last)
-        LAUNCH(g, c->count, multigrid_restrict_kernel, *l, *c, damping);
+        MERGE(g, c->count, (*l, *c, damping), multigrid_restrict_kernel);
 }
 
 /* Queues the way up on one grid. raised: y has the correction already. item: as
@@ -127,7 +128,7 @@ static void go_up(struct gpu *g, const struct level *l, bool raised,
         return;
     }
     if (!raised)
-        LAUNCH(g, l->count, multigrid_prolong_kernel, *l, y);
+        MERGE(g, l->count, (*l, y), multigrid_prolong_kernel);
     multiply(g, l, plain{l->y}, end);
 }
 
@@ -155,7 +156,7 @@ void gpu_multigrid_cycle(struct gpu *g, struct multigrid *s, sym *lent,
     tail.raises = !sweeps(l[first - 1].g);
     tail.x = l[first].x;
     tail.go = go;
-    LAUNCH_RANKS(g, ranks, TAIL_BLOCK, room, tail_kernel, tail);
+    MERGE_RANKS(g, ranks, TAIL_BLOCK, room, (tail), tail_kernel);
     for (int k = first - 1; k >= 0; k--)
         go_up(g, &l[k], tail.raises && k == first - 1, k ? coarse : fine,
               k ? NULL : item);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Prepares a solve: the matrix, its preconditioner, and the start of dv.
  * spec/solve/pcg.md §1 */
+#include "gpu/run/merge.cuh"
 #include "gpu/solve/pcg.cuh"
 
 extern "C" {
@@ -8,8 +9,7 @@ extern "C" {
 }
 
 /* §1. Thread k owns particle k: writes dv[k] and low[k]. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    pcg_start_kernel(struct pcg s)
+static __device__ void pcg_start_kernel(const struct pcg &s)
 {
     ITEM(k, s.count);
     s.dv[k] = s.fixed[k] && s.n_z ? s.z[k] : make(0, 0, 0);
@@ -43,6 +43,6 @@ int gpu_pcg_set_up(struct gpu *g, struct pcg *s)
     static const struct pcg_stages stages = {matrix, jacobi, multigrid};
     struct on to = {g, s};
     int status = pcg_set_up(s, &stages, &to);
-    LAUNCH(g, s->count, pcg_start_kernel, *s);
+    MERGE(g, s->count, (*s), pcg_start_kernel);
     return status;
 }

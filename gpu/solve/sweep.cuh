@@ -7,6 +7,7 @@
 #ifndef GPU_SWEEP_CUH
 #define GPU_SWEEP_CUH
 
+#include "gpu/run/merge.cuh"
 #include "gpu/solve/sweeper.cuh"
 
 /* Block k owns `rows` rows of a strip of columns, one thread for each column;
@@ -19,10 +20,9 @@
  * the next row writes the other half of passed, and the place of x of row j -
  * 1, which nobody reads any more. */
 template <int EDGES, class B, class X, class END>
-static __global__ void __launch_bounds__(sweep_size<EDGES, B>::threads,
-                                         sweep_size<EDGES, B>::at_once)
-    sweep_kernel(struct edges<B> t, struct cut c, X x, END end,
-                 const int32_t *go)
+static __device__ void sweep_kernel(const struct edges<B> &t,
+                                    const struct cut &c, const X &x,
+                                    const END &end, const int32_t *go)
 {
     typedef sweep_size<EDGES, B> size;
     __shared__ typename size::spot row[X_ROWS][size::threads];
@@ -108,8 +108,8 @@ static __global__ void __launch_bounds__(sweep_size<EDGES, B>::threads,
  * twice. */
 enum { GATHER_LANES = 4, GATHERED = GPU_BLOCK / GATHER_LANES };
 template <int EDGES, class B, class X, class END>
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    gather_kernel(struct edges<B> t, X x, END end, const int32_t *go)
+static __device__ void gather_kernel(const struct edges<B> &t, const X &x,
+                                     const END &end, const int32_t *go)
 {
     int lane = (int)threadIdx.x % GATHER_LANES, count = t.g.m * t.g.n;
     int item = (int)blockIdx.x * GATHERED + (int)threadIdx.x / GATHER_LANES;
@@ -146,8 +146,10 @@ static void sweep(struct gpu *g, struct edges<B> t, X x, END end,
     c.rows = cut_up(t.g.n * c.strips,
                     sweep_size<EDGES, B>::at_once * (int)SWEEP_UNITS);
     int threads = cut_up(c.width + 2 * REACH, 32) * 32;
-    LAUNCH_BLOCKS(g, c.strips * cut_up(t.g.n, c.rows), threads,
-                  (sweep_kernel<EDGES, B, X, END>), t, c, x, end, go);
+    MERGE_BLOCKS(g, c.strips * cut_up(t.g.n, c.rows), threads,
+                 (sweep_size<EDGES, B>::threads),
+                 (sweep_size<EDGES, B>::at_once), (t, c, x, end, go),
+                 sweep_kernel<EDGES, B, X, END>);
 }
 
 /* The same for any grid. */
@@ -158,8 +160,8 @@ static void product_of(struct gpu *g, struct edges<B> t, X x, END end,
     if (sweeps(t.g))
         sweep<EDGES>(g, t, x, end, go);
     else
-        LAUNCH_BLOCKS(g, cut_up(t.g.m * t.g.n, GATHERED), GPU_BLOCK,
-                      (gather_kernel<EDGES, B, X, END>), t, x, end, go);
+        MERGE_BLOCKS(g, cut_up(t.g.m * t.g.n, GATHERED), GPU_BLOCK, GPU_BLOCK,
+                     1, (t, x, end, go), gather_kernel<EDGES, B, X, END>);
 }
 
 #endif

@@ -335,8 +335,7 @@ template <bool RULED> static __device__ inline void cycle(const struct tail *s)
 /* One cluster. All ranks come to every barrier, whether they have work or not.
  * No rank writes to another: what a grid is restricted to and interpolated from
  * is read from its owner, which does not change it again. */
-static __global__ void __launch_bounds__(TAIL_BLOCK, 1)
-    tail_kernel(const __grid_constant__ struct tail s)
+static __device__ void tail_kernel(const struct tail &s)
 {
     if (idle(s.go))
         return;

@@ -194,8 +194,8 @@ static __device__ inline void add_shares(struct sums *c, const struct tile *t)
  * all blocks and the excess of its particle, unless a rule matters to the
  * particle (then coarsen_cut_kernel does it). */
 template <int EDGES>
-static __global__ void __launch_bounds__(TILE_BLOCK, 2)
-    coarsen_tile_kernel(struct coarsen s, struct grid g)
+static __device__ void coarsen_tile_kernel(const struct coarsen &s,
+                                           const struct grid &g)
 {
     __shared__ struct tile t;
     struct sums c = {};

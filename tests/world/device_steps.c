@@ -9,7 +9,8 @@
 #include "ref/api/ops.h"
 #include "tests/api/guest.h"
 
-enum { STEPS = 26, VERTICES = 256 };
+/* CROWD: sheets of a variant, more than the device merges into one launch. */
+enum { STEPS = 26, VERTICES = 256, CROWD = 11 };
 
 /* How a scene differs from the basic scene of tests/api/guest.h. */
 struct variant {
@@ -22,6 +23,7 @@ struct variant {
     int newton;  /* linear systems of a motion, 0: the integrator's own */
     bool alone;  /* no plate; the second sheet falls on the first */
     bool fails;  /* no round of impulses: slices go straight to the fail-safe */
+    bool crowd;  /* small sheets that fall on the plate and on each other */
 };
 
 static const struct variant variants[] = {
@@ -34,6 +36,7 @@ static const struct variant variants[] = {
      .moves = true, .windy = true},
     {"two sheets, rounds in each step", DRAPE_BW, DRAPE_JACOBI, .two = true},
     {"two sheets alone", DRAPE_BW, DRAPE_MULTIGRID, .two = true, .alone = true},
+    {"a crowd", DRAPE_BW, DRAPE_MULTIGRID, .crowd = true},
     {"a plate that taps", DRAPE_BW, DRAPE_JACOBI, .taps = true},
     {"euler, a pin that moves", DRAPE_EULER, DRAPE_JACOBI, .moves = true,
      .pinned = true},
@@ -49,7 +52,7 @@ static const struct variant variants[] = {
 /* A world made without the public API, which would hide its device. */
 struct run {
     struct guest s;
-    drape_cloth cloth[2];
+    drape_cloth cloth[CROWD];
     drape_motion motion;
     drape_pin pin;
     bool device; /* the machine has a device, with longer runs of substeps */
@@ -85,6 +88,23 @@ static void move_plate(struct run *r, const struct variant *a)
     r->s.plate.motion = r->s.def.n_motions - 1;
 }
 
+/* Sheets in piles of four, all alike but for one in the middle, which comes
+ * between those that can be merged. */
+static void make_crowd(struct run *r)
+{
+    for (int k = 0; k < CROWD; k++) {
+        drape_cloth *c = &r->cloth[k];
+        *c = r->s.cloth;
+        c->m = k == 4 ? 5 : 4;
+        c->n = 4;
+        c->width = c->height = 0.04;
+        c->origin[0] = -0.05 + 0.045 * (k % 3);
+        c->origin[1] = 0.003 + 0.004 * (k / 3);
+        c->origin[2] = -0.02 + 0.003 * (k / 3);
+    }
+    r->s.def.n_cloths = CROWD;
+}
+
 static void define(struct run *r, const struct variant *a, int backend)
 {
     drape_def *def = &r->s.def;
@@ -96,6 +116,8 @@ static void define(struct run *r, const struct variant *a, int backend)
     r->cloth[1].origin[1] = 0.006;
     def->cloths = r->cloth;
     def->n_cloths = 1 + a->two;
+    if (a->crowd)
+        make_crowd(r);
     if (a->alone) {
         static double down[VERTICES][3];
         for (int k = 0; k < VERTICES; k++)
