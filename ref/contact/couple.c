@@ -143,15 +143,18 @@ int couple_move(struct world *w, drape_step_report *r)
     struct couple *c = &w->couple;
     struct joint *s = &c->joint;
     double start = clock_now();
-    c->moved = c->rough && w->def.n_cloths > 1 && w->plan.newton == 1 &&
+    c->moved = w->def.n_cloths > 1 && w->plan.implicit && w->plan.collides &&
+               !w->plan.history && w->plan.newton == 1 &&
                w->def.solver == DRAPE_EXACT;
     if (!c->moved)
         return DRAPE_OK;
     int status = open_sheets(w);
     s->scale = s->square = 0;
     if (status == DRAPE_OK)
-        status = run_joint(w, MOTION);
+        status = run_joint(w, c->rough ? MOTION : LAST);
     c->moved = s->outcome != PCG_BREAKDOWN;
+    if (c->moved && !c->rough)
+        r->residual = fmax(r->residual, (double)s->residual);
     r->seconds[DRAPE_PART_SOLVER] += clock_now() - start;
     r->iterations += s->iterations;
     r->work.solves++;

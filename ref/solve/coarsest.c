@@ -82,20 +82,15 @@ void coarsest_invert(const struct coarsest *s)
 void coarsest_solve(const struct coarsest *s, const vec *b, vec *z)
 {
     int n = 3 * (int)s->count;
-    double x[DENSE], y[DENSE];
+    double x[DENSE] = {0}, y[DENSE] = {0};
     for (int64_t p = 0; p < s->count; p++) {
         x[3 * p] = (double)b[p].x;
         x[3 * p + 1] = (double)b[p].y;
         x[3 * p + 2] = (double)b[p].z;
     }
-    /* x has n = 3·count numbers, which the analyzer does not see.
-     * NOLINTBEGIN(clang-analyzer-core.UndefinedBinaryOperatorResult) */
-    for (int i = 0; i < n; i++) {
-        y[i] = 0;
+    for (int i = 0; i < n; i++)
         for (int k = 0; k < n; k++)
             y[i] += s->dense[i * DENSE + k] * x[k];
-    }
-    /* NOLINTEND(clang-analyzer-core.UndefinedBinaryOperatorResult) */
     for (int64_t p = 0; p < s->count; p++)
         z[p] = vec_make((real)y[3 * p], (real)y[3 * p + 1], (real)y[3 * p + 2]);
 }
