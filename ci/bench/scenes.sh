@@ -20,9 +20,9 @@ set -u
 build=$1 work=$2
 nine='buddha_20k lion_20k dragon_20k buddha_500k lion_500k dragon_500k buddha_2m
 lion_2m dragon_2m'
-six='layers_2 layers_4 layers_8 funnel_540k ball_past ball_stops'
+rich='layers_2 layers_4 layers_8 funnel_540k ball_past ball_stops leaves'
 if [ -z "${SCENES+given}${CONTACT+given}" ]; then
-    scenes=$nine contact=$six
+    scenes=$nine contact=$rich
 else
     scenes=${SCENES-} contact=${CONTACT-}
 fi
