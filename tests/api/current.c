@@ -3,6 +3,7 @@
  * its cloths and its wind are those of the last step's report and of the calls
  * that set them, also after a checkpoint or a log, on both backends.
  * spec/drape.h */
+#include "ref/base/hash.h"
 #include "tests/api/guest.h"
 #include "tests/control/troupe.h"
 
@@ -88,12 +89,59 @@ static const char *run_clock(int backend)
     return NULL;
 }
 
+/* Writes a step and a time into a checkpoint, at their places in the header of
+ * ref/world/checkpoint.c, and makes its hash right. All of its streams are
+ * whole words. */
+static void forge(struct recall *r, int64_t step, double time)
+{
+    enum { CHECK = 24, STEP = 32, TIME = 56 };
+    uint64_t check = 0;
+    memcpy(r->data + STEP, &step, sizeof step);
+    memcpy(r->data + TIME, &time, sizeof time);
+    memcpy(r->data + CHECK, &check, sizeof check);
+    check = hash_mix(HASH_SEED, r->data, r->size);
+    memcpy(r->data + CHECK, &check, sizeof check);
+}
+
+/* A checkpoint whose time is not that of its step, or whose step no world can
+ * have done, is refused, and the clock stays. */
+static const char *refuse_clock(int backend)
+{
+    static struct recall r;
+    static const int64_t wrong[] = {-1, ((int64_t)1 << 53) + 1, INT64_MAX,
+                                    INT64_MIN};
+    const int64_t most = (int64_t)1 << 53;
+    struct troupe t;
+    troupe_make(&t, DRAPE_BW, backend);
+    drape_world *a = troupe_world(&t);
+    double dt = t.def.dt;
+    EXPECT(a && tick(a) >= 0 && recall_save(a, &r));
+    const double times[] = {(double)NAN, (double)INFINITY, 0, -dt, 2 * dt};
+    for (int k = 0; k < 5; k++) {
+        forge(&r, 1, times[k]);
+        EXPECT(recall_load(a, &r) == DRAPE_EDATA && at(a, 1, dt));
+    }
+    for (int k = 0; k < 4; k++) {
+        forge(&r, wrong[k], (double)wrong[k] * dt);
+        EXPECT(recall_load(a, &r) == DRAPE_EDATA && at(a, 1, dt));
+    }
+    const int64_t good[] = {0, 7, most};
+    for (int k = 0; k < 3; k++) {
+        forge(&r, good[k], (double)good[k] * dt);
+        EXPECT(recall_load(a, &r) == DRAPE_OK);
+        EXPECT(at(a, good[k], (double)good[k] * dt));
+    }
+    drape_destroy(a);
+    return NULL;
+}
+
 const char *test_api_clock(void)
 {
     const char *what = NULL;
     for (int backend = DRAPE_REF; backend <= DRAPE_GPU && !what; backend++) {
         what = stand_still(backend);
         what = what ? what : run_clock(backend);
+        what = what ? what : refuse_clock(backend);
     }
     return what;
 }
