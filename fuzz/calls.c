@@ -7,82 +7,6 @@
 #include "fuzz/fuzz.h"
 #include "fuzz/play.h"
 
-/* Checks the state that only a step may change. Calls that must change nothing
- * end with this check. */
-static const char *unchanged(struct play *p)
-{
-    EXPECT(play_note(p, p->after));
-    EXPECT(tape_same(&p->before[0], &p->after[0]));
-    return NULL;
-}
-
-static const char *play_read(struct play *p)
-{
-    int64_t nv = drape_vertices(p->world[0]);
-    double(*x)[3] = malloc((size_t)nv * sizeof *x);
-    double(*v)[3] = malloc((size_t)nv * sizeof *v);
-    uint32_t which = pick(&p->b, 4);
-    int status = x && v ? drape_read(p->world[0], which & 1 ? NULL : x,
-                                     which & 2 ? NULL : v)
-                        : DRAPE_ENOMEM;
-    free(x);
-    free(v);
-    EXPECT(status == DRAPE_OK);
-    return unchanged(p);
-}
-
-static const char *play_triangles(struct play *p)
-{
-    int64_t nt = drape_triangles(p->world[0]), wrong = 0;
-    int32_t(*tri)[3] = malloc((size_t)nt * sizeof *tri);
-    int status = tri ? drape_read_triangles(p->world[0], tri) : DRAPE_ENOMEM;
-    for (int64_t k = 0; status == DRAPE_OK && k < 3 * nt; k++)
-        wrong += tri[k / 3][k % 3] < 0 ||
-                 tri[k / 3][k % 3] >= drape_vertices(p->world[0]);
-    free(tri);
-    EXPECT(status == DRAPE_OK && wrong == 0);
-    return unchanged(p);
-}
-
-static const char *play_first(struct play *p)
-{
-    const drape_world *w = p->world[0];
-    int bodies = p->s.def.n_cloths + p->s.def.n_obstacles;
-    int body = pick(&p->b, 2) ? draw_int(&p->b) : (int)pick(&p->b, 8) - 1;
-    int64_t v = drape_first_vertex(w, body), t = drape_first_triangle(w, body);
-    if (body < 0 || body > bodies) {
-        EXPECT(v == DRAPE_EARG && t == DRAPE_EARG);
-        return NULL;
-    }
-    EXPECT(v >= 0 && v <= drape_vertices(w) && (v == 0) == (body == 0));
-    EXPECT(t >= 0 && t <= drape_triangles(w) && (body || t == 0));
-    EXPECT(body < bodies || v == drape_vertices(w));
-    return NULL;
-}
-
-static const char *play_borrow(struct play *p)
-{
-    drape_view view;
-    memset(&view, 0x5a, sizeof view);
-    EXPECT(drape_borrow(p->world[0], &view) == DRAPE_OK);
-    EXPECT(view.x && view.v && view.tri &&
-           view.precision == p->s.def.precision);
-    EXPECT(view.vertices == drape_vertices(p->world[0]));
-    EXPECT(view.triangles == drape_triangles(p->world[0]));
-    int64_t n = 3 * view.vertices;
-    double *x = malloc((size_t)n * sizeof *x);
-    bool good =
-        x && drape_read(p->world[0], (double(*)[3])(void *)x, NULL) == DRAPE_OK;
-    /* the memory of an emulated device is host memory */
-    for (int64_t k = 0; k < n && good; k++)
-        good =
-            x[k] == (view.precision == 32 ? (double)((const float *)view.x)[k]
-                                          : ((const double *)view.x)[k]);
-    free(x);
-    EXPECT(good);
-    return unchanged(p);
-}
-
 static const char *play_wake(struct play *p)
 {
     for (int k = 0; k < 2 && p->world[k]; k++)
@@ -111,41 +35,14 @@ static const char *play_wind(struct play *p)
     EXPECT(!p->world[1] || status[0] == status[1]);
     EXPECT(finite || status[0] == DRAPE_EDATA || !inside);
     EXPECT(status[0] != DRAPE_OK || (finite && inside));
+    for (int k = 0; k < 2 && p->world[k] && status[k] == DRAPE_OK; k++) {
+        drape_wind now;
+        EXPECT(drape_read_wind(p->world[k], &now) == DRAPE_OK);
+        EXPECT(!memcmp(&now, &wind, sizeof now));
+    }
     bool air = wind.density > 0 && (wind.drag > 0 || wind.lift > 0);
     EXPECT(status[0] != DRAPE_OK || !air || p->s.def.wind.density > 0);
-    return status[0] == DRAPE_OK ? NULL : unchanged(p);
-}
-
-static const char *play_plan(struct play *p)
-{
-    enum { ROOM = 40 };
-    drape_plan_row row[ROOM + 1];
-    memset(row, 0x5a, sizeof row);
-    int capacity = (int)pick(&p->b, ROOM + 1);
-    int rows = drape_plan(p->world[0], row, capacity);
-    EXPECT(rows > 0 && rows < ROOM);
-    for (int k = 0; k < capacity && k < rows; k++)
-        EXPECT(row[k].stage && row[k].why && row[k].on >> 1 == 0);
-    const unsigned char *rest = (const void *)&row[capacity];
-    EXPECT(rest[0] == 0x5a && rest[sizeof *row - 1] == 0x5a);
-    return unchanged(p);
-}
-
-static const char *play_count(struct play *p)
-{
-    drape_memory m;
-    drape_plan_row row[64];
-    size_t sum = 0;
-    memset(&m, 0x5a, sizeof m);
-    EXPECT(drape_count(p->world[0], &m) == DRAPE_OK);
-    int rows = drape_plan(p->world[0], row, 64);
-    for (int k = 0; k < rows; k++)
-        sum += row[k].bytes;
-    bool device = !p->world[1] && p->s.def.backend == DRAPE_GPU;
-    EXPECT(sum == (device ? m.device_bytes : m.host_bytes));
-    EXPECT(m.host_bytes < p->s.host.held && m.host_allocations > 0);
-    EXPECT(p->world[1] || m.device_bytes == p->s.device.held);
-    return NULL;
+    return status[0] == DRAPE_OK ? NULL : play_unchanged(p);
 }
 
 static const char *play_save(struct play *p)
@@ -158,7 +55,7 @@ static const char *play_save(struct play *p)
     EXPECT(status == DRAPE_OK || p->after[0].left < 0);
     if (pick(&p->b, 2))
         EXPECT(tape_save(&p->kept, p->world[0]));
-    return unchanged(p);
+    return play_unchanged(p);
 }
 
 static const char *play_load(struct play *p)
@@ -184,7 +81,7 @@ static const char *play_load(struct play *p)
     if (status[0] != DRAPE_OK) {
         EXPECT(status[0] == DRAPE_EIO || status[0] == DRAPE_EMATCH);
         EXPECT(!whole || left >= 0);
-        return unchanged(p);
+        return play_unchanged(p);
     }
     EXPECT(whole && play_note(p, p->after) && tape_same(t, &p->after[0]));
     p->time = -1;
@@ -222,7 +119,10 @@ static const struct call {
              {"drape_set_velocities_device", play_velocities_device},
              {"drape_set_pins_device", play_pins_device},
              {"drape_set_obstacle_device", play_obstacle_device},
-             {"drape_contacts_device", play_contacts_device}};
+             {"drape_contacts_device", play_contacts_device},
+             {"drape_clock", play_clock},
+             {"drape_read_material", play_told_material},
+             {"drape_read_wind", play_told_wind}};
 enum { CALLS = sizeof calls / sizeof *calls };
 
 /* Makes calls drawn from the input; every other call is `often`. */

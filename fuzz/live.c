@@ -6,13 +6,6 @@
 
 #include "fuzz/play.h"
 
-static const char *unchanged(struct play *p)
-{
-    EXPECT(play_note(p, p->after));
-    EXPECT(tape_same(&p->before[0], &p->after[0]));
-    return NULL;
-}
-
 void play_short(struct play *p)
 {
     struct bank *bank = pick(&p->b, 2) ? &p->s.device : &p->s.host;
@@ -28,7 +21,7 @@ const char *play_judge(struct play *p, const int status[2], bool wrong)
     EXPECT(!p->world[1] || status[0] == status[1]);
     EXPECT(!wrong || status[0] != DRAPE_OK);
     if (status[0] != DRAPE_OK)
-        return unchanged(p);
+        return play_unchanged(p);
     p->pairs = -1;
     EXPECT(play_note(p, p->after));
     return NULL;
@@ -75,6 +68,11 @@ const char *play_material(struct play *p)
     for (int k = 0; k < 2 && p->world[k]; k++)
         status[k] = drape_set_material(p->world[k], cloth, &m);
     const char *failed = play_judge(p, status, wrong);
+    for (int k = 0; k < 2 && p->world[k] && status[k] == DRAPE_OK; k++) {
+        drape_material now;
+        EXPECT(drape_read_material(p->world[k], cloth, &now) == DRAPE_OK);
+        EXPECT(!memcmp(&now, &m, sizeof now));
+    }
     if (failed || status[0] != DRAPE_OK || !any)
         return failed;
     for (int k = 0; k < 2 && p->world[k]; k++)
@@ -293,7 +291,7 @@ static const char *list(struct play *p, bool device)
         EXPECT(l[0].n == 0 || !memcmp(l[0].contact, l[1].contact,
                                       (size_t)l[0].n * sizeof *l[0].contact));
     }
-    return unchanged(p);
+    return play_unchanged(p);
 }
 
 const char *play_contacts(struct play *p)
@@ -339,7 +337,7 @@ const char *play_log(struct play *p)
         p->recording =
             drape_record(p->world[0], tape_write, &p->log) == DRAPE_OK;
         EXPECT(p->recording);
-        return unchanged(p);
+        return play_unchanged(p);
     }
     p->recording = false;
     if (drape_record(p->world[0], NULL, NULL) != DRAPE_OK)

@@ -26,6 +26,9 @@ struct play {
 /* One call with its checks. Returns NULL or the check that failed. */
 typedef const char *play_call(struct play *p);
 play_call play_step, play_again;
+/* fuzz/reads.c */
+play_call play_read, play_triangles, play_first, play_borrow, play_plan,
+    play_count, play_clock, play_told_material, play_told_wind;
 /* fuzz/live.c */
 play_call play_gravity, play_material, play_positions, play_velocities,
     play_pins, play_obstacle, play_contacts, play_log, play_positions_device,
@@ -37,6 +40,9 @@ play_call play_add_cloth, play_add_obstacle, play_remove;
 /* Saves the checkpoint of each world. Returns whether the checkpoints are
  * equal. */
 bool play_note(struct play *p, struct tape note[2]);
+/* Checks that the state is as it was before this call. Calls that must change
+ * nothing end with this check. */
+const char *play_unchanged(struct play *p);
 /* Makes allocations fail in one call of eight. */
 void play_short(struct play *p);
 /* Ends a call of live control with the statuses of both worlds: both are the

@@ -12,6 +12,13 @@ bool play_note(struct play *p, struct tape note[2])
     return tape_save(&note[1], p->world[1]) && tape_same(&note[0], &note[1]);
 }
 
+const char *play_unchanged(struct play *p)
+{
+    EXPECT(play_note(p, p->after));
+    EXPECT(tape_same(&p->before[0], &p->after[0]));
+    return NULL;
+}
+
 /* Whether two worlds' reports of the same step agree. fresh: one world was just
  * loaded, so it may have refitted boxes that the other had kept. */
 static bool reports_same(drape_step_report a, drape_step_report b, bool fresh)

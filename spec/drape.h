@@ -439,6 +439,19 @@ int drape_read(const drape_world *world, double (*x)[3], double (*v)[3]);
  * vertices count from the scene's first. They change with the bodies alone.
  * DRAPE_OK, or DRAPE_EARG: world or tri is NULL. */
 int drape_read_triangles(const drape_world *world, int32_t (*tri)[3]);
+/* Sets *step to the steps done since time 0, and *time to the time of the
+ * state, s: those of the last step's report, and after drape_load or
+ * drape_replay those of the world that was saved or recorded. Either pointer
+ * may be NULL. DRAPE_OK, or DRAPE_EARG: world is NULL. */
+int drape_clock(const drape_world *world, int64_t *step, double *time);
+/* Copy what the next step will use: the material of a cloth, 0 … n_cloths - 1,
+ * and the wind, as they were defined, set, loaded or replayed. The numbers are
+ * those that were given, not rounded to the world's precision, so that a caller
+ * who sets one of them again keeps the others. DRAPE_OK, or DRAPE_EARG: a
+ * pointer is NULL, or there is no such cloth. */
+int drape_read_material(const drape_world *world, int cloth,
+                        drape_material *material);
+int drape_read_wind(const drape_world *world, drape_wind *wind);
 
 /* Where the current state lies, to be read without a copy. The memory belongs
  * to the world; x and v are valid until the next drape_step,

@@ -58,7 +58,6 @@ class Bodies:
 
     bodies: tuple[Body, ...]
     _calls: Calls
-    _defined: dict[int, Any]
     _guard: Guard
     _mirrors: dict[str, weakref.ref[NDArray[Any]]]
     _recorder: Recorder | None
@@ -117,13 +116,7 @@ class Bodies:
         with self._guard:
             check(lib.drape_remove(self._open().world, k), "remove")
             lib.core_remove(self._open().scene, k)
-        self._forget(k)
         self._changed()
-
-    def _forget(self, body: int) -> None:
-        """Moves what is kept of cloths down over a body that is removed."""
-        kept = {k: m for k, m in self._defined.items() if k != body}
-        self._defined = {k - (k > body): m for k, m in kept.items()}
 
     def _may_change(self) -> None:
         if self._recorder:
@@ -174,7 +167,6 @@ class Bodies:
             _, kind, where, *_ = HEAD.unpack(reads[at])
             if kind == REMOVE:
                 lib.core_remove(scene, where)
-                self._forget(where)
             elif kind in (CLOTH, MESH):
                 name = "drape_cloth" if kind == CLOTH else "drape_obstacle"
                 new = ffi.new(f"{name} *")

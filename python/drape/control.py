@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _state
 from . import scene as scenes
 from ._core import ffi, lib
 from ._define import Handle, read_scene
@@ -124,30 +123,7 @@ class Control:
     _calls: Calls
     bodies: tuple[Any, ...]
     _log: Calls | None = None
-    _now: tuple[int, float] | None
-    _defined: dict[int, Any]  # materials as defined, of cloths that have others
-    _known = True  # whether the definition has the wind and materials of now
-
-    def _know(self, checkpoint: bytes = b"") -> None:
-        """Brings the definition's wind and materials up to a checkpoint's, or to
-        the world's where a log has led it elsewhere."""
-        if not checkpoint and self._known:
-            return
-        data = checkpoint or self.checkpoint()
-        definition = self._open().definition
-        definition.wind = _state.wind(data)
-        for k, material in self._defined.items():
-            definition.cloths[k].material = material[0]
-        for k, new in enumerate(_state.materials(data, definition.n_cloths)):
-            self._put_material(k, new)
-        self._known = True
-
-    def _put_material(self, k: int, new: Any) -> None:
-        """Notes a cloth's material in the definition."""
-        c = self._open().definition.cloths[k]
-        if k not in self._defined:
-            self._defined[k] = ffi.new("drape_material *", c.material)
-        c.material = new[0]
+    _now: tuple[int, float]
 
     def _open(self) -> Handle:
         raise NotImplementedError
@@ -155,11 +131,10 @@ class Control:
     def _refresh(self) -> None:
         raise NotImplementedError
 
-    def checkpoint(self) -> bytes:
-        """Returns a checkpoint of the state."""
+    def _done(self, report: Any) -> StepReport:
         raise NotImplementedError
 
-    def _done(self, report: Any) -> StepReport:
+    def _clock(self) -> tuple[int, float]:
         raise NotImplementedError
 
     def _follow(self, reads: list[memoryview], done: bool) -> None:
@@ -249,9 +224,8 @@ class Control:
                 (0, 2) in `stretch` makes a direction linear again
         """
         k = self._number(cloth, "cloth")
-        self._know()
-        c = self._open().definition.cloths[k]
-        new = ffi.new("drape_material *", c.material)
+        new = ffi.new("drape_material *")
+        self._call("drape_read_material", "material", k, new)
         given = {"name": material} if isinstance(material, str) else material
         given = dict(scenes.as_dict(given))
         if (name := given.pop("name", None)) is not None:
@@ -261,7 +235,6 @@ class Control:
             self._call("drape_set_material", "material", k, new)
         except SceneError as refused:
             raise _told(refused, _material_fault(new)) from None
-        self._put_material(k, new)
 
     def set_positions(self, positions: Any, first: int = 0) -> None:
         """Sets where vertices of cloths are, [n, 3] m, from vertex `first` on.
@@ -394,7 +367,7 @@ class Control:
                 )
                 unread, self._calls.unread = self._calls.unread, memoryview(b"")
                 reads, self._calls.reads = self._calls.reads, None
-                self._now, self._known = None, False  # it may have led elsewhere
+                self._now = self._clock()  # it may have led elsewhere
             self._follow(reads, status >= 0)
             self._refresh()
             if status == Status.EIO or (status == 0 and unread):

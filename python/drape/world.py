@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _state, _whole
+from . import _whole
 from . import scene as scenes
 from ._closing import Closing
 from ._core import ffi, lib
@@ -110,11 +110,10 @@ class World(Bodies, Control, Closing):
         self._text = scenes.Text(text.text, text.file, [], [])
         self._calls = Calls(log, trace)
         self._guard = Guard()
-        self._defined: dict[int, Any] = {}
         self._mirrors: dict[str, weakref.ref[NDArray[Any]]] = {}
         self._recorder: Recorder | None = None
         self._report: StepReport | None = None
-        self._now: tuple[int, float] | None = (0, 0.0)  # None: a checkpoint tells
+        self._now = (0, 0.0)  # what the clock was after the last call
         self._handle: Handle | None = Handle(text, self._calls)
         self._calls.raise_kept()
         self._triangles = self._read_triangles()
@@ -164,17 +163,18 @@ class World(Bodies, Control, Closing):
     @property
     def steps(self) -> int:
         """Steps done since time 0, those before a checkpoint or log too."""
-        return self._clock()[0]
+        return self._now[0]
 
     @property
     def time(self) -> float:
         """Time of the state, s."""
-        return self._clock()[1]
+        return self._now[1]
 
     def _clock(self) -> tuple[int, float]:
-        if self._now is None:
-            self._now = _state.clock(self.checkpoint())
-        return self._now
+        """Returns what the library's clock says; the caller has the guard."""
+        step, time = ffi.new("int64_t *"), ffi.new("double *")
+        check(lib.drape_clock(self._world, step, time), "clock")
+        return step[0], time[0]
 
     @property
     def report(self) -> StepReport | None:
@@ -235,20 +235,18 @@ class World(Bodies, Control, Closing):
     def set_wind(self, wind: scenes.Wind | Mapping[str, Any]) -> None:
         """Sets the wind from the next step on, and wakes the scene; what is not
         given stays as it is. A scene that was made without wind takes none."""
-        self._know()
         given = scenes.as_dict(wind)
         unknown = sorted(set(given) - {"velocity", "density", "drag", "lift"})
         if unknown:
             raise SceneError(f"wind: {unknown[0]}: there is no such key")
-        new = ffi.new("drape_wind *", self._open().definition.wind)
+        new = ffi.new("drape_wind *")
+        self._call("drape_read_wind", "wind", new)
         for key, value in given.items():
             if key == "velocity":
                 new.velocity = scenes.array(value, (3,), "wind.velocity").tolist()
             else:
                 setattr(new, key, float(value))
-        with self._guard:
-            check(lib.drape_set_wind(self._world, new), "wind")
-            self._open().definition.wind = new[0]
+        self._call("drape_set_wind", "wind", new)
 
     # The state
 
@@ -386,8 +384,7 @@ class World(Bodies, Control, Closing):
         self._refresh()
         if left:
             raise CheckpointError(f"checkpoint: {left} bytes behind its end")
-        self._report, self._now = None, _state.clock(data)
-        self._know(data)
+        self._report = None
 
     def _restore(self, data: bytes) -> int:
         """Loads a checkpoint and returns how many bytes are behind its end."""
@@ -396,6 +393,7 @@ class World(Bodies, Control, Closing):
             calls.unread = memoryview(data)
             status = lib.drape_load(self._world, lib.core_read_bytes, calls.pointer)
             left, calls.unread = len(calls.unread), memoryview(b"")
+            self._now = self._clock()
         if status == Status.EIO:
             raise CheckpointError("checkpoint: it ends too early")
         check(status, "checkpoint")

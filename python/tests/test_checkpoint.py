@@ -67,6 +67,13 @@ def test_steps_and_time_follow_a_replay(tiny: Path) -> None:
     assert other.steps == 5 and other.time == world.time
 
 
+def test_a_trace_may_ask_for_steps_and_time(tiny: Path) -> None:
+    seen = set()
+    world = drape.World(tiny, trace=lambda *_: seen.add((world.steps, world.time)))
+    reports = world.step(2)
+    assert seen == {(0, 0.0), (1, reports[0].time)}
+
+
 def test_wind_follows_a_checkpoint(sheet: dict[str, Any]) -> None:
     sheet["wind"] = {"velocity": [0, 0, 2]}
     world, other = drape.World(sheet), drape.World(sheet)
@@ -75,6 +82,19 @@ def test_wind_follows_a_checkpoint(sheet: dict[str, Any]) -> None:
     world.restore(data)
     for each in (world, other):
         each.set_wind({"lift": 0})  # all else is as the checkpoint has it
+        each.step(3)
+    assert world.digest() == other.digest()
+
+
+def test_wind_follows_a_log(sheet: dict[str, Any]) -> None:
+    sheet["wind"] = {"velocity": [0, 0, 2]}
+    world, other = drape.World(sheet), drape.World(sheet)
+    world.start_log()
+    world.set_wind({"velocity": [0, 0, 9]})
+    world.step()
+    list(other.replay(world.end_log()))
+    for each in (world, other):
+        each.set_wind({"drag": 0.5})
         each.step(3)
     assert world.digest() == other.digest()
 

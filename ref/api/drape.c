@@ -254,6 +254,31 @@ int drape_read_triangles(const drape_world *world, int32_t (*tri)[3])
     return DRAPE_OK;
 }
 
+int drape_clock(const drape_world *world, int64_t *step, double *time)
+{
+    if (!world)
+        return DRAPE_EARG;
+    world->ops->clock(world->world, step, time);
+    return DRAPE_OK;
+}
+
+int drape_read_material(const drape_world *world, int cloth,
+                        drape_material *material)
+{
+    if (!world || cloth < 0 || cloth >= world->cloths || !material)
+        return DRAPE_EARG;
+    *material = *world->ops->material(world->world, cloth);
+    return DRAPE_OK;
+}
+
+int drape_read_wind(const drape_world *world, drape_wind *wind)
+{
+    if (!world || !wind)
+        return DRAPE_EARG;
+    *wind = *world->ops->wind(world->world);
+    return DRAPE_OK;
+}
+
 void drape_wake(drape_world *world)
 {
     if (!world)

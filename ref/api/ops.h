@@ -64,6 +64,9 @@ struct world_ops {
     int (*step)(struct world *w, drape_step_report *report);
     int (*read)(const struct world *w, double (*x)[3], double (*v)[3]);
     void (*read_triangles)(const struct world *w, int32_t (*tri)[3]);
+    void (*clock)(const struct world *w, int64_t *step, double *time);
+    const drape_material *(*material)(const struct world *w, int cloth);
+    const drape_wind *(*wind)(const struct world *w);
     int64_t (*first_vertex)(const struct world *w, int body);
     int64_t (*first_triangle)(const struct world *w, int body);
     void (*wake)(struct world *w);

@@ -263,7 +263,10 @@ static bool good_wind(const drape_wind *wind)
 static bool good_header(const struct world *w, const struct header *h)
 {
     enum { LEVELS = 6 }; /* the level of slices of 1/64 step */
+    const int64_t most = (int64_t)1 << 53; /* steps that a double counts */
     if ((h->past && !w->past_x) || (h->pressed && !w->press))
+        return false;
+    if (h->step > most || h->time != (double)h->step * w->def.dt)
         return false;
     return h->step >= 0 && h->intersecting >= 0 && h->asleep <= 1 &&
            h->near <= NEAR_CONTACTS && h->past <= 1 + LEVELS &&

@@ -175,6 +175,28 @@ static inline int64_t state_first_triangle(const struct world *w, int body)
                          : w->prop[body - cloths].first_triangle;
 }
 
+/* What the API tells of the state that lies on the host for either backend.
+ * step and time may be NULL. */
+static inline void state_clock(const struct world *w, int64_t *step,
+                               double *time)
+{
+    if (step)
+        *step = w->step;
+    if (time)
+        *time = w->time;
+}
+
+static inline const drape_material *state_material(const struct world *w,
+                                                   int cloth)
+{
+    return &w->sheet[cloth].made.material;
+}
+
+static inline const drape_wind *state_wind(const struct world *w)
+{
+    return &w->def.wind;
+}
+
 /* Returns how near things came in the slice that this response handled. */
 static inline enum nearness state_nearness(const struct response *c)
 {

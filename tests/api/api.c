@@ -98,10 +98,15 @@ static const char *call_counts(struct api *a)
 static const char *call_reads(struct api *a)
 {
     drape_view view;
+    int64_t step;
+    double time;
     REFUSES(drape_read(NULL, a->x, a->x));
     EXPECT(drape_read(a->world, NULL, NULL) == DRAPE_OK);
     REFUSES(drape_read_triangles(NULL, a->tri));
     REFUSES(drape_read_triangles(a->world, NULL));
+    REFUSES(drape_clock(NULL, &step, &time));
+    REFUSES(drape_clock(NULL, NULL, NULL));
+    EXPECT(drape_clock(a->world, NULL, NULL) == DRAPE_OK);
     REFUSES(drape_borrow(NULL, &view));
     REFUSES(drape_borrow(a->world, NULL));
     return NULL;
@@ -112,9 +117,12 @@ static const char *call_wind(struct api *a)
 {
     const drape_wind calm = {
         .velocity = {0, 0, 0}, .density = 0, .drag = 1, .lift = 1};
+    drape_wind now;
     drape_wake(NULL);
     REFUSES(drape_set_wind(NULL, &calm));
     REFUSES(drape_set_wind(a->world, NULL));
+    REFUSES(drape_read_wind(NULL, &now));
+    REFUSES(drape_read_wind(a->world, NULL));
     for (int k = 0; k < WRONG + 1; k++) {
         drape_wind w[4] = {calm, calm, calm, calm};
         double a_number = k < WRONG ? api_wrong[k] : -1;
@@ -205,6 +213,9 @@ static const struct {
     {"drape_first_triangle", call_counts},
     {"drape_read", call_reads},
     {"drape_read_triangles", call_reads},
+    {"drape_clock", call_reads},
+    {"drape_read_material", api_call_material},
+    {"drape_read_wind", call_wind},
     {"drape_borrow", call_reads},
     {"drape_wake", call_wind},
     {"drape_set_wind", call_wind},

@@ -24,8 +24,12 @@ const char *api_call_gravity(struct api *a)
 /* A wrong material is refused with the same code as in a definition. */
 const char *api_call_material(struct api *a)
 {
-    drape_material m = a->input.g.cloth.material;
+    drape_material m = a->input.g.cloth.material, now;
     int k;
+    REFUSES(drape_read_material(NULL, 0, &now));
+    REFUSES(drape_read_material(a->world, 0, NULL));
+    REFUSES(drape_read_material(a->world, 1, &now));
+    REFUSES_EACH(api_extremes, k, drape_read_material(a->world, k, &now));
     REFUSES(drape_set_material(NULL, 0, &m));
     REFUSES(drape_set_material(a->world, 0, NULL));
     REFUSES(drape_set_material(a->world, 1, &m));

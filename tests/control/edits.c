@@ -133,26 +133,6 @@ struct session {
     struct recall log, end, other;
 };
 
-static int append(void *user, const void *data, size_t bytes)
-{
-    struct recall *r = user;
-    if (bytes > sizeof r->data - r->size)
-        return 1;
-    memcpy(r->data + r->size, data, bytes);
-    r->size += bytes;
-    return 0;
-}
-
-static int take_back(void *user, void *data, size_t bytes)
-{
-    struct recall *r = user;
-    if (bytes > r->size - r->at)
-        return 1;
-    memcpy(data, r->data + r->at, bytes);
-    r->at += bytes;
-    return 0;
-}
-
 enum { STEPS = 10 };
 
 static const char *record(struct session *p, drape_world *a)
@@ -162,7 +142,7 @@ static const char *record(struct session *p, drape_world *a)
     const drape_pin none = {0, 0, -1};
     drape_cloth high = p->t.cloth[0];
     drape_obstacle plate = p->t.obstacle[0];
-    EXPECT(drape_record(a, append, &p->log) == DRAPE_OK);
+    EXPECT(drape_record(a, recall_write, &p->log) == DRAPE_OK);
     EXPECT(guest_go(a, 2) == DRAPE_OK);
     high.origin[1] = 0.05;
     high.pins = &none; /* an empty array, which is not a missing one */
@@ -199,7 +179,7 @@ static const char *play(struct session *p, int backend)
     p->log.at = 0;
     drape_world *b = troupe_world(&p->t);
     EXPECT(b);
-    while ((status = drape_replay(b, take_back, &p->log, &r)) == 1)
+    while ((status = drape_replay(b, recall_read, &p->log, &r)) == 1)
         steps++;
     EXPECT(status == 0 && steps == STEPS);
     EXPECT(drape_bodies(b, &cloths) == 5 && cloths == 2);
@@ -223,7 +203,7 @@ static const char *damage(struct session *p)
         EXPECT(b);
         p->log.at = 0;
         p->log.data[at] ^= bit;
-        while ((status = drape_replay(b, take_back, &p->log, NULL)) == 1)
+        while ((status = drape_replay(b, recall_read, &p->log, NULL)) == 1)
             continue;
         p->log.data[at] ^= bit;
         drape_destroy(b);
@@ -290,7 +270,7 @@ const char *test_edits_bytes(void)
         drape_cloth sheet = t.cloth[0];
         drape_obstacle plate = t.obstacle[0];
         move_to(&copies[k], &sheet, &plate);
-        EXPECT(drape_record(world, append, &log[k]) == DRAPE_OK);
+        EXPECT(drape_record(world, recall_write, &log[k]) == DRAPE_OK);
         size_t before = log[k].size;
         EXPECT(drape_add_obstacle(world, &plate, NULL) > 0);
         EXPECT(drape_add_cloth(world, &sheet, NULL) > 0);

@@ -21,26 +21,6 @@ struct session {
     double x[NV][3], v[NV][3];
 };
 
-static int append(void *user, const void *data, size_t bytes)
-{
-    struct recall *r = user;
-    if (bytes > sizeof r->data - r->size)
-        return 1;
-    memcpy(r->data + r->size, data, bytes);
-    r->size += bytes;
-    return 0;
-}
-
-static int take_back(void *user, void *data, size_t bytes)
-{
-    struct recall *r = user;
-    if (bytes > r->size - r->at)
-        return 1;
-    memcpy(data, r->data + r->at, bytes);
-    r->at += bytes;
-    return 0;
-}
-
 static void define(struct session *p, struct bytes *b, struct guest *s, int k)
 {
     static const int integrator[] = {DRAPE_BW, DRAPE_CK, DRAPE_VERLET,
@@ -193,7 +173,7 @@ static const char *go_on(struct session *p, int backend, uint64_t seed)
     EXPECT(recall_save(fresh, &p->old) && recall_same(&p->old, &p->now[0]));
     drape_destroy(p->world[backend]);
     p->world[backend] = fresh;
-    EXPECT(drape_record(fresh, append, &p->log[backend]) == DRAPE_OK);
+    EXPECT(drape_record(fresh, recall_write, &p->log[backend]) == DRAPE_OK);
     return turn(p, seed, &unused);
 }
 
@@ -205,7 +185,7 @@ static const char *play(struct session *p, int from, int to, int steps)
     int n = 0, status;
     EXPECT(fresh);
     p->log[from].at = 0;
-    while ((status = drape_replay(fresh, take_back, &p->log[from], &r)) == 1)
+    while ((status = drape_replay(fresh, recall_read, &p->log[from], &r)) == 1)
         n++;
     EXPECT(status == 0 && n == steps);
     EXPECT(recall_save(fresh, &p->old) && recall_same(&p->old, &p->now[0]));
@@ -223,7 +203,7 @@ static const char *damage(struct session *p, struct bytes *b)
         int status;
         log->data[at] ^= 4;
         log->at = 0;
-        while ((status = drape_replay(fresh, take_back, log, NULL)) == 1)
+        while ((status = drape_replay(fresh, recall_read, log, NULL)) == 1)
             continue;
         log->data[at] ^= 4;
         EXPECT(status < 0);
@@ -244,7 +224,7 @@ static const char *run(struct session *p, uint64_t seed, int64_t *refused)
         choices_free(&c);
         p->world[k] = make(p, k);
         EXPECT(p->world[k]);
-        EXPECT(drape_record(p->world[k], append, &p->log[k]) == DRAPE_OK);
+        EXPECT(drape_record(p->world[k], recall_write, &p->log[k]) == DRAPE_OK);
     }
     const char *what = NULL;
     for (int k = 0; k < STEPS && !what; k++)
@@ -390,12 +370,12 @@ const char *test_control_format(void)
     static struct session p;
     EXPECT(!begin(&p, 1, DRAPE_REF));
     struct recall *log = &p.log[0];
-    EXPECT(drape_record(p.world[0], append, log) == DRAPE_OK);
+    EXPECT(drape_record(p.world[0], recall_write, log) == DRAPE_OK);
     EXPECT(drape_step(p.world[0], NULL) == DRAPE_OK);
     for (int format = '0'; format <= '9'; format++) {
         set_format(log, format);
         int want = format == '2' ? 1 : DRAPE_EMATCH;
-        EXPECT(drape_replay(p.world[1], take_back, log, NULL) == want);
+        EXPECT(drape_replay(p.world[1], recall_read, log, NULL) == want);
         ran(1);
     }
     for (int k = 0; k < 2; k++)
@@ -460,7 +440,7 @@ const char *test_control_wakes(void)
     drape_world *world = slab_world(&d), *other = slab_world(&d);
     EXPECT(world && other && doze(world) < TIRED);
     log.size = log.at = 0;
-    EXPECT(drape_record(world, append, &log) == DRAPE_OK);
+    EXPECT(drape_record(world, recall_write, &log) == DRAPE_OK);
     for (int k = 0; k < CALLS; k++) {
         EXPECT(doze(world) == 0);
         EXPECT(call_again(world, &d, k) == DRAPE_OK);
@@ -471,7 +451,7 @@ const char *test_control_wakes(void)
     EXPECT(drape_record(world, NULL, NULL) == DRAPE_OK);
     int status, asleep = 0, steps = 0;
     drape_step_report r;
-    while ((status = drape_replay(other, take_back, &log, &r)) == 1) {
+    while ((status = drape_replay(other, recall_read, &log, &r)) == 1) {
         asleep += (r.outcome & DRAPE_ASLEEP) != 0;
         steps++;
     }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checkpoints in memory. */
+/* See tests/world/recall.h. */
 #include "tests/world/recall.h"
 
 #include "ref/world/checkpoint.h"
 
-static int take_in(void *user, const void *data, size_t bytes)
+int recall_write(void *user, const void *data, size_t bytes)
 {
     struct recall *r = user;
     if (bytes > sizeof r->data - r->size)
@@ -15,7 +15,7 @@ static int take_in(void *user, const void *data, size_t bytes)
     return 0;
 }
 
-static int give_out(void *user, void *data, size_t bytes)
+int recall_read(void *user, void *data, size_t bytes)
 {
     struct recall *r = user;
     if (bytes > r->size - r->at)
@@ -29,25 +29,25 @@ static int give_out(void *user, void *data, size_t bytes)
 bool recall_save(const drape_world *world, struct recall *r)
 {
     r->size = 0;
-    return drape_save(world, take_in, r) == DRAPE_OK;
+    return drape_save(world, recall_write, r) == DRAPE_OK;
 }
 
 int recall_load(drape_world *world, struct recall *r)
 {
     r->at = 0;
-    return drape_load(world, give_out, r);
+    return drape_load(world, recall_read, r);
 }
 
 bool recall_save_inner(const struct world *world, struct recall *r)
 {
     r->size = 0;
-    return checkpoint_save(world, take_in, r) == DRAPE_OK;
+    return checkpoint_save(world, recall_write, r) == DRAPE_OK;
 }
 
 int recall_load_inner(struct world *world, struct recall *r)
 {
     r->at = 0;
-    return checkpoint_load(world, give_out, r);
+    return checkpoint_load(world, recall_read, r);
 }
 
 bool recall_same(const struct recall *a, const struct recall *b)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checkpoints in memory. */
+/* Checkpoints and logs in memory. */
 #ifndef TESTS_RECALL_H
 #define TESTS_RECALL_H
 
@@ -7,11 +7,16 @@
 
 struct world;
 
-/* A checkpoint of a small scene. */
+/* A checkpoint or a log of a small scene. */
 struct recall {
     size_t size, at;
     uint8_t data[1 << 17];
 };
+
+/* A writer that appends to a struct recall, and a reader of one from `at` on.
+ */
+drape_write recall_write;
+drape_read_bytes recall_read;
 
 bool recall_save(const drape_world *world, struct recall *r);
 /* Loads r; returns drape_load's status. */
