@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What the blocks of a kernel do together. Thread-block clusters: a few blocks
- * that run at the same time, synchronise and read each other's shared memory. On
- * a device without clusters a cluster is one block. Functions named group_ serve
- * cooperative grids (gpu/base/cooperative.cuh), too; a rank is one block of a
- * cluster or grid. */
+ * that run at the same time, synchronise and read each other's shared memory.
+ * On a device without clusters a cluster is one block. Functions named group_
+ * serve cooperative grids (gpu/base/cooperative.cuh), too; a rank is one block
+ * of a cluster or grid. */
 #ifndef GPU_CLUSTER_CUH
 #define GPU_CLUSTER_CUH
 

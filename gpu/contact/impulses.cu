@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Makes a contact of each new impact and merges it into the active set.
  * spec/contact/impulses.md */
-#include "gpu/base/compact.cuh"
 #include "gpu/base/cluster.cuh"
+#include "gpu/base/compact.cuh"
 #include "gpu/base/scan.cuh"
 #include "gpu/contact/closest.cuh"
 #include "gpu/contact/contact.cuh"

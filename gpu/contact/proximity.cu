@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Finds the candidates closer than their thickness and makes them contacts: a
  * first kernel counts, a second one emits. spec/contact/proximity.md */
-#include "gpu/base/compact.cuh"
 #include "gpu/base/cluster.cuh"
+#include "gpu/base/compact.cuh"
 #include "gpu/base/scan.cuh"
 #include "gpu/contact/closest.cuh"
 #include "gpu/contact/contact.cuh"
