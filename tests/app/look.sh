@@ -61,6 +61,17 @@ exits 'a picture that is not turned' 0 render look_turn --frame 2 --width 64 \
     --height 48 --samples 4 --quiet
 is 'begins as it is, and turns' sh -c 'cmp look_turn/pictures/film_0000.png plain.png &&
     ! cmp -s look_turn/pictures/frame_0002.png turned.png'
+# The second of four pictures around is that of a camera that turns by 90 degrees.
+exits 'around, at frame 2' 0 render look_turn --frame 2 --turn 4 --width 64 \
+    --height 48 --samples 4 --no-film --quiet
+cp look_turn/pictures/film_0001.png around_1.png
+exits 'around, at the last frame' 0 render look_turn --turn 4 --width 64 \
+    --height 48 --samples 4 --no-film --quiet
+is 'is the same' cmp look_turn/pictures/film_0001.png around_1.png
+sed 's/"turn": 0/"turn": 2700/' still.json >look_turn/report.json
+exits 'a camera that turns by 2700 degrees a second' 0 render look_turn --frame 2 \
+    --width 64 --height 48 --samples 4 --quiet
+is 'has turned by 90 after two frames' cmp look_turn/pictures/frame_0002.png around_1.png
 sed 's/"gloss": 1,/"gloss": 7,/' look_ball/report.json >wrong.json
 cp wrong.json look_ball/report.json
 refused 'a report with a look that no run writes' 'and a look' render look_ball
@@ -78,14 +89,16 @@ refused 'a report with a light that no run writes' '$.picture: expected fov' \
 
 # Small pictures, drawn anew by a program of their own: cloths with a hole and with
 # a look, round and level obstacles; a camera that turns, and the tool's own.
-# drawn NAME FRAME CAMERA
+# drawn NAME FRAME SAMPLES FLOOR CAMERA
 drawn() {
-    python3 "$root/tests/app/ray.py" write "$1.json" "{\"camera\": {$3}}"
+    python3 "$root/tests/app/ray.py" write "$1.json" "{\"camera\": {$5}}" "{$4}"
     exits "a run: $1" 0 run "$1.json" --out "$1" --quiet
     exits "a picture: $1" 0 render "$1" --frame "$2" --width 20 --height 16 \
-        --samples 1 --quiet
+        --samples "$3" --quiet
     is "$1: every pixel is as another program draws it" \
-        python3 "$root/tests/app/ray.py" check "$1" "$2" "$1/pictures/frame_000$2.png"
+        python3 "$root/tests/app/ray.py" check "$1" "$2" "$1/pictures/frame_000$2.png" "$3"
 }
-drawn drawn_turned 1 '"eye": [1.2, 1.6, 2.3], "target": [0, 0.35, 0], "turn": 600, "fov": 50'
-drawn drawn_around 0 '"sun": [1, 0.6, 0.4], "light": 0.7, "floor": [0.3, 0.6, 0.7], "fov": 45'
+drawn drawn_turned 1 1 '"shape": "plane", "extent": [4, 1, 4]' \
+    '"eye": [1.2, 1.6, 2.3], "target": [0, 0.35, 0], "turn": 600, "fov": 50'
+drawn drawn_around 0 2 '"mesh": "floor.off"' \
+    '"sun": [1, 0.6, 0.4], "light": 0.7, "floor": [0.3, 0.6, 0.7], "fov": 45'
