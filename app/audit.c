@@ -257,10 +257,9 @@ int command_audit(int argc, char **argv)
 {
     int list = 0, positional;
     const char *obstacle = NULL;
-    const struct option_row options[] = {
-        {"--list", OPTION_FLAG, &list, 0, 0},
-        {"--obstacle", OPTION_TEXT, &obstacle, 0, 0},
-        {0}};
+    const struct option_row options[] = {FLAG_OPTION("--list", &list),
+                                         TEXT_OPTION("--obstacle", &obstacle),
+                                         {0}};
     int status = options_read(options, argc, argv, &positional);
     if (status != APP_OK)
         return status;
