@@ -33,9 +33,17 @@ exits 'good COLLADA' 0 convert good.dae good_dae.ply
 is 'its triangles' grep -q '2 triangles' out
 # One that waits for ever is ended by the alarm that it set.
 cat >clock.c <<'EOF'
+#include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
 unsigned alarm(unsigned seconds)
 {
+    const char *end = getenv("END"); /* a signal, or less an exit status */
+    if (end && atoi(end) < 0)
+        _exit(-atoi(end));
+    if (end)
+        raise(atoi(end));
     FILE *told = fopen("alarm", "a");
     if (told && fprintf(told, "%u\n", seconds) > 0)
         fclose(told);
@@ -49,10 +57,22 @@ else
     is 'a reader sets its alarm' env LD_PRELOAD="$PWD/clock.so" "$drape" \
         convert good.dae alarm.ply
     is 'to four times its 10 s of CPU time' test "$(cat alarm)" = 40
+    # ends HOW WORDS: a reader that ends so is said to
+    ends() {
+        env END="$1" LD_PRELOAD="$PWD/clock.so" "$drape" convert good.dae late.ply \
+            >out 2>err
+        is "a reader that ends by $1" test $? -eq 2 -a ! -e late.ply
+        is "is told of, $1" grep -qx "drape: good.dae: cannot be read as a mesh: $(
+            )its reader $2" err
+    }
+    ends 14 'took more than 40 s' # SIGALRM
+    ends 24 'took more than 10 s' # SIGXCPU
+    ends 11 'crashed (signal 11, Segmentation fault)'
+    ends -7 'ended with exit status 7 and no mesh'
 fi
 collada many.dae 'count="9999999999"'
 no_mesh 'COLLADA that wants all memory' \
-    'cannot be read as a mesh: its reader' many.dae
+    'cannot be read as a mesh: its reader needs more than 1000 MB' many.dae
 # Here assimp 5.2 reads beyond the end of an array.
 collada crash.dae 'coqnt="15"'
 no_mesh 'COLLADA that crashes its reader' 'cannot be read as a mesh' crash.dae
@@ -293,30 +313,56 @@ is 'a scene on standard input' sh -c \
     'cat tiny.json | "$0" plan /dev/stdin | cmp - expected.txt' "$drape"
 
 # Frames of a deforming obstacle
+# series NAME...: an obstacle of two of these files, the second 1/30 s behind
+series() {
+    sed "s/{\"mesh\".*}\]/{\"frames\": {$1, \"count\": 2, \"dt\": 0.0$(
+        )333333333333333333}, \"scale\": 2, \"at\": [0, -3, 1]}]/" mesh.json >frames.json
+}
 ply turn_0.ply '3 0 1 2'
 ply turn_1.ply '3 1 0 2'
-sed 's/{"mesh".*}\]/{"frames": {"files": "turn_%d.ply", "count": 2}}]/' \
-    mesh.json >frames.json
+series '"files": "turn_%d.ply"'
 refused 'frames of other triangles' \
     '$.obstacles[0]: turn_1.ply: other triangles' run frames.json --out refused
+ply turn_1.ply '3 0 1 2
+3 0 2 1' 'face 1' 'face 2'
+refused 'frames of more triangles' \
+    '$.obstacles[0]: turn_1.ply: another number' run frames.json --out refused
+cp five.ply turn_1.ply
+refused 'frames of more vertices' \
+    '$.obstacles[0]: turn_1.ply: another number' run frames.json --out refused
 cp turn_0.ply turn_1.ply
 exits 'frames of the same' 0 plan frames.json
+for k in 007 008 009; do
+    ply turn_$k.ply '3 0 1 2' '^1 0 0$' "1 0.${k}5 -1"
+done
+series '"files": "turn_%03d.ply", "first": 7'
+sed -i 's/"frames": 1/"frames": 3, "precision": 64/' frames.json
+exits 'frames from number 7 on' 0 run frames.json --out series --quiet
+is 'are met at their times, and where they are placed' python3 -c '
+import struct
+for k in range(4):
+    data = open("series/frames/obstacles_%04d.ply" % k, "rb").read()
+    x = struct.unpack("<9d", data[data.index(b"end_header\n") + 11:][:72])
+    y = 0.0075 + min(k / 2, 1) * 0.001
+    for a, b in zip(x, [0, -3, 1, 2, 2 * y - 3, -1, 0, -1, 1]):
+        assert abs(a - b) < 1e-12, (k, x)'
 
 # Motions
-# motion FILE KEYS [STEPS]: a box that moves by these keys, far from a cloth.
+# motion FILE KEYS [PIVOT]: a box that moves by these keys, far from a cloth.
 motion() {
     cat >"$1" <<EOT
-{"frames": ${3-6}, "cloths": [{"particles": [3, 3], "size": [0.1, 0.1],
+{"frames": 6, "cloths": [{"particles": [3, 3], "size": [0.1, 0.1],
   "start": {"at": [0, 9, 0]}}],
  "obstacles": [{"shape": "box", "extent": [0.4, 0.6, 1], "motion": "s"}],
- "motions": [{"name": "s", "keys": [$2]}]}
+ "motions": [{"name": "s", "pivot": ${3-[0, 0, 0]}, "keys": [$2]}]}
 EOT
 }
-# turns NAME FROM TO: from one key to the other each of six frames rotates by the
-# same angle about one axis: 0, 1/6 … 6/6 of the rotation, degrees AXIS…
+# turns NAME KEYS [PIVOT MOVE]: from one key to the other each of six frames rotates
+# by the same angle about one axis: 0, 1/6 … 6/6 of the rotation, degrees AXIS…; it
+# goes about the pivot, and 0, 1/6 … 6/6 of the way.
 turns() {
     exits "$1" 0 run motion.json --out turn --force
-    is "$1: evenly" python3 - "$2" <<'EOT'
+    is "$1: evenly" python3 - "$2" "${3-[0, 0, 0]}" "${4-[0, 0, 0]}" <<'EOT'
 import math, sys
 def load(k):
     with open("turn/frames/obstacles_%04d.ply" % k, "rb") as file:
@@ -335,7 +381,7 @@ def turned(q, x):
 def quaternion(axis, degrees):
     n, h = math.hypot(*axis), math.radians(degrees) / 2
     return [math.cos(h)] + [math.sin(h) * a / n for a in axis]
-keys = eval(sys.argv[1])
+keys, pivot, move = map(eval, sys.argv[1:])
 box = [[(.2, -.2)[not k & 1], (.3, -.3)[not k & 2], (.5, -.5)[not k & 4]]
        for k in range(8)]
 for k in range(7):
@@ -351,7 +397,9 @@ for k in range(7):
         q = [(math.sin((1 - t) * o) * x + math.sin(t * o) * y) / math.sin(o)
              for x, y in zip(p, r)]
     for x, y in zip(box, load(k)):
-        assert math.dist(turned(q, x), y) < 1e-3, (k, turned(q, x), y)
+        x = turned(q, [a - p for a, p in zip(x, pivot)])
+        x = [a + p + t * m for a, p, m in zip(x, pivot, move)]
+        assert math.dist(x, y) < 1e-3, (k, x, y)
 EOT
 }
 motion motion.json '{"time": 0}, {"time": 0.1, "angle": 90, "axis": [1, 0, 0]}'
@@ -369,6 +417,9 @@ turns 'turn between opposite axes' '[([0, 0, 1], 20, -40)]'
 motion motion.json '{"time": 0, "axis": [0, 0, 1]},
     {"time": 0.1, "angle": 500, "axis": [0, 3, 0]}'
 turns 'more than a turn about one axis' '[([0, 1, 0], 0, 500)]'
+motion motion.json '{"time": 0, "axis": [0, 0, 1]},
+    {"time": 0.1, "angle": 90, "axis": [0, 0, 1], "move": [1, 2, -3]}' '[4, 5, 6]'
+turns 'a turn about a pivot, on the way' '[([0, 0, 1], 0, 90)]' '[4, 5, 6]' '[1, 2, -3]'
 keys=$(awk 'BEGIN { for (k = 0; k < 4000; k++)
     printf "{\"time\": %d, \"angle\": %d},", k, k % 2 ? 36000 : -36000 }')
 motion motion.json "${keys%,}"
@@ -471,6 +522,8 @@ refused 'three cloths, of which two fit' '$.cloths[2]: particles: 2430000' \
 # The report of a run, as render reads it
 exits 'a run to look at' 0 run tiny.json --frames 0 --out seen
 cp seen/report.json seen.json
+is 'what may stand in a report, and what not' python3 "$root/tests/app/seen.py" \
+    "$drape" seen
 # seen NAME PLACE FROM TO: its report has TO for FROM.
 seen() {
     sed "s/$3/$4/" seen.json >seen/report.json

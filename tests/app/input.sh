@@ -18,6 +18,25 @@ limited '[0.05, 0.05]'
 refused 'two limits' 'limit: expected a list of 3' run limit.json
 limited '[0.05, 0.05, 11]'
 refused 'limit too large' 'limit[2]: 11' run limit.json
+limited '[0.01, 0.01, 0.01]'
+is 'limits as small as may be' "$drape" plan limit.json
+for limit in '0.005, 0.05, 0.05' '0.05, 0.005, 0.05' '0.05, 0.05, 0.005'; do
+    limited "[$limit]"
+    refused "limits $limit" 'limit: 0.005: expected 0, for none, or 0.01 to 10' \
+        run limit.json
+done
+# A heavy sheet that hangs from a corner; a number s is [s, s, 2 s].
+for limit in 0.05 '[0.05, 0.05, 0.1]' '[0.05, 0.05, 0.2]' '[0.05, 0.2, 0.1]'; do
+    limited "$limit, \"density\": 5"
+    sed -i 's/"size"/"pins": [{"at": [0, 0]}], &/' limit.json
+    exits "limit $limit" 0 run limit.json --frames 12 --out "limit $limit" --quiet
+done
+is 'a number limits all directions' cmp 'limit 0.05/cloth.pc2' \
+    'limit [0.05, 0.05, 0.1]/cloth.pc2'
+for limit in '[0.05, 0.05, 0.2]' '[0.05, 0.2, 0.1]'; do
+    is "it is not $limit" sh -c '! cmp -s "limit 0.05/cloth.pc2" "$0/cloth.pc2"' \
+        "limit $limit"
+done
 tabled() {
     printf '{"frames": 1, "cloths": [{"particles": [9, 9], "size": [0.1, 0.1],
  "material": {"stretch": {%s}}}]}\n' "$1" >table.json
@@ -109,6 +128,24 @@ is 'as a table and, apart from it, what each is' awk 'BEGIN { RS = "" }
     NR == 1 && !/^name .*friction/ { bad = 1 } END { exit bad || NR != 2 }' out
 is 'denim is' grep -q '^denim  *0.324 ' out
 is 'with its source' grep -q 'Wang' out
+is 'all have the numbers and the words of their list' python3 -c '
+import re, sys
+text = re.sub(r"\bWANG\b", "\"Wang\"", open(sys.argv[1]).read())
+rows = [re.split(r",\s*", body, 7) for body in re.findall(
+    r"^FABRIC\((.*?)\)$", text, re.S | re.M)]
+table, words = open("out").read().split("\n\n")
+told = [line.split() for line in table.splitlines()[2:]]
+assert len(told) == len(rows) == 14
+for row, line in zip(rows, told):
+    assert line[0] == row[0].strip("\"") and len(line) == 7, line
+    assert all(abs(float(a) / float(b) - 1) < 0.005
+               for a, b in zip(line[1:], row[1:7])), (line, row)
+said = words.splitlines()
+assert [line.split()[0] for line in said[::2]] == [line[0] for line in told]
+for row, line in zip(rows, said[::2]):
+    assert row[7].startswith("\"" + line[12:]), (line, row)
+assert all(line[:12] == 12 * " " and line[12:].strip() for line in said[1::2])' \
+    "$root/app/fabrics.def"
 refused 'materials takes no argument' 'no argument' materials denim
 fabric named.json '"denim"'
 fabric same.json '{"density": 0.324, "stretch": 641.8, "shear": 26.7,
