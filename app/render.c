@@ -45,7 +45,7 @@ static int take(struct render *r, int frame, int number)
 }
 
 /* Runs a program found in PATH and waits for its end. Returns its exit status,
- * or -1. */
+ * 1 if a signal ended it, or -1 if it was not found. */
 static int call(char *const argv[])
 {
     pid_t child;
@@ -55,9 +55,9 @@ static int call(char *const argv[])
     while (waitpid(child, &status, 0) < 0)
         if (errno != EINTR)
             return -1;
-    /* 127: the program was not found */
-    return WIFEXITED(status) && WEXITSTATUS(status) != 127 ? WEXITSTATUS(status)
-                                                           : -1;
+    if (!WIFEXITED(status))
+        return 1;
+    return WEXITSTATUS(status) == 127 ? -1 : WEXITSTATUS(status);
 }
 
 /* Makes film.mp4 of the pictures, if ffmpeg is installed. */

@@ -81,7 +81,7 @@ exits 'a film, with its progress' 0 render still --width 16 --height 16 \
     --samples 1 --no-film
 is 'the last line' grep -q '^\[####################\] picture 3/3  ETA 0:00$' err
 
-# A clock that goes on by $JUMP seconds whenever the tool itself looks at it.
+# A clock that goes on by $JUMP milliseconds whenever the tool itself looks at it.
 cat >jump.c <<'EOF'
 #define _GNU_SOURCE
 #include <dlfcn.h>
@@ -97,14 +97,15 @@ int clock_gettime(clockid_t which, struct timespec *now)
         (int (*)(clockid_t, struct timespec *))dlsym(RTLD_NEXT, "clock_gettime");
     if (!dladdr(from, &caller) || strstr(caller.dli_fname, ".so"))
         return real(which, now);
-    now->tv_sec = 1000 + atol(getenv("JUMP")) * looks++;
-    now->tv_nsec = 0;
+    long passed = atol(getenv("JUMP")) * looks++;
+    now->tv_sec = 1000 + passed / 1000;
+    now->tv_nsec = passed % 1000 * 1000000;
     return 0;
 }
 EOF
 # film JUMP LINE...: what a film of three pictures says of its progress
 film() {
-    env JUMP="$1" LD_PRELOAD="$PWD/jump.so" "$drape" render still --width 16 \
+    env JUMP="${1}000" LD_PRELOAD="$PWD/jump.so" "$drape" render still --width 16 \
         --height 16 --samples 1 --no-film >out 2>err
     jump=$1
     shift
@@ -126,6 +127,14 @@ else
     film 5000 "$one 2:46:40" "$two 1:23:20" "$end"
     film 179999 "$one 99:59:58" "$two 49:59:59" "$end"
     film 900000 "$one 99:59:59" "$two 99:59:59" "$end"
+    for jump in 90 110; do
+        env JUMP=$jump LD_PRELOAD="$PWD/jump.so" python3 "$root/tests/app/terminal.py" \
+            'picture 3/3' "$drape" render still --width 16 --height 16 --samples 1 \
+            --no-film >states.$jump
+        is "a terminal, pictures of $jump ms" test $? -eq 0
+    done
+    is 'a terminal is told ten times a second' test "$(cat states.90 states.110)" = '2
+3'
 fi
 is 'a film, on a terminal' python3 "$root/tests/app/terminal.py" 'picture 3/3' \
     "$drape" render still --width 16 --height 16 --samples 1 --no-film
@@ -169,14 +178,20 @@ rate 'around, that is told' 5 film --turn 2 --rate 5
 
 # A film that ffmpeg begins and breaks off leaves nothing behind.
 mkdir broken
-printf '%s\n' '#!/bin/sh' 'for last; do :; done' 'echo half >"$last"' 'exit 1' \
-    >broken/ffmpeg
-chmod +x broken/ffmpeg
-is 'no part of a film is left' sh -c '
+for end in 'exit 1' 'exit 126' 'kill -9 $$'; do
+    printf '%s\n' '#!/bin/sh' 'for last; do :; done' 'echo half >"$last"' "$end" \
+        >broken/ffmpeg
+    chmod +x broken/ffmpeg
+    is "no part of a film is left by $end" sh -c '
+        PATH="$PWD/broken:$PATH" "$0" render still --width 16 --height 16 \
+            --samples 1 --quiet 2>err
+        [ $? -eq 3 ] && grep -q "ffmpeg failed on still/film.mp4" err &&
+        [ ! -e still/film.mp4 ] && [ ! -e still/.film.part.mp4 ]' "$drape"
+done
+printf '%s\n' '#!/bin/sh' 'exit 127' >broken/ffmpeg
+is 'an ffmpeg that is not found is none' sh -c '
     PATH="$PWD/broken:$PATH" "$0" render still --width 16 --height 16 \
-        --samples 1 --quiet 2>err
-    [ $? -eq 3 ] && grep -q "ffmpeg failed on still/film.mp4" err &&
-    [ ! -e still/film.mp4 ] && [ ! -e still/.film.part.mp4 ]' "$drape"
+        --samples 1 2>err && grep -q "no ffmpeg here" err' "$drape"
 
 # Standard input and output
 is 'a scene from standard input' sh -c \
