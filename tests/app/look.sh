@@ -87,6 +87,18 @@ cp wrong.json look_plain/report.json
 refused 'a report with a light that no run writes' '$.picture: expected fov' \
     render look_plain
 
+# Without a report a cloth is red without a check, as if it had no size, and an
+# obstacle is stone.
+exits 'a run to lose its report' 0 run tiny.json --out bare --frames 0 --quiet
+sed -i 's/"size": \[[^]]*\]/"size": [0, 0]/' bare/report.json
+exits 'a picture of a cloth without a size' 0 render bare --frame 0 --width 64 \
+    --height 48 --samples 4 --quiet
+cp bare/pictures/frame_0000.png sizeless.png
+rm bare/report.json
+exits 'a picture without a report' 0 render bare --frame 0 --width 64 --height 48 \
+    --samples 4 --quiet
+is 'is the same' cmp bare/pictures/frame_0000.png sizeless.png
+
 # Small pictures, drawn anew by a program of their own: cloths with a hole and with
 # a look, round and level obstacles; a camera that turns, and the tool's own.
 # drawn NAME FRAME SAMPLES FLOOR CAMERA
