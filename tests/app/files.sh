@@ -161,6 +161,13 @@ is 'its sum is of its stages, and less than what is held' awk '
     match($0, / (on|off) +[0-9]+ /) { split(substr($0, RSTART), part); sum += part[2] }
     $1 == "sum" { told = $2 }
     $1 == "held" { held = $2 } END { exit !(0 < sum && sum == told && told < held) }' out
+is 'and those of the report' python3 -c '
+import json, re
+text = open("out").read().split("\n\n")[1]
+rows = re.findall(r"^(\S.*?)  +(on|off) +\d+  (.*)$", text, re.M)
+told = json.load(open("an out/report.json"))["plan"]
+assert len(told) > 20 and text.startswith("stage ")
+assert rows == [(r["stage"], "on" if r["on"] else "off", r["why"]) for r in told]'
 is 'plan says on and off' sh -c 'grep -q " on " out && grep -q " off " out'
 is 'and what a step takes, and where it was measured' sh -c \
     'sed -n "/^estimate/,\$p" out | grep -q "^NVIDIA H100  .* gpu, binary32"'

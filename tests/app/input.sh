@@ -114,6 +114,43 @@ refused 'start that intersects, with its count' 'intersect' \
     run start.json --out refused
 is 'the count is there' grep -q '[1-9][0-9]*' err
 exits 'start that intersects, allowed' 0 plan start.json --allow-intersecting
+# Who is refused is told by the place in the file.
+cat >places.json <<'EOF'
+{"cloths": [{"particles": [3, 3]}, {"name": "b", "particles": [3, 3],
+   "start": {"at": [0, 1, 0]}},
+  {"name": "c", "particles": [3, 3], "start": {"at": [0.1, 1, 0.1], "v": [0, 1, 1]}}],
+ "motions": [{"name": "a", "keys": [{}]}, {"name": "short", "keys": [{"time": 999999},
+   {"time": 999999.0000000002, "angle": 100}]}],
+ "obstacles": [{"shape": "box", "at": [0, -3, 0]}, {"shape": "box",
+   "at": [0, -6, 0], "name": "d"}]}
+EOF
+refused 'a motion that the library refuses' '$.motions[1]: time ' plan places.json
+sed 's/0000002/01/' places.json >crossing.json
+refused 'two cloths that cross' 'crossing.json: the start state is intersecting: cloth 1 (b) triangle ' \
+    plan crossing.json
+is 'both by name' grep -Eq 'cloth 1 \(b\) triangle [0-7] and cloth 2 \(c\) triangle [0-7] \(first of [0-9]+ pairs\); move them apart' err
+sed 's/-6, 0/1, 0/; s/"v": \[0, 1, 1\]/"v": [0, 0, 1]/; s/0.1, 1, 0.1/0, 9, 0/' \
+    crossing.json >crossing2.json
+refused 'a cloth that crosses an obstacle' \
+    'intersecting: cloth 1 (b) triangle ' plan crossing2.json
+is 'both by name, too' grep -Eq 'and obstacle 1 \(d\) triangle [0-9]+' err
+printf 'OFF 3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' >still_0.off
+python3 - <<'EOT'
+import json
+scene = json.load(open("places.json"))
+scene["motions"].pop()
+scene["cloths"].pop()
+other = json.loads(json.dumps(scene))
+scene["obstacles"][1] = {"frames": {"files": "still_%d.off", "count": 1}, "motion": "a",
+                         "at": [0, -6, 0]}
+json.dump(scene, open("twice.json", "w"))
+other.update(integrator="euler", dt=1, max_substeps=1)
+json.dump(other, open("stable.json", "w"))
+EOT
+refused 'an obstacle that moves in two ways' \
+    'twice.json: $.obstacles[1]: has both a motion and frames' plan twice.json
+refused 'a cloth that needs more steps' 'stable.json: $.cloths[0]: stable from' \
+    plan stable.json
 sed 's/"thickness": 0.01/"thickness": 0/' tiny.json >key.json
 refused 'thickness 0' 'thickness' run key.json --out refused
 

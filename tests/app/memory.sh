@@ -149,6 +149,52 @@ void free(void *old)
 }
 EOF
 
+# A library that writes down how many bytes are in aligned blocks, in whole lines of
+# 64 bytes, whenever a file is written whole.
+cat >held.c <<'EOF'
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+extern void __libc_free(void *old);
+enum { BLOCKS = 1 << 14 };
+static struct { void *at; size_t bytes; } block[BLOCKS];
+static size_t held;
+
+void *aligned_alloc(size_t line, size_t bytes)
+{
+    void *(*real)(size_t, size_t) =
+        (void *(*)(size_t, size_t))dlsym(RTLD_NEXT, "aligned_alloc");
+    void *at = real(line, bytes);
+    int k = 0;
+    while (block[k].at)
+        k++;
+    block[k].at = at;
+    block[k].bytes = (bytes + 63) / 64 * 64;
+    held += block[k].bytes;
+    return at;
+}
+
+void free(void *old)
+{
+    for (int k = 0; old && k < BLOCKS; k++)
+        if (block[k].at == old) {
+            held -= block[k].bytes;
+            block[k].at = NULL;
+        }
+    __libc_free(old);
+}
+
+int fsync(int file)
+{
+    FILE *out = fopen("held.txt", "a");
+    fprintf(out, "%zu\n", held);
+    fclose(out);
+    return file < 0 ? -1 : 0;
+}
+EOF
+
 # What is said then: for `ccd --frames` a touch that cannot be kept.
 meager='memory|reader needs more than|ccd: reading or writing failed'
 # starves WHO LEAST COMMAND...: the command's first, second, ... allocation is the
@@ -212,6 +258,16 @@ else
     is 'a run that goes on gives back all' env LD_PRELOAD="$PWD/starve.so" "$drape" \
         run meager/moves.json --out meager/run --frames 3 --trace --quiet \
         --resume meager/run/checkpoint.drape
+    # What the library holds at the end of a run is what the report says, by a count
+    # of its blocks at each file that is written whole; the report is the last.
+    "${CC:-cc}" -shared -fPIC held.c -o held.so -ldl
+    is 'a run, counted' env LD_PRELOAD="$PWD/held.so" "$drape" run meager/moves.json \
+        --out counted --quiet
+    is 'holds what its report says' python3 -c '
+import json
+held = [int(line) for line in open("held.txt")]
+r = json.load(open("counted/report.json"))
+assert 0 < r["memory"]["host_bytes"] < held[-1] == r["held_bytes"], held'
     env LD_PRELOAD="$PWD/starve.so" PATH=/nowhere "$drape" export meager/run \
         --to x.usdc >out 2>err
     is 'an export without Python gives back all' test $? -eq 3
