@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2154
+# What the system does seldom: calls that a signal interrupts, that do a part, or that
+# bring what no reader of meshes sends; paths as long as may be; files that grow beyond
+# a limit.
+# Read by tests/app.sh, whose functions it calls.
+
+# A library in which every second call to read, write or waitpid is interrupted, and
+# the others do 1,000 bytes; and which changes a reader's reply (app/import.h): 8 bytes
+# at $AT become the number $TO.
+cat >seldom.c <<'EOF'
+#define _GNU_SOURCE
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+enum { REPLY = 8 + 2 * 8 + 512 };
+static int interrupted(void)
+{
+    static int calls;
+    errno = EINTR;
+    return getenv("SELDOM") && calls++ % 2 == 0;
+}
+static size_t part(size_t size)
+{
+    return getenv("SELDOM") && size > 1000 ? 1000 : size;
+}
+ssize_t read(int file, void *data, size_t size)
+{
+    return interrupted() ? -1 : syscall(SYS_read, file, data, part(size));
+}
+ssize_t write(int file, const void *data, size_t size)
+{
+    char reply[REPLY];
+    if (getenv("AT") && size == REPLY) {
+        long long to = atoll(getenv("TO"));
+        memcpy(reply, data, size);
+        memcpy(reply + atol(getenv("AT")), &to, sizeof to);
+        if (to == -2) /* no text ends here */
+            memset(reply + 24, 'x', 512);
+        data = reply;
+    }
+    return interrupted() ? -1 : syscall(SYS_write, file, data, part(size));
+}
+pid_t waitpid(pid_t child, int *status, int how)
+{
+    return interrupted() ? -1 : wait4(child, status, how, NULL);
+}
+EOF
+if ldd "$drape" | grep -q 'lib[a-z]*san' ||
+    ! "${CC:-cc}" -shared -fPIC seldom.c -o seldom.so 2>/dev/null; then
+    skip 'calls that a signal interrupts: no library can stand before this tool'
+else
+    head -n 8000 sent.obj >some.obj
+    exits 'a mesh' 0 convert some.obj some.ply
+    is 'a mesh by calls that are interrupted' env SELDOM=1 \
+        LD_PRELOAD="$PWD/seldom.so" "$drape" convert some.obj some_2.ply
+    is 'is the same' cmp some.ply some_2.ply
+    is 'a film by such calls' sh -c 'PATH="$PWD/told:$PATH" SELDOM=1 \
+        LD_PRELOAD="$PWD/seldom.so" "$0" render film --width 16 --height 16 \
+        --samples 1 >told/out && grep -qx film/film.mp4 told/out' "$drape"
+    is 'a scene from a pipe by such calls' sh -c 'cat tiny.json | SELDOM=1 \
+        LD_PRELOAD="$PWD/seldom.so" "$0" plan - | grep -q "^tiny: "' "$drape"
+    # reply NAME AT TO: a reader whose reply is changed so sends no mesh
+    reply() {
+        env AT="$2" TO="$3" LD_PRELOAD="$PWD/seldom.so" timeout 20 "$drape" convert \
+            good.dae changed.ply >out 2>err
+        is "a reply $1" test $? -eq 2 -a ! -e changed.ply
+        is "is none, $1" grep -q 'its reader ended with exit status . and no mesh$' err
+    }
+    reply 'of another tool' 0 1
+    for at in 8 16; do
+        reply "of fewer than none, at $at" $at -1
+        reply "of more than it sends, at $at" $at 60
+        reply "of more than it may hold, at $at" $at 2147483647
+        reply "of more than can be counted, at $at" $at 2147483648
+    done
+    env AT=24 TO=-2 LD_PRELOAD="$PWD/seldom.so" "$drape" convert good.dae changed.ply \
+        >out 2>err
+    is 'an error without an end has one' test $? -eq 2 -a "$(wc -c <err)" -lt 600
+fi
+
+# Paths. Each is that of a file here, by as many steps to this folder as it takes.
+# long NAME SIZE: a path of this many bytes
+long() {
+    python3 -c '
+import sys
+name, size = sys.argv[1], int(sys.argv[2])
+print("./" * ((size - len(name)) // 2) + "/" * ((size - len(name)) % 2) + name)' "$@"
+}
+exits 'a scene by a path of 4095 bytes' 0 plan "$(long tiny.json 4095)"
+refused 'a scene by a path of 4096 bytes' '…: the path is too long' \
+    plan "$(long tiny.json 4096)"
+exits 'a folder by a path of 3995 bytes' 0 run tiny.json --frames 0 --quiet \
+    --out "$(long far 3995)"
+is 'is the folder' test -s far/report.json
+refused 'a folder by a path of 3996 bytes' '--out: the path is too long' \
+    run tiny.json --frames 0 --out "$(long refused 3996)"
+exits 'an audit by a path of 4070 bytes' 0 audit "$(long far 4070)"
+refused 'an audit by a path of 4090 bytes' '…: the path is too long' \
+    audit "$(long far 4090)"
+refused 'a mesh to a path of 4100 bytes' 'the path of the output is too long' \
+    convert good.ply "$(long refused.ply 4120)"
+exits 'a mesh to a folder' 0 convert good.ply far/frames/good.ply
+is 'is there' test -s far/frames/good.ply
+
+# Files that grow beyond a limit leave none of their parts. Blocks are of 512 bytes.
+for what in '1 a-picture render_still_--frame_0_--width_64_--height_48' \
+    '4 obj convert_quiet.ply_grown.obj' '4 stl convert_quiet.ply_grown.stl' \
+    '9 obstacles.obj run_tiny.json_--out_grown_--obj_--frames_0' \
+    '9 contacts run_tiny.json_--out_grown_--contacts_--frames_12_--every_12' \
+    '9 cache run_tiny.json_--out_grown_--frames_40' \
+    '9 checkpoint run_tiny.json_--out_grown_--frames_1_--checkpoint-every_1'; do
+    rm -rf grown grown.*
+    arguments=$(echo "${what##* }" | tr _ ' ')
+    limit=${what%% *} name=${what#* }
+    # shellcheck disable=SC2086
+    fails "${name% *} too large" cannot limited "$limit" $arguments
+    is "no part of ${name% *} is left" sh -c '! find . -name "*.part" | grep .'
+done
