@@ -69,7 +69,7 @@ static int list_pairs(const drape_mesh *mesh, int64_t found)
 static int audit(const struct merged *all, const char *name, int list,
                  bool quiet, int64_t *found)
 {
-    int64_t degenerate = 0;
+    int64_t degenerate;
     drape_mesh mesh = {.nv = all->mesh.nv,
                        .nt = all->mesh.nt,
                        .x = (const double(*)[3])all->mesh.x,

@@ -107,7 +107,7 @@ static int read_row(struct queries *q, char *line, int row)
  * the two, so drape_ccd does not refuse it. */
 static void answer(struct queries *q)
 {
-    double toi = 0;
+    double toi;
     bool hit = drape_ccd(q->kind, (const double(*)[3])q->x,
                          (const double(*)[3])(q->x + 4), &toi) > 0;
     if (hit)

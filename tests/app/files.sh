@@ -138,6 +138,26 @@ cp 'an out/pictures/frame_0006.png' once.png
 exits 'render again' 0 render 'an out' --frame 6 --width 64 --height 48 \
     --samples 1
 is 'the same picture' cmp once.png 'an out/pictures/frame_0006.png'
+# size NAME WIDTH HEIGHT OPTIONS...: a picture of this size
+size() {
+    name=$1 width=$2 height=$3
+    shift 3
+    exits "$name" 0 render 'an out' --frame 6 --samples 1 "$@"
+    is "$name: $width × $height" python3 -c '
+import struct, sys
+with open("an out/pictures/frame_0006.png", "rb") as file:
+    assert struct.unpack(">II", file.read(24)[16:]) == (
+        int(sys.argv[1]), int(sys.argv[2]))' $width $height
+}
+size 'a low picture' 800 16 --height 16
+size 'a narrow picture' 16 600 --width 16
+for samples in '' '--samples 8'; do
+    # shellcheck disable=SC2086
+    exits "a picture $samples" 0 render 'an out' --frame 6 --width 24 --height 16 \
+        $samples
+    cp 'an out/pictures/frame_0006.png' "samples$samples.png"
+done
+is 'eight samples a pixel, if none is told' cmp samples.png 'samples--samples 8.png'
 for threads in 1 2 7 256; do # of 48 rows
     exits "render, threads: $threads" 0 render 'an out' --frame 6 --width 64 \
         --height 48 --samples 1 --threads $threads

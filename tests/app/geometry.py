@@ -41,7 +41,8 @@ def write(path):
         sheet("holes", 50, {}, holes=[PATCH]),
         sheet("cuts", 60, {}, cuts=[PATCH]),
         sheet("pins", 70, {}, pins=pins),
-        sheet("edges", 80, {}, pins=[{"edge": "u0"}, {"edge": "v1"}])]
+        sheet("edges", 80, {}, pins=[
+            {"edge": "u0"}, {"edge": "v1", "every": 0.05}])]
     round_shapes = [
         {"shape": "sphere", "radius": 0.7},
         {"shape": "capsule", "radius": 0.3, "length": 1.5},
@@ -380,7 +381,7 @@ def check(run):
     check_pins(start["pins"][0], first["pins"][0],
                ends | {(i, 0) for i in range(M)} | {(10, 10)}, {(30, 10)})
     check_pins(start["edges"][0], first["edges"][0],
-               {(0, j) for j in range(N)} | {(i, N - 1) for i in range(M)})
+               {(0, j) for j in range(N)} | {(i, N - 1) for i in range(0, M, 2)})
 
 
 def main():

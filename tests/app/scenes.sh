@@ -82,6 +82,11 @@ is 'a scene from a pipe is called so' sh -c \
 with '"name": "a/b\u007f\n\u0020c"'
 exits 'a run without --out' 0 run scene.json --quiet
 is 'goes into a folder of its name' test -s 'a_b__ c.out/report.json'
+is 'may have four fifths of the memory' python3 -c '
+import json, os
+told = json.load(open("a_b__ c.out/report.json"))["settings"]["memory"]
+has = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 1e9
+assert abs(told - 0.8 * has) < 1e-9 * has, (told, has)'
 is 'bodies without a name have that of their kind' python3 -c '
 import json
 assert [b["name"] for b in json.load(open("a_b__ c.out/report.json"))["bodies"]] == [
