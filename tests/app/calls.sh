@@ -82,6 +82,19 @@ else
     is 'an error without an end has one' test $? -eq 2 -a "$(wc -c <err)" -lt 600
 fi
 
+# Who started the tool ignores the end of children, which a process inherits.
+is 'a crash is told by one whose parent ignores children' sh -c '
+    ! python3 -c "
+import os, signal, sys
+signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+os.execv(sys.argv[1], sys.argv[1:])" "$0" convert crash.dae crash.ply 2>err &&
+    ! grep -q "exit status 0" err' "$drape"
+is 'a film, too' sh -c 'PATH="$PWD/told:$PATH" python3 -c "
+import os, signal, sys
+signal.signal(signal.SIGCHLD, signal.SIG_IGN)
+os.execv(sys.argv[1], sys.argv[1:])" "$0" render film --width 16 --height 16 \
+    --samples 1 >told/out && grep -qx film/film.mp4 told/out' "$drape"
+
 # Paths. Each is that of a file here, by as many steps to this folder as it takes.
 # long NAME SIZE: a path of this many bytes
 long() {
