@@ -58,7 +58,7 @@ static void lower(int resource, double soft, double hard)
  * for the child too. 0 if the system does not say. */
 static double taken(void)
 {
-    double pages = 0;
+    double pages;
     FILE *stream = fopen("/proc/self/statm", "r");
     if (!stream)
         return 0;
