@@ -44,6 +44,11 @@ ssize_t write(int file, const void *data, size_t size)
     }
     return interrupted() ? -1 : syscall(SYS_write, file, data, part(size));
 }
+pid_t fork(void)
+{
+    errno = EAGAIN;
+    return getenv("SINGLE") ? -1 : (pid_t)syscall(SYS_fork);
+}
 pid_t waitpid(pid_t child, int *status, int how)
 {
     return interrupted() ? -1 : wait4(child, status, how, NULL);
@@ -63,6 +68,9 @@ else
         --samples 1 >told/out && grep -qx film/film.mp4 told/out' "$drape"
     is 'a scene from a pipe by such calls' sh -c 'cat tiny.json | SELDOM=1 \
         LD_PRELOAD="$PWD/seldom.so" "$0" plan - | grep -q "^tiny: "' "$drape"
+    env SINGLE=1 LD_PRELOAD="$PWD/seldom.so" "$drape" convert some.obj none.ply 2>err
+    is 'a system without processes' test $? -eq 3
+    is 'is said to have none' grep -q '^drape: some.obj: no process to read it: Res' err
     # reply NAME AT TO: a reader whose reply is changed so sends no mesh
     reply() {
         env AT="$2" TO="$3" LD_PRELOAD="$PWD/seldom.so" timeout 20 "$drape" convert \
@@ -81,6 +89,12 @@ else
         >out 2>err
     is 'an error without an end has one' test $? -eq 2 -a "$(wc -c <err)" -lt 600
 fi
+
+# A process that may open no more files, beside the three that it has.
+is 'no pipe to a reader' sh -c '
+    (ulimit -n 4 && exec "$0" convert good.dae none.ply 3>&- 4>&- 5>&-) 2>err
+    [ $? -eq 3 ] && grep -qx \
+        "drape: good.dae: no pipe to its reader: Too many open files" err' "$drape"
 
 # Who started the tool ignores the end of children, which a process inherits.
 is 'a crash is told by one whose parent ignores children' sh -c '

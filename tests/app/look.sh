@@ -30,9 +30,12 @@ shot ball "$eye" '' '"colour": [1, 0, 0], "gloss": 1'
 shot glossy "$eye" '' '"gloss": 1'
 shot floor "$eye, \"floor\": [0, 0.2, 0]" '' ''
 shot sun "$eye, \"sun\": [1, 0.2, 0]" '' ''
+shot sun_x "$eye, \"sun\": [2, 0, 0]" '' ''
+shot sun_y "$eye, \"sun\": [0, 2, 0]" '' ''
+shot sun_z "$eye, \"sun\": [0, 0, 2]" '' ''
 shot dim "$eye, \"light\": 0.2" '' ''
 shot around '' '' ''
-for other in blue even inside ball glossy floor sun dim around; do
+for other in blue even inside ball glossy floor sun sun_x sun_y sun_z dim around; do
     differ plain $other
 done
 front='"eye": [0, 0.3, 3], "target": [0, 0.3, 0]'
@@ -114,3 +117,5 @@ drawn drawn_turned 1 1 '"shape": "plane", "extent": [4, 1, 4]' \
     '"eye": [1.2, 1.6, 2.3], "target": [0, 0.35, 0], "turn": 600, "fov": 50'
 drawn drawn_around 0 2 '"mesh": "floor.off"' \
     '"sun": [1, 0.6, 0.4], "light": 0.7, "floor": [0.3, 0.6, 0.7], "fov": 45'
+drawn drawn_near 0 1 '"mesh": "floor.off"' \
+    '"eye": [0.75, 1.4, 0.25], "target": [0.7, 0.5, 0.2], "fov": 45'

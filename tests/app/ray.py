@@ -15,7 +15,7 @@ from png import read
 
 WIDTH, HEIGHT = 20, 16
 # Bytes are rounded; a sample beside an edge may fall on either side of it.
-NEAR, STRAY = 1.5, 3
+NEAR, STRAY = 1.5, 1
 
 
 def write(path):
@@ -32,7 +32,12 @@ def write(path):
         json.dump({"frames": 1, "dt": 1 / 60, "gravity": [0, 0, 0],
                    "cloths": [
                        sheet([-0.6, 0.7, 0], cuts=[{"disc": [0.4, 0.35, 0.17]}]),
-                       sheet([0.7, 0.5, 0.2], look={
+                       sheet([0.7, 0.5, 0.2], cuts=[
+                           {"disc": [0.4, 0.35, 0.12]},
+                           {"rect": [0, 0.2, 0.1, 0.4]},
+                           {"rect": [0.7, 0.4, 0.8, 0.6]},
+                           {"rect": [0.5, 0, 0.6, 0.1]},
+                           {"rect": [0.1, 0.6, 0.3, 0.7]}], look={
                            "colour": [0.9, 0.7, 0.1], "inside": [0.1, 0.5, 0.9],
                            "gloss": 1, "check": False}),
                        *(small(k) for k in range(3))],

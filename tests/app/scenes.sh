@@ -189,5 +189,9 @@ with "\"obstacles\": [{\"mesh\": \"$work/flat.obj\"}, {\"mesh\": \"flat.obj\",
     \"at\": [0, 0, 9]}], \"allow_intersecting\": true"
 exits 'a mesh by its whole path' 0 run scene.json --out flats
 is 'triangles without area of all meshes' grep -q 'obstacles have 2 triangles' err
+with "\"obstacles\": [{$box}]"
+exits 'a box, whose triangles look in all directions' 0 run scene.json --out flats \
+    --force
+is 'all its triangles have areas' sh -c '! grep "without area" err'
 denied "$work/none.obj: no such mesh file" \
     "\"obstacles\": [{\"mesh\": \"$work/none.obj\"}]"
