@@ -209,24 +209,24 @@ static int by_kind(const void *a, const void *b)
 
 static int answer_meshes(struct pool *pool, char **path)
 {
-    struct mesh at[2];
+    struct mesh from, to;
     struct touches all = {0};
     int64_t asked[2];
-    int status = mesh_load(pool, path[0], &at[0]);
+    int status = mesh_load(pool, path[0], &from);
     if (status == APP_OK)
-        status = mesh_load(pool, path[1], &at[1]);
+        status = mesh_load(pool, path[1], &to);
     if (status != APP_OK)
         return status;
-    if (at[0].nv != at[1].nv || at[0].nt != at[1].nt ||
-        memcmp(at[0].tri, at[1].tri, (size_t)at[0].nt * sizeof *at[0].tri) != 0)
+    if (from.nv != to.nv || from.nt != to.nt ||
+        memcmp(from.tri, to.tri, (size_t)to.nt * sizeof *to.tri) != 0)
         return complain(APP_USAGE, "%s: expected the triangles of %s", path[1],
                         path[0]);
-    drape_mesh mesh = {.nv = at[0].nv,
-                       .nt = at[0].nt,
-                       .x = (const double(*)[3])at[0].x,
-                       .tri = (const int32_t(*)[3])at[0].tri};
+    drape_mesh mesh = {.nv = from.nv,
+                       .nt = from.nt,
+                       .x = (const double(*)[3])from.x,
+                       .tri = (const int32_t(*)[3])from.tri};
     int end =
-        drape_ccd_frames(&mesh, (const double(*)[3])at[1].x, keep, &all, asked);
+        drape_ccd_frames(&mesh, (const double(*)[3])to.x, keep, &all, asked);
     if (all.n)
         qsort(all.pair, all.n, sizeof *all.pair, by_kind);
     for (size_t k = 0; end == DRAPE_OK && k < all.n; k++) {

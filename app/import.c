@@ -60,11 +60,10 @@ static double taken(void)
 {
     double pages;
     FILE *stream = fopen("/proc/self/statm", "r");
-    if (!stream)
-        return 0;
-    if (fscanf(stream, "%lf", &pages) != 1)
+    if (!stream || fscanf(stream, "%lf", &pages) != 1)
         pages = 0;
-    fclose(stream);
+    if (stream)
+        fclose(stream);
     return pages * (double)sysconf(_SC_PAGESIZE);
 }
 

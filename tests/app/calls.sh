@@ -10,7 +10,9 @@
 # at $AT become the number $TO.
 cat >seldom.c <<'EOF'
 #define _GNU_SOURCE
+#include <dlfcn.h>
 #include <errno.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/syscall.h>
@@ -44,6 +46,13 @@ ssize_t write(int file, const void *data, size_t size)
     }
     return interrupted() ? -1 : syscall(SYS_write, file, data, part(size));
 }
+int fclose(FILE *file)
+{
+    int (*real)(FILE *) = (int (*)(FILE *))dlsym(RTLD_NEXT, "fclose");
+    int status = real(file);
+    errno = getenv("FULL") ? EIO : errno;
+    return getenv("FULL") ? EOF : status;
+}
 pid_t fork(void)
 {
     errno = EAGAIN;
@@ -55,7 +64,7 @@ pid_t waitpid(pid_t child, int *status, int how)
 }
 EOF
 if ldd "$drape" | grep -q 'lib[a-z]*san' ||
-    ! "${CC:-cc}" -shared -fPIC seldom.c -o seldom.so 2>/dev/null; then
+    ! "${CC:-cc}" -shared -fPIC seldom.c -o seldom.so -ldl 2>/dev/null; then
     skip 'calls that a signal interrupts: no library can stand before this tool'
 else
     head -n 8000 sent.obj >some.obj
@@ -71,6 +80,10 @@ else
     env SINGLE=1 LD_PRELOAD="$PWD/seldom.so" "$drape" convert some.obj none.ply 2>err
     is 'a system without processes' test $? -eq 3
     is 'is said to have none' grep -q '^drape: some.obj: no process to read it: Res' err
+    fails 'a file that cannot be closed' 'none.ply: cannot write: Input/output error' \
+        env FULL=1 LD_PRELOAD="$PWD/seldom.so" "$drape" convert good.ply none.ply
+    is 'it is not there, nor a part of it' sh -c '
+        [ ! -e none.ply ] && ! find . -name ".none*" | grep .'
     # reply NAME AT TO: a reader whose reply is changed so sends no mesh
     reply() {
         env AT="$2" TO="$3" LD_PRELOAD="$PWD/seldom.so" timeout 20 "$drape" convert \
@@ -133,10 +146,18 @@ refused 'a mesh to a path of 4100 bytes' 'the path of the output is too long' \
 exits 'a mesh to a folder' 0 convert good.ply far/frames/good.ply
 is 'is there' test -s far/frames/good.ply
 
+# A folder is where a file goes.
+mkdir taken.ply
+fails 'a folder as a mesh' 'taken.ply: cannot write: Is a directory' \
+    "$drape" convert good.ply taken.ply
+is 'leaves no part' sh -c '! find . -name "*.part" | grep .'
+
+sed 's/"detail": 10/"detail": 64/' moves.json >large.json
 # Files that grow beyond a limit leave none of their parts. Blocks are of 512 bytes.
 for what in '1 a-picture render_still_--frame_0_--width_64_--height_48' \
     '4 obj convert_quiet.ply_grown.obj' '4 stl convert_quiet.ply_grown.stl' \
     '9 obstacles.obj run_tiny.json_--out_grown_--obj_--frames_0' \
+    '200 moving.obj run_large.json_--out_grown_--obj_--frames_1' \
     '9 contacts run_tiny.json_--out_grown_--contacts_--frames_12_--every_12' \
     '9 cache run_tiny.json_--out_grown_--frames_40' \
     '9 checkpoint run_tiny.json_--out_grown_--frames_1_--checkpoint-every_1'; do

@@ -46,6 +46,7 @@ for size in 0 -1 1e6 2m m nan; do
         convert x.obj refused.ply --size $size
 done
 exits 'convert to nearly 1000 km' 0 convert x.obj y.ply --size 999999
+"$drape" convert x.obj x_2.obj --quiet
 refused 'convert of one mesh' 'expected IN and OUT' convert x.obj
 "$drape" convert x.obj y.ply --quiet
 exits 'convert up +y' 0 convert x.obj z.ply --up 0,5,0
@@ -166,6 +167,11 @@ for threads in 1 2 7 256; do # of 48 rows
 done
 refused 'render of no frame' 'last frame' render 'an out' --frame 7
 refused 'render of no run' 'frames' render .
+refused 'render of no folder' 'nowhere: no such folder' render nowhere
+exits 'render of a run without obstacles' 0 render alone --width 16 --height 16 \
+    --samples 1 --frame 0
+is 'OBJ says its unit' sh -c 'for file in "an out/frames/cloth_0006.obj" x_2.obj; do
+    head -n 1 "$file" | grep -qx "# drape, metres" || exit 1; done'
 is 'whose threads are its own, not OpenMP'"'"'s' sh -c \
     'nm -D "$0" >symbols && grep -q pthread_create symbols &&
     ! grep -E "GOMP|kmpc|omp_" symbols' "$drape"

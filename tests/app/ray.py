@@ -19,13 +19,17 @@ NEAR, STRAY = 1.5, 1
 
 
 def write(path):
+    camera = json.loads(sys.argv[3])
+    # where the tool chooses the camera the scene is far from the origin
+    far = [0, 0, 0] if "eye" in camera["camera"] else [3, 2.5, -4]
+
     def sheet(at, **more):
         return {"particles": [9, 8], "size": [0.8, 0.7],
-                "start": {"at": at, "u": [1, 0.3, 0.1]}, **more}
+                "start": {"at": add(at, far), "u": [1, 0.3, 0.1]}, **more}
 
     def small(k):
         return {"particles": [3, 4], "size": [0.2, 0.3], "look": {"gloss": 0},
-                "start": {"at": [0.6 * k - 0.3, 0.1, 0.9 + 0.1 * k]}}
+                "start": {"at": add([0.6 * k - 0.3, 0.1, 0.9 + 0.1 * k], far)}}
     with open("floor.off", "w") as file:
         file.write("OFF 4 2\n-2 0 -2\n2 0 -2\n2 0 2\n-2 0 2\n3 0 1 2\n3 0 2 3\n")
     with open(path, "w") as file:
@@ -43,13 +47,13 @@ def write(path):
                        *(small(k) for k in range(3))],
                    "obstacles": [
                        {"shape": "sphere", "radius": 0.25, "detail": 8,
-                        "at": [0, 0.3, 0.6], "look": {"colour": [0.2, 0.8, 0.3]}},
-                       {**json.loads(sys.argv[4]), "at": [0, -0.2, 0]},
+                        "at": add([0, 0.3, 0.6], far), "look": {"colour": [0.2, 0.8, 0.3]}},
+                       {**json.loads(sys.argv[4]), "at": add([0, -0.2, 0], far)},
                        {"shape": "plane", "extent": [0.9, 1, 0.9],
-                        "at": [1, 0, 0.4]},
+                        "at": add([1, 0, 0.4], far)},
                        {"shape": "box", "extent": [0.3, 0.9, 0.3], "angle": 20,
-                        "at": [-0.9, 0.2, -0.6], "look": {"gloss": 0.5}}],
-                   **json.loads(sys.argv[3])}, file)
+                        "at": add([-0.9, 0.2, -0.6], far), "look": {"gloss": 0.5}}],
+                   **camera}, file)
 
 
 # Vectors

@@ -184,6 +184,8 @@ def check_rows(drape, path):
     header, rows, state = read(path)
     assert len(rows) > 512 and [r[0] for r in rows] == [
         k + 1 for k in range(len(rows))], "the checkpoint's own rows"
+    told = load(os.path.dirname(path))["summary"]["seconds"]
+    assert math.isclose(header[4], told, rel_tol=1e-4), "the run's seconds"
     made = invent(rows)
     header[4] = 7e5  # seconds
     write("made.drape", header, made, state)
