@@ -12,6 +12,8 @@ cat >seldom.c <<'EOF'
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -53,6 +55,17 @@ int fclose(FILE *file)
     errno = getenv("FULL") ? EIO : errno;
     return getenv("FULL") ? EOF : status;
 }
+int open(const char *path, int how, ...)
+{
+    va_list list;
+    va_start(list, how);
+    int mode = va_arg(list, int);
+    va_end(list);
+    errno = ENOSPC;
+    if (getenv("NOPART") && strstr(path, getenv("NOPART")) && strstr(path, ".part"))
+        return -1;
+    return (int)syscall(SYS_openat, AT_FDCWD, path, how, mode);
+}
 pid_t fork(void)
 {
     errno = EAGAIN;
@@ -84,6 +97,31 @@ else
         env FULL=1 LD_PRELOAD="$PWD/seldom.so" "$drape" convert good.ply none.ply
     is 'it is not there, nor a part of it' sh -c '
         [ ! -e none.ply ] && ! find . -name ".none*" | grep .'
+    # Whichever file of a run, of a film or of convert cannot be opened, all ends there.
+    while read -r name arguments; do
+        rm -rf unopened unopened.*
+        # shellcheck disable=SC2086
+        fails "no room for $name" "$name: cannot write: No space left" \
+            env NOPART="$name" LD_PRELOAD="$PWD/seldom.so" "$drape" $arguments
+        is "no part, $name" sh -c '! find . -name "*.part" | grep .'
+    done <<'EOT'
+report.json run tiny.json --out unopened
+obstacles.ply run tiny.json --out unopened
+obstacles.obj run tiny.json --out unopened --obj
+cloth_0000.ply run tiny.json --out unopened
+cloth_0000.obj run tiny.json --out unopened --obj
+contacts_0001.ply run tiny.json --out unopened --contacts
+cloth.pc2 run tiny.json --out unopened
+trace.csv run tiny.json --out unopened --trace
+checkpoint.drape run tiny.json --out unopened --checkpoint-every 2
+obstacles_0001.ply run moves.json --out unopened
+obstacles_0001.obj run moves.json --out unopened --obj
+frame_0000.png render film --frame 0 --width 16 --height 16
+film_0001.png render film --width 16 --height 16 --samples 1 --quiet
+unopened.ply convert good.ply unopened.ply
+unopened.obj convert good.ply unopened.obj
+unopened.stl convert good.ply unopened.stl
+EOT
     # reply NAME AT TO: a reader whose reply is changed so sends no mesh
     reply() {
         env AT="$2" TO="$3" LD_PRELOAD="$PWD/seldom.so" timeout 20 "$drape" convert \

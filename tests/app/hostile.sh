@@ -112,6 +112,7 @@ gltf good.gltf AAEC 3
 exits 'good glTF' 0 convert good.gltf good_gltf.ply
 gltf index.gltf AAECAAEJ 6
 no_mesh 'glTF, index out of range' 'cannot be read as a mesh' index.gltf
+is 'what assimp says of it is said' grep -Eqi 'as a mesh: [^:]*out.of.range' err
 # nodes COUNT: glTF of a triangle in a node, which lies in COUNT others
 nodes() {
     gltf nodes.gltf AAEC 3

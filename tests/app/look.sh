@@ -119,3 +119,10 @@ drawn drawn_around 0 2 '"mesh": "floor.off"' \
     '"sun": [1, 0.6, 0.4], "light": 0.7, "floor": [0.3, 0.6, 0.7], "fov": 45'
 drawn drawn_near 0 1 '"mesh": "floor.off"' \
     '"eye": [0.75, 1.4, 0.25], "target": [0.7, 0.5, 0.2], "fov": 45'
+# A small scene without a floor, by the tool's own camera.
+sed 's/"frames": 6/"frames": 0/; s/"cloth", /&"look": {}, /' tiny.json >drawn_small.json
+exits 'a run: drawn_small' 0 run drawn_small.json --out drawn_small --quiet
+exits 'a picture: drawn_small' 0 render drawn_small --frame 0 --width 20 --height 16 \
+    --samples 1 --quiet
+is 'drawn_small: every pixel is as another program draws it' \
+    python3 "$root/tests/app/ray.py" check drawn_small 0 drawn_small/pictures/frame_0000.png 1

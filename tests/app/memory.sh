@@ -232,8 +232,11 @@ cat >taken.c <<'EOF'
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
+static int refused(const char *name);
 typedef void *call(void *, void *, void *, void *, void *, void *);
 enum { DEVICE, SCENE, GEOMETRY, IMPORT, BLOB, PICTURE, FOLDER, KINDS };
 static int taken[KINDS];
@@ -242,33 +245,47 @@ static pid_t process;
 #define TAKE(kind, name)                                                       \
     void *name(void *a, void *b, void *c, void *d, void *e, void *f)           \
     {                                                                          \
-        void *made = HAND_ON(name);                                            \
+        void *made = refused(#name) ? NULL : HAND_ON(name);                    \
         FILE *told = made ? fopen("taken.txt", "a") : NULL;                    \
         if (told && fprintf(told, #name "\n") > 0)                            \
             fclose(told);                                                      \
         taken[kind] += made != NULL;                                           \
         return made;                                                           \
     }
-#define GIVE(kind, name)                                                       \
+#define GIVE(kind, name, held)                                                 \
     void *name(void *a, void *b, void *c, void *d, void *e, void *f)           \
     {                                                                          \
-        taken[kind] -= a != NULL;                                              \
+        taken[kind] -= a && (held);                                            \
         return HAND_ON(name);                                                  \
     }
+/* Whether $REFUSE names this function, which then fails. */
+static int refused(const char *name)
+{
+    const char *told = getenv("REFUSE");
+    return told && strcmp(told, name) == 0;
+}
+/* A buffer of vertices, b = 1, or of indices, b = 0. */
+void *rtcSetNewGeometryBuffer(void *a, void *b, void *c, void *d, void *e, void *f,
+                              void *g)
+{
+    typedef void *more(void *, void *, void *, void *, void *, void *, void *);
+    more *real = (more *)dlsym(RTLD_NEXT, "rtcSetNewGeometryBuffer");
+    return refused(b ? "vertices" : "indices") ? NULL : real(a, b, c, d, e, f, g);
+}
 TAKE(DEVICE, rtcNewDevice)
-GIVE(DEVICE, rtcReleaseDevice)
+GIVE(DEVICE, rtcReleaseDevice, 1)
 TAKE(SCENE, rtcNewScene)
-GIVE(SCENE, rtcReleaseScene)
+GIVE(SCENE, rtcReleaseScene, 1)
 TAKE(GEOMETRY, rtcNewGeometry)
-GIVE(GEOMETRY, rtcReleaseGeometry)
+GIVE(GEOMETRY, rtcReleaseGeometry, 1)
 TAKE(IMPORT, aiImportFileFromMemory)
-GIVE(IMPORT, aiReleaseImport)
+GIVE(IMPORT, aiReleaseImport, 1)
 TAKE(BLOB, aiExportSceneToBlob)
-GIVE(BLOB, aiReleaseExportBlob)
+GIVE(BLOB, aiReleaseExportBlob, 1)
 TAKE(PICTURE, png_create_write_struct)
-GIVE(PICTURE, png_destroy_write_struct)
+GIVE(PICTURE, png_destroy_write_struct, *(void **)a != NULL)
 TAKE(FOLDER, opendir)
-GIVE(FOLDER, closedir)
+GIVE(FOLDER, closedir, 1)
 
 __attribute__((constructor)) static void begin(void)
 {
@@ -356,6 +373,24 @@ else
         # shellcheck disable=SC2086
         is "what is taken is given back: $command" env LD_PRELOAD="$PWD/taken.so" \
             "$drape" $command
+    done
+    # refuses NAME WORDS COMMAND...: a function of a library fails
+    refuses() {
+        function=$1 words=$2
+        shift 2
+        env REFUSE="$function" LD_PRELOAD="$PWD/taken.so" "$drape" "$@" >out 2>err
+        is "$function fails" test $? -eq 3
+        is "$function: $words" grep -q "$words" err
+        is "$function: no part of a file" sh -c '! find . -name "*.part" | grep .'
+    }
+    for name in rtcNewDevice vertices indices; do
+        refuses $name 'render: Embree gave up$' render meager/run --frame 1 --width 16 \
+            --height 16 --samples 1
+    done
+    refuses png_create_write_struct 'frame_0001.png: cannot write the picture$' \
+        render meager/run --frame 1 --width 16 --height 16 --samples 1
+    for name in aiImportFileFromMemory aiExportSceneToBlob; do
+        refuses $name 'taken.glb: assimp cannot write it' convert meager/one.obj taken.glb
     done
     is 'of all that the library has counted' test "$(sort -u taken.txt | wc -l)" -ge 7
     # What the library holds at the end of a run is what the report says, by a count
