@@ -38,6 +38,22 @@ struct option_row {
     void *out;   /* int * or, of OPTION_TEXT, const char ** */
     long lo, hi; /* of OPTION_INT */
 };
+#define FLAG_OPTION(name, out)                                                 \
+    {                                                                          \
+        name, OPTION_FLAG, out, 0, 0                                           \
+    }
+#define INT_OPTION(name, out, lo, hi)                                          \
+    {                                                                          \
+        name, OPTION_INT, out, lo, hi                                          \
+    }
+#define BITS_OPTION(name, out)                                                 \
+    {                                                                          \
+        name, OPTION_BITS, out, 0, 0                                           \
+    }
+#define TEXT_OPTION(name, out)                                                 \
+    {                                                                          \
+        name, OPTION_TEXT, out, 0, 0                                           \
+    }
 /* Reads argv[0 … argc) by the table (its last row has no name) and getopt_long:
  * `--name value`, `--name=value`, and a name's beginning where it is unique.
  * Every table also has --quiet. Positional arguments move to the front of argv

@@ -69,7 +69,7 @@ static int list_pairs(const drape_mesh *mesh, int64_t found)
 static int audit(const struct merged *all, const char *name, int list,
                  bool quiet, int64_t *found)
 {
-    int64_t degenerate = 0;
+    int64_t degenerate;
     drape_mesh mesh = {.nv = all->mesh.nv,
                        .nt = all->mesh.nt,
                        .x = (const double(*)[3])all->mesh.x,
@@ -257,10 +257,9 @@ int command_audit(int argc, char **argv)
 {
     int list = 0, positional;
     const char *obstacle = NULL;
-    const struct option_row options[] = {
-        {"--list", OPTION_FLAG, &list, 0, 0},
-        {"--obstacle", OPTION_TEXT, &obstacle, 0, 0},
-        {0}};
+    const struct option_row options[] = {FLAG_OPTION("--list", &list),
+                                         TEXT_OPTION("--obstacle", &obstacle),
+                                         {0}};
     int status = options_read(options, argc, argv, &positional);
     if (status != APP_OK)
         return status;

@@ -103,13 +103,13 @@ static int read_row(struct queries *q, char *line, int row)
     return APP_OK;
 }
 
-static int answer(struct queries *q)
+/* Answers the query of the last 8 rows. They are finite and the kind is one of
+ * the two, so drape_ccd does not refuse it. */
+static void answer(struct queries *q)
 {
-    double toi = 0;
-    int hit = drape_ccd(q->kind, (const double(*)[3])q->x,
-                        (const double(*)[3])(q->x + 4), &toi);
-    if (hit < 0)
-        return refuse(q, "numbers within 2^60 in the 8 rows up to here");
+    double toi;
+    bool hit = drape_ccd(q->kind, (const double(*)[3])q->x,
+                         (const double(*)[3])(q->x + 4), &toi) > 0;
     if (hit)
         printf("1 %.17g\n", toi);
     else
@@ -117,7 +117,6 @@ static int answer(struct queries *q)
     q->asked++;
     q->missed += q->truth == 1 && !hit;
     q->invented += q->truth == 0 && hit;
-    return APP_OK;
 }
 
 static int read_all(struct queries *q)
@@ -135,7 +134,7 @@ static int read_all(struct queries *q)
             status = read_row(q, line, row);
         if (status == APP_OK && ++row == ROWS) {
             row = 0;
-            status = answer(q);
+            answer(q);
         }
     }
     free(line);
@@ -210,24 +209,24 @@ static int by_kind(const void *a, const void *b)
 
 static int answer_meshes(struct pool *pool, char **path)
 {
-    struct mesh at[2];
+    struct mesh from, to;
     struct touches all = {0};
     int64_t asked[2];
-    int status = mesh_load(pool, path[0], &at[0]);
+    int status = mesh_load(pool, path[0], &from);
     if (status == APP_OK)
-        status = mesh_load(pool, path[1], &at[1]);
+        status = mesh_load(pool, path[1], &to);
     if (status != APP_OK)
         return status;
-    if (at[0].nv != at[1].nv || at[0].nt != at[1].nt ||
-        memcmp(at[0].tri, at[1].tri, (size_t)at[0].nt * sizeof *at[0].tri) != 0)
+    if (from.nv != to.nv || from.nt != to.nt ||
+        memcmp(from.tri, to.tri, (size_t)to.nt * sizeof *to.tri) != 0)
         return complain(APP_USAGE, "%s: expected the triangles of %s", path[1],
                         path[0]);
-    drape_mesh mesh = {.nv = at[0].nv,
-                       .nt = at[0].nt,
-                       .x = (const double(*)[3])at[0].x,
-                       .tri = (const int32_t(*)[3])at[0].tri};
+    drape_mesh mesh = {.nv = from.nv,
+                       .nt = from.nt,
+                       .x = (const double(*)[3])from.x,
+                       .tri = (const int32_t(*)[3])from.tri};
     int end =
-        drape_ccd_frames(&mesh, (const double(*)[3])at[1].x, keep, &all, asked);
+        drape_ccd_frames(&mesh, (const double(*)[3])to.x, keep, &all, asked);
     if (all.n)
         qsort(all.pair, all.n, sizeof *all.pair, by_kind);
     for (size_t k = 0; end == DRAPE_OK && k < all.n; k++) {
@@ -250,9 +249,7 @@ int command_ccd(int argc, char **argv)
     const char *kind = NULL;
     int frames = 0, positional;
     const struct option_row options[] = {
-        {"--kind", OPTION_TEXT, &kind, 0, 0},
-        {"--frames", OPTION_FLAG, &frames, 0, 0},
-        {0}};
+        TEXT_OPTION("--kind", &kind), FLAG_OPTION("--frames", &frames), {0}};
     int status = options_read(options, argc, argv, &positional);
     if (status != APP_OK)
         return status;

@@ -137,8 +137,8 @@ static int read_region(struct json *json, const cJSON *node, void *out)
 static int read_regions(struct json *json, const cJSON *node, void *out)
 {
     struct regions *regions = out;
-    struct json_list list = {read_region, sizeof(struct region), 10000, NULL,
-                             0};
+    struct json_list list = {
+        .read = read_region, .size = sizeof(struct region), .most = 10000};
     int status = json_array(json, node, &list);
     regions->list = list.items;
     regions->count = list.count;
@@ -166,7 +166,8 @@ static int read_pin(struct json *json, const cJSON *node, void *out)
 static int read_pins(struct json *json, const cJSON *node, void *out)
 {
     struct cloth *cloth = out;
-    struct json_list list = {read_pin, sizeof(struct pin), 10000, NULL, 0};
+    struct json_list list = {
+        .read = read_pin, .size = sizeof(struct pin), .most = 10000};
     int status = json_array(json, node, &list);
     cloth->pins = list.items;
     cloth->n_pins = list.count;
@@ -238,7 +239,8 @@ static int read_cloth(struct json *json, const cJSON *node, void *out)
 int read_cloths(struct json *json, const cJSON *node, void *out)
 {
     struct scene *scene = out;
-    struct json_list list = {read_cloth, sizeof(struct cloth), 1000, NULL, 0};
+    struct json_list list = {
+        .read = read_cloth, .size = sizeof(struct cloth), .most = 1000};
     int status = json_array(json, node, &list);
     if (status != APP_OK)
         return status;

@@ -54,7 +54,6 @@ int contacts_add(struct impulses *list, drape_world *world)
 void contacts_free(struct impulses *list)
 {
     free(list->row);
-    list->row = NULL;
 }
 
 void contacts_put(FILE *out, const struct impulses *list, int64_t k)

@@ -28,9 +28,8 @@ static int read_size(const char *text, double *size)
 int command_convert(int argc, char **argv)
 {
     const char *up = NULL, *size = NULL;
-    const struct option_row options[] = {{"--up", OPTION_TEXT, &up, 0, 0},
-                                         {"--size", OPTION_TEXT, &size, 0, 0},
-                                         {0}};
+    const struct option_row options[] = {
+        TEXT_OPTION("--up", &up), TEXT_OPTION("--size", &size), {0}};
     int positional;
     int status = options_read(options, argc, argv, &positional);
     if (status != APP_OK)

@@ -68,11 +68,11 @@ int command_materials(int argc, char **argv)
            "shear", "bend", "thickness", "friction");
     printf("%-11s %8s %8s %8s %9s %9s\n", "", "kg/m2", "N/m", "N/m", "N m",
            "m");
-    for (int k = 0; k < FABRICS; k++) {
-        const drape_material *m = &fabrics[k].material;
-        printf("%-11s %8g %8g %8g %9.3g %9g %8g\n", fabrics[k].name, m->density,
-               m->stretch, m->shear, m->bend, m->thickness, m->friction);
-    }
+    drape_material m = {0};
+    const char *name, *what;
+    for (int k = 0; (name = fabric_at(k, &m, &what)) != NULL; k++)
+        printf("%-11s %8g %8g %8g %9.3g %9g %8g\n", name, m.density, m.stretch,
+               m.shear, m.bend, m.thickness, m.friction);
     putchar('\n');
     for (int k = 0; k < FABRICS; k++)
         printf("%-11s %s\n%-11s %s\n", fabrics[k].name, fabrics[k].what, "",

@@ -38,8 +38,7 @@ int command_fetch_models(int argc, char **argv)
 {
     char folder[FILE_PATH], script[FILE_PATH];
     const char *from = "";
-    const struct option_row options[] = {{"--from", OPTION_TEXT, &from, 0, 0},
-                                         {0}};
+    const struct option_row options[] = {TEXT_OPTION("--from", &from), {0}};
     int positional;
     int status = options_read(options, argc, argv, &positional);
     if (status != APP_OK)

@@ -22,7 +22,7 @@ static int first_of_pipe(int descriptor)
     unsigned char byte;
     poll(&there, 1, PATIENCE);
     ssize_t got = read(descriptor, &byte, 1);
-    if (got < 0 && errno == EAGAIN) {
+    if (got < 0 && (errno == EAGAIN || errno == EINTR)) {
         fcntl(descriptor, F_SETFL, 0);
         do
             got = read(descriptor, &byte, 1);

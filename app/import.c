@@ -58,13 +58,12 @@ static void lower(int resource, double soft, double hard)
  * for the child too. 0 if the system does not say. */
 static double taken(void)
 {
-    double pages = 0;
+    double pages;
     FILE *stream = fopen("/proc/self/statm", "r");
-    if (!stream)
-        return 0;
-    if (fscanf(stream, "%lf", &pages) != 1)
+    if (!stream || fscanf(stream, "%lf", &pages) != 1)
         pages = 0;
-    fclose(stream);
+    if (stream)
+        fclose(stream);
     return pages * (double)sysconf(_SC_PAGESIZE);
 }
 

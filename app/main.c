@@ -194,6 +194,9 @@ int main(int argc, char **argv)
      * is reported, instead of ending the process */
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
+    /* who ignores the end of children passes that on; then nobody could tell
+     * how a reader of meshes or ffmpeg has ended */
+    signal(SIGCHLD, SIG_DFL);
     for (; argc > 1 && strcmp(argv[1], "--quiet") == 0; argc--, argv++)
         app_quiet = true;
     if (argc < 2) {

@@ -158,11 +158,12 @@ static bool is_floor(const struct mesh *mesh, int64_t k, float *floor)
     return true;
 }
 
-/* Appends a mesh; obstacles get their paint, which follows that of cloths. */
+/* Appends a mesh; obstacles get their paint, which follows that of cloths: of
+ * one cloth where no report names any. */
 static void append(struct model *m, const struct mesh *mesh,
                    const struct run_look *look, bool cloth)
 {
-    int of = 0;
+    int of = 0, cloths = look->count ? look->count : 1;
     int64_t first = m->nv;
     for (int64_t k = 0; k < mesh->nv; k++)
         for (int i = 0; i < 3; i++)
@@ -176,7 +177,7 @@ static void append(struct model *m, const struct mesh *mesh,
             continue;
         for (int i = 0; i < 3; i++)
             m->tri[m->nt][i] = (uint32_t)(first + mesh->tri[k][i]);
-        m->paint[m->nt++] = (uint16_t)(look->count + of);
+        m->paint[m->nt++] = (uint16_t)(cloths + of);
     }
 }
 

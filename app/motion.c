@@ -42,7 +42,8 @@ static int read_key(struct json *json, const cJSON *node, void *out)
 static int read_keys(struct json *json, const cJSON *node, void *out)
 {
     struct motion *motion = out;
-    struct json_list list = {read_key, sizeof(struct key), 10000, NULL, 0};
+    struct json_list list = {
+        .read = read_key, .size = sizeof(struct key), .most = 10000};
     int status = json_array(json, node, &list);
     motion->keys = list.items;
     motion->n_keys = list.count;
@@ -179,7 +180,8 @@ static int convert(struct pool *pool, const struct motion *motion,
 int read_motions(struct json *json, const cJSON *node, void *out)
 {
     struct scene *scene = out;
-    struct json_list list = {read_motion, sizeof(struct motion), 1000, NULL, 0};
+    struct json_list list = {
+        .read = read_motion, .size = sizeof(struct motion), .most = 1000};
     int status = json_array(json, node, &list);
     if (status != APP_OK)
         return status;

@@ -213,8 +213,8 @@ static int read_obstacle(struct json *json, const cJSON *node, void *out)
 int read_obstacles(struct json *json, const cJSON *node, void *out)
 {
     struct scene *scene = out;
-    struct json_list list = {read_obstacle, sizeof(struct obstacle), 1000, NULL,
-                             0};
+    struct json_list list = {
+        .read = read_obstacle, .size = sizeof(struct obstacle), .most = 1000};
     int status = json_array(json, node, &list);
     if (status != APP_OK)
         return status;

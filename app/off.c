@@ -108,7 +108,7 @@ static int read_face(struct lines *in, struct mesh *mesh, int64_t room)
 {
     char *line = next_line(in);
     int64_t count = line ? next_whole(&line, INT32_MAX) : -1;
-    int64_t first = 0, last = 0;
+    int32_t ends[2]; /* its first vertex and the last one read */
     if (count < 0)
         return refuse(in, line ? "expected a face's number of vertices"
                                : "the file ends; expected a face");
@@ -122,13 +122,12 @@ static int read_face(struct lines *in, struct mesh *mesh, int64_t room)
                             (long long)mesh->nv - 1);
         if (j >= 2 && mesh->nt < room) {
             int32_t *t = mesh->tri[mesh->nt];
-            t[0] = (int32_t)first;
-            t[1] = (int32_t)last;
+            t[0] = ends[0];
+            t[1] = ends[1];
             t[2] = (int32_t)index;
         }
         mesh->nt += j >= 2;
-        first = j ? first : index;
-        last = index;
+        ends[j > 0] = (int32_t)index;
     }
     return APP_OK;
 }

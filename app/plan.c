@@ -71,11 +71,10 @@ int command_plan(int argc, char **argv)
     int positional;
     const char *measured = NULL;
     const struct option_row options[] = {
-        {"--backend", OPTION_TEXT, &overrides.backend, 0, 0},
-        {"--precision", OPTION_BITS, &overrides.precision, 0, 0},
-        {"--allow-intersecting", OPTION_FLAG, &overrides.allow_intersecting, 0,
-         0},
-        {"--speed", OPTION_TEXT, &measured, 0, 0},
+        TEXT_OPTION("--backend", &overrides.backend),
+        BITS_OPTION("--precision", &overrides.precision),
+        FLAG_OPTION("--allow-intersecting", &overrides.allow_intersecting),
+        TEXT_OPTION("--speed", &measured),
         {0}};
     int status = options_read(options, argc, argv, &positional);
     if (status != APP_OK)

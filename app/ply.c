@@ -118,18 +118,17 @@ static void read_polygon(struct ply *r, const struct property *p,
                          struct mesh *mesh, int64_t room)
 {
     int count = read_count(r, p);
-    int32_t first = 0, last = 0;
+    int32_t ends[2]; /* its first vertex and the last one read */
     for (int j = 0; j < count && !r->wrong; j++) {
         int32_t index = read_index(r, p, mesh);
         if (j >= 2 && mesh->nt < room) {
             int32_t *t = mesh->tri[mesh->nt];
-            t[0] = first;
-            t[1] = last;
+            t[0] = ends[0];
+            t[1] = ends[1];
             t[2] = index;
         }
         mesh->nt += j >= 2;
-        first = j ? first : index;
-        last = index;
+        ends[j > 0] = index;
     }
 }
 

@@ -18,8 +18,10 @@ double seconds_now(void)
 
 void progress_begin(struct progress *p, int64_t first, int64_t total)
 {
-    *p = (struct progress){isatty(STDERR_FILENO) != 0, first, total,
-                           seconds_now(), 0};
+    *p = (struct progress){.terminal = isatty(STDERR_FILENO) != 0,
+                           .first = first,
+                           .total = total,
+                           .began = seconds_now()};
 }
 
 static void duration(double seconds, char text[32])

@@ -71,8 +71,8 @@ int command_export(int argc, char **argv)
     const char *to = NULL;
     int every;
     const struct option_row options[] = {
-        {"--to", OPTION_TEXT, &to, 0, 0},
-        {"--every", OPTION_INT, &every, 1, 1000000},
+        TEXT_OPTION("--to", &to),
+        INT_OPTION("--every", &every, 1, 1000000),
         {0}};
     int status =
         check(options, argc, argv, "export: expected one DIR, a run's");
@@ -85,10 +85,9 @@ int command_view(int argc, char **argv)
 {
     const char *host;
     int port;
-    const struct option_row options[] = {
-        {"--port", OPTION_INT, &port, 0, 65535},
-        {"--host", OPTION_TEXT, &host, 0, 0},
-        {0}};
+    const struct option_row options[] = {INT_OPTION("--port", &port, 0, 65535),
+                                         TEXT_OPTION("--host", &host),
+                                         {0}};
     int status = check(options, argc, argv,
                        "view: expected one DIR, a run's, or SCENE.json");
     return status == APP_OK ? become_python("view", argc, argv) : status;

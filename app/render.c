@@ -45,7 +45,7 @@ static int take(struct render *r, int frame, int number)
 }
 
 /* Runs a program found in PATH and waits for its end. Returns its exit status,
- * or -1. */
+ * 1 if a signal ended it, or -1 if it was not found. */
 static int call(char *const argv[])
 {
     pid_t child;
@@ -55,9 +55,9 @@ static int call(char *const argv[])
     while (waitpid(child, &status, 0) < 0)
         if (errno != EINTR)
             return -1;
-    /* 127: the program was not found */
-    return WIFEXITED(status) && WEXITSTATUS(status) != 127 ? WEXITSTATUS(status)
-                                                           : -1;
+    if (!WIFEXITED(status))
+        return 1;
+    return WEXITSTATUS(status) == 127 ? -1 : WEXITSTATUS(status);
 }
 
 /* Makes film.mp4 of the pictures, if ffmpeg is installed. */
@@ -121,11 +121,10 @@ static int take_all(struct render *r)
         return status;
     say("%s: %d pictures\n", r->pictures, made);
     /* a run may have written only every n-th frame */
-    if (r->turn && !r->rate)
-        r->rate = r->turn / 6; /* once around in six seconds */
     int apart = r->count > 1 ? r->frames[1] - r->frames[0] : 1;
-    if (!r->rate)
-        r->rate = (int)(r->look.rate / r->every / apart + 0.5);
+    if (!r->rate) /* once around in six seconds, or as fast as the run */
+        r->rate = r->turn ? r->turn / 6
+                          : (int)(r->look.rate / r->every / apart + 0.5);
     r->rate = r->rate < 1 ? 1 : r->rate;
     return r->no_film ? APP_OK : make_film(r);
 }
@@ -150,15 +149,15 @@ int command_render(int argc, char **argv)
     struct render r = {.frame = -1, .every = 1};
     r.shot = (struct shot){.width = 800, .height = 600, .samples = 8};
     const struct option_row options[] = {
-        {"--frame", OPTION_INT, &r.frame, 0, 1000000},
-        {"--every", OPTION_INT, &r.every, 1, 1000000},
-        {"--turn", OPTION_INT, &r.turn, 1, 100000},
-        {"--width", OPTION_INT, &r.shot.width, 16, 16384},
-        {"--height", OPTION_INT, &r.shot.height, 16, 16384},
-        {"--samples", OPTION_INT, &r.shot.samples, 1, 65536},
-        {"--threads", OPTION_INT, &r.shot.threads, 0, 256},
-        {"--rate", OPTION_INT, &r.rate, 1, 1000},
-        {"--no-film", OPTION_FLAG, &r.no_film, 0, 0},
+        INT_OPTION("--frame", &r.frame, 0, 1000000),
+        INT_OPTION("--every", &r.every, 1, 1000000),
+        INT_OPTION("--turn", &r.turn, 1, 100000),
+        INT_OPTION("--width", &r.shot.width, 16, 16384),
+        INT_OPTION("--height", &r.shot.height, 16, 16384),
+        INT_OPTION("--samples", &r.shot.samples, 1, 65536),
+        INT_OPTION("--threads", &r.shot.threads, 0, 256),
+        INT_OPTION("--rate", &r.rate, 1, 1000),
+        FLAG_OPTION("--no-film", &r.no_film),
         {0}};
     int positional;
     int status = options_read(options, argc, argv, &positional);

@@ -204,8 +204,6 @@ static void put_vector(FILE *out, const char *name, const double v[3])
  * need. */
 static void put_camera(FILE *out, const struct camera *c)
 {
-    if (!(c->fov > 0))
-        return;
     if (memcmp(c->eye, c->target, sizeof c->eye) != 0) {
         fputs("  \"camera\": {", out);
         put_vector(out, "eye", c->eye);

@@ -207,13 +207,12 @@ static bool name_bodies(const struct scene *scene, const char *text,
 {
     static const char begin[] = "the start state is intersecting: ";
     char kind[2][16];
-    int body[2], triangle[2], end = 0;
+    int body[2], triangle[2], end;
     if (strncmp(text, begin, sizeof begin - 1) != 0 ||
         sscanf(text + sizeof begin - 1,
                "%15[a-z] %d triangle %d and %15[a-z] %d triangle %d%n", kind[0],
                &body[0], &triangle[0], kind[1], &body[1], &triangle[1],
-               &end) != 6 ||
-        !end)
+               &end) != 6)
         return false;
     snprintf(out, 512,
              "%s%s %d (%.60s) triangle %d and %s %d (%.60s) triangle %d%s; "

@@ -193,7 +193,8 @@ static int make_funnel(struct pool *pool, const struct shape *s,
         profile[k][1] =
             k < SPOUT ? -s->length * (SPOUT - k) / SPOUT : t * s->height;
     }
-    struct lathe lathe = {CONE + SPOUT + 1, s->detail, profile, NULL, 0};
+    struct lathe lathe = {
+        .rings = CONE + SPOUT + 1, .around = s->detail, .profile = profile};
     return turn(pool, &lathe, mesh);
 }
 

@@ -16,7 +16,7 @@ static const char built_in[] =
 
 static bool read_row(const char *line, struct speed *s)
 {
-    int end = 0;
+    int end;
     int n = sscanf(line,
                    "%63[^,\n],%7[^,\n],%15[^,\n],%d,%d,%lf,%lf,%lf,%lf,%lf,%lf,"
                    "%lf,%d%n",

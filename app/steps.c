@@ -46,7 +46,6 @@ void report_free(struct report *report)
 {
     contacts_free(&report->impulses);
     free(report->step);
-    *report = (struct report){0};
 }
 
 const char *report_outcome(int outcome, char text[128])

@@ -69,8 +69,8 @@ EOF
 cp "$root/app/scenes/tiny.json" tiny.json
 
 # In this order, as later ones use what earlier ones have written.
-for part in help input hostile geometry run resume folder audit files memory manners \
-    look data; do
+for part in help input hostile motions scenes read geometry run resume folder audit \
+    files ccd memory manners calls look data; do
     # shellcheck disable=SC1090
     . "$root/tests/app/$part.sh"
 done

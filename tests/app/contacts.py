@@ -9,6 +9,8 @@ import os
 import struct
 import sys
 
+from geometry import load
+
 TYPES = {"double": "d", "int": "i"}
 
 
@@ -26,6 +28,25 @@ def read(path):
     return [dict(zip(names, values)) for values in row.iter_unpack(body)]
 
 
+def positions(folder, frame):
+    """Of all vertices, in the order of the scene; obstacles stand still."""
+    cloth, _ = load(os.path.join(folder, "frames/cloth_%04d.ply" % frame))
+    return cloth + load(os.path.join(folder, "obstacles.ply"))[0]
+
+
+def check_place(row, then, now):
+    """The point is that of side A at the end of the step, and the gap is the way
+    between the sides along the normal at its beginning."""
+    weights = [(row["vertex_%d" % k], row["weight_%d" % k]) for k in range(4)]
+    ones = weights[:1 if row["kind"] == 0 else 2]
+    for i, axis in enumerate("xyz"):
+        place = sum(w * now[v][i] for v, w in ones)
+        assert abs(place - row[axis]) < 1e-6, (axis, place, row)
+    gap = sum(w * then[v][i] * row["n" + axis] for v, w in weights
+              for i, axis in enumerate("xyz"))
+    assert abs(gap - row["gap"]) < 1e-6, (gap, row)
+
+
 def main(folder, frame):
     with open(os.path.join(folder, "report.json")) as file:
         report = json.load(file)
@@ -38,7 +59,9 @@ def main(folder, frame):
     assert 0 < step["impulses"]["slice"] <= report["dt"] * (1 + 1e-12)
     assert len(told) == len(report["bodies"])
     sums = [[0.0, 0.0, 0.0] for _ in report["bodies"]]
+    then, now = positions(folder, frame - 1), positions(folder, frame)
     for row in rows:
+        check_place(row, then, now)
         length = sum(row["n" + axis] ** 2 for axis in "xyz")
         assert abs(length - 1) < 1e-6, row
         assert abs(sum(row["weight_%d" % k] for k in range(4))) < 1e-6, row

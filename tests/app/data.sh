@@ -32,6 +32,17 @@ is 'an installed tool fetches them, too' cmp data/models/buddha_100k.ply \
     at/data/models/buddha_100k.ply
 is 'what an installed tool cannot find is by name' grep -q \
     'missing: from/Sample-Queries/' at.err
+# So does the tool of a checkout in build/, or a flavour of it in build/…/.
+mkdir -p of/ci of/build/gcc of/data/models
+cp "$root/ci/data.sh" "$root/ci/data.py" "$root/ci/lion.sh" of/ci
+cp quiet.ply of/data/models/lion_20k.ply
+for place in build build/gcc; do
+    cp "$drape" of/$place
+    rm -f of/data/models/buddha_100k.ply
+    of/$place/drape fetch-models of/data --from from >of.log 2>of.err
+    is "the tool in $place fetches them, too" cmp data/models/buddha_100k.ply \
+        of/data/models/buddha_100k.ply
+done
 # no_script NAME COMMAND...: exit 3, and one line that says where no script is.
 no_script() {
     name=$1

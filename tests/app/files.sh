@@ -10,11 +10,57 @@ exits 'audit finds a pair' 1 audit x.obj --list
 is 'audit counts it' grep -q '1 intersecting pairs' out
 is 'audit lists it' grep -qx '0 1' out
 exits 'audit of one against another' 1 audit good.ply x.obj
+awk '$1 == "v" { $3 += 9 } 1' x.obj >apart.obj
+exits 'an obstacle is not audited by itself' 0 audit good.ply --obstacle apart.obj
+is 'but counted' grep -qx 'good.ply: 3 triangles, 0 intersecting pairs' out
+exits 'two meshes are, each by itself' 1 audit good.ply apart.obj --list
+is 'and called all' test "$(tr '\n' ' ' <out)" = \
+    'all: 3 triangles, 1 intersecting pairs 1 2 '
+exits 'an obstacle against a mesh' 1 audit good.ply --obstacle x.obj --list
+is 'without its own pair' sh -c 'sed 1d out | grep -q "^0 " &&
+    ! sed 1d out | grep -v "^0 "'
+exits 'audit of a triangle without area' 0 audit flat.obj
+is 'tells it' grep -qx \
+    'flat.obj: 2 triangles, 0 intersecting pairs, 1 degenerate triangles' out
+refused 'audit of no mesh' 'expected MESH' audit --list
+exits 'a run that intersects from the start' 1 run start.json --out crossed \
+    --allow-intersecting --frames 3
+exits 'its audit' 1 audit crossed --list
+is 'is that of its frames' test "$(tail -n 1 out)" = "$(
+    for k in 0 1 2 3; do
+        "$drape" audit crossed/frames/cloth_000$k.ply --obstacle crossed/obstacles.ply
+    done | awk '{ bad += ($4 > 0); sum += $4 } END { print "crossed: 4 frames, " bad \
+        " of them with intersecting pairs, " sum " pairs" }')"
+is 'and lists them' test "$(grep -c '^[0-9]* [0-9]*$' out)" = "$(
+    tail -n 1 out | sed 's/.*, \(.*\) pairs/\1/')"
 refused 'audit of nothing' 'nowhere.ply' audit nowhere.ply
 refused 'audit of no run' 'frames' audit .
 exits 'convert' 0 convert x.obj x.ply --up 0,0,1 --size 2
 exits 'convert keeps the pair' 1 audit x.ply
-refused 'convert up nowhere' '--up' convert x.obj y.ply --up 0,0,0
+for up in 0,0,0 0,1 0,1,0,0 0,1,0x up; do
+    refused "convert up $up" "--up $up: expected X,Y,Z, not zero" \
+        convert x.obj refused.ply --up $up
+done
+for size in 0 -1 1e6 2m m nan; do
+    refused "convert to $size m" "--size $size: expected metres above 0" \
+        convert x.obj refused.ply --size $size
+done
+exits 'convert to nearly 1000 km' 0 convert x.obj y.ply --size 999999
+"$drape" convert x.obj x_2.obj --quiet
+refused 'convert of one mesh' 'expected IN and OUT' convert x.obj
+"$drape" convert x.obj y.ply --quiet
+exits 'convert up +y' 0 convert x.obj z.ply --up 0,5,0
+is 'leaves it' cmp y.ply z.ply
+exits 'convert up -y' 0 convert x.obj z.ply --up 0,-0.1,0
+is 'turns it about x' python3 -c '
+import struct
+def load(path):
+    data = open(path, "rb").read()
+    return list(struct.iter_unpack("<3f", data[data.index(b"end_header\n") + 11:][:72]))
+a, b = load("y.ply"), load("z.ply")
+top = max(p[1] for p in a)
+assert all(abs(q[0] - p[0]) + abs(q[1] - (top - p[1])) + abs(q[2] + p[2]) < 1e-6
+           for p, q in zip(a, b))'
 row='1,2,0,1,1,4'
 for z in 1 0 0 0 -1 0 0 0; do
     case $z in
@@ -93,6 +139,26 @@ cp 'an out/pictures/frame_0006.png' once.png
 exits 'render again' 0 render 'an out' --frame 6 --width 64 --height 48 \
     --samples 1
 is 'the same picture' cmp once.png 'an out/pictures/frame_0006.png'
+# size NAME WIDTH HEIGHT OPTIONS...: a picture of this size
+size() {
+    name=$1 width=$2 height=$3
+    shift 3
+    exits "$name" 0 render 'an out' --frame 6 --samples 1 "$@"
+    is "$name: $width × $height" python3 -c '
+import struct, sys
+with open("an out/pictures/frame_0006.png", "rb") as file:
+    assert struct.unpack(">II", file.read(24)[16:]) == (
+        int(sys.argv[1]), int(sys.argv[2]))' $width $height
+}
+size 'a low picture' 800 16 --height 16
+size 'a narrow picture' 16 600 --width 16
+for samples in '' '--samples 8'; do
+    # shellcheck disable=SC2086
+    exits "a picture $samples" 0 render 'an out' --frame 6 --width 24 --height 16 \
+        $samples
+    cp 'an out/pictures/frame_0006.png' "samples$samples.png"
+done
+is 'eight samples a pixel, if none is told' cmp samples.png 'samples--samples 8.png'
 for threads in 1 2 7 256; do # of 48 rows
     exits "render, threads: $threads" 0 render 'an out' --frame 6 --width 64 \
         --height 48 --samples 1 --threads $threads
@@ -101,6 +167,11 @@ for threads in 1 2 7 256; do # of 48 rows
 done
 refused 'render of no frame' 'last frame' render 'an out' --frame 7
 refused 'render of no run' 'frames' render .
+refused 'render of no folder' 'nowhere: no such folder' render nowhere
+exits 'render of a run without obstacles' 0 render alone --width 16 --height 16 \
+    --samples 1 --frame 0
+is 'OBJ says its unit' sh -c 'for file in "an out/frames/cloth_0006.obj" x_2.obj; do
+    head -n 1 "$file" | grep -qx "# drape, metres" || exit 1; done'
 is 'whose threads are its own, not OpenMP'"'"'s' sh -c \
     'nm -D "$0" >symbols && grep -q pthread_create symbols &&
     ! grep -E "GOMP|kmpc|omp_" symbols' "$drape"
@@ -116,6 +187,13 @@ is 'its sum is of its stages, and less than what is held' awk '
     match($0, / (on|off) +[0-9]+ /) { split(substr($0, RSTART), part); sum += part[2] }
     $1 == "sum" { told = $2 }
     $1 == "held" { held = $2 } END { exit !(0 < sum && sum == told && told < held) }' out
+is 'and those of the report' python3 -c '
+import json, re
+text = open("out").read().split("\n\n")[1]
+rows = re.findall(r"^(\S.*?)  +(on|off) +\d+  (.*)$", text, re.M)
+told = json.load(open("an out/report.json"))["plan"]
+assert len(told) > 20 and text.startswith("stage ")
+assert rows == [(r["stage"], "on" if r["on"] else "off", r["why"]) for r in told]'
 is 'plan says on and off' sh -c 'grep -q " on " out && grep -q " off " out'
 is 'and what a step takes, and where it was measured' sh -c \
     'sed -n "/^estimate/,\$p" out | grep -q "^NVIDIA H100  .* gpu, binary32"'
@@ -132,10 +210,30 @@ scene explicit.json ', "integrator": "euler"}'
 exits 'plan of an explicit integrator' 0 plan explicit.json
 is 'it has no estimate' sh -c 'grep -q "not estimated for an explicit" out &&
     ! grep -q machine out'
+awk 'BEGIN { print "names"; for (k = 1; k <= 32; k++) print "machine " k \
+    ",gpu,2001-02-03," (k % 3) ",32," (97 + k) ",0,40,1e6,2e6,0.5,2,9" }' >32.csv
+exits 'plan by 32 machines' 0 plan tiny.json --speed 32.csv
+is 'of one thread, of more, and of none that is told' sh -c '
+    grep -q "^machine 1 .* gpu, binary32, 1 thread, 2001-02-03$" out &&
+    grep -q "^machine 2 .* gpu, binary32, 2 threads, 2001" out &&
+    grep -q "^machine 3 .* gpu, binary32, 2001" out'
+is 'milliseconds have three digits, and all before the point' sh -c '
+    grep -q "^machine 2  *99  *137  *283 " out && grep -q "^machine 3  *100 " out &&
+    sed "s/,40,1e6,/,0.04,123,/" 32.csv >small.csv &&
+    "$0" plan tiny.json --speed small.csv |
+        grep -q "^machine 1  *98  *16.2  *162 "' "$drape"
+printf '%s' "$(tail -n 1 32.csv)" >>32.csv
+refused 'constants of 33 machines' '32.csv: line 34: more rows than can be read' \
+    plan tiny.json --speed 32.csv
+printf 'names\n%s' "$(tail -n 1 speed.csv)" >end.csv
+exits 'constants whose last line has no end' 0 plan tiny.json --speed end.csv
 {
     cat speed.csv
     echo 'a machine,ref,2000-01-01,2,64,0.5,2e6'
 } >bad.csv
+sed 's/$/x/' speed.csv >long.csv
+refused 'constants with a letter behind them' 'long.csv: line 2: expected a row' \
+    plan tiny.json --speed long.csv
 refused 'constants that are none' 'bad.csv: line 3: expected a row' \
     plan tiny.json --speed bad.csv
 : >empty.csv
@@ -189,6 +287,26 @@ env PATH=/nowhere "$drape" view 2>err
 is 'view: what is missing' grep -q '^drape: view: expected one DIR' err
 fails 'export without Python' 'export: python3 cannot be started' \
     env PATH=/nowhere "$drape" export 'an out' --to x.usdc
+# A Python that writes down how it is called: the package gets all words but those
+# that are the tool's.
+mkdir words
+printf '%s\n' '#!/bin/sh' '[ "$1" = -c ] && shift 2 && printf "%s\n" "$@" >words/said' \
+    >words/python3
+chmod +x words/python3
+# passed_on EXPECTED ARGUMENTS...
+passed_on() {
+    expected=$1
+    shift
+    : >words/said
+    PATH="$PWD/words:$PATH" "$drape" "$@" >out 2>err
+    is "$* is passed on" test "$(tr '\n' ' ' <words/said)" = "$expected "
+}
+passed_on 'view a' view a
+passed_on 'view --port 0 a --host b' view --port 0 a --host b
+passed_on 'view --quiet a --port=65535' --quiet view a --port=65535
+passed_on 'export a --to b --every 1000000' export a --to b --every 1000000
+refused 'a port that is none' '--port 65536: expected a whole number from 0 to 65535' \
+    view a --port 65536
 mkdir no_package no_package/drape
 printf '#!/bin/sh\nexec %s -S -E "$@"\n' "$(command -v python3)" \
     >no_package/python3

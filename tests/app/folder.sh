@@ -16,8 +16,21 @@ refused 'a folder that holds frames alone' 'frames_only: holds a run' \
     run tiny.json --out frames_only
 exits 'a film' 0 render w2 --width 16 --height 16 --samples 1
 mkdir w2/mine
-: >w2/frames/.cloth_0009.obj.77-0.part
+# What a writer that was killed has left goes, too; what is not of a run stays.
+for name in report.json obstacles.ply cloth.pc2 trace.csv film.mp4 obstacles.obj \
+    checkpoint.drape frames/cloth_0009.obj frames/obstacles_0001.ply \
+    frames/contacts_0001.ply pictures/frame_0001.png pictures/film_0001.png; do
+    : >"w2/$(dirname $name)/.$(basename $name).77-0.part"
+done
+for name in .mine.part report.json.part .report.json.old .part frames/.cloth \
+    frames/cloth_00001.ply frames/cloth_-001.ply frames/cloth_1000001.ply \
+    frames/cloths_0001.ply frames/cloth_0001.plys frames/cloth-0001.ply; do
+    : >w2/$name
+    echo ./$name
+done | sort >mine.txt
 exits 'a folder is forced' 0 run tiny.json --out w2 --frames 2 --force --no-obj
+is 'files that are like those of a run stay' sh -c '(cd w2 && ls $(cat ../mine.txt)) |
+    cmp - mine.txt && cd w2 && rm $(cat ../mine.txt)'
 is 'nothing of the run before is in it' sh -c '[ "$(cd w2 && find . -type f |
     sort | tr "\n" " ")" = "./cloth.pc2 ./frames/cloth_0000.ply \
 ./frames/cloth_0001.ply ./frames/cloth_0002.ply ./obstacles.ply \
@@ -51,6 +64,32 @@ for k in 1 2 3; do
     is "two runs at once, $k" test "$got $?" = '0 2' -o "$got $?" = '2 0'
     exits "a whole run is left, $k" 0 audit at_once$k
 done
+
+# Whatever file of a run a folder has, it holds a run; frame 1000000 is the last.
+for name in report.json obstacles.ply cloth.pc2 trace.csv film.mp4 checkpoint.drape \
+    obstacles.obj frames/cloth_0001.ply frames/cloth_1000000.ply \
+    frames/cloth_0001.obj frames/obstacles_0001.ply frames/obstacles_0001.obj \
+    frames/contacts_0001.ply pictures/frame_0001.png pictures/film_0001.png; do
+    mkdir -p "one/$(dirname $name)"
+    : >one/$name
+    refused "a folder with $name" 'one: holds a run' run tiny.json --out one
+    rm -r one
+done
+cp -R u2 numbers
+for k in -001 00001 1000001; do
+    cp u2/frames/cloth_0001.ply numbers/frames/cloth_$k.ply
+done
+exits 'audit of frames whose numbers are none' 0 audit numbers
+is 'leaves these out' grep -q '^numbers: 7 frames' out
+# A file of a writer that was killed, and that had the same number, is not written.
+is 'a file under way is made anew' sh -c ': >.mine.ply.$$-0.part
+    : >.mine.ply.$$-1.part && echo $$ >number &&
+    exec "$0" convert good.ply mine.ply --quiet' "$drape"
+is 'and those that were there stay as they are' sh -c 'test -s mine.ply &&
+    for k in 0 1; do
+        file=.mine.ply.$(cat number)-$k.part
+        [ -f $file ] && [ ! -s $file ] && rm $file || exit 1
+    done'
 
 # Folders that cannot be written
 refused 'a folder without a name' '--out: expected a value' \
@@ -120,6 +159,54 @@ else
         'unlocked: cannot be locked: No locks available' \
         env LD_PRELOAD="$PWD/nolock.so" "$drape" run tiny.json --out unlocked
     is 'a lock that was not taken is not removed' test -e unlocked/.drape.lock
+fi
+# A lock whose file another run removes, by a library that does so once: the lock is
+# taken anew, and no file stays open.
+cat >gone.c <<'EOF'
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <unistd.h>
+static int calls, least;
+/* The least number that no open file has. */
+static int next(void)
+{
+    int file = dup(0);
+    close(file);
+    return file;
+}
+int fcntl(int file, int how, ...)
+{
+    int (*real)(int, int, ...) = (int (*)(int, int, ...))dlsym(RTLD_NEXT, "fcntl");
+    va_list list;
+    va_start(list, how);
+    void *lock = va_arg(list, void *);
+    va_end(list);
+    if (how == F_SETLK && calls++ == 0)
+        unlink("gone/.drape.lock");
+    return real(file, how, lock);
+}
+int fcntl64(int file, int how, ...) __attribute__((alias("fcntl")));
+__attribute__((constructor)) static void begin(void)
+{
+    least = next();
+}
+__attribute__((destructor)) static void end(void)
+{
+    if (calls != 2 || next() != least)
+        _exit(98);
+}
+EOF
+if ldd "$drape" | grep -q 'lib[a-z]*san' ||
+    ! "${CC:-cc}" -shared -fPIC gone.c -o gone.so -ldl 2>/dev/null; then
+    skip 'a lock that was removed: no library can stand before this tool'
+else
+    mkdir gone
+    is 'a lock that was removed is taken again' env LD_PRELOAD="$PWD/gone.so" \
+        "$drape" run tiny.json --out gone --frames 1 --quiet
+    is 'and given back' test -s gone/report.json -a ! -e gone/.drape.lock
 fi
 limited() { (
     ulimit -f "$1"

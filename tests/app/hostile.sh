@@ -33,9 +33,17 @@ exits 'good COLLADA' 0 convert good.dae good_dae.ply
 is 'its triangles' grep -q '2 triangles' out
 # One that waits for ever is ended by the alarm that it set.
 cat >clock.c <<'EOF'
+#include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
 unsigned alarm(unsigned seconds)
 {
+    const char *end = getenv("END"); /* a signal, or less an exit status */
+    if (end && atoi(end) < 0)
+        _exit(-atoi(end));
+    if (end)
+        raise(atoi(end));
     FILE *told = fopen("alarm", "a");
     if (told && fprintf(told, "%u\n", seconds) > 0)
         fclose(told);
@@ -49,10 +57,22 @@ else
     is 'a reader sets its alarm' env LD_PRELOAD="$PWD/clock.so" "$drape" \
         convert good.dae alarm.ply
     is 'to four times its 10 s of CPU time' test "$(cat alarm)" = 40
+    # ends HOW WORDS: a reader that ends so is said to
+    ends() {
+        env END="$1" LD_PRELOAD="$PWD/clock.so" "$drape" convert good.dae late.ply \
+            >out 2>err
+        is "a reader that ends by $1" test $? -eq 2 -a ! -e late.ply
+        is "is told of, $1" grep -qx "drape: good.dae: cannot be read as a mesh: $(
+            )its reader $2" err
+    }
+    ends 14 'took more than 40 s' # SIGALRM
+    ends 24 'took more than 10 s' # SIGXCPU
+    ends 11 'crashed (signal 11, Segmentation fault)'
+    ends -7 'ended with exit status 7 and no mesh'
 fi
 collada many.dae 'count="9999999999"'
 no_mesh 'COLLADA that wants all memory' \
-    'cannot be read as a mesh: its reader' many.dae
+    'cannot be read as a mesh: its reader needs more than 1000 MB' many.dae
 # Here assimp 5.2 reads beyond the end of an array.
 collada crash.dae 'coqnt="15"'
 no_mesh 'COLLADA that crashes its reader' 'cannot be read as a mesh' crash.dae
@@ -92,6 +112,7 @@ gltf good.gltf AAEC 3
 exits 'good glTF' 0 convert good.gltf good_gltf.ply
 gltf index.gltf AAECAAEJ 6
 no_mesh 'glTF, index out of range' 'cannot be read as a mesh' index.gltf
+is 'what assimp says of it is said' grep -Eqi 'as a mesh: [^:]*out.of.range' err
 # nodes COUNT: glTF of a triangle in a node, which lies in COUNT others
 nodes() {
     gltf nodes.gltf AAEC 3
@@ -292,87 +313,6 @@ wait $filler
 is 'a scene on standard input' sh -c \
     'cat tiny.json | "$0" plan /dev/stdin | cmp - expected.txt' "$drape"
 
-# Frames of a deforming obstacle
-ply turn_0.ply '3 0 1 2'
-ply turn_1.ply '3 1 0 2'
-sed 's/{"mesh".*}\]/{"frames": {"files": "turn_%d.ply", "count": 2}}]/' \
-    mesh.json >frames.json
-refused 'frames of other triangles' \
-    '$.obstacles[0]: turn_1.ply: other triangles' run frames.json --out refused
-cp turn_0.ply turn_1.ply
-exits 'frames of the same' 0 plan frames.json
-
-# Motions
-# motion FILE KEYS [STEPS]: a box that moves by these keys, far from a cloth.
-motion() {
-    cat >"$1" <<EOT
-{"frames": ${3-6}, "cloths": [{"particles": [3, 3], "size": [0.1, 0.1],
-  "start": {"at": [0, 9, 0]}}],
- "obstacles": [{"shape": "box", "extent": [0.4, 0.6, 1], "motion": "s"}],
- "motions": [{"name": "s", "keys": [$2]}]}
-EOT
-}
-# turns NAME FROM TO: from one key to the other each of six frames rotates by the
-# same angle about one axis: 0, 1/6 … 6/6 of the rotation, degrees AXIS…
-turns() {
-    exits "$1" 0 run motion.json --out turn --force
-    is "$1: evenly" python3 - "$2" <<'EOT'
-import math, sys
-def load(k):
-    with open("turn/frames/obstacles_%04d.ply" % k, "rb") as file:
-        text = file.read()
-    import struct
-    head, body = text.split(b"end_header\n", 1)
-    size = 8 if b"double x" in head else 4
-    return [struct.unpack_from("<3" + "fd"[size == 8], body, 3 * size * k)
-            for k in range(8)]
-def turned(q, x):
-    w, u = q[0], q[1:]
-    c = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
-                      a[0] * b[1] - a[1] * b[0]]
-    t = [2 * v for v in c(u, x)]
-    return [x[i] + w * t[i] + c(u, t)[i] for i in range(3)]
-def quaternion(axis, degrees):
-    n, h = math.hypot(*axis), math.radians(degrees) / 2
-    return [math.cos(h)] + [math.sin(h) * a / n for a in axis]
-keys = eval(sys.argv[1])
-box = [[(.2, -.2)[not k & 1], (.3, -.3)[not k & 2], (.5, -.5)[not k & 4]]
-       for k in range(8)]
-for k in range(7):
-    t = k / 6
-    if len(keys) == 1: # one axis, from an angle to another
-        axis, a, b = keys[0]
-        q = quaternion(axis, a + t * (b - a))
-    else: # along the great circle between two orientations
-        p, r = (quaternion(*key) for key in keys)
-        d = sum(x * y for x, y in zip(p, r))
-        r, d = ([-x for x in r], -d) if d < 0 else (r, d)
-        o = math.acos(d)
-        q = [(math.sin((1 - t) * o) * x + math.sin(t * o) * y) / math.sin(o)
-             for x, y in zip(p, r)]
-    for x, y in zip(box, load(k)):
-        assert math.dist(turned(q, x), y) < 1e-3, (k, turned(q, x), y)
-EOT
-}
-motion motion.json '{"time": 0}, {"time": 0.1, "angle": 90, "axis": [1, 0, 0]}'
-turns 'turn from angle 0 of the default axis' '[([1, 0, 0], 0, 90)]'
-motion motion.json '{"time": 0, "angle": 30, "axis": [1, 0, 0]},
-    {"time": 0.1, "angle": 100, "axis": [0, 1, 1]}'
-turns 'turn between two axes' '[([1, 0, 0], 30), ([0, 1, 1], 100)]'
-motion motion.json '{"time": 0, "angle": 350, "axis": [1, 0, 0]},
-    {"time": 0.1, "angle": 100, "axis": [0, 0, 2]}'
-turns 'turn between two axes, the shorter way' \
-    '[([1, 0, 0], 350), ([0, 0, 1], 100)]'
-motion motion.json '{"time": 0, "angle": 20, "axis": [0, 0, 1]},
-    {"time": 0.1, "angle": 40, "axis": [0, 0, -3]}'
-turns 'turn between opposite axes' '[([0, 0, 1], 20, -40)]'
-motion motion.json '{"time": 0, "axis": [0, 0, 1]},
-    {"time": 0.1, "angle": 500, "axis": [0, 3, 0]}'
-turns 'more than a turn about one axis' '[([0, 1, 0], 0, 500)]'
-keys=$(awk 'BEGIN { for (k = 0; k < 4000; k++)
-    printf "{\"time\": %d, \"angle\": %d},", k, k % 2 ? 36000 : -36000 }')
-motion motion.json "${keys%,}"
-refused 'turns without end' '$.motions: the turns come to' plan motion.json
 awk 'BEGIN { for (k = 0; k < 900; k++)
     printf "%s{\"shape\": \"capsule\", \"detail\": 4096}",
     k ? "," : "{\"memory\": 0.1, \"cloths\": [{}], \"obstacles\": ["
@@ -471,6 +411,8 @@ refused 'three cloths, of which two fit' '$.cloths[2]: particles: 2430000' \
 # The report of a run, as render reads it
 exits 'a run to look at' 0 run tiny.json --frames 0 --out seen
 cp seen/report.json seen.json
+is 'what may stand in a report, and what not' python3 "$root/tests/app/seen.py" \
+    "$drape" seen
 # seen NAME PLACE FROM TO: its report has TO for FROM.
 seen() {
     sed "s/$3/$4/" seen.json >seen/report.json
@@ -528,6 +470,7 @@ refused 'ccd, seven rows' 'line 7: expected 8 rows' ccd --kind vf seven.csv
 
 # All of these files, damaged
 mkdir damaged
+ply turn_0.ply '3 0 1 2'
 cp good.dae good.gltf good.off back.obj turn_0.ply damaged
 exits 'binary PLY' 0 convert turn_0.ply damaged/binary.ply
 printf 'solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0

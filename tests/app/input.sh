@@ -18,6 +18,25 @@ limited '[0.05, 0.05]'
 refused 'two limits' 'limit: expected a list of 3' run limit.json
 limited '[0.05, 0.05, 11]'
 refused 'limit too large' 'limit[2]: 11' run limit.json
+limited '[0.01, 0.01, 0.01]'
+is 'limits as small as may be' "$drape" plan limit.json
+for limit in '0.005, 0.05, 0.05' '0.05, 0.005, 0.05' '0.05, 0.05, 0.005'; do
+    limited "[$limit]"
+    refused "limits $limit" 'limit: 0.005: expected 0, for none, or 0.01 to 10' \
+        run limit.json
+done
+# A heavy sheet that hangs from a corner; a number s is [s, s, 2 s].
+for limit in 0.05 '[0.05, 0.05, 0.1]' '[0.05, 0.05, 0.2]' '[0.05, 0.2, 0.1]'; do
+    limited "$limit, \"density\": 5"
+    sed -i 's/"size"/"pins": [{"at": [0, 0]}], &/' limit.json
+    exits "limit $limit" 0 run limit.json --frames 12 --out "limit $limit" --quiet
+done
+is 'a number limits all directions' cmp 'limit 0.05/cloth.pc2' \
+    'limit [0.05, 0.05, 0.1]/cloth.pc2'
+for limit in '[0.05, 0.05, 0.2]' '[0.05, 0.2, 0.1]'; do
+    is "it is not $limit" sh -c '! cmp -s "limit 0.05/cloth.pc2" "$0/cloth.pc2"' \
+        "limit $limit"
+done
 tabled() {
     printf '{"frames": 1, "cloths": [{"particles": [9, 9], "size": [0.1, 0.1],
  "material": {"stretch": {%s}}}]}\n' "$1" >table.json
@@ -95,6 +114,43 @@ refused 'start that intersects, with its count' 'intersect' \
     run start.json --out refused
 is 'the count is there' grep -q '[1-9][0-9]*' err
 exits 'start that intersects, allowed' 0 plan start.json --allow-intersecting
+# Who is refused is told by the place in the file.
+cat >places.json <<'EOF'
+{"cloths": [{"particles": [3, 3]}, {"name": "b", "particles": [3, 3],
+   "start": {"at": [0, 1, 0]}},
+  {"name": "c", "particles": [3, 3], "start": {"at": [0.1, 1, 0.1], "v": [0, 1, 1]}}],
+ "motions": [{"name": "a", "keys": [{}]}, {"name": "short", "keys": [{"time": 999999},
+   {"time": 999999.0000000002, "angle": 100}]}],
+ "obstacles": [{"shape": "box", "at": [0, -3, 0]}, {"shape": "box",
+   "at": [0, -6, 0], "name": "d"}]}
+EOF
+refused 'a motion that the library refuses' '$.motions[1]: time ' plan places.json
+sed 's/0000002/01/' places.json >crossing.json
+refused 'two cloths that cross' 'crossing.json: the start state is intersecting: cloth 1 (b) triangle ' \
+    plan crossing.json
+is 'both by name' grep -Eq 'cloth 1 \(b\) triangle [0-7] and cloth 2 \(c\) triangle [0-7] \(first of [0-9]+ pairs\); move them apart' err
+sed 's/-6, 0/1, 0/; s/"v": \[0, 1, 1\]/"v": [0, 0, 1]/; s/0.1, 1, 0.1/0, 9, 0/' \
+    crossing.json >crossing2.json
+refused 'a cloth that crosses an obstacle' \
+    'intersecting: cloth 1 (b) triangle ' plan crossing2.json
+is 'both by name, too' grep -Eq 'and obstacle 1 \(d\) triangle [0-9]+' err
+printf 'OFF 3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' >still_0.off
+python3 - <<'EOT'
+import json
+scene = json.load(open("places.json"))
+scene["motions"].pop()
+scene["cloths"].pop()
+other = json.loads(json.dumps(scene))
+scene["obstacles"][1] = {"frames": {"files": "still_%d.off", "count": 1}, "motion": "a",
+                         "at": [0, -6, 0]}
+json.dump(scene, open("twice.json", "w"))
+other.update(integrator="euler", dt=1, max_substeps=1)
+json.dump(other, open("stable.json", "w"))
+EOT
+refused 'an obstacle that moves in two ways' \
+    'twice.json: $.obstacles[1]: has both a motion and frames' plan twice.json
+refused 'a cloth that needs more steps' 'stable.json: $.cloths[0]: stable from' \
+    plan stable.json
 sed 's/"thickness": 0.01/"thickness": 0/' tiny.json >key.json
 refused 'thickness 0' 'thickness' run key.json --out refused
 
@@ -109,6 +165,24 @@ is 'as a table and, apart from it, what each is' awk 'BEGIN { RS = "" }
     NR == 1 && !/^name .*friction/ { bad = 1 } END { exit bad || NR != 2 }' out
 is 'denim is' grep -q '^denim  *0.324 ' out
 is 'with its source' grep -q 'Wang' out
+is 'all have the numbers and the words of their list' python3 -c '
+import re, sys
+text = re.sub(r"\bWANG\b", "\"Wang\"", open(sys.argv[1]).read())
+rows = [re.split(r",\s*", body, 7) for body in re.findall(
+    r"^FABRIC\((.*?)\)$", text, re.S | re.M)]
+table, words = open("out").read().split("\n\n")
+told = [line.split() for line in table.splitlines()[2:]]
+assert len(told) == len(rows) == 14
+for row, line in zip(rows, told):
+    assert line[0] == row[0].strip("\"") and len(line) == 7, line
+    assert all(abs(float(a) / float(b) - 1) < 0.005
+               for a, b in zip(line[1:], row[1:7])), (line, row)
+said = words.splitlines()
+assert [line.split()[0] for line in said[::2]] == [line[0] for line in told]
+for row, line in zip(rows, said[::2]):
+    assert row[7].startswith("\"" + line[12:]), (line, row)
+assert all(line[:12] == 12 * " " and line[12:].strip() for line in said[1::2])' \
+    "$root/app/fabrics.def"
 refused 'materials takes no argument' 'no argument' materials denim
 fabric named.json '"denim"'
 fabric same.json '{"density": 0.324, "stretch": 641.8, "shear": 26.7,

@@ -13,12 +13,24 @@ is 'in one line' sh -c '[ "$(wc -l <out)" -eq 1 ] && grep -qx \
 # Options
 exits '--option=value' 0 run tiny.json --frames=2 --out=equals --no-obj
 is 'with this value' sh -c '[ "$(ls equals/frames | wc -l)" -eq 3 ]'
-exits 'options after -- are names' 2 run -- --frames
+refused 'options after -- are names' '--frames: No such file' run -- --frames
+refused 'all of them' 'expected one SCENE' run -- tiny.json --frames
 exits 'the beginning of one option' 0 run tiny.json --fram 1 --out begun
 refused 'the beginning of two' '--f: is the beginning of 2 options' \
     run tiny.json --f 1 --out refused
 refused 'a value for a flag' '--force=1: takes no value' \
     run tiny.json --force=1 --out refused
+refused 'a value for --quiet' '--quiet=1: takes no value' \
+    run tiny.json --quiet=1 --out refused
+refused '--quiet, nearly' '--qiet: unknown option; did you mean --quiet?' \
+    run tiny.json --qiet
+for nearly in --qiet/--quiet --hepl/--help; do
+    refused "${nearly%/*} before a command" \
+        "${nearly%/*}: unknown option; did you mean ${nearly#*/}?" "${nearly%/*}"
+done
+refused 'an option that is like none' '--zzzz: unknown option (try: drape help)' \
+    run tiny.json --zzzz
+refused 'the beginning of --quiet and of none' 'expected one SCENE' run --qui
 refused 'no value' '--frames: expected a value' run tiny.json --frames
 refused 'an empty value' '--out: expected a value, not an empty' \
     run tiny.json --out=
@@ -40,6 +52,11 @@ refused 'one in a scene' 'bits.json: $: precision: expected 32 or 64' \
     run bits.json --out refused
 scene key.json ', "gravty": [0, 0, 0]}'
 refused 'a key that is nearly one' 'did you mean "gravity"' run key.json
+
+# Nobody reads on: the reader ends before the tool writes.
+fails 'a closed pipe' 'standard output: cannot write: Broken pipe' sh -c '
+    { sleep 0.2; "$0" help; echo $? >closed; } | :; sleep 0.3; exit "$(cat closed)"' \
+    "$drape"
 
 is 'of near names the nearest' python3 "$root/tests/app/nearest.py" "$drape"
 
@@ -64,6 +81,61 @@ exits 'a film, with its progress' 0 render still --width 16 --height 16 \
     --samples 1 --no-film
 is 'the last line' grep -q '^\[####################\] picture 3/3  ETA 0:00$' err
 
+# A clock that goes on by $JUMP milliseconds whenever the tool itself looks at it.
+cat >jump.c <<'EOF'
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+int clock_gettime(clockid_t which, struct timespec *now)
+{
+    static int looks;
+    Dl_info caller;
+    void *from = __builtin_return_address(0);
+    int (*real)(clockid_t, struct timespec *) =
+        (int (*)(clockid_t, struct timespec *))dlsym(RTLD_NEXT, "clock_gettime");
+    if (!dladdr(from, &caller) || strstr(caller.dli_fname, ".so"))
+        return real(which, now);
+    long passed = atol(getenv("JUMP")) * looks++;
+    now->tv_sec = 1000 + passed / 1000;
+    now->tv_nsec = passed % 1000 * 1000000;
+    return 0;
+}
+EOF
+# film JUMP LINE...: what a film of three pictures says of its progress
+film() {
+    env JUMP="${1}000" LD_PRELOAD="$PWD/jump.so" "$drape" render still --width 16 \
+        --height 16 --samples 1 --no-film >out 2>err
+    jump=$1
+    shift
+    printf '%s\n' "$@" >expected.txt
+    is "a film whose pictures take $jump s each" cmp err expected.txt
+}
+if ldd "$drape" | grep -q 'lib[a-z]*san' ||
+    ! "${CC:-cc}" -shared -fPIC jump.c -o jump.so -ldl 2>/dev/null; then
+    skip 'what progress says: no library can stand before this tool'
+else
+    one='[#######.............] picture 1/3  ETA'
+    two='[##############......] picture 2/3  ETA'
+    end='[####################] picture 3/3  ETA 0:00'
+    film 3 "$one 0:06" "$end" # a line every 5 s
+    film 5 "$one 0:10" "$two 0:05" "$end"
+    film 95 "$one 3:10" "$two 1:35" "$end"
+    film 1799 "$one 59:58" "$two 29:59" "$end"
+    film 1800 "$one 1:00:00" "$two 30:00" "$end"
+    film 5000 "$one 2:46:40" "$two 1:23:20" "$end"
+    film 179999 "$one 99:59:58" "$two 49:59:59" "$end"
+    film 900000 "$one 99:59:59" "$two 99:59:59" "$end"
+    for jump in 90 110; do
+        env JUMP=$jump LD_PRELOAD="$PWD/jump.so" python3 "$root/tests/app/terminal.py" \
+            'picture 3/3' "$drape" render still --width 16 --height 16 --samples 1 \
+            --no-film >states.$jump
+        is "a terminal, pictures of $jump ms" test $? -eq 0
+    done
+    is 'a terminal is told ten times a second' test "$(cat states.90 states.110)" = '2
+3'
+fi
 is 'a film, on a terminal' python3 "$root/tests/app/terminal.py" 'picture 3/3' \
     "$drape" render still --width 16 --height 16 --samples 1 --no-film
 is 'a run, on a terminal' python3 "$root/tests/app/terminal.py" 'step 6/6  contacts' \
@@ -82,16 +154,44 @@ is 'is of its pictures, as fast as its frames' sh -c '[ "$(cat film/film.mp4)" =
     [ "$(grep -A1 -xe -framerate told/words | tail -n 1)" = 60 ] &&
     [ "$(grep -A1 -xe -i told/words | tail -n 1)" = film/pictures/film_%04d.png ]'
 
+# rate NAME RATE ARGUMENTS...: a film of small pictures has so many a second
+rate() {
+    name=$1 rate=$2
+    shift 2
+    env PATH="$PWD/told:$PATH" "$drape" render "$@" --width 16 --height 16 \
+        --samples 1 >told/out 2>err
+    is "a film's rate: $name" test \
+        "$(grep -A1 -xe -framerate told/words | tail -n 1)" = "$rate"
+}
+exits 'a run of every second frame' 0 run tiny.json --frames 4 --every 2 \
+    --out film2 --quiet
+sed 's/"frames": 6/"frames": 2, "steps_per_frame": 7, "dt": 0.003/' tiny.json >dt.json
+exits 'a run of 21 ms a frame' 0 run dt.json --out film3 --quiet
+rate 'of every second frame' 30 film --every 2
+rate 'of frames that are two apart' 30 film2
+rate 'of every second of those' 15 film2 --every 2
+rate 'of frames of 21 ms' 48 film3
+rate 'that is told' 7 film2 --rate 7
+rate 'once around in six seconds' 2 film --turn 12
+rate 'of at least one picture a second' 1 film --turn 3
+rate 'around, that is told' 5 film --turn 2 --rate 5
+
 # A film that ffmpeg begins and breaks off leaves nothing behind.
 mkdir broken
-printf '%s\n' '#!/bin/sh' 'for last; do :; done' 'echo half >"$last"' 'exit 1' \
-    >broken/ffmpeg
-chmod +x broken/ffmpeg
-is 'no part of a film is left' sh -c '
+for end in 'exit 1' 'exit 126' 'kill -9 $$'; do
+    printf '%s\n' '#!/bin/sh' 'for last; do :; done' 'echo half >"$last"' "$end" \
+        >broken/ffmpeg
+    chmod +x broken/ffmpeg
+    is "no part of a film is left by $end" sh -c '
+        PATH="$PWD/broken:$PATH" "$0" render still --width 16 --height 16 \
+            --samples 1 --quiet 2>err
+        [ $? -eq 3 ] && grep -q "ffmpeg failed on still/film.mp4" err &&
+        [ ! -e still/film.mp4 ] && [ ! -e still/.film.part.mp4 ]' "$drape"
+done
+printf '%s\n' '#!/bin/sh' 'exit 127' >broken/ffmpeg
+is 'an ffmpeg that is not found is none' sh -c '
     PATH="$PWD/broken:$PATH" "$0" render still --width 16 --height 16 \
-        --samples 1 --quiet 2>err
-    [ $? -eq 3 ] && grep -q "ffmpeg failed on still/film.mp4" err &&
-    [ ! -e still/film.mp4 ] && [ ! -e still/.film.part.mp4 ]' "$drape"
+        --samples 1 2>err && grep -q "no ffmpeg here" err' "$drape"
 
 # Standard input and output
 is 'a scene from standard input' sh -c \

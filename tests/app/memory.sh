@@ -10,10 +10,12 @@
 # is 99; where a file is still open, 98.
 cat >starve.c <<'EOF'
 #define _GNU_SOURCE
+#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <link.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -21,6 +23,7 @@ cat >starve.c <<'EOF'
 extern void *__libc_malloc(size_t size);
 extern void *__libc_calloc(size_t count, size_t size);
 extern void *__libc_realloc(void *old, size_t size);
+extern void *__libc_memalign(size_t line, size_t size);
 extern void __libc_free(void *old);
 
 enum { OWN, JSON, OBJECTS, FILES = 256, KEPT = 1 << 16 };
@@ -147,10 +150,165 @@ void free(void *old)
     drop(old);
     __libc_free(old);
 }
+
+/* What the library of the simulation takes never fails here, as its own tests let
+ * it fail, but is to be given back. */
+void *aligned_alloc(size_t line, size_t size)
+{
+    return keep(__builtin_return_address(0), __libc_memalign(line, size));
+}
+
+/* The data of a stream to memory is the caller's when the stream is closed. */
+static FILE *stream;
+static char **stream_data;
+
+FILE *open_memstream(char **data, size_t *size)
+{
+    FILE *(*real)(char **, size_t *) =
+        (FILE * (*)(char **, size_t *)) dlsym(RTLD_NEXT, "open_memstream");
+    void *caller = __builtin_return_address(0);
+    FILE *made = real(data, size);
+    if (is_in(OWN, caller)) {
+        stream = made;
+        stream_data = data;
+    }
+    return made;
+}
+
+int fclose(FILE *file)
+{
+    int (*real)(FILE *) = (int (*)(FILE *))dlsym(RTLD_NEXT, "fclose");
+    int status = real(file);
+    if (file && file == stream) {
+        *place(NULL) = *stream_data;
+        stream = NULL;
+    }
+    return status;
+}
+EOF
+
+# A library that writes down how many bytes are in aligned blocks, in whole lines of
+# 64 bytes, whenever a file is written whole.
+cat >held.c <<'EOF'
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+extern void __libc_free(void *old);
+enum { BLOCKS = 1 << 14 };
+static struct { void *at; size_t bytes; } block[BLOCKS];
+static size_t held;
+
+void *aligned_alloc(size_t line, size_t bytes)
+{
+    void *(*real)(size_t, size_t) =
+        (void *(*)(size_t, size_t))dlsym(RTLD_NEXT, "aligned_alloc");
+    void *at = real(line, bytes);
+    int k = 0;
+    while (block[k].at)
+        k++;
+    block[k].at = at;
+    block[k].bytes = (bytes + 63) / 64 * 64;
+    held += block[k].bytes;
+    return at;
+}
+
+void free(void *old)
+{
+    for (int k = 0; old && k < BLOCKS; k++)
+        if (block[k].at == old) {
+            held -= block[k].bytes;
+            block[k].at = NULL;
+        }
+    __libc_free(old);
+}
+
+int fsync(int file)
+{
+    FILE *out = fopen("held.txt", "a");
+    fprintf(out, "%zu\n", held);
+    fclose(out);
+    return file < 0 ? -1 : 0;
+}
+EOF
+
+# A library that counts what the tool takes and gives back; where the counts differ
+# at the end the exit status is 97. Its functions hand on what they are given,
+# pointers and small numbers, whatever these are.
+cat >taken.c <<'EOF'
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static int refused(const char *name);
+typedef void *call(void *, void *, void *, void *, void *, void *);
+enum { DEVICE, SCENE, GEOMETRY, IMPORT, BLOB, PICTURE, FOLDER, KINDS };
+static int taken[KINDS];
+static pid_t process;
+#define HAND_ON(name) ((call *)dlsym(RTLD_NEXT, #name))(a, b, c, d, e, f)
+#define TAKE(kind, name)                                                       \
+    void *name(void *a, void *b, void *c, void *d, void *e, void *f)           \
+    {                                                                          \
+        void *made = refused(#name) ? NULL : HAND_ON(name);                    \
+        FILE *told = made ? fopen("taken.txt", "a") : NULL;                    \
+        if (told && fprintf(told, #name "\n") > 0)                            \
+            fclose(told);                                                      \
+        taken[kind] += made != NULL;                                           \
+        return made;                                                           \
+    }
+#define GIVE(kind, name, held)                                                 \
+    void *name(void *a, void *b, void *c, void *d, void *e, void *f)           \
+    {                                                                          \
+        taken[kind] -= a && (held);                                            \
+        return HAND_ON(name);                                                  \
+    }
+/* Whether $REFUSE names this function, which then fails. */
+static int refused(const char *name)
+{
+    const char *told = getenv("REFUSE");
+    return told && strcmp(told, name) == 0;
+}
+/* A buffer of vertices, b = 1, or of indices, b = 0. */
+void *rtcSetNewGeometryBuffer(void *a, void *b, void *c, void *d, void *e, void *f,
+                              void *g)
+{
+    typedef void *more(void *, void *, void *, void *, void *, void *, void *);
+    more *real = (more *)dlsym(RTLD_NEXT, "rtcSetNewGeometryBuffer");
+    return refused(b ? "vertices" : "indices") ? NULL : real(a, b, c, d, e, f, g);
+}
+TAKE(DEVICE, rtcNewDevice)
+GIVE(DEVICE, rtcReleaseDevice, 1)
+TAKE(SCENE, rtcNewScene)
+GIVE(SCENE, rtcReleaseScene, 1)
+TAKE(GEOMETRY, rtcNewGeometry)
+GIVE(GEOMETRY, rtcReleaseGeometry, 1)
+TAKE(IMPORT, aiImportFileFromMemory)
+GIVE(IMPORT, aiReleaseImport, 1)
+TAKE(BLOB, aiExportSceneToBlob)
+GIVE(BLOB, aiReleaseExportBlob, 1)
+TAKE(PICTURE, png_create_write_struct)
+GIVE(PICTURE, png_destroy_write_struct, *(void **)a != NULL)
+TAKE(FOLDER, opendir)
+GIVE(FOLDER, closedir, 1)
+
+__attribute__((constructor)) static void begin(void)
+{
+    process = getpid();
+}
+__attribute__((destructor)) static void end(void)
+{
+    for (int k = 0; k < KINDS; k++)
+        if (taken[k] && process == getpid())
+            _exit(97);
+}
 EOF
 
 # What is said then: for `ccd --frames` a touch that cannot be kept.
-meager='memory|reader needs more than|ccd: reading or writing failed'
+meager='^drape: (.*: )?out of memory$|: needs more memory than the limit|no memory left|reader needs more than|ccd: reading or writing failed'
 # starves WHO LEAST COMMAND...: the command's first, second, ... allocation is the
 # first that fails, until none does in eight runs; there are at least LEAST. Each
 # time the exit status is 2 or 3 and the last line names the memory.
@@ -181,7 +339,7 @@ starves() {
     is "$1 leaves no part of a file" sh -c '! find . -name "*.part" | grep .'
 }
 if ldd "$drape" | grep -q 'lib[a-z]*san' ||
-    ! "${CC:-cc}" -shared -fPIC starve.c -o starve.so 2>/dev/null; then
+    ! "${CC:-cc}" -shared -fPIC starve.c -o starve.so -ldl 2>/dev/null; then
     skip 'a tool without memory: no library can stand before this one'
 else
     mkdir meager
@@ -198,6 +356,12 @@ else
     for end in obj off ply stl; do
         starves STARVE 4 convert meager/one.$end starved.obj
     done
+    is 'a plan by measured constants gives back all' env LD_PRELOAD="$PWD/starve.so" \
+        "$drape" plan tiny.json --speed speed.csv
+    for end in stl glb dae; do
+        is "a mesh as $end gives back all" env LD_PRELOAD="$PWD/starve.so" "$drape" \
+            convert meager/one.obj meager/written.$end --quiet
+    done
     starves STARVE_CHILD 2 convert meager/one.obj starved.ply
     starves STARVE 10 audit meager/run
     starves STARVE 4 audit meager/one.stl
@@ -212,6 +376,43 @@ else
     is 'a run that goes on gives back all' env LD_PRELOAD="$PWD/starve.so" "$drape" \
         run meager/moves.json --out meager/run --frames 3 --trace --quiet \
         --resume meager/run/checkpoint.drape
+    # What the tool takes of Embree, libpng, assimp and the system it gives back.
+    "${CC:-cc}" -shared -fPIC taken.c -o taken.so -ldl
+    for command in 'render meager/run --frame 1 --width 16 --height 16 --samples 1' \
+        'convert meager/one.obj taken.glb' 'audit meager/run'; do
+        # shellcheck disable=SC2086
+        is "what is taken is given back: $command" env LD_PRELOAD="$PWD/taken.so" \
+            "$drape" $command
+    done
+    # refuses NAME WORDS COMMAND...: a function of a library fails
+    refuses() {
+        function=$1 words=$2
+        shift 2
+        env REFUSE="$function" LD_PRELOAD="$PWD/taken.so" "$drape" "$@" >out 2>err
+        is "$function fails" test $? -eq 3
+        is "$function: $words" grep -q "$words" err
+        is "$function: no part of a file" sh -c '! find . -name "*.part" | grep .'
+    }
+    for name in rtcNewDevice vertices indices; do
+        refuses $name 'render: Embree gave up$' render meager/run --frame 1 --width 16 \
+            --height 16 --samples 1
+    done
+    refuses png_create_write_struct 'frame_0001.png: cannot write the picture$' \
+        render meager/run --frame 1 --width 16 --height 16 --samples 1
+    for name in aiImportFileFromMemory aiExportSceneToBlob; do
+        refuses $name 'taken.glb: assimp cannot write it' convert meager/one.obj taken.glb
+    done
+    is 'of all that the library has counted' test "$(sort -u taken.txt | wc -l)" -ge 7
+    # What the library holds at the end of a run is what the report says, by a count
+    # of its blocks at each file that is written whole; the report is the last.
+    "${CC:-cc}" -shared -fPIC held.c -o held.so -ldl
+    is 'a run, counted' env LD_PRELOAD="$PWD/held.so" "$drape" run meager/moves.json \
+        --out counted --quiet
+    is 'holds what its report says' python3 -c '
+import json
+held = [int(line) for line in open("held.txt")]
+r = json.load(open("counted/report.json"))
+assert 0 < r["memory"]["host_bytes"] < held[-1] == r["held_bytes"], held'
     env LD_PRELOAD="$PWD/starve.so" PATH=/nowhere "$drape" export meager/run \
         --to x.usdc >out 2>err
     is 'an export without Python gives back all' test $? -eq 3

@@ -184,6 +184,8 @@ def check_rows(drape, path):
     header, rows, state = read(path)
     assert len(rows) > 512 and [r[0] for r in rows] == [
         k + 1 for k in range(len(rows))], "the checkpoint's own rows"
+    told = load(os.path.dirname(path))["summary"]["seconds"]
+    assert math.isclose(header[4], told, rel_tol=1e-4), "the run's seconds"
     made = invent(rows)
     header[4] = 7e5  # seconds
     write("made.drape", header, made, state)
@@ -198,15 +200,37 @@ def check_rows(drape, path):
     bad = [r[0] for r in made if r[OUTCOME] & TRAPPED]
     unclean = sum(1 for r in made if r[OUTCOME] & (TRAPPED | PASSED))
     assert "%d of %d steps are not clean" % (unclean, len(rows)) in err, err
+    late = sum(1 for r in made if r[OUTCOME] & 1)
+    assert "note: the solver missed its tolerance in %d steps\n" % late in err
     assert "%d of them intersect at their end, from step %d to step %d" % (
         len(bad), bad[0], bad[-1]) in out, out
     subprocess.run(["rm", "-r", "crafted"], check=True)
     check_ranges(drape, header, rows[:6], state)
 
 
+def check_bounds(drape, header, rows, state):
+    """The greatest and the least values that a run can have."""
+    for high in (True, False):
+        row, head = list(rows[3]), list(header)
+        for j in [*range(8, 14), *range(26, 32)]:
+            row[j] = 2 ** 40 if high else 0
+        for j in [3, 4, 5, 7, *range(22, 26)]:
+            row[j] = 2 ** 31 - 1 if high else 0
+        row[OUTCOME] = 127 & ~DIVERGED if high else 0
+        for j in [1, 6, 14, 15, *range(SECONDS.start, SECONDS.stop)]:
+            row[j] = 1e300 if high else 0.0
+        row[16] = -1e300
+        head[4], head[10], head[11] = (1e9, 10 ** 9, 6) if high else (0.0, 1, 0)
+        write("made.drape", head, rows[:3] + [row] + rows[4:], state)
+        status, _, err = resume(drape, "made.drape", 6)
+        assert status in (0, 1), err
+        subprocess.run(["rm", "-r", "crafted"], check=True)
+
+
 def check_ranges(drape, header, rows, state):
     """Values that no run has, under a checksum that is right."""
     header[3] = len(rows)
+    check_bounds(drape, header, rows, state)
     nan, inf = float("nan"), float("inf")
     tries = [(0, 7), (1, nan), (1, -1.0), (2, 128), (2, -1), (2, DIVERGED)]
     tries += [(j, -1) for j in [3, 4, 5, 7, *range(8, 14),
@@ -228,7 +252,8 @@ def check_ranges(drape, header, rows, state):
         assert refused(drape, "made.drape", words), words
     write("made.drape", header, rows, state + b"x")
     assert refused(drape, "made.drape", "has bytes behind its end")
-    for j, value in [(4, nan), (4, -1.0), (3, -1), (10, 0), (11, 7), (5, nan)]:
+    for j, value in [(4, nan), (4, -1.0), (3, -1), (10, 0), (10, 10 ** 9 + 1),
+                     (11, 7), (11, -1), (5, nan), (5, -1.0), (5, 1000.5)]:
         wrong = list(header)
         wrong[j] = value
         write("made.drape", wrong, rows, state)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# shellcheck shell=sh disable=SC2154
+# shellcheck shell=sh disable=SC2059,SC2154
 # A resumed run equals an unbroken run, and checkpoints hold the whole state.
 # Read by tests/app.sh, whose functions it calls.
 
@@ -43,6 +43,39 @@ exits 'half of it' 0 run moves.json --out r --trace --frames 7 \
 exits 'the rest of it' 0 run moves.json --out r --trace --resume \
     r/checkpoint.drape
 is 'which lacks no row of its trace' sh -c '! grep note err'
+# A trace that lacks rows: those behind half a row or behind a step that comes late.
+exits 'a run to break' 0 run moves.json --out gap --trace --frames 3 --quiet \
+    --checkpoint-every 3
+for end in '4,predict' '2,predict,0123456789abcdef,1e-6\n' '4;predict,0,0\n' \
+    'four,predict,0,0\n'; do
+    cp -R gap gaps
+    sed '/^4,/,$d' gap/trace.csv >gaps/trace.csv
+    printf "$end" >>gaps/trace.csv
+    [ "$end" = 4,predict ] || sed -n '/^5,/p' gap/trace.csv >>gaps/trace.csv
+    exits "a trace with the row $end" 0 run moves.json --out gaps --trace --frames 4 \
+        --resume gaps/checkpoint.drape
+    is "has four steps before it, $end" grep -qx \
+        'drape: note: gaps/trace.csv has rows of 4 of the 6 steps before' err
+    is "and those to come, $end" test "$(cut -d, -f1 gaps/trace.csv | uniq |
+        tr '\n' ' ')" = 'step 0 1 2 3 6 7 '
+    rm -r gaps
+done
+sed 's/step,stage/step,state/' gap/trace.csv >head.csv
+mv head.csv gap/trace.csv
+exits 'a trace with another head' 0 run moves.json --out gap --frames 4 \
+    --resume gap/checkpoint.drape
+is 'has no step' grep -q 'has rows of 0 of the 6 steps' err
+exits 'another folder' 0 run moves.json --out gap2 --frames 4 --trace \
+    --resume gap/checkpoint.drape
+is 'has none, either' grep -q 'has rows of 0 of the 6 steps' err
+is 'and no cache, as it lacks frames' grep -qx \
+    'drape: note: no cloth.pc2, because frame 0 is not in gap2/frames' err
+# A frame of another scene is found as late as in the cache.
+cp good.ply gap/frames/cloth_0001.ply
+exits 'a frame of another scene' 3 run moves.json --out gap --frames 4 --quiet \
+    --resume gap/checkpoint.drape
+is 'is said to be one' grep -q 'cloth_0001.ply: a frame of another scene' err
+is 'and leaves no part' sh -c '! find gap -name "*.part" | grep .'
 is 'the whole run is the unbroken one' python3 "$what" same u r
 exits 'the rest of it again, less far' 0 run moves.json --out r --frames 9 \
     --resume r/checkpoint.drape
@@ -137,6 +170,9 @@ assert "step %d: diverged" % (done + 1) in open("err").read()
 assert "storm: %d steps" % done in open("out").read()
 head = struct.unpack("<12siiffi", open("storm/cloth.pc2", "rb").read(32))
 assert head[-1] == done + 1 > 1'
+exits 'no error that a run keeps which diverges' 1 run storm.json --out refused \
+    --error 0.001
+is 'which is said' grep -q 'the trial runs intersect or diverge at the finest' err
 is 'its summary is the sum of its steps, too' python3 "$what" sums storm
 
 # Names

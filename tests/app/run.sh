@@ -36,6 +36,19 @@ is 'the same frames without' sh -c '"$0" run tiny.json --frames 12 --out plain \
     --quiet && cmp touch/frames/cloth_0012.ply plain/frames/cloth_0012.ply' "$drape"
 is 'the sums of its points are those of the report' \
     python3 "$root/tests/app/contacts.py" touch 12
+exits 'a long run' 0 run tiny.json --frames 150 --every 150 --out touches --contacts \
+    --quiet --checkpoint-every 140
+cp touches/report.json touches.json
+exits 'its end alone' 0 run tiny.json --frames 150 --every 150 --out touches --contacts \
+    --quiet --resume touches/checkpoint.drape
+is 'has the same impulses in each step' python3 -c '
+import json
+short, long, end = (json.load(open(name))["steps"] for name in (
+    "touch/report.json", "touches.json", "touches/report.json"))
+told = [step["impulses"] for step in long]
+assert len(told) == 150 and all(len(i["bodies"]) == 2 for i in told)
+assert told[:12] == [step["impulses"] for step in short]
+assert told[140:] == [step["impulses"] for step in end[140:]]'
 exits 'a part of it' 0 run tiny.json --frames 6 --out part --contacts \
     --checkpoint-every 6
 exits 'the rest of it' 0 run tiny.json --frames 12 --out part --contacts \
@@ -57,22 +70,26 @@ cat >hole.json <<EOF
 {"frames": 1,
  "cloths": [{"name": "a sheet", "particles": [6, 5], "size": [0.5, 0.4],
    "start": {"at": [0, 2, 0]}, "cuts": [{"rect": [0.1, 0.1, 0.3, 0.3]}]},
-  {"name": "b", "particles": [3, 3], "start": {"at": [0, 3, 0]}}],
+  {"name": "b\u007fb", "particles": [3, 3], "start": {"at": [0, 3, 0]}}],
  "motions": [{"name": "up", "keys": [{"time": 1, "move": [0, 1, 0]}]}],
  "obstacles": [{"name": "ball", "shape": "sphere", "motion": "up"},
   {"name": "ground", "shape": "plane", "at": [0, -1, 0]}]}
 EOF
-exits 'OBJ with names, UVs and a hole' 0 run hole.json --out hole --obj
-is 'the OBJ has what the PLY has but the particle of the hole' python3 -c '
-import struct
+for bits in 32 64; do
+    exits "OBJ with names, UVs and a hole, $bits bits" 0 run hole.json --out hole \
+        --obj --precision $bits --force
+    is "the OBJ has what the PLY has but the particle of the hole, $bits bits" \
+        python3 -c '
+import struct, sys
 data = open("hole/frames/cloth_0001.ply", "rb").read()
-x = data[data.index(b"end_header\n") + 11:][:39 * 12]
-x = [struct.unpack_from("<3f", x, 12 * k) for k in range(39)]
+form, size = ("<3f", 12) if sys.argv[1] == "32" else ("<3d", 24)
+x = data[data.index(b"end_header\n") + 11:][:39 * size]
+x = [struct.unpack_from(form, x, size * k) for k in range(39)]
 del x[2 + 6 * 2]
 rows = [line.split() for line in open("hole/frames/cloth_0001.obj")]
-f32 = lambda a: struct.unpack("f", struct.pack("f", float(a)))[0]
-assert [tuple(map(f32, r[1:])) for r in rows if r[0] == "v"] == x
-assert [r[1] for r in rows if r[0] == "o"] == ["a_sheet", "b"]
+near = lambda a: struct.unpack(form[2], struct.pack(form[2], float(a)))[0]
+assert [tuple(map(near, r[1:])) for r in rows if r[0] == "v"] == x
+assert [r[1] for r in rows if r[0] == "o"] == ["a_sheet", "b_b"]
 uv = [tuple(map(float, r[1:])) for r in rows if r[0] == "vt"]
 assert len(uv) == 38 and uv[:6] == [(i / 5, 0) for i in range(6)]
 assert uv[29:] == [(i / 2, j / 2) for j in range(3) for i in range(3)]
@@ -81,7 +98,8 @@ faces = [[tuple(map(int, c.split("/"))) for c in r[1:]] for r in rows
 used = {v for face in faces for v, t in face if v == t}
 assert used == set(range(1, 39)) and len(faces) == 2 * (20 - 4 + 4)
 rows = [line.split() for line in open("hole/frames/obstacles_0001.obj")]
-assert [r[1] for r in rows if r[0] == "o"] == ["ball", "ground"]'
+assert [r[1] for r in rows if r[0] == "o"] == ["ball", "ground"]' $bits
+done
 exits 'every second frame' 0 run tiny.json --out second --every 2
 is 'frames 0, 2, 4, 6' sh -c 'cd second/frames && [ "$(echo *.ply)" = \
     "cloth_0000.ply cloth_0002.ply cloth_0004.ply cloth_0006.ply" ]'
@@ -136,8 +154,17 @@ import json
 r = json.load(open("coarse/report.json"))
 assert r["steps_per_frame"] == 1 and 0 < r["error"]["estimated"] <= 0.05
 assert r["settings"]["integrator"] == "baraff-witkin"'
+is 'what it chooses and estimates is what other runs say' \
+    python3 "$root/tests/app/errors.py" "$drape"
+exits '--error that no setting keeps' 1 run tiny.json --error 1e-9 --out refused
+is 'what the finest has is said' grep -Eqx \
+    'drape: --error 1e-09: not reached; the finest setting, dt 0.00013 s, has 0.000[0-9]+ m' err
 refused '--error of no number' '--error' run tiny.json --error small
-refused '--error of 0' '--error' run tiny.json --error 0
+for e in 0 -1 nan 1001 1m; do
+    refused "--error of $e" "--error $e: expected m above 0, to 1000" \
+        run tiny.json --error $e
+done
+exits '--error of 1000' 0 run tiny.json --error 1000 --out coarsest --frames 1
 refused '--error and --resume' '--error' \
     run tiny.json --error 1 --resume half/checkpoint.drape
 
@@ -170,6 +197,15 @@ kill -INT $child
 wait $child
 got=$?
 if [ $got -eq 130 ]; then ok 'Ctrl-C exits 130'; else bad "Ctrl-C: $got"; fi
+"$drape" run long.json --out ended --frames 100000 >out 2>err &
+child=$!
+for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do
+    sleep 0.25
+    [ ! -s ended/frames/cloth_0001.ply ] || break
+done
+kill -TERM $child
+wait $child
+is 'a run that is told to end exits 130' test $? -eq 130 -a -s ended/checkpoint.drape
 is 'Ctrl-C leaves a checkpoint' test -s cut/checkpoint.drape
 is 'and the report' grep -q '"end": "interrupted"' cut/report.json
 frames=$(python3 -c '

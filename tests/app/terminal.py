@@ -2,7 +2,8 @@
 """What a command prints of its progress on a terminal: one line that is
 rewritten, and ended before anything else is said.
 
-usage: terminal.py WORDS COMMAND...: WORDS stand in the last state of the line.
+usage: terminal.py WORDS COMMAND...: WORDS stand in the last state of the line;
+prints how many states it had.
 """
 import os
 import pty
@@ -42,6 +43,7 @@ def main():
     last = states[-1]
     assert last.startswith(b'[####################] ') and words in last, last
     assert b'  ETA 0:00\033' in last, last
+    print(len(states) - 1)
 
 
 main()

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: Apache-2.0
+# shellcheck shell=sh disable=SC2154
+# Obstacles that deform and that move are where their files and keys say.
+# Read by tests/app.sh, whose functions it calls.
+
+# Frames of a deforming obstacle
+# series NAME...: an obstacle of two of these files, the second 1/30 s behind
+series() {
+    sed "s/{\"mesh\".*}\]/{\"frames\": {$1, \"count\": 2, \"dt\": 0.0$(
+        )333333333333333333}, \"scale\": 2, \"at\": [0, -3, 1]}]/" mesh.json >frames.json
+}
+ply turn_0.ply '3 0 1 2'
+ply turn_1.ply '3 1 0 2'
+series '"files": "turn_%d.ply"'
+refused 'frames of other triangles' \
+    '$.obstacles[0]: turn_1.ply: other triangles' run frames.json --out refused
+ply turn_1.ply '3 0 1 2
+3 0 2 1' 'face 1' 'face 2'
+refused 'frames of more triangles' \
+    '$.obstacles[0]: turn_1.ply: another number' run frames.json --out refused
+cp five.ply turn_1.ply
+refused 'frames of more vertices' \
+    '$.obstacles[0]: turn_1.ply: another number' run frames.json --out refused
+cp turn_0.ply turn_1.ply
+exits 'frames of the same' 0 plan frames.json
+for k in 007 008 009; do
+    ply turn_$k.ply '3 0 1 2' '^1 0 0$' "1 0.${k}5 -1"
+done
+series '"files": "turn_%03d.ply", "first": 7'
+sed -i 's/"frames": 1/"frames": 3, "precision": 64/' frames.json
+exits 'frames from number 7 on' 0 run frames.json --out series --quiet
+is 'are met at their times, and where they are placed' python3 -c '
+import struct
+for k in range(4):
+    data = open("series/frames/obstacles_%04d.ply" % k, "rb").read()
+    x = struct.unpack("<9d", data[data.index(b"end_header\n") + 11:][:72])
+    y = 0.0075 + min(k / 2, 1) * 0.001
+    for a, b in zip(x, [0, -3, 1, 2, 2 * y - 3, -1, 0, -1, 1]):
+        assert abs(a - b) < 1e-12, (k, x)'
+
+# Motions
+# motion FILE KEYS [PIVOT]: a box that moves by these keys, far from a cloth.
+motion() {
+    cat >"$1" <<EOT
+{"frames": 6, "cloths": [{"particles": [3, 3], "size": [0.1, 0.1],
+  "start": {"at": [0, 9, 0]}}],
+ "obstacles": [{"shape": "box", "extent": [0.4, 0.6, 1], "motion": "s"}],
+ "motions": [{"name": "s", "pivot": ${3-[0, 0, 0]}, "keys": [$2]}]}
+EOT
+}
+# turns NAME KEYS [PIVOT MOVE]: from one key to the other each of six frames rotates
+# by the same angle about one axis: 0, 1/6 … 6/6 of the rotation, degrees AXIS…; it
+# goes about the pivot, and 0, 1/6 … 6/6 of the way.
+turns() {
+    exits "$1" 0 run motion.json --out turn --force
+    is "$1: evenly" python3 - "$2" "${3-[0, 0, 0]}" "${4-[0, 0, 0]}" <<'EOT'
+import math, sys
+def load(k):
+    with open("turn/frames/obstacles_%04d.ply" % k, "rb") as file:
+        text = file.read()
+    import struct
+    head, body = text.split(b"end_header\n", 1)
+    size = 8 if b"double x" in head else 4
+    return [struct.unpack_from("<3" + "fd"[size == 8], body, 3 * size * k)
+            for k in range(8)]
+def turned(q, x):
+    w, u = q[0], q[1:]
+    c = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                      a[0] * b[1] - a[1] * b[0]]
+    t = [2 * v for v in c(u, x)]
+    return [x[i] + w * t[i] + c(u, t)[i] for i in range(3)]
+def quaternion(axis, degrees):
+    n, h = math.hypot(*axis), math.radians(degrees) / 2
+    return [math.cos(h)] + [math.sin(h) * a / n for a in axis]
+keys, pivot, move = map(eval, sys.argv[1:])
+box = [[(.2, -.2)[not k & 1], (.3, -.3)[not k & 2], (.5, -.5)[not k & 4]]
+       for k in range(8)]
+for k in range(7):
+    t = k / 6
+    if len(keys) == 1: # one axis, from an angle to another
+        axis, a, b = keys[0]
+        q = quaternion(axis, a + t * (b - a))
+    else: # along the great circle between two orientations
+        p, r = (quaternion(*key) for key in keys)
+        d = sum(x * y for x, y in zip(p, r))
+        r, d = ([-x for x in r], -d) if d < 0 else (r, d)
+        o = math.acos(d)
+        q = [(math.sin((1 - t) * o) * x + math.sin(t * o) * y) / math.sin(o)
+             for x, y in zip(p, r)]
+    for x, y in zip(box, load(k)):
+        x = turned(q, [a - p for a, p in zip(x, pivot)])
+        x = [a + p + t * m for a, p, m in zip(x, pivot, move)]
+        assert math.dist(x, y) < 1e-3, (k, x, y)
+EOT
+}
+motion motion.json '{"time": 0}, {"time": 0.1, "angle": 90, "axis": [1, 0, 0]}'
+turns 'turn from angle 0 of the default axis' '[([1, 0, 0], 0, 90)]'
+motion motion.json '{"time": 0, "angle": 30, "axis": [1, 0, 0]},
+    {"time": 0.1, "angle": 100, "axis": [0, 1, 1]}'
+turns 'turn between two axes' '[([1, 0, 0], 30), ([0, 1, 1], 100)]'
+motion motion.json '{"time": 0, "angle": 350, "axis": [1, 0, 0]},
+    {"time": 0.1, "angle": 100, "axis": [0, 0, 2]}'
+turns 'turn between two axes, the shorter way' \
+    '[([1, 0, 0], 350), ([0, 0, 1], 100)]'
+motion motion.json '{"time": 0, "angle": 20, "axis": [0, 0, 1]},
+    {"time": 0.1, "angle": 40, "axis": [0, 0, -3]}'
+turns 'turn between opposite axes' '[([0, 0, 1], 20, -40)]'
+motion motion.json '{"time": 0, "axis": [0, 0, 1]},
+    {"time": 0.1, "angle": 500, "axis": [0, 3, 0]}'
+turns 'more than a turn about one axis' '[([0, 1, 0], 0, 500)]'
+motion motion.json '{"time": 0, "axis": [0, 0, 1]},
+    {"time": 0.1, "angle": 90, "axis": [0, 0, 1], "move": [1, 2, -3]}' '[4, 5, 6]'
+turns 'a turn about a pivot, on the way' '[([0, 0, 1], 0, 90)]' '[4, 5, 6]' '[1, 2, -3]'
+keys=$(awk 'BEGIN { for (k = 0; k < 4000; k++)
+    printf "{\"time\": %d, \"angle\": %d},", k, k % 2 ? 36000 : -36000 }')
+motion motion.json "${keys%,}"
+refused 'turns without end' '$.motions: the turns come to' plan motion.json
