@@ -71,8 +71,10 @@ else
     ends -7 'ended with exit status 7 and no mesh'
 fi
 collada many.dae 'count="9999999999"'
+why=' needs more than 1000 MB'
+ldd "$drape" | grep -q 'lib[a-z]*san' && why= # the sanitizer ends it itself
 no_mesh 'COLLADA that wants all memory' \
-    'cannot be read as a mesh: its reader needs more than 1000 MB' many.dae
+    "cannot be read as a mesh: its reader$why" many.dae
 # Here assimp 5.2 reads beyond the end of an array.
 collada crash.dae 'coqnt="15"'
 no_mesh 'COLLADA that crashes its reader' 'cannot be read as a mesh' crash.dae
