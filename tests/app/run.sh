@@ -187,24 +187,20 @@ sed 's/\[9, 9\]/[8, 8]/' tiny.json >other.json
 refused 'resume another scene' 'drape: half/checkpoint.drape: ' \
     run other.json --out refused --resume half/checkpoint.drape
 scene long.json ', "steps_per_frame": 37, "sleep": false}'
-"$drape" run long.json --out cut --frames 100000 >out 2>err &
-child=$!
-for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do
-    sleep 0.25
-    [ ! -s cut/frames/cloth_0001.ply ] || break
-done
-kill -INT $child
-wait $child
-got=$?
-if [ $got -eq 130 ]; then ok 'Ctrl-C exits 130'; else bad "Ctrl-C: $got"; fi
-"$drape" run long.json --out ended --frames 100000 >out 2>err &
-child=$!
-for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do
-    sleep 0.25
-    [ ! -s ended/frames/cloth_0001.ply ] || break
-done
-kill -TERM $child
-wait $child
+# ended SIGNAL FOLDER: a run is sent the signal after its first frame.
+ended() {
+    "$drape" run long.json --out "$2" --frames 100000 >out 2>err &
+    child=$!
+    for _ in 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20; do
+        sleep 0.25
+        [ ! -s "$2/frames/cloth_0001.ply" ] || break
+    done
+    kill "-$1" $child
+    wait $child
+}
+ended INT cut
+is 'Ctrl-C exits 130' test $? -eq 130
+ended TERM ended
 is 'a run that is told to end exits 130' test $? -eq 130 -a -s ended/checkpoint.drape
 is 'Ctrl-C leaves a checkpoint' test -s cut/checkpoint.drape
 is 'and the report' grep -q '"end": "interrupted"' cut/report.json
