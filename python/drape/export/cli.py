@@ -4,10 +4,10 @@
 from __future__ import annotations
 
 import importlib
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from drape import _whole
 from drape.export.console import FAILED, OK, USAGE, Parser, complain, whole
 from drape.export.run import Run, RunError
 
@@ -45,12 +45,8 @@ def export(run: Run | str | Path, to: str | Path, every: int = 1) -> int:
             f"pip install {form[1]}"
         ) from None
     frames = run.frames()[::every]
-    part = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix.lower()}")
-    try:
+    with _whole.beside(path) as part:
         module.write(run, frames, part.absolute())
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
     return len(frames)
 
 
