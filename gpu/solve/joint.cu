@@ -39,11 +39,13 @@ struct solve {
     int64_t nc, n_chunks;
     vec *r, *p[2], *q, *dv;
     const vec *b, *at; /* at: the positions that rates are of */
+    const vec *last;   /* as in struct joint, weigh too */
     const real *w;     /* [nv] 1/kg, 0: fixed */
     const sym *wall;
     real *item, *chunk;
     real exact, mass; /* as in struct joint */
     int32_t touch;    /* 1: there are contacts */
+    int32_t weigh;
     struct beginning begin;
 };
 
@@ -73,7 +75,7 @@ static __device__ void begin_at(const struct beginning *b, int64_t k, vec r)
     b->item[k] = dot(r, z);
 }
 
-/* r = b and dv = 0; the state before the first iteration. */
+/* r = b and dv = 0, p[0] = last; the state before the first iteration. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
     joint_open_kernel(struct solve a)
 {
@@ -86,6 +88,8 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         value = dot(r, r);
         if (a.begin.with_r)
             begin_at(&a.begin, k, r);
+        if (a.last)
+            a.p[0][k] = a.last[k];
     }
     if (!grid_sums<1>(&value, a.chunk, &c->ticket, &sum) || threadIdx.x)
         return;
@@ -125,6 +129,41 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
     enter(&a.rule, c, sum, a.exact);
 }
 
+/* The same of b: what the tolerance is relative to. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    joint_weigh_kernel(struct solve a)
+{
+    struct pcg_state *c = a.c;
+    real sum;
+    if (c->go && item_sum(a.nc, a.item, a.chunk, &c->ticket, &sum) &&
+        threadIdx.x == 0)
+        c->from = max_of(sum, c->from);
+}
+
+/* q = A p, 0 where fixed, gains what the contacts push; then p·q and p·r, which
+ * give the α of a step along p, whatever it is. */
+static __global__ void __launch_bounds__(SUM_CHUNK)
+    joint_recall_kernel(struct solve a, const vec *p)
+{
+    PARTICLE(k);
+    struct pcg_state *c = a.c;
+    real value[2] = {0, 0}, sum[2];
+    if (!c->go)
+        return;
+    if (k < a.nc && !(a.w[k] > 0))
+        a.q[k] = make(0, 0, 0);
+    __syncthreads();
+    if (a.touch)
+        gather_links(a.links, a.nc, a.q);
+    __syncthreads();
+    if (k < a.nc) {
+        value[0] = dot(p[k], a.q[k]);
+        value[1] = dot(p[k], a.r[k]);
+    }
+    if (grid_sums<2>(value, a.chunk, &c->ticket, sum) && threadIdx.x == 0)
+        c->alpha = positive(sum[0]) ? sum[1] / sum[0] : 0;
+}
+
 /* q gains what the contacts push; then p·q, which gives α. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
     joint_measure_kernel(struct solve a, const vec *p)
@@ -144,9 +183,10 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         measure(c, sum);
 }
 
-/* dv += α p, r -= α q, and |r|². */
+/* dv += α p, r -= α q, and |r|². first: 1 if the next direction does not depend
+ * on p. */
 static __global__ void __launch_bounds__(SUM_CHUNK)
-    joint_update_kernel(struct solve a, const vec *p)
+    joint_update_kernel(struct solve a, const vec *p, int first)
 {
     PARTICLE(k);
     struct pcg_state *c = a.c;
@@ -161,8 +201,10 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         if (a.begin.with_r)
             begin_at(&a.begin, k, r);
     }
-    if (grid_sums<1>(&value, a.chunk, &c->ticket, &sum) && threadIdx.x == 0)
-        leave(&a.rule, c, sum);
+    if (!grid_sums<1>(&value, a.chunk, &c->ticket, &sum) || threadIdx.x)
+        return;
+    leave(&a.rule, c, sum);
+    c->first = first;
 }
 
 /* Thread k owns particle k: p[0] = wall dv. */
@@ -332,8 +374,8 @@ template <class F> static int each_cloth(const struct joint_system *w, F launch)
     return status;
 }
 
-/* s = M⁻¹ r and item = r·s of all cloths, then β. */
-static void precondition(const struct joint_system *w, const struct solve *a)
+/* s = M⁻¹ r and item = r·s of all cloths. */
+static void cycle(const struct joint_system *w, const struct solve *a)
 {
     struct gpu *g = w->gpu;
     each_cloth(w, [&](int k) {
@@ -348,7 +390,6 @@ static void precondition(const struct joint_system *w, const struct solve *a)
             gpu_multigrid_cycle(g, &p.grid, lent_by(&p), &a->c->go, b.item);
         return (int)DRAPE_OK;
     });
-    LAUNCH_BLOCKS(g, item_blocks(a->nc), SUM_CHUNK, joint_enter_kernel, *a);
 }
 
 /* The next direction `to` = s + β from and its image q. */
@@ -377,11 +418,53 @@ static void iterate(const struct joint_system *w, const struct solve *a,
     for (int k = 0; k < times; k++) {
         const vec *from = a->p[k % 2];
         vec *to = a->p[(k + 1) % 2];
-        precondition(w, a);
+        cycle(w, a);
+        LAUNCH_BLOCKS(w->gpu, item_blocks(a->nc), SUM_CHUNK, joint_enter_kernel,
+                      *a);
         search(w, a, from, to);
         LAUNCH_BLOCKS(w->gpu, a->n_chunks, SUM_CHUNK, joint_update_kernel, *a,
-                      to);
+                      to, 0);
     }
+}
+
+/* y = A x of each cloth, or (A + wall) x. */
+static void multiply(const struct joint_system *w, bool with_walls,
+                     const vec *x, vec *y)
+{
+    struct gpu *g = w->gpu;
+    each_cloth(w, [&](int k) {
+        const struct joint_part *s = &w->part[k];
+        const struct pcg *p = &s->pcg;
+        struct product m = {.m = p->m,
+                            .n = p->n,
+                            .count = p->count,
+                            .mass = p->mass,
+                            .n_extra = with_walls ? p->count : 0,
+                            .extra = w->joint->wall + s->first,
+                            .n_blocks = p->n_cdf ? 0 : p->n_blocks,
+                            .block = p->block,
+                            .n_cdf = p->n_cdf,
+                            .cdf = p->cdf,
+                            .x = x + s->first,
+                            .y = y + s->first};
+        return gpu_product(g, &m);
+    });
+}
+
+/* §4.5: a step along p[0] = last. */
+static void recall(const struct joint_system *w, const struct solve *a)
+{
+    struct gpu *g = w->gpu;
+    const vec *p = a->p[0];
+    if (a->weigh) {
+        cycle(w, a);
+        LAUNCH_BLOCKS(g, item_blocks(a->nc), SUM_CHUNK, joint_weigh_kernel, *a);
+    }
+    multiply(w, true, p, a->q);
+    if (a->touch)
+        gpu_links_push(g, a->links, p, &a->c->go);
+    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_recall_kernel, *a, p);
+    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_update_kernel, *a, p, 1);
 }
 
 /* Queues the preconditioners, the first residual and the first iterations. */
@@ -393,6 +476,8 @@ static int begin(const struct joint_system *w, const struct solve *a)
         return gpu_pcg_set_up(g, &p);
     });
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_open_kernel, *a);
+    if (a->last)
+        recall(w, a);
     iterate(w, a, FIRST);
     return status;
 }
@@ -401,23 +486,7 @@ static int begin(const struct joint_system *w, const struct solve *a)
 static void conclude(const struct joint_system *w, const struct solve *a)
 {
     struct gpu *g = w->gpu;
-    each_cloth(w, [&](int k) {
-        const struct joint_part *s = &w->part[k];
-        const struct pcg *p = &s->pcg;
-        struct product m = {.m = p->m,
-                            .n = p->n,
-                            .count = p->count,
-                            .mass = p->mass,
-                            .n_extra = 0,
-                            .extra = NULL,
-                            .n_blocks = p->n_cdf ? 0 : p->n_blocks,
-                            .block = p->block,
-                            .n_cdf = p->n_cdf,
-                            .cdf = p->cdf,
-                            .x = a->dv + s->first,
-                            .y = a->q + s->first};
-        return gpu_product(g, &m);
-    });
+    multiply(w, false, a->dv, a->q);
     LAUNCH(g, a->nc, joint_walls_kernel, *a);
     if (a->touch)
         gpu_links_queue(g, a->links, a->nc, a->dv, a->p[0], NULL);
@@ -480,6 +549,8 @@ static void write_solve(struct solve *a, const struct joint_system *w)
     a->q = s->q;
     a->dv = s->dv;
     a->b = s->b;
+    a->last = s->last;
+    a->weigh = s->weigh;
     a->at = w->part[0].rates.x;
     a->w = w->w;
     a->wall = s->wall;

@@ -117,7 +117,7 @@ static __device__ inline void enter(const struct pcg *s, struct pcg_state *c,
 {
     c->fresh = 0;
     if (s->energy) {
-        if (c->iterations == 0)
+        if (c->first && !c->fell_back)
             c->from = max_of(next, c->from);
         c->recurrence = root(next / c->from);
         bool near =

@@ -42,7 +42,13 @@ static struct world staged(const struct world *w)
     all.past_x = h->past_x;
     all.past_v = h->past_v;
     all.press = h->press;
+    all.solved = h->solved;
     return all;
+}
+
+static size_t solved_bytes(const struct world *w)
+{
+    return w->solved ? COUPLE_TURNS * (size_t)w->nc * sizeof *w->solved : 0;
 }
 
 static int fetch(const struct world *w)
@@ -58,6 +64,7 @@ static int fetch(const struct world *w)
     gpu_down(g, h->past_x, w->past_x, past);
     gpu_down(g, h->past_v, w->past_v, past);
     gpu_down(g, h->press, w->press, press);
+    gpu_down(g, h->solved, w->solved, solved_bytes(w));
     return gpu_status(g);
 }
 
@@ -129,6 +136,7 @@ static int load(struct world *w, drape_read_bytes *read, void *user)
     gpu_up(g, w->past_x, all.past_x, past);
     gpu_up(g, w->past_v, all.past_v, past);
     gpu_up(g, w->press, all.press, press);
+    gpu_up(g, w->solved, all.solved, solved_bytes(w));
     gpu_wait(g);
     *w = all;
     w->x0 = now.x0;
@@ -136,6 +144,7 @@ static int load(struct world *w, drape_read_bytes *read, void *user)
     w->past_x = now.past_x;
     w->past_v = now.past_v;
     w->press = now.press;
+    w->solved = now.solved;
     return gpu_status(g);
 }
 

@@ -8,7 +8,6 @@
 #include "ref/contact/warm.h"
 #include "ref/world/state.h"
 
-enum { TURNS = 2 }; /* of the first contacts of a slice; later ones: 1 */
 static const real ROUGH = R(0.1);     /* tolerance of what the next solve takes
                                          up again */
 static const real FINE = R(1.0) / 32; /* of the tolerance, after a motion that
@@ -95,8 +94,8 @@ static bool is_free(const struct world *w)
  * friction from what contacts press. LAST: to the tolerance. */
 enum care { MOTION, FIRST, LAST };
 
-/* Solves (A + wall + C) dv = b. */
-static int run_joint(struct world *w, enum care care)
+/* Solves (A + wall + C) dv = b. last: as in struct joint. */
+static int run_joint(struct world *w, enum care care, const vec *last)
 {
     struct couple *c = &w->couple;
     struct joint *s = &c->joint;
@@ -104,6 +103,8 @@ static int run_joint(struct world *w, enum care care)
     s->hold = c->penalty.hold;
     s->wall = c->penalty.wall;
     s->b = c->b;
+    s->last = last;
+    s->weigh = care == FIRST;
     s->links = links_of(&c->penalty, s->links.push);
     real asked = (real)w->def.tolerance * (w->plan.history ? FINE : 1);
     real rough = real_max(asked, ROUGH);
@@ -143,6 +144,7 @@ int couple_move(struct world *w, drape_step_report *r)
     struct couple *c = &w->couple;
     struct joint *s = &c->joint;
     double start = clock_now();
+    memset(c->kept, 0, sizeof c->kept);
     c->moved = w->def.n_cloths > 1 && w->plan.implicit && w->plan.collides &&
                !w->plan.history && w->plan.newton == 1 &&
                w->def.solver == DRAPE_EXACT;
@@ -151,7 +153,7 @@ int couple_move(struct world *w, drape_step_report *r)
     int status = open_sheets(w);
     s->scale = s->square = 0;
     if (status == DRAPE_OK)
-        status = run_joint(w, c->rough ? MOTION : LAST);
+        status = run_joint(w, c->rough ? MOTION : LAST, NULL);
     c->moved = s->outcome != PCG_BREAKDOWN;
     if (c->moved && !c->rough)
         r->residual = fmax(r->residual, (double)s->residual);
@@ -166,22 +168,36 @@ int couple_move(struct world *w, drape_step_report *r)
     return status;
 }
 
+/* §4.5: keeps the solution of turn k, unless the solve failed. */
+static void keep(struct world *w, int k)
+{
+    struct couple *c = &w->couple;
+    const struct joint *s = &c->joint;
+    c->kept[k] = s->outcome != PCG_BREAKDOWN && s->residual - s->residual == 0;
+    if (c->kept[k])
+        w->run->copy(w->on, c->found[k], s->dv, (size_t)w->nc * sizeof *s->dv);
+}
+
 /* Solves (A + wall + C) dv = force - g and moves what moves. After a breakdown
- * the exact rounds go on without. */
-static int solve_joint(struct world *w, enum care care)
+ * the exact rounds go on without. turn: which of the first turns this is, or
+ * COUPLE_TURNS: a later one. */
+static int solve_joint(struct world *w, enum care care, int turn)
 {
     struct couple *c = &w->couple;
     struct joint *s = &c->joint;
-    struct turn turn = turn_of(w);
-    w->run->turn_load(w->on, &turn);
-    int status = run_joint(w, care);
+    struct turn moves = turn_of(w);
+    bool first = turn < COUPLE_TURNS;
+    w->run->turn_load(w->on, &moves);
+    int status = run_joint(w, care, first ? w->solved + turn * w->nc : NULL);
+    if (status == DRAPE_OK && first)
+        keep(w, turn);
     c->iterations += s->iterations;
     c->solves++;
     if (s->outcome != PCG_CONVERGED)
         c->outcome |= DRAPE_UNCONVERGED;
     c->residual = (double)s->residual;
     if (status == DRAPE_OK && s->outcome != PCG_BREAKDOWN && s->iterations > 0)
-        w->run->turn_move(w->on, &turn);
+        w->run->turn_move(w->on, &moves);
     w->run->turn_end(w->on);
     return status == DRAPE_OK ? w->run->status(w->on) : status;
 }
@@ -233,7 +249,7 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
     p->n = n;
     p->n4 = 4 * n;
     p->contact = contact;
-    int turns = n > 0 && w->couple.solves == 0 ? TURNS : 1;
+    int turns = n > 0 && w->couple.solves == 0 ? COUPLE_TURNS : 1;
     for (int k = 0; k < turns && status == DRAPE_OK; k++) {
         p->first = w->couple.solves == 0;
         status = w->run->penalty(w->on, p);
@@ -242,7 +258,8 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
         if (w->couple.rough && w->couple.solves == 0)
             add_residual(w);
         if (status == DRAPE_OK)
-            status = solve_joint(w, k + 1 < turns ? FIRST : LAST);
+            status = solve_joint(w, k + 1 < turns ? FIRST : LAST,
+                                 turns > 1 ? k : COUPLE_TURNS);
         if (status == DRAPE_OK)
             status = w->run->penalty_status(w->on);
     }

@@ -94,49 +94,74 @@ static void add_links(struct joint *a, const vec *x, vec *y)
     ref_links(&a->links);
 }
 
-/* p = M⁻¹ r + β p, and a step along p. False if the matrix is not positive
- * definite along p. */
-static bool step(struct world *w, struct joint *a, real next, real before)
+/* Sets q to (A + wall + C) p and returns p·q. */
+static real curvature_of(struct world *w, struct joint *a)
 {
-    real beta = a->iterations ? next / before : 0;
-    EACH_ITEM
-    for (int64_t i = 0; i < a->nc; i++)
-        a->p[i] = a->iterations ? vec_axpy(a->q[i], beta, a->p[i]) : a->q[i];
     multiply(w, a, true, a->p, a->q);
     add_links(a, a->p, a->q);
-    real curvature = dot(a, a->p, a->q);
-    if (!pcg_positive(curvature))
-        return false;
-    real alpha = next / curvature;
+    return dot(a, a->p, a->q);
+}
+
+/* dv += α p, r -= α q. */
+static void move(struct joint *a, real alpha)
+{
     EACH_ITEM
     for (int64_t i = 0; i < a->nc; i++) {
         a->dv[i] = vec_axpy(a->dv[i], alpha, a->p[i]);
         a->r[i] = vec_axpy(a->r[i], -alpha, a->q[i]);
     }
     a->iterations++;
+}
+
+/* p = M⁻¹ r + β p, and a step along p; the first direction has before = 0.
+ * False if the matrix is not positive definite along p. */
+static bool step(struct world *w, struct joint *a, real next, real before)
+{
+    real beta = before > 0 ? next / before : 0;
+    EACH_ITEM
+    for (int64_t i = 0; i < a->nc; i++)
+        a->p[i] = before > 0 ? vec_axpy(a->q[i], beta, a->p[i]) : a->q[i];
+    real curvature = curvature_of(w, a);
+    if (!pcg_positive(curvature))
+        return false;
+    move(a, next / curvature);
     return true;
 }
 
-/* pcg.md §4.1: whether r·M⁻¹r and |r|² have fallen below the tolerance. */
-static bool calm(struct joint *a, real next, real square)
+/* §4.5: a step along the solution of the slice before, or none if it is 0. */
+static void recall(struct world *w, struct joint *a)
 {
-    if (a->iterations == 0)
-        a->scale = real_max(next, a->scale);
+    EACH_ITEM
+    for (int64_t i = 0; i < a->nc; i++)
+        a->p[i] = a->last[i];
+    real curvature = curvature_of(w, a), along = dot(a, a->p, a->r);
+    move(a, pcg_positive(curvature) ? along / curvature : 0);
+}
+
+/* pcg.md §4.1: whether r·M⁻¹r and |r|² have fallen below the tolerance. */
+static bool calm(const struct joint *a, real next, real square)
+{
     return next == 0 || (real_sqrt(next / a->scale) <= a->tolerance &&
                          real_sqrt(square / a->square) <= a->exact);
 }
 
-static int iterate(struct world *w, struct joint *a, real square)
+static int iterate(struct world *w, struct joint *a)
 {
     real before = 0;
+    if (a->last) {
+        if (a->weigh)
+            a->scale = real_max(precondition(w, a), a->scale);
+        recall(w, a);
+    }
     while (a->iterations < a->max_iterations) {
-        real next = precondition(w, a);
+        real square = dot(a, a->r, a->r), next = precondition(w, a);
+        if (!(before > 0))
+            a->scale = real_max(next, a->scale);
         if (calm(a, next, square))
             return PCG_CONVERGED;
         if (!pcg_positive(next) || !step(w, a, next, before))
             return PCG_BREAKDOWN;
         before = next;
-        square = dot(a, a->r, a->r);
     }
     return PCG_LIMIT;
 }
@@ -204,7 +229,7 @@ int joint_solve(struct world *w, struct joint *a)
     a->square = real_max(square, a->square);
     if (status != DRAPE_OK || square == 0)
         return status;
-    a->outcome = pcg_positive(square) ? iterate(w, a, square) : PCG_BREAKDOWN;
+    a->outcome = pcg_positive(square) ? iterate(w, a) : PCG_BREAKDOWN;
     conclude(w, a);
     return DRAPE_OK;
 }

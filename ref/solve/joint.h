@@ -16,7 +16,10 @@ struct joint {
     real scale, square;     /* inout: pcg.md §4.1, of the step so far */
     const sym *hold, *wall; /* [nv] kg, of penalty */
     const vec *b;           /* [nc] N·s, 0 where fixed */
-    struct links links;     /* the contacts; x and y are set by the solve */
+    const vec *last;    /* [nc] m/s, 0 where fixed: a first direction, the dv of
+                           such a solve before; NULL: none */
+    bool weigh;         /* scale is found before that direction is taken */
+    struct links links; /* the contacts; x and y are set by the solve */
 
     vec *r, *p, *p2;  /* scratch: [nv], 0 where fixed; p2: the device's */
     real *item;       /* scratch: [nc], the device's */

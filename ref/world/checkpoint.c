@@ -22,7 +22,7 @@ struct header {
     uint16_t pressed;
     drape_wind wind;
 };
-static const char magic[8] = "drape-7";
+static const char magic[8] = "drape-8";
 /* A world that its caller has changed has another magic, and after the header
  * what follows from the changes: control.md §6. This part holds materials, so
  * its number is also that of the layout of drape_material. */
@@ -128,16 +128,18 @@ uint64_t checkpoint_fingerprint(const drape_def *d, uint64_t *print)
 
 /* Lists the streams that are part of the state: the next step reads them. A
  * stream that the scene does not have has 0 bytes. */
-enum { PLACE = 0, WATCH = 2, STREAMS = 6 };
+enum { PLACE = 0, WATCH = 2, STREAMS = 7 };
 static void streams(const struct world *w, void *stream[STREAMS],
                     size_t bytes[STREAMS])
 {
     size_t n = (size_t)w->nv * sizeof(vec);
     size_t past = w->past_x ? (size_t)w->nc * sizeof(vec) : 0;
     size_t press = w->press ? (size_t)w->nc * sizeof(vec) : 0;
+    size_t solved = w->solved ? COUPLE_TURNS * (size_t)w->nc * sizeof(vec) : 0;
     size_t watch = (size_t)w->def.n_cloths * sizeof *w->watch;
-    void *s[STREAMS] = {w->x0, w->v0, w->watch, w->past_x, w->past_v, w->press};
-    const size_t b[STREAMS] = {n, n, watch, past, past, press};
+    void *s[STREAMS] = {w->x0,     w->v0,    w->watch, w->past_x,
+                        w->past_v, w->press, w->solved};
+    const size_t b[STREAMS] = {n, n, watch, past, past, press, solved};
     memcpy(stream, s, sizeof s);
     memcpy(bytes, b, sizeof b);
 }

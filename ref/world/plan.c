@@ -37,7 +37,8 @@ struct plan plan_make(const drape_def *def)
     p.self = def->self_collision;
     p.obstacles = def->n_obstacles > 0;
     p.collides = p.self || p.obstacles;
-    p.warm = p.implicit && !p.history && p.collides;
+    p.turns = p.implicit && p.collides;
+    p.warm = p.turns && !p.history;
     return p;
 }
 

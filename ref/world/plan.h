@@ -22,6 +22,7 @@ struct plan {
     bool obstacles; /* cloth can collide with an obstacle */
     bool collides;  /* self or obstacles */
     bool warm;      /* contact forces start the next slice: warm.md */
+    bool turns;     /* contacts are part of the solve: penalty.md */
 };
 
 struct plan plan_make(const drape_def *def);

@@ -22,6 +22,8 @@ static int take_start(struct world *w)
     }
     if (w->press)
         s->press = take(w, s->press, w->nc);
+    if (w->solved)
+        s->solved = take(w, s->solved, COUPLE_TURNS * w->nc);
     if (!s->watch)
         s->watch = arena_take(w->arena, ARENA_STATE, w->def.n_cloths,
                               sizeof *s->watch);
@@ -42,6 +44,8 @@ static void copy(const struct world *w, struct start *to,
     }
     if (w->press)
         w->run->copy(w->on, to->press, from->press, cloths);
+    if (w->solved)
+        w->run->copy(w->on, to->solved, from->solved, COUPLE_TURNS * cloths);
     memcpy(to->watch, from->watch, (size_t)w->def.n_cloths * sizeof *to->watch);
 }
 
@@ -53,6 +57,7 @@ static struct start now(const struct world *w)
                           .past_x = w->past_x,
                           .past_v = w->past_v,
                           .press = w->press,
+                          .solved = w->solved,
                           .watch = w->watch};
 }
 

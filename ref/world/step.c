@@ -246,6 +246,15 @@ static void keep_press(struct world *w, bool held)
     w->pressed = held;
 }
 
+static void keep_solved(struct world *w)
+{
+    const struct couple *c = &w->couple;
+    for (int k = 0; k < COUPLE_TURNS && w->solved; k++)
+        if (c->kept[k])
+            w->run->copy(w->on, w->solved + k * w->nc, c->found[k],
+                         (size_t)w->nc * sizeof *w->solved);
+}
+
 /* §4: makes the end of the slice the state. */
 static void commit(struct world *w, int outcome)
 {
@@ -255,6 +264,7 @@ static void commit(struct world *w, int outcome)
     w->asleep = w->resting >= REST_STEPS;
     w->near = state_nearness(&w->response);
     keep_press(w, !slice_failed(outcome) && w->near == NEAR_CONTACTS);
+    keep_solved(w);
     for (int k = 0; k < w->def.n_cloths; k++) {
         w->watch[k][0] = w->sheet[k].dynamics.reference;
         w->watch[k][1] = w->sheet[k].dynamics.surplus;

@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A joint solve that begins along a direction it is given, and which directions
+ * a world gives. spec/contact/penalty.md §4.5 */
+#include "ref/solve/joint.h"
+#include "ref/world/state.h"
+#include "ref/world/step.h"
+#include "tests/solve/system.h"
+#include "tests/world/slab.h"
+
+enum { MOST = 2 * SLAB_SMALL * SLAB_SMALL, STEPS = 12 };
+
+/* Stands in place of the reference's joint solve. */
+static struct spy {
+    int (*joint)(struct world *w, struct joint *s);
+    const char *failed;
+    int recalled, solves; /* of all solves with a direction; of this step */
+    vec found[COUPLE_TURNS][MOST]; /* what they solved in this step */
+} spy;
+
+/* Solves the same system again from what *start says, along `last`. */
+static struct joint again(struct world *w, const struct joint *start,
+                          const vec *last)
+{
+    struct joint s = *start;
+    s.last = last;
+    spy.joint(w, &s);
+    return s;
+}
+
+static double dot_of(int64_t n, const vec *a, const vec *b)
+{
+    double sum = 0;
+    for (int64_t k = 0; k < n; k++)
+        sum += (double)vec_dot(a[k], b[k]);
+    return sum;
+}
+
+/* One step along any direction leaves a residual across it, and gains energy.
+ * r, d and b have few enough terms for 2^-16 and 2^-40 to be above all their
+ * rounding. */
+static bool steps_well(struct world *w, const struct joint *start, const vec *d)
+{
+    struct joint s = *start;
+    double u = REAL_BITS == 32 ? 0x1p-16 : 0x1p-40;
+    s.max_iterations = 1;
+    s = again(w, &s, d);
+    double size = sqrt(dot_of(s.nc, d, d) * dot_of(s.nc, s.b, s.b));
+    return s.iterations == 1 && s.outcome == PCG_LIMIT &&
+           fabs(dot_of(s.nc, d, s.r)) <= u * size &&
+           dot_of(s.nc, s.dv, s.b) >= -u * size;
+}
+
+static const char *solve_ways(struct world *w, const struct joint *start)
+{
+    static vec zero[MOST], dv[MOST], noise[MOST];
+    struct joint none = again(w, start, NULL), s;
+    size_t bytes = (size_t)start->nc * sizeof *dv;
+    EXPECT(start->nc <= MOST && none.outcome == PCG_CONVERGED);
+    memcpy(dv, none.dv, bytes);
+    s = again(w, start, zero);
+    EXPECT(s.iterations == none.iterations + 1 && s.scale == none.scale);
+    EXPECT(!memcmp(s.dv, dv, bytes));
+    s = again(w, start, dv);
+    EXPECT(s.outcome == PCG_CONVERGED);
+    EXPECT(s.iterations <= 3 + none.iterations / 4);
+    EXPECT(s.scale == none.scale || (!start->weigh && s.scale < none.scale));
+    for (int64_t k = 0; k < start->nc; k++)
+        noise[k] = w->w[k] > 0 ? vec_make(noise_of((uint64_t)k), 1,
+                                          noise_of((uint64_t)(k + MOST)))
+                               : zero[0];
+    EXPECT(steps_well(w, start, noise) && steps_well(w, start, dv));
+    s = again(w, start, noise);
+    EXPECT(s.outcome == PCG_CONVERGED && s.residual <= 1.01 * start->exact);
+    return NULL;
+}
+
+static int watch(struct world *w, struct joint *s)
+{
+    if (!s->last)
+        return spy.joint(w, s);
+    struct joint start = *s;
+    if (!spy.failed)
+        spy.failed = solve_ways(w, &start);
+    int status = spy.joint(w, s);
+    memcpy(spy.found[spy.solves++], s->dv, (size_t)s->nc * sizeof *s->dv);
+    spy.recalled++;
+    return status;
+}
+
+/* Two sheets come to lie on a slab. */
+static const char *settle(int integrator, int precond)
+{
+    struct slab d;
+    struct arena arena;
+    drape_cloth cloth[2];
+    slab_small(&d, integrator, 0.104);
+    cloth[0] = cloth[1] = d.cloth;
+    cloth[1].origin[0] += 0.003;
+    cloth[1].origin[1] += 0.004;
+    d.obstacle.motion = -1;
+    d.def.cloths = cloth;
+    d.def.n_cloths = 2;
+    d.def.precond = precond;
+    d.def.max_slices = 1;
+    struct world *w = slab_inner(&d.def, &arena);
+    EXPECT(w);
+    struct backend run = *w->run;
+    spy = (struct spy){.joint = run.joint};
+    run.joint = watch;
+    w->run = &run;
+    for (int k = 0; k < STEPS && !spy.failed; k++) {
+        drape_step_report r;
+        spy.solves = 0;
+        EXPECT(step_advance(w, &r) == DRAPE_OK && r.slices == 1);
+        EXPECT(spy.solves == 0 || spy.solves == COUPLE_TURNS);
+        EXPECT(!spy.solves ||
+               !memcmp(spy.found, w->solved,
+                       sizeof(vec) * COUPLE_TURNS * (size_t)w->nc));
+        ran(1);
+    }
+    EXPECT(spy.failed || spy.recalled >= STEPS);
+    arena_free(&arena);
+    return spy.failed;
+}
+
+const char *test_world_recall(void)
+{
+    static const int integrator[] = {DRAPE_BW, DRAPE_BDF2};
+    const char *failed = NULL;
+    for (int k = 0; k < 4 && !failed; k++)
+        failed =
+            settle(integrator[k / 2], k % 2 ? DRAPE_MULTIGRID : DRAPE_JACOBI);
+    return failed;
+}
