@@ -85,16 +85,20 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         return;
     struct contact *c = &s.contact[k];
     real share = 0;
+    int moving = 0; /* §3.2: vertices that the contact moves */
     for (int j = 0; j < 4; j++)
-        if (s.w[c->v[j]] > 0)
+        if (s.w[c->v[j]] > 0) {
             share += magnitude(c->c[j]) * side_of(&s, c, j);
+            moving += c->c[j] != 0;
+        }
     real before = s.first ? R(0.0) : given_impulse(&s, c, share);
     s.share[k] = share;
     s.gave[k] = before;
     bool held = spring_impulse(&s, c, s.guess) > 0 ||
                 spring_impulse(&s, c, s.u) > 0 || before > 0;
-    bool wall = s.walls && (side_of(&s, c, 0) == 0 || side_of(&s, c, 3) == 0);
-    c->held = !held ? CONTACT_APART : wall ? CONTACT_WALL : CONTACT_MUTUAL;
+    c->held = !held         ? CONTACT_APART
+              : moving == 1 ? CONTACT_WALL
+                            : CONTACT_MUTUAL;
 }
 
 /* The held contacts of a vertex. */

@@ -44,7 +44,6 @@ int gpu_turn_make(struct gpu_world *w)
     p->w = w->world.w;
     p->u = w->world.response.u;
     p->stiffness = w->world.response.stiffness;
-    p->walls = w->world.def.n_cloths == 1;
     p->start = w->world.response.start;
     struct gpu *g = w->gpu;
     p->force = c->b = w->b;

@@ -75,6 +75,16 @@ static void find_guess(struct penalty *s, int64_t i)
     s->guess[i] = pushed ? vec_axpy(s->u[i], -w, s->g[i]) : s->u[i];
 }
 
+/* §3.2: whether one vertex of contact c is free, so that the contact's matrix
+ * is a block. */
+static bool is_wall(const struct penalty *s, const struct contact *c)
+{
+    int moving = 0;
+    for (int j = 0; j < 4; j++)
+        moving += s->w[c->v[j]] > 0 && c->c[j] != 0;
+    return moving == 1;
+}
+
 /* §1: selects the held contacts: those that approach at u or at the guess, and
  * those that gave an impulse in the turn before. */
 static void select_held(struct penalty *s, int64_t k)
@@ -88,8 +98,9 @@ static void select_held(struct penalty *s, int64_t k)
     s->gave[k] = s->first ? 0 : given_impulse(s, k);
     bool held = spring_impulse(s, k, s->guess) > 0 ||
                 spring_impulse(s, k, s->u) > 0 || s->gave[k] > 0;
-    bool wall = s->walls && (side_of(s, c, 0) == 0 || side_of(s, c, 3) == 0);
-    c->held = !held ? CONTACT_APART : wall ? CONTACT_WALL : CONTACT_MUTUAL;
+    c->held = !held           ? CONTACT_APART
+              : is_wall(s, c) ? CONTACT_WALL
+                              : CONTACT_MUTUAL;
 }
 
 /* §3: what contact k adds to the hold of its vertex j. */

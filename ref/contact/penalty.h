@@ -12,7 +12,6 @@ struct penalty {
     const vec *u;   /* [nv] m/s, mean velocity of the step */
     const vec *g;   /* [nv] N·s, contacts' impulse so far, of free vertices */
     int first;      /* 1: the first turn of a slice */
-    int walls;      /* 1: contacts with a led side are CONTACT_WALL, §3.2 */
     real stiffness; /* N/m, > 0, of a contact */
     real dt, tau;   /* s, > 0: the slice, and the integrator's effective step */
     real slip;      /* m/s, > 0: friction is viscous below */

@@ -30,7 +30,6 @@ int turn_make(struct world *w)
     p->w = w->w;
     p->u = w->response.u;
     p->stiffness = w->response.stiffness;
-    p->walls = w->def.n_cloths == 1;
     p->start = w->response.start;
     p->force = take(w, w->nv, sizeof *p->force);
     p->hold = take(w, w->nv, sizeof *p->hold);

@@ -60,7 +60,6 @@ void gen_penalty(struct bytes *b, struct penalty *s)
         g[i] = pick_vec(b, R(0.01));
     s->g = g;
     s->first = pick(b, 2);
-    s->walls = pick(b, 2);
     s->hold = take(b, s->nv, sizeof *s->hold);
     for (int64_t i = 0; i < s->nv; i++) {
         real a = pick_uniform(b, R(1e-4), 1), d = pick_uniform(b, 0, a / 2);
@@ -116,15 +115,19 @@ static double dot(vec a, vec b)
            (double)a.z * (double)b.z;
 }
 
-/* §3: a·hold·a minus a·(contacts' own matrix)·a over the free vertices, for one
- * arbitrary vector a; ≥ 0 up to rounding, which scales with *size. */
-static double slack(const struct penalty *s, double *size)
+/* §3: a·block·a minus a·(contacts' own matrix)·a over the free vertices, for
+ * one arbitrary vector a. Of all contacts and hold, or of walls and wall.
+ * Rounding scales with *size. */
+static double slack(const struct penalty *s, bool walls, double *size)
 {
-    double own = 0, hold = 0;
+    const sym *block = walls ? s->wall : s->hold;
+    double own = 0, sums = 0;
     *size = 0;
     for (int64_t k = 0; k < s->n; k++) {
         const struct contact *c = &s->contact[k];
         double sum[3] = {0, 0, 0};
+        if (c->held == CONTACT_APART || (walls && c->held != CONTACT_WALL))
+            continue;
         for (int j = 0; j < 4; j++) {
             int32_t i = c->v[j];
             double a[3] = {1 + i % 3, 1 - i % 5, 2 - i % 7};
@@ -134,18 +137,17 @@ static double slack(const struct penalty *s, double *size)
         double n[3] = {(double)c->n.x, (double)c->n.y, (double)c->n.z};
         double along = sum[0] * n[0] + sum[1] * n[1] + sum[2] * n[2];
         double all = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
-        double normal = (double)(s->stiffness * s->tau * s->tau);
-        own += (c->held ? normal : 0) * along * along;
+        own += (double)(s->stiffness * s->tau * s->tau) * along * along;
         own += (double)(c->slide * s->tau / s->dt) * (all - along * along);
     }
     for (int64_t i = 0; i < s->nv; i++) {
         vec a =
             vec_make((real)(1 + i % 3), (real)(1 - i % 5), (real)(2 - i % 7));
-        sym h = s->hold[i];
-        hold += dot(a, sym_apply(h, a));
-        *size += dot(a, a) * (double)(h.xx + h.yy + h.zz);
+        sums += dot(a, sym_apply(block[i], a));
+        *size +=
+            dot(a, a) * (double)(s->hold[i].xx + s->hold[i].yy + s->hold[i].zz);
     }
-    return hold - own;
+    return sums - own;
 }
 
 /* §1: the impulse p of the spring at u, N·s. */
@@ -161,13 +163,13 @@ static vec slip_of(const struct contact *c, const vec *u)
     return vec_axpy(v, -vec_dot(c->n, v), c->n);
 }
 
-/* Whether no vertex of a side of contact c is free. */
-static bool side_led(const struct penalty *s, const struct contact *c)
+/* The number of vertices that contact c moves. */
+static int moving(const struct penalty *s, const struct contact *c)
 {
-    bool led[2] = {true, true};
+    int n = 0;
     for (int j = 0; j < 4; j++)
-        led[j >= (c->kind == CONTACT_VF ? 1 : 2)] &= !(s->w[c->v[j]] > 0);
-    return led[0] || led[1];
+        n += s->w[c->v[j]] > 0 && c->c[j] != 0;
+    return n;
 }
 
 /* §2.1: μ N of held contact k in binary64, and a bound of the rounding in the
@@ -221,9 +223,8 @@ const char *prop_penalty(const struct penalty *s)
         const struct contact *c = &s->contact[k];
         real length = vec_length(c->tangent);
         /* §1: a contact that approaches is held; §2: friction opposes slip */
-        EXPECT(c->held == CONTACT_APART || c->held == CONTACT_MUTUAL ||
-               (c->held == CONTACT_WALL && s->walls && side_led(s, c)));
-        EXPECT(c->held != CONTACT_MUTUAL || !s->walls || !side_led(s, c));
+        EXPECT(c->held == CONTACT_APART ||
+               c->held == (moving(s, c) == 1 ? CONTACT_WALL : CONTACT_MUTUAL));
         EXPECT(c->impulse >= 0 || !s->first); /* §1.3 */
         EXPECT(c->held || (c->impulse == 0 && length == 0 && c->slide == 0));
         EXPECT(c->held || !(approach(s, c) > 0));
@@ -258,8 +259,11 @@ const char *prop_penalty(const struct penalty *s)
     double bound = 8 * ((double)s->n + 8) * unit * size;
     for (int d = 0; d < 3 && free_all; d++)
         EXPECT(fabs(total[d]) <= bound);
-    double most, left = slack(s, &most);
-    EXPECT(left >= -16 * ((double)s->n + 8) * unit * most);
+    /* §3.3: hold bounds the contacts' matrix. §3.2: wall is that of walls. */
+    double most, left = slack(s, false, &most);
+    double rounding = 16 * ((double)s->n + 8) * unit * most;
+    EXPECT(left >= -rounding);
+    EXPECT(fabs(slack(s, true, &most)) <= rounding);
     return NULL;
 }
 
