@@ -86,7 +86,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         vec r = a.b[k];
         a.r[k] = r;
         value = dot(r, r);
-        if (a.begin.with_r)
+        if (a.begin.with_r && (a.weigh || !a.last))
             begin_at(&a.begin, k, r);
         if (a.last)
             a.p[0][k] = a.last[k];
@@ -160,8 +160,10 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         value[0] = dot(p[k], a.q[k]);
         value[1] = dot(p[k], a.r[k]);
     }
-    if (grid_sums<2>(value, a.chunk, &c->ticket, sum) && threadIdx.x == 0)
-        c->alpha = positive(sum[0]) ? sum[1] / sum[0] : 0;
+    if (!grid_sums<2>(value, a.chunk, &c->ticket, sum) || threadIdx.x)
+        return;
+    real alpha = positive(sum[0]) ? sum[1] / sum[0] : 0;
+    c->alpha = alpha - alpha == 0 ? alpha : 0;
 }
 
 /* q gains what the contacts push; then p·q, which gives α. */
@@ -194,9 +196,12 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
     if (!c->go)
         return;
     if (k < a.nc) {
-        vec r = axpy(a.r[k], -alpha, a.q[k]);
-        a.dv[k] = axpy(a.dv[k], alpha, p[k]);
-        a.r[k] = r;
+        vec r = a.r[k];
+        if (alpha != 0) { /* else p may be anything */
+            r = axpy(r, -alpha, a.q[k]);
+            a.dv[k] = axpy(a.dv[k], alpha, p[k]);
+            a.r[k] = r;
+        }
         value = dot(r, r);
         if (a.begin.with_r)
             begin_at(&a.begin, k, r);
@@ -205,6 +210,16 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         return;
     leave(&a.rule, c, sum);
     c->first = first;
+}
+
+/* Thread k owns particle k of one cloth. */
+static __device__ void joint_improve_kernel(const struct pcg_state *c,
+                                            int64_t count, vec *dv,
+                                            const vec *s)
+{
+    ITEM(k, count);
+    if (c->outcome == PCG_CONVERGED && c->iterations > 0)
+        dv[k] = add(dv[k], s[k]);
 }
 
 /* Thread k owns particle k: p[0] = wall dv. */
@@ -482,10 +497,23 @@ static int begin(const struct joint_system *w, const struct solve *a)
     return status;
 }
 
+/* dv += M⁻¹ r, which the test of the tolerance has left in s. */
+static void improve(const struct joint_system *w, const struct solve *a)
+{
+    each_cloth(w, [&](int k) {
+        struct pcg p = part_of(w, &w->part[k]);
+        MERGE(w->gpu, p.count,
+              ((const struct pcg_state *)a->c, p.count, p.dv, (const vec *)p.s),
+              joint_improve_kernel);
+        return (int)DRAPE_OK;
+    });
+}
+
 /* q = A dv and the true residual. */
 static void conclude(const struct joint_system *w, const struct solve *a)
 {
     struct gpu *g = w->gpu;
+    improve(w, a);
     multiply(w, false, a->dv, a->q);
     LAUNCH(g, a->nc, joint_walls_kernel, *a);
     if (a->touch)

@@ -13,6 +13,8 @@ static const real ROUGH = R(0.1);     /* tolerance of what the next solve takes
 static const real FINE = R(1.0) / 32; /* of the tolerance, after a motion that
                                          was not solved roughly */
 static const real SLIP = R(5e-4);     /* m/s, friction is viscous below */
+static const real HEAVY = R(4e4); /* particles: lighter contacts ask for less */
+static const real EASE = R(10.0); /* up to so much less */
 
 bool couple_prepare(const struct world *w, struct pcg *p)
 {
@@ -89,6 +91,15 @@ static bool is_free(const struct world *w)
     return w->def.n_obstacles == 0 && pinned == 0;
 }
 
+/* §4.3: how much larger than the tolerance |r| of the first turn may be. */
+static real ease_of(const struct world *w)
+{
+    const struct penalty *p = &w->couple.penalty;
+    real mean = (real)w->mass / (real)w->nc;
+    real heavy = p->stiffness * p->tau * p->tau / mean;
+    return real_min(real_max(HEAVY / heavy, 1), EASE);
+}
+
 /* How well a joint solve is done. MOTION: roughly, in both norms of pcg.md
  * §4.1. FIRST: roughly in the energy norm alone, as the next turn takes its
  * friction from what contacts press. LAST: to the tolerance. */
@@ -109,7 +120,9 @@ static int run_joint(struct world *w, enum care care, const vec *last)
     real asked = (real)w->def.tolerance * (w->plan.history ? FINE : 1);
     real rough = real_max(asked, ROUGH);
     s->tolerance = care == LAST ? asked : rough;
-    s->exact = care == MOTION ? rough : asked;
+    s->exact = care == MOTION  ? rough
+               : care == FIRST ? asked * ease_of(w)
+                               : asked;
     s->max_iterations = w->def.max_iterations;
     s->mass = is_free(w) ? (real)w->mass : 0;
     int status = w->run->joint(w, s);

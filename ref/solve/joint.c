@@ -102,11 +102,12 @@ static real curvature_of(struct world *w, struct joint *a)
     return dot(a, a->p, a->q);
 }
 
-/* dv += α p, r -= α q. */
+/* dv += α p, r -= α q; where α is 0 p may be anything. */
 static void move(struct joint *a, real alpha)
 {
+    int64_t n = alpha != 0 ? a->nc : 0;
     EACH_ITEM
-    for (int64_t i = 0; i < a->nc; i++) {
+    for (int64_t i = 0; i < n; i++) {
         a->dv[i] = vec_axpy(a->dv[i], alpha, a->p[i]);
         a->r[i] = vec_axpy(a->r[i], -alpha, a->q[i]);
     }
@@ -128,14 +129,16 @@ static bool step(struct world *w, struct joint *a, real next, real before)
     return true;
 }
 
-/* §4.5: a step along the solution of the slice before, or none if it is 0. */
+/* §4.5: a step along the solution of the slice before. None if the solution is
+ * 0 or a product with it overflows. */
 static void recall(struct world *w, struct joint *a)
 {
     EACH_ITEM
     for (int64_t i = 0; i < a->nc; i++)
         a->p[i] = a->last[i];
     real curvature = curvature_of(w, a), along = dot(a, a->p, a->r);
-    move(a, pcg_positive(curvature) ? along / curvature : 0);
+    real alpha = pcg_positive(curvature) ? along / curvature : 0;
+    move(a, alpha - alpha == 0 ? alpha : 0);
 }
 
 /* pcg.md §4.1: whether r·M⁻¹r and |r|² have fallen below the tolerance. */
@@ -164,6 +167,15 @@ static int iterate(struct world *w, struct joint *a)
         before = next;
     }
     return PCG_LIMIT;
+}
+
+/* §4.2: a last step, dv += M⁻¹ r, which the test of the tolerance has left in
+ * q. */
+static void improve(struct joint *a)
+{
+    EACH_ITEM
+    for (int64_t i = 0; i < a->nc; i++)
+        a->dv[i] = vec_add(a->dv[i], a->q[i]);
 }
 
 /* The sum of one coordinate of r. */
@@ -230,6 +242,8 @@ int joint_solve(struct world *w, struct joint *a)
     if (status != DRAPE_OK || square == 0)
         return status;
     a->outcome = pcg_positive(square) ? iterate(w, a) : PCG_BREAKDOWN;
+    if (a->outcome == PCG_CONVERGED && a->iterations > 0)
+        improve(a);
     conclude(w, a);
     return DRAPE_OK;
 }

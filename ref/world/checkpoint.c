@@ -26,7 +26,7 @@ static const char magic[8] = "drape-8";
 /* A world that its caller has changed has another magic, and after the header
  * what follows from the changes: control.md §6. This part holds materials, so
  * its number is also that of the layout of drape_material. */
-static const char changed[8] = "drape-9";
+static const char changed[8] = "drape+8";
 struct changes {
     int64_t bytes;  /* of control_pack; 0 */
     uint64_t armed; /* 1: the targets of the next step follow the streams */
