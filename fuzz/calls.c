@@ -122,7 +122,8 @@ static const struct call {
              {"drape_contacts_device", play_contacts_device},
              {"drape_clock", play_clock},
              {"drape_read_material", play_told_material},
-             {"drape_read_wind", play_told_wind}};
+             {"drape_read_wind", play_told_wind},
+             {"drape_read_gravity", play_told_gravity}};
 enum { CALLS = sizeof calls / sizeof *calls };
 
 /* Makes calls drawn from the input; every other call is `often`. */

@@ -161,3 +161,14 @@ const char *play_told_wind(struct play *p)
     EXPECT(within(wind[0].drag, 0, 1e6) && within(wind[0].lift, 0, 1e6));
     return play_unchanged(p);
 }
+
+const char *play_told_gravity(struct play *p)
+{
+    double g[2][3] = {{0}};
+    for (int k = 0; k < 2 && p->world[k]; k++)
+        EXPECT(drape_read_gravity(p->world[k], g[k]) == DRAPE_OK);
+    EXPECT(!p->world[1] || !memcmp(g[0], g[1], sizeof g[0]));
+    for (int k = 0; k < 3; k++)
+        EXPECT(fabs(g[0][k]) <= 0x1p60);
+    return play_unchanged(p);
+}

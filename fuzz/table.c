@@ -41,6 +41,7 @@ const struct target fuzz_targets[] = {
     {"drape_clock", fuzz_calls, NULL},
     {"drape_read_material", fuzz_calls, NULL},
     {"drape_read_wind", fuzz_calls, NULL},
+    {"drape_read_gravity", fuzz_calls, NULL},
     {"drape_plan", fuzz_calls, NULL},
     {"drape_count", fuzz_calls, NULL},
     {"drape_save", fuzz_calls, NULL},

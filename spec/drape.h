@@ -445,13 +445,14 @@ int drape_read_triangles(const drape_world *world, int32_t (*tri)[3]);
  * may be NULL. DRAPE_OK, or DRAPE_EARG: world is NULL. */
 int drape_clock(const drape_world *world, int64_t *step, double *time);
 /* Copy what the next step will use: the material of a cloth, 0 … n_cloths - 1,
- * and the wind, as they were defined, set, loaded or replayed. The numbers are
- * those that were given, not rounded to the world's precision, so that a caller
- * who sets one of them again keeps the others. DRAPE_OK, or DRAPE_EARG: a
- * pointer is NULL, or there is no such cloth. */
+ * the wind, and gravity, [3] m/s², as they were defined, set, loaded or
+ * replayed. The numbers are those that were given, not rounded to the world's
+ * precision, so that a caller who sets one of them again keeps the others.
+ * DRAPE_OK, or DRAPE_EARG: a pointer is NULL, or there is no such cloth. */
 int drape_read_material(const drape_world *world, int cloth,
                         drape_material *material);
 int drape_read_wind(const drape_world *world, drape_wind *wind);
+int drape_read_gravity(const drape_world *world, double gravity[3]);
 
 /* Where the current state lies, to be read without a copy. The memory belongs
  * to the world; x and v are valid until the next drape_step,

@@ -205,6 +205,13 @@ class Control:
 
     # What is changed
 
+    @property
+    def gravity(self) -> NDArray[np.float64]:
+        """[3] m/s², of the next step: as defined, set, loaded or replayed."""
+        g = ffi.new("double [3]")
+        self._call("drape_read_gravity", "gravity", g)
+        return np.array(list(g))
+
     def set_gravity(self, gravity: ArrayLike) -> None:
         """Sets gravity, [3] m/s²."""
         g = scenes.array(gravity, (3,), "gravity")

@@ -30,7 +30,9 @@ def test_the_row_is_the_struct() -> None:
 def test_gravity_and_velocities(sheet: dict[str, Any]) -> None:
     world = drape.World(sheet, gravity=[0, 0, 0], precision=64)
     x = world.positions
+    assert world.gravity.tolist() == [0, 0, 0]
     world.set_gravity([0, 0, 3])
+    assert world.gravity.tolist() == [0, 0, 3]
     world.step()
     assert x[:, 2].max() == pytest.approx(0.4 / 2 + 3 / 60**2, rel=0.2)
     world.set_velocities(np.tile([0.0, 1.0, 0.0], (len(world), 1)))

@@ -279,6 +279,14 @@ int drape_read_wind(const drape_world *world, drape_wind *wind)
     return DRAPE_OK;
 }
 
+int drape_read_gravity(const drape_world *world, double gravity[3])
+{
+    if (!world || !gravity)
+        return DRAPE_EARG;
+    memcpy(gravity, world->ops->gravity(world->world), 3 * sizeof *gravity);
+    return DRAPE_OK;
+}
+
 void drape_wake(drape_world *world)
 {
     if (!world)

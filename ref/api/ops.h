@@ -67,6 +67,7 @@ struct world_ops {
     void (*clock)(const struct world *w, int64_t *step, double *time);
     const drape_material *(*material)(const struct world *w, int cloth);
     const drape_wind *(*wind)(const struct world *w);
+    const double *(*gravity)(const struct world *w); /* [3] */
     int64_t (*first_vertex)(const struct world *w, int body);
     int64_t (*first_triangle)(const struct world *w, int body);
     void (*wake)(struct world *w);

@@ -200,6 +200,11 @@ static inline const drape_wind *state_wind(const struct world *w)
     return &w->def.wind;
 }
 
+static inline const double *state_gravity(const struct world *w)
+{
+    return w->def.gravity;
+}
+
 /* Returns how near things came in the slice that this response handled. */
 static inline enum nearness state_nearness(const struct response *c)
 {

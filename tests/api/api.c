@@ -216,6 +216,7 @@ static const struct {
     {"drape_clock", call_reads},
     {"drape_read_material", api_call_material},
     {"drape_read_wind", call_wind},
+    {"drape_read_gravity", api_call_gravity},
     {"drape_borrow", call_reads},
     {"drape_wake", call_wind},
     {"drape_set_wind", call_wind},

@@ -9,7 +9,9 @@ const double api_wrong[] = {(double)NAN, (double)INFINITY, 0x1p61, -0x1p61};
 
 const char *api_call_gravity(struct api *a)
 {
-    double g[3] = {0, -9.81, 0};
+    double g[3] = {0, -9.81, 0}, now[3];
+    REFUSES(drape_read_gravity(NULL, now));
+    REFUSES(drape_read_gravity(a->world, NULL));
     REFUSES(drape_set_gravity(NULL, g));
     REFUSES(drape_set_gravity(a->world, NULL));
     for (int k = 0; k < WRONG; k++) {

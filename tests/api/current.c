@@ -169,12 +169,21 @@ static bool blown_by(const drape_world *world, const drape_wind *wind)
            !memcmp(now + 1, &rest, sizeof rest);
 }
 
+static bool pulled_by(const drape_world *world, const double gravity[3])
+{
+    double now[4] = {0, 0, 0, -1};
+    ran(1);
+    return drape_read_gravity(world, now) == DRAPE_OK &&
+           !memcmp(now, gravity, 3 * sizeof *now) && now[3] == -1;
+}
+
 /* A scene on both backends: [0] is that of the definition, [1] what is set. The
  * numbers are not those of binary32. */
 struct settings {
     struct troupe t;
     drape_material of[2][2]; /* [cloth][which] */
     drape_wind wind[2];
+    double gravity[2][3]; /* set with the wind */
     drape_world *world[2];
 };
 
@@ -196,6 +205,8 @@ static const char *define(struct settings *s, int backend)
     s->wind[0] = s->wind[1] = s->t.def.wind;
     s->wind[1].velocity[2] = 0.1;
     s->wind[1].drag = 0.7;
+    memcpy(s->gravity[0], s->t.def.gravity, sizeof s->gravity[0]);
+    s->gravity[1][2] = -1.6;
     for (int k = 0; k < 2; k++) {
         s->t.def.backend = k ? !backend : backend;
         s->world[k] = troupe_world(&s->t);
@@ -204,12 +215,13 @@ static const char *define(struct settings *s, int backend)
     return NULL;
 }
 
-/* Which material each cloth has, and which wind blows. */
+/* Which material each cloth has, and which wind and gravity there are. */
 static bool is(const struct settings *s, int k, int first, int second, int wind)
 {
     const drape_world *w = s->world[k];
     return made_of(w, 0, &s->of[0][first]) &&
-           made_of(w, 1, &s->of[1][second]) && blown_by(w, &s->wind[wind]);
+           made_of(w, 1, &s->of[1][second]) && blown_by(w, &s->wind[wind]) &&
+           pulled_by(w, s->gravity[wind]);
 }
 
 static const char *set_and_load(struct settings *s)
@@ -221,7 +233,9 @@ static const char *set_and_load(struct settings *s)
     EXPECT(drape_record(a, recall_write, &log) == DRAPE_OK);
     EXPECT(drape_set_material(a, 1, &s->of[1][1]) == DRAPE_OK);
     EXPECT(is(s, 0, 0, 1, 0));
-    EXPECT(drape_set_wind(a, &s->wind[1]) == DRAPE_OK && is(s, 0, 0, 1, 1));
+    EXPECT(drape_set_wind(a, &s->wind[1]) == DRAPE_OK);
+    EXPECT(drape_set_gravity(a, s->gravity[1]) == DRAPE_OK);
+    EXPECT(is(s, 0, 0, 1, 1));
     drape_material bad = s->of[0][1];
     drape_wind storm = s->wind[0];
     bad.shear = bad.stretch;
@@ -233,7 +247,9 @@ static const char *set_and_load(struct settings *s)
     EXPECT(is(s, 0, 0, 0, 0));
     EXPECT(recall_load(a, &changed) == DRAPE_OK && is(s, 0, 0, 1, 1));
     EXPECT(drape_set_material(a, 0, &s->of[0][1]) == DRAPE_OK);
-    EXPECT(drape_set_wind(a, &s->wind[0]) == DRAPE_OK && is(s, 0, 1, 1, 0));
+    EXPECT(drape_set_wind(a, &s->wind[0]) == DRAPE_OK);
+    EXPECT(drape_set_gravity(a, s->gravity[0]) == DRAPE_OK);
+    EXPECT(is(s, 0, 1, 1, 0));
     EXPECT(drape_record(a, NULL, NULL) == DRAPE_OK);
     EXPECT(recall_load(b, &changed) == DRAPE_OK && is(s, 1, 0, 1, 1));
     EXPECT(drape_replay(b, recall_read, &log, NULL) == 1);
