@@ -20,6 +20,7 @@ static const struct part {
              {"fabrics", part_fabrics},
              {"hung", part_hung},
              {"contact", part_contact},
+             {"ball", part_ball},
              {"meeting", part_meeting},
              {"buckling", part_buckling},
              {"bendtwist", part_bendtwist},

@@ -89,6 +89,7 @@ void part_bendtwist(struct validate *v);
 void part_stickslip(struct validate *v);
 void part_hung(struct validate *v);
 void part_contact(struct validate *v);
+void part_ball(struct validate *v);
 void part_meeting(struct validate *v);
 
 #endif

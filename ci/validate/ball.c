@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A small sheet that slides down a ball of flat facets. spec/validation.md §9
+ */
+#include "ci/validate/validate.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { SIDE = 21, MOST = 121 };
+static const double RADIUS = 2, SIZE = 0.2, START = 0.6, SECONDS = 0.4;
+
+/* Where the ball is met at the angles along and across from its pole. */
+static void place(double radius, double along, double across, double x[3])
+{
+    x[0] = radius * sin(along);
+    x[1] = radius * cos(along) * cos(across);
+    x[2] = radius * cos(along) * sin(across);
+}
+
+/* The part of the ball that the sheet comes to, in cells² pairs of triangles.
+ */
+struct ground {
+    double x[MOST * MOST][3];
+    int32_t tri[2 * (MOST - 1) * (MOST - 1)][3];
+    drape_obstacle obstacle;
+};
+
+static void make_ground(struct ground *s, int cells, double friction)
+{
+    int m = cells + 1, tris = 0;
+    for (int k = 0; k < m * m; k++)
+        place(RADIUS, START - 0.3 + 1.2 * (k % m) / cells,
+              0.6 * (k / m) / cells - 0.3, s->x[k]);
+    for (int k = 0; k < cells * cells; k++) {
+        int32_t p = k % cells + m * (k / cells), q = p + m;
+        const int32_t two[2][3] = {{p, p + 1, q}, {p + 1, q + 1, q}};
+        for (int e = 0; e < 6; e++)
+            s->tri[tris + e / 3][e % 3] = two[e / 3][e % 3];
+        tris += 2;
+    }
+    drape_default_obstacle(&s->obstacle);
+    s->obstacle.n_vertices = m * m;
+    s->obstacle.n_triangles = tris;
+    s->obstacle.x = (const double(*)[3])s->x;
+    s->obstacle.tri = (const int32_t(*)[3])s->tri;
+    s->obstacle.friction = friction;
+}
+
+/* The angle at which the sheet's middle is, by the mean of its vertices. */
+static double angle_of(const drape_world *world, int64_t n)
+{
+    size_t all = (size_t)drape_vertices(world);
+    double(*x)[3] = take(all, sizeof *x), sum[2] = {0, 0};
+    drape_read(world, x, NULL);
+    for (int64_t p = 0; p < n; p++) {
+        sum[0] += x[p][0];
+        sum[1] += x[p][1];
+    }
+    free(x);
+    return atan2(sum[0], sum[1]);
+}
+
+/* The same for a point that slides by Coulomb's law: θ'' R = g sin θ − μ (g cos
+ * θ − R θ'²). */
+static double angle_due(double friction)
+{
+    double a = START, w = 0, dt = 1e-6;
+    for (int k = 0; k < (int)(SECONDS / dt); k++) {
+        double push = fmax(0, 9.81 * cos(a) / RADIUS - w * w);
+        w += dt * (9.81 * sin(a) / RADIUS - friction * push);
+        a += dt * w;
+    }
+    return a;
+}
+
+/* The sheet's way over a point's. */
+static double slide(const struct validate *v, int cells, double friction,
+                    double dt)
+{
+    static struct ground ground;
+    struct sheet s;
+    double h = SIZE / (SIDE - 1), way = NAN;
+    make_ground(&ground, cells, friction);
+    sheet_make(v, &s, SIDE, SIDE, h);
+    s.cloth.material.friction = friction;
+    s.cloth.material.bend = 1e-6;
+    double gap = fmin(s.cloth.material.thickness, h / 2);
+    for (int p = 0; p < s.n; p++)
+        place(RADIUS + gap, START + (h * (p % SIDE) - SIZE / 2) / RADIUS,
+              (h * (p / SIDE) - SIZE / 2) / RADIUS, s.x[p]);
+    s.def.obstacles = &ground.obstacle;
+    s.def.n_obstacles = 1;
+    s.def.max_slices = 32;
+    s.def.tolerance = 1e-5;
+    drape_world *world = sheet_world(&s, dt);
+    int status = world ? DRAPE_OK : DRAPE_EARG;
+    for (int k = 0; k < (int)(SECONDS / dt + 0.5) && status >= DRAPE_OK; k++)
+        status = drape_step(world, NULL);
+    if (status >= DRAPE_OK)
+        way = (angle_of(world, s.n) - START) / (angle_due(friction) - START);
+    drape_destroy(world);
+    sheet_free(&s);
+    return way;
+}
+
+void part_ball(struct validate *v)
+{
+    static const double step[SIZES] = {1.0 / 60, 1.0 / 120, 1.0 / 240,
+                                       1.0 / 480};
+    static const struct {
+        int cells;
+        double friction;
+        const char *name;
+    } kinds[] = {
+        {10, 0, "facets of 240 mm; friction 0; way over a point's"},
+        {10, 0.2, "facets of 240 mm; friction 0.2; way over a point's"},
+        {30, 0, "facets of 80 mm; friction 0; way over a point's"},
+        {30, 0.2, "facets of 80 mm; friction 0.2; way over a point's"},
+        {100, 0, "facets of 24 mm; friction 0; way over a point's"},
+        {100, 0.2, "facets of 24 mm; friction 0.2; way over a point's"}};
+    if (v->quick || v->bits == 32)
+        return;
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        struct property p = {.part = "ball",
+                             .name = kinds[k].name,
+                             .unit = "1",
+                             .theory = 1,
+                             .bar = 0.02,
+                             .up_to = 1};
+        for (int c = 0; c < SIZES; c++)
+            property_add(&p, step[c],
+                         slide(v, kinds[k].cells, kinds[k].friction, step[c]));
+        property_end(v, &p);
+    }
+}
