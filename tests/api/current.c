@@ -272,9 +272,11 @@ static const char *move_bodies(struct settings *s)
     high.material.friction = 0.11;
     EXPECT(drape_set_material(a, 1, &s->of[1][1]) == DRAPE_OK);
     EXPECT(drape_set_wind(a, &s->wind[1]) == DRAPE_OK);
+    EXPECT(drape_set_gravity(a, s->gravity[1]) == DRAPE_OK);
     EXPECT(drape_add_cloth(a, &high, NULL) == 2 && is(s, 0, 1, 1, 1));
     EXPECT(made_of(a, 2, &high.material));
     EXPECT(drape_remove(a, 0) == DRAPE_OK && blown_by(a, &s->wind[1]));
+    EXPECT(pulled_by(a, s->gravity[1]));
     EXPECT(made_of(a, 0, &s->of[1][1]) && made_of(a, 1, &high.material));
     EXPECT(!made_of(a, 2, &high.material)); /* there is no such cloth now */
     return NULL;
