@@ -229,6 +229,11 @@ row device "$(nvidia-smi --query-gpu=name --format=csv,noheader | head -n 1)"
 row toolkit "$(nvcc --version | sed -n 's/.*release \([0-9.]*\).*/\1/p')"
 row driver "$(nvidia-smi --query-gpu=driver_version --format=csv,noheader |
     head -n 1)"
+# A row names the recorded hash of its stage, so that must be this tree's.
+"$build/check-cuda" --golden tests/golden/stages.txt >"$work/golden" || {
+    grep FAILED "$work/golden"
+    exit 1
+}
 python3 ci/certificate.py plan "$work" "$out" "$build" || exit 1
 
 all_references

@@ -6,10 +6,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { SIDE = 21, MOST = 121 };
+enum { SIDE = 21, MOST = 101 };
 static const double RADIUS = 2, SIZE = 0.2, START = 0.6, SECONDS = 0.4;
 
-/* Where the ball is met at the angles along and across from its pole. */
+/* The point of a ball at two angles from its pole, along the way and across. */
 static void place(double radius, double along, double across, double x[3])
 {
     x[0] = radius * sin(along);
@@ -60,12 +60,13 @@ static double angle_of(const drape_world *world, int64_t n)
     return atan2(sum[0], sum[1]);
 }
 
-/* The same for a point that slides by Coulomb's law: θ'' R = g sin θ − μ (g cos
- * θ − R θ'²). */
-static double angle_due(double friction)
+/* The same for a point that slides by Coulomb's law, θ'' R = g sin θ − μ (g cos
+ * θ − R θ'²), in as long steps: the new speed moves it, as in Baraff–Witkin's,
+ * which adds half a step of way. */
+static double angle_due(double friction, double dt)
 {
-    double a = START, w = 0, dt = 1e-6;
-    for (int k = 0; k < (int)(SECONDS / dt); k++) {
+    double a = START, w = 0;
+    for (int k = 0; k < (int)(SECONDS / dt + 0.5); k++) {
         double push = fmax(0, 9.81 * cos(a) / RADIUS - w * w);
         w += dt * (9.81 * sin(a) / RADIUS - friction * push);
         a += dt * w;
@@ -97,7 +98,8 @@ static double slide(const struct validate *v, int cells, double friction,
     for (int k = 0; k < (int)(SECONDS / dt + 0.5) && status >= DRAPE_OK; k++)
         status = drape_step(world, NULL);
     if (status >= DRAPE_OK)
-        way = (angle_of(world, s.n) - START) / (angle_due(friction) - START);
+        way =
+            (angle_of(world, s.n) - START) / (angle_due(friction, dt) - START);
     drape_destroy(world);
     sheet_free(&s);
     return way;

@@ -197,7 +197,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         return;
     if (k < a.nc) {
         vec r = a.r[k];
-        if (alpha != 0) { /* else p may be anything */
+        if (alpha != 0) { /* else p may not be finite */
             r = axpy(r, -alpha, a.q[k]);
             a.dv[k] = axpy(a.dv[k], alpha, p[k]);
             a.r[k] = r;

@@ -13,8 +13,9 @@ static const real ROUGH = R(0.1);     /* tolerance of what the next solve takes
 static const real FINE = R(1.0) / 32; /* of the tolerance, after a motion that
                                          was not solved roughly */
 static const real SLIP = R(5e-4);     /* m/s, friction is viscous below */
-static const real HEAVY = R(4e4); /* particles: lighter contacts ask for less */
-static const real EASE = R(10.0); /* up to so much less */
+static const real HEAVY = R(4e4); /* particles; for contacts that weigh less |r|
+                                     of the first turn may be larger, */
+static const real EASE = R(10.0); /* by so much at most */
 
 bool couple_prepare(const struct world *w, struct pcg *p)
 {

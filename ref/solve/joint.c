@@ -102,7 +102,7 @@ static real curvature_of(struct world *w, struct joint *a)
     return dot(a, a->p, a->q);
 }
 
-/* dv += α p, r -= α q; where α is 0 p may be anything. */
+/* dv += α p, r -= α q; where α is 0 p may not be finite. */
 static void move(struct joint *a, real alpha)
 {
     int64_t n = alpha != 0 ? a->nc : 0;

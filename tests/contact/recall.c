@@ -8,6 +8,7 @@
 #include "tests/world/slab.h"
 
 enum { MOST = 2 * SLAB_SMALL * SLAB_SMALL, STEPS = 12 };
+/* Differences of such numbers overflow. */
 #define HUGE_REAL (REAL_BITS == 32 ? R(0x1p127) : (real)0x1p1023)
 
 /* Stands in place of the reference's joint solve. */
@@ -51,8 +52,9 @@ static bool steps_well(struct world *w, const struct joint *start, const vec *d)
            fabs(dot_of(s.nc, s.dv, s.r)) <= gained / 64;
 }
 
-/* §4.2: the last step, which a solve that runs out of iterations does not take.
- * A step z from a residual r to r' lowers the energy by z·(r + r') / 2. */
+/* §4.2: the last step lowers the energy. A solve that runs out of iterations
+ * does not take it, so it is the difference z of two solutions; from a residual
+ * r to r' it lowers the energy by z·(r + r') / 2. */
 static bool ends_well(struct world *w, const struct joint *start,
                       const struct joint *ended)
 {
