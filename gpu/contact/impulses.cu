@@ -104,7 +104,7 @@ static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
     c.target = (s->margin * skin.thickness - c.gap) / s->dt;
     c.friction = skin.friction;
     c.held = 0;
-    c.impulse = c.slide = 0;
+    c.impulse = c.slide = c.along = 0;
     c.tangent = make(0, 0, 0);
     return c;
 }

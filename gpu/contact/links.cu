@@ -26,7 +26,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         if (c->held != CONTACT_MUTUAL)
             continue;
         vec v = pair_sum(c, x), n = c->n;
-        real a = s->along, b = c->slide * s->across;
+        real a = c->along, b = c->slide * s->across;
         s->push[k] = axpy(scale(b, v), (a - b) * dot(n, v), n);
     }
 }

@@ -12,6 +12,12 @@ enum { PUSHES = 3, HOLDS = 6, PARTS = PUSHES + 2 * HOLDS, GROUP = 32 };
 enum { GROUP_BLOCK = (PUSHES + HOLDS) * GROUP };
 enum { GROUPS = 1024 };
 
+/* §1.4: the least κ' of a contact by the mass that it moves alone. */
+#define LEAST R(30.0)
+/* §1.2: a contact is let go whose spring pulls more than this much of what the
+ * contact gave. */
+#define PULL R(4.0)
+
 /* §3: w_i of vertex j: the smallest inverse mass of its side's free vertices.
  */
 static __device__ real side_of(const struct penalty *s, const struct contact *c,
@@ -28,12 +34,17 @@ static __device__ real side_of(const struct penalty *s, const struct contact *c,
     return least;
 }
 
-/* §1: the impulse p of the contact's spring at velocities u, N·s. */
+/* §1: a - s at velocities u, by which contact c approaches too fast, m/s. */
+static __device__ real excess_of(const struct contact *c, const vec *u)
+{
+    return c->target - dot(c->n, pair_sum(c, u));
+}
+
+/* §1: the impulse p of contact c's spring at velocities u, N·s. */
 static __device__ real spring_impulse(const struct penalty *s,
                                       const struct contact *c, const vec *u)
 {
-    real give = s->stiffness * s->dt * s->tau;
-    return give * (c->target - dot(c->n, pair_sum(c, u)));
+    return c->along * (s->dt / s->tau) * excess_of(c, u);
 }
 
 /* §3: S/w_j·|c_j|, the factor of contact c in the hold of its vertex j; share
@@ -55,7 +66,7 @@ static __device__ real given_impulse(const struct penalty *s,
         int32_t i = c->v[j];
         if (!(s->w[i] > 0) || c->c[j] == 0)
             continue;
-        real along = part_of(s, c, share, j) * s->stiffness * s->tau * s->tau;
+        real along = part_of(s, c, share, j) * c->along;
         real hold = dot(c->n, apply(s->hold[i], c->n));
         real took = along / hold * dot(c->n, s->g[i]);
         push += c->c[j] < 0 ? -took : took;
@@ -94,8 +105,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     real before = s.first ? R(0.0) : given_impulse(&s, c, share);
     s.share[k] = share;
     s.gave[k] = before;
-    bool held = spring_impulse(&s, c, s.guess) > 0 ||
-                spring_impulse(&s, c, s.u) > 0 || before > 0;
+    bool kept = before > 0 && spring_impulse(&s, c, s.u) > -PULL * before;
+    bool held = excess_of(c, s.guess) > 0 || excess_of(c, s.u) > 0 || kept;
     c->held = !held         ? CONTACT_APART
               : moving == 1 ? CONTACT_WALL
                             : CONTACT_MUTUAL;
@@ -142,6 +153,20 @@ static __device__ real yield_of(const struct penalty *s,
     return sum;
 }
 
+/* §1.4: κ' of contact c, kg: its spring is `give` short under the load that a
+ * rigid contact would bear. */
+static __device__ real along_of(const struct penalty *s,
+                                const struct contact *c, real gave)
+{
+    real yield = 0;
+    for (int j = 0; j < 4; j++)
+        yield += c->c[j] * c->c[j] * s->w[c->v[j]];
+    real excess = max_of(excess_of(c, s->guess), R(0.0));
+    real load = gave + excess / (yield * (s->tau / s->dt));
+    real most = s->stiffness * s->tau * s->tau;
+    return min_of(max_of(load * s->tau / s->give, LEAST / yield), most);
+}
+
 /* §2.1: N, the impulse along n that contact c is expected to give, N·s. */
 static __device__ real expected_impulse(const struct penalty *s,
                                         const struct contact *c, real gave,
@@ -150,8 +175,7 @@ static __device__ real expected_impulse(const struct penalty *s,
     real push = spring_impulse(s, c, s->guess);
     if (!s->first)
         push = max_of(push, -gave);
-    real stiff = s->stiffness * s->tau * s->tau;
-    return max_of(gave + (push - gave) / (1 + stiff * yield), R(0.0));
+    return max_of(gave + (push - gave) / (1 + c->along * yield), R(0.0));
 }
 
 /* §3. Thread k owns place k of all lists: reads its item's contact; writes
@@ -168,7 +192,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     real a = 0, b = 0;
     if (c->held) {
         real share = part_of(&s, c, s.share[item / 4], j);
-        a = share * s.stiffness * s.tau * s.tau;
+        a = share * c->along;
         b = share * c->slide * (s.tau / s.dt);
         a = a - b;
         push = scale(c->c[j], axpy(c->tangent, c->impulse, n));
@@ -229,6 +253,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     struct contact *c = &s.contact[k];
     vec slip = across(c, s.u);
     real gave = s.gave[k], yield = yield_of(&s, c), limit = 0;
+    c->along = c->held ? along_of(&s, c, gave) : R(0.0);
     if (c->held)
         limit = c->friction * expected_impulse(&s, c, gave, yield);
     bool stick = sticks(&s, c, slip, limit, yield * limit * (s.tau / s.dt));
@@ -302,7 +327,8 @@ static __global__ void __launch_bounds__(GROUP_BLOCK)
 
 int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
 {
-    if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->slip > 0) ||
+    if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->give > 0 &&
+          s->slip > 0) ||
         s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX)
         return DRAPE_EARG;
     struct incidence by = {s->nv,    s->n,    s->w,      s->contact,

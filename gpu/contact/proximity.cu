@@ -241,7 +241,7 @@ static __device__ void emit(const struct proximity *s, int64_t k,
     c.friction = skin.friction;
     c.target = push_target(s, &c, max_of(skin.thickness - c.gap, R(0)));
     c.held = 0;
-    c.impulse = c.slide = 0;
+    c.impulse = c.slide = c.along = 0;
     c.tangent = make(0, 0, 0);
     *to = c;
 }

@@ -9,8 +9,8 @@
 
 enum contact_kind { CONTACT_VF, CONTACT_EE };
 
-/* Whether a contact takes part in the implicit solve: not; with vertices of
- * both sides that move; with one side that is led. */
+/* Whether a contact takes part in the implicit solve: not; as one that moves
+ * several vertices; as one that moves one vertex alone. */
 enum contact_held { CONTACT_APART, CONTACT_MUTUAL, CONTACT_WALL };
 
 /* A contact holds two sides, A and B, apart: it asks for n·Σ c u ≥ target. */
@@ -25,6 +25,7 @@ struct contact {
     real friction; /* Coulomb coefficient */
     real impulse;  /* N·s along n; ≥ 0 after stage contacts */
     vec tangent;   /* N·s across n, |tangent| ≤ friction · impulse */
+    real along;    /* kg, κ' of the turn; penalty.md §1 */
     real slide;    /* kg, factor f of friction where it sticks, else 0;
                       penalty.md §2 */
 };

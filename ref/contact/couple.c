@@ -13,9 +13,10 @@ static const real ROUGH = R(0.1);     /* tolerance of what the next solve takes
 static const real FINE = R(1.0) / 32; /* of the tolerance, after a motion that
                                          was not solved roughly */
 static const real SLIP = R(5e-4);     /* m/s, friction is viscous below */
-static const real HEAVY = R(4e4); /* particles; for contacts that weigh less |r|
-                                     of the first turn may be larger, */
-static const real EASE = R(10.0); /* by so much at most */
+static const real GIVE = R(0.03);     /* of the reach, penalty.md §1.4 */
+static const real LIGHT = R(50.0);    /* particles; what a contact weighs that
+                                         bears its own at rest */
+static const real EASE = R(10.0);     /* tolerances, at most */
 
 bool couple_prepare(const struct world *w, struct pcg *p)
 {
@@ -36,6 +37,7 @@ void couple_start(struct world *w)
     p->dt = w->response.dt;
     p->slip = real_min(SLIP, R(0.01) * w->reach / p->dt);
     p->tau = (real)(past ? w->dt * 2 / 3 : w->dt);
+    p->give = GIVE * w->reach;
     c->iterations = c->solves = c->outcome = 0;
     c->residual = 0;
     c->seconds = 0;
@@ -74,7 +76,6 @@ static struct links links_of(const struct penalty *p, vec *push)
     return (struct links){.nv = p->nv,
                           .n = p->n,
                           .contact = p->contact,
-                          .along = p->stiffness * p->tau * p->tau,
                           .across = p->tau / p->dt,
                           .nv1 = p->nv1,
                           .n4 = p->n4,
@@ -92,18 +93,19 @@ static bool is_free(const struct world *w)
     return w->def.n_obstacles == 0 && pinned == 0;
 }
 
-/* §4.3: how much larger than the tolerance |r| of the first turn may be. */
+/* §4.3: e, how many times the pushes of contacts count, which are lighter than
+ * the stiffest. */
 static real ease_of(const struct world *w)
 {
     const struct penalty *p = &w->couple.penalty;
     real mean = (real)w->mass / (real)w->nc;
     real heavy = p->stiffness * p->tau * p->tau / mean;
-    return real_min(real_max(HEAVY / heavy, 1), EASE);
+    return real_min(real_max(real_sqrt(heavy / LIGHT), 1), EASE);
 }
 
 /* How well a joint solve is done. MOTION: roughly, in both norms of pcg.md
- * §4.1. FIRST: roughly in the energy norm alone, as the next turn takes its
- * friction from what contacts press. LAST: to the tolerance. */
+ * §4.1. FIRST: roughly in the energy norm, less so in the other, as the next
+ * turn takes its friction from what contacts press. LAST: to the tolerance. */
 enum care { MOTION, FIRST, LAST };
 
 /* Solves (A + wall + C) dv = b. last: as in struct joint. */
@@ -119,11 +121,8 @@ static int run_joint(struct world *w, enum care care, const vec *last)
     s->weigh = care == FIRST;
     s->links = links_of(&c->penalty, s->links.push);
     real asked = (real)w->def.tolerance * (w->plan.history ? FINE : 1);
-    real rough = real_max(asked, ROUGH);
-    s->tolerance = care == LAST ? asked : rough;
-    s->exact = care == MOTION  ? rough
-               : care == FIRST ? asked * ease_of(w)
-                               : asked;
+    s->tolerance = care == LAST ? asked : real_max(asked, ROUGH);
+    s->exact = care == FIRST ? asked * EASE : s->tolerance;
     s->max_iterations = w->def.max_iterations;
     s->mass = is_free(w) ? (real)w->mass : 0;
     int status = w->run->joint(w, s);
@@ -192,6 +191,14 @@ static void keep(struct world *w, int k)
         w->run->copy(w->on, c->found[k], s->dv, (size_t)w->nc * sizeof *s->dv);
 }
 
+/* §4.3: makes pushes count so many times in what the tolerance is relative to.
+ */
+static void count_pushes(struct joint *s, real times)
+{
+    s->scale = real_min(REAL_BIG, s->scale * (times * times));
+    s->square = real_min(REAL_BIG, s->square * (times * times));
+}
+
 /* Solves (A + wall + C) dv = force - g and moves what moves. After a breakdown
  * the exact rounds go on without. turn: which of the first turns this is, or
  * COUPLE_TURNS: a later one. */
@@ -201,8 +208,11 @@ static int solve_joint(struct world *w, enum care care, int turn)
     struct joint *s = &c->joint;
     struct turn moves = turn_of(w);
     bool first = turn < COUPLE_TURNS;
+    real e = care == FIRST ? ease_of(w) : 1;
     w->run->turn_load(w->on, &moves);
+    count_pushes(s, 1 / e);
     int status = run_joint(w, care, first ? w->solved + turn * w->nc : NULL);
+    count_pushes(s, e);
     if (status == DRAPE_OK && first)
         keep(w, turn);
     c->iterations += s->iterations;

@@ -106,7 +106,7 @@ static void emit(const struct impulses *s, int64_t k, struct contact *c)
     c->target = (s->margin * skin.thickness - c->gap) / s->dt;
     c->friction = skin.friction;
     c->held = 0;
-    c->impulse = c->slide = 0;
+    c->impulse = c->slide = c->along = 0;
     c->tangent = vec_make(0, 0, 0);
 }
 

@@ -8,7 +8,7 @@
 static vec answer(const struct links *s, const struct contact *c)
 {
     vec v = pair_sum(c->v, c->c, s->x);
-    real a = s->along, b = c->slide * s->across;
+    real a = c->along, b = c->slide * s->across;
     return vec_axpy(vec_scale(b, v), (a - b) * vec_dot(c->n, v), c->n);
 }
 

@@ -8,8 +8,8 @@
 
 struct links {
     int64_t nv, n;                 /* vertices, contacts; 4 n < 2^31 */
-    const struct contact *contact; /* [n] v, c, n, held, slide */
-    real along;                    /* kg, ≥ 0: κ tau², of a held contact */
+    const struct contact *contact; /* [n] v, c, n, held, along,
+                                      slide */
     real across;                   /* ≥ 0: tau/dt, by which slide counts */
     const vec *x;                  /* [nv] m/s, 0 where w is 0 */
 

@@ -5,9 +5,16 @@
 
 #include "ref/contact/incidence.h"
 
+/* §1.4: the least κ' of a contact by the mass that it moves alone. */
+static const real LEAST = R(30.0);
+/* §1.2: a contact is let go whose spring pulls more than this much of what the
+ * contact gave. */
+static const real PULL = R(4.0);
+
 static int check(const struct penalty *s)
 {
-    if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->slip > 0) ||
+    if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->give > 0 &&
+          s->slip > 0) ||
         s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX)
         return DRAPE_EARG;
     for (int64_t k = 0; k < s->n; k++)
@@ -31,12 +38,17 @@ static real side_of(const struct penalty *s, const struct contact *c, int j)
     return least;
 }
 
-/* §1: the impulse p of contact k's spring at velocities u, N·s. */
-static real spring_impulse(const struct penalty *s, int64_t k, const vec *u)
+/* §1: a - s at velocities u, by which contact c approaches too fast, m/s. */
+static real excess_of(const struct contact *c, const vec *u)
 {
-    const struct contact *c = &s->contact[k];
-    real give = s->stiffness * s->dt * s->tau;
-    return give * (c->target - vec_dot(c->n, pair_sum(c->v, c->c, u)));
+    return c->target - vec_dot(c->n, pair_sum(c->v, c->c, u));
+}
+
+/* §1: the impulse p of contact c's spring at velocities u, N·s. */
+static real spring_impulse(const struct penalty *s, const struct contact *c,
+                           const vec *u)
+{
+    return c->along * (s->dt / s->tau) * excess_of(c, u);
 }
 
 /* §3: S/w_j·|c_j|, the factor of contact k in the hold of its vertex j. */
@@ -57,7 +69,7 @@ static real given_impulse(const struct penalty *s, int64_t k)
         int32_t i = c->v[j];
         if (!(s->w[i] > 0) || c->c[j] == 0)
             continue;
-        real along = part_of(s, k, j) * s->stiffness * s->tau * s->tau;
+        real along = part_of(s, k, j) * c->along;
         real hold = vec_dot(c->n, sym_apply(s->hold[i], c->n));
         real took = along / hold * vec_dot(c->n, s->g[i]);
         push += c->c[j] < 0 ? -took : took;
@@ -86,7 +98,7 @@ static bool is_wall(const struct penalty *s, const struct contact *c)
 }
 
 /* §1: selects the held contacts: those that approach at u or at the guess, and
- * those that gave an impulse in the turn before. */
+ * those that gave an impulse in the turn before and do not pull much more. */
 static void select_held(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
@@ -96,8 +108,9 @@ static void select_held(struct penalty *s, int64_t k)
             share += real_abs(c->c[j]) * side_of(s, c, j);
     s->share[k] = share;
     s->gave[k] = s->first ? 0 : given_impulse(s, k);
-    bool held = spring_impulse(s, k, s->guess) > 0 ||
-                spring_impulse(s, k, s->u) > 0 || s->gave[k] > 0;
+    bool kept =
+        s->gave[k] > 0 && spring_impulse(s, c, s->u) > -PULL * s->gave[k];
+    bool held = excess_of(c, s->guess) > 0 || excess_of(c, s->u) > 0 || kept;
     c->held = !held           ? CONTACT_APART
               : is_wall(s, c) ? CONTACT_WALL
                               : CONTACT_MUTUAL;
@@ -108,7 +121,7 @@ static sym hold_of(const struct penalty *s, int64_t k, int j, real slide)
 {
     const struct contact *a = &s->contact[k];
     real part = part_of(s, k, j);
-    real along = part * s->stiffness * s->tau * s->tau;
+    real along = part * a->along;
     real across = part * slide * (s->tau / s->dt);
     real d = along - across;
     vec n = a->n;
@@ -136,14 +149,28 @@ static real yield_of(const struct penalty *s, const struct contact *c)
     return sum;
 }
 
+/* §1.4: κ' of contact k, kg: its spring is `give` short under the load that a
+ * rigid contact would bear. */
+static real along_of(const struct penalty *s, int64_t k)
+{
+    const struct contact *c = &s->contact[k];
+    real yield = 0;
+    for (int j = 0; j < 4; j++)
+        yield += c->c[j] * c->c[j] * s->w[c->v[j]];
+    real excess = real_max(excess_of(c, s->guess), 0);
+    real load = s->gave[k] + excess / (yield * (s->tau / s->dt));
+    real most = s->stiffness * s->tau * s->tau;
+    return real_min(real_max(load * s->tau / s->give, LEAST / yield), most);
+}
+
 /* §2.1: N, the impulse along n that contact k is expected to give, N·s. */
 static real expected_impulse(const struct penalty *s, int64_t k, real yield)
 {
-    real gave = s->gave[k], push = spring_impulse(s, k, s->guess);
+    const struct contact *c = &s->contact[k];
+    real gave = s->gave[k], push = spring_impulse(s, c, s->guess);
     if (!s->first)
         push = real_max(push, -gave);
-    real stiff = s->stiffness * s->tau * s->tau;
-    return real_max(gave + (push - gave) / (1 + stiff * yield), 0);
+    return real_max(gave + (push - gave) / (1 + c->along * yield), 0);
 }
 
 /* The part of Σ c u across the normal. */
@@ -172,6 +199,7 @@ static void push(struct penalty *s, int64_t k)
     struct contact *c = &s->contact[k];
     vec slip = across(c, s->u);
     real yield = yield_of(s, c), most = 0;
+    c->along = c->held ? along_of(s, k) : 0;
     if (c->held)
         most = c->friction * expected_impulse(s, k, yield);
     bool stick = sticks(s, c, slip, most, yield * most * (s->tau / s->dt));
@@ -179,7 +207,7 @@ static void push(struct penalty *s, int64_t k)
     c->slide = stick ? most / s->slip : 0;
     c->tangent = vec_scale(-(most / slow), slip);
     c->impulse =
-        c->held ? real_max(spring_impulse(s, k, s->u), -s->gave[k]) : 0;
+        c->held ? real_max(spring_impulse(s, c, s->u), -s->gave[k]) : 0;
 }
 
 /* §3: the sums of force, wall and hold over the held contacts of vertex i. */

@@ -12,7 +12,8 @@ struct penalty {
     const vec *u;   /* [nv] m/s, mean velocity of the step */
     const vec *g;   /* [nv] N·s, contacts' impulse so far, of free vertices */
     int first;      /* 1: the first turn of a slice */
-    real stiffness; /* N/m, > 0, of a contact */
+    real stiffness; /* N/m, > 0, of the stiffest contact */
+    real give;      /* m, > 0, by which a contact is short under its load */
     real dt, tau;   /* s, > 0: the slice, and the integrator's effective step */
     real slip;      /* m/s, > 0: friction is viscous below */
     struct contact *contact; /* [n] out: held, impulse, slide, tangent; in:

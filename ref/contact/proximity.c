@@ -220,7 +220,7 @@ static void emit(const struct proximity *s, int64_t k, struct contact *c)
     c->friction = skin.friction;
     c->target = push_target(s, c, real_max(skin.thickness - c->gap, 0));
     c->held = 0;
-    c->impulse = c->slide = 0;
+    c->impulse = c->slide = c->along = 0;
     c->tangent = vec_make(0, 0, 0);
 }
 

@@ -51,6 +51,7 @@ void gen_penalty(struct bytes *b, struct penalty *s)
     s->u = c.u;
     s->contact = c.contact;
     s->stiffness = R(100.0) * (real)(1 + pick(b, 8));
+    s->give = R(1e-5) * (real)(1 + pick(b, 100));
     s->dt = R(1.0) / (real)(30 << pick(b, 5));
     s->tau = pick(b, 2) ? s->dt : s->dt * R(2.0) / 3;
     s->slip = R(0.001) * (real)(1 + pick(b, 5));
@@ -65,8 +66,11 @@ void gen_penalty(struct bytes *b, struct penalty *s)
         real a = pick_uniform(b, R(1e-4), 1), d = pick_uniform(b, 0, a / 2);
         s->hold[i] = (sym){a, d, -d, a, d, a};
     }
-    for (int64_t k = 0; k < s->n; k++)
+    for (int64_t k = 0; k < s->n; k++) {
         s->contact[k].held = !s->first && pick(b, 2);
+        s->contact[k].along =
+            s->contact[k].held ? pick_uniform(b, R(1e-4), 1) : 0;
+    }
 }
 
 /* What y of vertex i is before links adds to it. */
@@ -86,9 +90,10 @@ void gen_links(struct bytes *b, struct links *s)
     s->nv1 = c.nv1;
     s->n4 = c.n4;
     s->contact = c.contact;
-    for (int64_t k = 0; k < s->n; k++)
+    for (int64_t k = 0; k < s->n; k++) {
         c.contact[k].held = (int32_t)pick(b, 3);
-    s->along = pick(b, 8) ? pick_uniform(b, R(1e-4), 1) : 0;
+        c.contact[k].along = pick(b, 8) ? pick_uniform(b, R(1e-4), 1) : 0;
+    }
     s->across = pick(b, 2) ? 1 : R(2.0) / 3;
     bool all = pick(b, 2); /* no vertex is led */
     real *w = take(b, s->nv, sizeof *w);
@@ -137,7 +142,7 @@ static double slack(const struct penalty *s, bool walls, double *size)
         double n[3] = {(double)c->n.x, (double)c->n.y, (double)c->n.z};
         double along = sum[0] * n[0] + sum[1] * n[1] + sum[2] * n[2];
         double all = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
-        own += (double)(s->stiffness * s->tau * s->tau) * along * along;
+        own += (double)c->along * along * along;
         own += (double)(c->slide * s->tau / s->dt) * (all - along * along);
     }
     for (int64_t i = 0; i < s->nv; i++) {
@@ -150,11 +155,16 @@ static double slack(const struct penalty *s, bool walls, double *size)
     return sums - own;
 }
 
+/* §1: a - s at velocities u, m/s. */
+static real excess_at(const struct contact *c, const vec *u)
+{
+    return c->target - vec_dot(c->n, pair_sum(c->v, c->c, u));
+}
+
 /* §1: the impulse p of the spring at u, N·s. */
 static real approach(const struct penalty *s, const struct contact *c)
 {
-    real vn = vec_dot(c->n, pair_sum(c->v, c->c, s->u));
-    return s->stiffness * s->dt * s->tau * (c->target - vn);
+    return c->along * (s->dt / s->tau) * excess_at(c, s->u);
 }
 
 static vec slip_of(const struct contact *c, const vec *u)
@@ -180,7 +190,7 @@ static double expected_friction(const struct penalty *s, int64_t k,
     const struct contact *c = &s->contact[k];
     double unit = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53, yield = 0;
     double gave = (double)s->gave[k], push = (double)c->target;
-    double most = fabs(push), spring = (double)s->stiffness * (double)s->tau;
+    double most = fabs(push), along = (double)c->along;
     for (int j = 0; j < 4; j++) {
         double part = (double)c->c[j];
         int32_t i = c->v[j];
@@ -188,11 +198,11 @@ static double expected_friction(const struct penalty *s, int64_t k,
         most += fabs(part) * sqrt(dot(s->guess[i], s->guess[i]));
         yield += part * part * (double)s->parts[i] * (double)s->w[i];
     }
-    push *= spring * (double)s->dt;
-    most *= spring * (double)s->dt;
+    push *= along * (double)(s->dt / s->tau);
+    most *= along * (double)(s->dt / s->tau);
     if (!s->first)
         push = fmax(push, -gave);
-    double share = 1 / (1 + spring * (double)s->tau * yield);
+    double share = 1 / (1 + along * yield);
     *bound = 64 * unit * (double)c->friction * (gave + (most + gave) * share);
     *bound += REAL_BITS == 32 ? 0x1p-140 : 0x1p-1060; /* underflow */
     return (double)c->friction * fmax(gave + (push - gave) * share, 0);
@@ -227,7 +237,8 @@ const char *prop_penalty(const struct penalty *s)
                c->held == (moving(s, c) == 1 ? CONTACT_WALL : CONTACT_MUTUAL));
         EXPECT(c->impulse >= 0 || !s->first); /* §1.3 */
         EXPECT(c->held || (c->impulse == 0 && length == 0 && c->slide == 0));
-        EXPECT(c->held || !(approach(s, c) > 0));
+        EXPECT(c->held || !(excess_at(c, s->u) > 0));
+        EXPECT((c->held != 0) == (c->along > 0));
         EXPECT(c->slide >= 0);
         EXPECT(vec_dot(c->tangent, slip_of(c, s->u)) <= 0);
         /* §2.1: in the first turn friction is estimated from at most the
@@ -274,7 +285,7 @@ static void add_blocks(const struct links *s, const struct contact *c,
                        struct wide *sum, double *size)
 {
     struct wide n = wide_of(c->n);
-    double a = (double)s->along;
+    double a = (double)c->along;
     double b = (double)c->slide * (double)s->across;
     for (int j = 0; j < 4; j++)
         for (int k = 0; k < 4; k++) {
@@ -378,6 +389,7 @@ static void make_lone(struct bytes *b, struct lone *s)
     p.hold = s->hold;
     p.wall = s->wall;
     p.stiffness = pick_uniform(b, 10, 1000);
+    p.give = pick_uniform(b, R(1e-6), R(1e-3));
     p.dt = R(1.0) / (real)(30 << pick(b, 5));
     p.tau = pick(b, 2) ? p.dt : p.dt * R(2.0) / 3;
     p.slip = R(1e-3);
@@ -420,8 +432,8 @@ const char *test_penalty_cone(void)
         struct bytes b = {.seed = (uint64_t)k, .size = -1};
         struct lone s;
         make_lone(&b, &s);
-        double give = (double)(s.p.stiffness * s.p.dt * s.p.tau);
         EXPECT(turn(&s) == DRAPE_OK);
+        double give = (double)(s.c.along * (s.p.dt / s.p.tau));
         vec u = s.u[0];
         double normal = fmax((double)approach(&s.p, &s.c), 0);
         double slip = (double)vec_length(slip_of(&s.c, s.u));
@@ -447,22 +459,24 @@ const char *test_penalty_cone(void)
 }
 
 /* §1: vertex 0 still approaches contact 0, which presses it down, and separates
- * from contact 1 on the same side. Returns both contacts and their gave after a
- * turn. */
-static int part_from(bool first, bool held, struct contact c[2], real gave[2])
+ * from contact 1 on the same side at `speed`. Returns both contacts and their
+ * gave after a turn. */
+static int part_from(bool first, bool held, real speed, struct contact c[2],
+                     real gave[2])
 {
     enum { NV = 7, N = 2 };
     real w[NV] = {R(5e5)}, share[N], parts[NV];
-    vec u[NV] = {{0, R(-0.3), 0}}, g[NV] = {{0, R(-8e-4), 0}};
+    vec u[NV] = {{0, -speed, 0}}, g[NV] = {{0, R(-2.6e-3), 0}};
     vec guess[NV], force[NV];
     sym wall[NV];
     sym hold[NV] = {{R(0.02), 0, 0, R(0.02), 0, R(0.02)}};
     int32_t start[NV + 1], item[4 * N], vertex[4 * N];
     struct contact down = {.v = {0, 1, 2, 3},
                            .held = !first,
-                           .target = R(0.5),
+                           .target = 1,
                            .c = {1, R(-0.25), R(-0.25), R(-0.5)},
-                           .n = {0, -1, 0}};
+                           .n = {0, -1, 0},
+                           .along = R(0.02)};
     c[0] = c[1] = down;
     memcpy(c[1].v, (int32_t[]){0, 4, 5, 6}, sizeof c[1].v);
     c[1].held = held;
@@ -474,6 +488,7 @@ static int part_from(bool first, bool held, struct contact c[2], real gave[2])
                         .g = g,
                         .first = first,
                         .stiffness = 1000,
+                        .give = R(1e-5),
                         .dt = R(1.0) / 240,
                         .tau = R(1.0) / 240,
                         .slip = R(1e-3),
@@ -494,19 +509,22 @@ static int part_from(bool first, bool held, struct contact c[2], real gave[2])
 }
 
 /* §1: a contact that gave nothing is not held because its neighbour gave
- * something, and a contact takes back no more than it gave. In the first turn
- * the push may be either contact's, so both are held. */
+ * something. One that pulls, takes back no
+ * more than it gave, and is let go where it pulls 4 times as much. In the first
+ * turn the push may be either contact's, so both are held. */
 const char *test_penalty_parts(void)
 {
     struct contact c[2];
     real gave[2];
-    EXPECT(part_from(false, false, c, gave) == DRAPE_OK);
+    EXPECT(part_from(false, false, R(0.3), c, gave) == DRAPE_OK);
     EXPECT(c[0].held && gave[0] > 0 && c[0].impulse > 0);
     EXPECT(!c[1].held && gave[1] == 0 && c[1].impulse == 0);
-    EXPECT(part_from(false, true, c, gave) == DRAPE_OK);
+    EXPECT(part_from(false, true, R(0.5), c, gave) == DRAPE_OK);
     EXPECT(c[1].held && gave[1] > 0 && c[1].impulse == -gave[1]);
-    EXPECT(part_from(true, false, c, gave) == DRAPE_OK);
+    EXPECT(part_from(false, true, R(0.55), c, gave) == DRAPE_OK);
+    EXPECT(!c[1].held && gave[1] > 0 && c[1].impulse == 0);
+    EXPECT(part_from(true, false, R(0.3), c, gave) == DRAPE_OK);
     EXPECT(c[1].held && c[1].impulse == 0);
-    ran(3);
+    ran(4);
     return NULL;
 }

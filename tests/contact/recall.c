@@ -19,6 +19,7 @@ static struct spy {
     int solves;                    /* of these, in this step */
     bool spoils;                   /* makes them fail */
     vec found[COUPLE_TURNS][MOST]; /* what the last solves found that did not */
+    double scale;                  /* of the solve before */
 } spy;
 
 /* Solves the same system again from what *start says, along `last`. */
@@ -105,16 +106,19 @@ static const char *solve_ways(struct world *w, const struct joint *start)
     return NULL;
 }
 
-/* §4.3: |r| meets the tolerance, and in the first turn a larger one where
- * contacts are light. */
+/* §4.3: |r| of the first turn meets ten tolerances, that of the second one; to
+ * which the first turn's pushes count e times. */
 static const char *check_care(const struct world *w, const struct joint *s)
 {
     const struct penalty *p = &w->couple.penalty;
     double asked = w->def.tolerance / (w->plan.history ? 32 : 1);
     double mean = w->mass / (double)w->nc, tau = (double)p->tau;
-    double light = 4e4 * mean / ((double)p->stiffness * tau * tau);
-    double ease = s->weigh ? fmin(fmax(light, 1), 10) : 1;
-    EXPECT(fabs((double)s->exact - ease * asked) <= 1e-5 * asked);
+    double heavy = (double)p->stiffness * tau * tau / mean;
+    double e = fmin(fmax(sqrt(heavy / 50), 1), 10);
+    EXPECT(fabs((double)s->exact - (s->weigh ? 10 : 1) * asked) <=
+           1e-5 * asked);
+    EXPECT(s->weigh || fabs((double)s->scale - e * e * spy.scale) <=
+                           1e-5 * (double)s->scale);
     return NULL;
 }
 
@@ -128,6 +132,7 @@ static int watch(struct world *w, struct joint *s)
     if (!spy.failed)
         spy.failed = solve_ways(w, &start);
     int status = spy.joint(w, s), turn = spy.solves++;
+    spy.scale = (double)s->scale;
     if (spy.spoils && turn == 0)
         s->outcome = PCG_BREAKDOWN;
     else if (spy.spoils)

@@ -68,7 +68,7 @@ static void find_push(struct ledger *a)
     }
     for (int64_t k = 0; k < s->n; k++) {
         const struct contact *c = &s->contact[k];
-        double along = (double)s->along;
+        double along = (double)c->along;
         double across = (double)c->slide * (double)s->across;
         struct wide v = {0, 0, 0}, n = wide_of(c->n);
         for (int j = 0; j < 4 && c->held == CONTACT_MUTUAL; j++)
@@ -153,7 +153,8 @@ static double left_over(struct ledger *a)
     return sqrt(square);
 }
 
-/* left_over is the reported residual up to rounding, as before the last turn
+/* left_over is the reported residual times what this is relative to (§4.3), up
+ * to rounding, as before the last turn
  * g = pressed + A Σ dv - b. |r|, |g|, each A dv and C dv are at most `size`. A
  * solve rounds b, r, dv, b - r and the report: 5 u of its part; A dv, once for
  * g and once for r: 64 u (product.md, any form); C dv: 12 u and 1 for each of
@@ -161,7 +162,8 @@ static double left_over(struct ledger *a)
  * have at most 100 + solves roundings. */
 static const char *balance(struct ledger *a, const drape_step_report *r)
 {
-    double left = left_over(a), told = r->residual * a->most;
+    const struct joint *s = &a->w->couple.joint;
+    double left = left_over(a), told = r->residual * sqrt((double)s->square);
     double u = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
     double error = (200 + a->solves) * u + (100 + a->solves) * 0x1p-53;
     EXPECT(r->outcome == 0 && r->residual <= 1e-3);
