@@ -103,7 +103,15 @@ void gen_proximity(struct bytes *b, struct proximity *s)
     s->cap = pick(b, 8) ? s->n : s->n / 16;
 }
 
-/* Distances by other methods: regions of the plane, and clamping */
+/* Distances by other methods: regions of the plane, and clamping. The size L of
+ * a pair is that of proximity.md §1. */
+
+/* Where the sine of an angle is at most this, the pair is a needle: a normal of
+ * its two directions may be mere rounding (it errs by some 2^-50 / sine), and
+ * its edges and ends alone give the distance. They are too far by 2^-24 L at
+ * most, which is within the bound beside the 2^-23 L of §2.1. Other pairs err
+ * by some 2^-25 L. */
+static const double needle = 0x1p-25;
 
 static double clamp(double a)
 {
@@ -128,20 +136,22 @@ static double to_segment(struct wide p, struct wide a, struct wide b)
 }
 
 /* Distance of x[0] to the triangle: to its plane where x[0] projects into the
- * triangle (left of all three edges), else to the nearest edge. */
+ * triangle (left of all three edges), else to the nearest edge. All points of a
+ * needle are within its height of the longest edge, which is 2 L at most. */
 static double to_triangle(const struct wide x[4])
 {
     struct wide n = wide_cross(wide_sub(x[2], x[1]), wide_sub(x[3], x[1]));
-    double least = to_segment(x[0], x[3], x[1]);
+    double least = HUGE_VAL, longest = 0;
     bool over = wide_dot(n, n) > 0;
     for (int k = 1; k < 4; k++) {
         struct wide a = x[k], b = x[k % 3 + 1];
         double d = to_segment(x[0], a, b);
         least = d < least ? d : least;
+        longest = fmax(longest, length(wide_sub(b, a)));
         struct wide inward = wide_cross(n, wide_sub(b, a));
         over = over && wide_dot(inward, wide_sub(x[0], a)) >= 0;
     }
-    if (!over)
+    if (!over || !(length(n) > needle * longest * longest))
         return least;
     double d = wide_dot(n, wide_sub(x[0], x[1])) / length(n);
     return d < 0 ? -d : d;
@@ -156,7 +166,9 @@ static bool apart(struct wide p, struct wide q, struct wide a, struct wide m)
 }
 
 /* Distance of two edges: of their lines where the edges cross when seen along
- * the common normal, else the smallest distance of an end to the other edge. */
+ * the common normal, else the smallest distance of an end to the other edge.
+ * Edges of a needle are nearly parallel: one that is followed from the closest
+ * points to an end leaves the other by its length times the sine at most. */
 static double to_edge(const struct wide x[4])
 {
     struct wide d = wide_sub(x[1], x[0]), e = wide_sub(x[3], x[2]);
@@ -167,7 +179,8 @@ static double to_edge(const struct wide x[4])
         double l = to_segment(x[k], x[a], x[a + 1]);
         least = l < least ? l : least;
     }
-    if (!(wide_dot(n, n) > 0) || !apart(x[0], x[1], x[2], wide_cross(n, e)) ||
+    if (!(wide_dot(n, n) > 0 && length(n) > needle * length(d) * length(e)) ||
+        !apart(x[0], x[1], x[2], wide_cross(n, e)) ||
         !apart(x[2], x[3], x[0], wide_cross(n, d)))
         return least;
     double l = wide_dot(n, wide_sub(x[2], x[0])) / length(n);
@@ -244,11 +257,29 @@ static bool has_led_side(const struct proximity *s, int64_t k)
     return led[0] || led[1];
 }
 
-/* §3.3: whether a vertex of the fans of the pair's vertices lies so that the
- * surface comes nearer towards it: the edge from the side's closest point q to
- * this vertex has a point that is nearer to the other side's. */
+/* §3.2: whether the surface comes nearer from q along p towards a vertex of the
+ * triangles around vertex i that have vertex j. 2^-11 for the page's 2^-10
+ * leaves room for rounding. */
+static bool turns_nearer(const struct proximity *s, int32_t i, int32_t j,
+                         struct wide q, struct wide p)
+{
+    for (int32_t t = s->fan.start[i]; t < s->fan.start[i + 1]; t++) {
+        const int32_t *rim = s->fan.rim[t];
+        for (int y = 0; y < 2; y++) {
+            struct wide d = wide_sub(wide_of(s->x[rim[y]]), q);
+            if ((i == j || rim[0] == j || rim[1] == j) &&
+                wide_dot(p, d) > 0x1p-11 * length(p) * length(d))
+                return true;
+        }
+    }
+    return false;
+}
+
+/* §3.3: whether a surface beside a pair of free sides comes nearer: at the
+ * closest point of the face, or at those of two edges. The points are those of
+ * the stage. */
 static bool comes_nearer(const struct proximity *s, int64_t k,
-                         const struct wide x[4], double d)
+                         const struct wide x[4])
 {
     const int32_t *v = s->pair + 4 * k;
     struct closest r;
@@ -256,18 +287,20 @@ static bool comes_nearer(const struct proximity *s, int64_t k,
         closest_vf(x, &r);
     else
         closest_ee(x, &r);
-    int split = s->kind[k] == CONTACT_VF ? 1 : 2;
-    struct wide q[2] = {{0}};
-    for (int j = 0; j < 4; j++)
+    int split = s->kind[k] == CONTACT_VF ? 1 : 2, corners[2] = {0};
+    struct wide q[2] = {{0}}, p[2] = {wide_scale(-1, r.p), r.p};
+    for (int j = 0; j < 4; j++) {
         q[j >= split] = wide_axpy(q[j >= split], fabs(r.c[j]), x[j]);
-    for (int j = split == 1; j < 4; j++) {
-        struct wide here = q[j >= split], other = q[j < split];
-        for (int32_t i = s->fan.start[v[j]]; i < s->fan.start[v[j] + 1]; i++)
-            for (int y = 0; y < 2; y++)
-                if (to_segment(other, here, wide_of(s->x[s->fan.rim[i][y]])) <
-                    d)
-                    return true;
+        corners[j >= split] += r.c[j] != 0;
     }
+    for (int i = split == 1; i < 4; i++)
+        for (int j = split == 1; j < 4; j++) {
+            int side = i >= split;
+            bool at = r.c[i] != 0 && r.c[j] != 0 && side == (j >= split) &&
+                      corners[side] == 1 + (i != j);
+            if (at && turns_nearer(s, v[i], v[j], q[side], p[side]))
+                return true;
+        }
     return false;
 }
 
@@ -288,7 +321,7 @@ const char *prop_proximity(const struct proximity *s)
         bool led = has_led_side(s, k);
         EXPECT(!kept || d <= r + bound);
         if (!kept) {
-            EXPECT(led || d >= r - bound || comes_nearer(s, k, x, d + bound));
+            EXPECT(led || d >= r - bound || comes_nearer(s, k, x));
             continue;
         }
         double least = (led ? 0.5 : 1) * d; /* §3.2: within 60° */
