@@ -153,6 +153,12 @@ static __device__ real yield_of(const struct penalty *s,
     return sum;
 }
 
+/* §1.4: the largest κ', kg. */
+static __device__ real most_of(const struct penalty *s)
+{
+    return s->stiffness * s->tau * s->tau;
+}
+
 /* §1.4: κ' of contact c, kg: its spring is `give` short under the load that a
  * rigid contact would bear. */
 static __device__ real along_of(const struct penalty *s,
@@ -163,8 +169,17 @@ static __device__ real along_of(const struct penalty *s,
         yield += c->c[j] * c->c[j] * s->w[c->v[j]];
     real excess = max_of(excess_of(c, s->guess), R(0.0));
     real load = gave + excess / (yield * (s->tau / s->dt));
-    real most = s->stiffness * s->tau * s->tau;
-    return min_of(max_of(load * s->tau / s->give, LEAST / yield), most);
+    real least = max_of(load * s->tau / s->give, LEAST / yield);
+    return min_of(least, most_of(s));
+}
+
+/* §1.5: the push of held contact c at velocities u, N·s. */
+static __device__ real push_of(const struct penalty *s, const struct contact *c,
+                               real gave, const vec *u)
+{
+    real part = c->along / most_of(s);
+    real push = (1 - part) * gave + spring_impulse(s, c, u);
+    return max_of(push, -gave);
 }
 
 /* §2.1: N, the impulse along n that contact c is expected to give, N·s. */
@@ -172,9 +187,7 @@ static __device__ real expected_impulse(const struct penalty *s,
                                         const struct contact *c, real gave,
                                         real yield)
 {
-    real push = spring_impulse(s, c, s->guess);
-    if (!s->first)
-        push = max_of(push, -gave);
+    real push = push_of(s, c, gave, s->guess);
     return max_of(gave + (push - gave) / (1 + c->along * yield), R(0.0));
 }
 
@@ -260,7 +273,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     real slow = stick ? s.slip : max_of(length(slip), s.slip);
     c->slide = stick ? limit / s.slip : R(0.0);
     c->tangent = scale(-(limit / slow), slip);
-    c->impulse = c->held ? max_of(spring_impulse(&s, c, s.u), -gave) : R(0.0);
+    c->impulse = c->held ? push_of(&s, c, gave, s.u) : R(0.0);
 }
 
 /* One of the PARTS numbers of the items of all lists. */

@@ -149,6 +149,12 @@ static real yield_of(const struct penalty *s, const struct contact *c)
     return sum;
 }
 
+/* §1.4: the largest κ', kg. */
+static real most_of(const struct penalty *s)
+{
+    return s->stiffness * s->tau * s->tau;
+}
+
 /* §1.4: κ' of contact k, kg: its spring is `give` short under the load that a
  * rigid contact would bear. */
 static real along_of(const struct penalty *s, int64_t k)
@@ -159,17 +165,24 @@ static real along_of(const struct penalty *s, int64_t k)
         yield += c->c[j] * c->c[j] * s->w[c->v[j]];
     real excess = real_max(excess_of(c, s->guess), 0);
     real load = s->gave[k] + excess / (yield * (s->tau / s->dt));
-    real most = s->stiffness * s->tau * s->tau;
-    return real_min(real_max(load * s->tau / s->give, LEAST / yield), most);
+    real least = real_max(load * s->tau / s->give, LEAST / yield);
+    return real_min(least, most_of(s));
+}
+
+/* §1.5: the push of held contact k at velocities u, N·s. */
+static real push_of(const struct penalty *s, int64_t k, const vec *u)
+{
+    const struct contact *c = &s->contact[k];
+    real gave = s->gave[k], part = c->along / most_of(s);
+    real push = (1 - part) * gave + spring_impulse(s, c, u);
+    return real_max(push, -gave);
 }
 
 /* §2.1: N, the impulse along n that contact k is expected to give, N·s. */
 static real expected_impulse(const struct penalty *s, int64_t k, real yield)
 {
     const struct contact *c = &s->contact[k];
-    real gave = s->gave[k], push = spring_impulse(s, c, s->guess);
-    if (!s->first)
-        push = real_max(push, -gave);
+    real gave = s->gave[k], push = push_of(s, k, s->guess);
     return real_max(gave + (push - gave) / (1 + c->along * yield), 0);
 }
 
@@ -206,8 +219,7 @@ static void push(struct penalty *s, int64_t k)
     real slow = stick ? s->slip : real_max(vec_length(slip), s->slip);
     c->slide = stick ? most / s->slip : 0;
     c->tangent = vec_scale(-(most / slow), slip);
-    c->impulse =
-        c->held ? real_max(spring_impulse(s, c, s->u), -s->gave[k]) : 0;
+    c->impulse = c->held ? push_of(s, k, s->u) : 0;
 }
 
 /* §3: the sums of force, wall and hold over the held contacts of vertex i. */
