@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { SIDE = 21, MOST = 101 };
+enum { MOST = 101 };
 static const double RADIUS = 2, SIZE = 0.2, START = 0.6, SECONDS = 0.4;
 
 /* The point of a ball at two angles from its pole, along the way and across. */
@@ -74,41 +74,61 @@ static double angle_due(double friction, double dt)
     return a;
 }
 
+/* A sheet of side² particles on a ball cut in cells² pairs of triangles. */
+struct ride {
+    int side, cells;
+    double friction, dt, tolerance;
+};
+
 /* The sheet's way over a point's. */
-static double slide(const struct validate *v, int cells, double friction,
-                    double dt)
+static double slide(const struct validate *v, const struct ride *r)
 {
     static struct ground ground;
     struct sheet s;
-    double h = SIZE / (SIDE - 1), way = NAN;
-    make_ground(&ground, cells, friction);
-    sheet_make(v, &s, SIDE, SIDE, h);
-    s.cloth.material.friction = friction;
+    int side = r->side;
+    double h = SIZE / (side - 1), way = NAN, dt = r->dt;
+    make_ground(&ground, r->cells, r->friction);
+    sheet_make(v, &s, side, side, h);
+    s.cloth.material.friction = r->friction;
     s.cloth.material.bend = 1e-6;
     double gap = fmin(s.cloth.material.thickness, h / 2);
     for (int p = 0; p < s.n; p++)
-        place(RADIUS + gap, START + (h * (p % SIDE) - SIZE / 2) / RADIUS,
-              (h * (p / SIDE) - SIZE / 2) / RADIUS, s.x[p]);
+        place(RADIUS + gap, START + (h * (p % side) - SIZE / 2) / RADIUS,
+              (h * (p / side) - SIZE / 2) / RADIUS, s.x[p]);
     s.def.obstacles = &ground.obstacle;
     s.def.n_obstacles = 1;
     s.def.max_slices = 32;
-    s.def.tolerance = 1e-5;
+    s.def.tolerance = r->tolerance;
     drape_world *world = sheet_world(&s, dt);
     int status = world ? DRAPE_OK : DRAPE_EARG;
     for (int k = 0; k < (int)(SECONDS / dt + 0.5) && status >= DRAPE_OK; k++)
         status = drape_step(world, NULL);
     if (status >= DRAPE_OK)
-        way =
-            (angle_of(world, s.n) - START) / (angle_due(friction, dt) - START);
+        way = (angle_of(world, s.n) - START) /
+              (angle_due(r->friction, dt) - START);
     drape_destroy(world);
     sheet_free(&s);
     return way;
 }
 
-void part_ball(struct validate *v)
+/* One property of four sizes: of a step, or of a cell. */
+static void add_rides(struct validate *v, const char *name,
+                      const struct ride ride[SIZES], const double size[SIZES])
 {
-    static const double step[SIZES] = {1.0 / 60, 1.0 / 120, 1.0 / 240,
-                                       1.0 / 480};
+    struct property p = {.part = "ball",
+                         .name = name,
+                         .unit = "1",
+                         .theory = 1,
+                         .bar = 0.02,
+                         .up_to = 1};
+    for (int c = 0; c < SIZES; c++)
+        property_add(&p, size[c], slide(v, &ride[c]));
+    property_end(v, &p);
+}
+
+/* Cells of 10 mm, by steps. */
+static void by_steps(struct validate *v)
+{
     static const struct {
         int cells;
         double friction;
@@ -120,18 +140,41 @@ void part_ball(struct validate *v)
         {30, 0.2, "facets of 80 mm; friction 0.2; way over a point's"},
         {100, 0, "facets of 24 mm; friction 0; way over a point's"},
         {100, 0.2, "facets of 24 mm; friction 0.2; way over a point's"}};
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        struct ride ride[SIZES];
+        double step[SIZES];
+        for (int c = 0; c < SIZES; c++) {
+            step[c] = 1.0 / (60 << c);
+            ride[c] = (struct ride){21, kinds[k].cells, kinds[k].friction,
+                                    step[c], 1e-5};
+        }
+        add_rides(v, kinds[k].name, ride, step);
+    }
+}
+
+/* Steps of 1/60 s and the default tolerance, by cells. */
+static void by_cells(struct validate *v)
+{
+    static const int side[SIZES] = {21, 41, 61, 121};
+    static const double friction[] = {0, 0.3};
+    static const char *name[] = {
+        "facets of 40 mm; friction 0; by cells; way over a point's",
+        "facets of 40 mm; friction 0.3; by cells; way over a point's"};
+    for (int k = 0; k < 2; k++) {
+        struct ride ride[SIZES];
+        double cell[SIZES];
+        for (int c = 0; c < SIZES; c++) {
+            cell[c] = SIZE / (side[c] - 1);
+            ride[c] = (struct ride){side[c], 60, friction[k], 1.0 / 60, 1e-3};
+        }
+        add_rides(v, name[k], ride, cell);
+    }
+}
+
+void part_ball(struct validate *v)
+{
     if (v->quick || v->bits == 32)
         return;
-    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
-        struct property p = {.part = "ball",
-                             .name = kinds[k].name,
-                             .unit = "1",
-                             .theory = 1,
-                             .bar = 0.02,
-                             .up_to = 1};
-        for (int c = 0; c < SIZES; c++)
-            property_add(&p, step[c],
-                         slide(v, kinds[k].cells, kinds[k].friction, step[c]));
-        property_end(v, &p);
-    }
+    by_steps(v);
+    by_cells(v);
 }

@@ -16,7 +16,8 @@ static const real SLIP = R(5e-4);     /* m/s, friction is viscous below */
 static const real GIVE = R(0.03);     /* of the reach, penalty.md §1.4 */
 static const real LIGHT = R(50.0);    /* particles; what a contact weighs that
                                          bears its own at rest */
-static const real EASE = R(10.0);     /* tolerances, at most */
+static const real EASE = R(10.0); /* the largest e, §4.3, and the tolerances
+                                     that |r| of the first turn meets */
 
 bool couple_prepare(const struct world *w, struct pcg *p)
 {

@@ -184,9 +184,24 @@ const char *test_slide_fine(void)
     return NULL;
 }
 
+/* The least height at which a sheet comes to rest, thicknesses. A contact of
+ * stiffness κ, a tenth of stretch, asks for a tenth of its overlap o in dt
+ * (proximity.md §4) and pushes κ tau o/10 then, which bears m g dt where o =
+ * 10 m g dt / (κ tau): m of a particle, as several contacts are less short.
+ * What two turns leave adds a twentieth. */
+static double height_due(const struct row *r)
+{
+    drape_cloth c;
+    drape_default_cloth(&c);
+    double h = 0.5 / (r->side - 1), m = c.material.density * h * h;
+    double tau = r->integrator == DRAPE_BW ? 1 : 2.0 / 3; /* dt */
+    double push = m * 9.81 * r->cosine, kappa = c.material.stretch / 10;
+    return 1 - 10.5 * push / (kappa * tau * c.material.thickness);
+}
+
 /* Below the critical angle, at nine tenths of it too, a sheet creeps by less
  * than `slip`, 1/2 mm/s, and what its uneven load adds. It lies at its
- * thickness but for what stiff springs are short (penalty.md §1.5). */
+ * thickness but for what the stiffest springs are short (penalty.md §1.5). */
 const char *test_slide_rest(void)
 {
     static const struct row row[] = {
@@ -201,7 +216,7 @@ const char *test_slide_rest(void)
         struct ride ride;
         EXPECT(run(&row[k], &ride) == DRAPE_OK);
         EXPECT(ride.way <= 1e-3);
-        EXPECT(ride.height >= 0.9 && ride.height <= 1.001);
+        EXPECT(ride.height >= height_due(&row[k]) && ride.height <= 1.001);
         ran(1);
     }
     return NULL;
