@@ -199,7 +199,7 @@ static void collide(struct bench *b, FILE *out, const struct clash *q)
     bench_check(b, !fine || s.rise <= 2e-3 * start,
                 "two sheets, %s, ratio %g, dt %g: energy rises by %g",
                 integrator_name[integrator], ratio, q->dt, s.rise / start);
-    bench_check(b, !fine || lost <= (integrator >= DRAPE_BW ? 0.2 : 1e-5),
+    bench_check(b, !fine || lost <= (integrator > DRAPE_BW ? 2e-3 : 1e-5),
                 "two sheets, %s, ratio %g, dt %g: %g of p is lost",
                 integrator_name[integrator], ratio, q->dt, lost);
     run_free(&r);

@@ -170,8 +170,8 @@ const char *test_slide_fine(void)
                 {{81, 40, DRAPE_BW, 60, 8.0 / 17, 15.0 / 17, 0.3}, 0.005},
                 {{121, 40, DRAPE_BW, 240, 8.0 / 17, 15.0 / 17, 0.3}, 0.005},
                 {{121, 40, DRAPE_BW, 60, 8.0 / 17, 15.0 / 17, 0.3}, 0.005},
-                {{201, 7, DRAPE_BW, 60, 8.0 / 17, 15.0 / 17, 0.3}, 0.02},
-                {{201, 40, DRAPE_BW, 60, 8.0 / 17, 15.0 / 17, 0.3}, 0.02}};
+                {{201, 7, DRAPE_BW, 60, 8.0 / 17, 15.0 / 17, 0.3}, 0.005},
+                {{201, 40, DRAPE_BW, 60, 8.0 / 17, 15.0 / 17, 0.3}, 0.005}};
     if (!getenv("DRAPE_SOAK"))
         return skip("fine sheets take minutes: set DRAPE_SOAK");
     for (size_t k = 0; k < sizeof some / sizeof *some; k++) {
