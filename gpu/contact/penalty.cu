@@ -12,9 +12,9 @@ enum { PUSHES = 3, HOLDS = 6, PARTS = PUSHES + 2 * HOLDS, GROUP = 32 };
 enum { GROUP_BLOCK = (PUSHES + HOLDS) * GROUP };
 enum { GROUPS = 1024 };
 
-/* §1.4: the least κ' of a contact by the mass that it moves alone. */
+/* §1.4: the least κ' of a contact, in masses 1/y₁ that it moves alone. */
 #define LEAST R(30.0)
-/* §1.2: a contact is let go whose spring pulls more than this much of what the
+/* §1.2: a contact is let go whose spring pulls more than so many times what the
  * contact gave. */
 #define PULL R(4.0)
 
@@ -40,7 +40,7 @@ static __device__ real excess_of(const struct contact *c, const vec *u)
     return c->target - dot(c->n, pair_sum(c, u));
 }
 
-/* §1: the impulse p of contact c's spring at velocities u, N·s. */
+/* §1: the impulse of contact c's spring at velocities u, N·s; < 0: it pulls. */
 static __device__ real spring_impulse(const struct penalty *s,
                                       const struct contact *c, const vec *u)
 {

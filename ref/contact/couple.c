@@ -192,8 +192,8 @@ static void keep(struct world *w, int k)
         w->run->copy(w->on, c->found[k], s->dv, (size_t)w->nc * sizeof *s->dv);
 }
 
-/* §4.3: makes pushes count so many times in what the tolerance is relative to.
- */
+/* §4.3: raises what the tolerance is relative to, two squares, as if what
+ * springs push were so many times as large. */
 static void count_pushes(struct joint *s, real times)
 {
     s->scale = real_min(REAL_BIG, s->scale * (times * times));

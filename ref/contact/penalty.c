@@ -5,9 +5,9 @@
 
 #include "ref/contact/incidence.h"
 
-/* §1.4: the least κ' of a contact by the mass that it moves alone. */
+/* §1.4: the least κ' of a contact, in masses 1/y₁ that it moves alone. */
 static const real LEAST = R(30.0);
-/* §1.2: a contact is let go whose spring pulls more than this much of what the
+/* §1.2: a contact is let go whose spring pulls more than so many times what the
  * contact gave. */
 static const real PULL = R(4.0);
 
@@ -44,7 +44,7 @@ static real excess_of(const struct contact *c, const vec *u)
     return c->target - vec_dot(c->n, pair_sum(c->v, c->c, u));
 }
 
-/* §1: the impulse p of contact c's spring at velocities u, N·s. */
+/* §1: the impulse of contact c's spring at velocities u, N·s; < 0: it pulls. */
 static real spring_impulse(const struct penalty *s, const struct contact *c,
                            const vec *u)
 {

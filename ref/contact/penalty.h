@@ -16,9 +16,9 @@ struct penalty {
     real give;      /* m, > 0, by which a contact is short under its load */
     real dt, tau;   /* s, > 0: the slice, and the integrator's effective step */
     real slip;      /* m/s, > 0: friction is viscous below */
-    struct contact *contact; /* [n] out: held, impulse, slide, tangent; in:
-                                held, slide and tangent of the turn before, 0
-                                for a new contact */
+    struct contact *contact; /* [n] out: held, impulse, along, slide, tangent;
+                                in: held, along, slide and tangent of the turn
+                                before, 0 for a new contact */
 
     int64_t nv1, n4; /* nv + 1, 4 n */
     int32_t *start;  /* scratch: [nv1] */
