@@ -247,14 +247,21 @@ static bool is_distance(const struct wide x[4], int kind, double r,
            orc_distance(kind, q, r + bound) <= 0;
 }
 
-/* §3.2: whether a side of the pair is led. */
-static bool has_led_side(const struct proximity *s, int64_t k)
+/* The place in the pair where side B begins. */
+static int split_of(const struct proximity *s, int64_t k)
+{
+    return s->kind[k] == CONTACT_VF ? 1 : 2;
+}
+
+/* §3.2: the led side of the pair, A (0) before B (1); -1 if both have free
+ * vertices. */
+static int led_side(const struct proximity *s, int64_t k)
 {
     const int32_t *v = s->pair + 4 * k;
-    int split = s->kind[k] == CONTACT_VF ? 1 : 2, led[2] = {1, 1};
+    int led[2] = {1, 1};
     for (int j = 0; j < 4; j++)
-        led[j >= split] &= !(s->w[v[j]] > 0);
-    return led[0] || led[1];
+        led[j >= split_of(s, k)] &= !(s->w[v[j]] > 0);
+    return led[0] ? 0 : led[1] ? 1 : -1;
 }
 
 /* §3.2: whether the surface comes nearer from q along p towards a vertex of the
@@ -275,19 +282,25 @@ static bool turns_nearer(const struct proximity *s, int32_t i, int32_t j,
     return false;
 }
 
+/* The closest points of the stage, where equally near ones may be others. */
+static struct closest points_of(const struct wide x[4], int kind)
+{
+    struct closest r;
+    if (kind == CONTACT_VF)
+        closest_vf(x, &r);
+    else
+        closest_ee(x, &r);
+    return r;
+}
+
 /* §3.3: whether a surface beside a pair of free sides comes nearer: at the
- * closest point of the face, or at those of two edges. The points are those of
- * the stage. */
+ * closest point of the face, or at those of two edges. */
 static bool comes_nearer(const struct proximity *s, int64_t k,
                          const struct wide x[4])
 {
     const int32_t *v = s->pair + 4 * k;
-    struct closest r;
-    if (s->kind[k] == CONTACT_VF)
-        closest_vf(x, &r);
-    else
-        closest_ee(x, &r);
-    int split = s->kind[k] == CONTACT_VF ? 1 : 2, corners[2] = {0};
+    struct closest r = points_of(x, s->kind[k]);
+    int split = split_of(s, k), corners[2] = {0};
     struct wide q[2] = {{0}}, p[2] = {wide_scale(-1, r.p), r.p};
     for (int j = 0; j < 4; j++) {
         q[j >= split] = wide_axpy(q[j >= split], fabs(r.c[j]), x[j]);
@@ -304,6 +317,143 @@ static bool comes_nearer(const struct proximity *s, int64_t k,
     return false;
 }
 
+/* The vector times a power of two that makes its length about 1. */
+static struct wide level(struct wide a)
+{
+    if (length(a) < 0x1p-500)
+        a = wide_scale(0x1p600, a);
+    return length(a) > 0 ? wide_scale(ldexp(1, -ilogb(length(a))), a) : a;
+}
+
+/* The cosine of the angle between two vectors; 0 if one of them is zero. */
+static double cosine(struct wide a, struct wide b)
+{
+    a = level(a);
+    b = level(b);
+    double l = length(a) * length(b);
+    return l > 0 ? wide_dot(a, b) / l : 0;
+}
+
+/* The closest point of a pair's led side, in coordinates relative to its vertex
+ * i. It is at i if j is i, else in the edge or the face that has i and j. */
+struct spot {
+    int32_t i, j;
+    int corners;    /* vertices of the side that it lies between */
+    struct wide at; /* m, relative to i */
+    struct wide p;  /* m, from here to the other side's closest point */
+    double error;   /* m, of the stage, which places it around the origin; a
+                       vertex is where it is */
+};
+
+static struct spot find_spot(const struct proximity *s, int64_t k, int side,
+                             const struct wide x[4])
+{
+    struct closest r = points_of(x, s->kind[k]);
+    struct spot q = {.p = side ? r.p : wide_scale(-1, r.p)};
+    int split = split_of(s, k), start = side ? split : 0;
+    int end = side ? 4 : split, i = 0;
+    for (int c = start; c < end; c++)
+        if (r.c[c] != 0) {
+            i = q.corners++ ? i : c;
+            q.j = s->pair[4 * k + c];
+        }
+    q.i = s->pair[4 * k + i];
+    for (int c = start; c < end; c++)
+        q.at = wide_axpy(q.at, fabs(r.c[c]), wide_sub(x[c], x[i]));
+    if (q.corners > 1)
+        q.error = 0x1p-45 * size_of(x) + 0x1p-50 * length(x[i]);
+    return q;
+}
+
+/* §3.2: what the triangles around a spot say of p. */
+struct beside {
+    bool may, must; /* the surface comes nearer: perhaps, surely */
+    bool vague;     /* the normal of a triangle is mere rounding */
+    double most;    /* the cosine of p and the normal that p is most along */
+};
+
+/* Rounding of the cosines here, and of their squares in the stage. These are
+ * products of four lengths, or of six, which underflow in binary64 where those
+ * of two, or of three, are below `lowest`. */
+static const double blur = 0x1p-20, lowest = 0x1p-500;
+
+/* Looks towards a vertex of a triangle, which is at e relative to q->i. */
+static void look_towards(const struct spot *q, struct wide e, struct beside *b)
+{
+    struct wide d = wide_sub(e, q->at);
+    if (length(d) == 0 && q->error == 0)
+        return;
+    double c = cosine(q->p, d), room = blur + q->error / length(d);
+    bool sure = length(q->p) * length(d) >= lowest;
+    b->may = b->may || !sure || c > 0x1p-10 - room;
+    b->must = b->must || (sure && c > 0x1p-10 + room);
+}
+
+/* Looks along the normal of the triangle with the sides e and f. A triangle
+ * without area has none. */
+static void look_along(const struct spot *q, struct wide e, struct wide f,
+                       struct beside *b)
+{
+    struct wide n = wide_cross(level(e), level(f));
+    bool sure =
+        length(n) > needle && length(e) * length(f) * length(q->p) >= lowest;
+    b->vague = b->vague || (!sure && length(n) > 0);
+    if (sure)
+        b->most = fmax(b->most, fabs(cosine(n, q->p)));
+}
+
+/* Looks at the triangles around the spot. */
+static struct beside look(const struct proximity *s, const struct spot *q)
+{
+    struct beside b = {0};
+    struct wide o = wide_of(s->x[q->i]);
+    if (q->corners == 3 || !s->fan.n_start)
+        return b;
+    for (int32_t t = s->fan.start[q->i]; t < s->fan.start[q->i + 1]; t++) {
+        const int32_t *rim = s->fan.rim[t];
+        struct wide e = wide_sub(wide_of(s->x[rim[0]]), o);
+        struct wide f = wide_sub(wide_of(s->x[rim[1]]), o);
+        if (q->i != q->j && rim[0] != q->j && rim[1] != q->j)
+            continue;
+        look_towards(q, e, &b);
+        look_towards(q, f, &b);
+        look_along(q, e, f, &b);
+    }
+    return b;
+}
+
+/* What may become of a pair that is nearer than its thickness. */
+struct fate {
+    bool keep, drop;    /* both are allowed where rounding decides */
+    double least, most; /* of the gap of a kept pair, in distances */
+};
+
+/* §3.2: a pair with a led side is dropped where this surface comes nearer and p
+ * is more than 60° off all its normals. Where p is less, the gap is along the
+ * normal that p is most along. */
+static struct fate led_fate(const struct proximity *s, int64_t k, int side,
+                            const struct wide x[4])
+{
+    struct spot q = find_spot(s, k, side, x);
+    struct fate f = {true, false, 1, 1};
+    struct beside b = look(s, &q);
+    if (!b.may || length(q.p) <= 0x1p-40 * size_of(x))
+        return f;
+    f.drop = b.most < 0.5 + blur;
+    f.keep = !b.must || b.vague || b.most > 0.5 - blur;
+    f.least = (b.must ? fmax(0.5, b.most) : 0.5) - blur;
+    f.most = b.must && !b.vague ? b.most + blur : 1;
+    return f;
+}
+
+/* §3.3: a pair of free sides is dropped only where a surface beside it comes
+ * nearer. */
+static struct fate free_fate(const struct proximity *s, int64_t k,
+                             const struct wide x[4])
+{
+    return (struct fate){true, comes_nearer(s, k, x), 1, 1};
+}
+
 const char *prop_proximity(const struct proximity *s)
 {
     int64_t at = 0;
@@ -318,15 +468,18 @@ const char *prop_proximity(const struct proximity *s)
                     c->kind == s->kind[k];
         double d = pair_distance(x, s->kind[k]);
         double bound = 0x1p-22 * size_of(x) + lost; /* §2.1, §2.4 */
-        bool led = has_led_side(s, k);
+        int side = led_side(s, k);
+        struct fate f =
+            side >= 0 ? led_fate(s, k, side, x) : free_fate(s, k, x);
         EXPECT(!kept || d <= r + bound);
         if (!kept) {
-            EXPECT(led || d >= r - bound || comes_nearer(s, k, x));
+            EXPECT(d >= r - bound || f.drop);
             continue;
         }
-        double least = (led ? 0.5 : 1) * d; /* §3.2: within 60° */
-        EXPECT((double)c->gap <= d + bound && (double)c->gap >= least - bound);
-        if (k % 8 == 0 && orc_present() && !led)
+        EXPECT(f.keep);
+        EXPECT((double)c->gap <= f.most * d + bound);
+        EXPECT((double)c->gap >= f.least * d - bound);
+        if (k % 8 == 0 && orc_present() && side < 0)
             EXPECT(is_distance(x, s->kind[k], (double)c->gap, bound));
         const char *failed = check_contact(c, x);
         if (failed)
