@@ -16,6 +16,10 @@ struct bytes damage_choices(uint64_t seed);
 size_t damage(struct bytes *b, uint8_t *data, size_t size, size_t most,
               size_t head);
 
+/* Whether the bytes, as far as they go, name the same format, precision and
+ * world as the checkpoint `own`. Bytes that do not begin as a checkpoint pass.
+ */
+bool damage_matches(const uint8_t *data, size_t size, const uint8_t *own);
 /* Recomputes the checksum of a checkpoint. */
 void damage_repair(uint8_t *data, size_t size);
 /* Whether damage_repair would write the checksum that the library wrote. */

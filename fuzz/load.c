@@ -108,6 +108,8 @@ const char *fuzz_load(const char *name, const uint8_t *data, size_t size)
         tape_write(&in, size > 1 ? data + 1 : own.data,
                    size > 1 ? size - 1 : own.size);
         failed = load(&s, world, &own, &in);
+        if (!failed && fuzz_kept && !damage_matches(in.data, in.size, own.data))
+            failed = "the checkpoint is of another format or world";
     }
     drape_destroy(world);
     free(own.data);

@@ -44,6 +44,8 @@ static uint8_t *read_input(const char *path, size_t *size)
 static const char *replay(const struct target *t, const char *path)
 {
     size_t size = 0;
+    const char *slash = strrchr(path, '/');
+    fuzz_kept = strncmp(slash ? slash + 1 : path, "hostile-", 8) != 0;
     uint8_t *data = read_input(path, &size);
     const char *failed =
         data ? t->run(t->name, data, size) : "cannot be opened";

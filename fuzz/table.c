@@ -52,6 +52,8 @@ const struct target fuzz_targets[] = {
     {"drape_status_text", fuzz_text, NULL},
     {NULL, NULL, NULL}};
 
+bool fuzz_kept;
+
 static const struct target *find(const struct target *t, const char *name)
 {
     while (t->name && strcmp(t->name, name) != 0)
