@@ -30,7 +30,7 @@ static __device__ struct closest measure(const struct proximity *s, int kind,
 struct foot {
     int vertices;
     int32_t v[2];   /* the first two of them */
-    struct wide at; /* m */
+    struct wide at; /* m, relative to the first */
     struct wide p;  /* m, from here to the other side's point */
 };
 
@@ -40,14 +40,17 @@ static __device__ struct foot find_foot(int split, bool b, const int32_t v[4],
                                         const struct wide x[4],
                                         const struct closest *r)
 {
-    struct foot f = {0, {-1, -1}, wide3(0, 0, 0), b ? r->p : scale(-1, r->p)};
+    struct wide o = x[0], p = b ? r->p : scale(-1, r->p);
+    struct foot f = {0, {-1, -1}, wide3(0, 0, 0), p};
     for (int j = 0; j < 4; j++) {
         if ((j >= split) != b || r->c[j] == 0)
             continue;
+        if (f.vertices == 0)
+            o = x[j];
         if (f.vertices < 2)
             f.v[f.vertices] = v[j];
         f.vertices++;
-        f.at = axpy(f.at, r->c[j] < 0 ? -r->c[j] : r->c[j], x[j]);
+        f.at = axpy(f.at, r->c[j] < 0 ? -r->c[j] : r->c[j], sub(x[j], o));
     }
     return f;
 }
@@ -61,10 +64,11 @@ static __device__ void find_led(const struct proximity *s, int split,
         led[j >= split] = led[j >= split] && !(s->w[v[j]] > 0);
 }
 
-/* Whether the foot comes nearer to the other side towards point y. */
-static __device__ bool comes_nearer(const struct foot *f, vec y)
+/* Whether the foot comes nearer to the other side towards point y; o: the
+ * foot's first vertex. */
+static __device__ bool comes_nearer(const struct foot *f, struct wide o, vec y)
 {
-    struct wide d = sub(widen(y), f->at);
+    struct wide d = sub(sub(widen(y), o), f->at);
     double along = dot(f->p, d);
     return along > 0 && along * along > 0x1p-20 * (dot(f->p, f->p) * dot(d, d));
 }
@@ -111,6 +115,7 @@ static __device__ bool is_nearest(const struct proximity *s,
 {
     if (f->vertices == 3 || !s->fan.n_start)
         return true;
+    struct wide o = widen(s->x[f->v[0]]);
     int32_t end = s->fan.start[f->v[0] + 1];
     for (int32_t k = s->fan.start[f->v[0]]; k < end; k += FAN_AHEAD) {
         struct fan_triangle t[FAN_AHEAD];
@@ -118,8 +123,8 @@ static __device__ bool is_nearest(const struct proximity *s,
         load_fan(s, f, k, end, t);
         UNROLL
         for (int e = 0; e < FAN_AHEAD; e++)
-            nearer = nearer || (t[e].at && (comes_nearer(f, t[e].a) ||
-                                            comes_nearer(f, t[e].b)));
+            nearer = nearer || (t[e].at && (comes_nearer(f, o, t[e].a) ||
+                                            comes_nearer(f, o, t[e].b)));
         if (nearer)
             return false;
     }

@@ -46,7 +46,7 @@ static int side_start(int kind, int side)
 struct foot {
     int vertices;
     int32_t v[2];   /* the first two of them */
-    struct wide at; /* m */
+    struct wide at; /* m, relative to the first */
     struct wide p;  /* m, from here to the other side's point */
 };
 
@@ -55,14 +55,18 @@ static struct foot find_foot(const struct proximity *s, int64_t k, int side,
 {
     const int32_t *v = s->pair + 4 * k;
     int end = side_start(s->kind[k], side + 1);
-    struct foot f = {.p = side == SIDE_A ? wide_scale(-1, r->p) : r->p};
+    struct wide o = x[0], p = side == SIDE_A ? wide_scale(-1, r->p) : r->p;
+    struct foot f = {.p = p};
     for (int j = side_start(s->kind[k], side); j < end; j++) {
         if (r->c[j] == 0)
             continue;
+        if (f.vertices == 0)
+            o = x[j];
         if (f.vertices < 2)
             f.v[f.vertices] = v[j];
         f.vertices++;
-        f.at = wide_axpy(f.at, r->c[j] < 0 ? -r->c[j] : r->c[j], x[j]);
+        f.at = wide_axpy(f.at, r->c[j] < 0 ? -r->c[j] : r->c[j],
+                         wide_sub(x[j], o));
     }
     return f;
 }
@@ -87,11 +91,18 @@ static bool is_at(const struct foot *f, const int32_t rim[2])
     return f->vertices == 1 || rim[0] == f->v[1] || rim[1] == f->v[1];
 }
 
+/* The place of vertex y relative to the foot's first vertex. */
+static struct wide beside(const struct proximity *s, const struct foot *f,
+                          int32_t y)
+{
+    return wide_sub(wide_of(s->x[y]), wide_of(s->x[f->v[0]]));
+}
+
 /* Whether the foot comes nearer to the other side towards vertex y. */
 static bool comes_nearer(const struct proximity *s, const struct foot *f,
                          int32_t y)
 {
-    struct wide d = wide_sub(wide_of(s->x[y]), f->at);
+    struct wide d = wide_sub(beside(s, f, y), f->at);
     double along = wide_dot(f->p, d);
     return along > 0 &&
            along * along > 0x1p-20 * (wide_dot(f->p, f->p) * wide_dot(d, d));
@@ -123,9 +134,8 @@ static bool turn_normal(const struct proximity *s, const struct foot *f,
     bool found = false;
     for (int32_t k = s->fan.start[i]; k < s->fan.start[i + 1]; k++) {
         const int32_t *rim = s->fan.rim[k];
-        struct wide o = wide_of(s->x[i]);
-        struct wide m = wide_cross(wide_sub(wide_of(s->x[rim[0]]), o),
-                                   wide_sub(wide_of(s->x[rim[1]]), o));
+        struct wide d = beside(s, f, rim[0]), e = beside(s, f, rim[1]);
+        struct wide m = wide_cross(d, e);
         double along = wide_dot(m, f->p), mm = wide_dot(m, m);
         if (!is_at(f, rim) || !(along * along > most * mm))
             continue;

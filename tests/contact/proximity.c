@@ -264,24 +264,6 @@ static int led_side(const struct proximity *s, int64_t k)
     return led[0] ? 0 : led[1] ? 1 : -1;
 }
 
-/* §3.2: whether the surface comes nearer from q along p towards a vertex of the
- * triangles around vertex i that have vertex j. 2^-11 for the page's 2^-10
- * leaves room for rounding. */
-static bool turns_nearer(const struct proximity *s, int32_t i, int32_t j,
-                         struct wide q, struct wide p)
-{
-    for (int32_t t = s->fan.start[i]; t < s->fan.start[i + 1]; t++) {
-        const int32_t *rim = s->fan.rim[t];
-        for (int y = 0; y < 2; y++) {
-            struct wide d = wide_sub(wide_of(s->x[rim[y]]), q);
-            if ((i == j || rim[0] == j || rim[1] == j) &&
-                wide_dot(p, d) > 0x1p-11 * length(p) * length(d))
-                return true;
-        }
-    }
-    return false;
-}
-
 /* The closest points of the stage, where equally near ones may be others. */
 static struct closest points_of(const struct wide x[4], int kind)
 {
@@ -291,30 +273,6 @@ static struct closest points_of(const struct wide x[4], int kind)
     else
         closest_ee(x, &r);
     return r;
-}
-
-/* §3.3: whether a surface beside a pair of free sides comes nearer: at the
- * closest point of the face, or at those of two edges. */
-static bool comes_nearer(const struct proximity *s, int64_t k,
-                         const struct wide x[4])
-{
-    const int32_t *v = s->pair + 4 * k;
-    struct closest r = points_of(x, s->kind[k]);
-    int split = split_of(s, k), corners[2] = {0};
-    struct wide q[2] = {{0}}, p[2] = {wide_scale(-1, r.p), r.p};
-    for (int j = 0; j < 4; j++) {
-        q[j >= split] = wide_axpy(q[j >= split], fabs(r.c[j]), x[j]);
-        corners[j >= split] += r.c[j] != 0;
-    }
-    for (int i = split == 1; i < 4; i++)
-        for (int j = split == 1; j < 4; j++) {
-            int side = i >= split;
-            bool at = r.c[i] != 0 && r.c[j] != 0 && side == (j >= split) &&
-                      corners[side] == 1 + (i != j);
-            if (at && turns_nearer(s, v[i], v[j], q[side], p[side]))
-                return true;
-        }
-    return false;
 }
 
 /* The vector times a power of two that makes its length about 1. */
@@ -334,15 +292,14 @@ static double cosine(struct wide a, struct wide b)
     return l > 0 ? wide_dot(a, b) / l : 0;
 }
 
-/* The closest point of a pair's led side, in coordinates relative to its vertex
+/* The closest point of a side of a pair, in coordinates relative to its vertex
  * i. It is at i if j is i, else in the edge or the face that has i and j. */
 struct spot {
     int32_t i, j;
     int corners;    /* vertices of the side that it lies between */
     struct wide at; /* m, relative to i */
     struct wide p;  /* m, from here to the other side's closest point */
-    double error;   /* m, of the stage, which places it around the origin; a
-                       vertex is where it is */
+    double error;   /* m, of its place (§2.5); a vertex is where it is */
 };
 
 static struct spot find_spot(const struct proximity *s, int64_t k, int side,
@@ -361,7 +318,7 @@ static struct spot find_spot(const struct proximity *s, int64_t k, int side,
     for (int c = start; c < end; c++)
         q.at = wide_axpy(q.at, fabs(r.c[c]), wide_sub(x[c], x[i]));
     if (q.corners > 1)
-        q.error = 0x1p-45 * size_of(x) + 0x1p-50 * length(x[i]);
+        q.error = 0x1p-48 * size_of(x); /* the stage's and ours */
     return q;
 }
 
@@ -435,9 +392,9 @@ static struct fate led_fate(const struct proximity *s, int64_t k, int side,
                             const struct wide x[4])
 {
     struct spot q = find_spot(s, k, side, x);
-    struct fate f = {true, false, 1, 1};
     struct beside b = look(s, &q);
-    if (!b.may || length(q.p) <= 0x1p-40 * size_of(x))
+    struct fate f = {true, false, 1, 1};
+    if (!b.may)
         return f;
     f.drop = b.most < 0.5 + blur;
     f.keep = !b.must || b.vague || b.most > 0.5 - blur;
@@ -446,12 +403,30 @@ static struct fate led_fate(const struct proximity *s, int64_t k, int side,
     return f;
 }
 
-/* §3.3: a pair of free sides is dropped only where a surface beside it comes
- * nearer. */
+/* §3.3: a pair of free sides is dropped where the surface comes nearer at the
+ * closest point of the face, or at one of those of two edges. */
 static struct fate free_fate(const struct proximity *s, int64_t k,
                              const struct wide x[4])
 {
-    return (struct fate){true, comes_nearer(s, k, x), 1, 1};
+    struct fate f = {true, false, 1, 1};
+    for (int side = s->kind[k] == CONTACT_VF; side < 2; side++) {
+        struct spot q = find_spot(s, k, side, x);
+        struct beside b = look(s, &q);
+        f.keep = f.keep && !b.must;
+        f.drop = f.drop || b.may;
+    }
+    return f;
+}
+
+/* §3.1: pairs whose p has no direction are kept. */
+static struct fate find_fate(const struct proximity *s, int64_t k,
+                             const struct wide x[4])
+{
+    int side = led_side(s, k);
+    struct closest r = points_of(x, s->kind[k]);
+    if (length(r.p) <= 0x1p-40 * size_of(x))
+        return (struct fate){true, false, 1, 1};
+    return side < 0 ? free_fate(s, k, x) : led_fate(s, k, side, x);
 }
 
 const char *prop_proximity(const struct proximity *s)
@@ -468,9 +443,7 @@ const char *prop_proximity(const struct proximity *s)
                     c->kind == s->kind[k];
         double d = pair_distance(x, s->kind[k]);
         double bound = 0x1p-22 * size_of(x) + lost; /* §2.1, §2.4 */
-        int side = led_side(s, k);
-        struct fate f =
-            side >= 0 ? led_fate(s, k, side, x) : free_fate(s, k, x);
+        struct fate f = find_fate(s, k, x);
         EXPECT(!kept || d <= r + bound);
         if (!kept) {
             EXPECT(d >= r - bound || f.drop);
@@ -479,7 +452,7 @@ const char *prop_proximity(const struct proximity *s)
         EXPECT(f.keep);
         EXPECT((double)c->gap <= f.most * d + bound);
         EXPECT((double)c->gap >= f.least * d - bound);
-        if (k % 8 == 0 && orc_present() && side < 0)
+        if (k % 8 == 0 && orc_present() && led_side(s, k) < 0)
             EXPECT(is_distance(x, s->kind[k], (double)c->gap, bound));
         const char *failed = check_contact(c, x);
         if (failed)

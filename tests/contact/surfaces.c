@@ -249,3 +249,94 @@ const char *test_proximity_free(void)
     }
     return NULL;
 }
+
+/* §1: five vertices on a grid; the first four are a pair. */
+struct five {
+    int place[5][3]; /* steps of the grid */
+    uint8_t kind;    /* enum contact_kind */
+    bool free[2];    /* the sides */
+};
+
+/* Finds the contact of the pair, which two triangles are beside; its thickness
+ * is more than any distance. step: m, of the grid around the origin. Returns
+ * the number of contacts, or an error. */
+static int64_t find_contact(const struct five *s, real origin, real step,
+                            struct contact *c)
+{
+    static const int32_t pair[4] = {0, 1, 2, 3};
+    static const int32_t tri[2][2][3] = {{{1, 2, 3}, {2, 1, 4}},
+                                         {{0, 1, 4}, {2, 3, 4}}};
+    static const uint16_t of[5];
+    const struct surface surface = {16 * step, 0};
+    int32_t at, start[6] = {0}, rim[6][2];
+    vec x[5];
+    real w[5];
+    for (int i = 0; i < 5; i++) {
+        const int *k = s->place[i];
+        x[i] = vec_axpy(vec_make(origin, origin, origin), step,
+                        vec_make((real)k[0], (real)k[1], (real)k[2]));
+        w[i] = s->free[i > (s->kind == CONTACT_EE)] ? 1 : 0;
+    }
+    list_fan(5, 2, tri[s->kind], start, rim);
+    struct proximity p = {.nv = 5,
+                          .n = 1,
+                          .pair = pair,
+                          .kind = &s->kind,
+                          .x = x,
+                          .w = w,
+                          .skin = {1, of, &surface},
+                          .fan = {6, 6, start, (const int32_t(*)[2])rim},
+                          .dt = 1,
+                          .at = &at,
+                          .cap = 1,
+                          .contact = c};
+    int status = ref_proximity(&p);
+    return status == DRAPE_OK ? p.found : status;
+}
+
+/* A pair that was once dropped away from the origin. */
+static const struct five once_dropped[] = {
+    {{{0, -1, 4}, {-2, -3, -3}, {-3, -3, -2}, {2, -2, 3}, {-3, 4, -4}},
+     CONTACT_VF,
+     {true, false}},
+};
+
+static void pick_five(struct bytes *b, struct five *s)
+{
+    for (int i = 0; i < 15; i++)
+        s->place[i / 3][i % 3] = (int)pick(b, 9) - 4;
+    s->kind = (uint8_t)pick(b, 2);
+    s->free[0] = pick(b, 2) != 0;
+    s->free[1] = pick(b, 2) != 0;
+}
+
+/* §2.5: a pair and the surface around it, all on a grid, have the same contact
+ * wherever they are. Nothing but the grid's step changes: differences of the
+ * coordinates are exact. */
+const char *test_proximity_moved(void)
+{
+    enum { GIVEN = sizeof once_dropped / sizeof *once_dropped };
+    const real fine = REAL_BITS == 32 ? R(0x1p-21) : R(0x1p-50);
+    const real origin[2] = {1, -1};
+    struct bytes b = {.seed = 1, .size = -1};
+    for (int k = 0; k < 4000; k++) {
+        struct five s;
+        struct contact c, other;
+        pick_five(&b, &s);
+        if (k < GIVEN)
+            s = once_dropped[k];
+        int64_t found = find_contact(&s, 0, 1, &c);
+        EXPECT(k < GIVEN ? found == 1 : found >= 0);
+        for (int j = 0; j < 2; j++) {
+            EXPECT(find_contact(&s, origin[j], fine, &other) == found);
+            if (found == 0)
+                continue;
+            EXPECT(!memcmp(other.c, c.c, sizeof c.c));
+            EXPECT(!memcmp(&other.n, &c.n, sizeof c.n));
+            EXPECT(other.gap == fine * c.gap);
+        }
+        ran(1);
+    }
+    choices_free(&b);
+    return NULL;
+}
