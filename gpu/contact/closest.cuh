@@ -157,12 +157,19 @@ static __device__ inline struct wide nearest_normal(const struct wide x[4],
     return cross(a, b);
 }
 
+/* §2.4: a times a power of two: no product of four such lengths underflows. */
+static __device__ inline struct wide lift(struct wide a)
+{
+    for (int k = 0; k < 3 && dot(a, a) < 0x1p-400; k++)
+        a = scale(0x1p300, a);
+    return a;
+}
+
 /* a divided by its length, or the fallback where the length is zero or not
  * finite. */
 static __device__ inline struct wide unit(struct wide a, struct wide fallback)
 {
-    if (dot(a, a) < 0x1p-900) /* §2.4 */
-        a = scale(0x1p600, a);
+    a = lift(a);
     double l = sqrt(dot(a, a));
     if (!(l > 0 && l - l == 0))
         return fallback;

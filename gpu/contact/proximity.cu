@@ -31,7 +31,7 @@ struct foot {
     int vertices;
     int32_t v[2];   /* the first two of them */
     struct wide at; /* m, relative to the first */
-    struct wide p;  /* m, from here to the other side's point */
+    struct wide p;  /* from here to the other side's point, lifted (§2.4) */
 };
 
 /* The foot on side B, or on side A: the vertices from `split` on, or before it.
@@ -41,7 +41,7 @@ static __device__ struct foot find_foot(int split, bool b, const int32_t v[4],
                                         const struct closest *r)
 {
     struct wide o = x[0], p = b ? r->p : scale(-1, r->p);
-    struct foot f = {0, {-1, -1}, wide3(0, 0, 0), p};
+    struct foot f = {0, {-1, -1}, wide3(0, 0, 0), lift(p)};
     for (int j = 0; j < 4; j++) {
         if ((j >= split) != b || r->c[j] == 0)
             continue;
@@ -68,7 +68,7 @@ static __device__ void find_led(const struct proximity *s, int split,
  * foot's first vertex. */
 static __device__ bool comes_nearer(const struct foot *f, struct wide o, vec y)
 {
-    struct wide d = sub(sub(widen(y), o), f->at);
+    struct wide d = lift(sub(sub(widen(y), o), f->at));
     double along = dot(f->p, d);
     return along > 0 && along * along > 0x1p-20 * (dot(f->p, f->p) * dot(d, d));
 }
@@ -145,7 +145,9 @@ static __device__ bool turn_normal(const struct proximity *s,
         load_fan(s, f, k, end, t);
         UNROLL
         for (int e = 0; e < FAN_AHEAD; e++) {
-            struct wide m = cross(sub(widen(t[e].a), o), sub(widen(t[e].b), o));
+            struct wide a = lift(sub(widen(t[e].a), o));
+            struct wide b = lift(sub(widen(t[e].b), o));
+            struct wide m = lift(cross(a, b));
             double along = dot(m, f->p), mm = dot(m, m);
             if (!t[e].at || !(along * along > most * mm))
                 continue;

@@ -47,7 +47,7 @@ struct foot {
     int vertices;
     int32_t v[2];   /* the first two of them */
     struct wide at; /* m, relative to the first */
-    struct wide p;  /* m, from here to the other side's point */
+    struct wide p;  /* from here to the other side's point, lifted (§2.4) */
 };
 
 static struct foot find_foot(const struct proximity *s, int64_t k, int side,
@@ -56,7 +56,7 @@ static struct foot find_foot(const struct proximity *s, int64_t k, int side,
     const int32_t *v = s->pair + 4 * k;
     int end = side_start(s->kind[k], side + 1);
     struct wide o = x[0], p = side == SIDE_A ? wide_scale(-1, r->p) : r->p;
-    struct foot f = {.p = p};
+    struct foot f = {.p = closest_lift(p)};
     for (int j = side_start(s->kind[k], side); j < end; j++) {
         if (r->c[j] == 0)
             continue;
@@ -102,7 +102,7 @@ static struct wide beside(const struct proximity *s, const struct foot *f,
 static bool comes_nearer(const struct proximity *s, const struct foot *f,
                          int32_t y)
 {
-    struct wide d = wide_sub(beside(s, f, y), f->at);
+    struct wide d = closest_lift(wide_sub(beside(s, f, y), f->at));
     double along = wide_dot(f->p, d);
     return along > 0 &&
            along * along > 0x1p-20 * (wide_dot(f->p, f->p) * wide_dot(d, d));
@@ -134,8 +134,9 @@ static bool turn_normal(const struct proximity *s, const struct foot *f,
     bool found = false;
     for (int32_t k = s->fan.start[i]; k < s->fan.start[i + 1]; k++) {
         const int32_t *rim = s->fan.rim[k];
-        struct wide d = beside(s, f, rim[0]), e = beside(s, f, rim[1]);
-        struct wide m = wide_cross(d, e);
+        struct wide d = closest_lift(beside(s, f, rim[0]));
+        struct wide e = closest_lift(beside(s, f, rim[1]));
+        struct wide m = closest_lift(wide_cross(d, e));
         double along = wide_dot(m, f->p), mm = wide_dot(m, m);
         if (!is_at(f, rim) || !(along * along > most * mm))
             continue;

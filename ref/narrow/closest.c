@@ -125,10 +125,16 @@ struct wide closest_normal(const struct wide x[4], int kind)
     return wide_cross(wide_sub(x[1], x[0]), wide_sub(x[3], x[2]));
 }
 
+struct wide closest_lift(struct wide a)
+{
+    for (int k = 0; k < 3 && wide_dot(a, a) < 0x1p-400; k++)
+        a = wide_scale(0x1p300, a);
+    return a;
+}
+
 struct wide closest_unit(struct wide a, struct wide fallback)
 {
-    if (wide_dot(a, a) < 0x1p-900) /* §2.4: squares may have underflowed */
-        a = wide_scale(0x1p600, a);
+    a = closest_lift(a);
     double l = sqrt(wide_dot(a, a));
     if (!(l > 0 && l - l == 0))
         return fallback;

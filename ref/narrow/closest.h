@@ -22,6 +22,9 @@ void closest_ee(const struct wide x[4], struct closest *r);
 void closest_weights(const struct closest *r, int kind, real c[4]);
 /* The triangle's normal, or the cross product of the edges, not normalised. */
 struct wide closest_normal(const struct wide x[4], int kind);
+/* a times a power of two: where a is not zero its length is at least 2^-200, so
+ * that no product of four such lengths underflows. §2.4 */
+struct wide closest_lift(struct wide a);
 /* a divided by its length, or the fallback where the length is zero or not
  * finite. */
 struct wide closest_unit(struct wide a, struct wide fallback);

@@ -275,12 +275,13 @@ static struct closest points_of(const struct wide x[4], int kind)
     return r;
 }
 
-/* The vector times a power of two that makes its length about 1. */
+/* The vector times a power of two that makes its length about 2^200: the
+ * components of lesser vectors may underflow. */
 static struct wide level(struct wide a)
 {
     if (length(a) < 0x1p-500)
         a = wide_scale(0x1p600, a);
-    return length(a) > 0 ? wide_scale(ldexp(1, -ilogb(length(a))), a) : a;
+    return length(a) > 0 ? wide_scale(ldexp(1, 200 - ilogb(length(a))), a) : a;
 }
 
 /* The cosine of the angle between two vectors; 0 if one of them is zero. */
@@ -329,10 +330,8 @@ struct beside {
     double most;    /* the cosine of p and the normal that p is most along */
 };
 
-/* Rounding of the cosines here, and of their squares in the stage. These are
- * products of four lengths, or of six, which underflow in binary64 where those
- * of two, or of three, are below `lowest`. */
-static const double blur = 0x1p-20, lowest = 0x1p-500;
+/* Rounding of the cosines here, and of their squares in the stage. */
+static const double blur = 0x1p-20;
 
 /* Looks towards a vertex of a triangle, which is at e relative to q->i. */
 static void look_towards(const struct spot *q, struct wide e, struct beside *b)
@@ -341,9 +340,8 @@ static void look_towards(const struct spot *q, struct wide e, struct beside *b)
     if (length(d) == 0 && q->error == 0)
         return;
     double c = cosine(q->p, d), room = blur + q->error / length(d);
-    bool sure = length(q->p) * length(d) >= lowest;
-    b->may = b->may || !sure || c > 0x1p-10 - room;
-    b->must = b->must || (sure && c > 0x1p-10 + room);
+    b->may = b->may || c > 0x1p-10 - room;
+    b->must = b->must || c > 0x1p-10 + room;
 }
 
 /* Looks along the normal of the triangle with the sides e and f. A triangle
@@ -351,9 +349,10 @@ static void look_towards(const struct spot *q, struct wide e, struct beside *b)
 static void look_along(const struct spot *q, struct wide e, struct wide f,
                        struct beside *b)
 {
-    struct wide n = wide_cross(level(e), level(f));
-    bool sure =
-        length(n) > needle && length(e) * length(f) * length(q->p) >= lowest;
+    e = level(e);
+    f = level(f);
+    struct wide n = wide_cross(e, f);
+    bool sure = length(n) > needle * length(e) * length(f);
     b->vague = b->vague || (!sure && length(n) > 0);
     if (sure)
         b->most = fmax(b->most, fabs(cosine(n, q->p)));
@@ -418,12 +417,15 @@ static struct fate free_fate(const struct proximity *s, int64_t k,
     return f;
 }
 
-/* §3.1: pairs whose p has no direction are kept. */
+/* Pairs whose p has no direction are kept. In those below 2^-450 m it may have
+ * one or not (§2.4); their gaps are less than the bound. */
 static struct fate find_fate(const struct proximity *s, int64_t k,
                              const struct wide x[4])
 {
     int side = led_side(s, k);
     struct closest r = points_of(x, s->kind[k]);
+    if (size_of(x) < 0x1p-450)
+        return (struct fate){true, true, 0, 1};
     if (length(r.p) <= 0x1p-40 * size_of(x))
         return (struct fate){true, false, 1, 1};
     return side < 0 ? free_fate(s, k, x) : led_fate(s, k, side, x);
@@ -463,11 +465,16 @@ const char *prop_proximity(const struct proximity *s)
     return NULL;
 }
 
-/* Picks coordinates that are small multiples of 2^e or, one in three, of 1. */
-static void pick_tiny(struct bytes *b, int e, vec x[4])
+/* Picks coordinates that are small multiples of 2^e, of its eighth root or of
+ * 1, each by itself or all of a vertex alike. */
+static void pick_tiny(struct bytes *b, int e, vec x[5])
 {
-    for (int k = 0; k < 12; k++) {
-        real a = (real)ldexp((double)pick(b, 9) - 4, pick(b, 3) ? e : 0);
+    bool alike = pick(b, 2) == 0;
+    int scale = 0;
+    for (int k = 0; k < 15; k++) {
+        if (!alike || k % 3 == 0)
+            scale = pick(b, 3) ? e : pick(b, 2) ? e / 8 : 0;
+        real a = (real)ldexp((double)pick(b, 9) - 4, scale);
         *(k % 3 == 0   ? &x[k / 3].x
           : k % 3 == 1 ? &x[k / 3].y
                        : &x[k / 3].z) = a;
@@ -477,31 +484,33 @@ static void pick_tiny(struct bytes *b, int e, vec x[4])
 }
 
 /* §2.4, §3: the properties hold for pairs of any size down to the smallest
- * number, and for needles of any height: the normal's length too. */
+ * number, and for needles of any height: the normal's length too. Triangles
+ * with a fifth vertex are beside the pair's edges. */
 const char *test_proximity_tiny(void)
 {
-    static const int32_t v[4] = {0, 1, 2, 3}, start[5], rim[1][2];
+    static const int32_t v[4] = {0, 1, 2, 3}, start[6] = {0, 1, 3, 4, 4, 4};
+    static const int32_t rim[4][2] = {{1, 4}, {2, 4}, {3, 4}, {3, 4}};
     static const struct surface surface = {2, 0};
-    static const uint16_t of[4];
+    static const uint16_t of[5];
     struct bytes b = {.seed = 1, .size = -1};
     const char *failed = NULL;
     const int least = REAL_BITS == 32 ? -149 : -1074;
     for (int k = 0; k < 64 * -least && !failed; k++) {
-        vec x[4];
+        vec x[5];
         uint8_t kind = (uint8_t)pick(&b, 2);
-        real w = (real)pick(&b, 2);
-        const real ws[4] = {w, w, 1, 1};
+        real first = (real)pick(&b, 2), last = (real)pick(&b, 2);
+        const real w[5] = {first, first, last, last, 1};
         struct contact contact;
         int32_t at;
         pick_tiny(&b, least + k / 64, x);
-        struct proximity p = {.nv = 4,
+        struct proximity p = {.nv = 5,
                               .n = 1,
                               .pair = v,
                               .kind = &kind,
                               .x = x,
-                              .w = ws,
+                              .w = w,
                               .skin = {1, of, &surface},
-                              .fan = {5, 0, start, rim},
+                              .fan = {6, 4, start, rim},
                               .dt = 1,
                               .at = &at,
                               .cap = 1,

@@ -294,11 +294,15 @@ static int64_t find_contact(const struct five *s, real origin, real step,
     return status == DRAPE_OK ? p.found : status;
 }
 
-/* A pair that was once dropped away from the origin. */
+/* Pairs that were once dropped: the first away from the origin, the second
+ * where squares underflow. */
 static const struct five once_dropped[] = {
     {{{0, -1, 4}, {-2, -3, -3}, {-3, -3, -2}, {2, -2, 3}, {-3, 4, -4}},
      CONTACT_VF,
      {true, false}},
+    {{{0, 3, 2}, {1, 1, 1}, {-1, -2, 4}, {1, 2, 1}, {3, -2, -1}},
+     CONTACT_EE,
+     {false, true}},
 };
 
 static void pick_five(struct bytes *b, struct five *s)
@@ -310,14 +314,15 @@ static void pick_five(struct bytes *b, struct five *s)
     s->free[1] = pick(b, 2) != 0;
 }
 
-/* §2.5: a pair and the surface around it, all on a grid, have the same contact
- * wherever they are. Nothing but the grid's step changes: differences of the
- * coordinates are exact. */
+/* §2.4, §2.5: a pair and the surface around it, all on a grid, have the same
+ * contact wherever they are and however large. Nothing but the grid's step
+ * changes: differences of the coordinates and powers of two are exact. */
 const char *test_proximity_moved(void)
 {
     enum { GIVEN = sizeof once_dropped / sizeof *once_dropped };
     const real fine = REAL_BITS == 32 ? R(0x1p-21) : R(0x1p-50);
-    const real origin[2] = {1, -1};
+    const real tiny = REAL_BITS == 32 ? R(0x1p-100) : R(0x1p-180);
+    const real origin[3] = {1, -1, 0}, step[3] = {fine, fine, tiny};
     struct bytes b = {.seed = 1, .size = -1};
     for (int k = 0; k < 4000; k++) {
         struct five s;
@@ -327,13 +332,13 @@ const char *test_proximity_moved(void)
             s = once_dropped[k];
         int64_t found = find_contact(&s, 0, 1, &c);
         EXPECT(k < GIVEN ? found == 1 : found >= 0);
-        for (int j = 0; j < 2; j++) {
-            EXPECT(find_contact(&s, origin[j], fine, &other) == found);
+        for (int j = 0; j < 3; j++) {
+            EXPECT(find_contact(&s, origin[j], step[j], &other) == found);
             if (found == 0)
                 continue;
             EXPECT(!memcmp(other.c, c.c, sizeof c.c));
             EXPECT(!memcmp(&other.n, &c.n, sizeof c.n));
-            EXPECT(other.gap == fine * c.gap);
+            EXPECT(other.gap == step[j] * c.gap);
         }
         ran(1);
     }
