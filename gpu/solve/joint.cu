@@ -30,6 +30,9 @@ struct beginning {
     real *item;
 };
 
+/* Of the last step, by Jacobi. */
+#define LAST_PART (R(2.0) / 3)
+
 /* What the launches of a solve depend on: the key of its graphs, too. The
  * contacts are in device memory. */
 struct solve {
@@ -215,11 +218,11 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 /* Thread k owns particle k of one cloth. */
 static __device__ void joint_improve_kernel(const struct pcg_state *c,
                                             int64_t count, vec *dv,
-                                            const vec *s)
+                                            const vec *s, real part)
 {
     ITEM(k, count);
     if (c->outcome == PCG_CONVERGED && c->iterations > 0)
-        dv[k] = add(dv[k], s[k]);
+        dv[k] = axpy(dv[k], part, s[k]);
 }
 
 /* Thread k owns particle k: p[0] = wall dv. */
@@ -497,13 +500,15 @@ static int begin(const struct joint_system *w, const struct solve *a)
     return status;
 }
 
-/* dv += M⁻¹ r, which the test of the tolerance has left in s. */
+/* A last step along M⁻¹ r, which the test of the tolerance has left in s. */
 static void improve(const struct joint_system *w, const struct solve *a)
 {
     each_cloth(w, [&](int k) {
         struct pcg p = part_of(w, &w->part[k]);
+        real part = p.precond == DRAPE_JACOBI ? LAST_PART : R(1.0);
         MERGE(w->gpu, p.count,
-              ((const struct pcg_state *)a->c, p.count, p.dv, (const vec *)p.s),
+              ((const struct pcg_state *)a->c, p.count, p.dv, (const vec *)p.s,
+               part),
               joint_improve_kernel);
         return (int)DRAPE_OK;
     });

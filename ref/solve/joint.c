@@ -8,6 +8,8 @@
 #include "ref/solve/product.h"
 #include "ref/world/state.h"
 
+static const real LAST_PART = R(2.0) / 3; /* of the last step, by Jacobi */
+
 /* The system of one cloth: its solver with hold as `extra`, on its part of the
  * joint residual. Only its preconditioner is used. */
 static struct pcg part_of(const struct sheet *s, const struct joint *a)
@@ -169,13 +171,15 @@ static int iterate(struct world *w, struct joint *a)
     return PCG_LIMIT;
 }
 
-/* §4.2: a last step, dv += M⁻¹ r, which the test of the tolerance has left in
+/* §4.2: a last step along M⁻¹ r, which the test of the tolerance has left in
  * q. */
-static void improve(struct joint *a)
+static void improve(const struct world *w, struct joint *a)
 {
+    bool jacobi = w->sheet[0].solver.pcg.precond == DRAPE_JACOBI;
+    real part = jacobi ? LAST_PART : 1;
     EACH_ITEM
     for (int64_t i = 0; i < a->nc; i++)
-        a->dv[i] = vec_add(a->dv[i], a->q[i]);
+        a->dv[i] = vec_axpy(a->dv[i], part, a->q[i]);
 }
 
 /* The sum of one coordinate of r. */
@@ -243,7 +247,7 @@ int joint_solve(struct world *w, struct joint *a)
         return status;
     a->outcome = pcg_positive(square) ? iterate(w, a) : PCG_BREAKDOWN;
     if (a->outcome == PCG_CONVERGED && a->iterations > 0)
-        improve(a);
+        improve(w, a);
     conclude(w, a);
     return DRAPE_OK;
 }
