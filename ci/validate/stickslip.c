@@ -7,13 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The elastica without weight that is clamped upright and pressed onto a
- * floor. */
-struct pressed {
-    double quotient; /* of the floor's friction and its normal force */
-    double way;      /* of the tip from where it stood, over the length */
-};
-
 struct reaction { /* of the floor on the tip */
     double side, up;
 };
@@ -32,11 +25,9 @@ static void slope(const void *user, double s, const double *y, double *dy)
 
 static const struct ode equations = {4, 200, slope};
 
-/* What is known of the tip: its depth, and that it stands below the clamp, or
- * the quotient of the forces. */
+/* What is known of the tip, which turns freely: where it is. */
 struct known {
-    double depth, quotient;
-    bool slides;
+    double depth, aside;
 };
 
 /* y at the arc length s, by the forces u[0], u[1] and the curvature u[2] at the
@@ -51,7 +42,6 @@ static void from_clamp(const double *u, double s, double y[4])
     y[1] *= s;
 }
 
-/* The tip turns freely. */
 static void at_tip(const void *user, const double *u, double *miss)
 {
     const struct known *k = user;
@@ -59,12 +49,12 @@ static void at_tip(const void *user, const double *u, double *miss)
     from_clamp(u, 1, y);
     miss[0] = y[3];
     miss[1] = y[1] - k->depth;
-    miss[2] = k->slides ? u[0] + k->quotient * u[1] : y[0];
+    miss[2] = y[0] - k->aside;
 }
 
-/* The unknowns of a strip whose tip stands still or, where the quotient would
- * exceed `friction`, slides. */
-static bool equilibrium(double share, double friction, double u[3])
+/* The unknowns of a strip that is pressed by a share of its length while its
+ * tip stands below the clamp. */
+static bool equilibrium(double share, double u[3])
 {
     enum { INCREMENTS = 30 };
     /* A column that is clamped and hinged buckles at Euler's load k², tan k =
@@ -78,33 +68,52 @@ static bool equilibrium(double share, double friction, double u[3])
     double a = sqrt(start / mean);
     u[0] = u[2] = -k * k * a;
     u[1] = k * k;
-    struct known known = {1 - start, friction, false};
+    struct known known = {1 - start, 0};
     for (int i = 1; i <= INCREMENTS; i++) {
         known.depth = 1 - start * i;
-        if (!shoot(3, u, at_tip, &known))
-            return false;
-        if (known.slides || fabs(u[0]) <= friction * u[1])
-            continue;
-        known.slides = true;
-        known.quotient = u[0] < 0 ? friction : -friction;
         if (!shoot(3, u, at_tip, &known))
             return false;
     }
     return true;
 }
 
-/* The strip's clamp has come nearer to the floor by a share of the length,
- * from where the strip just stood on it. NAN: no equilibrium was found. */
-static struct pressed pressed(double share, double friction)
+/* The quotient of the floor's forces on a tip that stands; NAN: none found. */
+static double quotient_of(double share)
 {
-    struct pressed out = {NAN, NAN};
-    double u[3], y[4];
-    if (!equilibrium(share, friction, u))
-        return out;
-    from_clamp(u, 1, y);
-    out.quotient = fabs(u[0]) / u[1];
-    out.way = fabs(y[0]);
-    return out;
+    double u[3];
+    return equilibrium(share, u) ? fabs(u[0]) / u[1] : NAN;
+}
+
+/* The share by which the strip is pressed when this quotient is q. */
+static double share_of(double q)
+{
+    double low = 0.02, high = 0.5;
+    for (int i = 0; i < 40; i++) {
+        double share = (low + high) / 2;
+        *(quotient_of(share) < q ? &low : &high) = share;
+    }
+    return low;
+}
+
+/* The ways from below the clamp at which a tip that has slid as far as it can
+ * may rest, of the length: where the quotient is within the friction. The more
+ * a tip slides the harder it is driven, until the strip is bent to one side. */
+static void rests(double share, double friction, double way[2])
+{
+    const double fine = 1e-3;
+    double u[3];
+    struct known known = {1 - share, 0};
+    way[0] = way[1] = NAN;
+    bool found = equilibrium(share, u);
+    for (bool far = false; found && u[1] > 0; known.aside += fine) {
+        found = shoot(3, u, at_tip, &known);
+        double q = fabs(u[0]) / u[1];
+        far = far || q > 2 * friction;
+        if (far && q <= friction)
+            way[isnan(way[0]) ? 0 : 1] = known.aside;
+        else if (!isnan(way[1]))
+            return;
+    }
 }
 
 /* Where n points are while the tip stands still, the first half a cell behind
@@ -113,7 +122,7 @@ static struct pressed pressed(double share, double friction)
 static void pressed_shape(double share, int n, double (*at)[2])
 {
     double u[3] = {NAN, NAN, NAN}, y[4];
-    equilibrium(share, INFINITY, u);
+    equilibrium(share, u);
     for (int k = 0; k < n; k++) {
         from_clamp(u, (k + 0.5) / (n - 0.5), y);
         at[k][0] = y[0];
@@ -126,6 +135,7 @@ static const double first = 0.05; /* the share by which it starts pressed */
 
 struct press {
     double share, friction;
+    int steps;
 };
 
 /* A strip of so many cells of length and one of width, clamped upright, that
@@ -162,14 +172,18 @@ static void strip(const struct validate *v, struct sheet *s, int cells,
     s->def.gravity[1] = 0;
 }
 
-/* What the floor does: friction and normal force of the last quarter of a
- * second, the tip's way, and the largest quotient of the two of a contact in a
- * step, over the coefficient. */
+/* What the floor does: friction over normal force and the tip's way, of the
+ * length, at the end; the greatest quotient of the two forces in a step, and of
+ * the two impulses of a contact, over the coefficient, until the tip has slid
+ * by a twentieth of the length; the share by which the strip is pressed when
+ * the quotient reaches `edge` of the coefficient. */
 struct found {
-    double quotient, way, most;
+    double quotient, way, whole, most, share;
 };
 
-/* Adds the floor's impulses of a step. */
+static const double edge = 0.98;
+
+/* Adds the floor's impulses of a step to sum. */
 static bool watch(drape_world *world, const struct press *t, double sum[2],
                   double *most)
 {
@@ -187,14 +201,56 @@ static bool watch(drape_world *world, const struct press *t, double sum[2],
     return true;
 }
 
+/* How far the tip is from where it stood, over the length. */
+static double way_of(drape_world *world, const struct sheet *s, double (*x)[3])
+{
+    drape_read(world, x, NULL);
+    return fabs(x[s->n - 1][2] - s->x[s->n - 1][2]) / length;
+}
+
+/* Steps until the strip has settled on the floor, and until the clamp rests;
+ * until a tip that stands, or one that has slid, rests as well; and of these
+ * the last ones, in which the forces are measured. */
+enum { SETTLED = 60, PRESSES = 480, STANDS = 600, RESTS = 1200, LAST = 60 };
+
+/* Takes the steps. */
+static bool press(drape_world *world, const struct press *t,
+                  const struct sheet *s, struct found *out)
+{
+    double(*x)[3] = take((size_t)s->n + 3, sizeof *x);
+    double end[2] = {0, 0}, before = 0;
+    bool good = true, stands = true;
+    for (int k = 0; good && k < t->steps; k++) {
+        double sum[2] = {0, 0}, most = 0;
+        good =
+            drape_step(world, NULL) == DRAPE_OK && watch(world, t, sum, &most);
+        double q = fabs(sum[0] / sum[1]) / t->friction;
+        stands = stands && way_of(world, s, x) < 0.05;
+        if (stands && k >= SETTLED) {
+            out->whole = fmax(out->whole, q);
+            out->most = fmax(out->most, most);
+        }
+        if (k >= SETTLED && isnan(out->share) && q >= edge)
+            out->share = first + (t->share - first) / PRESSES *
+                                     (k + (edge - before) / (q - before));
+        before = q;
+        for (int i = 0; i < 2 && k >= t->steps - LAST; i++)
+            end[i] += sum[i];
+    }
+    out->quotient = fabs(end[0] / end[1]);
+    out->way = way_of(world, s, x);
+    free(x);
+    return good;
+}
+
 static struct found pressed_sheet(const struct validate *v,
                                   const struct press *t, int cells)
 {
-    enum { STEPS = 600, LAST = 60 };
     struct sheet s;
-    struct found out = {NAN, NAN, 0};
+    const struct found none = {NAN, NAN, NAN, NAN, NAN};
+    struct found out = {NAN, NAN, 0, 0, NAN};
     double way[2][3] = {{0, 0, 0}, {0, (first - t->share) * length, 0}};
-    const double time[2] = {0, 2}, dt = 1.0 / 240;
+    const double time[2] = {0, 2}, dt = time[1] / PRESSES;
     drape_motion motion = {
         .keys = 2, .time = time, .position = (const double(*)[3])way};
     strip(v, &s, cells, &motion);
@@ -211,60 +267,94 @@ static struct found pressed_sheet(const struct validate *v,
     s.def.obstacles = &floor;
     s.def.n_obstacles = 1;
     drape_world *world = sheet_world(&s, dt);
-    bool good = world;
-    double sum[2] = {0, 0}, early[2] = {0, 0};
-    for (int k = 0; good && k < STEPS; k++)
-        good = drape_step(world, NULL) == DRAPE_OK &&
-               watch(world, t, k < STEPS - LAST ? early : sum, &out.most);
-    if (good) {
-        double(*x)[3] = take((size_t)s.n + 3, sizeof *x);
-        drape_read(world, x, NULL);
-        out.quotient = fabs(sum[0] / sum[1]);
-        out.way = fabs(x[s.n - 1][2] - s.x[s.n - 1][2]) / length;
-        free(x);
-    }
+    bool good = world && press(world, t, &s, &out);
     drape_destroy(world);
     sheet_free(&s);
-    return out;
+    return good ? out : none;
+}
+
+/* A tip that stands. */
+static void stand(struct validate *v, double share)
+{
+    static const int cells[SIZES] = {12, 25, 50, 100};
+    const struct press t = {share, 1, STANDS};
+    struct property p[2] = {
+        {.unit = "1", .theory = quotient_of(share), .bar = 0.03, .share = true},
+        {.unit = "of L", .bar = 0.005}};
+    static const char *const what[] = {"friction over normal force",
+                                       "way of the tip"};
+    char name[2][160];
+    for (int c = 0; c < (v->quick ? 2 : SIZES); c++) {
+        struct found got = pressed_sheet(v, &t, cells[c]);
+        property_add(&p[0], length / cells[c], got.quotient);
+        property_add(&p[1], length / cells[c], got.way);
+    }
+    for (int q = 0; q < 2; q++) {
+        snprintf(name[q], sizeof name[q],
+                 "friction 1 stands; pressed by %g L; %s", share, what[q]);
+        p[q].part = "stickslip";
+        p[q].name = name[q];
+        p[q].promised = true;
+        property_end(v, &p[q]);
+    }
+}
+
+/* A tip that slides away when friction does not suffice. */
+static void slide(struct validate *v, double share, double friction)
+{
+    static const int cells[SIZES] = {12, 25, 50, 100};
+    const struct press t = {share, friction, RESTS};
+    double way[2];
+    rests(share, friction, way);
+    struct property p[] = {
+        {.name = "share of L at which friction is 0.98 of the coefficient",
+         .unit = "1",
+         .theory = share_of(edge * friction),
+         .bar = 0.05,
+         .share = true,
+         .promised = true},
+        {.name = "greatest friction over normal force; over the coefficient",
+         .unit = "1",
+         .theory = 1,
+         .bar = 0.03},
+        {.name = "the same of a contact",
+         .unit = "1",
+         .theory = 1,
+         .bar = 1e-3},
+        {.name = "friction over normal force at rest; within the coefficient",
+         .unit = "1",
+         .bar = friction,
+         .promised = true},
+        {.name = "way of the tip at rest",
+         .unit = "of L",
+         .theory = (way[0] + way[1]) / 2,
+         .bar = (way[1] - way[0]) / 2 + 0.002,
+         .promised = true}};
+    enum { KINDS = sizeof p / sizeof *p };
+    for (int c = 0; c < SIZES; c++) {
+        struct found f = pressed_sheet(v, &t, cells[c]);
+        const double got[] = {f.share, f.whole, f.most, f.quotient, f.way};
+        for (int q = 0; q < KINDS; q++)
+            property_add(&p[q], length / cells[c], got[q]);
+    }
+    for (int q = 0; q < KINDS; q++) {
+        char name[160];
+        snprintf(name, sizeof name, "friction %g; pressed by %g L; %s",
+                 friction, share, p[q].name);
+        p[q].part = "stickslip";
+        p[q].name = name;
+        property_end(v, &p[q]);
+    }
 }
 
 void part_stickslip(struct validate *v)
 {
-    static const int cells[SIZES] = {12, 25, 50, 100};
-    static const struct press kinds[] = {{0.1, 1}, {0.3, 1}, {0.3, 0.2}};
-    static const char *const what[] = {
-        "friction over normal force", "way of the tip",
-        "largest quotient of a contact in a step; over its coefficient"};
     if (v->bits == 32)
         return;
-    for (int k = 0; k < (v->quick ? 1 : 3); k++) {
-        const struct press *t = &kinds[k];
-        struct pressed due = pressed(t->share, t->friction);
-        struct property p[3];
-        char name[3][160];
-        bool slides = due.way > 1e-6;
-        const double theory[3] = {due.quotient, due.way, 1};
-        for (int q = 0; q < 3; q++) {
-            snprintf(name[q], sizeof name[q], "%s; pressed by %g L; %s",
-                     slides ? "friction 0.2 slides" : "friction 1 stands",
-                     t->share, what[q]);
-            p[q] = (struct property){.part = "stickslip",
-                                     .name = name[q],
-                                     .unit = q == 1 ? "of L" : "1",
-                                     .theory = theory[q],
-                                     .bar = q == 0   ? 0.03
-                                            : q == 1 ? 0.005
-                                                     : 1e-3,
-                                     .share = q == 0,
-                                     .promised = !slides};
-        }
-        for (int c = 0; c < (v->quick ? 2 : SIZES); c++) {
-            struct found got = pressed_sheet(v, t, cells[c]);
-            property_add(&p[0], length / cells[c], got.quotient);
-            property_add(&p[1], length / cells[c], got.way);
-            property_add(&p[2], length / cells[c], got.most);
-        }
-        for (int q = 0; q < (slides ? 3 : 2); q++)
-            property_end(v, &p[q]);
-    }
+    stand(v, 0.1);
+    if (v->quick)
+        return;
+    stand(v, 0.3);
+    slide(v, 0.3, 0.2);
+    slide(v, 0.3, 0.3);
 }
