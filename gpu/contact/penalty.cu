@@ -169,8 +169,8 @@ static __device__ real along_of(const struct penalty *s,
         yield += c->c[j] * c->c[j] * s->w[c->v[j]];
     real excess = max_of(excess_of(c, s->guess), R(0.0));
     real load = gave + excess / (yield * (s->tau / s->dt));
-    real least = max_of(load * s->tau / s->give, LEAST / yield);
-    return min_of(least, most_of(s));
+    real wanted = load * s->tau / s->give;
+    return min_of(max_of(wanted, LEAST / yield), most_of(s));
 }
 
 /* §1.5: the push of held contact c at velocities u, N·s. */
@@ -255,6 +255,16 @@ static __device__ bool sticks(const struct penalty *s, const struct contact *c,
     return speed <= stop;
 }
 
+/* §2.3: f of contact c, which sticks and whose friction is at most `limit`. */
+static __device__ real damper_of(const struct penalty *s,
+                                 const struct contact *c, real limit)
+{
+    real f = limit / s->slip;
+    if (s->first || !(c->slide > 0))
+        return f;
+    return min_of(c->slide, f);
+}
+
 /* §1, §2. Thread k owns contact k: reads guess, parts and u of its vertices and
  * gave[k], writes its slide, impulse and tangent. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
@@ -270,9 +280,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (c->held)
         limit = c->friction * expected_impulse(&s, c, gave, yield);
     bool stick = sticks(&s, c, slip, limit, yield * limit * (s.tau / s.dt));
-    real slow = stick ? s.slip : max_of(length(slip), s.slip);
-    c->slide = stick ? limit / s.slip : R(0.0);
-    c->tangent = scale(-(limit / slow), slip);
+    real f =
+        stick ? damper_of(&s, c, limit) : limit / max_of(length(slip), s.slip);
+    c->slide = stick ? f : R(0.0);
+    c->tangent = scale(-f, slip);
     c->impulse = c->held ? push_of(&s, c, gave, s.u) : R(0.0);
 }
 

@@ -52,7 +52,7 @@ int gpu_turn_make(struct gpu_world *w)
     p->wall = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
     p->guess = (vec *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(vec));
     c->press = p->guess; /* of the last contacts: no solve is after */
-    for (int k = 0; k < COUPLE_TURNS; k++)
+    for (int k = 0; k < COUPLE_ENDS; k++)
         c->found[k] =
             (vec *)gpu_take(g, ARENA_RESPONSE, w->world.nc, sizeof(vec));
     make_joint(w, &c->joint);

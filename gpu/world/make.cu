@@ -37,7 +37,7 @@ static void give_state(struct gpu_world *d)
         GPU_TAKE_COPY(d->gpu, w->press, ARENA_STATE, h->press, h->nc);
     if (h->plan.turns)
         GPU_TAKE_COPY(d->gpu, w->solved, ARENA_STATE, h->solved,
-                      COUPLE_TURNS * h->nc);
+                      COUPLE_ENDS * h->nc);
     if (h->plan.history && h->plan.collides) {
         GPU_TAKE_COPY(d->gpu, w->free_x, ARENA_STATE, NULL, h->nc);
         GPU_TAKE_COPY(d->gpu, w->free_v, ARENA_STATE, NULL, h->nc);

@@ -48,7 +48,7 @@ static struct world staged(const struct world *w)
 
 static size_t solved_bytes(const struct world *w)
 {
-    return w->solved ? COUPLE_TURNS * (size_t)w->nc * sizeof *w->solved : 0;
+    return w->solved ? COUPLE_ENDS * (size_t)w->nc * sizeof *w->solved : 0;
 }
 
 static int fetch(const struct world *w)

@@ -8,7 +8,7 @@
 #include "ref/contact/warm.h"
 #include "ref/world/state.h"
 
-static const real ROUGH = R(0.1);     /* tolerance of what the next solve takes
+static const real ROUGH = R(0.3);     /* tolerance of what the next solve takes
                                          up again */
 static const real FINE = R(1.0) / 32; /* of the tolerance, after a motion that
                                          was not solved roughly */
@@ -17,7 +17,7 @@ static const real GIVE = R(0.03);     /* of the reach, penalty.md §1.4 */
 static const real LIGHT = R(50.0);    /* particles; what a contact weighs that
                                          bears its own at rest */
 static const real EASE = R(10.0); /* the largest e, §4.3, and the tolerances
-                                     that |r| of the first turn meets */
+                                     that |r| of all turns but the last meets */
 
 bool couple_prepare(const struct world *w, struct pcg *p)
 {
@@ -105,8 +105,9 @@ static real ease_of(const struct world *w)
 }
 
 /* How well a joint solve is done. MOTION: roughly, in both norms of pcg.md
- * §4.1. FIRST: roughly in the energy norm, less so in the other, as the next
- * turn takes its friction from what contacts press. LAST: to the tolerance. */
+ * §4.1. FIRST, of all turns but the last: roughly in the energy norm, less so
+ * in the other, as the next turn takes its friction from what contacts press.
+ * LAST: to the tolerance. */
 enum care { MOTION, FIRST, LAST };
 
 /* Solves (A + wall + C) dv = b. last: as in struct joint. */
@@ -119,9 +120,9 @@ static int run_joint(struct world *w, enum care care, const vec *last)
     s->wall = c->penalty.wall;
     s->b = c->b;
     s->last = last;
-    s->weigh = care == FIRST;
     s->links = links_of(&c->penalty, s->links.push);
     real asked = (real)w->def.tolerance * (w->plan.history ? FINE : 1);
+    s->weigh = care == FIRST;
     s->tolerance = care == LAST ? asked : real_max(asked, ROUGH);
     s->exact = care == FIRST ? asked * EASE : s->tolerance;
     s->max_iterations = w->def.max_iterations;
@@ -182,14 +183,17 @@ int couple_move(struct world *w, drape_step_report *r)
     return status;
 }
 
-/* §4.5: keeps the solution of turn k, unless the solve failed. */
-static void keep(struct world *w, int k)
+/* §4.5: keeps the solution of the first or the last turn, end 0 or 1, unless
+ * the solve failed. */
+static void keep(struct world *w, int end)
 {
     struct couple *c = &w->couple;
     const struct joint *s = &c->joint;
-    c->kept[k] = s->outcome != PCG_BREAKDOWN && s->residual - s->residual == 0;
-    if (c->kept[k])
-        w->run->copy(w->on, c->found[k], s->dv, (size_t)w->nc * sizeof *s->dv);
+    bool good = s->outcome != PCG_BREAKDOWN && s->residual - s->residual == 0;
+    c->kept[end] = good;
+    if (good)
+        w->run->copy(w->on, c->found[end], s->dv,
+                     (size_t)w->nc * sizeof *s->dv);
 }
 
 /* §4.3: raises what the tolerance is relative to, two squares, as if what
@@ -201,21 +205,21 @@ static void count_pushes(struct joint *s, real times)
 }
 
 /* Solves (A + wall + C) dv = force - g and moves what moves. After a breakdown
- * the exact rounds go on without. turn: which of the first turns this is, or
- * COUPLE_TURNS: a later one. */
-static int solve_joint(struct world *w, enum care care, int turn)
+ * the exact rounds go on without. end: 0 or 1 for the first or the last turn of
+ * a slice's first contacts, or COUPLE_ENDS. */
+static int solve_joint(struct world *w, enum care care, int end)
 {
     struct couple *c = &w->couple;
     struct joint *s = &c->joint;
     struct turn moves = turn_of(w);
-    bool first = turn < COUPLE_TURNS;
+    bool ends = end < COUPLE_ENDS;
     real e = care == FIRST ? ease_of(w) : 1;
     w->run->turn_load(w->on, &moves);
     count_pushes(s, 1 / e);
-    int status = run_joint(w, care, first ? w->solved + turn * w->nc : NULL);
+    int status = run_joint(w, care, ends ? w->solved + end * w->nc : NULL);
     count_pushes(s, e);
-    if (status == DRAPE_OK && first)
-        keep(w, turn);
+    if (status == DRAPE_OK && ends)
+        keep(w, end);
     c->iterations += s->iterations;
     c->solves++;
     if (s->outcome != PCG_CONVERGED)
@@ -265,6 +269,15 @@ static int keep_warm(struct world *w)
     return w->run->warm(w->on, &s);
 }
 
+/* Which of the first and the last turn the k-th of several is: 0, 1, or
+ * COUPLE_ENDS. */
+static int end_of(int k, int turns)
+{
+    if (turns == 1 || (k > 0 && k + 1 < turns))
+        return COUPLE_ENDS;
+    return k > 0;
+}
+
 int couple_solve(void *user, int64_t n, struct contact *contact)
 {
     struct world *w = user;
@@ -283,8 +296,8 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
         if (w->couple.rough && w->couple.solves == 0)
             add_residual(w);
         if (status == DRAPE_OK)
-            status = solve_joint(w, k + 1 < turns ? FIRST : LAST,
-                                 turns > 1 ? k : COUPLE_TURNS);
+            status =
+                solve_joint(w, k + 1 < turns ? FIRST : LAST, end_of(k, turns));
         if (status == DRAPE_OK)
             status = w->run->penalty_status(w->on);
     }

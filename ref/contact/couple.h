@@ -20,27 +20,31 @@ struct world;
 /* penalty.md §1: a contact's stiffness by the largest stretch of a cloth. */
 #define COUPLE_SOFT R(0.1)
 
-/* Turns that the first contacts of a slice take; later ones take 1. */
-enum { COUPLE_TURNS = 2 };
+/* Turns that the first contacts of a slice take; later ones take 1.
+ * penalty.md §4.3 */
+enum { COUPLE_TURNS = 3 };
+/* Of these the first and the last one begin along what they solved before,
+ * penalty.md §4.5. */
+enum { COUPLE_ENDS = 2 };
 
 struct couple {
-    struct penalty penalty;   /* nv, w, stiffness, dt, tau, slip, streams */
-    vec *g;                   /* [nc] A times the change so far */
-    vec *press;               /* [nv] N, warm.md; penalty's guess */
-    vec *b;                   /* [nc] force - g */
-    vec *found[COUPLE_TURNS]; /* [nc] m/s, what the first turns of this slice
-                                 solved */
-    bool kept[COUPLE_TURNS];  /* whether found has it */
-    struct joint joint;       /* of its members only streams, scale and square
-                                 last from one turn to the next */
-    int64_t cap;              /* contacts that the scratch is for */
-    bool rough;               /* the motion before contact was solved so, with
-                                 the press of the slice before */
-    bool moved;               /* one solve moved all cloths: couple_move */
-    int iterations, solves;   /* out: of joint, this step */
-    int outcome;              /* out: enum drape_outcome, this step */
-    double residual;          /* out: of the last solves */
-    double seconds;           /* out: this step */
+    struct penalty penalty;  /* nv, w, stiffness, dt, tau, slip, streams */
+    vec *g;                  /* [nc] A times the change so far */
+    vec *press;              /* [nv] N, warm.md; penalty's guess */
+    vec *b;                  /* [nc] force - g */
+    vec *found[COUPLE_ENDS]; /* [nc] m/s, what these turns of this slice solved
+                              */
+    bool kept[COUPLE_ENDS];  /* whether found has it */
+    struct joint joint;      /* of its members only streams, scale and square
+                                last from one turn to the next */
+    int64_t cap;             /* contacts that the scratch is for */
+    bool rough;              /* the motion before contact was solved so, with
+                                the press of the slice before */
+    bool moved;              /* one solve moved all cloths: couple_move */
+    int iterations, solves;  /* out: of joint, this step */
+    int outcome;             /* out: enum drape_outcome, this step */
+    double residual;         /* out: of the last solves */
+    double seconds;          /* out: this step */
 };
 
 /* How well the motion of a cloth without contact must be solved: whether

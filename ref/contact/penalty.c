@@ -165,8 +165,8 @@ static real along_of(const struct penalty *s, int64_t k)
         yield += c->c[j] * c->c[j] * s->w[c->v[j]];
     real excess = real_max(excess_of(c, s->guess), 0);
     real load = s->gave[k] + excess / (yield * (s->tau / s->dt));
-    real least = real_max(load * s->tau / s->give, LEAST / yield);
-    return real_min(least, most_of(s));
+    real wanted = load * s->tau / s->give;
+    return real_min(real_max(wanted, LEAST / yield), most_of(s));
 }
 
 /* §1.5: the push of held contact k at velocities u, N·s. */
@@ -206,6 +206,14 @@ static bool sticks(const struct penalty *s, const struct contact *c, vec slip,
     return speed <= stop;
 }
 
+/* §2.3: f of contact c, which sticks and whose friction is at most `most`. */
+static real damper_of(const struct penalty *s, const struct contact *c,
+                      real most)
+{
+    real f = most / s->slip;
+    return c->slide > 0 && !s->first ? real_min(c->slide, f) : f;
+}
+
 /* §1, §2: the impulses of contact k. */
 static void push(struct penalty *s, int64_t k)
 {
@@ -216,9 +224,10 @@ static void push(struct penalty *s, int64_t k)
     if (c->held)
         most = c->friction * expected_impulse(s, k, yield);
     bool stick = sticks(s, c, slip, most, yield * most * (s->tau / s->dt));
-    real slow = stick ? s->slip : real_max(vec_length(slip), s->slip);
-    c->slide = stick ? most / s->slip : 0;
-    c->tangent = vec_scale(-(most / slow), slip);
+    real f = stick ? damper_of(s, c, most)
+                   : most / real_max(vec_length(slip), s->slip);
+    c->slide = stick ? f : 0;
+    c->tangent = vec_scale(-f, slip);
     c->impulse = c->held ? push_of(s, k, s->u) : 0;
 }
 

@@ -40,7 +40,7 @@ int turn_make(struct world *w)
     c->g = take(w, w->nc, sizeof *c->g);
     p->g = c->g;
     c->b = take(w, w->nc, sizeof *c->b);
-    for (int k = 0; k < COUPLE_TURNS; k++)
+    for (int k = 0; k < COUPLE_ENDS; k++)
         c->found[k] = take(w, w->nc, sizeof *c->found[k]);
     make_joint(w, &c->joint);
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;

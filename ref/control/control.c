@@ -121,7 +121,7 @@ static void restart(struct world *w)
         w->run->clear(w->on, w->press, (size_t)w->nc * sizeof *w->press);
     if (w->solved)
         w->run->clear(w->on, w->solved,
-                      COUPLE_TURNS * (size_t)w->nc * sizeof *w->solved);
+                      COUPLE_ENDS * (size_t)w->nc * sizeof *w->solved);
     memset(w->watch, 0, (size_t)w->def.n_cloths * sizeof *w->watch);
     w->caution = (struct caution){0};
     w->pressed = false;

@@ -152,7 +152,7 @@ static void hand_over(struct world *w, int k, const struct world *old, int from)
     }
     if (w->press && old->press)
         w->run->copy(w->on, w->press + to, old->press + at, bytes);
-    for (int t = 0; t < COUPLE_TURNS && w->solved && old->solved; t++)
+    for (int t = 0; t < COUPLE_ENDS && w->solved && old->solved; t++)
         w->run->copy(w->on, w->solved + t * w->nc + to,
                      old->solved + t * old->nc + at, bytes);
 }

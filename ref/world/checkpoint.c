@@ -135,7 +135,7 @@ static void streams(const struct world *w, void *stream[STREAMS],
     size_t n = (size_t)w->nv * sizeof(vec);
     size_t past = w->past_x ? (size_t)w->nc * sizeof(vec) : 0;
     size_t press = w->press ? (size_t)w->nc * sizeof(vec) : 0;
-    size_t solved = w->solved ? COUPLE_TURNS * (size_t)w->nc * sizeof(vec) : 0;
+    size_t solved = w->solved ? COUPLE_ENDS * (size_t)w->nc * sizeof(vec) : 0;
     size_t watch = (size_t)w->def.n_cloths * sizeof *w->watch;
     void *s[STREAMS] = {w->x0,     w->v0,    w->watch, w->past_x,
                         w->past_v, w->press, w->solved};

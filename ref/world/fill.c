@@ -276,7 +276,7 @@ static int take_streams(struct world *w)
         w->press = take(w, ARENA_STATE, w->nc, sizeof *w->press);
     if (p->turns)
         w->solved =
-            take(w, ARENA_STATE, COUPLE_TURNS * w->nc, sizeof *w->solved);
+            take(w, ARENA_STATE, COUPLE_ENDS * w->nc, sizeof *w->solved);
     if (p->history && p->collides) {
         w->free_x = take(w, ARENA_STATE, w->nc, sizeof *w->free_x);
         w->free_v = take(w, ARENA_STATE, w->nc, sizeof *w->free_v);

@@ -23,7 +23,7 @@ static int take_start(struct world *w)
     if (w->press)
         s->press = take(w, s->press, w->nc);
     if (w->solved)
-        s->solved = take(w, s->solved, COUPLE_TURNS * w->nc);
+        s->solved = take(w, s->solved, COUPLE_ENDS * w->nc);
     if (!s->watch)
         s->watch = arena_take(w->arena, ARENA_STATE, w->def.n_cloths,
                               sizeof *s->watch);
@@ -45,7 +45,7 @@ static void copy(const struct world *w, struct start *to,
     if (w->press)
         w->run->copy(w->on, to->press, from->press, cloths);
     if (w->solved)
-        w->run->copy(w->on, to->solved, from->solved, COUPLE_TURNS * cloths);
+        w->run->copy(w->on, to->solved, from->solved, COUPLE_ENDS * cloths);
     memcpy(to->watch, from->watch, (size_t)w->def.n_cloths * sizeof *to->watch);
 }
 

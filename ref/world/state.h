@@ -49,7 +49,7 @@ struct start {
     vec *x, *v;           /* [nv] */
     vec *past_x, *past_v; /* [nc] or NULL */
     vec *press;           /* [nc] or NULL */
-    vec *solved;          /* [COUPLE_TURNS·nc] or NULL */
+    vec *solved;          /* [COUPLE_ENDS·nc] or NULL */
     double (*watch)[2];   /* [n_cloths]; NULL: no start was kept yet */
     int past, resting;
     bool pressed, asleep;
@@ -95,7 +95,7 @@ struct world {
     vec *free_x, *free_v;    /* [nc] m, m/s at its end without contact */
     vec *past_x, *past_v;    /* [nc] the slice before, for BDF2, or NULL */
     vec *press;              /* [nc] N, contact forces of the slice before */
-    vec *solved;             /* [COUPLE_TURNS·nc] m/s, the solutions of the
+    vec *solved;             /* [COUPLE_ENDS·nc] m/s, the solutions of the
                                 slice before; NULL: no contact is solved */
     vec *to;                 /* [nc] m, where pins end; NULL: not needed */
     double (*watch)[2];      /* [n_cloths] J, dynamics' reference, surplus */

@@ -249,7 +249,7 @@ static void keep_press(struct world *w, bool held)
 static void keep_solved(struct world *w)
 {
     const struct couple *c = &w->couple;
-    for (int k = 0; k < COUPLE_TURNS && w->solved; k++)
+    for (int k = 0; k < COUPLE_ENDS && w->solved; k++)
         if (c->kept[k])
             w->run->copy(w->on, w->solved + k * w->nc, c->found[k],
                          (size_t)w->nc * sizeof *w->solved);

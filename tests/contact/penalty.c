@@ -209,17 +209,19 @@ static double expected_friction(const struct penalty *s, int64_t k,
     return (double)c->friction * fmax(gave + (push - gave) * share, 0);
 }
 
-/* §2.2, §2.3: a contact that sticks has the damper of μ N, one that slides has
- * the impulse μ N, or less where it slips slower than `slip`. */
+/* §2.2, §2.3: a contact that sticks has the damper of μ N, or a lighter one
+ * that it had before; one that slides has the impulse μ N, or less where it
+ * slips slower than `slip`. */
 static const char *check_friction(const struct penalty *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
     double bound, most = expected_friction(s, k, &bound);
     double slip = (double)vec_length(slip_of(c, s->u)), low = (double)s->slip;
     double rub = (double)vec_length(c->tangent);
-    if (c->slide > 0)
-        EXPECT(fabs((double)c->slide * low - most) <= bound);
-    else
+    if (c->slide > 0) {
+        EXPECT((double)c->slide * low <= most + bound);
+        EXPECT(!s->first || (double)c->slide * low >= most - bound);
+    } else
         EXPECT(fabs(rub * fmax(slip, low) - most * slip) <=
                bound * (slip + low));
     return NULL;
@@ -429,7 +431,7 @@ static int turn(struct lone *s)
 const char *test_penalty_cone(void)
 {
     double unit = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
-    int slips = 0, sticks = 0;
+    int slips = 0, sticks = 0, kept = 0;
     for (int k = 0; k < 2000; k++) {
         struct bytes b = {.seed = (uint64_t)k, .size = -1};
         struct lone s;
@@ -451,7 +453,15 @@ const char *test_penalty_cone(void)
             slips += most > 0;
         } else
             sticks += most > 0;
+        double was = (double)s.c.slide, bound;
         EXPECT(turn(&s) == DRAPE_OK);
+        /* §2.3: a contact that goes on sticking gets no heavier damper */
+        double due = expected_friction(&s.p, 0, &bound) / (double)s.p.slip;
+        if (was > 0 && s.c.slide > 0) {
+            EXPECT(fabs((double)s.c.slide - fmin(was, due)) <=
+                   bound / (double)s.p.slip);
+            kept += due > 1.001 * was;
+        }
         /* what the spring was short it pushes in addition */
         double part = (double)(s.c.along / s.p.stiffness) / tau2;
         double w = (double)s.w[0], more = (1 - part) * normal * w;
@@ -462,7 +472,7 @@ const char *test_penalty_cone(void)
         choices_free(&b);
         ran(1);
     }
-    EXPECT(slips > 100 && sticks > 100);
+    EXPECT(slips > 100 && sticks > 100 && kept > 100);
     return NULL;
 }
 

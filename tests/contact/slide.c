@@ -130,8 +130,9 @@ static double due_of(const struct row *r)
     return r->integrator == DRAPE_BW ? way * (1 + 1.0 / r->hz) : way;
 }
 
-/* The way is Coulomb's to 0.2 %, friction to 0.1 % in the mean, and to 0.3 % in
- * the worst step. */
+/* The way is Coulomb's to 0.2 %, friction to 0.1 % in the mean. In the worst
+ * step it is on the cone to 4e-4 of the normal force: what a solve leaves is a
+ * part of what contacts push (penalty.md §4.3), not of friction. */
 const char *test_slide_way(void)
 {
     static const struct row row[] = {
@@ -153,7 +154,7 @@ const char *test_slide_way(void)
         EXPECT(run(r, &ride) == DRAPE_OK);
         EXPECT(fabs(ride.way - due) <= 0.002 * due);
         EXPECT(fabs(ride.ratio - r->friction) <= 0.001 * r->friction);
-        EXPECT(ride.worst <= 1.003 * r->friction);
+        EXPECT(ride.worst <= r->friction + 4e-4);
         ran(1);
     }
     return NULL;
@@ -188,7 +189,7 @@ const char *test_slide_fine(void)
  * stiffness κ, a tenth of stretch, asks for a tenth of its overlap o in dt
  * (proximity.md §4) and pushes κ tau o/10 then, which bears m g dt where o =
  * 10 m g dt / (κ tau): m of a particle, as several contacts are less short.
- * What two turns leave adds a twentieth. */
+ * What the turns leave adds a twentieth. */
 static double height_due(const struct row *r)
 {
     drape_cloth c;
