@@ -32,8 +32,7 @@ struct couple {
     vec *g;                  /* [nc] A times the change so far */
     vec *press;              /* [nv] N, warm.md; penalty's guess */
     vec *b;                  /* [nc] force - g */
-    vec *found[COUPLE_ENDS]; /* [nc] m/s, what these turns of this slice solved
-                              */
+    vec *found[COUPLE_ENDS]; /* [nc] m/s, what these turns solved */
     bool kept[COUPLE_ENDS];  /* whether found has it */
     struct joint joint;      /* of its members only streams, scale and square
                                 last from one turn to the next */
