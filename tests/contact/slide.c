@@ -131,8 +131,9 @@ static double due_of(const struct row *r)
 }
 
 /* The way is Coulomb's to 0.2 %, friction to 0.1 % in the mean. In the worst
- * step it is on the cone to 4e-4 of the normal force: what a solve leaves is a
- * part of what contacts push (penalty.md §4.3), not of friction. */
+ * step it is on the cone to 4e-4 of the normal force: the tolerance allows a
+ * solve to leave 1e-3 of what contacts push (penalty.md §4.3), however small
+ * friction is, and no row reaches half of it. */
 const char *test_slide_way(void)
 {
     static const struct row row[] = {
