@@ -86,6 +86,13 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     s.parts[i] = 0;
 }
 
+/* §1.6: whether contact c was held by a turn before and stays so. */
+static __device__ bool is_settled(const struct penalty *s,
+                                  const struct contact *c)
+{
+    return s->settled && c->along > 0;
+}
+
 /* §1. Thread k owns contact k: reads guess, u, g and hold of its vertices,
  * writes share[k], gave[k] and whether it is held. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
@@ -102,8 +109,10 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
             share += magnitude(c->c[j]) * side_of(&s, c, j);
             moving += c->c[j] != 0;
         }
-    real before = s.first ? R(0.0) : given_impulse(&s, c, share);
     s.share[k] = share;
+    if (is_settled(&s, c))
+        return;
+    real before = s.first ? R(0.0) : given_impulse(&s, c, share);
     s.gave[k] = before;
     bool kept = before > 0 && spring_impulse(&s, c, s.u) > -PULL * before;
     bool held = excess_of(c, s.guess) > 0 || excess_of(c, s.u) > 0 || kept;
@@ -274,6 +283,11 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
     if (words[INCIDENCE_BAD])
         return;
     struct contact *c = &s.contact[k];
+    if (is_settled(&s, c)) {
+        c->impulse = 0;
+        c->tangent = make(0, 0, 0);
+        return;
+    }
     vec slip = across(c, s.u);
     real gave = s.gave[k], yield = yield_of(&s, c), limit = 0;
     c->along = c->held ? along_of(&s, c, gave) : R(0.0);

@@ -121,12 +121,13 @@ void gpu_turn_carry(struct gpu *g, int64_t n, const vec *r, vec *to)
     LAUNCH(g, n, turn_carry_kernel, n, r, to);
 }
 
-/* Thread i owns particle i: b = force - g, 0 where fixed. */
+/* Thread i owns particle i: b = force - g, or force + left; 0 where fixed. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     turn_load_kernel(struct turn s)
 {
     ITEM(i, s.count);
-    s.b[i] = s.w[i] > 0 ? sub(s.force[i], s.g[i]) : make(0, 0, 0);
+    vec b = s.left ? add(s.force[i], s.left[i]) : sub(s.force[i], s.g[i]);
+    s.b[i] = s.w[i] > 0 ? b : make(0, 0, 0);
 }
 
 void gpu_turn_load(struct gpu *g, const struct turn *s)

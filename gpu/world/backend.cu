@@ -85,6 +85,7 @@ static void trace(void *on, struct trace *t, const char *stage, const void *out,
     {                                                                          \
         return gpu_##name(gpu_of(on), s);                                      \
     }
+STAGE(dot)
 STAGE(kinematics)
 STAGE(history)
 STAGE(travel)
@@ -249,6 +250,7 @@ extern const struct backend backend_gpu = {.take = take,
                                            .wait = wait,
                                            .status = status,
                                            .trace = trace,
+                                           .dot = dot,
                                            .kinematics = kinematics,
                                            .history = history,
                                            .travel = travel,

@@ -21,6 +21,7 @@ struct impacts;
 struct impulses;
 struct kinematics;
 struct narrow;
+struct dot;
 struct penalty;
 struct proximity;
 struct response;
@@ -67,6 +68,7 @@ struct backend {
     void (*trace)(void *on, struct trace *t, const char *stage, const void *out,
                   size_t bytes);
 
+    int (*dot)(void *on, struct dot *s);
     int (*kinematics)(void *on, struct kinematics *s);
     int (*history)(void *on, struct history *s);
     int (*travel)(void *on, struct travel *s);

@@ -4,6 +4,7 @@
 #include "ref/contact/couple.h"
 
 #include "ref/base/clock.h"
+#include "ref/base/sum.h"
 #include "ref/contact/turn.h"
 #include "ref/contact/warm.h"
 #include "ref/world/state.h"
@@ -61,6 +62,7 @@ static struct turn turn_of(const struct world *w)
                          .dv = c->joint.dv,
                          .q = c->joint.q,
                          .g = c->g,
+                         .left = c->penalty.settled ? c->joint.r : NULL,
                          .b = c->b,
                          .x0 = w->x0,
                          .u = w->response.u,
@@ -105,26 +107,46 @@ static real ease_of(const struct world *w)
 }
 
 /* How well a joint solve is done. MOTION: roughly, in both norms of pcg.md
- * §4.1. FIRST, of all turns but the last: roughly in the energy norm, less so
- * in the other, as the next turn takes its friction from what contacts press.
- * LAST: to the tolerance. */
-enum care { MOTION, FIRST, LAST };
+ * §4.1. FIRST and MIDDLE, of all turns but the last: roughly in the energy
+ * norm, less so in the other, as the next turn takes its friction from what
+ * contacts press. LAST, of several turns, and WHOLE: to the tolerance. */
+enum care { MOTION, FIRST, MIDDLE, LAST, WHOLE };
 
-/* Solves (A + wall + C) dv = b. last: as in struct joint. */
-static int run_joint(struct world *w, enum care care, const vec *last)
+/* §4.5: which of the kept solutions such a solve begins along; COUPLE_ENDS:
+ * none. */
+static int end_of(enum care care)
 {
+    return care == FIRST ? 0 : care == LAST ? 1 : COUPLE_ENDS;
+}
+
+static bool is_early(enum care care)
+{
+    return care == FIRST || care == MIDDLE;
+}
+
+/* The tolerance of a solve to the end. */
+static real fine_of(const struct world *w)
+{
+    return (real)w->def.tolerance * (w->plan.history ? FINE : 1);
+}
+
+/* Solves (A + wall + C) dv = b. */
+static int run_joint(struct world *w, enum care care)
+{
+    int end = end_of(care);
     struct couple *c = &w->couple;
     struct joint *s = &c->joint;
     s->nc = w->nc;
     s->hold = c->penalty.hold;
     s->wall = c->penalty.wall;
     s->b = c->b;
-    s->last = last;
+    s->last = end < COUPLE_ENDS ? w->solved + end * w->nc : NULL;
     s->links = links_of(&c->penalty, s->links.push);
-    real asked = (real)w->def.tolerance * (w->plan.history ? FINE : 1);
+    real asked = fine_of(w);
     s->weigh = care == FIRST;
-    s->tolerance = care == LAST ? asked : real_max(asked, ROUGH);
-    s->exact = care == FIRST ? asked * EASE : s->tolerance;
+    s->tolerance =
+        care == LAST || care == WHOLE ? asked : real_max(asked, ROUGH);
+    s->exact = is_early(care) ? asked * EASE : s->tolerance;
     s->max_iterations = w->def.max_iterations;
     s->mass = is_free(w) ? (real)w->mass : 0;
     int status = w->run->joint(w, s);
@@ -168,7 +190,7 @@ int couple_move(struct world *w, drape_step_report *r)
     int status = open_sheets(w);
     s->scale = s->square = 0;
     if (status == DRAPE_OK)
-        status = run_joint(w, c->rough ? MOTION : LAST, NULL);
+        status = run_joint(w, c->rough ? MOTION : WHOLE);
     c->moved = s->outcome != PCG_BREAKDOWN;
     if (c->moved && !c->rough)
         r->residual = fmax(r->residual, (double)s->residual);
@@ -204,28 +226,40 @@ static void count_pushes(struct joint *s, real times)
     s->square = real_min(REAL_BIG, s->square * (times * times));
 }
 
-/* Solves (A + wall + C) dv = force - g and moves what moves. After a breakdown
- * the exact rounds go on without. end: 0 or 1 for the first or the last turn of
- * a slice's first contacts, or COUPLE_ENDS. */
-static int solve_joint(struct world *w, enum care care, int end)
+/* §4.3: whether b is so small that a middle turn is the last. */
+static int test_calm(struct world *w, bool *calm)
+{
+    struct couple *c = &w->couple;
+    const struct joint *s = &c->joint;
+    struct dot d = {w->nc, c->b, c->b, s->n_chunks, s->chunk, 0};
+    int status = w->run->dot(w->on, &d);
+    real e = ease_of(w);
+    *calm = real_sqrt(d.value / (s->square / (e * e))) <= fine_of(w) * EASE;
+    return status;
+}
+
+/* Solves (A + wall + C) dv = b and moves what moves. After a breakdown the
+ * exact rounds go on without. */
+static int solve_joint(struct world *w, enum care care)
 {
     struct couple *c = &w->couple;
     struct joint *s = &c->joint;
     struct turn moves = turn_of(w);
-    bool ends = end < COUPLE_ENDS;
-    real e = care == FIRST ? ease_of(w) : 1;
-    w->run->turn_load(w->on, &moves);
+    int end = end_of(care);
+    real e = is_early(care) ? ease_of(w) : 1;
     count_pushes(s, 1 / e);
-    int status = run_joint(w, care, ends ? w->solved + end * w->nc : NULL);
+    int status = run_joint(w, care);
     count_pushes(s, e);
-    if (status == DRAPE_OK && ends)
+    if (status == DRAPE_OK && end < COUPLE_ENDS)
         keep(w, end);
     c->iterations += s->iterations;
     c->solves++;
     if (s->outcome != PCG_CONVERGED)
         c->outcome |= DRAPE_UNCONVERGED;
     c->residual = (double)s->residual;
-    if (status == DRAPE_OK && s->outcome != PCG_BREAKDOWN && s->iterations > 0)
+    if (s->outcome == PCG_BREAKDOWN) /* all is left undone */
+        w->run->copy(w->on, s->r, c->b, (size_t)w->nc * sizeof *s->r);
+    else if (status == DRAPE_OK && s->iterations > 0)
         w->run->turn_move(w->on, &moves);
     w->run->turn_end(w->on);
     return status == DRAPE_OK ? w->run->status(w->on) : status;
@@ -269,13 +303,38 @@ static int keep_warm(struct world *w)
     return w->run->warm(w->on, &s);
 }
 
-/* Which of the first and the last turn the k-th of several is: 0, 1, or
- * COUPLE_ENDS. */
-static int end_of(int k, int turns)
+/* What the k-th of so many turns is. */
+static enum care care_of(int k, int turns)
 {
-    if (turns == 1 || (k > 0 && k + 1 < turns))
-        return COUPLE_ENDS;
-    return k > 0;
+    if (turns == 1)
+        return WHOLE;
+    if (k + 1 == turns)
+        return LAST;
+    return k == 0 ? FIRST : MIDDLE;
+}
+
+/* The k-th of so many turns, which is the last if it leaves nothing to those
+ * after it. */
+static int take_turn(struct world *w, int k, int *turns)
+{
+    struct couple *c = &w->couple;
+    struct penalty *p = &c->penalty;
+    struct turn s = turn_of(w);
+    bool calm = false;
+    p->first = c->solves == 0;
+    int status = w->run->penalty(w->on, p);
+    w->run->trace(w->on, w->tracing, "penalty", p->force,
+                  (size_t)p->nv * sizeof *p->force);
+    if (p->first && (c->rough || w->plan.history))
+        add_residual(w);
+    w->run->turn_load(w->on, &s);
+    if (status == DRAPE_OK && care_of(k, *turns) == MIDDLE)
+        status = test_calm(w, &calm);
+    if (calm)
+        *turns = k + 1;
+    if (status == DRAPE_OK)
+        status = solve_joint(w, care_of(k, *turns));
+    return status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
 }
 
 int couple_solve(void *user, int64_t n, struct contact *contact)
@@ -287,20 +346,10 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
     p->n = n;
     p->n4 = 4 * n;
     p->contact = contact;
-    int turns = n > 0 && w->couple.solves == 0 ? COUPLE_TURNS : 1;
-    for (int k = 0; k < turns && status == DRAPE_OK; k++) {
-        p->first = w->couple.solves == 0;
-        status = w->run->penalty(w->on, p);
-        w->run->trace(w->on, w->tracing, "penalty", p->force,
-                      (size_t)p->nv * sizeof *p->force);
-        if (w->couple.rough && w->couple.solves == 0)
-            add_residual(w);
-        if (status == DRAPE_OK)
-            status =
-                solve_joint(w, k + 1 < turns ? FIRST : LAST, end_of(k, turns));
-        if (status == DRAPE_OK)
-            status = w->run->penalty_status(w->on);
-    }
+    p->settled = w->couple.solves > 0;
+    int turns = n > 0 && !p->settled ? COUPLE_TURNS : 1;
+    for (int k = 0; k < turns && status == DRAPE_OK; k++)
+        status = take_turn(w, k, &turns);
     if (status == DRAPE_OK && n > 0 && w->plan.warm) {
         status = keep_warm(w);
         w->run->trace(w->on, w->tracing, "warm", w->couple.press,

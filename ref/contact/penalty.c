@@ -97,6 +97,12 @@ static bool is_wall(const struct penalty *s, const struct contact *c)
     return moving == 1;
 }
 
+/* §1.6: whether contact c was held by a turn before and stays so. */
+static bool is_settled(const struct penalty *s, const struct contact *c)
+{
+    return s->settled && c->along > 0;
+}
+
 /* §1: selects the held contacts: those that approach at u or at the guess, and
  * those that gave an impulse in the turn before and do not pull much more. */
 static void select_held(struct penalty *s, int64_t k)
@@ -107,6 +113,8 @@ static void select_held(struct penalty *s, int64_t k)
         if (s->w[c->v[j]] > 0)
             share += real_abs(c->c[j]) * side_of(s, c, j);
     s->share[k] = share;
+    if (is_settled(s, c))
+        return;
     s->gave[k] = s->first ? 0 : given_impulse(s, k);
     bool kept =
         s->gave[k] > 0 && spring_impulse(s, c, s->u) > -PULL * s->gave[k];
@@ -218,6 +226,11 @@ static real damper_of(const struct penalty *s, const struct contact *c,
 static void push(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
+    if (is_settled(s, c)) {
+        c->impulse = 0;
+        c->tangent = vec_make(0, 0, 0);
+        return;
+    }
     vec slip = across(c, s->u);
     real yield = yield_of(s, c), most = 0;
     c->along = c->held ? along_of(s, k) : 0;

@@ -12,6 +12,7 @@ struct penalty {
     const vec *u;   /* [nv] m/s, mean velocity of the step */
     const vec *g;   /* [nv] N·s, contacts' impulse so far, of free vertices */
     int first;      /* 1: the first turn of a slice */
+    int settled;    /* 1: contacts that are held stay as they are, §1.6 */
     real stiffness; /* N/m, > 0, of the stiffest contact */
     real give;      /* m, > 0, by which a contact is short under its load */
     real dt, tau;   /* s, > 0: the slice, and the integrator's effective step */

@@ -84,9 +84,11 @@ void turn_carry(int64_t n, const vec *r, vec *g)
 void turn_load(const struct turn *s)
 {
     EACH_ITEM
-    for (int64_t i = 0; i < s->count; i++)
-        s->b[i] =
-            s->w[i] > 0 ? vec_sub(s->force[i], s->g[i]) : vec_make(0, 0, 0);
+    for (int64_t i = 0; i < s->count; i++) {
+        vec b = s->left ? vec_add(s->force[i], s->left[i])
+                        : vec_sub(s->force[i], s->g[i]);
+        s->b[i] = s->w[i] > 0 ? b : vec_make(0, 0, 0);
+    }
 }
 
 void turn_move(const struct turn *s)

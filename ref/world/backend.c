@@ -75,6 +75,7 @@ static void trace(void *on, struct trace *t, const char *stage, const void *out,
         (void)on;                                                              \
         return ref_##name(s);                                                  \
     }
+STAGE(dot)
 STAGE(kinematics)
 STAGE(history)
 STAGE(travel)
@@ -250,6 +251,7 @@ const struct backend backend_ref = {.take = take,
                                     .wait = wait,
                                     .status = status,
                                     .trace = trace,
+                                    .dot = dot,
                                     .kinematics = kinematics,
                                     .history = history,
                                     .travel = travel,
