@@ -96,7 +96,7 @@ static int make_response(struct world *w, const drape_def *def)
         c->stiffness = real_max(
             c->stiffness, COUPLE_SOFT * (real)def->cloths[k].material.stretch);
     c->margin = R(0.125);
-    c->iterations = 16;
+    c->iterations = 8;
     c->max_rounds = def->max_rounds;
     c->zone_rounds = 4;
     c->roll_rounds = 16;
