@@ -49,7 +49,6 @@ CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
 # it math.h alone takes as long to compile as a file of kernels. What C's
 # functions return is incomplete in files that do not call them: clang warns.
 EMU     = $(CXX) -x c++ -std=gnu++14 $(OPT:-O2=-O1) -Wall -Wextra $(WERROR) \
-          -ftrivial-auto-var-init=pattern \
           -Wno-return-type-c-linkage $(MODEL) -I. -Ispec -I$(BUILD) -MMD -MP -fPIC
 
 # FCL's headers want Eigen's.
