@@ -325,7 +325,7 @@ static int take_turn(struct world *w, int k, int *turns)
     int status = w->run->penalty(w->on, p);
     w->run->trace(w->on, w->tracing, "penalty", p->force,
                   (size_t)p->nv * sizeof *p->force);
-    if (p->first && (c->rough || w->plan.history))
+    if (p->first && (c->rough || (w->plan.history && is_free(w))))
         add_residual(w);
     w->run->turn_load(w->on, &s);
     if (status == DRAPE_OK && care_of(k, *turns) == MIDDLE)

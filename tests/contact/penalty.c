@@ -39,6 +39,26 @@ const struct field fields_links[] = {IN(links, contact, n, 1),
 /* Stage contacts' generator; all three stages take the same contacts. */
 void gen_contacts(struct bytes *b, struct contacts *s);
 
+/* The number of vertices that contact c moves. */
+static int moving(const struct penalty *s, const struct contact *c)
+{
+    int n = 0;
+    for (int j = 0; j < 4; j++)
+        n += s->w[c->v[j]] > 0 && c->c[j] != 0;
+    return n;
+}
+
+/* §1.6: along and slide of contacts that are settled, in the cases of
+ * gen_penalty; what the stage computes is no such number. */
+static const real SETTLED_ALONG = R(0.75), SETTLED_SLIDE = R(0.375);
+
+static void settle(const struct penalty *s, struct contact *c)
+{
+    c->held = moving(s, c) == 1 ? CONTACT_WALL : CONTACT_MUTUAL;
+    c->along = SETTLED_ALONG;
+    c->slide = SETTLED_SLIDE;
+}
+
 void gen_penalty(struct bytes *b, struct penalty *s)
 {
     struct contacts c = {0};
@@ -71,6 +91,10 @@ void gen_penalty(struct bytes *b, struct penalty *s)
         s->contact[k].along =
             s->contact[k].held ? pick_uniform(b, R(1e-4), 1) : 0;
     }
+    s->settled = !s->first && pick(b, 2);
+    for (int64_t k = 0; k < s->n && s->settled; k++)
+        if (k == 0 || s->contact[k].held)
+            settle(s, &s->contact[k]);
 }
 
 /* What y of vertex i is before links adds to it. */
@@ -173,15 +197,6 @@ static vec slip_of(const struct contact *c, const vec *u)
     return vec_axpy(v, -vec_dot(c->n, v), c->n);
 }
 
-/* The number of vertices that contact c moves. */
-static int moving(const struct penalty *s, const struct contact *c)
-{
-    int n = 0;
-    for (int j = 0; j < 4; j++)
-        n += s->w[c->v[j]] > 0 && c->c[j] != 0;
-    return n;
-}
-
 /* §2.1: μ N of held contact k in binary64, and a bound of the rounding in the
  * stage: its sums of four, and a few operations with what they give. */
 static double expected_friction(const struct penalty *s, int64_t k,
@@ -227,6 +242,19 @@ static const char *check_friction(const struct penalty *s, int64_t k)
     return NULL;
 }
 
+/* §1.6: whether contact k was held before and is settled. The first one is. */
+static bool is_settled(const struct penalty *s, int64_t k)
+{
+    return s->settled && (k == 0 || s->contact[k].along == SETTLED_ALONG);
+}
+
+static const char *check_settled(const struct contact *c)
+{
+    EXPECT(c->along == SETTLED_ALONG && c->slide == SETTLED_SLIDE);
+    EXPECT(c->impulse == 0 && vec_dot(c->tangent, c->tangent) == 0);
+    return NULL;
+}
+
 const char *prop_penalty(const struct penalty *s)
 {
     double total[3] = {0, 0, 0}, size = 0;
@@ -256,7 +284,9 @@ const char *prop_penalty(const struct penalty *s)
         double rub = (double)(c->slide > 0 ? c->slide * s->slip : length);
         double most = rub * (double)(s->tau / s->dt) * alone;
         EXPECT(!s->first || most <= stop * (1 + 64 * unit));
-        const char *wrong = c->held ? check_friction(s, k) : NULL;
+        const char *wrong = is_settled(s, k) ? check_settled(c)
+                            : c->held        ? check_friction(s, k)
+                                             : NULL;
         if (wrong)
             return wrong;
         size += (double)(real_abs(c->impulse) + length);

@@ -17,10 +17,12 @@ struct ledger {
     double first, most;    /* |r| after the first solve; the largest |b| */
     struct wide dv[COUNT]; /* Σ dv */
     struct wide
-        push[COUNT];    /* C dv of the last solve, C the contacts' matrix */
-    double way[COUNT];  /* Σ |dv| */
-    double size;        /* Σ |b| + |A + C| |dv| */
-    vec pressed[COUNT]; /* N·s, dt · press of the slice before */
+        push[COUNT];   /* C dv of the last solve, C the contacts' matrix */
+    double way[COUNT]; /* Σ |dv| */
+    double size;       /* Σ |b| + |A + C| |dv| */
+    struct wide done[COUNT];  /* force - C dv of turns before a settled one */
+    struct wide force[COUNT]; /* of the last turn */
+    vec pressed[COUNT];       /* N·s, dt · press of the slice before */
 };
 
 static double length(struct wide a)
@@ -53,6 +55,18 @@ static struct wide less(struct wide r, sym a, struct wide d)
     struct wide z = {(double)a.xz, (double)a.yz, (double)a.zz};
     return wide_make(r.x - wide_dot(x, d), r.y - wide_dot(y, d),
                      r.z - wide_dot(z, d));
+}
+
+/* penalty.md §1.6: contacts that stay as they are have done what the turn
+ * before found, and the force of the next turn is that of others. */
+static void find_force(struct ledger *a)
+{
+    const struct penalty *p = &a->w->couple.penalty;
+    for (int i = 0; i < COUNT; i++) {
+        struct wide done = wide_sub(a->force[i], a->push[i]);
+        a->done[i] = wide_axpy(a->done[i], p->settled, done);
+        a->force[i] = wide_of(p->force[i]);
+    }
 }
 
 /* penalty.md §3: sets push to C dv of the contacts as they are now. */
@@ -116,18 +130,18 @@ static void add_solve(void *user, int64_t step, const char *stage,
         begin(a);
         add(a, p->b, p->dv, a->w->def.newton <= 1, (double)p->residual);
     } else if (!strcmp(stage, "joint")) {
+        find_force(a);
         find_push(a);
         add(a, c->b, c->dv, true, (double)c->residual);
     }
 }
 
-/* |b - pressed + force - A Σ dv - C dv|, with force, C and dv of the last turn:
- * b, by Newton's method the imbalance that is left, includes `pressed`, which
- * `force` replaces. */
+/* |b - pressed + done + force - A Σ dv - C dv|, with force, C and dv of the
+ * last turn: b, by Newton's method the imbalance that is left, includes
+ * `pressed`, which `force` replaces. */
 static double left_over(struct ledger *a)
 {
     const struct sheet *s = &a->w->sheet[0];
-    const struct couple *c = &a->w->couple;
     const vec *b = s->dynamics.left ? s->dynamics.left : s->dynamics.b;
     struct wide r[COUNT];
     double square = 0;
@@ -135,7 +149,8 @@ static double left_over(struct ledger *a)
         double m = (double)s->cloth.mass[k];
         r[k] = wide_axpy(wide_of(b[k]), -m, a->dv[k]);
         r[k] = wide_axpy(r[k], -1, wide_of(a->pressed[k]));
-        r[k] = wide_axpy(r[k], 1, wide_of(c->penalty.force[k]));
+        r[k] = wide_axpy(r[k], 1, a->force[k]);
+        r[k] = wide_axpy(r[k], 1, a->done[k]);
         r[k] = wide_sub(r[k], a->push[k]);
         a->size += m * a->way[k] + length(wide_of(b[k]));
     }
