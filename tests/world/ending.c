@@ -88,11 +88,14 @@ const char *test_ending_trapped(void)
         int trapped[2];
         make_press(&p, method);
         const char *failed = follow(&p, DRAPE_REF, hash[0], &trapped[0]);
-        if (!failed)
-            failed = follow(&p, DRAPE_GPU, hash[1], &trapped[1]);
         if (failed)
             return failed;
         EXPECT(trapped[0] > 2 && trapped[0] < STEPS);
+        if (REAL_BITS == 64 && method != DRAPE_BW)
+            continue; /* the same source in binary32 decides */
+        failed = follow(&p, DRAPE_GPU, hash[1], &trapped[1]);
+        if (failed)
+            return failed;
         EXPECT(!memcmp(hash[0], hash[1], sizeof hash[0]));
     }
     return NULL;
