@@ -14,9 +14,9 @@ sh ci/part.sh "$build" build "$cores"
 # Python's part waits for browsers and clusters a third of its time, so it runs
 # beside the others. Of these the longest start first.
 sh ci/part.sh "$build" python &
-parts="tests asan gcc-O0 clang-O0 buddha demo gcc-O3 tidy clang-O2 clang-O3
-       tsan msan accuracy validate tool device fuzz prove golden-1 embed format
-       golden-3 rows maps root self tokens certificate"
+parts="tests asan gcc-O0 clang-O0 tsan msan tool clang-O2 clang-O3 gcc-O3 tidy demo
+       buddha fuzz device validate root self maps embed accuracy prove golden-1
+       golden-3 format rows tokens certificate"
 # shellcheck disable=SC2086
 printf '%s\n' $parts | xargs -P "$cores" -n 1 sh ci/part.sh "$build"
 wait

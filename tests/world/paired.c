@@ -172,7 +172,7 @@ static void pick_pair(struct pair *p, struct bytes *b)
 /* Random scenes, in which steps are cut. */
 const char *test_paired_random(void)
 {
-    enum { SEEDS = 7, STEPS = 18 };
+    enum { SEEDS = 7, STEPS = 12 };
     static struct pair p;
     static char text[200];
     int64_t cut = 0;
