@@ -18,7 +18,8 @@ flavours: check-parts ## gcc and clang, -O0 to -O3, three sanitizers
 RECORD = -frecord-gcc-switches
 # Kernels at -O0, too: there both precisions may emit symbols of one name, and a
 # mix-up shows. By clang, what nobody has set begins with a pattern and not with
-# what a call before left there (built so by gcc 12, with zeros as well, coarsen.cu fails its comparison).
+# what a call before left there. (Built so by gcc 12, with zeros as well,
+# coarsen.cu fails its comparison.)
 gcc-O0:   HOW = CC=gcc CXX=g++ OPT='-O0 $(RECORD)' EMU_IN=$(BUILD)/$@
 gcc-O3:   HOW = CC=gcc CXX=g++ OPT='-O3 -march=native $(RECORD)'
 clang-O0: HOW = CC=clang CXX=clang++ EMU_IN=$(BUILD)/$@ \
