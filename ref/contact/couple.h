@@ -20,8 +20,8 @@ struct world;
 /* penalty.md §1: a contact's stiffness by the largest stretch of a cloth. */
 #define COUPLE_SOFT R(0.1)
 
-/* Turns that the first contacts of a slice take; later ones take 1.
- * penalty.md §4.3 */
+/* Turns that the first contacts of a slice take, or one less where nothing is
+ * left to do; later contacts take 1. penalty.md §4.3 */
 enum { COUPLE_TURNS = 3 };
 /* Of these the first and the last one begin along what they solved before,
  * penalty.md §4.5. */
@@ -31,7 +31,7 @@ struct couple {
     struct penalty penalty;  /* nv, w, stiffness, dt, tau, slip, streams */
     vec *g;                  /* [nc] A times the change so far */
     vec *press;              /* [nv] N, warm.md; penalty's guess */
-    vec *b;                  /* [nc] force - g */
+    vec *b;                  /* [nc] force - g; of settled contacts force + r */
     vec *found[COUPLE_ENDS]; /* [nc] m/s, what these turns solved */
     bool kept[COUPLE_ENDS];  /* whether found has it */
     struct joint joint;      /* of its members only streams, scale and square

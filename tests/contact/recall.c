@@ -16,10 +16,10 @@ enum { MOST = 2 * SLAB_SMALL * SLAB_SMALL, STEPS = 12 };
 static struct spy {
     int (*joint)(struct world *w, struct joint *s);
     const char *failed;
-    int recalled; /* solves along a direction */
-    int soon;     /* steps of two turns */
-    bool broken;  /* the solve before, whose b was undone: */
-    vec undone[MOST];
+    int recalled;                 /* solves along a direction */
+    int soon;                     /* steps of two turns */
+    bool broken;                  /* whether the solve before broke down */
+    vec undone[MOST];             /* its b */
     int turns;                    /* of this step; COUPLE_TURNS: all */
     bool spoils;                  /* makes those solves fail */
     vec found[COUPLE_ENDS][MOST]; /* what the last ones found that did not */

@@ -62,13 +62,6 @@ static const char *check_removed(int integrator, int backend, int body)
     return what;
 }
 
-/* Whether the k-th integrator runs on the device: in binary64 one is enough, as
- * its kernels are compiled from the source of those of binary32. */
-static bool on_device(int k)
-{
-    return REAL_BITS == 32 || troupe_integrators[k] == DRAPE_BW;
-}
-
 const char *test_bodies_removed(void)
 {
     const char *what = NULL;
@@ -76,7 +69,8 @@ const char *test_bodies_removed(void)
     for (int k = 0; k < TROUPE_INTEGRATORS; k++)
         for (int body = 0; body < 4 && !what; body++) {
             what = check_removed(troupe_integrators[k], DRAPE_REF, body);
-            if (!what && body == k && on_device(k))
+            if (!what && body == k &&
+                !scene_left_out(troupe_integrators[k], DRAPE_GPU))
                 what = check_removed(troupe_integrators[k], DRAPE_GPU, body);
         }
     EXPECT(what || contacts > 0);
@@ -122,7 +116,8 @@ const char *test_bodies_added(void)
     for (int k = 0; k < TROUPE_INTEGRATORS; k++)
         for (int body = 1; body < 4 && !what; body += 2) {
             what = check_added(troupe_integrators[k], DRAPE_REF, body);
-            if (!what && body / 2 == k % 2 && on_device(k))
+            if (!what && body / 2 == k % 2 &&
+                !scene_left_out(troupe_integrators[k], DRAPE_GPU))
                 what = check_added(troupe_integrators[k], DRAPE_GPU, body);
         }
     EXPECT(what || contacts > 0);

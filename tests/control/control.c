@@ -13,13 +13,6 @@ enum { SIDE = SLAB_SMALL, COUNT = SIDE * SIDE, BOX = 8, NV = COUNT + BOX };
 static const int integrators[] = {DRAPE_VERLET, DRAPE_BW, DRAPE_BDF2};
 enum { INTEGRATORS = 3 };
 
-/* Whether a case is left out: the kernels of binary64 are compiled from the
- * same source as those of binary32, so one integrator is enough. */
-static bool is_left_out(int integrator, int backend)
-{
-    return REAL_BITS == 64 && backend == DRAPE_GPU && integrator != DRAPE_BW;
-}
-
 /* A small sheet just above a slab that stands still. */
 static void make_scene(struct slab *d, int integrator, int backend)
 {
@@ -162,7 +155,7 @@ const char *test_control_state(void)
 {
     const char *what = NULL;
     for (int k = 0; k < 4 * INTEGRATORS && !what; k++)
-        if (!is_left_out(integrators[k / 4], k % 2))
+        if (!scene_left_out(integrators[k / 4], k % 2))
             what = check_state(integrators[k / 4], k % 2, k / 2 % 2);
     return what;
 }
@@ -254,7 +247,7 @@ const char *test_control_obstacle(void)
     cut = contacts = 0;
     for (int k = 0; k < 2 * INTEGRATORS && !what; k++)
         for (int i = 0; i < 2 && !what; i++)
-            if (!is_left_out(integrators[k / 2], k % 2))
+            if (!scene_left_out(integrators[k / 2], k % 2))
                 what = check_frames(integrators[k / 2], k % 2, speed[i]);
     EXPECT(what || (cut > 0 && contacts > 0));
     return what;
@@ -340,7 +333,7 @@ const char *test_control_pins(void)
 {
     const char *what = NULL;
     for (int k = 0; k < 4 * INTEGRATORS && !what; k++)
-        if (!is_left_out(integrators[k / 4], k % 2))
+        if (!scene_left_out(integrators[k / 4], k % 2))
             what = check_pins(integrators[k / 4], k % 2, k / 2 % 2);
     return what;
 }

@@ -17,6 +17,13 @@ const char *scene_twins(struct bytes *b, int64_t *steps);
 /* The number of intersecting pairs that involve cloth, by the exact audit. */
 int64_t scene_audit(const drape_world *world, int n_cloths);
 
+/* Whether a case is left out: the kernels of binary64 are compiled from the
+ * same source as those of binary32, so one integrator is enough. */
+static inline bool scene_left_out(int integrator, int backend)
+{
+    return REAL_BITS == 64 && backend == DRAPE_GPU && integrator != DRAPE_BW;
+}
+
 /* A hash of the whole state. */
 uint64_t scene_hash(const drape_world *world);
 
