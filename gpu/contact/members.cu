@@ -4,6 +4,7 @@
 #include "gpu/contact/members.cuh"
 
 #include "gpu/base/compact.cuh"
+#include "gpu/base/unite.cuh"
 #include "gpu/contact/contact.cuh"
 
 /* Thread k owns corner k of the pairs: sets its vertex's label to the vertex
@@ -19,40 +20,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         s.label[i] = i;
 }
 
-/* The root of vertex i: the end of its chain of labels. Other threads lower
- * labels meanwhile, along the same chains. Each label on the way is replaced by
- * its label's label (path halving), which keeps chains short and their roots
- * the same, whichever thread does it. */
-static __device__ int32_t root_of(volatile int32_t *label, int32_t i)
-{
-    int32_t at = label[i];
-    for (int32_t to = label[at]; to != at; to = label[at]) {
-        label[i] = to;
-        i = at;
-        at = to;
-    }
-    return at;
-}
-
-/* Joins the components of a and b: the larger root gets the smaller root as its
- * label, by compare and swap, if it is still a root. */
-static __device__ void unite(int32_t *label, int32_t a, int32_t b)
-{
-    a = root_of(label, a);
-    b = root_of(label, b);
-    while (a != b) {
-        int32_t hi = max_of(a, b), lo = min_of(a, b);
-        int32_t old = atomicCAS(&label[hi], hi, lo);
-        if (old == hi)
-            return;
-        a = root_of(label, old);
-        b = root_of(label, lo);
-    }
-}
-
-/* Thread k owns pair k: joins its free vertices into one component. Labels only
- * decrease, so the root that is left is the smallest vertex of the component.
- */
+/* Thread k owns pair k: joins its free vertices into one component. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     zones_unite_kernel(struct zones s, const int64_t *words)
 {

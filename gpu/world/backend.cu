@@ -87,6 +87,9 @@ static void trace(void *on, struct trace *t, const char *stage, const void *out,
     }
 STAGE(dot)
 STAGE(kinematics)
+STAGE(moments)
+STAGE(islands)
+STAGE(spin)
 STAGE(history)
 STAGE(travel)
 STAGE(narrow)
@@ -252,6 +255,9 @@ extern const struct backend backend_gpu = {.take = take,
                                            .trace = trace,
                                            .dot = dot,
                                            .kinematics = kinematics,
+                                           .moments = moments,
+                                           .islands = islands,
+                                           .spin = spin,
                                            .history = history,
                                            .travel = travel,
                                            .narrow = narrow,

@@ -87,15 +87,6 @@ static struct links links_of(const struct penalty *p, vec *push)
                           .push = push};
 }
 
-/* Whether nothing but cloths can act on cloths. */
-static bool is_free(const struct world *w)
-{
-    int64_t pinned = 0;
-    for (int k = 0; k < w->def.n_cloths; k++)
-        pinned += w->sheet[k].cloth.n_pinned;
-    return w->def.n_obstacles == 0 && pinned == 0;
-}
-
 /* §4.3: e, how many times the pushes of contacts count, which are lighter than
  * the stiffest. */
 static real ease_of(const struct world *w)
@@ -148,7 +139,7 @@ static int run_joint(struct world *w, enum care care)
         care == LAST || care == WHOLE ? asked : real_max(asked, ROUGH);
     s->exact = is_early(care) ? asked * EASE : s->tolerance;
     s->max_iterations = w->def.max_iterations;
-    s->mass = is_free(w) ? (real)w->mass : 0;
+    s->mass = state_is_free(w) ? (real)w->mass : 0;
     int status = w->run->joint(w, s);
     w->run->trace(w->on, w->tracing, "joint", s->dv,
                   (size_t)w->nc * sizeof *s->dv);
@@ -325,7 +316,7 @@ static int take_turn(struct world *w, int k, int *turns)
     int status = w->run->penalty(w->on, p);
     w->run->trace(w->on, w->tracing, "penalty", p->force,
                   (size_t)p->nv * sizeof *p->force);
-    if (p->first && (c->rough || (w->plan.history && is_free(w))))
+    if (p->first && (c->rough || (w->plan.history && state_is_free(w))))
         add_residual(w);
     w->run->turn_load(w->on, &s);
     if (status == DRAPE_OK && care_of(k, *turns) == MIDDLE)

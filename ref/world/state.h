@@ -10,6 +10,7 @@
 #include "ref/contact/couple.h"
 #include "ref/contact/rounds.h"
 #include "ref/narrow/audit.h"
+#include "ref/world/conserve.h"
 #include "ref/world/plan.h"
 #include "ref/world/sheet.h"
 #include "ref/world/slice.h"
@@ -135,6 +136,7 @@ struct world {
     struct start start;
     struct told told;
     struct list list;
+    struct conserve conserve;
     struct audit
         ending; /* the audit of step.md §11; its streams are taken at need */
 };
@@ -150,6 +152,15 @@ static inline bool state_has_past(const struct world *w)
 static inline bool state_warm(const struct world *w)
 {
     return w->pressed && !w->slicing.without_press;
+}
+
+/* Whether nothing but cloths can act on cloths. */
+static inline bool state_is_free(const struct world *w)
+{
+    int64_t pinned = 0;
+    for (int k = 0; k < w->def.n_cloths; k++)
+        pinned += w->sheet[k].cloth.n_pinned;
+    return w->def.n_obstacles == 0 && pinned == 0;
 }
 
 /* A scene that slept is awake, and is not at rest: step.md §6. */

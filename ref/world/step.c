@@ -8,6 +8,7 @@
 #include "ref/cloth/implicit.h"
 #include "ref/control/control.h"
 #include "ref/world/collide.h"
+#include "ref/world/conserve.h"
 #include "ref/world/ending.h"
 #include "ref/world/lead.h"
 #include "ref/world/restore.h"
@@ -184,6 +185,13 @@ static void handle_contact(struct world *w, struct step *s)
     s->again = slice_diverged(w);
 }
 
+/* §3.4: in empty space nothing but gravity changes momentum. */
+static void conserve(struct world *w, struct step *s)
+{
+    if (goes_on(s))
+        s->status = conserve_momentum(w, s->r.outcome);
+}
+
 /* §7.3: checks the slice by its outcome and its energies. The energies that
  * dynamics computed are used if contact did not change the state; if contact
  * may have changed it they are computed again, but only if somebody needs them.
@@ -343,6 +351,7 @@ int step_advance(struct world *w, drape_step_report *report)
         move(w, &s);           /* §2: wind.md … dynamics.md, pcg.md */
         check_travel(w, &s);   /* §7.2: travel.md */
         handle_contact(w, &s); /* §3: refit.md … response.md */
+        conserve(w, &s);       /* §3.4: momentum.md */
         check_energy(w, &s);   /* §7.3: energy.md */
         finish(w, &s);         /* step.md §4, §6, §7.4: implicit.md */
     }

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Gives cloths in empty space the momentum back that a slice has lost, on
+ * either backend. spec/world/momentum.md §3 */
+#include "ref/world/conserve.h"
+
+#include <math.h>
+
+#include "ref/base/sum.h"
+#include "ref/world/state.h"
+#include "ref/world/tally.h"
+
+/* Whether cloths act on cloths alone, and nothing else but gravity acts. */
+static bool applies(const struct world *w, int outcome)
+{
+    return w->plan.implicit && !w->plan.wind && state_is_free(w) &&
+           !slice_failed(outcome);
+}
+
+static int64_t largest_cloth(const struct world *w)
+{
+    int64_t most = 0;
+    for (int k = 0; k < w->def.n_cloths; k++)
+        most = most > w->sheet[k].cloth.count ? most : w->sheet[k].cloth.count;
+    return most;
+}
+
+static int make_room(struct world *w)
+{
+    struct conserve *c = &w->conserve;
+    int64_t n = w->def.n_cloths;
+    int64_t chunks = MOMENTS * sum_chunks(largest_cloth(w));
+    if (!c->chunk)
+        c->chunk = w->run->take(w->on, ARENA_OTHER, chunks, sizeof *c->chunk);
+    if (!c->label)
+        c->label = w->run->take(w->on, ARENA_OTHER, n, sizeof *c->label);
+    if (!c->of)
+        c->of = arena_take(w->arena, ARENA_OTHER, n, sizeof *c->of);
+    if (!c->part)
+        c->part = arena_take(w->arena, ARENA_OTHER, 2 * n, sizeof *c->part);
+    if (!c->whole)
+        c->whole = arena_take(w->arena, ARENA_OTHER, 2 * n, sizeof *c->whole);
+    bool good = c->chunk && c->label && c->of && c->part && c->whole;
+    return good ? DRAPE_OK : DRAPE_ENOMEM;
+}
+
+/* §3.1: measures all cloths in the state x, v, but for their springs. */
+static int measure(struct world *w, const vec *x, const vec *v,
+                   struct tally *part)
+{
+    int status = DRAPE_OK;
+    for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
+        const struct sheet *s = &w->sheet[k];
+        struct moments m = {.count = s->cloth.count,
+                            .w = w->w + s->first,
+                            .x = x + s->first,
+                            .v = v + s->first,
+                            .n_chunks = sum_chunks(s->cloth.count),
+                            .chunk = w->conserve.chunk};
+        status = w->run->moments(w->on, &m);
+        part[k] = tally_of(&m);
+    }
+    return status;
+}
+
+/* §3.4: the elastic energies of all cloths at the start and the end of the
+ * slice. */
+static void find_energies(struct world *w, struct tally *part)
+{
+    int n = w->def.n_cloths;
+    for (int k = 0; k < n; k++) {
+        struct sheet *s = &w->sheet[k];
+        double met[3], *after = w->met ? met : s->dynamics.energy;
+        part[k].elastic = s->dynamics.before[1];
+        if (w->met)
+            w->run->energy(w->on, s, w->x1 + s->first, w->v1 + s->first, met);
+        part[n + k].elastic = after[1];
+    }
+}
+
+/* §2: finds the island of each cloth. */
+static int find_islands(struct world *w)
+{
+    struct conserve *c = &w->conserve;
+    const struct response *r = &w->response;
+    struct islands s = {.nv = w->nv,
+                        .n = r->active,
+                        .body = r->skin.of,
+                        .contact = r->contact[r->side].data,
+                        .bodies = w->def.n_cloths,
+                        .label = c->label};
+    for (int k = 0; k < w->def.n_cloths; k++)
+        c->of[k] = k;
+    if (!w->met || w->def.n_cloths == 1)
+        return DRAPE_OK;
+    int status = w->run->islands(w->on, &s);
+    w->run->fetch(w->on, c->of, c->label,
+                  (size_t)w->def.n_cloths * sizeof *c->of);
+    return status;
+}
+
+static vec vec_of(const double a[3])
+{
+    return vec_make((real)a[0], (real)a[1], (real)a[2]);
+}
+
+/* False where masses or lengths are so small that sums are 0 or no numbers. */
+static bool is_finite(const struct gain *g)
+{
+    double sum = g->keep;
+    for (int i = 0; i < 3; i++)
+        sum += fabs(g->centre[i]) + fabs(g->dv[i]) + fabs(g->dw[i]);
+    return sum - sum == 0;
+}
+
+/* §3: gives cloth k the gain of its island. Its energies of the motion are
+ * those of what it then has. */
+static int give(struct world *w, int k)
+{
+    const struct tally *before = &w->conserve.whole[w->conserve.of[k]];
+    const struct tally *after = before + w->def.n_cloths;
+    struct sheet *s = &w->sheet[k];
+    double p[3];
+    for (int i = 0; i < 3; i++)
+        p[i] = before->p[i] + before->mass * w->def.gravity[i] * w->dt;
+    struct gain g = tally_gain(before, after, p);
+    if (!is_finite(&g))
+        return DRAPE_OK;
+    struct spin spin = {.count = s->cloth.count,
+                        .w = w->w + s->first,
+                        .x = w->x1 + s->first,
+                        .keep = (real)g.keep,
+                        .centre = vec_of(g.centre),
+                        .dv = vec_of(g.dv),
+                        .dw = vec_of(g.dw),
+                        .v = w->v1 + s->first,
+                        .to = w->v1 + s->first};
+    int status = w->run->spin(w->on, &spin);
+    w->run->trace(w->on, w->tracing, "spin", spin.to,
+                  (size_t)spin.count * sizeof *spin.to);
+    if (!w->met)
+        w->run->energy(w->on, s, spin.x, spin.v, s->dynamics.energy);
+    return status;
+}
+
+int conserve_momentum(struct world *w, int outcome)
+{
+    struct conserve *c = &w->conserve;
+    int n = w->def.n_cloths;
+    if (!applies(w, outcome))
+        return DRAPE_OK;
+    int status = make_room(w);
+    if (status == DRAPE_OK)
+        status = measure(w, w->x0, w->v0, c->part);
+    if (status == DRAPE_OK)
+        status = measure(w, w->x1, w->v1, c->part + n);
+    if (status == DRAPE_OK)
+        status = find_islands(w);
+    if (status != DRAPE_OK)
+        return status;
+    find_energies(w, c->part);
+    tally_join(n, c->of, c->part, c->whole);
+    tally_join(n, c->of, c->part + n, c->whole + n);
+    for (int k = 0; k < n && status == DRAPE_OK; k++)
+        status = give(w, k);
+    return status;
+}

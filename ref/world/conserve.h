@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Gives cloths in empty space the momentum back that a slice has lost, on
+ * either backend. spec/world/momentum.md §3 */
+#ifndef REF_CONSERVE_H
+#define REF_CONSERVE_H
+
+#include "ref/base/real.h"
+
+struct tally;
+struct world;
+
+/* Its memory, taken when it is first needed. */
+struct conserve {
+    real *chunk;        /* in the memory of the backend */
+    int32_t *label;     /* [n_cloths] likewise */
+    int32_t *of;        /* [n_cloths] the same on the host */
+    struct tally *part; /* [2·n_cloths] on the host: at the start, at the end */
+    struct tally *whole; /* [2·n_cloths] likewise, of islands */
+};
+
+/* Changes the velocities v1 of a slice with this outcome. DRAPE_OK or negative.
+ */
+int conserve_momentum(struct world *w, int outcome);
+
+#endif
