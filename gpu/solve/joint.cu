@@ -46,8 +46,8 @@ struct solve {
     const real *w;     /* [nv] 1/kg, 0: fixed */
     const sym *wall;
     real *item, *chunk;
-    real exact, mass; /* as in struct joint */
-    int32_t touch;    /* 1: there are contacts */
+    real exact;    /* as in struct joint */
+    int32_t touch; /* 1: there are contacts */
     int32_t weigh;
     struct beginning begin;
 };
@@ -246,49 +246,6 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         vec r = sub(sub(a.b[k], q), other[k]);
         a.q[k] = q;
         a.r[k] = r;
-        value = dot(r, r);
-    }
-    if (!grid_sums<1>(&value, a.chunk, &c->ticket, &sum) || threadIdx.x)
-        return;
-    c->residual = c->square == 0 ? 0 : root(sum / c->most);
-}
-
-/* §4.4: the velocity that gives all cloths together the momentum that the
- * residual lacks. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    joint_drift_kernel(struct solve a)
-{
-    PARTICLE(k);
-    struct pcg_state *c = a.c;
-    real value[3] = {0, 0, 0}, sum[3];
-    if (k < a.nc) {
-        value[0] = a.r[k].x;
-        value[1] = a.r[k].y;
-        value[2] = a.r[k].z;
-    }
-    if (!grid_sums<3>(value, a.chunk, &c->ticket, sum) || threadIdx.x)
-        return;
-    for (int e = 0; e < 3; e++)
-        c->drift[e] = sum[e] / a.mass;
-}
-
-/* Adds that velocity; then the residual again. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    joint_balance_kernel(struct solve a)
-{
-    PARTICLE(k);
-    struct pcg_state *c = a.c;
-    real value = 0, sum;
-    if (k < a.nc) {
-        vec r = a.r[k];
-        if (a.w[k] > 0) {
-            vec drift = make(c->drift[0], c->drift[1], c->drift[2]);
-            vec push = scale(1 / a.w[k], drift);
-            a.dv[k] = add(a.dv[k], drift);
-            a.q[k] = add(a.q[k], push);
-            r = sub(r, push);
-            a.r[k] = r;
-        }
         value = dot(r, r);
     }
     if (!grid_sums<1>(&value, a.chunk, &c->ticket, &sum) || threadIdx.x)
@@ -525,10 +482,6 @@ static void conclude(const struct joint_system *w, const struct solve *a)
         gpu_links_queue(g, a->links, a->nc, a->dv, a->p[0], NULL);
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_conclude_kernel, *a,
                   a->p[0]);
-    if (!(a->mass > 0))
-        return;
-    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_drift_kernel, *a);
-    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_balance_kernel, *a);
 }
 
 static struct pcg_state read_state(struct gpu *g)
@@ -587,7 +540,6 @@ static void write_solve(struct solve *a, const struct joint_system *w)
     a->at = w->part[0].rates.x;
     a->w = w->w;
     a->wall = s->wall;
-    a->mass = s->mass;
     a->item = s->item;
     a->chunk = s->chunk;
     if (w->n > 1)

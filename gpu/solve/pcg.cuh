@@ -40,7 +40,6 @@ struct pcg_state {
                                 the r·M⁻¹r that the tolerance is relative to */
     real rho, alpha, beta;
     real recurrence, residual;
-    real drift[3]; /* m/s: of a joint solve, its last correction */
 };
 
 static __device__ inline bool positive(real a)

@@ -139,7 +139,6 @@ static int run_joint(struct world *w, enum care care)
         care == LAST || care == WHOLE ? asked : real_max(asked, ROUGH);
     s->exact = is_early(care) ? asked * EASE : s->tolerance;
     s->max_iterations = w->def.max_iterations;
-    s->mass = state_is_free(w) ? (real)w->mass : 0;
     int status = w->run->joint(w, s);
     w->run->trace(w->on, w->tracing, "joint", s->dv,
                   (size_t)w->nc * sizeof *s->dv);
@@ -316,7 +315,7 @@ static int take_turn(struct world *w, int k, int *turns)
     int status = w->run->penalty(w->on, p);
     w->run->trace(w->on, w->tracing, "penalty", p->force,
                   (size_t)p->nv * sizeof *p->force);
-    if (p->first && (c->rough || (w->plan.history && state_is_free(w))))
+    if (p->first && c->rough)
         add_residual(w);
     w->run->turn_load(w->on, &s);
     if (status == DRAPE_OK && care_of(k, *turns) == MIDDLE)

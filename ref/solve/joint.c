@@ -182,37 +182,6 @@ static void improve(const struct world *w, struct joint *a)
         a->dv[i] = vec_axpy(a->dv[i], part, a->q[i]);
 }
 
-/* The sum of one coordinate of r. */
-static real total(struct joint *a, int axis)
-{
-    EACH_ITEM
-    for (int64_t k = 0; k < a->n_chunks; k++) {
-        real t[SUM_CHUNK];
-        for (int64_t i = 0; i < SUM_CHUNK; i++) {
-            int64_t item = SUM_CHUNK * k + i;
-            t[i] = item < a->nc ? (&a->r[item].x)[axis] : 0;
-        }
-        a->chunk[k] = sum_tree(t);
-    }
-    return ref_sum_finish(a->n_chunks, a->chunk);
-}
-
-/* §4.4: adds the velocity that gives all cloths together the momentum that the
- * residual lacks. */
-static void balance(const struct world *w, struct joint *a)
-{
-    vec drift = vec_make(total(a, 0) / a->mass, total(a, 1) / a->mass,
-                         total(a, 2) / a->mass);
-    EACH_ITEM
-    for (int64_t i = 0; i < a->nc; i++)
-        if (w->w[i] > 0) {
-            vec push = vec_scale(1 / w->w[i], drift);
-            a->dv[i] = vec_add(a->dv[i], drift);
-            a->q[i] = vec_add(a->q[i], push);
-            a->r[i] = vec_sub(a->r[i], push);
-        }
-}
-
 /* Sets q to A dv without contacts, and finds the true residual, which counts
  * them: b - A dv - wall dv - C dv. */
 static void conclude(struct world *w, struct joint *a)
@@ -225,8 +194,6 @@ static void conclude(struct world *w, struct joint *a)
     EACH_ITEM
     for (int64_t i = 0; i < a->nc; i++)
         a->r[i] = vec_sub(vec_sub(a->b[i], a->q[i]), a->p[i]);
-    if (a->mass > 0)
-        balance(w, a);
     a->residual = real_sqrt(dot(a, a->r, a->r) / a->square);
 }
 

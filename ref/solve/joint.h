@@ -25,8 +25,6 @@ struct joint {
     real *item;       /* scratch: [nc], the device's */
     int64_t n_chunks; /* sum_chunks(nc) */
     real *chunk;      /* scratch: [3·n_chunks] */
-    real mass;        /* kg of all cloths, if nothing but themselves holds them;
-                         else 0 */
 
     vec *dv;            /* out: [nv] m/s, 0 where fixed */
     vec *q;             /* out: [nv] N·s, A dv; undefined if iterations is 0 */

@@ -9,11 +9,14 @@
 #include "ref/world/state.h"
 #include "ref/world/tally.h"
 
-/* Whether cloths act on cloths alone, and nothing else but gravity acts. */
-static bool applies(const struct world *w, int outcome)
+/* Whether nothing but cloths and gravity act on cloths. */
+static bool applies(const struct world *w)
 {
-    return w->plan.implicit && !w->plan.wind && state_is_free(w) &&
-           !slice_failed(outcome);
+    int64_t pinned = 0;
+    for (int k = 0; k < w->def.n_cloths; k++)
+        pinned += w->sheet[k].cloth.n_pinned;
+    return w->plan.implicit && !w->plan.wind && pinned == 0 &&
+           w->def.n_obstacles == 0;
 }
 
 static int64_t largest_cloth(const struct world *w)
@@ -78,8 +81,9 @@ static void find_energies(struct world *w, struct tally *part)
 }
 
 /* §2: finds the island of each cloth. */
-static int find_islands(struct world *w)
+static int find_islands(struct world *w, int outcome)
 {
+    bool one = slice_failed(outcome); /* zones join what no contact tells */
     struct conserve *c = &w->conserve;
     const struct response *r = &w->response;
     struct islands s = {.nv = w->nv,
@@ -89,8 +93,8 @@ static int find_islands(struct world *w)
                         .bodies = w->def.n_cloths,
                         .label = c->label};
     for (int k = 0; k < w->def.n_cloths; k++)
-        c->of[k] = k;
-    if (!w->met || w->def.n_cloths == 1)
+        c->of[k] = one ? 0 : k;
+    if (!w->met || one || w->def.n_cloths == 1)
         return DRAPE_OK;
     int status = w->run->islands(w->on, &s);
     w->run->fetch(w->on, c->of, c->label,
@@ -139,6 +143,10 @@ static int give(struct world *w, int k)
                   (size_t)spin.count * sizeof *spin.to);
     if (!w->met)
         w->run->energy(w->on, s, spin.x, spin.v, s->dynamics.energy);
+    if (status == DRAPE_OK && w->plan.history && w->plan.collides) {
+        spin.v = spin.to = w->free_v + s->first; /* it is no jump of contacts */
+        status = w->run->spin(w->on, &spin);
+    }
     return status;
 }
 
@@ -146,7 +154,7 @@ int conserve_momentum(struct world *w, int outcome)
 {
     struct conserve *c = &w->conserve;
     int n = w->def.n_cloths;
-    if (!applies(w, outcome))
+    if (!applies(w))
         return DRAPE_OK;
     int status = make_room(w);
     if (status == DRAPE_OK)
@@ -154,7 +162,7 @@ int conserve_momentum(struct world *w, int outcome)
     if (status == DRAPE_OK)
         status = measure(w, w->x1, w->v1, c->part + n);
     if (status == DRAPE_OK)
-        status = find_islands(w);
+        status = find_islands(w, outcome);
     if (status != DRAPE_OK)
         return status;
     find_energies(w, c->part);

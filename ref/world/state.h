@@ -154,15 +154,6 @@ static inline bool state_warm(const struct world *w)
     return w->pressed && !w->slicing.without_press;
 }
 
-/* Whether nothing but cloths can act on cloths. */
-static inline bool state_is_free(const struct world *w)
-{
-    int64_t pinned = 0;
-    for (int k = 0; k < w->def.n_cloths; k++)
-        pinned += w->sheet[k].cloth.n_pinned;
-    return w->def.n_obstacles == 0 && pinned == 0;
-}
-
 /* A scene that slept is awake, and is not at rest: step.md §6. */
 static inline void state_wake(struct world *w)
 {

@@ -224,7 +224,7 @@ const char *test_world_momentum(void)
     return failed;
 }
 
-/* penalty.md §4.4: where nothing but cloths can act on cloths, almost none is
+/* momentum.md §3: where nothing but cloths can act on cloths, almost none is
  * lost even at the default tolerance, at any ratio of the masses. */
 const char *test_world_balance(void)
 {

@@ -173,3 +173,30 @@ const char *test_space_apart(void)
         failed = check_apart(methods[k]);
     return failed;
 }
+
+/* implicit.md §4: what is given back is no jump, as contact makes it: the past
+ * of Choi–Ko and BDF2 stays what it was. */
+const char *test_space_past(void)
+{
+    static struct space s;
+    static vec x[COUNT], v[COUNT];
+    for (int k = 0; k < 4; k++) {
+        space_make(&s, 1, k % 2 ? DRAPE_CK : DRAPE_BDF2, 0);
+        turn(&s, 0, 2);
+        s.d.def.self_collision = k / 2;
+        s.w = slab_inner(&s.d.def, &s.arena);
+        EXPECT(s.w);
+        for (int step = 0; step < 4; step++) {
+            memcpy(x, s.w->x0, sizeof x);
+            memcpy(v, s.w->v0, sizeof v);
+            EXPECT(step_advance(s.w, NULL) == DRAPE_OK);
+            if (s.w->past != 1) /* the step had several slices */
+                continue;
+            EXPECT(memcmp(x, s.w->past_x, sizeof x) == 0);
+            EXPECT(memcmp(v, s.w->past_v, sizeof v) == 0);
+            ran(1);
+        }
+        arena_free(&s.arena);
+    }
+    return NULL;
+}
