@@ -9,9 +9,9 @@ extern "C" {
 }
 
 /* Words of moments: its sums, then `at` and `speed`, and the ticket of
- * ends_last. FEW, MORE: the sums are made in two parts, as those of a block
- * must fit into shared memory. */
-enum { AT = MOMENTS, TICKET = MOMENTS + 6, FEW = 8, MORE = MOMENTS - FEW };
+ * ends_last. PART: the sums are made in parts, as those of a block must fit
+ * into shared memory; the last part is smaller. */
+enum { AT = MOMENTS, TICKET = MOMENTS + 6, PART = 6, REST = MOMENTS % PART };
 
 static __device__ void put(real item[3], vec a)
 {
@@ -45,16 +45,21 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
     real item[MOMENTS] = {0}, sum[MOMENTS], origin[6];
     if (p < s.count)
         find_items(s, p, item);
-    real *more = s.chunk + FEW * s.n_chunks;
-    put_sums<FEW>(item, s.n_chunks, blockIdx.x, s.chunk);
-    put_sums<MORE>(item + FEW, s.n_chunks, blockIdx.x, more);
+    int e = 0;
+    for (; e + PART <= MOMENTS; e += PART)
+        put_sums<PART>(item + e, s.n_chunks, blockIdx.x,
+                       s.chunk + e * s.n_chunks);
+    put_sums<REST>(item + e, s.n_chunks, blockIdx.x, s.chunk + e * s.n_chunks);
     if (!ends_last((unsigned *)(word + TICKET)))
         return;
-    finish_sums<FEW>(s.n_chunks, s.chunk, sum);
-    finish_sums<MORE>(s.n_chunks, more, sum + FEW);
+    for (e = 0; e + PART <= MOMENTS; e += PART) {
+        finish_sums<PART>(s.n_chunks, s.chunk + e * s.n_chunks, sum + e);
+        __syncthreads(); /* before the next part overwrites what they share */
+    }
+    finish_sums<REST>(s.n_chunks, s.chunk + e * s.n_chunks, sum + e);
     put(origin, s.x[s.count / 2]);
     put(origin + 3, s.v[s.count / 2]);
-    for (int e = 0; e < MOMENTS + 6 && threadIdx.x == 0; e++)
+    for (e = 0; e < MOMENTS + 6 && threadIdx.x == 0; e++)
         *(real *)(word + e) = e < AT ? sum[e] : origin[e - AT];
 }
 
