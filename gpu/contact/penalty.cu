@@ -57,9 +57,10 @@ static __device__ real part_of(const struct penalty *s, const struct contact *c,
 
 /* §1.2: the impulse along n, N·s, that contact c has given so far. Each
  * vertex's part of g is divided among its contacts in proportion to their holds
- * in the turn before. */
+ * in the turn before. load: what the vertices got. */
 static __device__ real given_impulse(const struct penalty *s,
-                                     const struct contact *c, real share)
+                                     const struct contact *c, real share,
+                                     real load[4])
 {
     real push = 0, all = 0;
     for (int j = 0; j < 4 && c->held; j++) {
@@ -69,10 +70,31 @@ static __device__ real given_impulse(const struct penalty *s,
         real along = part_of(s, c, share, j) * c->along;
         real hold = dot(c->n, apply(s->hold[i], c->n));
         real took = along / hold * dot(c->n, s->g[i]);
-        push += c->c[j] < 0 ? -took : took;
+        load[j] = c->c[j] < 0 ? -took : took;
+        push += load[j];
         all += magnitude(c->c[j]);
     }
     return all > 0 ? max_of(push / all, R(0.0)) : R(0.0);
+}
+
+/* §2.4: in which parts the friction of contact c goes to its vertices: as these
+ * bear it, each side by itself. */
+static __device__ void find_rub(const struct penalty *s,
+                                const struct contact *c, const real load[4],
+                                real rub[4])
+{
+    int split = c->kind == CONTACT_VF ? 1 : 2;
+    for (int j = 0; j < 4; j++) {
+        int from = j < split ? 0 : split, to = j < split ? split : 4;
+        real sum = 0, side = j < split ? R(1.0) : R(-1.0);
+        bool moves = true;
+        for (int i = from; i < to; i++) {
+            sum += max_of(load[i], R(0.0));
+            moves = moves && (c->c[i] == 0 || s->w[c->v[i]] > 0);
+        }
+        rub[j] =
+            moves && sum > 0 ? side * (max_of(load[j], R(0.0)) / sum) : c->c[j];
+    }
 }
 
 /* §1.1. Thread i owns vertex i: writes guess[i], and parts[i] as for a vertex
@@ -94,7 +116,7 @@ static __device__ bool is_settled(const struct penalty *s,
 }
 
 /* §1. Thread k owns contact k: reads guess, u, g and hold of its vertices,
- * writes share[k], gave[k] and whether it is held. */
+ * writes share[k], gave[k], its rub and whether it is held. */
 static __global__ void __launch_bounds__(GPU_BLOCK)
     penalty_select_kernel(struct penalty s, const int64_t *words)
 {
@@ -110,9 +132,12 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
             moving += c->c[j] != 0;
         }
     s.share[k] = share;
+    real load[4] = {0, 0, 0, 0}, before = 0;
+    if (!s.first && !is_settled(&s, c))
+        before = given_impulse(&s, c, share, load);
+    find_rub(&s, c, load, &s.rub[4 * k]);
     if (is_settled(&s, c))
         return;
-    real before = s.first ? R(0.0) : given_impulse(&s, c, share);
     s.gave[k] = before;
     bool kept = before > 0 && spring_impulse(&s, c, s.u) > -PULL * before;
     bool held = excess_of(c, s.guess) > 0 || excess_of(c, s.u) > 0 || kept;
@@ -217,7 +242,8 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
         a = share * c->along;
         b = share * c->slide * (s.tau / s.dt);
         a = a - b;
-        push = scale(c->c[j], axpy(c->tangent, c->impulse, n));
+        real rub = c->slide > 0 ? c->c[j] : s.rub[item];
+        push = axpy(scale(c->c[j] * c->impulse, n), rub, c->tangent);
     } else {
         n = push;
     }

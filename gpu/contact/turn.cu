@@ -74,7 +74,8 @@ int gpu_turn_room(struct world *w, int64_t n)
     int status = response_grow(s, 3, need);
     p->vertex = (int32_t *)s->vertex.data;
     p->share = (real *)s->lack.data;
-    p->gave = (real *)s->push.data;
+    p->gave = (real *)s->push.data; /* n of its 6 n numbers; 4 n are rub */
+    p->rub = p->gave + n;
     if (status != DRAPE_OK || n <= c->cap)
         return status;
     gpu_give(g, p->item);

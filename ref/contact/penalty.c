@@ -60,8 +60,8 @@ static real part_of(const struct penalty *s, int64_t k, int j)
 
 /* §1.2: the impulse along n, N·s, that contact c has given so far. Each
  * vertex's part of g is divided among its contacts in proportion to their holds
- * in the turn before. */
-static real given_impulse(const struct penalty *s, int64_t k)
+ * in the turn before. load: what the vertices got. */
+static real given_impulse(const struct penalty *s, int64_t k, real load[4])
 {
     const struct contact *c = &s->contact[k];
     real push = 0, all = 0;
@@ -72,10 +72,30 @@ static real given_impulse(const struct penalty *s, int64_t k)
         real along = part_of(s, k, j) * c->along;
         real hold = vec_dot(c->n, sym_apply(s->hold[i], c->n));
         real took = along / hold * vec_dot(c->n, s->g[i]);
-        push += c->c[j] < 0 ? -took : took;
+        load[j] = c->c[j] < 0 ? -took : took;
+        push += load[j];
         all += real_abs(c->c[j]);
     }
     return all > 0 ? real_max(push / all, 0) : 0;
+}
+
+/* §2.4: in which parts the friction of contact k goes to its vertices: as these
+ * bear it, each side by itself. */
+static void find_rub(const struct penalty *s, int64_t k, const real load[4])
+{
+    const struct contact *c = &s->contact[k];
+    int split = c->kind == CONTACT_VF ? 1 : 2;
+    for (int j = 0; j < 4; j++) {
+        int from = j < split ? 0 : split, to = j < split ? split : 4;
+        real sum = 0, side = j < split ? R(1.0) : R(-1.0);
+        bool moves = true;
+        for (int i = from; i < to; i++) {
+            sum += real_max(load[i], 0);
+            moves &= c->c[i] == 0 || s->w[c->v[i]] > 0;
+        }
+        s->rub[4 * k + j] =
+            moves && sum > 0 ? side * (real_max(load[j], 0) / sum) : c->c[j];
+    }
 }
 
 /* §1.1: the velocity of vertex i without the push that the slice began with.
@@ -113,9 +133,13 @@ static void select_held(struct penalty *s, int64_t k)
         if (s->w[c->v[j]] > 0)
             share += real_abs(c->c[j]) * side_of(s, c, j);
     s->share[k] = share;
+    real load[4] = {0, 0, 0, 0};
+    bool known = !s->first && !is_settled(s, c);
+    real gave = known ? given_impulse(s, k, load) : 0;
+    find_rub(s, k, load);
     if (is_settled(s, c))
         return;
-    s->gave[k] = s->first ? 0 : given_impulse(s, k);
+    s->gave[k] = gave;
     bool kept =
         s->gave[k] > 0 && spring_impulse(s, c, s->u) > -PULL * s->gave[k];
     bool held = excess_of(c, s->guess) > 0 || excess_of(c, s->u) > 0 || kept;
@@ -255,8 +279,9 @@ static void gather(const struct penalty *s, int32_t i)
         if (!c->held)
             continue;
         int j = s->item[k] % 4;
-        vec push = vec_axpy(c->tangent, c->impulse, c->n);
-        force = vec_axpy(force, c->c[j], push);
+        real rub = c->slide > 0 ? c->c[j] : s->rub[s->item[k]];
+        vec push = vec_scale(c->c[j] * c->impulse, c->n);
+        force = vec_add(force, vec_axpy(push, rub, c->tangent));
         sym *to = &sum[c->held == CONTACT_WALL];
         *to = sym_add(*to, hold_of(s, at, j, c->slide));
     }

@@ -27,6 +27,7 @@ struct penalty {
     int32_t *vertex; /* scratch: [n4] */
     real *share;     /* scratch: [n] 1/kg, S of §3 */
     real *gave;      /* scratch: [n] N·s, ≥ 0, §1.2 */
+    real *rub;       /* scratch: [n4] weights of friction, §2.4 */
     vec *guess;      /* scratch: [nv] m/s, velocity of §1.1 */
     real *parts;     /* scratch: [nv] d, held contacts of a vertex, §2.1 */
     vec *force;      /* out: [nv] N·s, 0 where no contact is held */

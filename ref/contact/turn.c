@@ -56,12 +56,14 @@ int turn_room(struct world *w, int64_t n)
     arena_give(w->arena, p->vertex);
     arena_give(w->arena, p->share);
     arena_give(w->arena, p->gave);
+    arena_give(w->arena, p->rub);
     arena_give(w->arena, c->joint.links.push);
     int64_t cap = n + n / 4 + 64;
     p->item = take(w, 4 * cap, sizeof *p->item);
     p->vertex = take(w, 4 * cap, sizeof *p->vertex);
     p->share = take(w, cap, sizeof *p->share);
     p->gave = take(w, cap, sizeof *p->gave);
+    p->rub = take(w, 4 * cap, sizeof *p->rub);
     c->joint.links.push = take(w, cap, sizeof(vec));
     c->cap = w->arena->failed ? 0 : cap;
     return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;

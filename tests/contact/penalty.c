@@ -12,21 +12,15 @@
 #include "ref/solve/jacobi.h"
 #include "tests/base/choices.h"
 
-const struct field fields_penalty[] = {IN(penalty, w, nv, 1),
-                                       IN(penalty, u, nv, 1),
-                                       IN(penalty, g, nv, 1),
-                                       INOUT(penalty, contact, n, 1),
-                                       SCRATCH(penalty, start, nv1, 1),
-                                       SCRATCH(penalty, item, n4, 1),
-                                       SCRATCH(penalty, vertex, n4, 1),
-                                       SCRATCH(penalty, share, n, 1),
-                                       SCRATCH(penalty, gave, n, 1),
-                                       SCRATCH(penalty, guess, nv, 1),
-                                       SCRATCH(penalty, parts, nv, 1),
-                                       OUT(penalty, force, nv, 1),
-                                       OUT(penalty, wall, nv, 1),
-                                       INOUT(penalty, hold, nv, 1),
-                                       FIELD_END};
+const struct field fields_penalty[] = {
+    IN(penalty, w, nv, 1),           IN(penalty, u, nv, 1),
+    IN(penalty, g, nv, 1),           INOUT(penalty, contact, n, 1),
+    SCRATCH(penalty, start, nv1, 1), SCRATCH(penalty, item, n4, 1),
+    SCRATCH(penalty, vertex, n4, 1), SCRATCH(penalty, share, n, 1),
+    SCRATCH(penalty, gave, n, 1),    SCRATCH(penalty, rub, n4, 1),
+    SCRATCH(penalty, guess, nv, 1),  SCRATCH(penalty, parts, nv, 1),
+    OUT(penalty, force, nv, 1),      OUT(penalty, wall, nv, 1),
+    INOUT(penalty, hold, nv, 1),     FIELD_END};
 
 const struct field fields_links[] = {IN(links, contact, n, 1),
                                      IN(links, x, nv, 1),
@@ -397,7 +391,7 @@ struct lone {
     struct penalty p;
     struct contact c;
     vec u[4], g[4], force[4], guess[4];
-    real w[4], share, gave, parts[4];
+    real w[4], share, gave, rub[4], parts[4];
     sym hold[4], wall[4];
     int32_t start[5], item[4], vertex[4];
 };
@@ -416,6 +410,7 @@ static void make_lone(struct bytes *b, struct lone *s)
     p.vertex = s->vertex;
     p.share = &s->share;
     p.gave = &s->gave;
+    p.rub = s->rub;
     p.guess = s->guess;
     p.parts = s->parts;
     p.force = s->force;
@@ -513,7 +508,7 @@ static int part_from(bool first, bool held, real speed, struct contact c[2],
                      real gave[2])
 {
     enum { NV = 7, N = 2 };
-    real w[NV] = {R(5e5)}, share[N], parts[NV];
+    real w[NV] = {R(5e5)}, share[N], rub[4 * N], parts[NV];
     vec u[NV] = {{0, -speed, 0}}, g[NV] = {{0, R(-2.6e-3), 0}};
     vec guess[NV], force[NV];
     sym wall[NV];
@@ -548,6 +543,7 @@ static int part_from(bool first, bool held, real speed, struct contact c[2],
                         .vertex = vertex,
                         .share = share,
                         .gave = gave,
+                        .rub = rub,
                         .guess = guess,
                         .parts = parts,
                         .force = force,
@@ -573,6 +569,90 @@ const char *test_penalty_parts(void)
     EXPECT(!c[1].held && gave[1] > 0 && c[1].impulse == 0);
     EXPECT(part_from(true, false, R(0.3), c, gave) == DRAPE_OK);
     EXPECT(c[1].held && c[1].impulse == 0);
+    ran(4);
+    return NULL;
+}
+
+/* The tangential force, N·s, on vertices 0 and 1 of two free ones that slide on
+ * a led edge and bear `load` of the contact's 1/100 N·s. */
+static int rub_from(bool first, real slide, bool pinned, const real load[2],
+                    real rub[2])
+{
+    struct lone s;
+    memset(&s, 0, sizeof s);
+    struct penalty p = {.nv = 4,
+                        .n = 1,
+                        .nv1 = 5,
+                        .n4 = 4,
+                        .w = s.w,
+                        .u = s.u,
+                        .g = s.g,
+                        .first = first,
+                        .stiffness = 1000,
+                        .give = R(1e-5),
+                        .dt = R(1.0) / 64,
+                        .tau = R(1.0) / 64,
+                        .slip = R(1e-3),
+                        .contact = &s.c,
+                        .start = s.start,
+                        .item = s.item,
+                        .vertex = s.vertex,
+                        .share = &s.share,
+                        .gave = &s.gave,
+                        .rub = s.rub,
+                        .guess = s.guess,
+                        .parts = s.parts,
+                        .force = s.force,
+                        .wall = s.wall,
+                        .hold = s.hold};
+    s.c = (struct contact){.v = {0, 1, 2, 3},
+                           .kind = CONTACT_EE,
+                           .held = CONTACT_MUTUAL,
+                           .c = {R(0.25), R(0.75), R(-0.5), R(-0.5)},
+                           .n = {0, 1, 0},
+                           .friction = R(0.5),
+                           .along = R(0.5),
+                           .slide = slide,
+                           .tangent = {slide > 0 ? 0 : R(-1.0), 0, 0}};
+    for (int i = 0; i < 2; i++) {
+        s.w[i] = i == 0 && pinned ? 0 : 100;
+        s.u[i] = vec_make(R(0.5), 0, 0);
+        s.g[i] = vec_make(0, load[i] / 100, 0);
+        /* the contact's own share of its hold: it alone bears the load */
+        real part = 100 * (s.c.c[0] + s.c.c[1]) / 100 * s.c.c[i];
+        s.hold[i].yy = part * s.c.along;
+    }
+    int status = ref_penalty(&p);
+    for (int i = 0; i < 2; i++)
+        rub[i] = s.force[i].x;
+    return status;
+}
+
+/* §2.4: friction goes to the vertices that bear the load, in proportion; by the
+ * weights in a first turn, where the contact sticks, where one of them is
+ * pinned, and where none bears anything. */
+const char *test_penalty_rub(void)
+{
+    const real loads[3][2] = {{R(0.5), R(0.5)}, {R(0.875), R(0.125)}, {1, -1}};
+    const real none[2] = {0, 0};
+    real r[2];
+    for (int k = 0; k < 3; k++) {
+        double part = k < 2 ? (double)loads[k][0] : 1;
+        EXPECT(rub_from(false, 0, false, loads[k], r) == DRAPE_OK);
+        double all = (double)r[0] + (double)r[1];
+        EXPECT(k == 2 || (all < -0.4 / 100 && all >= -0.5 / 100));
+        EXPECT(k == 2 || fabs((double)r[0] - part * all) <= 1e-6 * fabs(all));
+        EXPECT(k < 2 || all == 0 || fabs((double)r[1]) <= 1e-6 * fabs(all));
+        ran(1);
+    }
+    const real odd[2] = {R(0.875), R(0.125)};
+    EXPECT(rub_from(true, 0, false, odd, r) == DRAPE_OK);
+    EXPECT(fabs((double)r[1] - 3 * (double)r[0]) <= 1e-6 * fabs((double)r[1]));
+    EXPECT(rub_from(false, R(1e-4), false, odd, r) == DRAPE_OK && r[0] < 0);
+    EXPECT(fabs((double)r[1] - 3 * (double)r[0]) <= 1e-6 * fabs((double)r[1]));
+    EXPECT(rub_from(false, 0, true, odd, r) == DRAPE_OK && r[0] == 0);
+    EXPECT(rub_from(false, 0, false, none, r) == DRAPE_OK);
+    EXPECT(fabs((double)r[1] - 3 * (double)r[0]) <= 1e-6 * fabs((double)r[1]));
     ran(4);
     return NULL;
 }

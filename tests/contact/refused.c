@@ -45,6 +45,7 @@ static void make(struct gpu *g, struct penalty *p)
     p->item = copy_of(g, NULL, 4, sizeof *p->item);
     p->share = copy_of(g, NULL, 1, sizeof *p->share);
     p->gave = copy_of(g, NULL, 1, sizeof *p->gave);
+    p->rub = copy_of(g, NULL, 4, sizeof *p->rub);
     p->guess = copy_of(g, NULL, NV, sizeof *p->guess);
     p->parts = copy_of(g, NULL, NV, sizeof *p->parts);
     p->force = copy_of(g, NULL, NV, sizeof *p->force);
