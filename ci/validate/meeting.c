@@ -20,7 +20,7 @@ struct manner {
 static const struct manner manners[] = {
     {"baraff-witkin", DRAPE_BW, 1, 32, true},
     {"baraff-witkin with newton 8", DRAPE_BW, 8, 32, true},
-    {"bdf2", DRAPE_BDF2, 4, 32, false}};
+    {"bdf2", DRAPE_BDF2, 4, 32, true}};
 /* Every step whole, as the list of contacts is that of the last slice. */
 static const struct manner whole = {"", DRAPE_BW, 1, 1, false};
 enum { MANNERS = sizeof manners / sizeof *manners };
@@ -181,6 +181,7 @@ static void kept_begin(struct kept *k, const char *sheets, int bits,
     k->linear = kept_row(k->name[1], sheets, "linear momentum lost", 0, least);
     k->angular = kept_row(k->name[2], sheets, "angular momentum lost", 0, 0.01);
     k->energy.promised = k->linear.promised = how->promised;
+    k->angular.promised = how->newton > 1; /* momentum.md §3.4 */
 }
 
 static void kept_add(struct kept *k, double size, const struct meeting *m)

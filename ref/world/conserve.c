@@ -9,8 +9,7 @@
 #include "ref/world/state.h"
 #include "ref/world/tally.h"
 
-/* Whether nothing but cloths and gravity act on cloths. */
-static bool applies(const struct world *w)
+bool conserve_applies(const struct world *w)
 {
     int64_t pinned = 0;
     for (int k = 0; k < w->def.n_cloths; k++)
@@ -154,7 +153,7 @@ int conserve_momentum(struct world *w, int outcome)
 {
     struct conserve *c = &w->conserve;
     int n = w->def.n_cloths;
-    if (!applies(w))
+    if (!conserve_applies(w))
         return DRAPE_OK;
     int status = make_room(w);
     if (status == DRAPE_OK)

@@ -18,7 +18,10 @@ struct conserve {
     struct tally *whole; /* [2·n_cloths] likewise, of islands */
 };
 
-/* Changes the velocities v1 of a slice with this outcome. DRAPE_OK or negative.
+/* Whether nothing but cloths and gravity acts on cloths. */
+bool conserve_applies(const struct world *w);
+/* In such a scene changes the velocities v1 of a slice with this outcome.
+ * DRAPE_OK or negative.
  */
 int conserve_momentum(struct world *w, int outcome);
 

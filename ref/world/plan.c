@@ -92,6 +92,8 @@ int plan_rows(const struct world *w, drape_plan_row *row, int capacity)
          false},
         {"scratch", w->device, "sorts and scans of the device",
          "the reference needs none", ARENA_SCRATCH, true},
+        {"momentum", conserve_applies(w), "nothing but cloths and gravity acts",
+         p->implicit ? "obstacles, pins or wind act" : explicit_, 0, false},
         {"sleep", w->def.sleep, "a scene at rest is skipped", "sleep is off",
          ARENA_OTHER, true},
     };

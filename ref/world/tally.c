@@ -7,6 +7,9 @@
 
 /* §3.3: the least determinant of an inertia that is divided by its trace. */
 static const double THIN = 0x1p-16;
+/* §3.4: a slice that gains more than such a part of its energy is one that
+ * step.md §7.3 has to see. */
+static const double JUMP = 16;
 
 static void cross(const double a[3], const double b[3], double r[3])
 {
@@ -139,10 +142,13 @@ struct gain tally_gain(const struct tally *before, const struct tally *after,
     struct turning ought = turning_of(after, before->l);
     double lost =
         before->kinetic + before->elastic - after->kinetic - after->elastic;
-    double over = ought.energy - is.energy - fmax(0, lost);
+    double own = after->kinetic + after->elastic;
+    double more = ought.energy - is.energy - fmax(0, lost);
     double rest = fmax(0, after->kinetic - is.energy);
-    double part = factor_of(ought.energy, over - rest);
-    struct gain g = {.keep = rest > 0 ? factor_of(rest, over) : 1};
+    double part = factor_of(ought.energy, more - rest);
+    if (lost < 0 && -lost <= own / JUMP)
+        more -= lost;
+    struct gain g = {.keep = rest > 0 ? factor_of(rest, more) : 1};
     memcpy(g.centre, after->centre, sizeof g.centre);
     for (int i = 0; i < 3; i++) {
         g.dv[i] = (p[i] - g.keep * after->p[i]) / after->mass;
