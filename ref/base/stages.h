@@ -37,6 +37,6 @@
 #include "ref/solve/pcg.h"
 #include "ref/solve/product.h"
 #include "ref/world/kinematics.h"
-#include "ref/world/momentum.h"
+#include "ref/momentum/momentum.h"
 
 #endif

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Mass, momentum and inertia of bodies and of islands of them, on the host.
- * spec/world/momentum.md §3 */
+ * spec/momentum/momentum.md §3 */
 #ifndef REF_TALLY_H
 #define REF_TALLY_H
 
-#include "ref/world/momentum.h"
+#include "ref/momentum/momentum.h"
 
 /* Of a body or an island. */
 struct tally {

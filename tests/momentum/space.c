@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What cloths in empty space keep of their momentum. spec/world/momentum.md §3
+/* What cloths in empty space keep of their momentum. spec/momentum/momentum.md
+ * §3
  */
 #include <stdlib.h>
 

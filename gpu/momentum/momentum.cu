@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Sums mass and momentum, finds what touches, and turns bodies.
- * spec/world/momentum.md */
+ * spec/momentum/momentum.md */
 #include "gpu/base/sum.cuh"
 #include "gpu/base/unite.cuh"
 
 extern "C" {
-#include "ref/world/momentum.h"
+#include "ref/momentum/momentum.h"
 }
 
 /* Words of moments: its sums, then `at` and `speed`, and the ticket of

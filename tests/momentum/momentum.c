@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stages moments, islands and spin: generators and properties.
- * spec/world/momentum.md */
-#include "ref/world/momentum.h"
+ * spec/momentum/momentum.md */
+#include "ref/momentum/momentum.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Sums mass and momentum, finds what touches, and turns bodies.
- * spec/world/momentum.md */
-#include "ref/world/momentum.h"
+ * spec/momentum/momentum.md */
+#include "ref/momentum/momentum.h"
 
 #include "ref/base/sum.h"
 

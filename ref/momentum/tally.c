@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Mass, momentum and inertia of bodies and of islands of them, on the host.
- * spec/world/momentum.md §3 */
-#include "ref/world/tally.h"
+ * spec/momentum/momentum.md §3 */
+#include "ref/momentum/tally.h"
 
 #include <math.h>
 

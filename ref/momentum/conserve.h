@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Gives cloths in empty space the momentum back that a slice has lost, on
- * either backend. spec/world/momentum.md §3 */
+ * either backend. spec/momentum/momentum.md §3 */
 #ifndef REF_CONSERVE_H
 #define REF_CONSERVE_H
 

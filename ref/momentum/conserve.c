@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Gives cloths in empty space the momentum back that a slice has lost, on
- * either backend. spec/world/momentum.md §3 */
-#include "ref/world/conserve.h"
+ * either backend. spec/momentum/momentum.md §3 */
+#include "ref/momentum/conserve.h"
 
 #include <math.h>
 
 #include "ref/base/sum.h"
+#include "ref/momentum/tally.h"
 #include "ref/world/state.h"
-#include "ref/world/tally.h"
 
 bool conserve_applies(const struct world *w)
 {

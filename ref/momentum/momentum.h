@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stages moments, islands and spin: what bodies in empty space keep of their
- * momentum. spec/world/momentum.md */
+ * momentum. spec/momentum/momentum.md */
 #ifndef REF_MOMENTUM_H
 #define REF_MOMENTUM_H
 
