@@ -201,3 +201,37 @@ const char *test_space_past(void)
     }
     return NULL;
 }
+
+/* §3: wind gives momentum, and so does a pin: they take it from what is not
+ * simulated. */
+const char *test_space_held(void)
+{
+    static const drape_pin pin = {0, 0, -1};
+    static struct space s;
+    for (int k = 0; k < 2; k++) {
+        space_make(&s, 1, DRAPE_BW, k ? 9.81 : 0);
+        s.d.def.wind = (drape_wind){.velocity = {0, k ? 0 : 2, 0},
+                                    .density = k ? 0 : 1.25,
+                                    .drag = 1,
+                                    .lift = 0};
+        s.cloth[0].pins = k ? &pin : NULL;
+        s.cloth[0].n_pins = k;
+        s.w = slab_inner(&s.d.def, &s.arena);
+        EXPECT(s.w && conserve_applies(s.w) == false);
+        for (int step = 0; step < 8; step++)
+            EXPECT(step_advance(s.w, NULL) == DRAPE_OK);
+        double up = 0, mass = 0, time = 8 * s.d.def.dt;
+        for (int64_t i = 0; i < s.w->nc; i++) {
+            double m = s.w->w[i] > 0 ? 1 / (double)s.w->w[i] : 0;
+            up += m * (double)s.w->v0[i].y;
+            mass += m;
+        }
+        /* ½ ρ v² on a plate; what hangs falls less than freely */
+        double thrust = 0.5 * 1.25 * 4 * 0.0625 * time;
+        EXPECT(k || (up > 0.5 * thrust && up < thrust));
+        EXPECT(!k || up > -0.99 * mass * 9.81 * time);
+        arena_free(&s.arena);
+        ran(1);
+    }
+    return NULL;
+}
