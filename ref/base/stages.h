@@ -37,6 +37,7 @@
 #include "ref/solve/pcg.h"
 #include "ref/solve/product.h"
 #include "ref/world/kinematics.h"
+
 #include "ref/momentum/momentum.h"
 
 #endif
