@@ -396,7 +396,8 @@ struct lone {
     int32_t start[5], item[4], vertex[4];
 };
 
-static void make_lone(struct bytes *b, struct lone *s)
+/* Zeros all, and gives the stage its streams. */
+static void clear_lone(struct lone *s)
 {
     memset(s, 0, sizeof *s);
     struct penalty p = {.nv = 4, .n = 1, .nv1 = 5, .n4 = 4};
@@ -416,12 +417,18 @@ static void make_lone(struct bytes *b, struct lone *s)
     p.force = s->force;
     p.hold = s->hold;
     p.wall = s->wall;
-    p.stiffness = pick_uniform(b, 10, 1000);
-    p.give = pick_uniform(b, R(1e-6), R(1e-3));
-    p.dt = R(1.0) / (real)(30 << pick(b, 5));
-    p.tau = pick(b, 2) ? p.dt : p.dt * R(2.0) / 3;
     p.slip = R(1e-3);
     s->p = p;
+}
+
+static void make_lone(struct bytes *b, struct lone *s)
+{
+    clear_lone(s);
+    struct penalty *p = &s->p;
+    p->stiffness = pick_uniform(b, 10, 1000);
+    p->give = pick_uniform(b, R(1e-6), R(1e-3));
+    p->dt = R(1.0) / (real)(30 << pick(b, 5));
+    p->tau = pick(b, 2) ? p->dt : p->dt * R(2.0) / 3;
     s->w[0] = pick_uniform(b, 100, 10000);
     s->u[0] = pick_vec(b, 1);
     vec n = vec_make(pick_uniform(b, -1, 1), pick_uniform(b, -1, 1), 1);
@@ -579,32 +586,11 @@ static int rub_from(bool first, real slide, bool pinned, const real load[2],
                     real rub[2])
 {
     struct lone s;
-    memset(&s, 0, sizeof s);
-    struct penalty p = {.nv = 4,
-                        .n = 1,
-                        .nv1 = 5,
-                        .n4 = 4,
-                        .w = s.w,
-                        .u = s.u,
-                        .g = s.g,
-                        .first = first,
-                        .stiffness = 1000,
-                        .give = R(1e-5),
-                        .dt = R(1.0) / 64,
-                        .tau = R(1.0) / 64,
-                        .slip = R(1e-3),
-                        .contact = &s.c,
-                        .start = s.start,
-                        .item = s.item,
-                        .vertex = s.vertex,
-                        .share = &s.share,
-                        .gave = &s.gave,
-                        .rub = s.rub,
-                        .guess = s.guess,
-                        .parts = s.parts,
-                        .force = s.force,
-                        .wall = s.wall,
-                        .hold = s.hold};
+    clear_lone(&s);
+    s.p.first = first;
+    s.p.stiffness = 1000;
+    s.p.give = R(1e-5);
+    s.p.dt = s.p.tau = R(1.0) / 64;
     s.c = (struct contact){.v = {0, 1, 2, 3},
                            .kind = CONTACT_EE,
                            .held = CONTACT_MUTUAL,
@@ -622,7 +608,7 @@ static int rub_from(bool first, real slide, bool pinned, const real load[2],
         real part = 100 * (s.c.c[0] + s.c.c[1]) / 100 * s.c.c[i];
         s.hold[i].yy = part * s.c.along;
     }
-    int status = ref_penalty(&p);
+    int status = ref_penalty(&s.p);
     for (int i = 0; i < 2; i++)
         rub[i] = s.force[i].x;
     return status;

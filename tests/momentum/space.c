@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What cloths in empty space keep of their momentum. spec/momentum/momentum.md
- * §3
- */
-#include <stdlib.h>
-
+/* What cloths in empty space keep of their momentum.
+ * spec/momentum/momentum.md §3 */
 #include "ref/world/state.h"
 #include "ref/world/step.h"
 #include "tests/world/slab.h"

@@ -3,7 +3,6 @@
  * spec/momentum/momentum.md §3 */
 #include "ref/momentum/tally.h"
 
-#include "ref/base/sum.h"
 #include "tests/base/choices.h"
 #include "tests/cloth/sheet.h"
 
