@@ -48,7 +48,7 @@ CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
 # -O1: what is slow in emulated kernels is to change threads. C++14, as after
 # it math.h alone takes as long to compile as a file of kernels. What C's
 # functions return is incomplete in files that do not call them: clang warns.
-EMU     = $(CXX) -x c++ -std=gnu++14 $(OPT:-O2=-O1) -Wall -Wextra $(WERROR) \
+EMU     = $(CXX) -x c++ -std=gnu++17 $(OPT:-O2=-O1) -Wall -Wextra $(WERROR) \
           -Wno-return-type-c-linkage $(MODEL) -I. -Ispec -I$(BUILD) -MMD -MP -fPIC
 
 # FCL's headers want Eigen's.
@@ -68,7 +68,7 @@ HAS_ORACLE := $(call has,$(ORACLE_H))
 
 # Compiled once, whatever the precision: API and ONCE.
 API    := $(addprefix ref/api/,bodies.c control.c defaults.c define.c \
-          drape.c frames.c query.c record.c record_body.c \
+          drape.c frames.c many.c query.c record.c record_body.c \
           replay.c) \
           $(addprefix ref/base/,arena.c threads.c threads_clang.c)
 # The GPU part is built where nvcc and a device are, or by GPU=yes.
@@ -78,10 +78,10 @@ REF    := $(sort $(filter-out $(API),$(wildcard ref/*/*.c)))
 ONCE   := $(addprefix tests/base/,check.c case.c certify.c choices.c device.c \
           tally.c)
 TWICE  := $(sort $(filter-out $(ONCE) tests/whole/%,$(wildcard tests/*/*.c)))
-# Kernels; but for memory.cu, merge.cu and words.cu, these are CUDA's own, which
+# Kernels; but for those that EMU_O names too, these are CUDA's own, which
 # emulate*.cpp replace.
-DEVICE := gpu/compare/blas.cu $(addprefix gpu/run/,device.cu loop.cu memory.cu \
-          merge.cu branch.cu prim.cu stream.cu words.cu)
+DEVICE := gpu/compare/blas.cu $(addprefix gpu/run/,batch.cu copies.cu device.cu kernel.cu \
+          loop.cu memory.cu merge.cu branch.cu prim.cu stream.cu words.cu)
 KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
@@ -102,9 +102,9 @@ APP_O  := $(call obj,$(APP),)
 ROOT   ?= $(BUILD)
 EMU_IN ?= $(BUILD)
 EMU_O  := $(patsubst $(BUILD)/%,$(EMU_IN)/%,$(call obj,$(KERNEL),.32) \
-          $(call obj,$(KERNEL),.64) $(addprefix $(BUILD)/gpu/run/,emulate.o \
-          emulate_prim.o emulate_stream.o emulate_threads.o memory.o merge.o \
-          words.o) \
+          $(call obj,$(KERNEL),.64) $(addprefix $(BUILD)/gpu/run/,batch.o copies.o \
+          emulate.o emulate_prim.o emulate_stream.o emulate_threads.o memory.o \
+          merge.o words.o) \
           $(BUILD)/gpu/compare/emulate_blas.o)
 CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(call obj,$(DEVICE),))

@@ -416,6 +416,19 @@ void drape_destroy(drape_world *world);
  * succeed. DRAPE_EDATA: a motion leads beyond 2^60. DRAPE_EDEVICE. After an
  * error the state is that before the step. */
 int drape_step(drape_world *world, drape_step_report *report);
+/* Advances n ≥ 0 worlds by up to `steps` ≥ 0 steps each; each is listed once. A
+ * world stops at a step that fails, or, with reports, that diverges; the others
+ * go on. Every world has the bits that it has alone. Small worlds on a device
+ * are advanced together: what several of them launch is one launch (gpu.md
+ * §11). The others are stepped side by side. threads: of the host, at most 64;
+ * 0: one a processor; the functions that worlds were given are called from all
+ * of them. report: [n][steps], those of steps that were not made are zeros; or
+ * NULL, which is faster. status: [n] what the last drape_step of each world
+ * returned, or NULL. Returns DRAPE_OK, or the first status that is not; or
+ * DRAPE_EARG (a number is negative, or a world is NULL or listed twice) or
+ * DRAPE_ENOMEM, and nothing is done. */
+int drape_step_many(drape_world *const *world, int n, int steps, int threads,
+                    drape_step_report *report, int *status);
 
 /* Return the number of vertices and of triangles of a scene. The vertices of
  * the cloths come first, in the definition's order, then those of the

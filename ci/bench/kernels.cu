@@ -24,8 +24,7 @@ enum { LOOSE_BLOCKS = 132 * 8 };
 
 /* Each thread sums its items, each warp the sums of its threads, and atomic
  * additions the sums of the warps, in no fixed order. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    loose_kernel(struct dot s, int64_t *word)
+KERNEL loose_kernel(const struct dot &s, int64_t *word)
 {
     int64_t first = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x;
     real sum = 0;

@@ -33,7 +33,7 @@ typedef int visit(struct one *w, int steps);
 struct many {
     int worlds, steps, warm, cells[2];
     int threads[WAYS], ways; /* the first is one after another */
-    int backend, integrator, precond, ranks, hosted;
+    int backend, integrator, precond, ranks, hosted, together;
     struct one *one;
     visit *what; /* of the way that runs now */
     int count, next, failed;
@@ -162,6 +162,24 @@ static double each(struct many *m, int threads, visit *what, int steps)
     return seconds;
 }
 
+/* Advances all worlds together, with so many threads, and returns how long that
+ * took, s. */
+static double all_at_once(struct many *m, int threads, int steps)
+{
+    drape_world **world = bench_take((size_t)m->worlds, sizeof *world);
+    for (int k = 0; k < m->worlds; k++)
+        world[k] = m->one[k].world;
+    double start = now();
+    int status = drape_step_many(world, m->worlds, steps, threads, NULL, NULL);
+    double seconds = now() - start;
+    free(world);
+    if (status != DRAPE_OK) {
+        fprintf(stderr, "many: %s\n", drape_status_text(status));
+        exit(1);
+    }
+    return seconds;
+}
+
 static void tune(const struct many *m, drape_world *world)
 {
 #ifdef MANY_GPU
@@ -223,9 +241,12 @@ static void prepare(struct many *m)
     double made = now();
     each(m, 8, advance, m->warm);
     each(m, 8, keep, 0);
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 3; k++) {
         each(m, 8, restore, 0);
-        each(m, 8, advance, m->steps);
+        if (k == 2 && m->together)
+            all_at_once(m, m->together, m->steps);
+        else
+            each(m, 8, advance, m->steps);
     }
     for (int k = 0; k < m->worlds; k++)
         if (drape_count(m->one[k].world, &memory) != DRAPE_OK)
@@ -247,10 +268,12 @@ static int measure(struct many *m)
     uint64_t *first = bench_take((size_t)m->worlds, sizeof *first);
     double alone = 0;
     int all = 0;
-    for (int way = 0; way < m->ways; way++) {
-        int different = 0, threads = m->threads[way];
+    for (int way = 0; way < m->ways + (m->together > 0); way++) {
+        bool together = way == m->ways;
+        int different = 0, threads = together ? m->together : m->threads[way];
         each(m, 8, restore, 0);
-        double seconds = each(m, threads, advance, m->steps);
+        double seconds = together ? all_at_once(m, threads, m->steps)
+                                  : each(m, threads, advance, m->steps);
         each(m, 8, digest, 0);
         for (int k = 0; k < m->worlds; k++) {
             if (!way)
@@ -259,7 +282,10 @@ static int measure(struct many *m)
         }
         alone = way ? alone : seconds;
         printf("%s,%d,%d,%d,%.3f,%.1f,%.2f,%s\n",
-               threads > 1 ? "side by side" : "one after another", threads,
+               together      ? "together"
+               : threads > 1 ? "side by side"
+                             : "one after another",
+               threads,
                m->worlds, m->steps, seconds, m->worlds * m->steps / seconds,
                alone / seconds, different ? "different" : "same");
         fflush(stdout);
@@ -282,6 +308,7 @@ static void help(void)
          "                      1,2,4,8,16,32,64\n"
          "  --integrator N      enum drape_integrator: Baraff-Witkin\n"
          "  --precond N         enum drape_precond: multigrid\n"
+         "  --together N        last, all by drape_step_many with N threads\n"
          "  --ranks N           at most so many blocks in a cluster; 0: the "
          "device's\n"
          "  --hosted 1          the host ends the loops of solves");
@@ -310,6 +337,7 @@ static bool option(struct many *m, const char *name, const char *value)
                {"--warm", &m->warm},
                {"--ranks", &m->ranks},
                {"--hosted", &m->hosted},
+               {"--together", &m->together},
                {"--precond", &m->precond},
                {"--integrator", &m->integrator},
                {"--backend", &m->backend}};

@@ -13,33 +13,14 @@ enum { WARP = 32 };
 
 /* LAUNCH_RANKS(g, ranks, threads, bytes, kernel, arguments…) launches one
  * cluster of ranks ≤ g->ranks blocks; each has `bytes` ≤ g->room of shared
- * memory, cluster_shared(). LAUNCH_CLUSTER takes as many as there may be.
- * LAUNCH_CLUSTERS launches several clusters, whose number is blockIdx.y. */
+ * memory, cluster_shared(). LAUNCH_CLUSTER takes as many as there may be. */
 #define LAUNCH_CLUSTER(g, threads, bytes, kernel, ...)                         \
     LAUNCH_RANKS(g, (g)->ranks, threads, bytes, kernel, __VA_ARGS__)
 #define LAUNCH_RANKS(g, ranks, threads, bytes, kernel, ...)                    \
-    LAUNCH_CLUSTERS(g, 1, ranks, threads, bytes, kernel, __VA_ARGS__)
+    launch_kernel<&kernel, (threads), 1>(g, shape_of_ranks(ranks, threads, bytes),    \
+                                  __VA_ARGS__)
 
 #ifdef __CUDACC__
-#define LAUNCH_CLUSTERS(g, clusters, ranks_, threads, bytes, kernel, ...)      \
-    do {                                                                       \
-        cudaLaunchAttribute cluster_ = {};                                     \
-        cluster_.id = cudaLaunchAttributeClusterDimension;                     \
-        cluster_.val.clusterDim = {(unsigned)(ranks_), 1, 1};                  \
-        cudaLaunchConfig_t config_ = {};                                       \
-        config_.gridDim = {(unsigned)(ranks_), (unsigned)(clusters), 1};       \
-        config_.blockDim = {(unsigned)(threads), 1, 1};                        \
-        config_.dynamicSmemBytes = (size_t)(bytes);                            \
-        config_.attrs = &cluster_;                                             \
-        config_.numAttrs = (ranks_) > 1 ? 1 : 0;                               \
-        config_.stream = (g)->stream;                                          \
-        if (!(g)->failed)                                                      \
-            gpu_note((g), gpu_allow_cluster((g), (const void *)(kernel),       \
-                                            (bytes) > 0));                     \
-        if (!(g)->failed)                                                      \
-            gpu_note((g), cudaLaunchKernelEx(&config_, kernel, __VA_ARGS__));  \
-    } while (0)
-
 static __device__ inline int group_rank(void)
 {
     return (int)blockIdx.x;
@@ -149,15 +130,6 @@ template <int LEFT> static __device__ inline void copies_end(void)
 }
 
 #else /* emulated, the ranks are parts of one block, gpu/run/emulate.h */
-
-#define LAUNCH_CLUSTERS(g, clusters, ranks, threads, bytes, kernel, ...)       \
-    do {                                                                       \
-        int ranks_ = (bytes) > (g)->room ? 0 : (ranks);                        \
-        int threads_ = (int)(threads);                                         \
-        auto call_ = emulate_bind(kernel, __VA_ARGS__);                        \
-        if (!(g)->failed)                                                      \
-            emulate_cluster(ranks_, clusters, threads_, call_);                \
-    } while (0)
 
 static inline int group_ranks(void)
 {

@@ -9,23 +9,21 @@
 
 /* LAUNCH_COOPERATIVE(g, each, threads, kernel, arguments…) launches `each`
  * blocks for every multiprocessor, which must be able to hold them at once. */
+#define LAUNCH_COOPERATIVE(g, each, threads, kernel, ...)                      \
+    launch_kernel<&kernel, (threads), (each)>(g, shape_of_grid(g, each, threads),     \
+                                       __VA_ARGS__)
+
+/* Returns up to how many items one cluster takes and not the whole device, of
+ * which each rank takes `each`. A batch has few ranks, and the device is busy
+ * with other worlds. */
+static inline int64_t in_ranks(const struct gpu *g, int64_t each)
+{
+    enum { PATIENT = 64 };
+    return (g->together ? PATIENT : 1) * (int64_t)g->ranks * each;
+}
+
 #ifdef __CUDACC__
 #include <cooperative_groups.h>
-
-#define LAUNCH_COOPERATIVE(g, each, threads, kernel, ...)                      \
-    do {                                                                       \
-        cudaLaunchAttribute together_ = {};                                    \
-        together_.id = cudaLaunchAttributeCooperative;                         \
-        together_.val.cooperative = 1;                                         \
-        cudaLaunchConfig_t config_ = {};                                       \
-        config_.gridDim = {(unsigned)((g)->multiprocessors * (each)), 1, 1};   \
-        config_.blockDim = {(unsigned)(threads), 1, 1};                        \
-        config_.attrs = &together_;                                            \
-        config_.numAttrs = 1;                                                  \
-        config_.stream = (g)->stream;                                          \
-        if (!(g)->failed)                                                      \
-            gpu_note((g), cudaLaunchKernelEx(&config_, kernel, __VA_ARGS__));  \
-    } while (0)
 
 static __device__ inline void grid_sync(void)
 {
@@ -33,12 +31,6 @@ static __device__ inline void grid_sync(void)
 }
 
 #else
-
-#define LAUNCH_COOPERATIVE(g, each, threads, kernel, ...)                      \
-    do {                                                                       \
-        (void)(each);                                                          \
-        LAUNCH_CLUSTER(g, threads, 0, kernel, __VA_ARGS__);                    \
-    } while (0)
 
 static inline void grid_sync(void)
 {

@@ -8,8 +8,7 @@
 enum { VALUE, TICKET };
 
 /* Block k owns chunk k; the block that ends last writes the sum. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    sum_kernel(struct sum s, int64_t *words)
+KERNEL sum_kernel(const struct sum &s, int64_t *words)
 {
     int64_t item = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x;
     real value = item < s.n ? s.a[item] : 0, sum;
@@ -19,8 +18,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
         *(real *)(words + VALUE) = sum;
 }
 
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    dot_kernel(struct dot s, int64_t *words)
+KERNEL dot_kernel(const struct dot &s, int64_t *words)
 {
     int64_t item = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x;
     real value = item < s.n ? dot(s.a[item], s.b[item]) : 0, sum;

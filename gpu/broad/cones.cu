@@ -194,8 +194,7 @@ static __device__ uint8_t joined(const uint8_t *bit)
 
 /* Each thread owns nodes of level l in a grid-stride loop and writes their
  * tangents. The level below must be complete. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    cones_level_kernel(struct cones s, int l)
+KERNEL cones_level_kernel(const struct cones &s, int l)
 {
     EACH_NODE(a, s.tree, 1, l)
     fit(&s, l, a);
@@ -204,8 +203,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 /* Each thread owns a bit of nodes of level l in a grid-stride loop; the first
  * threads of a block write the nodes' `clear`. The tangents of all levels and
  * `clear` of the level above must be complete. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    cones_mark_kernel(struct cones s, int l)
+KERNEL cones_mark_kernel(const struct cones &s, int l)
 {
     enum { NODES = GPU_BLOCK / (int)BITS };
     __shared__ uint8_t bit[GPU_BLOCK];
@@ -247,8 +245,7 @@ static __device__ void mark_top(const struct cones *s, int l, bool whole)
 
 /* One thread-block cluster computes the tangents of level l and above, then
  * their bits. */
-static __global__ void __launch_bounds__(TOP_BLOCK)
-    cones_top_kernel(struct cones s, int l)
+KERNEL cones_top_kernel(const struct cones &s, int l)
 {
     for (int k = l; k < s.tree.levels; k++) {
         EACH_NODE(a, s.tree, 1, k)

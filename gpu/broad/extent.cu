@@ -62,8 +62,7 @@ static __device__ struct whole block_join(struct whole mine)
 
 /* Block PARTS k + p owns every PARTS-th run of particles of grid k and writes
  * their bounds to its part. */
-static __global__ void __launch_bounds__(EXTENT_BLOCK)
-    extent_parts_kernel(struct extent s, struct whole *part, int64_t *bad)
+KERNEL extent_parts_kernel(const struct extent &s, struct whole *part, int64_t *bad)
 {
     const struct tree_grid *g = &s.grid[blockIdx.x / PARTS];
     struct whole w = nothing();
@@ -85,8 +84,7 @@ static __device__ vec plus(vec a)
 }
 
 /* Block k joins the parts of grid k and writes whole[k]. */
-static __global__ void __launch_bounds__(EXTENT_BLOCK)
-    extent_kernel(struct whole *whole, const struct whole *part)
+KERNEL extent_kernel(struct whole *whole, const struct whole *part)
 {
     struct whole w = block_join(part[blockIdx.x * PARTS + threadIdx.x]);
     if (threadIdx.x != 0)

@@ -118,8 +118,7 @@ static __device__ uint32_t mask_of(const struct features *s, real reach,
  * numbers of candidates: sum[k] vertex-face, sum[blocks + k] edge-edge. The
  * block that ends last scans the sums into the places where each block begins
  * to write. */
-static __global__ void __launch_bounds__(BVTT_BLOCK)
-    features_test_kernel(struct features s, real reach, int64_t *word)
+KERNEL features_test_kernel(const struct features &s, real reach, int64_t *word)
 {
     int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
     uint32_t mask = 0, total;
@@ -184,8 +183,7 @@ static __device__ struct quad vertices(const struct corners &f,
 /* Block k owns the same triangle pairs and writes their candidates at its two
  * places. One scan went over both halves of sum, so all edge-edge candidates
  * come after all vertex-face candidates. */
-static __global__ void __launch_bounds__(BVTT_BLOCK)
-    features_emit_kernel(struct features s, const int64_t *word)
+KERNEL features_emit_kernel(const struct features &s, const int64_t *word)
 {
     if (!word[WORD_DONE])
         return;

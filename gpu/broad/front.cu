@@ -164,8 +164,7 @@ static __device__ int64_t settle(const struct front *s, struct pass *p)
 }
 
 template <int BLOCKS, bool GRID>
-static __global__ void PASSES_BOUNDS(BLOCKS)
-    front_kernel(const __grid_constant__ struct front s, struct pass p)
+KERNEL front_kernel(const struct front &s, struct pass p)
 {
     EACH_PAIR(k, p.n)
     climb(&s, &p, k);

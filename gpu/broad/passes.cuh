@@ -28,7 +28,7 @@ enum { SMALL_BLOCKS = 2, LARGE_BLOCK = BVTT_BLOCK };
     do {                                                                       \
         int64_t items_ = (n);                                                  \
         int most_ = ranks_for(items_, LEAST_ITEMS, (g)->ranks);                \
-        if (items_ <= (int64_t)(g)->ranks * RANK_ITEMS)                        \
+        if (items_ <= in_ranks(g, RANK_ITEMS))                                 \
             LAUNCH_RANKS(g, most_, LARGE_BLOCK, 0, (kernel<1, false>),         \
                          __VA_ARGS__);                                         \
         else if (items_ <= (int64_t)(g)->multiprocessors * LARGE_ITEMS)        \
@@ -38,10 +38,6 @@ enum { SMALL_BLOCKS = 2, LARGE_BLOCK = BVTT_BLOCK };
             LAUNCH_COOPERATIVE(g, SMALL_BLOCKS, BVTT_BLOCK,                    \
                                (kernel<SMALL_BLOCKS, true>), __VA_ARGS__);     \
     } while (0)
-
-/* The launch bounds of a kernel of LAUNCH_PASSES. */
-#define PASSES_BOUNDS(blocks)                                                  \
-    __launch_bounds__((blocks) > 1 ? (int)BVTT_BLOCK : (int)LARGE_BLOCK, blocks)
 
 /* A stream is processed in tiles of BVTT_BLOCK items, one tile by one block at
  * a time. Of each tile: the number of its outputs, and the place in the output

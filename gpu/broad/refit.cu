@@ -12,8 +12,7 @@ struct fit {
 };
 
 /* Thread k owns vertex k and sets REFIT_BAD to 1 if a position is bad. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    refit_check_kernel(struct refit s, int64_t *word)
+KERNEL refit_check_kernel(const struct refit &s, int64_t *word)
 {
     ITEM(k, s.nv);
     if ((s.n_moved == 0 || s.moved[k]) && (!sane(s.x0[k]) || !sane(s.x1[k])))
@@ -90,16 +89,14 @@ static __device__ void fit_level(const struct fit *f, int l)
         word_add(&f->word[REFIT_MADE], total);
 }
 
-static __global__ void __launch_bounds__(BVTT_BLOCK)
-    refit_level_kernel(struct fit f, int l)
+KERNEL refit_level_kernel(const struct fit &f, int l)
 {
     if (!f.word[REFIT_BAD])
         fit_level(&f, l);
 }
 
 /* One block refits level l and all levels above, one after another. */
-static __global__ void __launch_bounds__(BVTT_BLOCK)
-    refit_top_kernel(struct fit f, int l)
+KERNEL refit_top_kernel(const struct fit &f, int l)
 {
     for (; l < f.s.tree.levels && !f.word[REFIT_BAD]; l++) {
         fit_level(&f, l);

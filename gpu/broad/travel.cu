@@ -39,8 +39,7 @@ static __device__ real relative_motion(const struct travel *s, int64_t k,
 
 /* Thread k owns candidate k and reads its vertices at both ends. Each block
  * makes one atomic maximum; the order does not matter. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    travel_kernel(struct travel s, int64_t *words)
+KERNEL travel_kernel(const struct travel &s, int64_t *words)
 {
     int64_t k = (int64_t)blockIdx.x * GPU_BLOCK + threadIdx.x;
     block_largest(&words[MOST],

@@ -237,9 +237,7 @@ static __device__ int64_t go_down(const struct walk *s, struct pass *p,
 
 /* Runs the descent of §1, then the triangles of §2. */
 template <int BLOCKS, bool GRID>
-static __global__ void PASSES_BOUNDS(BLOCKS)
-    walk_kernel(const __grid_constant__ struct walk s, struct pass p,
-                real reach)
+KERNEL walk_kernel(const struct walk &s, struct pass p, real reach)
 {
     enum { SHARE = BLOCKS > 1 ? 1 : FOURS };
     int64_t visited = 0, triangles = 0;

@@ -4,8 +4,7 @@
 #include "gpu/cloth/advance.cuh"
 
 /* Thread p owns particle p in every stream. Any order. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    advance_kernel(struct advance s)
+KERNEL advance_kernel(const struct advance &s)
 {
     ITEM(p, s.count);
     advance_particle(&s, p, s.force[p], s.at);

@@ -69,8 +69,7 @@ static __device__ sym whole_block(const struct parts *s)
  * ends of its forward springs. The thread block collects the blocks of one
  * direction in shared memory, so that the writes are coalesced. rate: NULL if
  * no rates are wanted. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    blocks_kernel(struct blocks a, int64_t pitch, struct rate *rate)
+KERNEL blocks_kernel(const struct blocks &a, int64_t pitch, struct rate *rate)
 {
     __shared__ sym s[GPU_BLOCK];
     int t = (int)threadIdx.x, base = (int)blockIdx.x * GPU_BLOCK, p = base + t;

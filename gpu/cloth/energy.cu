@@ -51,8 +51,7 @@ static __device__ real elastic(const struct energy *s, int p)
 /* Block k owns chunk k, one thread for each particle. The block that ends last
  * writes the three sums over all chunks to word[0 … 2]; word[KINDS] counts the
  * blocks that have ended. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    energy_kernel(struct energy a, int64_t *word)
+KERNEL energy_kernel(const struct energy &a, int64_t *word)
 {
     int p = (int)blockIdx.x * SUM_CHUNK + (int)threadIdx.x;
     real value[KINDS] = {0, 0, 0}, sum[KINDS];

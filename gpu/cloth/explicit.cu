@@ -251,13 +251,13 @@ static void queue_rest(struct walk_on *w, int32_t substeps)
 }
 
 /* One thread sets the number of iterations left. */
-static __global__ void turns_kernel(int32_t *left, int32_t turns)
+KERNEL turns_kernel(int32_t *left, int32_t turns)
 {
     *left = turns;
 }
 
 /* One thread counts one iteration as done. */
-static __global__ void turn_kernel(int32_t *left)
+KERNEL turn_kernel(int32_t *left)
 {
     *left = *left - 1;
 }

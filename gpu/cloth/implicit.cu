@@ -24,8 +24,7 @@ static __device__ real drift(real x, real past)
 }
 
 /* Thread k owns coordinate k of 3·count in every stream. Any order. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    predict_kernel(struct predict s)
+KERNEL predict_kernel(const struct predict &s)
 {
     ITEM(k, 3 * s.count);
     uint8_t fixed = s.fixed[(uint32_t)k / 3];
@@ -45,8 +44,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 }
 
 /* Thread k owns coordinate k of 3·count in every stream. Any order. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    update_kernel(struct update s)
+KERNEL update_kernel(const struct update &s)
 {
     ITEM(k, 3 * s.count);
     uint8_t fixed = s.fixed[(uint32_t)k / 3];
@@ -81,7 +79,7 @@ static __device__ vec pull(const sym *block, vec here, vec other)
 
 /* Thread p owns particle p: reads q and the blocks of p's springs, writes b[p].
  * §2: for each direction the forward, then the backward spring. */
-static __global__ void __launch_bounds__(GPU_BLOCK) rhs_kernel(struct rhs s)
+KERNEL rhs_kernel(const struct rhs &s)
 {
     ITEM(k, s.count);
     int32_t p = (int32_t)k, j = p / s.m, i = p - j * s.m;
@@ -108,8 +106,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK) rhs_kernel(struct rhs s)
 
 /* Thread k owns coordinate k of 3·count in every stream, and reads the mass of
  * its particle. Any order. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    imbalance_kernel(struct imbalance s)
+KERNEL imbalance_kernel(const struct imbalance &s)
 {
     ITEM(k, 3 * s.count);
     uint32_t p = (uint32_t)k / 3;
@@ -129,8 +126,7 @@ static __device__ bool same(vec a, vec b)
 }
 
 /* Thread p owns particle p in every stream. Any order. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    history_kernel(struct history s)
+KERNEL history_kernel(const struct history &s)
 {
     ITEM(p, s.count);
     vec x = s.x[p], v = s.v[p], v1 = s.v1[p], xp = s.x0[p], vp = s.v0[p];

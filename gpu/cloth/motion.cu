@@ -115,9 +115,11 @@ static int go_solve(void *on)
     p->b = d->b;
     p->dv = d->dv;
     p->tolerance = d->asked;
-    gpu_clock_start(g);
+    if (!g->together)
+        gpu_clock_start(g);
     int status = gpu_pcg_by_rates(g, p, rates{s->device->rate, d->at});
-    s->solver.seconds += gpu_clock_stop(g);
+    if (!g->together) /* else it is the time of many */
+        s->solver.seconds += gpu_clock_stop(g);
     d->iterations += p->iterations;
     d->residual = (double)p->residual;
     if (status == DRAPE_OK && p->outcome != PCG_CONVERGED)

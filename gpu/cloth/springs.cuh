@@ -173,8 +173,7 @@ static __device__ vec tile_force(const struct tile<HIGH> *a, bool triples,
  * if the tile has that particle, and hands its force to `to`. All threads
  * compute pulls. `to` must not write x or v, which other blocks still read. */
 template <int HIGH, int THREADS, class To>
-static __global__ void __launch_bounds__(THREADS)
-    springs_kernel(struct springs s, int across, To to)
+KERNEL springs_kernel(const struct springs &s, int across, const To &to)
 {
     __shared__ struct tile<HIGH> a;
     int t = (int)threadIdx.x, block = (int)blockIdx.x;

@@ -50,8 +50,7 @@ static __device__ void fill_cell(const struct wind *s, int i, int j,
 /* Thread t of a block computes cells t and t + 256 of its CELLS, then owns
  * particle (t % WIDE, t / WIDE) and writes the particle's force. §2: the cells
  * around a particle in ascending order. */
-static __global__ void __launch_bounds__(WIDE *HIGH)
-    wind_kernel(struct wind s, int across)
+KERNEL wind_kernel(const struct wind &s, int across)
 {
     __shared__ vec part[CELLS][2];
     int t = (int)threadIdx.x, block = (int)blockIdx.x;

@@ -10,8 +10,7 @@
  * TwoSum. */
 
 /* Thread k owns r[k]; reads dv and low of the neighbours. §2 */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    cublas_residual_kernel(struct pcg s)
+KERNEL cublas_residual_kernel(const struct pcg &s)
 {
     ITEM(k, s.count);
     struct residual a = {.m = s.m,
@@ -31,8 +30,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 }
 
 /* Thread k owns s[k] = M⁻¹r by Jacobi. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    cublas_jacobi_kernel(struct pcg s)
+KERNEL cublas_jacobi_kernel(const struct pcg &s)
 {
     ITEM(k, s.count);
     s.s[k] = solved(s.factor[k], s.r[k]);
@@ -40,16 +38,14 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* Thread k owns particle k: the first smoothing of multigrid's cycle from r[k].
  */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    cublas_open_kernel(struct opening o, int64_t count, const vec *r)
+KERNEL cublas_open_kernel(const struct opening &o, int64_t count, const vec *r)
 {
     ITEM(k, count);
     open_at(&o, (int)k, r[k]);
 }
 
 /* Thread k owns dv[k] and low[k]. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    cublas_advance_kernel(struct pcg s, real alpha)
+KERNEL cublas_advance_kernel(const struct pcg &s, real alpha)
 {
     ITEM(k, s.count);
     if (!s.fixed[k])
@@ -74,8 +70,7 @@ static __device__ void arrive(const struct filtered *e, struct place at,
     e->q[at.p] = fixed ? make(0, 0, 0) : y;
 }
 
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    cublas_product_kernel(struct product a, struct cdf d, struct filtered e)
+KERNEL cublas_product_kernel(const struct product &a, const struct cdf &d, const struct filtered &e)
 {
     ITEM(k, a.count);
     struct place at = place_of(grid{a.m, a.n}, k);

@@ -72,8 +72,7 @@ static __device__ void solve_normal(struct mass_splitting &m, int64_t n,
 }
 
 template <bool GRID>
-static __global__ void __launch_bounds__(GROUP_THREADS)
-    contacts_kernel(struct mass_splitting m, const int64_t *words)
+KERNEL contacts_kernel(struct mass_splitting m, const int64_t *words)
 {
     int64_t n = words[INCIDENCE_BAD] ? 0 : m.s.n;
     int64_t touched = words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
@@ -114,7 +113,7 @@ int gpu_contacts(struct gpu *g, struct contacts *s)
                                             sizeof *m.pushed);
     gpu_clear(g, m.pushed, (size_t)s->n4 * sizeof *m.pushed);
     gpu_clear(g, s->vertex_awake, (size_t)s->nv);
-    if (s->n < (int64_t)g->ranks * RANK_CONTACTS)
+    if (s->n < in_ranks(g, RANK_CONTACTS))
         LAUNCH_RANKS(g, ranks_for(s->n, RANK_LEAST, g->ranks), GROUP_THREADS, 0,
                      contacts_kernel<false>, m, words);
     else

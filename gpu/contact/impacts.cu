@@ -26,8 +26,7 @@ struct retest {
 
 /* §1. Thread k owns candidate k: reads toi[k], and w of its vertices if it
  * touches; writes at[k]. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    impacts_decide_kernel(struct impacts s, int64_t *words)
+KERNEL impacts_decide_kernel(const struct impacts &s, int64_t *words)
 {
     ITEM(k, s.n);
     int32_t v[4];
@@ -47,8 +46,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 }
 
 /* A block owns COMPACT_BLOCK candidates: counts those with at = want. */
-static __global__ void __launch_bounds__(COMPACT_BLOCK)
-    impacts_count_kernel(struct impacts s, int32_t want, int64_t *first)
+KERNEL impacts_count_kernel(const struct impacts &s, int32_t want, int64_t *first)
 {
     int64_t k = compact_item();
     int count;
@@ -59,9 +57,7 @@ static __global__ void __launch_bounds__(COMPACT_BLOCK)
 
 /* A block owns COMPACT_BLOCK candidates: copies those with at = RETEST to its
  * part of a. */
-static __global__ void __launch_bounds__(COMPACT_BLOCK)
-    impacts_gather_kernel(struct impacts s, const int64_t *first,
-                          struct retest a)
+KERNEL impacts_gather_kernel(const struct impacts &s, const int64_t *first, const struct retest &a)
 {
     int64_t k = compact_item();
     bool asks = k < s.n && s.at[k] == RETEST;
@@ -75,9 +71,7 @@ static __global__ void __launch_bounds__(COMPACT_BLOCK)
 }
 
 /* Thread k owns item k of a: writes the answer to at of its candidate. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    impacts_answer_kernel(struct impacts s, int64_t n, struct retest a,
-                          int64_t *words)
+KERNEL impacts_answer_kernel(const struct impacts &s, int64_t n, const struct retest &a, int64_t *words)
 {
     ITEM(k, n);
     bool hit = a.toi[k] == NARROW_MISS;
@@ -87,8 +81,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 }
 
 /* A block owns COMPACT_BLOCK candidates: copies its hits to their places. */
-static __global__ void __launch_bounds__(COMPACT_BLOCK)
-    impacts_emit_kernel(struct impacts s, const int64_t *first)
+KERNEL impacts_emit_kernel(const struct impacts &s, const int64_t *first)
 {
     int64_t k = compact_item();
     bool hit = k < s.n && s.at[k] == HIT;

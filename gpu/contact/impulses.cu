@@ -121,8 +121,7 @@ static __device__ bool is_sound(const struct impulses *s, int64_t j,
 
 /* Thread j owns impact j: writes NONE to its vertices; all threads that write
  * to a vertex write the same. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    impulses_clear_kernel(struct impulses s)
+KERNEL impulses_clear_kernel(const struct impulses &s)
 {
     ITEM(j, s.n);
     int32_t v[4];
@@ -134,8 +133,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* Thread j owns impact j: lowers the first of its free vertices to its time.
  * The minimum does not depend on the order. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    impulses_first_kernel(struct impulses s)
+KERNEL impulses_first_kernel(const struct impulses &s)
 {
     ITEM(j, s.n);
     int32_t v[4];
@@ -187,8 +185,7 @@ static __device__ bool shadowed(const struct impulses *s, int64_t j,
 }
 
 /* Thread k owns key k: of active contact k, or of impact k - n_active. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    impulses_key_kernel(struct impulses s, int64_t *words)
+KERNEL impulses_key_kernel(const struct impulses &s, int64_t *words)
 {
     ITEM(k, s.n_all);
     int64_t j = k - s.n_active;
@@ -217,9 +214,7 @@ static __device__ bool stays(const struct key *key, int64_t n, int64_t k)
 /* A block owns COMPACT_BLOCK sorted keys: counts those that stay. The block
  * that ends last scans the counts into the place of each block's first contact.
  */
-static __global__ void __launch_bounds__(COMPACT_BLOCK)
-    impulses_count_kernel(const struct key *key, int64_t n, int64_t *first,
-                          int64_t *words)
+KERNEL impulses_count_kernel(const struct key *key, int64_t n, int64_t *first, int64_t *words)
 {
     int count;
     block_compact(stays(key, n, compact_item()), &count);
@@ -233,9 +228,7 @@ static __global__ void __launch_bounds__(COMPACT_BLOCK)
 
 /* A block owns COMPACT_BLOCK sorted keys: writes the contacts of those that
  * stay to their places. */
-static __global__ void __launch_bounds__(COMPACT_BLOCK)
-    impulses_emit_kernel(struct impulses s, const struct key *key,
-                         const int64_t *first)
+KERNEL impulses_emit_kernel(const struct impulses &s, const struct key *key, const int64_t *first)
 {
     int64_t k = compact_item();
     bool stay = stays(key, s.n_all, k);

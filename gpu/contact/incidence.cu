@@ -26,8 +26,7 @@ static __device__ bool pushes(const struct incidence *s, int64_t item,
 
 /* Thread k owns item k: writes rank[k], and adds to its vertex's word by
  * atomics. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    incidence_count_kernel(struct incidence s, struct lists l, int64_t *words)
+KERNEL incidence_count_kernel(const struct incidence &s, const struct lists &l, int64_t *words)
 {
     ITEM(k, 4 * s.n);
     int32_t i = s.contact[k / 4].v[k % 4];
@@ -48,8 +47,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* Thread i owns vertex i of nv + 1: reads its word and the next word; writes
  * start[i], and i into `vertex` if it is in contact. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    incidence_start_kernel(struct incidence s, struct lists l, int64_t *words)
+KERNEL incidence_start_kernel(const struct incidence &s, const struct lists &l, int64_t *words)
 {
     ITEM(i, s.nv + 1);
     int64_t word = l.word[i];
@@ -61,9 +59,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 }
 
 /* Thread k owns item k: writes it to its vertex's list, ordered by rank. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    incidence_place_kernel(struct incidence s, struct lists l,
-                           const int64_t *words)
+KERNEL incidence_place_kernel(const struct incidence &s, const struct lists &l, const int64_t *words)
 {
     ITEM(k, 4 * s.n);
     int32_t i;
@@ -73,9 +69,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* Thread k owns place k of all lists: moves its item behind the smaller items
  * of its vertex. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    incidence_order_kernel(struct incidence s, struct lists l,
-                           const int64_t *words)
+KERNEL incidence_order_kernel(const struct incidence &s, const struct lists &l, const int64_t *words)
 {
     ITEM(k, 4 * s.n);
     if (words[INCIDENCE_BAD] || k >= s.start[s.nv])

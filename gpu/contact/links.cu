@@ -13,8 +13,7 @@ static __device__ inline bool idle(const int32_t *go)
 
 /* A thread owns every (threads of the grid)-th contact: reads x of its four
  * vertices and writes its push. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    links_push_kernel(const struct linked *l, const vec *x, const int32_t *go)
+KERNEL links_push_kernel(const struct linked *l, const vec *x, const int32_t *go)
 {
     if (idle(go))
         return;
@@ -32,9 +31,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 }
 
 /* Thread i owns vertex i. */
-static __global__ void __launch_bounds__(LIST_BLOCK)
-    links_gather_kernel(const struct linked *l, int64_t nv, vec *y,
-                        const int32_t *go)
+KERNEL links_gather_kernel(const struct linked *l, int64_t nv, vec *y, const int32_t *go)
 {
     if (!idle(go))
         gather_links(l, nv, y);
@@ -55,7 +52,7 @@ void gpu_links_queue(struct gpu *g, const struct linked *links, int64_t nv,
 }
 
 /* One thread keeps the struct where the kernels read it. */
-static __global__ void links_keep_kernel(struct linked *to, struct linked s)
+KERNEL links_keep_kernel(struct linked *to, const struct linked &s)
 {
     *to = s;
 }
@@ -113,8 +110,7 @@ static __device__ int32_t list_by_warp(const struct linked *l, int32_t from,
 
 /* Thread i owns vertex i and makes its list; a warp makes the long lists of its
  * vertices together. */
-static __global__ void __launch_bounds__(LIST_BLOCK)
-    links_list_kernel(const struct linked *l, int64_t nv)
+KERNEL links_list_kernel(const struct linked *l, int64_t nv)
 {
     int64_t i = own_list(nv);
     int32_t from = i < 0 ? 0 : l->s.start[i],

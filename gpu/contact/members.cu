@@ -9,8 +9,7 @@
 
 /* Thread k owns corner k of the pairs: sets its vertex's label to the vertex
  * itself. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    zones_label_kernel(struct zones s, int64_t *words)
+KERNEL zones_label_kernel(const struct zones &s, int64_t *words)
 {
     ITEM(k, s.n4);
     int32_t i = s.pair[k];
@@ -21,8 +20,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 }
 
 /* Thread k owns pair k: joins its free vertices into one component. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    zones_unite_kernel(struct zones s, const int64_t *words)
+KERNEL zones_unite_kernel(const struct zones &s, const int64_t *words)
 {
     ITEM(k, s.n);
     if (words[MEMBERS_BAD])
@@ -42,8 +40,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* Thread k owns corner k: writes its member's key, or a key above all others if
  * its pair has no zone. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    zones_key_kernel(struct zones s, const int64_t *words)
+KERNEL zones_key_kernel(const struct zones &s, const int64_t *words)
 {
     ITEM(k, s.n4);
     struct key key = {UINT64_MAX, UINT64_MAX, 0};
@@ -82,9 +79,7 @@ static __device__ struct begins begins_at(const struct zones *s,
 /* A block owns COMPACT_BLOCK sorted keys: counts the members, zones and free
  * vertices that begin there. `first` holds three streams of gridDim.x counts.
  */
-static __global__ void __launch_bounds__(COMPACT_BLOCK)
-    zones_count_kernel(struct zones s, const struct key *key, int64_t *first,
-                       int64_t *words)
+KERNEL zones_count_kernel(const struct zones &s, const struct key *key, int64_t *first, int64_t *words)
 {
     struct begins b = begins_at(&s, key, compact_item(), words);
     int members, zones, free;
@@ -103,9 +98,7 @@ static __global__ void __launch_bounds__(COMPACT_BLOCK)
 
 /* A block owns COMPACT_BLOCK sorted keys: writes the members, zones and free
  * vertices that begin there to their places. */
-static __global__ void __launch_bounds__(COMPACT_BLOCK)
-    zones_emit_kernel(struct zones s, const struct key *key, struct key *member,
-                      const int64_t *first, const int64_t *words)
+KERNEL zones_emit_kernel(const struct zones &s, const struct key *key, struct key *member, const int64_t *first, const int64_t *words)
 {
     int64_t k = compact_item();
     struct begins b = begins_at(&s, key, k, words);

@@ -99,8 +99,7 @@ static __device__ void find_rub(const struct penalty *s,
 
 /* §1.1. Thread i owns vertex i: writes guess[i], and parts[i] as for a vertex
  * without contacts. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_guess_kernel(struct penalty s)
+KERNEL penalty_guess_kernel(const struct penalty &s)
 {
     ITEM(i, s.nv);
     real w = s.w[i] * (s.tau / s.dt);
@@ -117,8 +116,7 @@ static __device__ bool is_settled(const struct penalty *s,
 
 /* §1. Thread k owns contact k: reads guess, u, g and hold of its vertices,
  * writes share[k], gave[k], its rub and whether it is held. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_select_kernel(struct penalty s, const int64_t *words)
+KERNEL penalty_select_kernel(const struct penalty &s, const int64_t *words)
 {
     ITEM(k, s.n);
     if (words[INCIDENCE_BAD])
@@ -169,8 +167,7 @@ static __device__ int64_t vertices(const int64_t *words)
 }
 
 /* §2.1. Thread k owns vertex[k]: counts its held contacts into its parts. */
-static __global__ void __launch_bounds__(LIST_BLOCK)
-    penalty_parts_kernel(struct penalty s, const int64_t *words)
+KERNEL penalty_parts_kernel(const struct penalty &s, const int64_t *words)
 {
     int64_t k = own_list(vertices(words));
     sum_list(penalty_parts{s, s.start}, k < 0 ? -1 : (int64_t)s.vertex[k]);
@@ -227,8 +224,7 @@ static __device__ real expected_impulse(const struct penalty *s,
 
 /* §3. Thread k owns place k of all lists: reads its item's contact; writes
  * number o of the item to part[o·n4 + k], 0 if the contact is not held. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_item_kernel(struct penalty s, real *part, const int64_t *words)
+KERNEL penalty_item_kernel(const struct penalty &s, real *part, const int64_t *words)
 {
     ITEM(k, s.n4);
     if (words[INCIDENCE_BAD] || k >= s.start[s.nv])
@@ -302,8 +298,7 @@ static __device__ real damper_of(const struct penalty *s,
 
 /* §1, §2. Thread k owns contact k: reads guess, parts and u of its vertices and
  * gave[k], writes its slide, impulse and tangent. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    penalty_push_kernel(struct penalty s, const int64_t *words)
+KERNEL penalty_push_kernel(const struct penalty &s, const int64_t *words)
 {
     ITEM(k, s.n);
     if (words[INCIDENCE_BAD])
@@ -361,9 +356,7 @@ static __device__ void put_number(const struct penalty *s, const real *part,
 
 /* §3. A block owns GROUP vertices in contact at a time, warp o their number o:
  * writes their force and hold, which are 0 elsewhere. */
-static __global__ void __launch_bounds__(GROUP_BLOCK)
-    penalty_gather_kernel(struct penalty s, const real *part,
-                          const int64_t *words)
+KERNEL penalty_gather_kernel(const struct penalty &s, const real *part, const int64_t *words)
 {
     static_assert((int)GROUP == (int)WARP, "a warp sums a long list");
     __shared__ int32_t longer[GROUP];

@@ -257,8 +257,7 @@ static __device__ void emit(const struct proximity *s, int64_t k,
  * among the block's contacts, or -1. A block writes its number of contacts to
  * base; the block that ends last scans base into the place of each block's
  * first contact. */
-static __global__ void __launch_bounds__(COMPACT_BLOCK)
-    near_kernel(struct proximity s, int64_t *base, int64_t *word)
+KERNEL near_kernel(const struct proximity &s, int64_t *base, int64_t *word)
 {
     int64_t k = (int64_t)blockIdx.x * COMPACT_BLOCK + threadIdx.x;
     bool keep = k < s.n && is_near(&s, k, (int *)&word[WORD_BAD]);
@@ -282,8 +281,7 @@ static __global__ void __launch_bounds__(COMPACT_BLOCK)
 /* Thread t of block b writes the block's contact t, at place base[b] + t; reads
  * `at` and the candidate. The threads that have work are neighbours, so few
  * warps are partly idle. */
-static __global__ void __launch_bounds__(COMPACT_BLOCK)
-    emit_kernel(struct proximity s, const int64_t *base)
+KERNEL emit_kernel(const struct proximity &s, const int64_t *base)
 {
     __shared__ uint8_t kept[COMPACT_BLOCK];
     int64_t first = (int64_t)blockIdx.x * COMPACT_BLOCK,

@@ -17,8 +17,7 @@ static __device__ bool can_go(const struct rollback *s, int64_t i)
 
 /* Thread k owns pair k: marks its vertices that can be rolled back; all threads
  * write the same 1. Counts the pair as trapped if there is no such vertex. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    rollback_mark_kernel(struct rollback s, int64_t *words)
+KERNEL rollback_mark_kernel(const struct rollback &s, int64_t *words)
 {
     ITEM(k, s.n);
     int32_t v[4];
@@ -39,8 +38,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* A block owns COMPACT_BLOCK vertices, a thread one vertex: rolls it back if it
  * is marked, or if all vertices go back. */
-static __global__ void __launch_bounds__(COMPACT_BLOCK)
-    rollback_send_kernel(struct rollback s, int64_t *words)
+KERNEL rollback_send_kernel(const struct rollback &s, int64_t *words)
 {
     int64_t i = compact_item();
     bool goes = false;

@@ -9,8 +9,7 @@ extern "C" {
 }
 
 /* Thread i owns vertex i: writes u[i]. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    rounds_start_kernel(struct response s)
+KERNEL rounds_start_kernel(const struct response &s)
 {
     ITEM(i, s.nv);
     vec d = sub(s.x1[i], s.x0[i]);
@@ -23,9 +22,7 @@ void gpu_rounds_start(struct gpu *g, const struct response *s)
 }
 
 /* Thread k owns vertex[k]: writes its x1 and touched, and v where it stops. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    rounds_advance_kernel(struct response s, int64_t n, const int32_t *vertex,
-                          const uint8_t *moved, bool stop)
+KERNEL rounds_advance_kernel(const struct response &s, int64_t n, const int32_t *vertex, const uint8_t *moved, bool stop)
 {
     ITEM(k, n);
     if (moved && !moved[k])
@@ -44,8 +41,7 @@ void gpu_rounds_advance(struct gpu *g, const struct response *s, int64_t n,
 }
 
 /* Thread k owns corner k of the hits: marks its vertex where it is free. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    rounds_touch_kernel(struct response s, const int32_t *hit)
+KERNEL rounds_touch_kernel(const struct response &s, const int32_t *hit)
 {
     ITEM(k, 4 * s.hits);
     s.touched[hit[k]] = s.w[hit[k]] > 0;
@@ -58,8 +54,7 @@ void gpu_rounds_touch(struct gpu *g, const struct response *s)
 }
 
 /* Thread k owns contact k: caps its target at the impact margin. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    rounds_settle_kernel(struct response s, struct contact *contact)
+KERNEL rounds_settle_kernel(const struct response &s, struct contact *contact)
 {
     ITEM(k, s.active);
     struct contact *c = &contact[k];

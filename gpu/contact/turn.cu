@@ -92,8 +92,7 @@ int gpu_turn_room(struct world *w, int64_t n)
 }
 
 /* Thread i owns particle i: g begins with what presses already. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    turn_begin_kernel(vec *g, const vec *press, real dt, int64_t n)
+KERNEL turn_begin_kernel(vec *g, const vec *press, real dt, int64_t n)
 {
     ITEM(i, n);
     g[i] = scale(dt, press[i]);
@@ -110,8 +109,7 @@ void gpu_turn_begin(struct gpu *g, int64_t n, vec *to, const vec *press,
 
 /* Thread i owns particle i: what the solve of the free motion left over is the
  * first turn's to do. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    turn_carry_kernel(int64_t n, const vec *r, vec *g)
+KERNEL turn_carry_kernel(int64_t n, const vec *r, vec *g)
 {
     ITEM(i, n);
     g[i] = sub(g[i], r[i]);
@@ -123,8 +121,7 @@ void gpu_turn_carry(struct gpu *g, int64_t n, const vec *r, vec *to)
 }
 
 /* Thread i owns particle i: b = force - g, or force + left; 0 where fixed. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    turn_load_kernel(struct turn s)
+KERNEL turn_load_kernel(const struct turn &s)
 {
     ITEM(i, s.count);
     vec b = s.left ? add(s.force[i], s.left[i]) : sub(s.force[i], s.g[i]);
@@ -137,8 +134,7 @@ void gpu_turn_load(struct gpu *g, const struct turn *s)
 }
 
 /* Thread i owns particle i: g gains A dv; u, v and x1 move with dv. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    turn_move_kernel(struct turn s)
+KERNEL turn_move_kernel(const struct turn &s)
 {
     ITEM(i, s.count);
     if (!(s.w[i] > 0))

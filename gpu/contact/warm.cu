@@ -25,8 +25,7 @@ struct warm_weights {
 };
 
 /* §1. Thread i owns vertex i: reads its items, writes all[i]. */
-static __global__ void __launch_bounds__(LIST_BLOCK)
-    warm_sum_weights_kernel(struct warm s)
+KERNEL warm_sum_weights_kernel(const struct warm &s)
 {
     sum_list(warm_weights{s, s.start}, own_list(s.nv));
 }
@@ -47,8 +46,7 @@ static __device__ real kept_impulse(const struct warm &s,
 
 /* §2. Thread k owns contact k: reads g, before, all and v of its vertices,
  * writes its impulse. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    warm_share_push_kernel(struct warm s)
+KERNEL warm_share_push_kernel(const struct warm &s)
 {
     ITEM(k, s.n);
     struct contact *c = &s.contact[k];
@@ -87,8 +85,7 @@ struct warm_impulses {
 
 /* §3. Thread i owns vertex i: reads its items in their order; writes press[i].
  */
-static __global__ void __launch_bounds__(LIST_BLOCK)
-    warm_gather_kernel(struct warm s)
+KERNEL warm_gather_kernel(const struct warm &s)
 {
     sum_list(warm_impulses{s, s.start}, own_list(s.nv));
 }

@@ -38,8 +38,7 @@ static __device__ void find_items(const struct moments &s, int64_t p,
 
 /* Block k owns chunk k, one thread for each particle; the block that ends last
  * writes the words. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    moments_kernel(struct moments s, int64_t *word)
+KERNEL moments_kernel(const struct moments &s, int64_t *word)
 {
     int64_t p = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x;
     real item[MOMENTS] = {0}, sum[MOMENTS], origin[6];
@@ -77,8 +76,7 @@ int gpu_moments(struct gpu *g, struct moments *s)
 }
 
 /* Thread k owns body k: its label is the body itself. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    islands_label_kernel(struct islands s)
+KERNEL islands_label_kernel(const struct islands &s)
 {
     ITEM(k, s.bodies);
     s.label[k] = (int32_t)k;
@@ -86,8 +84,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* Thread k owns contact k and joins the islands of its two bodies. *bad: the
  * contact has a vertex or a body that is not there. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    islands_unite_kernel(struct islands s, int64_t *bad)
+KERNEL islands_unite_kernel(const struct islands &s, int64_t *bad)
 {
     ITEM(k, s.n);
     const struct contact *c = &s.contact[k];
@@ -103,8 +100,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* Thread k owns body k and writes its root. Other threads shorten the same ways
  * meanwhile. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    islands_root_kernel(struct islands s)
+KERNEL islands_root_kernel(const struct islands &s)
 {
     ITEM(k, s.bodies);
     volatile int32_t *label = s.label;
@@ -124,7 +120,7 @@ int gpu_islands(struct gpu *g, struct islands *s)
 }
 
 /* Thread p owns particle p and writes to[p]. */
-static __global__ void __launch_bounds__(GPU_BLOCK) spin_kernel(struct spin s)
+KERNEL spin_kernel(const struct spin &s)
 {
     ITEM(p, s.count);
     vec turn = cross(s.dw, sub(s.x[p], s.centre));

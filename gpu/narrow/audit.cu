@@ -54,8 +54,7 @@ static __device__ void mark(const struct audit *s, int32_t t, bool flat,
 /* Thread t owns triangle t: it writes degenerate[t], or appends t to the list
  * `turn` where the filter is not certain. A block counts its triangles of group
  * 0. */
-static __global__ void __launch_bounds__(COMPACT_BLOCK)
-    mark_kernel(struct audit s, struct lists l, int64_t *word)
+KERNEL mark_kernel(const struct audit &s, const struct lists &l, int64_t *word)
 {
     int64_t t = compact_item();
     int total, at;
@@ -90,8 +89,7 @@ static __device__ int64_t worker_of(const struct lists *l, struct big_arena *m)
 }
 
 /* A worker owns items of the list `turn` and writes their degenerate[]. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    turn_kernel(struct audit s, struct lists l, int64_t *word)
+KERNEL turn_kernel(const struct audit &s, const struct lists &l, int64_t *word)
 {
     struct big_arena m;
     int64_t n = word[AUDIT_BAD] ? 0 : word[AUDIT_TURNS];
@@ -132,9 +130,7 @@ static __device__ void filter_pair(const struct audit *s, const struct lists *l,
  * of group 0, whose boxes meet its own box. The traversal has no stack: from a
  * box it goes to the next box or to the first child, and goes up where the next
  * box would be a first child. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    walk_kernel(struct audit s, struct audit_levels v, struct lists l,
-                int64_t *word)
+KERNEL walk_kernel(const struct audit &s, const struct audit_levels &v, const struct lists &l, int64_t *word)
 {
     ITEM(i, s.nt);
     if (word[AUDIT_BAD] || s.degenerate[s.order[0][i]])
@@ -179,8 +175,7 @@ static __device__ bool decide(const struct audit *s, const struct lists *l,
 }
 
 /* Thread k owns pairs k, k + threads, … of the list `left`. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    decide_kernel(struct audit s, struct lists l, int64_t *word)
+KERNEL decide_kernel(const struct audit &s, const struct lists &l, int64_t *word)
 {
     int64_t step = (int64_t)gridDim.x * blockDim.x, n = word[AUDIT_LEFT];
     int64_t k = (int64_t)blockIdx.x * blockDim.x + threadIdx.x;
@@ -193,8 +188,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* A worker owns pairs of the list `unsure` and decides them in integer
  * arithmetic. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    unsure_kernel(struct audit s, struct lists l, int64_t *word)
+KERNEL unsure_kernel(const struct audit &s, const struct lists &l, int64_t *word)
 {
     struct big_arena m;
     int64_t n = word[AUDIT_UNSURE];

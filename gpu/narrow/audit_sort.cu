@@ -47,8 +47,7 @@ static __device__ float of_ordered(uint32_t b)
 
 /* Thread k checks positions k, k + threads, …. A block reduces its maxima and
  * faults, then makes one atomic for each. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    check_kernel(struct audit s, int64_t *word)
+KERNEL check_kernel(const struct audit &s, int64_t *word)
 {
     __shared__ uint32_t high[6];
     uint32_t t = threadIdx.x, own[6] = {0, 0, 0, 0, 0, 0};
@@ -106,8 +105,7 @@ static __device__ uint64_t cell(real lo, real hi, float from, float size)
 
 /* Thread t writes the key of triangle t: group 0 first, then along a Morton
  * curve. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    key_kernel(struct audit s, struct key *key, const int64_t *word)
+KERNEL key_kernel(const struct audit &s, struct key *key, const int64_t *word)
 {
     ITEM(t, s.nt);
     struct key k = {0, 0, t};
@@ -143,8 +141,7 @@ static __device__ void put(const struct audit *s, int64_t at, int32_t b,
 
 /* Thread k owns place k of the order: it writes order[0][k] and the box
  * there. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    leaf_kernel(struct audit s, const struct key *key, const int64_t *word)
+KERNEL leaf_kernel(const struct audit &s, const struct key *key, const int64_t *word)
 {
     ITEM(k, s.nt);
     if (word[AUDIT_BAD])
@@ -155,9 +152,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* Thread b owns box b of a level: it joins up to four boxes of the level
  * below. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    level_kernel(struct audit s, struct audit_levels l, int level,
-                 const int64_t *word)
+KERNEL level_kernel(const struct audit &s, const struct audit_levels &l, int level, const int64_t *word)
 {
     ITEM(b, l.count[level]);
     if (word[AUDIT_BAD])
@@ -185,16 +180,14 @@ void gpu_audit_tree(struct gpu *g, struct audit *s,
 }
 
 /* Thread k turns hit k into a sort key. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    hit_kernel(int64_t n, const uint64_t *hit, struct key *key)
+KERNEL hit_kernel(int64_t n, const uint64_t *hit, struct key *key)
 {
     ITEM(k, n);
     key[k] = {hit[k], 0, 0};
 }
 
 /* Thread k writes pair k (§4.4). */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    pair_kernel(struct audit s, const struct key *key)
+KERNEL pair_kernel(const struct audit &s, const struct key *key)
 {
     ITEM(k, s.found);
     s.pair[k][0] = (int32_t)(key[k].hi >> 32);

@@ -57,8 +57,7 @@ static __device__ void settle(const struct narrow *s, int64_t k, uint32_t toi,
 }
 
 /* Thread k checks that the positions of vertex k are finite. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    finite_kernel(struct narrow s, uint32_t *bad)
+KERNEL finite_kernel(const struct narrow &s, uint32_t *bad)
 {
     ITEM(k, s.nv);
     if (!finite(s.x0[k]) || !finite(s.x1[k]))
@@ -86,8 +85,7 @@ static __device__ bool filter_leaves(const struct narrow *s, int64_t k,
 /* Thread k owns candidate k: it reads the vertices and writes toi[k] and
  * tier[k], or appends k to the list. A block reserves its places in the list
  * with one atomic. */
-static __global__ void __launch_bounds__(COMPACT_BLOCK, 3)
-    filter_kernel(struct narrow s, struct list left, uint32_t *bad)
+KERNEL filter_kernel(const struct narrow &s, const struct list &left, uint32_t *bad)
 {
     __shared__ uint32_t first;
     int64_t k = (int64_t)blockIdx.x * COMPACT_BLOCK + threadIdx.x;
@@ -102,9 +100,7 @@ static __global__ void __launch_bounds__(COMPACT_BLOCK, 3)
 
 /* Thread k owns items k, k + threads, … of the list: it writes their toi and
  * tier, or appends them to the next list. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    split_kernel(struct narrow s, struct list in, struct list left,
-                 const uint32_t *bad)
+KERNEL split_kernel(const struct narrow &s, const struct list &in, const struct list &left, const uint32_t *bad)
 {
     uint32_t step = gridDim.x * blockDim.x, n = *bad ? 0 : *in.count;
     for (uint32_t i = blockIdx.x * blockDim.x + threadIdx.x; i < n; i += step) {
@@ -135,9 +131,7 @@ static size_t slab_bytes(int words)
 /* Worker i, which is thread i·APART, owns items i, i + workers, … of the list
  * and slab i. It writes their toi and tier; items that overflow its arena go to
  * the next list. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    exact_kernel(struct narrow s, struct list in, struct list left,
-                 const uint32_t *bad, struct crew crew)
+KERNEL exact_kernel(const struct narrow &s, const struct list &in, const struct list &left, const uint32_t *bad, const struct crew &crew)
 {
     uint32_t thread = blockIdx.x * blockDim.x + threadIdx.x;
     uint32_t worker = thread / APART, n = *bad ? 0 : *in.count;
@@ -179,7 +173,7 @@ int gpu_narrow(struct gpu *g, struct narrow *s)
     struct list a = {item, word + WORD_SPLIT};
     struct list b = {item + s->n, word + WORD_EXACT};
     LAUNCH(g, s->nv, finite_kernel, *s, bad);
-    LAUNCH_BLOCKS(g, compact_blocks(s->n), COMPACT_BLOCK, filter_kernel, *s, a,
+    LAUNCH_AT_ONCE(g, compact_blocks(s->n), COMPACT_BLOCK, 3, filter_kernel, *s, a,
                   bad);
     int64_t workers = s->n < SPLIT_WORKERS ? s->n : (int64_t)SPLIT_WORKERS;
     LAUNCH(g, workers, split_kernel, *s, a, b, bad);

@@ -16,6 +16,8 @@ static void open(struct gpu *g, int k)
 
 void gpu_fork(struct gpu *g)
 {
+    if (g->together)
+        return;
     open(g, 0);
     g->main = g->stream;
     if (!g->failed)
@@ -25,6 +27,8 @@ void gpu_fork(struct gpu *g)
 
 void gpu_branch(struct gpu *g, int k)
 {
+    if (g->together)
+        return;
     k %= GPU_SIDES;
     open(g, k);
     if (g->failed)
@@ -37,6 +41,8 @@ void gpu_branch(struct gpu *g, int k)
 
 void gpu_join(struct gpu *g)
 {
+    if (g->together)
+        return;
     g->stream = g->main;
     for (int k = 0; k < GPU_SIDES && !g->failed; k++) {
         if (!(g->used >> k & 1))

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Opens and closes a device. spec/gpu.md */
+#include "gpu/run/batch.cuh"
 #include "gpu/run/loop.cuh"
 
 extern "C" {
@@ -161,6 +162,7 @@ void gpu_close(struct gpu *g)
     gpu_wait(g);
     if (g->library)
         g->library->close(g);
+    gpu_batch_close(g);
     gpu_loops_close(g);
     cudaFreeHost(g->seen);
     cudaStream_t stream = g->lent ? NULL : g->stream;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Opens and closes a device that is emulated on the host. gpu/run/emulate.h */
-#include "gpu/run/launch.cuh"
+#include "gpu/run/batch.cuh"
 
 extern "C" {
 #include "ref/api/ops.h"
@@ -65,6 +65,7 @@ void gpu_close(struct gpu *g)
 {
     if (!g)
         return;
+    gpu_batch_close(g);
     gpu_unmake(g);
 }
 

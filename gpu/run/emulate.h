@@ -28,23 +28,15 @@ struct emulate_dim {
 };
 extern __thread struct emulate_dim blockIdx, threadIdx, gridDim, blockDim;
 
-/* A call of a kernel with its arguments: std::function without its header,
- * which would double the time that these files take to compile. */
+/* A call of a kernel with its arguments. */
 struct emulate_call {
-    const void *with;
     void (*run)(const void *with);
-    template <class F>
-    emulate_call(const F &f)
-        : with(&f), run([](const void *g) { (*(const F *)g)(); })
+    const void *with;
+    emulate_call(void (*run)(const void *with), const void *with)
+        : run(run), with(with)
     {
     }
 };
-
-/* Binds a kernel to copies of its arguments. */
-template <class K, class... A> static auto emulate_bind(K kernel, A... a)
-{
-    return [=] { kernel(a...); };
-}
 
 /* The most blocks of a cluster, and the bytes of shared memory of each. */
 enum { EMULATE_RANKS = 3, EMULATE_SHARED = 1 << 16 };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Scans and sorts of the emulated device, in place of gpu/run/prim.cu. */
-#include "gpu/run/launch.cuh"
+#include "gpu/run/batch.cuh"
 
 extern "C" {
 #include "ref/base/keys.h"
@@ -8,7 +8,7 @@ extern "C" {
 
 #include <algorithm>
 
-void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
+void gpu_scan_now(struct gpu *g, int64_t *a, int64_t n)
 {
     int64_t sum = 0;
     if (g->failed || emulate_lost(true))
@@ -20,7 +20,7 @@ void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
     }
 }
 
-struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
+struct key *gpu_sort_now(struct gpu *g, int64_t n, struct key *key,
                      struct key *spare)
 {
     auto before = [](const struct key &a, const struct key &b) {

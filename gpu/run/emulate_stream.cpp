@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The stream of the emulated device, in place of gpu/run/stream.cu: each call
  * is done at once. */
-#include "gpu/run/launch.cuh"
+#include "gpu/run/batch.cuh"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <time.h>
 
 /* Whether g has failed, so that nothing more may be done; records the failure.
@@ -18,23 +19,23 @@ static bool fails(struct gpu *g, bool more)
     return g->failed;
 }
 
-void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes)
+void gpu_up_now(struct gpu *g, void *device, const void *host, size_t bytes)
 {
-    gpu_copy(g, device, host, bytes);
+    gpu_copy_now(g, device, host, bytes);
 }
 
-void gpu_down(struct gpu *g, void *host, const void *device, size_t bytes)
+void gpu_down_now(struct gpu *g, void *host, const void *device, size_t bytes)
 {
-    gpu_copy(g, host, device, bytes);
+    gpu_copy_now(g, host, device, bytes);
 }
 
-void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes)
+void gpu_copy_now(struct gpu *g, void *to, const void *from, size_t bytes)
 {
     if (bytes && !fails(g, true))
         memcpy(to, from, bytes);
 }
 
-void gpu_clear(struct gpu *g, void *device, size_t bytes)
+void gpu_clear_now(struct gpu *g, void *device, size_t bytes)
 {
     if (bytes && !fails(g, true))
         memset(device, 0, bytes);
@@ -56,9 +57,44 @@ void gpu_join(struct gpu *g)
     (void)g;
 }
 
-void gpu_wait(struct gpu *g)
+void gpu_wait_now(struct gpu *g)
 {
     fails(g, false);
+}
+
+void *gpu_pin(struct gpu *g, size_t bytes)
+{
+    void *p = fails(g, true) ? NULL : malloc(bytes);
+    if (!p && !g->failed)
+        g->failed = DRAPE_ENOMEM;
+    return p;
+}
+
+void gpu_unpin(struct gpu *g, void *p)
+{
+    (void)g;
+    free(p);
+}
+
+void gpu_enter(struct gpu *g)
+{
+    (void)g;
+}
+
+/* The arguments of many worlds lie one after another, as on a device. */
+void gpu_launch_now(struct gpu *g, const struct kernel_ways *k,
+                    const struct launch_shape *s, const void *args, int worlds)
+{
+    for (int w = 0; w < worlds && !g->failed; w++) {
+        emulate_call call(k->run, (const char *)args + (size_t)w * k->bytes);
+        if (s->kind == OF_ITEMS)
+            emulate_items(s->items, s->rows, s->threads, call);
+        else if (s->kind == OF_BLOCKS)
+            emulate_blocks(s->blocks, s->rows, s->threads, call);
+        else
+            emulate_cluster(s->bytes > g->room ? 0 : (int)s->blocks, s->rows,
+                            s->threads, call);
+    }
 }
 
 int gpu_status(struct gpu *g)

@@ -372,7 +372,7 @@ void emulate_blocks(int64_t blocks, int rows, int threads, emulate_call kernel)
 bool gpu_loop(struct gpu *g, struct loop_key key, const struct loop &of)
 {
     (void)key;
-    if (g->failed || g->hosted[0] || g->hosted[1])
+    if (g->failed || g->hosted[0] || g->hosted[1] || g->together)
         return false;
     int status = of.first.run(of.first.with);
     while (status == DRAPE_OK && of.again && *of.again && !g->failed &&

@@ -109,6 +109,14 @@ struct trace;
 void gpu_trace(struct gpu *g, struct trace *t, const char *stage,
                const void *out, size_t bytes);
 
+/* Calls work(with, k) for each of n worlds, whose devices are g [n], and makes
+ * the launches of all of them together, with `threads` threads of the host ≥ 1.
+ * No device is listed twice, all have one number, and no work uses another
+ * one's. Returns DRAPE_OK, or DRAPE_ENOMEM if nothing was done.
+ * gpu/run/batch.cuh */
+int gpu_batch(struct gpu *const *g, int n, int threads,
+              void (*work)(void *with, int k), void *with);
+
 /* Seconds that the stream took between these two calls. */
 void gpu_clock_start(struct gpu *g);
 double gpu_clock_stop(struct gpu *g);

@@ -84,6 +84,8 @@ struct gpu {
     struct gpu_slot aside;       /* scratch in host memory */
     struct gpu_library *library; /* opened by gpu/compare; NULL: none */
     struct gpu_merge *merge;     /* gpu/run/merge.cuh; NULL: not open */
+    struct gpu_seat *seat;       /* gpu/run/batch.cuh; NULL: never in one */
+    bool together;               /* in a batch: launches are kept */
     struct arena host;           /* all host memory, with that of this struct */
     drape_allocator device;      /* of device memory */
     struct gpu_block *blocks;    /* all blocks of device memory */
@@ -108,48 +110,25 @@ cudaError_t gpu_allow_cluster(struct gpu *g, const void *kernel, bool room);
     if (k >= (n))                                                              \
     return
 
-/* LAUNCH(g, n, kernel, arguments…) runs one thread for each of n items; the
+/* KERNEL begins the definition of a kernel: a function that takes each argument
+ * as a value or a const reference.
+ * LAUNCH(g, n, kernel, arguments…) runs one thread for each of n items; the
  * threads must not synchronise. LAUNCH_BLOCKS runs blocks of a fixed number of
- * threads, which may synchronise. Neither does anything for n or blocks < 1.
- * LAUNCH_ITEM_ROWS and LAUNCH_ROWS do the same in each of `rows` rows, whose
- * number is blockIdx.y. */
+ * threads, which may synchronise; LAUNCH_AT_ONCE does so with at least at_once
+ * blocks on a multiprocessor. None does anything for n or blocks < 1. A kernel
+ * of items must bear more blocks than its items need. */
 #ifdef __CUDACC__
-#define LAUNCH_ITEM_ROWS(g, n, rows, kernel, ...)                              \
-    do {                                                                       \
-        int64_t items_ = (n);                                                  \
-        int threads_ = (g)->block;                                             \
-        LAUNCH_ROWS(g, (items_ + threads_ - 1) / threads_, rows, threads_,     \
-                    kernel, __VA_ARGS__);                                      \
-    } while (0)
-#define LAUNCH_ROWS(g, blocks, rows, threads, kernel, ...)                     \
-    do {                                                                       \
-        int64_t blocks_ = (blocks);                                            \
-        dim3 grid_((unsigned)blocks_, (unsigned)(rows));                       \
-        if (blocks_ > 0 && !(g)->failed)                                       \
-            kernel<<<grid_, (unsigned)(threads), 0, (g)->stream>>>(            \
-                __VA_ARGS__);                                                  \
-    } while (0)
+#define KERNEL static __device__ __forceinline__ void
 #else
-#define LAUNCH_ITEM_ROWS(g, n, rows, kernel, ...)                              \
-    do {                                                                       \
-        int64_t items_ = (n);                                                  \
-        int threads_ = (g)->block;                                             \
-        auto call_ = emulate_bind(kernel, __VA_ARGS__);                        \
-        if (items_ > 0 && !(g)->failed)                                        \
-            emulate_items(items_, rows, threads_, call_);                      \
-    } while (0)
-#define LAUNCH_ROWS(g, blocks, rows, threads, kernel, ...)                     \
-    do {                                                                       \
-        int64_t blocks_ = (blocks);                                            \
-        int threads_ = (int)(threads);                                         \
-        auto call_ = emulate_bind(kernel, __VA_ARGS__);                        \
-        if (blocks_ > 0 && !(g)->failed)                                       \
-            emulate_blocks(blocks_, rows, threads_, call_);                    \
-    } while (0)
+#define KERNEL static void
 #endif
-#define LAUNCH(g, n, kernel, ...) LAUNCH_ITEM_ROWS(g, n, 1, kernel, __VA_ARGS__)
+#define LAUNCH(g, n, kernel, ...)                                              \
+    launch_kernel<&kernel, GPU_BLOCK, 1>(g, shape_of_items(g, n), __VA_ARGS__)
 #define LAUNCH_BLOCKS(g, blocks, threads, kernel, ...)                         \
-    LAUNCH_ROWS(g, blocks, 1, threads, kernel, __VA_ARGS__)
+    LAUNCH_AT_ONCE(g, blocks, threads, 1, kernel, __VA_ARGS__)
+#define LAUNCH_AT_ONCE(g, blocks, threads, at_once, kernel, ...)               \
+    launch_kernel<&kernel, (threads), (at_once)>(g, shape_of_blocks(blocks, threads), \
+                                          __VA_ARGS__)
 
 /* UNROLL stands before a short loop and makes the compiler unroll it, so that
  * the counter is a constant in each iteration. */
@@ -208,5 +187,7 @@ struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
 /* Slots of scratch: stages use those from SLOT_STAGE on, the solver and the
  * primitives those named after them. */
 enum { SLOT_STAGE = 0, SLOT_SOLVE = 4, SLOT_SORT = 5, SLOT_SCAN = 7 };
+
+#include "gpu/run/kernel.cuh"
 
 #endif

@@ -235,7 +235,8 @@ static bool open_loops(struct gpu *g)
 
 bool gpu_loop(struct gpu *g, struct loop_key key, const struct loop &of)
 {
-    if (g->hosted[0] || g->hosted[1] || g->failed || !open_loops(g))
+    if (g->hosted[0] || g->hosted[1] || g->together || g->failed ||
+        !open_loops(g))
         return false;
     struct kept *k = g->loops->first;
     while (k && !same(k, g, key))

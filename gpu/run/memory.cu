@@ -121,6 +121,7 @@ void *gpu_borrow(struct gpu *g, enum arena_part part, int64_t count,
 void gpu_hand_over(struct gpu *g)
 {
 #ifndef __CUDACC__
+    gpu_wait(g);
     for (struct gpu_block *b = g->blocks; b && !g->failed; b = b->next)
         if (b->lent)
             memset(b->lent, 0xff, b->lent_bytes);

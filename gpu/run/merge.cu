@@ -5,8 +5,8 @@
 
 /* A launch that is kept; its arguments follow it. */
 struct kept {
+    const struct merge_ways *ways;
     struct launch_shape shape;
-    launch_rows launch;
     size_t bytes; /* of this struct and the arguments, rounded up */
 };
 
@@ -57,14 +57,15 @@ static bool grow(struct gpu *g, struct gpu_merge *m, size_t bytes)
     return true;
 }
 
-void gpu_merge_add(struct gpu *g, struct launch_shape s, launch_rows launch,
-                   const void *args, size_t bytes)
+void gpu_merge_add(struct gpu *g, const struct merge_ways *ways,
+                   const struct launch_shape *s, const void *args)
 {
     struct gpu_merge *m = g->merge;
+    size_t bytes = ways->alone->bytes;
     size_t all =
         (sizeof(struct kept) + bytes + ALIGNED - 1) / ALIGNED * ALIGNED;
     if (!m) {
-        launch(g, &s, &args, 1);
+        gpu_launch(g, ways->alone, s, args);
         return;
     }
     if (!grow(g, m, all)) {
@@ -72,7 +73,7 @@ void gpu_merge_add(struct gpu *g, struct launch_shape s, launch_rows launch,
         return;
     }
     struct kept *k = (struct kept *)(m->data + m->used);
-    *k = {s, launch, all};
+    *k = {ways, *s, all};
     memcpy(k + 1, args, bytes);
     m->used += all;
 }
@@ -81,10 +82,9 @@ void gpu_merge_add(struct gpu *g, struct launch_shape s, launch_rows launch,
 static bool alike(const struct kept *a, const struct kept *b)
 {
     const struct launch_shape *s = &a->shape, *t = &b->shape;
-    return a->launch == b->launch && a->bytes == b->bytes &&
-           s->items == t->items && s->blocks == t->blocks &&
-           s->bytes == t->bytes && s->threads == t->threads &&
-           s->ranks == t->ranks;
+    return a->ways == b->ways && s->items == t->items &&
+           s->blocks == t->blocks && s->bytes == t->bytes &&
+           s->threads == t->threads;
 }
 
 /* The first launch of problem k; of one behind the last, where they end. */
@@ -112,12 +112,11 @@ static void launch_all(struct gpu *g, const struct gpu_merge *m)
 {
     const struct kept *k = first_of(m, 0);
     for (; k != first_of(m, m->problems); k = after(k)) {
-        const void *args = k + 1;
-        k->launch(g, &k->shape, &args, 1);
+        gpu_launch(g, k->ways->alone, &k->shape, k + 1);
     }
 }
 
-static void launch_merged(struct gpu *g, const struct gpu_merge *m)
+static void launch_rows(struct gpu *g, const struct gpu_merge *m)
 {
     const struct kept *first = first_of(m, 0);
     for (; first != first_of(m, 1); first = after(first)) {
@@ -125,7 +124,7 @@ static void launch_merged(struct gpu *g, const struct gpu_merge *m)
         size_t from = (size_t)((const char *)first - m->data);
         for (int k = 0; k < m->problems; k++)
             args[k] = m->data + m->begin[k] + from + sizeof *first;
-        first->launch(g, &first->shape, args, m->problems);
+        first->ways->merged(g, &first->shape, args, m->problems);
     }
 }
 
@@ -137,8 +136,8 @@ void gpu_merge_close(struct gpu *g)
         return;
     m->begin[m->problems] = m->used;
     if (m->used && !g->failed) {
-        if (mergeable(m))
-            launch_merged(g, m);
+        if (m->problems > 1 && mergeable(m))
+            launch_rows(g, m);
         else
             launch_all(g, m);
     }

@@ -16,158 +16,61 @@ void gpu_merge_open(struct gpu *g);
 void gpu_merge_next(struct gpu *g);
 void gpu_merge_close(struct gpu *g);
 
-/* What a launch is made of beside its arguments. items: of LAUNCH; else blocks
- * of so many threads, or one cluster of so many ranks and bytes each. */
-struct launch_shape {
-    int64_t items, blocks, bytes;
-    int threads, ranks;
-};
-typedef void (*launch_rows)(struct gpu *g, const struct launch_shape *s,
-                            const void *const *args, int n);
-
-/* Makes a launch with these arguments, or keeps it to be merged. */
-void gpu_merge_add(struct gpu *g, struct launch_shape s, launch_rows launch,
-                   const void *args, size_t bytes);
-
-/* The arguments of a kernel, and those of N problems. */
-template <class... A> struct pack_of;
-template <> struct pack_of<> {
-};
-template <class A, class... B> struct pack_of<A, B...> {
-    A first;
-    pack_of<B...> others;
-};
-template <int N, class... A> struct packs {
-    pack_of<A...> of[N];
+/* A kernel that can be merged, and how n problems of it are launched. */
+struct merge_ways {
+    const struct kernel_ways *alone;
+    void (*merged)(struct gpu *g, const struct launch_shape *s,
+                   const void *const *args, int n);
 };
 
-static inline pack_of<> pack(void)
+/* Makes a launch, or keeps it to be merged. */
+void gpu_merge_add(struct gpu *g, const struct merge_ways *m,
+                   const struct launch_shape *s, const void *args);
+
+/* The arguments of MERGE_MOST problems. */
+template <class ARGS> struct packs {
+    ARGS of[MERGE_MOST];
+};
+
+template <auto F, class ARGS> KERNEL merged_kernel(const packs<ARGS> &s)
 {
-    return pack_of<>{};
+    call<F>(s.of[blockIdx.y]);
 }
 
-template <class A, class... B>
-static pack_of<A, B...> pack(A first, B... others)
+template <auto F, int THREADS, int AT_ONCE, class ARGS>
+static void launch_merged(struct gpu *g, const struct launch_shape *s,
+                          const void *const *args, int n)
 {
-    return pack_of<A, B...>{first, pack(others...)};
-}
-
-/* Calls F with the arguments that are left after those given. */
-template <class K, K F, class... GIVEN>
-static __device__ inline void call(const pack_of<> &, const GIVEN &...given)
-{
-    F(given...);
-}
-
-template <class K, K F, class A, class... B, class... GIVEN>
-static __device__ inline void call(const pack_of<A, B...> &a,
-                                   const GIVEN &...given)
-{
-    call<K, F>(a.others, given..., a.first);
-}
-
-template <class K, K F, int THREADS, int AT_ONCE, int N, class... A>
-static __global__ void __launch_bounds__(THREADS, AT_ONCE)
-    merged_kernel(const __grid_constant__ packs<N, A...> s)
-{
-    call<K, F>(s.of[N == 1 ? 0 : blockIdx.y]);
-}
-
-template <int N, class... A>
-static packs<N, A...> packs_of(const void *const *from, int n)
-{
-    packs<N, A...> s = {};
+    packs<ARGS> all = {};
+    struct launch_shape rows = *s;
     for (int k = 0; k < n; k++)
-        memcpy((void *)&s.of[k], from[k], sizeof s.of[k]);
-    return s;
+        memcpy((void *)&all.of[k], args[k], sizeof all.of[k]);
+    rows.rows = n;
+    launch_kernel<&merged_kernel<F, ARGS>, THREADS, AT_ONCE>(g, rows, all);
 }
 
-/* Calls of the three ways to launch, with N problems of room. */
-template <class K, K F, int N, class... A>
-static void launch_item_rows(struct gpu *g, const struct launch_shape *s,
-                             const void *const *from, int n)
+/* Launches F, or keeps the launch to be merged. */
+template <auto F, int THREADS, int AT_ONCE, class... A>
+static void merge(struct gpu *g, const struct launch_shape &s, A... a)
 {
-    LAUNCH_ITEM_ROWS(g, s->items, n,
-                     (merged_kernel<K, F, GPU_BLOCK, 1, N, A...>),
-                     packs_of<N, A...>(from, n));
-}
-
-template <class K, K F, int THREADS, int AT_ONCE, int N, class... A>
-static void launch_block_rows(struct gpu *g, const struct launch_shape *s,
-                              const void *const *from, int n)
-{
-    LAUNCH_ROWS(g, s->blocks, n, s->threads,
-                (merged_kernel<K, F, THREADS, AT_ONCE, N, A...>),
-                packs_of<N, A...>(from, n));
-}
-
-template <class K, K F, int THREADS, int N, class... A>
-static void launch_clusters(struct gpu *g, const struct launch_shape *s,
-                            const void *const *from, int n)
-{
-    LAUNCH_CLUSTERS(g, n, s->ranks, s->threads, s->bytes,
-                    (merged_kernel<K, F, THREADS, 1, N, A...>),
-                    packs_of<N, A...>(from, n));
+    typedef typename kernel_of<decltype(F)>::args all;
+    static const struct merge_ways ways = {
+        ways_of<F, THREADS, AT_ONCE>(), launch_merged<F, THREADS, AT_ONCE, all>};
+    all args = kernel_of<decltype(F)>::of(a...);
+    gpu_merge_add(g, &ways, &s, &args);
 }
 
 /* MERGE(g, n, (arguments…), kernel) is as LAUNCH, MERGE_BLOCKS(g, blocks,
- * threads, most, at_once, (arguments…), kernel) as LAUNCH_BLOCKS, with at most
- * `most` threads in a block and at least at_once blocks on a multiprocessor,
- * and MERGE_RANKS as LAUNCH_RANKS. kernel: a function of the device, which
- * takes each argument as a value or a const reference. */
+ * threads, most, at_once, (arguments…), kernel) as LAUNCH_AT_ONCE, with at most
+ * `most` threads in a block, and MERGE_RANKS as LAUNCH_RANKS. */
 #define MERGE(g, n, arguments, ...)                                            \
-    merge_items<decltype(&__VA_ARGS__), &__VA_ARGS__>(g, n, MERGED arguments)
+    merge<&__VA_ARGS__, GPU_BLOCK, 1>(g, shape_of_items(g, n), MERGED arguments)
 #define MERGE_BLOCKS(g, blocks, threads, most, at_once, arguments, ...)        \
-    merge_blocks<decltype(&__VA_ARGS__), &__VA_ARGS__, most, at_once>(         \
-        g, blocks, threads, MERGED arguments)
+    merge<&__VA_ARGS__, most, at_once>(g, shape_of_blocks(blocks, threads),    \
+                                       MERGED arguments)
 #define MERGE_RANKS(g, ranks, threads, bytes, arguments, ...)                  \
-    merge_ranks<decltype(&__VA_ARGS__), &__VA_ARGS__, threads>(                \
-        g, ranks, bytes, MERGED arguments)
+    merge<&__VA_ARGS__, threads, 1>(g, shape_of_ranks(ranks, threads, bytes),  \
+                                    MERGED arguments)
 #define MERGED(...) __VA_ARGS__
-
-/* One problem takes a kernel of its own, as arguments at an index that is not
- * known take longer to read. */
-template <class K, K F, class... A>
-static void merge_items(struct gpu *g, int64_t items, A... a)
-{
-    pack_of<A...> all = pack(a...);
-    auto launch = [](struct gpu *on, const struct launch_shape *s,
-                     const void *const *from, int n) {
-        if (n == 1)
-            launch_item_rows<K, F, 1, A...>(on, s, from, n);
-        else
-            launch_item_rows<K, F, MERGE_MOST, A...>(on, s, from, n);
-    };
-    gpu_merge_add(g, {items, 0, 0, 0, 0}, launch, &all, sizeof all);
-}
-
-template <class K, K F, int THREADS, int AT_ONCE, class... A>
-static void merge_blocks(struct gpu *g, int64_t blocks, int threads, A... a)
-{
-    pack_of<A...> all = pack(a...);
-    auto launch = [](struct gpu *on, const struct launch_shape *s,
-                     const void *const *from, int n) {
-        if (n == 1)
-            launch_block_rows<K, F, THREADS, AT_ONCE, 1, A...>(on, s, from, n);
-        else
-            launch_block_rows<K, F, THREADS, AT_ONCE, MERGE_MOST, A...>(
-                on, s, from, n);
-    };
-    gpu_merge_add(g, {0, blocks, 0, threads, 0}, launch, &all, sizeof all);
-}
-
-template <class K, K F, int THREADS, class... A>
-static void merge_ranks(struct gpu *g, int ranks, int64_t bytes, A... a)
-{
-    pack_of<A...> all = pack(a...);
-    auto launch = [](struct gpu *on, const struct launch_shape *s,
-                     const void *const *from, int n) {
-        if (n == 1)
-            launch_clusters<K, F, THREADS, 1, A...>(on, s, from, n);
-        else
-            launch_clusters<K, F, THREADS, MERGE_MOST, A...>(on, s, from, n);
-    };
-    gpu_merge_add(g, {0, 0, bytes, THREADS, ranks}, launch, &all, sizeof all);
-}
 
 #endif

@@ -4,7 +4,7 @@
  * does. */
 #define NDEBUG
 #define CCCL_DISABLE_NVTX
-#include "gpu/run/launch.cuh"
+#include "gpu/run/batch.cuh"
 
 extern "C" {
 #include "ref/base/keys.h"
@@ -13,7 +13,7 @@ extern "C" {
 #include <cub/device/device_merge_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
-void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
+void gpu_scan_now(struct gpu *g, int64_t *a, int64_t n)
 {
     size_t bytes = 0;
     if (n < 1 || g->failed)
@@ -37,7 +37,7 @@ struct key_before {
 
 /* A merge sort: a radix sort of keys of 24 bytes would make 24 passes, and most
  * streams are short. */
-struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
+struct key *gpu_sort_now(struct gpu *g, int64_t n, struct key *key,
                      struct key *spare)
 {
     size_t bytes = 0;

@@ -2,7 +2,7 @@
 /* Works on the stream of a device: copies, waits, failures, times and
  * readbacks. In a build without CUDA gpu/run/emulate_stream.cpp takes its
  * place. spec/gpu.md */
-#include "gpu/run/launch.cuh"
+#include "gpu/run/batch.cuh"
 
 #include <sched.h>
 #include <stdio.h>
@@ -26,31 +26,49 @@ static void copy(struct gpu *g, void *to, const void *from, size_t bytes,
         gpu_note(g, cudaMemcpyAsync(to, from, bytes, kind, g->stream));
 }
 
-void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes)
+void gpu_up_now(struct gpu *g, void *device, const void *host, size_t bytes)
 {
     copy(g, device, host, bytes, cudaMemcpyHostToDevice);
 }
 
-void gpu_down(struct gpu *g, void *host, const void *device, size_t bytes)
+void gpu_down_now(struct gpu *g, void *host, const void *device, size_t bytes)
 {
     copy(g, host, device, bytes, cudaMemcpyDeviceToHost);
-    gpu_wait(g);
+    gpu_wait_now(g);
 }
 
-void gpu_copy(struct gpu *g, void *to, const void *from, size_t bytes)
+void gpu_copy_now(struct gpu *g, void *to, const void *from, size_t bytes)
 {
     copy(g, to, from, bytes, cudaMemcpyDeviceToDevice);
 }
 
-void gpu_clear(struct gpu *g, void *device, size_t bytes)
+void gpu_clear_now(struct gpu *g, void *device, size_t bytes)
 {
     if (bytes && !g->failed)
         gpu_note(g, cudaMemsetAsync(device, 0, bytes, g->stream));
 }
 
-void gpu_wait(struct gpu *g)
+void gpu_wait_now(struct gpu *g)
 {
     gpu_note(g, cudaStreamSynchronize(g->stream));
+}
+
+void *gpu_pin(struct gpu *g, size_t bytes)
+{
+    void *p = NULL;
+    gpu_note(g, cudaMallocHost(&p, bytes));
+    return p;
+}
+
+void gpu_unpin(struct gpu *g, void *p)
+{
+    if (p)
+        gpu_note(g, cudaFreeHost(p));
+}
+
+void gpu_enter(struct gpu *g)
+{
+    gpu_note(g, cudaSetDevice(g->number));
 }
 
 int gpu_status(struct gpu *g)
@@ -116,7 +134,7 @@ static void wait_for(struct gpu *g, const int64_t *mark, int64_t next)
     }
     if (arrived(mark, next))
         return;
-    gpu_wait(g);
+    gpu_wait_now(g);
     if (!arrived(mark, next)) /* the kernel did not run */
         gpu_note(g, cudaErrorUnknown);
 }

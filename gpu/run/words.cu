@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Small results of kernels (words), and their readback by the host, for real
  * and emulated devices. gpu/run/launch.cuh, spec/gpu.md §6 */
-#include "gpu/run/launch.cuh"
+#include "gpu/run/batch.cuh"
 
 static int64_t *cleared(struct gpu *g, bool late, int64_t *words, int n)
 {
@@ -37,9 +37,21 @@ static void keep_late(struct gpu *g, bool wiped)
     }
 }
 
+/* Thread k shows word k to the host. */
+KERNEL show_kernel(int64_t *words, int64_t *seen, bool clear)
+{
+    ITEM(k, (int64_t)GPU_ALL_WORDS);
+    seen[k] = words[k];
+    words[k] = clear ? 0 : words[k];
+}
+
 static void read_back(struct gpu *g, bool clear)
 {
-    if (!g->failed)
+    if (g->together) {
+        LAUNCH(g, (int64_t)GPU_ALL_WORDS, show_kernel, g->words, g->seen,
+               clear);
+        gpu_batch_meet(g);
+    } else if (!g->failed)
         gpu_read_back_now(g, clear);
     if (g->failed)
         memset(g->seen, 0, GPU_ALL_WORDS * sizeof *g->seen);

@@ -17,7 +17,7 @@ enum { TILES_LEAST = 64 };
 
 /* Thread p owns coarse particle p and writes coarse_rule[p]: whether a rule of
  * a fine particle matters to p. */
-static __device__ void coarsen_find_kernel(const struct coarsen &s,
+KERNEL coarsen_find_kernel(const struct coarsen &s,
                                            const struct grid &c)
 {
     ITEM(item, s.n_coarse);
@@ -26,7 +26,7 @@ static __device__ void coarsen_find_kernel(const struct coarsen &s,
 
 /* Each thread owns an item: a coarse block, or the excess of a coarse particle.
  */
-static __device__ void coarsen_kernel(const struct coarsen &s,
+KERNEL coarsen_kernel(const struct coarsen &s,
                                       const struct grid &c,
                                       const struct book &book)
 {
@@ -37,7 +37,7 @@ static __device__ void coarsen_kernel(const struct coarsen &s,
 /* Makes the items that the kernel of tiles leaves out. A thread block owns
  * GPU_BLOCK coarse particles; its threads take turns at the items of those
  * particles to which a rule matters. */
-static __device__ void coarsen_cut_kernel(const struct coarsen &s,
+KERNEL coarsen_cut_kernel(const struct coarsen &s,
                                           const struct grid &c,
                                           const struct book &book)
 {
@@ -56,7 +56,7 @@ static __device__ void coarsen_cut_kernel(const struct coarsen &s,
 
 /* Thread p owns coarse particle p: it writes factor[p] and coarse_rule[p], and
  * reads the coarse blocks and the excess, which must be complete. */
-static __device__ void coarsen_factor_kernel(const struct coarsen &s,
+KERNEL coarsen_factor_kernel(const struct coarsen &s,
                                              const struct grid &c)
 {
     ITEM(item, s.n_coarse);
@@ -144,7 +144,7 @@ static __device__ void mark(const struct chain::small *c, struct place at)
  * grid k and at the factors of grid k - 1, and clear the marks of grid k + 1.
  * After a barrier they take turns at the rules of grid k; each rule sets marks
  * of grid k + 1. */
-static __device__ void coarsen_chain_kernel(const struct chain &s,
+KERNEL coarsen_chain_kernel(const struct chain &s,
                                             const struct book &book)
 {
     struct coarsen c = link_of(&s, 1);

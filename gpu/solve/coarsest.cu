@@ -103,7 +103,7 @@ static __device__ double swept(double a, int i, int j, int k, double inverse,
 /* Run by one block. Each thread keeps its entries in registers, and sweeps
  * unknown after unknown; whoever has entries of the next column, or the next
  * pivot, writes them for all. */
-static __device__ void coarsest_invert_kernel(const struct coarsest &s)
+KERNEL coarsest_invert_kernel(const struct coarsest &s)
 {
     __shared__ double diagonal[DENSE], column[2][DENSE], inverse[DENSE];
     __shared__ sym block[(STENCIL + 1) * COARSEST];

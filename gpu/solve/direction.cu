@@ -55,17 +55,14 @@ static __device__ void arrive(const struct image *e, struct place at,
 
 /* Does the same with compressed diagonals, in two kernels: this one computes
  * the direction, the next one its product. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    pcg_direction_kernel(struct mixed m, vec *p, int64_t count)
+KERNEL pcg_direction_kernel(const struct mixed &m, vec *p, int64_t count)
 {
     ITEM(k, count);
     if (m.c->go)
         p[k] = value_at(&m, place{(int32_t)k, 0, 0});
 }
 
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    pcg_product_kernel(struct product a, struct cdf d, struct image e,
-                       const int32_t *go)
+KERNEL pcg_product_kernel(const struct product &a, const struct cdf &d, const struct image &e, const int32_t *go)
 {
     ITEM(k, a.count);
     if (!*go)

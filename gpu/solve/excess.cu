@@ -5,7 +5,7 @@
 #include "gpu/solve/coarsen.cuh"
 
 /* Thread p owns particle p and writes excess[p], live[p] and rule[p]. */
-static __device__ void excess_kernel(const struct excess &s)
+KERNEL excess_kernel(const struct excess &s)
 {
     ITEM(item, s.count);
     struct grid g = {s.m, s.n};

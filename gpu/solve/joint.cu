@@ -58,8 +58,7 @@ struct solve {
 
 /* One thread writes what differs from one solve to the next, which no captured
  * kernel takes as an argument. */
-static __global__ void joint_keep_kernel(struct pcg_state *c, real scale,
-                                         real square)
+KERNEL joint_keep_kernel(struct pcg_state *c, real scale, real square)
 {
     struct pcg_state fresh = {};
     fresh.from = scale;
@@ -79,8 +78,7 @@ static __device__ void begin_at(const struct beginning *b, int64_t k, vec r)
 }
 
 /* r = b and dv = 0, p[0] = last; the state before the first iteration. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    joint_open_kernel(struct solve a)
+KERNEL joint_open_kernel(const struct solve &a)
 {
     PARTICLE(k);
     struct pcg_state *c = a.c;
@@ -111,7 +109,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 }
 
 /* Thread k owns particle k of one cloth. */
-static __device__ void joint_begin_kernel(const struct beginning &b,
+KERNEL joint_begin_kernel(const struct beginning &b,
                                           int64_t count, const vec *r,
                                           const int32_t *go)
 {
@@ -121,8 +119,7 @@ static __device__ void joint_begin_kernel(const struct beginning &b,
 }
 
 /* The sum of item: r·M⁻¹r. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    joint_enter_kernel(struct solve a)
+KERNEL joint_enter_kernel(const struct solve &a)
 {
     struct pcg_state *c = a.c;
     real sum;
@@ -133,8 +130,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 }
 
 /* The same of b: what the tolerance is relative to. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    joint_weigh_kernel(struct solve a)
+KERNEL joint_weigh_kernel(const struct solve &a)
 {
     struct pcg_state *c = a.c;
     real sum;
@@ -145,8 +141,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 
 /* q = A p, 0 where fixed, gains what the contacts push; then p·q and p·r, which
  * give the α of a step along p, whatever it is. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    joint_recall_kernel(struct solve a, const vec *p)
+KERNEL joint_recall_kernel(const struct solve &a, const vec *p)
 {
     PARTICLE(k);
     struct pcg_state *c = a.c;
@@ -170,8 +165,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 }
 
 /* q gains what the contacts push; then p·q, which gives α. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    joint_measure_kernel(struct solve a, const vec *p)
+KERNEL joint_measure_kernel(const struct solve &a, const vec *p)
 {
     PARTICLE(k);
     struct pcg_state *c = a.c;
@@ -190,8 +184,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 
 /* dv += α p, r -= α q, and |r|². first: 1 if the next direction does not depend
  * on p. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    joint_update_kernel(struct solve a, const vec *p, int first)
+KERNEL joint_update_kernel(const struct solve &a, const vec *p, int first)
 {
     PARTICLE(k);
     struct pcg_state *c = a.c;
@@ -216,7 +209,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 }
 
 /* Thread k owns particle k of one cloth. */
-static __device__ void joint_improve_kernel(const struct pcg_state *c,
+KERNEL joint_improve_kernel(const struct pcg_state *c,
                                             int64_t count, vec *dv,
                                             const vec *s, real part)
 {
@@ -226,8 +219,7 @@ static __device__ void joint_improve_kernel(const struct pcg_state *c,
 }
 
 /* Thread k owns particle k: p[0] = wall dv. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    joint_walls_kernel(struct solve a)
+KERNEL joint_walls_kernel(const struct solve &a)
 {
     ITEM(k, a.nc);
     a.p[0][k] = apply(a.wall[k], a.dv[k]);
@@ -235,8 +227,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 
 /* The true residual: q = A dv, 0 where fixed, and `other` is the contacts'
  * part of the product. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    joint_conclude_kernel(struct solve a, const vec *other)
+KERNEL joint_conclude_kernel(const struct solve &a, const vec *other)
 {
     PARTICLE(k);
     struct pcg_state *c = a.c;

@@ -13,8 +13,7 @@ static __device__ mat negative(sym b)
 
 /* Thread p owns row p: reads mass, extra and the blocks at p, writes
  * diagonal[p]. §2 */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    diagonal_kernel(struct matrix s)
+KERNEL diagonal_kernel(const struct matrix &s)
 {
     ITEM(item, s.count);
     struct grid g = {s.m, s.n};
@@ -35,8 +34,7 @@ static __global__ void __launch_bounds__(GPU_BLOCK)
 }
 
 /* Thread p owns row p of every diagonal that has such a row. §3 */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    matrix_kernel(struct matrix s, struct cdf c)
+KERNEL matrix_kernel(const struct matrix &s, const struct cdf &c)
 {
     ITEM(item, s.count);
     struct grid g = {s.m, s.n};

@@ -66,15 +66,14 @@ struct opening gpu_multigrid_opening(const struct multigrid *s)
 }
 
 /* Thread p owns y[p]. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    multigrid_first_kernel(struct opening o, int32_t count, const vec *b)
+KERNEL multigrid_first_kernel(const struct opening &o, int32_t count, const vec *b)
 {
     ITEM(p, count);
     open_at(&o, (int)p, b[p]);
 }
 
 /* Thread p owns particle p of the coarse grid and writes b[p] and y[p]. */
-static __device__ void multigrid_restrict_kernel(const struct level &f,
+KERNEL multigrid_restrict_kernel(const struct level &f,
                                                  const struct level &c,
                                                  real damping)
 {
@@ -84,7 +83,7 @@ static __device__ void multigrid_restrict_kernel(const struct level &f,
 }
 
 /* Thread p owns particle p of the fine grid and updates y[p]. */
-static __device__ void multigrid_prolong_kernel(const struct level &f,
+KERNEL multigrid_prolong_kernel(const struct level &f,
                                                 const struct raised &s)
 {
     ITEM(item, f.count);

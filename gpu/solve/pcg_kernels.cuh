@@ -31,8 +31,7 @@ enum { UPDATES = REAL_BITS == 32 ? 8 : 4 };
 /* One thread writes the solver's state at its beginning. scale and square are
  * the only numbers that change from one solve of a cloth to the next; no other
  * kernel reads them, so that a captured graph of all others stays valid. */
-static __global__ void pcg_open_kernel(struct pcg_state *c, real scale,
-                                       real square)
+KERNEL pcg_open_kernel(struct pcg_state *c, real scale, real square)
 {
     struct pcg_state fresh = {};
     fresh.from = scale;
@@ -55,9 +54,7 @@ static __device__ real begin_from(const struct pcg *s,
 }
 
 /* §2: writes r[k]; reads dv and low of the neighbours, unless all are 0. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_residual_kernel(struct pcg s, struct pcg_state *c,
-                        struct scratch scratch)
+KERNEL pcg_residual_kernel(const struct pcg &s, struct pcg_state *c, const struct scratch &scratch)
 {
     PARTICLE(k);
     int phase = c->phase;
@@ -96,8 +93,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 
 /* r·M⁻¹r by Jacobi after a restart, or after multigrid gave up; in later
  * iterations pcg_update_kernel computes it. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_jacobi_kernel(struct pcg s, struct pcg_state *c, struct scratch scratch)
+KERNEL pcg_jacobi_kernel(const struct pcg &s, struct pcg_state *c, const struct scratch &scratch)
 {
     PARTICLE(k);
     if (!c->go || !c->fresh)
@@ -111,9 +107,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK)
 }
 
 /* The sum of item[k] of all particles: r·M⁻¹r by multigrid, or p·A p. */
-static __global__ void __launch_bounds__(SUM_CHUNK)
-    pcg_sum_kernel(struct pcg s, struct pcg_state *c, struct scratch scratch,
-                   bool curvature)
+KERNEL pcg_sum_kernel(const struct pcg &s, struct pcg_state *c, const struct scratch &scratch, bool curvature)
 {
     real sum;
     if (!c->go ||
@@ -144,9 +138,7 @@ static __device__ void move(const struct pcg *s, const struct pcg_state *c,
 /* Writes dv[k], low[k], r[k] and the start of M⁻¹r. p: the direction of the
  * step; NULL: the update of dv and low is left to a later step, so that they
  * are read and written once for several steps. A block owns several chunks. */
-static __global__ void __launch_bounds__(SUM_CHUNK, UPDATES)
-    pcg_update_kernel(struct pcg s, struct pcg_state *c, struct scratch scratch,
-                      const vec *p)
+KERNEL pcg_update_kernel(const struct pcg &s, struct pcg_state *c, const struct scratch &scratch, const vec *p)
 {
     real value[2], sum[2], alpha = c->alpha;
     if (!c->go)
@@ -176,9 +168,7 @@ static __global__ void __launch_bounds__(SUM_CHUNK, UPDATES)
 
 /* Updates dv and low by the steps that are outstanding when the iterations have
  * ended; the residual is next. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    pcg_settle_kernel(struct pcg s, const struct pcg_state *c,
-                      struct scratch scratch)
+KERNEL pcg_settle_kernel(const struct pcg &s, const struct pcg_state *c, const struct scratch &scratch)
 {
     ITEM(k, s.count);
     if (c->phase == PHASE_ENDED && c->waits && !s.fixed[k])

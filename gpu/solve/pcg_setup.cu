@@ -9,7 +9,7 @@ extern "C" {
 }
 
 /* §1. Thread k owns particle k: writes dv[k] and low[k]. */
-static __device__ void pcg_start_kernel(const struct pcg &s)
+KERNEL pcg_start_kernel(const struct pcg &s)
 {
     ITEM(k, s.count);
     s.dv[k] = s.fixed[k] && s.n_z ? s.z[k] : make(0, 0, 0);

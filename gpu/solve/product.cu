@@ -4,8 +4,7 @@
 #include "gpu/solve/sweep.cuh"
 
 /* Thread p owns row p of the compressed diagonals and writes y[p]. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    product_kernel(struct product s, struct cdf c)
+KERNEL product_kernel(const struct product &s, const struct cdf &c)
 {
     ITEM(item, s.count);
     struct place at = place_of(grid{s.m, s.n}, item);

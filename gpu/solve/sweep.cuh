@@ -20,7 +20,7 @@
  * the next row writes the other half of passed, and the place of x of row j -
  * 1, which nobody reads any more. */
 template <int EDGES, class B, class X, class END>
-static __device__ void sweep_kernel(const struct edges<B> &t,
+KERNEL sweep_kernel(const struct edges<B> &t,
                                     const struct cut &c, const X &x,
                                     const END &end, const int32_t *go)
 {
@@ -108,7 +108,7 @@ static __device__ void sweep_kernel(const struct edges<B> &t,
  * twice. */
 enum { GATHER_LANES = 4, GATHERED = GPU_BLOCK / GATHER_LANES };
 template <int EDGES, class B, class X, class END>
-static __device__ void gather_kernel(const struct edges<B> &t, const X &x,
+KERNEL gather_kernel(const struct edges<B> &t, const X &x,
                                      const END &end, const int32_t *go)
 {
     int lane = (int)threadIdx.x % GATHER_LANES, count = t.g.m * t.g.n;

@@ -335,7 +335,7 @@ template <bool RULED> static __device__ inline void cycle(const struct tail *s)
 /* One cluster. All ranks come to every barrier, whether they have work or not.
  * No rank writes to another: what a grid is restricted to and interpolated from
  * is read from its owner, which does not change it again. */
-static __device__ void tail_kernel(const struct tail &s)
+KERNEL tail_kernel(const struct tail &s)
 {
     if (idle(s.go))
         return;

@@ -10,8 +10,7 @@ extern "C" {
 /* Thread k owns vertex k: it reads rest, next and motion of the vertex, and
  * writes x[k]; it sets *bad if x[k] is out of range. Any order is correct,
  * since all threads write the same value to *bad. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    kinematics_kernel(struct kinematics s, int64_t *bad)
+KERNEL kinematics_kernel(const struct kinematics &s, int64_t *bad)
 {
     ITEM(k, s.n);
     double a[3], d[3];

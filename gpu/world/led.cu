@@ -11,8 +11,7 @@ extern "C" {
 }
 
 /* Thread k owns pin k and writes the place of its particle. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    pins_kernel(int64_t n, const int32_t *pinned, const vec *x, vec *to)
+KERNEL pins_kernel(int64_t n, const int32_t *pinned, const vec *x, vec *to)
 {
     ITEM(k, n);
     to[pinned[k]] = x[k];
@@ -34,9 +33,7 @@ static __device__ bool same_bits(const vec *a, const vec *b)
 
 /* Thread k owns obstacle vertex k, or pin k, and sets *moves if its place
  * changes. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    moves_kernel(int64_t n, const int32_t *at, const vec *x0, const vec *x1,
-                 int64_t *moves)
+KERNEL moves_kernel(int64_t n, const int32_t *at, const vec *x0, const vec *x1, int64_t *moves)
 {
     ITEM(k, n);
     if (!same_bits(&x0[at ? at[k] : k], &x1[k]))
@@ -64,7 +61,7 @@ static __device__ real between(real a, real b, double part)
 }
 
 /* Thread i owns item i and writes x[i]. */
-static __global__ void __launch_bounds__(GPU_BLOCK) blend_kernel(struct blend s)
+KERNEL blend_kernel(const struct blend &s)
 {
     ITEM(i, s.n);
     int64_t k = s.at ? s.at[i] : i;
@@ -81,8 +78,7 @@ void gpu_led_blend(struct gpu *g, const struct blend *s)
 }
 
 /* Thread i owns particle i and puts a[i] back where the particle is fixed. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    keep_kernel(int64_t n, const uint8_t *fixed, const vec *old, vec *a)
+KERNEL keep_kernel(int64_t n, const uint8_t *fixed, const vec *old, vec *a)
 {
     ITEM(i, n);
     if (fixed[i])
@@ -96,8 +92,7 @@ void gpu_led_keep(struct gpu *g, int64_t n, const uint8_t *fixed,
 }
 
 /* Thread i owns item i and sets *bad if a[i] is out of range. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    sane_kernel(int64_t n, const vec *a, int64_t *bad)
+KERNEL sane_kernel(int64_t n, const vec *a, int64_t *bad)
 {
     ITEM(i, n);
     if (!sane(a[i]))
@@ -112,8 +107,7 @@ bool gpu_led_sane(struct gpu *g, int64_t n, const vec *a)
 }
 
 /* Thread k owns vertex k and writes v[k]. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    velocities_kernel(int64_t n, const vec *x0, const vec *x1, real dt, vec *v)
+KERNEL velocities_kernel(int64_t n, const vec *x0, const vec *x1, real dt, vec *v)
 {
     ITEM(k, n);
     vec d = sub(x1[k], x0[k]);
@@ -128,8 +122,7 @@ void gpu_led_velocities(struct gpu *g, int64_t n, const vec *x0, const vec *x1,
 
 /* Thread i owns vertex i and computes the square of its displacement, m². Each
  * block makes one atomic maximum. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    way_kernel(int64_t n, const vec *x0, const vec *x1, int64_t *most)
+KERNEL way_kernel(int64_t n, const vec *x0, const vec *x1, int64_t *most)
 {
     int64_t i = (int64_t)blockIdx.x * GPU_BLOCK + threadIdx.x;
     vec d = i < n ? sub(x1[i], x0[i]) : make(0, 0, 0);
@@ -144,8 +137,7 @@ real gpu_led_furthest(struct gpu *g, int64_t n, const vec *x0, const vec *x1)
 }
 
 /* Thread k owns triangle k and writes 1 if it belongs to cloth, else 0. */
-static __global__ void __launch_bounds__(GPU_BLOCK)
-    group_kernel(int64_t nt, int64_t cloths, int32_t *group)
+KERNEL group_kernel(int64_t nt, int64_t cloths, int32_t *group)
 {
     ITEM(k, nt);
     group[k] = k < cloths;

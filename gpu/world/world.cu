@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A world on the device as the API sees it. Reading, saving and loading pass
  * through the streams of the host's world. spec/gpu.md §6 */
+#include <stdlib.h>
+
 extern "C" {
 #include "gpu/run/gpu.h"
 #include "gpu/world/make.h"
@@ -148,6 +150,28 @@ static int load(struct world *w, drape_read_bytes *read, void *user)
     return gpu_status(g);
 }
 
+/* A larger world leaves nothing of the device idle. */
+enum { TOGETHER_MOST = 1 << 15 };
+
+/* A trace is the caller's, who need not expect another stack. */
+static int place(const struct world *w)
+{
+    bool may = w->nv <= TOGETHER_MOST && !w->tracing;
+    return may ? gpu_device(w->device->gpu) + 1 : -1;
+}
+
+static int together(struct world *const *w, int n, int threads,
+                    void (*work)(void *with, int k), void *with)
+{
+    struct gpu **g = (struct gpu **)malloc((size_t)n * sizeof *g);
+    for (int k = 0; k < n && g; k++)
+        g[k] = w[k]->device->gpu;
+    int status =
+        g ? gpu_batch(g, n, threads, work, with) : (int)DRAPE_ENOMEM;
+    free(g);
+    return status;
+}
+
 const struct world_ops world_ops_gpu = {.make = make,
                                         .step = step_advance,
                                         .read = read,
@@ -167,6 +191,8 @@ const struct world_ops world_ops_gpu = {.make = make,
                                         .save = save,
                                         .load = load,
                                         .borrow = borrow,
+                                        .place = place,
+                                        .together = together,
                                         .count = count,
                                         .device = device,
                                         .end = end};

@@ -24,6 +24,7 @@ struct drape_world {
     int64_t taken;       /* allocations that the log has reported */
     drape_write *record; /* NULL: no call is recorded */
     void *record_user;
+    bool listed; /* in the list of drape_step_many that is checked now */
     bool lost; /* the record could not be written */
 };
 

@@ -80,6 +80,12 @@ struct world_ops {
     int (*load)(struct world *w, drape_read_bytes *read, void *user);
     /* Sets the members of view except counts and precision. */
     int (*borrow)(struct world *w, drape_view *view);
+    /* NULL for the reference: the device on which a world can be advanced
+     * together with others, ≥ 0, or -1; and calls work(with, k) for each of n
+     * such worlds of one device, together. */
+    int (*place)(const struct world *w);
+    int (*together)(struct world *const *w, int n, int threads,
+                    void (*work)(void *with, int k), void *with);
     /* These three are NULL for the reference. They add the device's memory to
      * m; name the device and, if it was lost, the reason; and release what the
      * arena does not hold. */

@@ -342,9 +342,10 @@ int step_advance(struct world *w, drape_step_report *report)
     struct threads threads;
     w->reported = report != NULL;
     /* §8: in a small scene waking threads costs more than its loops; on a
-     * device the host has no parallel loops. */
-    bool one = w->nv < SMALL_SCENE || w->device;
-    threads_begin(&threads, one ? 1 : w->def.threads);
+     * device the host has no parallel loops, and may switch to another world
+     * in the middle of this step. */
+    if (!w->device)
+        threads_begin(&threads, w->nv < SMALL_SCENE ? 1 : w->def.threads);
     begin(w, &s); /* §6: sleep */
     while (has_slice_left(w, &s)) {
         place(w, &s);          /* §1: kinematics.md */
@@ -356,6 +357,7 @@ int step_advance(struct world *w, drape_step_report *report)
         finish(w, &s);         /* step.md §4, §6, §7.4: implicit.md */
     }
     int status = end(w, &s); /* step.md §11, §7.5: audit.md */
-    threads_end(&threads);
+    if (!w->device)
+        threads_end(&threads);
     return status;
 }

@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Steps of many worlds: those of one device together, others by threads. */
+#include "spec/drape.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "ref/api/handle.h"
+
+enum { MOST_THREADS = 64 };
+
+/* Worlds that are advanced in one way, by their places in the call's list. */
+struct part {
+    const struct call *call;
+    int *of; /* [n] */
+    int n, next;
+    pthread_mutex_t lock;
+};
+
+/* The arguments of drape_step_many. */
+struct call {
+    drape_world *const *world;
+    int n, steps, threads;
+    drape_step_report *report;
+    int *status;
+};
+
+/* Makes the steps of world k, up to one that fails or diverges. */
+static void advance(const struct call *c, int k)
+{
+    drape_step_report *to = c->report ? c->report + (size_t)k * (size_t)c->steps
+                                      : NULL;
+    int status = DRAPE_OK, diverged = 0;
+    for (int s = 0; s < c->steps && status == DRAPE_OK && !diverged; s++) {
+        drape_step_report *report = to ? to + s : NULL;
+        status = drape_step(c->world[k], report);
+        diverged = report && status == DRAPE_OK &&
+                   report->outcome & DRAPE_DIVERGED;
+    }
+    c->status[k] = status;
+}
+
+static void advance_in_part(void *with, int k)
+{
+    const struct part *p = with;
+    advance(p->call, p->of[k]);
+}
+
+/* A thread takes the next world that nobody has taken until none is left. */
+static void *take_turns(void *with)
+{
+    struct part *p = with;
+    for (;;) {
+        pthread_mutex_lock(&p->lock);
+        int k = p->next++;
+        pthread_mutex_unlock(&p->lock);
+        if (k >= p->n)
+            return NULL;
+        advance(p->call, p->of[k]);
+    }
+}
+
+/* Advances the worlds of a part by threads, of which this one is one. */
+static void by_threads(struct part *p)
+{
+    pthread_t thread[MOST_THREADS];
+    int made = 0;
+    pthread_mutex_init(&p->lock, NULL);
+    while (made < p->call->threads - 1 && made < p->n - 1 &&
+           !pthread_create(&thread[made], NULL, take_turns, p))
+        made++;
+    take_turns(p);
+    for (int k = 0; k < made; k++)
+        pthread_join(thread[k], NULL);
+    pthread_mutex_destroy(&p->lock);
+}
+
+/* Advances the worlds of a part together; false if there is no memory. */
+static bool together(struct part *p)
+{
+    const struct call *c = p->call;
+    const struct world_ops *ops = c->world[p->of[0]]->ops;
+    struct world **world = malloc((size_t)p->n * sizeof *world);
+    for (int k = 0; k < p->n && world; k++)
+        world[k] = c->world[p->of[k]]->world;
+    bool done = world && ops->together(world, p->n, c->threads, advance_in_part,
+                                       p) == DRAPE_OK;
+    free(world);
+    return done;
+}
+
+/* The device on which a world can be advanced together with others, or -1. */
+static int place_of(const drape_world *world)
+{
+    return world->ops->place && !world->record ? world->ops->place(world->world)
+                                               : -1;
+}
+
+/* Advances the worlds that are advanced in the same way as world `first`, and
+ * marks them as done. */
+static void advance_like(struct part *p, int first, bool *done)
+{
+    const struct call *c = p->call;
+    int place = place_of(c->world[first]);
+    p->n = p->next = 0;
+    for (int k = first; k < c->n; k++) {
+        bool alike = place < 0 ? place_of(c->world[k]) < 0
+                               : c->world[k]->ops == c->world[first]->ops &&
+                                     place_of(c->world[k]) == place;
+        if (done[k] || !alike)
+            continue;
+        p->of[p->n++] = k;
+        done[k] = true;
+    }
+    if (place < 0 || p->n < 2 || !together(p))
+        by_threads(p);
+}
+
+/* Whether a world is listed twice; marks are left as they were. */
+static bool twice(drape_world *const *world, int n)
+{
+    bool found = false;
+    int k = 0;
+    for (; k < n && !found; k++) {
+        found = world[k]->listed;
+        world[k]->listed = true;
+    }
+    while (k-- > 0)
+        world[k]->listed = false;
+    return found;
+}
+
+int drape_step_many(drape_world *const *world, int n, int steps, int threads,
+                    drape_step_report *report, int *status)
+{
+    if (n < 0 || steps < 0 || threads < 0 || (n && !world))
+        return DRAPE_EARG;
+    for (int k = 0; k < n; k++)
+        if (!world[k])
+            return DRAPE_EARG;
+    if (twice(world, n))
+        return DRAPE_EARG;
+    if (!n)
+        return DRAPE_OK;
+    int *own = malloc((size_t)n * 2 * sizeof *own);
+    bool *done = calloc((size_t)n, sizeof *done);
+    int worst = own && done ? DRAPE_OK : DRAPE_ENOMEM;
+    if (worst == DRAPE_OK) {
+        long here = sysconf(_SC_NPROCESSORS_ONLN);
+        int most = threads ? threads : here < 1 ? 1 : (int)here;
+        struct call c = {world,  n,
+                         steps,  most < MOST_THREADS ? most : MOST_THREADS,
+                         report, status ? status : own + n};
+        struct part p = {.call = &c, .of = own};
+        if (report)
+            memset(report, 0, (size_t)n * (size_t)steps * sizeof *report);
+        for (int k = 0; k < n; k++)
+            if (!done[k])
+                advance_like(&p, k, done);
+        for (int k = 0; k < n && worst == DRAPE_OK; k++)
+            worst = c.status[k];
+    }
+    free(own);
+    free(done);
+    return worst;
+}
