@@ -24,12 +24,12 @@ enum { LOOSE_BLOCKS = 132 * 8 };
 
 /* Each thread sums its items, each warp the sums of its threads, and atomic
  * additions the sums of the warps, in no fixed order. */
-KERNEL loose_kernel(const struct dot &s, int64_t *word)
+KERNEL loose_kernel(int64_t n, const vec *a, const vec *b, int64_t *word)
 {
     int64_t first = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x;
     real sum = 0;
-    for (int64_t k = first; k < s.n; k += (int64_t)gridDim.x * SUM_CHUNK)
-        sum += dot(s.a[k], s.b[k]);
+    for (int64_t k = first; k < n; k += (int64_t)gridDim.x * SUM_CHUNK)
+        sum += dot(a[k], b[k]);
     for (int h = 16; h > 0; h /= 2)
         sum += __shfl_xor_sync(0xffffffffu, sum, h);
     if (threadIdx.x % 32 == 0)
@@ -44,13 +44,15 @@ static void springs(struct gpu *g, const struct springs *s)
 
 static void ordered(struct gpu *g, const struct dot *s, int64_t *word)
 {
-    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, dot_kernel, *s, word);
+    LAUNCH_BLOCKS(g, s->n_chunks, SUM_CHUNK, dot_kernel, s->n, s->a, s->b,
+                  s->chunk, word);
 }
 
 static void loose(struct gpu *g, const struct dot *s, int64_t *word)
 {
     gpu_clear(g, word, sizeof *word);
-    LAUNCH_BLOCKS(g, LOOSE_BLOCKS, SUM_CHUNK, loose_kernel, *s, word);
+    LAUNCH_BLOCKS(g, LOOSE_BLOCKS, SUM_CHUNK, loose_kernel, s->n, s->a, s->b,
+                  word);
 }
 
 /* price.h adds the suffix of the precision to this name. */

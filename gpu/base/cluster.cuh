@@ -243,17 +243,17 @@ static __device__ inline int group_item(void)
     return warp * WARP + t % WARP;
 }
 
-/* Finds the block of a kernel that ends last, which may combine the results of
- * all blocks; that saves another kernel. Called by all threads after thread 0
+/* Finds the block of a kernel that ends last of so many, which may combine the
+ * results of all blocks; that saves another kernel. Called by all threads after thread 0
  * has written the result of the block. True in all threads of the block that
  * ends last; it sees the results of all blocks. *ticket is 0 before and after.
  */
-static __device__ inline bool ends_last(unsigned *ticket)
+static __device__ inline bool ends_last(unsigned *ticket, int64_t blocks)
 {
     __shared__ bool last;
     if (threadIdx.x == 0) {
         __threadfence(); /* the result is written before the ticket is drawn */
-        last = atomicAdd(ticket, 1u) == gridDim.x - 1;
+        last = atomicAdd(ticket, 1u) == (unsigned)(blocks - 1);
         if (last)
             *ticket = 0;
     }

@@ -32,7 +32,7 @@ static __device__ inline int block_compact(bool keep, int *total)
 }
 
 /* Return the number of blocks for n items, and the item of this thread. */
-static inline int64_t compact_blocks(int64_t n)
+static __host__ __device__ inline int64_t compact_blocks(int64_t n)
 {
     return (n + COMPACT_BLOCK - 1) / COMPACT_BLOCK;
 }

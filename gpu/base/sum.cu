@@ -8,22 +8,23 @@
 enum { VALUE, TICKET };
 
 /* Block k owns chunk k; the block that ends last writes the sum. */
-KERNEL sum_kernel(const struct sum &s, int64_t *words)
+KERNEL sum_kernel(int64_t n, const real *a, real *chunk, int64_t *words)
 {
     int64_t item = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x;
-    real value = item < s.n ? s.a[item] : 0, sum;
+    real value = item < n ? a[item] : 0, sum;
     bool last =
-        grid_sums<1>(&value, s.chunk, (unsigned *)(words + TICKET), &sum);
+        grid_sums<1>(&value, chunk, (unsigned *)(words + TICKET), &sum);
     if (last && threadIdx.x == 0)
         *(real *)(words + VALUE) = sum;
 }
 
-KERNEL dot_kernel(const struct dot &s, int64_t *words)
+KERNEL dot_kernel(int64_t n, const vec *a, const vec *b, real *chunk,
+                  int64_t *words)
 {
     int64_t item = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x;
-    real value = item < s.n ? dot(s.a[item], s.b[item]) : 0, sum;
+    real value = item < n ? dot(a[item], b[item]) : 0, sum;
     bool last =
-        grid_sums<1>(&value, s.chunk, (unsigned *)(words + TICKET), &sum);
+        grid_sums<1>(&value, chunk, (unsigned *)(words + TICKET), &sum);
     if (last && threadIdx.x == 0)
         *(real *)(words + VALUE) = sum;
 }
@@ -37,13 +38,15 @@ static int read_value(struct gpu *g, real *value)
 int gpu_sum(struct gpu *g, struct sum *s)
 {
     int64_t *words = gpu_words(g);
-    LAUNCH_BLOCKS(g, sum_chunks(s->n), SUM_CHUNK, sum_kernel, *s, words);
+    LAUNCH_BLOCKS(g, sum_chunks(s->n), SUM_CHUNK, sum_kernel, s->n, s->a,
+                  s->chunk, words);
     return read_value(g, &s->value);
 }
 
 int gpu_dot(struct gpu *g, struct dot *s)
 {
     int64_t *words = gpu_words(g);
-    LAUNCH_BLOCKS(g, sum_chunks(s->n), SUM_CHUNK, dot_kernel, *s, words);
+    LAUNCH_BLOCKS(g, sum_chunks(s->n), SUM_CHUNK, dot_kernel, s->n, s->a, s->b,
+                  s->chunk, words);
     return read_value(g, &s->value);
 }

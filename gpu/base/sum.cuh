@@ -153,7 +153,7 @@ template <int N>
 static __device__ inline bool all_sums(int64_t chunks, real *chunk,
                                        unsigned *ticket, real sum[N])
 {
-    if (!ends_last(ticket))
+    if (!ends_last(ticket, gridDim.x))
         return false;
     finish_sums<N>(chunks, chunk, sum);
     return true;

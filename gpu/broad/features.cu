@@ -131,15 +131,15 @@ KERNEL features_test_kernel(const struct features &s, real reach, int64_t *word)
     block_scan((int)threadIdx.x, vf | ee << 16, &total);
     if (threadIdx.x == 0) {
         s.sum[blockIdx.x] = total & 0xffff;
-        s.sum[gridDim.x + blockIdx.x] = total >> 16;
+        s.sum[blocks_of(s.n) + blockIdx.x] = total >> 16;
         word_add(&word[WORD_VF], total & 0xffff);
         word_add(&word[WORD_EE], total >> 16);
     }
-    if (!ends_last((unsigned *)&word[WORD_TICKET]))
+    if (!ends_last((unsigned *)&word[WORD_TICKET], blocks_of(s.n)))
         return;
     int64_t all = word[WORD_VF] + word[WORD_EE];
     if (all <= s.cap)
-        scan_blocks(s.sum, 2 * (int64_t)gridDim.x);
+        scan_blocks(s.sum, 2 * blocks_of(s.n));
     if (threadIdx.x == 0) {
         word[WORD_DONE] = all <= s.cap ? all : 0;
         word[WORD_NEED] = all;
@@ -195,7 +195,7 @@ KERNEL features_emit_kernel(const struct features &s, const int64_t *word)
     if (!mask)
         return;
     int64_t at[2] = {s.sum[blockIdx.x] + (before & 0xffff),
-                     s.sum[gridDim.x + blockIdx.x] + (before >> 16)};
+                     s.sum[blocks_of(s.n) + blockIdx.x] + (before >> 16)};
     struct duo e = fetch_duo(&s.both[k]);
     struct corners f = corners_of(&s, e.a), g = corners_of(&s, e.b);
     for (int c = 0; c < BITS; c++) {
@@ -216,9 +216,9 @@ int gpu_features(struct gpu *g, struct features *s)
     if (!(s->r >= 0 && s->r <= REAL_BIG))
         return DRAPE_EDATA;
     int64_t *word = gpu_words(g);
-    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_test_kernel, *s,
+    LAUNCH_PARTS(g, blocks, BVTT_BLOCK, 1, features_test_kernel, *s,
                   reach_of(s->r), word);
-    LAUNCH_BLOCKS(g, blocks, BVTT_BLOCK, features_emit_kernel, *s, word);
+    LAUNCH_PARTS(g, blocks, BVTT_BLOCK, 1, features_emit_kernel, *s, word);
     const int64_t *seen = gpu_read_back(g, WORDS);
     if (gpu_status(g) != DRAPE_OK)
         return gpu_status(g);

@@ -101,7 +101,7 @@ static int64_t *place(struct gpu *g, const struct impacts *s, int32_t want)
     int64_t blocks = compact_blocks(s->n);
     int64_t *first =
         (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks, sizeof *first);
-    LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, impacts_count_kernel, *s, want,
+    LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, impacts_count_kernel, *s, want,
                   first);
     gpu_scan(g, first, blocks);
     return first;
@@ -121,7 +121,7 @@ static int retest_start(struct gpu *g, struct impacts *s, int64_t n)
     a.kind = (uint8_t *)(memory + 6 * n);
     a.tier = a.kind + n;
     int64_t *first = place(g, s, RETEST);
-    LAUNCH_BLOCKS(g, compact_blocks(s->n), COMPACT_BLOCK, impacts_gather_kernel,
+    LAUNCH_PARTS(g, compact_blocks(s->n), COMPACT_BLOCK, 1, impacts_gather_kernel,
                   *s, first, a);
     struct narrow m = {.n = n,
                        .pair = a.pair,
@@ -159,7 +159,7 @@ int gpu_impacts(struct gpu *g, struct impacts *s)
     if (!s->found || status != DRAPE_OK)
         return status;
     int64_t *first = place(g, s, HIT);
-    LAUNCH_BLOCKS(g, compact_blocks(s->n), COMPACT_BLOCK, impacts_emit_kernel,
+    LAUNCH_PARTS(g, compact_blocks(s->n), COMPACT_BLOCK, 1, impacts_emit_kernel,
                   *s, first);
     return gpu_status(g);
 }

@@ -222,8 +222,8 @@ KERNEL impulses_count_kernel(const struct key *key, int64_t n, int64_t *first, i
         first[blockIdx.x] = count;
         count_up(&words[FOUND], count);
     }
-    if (ends_last((unsigned *)&words[TICKET]))
-        scan_blocks(first, (int64_t)gridDim.x);
+    if (ends_last((unsigned *)&words[TICKET], compact_blocks(n)))
+        scan_blocks(first, compact_blocks(n));
 }
 
 /* A block owns COMPACT_BLOCK sorted keys: writes the contacts of those that
@@ -256,7 +256,7 @@ int gpu_impulses(struct gpu *g, struct impulses *s)
     LAUNCH(g, s->n, impulses_first_kernel, *s);
     LAUNCH(g, s->n_all, impulses_key_kernel, *s, words);
     struct key *key = gpu_sort(g, s->n_all, s->key, s->spare);
-    LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, impulses_count_kernel, key,
+    LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, impulses_count_kernel, key,
                   s->n_all, first, words);
     const int64_t *seen = gpu_read_back(g, WORDS);
     if (seen[BAD])
@@ -264,7 +264,7 @@ int gpu_impulses(struct gpu *g, struct impulses *s)
     s->found = seen[FOUND];
     if (s->found > s->cap)
         return DRAPE_EFULL;
-    LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, impulses_emit_kernel, *s, key,
+    LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, impulses_emit_kernel, *s, key,
                   first);
     return gpu_status(g);
 }

@@ -77,7 +77,7 @@ static __device__ struct begins begins_at(const struct zones *s,
 }
 
 /* A block owns COMPACT_BLOCK sorted keys: counts the members, zones and free
- * vertices that begin there. `first` holds three streams of gridDim.x counts.
+ * vertices that begin there. `first` holds three streams of counts.
  */
 KERNEL zones_count_kernel(const struct zones &s, const struct key *key, int64_t *first, int64_t *words)
 {
@@ -89,8 +89,9 @@ KERNEL zones_count_kernel(const struct zones &s, const struct key *key, int64_t 
     if (threadIdx.x > 0)
         return;
     first[blockIdx.x] = members;
-    first[gridDim.x + blockIdx.x] = zones;
-    first[2 * gridDim.x + blockIdx.x] = free;
+    int64_t blocks = compact_blocks(s.n4);
+    first[blocks + blockIdx.x] = zones;
+    first[2 * blocks + blockIdx.x] = free;
     count_up(&words[MEMBERS_ALL], members);
     count_up(&words[MEMBERS_ZONES], zones);
     count_up(&words[MEMBERS_FREE], free);
@@ -104,9 +105,10 @@ KERNEL zones_emit_kernel(const struct zones &s, const struct key *key, struct ke
     struct begins b = begins_at(&s, key, k, words);
     int count;
     int64_t at = first[blockIdx.x] + block_compact(b.member, &count);
-    int64_t zone = first[gridDim.x + blockIdx.x] - words[MEMBERS_ALL] +
+    int64_t blocks = compact_blocks(s.n4);
+    int64_t zone = first[blocks + blockIdx.x] - words[MEMBERS_ALL] +
                    block_compact(b.zone, &count);
-    int64_t free = first[2 * gridDim.x + blockIdx.x] - words[MEMBERS_ALL] -
+    int64_t free = first[2 * blocks + blockIdx.x] - words[MEMBERS_ALL] -
                    words[MEMBERS_ZONES] + block_compact(b.free, &count);
     if (b.member)
         member[at] = key[k];
@@ -126,10 +128,10 @@ struct key *gpu_members(struct gpu *g, struct zones *s, int64_t *words)
     LAUNCH(g, s->n4, zones_key_kernel, *s, words);
     struct key *key = gpu_sort(g, s->n4, s->key, s->spare);
     struct key *member = key == s->key ? s->spare : s->key;
-    LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, zones_count_kernel, *s, key, first,
+    LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, zones_count_kernel, *s, key, first,
                   words);
     gpu_scan(g, first, 3 * blocks);
-    LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, zones_emit_kernel, *s, key, member,
+    LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, zones_emit_kernel, *s, key, member,
                   first, words);
     return member;
 }

@@ -394,7 +394,7 @@ int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
     real *part =
         (real *)gpu_scratch(g, SLOT_STAGE, PARTS * s->n4, sizeof *part);
     int64_t touched = s->nv < s->n4 ? s->nv : s->n4;
-    int64_t groups = (touched + GROUP - 1) / GROUP;
+    int64_t groups = (s->nv + GROUP - 1) / GROUP;
     int64_t blocks = groups < GROUPS ? groups : (int64_t)GROUPS;
     gpu_clear(g, s->force, (size_t)s->nv * sizeof *s->force);
     LAUNCH(g, s->nv, penalty_guess_kernel, *s);

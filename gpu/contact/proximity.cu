@@ -267,15 +267,16 @@ KERNEL near_kernel(const struct proximity &s, int64_t *base, int64_t *word)
     if (threadIdx.x == 0)
         base[blockIdx.x] = total;
     __syncthreads(); /* other threads may still read block_compact's words */
-    if (!ends_last((unsigned *)&word[WORD_TICKET]))
+    int64_t blocks = compact_blocks(s.n);
+    if (!ends_last((unsigned *)&word[WORD_TICKET], blocks))
         return;
     if (threadIdx.x == 0)
-        base[gridDim.x] = 0;
+        base[blocks] = 0;
     __syncthreads();
-    scan_blocks(base, (int64_t)gridDim.x + 1);
+    scan_blocks(base, blocks + 1);
     __syncthreads();
     if (threadIdx.x == 0)
-        word[WORD_FOUND] = base[gridDim.x];
+        word[WORD_FOUND] = base[blocks];
 }
 
 /* Thread t of block b writes the block's contact t, at place base[b] + t; reads
@@ -303,7 +304,7 @@ int gpu_proximity(struct gpu *g, struct proximity *s)
     int64_t *base =
         (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks + 1, sizeof *base);
     int64_t *word = gpu_words(g);
-    LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, near_kernel, *s, base, word);
+    LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, near_kernel, *s, base, word);
     const int64_t *seen = gpu_read_back(g, WORDS);
     int status = gpu_status(g);
     if (status != DRAPE_OK)
@@ -314,6 +315,6 @@ int gpu_proximity(struct gpu *g, struct proximity *s)
     if (s->found > s->cap)
         return DRAPE_EFULL;
     if (s->found)
-        LAUNCH_BLOCKS(g, blocks, COMPACT_BLOCK, emit_kernel, *s, base);
+        LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, emit_kernel, *s, base);
     return gpu_status(g);
 }

@@ -49,7 +49,7 @@ KERNEL moments_kernel(const struct moments &s, int64_t *word)
         put_sums<PART>(item + e, s.n_chunks, blockIdx.x,
                        s.chunk + e * s.n_chunks);
     put_sums<REST>(item + e, s.n_chunks, blockIdx.x, s.chunk + e * s.n_chunks);
-    if (!ends_last((unsigned *)(word + TICKET)))
+    if (!ends_last((unsigned *)(word + TICKET), s.n_chunks))
         return;
     for (e = 0; e + PART <= MOMENTS; e += PART) {
         finish_sums<PART>(s.n_chunks, s.chunk + e * s.n_chunks, sum + e);

@@ -173,7 +173,7 @@ int gpu_narrow(struct gpu *g, struct narrow *s)
     struct list a = {item, word + WORD_SPLIT};
     struct list b = {item + s->n, word + WORD_EXACT};
     LAUNCH(g, s->nv, finite_kernel, *s, bad);
-    LAUNCH_AT_ONCE(g, compact_blocks(s->n), COMPACT_BLOCK, 3, filter_kernel, *s, a,
+    LAUNCH_PARTS(g, compact_blocks(s->n), COMPACT_BLOCK, 3, filter_kernel, *s, a,
                   bad);
     int64_t workers = s->n < SPLIT_WORKERS ? s->n : (int64_t)SPLIT_WORKERS;
     LAUNCH(g, workers, split_kernel, *s, a, b, bad);

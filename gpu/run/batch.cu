@@ -4,6 +4,7 @@
 #include "gpu/run/batch.cuh"
 
 #include <pthread.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <ucontext.h>
 
@@ -18,7 +19,18 @@ struct kept {
     const struct kernel_ways *ways;
     struct launch_shape shape;
     size_t bytes; /* of this struct and the arguments, rounded up */
+    struct kind *kind;
 };
+
+/* Launches that differ in their arguments alone can be made as one. */
+struct kind {
+    struct kind *next;        /* in its list of the table */
+    const struct kept *like;  /* one of them */
+    struct gpu_seat *waiting; /* the worlds that have it to make next */
+    int heads, all;           /* so many worlds; launches that are not made */
+    bool listed;              /* among the kinds that a world waits for */
+};
+enum { TABLE = 1 << 8 };
 
 /* A world's place in a batch. */
 struct gpu_seat {
@@ -28,8 +40,10 @@ struct gpu_seat {
     ucontext_t here;
     char *stack;
     bool over;
+    struct gpu_seat *next; /* of those that wait for the same kind */
     char *data; /* the launches that are kept, those from `at` on to be made */
     size_t used, room, at;
+    int count; /* of them */
     void *pinned;
     char *host, *device; /* staging memory for the batches that this world is
                             the first of: pinned, and of the device */
@@ -66,6 +80,8 @@ struct batch {
     int arrived;
     int64_t turns;
     bool left; /* a world is not over */
+    struct kind *kind, *table[TABLE], **list;
+    int kinds, most_kinds, listed;
     struct group *group;
     int groups, most_groups;
     size_t staged; /* bytes of the staging memory */
@@ -74,12 +90,6 @@ struct batch {
 static const struct kept *head(const struct gpu_seat *s)
 {
     return s->at < s->used ? (const struct kept *)(s->data + s->at) : NULL;
-}
-
-static const struct kept *after(const struct gpu_seat *s, const struct kept *k)
-{
-    const char *next = (const char *)k + k->bytes;
-    return next < s->data + s->used ? (const struct kept *)next : NULL;
 }
 
 /* Makes room for so many bytes, of which the used ones stay. False if there is
@@ -114,7 +124,8 @@ void gpu_batch_keep(struct gpu *g, const struct kernel_ways *k,
         return;
     }
     struct kept *one = (struct kept *)(s->data + s->used);
-    *one = {k, *shape, all};
+    *one = {k, *shape, all, NULL};
+    s->count++;
     memcpy(one + 1, args, k->bytes);
     s->used += all;
 }
@@ -135,48 +146,90 @@ static bool alike(const struct kept *a, const struct kept *b)
 {
     const struct launch_shape *s = &a->shape, *t = &b->shape;
     return a->ways == b->ways && s->threads == t->threads &&
-           s->rows == t->rows && (s->kind == OF_ITEMS || s->blocks == t->blocks);
+           s->rows == t->rows &&
+           (s->kind == OF_ITEMS || s->kind == OF_PARTS ||
+            s->blocks == t->blocks);
 }
 
-/* The number of worlds that have such a launch to make, but not next. */
-static int later(const struct batch *b, const struct kept *k)
+/* Returns the kind of a launch; NULL if there is no memory. */
+static struct kind *kind_of(struct batch *b, const struct kept *k)
 {
-    int n = 0;
+    size_t at = ((uintptr_t)k->ways >> 4) % TABLE;
+    struct kind *o = b->table[at];
+    while (o && !alike(o->like, k))
+        o = o->next;
+    if (o)
+        return o;
+    if (b->kinds == b->most_kinds)
+        return NULL;
+    o = &b->kind[b->kinds++];
+    *o = {b->table[at], k, NULL, 0, 0, false};
+    b->table[at] = o;
+    return o;
+}
+
+/* Puts a world among those that wait for its next launch. */
+static void queue(struct batch *b, struct gpu_seat *s)
+{
+    const struct kept *k = head(s);
+    if (!k)
+        return;
+    struct kind *o = k->kind;
+    s->next = o->waiting;
+    o->waiting = s;
+    o->heads++;
+    if (!o->listed)
+        b->list[b->listed++] = o;
+    o->listed = true;
+}
+
+/* Finds the kinds of all launches. False if there is no memory. */
+static bool sort_out(struct batch *b)
+{
+    int launches = 0;
+    for (int w = 0; w < b->n; w++)
+        launches += b->seat[w]->count;
+    if (launches > b->most_kinds) {
+        free(b->kind);
+        free(b->list);
+        b->kind = (struct kind *)malloc((size_t)launches * sizeof *b->kind);
+        b->list = (struct kind **)malloc((size_t)launches * sizeof *b->list);
+        b->most_kinds = b->kind && b->list ? launches : 0;
+    }
+    memset(b->table, 0, sizeof b->table);
+    b->kinds = b->listed = 0;
     for (int w = 0; w < b->n; w++) {
-        const struct gpu_seat *s = b->seat[w];
-        const struct kept *o = head(s);
-        if (!o || alike(o, k))
-            continue;
-        while (o && !alike(o, k))
-            o = after(s, o);
-        n += o != NULL;
-    }
-    return n;
-}
-
-/* Returns the launch that is made next, or NULL if none is left: one for which
- * the fewest worlds have others to make first. */
-static const struct kept *choose(const struct batch *b)
-{
-    enum { KINDS = 8 };
-    const struct kept *seen[KINDS], *best = NULL;
-    int kinds = 0, least = 0;
-    for (int w = 0; w < b->n && kinds < KINDS; w++) {
-        const struct kept *k = head(b->seat[w]);
-        bool known = !k;
-        for (int o = 0; o < kinds && !known; o++)
-            known = alike(seen[o], k);
-        if (!known)
-            seen[kinds++] = k;
-    }
-    for (int o = 0; o < kinds; o++) {
-        int wait = kinds > 1 ? later(b, seen[o]) : 0;
-        if (!best || wait < least) {
-            best = seen[o];
-            least = wait;
+        struct gpu_seat *s = b->seat[w];
+        for (size_t at = 0; at < s->used;) {
+            struct kept *k = (struct kept *)(s->data + at);
+            k->kind = kind_of(b, k);
+            if (!k->kind)
+                return false;
+            k->kind->all++;
+            at += k->bytes;
         }
     }
-    return best;
+    for (int w = 0; w < b->n; w++)
+        queue(b, b->seat[w]);
+    return true;
+}
+
+/* Takes the kind that is made next from the list, NULL if none is left: the one
+ * that the fewest worlds have to make later. */
+static struct kind *choose(struct batch *b)
+{
+    int best = 0;
+    for (int k = 1; k < b->listed; k++) {
+        const struct kind *o = b->list[k], *least = b->list[best];
+        if (o->all - o->heads < least->all - least->heads)
+            best = k;
+    }
+    if (!b->listed)
+        return NULL;
+    struct kind *o = b->list[best];
+    b->list[best] = b->list[--b->listed];
+    o->listed = false;
+    return o;
 }
 
 static size_t whole(size_t bytes)
@@ -225,55 +278,72 @@ static bool grow_groups(struct batch *b)
     return true;
 }
 
-/* Stages one launch of every world that has it to make next. False if there is
+/* Stages the launches of a kind that worlds have to make next. False if there is
  * no memory. */
-static bool stage(struct batch *b, const struct kept *k)
+static bool stage(struct batch *b, struct kind *o)
 {
-    size_t bytes = k->ways->bytes;
-    if (!grow_groups(b) || !grow_staging(b, whole(bytes * (size_t)b->n)))
+    size_t bytes = o->like->ways->shared_bytes;
+    struct gpu_seat *s = o->waiting;
+    if (!grow_groups(b) || !grow_staging(b, whole(bytes * (size_t)o->heads)))
         return false;
-    struct group *o = &b->group[b->groups++];
-    *o = {k, k->shape, b->staged, 0};
-    for (int w = 0; w < b->n; w++) {
-        struct gpu_seat *s = b->seat[w];
-        const struct kept *mine = head(s);
-        if (!mine || !alike(mine, k))
-            continue;
-        const struct launch_shape *t = &mine->shape;
-        o->shape.items = t->items > o->shape.items ? t->items : o->shape.items;
-        o->shape.blocks =
-            t->blocks > o->shape.blocks ? t->blocks : o->shape.blocks;
-        o->shape.bytes = t->bytes > o->shape.bytes ? t->bytes : o->shape.bytes;
-        memcpy(b->seat[0]->host + b->staged + bytes * (size_t)o->worlds++,
-               mine + 1, bytes);
-        s->at += mine->bytes;
+    struct group *all = &b->group[b->groups++];
+    *all = {head(s), head(s)->shape, b->staged, o->heads};
+    o->all -= o->heads;
+    o->heads = 0;
+    o->waiting = NULL;
+    while (s) {
+        struct gpu_seat *next = s->next;
+        const struct kept *k = head(s);
+        const struct launch_shape *t = &k->shape;
+        struct launch_shape *most = &all->shape;
+        char *to = b->seat[0]->host + b->staged;
+        struct shared_head first = {
+            t->kind == OF_PARTS ? t->blocks : INT64_MAX, 0};
+        most->items = t->items > most->items ? t->items : most->items;
+        most->blocks = t->blocks > most->blocks ? t->blocks : most->blocks;
+        most->bytes = t->bytes > most->bytes ? t->bytes : most->bytes;
+        memcpy(to, &first, sizeof first);
+        memcpy(to + sizeof first, k + 1, k->ways->bytes);
+        b->staged += bytes;
+        s->at += k->bytes;
+        queue(b, s);
+        s = next;
     }
-    b->staged += whole(bytes * (size_t)o->worlds);
+    b->staged = whole(b->staged);
     return true;
 }
 
+static double clk(void){ struct timespec t; clock_gettime(CLOCK_MONOTONIC,&t); return (double)t.tv_sec+1e-9*(double)t.tv_nsec; }
+static double tm[4], tlast; static long cn[4];
 /* Makes all launches that worlds have kept, and waits until they are done. */
 static void launch_all(struct batch *b)
 {
+    double t0=clk(); if (tlast) tm[3]+=t0-tlast;
     const struct gpu_seat *first = b->seat[0];
     bool room = true;
     b->staged = 0;
     b->groups = 0;
-    for (const struct kept *k; room && (k = choose(b));)
+    room = sort_out(b);
+    for (struct kind *k; room && (k = choose(b));)
         room = stage(b, k);
     if (!room)
         b->on.failed = DRAPE_ENOMEM;
+    double t1=clk(); tm[0]+=t1-t0; cn[0]++; cn[1]+=b->groups; for (int k=0;k<b->groups;k++) cn[2]+=b->group[k].worlds;
     gpu_up_now(&b->on, first->device, first->host, b->staged);
     for (int k = 0; k < b->groups; k++) {
         const struct group *o = &b->group[k];
         gpu_launch_now(&b->on, o->first->ways, &o->shape,
-                       (o->worlds > 1 ? first->device : first->host) + o->begin,
+                       o->worlds > 1 ? (const void *)(first->device + o->begin)
+                                     : o->first + 1,
                        o->worlds);
     }
+    double t2=clk(); tm[1]+=t2-t1;
     gpu_wait_now(&b->on);
+    tlast=clk(); tm[2]+=tlast-t2;
     for (int w = 0; w < b->n; w++) {
         struct gpu_seat *s = b->seat[w];
         s->used = s->at = 0;
+        s->count = 0;
         if (b->on.failed && !s->g->failed) {
             s->g->failed = b->on.failed;
             memcpy(s->g->name, b->on.name, sizeof s->g->name);
@@ -396,6 +466,7 @@ static void enter(struct batch *b, int k)
     s->batch = b;
     s->over = false;
     s->used = s->at = 0;
+    s->count = 0;
     s->stream = (void *)g->stream;
     s->ranks = g->ranks;
     s->multiprocessors = g->multiprocessors;
@@ -463,7 +534,11 @@ int gpu_batch(struct gpu *const *g, int n, int threads,
         work_all(&b);
         for (int k = 0; k < n; k++)
             leave(b.seat[k]);
+        if (getenv("BATCH_LOG")) fprintf(stderr,"batch: flushes %ld groups %ld launches %ld; choose %.4f launch %.4f wait %.4f hosts %.4f s\n",cn[0],cn[1],cn[2],tm[0],tm[1],tm[2],tm[3]);
+        memset(cn,0,sizeof cn); memset(tm,0,sizeof tm); tlast=0;
     }
+    free(b.kind);
+    free(b.list);
     free(b.group);
     free(b.seat);
     return room ? DRAPE_OK : DRAPE_ENOMEM;

@@ -86,11 +86,19 @@ void gpu_launch_now(struct gpu *g, const struct kernel_ways *k,
                     const struct launch_shape *s, const void *args, int worlds)
 {
     for (int w = 0; w < worlds && !g->failed; w++) {
-        emulate_call call(k->run, (const char *)args + (size_t)w * k->bytes);
+        const char *mine = (const char *)args;
+        int64_t blocks = s->blocks;
+        if (worlds > 1) {
+            mine += (size_t)w * k->shared_bytes;
+            int64_t own = ((const struct shared_head *)(const void *)mine)->blocks;
+            blocks = own < blocks ? own : blocks;
+            mine += sizeof(struct shared_head);
+        }
+        emulate_call call(k->run, mine);
         if (s->kind == OF_ITEMS)
             emulate_items(s->items, s->rows, s->threads, call);
-        else if (s->kind == OF_BLOCKS)
-            emulate_blocks(s->blocks, s->rows, s->threads, call);
+        else if (s->kind == OF_BLOCKS || s->kind == OF_PARTS)
+            emulate_blocks(blocks, s->rows, s->threads, call);
         else
             emulate_cluster(s->bytes > g->room ? 0 : (int)s->blocks, s->rows,
                             s->threads, call);

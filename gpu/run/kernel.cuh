@@ -7,10 +7,10 @@
 
 #include <type_traits>
 
-/* How the blocks of a launch belong together: of items, launches of a kernel
- * may have more blocks than they need; ranks are one cluster; a grid is
- * cooperative. */
-enum launch_kind { OF_ITEMS, OF_BLOCKS, OF_RANKS, OF_GRID };
+/* How the blocks of a launch belong together: of items, a launch may have more
+ * blocks than it needs; of parts, blocks beyond those of a world do nothing, and
+ * none asks how many there are; ranks are one cluster; a grid is cooperative. */
+enum launch_kind { OF_ITEMS, OF_PARTS, OF_BLOCKS, OF_RANKS, OF_GRID };
 
 /* What a launch is made of beside its kernel and arguments. items: OF_ITEMS
  * alone; rows: problems whose number is blockIdx.y; bytes: of shared memory,
@@ -24,6 +24,11 @@ struct launch_shape {
 static inline struct launch_shape shape_of_items(const struct gpu *g, int64_t n)
 {
     return {OF_ITEMS, g->block, 1, n, (n + g->block - 1) / g->block, 0};
+}
+
+static inline struct launch_shape shape_of_parts(int64_t blocks, int threads)
+{
+    return {OF_PARTS, threads, 1, 0, blocks, 0};
 }
 
 static inline struct launch_shape shape_of_blocks(int64_t blocks, int threads)
@@ -48,11 +53,12 @@ static inline struct launch_shape shape_of_grid(const struct gpu *g, int each,
 #endif
 }
 
-/* A kernel as it is launched, with the bytes of its arguments. `one` takes them
- * as a parameter, `many` a pointer to those of several worlds, whose number is
+/* A kernel as it is launched, with the bytes of its arguments, and of those of
+ * one of many worlds (struct shared_args). `one` takes its arguments as a
+ * parameter, `many` a pointer to those of several worlds, whose number is
  * blockIdx.z. */
 struct kernel_ways {
-    size_t bytes;
+    size_t bytes, shared_bytes;
 #ifdef __CUDACC__
     const void *one, *many;
 #else
@@ -114,6 +120,16 @@ static __device__ inline void call(const pack_of<A, B...> &a,
     call<F>(a.others, given..., a.first);
 }
 
+/* The arguments of one of many worlds, and the number of blocks of it that have
+ * work. */
+struct shared_head {
+    int64_t blocks, unused;
+};
+template <class ARGS> struct alignas(16) shared_args {
+    struct shared_head head;
+    ARGS args;
+};
+
 #ifdef __CUDACC__
 template <auto F, int THREADS, int AT_ONCE, class ARGS>
 static __global__ void __launch_bounds__(THREADS, AT_ONCE)
@@ -124,9 +140,10 @@ static __global__ void __launch_bounds__(THREADS, AT_ONCE)
 
 template <auto F, int THREADS, int AT_ONCE, class ARGS>
 static __global__ void __launch_bounds__(THREADS, AT_ONCE)
-    many_kernel(const ARGS *__restrict__ of)
+    many_kernel(const shared_args<ARGS> *__restrict__ of)
 {
-    call<F>(of[blockIdx.z]);
+    if (blockIdx.x < of[blockIdx.z].head.blocks)
+        call<F>(of[blockIdx.z].args);
 }
 #endif
 
@@ -136,11 +153,13 @@ static const struct kernel_ways *ways_of(void)
     typedef typename kernel_of<decltype(F)>::args args;
 #ifdef __CUDACC__
     static const struct kernel_ways ways = {
-        sizeof(args), (const void *)one_kernel<F, THREADS, AT_ONCE, args>,
+        sizeof(args), sizeof(shared_args<args>),
+        (const void *)one_kernel<F, THREADS, AT_ONCE, args>,
         (const void *)many_kernel<F, THREADS, AT_ONCE, args>};
 #else
     static const struct kernel_ways ways = {
-        sizeof(args), [](const void *a) { call<F>(*(const args *)a); }};
+        sizeof(args), sizeof(shared_args<args>),
+        [](const void *a) { call<F>(*(const args *)a); }};
 #endif
     return &ways;
 }

@@ -115,8 +115,10 @@ cudaError_t gpu_allow_cluster(struct gpu *g, const void *kernel, bool room);
  * LAUNCH(g, n, kernel, arguments…) runs one thread for each of n items; the
  * threads must not synchronise. LAUNCH_BLOCKS runs blocks of a fixed number of
  * threads, which may synchronise; LAUNCH_AT_ONCE does so with at least at_once
- * blocks on a multiprocessor. None does anything for n or blocks < 1. A kernel
- * of items must bear more blocks than its items need. */
+ * blocks on a multiprocessor. None does anything for n or blocks < 1.
+ * LAUNCH_PARTS is as LAUNCH_AT_ONCE for kernels that do not ask for gridDim:
+ * launches of several worlds can be one although their blocks are not as many.
+ * A kernel of items must bear more blocks than its items need. */
 #ifdef __CUDACC__
 #define KERNEL static __device__ __forceinline__ void
 #else
@@ -126,6 +128,9 @@ cudaError_t gpu_allow_cluster(struct gpu *g, const void *kernel, bool room);
     launch_kernel<&kernel, GPU_BLOCK, 1>(g, shape_of_items(g, n), __VA_ARGS__)
 #define LAUNCH_BLOCKS(g, blocks, threads, kernel, ...)                         \
     LAUNCH_AT_ONCE(g, blocks, threads, 1, kernel, __VA_ARGS__)
+#define LAUNCH_PARTS(g, blocks, threads, at_once, kernel, ...)                 \
+    launch_kernel<&kernel, (threads), (at_once)>(g, shape_of_parts(blocks, threads), \
+                                         __VA_ARGS__)
 #define LAUNCH_AT_ONCE(g, blocks, threads, at_once, kernel, ...)               \
     launch_kernel<&kernel, (threads), (at_once)>(g, shape_of_blocks(blocks, threads), \
                                           __VA_ARGS__)
