@@ -39,7 +39,9 @@ struct gpu_seat {
     struct worker *worker;
     ucontext_t here;
     char *stack;
-    bool over;
+    bool over, held; /* held: launches are kept, but not made yet */
+    int64_t steps;   /* begun */
+    int64_t place;   /* where it waits: §11 */
     struct gpu_seat *next; /* of those that wait for the same kind */
     char *data; /* the launches that are kept, those from `at` on to be made */
     size_t used, room, at;
@@ -68,7 +70,17 @@ struct group {
     int worlds;
 };
 
+/* Where a world can wait, by the launches that follow, and its number in the
+ * order in which the first world came there. */
+struct halt {
+    uint64_t hash;
+    int64_t number; /* 0: none */
+};
+enum { HALTS = 1 << 12, FIRST_OF = 4 };
+
 struct batch {
+    struct halt halt[HALTS];
+    int64_t halts;
     struct gpu_seat **seat;
     int n, workers;
     struct gpu on; /* launches: the first world's device, with none of its own
@@ -130,6 +142,11 @@ void gpu_batch_keep(struct gpu *g, const struct kernel_ways *k,
     s->used += all;
 }
 
+void gpu_batch_step(struct gpu *g)
+{
+    g->seat->steps++;
+}
+
 void gpu_batch_meet(struct gpu *g)
 {
     struct gpu_seat *s = g->seat;
@@ -188,7 +205,7 @@ static bool sort_out(struct batch *b)
 {
     int launches = 0;
     for (int w = 0; w < b->n; w++)
-        launches += b->seat[w]->count;
+        launches += b->seat[w]->held ? 0 : b->seat[w]->count;
     if (launches > b->most_kinds) {
         free(b->kind);
         free(b->list);
@@ -200,7 +217,7 @@ static bool sort_out(struct batch *b)
     b->kinds = b->listed = 0;
     for (int w = 0; w < b->n; w++) {
         struct gpu_seat *s = b->seat[w];
-        for (size_t at = 0; at < s->used;) {
+        for (size_t at = s->held ? s->used : 0; at < s->used;) {
             struct kept *k = (struct kept *)(s->data + at);
             k->kind = kind_of(b, k);
             if (!k->kind)
@@ -210,7 +227,8 @@ static bool sort_out(struct batch *b)
         }
     }
     for (int w = 0; w < b->n; w++)
-        queue(b, b->seat[w]);
+        if (!b->seat[w]->held)
+            queue(b, b->seat[w]);
     return true;
 }
 
@@ -313,8 +331,45 @@ static bool stage(struct batch *b, struct kind *o)
     return true;
 }
 
+/* Returns the number of the halt at which a world waits. */
+static int64_t halt_of(struct batch *b, const struct gpu_seat *s)
+{
+    uint64_t hash = 1;
+    size_t at = 0;
+    for (int k = 0; k < FIRST_OF && at < s->used; k++) {
+        const struct kept *o = (const struct kept *)(s->data + at);
+        hash = (hash ^ (uint64_t)(uintptr_t)o->ways) * 1099511628211u;
+        hash ^= hash >> 29;
+        at += o->bytes;
+    }
+    for (uint64_t k = hash; k < hash + HALTS; k++) {
+        struct halt *o = &b->halt[k % HALTS];
+        if (!o->number)
+            *o = {hash, ++b->halts};
+        if (o->hash == hash)
+            return o->number;
+    }
+    return 0;
+}
+
+/* Holds back all worlds but those that are the least far. */
+static void hold_back(struct batch *b)
+{
+    enum { HALTS_OF_STEP = 1 << 16 };
+    int64_t least = INT64_MAX;
+    for (int w = 0; w < b->n; w++) {
+        struct gpu_seat *s = b->seat[w];
+        if (!s->held)
+            s->place = s->steps * HALTS_OF_STEP + halt_of(b, s);
+        if (!s->over && s->place < least)
+            least = s->place;
+    }
+    for (int w = 0; w < b->n; w++)
+        b->seat[w]->held = !b->seat[w]->over && b->seat[w]->place > least;
+}
+
 static double clk(void){ struct timespec t; clock_gettime(CLOCK_MONOTONIC,&t); return (double)t.tv_sec+1e-9*(double)t.tv_nsec; }
-static double tm[4], tlast; static long cn[4];
+static __thread double tm[4], tlast; static __thread long cn[4];
 /* Makes all launches that worlds have kept, and waits until they are done. */
 static void launch_all(struct batch *b)
 {
@@ -323,6 +378,7 @@ static void launch_all(struct batch *b)
     bool room = true;
     b->staged = 0;
     b->groups = 0;
+    hold_back(b);
     room = sort_out(b);
     for (struct kind *k; room && (k = choose(b));)
         room = stage(b, k);
@@ -342,8 +398,9 @@ static void launch_all(struct batch *b)
     tlast=clk(); tm[2]+=tlast-t2;
     for (int w = 0; w < b->n; w++) {
         struct gpu_seat *s = b->seat[w];
-        s->used = s->at = 0;
-        s->count = 0;
+        if (!s->held)
+            s->used = s->at = 0;
+        s->count = s->held ? s->count : 0;
         if (b->on.failed && !s->g->failed) {
             s->g->failed = b->on.failed;
             memcpy(s->g->name, b->on.name, sizeof s->g->name);
@@ -431,7 +488,7 @@ static void *run(void *user)
         left = false;
         for (int k = w->number; k < b->n; k += b->workers) {
             starting = b->seat[k];
-            if (!starting->over)
+            if (!starting->over && !starting->held)
                 swapcontext(&w->home, &starting->here);
             left |= !b->seat[k]->over;
         }
@@ -464,7 +521,8 @@ static void enter(struct batch *b, int k)
     struct gpu_seat *s = g->seat;
     gpu_wait_now(g);
     s->batch = b;
-    s->over = false;
+    s->over = s->held = false;
+    s->steps = 0;
     s->used = s->at = 0;
     s->count = 0;
     s->stream = (void *)g->stream;
@@ -515,7 +573,8 @@ static void work_all(struct batch *b)
 int gpu_batch(struct gpu *const *g, int n, int threads,
               void (*work)(void *with, int k), void *with)
 {
-    struct batch b = {};
+    static thread_local struct batch b;
+    memset((void *)&b, 0, sizeof b);
     b.seat = (struct gpu_seat **)calloc((size_t)n, sizeof *b.seat);
     bool room = b.seat != NULL;
     for (int k = 0; k < n && room; k++) {

@@ -15,6 +15,8 @@ void gpu_batch_keep(struct gpu *g, const struct kernel_ways *k,
 /* Lets other worlds go on, and returns when all launches that this world has
  * kept are made and done. */
 void gpu_batch_meet(struct gpu *g);
+/* A world begins a step. */
+void gpu_batch_step(struct gpu *g);
 /* Returns pinned memory of GPU_PINNED bytes for what this world reads back. */
 void *gpu_batch_pinned(struct gpu *g);
 enum { GPU_PINNED = 4096 };

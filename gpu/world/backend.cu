@@ -2,7 +2,7 @@
 /* The device as a backend: its table of functions, which queue launches and
  * wait only for counts and outcomes. ref/base/backend.h, spec/gpu.md §6 */
 #include "gpu/contact/incidence.cuh"
-#include "gpu/run/launch.cuh"
+#include "gpu/run/batch.cuh"
 
 extern "C" {
 #include "gpu/broad/broad.h"
@@ -61,6 +61,8 @@ static void send(void *on, void *to, const void *from, size_t bytes)
 static void begin(void *on)
 {
     gpu_begin(gpu_of(on));
+    if (gpu_of(on)->together)
+        gpu_batch_step(gpu_of(on));
 }
 
 static void wait(void *on)
