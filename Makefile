@@ -80,8 +80,8 @@ ONCE   := $(addprefix tests/base/,check.c case.c certify.c choices.c device.c \
 TWICE  := $(sort $(filter-out $(ONCE) tests/whole/%,$(wildcard tests/*/*.c)))
 # Kernels; but for those that EMU_O names too, these are CUDA's own, which
 # emulate*.cpp replace.
-DEVICE := gpu/compare/blas.cu $(addprefix gpu/run/,batch.cu copies.cu device.cu kernel.cu \
-          loop.cu memory.cu merge.cu branch.cu prim.cu stream.cu words.cu)
+DEVICE := gpu/compare/blas.cu $(addprefix gpu/run/,batch.cu copies.cu device.cu gather.cu \
+          kernel.cu loop.cu memory.cu merge.cu branch.cu prim.cu stream.cu words.cu)
 KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
@@ -103,8 +103,8 @@ ROOT   ?= $(BUILD)
 EMU_IN ?= $(BUILD)
 EMU_O  := $(patsubst $(BUILD)/%,$(EMU_IN)/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(addprefix $(BUILD)/gpu/run/,batch.o copies.o \
-          emulate.o emulate_prim.o emulate_stream.o emulate_threads.o memory.o \
-          merge.o words.o) \
+          emulate.o emulate_prim.o emulate_stream.o emulate_threads.o gather.o \
+          memory.o merge.o words.o) \
           $(BUILD)/gpu/compare/emulate_blas.o)
 CUDA_O := $(patsubst $(BUILD)/%,$(BUILD)/cuda/%,$(call obj,$(KERNEL),.32) \
           $(call obj,$(KERNEL),.64) $(call obj,$(DEVICE),))

@@ -3,8 +3,8 @@
 # libFuzzer: everything but the main functions, in both precisions.
 
 .PHONY: fuzz fuzz-soak fuzz-libs
-TARGETS := bank bodies calls create damage draw live load queries reads small stage step \
-           table whole
+TARGETS := bank bodies calls create damage draw live load many queries reads \
+           small stage step table whole
 READERS := checkpoint csv files mutate part readers report strict
 PARTS := $(filter-out $(addprefix $(BUILD)/tests/base/,check.o certify.o), \
          $(TEST_O)) $(REF_O) $(EMU_O) $(ORC_O) \

@@ -15,6 +15,7 @@ const struct target fuzz_targets[] = {
     {"drape_create", fuzz_create, NULL},
     {"drape_create_scale", fuzz_scale, NULL},
     {"drape_step", fuzz_calls, NULL},
+    {"drape_step_many", fuzz_many, NULL},
     {"drape_step_twins", fuzz_twins, NULL},
     {"drape_read", fuzz_calls, NULL},
     {"drape_read_triangles", fuzz_calls, NULL},

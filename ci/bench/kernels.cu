@@ -2,8 +2,8 @@
 /* Compiles kernels of gpu/ from their own sources, under names that end with
  * FLAGS, the name of the set of compiler flags. */
 #include "ci/bench/price.h"
-#include "gpu/cloth/cloth.cuh"
 #include "gpu/base/sum.cuh"
+#include "gpu/cloth/cloth.cuh"
 
 #define PASTE_(a, b) a##_##b
 #define PASTE(a, b) PASTE_(a, b)
@@ -17,8 +17,8 @@
 #define gpu_springs PASTE(gpu_springs, PASTE(FLAGS, REAL_BITS))
 #define gpu_sum PASTE(gpu_sum, PASTE(FLAGS, REAL_BITS))
 #define gpu_dot PASTE(gpu_dot, PASTE(FLAGS, REAL_BITS))
-#include "gpu/cloth/springs.cu"
 #include "gpu/base/sum.cu"
+#include "gpu/cloth/springs.cu"
 
 enum { LOOSE_BLOCKS = 132 * 8 };
 

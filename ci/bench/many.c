@@ -285,9 +285,9 @@ static int measure(struct many *m)
                together      ? "together"
                : threads > 1 ? "side by side"
                              : "one after another",
-               threads,
-               m->worlds, m->steps, seconds, m->worlds * m->steps / seconds,
-               alone / seconds, different ? "different" : "same");
+               threads, m->worlds, m->steps, seconds,
+               m->worlds * m->steps / seconds, alone / seconds,
+               different ? "different" : "same");
         fflush(stdout);
         all += different;
     }
@@ -332,14 +332,10 @@ static bool option(struct many *m, const char *name, const char *value)
     struct {
         const char *name;
         int *to;
-    } one[] = {{"--worlds", &m->worlds},
-               {"--steps", &m->steps},
-               {"--warm", &m->warm},
-               {"--ranks", &m->ranks},
-               {"--hosted", &m->hosted},
-               {"--together", &m->together},
-               {"--precond", &m->precond},
-               {"--integrator", &m->integrator},
+    } one[] = {{"--worlds", &m->worlds},   {"--steps", &m->steps},
+               {"--warm", &m->warm},       {"--ranks", &m->ranks},
+               {"--hosted", &m->hosted},   {"--together", &m->together},
+               {"--precond", &m->precond}, {"--integrator", &m->integrator},
                {"--backend", &m->backend}};
     if (!value)
         return false;

@@ -17,8 +17,8 @@ enum { WARP = 32 };
 #define LAUNCH_CLUSTER(g, threads, bytes, kernel, ...)                         \
     LAUNCH_RANKS(g, (g)->ranks, threads, bytes, kernel, __VA_ARGS__)
 #define LAUNCH_RANKS(g, ranks, threads, bytes, kernel, ...)                    \
-    launch_kernel<&kernel, (threads), 1>(g, shape_of_ranks(ranks, threads, bytes),    \
-                                  __VA_ARGS__)
+    launch_kernel<&kernel, (threads), 1>(                                      \
+        g, shape_of_ranks(ranks, threads, bytes), __VA_ARGS__)
 
 #ifdef __CUDACC__
 static __device__ inline int group_rank(void)
@@ -244,9 +244,10 @@ static __device__ inline int group_item(void)
 }
 
 /* Finds the block of a kernel that ends last of so many, which may combine the
- * results of all blocks; that saves another kernel. Called by all threads after thread 0
- * has written the result of the block. True in all threads of the block that
- * ends last; it sees the results of all blocks. *ticket is 0 before and after.
+ * results of all blocks; that saves another kernel. Called by all threads after
+ * thread 0 has written the result of the block. True in all threads of the
+ * block that ends last; it sees the results of all blocks. *ticket is 0 before
+ * and after.
  */
 static __device__ inline bool ends_last(unsigned *ticket, int64_t blocks)
 {

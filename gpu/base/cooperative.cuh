@@ -10,8 +10,8 @@
 /* LAUNCH_COOPERATIVE(g, each, threads, kernel, arguments…) launches `each`
  * blocks for every multiprocessor, which must be able to hold them at once. */
 #define LAUNCH_COOPERATIVE(g, each, threads, kernel, ...)                      \
-    launch_kernel<&kernel, (threads), (each)>(g, shape_of_grid(g, each, threads),     \
-                                       __VA_ARGS__)
+    launch_kernel<&kernel, (threads), (each)>(                                 \
+        g, shape_of_grid(g, each, threads), __VA_ARGS__)
 
 /* Returns up to how many items one cluster takes and not the whole device, of
  * which each rank takes `each`. A batch has few ranks, and the device is busy

@@ -12,8 +12,7 @@ KERNEL sum_kernel(int64_t n, const real *a, real *chunk, int64_t *words)
 {
     int64_t item = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x;
     real value = item < n ? a[item] : 0, sum;
-    bool last =
-        grid_sums<1>(&value, chunk, (unsigned *)(words + TICKET), &sum);
+    bool last = grid_sums<1>(&value, chunk, (unsigned *)(words + TICKET), &sum);
     if (last && threadIdx.x == 0)
         *(real *)(words + VALUE) = sum;
 }
@@ -23,8 +22,7 @@ KERNEL dot_kernel(int64_t n, const vec *a, const vec *b, real *chunk,
 {
     int64_t item = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x;
     real value = item < n ? dot(a[item], b[item]) : 0, sum;
-    bool last =
-        grid_sums<1>(&value, chunk, (unsigned *)(words + TICKET), &sum);
+    bool last = grid_sums<1>(&value, chunk, (unsigned *)(words + TICKET), &sum);
     if (last && threadIdx.x == 0)
         *(real *)(words + VALUE) = sum;
 }

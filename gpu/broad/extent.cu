@@ -62,7 +62,8 @@ static __device__ struct whole block_join(struct whole mine)
 
 /* Block PARTS k + p owns every PARTS-th run of particles of grid k and writes
  * their bounds to its part. */
-KERNEL extent_parts_kernel(const struct extent &s, struct whole *part, int64_t *bad)
+KERNEL extent_parts_kernel(const struct extent &s, struct whole *part,
+                           int64_t *bad)
 {
     const struct tree_grid *g = &s.grid[blockIdx.x / PARTS];
     struct whole w = nothing();

@@ -217,7 +217,7 @@ int gpu_features(struct gpu *g, struct features *s)
         return DRAPE_EDATA;
     int64_t *word = gpu_words(g);
     LAUNCH_PARTS(g, blocks, BVTT_BLOCK, 1, features_test_kernel, *s,
-                  reach_of(s->r), word);
+                 reach_of(s->r), word);
     LAUNCH_PARTS(g, blocks, BVTT_BLOCK, 1, features_emit_kernel, *s, word);
     const int64_t *seen = gpu_read_back(g, WORDS);
     if (gpu_status(g) != DRAPE_OK)

@@ -22,7 +22,8 @@ enum {
 
 /* Thread p owns particle p: reads its new state, and of a pin the way that it
  * went. Any order: a flag that all set alike, and the largest. */
-KERNEL sane_kernel(const struct dynamics &d, const struct cloth &c, int64_t *word)
+KERNEL sane_kernel(const struct dynamics &d, const struct cloth &c,
+                   int64_t *word)
 {
     ITEM(p, c.count);
     if (!sane(d.x1[p]) || !sane(d.v1[p]))

@@ -9,7 +9,7 @@
 extern "C" {
 #endif
 
-#include "gpu/base/stages.h"
+#include "gpu/run/gpu.h"
 #include "ref/base/real.h"
 
 /* The block along u uᵀ + across I of a spring from p to q, where u =

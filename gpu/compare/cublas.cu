@@ -70,7 +70,8 @@ static __device__ void arrive(const struct filtered *e, struct place at,
     e->q[at.p] = fixed ? make(0, 0, 0) : y;
 }
 
-KERNEL cublas_product_kernel(const struct product &a, const struct cdf &d, const struct filtered &e)
+KERNEL cublas_product_kernel(const struct product &a, const struct cdf &d,
+                             const struct filtered &e)
 {
     ITEM(k, a.count);
     struct place at = place_of(grid{a.m, a.n}, k);

@@ -46,7 +46,8 @@ KERNEL impacts_decide_kernel(const struct impacts &s, int64_t *words)
 }
 
 /* A block owns COMPACT_BLOCK candidates: counts those with at = want. */
-KERNEL impacts_count_kernel(const struct impacts &s, int32_t want, int64_t *first)
+KERNEL impacts_count_kernel(const struct impacts &s, int32_t want,
+                            int64_t *first)
 {
     int64_t k = compact_item();
     int count;
@@ -57,7 +58,8 @@ KERNEL impacts_count_kernel(const struct impacts &s, int32_t want, int64_t *firs
 
 /* A block owns COMPACT_BLOCK candidates: copies those with at = RETEST to its
  * part of a. */
-KERNEL impacts_gather_kernel(const struct impacts &s, const int64_t *first, const struct retest &a)
+KERNEL impacts_gather_kernel(const struct impacts &s, const int64_t *first,
+                             const struct retest &a)
 {
     int64_t k = compact_item();
     bool asks = k < s.n && s.at[k] == RETEST;
@@ -71,7 +73,8 @@ KERNEL impacts_gather_kernel(const struct impacts &s, const int64_t *first, cons
 }
 
 /* Thread k owns item k of a: writes the answer to at of its candidate. */
-KERNEL impacts_answer_kernel(const struct impacts &s, int64_t n, const struct retest &a, int64_t *words)
+KERNEL impacts_answer_kernel(const struct impacts &s, int64_t n,
+                             const struct retest &a, int64_t *words)
 {
     ITEM(k, n);
     bool hit = a.toi[k] == NARROW_MISS;
@@ -102,7 +105,7 @@ static int64_t *place(struct gpu *g, const struct impacts *s, int32_t want)
     int64_t *first =
         (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks, sizeof *first);
     LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, impacts_count_kernel, *s, want,
-                  first);
+                 first);
     gpu_scan(g, first, blocks);
     return first;
 }
@@ -121,8 +124,8 @@ static int retest_start(struct gpu *g, struct impacts *s, int64_t n)
     a.kind = (uint8_t *)(memory + 6 * n);
     a.tier = a.kind + n;
     int64_t *first = place(g, s, RETEST);
-    LAUNCH_PARTS(g, compact_blocks(s->n), COMPACT_BLOCK, 1, impacts_gather_kernel,
-                  *s, first, a);
+    LAUNCH_PARTS(g, compact_blocks(s->n), COMPACT_BLOCK, 1,
+                 impacts_gather_kernel, *s, first, a);
     struct narrow m = {.n = n,
                        .pair = a.pair,
                        .kind = a.kind,
@@ -160,6 +163,6 @@ int gpu_impacts(struct gpu *g, struct impacts *s)
         return status;
     int64_t *first = place(g, s, HIT);
     LAUNCH_PARTS(g, compact_blocks(s->n), COMPACT_BLOCK, 1, impacts_emit_kernel,
-                  *s, first);
+                 *s, first);
     return gpu_status(g);
 }

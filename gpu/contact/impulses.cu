@@ -214,7 +214,8 @@ static __device__ bool stays(const struct key *key, int64_t n, int64_t k)
 /* A block owns COMPACT_BLOCK sorted keys: counts those that stay. The block
  * that ends last scans the counts into the place of each block's first contact.
  */
-KERNEL impulses_count_kernel(const struct key *key, int64_t n, int64_t *first, int64_t *words)
+KERNEL impulses_count_kernel(const struct key *key, int64_t n, int64_t *first,
+                             int64_t *words)
 {
     int count;
     block_compact(stays(key, n, compact_item()), &count);
@@ -228,7 +229,8 @@ KERNEL impulses_count_kernel(const struct key *key, int64_t n, int64_t *first, i
 
 /* A block owns COMPACT_BLOCK sorted keys: writes the contacts of those that
  * stay to their places. */
-KERNEL impulses_emit_kernel(const struct impulses &s, const struct key *key, const int64_t *first)
+KERNEL impulses_emit_kernel(const struct impulses &s, const struct key *key,
+                            const int64_t *first)
 {
     int64_t k = compact_item();
     bool stay = stays(key, s.n_all, k);
@@ -257,7 +259,7 @@ int gpu_impulses(struct gpu *g, struct impulses *s)
     LAUNCH(g, s->n_all, impulses_key_kernel, *s, words);
     struct key *key = gpu_sort(g, s->n_all, s->key, s->spare);
     LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, impulses_count_kernel, key,
-                  s->n_all, first, words);
+                 s->n_all, first, words);
     const int64_t *seen = gpu_read_back(g, WORDS);
     if (seen[BAD])
         return DRAPE_EARG;
@@ -265,6 +267,6 @@ int gpu_impulses(struct gpu *g, struct impulses *s)
     if (s->found > s->cap)
         return DRAPE_EFULL;
     LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, impulses_emit_kernel, *s, key,
-                  first);
+                 first);
     return gpu_status(g);
 }

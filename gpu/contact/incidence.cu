@@ -26,7 +26,8 @@ static __device__ bool pushes(const struct incidence *s, int64_t item,
 
 /* Thread k owns item k: writes rank[k], and adds to its vertex's word by
  * atomics. */
-KERNEL incidence_count_kernel(const struct incidence &s, const struct lists &l, int64_t *words)
+KERNEL incidence_count_kernel(const struct incidence &s, const struct lists &l,
+                              int64_t *words)
 {
     ITEM(k, 4 * s.n);
     int32_t i = s.contact[k / 4].v[k % 4];
@@ -47,7 +48,8 @@ KERNEL incidence_count_kernel(const struct incidence &s, const struct lists &l, 
 
 /* Thread i owns vertex i of nv + 1: reads its word and the next word; writes
  * start[i], and i into `vertex` if it is in contact. */
-KERNEL incidence_start_kernel(const struct incidence &s, const struct lists &l, int64_t *words)
+KERNEL incidence_start_kernel(const struct incidence &s, const struct lists &l,
+                              int64_t *words)
 {
     ITEM(i, s.nv + 1);
     int64_t word = l.word[i];
@@ -59,7 +61,8 @@ KERNEL incidence_start_kernel(const struct incidence &s, const struct lists &l, 
 }
 
 /* Thread k owns item k: writes it to its vertex's list, ordered by rank. */
-KERNEL incidence_place_kernel(const struct incidence &s, const struct lists &l, const int64_t *words)
+KERNEL incidence_place_kernel(const struct incidence &s, const struct lists &l,
+                              const int64_t *words)
 {
     ITEM(k, 4 * s.n);
     int32_t i;
@@ -69,7 +72,8 @@ KERNEL incidence_place_kernel(const struct incidence &s, const struct lists &l, 
 
 /* Thread k owns place k of all lists: moves its item behind the smaller items
  * of its vertex. */
-KERNEL incidence_order_kernel(const struct incidence &s, const struct lists &l, const int64_t *words)
+KERNEL incidence_order_kernel(const struct incidence &s, const struct lists &l,
+                              const int64_t *words)
 {
     ITEM(k, 4 * s.n);
     if (words[INCIDENCE_BAD] || k >= s.start[s.nv])

@@ -13,7 +13,8 @@ static __device__ inline bool idle(const int32_t *go)
 
 /* A thread owns every (threads of the grid)-th contact: reads x of its four
  * vertices and writes its push. */
-KERNEL links_push_kernel(const struct linked *l, const vec *x, const int32_t *go)
+KERNEL links_push_kernel(const struct linked *l, const vec *x,
+                         const int32_t *go)
 {
     if (idle(go))
         return;
@@ -31,7 +32,8 @@ KERNEL links_push_kernel(const struct linked *l, const vec *x, const int32_t *go
 }
 
 /* Thread i owns vertex i. */
-KERNEL links_gather_kernel(const struct linked *l, int64_t nv, vec *y, const int32_t *go)
+KERNEL links_gather_kernel(const struct linked *l, int64_t nv, vec *y,
+                           const int32_t *go)
 {
     if (!idle(go))
         gather_links(l, nv, y);

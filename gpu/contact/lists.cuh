@@ -158,7 +158,7 @@ static __device__ inline int64_t own_list(int64_t n)
 
 /* Launches a kernel that sums n lists, a thread each, with sum_list. */
 #define LAUNCH_LISTS(g, n, kernel, ...)                                        \
-    LAUNCH_PARTS(g, ((n) + LIST_BLOCK - 1) / LIST_BLOCK, LIST_BLOCK, 1, kernel,  \
-                  __VA_ARGS__)
+    LAUNCH_PARTS(g, ((n) + LIST_BLOCK - 1) / LIST_BLOCK, LIST_BLOCK, 1,        \
+                 kernel, __VA_ARGS__)
 
 #endif

@@ -79,7 +79,8 @@ static __device__ struct begins begins_at(const struct zones *s,
 /* A block owns COMPACT_BLOCK sorted keys: counts the members, zones and free
  * vertices that begin there. `first` holds three streams of counts.
  */
-KERNEL zones_count_kernel(const struct zones &s, const struct key *key, int64_t *first, int64_t *words)
+KERNEL zones_count_kernel(const struct zones &s, const struct key *key,
+                          int64_t *first, int64_t *words)
 {
     struct begins b = begins_at(&s, key, compact_item(), words);
     int members, zones, free;
@@ -99,7 +100,9 @@ KERNEL zones_count_kernel(const struct zones &s, const struct key *key, int64_t 
 
 /* A block owns COMPACT_BLOCK sorted keys: writes the members, zones and free
  * vertices that begin there to their places. */
-KERNEL zones_emit_kernel(const struct zones &s, const struct key *key, struct key *member, const int64_t *first, const int64_t *words)
+KERNEL zones_emit_kernel(const struct zones &s, const struct key *key,
+                         struct key *member, const int64_t *first,
+                         const int64_t *words)
 {
     int64_t k = compact_item();
     struct begins b = begins_at(&s, key, k, words);
@@ -128,10 +131,10 @@ struct key *gpu_members(struct gpu *g, struct zones *s, int64_t *words)
     LAUNCH(g, s->n4, zones_key_kernel, *s, words);
     struct key *key = gpu_sort(g, s->n4, s->key, s->spare);
     struct key *member = key == s->key ? s->spare : s->key;
-    LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, zones_count_kernel, *s, key, first,
-                  words);
+    LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, zones_count_kernel, *s, key,
+                 first, words);
     gpu_scan(g, first, 3 * blocks);
-    LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, zones_emit_kernel, *s, key, member,
-                  first, words);
+    LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, zones_emit_kernel, *s, key,
+                 member, first, words);
     return member;
 }

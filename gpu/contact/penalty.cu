@@ -224,7 +224,8 @@ static __device__ real expected_impulse(const struct penalty *s,
 
 /* §3. Thread k owns place k of all lists: reads its item's contact; writes
  * number o of the item to part[o·n4 + k], 0 if the contact is not held. */
-KERNEL penalty_item_kernel(const struct penalty &s, real *part, const int64_t *words)
+KERNEL penalty_item_kernel(const struct penalty &s, real *part,
+                           const int64_t *words)
 {
     ITEM(k, s.n4);
     if (words[INCIDENCE_BAD] || k >= s.start[s.nv])
@@ -356,7 +357,8 @@ static __device__ void put_number(const struct penalty *s, const real *part,
 
 /* §3. A block owns GROUP vertices in contact at a time, warp o their number o:
  * writes their force and hold, which are 0 elsewhere. */
-KERNEL penalty_gather_kernel(const struct penalty &s, const real *part, const int64_t *words)
+KERNEL penalty_gather_kernel(const struct penalty &s, const real *part,
+                             const int64_t *words)
 {
     static_assert((int)GROUP == (int)WARP, "a warp sums a long list");
     __shared__ int32_t longer[GROUP];

@@ -22,7 +22,9 @@ void gpu_rounds_start(struct gpu *g, const struct response *s)
 }
 
 /* Thread k owns vertex[k]: writes its x1 and touched, and v where it stops. */
-KERNEL rounds_advance_kernel(const struct response &s, int64_t n, const int32_t *vertex, const uint8_t *moved, bool stop)
+KERNEL rounds_advance_kernel(const struct response &s, int64_t n,
+                             const int32_t *vertex, const uint8_t *moved,
+                             bool stop)
 {
     ITEM(k, n);
     if (moved && !moved[k])

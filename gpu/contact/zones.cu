@@ -113,7 +113,8 @@ static __device__ vec rigid_velocity(const struct zones *s,
 
 /* Block b owns zone b: its part of `sum`, and u of its free vertices, which are
  * in no other zone. Each thread keeps a copy of the zone's motion. */
-KERNEL zones_move_kernel(const struct zones &s, const struct key *member, const int64_t *words)
+KERNEL zones_move_kernel(const struct zones &s, const struct key *member,
+                         const int64_t *words)
 {
     __shared__ int led;
     int64_t b = blockIdx.x, t = threadIdx.x;

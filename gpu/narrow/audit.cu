@@ -130,7 +130,8 @@ static __device__ void filter_pair(const struct audit *s, const struct lists *l,
  * of group 0, whose boxes meet its own box. The traversal has no stack: from a
  * box it goes to the next box or to the first child, and goes up where the next
  * box would be a first child. */
-KERNEL walk_kernel(const struct audit &s, const struct audit_levels &v, const struct lists &l, int64_t *word)
+KERNEL walk_kernel(const struct audit &s, const struct audit_levels &v,
+                   const struct lists &l, int64_t *word)
 {
     ITEM(i, s.nt);
     if (word[AUDIT_BAD] || s.degenerate[s.order[0][i]])
@@ -175,7 +176,8 @@ static __device__ bool decide(const struct audit *s, const struct lists *l,
 }
 
 /* Thread k owns pairs k, k + threads, … of the list `left`. */
-KERNEL decide_kernel(const struct audit &s, const struct lists &l, int64_t *word)
+KERNEL decide_kernel(const struct audit &s, const struct lists &l,
+                     int64_t *word)
 {
     int64_t step = (int64_t)gridDim.x * blockDim.x, n = word[AUDIT_LEFT];
     int64_t k = (int64_t)blockIdx.x * blockDim.x + threadIdx.x;
@@ -188,7 +190,8 @@ KERNEL decide_kernel(const struct audit &s, const struct lists &l, int64_t *word
 
 /* A worker owns pairs of the list `unsure` and decides them in integer
  * arithmetic. */
-KERNEL unsure_kernel(const struct audit &s, const struct lists &l, int64_t *word)
+KERNEL unsure_kernel(const struct audit &s, const struct lists &l,
+                     int64_t *word)
 {
     struct big_arena m;
     int64_t n = word[AUDIT_UNSURE];

@@ -141,7 +141,8 @@ static __device__ void put(const struct audit *s, int64_t at, int32_t b,
 
 /* Thread k owns place k of the order: it writes order[0][k] and the box
  * there. */
-KERNEL leaf_kernel(const struct audit &s, const struct key *key, const int64_t *word)
+KERNEL leaf_kernel(const struct audit &s, const struct key *key,
+                   const int64_t *word)
 {
     ITEM(k, s.nt);
     if (word[AUDIT_BAD])
@@ -152,7 +153,8 @@ KERNEL leaf_kernel(const struct audit &s, const struct key *key, const int64_t *
 
 /* Thread b owns box b of a level: it joins up to four boxes of the level
  * below. */
-KERNEL level_kernel(const struct audit &s, const struct audit_levels &l, int level, const int64_t *word)
+KERNEL level_kernel(const struct audit &s, const struct audit_levels &l,
+                    int level, const int64_t *word)
 {
     ITEM(b, l.count[level]);
     if (word[AUDIT_BAD])

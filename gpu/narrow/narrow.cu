@@ -85,7 +85,8 @@ static __device__ bool filter_leaves(const struct narrow *s, int64_t k,
 /* Thread k owns candidate k: it reads the vertices and writes toi[k] and
  * tier[k], or appends k to the list. A block reserves its places in the list
  * with one atomic. */
-KERNEL filter_kernel(const struct narrow &s, const struct list &left, uint32_t *bad)
+KERNEL filter_kernel(const struct narrow &s, const struct list &left,
+                     uint32_t *bad)
 {
     __shared__ uint32_t first;
     int64_t k = (int64_t)blockIdx.x * COMPACT_BLOCK + threadIdx.x;
@@ -100,7 +101,8 @@ KERNEL filter_kernel(const struct narrow &s, const struct list &left, uint32_t *
 
 /* Thread k owns items k, k + threads, … of the list: it writes their toi and
  * tier, or appends them to the next list. */
-KERNEL split_kernel(const struct narrow &s, const struct list &in, const struct list &left, const uint32_t *bad)
+KERNEL split_kernel(const struct narrow &s, const struct list &in,
+                    const struct list &left, const uint32_t *bad)
 {
     uint32_t step = gridDim.x * blockDim.x, n = *bad ? 0 : *in.count;
     for (uint32_t i = blockIdx.x * blockDim.x + threadIdx.x; i < n; i += step) {
@@ -131,7 +133,9 @@ static size_t slab_bytes(int words)
 /* Worker i, which is thread i·APART, owns items i, i + workers, … of the list
  * and slab i. It writes their toi and tier; items that overflow its arena go to
  * the next list. */
-KERNEL exact_kernel(const struct narrow &s, const struct list &in, const struct list &left, const uint32_t *bad, const struct crew &crew)
+KERNEL exact_kernel(const struct narrow &s, const struct list &in,
+                    const struct list &left, const uint32_t *bad,
+                    const struct crew &crew)
 {
     uint32_t thread = blockIdx.x * blockDim.x + threadIdx.x;
     uint32_t worker = thread / APART, n = *bad ? 0 : *in.count;
@@ -173,8 +177,8 @@ int gpu_narrow(struct gpu *g, struct narrow *s)
     struct list a = {item, word + WORD_SPLIT};
     struct list b = {item + s->n, word + WORD_EXACT};
     LAUNCH(g, s->nv, finite_kernel, *s, bad);
-    LAUNCH_PARTS(g, compact_blocks(s->n), COMPACT_BLOCK, 3, filter_kernel, *s, a,
-                  bad);
+    LAUNCH_PARTS(g, compact_blocks(s->n), COMPACT_BLOCK, 3, filter_kernel, *s,
+                 a, bad);
     int64_t workers = s->n < SPLIT_WORKERS ? s->n : (int64_t)SPLIT_WORKERS;
     LAUNCH(g, workers, split_kernel, *s, a, b, bad);
     a.count = word + WORD_LONG;

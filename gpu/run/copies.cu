@@ -112,8 +112,8 @@ void gpu_up(struct gpu *g, void *device, const void *host, size_t bytes)
 
 void gpu_down(struct gpu *g, void *host, const void *device, size_t bytes)
 {
-    void *pinned = g->together && bytes <= GPU_PINNED ? gpu_batch_pinned(g)
-                                                      : NULL;
+    void *pinned =
+        g->together && bytes <= GPU_PINNED ? gpu_batch_pinned(g) : NULL;
     if (pinned)
         gpu_copy(g, pinned, device, bytes);
     if (g->together)
@@ -190,8 +190,7 @@ struct key *gpu_sort(struct gpu *g, int64_t n, struct key *key,
                      struct key *spare)
 {
     if (g->together && n <= SORT_MOST) {
-        struct key *to =
-            (struct key *)gpu_scratch(g, SLOT_SORT, n, sizeof *to);
+        struct key *to = (struct key *)gpu_scratch(g, SLOT_SORT, n, sizeof *to);
         LAUNCH(g, to ? n : 0, rank_kernel, key, n, to);
         gpu_copy(g, key, to, to ? (size_t)n * sizeof *to : 0);
         return key;

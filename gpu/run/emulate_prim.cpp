@@ -21,7 +21,7 @@ void gpu_scan_now(struct gpu *g, int64_t *a, int64_t n)
 }
 
 struct key *gpu_sort_now(struct gpu *g, int64_t n, struct key *key,
-                     struct key *spare)
+                         struct key *spare)
 {
     auto before = [](const struct key &a, const struct key &b) {
         if (a.hi != b.hi)

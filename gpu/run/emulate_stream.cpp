@@ -90,7 +90,8 @@ void gpu_launch_now(struct gpu *g, const struct kernel_ways *k,
         int64_t blocks = s->blocks;
         if (worlds > 1) {
             mine += (size_t)w * k->shared_bytes;
-            int64_t own = ((const struct shared_head *)(const void *)mine)->blocks;
+            int64_t own =
+                ((const struct shared_head *)(const void *)mine)->blocks;
             blocks = own < blocks ? own : blocks;
             mine += sizeof(struct shared_head);
         }

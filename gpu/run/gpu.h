@@ -117,6 +117,14 @@ void gpu_trace(struct gpu *g, struct trace *t, const char *stage,
 int gpu_batch(struct gpu *const *g, int n, int threads,
               void (*work)(void *with, int k), void *with);
 
+/* Every stage X on the device: gpu_X takes the struct X of ref_X, whose streams
+ * are in device memory. The struct itself is in host memory. */
+#define STAGE(room, file, X, rule)                                             \
+    struct X;                                                                  \
+    int gpu_##X(struct gpu *g, struct X *s);
+#include "spec/stages.def"
+#undef STAGE
+
 /* Seconds that the stream took between these two calls. */
 void gpu_clock_start(struct gpu *g);
 double gpu_clock_stop(struct gpu *g);

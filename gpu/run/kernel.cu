@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Makes launches on the device; gpu/run/emulate_launch.cpp makes them on an
+/* Makes launches on the device; gpu/run/emulate_stream.cpp makes them on an
  * emulated one. gpu/run/kernel.cuh */
 #include "gpu/run/batch.cuh"
 

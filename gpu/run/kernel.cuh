@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a launch is made of. Every launch goes through gpu_launch, which makes it
- * at once, or keeps it until worlds of a batch have the same one to make
+/* What a launch is made of. Every launch goes through gpu_launch, which makes
+ * it at once, or keeps it until worlds of a batch have the same one to make
  * (gpu/run/batch.cuh). Included by gpu/run/launch.cuh. */
 #ifndef GPU_KERNEL_CUH
 #define GPU_KERNEL_CUH
@@ -8,8 +8,9 @@
 #include <type_traits>
 
 /* How the blocks of a launch belong together: of items, a launch may have more
- * blocks than it needs; of parts, blocks beyond those of a world do nothing, and
- * none asks how many there are; ranks are one cluster; a grid is cooperative. */
+ * blocks than it needs; of parts, blocks beyond those of a world do nothing,
+ * and none asks how many there are; ranks are one cluster; a grid is
+ * cooperative. */
 enum launch_kind { OF_ITEMS, OF_PARTS, OF_BLOCKS, OF_RANKS, OF_GRID };
 
 /* What a launch is made of beside its kernel and arguments. items: OF_ITEMS
@@ -100,10 +101,7 @@ template <class... P> struct kernel_of<void (*)(P...)> {
     template <class T>
     using value = std::remove_cv_t<std::remove_reference_t<T>>;
     typedef pack_of<value<P>...> args;
-    static args of(value<P>... p)
-    {
-        return pack(p...);
-    }
+    static args of(value<P>... p) { return pack(p...); }
 };
 
 /* Calls F with the arguments that are left after those given. */

@@ -22,7 +22,7 @@
 /* The headers of ref/ are C. gpu/ includes them within extern "C", after this
  * file, which has included the system's headers that they need. */
 extern "C" {
-#include "gpu/base/stages.h"
+#include "gpu/run/gpu.h"
 #include "ref/base/real.h"
 }
 
@@ -129,11 +129,11 @@ cudaError_t gpu_allow_cluster(struct gpu *g, const void *kernel, bool room);
 #define LAUNCH_BLOCKS(g, blocks, threads, kernel, ...)                         \
     LAUNCH_AT_ONCE(g, blocks, threads, 1, kernel, __VA_ARGS__)
 #define LAUNCH_PARTS(g, blocks, threads, at_once, kernel, ...)                 \
-    launch_kernel<&kernel, (threads), (at_once)>(g, shape_of_parts(blocks, threads), \
-                                         __VA_ARGS__)
+    launch_kernel<&kernel, (threads), (at_once)>(                              \
+        g, shape_of_parts(blocks, threads), __VA_ARGS__)
 #define LAUNCH_AT_ONCE(g, blocks, threads, at_once, kernel, ...)               \
-    launch_kernel<&kernel, (threads), (at_once)>(g, shape_of_blocks(blocks, threads), \
-                                          __VA_ARGS__)
+    launch_kernel<&kernel, (threads), (at_once)>(                              \
+        g, shape_of_blocks(blocks, threads), __VA_ARGS__)
 
 /* UNROLL stands before a short loop and makes the compiler unroll it, so that
  * the counter is a constant in each iteration. */

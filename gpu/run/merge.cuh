@@ -55,7 +55,8 @@ static void merge(struct gpu *g, const struct launch_shape &s, A... a)
 {
     typedef typename kernel_of<decltype(F)>::args all;
     static const struct merge_ways ways = {
-        ways_of<F, THREADS, AT_ONCE>(), launch_merged<F, THREADS, AT_ONCE, all>};
+        ways_of<F, THREADS, AT_ONCE>(),
+        launch_merged<F, THREADS, AT_ONCE, all>};
     all args = kernel_of<decltype(F)>::of(a...);
     gpu_merge_add(g, &ways, &s, &args);
 }

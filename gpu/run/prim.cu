@@ -38,7 +38,7 @@ struct key_before {
 /* A merge sort: a radix sort of keys of 24 bytes would make 24 passes, and most
  * streams are short. */
 struct key *gpu_sort_now(struct gpu *g, int64_t n, struct key *key,
-                     struct key *spare)
+                         struct key *spare)
 {
     size_t bytes = 0;
     struct key_before before;

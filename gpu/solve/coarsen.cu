@@ -17,8 +17,7 @@ enum { TILES_LEAST = 64 };
 
 /* Thread p owns coarse particle p and writes coarse_rule[p]: whether a rule of
  * a fine particle matters to p. */
-KERNEL coarsen_find_kernel(const struct coarsen &s,
-                                           const struct grid &c)
+KERNEL coarsen_find_kernel(const struct coarsen &s, const struct grid &c)
 {
     ITEM(item, s.n_coarse);
     find(&s, place_of(c, item));
@@ -26,9 +25,8 @@ KERNEL coarsen_find_kernel(const struct coarsen &s,
 
 /* Each thread owns an item: a coarse block, or the excess of a coarse particle.
  */
-KERNEL coarsen_kernel(const struct coarsen &s,
-                                      const struct grid &c,
-                                      const struct book &book)
+KERNEL coarsen_kernel(const struct coarsen &s, const struct grid &c,
+                      const struct book &book)
 {
     ITEM(item, (STENCIL + 1) * s.n_coarse);
     make_item<8>(&s, c, &book, item);
@@ -37,9 +35,8 @@ KERNEL coarsen_kernel(const struct coarsen &s,
 /* Makes the items that the kernel of tiles leaves out. A thread block owns
  * GPU_BLOCK coarse particles; its threads take turns at the items of those
  * particles to which a rule matters. */
-KERNEL coarsen_cut_kernel(const struct coarsen &s,
-                                          const struct grid &c,
-                                          const struct book &book)
+KERNEL coarsen_cut_kernel(const struct coarsen &s, const struct grid &c,
+                          const struct book &book)
 {
     __shared__ int32_t cut[GPU_BLOCK], n;
     int t = (int)threadIdx.x;
@@ -56,8 +53,7 @@ KERNEL coarsen_cut_kernel(const struct coarsen &s,
 
 /* Thread p owns coarse particle p: it writes factor[p] and coarse_rule[p], and
  * reads the coarse blocks and the excess, which must be complete. */
-KERNEL coarsen_factor_kernel(const struct coarsen &s,
-                                             const struct grid &c)
+KERNEL coarsen_factor_kernel(const struct coarsen &s, const struct grid &c)
 {
     ITEM(item, s.n_coarse);
     struct place at = place_of(c, item);
@@ -144,8 +140,7 @@ static __device__ void mark(const struct chain::small *c, struct place at)
  * grid k and at the factors of grid k - 1, and clear the marks of grid k + 1.
  * After a barrier they take turns at the rules of grid k; each rule sets marks
  * of grid k + 1. */
-KERNEL coarsen_chain_kernel(const struct chain &s,
-                                            const struct book &book)
+KERNEL coarsen_chain_kernel(const struct chain &s, const struct book &book)
 {
     struct coarsen c = link_of(&s, 1);
     EACH_OF_GROUP(e, c.n_coarse)

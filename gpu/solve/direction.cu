@@ -62,7 +62,8 @@ KERNEL pcg_direction_kernel(const struct mixed &m, vec *p, int64_t count)
         p[k] = value_at(&m, place{(int32_t)k, 0, 0});
 }
 
-KERNEL pcg_product_kernel(const struct product &a, const struct cdf &d, const struct image &e, const int32_t *go)
+KERNEL pcg_product_kernel(const struct product &a, const struct cdf &d,
+                          const struct image &e, const int32_t *go)
 {
     ITEM(k, a.count);
     if (!*go)

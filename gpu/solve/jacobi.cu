@@ -24,8 +24,7 @@ static __device__ struct wide_sym add(struct wide_sym d, struct thin t)
 
 /* Thread p owns particle p: it reads mass, extra and the blocks of its edges in
  * `from`, and writes factor[p]. */
-template <class B>
-KERNEL jacobi_kernel(const struct jacobi &s, const B *from)
+template <class B> KERNEL jacobi_kernel(const struct jacobi &s, const B *from)
 {
     ITEM(item, s.count);
     struct grid g = {s.m, s.n};

@@ -109,9 +109,8 @@ KERNEL joint_open_kernel(const struct solve &a)
 }
 
 /* Thread k owns particle k of one cloth. */
-KERNEL joint_begin_kernel(const struct beginning &b,
-                                          int64_t count, const vec *r,
-                                          const int32_t *go)
+KERNEL joint_begin_kernel(const struct beginning &b, int64_t count,
+                          const vec *r, const int32_t *go)
 {
     ITEM(k, count);
     if (*go)
@@ -209,9 +208,8 @@ KERNEL joint_update_kernel(const struct solve &a, const vec *p, int first)
 }
 
 /* Thread k owns particle k of one cloth. */
-KERNEL joint_improve_kernel(const struct pcg_state *c,
-                                            int64_t count, vec *dv,
-                                            const vec *s, real part)
+KERNEL joint_improve_kernel(const struct pcg_state *c, int64_t count, vec *dv,
+                            const vec *s, real part)
 {
     ITEM(k, count);
     if (c->outcome == PCG_CONVERGED && c->iterations > 0)

@@ -66,16 +66,16 @@ struct opening gpu_multigrid_opening(const struct multigrid *s)
 }
 
 /* Thread p owns y[p]. */
-KERNEL multigrid_first_kernel(const struct opening &o, int32_t count, const vec *b)
+KERNEL multigrid_first_kernel(const struct opening &o, int32_t count,
+                              const vec *b)
 {
     ITEM(p, count);
     open_at(&o, (int)p, b[p]);
 }
 
 /* Thread p owns particle p of the coarse grid and writes b[p] and y[p]. */
-KERNEL multigrid_restrict_kernel(const struct level &f,
-                                                 const struct level &c,
-                                                 real damping)
+KERNEL multigrid_restrict_kernel(const struct level &f, const struct level &c,
+                                 real damping)
 {
     ITEM(item, c.count);
     if (!idle(c.go))
@@ -83,8 +83,7 @@ KERNEL multigrid_restrict_kernel(const struct level &f,
 }
 
 /* Thread p owns particle p of the fine grid and updates y[p]. */
-KERNEL multigrid_prolong_kernel(const struct level &f,
-                                                const struct raised &s)
+KERNEL multigrid_prolong_kernel(const struct level &f, const struct raised &s)
 {
     ITEM(item, f.count);
     if (!idle(f.go))

@@ -46,8 +46,9 @@ static void iterate(struct gpu *g, struct pcg *s, struct pcg_state *c,
     search(g, s, c, scratch, p, to);
     bool waits = gpu_pcg_sweeps(s) && turn + 1 < scratch.ring;
     int64_t blocks = UPDATES * g->multiprocessors;
-    LAUNCH_AT_ONCE(g, blocks < s->n_chunks ? blocks : s->n_chunks, SUM_CHUNK, UPDATES,
-                  pcg_update_kernel, *s, c, scratch, waits ? NULL : to);
+    LAUNCH_AT_ONCE(g, blocks < s->n_chunks ? blocks : s->n_chunks, SUM_CHUNK,
+                   UPDATES, pcg_update_kernel, *s, c, scratch,
+                   waits ? NULL : to);
 }
 
 /* Queues a turn: iterations, which are numbered from `queued` on, then the true

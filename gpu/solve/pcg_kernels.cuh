@@ -54,7 +54,8 @@ static __device__ real begin_from(const struct pcg *s,
 }
 
 /* §2: writes r[k]; reads dv and low of the neighbours, unless all are 0. */
-KERNEL pcg_residual_kernel(const struct pcg &s, struct pcg_state *c, const struct scratch &scratch)
+KERNEL pcg_residual_kernel(const struct pcg &s, struct pcg_state *c,
+                           const struct scratch &scratch)
 {
     PARTICLE(k);
     int phase = c->phase;
@@ -93,7 +94,8 @@ KERNEL pcg_residual_kernel(const struct pcg &s, struct pcg_state *c, const struc
 
 /* r·M⁻¹r by Jacobi after a restart, or after multigrid gave up; in later
  * iterations pcg_update_kernel computes it. */
-KERNEL pcg_jacobi_kernel(const struct pcg &s, struct pcg_state *c, const struct scratch &scratch)
+KERNEL pcg_jacobi_kernel(const struct pcg &s, struct pcg_state *c,
+                         const struct scratch &scratch)
 {
     PARTICLE(k);
     if (!c->go || !c->fresh)
@@ -107,7 +109,8 @@ KERNEL pcg_jacobi_kernel(const struct pcg &s, struct pcg_state *c, const struct 
 }
 
 /* The sum of item[k] of all particles: r·M⁻¹r by multigrid, or p·A p. */
-KERNEL pcg_sum_kernel(const struct pcg &s, struct pcg_state *c, const struct scratch &scratch, bool curvature)
+KERNEL pcg_sum_kernel(const struct pcg &s, struct pcg_state *c,
+                      const struct scratch &scratch, bool curvature)
 {
     real sum;
     if (!c->go ||
@@ -138,7 +141,8 @@ static __device__ void move(const struct pcg *s, const struct pcg_state *c,
 /* Writes dv[k], low[k], r[k] and the start of M⁻¹r. p: the direction of the
  * step; NULL: the update of dv and low is left to a later step, so that they
  * are read and written once for several steps. A block owns several chunks. */
-KERNEL pcg_update_kernel(const struct pcg &s, struct pcg_state *c, const struct scratch &scratch, const vec *p)
+KERNEL pcg_update_kernel(const struct pcg &s, struct pcg_state *c,
+                         const struct scratch &scratch, const vec *p)
 {
     real value[2], sum[2], alpha = c->alpha;
     if (!c->go)
@@ -168,7 +172,8 @@ KERNEL pcg_update_kernel(const struct pcg &s, struct pcg_state *c, const struct 
 
 /* Updates dv and low by the steps that are outstanding when the iterations have
  * ended; the residual is next. */
-KERNEL pcg_settle_kernel(const struct pcg &s, const struct pcg_state *c, const struct scratch &scratch)
+KERNEL pcg_settle_kernel(const struct pcg &s, const struct pcg_state *c,
+                         const struct scratch &scratch)
 {
     ITEM(k, s.count);
     if (c->phase == PHASE_ENDED && c->waits && !s.fixed[k])

@@ -20,9 +20,8 @@
  * the next row writes the other half of passed, and the place of x of row j -
  * 1, which nobody reads any more. */
 template <int EDGES, class B, class X, class END>
-KERNEL sweep_kernel(const struct edges<B> &t,
-                                    const struct cut &c, const X &x,
-                                    const END &end, const int32_t *go)
+KERNEL sweep_kernel(const struct edges<B> &t, const struct cut &c, const X &x,
+                    const END &end, const int32_t *go)
 {
     typedef sweep_size<EDGES, B> size;
     __shared__ typename size::spot row[X_ROWS][size::threads];
@@ -108,8 +107,8 @@ KERNEL sweep_kernel(const struct edges<B> &t,
  * twice. */
 enum { GATHER_LANES = 4, GATHERED = GPU_BLOCK / GATHER_LANES };
 template <int EDGES, class B, class X, class END>
-KERNEL gather_kernel(const struct edges<B> &t, const X &x,
-                                     const END &end, const int32_t *go)
+KERNEL gather_kernel(const struct edges<B> &t, const X &x, const END &end,
+                     const int32_t *go)
 {
     int lane = (int)threadIdx.x % GATHER_LANES, count = t.g.m * t.g.n;
     int item = (int)blockIdx.x * GATHERED + (int)threadIdx.x / GATHER_LANES;

@@ -194,8 +194,7 @@ static __device__ inline void add_shares(struct sums *c, const struct tile *t)
  * all blocks and the excess of its particle, unless a rule matters to the
  * particle (then coarsen_cut_kernel does it). */
 template <int EDGES>
-KERNEL coarsen_tile_kernel(const struct coarsen &s,
-                                           const struct grid &g)
+KERNEL coarsen_tile_kernel(const struct coarsen &s, const struct grid &g)
 {
     __shared__ struct tile t;
     struct sums c = {};

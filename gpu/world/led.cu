@@ -33,7 +33,8 @@ static __device__ bool same_bits(const vec *a, const vec *b)
 
 /* Thread k owns obstacle vertex k, or pin k, and sets *moves if its place
  * changes. */
-KERNEL moves_kernel(int64_t n, const int32_t *at, const vec *x0, const vec *x1, int64_t *moves)
+KERNEL moves_kernel(int64_t n, const int32_t *at, const vec *x0, const vec *x1,
+                    int64_t *moves)
 {
     ITEM(k, n);
     if (!same_bits(&x0[at ? at[k] : k], &x1[k]))
@@ -107,7 +108,8 @@ bool gpu_led_sane(struct gpu *g, int64_t n, const vec *a)
 }
 
 /* Thread k owns vertex k and writes v[k]. */
-KERNEL velocities_kernel(int64_t n, const vec *x0, const vec *x1, real dt, vec *v)
+KERNEL velocities_kernel(int64_t n, const vec *x0, const vec *x1, real dt,
+                         vec *v)
 {
     ITEM(k, n);
     vec d = sub(x1[k], x0[k]);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A world on the device as the API sees it. Reading, saving and loading pass
  * through the streams of the host's world. spec/gpu.md §6 */
-#include <pthread.h>
 #include <stdlib.h>
 
 extern "C" {
@@ -161,55 +160,13 @@ static int place(const struct world *w)
     return may ? gpu_device(w->device->gpu) + 1 : -1;
 }
 
-/* A batch, of the worlds from `first` on. */
-struct share {
-    struct gpu *const *g;
-    int first, n, threads, status;
-    void (*work)(void *with, int k);
-    void *with;
-    pthread_t thread;
-};
-
-static void work_in_share(void *with, int k)
-{
-    const struct share *s = (const struct share *)with;
-    s->work(s->with, s->first + k);
-}
-
-static void *run_share(void *with)
-{
-    struct share *s = (struct share *)with;
-    s->status = gpu_batch(s->g + s->first, s->n, s->threads, work_in_share, s);
-    return NULL;
-}
-
-/* While the device works for one batch, the host works for the other. */
-static int run_shares(struct gpu *const *g, int n, int threads,
-                      void (*work)(void *with, int k), void *with)
-{
-    struct share s[8];
-    int shares = getenv("BATCH_SHARES") ? atoi(getenv("BATCH_SHARES")) : 1;
-    for (int k = 0; k < shares; k++) {
-        s[k] = {g, n * k / shares, n * (k + 1) / shares - n * k / shares, threads / shares > 1 ? threads / shares : 1, 0, work, with, {}};
-        if (k) pthread_create(&s[k].thread, NULL, run_share, &s[k]);
-    }
-    run_share(&s[0]);
-    int status = s[0].status;
-    for (int k = 1; k < shares; k++) {
-        pthread_join(s[k].thread, NULL);
-        status = status ? status : s[k].status;
-    }
-    return status;
-}
-
 static int together(struct world *const *w, int n, int threads,
                     void (*work)(void *with, int k), void *with)
 {
     struct gpu **g = (struct gpu **)malloc((size_t)n * sizeof *g);
     for (int k = 0; k < n && g; k++)
         g[k] = w[k]->device->gpu;
-    int status =
-        g ? run_shares(g, n, threads, work, with) : (int)DRAPE_ENOMEM;
+    int status = g ? gpu_batch(g, n, threads, work, with) : (int)DRAPE_ENOMEM;
     free(g);
     return status;
 }

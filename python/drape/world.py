@@ -6,7 +6,7 @@ from __future__ import annotations
 import hashlib
 import os
 import weakref
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -57,6 +57,15 @@ class Reports(list[StepReport]):
         names = outcome_names(self.outcome)
         clean = "clean" if self.clean else "not clean"
         return f"<drape.Reports: {len(self)} steps, {clean}{names and f': {names}'}>"
+
+
+def _undiverged(report: StepReport) -> StepReport:
+    """Returns a report of a step that was done; raises if it was given up."""
+    if report.outcome & Outcome.DIVERGED:
+        raise DivergedError(
+            f"step {report.step + 1}: diverged; the state before it is kept"
+        )
+    return report
 
 
 def _plain(c: Any) -> dict[str, Any]:
@@ -217,12 +226,29 @@ class World(Bodies, Control, Closing):
         reports = Reports()
         try:
             for _ in range(n):
-                reports.append(self._step())
-                if reports[-1].outcome & Outcome.DIVERGED:
-                    raise DivergedError(
-                        f"step {reports[-1].step + 1}: diverged; the state before "
-                        "it is kept"
-                    )
+                reports.append(_undiverged(self._step()))
+        finally:
+            self._refresh()
+        return reports
+
+    @property
+    def _is_plain(self) -> bool:
+        """Whether no step calls a function of Python."""
+        calls = self._calls
+        return bool(
+            self._handle and not calls.log and not calls.trace and not self._recorder
+        )
+
+    def _take(self, made: Sequence[Any], status: int) -> Reports:
+        """Takes note of steps that were made, of which those after the last one
+        are zeros, and raises what `step` would have raised."""
+        reports = Reports()
+        try:
+            with self._guard:
+                for c in made:
+                    if c.step or c.outcome:
+                        reports.append(_undiverged(self._done(c)))
+                check(status, "step")
         finally:
             self._refresh()
         return reports

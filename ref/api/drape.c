@@ -63,7 +63,7 @@ void handle_tell_edit(drape_world *handle, int status, const char *why)
         handle->log(handle->log_user, why);
 }
 
-static void tell_step(drape_world *world, int status)
+void handle_tell_step(drape_world *world, int status)
 {
     drape_memory m;
     if (!world->log)
@@ -172,7 +172,7 @@ int drape_step(drape_world *world, drape_step_report *report)
     if (world->record && !report) /* for its outcome */
         report = &own;
     int status = world->ops->step(world->world, report);
-    tell_step(world, status);
+    handle_tell_step(world, status);
     if (status == DRAPE_OK && world->record)
         record_call(world,
                     (struct record){.kind = RECORD_STEP, .n = report->outcome});

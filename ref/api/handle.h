@@ -24,12 +24,14 @@ struct drape_world {
     int64_t taken;       /* allocations that the log has reported */
     drape_write *record; /* NULL: no call is recorded */
     void *record_user;
-    bool listed; /* in the list of drape_step_many that is checked now */
-    bool lost; /* the record could not be written */
+    bool listed; /* drape_step_many is checking a list and has seen it */
+    bool lost;   /* the record could not be written */
 };
 
 /* Sets what a handle says of its world, which was made of this definition. */
 void handle_set(drape_world *handle, const drape_def *def, struct world *world);
+/* Writes to the log what is new since the step before. */
+void handle_tell_step(drape_world *world, int status);
 /* Writes to the log what became of a change of bodies. */
 void handle_tell_edit(drape_world *handle, int status, const char *why);
 

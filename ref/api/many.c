@@ -3,6 +3,7 @@
 #include "spec/drape.h"
 
 #include <pthread.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -30,14 +31,14 @@ struct call {
 /* Makes the steps of world k, up to one that fails or diverges. */
 static void advance(const struct call *c, int k)
 {
-    drape_step_report *to = c->report ? c->report + (size_t)k * (size_t)c->steps
-                                      : NULL;
+    drape_step_report *to =
+        c->report ? c->report + (size_t)k * (size_t)c->steps : NULL;
     int status = DRAPE_OK, diverged = 0;
     for (int s = 0; s < c->steps && status == DRAPE_OK && !diverged; s++) {
         drape_step_report *report = to ? to + s : NULL;
         status = drape_step(c->world[k], report);
-        diverged = report && status == DRAPE_OK &&
-                   report->outcome & DRAPE_DIVERGED;
+        diverged =
+            report && status == DRAPE_OK && report->outcome & DRAPE_DIVERGED;
     }
     c->status[k] = status;
 }
@@ -62,32 +63,52 @@ static void *take_turns(void *with)
     }
 }
 
-/* Advances the worlds of a part by threads, of which this one is one. */
+/* Advances the worlds of a part by threads, of which this one is one. The
+ * others block all signals: they are for the threads of the host program. */
 static void by_threads(struct part *p)
 {
     pthread_t thread[MOST_THREADS];
+    sigset_t all, before;
     int made = 0;
     pthread_mutex_init(&p->lock, NULL);
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
     while (made < p->call->threads - 1 && made < p->n - 1 &&
            !pthread_create(&thread[made], NULL, take_turns, p))
         made++;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
     take_turns(p);
     for (int k = 0; k < made; k++)
         pthread_join(thread[k], NULL);
     pthread_mutex_destroy(&p->lock);
 }
 
-/* Advances the worlds of a part together; false if there is no memory. */
+/* Advances the worlds of a part together; false if there is no memory. The logs
+ * are written afterwards: they are the caller's, who need not expect another
+ * stack. */
 static bool together(struct part *p)
 {
     const struct call *c = p->call;
     const struct world_ops *ops = c->world[p->of[0]]->ops;
     struct world **world = malloc((size_t)p->n * sizeof *world);
-    for (int k = 0; k < p->n && world; k++)
-        world[k] = c->world[p->of[k]]->world;
-    bool done = world && ops->together(world, p->n, c->threads, advance_in_part,
-                                       p) == DRAPE_OK;
+    drape_log **log = malloc((size_t)p->n * sizeof *log);
+    bool done = world && log;
+    for (int k = 0; k < p->n && done; k++) {
+        drape_world *w = c->world[p->of[k]];
+        world[k] = w->world;
+        log[k] = w->log;
+        w->log = NULL;
+    }
+    if (done)
+        done = ops->together(world, p->n, c->threads, advance_in_part, p) ==
+               DRAPE_OK;
+    for (int k = 0; k < p->n && world && log; k++) {
+        c->world[p->of[k]]->log = log[k];
+        if (done)
+            handle_tell_step(c->world[p->of[k]], c->status[p->of[k]]);
+    }
     free(world);
+    free(log);
     return done;
 }
 
@@ -132,26 +153,36 @@ static bool twice(drape_world *const *world, int n)
     return found;
 }
 
+/* Whether the arguments are allowed. */
+static bool allowed(drape_world *const *world, int n, int steps, int threads)
+{
+    if (n < 0 || steps < 0 || threads < 0 || (n && !world))
+        return false;
+    for (int k = 0; k < n; k++)
+        if (!world[k])
+            return false;
+    return !twice(world, n);
+}
+
+static int threads_of(int asked)
+{
+    long here = sysconf(_SC_NPROCESSORS_ONLN);
+    int threads = asked ? asked : here < 1 ? 1 : (int)here;
+    return threads < MOST_THREADS ? threads : MOST_THREADS;
+}
+
 int drape_step_many(drape_world *const *world, int n, int steps, int threads,
                     drape_step_report *report, int *status)
 {
-    if (n < 0 || steps < 0 || threads < 0 || (n && !world))
-        return DRAPE_EARG;
-    for (int k = 0; k < n; k++)
-        if (!world[k])
-            return DRAPE_EARG;
-    if (twice(world, n))
+    if (!allowed(world, n, steps, threads))
         return DRAPE_EARG;
     if (!n)
         return DRAPE_OK;
-    int *own = malloc((size_t)n * 2 * sizeof *own);
+    int *own = malloc((size_t)n * 2 * sizeof *own), first = DRAPE_ENOMEM;
     bool *done = calloc((size_t)n, sizeof *done);
-    int worst = own && done ? DRAPE_OK : DRAPE_ENOMEM;
-    if (worst == DRAPE_OK) {
-        long here = sysconf(_SC_NPROCESSORS_ONLN);
-        int most = threads ? threads : here < 1 ? 1 : (int)here;
+    if (own && done) {
         struct call c = {world,  n,
-                         steps,  most < MOST_THREADS ? most : MOST_THREADS,
+                         steps,  threads_of(threads),
                          report, status ? status : own + n};
         struct part p = {.call = &c, .of = own};
         if (report)
@@ -159,10 +190,11 @@ int drape_step_many(drape_world *const *world, int n, int steps, int threads,
         for (int k = 0; k < n; k++)
             if (!done[k])
                 advance_like(&p, k, done);
-        for (int k = 0; k < n && worst == DRAPE_OK; k++)
-            worst = c.status[k];
+        first = DRAPE_OK;
+        for (int k = 0; k < n && first == DRAPE_OK; k++)
+            first = c.status[k];
     }
     free(own);
     free(done);
-    return worst;
+    return first;
 }

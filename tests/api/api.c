@@ -81,6 +81,19 @@ static const char *call_step(struct api *a)
     return NULL;
 }
 
+static const char *call_step_many(struct api *a)
+{
+    drape_world *none = NULL, *twice[2] = {a->world, a->world};
+    REFUSES(drape_step_many(&none, 1, 1, 1, NULL, NULL));
+    REFUSES(drape_step_many(NULL, 1, 1, 1, NULL, NULL));
+    REFUSES(drape_step_many(twice, 2, 1, 1, NULL, NULL));
+    REFUSES(drape_step_many(twice, -1, 1, 1, NULL, NULL));
+    REFUSES(drape_step_many(twice, 1, -1, 1, NULL, NULL));
+    REFUSES(drape_step_many(twice, 1, 1, -1, NULL, NULL));
+    EXPECT(drape_step_many(twice, 1, 1, 1, NULL, NULL) == DRAPE_OK);
+    return NULL;
+}
+
 static const char *call_counts(struct api *a)
 {
     int k;
@@ -207,6 +220,7 @@ static const struct {
     {"drape_default_cloth", call_defaults},
     {"drape_default_obstacle", call_defaults},
     {"drape_step", call_step},
+    {"drape_step_many", call_step_many},
     {"drape_vertices", call_counts},
     {"drape_triangles", call_counts},
     {"drape_first_vertex", call_counts},

@@ -6,7 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "gpu/base/stages.h"
+#include "gpu/run/gpu.h"
 #include "ref/base/stages.h"
 #include "tests/api/guest.h"
 #include "tests/base/modes.h"

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Many worlds that are advanced by one call. spec/drape.h, spec/gpu.md §11 */
-#include <stdio.h>
 #include "tests/api/guest.h"
 #include "tests/world/scene.h"
 
-enum { WORLDS = 9, STEPS = 10, TWICE = 2 };
+enum { WORLDS = 9, STEPS = 10, CALLS = 2, EACH = STEPS / CALLS };
 
-/* A scene for each k: sheets of two sizes that fall on a ball from elsewhere,
- * one of an explicit integrator, one of block-Jacobi, one on the reference. */
+/* Makes a world for each k: sheets of two sizes and several cloths that fall on
+ * a plate, elsewhere for each k; one of an explicit integrator, one with
+ * block-Jacobi, one on the reference. */
 static int make(int k, struct guest *s, drape_world **world)
 {
     guest_make(s, k == 4 ? DRAPE_REF : DRAPE_GPU);
@@ -18,60 +18,118 @@ static int make(int k, struct guest *s, drape_world **world)
         s->def.dt = 1e-3;
     }
     s->def.precond = k == 6 ? DRAPE_JACOBI : s->def.precond;
-    drape_error e; int st = drape_create(&s->def, world, &e); if (st) printf("%d %d %s\n", k, st, e.text); return st;
+    return drape_create(&s->def, world, NULL);
 }
 
-static void end(drape_world *world[WORLDS])
+/* Whether two reports are the same but for what the clock says. */
+static bool same(drape_step_report a, drape_step_report b)
 {
-    for (int k = 0; k < WORLDS; k++) {
-        drape_destroy(world[k]);
-        world[k] = NULL;
-    }
+    memset(a.seconds, 0, sizeof a.seconds);
+    memset(b.seconds, 0, sizeof b.seconds);
+    return memcmp(&a, &b, sizeof a) == 0;
 }
 
-static bool plain(const drape_step_report *a, const drape_step_report *b)
-{
-    return a->step == b->step && a->outcome == b->outcome &&
-           a->iterations == b->iterations && a->contacts == b->contacts &&
-           a->slices == b->slices && a->kinetic == b->kinetic;
-}
-
-/* Every world has the bits and the reports that it has alone, with one thread of
- * the host and with several. */
-const char *test_together_bits(void)
+/* Every world has the bits and the reports that it has alone, with one thread
+ * of the host and with several. threads 0: each alone, which is kept. */
+static const char *run(int threads, drape_step_report alone[WORLDS][STEPS],
+                       uint64_t hash[WORLDS])
 {
     static struct guest s[WORLDS];
-    static drape_step_report alone[WORLDS][STEPS], with[WORLDS][STEPS];
-    drape_world *world[WORLDS] = {NULL};
-    uint64_t hash[WORLDS];
+    static drape_step_report r[WORLDS][EACH];
+    drape_world *world[WORLDS];
     int status[WORLDS];
+    for (int k = 0; k < WORLDS; k++)
+        EXPECT(make(k, &s[k], &world[k]) == DRAPE_OK);
+    for (int k = 0; k < WORLDS && !threads; k++)
+        for (int t = 0; t < STEPS; t++)
+            EXPECT(drape_step(world[k], &alone[k][t]) == DRAPE_OK);
+    for (int c = 0; c < CALLS && threads; c++) {
+        EXPECT(drape_step_many(world, WORLDS, EACH, threads, r[0], status) ==
+               DRAPE_OK);
+        for (int k = 0; k < WORLDS; k++)
+            for (int t = 0; t < EACH; t++)
+                EXPECT(status[k] == DRAPE_OK &&
+                       same(r[k][t], alone[k][c * EACH + t]));
+    }
+    for (int k = 0; k < WORLDS; k++) {
+        hash[k] = threads ? hash[k] : scene_hash(world[k]);
+        EXPECT(hash[k] == scene_hash(world[k]));
+        drape_destroy(world[k]);
+        EXPECT(s[k].host.held == 0 && s[k].device.held == 0);
+    }
+    return NULL;
+}
+
+const char *test_together_bits(void)
+{
+    static drape_step_report alone[WORLDS][STEPS];
+    uint64_t hash[WORLDS];
     for (int threads = 0; threads <= 3; threads++) {
-        for (int k = 0; k < WORLDS; k++) {
-            int made = make(k, &s[k], &world[k]);
-            if (made == DRAPE_EDEVICE)
-                return skip("there is no device");
-            EXPECT(made == DRAPE_OK);
-        }
-        if (threads) {
-            for (int t = 0; t < TWICE; t++)
-                EXPECT(drape_step_many(world, WORLDS, STEPS / TWICE, threads,
-                                       &with[0][0], status) == DRAPE_OK);
-        } else
-            for (int k = 0; k < WORLDS; k++)
-                for (int t = 0; t < STEPS; t++)
-                    EXPECT(drape_step(world[k], &alone[k][t]) == DRAPE_OK);
-        if (threads==1) for (int k = 0; k < WORLDS; k++) for (int t=0;t<5;t++) printf("%d %d: step %d out %x it %d c %d kin %g | %x %d %d %g\n",k,t,(int)(&with[0][0]+5*k)[t].step,(&with[0][0]+5*k)[t].outcome,(int)(&with[0][0]+5*k)[t].iterations,(int)(&with[0][0]+5*k)[t].contacts,(&with[0][0]+5*k)[t].kinetic,alone[k][t+5].outcome,(int)alone[k][t+5].iterations,(int)alone[k][t+5].contacts,alone[k][t+5].kinetic);
-        for (int k = 0; k < WORLDS; k++) {
-            const drape_step_report *last =
-                &with[0][0] + (k + 1) * (STEPS / TWICE) - 1;
-            hash[k] = threads ? hash[k] : scene_hash(world[k]);
-            if (hash[k] != scene_hash(world[k])) printf("threads %d world %d differs; status %d step %d\n", threads, k, status[k], (int)last->step);
-            EXPECT(!threads || (status[k] == DRAPE_OK &&
-                                plain(last, &alone[k][STEPS - 1])));
-        }
-        EXPECT(alone[0][STEPS - 1].contacts > 0);
-        end(world);
+        const char *failed = run(threads, alone, hash);
+        if (failed)
+            return failed;
         ran(1);
     }
+    EXPECT(alone[0][STEPS - 1].contacts > 0 && hash[0] != hash[1]);
+    return NULL;
+}
+
+/* A world whose memory ends stops, and the others go on; with more memory it
+ * goes on, too, and has the bits that it has alone. */
+const char *test_together_short(void)
+{
+    enum { N = 4, SHORT = 1 };
+    static struct guest s[N], t;
+    drape_world *world[N], *one;
+    drape_step_report r[N][STEPS];
+    int status[N];
+    for (int k = 0; k < N; k++)
+        EXPECT(make(k, &s[k], &world[k]) == DRAPE_OK);
+    s[SHORT].device.most = s[SHORT].device.calls + 2;
+    EXPECT(drape_step_many(world, N, STEPS, 2, r[0], status) == DRAPE_ENOMEM);
+    for (int k = 0; k < N; k++) {
+        EXPECT(status[k] == (k == SHORT ? DRAPE_ENOMEM : DRAPE_OK));
+        EXPECT((r[k][STEPS - 1].step == STEPS) == (k != SHORT));
+    }
+    int made = 0;
+    while (made < STEPS && r[SHORT][made].step)
+        made++;
+    s[SHORT].device.most = INT64_MAX;
+    EXPECT(drape_step_many(&world[SHORT], 1, STEPS - made, 0, NULL, NULL) ==
+           DRAPE_OK);
+    EXPECT(make(SHORT, &t, &one) == DRAPE_OK);
+    EXPECT(drape_step_many(&one, 1, STEPS, 1, NULL, NULL) == DRAPE_OK);
+    EXPECT(scene_hash(one) == scene_hash(world[SHORT]));
+    drape_destroy(one);
+    for (int k = 0; k < N; k++)
+        drape_destroy(world[k]);
+    ran(1);
+    return NULL;
+}
+
+/* What is refused, and lists without worlds or steps. */
+const char *test_together_refuses(void)
+{
+    static struct guest s[2];
+    drape_world *world[3];
+    for (int k = 0; k < 2; k++)
+        EXPECT(make(k, &s[k], &world[k]) == DRAPE_OK);
+    world[2] = world[0];
+    uint64_t hash = scene_hash(world[0]);
+    EXPECT(drape_step_many(world, 3, 1, 1, NULL, NULL) == DRAPE_EARG);
+    EXPECT(drape_step_many(world, -1, 1, 1, NULL, NULL) == DRAPE_EARG);
+    EXPECT(drape_step_many(world, 2, -1, 1, NULL, NULL) == DRAPE_EARG);
+    EXPECT(drape_step_many(world, 2, 1, -1, NULL, NULL) == DRAPE_EARG);
+    EXPECT(drape_step_many(NULL, 1, 1, 1, NULL, NULL) == DRAPE_EARG);
+    EXPECT(drape_step_many(NULL, 0, 1, 1, NULL, NULL) == DRAPE_OK);
+    EXPECT(drape_step_many(world, 2, 0, 0, NULL, NULL) == DRAPE_OK);
+    EXPECT(hash == scene_hash(world[0]));
+    world[2] = NULL;
+    EXPECT(drape_step_many(world, 3, 1, 1, NULL, NULL) == DRAPE_EARG);
+    EXPECT(drape_step_many(world, 2, 1, 0, NULL, NULL) == DRAPE_OK);
+    EXPECT(hash != scene_hash(world[0]));
+    drape_destroy(world[0]);
+    drape_destroy(world[1]);
+    ran(1);
     return NULL;
 }

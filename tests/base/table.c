@@ -3,7 +3,7 @@
  * precision. */
 #include "tests/base/harness.h"
 
-#include "gpu/base/stages.h"
+#include "gpu/run/gpu.h"
 #include "ref/base/stages.h"
 
 #define STAGE(room, file, X, rule)                                             \

@@ -4,8 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "gpu/base/stages.h"
 #include "gpu/broad/broad.h"
+#include "gpu/run/gpu.h"
 #include "gpu/world/state.h"
 #include "ref/base/clock.h"
 #include "ref/narrow/narrow.h"

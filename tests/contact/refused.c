@@ -3,7 +3,6 @@
  * is refused as on the reference. spec/contact/penalty.md */
 #include <string.h>
 
-#include "gpu/base/stages.h"
 #include "gpu/run/gpu.h"
 #include "ref/contact/penalty.h"
 #include "tests/base/harness.h"

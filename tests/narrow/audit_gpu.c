@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The audit of wrong meshes on the device. spec/narrow/audit.md */
-#include "gpu/base/stages.h"
+#include "gpu/run/gpu.h"
 #include "ref/base/stages.h"
 #include "tests/base/harness.h"
 

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "gpu/base/stages.h"
+#include "gpu/run/gpu.h"
 #include "ref/base/stages.h"
 #include "tests/base/data.h"
 #include "tests/base/harness.h"
