@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Measures how many steps of small worlds a machine makes a second: one world
- * after another, and side by side from several threads, each of which takes the
- * next world that nobody has taken. All ways start from the same states and
- * must end in the same bits. `build/many --help` lists the options. */
+ * after another; side by side from several threads, each of which takes the
+ * next world that nobody has taken; and by one call of drape_step_many. All
+ * ways start from the same states and must end in the same bits. `build/many
+ * --help` lists the options. */
 #include "ci/bench/accuracy.h"
 
 #include <pthread.h>
@@ -308,7 +309,8 @@ static void help(void)
          "                      1,2,4,8,16,32,64\n"
          "  --integrator N      enum drape_integrator: Baraff-Witkin\n"
          "  --precond N         enum drape_precond: multigrid\n"
-         "  --together N        last, all by drape_step_many with N threads\n"
+         "  --together N        last, all by drape_step_many with N threads: "
+         "16; 0: not\n"
          "  --ranks N           at most so many blocks in a cluster; 0: the "
          "device's\n"
          "  --hosted 1          the host ends the loops of solves");
@@ -357,6 +359,7 @@ int main(int argc, char **argv)
                      .steps = 10,
                      .warm = 30,
                      .cells = {25, 50},
+                     .together = 16,
                      .threads = {1, 2, 4, 8, 16, 32, 64},
                      .ways = 7,
                      .backend = DRAPE_GPU,
