@@ -166,8 +166,7 @@ void gpu_scan(struct gpu *g, int64_t *a, int64_t n)
     gpu_scan_now(g, a, n);
 }
 
-/* Whether key a comes before key b, which is another one, as in
- * ref/base/keys.c. */
+/* Whether key a comes before key b, as in ref/base/keys.c. */
 static __device__ inline bool before(const struct key &a, const struct key &b)
 {
     if (a.hi != b.hi)
@@ -175,14 +174,15 @@ static __device__ inline bool before(const struct key &a, const struct key &b)
     return a.lo != b.lo ? a.lo < b.lo : a.item < b.item;
 }
 
-/* Thread k writes key k to its place, which is the number of keys before it. */
+/* Thread k writes key k to its place, which is the number of keys before it; of
+ * equal keys the first comes first. */
 KERNEL rank_kernel(const struct key *key, int64_t n, struct key *to)
 {
     ITEM(k, n);
     struct key mine = key[k];
     int64_t place = 0;
     for (int64_t o = 0; o < n; o++)
-        place += before(key[o], mine);
+        place += o < k ? !before(mine, key[o]) : before(key[o], mine);
     to[place] = mine;
 }
 
