@@ -357,9 +357,9 @@ typedef struct drape_step_report {
     int substeps;       /* most substeps of the integrator in a slice */
     int iterations;     /* * of the linear solver, all solves together */
     double residual;    /* relative, the largest of the solves */
-    int rounds;         /* * detections of penetration, of which the last in a
-                           clean slice finds no pair; 0 where nothing was near
-                           anything */
+    int rounds;         /* * detections of penetration after the turns of the
+                           contacts, of which the last in a clean slice finds
+                           no pair; 0 where nothing was near anything */
     int64_t contacts;   /* pairs in contact, contact/proximity.md, last slice */
     int64_t impacts;    /* pairs found to penetrate, all rounds */
     int64_t candidates; /* * pairs given to the narrow phase, all rounds */

@@ -89,11 +89,11 @@ void gpu_launch_now(struct gpu *g, const struct kernel_ways *k,
         const char *mine = (const char *)args;
         int64_t blocks = s->blocks;
         if (worlds > 1) {
-            mine += (size_t)w * k->shared_bytes;
+            mine += (size_t)w * k->world_bytes;
             int64_t own =
-                ((const struct shared_head *)(const void *)mine)->blocks;
+                ((const struct world_head *)(const void *)mine)->blocks;
             blocks = own < blocks ? own : blocks;
-            mine += sizeof(struct shared_head);
+            mine += sizeof(struct world_head);
         }
         emulate_call call(k->run, mine);
         if (s->kind == OF_ITEMS)

@@ -261,13 +261,13 @@ static void join(struct batch *b, struct group *o, struct gpu_seat *s)
     const struct launch_shape *t = &k->shape;
     struct launch_shape *most = &o->shape;
     char *to = b->seat[0]->host + b->staged;
-    struct shared_head first = {t->kind == OF_PARTS ? t->blocks : INT64_MAX, 0};
+    struct world_head first = {t->kind == OF_PARTS ? t->blocks : INT64_MAX, 0};
     most->items = t->items > most->items ? t->items : most->items;
     most->blocks = t->blocks > most->blocks ? t->blocks : most->blocks;
     most->bytes = t->bytes > most->bytes ? t->bytes : most->bytes;
     memcpy(to, &first, sizeof first);
     memcpy(to + sizeof first, k + 1, k->ways->bytes);
-    b->staged += k->ways->shared_bytes;
+    b->staged += k->ways->world_bytes;
     s->at += k->bytes;
 }
 
@@ -276,7 +276,7 @@ static void join(struct batch *b, struct group *o, struct gpu_seat *s)
 static bool stage(struct batch *b, struct kind *o)
 {
     struct gpu_seat *s = o->waiting;
-    size_t bytes = (size_t)o->heads * o->like->ways->shared_bytes;
+    size_t bytes = (size_t)o->heads * o->like->ways->world_bytes;
     if (!grow_groups(b) || !grow_staging(b, bytes))
         return false;
     struct group *all = &b->group[b->groups++];

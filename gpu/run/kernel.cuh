@@ -55,11 +55,11 @@ static inline struct launch_shape shape_of_grid(const struct gpu *g, int each,
 }
 
 /* A kernel as it is launched, with the bytes of its arguments, and of those of
- * one of many worlds (struct shared_args). `one` takes its arguments as a
+ * one of many worlds (struct world_args). `one` takes its arguments as a
  * parameter, `many` a pointer to those of several worlds, whose number is
  * blockIdx.z. */
 struct kernel_ways {
-    size_t bytes, shared_bytes;
+    size_t bytes, world_bytes;
 #ifdef __CUDACC__
     const void *one, *many;
 #else
@@ -120,11 +120,11 @@ static __device__ inline void call(const pack_of<A, B...> &a,
 
 /* The arguments of one of many worlds, and the number of blocks of it that have
  * work. */
-struct shared_head {
+struct world_head {
     int64_t blocks, unused;
 };
-template <class ARGS> struct alignas(16) shared_args {
-    struct shared_head head;
+template <class ARGS> struct alignas(16) world_args {
+    struct world_head head;
     ARGS args;
 };
 
@@ -138,7 +138,7 @@ static __global__ void __launch_bounds__(THREADS, AT_ONCE)
 
 template <auto F, int THREADS, int AT_ONCE, class ARGS>
 static __global__ void __launch_bounds__(THREADS, AT_ONCE)
-    many_kernel(const shared_args<ARGS> *__restrict__ of)
+    many_kernel(const world_args<ARGS> *__restrict__ of)
 {
     if (blockIdx.x < of[blockIdx.z].head.blocks)
         call<F>(of[blockIdx.z].args);
@@ -151,12 +151,12 @@ static const struct kernel_ways *ways_of(void)
     typedef typename kernel_of<decltype(F)>::args args;
 #ifdef __CUDACC__
     static const struct kernel_ways ways = {
-        sizeof(args), sizeof(shared_args<args>),
+        sizeof(args), sizeof(world_args<args>),
         (const void *)one_kernel<F, THREADS, AT_ONCE, args>,
         (const void *)many_kernel<F, THREADS, AT_ONCE, args>};
 #else
     static const struct kernel_ways ways = {
-        sizeof(args), sizeof(shared_args<args>),
+        sizeof(args), sizeof(world_args<args>),
         [](const void *a) { call<F>(*(const args *)a); }};
 #endif
     return &ways;

@@ -23,7 +23,7 @@ static const real EASE = R(10.0); /* the largest e, §4.3, and the tolerances
 bool couple_prepare(const struct world *w, struct pcg *p)
 {
     bool rough =
-        w->near == NEAR_CONTACTS && w->plan.implicit && !w->plan.history;
+        w->near >= NEAR_CONTACTS && w->plan.implicit && !w->plan.history;
     real asked = (real)w->def.tolerance;
     p->energy = rough;
     p->tolerance = rough ? real_max(asked, ROUGH) : asked;
@@ -330,17 +330,23 @@ static int take_turn(struct world *w, int k, int *turns)
 int couple_solve(void *user, int64_t n, struct contact *contact)
 {
     struct world *w = user;
+    struct response *r = &w->response;
     struct penalty *p = &w->couple.penalty;
     double start = clock_now();
+    bool last = r->waits;
     int status = w->run->turn_room(w, n);
     p->n = n;
     p->n4 = 4 * n;
     p->contact = contact;
-    p->settled = w->couple.solves > 0;
+    p->settled = w->couple.solves > 0 && !last;
     int turns = n > 0 && !p->settled ? COUPLE_TURNS : 1;
-    for (int k = 0; k < turns && status == DRAPE_OK; k++)
+    r->waits = false;
+    for (int k = last ? turns - 1 : 0;
+         k < turns && status == DRAPE_OK && !r->waits; k++) {
         status = take_turn(w, k, &turns);
-    if (status == DRAPE_OK && n > 0 && w->plan.warm) {
+        r->waits = r->foresee && !last && k + 2 == turns;
+    }
+    if (status == DRAPE_OK && n > 0 && w->plan.warm && !r->waits) {
         status = keep_warm(w);
         w->run->trace(w->on, w->tracing, "warm", w->couple.press,
                       (size_t)w->nc * sizeof *w->couple.press);

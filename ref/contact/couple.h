@@ -54,7 +54,7 @@ bool couple_prepare(const struct world *w, struct pcg *p);
 int couple_move(struct world *w, drape_step_report *r);
 /* Before the first contacts of a step. */
 void couple_start(struct world *w);
-/* response's solve; user is the world. With n = 0 one turn. */
+/* response's solve; user is the world. With n = 0 one turn. §4.6 */
 int couple_solve(void *user, int64_t n, struct contact *contact);
 
 #endif

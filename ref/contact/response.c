@@ -72,48 +72,6 @@ static int grow_contacts(const struct response *s, struct pool *p, int64_t need)
     return s->run->grow(s->on, p, need, sizeof(struct contact), true);
 }
 
-/* §2 */
-
-int response_repel(struct response *s, const struct pairs *near)
-{
-    s->near = near->n;
-    if (!near->n)
-        return DRAPE_OK;
-    struct proximity p = {.nv = s->nv,
-                          .n = near->n,
-                          .pair = near->pair,
-                          .kind = near->kind,
-                          .x = s->x0,
-                          .w = s->w,
-                          .skin = s->skin,
-                          .fan = s->fan,
-                          .dt = s->dt,
-                          .stiffness = s->stiffness};
-    struct pool *out = &s->contact[s->side];
-    int status =
-        response_grow(s, 1, &(struct pool_need){&s->at, near->n, sizeof *p.at});
-    if (status != DRAPE_OK)
-        return status;
-    p.at = s->at.data;
-    do {
-        p.cap = out->cap;
-        p.contact = out->data;
-        status = s->run->proximity(s->on, &p);
-    } while (status == DRAPE_EFULL &&
-             (status = grow_contacts(s, out, p.found)) == DRAPE_OK);
-    if (status != DRAPE_OK)
-        return status;
-    s->contacts = p.found;
-    s->run->trace(s->on, s->trace, "proximity", p.contact,
-                  (size_t)p.found * sizeof *p.contact);
-    if (!p.found)
-        return DRAPE_OK;
-    if (!s->solve)
-        return solve_contacts(s, p.found, 0);
-    s->active = p.found; /* they go on through the rounds */
-    return s->solve(s->user, p.found, out->data);
-}
-
 /* §3 */
 
 static int find_times(struct response *s, const struct pairs *p)
@@ -162,6 +120,8 @@ static int detect(struct response *s, const uint8_t *touched)
     struct pairs p;
     int status = s->broad(s->user, touched, &p);
     s->hits = 0;
+    if (!touched)
+        s->started = s->led = 0;
     if (status != DRAPE_OK || !p.n)
         return status;
     s->later += touched ? p.n : 0;
@@ -237,14 +197,81 @@ static int find_impulses(struct response *s)
     return DRAPE_OK;
 }
 
-static int push(struct response *s, int round)
+/* The impacts join the active set. */
+static int join(struct response *s)
 {
     int64_t held = s->active;
     int status = find_impulses(s);
+    s->joined |= s->active > held;
+    return status;
+}
+
+/* §2: solves with the contacts of repulsion. If the last turn waits, the pairs
+ * that touch by then join them. */
+static int take_turns(struct response *s)
+{
+    int status = s->solve(s->user, s->active, s->contact[s->side].data);
+    if (status != DRAPE_OK || !s->waits)
+        return status;
+    s->waited = true;
+    status = detect(s, NULL);
+    if (status == DRAPE_OK && s->hits > 0)
+        status = join(s);
+    if (status != DRAPE_OK)
+        return status;
+    return s->solve(s->user, s->active, s->contact[s->side].data);
+}
+
+int response_repel(struct response *s, const struct pairs *near)
+{
+    s->near = near->n;
+    if (!near->n)
+        return DRAPE_OK;
+    struct proximity p = {.nv = s->nv,
+                          .n = near->n,
+                          .pair = near->pair,
+                          .kind = near->kind,
+                          .x = s->x0,
+                          .w = s->w,
+                          .skin = s->skin,
+                          .fan = s->fan,
+                          .dt = s->dt,
+                          .stiffness = s->stiffness};
+    struct pool *out = &s->contact[s->side];
+    int status =
+        response_grow(s, 1, &(struct pool_need){&s->at, near->n, sizeof *p.at});
+    if (status != DRAPE_OK)
+        return status;
+    p.at = s->at.data;
+    do {
+        p.cap = out->cap;
+        p.contact = out->data;
+        status = s->run->proximity(s->on, &p);
+    } while (status == DRAPE_EFULL &&
+             (status = grow_contacts(s, out, p.found)) == DRAPE_OK);
+    if (status != DRAPE_OK)
+        return status;
+    s->contacts = p.found;
+    s->run->trace(s->on, s->trace, "proximity", p.contact,
+                  (size_t)p.found * sizeof *p.contact);
+    if (!p.found)
+        return DRAPE_OK;
+    if (!s->solve)
+        return solve_contacts(s, p.found, 0);
+    s->active = p.found; /* they go on through the rounds */
+    return take_turns(s);
+}
+
+/* §4 */
+
+static int push(struct response *s, int round)
+{
+    int64_t held = s->active;
+    int status = round == 0 ? join(s) : find_impulses(s);
     if (status != DRAPE_OK)
         return status;
     struct contact *contact = s->contact[s->side].data;
-    if (round == 0 && s->solve && s->active > held)
+    if (round == 0 && s->solve && s->active > held && !s->waited)
         return s->solve(s->user, s->active, contact);
     /* only impulses that contacts gave can it withdraw */
     bool warm = s->contacts_solved;

@@ -43,9 +43,11 @@ struct response {
     int (*broad)(void *user, const uint8_t *touched, struct pairs *out);
     /* NULL, or moves u, v, x1 by contacts within an implicit solve and sets
      * touched, in place of the repulsion's and of the first round's own solve:
-     * spec/contact/penalty.md. DRAPE_OK or an error. */
+     * spec/contact/penalty.md. With `foresee` it may set `waits` and leave the
+     * last turn to its next call. DRAPE_OK or an error. */
     int (*solve)(void *user, int64_t n, struct contact *contact);
     void *user;
+    bool foresee; /* the last turn is to wait for what touches before it, §2 */
 
     struct trace *trace; /* NULL: none */
 
@@ -76,6 +78,10 @@ struct response {
     int64_t hits, active, tangled; /* what the pools hold */
     int side, tangle_side;         /* which of two pools */
     bool contacts_solved;          /* contacts has solved a round */
+    bool waits, waited;            /* the last turn is to come after a
+                                      detection; or it did */
+    bool joined;                   /* impacts of round 1, or of that detection,
+                                      brought new contacts */
 };
 
 /* §4: iterations of contacts in the round under way: as many more in each late
@@ -94,7 +100,7 @@ static inline void response_reset(struct response *s)
     s->started = s->led = 0;
     s->zone_vertices = s->rolled_back = 0;
     s->hits = s->active = s->tangled = 0;
-    s->contacts_solved = false;
+    s->contacts_solved = s->waits = s->waited = s->joined = false;
 }
 
 /* What a pool must hold. */

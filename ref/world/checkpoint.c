@@ -271,7 +271,7 @@ static bool good_header(const struct world *w, const struct header *h)
     if (h->step > most || h->time != (double)h->step * w->def.dt)
         return false;
     return h->step >= 0 && h->intersecting >= 0 && h->asleep <= 1 &&
-           h->near <= NEAR_CONTACTS && h->past <= 1 + LEVELS &&
+           h->near <= NEAR_IMPACTS && h->past <= 1 + LEVELS &&
            h->resting <= INT32_MAX && h->pressed <= 1 && h->again <= 1 &&
            h->level <= LEVELS && h->far <= LEVELS && good_wind(&h->wind);
 }

@@ -101,6 +101,7 @@ static int start(struct world *w)
     c->dt = (real)w->dt;
     c->stop_before_zones = slice_can_retry(w);
     c->max_rounds = slice_rounds(w);
+    c->foresee = w->near == NEAR_IMPACTS;
     int status = response_start(c);
     if (w->plan.implicit)
         couple_start(w);

@@ -41,8 +41,8 @@ struct told {
 };
 
 /* How near things came in a slice: no candidate; candidates without contact;
- * contacts. */
-enum nearness { NEAR_NONE, NEAR_PAIRS, NEAR_CONTACTS };
+ * contacts; contacts, and impacts that brought new ones. */
+enum nearness { NEAR_NONE, NEAR_PAIRS, NEAR_CONTACTS, NEAR_IMPACTS };
 
 /* A copy of the state at the start of the current step. `watch` lies on the
  * host, the other streams in the memory of the backend. */
@@ -211,7 +211,7 @@ static inline const double *state_gravity(const struct world *w)
 static inline enum nearness state_nearness(const struct response *c)
 {
     if (c->contacts > 0)
-        return NEAR_CONTACTS;
+        return c->joined ? NEAR_IMPACTS : NEAR_CONTACTS;
     return c->near > 0 || c->candidates > 0 ? NEAR_PAIRS : NEAR_NONE;
 }
 

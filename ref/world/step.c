@@ -271,7 +271,7 @@ static void commit(struct world *w, int outcome)
     w->resting = rests(w, outcome) ? w->resting + 1 : 0;
     w->asleep = w->resting >= REST_STEPS;
     w->near = state_nearness(&w->response);
-    keep_press(w, !slice_failed(outcome) && w->near == NEAR_CONTACTS);
+    keep_press(w, !slice_failed(outcome) && w->near >= NEAR_CONTACTS);
     keep_solved(w);
     for (int k = 0; k < w->def.n_cloths; k++) {
         w->watch[k][0] = w->sheet[k].dynamics.reference;

@@ -26,7 +26,8 @@ static const char *agree(const struct notes *a, const drape_step_report *r)
     EXPECT(w->queries <= walks + asked && (w->boxes > 0) == (walks > 0));
     EXPECT(times(a, "narrow") == w->narrow);
     EXPECT((times(a, "proximity") > 0) == (w->near > 0));
-    EXPECT(w->narrow <= r->rounds && (w->narrow > 0) == (r->candidates > 0));
+    EXPECT(w->narrow <= r->rounds + w->tries);
+    EXPECT((w->narrow > 0) == (r->candidates > 0));
     EXPECT(w->tries >= r->slices && w->later <= r->candidates);
     EXPECT(w->later == 0 || r->rounds > r->slices);
     return NULL;
