@@ -92,20 +92,21 @@ static bool together(struct part *p)
     const struct world_ops *ops = c->world[p->of[0]]->ops;
     struct world **world = malloc((size_t)p->n * sizeof *world);
     drape_log **log = malloc((size_t)p->n * sizeof *log);
-    bool done = world && log;
-    for (int k = 0; k < p->n && done; k++) {
-        drape_world *w = c->world[p->of[k]];
-        world[k] = w->world;
-        log[k] = w->log;
-        w->log = NULL;
-    }
-    if (done)
+    bool done = false;
+    if (world && log) {
+        for (int k = 0; k < p->n; k++) {
+            drape_world *w = c->world[p->of[k]];
+            world[k] = w->world;
+            log[k] = w->log;
+            w->log = NULL;
+        }
         done = ops->together(world, p->n, c->threads, advance_in_part, p) ==
                DRAPE_OK;
-    for (int k = 0; k < p->n && world && log; k++) {
-        c->world[p->of[k]]->log = log[k];
-        if (done)
-            handle_tell_step(c->world[p->of[k]], c->status[p->of[k]]);
+        for (int k = 0; k < p->n; k++) {
+            c->world[p->of[k]]->log = log[k];
+            if (done)
+                handle_tell_step(c->world[p->of[k]], c->status[p->of[k]]);
+        }
     }
     free(world);
     free(log);
