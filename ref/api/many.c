@@ -91,7 +91,7 @@ static bool together(struct part *p)
     const struct call *c = p->call;
     const struct world_ops *ops = c->world[p->of[0]]->ops;
     struct world **world = malloc((size_t)p->n * sizeof *world);
-    drape_log **log = malloc((size_t)p->n * sizeof *log);
+    drape_log **log = calloc((size_t)p->n, sizeof *log);
     bool done = false;
     if (world && log) {
         for (int k = 0; k < p->n; k++) {
