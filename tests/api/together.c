@@ -5,9 +5,9 @@
 
 enum { WORLDS = 9, STEPS = 10, CALLS = 2, EACH = STEPS / CALLS };
 
-/* Makes a world for each k: sheets of two sizes and several cloths that fall on
- * a plate, elsewhere for each k; one of an explicit integrator, one with
- * block-Jacobi, one on the reference. */
+/* Makes a world for each k: a sheet of one of two sizes that falls on a plate,
+ * elsewhere for each k; one of an explicit integrator, one with block-Jacobi,
+ * one on the reference. */
 static int make(int k, struct guest *s, drape_world **world)
 {
     guest_make(s, k == 4 ? DRAPE_REF : DRAPE_GPU);
@@ -60,6 +60,8 @@ static const char *run(int threads, drape_step_report alone[WORLDS][STEPS],
     return NULL;
 }
 
+/* Every world has the bits and the reports that it has alone, with one thread
+ * of the host and with several. */
 const char *test_together_bits(void)
 {
     static drape_step_report alone[WORLDS][STEPS];
