@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Prints `#define X REAL_NAME(X)` for each external function or variable X that
 # the sources define, and for each struct of .cu and .cuh that has functions, as
-# these are external, too; ref/base/names.h says what for. A definition is known by
+# these are external, too, whether it is a template or not; ref/base/names.h says what for. A definition is known by
 # the layout of .clang-format: it begins in the first column, and nothing within
 # it does. Two definitions that this script does not see fail to link.
 # usage: ci/names.sh SOURCE...
@@ -10,8 +10,13 @@ set -eu
 echo '/* What ci/names.sh finds: see ref/base/names.h. */'
 awk '
     /^struct [a-z_0-9]+ [{]$/ { type = $2 } # whose functions may follow
+    /^template .*struct [a-z_0-9]+<.*[{]$/ {
+        type = $0
+        sub(/<[^<]*$|<void .*/, "", type)
+        sub(/.*struct /, "", type)
+    }
     /^}/ { type = "" }
-    type && /^    __device__ / {
+    type && /^    (__device__|static) / {
         print "#define " type " REAL_NAME(" type ")"
         type = ""
     }

@@ -123,8 +123,9 @@ class StepReport:
         substeps: most substeps of the integrator in a slice
         iterations: (*) of the linear solver, all solves together
         residual: relative, the largest of the solves
-        rounds: (*) detections of penetration, of which the last in a clean
-            slice finds no pair; 0 where nothing was near anything
+        rounds: (*) detections of penetration after the turns of the contacts,
+            of which the last in a clean slice finds no pair; 0 where nothing
+            was near anything
         contacts: pairs in contact, contact/proximity.md, last slice
         impacts: pairs found to penetrate, all rounds
         candidates: (*) pairs given to the narrow phase, all rounds
