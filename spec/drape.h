@@ -423,10 +423,11 @@ int drape_step(drape_world *world, drape_step_report *report);
  * §11). The others are stepped side by side. threads: of the host, at most 64;
  * 0: one a processor; the functions that worlds were given are called from all
  * of them, and allocators on small stacks. report: [n][steps], those of steps
- * that were not made are zeros; or NULL, which is faster. status: [n] what the
- * last drape_step of each world returned, or NULL. Returns DRAPE_OK, or the
- * first status that is not; or DRAPE_EARG (a number is negative, or a world is
- * NULL or listed twice) or DRAPE_ENOMEM, and nothing is done. */
+ * that were not made are zeros; or NULL, which is faster. The seconds in
+ * reports of worlds that are advanced together are of all of them. status: [n]
+ * what the last drape_step of each world returned, or NULL. Returns DRAPE_OK,
+ * or the first status that is not; or DRAPE_EARG (a number is negative, or a
+ * world is NULL or listed twice) or DRAPE_ENOMEM, and nothing is done. */
 int drape_step_many(drape_world *const *world, int n, int steps, int threads,
                     drape_step_report *report, int *status);
 
