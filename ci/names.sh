@@ -1,10 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Prints `#define X REAL_NAME(X)` for each external function or variable X that
-# the sources define, and for each struct of .cu and .cuh that has functions, as
-# these are external, too, whether it is a template or not; ref/base/names.h says what for. A definition is known by
-# the layout of .clang-format: it begins in the first column, and nothing within
-# it does. Two definitions that this script does not see fail to link.
+# Prints `#define X REAL_NAME(X)` for each external function or variable X that the
+# sources define, and for each struct of .cu and .cuh that has functions, as these
+# are external, too, whether it is a template or not; ref/base/names.h says what
+# for. A definition is known by the layout of .clang-format: it begins in the first
+# column, and nothing within it does. Two definitions that this script does not see
+# fail to link; two of a template become one, which the -O0 flavours show.
 # usage: ci/names.sh SOURCE...
 set -eu
 echo '/* What ci/names.sh finds: see ref/base/names.h. */'

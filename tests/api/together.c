@@ -29,8 +29,8 @@ static bool same(drape_step_report a, drape_step_report b)
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
-/* Every world has the bits and the reports that it has alone, with one thread
- * of the host and with several. threads 0: each alone, which is kept. */
+/* Steps all worlds with so many threads and compares them with what they are
+ * alone; with 0 threads steps each alone, and keeps what it is. */
 static const char *run(int threads, drape_step_report alone[WORLDS][STEPS],
                        uint64_t hash[WORLDS])
 {
