@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Finds the candidates closer than their thickness and makes them contacts: a
- * first kernel counts, a second one emits. spec/contact/proximity.md */
+ * first kernel leaves out what is surely far, a second one measures the rest, a
+ * third one emits. spec/contact/proximity.md */
 #include "gpu/base/cluster.cuh"
 #include "gpu/base/compact.cuh"
 #include "gpu/base/scan.cuh"
 #include "gpu/contact/closest.cuh"
-#include "gpu/contact/contact.cuh"
+#include "gpu/contact/far.cuh"
 
 extern "C" {
 #include "ref/contact/proximity.h"
@@ -16,6 +17,14 @@ enum { BAD_PAIR = 1, BAD_PLACE = 2 };
 /* Words of the device: the status of bad input, the number of contacts, and the
  * ticket of ends_last. */
 enum { WORD_BAD, WORD_FOUND, WORD_TICKET, WORDS };
+
+/* Limits of groups_of: groups for each multiprocessor where there are enough
+ * candidates, and tiles of COMPACT_BLOCK candidates in a group. */
+#ifdef __CUDACC__
+enum { GROUPS_EACH = 4, MOST_TILES = 8 };
+#else
+enum { GROUPS_EACH = 1, MOST_TILES = 3 };
+#endif
 
 static __device__ struct closest measure(const struct proximity *s, int kind,
                                          const int32_t v[4], struct wide x[4])
@@ -200,10 +209,12 @@ static __device__ bool find_normal(const struct proximity *s, int kind,
     return true;
 }
 
-static __device__ bool is_near(const struct proximity *s, int64_t k, int *bad)
+/* §6: whether candidate k must be measured: it is not surely far. Bad input is
+ * told and is not measured. */
+static __device__ bool is_open(const struct proximity *s, int64_t k, int *bad)
 {
     int32_t v[4];
-    struct wide x[4], n;
+    vec x[4];
     int kind = s->kind[k];
     load_pair(s->pair, k, v);
     if (!in_range(v, s->nv) || kind > CONTACT_EE) {
@@ -211,10 +222,20 @@ static __device__ bool is_near(const struct proximity *s, int64_t k, int *bad)
         return false;
     }
     for (int j = 0; j < 4; j++)
-        if (!sane(s->x[v[j]])) {
-            atomicOr(bad, (int)BAD_PLACE);
-            return false;
-        }
+        x[j] = s->x[v[j]];
+    if (!(sane(x[0]) && sane(x[1]) && sane(x[2]) && sane(x[3]))) {
+        atomicOr(bad, (int)BAD_PLACE);
+        return false;
+    }
+    return !surely_far(x, kind, surface_of(&s->skin, v).thickness);
+}
+
+static __device__ bool is_near(const struct proximity *s, int64_t k)
+{
+    int32_t v[4];
+    struct wide x[4], n;
+    int kind = s->kind[k];
+    load_pair(s->pair, k, v);
     struct closest r = measure(s, kind, v, x);
     return sqrt(r.length2) < (double)surface_of(&s->skin, v).thickness &&
            find_normal(s, kind, v, x, &r, &n);
@@ -253,58 +274,95 @@ static __device__ void emit(const struct proximity *s, int64_t k,
     *to = c;
 }
 
-/* §5. Thread k owns candidate k: reads its vertices; writes at[k], its place
- * among the block's contacts, or -1. A block writes its number of contacts to
- * base; the block that ends last scans base into the place of each block's
- * first contact. */
-KERNEL near_kernel(const struct proximity &s, int64_t *base, int64_t *word)
+/* §6. A group is the candidates of one block: `tiles` times COMPACT_BLOCK. Its
+ * part of `at` lists first the candidates that are open, then its contacts; in
+ * its place of base there is their number. */
+struct groups {
+    int tiles;
+    int64_t n;     /* groups */
+    int64_t *base; /* [n + 1] */
+};
+
+static __device__ int64_t group_first(const struct groups *g)
 {
-    int64_t k = (int64_t)blockIdx.x * COMPACT_BLOCK + threadIdx.x;
-    bool keep = k < s.n && is_near(&s, k, (int *)&word[WORD_BAD]);
-    int total, place = block_compact(keep, &total);
-    if (k < s.n)
-        s.at[k] = keep ? place : -1;
-    if (threadIdx.x == 0)
-        base[blockIdx.x] = total;
-    __syncthreads(); /* other threads may still read block_compact's words */
-    int64_t blocks = compact_blocks(s.n);
-    if (!ends_last((unsigned *)&word[WORD_TICKET], blocks))
-        return;
-    if (threadIdx.x == 0)
-        base[blocks] = 0;
-    __syncthreads();
-    scan_blocks(base, blocks + 1);
-    __syncthreads();
-    if (threadIdx.x == 0)
-        word[WORD_FOUND] = base[blocks];
+    return (int64_t)blockIdx.x * g->tiles * COMPACT_BLOCK;
 }
 
-/* Thread t of block b writes the block's contact t, at place base[b] + t; reads
- * `at` and the candidate. The threads that have work are neighbours, so few
- * warps are partly idle. */
-KERNEL emit_kernel(const struct proximity &s, const int64_t *base)
+/* Lists the group's open candidates. */
+KERNEL far_kernel(const struct proximity &s, struct groups g, int64_t *word)
 {
-    __shared__ uint8_t kept[COMPACT_BLOCK];
-    int64_t first = (int64_t)blockIdx.x * COMPACT_BLOCK,
-            k = first + threadIdx.x;
-    int32_t place = k < s.n ? s.at[k] : -1;
-    if (place >= 0)
-        kept[place] = (uint8_t)threadIdx.x;
+    int64_t first = group_first(&g);
+    int listed = 0, total;
+    for (int j = 0; j < g.tiles; j++) {
+        int64_t k = first + j * COMPACT_BLOCK + threadIdx.x;
+        bool open = k < s.n && is_open(&s, k, (int *)&word[WORD_BAD]);
+        int place = block_compact(open, &total);
+        if (open)
+            s.at[first + listed + place] = (int32_t)k;
+        listed += total;
+    }
+    if (threadIdx.x == 0)
+        g.base[blockIdx.x] = listed;
+}
+
+/* Measures the group's open candidates and lists its contacts, in a part of
+ * `at` that was read before. The block that ends last scans base into the place
+ * of each group's first contact. */
+KERNEL near_kernel(const struct proximity &s, struct groups g, int64_t *word)
+{
+    int64_t first = group_first(&g);
+    int open = (int)g.base[blockIdx.x], listed = 0, total;
+    for (int from = 0; from < open; from += COMPACT_BLOCK) {
+        int i = from + (int)threadIdx.x;
+        int32_t k = i < open ? s.at[first + i] : 0;
+        bool near = i < open && is_near(&s, k);
+        int place = block_compact(near, &total);
+        if (near)
+            s.at[first + listed + place] = k;
+        listed += total;
+    }
+    if (threadIdx.x == 0)
+        g.base[blockIdx.x] = listed;
+    __syncthreads(); /* other threads may still read block_compact's words */
+    if (!ends_last((unsigned *)&word[WORD_TICKET], g.n))
+        return;
+    if (threadIdx.x == 0)
+        g.base[g.n] = 0;
     __syncthreads();
-    int64_t to = base[blockIdx.x] + threadIdx.x;
-    if (to < base[blockIdx.x + 1])
-        emit(&s, first + kept[threadIdx.x], &s.contact[to]);
+    scan_blocks(g.base, g.n + 1);
+    __syncthreads();
+    if (threadIdx.x == 0)
+        word[WORD_FOUND] = g.base[g.n];
+}
+
+/* Writes the group's contacts, a thread one contact at a time. */
+KERNEL emit_kernel(const struct proximity &s, struct groups g)
+{
+    int64_t first = group_first(&g), to = g.base[blockIdx.x];
+    int found = (int)(g.base[blockIdx.x + 1] - to);
+    for (int i = (int)threadIdx.x; i < found; i += COMPACT_BLOCK)
+        emit(&s, s.at[first + i], &s.contact[to + i]);
+}
+
+/* Few candidates are spread over all multiprocessors. Of many, a group has so
+ * many that its open ones fill most of a block. */
+static struct groups groups_of(const struct gpu *g, int64_t n)
+{
+    int64_t blocks = compact_blocks(n), most = MOST_TILES;
+    int64_t tiles = blocks / (GROUPS_EACH * g->multiprocessors);
+    tiles = tiles < 1 ? 1 : tiles > most ? most : tiles;
+    return {(int)tiles, (blocks + tiles - 1) / tiles, NULL};
 }
 
 int gpu_proximity(struct gpu *g, struct proximity *s)
 {
     if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0))
         return DRAPE_EARG;
-    int64_t blocks = compact_blocks(s->n);
-    int64_t *base =
-        (int64_t *)gpu_scratch(g, SLOT_STAGE, blocks + 1, sizeof *base);
+    struct groups of = groups_of(g, s->n);
+    of.base = (int64_t *)gpu_scratch(g, SLOT_STAGE, of.n + 1, sizeof *of.base);
     int64_t *word = gpu_words(g);
-    LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, near_kernel, *s, base, word);
+    LAUNCH_PARTS(g, of.n, COMPACT_BLOCK, 1, far_kernel, *s, of, word);
+    LAUNCH_PARTS(g, of.n, COMPACT_BLOCK, 2, near_kernel, *s, of, word);
     const int64_t *seen = gpu_read_back(g, WORDS);
     int status = gpu_status(g);
     if (status != DRAPE_OK)
@@ -315,6 +373,6 @@ int gpu_proximity(struct gpu *g, struct proximity *s)
     if (s->found > s->cap)
         return DRAPE_EFULL;
     if (s->found)
-        LAUNCH_PARTS(g, blocks, COMPACT_BLOCK, 1, emit_kernel, *s, base);
+        LAUNCH_PARTS(g, of.n, COMPACT_BLOCK, 2, emit_kernel, *s, of);
     return gpu_status(g);
 }
