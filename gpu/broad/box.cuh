@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Linearly moving AABBs and their overlap test on the device.
- * spec/broad/refit.md §1, §3 */
+ * spec/broad/refit.md §1, §3, §5 */
 #ifndef GPU_BOX_CUH
 #define GPU_BOX_CUH
 
@@ -46,6 +46,12 @@ static __device__ inline void put_as(T *p, const T &t)
         ((W *)(void *)p)[k] = u.w[k];
 }
 
+/* A box in a still query, one whose x1 is x0: a struct box without its second
+ * half, which equals the first (§5). */
+struct still_box {
+    vec lo, hi;
+};
+
 static __device__ inline struct box join(const struct box &a,
                                          const struct box &b)
 {
@@ -54,23 +60,37 @@ static __device__ inline struct box join(const struct box &a,
     return c;
 }
 
-static __device__ inline struct box vertex_box(const vec *x0, const vec *x1,
-                                               int32_t v)
+static __device__ inline struct still_box join(const struct still_box &a,
+                                               const struct still_box &b)
 {
-    struct box b = {x0[v], x0[v], x1[v], x1[v]};
-    return b;
+    return {min_of(a.lo, b.lo), max_of(a.hi, b.hi)};
 }
 
-static __device__ inline struct box edge_box(const vec *x0, const vec *x1,
-                                             int32_t a, int32_t b)
+/* BOX: struct box, or struct still_box in a still query. */
+
+template <class BOX> static __device__ inline BOX fetch_box(const struct box *p)
 {
-    return join(vertex_box(x0, x1, a), vertex_box(x0, x1, b));
+    enum { WIDE = sizeof(BOX) % sizeof(word16) == 0 };
+    typedef std::conditional_t<WIDE, word16, word8> word;
+    return fetch_as<word>((const BOX *)(const void *)p);
 }
 
-static __device__ inline struct box face_box(const vec *x0, const vec *x1,
-                                             const int32_t *f)
+template <class BOX>
+static __device__ inline BOX vertex_box(const vec *x0, const vec *x1, int32_t v)
 {
-    return join(edge_box(x0, x1, f[0], f[1]), vertex_box(x0, x1, f[2]));
+    if constexpr (std::is_same_v<BOX, struct box>)
+        return {x0[v], x0[v], x1[v], x1[v]};
+    else
+        return {x0[v], x0[v]};
+}
+
+template <class BOX>
+static __device__ inline BOX face_box(const vec *x0, const vec *x1,
+                                      const int32_t *f)
+{
+    return join(
+        join(vertex_box<BOX>(x0, x1, f[0]), vertex_box<BOX>(x0, x1, f[1])),
+        vertex_box<BOX>(x0, x1, f[2]));
 }
 
 /* Returns the inflated reach r⁺ (§3), which the host passes to kernels. */
@@ -146,6 +166,16 @@ static __device__ inline bool meets(const struct box &a, const struct box &b,
     bound(y, &late, &early);
     bound(z, &late, &early);
     return !(late * (1 + BOX_LATE * REAL_UNIT) + R(0x1p-100) < early);
+}
+
+/* §5: the same test, as no gap changes. */
+static __device__ inline bool meets(const struct still_box &a,
+                                    const struct still_box &b, real reach)
+{
+    bool x = ((b.hi.x - a.lo.x) + reach < 0) | ((a.hi.x - b.lo.x) + reach < 0);
+    bool y = ((b.hi.y - a.lo.y) + reach < 0) | ((a.hi.y - b.lo.y) + reach < 0);
+    bool z = ((b.hi.z - a.lo.z) + reach < 0) | ((a.hi.z - b.lo.z) + reach < 0);
+    return !(x | y | z);
 }
 
 #endif

@@ -98,17 +98,19 @@ static __device__ inline bool cleared(const struct tree *t,
     return clear[turn ? e.b : e.a] >> bit & 1;
 }
 
+template <class BOX>
 static __device__ inline bool boxes_meet(const struct bvtt *s, real reach,
                                          struct duo e)
 {
-    return e.a == e.b || meets(fetch_as<word16>(&s->box[e.a]),
-                               fetch_as<word16>(&s->box[e.b]), reach);
+    return e.a == e.b || meets(fetch_box<BOX>(&s->box[e.a]),
+                               fetch_box<BOX>(&s->box[e.b]), reach);
 }
 
 static __device__ inline bool passes(const struct bvtt *s, real reach,
                                      struct duo e)
 {
-    return boxes_meet(s, reach, e) && !cleared(&s->tree, s->clear, e);
+    return boxes_meet<struct box>(s, reach, e) &&
+           !cleared(&s->tree, s->clear, e);
 }
 
 static_assert((int)BVTT_BLOCK == (int)SCAN_BLOCK, "their places are scanned");

@@ -15,6 +15,10 @@ enum { VF_BITS = 6, VF_MASK = (1 << VF_BITS) - 1, BITS = 15 };
  * there are; the ticket of ends_last. */
 enum { WORD_VF, WORD_EE, WORD_DONE, WORD_NEED, WORD_TICKET, WORDS };
 
+/* Blocks of features_test_kernel on a multiprocessor, of which each thread has
+ * two triangles in registers. */
+enum { TESTS_AT_ONCE = REAL_BITS == 32 ? 3 : 1 };
+
 /* The vertex numbers of a triangle. */
 struct corners {
     int32_t v[3];
@@ -26,21 +30,29 @@ static __device__ struct corners corners_of(const struct features *s, int32_t t)
     return c;
 }
 
-/* One triangle of a triangle pair; `own` holds the bits of tree.own. */
-struct side {
+/* One triangle of a triangle pair; `own` holds the bits of tree.own. Loops over
+ * its vertices are unrolled, so that all of it is in registers. */
+template <class BOX> struct side {
     struct corners c;
     int own;
-    struct box face;
+    BOX vertex[3], face;
 };
 
-static __device__ struct side side_of(const struct features *s, int32_t t)
-{
-    struct side f = {corners_of(s, t), s->own[t], {}};
-    f.face = face_box(s->x0, s->x1, f.c.v);
+template <class BOX>
+static __device__ struct side<BOX> side_of(const struct features *s,
+                                           int32_t t) {
+    struct side<BOX> f = {
+        corners_of(s, t), s->own[t], {}, {}
+    };
+    UNROLL
+    for (int k = 0; k < 3; k++)
+        f.vertex[k] = vertex_box<BOX>(s->x0, s->x1, f.c.v[k]);
+    f.face = join(join(f.vertex[0], f.vertex[1]), f.vertex[2]);
     return f;
 }
 
-static __device__ bool has(const struct corners &f, int32_t v)
+static __device__ bool
+has(const struct corners &f, int32_t v)
 {
     return f.v[0] == v || f.v[1] == v || f.v[2] == v;
 }
@@ -52,15 +64,17 @@ static __device__ bool moves(const struct features *s, int32_t a, int32_t b)
 
 /* Tests the vertices of f against face g. Bit k of the result: vertex k and g
  * are a candidate. */
+template <class BOX>
 static __device__ uint32_t test_vertices(const struct features *s, real reach,
-                                         const struct side &f,
-                                         const struct side &g)
+                                         const struct side<BOX> &f,
+                                         const struct side<BOX> &g)
 {
     uint32_t mask = 0;
+    UNROLL
     for (int k = 0; k < 3; k++) {
         int32_t v = f.c.v[k];
         if ((f.own >> k & 1) && !has(g.c, v) &&
-            meets(vertex_box(s->x0, s->x1, v), g.face, reach) &&
+            meets(f.vertex[k], g.face, reach) &&
             (moves(s, v, g.c.v[0]) || moves(s, g.c.v[1], g.c.v[2])))
             mask |= 1u << k;
     }
@@ -69,15 +83,18 @@ static __device__ uint32_t test_vertices(const struct features *s, real reach,
 
 /* Tests edge (a, b), whose box is e, against the edges of g. Bit j of the
  * result: the edge and edge j are a candidate. */
+template <class BOX>
 static __device__ uint32_t test_edge(const struct features *s, real reach,
-                                     int32_t a, int32_t b, const struct box &e,
-                                     const struct side &g)
+                                     int32_t a, int32_t b, const BOX &e,
+                                     const struct side<BOX> &g)
 {
     uint32_t mask = 0;
+    UNROLL
     for (int j = 0; j < 3; j++) {
-        int32_t c = g.c.v[j], d = g.c.v[j < 2 ? j + 1 : 0];
+        int next = j < 2 ? j + 1 : 0;
+        int32_t c = g.c.v[j], d = g.c.v[next];
         if ((g.own >> (3 + j) & 1) && a != c && a != d && b != c && b != d &&
-            meets(e, edge_box(s->x0, s->x1, c, d), reach) &&
+            meets(e, join(g.vertex[j], g.vertex[next]), reach) &&
             (moves(s, a, b) || moves(s, c, d)))
             mask |= 1u << j;
     }
@@ -87,29 +104,30 @@ static __device__ uint32_t test_edge(const struct features *s, real reach,
 /* Tests the edges of f against the edges of g. Bit 3 i + j of the result: edge
  * i of f and edge j of g are a candidate. An edge whose box does not meet the
  * other face's box meets none of its edges, as they lie in that box. */
+template <class BOX>
 static __device__ uint32_t test_edges(const struct features *s, real reach,
-                                      const struct side &f,
-                                      const struct side &g)
+                                      const struct side<BOX> &f,
+                                      const struct side<BOX> &g)
 {
     uint32_t mask = 0;
-    for (int i = 0; i < 3 && g.own >> 3; i++) {
-        int32_t a = f.c.v[i], b = f.c.v[i < 2 ? i + 1 : 0];
-        if (!(f.own >> (3 + i) & 1))
-            continue;
-        struct box e = edge_box(s->x0, s->x1, a, b);
-        if (meets(e, g.face, reach))
-            mask |= test_edge(s, reach, a, b, e, g) << (3 * i);
+    UNROLL
+    for (int i = 0; i < 3; i++) {
+        int next = i < 2 ? i + 1 : 0;
+        BOX e = join(f.vertex[i], f.vertex[next]);
+        if ((f.own >> (3 + i) & 1) && g.own >> 3 && meets(e, g.face, reach))
+            mask |= test_edge(s, reach, f.c.v[i], f.c.v[next], e, g) << (3 * i);
     }
     return mask;
 }
 
 /* The mask of the candidates of a pair of triangles, §1. */
+template <class BOX>
 static __device__ uint32_t mask_of(const struct features *s, real reach,
                                    struct duo e)
 {
     if (!(s->own[e.a] | s->own[e.b]))
         return 0;
-    struct side f = side_of(s, e.a), g = side_of(s, e.b);
+    struct side<BOX> f = side_of<BOX>(s, e.a), g = side_of<BOX>(s, e.b);
     return test_vertices(s, reach, f, g) | test_vertices(s, reach, g, f) << 3 |
            test_edges(s, reach, f, g) << VF_BITS;
 }
@@ -118,12 +136,13 @@ static __device__ uint32_t mask_of(const struct features *s, real reach,
  * numbers of candidates: sum[k] vertex-face, sum[blocks + k] edge-edge. The
  * block that ends last scans the sums into the places where each block begins
  * to write. */
+template <class BOX>
 KERNEL features_test_kernel(const struct features &s, real reach, int64_t *word)
 {
     int64_t k = (int64_t)blockIdx.x * BVTT_BLOCK + threadIdx.x;
     uint32_t mask = 0, total;
     if (k < s.n) {
-        mask = mask_of(&s, reach, fetch_duo(&s.both[k]));
+        mask = mask_of<BOX>(&s, reach, fetch_duo(&s.both[k]));
         s.mask[k] = (uint16_t)mask;
     }
     uint32_t vf = (uint32_t)__popc(mask & VF_MASK);
@@ -216,8 +235,14 @@ int gpu_features(struct gpu *g, struct features *s)
     if (!(s->r >= 0 && s->r <= REAL_BIG))
         return DRAPE_EDATA;
     int64_t *word = gpu_words(g);
-    LAUNCH_PARTS(g, blocks, BVTT_BLOCK, 1, features_test_kernel, *s,
-                 reach_of(s->r), word);
+    if (s->x0 == s->x1)
+        LAUNCH_PARTS(g, blocks, BVTT_BLOCK, TESTS_AT_ONCE,
+                     (features_test_kernel<struct still_box>), *s,
+                     reach_of(s->r), word);
+    else
+        LAUNCH_PARTS(g, blocks, BVTT_BLOCK, TESTS_AT_ONCE,
+                     (features_test_kernel<struct box>), *s, reach_of(s->r),
+                     word);
     LAUNCH_PARTS(g, blocks, BVTT_BLOCK, 1, features_emit_kernel, *s, word);
     const int64_t *seen = gpu_read_back(g, WORDS);
     if (gpu_status(g) != DRAPE_OK)

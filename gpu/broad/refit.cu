@@ -48,9 +48,9 @@ static __device__ void fit_leaf(const struct refit *s, int32_t a)
     const struct tree *t = &s->tree;
     const int32_t *order = t->order + t->first[a];
     int n = t->count[a];
-    struct box b = face_box(s->x0, s->x1, t->tri[order[0]]);
+    struct box b = face_box<struct box>(s->x0, s->x1, t->tri[order[0]]);
     for (int k = 1; k < n; k++)
-        b = join(b, face_box(s->x0, s->x1, t->tri[order[k]]));
+        b = join(b, face_box<struct box>(s->x0, s->x1, t->tri[order[k]]));
     put_as<word16>(&s->box[a], b);
 }
 

@@ -28,10 +28,11 @@ struct pass {
 
 /* §1: whether a pair passes. *stopped counts the pairs that only the cones
  * reject. */
+template <class BOX>
 static __device__ bool passes(const struct walk *s, real reach, struct duo e,
                               uint32_t *stopped)
 {
-    if (!(s->stir[e.a] | s->stir[e.b]) || !boxes_meet(&s->in, reach, e))
+    if (!(s->stir[e.a] | s->stir[e.b]) || !boxes_meet<BOX>(&s->in, reach, e))
         return false;
     bool clear = cleared(&s->in.tree, s->in.clear, e);
     *stopped += clear;
@@ -75,6 +76,7 @@ static __device__ void begin(struct work *w)
 /* §1: finds the children that pass, for a tile. One thread lists an item's
  * children and sixteen threads test them, since they read the same few
  * boxes. */
+template <class BOX>
 static __device__ void test_children(const struct walk *s, const struct pass *p,
                                      real reach, int64_t tile)
 {
@@ -91,7 +93,7 @@ static __device__ void test_children(const struct walk *s, const struct pass *p,
         struct duo e = fetch_duo(&p->from[k]);
         int d = descent(&s->in.tree, e);
         item[t] = e;
-        if (!p->front || passes(s, reach, e, &stopped)) {
+        if (!p->front || passes<BOX>(s, reach, e, &stopped)) {
             w.mask[t] = d == 0; /* a pair of leaves counts as its own only
                                    child */
             kids[t] = d ? children(&s->in.tree, d, e) | (uint32_t)d << KIDS : 0;
@@ -102,7 +104,7 @@ static __device__ void test_children(const struct walk *s, const struct pass *p,
         if (!(kids[i] >> c & 1))
             continue;
         struct duo e = child(&s->in.tree, kids[i] >> KIDS, c, item[i]);
-        if (!passes(s, reach, e, &stopped))
+        if (!passes<BOX>(s, reach, e, &stopped))
             continue;
         atomicOr(&w.mask[i], 1u << c);
         if (descent(&s->in.tree, e))
@@ -115,23 +117,28 @@ static __device__ void test_children(const struct walk *s, const struct pass *p,
 }
 
 /* §2: tests EACH triangles, from i on, of the first of two leaves against all
- * triangles of the second. */
-template <int EACH>
+ * triangles of the second, whose boxes are in registers in a still query. */
+template <class BOX, int EACH>
 static __device__ uint32_t test_triangles(const struct walk *s, real reach,
                                           struct duo e, int i)
 {
+    enum { STILL = sizeof(BOX) < sizeof(struct box) };
     const struct tree *t = &s->in.tree;
     const int32_t *of_a = t->order + t->first[e.a];
     const int32_t *of_b = t->order + t->first[e.b];
     int na = min_of((int)t->count[e.a], i + EACH), nb = t->count[e.b];
-    struct box b[FOURS];
+    BOX b[FOURS];
     uint32_t mask = 0;
-    for (int j = 0; j < nb && i < na; j++)
-        b[j] = face_box(s->x0, s->x1, t->tri[of_b[j]]);
+    UNROLL_IF(STILL)
+    for (int j = 0; j < FOURS; j++)
+        if (j < nb && i < na)
+            b[j] = face_box<BOX>(s->x0, s->x1, t->tri[of_b[j]]);
+    UNROLL_IF(false)
     for (; i < na; i++) {
-        struct box a = face_box(s->x0, s->x1, t->tri[of_a[i]]);
-        for (int j = e.a == e.b ? i + 1 : 0; j < nb; j++)
-            if (meets(a, b[j], reach))
+        BOX a = face_box<BOX>(s->x0, s->x1, t->tri[of_a[i]]);
+        UNROLL_IF(STILL)
+        for (int j = 0; j < FOURS; j++)
+            if (j < nb && (j > i || e.a != e.b) && meets(a, b[j], reach))
                 mask |= 1u << (4 * i + j);
     }
     return mask;
@@ -139,7 +146,7 @@ static __device__ uint32_t test_triangles(const struct walk *s, real reach,
 
 /* Runs look_triangles for a tile of pairs of leaves; SHARE threads share a
  * pair. */
-template <int SHARE>
+template <class BOX, int SHARE>
 static __device__ void test_leaves(const struct walk *s, const struct pass *p,
                                    real reach, int64_t tile)
 {
@@ -152,8 +159,8 @@ static __device__ void test_leaves(const struct walk *s, const struct pass *p,
         int64_t k = tile * BVTT_BLOCK + i;
         if (k >= p->n)
             break;
-        uint32_t mask = test_triangles<EACH>(s, reach, fetch_duo(&p->from[k]),
-                                             t % SHARE * EACH);
+        uint32_t mask = test_triangles<BOX, EACH>(
+            s, reach, fetch_duo(&p->from[k]), t % SHARE * EACH);
         if (mask)
             atomicOr(&w.mask[i], mask);
     }
@@ -213,14 +220,14 @@ static __device__ int64_t finish(const struct walk *s, const struct pass *p,
 /* §1: makes passes until all pairs are leaves or the capacity is too small. The
  * counters in words are visible after the first barrier of a pass. Returns the
  * largest number of pairs that a pass made. */
-template <int SHARE, bool GRID>
+template <class BOX, int SHARE, bool GRID>
 static __device__ int64_t go_down(const struct walk *s, struct pass *p,
                                   real reach, int64_t *visited)
 {
     int64_t need = p->n, deeper = 0;
     for (bool last = false; !last && need <= s->cap;) {
         EACH_TILE(tile, blocks_of(p->n))
-        test_children(s, p, reach, tile);
+        test_children<BOX>(s, p, reach, tile);
         int64_t made = finish<SHARE, GRID>(s, p, s->cap, false);
         last = p->word[WORD_DEEPER] == deeper;
         deeper = p->word[WORD_DEEPER];
@@ -236,16 +243,16 @@ static __device__ int64_t go_down(const struct walk *s, struct pass *p,
 }
 
 /* Runs the descent of §1, then the triangles of §2. */
-template <int BLOCKS, bool GRID>
-KERNEL walk_kernel(const struct walk &s, struct pass p, real reach)
+template <class BOX, int BLOCKS, bool GRID>
+static __device__ void run(const struct walk &s, struct pass p, real reach)
 {
     enum { SHARE = BLOCKS > 1 ? 1 : FOURS };
     int64_t visited = 0, triangles = 0;
-    int64_t need = go_down<SHARE, GRID>(&s, &p, reach, &visited);
+    int64_t need = go_down<BOX, SHARE, GRID>(&s, &p, reach, &visited);
     if (need <= s.cap) {
         p.to = s.tri;
         EACH_TILE(tile, blocks_of(p.n))
-        test_leaves<SHARE>(&s, &p, reach, tile);
+        test_leaves<BOX, SHARE>(&s, &p, reach, tile);
         triangles = finish<SHARE, GRID>(&s, &p, s.cap_tri, true);
     }
     if (group_rank() == 0 && rank_thread() == 0) {
@@ -253,6 +260,18 @@ KERNEL walk_kernel(const struct walk &s, struct pass p, real reach)
         p.word[WORD_TRI] = triangles;
         p.word[WORD_VISITED] = visited;
     }
+}
+
+template <int BLOCKS, bool GRID>
+KERNEL walk_kernel(const struct walk &s, struct pass p, real reach)
+{
+    run<struct box, BLOCKS, GRID>(s, p, reach);
+}
+
+template <int BLOCKS, bool GRID>
+KERNEL walk_still_kernel(const struct walk &s, struct pass p, real reach)
+{
+    run<struct still_box, BLOCKS, GRID>(s, p, reach);
 }
 
 int gpu_walk(struct gpu *g, struct walk *s)
@@ -267,7 +286,11 @@ int gpu_walk(struct gpu *g, struct walk *s)
     if (!take_tiles(g, s->cap, &p.tiles))
         return gpu_status(g);
     p.word = gpu_words(g);
-    LAUNCH_PASSES(g, s->n_front, walk_kernel, *s, p, reach_of(s->in.r));
+    if (s->x0 == s->x1)
+        LAUNCH_PASSES(g, s->n_front, walk_still_kernel, *s, p,
+                      reach_of(s->in.r));
+    else
+        LAUNCH_PASSES(g, s->n_front, walk_kernel, *s, p, reach_of(s->in.r));
     const int64_t *seen = gpu_read_back(g, WORDS);
     if (gpu_status(g) != DRAPE_OK)
         return gpu_status(g);

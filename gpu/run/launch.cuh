@@ -136,12 +136,16 @@ cudaError_t gpu_allow_cluster(struct gpu *g, const void *kernel, bool room);
         g, shape_of_blocks(blocks, threads), __VA_ARGS__)
 
 /* UNROLL stands before a short loop and makes the compiler unroll it, so that
- * the counter is a constant in each iteration. */
+ * the counter is a constant in each iteration. UNROLL_IF does so if a constant
+ * is true, and else makes the compiler leave the loop. */
 #ifdef __CUDACC__
 #define UNROLL _Pragma("unroll")
+#define UNROLL_IF(constant) UNROLL_BY(unroll((constant) ? 32 : 1))
+#define UNROLL_BY(words) _Pragma(#words)
 #define UNROLL_8 _Pragma("unroll 8")
 #else
 #define UNROLL
+#define UNROLL_IF(constant)
 #define UNROLL_8
 #endif
 
