@@ -8,8 +8,8 @@ extern "C" {
 #include "ref/broad/features.h"
 }
 
-/* §1: VF_BITS of a mask's BITS bits are vertex-face pairs. */
-enum { VF_BITS = 6, VF_MASK = (1 << VF_BITS) - 1, BITS = 15 };
+/* §1: the first VF_BITS of a mask's bits are vertex-face pairs. */
+enum { VF_BITS = 6, VF_MASK = (1 << VF_BITS) - 1 };
 /* Words of gpu_words: the number of vertex-face and of edge-edge candidates;
  * the number of candidates written, 0 if the capacity is too small; the number
  * there are; the ticket of ends_last. */
@@ -39,11 +39,11 @@ template <class BOX> struct side {
 };
 
 template <class BOX>
-static __device__ struct side<BOX> side_of(const struct features *s,
-                                           int32_t t) {
-    struct side<BOX> f = {
-        corners_of(s, t), s->own[t], {}, {}
-    };
+static __device__ side<BOX> side_of(const struct features *s, int32_t t)
+{
+    side<BOX> f;
+    f.c = corners_of(s, t);
+    f.own = s->own[t];
     UNROLL
     for (int k = 0; k < 3; k++)
         f.vertex[k] = vertex_box<BOX>(s->x0, s->x1, f.c.v[k]);
@@ -51,8 +51,7 @@ static __device__ struct side<BOX> side_of(const struct features *s,
     return f;
 }
 
-static __device__ bool
-has(const struct corners &f, int32_t v)
+static __device__ bool has(const struct corners &f, int32_t v)
 {
     return f.v[0] == v || f.v[1] == v || f.v[2] == v;
 }
@@ -66,8 +65,7 @@ static __device__ bool moves(const struct features *s, int32_t a, int32_t b)
  * are a candidate. */
 template <class BOX>
 static __device__ uint32_t test_vertices(const struct features *s, real reach,
-                                         const struct side<BOX> &f,
-                                         const struct side<BOX> &g)
+                                         const side<BOX> &f, const side<BOX> &g)
 {
     uint32_t mask = 0;
     UNROLL
@@ -86,7 +84,7 @@ static __device__ uint32_t test_vertices(const struct features *s, real reach,
 template <class BOX>
 static __device__ uint32_t test_edge(const struct features *s, real reach,
                                      int32_t a, int32_t b, const BOX &e,
-                                     const struct side<BOX> &g)
+                                     const side<BOX> &g)
 {
     uint32_t mask = 0;
     UNROLL
@@ -106,8 +104,7 @@ static __device__ uint32_t test_edge(const struct features *s, real reach,
  * other face's box meets none of its edges, as they lie in that box. */
 template <class BOX>
 static __device__ uint32_t test_edges(const struct features *s, real reach,
-                                      const struct side<BOX> &f,
-                                      const struct side<BOX> &g)
+                                      const side<BOX> &f, const side<BOX> &g)
 {
     uint32_t mask = 0;
     UNROLL
@@ -127,7 +124,7 @@ static __device__ uint32_t mask_of(const struct features *s, real reach,
 {
     if (!(s->own[e.a] | s->own[e.b]))
         return 0;
-    struct side<BOX> f = side_of<BOX>(s, e.a), g = side_of<BOX>(s, e.b);
+    side<BOX> f = side_of<BOX>(s, e.a), g = side_of<BOX>(s, e.b);
     return test_vertices(s, reach, f, g) | test_vertices(s, reach, g, f) << 3 |
            test_edges(s, reach, f, g) << VF_BITS;
 }
@@ -199,6 +196,13 @@ static __device__ struct quad vertices(const struct corners &f,
                    pick(g, j < 2 ? j + 1 : 0));
 }
 
+/* The threads of the block set n kinds. */
+static __device__ void put_kinds(uint8_t *to, uint32_t n, int kind)
+{
+    for (uint32_t i = threadIdx.x; i < n; i += BVTT_BLOCK)
+        to[i] = (uint8_t)kind;
+}
+
 /* Block k owns the same triangle pairs and writes their candidates at its two
  * places. One scan went over both halves of sum, so all edge-edge candidates
  * come after all vertex-face candidates. */
@@ -211,20 +215,20 @@ KERNEL features_emit_kernel(const struct features &s, const int64_t *word)
     uint32_t vf = (uint32_t)__popc(mask & VF_MASK);
     uint32_t ee = (uint32_t)__popc(mask >> VF_BITS);
     uint32_t before = block_scan((int)threadIdx.x, vf | ee << 16, &total);
+    int64_t at[2] = {s.sum[blockIdx.x], s.sum[blocks_of(s.n) + blockIdx.x]};
+    put_kinds(s.kind + at[0], total & 0xffff, FEATURES_VF);
+    put_kinds(s.kind + at[1], total >> 16, FEATURES_EE);
     if (!mask)
         return;
-    int64_t at[2] = {s.sum[blockIdx.x] + (before & 0xffff),
-                     s.sum[blocks_of(s.n) + blockIdx.x] + (before >> 16)};
+    at[0] += before & 0xffff;
+    at[1] += before >> 16;
     struct duo e = fetch_duo(&s.both[k]);
     struct corners f = corners_of(&s, e.a), g = corners_of(&s, e.b);
-    for (int c = 0; c < BITS; c++) {
-        if (!(mask >> c & 1))
-            continue;
-        int kind = c < VF_BITS ? FEATURES_VF : FEATURES_EE;
-        int64_t to = kind == FEATURES_VF ? at[0]++ : at[1]++;
+    for (; mask; mask &= mask - 1) {
+        int c = __popc((mask & -mask) - 1); /* the lowest bit */
+        int64_t to = c < VF_BITS ? at[0]++ : at[1]++;
         struct quad v = vertices(f, g, c);
         put_as<word16>((struct quad *)(void *)&s.pair[to], v);
-        s.kind[to] = (uint8_t)kind;
     }
 }
 
