@@ -21,7 +21,7 @@ static int grow(struct gpu *g, struct broad_pool *p, enum arena_part part,
 {
     if (need <= p->cap)
         return DRAPE_OK;
-    int64_t cap = need + (g->tight ? 0 : need / 4 + 256);
+    int64_t cap = gpu_capacity(g, need);
     gpu_give(g, p->data);
     p->cap = 0;
     p->data = part == ARENA_FRONT ? gpu_take(g, part, cap, size)

@@ -79,7 +79,7 @@ int gpu_turn_room(struct world *w, int64_t n)
     if (status != DRAPE_OK || n <= c->cap)
         return status;
     gpu_give(g, p->item);
-    int64_t cap = n + n / 4 + 64;
+    int64_t cap = gpu_capacity(g, n);
     p->item = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
     struct links *links = &c->joint.links;
     int32_t **mutual = &w->device->mutual;

@@ -61,6 +61,9 @@ const drape_allocator *gpu_native(void);
 /* Takes zeroed device memory, which is counted for this part. Returns NULL if
  * there is no memory; gpu_status is then DRAPE_ENOMEM. */
 void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size);
+/* The capacity, in items, of memory that has become too small and has to hold
+ * `need`: a quarter more, and more than twice as much of few items. */
+int64_t gpu_capacity(const struct gpu *g, int64_t need);
 /* Takes device memory for a stream and copies the host's stream to it, or
  * leaves it zero if host is NULL. Returns NULL if there is no memory. */
 void *gpu_take_copy(struct gpu *g, enum arena_part part, const void *host,

@@ -65,6 +65,14 @@ void *gpu_take(struct gpu *g, enum arena_part part, int64_t count, size_t size)
     return p;
 }
 
+/* Every growth costs a wait for the device, however few items it is of. */
+int64_t gpu_capacity(const struct gpu *g, int64_t need)
+{
+    const int64_t few = 1 << 14;
+    int64_t more = need / 4 + (need < few ? need : few) + 1024;
+    return g->tight ? need : need + more;
+}
+
 void *gpu_take_copy(struct gpu *g, enum arena_part part, const void *host,
                     int64_t count, size_t size)
 {

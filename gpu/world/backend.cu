@@ -30,7 +30,7 @@ static int grow(void *on, struct pool *pool, int64_t need, size_t size,
                 bool kept)
 {
     struct gpu *g = gpu_of(on);
-    int64_t cap = need + (g->tight ? 0 : need / 4 + 256);
+    int64_t cap = gpu_capacity(g, need);
     gpu_give(g, pool->data);
     pool->data = kept ? gpu_take(g, ARENA_RESPONSE, cap, size)
                       : gpu_borrow(g, ARENA_RESPONSE, cap, size);
