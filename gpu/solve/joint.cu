@@ -17,7 +17,15 @@ extern "C" {
  * loop. Both are even, as directions alternate between two streams. */
 enum { FIRST = 4, NEXT = 2 };
 
-static_assert(sizeof(struct pcg_state) <= GPU_WORDS * sizeof(int64_t), "words");
+/* The state of a joint solve, with what differs from one solve to the next: no
+ * captured kernel takes it as an argument, so that few graphs are captured. */
+struct joint_state : pcg_state {
+    real tolerance, exact; /* as in struct joint */
+    const vec *last;
+};
+
+static_assert(sizeof(struct joint_state) <= GPU_WORDS * sizeof(int64_t),
+              "words");
 
 /* How M⁻¹ r begins: by Jacobi s and item = r·s; by multigrid the first
  * smoothing of the cycle. */
@@ -36,19 +44,18 @@ struct beginning {
 /* What the launches of a solve depend on: the key of its graphs, too. The
  * contacts are in device memory. */
 struct solve {
-    struct pcg rule;     /* energy, tolerance and max_iterations of the whole */
-    struct pcg_state *c; /* device */
-    struct linked *links; /* device */
+    struct pcg rule;       /* energy and max_iterations of the whole */
+    struct joint_state *c; /* device */
+    struct linked *links;  /* device */
     int64_t nc, n_chunks;
     vec *r, *p[2], *q, *dv;
     const vec *b, *at; /* at: the positions that rates are of */
-    const vec *last;   /* as in struct joint, weigh too */
     const real *w;     /* [nv] 1/kg, 0: fixed */
     const sym *wall;
     real *item, *chunk;
-    real exact;    /* as in struct joint */
-    int32_t touch; /* 1: there are contacts */
-    int32_t weigh;
+    int32_t touch;   /* 1: there are contacts */
+    int32_t recalls; /* 1: begins along c->last */
+    int32_t weigh;   /* as in struct joint */
     struct beginning begin;
 };
 
@@ -56,13 +63,9 @@ struct solve {
  * particle; the block that ends last writes the next state. */
 #define PARTICLE(k) int64_t k = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x
 
-/* One thread writes what differs from one solve to the next, which no captured
- * kernel takes as an argument. */
-KERNEL joint_keep_kernel(struct pcg_state *c, real scale, real square)
+/* One thread writes the state before the solve. */
+KERNEL joint_keep_kernel(struct joint_state *c, const struct joint_state &fresh)
 {
-    struct pcg_state fresh = {};
-    fresh.from = scale;
-    fresh.most = square;
     *c = fresh;
 }
 
@@ -77,20 +80,20 @@ static __device__ void begin_at(const struct beginning *b, int64_t k, vec r)
     b->item[k] = dot(r, z);
 }
 
-/* r = b and dv = 0, p[0] = last; the state before the first iteration. */
+/* r = b and dv = 0, p[0] = c->last; the state before the first iteration. */
 KERNEL joint_open_kernel(const struct solve &a)
 {
     PARTICLE(k);
-    struct pcg_state *c = a.c;
+    struct joint_state *c = a.c;
     real value = 0, sum;
     if (k < a.nc) {
         vec r = a.b[k];
         a.r[k] = r;
         value = dot(r, r);
-        if (a.begin.with_r && (a.weigh || !a.last))
+        if (a.begin.with_r && (a.weigh || !a.recalls))
             begin_at(&a.begin, k, r);
-        if (a.last)
-            a.p[0][k] = a.last[k];
+        if (a.recalls)
+            a.p[0][k] = c->last[k];
     }
     if (!grid_sums<1>(&value, a.chunk, &c->ticket, &sum) || threadIdx.x)
         return;
@@ -120,12 +123,12 @@ KERNEL joint_begin_kernel(const struct beginning &b, int64_t count,
 /* The sum of item: r·M⁻¹r. */
 KERNEL joint_enter_kernel(const struct solve &a)
 {
-    struct pcg_state *c = a.c;
+    struct joint_state *c = a.c;
     real sum;
     if (!c->go || !item_sum(a.nc, a.item, a.chunk, &c->ticket, &sum) ||
         threadIdx.x)
         return;
-    enter(&a.rule, c, sum, a.exact);
+    enter(&a.rule, c, sum, c->tolerance, c->exact);
 }
 
 /* The same of b: what the tolerance is relative to. */
@@ -440,7 +443,7 @@ static int begin(const struct joint_system *w, const struct solve *a)
         return gpu_pcg_set_up(g, &p);
     });
     LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_open_kernel, *a);
-    if (a->last)
+    if (a->recalls)
         recall(w, a);
     iterate(w, a, FIRST);
     return status;
@@ -512,10 +515,8 @@ static void write_solve(struct solve *a, const struct joint_system *w)
     const struct joint *s = w->joint;
     memset((void *)a, 0, sizeof *a); /* padding, too: it is a key */
     a->rule.energy = 1;
-    a->rule.tolerance = s->tolerance;
-    a->exact = s->exact;
     a->rule.max_iterations = s->max_iterations;
-    a->c = (struct pcg_state *)gpu_words(w->gpu);
+    a->c = (struct joint_state *)gpu_words(w->gpu);
     a->links = w->links;
     a->touch = s->links.n > 0;
     a->nc = s->nc;
@@ -526,7 +527,7 @@ static void write_solve(struct solve *a, const struct joint_system *w)
     a->q = s->q;
     a->dv = s->dv;
     a->b = s->b;
-    a->last = s->last;
+    a->recalls = s->last != NULL;
     a->weigh = s->weigh;
     a->at = w->part[0].rates.x;
     a->w = w->w;
@@ -540,6 +541,17 @@ static void write_solve(struct solve *a, const struct joint_system *w)
     a->begin.with_r = 1;
 }
 
+static struct joint_state fresh_state(const struct joint *s)
+{
+    struct joint_state c = {};
+    c.from = s->scale;
+    c.most = s->square;
+    c.tolerance = s->tolerance;
+    c.exact = s->exact;
+    c.last = s->last;
+    return c;
+}
+
 int gpu_joint(const struct joint_system *w)
 {
     struct joint *s = w->joint;
@@ -547,7 +559,7 @@ int gpu_joint(const struct joint_system *w)
     struct solve a;
     gpu_hand_over(g);
     write_solve(&a, w);
-    LAUNCH(g, 1, joint_keep_kernel, a.c, s->scale, s->square);
+    LAUNCH(g, 1, joint_keep_kernel, a.c, fresh_state(s));
     if (a.touch)
         gpu_links_keep(g, &s->links, s->nc, a.links, w->mutual_end, w->mutual);
     int status = run(w, &a);

@@ -200,7 +200,8 @@ int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, struct rates r)
     c.from = s->scale; /* the result if there is nothing to solve */
     c.most = s->square;
     struct scratch scratch = {};
-    scratch.rates = r;
+    if (r.of)
+        scratch.rates = r;
     if (s->count > 0 && lay_out(g, s, &scratch)) {
         c = solve(g, s, scratch, &status);
     } else {

@@ -109,10 +109,10 @@ static __device__ inline void check_residual(const struct pcg *s,
     restart(s, c);
 }
 
-/* Called after the preconditioner. next: r·M⁻¹r, which gives β. exact: the
- * tolerance of |r|, where the energy norm has that of s. */
+/* Called after the preconditioner. next: r·M⁻¹r, which gives β. tolerance and
+ * exact: of the energy norm and of |r|. */
 static __device__ inline void enter(const struct pcg *s, struct pcg_state *c,
-                                    real next, real exact)
+                                    real next, real tolerance, real exact)
 {
     c->fresh = 0;
     if (s->energy) {
@@ -120,7 +120,7 @@ static __device__ inline void enter(const struct pcg *s, struct pcg_state *c,
             c->from = max_of(next, c->from);
         c->recurrence = root(next / c->from);
         bool near =
-            c->recurrence <= s->tolerance && root(c->left / c->most) <= exact;
+            c->recurrence <= tolerance && root(c->left / c->most) <= exact;
         if (next == 0 || near) {
             end(c, PCG_CONVERGED);
             return;
