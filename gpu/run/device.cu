@@ -76,6 +76,7 @@ static void name_device(struct gpu *g)
     gpu_note(g, cudaFuncGetAttributes(&code, probe_kernel));
     if (!g->failed)
         make_cluster(g, &p, code.ptxVersion);
+    gpu_load_kernels(g);
     cudaDriverGetVersion(&driver);
     cudaRuntimeGetVersion(&runtime);
     snprintf(g->name, sizeof g->name, "%s, driver CUDA %d.%d, runtime %d.%d",

@@ -3,6 +3,23 @@
  * emulated one. gpu/run/kernel.cuh */
 #include "gpu/run/batch.cuh"
 
+static struct known_kernel *all_kernels;
+
+bool gpu_know_kernel(struct known_kernel *k)
+{
+    k->next = all_kernels;
+    all_kernels = k;
+    return true;
+}
+
+void gpu_load_kernels(struct gpu *g)
+{
+    cudaFuncAttributes a;
+    for (const struct known_kernel *k = all_kernels; k && !g->failed;
+         k = k->next)
+        gpu_note(g, cudaFuncGetAttributes(&a, k->one));
+}
+
 /* A cluster may need to be allowed for its kernel first. */
 static cudaError_t allow(struct gpu *g, const void *kernel,
                          const struct launch_shape *s)

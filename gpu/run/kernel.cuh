@@ -67,6 +67,10 @@ struct kernel_ways {
 #endif
 };
 
+#ifdef __CUDACC__
+/* Loads all kernels that launch for one world. */
+void gpu_load_kernels(struct gpu *g);
+#endif
 /* Makes a launch, or keeps it for the batch of g's world. */
 void gpu_launch(struct gpu *g, const struct kernel_ways *k,
                 const struct launch_shape *s, const void *args);
@@ -145,11 +149,35 @@ static __global__ void __launch_bounds__(THREADS, AT_ONCE)
 }
 #endif
 
+#ifdef __CUDACC__
+/* A kernel in the list of all kernels of the program. A device loads them when
+ * it is opened, as else CUDA would load each in the step that first launches
+ * it. */
+struct known_kernel {
+    const void *one;
+    struct known_kernel *next;
+};
+/* Puts a kernel into the list, before main begins. Returns true. */
+bool gpu_know_kernel(struct known_kernel *k);
+
+template <auto F, int THREADS, int AT_ONCE, class ARGS> struct known {
+    static struct known_kernel kernel;
+    static const bool listed;
+};
+template <auto F, int THREADS, int AT_ONCE, class ARGS>
+struct known_kernel known<F, THREADS, AT_ONCE, ARGS>::kernel = {
+    (const void *)one_kernel<F, THREADS, AT_ONCE, ARGS>, NULL
+};
+template <auto F, int THREADS, int AT_ONCE, class ARGS>
+const bool known<F, THREADS, AT_ONCE, ARGS>::listed = gpu_know_kernel(&kernel);
+#endif
+
 template <auto F, int THREADS, int AT_ONCE>
 static const struct kernel_ways *ways_of(void)
 {
     typedef typename kernel_of<decltype(F)>::args args;
 #ifdef __CUDACC__
+    (void)&known<F, THREADS, AT_ONCE, args>::listed;
     static const struct kernel_ways ways = {
         sizeof(args), sizeof(world_args<args>),
         (const void *)one_kernel<F, THREADS, AT_ONCE, args>,
