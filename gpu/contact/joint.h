@@ -19,13 +19,19 @@ struct joint_part {
     int64_t first;      /* its first particle */
 };
 
+/* A contact of a vertex, and the vertex's weight in it. */
+struct mutual {
+    int32_t contact;
+    real c;
+};
+
 /* The contacts as the kernels of a solve take them. In the lists of links all
  * contacts of a vertex stand, with obstacles, too; here those that are mutual,
  * in the same order. */
 struct linked {
     struct links s;
-    int32_t *end;  /* [nv] the lists begin at s.start and end here */
-    int32_t *item; /* [n4] */
+    int32_t *end;        /* [nv] the lists begin at s.start and end here */
+    struct mutual *item; /* [n4] */
 };
 
 /* What the joint solve needs of a world. */
@@ -34,9 +40,10 @@ struct joint_system {
     int n;                         /* cloths, ≥ 1 */
     const struct joint_part *part; /* host [n] */
     struct joint *joint;
-    struct linked *links;         /* device [1] */
-    int32_t *mutual_end, *mutual; /* device [nc], [4 n], of *links */
-    const real *w;                /* [nv] 1/kg, 0: fixed */
+    struct linked *links;  /* device [1] */
+    int32_t *mutual_end;   /* device [nc], of *links */
+    struct mutual *mutual; /* device [4 n], of *links */
+    const real *w;         /* [nv] 1/kg, 0: fixed */
 };
 
 /* joint_solve on the device: sets the results of s->joint. DRAPE_OK however the

@@ -59,9 +59,13 @@ KERNEL links_keep_kernel(struct linked *to, const struct linked &s)
     *to = s;
 }
 
-static __device__ inline bool is_mutual(const struct linked *l, int32_t item)
+/* False where the contact of an item is not mutual. */
+static __device__ inline bool find_mutual(const struct linked *l, int32_t item,
+                                          struct mutual *m)
 {
-    return l->s.contact[item / 4].held == CONTACT_MUTUAL;
+    const struct contact *c = &l->s.contact[item / 4];
+    *m = {item / 4, c->c[item % 4]};
+    return c->held == CONTACT_MUTUAL;
 }
 
 /* Copies the mutual items of places [from, end) to the places from `from` on.
@@ -72,17 +76,18 @@ static __device__ int32_t list_by_thread(const struct linked *l, int32_t from,
     int32_t to = from;
     for (int32_t at = from; at < end; at += LIST_AHEAD) {
         int32_t item[LIST_AHEAD];
-        bool mutual[LIST_AHEAD];
+        struct mutual m[LIST_AHEAD];
+        bool good[LIST_AHEAD];
         UNROLL
         for (int k = 0; k < LIST_AHEAD; k++)
             item[k] = l->s.item[at + k < end ? at + k : at];
         UNROLL
         for (int k = 0; k < LIST_AHEAD; k++)
-            mutual[k] = at + k < end && is_mutual(l, item[k]);
+            good[k] = find_mutual(l, item[k], &m[k]) && at + k < end;
         UNROLL
         for (int k = 0; k < LIST_AHEAD; k++)
-            if (mutual[k])
-                l->item[to++] = item[k];
+            if (good[k])
+                l->item[to++] = m[k];
     }
     return to;
 }
@@ -96,15 +101,16 @@ static __device__ int32_t list_by_warp(const struct linked *l, int32_t from,
     int32_t to = from;
     for (int32_t row = from; row < end; row += WARP) {
         int32_t item = l->s.item[row + lane < end ? row + lane : row];
-        bool mutual = row + lane < end && is_mutual(l, item);
-        int upto = mutual; /* how many of this lane and those below it */
+        struct mutual m;
+        bool good = find_mutual(l, item, &m) && row + lane < end;
+        int upto = good; /* how many of this lane and those below it */
         UNROLL
         for (int h = 1; h < WARP; h *= 2) {
             int below = __shfl_up_sync(0xffffffffu, upto, h);
             upto += lane >= h ? below : 0;
         }
-        if (mutual)
-            l->item[to + upto - 1] = item;
+        if (good)
+            l->item[to + upto - 1] = m;
         to += lane_value(upto, WARP - 1);
     }
     return to;
@@ -130,7 +136,7 @@ KERNEL links_list_kernel(const struct linked *l, int64_t nv)
 }
 
 void gpu_links_keep(struct gpu *g, const struct links *s, int64_t nv,
-                    struct linked *to, int32_t *end, int32_t *item)
+                    struct linked *to, int32_t *end, struct mutual *item)
 {
     LAUNCH(g, 1, links_keep_kernel, to, linked{*s, end, item});
     LAUNCH_LISTS(g, nv, links_list_kernel, to, nv);
@@ -144,8 +150,8 @@ int gpu_links(struct gpu *g, struct links *s)
         (struct linked *)gpu_scratch(g, SLOT_STAGE, 1, sizeof *keep);
     int32_t *end =
         (int32_t *)gpu_scratch(g, SLOT_STAGE + 1, s->nv, sizeof *end);
-    int32_t *item =
-        (int32_t *)gpu_scratch(g, SLOT_STAGE + 2, s->n4, sizeof *item);
+    struct mutual *item =
+        (struct mutual *)gpu_scratch(g, SLOT_STAGE + 2, s->n4, sizeof *item);
     gpu_links_keep(g, s, s->nv, keep, end, item);
     gpu_links_queue(g, keep, s->nv, s->x, s->y, NULL);
     return gpu_status(g);

@@ -14,19 +14,20 @@ extern "C" {
 /* Queues the writing of *to, in device memory, and of end and item. nv:
  * vertices whose lists are wanted; of s, x and y are not read. */
 void gpu_links_keep(struct gpu *g, const struct links *s, int64_t nv,
-                    struct linked *to, int32_t *end, int32_t *item);
+                    struct linked *to, int32_t *end, struct mutual *item);
 
 /* The pushes of the mutual contacts of a vertex, which add to y. A contact that
  * is not would add 0, which changes no y, as no y is -0. */
 struct links_list {
     const struct links *s;
-    const int32_t *start, *past, *item;
+    const int32_t *start, *past;
+    const struct mutual *item;
     vec *y;
     __device__ int32_t end(int64_t i) const { return past[i]; }
     __device__ vec value(int32_t at) const
     {
-        int32_t k = item[at];
-        return scale(s->contact[k / 4].c[k % 4], s->push[k / 4]);
+        struct mutual m = item[at];
+        return scale(m.c, s->push[m.contact]);
     }
     __device__ vec first(int64_t i) const { return y[i]; }
     __device__ void done(int64_t i, vec sum) const { y[i] = sum; }

@@ -82,11 +82,12 @@ int gpu_turn_room(struct world *w, int64_t n)
     int64_t cap = gpu_capacity(g, n);
     p->item = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
     struct links *links = &c->joint.links;
-    int32_t **mutual = &w->device->mutual;
+    struct mutual **mutual = &w->device->mutual;
     gpu_give(g, links->push);
     gpu_give(g, *mutual);
     links->push = (vec *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(vec));
-    *mutual = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
+    *mutual =
+        (struct mutual *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof **mutual);
     c->cap = p->item && links->push && *mutual ? cap : 0;
     return gpu_status(g);
 }

@@ -23,7 +23,8 @@ struct gpu_world {
     struct linked *links; /* device [1] the contacts of the joint solve */
     /* Device [nc], [4 couple.cap]: the contacts of each vertex that are mutual
      * (gpu/contact/joint.h). */
-    int32_t *mutual_end, *mutual;
+    int32_t *mutual_end;
+    struct mutual *mutual;
     struct joint_part *part; /* host [n_cloths] the cloths in the joint solve */
 };
 
