@@ -88,25 +88,54 @@ static __device__ double inverse_of(double d, double least)
     return d > least ? 1 / d : 0;
 }
 
-/* Entry (i, j), which is a, after unknown k is swept. column: that of k. */
+/* Entry (i, j), which is a, after unknown k is swept; li, lj: entries i and j
+ * of column k before. Without branches, so that a thread's entries are swept at
+ * once. */
 static __device__ double swept(double a, int i, int j, int k, double inverse,
-                               const double *column)
+                               double li, double lj)
 {
-    double l = column[i] * inverse;
-    if (inverse == 0)
-        return a;
-    if (i == k)
-        return j == k ? -inverse : column[j] * inverse;
-    return j == k ? l : a - l * column[j];
+    double l = li * inverse, rest = a - l * lj, row = lj * inverse;
+    row = j == k ? -inverse : row;
+    rest = j == k ? l : rest;
+    rest = i == k ? row : rest;
+    return inverse == 0 ? a : rest;
 }
 
-/* Run by one block. Each thread keeps its entries in registers, and sweeps
- * unknown after unknown; whoever has entries of the next column, or the next
- * pivot, writes them for all. */
+/* Two columns, k and k + 1, of the matrix before they are swept. The last place
+ * belongs to entries that no matrix has. */
+struct columns {
+    double of[2][DENSE + 1];
+};
+
+/* Entry i of column k + 1 after unknown k is swept. */
+static __device__ double next_column(const struct columns *c, int i, int k,
+                                     double inverse)
+{
+    const double *l = c->of[0];
+    int row = i > k ? i : k + 1, column = i > k ? k + 1 : i;
+    return swept(c->of[1][i], row, column, k, inverse, l[row], l[column]);
+}
+
+/* Keeps an entry where it belongs to column k or k + 1. */
+static __device__ void keep(struct columns *c, double a, int i, int j, int k)
+{
+    for (int e = 0; e < 2; e++) {
+        if (j == k + e)
+            c->of[e][i] = a;
+        else if (i == k + e)
+            c->of[e][j] = a;
+    }
+}
+
+/* Run by one block. Each thread keeps its entries in registers, and sweeps two
+ * unknowns between two barriers: it finds the second's column itself. Whoever
+ * has entries of the next two columns writes them for all. */
 KERNEL coarsest_invert_kernel(const struct coarsest &s)
 {
-    __shared__ double diagonal[DENSE], column[2][DENSE], inverse[DENSE];
+    __shared__ double diagonal[DENSE];
+    __shared__ struct columns columns[2];
     __shared__ sym block[(STENCIL + 1) * COARSEST];
+    __shared__ bool parked[DENSE]; /* not swept */
     int n = 3 * (int)s.count, t = (int)threadIdx.x, row[OWN], col[OWN];
     int blocks = STENCIL * (int)s.count;
     double a[OWN], least = 0;
@@ -116,44 +145,44 @@ KERNEL coarsest_invert_kernel(const struct coarsest &s)
     UNROLL
     for (int o = 0; o < OWN; o++) {
         place_entry(t + o * INVERT_BLOCK, &row[o], &col[o]);
-        if (row[o] >= n)
+        a[o] = 0;
+        if (row[o] >= n) {
+            row[o] = col[o] = DENSE;
             continue;
+        }
         a[o] = entry(&s, block, row[o], col[o]);
         if (row[o] == col[o])
             diagonal[row[o]] = a[o];
-        if (col[o] == 0)
-            column[0][row[o]] = a[o];
+        keep(&columns[0], a[o], row[o], col[o], 0);
     }
     __syncthreads();
     for (int k = 0; k < n; k++)
         least += diagonal[k];
     least *= 0x1p-40;
-    if (t == 0)
-        inverse[0] = inverse_of(diagonal[0], least);
-    for (int k = 0; k < n; k++) {
-        __syncthreads();
-        double *next = column[(k + 1) % 2];
+    for (int k = 0; k < n; k += 2) {
+        const struct columns *c = &columns[k / 2 % 2];
+        double first = inverse_of(c->of[0][k], least), second = 0;
+        if (k + 1 < n)
+            second = inverse_of(next_column(c, k + 1, k, first), least);
+        if (t < 2 && k + t < n)
+            parked[k + t] = (t ? second : first) == 0;
         UNROLL
         for (int o = 0; o < OWN; o++) {
             int i = row[o], j = col[o];
-            if (i >= n)
-                continue;
-            a[o] = swept(a[o], i, j, k, inverse[k], column[k % 2]);
-            if (i == k + 1)
-                next[j] = a[o];
-            else if (j == k + 1)
-                next[i] = a[o];
-            if (i == k + 1 && j == k + 1)
-                inverse[i] = inverse_of(a[o], least);
+            a[o] = swept(a[o], i, j, k, first, c->of[0][i], c->of[0][j]);
+            a[o] = swept(a[o], i, j, k + 1, second, next_column(c, i, k, first),
+                         next_column(c, j, k, first));
+            if (k + 2 < n)
+                keep(&columns[(k / 2 + 1) % 2], a[o], i, j, k + 2);
         }
+        __syncthreads();
     }
-    __syncthreads();
     UNROLL
     for (int o = 0; o < OWN; o++) {
         int i = row[o], j = col[o];
         if (i >= n)
             continue;
-        double e = inverse[i] != 0 && inverse[j] != 0 ? -a[o] : 0;
+        double e = parked[i] || parked[j] ? 0 : -a[o];
         s.dense[i * DENSE + j] = s.dense[j * DENSE + i] = e;
     }
 }
