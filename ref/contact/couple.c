@@ -17,8 +17,10 @@ static const real SLIP = R(5e-4);     /* m/s, friction is viscous below */
 static const real GIVE = R(0.03);     /* of the reach, penalty.md §1.4 */
 static const real LIGHT = R(50.0);    /* particles; what a contact weighs that
                                          bears its own at rest */
-static const real EASE = R(10.0); /* the largest e, §4.3, and the tolerances
-                                     that |r| of all turns but the last meets */
+static const real EASE = R(10.0);   /* the largest e, §4.3, and the tolerances
+                                       that |r| of all turns but the last meets */
+static const real LOOSE = R(100.0); /* the same of a first turn among cloths
+                                       that hit each other */
 
 bool couple_prepare(const struct world *w, struct pcg *p)
 {
@@ -121,6 +123,15 @@ static real fine_of(const struct world *w)
     return (real)w->def.tolerance * (w->plan.history ? FINE : 1);
 }
 
+/* §4.3: what |r| of a solve is to meet. */
+static real exact_of(const struct world *w, enum care care)
+{
+    bool hits = w->response.foresee && w->def.n_cloths > 1;
+    if (is_early(care))
+        return fine_of(w) * (care == FIRST && hits ? LOOSE : EASE);
+    return w->couple.joint.tolerance;
+}
+
 /* Solves (A + wall + C) dv = b. */
 static int run_joint(struct world *w, enum care care)
 {
@@ -137,7 +148,7 @@ static int run_joint(struct world *w, enum care care)
     s->weigh = care == FIRST;
     s->tolerance =
         care == LAST || care == WHOLE ? asked : real_max(asked, ROUGH);
-    s->exact = is_early(care) ? asked * EASE : s->tolerance;
+    s->exact = exact_of(w, care);
     s->max_iterations = w->def.max_iterations;
     int status = w->run->joint(w, s);
     w->run->trace(w->on, w->tracing, "joint", s->dv,
