@@ -21,6 +21,7 @@ static const struct part {
              {"hung", part_hung},
              {"contact", part_contact},
              {"ball", part_ball},
+             {"statue", part_statue},
              {"meeting", part_meeting},
              {"buckling", part_buckling},
              {"bendtwist", part_bendtwist},

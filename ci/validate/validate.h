@@ -90,6 +90,7 @@ void part_stickslip(struct validate *v);
 void part_hung(struct validate *v);
 void part_contact(struct validate *v);
 void part_ball(struct validate *v);
+void part_statue(struct validate *v);
 void part_meeting(struct validate *v);
 
 #endif

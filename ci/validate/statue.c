@@ -1,0 +1,349 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A small sheet that slides down the flank of a statue. spec/validation.md §9
+ */
+#include "ci/validate/path.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIDE = 11, N = SIDE * SIDE };
+static const double SIZE = 0.04, STATUE = 4;
+
+struct flank {
+    const char *name, *file; /* file NULL: made in code */
+    int frictions;           /* how many of the part's */
+    double facet, rough;     /* m, of the boulder */
+    struct ground ground, coarse;
+};
+/* A sheet that slides from a place. */
+struct ride {
+    const struct ground *ground;
+    const double *start;
+    double friction, dt;
+};
+/* What came of it. */
+enum { WAY, ASIDE, LAW, LOST, CREEP, RESULTS };
+/* A sheet on its way, and the point beside it. */
+struct slide {
+    struct sheet sheet;
+    drape_obstacle obstacle;
+    drape_world *world;
+    struct point point;
+    double gap, start[3];    /* start: of the sheet's middle */
+    double (*x)[3], (*u)[3]; /* all vertices of the world */
+    double work, due;       /* of friction, by contacts, and by Coulomb's law */
+    double energy[2][2];    /* of sheet and point after the first step and now,
+                               J/kg */
+    double potential[2][2]; /* the part of gravity */
+    double rested[3];       /* the sheet's middle after 0.1 s */
+};
+
+/* Lays the sheet on the ground with its middle where the point is. */
+static void lay(const struct ground *g, struct slide *t)
+{
+    double n[3], down[3], across[3], h = SIZE / (SIDE - 1);
+    const double *at = t->point.x;
+    ground_height(g, at, n);
+    for (int c = 0; c < 3; c++)
+        down[c] = (n[1] * n[c] - (c == 1)) / sqrt(1 - n[1] * n[1]);
+    cross3(n, down, across);
+    for (int p = 0; p < N; p++) {
+        double i = h * (p % SIDE - SIDE / 2), j = h * (p / SIDE - SIDE / 2);
+        double *x = t->sheet.x[p], up[3];
+        for (int c = 0; c < 3; c++)
+            x[c] = at[c] + i * down[c] + j * across[c];
+        ground_put(g, x, t->gap);
+        ground_height(g, x, up);
+        double lift = ground_lift(&t->obstacle, x, up, t->gap);
+        for (int c = 0; c < 3 && !isnan(lift); c++)
+            x[c] += lift * up[c];
+    }
+}
+
+/* Reads the state. The sheet's middle is the mean of its particles, moved along
+ * the normal to the height of the point, as the mean of a curved sheet is too
+ * low. Returns the speed of the slowest particle. */
+static double look(const struct ground *g, struct slide *t, double middle[3])
+{
+    double slowest = INFINITY;
+    drape_read(t->world, t->x, t->u);
+    memset(middle, 0, 3 * sizeof *middle);
+    for (int p = 0; p < N; p++) {
+        for (int c = 0; c < 3; c++)
+            middle[c] += t->x[p][c] / N;
+        slowest = fmin(slowest, sqrt(dot3(t->u[p], t->u[p])));
+    }
+    return ground_put(g, middle, t->gap) ? slowest : NAN;
+}
+
+/* Adds friction's work in a step, and what it should be: the coefficient times
+ * normal force times slip, of each contact. */
+static void add_work(struct slide *t, double friction)
+{
+    drape_contact_list list;
+    if (drape_contacts(t->world, &list) != DRAPE_OK)
+        return;
+    for (int64_t k = 0; k < list.n; k++) {
+        const drape_contact *a = &list.contact[k];
+        double slip[3] = {0};
+        for (int i = 0; i < 4; i++)
+            for (int c = 0; c < 3; c++)
+                slip[c] += a->weight[i] * t->u[a->vertex[i]][c];
+        double along = dot3(slip, a->normal);
+        for (int c = 0; c < 3; c++)
+            slip[c] -= along * a->normal[c];
+        t->work -= dot3(a->impulse, slip);
+        t->due +=
+            friction * dot3(a->impulse, a->normal) * sqrt(dot3(slip, slip));
+    }
+}
+
+/* The sheet that a ride begins with, not yet in its place. */
+static void begin(const struct validate *v, const struct ride *r,
+                  struct slide *t)
+{
+    double h = SIZE / (SIDE - 1);
+    struct sheet *s = &t->sheet;
+    memset(t, 0, sizeof *t);
+    sheet_make(v, s, SIDE, SIDE, h);
+    t->gap = s->cloth.material.thickness = h / 4;
+    s->cloth.material.bend = 1e-6;
+    ground_near(r->ground, r->start, 0.35, &t->obstacle);
+    memcpy(t->point.x, r->start, sizeof t->point.x);
+    ground_put(r->ground, t->point.x, t->gap);
+    s->def.obstacles = &t->obstacle;
+    s->def.n_obstacles = 1;
+    s->def.max_slices = 32;
+    s->def.tolerance = 1e-5;
+}
+
+/* Makes a world of the sheet as it stands, and looks at it. */
+static bool make_world(const struct ride *r, struct slide *t)
+{
+    t->obstacle.friction = t->sheet.cloth.material.friction = r->friction;
+    t->world = sheet_world(&t->sheet, r->dt);
+    if (!t->world)
+        return false;
+    size_t all = (size_t)drape_vertices(t->world);
+    t->x = take(all, sizeof *t->x);
+    t->u = take(all, sizeof *t->u);
+    return !isnan(look(r->ground, t, t->start));
+}
+
+static void end(struct slide *t)
+{
+    drape_destroy(t->world);
+    free((void *)t->obstacle.x);
+    free((void *)t->obstacle.tri);
+    free(t->x);
+    free(t->u);
+    sheet_free(&t->sheet);
+}
+
+/* Step k of sheet and point; false: one of them has none. */
+static bool advance(const struct ride *r, struct slide *t, int k,
+                    double middle[3])
+{
+    drape_step_report report;
+    if (drape_step(t->world, &report) != DRAPE_OK ||
+        !point_step(r->ground, &t->point, r->friction, r->dt, t->gap))
+        return false;
+    double slowest = look(r->ground, t, middle), mass = 0.2 * SIZE * SIZE;
+    /* Contacts are of the last slice, and friction is Coulomb's where all of
+     * the sheet slides. */
+    if (report.slices == 1 && slowest > 0.05)
+        add_work(t, r->friction);
+    t->potential[0][k > 0] = report.potential / mass;
+    t->energy[0][k > 0] = (report.kinetic + report.elastic) / mass;
+    t->potential[1][k > 0] = PATH_GRAVITY * t->point.x[1];
+    t->energy[1][k > 0] = dot3(t->point.v, t->point.v) / 2;
+    if ((k + 1) * r->dt < 0.1 + 1e-9)
+        memcpy(t->rested, middle, sizeof t->rested);
+    return !isnan(slowest);
+}
+
+/* What of gravity's work is not in motion, of the sheet or of the point. */
+static double lost(const struct slide *t, int which)
+{
+    double fall = t->potential[which][0] - t->potential[which][1];
+    return 1 - (t->energy[which][1] - t->energy[which][0]) / fall;
+}
+
+/* Where the sheet's particles are once much friction has brought it to rest: it
+ * does not yet lie on all that is uneven. False: a step failed. */
+static bool settle(const struct validate *v, const struct ride *slides,
+                   double rest[N][3])
+{
+    struct slide t;
+    struct ride r = *slides;
+    r.friction = 2;
+    r.dt = 1.0 / 60;
+    begin(v, &r, &t);
+    lay(r.ground, &t);
+    bool good = make_world(&r, &t);
+    for (int k = 0; k < 30 && good; k++)
+        good = drape_step(t.world, NULL) == DRAPE_OK;
+    if (good) {
+        drape_read(t.world, t.x, NULL);
+        memcpy(rest, t.x, N * sizeof *rest);
+    }
+    end(&t);
+    return good;
+}
+
+static void slide(const struct validate *v, const struct ride *r,
+                  double rest[N][3], double out[RESULTS])
+{
+    struct slide t;
+    double middle[3] = {0}, due[3], went[3];
+    int steps = (int)(PATH_SECONDS / r->dt + 0.5), k = 0;
+    begin(v, r, &t);
+    memcpy(t.sheet.x, rest, N * sizeof *rest);
+    make_world(r, &t);
+    memcpy(t.point.x, t.start, sizeof t.start);
+    while (t.world && k < steps && advance(r, &t, k, middle))
+        k++;
+    for (int c = 0; c < 3; c++) {
+        due[c] = t.point.x[c] - t.start[c];
+        went[c] = middle[c] - t.start[c];
+    }
+    bool done = k == steps;
+    double length = sqrt(dot3(due, due));
+    out[WAY] = done ? dot3(due, went) / (length * length) : NAN;
+    out[ASIDE] = done ? apart3(due, went) / length : NAN;
+    out[LAW] = done ? t.work / t.due : NAN;
+    out[LOST] = done ? lost(&t, 0) - lost(&t, 1) : NAN;
+    out[CREEP] = done ? apart3(t.rested, middle) / (PATH_SECONDS - 0.1) : NAN;
+    end(&t);
+}
+
+/* Keeps the result that is farther from what is due; NAN is farthest. */
+static void keep_worst(double *kept, double one, double due)
+{
+    if (!isnan(*kept) && !(fabs(one - due) <= fabs(*kept - due)))
+        *kept = one;
+}
+
+/* The values of all paths that are farthest from what is due, by steps, the
+ * longest of which is number `first`. NAN where a slide fails, or there is no
+ * path. Returns the number of paths. */
+static int slide_all(const struct validate *v, const struct flank *f,
+                     double friction, int first, double out[RESULTS][SIZES])
+{
+    static const double due[RESULTS] = {[WAY] = 1, [LAW] = 1};
+    double start[PATHS][3], rest[N][3], one[RESULTS];
+    /* What rests does so where a sheet with friction 0.2 slides. */
+    int n = find_paths(&f->ground, &f->coarse, friction > 1 ? 0.2 : friction,
+                       start);
+    for (int k = 0; k < RESULTS; k++)
+        for (int c = 0; c < SIZES; c++)
+            out[k][c] = n ? due[k] : NAN;
+    for (int p = 0; p < n; p++) {
+        struct ride r = {&f->ground, start[p], friction, 0};
+        bool rests = settle(v, &r, rest);
+        for (int c = first; c < SIZES; c++) {
+            r.dt = 1.0 / (60 << c);
+            if (rests)
+                slide(v, &r, rest, one);
+            for (int k = 0; k < RESULTS; k++)
+                keep_worst(&out[k][c], rests ? one[k] : NAN, due[k]);
+        }
+    }
+    return n;
+}
+
+/* A row of one kind of result, by steps from number `first` on. */
+struct row {
+    int which, first, paths;
+    bool promised;
+};
+
+static void add(struct validate *v, const struct flank *f, double friction,
+                const struct row *row, double value[RESULTS][SIZES])
+{
+    static const char *what[RESULTS] = {
+        "way over a point's", "end's distance from the point's; over its way",
+        "friction's work over its coefficient times load and slip",
+        "energy lost over gravity's work; less a point's", "speed after 0.1 s"};
+    char name[160], paths[32];
+    snprintf(paths, sizeof paths, "%d of %d paths; ", row->paths, PATHS);
+    snprintf(name, sizeof name, "%s; friction %g; %s%s%s", f->name, friction,
+             row->paths < PATHS ? paths : "",
+             row->first ? "steps of 4.2 and 2.1 ms; " : "", what[row->which]);
+    struct property p = {.part = "statue",
+                         .name = name,
+                         .unit = row->which == CREEP ? "m/s" : "1",
+                         .theory = row->which == WAY || row->which == LAW,
+                         .bar = row->which == CREEP ? 1e-3 : 0.02,
+                         .up_to = 1,
+                         .promised = row->promised};
+    for (int c = row->first; c < SIZES; c++)
+        property_add(&p, 1.0 / (60 << c), value[row->which][c]);
+    property_end(v, &p);
+}
+
+/* All rows of a flank with one friction. Promised are, of the boulder, its way
+ * with friction 0.2 by short steps, which is also all of the small form, and
+ * that it rests. */
+static void add_rows(struct validate *v, const struct flank *f, double friction)
+{
+    double value[RESULTS][SIZES];
+    bool made = !f->file, promised = made && !f->rough && f->facet > 0.01;
+    int n = slide_all(v, f, friction, v->quick ? 2 : 0, value);
+    if (promised && friction == 0.2)
+        add(v, f, friction, &(struct row){WAY, 2, n, true}, value);
+    if (v->quick)
+        return;
+    for (int k = 0; k < CREEP && friction <= 1; k++)
+        if (k != LAW || friction > 0)
+            add(v, f, friction, &(struct row){k, 0, n, false}, value);
+    if (friction > 1)
+        add(v, f, friction, &(struct row){CREEP, 0, n, promised}, value);
+}
+
+static bool make_flank(struct flank *f)
+{
+    if (!f->file)
+        ground_boulder(&f->ground, f->facet, f->rough);
+    else if (!ground_statue(&f->ground, f->file, STATUE))
+        return false;
+    f->coarse = f->ground;
+    ground_smooth(&f->ground, SIZE);
+    ground_smooth(&f->coarse, 1.5 * SIZE);
+    return true;
+}
+
+static void free_flank(struct flank *f)
+{
+    free(f->coarse.piece);
+    free(f->coarse.first);
+    ground_free(&f->ground);
+}
+
+void part_statue(struct validate *v)
+{
+    static const double friction[] = {0.2, 0, 1.5, 0.05, 0.5, 1};
+    struct flank flanks[] = {
+        {.name = "boulder", .frictions = 6, .facet = 0.02},
+        {.name = "boulder in facets of 8 mm", .frictions = 1, .facet = 0.008},
+        {.name = "rough boulder",
+         .frictions = 2,
+         .facet = 0.02,
+         .rough = 0.5e-3},
+        {.name = "lion", .frictions = 3, .file = "lion_20k"},
+        {.name = "dragon", .frictions = 3, .file = "dragon_100k"}};
+    bool few = v->quick || v->bits == 32;
+    if (v->quick && v->bits == 32)
+        return;
+    for (int f = 0; f < (few ? 1 : 5); f++) {
+        if (!make_flank(&flanks[f])) {
+            printf("skipped: %s.ply: in none of the folders of meshes\n",
+                   flanks[f].file);
+            continue;
+        }
+        for (int k = 0; k < (few ? 1 : flanks[f].frictions); k++)
+            add_rows(v, &flanks[f], friction[k]);
+        free_flank(&flanks[f]);
+    }
+}
