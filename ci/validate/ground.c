@@ -83,7 +83,8 @@ static int64_t box_of(const struct ground *g, const double x[3])
     return box;
 }
 
-/* The grid has a margin of more than one box around the mesh. */
+/* Lays a grid with a margin of more than one box around the mesh. Returns how
+ * many boxes it has. */
 static int64_t make_grid(struct ground *g)
 {
     int64_t count = 1;
@@ -115,8 +116,6 @@ void ground_smooth(struct ground *g, double side)
         cut(g, t, n, loose + all);
         all += n * n;
     }
-    free(g->piece);
-    free(g->first);
     g->piece = take((size_t)all, sizeof *g->piece);
     g->first = take((size_t)boxes + 1, sizeof *g->first);
     for (int64_t k = 0; k < all; k++)
@@ -131,7 +130,8 @@ void ground_smooth(struct ground *g, double side)
     free(loose);
 }
 
-/* Sums of pieces about a place: weights, their heights, and the gradients. */
+/* Sums over the pieces near a place: of weights, of weights times the place's
+ * height over a piece's plane, and the gradients of both sums. */
 struct sums {
     double weight, height, by_weight[3], by_height[3];
 };
@@ -172,13 +172,15 @@ double ground_height(const struct ground *g, const double x[3],
         }
     if (!(s.weight > 0))
         return NAN;
-    double height = s.height / s.weight, steep = 0;
+    double height = s.height / s.weight;
     for (int c = 0; c < 3; c++)
         normal[c] = (s.by_height[c] - height * s.by_weight[c]) / s.weight;
-    steep = sqrt(dot3(normal, normal));
+    /* The mean of heights need not grow by 1 m a metre: its zero counts, and
+     * near it height over gradient is the distance. */
+    double gradient = sqrt(dot3(normal, normal));
     for (int c = 0; c < 3; c++)
-        normal[c] /= steep;
-    return height / steep;
+        normal[c] /= gradient;
+    return height / gradient;
 }
 
 bool ground_put(const struct ground *g, double x[3], double height)

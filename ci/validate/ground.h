@@ -23,14 +23,16 @@ struct ground {
 };
 
 /* Reads NAME.ply from the folders in which the tool looks for meshes, so large
- * that its largest extent is `size`. False: it is in none of them. */
+ * that its largest extent is `size`. False: none of them has it, or it is no
+ * such mesh as `drape convert` writes; then there is nothing to free. */
 bool ground_statue(struct ground *g, const char *name, double size);
-/* The flank of a boulder of 1 m radius with waves, in uneven triangles of this
- * side, whose corners are moved out or in by up to `rough` m. */
+/* The flank of a boulder of 1 m radius with waves, in uneven triangles of about
+ * this side, narrower towards the top, whose corners are moved out or in by up
+ * to `rough` m. */
 void ground_boulder(struct ground *g, double facet, double rough);
 void ground_free(struct ground *g);
 
-/* Prepares ground_height for a sheet of this side. */
+/* Prepares ground_height for a sheet of this side, once. */
 void ground_smooth(struct ground *g, double side);
 /* How high x is over the smooth surface, m, and the surface's normal there.
  * NAN: nothing is near. */
@@ -39,12 +41,12 @@ double ground_height(const struct ground *g, const double x[3],
 /* Moves x along normals to this height; false if it does not get there. */
 bool ground_put(const struct ground *g, double x[3], double height);
 
-/* The triangles near a place, as an obstacle, whose vertices and triangles the
- * caller frees. */
+/* The triangles whose first vertex is within `reach` of a place, as an
+ * obstacle, whose vertices and triangles the caller frees. */
 void ground_near(const struct ground *g, const double at[3], double reach,
                  drape_obstacle *obstacle);
 /* How far x is to be moved along n to be `gap` above the obstacle's triangles;
- * NAN: the line meets none. */
+ * NAN: the line meets none within 20 mm. */
 double ground_lift(const drape_obstacle *obstacle, const double x[3],
                    const double n[3], double gap);
 

@@ -68,7 +68,7 @@ double ground_lift(const drape_obstacle *obstacle, const double x[3],
     return most;
 }
 
-/* A number in 0 … 1 that looks random. */
+/* A number in 0 … 1 that looks random: Thomas Wang's hash of 32 bits. */
 static double noise(uint32_t k)
 {
     k = (k ^ 61) ^ (k >> 16);
@@ -163,6 +163,9 @@ static bool read_body(FILE *f, struct ground *g)
         if (fread(&corners, 1, 1, f) != 1 || corners != 3 ||
             fread(g->tri[k], sizeof *g->tri, 1, f) != 1)
             return false;
+    for (int64_t k = 0; k < 3 * g->nt; k++)
+        if (g->tri[k / 3][k % 3] < 0 || g->tri[k / 3][k % 3] >= g->nv)
+            return false;
     return true;
 }
 
@@ -173,28 +176,30 @@ static bool read_ply(FILE *f, struct ground *g)
         return false;
     g->x = take((size_t)g->nv, sizeof *g->x);
     g->tri = take((size_t)g->nt, sizeof *g->tri);
-    return read_body(f, g);
+    if (read_body(f, g))
+        return true;
+    ground_free(g);
+    return false;
 }
 
-/* Opens NAME.ply in $DRAPE_MODELS, in models/ of $DRAPE_DATA or in
- * build/models.
- */
+/* Opens NAME.ply where the tool looks for meshes: in the folders of
+ * $DRAPE_MODELS, of which an empty name is the current folder, in models/ of
+ * $DRAPE_DATA and in build/models. */
 static FILE *open_statue(const char *name)
 {
-    const char *list = getenv("DRAPE_MODELS"), *data = getenv("DRAPE_DATA");
-    char path[4096];
+    const char *own = getenv("DRAPE_MODELS"), *data = getenv("DRAPE_DATA");
+    char list[4096], path[4096];
     FILE *f = NULL;
-    while (list && *list && !f) {
-        int length = (int)strcspn(list, ":");
-        snprintf(path, sizeof path, "%.*s/%s.ply", length, list, name);
+    snprintf(list, sizeof list, "%s:%s/models:build/models", own ? own : "",
+             data && *data ? data : "../shared");
+    for (const char *at = list; at && !f;) {
+        int length = (int)strcspn(at, ":");
+        snprintf(path, sizeof path, "%.*s/%s.ply", length ? length : 1,
+                 length ? at : ".", name);
         f = fopen(path, "rb");
-        list += length + (list[length] != 0);
+        at = at[length] ? at + length + 1 : NULL;
     }
-    snprintf(path, sizeof path, "%s/models/%s.ply",
-             data && *data ? data : "../shared", name);
-    f = f ? f : fopen(path, "rb");
-    snprintf(path, sizeof path, "build/models/%s.ply", name);
-    return f ? f : fopen(path, "rb");
+    return f;
 }
 
 bool ground_statue(struct ground *g, const char *name, double size)

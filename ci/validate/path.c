@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* The point beside a sheet, and the choice of the places where both start.
+ * spec/validation.md §9 */
 #include "ci/validate/path.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The velocity after an impulse along n from the ground, and its friction. */
-static void pushed(const double free[3], const double n[3], double push,
+/* The velocity after an impulse from the ground along n, with its friction, of
+ * a point that falls with this velocity without it. */
+static void pushed(const double falling[3], const double n[3], double push,
                    double friction, double out[3])
 {
-    double along = dot3(free, n), slip[3];
+    double along = dot3(falling, n), slip[3];
     for (int c = 0; c < 3; c++)
-        slip[c] = free[c] - along * n[c];
+        slip[c] = falling[c] - along * n[c];
     double speed = sqrt(dot3(slip, slip));
     double left = speed > 0 ? fmax(0, 1 - friction * push / speed) : 0;
     for (int c = 0; c < 3; c++)
@@ -20,23 +23,27 @@ static void pushed(const double free[3], const double n[3], double push,
 bool point_step(const struct ground *g, struct point *p, double friction,
                 double dt, double gap)
 {
-    double n[3], after[3], free[3], v[3], x[3], push = 0;
-    memcpy(free, p->v, sizeof free);
-    free[1] -= dt * PATH_GRAVITY;
+    double n[3], after[3], falling[3], v[3], x[3], push = 0;
+    bool found = false;
+    memcpy(falling, p->v, sizeof falling);
+    falling[1] -= dt * PATH_GRAVITY;
     if (isnan(ground_height(g, p->x, n)))
         return false;
-    for (int k = 0; k < 30; k++) {
-        pushed(free, n, push, friction, v);
+    /* The ground is nearly flat within a step, so the height that is missing,
+     * over dt, is nearly the impulse that is missing. */
+    for (int k = 0; k < 30 && !found; k++) {
+        pushed(falling, n, push, friction, v);
         for (int c = 0; c < 3; c++)
             x[c] = p->x[c] + dt * v[c];
         double height = ground_height(g, x, after);
         if (isnan(height))
             return false;
         double next = fmax(0, push + (gap - height) / dt);
-        if (fabs(next - push) < 1e-9)
-            break;
+        found = fabs(next - push) < 1e-9;
         push = next;
     }
+    if (!found)
+        return false;
     memcpy(p->x, x, sizeof x);
     memcpy(p->v, v, sizeof v);
     p->push = push;
@@ -64,7 +71,8 @@ static bool slides(const struct ground *g, const double start[3],
     return apart3(start, p.x) > 0.1;
 }
 
-/* The mean way of four points that start 10 mm around. */
+/* The mean way of four points that start 10 mm around; false: one of them does
+ * not slide as it should. */
 static bool around(const struct ground *g, const double start[3],
                    double friction, double mean[3])
 {

@@ -18,12 +18,13 @@ struct point {
 /* One step as in Baraff–Witkin's: the new velocity moves the point, and the
  * ground's impulse is along its normal at the start, with friction by Coulomb's
  * law. The point ends `gap` over the smooth surface, or higher where the ground
- * need not push. False: nothing is near. */
+ * need not push. False: nothing is near, or no impulse is found. */
 bool point_step(const struct ground *g, struct point *p, double friction,
                 double dt, double gap);
 
-/* Where paths begin that suit this friction, on the smooth surface: how many
- * were found. `coarse`: the same ground, smoothed half as far again. */
+/* Finds places on the smooth surface from which a point slides with this
+ * friction as validation.md §9 asks. Returns how many there are. `coarse`: the
+ * same ground, smoothed half as far again. */
 int find_paths(const struct ground *g, const struct ground *coarse,
                double friction, double start[PATHS][3]);
 

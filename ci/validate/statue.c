@@ -8,11 +8,13 @@
 #include <string.h>
 
 enum { SIDE = 11, N = SIDE * SIDE };
+/* m: of a sheet's side, and of a statue's largest extent. */
 static const double SIZE = 0.04, STATUE = 4;
 
+/* A ground to slide on. */
 struct flank {
     const char *name, *file; /* file NULL: made in code */
-    int frictions;           /* how many of the part's */
+    int frictions;           /* how many of the part's, from the first */
     double facet, rough;     /* m, of the boulder */
     struct ground ground, coarse;
 };
@@ -33,13 +35,14 @@ struct slide {
     double gap, start[3];    /* start: of the sheet's middle */
     double (*x)[3], (*u)[3]; /* all vertices of the world */
     double work, due;       /* of friction, by contacts, and by Coulomb's law */
-    double energy[2][2];    /* of sheet and point after the first step and now,
-                               J/kg */
-    double potential[2][2]; /* the part of gravity */
+    double energy[2][2];    /* J/kg, kinetic and elastic, of sheet and point,
+                               after the first step and now */
+    double potential[2][2]; /* J/kg, of gravity, likewise */
     double rested[3];       /* the sheet's middle after 0.1 s */
 };
 
-/* Lays the sheet on the ground with its middle where the point is. */
+/* Lays the sheet on the ground with its middle where the point is: on the
+ * smooth surface, and then each particle on the triangle below. */
 static void lay(const struct ground *g, struct slide *t)
 {
     double n[3], down[3], across[3], h = SIZE / (SIDE - 1);
@@ -63,7 +66,8 @@ static void lay(const struct ground *g, struct slide *t)
 
 /* Reads the state. The sheet's middle is the mean of its particles, moved along
  * the normal to the height of the point, as the mean of a curved sheet is too
- * low. Returns the speed of the slowest particle. */
+ * low. Returns the speed of the slowest particle; NAN: the middle is not near
+ * the ground. */
 static double look(const struct ground *g, struct slide *t, double middle[3])
 {
     double slowest = INFINITY;
@@ -78,7 +82,8 @@ static double look(const struct ground *g, struct slide *t, double middle[3])
 }
 
 /* Adds friction's work in a step, and what it should be: the coefficient times
- * normal force times slip, of each contact. */
+ * normal impulse times slip, of each contact. Both take the velocities at the
+ * step's end, so that their quotient is a mean of friction over its limit. */
 static void add_work(struct slide *t, double friction)
 {
     drape_contact_list list;
@@ -118,7 +123,8 @@ static void begin(const struct validate *v, const struct ride *r,
     s->def.tolerance = 1e-5;
 }
 
-/* Makes a world of the sheet as it stands, and looks at it. */
+/* Makes a world of the sheet as it stands, and looks at it. False: there is
+ * none, or the sheet is not near the ground. */
 static bool make_world(const struct ride *r, struct slide *t)
 {
     t->obstacle.friction = t->sheet.cloth.material.friction = r->friction;
@@ -141,7 +147,7 @@ static void end(struct slide *t)
     sheet_free(&t->sheet);
 }
 
-/* Step k of sheet and point; false: one of them has none. */
+/* Step k of sheet and point; false: one of them fails, or leaves the ground. */
 static bool advance(const struct ride *r, struct slide *t, int k,
                     double middle[3])
 {
@@ -149,9 +155,10 @@ static bool advance(const struct ride *r, struct slide *t, int k,
     if (drape_step(t->world, &report) != DRAPE_OK ||
         !point_step(r->ground, &t->point, r->friction, r->dt, t->gap))
         return false;
-    double slowest = look(r->ground, t, middle), mass = 0.2 * SIZE * SIZE;
-    /* Contacts are of the last slice, and friction is Coulomb's where all of
-     * the sheet slides. */
+    double slowest = look(r->ground, t, middle);
+    double mass = t->sheet.cloth.material.density * SIZE * SIZE;
+    /* The list has the contacts of the last slice alone, and friction is at its
+     * limit only where things slide. */
     if (report.slices == 1 && slowest > 0.05)
         add_work(t, r->friction);
     t->potential[0][k > 0] = report.potential / mass;
@@ -163,15 +170,17 @@ static bool advance(const struct ride *r, struct slide *t, int k,
     return !isnan(slowest);
 }
 
-/* What of gravity's work is not in motion, of the sheet or of the point. */
+/* The share of gravity's work since the first step that is neither in motion
+ * nor in springs, of the sheet or of the point. */
 static double lost(const struct slide *t, int which)
 {
     double fall = t->potential[which][0] - t->potential[which][1];
     return 1 - (t->energy[which][1] - t->energy[which][0]) / fall;
 }
 
-/* Where the sheet's particles are once much friction has brought it to rest: it
- * does not yet lie on all that is uneven. False: a step failed. */
+/* Where the sheet's particles are after half a second with much friction, which
+ * brings the sheet to rest: as it was laid, it touches the ground in few places
+ * only. False: a step failed. */
 static bool settle(const struct validate *v, const struct ride *slides,
                    double rest[N][3])
 {
@@ -192,6 +201,7 @@ static bool settle(const struct validate *v, const struct ride *slides,
     return good;
 }
 
+/* Slides the sheet and the point side by side, from rest; NAN: it failed. */
 static void slide(const struct validate *v, const struct ride *r,
                   double rest[N][3], double out[RESULTS])
 {
@@ -200,9 +210,9 @@ static void slide(const struct validate *v, const struct ride *r,
     int steps = (int)(PATH_SECONDS / r->dt + 0.5), k = 0;
     begin(v, r, &t);
     memcpy(t.sheet.x, rest, N * sizeof *rest);
-    make_world(r, &t);
+    bool laid = make_world(r, &t);
     memcpy(t.point.x, t.start, sizeof t.start);
-    while (t.world && k < steps && advance(r, &t, k, middle))
+    while (laid && k < steps && advance(r, &t, k, middle))
         k++;
     for (int c = 0; c < 3; c++) {
         due[c] = t.point.x[c] - t.start[c];
@@ -283,9 +293,9 @@ static void add(struct validate *v, const struct flank *f, double friction,
     property_end(v, &p);
 }
 
-/* All rows of a flank with one friction. Promised are, of the boulder, its way
- * with friction 0.2 by short steps, which is also all of the small form, and
- * that it rests. */
+/* All rows of a flank with one friction. Two rows of the smooth boulder are
+ * promised: the way with friction 0.2 by short steps, which is also all of the
+ * small form, and that the sheet rests with friction 1.5. */
 static void add_rows(struct validate *v, const struct flank *f, double friction)
 {
     double value[RESULTS][SIZES];
@@ -338,7 +348,7 @@ void part_statue(struct validate *v)
         return;
     for (int f = 0; f < (few ? 1 : 5); f++) {
         if (!make_flank(&flanks[f])) {
-            printf("skipped: %s.ply: in none of the folders of meshes\n",
+            printf("skipped: %s.ply: the folders of meshes have no such mesh\n",
                    flanks[f].file);
             continue;
         }
