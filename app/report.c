@@ -61,10 +61,11 @@ static void put_step(FILE *out, const struct report *report, int64_t k)
             s->iterations);
     put_number(out, "residual", s->residual);
     fprintf(out,
-            ", \"rounds\": %d, \"contacts\": %lld, \"impacts\": %lld, "
+            ", \"rounds\": %d, \"asleep\": %d, \"contacts\": %lld, "
+            "\"impacts\": %lld, "
             "\"candidates\": %lld, \"zone_vertices\": %lld, "
             "\"rolled_back\": %lld, \"intersecting\": %lld",
-            s->rounds, (long long)s->contacts, (long long)s->impacts,
+            s->rounds, s->asleep, (long long)s->contacts, (long long)s->impacts,
             (long long)s->candidates, (long long)s->zone_vertices,
             (long long)s->rolled_back, (long long)s->intersecting);
     put_number(out, "kinetic", s->kinetic);

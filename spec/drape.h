@@ -73,7 +73,8 @@ enum drape_outcome {
     DRAPE_DIVERGED = 16,   /* energy appeared from nothing, or a value was not
                               finite. The state and the time are those before
                               the step (cloth/dynamics.md §3) */
-    DRAPE_ASLEEP = 32,     /* the scene is at rest, and the step was skipped */
+    DRAPE_ASLEEP = 32,     /* all cloths are asleep and nothing is led: the step
+                              was skipped */
     DRAPE_PASSED = 64      /* cloth went through something during the step,
                               which the response could not prevent; at the end
                               of the step nothing intersects */
@@ -286,8 +287,9 @@ typedef struct drape_def {
     int max_slices;
     int allow_intersecting; /* 1: a start that intersects is accepted; 0: it is
                                DRAPE_ESTART */
-    int sleep;              /* 1: steps are skipped while the scene is at rest
-                               (world/step.md §6) */
+    int sleep;              /* 1: cloths at rest are skipped until something
+                               comes near, and steps in which all are
+                               (sleep/sleep.md) */
 
     const drape_cloth *cloths;       /* [n_cloths] */
     int n_cloths;                    /* 1 … 4096 */
@@ -360,6 +362,7 @@ typedef struct drape_step_report {
     int rounds;         /* * detections of penetration after the turns of the
                            contacts, of which the last in a clean slice finds
                            no pair; 0 where nothing was near anything */
+    int asleep;         /* cloths asleep at the end of the step */
     int64_t contacts;   /* pairs in contact, contact/proximity.md, last slice */
     int64_t impacts;    /* pairs found to penetrate, all rounds */
     int64_t candidates; /* * pairs given to the narrow phase, all rounds */

@@ -127,6 +127,12 @@ int gpu_broad_make(struct gpu *g, const struct broad *host, struct broad *b)
     return gpu_status(g);
 }
 
+/* Whether cloths have fallen asleep whose boxes are of a motion. */
+static bool makes_all(const struct broad *b)
+{
+    return b->dozes && !(b->made && b->started);
+}
+
 /* Queues refit and cones. Their status is known only after the readback of
  * walk: refitted(). */
 static void refit(struct gpu *g, struct broad *b)
@@ -136,9 +142,10 @@ static void refit(struct gpu *g, struct broad *b)
     fit.nv = b->nv;
     fit.x0 = b->x0;
     fit.x1 = b->x1;
-    fit.n_moved = b->later ? b->nv : 0;
+    fit.n_moved = b->later || b->dozes ? b->nv : 0;
     fit.moved = b->moved;
     fit.all = !b->started || (b->restless && !b->later);
+    fit.every = makes_all(b);
     fit.box = b->box;
     fit.stir = b->stir;
     gpu_refit_queue(g, &fit, gpu_late_words(g));
@@ -154,12 +161,24 @@ static int refitted(const struct gpu *g, struct broad *b)
     b->refitted += made;
     b->kept += b->tree.n - made;
     b->started = b->started || !seen[REFIT_BAD];
+    b->made = b->made || (b->dozes && !seen[REFIT_BAD]);
     return seen[REFIT_BAD] ? DRAPE_EDATA : DRAPE_OK;
 }
 
-static int cones(struct gpu *g, struct broad *b)
+/* Thread k owns cloth node k. What does not stir is compared with nothing of
+ * itself. */
+KERNEL all_clear_kernel(int64_t n, uint8_t *clear)
+{
+    ITEM(k, n);
+    clear[k] = CLEAR_ALL;
+}
+
+/* every: the boxes of all nodes were made. */
+static int cones(struct gpu *g, struct broad *b, bool every)
 {
     struct cones s = {};
+    if (every)
+        LAUNCH(g, b->tree.n_cloth, all_clear_kernel, b->tree.n_cloth, b->clear);
     s.tree = b->tree;
     s.map = b->map;
     s.nv = b->nv;
@@ -344,18 +363,20 @@ int gpu_broad_query(struct gpu *g, struct broad *b, const vec *x0,
     b->x0 = x0;
     b->x1 = x1;
     b->r = r;
-    b->moved = moved;
+    b->moved = moved ? moved : b->awake;
     b->later = moved && b->started && b->n_front > 0;
+    b->dozes = !moved && b->awake;
     /* Refit is waited for at once in a first query, whose boxes do not exist
      * yet, and in a traced run, whose trace must end at bad positions. */
     bool now = !b->started || b->trace;
+    bool every = makes_all(b);
     int64_t walked = b->walked, cleared = b->cleared;
     refit(g, b);
     if (now)
         gpu_read_back_keep(g, REFIT_WORDS);
     int status = now ? refitted(g, b) : (int)DRAPE_OK;
     if (status == DRAPE_OK && b->cones)
-        status = cones(g, b);
+        status = cones(g, b, every);
     if (status == DRAPE_OK && !b->later)
         status = update_front(g, b);
     if (status == DRAPE_OK)

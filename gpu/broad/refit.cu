@@ -76,7 +76,7 @@ static __device__ void fit_level(const struct fit *f, int l)
         bool still = a >= s->tree.range[TREE_STATIC * s->tree.levels];
         bool stirs = !still && (l ? inner_stirs(s, a) : leaf_stirs(s, a));
         s->stir[a] = stirs;
-        if (!still && !stirs)
+        if (!still && !stirs && !s->every)
             continue;
         if (l)
             fit_inner(s, a);

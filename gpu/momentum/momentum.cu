@@ -83,7 +83,7 @@ KERNEL islands_label_kernel(const struct islands &s)
 }
 
 /* Thread k owns contact k and joins the islands of its two bodies. *bad: the
- * contact has a vertex or a body that is not there. */
+ * contact has a vertex that is not there. */
 KERNEL islands_unite_kernel(const struct islands &s, int64_t *bad)
 {
     ITEM(k, s.n);
@@ -92,9 +92,9 @@ KERNEL islands_unite_kernel(const struct islands &s, int64_t *bad)
     for (int j = 0; j < 4; j++)
         good = good && c->v[j] >= 0 && c->v[j] < s.nv;
     int32_t a = good ? s.body[c->v[0]] : 0, b = good ? s.body[c->v[3]] : 0;
-    if (!good || a >= s.bodies || b >= s.bodies)
+    if (!good)
         *bad = 1; /* all threads that write, write the same */
-    else if (a != b)
+    else if (a != b && a < s.bodies && b < s.bodies)
         unite(s.label, a, b);
 }
 

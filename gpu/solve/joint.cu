@@ -56,6 +56,7 @@ struct solve {
     int32_t touch;   /* 1: there are contacts */
     int32_t recalls; /* 1: begins along c->last */
     int32_t weigh;   /* as in struct joint */
+    int32_t epoch;   /* likewise */
     struct beginning begin;
 };
 
@@ -529,12 +530,13 @@ static void write_solve(struct solve *a, const struct joint_system *w)
     a->b = s->b;
     a->recalls = s->last != NULL;
     a->weigh = s->weigh;
+    a->epoch = s->epoch;
     a->at = w->part[0].rates.x;
     a->w = w->w;
     a->wall = s->wall;
     a->item = s->item;
     a->chunk = s->chunk;
-    if (w->n > 1)
+    if (w->n > 1 || w->part[0].pcg.count < s->nc)
         return;
     struct pcg only = part_of(w, &w->part[0]);
     write_begin(&a->begin, &only, s->item);

@@ -9,6 +9,7 @@ extern "C" {
 #include "gpu/cloth/motion.h"
 #include "gpu/contact/rounds.h"
 #include "gpu/contact/turn.h"
+#include "gpu/sleep/rouse.h"
 #include "gpu/world/backend.h"
 #include "gpu/world/led.h"
 #include "gpu/world/systems.h"
@@ -228,6 +229,29 @@ static void laws(void *on, struct sheet *s)
     gpu_motion_laws(gpu_of(on), s);
 }
 
+static bool differs(void *on, int64_t n, const int32_t *at, const vec *x0,
+                    const vec *x1)
+{
+    return gpu_led_differs(gpu_of(on), n, at, x0, x1);
+}
+
+static void rouse(void *on, struct rouse *s)
+{
+    gpu_rouse_near(gpu_of(on), s);
+}
+
+static void mask(void *on, int64_t n, const uint16_t *body,
+                 const uint8_t *awake, uint8_t *to)
+{
+    gpu_rouse_mask(gpu_of(on), n, body, awake, to);
+}
+
+static void ways(void *on, int64_t n, const uint16_t *body, const vec *x0,
+                 const vec *x1, int bodies, real *most)
+{
+    gpu_rouse_ways(gpu_of(on), n, body, x0, x1, bodies, most);
+}
+
 static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
                        real dt, vec *v)
 {
@@ -298,6 +322,10 @@ extern const struct backend backend_gpu = {.take = take,
                                            .fetch = fetch,
                                            .laws = laws,
                                            .moves = gpu_led_moves,
+                                           .differs = differs,
+                                           .rouse = rouse,
+                                           .mask = mask,
+                                           .ways = ways,
                                            .velocities = velocities,
                                            .furthest = furthest,
                                            .ending_streams = ending_streams};

@@ -55,6 +55,14 @@ bool gpu_led_moves(const struct world *w)
     return gpu_read_back(g, 1)[0] != 0;
 }
 
+bool gpu_led_differs(struct gpu *g, int64_t n, const int32_t *at, const vec *x0,
+                     const vec *x1)
+{
+    int64_t *moves = gpu_words(g);
+    LAUNCH(g, n, moves_kernel, n, at, x0, x1, moves);
+    return gpu_read_back(g, 1)[0] != 0;
+}
+
 static __device__ real between(real a, real b, double part)
 {
     double from = (double)a;

@@ -17,6 +17,8 @@ struct world;
 void gpu_led_pin(struct gpu *g, int64_t n, const int32_t *pinned, const vec *x,
                  vec *to);
 bool gpu_led_moves(const struct world *w);
+bool gpu_led_differs(struct gpu *g, int64_t n, const int32_t *at, const vec *x0,
+                     const vec *x1);
 void gpu_led_blend(struct gpu *g, const struct blend *s);
 void gpu_led_keep(struct gpu *g, int64_t n, const uint8_t *fixed,
                   const vec *old, vec *a);

@@ -38,6 +38,8 @@ static void give_state(struct gpu_world *d)
     if (h->plan.turns)
         GPU_TAKE_COPY(d->gpu, w->solved, ARENA_STATE, h->solved,
                       COUPLE_ENDS * h->nc);
+    if (h->def.sleep)
+        GPU_TAKE_COPY(d->gpu, w->anchor, ARENA_STATE, NULL, h->nc);
     if (h->plan.history && h->plan.collides) {
         GPU_TAKE_COPY(d->gpu, w->free_x, ARENA_STATE, NULL, h->nc);
         GPU_TAKE_COPY(d->gpu, w->free_v, ARENA_STATE, NULL, h->nc);

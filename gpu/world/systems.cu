@@ -8,6 +8,7 @@ extern "C" {
 #include "gpu/contact/joint.h"
 #include "gpu/world/state.h"
 #include "gpu/world/systems.h"
+#include "ref/sleep/sleep.h"
 }
 
 int gpu_systems_make(struct gpu_world *w)
@@ -20,9 +21,13 @@ int gpu_systems_make(struct gpu_world *w)
 int gpu_systems_joint(struct world *w, struct joint *s)
 {
     struct gpu_world *d = w->device;
+    int n = 0;
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct sheet *a = &w->sheet[k];
-        struct joint_part *p = &d->part[k];
+        struct joint_part *p = &d->part[n];
+        if (!sleep_awake(w, k))
+            continue;
+        n++;
         p->pcg = a->solver.pcg;
         p->pcg.block = a->dynamics.block;
         p->pcg.thin = a->dynamics.thin;
@@ -30,7 +35,7 @@ int gpu_systems_joint(struct world *w, struct joint *s)
         p->first = a->first;
     }
     const struct joint_system all = {.gpu = d->gpu,
-                                     .n = w->def.n_cloths,
+                                     .n = n,
                                      .part = d->part,
                                      .joint = s,
                                      .links = d->links,

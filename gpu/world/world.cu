@@ -11,6 +11,7 @@ extern "C" {
 #include "ref/control/control.h"
 #include "ref/control/heir.h"
 #include "ref/control/list.h"
+#include "ref/sleep/sleep.h"
 #include "ref/world/checkpoint.h"
 #include "ref/world/step.h"
 }
@@ -45,12 +46,18 @@ static struct world staged(const struct world *w)
     all.past_v = h->past_v;
     all.press = h->press;
     all.solved = h->solved;
+    all.anchor = h->anchor;
     return all;
 }
 
 static size_t solved_bytes(const struct world *w)
 {
     return w->solved ? COUPLE_ENDS * (size_t)w->nc * sizeof *w->solved : 0;
+}
+
+static size_t anchor_bytes(const struct world *w)
+{
+    return w->anchor ? (size_t)w->nc * sizeof *w->anchor : 0;
 }
 
 static int fetch(const struct world *w)
@@ -67,12 +74,19 @@ static int fetch(const struct world *w)
     gpu_down(g, h->past_v, w->past_v, past);
     gpu_down(g, h->press, w->press, press);
     gpu_down(g, h->solved, w->solved, solved_bytes(w));
+    gpu_down(g, h->anchor, w->anchor, anchor_bytes(w));
     return gpu_status(g);
 }
 
 static int read(const struct world *w, double (*x)[3], double (*v)[3])
 {
-    int status = fetch(w);
+    const struct world *h = w->device->host;
+    size_t bytes = (size_t)w->nv * sizeof *w->x0;
+    struct gpu *g = w->device->gpu;
+    gpu_begin(g);
+    gpu_down(g, h->x0, w->x0, x ? bytes : 0);
+    gpu_down(g, h->v0, w->v0, v ? bytes : 0);
+    int status = gpu_status(g);
     return status == DRAPE_OK ? world_read(w->device->host, x, v) : status;
 }
 
@@ -139,6 +153,7 @@ static int load(struct world *w, drape_read_bytes *read, void *user)
     gpu_up(g, w->past_v, all.past_v, past);
     gpu_up(g, w->press, all.press, press);
     gpu_up(g, w->solved, all.solved, solved_bytes(w));
+    gpu_up(g, w->anchor, all.anchor, anchor_bytes(w));
     gpu_wait(g);
     *w = all;
     w->x0 = now.x0;
@@ -147,6 +162,7 @@ static int load(struct world *w, drape_read_bytes *read, void *user)
     w->past_v = now.past_v;
     w->press = now.press;
     w->solved = now.solved;
+    w->anchor = now.anchor;
     return gpu_status(g);
 }
 
@@ -181,7 +197,7 @@ const struct world_ops world_ops_gpu = {.make = make,
                                         .gravity = state_gravity,
                                         .first_vertex = state_first_vertex,
                                         .first_triangle = state_first_triangle,
-                                        .wake = state_wake,
+                                        .wake = sleep_wake,
                                         .set_wind = control_wind,
                                         .control = CONTROL_OPS,
                                         .heir = HEIR_OPS(gpu_make_heir),

@@ -65,7 +65,7 @@ class Outcome(enum.IntFlag):
             this outcome until no intersecting pair is left
         DIVERGED: energy appeared from nothing, or a value was not finite. The
             state and the time are those before the step (cloth/dynamics.md §3)
-        ASLEEP: the scene is at rest, and the step was skipped
+        ASLEEP: all cloths are asleep and nothing is led: the step was skipped
         PASSED: cloth went through something during the step, which the response
             could not prevent; at the end of the step nothing intersects
     """
@@ -126,6 +126,7 @@ class StepReport:
         rounds: (*) detections of penetration after the turns of the contacts,
             of which the last in a clean slice finds no pair; 0 where nothing
             was near anything
+        asleep: cloths asleep at the end of the step
         contacts: pairs in contact, contact/proximity.md, last slice
         impacts: pairs found to penetrate, all rounds
         candidates: (*) pairs given to the narrow phase, all rounds
@@ -147,6 +148,7 @@ class StepReport:
     iterations: int
     residual: float
     rounds: int
+    asleep: int
     contacts: int
     impacts: int
     candidates: int

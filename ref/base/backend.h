@@ -28,6 +28,7 @@ struct penalty;
 struct proximity;
 struct response;
 struct rollback;
+struct rouse;
 struct sheet;
 struct spin;
 struct travel;
@@ -137,6 +138,16 @@ struct backend {
      * backend's stages read them. */
     void (*laws)(void *on, struct sheet *s);
     bool (*moves)(const struct world *w);
+    /* Whether n vertices, or those that `at` names, have other bits in x0 than
+     * the n of x1. */
+    bool (*differs)(void *on, int64_t n, const int32_t *at, const vec *x0,
+                    const vec *x1);
+    /* The loops of ref/sleep/rouse.h. */
+    void (*rouse)(void *on, struct rouse *s);
+    void (*mask)(void *on, int64_t n, const uint16_t *body,
+                 const uint8_t *awake, uint8_t *mask);
+    void (*ways)(void *on, int64_t n, const uint16_t *body, const vec *x0,
+                 const vec *x1, int bodies, real *most);
     void (*velocities)(void *on, int64_t n, const vec *x0, const vec *x1,
                        real dt, vec *v);
     real (*furthest)(void *on, int64_t n, const vec *x0, const vec *x1);

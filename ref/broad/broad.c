@@ -165,19 +165,21 @@ int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
                 const uint8_t *moved)
 {
     b->later = moved && b->started && b->n_front > 0;
+    b->moved = moved ? moved : b->awake;
+    b->dozes = !moved && b->awake;
     struct refit fit = {.tree = b->tree,
                         .nv = b->nv,
                         .x0 = x0,
                         .x1 = x1,
-                        .n_moved = b->later ? b->nv : 0,
-                        .moved = moved,
+                        .n_moved = b->later || b->dozes ? b->nv : 0,
+                        .moved = b->moved,
                         .all = !b->started || (b->restless && !b->later),
+                        .every = b->dozes && !(b->made && b->started),
                         .box = b->box,
                         .stir = b->stir};
     b->x0 = x0;
     b->x1 = x1;
     b->r = r;
-    b->moved = moved;
     int status = ref_refit(&fit);
     b->queries++;
     int64_t made =
@@ -186,8 +188,11 @@ int broad_refit(struct broad *b, const vec *x0, const vec *x1, real r,
     b->kept += b->tree.n - made;
     trace_stage(b->trace, "refit", b->box, (size_t)b->tree.n * sizeof *b->box);
     b->started = b->started || status == DRAPE_OK;
+    b->made = b->made || (b->dozes && status == DRAPE_OK);
     if (status != DRAPE_OK || !b->cones)
         return status;
+    if (fit.every) /* what does not stir is compared with nothing of itself */
+        memset(b->clear, CLEAR_ALL, (size_t)b->tree.n_cloth);
     struct cones cones = {.tree = b->tree,
                           .map = b->map,
                           .nv = b->nv,

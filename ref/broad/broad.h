@@ -37,7 +37,11 @@ struct broad {
                       them but counts them as kept, so that a resumed run has
                       the same counters as an unbroken run */
     uint8_t *stir, *clear;
-    int64_t n_inner; /* inner nodes of cloth */
+    const uint8_t *awake; /* [nv] of the caller's: a query without `moved` finds
+                             only pairs with a vertex whose flag is set, and all
+                             others stay where they are; NULL: all are awake */
+    bool made;            /* since `awake` was set: boxes of the others */
+    int64_t n_inner;      /* inner nodes of cloth */
     struct tangents *tangents;
     struct apart apart; /* evaluated on the host by both backends */
 
@@ -46,6 +50,7 @@ struct broad {
     const uint8_t *moved;
     real r;
     bool later; /* only boxes of moved vertices were refitted */
+    bool dozes; /* it looked at what `awake` names */
 
     int64_t n_front;
     struct broad_pool front;          /* lives from query to query */

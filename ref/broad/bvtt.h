@@ -22,7 +22,7 @@ struct bvtt {
 
 /* Bit numbers of `clear`. A set bit says that a node cannot touch itself (SELF)
  * or its neighbour in that direction. */
-enum { CLEAR_SELF, CLEAR_E, CLEAR_NE, CLEAR_N, CLEAR_NW };
+enum { CLEAR_SELF, CLEAR_E, CLEAR_NE, CLEAR_N, CLEAR_NW, CLEAR_ALL = 31 };
 
 /* §4: whether the cones prove that two cloth nodes of one level cannot touch.
  * Nodes that are neighbours have a bit of their own. Nodes further apart

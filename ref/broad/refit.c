@@ -58,7 +58,7 @@ static int64_t fit(const struct refit *s, int32_t first, int32_t end,
     COUNT_MANY(end - first, made)
     for (int32_t a = first; a < end; a++) {
         s->stir[a] = still ? 0 : stir(s, a);
-        if (!still && !s->stir[a])
+        if (!still && !s->stir[a] && !s->every)
             continue;
         s->box[a] = s->tree.level[a] ? fit_inner(s, a) : fit_leaf(s, a);
         made++;

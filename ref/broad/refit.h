@@ -15,6 +15,8 @@ struct refit {
     const uint8_t *moved; /* [n_moved] 0: the vertex has not moved since
                              `box` was made */
     int64_t all;          /* 0: boxes of static meshes are kept */
+    int64_t every;        /* 1: boxes of other meshes are made where nothing
+                             has moved, too */
     struct box *box;      /* inout: [tree.n] m */
     uint8_t *stir;        /* inout: [tree.n] 1: a vertex of the node moved */
     int64_t made;         /* out: boxes made */

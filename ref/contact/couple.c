@@ -7,6 +7,7 @@
 #include "ref/base/sum.h"
 #include "ref/contact/turn.h"
 #include "ref/contact/warm.h"
+#include "ref/sleep/sleep.h"
 #include "ref/world/state.h"
 
 static const real ROUGH = R(0.3);     /* tolerance of what the next solve takes
@@ -48,6 +49,8 @@ void couple_start(struct world *w)
     if (!c->moved)
         c->joint.scale = c->joint.square = 0;
     for (int k = 0; k < w->def.n_cloths && c->rough && !c->moved; k++) {
+        if (!sleep_awake(w, k))
+            continue;
         c->joint.scale += w->sheet[k].solver.pcg.scale;
         c->joint.square += w->sheet[k].solver.pcg.square;
     }
@@ -132,6 +135,16 @@ static real exact_of(const struct world *w, enum care care)
     return w->couple.joint.tolerance;
 }
 
+/* What the solve does not write of cloths that are asleep. */
+static void clear_asleep(struct world *w)
+{
+    struct joint *s = &w->couple.joint;
+    vec *stream[] = {w->couple.b, s->dv, s->p, s->p2, s->q};
+    for (int k = 0; k < 5; k++)
+        sleep_clear(w, stream[k], sizeof(vec));
+    sleep_clear(w, s->item, sizeof *s->item);
+}
+
 /* Solves (A + wall + C) dv = b. */
 static int run_joint(struct world *w, enum care care)
 {
@@ -150,6 +163,8 @@ static int run_joint(struct world *w, enum care care)
         care == LAST || care == WHOLE ? asked : real_max(asked, ROUGH);
     s->exact = exact_of(w, care);
     s->max_iterations = w->def.max_iterations;
+    s->epoch = w->sleep->epoch;
+    clear_asleep(w);
     int status = w->run->joint(w, s);
     w->run->trace(w->on, w->tracing, "joint", s->dv,
                   (size_t)w->nc * sizeof *s->dv);
@@ -165,6 +180,8 @@ static int open_sheets(struct world *w)
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
         struct sheet *s = &w->sheet[k];
         vec *b = c->b + s->first;
+        if (!sleep_awake(w, k))
+            continue;
         status = w->run->motion_open(w->on, s);
         if (b != s->dynamics.b)
             w->run->copy(w->on, b, s->dynamics.b,
@@ -183,8 +200,8 @@ int couple_move(struct world *w, drape_step_report *r)
     struct joint *s = &c->joint;
     double start = clock_now();
     memset(c->kept, 0, sizeof c->kept);
-    c->moved = w->def.n_cloths > 1 && w->plan.implicit && w->plan.collides &&
-               !w->plan.history && w->plan.newton == 1 &&
+    c->moved = w->def.n_cloths - w->sleep->n > 1 && w->plan.implicit &&
+               w->plan.collides && !w->plan.history && w->plan.newton == 1 &&
                w->def.solver == DRAPE_EXACT;
     if (!c->moved)
         return DRAPE_OK;
@@ -201,8 +218,9 @@ int couple_move(struct world *w, drape_step_report *r)
     if (s->outcome == PCG_LIMIT)
         r->outcome |= DRAPE_UNCONVERGED;
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK && c->moved; k++)
-        status = w->run->motion_close(w->on, &w->sheet[k],
-                                      s->dv + w->sheet[k].first);
+        if (sleep_awake(w, k))
+            status = w->run->motion_close(w->on, &w->sheet[k],
+                                          s->dv + w->sheet[k].first);
     return status;
 }
 
@@ -275,6 +293,8 @@ static void add_residual(const struct world *w)
     }
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct sheet *s = &w->sheet[k];
+        if (!sleep_awake(w, k))
+            continue;
         const vec *r = s->dynamics.left ? s->dynamics.left : s->solver.pcg.r;
         w->run->turn_carry(w->on, s->cloth.count, r, w->couple.g + s->first);
     }

@@ -4,6 +4,7 @@
 #include "ref/control/control.h"
 
 #include "ref/api/ops.h"
+#include "ref/sleep/sleep.h"
 #include "ref/world/ending.h"
 #include "ref/world/start.h"
 
@@ -21,7 +22,7 @@ void control_gravity(struct world *w, const double gravity[3])
     for (int k = 0; k < w->def.n_cloths; k++)
         w->sheet[k].dynamics.gravity =
             vec_make((real)gravity[0], (real)gravity[1], (real)gravity[2]);
-    state_wake(w);
+    sleep_wake(w);
 }
 
 int control_wind(struct world *w, const drape_wind *wind)
@@ -36,7 +37,7 @@ int control_wind(struct world *w, const drape_wind *wind)
         d->drag = (real)(0.5 * wind->density * wind->drag);
         d->lift = (real)(0.5 * wind->density * wind->lift);
     }
-    state_wake(w);
+    sleep_wake(w);
     return DRAPE_OK;
 }
 
@@ -65,8 +66,6 @@ void control_tell_cloth(struct world *w, int k)
     const struct cloth *c = &h->sheet[k].cloth;
     const drape_material *m = &s->made.material;
     size_t n = (size_t)c->count;
-    for (int64_t p = 0; p < c->count; p++)
-        h->w[s->first + p] = c->fixed[p] ? 0 : 1 / c->mass[p];
     real most = R(0.5) * real_min(c->hu, c->hv);
     h->surface[k] =
         (struct surface){real_min((real)m->thickness, most), (real)m->friction};
@@ -82,7 +81,7 @@ void control_tell_cloth(struct world *w, int k)
     }
     resend(w, s->cloth.fixed, c->fixed, n * sizeof *c->fixed);
     resend(w, s->cloth.mass, c->mass, n * sizeof *c->mass);
-    resend(w, w->w + s->first, h->w + s->first, n * sizeof *w->w);
+    sleep_weigh(w, k);
     resend(w, w->surface + k, h->surface + k, sizeof *w->surface);
     w->run->laws(w->on, s);
     derive(w);
@@ -107,7 +106,7 @@ int control_material(struct world *w, int cloth, const drape_material *m)
     }
     s->made.material = *m;
     control_tell_cloth(w, cloth);
-    state_wake(w);
+    sleep_wake(w);
     return w->run->status(w->on);
 }
 
@@ -128,7 +127,7 @@ static void restart(struct world *w)
     w->past = 0;
     w->near = NEAR_NONE;
     w->list.known = false;
-    state_wake(w);
+    sleep_wake(w);
 }
 
 int control_take(struct world *w, struct given a, int64_t n, vec *stage,

@@ -3,6 +3,7 @@
  * leads vertices in the next step. spec/control/control.md §3, §4, §5 */
 #include "ref/api/ops.h"
 #include "ref/control/control.h"
+#include "ref/sleep/sleep.h"
 #include "ref/world/start.h"
 
 int control_take_told(struct world *w)
@@ -25,7 +26,7 @@ static void arm(struct world *w)
     }
     w->told.armed = true;
     w->plan.led = true;
-    state_wake(w);
+    sleep_wake(w);
 }
 
 void control_begin(struct world *w)

@@ -150,6 +150,8 @@ static void hand_over(struct world *w, int k, const struct world *old, int from)
         w->run->copy(w->on, w->past_x + to, old->past_x + at, bytes);
         w->run->copy(w->on, w->past_v + to, old->past_v + at, bytes);
     }
+    if (w->anchor)
+        w->run->copy(w->on, w->anchor + to, old->anchor + at, bytes);
     if (w->press && old->press)
         w->run->copy(w->on, w->press + to, old->press + at, bytes);
     for (int t = 0; t < COUPLE_ENDS && w->solved && old->solved; t++)

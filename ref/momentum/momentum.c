@@ -59,21 +59,17 @@ static int32_t root_of(int32_t *label, int32_t k)
     return k;
 }
 
-static bool valid(const struct islands *s, const struct contact *c)
-{
-    return pair_valid(c->v, s->nv) && s->body[c->v[0]] < s->bodies &&
-           s->body[c->v[3]] < s->bodies;
-}
-
 int ref_islands(struct islands *s)
 {
     for (int64_t k = 0; k < s->n; k++)
-        if (!valid(s, &s->contact[k]))
+        if (!pair_valid(s->contact[k].v, s->nv))
             return DRAPE_EARG;
     for (int64_t k = 0; k < s->bodies; k++)
         s->label[k] = (int32_t)k;
     for (int64_t k = 0; k < s->n; k++) {
         const int32_t *v = s->contact[k].v; /* v[0] is of side A, v[3] of B */
+        if (s->body[v[0]] >= s->bodies || s->body[v[3]] >= s->bodies)
+            continue;
         int32_t a = root_of(s->label, s->body[v[0]]);
         int32_t b = root_of(s->label, s->body[v[3]]);
         s->label[a > b ? a : b] = a > b ? b : a;

@@ -32,7 +32,7 @@ struct islands {
     int64_t nv, n;                 /* vertices, contacts */
     const uint16_t *body;          /* [nv] */
     const struct contact *contact; /* [n] */
-    int64_t bodies;
+    int64_t bodies; /* those of greater number, obstacles, join nothing */
     int32_t *label; /* out: [bodies] the first body of its island, §2 */
 };
 
@@ -48,8 +48,8 @@ struct spin {
                      may be v */
 };
 
-/* All return DRAPE_OK, islands DRAPE_EARG for a vertex or a body that is not
- * there. A NaN or an overflow shows in the values. */
+/* All return DRAPE_OK, islands DRAPE_EARG for a vertex that is not there. A NaN
+ * or an overflow shows in the values. */
 int ref_moments(struct moments *s);
 int ref_islands(struct islands *s);
 int ref_spin(struct spin *s);

@@ -4,6 +4,7 @@
 #include "ref/solve/joint.h"
 
 #include "ref/base/sum.h"
+#include "ref/sleep/sleep.h"
 #include "ref/solve/jacobi.h"
 #include "ref/solve/product.h"
 #include "ref/world/state.h"
@@ -29,6 +30,8 @@ static int set_up(struct world *w, struct joint *a)
     int status = DRAPE_OK;
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
         struct pcg p = part_of(&w->sheet[k], a);
+        if (!sleep_awake(w, k))
+            continue;
         status = pcg_open(&p);
         if (status == DRAPE_OK)
             status = ref_pcg_set_up(&p);
@@ -48,6 +51,8 @@ static real precondition(struct world *w, struct joint *a)
 {
     for (int k = 0; k < w->def.n_cloths; k++) {
         struct pcg p = part_of(&w->sheet[k], a);
+        if (!sleep_awake(w, k))
+            continue;
         pcg_open(&p);
         vec *z = a->q + w->sheet[k].first;
         if (p.precond == DRAPE_MULTIGRID)
@@ -68,6 +73,8 @@ static void multiply(struct world *w, const struct joint *a, bool with_walls,
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct sheet *s = &w->sheet[k];
         const struct pcg *p = &s->solver.pcg;
+        if (!sleep_awake(w, k))
+            continue;
         struct product m = {.m = p->m,
                             .n = p->n,
                             .count = p->count,

@@ -18,6 +18,7 @@ struct joint {
     const vec *b;           /* [nc] N·s, 0 where fixed */
     const vec *last;    /* [nc] m/s, 0 where fixed: a first direction, the dv of
                            such a solve before; NULL: none */
+    int32_t epoch;      /* another one where other cloths are asleep */
     bool weigh;         /* scale is found before that direction is taken */
     struct links links; /* the contacts; x and y are set by the solve */
 

@@ -6,6 +6,7 @@
 #include "ref/base/stages.h"
 #include "ref/cloth/motion.h"
 #include "ref/contact/turn.h"
+#include "ref/sleep/rouse.h"
 #include "ref/world/led.h"
 
 static void *take(void *on, enum arena_part part, int64_t n, size_t size)
@@ -220,6 +221,33 @@ static void laws(void *on, struct sheet *s)
     (void)s;
 }
 
+static bool differs(void *on, int64_t n, const int32_t *at, const vec *x0,
+                    const vec *x1)
+{
+    (void)on;
+    return led_differs(n, at, x0, x1);
+}
+
+static void rouse(void *on, struct rouse *s)
+{
+    (void)on;
+    rouse_near(s);
+}
+
+static void mask(void *on, int64_t n, const uint16_t *body,
+                 const uint8_t *awake, uint8_t *to)
+{
+    (void)on;
+    rouse_mask(n, body, awake, to);
+}
+
+static void ways(void *on, int64_t n, const uint16_t *body, const vec *x0,
+                 const vec *x1, int bodies, real *most)
+{
+    (void)on;
+    rouse_ways(n, body, x0, x1, bodies, most);
+}
+
 static void velocities(void *on, int64_t n, const vec *x0, const vec *x1,
                        real dt, vec *v)
 {
@@ -296,6 +324,10 @@ const struct backend backend_ref = {.take = take,
                                     .fetch = copy,
                                     .laws = laws,
                                     .moves = led_moves,
+                                    .differs = differs,
+                                    .rouse = rouse,
+                                    .mask = mask,
+                                    .ways = ways,
                                     .velocities = velocities,
                                     .furthest = furthest,
                                     .ending_streams = ending_streams};

@@ -9,24 +9,24 @@
 #include "ref/base/hash.h"
 #include "ref/cloth/table.h"
 #include "ref/control/control.h"
+#include "ref/sleep/sleep.h"
 
 struct header {
     char magic[8]; /* "drape-" and the number of this format */
-    uint32_t bits, resting;
+    uint64_t bits;
     uint64_t fingerprint, check; /* check: a hash of all other bytes */
     int64_t step, vertices, intersecting;
     double time;
-    uint16_t asleep, near;
-    uint32_t past;
+    uint32_t near, past;
     uint16_t level, again, calm, far, blind; /* struct caution */
     uint16_t pressed;
     drape_wind wind;
 };
-static const char magic[8] = "drape-8";
+static const char magic[8] = "drape-9";
 /* A world that its caller has changed has another magic, and after the header
  * what follows from the changes: control.md §6. This part holds materials, so
  * its number is also that of the layout of drape_material. */
-static const char changed[8] = "drape+8";
+static const char changed[8] = "drape+9";
 struct changes {
     int64_t bytes;  /* of control_pack; 0 */
     uint64_t armed; /* 1: the targets of the next step follow the streams */
@@ -128,7 +128,7 @@ uint64_t checkpoint_fingerprint(const drape_def *d, uint64_t *print)
 
 /* Lists the streams that are part of the state: the next step reads them. A
  * stream that the scene does not have has 0 bytes. */
-enum { PLACE = 0, WATCH = 2, STREAMS = 7 };
+enum { PLACE = 0, WATCH = 2, REST, STREAMS = 9 };
 static void streams(const struct world *w, void *stream[STREAMS],
                     size_t bytes[STREAMS])
 {
@@ -137,9 +137,13 @@ static void streams(const struct world *w, void *stream[STREAMS],
     size_t press = w->press ? (size_t)w->nc * sizeof(vec) : 0;
     size_t solved = w->solved ? COUPLE_ENDS * (size_t)w->nc * sizeof(vec) : 0;
     size_t watch = (size_t)w->def.n_cloths * sizeof *w->watch;
-    void *s[STREAMS] = {w->x0,     w->v0,    w->watch, w->past_x,
-                        w->past_v, w->press, w->solved};
-    const size_t b[STREAMS] = {n, n, watch, past, past, press, solved};
+    size_t rest = (size_t)w->def.n_cloths * sizeof *w->sleep->rest;
+    size_t anchor = w->anchor ? (size_t)w->nc * sizeof(vec) : 0;
+    void *s[STREAMS] = {w->x0,          w->v0,     w->watch,
+                        w->sleep->rest, w->past_x, w->past_v,
+                        w->press,       w->solved, w->anchor};
+    const size_t b[STREAMS] = {n,    n,     watch,  rest,  past,
+                               past, press, solved, anchor};
     memcpy(stream, s, sizeof s);
     memcpy(bytes, b, sizeof b);
 }
@@ -158,14 +162,12 @@ static struct header header_of(const struct world *w)
     struct header h;
     memset(&h, 0, sizeof h);
     h.bits = REAL_BITS;
-    h.resting = (uint32_t)w->resting;
     h.fingerprint = w->fingerprint;
     h.step = w->step;
     h.vertices = w->nv;
     h.intersecting = w->intersecting;
     h.time = w->time;
-    h.asleep = w->asleep;
-    h.near = (uint16_t)w->near;
+    h.near = (uint32_t)w->near;
     h.past = (uint32_t)w->past;
     h.level = (uint16_t)w->caution.level;
     h.again = (uint16_t)w->caution.again;
@@ -260,20 +262,20 @@ static bool good_wind(const drape_wind *wind)
            wind->lift <= REAL_BIG;
 }
 
+enum { SHORTEST = 6 }; /* the level of slices of 1/64 step */
+
 /* Whether all fields of the header are values that a step can handle. The hash
  * alone does not prove that: anybody can make a file with a valid hash. */
 static bool good_header(const struct world *w, const struct header *h)
 {
-    enum { LEVELS = 6 }; /* the level of slices of 1/64 step */
     const int64_t most = (int64_t)1 << 53; /* steps that a double counts */
     if ((h->past && !w->past_x) || (h->pressed && !w->press))
         return false;
     if (h->step > most || h->time != (double)h->step * w->def.dt)
         return false;
-    return h->step >= 0 && h->intersecting >= 0 && h->asleep <= 1 &&
-           h->near <= NEAR_IMPACTS && h->past <= 1 + LEVELS &&
-           h->resting <= INT32_MAX && h->pressed <= 1 && h->again <= 1 &&
-           h->level <= LEVELS && h->far <= LEVELS && good_wind(&h->wind);
+    return h->step >= 0 && h->intersecting >= 0 && h->near <= NEAR_IMPACTS &&
+           h->past <= 1 + SHORTEST && h->pressed <= 1 && h->again <= 1 &&
+           h->level <= SHORTEST && h->far <= SHORTEST && good_wind(&h->wind);
 }
 
 /* Whether n numbers are finite and at most `most` in size. They may be
@@ -299,14 +301,28 @@ static bool good_watch(const uint8_t *at, size_t bytes)
     return true;
 }
 
+static bool good_rests(const uint8_t *at, size_t bytes)
+{
+    int32_t n = (int32_t)(bytes / sizeof(struct rest));
+    for (struct rest r; bytes > 0; bytes -= sizeof r, at += sizeof r) {
+        memcpy(&r, at, sizeof r);
+        if (r.steps < 0 || r.steps > SLEEP_MOST || r.asleep < 0 ||
+            r.asleep > 1 || r.group < 0 || r.group >= n || r.past < 0 ||
+            r.past > 1 + SHORTEST || !(r.far >= 0 && r.far <= DBL_MAX))
+            return false;
+    }
+    return true;
+}
+
 static bool good_streams(const uint8_t *aside, const size_t bytes[STREAMS])
 {
     const uint8_t *at = aside;
     bool good = true;
     for (int k = 0; k < STREAMS; at += bytes[k++])
-        good &= k == WATCH ? good_watch(at, bytes[k])
-                           : good_reals(at, bytes[k] / sizeof(real),
-                                        k == PLACE ? REAL_BIG : (real)FLT_MAX);
+        good &= k == WATCH  ? good_watch(at, bytes[k])
+                : k == REST ? good_rests(at, bytes[k])
+                            : good_reals(at, bytes[k] / sizeof(real),
+                                         k == PLACE ? REAL_BIG : (real)FLT_MAX);
     return good;
 }
 
@@ -405,6 +421,8 @@ static void apply(struct world *w, const struct read *r)
 {
     const struct header *h = &r->h;
     size_t at = 0;
+    control_gravity(w, r->c.gravity); /* this wakes all */
+    control_wind(w, &h->wind);
     for (int k = 0; k < STREAMS; at += r->bytes[k++])
         if (r->bytes[k])
             memcpy(r->stream[k], r->aside + at, r->bytes[k]);
@@ -416,10 +434,7 @@ static void apply(struct world *w, const struct read *r)
     w->step = h->step;
     w->intersecting = h->intersecting;
     w->time = h->time;
-    control_gravity(w, r->c.gravity);
-    control_wind(w, &h->wind);
-    w->resting = (int)h->resting;
-    w->asleep = h->asleep;
+    sleep_forget(w);
     w->near = (enum nearness)h->near;
     w->past = (int)h->past;
     w->pressed = h->pressed;

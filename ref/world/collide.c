@@ -7,6 +7,7 @@
 #include "ref/base/clock.h"
 #include "ref/broad/travel.h"
 #include "ref/contact/response.h"
+#include "ref/sleep/sleep.h"
 #include "ref/world/slice.h"
 
 int collide_broad(void *user, const uint8_t *touched, struct pairs *out)
@@ -15,8 +16,10 @@ int collide_broad(void *user, const uint8_t *touched, struct pairs *out)
     double start = clock_now();
     int status =
         w->run->broad_query(w->on, &w->broad, w->x0, w->x1, 0, touched);
+    if (status == DRAPE_OK)
+        status = sleep_notice(w);
     w->broad_seconds += clock_now() - start;
-    out->n = w->broad.n;
+    out->n = w->sleep->roused ? 0 : w->broad.n; /* the slice is taken again */
     out->pair = w->broad.pair.data;
     out->kind = w->broad.kind.data;
     return status;
@@ -47,6 +50,8 @@ static int find_near(struct world *w, const vec *to, real r)
             w->run->broad_whole_apart(w->on, &w->broad, w->x0, to, r, &apart);
     if (status == DRAPE_OK && !apart)
         status = w->run->broad_query(w->on, &w->broad, w->x0, to, r, NULL);
+    if (status == DRAPE_OK && !apart)
+        status = sleep_notice(w);
     w->broad_seconds += clock_now() - start;
     return status;
 }
@@ -117,8 +122,9 @@ static int repel(struct world *w)
     if (status == DRAPE_OK)
         status = find_near(w, w->x0, w->reach);
     struct pairs near = {w->broad.n, w->broad.pair.data, w->broad.kind.data};
-    if (status == DRAPE_OK)
-        status = response_repel(&w->response, &near);
+    if (status != DRAPE_OK || w->sleep->roused)
+        return status;
+    status = response_repel(&w->response, &near);
     if (status == DRAPE_OK && w->couple.rough && w->couple.solves == 0)
         status = couple_solve(w, 0, NULL);
     return status;
@@ -147,7 +153,7 @@ int collide(struct world *w, drape_step_report *r, double *last)
         status = repel(w);
     charge_contact(w, r, DRAPE_PART_PROXIMITY, last);
     w->met = !alone;
-    if (status != DRAPE_OK || alone)
+    if (status != DRAPE_OK || alone || w->sleep->roused)
         return status;
     status = response_penetrate(c);
     charge_contact(w, r, DRAPE_PART_PENETRATION, last);

@@ -268,6 +268,8 @@ static int take_streams(struct world *w)
     w->surface = take(w, ARENA_STATE, bodies, sizeof *w->surface);
     w->tri = take(w, ARENA_STATE, w->nt, sizeof *w->tri);
     w->watch = take(w, ARENA_STATE, w->def.n_cloths, sizeof *w->watch);
+    if (w->def.sleep)
+        w->anchor = take(w, ARENA_STATE, w->nc, sizeof *w->anchor);
     if (p->history) {
         w->past_x = take(w, ARENA_STATE, w->nc, sizeof *w->past_x);
         w->past_v = take(w, ARENA_STATE, w->nc, sizeof *w->past_v);

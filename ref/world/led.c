@@ -9,18 +9,23 @@ void led_pin(int64_t n, const int32_t *pinned, const vec *x, vec *to)
         to[pinned[i]] = x[i];
 }
 
+bool led_differs(int64_t n, const int32_t *at, const vec *x0, const vec *x1)
+{
+    for (int64_t i = 0; i < n; i++)
+        if (memcmp(&x0[at ? at[i] : i], &x1[i], sizeof *x0) != 0)
+            return true;
+    return false;
+}
+
 bool led_moves(const struct world *w)
 {
-    for (int64_t i = w->nc; i < w->nv; i++)
-        if (memcmp(&w->x0[i], &w->x1[i], sizeof *w->x0) != 0)
-            return true;
+    if (led_differs(w->nv - w->nc, NULL, w->x0 + w->nc, w->x1 + w->nc))
+        return true;
     for (int k = 0; k < w->def.n_cloths; k++) {
         struct pins pins = sheet_pins(&w->sheet[k]);
-        for (int64_t i = 0; i < pins.n; i++) {
-            const vec *x = w->x0 + w->sheet[k].first + pins.at[i];
-            if (memcmp(x, &pins.x[i], sizeof *x) != 0)
-                return true;
-        }
+        const vec *x0 = w->x0 + w->sheet[k].first;
+        if (led_differs(pins.n, pins.at, x0, pins.x))
+            return true;
     }
     return false;
 }

@@ -11,6 +11,9 @@ void led_pin(int64_t n, const int32_t *pinned, const vec *x, vec *to);
 /* Whether an obstacle or a pin has another place in x1 than in x0, compared by
  * bits. */
 bool led_moves(const struct world *w);
+/* Whether n vertices, or those that `at` names, have other bits in x0 than the
+ * n of x1. */
+bool led_differs(int64_t n, const int32_t *at, const vec *x0, const vec *x1);
 /* A part of the straight way of n items to where they are told to be. */
 struct blend {
     int64_t n;

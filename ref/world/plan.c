@@ -94,7 +94,7 @@ int plan_rows(const struct world *w, drape_plan_row *row, int capacity)
          "the reference needs none", ARENA_SCRATCH, true},
         {"momentum", conserve_applies(w), "nothing but cloths and gravity acts",
          p->implicit ? "obstacles, pins or wind act" : explicit_, 0, false},
-        {"sleep", w->def.sleep, "a scene at rest is skipped", "sleep is off",
+        {"sleep", w->def.sleep, "cloths at rest are skipped", "sleep is off",
          ARENA_OTHER, true},
     };
     int n = (int)(sizeof rows / sizeof *rows);

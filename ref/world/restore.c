@@ -3,6 +3,7 @@
  * a later slice or after its last. The memory is taken when a start is first
  * kept. spec/world/step.md §7 */
 #include "ref/world/restore.h"
+#include "ref/sleep/sleep.h"
 
 static vec *take(struct world *w, vec *had, int64_t n)
 {
@@ -20,6 +21,8 @@ static int take_start(struct world *w)
         s->past_x = take(w, s->past_x, w->nc);
         s->past_v = take(w, s->past_v, w->nc);
     }
+    if (w->anchor)
+        s->anchor = take(w, s->anchor, w->nc);
     if (w->press)
         s->press = take(w, s->press, w->nc);
     if (w->solved)
@@ -27,7 +30,10 @@ static int take_start(struct world *w)
     if (!s->watch)
         s->watch = arena_take(w->arena, ARENA_STATE, w->def.n_cloths,
                               sizeof *s->watch);
-    return s->watch ? w->run->status(w->on) : DRAPE_ENOMEM;
+    if (!s->rest)
+        s->rest =
+            arena_take(w->arena, ARENA_STATE, w->def.n_cloths, sizeof *s->rest);
+    return s->watch && s->rest ? w->run->status(w->on) : DRAPE_ENOMEM;
 }
 
 /* Copies the streams of the state from one set to another. */
@@ -42,11 +48,14 @@ static void copy(const struct world *w, struct start *to,
         w->run->copy(w->on, to->past_x, from->past_x, cloths);
         w->run->copy(w->on, to->past_v, from->past_v, cloths);
     }
+    if (w->anchor)
+        w->run->copy(w->on, to->anchor, from->anchor, cloths);
     if (w->press)
         w->run->copy(w->on, to->press, from->press, cloths);
     if (w->solved)
         w->run->copy(w->on, to->solved, from->solved, COUPLE_ENDS * cloths);
     memcpy(to->watch, from->watch, (size_t)w->def.n_cloths * sizeof *to->watch);
+    memcpy(to->rest, from->rest, (size_t)w->def.n_cloths * sizeof *to->rest);
 }
 
 /* Returns the world's own streams of the state. */
@@ -58,7 +67,9 @@ static struct start now(const struct world *w)
                           .past_v = w->past_v,
                           .press = w->press,
                           .solved = w->solved,
-                          .watch = w->watch};
+                          .watch = w->watch,
+                          .anchor = w->anchor,
+                          .rest = w->sleep->rest};
 }
 
 int restore_save(struct world *w)
@@ -70,8 +81,6 @@ int restore_save(struct world *w)
     copy(w, s, &from);
     s->pressed = w->pressed;
     s->past = w->past;
-    s->resting = w->resting;
-    s->asleep = w->asleep;
     s->near = w->near;
     return w->run->status(w->on);
 }
@@ -84,7 +93,6 @@ void restore_start(struct world *w)
     copy(w, &to, s);
     w->pressed = s->pressed;
     w->past = s->past;
-    w->resting = s->resting;
-    w->asleep = s->asleep;
     w->near = s->near;
+    sleep_forget(w);
 }

@@ -16,6 +16,8 @@
 #include "ref/world/slice.h"
 
 struct heir;
+struct rest;
+struct sleep;
 
 /* One obstacle and its prescribed motion. */
 struct prop {
@@ -44,16 +46,18 @@ struct told {
  * contacts; contacts, and impacts that brought new ones. */
 enum nearness { NEAR_NONE, NEAR_PAIRS, NEAR_CONTACTS, NEAR_IMPACTS };
 
-/* A copy of the state at the start of the current step. `watch` lies on the
- * host, the other streams in the memory of the backend. */
+/* A copy of the state at the start of the current step. `watch` and `rest` lie
+ * on the host, the other streams in the memory of the backend. */
 struct start {
     vec *x, *v;           /* [nv] */
     vec *past_x, *past_v; /* [nc] or NULL */
     vec *press;           /* [nc] or NULL */
     vec *solved;          /* [COUPLE_ENDS·nc] or NULL */
     double (*watch)[2];   /* [n_cloths]; NULL: no start was kept yet */
-    int past, resting;
-    bool pressed, asleep;
+    vec *anchor;          /* [nc] or NULL */
+    struct rest *rest;    /* [n_cloths] */
+    int past;
+    bool pressed;
     enum nearness near;
 };
 
@@ -98,9 +102,12 @@ struct world {
     vec *press;              /* [nc] N, contact forces of the slice before */
     vec *solved;             /* [COUPLE_ENDS·nc] m/s, the solutions of the
                                 slice before; NULL: no contact is solved */
+    vec *anchor;             /* [nc] m, where cloths were when they last had
+                                gone somewhere; NULL: none may sleep */
     vec *to;                 /* [nc] m, where pins end; NULL: not needed */
     double (*watch)[2];      /* [n_cloths] J, dynamics' reference, surplus */
-    real *w;                 /* [nv] 1/kg, 0 for obstacles and pins */
+    real *w;                 /* [nv] 1/kg, 0 for obstacles, pins, and what is
+                                held asleep */
     int32_t (*tri)[3];       /* [nt] vertices of the scene */
     uint16_t *body;          /* [nv] the vertex's body: index into surface */
     struct surface *surface; /* [bodies] thickness and friction */
@@ -121,8 +128,6 @@ struct world {
 
     int64_t step;
     double time;
-    int resting; /* consecutive steps in which nothing moved, step.md §6 */
-    bool asleep;
     enum nearness near;   /* how near things came in the slice before */
     bool pressed;         /* press holds forces; false: it is all 0 */
     int64_t intersecting; /* intersecting pairs of the state: step.md §11 */
@@ -133,6 +138,7 @@ struct world {
     bool reported; /* the caller gave a report to fill */
     struct slicing slicing;
     struct caution caution;
+    struct sleep *sleep;
     struct start start;
     struct told told;
     struct list list;
@@ -152,13 +158,6 @@ static inline bool state_has_past(const struct world *w)
 static inline bool state_warm(const struct world *w)
 {
     return w->pressed && !w->slicing.without_press;
-}
-
-/* A scene that slept is awake, and is not at rest: step.md §6. */
-static inline void state_wake(struct world *w)
-{
-    w->asleep = false;
-    w->resting = 0;
 }
 
 /* First vertex or triangle of a body, cloths first; of the body after the last:

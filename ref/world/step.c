@@ -8,14 +8,14 @@
 #include "ref/cloth/implicit.h"
 #include "ref/control/control.h"
 #include "ref/momentum/conserve.h"
+#include "ref/sleep/sleep.h"
 #include "ref/world/collide.h"
 #include "ref/world/ending.h"
 #include "ref/world/lead.h"
 #include "ref/world/restore.h"
 #include "ref/world/slice.h"
 
-enum { REST_STEPS = 30, SMALL_SCENE = 4096 };
-static const double REST_PART = 1e-3; /* of the largest thickness, §6 */
+enum { SMALL_SCENE = 4096 };
 
 /* The current step. */
 struct step {
@@ -41,9 +41,11 @@ static void add_energies(const struct world *w, const vec *x, const vec *v,
     for (int k = 0; k < w->def.n_cloths; k++) {
         struct sheet *s = &w->sheet[k];
         double value[3];
-        w->run->energy(w->on, s, x + s->first, v + s->first, value);
+        const double *still = sleep_energy(w, k);
+        if (!still)
+            w->run->energy(w->on, s, x + s->first, v + s->first, value);
         for (int j = 0; j < 3; j++)
-            energy[j] += value[j];
+            energy[j] += still ? still[j] : value[j];
     }
 }
 
@@ -54,8 +56,7 @@ static void report_energy(drape_step_report *r, const double energy[3])
     r->potential = energy[2];
 }
 
-/* Starts a step. A scene that is asleep stays asleep unless an obstacle or a
- * pin moves. */
+/* Starts a step. Where all cloths are asleep and nothing is led that is all. */
 static void begin(struct world *w, struct step *s)
 {
     w->run->begin(w->on);
@@ -67,13 +68,13 @@ static void begin(struct world *w, struct step *s)
     }
     slice_begin(w);
     control_begin(w);
-    if (!w->asleep)
-        return;
-    if (w->plan.led)
+    if (sleep_all(w) && w->plan.led)
         s->status = lead(w, slice_time(w), w->x1);
-    s->asleep = s->status == DRAPE_OK && !lead_moves(w);
+    s->asleep = sleep_all(w) && s->status == DRAPE_OK && !lead_moves(w);
     if (s->asleep)
         s->all->outcome = DRAPE_ASLEEP;
+    else if (s->status == DRAPE_OK)
+        s->status = sleep_hold(w);
 }
 
 static bool has_slice_left(const struct world *w, const struct step *s)
@@ -89,6 +90,8 @@ static void place(struct world *w, struct step *s)
     w->met = false;
     s->status = lead(w, slice_time(w), w->x1);
     w->leads = s->status == DRAPE_OK && lead_moves(w);
+    if (s->status == DRAPE_OK)
+        s->status = sleep_look(w);
     w->run->trace(w->on, w->tracing, "kinematics", w->x1 + w->nc,
                   (size_t)(w->nv - w->nc) * sizeof *w->x1);
 }
@@ -135,15 +138,19 @@ static int move_sheets(struct world *w, drape_step_report *r)
 {
     size_t bytes = (size_t)w->nc * sizeof *w->x1;
     int n = w->def.n_cloths;
+    w->couple.rough = false;
     for (int k = 0; k < n; k++)
-        prepare_sheet(w, k);
+        if (sleep_awake(w, k))
+            prepare_sheet(w, k);
     int status = couple_move(w, r);
     for (int k = 0; k < n && status == DRAPE_OK && !w->couple.moved; k++)
-        status = w->run->motion(w->on, &w->sheet[k]);
+        if (sleep_awake(w, k))
+            status = w->run->motion(w->on, &w->sheet[k]);
     if (status != DRAPE_OK)
         return status;
     for (int k = 0; k < n; k++)
-        report_sheet(w, k, r);
+        if (sleep_awake(w, k))
+            report_sheet(w, k, r);
     if (w->plan.led)
         lead_velocities(w);
     if (w->plan.history && w->plan.collides) {
@@ -175,7 +182,7 @@ static void check_travel(struct world *w, struct step *s)
  * beyond, and the slice has diverged. */
 static void handle_contact(struct world *w, struct step *s)
 {
-    if (!goes_on(s) || !w->plan.collides)
+    if (!goes_on(s) || !w->plan.collides || w->sleep->roused)
         return;
     s->status = collide(w, &s->r, &s->last);
     if (s->status != DRAPE_EDATA)
@@ -183,6 +190,16 @@ static void handle_contact(struct world *w, struct step *s)
     s->status = DRAPE_OK;
     s->r.outcome |= DRAPE_DIVERGED;
     s->again = slice_diverged(w);
+}
+
+/* §6: what comes near a cloth that is asleep wakes it, and the slice is taken
+ * again. */
+static void rouse(struct world *w, struct step *s)
+{
+    if (s->status != DRAPE_OK || !w->sleep->roused)
+        return;
+    sleep_end(w);
+    s->again = true;
 }
 
 /* §3.4: in empty space nothing but gravity changes momentum. */
@@ -202,56 +219,65 @@ static void check_energy(struct world *w, struct step *s)
     bool anew = w->met && (w->reported || slice_checks_energy(w));
     if (!goes_on(s))
         return;
-    for (int k = 0; k < w->def.n_cloths; k++)
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        const struct dynamics *d = &w->sheet[k].dynamics;
+        const double *still = sleep_energy(w, k);
         for (int j = 0; j < 3; j++) {
-            before[j] += w->sheet[k].dynamics.before[j];
-            after[j] += anew ? 0 : w->sheet[k].dynamics.energy[j];
+            before[j] += still ? still[j] : d->before[j];
+            after[j] += anew ? 0 : still ? still[j] : d->energy[j];
         }
+    }
     if (anew)
         add_energies(w, w->x1, w->v1, after);
     report_energy(&s->r, after);
     s->again = w->plan.collides && slice_wrong(w, s->r.outcome, before, after);
 }
 
-static void remember(struct world *w)
+static void remember_run(struct world *w, int64_t first, int64_t n)
 {
     bool collides = w->plan.collides;
-    struct history h = {.count = w->nc,
-                        .x0 = w->x0,
-                        .v0 = w->v0,
-                        .x1 = collides ? w->free_x : w->x1,
-                        .v1 = collides ? w->free_v : w->v1,
-                        .x = w->x1,
-                        .v = w->v1,
+    struct history h = {.count = n,
+                        .x0 = w->x0 + first,
+                        .v0 = w->v0 + first,
+                        .x1 = (collides ? w->free_x : w->x1) + first,
+                        .v1 = (collides ? w->free_v : w->v1) + first,
+                        .x = w->x1 + first,
+                        .v = w->v1 + first,
                         .dt = (real)w->dt,
-                        .xp = w->past_x,
-                        .vp = w->past_v};
+                        .xp = w->past_x + first,
+                        .vp = w->past_v + first};
     w->run->history(w->on, &h);
+}
+
+static void remember(struct world *w)
+{
+    sleep_runs(w, remember_run);
     w->run->trace(w->on, w->tracing, "history", w->past_v,
                   (size_t)w->nc * sizeof *w->past_v);
     w->past = 1 + w->slicing.level;
 }
 
-/* §6: whether the scene was at rest in this slice: the slice is a whole step,
- * the fail-safe did not end it, and no particle moved by more than 1/1000 of
- * the largest thickness. */
-static bool rests(const struct world *w, int outcome)
+static void copy_press(struct world *w, int64_t first, int64_t n)
 {
-    real most = (real)REST_PART * w->reach;
-    return w->def.sleep && !slice_failed(outcome) && w->slicing.level == 0 &&
-           w->run->furthest(w->on, w->nc, w->x0, w->x1) <= most * most;
+    w->run->copy(w->on, w->press + first, w->couple.press + first,
+                 (size_t)n * sizeof *w->press);
 }
 
+static void clear_press(struct world *w, int64_t first, int64_t n)
+{
+    w->run->clear(w->on, w->press + first, (size_t)n * sizeof *w->press);
+}
+
+/* What presses on cloths that are asleep stays. */
 static void keep_press(struct world *w, bool held)
 {
-    size_t bytes = (size_t)w->nc * sizeof *w->press;
     if (!w->plan.warm)
         return;
     if (held)
-        w->run->copy(w->on, w->press, w->couple.press, bytes);
+        sleep_runs(w, copy_press);
     else if (w->pressed)
-        w->run->clear(w->on, w->press, bytes);
-    w->pressed = held;
+        sleep_runs(w, clear_press);
+    w->pressed = held || (w->pressed && w->sleep->n > 0);
 }
 
 static void keep_solved(struct world *w)
@@ -268,15 +294,16 @@ static void commit(struct world *w, int outcome)
 {
     if (w->plan.history)
         remember(w);
-    w->resting = rests(w, outcome) ? w->resting + 1 : 0;
-    w->asleep = w->resting >= REST_STEPS;
     w->near = state_nearness(&w->response);
     keep_press(w, !slice_failed(outcome) && w->near >= NEAR_CONTACTS);
     keep_solved(w);
     for (int k = 0; k < w->def.n_cloths; k++) {
+        if (!sleep_awake(w, k))
+            continue;
         w->watch[k][0] = w->sheet[k].dynamics.reference;
         w->watch[k][1] = w->sheet[k].dynamics.surplus;
     }
+    sleep_count(w, outcome);
     vec *x = w->x0, *v = w->v0;
     w->x0 = w->x1;
     w->v0 = w->v1;
@@ -332,6 +359,7 @@ static int end(struct world *w, struct step *s)
     }
     r->step = w->step;
     r->time = w->time;
+    r->asleep = w->sleep->n;
     return w->run->status(w->on);
 }
 
@@ -352,6 +380,7 @@ int step_advance(struct world *w, drape_step_report *report)
         move(w, &s);           /* §2: wind.md … dynamics.md, pcg.md */
         check_travel(w, &s);   /* §7.2: travel.md */
         handle_contact(w, &s); /* §3: refit.md … response.md */
+        rouse(w, &s);          /* §6: sleep.md */
         conserve(w, &s);       /* §3.4: momentum.md */
         check_energy(w, &s);   /* §7.3: energy.md */
         finish(w, &s);         /* step.md §4, §6, §7.4: implicit.md */

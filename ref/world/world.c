@@ -5,6 +5,7 @@
 #include "ref/control/control.h"
 #include "ref/control/heir.h"
 #include "ref/control/list.h"
+#include "ref/sleep/sleep.h"
 #include "ref/world/checkpoint.h"
 #include "ref/world/fill.h"
 #include "ref/world/start.h"
@@ -54,6 +55,8 @@ int world_make_heir(const drape_def *def, const struct heir *heir,
         return DRAPE_ENOMEM;
     int status = make_prints(w, def, heir);
     if (status == DRAPE_OK)
+        status = sleep_make(w);
+    if (status == DRAPE_OK)
         status = fill_sizes(w, def, error);
     if (status == DRAPE_OK)
         status = fill_streams(w, def, error);
@@ -65,7 +68,8 @@ int world_make_heir(const drape_def *def, const struct heir *heir,
         status = wire_stages(w, def);
     if (status == DRAPE_OK)
         status = start_substeps(w, error);
-    control_wind(w, &def->wind);
+    if (status == DRAPE_OK)
+        control_wind(w, &def->wind);
     w->told.planned = w->plan.led;
     w->told.able = w->broad.apart.able;
     *world = w;
@@ -119,7 +123,7 @@ const struct world_ops world_ops = {.make = world_make,
                                     .gravity = state_gravity,
                                     .first_vertex = state_first_vertex,
                                     .first_triangle = state_first_triangle,
-                                    .wake = state_wake,
+                                    .wake = sleep_wake,
                                     .set_wind = control_wind,
                                     .control = CONTROL_OPS,
                                     .heir = HEIR_OPS(world_make_heir),

@@ -49,6 +49,7 @@ void gen_refit(struct bytes *b, struct refit *s)
     s->stir = take(b, s->tree.n, 1);
     if (pick(b, 2))
         move_some(b, s, f.x1);
+    s->every = pick(b, 3) == 0;
     if (s->nv > 0 && pick(b, 16) == 0) {
         uint32_t v = pick(b, (uint32_t)s->nv);
         f.x1[v].y = 2 * REAL_BIG;
@@ -98,7 +99,7 @@ const char *prop_refit(const struct refit *s)
     int32_t fixed = t->range[TREE_STATIC * t->levels];
     int64_t made = s->all ? t->n - fixed : 0;
     for (int32_t a = 0; a < fixed; a++)
-        made += s->stir[a];
+        made += s->every || s->stir[a];
     EXPECT(s->made == made);
     for (int32_t a = 0; a < t->n && (s->all || a < fixed); a++) {
         int32_t first = a, last = a;

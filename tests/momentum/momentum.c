@@ -103,10 +103,11 @@ void gen_islands(struct bytes *b, struct islands *s)
     s->contact = c.contact;
     s->bodies = 1 + pick(b, 3 * (uint32_t)c.nv);
     uint16_t *body = take(b, c.nv, sizeof *body);
+    int64_t all = s->bodies + pick(b, 3); /* with obstacles */
     bool run = pick(b, 2); /* a chain of bodies, in order or not */
     for (int64_t i = 0; i < c.nv; i++)
-        body[i] = (uint16_t)(run ? i % s->bodies % UINT16_MAX
-                                 : pick(b, (uint32_t)s->bodies) % UINT16_MAX);
+        body[i] = (uint16_t)(run ? i % all % UINT16_MAX
+                                 : pick(b, (uint32_t)all) % UINT16_MAX);
     s->body = body;
 }
 
@@ -119,8 +120,11 @@ const char *prop_islands(const struct islands *s)
     for (bool changes = true; changes;) { /* by the definition */
         changes = false;
         for (int64_t k = 0; k < s->n; k++) {
-            int32_t *a = &near[s->body[s->contact[k].v[0]]];
-            int32_t *b = &near[s->body[s->contact[k].v[3]]];
+            uint16_t of_a = s->body[s->contact[k].v[0]];
+            uint16_t of_b = s->body[s->contact[k].v[3]];
+            if (of_a >= s->bodies || of_b >= s->bodies)
+                continue;
+            int32_t *a = &near[of_a], *b = &near[of_b];
             changes |= *a != *b;
             *a = *b = *a < *b ? *a : *b;
         }

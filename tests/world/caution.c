@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Caution: a step begins with shorter slices after steps that had to be taken
  * again. spec/world/step.md §7.2, §7.3, §7.5 */
+#include "ref/sleep/sleep.h"
 #include "ref/world/checkpoint.h"
 #include "ref/world/slice.h"
 #include "ref/world/state.h"
@@ -215,8 +216,11 @@ const char *test_world_knows(void)
     struct arena arena;
     struct tape tape = {.size = 0};
     arena_init(&arena, &(drape_allocator){0});
-    struct world a = {.caution = all, .nv = 1, .x0 = x, .v0 = v};
-    struct world b = {.arena = &arena, .nv = 1, .x0 = x + 1, .v0 = v + 1};
+    struct sleep sleep[2] = {{0}};
+    struct world a = {
+        .caution = all, .nv = 1, .x0 = x, .v0 = v, .sleep = &sleep[0]};
+    struct world b = {
+        .arena = &arena, .nv = 1, .x0 = x + 1, .v0 = v + 1, .sleep = &sleep[1]};
     EXPECT(checkpoint_save(&a, record, &tape) == DRAPE_OK);
     EXPECT(checkpoint_load(&b, play, &tape) == DRAPE_OK);
     EXPECT(memcmp(&b.caution, &all, sizeof all) == 0);

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Loops over what sleeps on the device, as in ref/sleep/rouse.h.
+ * spec/sleep/sleep.md */
+#ifndef GPU_ROUSE_H
+#define GPU_ROUSE_H
+
+#include "gpu/run/gpu.h"
+#include "ref/base/real.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct rouse;
+
+void gpu_rouse_near(struct gpu *g, const struct rouse *s);
+void gpu_rouse_mask(struct gpu *g, int64_t n, const uint16_t *body,
+                    const uint8_t *awake, uint8_t *mask);
+/* most lies on the host. */
+void gpu_rouse_ways(struct gpu *g, int64_t n, const uint16_t *body,
+                    const vec *x0, const vec *x1, int bodies, real *most);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
