@@ -530,7 +530,7 @@ typedef struct drape_contact_list {
 int drape_contacts(drape_world *world, drape_contact_list *list);
 int drape_contacts_device(drape_world *world, drape_contact_list *list);
 
-/* Wakes a scene that is asleep, so that the next step is computed. NULL does
+/* Wakes all cloths that are asleep, from the next step on. NULL does
  * nothing. */
 void drape_wake(drape_world *world);
 /* Sets the wind from the next step on, and wakes the scene. The wind is copied.

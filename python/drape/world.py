@@ -254,7 +254,7 @@ class World(Bodies, Control, Closing):
         return reports
 
     def wake(self) -> None:
-        """Wakes a scene that is asleep, so that the next step is computed."""
+        """Wakes all cloths that are asleep, from the next step on."""
         with self._guard:
             lib.drape_wake(self._world)
 

@@ -12,8 +12,7 @@ enum { SLEEP_STEPS = 30, SLEEP_MOST = 1 << 20 };
 
 /* The rest of one cloth, part of the state. */
 struct rest {
-    int32_t
-        steps; /* since its anchor was set, 0 … SLEEP_MOST; 0: it has none */
+    int32_t steps; /* since its anchor was set, to SLEEP_MOST; 0: it has none */
     int32_t asleep; /* 1: it is */
     int32_t group;  /* the first of the cloths that it fell asleep with */
     int32_t past;   /* the world's `past` when it fell asleep */
