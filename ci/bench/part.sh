@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 # Runs one part of ci/bench/run.sh: a part of build/accuracy; or `bench`, which
 # times all stages and the narrow phase; or `speed`, which times whole scenes for
-# `drape plan`. Prints how many seconds it took.
+# `drape plan`; or `counts` of scenes rich in contact. Prints how many seconds it took.
 # usage: ci/bench/part.sh BUILD OUT PART OPTIONS
 set -eu
 build=$1 out=$2 part=$3
@@ -26,6 +26,9 @@ if [ "$part" = speed ]; then
         "$out/speed.csv" $reports
     echo "speed: $(($(date +%s) - start)) s"
     exit
+fi
+if [ "$part" = counts ]; then
+    exec python3 ci/bench/counts.py "$build/drape" "$out"
 fi
 if [ "$part" != bench ]; then
     # shellcheck disable=SC2086

@@ -12,7 +12,7 @@ export OMP_NUM_THREADS=1 OMP_WAIT_POLICY=passive
 
 # The longest part comes first. Times within a part are compared with each
 # other, so a part is one process.
-parts='stress work speed newton drift contact orders stages skip stability'
+parts='stress work counts speed newton drift contact orders stages skip stability'
 options="--backend ${BACKEND-ref}"
 if [ -n "${QUICK-}" ]; then
     out=$build/quick options="$options --quick"
