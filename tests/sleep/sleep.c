@@ -6,19 +6,30 @@
 #include "tests/world/slab.h"
 #include "tests/world/twin.h"
 
-enum { STILL, THROWN, ABOVE, HELD, CLOTHS };
+enum { STILL, THROWN, ABOVE, HELD, LATER, SECOND, CLOTHS };
 enum { SIDE = SLAB_SMALL, COUNT = SIDE * SIDE };
-/* Steps, counted from 0: the last before three cloths are asleep; the first in
- * which the pin moves, the thrown cloth is near, the slab is near. */
-enum { TIRED = 29, PULLED = 40, THROWN_NEAR = 43, SLAB_NEAR = 53, END = 64 };
+/* Steps, counted from 0: the last before three cloths are asleep, and before a
+ * fourth is; the first in which the pin moves, the thrown cloth is near, the
+ * second is, the slab is near. */
+enum {
+    TIRED = 29,
+    TIRED_LATER = 38,
+    PULLED = 40,
+    THROWN_NEAR = 43,
+    SECOND_NEAR = 48,
+    SLAB_NEAR = 53,
+    END = 64
+};
 
-/* Four cloths float, far apart. One is thrown at a second, the slab rises
- * towards a third, and a pin pulls the fourth. */
+/* Cloths float, far apart. One is thrown at another that is still, the slab
+ * rises towards a third, and a pin pulls the fourth. The fifth is carried by
+ * its pins at first, so that it falls asleep later, elsewhere than the first
+ * query found it, and a second is thrown at it. */
 struct apart {
     struct slab d;
     drape_cloth cloth[CLOTHS];
-    drape_pin pin;
-    drape_motion motion[2];
+    drape_pin pin, carry[COUNT];
+    drape_motion motion[3];
     double v[COUNT][3];
 };
 
@@ -26,6 +37,8 @@ static drape_world *make_apart(struct apart *a, int integrator, int sleep)
 {
     static const double rise_at[3] = {0, 44 / 64.0, 1};
     static const double rise[3][3] = {{0}, {0}, {0, 0.3, 0}};
+    static const double carry_at[2] = {0, 10 / 64.0};
+    static const double way[2][3] = {{0}, {1, 0, 0}};
     static const double pull_at[3] = {0, PULLED / 64.0, 2};
     static const double pull[3][3] = {{0}, {0}, {0, 0.3, 0}};
     slab_small(&a->d, integrator, 0.25);
@@ -42,10 +55,19 @@ static drape_world *make_apart(struct apart *a, int integrator, int sleep)
     a->pin = (drape_pin){0, 0, 1};
     a->cloth[HELD].pins = &a->pin;
     a->cloth[HELD].n_pins = 1;
+    for (int p = 0; p < COUNT; p++)
+        a->carry[p] = (drape_pin){p % SIDE, p / SIDE, 2};
+    a->cloth[LATER].pins = a->carry;
+    a->cloth[LATER].n_pins = COUNT;
+    a->cloth[LATER].origin[0] = 8;
+    a->cloth[SECOND] = a->cloth[THROWN];
+    a->cloth[SECOND].origin[0] = 9.01;
+    a->cloth[SECOND].origin[1] = 0.25 + 49 / 64.0;
+    a->motion[2] = (drape_motion){.keys = 2, .time = carry_at, .position = way};
     a->motion[0] = (drape_motion){.keys = 3, .time = rise_at, .position = rise};
     a->motion[1] = (drape_motion){.keys = 3, .time = pull_at, .position = pull};
     def->motions = a->motion;
-    def->n_motions = 2;
+    def->n_motions = 3;
     def->cloths = a->cloth;
     def->n_cloths = CLOTHS;
     def->gravity[1] = 0;
@@ -56,11 +78,11 @@ static drape_world *make_apart(struct apart *a, int integrator, int sleep)
 /* §1, §4: how many sleep after step k. */
 static int sleepers(int k)
 {
-    return k < TIRED         ? 0
-           : k < PULLED      ? 3
-           : k < THROWN_NEAR ? 2
-           : k < SLAB_NEAR   ? 1
-                             : 0;
+    int asleep = k < TIRED ? 0 : 3;
+    asleep += k >= TIRED_LATER;
+    asleep -= (k >= PULLED) + (k >= THROWN_NEAR) + (k >= SECOND_NEAR) +
+              (k >= SLAB_NEAR);
+    return asleep;
 }
 
 /* The cloths rest so well that a world in which nothing sleeps has the same
@@ -150,7 +172,7 @@ const char *test_sleep_twins(void)
 }
 
 /* Two sheets on a slab, one sheet that hangs and swings, and a second slab that
- * comes close to the two in step LOWERED. */
+ * comes close to the upper one slowly from step LOWERED on. */
 enum { LOWERED = 420, PILE = 3 };
 struct pile {
     struct slab d;
@@ -162,8 +184,10 @@ struct pile {
 
 static drape_world *make_pile(struct pile *p)
 {
-    static const double at[3] = {0, LOWERED / 64.0, (LOWERED + 8) / 64.0};
-    static const double way[3][3] = {{0, 0.5, 0}, {0, 0.5, 0}, {0, 0.105, 0}};
+    static const double at[4] = {0, LOWERED / 64.0, (LOWERED + 8) / 64.0,
+                                 (LOWERED + 34) / 64.0};
+    static const double way[4][3] = {
+        {0, 0.5, 0}, {0, 0.5, 0}, {0, 0.118, 0}, {0, 0.105, 0}};
     slab_small(&p->d, DRAPE_BW, 0.103);
     drape_def *def = &p->d.def;
     for (int k = 0; k < PILE; k++) {
@@ -178,7 +202,7 @@ static drape_world *make_pile(struct pile *p)
     p->cloth[2].n_pins = SIDE;
     p->cloth[2].material.damping = 0;
     p->slab[0].motion = -1;
-    p->motion = (drape_motion){.keys = 3, .time = at, .position = way};
+    p->motion = (drape_motion){.keys = 4, .time = at, .position = way};
     def->motions = &p->motion;
     def->obstacles = p->slab;
     def->n_obstacles = 2;
@@ -197,7 +221,7 @@ const char *test_sleep_island(void)
     EXPECT(world);
     int slept = 0;
     int64_t awake = 0;
-    for (int k = 0; k < LOWERED + 16; k++) {
+    for (int k = 0; k < LOWERED + 40; k++) {
         drape_step_report r;
         EXPECT(drape_step(world, &r) == DRAPE_OK);
         EXPECT(r.outcome == 0);
@@ -215,5 +239,45 @@ const char *test_sleep_island(void)
     }
     EXPECT(slept > 100);
     drape_destroy(world);
+    return NULL;
+}
+
+/* §1, §2: a sheet that its pins carry is not tired, however slowly; nor does
+ * one sleep that lies beside it, held but for its middle. */
+const char *test_sleep_led(void)
+{
+    static const double at[2] = {0, 4}, way[2][2][3] = {{{0}, {0, 0, 1e-4}},
+                                                        {{0}, {5e-3, 0, 0}}};
+    for (int beside = 0; beside < 2; beside++) {
+        static drape_pin pin[2][COUNT];
+        drape_cloth cloth[2];
+        struct slab d;
+        slab_small(&d, DRAPE_BW, 0.5);
+        for (int p = 0; p < COUNT; p++)
+            for (int k = 0; k < 2; k++)
+                pin[k][p] = (drape_pin){p % SIDE, p / SIDE, k - 1};
+        pin[0][SIDE * SIDE / 2 + SIDE / 2] = pin[0][0];
+        for (int k = 0; k < 2; k++) {
+            cloth[k] = d.cloth;
+            cloth[k].pins = pin[k];
+            cloth[k].n_pins = COUNT;
+        }
+        cloth[1].origin[1] += 0.002;
+        d.motion =
+            (drape_motion){.keys = 2, .time = at, .position = way[beside]};
+        d.def.gravity[1] = 0;
+        d.def.n_obstacles = 0;
+        d.def.cloths = beside ? cloth : cloth + 1;
+        d.def.n_cloths = 1 + beside;
+        drape_world *world = slab_world(&d);
+        EXPECT(world);
+        for (int k = 0; k < 3 * TIRED; k++) {
+            drape_step_report r;
+            EXPECT(drape_step(world, &r) == DRAPE_OK && r.asleep == 0);
+            EXPECT(!beside || r.contacts > 0);
+            ran(1);
+        }
+        drape_destroy(world);
+    }
     return NULL;
 }

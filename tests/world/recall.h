@@ -10,7 +10,7 @@ struct world;
 /* A checkpoint or a log of a small scene. */
 struct recall {
     size_t size, at;
-    uint8_t data[1 << 17];
+    uint8_t data[1 << 18];
 };
 
 /* A writer that appends to a struct recall, and a reader of one from `at` on.
