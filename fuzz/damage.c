@@ -77,18 +77,16 @@ size_t damage(struct bytes *b, uint8_t *data, size_t size, size_t most,
  * whole words. */
 enum { CHECK = 24 };
 
-/* Places in a checkpoint: the sign says whether the world was changed; the
- * field before the fingerprint is part of the state. */
-enum { SIGN = 5, STATE = 12, PRINT = 16 };
+/* The place of the sign in a checkpoint, which says whether the world was
+ * changed. */
+enum { SIGN = 5 };
 
 bool damage_matches(const uint8_t *data, size_t size, const uint8_t *own)
 {
-    bool same = true;
-    if (size < SIGN || memcmp(data, own, SIGN) != 0)
+    size_t first = SIGN + 1, end = size < CHECK ? size : CHECK;
+    if (size < first || memcmp(data, own, SIGN) != 0)
         return true;
-    for (size_t k = SIGN + 1; k < CHECK && k < size; k++)
-        same = same && ((k >= STATE && k < PRINT) || data[k] == own[k]);
-    return same;
+    return !memcmp(data + first, own + first, end - first);
 }
 
 static uint64_t check_of(const uint8_t *data, size_t size)
