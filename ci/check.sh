@@ -14,7 +14,7 @@ cores=$(nproc)
 sh ci/part.sh "$build" build "$cores"
 # The longest parts start first.
 parts="python tests asan gcc-O0 clang-O0 tsan msan tool clang-O2 clang-O3 gcc-O3
-       tidy demo buddha fuzz device validate root self maps embed accuracy prove
+       tidy demo counts buddha fuzz device validate root self maps embed accuracy prove
        golden-1 golden-3 format rows tokens certificate"
 # shellcheck disable=SC2086
 printf '%s\n' $parts | xargs -P $((cores + 1)) -n 1 sh ci/part.sh "$build"

@@ -113,6 +113,10 @@ tool) with_tool tool sh tests/app.sh "$tool" ;;
 embed) count 'embedding examples' sh ci/embed.sh "$build" ;;
 python) with_tool 'Python package' sh python/check.sh "$build" ;;
 demo) with_tool "the demo's frames" sh ci/scenes.sh "$build" demo ;;
+counts)
+    mkdir -p "$build/quick"
+    with_tool 'counts of contact' python3 ci/bench/counts.py "$tool" "$build/quick"
+    ;;
 buddha) with_tool 'buddha, 120 steps' sh ci/scenes.sh "$build" buddha ;;
 fuzz) count 'fuzz corpus' sh ci/fuzz.sh "$build" ;;
 prove) count proofs sh ci/prove.sh ;;

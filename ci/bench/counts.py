@@ -77,6 +77,7 @@ def main(drape, out):
         table.writerow(["scene", "particles a side", "steps", "count", "value",
                         "at most"])
         table.writerows(rows)
+    print("%d passed, %d failed" % (len(rows) - failed, failed))
     return failed > 0
 
 
