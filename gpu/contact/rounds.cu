@@ -55,6 +55,29 @@ void gpu_rounds_touch(struct gpu *g, const struct response *s)
            (const int32_t *)s->hit.data);
 }
 
+/* Thread k owns contact k: word becomes 1 if it is held, has a led side and
+ * slips by more than its thickness. */
+KERNEL rounds_slip_kernel(const struct response &s,
+                          const struct contact *contact, int64_t *word)
+{
+    ITEM(k, s.active);
+    const struct contact *c = &contact[k];
+    if (!c->held || !has_led((int)c->kind, c->v, s.w))
+        return;
+    vec v = pair_sum(c, s.u);
+    v = axpy(v, -dot(c->n, v), c->n);
+    if (s.dt * length(v) > surface_of(&s.skin, c->v).thickness)
+        *word = 1;
+}
+
+bool gpu_rounds_slip(struct gpu *g, const struct response *s,
+                     const struct contact *contact)
+{
+    int64_t *word = gpu_words(g);
+    LAUNCH(g, s->active, rounds_slip_kernel, *s, contact, word);
+    return gpu_read_back(g, 1)[0] != 0;
+}
+
 /* Thread k owns contact k: caps its target at the impact margin. */
 KERNEL rounds_settle_kernel(const struct response &s, struct contact *contact)
 {

@@ -34,6 +34,24 @@ void rounds_touch(const struct response *s)
         s->touched[hit[k]] = s->w[hit[k]] > 0;
 }
 
+/* Whether contact c slips by more than its thickness. */
+static bool slips(const struct response *s, const struct contact *c)
+{
+    if (!c->held || led_side((int)c->kind, c->v, s->w) == SIDES)
+        return false;
+    vec v = pair_sum(c->v, c->c, s->u);
+    v = vec_axpy(v, -vec_dot(c->n, v), c->n);
+    return s->dt * vec_length(v) > skin_pair(&s->skin, c->v).thickness;
+}
+
+bool rounds_slip(const struct response *s, const struct contact *contact)
+{
+    bool any = false;
+    for (int64_t k = 0; k < s->active && !any; k++)
+        any = slips(s, &contact[k]);
+    return any;
+}
+
 void rounds_settle(const struct response *s, struct contact *contact)
 {
     EACH_ITEM
