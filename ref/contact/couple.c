@@ -342,15 +342,15 @@ static int take_turn(struct world *w)
     struct couple *c = &w->couple;
     struct penalty *p = &c->penalty;
     struct turn s = turn_of(w);
-    bool calm = false;
-    p->first = c->solves == 0 || w->response.anew;
+    bool calm = false, known = c->solves > 0 && !w->response.anew;
+    p->first = !known;
     int status = w->run->penalty(w->on, p);
     w->run->trace(w->on, w->tracing, "penalty", p->force,
                   (size_t)p->nv * sizeof *p->force);
     if (c->solves == 0 && c->rough)
         add_residual(w);
     w->run->turn_load(w->on, &s);
-    if (status == DRAPE_OK && care_of(c->turn, c->turns) == MIDDLE)
+    if (status == DRAPE_OK && known && care_of(c->turn, c->turns) == MIDDLE)
         status = test_calm(w, &calm);
     if (calm)
         c->turns = c->turn + 1;
