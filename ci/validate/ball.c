@@ -46,6 +46,34 @@ static void make_ground(struct ground *s, int cells, double friction)
     s->obstacle.friction = friction;
 }
 
+/* How far the ground is from the ball's middle at these angles: where the ray
+ * meets the nearer plane of the two triangles there, as the ground is convex.
+ */
+static double height_of(const struct ground *s, int cells, double along,
+                        double across)
+{
+    double ray[3], least = INFINITY;
+    int i = (int)((along - START + 0.3) / 1.2 * cells);
+    int j = (int)((across + 0.3) / 0.6 * cells);
+    place(1, along, across, ray);
+    for (int t = 0; t < 2; t++) {
+        const int32_t *v = s->tri[2 * (i + cells * j) + t];
+        double e[3], f[3], n[3], up = 0, to = 0;
+        for (int c = 0; c < 3; c++) {
+            e[c] = s->x[v[1]][c] - s->x[v[0]][c];
+            f[c] = s->x[v[2]][c] - s->x[v[0]][c];
+        }
+        for (int c = 0; c < 3; c++) {
+            int d = (c + 1) % 3, g = (c + 2) % 3;
+            n[c] = e[d] * f[g] - e[g] * f[d];
+            up += n[c] * s->x[v[0]][c];
+            to += n[c] * ray[c];
+        }
+        least = fmin(least, up / to);
+    }
+    return least;
+}
+
 /* The angle at which the sheet's middle is, by the mean of its vertices. */
 static double angle_of(const drape_world *world, int64_t n)
 {
@@ -62,7 +90,9 @@ static double angle_of(const drape_world *world, int64_t n)
 
 /* The same for a point that slides by Coulomb's law, θ'' R = g sin θ − μ (g cos
  * θ − R θ'²), in as long steps: the new speed moves it, as in Baraff–Witkin's,
- * which adds half a step of way. */
+ * which adds half a step of way. Its load is that of the step's start; with the
+ * ground's push along the normal of the step's end, as backward Euler has it,
+ * the point would go up to 1.2 % farther. */
 static double angle_due(double friction, double dt)
 {
     double a = START, w = 0;
@@ -92,9 +122,12 @@ static double slide(const struct validate *v, const struct ride *r)
     s.cloth.material.friction = r->friction;
     s.cloth.material.bend = 1e-6;
     double gap = fmin(s.cloth.material.thickness, h / 2);
-    for (int p = 0; p < s.n; p++)
-        place(RADIUS + gap, START + (h * (p % side) - SIZE / 2) / RADIUS,
-              (h * (p / side) - SIZE / 2) / RADIUS, s.x[p]);
+    for (int p = 0; p < s.n; p++) {
+        double along = START + (h * (p % side) - SIZE / 2) / RADIUS;
+        double across = (h * (p / side) - SIZE / 2) / RADIUS;
+        place(height_of(&ground, r->cells, along, across) + gap, along, across,
+              s.x[p]);
+    }
     s.def.obstacles = &ground.obstacle;
     s.def.n_obstacles = 1;
     s.def.max_slices = 32;
