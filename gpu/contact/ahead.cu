@@ -104,6 +104,7 @@ KERNEL ahead_count_kernel(const struct ahead &s, int64_t *first, int64_t *words)
         first[blockIdx.x] = count;
         count_up(&words[FOUND], count);
     }
+    __syncthreads(); /* other threads may still read block_compact's words */
     if (ends_last((unsigned *)&words[TICKET], compact_blocks(s.n_all)))
         scan_blocks(first, compact_blocks(s.n_all));
 }
