@@ -43,7 +43,6 @@ void couple_start(struct world *w)
     p->slip = real_min(SLIP, R(0.01) * w->reach / p->dt);
     p->tau = (real)(past ? w->dt * 2 / 3 : w->dt);
     p->give = GIVE * w->reach;
-    p->far = w->reach;
     c->iterations = c->solves = c->outcome = 0;
     c->turn = c->turns = 0;
     c->residual = 0;
@@ -344,6 +343,8 @@ static int take_turn(struct world *w)
     struct turn s = turn_of(w);
     bool calm = false, known = c->solves > 0 && !w->response.anew;
     p->first = !known;
+    /* §2.2: the very first turn knows of no friction yet. */
+    p->far = c->solves == 0 ? REAL_BIG : w->reach;
     int status = w->run->penalty(w->on, p);
     w->run->trace(w->on, w->tracing, "penalty", p->force,
                   (size_t)p->nv * sizeof *p->force);
