@@ -37,8 +37,6 @@ void rounds_touch(const struct response *s)
 /* Whether contact c slips by more than its thickness. */
 static bool slips(const struct response *s, const struct contact *c)
 {
-    if (!c->held || led_side((int)c->kind, c->v, s->w) == SIDES)
-        return false;
     vec v = pair_sum(c->v, c->c, s->u);
     v = vec_axpy(v, -vec_dot(c->n, v), c->n);
     return s->dt * vec_length(v) > skin_pair(&s->skin, c->v).thickness;
@@ -46,10 +44,15 @@ static bool slips(const struct response *s, const struct contact *c)
 
 bool rounds_slip(const struct response *s, const struct contact *contact)
 {
-    bool any = false;
-    for (int64_t k = 0; k < s->active && !any; k++)
-        any = slips(s, &contact[k]);
-    return any;
+    int64_t held = 0, slip = 0;
+    for (int64_t k = 0; k < s->active; k++) {
+        const struct contact *c = &contact[k];
+        if (!c->held || led_side((int)c->kind, c->v, s->w) == SIDES)
+            continue;
+        held++;
+        slip += slips(s, c);
+    }
+    return slip > 0 && ROUNDS_SLIPPING * slip >= held;
 }
 
 void rounds_settle(const struct response *s, struct contact *contact)

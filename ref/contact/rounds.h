@@ -132,6 +132,9 @@ static inline int response_grow(const struct response *s, int n,
     return status;
 }
 
+/* §2.1: one of so many contacts slips where a slice looks ahead. */
+enum { ROUNDS_SLIPPING = 8 };
+
 /* §1: writes u, the mean velocity. */
 void rounds_start(struct response *s);
 
@@ -143,8 +146,8 @@ void rounds_advance(struct response *s, int64_t n, const int32_t *vertex,
 /* §3: touched is set for the free vertices of the hits. */
 void rounds_touch(const struct response *s);
 
-/* §2: whether one of the held contacts with a led side slips farther than its
- * thickness. */
+/* §2.1: whether an eighth of the held contacts with a led side slip farther
+ * than their thickness. */
 bool rounds_slip(const struct response *s, const struct contact *contact);
 
 /* §4: caps the targets of the active contacts at the impact margin. */
