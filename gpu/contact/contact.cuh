@@ -58,6 +58,17 @@ static __device__ inline struct surface surface_of(const struct skin *s,
     return r;
 }
 
+/* Whether a side of the pair, A or B, has no free vertex. */
+static __device__ inline bool has_led(int kind, const int32_t v[4],
+                                      const real *w)
+{
+    int split = kind == CONTACT_VF ? 1 : 2;
+    bool led[2] = {true, true};
+    for (int j = 0; j < 4; j++)
+        led[j >= split] = led[j >= split] && !(w[v[j]] > 0);
+    return led[0] || led[1];
+}
+
 /* The weighted sum Σ c a in this order: ((c0 a0 + c1 a1) + c2 a2) + c3 a3. */
 static __device__ inline vec pair_sum(const struct contact *c, const vec *a)
 {

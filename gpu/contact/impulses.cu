@@ -4,8 +4,7 @@
 #include "gpu/base/cluster.cuh"
 #include "gpu/base/compact.cuh"
 #include "gpu/base/scan.cuh"
-#include "gpu/contact/closest.cuh"
-#include "gpu/contact/contact.cuh"
+#include "gpu/contact/foot.cuh"
 
 extern "C" {
 #include "ref/contact/impulses.h"
@@ -70,10 +69,10 @@ static __device__ struct wide weighted_sum(const double c[4],
     return r;
 }
 
-/* §2.2: the primitives' own normal, with the sign that opposes the approach; or
+/* The primitives' own normal, with the sign that opposes the approach; or
  * opposite to the approach where that normal is almost across it. */
-static __device__ struct wide normal_of(const struct impact *m, int kind,
-                                        const double c[4])
+static __device__ struct wide own_normal(const struct impact *m, int kind,
+                                         const double c[4])
 {
     struct wide way = weighted_sum(c, m->way), from = weighted_sum(c, m->from);
     struct wide back = unit(scale(-1, way), unit(from, wide3(1, 0, 0)));
@@ -82,6 +81,39 @@ static __device__ struct wide normal_of(const struct impact *m, int kind,
     if (closing * closing <= 0x1p-32 * dot(way, way))
         return back;
     return closing > 0 ? scale(-1, n) : n;
+}
+
+/* §2.3: n, or where it is no normal of the led side's surface, the normal of
+ * the triangle there that it is most along. */
+static __device__ struct wide turned(const struct impulses *s, int64_t k,
+                                     const int32_t v[4], const struct impact *m,
+                                     const double c[4], struct wide n)
+{
+    int split = s->kind[k] == CONTACT_VF ? 1 : 2;
+    bool led[2];
+    find_led(s->w, split, v, led);
+    if (!led[0] && !led[1])
+        return n;
+    struct moving at = {s->x0, s->x1, (double)s->toi[k] * 0x1p-30};
+    struct foot f =
+        foot_find_at(split, !led[0], v, m->x, c, led[0] ? scale(-1, n) : n);
+    struct wide t = f.p;
+    if (foot_is_nearest(at, &s->fan, &f) || !foot_turn(at, &s->fan, &f, 0, &t))
+        return n;
+    if (led[0])
+        t = scale(-1, t);
+    bool good = dot(t, weighted_sum(c, m->way)) <= 0 &&
+                dot(t, weighted_sum(c, m->from)) >= 0;
+    return good ? t : n;
+}
+
+/* §2: the normal of impact k, of vertices v; c: the closest points' weights. */
+static __device__ struct wide normal_of(const struct impulses *s, int64_t k,
+                                        const int32_t v[4],
+                                        const struct impact *m,
+                                        const double c[4])
+{
+    return turned(s, k, v, m, c, own_normal(m, s->kind[k], c));
 }
 
 static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
@@ -93,7 +125,7 @@ static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
     int kind = s->kind[k];
     place(s, v, (double)s->toi[k] * 0x1p-30, &m);
     struct closest r = nearest(m.x, kind);
-    struct wide n = normal_of(&m, kind, r.c);
+    struct wide n = normal_of(s, k, v, &m, r.c);
     struct surface skin = surface_of(&s->skin, v);
     for (int j = 0; j < 4; j++)
         c.v[j] = v[j];
@@ -152,7 +184,7 @@ static __device__ struct wide aim_of(const struct impulses *s, int64_t j,
     struct impact m;
     place(s, v, (double)s->toi[j] * 0x1p-30, &m);
     struct closest r = nearest(m.x, s->kind[j]);
-    return normal_of(&m, s->kind[j], r.c);
+    return normal_of(s, j, v, &m, r.c);
 }
 
 /* Whether vertex i, one of v, is on side A. */

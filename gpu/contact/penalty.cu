@@ -57,19 +57,21 @@ static __device__ real part_of(const struct penalty *s, const struct contact *c,
 
 /* §1.2: the impulse along n, N·s, that contact c has given so far. Each
  * vertex's part of g is divided among its contacts in proportion to their holds
- * in the turn before. load: what the vertices got. */
+ * in the turn before. staying: among those that stay held. load: what the
+ * vertices got. */
 static __device__ real given_impulse(const struct penalty *s,
                                      const struct contact *c, real share,
-                                     real load[4])
+                                     bool staying, real load[4])
 {
     real push = 0, all = 0;
-    for (int j = 0; j < 4 && c->held; j++) {
+    for (int j = 0; j < 4 && c->along > 0; j++) {
         int32_t i = c->v[j];
         if (!(s->w[i] > 0) || c->c[j] == 0)
             continue;
         real along = part_of(s, c, share, j) * c->along;
         real hold = dot(c->n, apply(s->hold[i], c->n));
         real took = along / hold * dot(c->n, s->g[i]);
+        took = staying ? s->more[i] * took : took;
         load[j] = c->c[j] < 0 ? -took : took;
         push += load[j];
         all += magnitude(c->c[j]);
@@ -115,7 +117,7 @@ static __device__ bool is_settled(const struct penalty *s,
 }
 
 /* §1. Thread k owns contact k: reads guess, u, g and hold of its vertices,
- * writes share[k], gave[k], its rub and whether it is held. */
+ * writes share[k] and whether it is held. */
 KERNEL penalty_select_kernel(const struct penalty &s, const int64_t *words)
 {
     ITEM(k, s.n);
@@ -130,18 +132,68 @@ KERNEL penalty_select_kernel(const struct penalty &s, const int64_t *words)
             moving += c->c[j] != 0;
         }
     s.share[k] = share;
-    real load[4] = {0, 0, 0, 0}, before = 0;
-    if (!s.first && !is_settled(&s, c))
-        before = given_impulse(&s, c, share, load);
-    find_rub(&s, c, load, &s.rub[4 * k]);
     if (is_settled(&s, c))
         return;
-    s.gave[k] = before;
-    bool kept = before > 0 && spring_impulse(&s, c, s.u) > -PULL * before;
+    real load[4];
+    real gave = s.first ? R(0.0) : given_impulse(&s, c, share, false, load);
+    bool kept = gave > 0 && spring_impulse(&s, c, s.u) > -PULL * gave;
     bool held = excess_of(c, s.guess) > 0 || excess_of(c, s.u) > 0 || kept;
     c->held = !held         ? CONTACT_APART
               : moving == 1 ? CONTACT_WALL
                             : CONTACT_MUTUAL;
+}
+
+/* §1.2: what the contacts of a vertex gave in the turn before, x, and of it
+ * those that stay held, y, as shares. */
+struct penalty_stays {
+    struct penalty s;
+    const int32_t *start;
+    __device__ int32_t end(int64_t i) const { return start[i + 1]; }
+    __device__ vec value(int32_t at) const
+    {
+        int32_t item = s.item[at];
+        const struct contact *c = &s.contact[item / 4];
+        real along =
+            c->along > 0
+                ? part_of(&s, c, s.share[item / 4], item % 4) * c->along
+                : R(0.0);
+        return make(along, c->held ? along : R(0.0), 0);
+    }
+    __device__ vec first(int64_t) const { return make(0, 0, 0); }
+    __device__ void done(int64_t i, vec sum) const
+    {
+        s.more[i] = sum.y > 0 ? sum.x / sum.y : R(1.0);
+    }
+};
+
+/* The number of vertices in contact; 0 if a contact is bad. */
+static __device__ int64_t vertices(const int64_t *words)
+{
+    return words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
+}
+
+/* §1.2. Thread k owns vertex[k]: writes its more. */
+KERNEL penalty_more_kernel(const struct penalty &s, const int64_t *words)
+{
+    int64_t k = own_list(vertices(words));
+    sum_list(penalty_stays{s, s.start}, k < 0 ? -1 : (int64_t)s.vertex[k]);
+}
+
+/* §1.2, §2.4. Thread k owns contact k: reads g, hold and more of its vertices,
+ * writes gave[k] and its rub. */
+KERNEL penalty_given_kernel(const struct penalty &s, const int64_t *words)
+{
+    ITEM(k, s.n);
+    if (words[INCIDENCE_BAD])
+        return;
+    const struct contact *c = &s.contact[k];
+    real load[4] = {0, 0, 0, 0}, gave = 0;
+    bool settled = is_settled(&s, c);
+    if (!s.first && !settled && c->held)
+        gave = given_impulse(&s, c, s.share[k], true, load);
+    find_rub(&s, c, load, &s.rub[4 * k]);
+    if (!settled)
+        s.gave[k] = gave;
 }
 
 /* The held contacts of a vertex. */
@@ -159,12 +211,6 @@ struct penalty_parts {
         s.parts[i] = (real)sum;
     }
 };
-
-/* The number of vertices in contact; 0 if a contact is bad. */
-static __device__ int64_t vertices(const int64_t *words)
-{
-    return words[INCIDENCE_BAD] ? 0 : words[INCIDENCE_VERTICES];
-}
 
 /* §2.1. Thread k owns vertex[k]: counts its held contacts into its parts. */
 KERNEL penalty_parts_kernel(const struct penalty &s, const int64_t *words)
@@ -210,7 +256,7 @@ static __device__ real push_of(const struct penalty *s, const struct contact *c,
 {
     real part = c->along / most_of(s);
     real push = (1 - part) * gave + spring_impulse(s, c, u);
-    return max_of(push, -gave);
+    return s->first ? push : max_of(push, -gave);
 }
 
 /* §2.1: N, the impulse along n that contact c is expected to give, N·s. */
@@ -278,23 +324,27 @@ static __device__ bool sticks(const struct penalty *s, const struct contact *c,
                               vec slip, real most, real stop)
 {
     real speed = length(slip);
-    if (s->first)
-        return speed <= stop;
-    if (c->slide > 0)
+    bool late = !s->first;
+    if (late && c->slide > 0)
         return c->slide * speed <= most;
-    if (dot(c->tangent, c->tangent) > 0)
+    if (late && dot(c->tangent, c->tangent) > 0)
         return dot(slip, c->tangent) > 0;
-    return speed <= stop;
+    return speed <= stop && speed * s->dt <= s->far;
 }
 
-/* §2.3: f of contact c, which sticks and whose friction is at most `limit`. */
+/* §2.3: f of contact c, which sticks, slips with this speed, and whose friction
+ * is at most `limit`. */
 static __device__ real damper_of(const struct penalty *s,
-                                 const struct contact *c, real limit)
+                                 const struct contact *c, real speed,
+                                 real limit)
 {
     real f = limit / s->slip;
-    if (s->first || !(c->slide > 0))
+    if (s->first)
         return f;
-    return min_of(c->slide, f);
+    if (c->slide > 0)
+        return min_of(c->slide, f);
+    bool slid = dot(c->tangent, c->tangent) > 0;
+    return slid ? limit / max_of(speed, s->slip) : f;
 }
 
 /* §1, §2. Thread k owns contact k: reads guess, parts and u of its vertices and
@@ -316,8 +366,9 @@ KERNEL penalty_push_kernel(const struct penalty &s, const int64_t *words)
     if (c->held)
         limit = c->friction * expected_impulse(&s, c, gave, yield);
     bool stick = sticks(&s, c, slip, limit, yield * limit * (s.tau / s.dt));
+    real speed = length(slip);
     real f =
-        stick ? damper_of(&s, c, limit) : limit / max_of(length(slip), s.slip);
+        stick ? damper_of(&s, c, speed, limit) : limit / max_of(speed, s.slip);
     c->slide = stick ? f : R(0.0);
     c->tangent = scale(-f, slip);
     c->impulse = c->held ? push_of(&s, c, gave, s.u) : R(0.0);
@@ -387,7 +438,7 @@ KERNEL penalty_gather_kernel(const struct penalty &s, const real *part,
 int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
 {
     if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->give > 0 &&
-          s->slip > 0) ||
+          s->slip > 0 && s->far > 0) ||
         s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX)
         return DRAPE_EARG;
     struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
@@ -401,6 +452,9 @@ int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
     gpu_clear(g, s->force, (size_t)s->nv * sizeof *s->force);
     LAUNCH(g, s->nv, penalty_guess_kernel, *s);
     LAUNCH(g, s->n, penalty_select_kernel, *s, words);
+    if (!s->first && !s->settled)
+        LAUNCH_LISTS(g, touched, penalty_more_kernel, *s, words);
+    LAUNCH(g, s->n, penalty_given_kernel, *s, words);
     gpu_clear(g, s->hold, (size_t)s->nv * sizeof *s->hold);
     gpu_clear(g, s->wall, (size_t)s->nv * sizeof *s->wall);
     LAUNCH_LISTS(g, touched, penalty_parts_kernel, *s, words);

@@ -5,8 +5,8 @@
 #include "gpu/base/cluster.cuh"
 #include "gpu/base/compact.cuh"
 #include "gpu/base/scan.cuh"
-#include "gpu/contact/closest.cuh"
 #include "gpu/contact/far.cuh"
+#include "gpu/contact/foot.cuh"
 
 extern "C" {
 #include "ref/contact/proximity.h"
@@ -34,153 +34,20 @@ static __device__ struct closest measure(const struct proximity *s, int kind,
     return nearest(x, kind);
 }
 
-/* The closest point of a side: in a face, on an edge or at a vertex, by how
- * many vertices have a weight. */
-struct foot {
-    int vertices;
-    int32_t v[2];   /* the first two of them */
-    struct wide at; /* m, relative to the first */
-    struct wide p;  /* from here to the other side's point, lifted (§2.4) */
-};
-
-/* The foot on side B, or on side A: the vertices from `split` on, or before it.
- */
-static __device__ struct foot find_foot(int split, bool b, const int32_t v[4],
-                                        const struct wide x[4],
-                                        const struct closest *r)
-{
-    struct wide o = x[0], p = b ? r->p : scale(-1, r->p);
-    struct foot f = {0, {-1, -1}, wide3(0, 0, 0), lift(p)};
-    for (int j = 0; j < 4; j++) {
-        if ((j >= split) != b || r->c[j] == 0)
-            continue;
-        if (f.vertices == 0)
-            o = x[j];
-        if (f.vertices < 2)
-            f.v[f.vertices] = v[j];
-        f.vertices++;
-        f.at = axpy(f.at, r->c[j] < 0 ? -r->c[j] : r->c[j], sub(x[j], o));
-    }
-    return f;
-}
-
-/* Whether side A, and side B, is led: has no free vertex. */
-static __device__ void find_led(const struct proximity *s, int split,
-                                const int32_t v[4], bool led[2])
-{
-    led[0] = led[1] = true;
-    for (int j = 0; j < 4; j++)
-        led[j >= split] = led[j >= split] && !(s->w[v[j]] > 0);
-}
-
-/* Whether the foot comes nearer to the other side towards point y; o: the
- * foot's first vertex. */
-static __device__ bool comes_nearer(const struct foot *f, struct wide o, vec y)
-{
-    struct wide d = lift(sub(sub(widen(y), o), f->at));
-    double along = dot(f->p, d);
-    return along > 0 && along * along > 0x1p-20 * (dot(f->p, f->p) * dot(d, d));
-}
-
-/* Whether a triangle around f.v[0], with these other vertices, is at the foot.
- */
-static __device__ bool is_at(const struct foot *f, int32_t a, int32_t b)
-{
-    return f->vertices == 1 || a == f->v[1] || b == f->v[1];
-}
-
-/* Triangles around f.v[0] that are loaded before the first is used, so that
- * latencies overlap: the pole of a sphere has a hundred. */
-enum { FAN_AHEAD = 4 };
-
-/* The other vertices of a triangle, and their places; at: it is at the foot. */
-struct fan_triangle {
-    bool at;
-    vec a, b;
-};
-
-/* Loads triangles [k, end) around f.v[0], FAN_AHEAD at most. */
-static __device__ void load_fan(const struct proximity *s, const struct foot *f,
-                                int32_t k, int32_t end,
-                                struct fan_triangle t[FAN_AHEAD])
-{
-    int32_t a[FAN_AHEAD], b[FAN_AHEAD];
-    UNROLL
-    for (int e = 0; e < FAN_AHEAD; e++) {
-        a[e] = s->fan.rim[k + e < end ? k + e : k][0];
-        b[e] = s->fan.rim[k + e < end ? k + e : k][1];
-    }
-    UNROLL
-    for (int e = 0; e < FAN_AHEAD; e++) {
-        t[e].at = k + e < end && is_at(f, a[e], b[e]);
-        t[e].a = s->x[t[e].at ? a[e] : f->v[0]];
-        t[e].b = s->x[t[e].at ? b[e] : f->v[0]];
-    }
-}
-
-/* Whether the foot is the nearest point of the triangles around it. */
-static __device__ bool is_nearest(const struct proximity *s,
-                                  const struct foot *f)
-{
-    if (f->vertices == 3 || !s->fan.n_start)
-        return true;
-    struct wide o = widen(s->x[f->v[0]]);
-    int32_t end = s->fan.start[f->v[0] + 1];
-    for (int32_t k = s->fan.start[f->v[0]]; k < end; k += FAN_AHEAD) {
-        struct fan_triangle t[FAN_AHEAD];
-        bool nearer = false;
-        load_fan(s, f, k, end, t);
-        UNROLL
-        for (int e = 0; e < FAN_AHEAD; e++)
-            nearer = nearer || (t[e].at && (comes_nearer(f, o, t[e].a) ||
-                                            comes_nearer(f, o, t[e].b)));
-        if (nearer)
-            return false;
-    }
-    return true;
-}
-
-/* §3.2: the normal of the triangle at the foot that p is most along; false if
- * p is more than 60° off all of them. */
-static __device__ bool turn_normal(const struct proximity *s,
-                                   const struct foot *f, struct wide *n)
-{
-    double most = 0.25 * dot(f->p, f->p);
-    bool found = false;
-    struct wide o = widen(s->x[f->v[0]]);
-    int32_t end = s->fan.start[f->v[0] + 1];
-    for (int32_t k = s->fan.start[f->v[0]]; k < end; k += FAN_AHEAD) {
-        struct fan_triangle t[FAN_AHEAD];
-        load_fan(s, f, k, end, t);
-        UNROLL
-        for (int e = 0; e < FAN_AHEAD; e++) {
-            struct wide a = lift(sub(widen(t[e].a), o));
-            struct wide b = lift(sub(widen(t[e].b), o));
-            struct wide m = lift(cross(a, b));
-            double along = dot(m, f->p), mm = dot(m, m);
-            if (!t[e].at || !(along * along > most * mm))
-                continue;
-            most = along * along / mm;
-            *n = unit(along < 0 ? scale(-1, m) : m, *n);
-            found = true;
-        }
-    }
-    return found;
-}
-
 /* §3.3: whether the distance of a pair of free sides is the least around. A
  * vertex's own side is not asked. */
 static __device__ bool is_least(const struct proximity *s, int split,
                                 const int32_t v[4], const struct wide x[4],
                                 const struct closest *r)
 {
-    struct foot f = find_foot(split, true, v, x, r);
-    if (!is_nearest(s, &f))
+    struct still at = {s->x};
+    struct foot f = foot_find_at(split, true, v, x, r->c, r->p);
+    if (!foot_is_nearest(at, &s->fan, &f))
         return false;
     if (split == 1)
         return true;
-    f = find_foot(split, false, v, x, r);
-    return is_nearest(s, &f);
+    f = foot_find_at(split, false, v, x, r->c, scale(-1, r->p));
+    return foot_is_nearest(at, &s->fan, &f);
 }
 
 /* §3: the normal: along p, or the primitives' own normal where p is too short
@@ -195,13 +62,15 @@ static __device__ bool find_normal(const struct proximity *s, int kind,
     int split = kind == CONTACT_VF ? 1 : 2;
     *n = along ? p : unit(nearest_normal(x, kind), p);
     if (along) {
-        find_led(s, split, v, led);
+        find_led(s->w, split, v, led);
         if (!led[0] && !led[1])
             return is_least(s, split, v, x, r);
-        struct foot f = find_foot(split, !led[0], v, x, r);
-        if (is_nearest(s, &f))
+        struct still at = {s->x};
+        struct foot f = foot_find_at(split, !led[0], v, x, r->c,
+                                     led[0] ? scale(-1, r->p) : r->p);
+        if (foot_is_nearest(at, &s->fan, &f))
             return true;
-        if (!turn_normal(s, &f, n))
+        if (!foot_turn(at, &s->fan, &f, 0.25, n))
             return false;
     }
     if (dot(*n, r->p) < 0)

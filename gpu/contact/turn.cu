@@ -57,6 +57,7 @@ int gpu_turn_make(struct gpu_world *w)
             (vec *)gpu_take(g, ARENA_RESPONSE, w->world.nc, sizeof(vec));
     make_joint(w, &c->joint);
     p->parts = (real *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(real));
+    p->more = (real *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(real));
     return gpu_status(g);
 }
 

@@ -99,6 +99,7 @@ STAGE(travel)
 STAGE(narrow)
 STAGE(audit)
 STAGE(proximity)
+STAGE(ahead)
 STAGE(impacts)
 STAGE(impulses)
 STAGE(contacts)
@@ -164,6 +165,12 @@ static void advance(void *on, struct response *s, int64_t n,
 static void touch(void *on, const struct response *s)
 {
     gpu_rounds_touch(gpu_of(on), s);
+}
+
+static bool slips(void *on, const struct response *s,
+                  const struct contact *contact)
+{
+    return gpu_rounds_slip(gpu_of(on), s, contact);
 }
 
 static void cap_targets(void *on, const struct response *s,
@@ -290,6 +297,7 @@ extern const struct backend backend_gpu = {.take = take,
                                            .narrow = narrow,
                                            .audit = audit,
                                            .proximity = proximity,
+                                           .ahead = ahead,
                                            .impacts = impacts,
                                            .impulses = impulses,
                                            .contacts = contacts,
@@ -308,6 +316,7 @@ extern const struct backend backend_gpu = {.take = take,
                                            .start = start,
                                            .advance = advance,
                                            .touch = touch,
+                                           .slips = slips,
                                            .cap_targets = cap_targets,
                                            .turn_room = gpu_turn_room,
                                            .turn_begin = first_turn,

@@ -11,6 +11,7 @@
 #include "ref/base/real.h"
 #include "ref/base/trace.h"
 
+struct ahead;
 struct audit;
 struct blend;
 struct broad;
@@ -82,6 +83,7 @@ struct backend {
     int (*narrow)(void *on, struct narrow *s);
     int (*audit)(void *on, struct audit *s);
     int (*proximity)(void *on, struct proximity *s);
+    int (*ahead)(void *on, struct ahead *s);
     int (*impacts)(void *on, struct impacts *s);
     int (*impulses)(void *on, struct impulses *s);
     int (*contacts)(void *on, struct contacts *s);
@@ -112,6 +114,8 @@ struct backend {
     void (*advance)(void *on, struct response *s, int64_t n,
                     const int32_t *vertex, const uint8_t *moved, bool stop);
     void (*touch)(void *on, const struct response *s);
+    bool (*slips)(void *on, const struct response *s,
+                  const struct contact *contact);
     void (*cap_targets)(void *on, const struct response *s,
                         struct contact *contact);
 

@@ -22,7 +22,6 @@
 #include "ref/contact/contacts.h"
 #include "ref/contact/impacts.h"
 #include "ref/contact/impulses.h"
-#include "ref/contact/links.h"
 #include "ref/contact/penalty.h"
 #include "ref/contact/proximity.h"
 #include "ref/contact/rollback.h"

@@ -55,6 +55,31 @@ static inline struct surface skin_pair(const struct skin *s, const int32_t v[4])
     return r;
 }
 
+/* The sides of a pair: A is the vertex, or edge a; B the face, or edge b. */
+enum side { SIDE_A, SIDE_B, SIDES };
+
+/* The place in a pair of a side's first vertex; for SIDES, of the pair's end.
+ */
+static inline int side_start(int kind, int side)
+{
+    int split = kind == CONTACT_VF ? 1 : 2;
+    return side == SIDE_A ? 0 : side == SIDE_B ? split : 4;
+}
+
+/* The led side of a pair: the first whose vertices are all led; SIDES if both
+ * have free ones. */
+static inline int led_side(int kind, const int32_t v[4], const real *w)
+{
+    for (int side = SIDE_A; side < SIDES; side++) {
+        int free = 0, end = side_start(kind, side + 1);
+        for (int j = side_start(kind, side); j < end; j++)
+            free += w[v[j]] > 0;
+        if (!free)
+            return side;
+    }
+    return SIDES;
+}
+
 /* Whether all four indices are in 0 … nv - 1. */
 static inline bool pair_valid(const int32_t v[4], int64_t nv)
 {

@@ -44,6 +44,7 @@ void couple_start(struct world *w)
     p->tau = (real)(past ? w->dt * 2 / 3 : w->dt);
     p->give = GIVE * w->reach;
     c->iterations = c->solves = c->outcome = 0;
+    c->turn = c->turns = 0;
     c->residual = 0;
     c->seconds = 0;
     if (!c->moved)
@@ -334,48 +335,65 @@ static enum care care_of(int k, int turns)
     return k == 0 ? FIRST : MIDDLE;
 }
 
-/* The k-th of so many turns, which is the last if it leaves nothing to those
- * after it. */
-static int take_turn(struct world *w, int k, int *turns)
+/* The next turn, which is the last if it leaves nothing to those after it. */
+static int take_turn(struct world *w)
 {
     struct couple *c = &w->couple;
     struct penalty *p = &c->penalty;
     struct turn s = turn_of(w);
-    bool calm = false;
-    p->first = c->solves == 0;
+    bool calm = false, known = c->solves > 0 && !w->response.anew;
+    p->first = !known;
+    /* §2.2: the very first turn knows of no friction yet. */
+    p->far = c->solves == 0 ? REAL_BIG : w->reach;
     int status = w->run->penalty(w->on, p);
     w->run->trace(w->on, w->tracing, "penalty", p->force,
                   (size_t)p->nv * sizeof *p->force);
-    if (p->first && c->rough)
+    if (c->solves == 0 && c->rough)
         add_residual(w);
     w->run->turn_load(w->on, &s);
-    if (status == DRAPE_OK && care_of(k, *turns) == MIDDLE)
+    if (status == DRAPE_OK && known && care_of(c->turn, c->turns) == MIDDLE)
         status = test_calm(w, &calm);
     if (calm)
-        *turns = k + 1;
+        c->turns = c->turn + 1;
     if (status == DRAPE_OK)
-        status = solve_joint(w, care_of(k, *turns));
+        status = solve_joint(w, care_of(c->turn, c->turns));
+    c->turn++;
+    w->response.anew = false;
     return status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
+}
+
+/* How many turns are to come, §4.3: those of new contacts, or what is left of
+ * turns that wait, one more if their contacts are others now. */
+static void count_turns(struct world *w, int64_t n)
+{
+    struct couple *c = &w->couple;
+    if (c->turn < c->turns) {
+        c->turns += w->response.anew;
+        return;
+    }
+    c->penalty.settled = c->solves > 0;
+    c->turn = 0;
+    c->turns = n > 0 && c->solves == 0 ? COUPLE_TURNS : 1;
 }
 
 int couple_solve(void *user, int64_t n, struct contact *contact)
 {
     struct world *w = user;
     struct response *r = &w->response;
-    struct penalty *p = &w->couple.penalty;
+    struct couple *c = &w->couple;
+    struct penalty *p = &c->penalty;
     double start = clock_now();
-    bool last = r->waits;
     int status = w->run->turn_room(w, n);
     p->n = n;
     p->n4 = 4 * n;
     p->contact = contact;
-    p->settled = w->couple.solves > 0 && !last;
-    int turns = n > 0 && !p->settled ? COUPLE_TURNS : 1;
+    count_turns(w, n);
+    bool foresees = r->foresee && !r->waits && !r->waited;
     r->waits = false;
-    for (int k = last ? turns - 1 : 0;
-         k < turns && status == DRAPE_OK && !r->waits; k++) {
-        status = take_turn(w, k, &turns);
-        r->waits = r->foresee && !last && k + 2 == turns;
+    while (c->turn < c->turns && status == DRAPE_OK && !r->waits) {
+        status = take_turn(w);
+        r->waits = (r->pauses && c->turn == 1) ||
+                   (foresees && c->turn > 0 && c->turn + 1 == c->turns);
     }
     if (status == DRAPE_OK && n > 0 && w->plan.warm && !r->waits) {
         status = keep_warm(w);

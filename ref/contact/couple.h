@@ -36,6 +36,7 @@ struct couple {
     bool kept[COUPLE_ENDS];  /* whether found has it */
     struct joint joint;      /* of its members only streams, scale and square
                                 last from one turn to the next */
+    int turn, turns;         /* the next one of those under way; how many */
     int64_t cap;             /* contacts that the scratch is for */
     bool rough;              /* the motion before contact was solved so, with
                                 the press of the slice before */

@@ -71,10 +71,10 @@ static struct wide weighted_sum(const double c[4], const struct wide a[4])
     return r;
 }
 
-/* §2.2: the primitives' own normal, with the sign that opposes the approach; or
+/* The primitives' own normal, with the sign that opposes the approach; or
  * opposite to the approach where that normal is almost across it. */
-static struct wide normal_of(const struct impact *m, int64_t kind,
-                             const struct closest *r)
+static struct wide own_normal(const struct impact *m, int64_t kind,
+                              const struct closest *r)
 {
     struct wide way = weighted_sum(r->c, m->way),
                 from = weighted_sum(r->c, m->from);
@@ -87,18 +87,50 @@ static struct wide normal_of(const struct impact *m, int64_t kind,
     return closing > 0 ? wide_scale(-1, n) : n;
 }
 
+/* §2.3: n, or where it is no normal of the led side's surface, the normal of
+ * the triangle there that it is most along. */
+static struct wide turned(const struct impulses *s, int64_t k,
+                          const struct impact *m, const struct closest *r,
+                          struct wide n)
+{
+    const int32_t *v = s->pair + 4 * k;
+    int kind = s->kind[k], side = led_side(kind, v, s->w);
+    if (side == SIDES)
+        return n;
+    struct places places = {s->x0, s->x1, (double)s->toi[k] * 0x1p-30};
+    struct foot f =
+        foot_find(v, side_start(kind, side), side_start(kind, side + 1), m->x,
+                  r->c, side == SIDE_A ? wide_scale(-1, n) : n);
+    struct wide t = f.p;
+    if (foot_is_nearest(&places, &s->fan, &f) ||
+        !foot_turn(&places, &s->fan, &f, 0, &t))
+        return n;
+    if (side == SIDE_A)
+        t = wide_scale(-1, t);
+    bool good = wide_dot(t, weighted_sum(r->c, m->way)) <= 0 &&
+                wide_dot(t, weighted_sum(r->c, m->from)) >= 0;
+    return good ? t : n;
+}
+
+/* §2: the closest points of impact k when it touches, and its normal. */
+static struct wide look_at(const struct impulses *s, int64_t k,
+                           struct impact *m, struct closest *r)
+{
+    place(s, s->pair + 4 * k, (double)s->toi[k] * 0x1p-30, m);
+    if (s->kind[k] == CONTACT_VF)
+        closest_vf(m->x, r);
+    else
+        closest_ee(m->x, r);
+    return turned(s, k, m, r, own_normal(m, s->kind[k], r));
+}
+
 static void emit(const struct impulses *s, int64_t k, struct contact *c)
 {
     struct impact m;
     struct closest r;
     memcpy(c->v, s->pair + 4 * k, sizeof c->v);
     c->kind = s->kind[k];
-    place(s, c->v, (double)s->toi[k] * 0x1p-30, &m);
-    if (c->kind == CONTACT_VF)
-        closest_vf(m.x, &r);
-    else
-        closest_ee(m.x, &r);
-    struct wide n = normal_of(&m, c->kind, &r);
+    struct wide n = look_at(s, k, &m, &r);
     struct surface skin = skin_pair(&s->skin, c->v);
     closest_weights(&r, (int)c->kind, c->c);
     c->n = wide_round(n);
@@ -133,12 +165,7 @@ static struct wide aim_of(const struct impulses *s, int64_t k)
 {
     struct impact m;
     struct closest r;
-    place(s, s->pair + 4 * k, (double)s->toi[k] * 0x1p-30, &m);
-    if (s->kind[k] == CONTACT_VF)
-        closest_vf(m.x, &r);
-    else
-        closest_ee(m.x, &r);
-    return normal_of(&m, s->kind[k], &r);
+    return look_at(s, k, &m, &r);
 }
 
 /* Whether vertex i, one of its four, is on side A of impact k. */

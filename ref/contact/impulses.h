@@ -4,6 +4,7 @@
 #define REF_IMPULSES_H
 
 #include "ref/base/keys.h"
+#include "ref/broad/tree.h"
 #include "ref/contact/contact.h"
 
 struct impulses {
@@ -14,6 +15,7 @@ struct impulses {
     const real *w;       /* [nv] 1/kg, 0: led */
     const vec *x0, *x1;  /* [nv] m, start and end of the step */
     struct skin skin;    /* of the vertices */
+    struct fan fan;      /* the triangles around each vertex */
     real dt;             /* s, > 0 */
     real margin;      /* ≥ 0, part of its thickness that a pair shall keep */
     int64_t n_active; /* size of the active set */

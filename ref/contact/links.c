@@ -2,7 +2,7 @@
 /* Multiplies the matrix of the contacts that are CONTACT_MUTUAL with a vector.
  * spec/contact/penalty.md §3
  */
-#include "ref/contact/links.h"
+#include "ref/contact/penalty.h"
 
 /* The impulse of contact c in answer to the velocities x. */
 static vec answer(const struct links *s, const struct contact *c)

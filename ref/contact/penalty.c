@@ -14,7 +14,7 @@ static const real PULL = R(4.0);
 static int check(const struct penalty *s)
 {
     if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->give > 0 &&
-          s->slip > 0) ||
+          s->slip > 0 && s->far > 0) ||
         s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX)
         return DRAPE_EARG;
     for (int64_t k = 0; k < s->n; k++)
@@ -60,18 +60,21 @@ static real part_of(const struct penalty *s, int64_t k, int j)
 
 /* §1.2: the impulse along n, N·s, that contact c has given so far. Each
  * vertex's part of g is divided among its contacts in proportion to their holds
- * in the turn before. load: what the vertices got. */
-static real given_impulse(const struct penalty *s, int64_t k, real load[4])
+ * in the turn before. staying: among those that stay held. load: what the
+ * vertices got. */
+static real given_impulse(const struct penalty *s, int64_t k, bool staying,
+                          real load[4])
 {
     const struct contact *c = &s->contact[k];
     real push = 0, all = 0;
-    for (int j = 0; j < 4 && c->held; j++) {
+    for (int j = 0; j < 4 && c->along > 0; j++) {
         int32_t i = c->v[j];
         if (!(s->w[i] > 0) || c->c[j] == 0)
             continue;
         real along = part_of(s, k, j) * c->along;
         real hold = vec_dot(c->n, sym_apply(s->hold[i], c->n));
         real took = along / hold * vec_dot(c->n, s->g[i]);
+        took = staying ? s->more[i] * took : took;
         load[j] = c->c[j] < 0 ? -took : took;
         push += load[j];
         all += real_abs(c->c[j]);
@@ -133,19 +136,51 @@ static void select_held(struct penalty *s, int64_t k)
         if (s->w[c->v[j]] > 0)
             share += real_abs(c->c[j]) * side_of(s, c, j);
     s->share[k] = share;
-    real load[4] = {0, 0, 0, 0};
-    bool known = !s->first && !is_settled(s, c);
-    real gave = known ? given_impulse(s, k, load) : 0;
-    find_rub(s, k, load);
     if (is_settled(s, c))
         return;
-    s->gave[k] = gave;
-    bool kept =
-        s->gave[k] > 0 && spring_impulse(s, c, s->u) > -PULL * s->gave[k];
+    real load[4];
+    real gave = s->first ? 0 : given_impulse(s, k, false, load);
+    bool kept = gave > 0 && spring_impulse(s, c, s->u) > -PULL * gave;
     bool held = excess_of(c, s->guess) > 0 || excess_of(c, s->u) > 0 || kept;
     c->held = !held           ? CONTACT_APART
               : is_wall(s, c) ? CONTACT_WALL
                               : CONTACT_MUTUAL;
+}
+
+/* §1.2: how many times as much of what vertex i got its contacts gave that stay
+ * held, as those that are let go give none of it. */
+static real more_of(const struct penalty *s, int64_t i)
+{
+    real all = 0, stays = 0;
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+        int64_t at = s->item[k] / 4;
+        const struct contact *c = &s->contact[at];
+        real along =
+            c->along > 0 ? part_of(s, at, s->item[k] % 4) * c->along : 0;
+        all += along;
+        stays += c->held ? along : 0;
+    }
+    return stays > 0 ? all / stays : 1;
+}
+
+static void find_more(struct penalty *s)
+{
+    EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++)
+        s->more[i] = more_of(s, i);
+}
+
+/* §1.2, §2.4: what contact k has given, and how its friction is divided. */
+static void find_given(struct penalty *s, int64_t k)
+{
+    const struct contact *c = &s->contact[k];
+    real load[4] = {0, 0, 0, 0}, gave = 0;
+    bool settled = is_settled(s, c);
+    if (!s->first && !settled && c->held)
+        gave = given_impulse(s, k, true, load);
+    find_rub(s, k, load);
+    if (!settled)
+        s->gave[k] = gave;
 }
 
 /* §3: what contact k adds to the hold of its vertex j. */
@@ -207,7 +242,7 @@ static real push_of(const struct penalty *s, int64_t k, const vec *u)
     const struct contact *c = &s->contact[k];
     real gave = s->gave[k], part = c->along / most_of(s);
     real push = (1 - part) * gave + spring_impulse(s, c, u);
-    return real_max(push, -gave);
+    return s->first ? push : real_max(push, -gave);
 }
 
 /* §2.1: N, the impulse along n that contact k is expected to give, N·s. */
@@ -235,15 +270,21 @@ static bool sticks(const struct penalty *s, const struct contact *c, vec slip,
         return c->slide * speed <= most;
     if (vec_dot(c->tangent, c->tangent) > 0 && !s->first)
         return vec_dot(slip, c->tangent) > 0;
-    return speed <= stop;
+    return speed <= stop && speed * s->dt <= s->far;
 }
 
-/* §2.3: f of contact c, which sticks and whose friction is at most `most`. */
+/* §2.3: f of contact c, which sticks, slips with this speed, and whose friction
+ * is at most `most`. */
 static real damper_of(const struct penalty *s, const struct contact *c,
-                      real most)
+                      real speed, real most)
 {
     real f = most / s->slip;
-    return c->slide > 0 && !s->first ? real_min(c->slide, f) : f;
+    if (s->first)
+        return f;
+    if (c->slide > 0)
+        return real_min(c->slide, f);
+    bool slid = vec_dot(c->tangent, c->tangent) > 0;
+    return slid ? most / real_max(speed, s->slip) : f;
 }
 
 /* §1, §2: the impulses of contact k. */
@@ -261,8 +302,9 @@ static void push(struct penalty *s, int64_t k)
     if (c->held)
         most = c->friction * expected_impulse(s, k, yield);
     bool stick = sticks(s, c, slip, most, yield * most * (s->tau / s->dt));
-    real f = stick ? damper_of(s, c, most)
-                   : most / real_max(vec_length(slip), s->slip);
+    real speed = vec_length(slip);
+    real f =
+        stick ? damper_of(s, c, speed, most) : most / real_max(speed, s->slip);
     c->slide = stick ? f : 0;
     c->tangent = vec_scale(-f, slip);
     c->impulse = c->held ? push_of(s, k, s->u) : 0;
@@ -309,6 +351,11 @@ int ref_penalty(struct penalty *s)
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
         select_held(s, k);
+    if (!s->first && !s->settled)
+        find_more(s);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        find_given(s, k);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
         count_parts(s, i);

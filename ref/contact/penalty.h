@@ -17,6 +17,7 @@ struct penalty {
     real give;      /* m, > 0, by which a contact is short under its load */
     real dt, tau;   /* s, > 0: the slice, and the integrator's effective step */
     real slip;      /* m/s, > 0: friction is viscous below */
+    real far;       /* m, > 0: what would slip farther does not stick yet */
     struct contact *contact; /* [n] out: held, impulse, along, slide, tangent;
                                 in: held, along, slide and tangent of the turn
                                 before, 0 for a new contact */
@@ -28,6 +29,8 @@ struct penalty {
     real *share;     /* scratch: [n] 1/kg, S of §3 */
     real *gave;      /* scratch: [n] N·s, ≥ 0, §1.2 */
     real *rub;       /* scratch: [n4] weights of friction, §2.4 */
+    real *more;      /* scratch: [nv] how many times as much the contacts that
+                        stay give of what the vertex got, §1.2 */
     vec *guess;      /* scratch: [nv] m/s, velocity of §1.1 */
     real *parts;     /* scratch: [nv] d, held contacts of a vertex, §2.1 */
     vec *force;      /* out: [nv] N·s, 0 where no contact is held */
@@ -37,5 +40,23 @@ struct penalty {
 
 /* DRAPE_OK, or DRAPE_EARG for a bad vertex or setting. */
 int ref_penalty(struct penalty *s);
+
+/* The contacts' own matrix times a vector, §3.1. */
+struct links {
+    int64_t nv, n;                 /* vertices, contacts; 4 n < 2^31 */
+    const struct contact *contact; /* [n] v, c, n, held, along,
+                                      slide */
+    real across;                   /* ≥ 0: tau/dt, by which slide counts */
+    const vec *x;                  /* [nv] m/s, 0 where w is 0 */
+
+    int64_t nv1, n4;      /* nv + 1, 4 n */
+    const int32_t *start; /* [nv1] first item of a vertex, contacts.md §1 */
+    const int32_t *item;  /* [n4] 4·contact + corner, by vertex */
+    vec *push;            /* scratch: [n] N·s */
+    vec *y;               /* inout: [nv] N·s, gains the matrix times x */
+};
+
+/* DRAPE_OK, or DRAPE_EARG for counts that do not fit. */
+int ref_links(struct links *s);
 
 #endif

@@ -169,6 +169,7 @@ static int find_impulses(struct response *s)
                          .x0 = s->x0,
                          .x1 = s->x1,
                          .skin = s->skin,
+                         .fan = s->fan,
                          .dt = s->dt,
                          .margin = s->margin,
                          .n_active = s->active,
@@ -206,38 +207,21 @@ static int join(struct response *s)
     return status;
 }
 
-/* §2: solves with the contacts of repulsion. If the last turn waits, the pairs
- * that touch by then join them. */
-static int take_turns(struct response *s)
+/* The pairs that are nearer than their thickness at x, as contacts in a pool.
+ */
+static int find_contacts(struct response *s, const struct pairs *near,
+                         const vec *x, struct pool *out, int64_t *found)
 {
-    int status = s->solve(s->user, s->active, s->contact[s->side].data);
-    if (status != DRAPE_OK || !s->waits)
-        return status;
-    s->waited = true;
-    status = detect(s, NULL);
-    if (status == DRAPE_OK && s->hits > 0)
-        status = join(s);
-    if (status != DRAPE_OK)
-        return status;
-    return s->solve(s->user, s->active, s->contact[s->side].data);
-}
-
-int response_repel(struct response *s, const struct pairs *near)
-{
-    s->near = near->n;
-    if (!near->n)
-        return DRAPE_OK;
     struct proximity p = {.nv = s->nv,
                           .n = near->n,
                           .pair = near->pair,
                           .kind = near->kind,
-                          .x = s->x0,
+                          .x = x,
                           .w = s->w,
                           .skin = s->skin,
                           .fan = s->fan,
                           .dt = s->dt,
                           .stiffness = s->stiffness};
-    struct pool *out = &s->contact[s->side];
     int status =
         response_grow(s, 1, &(struct pool_need){&s->at, near->n, sizeof *p.at});
     if (status != DRAPE_OK)
@@ -249,16 +233,118 @@ int response_repel(struct response *s, const struct pairs *near)
         status = s->run->proximity(s->on, &p);
     } while (status == DRAPE_EFULL &&
              (status = grow_contacts(s, out, p.found)) == DRAPE_OK);
+    *found = p.found;
+    if (status == DRAPE_OK)
+        s->run->trace(s->on, s->trace, "proximity", p.contact,
+                      (size_t)p.found * sizeof *p.contact);
+    return status;
+}
+
+/* §2.1: the active set becomes the contacts of where the slice ends; `after`
+ * has n_new of them. */
+static int move_ahead(struct response *s, int64_t n_new)
+{
+    int64_t n = s->active, all = n + n_new;
+    struct pool *to = &s->contact[!s->side];
+    struct pool_need pool_need[] = {{&s->item, 4 * n, sizeof(int32_t)},
+                                    {&s->vertex, 4 * n, sizeof(int32_t)},
+                                    {&s->height, s->nv, sizeof(real)},
+                                    {&s->at, all, sizeof(int32_t)}};
+    int status = response_grow(s, 4, pool_need);
+    if (status == DRAPE_OK && all > to->cap)
+        status = grow_contacts(s, to, all);
     if (status != DRAPE_OK)
         return status;
-    s->contacts = p.found;
-    s->run->trace(s->on, s->trace, "proximity", p.contact,
-                  (size_t)p.found * sizeof *p.contact);
-    if (!p.found)
+    struct ahead a = {.nv = s->nv,
+                      .n = n,
+                      .n_new = n_new,
+                      .w = s->w,
+                      .skin = s->skin,
+                      .u = s->u,
+                      .dt = s->dt,
+                      .met = s->touched,
+                      .before = s->contact[s->side].data,
+                      .after = s->after.data,
+                      .nv1 = s->nv + 1,
+                      .n4 = 4 * n,
+                      .n_all = all,
+                      .start = s->start,
+                      .item = s->item.data,
+                      .vertex = s->vertex.data,
+                      .height = s->height.data,
+                      .at = s->at.data,
+                      .contact = to->data};
+    status = s->run->ahead(s->on, &a);
+    if (status != DRAPE_OK)
+        return status;
+    s->side = !s->side;
+    s->active = a.found;
+    s->run->trace(s->on, s->trace, "ahead", a.contact,
+                  (size_t)a.found * sizeof *a.contact);
+    return DRAPE_OK;
+}
+
+/* §2.1: looks where the slice ends by what is known so far. */
+static int look_ahead(struct response *s)
+{
+    struct pairs near;
+    int64_t found = 0;
+    int status = detect(s, NULL);
+    s->run->clear(s->on, s->touched, (size_t)s->nv);
+    s->run->touch(s->on, s);
+    if (status == DRAPE_OK)
+        status = s->broad_at(s->user, s->x1, &near);
+    if (status == DRAPE_OK && near.n > 0)
+        status = find_contacts(s, &near, s->x1, &s->after, &found);
+    if (status == DRAPE_OK)
+        status = move_ahead(s, found);
+    if (status == DRAPE_OK && s->hits > 0)
+        status = join(s);
+    s->anew = s->waited = true;
+    return status;
+}
+
+static int solve(struct response *s)
+{
+    return s->solve(s->user, s->active, s->contact[s->side].data);
+}
+
+/* §2: solves with the contacts of repulsion. If the first turn finds that
+ * something slips far, the others have the contacts of where the slice ends. If
+ * the last turn waits, the pairs that touch by then join them. */
+static int take_turns(struct response *s)
+{
+    s->pauses = s->looks;
+    int status = solve(s);
+    s->pauses = false;
+    if (status == DRAPE_OK && s->looks) {
+        s->waits = false;
+        if (s->run->slips(s->on, s, s->contact[s->side].data))
+            status = look_ahead(s);
+        if (status == DRAPE_OK)
+            status = solve(s);
+    }
+    if (status != DRAPE_OK || !s->waits)
+        return status;
+    s->waited = true;
+    status = detect(s, NULL);
+    if (status == DRAPE_OK && s->hits > 0)
+        status = join(s);
+    return status == DRAPE_OK ? solve(s) : status;
+}
+
+int response_repel(struct response *s, const struct pairs *near)
+{
+    s->near = near->n;
+    if (!near->n)
         return DRAPE_OK;
+    int status =
+        find_contacts(s, near, s->x0, &s->contact[s->side], &s->contacts);
+    if (status != DRAPE_OK || !s->contacts)
+        return status;
     if (!s->solve)
-        return solve_contacts(s, p.found, 0);
-    s->active = p.found; /* they go on through the rounds */
+        return solve_contacts(s, s->contacts, 0);
+    s->active = s->contacts; /* they go on through the rounds */
     return take_turns(s);
 }
 
@@ -272,7 +358,7 @@ static int push(struct response *s, int round)
         return status;
     struct contact *contact = s->contact[s->side].data;
     if (round == 0 && s->solve && s->active > held && !s->waited)
-        return s->solve(s->user, s->active, contact);
+        return solve(s);
     /* only impulses that contacts gave can it withdraw */
     bool warm = s->contacts_solved;
     if (!warm)

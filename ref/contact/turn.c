@@ -37,6 +37,7 @@ int turn_make(struct world *w)
     p->guess = take(w, w->nv, sizeof *p->guess);
     c->press = p->guess; /* which nobody reads between two penalties */
     p->parts = take(w, w->nv, sizeof *p->parts);
+    p->more = take(w, w->nv, sizeof *p->more);
     c->g = take(w, w->nc, sizeof *c->g);
     p->g = c->g;
     c->b = take(w, w->nc, sizeof *c->b);

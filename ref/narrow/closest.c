@@ -140,3 +140,87 @@ struct wide closest_unit(struct wide a, struct wide fallback)
         return fallback;
     return wide_make(a.x / l, a.y / l, a.z / l);
 }
+
+static struct wide place_of(const struct places *s, int32_t i)
+{
+    struct wide a = wide_of(s->x0[i]);
+    return s->x1 ? wide_axpy(a, s->t, wide_sub(wide_of(s->x1[i]), a)) : a;
+}
+
+struct foot foot_find(const int32_t v[4], int from, int end,
+                      const struct wide x[4], const double c[4], struct wide p)
+{
+    struct wide o = x[0];
+    struct foot f = {.p = closest_lift(p)};
+    for (int j = from; j < end; j++) {
+        if (c[j] == 0)
+            continue;
+        if (f.vertices == 0)
+            o = x[j];
+        if (f.vertices < 2)
+            f.v[f.vertices] = v[j];
+        f.vertices++;
+        f.at = wide_axpy(f.at, c[j] < 0 ? -c[j] : c[j], wide_sub(x[j], o));
+    }
+    return f;
+}
+
+/* Whether triangles of the fan of f.v[0] are at the foot. */
+static bool is_at(const struct foot *f, const int32_t rim[2])
+{
+    return f->vertices == 1 || rim[0] == f->v[1] || rim[1] == f->v[1];
+}
+
+/* The place of vertex y relative to the foot's first vertex. */
+static struct wide beside(const struct places *s, const struct foot *f,
+                          int32_t y)
+{
+    return wide_sub(place_of(s, y), place_of(s, f->v[0]));
+}
+
+/* Whether the foot comes nearer to the other side towards vertex y. */
+static bool comes_nearer(const struct places *s, const struct foot *f,
+                         int32_t y)
+{
+    struct wide d = closest_lift(wide_sub(beside(s, f, y), f->at));
+    double along = wide_dot(f->p, d);
+    return along > 0 &&
+           along * along > 0x1p-20 * (wide_dot(f->p, f->p) * wide_dot(d, d));
+}
+
+bool foot_is_nearest(const struct places *s, const struct fan *fan,
+                     const struct foot *f)
+{
+    int32_t i = f->v[0];
+    if (!fan->n_start)
+        return true;
+    for (int32_t k = fan->start[i]; f->vertices < 3 && k < fan->start[i + 1];
+         k++) {
+        const int32_t *rim = fan->rim[k];
+        for (int j = 0; j < 2; j++)
+            if (is_at(f, rim) && comes_nearer(s, f, rim[j]))
+                return false;
+    }
+    return true;
+}
+
+bool foot_turn(const struct places *s, const struct fan *fan,
+               const struct foot *f, double least, struct wide *n)
+{
+    int32_t i = f->v[0];
+    double most = least * wide_dot(f->p, f->p);
+    bool found = false;
+    for (int32_t k = fan->start[i]; k < fan->start[i + 1]; k++) {
+        const int32_t *rim = fan->rim[k];
+        struct wide d = closest_lift(beside(s, f, rim[0]));
+        struct wide e = closest_lift(beside(s, f, rim[1]));
+        struct wide m = closest_lift(wide_cross(d, e));
+        double along = wide_dot(m, f->p), mm = wide_dot(m, m);
+        if (!is_at(f, rim) || !(along * along > most * mm))
+            continue;
+        most = along * along / mm;
+        *n = closest_unit(along < 0 ? wide_scale(-1, m) : m, *n);
+        found = true;
+    }
+    return found;
+}

@@ -4,6 +4,7 @@
 #define REF_CLOSEST_H
 
 #include "ref/base/wide.h"
+#include "ref/broad/tree.h"
 
 /* The closest points of sides A and B, relative to x[0]. */
 struct closest {
@@ -28,5 +29,34 @@ struct wide closest_lift(struct wide a);
 /* a divided by its length, or the fallback where the length is zero or not
  * finite. */
 struct wide closest_unit(struct wide a, struct wide fallback);
+
+/* The surface around a closest point, proximity.md §3.2. */
+
+/* Where the vertices of a surface are: at x0, or on the way to x1. */
+struct places {
+    const vec *x0, *x1; /* x1 NULL: they do not move */
+    double t;           /* the part of the way */
+};
+
+/* The closest point of a side: in a face, on an edge or at a vertex, by how
+ * many vertices have a weight. */
+struct foot {
+    int vertices;
+    int32_t v[2];   /* the first two of them */
+    struct wide at; /* m, relative to the first */
+    struct wide p;  /* from here to the other side's point, lifted (§2.4) */
+};
+
+/* The foot on the side whose vertices are v[from] … v[end - 1] of a pair at x,
+ * with weights c; p: from here to the other side. */
+struct foot foot_find(const int32_t v[4], int from, int end,
+                      const struct wide x[4], const double c[4], struct wide p);
+/* Whether the foot is the nearest point of the triangles around it. */
+bool foot_is_nearest(const struct places *s, const struct fan *fan,
+                     const struct foot *f);
+/* The normal of the triangle at the foot that p is most along, on p's side.
+ * False if the squared cosine between them is not above `least` for any. */
+bool foot_turn(const struct places *s, const struct fan *fan,
+               const struct foot *f, double least, struct wide *n);
 
 #endif

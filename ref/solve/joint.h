@@ -4,7 +4,7 @@
 #ifndef REF_JOINT_H
 #define REF_JOINT_H
 
-#include "ref/contact/links.h"
+#include "ref/contact/penalty.h"
 
 struct world;
 

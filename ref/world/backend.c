@@ -86,6 +86,7 @@ STAGE(travel)
 STAGE(narrow)
 STAGE(audit)
 STAGE(proximity)
+STAGE(ahead)
 STAGE(impacts)
 STAGE(impulses)
 STAGE(contacts)
@@ -156,6 +157,13 @@ static void touch(void *on, const struct response *s)
 {
     (void)on;
     rounds_touch(s);
+}
+
+static bool slips(void *on, const struct response *s,
+                  const struct contact *contact)
+{
+    (void)on;
+    return rounds_slip(s, contact);
 }
 
 static void cap_targets(void *on, const struct response *s,
@@ -292,6 +300,7 @@ const struct backend backend_ref = {.take = take,
                                     .narrow = narrow,
                                     .audit = audit,
                                     .proximity = proximity,
+                                    .ahead = ahead,
                                     .impacts = impacts,
                                     .impulses = impulses,
                                     .contacts = contacts,
@@ -310,6 +319,7 @@ const struct backend backend_ref = {.take = take,
                                     .start = start,
                                     .advance = advance,
                                     .touch = touch,
+                                    .slips = slips,
                                     .cap_targets = cap_targets,
                                     .turn_room = turn_room,
                                     .turn_begin = first_turn,

@@ -10,6 +10,13 @@
 #include "ref/sleep/sleep.h"
 #include "ref/world/slice.h"
 
+static void give_pairs(const struct world *w, struct pairs *out)
+{
+    out->n = w->sleep->roused ? 0 : w->broad.n; /* the slice is taken again */
+    out->pair = w->broad.pair.data;
+    out->kind = w->broad.kind.data;
+}
+
 int collide_broad(void *user, const uint8_t *touched, struct pairs *out)
 {
     struct world *w = user;
@@ -19,9 +26,19 @@ int collide_broad(void *user, const uint8_t *touched, struct pairs *out)
     if (status == DRAPE_OK)
         status = sleep_notice(w);
     w->broad_seconds += clock_now() - start;
-    out->n = w->sleep->roused ? 0 : w->broad.n; /* the slice is taken again */
-    out->pair = w->broad.pair.data;
-    out->kind = w->broad.kind.data;
+    give_pairs(w, out);
+    return status;
+}
+
+int collide_near(void *user, const vec *x, struct pairs *out)
+{
+    struct world *w = user;
+    double start = clock_now();
+    int status = w->run->broad_query(w->on, &w->broad, x, x, w->reach, NULL);
+    if (status == DRAPE_OK)
+        status = sleep_notice(w);
+    w->broad_seconds += clock_now() - start;
+    give_pairs(w, out);
     return status;
 }
 
@@ -107,6 +124,7 @@ static int start(struct world *w)
     c->stop_before_zones = slice_can_retry(w);
     c->max_rounds = slice_rounds(w);
     c->foresee = w->near == NEAR_IMPACTS;
+    c->looks = w->plan.implicit && w->def.n_obstacles > 0;
     int status = response_start(c);
     if (w->plan.implicit)
         couple_start(w);

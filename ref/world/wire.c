@@ -103,6 +103,7 @@ static int make_response(struct world *w, const drape_def *def)
     c->run = w->run;
     c->on = w->on;
     c->broad = collide_broad;
+    c->broad_at = collide_near;
     c->user = w;
     if (w->plan.implicit)
         c->solve = couple_solve;

@@ -3,6 +3,7 @@
 #include "ref/contact/impulses.h"
 
 #include "tests/base/choices.h"
+#include "tests/contact/proximity.h"
 
 const struct field fields_impulses[] = {
     IN(impulses, pair, n, 4),
@@ -13,6 +14,8 @@ const struct field fields_impulses[] = {
     IN(impulses, x1, nv, 1),
     IN(impulses, skin.of, nv, 1),
     IN(impulses, skin.surface, skin.n, 1),
+    IN(impulses, fan.start, fan.n_start, 1),
+    IN(impulses, fan.rim, fan.n_rim, 1),
     IN(impulses, active, n_active, 1),
     SCRATCH(impulses, key, n_all, 1),
     SCRATCH(impulses, spare, n_all, 1),
@@ -75,6 +78,7 @@ void gen_impulses(struct bytes *b, struct impulses *s)
     s->skin.of = take(b, s->nv, sizeof *s->skin.of);
     s->skin.surface = surface;
     s->active = pick_active(b, s);
+    s->fan = pick_fan(b, s->nv, s->n, pair);
     s->cap = pick(b, 8) ? s->n_all : s->n_all / 8;
 }
 
@@ -224,5 +228,56 @@ const char *prop_impulses(const struct impulses *s)
     }
     for (int64_t k = 0; k < s->n_active; k++)
         EXPECT(find(s, s->active[k].v, s->active[k].kind) >= 0);
+    return NULL;
+}
+
+/* §2.3: the normal of a free edge that falls askew on the common side of two
+ * led triangles. Their other corners are `sink` lower than it. */
+static vec meet(real sink, bool known)
+{
+    vec x0[6] = {
+        {-1, R(0.25), R(-0.125)}, {1, R(0.75), R(0.125)}, {0, 0, -1}, {0, 0, 1},
+        {-1, -sink, 0},           {1, -sink, 0}};
+    vec x1[6];
+    for (int i = 0; i < 6; i++)
+        x1[i] = vec_axpy(x0[i], i < 2 ? -1 : 0, vec_make(0, 1, 0));
+    const real w[6] = {1, 1, 0, 0, 0, 0};
+    const int32_t pair[4] = {0, 1, 2, 3}, start[7] = {0, 0, 0, 2, 4, 5, 6};
+    const int32_t rim[6][2] = {{3, 4}, {5, 3}, {4, 2}, {2, 5}, {2, 3}, {3, 2}};
+    const uint8_t kind = CONTACT_EE;
+    const uint32_t toi = 1u << 29;
+    const uint16_t of[6] = {0};
+    const struct surface surface = {R(0.01), R(0.1)};
+    struct key key, spare;
+    uint64_t first[6];
+    struct contact c = {.n = {0, 0, 0}};
+    struct impulses s = {.nv = 6,
+                         .n = 1,
+                         .pair = pair,
+                         .kind = &kind,
+                         .toi = &toi,
+                         .w = w,
+                         .x0 = x0,
+                         .x1 = x1,
+                         .skin = {1, of, &surface},
+                         .fan = {known ? 7 : 0, known ? 6 : 0, start, rim},
+                         .dt = R(0.5),
+                         .n_all = 1,
+                         .key = &key,
+                         .spare = &spare,
+                         .first = first,
+                         .cap = 1,
+                         .contact = &c};
+    return ref_impulses(&s) == DRAPE_OK ? c.n : vec_make(0, 0, 0);
+}
+
+/* §2.3: on a plane an edge meets the plane's normal, on a ridge its own. */
+const char *test_impulses_led(void)
+{
+    vec plane = meet(0, true), askew = meet(0, false), ridge = meet(1, true);
+    EXPECT(plane.y > 1 - R(0x1p-20));
+    EXPECT(askew.y < R(0.99));
+    EXPECT(ridge.y == askew.y && ridge.x == askew.x && ridge.z == askew.z);
+    ran(3);
     return NULL;
 }

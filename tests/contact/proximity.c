@@ -46,26 +46,24 @@ static vec pick_place(struct bytes *b, real scale, bool flat)
     return x;
 }
 
-/* Two triangles around each vertex, as a rule with the other vertices of its
- * pairs; x, pair and kind are set. */
-static void pick_fan(struct bytes *b, struct proximity *s)
+struct fan pick_fan(struct bytes *b, int64_t nv, int64_t n, const int32_t *pair)
 {
-    s->fan.n_start = s->nv + 1;
-    s->fan.n_rim = 2 * s->nv;
-    int32_t *start = take(b, s->fan.n_start, sizeof *start);
-    int32_t(*rim)[2] = take(b, s->fan.n_rim, sizeof *rim);
-    for (int64_t i = 0; i <= s->nv; i++)
+    struct fan fan = {.n_start = nv + 1, .n_rim = 2 * nv};
+    int32_t *start = take(b, fan.n_start, sizeof *start);
+    int32_t(*rim)[2] = take(b, fan.n_rim, sizeof *rim);
+    for (int64_t i = 0; i <= nv; i++)
         start[i] = (int32_t)(2 * i);
-    for (int64_t i = 0; i < s->fan.n_rim; i++) {
-        rim[i][0] = (int32_t)pick(b, (uint64_t)s->nv);
-        rim[i][1] = (int32_t)pick(b, (uint64_t)s->nv);
+    for (int64_t i = 0; i < fan.n_rim; i++) {
+        rim[i][0] = (int32_t)pick(b, (uint64_t)nv);
+        rim[i][1] = (int32_t)pick(b, (uint64_t)nv);
     }
-    for (int64_t k = 0; k < 4 * s->n; k++) {
-        int64_t at = 2 * (int64_t)s->pair[k] + (int64_t)pick(b, 2);
-        rim[at][pick(b, 2)] = s->pair[k ^ (1 + (int64_t)pick(b, 3))];
+    for (int64_t k = 0; k < 4 * n; k++) {
+        int64_t at = 2 * (int64_t)pair[k] + (int64_t)pick(b, 2);
+        rim[at][pick(b, 2)] = pair[k ^ (1 + (int64_t)pick(b, 3))];
     }
-    s->fan.start = start;
-    s->fan.rim = (const int32_t(*)[2])rim;
+    fan.start = start;
+    fan.rim = (const int32_t(*)[2])rim;
+    return fan;
 }
 
 void gen_proximity(struct bytes *b, struct proximity *s)
@@ -99,7 +97,7 @@ void gen_proximity(struct bytes *b, struct proximity *s)
     s->w = w;
     s->skin.of = of;
     s->skin.surface = surface;
-    pick_fan(b, s);
+    s->fan = pick_fan(b, s->nv, s->n, pair);
     s->cap = pick(b, 8) ? s->n : s->n / 16;
 }
 
@@ -255,7 +253,7 @@ static int split_of(const struct proximity *s, int64_t k)
 
 /* §3.2: the led side of the pair, A (0) before B (1); -1 if both have free
  * vertices. */
-static int led_side(const struct proximity *s, int64_t k)
+static int led_of(const struct proximity *s, int64_t k)
 {
     const int32_t *v = s->pair + 4 * k;
     int led[2] = {1, 1};
@@ -422,7 +420,7 @@ static struct fate free_fate(const struct proximity *s, int64_t k,
 static struct fate find_fate(const struct proximity *s, int64_t k,
                              const struct wide x[4])
 {
-    int side = led_side(s, k);
+    int side = led_of(s, k);
     struct closest r = points_of(x, s->kind[k]);
     if (size_of(x) < 0x1p-450)
         return (struct fate){true, true, 0, 1};
@@ -454,7 +452,7 @@ const char *prop_proximity(const struct proximity *s)
         EXPECT(f.keep);
         EXPECT((double)c->gap <= f.most * d + bound);
         EXPECT((double)c->gap >= f.least * d - bound);
-        if (k % 8 == 0 && orc_present() && led_side(s, k) < 0)
+        if (k % 8 == 0 && orc_present() && led_of(s, k) < 0)
             EXPECT(is_distance(x, s->kind[k], (double)c->gap, bound));
         const char *failed = check_contact(c, x);
         if (failed)

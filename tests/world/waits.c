@@ -17,9 +17,9 @@ static int turns_before(const struct notes *a)
 }
 
 /* How many steps waited, and how many of these had impacts that brought new
- * contacts. */
+ * contacts; how many looked ahead (response.md §2.1). */
 struct seen {
-    int waited, joined, turned;
+    int waited, joined, turned, ahead;
 };
 
 /* Compares a step of one slice with what the slice before foretold. */
@@ -28,6 +28,11 @@ static const char *compare(const struct world *w, const struct notes *a,
                            struct seen *seen)
 {
     const struct response *s = &w->response;
+    if (w->couple.turns > COUPLE_TURNS) { /* it looked ahead instead */
+        EXPECT(s->waited && !s->waits && turns_before(a) == 1);
+        seen->ahead++;
+        return NULL;
+    }
     EXPECT(r->outcome == 0 && s->waited <= (before == NEAR_IMPACTS));
     EXPECT((w->near == NEAR_IMPACTS) == (s->joined && s->contacts > 0));
     EXPECT(!s->waits);
@@ -88,6 +93,7 @@ const char *test_world_waits(void)
     if (failed)
         return failed;
     EXPECT(seen.waited > 0 && seen.joined > 0 && seen.turned > 0);
+    EXPECT(seen.ahead > 0);
     struct slab d;
     struct twin twin;
     fold(&d);
