@@ -11,7 +11,7 @@ struct penalty {
     const real *w;  /* [nv] 1/kg, ≥ 0; 0: led */
     const vec *u;   /* [nv] m/s, mean velocity of the step */
     const vec *g;   /* [nv] N·s, contacts' impulse so far, of free vertices */
-    int first;      /* 1: the first turn of a slice */
+    int first;      /* 1: these contacts have had no turn yet */
     int settled;    /* 1: contacts that are held stay as they are, §1.6 */
     real stiffness; /* N/m, > 0, of the stiffest contact */
     real give;      /* m, > 0, by which a contact is short under its load */
