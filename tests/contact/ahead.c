@@ -134,7 +134,9 @@ static const char *check_end(const struct ahead *s, const struct contact *c,
         all += part;
     }
     double slip = (double)vec_dot(c->n, pair_sum(c->v, c->c, s->u));
-    double unit = REAL_BITS == 32 ? 0x1p-18 : 0x1p-46;
+    /* All terms are below 1/8 m; a sum of four, a product and two more sums err
+     * by eight roundings of them. */
+    double unit = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
     EXPECT(fabs((double)c->gap + dt * slip - (double)from->gap) < unit);
     double end = (double)c->gap + dt * (double)c->target;
     EXPECT(!(all > 0) || fabs(end - fmin(sum / all, thick)) < unit);

@@ -238,6 +238,9 @@ static const char *check_friction(const struct penalty *s, int64_t k)
     if (c->slide > 0) {
         EXPECT((double)c->slide * low <= most + bound);
         EXPECT(!s->first || (double)c->slide * low >= most - bound);
+        /* what slips farther does not stick in a first turn */
+        double way = slip * (double)s->dt;
+        EXPECT(!s->first || way <= (double)s->far * (1 + 0x1p-20));
     } else
         EXPECT(fabs(rub * fmax(slip, low) - most * slip) <=
                bound * (slip + low));
