@@ -16,8 +16,9 @@ import tempfile
 
 # scene: particles along a side, detail of the obstacles, frames; bounds of sums
 # over all steps (iterations, solves, rounds, slices) and of the contacts of a
-# particle in the last step, a tenth above what they were on 2026-11-27, since when contacts are those of where sliding
-# steps end: the funnel takes a fifth more solves, the ball that passes half.
+# particle in the last step, a tenth above what they were on 2026-11-27. Since then
+# contacts are those of where sliding steps end: the funnel takes a fifth more
+# solves, the ball that passes half.
 COUNTS = ["iterations", "solves", "rounds", "slices", "contacts a particle"]
 SCENES = {
     "layers_2": (31, 32, 40, (650, 185, 130, 54, 1.25)),
