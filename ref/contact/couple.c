@@ -57,6 +57,7 @@ void couple_start(struct world *w)
     }
     w->run->turn_begin(w->on, w->nc, c->g, state_warm(w) ? w->press : NULL,
                        p->dt);
+    w->run->copy(w->on, c->given, c->g, (size_t)w->nc * sizeof *c->g);
 }
 
 static struct turn turn_of(const struct world *w)
@@ -67,7 +68,9 @@ static struct turn turn_of(const struct world *w)
                          .force = c->penalty.force,
                          .dv = c->joint.dv,
                          .q = c->joint.q,
+                         .r = c->joint.r,
                          .g = c->g,
+                         .given = c->given,
                          .left = c->penalty.settled ? c->joint.r : NULL,
                          .b = c->b,
                          .x0 = w->x0,
@@ -246,15 +249,14 @@ static void count_pushes(struct joint *s, real times)
     s->square = real_min(REAL_BIG, s->square * (times * times));
 }
 
-/* §4.3: whether b is so small that a middle turn is the last. */
-static int test_calm(struct world *w, bool *calm)
+/* |b| by what the tolerance is relative to, and by `most`, §4.3. */
+static int test_calm(struct world *w, real most, real *size)
 {
     struct couple *c = &w->couple;
     const struct joint *s = &c->joint;
     struct dot d = {w->nc, c->b, c->b, s->n_chunks, s->chunk, 0};
     int status = w->run->dot(w->on, &d);
-    real e = ease_of(w);
-    *calm = real_sqrt(d.value / (s->square / (e * e))) <= fine_of(w) * EASE;
+    *size = d.value > 0 ? real_sqrt(d.value / (s->square / (most * most))) : 0;
     return status;
 }
 
@@ -279,7 +281,8 @@ static int solve_joint(struct world *w, enum care care)
     c->residual = (double)s->residual;
     if (s->outcome == PCG_BREAKDOWN) /* all is left undone */
         w->run->copy(w->on, s->r, c->b, (size_t)w->nc * sizeof *s->r);
-    else if (status == DRAPE_OK && s->iterations > 0)
+    moves.moves = s->outcome != PCG_BREAKDOWN && s->iterations > 0;
+    if (status == DRAPE_OK)
         w->run->turn_move(w->on, &moves);
     w->run->turn_end(w->on);
     return status == DRAPE_OK ? w->run->status(w->on) : status;
@@ -309,7 +312,7 @@ static int keep_warm(struct world *w)
     struct warm s = {.nv = p->nv,
                      .n = p->n,
                      .w = p->w,
-                     .g = c->g,
+                     .g = c->given,
                      .v = w->v0,
                      .contact = p->contact,
                      .before = w->press,
@@ -341,7 +344,8 @@ static int take_turn(struct world *w)
     struct couple *c = &w->couple;
     struct penalty *p = &c->penalty;
     struct turn s = turn_of(w);
-    bool calm = false, known = c->solves > 0 && !w->response.anew;
+    real size = REAL_BIG;
+    bool known = c->solves > 0 && !w->response.anew;
     p->first = !known;
     /* §2.2: the very first turn knows of no friction yet. */
     p->far = c->solves == 0 ? REAL_BIG : w->reach;
@@ -352,14 +356,52 @@ static int take_turn(struct world *w)
         add_residual(w);
     w->run->turn_load(w->on, &s);
     if (status == DRAPE_OK && known && care_of(c->turn, c->turns) == MIDDLE)
-        status = test_calm(w, &calm);
-    if (calm)
+        status = test_calm(w, ease_of(w), &size);
+    if (size <= fine_of(w) * EASE)
         c->turns = c->turn + 1;
     if (status == DRAPE_OK)
         status = solve_joint(w, care_of(c->turn, c->turns));
     c->turn++;
     w->response.anew = false;
     return status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
+}
+
+/* §4.7: the friction of the loads that the last turn found. */
+static int follow_loads(struct world *w)
+{
+    struct couple *c = &w->couple;
+    struct penalty *p = &c->penalty;
+    int status = DRAPE_OK;
+    real size = REAL_BIG;
+    p->dv = c->joint.dv;
+    for (int k = 0; k < COUPLE_FOLLOWS && status == DRAPE_OK &&
+                    size > fine_of(w) * EASE &&
+                    c->joint.outcome != PCG_BREAKDOWN;
+         k++) {
+        struct turn s = turn_of(w);
+        double before = c->residual;
+        p->follows = 1;
+        status = w->run->penalty(w->on, p);
+        p->follows = 0;
+        w->run->trace(w->on, w->tracing, "penalty", p->force,
+                      (size_t)p->nv * sizeof *p->force);
+        w->run->copy(w->on, c->g, c->given, (size_t)w->nc * sizeof *c->g);
+        w->run->turn_load(w->on, &s);
+        if (status == DRAPE_OK)
+            status = test_calm(w, 1, &size);
+        if (status != DRAPE_OK)
+            return status;
+        if (size > fine_of(w) * EASE) {
+            status = solve_joint(w, WHOLE);
+        } else {
+            s.r = c->b;
+            c->residual = (double)size;
+            w->run->turn_move(w->on, &s);
+        }
+        c->residual += before;
+        status = status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
+    }
+    return status;
 }
 
 /* How many turns are to come, §4.3: those of new contacts, or what is left of
@@ -395,6 +437,8 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
         r->waits = (r->pauses && c->turn == 1) ||
                    (foresees && c->turn > 0 && c->turn + 1 == c->turns);
     }
+    if (status == DRAPE_OK && n > 0 && !p->settled && !r->waits)
+        status = follow_loads(w);
     if (status == DRAPE_OK && n > 0 && w->plan.warm && !r->waits) {
         status = keep_warm(w);
         w->run->trace(w->on, w->tracing, "warm", w->couple.press,

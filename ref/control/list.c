@@ -57,7 +57,7 @@ static int bring(struct world *w, struct left *s)
     struct list *l = &w->list;
     const struct response *c = &w->response;
     s->contact = c->contact[c->side].data;
-    s->g = w->couple.g;
+    s->g = w->couple.given;
     if (w->home == w)
         return DRAPE_OK;
     w->run->fetch(w->on, l->raw, s->contact, (size_t)s->n * sizeof *l->raw);
