@@ -47,7 +47,9 @@ int gpu_turn_make(struct gpu_world *w)
     p->start = w->world.response.start;
     struct gpu *g = w->gpu;
     p->force = c->b = w->b;
-    p->g = c->g = w->star;
+    c->g = w->star;
+    p->g = c->given =
+        (vec *)gpu_take(g, ARENA_RESPONSE, w->world.nc, sizeof(vec));
     p->hold = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
     p->wall = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
     p->guess = (vec *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(vec));
@@ -135,14 +137,19 @@ void gpu_turn_load(struct gpu *g, const struct turn *s)
     LAUNCH(g, s->count, turn_load_kernel, *s);
 }
 
-/* Thread i owns particle i: g gains A dv; u, v and x1 move with dv. */
+/* Thread i owns particle i: given; where the solve moves, g gains A dv, and u,
+ * v and x1 move with dv. */
 KERNEL turn_move_kernel(const struct turn &s)
 {
     ITEM(i, s.count);
     if (!(s.w[i] > 0))
         return;
+    vec g = s.moves ? add(s.g[i], s.q[i]) : s.g[i];
+    s.given[i] = add(g, s.r[i]);
+    if (!s.moves)
+        return;
     vec dv = s.dv[i], u = axpy(s.u[i], s.span, dv);
-    s.g[i] = add(s.g[i], s.q[i]);
+    s.g[i] = g;
     s.u[i] = u;
     s.v[i] = add(s.v[i], dv);
     s.x1[i] = axpy(s.x0[i], s.dt, u);

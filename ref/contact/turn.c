@@ -100,12 +100,12 @@ void turn_move(const struct turn *s)
     for (int64_t i = 0; i < s->count; i++) {
         if (!(s->w[i] > 0))
             continue;
-        vec dv = s->dv[i];
-        if (s->moves)
-            s->g[i] = vec_add(s->g[i], s->q[i]);
-        s->given[i] = vec_add(s->g[i], s->r[i]);
+        vec g = s->moves ? vec_add(s->g[i], s->q[i]) : s->g[i];
+        s->given[i] = vec_add(g, s->r[i]);
         if (!s->moves)
             continue;
+        vec dv = s->dv[i];
+        s->g[i] = g;
         s->u[i] = vec_axpy(s->u[i], s->span, dv);
         s->v[i] = vec_add(s->v[i], dv);
         s->x1[i] = vec_axpy(s->x0[i], s->dt, s->u[i]);
