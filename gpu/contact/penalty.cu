@@ -381,8 +381,8 @@ KERNEL penalty_push_kernel(const struct penalty &s, const int64_t *words)
     c->impulse = c->held ? push_of(&s, c, gave, s.u) : R(0.0);
 }
 
-/* §2.5. Thread k owns contact k: reads g, hold, u and dv of its vertices, writes
- * its impulse, tangent and slide, and where it slides its rub. */
+/* §2.5. Thread k owns contact k: reads g, hold, u and dv of its vertices,
+ * writes its impulse, tangent and slide, and where it slides its rub. */
 KERNEL penalty_follow_kernel(const struct penalty &s, const int64_t *words)
 {
     ITEM(k, s.n);

@@ -374,9 +374,9 @@ static int follow_loads(struct world *w)
     int status = DRAPE_OK;
     real size = REAL_BIG;
     p->dv = c->joint.dv;
-    for (int k = 0; k < COUPLE_FOLLOWS && status == DRAPE_OK &&
-                    size > fine_of(w) * EASE &&
-                    c->joint.outcome != PCG_BREAKDOWN;
+    for (int k = 0;
+         k < COUPLE_FOLLOWS && status == DRAPE_OK && size > fine_of(w) * EASE &&
+         c->joint.outcome != PCG_BREAKDOWN;
          k++) {
         struct turn s = turn_of(w);
         double before = c->residual;

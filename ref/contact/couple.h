@@ -25,8 +25,8 @@ struct world;
 enum { COUPLE_TURNS = 3 };
 /* How often friction follows the loads that the last one found, §4.7. */
 enum { COUPLE_FOLLOWS = 2 };
-/* Of these turns the first and the last one begin along what they solved before,
- * penalty.md §4.5. */
+/* Of these turns the first and the last one begin along what they solved
+ * before, penalty.md §4.5. */
 enum { COUPLE_ENDS = 2 };
 
 struct couple {

@@ -102,7 +102,7 @@ static struct wide turned(const struct impulses *s, int64_t k,
         foot_find(v, side_start(kind, side), side_start(kind, side + 1), m->x,
                   r->c, side == SIDE_A ? wide_scale(-1, n) : n);
     struct wide t = f.p;
-    if (foot_is_nearest(&places, &s->fan, &f) ||
+    if (foot_is_nearest(&places, &s->fan, &f, FOOT_LED) ||
         !foot_turn(&places, &s->fan, &f, 0, &t))
         return n;
     if (side == SIDE_A)

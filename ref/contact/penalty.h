@@ -7,14 +7,14 @@
 #include "ref/contact/contact.h"
 
 struct penalty {
-    int64_t nv, n;  /* vertices, contacts; 4 n < 2^31 */
-    const real *w;  /* [nv] 1/kg, ≥ 0; 0: led */
-    const vec *u;   /* [nv] m/s, mean velocity of the step */
-    const vec *g;   /* [nv] N·s, contacts' impulse so far, of free vertices */
-    int first;      /* 1: these contacts have had no turn yet */
-    int settled;    /* 1: contacts that are held stay as they are, §1.6 */
-    int follows;    /* 1: friction follows the loads that a solve found, §2.5 */
-    const vec *dv;  /* [nv] m/s, what that solve found; NULL if not follows */
+    int64_t nv, n; /* vertices, contacts; 4 n < 2^31 */
+    const real *w; /* [nv] 1/kg, ≥ 0; 0: led */
+    const vec *u;  /* [nv] m/s, mean velocity of the step */
+    const vec *g;  /* [nv] N·s, contacts' impulse so far, of free vertices */
+    int first;     /* 1: these contacts have had no turn yet */
+    int settled;   /* 1: contacts that are held stay as they are, §1.6 */
+    int follows;   /* 1: friction follows the loads that a solve found, §2.5 */
+    const vec *dv; /* [nv] m/s, what that solve found; NULL if not follows */
     real stiffness; /* N/m, > 0, of the stiffest contact */
     real give;      /* m, > 0, by which a contact is short under its load */
     real dt, tau;   /* s, > 0: the slice, and the integrator's effective step */

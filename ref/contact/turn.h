@@ -18,9 +18,9 @@ struct turn {
     const vec *r;     /* N·s, what it left undone */
     bool moves;       /* whether dv is to be used; else g stays, too */
     vec *g;           /* N·s, A times the change so far */
-    vec *given;       /* out: N·s, g + r, what the contacts gave by their laws */
-    const vec *left;  /* N·s, what the turn before left undone; or NULL */
-    vec *b;           /* out: force - g, or force + left; it may be force */
+    vec *given; /* out: N·s, g + r, what the contacts gave by their laws */
+    const vec *left; /* N·s, what the turn before left undone; or NULL */
+    vec *b;          /* out: force - g, or force + left; it may be force */
     const vec *x0;
     vec *u, *v, *x1;
     uint8_t *touched;

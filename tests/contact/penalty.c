@@ -11,24 +11,16 @@
 #include "ref/solve/jacobi.h"
 #include "tests/base/choices.h"
 
-const struct field fields_penalty[] = {IN(penalty, w, nv, 1),
-                                       IN(penalty, u, nv, 1),
-                                       IN(penalty, g, nv, 1),
-                                       IN(penalty, dv, nv, 1),
-                                       INOUT(penalty, contact, n, 1),
-                                       SCRATCH(penalty, start, nv1, 1),
-                                       SCRATCH(penalty, item, n4, 1),
-                                       SCRATCH(penalty, vertex, n4, 1),
-                                       SCRATCH(penalty, share, n, 1),
-                                       SCRATCH(penalty, gave, n, 1),
-                                       INOUT(penalty, rub, n4, 1),
-                                       SCRATCH(penalty, more, nv, 1),
-                                       SCRATCH(penalty, guess, nv, 1),
-                                       SCRATCH(penalty, parts, nv, 1),
-                                       OUT(penalty, force, nv, 1),
-                                       OUT(penalty, wall, nv, 1),
-                                       INOUT(penalty, hold, nv, 1),
-                                       FIELD_END};
+const struct field fields_penalty[] = {
+    IN(penalty, w, nv, 1),          IN(penalty, u, nv, 1),
+    IN(penalty, g, nv, 1),          IN(penalty, dv, nv, 1),
+    INOUT(penalty, contact, n, 1),  SCRATCH(penalty, start, nv1, 1),
+    SCRATCH(penalty, item, n4, 1),  SCRATCH(penalty, vertex, n4, 1),
+    SCRATCH(penalty, share, n, 1),  SCRATCH(penalty, gave, n, 1),
+    INOUT(penalty, rub, n4, 1),     SCRATCH(penalty, more, nv, 1),
+    SCRATCH(penalty, guess, nv, 1), SCRATCH(penalty, parts, nv, 1),
+    OUT(penalty, force, nv, 1),     OUT(penalty, wall, nv, 1),
+    INOUT(penalty, hold, nv, 1),    FIELD_END};
 
 const struct field fields_links[] = {IN(links, contact, n, 1),
                                      IN(links, x, nv, 1),
@@ -84,7 +76,7 @@ static void gen_follow(struct bytes *b, struct penalty *s)
         struct contact *c = &s->contact[k];
         int moves = moving(s, c), split = c->kind == CONTACT_VF ? 1 : 2;
         bool held = moves && c->held;
-        c->held = !held         ? CONTACT_APART
+        c->held = !held        ? CONTACT_APART
                   : moves == 1 ? CONTACT_WALL
                                : CONTACT_MUTUAL;
         c->along = held ? c->along : 0;
@@ -579,8 +571,8 @@ const char *test_penalty_follow(void)
         make_lone(&b, &s);
         EXPECT(turn(&s) == DRAPE_OK);
         if (pick(&b, 2)) /* the load is another one than the turn took it for */
-            s.g[0] = vec_axpy(s.g[0], pick_uniform(&b, R(-1e-4), R(1e-4)),
-                              s.c.n);
+            s.g[0] =
+                vec_axpy(s.g[0], pick_uniform(&b, R(-1e-4), R(1e-4)), s.c.n);
         vec slip = slip_of(&s.c, s.u), was = s.c.tangent;
         double slid = (double)vec_length(was), slide = (double)s.c.slide;
         double got = fmax((double)vec_dot(s.c.n, s.g[0]), 0);
