@@ -59,8 +59,9 @@ static void place(const struct impulses *s, const int32_t v[4], double t,
         struct wide a = wide_of(s->x0[v[k]]);
         m->way[k] = wide_sub(wide_of(s->x1[v[k]]), a);
         m->from[k] = wide_sub(a, base);
-        m->x[k] = wide_axpy(m->from[k], t, m->way[k]);
     }
+    for (int k = 0; k < 4; k++)
+        m->x[k] = wide_axpy(m->from[k], t, m->way[k]);
 }
 
 static struct wide weighted_sum(const double c[4], const struct wide a[4])
