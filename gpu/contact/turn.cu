@@ -63,8 +63,8 @@ int gpu_turn_make(struct gpu_world *w)
     return gpu_status(g);
 }
 
-/* The lists are warm's, too; the rest is penalty's alone, in the pools of stage
- * contacts, which comes later. */
+/* The lists are warm's, too, and rub is read again after a solve; the rest is
+ * penalty's alone, in the pools of stage contacts, which comes later. */
 int gpu_turn_room(struct world *w, int64_t n)
 {
     struct couple *c = &w->couple;
@@ -73,17 +73,18 @@ int gpu_turn_room(struct world *w, int64_t n)
     struct gpu *g = w->device->gpu;
     struct pool_need need[] = {{&s->vertex, 4 * n, sizeof(int32_t)},
                                {&s->lack, n, sizeof(real)},
-                               {&s->push, 2 * n, sizeof(vec)}};
+                               {&s->push, n, sizeof(real)}};
     int status = response_grow(s, 3, need);
     p->vertex = (int32_t *)s->vertex.data;
     p->share = (real *)s->lack.data;
-    p->gave = (real *)s->push.data; /* n of its 6 n numbers; 4 n are rub */
-    p->rub = p->gave + n;
+    p->gave = (real *)s->push.data;
     if (status != DRAPE_OK || n <= c->cap)
         return status;
     gpu_give(g, p->item);
+    gpu_give(g, p->rub);
     int64_t cap = gpu_capacity(g, n);
     p->item = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
+    p->rub = (real *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(real));
     struct links *links = &c->joint.links;
     struct mutual **mutual = &w->device->mutual;
     gpu_give(g, links->push);
@@ -91,7 +92,7 @@ int gpu_turn_room(struct world *w, int64_t n)
     links->push = (vec *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(vec));
     *mutual =
         (struct mutual *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof **mutual);
-    c->cap = p->item && links->push && *mutual ? cap : 0;
+    c->cap = p->item && p->rub && links->push && *mutual ? cap : 0;
     return gpu_status(g);
 }
 

@@ -43,7 +43,7 @@ void couple_start(struct world *w)
     p->slip = real_min(SLIP, R(0.01) * w->reach / p->dt);
     p->tau = (real)(past ? w->dt * 2 / 3 : w->dt);
     p->give = GIVE * w->reach;
-    c->iterations = c->solves = c->outcome = 0;
+    c->iterations = c->solves = c->follows = c->outcome = 0;
     c->turn = c->turns = 0;
     c->residual = 0;
     c->seconds = 0;
@@ -250,7 +250,7 @@ static void count_pushes(struct joint *s, real times)
 }
 
 /* |b| by what the tolerance is relative to, and by `most`, §4.3. */
-static int test_calm(struct world *w, real most, real *size)
+static int test_size(struct world *w, real most, real *size)
 {
     struct couple *c = &w->couple;
     const struct joint *s = &c->joint;
@@ -356,7 +356,7 @@ static int take_turn(struct world *w)
         add_residual(w);
     w->run->turn_load(w->on, &s);
     if (status == DRAPE_OK && known && care_of(c->turn, c->turns) == MIDDLE)
-        status = test_calm(w, ease_of(w), &size);
+        status = test_size(w, ease_of(w), &size);
     if (size <= fine_of(w) * EASE)
         c->turns = c->turn + 1;
     if (status == DRAPE_OK)
@@ -366,41 +366,46 @@ static int take_turn(struct world *w)
     return status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
 }
 
-/* §4.7: the friction of the loads that the last turn found. */
-static int follow_loads(struct world *w)
+/* §4.7: friction follows the loads that the last solve found. calm: what this
+ * changes is below the tolerance, and stays undone. */
+static int follow(struct world *w, bool *calm)
 {
     struct couple *c = &w->couple;
     struct penalty *p = &c->penalty;
-    int status = DRAPE_OK;
-    real size = REAL_BIG;
+    struct turn s = turn_of(w);
+    real size = 0;
+    p->follows = 1;
     p->dv = c->joint.dv;
-    for (int k = 0;
-         k < COUPLE_FOLLOWS && status == DRAPE_OK && size > fine_of(w) * EASE &&
-         c->joint.outcome != PCG_BREAKDOWN;
-         k++) {
-        struct turn s = turn_of(w);
-        double before = c->residual;
-        p->follows = 1;
-        status = w->run->penalty(w->on, p);
-        p->follows = 0;
-        w->run->trace(w->on, w->tracing, "penalty", p->force,
-                      (size_t)p->nv * sizeof *p->force);
-        w->run->copy(w->on, c->g, c->given, (size_t)w->nc * sizeof *c->g);
-        w->run->turn_load(w->on, &s);
-        if (status == DRAPE_OK)
-            status = test_calm(w, 1, &size);
-        if (status != DRAPE_OK)
-            return status;
-        if (size > fine_of(w) * EASE) {
-            status = solve_joint(w, WHOLE);
-        } else {
-            s.r = c->b;
-            c->residual = (double)size;
-            w->run->turn_move(w->on, &s);
-        }
-        c->residual += before;
-        status = status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
+    int status = w->run->penalty(w->on, p);
+    p->follows = 0;
+    w->run->trace(w->on, w->tracing, "penalty", p->force,
+                  (size_t)p->nv * sizeof *p->force);
+    w->run->turn_load(w->on, &s);
+    if (status == DRAPE_OK)
+        status = test_size(w, 1, &size);
+    if (status != DRAPE_OK)
+        return status;
+    *calm = size <= fine_of(w);
+    if (!*calm) {
+        c->follows++;
+        status = solve_joint(w, WHOLE);
+        return status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
     }
+    c->residual = (double)size;
+    w->run->copy(w->on, c->joint.r, c->b, (size_t)w->nc * sizeof *c->b);
+    w->run->turn_move(w->on, &s);
+    return w->run->penalty_status(w->on);
+}
+
+static int follow_loads(struct world *w)
+{
+    const struct joint *s = &w->couple.joint;
+    int status = DRAPE_OK;
+    bool calm = false;
+    for (int k = 0; k < COUPLE_FOLLOWS && status == DRAPE_OK && !calm &&
+                    s->outcome != PCG_BREAKDOWN;
+         k++)
+        status = follow(w, &calm);
     return status;
 }
 

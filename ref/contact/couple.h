@@ -45,6 +45,7 @@ struct couple {
                                 the press of the slice before */
     bool moved;              /* one solve moved all cloths: couple_move */
     int iterations, solves;  /* out: of joint, this step */
+    int follows;             /* out: of solves, those of §4.7 */
     int outcome;             /* out: enum drape_outcome, this step */
     double residual;         /* out: of the last solves */
     double seconds;          /* out: this step */
