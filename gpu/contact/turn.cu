@@ -73,11 +73,11 @@ int gpu_turn_room(struct world *w, int64_t n)
     struct gpu *g = w->device->gpu;
     struct pool_need need[] = {{&s->vertex, 4 * n, sizeof(int32_t)},
                                {&s->lack, n, sizeof(real)},
-                               {&s->push, n, sizeof(real)}};
+                               {&s->push, n, sizeof(vec)}};
     int status = response_grow(s, 3, need);
     p->vertex = (int32_t *)s->vertex.data;
     p->share = (real *)s->lack.data;
-    p->gave = (real *)s->push.data;
+    p->gave = (real *)s->push.data; /* whose items are vectors */
     if (status != DRAPE_OK || n <= c->cap)
         return status;
     gpu_give(g, p->item);
