@@ -397,11 +397,20 @@ static int follow(struct world *w, bool *calm)
     return w->run->penalty_status(w->on);
 }
 
+/* Whether any body has friction. */
+static bool rubs(const struct world *w)
+{
+    for (int k = 0; k < w->def.n_cloths + w->def.n_obstacles; k++)
+        if (w->home->surface[k].friction > 0)
+            return true;
+    return false;
+}
+
 static int follow_loads(struct world *w)
 {
     const struct joint *s = &w->couple.joint;
     int status = DRAPE_OK;
-    bool calm = false;
+    bool calm = !rubs(w);
     for (int k = 0; k < COUPLE_FOLLOWS && status == DRAPE_OK && !calm &&
                     s->outcome != PCG_BREAKDOWN;
          k++)
