@@ -366,9 +366,8 @@ static int take_turn(struct world *w)
     return status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
 }
 
-/* §4.7: friction follows the loads that the last solve found. calm: what this
- * changes is below the tolerance, and stays undone. */
-static int follow(struct world *w, bool *calm)
+/* §4.7: friction follows the loads that the last solve found. */
+static int follow(struct world *w)
 {
     struct couple *c = &w->couple;
     struct penalty *p = &c->penalty;
@@ -385,8 +384,8 @@ static int follow(struct world *w, bool *calm)
         status = test_size(w, 1, &size);
     if (status != DRAPE_OK)
         return status;
-    *calm = size <= fine_of(w);
-    if (!*calm) {
+    c->calm = size <= fine_of(w);
+    if (!c->calm) {
         c->follows++;
         status = solve_joint(w, WHOLE);
         return status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
@@ -408,13 +407,12 @@ static bool rubs(const struct world *w)
 
 static int follow_loads(struct world *w)
 {
-    const struct joint *s = &w->couple.joint;
+    const struct couple *c = &w->couple;
     int status = DRAPE_OK;
-    bool calm = !rubs(w);
-    for (int k = 0; k < COUPLE_FOLLOWS && status == DRAPE_OK && !calm &&
-                    s->outcome != PCG_BREAKDOWN;
+    for (int k = 0; k < COUPLE_FOLLOWS && status == DRAPE_OK && !c->calm &&
+                    c->joint.outcome != PCG_BREAKDOWN;
          k++)
-        status = follow(w, &calm);
+        status = follow(w);
     return status;
 }
 
@@ -451,7 +449,8 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
         r->waits = (r->pauses && c->turn == 1) ||
                    (foresees && c->turn > 0 && c->turn + 1 == c->turns);
     }
-    if (status == DRAPE_OK && n > 0 && !p->settled && !r->waits)
+    c->calm = false;
+    if (status == DRAPE_OK && n > 0 && !p->settled && !r->waits && rubs(w))
         status = follow_loads(w);
     if (status == DRAPE_OK && n > 0 && w->plan.warm && !r->waits) {
         status = keep_warm(w);

@@ -46,6 +46,7 @@ struct couple {
     bool moved;              /* one solve moved all cloths: couple_move */
     int iterations, solves;  /* out: of joint, this step */
     int follows;             /* out: of solves, those of §4.7 */
+    bool calm;               /* no solve came after the last of penalty */
     int outcome;             /* out: enum drape_outcome, this step */
     double residual;         /* out: of the last solves */
     double seconds;          /* out: this step */

@@ -94,6 +94,12 @@ static real given_impulse(const struct penalty *s, int64_t k, bool staying,
     return all > 0 ? real_max(push / all, 0) : 0;
 }
 
+real penalty_load(struct penalty *s, int64_t k, real load[4])
+{
+    find_share(s, k);
+    return given_impulse(s, k, false, load);
+}
+
 /* §2.4: in which parts the friction of contact k goes to its vertices: as these
  * bear it, each side by itself. */
 static void find_rub(const struct penalty *s, int64_t k, const real load[4])

@@ -43,6 +43,10 @@ struct penalty {
 /* DRAPE_OK, or DRAPE_EARG for a bad vertex or setting. */
 int ref_penalty(struct penalty *s);
 
+/* §1.2: what held contact k has given along its normal, N·s, by w, g and hold;
+ * writes share[k], and adds to load what of it its vertices got. */
+real penalty_load(struct penalty *s, int64_t k, real load[4]);
+
 /* The contacts' own matrix times a vector, §3.1. */
 struct links {
     int64_t nv, n;                 /* vertices, contacts; 4 n < 2^31 */

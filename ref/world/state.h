@@ -69,6 +69,9 @@ struct list {
     struct contact *raw; /* [cap] of a device */
     int64_t cap;
     vec *g;               /* [nc] of a device */
+    sym *hold;            /* [nv] of a device */
+    vec *dv;              /* [nv] of a device */
+    real *share;          /* [cap] */
     double *weight;       /* [nc] */
     double (*body)[3];    /* [bodies] N·s */
     drape_contact *there; /* [cap_there] in the memory of a device */
