@@ -396,15 +396,8 @@ static int follow(struct world *w)
     return w->run->penalty_status(w->on);
 }
 
-/* Whether any body has friction. */
-static bool rubs(const struct world *w)
-{
-    for (int k = 0; k < w->def.n_cloths + w->def.n_obstacles; k++)
-        if (w->home->surface[k].friction > 0)
-            return true;
-    return false;
-}
-
+/* The same until it changes less than the tolerance, COUPLE_FOLLOWS times at
+ * most. */
 static int follow_loads(struct world *w)
 {
     const struct couple *c = &w->couple;
@@ -450,7 +443,7 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
                    (foresees && c->turn > 0 && c->turn + 1 == c->turns);
     }
     c->calm = false;
-    if (status == DRAPE_OK && n > 0 && !p->settled && !r->waits && rubs(w))
+    if (status == DRAPE_OK && n > 0 && !p->settled && !r->waits && w->rubs)
         status = follow_loads(w);
     if (status == DRAPE_OK && n > 0 && w->plan.warm && !r->waits) {
         status = keep_warm(w);
