@@ -21,10 +21,7 @@ RECORD = -frecord-gcc-switches
 # what a call before left there. (Built so by gcc 12, with zeros as well,
 # coarsen.cu fails its comparison.)
 gcc-O0:   HOW = CC=gcc CXX=g++ OPT='-O0 $(RECORD)' EMU_IN=$(BUILD)/$@
-# Where gcc 12 stores two fields by one vector it takes the second's address for
-# that of all that can be read there (impulses.c), a warning known as false.
-gcc-O3:   HOW = CC=gcc CXX=g++ OPT='-O3 -march=native $(RECORD)' \
-	  WARN='$(WARN) -Wno-stringop-overread'
+gcc-O3:   HOW = CC=gcc CXX=g++ OPT='-O3 -march=native $(RECORD)'
 clang-O0: HOW = CC=clang CXX=clang++ EMU_IN=$(BUILD)/$@ \
 	  OPT='-O0 -ftrivial-auto-var-init=pattern $(RECORD)'
 clang-O2: HOW = CC=clang OPT='-O2 $(RECORD)'

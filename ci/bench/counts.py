@@ -21,8 +21,8 @@ import tempfile
 # solves, the ball that passes half.
 COUNTS = ["iterations", "solves", "rounds", "slices", "contacts a particle"]
 SCENES = {
-    "layers_2": (31, 32, 40, (650, 185, 130, 54, 1.25)),
-    "layers_8": (31, 32, 20, (450, 90, 225, 31, 0.91)),
+    "layers_2": (31, 32, 40, (720, 205, 130, 54, 1.25)),
+    "layers_8": (31, 32, 20, (490, 105, 225, 31, 0.91)),
     "funnel_540k": (31, 32, 20, (900, 290, 115, 88, 0.85)),
     "ball_past": (41, 32, 60, (780, 140, 87, 66, 0.1)),
     "ball_stops": (41, 32, 40, (525, 78, 45, 44, 0.1)),

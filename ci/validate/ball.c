@@ -81,16 +81,19 @@ struct ride {
 
 /* Steps of dt for so long, with this friction, from s->x at rest, which becomes
  * the last state. Returns the angle at which its middle is then; NAN: a step
- * failed. */
+ * failed. *most: the largest quotient of friction and normal force of a
+ * contact in a step. */
 static double go(struct sheet *s, drape_obstacle *ground, double friction,
-                 double dt, double seconds)
+                 double dt, double seconds, double *most)
 {
     double angle = NAN;
     s->cloth.material.friction = ground->friction = friction;
     drape_world *world = sheet_world(s, dt);
     int status = world ? DRAPE_OK : DRAPE_EARG;
-    for (int k = 0; k < (int)(seconds / dt + 0.5) && status >= DRAPE_OK; k++)
+    for (int k = 0; k < (int)(seconds / dt + 0.5) && status >= DRAPE_OK; k++) {
         status = drape_step(world, NULL);
+        *most = sheet_steepest(world, *most);
+    }
     if (status >= DRAPE_OK) {
         size_t all = (size_t)drape_vertices(world);
         double(*x)[3] = take(all, sizeof *x);
@@ -105,7 +108,8 @@ static double go(struct sheet *s, drape_obstacle *ground, double friction,
 
 /* The sheet's way over a point's. It starts at rest, where half a second with
  * much friction has left it: as it is laid, it is above the facets' middles. */
-static double slide(const struct validate *v, const struct ride *r)
+static double slide(const struct validate *v, const struct ride *r,
+                    double *most)
 {
     static struct ground ground;
     struct sheet s;
@@ -122,18 +126,25 @@ static double slide(const struct validate *v, const struct ride *r)
     s.def.n_obstacles = 1;
     s.def.max_slices = 32;
     s.def.tolerance = r->tolerance;
-    double from = go(&s, &ground.obstacle, 2, 1.0 / 60, 0.5);
-    double to = go(&s, &ground.obstacle, r->friction, r->dt, SECONDS);
+    double from = go(&s, &ground.obstacle, 2, 1.0 / 60, 0.5, most);
+    *most = 0;
+    double to = go(&s, &ground.obstacle, r->friction, r->dt, SECONDS, most);
     double way = (to - from) / (angle_due(r->friction, r->dt, from) - from);
     sheet_free(&s);
     return way;
 }
 
-/* One property of so many sizes: of a step, or of a cell. */
+/* The way, and the quotient of contacts, at so many sizes: of a step, or of a
+ * cell. */
 static void add_rides(struct validate *v, const char *name, bool promised,
                       int sizes, const struct ride ride[SIZES],
                       const double size[SIZES])
 {
+    char other[192];
+    snprintf(other, sizeof other,
+             "%.*s; largest quotient of a contact in a step; over its "
+             "coefficient",
+             (int)(strrchr(name, ';') - name), name);
     struct property p = {.part = "ball",
                          .name = name,
                          .unit = "1",
@@ -141,9 +152,20 @@ static void add_rides(struct validate *v, const char *name, bool promised,
                          .bar = 0.02,
                          .up_to = 1,
                          .promised = promised};
-    for (int c = 0; c < sizes; c++)
-        property_add(&p, size[c], slide(v, &ride[c]));
+    struct property cone = {.part = "ball",
+                            .name = other,
+                            .unit = "1",
+                            .theory = 1,
+                            .bar = 1e-3,
+                            .up_to = 1};
+    for (int c = 0; c < sizes; c++) {
+        double most = 0;
+        property_add(&p, size[c], slide(v, &ride[c], &most));
+        property_add(&cone, size[c], fmax(1, most / ride[c].friction));
+    }
     property_end(v, &p);
+    if (ride[0].friction > 0 && !promised)
+        property_end(v, &cone);
 }
 
 /* Cells of 10 mm, by steps. */

@@ -27,30 +27,6 @@ struct slope {
     int triangles; /* of the plane: 1 or 2 */
 };
 
-/* The largest quotient of friction and normal force of a contact in the last
- * step, where the normal force is not mere rounding; `before` at least. */
-static double steepest(drape_world *world, double before)
-{
-    drape_contact_list list;
-    double most = before, all = 0;
-    if (drape_contacts(world, &list) != DRAPE_OK)
-        return NAN;
-    for (int pass = 0; pass < 2; pass++)
-        for (int64_t k = 0; k < list.n; k++) {
-            const drape_contact *t = &list.contact[k];
-            double along = 0, square = 0;
-            for (int c = 0; c < 3; c++) {
-                along += t->impulse[c] * t->normal[c];
-                square += t->impulse[c] * t->impulse[c];
-            }
-            double across = sqrt(fmax(0, square - along * along));
-            all += pass ? 0 : fabs(along);
-            if (pass && along > 1e-9 * all)
-                most = fmax(most, across / along);
-        }
-    return most;
-}
-
 /* How far a sheet of 0.4 m slides down a plane in half a second, over Coulomb's
  * way from rest; the first tenth is left out, as it falls onto the plane.
  * *most: the largest quotient of friction and normal force of a contact in a
@@ -93,7 +69,7 @@ static double slide(const struct validate *v, const struct slope *t, double h,
     for (int k = 1; world && k <= 36; k++) {
         if (drape_step(world, NULL) != DRAPE_OK)
             break;
-        *most = steepest(world, *most);
+        *most = sheet_steepest(world, *most);
         if (k != 6 && k != 36)
             continue;
         double mean[2];

@@ -150,3 +150,25 @@ bool sheet_rest_from(struct sheet *s, double shortest, double still)
     way = settle(s, longest, 1000, still);
     return way <= still;
 }
+
+double sheet_steepest(drape_world *world, double before)
+{
+    drape_contact_list list;
+    double most = before, all = 0;
+    if (drape_contacts(world, &list) != DRAPE_OK)
+        return NAN;
+    for (int pass = 0; pass < 2; pass++)
+        for (int64_t k = 0; k < list.n; k++) {
+            const drape_contact *t = &list.contact[k];
+            double along = 0, square = 0;
+            for (int c = 0; c < 3; c++) {
+                along += t->impulse[c] * t->normal[c];
+                square += t->impulse[c] * t->impulse[c];
+            }
+            double across = sqrt(fmax(0, square - along * along));
+            all += pass ? 0 : fabs(along);
+            if (pass && along > 1e-9 * all)
+                most = fmax(most, across / along);
+        }
+    return most;
+}

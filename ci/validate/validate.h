@@ -63,6 +63,9 @@ void sheet_pin(struct sheet *s, int i, int j);
 void sheet_free(struct sheet *s);
 /* A world of the sheet as it stands; NULL after a line on standard error. */
 drape_world *sheet_world(const struct sheet *s, double dt);
+/* The largest quotient of friction and normal force of a contact in the last
+ * step, where the normal force is not mere rounding; `before` at least. */
+double sheet_steepest(drape_world *world, double before);
 /* The elastic energy of the sheet as it stands, J; NAN after a fault. */
 double sheet_energy(const struct sheet *s);
 

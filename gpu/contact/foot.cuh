@@ -62,11 +62,11 @@ static __device__ inline void find_led(const real *w, int split,
 /* Whether the foot comes nearer to the other side towards point y; o: the
  * foot's first vertex. */
 static __device__ inline bool comes_nearer(const struct foot *f, struct wide o,
-                                           struct wide y)
+                                           struct wide y, double least)
 {
     struct wide d = lift(sub(sub(y, o), f->at));
     double along = dot(f->p, d);
-    return along > 0 && along * along > 0x1p-20 * (dot(f->p, f->p) * dot(d, d));
+    return along > 0 && along * along > least * (dot(f->p, f->p) * dot(d, d));
 }
 
 /* Whether a triangle around f.v[0], with these other vertices, is at the foot.
@@ -109,7 +109,8 @@ load_fan(const PLACES &x, const struct fan *fan, const struct foot *f,
 /* Whether the foot is the nearest point of the triangles around it. */
 template <class PLACES>
 static __device__ inline bool
-foot_is_nearest(const PLACES &x, const struct fan *fan, const struct foot *f)
+foot_is_nearest(const PLACES &x, const struct fan *fan, const struct foot *f,
+                double least)
 {
     if (f->vertices == 3 || !fan->n_start)
         return true;
@@ -121,9 +122,9 @@ foot_is_nearest(const PLACES &x, const struct fan *fan, const struct foot *f)
         load_fan(x, fan, f, k, end, t);
         UNROLL
         for (int e = 0; e < FAN_AHEAD; e++)
-            nearer =
-                nearer || (t[e].at && (comes_nearer(f, o, x.place(t[e].a)) ||
-                                       comes_nearer(f, o, x.place(t[e].b))));
+            nearer = nearer ||
+                     (t[e].at && (comes_nearer(f, o, x.place(t[e].a), least) ||
+                                  comes_nearer(f, o, x.place(t[e].b), least)));
         if (nearer)
             return false;
     }

@@ -98,7 +98,8 @@ static __device__ struct wide turned(const struct impulses *s, int64_t k,
     struct foot f =
         foot_find_at(split, !led[0], v, m->x, c, led[0] ? scale(-1, n) : n);
     struct wide t = f.p;
-    if (foot_is_nearest(at, &s->fan, &f) || !foot_turn(at, &s->fan, &f, 0, &t))
+    if (foot_is_nearest(at, &s->fan, &f, FOOT_LED) ||
+        !foot_turn(at, &s->fan, &f, 0, &t))
         return n;
     if (led[0])
         t = scale(-1, t);

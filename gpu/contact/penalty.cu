@@ -116,6 +116,17 @@ static __device__ bool is_settled(const struct penalty *s,
     return s->settled && c->along > 0;
 }
 
+/* §3: S of contact c. */
+static __device__ real share_of(const struct penalty *s,
+                                const struct contact *c)
+{
+    real share = 0;
+    for (int j = 0; j < 4; j++)
+        if (s->w[c->v[j]] > 0)
+            share += magnitude(c->c[j]) * side_of(s, c, j);
+    return share;
+}
+
 /* §1. Thread k owns contact k: reads guess, u, g and hold of its vertices,
  * writes share[k] and whether it is held. */
 KERNEL penalty_select_kernel(const struct penalty &s, const int64_t *words)
@@ -124,14 +135,10 @@ KERNEL penalty_select_kernel(const struct penalty &s, const int64_t *words)
     if (words[INCIDENCE_BAD])
         return;
     struct contact *c = &s.contact[k];
-    real share = 0;
+    real share = s.share[k] = share_of(&s, c);
     int moving = 0; /* §3.2: vertices that the contact moves */
     for (int j = 0; j < 4; j++)
-        if (s.w[c->v[j]] > 0) {
-            share += magnitude(c->c[j]) * side_of(&s, c, j);
-            moving += c->c[j] != 0;
-        }
-    s.share[k] = share;
+        moving += s.w[c->v[j]] > 0 && c->c[j] != 0;
     if (is_settled(&s, c))
         return;
     real load[4];
@@ -374,6 +381,34 @@ KERNEL penalty_push_kernel(const struct penalty &s, const int64_t *words)
     c->impulse = c->held ? push_of(&s, c, gave, s.u) : R(0.0);
 }
 
+/* §2.5. Thread k owns contact k: reads g, hold, u and dv of its vertices,
+ * writes its impulse, tangent and slide, and where it slides its rub. */
+KERNEL penalty_follow_kernel(const struct penalty &s, const int64_t *words)
+{
+    ITEM(k, s.n);
+    if (words[INCIDENCE_BAD])
+        return;
+    struct contact *c = &s.contact[k];
+    real share = s.share[k] = share_of(&s, c);
+    if (!c->held)
+        return;
+    vec d = pair_sum(c, s.dv);
+    real nearer = dot(c->n, d);
+    real across_by = c->slide * (s.tau / s.dt);
+    vec tangent = axpy(c->tangent, -across_by, axpy(d, -nearer, c->n));
+    real load[4] = {0, 0, 0, 0};
+    real limit = c->friction * given_impulse(&s, c, share, false, load);
+    real size = length(tangent);
+    bool slides = c->slide == 0 && dot(across(c, s.u), tangent) < 0;
+    c->impulse -= c->along * nearer;
+    c->tangent = tangent;
+    if (size <= limit && !slides)
+        return;
+    c->tangent = scale(size > 0 ? limit / size : R(0.0), tangent);
+    c->slide = 0;
+    find_rub(&s, c, load, &s.rub[4 * k]);
+}
+
 /* One of the PARTS numbers of the items of all lists. */
 struct penalty_number {
     const real *part;
@@ -435,11 +470,25 @@ KERNEL penalty_gather_kernel(const struct penalty &s, const real *part,
     }
 }
 
+/* §1 and §2, but for §2.5; touched: the most vertices in contact. */
+static void find_pushes(struct gpu *g, const struct penalty *s, int64_t touched,
+                        const int64_t *words)
+{
+    LAUNCH(g, s->nv, penalty_guess_kernel, *s);
+    LAUNCH(g, s->n, penalty_select_kernel, *s, words);
+    if (!s->first && !s->settled)
+        LAUNCH_LISTS(g, touched, penalty_more_kernel, *s, words);
+    LAUNCH(g, s->n, penalty_given_kernel, *s, words);
+    LAUNCH_LISTS(g, touched, penalty_parts_kernel, *s, words);
+    LAUNCH(g, s->n, penalty_push_kernel, *s, words);
+}
+
 int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
 {
     if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->give > 0 &&
           s->slip > 0 && s->far > 0) ||
-        s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX)
+        s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX ||
+        (s->follows && !s->dv))
         return DRAPE_EARG;
     struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
                            s->start, s->item, s->vertex, 0};
@@ -450,15 +499,12 @@ int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
     int64_t groups = (s->nv + GROUP - 1) / GROUP;
     int64_t blocks = groups < GROUPS ? groups : (int64_t)GROUPS;
     gpu_clear(g, s->force, (size_t)s->nv * sizeof *s->force);
-    LAUNCH(g, s->nv, penalty_guess_kernel, *s);
-    LAUNCH(g, s->n, penalty_select_kernel, *s, words);
-    if (!s->first && !s->settled)
-        LAUNCH_LISTS(g, touched, penalty_more_kernel, *s, words);
-    LAUNCH(g, s->n, penalty_given_kernel, *s, words);
+    if (s->follows)
+        LAUNCH(g, s->n, penalty_follow_kernel, *s, words);
+    else
+        find_pushes(g, s, touched, words);
     gpu_clear(g, s->hold, (size_t)s->nv * sizeof *s->hold);
     gpu_clear(g, s->wall, (size_t)s->nv * sizeof *s->wall);
-    LAUNCH_LISTS(g, touched, penalty_parts_kernel, *s, words);
-    LAUNCH(g, s->n, penalty_push_kernel, *s, words);
     LAUNCH(g, s->n4, penalty_item_kernel, *s, part, words);
     LAUNCH_BLOCKS(g, blocks, GROUP_BLOCK, penalty_gather_kernel, *s, part,
                   words);

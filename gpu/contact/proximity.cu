@@ -42,12 +42,12 @@ static __device__ bool is_least(const struct proximity *s, int split,
 {
     struct still at = {s->x};
     struct foot f = foot_find_at(split, true, v, x, r->c, r->p);
-    if (!foot_is_nearest(at, &s->fan, &f))
+    if (!foot_is_nearest(at, &s->fan, &f, FOOT_FREE))
         return false;
     if (split == 1)
         return true;
     f = foot_find_at(split, false, v, x, r->c, scale(-1, r->p));
-    return foot_is_nearest(at, &s->fan, &f);
+    return foot_is_nearest(at, &s->fan, &f, FOOT_FREE);
 }
 
 /* §3: the normal: along p, or the primitives' own normal where p is too short
@@ -68,7 +68,7 @@ static __device__ bool find_normal(const struct proximity *s, int kind,
         struct still at = {s->x};
         struct foot f = foot_find_at(split, !led[0], v, x, r->c,
                                      led[0] ? scale(-1, r->p) : r->p);
-        if (foot_is_nearest(at, &s->fan, &f))
+        if (foot_is_nearest(at, &s->fan, &f, FOOT_LED))
             return true;
         if (!foot_turn(at, &s->fan, &f, 0.25, n))
             return false;

@@ -47,7 +47,9 @@ int gpu_turn_make(struct gpu_world *w)
     p->start = w->world.response.start;
     struct gpu *g = w->gpu;
     p->force = c->b = w->b;
-    p->g = c->g = w->star;
+    c->g = w->star;
+    p->g = c->given =
+        (vec *)gpu_take(g, ARENA_RESPONSE, w->world.nc, sizeof(vec));
     p->hold = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
     p->wall = (sym *)gpu_take(g, ARENA_RESPONSE, nv, sizeof(sym));
     p->guess = (vec *)gpu_borrow(g, ARENA_RESPONSE, nv, sizeof(vec));
@@ -61,8 +63,8 @@ int gpu_turn_make(struct gpu_world *w)
     return gpu_status(g);
 }
 
-/* The lists are warm's, too; the rest is penalty's alone, in the pools of stage
- * contacts, which comes later. */
+/* The lists are warm's, too, and rub is read again after a solve; the rest is
+ * penalty's alone, in the pools of stage contacts, which comes later. */
 int gpu_turn_room(struct world *w, int64_t n)
 {
     struct couple *c = &w->couple;
@@ -71,17 +73,18 @@ int gpu_turn_room(struct world *w, int64_t n)
     struct gpu *g = w->device->gpu;
     struct pool_need need[] = {{&s->vertex, 4 * n, sizeof(int32_t)},
                                {&s->lack, n, sizeof(real)},
-                               {&s->push, 2 * n, sizeof(vec)}};
+                               {&s->push, n, sizeof(vec)}};
     int status = response_grow(s, 3, need);
     p->vertex = (int32_t *)s->vertex.data;
     p->share = (real *)s->lack.data;
-    p->gave = (real *)s->push.data; /* n of its 6 n numbers; 4 n are rub */
-    p->rub = p->gave + n;
+    p->gave = (real *)s->push.data; /* whose items are vectors */
     if (status != DRAPE_OK || n <= c->cap)
         return status;
     gpu_give(g, p->item);
+    gpu_give(g, p->rub);
     int64_t cap = gpu_capacity(g, n);
     p->item = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
+    p->rub = (real *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(real));
     struct links *links = &c->joint.links;
     struct mutual **mutual = &w->device->mutual;
     gpu_give(g, links->push);
@@ -89,7 +92,7 @@ int gpu_turn_room(struct world *w, int64_t n)
     links->push = (vec *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(vec));
     *mutual =
         (struct mutual *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof **mutual);
-    c->cap = p->item && links->push && *mutual ? cap : 0;
+    c->cap = p->item && p->rub && links->push && *mutual ? cap : 0;
     return gpu_status(g);
 }
 
@@ -135,14 +138,19 @@ void gpu_turn_load(struct gpu *g, const struct turn *s)
     LAUNCH(g, s->count, turn_load_kernel, *s);
 }
 
-/* Thread i owns particle i: g gains A dv; u, v and x1 move with dv. */
+/* Thread i owns particle i: given; where the solve moves, g gains A dv, and u,
+ * v and x1 move with dv. */
 KERNEL turn_move_kernel(const struct turn &s)
 {
     ITEM(i, s.count);
     if (!(s.w[i] > 0))
         return;
+    vec g = s.moves ? add(s.g[i], s.q[i]) : s.g[i];
+    s.given[i] = add(g, s.r[i]);
+    if (!s.moves)
+        return;
     vec dv = s.dv[i], u = axpy(s.u[i], s.span, dv);
-    s.g[i] = add(s.g[i], s.q[i]);
+    s.g[i] = g;
     s.u[i] = u;
     s.v[i] = add(s.v[i], dv);
     s.x1[i] = axpy(s.x0[i], s.dt, u);

@@ -43,7 +43,7 @@ void couple_start(struct world *w)
     p->slip = real_min(SLIP, R(0.01) * w->reach / p->dt);
     p->tau = (real)(past ? w->dt * 2 / 3 : w->dt);
     p->give = GIVE * w->reach;
-    c->iterations = c->solves = c->outcome = 0;
+    c->iterations = c->solves = c->follows = c->outcome = 0;
     c->turn = c->turns = 0;
     c->residual = 0;
     c->seconds = 0;
@@ -57,6 +57,7 @@ void couple_start(struct world *w)
     }
     w->run->turn_begin(w->on, w->nc, c->g, state_warm(w) ? w->press : NULL,
                        p->dt);
+    w->run->copy(w->on, c->given, c->g, (size_t)w->nc * sizeof *c->g);
 }
 
 static struct turn turn_of(const struct world *w)
@@ -67,7 +68,9 @@ static struct turn turn_of(const struct world *w)
                          .force = c->penalty.force,
                          .dv = c->joint.dv,
                          .q = c->joint.q,
+                         .r = c->joint.r,
                          .g = c->g,
+                         .given = c->given,
                          .left = c->penalty.settled ? c->joint.r : NULL,
                          .b = c->b,
                          .x0 = w->x0,
@@ -246,15 +249,14 @@ static void count_pushes(struct joint *s, real times)
     s->square = real_min(REAL_BIG, s->square * (times * times));
 }
 
-/* §4.3: whether b is so small that a middle turn is the last. */
-static int test_calm(struct world *w, bool *calm)
+/* |b| by what the tolerance is relative to, and by `most`, §4.3. */
+static int test_size(struct world *w, real most, real *size)
 {
     struct couple *c = &w->couple;
     const struct joint *s = &c->joint;
     struct dot d = {w->nc, c->b, c->b, s->n_chunks, s->chunk, 0};
     int status = w->run->dot(w->on, &d);
-    real e = ease_of(w);
-    *calm = real_sqrt(d.value / (s->square / (e * e))) <= fine_of(w) * EASE;
+    *size = d.value > 0 ? real_sqrt(d.value / (s->square / (most * most))) : 0;
     return status;
 }
 
@@ -279,7 +281,8 @@ static int solve_joint(struct world *w, enum care care)
     c->residual = (double)s->residual;
     if (s->outcome == PCG_BREAKDOWN) /* all is left undone */
         w->run->copy(w->on, s->r, c->b, (size_t)w->nc * sizeof *s->r);
-    else if (status == DRAPE_OK && s->iterations > 0)
+    moves.moves = s->outcome != PCG_BREAKDOWN && s->iterations > 0;
+    if (status == DRAPE_OK)
         w->run->turn_move(w->on, &moves);
     w->run->turn_end(w->on);
     return status == DRAPE_OK ? w->run->status(w->on) : status;
@@ -309,7 +312,7 @@ static int keep_warm(struct world *w)
     struct warm s = {.nv = p->nv,
                      .n = p->n,
                      .w = p->w,
-                     .g = c->g,
+                     .g = c->given,
                      .v = w->v0,
                      .contact = p->contact,
                      .before = w->press,
@@ -341,7 +344,8 @@ static int take_turn(struct world *w)
     struct couple *c = &w->couple;
     struct penalty *p = &c->penalty;
     struct turn s = turn_of(w);
-    bool calm = false, known = c->solves > 0 && !w->response.anew;
+    real size = REAL_BIG;
+    bool known = c->solves > 0 && !w->response.anew;
     p->first = !known;
     /* §2.2: the very first turn knows of no friction yet. */
     p->far = c->solves == 0 ? REAL_BIG : w->reach;
@@ -352,14 +356,57 @@ static int take_turn(struct world *w)
         add_residual(w);
     w->run->turn_load(w->on, &s);
     if (status == DRAPE_OK && known && care_of(c->turn, c->turns) == MIDDLE)
-        status = test_calm(w, &calm);
-    if (calm)
+        status = test_size(w, ease_of(w), &size);
+    if (size <= fine_of(w) * EASE)
         c->turns = c->turn + 1;
     if (status == DRAPE_OK)
         status = solve_joint(w, care_of(c->turn, c->turns));
     c->turn++;
     w->response.anew = false;
     return status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
+}
+
+/* §4.7: friction follows the loads that the last solve found. */
+static int follow(struct world *w)
+{
+    struct couple *c = &w->couple;
+    struct penalty *p = &c->penalty;
+    struct turn s = turn_of(w);
+    real size = 0;
+    p->follows = 1;
+    p->dv = c->joint.dv;
+    int status = w->run->penalty(w->on, p);
+    p->follows = 0;
+    w->run->trace(w->on, w->tracing, "penalty", p->force,
+                  (size_t)p->nv * sizeof *p->force);
+    w->run->turn_load(w->on, &s);
+    if (status == DRAPE_OK)
+        status = test_size(w, 1, &size);
+    if (status != DRAPE_OK)
+        return status;
+    c->calm = size <= fine_of(w);
+    if (!c->calm) {
+        c->follows++;
+        status = solve_joint(w, WHOLE);
+        return status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
+    }
+    c->residual = (double)size;
+    w->run->copy(w->on, c->joint.r, c->b, (size_t)w->nc * sizeof *c->b);
+    w->run->turn_move(w->on, &s);
+    return w->run->penalty_status(w->on);
+}
+
+/* The same until it changes less than the tolerance, COUPLE_FOLLOWS times at
+ * most. */
+static int follow_loads(struct world *w)
+{
+    const struct couple *c = &w->couple;
+    int status = DRAPE_OK;
+    for (int k = 0; k < COUPLE_FOLLOWS && status == DRAPE_OK && !c->calm &&
+                    c->joint.outcome != PCG_BREAKDOWN;
+         k++)
+        status = follow(w);
+    return status;
 }
 
 /* How many turns are to come, §4.3: those of new contacts, or what is left of
@@ -395,6 +442,9 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
         r->waits = (r->pauses && c->turn == 1) ||
                    (foresees && c->turn > 0 && c->turn + 1 == c->turns);
     }
+    c->calm = false;
+    if (status == DRAPE_OK && n > 0 && !p->settled && !r->waits && w->rubs)
+        status = follow_loads(w);
     if (status == DRAPE_OK && n > 0 && w->plan.warm && !r->waits) {
         status = keep_warm(w);
         w->run->trace(w->on, w->tracing, "warm", w->couple.press,

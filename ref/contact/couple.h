@@ -23,13 +23,16 @@ struct world;
 /* Turns that the first contacts of a slice take, or one less where nothing is
  * left to do; later contacts take 1. penalty.md §4.3 */
 enum { COUPLE_TURNS = 3 };
-/* Of these the first and the last one begin along what they solved before,
- * penalty.md §4.5. */
+/* How often friction follows the loads that the last one found, §4.7. */
+enum { COUPLE_FOLLOWS = 2 };
+/* Of these turns the first and the last one begin along what they solved
+ * before, penalty.md §4.5. */
 enum { COUPLE_ENDS = 2 };
 
 struct couple {
     struct penalty penalty;  /* nv, w, stiffness, dt, tau, slip, streams */
-    vec *g;                  /* [nc] A times the change so far */
+    vec *g;                  /* [nc] N·s, A times the change so far */
+    vec *given;              /* [nc] N·s, what contacts gave so far, §4.7 */
     vec *press;              /* [nv] N, warm.md; penalty's guess */
     vec *b;                  /* [nc] force - g; of settled contacts force + r */
     vec *found[COUPLE_ENDS]; /* [nc] m/s, what these turns solved */
@@ -42,6 +45,8 @@ struct couple {
                                 the press of the slice before */
     bool moved;              /* one solve moved all cloths: couple_move */
     int iterations, solves;  /* out: of joint, this step */
+    int follows;             /* out: of solves, those of §4.7 */
+    bool calm;               /* no solve came after the last of penalty */
     int outcome;             /* out: enum drape_outcome, this step */
     double residual;         /* out: of the last solves */
     double seconds;          /* out: this step */

@@ -59,8 +59,9 @@ static void place(const struct impulses *s, const int32_t v[4], double t,
         struct wide a = wide_of(s->x0[v[k]]);
         m->way[k] = wide_sub(wide_of(s->x1[v[k]]), a);
         m->from[k] = wide_sub(a, base);
-        m->x[k] = wide_axpy(m->from[k], t, m->way[k]);
     }
+    for (int k = 0; k < 4; k++)
+        m->x[k] = wide_axpy(m->from[k], t, m->way[k]);
 }
 
 static struct wide weighted_sum(const double c[4], const struct wide a[4])
@@ -102,7 +103,7 @@ static struct wide turned(const struct impulses *s, int64_t k,
         foot_find(v, side_start(kind, side), side_start(kind, side + 1), m->x,
                   r->c, side == SIDE_A ? wide_scale(-1, n) : n);
     struct wide t = f.p;
-    if (foot_is_nearest(&places, &s->fan, &f) ||
+    if (foot_is_nearest(&places, &s->fan, &f, FOOT_LED) ||
         !foot_turn(&places, &s->fan, &f, 0, &t))
         return n;
     if (side == SIDE_A)

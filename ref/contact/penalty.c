@@ -15,7 +15,8 @@ static int check(const struct penalty *s)
 {
     if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->give > 0 &&
           s->slip > 0 && s->far > 0) ||
-        s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX)
+        s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX ||
+        (s->follows && !s->dv))
         return DRAPE_EARG;
     for (int64_t k = 0; k < s->n; k++)
         if (!pair_valid(s->contact[k].v, s->nv))
@@ -51,6 +52,17 @@ static real spring_impulse(const struct penalty *s, const struct contact *c,
     return c->along * (s->dt / s->tau) * excess_of(c, u);
 }
 
+/* §3: S of contact k. */
+static void find_share(struct penalty *s, int64_t k)
+{
+    const struct contact *c = &s->contact[k];
+    real share = 0;
+    for (int j = 0; j < 4; j++)
+        if (s->w[c->v[j]] > 0)
+            share += real_abs(c->c[j]) * side_of(s, c, j);
+    s->share[k] = share;
+}
+
 /* §3: S/w_j·|c_j|, the factor of contact k in the hold of its vertex j. */
 static real part_of(const struct penalty *s, int64_t k, int j)
 {
@@ -80,6 +92,12 @@ static real given_impulse(const struct penalty *s, int64_t k, bool staying,
         all += real_abs(c->c[j]);
     }
     return all > 0 ? real_max(push / all, 0) : 0;
+}
+
+real penalty_load(struct penalty *s, int64_t k, real load[4])
+{
+    find_share(s, k);
+    return given_impulse(s, k, false, load);
 }
 
 /* §2.4: in which parts the friction of contact k goes to its vertices: as these
@@ -131,11 +149,7 @@ static bool is_settled(const struct penalty *s, const struct contact *c)
 static void select_held(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
-    real share = 0;
-    for (int j = 0; j < 4; j++)
-        if (s->w[c->v[j]] > 0)
-            share += real_abs(c->c[j]) * side_of(s, c, j);
-    s->share[k] = share;
+    find_share(s, k);
     if (is_settled(s, c))
         return;
     real load[4];
@@ -310,6 +324,30 @@ static void push(struct penalty *s, int64_t k)
     c->impulse = c->held ? push_of(s, k, s->u) : 0;
 }
 
+/* §2.5: what contact k gives by the velocities that a solve has changed by dv;
+ * its friction follows the load that it has now. */
+static void follow(struct penalty *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    find_share(s, k);
+    if (!c->held)
+        return;
+    vec d = pair_sum(c->v, c->c, s->dv);
+    real nearer = vec_dot(c->n, d);
+    real across_by = c->slide * (s->tau / s->dt);
+    c->impulse -= c->along * nearer;
+    c->tangent = vec_axpy(c->tangent, -across_by, vec_axpy(d, -nearer, c->n));
+    real load[4] = {0, 0, 0, 0};
+    real most = c->friction * given_impulse(s, k, false, load);
+    real size = vec_length(c->tangent);
+    bool slides = c->slide == 0 && vec_dot(across(c, s->u), c->tangent) < 0;
+    if (size <= most && !slides)
+        return;
+    c->tangent = vec_scale(size > 0 ? most / size : 0, c->tangent);
+    c->slide = 0;
+    find_rub(s, k, load);
+}
+
 /* §3: the sums of force, wall and hold over the held contacts of vertex i. */
 static void gather(const struct penalty *s, int32_t i)
 {
@@ -332,19 +370,9 @@ static void gather(const struct penalty *s, int32_t i)
     s->hold[i] = sym_add(sum[0], sum[1]);
 }
 
-int ref_penalty(struct penalty *s)
+/* §1 and §2, but for §2.5. */
+static void find_pushes(struct penalty *s)
 {
-    int status = check(s);
-    if (status != DRAPE_OK)
-        return status;
-    struct incidence by = {.nv = s->nv,
-                           .n = s->n,
-                           .w = s->w,
-                           .contact = s->contact,
-                           .start = s->start,
-                           .item = s->item,
-                           .vertex = s->vertex};
-    ref_incidence(&by);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
         find_guess(s, i);
@@ -362,6 +390,28 @@ int ref_penalty(struct penalty *s)
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
         push(s, k);
+}
+
+int ref_penalty(struct penalty *s)
+{
+    int status = check(s);
+    if (status != DRAPE_OK)
+        return status;
+    struct incidence by = {.nv = s->nv,
+                           .n = s->n,
+                           .w = s->w,
+                           .contact = s->contact,
+                           .start = s->start,
+                           .item = s->item,
+                           .vertex = s->vertex};
+    ref_incidence(&by);
+    if (s->follows) {
+        EACH_ITEM
+        for (int64_t k = 0; k < s->n; k++)
+            follow(s, k);
+    } else {
+        find_pushes(s);
+    }
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
         gather(s, (int32_t)i);

@@ -7,12 +7,14 @@
 #include "ref/contact/contact.h"
 
 struct penalty {
-    int64_t nv, n;  /* vertices, contacts; 4 n < 2^31 */
-    const real *w;  /* [nv] 1/kg, ≥ 0; 0: led */
-    const vec *u;   /* [nv] m/s, mean velocity of the step */
-    const vec *g;   /* [nv] N·s, contacts' impulse so far, of free vertices */
-    int first;      /* 1: these contacts have had no turn yet */
-    int settled;    /* 1: contacts that are held stay as they are, §1.6 */
+    int64_t nv, n; /* vertices, contacts; 4 n < 2^31 */
+    const real *w; /* [nv] 1/kg, ≥ 0; 0: led */
+    const vec *u;  /* [nv] m/s, mean velocity of the step */
+    const vec *g;  /* [nv] N·s, contacts' impulse so far, of free vertices */
+    int first;     /* 1: these contacts have had no turn yet */
+    int settled;   /* 1: contacts that are held stay as they are, §1.6 */
+    int follows;   /* 1: friction follows the loads that a solve found, §2.5 */
+    const vec *dv; /* [nv] m/s, what that solve found; NULL if not follows */
     real stiffness; /* N/m, > 0, of the stiffest contact */
     real give;      /* m, > 0, by which a contact is short under its load */
     real dt, tau;   /* s, > 0: the slice, and the integrator's effective step */
@@ -28,18 +30,22 @@ struct penalty {
     int32_t *vertex; /* scratch: [n4] */
     real *share;     /* scratch: [n] 1/kg, S of §3 */
     real *gave;      /* scratch: [n] N·s, ≥ 0, §1.2 */
-    real *rub;       /* scratch: [n4] weights of friction, §2.4 */
+    real *rub;       /* inout: [n4] weights of friction, §2.4 */
     real *more;      /* scratch: [nv] how many times as much the contacts that
                         stay give of what the vertex got, §1.2 */
     vec *guess;      /* scratch: [nv] m/s, velocity of §1.1 */
     real *parts;     /* scratch: [nv] d, held contacts of a vertex, §2.1 */
     vec *force;      /* out: [nv] N·s, 0 where no contact is held */
     sym *wall;       /* out: [nv] kg, the part of hold of CONTACT_WALL */
-    sym *hold;       /* out: [nv] kg, likewise; in, §1.2: of the turn before */
+    sym *hold;       /* out: [nv] kg, likewise; in, §1.2: of the call before */
 };
 
 /* DRAPE_OK, or DRAPE_EARG for a bad vertex or setting. */
 int ref_penalty(struct penalty *s);
+
+/* §1.2: what held contact k has given along its normal, N·s, by w, g and hold;
+ * writes share[k], and adds to load what of it its vertices got. */
+real penalty_load(struct penalty *s, int64_t k, real load[4]);
 
 /* The contacts' own matrix times a vector, §3.1. */
 struct links {

@@ -50,7 +50,7 @@ static bool is_least(const struct proximity *s, int64_t k,
     for (int side = s->kind[k] == CONTACT_VF ? SIDE_B : SIDE_A; side < SIDES;
          side++) {
         struct foot f = find_foot(s, k, side, x, r);
-        if (!foot_is_nearest(&places, &s->fan, &f))
+        if (!foot_is_nearest(&places, &s->fan, &f, FOOT_FREE))
             return false;
     }
     return true;
@@ -63,7 +63,7 @@ static bool led_normal(const struct proximity *s, int64_t k, int side,
 {
     struct places places = {.x0 = s->x};
     struct foot f = find_foot(s, k, side, x, r);
-    if (foot_is_nearest(&places, &s->fan, &f))
+    if (foot_is_nearest(&places, &s->fan, &f, FOOT_LED))
         return true;
     if (!foot_turn(&places, &s->fan, &f, 0.25, n))
         return false;

@@ -39,7 +39,7 @@ int turn_make(struct world *w)
     p->parts = take(w, w->nv, sizeof *p->parts);
     p->more = take(w, w->nv, sizeof *p->more);
     c->g = take(w, w->nc, sizeof *c->g);
-    p->g = c->g;
+    p->g = c->given = take(w, w->nc, sizeof *c->given);
     c->b = take(w, w->nc, sizeof *c->b);
     for (int k = 0; k < COUPLE_ENDS; k++)
         c->found[k] = take(w, w->nc, sizeof *c->found[k]);
@@ -100,8 +100,12 @@ void turn_move(const struct turn *s)
     for (int64_t i = 0; i < s->count; i++) {
         if (!(s->w[i] > 0))
             continue;
+        vec g = s->moves ? vec_add(s->g[i], s->q[i]) : s->g[i];
+        s->given[i] = vec_add(g, s->r[i]);
+        if (!s->moves)
+            continue;
         vec dv = s->dv[i];
-        s->g[i] = vec_add(s->g[i], s->q[i]);
+        s->g[i] = g;
         s->u[i] = vec_axpy(s->u[i], s->span, dv);
         s->v[i] = vec_add(s->v[i], dv);
         s->x1[i] = vec_axpy(s->x0[i], s->dt, s->u[i]);

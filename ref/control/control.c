@@ -47,6 +47,9 @@ static void derive(struct world *w)
     const struct world *h = w->home;
     w->reach = w->response.stiffness = 0;
     w->mass = 0;
+    w->rubs = false;
+    for (int k = 0; k < w->def.n_cloths + w->def.n_obstacles; k++)
+        w->rubs |= h->surface[k].friction > 0;
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct cloth *c = &h->sheet[k].cloth;
         const drape_material *m = &w->sheet[k].made.material;

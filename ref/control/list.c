@@ -33,13 +33,19 @@ static int make_room(struct world *w, int64_t n)
         l->body = take(w, bodies_of(w), sizeof *l->body);
     if (w->home != w && !l->g)
         l->g = take(w, w->nc, sizeof *l->g);
-    good = l->weight && l->body && (w->home == w || l->g);
+    if (w->home != w && !l->hold)
+        l->hold = take(w, w->nv, sizeof *l->hold);
+    if (w->home != w && !l->dv)
+        l->dv = take(w, w->nv, sizeof *l->dv);
+    good = l->weight && l->body && (w->home == w || (l->g && l->hold && l->dv));
     if (good && n > l->cap) {
-        void *item = l->item, *raw = l->raw;
+        void *item = l->item, *raw = l->raw, *share = l->share;
         good = grow(w, &item, n, sizeof *l->item);
+        good = good && grow(w, &share, n, sizeof *l->share);
         good = good && (w->home == w || grow(w, &raw, n, sizeof *l->raw));
         l->item = item;
         l->raw = raw;
+        l->share = share;
         l->cap = good ? n + n / 4 + 64 : 0;
     }
     return good ? DRAPE_OK : DRAPE_ENOMEM;
@@ -48,22 +54,40 @@ static int make_room(struct world *w, int64_t n)
 /* What the solve and the rounds left, on the host. */
 struct left {
     int64_t n;
-    const struct contact *contact; /* [n] */
-    const vec *g;                  /* [nc] N·s */
+    struct contact *contact; /* [n] */
+    const vec *g;            /* [nc] N·s */
+    const vec *dv;           /* [nv] m/s, of a solve after that */
+    struct penalty penalty;  /* what penalty_load reads */
 };
+
+/* §8.2: whether the contacts are as the solve left them. */
+static bool is_of_solve(const struct world *w)
+{
+    const struct couple *c = &w->couple;
+    return !w->response.contacts_solved && !c->penalty.settled &&
+           c->joint.outcome != PCG_BREAKDOWN;
+}
 
 static int bring(struct world *w, struct left *s)
 {
     struct list *l = &w->list;
     const struct response *c = &w->response;
     s->contact = c->contact[c->side].data;
-    s->g = w->couple.g;
+    s->g = w->couple.given;
+    s->dv = w->couple.joint.dv;
+    s->penalty = w->couple.penalty;
     if (w->home == w)
         return DRAPE_OK;
+    w->run->fetch(w->on, l->dv, s->dv, (size_t)w->nv * sizeof *l->dv);
+    w->run->fetch(w->on, l->hold, s->penalty.hold,
+                  (size_t)w->nv * sizeof *l->hold);
     w->run->fetch(w->on, l->raw, s->contact, (size_t)s->n * sizeof *l->raw);
     w->run->fetch(w->on, l->g, s->g, (size_t)w->nc * sizeof *l->g);
     s->contact = l->raw;
     s->g = l->g;
+    s->dv = l->dv;
+    s->penalty.hold = l->hold;
+    s->penalty.w = w->home->w;
     return w->run->status(w->on);
 }
 
@@ -118,6 +142,30 @@ static void share(const struct world *w, const struct left *s,
         impulse[i] = part * (side[0][i] + side[1][i]);
 }
 
+/* §8.2: the friction of contact k by what the solve left. */
+static vec rub(const struct world *w, const struct left *s,
+               const struct contact *c)
+{
+    vec d = pair_sum(c->v, c->c, s->dv);
+    real across = c->slide * (s->penalty.tau / s->penalty.dt);
+    d = vec_axpy(d, -vec_dot(c->n, d), c->n);
+    return w->couple.calm ? c->tangent : vec_axpy(c->tangent, -across, d);
+}
+
+/* §8.2: the impulse on A of contact k. */
+static void press(const struct world *w, struct left *s, int64_t k,
+                  double impulse[3])
+{
+    const struct contact *c = &s->contact[k];
+    real load[4];
+    if (!is_of_solve(w)) {
+        share(w, s, c, impulse);
+    } else if (c->held) {
+        add(impulse, (double)penalty_load(&s->penalty, k, load), c->n);
+        add(impulse, 1, rub(w, s, c));
+    }
+}
+
 /* §8.1: the impulse of the rounds. */
 static vec pushed(const struct world *w, const struct contact *c)
 {
@@ -126,7 +174,7 @@ static vec pushed(const struct world *w, const struct contact *c)
     return vec_axpy(c->tangent, c->impulse, c->n);
 }
 
-static void fill(const struct world *w, const struct left *s, int64_t k)
+static void fill(const struct world *w, struct left *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
     drape_contact *to = &w->list.item[k];
@@ -143,7 +191,7 @@ static void fill(const struct world *w, const struct left *s, int64_t k)
     to->normal[1] = (double)c->n.y;
     to->normal[2] = (double)c->n.z;
     to->gap = (double)c->gap;
-    share(w, s, c, to->impulse);
+    press(w, s, k, to->impulse);
     add(to->impulse, 1, pushed(w, c));
 }
 
@@ -163,9 +211,12 @@ static void sum(struct world *w, const struct left *s)
         for (int j = 0; j < 4; j++)
             if (is_free(w, c->v[j]))
                 add(body[of[c->v[j]]], (double)c->c[j], pushed(w, c));
+        double got[3] = {0, 0, 0};
+        share(w, s, c, got);
+        add(got, 1, pushed(w, c));
         for (int b = 0; b < 2; b++)
             for (int i = 0; i < 3 && a->body[b] >= w->def.n_cloths; i++)
-                body[a->body[b]][i] += b ? -a->impulse[i] : a->impulse[i];
+                body[a->body[b]][i] += b ? -got[i] : got[i];
     }
 }
 
@@ -203,8 +254,12 @@ int list_contacts(struct world *w, bool there, drape_contact_list *list)
     int status = make_room(w, s.n);
     if (status == DRAPE_OK && w->plan.collides && w->list.known && w->met) {
         status = bring(w, &s);
-        if (status == DRAPE_OK)
+        if (status == DRAPE_OK) {
+            s.penalty.contact = s.contact;
+            s.penalty.g = s.g;
+            s.penalty.share = w->list.share;
             sum_weights(w, &s);
+        }
         for (int64_t k = 0; k < s.n && status == DRAPE_OK; k++)
             fill(w, &s, k);
         if (status == DRAPE_OK)

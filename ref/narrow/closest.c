@@ -180,16 +180,16 @@ static struct wide beside(const struct places *s, const struct foot *f,
 
 /* Whether the foot comes nearer to the other side towards vertex y. */
 static bool comes_nearer(const struct places *s, const struct foot *f,
-                         int32_t y)
+                         int32_t y, double least)
 {
     struct wide d = closest_lift(wide_sub(beside(s, f, y), f->at));
     double along = wide_dot(f->p, d);
     return along > 0 &&
-           along * along > 0x1p-20 * (wide_dot(f->p, f->p) * wide_dot(d, d));
+           along * along > least * (wide_dot(f->p, f->p) * wide_dot(d, d));
 }
 
 bool foot_is_nearest(const struct places *s, const struct fan *fan,
-                     const struct foot *f)
+                     const struct foot *f, double least)
 {
     int32_t i = f->v[0];
     if (!fan->n_start)
@@ -198,7 +198,7 @@ bool foot_is_nearest(const struct places *s, const struct fan *fan,
          k++) {
         const int32_t *rim = fan->rim[k];
         for (int j = 0; j < 2; j++)
-            if (is_at(f, rim) && comes_nearer(s, f, rim[j]))
+            if (is_at(f, rim) && comes_nearer(s, f, rim[j], least))
                 return false;
     }
     return true;

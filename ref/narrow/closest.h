@@ -51,9 +51,13 @@ struct foot {
  * with weights c; p: from here to the other side. */
 struct foot foot_find(const int32_t v[4], int from, int end,
                       const struct wide x[4], const double c[4], struct wide p);
+/* The squared cosine from which on a surface comes nearer towards a vertex: of
+ * a led side, and of a free one. */
+#define FOOT_LED 0x1p-28
+#define FOOT_FREE 0x1p-20
 /* Whether the foot is the nearest point of the triangles around it. */
 bool foot_is_nearest(const struct places *s, const struct fan *fan,
-                     const struct foot *f);
+                     const struct foot *f, double least);
 /* The normal of the triangle at the foot that p is most along, on p's side.
  * False if the squared cosine between them is not above `least` for any. */
 bool foot_turn(const struct places *s, const struct fan *fan,

@@ -69,6 +69,9 @@ struct list {
     struct contact *raw; /* [cap] of a device */
     int64_t cap;
     vec *g;               /* [nc] of a device */
+    sym *hold;            /* [nv] of a device */
+    vec *dv;              /* [nv] of a device */
+    real *share;          /* [cap] */
     double *weight;       /* [nc] */
     double (*body)[3];    /* [bodies] N·s */
     drape_contact *there; /* [cap_there] in the memory of a device */
@@ -117,6 +120,7 @@ struct world {
     struct pose *pose;   /* [n_motions] at the end of the slice, on the host */
     struct pose *posed;  /* the same in the memory of the backend */
     real reach;          /* m, the largest thickness of a cloth */
+    bool rubs;           /* a body has friction */
     real cell;           /* m, the smallest side of a cell of any cloth */
     double mass;         /* kg, of all cloths together */
     struct broad broad;

@@ -11,23 +11,16 @@
 #include "ref/solve/jacobi.h"
 #include "tests/base/choices.h"
 
-const struct field fields_penalty[] = {IN(penalty, w, nv, 1),
-                                       IN(penalty, u, nv, 1),
-                                       IN(penalty, g, nv, 1),
-                                       INOUT(penalty, contact, n, 1),
-                                       SCRATCH(penalty, start, nv1, 1),
-                                       SCRATCH(penalty, item, n4, 1),
-                                       SCRATCH(penalty, vertex, n4, 1),
-                                       SCRATCH(penalty, share, n, 1),
-                                       SCRATCH(penalty, gave, n, 1),
-                                       SCRATCH(penalty, rub, n4, 1),
-                                       SCRATCH(penalty, more, nv, 1),
-                                       SCRATCH(penalty, guess, nv, 1),
-                                       SCRATCH(penalty, parts, nv, 1),
-                                       OUT(penalty, force, nv, 1),
-                                       OUT(penalty, wall, nv, 1),
-                                       INOUT(penalty, hold, nv, 1),
-                                       FIELD_END};
+const struct field fields_penalty[] = {
+    IN(penalty, w, nv, 1),          IN(penalty, u, nv, 1),
+    IN(penalty, g, nv, 1),          IN(penalty, dv, nv, 1),
+    INOUT(penalty, contact, n, 1),  SCRATCH(penalty, start, nv1, 1),
+    SCRATCH(penalty, item, n4, 1),  SCRATCH(penalty, vertex, n4, 1),
+    SCRATCH(penalty, share, n, 1),  SCRATCH(penalty, gave, n, 1),
+    INOUT(penalty, rub, n4, 1),     SCRATCH(penalty, more, nv, 1),
+    SCRATCH(penalty, guess, nv, 1), SCRATCH(penalty, parts, nv, 1),
+    OUT(penalty, force, nv, 1),     OUT(penalty, wall, nv, 1),
+    INOUT(penalty, hold, nv, 1),    FIELD_END};
 
 const struct field fields_links[] = {IN(links, contact, n, 1),
                                      IN(links, x, nv, 1),
@@ -58,6 +51,45 @@ static void settle(const struct penalty *s, struct contact *c)
     c->held = moving(s, c) == 1 ? CONTACT_WALL : CONTACT_MUTUAL;
     c->along = SETTLED_ALONG;
     c->slide = SETTLED_SLIDE;
+}
+
+/* Whether all vertices of contact c that have a weight are free. */
+static bool is_free(const struct penalty *s, const struct contact *c)
+{
+    bool moves = true;
+    for (int j = 0; j < 4; j++)
+        moves &= c->c[j] == 0 || s->w[c->v[j]] > 0;
+    return moves;
+}
+
+/* §2.5: what the call before and a solve left: some contacts stick, others
+ * slide, and some of these rub at one vertex of each side alone. */
+static void gen_follow(struct bytes *b, struct penalty *s)
+{
+    s->follows = !s->first && !s->settled && pick(b, 2);
+    s->rub = take(b, s->n4, sizeof *s->rub);
+    vec *dv = take(b, s->nv, sizeof *dv);
+    s->dv = dv;
+    for (int64_t i = 0; i < s->nv && s->follows; i++)
+        dv[i] = s->w[i] > 0 ? pick_vec(b, R(0.1)) : vec_make(0, 0, 0);
+    for (int64_t k = 0; k < s->n && s->follows; k++) {
+        struct contact *c = &s->contact[k];
+        int moves = moving(s, c), split = c->kind == CONTACT_VF ? 1 : 2;
+        bool held = moves && c->held;
+        c->held = !held        ? CONTACT_APART
+                  : moves == 1 ? CONTACT_WALL
+                               : CONTACT_MUTUAL;
+        c->along = held ? c->along : 0;
+        c->impulse = held ? pick_uniform(b, 0, R(0.01)) : 0;
+        c->tangent = held ? pick_vec(b, R(0.001)) : vec_make(0, 0, 0);
+        c->slide = held && pick(b, 2) ? pick_uniform(b, 0, R(0.1)) : 0;
+        bool one = is_free(s, c) && pick(b, 2);
+        for (int j = 0; j < 4; j++)
+            s->rub[4 * k + j] = !one         ? c->c[j]
+                                : j == 0     ? R(1.0)
+                                : j == split ? R(-1.0)
+                                             : 0;
+    }
 }
 
 void gen_penalty(struct bytes *b, struct penalty *s)
@@ -97,6 +129,7 @@ void gen_penalty(struct bytes *b, struct penalty *s)
     for (int64_t k = 0; k < s->n && s->settled; k++)
         if (k == 0 || s->contact[k].held)
             settle(s, &s->contact[k]);
+    gen_follow(b, s);
 }
 
 /* What y of vertex i is before links adds to it. */
@@ -271,21 +304,23 @@ const char *prop_penalty(const struct penalty *s)
         /* §1: a contact that approaches is held; §2: friction opposes slip */
         EXPECT(c->held == CONTACT_APART ||
                c->held == (moving(s, c) == 1 ? CONTACT_WALL : CONTACT_MUTUAL));
-        /* §1.3: in the first turn what is beyond its target pulls */
-        EXPECT(c->impulse >= 0 || !s->first || excess_at(c, s->u) < 0);
+        free_all &= is_free(s, c);
         EXPECT(c->held || (c->impulse == 0 && length == 0 && c->slide == 0));
-        EXPECT(c->held || !(excess_at(c, s->u) > 0));
         EXPECT((c->held != 0) == (c->along > 0));
         EXPECT(c->slide >= 0);
+        size += (double)(real_abs(c->impulse) + length);
+        if (s->follows)
+            continue;
+        /* §1.3: in the first turn what is beyond its target pulls */
+        EXPECT(c->impulse >= 0 || !s->first || excess_at(c, s->u) < 0);
+        EXPECT(c->held || !(excess_at(c, s->u) > 0));
         EXPECT(vec_dot(c->tangent, slip_of(c, s->u)) <= 0);
         /* §2.1: in the first turn friction is estimated from at most the
          * impulse that stops this contact alone */
         double alone = 0, lack = (double)c->target;
         lack -= (double)vec_dot(c->n, pair_sum(c->v, c->c, s->guess));
-        for (int j = 0; j < 4; j++) {
+        for (int j = 0; j < 4; j++)
             alone += (double)(c->c[j] * c->c[j] * s->w[c->v[j]]);
-            free_all &= s->w[c->v[j]] > 0;
-        }
         double stop = (double)c->friction * fmax(lack, 0);
         double rub = (double)(c->slide > 0 ? c->slide * s->slip : length);
         double most = rub * (double)(s->tau / s->dt) * alone;
@@ -295,7 +330,6 @@ const char *prop_penalty(const struct penalty *s)
                                              : NULL;
         if (wrong)
             return wrong;
-        size += (double)(real_abs(c->impulse) + length);
     }
     for (int64_t i = 0; i < s->nv; i++) {
         vec f = s->force[i];
@@ -402,7 +436,7 @@ const char *prop_links(const struct links *s)
 struct lone {
     struct penalty p;
     struct contact c;
-    vec u[4], g[4], force[4], guess[4];
+    vec u[4], g[4], dv[4], force[4], guess[4];
     real w[4], share, gave, rub[4], more[4], parts[4];
     sym hold[4], wall[4];
     int32_t start[5], item[4], vertex[4];
@@ -416,6 +450,7 @@ static void clear_lone(struct lone *s)
     p.w = s->w;
     p.u = s->u;
     p.g = s->g;
+    p.dv = s->dv;
     p.first = 1;
     p.contact = &s->c;
     p.start = s->start;
@@ -464,6 +499,7 @@ static int turn(struct lone *s)
     vec r = vec_sub(s->force[0], s->g[0]), dv = factor_solve(factor, r);
     s->g[0] = vec_add(s->g[0], vec_sub(r, sym_apply(s->hold[0], dv)));
     s->u[0] = vec_axpy(s->u[0], s->p.tau / s->p.dt, dv);
+    s->dv[0] = dv;
     s->p.first = 0;
     return status;
 }
@@ -519,6 +555,45 @@ const char *test_penalty_cone(void)
         ran(1);
     }
     EXPECT(slips > 100 && sticks > 100 && kept > 100);
+    return NULL;
+}
+
+/* §2.5: after a turn of a single particle the impulses are those of its spring
+ * and its damper where it is now, but for friction beyond the cone of what the
+ * particle got along n, or short of it while it slides. */
+const char *test_penalty_follow(void)
+{
+    double unit = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
+    int slides = 0, sticks = 0, less = 0;
+    for (int k = 0; k < 4000; k++) {
+        struct bytes b = {.seed = (uint64_t)k, .size = -1};
+        struct lone s;
+        make_lone(&b, &s);
+        EXPECT(turn(&s) == DRAPE_OK);
+        if (pick(&b, 2)) /* the load is another one than the turn took it for */
+            s.g[0] =
+                vec_axpy(s.g[0], pick_uniform(&b, R(-1e-4), R(1e-4)), s.c.n);
+        vec slip = slip_of(&s.c, s.u), was = s.c.tangent;
+        double slid = (double)vec_length(was), slide = (double)s.c.slide;
+        double got = fmax((double)vec_dot(s.c.n, s.g[0]), 0);
+        double give = (double)(s.c.along * (s.p.dt / s.p.tau));
+        double friction = (double)s.c.friction, most = friction * got;
+        double room = 64 * unit * ((give + got) * (1 + friction) + slide);
+        slid = slide > 0 ? slide * (double)vec_length(slip) : slid;
+        bool moves = slide == 0 && vec_dot(slip, was) < 0;
+        s.p.follows = 1;
+        EXPECT(ref_penalty(&s.p) == DRAPE_OK);
+        double rub = (double)vec_length(s.c.tangent);
+        EXPECT(fabs((double)(s.c.impulse - approach(&s.p, &s.c))) <= room);
+        EXPECT(fabs(rub - (moves ? most : fmin(most, slid))) <= room);
+        EXPECT(vec_dot(s.c.tangent, slip) <= (real)room);
+        slides += moves && most > 0;
+        sticks += s.c.slide > 0 && rub > 0;
+        less += slide > 0 && s.c.slide == 0 && most > 0;
+        choices_free(&b);
+        ran(1);
+    }
+    EXPECT(slides > 100 && sticks > 100 && less > 10);
     return NULL;
 }
 

@@ -332,14 +332,15 @@ struct beside {
 static const double blur = 0x1p-20;
 
 /* Looks towards a vertex of a triangle, which is at e relative to q->i. */
-static void look_towards(const struct spot *q, struct wide e, struct beside *b)
+static void look_towards(const struct spot *q, struct wide e, double least,
+                         struct beside *b)
 {
     struct wide d = wide_sub(e, q->at);
     if (length(d) == 0 && q->error == 0)
         return;
     double c = cosine(q->p, d), room = blur + q->error / length(d);
-    b->may = b->may || c > 0x1p-10 - room;
-    b->must = b->must || c > 0x1p-10 + room;
+    b->may = b->may || c > least - room;
+    b->must = b->must || c > least + room;
 }
 
 /* Looks along the normal of the triangle with the sides e and f. A triangle
@@ -356,8 +357,10 @@ static void look_along(const struct spot *q, struct wide e, struct wide f,
         b->most = fmax(b->most, fabs(cosine(n, q->p)));
 }
 
-/* Looks at the triangles around the spot. */
-static struct beside look(const struct proximity *s, const struct spot *q)
+/* Looks at the triangles around the spot; least: the cosine from which on they
+ * come nearer. */
+static struct beside look(const struct proximity *s, const struct spot *q,
+                          double least)
 {
     struct beside b = {0};
     struct wide o = wide_of(s->x[q->i]);
@@ -369,8 +372,8 @@ static struct beside look(const struct proximity *s, const struct spot *q)
         struct wide f = wide_sub(wide_of(s->x[rim[1]]), o);
         if (q->i != q->j && rim[0] != q->j && rim[1] != q->j)
             continue;
-        look_towards(q, e, &b);
-        look_towards(q, f, &b);
+        look_towards(q, e, least, &b);
+        look_towards(q, f, least, &b);
         look_along(q, e, f, &b);
     }
     return b;
@@ -389,7 +392,7 @@ static struct fate led_fate(const struct proximity *s, int64_t k, int side,
                             const struct wide x[4])
 {
     struct spot q = find_spot(s, k, side, x);
-    struct beside b = look(s, &q);
+    struct beside b = look(s, &q, 0x1p-14);
     struct fate f = {true, false, 1, 1};
     if (!b.may)
         return f;
@@ -408,7 +411,7 @@ static struct fate free_fate(const struct proximity *s, int64_t k,
     struct fate f = {true, false, 1, 1};
     for (int side = s->kind[k] == CONTACT_VF; side < 2; side++) {
         struct spot q = find_spot(s, k, side, x);
-        struct beside b = look(s, &q);
+        struct beside b = look(s, &q, 0x1p-10);
         f.keep = f.keep && !b.must;
         f.drop = f.drop || b.may;
     }

@@ -192,8 +192,9 @@ static int watch(struct world *w, struct joint *s)
     spy.square = (double)s->square;
     spy.turns = end && start.last ? (int)COUPLE_TURNS : spy.turns + turn;
     if (spy.turns == COUPLE_TURNS && !turn)
-        spy.failed = w->couple.penalty.settled ? spy.failed
-                                               : "recall: not settled (§1.6)";
+        spy.failed = w->couple.penalty.settled || w->couple.follows
+                         ? spy.failed
+                         : "recall: not settled (§1.6)";
     spy.broken = start.last && spy.spoils && end == 0;
     memcpy(spy.undone, s->b, bytes);
     if (!start.last)

@@ -22,6 +22,8 @@ struct ledger {
     double size;       /* Σ |b| + |A + C| |dv| */
     struct wide done[COUNT];  /* force - C dv of turns before a settled one */
     struct wide force[COUNT]; /* of the last turn */
+    struct wide next[COUNT];  /* of a call of penalty after it */
+    bool waits;               /* whether there was one, and no solve yet */
     vec pressed[COUNT];       /* N·s, dt · press of the slice before */
 };
 
@@ -57,11 +59,31 @@ static struct wide less(struct wide r, sym a, struct wide d)
                      r.z - wide_dot(z, d));
 }
 
+/* penalty.md §4.7: the force that a call of penalty left which no solve came
+ * after. */
+static void keep_force(struct ledger *a)
+{
+    for (int i = 0; i < COUNT && a->waits; i++) {
+        a->force[i] = a->next[i];
+        a->push[i] = (struct wide){0, 0, 0};
+    }
+    a->waits = false;
+}
+
+static void find_next(struct ledger *a)
+{
+    keep_force(a);
+    for (int i = 0; i < COUNT; i++)
+        a->next[i] = wide_of(a->w->couple.penalty.force[i]);
+    a->waits = true;
+}
+
 /* penalty.md §1.6: contacts that stay as they are have done what the turn
  * before found, and the force of the next turn is that of others. */
 static void find_force(struct ledger *a)
 {
     const struct penalty *p = &a->w->couple.penalty;
+    a->waits = false;
     for (int i = 0; i < COUNT; i++) {
         struct wide done = wide_sub(a->force[i], a->push[i]);
         a->done[i] = wide_axpy(a->done[i], p->settled, done);
@@ -129,6 +151,8 @@ static void add_solve(void *user, int64_t step, const char *stage,
     if (!strcmp(stage, "pcg")) {
         begin(a);
         add(a, p->b, p->dv, a->w->def.newton <= 1, (double)p->residual);
+    } else if (!strcmp(stage, "penalty")) {
+        find_next(a);
     } else if (!strcmp(stage, "joint")) {
         find_force(a);
         find_push(a);
@@ -178,6 +202,7 @@ static double left_over(struct ledger *a)
 static const char *balance(struct ledger *a, const drape_step_report *r)
 {
     const struct joint *s = &a->w->couple.joint;
+    keep_force(a);
     double left = left_over(a), told = r->residual * sqrt((double)s->square);
     double u = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
     double error = (200 + a->solves) * u + (100 + a->solves) * 0x1p-53;

@@ -110,7 +110,7 @@ const char *test_proximity_flat(void)
         for (int64_t j = 0; j < p.found; j++) {
             const struct contact *c = &contact[j];
             vec gap = pair_sum(c->v, c->c, s.x);
-            EXPECT((double)vec_dot(c->n, s.up) > 1 - 0x1p-20); /* 2^-10 off */
+            EXPECT((double)vec_dot(c->n, s.up) > 1 - 0x1p-22); /* 2^-14 off */
             EXPECT(fabs((double)(vec_dot(gap, s.up) - c->gap)) < 1e-4);
             met[c->v[0]] |= c->kind == CONTACT_VF;
         }
