@@ -385,15 +385,13 @@ static int follow(struct world *w)
     if (status != DRAPE_OK)
         return status;
     c->calm = size <= fine_of(w);
-    if (!c->calm) {
+    if (c->calm) {
+        c->residual = (double)size;
+    } else {
         c->follows++;
         status = solve_joint(w, WHOLE);
-        return status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
     }
-    c->residual = (double)size;
-    w->run->copy(w->on, c->joint.r, c->b, (size_t)w->nc * sizeof *c->b);
-    w->run->turn_move(w->on, &s);
-    return w->run->penalty_status(w->on);
+    return status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
 }
 
 /* The same until it changes less than the tolerance, COUPLE_FOLLOWS times at
