@@ -387,6 +387,7 @@ static int follow(struct world *w)
     c->calm = size <= fine_of(w);
     if (c->calm) {
         c->residual = (double)size;
+        w->run->copy(w->on, c->joint.r, c->b, (size_t)w->nc * sizeof *c->b);
     } else {
         c->follows++;
         status = solve_joint(w, WHOLE);
