@@ -116,6 +116,7 @@ void part_contact(struct validate *v)
                                 .unit = "1",
                                 .theory = 1,
                                 .bar = 1e-3,
+                                .promised = true,
                                 .up_to = 1};
         for (int c = 0; c < sizes; c++) {
             double most = 0;

@@ -6,6 +6,8 @@
 #include <math.h>
 #include <string.h>
 
+enum { TRIES = 60 };
+
 /* The velocity after an impulse from the ground along n, with its friction, of
  * a point that falls with this velocity without it. */
 static void pushed(const double falling[3], const double n[3], double push,
@@ -20,35 +22,49 @@ static void pushed(const double falling[3], const double n[3], double push,
         out[c] = left * slip[c] + (along + push) * n[c];
 }
 
-bool point_step(const struct ground *g, struct point *p, double friction,
+bool point_step(const struct floor *f, struct point *p, double friction,
                 double dt, double gap)
 {
     double n[3], after[3], falling[3], v[3], x[3], push = 0;
     bool found = false;
     memcpy(falling, p->v, sizeof falling);
     falling[1] -= dt * PATH_GRAVITY;
-    if (isnan(ground_height(g, p->x, n)))
+    if (isnan(f->height(f->ground, p->x, n)))
         return false;
     /* The ground is nearly flat within a step, so the height that is missing,
-     * over dt, is nearly the impulse that is missing. */
-    for (int k = 0; k < 30 && !found; k++) {
+     * over dt, is nearly the impulse that is missing. Where two facets meet the
+     * normal may jump to and fro, and is settled after half of the tries. */
+    for (int k = 0; k < TRIES && !found; k++) {
         pushed(falling, n, push, friction, v);
         for (int c = 0; c < 3; c++)
             x[c] = p->x[c] + dt * v[c];
-        double height = ground_height(g, x, after);
+        double height = f->height(f->ground, x, after);
         if (isnan(height))
             return false;
+        if (f->ends && k < TRIES / 2)
+            memcpy(n, after, sizeof n);
         double next = fmax(0, push + (gap - height) / dt);
         found = fabs(next - push) < 1e-9;
         push = next;
     }
-    if (!found)
+    if (!found && !f->ends)
         return false;
     memcpy(p->x, x, sizeof x);
     memcpy(p->v, v, sizeof v);
     p->push = push;
     p->level = n[1];
     return true;
+}
+
+static double smooth_height(const void *ground, const double x[3],
+                            double normal[3])
+{
+    return ground_height(ground, x, normal);
+}
+
+struct floor floor_smooth(const struct ground *g)
+{
+    return (struct floor){smooth_height, g, false};
 }
 
 /* Whether a point that starts at rest stays on the ground, on slopes of 15 to
@@ -58,10 +74,11 @@ static bool slides(const struct ground *g, const double start[3],
                    double friction, double way[3])
 {
     const double dt = 1.0 / 480, degree = acos(-1) / 180;
+    const struct floor f = floor_smooth(g);
     struct point p = {.push = 0};
     memcpy(p.x, start, sizeof p.x);
     for (int k = 0; k < (int)(PATH_SECONDS / dt + 0.5); k++) {
-        if (!point_step(g, &p, friction, dt, 0) ||
+        if (!point_step(&f, &p, friction, dt, 0) ||
             p.push < 0.25 * PATH_GRAVITY * dt || p.level > cos(15 * degree) ||
             p.level < cos(75 * degree))
             return false;

@@ -15,11 +15,25 @@ struct point {
     double push;  /* N·s, the ground's normal impulse in the last step */
     double level; /* the cosine of the ground's slope there */
 };
+/* What a point slides on. */
+struct floor {
+    /* How high x is over it, m, and its normal there; NAN: nothing is near. */
+    double (*height)(const void *ground, const double x[3], double normal[3]);
+    const void *ground;
+    bool ends; /* its impulse is along its normal where the step ends, not where
+                  it starts: as of edges, whose sides have normals of their own
+                */
+};
+/* The smooth surface. */
+struct floor floor_smooth(const struct ground *g);
+/* The obstacle's own triangles. */
+struct floor floor_facets(const drape_obstacle *obstacle);
+
 /* One step as in Baraff–Witkin's: the new velocity moves the point, and the
- * ground's impulse is along its normal at the start, with friction by Coulomb's
- * law. The point ends `gap` over the smooth surface, or higher where the ground
- * need not push. False: nothing is near, or no impulse is found. */
-bool point_step(const struct ground *g, struct point *p, double friction,
+ * floor's impulse is along its normal, with friction by Coulomb's law. The
+ * point ends `gap` over the floor, or higher where the floor need not push.
+ * False: nothing is near, or no impulse is found. */
+bool point_step(const struct floor *f, struct point *p, double friction,
                 double dt, double gap);
 
 /* Finds places on the smooth surface from which a point slides with this

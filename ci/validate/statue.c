@@ -7,9 +7,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIDE = 11, N = SIDE * SIDE };
-/* m: of a sheet's side, and of a statue's largest extent. */
-static const double SIZE = 0.04, STATUE = 4;
+/* ROW, POINTS: every second particle of a row and a column. */
+enum { SIDE = 11, N = SIDE * SIDE, ROW = (SIDE + 1) / 2, POINTS = ROW * ROW };
+/* m: of a sheet's side, and of a statue's largest extent. FINE, s: steps of
+ * points beside an integrator of second order, which has none of their error.
+ */
+static const double SIZE = 0.04, STATUE = 4, FINE = 1.0 / 960;
 
 /* A ground to slide on. */
 struct flank {
@@ -23,9 +26,10 @@ struct ride {
     const struct ground *ground;
     const double *start;
     double friction, dt;
+    int integrator;
 };
 /* What came of it. */
-enum { WAY, ASIDE, LAW, LOST, CREEP, RESULTS };
+enum { WAY, FACETS, ASIDE, LAW, LOST, CREEP, RESULTS };
 /* A sheet on its way, and the point beside it. */
 struct slide {
     struct sheet sheet;
@@ -121,6 +125,7 @@ static void begin(const struct validate *v, const struct ride *r,
     s->def.n_obstacles = 1;
     s->def.max_slices = 32;
     s->def.tolerance = 1e-5;
+    s->def.integrator = r->integrator;
 }
 
 /* Makes a world of the sheet as it stands, and looks at it. False: there is
@@ -147,13 +152,26 @@ static void end(struct slide *t)
     sheet_free(&t->sheet);
 }
 
-/* Step k of sheet and point; false: one of them fails, or leaves the ground. */
+/* A step of the point: one of Baraff–Witkin's as long as the sheet's, or short
+ * ones. */
+static bool advance_point(const struct ride *r, struct slide *t)
+{
+    const struct floor smooth = floor_smooth(r->ground);
+    int steps = r->integrator == DRAPE_BW ? 1 : (int)(r->dt / FINE + 0.5);
+    bool good = true;
+    for (int k = 0; k < steps && good; k++)
+        good =
+            point_step(&smooth, &t->point, r->friction, r->dt / steps, t->gap);
+    return good;
+}
+
+/* Step k of sheet and points; false: one of them fails, or leaves the ground.
+ */
 static bool advance(const struct ride *r, struct slide *t, int k,
                     double middle[3])
 {
     drape_step_report report;
-    if (drape_step(t->world, &report) != DRAPE_OK ||
-        !point_step(r->ground, &t->point, r->friction, r->dt, t->gap))
+    if (drape_step(t->world, &report) != DRAPE_OK || !advance_point(r, t))
         return false;
     double slowest = look(r->ground, t, middle);
     double mass = t->sheet.cloth.material.density * SIZE * SIZE;
@@ -188,6 +206,7 @@ static bool settle(const struct validate *v, const struct ride *slides,
     struct ride r = *slides;
     r.friction = 2;
     r.dt = 1.0 / 60;
+    r.integrator = DRAPE_BW;
     begin(v, &r, &t);
     lay(r.ground, &t);
     bool good = make_world(&r, &t);
@@ -201,12 +220,59 @@ static bool settle(const struct validate *v, const struct ride *slides,
     return good;
 }
 
-/* Slides the sheet and the point side by side, from rest; NAN: it failed. */
+/* Where points on facets are in the mean, at the height of the sheet's middle.
+ */
+static void middle_of(const struct ground *g, const struct point *point,
+                      double gap, double middle[3])
+{
+    memset(middle, 0, 3 * sizeof *middle);
+    for (int p = 0; p < POINTS; p++)
+        for (int c = 0; c < 3; c++)
+            middle[c] += point[p].x[c] / POINTS;
+    ground_put(g, middle, gap);
+}
+
+/* The mean way of points that start where particles of the sheet rest, each by
+ * itself, on the mesh's own triangles, by short steps; NAN where one of them
+ * comes to no end. */
+static void slide_points(const struct validate *v, const struct ride *r,
+                         double rest[N][3], double from[3], double to[3])
+{
+    static struct point point[POINTS];
+    struct slide t;
+    bool good = true;
+    begin(v, r, &t);
+    const struct floor facets = floor_facets(&t.obstacle);
+    memset(point, 0, sizeof point);
+    for (int p = 0; p < POINTS; p++)
+        memcpy(point[p].x, rest[2 * (p / ROW * SIDE + p % ROW)], sizeof *rest);
+    middle_of(r->ground, point, t.gap, from);
+    for (int k = 0; k < (int)(PATH_SECONDS / FINE + 0.5); k++)
+        for (int p = 0; p < POINTS && good; p++)
+            good = point_step(&facets, &point[p], r->friction, FINE, t.gap);
+    middle_of(r->ground, point, t.gap, to);
+    to[0] = good ? to[0] : NAN;
+    end(&t);
+}
+
+/* How much of the way due was gone, and how far aside, over that way. */
+static double part_of(const double from[3], const double to[3],
+                      const double went[3], double *aside)
+{
+    double due[3];
+    for (int c = 0; c < 3; c++)
+        due[c] = to[c] - from[c];
+    *aside = apart3(due, went) / sqrt(dot3(due, due));
+    return dot3(due, went) / dot3(due, due);
+}
+
+/* Slides the sheet and the point side by side, from rest; NAN: it failed.
+ * `way`: of points on facets, from and to. */
 static void slide(const struct validate *v, const struct ride *r,
-                  double rest[N][3], double out[RESULTS])
+                  double rest[N][3], double way[2][3], double out[RESULTS])
 {
     struct slide t;
-    double middle[3] = {0}, due[3], went[3];
+    double middle[3] = {0}, went[3], aside;
     int steps = (int)(PATH_SECONDS / r->dt + 0.5), k = 0;
     begin(v, r, &t);
     memcpy(t.sheet.x, rest, N * sizeof *rest);
@@ -214,14 +280,12 @@ static void slide(const struct validate *v, const struct ride *r,
     memcpy(t.point.x, t.start, sizeof t.start);
     while (laid && k < steps && advance(r, &t, k, middle))
         k++;
-    for (int c = 0; c < 3; c++) {
-        due[c] = t.point.x[c] - t.start[c];
+    for (int c = 0; c < 3; c++)
         went[c] = middle[c] - t.start[c];
-    }
     bool done = k == steps;
-    double length = sqrt(dot3(due, due));
-    out[WAY] = done ? dot3(due, went) / (length * length) : NAN;
-    out[ASIDE] = done ? apart3(due, went) / length : NAN;
+    out[FACETS] = done ? part_of(way[0], way[1], went, &aside) : NAN;
+    out[WAY] = done ? part_of(t.start, t.point.x, went, &aside) : NAN;
+    out[ASIDE] = done ? aside : NAN;
     out[LAW] = done ? t.work / t.due : NAN;
     out[LOST] = done ? lost(&t, 0) - lost(&t, 1) : NAN;
     out[CREEP] = done ? apart3(t.rested, middle) / (PATH_SECONDS - 0.1) : NAN;
@@ -239,10 +303,11 @@ static void keep_worst(double *kept, double one, double due)
  * longest of which is number `first`. NAN where a slide fails, or there is no
  * path. Returns the number of paths. */
 static int slide_all(const struct validate *v, const struct flank *f,
-                     double friction, int first, double out[RESULTS][SIZES])
+                     double friction, int integrator, int first,
+                     double out[RESULTS][SIZES])
 {
-    static const double due[RESULTS] = {[WAY] = 1, [LAW] = 1};
-    double start[PATHS][3], rest[N][3], one[RESULTS];
+    static const double due[RESULTS] = {[WAY] = 1, [FACETS] = 1, [LAW] = 1};
+    double start[PATHS][3], rest[N][3], way[2][3] = {{0}}, one[RESULTS];
     /* What rests does so where a sheet with friction 0.2 slides. */
     int n = find_paths(&f->ground, &f->coarse, friction > 1 ? 0.2 : friction,
                        start);
@@ -250,12 +315,14 @@ static int slide_all(const struct validate *v, const struct flank *f,
         for (int c = 0; c < SIZES; c++)
             out[k][c] = n ? due[k] : NAN;
     for (int p = 0; p < n; p++) {
-        struct ride r = {&f->ground, start[p], friction, 0};
+        struct ride r = {&f->ground, start[p], friction, 0, integrator};
         bool rests = settle(v, &r, rest);
+        if (rests && integrator != DRAPE_BW)
+            slide_points(v, &r, rest, way[0], way[1]);
         for (int c = first; c < SIZES; c++) {
             r.dt = 1.0 / (60 << c);
             if (rests)
-                slide(v, &r, rest, one);
+                slide(v, &r, rest, way, one);
             for (int k = 0; k < RESULTS; k++)
                 keep_worst(&out[k][c], rests ? one[k] : NAN, due[k]);
         }
@@ -265,7 +332,7 @@ static int slide_all(const struct validate *v, const struct flank *f,
 
 /* A row of one kind of result, by steps from number `first` on. */
 struct row {
-    int which, first, paths;
+    int which, integrator, first, paths;
     bool promised;
 };
 
@@ -273,18 +340,23 @@ static void add(struct validate *v, const struct flank *f, double friction,
                 const struct row *row, double value[RESULTS][SIZES])
 {
     static const char *what[RESULTS] = {
-        "way over a point's", "end's distance from the point's; over its way",
+        "way over a point's",
+        "way over that of points on its facets",
+        "end's distance from the point's; over its way",
         "friction's work over its coefficient times load and slip",
-        "energy lost over gravity's work; less a point's", "speed after 0.1 s"};
+        "energy lost over gravity's work; less a point's",
+        "speed after 0.1 s"};
     char name[160], paths[32];
     snprintf(paths, sizeof paths, "%d of %d paths; ", row->paths, PATHS);
-    snprintf(name, sizeof name, "%s; friction %g; %s%s%s", f->name, friction,
+    snprintf(name, sizeof name, "%s; friction %g; %s%s%s%s", f->name, friction,
+             row->integrator == DRAPE_BDF2 ? "bdf2; " : "",
              row->paths < PATHS ? paths : "",
              row->first ? "steps of 4.2 and 2.1 ms; " : "", what[row->which]);
     struct property p = {.part = "statue",
                          .name = name,
                          .unit = row->which == CREEP ? "m/s" : "1",
-                         .theory = row->which == WAY || row->which == LAW,
+                         .theory = row->which == WAY || row->which == FACETS ||
+                                   row->which == LAW,
                          .bar = row->which == CREEP ? 1e-3 : 0.02,
                          .up_to = 1,
                          .promised = row->promised};
@@ -293,23 +365,44 @@ static void add(struct validate *v, const struct flank *f, double friction,
     property_end(v, &p);
 }
 
-/* All rows of a flank with one friction. Two rows of the smooth boulder are
- * promised: the way with friction 0.2 by short steps, which is also all of the
- * small form, and that the sheet rests with friction 1.5. */
+/* All rows of a flank with one friction by Baraff–Witkin. Friction's work is
+ * promised everywhere. Of the smooth boulder its way is, with friction 0.2 by
+ * short steps, which is all of the small form, and that it rests with 1.5. */
 static void add_rows(struct validate *v, const struct flank *f, double friction)
 {
     double value[RESULTS][SIZES];
     bool made = !f->file, promised = made && !f->rough && f->facet > 0.01;
-    int n = slide_all(v, f, friction, v->quick ? 2 : 0, value);
+    int n = slide_all(v, f, friction, DRAPE_BW, v->quick ? 2 : 0, value);
+    struct row row = {WAY, DRAPE_BW, 2, n, true};
     if (promised && friction == 0.2)
-        add(v, f, friction, &(struct row){WAY, 2, n, true}, value);
+        add(v, f, friction, &row, value);
     if (v->quick)
         return;
-    for (int k = 0; k < CREEP && friction <= 1; k++)
-        if (k != LAW || friction > 0)
-            add(v, f, friction, &(struct row){k, 0, n, false}, value);
+    row.first = 0;
+    for (row.which = 0; row.which < CREEP && friction <= 1; row.which++) {
+        row.promised = row.which == LAW;
+        if (row.which != FACETS && (row.which != LAW || friction > 0))
+            add(v, f, friction, &row, value);
+    }
+    row.which = CREEP;
+    row.promised = promised;
     if (friction > 1)
-        add(v, f, friction, &(struct row){CREEP, 0, n, promised}, value);
+        add(v, f, friction, &row, value);
+}
+
+/* The ways by BDF2, beside a point on the smooth surface, and where that is
+ * rough beside points on the mesh, too. */
+static void add_second(struct validate *v, const struct flank *f,
+                       double friction)
+{
+    double value[RESULTS][SIZES];
+    int n = slide_all(v, f, friction, DRAPE_BDF2, 0, value);
+    bool rough = f->file || f->rough;
+    struct row row = {WAY, DRAPE_BDF2, 0, n, !rough && f->facet > 0.01};
+    add(v, f, friction, &row, value);
+    row.which = FACETS;
+    if (rough)
+        add(v, f, friction, &row, value);
 }
 
 static bool make_flank(struct flank *f)
@@ -352,8 +445,11 @@ void part_statue(struct validate *v)
                    flanks[f].file);
             continue;
         }
-        for (int k = 0; k < (few ? 1 : flanks[f].frictions); k++)
+        for (int k = 0; k < (few ? 1 : flanks[f].frictions); k++) {
             add_rows(v, &flanks[f], friction[k]);
+            if (!few && k < 2)
+                add_second(v, &flanks[f], friction[k]);
+        }
         free_flank(&flanks[f]);
     }
 }
