@@ -32,7 +32,7 @@ struct floor floor_facets(const drape_obstacle *obstacle);
 /* One step as in Baraff–Witkin's: the new velocity moves the point, and the
  * floor's impulse is along its normal, with friction by Coulomb's law. The
  * point ends `gap` over the floor, or higher where the floor need not push.
- * False: nothing is near, or no impulse is found. */
+ * False: nothing is near, or on a smooth surface no impulse is found. */
 bool point_step(const struct floor *f, struct point *p, double friction,
                 double dt, double gap);
 

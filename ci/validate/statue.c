@@ -165,8 +165,7 @@ static bool advance_point(const struct ride *r, struct slide *t)
     return good;
 }
 
-/* Step k of sheet and points; false: one of them fails, or leaves the ground.
- */
+/* Step k of sheet and point; false: one of them fails, or leaves the ground. */
 static bool advance(const struct ride *r, struct slide *t, int k,
                     double middle[3])
 {
