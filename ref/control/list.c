@@ -27,17 +27,20 @@ static int make_room(struct world *w, int64_t n)
 {
     struct list *l = &w->list;
     bool good = true;
-    if (!l->weight)
-        l->weight = take(w, w->nc, sizeof *l->weight);
+    if (!l->at)
+        l->at = take(w, w->nc, sizeof *l->at);
+    if (!l->g)
+        l->g = take(w, w->nc, sizeof *l->g);
     if (!l->body)
         l->body = take(w, bodies_of(w), sizeof *l->body);
-    if (w->home != w && !l->g)
-        l->g = take(w, w->nc, sizeof *l->g);
+    if (w->home != w && !l->given)
+        l->given = take(w, w->nc, sizeof *l->given);
     if (w->home != w && !l->hold)
         l->hold = take(w, w->nv, sizeof *l->hold);
     if (w->home != w && !l->dv)
         l->dv = take(w, w->nv, sizeof *l->dv);
-    good = l->weight && l->body && (w->home == w || (l->g && l->hold && l->dv));
+    good = l->at && l->g && l->body &&
+           (w->home == w || (l->given && l->hold && l->dv));
     if (good && n > l->cap) {
         void *item = l->item, *raw = l->raw, *share = l->share;
         good = grow(w, &item, n, sizeof *l->item);
@@ -55,7 +58,7 @@ static int make_room(struct world *w, int64_t n)
 struct left {
     int64_t n;
     struct contact *contact; /* [n] */
-    const vec *g;            /* [nc] N·s */
+    const vec *g;            /* [nc] N·s, of vertices */
     const vec *dv;           /* [nv] m/s, of a solve after that */
     struct penalty penalty;  /* what penalty_load reads */
 };
@@ -68,24 +71,37 @@ static bool is_of_solve(const struct world *w)
            c->joint.outcome != PCG_BREAKDOWN;
 }
 
+/* What the last slice's vertices got of their contacts. */
+static void find_got(const struct world *w, const vec *g, const vec *r)
+{
+    for (int64_t i = 0; i < w->nc; i++)
+        w->list.g[i] = vec_add(g[i], r[i]);
+}
+
 static int bring(struct world *w, struct left *s)
 {
     struct list *l = &w->list;
     const struct response *c = &w->response;
+    const struct couple *of = &w->couple;
+    size_t cloth = (size_t)w->nc * sizeof(vec), all = (size_t)w->nv;
     s->contact = c->contact[c->side].data;
-    s->g = w->couple.given;
-    s->dv = w->couple.joint.dv;
-    s->penalty = w->couple.penalty;
-    if (w->home == w)
-        return DRAPE_OK;
-    w->run->fetch(w->on, l->dv, s->dv, (size_t)w->nv * sizeof *l->dv);
-    w->run->fetch(w->on, l->hold, s->penalty.hold,
-                  (size_t)w->nv * sizeof *l->hold);
-    w->run->fetch(w->on, l->raw, s->contact, (size_t)s->n * sizeof *l->raw);
-    w->run->fetch(w->on, l->g, s->g, (size_t)w->nc * sizeof *l->g);
-    s->contact = l->raw;
     s->g = l->g;
+    s->dv = of->joint.dv;
+    s->penalty = of->penalty;
+    if (w->home == w) {
+        find_got(w, of->g, of->joint.r);
+        return DRAPE_OK;
+    }
+    w->run->fetch(w->on, l->g, of->g, cloth);
+    w->run->fetch(w->on, l->given, of->joint.r, cloth);
+    find_got(w, l->g, l->given);
+    w->run->fetch(w->on, l->given, of->given, cloth);
+    w->run->fetch(w->on, l->dv, s->dv, all * sizeof *l->dv);
+    w->run->fetch(w->on, l->hold, s->penalty.hold, all * sizeof *l->hold);
+    w->run->fetch(w->on, l->raw, s->contact, (size_t)s->n * sizeof *l->raw);
+    s->contact = l->raw;
     s->dv = l->dv;
+    s->penalty.g = l->given;
     s->penalty.hold = l->hold;
     s->penalty.w = w->home->w;
     return w->run->status(w->on);
@@ -102,19 +118,6 @@ static int split(const struct contact *c)
     return c->kind == CONTACT_VF ? 1 : 2;
 }
 
-/* §8.2: the sum of |c| at each free vertex over its held contacts. */
-static void sum_weights(struct world *w, const struct left *s)
-{
-    double *weight = w->list.weight;
-    memset(weight, 0, (size_t)w->nc * sizeof *weight);
-    for (int64_t k = 0; k < s->n; k++)
-        for (int j = 0; j < 4 && s->contact[k].held; j++) {
-            int32_t i = s->contact[k].v[j];
-            if (is_free(w, i))
-                weight[i] += fabs((double)s->contact[k].c[j]);
-        }
-}
-
 static void add(double to[3], double a, vec b)
 {
     to[0] += a * (double)b.x;
@@ -122,24 +125,73 @@ static void add(double to[3], double a, vec b)
     to[2] += a * (double)b.z;
 }
 
-/* §8.2: what the solve gave the vertices of contact c, as an impulse on A. */
-static void share(const struct world *w, const struct left *s,
-                  const struct contact *c, double impulse[3])
+/* §8.2: what contact k bears of its vertices, N·s along its own push. */
+static void find_loads(struct left *s, int64_t k, real load[4])
 {
-    double side[2][3] = {{0}};
-    bool is[2] = {false, false};
-    for (int j = 0; j < 4 && c->held; j++) {
-        int32_t i = c->v[j];
-        int b = j >= split(c);
-        double a = fabs((double)c->c[j]);
-        if (!is_free(w, i) || a == 0)
-            continue;
-        is[b] = true;
-        add(side[b], (b ? -a : a) / w->list.weight[i], s->g[i]);
+    memset(load, 0, 4 * sizeof *load);
+    if (s->contact[k].held)
+        penalty_load(&s->penalty, k, load);
+    for (int j = 0; j < 4; j++)
+        load[j] = real_max(load[j], 0);
+}
+
+/* §8.2: the sums of a vertex over its held contacts, and what it got beside
+ * their loads. */
+static void sum_vertices(struct world *w, struct left *s)
+{
+    struct list_vertex *at = w->list.at;
+    memset(at, 0, (size_t)w->nc * sizeof *at);
+    for (int64_t i = 0; i < w->nc; i++)
+        add(at[i].rest, 1, s->g[i]);
+    for (int64_t k = 0; k < s->n; k++) {
+        const struct contact *c = &s->contact[k];
+        real load[4];
+        find_loads(s, k, load);
+        for (int j = 0; j < 4 && c->held; j++) {
+            struct list_vertex *v = &at[c->v[j]];
+            if (!is_free(w, c->v[j]))
+                continue;
+            v->weight += fabs((double)c->c[j]);
+            v->grip += (double)(c->friction * load[j]);
+            add(v->rest, c->c[j] < 0 ? load[j] : -load[j], c->n);
+        }
     }
-    double part = is[0] && is[1] ? 0.5 : 1;
+}
+
+/* §8.2: the part of contact k in what its vertex j got beside loads. */
+static double part_of(const struct list_vertex *v, const struct contact *c,
+                      int j, real load)
+{
+    return v->grip > 0 ? (double)(c->friction * load) / v->grip
+                       : fabs((double)c->c[j]) / v->weight;
+}
+
+/* §8.2: contact k's share of what its vertices got, as an impulse on A: its
+ * loads, and its part of the rest, or of what of it is across n. */
+static void share(const struct world *w, struct left *s, int64_t k, bool across,
+                  double impulse[3])
+{
+    const struct contact *c = &s->contact[k];
+    double n[3] = {0}, side[2][3] = {{0}}, along = 0;
+    bool is[2] = {false, false};
+    real load[4];
+    find_loads(s, k, load);
+    add(n, 1, c->n);
+    for (int j = 0; j < 4 && c->held; j++) {
+        const struct list_vertex *v = &w->list.at[c->v[j]];
+        int b = j >= split(c);
+        if (!is_free(w, c->v[j]) || c->c[j] == 0)
+            continue;
+        double part = (b ? -1 : 1) * part_of(v, c, j, load[j]);
+        along = n[0] * v->rest[0] + n[1] * v->rest[1] + n[2] * v->rest[2];
+        is[b] = true;
+        add(side[b], (double)load[j], c->n);
+        for (int i = 0; i < 3; i++)
+            side[b][i] += part * (v->rest[i] - (across ? along * n[i] : 0));
+    }
+    double half = is[0] && is[1] ? 0.5 : 1;
     for (int i = 0; i < 3; i++)
-        impulse[i] = part * (side[0][i] + side[1][i]);
+        impulse[i] = half * (side[0][i] + side[1][i]);
 }
 
 /* §8.2: the friction of contact k by what the solve left. */
@@ -152,14 +204,14 @@ static vec rub(const struct world *w, const struct left *s,
     return w->couple.calm ? c->tangent : vec_axpy(c->tangent, -across, d);
 }
 
-/* §8.2: the impulse on A of contact k. */
+/* §8.2: the impulse on A of contact k: its load and its friction. */
 static void press(const struct world *w, struct left *s, int64_t k,
                   double impulse[3])
 {
     const struct contact *c = &s->contact[k];
-    real load[4];
+    real load[4] = {0, 0, 0, 0};
     if (!is_of_solve(w)) {
-        share(w, s, c, impulse);
+        share(w, s, k, true, impulse);
     } else if (c->held) {
         add(impulse, (double)penalty_load(&s->penalty, k, load), c->n);
         add(impulse, 1, rub(w, s, c));
@@ -197,7 +249,7 @@ static void fill(const struct world *w, struct left *s, int64_t k)
 
 /* §8.3: what each body got: a cloth by what its vertices got, an obstacle by
  * the contacts. */
-static void sum(struct world *w, const struct left *s)
+static void sum(struct world *w, struct left *s)
 {
     double(*body)[3] = w->list.body;
     const uint16_t *of = w->home->body;
@@ -212,7 +264,7 @@ static void sum(struct world *w, const struct left *s)
             if (is_free(w, c->v[j]))
                 add(body[of[c->v[j]]], (double)c->c[j], pushed(w, c));
         double got[3] = {0, 0, 0};
-        share(w, s, c, got);
+        share(w, s, k, false, got);
         add(got, 1, pushed(w, c));
         for (int b = 0; b < 2; b++)
             for (int i = 0; i < 3 && a->body[b] >= w->def.n_cloths; i++)
@@ -256,9 +308,8 @@ int list_contacts(struct world *w, bool there, drape_contact_list *list)
         status = bring(w, &s);
         if (status == DRAPE_OK) {
             s.penalty.contact = s.contact;
-            s.penalty.g = s.g;
             s.penalty.share = w->list.share;
-            sum_weights(w, &s);
+            sum_vertices(w, &s);
         }
         for (int64_t k = 0; k < s.n && status == DRAPE_OK; k++)
             fill(w, &s, k);

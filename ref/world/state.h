@@ -61,6 +61,12 @@ struct start {
     enum nearness near;
 };
 
+/* Of a vertex, over its held contacts. spec/control/control.md §8.2 */
+struct list_vertex {
+    double weight, grip; /* the sums of |c|, and of friction's limits, N·s */
+    double rest[3];      /* N·s, what it got beside their loads */
+};
+
 /* The list of contacts that the caller asks for. All but the last three lie on
  * the host; all are NULL until they are needed. spec/control/control.md §8 */
 struct list {
@@ -68,13 +74,14 @@ struct list {
     drape_contact *item; /* [cap] */
     struct contact *raw; /* [cap] of a device */
     int64_t cap;
-    vec *g;               /* [nc] of a device */
-    sym *hold;            /* [nv] of a device */
-    vec *dv;              /* [nv] of a device */
-    real *share;          /* [cap] */
-    double *weight;       /* [nc] */
-    double (*body)[3];    /* [bodies] N·s */
-    drape_contact *there; /* [cap_there] in the memory of a device */
+    vec *g;                 /* [nc] N·s, what vertices got */
+    vec *given;             /* [nc] of a device */
+    sym *hold;              /* [nv] of a device */
+    vec *dv;                /* [nv] of a device */
+    real *share;            /* [cap] */
+    struct list_vertex *at; /* [nc] */
+    double (*body)[3];      /* [bodies] N·s */
+    drape_contact *there;   /* [cap_there] in the memory of a device */
     int64_t cap_there;
     double (*body_there)[3];
 };

@@ -51,9 +51,7 @@ static const char *check_contact(const drape_contact *c, int64_t nv)
 }
 
 /* §8.3: the momentum that the sheet gained beside gravity's; the slab got the
- * opposite, which is the sum of the pairs where all normals are one, but for
- * friction that was cut and left: the tolerance of what contacts push before
- * they yield, here up to 20 times as much as they give. */
+ * opposite, which is the sum of the pairs where all normals are one. */
 static const char *check_step(const struct slab *d, drape_world *world,
                               const double (*v0)[3], const double (*v1)[3],
                               double *most, int *flats)
@@ -83,8 +81,7 @@ static const char *check_step(const struct slab *d, drape_world *world,
     }
     double scale = weight * 9.81 * d->def.dt;
     EXPECT(size(off) <= 2e-3 * scale + 1e-4 * size(l.impulse[0]));
-    double left = 1e-5 + 20 * d->def.tolerance;
-    EXPECT(!flat || size(on) <= left * (scale + size(l.impulse[0])));
+    EXPECT(!flat || size(on) <= 1e-5 * (scale + size(l.impulse[0])));
     EXPECT(size(both) <= 1e-5 * (scale + size(l.impulse[0])));
     *flats += flat && l.n > 0;
     *most = l.impulse[0][1] / scale > *most ? l.impulse[0][1] / scale : *most;
