@@ -148,9 +148,9 @@ static void sum_vertices(struct world *w, struct left *s)
         real load[4];
         find_loads(s, k, load);
         for (int j = 0; j < 4 && c->held; j++) {
-            struct list_vertex *v = &at[c->v[j]];
             if (!is_free(w, c->v[j]))
                 continue;
+            struct list_vertex *v = &at[c->v[j]];
             v->weight += fabs((double)c->c[j]);
             v->grip += (double)(c->friction * load[j]);
             add(v->rest, c->c[j] < 0 ? load[j] : -load[j], c->n);
@@ -178,10 +178,10 @@ static void share(const struct world *w, struct left *s, int64_t k, bool across,
     find_loads(s, k, load);
     add(n, 1, c->n);
     for (int j = 0; j < 4 && c->held; j++) {
-        const struct list_vertex *v = &w->list.at[c->v[j]];
         int b = j >= split(c);
         if (!is_free(w, c->v[j]) || c->c[j] == 0)
             continue;
+        const struct list_vertex *v = &w->list.at[c->v[j]];
         double part = (b ? -1 : 1) * part_of(v, c, j, load[j]);
         along = n[0] * v->rest[0] + n[1] * v->rest[1] + n[2] * v->rest[2];
         is[b] = true;

@@ -128,6 +128,7 @@ static void hold(struct world *w, int k)
     const struct sheet *c = &w->sheet[k];
     int64_t first = c->first, n = c->cloth.count;
     w->run->clear(w->on, w->w + first, (size_t)n * sizeof *w->w);
+    memset(w->home->w + first, 0, (size_t)n * sizeof *w->w);
     for (int t = 0; t < COUPLE_ENDS && w->solved; t++)
         w->run->clear(w->on, w->solved + t * w->nc + first,
                       (size_t)n * sizeof *w->solved);
