@@ -40,6 +40,27 @@ static const char *compare_checkpoints(drape_world *const world[2])
     return hash[0] == hash[1] ? NULL : "the checkpoints differ";
 }
 
+/* Compares the lists of contacts of both worlds, where they have one. */
+static const char *compare_lists(drape_world *const world[2])
+{
+    drape_contact_list l[2];
+    int status[2], bodies = drape_bodies(world[0], NULL);
+    for (int k = 0; k < 2; k++)
+        status[k] = drape_contacts(world[k], &l[k]);
+    if (status[0] != status[1])
+        return "the lists of contacts differ in status";
+    if (status[0] != DRAPE_OK)
+        return NULL;
+    if (l[0].n != l[1].n)
+        return "the lists of contacts differ in number";
+    if (l[0].n && memcmp(l[0].contact, l[1].contact,
+                         (size_t)l[0].n * sizeof *l[0].contact) != 0)
+        return "the lists of contacts differ";
+    bool same = !memcmp(l[0].impulse, l[1].impulse,
+                        (size_t)bodies * sizeof *l[0].impulse);
+    return same ? NULL : "the impulses of bodies differ";
+}
+
 /* Makes a step of both worlds and compares them. The stages of a step that
  * diverges are not compared: it may make a NaN, whose payload IEEE 754 leaves
  * open. */
@@ -68,7 +89,8 @@ static const char *step_both(drape_world *const world[2], struct notes notes[2],
     out->some |= r[0].outcome;
     out->all &= r[0].outcome;
     failed = compare_reports(r[0], r[1]);
-    return failed ? failed : compare_checkpoints(world);
+    failed = failed ? failed : compare_checkpoints(world);
+    return failed ? failed : compare_lists(world);
 }
 
 static const char *create_both(const drape_def *def, struct notes notes[2],
