@@ -77,8 +77,8 @@ def main(folder, frame):
             sums[bodies[1]][i] -= row["impulse_" + axis]
     most = max(abs(a) for body in told for a in body)
     assert most > 0
-    # what a cloth got is not the sum of its pairs alone: control.md §8.3; and where
-    # a vertex has contacts of several normals pairs need not add up: §8.2
+    # what a cloth got is not the sum of its pairs alone (control.md §8.3), and where
+    # a vertex has contacts of several normals pairs need not add up (control.md §8.2)
     for body, mine, his in zip(report["bodies"], sums, told):
         for a, b in zip(mine, his):
             assert body["kind"] == "cloth" or abs(a - b) <= 0.03 * most
