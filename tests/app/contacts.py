@@ -79,6 +79,7 @@ def main(folder, frame):
     assert most > 0
     # what a cloth got is not the sum of its pairs alone (control.md §8.3), and where
     # a vertex has contacts of several normals pairs need not add up (control.md §8.2)
+    assert all(abs(sum(axis)) <= 1e-12 * most for axis in zip(*told))
     for body, mine, his in zip(report["bodies"], sums, told):
         for a, b in zip(mine, his):
             assert body["kind"] == "cloth" or abs(a - b) <= 0.03 * most
