@@ -3,7 +3,7 @@
  * couples. spec/cloth/blocks.md */
 #include "gpu/base/thin.cuh"
 #include "gpu/cloth/cloth.cuh"
-#include "gpu/cloth/rate.h"
+#include "gpu/cloth/rate.cuh"
 
 extern "C" {
 #include "ref/cloth/blocks.h"
@@ -11,24 +11,38 @@ extern "C" {
 
 enum { SIX = sizeof(sym) / sizeof(real) };
 
-/* §1: the block c u uᵀ + b I, where c = a - b and u is the direction. */
+/* §1: the block f fᵀ + b I, f = √c u, where c = a - b and u is the direction.
+ */
 struct parts {
-    real b, c, inverse; /* 1 / |d| */
+    real b, c;
     vec u;
 };
 
+/* §8: the direction of a spring whose ends are d apart, l = |d|, half way
+ * through the predicted motion, in which they move apart by 2·way. */
+static __device__ vec direction(vec d, real l, vec way)
+{
+    real size = length(way), most = R(BLOCKS_TURN) * l;
+    if (size > most)
+        way = scale(most / size, way);
+    vec e = add(d, way);
+    real turned = length(e);
+    return turned > 0 ? scale(1 / turned, e) : scale(1 / l, d);
+}
+
+/* d: from the spring's start to its end; dq: the same of the predicted motion.
+ */
 static __device__ struct parts spring_parts(const struct blocks *s, int o,
-                                            vec d)
+                                            vec d, vec dq)
 {
     const struct law *law = &s->law[o];
     real l = length(d);
     if (!(l > 0))
-        return parts{0, 0, 0, make(0, 0, 0)};
+        return parts{0, 0, make(0, 0, 0)};
     real tau = s->tau, square = tau * tau;
     real a = tau * law->damp + square * spring_slope(law, s->piece, l);
     real b = square * max_of(spring_tension(law, s->piece, l) / l, R(0));
-    real inverse = 1 / l;
-    return parts{b, a - b, inverse, scale(inverse, d)};
+    return parts{b, a - b, direction(d, l, scale(R(0.5) * tau, dq))};
 }
 
 /* §7: the spring's share of its block, and that of the triples that have their
@@ -44,49 +58,51 @@ static __device__ struct parts with_triples(const struct blocks *s, int o,
     return a;
 }
 
+/* x, q: position and predicted motion of p. */
 static __device__ struct parts parts_of(const struct blocks *s, int o, int p,
-                                        vec here)
+                                        vec x, vec q)
 {
-    int q = p + forward_i(o) + forward_j(o) * s->m;
+    int end = p + forward_i(o) + forward_j(o) * s->m;
     if (s->triples && o >= SPRINGS_SINGLE) { /* of a triple, end to end */
         int single = o % SPRINGS_SINGLE;
         int at = p + forward_i(single) + forward_j(single) * s->m;
         real k = s->triple[CELL_MASKS * single + s->beside[at]];
-        return parts{-(s->tau * s->tau * k), 0, 0, make(0, 0, 0)};
+        return parts{-(s->tau * s->tau * k), 0, make(0, 0, 0)};
     }
-    struct parts a = spring_parts(s, o, sub(s->x[q], here));
-    return s->triples ? with_triples(s, o, a, p, q) : a;
+    vec moves = s->n_q ? sub(s->q[end], q) : make(0, 0, 0);
+    struct parts a = spring_parts(s, o, sub(s->x[end], x), moves);
+    return s->triples ? with_triples(s, o, a, p, end) : a;
 }
 
-static __device__ sym whole_block(const struct parts *s)
+static __device__ struct rate rate_of(const struct parts *s)
 {
-    vec u = s->u, w = scale(s->c, u);
-    return sym{w.x * u.x + s->b, w.x * u.y, w.x * u.z,
-               w.y * u.y + s->b, w.y * u.z, w.z * u.z + s->b};
+    return {s->b, scale(sqrt(max_of(s->c, R(0))), s->u)};
 }
 
 /* Thread t of block k owns particle 256 k + t: reads the particle and the far
  * ends of its forward springs. The thread block collects the blocks of one
  * direction in shared memory, so that the writes are coalesced. rate: NULL if
  * no rates are wanted. */
-KERNEL blocks_kernel(const struct blocks &a, int64_t pitch, struct rate *rate)
+KERNEL blocks_kernel(const struct blocks &a, struct rate *rate)
 {
     __shared__ sym s[GPU_BLOCK];
     int t = (int)threadIdx.x, base = (int)blockIdx.x * GPU_BLOCK, p = base + t;
     int n = (int)a.count - base;
     int reals = SIX * (n < GPU_BLOCK ? n : GPU_BLOCK);
     int mask = t < n ? a.springs[p] : 0;
-    vec here = t < n ? a.x[p] : make(0, 0, 0);
+    vec x = t < n ? a.x[p] : make(0, 0, 0);
+    vec q = t < n && a.n_q ? a.q[p] : make(0, 0, 0);
     UNROLL
     for (int o = 0; o < SPRINGS; o++) {
-        struct parts b = {0, 0, 0, make(0, 0, 0)};
+        struct parts b = {0, 0, make(0, 0, 0)};
         if (mask >> o & 1)
-            b = parts_of(&a, o, p, here);
-        s[t] = whole_block(&b);
+            b = parts_of(&a, o, p, x, q);
+        struct rate r = rate_of(&b);
+        s[t] = block_of(r);
         if (a.n_thin && t < n)
             a.thin[o * a.count + p] = thin_of(b.c, b.b, b.u);
         if (rate && t < n)
-            rate[o * pitch + p] = {b.b, b.c, b.inverse};
+            rate[o * a.count + p] = r;
         __syncthreads();
         real *to = (real *)(a.block + o * a.count + base);
         for (int r = t; r < reals; r += GPU_BLOCK)
@@ -99,8 +115,7 @@ int gpu_blocks_and_rates(struct gpu *g, const struct blocks *s,
                          struct rate *rate)
 {
     int64_t blocks = (s->count + GPU_BLOCK - 1) / GPU_BLOCK;
-    LAUNCH_BLOCKS(g, blocks, GPU_BLOCK, blocks_kernel, *s,
-                  RATES_PITCH(s->count), rate);
+    LAUNCH_BLOCKS(g, blocks, GPU_BLOCK, blocks_kernel, *s, rate);
     return gpu_status(g);
 }
 

@@ -117,7 +117,7 @@ static int go_solve(void *on)
     p->tolerance = d->asked;
     if (!g->together)
         gpu_clock_start(g);
-    int status = gpu_pcg_by_rates(g, p, rates{s->device->rate, d->at});
+    int status = gpu_pcg_by_rates(g, p, s->device->rate);
     if (!g->together) /* else it is the time of many */
         s->solver.seconds += gpu_clock_stop(g);
     d->iterations += p->iterations;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The rates of springs: a compact form of their blocks. With the positions,
- * rates give the same block to the last bit at half the bytes; for products
- * that are bound by memory. spec/cloth/blocks.md §6 */
+/* The rates of springs: a compact form of their blocks. They give the same
+ * block to the last bit at two thirds of the bytes; for products that are bound
+ * by memory. spec/cloth/blocks.md §6 */
 #ifndef GPU_RATE_H
 #define GPU_RATE_H
 
@@ -12,33 +12,20 @@ extern "C" {
 #include "gpu/run/gpu.h"
 #include "ref/base/real.h"
 
-/* The block along u uᵀ + across I of a spring from p to q, where u =
- * inverse·(x_q - x_p). */
+/* The block along alongᵀ + across I of a spring. */
 struct rate {
-    real across, along, inverse; /* kg, kg, 1/m */
-};
-
-/* Rates that the device copies at once. */
-enum { RATES_AT_ONCE = 4 };
-
-/* Rates from one direction to the next: count, rounded up to whole copies. */
-#define RATES_PITCH(count)                                                     \
-    (((count) + RATES_AT_ONCE - 1) / RATES_AT_ONCE * RATES_AT_ONCE)
-
-/* The rates of a system, in device memory. */
-struct rates {
-    const struct rate *of; /* spring o of p at o·pitch + p; NULL: none */
-    const vec *x;          /* [count] m, positions that the blocks are of */
+    real across; /* kg */
+    vec along;   /* √kg */
 };
 
 /* Whether a solve of this form reads rates on this device. */
 bool gpu_rates_help(const struct gpu *g, const struct pcg *s);
-/* As gpu_blocks; also writes rate [SPRINGS·pitch] in device memory, unless
- * NULL. */
+/* As gpu_blocks; also writes rate [SPRINGS·count] in device memory, spring o of
+ * p at o·count + p, unless NULL. */
 int gpu_blocks_and_rates(struct gpu *g, const struct blocks *s,
                          struct rate *rate);
-/* As gpu_pcg, to the same bits, but reads the rates r unless r.of is NULL. */
-int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, struct rates r);
+/* As gpu_pcg, to the same bits, but reads these rates unless NULL. */
+int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, const struct rate *rate);
 
 #ifdef __cplusplus
 }

@@ -14,9 +14,9 @@ extern "C" {
 
 /* One cloth in the joint solve. */
 struct joint_part {
-    struct pcg pcg;     /* its own system; block and thin are set */
-    struct rates rates; /* of its springs */
-    int64_t first;      /* its first particle */
+    struct pcg pcg;          /* its own system; block and thin are set */
+    const struct rate *rate; /* of its springs; NULL: read blocks */
+    int64_t first;           /* its first particle */
 };
 
 /* A contact of a vertex, and the vertex's weight in it. */

@@ -105,9 +105,9 @@ void gpu_pcg_search(struct gpu *g, const struct pcg *s, struct search a)
     if (s->n_cdf) {
         LAUNCH(g, s->count, pcg_direction_kernel, m, a.to, s->count);
         LAUNCH(g, s->count, pcg_product_kernel, y, cdf_of(s->m, s->n), e, go);
-    } else if (a.rates.of) {
-        edges<struct rate> t = {grid, s->mass, extra, NULL, a.rates.of};
-        sweep<SPRINGS>(g, t, grounded<struct mixed>{m, a.rates.x}, e, go);
+    } else if (a.rate) {
+        edges<struct rate> t = {grid, s->mass, extra, NULL, a.rate};
+        sweep<SPRINGS>(g, t, m, e, go);
     } else {
         edges<sym> t = {grid, s->mass, extra, NULL, s->block};
         product_of<SPRINGS>(g, t, m, e, go);

@@ -49,8 +49,8 @@ struct solve {
     struct linked *links;  /* device */
     int64_t nc, n_chunks;
     vec *r, *p[2], *q, *dv;
-    const vec *b, *at; /* at: the positions that rates are of */
-    const real *w;     /* [nv] 1/kg, 0: fixed */
+    const vec *b;
+    const real *w; /* [nv] 1/kg, 0: fixed */
     const sym *wall;
     real *item, *chunk;
     int32_t touch;   /* 1: there are contacts */
@@ -289,13 +289,13 @@ static int alike(const struct joint_system *w, int k)
 {
     const struct pcg *a = &w->part[k].pcg;
     int n = 1;
-    if (a->count > SMALL_CLOTH || a->n_cdf || w->part[k].rates.of)
+    if (a->count > SMALL_CLOTH || a->n_cdf || w->part[k].rate)
         return n;
     for (; k + n < w->n && n < MERGE_MOST; n++) {
         const struct pcg *b = &w->part[k + n].pcg;
-        if (a->m != b->m || a->n != b->n || b->n_cdf ||
-            w->part[k + n].rates.of || a->precond != b->precond ||
-            a->triples != b->triples || a->n_thin != b->n_thin)
+        if (a->m != b->m || a->n != b->n || b->n_cdf || w->part[k + n].rate ||
+            a->precond != b->precond || a->triples != b->triples ||
+            a->n_thin != b->n_thin)
             break;
     }
     return n;
@@ -371,7 +371,7 @@ static void search(const struct joint_system *w, const struct solve *a,
         p.extra = w->joint->wall + s->first;
         p.q = a->q + s->first;
         gpu_pcg_search(g, &p,
-                       {a->c, s->rates, from + s->first, to + s->first,
+                       {a->c, s->rate, from + s->first, to + s->first,
                         a->item + s->first});
         return (int)DRAPE_OK;
     });
@@ -531,7 +531,6 @@ static void write_solve(struct solve *a, const struct joint_system *w)
     a->recalls = s->last != NULL;
     a->weigh = s->weigh;
     a->epoch = s->epoch;
-    a->at = w->part[0].rates.x;
     a->w = w->w;
     a->wall = s->wall;
     a->item = s->item;

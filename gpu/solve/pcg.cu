@@ -25,7 +25,7 @@ static_assert(sizeof(struct pcg_state) <= GPU_WORDS * sizeof(int64_t), "words");
 static void search(struct gpu *g, struct pcg *s, struct pcg_state *c,
                    struct scratch scratch, const vec *p, vec *to)
 {
-    gpu_pcg_search(g, s, {c, scratch.rates, p, to, scratch.item});
+    gpu_pcg_search(g, s, {c, scratch.rate, p, to, scratch.item});
     LAUNCH_BLOCKS(g, item_blocks(s->count), SUM_CHUNK, pcg_sum_kernel, *s, c,
                   scratch, true);
 }
@@ -82,7 +82,7 @@ struct solve_key {
     struct pcg s;
     struct pcg_state *c;
     real *chunk;
-    struct rates rates;
+    const struct rate *rate;
 };
 
 static void write_key(struct solve_key *key, const struct pcg *s,
@@ -97,7 +97,7 @@ static void write_key(struct solve_key *key, const struct pcg *s,
     key->s.z = s->n_z ? s->z : NULL;
     key->c = c;
     key->chunk = scratch->chunk;
-    key->rates = scratch->rates;
+    key->rate = scratch->rate;
 }
 
 static struct pcg_state read_state(struct gpu *g)
@@ -158,7 +158,7 @@ static struct pcg_state solve(struct gpu *g, struct pcg *s,
 
 int gpu_pcg(struct gpu *g, struct pcg *s)
 {
-    return gpu_pcg_by_rates(g, s, rates{});
+    return gpu_pcg_by_rates(g, s, NULL);
 }
 
 /* Lays out scratch for sums and directions. With a compact matrix the next
@@ -189,7 +189,7 @@ static bool lay_out(struct gpu *g, const struct pcg *s, struct scratch *scratch)
     return true;
 }
 
-int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, struct rates r)
+int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, const struct rate *rate)
 {
     int status = pcg_open(s);
     if (status != DRAPE_OK)
@@ -200,8 +200,7 @@ int gpu_pcg_by_rates(struct gpu *g, struct pcg *s, struct rates r)
     c.from = s->scale; /* the result if there is nothing to solve */
     c.most = s->square;
     struct scratch scratch = {};
-    if (r.of)
-        scratch.rates = r;
+    scratch.rate = rate;
     if (s->count > 0 && lay_out(g, s, &scratch)) {
         c = solve(g, s, scratch, &status);
     } else {

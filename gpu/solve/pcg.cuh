@@ -206,7 +206,7 @@ int gpu_pcg_compare(struct gpu *g, struct pcg *s);
  * to, and item[k] = to[k]·q[k]. The kernels do nothing if c->go is 0. */
 struct search {
     struct pcg_state *c;
-    struct rates rates;
+    const struct rate *rate; /* the matrix, unless NULL */
     const vec *p;
     vec *to;
     real *item;

@@ -15,10 +15,10 @@ struct scratch {
     real *chunk; /* [2·n_chunks] */
     real *item;  /* [count] */
     bool jacobi; /* M is Jacobi's, from the start or since multigrid gave up */
-    struct opening opening; /* multigrid's first smoothing, if !jacobi */
-    struct rates rates;     /* the matrix, if rates.of is not NULL */
-    int ring;               /* streams of directions: 1, 2 or RING */
-    vec *p[RING];           /* [count] each; directions take turns */
+    struct opening opening;  /* multigrid's first smoothing, if !jacobi */
+    const struct rate *rate; /* the matrix, unless NULL */
+    int ring;                /* streams of directions: 1, 2 or RING */
+    vec *p[RING];            /* [count] each; directions take turns */
 };
 
 /* Block k of these kernels owns chunk k of the particles, a thread each

@@ -24,7 +24,7 @@ KERNEL sweep_kernel(const struct edges<B> &t, const struct cut &c, const X &x,
                     const END &end, const int32_t *go)
 {
     typedef sweep_size<EDGES, B> size;
-    __shared__ typename size::spot row[X_ROWS][size::threads];
+    __shared__ vec row[X_ROWS][size::threads];
     __shared__ vec passed[2][size::passed][size::threads];
     __shared__ struct staging<EDGES, B> stage;
     struct sweeper<EDGES, B> w = {
@@ -56,7 +56,7 @@ KERNEL sweep_kernel(const struct edges<B> &t, const struct cut &c, const X &x,
      * unless that takes too many registers. */
     decltype(take(&x, place_in(&w, 0))) come = {};
     constexpr bool EARLY = SWEEP_AHEAD && (!size::slim || sizeof come <= 32);
-    typename size::spot next = {};
+    vec next = {};
     if (EARLY)
         come = take(&x, place_in(&w, w.j + X_ROWS - 1));
     else if (!SWEEP_AHEAD)

@@ -18,21 +18,19 @@ enum { REACH = 2, SWEEP_LEAST = 1 << 17, SWEEP_WIDE = 96, SWEEP_UNITS = 132 };
 enum { REACH = 2, SWEEP_LEAST = 256, SWEEP_WIDE = 2, SWEEP_UNITS = 2 };
 #endif
 
-/* How a thread keeps its particle (spot) and edges. Edges' blocks are kept in
+/* How a thread keeps its edges. Their blocks are kept in
  * registers; rates in binary32 are staged, that is, kept as STAGES rows in
  * shared memory, since they take longer to use. at_once, limit: how many blocks
  * of at most how many threads run on a multiprocessor. They are so few that
  * each thread has registers to read ahead. */
 enum { STAGES = 2 };
 template <class B> struct carried {
-    typedef vec spot;
     static constexpr bool staged = false;
     static constexpr bool slim = REAL_BITS == 32 && sizeof(B) < sizeof(sym);
     static constexpr int at_once = slim ? 4 : 2, limit = slim ? 128 : 192;
 };
 
 template <> struct carried<struct rate> {
-    typedef struct footing spot;
     static constexpr bool staged = REAL_BITS == 32, slim = false;
     static constexpr int at_once = staged ? 5 : 4, limit = staged ? 96 : 128;
 };
@@ -42,16 +40,15 @@ template <> struct carried<struct rate> {
  * column, and the staged edges. */
 enum { X_ROWS = 4 };
 template <int EDGES, class B> struct sweep_size : carried<B> {
-    typedef typename carried<B>::spot spot;
     static constexpr bool staged = carried<B>::staged;
     static constexpr int limit = carried<B>::limit;
     static constexpr int passed = EDGES == SPRINGS ? 6 : 10;
     static constexpr int bytes = 2 * passed * (int)sizeof(vec) +
-                                 X_ROWS * (int)sizeof(spot) +
+                                 X_ROWS * (int)sizeof(vec) +
                                  (staged ? STAGES * EDGES * (int)sizeof(B) : 0);
     static constexpr int fit = 49152 / bytes / 64 * 64;
     static constexpr int threads = staged || fit > limit ? limit : fit;
-    static constexpr int pitch = staged ? threads + RATES_AT_ONCE : 1;
+    static constexpr int pitch = staged ? threads : 1;
 };
 
 /* The staged edges of the current and the next row: row j is in stage j %
@@ -143,16 +140,8 @@ static __device__ inline void fetch_row(struct sweeper<EDGES, B> *w,
     w->wanted = w->out & rows(w, j);
     UNROLL
     for (int o = 0; o < EDGES && !sweep_size<EDGES, B>::staged; o++)
-        w->block[o] = fetch_once(block + o * stride_of<B>(w->g) +
+        w->block[o] = fetch_once(block + (int64_t)o * w->g.m * w->g.n +
                                  (w->wanted >> o & 1 ? p : 0));
-}
-
-/* Returns the offset of column `low` of row j in its stage, since copies begin
- * at multiples of 16 bytes. */
-template <int EDGES, class B>
-static __device__ inline int skipped(const struct sweeper<EDGES, B> *w, int j)
-{
-    return (int)((unsigned)(w->low + w->g.m * j) % RATES_AT_ONCE);
 }
 
 /* Starts the copies of the staged edges of row j: thread o copies edge o, or
@@ -162,16 +151,13 @@ static __device__ inline void ask_row(const struct sweeper<EDGES, B> *w,
                                       const B *block,
                                       struct staging<EDGES, B> *s, int j)
 {
-    int o = w->lane, skip = skipped(w, j), stage = j % STAGES;
+    int o = w->lane, stage = j % STAGES;
     if (o >= EDGES)
         return;
-    const B *from =
-        block + o * stride_of<B>(w->g) + ((int64_t)w->g.m * j + w->low - skip);
-    int n = (skip + w->end - w->low + RATES_AT_ONCE - 1) / RATES_AT_ONCE *
-            RATES_AT_ONCE;
+    const B *from = block + ((int64_t)o * w->g.n + j) * w->g.m + w->low;
     bool wanted = j + toward_j<EDGES>(o) >= w->top;
     bulk_ask(&s->row[stage], s->edge[stage][o], from,
-             wanted ? n * (int)sizeof(B) : 0);
+             wanted ? (w->end - w->low) * (int)sizeof(B) : 0);
 }
 
 /* Returns the particle of this column in row j, or a nearby one if there is
@@ -186,16 +172,16 @@ place_in(const struct sweeper<EDGES, B> *w, int j)
 }
 
 /* Computes the pulls B (x_p - x_q) of all edges that start in row j. */
-template <int EDGES, class B, class SPOT, int THREADS>
+template <int EDGES, class B, int THREADS>
 static __device__ inline void
 pull_row(struct sweeper<EDGES, B> *w, const struct staging<EDGES, B> *s,
-         const SPOT (*x)[THREADS], vec (*passed)[THREADS])
+         const vec (*x)[THREADS], vec (*passed)[THREADS])
 {
     constexpr bool staged = sweep_size<EDGES, B>::staged;
-    SPOT here = x[w->j % X_ROWS][w->lane];
+    vec here = x[w->j % X_ROWS][w->lane];
     int column = max_of(min_of(w->i, w->end - 1), w->low) - w->low;
-    int at = staged ? skipped(w, w->j) + column : 0;
-    w->here = x_of(here);
+    int at = staged ? column : 0;
+    w->here = here;
     UNROLL
     for (int o = 0; o < EDGES; o++) {
         int di = toward_i<EDGES>(o), dj = toward_j<EDGES>(o);

@@ -105,8 +105,7 @@ void gpu_sheet_make(struct gpu *g, const struct sheet *h,
     if (p->n_thin)
         GPU_TAKE_COPY(g, m->thin, ARENA_SOLVER, NULL, p->n_thin);
     if (gpu_rates_help(g, p))
-        GPU_TAKE_COPY(g, more->rate, ARENA_SOLVER, NULL,
-                      SPRINGS * RATES_PITCH(c->count));
+        GPU_TAKE_COPY(g, more->rate, ARENA_SOLVER, NULL, SPRINGS * c->count);
     p->mass = c->mass;
     p->fixed = c->fixed;
     take_solver(g, s, vecs);

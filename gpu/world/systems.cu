@@ -31,7 +31,7 @@ int gpu_systems_joint(struct world *w, struct joint *s)
         p->pcg = a->solver.pcg;
         p->pcg.block = a->dynamics.block;
         p->pcg.thin = a->dynamics.thin;
-        p->rates = {a->device->rate, a->device->rate ? a->dynamics.at : NULL};
+        p->rate = a->device->rate;
         p->first = a->first;
     }
     const struct joint_system all = {.gpu = d->gpu,

@@ -6,14 +6,33 @@
 #include "ref/cloth/law.h"
 #include "ref/cloth/triple.h"
 
-/* §1: the block c u uᵀ + b I, where c = a − b and u is the direction. */
+/* §1: the block f fᵀ + b I, f = √c u, where c = a − b and u is the direction.
+ */
 struct parts {
     real b, c;
     vec u;
 };
 
-static struct parts spring_parts(const struct blocks *s, int o, vec d)
+/* §8: the direction of the spring from p to q, d apart and of this length, half
+ * way through the predicted motion. */
+static vec direction(const struct blocks *s, int64_t p, int64_t q, vec d,
+                     real length)
 {
+    vec way = vec_make(0, 0, 0);
+    if (s->n_q)
+        way = vec_scale(R(0.5) * s->tau, vec_sub(s->q[q], s->q[p]));
+    real size = vec_length(way), most = R(BLOCKS_TURN) * length;
+    if (size > most)
+        way = vec_scale(most / size, way);
+    vec e = vec_add(d, way);
+    real turned = vec_length(e);
+    return turned > 0 ? vec_scale(1 / turned, e) : vec_scale(1 / length, d);
+}
+
+static struct parts spring_parts(const struct blocks *s, int o, int64_t p,
+                                 int64_t q)
+{
+    vec d = vec_sub(s->x[q], s->x[p]);
     const struct law *law = &s->law[o];
     struct parts b = {0, 0, {0, 0, 0}};
     real length = vec_length(d), tau = s->tau;
@@ -23,7 +42,7 @@ static struct parts spring_parts(const struct blocks *s, int o, vec d)
     real a = tau * law->damp + square * law_slope(law, s->piece, length);
     b.b = square * real_max(law_tension(law, s->piece, length) / length, 0);
     b.c = a - b.b;
-    b.u = vec_scale(1 / length, d);
+    b.u = direction(s, p, q, d, length);
     return b;
 }
 
@@ -58,16 +77,15 @@ static struct parts parts_of(const struct blocks *s, int o, int64_t p)
         return none;
     if (s->triples && o >= SPRINGS_SINGLE)
         return end_to_end(s, o - SPRINGS_SINGLE, p);
-    vec d = vec_sub(s->x[p + spring_step(s->m, o)], s->x[p]);
-    struct parts a = spring_parts(s, o, d);
+    struct parts a = spring_parts(s, o, p, p + spring_step(s->m, o));
     return s->triples ? with_triples(s, o, p, a) : a;
 }
 
 static sym whole_block(const struct parts *s)
 {
-    vec u = s->u, w = vec_scale(s->c, u);
-    return (sym){w.x * u.x + s->b, w.x * u.y, w.x * u.z,
-                 w.y * u.y + s->b, w.y * u.z, w.z * u.z + s->b};
+    vec f = vec_scale(real_sqrt(real_max(s->c, 0)), s->u);
+    return (sym){f.x * f.x + s->b, f.x * f.y, f.x * f.z,
+                 f.y * f.y + s->b, f.y * f.z, f.z * f.z + s->b};
 }
 
 int ref_blocks(struct blocks *s)

@@ -7,6 +7,9 @@
 #include "ref/base/thin.h"
 #include "ref/cloth/cloth.h"
 
+/* §8: half of the largest turn that a spring is followed through, rad. */
+#define BLOCKS_TURN 0.025
+
 struct blocks {
     int64_t count;             /* particles */
     int32_t m;                 /* particles along i */
@@ -20,6 +23,8 @@ struct blocks {
     int64_t n_beside;          /* count, or 0 likewise */
     const uint8_t *beside;     /* [n_beside] bits of the cells about p */
     const vec *x;              /* [count] m */
+    int64_t n_q;               /* count, or 0: directions are those at x */
+    const vec *q;              /* [n_q] m/s, the motion predicted for tau */
     real tau;                  /* s, > 0 */
     sym *block; /* out: [SPRINGS·count] kg, spring o of p at o·count + p */
     int64_t n_thin;    /* SPRINGS·count, or 0: no thin blocks */

@@ -68,7 +68,14 @@ static void springs(struct motion *a, const vec *x, const vec *damping)
     a->run->trace(a->on, "springs", f.force, bytes_of(a));
 }
 
-/* The matrix at s->at. */
+/* The motion that the step predicts: q of implicit.md §1. */
+static const vec *predicted(const struct motion *a)
+{
+    return a->past ? a->s->q : a->s->star;
+}
+
+/* The matrix at s->at; where one system is all, in the directions of half way
+ * (blocks.md §8). */
 static void blocks(struct motion *a)
 {
     struct dynamics *s = a->s;
@@ -85,6 +92,8 @@ static void blocks(struct motion *a)
                        .n_beside = c->triples ? c->count : 0,
                        .beside = c->beside,
                        .x = s->at,
+                       .n_q = s->kept ? 0 : c->count,
+                       .q = predicted(a),
                        .tau = a->tau,
                        .block = s->block,
                        .n_thin = s->thin ? SPRINGS * c->count : 0,
@@ -108,7 +117,7 @@ static void rhs(struct motion *a)
                     .force = s->force,
                     .n_press = s->press ? c->count : 0,
                     .press = s->press,
-                    .q = a->past ? s->q : s->star,
+                    .q = predicted(a),
                     .tau = a->tau,
                     .b = s->b};
     note(a, a->run->rhs(a->on, &r));

@@ -56,12 +56,12 @@ static struct pcg on_device(struct gpu *g, const struct pcg *s)
 
 /* Makes the rates of a's springs on the device, if a solve there reads rates in
  * place of blocks; else returns none. */
-static struct rates rates_of(struct gpu *g, const struct system *a,
-                             const struct pcg *d)
+static const struct rate *rates_of(struct gpu *g, const struct system *a,
+                                   const struct pcg *d)
 {
     struct blocks b = blocks_of(a);
     if (!gpu_rates_help(g, d))
-        return (struct rates){NULL, NULL};
+        return NULL;
     b.law = put(g, b.law, SPRINGS, sizeof *b.law);
     b.piece = put(g, b.piece, b.pieces, sizeof *b.piece);
     b.springs = put(g, b.springs, a->count, sizeof *b.springs);
@@ -70,10 +70,9 @@ static struct rates rates_of(struct gpu *g, const struct system *a,
     b.x = put(g, a->x, a->count, sizeof *a->x);
     b.block = put(g, NULL, SPRINGS * a->count, sizeof *b.block);
     b.n_thin = 0;
-    struct rate *rate =
-        put(g, NULL, SPRINGS * RATES_PITCH(a->count), sizeof *rate);
+    struct rate *rate = put(g, NULL, SPRINGS * a->count, sizeof *rate);
     gpu_blocks_and_rates(g, &b, rate);
-    return (struct rates){rate, b.x};
+    return rate;
 }
 
 static bool same_result(struct gpu *g, const struct pcg *s, const struct pcg *d)
@@ -110,7 +109,7 @@ static void open_both(struct gpu *g, int32_t n, int trim, int precond,
 }
 
 /* Returns the shortest time, s, of RUNS solves. */
-static double timed(struct gpu *g, struct pcg *d, struct rates r)
+static double timed(struct gpu *g, struct pcg *d, const struct rate *r)
 {
     double least = HUGE_VAL;
     for (int k = 0; k < RUNS; k++) {
@@ -125,7 +124,7 @@ static double timed(struct gpu *g, struct pcg *d, struct rates r)
 /* Prints the rest of a line: the reference's time an iteration, and whether
  * both results have the same bits. */
 static void compare_bits(struct gpu *g, struct pcg *s, struct pcg *d,
-                         struct rates r)
+                         const struct rate *r)
 {
     s->max_iterations = s->precond == DRAPE_JACOBI ? SHORT : d->max_iterations;
     d->max_iterations = s->max_iterations;
@@ -152,7 +151,7 @@ static void bench_one(int32_t n, int precond, int solver)
     }
     open_both(g, n, TRIM_NONE, precond, 0, &a, &s, &d);
     d.solver = solver;
-    struct rates r = rates_of(g, &a, &d);
+    const struct rate *r = rates_of(g, &a, &d);
     double set_up = timed(g, &d, r);
     d.max_iterations = 5000;
     double all = timed(g, &d, r);
@@ -196,8 +195,8 @@ static bool agree(struct gpu *g, int32_t n, int trim, int precond)
     struct system a;
     struct pcg s, d;
     open_both(g, n, trim, precond, SHORT, &a, &s, &d);
-    struct rates r = rates_of(g, &a, &d);
-    bool rated = r.of || gpu_device(g) >= 0 || precond != DRAPE_JACOBI;
+    const struct rate *r = rates_of(g, &a, &d);
+    bool rated = r || gpu_device(g) >= 0 || precond != DRAPE_JACOBI;
     bool good =
         rated && ref_pcg(&s) == gpu_pcg(g, &d) && same_result(g, &s, &d) &&
         gpu_pcg_by_rates(g, &d, r) == DRAPE_OK && same_result(g, &s, &d);

@@ -218,8 +218,8 @@ const char *test_world_cut(void)
 static void make_burst(struct slab *d, drape_cloth cloth[2], bool apart)
 {
     static const drape_pin pin[2] = {{0, 0, 0}, {2, 2, -1}};
-    static const double times[2] = {0, 1}, up[2][3] = {{0}, {0.2, 0.1, 0}},
-                        down[2][3] = {{0}, {0.2, -0.3, 0}};
+    static const double times[2] = {0, 1}, up[2][3] = {{0}, {0.2, 0.02, 0}},
+                        down[2][3] = {{0}, {0, -0.3, 0}};
     slab_make(d, DRAPE_BW);
     d->def.n_obstacles = 0;
     d->def.max_slices = 2;
@@ -269,7 +269,8 @@ static const char *check_burst(int integrator, bool apart, int *burst)
         EXPECT(!memcmp(&r[0], &r[1], sizeof r[0]));
         EXPECT(checkpoint_hash(world[1]) == after);
         EXPECT((before == after) == stays);
-        EXPECT(!stays || r[0].work.tries > 1);
+        /* after a bad step slices are as short as they may be at once */
+        EXPECT(!stays || step > 0 || r[0].work.tries > 1);
         EXPECT(!stays || !(r[0].outcome & DRAPE_PASSED));
         EXPECT(!(r[0].outcome & DRAPE_TRAPPED) == !r[0].intersecting);
         *burst += stays && r[0].contacts > 0;

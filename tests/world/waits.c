@@ -99,7 +99,7 @@ static const char *run(double friction, struct seen *seen)
 const char *test_world_waits(void)
 {
     struct seen seen = {0};
-    const char *failed = run(0.3, &seen);
+    const char *failed = run(0.6, &seen);
     failed = failed ? failed : run(0.05, &seen);
     if (failed)
         return failed;
