@@ -135,7 +135,7 @@ static double settle(struct sheet *s, double dt, int steps, double still)
 
 bool sheet_rest(struct sheet *s, double still)
 {
-    return sheet_rest_from(s, 1.0 / 60, still);
+    return sheet_rest_from(s, 1.0 / 20, still);
 }
 
 bool sheet_rest_from(struct sheet *s, double shortest, double still)
