@@ -69,7 +69,7 @@ double sheet_steepest(drape_world *world, double before);
 /* The elastic energy of the sheet as it stands, J; NAN after a fault. */
 double sheet_energy(const struct sheet *s);
 
-/* Moves the sheet to equilibrium: implicit steps that grow from 1/60 s, or from
+/* Moves the sheet to equilibrium: implicit steps that grow from 1/20 s, or from
  * `shortest` where the start is near, until one of 1 s, which is nearly a step
  * of Newton's method, moves no particle by more than `still` m. False: not
  * found, and x is the last state. */
