@@ -209,8 +209,8 @@ static double way_of(drape_world *world, const struct sheet *s, double (*x)[3])
 }
 
 /* Steps until the strip has settled on the floor, and until the clamp rests;
- * until a tip that stands, or one that has slid and swings for a while, rests as
- * well; and of these the last ones, in which the forces are measured. */
+ * until a tip that stands, or one that has slid and swings for a while, rests
+ * as well; and of these the last ones, in which the forces are measured. */
 enum { SETTLED = 60, PRESSES = 480, STANDS = 600, RESTS = 1800, LAST = 60 };
 
 /* Takes the steps. */
