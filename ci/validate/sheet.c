@@ -133,22 +133,37 @@ static double settle(struct sheet *s, double dt, int steps, double still)
     return way;
 }
 
-bool sheet_rest(struct sheet *s, double still)
-{
-    return sheet_rest_from(s, 1.0 / 20, still);
-}
-
-bool sheet_rest_from(struct sheet *s, double shortest, double still)
+/* The same by steps that solve at least so many systems, as linear ones of such
+ * length go on as before (blocks.md §8). */
+static bool rest_by(struct sheet *s, int newton, double shortest, double still)
 {
     const double longest = 1;
-    double way = INFINITY;
     s->def.integrator = DRAPE_BW;
+    s->def.newton = s->def.newton > newton ? s->def.newton : newton;
     memset(s->v, 0, (size_t)s->n * sizeof *s->v);
     /* Each stage starts at rest, which takes the energy that is left. */
     for (double dt = shortest; dt < longest; dt *= 3)
         settle(s, dt, 40, 1e2 * still);
-    way = settle(s, longest, 1000, still);
-    return way <= still;
+    return settle(s, longest, 1000, still) <= still;
+}
+
+bool sheet_rest_from(struct sheet *s, double shortest, double still)
+{
+    return rest_by(s, 2, shortest, still);
+}
+
+bool sheet_rest(struct sheet *s, double still)
+{
+    size_t bytes = (size_t)s->n * sizeof *s->x;
+    double(*start)[3] = take((size_t)s->n, sizeof *start);
+    memcpy(start, s->x, bytes);
+    bool found = rest_by(s, 2, 1.0 / 60, still);
+    if (!found) { /* a way that is followed more closely */
+        memcpy(s->x, start, bytes);
+        found = rest_by(s, 8, 1.0 / 200, still);
+    }
+    free(start);
+    return found;
 }
 
 double sheet_steepest(drape_world *world, double before)

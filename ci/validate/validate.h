@@ -69,10 +69,11 @@ double sheet_steepest(drape_world *world, double before);
 /* The elastic energy of the sheet as it stands, J; NAN after a fault. */
 double sheet_energy(const struct sheet *s);
 
-/* Moves the sheet to equilibrium: implicit steps that grow from 1/20 s, or from
- * `shortest` where the start is near, until one of 1 s, which is nearly a step
- * of Newton's method, moves no particle by more than `still` m. False: not
- * found, and x is the last state. */
+/* Moves the sheet to equilibrium: implicit steps that grow from 1/60 s, or from
+ * 1/200 s where these find none, or from `shortest` where the start is near,
+ * until one of 1 s, which is nearly a step of Newton's method, moves no
+ * particle by more than `still` m. False: not found, and x is the last state.
+ */
 bool sheet_rest(struct sheet *s, double still);
 bool sheet_rest_from(struct sheet *s, double shortest, double still);
 
