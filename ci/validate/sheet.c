@@ -133,8 +133,8 @@ static double settle(struct sheet *s, double dt, int steps, double still)
     return way;
 }
 
-/* The same by steps that solve at least so many systems, as linear ones of such
- * length go on as before (blocks.md §8). */
+/* Seeks rest by steps that solve at least so many systems, as linear ones of
+ * such length go on as before (blocks.md §8). */
 static bool rest_by(struct sheet *s, int newton, double shortest, double still)
 {
     const double longest = 1;
