@@ -9,6 +9,7 @@
 
 /* ROW, POINTS: every second particle of a row and a column. */
 enum { SIDE = 11, N = SIDE * SIDE, ROW = (SIDE + 1) / 2, POINTS = ROW * ROW };
+enum { FEW = 3 }; /* points that may come to no end */
 /* m: of a sheet's side, and of a statue's largest extent. FINE, s: steps of
  * points beside an integrator of second order, which has none of their error.
  */
@@ -219,38 +220,46 @@ static bool settle(const struct validate *v, const struct ride *slides,
     return good;
 }
 
-/* Where points on facets are in the mean, at the height of the sheet's middle.
+/* Where n points on facets are in the mean, at the height of the sheet's
+ * middle.
  */
-static void middle_of(const struct ground *g, const struct point *point,
-                      double gap, double middle[3])
+static void middle_of(const struct ground *g, double (*x)[3], int n, double gap,
+                      double middle[3])
 {
     memset(middle, 0, 3 * sizeof *middle);
-    for (int p = 0; p < POINTS; p++)
+    for (int p = 0; p < n; p++)
         for (int c = 0; c < 3; c++)
-            middle[c] += point[p].x[c] / POINTS;
+            middle[c] += x[p][c] / n;
     ground_put(g, middle, gap);
 }
 
 /* The mean way of points that start where particles of the sheet rest, each by
- * itself, on the mesh's own triangles, by short steps; NAN where one of them
- * comes to no end. */
+ * itself, on the mesh's own triangles, by short steps. Points that come to no
+ * end are left out; NAN: more than FEW do. */
 static void slide_points(const struct validate *v, const struct ride *r,
                          double rest[N][3], double from[3], double to[3])
 {
-    static struct point point[POINTS];
+    static double x[2][POINTS][3];
+    const int steps = (int)(PATH_SECONDS / FINE + 0.5);
     struct slide t;
-    bool good = true;
+    int n = 0;
     begin(v, r, &t);
     const struct floor facets = floor_facets(&t.obstacle);
-    memset(point, 0, sizeof point);
-    for (int p = 0; p < POINTS; p++)
-        memcpy(point[p].x, rest[2 * (p / ROW * SIDE + p % ROW)], sizeof *rest);
-    middle_of(r->ground, point, t.gap, from);
-    for (int k = 0; k < (int)(PATH_SECONDS / FINE + 0.5); k++)
-        for (int p = 0; p < POINTS && good; p++)
-            good = point_step(&facets, &point[p], r->friction, FINE, t.gap);
-    middle_of(r->ground, point, t.gap, to);
-    to[0] = good ? to[0] : NAN;
+    for (int p = 0; p < POINTS; p++) {
+        const double *start = rest[2 * (p / ROW * SIDE + p % ROW)];
+        struct point point = {.x = {start[0], start[1], start[2]}};
+        int k = 0;
+        while (k < steps &&
+               point_step(&facets, &point, r->friction, FINE, t.gap))
+            k++;
+        if (k < steps)
+            continue;
+        memcpy(x[0][n], start, sizeof x[0][n]);
+        memcpy(x[1][n++], point.x, sizeof x[1][n]);
+    }
+    middle_of(r->ground, x[0], n, t.gap, from);
+    middle_of(r->ground, x[1], n, t.gap, to);
+    to[0] = n >= POINTS - FEW ? to[0] : NAN;
     end(&t);
 }
 

@@ -109,13 +109,6 @@ KERNEL penalty_guess_kernel(const struct penalty &s)
     s.parts[i] = 0;
 }
 
-/* §1.6: whether contact c was held by a turn before and stays so. */
-static __device__ bool is_settled(const struct penalty *s,
-                                  const struct contact *c)
-{
-    return s->settled && c->along > 0;
-}
-
 /* §3: S of contact c. */
 static __device__ real share_of(const struct penalty *s,
                                 const struct contact *c)
@@ -127,7 +120,45 @@ static __device__ real share_of(const struct penalty *s,
     return share;
 }
 
-/* §1. Thread k owns contact k: reads guess, u, g and hold of its vertices,
+/* §2.5: whether contact c goes on as the turn before had it. */
+static __device__ bool goes_on(const struct penalty *s, const struct contact *c)
+{
+    return s->follows && (c->along > 0 || !s->joins);
+}
+
+static __device__ vec across(const struct contact *c, const vec *u)
+{
+    vec v = pair_sum(c, u);
+    return axpy(v, -dot(c->n, v), c->n);
+}
+
+/* §2.5: what contact k gives by the velocities that a solve has changed by dv;
+ * its friction follows the load that it has now. */
+static __device__ void follow(const struct penalty *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    s->gave[k] = 0;
+    if (!c->held)
+        return;
+    vec d = s->n_dv ? pair_sum(c, s->dv) : make(0, 0, 0);
+    real nearer = dot(c->n, d);
+    real across_by = c->slide * (s->tau / s->dt);
+    vec tangent = axpy(c->tangent, -across_by, axpy(d, -nearer, c->n));
+    real load[4] = {0, 0, 0, 0};
+    real gave = given_impulse(s, c, s->share[k], false, load);
+    real limit = c->friction * gave, size = length(tangent);
+    bool slides = c->slide == 0 && dot(across(c, s->u), tangent) < 0;
+    s->gave[k] = gave;
+    c->impulse -= c->along * nearer;
+    if (size > limit || slides) {
+        tangent = scale(size > 0 ? limit / size : R(0.0), tangent);
+        c->slide = 0;
+    }
+    c->tangent = tangent;
+    find_rub(s, c, load, &s->rub[4 * k]);
+}
+
+/* §1. Thread k owns contact k: reads guess, u, g, dv and hold of its vertices,
  * writes share[k] and whether it is held. */
 KERNEL penalty_select_kernel(const struct penalty &s, const int64_t *words)
 {
@@ -139,8 +170,10 @@ KERNEL penalty_select_kernel(const struct penalty &s, const int64_t *words)
     int moving = 0; /* §3.2: vertices that the contact moves */
     for (int j = 0; j < 4; j++)
         moving += s.w[c->v[j]] > 0 && c->c[j] != 0;
-    if (is_settled(&s, c))
+    if (goes_on(&s, c)) {
+        follow(&s, k);
         return;
+    }
     real load[4];
     real gave = s.first ? R(0.0) : given_impulse(&s, c, share, false, load);
     bool kept = gave > 0 && spring_impulse(&s, c, s.u) > -PULL * gave;
@@ -195,12 +228,12 @@ KERNEL penalty_given_kernel(const struct penalty &s, const int64_t *words)
         return;
     const struct contact *c = &s.contact[k];
     real load[4] = {0, 0, 0, 0}, gave = 0;
-    bool settled = is_settled(&s, c);
-    if (!s.first && !settled && c->held)
+    if (goes_on(&s, c))
+        return;
+    if (!s.first && c->held)
         gave = given_impulse(&s, c, s.share[k], true, load);
     find_rub(&s, c, load, &s.rub[4 * k]);
-    if (!settled)
-        s.gave[k] = gave;
+    s.gave[k] = gave;
 }
 
 /* The held contacts of a vertex. */
@@ -319,12 +352,6 @@ KERNEL penalty_item_kernel(const struct penalty &s, real *part,
     }
 }
 
-static __device__ vec across(const struct contact *c, const vec *u)
-{
-    vec v = pair_sum(c, u);
-    return axpy(v, -dot(c->n, v), c->n);
-}
-
 /* §2.2: whether contact c sticks, where friction is at most `most` and could
  * stop a slip of speed `stop`. */
 static __device__ bool sticks(const struct penalty *s, const struct contact *c,
@@ -362,11 +389,8 @@ KERNEL penalty_push_kernel(const struct penalty &s, const int64_t *words)
     if (words[INCIDENCE_BAD])
         return;
     struct contact *c = &s.contact[k];
-    if (is_settled(&s, c)) {
-        c->impulse = 0;
-        c->tangent = make(0, 0, 0);
+    if (goes_on(&s, c))
         return;
-    }
     vec slip = across(c, s.u);
     real gave = s.gave[k], yield = yield_of(&s, c), limit = 0;
     c->along = c->held ? along_of(&s, c, gave) : R(0.0);
@@ -379,34 +403,6 @@ KERNEL penalty_push_kernel(const struct penalty &s, const int64_t *words)
     c->slide = stick ? f : R(0.0);
     c->tangent = scale(-f, slip);
     c->impulse = c->held ? push_of(&s, c, gave, s.u) : R(0.0);
-}
-
-/* §2.5. Thread k owns contact k: reads g, hold, u and dv of its vertices,
- * writes its impulse, tangent and slide, and where it slides its rub. */
-KERNEL penalty_follow_kernel(const struct penalty &s, const int64_t *words)
-{
-    ITEM(k, s.n);
-    if (words[INCIDENCE_BAD])
-        return;
-    struct contact *c = &s.contact[k];
-    real share = s.share[k] = share_of(&s, c);
-    if (!c->held)
-        return;
-    vec d = pair_sum(c, s.dv);
-    real nearer = dot(c->n, d);
-    real across_by = c->slide * (s.tau / s.dt);
-    vec tangent = axpy(c->tangent, -across_by, axpy(d, -nearer, c->n));
-    real load[4] = {0, 0, 0, 0};
-    real limit = c->friction * given_impulse(&s, c, share, false, load);
-    real size = length(tangent);
-    bool slides = c->slide == 0 && dot(across(c, s.u), tangent) < 0;
-    c->impulse -= c->along * nearer;
-    c->tangent = tangent;
-    if (size <= limit && !slides)
-        return;
-    c->tangent = scale(size > 0 ? limit / size : R(0.0), tangent);
-    c->slide = 0;
-    find_rub(&s, c, load, &s.rub[4 * k]);
 }
 
 /* One of the PARTS numbers of the items of all lists. */
@@ -476,7 +472,7 @@ static void find_pushes(struct gpu *g, const struct penalty *s, int64_t touched,
 {
     LAUNCH(g, s->nv, penalty_guess_kernel, *s);
     LAUNCH(g, s->n, penalty_select_kernel, *s, words);
-    if (!s->first && !s->settled)
+    if (!s->first && !s->follows)
         LAUNCH_LISTS(g, touched, penalty_more_kernel, *s, words);
     LAUNCH(g, s->n, penalty_given_kernel, *s, words);
     LAUNCH_LISTS(g, touched, penalty_parts_kernel, *s, words);
@@ -485,10 +481,11 @@ static void find_pushes(struct gpu *g, const struct penalty *s, int64_t touched,
 
 int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
 {
+    bool solved = s->n_dv == s->nv && s->dv;
     if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->give > 0 &&
           s->slip > 0 && s->far > 0) ||
         s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX ||
-        (s->follows && !s->dv))
+        (s->follows && s->first) || (s->n_dv != 0 && !solved))
         return DRAPE_EARG;
     struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
                            s->start, s->item, s->vertex, 0};
@@ -499,10 +496,7 @@ int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words)
     int64_t groups = (s->nv + GROUP - 1) / GROUP;
     int64_t blocks = groups < GROUPS ? groups : (int64_t)GROUPS;
     gpu_clear(g, s->force, (size_t)s->nv * sizeof *s->force);
-    if (s->follows)
-        LAUNCH(g, s->n, penalty_follow_kernel, *s, words);
-    else
-        find_pushes(g, s, touched, words);
+    find_pushes(g, s, touched, words);
     gpu_clear(g, s->hold, (size_t)s->nv * sizeof *s->hold);
     gpu_clear(g, s->wall, (size_t)s->nv * sizeof *s->wall);
     LAUNCH(g, s->n4, penalty_item_kernel, *s, part, words);

@@ -63,7 +63,7 @@ int gpu_turn_make(struct gpu_world *w)
     return gpu_status(g);
 }
 
-/* The lists are warm's, too, and rub is read again after a solve; the rest is
+/* The lists are warm's, too, and gave is read after the slice; the rest is
  * penalty's alone, in the pools of stage contacts, which comes later. */
 int gpu_turn_room(struct world *w, int64_t n)
 {
@@ -73,18 +73,18 @@ int gpu_turn_room(struct world *w, int64_t n)
     struct gpu *g = w->device->gpu;
     struct pool_need need[] = {{&s->vertex, 4 * n, sizeof(int32_t)},
                                {&s->lack, n, sizeof(real)},
-                               {&s->push, n, sizeof(vec)}};
+                               {&s->push, 2 * n, sizeof(vec)}};
     int status = response_grow(s, 3, need);
     p->vertex = (int32_t *)s->vertex.data;
     p->share = (real *)s->lack.data;
-    p->gave = (real *)s->push.data; /* whose items are vectors */
+    p->rub = (real *)s->push.data; /* four numbers in the room of six */
     if (status != DRAPE_OK || n <= c->cap)
         return status;
     gpu_give(g, p->item);
-    gpu_give(g, p->rub);
+    gpu_give(g, p->gave);
     int64_t cap = gpu_capacity(g, n);
     p->item = (int32_t *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(int32_t));
-    p->rub = (real *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof(real));
+    p->gave = (real *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(real));
     struct links *links = &c->joint.links;
     struct mutual **mutual = &w->device->mutual;
     gpu_give(g, links->push);
@@ -92,7 +92,7 @@ int gpu_turn_room(struct world *w, int64_t n)
     links->push = (vec *)gpu_take(g, ARENA_RESPONSE, cap, sizeof(vec));
     *mutual =
         (struct mutual *)gpu_take(g, ARENA_RESPONSE, 4 * cap, sizeof **mutual);
-    c->cap = p->item && p->rub && links->push && *mutual ? cap : 0;
+    c->cap = p->item && p->gave && links->push && *mutual ? cap : 0;
     return gpu_status(g);
 }
 
@@ -125,12 +125,11 @@ void gpu_turn_carry(struct gpu *g, int64_t n, const vec *r, vec *to)
     LAUNCH(g, n, turn_carry_kernel, n, r, to);
 }
 
-/* Thread i owns particle i: b = force - g, or force + left; 0 where fixed. */
+/* Thread i owns particle i: b = force - g; 0 where fixed. */
 KERNEL turn_load_kernel(const struct turn &s)
 {
     ITEM(i, s.count);
-    vec b = s.left ? add(s.force[i], s.left[i]) : sub(s.force[i], s.g[i]);
-    s.b[i] = s.w[i] > 0 ? b : make(0, 0, 0);
+    s.b[i] = s.w[i] > 0 ? sub(s.force[i], s.g[i]) : make(0, 0, 0);
 }
 
 void gpu_turn_load(struct gpu *g, const struct turn *s)

@@ -7,7 +7,8 @@
 
 enum { CUTS = 4 }; /* of a step that overshoots, at most */
 static const real OVERSHOT = R(0.5), LEAST_CUT = R(0.125), MOST_CUT = R(0.5);
-static const real LATER = R(0.1); /* tolerance of solves after the first */
+static const real LATER = R(0.1);    /* tolerance of solves after the first */
+static const real LONGEST = R(0.05); /* s, in shorter steps springs turn */
 
 /* The motion under way. */
 struct motion {
@@ -74,8 +75,13 @@ static const vec *predicted(const struct motion *a)
     return a->past ? a->s->q : a->s->star;
 }
 
-/* The matrix at s->at; where one system is all, in the directions of half way
- * (blocks.md §8). */
+/* Whether the matrix has the directions of half way (blocks.md §8). */
+static bool turns(const struct motion *a)
+{
+    return !a->s->kept && a->tau < LONGEST;
+}
+
+/* The matrix at s->at. */
 static void blocks(struct motion *a)
 {
     struct dynamics *s = a->s;
@@ -92,7 +98,7 @@ static void blocks(struct motion *a)
                        .n_beside = c->triples ? c->count : 0,
                        .beside = c->beside,
                        .x = s->at,
-                       .n_q = s->kept ? 0 : c->count,
+                       .n_q = turns(a) ? c->count : 0,
                        .q = predicted(a),
                        .tau = a->tau,
                        .block = s->block,

@@ -45,6 +45,7 @@ void couple_start(struct world *w)
     p->give = GIVE * w->reach;
     c->iterations = c->solves = c->follows = c->outcome = 0;
     c->turn = c->turns = 0;
+    c->calm = false;
     c->residual = 0;
     c->seconds = 0;
     if (!c->moved)
@@ -71,7 +72,6 @@ static struct turn turn_of(const struct world *w)
                          .r = c->joint.r,
                          .g = c->g,
                          .given = c->given,
-                         .left = c->penalty.settled ? c->joint.r : NULL,
                          .b = c->b,
                          .x0 = w->x0,
                          .u = w->response.u,
@@ -366,14 +366,20 @@ static int take_turn(struct world *w)
     return status == DRAPE_OK ? w->run->penalty_status(w->on) : status;
 }
 
-/* §4.7: friction follows the loads that the last solve found. */
-static int follow(struct world *w)
+/* §4.7: friction follows the loads that the last solve found. joins: contacts
+ * that came after the turns take part. */
+static int follow(struct world *w, bool joins)
 {
     struct couple *c = &w->couple;
     struct penalty *p = &c->penalty;
     struct turn s = turn_of(w);
     real size = 0;
+    bool solved = !c->calm && c->joint.outcome != PCG_BREAKDOWN;
+    p->first = 0;
+    p->far = w->reach;
     p->follows = 1;
+    p->joins = joins;
+    p->n_dv = solved ? p->nv : 0;
     p->dv = c->joint.dv;
     int status = w->run->penalty(w->on, p);
     p->follows = 0;
@@ -384,7 +390,7 @@ static int follow(struct world *w)
         status = test_size(w, 1, &size);
     if (status != DRAPE_OK)
         return status;
-    c->calm = size <= fine_of(w);
+    c->calm = !joins && size <= fine_of(w);
     if (c->calm) {
         c->residual = (double)size;
         w->run->copy(w->on, c->joint.r, c->b, (size_t)w->nc * sizeof *c->b);
@@ -404,12 +410,12 @@ static int follow_loads(struct world *w)
     for (int k = 0; k < COUPLE_FOLLOWS && status == DRAPE_OK && !c->calm &&
                     c->joint.outcome != PCG_BREAKDOWN;
          k++)
-        status = follow(w);
+        status = follow(w, false);
     return status;
 }
 
-/* How many turns are to come, §4.3: those of new contacts, or what is left of
- * turns that wait, one more if their contacts are others now. */
+/* How many turns are to come, §4.3: those of the slice's contacts, or what is
+ * left of turns that wait, one more if their contacts are others now. */
 static void count_turns(struct world *w, int64_t n)
 {
     struct couple *c = &w->couple;
@@ -417,9 +423,8 @@ static void count_turns(struct world *w, int64_t n)
         c->turns += w->response.anew;
         return;
     }
-    c->penalty.settled = c->solves > 0;
     c->turn = 0;
-    c->turns = n > 0 && c->solves == 0 ? COUPLE_TURNS : 1;
+    c->turns = n == 0 ? 1 : c->solves == 0 ? COUPLE_TURNS : 0;
 }
 
 int couple_solve(void *user, int64_t n, struct contact *contact)
@@ -441,8 +446,10 @@ int couple_solve(void *user, int64_t n, struct contact *contact)
         r->waits = (r->pauses && c->turn == 1) ||
                    (foresees && c->turn > 0 && c->turn + 1 == c->turns);
     }
+    if (status == DRAPE_OK && c->turns == 0)
+        status = follow(w, true);
     c->calm = false;
-    if (status == DRAPE_OK && n > 0 && !p->settled && !r->waits && w->rubs)
+    if (status == DRAPE_OK && n > 0 && !r->waits && w->rubs)
         status = follow_loads(w);
     if (status == DRAPE_OK && n > 0 && w->plan.warm && !r->waits) {
         status = keep_warm(w);

@@ -20,11 +20,11 @@ struct world;
 /* penalty.md §1: a contact's stiffness by the largest stretch of a cloth. */
 #define COUPLE_SOFT R(0.1)
 
-/* Turns that the first contacts of a slice take, or one less where nothing is
- * left to do; later contacts take 1. penalty.md §4.3 */
+/* Turns that the contacts of a slice take, or one less where nothing is left to
+ * do. penalty.md §4.3 */
 enum { COUPLE_TURNS = 3 };
 /* How often friction follows the loads that the last one found, §4.7. */
-enum { COUPLE_FOLLOWS = 2 };
+enum { COUPLE_FOLLOWS = 4 };
 /* Of these turns the first and the last one begin along what they solved
  * before, penalty.md §4.5. */
 enum { COUPLE_ENDS = 2 };
@@ -34,7 +34,7 @@ struct couple {
     vec *g;                  /* [nc] N·s, A times the change so far */
     vec *given;              /* [nc] N·s, what contacts gave so far, §4.7 */
     vec *press;              /* [nv] N, warm.md; penalty's guess */
-    vec *b;                  /* [nc] force - g; of settled contacts force + r */
+    vec *b;                  /* [nc] force - g */
     vec *found[COUPLE_ENDS]; /* [nc] m/s, what these turns solved */
     bool kept[COUPLE_ENDS];  /* whether found has it */
     struct joint joint;      /* of its members only streams, scale and square

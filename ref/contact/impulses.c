@@ -28,8 +28,7 @@ static uint64_t edge(int32_t a, int32_t b)
     return a < b ? both(a, b) : both(b, a);
 }
 
-/* The key of a pair, the same in whatever order its vertices are named. */
-static struct key identity(const int32_t v[4], int64_t kind, int64_t item)
+struct key impulses_key(const int32_t v[4], int64_t kind, int64_t item)
 {
     if (kind == CONTACT_EE) {
         uint64_t a = edge(v[0], v[1]), b = edge(v[2], v[3]);
@@ -201,7 +200,7 @@ static struct key key_of(const struct impulses *s, int64_t k)
 {
     if (shadowed(s, k))
         return (struct key){NONE, NONE, s->n_active + k};
-    return identity(s->pair + 4 * k, s->kind[k], s->n_active + k);
+    return impulses_key(s->pair + 4 * k, s->kind[k], s->n_active + k);
 }
 
 static bool same(const struct key *a, const struct key *b)
@@ -217,7 +216,7 @@ int ref_impulses(struct impulses *s)
     find_first(s); /* §5 */
     EACH_ITEM
     for (int64_t k = 0; k < s->n_active; k++)
-        s->key[k] = identity(s->active[k].v, s->active[k].kind, k);
+        s->key[k] = impulses_key(s->active[k].v, s->active[k].kind, k);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
         s->key[s->n_active + k] = key_of(s, k);

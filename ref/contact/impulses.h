@@ -33,4 +33,7 @@ struct impulses {
  * no contact is written. */
 int ref_impulses(struct impulses *s);
 
+/* §1: the key of a pair, the same in whatever order its vertices are named. */
+struct key impulses_key(const int32_t v[4], int64_t kind, int64_t item);
+
 #endif

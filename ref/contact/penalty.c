@@ -13,10 +13,11 @@ static const real PULL = R(4.0);
 
 static int check(const struct penalty *s)
 {
+    bool solved = s->n_dv == s->nv && s->dv;
     if (!(s->dt > 0 && s->tau > 0 && s->stiffness > 0 && s->give > 0 &&
           s->slip > 0 && s->far > 0) ||
         s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX ||
-        (s->follows && !s->dv))
+        (s->follows && s->first) || (s->n_dv != 0 && !solved))
         return DRAPE_EARG;
     for (int64_t k = 0; k < s->n; k++)
         if (!pair_valid(s->contact[k].v, s->nv))
@@ -138,10 +139,42 @@ static bool is_wall(const struct penalty *s, const struct contact *c)
     return moving == 1;
 }
 
-/* §1.6: whether contact c was held by a turn before and stays so. */
-static bool is_settled(const struct penalty *s, const struct contact *c)
+/* §2.5: whether contact c goes on as the turn before had it. */
+static bool goes_on(const struct penalty *s, const struct contact *c)
 {
-    return s->settled && c->along > 0;
+    return s->follows && (c->along > 0 || !s->joins);
+}
+
+/* The part of Σ c u across the normal. */
+static vec across(const struct contact *c, const vec *u)
+{
+    vec v = pair_sum(c->v, c->c, u);
+    return vec_axpy(v, -vec_dot(c->n, v), c->n);
+}
+
+/* §2.5: what contact k gives by the velocities that a solve has changed by dv;
+ * its friction follows the load that it has now. */
+static void follow(struct penalty *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    s->gave[k] = 0;
+    if (!c->held)
+        return;
+    vec d = s->n_dv ? pair_sum(c->v, c->c, s->dv) : vec_make(0, 0, 0);
+    real nearer = vec_dot(c->n, d);
+    real across_by = c->slide * (s->tau / s->dt);
+    c->impulse -= c->along * nearer;
+    c->tangent = vec_axpy(c->tangent, -across_by, vec_axpy(d, -nearer, c->n));
+    real load[4] = {0, 0, 0, 0};
+    s->gave[k] = given_impulse(s, k, false, load);
+    real most = c->friction * s->gave[k];
+    real size = vec_length(c->tangent);
+    bool slides = c->slide == 0 && vec_dot(across(c, s->u), c->tangent) < 0;
+    if (size > most || slides) {
+        c->tangent = vec_scale(size > 0 ? most / size : 0, c->tangent);
+        c->slide = 0;
+    }
+    find_rub(s, k, load);
 }
 
 /* §1: selects the held contacts: those that approach at u or at the guess, and
@@ -150,8 +183,10 @@ static void select_held(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
     find_share(s, k);
-    if (is_settled(s, c))
+    if (goes_on(s, c)) {
+        follow(s, k);
         return;
+    }
     real load[4];
     real gave = s->first ? 0 : given_impulse(s, k, false, load);
     bool kept = gave > 0 && spring_impulse(s, c, s->u) > -PULL * gave;
@@ -189,12 +224,12 @@ static void find_given(struct penalty *s, int64_t k)
 {
     const struct contact *c = &s->contact[k];
     real load[4] = {0, 0, 0, 0}, gave = 0;
-    bool settled = is_settled(s, c);
-    if (!s->first && !settled && c->held)
+    if (goes_on(s, c))
+        return;
+    if (!s->first && c->held)
         gave = given_impulse(s, k, true, load);
     find_rub(s, k, load);
-    if (!settled)
-        s->gave[k] = gave;
+    s->gave[k] = gave;
 }
 
 /* §3: what contact k adds to the hold of its vertex j. */
@@ -267,13 +302,6 @@ static real expected_impulse(const struct penalty *s, int64_t k, real yield)
     return real_max(gave + (push - gave) / (1 + c->along * yield), 0);
 }
 
-/* The part of Σ c u across the normal. */
-static vec across(const struct contact *c, const vec *u)
-{
-    vec v = pair_sum(c->v, c->c, u);
-    return vec_axpy(v, -vec_dot(c->n, v), c->n);
-}
-
 /* §2.2: whether contact c sticks, where friction is at most `most` and could
  * stop a slip of speed `stop`. */
 static bool sticks(const struct penalty *s, const struct contact *c, vec slip,
@@ -305,11 +333,8 @@ static real damper_of(const struct penalty *s, const struct contact *c,
 static void push(struct penalty *s, int64_t k)
 {
     struct contact *c = &s->contact[k];
-    if (is_settled(s, c)) {
-        c->impulse = 0;
-        c->tangent = vec_make(0, 0, 0);
+    if (goes_on(s, c))
         return;
-    }
     vec slip = across(c, s->u);
     real yield = yield_of(s, c), most = 0;
     c->along = c->held ? along_of(s, k) : 0;
@@ -322,30 +347,6 @@ static void push(struct penalty *s, int64_t k)
     c->slide = stick ? f : 0;
     c->tangent = vec_scale(-f, slip);
     c->impulse = c->held ? push_of(s, k, s->u) : 0;
-}
-
-/* §2.5: what contact k gives by the velocities that a solve has changed by dv;
- * its friction follows the load that it has now. */
-static void follow(struct penalty *s, int64_t k)
-{
-    struct contact *c = &s->contact[k];
-    find_share(s, k);
-    if (!c->held)
-        return;
-    vec d = pair_sum(c->v, c->c, s->dv);
-    real nearer = vec_dot(c->n, d);
-    real across_by = c->slide * (s->tau / s->dt);
-    c->impulse -= c->along * nearer;
-    c->tangent = vec_axpy(c->tangent, -across_by, vec_axpy(d, -nearer, c->n));
-    real load[4] = {0, 0, 0, 0};
-    real most = c->friction * given_impulse(s, k, false, load);
-    real size = vec_length(c->tangent);
-    bool slides = c->slide == 0 && vec_dot(across(c, s->u), c->tangent) < 0;
-    if (size <= most && !slides)
-        return;
-    c->tangent = vec_scale(size > 0 ? most / size : 0, c->tangent);
-    c->slide = 0;
-    find_rub(s, k, load);
 }
 
 /* §3: the sums of force, wall and hold over the held contacts of vertex i. */
@@ -370,7 +371,7 @@ static void gather(const struct penalty *s, int32_t i)
     s->hold[i] = sym_add(sum[0], sum[1]);
 }
 
-/* §1 and §2, but for §2.5. */
+/* §1 and §2. */
 static void find_pushes(struct penalty *s)
 {
     EACH_ITEM
@@ -379,7 +380,7 @@ static void find_pushes(struct penalty *s)
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
         select_held(s, k);
-    if (!s->first && !s->settled)
+    if (!s->first && !s->follows)
         find_more(s);
     EACH_ITEM
     for (int64_t k = 0; k < s->n; k++)
@@ -405,13 +406,7 @@ int ref_penalty(struct penalty *s)
                            .item = s->item,
                            .vertex = s->vertex};
     ref_incidence(&by);
-    if (s->follows) {
-        EACH_ITEM
-        for (int64_t k = 0; k < s->n; k++)
-            follow(s, k);
-    } else {
-        find_pushes(s);
-    }
+    find_pushes(s);
     EACH_ITEM
     for (int64_t i = 0; i < s->nv; i++)
         gather(s, (int32_t)i);

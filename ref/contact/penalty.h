@@ -7,14 +7,16 @@
 #include "ref/contact/contact.h"
 
 struct penalty {
-    int64_t nv, n; /* vertices, contacts; 4 n < 2^31 */
-    const real *w; /* [nv] 1/kg, ≥ 0; 0: led */
-    const vec *u;  /* [nv] m/s, mean velocity of the step */
-    const vec *g;  /* [nv] N·s, contacts' impulse so far, of free vertices */
-    int first;     /* 1: these contacts have had no turn yet */
-    int settled;   /* 1: contacts that are held stay as they are, §1.6 */
-    int follows;   /* 1: friction follows the loads that a solve found, §2.5 */
-    const vec *dv; /* [nv] m/s, what that solve found; NULL if not follows */
+    int64_t nv, n;  /* vertices, contacts; 4 n < 2^31 */
+    const real *w;  /* [nv] 1/kg, ≥ 0; 0: led */
+    const vec *u;   /* [nv] m/s, mean velocity of the step */
+    const vec *g;   /* [nv] N·s, contacts' impulse so far, of free vertices */
+    int first;      /* 1: these contacts have had no turn yet */
+    int follows;    /* 1: contacts go on, and their friction follows the loads
+                       that a solve found, §2.5 */
+    int joins;      /* 1, if follows: those that are not held are looked at */
+    int64_t n_dv;   /* nv, or 0: no solve came after the call before */
+    const vec *dv;  /* [n_dv] m/s, what that solve found */
     real stiffness; /* N/m, > 0, of the stiffest contact */
     real give;      /* m, > 0, by which a contact is short under its load */
     real dt, tau;   /* s, > 0: the slice, and the integrator's effective step */
@@ -29,8 +31,9 @@ struct penalty {
     int32_t *item;   /* scratch: [n4] */
     int32_t *vertex; /* scratch: [n4] */
     real *share;     /* scratch: [n] 1/kg, S of §3 */
-    real *gave;      /* scratch: [n] N·s, ≥ 0, §1.2 */
-    real *rub;       /* inout: [n4] weights of friction, §2.4 */
+    real *gave;      /* out: [n] N·s, ≥ 0, §1.2; where friction follows, the
+                        load that it follows */
+    real *rub;       /* scratch: [n4] weights of friction, §2.4 */
     real *more;      /* scratch: [nv] how many times as much the contacts that
                         stay give of what the vertex got, §1.2 */
     vec *guess;      /* scratch: [nv] m/s, velocity of §1.1 */

@@ -9,6 +9,9 @@
 #include "ref/contact/proximity.h"
 #include "ref/narrow/narrow.h"
 
+/* §2: so many new contacts are few. */
+enum { FEW = 16 };
+
 int response_start(struct response *s)
 {
     if (!(s->dt > 0 && s->dt <= REAL_BIG && s->margin >= 0) ||
@@ -156,10 +159,21 @@ static int detect(struct response *s, const uint8_t *touched)
     return status;
 }
 
-/* §4. What touches joins the active set, contact[side]. */
+/* A pool of contacts with neither the active set nor what `other` has. */
+static int spare_side(const struct response *s, int other)
+{
+    int side = 0;
+    while (side == s->side || side == other)
+        side++;
+    return side;
+}
+
+/* §4. What touches joins the active set, contact[side]. What the solve left
+ * stays, for the list of contacts. */
 static int find_impulses(struct response *s)
 {
-    struct pool *from = &s->contact[s->side], *to = &s->contact[!s->side];
+    int side = spare_side(s, s->solved);
+    struct pool *from = &s->contact[s->side], *to = &s->contact[side];
     struct impulses m = {.nv = s->nv,
                          .n = s->hits,
                          .pair = s->hit.data,
@@ -191,7 +205,7 @@ static int find_impulses(struct response *s)
              (status = grow_contacts(s, to, m.found)) == DRAPE_OK);
     if (status != DRAPE_OK)
         return status;
-    s->side = !s->side;
+    s->side = side;
     s->active = m.found;
     s->run->trace(s->on, s->trace, "impulses", m.contact,
                   (size_t)m.found * sizeof *m.contact);
@@ -240,12 +254,13 @@ static int find_contacts(struct response *s, const struct pairs *near,
     return status;
 }
 
-/* §2.1: the active set becomes the contacts of where the slice ends; `after`
- * has n_new of them. */
-static int move_ahead(struct response *s, int64_t n_new)
+/* §2.1: the active set becomes the contacts of where the slice ends, of which
+ * n_new are in contact[after]. */
+static int move_ahead(struct response *s, int after, int64_t n_new)
 {
     int64_t n = s->active, all = n + n_new;
-    struct pool *to = &s->contact[!s->side];
+    int side = spare_side(s, after);
+    struct pool *to = &s->contact[side];
     struct pool_need pool_need[] = {{&s->item, 4 * n, sizeof(int32_t)},
                                     {&s->vertex, 4 * n, sizeof(int32_t)},
                                     {&s->height, s->nv, sizeof(real)},
@@ -264,7 +279,7 @@ static int move_ahead(struct response *s, int64_t n_new)
                       .dt = s->dt,
                       .met = s->touched,
                       .before = s->contact[s->side].data,
-                      .after = s->after.data,
+                      .after = s->contact[after].data,
                       .nv1 = s->nv + 1,
                       .n4 = 4 * n,
                       .n_all = all,
@@ -277,7 +292,7 @@ static int move_ahead(struct response *s, int64_t n_new)
     status = s->run->ahead(s->on, &a);
     if (status != DRAPE_OK)
         return status;
-    s->side = !s->side;
+    s->side = side;
     s->active = a.found;
     s->run->trace(s->on, s->trace, "ahead", a.contact,
                   (size_t)a.found * sizeof *a.contact);
@@ -289,15 +304,16 @@ static int look_ahead(struct response *s)
 {
     struct pairs near;
     int64_t found = 0;
+    int after = spare_side(s, s->side);
     int status = detect(s, NULL);
     s->run->clear(s->on, s->touched, (size_t)s->nv);
     s->run->touch(s->on, s);
     if (status == DRAPE_OK)
         status = s->broad_at(s->user, s->x1, &near);
     if (status == DRAPE_OK && near.n > 0)
-        status = find_contacts(s, &near, s->x1, &s->after, &found);
+        status = find_contacts(s, &near, s->x1, &s->contact[after], &found);
     if (status == DRAPE_OK)
-        status = move_ahead(s, found);
+        status = move_ahead(s, after, found);
     if (status == DRAPE_OK && s->hits > 0)
         status = join(s);
     s->anew = s->waited = true;
@@ -306,6 +322,8 @@ static int look_ahead(struct response *s)
 
 static int solve(struct response *s)
 {
+    s->solved = s->side;
+    s->n_solved = s->active;
     return s->solve(s->user, s->active, s->contact[s->side].data);
 }
 
@@ -350,6 +368,13 @@ int response_repel(struct response *s, const struct pairs *near)
 
 /* §4 */
 
+/* §2: whether impacts brought so many contacts to the `held` ones that the
+ * solve is to take them, too. */
+static bool are_many(const struct response *s, int64_t held)
+{
+    return FEW * (s->active - held) > held;
+}
+
 static int push(struct response *s, int round)
 {
     int64_t held = s->active;
@@ -357,8 +382,10 @@ static int push(struct response *s, int round)
     if (status != DRAPE_OK)
         return status;
     struct contact *contact = s->contact[s->side].data;
-    if (round == 0 && s->solve && s->active > held && !s->waited)
+    if (round == 0 && s->solve && !s->waited && are_many(s, held)) {
+        s->foresee = false; /* what touches has just been found */
         return solve(s);
+    }
     /* only impulses that contacts gave can it withdraw */
     bool warm = s->contacts_solved;
     if (!warm)

@@ -64,8 +64,8 @@ struct response {
 
     /* Pools, empty at first, kept from step to step. */
     struct pool at, toi, tier, hit, hit_kind, hit_toi;
-    struct pool contact[2], after, height, item, parts, lack, push, vertex,
-        moved, contact_awake;
+    struct pool contact[3], height, item, parts, lack, push, vertex, moved,
+        contact_awake;
     struct pool key[2], sum, zone, tangle[2];
 
     int rounds;         /* out: of penetration, the last finds nothing */
@@ -81,7 +81,10 @@ struct response {
     int outcome;          /* out: or of enum drape_outcome */
 
     int64_t hits, active, tangled; /* what the pools hold */
-    int side, tangle_side;         /* which of two pools */
+    int side, tangle_side;         /* which of the pools */
+    int solved;                    /* the pool of the contacts that the last
+                                      solve left, as it left them */
+    int64_t n_solved;              /* how many these are; 0: none */
     bool contacts_solved;          /* contacts has solved a round */
     bool waits, waited;            /* the last turn is to come after a
                                       detection; or it did */
@@ -102,12 +105,12 @@ static inline int response_iterations(const struct response *s)
 /* Counters of a step in which nothing came near. */
 static inline void response_reset(struct response *s)
 {
-    s->rounds = s->outcome = s->side = s->tangle_side = 0;
+    s->rounds = s->outcome = s->side = s->solved = s->tangle_side = 0;
     s->contacts = s->impacts = s->candidates = 0;
     s->near = s->later = s->narrow = 0;
     s->started = s->led = 0;
     s->zone_vertices = s->rolled_back = 0;
-    s->hits = s->active = s->tangled = 0;
+    s->hits = s->active = s->n_solved = s->tangled = 0;
     s->pauses = s->anew = s->contacts_solved = s->waits = s->waited =
         s->joined = false;
 }

@@ -88,8 +88,7 @@ void turn_load(const struct turn *s)
 {
     EACH_ITEM
     for (int64_t i = 0; i < s->count; i++) {
-        vec b = s->left ? vec_add(s->force[i], s->left[i])
-                        : vec_sub(s->force[i], s->g[i]);
+        vec b = vec_sub(s->force[i], s->g[i]);
         s->b[i] = s->w[i] > 0 ? b : vec_make(0, 0, 0);
     }
 }

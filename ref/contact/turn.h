@@ -19,8 +19,7 @@ struct turn {
     bool moves;       /* whether dv is to be used; else g stays, too */
     vec *g;           /* N·s, A times the change so far */
     vec *given; /* out: N·s, g + r, what the contacts gave by their laws */
-    const vec *left; /* N·s, what the turn before left undone; or NULL */
-    vec *b;          /* out: force - g, or force + left; it may be force */
+    vec *b;     /* out: force - g; it may be force */
     const vec *x0;
     vec *u, *v, *x1;
     uint8_t *touched;
@@ -37,7 +36,7 @@ void turn_begin(int64_t n, vec *g, const vec *press, real dt);
 /* What the solve of the free motion left over, r [n], is the first turn's to
  * do. */
 void turn_carry(int64_t n, const vec *r, vec *g);
-/* b = force - g, or force + left if that is given; 0 where fixed. */
+/* b = force - g; 0 where fixed. */
 void turn_load(const struct turn *s);
 /* given; where the solve moves, g gains A dv, and u, v and x1 move with dv. */
 void turn_move(const struct turn *s);

@@ -4,6 +4,8 @@
  * spec/control/control.md §8 */
 #include "ref/control/list.h"
 
+#include "ref/contact/impulses.h"
+
 static int bodies_of(const struct world *w)
 {
     return w->def.n_cloths + w->def.n_obstacles;
@@ -43,12 +45,19 @@ static int make_room(struct world *w, int64_t n)
            (w->home == w || (l->given && l->hold && l->dv));
     if (good && n > l->cap) {
         void *item = l->item, *raw = l->raw, *share = l->share;
+        void *key = l->key, *spare = l->spare, *gave = l->gave;
         good = grow(w, &item, n, sizeof *l->item);
         good = good && grow(w, &share, n, sizeof *l->share);
+        good = good && grow(w, &key, n, sizeof *l->key);
+        good = good && grow(w, &spare, n, sizeof *l->spare);
         good = good && (w->home == w || grow(w, &raw, n, sizeof *l->raw));
+        good = good && (w->home == w || grow(w, &gave, n, sizeof *l->gave));
         l->item = item;
         l->raw = raw;
         l->share = share;
+        l->key = key;
+        l->spare = spare;
+        l->gave = gave;
         l->cap = good ? n + n / 4 + 64 : 0;
     }
     return good ? DRAPE_OK : DRAPE_ENOMEM;
@@ -56,20 +65,13 @@ static int make_room(struct world *w, int64_t n)
 
 /* What the solve and the rounds left, on the host. */
 struct left {
-    int64_t n;
-    struct contact *contact; /* [n] */
-    const vec *g;            /* [nc] N·s, of vertices */
-    const vec *dv;           /* [nv] m/s, of a solve after that */
-    struct penalty penalty;  /* what penalty_load reads */
+    int64_t n, n_pushed;
+    const struct contact *contact; /* [n] as the solve left them */
+    const struct contact *pushed;  /* [n_pushed] as the rounds did, by key */
+    const vec *g;                  /* [nc] N·s, of vertices, by the solve */
+    const vec *dv;                 /* [nv] m/s, of its last one */
+    struct penalty penalty;        /* what penalty_load reads, and gave */
 };
-
-/* §8.2: whether the contacts are as the solve left them. */
-static bool is_of_solve(const struct world *w)
-{
-    const struct couple *c = &w->couple;
-    return !w->response.contacts_solved && !c->penalty.settled &&
-           c->joint.outcome != PCG_BREAKDOWN;
-}
 
 /* What the last slice's vertices got of their contacts. */
 static void find_got(const struct world *w, const vec *g, const vec *r)
@@ -78,13 +80,29 @@ static void find_got(const struct world *w, const vec *g, const vec *r)
         w->list.g[i] = vec_add(g[i], r[i]);
 }
 
+/* Brings the contacts of a device. */
+static void bring_contacts(struct world *w, struct left *s)
+{
+    struct list *l = &w->list;
+    struct contact *pushed = l->raw + s->n;
+    size_t bytes = sizeof *l->raw;
+    w->run->fetch(w->on, l->raw, s->contact, (size_t)s->n * bytes);
+    w->run->fetch(w->on, pushed, s->pushed, (size_t)s->n_pushed * bytes);
+    w->run->fetch(w->on, l->gave, s->penalty.gave,
+                  (size_t)s->n * sizeof *l->gave);
+    s->contact = l->raw;
+    s->pushed = pushed;
+    s->penalty.gave = l->gave;
+}
+
 static int bring(struct world *w, struct left *s)
 {
     struct list *l = &w->list;
     const struct response *c = &w->response;
     const struct couple *of = &w->couple;
     size_t cloth = (size_t)w->nc * sizeof(vec), all = (size_t)w->nv;
-    s->contact = c->contact[c->side].data;
+    s->contact = c->contact[c->solved].data;
+    s->pushed = c->contact[c->side].data;
     s->g = l->g;
     s->dv = of->joint.dv;
     s->penalty = of->penalty;
@@ -98,8 +116,7 @@ static int bring(struct world *w, struct left *s)
     w->run->fetch(w->on, l->given, of->given, cloth);
     w->run->fetch(w->on, l->dv, s->dv, all * sizeof *l->dv);
     w->run->fetch(w->on, l->hold, s->penalty.hold, all * sizeof *l->hold);
-    w->run->fetch(w->on, l->raw, s->contact, (size_t)s->n * sizeof *l->raw);
-    s->contact = l->raw;
+    bring_contacts(w, s);
     s->dv = l->dv;
     s->penalty.g = l->given;
     s->penalty.hold = l->hold;
@@ -204,32 +221,33 @@ static vec rub(const struct world *w, const struct left *s,
     return w->couple.calm ? c->tangent : vec_axpy(c->tangent, -across, d);
 }
 
-/* §8.2: the impulse on A of contact k: its load and its friction. */
+/* §8.2: the impulse on A of contact k by the solve: its load and its friction.
+ */
 static void press(const struct world *w, struct left *s, int64_t k,
                   double impulse[3])
 {
     const struct contact *c = &s->contact[k];
     real load[4] = {0, 0, 0, 0};
-    if (!is_of_solve(w)) {
+    if (w->couple.joint.outcome == PCG_BREAKDOWN) {
         share(w, s, k, true, impulse);
     } else if (c->held) {
-        add(impulse, (double)penalty_load(&s->penalty, k, load), c->n);
+        real all = w->couple.calm ? s->penalty.gave[k]
+                                  : penalty_load(&s->penalty, k, load);
+        add(impulse, (double)all, c->n);
         add(impulse, 1, rub(w, s, c));
     }
 }
 
 /* §8.1: the impulse of the rounds. */
-static vec pushed(const struct world *w, const struct contact *c)
+static vec push_of(const struct contact *c)
 {
-    if (!w->response.contacts_solved)
-        return vec_make(0, 0, 0);
     return vec_axpy(c->tangent, c->impulse, c->n);
 }
 
-static void fill(const struct world *w, struct left *s, int64_t k)
+/* What contact c is, without an impulse yet. */
+static void describe(const struct world *w, const struct contact *c,
+                     drape_contact *to)
 {
-    const struct contact *c = &s->contact[k];
-    drape_contact *to = &w->list.item[k];
     const uint16_t *body = w->home->body;
     memset(to, 0, sizeof *to);
     to->kind = c->kind;
@@ -243,8 +261,45 @@ static void fill(const struct world *w, struct left *s, int64_t k)
     to->normal[1] = (double)c->n.y;
     to->normal[2] = (double)c->n.z;
     to->gap = (double)c->gap;
-    press(w, s, k, to->impulse);
-    add(to->impulse, 1, pushed(w, c));
+}
+
+/* Whether the rounds had contact a of the solve as their contact b: no impact
+ * of its pair has replaced it. */
+static bool is_same(const struct contact *a, const struct contact *b)
+{
+    return !memcmp(a->v, b->v, sizeof a->v) &&
+           !memcmp(a->c, b->c, sizeof a->c) &&
+           !memcmp(&a->n, &b->n, sizeof a->n) &&
+           !memcmp(&a->gap, &b->gap, sizeof a->gap);
+}
+
+static bool precedes(const struct key *a, const struct key *b)
+{
+    return a->hi < b->hi || (a->hi == b->hi && a->lo < b->lo);
+}
+
+/* §8.1: adds what the rounds gave: to the solve's contacts, and as contacts of
+ * their own. Returns how many the list has then. */
+static int64_t add_rounds(struct world *w, const struct left *s)
+{
+    struct list *l = &w->list;
+    int64_t n = s->n, at = 0;
+    for (int64_t k = 0; k < s->n; k++)
+        l->key[k] = impulses_key(s->contact[k].v, s->contact[k].kind, k);
+    const struct key *key = keys_sort(s->n, l->key, l->spare);
+    for (int64_t k = 0; k < s->n_pushed; k++) {
+        const struct contact *c = &s->pushed[k];
+        struct key mine = impulses_key(c->v, c->kind, k);
+        while (at < s->n && precedes(&key[at], &mine))
+            at++;
+        bool known = at < s->n && !precedes(&mine, &key[at]) &&
+                     is_same(&s->contact[key[at].item], c);
+        int64_t to = known ? key[at].item : n++;
+        if (!known)
+            describe(w, c, &l->item[to]);
+        add(l->item[to].impulse, 1, push_of(c));
+    }
+    return n;
 }
 
 /* §8.3: what each body got: a cloth by what its vertices got, an obstacle by
@@ -253,23 +308,39 @@ static void sum(struct world *w, struct left *s)
 {
     double(*body)[3] = w->list.body;
     const uint16_t *of = w->home->body;
-    memset(body, 0, (size_t)bodies_of(w) * sizeof *body);
-    for (int64_t i = 0; i < w->nc && w->met; i++)
+    for (int64_t i = 0; i < w->nc; i++)
         if (is_free(w, (int32_t)i))
             add(body[of[i]], 1, s->g[i]);
     for (int64_t k = 0; k < s->n; k++) {
-        const struct contact *c = &s->contact[k];
         const drape_contact *a = &w->list.item[k];
-        for (int j = 0; j < 4; j++)
-            if (is_free(w, c->v[j]))
-                add(body[of[c->v[j]]], (double)c->c[j], pushed(w, c));
         double got[3] = {0, 0, 0};
         share(w, s, k, false, got);
-        add(got, 1, pushed(w, c));
         for (int b = 0; b < 2; b++)
             for (int i = 0; i < 3 && a->body[b] >= w->def.n_cloths; i++)
                 body[a->body[b]][i] += b ? -got[i] : got[i];
     }
+    for (int64_t k = 0; k < s->n_pushed; k++) {
+        const struct contact *c = &s->pushed[k];
+        for (int j = 0; j < 4; j++) {
+            int b = of[c->v[j]];
+            if (is_free(w, c->v[j]) || b >= w->def.n_cloths)
+                add(body[b], (double)c->c[j], push_of(c));
+        }
+    }
+}
+
+/* Makes the list of what the slice left. Returns how many contacts it has. */
+static int64_t make(struct world *w, struct left *s)
+{
+    s->penalty.contact = (struct contact *)s->contact;
+    s->penalty.share = w->list.share;
+    sum_vertices(w, s);
+    for (int64_t k = 0; k < s->n; k++) {
+        describe(w, &s->contact[k], &w->list.item[k]);
+        press(w, s, k, w->list.item[k].impulse);
+    }
+    sum(w, s);
+    return add_rounds(w, s);
 }
 
 /* Brings the list to the backend's memory. */
@@ -299,27 +370,23 @@ static int lend_there(struct world *w, int64_t n, drape_contact_list *list)
 
 int list_contacts(struct world *w, bool there, drape_contact_list *list)
 {
-    struct left s = {.n = w->list.known && w->met ? w->response.active : 0};
+    const struct response *c = &w->response;
+    bool met = w->plan.collides && w->list.known && w->met;
+    struct left s = {.n = met ? c->n_solved : 0,
+                     .n_pushed = met && c->contacts_solved ? c->active : 0};
     if (!w->plan.implicit)
         return DRAPE_EARG;
     w->run->begin(w->on);
-    int status = make_room(w, s.n);
-    if (status == DRAPE_OK && w->plan.collides && w->list.known && w->met) {
-        status = bring(w, &s);
-        if (status == DRAPE_OK) {
-            s.penalty.contact = s.contact;
-            s.penalty.share = w->list.share;
-            sum_vertices(w, &s);
-        }
-        for (int64_t k = 0; k < s.n && status == DRAPE_OK; k++)
-            fill(w, &s, k);
-        if (status == DRAPE_OK)
-            sum(w, &s);
-    } else if (status == DRAPE_OK)
+    int status = make_room(w, s.n + s.n_pushed);
+    list->n = 0;
+    if (status == DRAPE_OK)
         memset(w->list.body, 0, (size_t)bodies_of(w) * sizeof *w->list.body);
-    list->n = s.n;
+    if (status == DRAPE_OK && met)
+        status = bring(w, &s);
+    if (status == DRAPE_OK && met)
+        list->n = make(w, &s);
     list->contact = w->list.item;
     list->impulse = (const double(*)[3])w->list.body;
     list->dt = w->dt;
-    return status == DRAPE_OK && there ? lend_there(w, s.n, list) : status;
+    return status == DRAPE_OK && there ? lend_there(w, list->n, list) : status;
 }

@@ -71,14 +71,16 @@ struct list_vertex {
  * the host; all are NULL until they are needed. spec/control/control.md §8 */
 struct list {
     bool known; /* response and couple hold the contacts of the last slice */
-    drape_contact *item; /* [cap] */
-    struct contact *raw; /* [cap] of a device */
+    drape_contact *item;     /* [cap] */
+    struct contact *raw;     /* [cap] of a device */
+    struct key *key, *spare; /* [cap] */
     int64_t cap;
     vec *g;                 /* [nc] N·s, what vertices got */
     vec *given;             /* [nc] of a device */
     sym *hold;              /* [nv] of a device */
     vec *dv;                /* [nv] of a device */
     real *share;            /* [cap] */
+    real *gave;             /* [cap] of a device */
     struct list_vertex *at; /* [nc] */
     double (*body)[3];      /* [bodies] N·s */
     drape_contact *there;   /* [cap_there] in the memory of a device */

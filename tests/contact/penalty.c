@@ -13,11 +13,11 @@
 
 const struct field fields_penalty[] = {
     IN(penalty, w, nv, 1),          IN(penalty, u, nv, 1),
-    IN(penalty, g, nv, 1),          IN(penalty, dv, nv, 1),
+    IN(penalty, g, nv, 1),          IN(penalty, dv, n_dv, 1),
     INOUT(penalty, contact, n, 1),  SCRATCH(penalty, start, nv1, 1),
     SCRATCH(penalty, item, n4, 1),  SCRATCH(penalty, vertex, n4, 1),
-    SCRATCH(penalty, share, n, 1),  SCRATCH(penalty, gave, n, 1),
-    INOUT(penalty, rub, n4, 1),     SCRATCH(penalty, more, nv, 1),
+    SCRATCH(penalty, share, n, 1),  OUT(penalty, gave, n, 1),
+    SCRATCH(penalty, rub, n4, 1),   SCRATCH(penalty, more, nv, 1),
     SCRATCH(penalty, guess, nv, 1), SCRATCH(penalty, parts, nv, 1),
     OUT(penalty, force, nv, 1),     OUT(penalty, wall, nv, 1),
     INOUT(penalty, hold, nv, 1),    FIELD_END};
@@ -42,17 +42,6 @@ static int moving(const struct penalty *s, const struct contact *c)
     return n;
 }
 
-/* §1.6: along and slide of contacts that are settled, in the cases of
- * gen_penalty; what the stage computes is no such number. */
-static const real SETTLED_ALONG = R(0.75), SETTLED_SLIDE = R(0.375);
-
-static void settle(const struct penalty *s, struct contact *c)
-{
-    c->held = moving(s, c) == 1 ? CONTACT_WALL : CONTACT_MUTUAL;
-    c->along = SETTLED_ALONG;
-    c->slide = SETTLED_SLIDE;
-}
-
 /* Whether all vertices of contact c that have a weight are free. */
 static bool is_free(const struct penalty *s, const struct contact *c)
 {
@@ -62,33 +51,32 @@ static bool is_free(const struct penalty *s, const struct contact *c)
     return moves;
 }
 
-/* §2.5: what the call before and a solve left: some contacts stick, others
- * slide, and some of these rub at one vertex of each side alone. */
+/* §2.5: along of contacts that go on, in the cases of gen_penalty; what the
+ * stage computes is no such number. */
+static const real GOES_ON = R(0.75);
+
+/* §2.5: what the call before and perhaps a solve left: some contacts stick,
+ * others slide, and others are new or apart. */
 static void gen_follow(struct bytes *b, struct penalty *s)
 {
-    s->follows = !s->first && !s->settled && pick(b, 2);
-    s->rub = take(b, s->n4, sizeof *s->rub);
+    s->follows = !s->first && pick(b, 2);
+    s->joins = s->follows && pick(b, 2);
+    s->n_dv = s->follows && pick(b, 4) ? s->nv : 0;
     vec *dv = take(b, s->nv, sizeof *dv);
     s->dv = dv;
-    for (int64_t i = 0; i < s->nv && s->follows; i++)
+    for (int64_t i = 0; i < s->n_dv; i++)
         dv[i] = s->w[i] > 0 ? pick_vec(b, R(0.1)) : vec_make(0, 0, 0);
     for (int64_t k = 0; k < s->n && s->follows; k++) {
         struct contact *c = &s->contact[k];
-        int moves = moving(s, c), split = c->kind == CONTACT_VF ? 1 : 2;
+        int moves = moving(s, c);
         bool held = moves && c->held;
         c->held = !held        ? CONTACT_APART
                   : moves == 1 ? CONTACT_WALL
                                : CONTACT_MUTUAL;
-        c->along = held ? c->along : 0;
+        c->along = held ? GOES_ON : 0;
         c->impulse = held ? pick_uniform(b, 0, R(0.01)) : 0;
         c->tangent = held ? pick_vec(b, R(0.001)) : vec_make(0, 0, 0);
         c->slide = held && pick(b, 2) ? pick_uniform(b, 0, R(0.1)) : 0;
-        bool one = is_free(s, c) && pick(b, 2);
-        for (int j = 0; j < 4; j++)
-            s->rub[4 * k + j] = !one         ? c->c[j]
-                                : j == 0     ? R(1.0)
-                                : j == split ? R(-1.0)
-                                             : 0;
     }
 }
 
@@ -125,10 +113,6 @@ void gen_penalty(struct bytes *b, struct penalty *s)
         s->contact[k].along =
             s->contact[k].held ? pick_uniform(b, R(1e-4), 1) : 0;
     }
-    s->settled = !s->first && pick(b, 2);
-    for (int64_t k = 0; k < s->n && s->settled; k++)
-        if (k == 0 || s->contact[k].held)
-            settle(s, &s->contact[k]);
     gen_follow(b, s);
 }
 
@@ -280,16 +264,16 @@ static const char *check_friction(const struct penalty *s, int64_t k)
     return NULL;
 }
 
-/* §1.6: whether contact k was held before and is settled. The first one is. */
-static bool is_settled(const struct penalty *s, int64_t k)
+/* §2.5: what was cut is on the cone of the load that it follows, and nothing is
+ * beyond it. */
+static const char *check_follow(const struct penalty *s, int64_t k)
 {
-    return s->settled && (k == 0 || s->contact[k].along == SETTLED_ALONG);
-}
-
-static const char *check_settled(const struct contact *c)
-{
-    EXPECT(c->along == SETTLED_ALONG && c->slide == SETTLED_SLIDE);
-    EXPECT(c->impulse == 0 && vec_dot(c->tangent, c->tangent) == 0);
+    const struct contact *c = &s->contact[k];
+    double unit = REAL_BITS == 32 ? 0x1p-24 : 0x1p-53;
+    double least = REAL_BITS == 32 ? 0x1p-62 : 0x1p-510; /* squares underflow */
+    double most = (double)c->friction * (double)s->gave[k];
+    EXPECT(s->gave[k] >= 0 && c->slide >= 0);
+    EXPECT((double)vec_length(c->tangent) <= most * (1 + 16 * unit) + least);
     return NULL;
 }
 
@@ -309,8 +293,12 @@ const char *prop_penalty(const struct penalty *s)
         EXPECT((c->held != 0) == (c->along > 0));
         EXPECT(c->slide >= 0);
         size += (double)(real_abs(c->impulse) + length);
-        if (s->follows)
+        if (s->follows && (!s->joins || c->along == GOES_ON)) {
+            const char *wrong = check_follow(s, k);
+            if (wrong)
+                return wrong;
             continue;
+        }
         /* §1.3: in the first turn what is beyond its target pulls */
         EXPECT(c->impulse >= 0 || !s->first || excess_at(c, s->u) < 0);
         EXPECT(c->held || !(excess_at(c, s->u) > 0));
@@ -325,9 +313,7 @@ const char *prop_penalty(const struct penalty *s)
         double rub = (double)(c->slide > 0 ? c->slide * s->slip : length);
         double most = rub * (double)(s->tau / s->dt) * alone;
         EXPECT(!s->first || most <= stop * (1 + 64 * unit));
-        const char *wrong = is_settled(s, k) ? check_settled(c)
-                            : c->held        ? check_friction(s, k)
-                                             : NULL;
+        const char *wrong = c->held ? check_friction(s, k) : NULL;
         if (wrong)
             return wrong;
     }
@@ -582,11 +568,17 @@ const char *test_penalty_follow(void)
         slid = slide > 0 ? slide * (double)vec_length(slip) : slid;
         bool moves = slide == 0 && vec_dot(slip, was) < 0;
         s.p.follows = 1;
+        s.p.n_dv = s.p.nv;
         EXPECT(ref_penalty(&s.p) == DRAPE_OK);
         double rub = (double)vec_length(s.c.tangent);
         EXPECT(fabs((double)(s.c.impulse - approach(&s.p, &s.c))) <= room);
         EXPECT(fabs(rub - (moves ? most : fmin(most, slid))) <= room);
         EXPECT(vec_dot(s.c.tangent, slip) <= (real)room);
+        vec before = s.c.tangent;
+        real impulse = s.c.impulse;
+        s.p.n_dv = 0; /* nothing was solved since */
+        EXPECT(ref_penalty(&s.p) == DRAPE_OK && s.c.impulse == impulse);
+        EXPECT((double)vec_length(vec_sub(s.c.tangent, before)) <= room);
         slides += moves && most > 0;
         sticks += s.c.slide > 0 && rub > 0;
         less += slide > 0 && s.c.slide == 0 && most > 0;

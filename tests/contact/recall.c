@@ -175,7 +175,7 @@ static const char *check_care(const struct world *w, const struct joint *s)
 }
 
 /* Stands in place of a joint solve: a motion before contact, a turn of the
- * first contacts, or one of later contacts. */
+ * contacts, or one in which friction follows. */
 static int watch(struct world *w, struct joint *s)
 {
     struct joint start = *s;
@@ -192,9 +192,8 @@ static int watch(struct world *w, struct joint *s)
     spy.square = (double)s->square;
     spy.turns = end && start.last ? (int)COUPLE_TURNS : spy.turns + turn;
     if (spy.turns == COUPLE_TURNS && !turn)
-        spy.failed = w->couple.penalty.settled || w->couple.follows
-                         ? spy.failed
-                         : "recall: not settled (§1.6)";
+        spy.failed =
+            w->couple.follows ? spy.failed : "recall: a turn too many (§4.3)";
     spy.broken = start.last && spy.spoils && end == 0;
     memcpy(spy.undone, s->b, bytes);
     if (!start.last)
@@ -210,7 +209,8 @@ static int watch(struct world *w, struct joint *s)
 }
 
 /* Two sheets come to lie on a slab. */
-static const char *settle(int integrator, int precond, double stiff, int *soon)
+static const char *settle(int integrator, int precond, double stiff, int *soon,
+                          int *hits)
 {
     struct slab d;
     struct arena arena;
@@ -244,9 +244,8 @@ static const char *settle(int integrator, int precond, double stiff, int *soon)
         ran(1);
     }
     EXPECT(spy.failed || spy.recalled >= STEPS);
-    /* once in binary32, never in binary64 */
-    EXPECT(spy.failed || spy.hits == (REAL_BITS == 32));
     *soon += spy.soon;
+    *hits += spy.hits;
     arena_free(&arena);
     return spy.failed;
 }
@@ -255,13 +254,14 @@ const char *test_world_recall(void)
 {
     static const int integrator[] = {DRAPE_BW, DRAPE_BDF2};
     const char *failed = NULL;
-    int soon = 0;
+    int soon = 0, hits = 0;
     for (int k = 0; k < 4 && !failed; k++)
-        failed = settle(integrator[k / 2],
-                        k % 2 ? DRAPE_MULTIGRID : DRAPE_JACOBI, 1, &soon);
-    /* contacts that are neither light nor heavy */
+        failed =
+            settle(integrator[k / 2], k % 2 ? DRAPE_MULTIGRID : DRAPE_JACOBI, 1,
+                   &soon, &hits);
+    /* contacts so heavy that e has its bound */
     if (!failed)
-        failed = settle(DRAPE_BW, DRAPE_MULTIGRID, 30, &soon);
-    EXPECT(failed || soon > 0);
+        failed = settle(DRAPE_BW, DRAPE_MULTIGRID, 10, &soon, &hits);
+    EXPECT(failed || (soon > 0 && hits > 0));
     return failed;
 }

@@ -20,7 +20,6 @@ struct ledger {
         push[COUNT];   /* C dv of the last solve, C the contacts' matrix */
     double way[COUNT]; /* Σ |dv| */
     double size;       /* Σ |b| + |A + C| |dv| */
-    struct wide done[COUNT];  /* force - C dv of turns before a settled one */
     struct wide force[COUNT]; /* of the last turn */
     struct wide next[COUNT];  /* of a call of penalty after it */
     bool waits;               /* whether there was one, and no solve yet */
@@ -78,17 +77,11 @@ static void find_next(struct ledger *a)
     a->waits = true;
 }
 
-/* penalty.md §1.6: contacts that stay as they are have done what the turn
- * before found, and the force of the next turn is that of others. */
 static void find_force(struct ledger *a)
 {
-    const struct penalty *p = &a->w->couple.penalty;
     a->waits = false;
-    for (int i = 0; i < COUNT; i++) {
-        struct wide done = wide_sub(a->force[i], a->push[i]);
-        a->done[i] = wide_axpy(a->done[i], p->settled, done);
-        a->force[i] = wide_of(p->force[i]);
-    }
+    for (int i = 0; i < COUNT; i++)
+        a->force[i] = wide_of(a->w->couple.penalty.force[i]);
 }
 
 /* penalty.md §3: sets push to C dv of the contacts as they are now. */
@@ -160,7 +153,7 @@ static void add_solve(void *user, int64_t step, const char *stage,
     }
 }
 
-/* |b - pressed + done + force - A Σ dv - C dv|, with force, C and dv of the
+/* |b - pressed + force - A Σ dv - C dv|, with force, C and dv of the
  * last turn: b, by Newton's method the imbalance that is left, includes
  * `pressed`, which `force` replaces. */
 static double left_over(struct ledger *a)
@@ -174,7 +167,6 @@ static double left_over(struct ledger *a)
         r[k] = wide_axpy(wide_of(b[k]), -m, a->dv[k]);
         r[k] = wide_axpy(r[k], -1, wide_of(a->pressed[k]));
         r[k] = wide_axpy(r[k], 1, a->force[k]);
-        r[k] = wide_axpy(r[k], 1, a->done[k]);
         r[k] = wide_sub(r[k], a->push[k]);
         a->size += m * a->way[k] + length(wide_of(b[k]));
     }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The list of contacts: its impulses are what contacts changed of the momentum,
- * and each pair's impulse pushes. spec/control/control.md §8 */
+ * and each pair's impulse pushes and rubs within its cone.
+ * spec/control/control.md §8 */
 #include <stdlib.h>
 
 #include "gpu/run/gpu.h"
@@ -136,6 +137,65 @@ const char *test_list_momentum(void)
     for (int k = 0; k < 8 && !failed; k++)
         failed = check_fall(some[k / 2], k % 2, (int[]){0, 3, 0, 16}[k / 2]);
     return failed;
+}
+
+/* The largest quotient of friction and normal force of a contact in the list,
+ * among those that bear more than rounding. */
+static double steepest(const drape_contact_list *l)
+{
+    double most = 0, all = 0;
+    for (int pass = 0; pass < 2; pass++)
+        for (int64_t k = 0; k < l->n; k++) {
+            const drape_contact *c = &l->contact[k];
+            double across[3], along = 0;
+            for (int i = 0; i < 3; i++)
+                along += c->impulse[i] * c->normal[i];
+            for (int i = 0; i < 3; i++)
+                across[i] = c->impulse[i] - along * c->normal[i];
+            all += pass ? 0 : fabs(along);
+            if (pass && size(across) > 1e-6 * all)
+                most = fmax(most, size(across) / fmax(along, 0));
+        }
+    return most;
+}
+
+/* §8.2: no contact's friction is beyond its cone, in steps with rounds, too: a
+ * sheet folds over the edge of a slab. */
+static const char *check_cone(int integrator, int backend)
+{
+    struct slab d;
+    const double friction = 0.2;
+    double most = 0;
+    int rounds = 0;
+    slab_make(&d, integrator);
+    d.cloth.u[0] = 0.28;
+    d.cloth.u[1] = 0.96;
+    d.cloth.origin[0] = 0;
+    d.cloth.material.friction = d.obstacle.friction = friction;
+    d.obstacle.motion = -1;
+    d.def.backend = backend;
+    drape_world *world = slab_world(&d);
+    EXPECT(world);
+    for (int k = 0; k < 40; k++) {
+        drape_contact_list l;
+        drape_step_report r;
+        EXPECT(drape_step(world, &r) == DRAPE_OK);
+        EXPECT(drape_contacts(world, &l) == DRAPE_OK);
+        rounds += r.rounds > 1 && l.n > 0;
+        most = fmax(most, steepest(&l));
+    }
+    drape_destroy(world);
+    EXPECT(rounds > 4 && most > 0.99 * friction);
+    EXPECT(most <= friction * (1 + 1e-3));
+    ran(1);
+    return NULL;
+}
+
+const char *test_list_cone(void)
+{
+    const char *failed = check_cone(DRAPE_BW, DRAPE_REF);
+    failed = failed ? failed : check_cone(DRAPE_BW, DRAPE_GPU);
+    return failed ? failed : check_cone(DRAPE_BDF2, DRAPE_REF);
 }
 
 /* §8: at rest the contacts carry the weight; the list is the same on both
