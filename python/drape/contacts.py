@@ -26,7 +26,7 @@ ROW = np.dtype(
 @dataclass(frozen=True, eq=False)
 class Pairs:
     """The pairs in contact in the last slice of a step, sides A and B: a vertex
-    and a face, or two edges.
+    and a face, or two edges. A pair that met again in the slice is listed twice.
 
     Attributes:
         kind: [n] 0: A is a vertex and B a face, 1: both are edges
