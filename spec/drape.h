@@ -509,7 +509,8 @@ typedef struct drape_contact {
 
 /* The contacts of a step's last slice, which is the whole step unless its
  * report says otherwise. An impulse divided by dt is the mean force, and its
- * part across the normal is at most friction times the part along it. A pair
+ * part across the normal is at most friction times the part along it, to the
+ * tolerance, unless a solve failed (DRAPE_UNCONVERGED). A pair
  * that met again in the slice is listed once more, with its normal then. */
 typedef struct drape_contact_list {
     int64_t n;
