@@ -16,8 +16,8 @@ class Closing:
         """Ends it."""
         raise NotImplementedError
 
-    def _leave(self, failed: bool) -> None:
-        """Called at the end, which may be that of an exception."""
+    def _leave(self, kind: type[BaseException] | None) -> None:
+        """Called at the end, which may be that of an exception of this kind."""
         self.close()
 
     def __enter__(self: T) -> T:
@@ -31,4 +31,4 @@ class Closing:
         trace: TracebackType | None,
     ) -> None:
         """Closes it."""
-        self._leave(kind is not None)
+        self._leave(kind)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import threading
 from collections.abc import Mapping
 from typing import Any
 
@@ -19,10 +20,16 @@ from .errors import SceneError, check_code
 
 class Handle:
     """A world of the library with the scene that it was made of. Both are
-    released when nothing refers to this any more."""
+    released when nothing refers to this any more.
+
+    Attributes:
+        lock: is held by whoever calls the library with the world: calls must not
+            overlap in time
+    """
 
     def __init__(self, text: scenes.Text, calls: Calls) -> None:
-        self.world = ffi.NULL
+        self.made = ffi.NULL  # what `world` returns
+        self.lock = threading.RLock()
         self.calls = calls  # the library calls them as long as the world is
         self.scene = read_scene(text)
         self.definition = getattr(self.scene, "def")
@@ -37,10 +44,16 @@ class Handle:
         code = lib.core_create(self.scene, made)
         del kept  # the library has copied the arrays
         check_code(code, self.scene.status)
-        self.world = made[0]
+        self.made = made[0]
+
+    @property
+    def world(self) -> Any:
+        """The drape_world, for a call of the library."""
+        self.calls.refuse_inside()
+        return self.made
 
     def __del__(self) -> None:
-        lib.drape_destroy(self.world)
+        lib.drape_destroy(self.made)
 
 
 def read_scene(text: scenes.Text) -> Any:

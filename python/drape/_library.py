@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Functions of Python that the library calls, and what keeps them in order."""
+"""Functions of Python that the library calls."""
 
 from __future__ import annotations
 
@@ -27,15 +27,24 @@ class Calls:
         self.unread = memoryview(b"")
         self.reads: list[memoryview] | None = None  # what was read, if asked for
         self.raised: BaseException | None = None
+        self.telling = 0  # the thread in which such a function runs now; 0: in none
         self.pointer = ffi.new_handle(self)
 
     def keep(self, call: Callable[[], None]) -> None:
         """Calls, and keeps the first exception; after one nothing is called."""
         if self.raised is None:
+            self.telling = threading.get_ident()
             try:
                 call()
             except BaseException as error:
                 self.raised = error
+            finally:
+                self.telling = 0
+
+    def refuse_inside(self) -> None:
+        """Refuses a call of the world by a function that the world calls."""
+        if self.telling == threading.get_ident():
+            raise Error("a log or trace function may not call its own world")
 
     def raise_kept(self) -> None:
         """Raises the exception that was kept, and forgets it."""
@@ -83,23 +92,3 @@ def core_read_bytes(user: Any, data: Any, size: int) -> int:
         calls.reads.append(calls.unread[:size])
     calls.unread = calls.unread[size:]
     return 0
-
-
-class Guard:
-    """Lets one thread at a time call a world: calls must not overlap in time,
-    and a function that the library calls must not call its world again."""
-
-    def __init__(self) -> None:
-        self.lock = threading.RLock()
-        self.inside = False
-
-    def __enter__(self) -> None:
-        self.lock.acquire()
-        if self.inside:
-            self.lock.release()
-            raise Error("a log or trace function may not call its own world")
-        self.inside = True
-
-    def __exit__(self, *_: object) -> None:
-        self.inside = False
-        self.lock.release()

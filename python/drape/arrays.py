@@ -10,7 +10,6 @@ import numpy as np
 
 from ._core import ffi, lib
 from ._define import Handle
-from ._library import Guard
 from .errors import DeviceError, check
 
 CPU, CUDA = 1, 2  # device types of DLPack
@@ -43,10 +42,9 @@ class SharedArray:
     call `World.wait_for` with a stream that still reads the array.
     """
 
-    def __init__(self, handle: Handle, guard: Guard, field: str) -> None:
+    def __init__(self, handle: Handle, field: str) -> None:
         """Made by a world; field is that of a drape_view."""
         self._handle = handle
-        self._guard = guard
         self._field = field
 
     def __repr__(self) -> str:
@@ -61,14 +59,14 @@ class SharedArray:
 
     def _view(self) -> Any:
         view = ffi.new("drape_view *")
-        with self._guard:
+        with self._handle.lock:
             check(lib.drape_borrow(self._handle.world, view), "borrow")
         return view
 
     @property
     def shape(self) -> tuple[int, int]:
         """(vertices, 3)."""
-        return (int(lib.drape_vertices(self._handle.world)), 3)
+        return (int(lib.drape_vertices(self._handle.made)), 3)
 
     @property
     def dtype(self) -> np.dtype[Any]:

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from . import scene as scenes
 from ._core import ffi, lib
 from ._define import Handle, put_arrays, read_scene
-from ._library import Calls, Guard
+from ._library import Calls
+from ._signals import Held
 from .errors import Error, SceneError, check, check_code
 from .record import Recorder
 
@@ -58,7 +59,6 @@ class Bodies:
 
     bodies: tuple[Body, ...]
     _calls: Calls
-    _guard: Guard
     _mirrors: dict[str, weakref.ref[NDArray[Any]]]
     _recorder: Recorder | None
     _text: scenes.Text
@@ -113,14 +113,17 @@ class Bodies:
         cloths = sum(each.kind == "cloth" for each in self.bodies)
         if each.kind == "cloth" and cloths == 1:
             raise SceneError(f"{each.name}: a world has at least one cloth")
-        with self._guard:
-            check(lib.drape_remove(self._open().world, k), "remove")
-            lib.core_remove(self._open().scene, k)
-        self._changed()
+        handle = self._open()
+        with Held(), handle.lock:
+            check(lib.drape_remove(handle.world, k), "remove")
+            lib.core_remove(handle.scene, k)
+            self._changed()
 
     def _may_change(self) -> None:
         if self._recorder:
-            raise Error("the world is being recorded, with the bodies that it has")
+            raise Error(
+                "the world is being recorded, with the bodies and the time that it has"
+            )
 
     def _add(self, key: str, tree: dict[str, Any]) -> Body:
         """Reads a scene of this one body, and adds it to the world."""
@@ -137,13 +140,14 @@ class Bodies:
         add = lib.drape_add_cloth if key == "cloths" else lib.drape_add_obstacle
         sort = lib.CORE_CLOTH if key == "cloths" else lib.CORE_OBSTACLE
         new = getattr(definition, key) + (getattr(definition, f"n_{key}") - 1)
-        with self._guard:
+        kind = key[:-1]
+        with Held(), handle.lock:
             status = add(handle.world, new, error)
-            self._calls.raise_kept()
             if status >= 0:
                 check_code(lib.core_add(handle.scene, sort, new, made))
+                self._changed()
+            self._calls.raise_kept()
         del kept
-        kind = key[:-1]
         try:
             number = check(status, kind)
         except SceneError as refused:
@@ -151,7 +155,6 @@ class Bodies:
             told = SceneError(f"{kind}: {words}")
             told.status = refused.status
             raise told from None
-        self._changed()
         return [each for each in self.bodies if each.kind == kind][number]
 
     def _follow(self, reads: list[memoryview], done: bool) -> None:

@@ -15,7 +15,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import scene as scenes
 from ._core import ffi, lib
 from ._define import Handle, read_scene
-from ._library import Calls, Guard
+from ._library import Calls
+from ._signals import Held
 from .arrays import address, order
 from .contacts import ROW, Contacts
 from .errors import CheckpointError, Error, SceneError, check
@@ -119,7 +120,6 @@ class Control:
     binary64 on the host. What a call was given may be changed after it.
     """
 
-    _guard: Guard
     _calls: Calls
     bodies: tuple[Any, ...]
     _log: Calls | None = None
@@ -132,6 +132,12 @@ class Control:
         raise NotImplementedError
 
     def _done(self, report: Any) -> StepReport:
+        raise NotImplementedError
+
+    def _begin(self) -> None:
+        raise NotImplementedError
+
+    def _may_change(self) -> None:
         raise NotImplementedError
 
     def _clock(self) -> tuple[int, float]:
@@ -150,8 +156,9 @@ class Control:
 
     def _call(self, name: str, where: str, *arguments: Any) -> int:
         """Calls a function of the library that takes the world first."""
-        with self._guard:
-            status = getattr(lib, name)(self._open().world, *arguments)
+        handle = self._open()
+        with handle.lock:
+            status = getattr(lib, name)(handle.world, *arguments)
         return check(status, where)
 
     def _vectors(
@@ -329,9 +336,9 @@ class Control:
         """Returns the pairs that were closer than their thickness, or met, in the
         last slice of the last step that was not skipped. None of an explicit
         integrator's: that is a SceneError."""
-        c = ffi.new("drape_contact_list *")
-        with self._guard:
-            check(lib.drape_contacts(self._open().world, c), "contacts")
+        c, handle = ffi.new("drape_contact_list *"), self._open()
+        with handle.lock:
+            check(lib.drape_contacts(handle.world, c), "contacts")
             rows = _copied(c.contact, c.n, ROW)
             flat = _copied(c.impulse, 3 * len(self.bodies), np.dtype("f8"))
         return Contacts(
@@ -349,15 +356,17 @@ class Control:
     def start_log(self) -> None:
         """Begins a log: the state now, and then all that changes the world."""
         log = Calls(None, None)  # a checkpoint that is made meanwhile is not in it
-        self._call("drape_record", "log", lib.core_write, log.pointer)
-        self._log = log
+        with Held():
+            self._call("drape_record", "log", lib.core_write, log.pointer)
+            self._log = log
 
     def end_log(self) -> bytes:
         """Ends the log and returns it; `replay` takes it."""
         if self._log is None:
             raise Error("log: none was begun")
-        self._call("drape_record", "log", ffi.NULL, ffi.NULL)
-        log, self._log = self._log, None
+        with Held():
+            self._call("drape_record", "log", ffi.NULL, ffi.NULL)
+            log, self._log = self._log, None
         return bytes(log.written)
 
     def replay(self, log: bytes) -> Iterator[StepReport]:
@@ -365,20 +374,31 @@ class Control:
         when it is done. The bits are those of the world that was logged. Bodies
         that the log adds are called "cloth" and "obstacle"."""
         unread = memoryview(log)
+        self._may_change()
+        self._begin()
         while True:
-            c = ffi.new("drape_step_report *")
-            with self._guard:
-                self._calls.unread, self._calls.reads = unread, []
-                status = lib.drape_replay(
-                    self._open().world, lib.core_read_bytes, self._calls.pointer, c
-                )
-                unread, self._calls.unread = self._calls.unread, memoryview(b"")
-                reads, self._calls.reads = self._calls.reads, None
-                self._now = self._clock()  # it may have led elsewhere
-            self._follow(reads, status >= 0)
-            self._refresh()
+            with Held():
+                status, unread, report = self._replay_step(unread)
             if status == Status.EIO or (status == 0 and unread):
                 raise CheckpointError("log: it ends within a call")
             if check(status, "log") == 0:
                 return
-            yield self._done(c)
+            yield report
+
+    def _replay_step(self, unread: memoryview) -> tuple[int, memoryview, Any]:
+        """Makes the calls of a log up to and with the next step. Returns the
+        library's status, the rest of the log, and the step's report."""
+        c, handle, calls = ffi.new("drape_step_report *"), self._open(), self._calls
+        with handle.lock:
+            calls.unread, calls.reads = unread, []
+            status = lib.drape_replay(
+                handle.world, lib.core_read_bytes, calls.pointer, c
+            )
+            unread, calls.unread = calls.unread, memoryview(b"")
+            reads, calls.reads = calls.reads, None
+            self._now = self._clock()  # it may have led elsewhere
+            self._follow(reads, status >= 0)
+            self._refresh()
+            report = self._done(c) if status > 0 else None
+            calls.raise_kept()
+        return status, unread, report

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import hashlib
 import os
+import threading
 import weakref
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,8 @@ from . import scene as scenes
 from ._closing import Closing
 from ._core import ffi, lib
 from ._define import Handle, with_keys
-from ._library import Calls, Guard, Log, Trace
+from ._library import Calls, Log, Trace
+from ._signals import Held
 from .arrays import SharedArray, address, order
 from .bodies import Bodies
 from .control import Control
@@ -118,10 +120,10 @@ class World(Bodies, Control, Closing):
         text = with_keys(scenes.read(scene, folder), keys)
         self._text = scenes.Text(text.text, text.file, [], [])
         self._calls = Calls(log, trace)
-        self._guard = Guard()
         self._mirrors: dict[str, weakref.ref[NDArray[Any]]] = {}
         self._recorder: Recorder | None = None
         self._report: StepReport | None = None
+        self._reports = Reports()
         self._now = (0, 0.0)  # what the clock was after the last call
         self._handle: Handle | None = Handle(text, self._calls)
         self._calls.raise_kept()
@@ -138,6 +140,10 @@ class World(Bodies, Control, Closing):
     @property
     def _world(self) -> Any:
         return self._open().world
+
+    @property
+    def _guard(self) -> threading.RLock:
+        return self._open().lock
 
     @property
     def name(self) -> str:
@@ -191,26 +197,47 @@ class World(Bodies, Control, Closing):
         first one after a checkpoint was loaded."""
         return self._report
 
+    @property
+    def reports(self) -> Reports:
+        """The reports of the last call that made steps, as far as it came: those
+        of `step` where Ctrl-C or an exception has ended it, too. The last one is
+        of a step that was given up where the call has raised a DivergedError."""
+        return self._reports
+
     # Steps
 
-    def _step(self) -> StepReport:
+    def _begin(self) -> None:
+        """Begins a call that makes steps."""
+        self._reports = Reports()
+
+    def _step(self) -> None:
+        """Makes a step and takes note of it, whatever it raises after that."""
         c = ffi.new("drape_step_report *")
         with self._guard:
+            if self._recorder:
+                self._recorder.refuse_gap()
             status = lib.drape_step(self._world, c)
+            report = self._done(c) if status >= 0 else None
             self._calls.raise_kept()
             check(status, "step")
-            return self._done(c)
+        if report:
+            _undiverged(report)
 
     def _done(self, report: Any) -> StepReport:
         """Takes note of a step's report, for the recorder too."""
         self._report = step_report(report)
         self._now = self._report.step, self._report.time
+        self._reports.append(self._report)
         if self._recorder:
             self._recorder.add(report)
         return self._report
 
     def step(self, n: int = 1) -> Reports:
         """Advances the world by n steps of `dt`.
+
+        Ctrl-C is heard after each step: the world, its arrays and the files of a
+        run that is recorded are then those after that step, and `reports` has what
+        this call would have returned.
 
         Returns:
             the reports of the steps
@@ -223,13 +250,19 @@ class World(Bodies, Control, Closing):
         """
         if n < 0:
             raise ValueError(f"step: {n}: expected 0 or more")
-        reports = Reports()
+        with Held() as held:
+            self._begin()
+            return self._steps(n, held.deliver)
+
+    def _steps(self, n: int, between: Callable[[], object]) -> Reports:
+        """Makes steps, with a call before each, which may raise an exception."""
         try:
             for _ in range(n):
-                reports.append(_undiverged(self._step()))
+                between()
+                self._step()
         finally:
             self._refresh()
-        return reports
+        return self._reports
 
     @property
     def _is_plain(self) -> bool:
@@ -239,19 +272,17 @@ class World(Bodies, Control, Closing):
             self._handle and not calls.log and not calls.trace and not self._recorder
         )
 
-    def _take(self, made: Sequence[Any], status: int) -> Reports:
+    def _take(self, made: Sequence[Any], status: int) -> None:
         """Takes note of steps that were made, of which those after the last one
         are zeros, and raises what `step` would have raised."""
-        reports = Reports()
         try:
             with self._guard:
                 for c in made:
                     if c.step or c.outcome:
-                        reports.append(_undiverged(self._done(c)))
+                        _undiverged(self._done(c))
                 check(status, "step")
         finally:
             self._refresh()
-        return reports
 
     def wake(self) -> None:
         """Wakes all cloths that are asleep, from the next step on."""
@@ -299,16 +330,16 @@ class World(Bodies, Control, Closing):
         the host too: see `SharedArray` for how long they are valid."""
         handle = self._open()
         return (
-            SharedArray(handle, self._guard, "x"),
-            SharedArray(handle, self._guard, "v"),
+            SharedArray(handle, "x"),
+            SharedArray(handle, "v"),
         )
 
     def _array(self, field: str) -> NDArray[Any] | SharedArray:
         if self.backend == "gpu":
-            return SharedArray(self._open(), self._guard, field)
+            return SharedArray(self._open(), field)
         owner = self._mirrors[field]() if field in self._mirrors else None
         if owner is None:
-            shared = SharedArray(self._open(), self._guard, field)
+            shared = SharedArray(self._open(), field)
             owner = np.array(shared)
             self._mirrors[field] = weakref.ref(owner)
         view = owner.view()
@@ -322,7 +353,7 @@ class World(Bodies, Control, Closing):
             if owner is None:
                 del self._mirrors[field]
             else:
-                owner[:] = np.asarray(SharedArray(self._open(), self._guard, field))
+                owner[:] = np.asarray(SharedArray(self._open(), field))
 
     def read(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Copies positions, m, and velocities, m/s, [vertices, 3] each, to the
@@ -336,7 +367,7 @@ class World(Bodies, Control, Closing):
 
     def __len__(self) -> int:
         """The number of vertices."""
-        return int(lib.drape_vertices(self._world))
+        return int(lib.drape_vertices(self._open().made))
 
     def digest(self) -> str:
         """Returns the SHA-256 of the state: positions, then velocities, as
@@ -403,14 +434,17 @@ class World(Bodies, Control, Closing):
         Raises:
             CheckpointError: it is damaged, or of another scene
         """
-        before = self.checkpoint()
-        left = self._restore(data)
-        if left:
-            self._restore(before)
-        self._refresh()
+        self._may_change()
+        with Held():
+            before = self.checkpoint()
+            left = self._restore(data)
+            if left:
+                self._restore(before)
+            else:
+                self._report = None
+            self._refresh()
         if left:
             raise CheckpointError(f"checkpoint: {left} bytes behind its end")
-        self._report = None
 
     def _restore(self, data: bytes) -> int:
         """Loads a checkpoint and returns how many bytes are behind its end."""
@@ -470,9 +504,11 @@ class World(Bodies, Control, Closing):
         if self.steps:
             raise Error("a run is recorded from its start: before the first step")
         how = ffi.new("core_run_how *", (obj, contacts, force))
-        self._recorder = Recorder(self._open(), self._guard, folder, how)
-        self._recorder.on_close = self._end_record
-        return self._recorder
+        with Held():
+            recorder = Recorder(self._open(), folder, how)
+            recorder.on_close = self._end_record
+            self._recorder = recorder
+        return recorder
 
     def _end_record(self) -> None:
         self._recorder = None
@@ -496,7 +532,7 @@ class World(Bodies, Control, Closing):
         Returns:
             the path
         """
-        return picture(self._open(), self._guard, Path(path), width, height, samples)
+        return picture(self._open(), Path(path), width, height, samples)
 
     def close(self) -> None:
         """Ends the world. Its memory is released when no array shares it."""
