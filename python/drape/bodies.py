@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import os
+import reprlib
 import struct
 import weakref
 from collections.abc import Iterator, Mapping
@@ -52,6 +53,13 @@ CLOTH, MESH, REMOVE = 11, 12, 13
 
 # A scene must have a cloth; this one stands in where an obstacle is read.
 ANY_CLOTH = {"particles": [2, 2]}
+
+
+def means(body: object, number: int, each: Any) -> bool:
+    """Whether a body, which may be its number or its name, is this one."""
+    if isinstance(body, (int, np.integer)) and not isinstance(body, bool):
+        return int(body) == number
+    return body is each or (isinstance(body, str) and body == each.name)
 
 
 class Bodies:
@@ -105,10 +113,10 @@ class Bodies:
             body: its number in `bodies`, its name, or itself
         """
         for k, each in enumerate(self.bodies):
-            if body is each or body == each.name or (body == k and body is not True):
+            if means(body, k, each):
                 break
         else:
-            raise SceneError(f"{body!r}: there is no such body")
+            raise SceneError(f"{reprlib.repr(body)}: there is no such body")
         self._may_change()
         cloths = sum(each.kind == "cloth" for each in self.bodies)
         if each.kind == "cloth" and cloths == 1:

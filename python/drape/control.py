@@ -6,6 +6,7 @@ that replay a session bit for bit."""
 from __future__ import annotations
 
 import dataclasses
+import reprlib
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -16,8 +17,10 @@ from . import scene as scenes
 from ._core import ffi, lib
 from ._define import Handle, read_scene
 from ._library import Calls
+from ._meshes import on_host
 from ._signals import Held
 from .arrays import address, order
+from .bodies import means
 from .contacts import ROW, Contacts
 from .errors import CheckpointError, Error, SceneError, check
 from .fabrics import materials
@@ -146,13 +149,18 @@ class Control:
     def _follow(self, reads: list[memoryview], done: bool) -> None:
         raise NotImplementedError
 
-    def _number(self, body: int | str | Any, kind: str) -> int:
-        """Returns a body's number among those of its kind."""
+    def _one(self, body: int | str | Any, kind: str) -> tuple[int, Any]:
+        """Returns a body's number among those of its kind, and the body."""
         alike = [each for each in self.bodies if each.kind == kind]
         for k, each in enumerate(alike):
-            if body is each or body == each.name or (body == k and body is not True):
-                return k
-        raise SceneError(f"{body!r}: there is no such {kind}")
+            if means(body, k, each):
+                return k, each
+        text = reprlib.repr(getattr(body, "name", body))
+        names = reprlib.repr([each.name for each in alike])
+        raise SceneError(
+            f"{text}: there is no such {kind}; expected a number, a name or a Body "
+            f"of {names}"
+        )
 
     def _call(self, name: str, where: str, *arguments: Any) -> int:
         """Calls a function of the library that takes the world first."""
@@ -199,16 +207,29 @@ class Control:
         order(ffi.cast("void *", about.get("stream") or 1), address(view.stream) or 1)
         return ffi.cast("void *", about["data"][0]), value
 
-    def _rows(self, value: Any, first: int, where: str) -> int:
-        """Returns the number of rows of an array that begins at a vertex."""
-        n = len(value) if hasattr(value, "__len__") else 1
-        end = max(each.vertices.stop for each in self.bodies if each.kind == "cloth")
+    def _rows(
+        self, what: str, cloth: Any, vectors: Any, first: int | None
+    ) -> tuple[str, Any, int, int]:
+        """Returns what an array of vectors of cloths is called, the array, and
+        where in the scene and of how many rows it is."""
+        if vectors is None:
+            where, vectors, start = what, cloth, 0
+            end = max(b.vertices.stop for b in self.bodies if b.kind == "cloth")
+            whose = "the vertices of cloths are"
+            first = first or 0
+        else:
+            _, body = self._one(cloth, "cloth")
+            where, start = f"{body.name}: {what}", body.vertices.start
+            end = body.vertices.stop - start
+            whose = "its vertices are"
+            if first is None:
+                return where, vectors, start, end
+        n = len(vectors) if hasattr(vectors, "__len__") else 1
         if not 0 <= first <= end - n:
             raise SceneError(
-                f"{where}: {n} rows from vertex {first} on; the vertices of cloths "
-                f"are 0 to {end - 1}"
+                f"{where}: {n} rows from vertex {first} on; {whose} 0 to {end - 1}"
             )
-        return n
+        return where, vectors, start + first, n
 
     # What is changed
 
@@ -237,7 +258,7 @@ class Control:
                 those of a fabric that is named beside them. An array of shape
                 (0, 2) in `stretch` makes a direction linear again
         """
-        k = self._number(cloth, "cloth")
+        k, _ = self._one(cloth, "cloth")
         new = ffi.new("drape_material *")
         self._call("drape_read_material", "material", k, new)
         given = {"name": material} if isinstance(material, str) else material
@@ -250,24 +271,37 @@ class Control:
         except SceneError as refused:
             raise _told(refused, _material_fault(new)) from None
 
-    def set_positions(self, positions: Any, first: int = 0) -> None:
-        """Sets where vertices of cloths are, [n, 3] m, from vertex `first` on.
-        The world forgets its past; entries of pinned particles are not used."""
-        n, error = self._rows(positions, first, "positions"), ffi.new("drape_error *")
+    def set_positions(
+        self, cloth: Any, positions: Any = None, *, first: int | None = None
+    ) -> None:
+        """Sets where vertices of cloths are. The world forgets its past; entries of
+        pinned particles are not used. ``set_positions(positions)`` sets those of
+        the scene's vertices from its first one on.
+
+        Args:
+            cloth: its number, name or `Body`
+            positions: [n, 3] m, of all its vertices
+            first: the vertex of the cloth, or of the scene, that the positions
+                begin with; they may then be fewer
+        """
+        where, x, at, n = self._rows("positions", cloth, positions, first)
+        error = ffi.new("drape_error *")
         try:
-            self._vectors(
-                "drape_set_positions", "positions", (first, n), positions, n, (error,)
-            )
+            with Held():
+                self._vectors("drape_set_positions", where, (at, n), x, n, (error,))
+                self._refresh()
         except SceneError as refused:
             text = ffi.string(error.text).decode(errors="replace")
-            raise _told(refused, text and f"positions: {text}") from None
-        self._refresh()
+            raise _told(refused, text and f"{where}: {text}") from None
 
-    def set_velocities(self, velocities: Any, first: int = 0) -> None:
+    def set_velocities(
+        self, cloth: Any, velocities: Any = None, *, first: int | None = None
+    ) -> None:
         """Sets velocities of vertices of cloths, [n, 3] m/s, likewise."""
-        n = self._rows(velocities, first, "velocities")
-        self._vectors("drape_set_velocities", "velocities", (first, n), velocities, n)
-        self._refresh()
+        where, v, at, n = self._rows("velocities", cloth, velocities, first)
+        with Held():
+            self._vectors("drape_set_velocities", where, (at, n), v, n)
+            self._refresh()
 
     def set_pins(
         self, cloth: int | str | Any, particles: ArrayLike, targets: Any = None
@@ -280,20 +314,21 @@ class Control:
             targets: [n, 3] m, where each is at the end of the next step; None:
                 they stay where they are
         """
-        k = self._number(cloth, "cloth")
-        who = np.asarray(particles)
+        k, body = self._one(cloth, "cloth")
+        where = f"{body.name}: pins"
+        who = on_host(particles)
         who = scenes.array(
-            who if who.size else np.empty(0, np.int32), (None,), "pins", np.int32
+            who if who.size else np.empty(0, np.int32), (None,), where, np.int32
         )
         before = (k, len(who), ffi.cast("int32_t *", who.ctypes.data))
         try:
             if targets is None:
-                self._call("drape_set_pins", "pins", *before, ffi.NULL)
+                self._call("drape_set_pins", where, *before, ffi.NULL)
             else:
-                self._vectors("drape_set_pins", "pins", before, targets, len(who))
+                self._vectors("drape_set_pins", where, before, targets, len(who))
         except SceneError as refused:
             c = self._open().definition.cloths[k]
-            fault = f"pins: {_pins_fault(who, c.m * c.n)}"
+            fault = f"{where}: {_pins_fault(who, c.m * c.n)}"
             raise _told(
                 refused, fault if refused.status == Status.EARG else None
             ) from None
@@ -301,10 +336,10 @@ class Control:
     def set_obstacle(self, obstacle: int | str | Any, vertices: Any) -> None:
         """Tells an obstacle where its vertices, [n, 3] m, are at the end of the
         next step. Cloth in the way is pushed."""
-        k = self._number(obstacle, "obstacle")
-        body = [each for each in self.bodies if each.kind == "obstacle"][k]
+        k, body = self._one(obstacle, "obstacle")
         n = body.vertices.stop - body.vertices.start
-        self._vectors("drape_set_obstacle", "obstacle", (k,), vertices, n)
+        where = f"{body.name}: vertices"
+        self._vectors("drape_set_obstacle", where, (k,), vertices, n)
 
     def set_pose(
         self,
@@ -322,13 +357,13 @@ class Control:
             rotation: [4] quaternion w, x, y, z of length 1; None: none
             pivot: [3] m; None: the origin
         """
-        k = self._number(obstacle, "obstacle")
+        k, body = self._one(obstacle, "obstacle")
         p = scenes.array(position, (3,), "position").tolist()
         none = ffi.NULL
         q = none if rotation is None else scenes.array(rotation, (4,), "rotation")
         c = none if pivot is None else scenes.array(pivot, (3,), "pivot")
         rest = (each if each is none else each.tolist() for each in (q, c))
-        self._call("drape_set_pose", "pose", k, p, *rest)
+        self._call("drape_set_pose", f"{body.name}: pose", k, p, *rest)
 
     # What is told
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._core import ffi, lib
+from ._meshes import mesh_of
 from .errors import SceneError, check
 from .scene import array
 
@@ -65,8 +66,8 @@ class _Mesh:
 
 
 def audit(
-    vertices: ArrayLike,
-    triangles: ArrayLike,
+    vertices: Any,
+    triangles: ArrayLike | None = None,
     group: ArrayLike | None = None,
     *,
     threads: int = 0,
@@ -74,11 +75,13 @@ def audit(
     """Finds the intersecting pairs of triangles of a mesh, exactly.
 
     Args:
-        vertices: [n, 3] m
+        vertices: [n, 3] m; or, without triangles, a mesh as `Obstacle` takes it
         triangles: [k, 3] numbers of vertices
         group: [k] 0: of an obstacle; two such triangles are not compared
         threads: 0: as many as processors; the number changes no result
     """
+    if triangles is None:
+        vertices, triangles = mesh_of(vertices, "audit")
     mesh = _Mesh(vertices, triangles, threads)
     if group is not None:
         groups = array(group, (len(mesh.tri),), "group", kind=np.int32)

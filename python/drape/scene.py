@@ -4,7 +4,8 @@ app/scenes/README.md describes with ranges and defaults; a field that is None is
 left out, so that the default is the reader's own.
 
 Arrays are beyond what a file holds: a cloth may be given its `positions` and
-`velocities`, an obstacle its `vertices`, `triangles` and `vertex_frames`.
+`velocities`, an obstacle its `vertices`, `triangles` and `vertex_frames`, or as its
+`mesh` an object that has these. They may be NumPy's, torch's, CuPy's or Warp's.
 """
 
 from __future__ import annotations
@@ -12,23 +13,71 @@ from __future__ import annotations
 import dataclasses
 import json
 import os
+import reprlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import _whole
+from . import _meshes, _whole
 from .errors import SceneError
 
 # A list or an array of numbers.
 Vector = Sequence[float] | NDArray[Any]
 
+# How keys are given, by the class that somebody may give values without names.
+EXAMPLES = {
+    "Cloth": "particles=[51, 51]",
+    "Obstacle": "mesh=…",
+    "Material": 'name="denim"',
+    "Scene": "cloths=[…]",
+}
 
-@dataclass
-class Wind:
+
+def _same(a: Any, b: Any) -> bool:
+    """Whether two values of keys say the same. A list, a tuple and an array are
+    the same if their numbers are."""
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        return a.keys() == b.keys() and all(_same(a[key], b[key]) for key in a)
+    if isinstance(a, (list, tuple)) and isinstance(b, (list, tuple)):
+        return len(a) == len(b) and all(map(_same, a, b))
+    if hasattr(a, "__array__") or hasattr(b, "__array__"):
+        return _meshes.same(a, b)
+    return bool(a == b)
+
+
+T = TypeVar("T", bound="Keys")
+
+
+class Keys:
+    """Keys of a scene, which are given by their names."""
+
+    def __new__(cls: type[T], *values: Any, **_: Any) -> T:
+        """Refuses values without names, which might be taken for other keys'."""
+        if values:
+            name, given = cls.__name__, ", ".join(map(reprlib.repr, values))
+            example = EXAMPLES.get(name, "key=value")
+            raise TypeError(
+                f"drape.{name}({given}): keys are given by their names, as in "
+                f"drape.{name}({example})"
+            )
+        return object.__new__(cls)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether all keys say the same, arrays by their numbers."""
+        if type(other) is not type(self):
+            return NotImplemented
+        return all(
+            _same(getattr(self, key.name), getattr(other, key.name))
+            for key in dataclasses.fields(self)  # type: ignore[arg-type]
+        )
+
+
+@dataclass(kw_only=True, eq=False)
+class Wind(Keys):
     """Air that moves with one velocity everywhere.
 
     Attributes:
@@ -43,8 +92,8 @@ class Wind:
     lift: float | None = None
 
 
-@dataclass
-class Camera:
+@dataclass(kw_only=True, eq=False)
+class Camera(Keys):
     """Where pictures are taken from.
 
     Attributes:
@@ -64,8 +113,8 @@ class Camera:
     floor: Vector | None = None
 
 
-@dataclass
-class Look:
+@dataclass(kw_only=True, eq=False)
+class Look(Keys):
     """How a body looks in pictures.
 
     Attributes:
@@ -80,8 +129,8 @@ class Look:
     check: bool | None = None
 
 
-@dataclass
-class Key:
+@dataclass(kw_only=True, eq=False)
+class Key(Keys):
     """A keyframe of a motion.
 
     Attributes:
@@ -97,8 +146,8 @@ class Key:
     axis: Vector | None = None
 
 
-@dataclass
-class Motion:
+@dataclass(kw_only=True, eq=False)
+class Motion(Keys):
     """A rigid motion by keyframes, which bodies and pins call by its name.
 
     Attributes:
@@ -114,8 +163,8 @@ class Motion:
 TABLES = ("warp", "weft", "bias")
 
 
-@dataclass
-class Material:
+@dataclass(kw_only=True, eq=False)
+class Material(Keys):
     """What cloth is made of: a fabric's name, and numbers that override its own.
 
     Attributes:
@@ -142,8 +191,8 @@ class Material:
     limit: float | Vector | None = None
 
 
-@dataclass
-class Start:
+@dataclass(kw_only=True, eq=False)
+class Start(Keys):
     """Where and how a cloth starts.
 
     Attributes:
@@ -163,8 +212,8 @@ class Start:
     gap: float | None = None
 
 
-@dataclass
-class Region:
+@dataclass(kw_only=True, eq=False)
+class Region(Keys):
     """A part of a sheet at rest, m from its corner u0 v0.
 
     Attributes:
@@ -176,8 +225,8 @@ class Region:
     rect: Vector | None = None
 
 
-@dataclass
-class Pin:
+@dataclass(kw_only=True, eq=False)
+class Pin(Keys):
     """Particles that are held, or led by a motion.
 
     Attributes:
@@ -192,8 +241,8 @@ class Pin:
     motion: str | None = None
 
 
-@dataclass
-class Cloth:
+@dataclass(kw_only=True, eq=False)
+class Cloth(Keys):
     """A rectangular sheet of m × n particles.
 
     Attributes:
@@ -222,8 +271,8 @@ class Cloth:
     velocities: ArrayLike | None = None
 
 
-@dataclass
-class Frames:
+@dataclass(kw_only=True, eq=False)
+class Frames(Keys):
     """Numbered mesh files of an obstacle that deforms.
 
     Attributes:
@@ -238,13 +287,14 @@ class Frames:
     dt: float | None = None
 
 
-@dataclass
-class Obstacle:
+@dataclass(kw_only=True, eq=False)
+class Obstacle(Keys):
     """A mesh that cloth collides with: from a file, made in code, or arrays.
 
     Attributes:
-        mesh: a file; shape: "plane", "box", "sphere", "capsule", "funnel" or
-            "statue"
+        mesh: a file; or a mesh as it is: an object of trimesh, pyvista, Open3D or
+            meshio, or a pair (vertices, triangles) of arrays
+        shape: "plane", "box", "sphere", "capsule", "funnel" or "statue"
         frames: mesh files of an obstacle that deforms
         extent, radius, length, throat, height: of the shape, m; detail:
             segments around it
@@ -260,7 +310,7 @@ class Obstacle:
     """
 
     name: str | None = None
-    mesh: str | None = None
+    mesh: str | os.PathLike[str] | Any | None = None
     shape: str | None = None
     frames: Frames | None = None
     extent: Vector | None = None
@@ -285,8 +335,8 @@ class Obstacle:
     frame_dt: float | None = None
 
 
-@dataclass
-class Scene:
+@dataclass(kw_only=True, eq=False)
+class Scene(Keys):
     """A scene: bodies, forces, and how a step is computed.
 
     Attributes:
@@ -420,6 +470,13 @@ def _take_obstacle(k: int, body: Any) -> Arrays:
     """Takes an obstacle's arrays; the reader gets a plane in their place, which
     the world's definition never sees."""
     arrays = _take(body, OBSTACLE_ARRAYS)
+    mesh = body.get("mesh") if isinstance(body, dict) else None
+    if mesh is not None and not isinstance(mesh, (str, os.PathLike)):
+        where = f"obstacles[{k}].mesh"
+        if arrays:
+            raise SceneError(f"{where}: it has vertices, and so has {min(arrays)}")
+        arrays["vertices"], arrays["triangles"] = _meshes.mesh_of(mesh, where)
+        del body["mesh"]
     if arrays:
         for key in sorted(set(body) - set(OBSTACLE_KEYS)):
             raise SceneError(
@@ -489,12 +546,13 @@ def _bodies(tree: dict[str, Any], key: str) -> list[Any]:
 def array(
     value: Any, shape: tuple[int | None, ...], where: str, kind: Any = np.float64
 ) -> NDArray[Any]:
-    """Returns a C-contiguous array of this shape, where None is any number.
+    """Returns a C-contiguous array of this shape, where None is any number. The
+    value is any array that NumPy, torch, CuPy or Warp has.
 
     Raises SceneError that names `where`, the shape that it has and the one that
     was expected."""
     try:
-        found = np.asarray(value)
+        found = _meshes.on_host(value)
         if kind is not np.float64 and found.dtype.kind not in "iu":
             raise TypeError("expected whole numbers")
         if found.dtype.kind not in "iuf":

@@ -291,7 +291,18 @@ class World(Bodies, Control, Closing):
 
     def set_wind(self, wind: scenes.Wind | Mapping[str, Any]) -> None:
         """Sets the wind from the next step on, and wakes the scene; what is not
-        given stays as it is. A scene that was made without wind takes none."""
+        given stays as it is.
+
+        Raises:
+            SceneError: the scene was made without wind, or with one that has no
+                force: its steps have no stage for wind
+        """
+        made = self._open().definition.wind
+        if not (made.density and (made.drag or made.lift)):
+            raise SceneError(
+                "wind: the world was made without one, so that this would have no "
+                "effect; give the scene a wind with a density, which may stand still"
+            )
         given = scenes.as_dict(wind)
         unknown = sorted(set(given) - {"velocity", "density", "drag", "lift"})
         if unknown:

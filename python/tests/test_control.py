@@ -62,6 +62,36 @@ def test_positions(tiny: Path) -> None:
         world.set_positions(lifted, first=len(world))
 
 
+def test_positions_of_a_body(sheet: dict[str, Any]) -> None:
+    """Positions and velocities are given as set_pins and set_obstacle take theirs."""
+    first, second = ({**sheet["cloths"][0], "name": name} for name in "ab")
+    second["start"] = {"at": [0, 1, 0]}
+    ball = {"shape": "sphere", "radius": 0.1, "at": [0, -1, 0], "name": "ball"}
+    world = drape.World({"cloths": [first, second], "obstacles": [ball]})
+    a, b, _ = world.bodies
+    n = len(world.positions[a.vertices])
+    start = world.read()[0]
+    for cloth in (b, "b", 1, np.int64(1)):
+        world.set_positions(cloth, start[b.vertices] + [0, 0.1, 0])
+        world.set_velocities(cloth, np.full((n, 3), 0.5))
+        x, v = world.read()
+        assert np.array_equal(x[a.vertices], start[a.vertices])
+        assert x[b.vertices] == pytest.approx(start[b.vertices] + [0, 0.1, 0])
+        assert (v[b.vertices] == 0.5).all() and (v[a.vertices] == 0).all()
+        world.set_positions(start[: 2 * n])
+    world.set_velocities(b, [[1.0, 2.0, 3.0]], first=2)
+    assert world.read()[1][n + 2].tolist() == [1, 2, 3]
+    world.set_positions("a", world.positions[a.vertices])
+    with pytest.raises(drape.SceneError, match=f"^b: positions: {n - 1} × 3; expected"):
+        world.set_positions(b, start[b.vertices][1:])
+    with pytest.raises(drape.SceneError, match=r"^b: velocities: 2 rows .* its vert"):
+        world.set_velocities("b", np.zeros((2, 3)), first=n - 1)
+    with pytest.raises(drape.SceneError, match=r"^'ball': there is no such cloth.*'a'"):
+        world.set_positions(world.bodies[2], start[world.bodies[2].vertices])
+    with pytest.raises(drape.SceneError, match="expected a number, a name or a Body"):
+        world.set_positions(start[a.vertices], 0)
+
+
 def test_pins_lead_particles(sheet: dict[str, Any]) -> None:
     world = drape.World(sheet, precision=64)
     name = world.bodies[0].name
@@ -202,8 +232,10 @@ def test_obstacles_push_and_contacts_tell(tiny: Path) -> None:
     assert world.positions[ball.vertices] == pytest.approx(lifted)
     world.set_pose(0, [0, 0.02, 0])
     assert world.step(2).clean
-    with pytest.raises(drape.SceneError, match="obstacle"):
+    with pytest.raises(drape.SceneError, match="ball: vertices: 61 × 3; expected 62"):
         world.set_obstacle(0, x[1:])
+    with pytest.raises(drape.SceneError, match="ball: pose"):
+        world.set_pose(ball, [0, 0, 0], [1, 1, 0, 0])
     with pytest.raises(drape.SceneError, match="contacts"):
         drape.World(tiny, integrator="verlet").contacts()
 

@@ -72,4 +72,9 @@ def test_what_is_refused(tiny: Path) -> None:
         drape.step_many([world, world])
     with pytest.raises(ValueError, match="threads"):
         drape.step_many([world], threads=0)
+    with pytest.raises(TypeError, match=r"worlds\[0\]: expected a drape.World, not 1"):
+        drape.step_many([1, 2])  # type: ignore[list-item]
+    for wrong in (world, 5):
+        with pytest.raises(TypeError, match=r"as in step_many\(\[world\], n\)"):
+            drape.step_many(wrong)  # type: ignore[arg-type]
     assert world.report is None

@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import contextlib
+import copy
 import dataclasses
 import json
 import re
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -75,7 +78,10 @@ def test_objects_mappings_and_files_are_the_same(tmp_path: Path) -> None:
         ],
         obstacles=[drape.Obstacle(shape="sphere", radius=np.float64(0.2), detail=16)],
         motions=[
-            drape.Motion("lift", keys=[drape.Key(time=0), drape.Key(1, [0, 1, 0])])
+            drape.Motion(
+                name="lift",
+                keys=[drape.Key(time=0), drape.Key(time=1, move=[0, 1, 0])],
+            )
         ],
         wind=drape.Wind(velocity=[1, 0, 0]),
         dt=0.01,
@@ -245,3 +251,121 @@ def test_notes_are_warnings_at_the_callers_line(tmp_path: Path) -> None:
     with pytest.warns(UserWarning, match="1 triangles without area") as warned:
         drape.World(scene, folder=tmp_path)
     assert [warning.filename for warning in warned] == [__file__]
+
+
+def test_keys_are_given_by_their_names() -> None:
+    with pytest.raises(TypeError, match=r"Cloth\(51, 51\): .*particles=\[51, 51\]"):
+        drape.Cloth(51, 51)
+    with pytest.raises(TypeError, match=r"Obstacle\(.*\): .*mesh="):
+        drape.Obstacle(np.zeros((3, 3)))
+    for kind in (drape.Scene, drape.Material, drape.Start, drape.Pin, drape.Key):
+        with pytest.raises(TypeError, match="keys are given by their names"):
+            kind(1)
+    with pytest.raises(TypeError, match="colour"):
+        drape.Cloth(colour=1)  # type: ignore[call-arg]
+
+
+def test_scenes_are_compared() -> None:
+    def scene(**keys: Any) -> drape.Scene:
+        x = np.arange(12.0).reshape(4, 3)
+        cloth = drape.Cloth(**{"particles": [2, 2], "positions": x, **keys})
+        ball = drape.Obstacle(shape="sphere", at=np.array([0, 1, 0]))
+        return drape.Scene(cloths=[cloth], obstacles=[ball], dt=0.01)
+
+    assert scene() == scene()
+    assert scene(particles=(2, 2)) == scene(particles=np.array([2, 2]))
+    assert scene(material={"name": "denim"}) == scene(material={"name": "denim"})
+    for keys in (
+        {"particles": [2, 3]},
+        {"positions": np.arange(9.0).reshape(3, 3)},
+        {"positions": None},
+        {"positions": [[0, 1], [2]]},
+        {"material": {"name": "denim"}},
+    ):
+        assert scene() != scene(**keys)
+    assert scene() != drape.Cloth() and drape.Cloth() != drape.Region()
+    assert copy.deepcopy(scene()) == scene()
+
+
+VERTICES = np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 1], [0, -1, 0]])
+TRIANGLES = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+
+
+def meshes() -> dict[str, Any]:
+    """A tetrahedron as each package that is installed here has it."""
+    found: dict[str, Any] = {
+        "pair": (VERTICES, TRIANGLES),
+        "lists": [VERTICES.tolist(), TRIANGLES.tolist()],
+        "vertices and triangles": SimpleNamespace(
+            vertices=VERTICES, triangles=TRIANGLES
+        ),
+        "cells": SimpleNamespace(points=VERTICES, cells_dict={"triangle": TRIANGLES}),
+    }
+    with contextlib.suppress(ImportError):
+        import trimesh
+
+        found["trimesh"] = trimesh.Trimesh(VERTICES, TRIANGLES, process=False)
+        found["trimesh.Scene"] = trimesh.Scene(found["trimesh"])
+    with contextlib.suppress(ImportError):
+        import pyvista
+
+        flat = np.insert(TRIANGLES, 0, 3, axis=1).ravel()
+        found["pyvista"] = pyvista.PolyData(VERTICES, flat)
+        found["pyvista grid"] = found["pyvista"].cast_to_unstructured_grid()
+    with contextlib.suppress(ImportError):
+        import torch
+
+        x = torch.tensor(VERTICES, requires_grad=True)
+        found["torch"] = (x, torch.tensor(TRIANGLES))
+    return found
+
+
+@pytest.mark.parametrize("kind", meshes())
+def test_meshes_are_taken_as_they_are(kind: str) -> None:
+    cloth = {"particles": [3, 3], "start": {"at": [0, 1, 0]}}
+    mesh = meshes()[kind]
+    for scene in (
+        drape.Scene(
+            cloths=[drape.Cloth(**cloth)], obstacles=[drape.Obstacle(mesh=mesh)]
+        ),
+        {"cloths": [cloth], "obstacles": [{"mesh": mesh}]},
+    ):
+        world = drape.World(scene)
+        body = world.bodies[1]
+        x = world.positions[body.vertices]
+        # a package may number the vertices and begin the triangles otherwise
+        got = {
+            tuple(map(tuple, np.sort(x[t], 0)))
+            for t in world.triangles[body.triangles] - 9
+        }
+        assert got == {tuple(map(tuple, np.sort(VERTICES[t], 0))) for t in TRIANGLES}
+    assert drape.audit(mesh).count == 0
+
+
+def test_arrays_of_torch() -> None:
+    torch = pytest.importorskip("torch")
+    scene = {"cloths": [{"particles": [2, 2]}]}
+    world = drape.World(scene)
+    x = torch.tensor(world.read()[0] + [0, 1, 0], requires_grad=True)
+    world.set_positions(0, x)
+    scene["cloths"][0]["positions"] = x
+    assert np.array_equal(drape.World(scene).positions, world.positions)
+    assert drape.Cloth(positions=x) == drape.Cloth(positions=x.detach().numpy())
+
+
+def test_what_is_no_mesh() -> None:
+    cloth = {"particles": [3, 3], "start": {"at": [0, 1, 0]}}
+
+    def make(**keys: Any) -> None:
+        drape.World({"cloths": [cloth], "obstacles": [keys]})
+
+    with pytest.raises(drape.SceneError, match=r"obstacles\[0\]\.mesh: 5 is no mesh"):
+        make(mesh=5)
+    with pytest.raises(drape.SceneError, match=r"is no mesh; .* trimesh, pyvista"):
+        make(mesh=VERTICES)
+    with pytest.raises(drape.SceneError, match="it has vertices, and so has vertices"):
+        make(mesh=(VERTICES, TRIANGLES), vertices=VERTICES)
+    with pytest.raises(drape.SceneError, match="scale: an obstacle of arrays"):
+        make(mesh=(VERTICES, TRIANGLES), scale=2)
+    with pytest.raises(drape.SceneError, match="vertices: 4 × 2; expected n × 3"):
+        make(mesh=(VERTICES[:, :2], TRIANGLES))

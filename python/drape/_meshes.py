@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Arrays and meshes of other packages, taken as they are."""
+
+from __future__ import annotations
+
+import reprlib
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import SceneError
+
+
+def on_host(value: Any) -> NDArray[Any]:
+    """Returns what NumPy reads of an array: torch's with gradients or on a device,
+    CuPy's and Warp's on a device, and whatever else NumPy takes."""
+    if hasattr(value, "detach"):
+        value = value.detach().cpu()
+    elif hasattr(value, "__cuda_array_interface__"):
+        for name in ("get", "numpy"):
+            if hasattr(value, name):
+                value = getattr(value, name)()
+                break
+    return np.asarray(value)
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two arrays have the same shape and numbers."""
+    try:
+        return np.array_equal(on_host(a), on_host(b))
+    except ValueError:  # a list of lists of different lengths
+        return False
+
+
+def mesh_of(mesh: Any, where: str) -> tuple[Any, Any]:
+    """Returns the vertices and the triangles of a mesh: of a pair of them; of an
+    object of trimesh, pyvista, Open3D or meshio."""
+    if isinstance(mesh, (tuple, list)) and len(mesh) == 2:
+        return mesh[0], mesh[1]
+    if hasattr(mesh, "geometry") and hasattr(mesh, "to_mesh"):
+        mesh = mesh.to_mesh()  # a scene of trimesh
+    if hasattr(mesh, "triangulate") and hasattr(mesh, "points"):
+        return _surface(mesh)
+    for name in ("faces", "triangles"):
+        if hasattr(mesh, "vertices") and hasattr(mesh, name):
+            return mesh.vertices, getattr(mesh, name)
+    cells = getattr(mesh, "cells_dict", None)
+    if cells and "triangle" in cells:
+        return mesh.points, cells["triangle"]
+    raise SceneError(
+        f"{where}: {reprlib.repr(mesh)} is no mesh; expected the path of a file, "
+        "vertices and triangles as a pair (vertices, triangles), or an object of "
+        "trimesh, pyvista, Open3D or meshio that has both"
+    )
+
+
+def _surface(mesh: Any) -> tuple[Any, Any]:
+    """Returns the vertices and the triangles of a data set of pyvista."""
+    if not hasattr(mesh, "faces"):  # of volumes
+        mesh = mesh.extract_geometry()
+    mesh = mesh.triangulate()
+    return mesh.points, np.asarray(mesh.faces).reshape(-1, 4)[:, 1:]
