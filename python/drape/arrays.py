@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import ctypes
+import warnings
 from typing import Any
 
 import numpy as np
@@ -35,6 +36,12 @@ class SharedArray:
     is then. What it returns is valid until the world's next step, which writes
     the next state elsewhere: call again after each step. When bodies come or go
     its memory is released: do not read it any more.
+
+    A consumer that DLPack before version 1 cannot tell that the array is read-only
+    is refused on the host, where it takes ``numpy.asarray`` of it, and warned of on a
+    device. torch has no read-only tensors: what is written to one that shares these
+    bytes changes the world without its knowledge. Write to a copy, and give that to
+    `World.set_positions`.
 
     On a device the array is complete in the order of the world's stream
     (`World.stream`). DLPack makes the caller's stream wait for it; whoever
@@ -116,7 +123,8 @@ class SharedArray:
         Args:
             stream: of the caller, which waits for the world's: None or 1: the
                 default one, 2: the thread's default one, -1: none waits
-            max_version: 1.x is told that the array is read-only
+            max_version: 1.x is told that the array is read-only; on the host
+                others are refused
             dl_device, copy: only what needs no copy
         """
         view = self._view()
@@ -128,6 +136,8 @@ class SharedArray:
         if here[0] == CUDA and stream != -1:
             order(view.stream, stream)
         versioned = max_version is not None and max_version[0] >= 1
+        if not versioned:
+            _tell_read_only(here[0])
         data, n = getattr(view, self._field), view.vertices
         # the tensor owns a reference to this, and this keeps the world
         tensor = lib.core_tensor(
@@ -144,6 +154,17 @@ class SharedArray:
         name = b"dltensor_versioned" if versioned else b"dltensor"
         end = address(ffi.addressof(lib, "core_tensor_end"))
         return _capsule(address(tensor), name, end)
+
+
+def _tell_read_only(kind: int) -> None:
+    """Refuses, or warns of, a consumer that might write to an array."""
+    why = (
+        "the consumer asks for DLPack before version 1, which does not tell that "
+        "the array is read-only: "
+    )
+    if kind == CPU:
+        raise BufferError(f"{why}give it numpy.asarray(array), or a copy")
+    warnings.warn(f"{why}write to a copy of it only", stacklevel=3)
 
 
 def order(stream: Any, later: int | None) -> None:
