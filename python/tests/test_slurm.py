@@ -37,7 +37,7 @@ def slurm(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
 
 def tasks(out: Path) -> dict[int, int]:
     """The processes of job arrays that run now for the sweep in this folder."""
-    return processes(f"drape.sweeps.worker\0{out}\0")
+    return processes(f"drape.sweeps.worker\0{out}/slurm/")
 
 
 def scenes(n: int) -> list[dict[str, object]]:
@@ -58,8 +58,8 @@ def test_a_killed_task_and_what_is_there_already(
     assert "cloths" in done.failed[0]["error"]
     # the array, and another of the task that was killed
     assert sorted(p.name for p in (out / "slurm").glob("jobs-*")) == [
-        "jobs-0.pickle",
-        "jobs-1.pickle",
+        "jobs-0.json",
+        "jobs-1.json",
     ]
     assert len(list((out / "slurm").glob("*.log"))) == 5
     same = drape.sweep(given[:3], tmp_path / "local", workers=2)

@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+import base64
 import contextlib
+import io
 import json
 import os
+import pickle
 import re
 import signal
 import stat
@@ -197,6 +200,9 @@ last = int(re.search(r"--array=0-(\\d+)", text)[1])
 here = pathlib.Path(__file__).parent
 count = len(list(here.glob("script-*")))
 (here / f"script-{{count}}").write_text(text)
+(here / f"words-{{count}}").write_text("\\n".join(sys.argv[1:-1]))
+order = re.search(r"worker (\\S+) ", text)[1].strip("'")
+(here / f"order-{{count}}").write_text(oct(os.stat(order).st_mode)[-3:] + order)
 print(4242 + count)
 failed = 0
 for task in range(last + 1):
@@ -232,13 +238,103 @@ def test_slurm(tiny: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     name = re.search(r"--job-name=(drape-\w+)\n", text)
     assert name and "#SBATCH --array=0-3%8\n" in text
     log = tmp_path / f"out/slurm/{name[1]}-%a.log"
-    assert f'#SBATCH --output="{log}"\n#SBATCH --time=10\n' in text
+    words = (fake.parent / "words-0").read_text()
+    assert words == f"--wait\n--parsable\n--output={log}\n--time=10"
+    mode, order = (lambda t: (t[:3], Path(t[3:])))(
+        (fake.parent / "order-0").read_text()
+    )
+    assert mode == "600" and order.parent == tmp_path / "out/slurm"
+    assert not order.exists()  # it goes with the array
     assert "#SBATCH --array=0-0%8" in scripts[1].read_text()
     same = drape.sweep(scenes[:3], tmp_path / "local", frames=3)
     assert [r["digest"] for r in done.rows[:3]] == [r["digest"] for r in same.rows]
     monkeypatch.setenv("PATH", "/nothing")
     with pytest.raises(drape.Error, match="sbatch"):
         drape.sweep([{**LONG, "frames": 1}], tmp_path / "out", on="slurm")
+
+
+class Bucket:
+    """A store with credentials, as an array of Slurm's sees it."""
+
+    url, options = "s3://user:p4ssw0rd@bucket/sweep", {"secret": "s3cr3t"}
+
+    def path(self, name: str) -> str:
+        return f"{self.url}/{name}"
+
+
+def test_slurm_is_told_no_secret(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The batch script, which Slurm keeps, has neither the store's options nor a
+    name that somebody has chosen: a new line in it would begin a directive."""
+    from drape.sweeps import slurm
+
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    store: Any = Bucket()
+    with slurm.order_of(store, "drape-0", "slurm/jobs-0.json", 3) as order:
+        assert stat.S_IMODE(order.stat().st_mode) == 0o600
+        assert json.loads(order.read_text())["options"] == store.options
+        told = [slurm.script("drape-0", order, 3, None), *slurm.words(store, "d", ())]
+        assert not any("s3" in each or "p4ss" in each for each in told)
+    assert list((tmp_path / "state/drape").iterdir()) == []
+    odd = drape.sweeps.Store(str(tmp_path / 'a"\n#SBATCH --wrap=echo'))
+    with slurm.order_of(odd, "drape-1", "slurm/jobs-0.json", 3) as order:
+        directives = [
+            line
+            for line in slurm.script("drape-1", order, 3, 2).splitlines()
+            if line.startswith("#SBATCH")
+        ]
+        # sbatch reads no directive behind the first command
+        before = slurm.script("drape-1", order, 3, 2).split("\nexec ")[0].splitlines()
+        assert (
+            before[1:] == [*("#SBATCH --job-name=drape-1", "#SBATCH --array=0-2%2")]
+            and directives[:2] == before[1:]
+        )
+    assert slurm.words(odd, "d", ["-p gpu", "--time=1"])[1:] == [
+        "-p",
+        "gpu",
+        "--time=1",
+    ]
+
+
+def test_jobs_are_data(tmp_path: Path) -> None:
+    """Jobs that a store holds are JSON: reading them runs nothing."""
+    from drape.sweeps.job import jobs_of
+    from drape.sweeps.store import Store
+
+    x = np.random.default_rng(1).random((4, 3))
+    scene = {
+        "cloths": [{"particles": [2, 2], "positions": x}],
+        "obstacles": [
+            {
+                "vertex_frames": np.float32([x, x + 1]),
+                "triangles": [[0, 1, 2]],
+                "frame_dt": 0.25,
+            }
+        ],
+    }
+    jobs = list(jobs_of([scene, {"cloths": [{}]}], {"dt": 0.01}, 5, 2))
+    store = Store(str(tmp_path))
+    store.put_jobs("slurm/jobs-0.json", jobs)
+    again = store.get_jobs("slurm/jobs-0.json")
+    assert [job.id for job in again] == [job.id for job in jobs]
+    assert again[0].scene.cloths[0]["positions"].tobytes() == x.tobytes()
+    assert again[0].scene.obstacles[0]["frame_dt"] == 0.25
+    assert (again[0].frames, again[0].every) == (5, 2)
+
+    class Evil:
+        def __reduce__(self) -> Any:
+            return os.mkdir, (str(tmp_path / "run"),)
+
+    objects = io.BytesIO()
+    np.save(objects, np.array([Evil()], dtype=object))
+    plain = jobs[0].plain()
+    plain["cloths"][0]["positions"] = base64.b64encode(objects.getvalue()).decode()
+    for wrong in (pickle.dumps([Evil()]), json.dumps([plain]).encode(), b"[1]", b"{"):
+        store.write("slurm/jobs-0.json", wrong)
+        with pytest.raises(drape.Error, match=r"jobs-0\.json: not a sweep's jobs"):
+            store.get_jobs("slurm/jobs-0.json")
+    assert not (tmp_path / "run").exists()
 
 
 def test_ray_on_two_nodes_loses_a_worker_and_a_node(tmp_path: Path) -> None:

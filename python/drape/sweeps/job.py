@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import base64
 import dataclasses
 import hashlib
+import io
 import json
 import os
 import time
@@ -19,6 +21,7 @@ from numpy.typing import NDArray
 from .. import scene as scenes
 from .._core import ffi, lib
 from .._define import with_keys
+from .._meshes import on_host
 from ..errors import Error, SceneError
 from ..world import Reports, World
 
@@ -111,10 +114,52 @@ class Job:
         total.update(json.dumps(about).encode())
         for arrays in (*self.scene.cloths, *self.scene.obstacles):
             for key in sorted(arrays):
-                array = np.ascontiguousarray(arrays[key])
+                array = np.ascontiguousarray(on_host(arrays[key]))
                 total.update(f"{key} {array.dtype} {array.shape} ".encode())
                 total.update(array.tobytes())
         return total.hexdigest()[:32]
+
+    def plain(self) -> dict[str, Any]:
+        """Returns what a worker needs of the job, as JSON holds it."""
+        about = {key: getattr(self, key) for key in ("name", "frames", "every")}
+        about |= {"text": self.scene.text, "file": self.scene.file}
+        for key in ("cloths", "obstacles"):
+            about[key] = [
+                {name: _packed(value) for name, value in arrays.items()}
+                for arrays in getattr(self.scene, key)
+            ]
+        return about
+
+    @staticmethod
+    def of(about: Mapping[str, Any]) -> Job:
+        """Returns the job that `plain` told, without its parameters."""
+        cloths, obstacles = (
+            [
+                {str(name): _unpacked(value) for name, value in arrays.items()}
+                for arrays in about[key]
+            ]
+            for key in ("cloths", "obstacles")
+        )
+        text = scenes.Text(str(about["text"]), str(about["file"]), cloths, obstacles)
+        return Job(str(about["name"]), text, about["frames"], int(about["every"]), {})
+
+
+def _packed(value: Any) -> float | str:
+    """Returns an array as a text, in the format of NumPy's files; a number as it
+    is."""
+    if isinstance(value, (int, float)):
+        return value
+    buffer = io.BytesIO()
+    np.save(buffer, on_host(value), allow_pickle=False)
+    return base64.b64encode(buffer.getvalue()).decode()
+
+
+def _unpacked(value: Any) -> Any:
+    """Returns the array of a text; a number as it is."""
+    if isinstance(value, (int, float)):
+        return value
+    buffer = io.BytesIO(base64.b64decode(value, validate=True))
+    return np.load(buffer, allow_pickle=False)
 
 
 def version() -> str:

@@ -4,6 +4,7 @@ the package installed on them under the same path."""
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import secrets
@@ -21,11 +22,12 @@ from .store import Store
 
 MOST_TASKS = 1000  # of an array: Slurm's own limit, MaxArraySize, is 1001
 
+# Slurm keeps the script, and shows it to others: it holds neither the store's
+# options, which may be credentials, nor a name that somebody else has chosen.
 SCRIPT = """#!/bin/sh
 #SBATCH --job-name={name}
 #SBATCH --array=0-{last}{limit}
-{log}{more}export DRAPE_STORE_OPTIONS={options}
-exec {python} -m drape.sweeps.worker {url} {jobs} "$SLURM_ARRAY_TASK_ID" {tasks}
+exec {python} -m drape.sweeps.worker {order} "$SLURM_ARRAY_TASK_ID"
 """
 
 
@@ -35,31 +37,55 @@ def log_of(store: Store, name: str, task: str) -> str:
     return "" if "://" in store.url else store.path(f"slurm/{name}-{task}.log")
 
 
-def script(
-    store: Store,
-    name: str,
-    jobs: str,
-    tasks: int,
-    workers: int | None,
-    options: Sequence[str],
-) -> str:
-    """Returns the batch script of an array of tasks over a file of jobs."""
-    log = log_of(store, name, "\0").replace("%", "%%").replace("\0", "%a")
+def private_folder(store: Store) -> Path:
+    """Returns the folder, which the nodes share, of files that nobody else may
+    read: the store's own, or where that is no folder one in the user's home."""
+    if "://" not in store.url:
+        return Path(store.path("slurm"))
+    state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local/state"
+    return Path(state) / "drape"
+
+
+@contextlib.contextmanager
+def order_of(store: Store, name: str, jobs: str, tasks: int) -> Iterator[Path]:
+    """Writes what the tasks of an array are told, the store's options with it, to a
+    file that its user alone may read, and removes it at the end."""
+    about = {"url": store.url, "options": store.options, "jobs": jobs, "tasks": tasks}
+    try:
+        text = json.dumps(about)
+    except TypeError as error:
+        raise Error(f"storage: for Slurm, options that JSON holds: {error}") from error
+    folder = private_folder(store)
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{name}.json"
+    try:
+        with open(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600), "w") as f:
+            f.write(text)
+        yield path
+    finally:
+        path.unlink(missing_ok=True)
+
+
+def script(name: str, order: Path, tasks: int, workers: int | None) -> str:
+    """Returns the batch script of an array of tasks."""
     return SCRIPT.format(
         name=name,
         last=tasks - 1,
         limit=f"%{workers}" if workers else "",
-        log=f'#SBATCH --output="{log}"\n' if log else "",
-        more="".join(f"#SBATCH {option}\n" for option in options),
-        options=shlex.quote(json.dumps(store.options)),
         python=shlex.quote(sys.executable),
-        url=shlex.quote(store.url),
-        jobs=shlex.quote(jobs),
-        tasks=tasks,
+        order=shlex.quote(str(order)),
     )
 
 
-def submit(text: str, name: str) -> None:
+def words(store: Store, name: str, options: Sequence[str]) -> list[str]:
+    """Returns the options of sbatch: ours, and then the caller's, each of which may
+    be of several words, as in a script."""
+    log = log_of(store, name, "\0").replace("%", "%%").replace("\0", "%a")
+    ours = [f"--output={log}"] if log else []
+    return [*ours, *(word for option in options for word in shlex.split(option))]
+
+
+def submit(text: str, name: str, options: Sequence[str]) -> None:
     """Submits a batch script, and waits until all of its tasks have ended. How
     they ended is seen from their results. If the wait is interrupted, as by the
     keyboard, the array of this name is cancelled."""
@@ -68,7 +94,7 @@ def submit(text: str, name: str) -> None:
     with tempfile.TemporaryDirectory(prefix="drape-") as folder:
         path = Path(folder) / "array.sh"
         path.write_text(text)
-        command = ["sbatch", "--wait", "--parsable", str(path)]
+        command = ["sbatch", "--wait", "--parsable", *options, str(path)]
         try:
             done = subprocess.run(command, capture_output=True, text=True, check=False)
         except BaseException:
@@ -107,10 +133,12 @@ def run(
     left = list(jobs)
     for k in range(attempts):
         tasks = min(len(left), MOST_TASKS)
-        jobs_file = f"slurm/jobs-{k}.pickle"
+        jobs_file = f"slurm/jobs-{k}.json"
         name = f"drape-{secrets.token_hex(4)}"
         store.put_jobs(jobs_file, left)
-        submit(script(store, name, jobs_file, tasks, workers, options), name)
+        with order_of(store, name, jobs_file, tasks) as order:
+            text = script(name, order, tasks, workers)
+            submit(text, name, words(store, name, options))
         again = []
         for number, job in enumerate(left):
             answer = answer_of(store, job, log_of(store, name, str(number % tasks)))

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import io
 import json
-import pickle
 import zipfile
 from typing import Any
 
@@ -81,10 +80,12 @@ class Store:
 
     def put_jobs(self, name: str, jobs: list[Job]) -> None:
         """Writes jobs for workers that read them from here."""
-        self.write(name, pickle.dumps(jobs))
+        self.write(name, json.dumps([job.plain() for job in jobs]).encode())
 
     def get_jobs(self, name: str) -> list[Job]:
-        """Returns the jobs that `put_jobs` wrote. The file is trusted: whoever
-        can write to the sweep's folder can run code here."""
-        jobs: list[Job] = pickle.loads(self.read(name))
-        return jobs
+        """Returns the jobs that `put_jobs` wrote. Whoever can write to the sweep's
+        folder can choose which scenes are run, and no more than that."""
+        try:
+            return [Job.of(each) for each in json.loads(self.read(name))]
+        except (ValueError, KeyError, TypeError, AttributeError) as error:
+            raise Error(f"{self.path(name)}: not a sweep's jobs: {error!r}") from error

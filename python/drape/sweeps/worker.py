@@ -4,9 +4,10 @@
 ``python -m drape.sweeps.worker`` takes jobs from its standard input and answers
 on its standard output, both pickled; it is the child of `local`.
 
-``python -m drape.sweeps.worker URL JOBS FIRST STEP`` runs jobs FIRST, FIRST +
-STEP, … of a file in a store and puts their results there; it is a task of a
-Slurm job array. Options of the file system are JSON in $DRAPE_STORE_OPTIONS.
+``python -m drape.sweeps.worker ORDER TASK`` is a task of a Slurm job array. ORDER
+is a file of JSON that the sweep has written for its user alone: the store with its
+options, its file of jobs, and the number of tasks. The task runs jobs TASK, TASK +
+tasks, … and puts their results into the store.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import json
 import os
 import pickle
 import sys
+from pathlib import Path
 
 from .job import attempt
 from .store import Store
@@ -34,10 +36,11 @@ def serve() -> None:
         answers.flush()
 
 
-def work(url: str, jobs: str, first: int, step: int) -> None:
-    """Runs every step-th job of a file, unless its result is there already."""
-    store = Store(url, json.loads(os.environ.get("DRAPE_STORE_OPTIONS", "{}")))
-    for job in store.get_jobs(jobs)[first::step]:
+def work(order: str, task: int) -> None:
+    """Runs a task's share of the jobs, but those whose result is there already."""
+    about = json.loads(Path(order).read_text(encoding="utf-8"))
+    store = Store(about["url"], about["options"])
+    for job in store.get_jobs(about["jobs"])[task :: about["tasks"]]:
         if store.get(job.id):
             continue
         store.drop(f"failed/{job.id}.json")
@@ -53,4 +56,4 @@ if __name__ == "__main__":
     if len(sys.argv) == 1:
         serve()
     else:
-        work(sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
+        work(sys.argv[1], int(sys.argv[2]))
