@@ -40,8 +40,9 @@ def mesh_of(mesh: Any, where: str) -> tuple[Any, Any]:
         return mesh[0], mesh[1]
     if hasattr(mesh, "geometry") and hasattr(mesh, "to_mesh"):
         mesh = mesh.to_mesh()  # a scene of trimesh
-    if hasattr(mesh, "triangulate") and hasattr(mesh, "points"):
-        return _surface(mesh)
+    if hasattr(mesh, "triangulate") and hasattr(mesh, "faces"):
+        mesh = mesh.triangulate()  # a surface of pyvista
+        return mesh.points, np.asarray(mesh.faces).reshape(-1, 4)[:, 1:]
     for name in ("faces", "triangles"):
         if hasattr(mesh, "vertices") and hasattr(mesh, name):
             return mesh.vertices, getattr(mesh, name)
@@ -51,13 +52,5 @@ def mesh_of(mesh: Any, where: str) -> tuple[Any, Any]:
     raise SceneError(
         f"{where}: {reprlib.repr(mesh)} is no mesh; expected the path of a file, "
         "vertices and triangles as a pair (vertices, triangles), or an object of "
-        "trimesh, pyvista, Open3D or meshio that has both"
+        "trimesh, pyvista (a surface), Open3D or meshio that has both"
     )
-
-
-def _surface(mesh: Any) -> tuple[Any, Any]:
-    """Returns the vertices and the triangles of a data set of pyvista."""
-    if not hasattr(mesh, "faces"):  # of volumes
-        mesh = mesh.extract_geometry()
-    mesh = mesh.triangulate()
-    return mesh.points, np.asarray(mesh.faces).reshape(-1, 4)[:, 1:]

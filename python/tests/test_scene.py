@@ -311,7 +311,6 @@ def meshes() -> dict[str, Any]:
 
         flat = np.insert(TRIANGLES, 0, 3, axis=1).ravel()
         found["pyvista"] = pyvista.PolyData(VERTICES, flat)
-        found["pyvista grid"] = found["pyvista"].cast_to_unstructured_grid()
     with contextlib.suppress(ImportError):
         import torch
 
