@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -40,9 +41,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         "--host",
         default="127.0.0.1",
         metavar="NAME",
-        help="who may see the page; default: this machine alone",
+        help="the address that the page is served on, 0.0.0.0: all of this "
+        "machine's; beyond this machine it asks for the token that is printed, and "
+        "is not encrypted; default: 127.0.0.1, this machine alone",
     )
     given = parser.parse_args(argv)
+    # what strangers send to the port is not for the terminal
+    logging.getLogger("websockets.server").setLevel(logging.CRITICAL)
     try:
         from drape.view.page import Page
     except ImportError as error:
@@ -57,7 +62,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return complain(USAGE, f"view: {error}")
     except Error as error:
         return complain(FAILED, f"view: {error}")
-    print(f"http://{given.host}:{page.port} (Ctrl-C ends it)", flush=True)
+    print(f"{page.url} (Ctrl-C ends it)", flush=True)
     try:
         page.serve()
     except KeyboardInterrupt:

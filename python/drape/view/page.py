@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import io
+import socket
 import threading
 import time
 from bisect import bisect_left
@@ -18,6 +19,7 @@ from drape.export import mesh
 from drape.export.gltf import snapshot
 from drape.export.run import Body
 from drape.view import strain
+from drape.view.gate import Gate
 from drape.view.source import Source
 
 CLOTH, STRAIN = "cloth", "strain"
@@ -83,7 +85,8 @@ class Page:
         self._dirty = threading.Event()
         self._closed = threading.Event()
         self._due = 0.0
-        with redirect_stdout(io.StringIO()):  # viser's own greeting
+        self.host, self.gate = host, Gate(host)
+        with redirect_stdout(io.StringIO()), self.gate.before():  # viser greets
             self.server = viser.ViserServer(host=host, port=port, verbose=False)
         self.server.scene.set_up_direction("+y")
         self._bounds()
@@ -99,6 +102,14 @@ class Page:
     def port(self) -> int:
         """The port, which is another one than asked for if that was taken."""
         return int(self.server.get_port())
+
+    @property
+    def url(self) -> str:
+        """The page's address, with the token if it asks for one."""
+        host = socket.gethostname() if self.host in ("0.0.0.0", "::") else self.host
+        name = f"[{host}]" if ":" in host else host
+        token = f"/?token={self.gate.token}" if self.gate.token else ""
+        return f"http://{name}:{self.port}{token}"
 
     def _positions(self, body: Body, frame: int) -> NDArray[Any]:
         return self.source.positions(body, frame).astype(np.float32)

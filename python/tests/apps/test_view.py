@@ -226,6 +226,23 @@ def test_a_scene_is_shown_while_it_is_computed(tmp_path: Path, browser: Any) -> 
         view.window.get_by_text("frame 8").wait_for()
 
 
+def test_a_token_opens_the_page(still: Path, browser: Any) -> None:
+    page = Page(Recorded(still), "0.0.0.0", free_port())
+    thread = threading.Thread(target=page.serve)
+    thread.start()
+    window = browser.new_page()
+    try:
+        here = f"http://127.0.0.1:{page.port}/"
+        assert window.goto(here).status == 403
+        window.goto(f"{here}?token={page.gate.token}")
+        window.get_by_text("frame", exact=False).first.wait_for(timeout=1000 * SECONDS)
+        assert window.url == here
+    finally:
+        window.close()
+        page.close()
+        thread.join()
+
+
 def test_the_words_of_a_step() -> None:
     words = step_words("clean", 0, 1, 12)
     assert words == "clean, 0 contacts, 1 round, 12 iterations"
