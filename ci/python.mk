@@ -27,7 +27,7 @@ $(PY)/venv/made: python/requirements.txt
 	$(PIP) -r $<
 	@touch $@
 
-# A wheel with the device's part says by which CUDA: drape-0.1.0+cu130-….whl.
+# A wheel with the device's part says by which CUDA: drape_cloth-0.1.0+cu130-….whl.
 DIST ?= dist
 WITH_CUDA = $(if $(GPU),cu$(shell nvcc --version | sed -n \
             's/.*release \([0-9]*\)\.\([0-9]*\).*/\1\2/p'))

@@ -24,7 +24,7 @@ ok types "$work/venv/bin/mypy" --config-file python/pyproject.toml python/drape
 rm -rf "$work/fresh"
 ok 'a fresh environment' python3 -m venv "$work/fresh"
 python=$work/fresh/bin/python
-wheel=$(ls dist/drape-*.whl)
+wheel=$(ls dist/drape_cloth-*.whl)
 ok 'it takes the wheel' "$python" -m pip install -q "$wheel[ray,s3]" \
     -r python/tests/requirements.txt
 ok "the pages' lines" "$python" python/lines.py README.md python/README.md \

@@ -12,10 +12,10 @@ python=$work/docs/bin/python
 if [ ! -e "$work/docs/made" ]; then
     python3 -m venv "$work/docs"
     "$python" -m pip install -q furo==2025.12.19 myst-parser==5.2.0 sphinx==9.0.4
-    "$python" -m pip install -q dist/drape-*.whl
+    "$python" -m pip install -q dist/drape_cloth-*.whl
     touch "$work/docs/made"
 fi
-"$python" -m pip install -q --no-deps --no-index --force-reinstall dist/drape-*.whl
+"$python" -m pip install -q --no-deps --no-index --force-reinstall dist/drape_cloth-*.whl
 rm -rf python/docs/made "$work/site"
 "$python" python/docs/gallery.py python/docs/made/gallery "$@"
 "$python" -m sphinx -q -W --keep-going -b html python/docs "$work/site"

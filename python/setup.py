@@ -7,6 +7,7 @@ wheel, as cu130 for one with the device's part by CUDA 13.0.
 """
 
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -62,12 +63,24 @@ class Build(build_ext):
         share.mkdir(parents=True, exist_ok=True)
         for script in ("data.sh", "data.py", "lion.sh"):
             shutil.copy2(ROOT / "ci" / script, share / script)
+        shutil.copytree(ROOT / "app/scenes", share / "scenes", dirs_exist_ok=True)
+
+
+def urls() -> dict[str, str]:
+    """Returns the project's addresses, by the repository's that CITATION.cff has."""
+    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    found = re.search(r'^repository-code: "?(\S+?)/?"?$', text, re.MULTILINE)
+    if not found:
+        return {}
+    at = found[1]
+    return {"Source": at, "Issues": f"{at}/issues"}
 
 
 LOCAL = os.environ.get("DRAPE_LOCAL", "")
 
 os.chdir(HERE)
 setup(
+    project_urls=urls(),
     version=declare.version() + (f"+{LOCAL}" if LOCAL else ""),
     ext_modules=[
         Extension(

@@ -21,7 +21,21 @@ PATH="$(cd "$bin" && pwd):$PATH" "$bin/auditwheel" repair --exclude 'libcuda.so*
     tail -n 40 "$work/repair.log" >&2
     exit 1
 }
+# What is linked statically is in no list of libraries: CUDA's runtime.
+set -- "$work"/repaired/*.whl
+cuda=$(command -v nvcc || true)
+case $1 in
+*+cu*)
+    licence=$(dirname "$(realpath "$cuda")")/../EULA.txt
+    if [ -f "$licence" ]; then
+        set -- "$1" "cuda=$licence"
+    else
+        echo "note: no licence of CUDA's runtime: there is no $licence" >&2
+    fi
+    ;;
+esac
+"$bin/python" python/licences.py "$@"
 mkdir -p "$dist"
-rm -f "$dist"/drape-*.whl
+rm -f "$dist"/drape_cloth-*.whl
 mv "$work"/repaired/*.whl "$dist"/
 ls -s --block-size=1M "$dist"/*.whl

@@ -95,7 +95,7 @@ ok 'examples by CMake' in_image sh -c \
 
 # A fresh Debian with python3 alone, and the wheel. The tree is there, but cannot be
 # written to; pip trusts the certificates of this machine.
-wheel=$(ls dist/drape-*.whl 2>/dev/null)
+wheel=$(ls dist/drape_cloth-*.whl 2>/dev/null)
 if [ -z "$wheel" ]; then
     echo 'skipped: the wheel: there is none in dist (make wheel)'
     skipped=$((skipped + 1))

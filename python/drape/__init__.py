@@ -18,7 +18,7 @@ number of threads, on the CPU and on a GPU.
 
 from importlib.metadata import version as _version
 
-from . import export, tool
+from . import _whose, examples, export, tool
 from ._core import ffi as _ffi
 from ._core import lib as _lib
 from .arrays import SharedArray
@@ -55,7 +55,7 @@ from .scene import (
 from .sweeps import Sweep, Variant, grid, sweep
 from .world import Reports, World
 
-__version__ = _version("drape")
+__version__ = _version(_whose.NAME)
 
 
 def info() -> str:
@@ -104,6 +104,7 @@ __all__ = [
     "audit",
     "ccd",
     "ccd_mesh",
+    "examples",
     "export",
     "grid",
     "info",

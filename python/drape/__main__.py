@@ -14,6 +14,7 @@ import sys
 from collections.abc import Sequence
 
 COMMANDS = {
+    "examples": "drape.examples",
     "export": "drape.export.cli",
     "view": "drape.view.cli",
 }
@@ -21,6 +22,11 @@ COMMANDS = {
 
 def main(argv: Sequence[str]) -> int:
     """Runs one command and returns its exit status."""
+    try:
+        importlib.import_module("drape._whose")
+    except ImportError as error:
+        print(f"drape: {error}", file=sys.stderr)
+        return 3
     words = list(argv)
     quiet = words[:1] == ["--quiet"]  # it may stand before any command
     name = "".join(words[quiet : quiet + 1])

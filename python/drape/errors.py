@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import warnings
 
+from . import _whose  # noqa: F401  PyPI's drape may have taken drape/__init__.py
 from ._core import ffi, lib
 from .reports import Status
 
