@@ -58,7 +58,8 @@ if /usr/bin/python3 -c 'import torch, venv' 2>"$log"; then
         /usr/bin/python3 -m venv --system-site-packages "$work/torch"
     ok 'torch and the wheel' "$work/torch/bin/python" -m pip install -q "$wheel" \
         pytest nbclient ipykernel
-    suite "$work/torch/bin/python" python/tests/test_notebook.py
+    suite "$work/torch/bin/python" python/tests/test_notebook.py \
+        python/tests/test_torch.py
 fi
 # apps/ has an environment of its own
 rm -rf "$work/apps"

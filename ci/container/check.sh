@@ -158,6 +158,6 @@ if [ "$all" = all ]; then
     suite /apps/bin/python python/tests/apps --ignore python/tests/apps/test_view.py
     ok "Debian's torch" in_fresh sh -c "python3 -m venv --system-site-packages \
         /torch && /torch/bin/python -m pip install -q $wheel pytest nbclient ipykernel"
-    suite /torch/bin/python python/tests/test_notebook.py
+    suite /torch/bin/python python/tests/test_notebook.py python/tests/test_torch.py
 fi
 finish

@@ -311,11 +311,6 @@ def meshes() -> dict[str, Any]:
 
         flat = np.insert(TRIANGLES, 0, 3, axis=1).ravel()
         found["pyvista"] = pyvista.PolyData(VERTICES, flat)
-    with contextlib.suppress(ImportError):
-        import torch
-
-        x = torch.tensor(VERTICES, requires_grad=True)
-        found["torch"] = (x, torch.tensor(TRIANGLES))
     return found
 
 
@@ -339,17 +334,6 @@ def test_meshes_are_taken_as_they_are(kind: str) -> None:
         }
         assert got == {tuple(map(tuple, np.sort(VERTICES[t], 0))) for t in TRIANGLES}
     assert drape.audit(mesh).count == 0
-
-
-def test_arrays_of_torch() -> None:
-    torch = pytest.importorskip("torch")
-    scene = {"cloths": [{"particles": [2, 2]}]}
-    world = drape.World(scene)
-    x = torch.tensor(world.read()[0] + [0, 1, 0], requires_grad=True)
-    world.set_positions(0, x)
-    scene["cloths"][0]["positions"] = x
-    assert np.array_equal(drape.World(scene).positions, world.positions)
-    assert drape.Cloth(positions=x) == drape.Cloth(positions=x.detach().numpy())
 
 
 def test_what_is_no_mesh() -> None:
