@@ -14,7 +14,6 @@ import pytest
 
 import drape
 
-
 # Whether NumPy asks for DLPack 1, which tells that an array is read-only.
 NEW = np.lib.NumpyVersion(np.__version__) >= "2.1.0"
 
