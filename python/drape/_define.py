@@ -77,7 +77,8 @@ def put_arrays(definition: Any, text: scenes.Text) -> list[np.ndarray[Any, Any]]
         shape = (cloth.m * cloth.n, 3)
         for key, field in (("positions", "x"), ("velocities", "velocity")):
             if key in arrays:
-                at = pointer(arrays[key], shape, f"cloths[{k}].{key}")
+                where = f"cloths[{k}].{key} of {cloth.m} × {cloth.n} particles"
+                at = pointer(arrays[key], shape, where)
                 setattr(cloth, field, at)
     for k, arrays in enumerate(text.obstacles):
         if arrays:
@@ -99,6 +100,8 @@ def put_mesh(
     kept.append(tri)
     obstacle.tri = ffi.cast("int32_t (*)[3]", tri.ctypes.data)
     obstacle.n_triangles = len(tri)
+    if "frame_dt" in arrays and "vertices" in arrays:
+        raise SceneError(f"{where}: frame_dt: it has no vertex_frames")
     if "vertices" in arrays:
         obstacle.x = pointer(arrays["vertices"], (None, 3), f"{where}.vertices")
         obstacle.n_vertices = len(kept[-1])

@@ -466,6 +466,22 @@ def _take(body: Any, names: Sequence[str]) -> Arrays:
     return {name: body.pop(name) for name in names if body.get(name) is not None}
 
 
+# Arrays of a cloth, and the keys that they take the place of.
+INSTEAD = {"positions": "start", "velocities": "velocity"}
+
+
+def _take_cloth(k: int, body: Any) -> Arrays:
+    """Takes a cloth's arrays."""
+    arrays = _take(body, CLOTH_ARRAYS)
+    for name in arrays:
+        if body.get(INSTEAD[name]) is not None:
+            raise SceneError(
+                f"cloths[{k}]: {INSTEAD[name]}: it has {name}, beside which this "
+                "would have no effect"
+            )
+    return arrays
+
+
 def _take_obstacle(k: int, body: Any) -> Arrays:
     """Takes an obstacle's arrays; the reader gets a plane in their place, which
     the world's definition never sees."""
@@ -494,6 +510,11 @@ def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text
         scene: an object, a mapping, or the path of a file
         folder: where the paths of an object's meshes begin; default: here
     """
+    if folder is not None and isinstance(scene, (Text, str, os.PathLike)):
+        raise SceneError(
+            f"folder: {os.fspath(folder)}: the paths of a file's meshes begin in the "
+            "file's own folder"
+        )
     if isinstance(scene, Text):
         return scene
     if isinstance(scene, (str, os.PathLike)):
@@ -508,7 +529,7 @@ def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text
     tree = as_dict(scene)
     if not isinstance(tree, dict):
         raise SceneError(f"expected a scene, a mapping or a path, not {scene!r}")
-    cloths = [_take(body, CLOTH_ARRAYS) for body in _bodies(tree, "cloths")]
+    cloths = [_take_cloth(k, body) for k, body in enumerate(_bodies(tree, "cloths"))]
     obstacles = [
         _take_obstacle(k, body) for k, body in enumerate(_bodies(tree, "obstacles"))
     ]

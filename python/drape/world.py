@@ -545,6 +545,12 @@ class World(Bodies, Control, Closing):
         """
         return picture(self._open(), Path(path), width, height, samples)
 
+    def _leave(self, kind: type[BaseException] | None) -> None:
+        """A run that is still recorded ends as the with statement does."""
+        if self._recorder:
+            self._recorder._leave(kind)
+        self.close()
+
     def close(self) -> None:
         """Ends the world. Its memory is released when no array shares it."""
         if self._recorder:

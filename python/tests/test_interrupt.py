@@ -102,6 +102,16 @@ def test_a_run_that_was_interrupted_says_so(tmp_path: Path) -> None:
     assert (report["end"], len(report["steps"])) == ("interrupted", 2)
 
 
+def test_a_world_that_is_left_ends_its_run(tmp_path: Path) -> None:
+    for wrong, end in ((KeyboardInterrupt, "interrupted"), (ValueError, "failed")):
+        with pytest.raises(wrong), drape.World(SCENE, threads=1) as world:
+            world.record(tmp_path / end)
+            world.step()
+            raise wrong
+        report = json.loads((tmp_path / end / "report.json").read_text())
+        assert (report["end"], len(report["steps"])) == (end, 1)
+
+
 def test_many_hear_it_before_their_end() -> None:
     plain = [drape.World(SCENE, threads=1) for _ in range(2)]
     traced = drape.World(SCENE, threads=1, trace=lambda *_: None)

@@ -118,7 +118,10 @@ WRONG = [
     ({("a", 1): 2}, "keys must be"),
     ({"cloths": [{"size": [1, 1j]}]}, "1j"),
     ({"cloths": 5}, r"\$\.cloths: expected a list"),
-    ({"cloths": [{"positions": [[0, 0, 0]]}]}, r"cloths\[0\]\.positions: 1 × 3"),
+    (
+        {"cloths": [{"positions": [[0, 0, 0]]}]},
+        r"positions of 101 × 101 particles: 1 × 3",
+    ),
     ({"cloths": [{}], "obstacles": [{"vertices": [[0, 0, 0]]}]}, "lack triangles"),
     ({"cloths": [{}], "obstacles": [{"triangles": [[0, 1, 2]]}]}, "one of vertices"),
     (
@@ -219,7 +222,7 @@ def test_a_scene_is_saved(tmp_path: Path) -> None:
         world.step(20)
         ends.append((world.name, world.digest(), world.bodies))
     assert ends[0] == ends[1]
-    sheet.positions = np.zeros((81, 3))
+    sheet.start, sheet.positions = None, np.zeros((81, 3))
     with pytest.raises(drape.SceneError, match=r"b\.json: .* arrays"):
         scene.save(tmp_path / "b.json")
     assert [each.name for each in tmp_path.iterdir()] == ["a.json"]
@@ -352,3 +355,21 @@ def test_what_is_no_mesh() -> None:
         make(mesh=(VERTICES, TRIANGLES), scale=2)
     with pytest.raises(drape.SceneError, match="vertices: 4 × 2; expected n × 3"):
         make(mesh=(VERTICES[:, :2], TRIANGLES))
+
+
+def test_what_would_have_no_effect_is_refused(tiny: Path, tmp_path: Path) -> None:
+    x = np.array([[0.0, 0, 0], [1, 0, 0], [0, 0, 1], [1, 0, 1]])
+    cloth = {"particles": [2, 2], "positions": x}
+    for keys, words in (
+        ({"start": {"at": [0, 1, 0]}}, "start: it has positions"),
+        ({"velocities": x, "velocity": [0, 0, 0]}, "velocity: it has velocities"),
+    ):
+        with pytest.raises(drape.SceneError, match=rf"cloths\[0\]: {words}, .*effect"):
+            drape.World({"cloths": [{**cloth, **keys}]})
+    with pytest.raises(drape.SceneError, match=r"positions of 3 × 2 particles: 4 × 3"):
+        drape.World({"cloths": [{**cloth, "particles": [3, 2]}]})
+    still = {"vertices": x - 1, "triangles": [[0, 1, 2]], "frame_dt": 0.1}
+    with pytest.raises(drape.SceneError, match="frame_dt: it has no vertex_frames"):
+        drape.World({"cloths": [cloth], "obstacles": [still]})
+    with pytest.raises(drape.SceneError, match=f"folder: {tmp_path}: .* own folder"):
+        drape.World(tiny, folder=tmp_path)

@@ -181,6 +181,10 @@ def test_devices_are_spread() -> None:
 def test_wrong_arguments(tiny: Path, tmp_path: Path) -> None:
     with pytest.raises(drape.Error, match="local"):
         drape.sweep([tiny], tmp_path, on="mars")
+    with pytest.raises(drape.Error, match="devices: of on="):
+        drape.sweep([tiny], tmp_path, on="ray", devices=[0])
+    with pytest.raises(drape.Error, match="options: of on="):
+        drape.sweep([tiny], tmp_path, options=["--time=1"])
     with pytest.raises(drape.Error, match=r"floppy://a: .*floppy"):
         drape.sweep([tiny], "floppy://a")
     with pytest.raises(drape.SceneError, match=r"cloths\.3\.size"):

@@ -108,6 +108,12 @@ def sweep(
     """
     if on not in ("local", "ray", "slurm"):
         raise Error(f'on={on!r}: expected "local", "ray" or "slurm"')
+    if devices and on != "local":
+        raise Error(
+            f'devices: of on="local" alone, not of on="{on}", whose options say'
+        )
+    if options and on == "local":
+        raise Error('options: of on="ray" and on="slurm", not of on="local"')
     _arrow()
     store = Store(os.fspath(out), storage)
     keys = {"threads": threads, **keys}
