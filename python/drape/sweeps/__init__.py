@@ -89,7 +89,9 @@ def sweep(
         scenes: by names, or a list: what `World` takes, or what `grid` returns
         out: a folder or a URL that fsspec knows, as s3://bucket/folder
         on: "local": processes of this machine; "ray": a Ray cluster; "slurm":
-            job arrays, with `out` on a file system that the nodes share
+            job arrays, with `out` on a file system that the nodes share; a URL and
+            its storage, which may hold credentials, go to the tasks by a file in
+            $XDG_STATE_HOME (~/.local/state), which the nodes then share, too
         frames: to make of each scene; default: as many as it says
         every: of the frames, whose positions are kept; 0: only the end is
         workers: jobs at a time; default: as many as processors, or as the
