@@ -20,7 +20,7 @@ from . import bake
 
 MISSING = (
     "Blender's Python has no package drape: install the extension that "
-    "app/blender/pack.py builds, or the wheel"
+    "app/blender/pack.py builds, or the wheel of drape-cloth"
 )
 _items: list[tuple[str, str, str]] = []  # Blender needs them kept
 
@@ -127,8 +127,9 @@ class DRAPE_OT_bake(bpy.types.Operator):
     def _begin(self, context: Any) -> bool:
         try:
             importlib.import_module("drape")
-        except ImportError:
-            self.report({"ERROR"}, MISSING)
+        except ImportError as error:  # it says where PyPI's drape is in the way
+            absent = isinstance(error, ModuleNotFoundError) and error.name == "drape"
+            self.report({"ERROR"}, MISSING if absent else f"drape: {error}")
             return False
         self._work = bake.bake(context.scene)
         context.window_manager.progress_begin(0, 1)

@@ -125,6 +125,8 @@ class Environment:
         pip = [sys.executable, "-m", "pip", "--python", self.python, *words]
         if words[0] == "install":
             pip += ["-q", "--no-index", "--no-deps", "--find-links", self.links]
+            # else this environment's, which the other one sees too, would do
+            pip += [] if "-U" in words else ["--force-reinstall"]
         subprocess.run(pip, check=True, capture_output=True)
 
     def run(self, *words: str) -> subprocess.CompletedProcess[str]:
@@ -148,11 +150,11 @@ def test_pypis_drape_does_not_replace_it(tmp_path: Path) -> None:
     assert re.search("drape-cloth, .* `drape` 0.3.2, .*pip uninstall -y", told.stderr)
     assert "ImportError" in one.run("-c", "import drape.world").stderr
     # ours over theirs: one error at import
-    one.pip("install", "--force-reinstall", "drape-cloth")
+    one.pip("install", "drape-cloth")
     told = one.run("-c", "import drape")
     assert re.search("ImportError: .*two distributions .*masks secrets", told.stderr)
     # the way out that the error tells
     one.pip("uninstall", "-y", "drape", "drape-cloth")
-    one.pip("install", "--force-reinstall", "drape-cloth")  # this one's is seen, too
+    one.pip("install", "drape-cloth")
     assert one.run(*sees).returncode == 0
     assert one.run("-m", "drape", "info").stdout.startswith("drape ")

@@ -106,7 +106,8 @@ class Gate:
         """Puts the gate before the server of websockets that is started meanwhile,
         in whatever thread; viser starts one and lends no way to its requests. An
         Error if none was started, so that none is served without the gate."""
-        serve = server.serve
+        module: Any = server
+        serve = module.serve
 
         def guarded(
             *arguments: Any, process_request: Callable[..., Any], **how: Any
@@ -118,10 +119,10 @@ class Gate:
             self.watched = True
             return serve(*arguments, process_request=first, **how)
 
-        server.serve = guarded  # type: ignore[misc, assignment]
+        module.serve = guarded
         try:
             yield
         finally:
-            server.serve = serve  # type: ignore[misc]
+            module.serve = serve
         if not self.watched:
             raise Error("this version of viser cannot be guarded from other pages")
