@@ -108,14 +108,7 @@ def sweep(
     Returns:
         the rows of the table that is written to `out`/table.parquet
     """
-    if on not in ("local", "ray", "slurm"):
-        raise Error(f'on={on!r}: expected "local", "ray" or "slurm"')
-    if devices and on != "local":
-        raise Error(
-            f'devices: of on="local" alone, not of on="{on}", whose options say'
-        )
-    if options and on == "local":
-        raise Error('options: of on="ray" and on="slurm", not of on="local"')
+    _check_kind(on, devices, options)
     _arrow()
     store = Store(os.fspath(out), storage)
     keys = {"threads": threads, **keys}
@@ -137,6 +130,16 @@ def sweep(
     done = Sweep(store, [_row(job, answers[job.id]) for job in jobs], reused)
     _write_table(store, done.rows)
     return done
+
+
+def _check_kind(on: str, devices: Sequence[int], options: Any) -> None:
+    """Refuses a kind of sweep that there is not, and what is of another kind."""
+    if on not in ("local", "ray", "slurm"):
+        raise Error(f'on={on!r}: expected "local", "ray" or "slurm"')
+    if devices and on != "local":
+        raise Error(f'devices: of on="local", not of on="{on}": give it options')
+    if options and on == "local":
+        raise Error('options: of on="ray" and on="slurm", not of on="local"')
 
 
 def _run(

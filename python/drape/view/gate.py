@@ -104,8 +104,8 @@ class Gate:
     @contextmanager
     def before(self) -> Iterator[None]:
         """Puts the gate before the server of websockets that is started meanwhile,
-        in whatever thread; viser starts one and lends no way to its requests. An
-        Error if none was started, so that none is served without the gate."""
+        in whatever thread; viser starts one and lends no way to its requests. Look
+        at `watched` after it."""
         module: Any = server
         serve = module.serve
 
@@ -124,5 +124,3 @@ class Gate:
             yield
         finally:
             module.serve = serve
-        if not self.watched:
-            raise Error("this version of viser cannot be guarded from other pages")

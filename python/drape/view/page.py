@@ -15,6 +15,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from drape.errors import Error
 from drape.export import mesh
 from drape.export.gltf import snapshot
 from drape.export.run import Body
@@ -88,6 +89,9 @@ class Page:
         self.host, self.gate = host, Gate(host)
         with redirect_stdout(io.StringIO()), self.gate.before():  # viser greets
             self.server = viser.ViserServer(host=host, port=port, verbose=False)
+            if not self.gate.watched:
+                self.server.stop()
+                raise Error("this version of viser cannot be guarded from other pages")
         self.server.scene.set_up_direction("+y")
         self._bounds()
         self._camera()

@@ -7,7 +7,7 @@ import re
 import socket
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import pytest
@@ -104,7 +104,15 @@ def test_what_this_machine_is() -> None:
         Gate("nowhere.invalid")
 
 
-def test_no_server_without_the_gate() -> None:
-    gate = Gate("127.0.0.1")
-    with pytest.raises(Error, match="cannot be guarded"), gate.before():
-        pass
+def test_no_server_without_the_gate(
+    still: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As with a version of viser that starts its server in another way."""
+    monkeypatch.setattr(Gate, "before", lambda _: nullcontext())
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        port = s.getsockname()[1]
+    with pytest.raises(Error, match="cannot be guarded"):
+        Page(Recorded(still), "127.0.0.1", port)
+    with pytest.raises(ConnectionRefusedError):
+        ask(port, "/", f"Host: 127.0.0.1:{port}\r\n")
