@@ -17,12 +17,12 @@ $(BUILD)/ref/%.o $(BUILD)/tests/%.o: MODEL += $(UNTRACED)
 # The words of a scene's documentation, for those who change scenes.
 $(BUILD)/words.h: app/scenes/README.md
 	@mkdir -p $(@D)
-	grep -o '`[^` ]*`' $< | tr -d '`"' | grep -x '[a-z0-9_-]*' | sort -u | \
+	$(call show,MAKE $@)grep -o '`[^` ]*`' $< | tr -d '`"' | grep -x '[a-z0-9_-]*' | sort -u | \
 	  sed 's/.*/"&",/' >$@
 $(BUILD)/fuzz/mutate.o: $(BUILD)/words.h
 $(BUILD)/parts.a: $(PARTS)
 	@rm -f $@
-	$(AR) rcs $@ $^
+	$(call show,AR $@)$(AR) rcs $@ $^
 $(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
 	$(C17) $^ -o $@ $(FUZZ_L)
 fuzz-libs: # what links with parts.a, for ci/fuzz.sh
