@@ -8,12 +8,11 @@ set -u
 build=$1
 work=$build/python
 log=$work/log
-tests=$work/tests.log
 mkdir -p "$work"
 . ci/ok.sh
 
 if ! python3 -c 'import venv, ensurepip' 2>"$log"; then
-    echo 'skipped: python3 has no venv'
+    echo 'skipped: all of Python: there is no python3-venv (sh ci/deps.sh)'
     echo '0 passed, 0 failed, 1 skipped'
     exit 0
 fi
@@ -31,24 +30,22 @@ ok "the pages' lines" "$python" python/lines.py README.md python/README.md \
     python/docs/*.md python/docs/tutorials/*.md
 ok 'the site' sh python/docs.sh "$build" tiny=20
 export RAY_USAGE_STATS_ENABLED=0
-# The summary in pytest's log: `1 failed, 2 passed, 3 skipped in 4.56s`. What Blender
-# has printed may follow it.
-number() {
-    of=$(grep -E '^[0-9]+ [a-z]+.* in [0-9.]+s' "$tests" | tail -n 1 |
-        sed -n "s/.*\\b\\([0-9][0-9]*\\) $1.*/\\1/p")
-    echo "${of:-0}"
-}
-# suite PYTHON FOLDER OPTION...: runs tests and adds up their counts.
+# suite PYTHON TEST OPTION...: runs tests by python/tests/suite.py and adds up their
+# counts, which what Blender prints may follow.
 suite() {
     with=$1
     shift
-    "$with" -m pytest -q -rs -p no:cacheprovider "$@" >"$tests" 2>&1 ||
-        sed -n '/^=.* FAILURES/,$p' "$tests" | tail -n 60
-    grep '^SKIPPED' "$tests"
-    good=$(number passed) bad=$(($(number failed) + $(number error)))
-    [ "$good" -gt 0 ] || bad=$((bad + 1)) # no test ran
-    passed=$((passed + good)) failed=$((failed + bad))
-    skipped=$((skipped + $(number skipped)))
+    "$with" python/tests/suite.py "$@" >"$log" 2>&1
+    grep -E '^(skipped:|FAILED|    )' "$log"
+    line=$(grep -xE '[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped' "$log" | tail -n 1)
+    if [ -z "$line" ]; then
+        echo "FAILED $*: pytest died"
+        last
+        line='0 passed, 1 failed, 0 skipped'
+    fi
+    # shellcheck disable=SC2046 # its numbers
+    set -- $(echo "$line" | tr -dc '0-9 ')
+    passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
 }
 suite "$python" python/tests --ignore python/tests/apps
 # Debian's torch, where it is installed, runs the notebook's cells that need it.
@@ -59,6 +56,10 @@ if /usr/bin/python3 -c 'import torch, venv' 2>"$log"; then
     ok 'torch and the wheel' "$work/torch/bin/python" -m pip install -q "$wheel" \
         pytest nbclient ipykernel
     suite "$work/torch/bin/python" python/tests/test_notebook.py
+else
+    echo "skipped: the notebook's cells with torch: there is no python3-torch" \
+        '(sh ci/deps.sh apps installs it)'
+    skipped=$((skipped + 1))
 fi
 # apps/ has an environment of its own
 rm -rf "$work/apps"

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet
 import pytest
+from needs import need
 
 import drape
 
@@ -243,7 +244,7 @@ def test_slurm(tiny: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 def test_ray_on_two_nodes_loses_a_worker_and_a_node(tmp_path: Path) -> None:
     os.environ.setdefault("RAY_ENABLE_UV_RUN_RUNTIME_ENV", "0")
-    ray = pytest.importorskip("ray")
+    ray = need("ray")
     from ray.cluster_utils import Cluster
 
     memory = 100 * 2**20
