@@ -313,3 +313,5 @@ printf '#!/bin/sh\nexec %s -S -E "$@"\n' "$(command -v python3)" \
 chmod +x no_package/python3
 fails 'view without the package' 'view: python3 cannot import the package' \
     env PATH="$work/no_package:$PATH" "$drape" view 'an out'
+is 'and the line that is missing' grep -qF \
+    'make venv, then build/venv/bin/drape view' err
