@@ -28,6 +28,6 @@ $(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
 fuzz-libs: # what links with parts.a, for ci/fuzz.sh
 	@echo $(FUZZ_L)
 fuzz: ## T=target S=seconds: libFuzzer on one target
-	sh ci/fuzz.sh $(BUILD) $(T) $(S)
-fuzz-soak: ## S=seconds, or an hour: libFuzzer on every target, or those of T=
-	sh ci/fuzz.sh $(BUILD) soak $(or $(S),3600) $(T)
+	@sh ci/fuzz.sh $(BUILD) $(T) $(S)
+fuzz-soak: ## an hour, or S=seconds, on the targets with the fewest hours, or T=targets
+	@sh ci/fuzz.sh $(BUILD) soak $(or $(S),3600) $(T)
