@@ -24,7 +24,7 @@ rm -rf "$work/fresh"
 ok 'a fresh environment' python3 -m venv "$work/fresh"
 python=$work/fresh/bin/python
 wheel=$(ls dist/drape-*.whl)
-ok 'it takes the wheel' "$python" -m pip install -q "$wheel[ray,s3]" \
+ok 'it takes the wheel' "$python" -m pip install -q "${wheel}[ray,s3]" \
     -r python/tests/requirements.txt
 ok "the pages' lines" "$python" python/lines.py README.md python/README.md \
     python/docs/*.md python/docs/tutorials/*.md
