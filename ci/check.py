@@ -50,6 +50,7 @@ PARTS = {
     "format": ("clang-format", 10),
     "rows": ("a certificate's faults are found", 10),
     "tokens": ("what the certificate's digests leave out", 5),
+    "harness": ("what make check and a soak tell", 10),
     "certificate": ("the certificate is of this tree", 10),
 }
 COUNTS = re.compile(r"(\d+) passed, (\d+) failed(?:, (\d+) skipped)?")

@@ -149,6 +149,7 @@ prove) count sh ci/prove.sh ;;
 certificate) certificate ;;
 rows) count python3 tests/certificate.py "$build" ;;
 maps) count python3 tests/maps.py ;;
+harness) count python3 tests/harness.py ;;
 tokens) count python3 tests/tree.py ;;
 *)
     echo "$0: no part $part; ci/check.py has them" >&2

@@ -45,9 +45,6 @@ class Record:
             table.writerows([name, *row] for name, row in self.rows.items())
         os.replace(part, self.path)
 
-    def seconds(self, target):
-        return self.rows[target][0]
-
 
 def of_this_turn(targets, count):
     """The next `count` targets: each commit on the line of first parents takes as
@@ -72,11 +69,14 @@ class Soak:
         self.targets, self.record, self.jobs = targets, record, jobs
         self.running = {}  # target: process, its log, when it began
         self.crashed = []
+        self.turns = dict.fromkeys(targets, 0)
 
     def next(self):
-        """The target that has run least and does not run now."""
+        """The target that has had the fewest turns and, among these, has run least
+        in all; it does not run now."""
         free = [target for target in self.targets if target not in self.running]
-        return min(free, key=self.record.seconds, default=None)
+        return min(free, default=None, key=lambda target: (
+            self.turns[target], self.record.rows[target][0]))
 
     def begin(self, target, seconds):
         found = os.path.join(self.out, f"found-{target}")
@@ -90,6 +90,7 @@ class Soak:
             stdout=log, stderr=log, stdin=subprocess.DEVNULL)
         log.close()
         self.running[target] = process, time.monotonic()
+        self.turns[target] += 1
 
     def finish(self, target):
         """Adds a run that has ended to the record, and says how it went. A crash is
