@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs the packages that drape is built and tested with, on Debian 12 or 13;
-# prints nothing if none is missing. The library itself needs only a C compiler.
+# Installs the packages that drape is built and tested with, on Debian 12 or 13, and
+# says every ten seconds how far apt is; prints nothing if none is missing. The library itself needs only a C compiler.
 # `apps`: what the tests of export, viewer, Blender add-on and notebook need
 # besides; `slurm`: what those of sweeps by Slurm need. These tests are skipped
 # without. `bare`: what ci/bare.sh needs.
@@ -32,9 +32,15 @@ else
     echo "Type: sudo sh -c '$install'" >&2
     exit 1
 fi
-echo "installing:$missing"
-$as sh -c "export DEBIAN_FRONTEND=noninteractive; $install" >/tmp/drape-deps.$$ 2>&1 || {
-    tail -n 20 /tmp/drape-deps.$$ >&2
+echo "installing, which takes some minutes:$missing"
+log=/tmp/drape-deps.$$
+$as sh -c "export DEBIAN_FRONTEND=noninteractive; $install" >$log 2>&1 &
+apt=$!
+while sleep 10 && kill -0 $apt 2>/dev/null; do
+    echo "  $(tail -n 1 $log | cut -c 1-77)"
+done
+wait $apt || {
+    tail -n 20 $log >&2
     exit 1
 }
-rm -f /tmp/drape-deps.$$
+rm -f $log

@@ -38,13 +38,12 @@ suite() {
     "$with" python/tests/suite.py "$@" >"$log" 2>&1
     grep -E '^(skipped:|FAILED|    )' "$log"
     line=$(grep -xE '[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped' "$log" | tail -n 1)
-    if [ -z "$line" ]; then
+    [ -n "$line" ] || {
         echo "FAILED $*: pytest died"
         last
-        line='0 passed, 1 failed, 0 skipped'
-    fi
+    }
     # shellcheck disable=SC2046 # its numbers
-    set -- $(echo "$line" | tr -dc '0-9 ')
+    set -- $(echo "${line:-0 1 0}" | tr -dc '0-9 ')
     passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
 }
 suite "$python" python/tests --ignore python/tests/apps
