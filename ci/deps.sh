@@ -36,8 +36,11 @@ echo "installing, which takes some minutes:$missing"
 log=/tmp/drape-deps.$$
 $as sh -c "export DEBIAN_FRONTEND=noninteractive; $install" >$log 2>&1 &
 apt=$!
-while sleep 10 && kill -0 $apt 2>/dev/null; do
-    echo "  $(tail -n 1 $log | cut -c 1-77)"
+seconds=0
+while kill -0 $apt 2>/dev/null; do
+    sleep 1
+    seconds=$((seconds + 1))
+    [ $((seconds % 10)) -ne 0 ] || echo "  $(tail -n 1 $log | cut -c 1-77)"
 done
 wait $apt || {
     tail -n 20 $log >&2

@@ -3,9 +3,10 @@
 # Tests the Python package as its users have it: builds the wheel, installs it into
 # a fresh environment, and there runs the lines of its page and its tests; checks
 # style and types.
-# usage: python/check.sh BUILD; ends with `N passed, N failed, N skipped`.
+# usage: python/check.sh BUILD [apps]; ends with `N passed, N failed, N skipped`.
+# `apps`: only the tests that need what `sh ci/deps.sh apps` installs.
 set -u
-build=$1
+build=$1 only=${2-}
 work=$build/python
 log=$work/log
 mkdir -p "$work"
@@ -16,20 +17,6 @@ if ! python3 -c 'import venv, ensurepip' 2>"$log"; then
     echo '0 passed, 0 failed, 1 skipped'
     exit 0
 fi
-ok 'a wheel' make BUILD="$build" wheel
-ok style "$work/venv/bin/ruff" check python
-ok format "$work/venv/bin/ruff" format --check python
-ok types "$work/venv/bin/mypy" --config-file python/pyproject.toml python/drape
-rm -rf "$work/fresh"
-ok 'a fresh environment' python3 -m venv "$work/fresh"
-python=$work/fresh/bin/python
-wheel=$(ls dist/drape-*.whl)
-ok 'it takes the wheel' "$python" -m pip install -q "${wheel}[ray,s3]" \
-    -r python/tests/requirements.txt
-ok "the pages' lines" "$python" python/lines.py README.md python/README.md \
-    python/docs/*.md python/docs/tutorials/*.md
-ok 'the site' sh python/docs.sh "$build" tiny=20
-export RAY_USAGE_STATS_ENABLED=0
 # suite PYTHON TEST OPTION...: runs tests by python/tests/suite.py and adds up their
 # counts, which what Blender prints may follow.
 suite() {
@@ -46,7 +33,26 @@ suite() {
     set -- $(echo "${line:-0 1 0}" | tr -dc '0-9 ')
     passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
 }
-suite "$python" python/tests --ignore python/tests/apps
+# The package, its pages and its tests in an environment of their own.
+package() {
+    ok style "$work/venv/bin/ruff" check python
+    ok format "$work/venv/bin/ruff" format --check python
+    ok types "$work/venv/bin/mypy" --config-file python/pyproject.toml python/drape
+    rm -rf "$work/fresh"
+    ok 'a fresh environment' python3 -m venv "$work/fresh"
+    python=$work/fresh/bin/python
+    ok 'it takes the wheel' "$python" -m pip install -q "${wheel}[ray,s3]" \
+        -r python/tests/requirements.txt
+    ok "the pages' lines" "$python" python/lines.py README.md python/README.md \
+        python/docs/*.md python/docs/tutorials/*.md
+    ok 'the site' sh python/docs.sh "$build" tiny=20
+    export RAY_USAGE_STATS_ENABLED=0
+    suite "$python" python/tests --ignore python/tests/apps
+}
+
+ok 'a wheel' make BUILD="$build" wheel
+wheel=$(ls dist/drape-*.whl)
+[ "$only" = apps ] || package
 # Debian's torch, where it is installed, runs the notebook's cells that need it.
 if /usr/bin/python3 -c 'import torch, venv' 2>"$log"; then
     rm -rf "$work/torch"
