@@ -32,8 +32,8 @@ trap 'rm -rf --one-file-system "$work"' EXIT
 trap 'exit 130' INT TERM
 
 echo "Debian $version, bare"
-mmdebstrap --variant=minbase --include=git,ca-certificates $name "$root" \
-    >"$log" 2>&1 || cannot "mmdebstrap: $(tail -n 1 "$log")"
+mmdebstrap --variant=minbase --include=git,ca-certificates \
+    --dpkgopt=force-unsafe-io $name "$root" >"$log" 2>&1 || cannot "mmdebstrap: $(tail -n 1 "$log")"
 git clone -q --no-local . "$root/root/drape" 2>"$log" ||
     cannot "git: $(tail -n 1 "$log")"
 cp /etc/resolv.conf "$root/etc/resolv.conf"
