@@ -3,7 +3,8 @@
 fails with its last lines, each that is skipped with its reason, and the counts. A
 file that cannot be collected is a failure of its own: all others run.
 
-usage: suite.py TEST... [OPTION OF PYTEST...]; ends with `N passed, N failed, N skipped`.
+usage: suite.py TEST... [OPTION OF PYTEST...]
+Ends with `N passed, N failed, N skipped`.
 """
 
 from __future__ import annotations
@@ -26,17 +27,17 @@ class Lines:
         last = text.rstrip().splitlines()[-LINES:]
         print("\n".join([f"FAILED {name}", *(f"    {line}" for line in last)]))
 
-    def _skips(self, name: str, report: pytest.TestReport | pytest.CollectReport) -> None:
+    def _skips(self, report: pytest.TestReport | pytest.CollectReport) -> None:
         self.skipped += 1
         why = report.longrepr[2] if isinstance(report.longrepr, tuple) else ""
-        print(f"skipped: {name}: {why.removeprefix('Skipped: ')}")
+        print(f"skipped: {report.nodeid}: {why.removeprefix('Skipped: ')}")
 
     def pytest_collectreport(self, report: pytest.CollectReport) -> None:
         """Takes note of a file that was not collected."""
         if report.failed:
             self._fails(report.nodeid, report.longreprtext)
         elif report.skipped:
-            self._skips(report.nodeid, report)
+            self._skips(report)
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Takes note of a test, of what it set up, and of what it took down."""
@@ -45,7 +46,7 @@ class Lines:
             name = report.nodeid + ("" if report.when == "call" else f", {report.when}")
             self._fails(name, said + "\n" + report.longreprtext)
         elif report.skipped:
-            self._skips(report.nodeid, report)
+            self._skips(report)
         elif report.when == "call":
             self.passed += 1
         sys.stdout.flush()

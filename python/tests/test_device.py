@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from needs import need
 from conftest import SCENES
+from needs import need
 
 import drape
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import cells as notebook
 import pytest
-from needs import need
 from conftest import ROOT
+from needs import need
 
 BOOKS = sorted((ROOT / "python/docs").rglob("*.ipynb"))
 TAGS = [(), ("torch",), ("torch", "device")]

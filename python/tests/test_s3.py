@@ -17,8 +17,8 @@ from typing import Any
 
 import pyarrow.parquet
 import pytest
-from needs import SLURM, need
 import slurmnode
+from needs import SLURM, need
 from test_sweep import LONG, kill_first, processes
 
 import drape

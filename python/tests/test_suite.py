@@ -16,7 +16,7 @@ FILES = {
     "test_a_module.py": 'from needs import need\n\ndef test_it():\n    need("moto_")\n',
     "test_broken.py": 'from needs import need\nneed("broken")\n',
     "test_error.py": "1 / 0\n",
-    "test_ends.py": "def test_good():\n    pass\n\ndef test_bad():\n    assert 1 == 2\n",
+    "test_ends.py": "def test_good(): pass\ndef test_bad(): assert 1 == 2\n",
     "test_fixture.py": "import pytest\n\n@pytest.fixture\ndef bad():\n"
     "    raise ValueError('a fixture')\n\ndef test_it(bad):\n    pass\n",
 }
@@ -39,7 +39,7 @@ def test_each_is_told_by_name(tmp_path: Path) -> None:
         assert f"FAILED {name}" in lines
     assert "FAILED test_fixture.py::test_it, setup" in lines
     assert "    E   ZeroDivisionError: division by zero" in lines
-    assert "    E       assert 1 == 2" in lines
+    assert "    E   assert 1 == 2" in lines
     skipped = [line for line in lines if line.startswith("skipped")]
     assert skipped[0].startswith("skipped: test_a_library.py: lacking cannot be")
     assert "libSM.so.6" in skipped[0] and "sh ci/deps.sh apps" in skipped[0]

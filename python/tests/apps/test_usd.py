@@ -13,7 +13,7 @@ from drape.export import Run
 from drape.export.cli import export
 
 need("pxr")
-from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdValidation
+from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdValidation  # noqa: E402
 
 
 @pytest.mark.parametrize("ending", [".usdc", ".usda", ".usd"])
