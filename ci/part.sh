@@ -88,13 +88,10 @@ with_tool() {
     fi
 }
 
-# clang-tidy; the part is skipped if clang-tidy is not installed.
-tidy() {
-    if command -v clang-tidy >/dev/null; then
-        one make BUILD="$build" tidy
-    else
-        skip 'clang-tidy is not installed (sh ci/deps.sh)'
-    fi
+# needs PROGRAM: skips the part where the program is not installed.
+needs() {
+    command -v "$1" >"$log" 2>&1 ||
+        skip "$1 is not installed (sh ci/deps.sh installs it)"
 }
 
 # Checks that the certificate is of this tree and that the reference still gives
@@ -127,14 +124,22 @@ golden-3)
         "$build/check" --plain --golden tests/golden/stages.txt
     ;;
 root) count sh ci/flavour.sh "$build" root ;;
-gcc-* | clang-* | ?san) flavour ;;
+clang-* | [tm]san)
+    needs clang
+    flavour
+    ;;
+gcc-* | asan) flavour ;;
 format)
+    needs clang-format
     one sh -c 'ls app/*.[ch] app/examples/*.c* ci/bench/*.[ch] \
         ci/validate/*.[ch] fuzz/*.[ch] gpu/*/* oracle/*.[ch]* \
         python/core/*.[ch] ref/*/*.[ch] spec/*.h tests/*/*.[ch] |
         xargs clang-format --dry-run -Werror'
     ;;
-tidy) tidy ;;
+tidy)
+    needs clang-tidy
+    one make BUILD="$build" tidy
+    ;;
 tool) with_tool sh tests/app.sh "$tool" ;;
 embed) count sh ci/embed.sh "$build" ;;
 python) with_tool sh python/check.sh "$build" ;;
@@ -145,7 +150,10 @@ counts)
     ;;
 buddha) with_tool sh ci/scenes.sh "$build" buddha ;;
 fuzz) count sh ci/fuzz.sh "$build" ;;
-prove) count sh ci/prove.sh ;;
+prove)
+    needs gappa
+    count sh ci/prove.sh
+    ;;
 certificate) certificate ;;
 rows) count python3 tests/certificate.py "$build" ;;
 maps) count python3 tests/maps.py ;;
