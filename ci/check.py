@@ -90,12 +90,12 @@ class Check:
         """Seconds until the end, if each part takes as long as it did before:
         the work over the processors, or the longest part."""
         now = time.monotonic()
-        rest = [max(self.seconds[part] - (now - begun), 0)
-                for part, (_, begun) in self.running.items()]
-        waits = [self.seconds[part] for part in self.waiting]
-        alone = self.seconds["build"] if "build" in self.waiting else 0
-        work = sum(rest) + sum(waits) - alone
-        return alone + max([work / (self.cores + 1), *rest, *waits])
+        rest = {part: max(self.seconds[part] - (now - begun), 0)
+                for part, (_, begun) in self.running.items()}
+        rest.update((part, self.seconds[part]) for part in self.waiting)
+        alone = rest.pop("build", 0)
+        most = max(rest.values(), default=0)
+        return alone + max(sum(rest.values()) / (self.cores + 1), most)
 
     def announce(self):
         """The list of parts."""
