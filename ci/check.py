@@ -86,16 +86,27 @@ class Check:
         print(text, flush=True)
         self.spoke = time.monotonic()
 
+    def pace(self):
+        """How many times as long parts take as they did before: those that have
+        ended, and those that should have."""
+        now = time.monotonic()
+        took = {part: self.times[part] for part in self.reports}
+        took.update((part, now - begun) for part, (_, begun) in self.running.items()
+                    if now - begun > self.seconds[part])
+        before = sum(self.seconds[part] for part in took)
+        return sum(took.values()) / before if before else 1
+
     def left(self):
-        """Seconds until the end, if each part takes as long as it did before:
-        the work over the processors, or the longest part."""
+        """Seconds until the end, at this pace: the work that is left over the parts
+        that run at once, or the longest part."""
         now = time.monotonic()
         rest = {part: max(self.seconds[part] - (now - begun), 0)
                 for part, (_, begun) in self.running.items()}
         rest.update((part, self.seconds[part]) for part in self.waiting)
         alone = rest.pop("build", 0)
         most = max(rest.values(), default=0)
-        return alone + max(sum(rest.values()) / (self.cores + 1), most)
+        slots = self.cores + 1
+        return self.pace() * (alone + max(sum(rest.values()) / slots, most))
 
     def announce(self):
         """The list of parts."""
