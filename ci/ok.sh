@@ -3,11 +3,14 @@
 # Counts checks. Other scripts source this file; they set $log.
 passed=0 failed=0 skipped=0
 
-# Prints the last lines of the log, and before them those of failures and errors.
+# Prints the last lines of the log but those of what is good, and before them those of
+# failures and errors.
 last() {
-    awk -v lines="$(wc -l <"$log")" \
-        'NR > lines - 20 || /^(FAILED|not ok)|[Ee]rror:/ { print "    " $0 }' "$log" |
-        tail -n 40
+    grep -vE '^(ok|skipped)' "$log" >"$log.bad"
+    awk -v lines="$(wc -l <"$log.bad")" \
+        'NR > lines - 20 || /^(FAILED|not ok)|[Ee]rror:/ { print "    " $0 }' \
+        "$log.bad" | tail -n 40
+    rm -f "$log.bad"
 }
 
 # ok NAME COMMAND...: runs the command as one check
