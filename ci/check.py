@@ -186,6 +186,11 @@ class Check:
             for line in text.split("\n")[1:]:
                 if line.startswith("skipped"):
                     self.say(f"{part}: {line}")
+        if os.path.exists("ci/certificate.json"):
+            done = subprocess.run([sys.executable, "ci/certificate.py", "line",
+                                   "ci/certificate.json"], check=False, text=True,
+                                  stdout=subprocess.PIPE)
+            self.say(f"certificate: {done.stdout.strip()}")
         bad = [part for part in self.reports if self.failed(part)]
         for part in bad:
             self.say(f"\nfailed: {part} (sh ci/part.sh {self.build} {part})\n"
@@ -208,14 +213,10 @@ def main(build=None, *parts):
         sys.exit(__doc__ + "\nparts: " + " ".join(PARTS))
     check = Check(build, parts or PARTS)
     try:
-        status = check.run()
+        return check.run()
     except KeyboardInterrupt:
         check.stop()
         sys.exit("make check: stopped")
-    if os.path.exists("ci/certificate.json"):
-        subprocess.run([sys.executable, "ci/certificate.py", "line",
-                        "ci/certificate.json"], check=False)
-    return status
 
 
 if __name__ == "__main__":
