@@ -4,6 +4,7 @@
 # alone, and in it a clone of what is committed here. So README's commands are tried
 # as a newcomer tries them: with no package, file or setting of this machine but its
 # certificates and its way to the network. Run as root. WERROR and CI are passed on.
+# BUILD/bare-VERSION takes 6 GB and is gone at the end.
 # usage: ci/bare.sh BUILD 12|13 COMMAND...
 # Its exit status is 1 if a command fails, and 77 if no such Debian can be made here.
 set -u
@@ -34,7 +35,8 @@ trap 'exit 130' INT TERM
 echo "Debian $version, bare"
 mmdebstrap --variant=minbase --include=git,ca-certificates \
     --dpkgopt=force-unsafe-io $name "$root" >"$log" 2>&1 || cannot "mmdebstrap: $(tail -n 1 "$log")"
-git clone -q --no-local . "$root/root/drape" 2>"$log" ||
+git config --file "$work/.gitconfig" safe.directory '*' # another's checkout, too
+HOME=$work git clone -q --no-local . "$root/root/drape" 2>"$log" ||
     cannot "git: $(tail -n 1 "$log")"
 cp /etc/resolv.conf "$root/etc/resolv.conf"
 certificates=/etc/ssl/certs/ca-certificates.crt
