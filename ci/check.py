@@ -204,8 +204,9 @@ class Check:
         """Ends what runs, at Ctrl-C, which the parts hear themselves."""
         for process, _ in self.running.values():
             process.terminate()
-        for process, _ in self.running.values():
+        for part, (process, _) in self.running.items():
             process.wait()
+            os.remove(self.output(part))
 
 
 def main(build=None, *parts):
