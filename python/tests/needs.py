@@ -14,9 +14,14 @@ APPS = "sh ci/deps.sh apps installs it"
 SLURM = "sh ci/deps.sh slurm installs it"
 # Modules that are no part of tests/requirements.txt, and what installs them.
 ELSEWHERE = dict.fromkeys(
-    ("bpy", "pxr", "pygltflib", "trimesh", "viser", "playwright", "PIL"),
+    ("pxr", "pygltflib", "trimesh", "viser", "playwright", "PIL"),
     "pip install -r python/tests/apps/requirements.txt",
-) | {"torch": APPS, "cupy": "pip install cupy-cuda13x", "ray": "pip install ray"}
+) | {
+    "bpy": "pip install bpy, by the one version of Python that it is for",
+    "torch": APPS,
+    "cupy": "pip install cupy-cuda13x",
+    "ray": "pip install ray",
+}
 OTHERS = "pip install -r python/tests/requirements.txt"
 
 
