@@ -47,7 +47,9 @@ package() {
         python/docs/*.md python/docs/tutorials/*.md
     ok 'the site' sh python/docs.sh "$build" tiny=20
     export RAY_USAGE_STATS_ENABLED=0
-    suite "$python" python/tests --ignore python/tests/apps
+    # the cells that need torch run below, by Debian's
+    suite "$python" python/tests --ignore python/tests/apps \
+        -k 'not test_cells_run or host'
 }
 
 ok 'a wheel' make BUILD="$build" wheel
