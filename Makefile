@@ -22,8 +22,13 @@ WARN   := -Wall -Wextra -Wpedantic $(WERROR)
 MODEL  := -ffp-contract=off -fno-math-errno -fno-fast-math
 COMMON  = $(OPT) $(CPPFLAGS) $(CFLAGS) $(WARN) $(MODEL) $(OPENMP) $(SAN) $(DEFINES) -I. -Ispec \
           -I$(BUILD) -MMD -MP -fPIC
-C17     = $(CC) -std=c17 -D_POSIX_C_SOURCE=200809L $(COMMON)
-CXX17   = $(CXX) -std=c++17 -O1 -I. -Ispec $(EIGEN) -MMD -MP -fPIC
+# A command is shown as a short line, `CC app/run.c`; V=1 shows it whole, -s not.
+MUTE   := $(findstring s,$(firstword -$(MAKEFLAGS)))
+show    = $(if $(V),,@$(if $(MUTE),,echo '$(1)';) )
+bits    = $(patsubst .%,$(comma) % bits,$(filter .32 .64,$(suffix $(basename $@))))
+by      = $(call show,$(if $(filter %.o,$@),$(1) $<$(bits),LINK $@))
+C17     = $(call by,CC)$(CC) -std=c17 -D_POSIX_C_SOURCE=200809L $(COMMON)
+CXX17   = $(call by,CXX)$(CXX) -std=c++17 -O1 -I. -Ispec $(EIGEN) -MMD -MP -fPIC
 
 # The same for kernels, by nvcc and, emulated, by the host's compiler.
 # For the devices that are here, else for an H100; ARCHES=all: for every one
@@ -42,13 +47,13 @@ CUDA    = nvcc -std=c++20 -O2 -lineinfo --fmad=false -prec-div=true \
           -Xcompiler -Wall,-Wextra,-Werror,-fPIC,-ffp-contract=off \
           -Xcompiler -fno-gnu-unique -I. -Ispec -I$(BUILD) -MMD -MP
 comma  := ,
-NVCC_C  = $(if $(WERROR),$(CUDA),$(subst -Werror$(comma),,$(CUDA)))
+NVCC_C  = $(call by,NVCC)$(if $(WERROR),$(CUDA),$(subst -Werror$(comma),,$(CUDA)))
 CUDA_L  = -L$(dir $(realpath $(NVCC)))../lib64 -lcudart_static -lstdc++ \
           -lpthread -ldl -lrt -lm
 # -O1: what is slow in emulated kernels is to change threads. C++14, as after
 # it math.h alone takes as long to compile as a file of kernels. What C's
 # functions return is incomplete in files that do not call them: clang warns.
-EMU     = $(CXX) -x c++ -std=gnu++17 $(OPT:-O2=-O1) -Wall -Wextra $(WERROR) \
+EMU     = $(call by,CXX)$(CXX) -x c++ -std=gnu++17 $(OPT:-O2=-O1) -Wall -Wextra $(WERROR) \
           -Wno-return-type-c-linkage $(MODEL) -I. -Ispec -I$(BUILD) -MMD -MP -fPIC
 
 # FCL's headers want Eigen's.
@@ -189,24 +194,24 @@ $(BUILD)/gpu/run/absent.o $(BUILD)/gpu/run/emulate.o $(BUILD)/cuda/gpu/run/devic
     $(BUILD)/certificate.h
 $(ROOT)/oracle/%.o: oracle/%.c
 	@mkdir -p $(@D)
-	$(CC) -std=c17 -O1 $(WARN) -I. -MMD -MP -fPIC -c $< -o $@
+	$(call by,CC)$(CC) -std=c17 -O1 $(WARN) -I. -MMD -MP -fPIC -c $< -o $@
 $(ROOT)/oracle/%.o: oracle/%.cpp
 	@mkdir -p $(@D)
 	$(CXX17) -c $< -o $@
 
 $(INSIDE): $(REF_O) $(if $(GPU),$(CUDA_O),$(BUILD)/gpu/run/absent.o)
 	@rm -f $@
-	$(AR) rcs $@ $^
+	$(call show,AR $@)$(AR) rcs $@ $^
 # A program that embeds drape may have functions of the same names, so the
 # library is one object in which only the names of drape.h are global. Groups
 # (instances of templates) are resolved here, too: the linker would drop a group
 # for another of its name elsewhere and leave local references to nothing.
 $(BUILD)/libdrape.o: $(INSIDE)
-	$(LD) -r --force-group-allocation --whole-archive $< -o $@
-	$(OBJCOPY) --wildcard --keep-global-symbol='drape_*' $@
+	$(call show,LD $@)$(LD) -r --force-group-allocation --whole-archive $< -o $@
+	@$(OBJCOPY) --wildcard --keep-global-symbol='drape_*' $@
 $(LIB): $(BUILD)/libdrape.o
 	@rm -f $@
-	$(AR) rcs $@ $<
+	$(call show,AR $@)$(AR) rcs $@ $<
 $(BUILD)/check: $(TEST_O) $(EMU_O) $(ORC_O) $(INSIDE)
 	$(C17) $(TEST_O) $(EMU_O) $(ORC_O) $(INSIDE) -o $@ $(ORC_L) -lstdc++ -lm
 # Without the oracles: so it runs on a device's machine that has none.
@@ -231,18 +236,19 @@ include ci/install.mk ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/python.mk \
         ci/bench/bench.mk
 
 check: ## everything that must hold
-	sh ci/check.sh $(BUILD)
+	@python3 ci/check.py $(BUILD)
 # What its parts share, so that they can run side by side.
 check-parts: all $(ACC) $(BUILD)/validate $(BUILD)/whole.txt $(BUILD)/replay \
     $(if $(HAS_ORACLE),$(BUILD)/frames)
 
 demo: $(BUILD)/drape ## drapes a cloth over the lion: pictures, film, report
-	sh ci/demo.sh $(BUILD)
+	@sh ci/demo.sh $(BUILD)
 
 help: ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' Makefile ci/*.mk ci/*/*.mk | expand -t 11
 	@echo 'tables also takes SCENES= FRAMES= MODES= LIMIT=: ci/bench/scenes.sh'
 	@echo "OPT=      '-O2 -g', say: for a debugger"
+	@echo 'V=1       shows whole commands'
 	@echo 'GPU=yes   with any of them: builds the device part without a device'
 	@echo 'CI=true   compiler warnings are errors'
 	@echo 'ARCHES=   "80 90", say: for which devices; all: every one nvcc knows'

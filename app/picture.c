@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { THREADS_MOST = 256, FLOOR_SAMPLES = 6 };
+enum { THREADS_MOST = 256, FLOOR_SAMPLES = 3 };
 /* Roberts' sequence in four dimensions. */
 static const float floor_step[4] = {0.8566749f, 0.7338919f, 0.6287067f,
                                     0.5385973f};

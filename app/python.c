@@ -18,7 +18,8 @@ static char program[] =
     "    from drape.__main__ import main\n"
     "except ImportError as error:\n"
     "    print(f'drape: {sys.argv[1]}: python3 cannot import the package drape "
-    "({error}); install its wheel', file=sys.stderr)\n"
+    "({error}). In its source: make venv, then build/venv/bin/drape "
+    "{sys.argv[1]}', file=sys.stderr)\n"
     "    sys.exit(3)\n"
     "sys.exit(main(sys.argv[1:]))\n";
 

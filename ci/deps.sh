@@ -1,15 +1,17 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Installs the packages that drape is built and tested with, on Debian 12 or 13;
-# prints nothing if none is missing. The library itself needs only a C compiler.
+# Installs the packages that drape is built and tested with, on Debian 12 or 13, and
+# says every ten seconds how far apt is; prints nothing if none is missing. The library itself needs only a C compiler.
 # `apps`: what the tests of export, viewer, Blender add-on and notebook need
-# besides; `slurm`: what those of sweeps by Slurm need, which are skipped without.
-# usage: ci/deps.sh [apps|slurm]
+# besides; `slurm`: what those of sweeps by Slurm need. These tests are skipped
+# without. `bare`: what ci/bare.sh needs.
+# usage: ci/deps.sh [apps|slurm|bare]
 set -eu
 need='gcc g++ make clang clang-format clang-tidy libomp-dev
       libassimp-dev libcjson-dev libembree-dev libpng-dev ffmpeg
       libcgal-dev libfcl-dev libccd-dev libgmp-dev libmpfr-dev gappa
       libclang-rt-dev python3 python3-dev python3-venv cmake pkg-config'
+[ "${1-}" != bare ] || need='mmdebstrap git'
 [ "${1-}" != slurm ] || need='slurm-wlm munge'
 [ "${1-}" != apps ] || need='chromium libatomic1 python3-torch libgl1 libsm6 libice6 libx11-6 libxext6
       libxfixes3 libxi6 libxkbcommon0 libxrender1'
@@ -30,9 +32,18 @@ else
     echo "Type: sudo sh -c '$install'" >&2
     exit 1
 fi
-echo "installing:$missing"
-$as sh -c "export DEBIAN_FRONTEND=noninteractive; $install" >/tmp/drape-deps.$$ 2>&1 || {
-    tail -n 20 /tmp/drape-deps.$$ >&2
+echo "installing, which takes some minutes:$missing"
+log=/tmp/drape-deps.$$
+$as sh -c "export DEBIAN_FRONTEND=noninteractive; $install" >$log 2>&1 &
+apt=$!
+seconds=0
+while kill -0 $apt 2>/dev/null; do
+    sleep 1
+    seconds=$((seconds + 1))
+    [ $((seconds % 10)) -ne 0 ] || echo "  $(tail -n 1 $log | cut -c 1-77)"
+done
+wait $apt || {
+    tail -n 20 $log >&2
     exit 1
 }
-rm -f /tmp/drape-deps.$$
+rm -f $log

@@ -116,7 +116,7 @@ if command -v cmake >/dev/null; then
             asks $version
     done
 else
-    skip 'CMake: there is no cmake'
+    skip 'CMake: there is no cmake (sh ci/deps.sh installs it)'
 fi
 
 # Only the names of drape.h are global, so that an embedder may use all others.

@@ -59,7 +59,7 @@ pure: $(INSIDE)
 
 # What ROOT's build makes of the small scenes: what all others must make.
 $(BUILD)/whole.txt: $(BUILD)/whole
-	OMP_WAIT_POLICY=passive $(BUILD)/whole >$@
+	$(call show,RUN $(BUILD)/whole)OMP_WAIT_POLICY=passive $(BUILD)/whole >$@
 
 coverage: ## which lines of ref/ the small scenes of tests/whole leave out
 	rm -rf $(BUILD)/coverage

@@ -17,17 +17,17 @@ $(BUILD)/ref/%.o $(BUILD)/tests/%.o: MODEL += $(UNTRACED)
 # The words of a scene's documentation, for those who change scenes.
 $(BUILD)/words.h: app/scenes/README.md
 	@mkdir -p $(@D)
-	grep -o '`[^` ]*`' $< | tr -d '`"' | grep -x '[a-z0-9_-]*' | sort -u | \
+	$(call show,MAKE $@)grep -o '`[^` ]*`' $< | tr -d '`"' | grep -x '[a-z0-9_-]*' | sort -u | \
 	  sed 's/.*/"&",/' >$@
 $(BUILD)/fuzz/mutate.o: $(BUILD)/words.h
 $(BUILD)/parts.a: $(PARTS)
 	@rm -f $@
-	$(AR) rcs $@ $^
+	$(call show,AR $@)$(AR) rcs $@ $^
 $(BUILD)/replay: $(BUILD)/fuzz/main.o $(BUILD)/parts.a
 	$(C17) $^ -o $@ $(FUZZ_L)
 fuzz-libs: # what links with parts.a, for ci/fuzz.sh
 	@echo $(FUZZ_L)
 fuzz: ## T=target S=seconds: libFuzzer on one target
-	sh ci/fuzz.sh $(BUILD) $(T) $(S)
-fuzz-soak: ## S=seconds, or an hour: libFuzzer on every target, or those of T=
-	sh ci/fuzz.sh $(BUILD) soak $(or $(S),3600) $(T)
+	@sh ci/fuzz.sh $(BUILD) $(T) $(S)
+fuzz-soak: ## an hour, or S=seconds, on the targets with the fewest hours, or T=targets
+	@sh ci/fuzz.sh $(BUILD) soak $(or $(S),3600) $(T)

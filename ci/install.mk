@@ -13,7 +13,7 @@ ABI     := $(call number,MAJOR)$(if $(filter 0,$(call number,MAJOR)),.$(\
 SO      := $(BUILD)/libdrape.so
 # The CUDA runtime is a part of the library, and its names stay inside.
 $(SO): $(BUILD)/libdrape.o
-	$(CC) -shared $(OPT) $(CFLAGS) $(LDFLAGS) $(SAN) -Wl,-soname,libdrape.so.$(ABI) \
+	$(call show,LINK $@)$(CC) -shared $(OPT) $(CFLAGS) $(LDFLAGS) $(SAN) -Wl,-soname,libdrape.so.$(ABI) \
 	  -Wl,-z,defs -Wl,--exclude-libs,ALL $< -o $@ -pthread \
 	  $(if $(GPU),$(CUDA_L),-lm)
 

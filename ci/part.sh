@@ -1,17 +1,40 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# Runs one part of `make check`, prints its counts, its time and the output of
-# failures, and adds the counts to BUILD/check.counts. Parts may run in parallel.
-# usage: ci/part.sh BUILD PART [JOBS]
+# Runs one part of `make check` and prints its counts and its time, what it has
+# skipped, and each check that failed with its last lines. The log of a part that
+# failed stays: BUILD/check-PART.log. Parts may run in parallel.
+# usage: ci/part.sh BUILD PART [JOBS]; its exit status is 1 if a check failed.
 set -u
 build=$1 part=$2 jobs=${3-1}
 log=$build/check-$part.log
 tool=$build/drape
+mkdir -p "$build"
+
+# Prints what the log has of `skipped: CHECK: REASON`, one line for each reason.
+skips() {
+    sed -n 's/^skipped:* //p' "$log" | awk -F ': ' '
+        { why = substr($0, length($1) + 3); if (!(why in what)) order[++n] = why
+          what[why] = what[why] (what[why] ? "; " : "") $1 }
+        END { for (k = 1; k <= n; k++)
+                  print "skipped: " what[order[k]] ": " order[k] }'
+}
+
+# Prints the failures of the log: lines FAILED NAME or not ok NAME, each with up to
+# 44 lines that follow it. A log with fewer than $1 of them ends in another way, so
+# its last lines are printed, too.
+failures() {
+    awk -v most=44 '
+        /^(FAILED|not ok)/ { left = most }
+        /^(ok|skipped|proved|agreed)|passed, .* failed/ { left = 0 }
+        left-- > 0' "$log"
+    [ "$(grep -cE '^(FAILED|not ok)' "$log")" -ge "$1" ] || {
+        echo "FAILED $part: the last lines of $log:"
+        tail -n 24 "$log" | sed 's/^/    /'
+    }
+}
 
 # Runs a command that ends with `N passed, N failed[, N skipped]`.
 count() {
-    name=$1
-    shift
     start=$(date +%s)
     "$@" >"$log" 2>&1
     status=$?
@@ -23,33 +46,37 @@ count() {
     [ $status -eq 0 ] || case $line in
     *' 0 failed'*) line='0 passed, 1 failed' ;;
     esac
-    set -- $(echo "$line" | tr -dc '0-9 ')
-    echo "$1 $2 ${3:-0}" >>"$build/check.counts"
     times >"$log.cpu" # the second line: user and system time of children
     cpu=$(sed -n '2s/[ms]/ /gp' "$log.cpu" |
         awk '{ printf "%d", 60 * $1 + $2 + 60 * $3 + $4 + 0.5 }')
-    # one write, so that the lines of parallel parts do not mix
-    shown=$(printf '%-28s %s (%d s, CPU %d s)\n' "$name" "$line" \
+    printf '%-12s %s (%d s, CPU %d s)\n' "$part" "$line" \
         $(($(date +%s) - start)) "$cpu"
-        grep '^skipped' "$log"
-        [ "$2" -eq 0 ] || grep -v '^ok' "$log" | tail -n 40)
-    printf '%s\n' "$shown"
-    rm -f "$log" "$log.cpu"
+    skips
+    # shellcheck disable=SC2046 # its numbers
+    set -- $(echo "$line" | tr -dc '0-9 ')
+    rm -f "$log.cpu"
+    [ "$2" -ne 0 ] || {
+        rm -f "$log"
+        exit 0
+    }
+    failures "$2"
+    exit 1
 }
 
 # Runs a command that succeeds or fails as one check.
 one() {
-    name=$1
-    shift
     # shellcheck disable=SC2016
-    count "$name" sh -c \
+    count sh -c \
         '"$@" && echo "1 passed, 0 failed" || echo "0 passed, 1 failed"' \
         sh "$@"
 }
 
+# Skips the part, and says why.
+skip() { count printf '%s\n' "skipped: $part: $1" '0 passed, 0 failed, 1 skipped'; }
+
 # Builds and tests with other flags; in CI the emulated kernels are built with
 # them too.
-flavour() { count "$part" sh ci/flavour.sh "$build" "$part" "${CI:+yes}"; }
+flavour() { count sh ci/flavour.sh "$build" "$part" "${CI:+yes}"; }
 
 # Runs a part that needs the tool; skips it if the tool was not built, as its
 # libraries are not installed.
@@ -57,28 +84,24 @@ with_tool() {
     if [ -x "$tool" ]; then
         count "$@"
     else
-        count "$1" echo '0 passed, 0 failed, 1 skipped'
+        skip "there is no $tool (sh ci/deps.sh installs its libraries)"
     fi
 }
 
-# clang-tidy; the part is skipped if clang-tidy is not installed.
-tidy() {
-    if command -v clang-tidy >/dev/null; then
-        one tidy make BUILD="$build" tidy
-    else
-        count tidy printf '%s\n' 'skipped: clang-tidy is not installed' \
-            '0 passed, 0 failed, 1 skipped'
-    fi
+# needs PROGRAM: skips the part where the program is not installed.
+needs() {
+    command -v "$1" >"$log" 2>&1 ||
+        skip "$1 is not installed (sh ci/deps.sh installs it)"
 }
 
 # Checks that the certificate is of this tree and that the reference still gives
 # its bits.
 certificate() {
     if [ -f ci/certificate.json ] && [ -x "$tool" ]; then
-        count certificate python3 ci/certificate.py check \
+        count python3 ci/certificate.py check \
             ci/certificate.json "$build"
     else
-        count certificate echo '0 passed, 0 failed, 1 skipped'
+        skip "there is no ci/certificate.json, or no $tool"
     fi
 }
 
@@ -86,43 +109,58 @@ export DRAPE_FAILURES="$build"
 export OMP_WAIT_POLICY=passive # more threads than processors must not spin
 export OMP_NUM_THREADS=1       # what wants more asks for them
 case $part in
-build) one build make -j"$jobs" BUILD="$build" check-parts ;;
-self) count 'planted faults' "$build/check" --self-test ;;
-device) count 'kernels, emulated' "$build/check" --gpu ;;
-accuracy) count accuracy "$build/accuracy" --quick "$build" ;;
+build) one make -j"$jobs" BUILD="$build" check-parts ;;
+self) count "$build/check" --self-test ;;
+device) count "$build/check" --gpu ;;
+accuracy) count "$build/accuracy" --quick "$build" ;;
 validate)
     mkdir -p "$build/validation"
-    count validation "$build/validate" --quick "$build/validation"
+    count "$build/validate" --quick "$build/validation"
     ;;
-tests) count tests "$build/check" --tests ;;
-golden-1) count golden "$build/check" --golden tests/golden/stages.txt ;;
+tests) count "$build/check" --tests ;;
+golden-1) count "$build/check" --golden tests/golden/stages.txt ;;
 golden-3)
-    count 'golden, 3 threads' env OMP_NUM_THREADS=3 \
+    count env OMP_NUM_THREADS=3 \
         "$build/check" --plain --golden tests/golden/stages.txt
     ;;
-root) count 'whole scenes' sh ci/flavour.sh "$build" root ;;
-gcc-* | clang-* | ?san) flavour ;;
+root) count sh ci/flavour.sh "$build" root ;;
+clang-* | [tm]san)
+    needs clang
+    flavour
+    ;;
+gcc-* | asan) flavour ;;
 format)
-    one format sh -c 'ls app/*.[ch] app/examples/*.c* ci/bench/*.[ch] \
+    needs clang-format
+    one sh -c 'ls app/*.[ch] app/examples/*.c* ci/bench/*.[ch] \
         ci/validate/*.[ch] fuzz/*.[ch] gpu/*/* oracle/*.[ch]* \
         python/core/*.[ch] ref/*/*.[ch] spec/*.h tests/*/*.[ch] |
         xargs clang-format --dry-run -Werror'
     ;;
-tidy) tidy ;;
-tool) with_tool tool sh tests/app.sh "$tool" ;;
-embed) count 'embedding examples' sh ci/embed.sh "$build" ;;
-python) with_tool 'Python package' sh python/check.sh "$build" ;;
-demo) with_tool "the demo's frames" sh ci/scenes.sh "$build" demo ;;
+tidy)
+    needs clang-tidy
+    one make BUILD="$build" tidy
+    ;;
+tool) with_tool sh tests/app.sh "$tool" ;;
+embed) count sh ci/embed.sh "$build" ;;
+python) with_tool sh python/check.sh "$build" ;;
+demo) with_tool sh ci/scenes.sh "$build" demo ;;
 counts)
     mkdir -p "$build/quick"
-    with_tool 'counts of contact' python3 ci/bench/counts.py "$tool" "$build/quick"
+    with_tool python3 ci/bench/counts.py "$tool" "$build/quick"
     ;;
-buddha) with_tool 'buddha, 120 steps' sh ci/scenes.sh "$build" buddha ;;
-fuzz) count 'fuzz corpus' sh ci/fuzz.sh "$build" ;;
-prove) count proofs sh ci/prove.sh ;;
+buddha) with_tool sh ci/scenes.sh "$build" buddha ;;
+fuzz) count sh ci/fuzz.sh "$build" ;;
+prove)
+    needs gappa
+    count sh ci/prove.sh
+    ;;
 certificate) certificate ;;
-rows) count "the certificate's faults" python3 tests/certificate.py "$build" ;;
-maps) count 'maps of the tree' python3 tests/maps.py ;;
-tokens) count 'what code is' python3 tests/tree.py ;;
-*) one "unknown part $part" false ;;
+rows) count python3 tests/certificate.py "$build" ;;
+maps) count python3 tests/maps.py ;;
+harness) count python3 tests/harness.py ;;
+tokens) count python3 tests/tree.py ;;
+*)
+    echo "$0: no part $part; ci/check.py has them" >&2
+    exit 2
+    ;;
 esac

@@ -2,7 +2,7 @@
 # The Python package of python/: what its extension is linked of, its wheel and
 # its tests. python/README.md says how they fit together.
 
-.PHONY: wheel check-python docs python-core
+.PHONY: wheel venv check-python docs python-core
 PY     := $(BUILD)/python
 PIP    := $(PY)/venv/bin/python -m pip install -q
 
@@ -23,8 +23,8 @@ python-core: $(call obj,$(CORE),) $(LIB) $(if $(HAS_APP),$(BUILD)/drape)
 
 # What builds the package, in an environment of its own.
 $(PY)/venv/made: python/requirements.txt
-	python3 -m venv $(PY)/venv
-	$(PIP) -r $<
+	$(call show,MAKE $(PY)/venv)python3 -m venv $(PY)/venv
+	@$(PIP) -r $<
 	@touch $@
 
 # A wheel with the device's part says by which CUDA: drape_cloth-0.1.0+cu130-….whl.
@@ -32,11 +32,18 @@ DIST ?= dist
 WITH_CUDA = $(if $(GPU),cu$(shell nvcc --version | sed -n \
             's/.*release \([0-9]*\)\.\([0-9]*\).*/\1\2/p'))
 wheel: $(PY)/venv/made ## a wheel of the Python package, in DIST=dist
-	DRAPE_MAKE="GPU=$(GPU) $${DRAPE_MAKE-}" DRAPE_LOCAL=$(WITH_CUDA) \
+	$(call show,MAKE $(DIST)/*.whl)DRAPE_MAKE="GPU=$(GPU) $${DRAPE_MAKE-}" DRAPE_LOCAL=$(WITH_CUDA) \
 	  sh python/wheel.sh $(BUILD) $(DIST)
 
+# Debian's own Python takes no packages, so there is an environment for them.
+venv: wheel ## the package with its view and export: BUILD/venv/bin/drape, …/python
+	$(call show,MAKE $(BUILD)/venv)rm -rf $(BUILD)/venv && \
+	  python3 -m venv $(BUILD)/venv && $(BUILD)/venv/bin/python -m pip \
+	  install -q "$$(ls $(DIST)/*.whl)[view,export]"
+	@echo '$(BUILD)/venv/bin/drape view DIR; $(BUILD)/venv/bin/python: import drape'
+
 check-python: $(PY)/venv/made ## tests the package's wheel in a fresh environment
-	sh python/check.sh $(BUILD)
+	@sh python/check.sh $(BUILD)
 
 docs: wheel ## the documentation site: build/python/site/index.html
-	sh python/docs.sh $(BUILD)
+	@sh python/docs.sh $(BUILD)

@@ -18,7 +18,8 @@ else
     every=10 seen=13
     data=${DRAPE_DATA:-../shared}
     if [ ! -f "$data/models/buddha_100k.ply" ]; then
-        echo "skipped: no $data/models/buddha_100k.ply"
+        echo 'skipped: the buddha: there is no models/buddha_100k.ply in DRAPE_DATA' \
+            "($build/drape fetch-models DIR fetches it; set DRAPE_DATA=DIR)"
         echo '0 passed, 0 failed, 1 skipped'
         exit 0
     fi
@@ -46,7 +47,8 @@ if [ -x "$build/frames" ]; then
         'echo "$1"; echo "$1" | grep -q "1 of them" && [ "$1" = "$2" ]' \
         sh "$(ours "$out/two")" "$(cgal "$out/two")"
 else
-    echo 'skipped: CGAL is not installed to audit the frames'
+    echo 'skipped: the frames audited by CGAL: there is no libcgal-dev' \
+        '(sh ci/deps.sh installs it)'
     skipped=1
 fi
 rm -rf "$out" "$log"

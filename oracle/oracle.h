@@ -13,6 +13,9 @@ extern "C" {
 /* Returns 1, or 0 where the libraries are missing. Then only brute force is
  * built and all other oracles return -1. */
 int orc_present(void);
+/* Why a test is skipped that needs them. */
+#define NO_ORACLES                                                             \
+    "the oracles' libraries are not installed (sh ci/deps.sh installs them)"
 
 /* Collision queries: the closed primitives move linearly from x0 to x1 over
  * t in [0, 1], both ends included. kind 0: vertex x[0] and face x[1..3];

@@ -3,54 +3,58 @@
 # Tests the Python package as its users have it: builds the wheel, installs it into
 # a fresh environment, and there runs the lines of its page and its tests; checks
 # style and types.
-# usage: python/check.sh BUILD; ends with `N passed, N failed, N skipped`.
+# usage: python/check.sh BUILD [apps]; ends with `N passed, N failed, N skipped`.
+# `apps`: only the tests that need what `sh ci/deps.sh apps` installs.
 set -u
-build=$1
+build=$1 only=${2-}
 work=$build/python
 log=$work/log
-tests=$work/tests.log
 mkdir -p "$work"
 . ci/ok.sh
 
 if ! python3 -c 'import venv, ensurepip' 2>"$log"; then
-    echo 'skipped: python3 has no venv'
+    echo 'skipped: all of Python: there is no python3-venv (sh ci/deps.sh)'
     echo '0 passed, 0 failed, 1 skipped'
     exit 0
 fi
-ok 'a wheel' make BUILD="$build" wheel
-ok style "$work/venv/bin/ruff" check python
-ok format "$work/venv/bin/ruff" format --check python
-ok types "$work/venv/bin/mypy" --config-file python/pyproject.toml python/drape
-rm -rf "$work/fresh"
-ok 'a fresh environment' python3 -m venv "$work/fresh"
-python=$work/fresh/bin/python
-wheel=$(ls dist/drape_cloth-*.whl)
-ok 'it takes the wheel' "$python" -m pip install -q "$wheel[ray,s3]" \
-    -r python/tests/requirements.txt
-ok "the pages' lines" "$python" python/lines.py README.md python/README.md \
-    python/docs/*.md python/docs/tutorials/*.md
-ok 'the site' sh python/docs.sh "$build" tiny=20
-export RAY_USAGE_STATS_ENABLED=0
-# The summary in pytest's log: `1 failed, 2 passed, 3 skipped in 4.56s`. What Blender
-# has printed may follow it.
-number() {
-    of=$(grep -E '^[0-9]+ [a-z]+.* in [0-9.]+s' "$tests" | tail -n 1 |
-        sed -n "s/.*\\b\\([0-9][0-9]*\\) $1.*/\\1/p")
-    echo "${of:-0}"
-}
-# suite PYTHON FOLDER OPTION...: runs tests and adds up their counts.
+# suite PYTHON TEST OPTION...: runs tests by python/tests/suite.py and adds up their
+# counts, which what Blender prints may follow.
 suite() {
     with=$1
     shift
-    "$with" -m pytest -q -rs -p no:cacheprovider "$@" >"$tests" 2>&1 ||
-        sed -n '/^=.* FAILURES/,$p' "$tests" | tail -n 60
-    grep '^SKIPPED' "$tests"
-    good=$(number passed) bad=$(($(number failed) + $(number error)))
-    [ "$good" -gt 0 ] || bad=$((bad + 1)) # no test ran
-    passed=$((passed + good)) failed=$((failed + bad))
-    skipped=$((skipped + $(number skipped)))
+    "$with" python/tests/suite.py "$@" >"$log" 2>&1
+    grep -E '^(skipped:|FAILED|    )' "$log"
+    line=$(grep -xE '[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped' "$log" | tail -n 1)
+    [ -n "$line" ] || {
+        echo "FAILED $*: pytest died"
+        last
+    }
+    # shellcheck disable=SC2046 # its numbers
+    set -- $(echo "${line:-0 1 0}" | tr -dc '0-9 ')
+    passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
 }
-suite "$python" python/tests --ignore python/tests/apps
+# The package, its pages and its tests in an environment of their own.
+package() {
+    ok style "$work/venv/bin/ruff" check python
+    ok format "$work/venv/bin/ruff" format --check python
+    ok types "$work/venv/bin/mypy" --config-file python/pyproject.toml python/drape
+    rm -rf "$work/fresh"
+    ok 'a fresh environment' python3 -m venv "$work/fresh"
+    python=$work/fresh/bin/python
+    ok 'it takes the wheel' "$python" -m pip install -q "${wheel}[ray,s3]" \
+        -r python/tests/requirements.txt
+    ok "the pages' lines" "$python" python/lines.py README.md python/README.md \
+        python/docs/*.md python/docs/tutorials/*.md
+    ok 'the site' sh python/docs.sh "$build" tiny=20
+    export RAY_USAGE_STATS_ENABLED=0
+    # the cells that need torch run below, by Debian's
+    suite "$python" python/tests --ignore python/tests/apps \
+        -k 'not test_cells_run or host'
+}
+
+ok 'a wheel' make BUILD="$build" wheel
+wheel=$(ls dist/drape_cloth-*.whl)
+[ "$only" = apps ] || package
 # Debian's torch, where it is installed, runs the notebook's cells that need it.
 if /usr/bin/python3 -c 'import torch, venv' 2>"$log"; then
     rm -rf "$work/torch"
@@ -60,6 +64,10 @@ if /usr/bin/python3 -c 'import torch, venv' 2>"$log"; then
         pytest nbclient ipykernel
     suite "$work/torch/bin/python" python/tests/test_notebook.py \
         python/tests/test_torch.py
+else
+    echo "skipped: the notebook's cells with torch: there is no python3-torch" \
+        '(sh ci/deps.sh apps installs it)'
+    skipped=$((skipped + 1))
 fi
 # apps/ has an environment of its own
 rm -rf "$work/apps"

@@ -10,6 +10,7 @@ shift
 work=$build/python
 python=$work/docs/bin/python
 if [ ! -e "$work/docs/made" ]; then
+    echo "docs: Sphinx, into $work/docs"
     python3 -m venv "$work/docs"
     "$python" -m pip install -q furo==2025.12.19 myst-parser==5.2.0 sphinx==9.0.4
     "$python" -m pip install -q dist/drape_cloth-*.whl
@@ -18,5 +19,6 @@ fi
 "$python" -m pip install -q --no-deps --no-index --force-reinstall dist/drape_cloth-*.whl
 rm -rf python/docs/made "$work/site"
 "$python" python/docs/gallery.py python/docs/made/gallery "$@"
+echo "docs: the pages"
 "$python" -m sphinx -q -W --keep-going -b html python/docs "$work/site"
 echo "$work/site/index.html"

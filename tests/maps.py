@@ -20,7 +20,7 @@ ROOMS = ("ref", "gpu", "tests", "spec")
 MOST_FILES = 30    # in a room
 MOST_HEADERS = 40  # of ours that a .cu file sees
 C = (".c", ".h", ".cu", ".cuh", ".cpp", ".def")
-SCRIPTS = (".sh", ".py", ".mk", "Makefile")
+SCRIPTS = (".sh", ".py", ".mk", "Makefile", ".ci/run")
 LOGS = ("ci/bench/h200/", "CHANGELOG")  # they tell of trees that were
 SUFFIX = r"(?:c|h|cu|cuh|cpp|md|sh|py|def|gappa|mk)"
 FILE = re.compile(r"(?<![\w./<*-])((?:[\w-]+/)*[\w-]+\." + SUFFIX + r")(?![\w/])")
@@ -42,7 +42,7 @@ def tree():
                       ("build", ".git", "__pycache__", "corpus", "shared")]
         for name in names:
             path = os.path.relpath(os.path.join(at, name), ROOT)
-            if name.endswith(C + SCRIPTS + (".md", ".gappa", ".equivalent")):
+            if path.endswith(C + SCRIPTS + (".md", ".gappa", ".equivalent")):
                 with open(os.path.join(at, name), encoding="utf-8") as file:
                     texts[path] = file.read()
             else:
@@ -407,9 +407,19 @@ def check_targets(texts):
                             for name in sorted(functions - named)]
 
 
+def check_commands(texts):
+    """.ci/run types README's two commands, before any other."""
+    block = re.search(r"^## Two commands\n.*?^```sh\n(.*?)^```", texts["README.md"],
+                      re.M | re.S)[1]
+    told = [re.sub(r"\s+#.*", "", line) for line in block.splitlines()]
+    typed = re.findall(r"'([^']+)'", texts[".ci/run"].partition("commands=(")[2])
+    return len(told), [f"README.md: .ci/run does not type {line}"
+                       for line, other in zip(told, typed) if line != other]
+
+
 CHECKS = (check_diagram, check_stages, check_files, check_citations, check_rooms,
           check_circles, check_headers, check_banners, check_numbers,
-          check_equivalents, check_targets)
+          check_equivalents, check_targets, check_commands)
 
 
 def planted(texts):
@@ -457,6 +467,8 @@ def planted(texts):
     yield check_equivalents, add("ci/mutants.equivalent", f"{home} | x | y | z\n")
     yield check_targets, add("spec/drape.h", "int drape_more(int many);\n")
     yield check_targets, edit("fuzz/bodies.c", "drape_remove(", "remove(")
+    yield check_commands, edit("README.md", "&& make demo", "&& make")
+    yield check_commands, edit(".ci/run", "'make check'", "'make -k check'")
 
 
 def main():

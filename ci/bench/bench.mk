@@ -64,7 +64,7 @@ PRICE_O    := $(call obj,ci/bench/price,.32) $(call obj,ci/bench/price,.64) \
               $(call obj,ci/bench/main) $(LOOSE_O) $(BUILD)/cuda/gpu/run/device.o
 $(LOOSE_O): $(BUILD)/cuda/price/%.o: ci/bench/kernels.cu | $(NAMES)
 	@mkdir -p $(@D)
-	$(subst $(EXACT),$(LOOSE_$(basename $*)),$(CUDA)) -DFLAGS=$(basename $*) \
+	$(call by,NVCC)$(subst $(EXACT),$(LOOSE_$(basename $*)),$(CUDA)) -DFLAGS=$(basename $*) \
 	  -DREAL_BITS=$(subst .,,$(suffix $*)) -c $< -o $@
 $(BUILD)/price: $(PRICE_O) $(INSIDE)
 	$(C17) $^ -o $@ $(CUDA_L)
@@ -73,7 +73,7 @@ price: $(BUILD)/price ## what exactness costs on a device, as csv
 
 $(BUILD)/launches: ci/bench/launches.cu
 	@mkdir -p $(@D)
-	$(CUDA) $< -o $@ $(CUDA_L)
+	$(call by,NVCC)$(CUDA) $< -o $@ $(CUDA_L)
 launches: $(BUILD)/launches ## what launches, graphs and looks cost there, as csv
 	$(BUILD)/launches
 

@@ -121,23 +121,17 @@ ok "the quick start's lines" in_fresh $python python/lines.py \
 ok 'python -m drape' in_fresh $python -m drape run app/scenes/tiny.json --out /tiny
 ok 'the notebook' in_fresh $python python/tests/cells.py \
     python/docs/tutorials/torch.ipynb
-# suite PYTHON TEST OPTION...: runs tests and adds up their counts
+# suite PYTHON TEST OPTION...: runs tests by python/tests/suite.py and adds up their
+# counts, which what Blender prints may follow.
 suite() {
     suite_python=$1
     shift
-    in_fresh "$suite_python" -m pytest -q -rs -p no:cacheprovider "$@" >"$log" 2>&1
-    grep '^SKIPPED' "$log"
-    # the summary; what Blender has printed may follow it
-    line=$(grep -E '^[0-9]+ [a-z]+.* in [0-9.]+s' "$log" | tail -n 1)
-    good=$(number passed) bad=$(($(number failed) + $(number error)))
-    [ "$good" -gt 0 ] || bad=$((bad + 1)) # no test ran
-    [ "$bad" -eq 0 ] || tail -n 60 "$log"
-    passed=$((passed + good)) failed=$((failed + bad))
-    skipped=$((skipped + $(number skipped)))
-}
-number() {
-    of=$(echo "$line" | sed -n "s/.*\\b\\([0-9][0-9]*\\) $1.*/\\1/p")
-    echo "${of:-0}"
+    in_fresh "$suite_python" python/tests/suite.py "$@" >"$log" 2>&1
+    grep -E '^(skipped:|FAILED|    )' "$log"
+    line=$(grep -xE '[0-9]+ passed, [0-9]+ failed, [0-9]+ skipped' "$log" | tail -n 1)
+    # shellcheck disable=SC2046 # its numbers
+    set -- $(echo "${line:-0 1 0}" | tr -dc '0-9 ')
+    passed=$((passed + $1)) failed=$((failed + $2)) skipped=$((skipped + $3))
 }
 ok 'a browser' in_fresh sh -c 'apt-get install -y --no-install-recommends chromium libatomic1'
 ok 'the viewer, and a kernel of Jupyter' in_fresh $python -m pip install -q \

@@ -209,7 +209,8 @@ void part_statue(struct validate *v)
         return;
     for (int f = 0; f < (few ? 1 : 5); f++) {
         if (!make_flank(&flanks[f])) {
-            printf("skipped: %s.ply: the folders of meshes have no such mesh\n",
+            printf("skipped: the statue %s.ply: it is in no folder of meshes "
+                   "(drape fetch-models DIR fetches it; set DRAPE_DATA=DIR)\n",
                    flanks[f].file);
             continue;
         }

@@ -7,10 +7,12 @@ usage: gallery.py FOLDER [SCENE=FRAME…]
 from __future__ import annotations
 
 import sys
+import time
 from pathlib import Path
 
 import drape
 
+SECONDS = 5  # between two words on how far a scene is
 SCENES = Path(__file__).resolve().parents[2] / "app/scenes"
 # Scenes that need no mesh from elsewhere, and the frame of each picture.
 FRAMES = {
@@ -24,13 +26,27 @@ FRAMES = {
 }
 
 
+def run(world: drape.World, frames: int, what: str) -> drape.Reports:
+    """Makes these frames, says every few seconds how far it is, and returns the
+    reports of all steps."""
+    reports: list[drape.StepReport] = []
+    said = time.monotonic() - SECONDS
+    for frame in range(1, frames + 1):
+        reports += world.step(world.steps_per_frame)
+        if time.monotonic() - said >= SECONDS or frame == frames:
+            said = time.monotonic()
+            print(f"{what}, frame {frame} of {frames}", flush=True)
+    return drape.Reports(reports)
+
+
 def main(folder: Path, frames: dict[str, int]) -> None:
     """Runs the scenes, takes the pictures and writes the page."""
     folder.mkdir(parents=True, exist_ok=True)
     page = ["# Gallery\n", "Each picture is of the scene below it, at that frame.\n"]
-    for name, frame in frames.items():
+    for number, (name, frame) in enumerate(frames.items(), 1):
         with drape.World(SCENES / f"{name}.json", threads=0) as world:
-            reports = world.step(frame * world.steps_per_frame)
+            what = f"gallery: {number} of {len(frames)}: {name}"
+            reports = run(world, frame, what)
             world.render(folder / f"{name}.png", width=640, height=480)
             about = f"Frame {frame}; {len(world.triangles):,} triangles; "
             about += "every step clean." if reports.clean else str(reports.outcome)

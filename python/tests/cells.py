@@ -23,7 +23,8 @@ Cell = dict[str, Any]
 def why_not(tag: str) -> str:
     """Says why cells with a tag cannot run here; empty where they can."""
     if tag == "torch":
-        return "" if importlib.util.find_spec("torch") else "torch is not installed"
+        there = importlib.util.find_spec("torch")
+        return "" if there else "torch is not installed (sh ci/deps.sh apps)"
     if tag == "device":
         if "gpu: not built in" in drape.info():
             return "the package is built without the device's part"

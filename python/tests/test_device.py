@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from conftest import SCENES
+from needs import need
 
 import drape
 
@@ -54,7 +55,7 @@ def test_worlds_side_by_side_have_the_same_bits(tiny: Path) -> None:
 
 @pytest.mark.parametrize("bits", [32, 64])
 def test_others_take_the_arrays(tiny: Path, bits: int) -> None:
-    torch = pytest.importorskip("torch")
+    torch = need("torch")
     world = drape.World(tiny, precision=bits, backend="gpu")
     shared: Any = world.positions
     assert isinstance(shared, drape.SharedArray)
@@ -74,7 +75,7 @@ def test_others_take_the_arrays(tiny: Path, bits: int) -> None:
 
 
 def test_cupy_takes_the_arrays(tiny: Path) -> None:
-    cupy = pytest.importorskip("cupy")
+    cupy = need("cupy")
     world = drape.World(tiny, backend="gpu")
     world.step(3)
     for field, exact in zip(
@@ -86,7 +87,7 @@ def test_cupy_takes_the_arrays(tiny: Path) -> None:
 
 
 def test_streams_keep_their_order() -> None:
-    torch = pytest.importorskip("torch")
+    torch = need("torch")
     scene = {"cloths": [{"particles": [301, 301], "size": [3, 3]}]}
     world = drape.World(scene, backend="gpu")
     side = torch.cuda.Stream()

@@ -9,6 +9,7 @@ from pathlib import Path
 import cells as notebook
 import pytest
 from conftest import ROOT
+from needs import need
 
 BOOKS = sorted((ROOT / "python/docs").rglob("*.ipynb"))
 TAGS = [(), ("torch",), ("torch", "device")]
@@ -37,7 +38,7 @@ def test_cells_run(
     if not kernel:
         notebook.run_here(cells, path.name)
         return
-    pytest.importorskip("nbclient")
+    need("nbclient")
     done = notebook.run_in_kernel(book, tmp_path)
     printed = [out for cell in done for out in cell["outputs"]]
     assert all(cell["execution_count"] for cell in done) and printed
@@ -47,7 +48,7 @@ def test_a_cell_that_fails_is_told(tmp_path: Path) -> None:
     cell = {"cell_type": "code", "metadata": {}, "source": ["1 / 0"], "outputs": []}
     with pytest.raises(ZeroDivisionError):
         notebook.run_here([cell], "book")
-    client = pytest.importorskip("nbclient")
+    client = need("nbclient")
     head = {"metadata": {}, "nbformat": 4, "nbformat_minor": 5}
     code = {**cell, "execution_count": None, "id": "a"}
     with pytest.raises(client.exceptions.CellExecutionError, match="ZeroDivision"):

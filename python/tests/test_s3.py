@@ -18,12 +18,13 @@ from typing import Any
 import pyarrow.parquet
 import pytest
 import slurmnode
+from needs import SLURM, need
 from test_sweep import LONG, kill_first, processes
 
 import drape
 
-s3fs = pytest.importorskip("s3fs")
-pytest.importorskip("moto.server")
+s3fs = need("s3fs")
+need("moto.server")
 OUT = "s3://bucket/a sweep"
 
 
@@ -146,7 +147,7 @@ def test_a_sweep_that_is_killed_goes_on(
 
 @pytest.mark.skipif(
     bool(slurmnode.missing()),
-    reason=f"Slurm is not installed: there is no {slurmnode.missing()}",
+    reason=f"there is no {slurmnode.missing()} ({SLURM})",
 )
 def test_tasks_of_slurm_write_to_the_bucket(
     tiny: Path,

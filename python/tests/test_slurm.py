@@ -16,13 +16,14 @@ from pathlib import Path
 
 import pytest
 import slurmnode
+from needs import SLURM
 from test_sweep import LONG, kill_first, processes
 
 import drape
 
 pytestmark = pytest.mark.skipif(
     bool(slurmnode.missing()),
-    reason=f"Slurm is not installed: there is no {slurmnode.missing()}",
+    reason=f"there is no {slurmnode.missing()} ({SLURM})",
 )
 
 

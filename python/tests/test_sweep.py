@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet
 import pytest
+from needs import need
 
 import drape
 
@@ -343,7 +344,7 @@ def test_jobs_are_data(tmp_path: Path) -> None:
 
 def test_ray_on_two_nodes_loses_a_worker_and_a_node(tmp_path: Path) -> None:
     os.environ.setdefault("RAY_ENABLE_UV_RUN_RUNTIME_ENV", "0")
-    ray = pytest.importorskip("ray")
+    ray = need("ray")
     from ray.cluster_utils import Cluster
 
     memory = 100 * 2**20

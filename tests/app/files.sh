@@ -132,7 +132,7 @@ if [ -e "$frames/hits.txt" ]; then
     pairs <"$frames/hits.txt" >expected.txt
     is 'all its 134 pairs, and no other' cmp got.txt expected.txt
 else
-    skip 'ccd of cloth-funnel: the frames are not here'
+    skip 'ccd of cloth-funnel: no ccd/frames in DRAPE_DATA (sh ci/data.sh DIR fetches it)'
 fi
 exits 'render' 0 render 'an out' --frame 6 --width 64 --height 48 --samples 1
 cp 'an out/pictures/frame_0006.png' once.png
@@ -313,3 +313,5 @@ printf '#!/bin/sh\nexec %s -S -E "$@"\n' "$(command -v python3)" \
 chmod +x no_package/python3
 fails 'view without the package' 'view: python3 cannot import the package' \
     env PATH="$work/no_package:$PATH" "$drape" view 'an out'
+is 'and the line that is missing' grep -qF \
+    'make venv, then build/venv/bin/drape view' err

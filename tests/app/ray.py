@@ -315,10 +315,10 @@ class Studio:
         if not hit.floor:
             return self.shade(hit, view, random)
         light = [0, 0, 0]
-        for k in range(6):
+        for k in range(3):
             r = [(v + k * step) % 1 * 0.999999
                  for v, step in zip(random, FLOOR_STEP)]
-            light = add(light, scale(self.shade(hit, view, r), 1 / 6))
+            light = add(light, scale(self.shade(hit, view, r), 1 / 3))
         t = clamp(hit.distance / self.far)
         return mix(light, backdrop, t * t * (3 - 2 * t))
 

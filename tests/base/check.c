@@ -102,6 +102,8 @@ static void run_tests(void)
             tally = (struct tally){0};
             const char *what = t->run();
             if (tally.skipped) {
+                printf("skipped: test %s, %d bits: %s\n", t->name, bits_of[k],
+                       tally.skipped);
                 skipped++;
                 continue;
             }

@@ -8,6 +8,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* Ends the reason of a test that is skipped without its data. */
+#define FETCHED " (sh ci/data.sh DIR fetches it; set DRAPE_DATA=DIR)"
+
 /* The folder; ../shared where DRAPE_DATA is not set. */
 static inline const char *data_home(void)
 {

@@ -8,7 +8,7 @@
 
 struct tally {
     int64_t cases;
-    bool skipped;
+    const char *skipped; /* why, or NULL */
 };
 extern struct tally tally;
 

@@ -146,7 +146,7 @@ const char *test_broad_frames(void)
     const char *failed = NULL;
     FILE *f = data_open("ccd/frames/cloth-funnel/hits.txt");
     if (!f)
-        return skip("the frames are not here");
+        return skip("no ccd/frames in DRAPE_DATA" FETCHED);
     fclose(f);
     if (REAL_BITS == 64)
         failed = frame_hits("cloth-funnel", 1);

@@ -330,7 +330,7 @@ static const char *against_cgal(struct bytes *b, struct audit *s)
 const char *test_audit_cgal(void)
 {
     if (!orc_present())
-        return skip("the oracles' libraries are not installed");
+        return skip(NO_ORACLES);
     const char *what = NULL;
     for (int k = 0; k < 120 && !what; k++) {
         struct bytes b = {.seed = (uint64_t)k, .size = k < 110 ? 1 + k : 1000};
@@ -353,7 +353,7 @@ const char *test_audit_shared(void)
                                         "ccd/frames/cloth-funnel/t1.ply"};
     const char *what = NULL;
     if (!orc_present())
-        return skip("the oracles' libraries are not installed");
+        return skip(NO_ORACLES);
     for (size_t k = 0; k < sizeof files / sizeof *files && !what; k++) {
         struct bytes b = {.size = 0};
         struct ply p;
@@ -361,7 +361,7 @@ const char *test_audit_shared(void)
         snprintf(path, sizeof path, "%s/%s", data_home(), files[k]);
         if (!ply_read(path, &p)) {
             ply_free(&p);
-            return skip("no models or ccd/frames in DRAPE_DATA");
+            return skip("no models or ccd/frames in DRAPE_DATA" FETCHED);
         }
         struct audit s = {0};
         struct mesh m = {p.nv, p.nt, p.x, p.tri};

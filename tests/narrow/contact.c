@@ -7,6 +7,7 @@
 
 #include "oracle/oracle.h"
 #include "ref/narrow/exact.h"
+#include "tests/base/data.h"
 #include "tests/narrow/query.h"
 
 static real power(int e)
@@ -149,7 +150,7 @@ const char *test_narrow_queries(void)
     struct known *k = query_load(&n);
     if (!k)
         return n ? "a query file cannot be read"
-                 : skip("no ccd/queries in DRAPE_DATA");
+                 : skip("no ccd/queries in DRAPE_DATA" FETCHED);
     for (int i = 0; i < n && !failed; i++)
         if (k[i].exact) {
             if ((query_toi(&k[i].q) != NARROW_MISS) != k[i].truth)
@@ -228,7 +229,7 @@ const char *test_narrow_flat(void)
     const char *failed = NULL;
     int touching = 0, n = getenv("DRAPE_SOAK") ? 4000 : 80;
     if (!orc_present())
-        return skip("the oracles' libraries are not installed");
+        return skip(NO_ORACLES);
     for (int k = 0; k < n && !failed; k++) {
         struct query q = pick_flat(&b, k & 1);
         double x[2][4][3];

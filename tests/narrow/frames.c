@@ -58,7 +58,7 @@ const char *test_narrow_frames(void)
     bool all = getenv("DRAPE_SOAK");
     FILE *f = data_open("ccd/frames/cloth-ball/hits.txt");
     if (!f)
-        return skip("no ccd/frames in DRAPE_DATA");
+        return skip("no ccd/frames in DRAPE_DATA" FETCHED);
     fclose(f);
     if (all) {
         printf("\n### All candidates of the shared frames, binary%d\n\n",

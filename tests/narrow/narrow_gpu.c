@@ -147,7 +147,7 @@ const char *test_narrow_gpu(void)
     bool all = getenv("DRAPE_SOAK");
     FILE *f = data_open("ccd/frames/cloth-ball/hits.txt");
     if (!f)
-        return skip("no ccd/frames in DRAPE_DATA");
+        return skip("no ccd/frames in DRAPE_DATA" FETCHED);
     fclose(f);
     if (REAL_BITS == 64)
         return check_scene("cloth-funnel", 0);

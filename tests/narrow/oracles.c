@@ -33,7 +33,7 @@ const char *test_oracle_known(void)
         uint32_t toi;
     } ee[] = {{1, -1, 1u << 29}, {0, 0, 0}, {1, 2, ORC_NEVER}};
     if (!orc_present())
-        return skip("the oracles' libraries are not installed");
+        return skip(NO_ORACLES);
     for (size_t k = 0; k < sizeof vf / sizeof *vf; k++) {
         double x[2][4][3] = {{{0}, {0}, {4, 0, 0}, {0, 4, 0}},
                              {{0}, {0}, {4, 0, 0}, {0, 4, 0}}};
@@ -100,7 +100,7 @@ static struct query pick_query(struct bytes *b)
 const char *test_oracle_agreement(void)
 {
     if (!orc_present())
-        return skip("the oracles' libraries are not installed");
+        return skip(NO_ORACLES);
     /* The oracles take binary64, so either build tests half of the queries. */
     for (int k = REAL_BITS == 32 ? 0 : 100, end = k + 100; k < end; k++) {
         struct bytes b = {.seed = (uint64_t)k, .size = 0};

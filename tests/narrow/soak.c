@@ -244,7 +244,7 @@ const char *test_narrow_soak(void)
     bool all = getenv("DRAPE_SOAK");
     int n = 0;
     if (!orc_present())
-        return skip("the oracles' libraries are not installed");
+        return skip(NO_ORACLES);
     struct known *k = all ? query_load(&n) : NULL;
     struct query *q = n > 0 ? calloc((size_t)n, sizeof *q) : NULL;
     for (int i = 0; q && i < n; i++)

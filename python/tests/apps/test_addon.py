@@ -13,11 +13,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from needs import need
 
 import drape
 from apps.runs import ROOT, tool
 
-bpy = pytest.importorskip("bpy", reason="bpy is not installed: no test of the add-on")
+bpy = need("bpy")
 FRAMES = 12
 
 

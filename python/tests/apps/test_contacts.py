@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from needs import need
 
 import drape
 from apps.runs import FRAMES, STILL, make
@@ -50,7 +51,7 @@ def test_they_are_those_of_the_world(touching: Path, tmp_path: Path) -> None:
 
 
 def test_another_reader_reads_them(touching: Path) -> None:
-    trimesh = pytest.importorskip("trimesh")
+    trimesh = need("trimesh")
     found = Run(touching).contacts(FRAMES)
     assert found is not None
     path = touching / f"frames/contacts_{FRAMES:04d}.ply"

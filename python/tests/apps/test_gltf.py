@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from needs import need
 
 from drape.export import Run, RunError
 from drape.export.cli import export
 
-gltf = pytest.importorskip(
-    "drape.export.gltf", reason="pygltflib is not installed: no test of glTF"
-)
+need("pygltflib")
+from drape.export import gltf  # noqa: E402
 
 
 class Glb:
@@ -115,7 +115,7 @@ def test_more_than_a_glb_can_hold_is_refused(
 
 
 def test_another_reader_sees_the_same(still: Path, tmp_path: Path) -> None:
-    trimesh = pytest.importorskip("trimesh", reason="trimesh is not installed")
+    trimesh = need("trimesh")
     run, _ = read(still, tmp_path / "run.glb")
     scene = trimesh.load(tmp_path / "run.glb", process=False)
     ball = scene.geometry["ball"]

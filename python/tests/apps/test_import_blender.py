@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from needs import need
 
 from drape.export import Body, Run
 from drape.export.cli import export
 
-bpy = pytest.importorskip(
-    "bpy", reason="bpy is not installed: no test of Alembic and of Blender's import"
-)
+bpy = need("bpy")
 
 
 def upright(x: np.ndarray) -> np.ndarray:
@@ -72,9 +71,9 @@ def test_upright_aligned_and_in_time(
     name: str, ending: str, tmp_path: Path, request: pytest.FixtureRequest
 ) -> None:
     if ending == ".usdc":
-        pytest.importorskip("pxr", reason="usd-core is not installed")
+        need("pxr")
     if ending == ".glb":
-        pytest.importorskip("pygltflib", reason="pygltflib is not installed")
+        need("pygltflib")
     run, file = Run(request.getfixturevalue(name)), tmp_path / f"run{ending}"
     export(run, file)
     scene = bring(file)

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from needs import need
 
 from apps.runs import tool
 from drape.export import Run, RunError, mesh
@@ -155,7 +156,7 @@ def test_a_damaged_run_is_one_line(
     change: str,
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    pytest.importorskip("pygltflib", reason="pygltflib is not installed")
+    need("pygltflib")
     folder = spoil(still, tmp_path / "run", name, change)
     assert main([str(folder), "--to", str(tmp_path / "x.glb")]) == 2
     out, err = capsys.readouterr()
@@ -189,14 +190,14 @@ def test_a_wrong_command_line_is_one_line(
 def test_quiet_says_nothing(
     still: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    pytest.importorskip("pygltflib", reason="pygltflib is not installed")
+    need("pygltflib")
     file = tmp_path / "x.glb"
     assert main([str(still), "--to", str(file), "--quiet"]) == 0
     assert capsys.readouterr() == ("", "") and file.stat().st_size > 0
 
 
 def test_a_run_may_be_given_by_its_folder(still: Path, tmp_path: Path) -> None:
-    pytest.importorskip("pygltflib", reason="pygltflib is not installed")
+    need("pygltflib")
     files = [tmp_path / "a.glb", tmp_path / "b.glb"]
     assert export(Run(still), files[0]) == export(still, files[1]) == 9
     assert files[0].read_bytes() == files[1].read_bytes()
@@ -213,7 +214,7 @@ def test_a_package_that_is_missing_is_named(
 def test_a_fault_while_writing_leaves_what_was_there(
     still: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    pytest.importorskip("pygltflib", reason="pygltflib is not installed")
+    need("pygltflib")
     file = tmp_path / "x.glb"
     file.write_text("old")
     run = Run(still)
@@ -225,7 +226,7 @@ def test_a_fault_while_writing_leaves_what_was_there(
 
 
 def test_the_tool_becomes_python(still: Path, tmp_path: Path) -> None:
-    pytest.importorskip("pygltflib", reason="pygltflib is not installed")
+    need("pygltflib")
     python = tmp_path / "python3"
     python.write_text(f'#!/bin/sh\nexec "{sys.executable}" "$@"\n')
     python.chmod(0o755)

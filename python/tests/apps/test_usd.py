@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from needs import need
 
 from drape.export import Run
 from drape.export.cli import export
 
-pytest.importorskip("pxr", reason="usd-core is not installed: no test of USD")
-from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdValidation
+need("pxr")
+from pxr import Sdf, Usd, UsdGeom, UsdShade, UsdValidation  # noqa: E402
 
 
 @pytest.mark.parametrize("ending", [".usdc", ".usda", ".usd"])

@@ -20,16 +20,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from needs import need, program
 
 from apps.runs import STILL, make, moving
 from drape.view.source import Contacts, Recorded, Source, step_words
 
-WHY = "is not installed: no test of the page"
-pytest.importorskip("viser", reason=f"viser {WHY}")
-pytest.importorskip("pygltflib", reason=f"pygltflib {WHY}")
-playwright = pytest.importorskip(
-    "playwright.sync_api", reason=f"playwright (and chromium) {WHY}"
-)
+need("viser")
+need("pygltflib")
+playwright = need("playwright.sync_api")
 from drape.view.cli import main, open_source  # noqa: E402
 from drape.view.page import Page  # noqa: E402
 
@@ -41,12 +39,10 @@ SECONDS = 120
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     """Chromium that draws in software."""
-    program = shutil.which("chromium")
-    if not program:
-        pytest.skip(f"chromium {WHY}")
+    path = program("chromium")
     flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     with playwright.sync_playwright() as p:
-        chromium = p.chromium.launch(executable_path=program, args=flags)
+        chromium = p.chromium.launch(executable_path=path, args=flags)
         yield chromium
         chromium.close()
 
@@ -71,7 +67,7 @@ class View:
 
     def pixels(self) -> np.ndarray:
         """The picture [height, width, 3], left of the controls."""
-        image = pytest.importorskip("PIL.Image", reason=f"pillow {WHY}")
+        image = need("PIL.Image")
         data = image.open(io.BytesIO(self.window.screenshot())).convert("RGB")
         return np.array(data).astype(int)[170:, :480]
 
