@@ -456,7 +456,7 @@ def planted(texts):
     yield check_equivalents, edit("ref/base/thin.h", thin, thin.replace("(a)", "(b)"))
     yield check_equivalents, add("ci/mutants.equivalent", f"{home} | x | y | z\n")
     yield check_targets, add("spec/drape.h", "int drape_more(int many);\n")
-    yield check_targets, edit("fuzz/bodies.c", "drape_remove(", "remove(")
+    yield check_targets, edit("fuzz/reads.c", "drape_borrow(", "borrow(")
 
 
 def main():

@@ -11,8 +11,8 @@ struct given;
 
 /* §1, §2 */
 void control_gravity(struct world *w, const double gravity[3]);
-/* DRAPE_OK; DRAPE_EARG if the wind exerts a force and the world's plan has no
- * wind. */
+/* DRAPE_OK; DRAPE_ENOMEM or DRAPE_EDEVICE if a world that had no air has no
+ * memory for it: then nothing has changed. */
 int control_wind(struct world *w, const drape_wind *wind);
 /* DRAPE_OK; DRAPE_EARG if the cells are too oblong for the material;
  * DRAPE_ELIMIT if it needs more substeps than max_substeps. */

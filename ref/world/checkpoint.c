@@ -8,6 +8,7 @@
 
 #include "ref/base/hash.h"
 #include "ref/cloth/table.h"
+#include "ref/control/air.h"
 #include "ref/control/control.h"
 #include "ref/sleep/sleep.h"
 
@@ -281,8 +282,8 @@ static bool good_wind(const drape_wind *wind)
 static bool good_caution(const struct world *w, const struct header *h)
 {
     int most = deepest(w);
-    return h->level <= (most > 1 ? most : 1) && h->far <= most && h->again <= 1 &&
-           h->calm < SLICE_CALM && h->blind <= SLICE_CALM;
+    return h->level <= (most > 1 ? most : 1) && h->far <= most &&
+           h->again <= 1 && h->calm < SLICE_CALM && h->blind <= SLICE_CALM;
 }
 
 /* What the last slice left. */
@@ -476,7 +477,7 @@ static void apply(struct world *w, const struct read *r)
     const struct header *h = &r->h;
     size_t at = 0;
     control_gravity(w, r->c.gravity); /* this wakes all */
-    control_wind(w, &h->wind);
+    air_set(w, &h->wind);
     for (int k = 0; k < STREAMS; at += r->bytes[k++])
         if (r->bytes[k])
             memcpy(r->stream[k], r->aside + at, r->bytes[k]);
@@ -501,6 +502,9 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
     struct read r = {.pack = NULL};
     streams(w, r.stream, r.bytes);
     int status = read_all(w, read, user, &r);
+    w->run->begin(w->on);
+    if (status == DRAPE_OK && plan_windy(&r.h.wind))
+        status = air_take(w);
     if (status == DRAPE_OK)
         status = control_unpack(w, r.pack, r.c.bytes, r.to,
                                 (const vec *)(const void *)r.aside);

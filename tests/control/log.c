@@ -91,7 +91,8 @@ static int set_rest(struct session *p, struct bytes *b, drape_world *w)
 {
     const double g[3] = {0.5 * pick(b, 3), -9.81, 0};
     const double at[3] = {0, 0.002 * pick(b, 3), 0}, turn[4] = {0.8, 0, 0.6, 0};
-    const drape_wind wind = {{0.5 * pick(b, 3), 0, 0.5}, 1.2, 1, 0.5};
+    const drape_wind wind = {
+        {0.5 * pick(b, 3), 0, 0.5}, pick(b, 8) ? 1.2 : -1, 1, 0.5};
     drape_material m = p->s[0].cloth.material;
     m.stretch = 500 + 250 * pick(b, 4);
     if (m.stretch > 1000) { /* tables go into logs and checkpoints, too */
