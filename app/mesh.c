@@ -105,6 +105,12 @@ int mesh_load(struct pool *pool, const char *path, struct mesh *mesh)
         return complain(APP_USAGE, "%s: is a device or a pipe; expected a file",
                         path);
     bool ply = ends_with(path, "ply"), off = ends_with(path, "off");
+    if (ends_with(path, "usd") || ends_with(path, "usda") ||
+        ends_with(path, "usdc") || ends_with(path, "usdz"))
+        return complain(APP_USAGE,
+                        "%s: drape cannot read USD yet (spec/limits.md); save "
+                        "the mesh as .glb, .obj or .ply",
+                        path);
     if (!ply && !off && !import_knows(path))
         return complain(APP_USAGE,
                         "%s: expected a mesh file that ends in .ply, .off, "

@@ -23,7 +23,7 @@ struct obstacle {
     struct series series;
 };
 
-static int read_series(struct json *json, const cJSON *node, void *out)
+static int read_series(struct json *json, json_t *node, void *out)
 {
     static const struct json_key keys[] = {
         TEXT_KEY("files", offsetof(struct series, files)),
@@ -33,7 +33,7 @@ static int read_series(struct json *json, const cJSON *node, void *out)
         {0}};
     struct series *series = out;
     series->dt = 1.0 / 60;
-    int status = json_object(json, node, keys, series);
+    int status = json_fields(json, node, keys, series);
     if (status != APP_OK)
         return status;
     const char *percent = series->files ? strchr(series->files, '%') : NULL;
@@ -174,7 +174,7 @@ static int make(struct json *json, struct obstacle *o)
 static const char *const shape_names[] = {
     "plane", "box", "sphere", "capsule", "funnel", "statue", NULL};
 
-static int read_obstacle(struct json *json, const cJSON *node, void *out)
+static int read_obstacle(struct json *json, json_t *node, void *out)
 {
 #define O(name) offsetof(struct obstacle, name)
     static const struct json_key keys[] = {
@@ -206,16 +206,16 @@ static int read_obstacle(struct json *json, const cJSON *node, void *out)
     o->placement.scale = 1;
     o->placement.axis[1] = 1;
     o->shape = (struct shape){SHAPE_NONE, {1, 1, 1}, 0.5, 0.5, 0.1, 1, 64};
-    int status = json_object(json, node, keys, o);
+    int status = json_fields(json, node, keys, o);
     return status == APP_OK ? make(json, o) : status;
 }
 
-int read_obstacles(struct json *json, const cJSON *node, void *out)
+int read_obstacles(struct json *json, json_t *node, void *out)
 {
     struct scene *scene = out;
     struct json_list list = {
         .read = read_obstacle, .size = sizeof(struct obstacle), .most = 1000};
-    int status = json_array(json, node, &list);
+    int status = json_items(json, node, &list);
     if (status != APP_OK)
         return status;
     size_t count = (size_t)list.count;

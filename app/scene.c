@@ -8,7 +8,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static int read_wind(struct json *json, const cJSON *node, void *out)
+static int read_wind(struct json *json, json_t *node, void *out)
 {
 #define WIND(name) offsetof(drape_wind, name)
     static const struct json_key keys[] = {
@@ -19,10 +19,10 @@ static int read_wind(struct json *json, const cJSON *node, void *out)
         {0}};
     drape_wind *wind = out;
     wind->density = 1.2; /* a scene with a wind key has air */
-    return json_object(json, node, keys, wind);
+    return json_fields(json, node, keys, wind);
 }
 
-static int read_camera(struct json *json, const cJSON *node, void *out)
+static int read_camera(struct json *json, json_t *node, void *out)
 {
     static const struct json_key keys[] = {
         VECTOR_KEY("eye", offsetof(struct camera, eye), -1e6, 1e6, 3),
@@ -34,7 +34,7 @@ static int read_camera(struct json *json, const cJSON *node, void *out)
         VECTOR_KEY("floor", offsetof(struct camera, floor), 0, 1, 3),
         {0}};
     struct camera *camera = out;
-    return json_object(json, node, keys, camera);
+    return json_fields(json, node, keys, camera);
 }
 
 static const char *const backends[] = {"ref", "gpu", NULL};
@@ -82,9 +82,9 @@ void scene_settings(FILE *out, const struct scene *scene)
     json_write(out, scene_keys, scene);
 }
 
-static int read_scene(struct json *json, const cJSON *root, struct scene *scene)
+static int read_scene(struct json *json, json_t *root, struct scene *scene)
 {
-    int status = json_object(json, root, scene_keys, scene);
+    int status = json_fields(json, root, scene_keys, scene);
     if (status != APP_OK)
         return status;
     if (scene->def.precision != 32 && scene->def.precision != 64)
@@ -131,14 +131,28 @@ static int begin(struct scene *scene, const char *file)
     return APP_OK;
 }
 
+/* Why a JSON file of another program is no scene; NULL: it may be one. */
+static const char *is_other(json_t *root)
+{
+    if (json_object_get(json_object_get(root, "pattern"), "panels"))
+        return "is a sewing pattern of GarmentCode; drape cannot sew seams yet "
+               "(spec/limits.md)";
+    if (json_object_get(json_object_get(root, "asset"), "version"))
+        return "is a glTF file; expected a scene, which names it as the mesh "
+               "of an obstacle (app/scenes/README.md)";
+    return NULL;
+}
+
 /* Reads a scene's JSON, NULL if it has been refused, and deletes it. */
-static int load(struct scene *scene, cJSON *root)
+static int load(struct scene *scene, json_t *root)
 {
     struct json json = {scene->file, "$", &scene->pool, scene};
     if (!root)
         return APP_USAGE;
-    int status = read_scene(&json, root, scene);
-    cJSON_Delete(root);
+    const char *other = is_other(root);
+    int status = other ? complain(APP_USAGE, "%s: %s", scene->file, other)
+                       : read_scene(&json, root, scene);
+    json_decref(root);
     if (status == APP_OK && !scene->name)
         scene->name = strcmp(scene->file, "-") == 0
                           ? pool_text(&scene->pool, "scene")

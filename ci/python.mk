@@ -12,7 +12,7 @@ CORE   := $(filter-out $(addprefix app/,assimp.c ccd.c main.c picture.c png.c \
           render.c),$(APP))
 HAS_ASSIMP := $(call has,assimp/cimport.h)
 CORE   += $(if $(HAS_ASSIMP),app/assimp.c,python/core/absent.c)
-CORE_L := $(if $(HAS_ASSIMP),-lassimp) -lcjson -lpthread $(if $(GPU),$(CUDA_L),-lm)
+CORE_L := $(if $(HAS_ASSIMP),-lassimp) -ljansson -lpthread $(if $(GPU),$(CUDA_L),-lm)
 
 # Prints what setup.py links: objects and libraries, then macros; and the tool.
 python-core: $(call obj,$(CORE),) $(LIB) $(if $(HAS_APP),$(BUILD)/drape)
