@@ -67,7 +67,8 @@ static bool find_in_list(const char *list, const char *name,
 }
 
 /* Where a mesh is looked for: as named from the scene's folder, then in the
- * folders of $DRAPE_MODELS, in models/ of $DRAPE_DATA and in build/models. */
+ * folders of $DRAPE_MODELS, in models/ of $DRAPE_DATA, or of build/data without
+ * it, and in build/models. */
 static int find_mesh(const struct json *json, const char *name,
                      char path[FILE_PATH])
 {
@@ -84,7 +85,7 @@ static int find_mesh(const struct json *json, const char *name,
     }
     const char *own = getenv("DRAPE_MODELS"), *data = getenv("DRAPE_DATA");
     char models[FILE_PATH];
-    if (!file_join(models, data && *data ? data : "../shared", "models"))
+    if (!file_join(models, data && *data ? data : "build/data", "models"))
         return APP_USAGE;
     const char *folders[] = {*folder ? folder : "/", models, "build/models"};
     for (int k = 0; k < 3; k++) {

@@ -16,7 +16,7 @@ if [ "$2" = demo ]; then
 else
     scene=app/scenes/buddha_20k.json
     every=10 seen=13
-    data=${DRAPE_DATA:-../shared}
+    data=${DRAPE_DATA:-$build/data}
     if [ ! -f "$data/models/buddha_100k.ply" ]; then
         echo "skipped: no $data/models/buddha_100k.ply"
         echo '0 passed, 0 failed, 1 skipped'

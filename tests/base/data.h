@@ -8,11 +8,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* The folder; ../shared where DRAPE_DATA is not set. */
+/* The folder; build/data where DRAPE_DATA is not set. */
 static inline const char *data_home(void)
 {
     const char *home = getenv("DRAPE_DATA");
-    return home && *home ? home : "../shared";
+    return home && *home ? home : "build/data";
 }
 
 /* A file of the folder, open for reading; NULL if there is none. */
