@@ -17,6 +17,7 @@ struct series {
 struct obstacle {
     drape_obstacle out;
     char *name, *file;
+    char *clip; /* of `animation`: its name, empty for none; NULL: the first */
     struct look look;
     struct shape shape;
     struct placement placement;
@@ -43,6 +44,19 @@ static int read_series(struct json *json, json_t *node, void *out)
         return json_refuse(json, "expected files with one %%d or %%04d in "
                                  "the name, and count");
     return APP_OK;
+}
+
+/* The name of an animation, or false for none. */
+static int read_clip(struct json *json, json_t *node, void *out)
+{
+    static const struct json_key name = TEXT_KEY("animation", 0);
+    char **clip = out;
+    if (json_is_string(node))
+        return json_value(json, node, &name, clip);
+    if (!json_is_false(node))
+        return json_refuse(json, "expected the name of an animation, or false");
+    *clip = pool_text(json->pool, "");
+    return *clip ? APP_OK : complain(APP_FAILED, "out of memory");
 }
 
 /* Looks for a mesh in the folders of a list with colons, such as $DRAPE_MODELS;
@@ -101,11 +115,39 @@ static int find_mesh(const struct json *json, const char *name,
                        name, folders[0], models);
 }
 
-static int load(struct json *json, const char *name, struct mesh *mesh)
+static int load(struct json *json, const char *name, struct clip *clip,
+                struct mesh *mesh)
 {
     char path[FILE_PATH];
     int status = find_mesh(json, name, path);
-    return status == APP_OK ? mesh_load(json->pool, path, mesh) : status;
+    if (status == APP_OK)
+        status = mesh_load_clip(json->pool, path, clip, mesh);
+    if (status == APP_OK && clip && *clip->others)
+        complain(APP_OK,
+                 "%s: has several animations, of which the first is taken: %s; "
+                 "the key animation names another, or false for none",
+                 path, clip->others);
+    return status;
+}
+
+/* Loads the mesh of a file, with its animation as frames. */
+static int load_file(struct json *json, struct obstacle *o, struct mesh *mesh)
+{
+    struct clip clip = {.name = o->clip};
+    int status = load(json, o->file, &clip, mesh);
+    if (status != APP_OK || !clip.frames)
+        return status;
+    if (o->out.motion >= 0)
+        return json_refuse(json,
+                           "%s is animated, and a body has a motion or an "
+                           "animation; \"animation\": false lets the mesh be "
+                           "as it is at rest",
+                           o->file);
+    mesh_place_frames(clip.x, mesh->nv, clip.frames, &o->placement);
+    o->out.frames = clip.frames;
+    o->out.frame_dt = clip.dt;
+    o->out.frame = (const double(*)[3])clip.x;
+    return APP_OK;
 }
 
 /* Loads the frames of a deforming obstacle; the first is also its mesh. */
@@ -121,10 +163,9 @@ static int load_series(struct json *json, struct obstacle *o, struct mesh *mesh)
         snprintf(name, sizeof name, "%.*s%0*d%s", (int)(percent - s->files),
                  s->files, width, s->first + k, strchr(percent, 'd') + 1);
         struct mesh here;
-        int status = load(json, name, &here);
+        int status = load(json, name, NULL, &here);
         if (status != APP_OK)
             return status;
-        mesh_place(&here, &o->placement);
         if (k == 0) {
             *mesh = here;
             frame = pool_take(json->pool, (size_t)s->count * (size_t)here.nv,
@@ -144,6 +185,7 @@ static int load_series(struct json *json, struct obstacle *o, struct mesh *mesh)
         memcpy(frame + (size_t)k * (size_t)mesh->nv, here.x,
                (size_t)mesh->nv * sizeof *frame);
     }
+    mesh_place_frames(frame, mesh->nv, s->count, &o->placement);
     out->frames = s->count;
     out->frame_dt = s->dt;
     out->frame = (const double(*)[3])frame;
@@ -159,11 +201,12 @@ static int make(struct json *json, struct obstacle *o)
         return json_refuse(json, "expected one of mesh, shape and frames");
     int status = series  ? load_series(json, o, &mesh)
                  : shape ? shape_make(json->pool, &o->shape, &mesh)
-                         : load(json, o->file, &mesh);
+                         : load_file(json, o, &mesh);
     if (status != APP_OK)
         return status;
-    if (!series)
-        mesh_place(&mesh, &o->placement);
+    if (o->clip && !o->file)
+        return json_refuse(json, "animation: expected a mesh beside it");
+    mesh_place(&mesh, &o->placement);
     ((struct scene *)json->user)->degenerate += mesh_degenerate(&mesh);
     o->out.n_vertices = mesh.nv;
     o->out.n_triangles = mesh.nt;
@@ -183,6 +226,7 @@ static int read_obstacle(struct json *json, json_t *node, void *out)
         TEXT_KEY("mesh", O(file)),
         CHOICE_KEY("shape", O(shape.kind), shape_names),
         NESTED_KEY("frames", O(series), read_series),
+        NESTED_KEY("animation", O(clip), read_clip),
         VECTOR_KEY("extent", O(shape.extent), 1e-6, 1e6, 3),
         NUMBER_KEY("radius", O(shape.radius), 1e-6, 1e6),
         NUMBER_KEY("length", O(shape.length), 1e-6, 1e6),

@@ -143,10 +143,16 @@ static const char *try_mesh(const char *name, const uint8_t *data, size_t size)
 {
     struct pool pool = {NULL};
     struct mesh mesh;
+    struct clip clip = {.name = NULL};
     char path[FILES_PATH];
     files_write(name, data, size);
-    int status = mesh_load(&pool, files_path(name, path), &mesh);
+    int status = mesh_load_clip(&pool, files_path(name, path), &clip, &mesh);
     const char *failed = status == APP_OK ? look_at_mesh(&mesh) : NULL;
+    for (int k = 0; status == APP_OK && k < clip.frames && !failed; k++) {
+        struct mesh frame = mesh;
+        frame.x = clip.x + (size_t)k * (size_t)mesh.nv;
+        failed = look_at_mesh(&frame);
+    }
     if (status != APP_OK && status != APP_USAGE && status != APP_FAILED)
         failed = "an exit code that there is not";
     pool_free(&pool);
