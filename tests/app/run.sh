@@ -143,8 +143,9 @@ r = json.load(open("near/report.json"))
 assert r["dt"] < 1 / 61 and 0 < r["error"]["estimated"] <= 0.004
 assert abs(r["dt"] * r["steps_per_frame"] - 1 / 60) < 1e-12
 assert len(r["steps"]) == 6 * r["steps_per_frame"]
+assert abs(r["error"]["horizon"] - 0.1) < 1e-6
 assert open("out").readline() == (
-    "--error 0.004: %s, dt %.4g s, tolerance %g; estimated %.2g m rms after "
+    "--error 0.004: %s, dt %.4g s, tolerance %g; estimated %.2g m rms for "
     "%.3g s, of time and solver\n" % (
         r["settings"]["integrator"], r["dt"], r["settings"]["tolerance"],
         r["error"]["estimated"], r["error"]["horizon"]))'
