@@ -109,8 +109,14 @@ static int read_start(struct json *json, json_t *node, void *out)
         NUMBER_KEY("radius", START(radius), 1e-4, 1e3),
         NUMBER_KEY("gap", START(gap), 1e-6, 1e3),
         {0}};
+    static const char *const hung[] = {"folds", "depth", NULL};
+    static const char *const rolled[] = {"radius", "gap", NULL};
     struct start *start = out;
     int status = json_fields(json, node, keys, start);
+    if (status == APP_OK && start->shape != START_HUNG)
+        json_idle(json, node, hung, "the cloth is not hung");
+    if (status == APP_OK && start->shape != START_ROLLED)
+        json_idle(json, node, rolled, "the cloth is not rolled");
     json_t *v = json_object_get(node, "v");
     if (status == APP_OK && start->shape == START_HUNG && !v) {
         start->v[1] = -1;
@@ -155,11 +161,14 @@ static int read_pin(struct json *json, json_t *node, void *out)
         NUMBER_KEY("every", offsetof(struct pin, every), 1e-6, 1e6),
         NESTED_KEY("motion", offsetof(struct pin, motion), read_motion_name),
         {0}};
+    static const char *const every[] = {"every", NULL};
     struct pin *pin = out;
     *pin = (struct pin){.edge = -1, .motion = -1, .at = {-1, -1}};
     int status = json_fields(json, node, keys, pin);
     if (status == APP_OK && (pin->edge < 0) == (pin->at[0] < 0))
         return json_refuse(json, "expected either edge or at");
+    if (status == APP_OK && pin->edge < 0)
+        json_idle(json, node, every, "the pin is a single particle");
     return status;
 }
 

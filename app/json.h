@@ -104,6 +104,11 @@ __attribute__((format(printf, 2, 3)))
 #endif
 int json_refuse(const struct json *json, const char *format, ...);
 
+/* Prints a note for each of these keys, NULL-terminated, that the object has:
+ * it has no effect, and why. */
+void json_idle(const struct json *json, json_t *node, const char *const *names,
+               const char *why);
+
 /* Checks that each key of the object is in the table; else APP_USAGE. */
 int json_check_keys(const struct json *json, json_t *node,
                     const struct json_key *keys);

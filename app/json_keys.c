@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks that an object's keys are those of its table. */
+/* Checks that an object's keys are those of its table, and that they have an
+ * effect. */
 #include "app/app.h"
 #include "app/json.h"
 #include "app/nearest.h"
@@ -71,4 +72,13 @@ int json_check_keys(const struct json *json, json_t *node,
             return refuse_key(json, name, keys);
     }
     return APP_OK;
+}
+
+void json_idle(const struct json *json, json_t *node, const char *const *names,
+               const char *why)
+{
+    for (; *names; names++)
+        if (json_object_get(node, *names))
+            complain(APP_OK, "%s: %s.%s: note: has no effect: %s", json->file,
+                     json->where, *names, why);
 }

@@ -192,6 +192,63 @@ static int load_series(struct json *json, struct obstacle *o, struct mesh *mesh)
     return APP_OK;
 }
 
+/* The largest side of a box. */
+static double across(const struct mesh *mesh)
+{
+    double lo[3], hi[3], most = 0;
+    mesh_box(mesh, lo, hi);
+    for (int i = 0; i < 3; i++)
+        most = hi[i] - lo[i] > most ? hi[i] - lo[i] : most;
+    return most;
+}
+
+/* Says where the mesh of a file is so much larger or smaller than all cloths
+ * that it probably has another unit than metres. */
+static void compare(const struct json *json, const struct obstacle *o,
+                    const struct mesh *mesh)
+{
+    enum { TIMES = 100 };
+    const struct scene *scene = json->user;
+    double cloth = 0, size = across(mesh);
+    for (int k = 0; k < scene->def.n_cloths; k++) {
+        const drape_cloth *c = &scene->def.cloths[k];
+        cloth = c->width > cloth ? c->width : cloth;
+        cloth = c->height > cloth ? c->height : cloth;
+    }
+    if (o->placement.size > 0 || !(cloth > 0) || !(size > 0) ||
+        (size <= TIMES * cloth && size * TIMES >= cloth))
+        return;
+    complain(
+        APP_OK,
+        "%s: %s: note: the mesh is %.3g m across, the largest cloth %.3g m; "
+        "if the file is not in metres, scale or size say so",
+        json->file, json->where, size, cloth);
+}
+
+/* Says which keys are of another shape than this one. */
+static void say_idle(const struct json *json, json_t *node,
+                     const struct obstacle *o)
+{
+    static const struct {
+        const char *name[2];
+        int shapes; /* bits: of which it is */
+    } keys[] = {{{"extent"}, 1 << SHAPE_PLANE | 1 << SHAPE_BOX},
+                {{"radius"},
+                 1 << SHAPE_SPHERE | 1 << SHAPE_CAPSULE | 1 << SHAPE_FUNNEL},
+                {{"length"}, 1 << SHAPE_CAPSULE | 1 << SHAPE_FUNNEL},
+                {{"throat"}, 1 << SHAPE_FUNNEL},
+                {{"height"}, 1 << SHAPE_FUNNEL | 1 << SHAPE_STATUE},
+                {{"detail"},
+                 1 << SHAPE_SPHERE | 1 << SHAPE_CAPSULE | 1 << SHAPE_FUNNEL |
+                     1 << SHAPE_STATUE}};
+    static const char *const axis[] = {"axis", NULL};
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+        if (!(keys[k].shapes >> o->shape.kind & 1))
+            json_idle(json, node, keys[k].name, "it is of other shapes");
+    if (o->placement.angle == 0)
+        json_idle(json, node, axis, "there is no angle");
+}
+
 /* Makes the obstacle's mesh; exactly one of mesh, shape and frames is given. */
 static int make(struct json *json, struct obstacle *o)
 {
@@ -207,6 +264,8 @@ static int make(struct json *json, struct obstacle *o)
     if (o->clip && !o->file)
         return json_refuse(json, "animation: expected a mesh beside it");
     mesh_place(&mesh, &o->placement);
+    if (!shape)
+        compare(json, o, &mesh);
     ((struct scene *)json->user)->degenerate += mesh_degenerate(&mesh);
     o->out.n_vertices = mesh.nv;
     o->out.n_triangles = mesh.nt;
@@ -252,6 +311,8 @@ static int read_obstacle(struct json *json, json_t *node, void *out)
     o->placement.axis[1] = 1;
     o->shape = (struct shape){SHAPE_NONE, {1, 1, 1}, 0.5, 0.5, 0.1, 1, 64};
     int status = json_fields(json, node, keys, o);
+    if (status == APP_OK)
+        say_idle(json, node, o);
     return status == APP_OK ? make(json, o) : status;
 }
 

@@ -216,6 +216,8 @@ static void tell(const struct run *run, const struct totals *t, const char *end)
     if (t->unconverged)
         complain(0, "note: the solver missed its tolerance in %lld steps",
                  (long long)t->unconverged);
+    stretch_tell(run->output.stretch, run->output.cloth_part,
+                 run->output.cloths);
     if (t->not_clean)
         complain(APP_FINDINGS, "%lld of %lld steps are not clean",
                  (long long)t->not_clean, (long long)t->steps);

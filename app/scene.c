@@ -4,6 +4,7 @@
 #include "app/app.h"
 #include "app/bodies.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -17,9 +18,15 @@ static int read_wind(struct json *json, json_t *node, void *out)
         NUMBER_KEY("drag", WIND(drag), 0, 1e3),
         NUMBER_KEY("lift", WIND(lift), 0, 1e3),
         {0}};
+    static const char *const velocity[] = {"velocity", NULL};
     drape_wind *wind = out;
     wind->density = 1.2; /* a scene with a wind key has air */
-    return json_fields(json, node, keys, wind);
+    int status = json_fields(json, node, keys, wind);
+    bool windy = wind->density > 0 && (wind->drag > 0 || wind->lift > 0);
+    if (status == APP_OK && !windy)
+        json_idle(json, node, velocity,
+                  "there is no density, or neither drag nor lift");
+    return status;
 }
 
 static int read_camera(struct json *json, json_t *node, void *out)
@@ -84,9 +91,17 @@ void scene_settings(FILE *out, const struct scene *scene)
 
 static int read_scene(struct json *json, json_t *root, struct scene *scene)
 {
+    static const char *const of_solver[] = {
+        "precond",        "matrix", "solver", "tolerance",
+        "max_iterations", "newton", NULL};
+    static const char *const of_substeps[] = {"max_substeps", NULL};
     int status = json_fields(json, root, scene_keys, scene);
     if (status != APP_OK)
         return status;
+    bool implicit = scene->def.integrator >= DRAPE_BW;
+    json_idle(json, root, implicit ? of_substeps : of_solver,
+              implicit ? "the integrator is implicit"
+                       : "the integrator is explicit");
     if (scene->def.precision != 32 && scene->def.precision != 64)
         return json_refuse(json, "precision: expected 32 or 64");
     if (scene->def.n_cloths < 1)

@@ -299,3 +299,53 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\
     >fins.obj
 obstacle fins.obj
 exits 'non-manifold obstacle is accepted' 0 run mesh.json --out fins
+
+# What has no effect is said, and no more than that.
+# idle WHERE TEXT KEY WHY
+idle() {
+    printf '{"cloths": [{"particles": [5, 5]%s}]%s}\n' "$1" "$2" >idle.json
+    exits "idle: $1$2" 0 plan idle.json
+    is "it is said of $3" grep -qxF "drape: idle.json: $3: note: has no effect: $4" err
+    is "and of nothing else, $3" test "$(wc -l <err)" -eq 1
+}
+air='there is no density, or neither drag nor lift'
+idle '' ', "wind": {"velocity": [1, 0, 0], "density": 0}' '$.wind.velocity' "$air"
+idle '' ', "wind": {"velocity": [1, 0, 0], "drag": 0, "lift": 0}' '$.wind.velocity' "$air"
+idle '' ', "integrator": "verlet", "tolerance": 0.01' '$.tolerance' \
+    'the integrator is explicit'
+idle '' ', "max_substeps": 9' '$.max_substeps' 'the integrator is implicit'
+idle ', "start": {"folds": 3}' '' '$.cloths[0].start.folds' 'the cloth is not hung'
+idle ', "start": {"shape": "hung", "gap": 0.1}' '' '$.cloths[0].start.gap' \
+    'the cloth is not rolled'
+idle ', "pins": [{"at": [0, 0], "every": 1}]' '' '$.cloths[0].pins[0].every' \
+    'the pin is a single particle'
+low='"at": [0, -2, 0]'
+idle '' ", \"obstacles\": [{\"shape\": \"sphere\", \"extent\": [1, 1, 1], $low}]" \
+    '$.obstacles[0].extent' 'it is of other shapes'
+idle '' ", \"obstacles\": [{\"shape\": \"box\", \"axis\": [1, 0, 0], $low}]" \
+    '$.obstacles[0].axis' 'there is no angle'
+printf '{"cloths": [{"particles": [33, 9], "size": [1, 0.25], "pins": [{"edge": "u0", "every": 1}],
+ "start": {"shape": "hung", "folds": 2, "depth": 0.05, "at": [0, 3, 0]}}],
+ "wind": {"velocity": [0, 0, 0], "drag": 0}, "obstacles": [{"shape": "funnel",
+ "radius": 1, "throat": 0.1, "length": 1, "height": 1, "detail": 8, "axis": [1, 0, 0],
+ "angle": 1, "at": [0, -9, 0]}]}\n' >busy.json
+exits 'all that has an effect' 0 plan busy.json
+is 'of which nothing is said' test ! -s err
+# A body in millimetres, and one in kilometres
+python3 - <<'EOF'
+for name, size in ("mm", 3000), ("km", 0.0005), ("m", 3):
+    with open("%s.off" % name, "w") as file:
+        file.write("OFF\n3 1 0\n0 -9 0\n%g -9 0\n0 -9 %g\n3 0 1 2\n" % (size, size))
+EOF
+for unit in mm:3e+03 km:0.0005; do
+    printf '{"cloths": [{"particles": [5, 5]}], "obstacles": [{"mesh": "%s.off"}]}\n' \
+        "${unit%:*}" >unit.json
+    exits "a body in ${unit%:*}" 0 plan unit.json
+    is "its size is said, in ${unit%:*}" grep -qF \
+        "unit.json: \$.obstacles[0]: note: the mesh is ${unit#*:} m across, the largest cloth 1 m" \
+        err
+done
+printf '{"cloths": [{"particles": [5, 5]}], "obstacles": [{"mesh": "m.off"},
+ {"mesh": "mm.off", "size": 2000}]}\n' >unit.json
+exits 'a body in metres, and one of a size that is asked for' 0 plan unit.json
+is 'of which no size is said' test ! -s err
