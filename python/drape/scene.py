@@ -245,6 +245,8 @@ class Obstacle:
     Attributes:
         mesh: a file; shape: "plane", "box", "sphere", "capsule", "funnel" or
             "statue"
+        animation: of a mesh that has several, the name of the one that is
+            played; False: none
         frames: mesh files of an obstacle that deforms
         extent, radius, length, throat, height: of the shape, m; detail:
             segments around it
@@ -279,6 +281,7 @@ class Obstacle:
     friction: float | None = None
     motion: str | None = None
     look: Look | None = None
+    animation: str | bool | None = None
     vertices: ArrayLike | None = None
     triangles: ArrayLike | None = None
     vertex_frames: ArrayLike | None = None

@@ -150,7 +150,7 @@ def test_files_that_are_none(tmp_path: Path) -> None:
         drape.World(tmp_path / "a.json")
     (tmp_path / "a.json").write_text('{"dt": 1, "dt": 2, "cloths": [{}]}')
     for keys in ({}, {"threads": 1}):
-        with pytest.raises(drape.SceneError, match="duplicate object key|there twice"):
+        with pytest.raises(drape.SceneError, match=r"duplicate object key|there twice"):
             drape.World(tmp_path / "a.json", **keys)
     with pytest.raises(drape.SceneError, match="expected a scene"):
         drape.World(3)  # type: ignore[arg-type]
