@@ -66,7 +66,7 @@ has     = $(shell printf '$(HASH)if !__has_include(<%s>)\n$(HASH)error\n'$(\
             )'$(HASH)endif\n' $(1) | $(CXX) -std=c++17 -x c++ $(EIGEN) \
             -E - >/dev/null 2>&1 && echo yes)
 EMBREE     := $(or $(and $(call has,embree4/rtcore.h),4),3)
-APP_H      := assimp/cimport.h cjson/cJSON.h embree$(EMBREE)/rtcore.h png.h gmp.h
+APP_H      := assimp/cimport.h jansson.h embree$(EMBREE)/rtcore.h png.h gmp.h
 HAS_APP    := $(call has,$(APP_H))
 ORACLE_H   := CGAL/version.h Eigen/Dense fcl/fcl.h ccd/ccd.h gmp.h mpfr.h
 HAS_ORACLE := $(call has,$(ORACLE_H))
@@ -90,7 +90,7 @@ DEVICE := gpu/compare/blas.cu $(addprefix gpu/run/,batch.cu copies.cu device.cu 
 KERNEL := $(sort $(filter-out $(DEVICE),$(wildcard gpu/*/*.cu)))
 APP    := $(sort $(wildcard app/*.c))
 ORACLE := $(sort $(wildcard oracle/*.cpp oracle/*.c))
-APP_LIBS    := -lassimp -lcjson -lembree$(EMBREE) -lpng -lgmp -lm
+APP_LIBS    := -lassimp -ljansson -lembree$(EMBREE) -lpng -lgmp -lm
 ORACLE_LIBS := -lfcl -lccd -lmpfr -lgmpxx -lgmp -lstdc++ -lm
 
 obj     = $(addprefix $(BUILD)/,$(addsuffix $(2).o,$(basename $(1))))

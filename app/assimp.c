@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The child process of import.c: reads a file by assimp and sends the mesh to
- * the parent. It may crash, and it never returns. */
+ * the parent, with the frames of its animation. It may crash, and it never
+ * returns. */
 #include "app/import.h"
+
+#include "app/pose.h"
 
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
-#include <assimp/scene.h>
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,25 +17,13 @@
 
 /* Collects a scene's meshes in one mesh, without lines and points. */
 struct gather {
-    const struct aiScene *scene;
+    struct pose pose;
+    double time;       /* s of the animation */
     struct mesh *mesh; /* x is NULL: vertices and triangles are counted only */
     int64_t nv, nt;
     const char *wrong; /* the first fault, or NULL */
+    double *weight;    /* [most morph targets of a mesh, then most vertices] */
 };
-
-/* Node matrices are composed in binary64, parents first. */
-static void compose(const double parent[12], const struct aiMatrix4x4 *m,
-                    double out[12])
-{
-    const ai_real *row[3] = {&m->a1, &m->b1, &m->c1};
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 4; j++) {
-            double sum = j == 3 ? parent[4 * i + 3] : 0;
-            for (int k = 0; k < 3; k++)
-                sum += parent[4 * i + k] * (double)row[k][j];
-            out[4 * i + j] = sum;
-        }
-}
 
 static void gather_faces(struct gather *g, const struct aiMesh *from)
 {
@@ -52,17 +43,98 @@ static void gather_faces(struct gather *g, const struct aiMesh *from)
     }
 }
 
-static void gather_mesh(struct gather *g, const struct aiMesh *from,
-                        const double matrix[12])
+static void load(const struct aiVector3D *p, double x[3])
 {
-    struct mesh *mesh = g->mesh;
-    for (unsigned k = 0; mesh->x && k < from->mNumVertices; k++) {
-        const struct aiVector3D *p = &from->mVertices[k];
+    x[0] = (double)p->x;
+    x[1] = (double)p->y;
+    x[2] = (double)p->z;
+}
+
+/* The mesh in its own coordinates, moved by its morph targets. */
+static void morph(struct gather *g, const struct pose_node *node,
+                  const struct aiMesh *from, double (*x)[3])
+{
+    double at[3];
+    for (unsigned k = 0; k < from->mNumVertices; k++)
+        load(&from->mVertices[k], x[k]);
+    if (from->mNumAnimMeshes)
+        pose_weights(&g->pose, g->time, node->node, from, g->weight);
+    for (unsigned t = 0; t < from->mNumAnimMeshes; t++) {
+        const struct aiAnimMesh *target = from->mAnimMeshes[t];
+        double w = g->weight[t];
+        if (w == 0 || !target->mVertices ||
+            target->mNumVertices != from->mNumVertices)
+            continue;
+        for (unsigned k = 0; k < from->mNumVertices; k++) {
+            load(&target->mVertices[k], at);
+            for (int i = 0; i < 3; i++)
+                x[k][i] += w * (at[i] - (double)(&from->mVertices[k].x)[i]);
+        }
+    }
+}
+
+/* Adds what a bone does to its vertices to `to`, and its weights to g->weight.
+ */
+static void bend(struct gather *g, const struct aiBone *bone, unsigned n,
+                 double (*x)[3], double (*to)[3])
+{
+    const struct pose_node *node = pose_find(&g->pose, bone->mName.data);
+    pose_matrix offset, m;
+    double at[3];
+    if (!node) {
+        g->wrong = "a bone names a node that is not there";
+        return;
+    }
+    pose_matrix_of(&bone->mOffsetMatrix, offset);
+    pose_compose(node->at, offset, m);
+    for (unsigned k = 0; k < bone->mNumWeights; k++) {
+        unsigned p = bone->mWeights[k].mVertexId;
+        double w = (double)bone->mWeights[k].mWeight;
+        if (p >= n) {
+            g->wrong = "a bone names a vertex that is not there";
+            return;
+        }
+        pose_apply(m, x[p], at);
         for (int i = 0; i < 3; i++)
-            mesh->x[g->nv + k][i] = matrix[4 * i] * (double)p->x +
-                                    matrix[4 * i + 1] * (double)p->y +
-                                    matrix[4 * i + 2] * (double)p->z +
-                                    matrix[4 * i + 3];
+            to[p][i] += w * at[i];
+        g->weight[p] += w;
+    }
+}
+
+/* Moves the mesh by its bones; what no bone moves goes with the mesh's node. */
+static void skin(struct gather *g, const struct pose_node *node,
+                 const struct aiMesh *from, double (*x)[3])
+{
+    unsigned n = from->mNumVertices;
+    double(*to)[3] = calloc((size_t)n + 1, sizeof *to);
+    if (!to) {
+        g->wrong = "std::bad_alloc";
+        return;
+    }
+    memset(g->weight, 0, n * sizeof *g->weight);
+    for (unsigned k = 0; k < from->mNumBones && !g->wrong; k++)
+        bend(g, from->mBones[k], n, x, to);
+    for (unsigned k = 0; k < n; k++) {
+        if (!(g->weight[k] > 0))
+            pose_apply(node->at, x[k], to[k]);
+        for (int i = 0; i < 3; i++)
+            x[k][i] = g->weight[k] > 0 ? to[k][i] / g->weight[k] : to[k][i];
+    }
+    free(to);
+}
+
+static void gather_mesh(struct gather *g, const struct pose_node *node,
+                        const struct aiMesh *from)
+{
+    if (g->mesh->x) {
+        double(*x)[3] = g->mesh->x + g->nv, at[3];
+        morph(g, node, from, x);
+        if (from->mNumBones)
+            skin(g, node, from, x);
+        for (unsigned k = 0; k < from->mNumVertices && !from->mNumBones; k++) {
+            pose_apply(node->at, x[k], at);
+            memcpy(x[k], at, sizeof at);
+        }
     }
     gather_faces(g, from);
     g->nv += from->mNumVertices;
@@ -70,24 +142,18 @@ static void gather_mesh(struct gather *g, const struct aiMesh *from,
         g->wrong = "more than 2^31 vertices or triangles";
 }
 
-static void gather_node(struct gather *g, const struct aiNode *node,
-                        const double parent[12], int depth)
+/* The meshes at a time of the animation. */
+static void gather_all(struct gather *g, double time)
 {
-    double matrix[12];
-    compose(parent, &node->mTransformation, matrix);
-    for (unsigned k = 0; !g->wrong && k < node->mNumMeshes; k++)
-        gather_mesh(g, g->scene->mMeshes[node->mMeshes[k]], matrix);
-    if (depth == 256 && node->mNumChildren)
-        g->wrong = "its nodes lie in more than 256 others";
-    for (unsigned k = 0; !g->wrong && k < node->mNumChildren; k++)
-        gather_node(g, node->mChildren[k], matrix, depth + 1);
-}
-
-static void gather_all(struct gather *g)
-{
-    static const double one[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+    const struct aiScene *scene = g->pose.scene;
     g->nv = g->nt = 0;
-    gather_node(g, g->scene->mRootNode, one, 0);
+    g->time = time;
+    pose_set(&g->pose, time);
+    for (int k = 0; k < g->pose.n; k++) {
+        const struct pose_node *node = &g->pose.node[k];
+        for (unsigned i = 0; !g->wrong && i < node->node->mNumMeshes; i++)
+            gather_mesh(g, node, scene->mMeshes[node->node->mMeshes[i]]);
+    }
 }
 
 /* Sends bytes to the parent; ends the child if the parent reads no more. */
@@ -125,30 +191,92 @@ static void hear(const char *message, char *dropped)
                  text ? text + 2 : message);
 }
 
-_Noreturn void import_child(const char *path, int out)
+/* Chooses the animation of this name, or the first if name is NULL, or none if
+ * it is empty, and says in `note` which there are. NULL, or why there is none
+ * of this name. */
+static const char *choose(struct pose *pose, const char *name, char *note,
+                          size_t room)
 {
-    struct import_reply reply = {.magic = IMPORT_MAGIC};
-    struct aiLogStream log = {hear, reply.error};
+    const struct aiScene *scene = pose->scene;
+    *note = 0;
+    for (unsigned k = 0; k < scene->mNumAnimations; k++) {
+        const struct aiAnimation *clip = scene->mAnimations[k];
+        size_t length = strlen(note);
+        bool right = name ? strcmp(name, clip->mName.data) == 0 : k == 0;
+        snprintf(note + length, room - length, "%s\"%.40s\"", k ? ", " : "",
+                 clip->mName.data);
+        if (right && !pose->clip && !(name && !*name))
+            pose->clip = clip;
+    }
+    if (!name || !*name || pose->clip)
+        return NULL;
+    return scene->mNumAnimations ? "has no animation of this name"
+                                 : "has no animation";
+}
+
+/* The largest number of morph targets or vertices of a mesh. */
+static size_t most_weights(const struct aiScene *scene)
+{
+    size_t most = 0;
+    for (unsigned k = 0; k < scene->mNumMeshes; k++) {
+        const struct aiMesh *m = scene->mMeshes[k];
+        size_t n = m->mNumVertices > m->mNumAnimMeshes ? m->mNumVertices
+                                                       : m->mNumAnimMeshes;
+        most = n > most ? n : most;
+    }
+    return most;
+}
+
+/* Reads the file, and what is chosen of it, up to its sizes. */
+static void open_file(struct gather *g, const char *path, const char *clip,
+                      struct import_reply *reply, int out)
+{
+    struct aiLogStream log = {hear, reply->error};
     aiAttachLogStream(&log);
     const struct aiScene *scene = aiImportFile(path, aiProcess_Triangulate);
     if (!scene || !scene->mRootNode)
         send_error(out, aiGetErrorString());
-    if (*reply.error)
-        send_error(out, reply.error);
+    if (*reply->error)
+        send_error(out, reply->error);
+    g->wrong = pose_open(&g->pose, scene);
+    if (!g->wrong)
+        g->wrong = choose(&g->pose, clip, reply->clips, sizeof reply->clips);
+    if (!g->wrong)
+        gather_all(g, 0);
+    g->weight = calloc(most_weights(scene) + 1, sizeof *g->weight);
+    if (!g->weight)
+        g->wrong = "std::bad_alloc";
+    double s = g->pose.clip ? pose_length(g->pose.clip) : 0;
+    if (s * IMPORT_RATE >= IMPORT_FRAMES)
+        g->wrong = "its animation takes too long";
+    else if (s > 0)
+        reply->frames = 1 + (int64_t)ceil(s * IMPORT_RATE);
+    if (g->wrong)
+        send_error(out, g->wrong);
+    reply->nv = g->nv;
+    reply->nt = g->nt;
+    reply->several = scene->mNumAnimations > 1 && !clip;
+}
+
+_Noreturn void import_child(const char *path, const char *clip, int out)
+{
+    struct import_reply reply = {.magic = IMPORT_MAGIC};
     struct mesh mesh = {0};
-    struct gather g = {.scene = scene, .mesh = &mesh};
-    gather_all(&g);
-    if (g.wrong)
-        send_error(out, g.wrong);
-    reply.nv = g.nv;
-    reply.nt = g.nt;
+    struct gather g = {.mesh = &mesh};
+    open_file(&g, path, clip, &reply, out);
     mesh.x = calloc((size_t)g.nv + 1, sizeof *mesh.x);
     mesh.tri = calloc((size_t)g.nt + 1, sizeof *mesh.tri);
     if (!mesh.x || !mesh.tri)
         send_error(out, "std::bad_alloc");
-    gather_all(&g);
+    gather_all(&g, 0);
+    if (g.wrong)
+        send_error(out, g.wrong);
     put(out, &reply, sizeof reply);
     put(out, mesh.x, (size_t)g.nv * sizeof *mesh.x);
     put(out, mesh.tri, (size_t)g.nt * sizeof *mesh.tri);
+    for (int64_t k = 0; k < reply.frames; k++) {
+        gather_all(&g, (double)k / IMPORT_RATE);
+        put(out, mesh.x, (size_t)g.nv * sizeof *mesh.x);
+    }
     _exit(0);
 }

@@ -98,24 +98,23 @@ struct run {
     bool moving, still, listed; /* files of obstacles; list the pairs */
 };
 
-static int64_t get_count(const cJSON *node, const char *name)
+static int64_t get_count(json_t *node, const char *name)
 {
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(node, name);
-    bool good = cJSON_IsNumber(item) && item->valuedouble >= 0 &&
-                item->valuedouble <= INT32_MAX;
-    return good ? (int64_t)item->valuedouble : 0;
+    json_t *item = json_object_get(node, name);
+    bool good = json_is_number(item) && json_number_value(item) >= 0 &&
+                json_number_value(item) <= INT32_MAX;
+    return good ? (int64_t)json_number_value(item) : 0;
 }
 
-static void read_bodies(struct run *run, const cJSON *root)
+static void read_bodies(struct run *run, json_t *root)
 {
-    const cJSON *body;
+    json_t *body;
+    size_t k;
     run->cloth = run->all = get_count(root, "vertices");
-    cJSON_ArrayForEach(body, cJSON_GetObjectItemCaseSensitive(root, "bodies"))
+    json_array_foreach(json_object_get(root, "bodies"), k, body)
     {
-        const char *kind = cJSON_GetStringValue(
-            cJSON_GetObjectItemCaseSensitive(body, "kind"));
-        const char *name = cJSON_GetStringValue(
-            cJSON_GetObjectItemCaseSensitive(body, "name"));
+        const char *kind = json_string_value(json_object_get(body, "kind"));
+        const char *name = json_string_value(json_object_get(body, "name"));
         size_t length = strlen(run->names);
         if (!kind || strcmp(kind, "obstacle") != 0)
             continue;
@@ -144,11 +143,11 @@ static int look(struct run *run)
     if (!file_join(path, run->directory, "report.json"))
         return APP_USAGE;
     run->reported = file_exists(path);
-    cJSON *root = run->reported ? json_parse(path) : NULL;
+    json_t *root = run->reported ? json_parse(path) : NULL;
     if (run->reported && !root)
         return APP_USAGE;
     read_bodies(run, root);
-    cJSON_Delete(root);
+    json_decref(root);
     if (run->reported || run->moving || run->still)
         return APP_OK;
     return complain(APP_USAGE,

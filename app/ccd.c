@@ -128,7 +128,9 @@ static int read_all(struct queries *q)
     while (status == APP_OK &&
            (length = getline(&line, &room, q->stream)) > 0) {
         q->line++;
-        if (strlen(line) != (size_t)length)
+        if (q->line == 1 && file_is_utf16(line, (size_t)length, q->path))
+            status = APP_USAGE;
+        else if (strlen(line) != (size_t)length)
             status = refuse(q, "text");
         else
             status = read_row(q, line, row);

@@ -142,22 +142,6 @@ void checkpoint_close(struct checkpoint *c)
     c->stream = NULL;
 }
 
-int checkpoint_settings(const struct checkpoint *c, struct scene *scene)
-{
-    const struct checkpoint_header *h = &c->header;
-    if (h->steps_per_frame < 1 || h->steps_per_frame > 1000000000 ||
-        h->integrator < DRAPE_EULER || h->integrator > DRAPE_BDF2 ||
-        !(h->estimate.asked >= 0 && h->estimate.asked <= 1e3))
-        return refuse(c, "its settings are out of range");
-    if (h->estimate.asked > 0) {
-        scene->def.dt = h->dt;
-        scene->def.tolerance = h->tolerance;
-        scene->def.integrator = h->integrator;
-        scene->steps_per_frame = h->steps_per_frame;
-    }
-    return APP_OK;
-}
-
 static bool in(int64_t value, int64_t most)
 {
     return value >= 0 && value <= most;
@@ -166,6 +150,23 @@ static bool in(int64_t value, int64_t most)
 static bool is_number(double value, double least)
 {
     return isfinite(value) && value >= least;
+}
+
+int checkpoint_settings(const struct checkpoint *c, struct scene *scene)
+{
+    const struct checkpoint_header *h = &c->header;
+    if (h->steps_per_frame < 1 || h->steps_per_frame > 1000000000 ||
+        h->integrator < DRAPE_EULER || h->integrator > DRAPE_BDF2 ||
+        !(h->estimate.asked >= 0 && h->estimate.asked <= 1e3) ||
+        !is_number(h->estimate.error, 0) || !is_number(h->estimate.horizon, 0))
+        return refuse(c, "its settings are out of range");
+    if (h->estimate.asked > 0) {
+        scene->def.dt = h->dt;
+        scene->def.tolerance = h->tolerance;
+        scene->def.integrator = h->integrator;
+        scene->steps_per_frame = h->steps_per_frame;
+    }
+    return APP_OK;
 }
 
 /* Whether *s can be a run's report of step number `step`. */

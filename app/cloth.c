@@ -11,11 +11,11 @@
 
 /* One number s is the strain of every direction: the shear angle is then 2 s,
  * by which a square cell's diagonals strain by s. */
-static int read_limit(struct json *json, const cJSON *node, void *out)
+static int read_limit(struct json *json, json_t *node, void *out)
 {
     static const struct json_key one = NUMBER_KEY("limit", 0, 0, 10);
     static const struct json_key each = VECTOR_KEY("limit", 0, 0, 10, 3);
-    bool single = cJSON_IsNumber(node);
+    bool single = json_is_number(node);
     double *limit = out;
     int status = json_value(json, node, single ? &one : &each, limit);
     if (single && status == APP_OK) {
@@ -29,26 +29,26 @@ static int read_limit(struct json *json, const cJSON *node, void *out)
     return status;
 }
 
-static int read_point(struct json *json, const cJSON *node, void *out)
+static int read_point(struct json *json, json_t *node, void *out)
 {
     static const struct json_key strain = NUMBER_KEY("", 0, 1e-6, 10);
     static const struct json_key force = NUMBER_KEY("", 0, 1e-6, 1e9);
     double *point = out;
-    if (!cJSON_IsArray(node) || cJSON_GetArraySize(node) != 2)
+    if (!json_is_array(node) || json_array_size(node) != 2)
         return json_refuse(json, "expected [strain, N/m]");
-    int status = json_value(json, node->child, &strain, &point[0]);
+    int status = json_value(json, json_array_get(node, 0), &strain, &point[0]);
     return status == APP_OK
-               ? json_value(json, node->child->next, &force, &point[1])
+               ? json_value(json, json_array_get(node, 1), &force, &point[1])
                : status;
 }
 
 /* The points of a table. The library checks them beside each other. */
-static int read_table(struct json *json, const cJSON *node, void *out)
+static int read_table(struct json *json, json_t *node, void *out)
 {
     struct json_list list = {
         .read = read_point, .size = sizeof(double[2]), .most = DRAPE_POINTS};
     double(*table)[2] = out;
-    int status = json_array(json, node, &list);
+    int status = json_items(json, node, &list);
     if (status == APP_OK && !list.count)
         status = json_refuse(json, "expected at least one point");
     if (status == APP_OK)
@@ -57,7 +57,7 @@ static int read_table(struct json *json, const cJSON *node, void *out)
 }
 
 /* A number, or an object of that number and of measured tensions. */
-static int read_stretch(struct json *json, const cJSON *node, void *out)
+static int read_stretch(struct json *json, json_t *node, void *out)
 {
 #define TABLE(name, way)                                                       \
     NESTED_KEY(name, offsetof(drape_material, table[way]), read_table)
@@ -69,12 +69,12 @@ static int read_stretch(struct json *json, const cJSON *node, void *out)
         TABLE("bias", DRAPE_BIAS),
         {0}};
     drape_material *material = out;
-    if (cJSON_IsObject(node))
-        return json_object(json, node, keys, material);
+    if (json_is_object(node))
+        return json_fields(json, node, keys, material);
     return json_value(json, node, &modulus, &material->stretch);
 }
 
-static int read_material(struct json *json, const cJSON *node, void *out)
+static int read_material(struct json *json, json_t *node, void *out)
 {
 #define MATERIAL(name, lo, hi)                                                 \
     NUMBER_KEY(#name, offsetof(drape_material, name), lo, hi)
@@ -89,14 +89,14 @@ static int read_material(struct json *json, const cJSON *node, void *out)
         MATERIAL(friction, 0, 10),
         NESTED_KEY("limit", offsetof(drape_material, limit), read_limit),
         {0}};
-    if (cJSON_IsString(node))
+    if (json_is_string(node))
         return read_fabric(json, node, out);
-    return json_object(json, node, keys, out);
+    return json_fields(json, node, keys, out);
 }
 
 static const char *const start_shapes[] = {"flat", "hung", "rolled", NULL};
 
-static int read_start(struct json *json, const cJSON *node, void *out)
+static int read_start(struct json *json, json_t *node, void *out)
 {
 #define START(name) offsetof(struct start, name)
     static const struct json_key keys[] = {
@@ -109,9 +109,15 @@ static int read_start(struct json *json, const cJSON *node, void *out)
         NUMBER_KEY("radius", START(radius), 1e-4, 1e3),
         NUMBER_KEY("gap", START(gap), 1e-6, 1e3),
         {0}};
+    static const char *const hung[] = {"folds", "depth", NULL};
+    static const char *const rolled[] = {"radius", "gap", NULL};
     struct start *start = out;
-    int status = json_object(json, node, keys, start);
-    const cJSON *v = cJSON_GetObjectItemCaseSensitive(node, "v");
+    int status = json_fields(json, node, keys, start);
+    if (status == APP_OK && start->shape != START_HUNG)
+        json_idle(json, node, hung, "the cloth is not hung");
+    if (status == APP_OK && start->shape != START_ROLLED)
+        json_idle(json, node, rolled, "the cloth is not rolled");
+    json_t *v = json_object_get(node, "v");
     if (status == APP_OK && start->shape == START_HUNG && !v) {
         start->v[1] = -1;
         start->v[2] = 0;
@@ -119,7 +125,7 @@ static int read_start(struct json *json, const cJSON *node, void *out)
     return status;
 }
 
-static int read_region(struct json *json, const cJSON *node, void *out)
+static int read_region(struct json *json, json_t *node, void *out)
 {
     static const struct json_key keys[] = {
         VECTOR_KEY("disc", offsetof(struct region, disc), 0, 1e6, 3),
@@ -128,18 +134,18 @@ static int read_region(struct json *json, const cJSON *node, void *out)
     struct region *region = out;
     region->disc[2] = -1;
     region->rect[2] = -1;
-    int status = json_object(json, node, keys, region);
+    int status = json_fields(json, node, keys, region);
     if (status == APP_OK && region->disc[2] < 0 && region->rect[2] < 0)
         return json_refuse(json, "expected disc or rect");
     return status;
 }
 
-static int read_regions(struct json *json, const cJSON *node, void *out)
+static int read_regions(struct json *json, json_t *node, void *out)
 {
     struct regions *regions = out;
     struct json_list list = {
         .read = read_region, .size = sizeof(struct region), .most = 10000};
-    int status = json_array(json, node, &list);
+    int status = json_items(json, node, &list);
     regions->list = list.items;
     regions->count = list.count;
     return status;
@@ -147,7 +153,7 @@ static int read_regions(struct json *json, const cJSON *node, void *out)
 
 static const char *const edges[] = {"u0", "u1", "v0", "v1", NULL};
 
-static int read_pin(struct json *json, const cJSON *node, void *out)
+static int read_pin(struct json *json, json_t *node, void *out)
 {
     static const struct json_key keys[] = {
         CHOICE_KEY("edge", offsetof(struct pin, edge), edges),
@@ -155,20 +161,23 @@ static int read_pin(struct json *json, const cJSON *node, void *out)
         NUMBER_KEY("every", offsetof(struct pin, every), 1e-6, 1e6),
         NESTED_KEY("motion", offsetof(struct pin, motion), read_motion_name),
         {0}};
+    static const char *const every[] = {"every", NULL};
     struct pin *pin = out;
     *pin = (struct pin){.edge = -1, .motion = -1, .at = {-1, -1}};
-    int status = json_object(json, node, keys, pin);
+    int status = json_fields(json, node, keys, pin);
     if (status == APP_OK && (pin->edge < 0) == (pin->at[0] < 0))
         return json_refuse(json, "expected either edge or at");
+    if (status == APP_OK && pin->edge < 0)
+        json_idle(json, node, every, "the pin is a single particle");
     return status;
 }
 
-static int read_pins(struct json *json, const cJSON *node, void *out)
+static int read_pins(struct json *json, json_t *node, void *out)
 {
     struct cloth *cloth = out;
     struct json_list list = {
         .read = read_pin, .size = sizeof(struct pin), .most = 10000};
-    int status = json_array(json, node, &list);
+    int status = json_items(json, node, &list);
     cloth->pins = list.items;
     cloth->n_pins = list.count;
     for (int k = 0; k < list.count && status == APP_OK; k++) {
@@ -189,7 +198,7 @@ static int read_pins(struct json *json, const cJSON *node, void *out)
 
 static const char *const bendings[] = {"triples", "springs", NULL};
 
-static int read_cloth(struct json *json, const cJSON *node, void *out)
+static int read_cloth(struct json *json, json_t *node, void *out)
 {
 #define CLOTH(name) offsetof(struct cloth, name)
     static const struct json_key keys[] = {
@@ -215,7 +224,7 @@ static int read_cloth(struct json *json, const cJSON *node, void *out)
     cloth->size[1] = c->height;
     cloth->start = (struct start){
         .u = {1, 0, 0}, .v = {0, 0, 1}, .radius = 0.05, .gap = 0.01};
-    int status = json_object(json, node, keys, cloth);
+    int status = json_fields(json, node, keys, cloth);
     if (status != APP_OK)
         return status;
     struct scene *scene = json->user;
@@ -236,12 +245,12 @@ static int read_cloth(struct json *json, const cJSON *node, void *out)
     return cloth_sew(json, cloth);
 }
 
-int read_cloths(struct json *json, const cJSON *node, void *out)
+int read_cloths(struct json *json, json_t *node, void *out)
 {
     struct scene *scene = out;
     struct json_list list = {
         .read = read_cloth, .size = sizeof(struct cloth), .most = 1000};
-    int status = json_array(json, node, &list);
+    int status = json_items(json, node, &list);
     if (status != APP_OK)
         return status;
     size_t count = (size_t)list.count;

@@ -86,12 +86,26 @@ static int put_blob(const struct aiExportDataBlob *blob, const char *directory,
     return file_close(&file) ? APP_OK : APP_FAILED;
 }
 
+/* Writes the scene to memory. FBX has a unit, which its header counts in
+ * centimetres: here it is the metre. */
+static const struct aiExportDataBlob *write_blob(const struct aiScene *given,
+                                                 const char *format)
+{
+    double metre = 100;
+    struct aiString key = {.length = 15, .data = "UnitScaleFactor"};
+    struct aiMetadataEntry value = {AI_DOUBLE, &metre};
+    struct aiMetadata unit = {1, &key, &value};
+    struct aiScene scene = *given;
+    scene.mMetaData = &unit;
+    return aiExportSceneToBlob(&scene, format, 0);
+}
+
 static int save_by_assimp(const char *directory, const char *name,
                           const struct mesh *mesh, const struct format *format)
 {
     const struct aiScene *scene = give(mesh);
     const struct aiExportDataBlob *blob =
-        scene ? aiExportSceneToBlob(scene, format->assimp, 0) : NULL;
+        scene ? write_blob(scene, format->assimp) : NULL;
     int status = APP_OK;
     if (!blob)
         status = complain(APP_FAILED, "%s: assimp cannot write it: %s", name,

@@ -2,6 +2,7 @@
 /* Fabrics by name: the table of app/fabrics.def, and its list. */
 #include "app/fabrics.h"
 #include "app/app.h"
+#include "app/nearest.h"
 
 #include <drape.h>
 #include <string.h>
@@ -27,25 +28,32 @@ static const struct fabric {
 };
 enum { FABRICS = sizeof fabrics / sizeof *fabrics };
 
-int read_fabric(struct json *json, const cJSON *node, void *out)
+int read_fabric(struct json *json, json_t *node, void *out)
 {
     drape_material *material = out;
+    const char *text = json_string_value(node);
     char names[512] = "";
-    if (!cJSON_IsString(node))
+    struct nearest nearest = {.word = text};
+    if (!text)
         return json_refuse(json, "expected the name of a fabric");
     for (int k = 0; k < FABRICS; k++) {
         size_t length = strlen(names);
         snprintf(names + length, sizeof names - length, "%s%s", k ? ", " : "",
                  fabrics[k].name);
-        if (strcmp(fabrics[k].name, node->valuestring) != 0)
+        nearest_try(&nearest, fabrics[k].name);
+        if (strcmp(fabrics[k].name, text) != 0)
             continue;
         double damping = material->damping; /* nobody measured it */
         *material = fabrics[k].material;
         material->damping = damping;
         return APP_OK;
     }
+    if (nearest.name)
+        return json_refuse(json,
+                           "unknown fabric \"%.60s\"; did you mean \"%s\"?",
+                           text, nearest.name);
     return json_refuse(json, "unknown fabric \"%.60s\"; expected one of %s",
-                       node->valuestring, names);
+                       text, names);
 }
 
 const char *fabric_at(int k, drape_material *out, const char **what)

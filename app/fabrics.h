@@ -9,7 +9,7 @@
 
 /* Reads a fabric's name into the drape_material at out, all but its damping. An
  * unknown name is refused with all that are known. */
-int read_fabric(struct json *json, const cJSON *node, void *out);
+int read_fabric(struct json *json, json_t *node, void *out);
 
 /* The name of fabric k, whose numbers it copies to *out but for the damping,
  * and what it is; NULL behind the last. */

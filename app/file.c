@@ -93,6 +93,16 @@ static char *read_all(FILE *stream, size_t *size)
     return data;
 }
 
+bool file_is_utf16(const char *text, size_t size, const char *path)
+{
+    bool is =
+        size > 1 && (memcmp(text, "\xff\xfe", 2) == 0 ||
+                     memcmp(text, "\xfe\xff", 2) == 0 || !text[0] != !text[1]);
+    if (is)
+        complain(APP_USAGE, "%s: is in UTF-16; expected a text in UTF-8", path);
+    return is;
+}
+
 char *file_read(const char *path, size_t *size)
 {
     FILE *stream = file_stream(path);
@@ -103,6 +113,9 @@ char *file_read(const char *path, size_t *size)
         complain(APP_FAILED, "%s: out of memory", path);
     } else if (ferror(stream)) {
         complain(APP_USAGE, "%s: cannot be read: %s", path, strerror(errno));
+        free(data);
+        data = NULL;
+    } else if (file_is_utf16(data, *size, path)) {
         free(data);
         data = NULL;
     }

@@ -13,9 +13,12 @@ enum { FILE_PATH = 4096 };
  * standard input, which is one of the two. NULL after one line: no other file
  * is opened, and a pipe without a writer is given up after a second. */
 FILE *file_stream(const char *path);
-/* Returns the file's bytes followed by a zero, or NULL after one line. The
- * caller frees. */
+/* Returns the file's bytes followed by a zero, or NULL after one line, also if
+ * they are a text in UTF-16. The caller frees. */
 char *file_read(const char *path, size_t *size);
+/* Whether a text begins as one in UTF-16 does: with its mark, or with a
+ * character of two bytes of which one is 0. If so, one line is printed. */
+bool file_is_utf16(const char *text, size_t size, const char *path);
 bool file_exists(const char *path);
 bool file_is_directory(const char *path);
 bool file_is_regular(const char *path);

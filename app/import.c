@@ -68,7 +68,8 @@ static double taken(void)
 }
 
 /* The child: sets its limits, silences its output, then reads the file. */
-_Noreturn static void be_child(const char *path, struct limits limits, int out)
+_Noreturn static void be_child(const char *path, const struct clip *clip,
+                               struct limits limits, int out)
 {
     double bytes = taken() + limits.bytes;
     lower(RLIMIT_CORE, 0, 0);
@@ -80,7 +81,7 @@ _Noreturn static void be_child(const char *path, struct limits limits, int out)
     for (int k = 0; k <= 2; k++)
         if (nothing < 0 || (k != out && dup2(nothing, k) < 0))
             _exit(1);
-    import_child(path, out);
+    import_child(path, clip ? clip->name : "", out);
 }
 
 /* Receives exactly size bytes; false if fewer come. */
@@ -128,6 +129,22 @@ static int take(struct pool *pool, int in, double most,
            receive(in, mesh->tri, nt * sizeof *mesh->tri);
 }
 
+/* Receives the frames of the animation. 1, 0 or -1 as take does. */
+static int take_frames(struct pool *pool, int in, struct import_reply *reply,
+                       const struct mesh *mesh, struct clip *clip)
+{
+    if (reply->frames < 0 || reply->frames > IMPORT_FRAMES)
+        return 0;
+    size_t n = (size_t)reply->frames * (size_t)mesh->nv;
+    reply->clips[sizeof reply->clips - 1] = 0;
+    snprintf(clip->others, sizeof clip->others, "%s",
+             reply->several ? reply->clips : "");
+    clip->dt = 1.0 / IMPORT_RATE;
+    clip->frames = (int)reply->frames;
+    clip->x = pool_take(pool, n + 1, sizeof *clip->x);
+    return clip->x ? receive(in, clip->x, n * sizeof *clip->x) : -1;
+}
+
 /* Prints how a child ended that sent no mesh. */
 static int explain(const char *path, struct limits limits, int end)
 {
@@ -154,7 +171,8 @@ static int refuse(const char *path, struct limits limits, const char *error)
     return complain(APP_USAGE, "%s: cannot be read as a mesh: %s", path, error);
 }
 
-int import_load(struct pool *pool, const char *path, struct mesh *mesh)
+int import_load(struct pool *pool, const char *path, struct clip *clip,
+                struct mesh *mesh)
 {
     struct limits limits = limits_of(path);
     int way[2], end = 0;
@@ -164,7 +182,7 @@ int import_load(struct pool *pool, const char *path, struct mesh *mesh)
     pid_t child = fork();
     if (child == 0) {
         close(way[0]);
-        be_child(path, limits, way[1]);
+        be_child(path, clip, limits, way[1]);
     }
     close(way[1]);
     if (child < 0) {
@@ -174,6 +192,8 @@ int import_load(struct pool *pool, const char *path, struct mesh *mesh)
     }
     struct import_reply reply;
     int got = take(pool, way[0], limits.bytes, &reply, mesh);
+    if (got > 0 && clip && !*reply.error)
+        got = take_frames(pool, way[0], &reply, mesh, clip);
     close(way[0]);
     if (got < 0)
         kill(child, SIGKILL);

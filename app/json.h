@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* JSON objects read by tables of keys: an unknown or repeated key, a wrong
- * type or a number out of its range is refused with its place in the file
- * and what was expected there. */
+/* JSON objects read by tables of keys: an unknown key, a wrong type or a number
+ * out of its range is refused with its path in the file and what was expected
+ * there; a text that is not JSON, or in which an object has a key twice, with
+ * its line and column. The JSON itself is jansson's. */
 #ifndef APP_JSON_H
 #define APP_JSON_H
 
 #include "app/pool.h"
 
-#include <cjson/cJSON.h>
+#include <jansson.h>
 #include <stddef.h>
 #include <stdio.h>
 
@@ -18,23 +19,23 @@ struct json {
     void *user;        /* for the readers of nested values */
 };
 
-enum json_type {
-    JSON_NUMBER,  /* double, lo … hi */
-    JSON_INTEGER, /* int, lo … hi */
-    JSON_BOOLEAN, /* int, 0 or 1 */
-    JSON_VECTOR,  /* double[count], each lo … hi */
-    JSON_CHOICE,  /* int, index of the text in choices */
-    JSON_TEXT,    /* char *, not empty */
-    JSON_NESTED   /* any value, read by read() */
+enum key_type {
+    KEY_NUMBER,  /* double, lo … hi */
+    KEY_INTEGER, /* int, lo … hi */
+    KEY_BOOLEAN, /* int, 0 or 1 */
+    KEY_VECTOR,  /* double[count], each lo … hi */
+    KEY_CHOICE,  /* int, index of the text in choices */
+    KEY_TEXT,    /* char *, not empty */
+    KEY_NESTED   /* any value, read by read() */
 };
 
 /* Reads one value to `out`, which is base + offset of the key's row. Returns
  * APP_OK or the exit code. */
-typedef int json_reader(struct json *json, const cJSON *node, void *out);
+typedef int json_reader(struct json *json, json_t *node, void *out);
 
 struct json_key {
     const char *name; /* NULL ends a table */
-    enum json_type type;
+    enum key_type type;
     size_t offset;
     double lo, hi;
     int count;                  /* of a vector */
@@ -44,43 +45,42 @@ struct json_key {
 
 #define NUMBER_KEY(key, at, least, most)                                       \
     {                                                                          \
-        .name = key, .type = JSON_NUMBER, .offset = at, .lo = least,           \
-        .hi = most                                                             \
+        .name = key, .type = KEY_NUMBER, .offset = at, .lo = least, .hi = most \
     }
 #define INTEGER_KEY(key, at, least, most)                                      \
     {                                                                          \
-        .name = key, .type = JSON_INTEGER, .offset = at, .lo = least,          \
+        .name = key, .type = KEY_INTEGER, .offset = at, .lo = least,           \
         .hi = most                                                             \
     }
 #define VECTOR_KEY(key, at, least, most, n)                                    \
     {                                                                          \
-        .name = key, .type = JSON_VECTOR, .offset = at, .lo = least,           \
+        .name = key, .type = KEY_VECTOR, .offset = at, .lo = least,            \
         .hi = most, .count = n                                                 \
     }
 #define BOOLEAN_KEY(key, at)                                                   \
     {                                                                          \
-        .name = key, .type = JSON_BOOLEAN, .offset = at                        \
+        .name = key, .type = KEY_BOOLEAN, .offset = at                         \
     }
 #define TEXT_KEY(key, at)                                                      \
     {                                                                          \
-        .name = key, .type = JSON_TEXT, .offset = at                           \
+        .name = key, .type = KEY_TEXT, .offset = at                            \
     }
 #define CHOICE_KEY(key, at, names)                                             \
     {                                                                          \
-        .name = key, .type = JSON_CHOICE, .offset = at, .choices = names       \
+        .name = key, .type = KEY_CHOICE, .offset = at, .choices = names        \
     }
 #define NESTED_KEY(key, at, reader)                                            \
     {                                                                          \
-        .name = key, .type = JSON_NESTED, .offset = at, .read = reader         \
+        .name = key, .type = KEY_NESTED, .offset = at, .read = reader          \
     }
 
 /* Reads one value of the key's type and range to `out`. */
-int json_value(struct json *json, const cJSON *node, const struct json_key *key,
+int json_value(struct json *json, json_t *node, const struct json_key *key,
                void *out);
 /* Reads an object's keys in the table's order; an absent key leaves its field
  * unchanged. */
-int json_object(struct json *json, const cJSON *node,
-                const struct json_key *keys, void *base);
+int json_fields(struct json *json, json_t *node, const struct json_key *keys,
+                void *base);
 /* Reads a list of at most `most` items by read(…, items + k·size). The items
  * are zeroed memory of the pool. */
 struct json_list {
@@ -90,7 +90,7 @@ struct json_list {
     void *items; /* out */
     int count;   /* out */
 };
-int json_array(struct json *json, const cJSON *node, struct json_list *list);
+int json_items(struct json *json, json_t *node, struct json_list *list);
 
 /* Writes a table's numbers, booleans, vectors and choices as an object. */
 void json_write(FILE *out, const struct json_key *keys, const void *base);
@@ -104,9 +104,13 @@ __attribute__((format(printf, 2, 3)))
 #endif
 int json_refuse(const struct json *json, const char *format, ...);
 
-/* Checks that each key of the object is in the table and occurs once; else
- * APP_USAGE. */
-int json_check_keys(const struct json *json, const cJSON *node,
+/* Prints a note for each of these keys, NULL-terminated, that the object has:
+ * it has no effect, and why. */
+void json_idle(const struct json *json, json_t *node, const char *const *names,
+               const char *why);
+
+/* Checks that each key of the object is in the table; else APP_USAGE. */
+int json_check_keys(const struct json *json, json_t *node,
                     const struct json_key *keys);
 
 /* Appends one level to the path; returns the length to cut it back to. */
@@ -117,11 +121,11 @@ size_t
 json_enter(struct json *json, const char *format, ...);
 void json_leave(struct json *json, size_t length);
 
-/* Parses a file. Returns NULL after one line that names file and line. The
- * caller deletes the result with cJSON_Delete. */
-cJSON *json_parse(const char *file);
+/* Parses a file. Returns NULL after one line that names file and place. The
+ * caller gives the result back by json_decref. */
+json_t *json_parse(const char *file);
 /* The same of a text of `size` bytes, ended by 0, which messages call `file`.
  */
-cJSON *json_parse_text(const char *text, size_t size, const char *file);
+json_t *json_parse_text(const char *text, size_t size, const char *file);
 
 #endif

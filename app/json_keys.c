@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Checks that an object's keys are those of its table. */
+/* Checks that an object's keys are those of its table, and that they have an
+ * effect. */
 #include "app/app.h"
 #include "app/json.h"
 #include "app/nearest.h"
@@ -7,13 +8,46 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Refuses a key that is not in the table. The message names the nearest key if
- * one is near, else all keys. */
+static bool has(const struct json_key *keys, const char *name)
+{
+    while (keys->name && strcmp(keys->name, name) != 0)
+        keys++;
+    return keys->name;
+}
+
+/* Refuses a word that other programs have for a key of the table or of an
+ * object in it, or for what drape cannot do. APP_OK: the word is none of these.
+ */
+static int refuse_word(const struct json *json, const char *word,
+                       const struct json_key *keys)
+{
+    const char *name, *in, *what = hint_missing(word);
+    for (int k = 0; (name = hint_name(word, &k, &in)) != NULL;) {
+        if (has(keys, name))
+            return json_refuse(json, "unknown key \"%s\"; did you mean \"%s\"?",
+                               word, name);
+        if (in && has(keys, in))
+            return json_refuse(
+                json, "unknown key \"%s\"; did you mean \"%s\" in \"%s\"?",
+                word, name, in);
+    }
+    return what ? json_refuse(json,
+                              "unknown key \"%s\": drape cannot %s yet "
+                              "(spec/limits.md)",
+                              word, what)
+                : APP_OK;
+}
+
+/* Refuses a key that is not in the table. The message names the key that was
+ * probably meant, or all keys. */
 static int refuse_key(const struct json *json, const char *name,
                       const struct json_key *keys)
 {
     char names[512] = "";
     struct nearest nearest = {.word = name};
+    int status = refuse_word(json, name, keys);
+    if (status != APP_OK)
+        return status;
     for (const struct json_key *key = keys; key->name; key++) {
         size_t length = strlen(names);
         snprintf(names + length, sizeof names - length, "%s%s",
@@ -27,21 +61,24 @@ static int refuse_key(const struct json *json, const char *name,
                        names);
 }
 
-int json_check_keys(const struct json *json, const cJSON *node,
+int json_check_keys(const struct json *json, json_t *node,
                     const struct json_key *keys)
 {
-    const cJSON *item, *other;
-    cJSON_ArrayForEach(item, node)
+    const char *name;
+    json_t *item;
+    json_object_foreach(node, name, item)
     {
-        const struct json_key *key = keys;
-        while (key->name && strcmp(key->name, item->string) != 0)
-            key++;
-        if (!key->name)
-            return refuse_key(json, item->string, keys);
-        for (other = item->next; other; other = other->next)
-            if (strcmp(other->string, item->string) == 0)
-                return json_refuse(json, "key \"%s\" is there twice",
-                                   item->string);
+        if (!has(keys, name))
+            return refuse_key(json, name, keys);
     }
     return APP_OK;
+}
+
+void json_idle(const struct json *json, json_t *node, const char *const *names,
+               const char *why)
+{
+    for (; *names; names++)
+        if (json_object_get(node, *names))
+            complain(APP_OK, "%s: %s.%s: note: has no effect: %s", json->file,
+                     json->where, *names, why);
 }

@@ -7,7 +7,7 @@ struct look look_default(void)
     return (struct look){{-1, -1, -1}, {-1, -1, -1}, -1, 1};
 }
 
-int read_look(struct json *json, const cJSON *node, void *out)
+int read_look(struct json *json, json_t *node, void *out)
 {
     static const struct json_key keys[] = {
         VECTOR_KEY("colour", offsetof(struct look, colour), 0, 1, 3),
@@ -15,7 +15,7 @@ int read_look(struct json *json, const cJSON *node, void *out)
         NUMBER_KEY("gloss", offsetof(struct look, gloss), 0, 1),
         BOOLEAN_KEY("check", offsetof(struct look, check)),
         {0}};
-    return json_object(json, node, keys, out);
+    return json_fields(json, node, keys, out);
 }
 
 static void put_colour(FILE *out, const char *name, const double c[3])
@@ -35,36 +35,32 @@ void look_write(FILE *out, const struct look *look)
 }
 
 /* Reads a number of 0 … 1; a missing one stays. */
-static bool restore(const cJSON *item, double *out)
+static bool restore(json_t *item, double *out)
 {
     if (!item)
         return true;
-    if (!cJSON_IsNumber(item) ||
-        !(item->valuedouble >= 0 && item->valuedouble <= 1))
+    if (!json_is_number(item) ||
+        !(json_number_value(item) >= 0 && json_number_value(item) <= 1))
         return false;
-    *out = item->valuedouble;
+    *out = json_number_value(item);
     return true;
 }
 
-static bool restore_colour(const cJSON *list, double out[3])
+static bool restore_colour(json_t *list, double out[3])
 {
-    if (list && cJSON_GetArraySize(list) != 3)
+    if (list && json_array_size(list) != 3)
         return false;
     bool good = true;
     for (int i = 0; list && i < 3; i++)
-        good = good && restore(cJSON_GetArrayItem(list, i), &out[i]);
+        good = good && restore(json_array_get(list, (size_t)i), &out[i]);
     return good;
 }
 
-bool look_restore(const cJSON *node, struct look *look)
+bool look_restore(json_t *node, struct look *look)
 {
     *look = look_default();
-    look->check =
-        !cJSON_IsFalse(cJSON_GetObjectItemCaseSensitive(node, "check"));
-    return restore_colour(cJSON_GetObjectItemCaseSensitive(node, "colour"),
-                          look->colour) &&
-           restore_colour(cJSON_GetObjectItemCaseSensitive(node, "inside"),
-                          look->inside) &&
-           restore(cJSON_GetObjectItemCaseSensitive(node, "gloss"),
-                   &look->gloss);
+    look->check = !json_is_false(json_object_get(node, "check"));
+    return restore_colour(json_object_get(node, "colour"), look->colour) &&
+           restore_colour(json_object_get(node, "inside"), look->inside) &&
+           restore(json_object_get(node, "gloss"), &look->gloss);
 }

@@ -23,6 +23,6 @@ json_reader read_look;
 void look_write(FILE *out, const struct look *look);
 /* Reads what look_write has written; NULL: the default. False if no run could
  * have written it. */
-bool look_restore(const cJSON *node, struct look *look);
+bool look_restore(json_t *node, struct look *look);
 
 #endif

@@ -13,10 +13,15 @@
 /* Reads a mesh file by its extension: PLY and OFF by our own readers, in
  * binary64; OBJ, STL, glTF, COLLADA and FBX by assimp in a child process. PLY
  * keeps the order of vertices; the other formats merge vertices at the same
- * place. Polygons become triangles. Returns app_exit; one line is printed for
- * an unknown extension, an empty mesh, a number that is not finite, or an index
+ * place. Lengths are in metres: those of FBX are converted from its unit.
+ * Polygons become triangles. Returns app_exit; one line is printed for an
+ * unknown extension, an empty mesh, a number that is not finite, or an index
  * that is out of range or has a fraction. No other thread may run yet. */
 int mesh_load(struct pool *pool, const char *path, struct mesh *mesh);
+/* The same, with the animation that the file may have, of its nodes, bones and
+ * morph targets; clip: NULL: the mesh as it is at rest. */
+int mesh_load_clip(struct pool *pool, const char *path, struct clip *clip,
+                   struct mesh *mesh);
 
 /* Returns the number of triangles with two equal corners or no area in
  * binary64. */
@@ -32,6 +37,9 @@ struct placement {
     double at[3];          /* m, translation */
 };
 void mesh_place(struct mesh *mesh, const struct placement *placement);
+/* Places frames [frames][nv] of a mesh as its first one would be. */
+void mesh_place_frames(double (*x)[3], int64_t nv, int64_t frames,
+                       const struct placement *placement);
 
 /* The bounding box of the mesh. */
 void mesh_box(const struct mesh *mesh, double lo[3], double hi[3]);

@@ -12,26 +12,26 @@
 #include <string.h>
 
 /* Returns number k of a list, or `otherwise` if the list has no such number. */
-static double number(const cJSON *node, int k, double otherwise)
+static double number(json_t *node, int k, double otherwise)
 {
-    const cJSON *item = k < 0 ? node : cJSON_GetArrayItem(node, k);
-    return cJSON_IsNumber(item) ? item->valuedouble : otherwise;
+    json_t *item = k < 0 ? node : json_array_get(node, (size_t)k);
+    return json_is_number(item) ? json_number_value(item) : otherwise;
 }
 
-static const cJSON *get(const cJSON *node, const char *name)
+static json_t *get(json_t *node, const char *name)
 {
-    return cJSON_GetObjectItemCaseSensitive(node, name);
+    return json_object_get(node, name);
 }
 
 /* Reads a number; false if it is not in lo … hi. */
-static bool bounded(const cJSON *node, int k, double lo, double hi, double *out)
+static bool bounded(json_t *node, int k, double lo, double hi, double *out)
 {
     *out = number(node, k, NAN);
     return *out >= lo && *out <= hi;
 }
 
 /* Reads a camera; false if no scene could have it. */
-static bool load_camera(const cJSON *node, struct camera *camera)
+static bool load_camera(json_t *node, struct camera *camera)
 {
     bool good = true;
     for (int i = 0; i < 3; i++)
@@ -42,7 +42,7 @@ static bool load_camera(const cJSON *node, struct camera *camera)
 }
 
 /* Reads light, floor and turn; false if no scene could have them. */
-static bool load_picture(const cJSON *node, struct camera *camera)
+static bool load_picture(json_t *node, struct camera *camera)
 {
     bool good = bounded(get(node, "fov"), -1, 0, 150, &camera->fov) &&
                 bounded(get(node, "turn"), -1, -3600, 3600, &camera->turn) &&
@@ -55,9 +55,9 @@ static bool load_picture(const cJSON *node, struct camera *camera)
 }
 
 /* Reads a cloth's look; false if no run could have written it. */
-static bool load_cloth(const cJSON *body, struct look_cloth *cloth)
+static bool load_cloth(json_t *body, struct look_cloth *cloth)
 {
-    const cJSON *grid = get(body, "particles"), *size = get(body, "size");
+    json_t *grid = get(body, "particles"), *size = get(body, "size");
     double first, m, n;
     if (!bounded(get(body, "first_vertex"), -1, 0, INT32_MAX, &first) ||
         !bounded(grid, 0, 2, 32768, &m) || !bounded(grid, 1, 2, 32768, &n) ||
@@ -73,7 +73,7 @@ static bool load_cloth(const cJSON *body, struct look_cloth *cloth)
 }
 
 /* Reads an obstacle's look; false if no run could have written it. */
-static bool load_obstacle(const cJSON *body, struct look_obstacle *obstacle)
+static bool load_obstacle(json_t *body, struct look_obstacle *obstacle)
 {
     double first;
     if (!bounded(get(body, "first_triangle"), -1, 0, INT32_MAX, &first))
@@ -82,25 +82,23 @@ static bool load_obstacle(const cJSON *body, struct look_obstacle *obstacle)
     return look_restore(get(body, "look"), &obstacle->look);
 }
 
-static int load_bodies(struct pool *pool, const cJSON *bodies, const char *path,
+static int load_bodies(struct pool *pool, json_t *bodies, const char *path,
                        struct run_look *look)
 {
-    const cJSON *body;
-    size_t count = (size_t)cJSON_GetArraySize(bodies);
-    int k = -1;
+    json_t *body;
+    size_t count = json_array_size(bodies), k;
     look->cloths = pool_take(pool, count + 1, sizeof *look->cloths);
     look->obstacles = pool_take(pool, count + 1, sizeof *look->obstacles);
     if (!look->cloths || !look->obstacles)
         return complain(APP_FAILED, "out of memory");
-    cJSON_ArrayForEach(body, bodies)
+    json_array_foreach(bodies, k, body)
     {
-        k++;
         bool cloth = get(body, "particles");
         if (cloth ? load_cloth(body, &look->cloths[look->count++])
                   : load_obstacle(body, &look->obstacles[look->n_obstacles++]))
             continue;
         return complain(APP_USAGE, "%s: $.bodies[%d]: expected %s, and a look",
-                        path, k,
+                        path, (int)k,
                         cloth ? "a cloth's first_vertex, particles and size"
                               : "an obstacle's first_triangle");
     }
@@ -117,11 +115,11 @@ int look_load(struct pool *pool, const char *directory, struct run_look *look)
         return APP_USAGE;
     if (!file_exists(path))
         return APP_OK;
-    cJSON *root = json_parse(path);
+    json_t *root = json_parse(path);
     if (!root)
         return APP_USAGE;
     int status = load_bodies(pool, get(root, "bodies"), path, look);
-    const cJSON *camera = get(root, "camera"), *picture = get(root, "picture");
+    json_t *camera = get(root, "camera"), *picture = get(root, "picture");
     if (status == APP_OK && picture && !load_picture(picture, &look->camera))
         status = complain(APP_USAGE,
                           "%s: $.picture: expected fov, turn, light, sun and "
@@ -136,7 +134,7 @@ int look_load(struct pool *pool, const char *directory, struct run_look *look)
         status = complain(APP_USAGE,
                           "%s: $.dt: expected a time between two frames", path);
     look->rate = 1 / frame;
-    cJSON_Delete(root);
+    json_decref(root);
     return status;
 }
 

@@ -19,7 +19,7 @@ struct motion {
     int n_keys;
 };
 
-static int read_key(struct json *json, const cJSON *node, void *out)
+static int read_key(struct json *json, json_t *node, void *out)
 {
     static const struct json_key keys[] = {
         NUMBER_KEY("time", offsetof(struct key, time), 0, 1e6),
@@ -29,7 +29,7 @@ static int read_key(struct json *json, const cJSON *node, void *out)
         {0}};
     struct key *key = out;
     key->axis[1] = 1;
-    int status = json_object(json, node, keys, key);
+    int status = json_fields(json, node, keys, key);
     double *a = key->axis;
     double n = square_root(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
     if (status == APP_OK && !(n > 0))
@@ -39,12 +39,12 @@ static int read_key(struct json *json, const cJSON *node, void *out)
     return status;
 }
 
-static int read_keys(struct json *json, const cJSON *node, void *out)
+static int read_keys(struct json *json, json_t *node, void *out)
 {
     struct motion *motion = out;
     struct json_list list = {
         .read = read_key, .size = sizeof(struct key), .most = 10000};
-    int status = json_array(json, node, &list);
+    int status = json_items(json, node, &list);
     motion->keys = list.items;
     motion->n_keys = list.count;
     for (int k = 1; status == APP_OK && k < list.count; k++)
@@ -53,7 +53,7 @@ static int read_keys(struct json *json, const cJSON *node, void *out)
     return status;
 }
 
-static int read_motion(struct json *json, const cJSON *node, void *out)
+static int read_motion(struct json *json, json_t *node, void *out)
 {
     static const struct json_key keys[] = {
         TEXT_KEY("name", offsetof(struct motion, name)),
@@ -61,7 +61,7 @@ static int read_motion(struct json *json, const cJSON *node, void *out)
         NESTED_KEY("keys", 0, read_keys),
         {0}};
     struct motion *motion = out;
-    int status = json_object(json, node, keys, motion);
+    int status = json_fields(json, node, keys, motion);
     if (status == APP_OK && (!motion->name || motion->n_keys < 1))
         return json_refuse(json, "expected a name and at least one key");
     return status;
@@ -177,12 +177,12 @@ static int convert(struct pool *pool, const struct motion *motion,
     return APP_OK;
 }
 
-int read_motions(struct json *json, const cJSON *node, void *out)
+int read_motions(struct json *json, json_t *node, void *out)
 {
     struct scene *scene = out;
     struct json_list list = {
         .read = read_motion, .size = sizeof(struct motion), .most = 1000};
-    int status = json_array(json, node, &list);
+    int status = json_items(json, node, &list);
     if (status != APP_OK)
         return status;
     size_t count = (size_t)list.count;
@@ -208,18 +208,18 @@ int read_motions(struct json *json, const cJSON *node, void *out)
     return status;
 }
 
-int read_motion_name(struct json *json, const cJSON *node, void *out)
+int read_motion_name(struct json *json, json_t *node, void *out)
 {
     const struct scene *scene = json->user;
-    if (!cJSON_IsString(node))
+    if (!json_is_string(node))
         return json_refuse(json, "expected the name of a motion");
     int k = scene->motion_name
                 ? json_choice((const char *const *)scene->motion_name,
-                              node->valuestring)
+                              json_string_value(node))
                 : -1;
     if (k < 0)
         return json_refuse(json, "\"%s\": no motion of this name",
-                           node->valuestring);
+                           json_string_value(node));
     *(int *)out = k;
     return APP_OK;
 }

@@ -17,13 +17,14 @@ struct series {
 struct obstacle {
     drape_obstacle out;
     char *name, *file;
+    char *clip; /* of `animation`: its name, empty for none; NULL: the first */
     struct look look;
     struct shape shape;
     struct placement placement;
     struct series series;
 };
 
-static int read_series(struct json *json, const cJSON *node, void *out)
+static int read_series(struct json *json, json_t *node, void *out)
 {
     static const struct json_key keys[] = {
         TEXT_KEY("files", offsetof(struct series, files)),
@@ -33,7 +34,7 @@ static int read_series(struct json *json, const cJSON *node, void *out)
         {0}};
     struct series *series = out;
     series->dt = 1.0 / 60;
-    int status = json_object(json, node, keys, series);
+    int status = json_fields(json, node, keys, series);
     if (status != APP_OK)
         return status;
     const char *percent = series->files ? strchr(series->files, '%') : NULL;
@@ -43,6 +44,19 @@ static int read_series(struct json *json, const cJSON *node, void *out)
         return json_refuse(json, "expected files with one %%d or %%04d in "
                                  "the name, and count");
     return APP_OK;
+}
+
+/* The name of an animation, or false for none. */
+static int read_clip(struct json *json, json_t *node, void *out)
+{
+    static const struct json_key name = TEXT_KEY("animation", 0);
+    char **clip = out;
+    if (json_is_string(node))
+        return json_value(json, node, &name, clip);
+    if (!json_is_false(node))
+        return json_refuse(json, "expected the name of an animation, or false");
+    *clip = pool_text(json->pool, "");
+    return *clip ? APP_OK : complain(APP_FAILED, "out of memory");
 }
 
 /* Looks for a mesh in the folders of a list with colons, such as $DRAPE_MODELS;
@@ -67,7 +81,8 @@ static bool find_in_list(const char *list, const char *name,
 }
 
 /* Where a mesh is looked for: as named from the scene's folder, then in the
- * folders of $DRAPE_MODELS, in models/ of $DRAPE_DATA and in build/models. */
+ * folders of $DRAPE_MODELS, in models/ of $DRAPE_DATA, or of build/data without
+ * it, and in build/models. */
 static int find_mesh(const struct json *json, const char *name,
                      char path[FILE_PATH])
 {
@@ -84,7 +99,7 @@ static int find_mesh(const struct json *json, const char *name,
     }
     const char *own = getenv("DRAPE_MODELS"), *data = getenv("DRAPE_DATA");
     char models[FILE_PATH];
-    if (!file_join(models, data && *data ? data : "../shared", "models"))
+    if (!file_join(models, data && *data ? data : "build/data", "models"))
         return APP_USAGE;
     const char *folders[] = {*folder ? folder : "/", models, "build/models"};
     for (int k = 0; k < 3; k++) {
@@ -100,11 +115,39 @@ static int find_mesh(const struct json *json, const char *name,
                        name, folders[0], models);
 }
 
-static int load(struct json *json, const char *name, struct mesh *mesh)
+static int load(struct json *json, const char *name, struct clip *clip,
+                struct mesh *mesh)
 {
     char path[FILE_PATH];
     int status = find_mesh(json, name, path);
-    return status == APP_OK ? mesh_load(json->pool, path, mesh) : status;
+    if (status == APP_OK)
+        status = mesh_load_clip(json->pool, path, clip, mesh);
+    if (status == APP_OK && clip && *clip->others)
+        complain(APP_OK,
+                 "%s: has several animations, of which the first is taken: %s; "
+                 "the key animation names another, or false for none",
+                 path, clip->others);
+    return status;
+}
+
+/* Loads the mesh of a file, with its animation as frames. */
+static int load_file(struct json *json, struct obstacle *o, struct mesh *mesh)
+{
+    struct clip clip = {.name = o->clip};
+    int status = load(json, o->file, &clip, mesh);
+    if (status != APP_OK || !clip.frames)
+        return status;
+    if (o->out.motion >= 0)
+        return json_refuse(json,
+                           "%s is animated, and a body has a motion or an "
+                           "animation; \"animation\": false lets the mesh be "
+                           "as it is at rest",
+                           o->file);
+    mesh_place_frames(clip.x, mesh->nv, clip.frames, &o->placement);
+    o->out.frames = clip.frames;
+    o->out.frame_dt = clip.dt;
+    o->out.frame = (const double(*)[3])clip.x;
+    return APP_OK;
 }
 
 /* Loads the frames of a deforming obstacle; the first is also its mesh. */
@@ -120,10 +163,9 @@ static int load_series(struct json *json, struct obstacle *o, struct mesh *mesh)
         snprintf(name, sizeof name, "%.*s%0*d%s", (int)(percent - s->files),
                  s->files, width, s->first + k, strchr(percent, 'd') + 1);
         struct mesh here;
-        int status = load(json, name, &here);
+        int status = load(json, name, NULL, &here);
         if (status != APP_OK)
             return status;
-        mesh_place(&here, &o->placement);
         if (k == 0) {
             *mesh = here;
             frame = pool_take(json->pool, (size_t)s->count * (size_t)here.nv,
@@ -143,10 +185,68 @@ static int load_series(struct json *json, struct obstacle *o, struct mesh *mesh)
         memcpy(frame + (size_t)k * (size_t)mesh->nv, here.x,
                (size_t)mesh->nv * sizeof *frame);
     }
+    mesh_place_frames(frame, mesh->nv, s->count, &o->placement);
     out->frames = s->count;
     out->frame_dt = s->dt;
     out->frame = (const double(*)[3])frame;
     return APP_OK;
+}
+
+/* The largest side of a box. */
+static double across(const struct mesh *mesh)
+{
+    double lo[3], hi[3], most = 0;
+    mesh_box(mesh, lo, hi);
+    for (int i = 0; i < 3; i++)
+        most = hi[i] - lo[i] > most ? hi[i] - lo[i] : most;
+    return most;
+}
+
+/* Says where the mesh of a file is so much larger or smaller than all cloths
+ * that it probably has another unit than metres. */
+static void compare(const struct json *json, const struct obstacle *o,
+                    const struct mesh *mesh)
+{
+    enum { TIMES = 100 };
+    const struct scene *scene = json->user;
+    double cloth = 0, size = across(mesh);
+    for (int k = 0; k < scene->def.n_cloths; k++) {
+        const drape_cloth *c = &scene->def.cloths[k];
+        cloth = c->width > cloth ? c->width : cloth;
+        cloth = c->height > cloth ? c->height : cloth;
+    }
+    if (o->placement.size > 0 || !(cloth > 0) || !(size > 0) ||
+        (size <= TIMES * cloth && size * TIMES >= cloth))
+        return;
+    complain(
+        APP_OK,
+        "%s: %s: note: the mesh is %.3g m across, the largest cloth %.3g m; "
+        "if the file is not in metres, scale or size say so",
+        json->file, json->where, size, cloth);
+}
+
+/* Says which keys are of another shape than this one. */
+static void say_idle(const struct json *json, json_t *node,
+                     const struct obstacle *o)
+{
+    static const struct {
+        const char *name[2];
+        int shapes; /* bits: of which it is */
+    } keys[] = {{{"extent"}, 1 << SHAPE_PLANE | 1 << SHAPE_BOX},
+                {{"radius"},
+                 1 << SHAPE_SPHERE | 1 << SHAPE_CAPSULE | 1 << SHAPE_FUNNEL},
+                {{"length"}, 1 << SHAPE_CAPSULE | 1 << SHAPE_FUNNEL},
+                {{"throat"}, 1 << SHAPE_FUNNEL},
+                {{"height"}, 1 << SHAPE_FUNNEL | 1 << SHAPE_STATUE},
+                {{"detail"},
+                 1 << SHAPE_SPHERE | 1 << SHAPE_CAPSULE | 1 << SHAPE_FUNNEL |
+                     1 << SHAPE_STATUE}};
+    static const char *const axis[] = {"axis", NULL};
+    for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
+        if (!(keys[k].shapes >> o->shape.kind & 1))
+            json_idle(json, node, keys[k].name, "it is of other shapes");
+    if (o->placement.angle == 0)
+        json_idle(json, node, axis, "there is no angle");
 }
 
 /* Makes the obstacle's mesh; exactly one of mesh, shape and frames is given. */
@@ -158,11 +258,14 @@ static int make(struct json *json, struct obstacle *o)
         return json_refuse(json, "expected one of mesh, shape and frames");
     int status = series  ? load_series(json, o, &mesh)
                  : shape ? shape_make(json->pool, &o->shape, &mesh)
-                         : load(json, o->file, &mesh);
+                         : load_file(json, o, &mesh);
     if (status != APP_OK)
         return status;
-    if (!series)
-        mesh_place(&mesh, &o->placement);
+    if (o->clip && !o->file)
+        return json_refuse(json, "animation: expected a mesh beside it");
+    mesh_place(&mesh, &o->placement);
+    if (!shape)
+        compare(json, o, &mesh);
     ((struct scene *)json->user)->degenerate += mesh_degenerate(&mesh);
     o->out.n_vertices = mesh.nv;
     o->out.n_triangles = mesh.nt;
@@ -174,7 +277,7 @@ static int make(struct json *json, struct obstacle *o)
 static const char *const shape_names[] = {
     "plane", "box", "sphere", "capsule", "funnel", "statue", NULL};
 
-static int read_obstacle(struct json *json, const cJSON *node, void *out)
+static int read_obstacle(struct json *json, json_t *node, void *out)
 {
 #define O(name) offsetof(struct obstacle, name)
     static const struct json_key keys[] = {
@@ -182,6 +285,7 @@ static int read_obstacle(struct json *json, const cJSON *node, void *out)
         TEXT_KEY("mesh", O(file)),
         CHOICE_KEY("shape", O(shape.kind), shape_names),
         NESTED_KEY("frames", O(series), read_series),
+        NESTED_KEY("animation", O(clip), read_clip),
         VECTOR_KEY("extent", O(shape.extent), 1e-6, 1e6, 3),
         NUMBER_KEY("radius", O(shape.radius), 1e-6, 1e6),
         NUMBER_KEY("length", O(shape.length), 1e-6, 1e6),
@@ -206,16 +310,18 @@ static int read_obstacle(struct json *json, const cJSON *node, void *out)
     o->placement.scale = 1;
     o->placement.axis[1] = 1;
     o->shape = (struct shape){SHAPE_NONE, {1, 1, 1}, 0.5, 0.5, 0.1, 1, 64};
-    int status = json_object(json, node, keys, o);
+    int status = json_fields(json, node, keys, o);
+    if (status == APP_OK)
+        say_idle(json, node, o);
     return status == APP_OK ? make(json, o) : status;
 }
 
-int read_obstacles(struct json *json, const cJSON *node, void *out)
+int read_obstacles(struct json *json, json_t *node, void *out)
 {
     struct scene *scene = out;
     struct json_list list = {
         .read = read_obstacle, .size = sizeof(struct obstacle), .most = 1000};
-    int status = json_array(json, node, &list);
+    int status = json_items(json, node, &list);
     if (status != APP_OK)
         return status;
     size_t count = (size_t)list.count;

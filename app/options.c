@@ -96,17 +96,28 @@ static void make_longs(const struct option_row *table,
 }
 
 /* Refuses an option that is not in the table, or begins several names. */
-static int refuse(const struct option_row *table, const char *text)
+static int refuse(const struct option_row *all, const char *text)
 {
     char name[64];
     snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
     struct nearest nearest = {.word = name};
     int begun = 0;
-    for (; table->name; table++) {
-        nearest_try(&nearest, table->name);
-        begun += strncmp(table->name, name, strlen(name)) == 0;
+    for (const struct option_row *row = all; row->name; row++) {
+        nearest_try(&nearest, row->name);
+        begun += strncmp(row->name, name, strlen(name)) == 0;
     }
     nearest_try(&nearest, "--quiet");
+    int k = 0;
+    const char *in, *what = hint_missing(name);
+    const char *other = hint_name(name, &k, &in);
+    for (const struct option_row *row = all; other && row->name; row++)
+        if (strcmp(row->name, other) == 0 || strcmp("--quiet", other) == 0)
+            nearest = (struct nearest){name, other, 0};
+    if (what)
+        return complain(APP_USAGE,
+                        "%s: unknown option: drape cannot %s yet "
+                        "(spec/limits.md)",
+                        name, what);
     if (begun > 1)
         return complain(APP_USAGE, "%s: is the beginning of %d options", name,
                         begun);

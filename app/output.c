@@ -13,7 +13,9 @@ static int make_parts(struct output *o, const struct scene *scene,
 {
     int cloths = scene->def.n_cloths, bodies = cloths + scene->def.n_obstacles;
     struct part *part = pool_take(&o->pool, (size_t)bodies + 1, sizeof *part);
-    if (!part)
+    o->made = scene->def.cloths;
+    o->stretch = pool_take(&o->pool, (size_t)cloths + 1, sizeof *o->stretch);
+    if (!part || !o->stretch)
         return complain(APP_FAILED, "out of memory");
     for (int k = 0; k < bodies; k++) {
         part[k].nv =
@@ -148,6 +150,7 @@ int output_frame(struct output *o, drape_world *world, int k)
     if (status != DRAPE_OK)
         return complain(APP_FAILED, "frame %d: %s", k,
                         drape_status_text(status));
+    stretch_look(o->stretch, o->made, o->cloth_part, o->cloths, &o->cloth, k);
     /* the cloth's PLY comes last: it shows that the frame is complete */
     snprintf(name, sizeof name, "obstacles_%04d.ply", k);
     if (o->obstacles.nt && o->moving &&

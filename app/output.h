@@ -14,12 +14,15 @@
 #include "app/folder.h"
 #include "app/lock.h"
 #include "app/scene.h"
+#include "app/stretch.h"
 
 struct output {
     char directory[FILE_PATH], frames[FILE_PATH];
     struct mesh all, cloth, obstacles; /* views of the whole scene */
     struct part *cloth_part, *obstacle_part;
     int cloths, n_obstacles; /* number of their parts */
+    const drape_cloth *made; /* [cloths] of the scene */
+    struct stretch *stretch; /* [cloths] of the frames that were written */
     double (*v)[3];          /* scratch: velocities, which no file has */
     struct pool pool;
     struct lock lock;

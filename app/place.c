@@ -21,10 +21,16 @@ static void about(const double a[3], double c, double s, double r[3][3])
     r[2][1] += s * a[0];
 }
 
-static void apply(struct mesh *mesh, double r[3][3])
+/* Positions of a mesh in all its frames, of which the first decides. */
+struct places {
+    double (*x)[3];
+    int64_t nv, n; /* vertices, and positions of all frames */
+};
+
+static void apply(const struct places *all, double r[3][3])
 {
-    for (int64_t k = 0; k < mesh->nv; k++) {
-        double *x = mesh->x[k], p[3] = {x[0], x[1], x[2]};
+    for (int64_t k = 0; k < all->n; k++) {
+        double *x = all->x[k], p[3] = {x[0], x[1], x[2]};
         for (int i = 0; i < 3; i++)
             x[i] = r[i][0] * p[0] + r[i][1] * p[1] + r[i][2] * p[2];
     }
@@ -35,8 +41,8 @@ static double length(const double a[3])
     return square_root(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
 }
 
-/* Rotates the mesh by the smallest rotation that takes direction `up` to +y. */
-static void level(struct mesh *mesh, const double up[3])
+/* Rotates all by the smallest rotation that takes direction `up` to +y. */
+static void level(const struct places *all, const double up[3])
 {
     double n = length(up), axis[3] = {-up[2] / n, 0, up[0] / n};
     double s = length(axis), c = up[1] / n, r[3][3];
@@ -47,44 +53,52 @@ static void level(struct mesh *mesh, const double up[3])
         axis[2] /= s;
     }
     about(axis, c, s, r);
-    apply(mesh, r);
+    apply(all, r);
 }
 
-static void move(struct mesh *mesh, const double by[3])
+static void move(const struct places *all, const double by[3])
 {
-    for (int64_t k = 0; k < mesh->nv; k++)
+    for (int64_t k = 0; k < all->n; k++)
         for (int i = 0; i < 3; i++)
-            mesh->x[k][i] += by[i];
+            all->x[k][i] += by[i];
 }
 
-static void stretch(struct mesh *mesh, double factor)
+static void stretch(const struct places *all, double factor)
 {
-    for (int64_t k = 0; k < mesh->nv; k++)
+    for (int64_t k = 0; k < all->n; k++)
         for (int i = 0; i < 3; i++)
-            mesh->x[k][i] *= factor;
+            all->x[k][i] *= factor;
 }
 
-static void stand(struct mesh *mesh)
+static void box(const struct places *all, double lo[3], double hi[3])
+{
+    const struct mesh first = {.nv = all->nv, .x = all->x};
+    mesh_box(&first, lo, hi);
+}
+
+static void stand(const struct places *all)
 {
     double lo[3], hi[3];
-    mesh_box(mesh, lo, hi);
+    box(all, lo, hi);
     double by[3] = {-(lo[0] + hi[0]) / 2, -lo[1], -(lo[2] + hi[2]) / 2};
-    move(mesh, by);
+    move(all, by);
 }
 
-void mesh_place(struct mesh *mesh, const struct placement *p)
+void mesh_place_frames(double (*x)[3], int64_t nv, int64_t frames,
+                       const struct placement *p)
 {
+    const struct places all = {x, nv, frames * nv};
     double lo[3], hi[3], r[3][3];
     if (length(p->up) > 0)
-        level(mesh, p->up);
-    mesh_box(mesh, lo, hi);
+        level(&all, p->up);
+    box(&all, lo, hi);
     double largest = fmax(fmax(hi[0] - lo[0], hi[1] - lo[1]), hi[2] - lo[2]);
     if (p->size > 0 && largest > 0)
-        stretch(mesh, p->size / largest);
+        stretch(&all, p->size / largest);
     if (p->scale != 1)
-        stretch(mesh, p->scale);
+        stretch(&all, p->scale);
     if (p->stand)
-        stand(mesh);
+        stand(&all);
     double n = length(p->axis);
     if (p->angle != 0 && n > 0) {
         double c, s, axis[3];
@@ -92,8 +106,13 @@ void mesh_place(struct mesh *mesh, const struct placement *p)
             axis[i] = p->axis[i] / n;
         circle(p->angle / 360, &c, &s);
         about(axis, c, s, r);
-        apply(mesh, r);
+        apply(&all, r);
     }
     if (p->at[0] != 0 || p->at[1] != 0 || p->at[2] != 0)
-        move(mesh, p->at);
+        move(&all, p->at);
+}
+
+void mesh_place(struct mesh *mesh, const struct placement *placement)
+{
+    mesh_place_frames(mesh->x, mesh->nv, 1, placement);
 }

@@ -95,12 +95,19 @@ static int choose(struct run *run)
     if (run->resume)
         return complain(APP_USAGE, "--error: a resumed run has its settings");
     int status = error_choose(scene, &run->overrides, asked, e);
-    if (status == APP_OK)
-        say("--error %g: %s, dt %.4g s, tolerance %g; estimated %.2g m rms "
-            "after %.3g s, of time and solver\n",
-            asked, scene_integrator(scene), scene->def.dt, scene->def.tolerance,
-            e->error, e->horizon);
-    return status;
+    if (status != APP_OK)
+        return status;
+    double whole = scene->frames * scene->steps_per_frame * scene->def.dt;
+    say("--error %g: %s, dt %.4g s, tolerance %g; estimated %.2g m rms for "
+        "%.3g s, of time and solver\n",
+        asked, scene_integrator(scene), scene->def.dt, scene->def.tolerance,
+        e->error, e->horizon);
+    if (e->horizon < whole * (1 - 1e-9))
+        complain(0,
+                 "note: --error %g holds for the first %.3g s of %.3g s, and "
+                 "with half the step for no longer",
+                 asked, e->horizon, whole);
+    return APP_OK;
 }
 
 /* Makes the scene's world, at its start or in the state of the checkpoint. */
@@ -209,6 +216,8 @@ static void tell(const struct run *run, const struct totals *t, const char *end)
     if (t->unconverged)
         complain(0, "note: the solver missed its tolerance in %lld steps",
                  (long long)t->unconverged);
+    stretch_tell(run->output.stretch, run->output.cloth_part,
+                 run->output.cloths);
     if (t->not_clean)
         complain(APP_FINDINGS, "%lld of %lld steps are not clean",
                  (long long)t->not_clean, (long long)t->steps);

@@ -4,11 +4,12 @@
 #include "app/app.h"
 #include "app/bodies.h"
 
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-static int read_wind(struct json *json, const cJSON *node, void *out)
+static int read_wind(struct json *json, json_t *node, void *out)
 {
 #define WIND(name) offsetof(drape_wind, name)
     static const struct json_key keys[] = {
@@ -17,12 +18,18 @@ static int read_wind(struct json *json, const cJSON *node, void *out)
         NUMBER_KEY("drag", WIND(drag), 0, 1e3),
         NUMBER_KEY("lift", WIND(lift), 0, 1e3),
         {0}};
+    static const char *const velocity[] = {"velocity", NULL};
     drape_wind *wind = out;
     wind->density = 1.2; /* a scene with a wind key has air */
-    return json_object(json, node, keys, wind);
+    int status = json_fields(json, node, keys, wind);
+    bool windy = wind->density > 0 && (wind->drag > 0 || wind->lift > 0);
+    if (status == APP_OK && !windy)
+        json_idle(json, node, velocity,
+                  "there is no density, or neither drag nor lift");
+    return status;
 }
 
-static int read_camera(struct json *json, const cJSON *node, void *out)
+static int read_camera(struct json *json, json_t *node, void *out)
 {
     static const struct json_key keys[] = {
         VECTOR_KEY("eye", offsetof(struct camera, eye), -1e6, 1e6, 3),
@@ -34,7 +41,7 @@ static int read_camera(struct json *json, const cJSON *node, void *out)
         VECTOR_KEY("floor", offsetof(struct camera, floor), 0, 1, 3),
         {0}};
     struct camera *camera = out;
-    return json_object(json, node, keys, camera);
+    return json_fields(json, node, keys, camera);
 }
 
 static const char *const backends[] = {"ref", "gpu", NULL};
@@ -82,11 +89,19 @@ void scene_settings(FILE *out, const struct scene *scene)
     json_write(out, scene_keys, scene);
 }
 
-static int read_scene(struct json *json, const cJSON *root, struct scene *scene)
+static int read_scene(struct json *json, json_t *root, struct scene *scene)
 {
-    int status = json_object(json, root, scene_keys, scene);
+    static const char *const of_solver[] = {
+        "precond",        "matrix", "solver", "tolerance",
+        "max_iterations", "newton", NULL};
+    static const char *const of_substeps[] = {"max_substeps", NULL};
+    int status = json_fields(json, root, scene_keys, scene);
     if (status != APP_OK)
         return status;
+    bool implicit = scene->def.integrator >= DRAPE_BW;
+    json_idle(json, root, implicit ? of_substeps : of_solver,
+              implicit ? "the integrator is implicit"
+                       : "the integrator is explicit");
     if (scene->def.precision != 32 && scene->def.precision != 64)
         return json_refuse(json, "precision: expected 32 or 64");
     if (scene->def.n_cloths < 1)
@@ -131,14 +146,28 @@ static int begin(struct scene *scene, const char *file)
     return APP_OK;
 }
 
+/* Why a JSON file of another program is no scene; NULL: it may be one. */
+static const char *is_other(json_t *root)
+{
+    if (json_object_get(json_object_get(root, "pattern"), "panels"))
+        return "is a sewing pattern of GarmentCode; drape cannot sew seams yet "
+               "(spec/limits.md)";
+    if (json_object_get(json_object_get(root, "asset"), "version"))
+        return "is a glTF file; expected a scene, which names it as the mesh "
+               "of an obstacle (app/scenes/README.md)";
+    return NULL;
+}
+
 /* Reads a scene's JSON, NULL if it has been refused, and deletes it. */
-static int load(struct scene *scene, cJSON *root)
+static int load(struct scene *scene, json_t *root)
 {
     struct json json = {scene->file, "$", &scene->pool, scene};
     if (!root)
         return APP_USAGE;
-    int status = read_scene(&json, root, scene);
-    cJSON_Delete(root);
+    const char *other = is_other(root);
+    int status = other ? complain(APP_USAGE, "%s: %s", scene->file, other)
+                       : read_scene(&json, root, scene);
+    json_decref(root);
     if (status == APP_OK && !scene->name)
         scene->name = strcmp(scene->file, "-") == 0
                           ? pool_text(&scene->pool, "scene")

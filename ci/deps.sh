@@ -8,7 +8,7 @@
 # usage: ci/deps.sh [apps|slurm|bare]
 set -eu
 need='gcc g++ make clang clang-format clang-tidy libomp-dev
-      libassimp-dev libcjson-dev libembree-dev libpng-dev ffmpeg
+      libassimp-dev libjansson-dev libembree-dev libpng-dev ffmpeg
       libcgal-dev libfcl-dev libccd-dev libgmp-dev libmpfr-dev gappa
       libclang-rt-dev python3 python3-dev python3-venv cmake pkg-config'
 [ "${1-}" != bare ] || need='mmdebstrap git'

@@ -4,7 +4,7 @@
 
 .PHONY: fuzz fuzz-soak fuzz-libs
 TARGETS := bank bodies calls create damage draw live load many queries reads \
-           small stage step table whole
+           replay small stage step table whole worlds
 READERS := checkpoint csv files mutate part readers report strict
 PARTS := $(filter-out $(addprefix $(BUILD)/tests/base/,check.o certify.o), \
          $(TEST_O)) $(REF_O) $(EMU_O) $(ORC_O) \

@@ -19,7 +19,7 @@ $(SO): $(BUILD)/libdrape.o
 
 # Names of the Debian packages for the headers that the tool and the oracles want.
 package = $(or $(word 2,$(subst :, ,$(filter $(1):%,\
-  assimp/cimport.h:libassimp-dev cjson/cJSON.h:libcjson-dev png.h:libpng-dev \
+  assimp/cimport.h:libassimp-dev jansson.h:libjansson-dev png.h:libpng-dev \
   embree3/rtcore.h:libembree-dev embree4/rtcore.h:libembree-dev gmp.h:libgmp-dev \
   CGAL/version.h:libcgal-dev Eigen/Dense:libeigen3-dev fcl/fcl.h:libfcl-dev \
   ccd/ccd.h:libccd-dev mpfr.h:libmpfr-dev))),$(1))

@@ -9,10 +9,10 @@ PIP    := $(PY)/venv/bin/python -m pip install -q
 # The tool's reader of scenes and writer of runs, which the extension shares: all
 # of app/ but what wants libraries that these do not.
 CORE   := $(filter-out $(addprefix app/,assimp.c ccd.c main.c picture.c png.c \
-          render.c),$(APP))
+          pose.c render.c),$(APP))
 HAS_ASSIMP := $(call has,assimp/cimport.h)
-CORE   += $(if $(HAS_ASSIMP),app/assimp.c,python/core/absent.c)
-CORE_L := $(if $(HAS_ASSIMP),-lassimp) -lcjson -lpthread $(if $(GPU),$(CUDA_L),-lm)
+CORE   += $(if $(HAS_ASSIMP),app/assimp.c app/pose.c,python/core/absent.c)
+CORE_L := $(if $(HAS_ASSIMP),-lassimp) -ljansson -lpthread $(if $(GPU),$(CUDA_L),-lm)
 
 # Prints what setup.py links: objects and libraries, then macros; and the tool.
 python-core: $(call obj,$(CORE),) $(LIB) $(if $(HAS_APP),$(BUILD)/drape)

@@ -16,7 +16,7 @@ if [ "$2" = demo ]; then
 else
     scene=app/scenes/buddha_20k.json
     every=10 seen=13
-    data=${DRAPE_DATA:-../shared}
+    data=${DRAPE_DATA:-$build/data}
     if [ ! -f "$data/models/buddha_100k.ply" ]; then
         echo 'skipped: the buddha: there is no models/buddha_100k.ply in DRAPE_DATA' \
             "($build/drape fetch-models DIR fetches it; set DRAPE_DATA=DIR)"

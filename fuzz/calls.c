@@ -30,9 +30,9 @@ static const char *play_wind(struct play *p)
         inside = inside && (k < 3 || *number[k] >= 0) &&
                  (k < 4 || *number[k] <= 1e6);
     }
+    play_short(p);
     for (int k = 0; k < 2 && p->world[k]; k++)
         status[k] = drape_set_wind(p->world[k], &wind);
-    EXPECT(!p->world[1] || status[0] == status[1]);
     EXPECT(finite || status[0] == DRAPE_EDATA || !inside);
     EXPECT(status[0] != DRAPE_OK || (finite && inside));
     for (int k = 0; k < 2 && p->world[k] && status[k] == DRAPE_OK; k++) {
@@ -40,9 +40,9 @@ static const char *play_wind(struct play *p)
         EXPECT(drape_read_wind(p->world[k], &now) == DRAPE_OK);
         EXPECT(!memcmp(&now, &wind, sizeof now));
     }
-    bool air = wind.density > 0 && (wind.drag > 0 || wind.lift > 0);
-    EXPECT(status[0] != DRAPE_OK || !air || p->s.def.wind.density > 0);
-    return status[0] == DRAPE_OK ? NULL : play_unchanged(p);
+    EXPECT(status[0] == DRAPE_OK || status[0] == DRAPE_ENOMEM || !finite ||
+           !inside);
+    return play_judge(p, status, !finite || !inside);
 }
 
 static const char *play_save(struct play *p)

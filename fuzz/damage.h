@@ -3,8 +3,8 @@
 #ifndef FUZZ_DAMAGE_H
 #define FUZZ_DAMAGE_H
 
-#include "fuzz/draw.h"
 #include "fuzz/fuzz.h"
+#include "fuzz/small.h"
 
 /* Returns a stream of choices from a seed, for mutators. The caller frees it by
  * choices_free. */
@@ -24,5 +24,11 @@ bool damage_matches(const uint8_t *data, size_t size, const uint8_t *own);
 void damage_repair(uint8_t *data, size_t size);
 /* Whether damage_repair would write the checksum that the library wrote. */
 bool damage_repairs(const uint8_t *data, size_t size);
+
+/* Makes world k: the first of a thousand worlds whose checkpoints can be
+ * repaired, after k steps; every fourth is changed. *tape is its checkpoint.
+ * Returns NULL if there is no such world. */
+enum { DAMAGE_WORLDS = 8 };
+drape_world *damage_world(struct small *s, unsigned k, struct tape *tape);
 
 #endif

@@ -36,10 +36,10 @@ const struct target *fuzz_find(const char *name);
  * the oracles if the name is `vf` or `ee`. fuzz/stage.c */
 fuzz_run fuzz_stage;
 /* The functions of spec/drape.h. fuzz/create.c, calls.c, many.c, queries.c,
- * load.c */
+ * load.c, replay.c */
 fuzz_run fuzz_create, fuzz_scale, fuzz_calls, fuzz_twins, fuzz_many, fuzz_audit,
-    fuzz_ccd, fuzz_ccd_frames, fuzz_text, fuzz_load;
-fuzz_mutate load_mutate;
+    fuzz_ccd, fuzz_ccd_frames, fuzz_text, fuzz_load, fuzz_replay;
+fuzz_mutate load_mutate, replay_mutate;
 
 /* Mutates plain bytes as libFuzzer does. In builds without libFuzzer it changes
  * nothing. */

@@ -9,50 +9,7 @@
 #include "fuzz/damage.h"
 #include "fuzz/small.h"
 
-enum { WORLDS = 8, HEAD = 176, PATIENCE = 30 };
-
-/* Changes a world by live control, so that its checkpoint says so. */
-static void change(const struct small *s, drape_world *world)
-{
-    static double x[1 << 9][3];
-    const int32_t pin = 4; /* it may be missing: then no pin is set */
-    drape_material m = s->cloth[0].material;
-    m.friction += 0.25;
-    drape_set_material(world, 0, &m);
-    drape_set_pins(world, 0, 1, &pin, NULL);
-    if (s->def.n_obstacles && drape_vertices(world) <= 1 << 9 &&
-        drape_read(world, x, NULL) == DRAPE_OK)
-        drape_set_obstacle(world, 0,
-                           (const double(*)[3])x +
-                               drape_first_vertex(world, s->def.n_cloths));
-}
-
-/* Makes world k: the first of a thousand worlds whose checkpoints can be
- * repaired, after k steps; every fourth is changed. *tape is its checkpoint.
- * Returns NULL if there is no such world. */
-static drape_world *make(struct small *s, unsigned k, struct tape *tape)
-{
-    static uint64_t seed[WORLDS]; /* 0: not searched yet */
-    uint64_t end = 1000 * (k + 1), try = seed[k] ? seed[k] : end - 999;
-    for (; try < end; try++) {
-        struct bytes b = damage_choices(try);
-        drape_world *world = NULL;
-        small_make(s, &b);
-        choices_free(&b);
-        if (drape_create(&s->def, &world, NULL) != DRAPE_OK)
-            continue;
-        for (unsigned step = 0; step < k; step++)
-            drape_step(world, NULL);
-        if (k % 4 == 3)
-            change(s, world);
-        if (tape_save(tape, world) && damage_repairs(tape->data, tape->size)) {
-            seed[k] = try;
-            return world;
-        }
-        drape_destroy(world);
-    }
-    return NULL;
-}
+enum { HEAD = 176, PATIENCE = 30 };
 
 /* Continues a world that accepted a checkpoint: whatever the checkpoint was,
  * each call must return a status. */
@@ -103,7 +60,7 @@ const char *fuzz_load(const char *name, const uint8_t *data, size_t size)
     (void)name;
     if (!size)
         return NULL;
-    drape_world *world = make(&s, data[0] % WORLDS, &own);
+    drape_world *world = damage_world(&s, data[0] % DAMAGE_WORLDS, &own);
     if (world) {
         tape_write(&in, size > 1 ? data + 1 : own.data,
                    size > 1 ? size - 1 : own.size);
@@ -125,8 +82,8 @@ size_t load_mutate(uint8_t *data, size_t size, size_t most, uint64_t seed)
     struct bytes b = damage_choices(seed);
     if (size < 2 && most > 1) { /* begin with an undamaged checkpoint */
         struct tape own = {.left = -1};
-        data[0] = (uint8_t)pick(&b, WORLDS);
-        drape_world *world = make(&s, data[0], &own);
+        data[0] = (uint8_t)pick(&b, DAMAGE_WORLDS);
+        drape_world *world = damage_world(&s, data[0], &own);
         size = 1;
         if (world && own.size < most) {
             memcpy(data + 1, own.data, own.size);

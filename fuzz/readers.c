@@ -24,21 +24,26 @@ const struct target fuzz_readers[] = {
 enum { PATIENCE = 30, SMALL = 300 };
 
 /* Whether a scene is too large to run here: checks each number under a key that
- * counts things. */
-static bool too_large(const cJSON *node)
+ * counts things, and the numbers of a list under it. */
+static bool too_large(json_t *node, const char *key)
 {
     static const char *const keys[] = {"particles", "detail", "count", "folds",
                                        NULL};
     static const double most[] = {33, 32, 4, 1e4};
-    const cJSON *item;
-    int key = node->string ? json_choice(keys, node->string) : -1;
-    if (key >= 0 && node->valuedouble > most[key])
+    const char *name;
+    json_t *item;
+    size_t k;
+    int which = key ? json_choice(keys, key) : -1;
+    if (which >= 0 && json_number_value(node) > most[which])
         return true;
-    cJSON_ArrayForEach(item, node)
+    json_object_foreach(node, name, item)
     {
-        if (key >= 0 && item->valuedouble > most[key])
+        if (too_large(item, name))
             return true;
-        if (too_large(item))
+    }
+    json_array_foreach(node, k, item)
+    {
+        if (too_large(item, json_is_number(item) ? key : NULL))
             return true;
     }
     return false;
@@ -46,9 +51,9 @@ static bool too_large(const cJSON *node)
 
 static bool fits(const char *path)
 {
-    cJSON *root = json_parse(path);
-    bool fits = !root || !too_large(root);
-    cJSON_Delete(root);
+    json_t *root = json_parse(path);
+    bool fits = !root || !too_large(root, NULL);
+    json_decref(root);
     return fits;
 }
 
@@ -138,10 +143,16 @@ static const char *try_mesh(const char *name, const uint8_t *data, size_t size)
 {
     struct pool pool = {NULL};
     struct mesh mesh;
+    struct clip clip = {.name = NULL};
     char path[FILES_PATH];
     files_write(name, data, size);
-    int status = mesh_load(&pool, files_path(name, path), &mesh);
+    int status = mesh_load_clip(&pool, files_path(name, path), &clip, &mesh);
     const char *failed = status == APP_OK ? look_at_mesh(&mesh) : NULL;
+    for (int k = 0; status == APP_OK && k < clip.frames && !failed; k++) {
+        struct mesh frame = mesh;
+        frame.x = clip.x + (size_t)k * (size_t)mesh.nv;
+        failed = look_at_mesh(&frame);
+    }
     if (status != APP_OK && status != APP_USAGE && status != APP_FAILED)
         failed = "an exit code that there is not";
     pool_free(&pool);

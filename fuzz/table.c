@@ -47,6 +47,7 @@ const struct target fuzz_targets[] = {
     {"drape_count", fuzz_calls, NULL},
     {"drape_save", fuzz_calls, NULL},
     {"drape_load", fuzz_load, load_mutate},
+    {"drape_replay", fuzz_replay, replay_mutate},
     {"drape_audit", fuzz_audit, NULL},
     {"drape_ccd", fuzz_ccd, NULL},
     {"drape_ccd_frames", fuzz_ccd_frames, NULL},

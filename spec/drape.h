@@ -537,9 +537,10 @@ int drape_contacts_device(drape_world *world, drape_contact_list *list);
  * nothing. */
 void drape_wake(drape_world *world);
 /* Sets the wind from the next step on, and wakes the scene. The wind is copied.
- * Ranges and statuses are those of a definition. DRAPE_EARG also where the
- * definition's own wind had no force (no density, or neither drag nor lift)
- * and this one has: such a world was made without the wind stage. */
+ * Ranges and statuses are those of a definition. A world that was made without
+ * air takes memory for it here: DRAPE_ENOMEM or DRAPE_EDEVICE, and nothing has
+ * changed. Without density, or without drag and lift, there is no wind,
+ * whatever its velocity. control/control.md §1 */
 int drape_set_wind(drape_world *world, const drape_wind *wind);
 
 /* Live control: calls between two steps that change the world from the next

@@ -77,7 +77,7 @@ $(BUILD)/launches: ci/bench/launches.cu
 launches: $(BUILD)/launches ## what launches, graphs and looks cost there, as csv
 	$(BUILD)/launches
 
-DRAPE_DATA ?= ../shared
+DRAPE_DATA ?= $(BUILD)/data
 $(BUILD)/table: $(ROOT)/oracle/table.o $(ORC_O)
 	$(CXX17) $^ -o $@ $(ORC_L)
 # CGAL's audit of a run's frames, beside `drape audit`.

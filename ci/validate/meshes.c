@@ -184,14 +184,14 @@ static bool read_ply(FILE *f, struct ground *g)
 
 /* Opens NAME.ply where the tool looks for meshes: in the folders of
  * $DRAPE_MODELS, of which an empty name is the current folder, in models/ of
- * $DRAPE_DATA and in build/models. */
+ * $DRAPE_DATA, or of build/data, and in build/models. */
 static FILE *open_statue(const char *name)
 {
     const char *own = getenv("DRAPE_MODELS"), *data = getenv("DRAPE_DATA");
     char list[4096], path[4096];
     FILE *f = NULL;
     snprintf(list, sizeof list, "%s:%s/models:build/models", own ? own : "",
-             data && *data ? data : "../shared");
+             data && *data ? data : "build/data");
     for (const char *at = list; at && !f;) {
         int length = (int)strcspn(at, ":");
         snprintf(path, sizeof path, "%.*s/%s.ply", length ? length : 1,

@@ -15,7 +15,7 @@ struct springs gpu_motion_springs(struct gpu *g, struct sheet *s, const vec *x,
     const struct dynamics *d = &s->dynamics;
     if (d->windy) {
         struct wind w;
-        force_wind(d, x, v, &w);
+        force_wind(d, x, v, 0, &w);
         gpu_wind(g, &w);
         motion_trace(g, s, "wind", w.force);
     }
@@ -48,7 +48,7 @@ void gpu_motion_laws(struct gpu *g, struct sheet *s)
     gpu_up(g, s->device->triple, s->cloth.triple, sizeof s->cloth.triple);
 }
 
-/* Where the streams lie. Wind's three are the last. */
+/* Where the streams lie. */
 static void lay_out(struct sheet *s)
 {
     struct dynamics *d = &s->dynamics;
@@ -56,7 +56,6 @@ static void lay_out(struct sheet *s)
     d->piece = s->device->piece;
     d->triple = s->device->triple;
     d->force = motion_stream(s, 0);
-    d->wind = d->windy ? motion_stream(s, (int)motion_vecs(d) - 3) : NULL;
     if (!dynamics_implicit(d->method))
         return;
     d->star = s->device->star;

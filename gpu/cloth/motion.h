@@ -16,7 +16,7 @@ extern "C" {
 static inline int64_t motion_vecs(const struct dynamics *d)
 {
     int64_t apart = dynamics_implicit(d->method) ? 2 : 0;
-    return dynamics_vecs(d->method, d->windy) - apart;
+    return dynamics_vecs(d->method) - apart;
 }
 
 /* Streams of vec that an explicit method has in addition. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Drag and lift of each triangle, summed by its corners. spec/cloth/wind.md */
+/* Drag, lift and resistance of each triangle, summed by its corners.
+ * spec/cloth/wind.md */
 #include "gpu/base/real.cuh"
 
 extern "C" {
@@ -15,8 +16,20 @@ enum {
     CELLS = CELLS_WIDE * (HIGH + 1)
 };
 
-/* §1: a third of the force on triangle abc, the share of each corner. */
-static __device__ vec third(const struct wind *s, int a, int b, int c)
+namespace
+{
+
+/* The share of a corner in what a triangle has: force, N, and resistance,
+ * kg/s. */
+struct share {
+    vec force;
+    real rate;
+};
+
+} // namespace
+
+/* §1, §3: a third of the force on triangle abc and of its resistance. */
+static __device__ struct share third(const struct wind *s, int a, int b, int c)
 {
     vec ab = sub(s->x[b], s->x[a]), ac = sub(s->x[c], s->x[a]);
     vec area = scale(R(0.5), cross(ab, ac));
@@ -25,19 +38,20 @@ static __device__ vec third(const struct wind *s, int a, int b, int c)
     real flow = dot(area, u), square = dot(u, u);
     real size = length(area) * root(square);
     if (!(size > 0))
-        return make(0, 0, 0);
+        return {make(0, 0, 0), 0};
+    real through = magnitude(flow);
     vec across = axpy(scale(square, area), -flow, u);
-    vec f = scale(s->drag * magnitude(flow), u);
+    vec f = scale(s->drag * through, u);
     f = axpy(f, s->lift * (flow / size), across);
-    return scale(R(1.0 / 3), f);
+    return {scale(R(1.0 / 3), f), R(1.0 / 3) * ((s->drag + s->lift) * through)};
 }
 
 /* The shares of the two triangles of cell (i, j); 0 if the cell is not
  * present. */
 static __device__ void fill_cell(const struct wind *s, int i, int j,
-                                 vec part[2])
+                                 struct share part[2])
 {
-    part[0] = part[1] = make(0, 0, 0);
+    part[0] = part[1] = {make(0, 0, 0), 0};
     if (i < 0 || j < 0 || i >= s->m || j >= s->n)
         return;
     int p = i + j * s->m, up = p + s->m;
@@ -47,12 +61,19 @@ static __device__ void fill_cell(const struct wind *s, int i, int j,
     part[1] = third(s, p, up + 1, up);
 }
 
+/* Adds a share to the sums of a particle. */
+static __device__ void gain(struct share *sum, const struct share &a)
+{
+    sum->force = add(sum->force, a.force);
+    sum->rate += a.rate;
+}
+
 /* Thread t of a block computes cells t and t + 256 of its CELLS, then owns
- * particle (t % WIDE, t / WIDE) and writes the particle's force. §2: the cells
- * around a particle in ascending order. */
+ * particle (t % WIDE, t / WIDE) and writes the particle's force and inertia.
+ * §2: the cells around a particle in ascending order. */
 KERNEL wind_kernel(const struct wind &s, int across)
 {
-    __shared__ vec part[CELLS][2];
+    __shared__ struct share part[CELLS][2];
     int t = (int)threadIdx.x, block = (int)blockIdx.x;
     int row = block / across, column = block - row * across;
     int i0 = column * WIDE, j0 = row * HIGH;
@@ -63,16 +84,23 @@ KERNEL wind_kernel(const struct wind &s, int across)
     int i = i0 + t % WIDE, j = j0 + t / WIDE;
     if (i >= s.m || j >= s.n)
         return;
-    vec(*here)[2] = part + (t / WIDE + 1) * CELLS_WIDE + t % WIDE + 1;
-    vec(*below)[2] = here - CELLS_WIDE;
-    vec f = make(0, 0, 0);
-    if (i > 0 && j > 0)
-        f = add(add(f, below[-1][0]), below[-1][1]);
+    struct share(*here)[2] = part + (t / WIDE + 1) * CELLS_WIDE + t % WIDE + 1;
+    struct share(*below)[2] = here - CELLS_WIDE;
+    struct share sum = {make(0, 0, 0), 0};
+    if (i > 0 && j > 0) {
+        gain(&sum, below[-1][0]);
+        gain(&sum, below[-1][1]);
+    }
     if (j > 0)
-        f = add(f, below[0][1]);
+        gain(&sum, below[0][1]);
     if (i > 0)
-        f = add(f, here[-1][0]);
-    s.force[i + j * s.m] = add(add(f, here[0][0]), here[0][1]);
+        gain(&sum, here[-1][0]);
+    gain(&sum, here[0][0]);
+    gain(&sum, here[0][1]);
+    int p = i + j * s.m;
+    s.force[p] = sum.force;
+    if (s.n_inertia)
+        s.inertia[p] = s.mass[p] + s.tau * sum.rate;
 }
 
 int gpu_wind(struct gpu *g, struct wind *s)

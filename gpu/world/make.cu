@@ -14,6 +14,7 @@ extern "C" {
 #include "gpu/world/sheet.h"
 #include "gpu/world/state.h"
 #include "gpu/world/systems.h"
+#include "ref/control/air.h"
 }
 
 static void give_state(struct gpu_world *d)
@@ -170,7 +171,8 @@ int gpu_make_heir(const drape_def *def, const struct heir *heir,
                        &w->sheet[k]);
     for (int k = 0; k < def->n_obstacles; k++)
         give_prop(d, k);
-    status = gpu_status(d->gpu);
+    status = w->plan.wind ? air_take(w) : gpu_status(d->gpu);
+    air_set(w, &w->def.wind);
     if (h->tracing) /* taken now, so that no step fails for want of it */
         gpu_aside(d->gpu, (size_t)h->nv * sizeof(vec));
     if (status == DRAPE_OK && w->plan.collides)

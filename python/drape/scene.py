@@ -295,6 +295,8 @@ class Obstacle(Keys):
         mesh: a file; or a mesh as it is: an object of trimesh, pyvista, Open3D or
             meshio, or a pair (vertices, triangles) of arrays
         shape: "plane", "box", "sphere", "capsule", "funnel" or "statue"
+        animation: of a mesh that has several, the name of the one that is
+            played; False: none
         frames: mesh files of an obstacle that deforms
         extent, radius, length, throat, height: of the shape, m; detail:
             segments around it
@@ -329,6 +331,7 @@ class Obstacle(Keys):
     friction: float | None = None
     motion: str | None = None
     look: Look | None = None
+    animation: str | bool | None = None
     vertices: ArrayLike | None = None
     triangles: ArrayLike | None = None
     vertex_frames: ArrayLike | None = None

@@ -291,24 +291,15 @@ class World(Bodies, Control, Closing):
 
     def set_wind(self, wind: scenes.Wind | Mapping[str, Any]) -> None:
         """Sets the wind from the next step on, and wakes the scene; what is not
-        given stays as it is.
-
-        Raises:
-            SceneError: the scene was made without wind, or with one that has no
-                force: its steps have no stage for wind
-        """
-        made = self._open().definition.wind
-        if not (made.density and (made.drag or made.lift)):
-            raise SceneError(
-                "wind: the world was made without one, so that this would have no "
-                "effect; give the scene a wind with a density, which may stand still"
-            )
+        given stays as it is. Where there is no air yet, its density is 1.2 kg/m³."""
         given = scenes.as_dict(wind)
         unknown = sorted(set(given) - {"velocity", "density", "drag", "lift"})
         if unknown:
             raise SceneError(f"wind: {unknown[0]}: there is no such key")
         new = ffi.new("drape_wind *")
         self._call("drape_read_wind", "wind", new)
+        if new.density == 0:
+            new.density = 1.2  # as in a scene with the key wind
         for key, value in given.items():
             if key == "velocity":
                 new.velocity = scenes.array(value, (3,), "wind.velocity").tolist()

@@ -155,11 +155,11 @@ def test_files_that_are_none(tmp_path: Path) -> None:
     with pytest.raises(drape.SceneError, match="No such file"):
         drape.World(tmp_path / "none.json")
     (tmp_path / "a.json").write_text('{"cloths": [{}],\n"dt" 1}')
-    with pytest.raises(drape.SceneError, match=r"a\.json: line 2: not JSON"):
+    with pytest.raises(drape.SceneError, match=r"a\.json: line 2, column 6: "):
         drape.World(tmp_path / "a.json")
     (tmp_path / "a.json").write_text('{"dt": 1, "dt": 2, "cloths": [{}]}')
     for keys in ({}, {"threads": 1}):
-        with pytest.raises(drape.SceneError, match="twice"):
+        with pytest.raises(drape.SceneError, match=r"duplicate object key|there twice"):
             drape.World(tmp_path / "a.json", **keys)
     with pytest.raises(drape.SceneError, match="expected a scene"):
         drape.World(3)  # type: ignore[arg-type]

@@ -99,6 +99,11 @@ def test_wind(sheet: dict[str, Any]) -> None:
     world.set_wind(drape.Wind(velocity=[0, 5, 0]))
     world.step(3)
     assert world.positions[:, 1].min() > 0
+    still = drape.World({**sheet, "wind": {"density": 0}})
+    still.set_wind({"velocity": [0, 5, 0]})  # made without air
+    still.step(3)
+    assert (still.positions == world.positions).all()
+    still.set_wind({"density": 0})
     with pytest.raises(drape.SceneError, match="speed"):
         world.set_wind({"speed": 1})
     with pytest.raises(drape.SceneError, match="3 numbers"):

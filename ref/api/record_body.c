@@ -101,7 +101,7 @@ void record_obstacle(drape_world *world, const drape_obstacle *obstacle)
 }
 
 /* Finds the pieces in a record, whose sizes are given. False: the record has
- * another size than they need. */
+ * another size than they need, or a word that says neither yes nor no. */
 static bool find(const uint8_t *data, int64_t bytes, size_t size,
                  struct piece *piece, int pieces)
 {
@@ -110,6 +110,8 @@ static bool find(const uint8_t *data, int64_t bytes, size_t size,
     for (int k = 0; k < pieces; k++, flag += WORD) {
         uint64_t there;
         memcpy(&there, flag, sizeof there);
+        if (there > 1)
+            return false;
         piece[k].at = there ? data + at : NULL;
         at += there ? whole(piece[k].bytes) : 0;
         if (at > (size_t)bytes)

@@ -9,7 +9,18 @@ static bool is_body(const struct record_head *h)
     return h->kind == RECORD_CLOTH || h->kind == RECORD_MESH;
 }
 
-/* The bytes that a record of this kind must have, or -1. */
+/* The vertices that the call of a record about an obstacle will read, or -1. */
+static int64_t vertices_of(const drape_world *world, int64_t obstacle)
+{
+    if (obstacle >= world->bodies - world->cloths)
+        return -1;
+    int body = world->cloths + (int)obstacle;
+    return drape_first_vertex(world, body + 1) -
+           drape_first_vertex(world, body);
+}
+
+/* The bytes that a record of this kind must have, or -1. What the call reads is
+ * checked here and not by the hash, which anybody can compute. */
 static int64_t bytes_of(const drape_world *world, const struct record_head *h)
 {
     int64_t nv = drape_vertices(world), n = h->n;
@@ -29,9 +40,10 @@ static int64_t bytes_of(const drape_world *world, const struct record_head *h)
         return 3 * sizeof(double);
     case RECORD_MATERIAL:
         return sizeof(drape_material);
+    case RECORD_OBSTACLE:
+        return n == vertices_of(world, h->at) ? 24 * n : -1;
     case RECORD_POSITIONS:
     case RECORD_VELOCITIES:
-    case RECORD_OBSTACLE:
         return 24 * n;
     case RECORD_PINS: /* with or without vectors */
         return (int64_t)h->bytes == (n + 1) / 2 * 8 ? (n + 1) / 2 * 8

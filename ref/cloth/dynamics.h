@@ -20,6 +20,11 @@ struct dynamics {
     int windy;        /* 0: no air, and no wind stage */
     vec air;          /* m/s */
     real drag, lift;  /* kg/m³, half the air's density × coefficient */
+    /* What stage wind writes; not read where there is no air. */
+    vec *wind;    /* [count] N */
+    vec *gust;    /* scratch: [2·count] N; NULL: a device needs none */
+    real *resist; /* scratch: [2·count] kg/s of an implicit method, likewise */
+    real *inertia; /* [count] kg, of an implicit method */
 
     const vec *x, *v;   /* [count] m, m/s, start of the step */
     int has_past;       /* 1: xp and vp hold the step before (second order) */
@@ -27,8 +32,8 @@ struct dynamics {
     const vec *to;      /* [count] m, where pinned particles end */
     const vec *press;   /* [count] N, of contacts (warm.md), or NULL */
 
-    /* Solves (mass + Σ blocks) dv = b with dv = 0 where fixed; reads cloth,
-     * block and b, writes dv, iterations and residual, and ors
+    /* Solves (dynamics_mass + Σ blocks) dv = b with dv = 0 where fixed; reads
+     * cloth, block and b, writes dv, iterations and residual, and ors
      * DRAPE_UNCONVERGED into outcome. DRAPE_OK or negative. NULL for
      * explicit methods. */
     int (*solve)(struct dynamics *s);
@@ -48,7 +53,6 @@ struct dynamics {
     const struct piece *piece; /* [PIECES] likewise */
     const real *triple;        /* [TRIPLES] likewise */
     vec *force;                /* N */
-    vec *wind; /* [3·count] N, its last third the wind; NULL: none */
     vec *star, *back, *q; /* m/s, implicit.md §1; back, q: second order only */
     vec *b, *dv;          /* N·s, m/s: set for solve */
     real asked;           /* set for solve: relative residual, 0: its own */
@@ -80,10 +84,16 @@ static inline bool dynamics_second(int method)
 }
 
 /* Streams of vec in work. */
-static inline int64_t dynamics_vecs(int method, int windy)
+static inline int64_t dynamics_vecs(int method)
 {
-    int64_t own = method == DRAPE_BW ? 4 : dynamics_second(method) ? 6 : 5;
-    return own + (windy ? 3 : 0);
+    return method == DRAPE_BW ? 4 : dynamics_second(method) ? 6 : 5;
+}
+
+/* The diagonal part of the linear system, [count] kg: the mass, and what air
+ * adds to it (wind.md §3). */
+static inline const real *dynamics_mass(const struct dynamics *s)
+{
+    return s->windy ? s->inertia : s->cloth->mass;
 }
 
 #endif

@@ -3,10 +3,11 @@
  * spec/cloth/dynamics.md */
 #include "ref/cloth/force.h"
 
-void force_wind(const struct dynamics *s, const vec *x, const vec *v,
+void force_wind(const struct dynamics *s, const vec *x, const vec *v, real tau,
                 struct wind *w)
 {
     const struct cloth *c = s->cloth;
+    bool implicit = dynamics_implicit(s->method);
     *w = (struct wind){.m = c->m,
                        .n = c->n,
                        .count = c->count,
@@ -16,8 +17,13 @@ void force_wind(const struct dynamics *s, const vec *x, const vec *v,
                        .air = s->air,
                        .drag = s->drag,
                        .lift = s->lift,
-                       .part = s->wind,
-                       .force = s->wind + 2 * c->count};
+                       .tau = tau,
+                       .n_inertia = implicit ? c->count : 0,
+                       .mass = c->mass,
+                       .part = s->gust,
+                       .rate = s->resist,
+                       .force = s->wind,
+                       .inertia = s->inertia};
 }
 
 void force_springs(const struct dynamics *s, const vec *x, const vec *damping,
@@ -41,7 +47,7 @@ void force_springs(const struct dynamics *s, const vec *x, const vec *damping,
                           .n_v = damping && c->beta > 0 ? c->count : 0,
                           .v = damping,
                           .n_wind = s->windy ? c->count : 0,
-                          .wind = s->windy ? s->wind + 2 * c->count : NULL,
+                          .wind = s->windy ? s->wind : NULL,
                           .gravity = s->gravity,
                           .force = s->force};
 }
@@ -52,7 +58,7 @@ void force_make(struct dynamics *s, const vec *x, const vec *v,
     struct wind w;
     struct springs f;
     if (s->windy) {
-        force_wind(s, x, v, &w);
+        force_wind(s, x, v, 0, &w);
         ref_wind(&w);
         force_trace(s, "wind", w.force);
     }

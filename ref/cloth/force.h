@@ -20,9 +20,10 @@ static inline void force_trace(const struct dynamics *s, const char *stage,
     trace_stage(s->trace, stage, out, (size_t)s->cloth->count * sizeof *out);
 }
 
-/* The two stages of the force, filled for either backend: wind at x, v; the
- * springs at x, which damp at damping, or do not where that is NULL. */
-void force_wind(const struct dynamics *s, const vec *x, const vec *v,
+/* The two stages of the force, filled for either backend: wind at x, v, in an
+ * implicit step of tau; the springs at x, which damp at damping, or do not
+ * where that is NULL. */
+void force_wind(const struct dynamics *s, const vec *x, const vec *v, real tau,
                 struct wind *w);
 void force_springs(const struct dynamics *s, const vec *x, const vec *damping,
                    struct springs *f);

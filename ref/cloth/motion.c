@@ -9,15 +9,13 @@
 #include "ref/cloth/force.h"
 #include "ref/cloth/newton.h"
 
-/* Where the streams lie in work. Wind's three are the last. */
+/* Where the streams lie in work. */
 static void lay_out(struct dynamics *s)
 {
-    int last = (int)dynamics_vecs(s->method, s->windy);
     s->law = s->cloth->law;
     s->piece = s->cloth->piece;
     s->triple = s->cloth->triple;
     s->force = force_stream(s, 0);
-    s->wind = s->windy ? force_stream(s, last - 3) : NULL;
     if (!dynamics_implicit(s->method))
         return;
     s->star = force_stream(s, 1);

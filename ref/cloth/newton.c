@@ -50,13 +50,14 @@ static void predict(struct motion *a)
     a->run->trace(a->on, "predict", p.star, bytes_of(a));
 }
 
-/* Wind acts as at the start of the step, whatever the iteration. */
+/* Wind acts as on the predicted motion, whatever the iteration; the change of
+ * the motion resists it by its inertia. */
 static void wind(struct motion *a)
 {
     struct wind w;
     if (!a->s->windy)
         return;
-    force_wind(a->s, a->s->x, a->s->v, &w);
+    force_wind(a->s, a->s->x, a->s->star, a->tau, &w);
     note(a, a->run->wind(a->on, &w));
     a->run->trace(a->on, "wind", w.force, bytes_of(a));
 }
@@ -164,7 +165,7 @@ static void imbalance(struct motion *a)
     struct dynamics *s = a->s;
     struct imbalance r = {.count = s->cloth->count,
                           .fixed = s->cloth->fixed,
-                          .mass = s->cloth->mass,
+                          .mass = dynamics_mass(s),
                           .force = s->force,
                           .n_press = s->press ? s->cloth->count : 0,
                           .press = s->press,

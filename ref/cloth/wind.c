@@ -1,11 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Drag and lift of each triangle, gathered by its corners.
+/* Drag, lift and resistance of each triangle, gathered by its corners.
  * spec/cloth/wind.md */
 #include "ref/cloth/wind.h"
 
-/* §1: a third of the force on triangle abc, the share of each corner. */
-static vec third(const struct wind *s, int64_t a, int64_t b, int64_t c)
+/* The share of a corner in what a triangle has. */
+struct share {
+    vec force; /* N */
+    real rate; /* kg/s */
+};
+
+/* §1, §3: a third of the force on triangle abc and of its resistance. */
+static struct share third(const struct wind *s, int64_t a, int64_t b, int64_t c)
 {
+    struct share none = {vec_make(0, 0, 0), 0};
     vec ab = vec_sub(s->x[b], s->x[a]), ac = vec_sub(s->x[c], s->x[a]);
     vec area = vec_scale(R(0.5), vec_cross(ab, ac));
     vec sum = vec_add(vec_add(s->v[a], s->v[b]), s->v[c]);
@@ -13,11 +20,13 @@ static vec third(const struct wind *s, int64_t a, int64_t b, int64_t c)
     real flow = vec_dot(area, u), square = vec_dot(u, u);
     real size = vec_length(area) * real_sqrt(square);
     if (!(size > 0))
-        return vec_make(0, 0, 0);
+        return none;
+    real through = real_abs(flow);
     vec across = vec_axpy(vec_scale(square, area), -flow, u);
-    vec f = vec_scale(s->drag * real_abs(flow), u);
+    vec f = vec_scale(s->drag * through, u);
     f = vec_axpy(f, s->lift * (flow / size), across);
-    return vec_scale(R(1.0 / 3), f);
+    return (struct share){vec_scale(R(1.0 / 3), f),
+                          R(1.0 / 3) * ((s->drag + s->lift) * through)};
 }
 
 /* §2: adds the shares of p in the triangles around it, in ascending order of
@@ -39,20 +48,48 @@ static vec gather(const struct wind *s, int64_t p, int32_t i, int32_t j)
     return vec_add(f, part[2 * p + 1]);
 }
 
+/* §3: the same of the resistance. */
+static real resist(const struct wind *s, int64_t p, int32_t i, int32_t j)
+{
+    const real *rate = s->rate;
+    int64_t m = s->m;
+    real sum = 0;
+    if (i > 0 && j > 0) {
+        sum += rate[2 * (p - m - 1)];
+        sum += rate[2 * (p - m - 1) + 1];
+    }
+    if (j > 0)
+        sum += rate[2 * (p - m) + 1];
+    if (i > 0)
+        sum += rate[2 * (p - 1)];
+    sum += rate[2 * p];
+    return sum + rate[2 * p + 1];
+}
+
+/* Sets the shares of triangle k, of number 2·p or 2·p + 1 in cell p. */
+static void put(const struct wind *s, int64_t k, struct share a)
+{
+    s->part[k] = a.force;
+    if (s->n_inertia)
+        s->rate[k] = a.rate;
+}
+
 int ref_wind(struct wind *s)
 {
     int64_t m = s->m;
     EACH_ITEM
     for (int64_t p = 0; p < s->count; p++) {
-        vec none = vec_make(0, 0, 0);
+        struct share none = {vec_make(0, 0, 0), 0};
         bool is = s->cell[p];
-        s->part[2 * p] = is ? third(s, p, p + 1, p + m + 1) : none;
-        s->part[2 * p + 1] = is ? third(s, p, p + m + 1, p + m) : none;
+        put(s, 2 * p, is ? third(s, p, p + 1, p + m + 1) : none);
+        put(s, 2 * p + 1, is ? third(s, p, p + m + 1, p + m) : none);
     }
     EACH_ITEM
     for (int64_t p = 0; p < s->count; p++) {
         int32_t j = cloth_row(p, s->m), i = (int32_t)(p - j * m);
         s->force[p] = gather(s, p, i, j);
+        if (s->n_inertia)
+            s->inertia[p] = s->mass[p] + s->tau * resist(s, p, i, j);
     }
     return DRAPE_OK;
 }

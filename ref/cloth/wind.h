@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage wind: drag and lift of the triangles. spec/cloth/wind.md */
+/* Stage wind: drag and lift of the triangles, and what they add to the inertia
+ * of an implicit step. spec/cloth/wind.md */
 #ifndef REF_WIND_H
 #define REF_WIND_H
 
@@ -12,9 +13,15 @@ struct wind {
     const vec *x, *v;    /* [count] m, m/s */
     vec air;             /* m/s, velocity of the air */
     real drag, lift;     /* kg/m³, half the air's density × coefficient */
+    real tau;            /* s, of an implicit step; §3 */
+    int64_t n_inertia;   /* count, or 0: the step is explicit */
+    const real *mass;    /* [n_inertia] kg */
     vec *part;           /* scratch: [2·count] N, a third of each triangle's
                             force */
+    real *rate;          /* scratch: [2·n_inertia] kg/s, a third of each
+                            triangle's resistance */
     vec *force;          /* out: [count] N */
+    real *inertia;       /* out: [n_inertia] kg, mass + tau·resistance */
 };
 
 /* Returns DRAPE_OK. Values that are not finite propagate. */

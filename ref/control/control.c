@@ -4,6 +4,7 @@
 #include "ref/control/control.h"
 
 #include "ref/api/ops.h"
+#include "ref/control/air.h"
 #include "ref/sleep/sleep.h"
 #include "ref/world/ending.h"
 #include "ref/world/start.h"
@@ -27,16 +28,11 @@ void control_gravity(struct world *w, const double gravity[3])
 
 int control_wind(struct world *w, const drape_wind *wind)
 {
-    if (plan_windy(wind) && !w->plan.wind)
-        return DRAPE_EARG;
-    w->def.wind = *wind;
-    for (int k = 0; k < w->def.n_cloths; k++) {
-        struct dynamics *d = &w->sheet[k].dynamics;
-        d->air = vec_make((real)wind->velocity[0], (real)wind->velocity[1],
-                          (real)wind->velocity[2]);
-        d->drag = (real)(0.5 * wind->density * wind->drag);
-        d->lift = (real)(0.5 * wind->density * wind->lift);
-    }
+    w->run->begin(w->on);
+    int status = plan_windy(wind) ? air_take(w) : DRAPE_OK;
+    if (status != DRAPE_OK)
+        return status;
+    air_set(w, wind);
     sleep_wake(w);
     return DRAPE_OK;
 }

@@ -11,8 +11,8 @@ struct given;
 
 /* §1, §2 */
 void control_gravity(struct world *w, const double gravity[3]);
-/* DRAPE_OK; DRAPE_EARG if the wind exerts a force and the world's plan has no
- * wind. */
+/* DRAPE_OK; DRAPE_ENOMEM or DRAPE_EDEVICE if a world that had no air has no
+ * memory for it: then nothing has changed. */
 int control_wind(struct world *w, const drape_wind *wind);
 /* DRAPE_OK; DRAPE_EARG if the cells are too oblong for the material;
  * DRAPE_ELIMIT if it needs more substeps than max_substeps. */
@@ -48,6 +48,9 @@ void control_end(struct world *w, bool failed);
 int64_t control_pack(const struct world *w, uint8_t *out);
 /* Whether a part of this size, which anybody may have made, fits the world. */
 bool control_fits(const struct world *w, const uint8_t *in, int64_t bytes);
+/* Whether a part that fits says that the caller leads an obstacle. */
+bool control_told(const struct world *w, const uint8_t *in, int64_t bytes,
+                  int obstacle);
 /* The largest size of a part that can fit. */
 int64_t control_most(const struct world *w);
 /* Makes the world as the part says; bytes: 0 for a world as defined. The part

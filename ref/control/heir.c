@@ -194,8 +194,9 @@ static int begin_obstacle(struct world *w, int k)
     return status;
 }
 
-/* The numbers of the state that are not of a body. */
-static void hand_over_numbers(struct world *w, const struct world *old)
+/* The numbers of the state that are not of a body. DRAPE_OK, or what
+ * control_wind returned. */
+static int hand_over_numbers(struct world *w, const struct world *old)
 {
     w->step = old->step;
     w->time = old->time;
@@ -204,7 +205,7 @@ static void hand_over_numbers(struct world *w, const struct world *old)
     w->pressed = w->press && old->pressed;
     w->caution = old->caution;
     control_gravity(w, old->def.gravity);
-    control_wind(w, &old->def.wind);
+    return control_wind(w, &old->def.wind);
 }
 
 /* §9.4: refuses pairs of the new body, and counts all. The host looks where the
@@ -230,10 +231,10 @@ static int admit(struct world *w, const struct heir *heir, drape_error *error)
 int heir_inherit(struct world *w, const struct heir *heir, drape_error *error)
 {
     const struct world *old = heir->old;
-    int bodies = w->def.n_cloths + w->def.n_obstacles, status = DRAPE_OK;
+    int bodies = w->def.n_cloths + w->def.n_obstacles;
     old->run->wait(old->on);
     w->run->begin(w->on);
-    hand_over_numbers(w, old);
+    int status = hand_over_numbers(w, old);
     for (int k = 0; k < bodies && status == DRAPE_OK; k++)
         if (heir->from[k] >= 0)
             hand_over(w, k, old, heir->from[k]);

@@ -146,6 +146,15 @@ bool control_fits(const struct world *w, const uint8_t *in, int64_t bytes)
     return at == bytes;
 }
 
+bool control_told(const struct world *w, const uint8_t *in, int64_t bytes,
+                  int obstacle)
+{
+    uint64_t told;
+    memcpy(&told, in + bytes - WORD * (int64_t)(w->def.n_obstacles - obstacle),
+           sizeof told);
+    return told;
+}
+
 /* What a cloth will be. */
 struct next {
     drape_material material;

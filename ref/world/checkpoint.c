@@ -8,6 +8,7 @@
 
 #include "ref/base/hash.h"
 #include "ref/cloth/table.h"
+#include "ref/control/air.h"
 #include "ref/control/control.h"
 #include "ref/sleep/sleep.h"
 
@@ -128,7 +129,7 @@ uint64_t checkpoint_fingerprint(const drape_def *d, uint64_t *print)
 
 /* Lists the streams that are part of the state: the next step reads them. A
  * stream that the scene does not have has 0 bytes. */
-enum { PLACE = 0, WATCH = 2, REST, STREAMS = 9 };
+enum { PLACE, SPEED, WATCH, REST, PRESS = 6, STREAMS = 9 };
 static void streams(const struct world *w, void *stream[STREAMS],
                     size_t bytes[STREAMS])
 {
@@ -252,30 +253,56 @@ static bool matches(const struct world *w, const struct header *h)
            h->vertices == w->nv;
 }
 
+/* The hash does not prove that a checkpoint is one that a world has saved, as
+ * anybody can make a file with a valid hash. So each field is checked to have a
+ * value that the steps of this world can give it. */
+
+/* The level of the shortest slices of a step. */
+static int deepest(const struct world *w)
+{
+    int level = 0;
+    while (2 << level <= w->def.max_slices)
+        level++;
+    return level;
+}
+
+/* The ranges of drape.h. */
 static bool good_wind(const drape_wind *wind)
 {
-    const double *v = wind->velocity;
+    const double *v = wind->velocity, most = 1e6;
     bool good = wind->density >= 0 && wind->drag >= 0 && wind->lift >= 0;
     for (int k = 0; k < 3; k++)
         good &= v[k] >= -REAL_BIG && v[k] <= REAL_BIG;
-    return good && wind->density <= REAL_BIG && wind->drag <= REAL_BIG &&
-           wind->lift <= REAL_BIG;
+    return good && wind->density <= REAL_BIG && wind->drag <= most &&
+           wind->lift <= most;
 }
 
-enum { SHORTEST = 6 }; /* the level of slices of 1/64 step */
+/* What earlier steps have taught: slice.h. A gain of energy raises the level to
+ * 1 also where no slice may be shorter than a step. */
+static bool good_caution(const struct world *w, const struct header *h)
+{
+    int most = deepest(w);
+    return h->level <= (most > 1 ? most : 1) && h->far <= most &&
+           h->again <= 1 && h->calm < SLICE_CALM && h->blind <= SLICE_CALM;
+}
 
-/* Whether all fields of the header are values that a step can handle. The hash
- * alone does not prove that: anybody can make a file with a valid hash. */
+/* What the last slice left. */
+static bool good_last(const struct world *w, const struct header *h)
+{
+    int64_t pairs = w->plan.collides ? w->nt * (w->nt - 1) / 2 : 0;
+    uint32_t near = w->plan.collides ? NEAR_IMPACTS : NEAR_NONE;
+    int past = w->past_x ? 1 + deepest(w) : 0;
+    return h->intersecting >= 0 && h->intersecting <= pairs &&
+           h->near <= near && h->past <= (uint32_t)past &&
+           h->pressed <= (w->press ? 1 : 0);
+}
+
 static bool good_header(const struct world *w, const struct header *h)
 {
     const int64_t most = (int64_t)1 << 53; /* steps that a double counts */
-    if ((h->past && !w->past_x) || (h->pressed && !w->press))
-        return false;
-    if (h->step > most || h->time != (double)h->step * w->def.dt)
-        return false;
-    return h->step >= 0 && h->intersecting >= 0 && h->near <= NEAR_IMPACTS &&
-           h->past <= 1 + SHORTEST && h->pressed <= 1 && h->again <= 1 &&
-           h->level <= SHORTEST && h->far <= SHORTEST && good_wind(&h->wind);
+    return h->step >= 0 && h->step <= most &&
+           h->time == (double)h->step * w->def.dt && good_last(w, h) &&
+           good_caution(w, h) && good_wind(&h->wind);
 }
 
 /* Whether n numbers are finite and at most `most` in size. They may be
@@ -301,29 +328,32 @@ static bool good_watch(const uint8_t *at, size_t bytes)
     return true;
 }
 
-static bool good_rests(const uint8_t *at, size_t bytes)
+static bool good_rests(const struct world *w, const uint8_t *at, size_t bytes)
 {
     int32_t n = (int32_t)(bytes / sizeof(struct rest));
+    int past = w->past_x ? 1 + deepest(w) : 0;
+    int steps = w->def.sleep ? SLEEP_MOST : 0, asleep = w->def.sleep ? 1 : 0;
     for (struct rest r; bytes > 0; bytes -= sizeof r, at += sizeof r) {
         memcpy(&r, at, sizeof r);
-        if (r.steps < 0 || r.steps > SLEEP_MOST || r.asleep < 0 ||
-            r.asleep > 1 || r.group < 0 || r.group >= n || r.past < 0 ||
-            r.past > 1 + SHORTEST || !(r.far >= 0 && r.far <= DBL_MAX))
+        if (r.steps < 0 || r.steps > steps || r.asleep < 0 ||
+            r.asleep > asleep || r.group < 0 || r.group >= n || r.past < 0 ||
+            r.past > past || !(r.far >= 0 && r.far <= DBL_MAX))
             return false;
     }
     return true;
 }
 
-static bool good_streams(const uint8_t *aside, const size_t bytes[STREAMS])
+static bool good_stream(const struct world *w, const struct header *h, int k,
+                        const uint8_t *at, size_t bytes)
 {
-    const uint8_t *at = aside;
-    bool good = true;
-    for (int k = 0; k < STREAMS; at += bytes[k++])
-        good &= k == WATCH  ? good_watch(at, bytes[k])
-                : k == REST ? good_rests(at, bytes[k])
-                            : good_reals(at, bytes[k] / sizeof(real),
-                                         k == PLACE ? REAL_BIG : (real)FLT_MAX);
-    return good;
+    if (k == WATCH)
+        return good_watch(at, bytes);
+    if (k == REST)
+        return good_rests(w, at, bytes);
+    real most = k == PLACE                  ? REAL_BIG
+                : k == PRESS && !h->pressed ? 0
+                                            : (real)FLT_MAX;
+    return good_reals(at, bytes / sizeof(real), most);
 }
 
 /* A checkpoint as it was read, and checked but for what only applying it can
@@ -391,12 +421,37 @@ static int read_streams(struct world *w, drape_read_bytes *read, void *user,
     return status;
 }
 
+/* Whether obstacle k is where the definition has it and at rest, or may move.
+ * The boxes of an obstacle that never moves are made once, for this place. */
+static bool good_obstacle(const struct world *w, const struct read *r, int k)
+{
+    const struct prop *p = &w->prop[k];
+    if (p->moves || (r->c.bytes && control_told(w, r->pack, r->c.bytes, k)))
+        return true;
+    const double *rest = w->home->prop[k].place.rest;
+    const uint8_t *at = r->aside + (size_t)p->first * sizeof(vec);
+    const uint8_t *speed = at + r->bytes[PLACE];
+    for (int64_t i = 0; i < 3 * p->place.n; i++) {
+        real x, v;
+        memcpy(&x, at + (size_t)i * sizeof x, sizeof x);
+        memcpy(&v, speed + (size_t)i * sizeof v, sizeof v);
+        if (x != (real)rest[i] || v != 0)
+            return false;
+    }
+    return true;
+}
+
 static bool good_read(const struct world *w, const struct read *r)
 {
-    return good_header(w, &r->h) && good_streams(r->aside, r->bytes) &&
-           (!r->c.bytes || control_fits(w, r->pack, r->c.bytes)) &&
-           (!r->to ||
-            good_reals((const uint8_t *)r->to, 3 * (size_t)w->nv, REAL_BIG));
+    const uint8_t *at = r->aside;
+    bool good = good_header(w, &r->h) &&
+                (!r->c.bytes || control_fits(w, r->pack, r->c.bytes));
+    for (int k = 0; k < STREAMS && good; at += r->bytes[k++])
+        good = good_stream(w, &r->h, k, at, r->bytes[k]);
+    for (int k = 0; k < w->def.n_obstacles && good; k++)
+        good = good_obstacle(w, r, k);
+    return good && (!r->to || good_reals((const uint8_t *)r->to,
+                                         3 * (size_t)w->nv, REAL_BIG));
 }
 
 /* Reads the whole checkpoint and checks it, so that a bad one does not change
@@ -422,7 +477,7 @@ static void apply(struct world *w, const struct read *r)
     const struct header *h = &r->h;
     size_t at = 0;
     control_gravity(w, r->c.gravity); /* this wakes all */
-    control_wind(w, &h->wind);
+    air_set(w, &h->wind);
     for (int k = 0; k < STREAMS; at += r->bytes[k++])
         if (r->bytes[k])
             memcpy(r->stream[k], r->aside + at, r->bytes[k]);
@@ -447,6 +502,9 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
     struct read r = {.pack = NULL};
     streams(w, r.stream, r.bytes);
     int status = read_all(w, read, user, &r);
+    w->run->begin(w->on);
+    if (status == DRAPE_OK && plan_windy(&r.h.wind))
+        status = air_take(w);
     if (status == DRAPE_OK)
         status = control_unpack(w, r.pack, r.c.bytes, r.to,
                                 (const vec *)(const void *)r.aside);

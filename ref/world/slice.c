@@ -10,7 +10,7 @@
  * of a step may be taken again after the fail-safe, and for a gain of energy.
  * CALM: steps after which a level of caution is lowered. ROUNDS: most rounds of
  * impulses in a slice that is a whole step and may be taken again. */
-enum { WHOLE = 64, TRIES = 3, JOLTS = 1, CALM = 8, ROUNDS = 12 };
+enum { WHOLE = 64, TRIES = 3, JOLTS = 1, CALM = SLICE_CALM, ROUNDS = 12 };
 /* §7.2: how many cells candidates may move relative to each other in a slice
  * of an implicit integrator, in one where gains of energy could not be seen or
  * more cells did harm, and in one of an explicit integrator. */

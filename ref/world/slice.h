@@ -32,15 +32,21 @@ struct slicing {
                            candidates in the current slice, §7.2 */
 };
 
+/* Steps after which a level of caution is lowered, and displacements are tried
+ * anew. */
+enum { SLICE_CALM = 8 };
+
 /* What earlier steps have taught, §7.2 and §7.5. It is part of the state. */
 struct caution {
     int level; /* the level at which steps start */
     int again; /* 1: a step went wrong, and at level 0 none has gone well since
                 */
-    int calm;  /* consecutive steps that went well at this level */
+    int calm;  /* consecutive steps that went well at this level, fewer than
+                  SLICE_CALM */
     int far;   /* the level at which displacements of the last step were short
                   enough, §7.2; 0: none was needed */
-    int blind; /* consecutive steps that started at level `far` */
+    int blind; /* consecutive steps that started at level `far`, to SLICE_CALM
+                */
 };
 
 /* Starts the slicing of a step by what earlier steps have taught. */

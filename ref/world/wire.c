@@ -22,15 +22,13 @@ static int make_dynamics(struct world *w, struct sheet *s, const drape_def *def)
     d->newton = w->plan.newton;
     d->gravity = vec_make((real)def->gravity[0], (real)def->gravity[1],
                           (real)def->gravity[2]);
-    d->windy = w->plan.wind;
     d->trace = w->tracing;
     if (w->def.backend != DRAPE_REF) {
         solver_size(&s->solver.pcg, def, c);
         return DRAPE_OK; /* the device has the streams */
     }
-    d->work =
-        take(w, ARENA_SOLVER, dynamics_vecs(d->method, d->windy) * c->count,
-             sizeof *d->work);
+    d->work = take(w, ARENA_SOLVER, dynamics_vecs(d->method) * c->count,
+                   sizeof *d->work);
     d->chunk =
         take(w, ARENA_SOLVER, 3 * sum_chunks(c->count), sizeof *d->chunk);
     if (w->arena->failed)

@@ -2,6 +2,7 @@
 /* Makes a world of one precision from a checked definition, and serves the
  * API's questions about its state. */
 #include "ref/api/ops.h"
+#include "ref/control/air.h"
 #include "ref/control/control.h"
 #include "ref/control/heir.h"
 #include "ref/control/list.h"
@@ -68,8 +69,10 @@ int world_make_heir(const drape_def *def, const struct heir *heir,
         status = wire_stages(w, def);
     if (status == DRAPE_OK)
         status = start_substeps(w, error);
+    if (status == DRAPE_OK && w->plan.wind && def->backend == DRAPE_REF)
+        status = air_take(w);
     if (status == DRAPE_OK)
-        control_wind(w, &def->wind);
+        air_set(w, &def->wind);
     w->told.planned = w->plan.led;
     w->told.able = w->broad.apart.able;
     *world = w;

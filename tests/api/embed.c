@@ -81,7 +81,7 @@ const char *test_embed_explicit(void)
             return skip("there is no device");
         EXPECT(status == DRAPE_OK);
         int64_t count = s.cloth.m * s.cloth.n;
-        int64_t vecs = dynamics_vecs(s.def.integrator, s.def.wind.density > 0);
+        int64_t vecs = dynamics_vecs(s.def.integrator);
         vecs += s.def.integrator == DRAPE_RK4 && k % 2;
         int64_t most = vecs * count * (int64_t)sizeof(vec) +
                        3 * sum_chunks(count) * (int64_t)sizeof(real);

@@ -20,7 +20,7 @@ cat >seldom.c <<'EOF'
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
-enum { REPLY = 8 + 2 * 8 + 512 };
+enum { ERROR = 8 + 4 * 8 + 256, REPLY = ERROR + 512 };
 static int interrupted(void)
 {
     static int calls;
@@ -43,7 +43,7 @@ ssize_t write(int file, const void *data, size_t size)
         memcpy(reply, data, size);
         memcpy(reply + atol(getenv("AT")), &to, sizeof to);
         if (to == -2) /* no text ends here */
-            memset(reply + 24, 'x', 512);
+            memset(reply + ERROR, 'x', 512);
         data = reply;
     }
     return interrupted() ? -1 : syscall(SYS_write, file, data, part(size));
@@ -136,7 +136,13 @@ EOT
         reply "of more than it may hold, at $at" $at 2147483647
         reply "of more than can be counted, at $at" $at 2147483648
     done
-    env AT=24 TO=-2 LD_PRELOAD="$PWD/seldom.so" "$drape" convert good.dae changed.ply \
+    for frames in -1 60000 2147483647; do
+        env AT=24 TO=$frames LD_PRELOAD="$PWD/seldom.so" timeout 20 "$drape" plan \
+            animated.json >out 2>err
+        is "$frames frames of an animation" test $? -eq 2 -a ! -s out
+        is "are none, $frames" grep -q 'its reader ended with exit status . and no mesh$' err
+    done
+    env AT=296 TO=-2 LD_PRELOAD="$PWD/seldom.so" "$drape" convert good.dae changed.ply \
         >out 2>err
     is 'an error without an end has one' test $? -eq 2 -a "$(wc -c <err)" -lt 600
 fi

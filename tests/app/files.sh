@@ -125,7 +125,7 @@ for line in sys.stdin:
         [sorted(v[:2]), sorted(v[2:])])
     print(kind, *w[0], *w[1])' | sort
 }
-frames=${DRAPE_DATA:-$root/../shared}/ccd/frames/cloth-funnel
+frames=${DRAPE_DATA:-$root/build/data}/ccd/frames/cloth-funnel
 if [ -e "$frames/hits.txt" ]; then
     exits 'ccd of cloth-funnel' 0 ccd --frames "$frames/t0.ply" "$frames/t1.ply"
     pairs <out >got.txt

@@ -65,7 +65,51 @@ tabled '"bias": [[0.01, 1]]'
 refused 'a bias softer than shear' \
     '$.cloths[0]: material.stretch.bias[0]: 1 N/m' run table.json
 printf '{"frames": 3,\n "cloths": [}\n' >broken.json
-refused 'malformed JSON, by line' 'broken.json: line 2' run broken.json
+refused 'malformed JSON, by line and column' 'broken.json: line 2, column 13:' \
+    run broken.json
+printf '\357\273\277{"cloths": [{"particles": [3, 3]}]}' >mark.json
+is 'a scene that begins with the mark of UTF-8' "$drape" plan mark.json
+for code in UTF-16 UTF-16LE UTF-16BE; do
+    iconv -f UTF-8 -t $code tiny.json >wide.json
+    refused "a scene in $code" 'wide.json: is in UTF-16' plan wide.json
+    printf '1,1\n' | iconv -t $code >wide.csv
+    refused "queries in $code" 'wide.csv: is in UTF-16' ccd --kind vf wide.csv
+    printf 'OFF\n' | iconv -t $code >wide.off
+    refused "a mesh in $code" 'wide.off: is in UTF-16' audit wide.off
+done
+printf '{"pattern": {"panels": {}, "stitches": []}, "parameters": {}}' >garment.json
+refused 'a pattern of GarmentCode' 'garment.json: is a sewing pattern of GarmentCode' \
+    run garment.json
+printf '#usda 1.0\n' >layer.usda
+printf 'PXR-USDC\000' >crate.usdc
+refused 'a layer of USD as a scene' 'layer.usda: is a USD file, which drape writes' \
+    run layer.usda
+refused 'a crate of USD as a scene' 'crate.usdc: is a USD file' plan crate.usdc
+refused 'a layer of USD as a mesh' 'layer.usda: drape cannot read USD yet' \
+    audit layer.usda
+printf '{"asset": {"version": "2.0"}, "scenes": []}' >model.gltf
+refused 'a glTF file as a scene' 'model.gltf: is a glTF file' run model.gltf
+# hint WHERE TEXT ANSWER
+hint() {
+    printf '{"cloths": [{"particles": [5, 5]%s}]%s}\n' "$1" "$2" >hint.json
+    refused "the answer to $1$2" "$3" plan hint.json
+}
+hint '' ', "obstacles": [{"file": "a.ply"}]' '"file"; did you mean "mesh"?'
+hint ', "material": {"mass": 1}' '' '"mass"; did you mean "density"?'
+hint ', "mass": 1' '' '"mass"; did you mean "density" in "material"?'
+hint ', "position": [0, 1, 0]' '' 'did you mean "at" in "start"?'
+hint '' ', "Frames": 3' '"Frames"; did you mean "frames"?'
+hint '' ', "integrator": "BDF2"' '"BDF2": did you mean "bdf2"?'
+hint '' ', "integrator": "newmark"' '"newmark": expected one of "euler"'
+hint ', "seams": []' '' '"seams": drape cannot sew seams yet (spec/limits.md)'
+hint ', "mesh": "a.obj"' '' 'drape cannot simulate a mesh of triangles as cloth yet'
+hint ', "file": "a.obj"' '' 'drape cannot simulate a mesh of triangles as cloth yet'
+hint ', "material": {"tear": 1}' '' 'drape cannot tear cloth yet'
+hint ', "pressure": 1' '' 'drape cannot inflate cloth yet'
+hint '' ', "device": 1' 'drape cannot choose a device by its number yet'
+refused 'the option -o' '-o: unknown option; did you mean --out?' run tiny.json -o refused
+refused 'the option --device' '--device: unknown option: drape cannot choose a device' \
+    run tiny.json --device 1
 : >empty.json
 refused 'empty scene' 'empty.json: empty' run empty.json
 printf '[1]' >list.json
@@ -79,13 +123,13 @@ refused 'unknown key, by name' '"gravityy"' run key.json --out refused
 scene key.json ', "wind": {"speed": 3}}'
 refused 'unknown key, by path' '$.wind' run key.json --out refused
 scene key.json ', "frames": 5}'
-refused 'key twice' 'twice' run key.json --out refused
+refused 'key twice' 'key.json: line 13, column 10: duplicate object key' run key.json --out refused
 scene key.json ', "dt": "fast"}'
 refused 'wrong type' '$.dt: expected a number' run key.json --out refused
 scene key.json ', "dt": -1}'
 refused 'out of range' '$.dt: -1: expected a number from 1e-07 to 1' run key.json --out refused
 scene key.json ', "dt": 1e999}'
-refused 'number overflows' '$.dt' run key.json --out refused
+refused 'number overflows' 'column 13: real number overflow' run key.json --out refused
 scene key.json ', "gravity": [0, 1]}'
 refused 'short vector' '$.gravity: expected a list of 3' run key.json
 scene key.json ', "gravity": [0, 1, null]}'
@@ -193,8 +237,14 @@ for f in named same other; do
 done
 is 'a fabric is its numbers' cmp named/cloth.pc2 same/cloth.pc2
 is 'a key overrides it' sh -c '! cmp -s named/cloth.pc2 other/cloth.pc2'
-fabric bad.json '"denm"'
-refused 'unknown fabric, by path' '$.cloths[0].material: unknown fabric "denm"' \
+for name in denm Denim DENIM; do
+    fabric bad.json "\"$name\""
+    refused "the fabric $name" \
+        "\$.cloths[0].material: unknown fabric \"$name\"; did you mean \"denim\"?" \
+        run bad.json --out refused
+done
+fabric bad.json '"paper"'
+refused 'unknown fabric, by path' '$.cloths[0].material: unknown fabric "paper"' \
     run bad.json --out refused
 is 'the fabrics are named' grep -q 'denim, interlock.*leather' err
 fabric bad.json '{"name": "felt"}'
@@ -249,3 +299,53 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nf 1 2 3\nf 1 2 4\nf 1 2 5\
     >fins.obj
 obstacle fins.obj
 exits 'non-manifold obstacle is accepted' 0 run mesh.json --out fins
+
+# What has no effect is said, and no more than that.
+# idle WHERE TEXT KEY WHY
+idle() {
+    printf '{"cloths": [{"particles": [5, 5]%s}]%s}\n' "$1" "$2" >idle.json
+    exits "idle: $1$2" 0 plan idle.json
+    is "it is said of $3" grep -qxF "drape: idle.json: $3: note: has no effect: $4" err
+    is "and of nothing else, $3" test "$(wc -l <err)" -eq 1
+}
+air='there is no density, or neither drag nor lift'
+idle '' ', "wind": {"velocity": [1, 0, 0], "density": 0}' '$.wind.velocity' "$air"
+idle '' ', "wind": {"velocity": [1, 0, 0], "drag": 0, "lift": 0}' '$.wind.velocity' "$air"
+idle '' ', "integrator": "verlet", "tolerance": 0.01' '$.tolerance' \
+    'the integrator is explicit'
+idle '' ', "max_substeps": 9' '$.max_substeps' 'the integrator is implicit'
+idle ', "start": {"folds": 3}' '' '$.cloths[0].start.folds' 'the cloth is not hung'
+idle ', "start": {"shape": "hung", "gap": 0.1}' '' '$.cloths[0].start.gap' \
+    'the cloth is not rolled'
+idle ', "pins": [{"at": [0, 0], "every": 1}]' '' '$.cloths[0].pins[0].every' \
+    'the pin is a single particle'
+low='"at": [0, -2, 0]'
+idle '' ", \"obstacles\": [{\"shape\": \"sphere\", \"extent\": [1, 1, 1], $low}]" \
+    '$.obstacles[0].extent' 'it is of other shapes'
+idle '' ", \"obstacles\": [{\"shape\": \"box\", \"axis\": [1, 0, 0], $low}]" \
+    '$.obstacles[0].axis' 'there is no angle'
+printf '{"cloths": [{"particles": [33, 9], "size": [1, 0.25], "pins": [{"edge": "u0", "every": 1}],
+ "start": {"shape": "hung", "folds": 2, "depth": 0.05, "at": [0, 3, 0]}}],
+ "wind": {"velocity": [0, 0, 0], "drag": 0}, "obstacles": [{"shape": "funnel",
+ "radius": 1, "throat": 0.1, "length": 1, "height": 1, "detail": 8, "axis": [1, 0, 0],
+ "angle": 1, "at": [0, -9, 0]}]}\n' >busy.json
+exits 'all that has an effect' 0 plan busy.json
+is 'of which nothing is said' test ! -s err
+# A body in millimetres, and one in kilometres
+python3 - <<'EOF'
+for name, size in ("mm", 3000), ("km", 0.0005), ("m", 3):
+    with open("%s.off" % name, "w") as file:
+        file.write("OFF\n3 1 0\n0 -9 0\n%g -9 0\n0 -9 %g\n3 0 1 2\n" % (size, size))
+EOF
+for unit in mm:3e+03 km:0.0005; do
+    printf '{"cloths": [{"particles": [5, 5]}], "obstacles": [{"mesh": "%s.off"}]}\n' \
+        "${unit%:*}" >unit.json
+    exits "a body in ${unit%:*}" 0 plan unit.json
+    is "its size is said, in ${unit%:*}" grep -qF \
+        "unit.json: \$.obstacles[0]: note: the mesh is ${unit#*:} m across, the largest cloth 1 m" \
+        err
+done
+printf '{"cloths": [{"particles": [5, 5]}], "obstacles": [{"mesh": "m.off"},
+ {"mesh": "mm.off", "size": 2000}]}\n' >unit.json
+exits 'a body in metres, and one of a size that is asked for' 0 plan unit.json
+is 'of which no size is said' test ! -s err

@@ -212,7 +212,7 @@ refused 'a mesh from standard input' '-: no such mesh file' \
 for end in obj stl glb dae fbx STL; do
     exits "convert to .$end" 0 convert still/obstacles.ply "to.$end"
     exits "and back from .$end" 0 convert "to.$end" "from.$end.ply"
-    is "the same mesh by .$end" python3 "$root/tests/app/mesh.py" quiet.ply \
+    is "the same mesh by .$end" python3 "$root/tests/app/mesh.py" same quiet.ply \
         "from.$end.ply"
 done
 is 'STL is binary STL' sh -c '[ "$(wc -c <to.stl)" -eq \

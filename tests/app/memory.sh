@@ -6,7 +6,7 @@
 
 # A library that counts the allocations that the tool's own code makes, and
 # refuses them from number $STARVE on; in a child, from $STARVE_CHILD on. Where
-# the tool or libcjson has not given back all memory at the end, the exit status
+# the tool or libjansson has not given back all memory at the end, the exit status
 # is 99; where a file is still open, 98.
 cat >starve.c <<'EOF'
 #define _GNU_SOURCE
@@ -44,7 +44,7 @@ static int see(struct dl_phdr_info *info, size_t size, void *user)
 {
     int *seen = user, k = (*seen)++ == 0 ? OWN : JSON;
     (void)size;
-    if (k == JSON && !strstr(info->dlpi_name, "libcjson.so"))
+    if (k == JSON && !strstr(info->dlpi_name, "libjansson.so"))
         return 0;
     object[k].low = UINTPTR_MAX;
     for (int j = 0; j < info->dlpi_phnum; j++) {

@@ -115,3 +115,75 @@ keys=$(awk 'BEGIN { for (k = 0; k < 4000; k++)
     printf "{\"time\": %d, \"angle\": %d},", k, k % 2 ? 36000 : -36000 }')
 motion motion.json "${keys%,}"
 refused 'turns without end' '$.motions: the turns come to' plan motion.json
+
+# Animated meshes
+is 'meshes whose motion is known' python3 "$root/tests/app/mesh.py" write
+# moving NAME KIND OBSTACLE: a run in which the obstacle moves as this kind does.
+moving() {
+    printf '{"frames": 80, "cloths": [{"particles": [3, 3], "size": [0.1, 0.1],
+ "start": {"at": [0, 900, 0]}}], "obstacles": [{%s}]}\n' "$3" >moving.json
+    rm -rf moving
+    exits "$1" 0 run moving.json --out moving
+    is "$1, as it should" python3 "$root/tests/app/mesh.py" check "$2" moving
+}
+moving 'nodes of glTF' nodes '"mesh": "nodes.gltf"'
+cp moving.json animated.json
+moving 'bones of glTF' bones '"mesh": "bones.gltf"'
+moving 'morph targets of glTF' morph '"mesh": "morph.gltf"'
+moving 'a node of FBX, in centimetres' slide '"mesh": "slide.fbx"'
+moving 'bones of FBX' bones '"mesh": "bones.fbx"'
+moving 'at rest, if that is asked for' still '"mesh": "nodes.gltf", "animation": false'
+moving 'the first of two animations' nodes '"mesh": "two.gltf"'
+is 'which is said, with both names' grep -qF \
+    'several animations, of which the first is taken: "swing", "lift";' err
+moving 'another, by name' lift '"mesh": "two.gltf", "animation": "lift"'
+is 'of which nothing is said' sh -c '! grep -q several err'
+moved() {
+    printf '{"cloths": [{"particles": [3, 3]}], "motions": [{"name": "m", "keys": [
+ {"time": 0}]}], "obstacles": [{%s}]}\n' "$2" >moving.json
+    refused "animation: $1" "$3" plan moving.json
+}
+moved 'a motion beside it' '"mesh": "bones.gltf", "motion": "m"' \
+    '$.obstacles[0]: bones.gltf is animated, and a body has a motion or an animation'
+moved 'no such name' '"mesh": "two.gltf", "animation": "walk"' \
+    'two.gltf: cannot be read as a mesh: has no animation of this name'
+moved 'of a mesh that has none' '"mesh": "cube.fbx", "animation": "walk"' \
+    'cube.fbx: cannot be read as a mesh: has no animation'
+moved 'of a mesh of another format' '"mesh": "wide.off", "animation": "walk"' 'wide.off'
+moved 'of a shape' '"shape": "box", "animation": "walk"' \
+    '$.obstacles[0]: animation: expected a mesh beside it'
+moved 'a number' '"mesh": "two.gltf", "animation": 1' \
+    'animation: expected the name of an animation, or false'
+# A body of several files is placed as its first file would be.
+python3 - <<'EOF'
+for k in range(2):
+    with open("rise_%d.off" % k, "w") as file:
+        file.write("OFF\n4 4 0\n%s\n3 0 1 2\n3 0 2 3\n3 0 3 1\n3 1 3 2\n" % "\n".join(
+            "%g %g %g" % (x * (1 + k), y + 3 * k, z) for x, y, z in
+            [(0, 0, 0), (2, 0, 0), (0, 2, 0), (0, 0, 2)]))
+EOF
+printf '{"frames": 1, "dt": 0.5, "cloths": [{"particles": [3, 3], "size": [0.1, 0.1],
+ "start": {"at": [0, 90, 0]}}], "obstacles": [{"size": 1, "stand": true,
+ "frames": {"files": "rise_%%d.off", "count": 2, "dt": 0.5}}]}\n' >rise.json
+exits 'a body of files that grows and rises' 0 run rise.json --out rise
+is 'does not stand on the ground in each' python3 -c '
+import struct
+def load(k):
+    data = open("rise/frames/obstacles_%04d.ply" % k, "rb").read()
+    at = data.index(b"end_header\n") + 11
+    return [struct.unpack_from("<3f", data, at + 12 * i) for i in range(4)]
+a, b = load(0), load(1)
+assert sorted(a) == sorted([(-.5, 0, -.5), (.5, 0, -.5), (-.5, 1, -.5), (-.5, 0, .5)])
+assert sorted(b) == sorted([(-.5, 1.5, -.5), (1.5, 1.5, -.5), (-.5, 2.5, -.5),
+                            (-.5, 1.5, .5)])'
+# Units of FBX
+exits 'a cube of 100 cm' 0 convert cube.fbx cube.ply
+is 'is 1 m high' python3 -c '
+import struct
+data = open("cube.ply", "rb").read()
+at = data.index(b"end_header\n") + 11
+v = [struct.unpack_from("<3f", data, at + 12 * k) for k in range(8)]
+assert {c for p in v for c in p} == {0, 1, -0.5, 0.5}'
+exits 'written as FBX' 0 convert cube.ply again.fbx
+exits 'and read again' 0 convert again.fbx again.ply
+is 'it is the same' cmp cube.ply again.ply

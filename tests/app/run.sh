@@ -143,8 +143,9 @@ r = json.load(open("near/report.json"))
 assert r["dt"] < 1 / 61 and 0 < r["error"]["estimated"] <= 0.004
 assert abs(r["dt"] * r["steps_per_frame"] - 1 / 60) < 1e-12
 assert len(r["steps"]) == 6 * r["steps_per_frame"]
+assert abs(r["error"]["horizon"] - 0.1) < 1e-6
 assert open("out").readline() == (
-    "--error 0.004: %s, dt %.4g s, tolerance %g; estimated %.2g m rms after "
+    "--error 0.004: %s, dt %.4g s, tolerance %g; estimated %.2g m rms for "
     "%.3g s, of time and solver\n" % (
         r["settings"]["integrator"], r["dt"], r["settings"]["tolerance"],
         r["error"]["estimated"], r["error"]["horizon"]))'
@@ -211,3 +212,15 @@ exits 'resume after Ctrl-C' 0 run long.json --out cut --frames "$frames" \
     --resume cut/checkpoint.drape
 exits 'the same unbroken' 0 run long.json --out whole --frames "$frames"
 is 'equal bit for bit' cmp cut/cloth.pc2 whole/cloth.pc2
+
+# A cloth that no fabric would be
+printf '{"frames": 60, "cloths": [{"particles": [11, 7], "size": [1, 0.5], "name": "rag",
+ "pins": [{"edge": "u0"}, {"edge": "u1", "motion": "pull"}]}, {"particles": [5, 5],
+ "start": {"at": [0, 9, 0]}}], "motions": [{"name": "pull", "keys": [{"time": 0},
+ {"time": 0.8, "move": [19, 0, 0]}, {"time": 1, "move": [4, 0, 0]}]}]}\n' >pull.json
+exits 'a sheet pulled to 20 times its length' 0 run pull.json --out pull
+is 'which is said, with the frame' grep -qF \
+    'note: cloth 0 (rag) is stretched to 20 times its length in frame 48, where' err
+is 'and of no other cloth' test "$(grep -c stretched err)" -eq 1
+exits 'to twice its length, nearly' 0 run pull.json --out pull --frames 2 --force
+is 'of which nothing is said' sh -c '! grep -q stretched err'

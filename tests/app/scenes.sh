@@ -115,7 +115,7 @@ refused 'a hole beside a particle' 'takes nothing away' plan patch.json
 patch '"holes": [{"disc": [1, 0.8, 0]}]'
 exits 'a hole of one particle' 0 plan patch.json
 patch '"particles": 3'
-refused 'a key twice' 'there twice' plan patch.json
+refused 'a key twice' 'duplicate object key' plan patch.json
 sed 's/\[11, 9\]/[11, 9.5]/; s/, "particles": 3//' patch.json >half.json
 refused 'half a row' 'particles: expected whole numbers' plan half.json
 

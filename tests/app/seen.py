@@ -15,7 +15,7 @@ STONE = "$.bodies[1]: expected an obstacle's first_triangle, and a look"
 CAMERA = "$.camera: expected eye, target and fov"
 PICTURE = "$.picture: expected fov, turn, light, sun and floor"
 TIME = "$.dt: expected a time between two frames"
-INF, NONE = 1e999, object()
+INF, NONE = 1e308, object()
 # Place, the greatest and the least value there, values beyond them, and words.
 RANGES = [
     ("bodies 0 first_vertex", (0, 2 ** 31 - 1), (-1, 2 ** 31, NONE, "0"), CLOTH),
@@ -64,7 +64,7 @@ def put(report, place, value):
 
 def render(drape, folder, report):
     with open(os.path.join(folder, "report.json"), "w") as file:
-        file.write(json.dumps(report).replace("Infinity", "1e999"))
+        file.write(json.dumps(report))
     return subprocess.run([drape, "render", folder, "--frame", "0", "--width", "16",
                            "--height", "16", "--samples", "1"],
                           capture_output=True, text=True)

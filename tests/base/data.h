@@ -11,11 +11,11 @@
 /* Ends the reason of a test that is skipped without its data. */
 #define FETCHED " (sh ci/data.sh DIR fetches it; set DRAPE_DATA=DIR)"
 
-/* The folder; ../shared where DRAPE_DATA is not set. */
+/* The folder; build/data where DRAPE_DATA is not set. */
 static inline const char *data_home(void)
 {
     const char *home = getenv("DRAPE_DATA");
-    return home && *home ? home : "../shared";
+    return home && *home ? home : "build/data";
 }
 
 /* A file of the folder, open for reading; NULL if there is none. */

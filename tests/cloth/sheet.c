@@ -57,7 +57,11 @@ int sheet_make(struct sheet *s, const drape_cloth *def, int method)
                              .max_substeps = 1 << 20,
                              .solve = sheet_solve,
                              .solver = s,
-                             .work = need(s, 9 * n, sizeof(vec)),
+                             .wind = need(s, n, sizeof(vec)),
+                             .gust = need(s, 2 * n, sizeof(vec)),
+                             .resist = need(s, 2 * n, sizeof(real)),
+                             .inertia = need(s, n, sizeof(real)),
+                             .work = need(s, 6 * n, sizeof(vec)),
                              .block = need(s, SPRINGS * n, sizeof(sym)),
                              .chunk = need(s, 3 * sum_chunks(n), sizeof(real)),
                              .x1 = need(s, n, sizeof(vec)),
@@ -101,12 +105,12 @@ int sheet_step(struct sheet *s)
     return status;
 }
 
-/* y = (mass + Σ blocks) z for free particles, 0 for the others. */
+/* y = (dynamics_mass + Σ blocks) z for free particles, 0 for the others. */
 static void multiply(const struct dynamics *d, const double *z, double *y)
 {
     const struct cloth *c = d->cloth;
     for (int64_t k = 0; k < 3 * c->count; k++)
-        y[k] = (double)c->mass[k / 3] * z[k];
+        y[k] = (double)dynamics_mass(d)[k / 3] * z[k];
     for (int64_t k = 0; k < SPRINGS * c->count; k++) {
         int64_t o = k / c->count, p = k % c->count;
         if (!(c->springs[p] >> o & 1))

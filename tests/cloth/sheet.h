@@ -12,7 +12,7 @@ struct sheet {
     struct dynamics d;
     vec *x, *v, *xp, *vp, *to;
     double *dense; /* scratch of sheet_solve, [15·count] */
-    void *memory[20];
+    void *memory[24];
     int n_memory;
 };
 

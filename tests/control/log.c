@@ -4,6 +4,7 @@
  * §6, §7 */
 #include <stdio.h>
 
+#include "ref/api/record.h"
 #include "ref/base/hash.h"
 #include "tests/api/guest.h"
 #include "tests/base/choices.h"
@@ -90,7 +91,8 @@ static int set_rest(struct session *p, struct bytes *b, drape_world *w)
 {
     const double g[3] = {0.5 * pick(b, 3), -9.81, 0};
     const double at[3] = {0, 0.002 * pick(b, 3), 0}, turn[4] = {0.8, 0, 0.6, 0};
-    const drape_wind wind = {{0.5 * pick(b, 3), 0, 0.5}, 1.2, 1, 0.5};
+    const drape_wind wind = {
+        {0.5 * pick(b, 3), 0, 0.5}, pick(b, 8) ? 1.2 : -1, 1, 0.5};
     drape_material m = p->s[0].cloth.material;
     m.stretch = 500 + 250 * pick(b, 4);
     if (m.stretch > 1000) { /* tables go into logs and checkpoints, too */
@@ -380,6 +382,97 @@ const char *test_control_format(void)
     }
     for (int k = 0; k < 2; k++)
         drape_destroy(p.world[k]);
+    return NULL;
+}
+
+/* A record with a right hash, of data that are all zero. */
+static void forge(struct recall *log, struct record_head h)
+{
+    static const uint8_t none[24 * NV];
+    memcpy(h.magic, RECORD_MAGIC, sizeof h.magic);
+    h.check = record_check(h, none);
+    log->size = log->at = 0;
+    recall_write(log, &h, sizeof h);
+    recall_write(log, none, (size_t)h.bytes);
+}
+
+/* §7: a log is refused before a call reads beyond what its record holds, also
+ * where its hashes are right. The world has a cloth and a plate. */
+const char *test_control_forged(void)
+{
+    static const struct record_head heads[] = {
+        {.kind = RECORD_OBSTACLE, .at = 0, .n = 1, .bytes = 24},
+        {.kind = RECORD_OBSTACLE, .at = 0, .n = PLATE - 1, .bytes = 72},
+        {.kind = RECORD_OBSTACLE, .at = 0, .n = PLATE + 1, .bytes = 120},
+        {.kind = RECORD_OBSTACLE, .at = 1, .n = PLATE, .bytes = 96},
+        {.kind = RECORD_OBSTACLE, .at = 0, .n = PLATE, .bytes = 72},
+        {.kind = RECORD_POSITIONS, .at = 0, .n = 2, .bytes = 24},
+        {.kind = RECORD_POSITIONS, .at = 0, .n = 0, .bytes = 24},
+        {.kind = RECORD_VELOCITIES, .at = 0, .n = 2, .bytes = 24},
+        {.kind = RECORD_VELOCITIES, .at = -1, .n = 1, .bytes = 24},
+        {.kind = RECORD_PINS, .at = 0, .n = 3, .bytes = 8},
+        {.kind = RECORD_PINS, .at = 0, .n = 2, .bytes = 32},
+        {.kind = RECORD_WIND, .bytes = 8},
+        {.kind = RECORD_GRAVITY, .bytes = 16},
+        {.kind = RECORD_MATERIAL, .bytes = 96},
+        {.kind = RECORD_POSE, .bytes = 24},
+        {.kind = RECORD_STEP, .bytes = 8},
+        {.kind = RECORD_CLOTH, .n = 8, .bytes = 8},
+        {.kind = RECORD_KINDS, .bytes = 0},
+        {.kind = UINT32_MAX, .bytes = 0},
+    };
+    static struct session p;
+    static char text[64];
+    struct recall *log = &p.log[0];
+    EXPECT(!begin(&p, 1, DRAPE_REF));
+    for (size_t k = 0; k < sizeof heads / sizeof *heads; k++) {
+        forge(log, heads[k]);
+        int status = drape_replay(p.world[0], recall_read, log, NULL);
+        snprintf(text, sizeof text, "head %d: %d", (int)k, status);
+        if (status != DRAPE_EMATCH)
+            return text;
+        ran(1);
+    }
+    forge(log, (struct record_head){
+                   .kind = RECORD_OBSTACLE, .n = PLATE, .bytes = 24 * PLATE});
+    EXPECT(drape_replay(p.world[0], recall_read, log, NULL) == 0);
+    for (int k = 0; k < 2; k++)
+        drape_destroy(p.world[k]);
+    return NULL;
+}
+
+/* A body whose record has words that say neither that an array is there nor
+ * that it is missing, or counts that need more than it holds. */
+const char *test_control_bodies(void)
+{
+    static struct session p;
+    static uint8_t data[4096];
+    drape_cloth cloth;
+    drape_obstacle plate;
+    EXPECT(!begin(&p, 1, DRAPE_REF));
+    struct record_mesh {
+        drape_obstacle o;
+        uint64_t there[3];
+        double x[3][3];
+        int32_t tri[1][3], unused;
+    } mesh = {.o = p.s[0].plate, .there = {1, 1, 0}};
+    mesh.o.n_vertices = 3;
+    mesh.o.n_triangles = 1;
+    memcpy(data, &mesh, sizeof mesh);
+    EXPECT(record_obstacle_of(data, sizeof mesh, &plate) == DRAPE_OK);
+    EXPECT(record_obstacle_of(data, sizeof mesh - 8, &plate) == DRAPE_EMATCH);
+    EXPECT(record_obstacle_of(data, 8, &plate) == DRAPE_EMATCH);
+    EXPECT(record_cloth_of(data, sizeof mesh, &cloth) == DRAPE_EMATCH);
+    mesh.there[1] = 2;
+    memcpy(data, &mesh, sizeof mesh);
+    EXPECT(record_obstacle_of(data, sizeof mesh, &plate) == DRAPE_EMATCH);
+    mesh.there[1] = 1;
+    mesh.o.n_vertices = INT32_MAX;
+    memcpy(data, &mesh, sizeof mesh);
+    EXPECT(record_obstacle_of(data, sizeof mesh, &plate) == DRAPE_EMATCH);
+    for (int k = 0; k < 2; k++)
+        drape_destroy(p.world[k]);
+    ran(1);
     return NULL;
 }
 
