@@ -88,10 +88,15 @@ with_tool() {
     fi
 }
 
-# needs PROGRAM: skips the part where the program is not installed.
+# needs PROGRAM [VERSION]: skips the part where the program is not installed, or is of
+# another version: each version of clang-tidy and clang-format judges otherwise, and
+# the tree is held to those of Debian 12.
 needs() {
     command -v "$1" >"$log" 2>&1 ||
         skip "$1 is not installed (sh ci/deps.sh installs it)"
+    found=$("$1" --version | sed -n 's/.*version \([0-9]*\).*/\1/p')
+    [ "${2-$found}" = "$found" ] ||
+        skip "$1 is of version $found, not $2 (Debian 12 has it)"
 }
 
 # Checks that the certificate is of this tree and that the reference still gives
@@ -130,14 +135,14 @@ clang-* | [tm]san)
     ;;
 gcc-* | asan) flavour ;;
 format)
-    needs clang-format
+    needs clang-format 14
     one sh -c 'ls app/*.[ch] app/examples/*.c* ci/bench/*.[ch] \
         ci/validate/*.[ch] fuzz/*.[ch] gpu/*/* oracle/*.[ch]* \
         python/core/*.[ch] ref/*/*.[ch] spec/*.h tests/*/*.[ch] |
         xargs clang-format --dry-run -Werror'
     ;;
 tidy)
-    needs clang-tidy
+    needs clang-tidy 14
     one make BUILD="$build" tidy
     ;;
 tool) with_tool sh tests/app.sh "$tool" ;;

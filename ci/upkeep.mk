@@ -34,6 +34,7 @@ format: ## clang-format everything in place
 # The analyzer's search is cut at 20000 nodes (225000 usually) for the time
 # it takes: paths that only a longer search finds are not looked at.
 TIDY := -std=c17 -I. -Ispec -I$(BUILD) -D_POSIX_C_SOURCE=200809L \
+        -DEMBREE=$(EMBREE) \
         -Xclang -analyzer-config -Xclang max-nodes=20000
 # Python.h is not everywhere.
 TIDY_CORE := $(filter-out %/tensor.c,$(wildcard python/core/*.c))
