@@ -127,6 +127,21 @@ static int make_world(struct run *run)
     return status;
 }
 
+/* Says which options have no effect on this run. */
+static void say_idle(const struct run *run)
+{
+    bool gpu = run->scene.def.backend == DRAPE_GPU;
+    if (run->overrides.block >= 0 && !gpu)
+        complain(0, "note: --block has no effect: backend ref computes");
+    if (run->overrides.threads >= 0 && gpu)
+        complain(0, "note: --threads has no effect: backend gpu computes");
+    if (run->checkpoint_every > run->scene.frames)
+        complain(0,
+                 "note: --checkpoint-every %d has no effect: the run has %d "
+                 "frames",
+                 run->checkpoint_every, run->scene.frames);
+}
+
 static int begin(struct run *run, const char *scene_file)
 {
     struct scene *scene = &run->scene;
@@ -160,6 +175,7 @@ static int begin(struct run *run, const char *scene_file)
     if (scene->degenerate)
         complain(0, "%s: note: obstacles have %lld triangles without area",
                  scene_file, (long long)scene->degenerate);
+    say_idle(run);
     return open_output(run);
 }
 

@@ -502,9 +502,10 @@ int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
     struct read r = {.pack = NULL};
     streams(w, r.stream, r.bytes);
     int status = read_all(w, read, user, &r);
-    w->run->begin(w->on);
-    if (status == DRAPE_OK && plan_windy(&r.h.wind))
+    if (status == DRAPE_OK && plan_windy(&r.h.wind)) {
+        w->run->begin(w->on);
         status = air_take(w);
+    }
     if (status == DRAPE_OK)
         status = control_unpack(w, r.pack, r.c.bytes, r.to,
                                 (const vec *)(const void *)r.aside);

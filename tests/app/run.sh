@@ -224,3 +224,14 @@ is 'which is said, with the frame' grep -qF \
 is 'and of no other cloth' test "$(grep -c stretched err)" -eq 1
 exits 'to twice its length, nearly' 0 run pull.json --out pull --frames 2 --force
 is 'of which nothing is said' sh -c '! grep -q stretched err'
+
+# Options without effect
+exits 'options without effect' 0 run tiny.json --out pull --force --frames 1 --block 64 \
+    --checkpoint-every 9
+is 'are said to have none' test "$(grep -c 'note: --.* has no effect' err)" -eq 2
+is 'each with the reason' sh -c '
+    grep -qx "drape: note: --block has no effect: backend ref computes" err &&
+    grep -qx "drape: note: --checkpoint-every 9 has no effect: the run has 1 frames" err'
+exits 'options with an effect' 0 run tiny.json --out pull --force --frames 1 --threads 1 \
+    --checkpoint-every 1
+is 'of which nothing is said' sh -c '! grep -q "no effect" err'

@@ -221,6 +221,7 @@ const char *test_world_knows(void)
         .caution = all, .nv = 1, .x0 = x, .v0 = v, .sleep = &sleep[0]};
     struct world b = {
         .arena = &arena, .nv = 1, .x0 = x + 1, .v0 = v + 1, .sleep = &sleep[1]};
+    b.def.max_slices = 8; /* caution has levels up to 3 */
     EXPECT(checkpoint_save(&a, record, &tape) == DRAPE_OK);
     EXPECT(checkpoint_load(&b, play, &tape) == DRAPE_OK);
     EXPECT(memcmp(&b.caution, &all, sizeof all) == 0);
