@@ -28,10 +28,12 @@ def interrupt(*_: object) -> None:
 
 @pytest.fixture(autouse=True)
 def heard() -> Iterator[None]:
-    """Each test leaves Ctrl-C's handler as it was."""
-    before = signal.getsignal(signal.SIGINT)
+    """Each test leaves Ctrl-C's handler as it was; it has Python's own, as a shell's
+    background jobs are started without one."""
+    outer = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
-    assert signal.getsignal(signal.SIGINT) is before
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    signal.signal(signal.SIGINT, outer)
 
 
 class Within:
