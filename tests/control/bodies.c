@@ -3,8 +3,6 @@
  * backends. spec/control/control.md §9 */
 #include "tests/control/troupe.h"
 
-#include <math.h>
-
 /* Of the steps of same_steps: pairs in contact. */
 static int64_t contacts;
 
@@ -214,18 +212,10 @@ const char *test_bodies_changed(void)
     return what;
 }
 
-/* The largest difference of two states of the first cloth, m. */
-static double apart(const double (*a)[3], const double (*b)[3])
-{
-    double most = 0;
-    for (int p = 0; p < 3 * TROUPE_COUNT; p++)
-        most = fmax(most, fabs(a[p / 3][p % 3] - b[p / 3][p % 3]));
-    return most;
-}
-
-/* A cloth that meets nothing goes on as if the others had never been there, but
- * for rounding in binary32, which buckling makes grow: a solve of their
- * contacts computes the places of all cloths anew from their velocities. */
+/* Where nothing meets anything each cloth moves by itself, and goes on with the
+ * same bits as if the others had never been there. Where others meet something
+ * one solve takes all cloths together (pcg.md §7), so that this holds no more.
+ */
 const char *test_bodies_alone(void)
 {
     static double x[2][TROUPE_NV][3];
@@ -234,6 +224,7 @@ const char *test_bodies_alone(void)
         troupe_make(&t, DRAPE_BDF2, backend);
         t.cloth[0].origin[1] = 4;
         t.cloth[1].origin[1] = 6;
+        t.cloth[1].x = NULL;
         one = t;
         for (int body = 3; body > 0; body--)
             troupe_drop(&one, body);
@@ -245,8 +236,7 @@ const char *test_bodies_alone(void)
             EXPECT(guest_go(a, 2) == DRAPE_OK && guest_go(b, 2) == DRAPE_OK);
             EXPECT(drape_read(a, x[0], NULL) == DRAPE_OK);
             EXPECT(drape_read(b, x[1], NULL) == DRAPE_OK);
-            EXPECT(apart((const double(*)[3])x[0], (const double(*)[3])x[1]) <=
-                   (REAL_BITS == 32 ? 1e-3 : 0));
+            EXPECT(!memcmp(x[0], x[1], TROUPE_COUNT * sizeof *x[0]));
             ran(1);
         }
         drape_destroy(a);
