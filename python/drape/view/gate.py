@@ -32,9 +32,9 @@ WITHOUT = "This page needs the address that drape view printed, with its token.\
 
 def is_loopback(host: str) -> bool:
     """Whether a name or an address is reached from this machine alone; an Error if
-    nobody has this name. A machine without a list of names knows localhost, too: it
-    is always this machine (RFC 6761)."""
-    if host == "localhost":
+    nobody has this name. localhost is this machine even where no list of names says
+    so (RFC 6761)."""
+    if host.lower() == "localhost":
         return True
     try:
         found = socket.getaddrinfo(host, None)
