@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # Installs the packages that drape is built and tested with, on Debian 12 or 13, and
-# says every ten seconds how far apt is; prints nothing if none is missing. The library itself needs only a C compiler.
+# says every ten seconds how far apt is; prints nothing if none is missing. The library
+# itself needs only a C compiler.
 # `apps`: what the tests of export, viewer, Blender add-on and notebook need
 # besides; `slurm`: what those of sweeps by Slurm need. These tests are skipped
 # without. `bare`: what ci/bare.sh needs.
@@ -36,6 +37,7 @@ echo "installing, which takes some minutes:$missing"
 log=/tmp/drape-deps.$$
 $as sh -c "export DEBIAN_FRONTEND=noninteractive; $install" >$log 2>&1 &
 apt=$!
+trap 'kill $apt; exit 130' INT TERM # a background job does not hear Ctrl-C
 seconds=0
 while kill -0 $apt 2>/dev/null; do
     sleep 1
