@@ -10,14 +10,7 @@
 set -u
 build=$1 version=$2
 shift 2
-case $version in
-12) name=bookworm ;;
-13) name=trixie ;;
-*)
-    echo "$0: $version: expected 12 or 13" >&2
-    exit 2
-    ;;
-esac
+. ci/release.sh
 cannot() {
     echo "$0: no bare Debian $version here: $1" >&2
     exit 77

@@ -12,14 +12,7 @@
 # Ends with `N passed, N failed, N skipped`.
 set -u
 build=$1 version=${2-12} all=${3-}
-case $version in
-12) name=bookworm ;;
-13) name=trixie ;;
-*)
-    echo "$0: $version: expected 12 or 13" >&2
-    exit 2
-    ;;
-esac
+. ci/release.sh
 for tool in buildah mmdebstrap; do
     command -v $tool >/dev/null || {
         echo "$0 needs $tool: apt-get install buildah mmdebstrap" >&2
