@@ -4,6 +4,7 @@
 # alone, and in it a clone of what is committed here. So README's commands are tried
 # as a newcomer tries them: with no package, file or setting of this machine but its
 # certificates and its way to the network. Run as root. WERROR and CI are passed on.
+# The folder DRAPE_DATA, if there is one, is /data there, and no variable says so.
 # BUILD/bare-VERSION takes 6 GB and is gone at the end.
 # usage: ci/bare.sh BUILD 12|13 COMMAND...
 # Its exit status is 1 if a command fails, and 77 if no such Debian can be made here.
@@ -36,17 +37,20 @@ certificates=/etc/ssl/certs/ca-certificates.crt
 [ ! -e $certificates ] || cp $certificates "$root$certificates"
 env | grep -E '^(WERROR|CI|[a-z]+_proxy)=' >"$root/root/env"
 echo "PIP_CERT=$certificates" >>"$root/root/env"
+mkdir "$root/data"
+data=${DRAPE_DATA-}
+[ -d "$data" ] || data=$root/data
 
 # Mounts and processes are this command's own and end with it.
 inside() {
     # shellcheck disable=SC2016
     unshare --mount --pid --fork --kill-child sh -c '
         mount -t proc proc "$1/proc" && mount --rbind /sys "$1/sys" &&
-            mount --rbind /dev "$1/dev" || exit 77
+            mount --rbind /dev "$1/dev" && mount --bind "$3" "$1/data" || exit 77
         exec env -i HOME=/root TERM="${TERM-dumb}" \
             PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin \
             $(cat "$1/root/env") chroot "$1" sh -c "cd /root/drape && $2"' \
-        sh "$root" "$1"
+        sh "$root" "$1" "$data"
 }
 inside true 2>"$log" || cannot "a chroot: $(tail -n 1 "$log")"
 for command; do
