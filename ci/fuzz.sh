@@ -53,8 +53,8 @@ replay() {
             continue
         }
         said=$("$build/replay" "$t" "$@") || :
-        echo "$said" >&2 # not by tee /dev/stderr, which empties the part's log
-        line=$(echo "$said" | tail -n 1)
+        printf '%s\n' "$said" >&2 # tee /dev/stderr would empty the part's log
+        line=$(printf '%s\n' "$said" | tail -n 1)
         case $line in
         *' passed, '*) ;;
         *)
