@@ -67,11 +67,10 @@ static void slide_row(struct bench *b, FILE *out, const struct slope *s)
     fprintf(out, "%g,%g,%s,%.4g,%g,%.6g,%.6g,%.3g,%.1f,%s\n", s->tangent,
             s->friction, integrator_name[s->integrator], s->dt, s->tolerance,
             way, due, way - due, (double)r.iterations / n, run_word(&r));
-    /* The error allowed by penalty.md §2: twice the tolerance of the solve, of
-     * the distances that gravity and friction alone would give, since the
-     * distance may be a small difference of the two; the creep of friction,
-     * which is viscous below 1/2 mm/s; and BDF2's first step, which is Euler's.
-     */
+    /* The error allowed by spec/accuracy.md §5: twice the tolerance of the
+     * solve, of the distances that gravity and friction alone would give, since
+     * the distance may be a small difference of the two; 1/2 mm/s; and BDF2's
+     * first step, which is Euler's. */
     double t = n * s->dt, pull = 9.81 * sin(angle) * t * t / 2;
     double rub = 9.81 * s->friction * cos(angle) * t * t / 2;
     double creep = s->friction > 0 ? 5e-4 * t : 0;

@@ -8,23 +8,20 @@
 
 extern "C" {
 #include "ref/contact/incidence.h"
-#include "ref/contact/penalty.h"
 }
 
 /* Words that gpu_incidence writes. BAD: not 0 if a contact has a bad vertex;
  * the rest is then undefined. VERTICES: the number of free vertices in contact.
  */
 enum { INCIDENCE_BAD, INCIDENCE_VERTICES, INCIDENCE_WORDS };
+/* Where these words lie among the late words: behind refit's. */
+enum { LATE_CONTACTS = 2 };
+static_assert(LATE_CONTACTS + (int)INCIDENCE_WORDS <= (int)GPU_LATE, "words");
 
 /* As ref_incidence, but `vertices` goes to `words`, which must be zero before.
  * Uses scratch slots 0 to 2. Returns the place of each item in the lists, [4 n]
  * in slot 1; -1: the item is in no list. */
 int32_t *gpu_incidence(struct gpu *g, const struct incidence *s,
                        int64_t *words);
-
-/* As gpu_penalty, but without reading back: the words of gpu_incidence stay on
- * the device. If a contact is bad, force and hold are 0. */
-struct penalty;
-int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words);
 
 #endif

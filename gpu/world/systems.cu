@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Gathers the systems of a world's cloths for the joint solve.
- * spec/contact/penalty.md §4 */
-#include "gpu/run/launch.cuh"
+ * spec/contact/lagrange.md §3.2 */
+#include "gpu/contact/incidence.cuh"
 
 extern "C" {
 #include "gpu/cloth/sheet.h"
@@ -18,7 +18,8 @@ int gpu_systems_make(struct gpu_world *w)
     return w->part ? DRAPE_OK : DRAPE_ENOMEM;
 }
 
-int gpu_systems_joint(struct world *w, struct joint *s)
+/* The systems of the cloths that are awake. */
+static struct joint_system systems_of(struct world *w, struct joint *s)
 {
     struct gpu_world *d = w->device;
     int n = 0;
@@ -34,13 +35,40 @@ int gpu_systems_joint(struct world *w, struct joint *s)
         p->rate = a->device->rate;
         p->first = a->first;
     }
-    const struct joint_system all = {.gpu = d->gpu,
-                                     .n = n,
-                                     .part = d->part,
-                                     .joint = s,
-                                     .links = d->links,
-                                     .mutual_end = d->mutual_end,
-                                     .mutual = d->mutual,
-                                     .w = w->w};
-    return gpu_joint(&all);
+    return (struct joint_system){.gpu = d->gpu,
+                                 .n = n,
+                                 .part = d->part,
+                                 .joint = s,
+                                 .links = d->links,
+                                 .mutual_end = d->mutual_end,
+                                 .mutual = d->mutual,
+                                 .w = w->w};
+}
+
+/* Stage coulomb, before, has left it to this readback to tell that a contact is
+ * bad. */
+static int checked(const struct world *w, int status)
+{
+    const int64_t *seen = gpu_late_seen(w->device->gpu) + LATE_CONTACTS;
+    bool bad = seen[INCIDENCE_BAD] != 0;
+    return status == DRAPE_OK && bad ? (int)DRAPE_EARG : status;
+}
+
+int gpu_systems_set_up(struct world *w, struct joint *s)
+{
+    const struct joint_system all = systems_of(w, s);
+    return gpu_joint_set_up(&all);
+}
+
+int gpu_systems_measure(struct world *w, struct joint *s, const vec *r,
+                        real *value)
+{
+    const struct joint_system all = systems_of(w, s);
+    return checked(w, gpu_joint_measure(&all, r, value));
+}
+
+int gpu_systems_joint(struct world *w, struct joint *s)
+{
+    const struct joint_system all = systems_of(w, s);
+    return checked(w, gpu_joint(&all));
 }

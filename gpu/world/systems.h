@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The systems of a world's cloths, as the joint solve of the device takes them.
- * spec/contact/penalty.md §4 */
+ * spec/contact/lagrange.md §3.2 */
 #ifndef GPU_SYSTEMS_H
 #define GPU_SYSTEMS_H
 
@@ -8,13 +8,18 @@
 extern "C" {
 #endif
 
+#include "ref/base/real.h"
+
 struct gpu_world;
 struct joint;
 struct world;
 
 /* Takes the list of systems. DRAPE_OK or DRAPE_ENOMEM. */
 int gpu_systems_make(struct gpu_world *w);
-/* The function `joint` of the backend. */
+/* The functions of the backend: joint_set_up, joint_measure and joint. */
+int gpu_systems_set_up(struct world *w, struct joint *s);
+int gpu_systems_measure(struct world *w, struct joint *s, const vec *r,
+                        real *value);
 int gpu_systems_joint(struct world *w, struct joint *s);
 
 #ifdef __cplusplus

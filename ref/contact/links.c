@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Multiplies the matrix of the contacts that are CONTACT_MUTUAL with a vector.
- * spec/contact/penalty.md §3
- */
-#include "ref/contact/penalty.h"
+ * spec/contact/coulomb.md §3 */
+#include "ref/contact/coulomb.h"
 
 /* The impulse of contact c in answer to the velocities x. */
 static vec answer(const struct links *s, const struct contact *c)
 {
     vec v = pair_sum(c->v, c->c, s->x);
-    real a = c->along, b = c->slide * s->across;
-    return vec_axpy(vec_scale(b, v), (a - b) * vec_dot(c->n, v), c->n);
+    real a = c->along, b = c->slide;
+    vec y = vec_axpy(vec_scale(b, v), (a - b) * vec_dot(c->n, v), c->n);
+    return vec_axpy(y, -b * vec_dot(c->way, v), c->way);
 }
 
 int ref_links(struct links *s)

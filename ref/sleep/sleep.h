@@ -61,7 +61,7 @@ int sleep_look(struct world *w);
  * that moves and a cloth that is asleep. */
 int sleep_notice(struct world *w);
 /* Wakes the cloths that were roused, with those that fell asleep with them. */
-void sleep_end(struct world *w);
+int sleep_end(struct world *w);
 /* Ends a slice: counts steps at rest, and lets islands fall asleep. */
 void sleep_count(struct world *w, int outcome);
 /* The energies of cloth k that is held, [3] J; NULL: it is not. */
