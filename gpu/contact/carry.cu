@@ -4,9 +4,8 @@
 #include "gpu/contact/keys.cuh"
 #include "gpu/contact/queue.cuh"
 
-/* §1.2: as LEAST and GIVE of the reference. */
+/* §1.2: as LEAST of the reference. */
 #define LEAST R(30.0)
-#define GIVE R(0.03)
 
 /* The place in `kept` of what was kept of a pair, or -1. */
 static __device__ int64_t find(const struct carry *s, struct key key)
@@ -53,7 +52,7 @@ static __device__ real kappa_of(const struct carry *s, const struct contact *c,
     for (int j = 0; j < 4; j++)
         y += c->c[j] * c->c[j] * s->w[c->v[j]];
     if (c->lambda > 0)
-        wanted = c->lambda * s->tau / (GIVE * thickness);
+        wanted = c->lambda * s->tau / (CARRY_GIVE * thickness);
     return y > 0 ? max_of(LEAST / y, min_of(wanted, s->stiffest)) : R(0.0);
 }
 

@@ -25,12 +25,18 @@ static __device__ vec cut(vec a, real most)
     return size > most ? scale(most / size, a) : a;
 }
 
+/* §1: the compliance of contact c, 1/kg. */
+static __device__ real give_of(const struct coulomb *s, const struct contact *c)
+{
+    return s->give * min_of(max_of(c->gap, R(0.0)), s->reach);
+}
+
 /* §1: the normal impulse by multiplier lambda of contact c, which lacks so much
  * of its target velocity. */
 static __device__ real push_of(const struct coulomb *s, const struct contact *c,
                                real lambda, real lack)
 {
-    real push = (lambda + c->kappa * lack) / (1 + c->kappa * s->give);
+    real push = (lambda + c->kappa * lack) / (1 + c->kappa * give_of(s, c));
     return max_of(push, R(0.0));
 }
 
@@ -74,7 +80,8 @@ KERNEL coulomb_evaluate_kernel(const struct coulomb &s, int64_t *words)
     bool slides = size > most;
     c->impulse = push_of(&s, c, c->lambda, lack);
     c->tangent = slides ? scale(most / size, z) : z;
-    c->along = c->impulse > 0 ? c->kappa / (1 + c->kappa * s.give) : R(0.0);
+    c->along =
+        c->impulse > 0 ? c->kappa / (1 + c->kappa * give_of(&s, c)) : R(0.0);
     c->slide = slides ? c->kappa * (most / size) : most > 0 ? c->kappa : R(0.0);
     c->way = slides ? scale(1 / size, z) : make(0, 0, 0);
     c->held = !(c->along > 0 || c->slide > 0) ? CONTACT_APART
@@ -251,9 +258,9 @@ KERNEL coulomb_gather_kernel(const struct coulomb &s, struct items from,
 
 static bool is_good(const struct coulomb *s)
 {
-    return s->dt > 0 && s->tau > 0 && s->give >= 0 && s->stiffest > 0 &&
-           s->nc <= s->nv && s->nv1 == s->nv + 1 && s->n4 == 4 * s->n &&
-           s->n4 <= INT32_MAX;
+    return s->dt > 0 && s->tau > 0 && s->give >= 0 && s->reach >= 0 &&
+           s->stiffest > 0 && s->nc <= s->nv && s->nv1 == s->nv + 1 &&
+           s->n4 == 4 * s->n && s->n4 <= INT32_MAX;
 }
 
 int gpu_coulomb_queue(struct gpu *g, struct coulomb *s, int64_t *words)

@@ -6,8 +6,6 @@
 #include "ref/contact/impulses.h"
 
 static const real LEAST = R(30.0); /* §1.2: κ, in the masses that it moves */
-static const real GIVE = R(0.03); /* §1.2: of the thickness, by which κ yields
-                                     to the load */
 
 static bool are_valid(int64_t nv, int64_t n, const struct contact *contact)
 {
@@ -66,7 +64,8 @@ static real kappa_of(const struct carry *s, const struct contact *c,
     real y = 0;
     for (int j = 0; j < 4; j++)
         y += c->c[j] * c->c[j] * s->w[c->v[j]];
-    real wanted = c->lambda > 0 ? c->lambda * s->tau / (GIVE * thickness) : 0;
+    real wanted =
+        c->lambda > 0 ? c->lambda * s->tau / (CARRY_GIVE * thickness) : 0;
     return y > 0 ? real_max(LEAST / y, real_min(wanted, s->stiffest)) : 0;
 }
 

@@ -9,6 +9,8 @@
 
 /* §1.1: the part of an overlap that goes in a slice. */
 #define CARRY_RISE R(0.1)
+/* §1.2: of the thickness, by which κ yields to the load. */
+#define CARRY_GIVE R(0.03)
 
 /* What a pair's contact pressed with at the end of a slice. */
 struct kept {

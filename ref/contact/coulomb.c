@@ -11,7 +11,8 @@ static const real STEADY = R(0.9), GROWTH = R(10.0);
 
 static int check(const struct coulomb *s)
 {
-    if (!(s->dt > 0 && s->tau > 0 && s->give >= 0 && s->stiffest > 0) ||
+    if (!(s->dt > 0 && s->tau > 0 && s->give >= 0 && s->reach >= 0 &&
+          s->stiffest > 0) ||
         s->nc > s->nv || s->nv1 != s->nv + 1 || s->n4 != 4 * s->n ||
         s->n4 > INT32_MAX)
         return DRAPE_EARG;
@@ -28,12 +29,19 @@ static vec cut(vec a, real most)
     return size > most ? vec_scale(most / size, a) : a;
 }
 
+/* §1: the compliance of contact c, 1/kg. */
+static real give_of(const struct coulomb *s, const struct contact *c)
+{
+    return s->give * real_min(real_max(c->gap, 0), s->reach);
+}
+
 /* §1: the normal impulse by multiplier lambda, where the contact lacks so much
  * of its target velocity. */
 static real push_of(const struct coulomb *s, const struct contact *c,
                     real lambda, real lack)
 {
-    return real_max((lambda + c->kappa * lack) / (1 + c->kappa * s->give), 0);
+    return real_max((lambda + c->kappa * lack) / (1 + c->kappa * give_of(s, c)),
+                    0);
 }
 
 /* §3.2: whether contact c moves one vertex alone, so that its matrix is a
@@ -74,7 +82,7 @@ static void evaluate(const struct coulomb *s, int64_t k)
     bool slides = size > most;
     c->impulse = push_of(s, c, c->lambda, lack);
     c->tangent = slides ? vec_scale(most / size, z) : z;
-    c->along = c->impulse > 0 ? c->kappa / (1 + c->kappa * s->give) : 0;
+    c->along = c->impulse > 0 ? c->kappa / (1 + c->kappa * give_of(s, c)) : 0;
     c->slide = slides ? c->kappa * (most / size) : most > 0 ? c->kappa : 0;
     c->way = slides ? vec_scale(1 / size, z) : vec_make(0, 0, 0);
     c->held = !(c->along > 0 || c->slide > 0) ? CONTACT_APART

@@ -16,7 +16,8 @@ struct coulomb {
     real dt, tau;      /* s, > 0: the slice, and the integrator's effective
                           step */
     real stiffest;     /* kg, > 0: no κ grows beyond */
-    real give;         /* 1/kg, ≥ 0, compliance of a contact */
+    real give;  /* 1/(kg m), ≥ 0: compliance of a contact over its gap */
+    real reach; /* m, ≥ 0: no thickness is larger */
     int renews; /* 1: the multipliers become what the call before found */
     int lists;  /* 1: the contacts are others than in the call before */
     struct contact *contact; /* [n] inout; carry.md has set them up */

@@ -26,7 +26,8 @@ static const real ANEW = R(0.1);  /* §4: of the scale, what such springs may
                                      leave undone once they were too much so */
 static const real EARTH = R(9.81); /* §3.4: m/s², the least g of the scale */
 static const real STRUCK = R(0.5); /* §5: of g dt */
-static const real SQUEEZE = 100;   /* §1: k_c over a tenth of the stretch */
+static const real PRESS = R(1e4);  /* Pa, coulomb.md §1: the modulus of cloth
+                                      across  its thickness */
 
 /* The loop under way. */
 struct loop {
@@ -410,8 +411,10 @@ static void start(struct loop *s)
     bool past = w->plan.history && state_has_past(w);
     a->law.dt = (real)w->dt;
     a->law.tau = (real)(past ? w->dt * 2 / 3 : w->dt);
-    a->law.stiffest = SQUEEZE * w->response.stiffness * a->law.tau * a->law.tau;
-    a->law.give = CARRY_RISE / a->law.stiffest;
+    real column = PRESS * w->cell * w->cell * a->law.tau * a->law.tau;
+    a->law.reach = w->cell / 2;
+    a->law.give = CARRY_RISE / column;
+    a->law.stiffest = column / (CARRY_GIVE * a->law.reach);
     a->newton = w->plan.newton > 1;
     a->solves = a->iterations = a->renewals = a->outcome = 0;
     a->residual = 0;

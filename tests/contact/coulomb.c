@@ -62,6 +62,7 @@ static void pick_state(struct bytes *b, struct coulomb *s, struct contact *c)
     if (pick(b, 4) == 0)
         pick_weights(b, c);
     c->friction = pick(b, 8) ? c->friction : 0;
+    c->gap = pick(b, 8) ? pick_uniform(b, R(-0.001), R(0.02)) : 0;
     c->kappa = pick(b, 8) ? pick_uniform(b, R(1e-4), 1) : R(1e4);
     c->kappa = pick(b, 16) ? c->kappa : 0; /* it moves nothing */
     c->lambda = presses ? pick_uniform(b, 0, pushes) : 0;
@@ -103,7 +104,8 @@ void gen_coulomb(struct bytes *b, struct coulomb *s)
     s->dt = R(1.0) / (real)(30 << pick(b, 5));
     s->tau = pick(b, 2) ? s->dt : s->dt * R(2.0) / 3;
     s->stiffest = pick_uniform(b, R(0.1), 10);
-    s->give = pick(b, 4) ? R(0.1) / s->stiffest : 0;
+    s->give = pick(b, 4) ? 10 / s->stiffest : 0;
+    s->reach = R(0.01);
     s->renews = (int)pick(b, 2);
     s->lists = (int)pick(b, 2);
     bool led = pick(b, 16) == 0; /* all vertices are */
@@ -209,11 +211,18 @@ static struct lack lack_of(const struct coulomb *s, const struct contact *c)
                          span * size};
 }
 
+/* §1: 1 + κ c, c the compliance. */
+static double yield_of(const struct coulomb *s, const struct contact *c)
+{
+    double gap = fmin(fmax((double)c->gap, 0), (double)s->reach);
+    return 1 + (double)c->kappa * (double)s->give * gap;
+}
+
 /* §1: p = max(0, (λ + κ (a - s)) / (1 + κ c)). */
 static const char *check_push(const struct coulomb *s, const struct contact *c)
 {
     struct lack l = lack_of(s, c);
-    double kappa = (double)c->kappa, give = 1 + kappa * (double)s->give;
+    double kappa = (double)c->kappa, give = yield_of(s, c);
     double push = ((double)c->lambda + kappa * l.along) / give;
     double size = ((double)c->lambda + kappa * l.size) / give;
     double error = 32 * unit * size + least;
@@ -258,8 +267,7 @@ static const char *check_matrix(const struct coulomb *s,
                                 const struct contact *c)
 {
     double kappa = (double)c->kappa, most = (double)(c->friction * c->load);
-    double give = 1 + kappa * (double)s->give;
-    double along = c->impulse > 0 ? kappa / give : 0;
+    double along = c->impulse > 0 ? kappa / yield_of(s, c) : 0;
     EXPECT(fabs((double)c->along - along) <= 4 * unit * along + least);
     EXPECT(c->slide >= 0 && c->slide <= c->kappa);
     EXPECT(most > 0 || c->slide == 0);
@@ -446,12 +454,13 @@ static const char *check_renewed(const struct coulomb *s, int32_t *grown)
 }
 
 static bool refuses(const struct coulomb *s, real dt, real tau, real give,
-                    real stiffest)
+                    real reach, real stiffest)
 {
     struct coulomb wrong = *s;
     wrong.dt = dt;
     wrong.tau = tau;
     wrong.give = give;
+    wrong.reach = reach;
     wrong.stiffest = stiffest;
     return ref_coulomb(&wrong) == DRAPE_EARG;
 }
@@ -460,10 +469,12 @@ static const char *check_refusals(const struct coulomb *s)
 {
     const real bad[] = {0, -1, (real)NAN};
     for (int k = 0; k < 3; k++) {
-        EXPECT(refuses(s, bad[k], s->tau, s->give, s->stiffest));
-        EXPECT(refuses(s, s->dt, bad[k], s->give, s->stiffest));
-        EXPECT(k == 0 || refuses(s, s->dt, s->tau, bad[k], s->stiffest));
-        EXPECT(refuses(s, s->dt, s->tau, s->give, bad[k]));
+        real one = s->reach, most = s->stiffest;
+        EXPECT(refuses(s, bad[k], s->tau, s->give, one, most));
+        EXPECT(refuses(s, s->dt, bad[k], s->give, one, most));
+        EXPECT(k == 0 || refuses(s, s->dt, s->tau, bad[k], one, most));
+        EXPECT(k == 0 || refuses(s, s->dt, s->tau, s->give, bad[k], most));
+        EXPECT(refuses(s, s->dt, s->tau, s->give, one, bad[k]));
     }
     struct coulomb wrong = *s;
     wrong.nc = s->nv + 1;

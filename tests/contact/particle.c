@@ -62,7 +62,9 @@ static void pick_lone(struct bytes *b, struct lone *s)
                             .friction = R(0.1) * (real)pick(b, 12)};
     s->c.kappa = 30 / s->w[0];
     s->law.stiffest = 100 * s->c.kappa;
-    s->law.give = pick(b, 2) ? R(1e-3) / s->law.stiffest : 0;
+    s->law.give = pick(b, 2) ? 1 / s->law.stiffest : 0;
+    s->law.reach = R(0.002);
+    s->c.gap = R(0.001);
 }
 
 /* Moves along dv by a part of it. Returns the slope of the potential there. */
@@ -126,7 +128,7 @@ static struct wide expected(const struct lone *s, bool *slides)
     struct wide n = wide_of(s->c.n), v = wide_scale(span, wide_of(s->u[0]));
     double along = wide_dot(n, v);
     double lack = (double)s->c.target * span - along;
-    double push = fmax(lack / (w + (double)s->law.give), 0);
+    double push = fmax(lack / (w + (double)(s->law.give * s->c.gap)), 0);
     struct wide drag = wide_scale(-1 / w, wide_axpy(v, -along, n));
     double size = sqrt(wide_dot(drag, drag));
     double most = (double)s->c.friction * push;
@@ -175,7 +177,8 @@ static void pick_four_free(struct bytes *b, struct lone *s)
     s->law.dt = R(0.01);
     s->law.tau = pick(b, 2) ? R(0.01) : R(0.02) / 3;
     s->law.stiffest = 1;
-    s->law.give = pick(b, 2) ? R(0.1) : 0;
+    s->law.give = pick(b, 2) ? 100 : 0;
+    s->law.reach = R(0.001);
     real c = pick_uniform(b, 0, 1), d = pick_uniform(b, 0, 1);
     real x = pick_uniform(b, -1, 1), y = pick_uniform(b, -1, 1);
     s->c = (struct contact){.v = {0, 1, 2, 3},
@@ -184,6 +187,7 @@ static void pick_four_free(struct bytes *b, struct lone *s)
                             .n = unit_of(vec_make(x, y, 1)),
                             .target = pick_uniform(b, -1, 1),
                             .friction = R(0.1) * (real)(1 + pick(b, 12)),
+                            .gap = R(0.001),
                             .lambda = pick_uniform(b, 0, R(0.1)),
                             .load = pick_uniform(b, 0, R(0.1)),
                             .kappa = pick_uniform(b, R(0.01), 1)};
