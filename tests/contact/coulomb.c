@@ -334,7 +334,7 @@ static const char *check_forces(const struct coulomb *s, struct wide *sum,
     return NULL;
 }
 
-/* §4: what is not in balance, of the particles of cloths that are free. */
+/* §2.2: what is not in balance, of the particles of cloths that are free. */
 static const char *check_residual(const struct coulomb *s)
 {
     for (int64_t i = 0; i < s->nc; i++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Whole sheets on slopes of triangles, by the public API: they slide as
- * Coulomb's law says, however the slope is cut. spec/contact/penalty.md §2,
+ * Coulomb's law says, however the slope is cut. spec/contact/coulomb.md §2,
  * spec/contact/proximity.md §3.2 */
 #include <stdlib.h>
 
@@ -140,7 +140,7 @@ static double due_of(const struct row *r)
 
 /* The way is Coulomb's to 0.2 %, friction to 0.1 % in the mean. In the worst
  * step it is on the cone to 1e-3 of the normal force: so much of what contacts
- * push the tolerance allows a solve to leave (penalty.md §4.3), however small
+ * push the tolerance allows a slice to leave (lagrange.md §3.4), however small
  * friction is. */
 const char *test_slide_way(void)
 {
@@ -257,7 +257,7 @@ static double height_due(const struct row *r)
 
 /* Below the critical angle, at nine tenths of it too, a sheet creeps by less
  * than `slip`, 1/2 mm/s, and what its uneven load adds. It lies at its
- * thickness but for what the stiffest springs are short (penalty.md §1.5). */
+ * thickness but for what its contacts give way (coulomb.md §1). */
 const char *test_slide_rest(void)
 {
     static const struct row row[] = {

@@ -200,7 +200,7 @@ const char *test_world_restore(void)
     return NULL;
 }
 
-/* step.md §7.7: a swatch hangs by an edge and falls further than a cell in a
+/* step.md §7.5: a swatch hangs by an edge and falls further than a cell in a
  * step. The linearised solve of a whole step diverges, shorter slices do not;
  * where the step may not be cut it reports DIVERGED and time does not advance.
  * Both backends. */
