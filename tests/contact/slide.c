@@ -240,24 +240,10 @@ const char *test_slide_fine(void)
     return NULL;
 }
 
-/* The least height at which a sheet comes to rest, thicknesses. A contact of
- * stiffness κ, a tenth of stretch, asks for a tenth of its overlap o in dt
- * (proximity.md §4) and pushes κ tau o/10 then, which bears m g dt where o =
- * 10 m g dt / (κ tau): m of a particle, as several contacts are less short.
- * What the turns leave adds a twentieth. */
-static double height_due(const struct row *r)
-{
-    drape_cloth c;
-    drape_default_cloth(&c);
-    double h = 0.5 / (r->side - 1), m = c.material.density * h * h;
-    double tau = r->integrator == DRAPE_BW ? 1 : 2.0 / 3; /* dt */
-    double push = m * 9.81 * r->cosine, kappa = c.material.stretch / 10;
-    return 1 - 10.5 * push / (kappa * tau * c.material.thickness);
-}
-
-/* Below the critical angle, at nine tenths of it too, a sheet creeps by less
- * than `slip`, 1/2 mm/s, and what its uneven load adds. It lies at its
- * thickness but for what its contacts give way (coulomb.md §1). */
+/* Below the critical angle, at nine tenths of it too, a sheet sticks, without
+ * creep (coulomb.md §2.1): in a second it goes no millimetre. It lies at its
+ * thickness to a thousandth: a contact gives way by the weight of a particle
+ * over k_c (coulomb.md §1), here by less than a fifth of that. */
 const char *test_slide_rest(void)
 {
     static const struct row row[] = {
@@ -272,7 +258,7 @@ const char *test_slide_rest(void)
         struct ride ride;
         EXPECT(run(&row[k], &ride) == DRAPE_OK);
         EXPECT(ride.way <= 1e-3);
-        EXPECT(ride.height >= height_due(&row[k]) && ride.height <= 1.001);
+        EXPECT(fabs(ride.height - 1) <= 1e-3);
         ran(1);
     }
     return NULL;
