@@ -5,8 +5,7 @@
 
 #include "ref/api/ops.h"
 #include "ref/base/keys.h"
-#include "ref/control/heir.h"
-#include "ref/sleep/sleep.h"
+#include "ref/sleep/rest.h"
 #include "ref/world/state.h"
 
 static const uint64_t EDGES = UINT64_C(1) << 63; /* of hi: two edges */

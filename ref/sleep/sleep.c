@@ -17,16 +17,6 @@ static int bodies(const struct world *w)
     return w->def.n_cloths + w->def.n_obstacles;
 }
 
-bool sleep_awake(const struct world *w, int k)
-{
-    return !w->sleep->rest[k].asleep;
-}
-
-bool sleep_all(const struct world *w)
-{
-    return w->sleep->n == w->def.n_cloths;
-}
-
 const double *sleep_energy(const struct world *w, int k)
 {
     const struct held *held = &w->sleep->held[k];
