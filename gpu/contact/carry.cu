@@ -2,7 +2,11 @@
 /* Multipliers go on from slice to slice by the keys of pairs, on the device.
  * spec/contact/carry.md */
 #include "gpu/contact/keys.cuh"
-#include "gpu/contact/queue.cuh"
+
+extern "C" {
+#include "gpu/contact/queue.h"
+#include "ref/contact/carry.h"
+}
 
 /* §1.2: as LEAST of the reference. */
 #define LEAST R(30.0)

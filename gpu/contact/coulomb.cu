@@ -5,7 +5,11 @@
  */
 #include "gpu/contact/incidence.cuh"
 #include "gpu/contact/lists.cuh"
-#include "gpu/contact/queue.cuh"
+
+extern "C" {
+#include "gpu/contact/queue.h"
+#include "ref/contact/coulomb.h"
+}
 
 /* An item adds PARTS numbers to its vertex: PUSHES of force, as many of the
  * force by renewed multipliers, and HOLDS of hold, which are also those of wall

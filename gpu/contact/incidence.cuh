@@ -14,9 +14,6 @@ extern "C" {
  * the rest is then undefined. VERTICES: the number of free vertices in contact.
  */
 enum { INCIDENCE_BAD, INCIDENCE_VERTICES, INCIDENCE_WORDS };
-/* Where these words lie among the late words: behind refit's. */
-enum { LATE_CONTACTS = 2 };
-static_assert(LATE_CONTACTS + (int)INCIDENCE_WORDS <= (int)GPU_LATE, "words");
 
 /* As ref_incidence, but `vertices` goes to `words`, which must be zero before.
  * Uses scratch slots 0 to 2. Returns the place of each item in the lists, [4 n]

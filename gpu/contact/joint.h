@@ -4,13 +4,15 @@
 #ifndef GPU_JOINT_H
 #define GPU_JOINT_H
 
-#include "gpu/cloth/rate.h"
+#include "gpu/run/gpu.h"
 #include "ref/solve/joint.h"
 #include "ref/solve/pcg.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+struct rate;
 
 /* One cloth in the joint solve. */
 struct joint_part {

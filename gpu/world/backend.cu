@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The device as a backend: its table of functions, which queue launches and
  * wait only for counts and outcomes. ref/base/backend.h, spec/gpu.md §6 */
-#include "gpu/contact/incidence.cuh"
-#include "gpu/contact/queue.cuh"
 #include "gpu/run/batch.cuh"
 
 extern "C" {
 #include "gpu/broad/broad.h"
 #include "gpu/cloth/motion.h"
+#include "gpu/contact/queue.h"
 #include "gpu/contact/rounds.h"
 #include "gpu/contact/unknowns.h"
 #include "gpu/sleep/rouse.h"
@@ -108,24 +107,19 @@ STAGE(rollback)
 
 /* Bad contacts set a late word, which the readback of the next solve brings:
  * gpu/world/systems.cu. */
-static int64_t *late_words(void *on)
-{
-    return gpu_late_words(gpu_of(on)) + LATE_CONTACTS;
-}
-
 static int coulomb(void *on, struct coulomb *s)
 {
-    return gpu_coulomb_queue(gpu_of(on), s, late_words(on));
+    return gpu_coulomb_queue(gpu_of(on), s, gpu_queue_words(gpu_of(on)));
 }
 
 static int carry(void *on, struct carry *s)
 {
-    return gpu_carry_queue(gpu_of(on), s, late_words(on));
+    return gpu_carry_queue(gpu_of(on), s, gpu_queue_words(gpu_of(on)));
 }
 
 static int retain(void *on, struct retain *s)
 {
-    return gpu_retain_queue(gpu_of(on), s, late_words(on));
+    return gpu_retain_queue(gpu_of(on), s, gpu_queue_words(gpu_of(on)));
 }
 
 static int motion(void *on, struct sheet *s)

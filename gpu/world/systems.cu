@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Gathers the systems of a world's cloths for the joint solve.
  * spec/contact/lagrange.md §3.2 */
-#include "gpu/contact/incidence.cuh"
-
 extern "C" {
 #include "gpu/cloth/sheet.h"
 #include "gpu/contact/joint.h"
+#include "gpu/contact/queue.h"
 #include "gpu/world/state.h"
 #include "gpu/world/systems.h"
-#include "ref/sleep/sleep.h"
+#include "ref/sleep/rest.h"
 }
 
 int gpu_systems_make(struct gpu_world *w)
@@ -49,8 +48,7 @@ static struct joint_system systems_of(struct world *w, struct joint *s)
  * bad. */
 static int checked(const struct world *w, int status)
 {
-    const int64_t *seen = gpu_late_seen(w->device->gpu) + LATE_CONTACTS;
-    bool bad = seen[INCIDENCE_BAD] != 0;
+    bool bad = gpu_queue_bad(w->device->gpu);
     return status == DRAPE_OK && bad ? (int)DRAPE_EARG : status;
 }
 

@@ -6,6 +6,7 @@
 #include "ref/base/clock.h"
 #include "ref/base/sum.h"
 #include "ref/cloth/motion.h"
+#include "ref/contact/carry.h"
 #include "ref/contact/response.h"
 #include "ref/contact/unknowns.h"
 #include "ref/sleep/sleep.h"

@@ -5,7 +5,6 @@
 #define REF_LAGRANGE_H
 
 #include "ref/base/backend.h"
-#include "ref/contact/carry.h"
 #include "ref/contact/coulomb.h"
 #include "ref/solve/joint.h"
 

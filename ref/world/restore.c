@@ -3,6 +3,7 @@
  * a later slice or after its last. The memory is taken when a start is first
  * kept. spec/world/step.md §7 */
 #include "ref/world/restore.h"
+#include "ref/contact/carry.h"
 #include "ref/sleep/sleep.h"
 
 static vec *take(struct world *w, vec *had, int64_t n)

@@ -2,6 +2,7 @@
 /* Contact across whole steps: friction of a pair, what contacts carry on, and
  * the past of Choi–Ko. spec/contact/carry.md, spec/cloth/implicit.md §4 */
 #include "ref/cloth/implicit.h"
+#include "ref/contact/carry.h"
 #include "ref/world/state.h"
 #include "ref/world/step.h"
 #include "tests/solve/system.h"
