@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* ref/contact/unknowns.h on the device. spec/contact/lagrange.md */
+/* The loops of ref/contact/unknowns.h on the device.
+ * spec/contact/lagrange.md */
 #ifndef GPU_UNKNOWNS_H
 #define GPU_UNKNOWNS_H
 
@@ -10,13 +11,9 @@
 extern "C" {
 #endif
 
-struct gpu_world;
 struct jumps;
 struct shift;
-struct world;
 
-int gpu_unknowns_make(struct gpu_world *w);
-int gpu_unknowns_room(struct world *w, int64_t n);
 void gpu_unknowns_shift(struct gpu *g, const struct shift *s);
 void gpu_unknowns_jump(struct gpu *g, const struct jumps *s);
 void gpu_unknowns_lessen(struct gpu *g, int64_t n, real part, const vec *q,

@@ -7,7 +7,6 @@
 extern "C" {
 #include "gpu/broad/broad.h"
 #include "gpu/compare/blas.h"
-#include "gpu/contact/unknowns.h"
 #include "gpu/world/backend.h"
 #include "gpu/world/kinematics.h"
 #include "gpu/world/make.h"
@@ -93,7 +92,7 @@ static int give_response(struct gpu_world *d)
     GPU_TAKE_COPY(d->gpu, c->rolled, ARENA_RESPONSE, NULL, w->nv);
     GPU_TAKE_COPY(d->gpu, c->start, ARENA_RESPONSE, NULL, w->nv + 1);
     GPU_TAKE_COPY(d->gpu, c->first, ARENA_RESPONSE, NULL, w->nv);
-    return w->plan.solves ? gpu_unknowns_make(d) : gpu_status(d->gpu);
+    return w->plan.solves ? gpu_systems_streams(d) : gpu_status(d->gpu);
 }
 
 /* Opens the device and makes *world, the world that is stepped: a copy of the
