@@ -419,8 +419,6 @@ static void start(struct loop *s)
     a->newton = w->plan.newton > 1;
     a->solves = a->iterations = a->renewals = a->outcome = 0;
     a->residual = 0;
-    a->solved = a->struck = false;
-    a->n_kept[1] = 0;
 }
 
 /* The contacts of the slice's start. True if there is something to solve. */
@@ -509,6 +507,13 @@ static void finish(struct loop *s)
     for (int k = 0; k < w->def.n_cloths; k++)
         if (sleep_awake(w, k))
             a->outcome |= w->sheet[k].dynamics.outcome;
+}
+
+void lagrange_forget(struct world *w)
+{
+    struct lagrange *a = &w->lagrange;
+    a->begun = a->solved = a->struck = false;
+    a->n_kept[1] = 0;
 }
 
 void lagrange_note(struct world *w)

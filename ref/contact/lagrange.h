@@ -36,6 +36,9 @@ struct lagrange {
     double seconds;  /* out */
 };
 
+/* Of a slice that was tried before nothing stays: where the next one meets
+ * nothing there is no solve that would replace it. */
+void lagrange_forget(struct world *w);
 /* Begins a slice whose contacts take part from the start: the cloths are where
  * they go by themselves, unsolved. DRAPE_OK or the status of a stage. */
 int lagrange_begin(struct world *w);

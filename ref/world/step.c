@@ -141,7 +141,7 @@ static int move_sheets(struct world *w, drape_step_report *r)
     for (int k = 0; k < n; k++)
         if (sleep_awake(w, k))
             prepare_sheet(w, k);
-    w->lagrange.begun = w->lagrange.solved = false;
+    lagrange_forget(w);
     if (w->plan.solves && w->near >= NEAR_CONTACTS)
         return lagrange_begin(w);
     for (int k = 0; k < n && status == DRAPE_OK; k++)
