@@ -67,7 +67,7 @@ static int bring(struct world *w, struct left *s)
     s->contact = c->contact[c->solved].data;
     s->pushed = c->contact[c->side].data;
     s->span = (double)law->dt / (double)law->tau;
-    if (w->home == w)
+    if (w->home == w || s->n + s->n_pushed == 0)
         return DRAPE_OK;
     struct contact *pushed = l->raw + s->n;
     size_t bytes = sizeof *l->raw;

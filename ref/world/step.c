@@ -232,7 +232,7 @@ static void check(struct world *w, struct step *s)
 
 static void remember_run(struct world *w, int64_t first, int64_t n)
 {
-    bool collides = w->plan.collides;
+    bool collides = w->plan.collides, struck = w->lagrange.struck;
     struct history h = {.count = n,
                         .x0 = w->x0 + first,
                         .v0 = w->v0 + first,
@@ -240,8 +240,8 @@ static void remember_run(struct world *w, int64_t first, int64_t n)
                         .v1 = (collides ? w->free_v : w->v1) + first,
                         .x = w->x1 + first,
                         .v = w->v1 + first,
-                        .n_jump = w->lagrange.struck ? n : 0,
-                        .jump = w->lagrange.jump + first,
+                        .n_jump = struck ? n : 0,
+                        .jump = struck ? w->lagrange.jump + first : NULL,
                         .part = state_has_past(w) ? R(2.0) / 3 : 1,
                         .dt = (real)w->dt,
                         .xp = w->past_x + first,
