@@ -52,7 +52,9 @@ replay() {
             failed=$((failed + 1))
             continue
         }
-        line=$("$build/replay" "$t" "$@" | tee /dev/stderr | tail -n 1) || :
+        said=$("$build/replay" "$t" "$@") || :
+        echo "$said" >&2 # not by tee /dev/stderr, which empties the part's log
+        line=$(echo "$said" | tail -n 1)
         case $line in
         *' passed, '*) ;;
         *)
