@@ -413,6 +413,7 @@ static void start(struct loop *s)
     a->law.dt = (real)w->dt;
     a->law.tau = (real)(past ? w->dt * 2 / 3 : w->dt);
     real column = PRESS * w->cell * w->cell * a->law.tau * a->law.tau;
+    column = real_max(R(1e-30), real_min(column, R(1e30))); /* of any scale */
     a->law.reach = w->cell / 2;
     a->law.give = CARRY_RISE / column;
     a->law.stiffest = column / (CARRY_GIVE * a->law.reach);
