@@ -80,9 +80,11 @@ KERNEL coulomb_evaluate_kernel(const struct coulomb &s, int64_t *words)
     vec n = c->n, v = scale(s.dt / s.tau, pair_sum(c, s.u));
     real along = dot(n, v), lack = c->target * (s.dt / s.tau) - along;
     vec slip = axpy(v, -along, n), z = axpy(c->lambda_t, -c->kappa, slip);
+    c->impulse = push_of(&s, c, c->lambda, lack);
+    if (s.closes)
+        c->load = c->impulse;
     real most = c->friction * c->load, size = length(z);
     bool slides = size > most;
-    c->impulse = push_of(&s, c, c->lambda, lack);
     c->tangent = slides ? scale(most / size, z) : z;
     c->along =
         c->impulse > 0 ? c->kappa / (1 + c->kappa * give_of(&s, c)) : R(0.0);

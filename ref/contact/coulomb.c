@@ -78,9 +78,11 @@ static void evaluate(const struct coulomb *s, int64_t k)
     real lack = c->target * (s->dt / s->tau) - along;
     vec slip = vec_axpy(v, -along, c->n);
     vec z = vec_axpy(c->lambda_t, -c->kappa, slip);
+    c->impulse = push_of(s, c, c->lambda, lack);
+    if (s->closes)
+        c->load = c->impulse;
     real most = c->friction * c->load, size = vec_length(z);
     bool slides = size > most;
-    c->impulse = push_of(s, c, c->lambda, lack);
     c->tangent = slides ? vec_scale(most / size, z) : z;
     c->along = c->impulse > 0 ? c->kappa / (1 + c->kappa * give_of(s, c)) : 0;
     c->slide = slides ? c->kappa * (most / size) : most > 0 ? c->kappa : 0;

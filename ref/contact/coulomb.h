@@ -19,6 +19,7 @@ struct coulomb {
     real give;  /* 1/(kg m), ≥ 0: compliance of a contact over its gap */
     real reach; /* m, ≥ 0: no thickness is larger */
     int renews; /* 1: the multipliers become what the call before found */
+    int closes; /* 1: N becomes what this call finds */
     int lists;  /* 1: the contacts are others than in the call before */
     struct contact *contact; /* [n] inout; carry.md has set them up */
 

@@ -127,6 +127,15 @@ static void evaluate(struct loop *s, bool lists, bool renews)
                   (size_t)law->nv * sizeof *law->force);
 }
 
+/* §3.5 */
+static void close_contacts(struct loop *s)
+{
+    s->a->law.closes = 1;
+    if (goes_on(s))
+        evaluate(s, false, false);
+    s->a->law.closes = 0;
+}
+
 /* What a solve does not write of cloths that are asleep. */
 static void clear_asleep(const struct loop *s)
 {
@@ -537,6 +546,7 @@ int lagrange_solve(void *user, const struct pairs *near)
         take_contacts(&s);
         while (goes_on(&s) && iterate(&s))
             ;
+        close_contacts(&s);
         s.a->residual = s.scale > 0 ? (double)(s.outer / s.scale) : 0;
     }
     if (goes_on(&s) && s.a->solved)

@@ -107,6 +107,7 @@ void gen_coulomb(struct bytes *b, struct coulomb *s)
     s->give = pick(b, 4) ? 10 / s->stiffest : 0;
     s->reach = R(0.01);
     s->renews = (int)pick(b, 2);
+    s->closes = pick(b, 4) == 0;
     s->lists = (int)pick(b, 2);
     bool led = pick(b, 16) == 0; /* all vertices are */
     real *w = take(b, s->nv, sizeof *w);
@@ -231,6 +232,14 @@ static const char *check_push(const struct coulomb *s, const struct contact *c)
     /* §1: nothing presses apart what parts by itself */
     bool parts = l.along < -16 * unit * l.size;
     EXPECT(c->lambda > 0 || !parts || c->impulse == 0);
+    return NULL;
+}
+
+/* §2.4: a call that closes takes N of itself. */
+static const char *check_closed(const struct coulomb *s,
+                                const struct contact *c)
+{
+    EXPECT(!s->closes || c->load == c->impulse);
     return NULL;
 }
 
@@ -437,6 +446,7 @@ static const char *check_renewed(const struct coulomb *s, int32_t *grown)
     if (!copy_of(s, &again))
         return "no memory";
     again.renews = 1;
+    again.closes = 0;
     int status = ref_coulomb(&again);
     for (int64_t k = 0; k < s->n && !failed; k++) {
         const struct contact *was = &s->contact[k], *is = &again.contact[k];
@@ -489,6 +499,7 @@ static const char *check_all(const struct coulomb *s, struct wide *sum,
     const char *failed = check_refusals(s);
     for (int64_t k = 0; k < s->n && !failed; k++) {
         failed = check_push(s, &s->contact[k]);
+        failed = failed ? failed : check_closed(s, &s->contact[k]);
         failed = failed ? failed : check_drag(s, &s->contact[k]);
         failed = failed ? failed : check_matrix(s, &s->contact[k]);
     }
