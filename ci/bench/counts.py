@@ -19,11 +19,11 @@ import tempfile
 # particle in the last step, a tenth above what they were on 2026-11-28.
 COUNTS = ["iterations", "solves", "rounds", "slices", "contacts a particle"]
 SCENES = {
-    "layers_2": (31, 32, 40, (4730, 630, 64, 44, 0.69)),
-    "layers_8": (31, 32, 20, (2640, 400, 63, 22, 1.2)),
-    "funnel_540k": (31, 32, 20, (3600, 845, 69, 88, 0.85)),
-    "ball_past": (41, 32, 60, (1970, 396, 62, 66, 0.1)),
-    "ball_stops": (41, 32, 40, (3160, 443, 59, 44, 0.1)),
+    "layers_2": (31, 32, 40, (2780, 390, 52, 44, 0.69)),
+    "layers_8": (31, 32, 20, (2000, 350, 40, 22, 1.18)),
+    "funnel_540k": (31, 32, 20, (2540, 700, 69, 88, 0.85)),
+    "ball_past": (41, 32, 60, (1590, 340, 62, 66, 0.1)),
+    "ball_stops": (41, 32, 40, (2220, 326, 59, 44, 0.1)),
 }
 
 

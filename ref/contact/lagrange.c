@@ -14,7 +14,7 @@
 
 /* §3: most linear systems of a slice, or of each of the two parts of one whose
  * springs are linearised anew; most trials of a line search. */
-enum { SOLVES = 16, TRIALS = 12 };
+enum { SOLVES = 12, TRIALS = 12 };
 static const real FORCING = R(0.1); /* §3.2: tolerance of a linear system */
 static const real NESTED = R(0.3);  /* §3.3: the inner residual is this part of
                                        the outer one where multipliers are
@@ -23,8 +23,8 @@ static const real SLOPE = R(0.1); /* §3.2: of the slope at a step's start, what
                                      a line search may leave */
 static const real GROSS = 1;      /* §4: of the scale, what linear springs may
                                      leave undone */
-static const real ANEW = R(0.1);  /* §4: of the least scale, what such springs
-                                     may leave undone */
+static const real ANEW = R(0.1);  /* §4: of the scale, what such springs may
+                                     leave undone once they were too much so */
 static const real EARTH = R(9.81); /* §3.4: m/s², the least g of the scale */
 static const real STRUCK = R(0.5); /* §5: of g dt */
 static const real PRESS = R(1e4);  /* Pa, coulomb.md §1: the modulus of cloth
@@ -35,9 +35,9 @@ struct loop {
     struct world *w;
     struct lagrange *a;
     real g_dt;  /* m/s, what gravity changes in the slice, at least Earth's */
-    real least; /* §3.4: what the scale is at least */
     real scale; /* §3.4 */
     real outer; /* the last one */
+    int from;   /* linear systems when this part of the slice began */
     int most;   /* linear systems */
     bool fresh; /* the law was evaluated since M was made */
     bool moved; /* since pairs were last looked for */
@@ -209,8 +209,8 @@ static void weigh(struct loop *s)
 {
     const vec *force = s->a->law.force;
     real net = dot(s, force, force, s->w->w);
-    s->least = real_sqrt((real)s->w->mass) * s->g_dt;
-    s->scale = real_max(s->least, real_sqrt(net));
+    real least = real_sqrt((real)s->w->mass) * s->g_dt;
+    s->scale = real_max(least, real_sqrt(net));
 }
 
 /* §3.2 */
@@ -373,7 +373,8 @@ static bool relinearises(struct loop *s)
     if (!(measure(s, s->a->law.inner) > GROSS * s->scale))
         return false;
     s->a->newton = true;
-    s->most = s->a->solves + SOLVES;
+    s->from = s->a->solves;
+    s->most = s->from + SOLVES;
     return goes_on(s);
 }
 
@@ -382,14 +383,15 @@ static bool iterate(struct loop *s)
 {
     struct lagrange *a = s->a;
     real tolerance = (real)s->w->def.tolerance;
-    bool loose = a->newton && s->w->plan.newton <= 1;
+    bool loose = a->newton && s->w->plan.newton <= 1 && tolerance < ANEW;
+    if (loose)
+        tolerance = ANEW;
     s->outer = measure(s, a->law.outer);
     weigh(s);
     bool last = a->solves >= s->most;
     bool known = !loose || s->moved || s->clean;
-    real enough = real_max(tolerance * s->scale, loose ? ANEW * s->least : 0);
-    bool done = known && s->outer <= enough;
-    if (s->moved && (done || last || a->solves == 1) && find_met(s)) {
+    bool done = known && s->outer <= tolerance * s->scale;
+    if (s->moved && (done || last || a->solves == s->from + 1) && find_met(s)) {
         take_contacts(s);
         if (!last)
             return goes_on(s);
