@@ -19,11 +19,11 @@ import tempfile
 # particle in the last step, a tenth above what they were on 2026-11-28.
 COUNTS = ["iterations", "solves", "rounds", "slices", "contacts a particle"]
 SCENES = {
-    "layers_2": (31, 32, 40, (2780, 390, 52, 44, 0.69)),
-    "layers_8": (31, 32, 20, (2000, 350, 40, 22, 1.18)),
-    "funnel_540k": (31, 32, 20, (2540, 700, 69, 88, 0.85)),
-    "ball_past": (41, 32, 60, (1590, 340, 62, 66, 0.1)),
-    "ball_stops": (41, 32, 40, (2220, 326, 59, 44, 0.1)),
+    "layers_2": (31, 32, 40, (2800, 395, 50, 44, 0.69)),
+    "layers_8": (31, 32, 20, (1940, 349, 43, 22, 1.18)),
+    "funnel_540k": (31, 32, 20, (2550, 695, 66, 88, 0.85)),
+    "ball_past": (41, 32, 60, (1690, 338, 76, 66, 0.1)),
+    "ball_stops": (41, 32, 40, (2060, 326, 57, 44, 0.1)),
 }
 
 
