@@ -8,6 +8,7 @@
 #include "tests/world/slab.h"
 
 enum { SIDE = 12, COUNT = SIDE * SIDE };
+enum { SYSTEMS = 12 }; /* lagrange.md §3.4 */
 
 /* Where the system was last made or measured: b at the velocities v. */
 struct ledger {
@@ -124,8 +125,9 @@ static const char *check_residual(const struct ledger *a,
 }
 
 /* Steps a disordered sheet near a slab; up: step 1 has no contacts any more.
- * The disorder is less than a cell in a step, so that linear springs serve and
- * the loop ends in balance (lagrange.md §4). */
+ * The disorder is less than a cell in a step. Its impact may end by the looser
+ * rule of Newton's part, and the slice after it with its last system
+ * (lagrange.md §3.4, §4); from then on all end in balance. */
 static const char *run(bool up, int precond, int newton)
 {
     static double v[COUNT][3];
@@ -134,7 +136,6 @@ static const char *run(bool up, int precond, int newton)
     static struct ledger a;
     drape_error error;
     const char *failed = NULL;
-    int solved = 0, met = 0;
     a = (struct ledger){0};
     for (uint64_t k = 0; k < 3 * COUNT; k++)
         v[k / 3][k % 3] = 0.1 * noise_of(k) + (up && k % 3 == 1 ? 2 : 0);
@@ -159,14 +160,12 @@ static const char *run(bool up, int precond, int newton)
         EXPECT(a.w->lagrange.solved || r.contacts == 0);
         if (!a.w->lagrange.solved)
             continue;
-        met++;
         failed = r.rounds <= 1 ? balance(&a) : NULL;
         failed = failed ? failed : check_residual(&a, &r);
-        solved += r.residual <= 1e-3;
+        bool last = r.work.solves >= SYSTEMS;
+        EXPECT(r.residual <= 1e-3 || k == 0 || (k == 1 && last));
     }
     arena_free(&arena);
-    EXPECT(failed ||
-           solved >= met - 1); /* one slice of an impact may end first */
     ran(1);
     return failed;
 }
