@@ -15,7 +15,6 @@ _Static_assert(sizeof part_names / sizeof *part_names == DRAPE_PART_COUNT,
 static const char *const work_names[] = {
     "tries",      "solves", "queries", "narrow", "boxes",
     "boxes_kept", "walked", "cleared", "near",   "later"};
-enum { WORK_NARROW = 3 };
 _Static_assert(sizeof work_names / sizeof *work_names == WORKS,
                "a count of work has no name");
 
@@ -34,15 +33,12 @@ static void put_parts(FILE *out, const double seconds[DRAPE_PART_COUNT])
     }
 }
 
-/* Writes the counters of work done and of work left out. */
-static void put_work(FILE *out, const int64_t work[WORKS], int64_t rounds)
+/* Writes the counters of work. */
+static void put_work(FILE *out, const int64_t work[WORKS])
 {
     for (int k = 0; k < WORKS; k++) {
         fprintf(out, "%s\"%s\": %lld", k ? ", " : "\"work\": {", work_names[k],
                 (long long)work[k]);
-        if (k == WORK_NARROW)
-            fprintf(out, ", \"narrow_skipped\": %lld",
-                    (long long)(rounds - work[k]));
     }
     fputs("}", out);
 }
@@ -75,7 +71,7 @@ static void put_step(FILE *out, const struct report *report, int64_t k)
     put_parts(out, s->seconds);
     fputs("}, ", out);
     report_work(&s->work, work);
-    put_work(out, work, s->rounds);
+    put_work(out, work);
     contacts_put(out, &report->impulses, k);
     fputs("}", out);
 }
@@ -113,7 +109,7 @@ static void put_summary(FILE *out, const struct report *report)
     fputs(",\n    \"part_seconds\": {", out);
     put_parts(out, t.seconds);
     fputs("},\n    ", out);
-    put_work(out, t.work, t.all_rounds);
+    put_work(out, t.work);
     fputs("},\n", out);
 }
 

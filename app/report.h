@@ -52,7 +52,6 @@ struct totals {
     int64_t intersecting;                 /* steps whose end state intersects */
     int64_t first, last;                  /* of these, by their numbers */
     int64_t contacts, rounds, iterations; /* of a step, the most */
-    int64_t all_rounds;
     double seconds[DRAPE_PART_COUNT];
     int64_t work[WORKS];
 };

@@ -50,6 +50,7 @@ static const char *const integrators[] = {
     "baraff-witkin", "choi-ko",  "bdf2",   NULL};
 static const char *const preconds[] = {"jacobi", "multigrid", NULL};
 static const char *const solvers[] = {"exact", "cublas", NULL};
+static const char *const responses[] = {"solve", "impulses", NULL};
 static const char *const matrices[] = {"cdf", "compact", NULL};
 
 #define SCENE(name) offsetof(struct scene, name)
@@ -70,6 +71,7 @@ static const struct json_key scene_keys[] = {
     CHOICE_KEY("precond", SCENE(def.precond), preconds),
     CHOICE_KEY("matrix", SCENE(def.matrix), matrices),
     CHOICE_KEY("solver", SCENE(def.solver), solvers),
+    CHOICE_KEY("response", SCENE(def.response), responses),
     NUMBER_KEY("tolerance", SCENE(def.tolerance), 1e-15, 0.5),
     INTEGER_KEY("max_iterations", SCENE(def.max_iterations), 1, 1e6),
     INTEGER_KEY("newton", SCENE(def.newton), 0, 64),

@@ -98,7 +98,6 @@ void report_sum(const struct report *report, struct totals *t)
         report_work(&s->work, work);
         for (int j = 0; j < WORKS; j++)
             t->work[j] += work[j];
-        t->all_rounds += s->rounds;
         t->contacts = larger(t->contacts, s->contacts);
         t->rounds = larger(t->rounds, s->rounds);
         t->iterations = larger(t->iterations, s->iterations);

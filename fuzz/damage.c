@@ -77,9 +77,9 @@ size_t damage(struct bytes *b, uint8_t *data, size_t size, size_t most,
  * whole words. */
 enum { CHECK = 24 };
 
-/* The place of the sign in a checkpoint, which says whether the world was
- * changed. */
-enum { SIGN = 5 };
+/* Places in a checkpoint: the sign says whether the world was changed; the
+ * number of entries that contacts carry on. */
+enum { SIGN = 5, KEPT = 72 };
 
 bool damage_matches(const uint8_t *data, size_t size, const uint8_t *own)
 {
@@ -87,6 +87,13 @@ bool damage_matches(const uint8_t *data, size_t size, const uint8_t *own)
     if (size < first || memcmp(data, own, SIGN) != 0)
         return true;
     return !memcmp(data + first, own + first, end - first);
+}
+
+int64_t damage_kept(const uint8_t *data)
+{
+    int64_t kept;
+    memcpy(&kept, data + KEPT, sizeof kept);
+    return kept;
 }
 
 static uint64_t check_of(const uint8_t *data, size_t size)

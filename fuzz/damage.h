@@ -20,15 +20,18 @@ size_t damage(struct bytes *b, uint8_t *data, size_t size, size_t most,
  * world as the checkpoint `own`. Bytes that do not begin as a checkpoint pass.
  */
 bool damage_matches(const uint8_t *data, size_t size, const uint8_t *own);
+/* How many entries a whole checkpoint says that contacts carry on. */
+int64_t damage_kept(const uint8_t *data);
 /* Recomputes the checksum of a checkpoint. */
 void damage_repair(uint8_t *data, size_t size);
 /* Whether damage_repair would write the checksum that the library wrote. */
 bool damage_repairs(const uint8_t *data, size_t size);
 
 /* Makes world k: the first of a thousand worlds whose checkpoints can be
- * repaired, after k steps; every fourth is changed. *tape is its checkpoint.
- * Returns NULL if there is no such world. */
-enum { DAMAGE_WORLDS = 8 };
+ * repaired, after k steps; every fourth is changed. From DAMAGE_PRESSED on its
+ * contacts carry impulses on. *tape is its checkpoint. Returns NULL if there is
+ * no such world. */
+enum { DAMAGE_PRESSED = 8, DAMAGE_WORLDS = 10 };
 drape_world *damage_world(struct small *s, unsigned k, struct tape *tape);
 
 #endif

@@ -25,9 +25,10 @@ struct target {
 /* All targets; the last entry has no name. The targets of the tool's readers
  * have their own table, as the tool is not built everywhere. */
 extern const struct target fuzz_targets[], fuzz_readers[];
-/* Set by the driver that replays corpora: an input that begins as a checkpoint
- * has to be one of this format and of the target's world, as any other is
- * refused at the first comparison and tests nothing behind it. */
+/* Set by the driver that replays corpora: an input that begins as a checkpoint,
+ * or as a log with a state, has to be of this format and of the target's world,
+ * as any other is refused at the first comparison and tests nothing behind it.
+ */
 extern bool fuzz_kept;
 /* Returns the target of that name, or NULL. */
 const struct target *fuzz_find(const char *name);

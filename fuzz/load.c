@@ -9,7 +9,7 @@
 #include "fuzz/damage.h"
 #include "fuzz/small.h"
 
-enum { HEAD = 176, PATIENCE = 30 };
+enum { HEAD = 168, PATIENCE = 30 };
 
 /* Continues a world that accepted a checkpoint: whatever the checkpoint was,
  * each call must return a status. */

@@ -139,6 +139,22 @@ static const char *play(drape_world *world, struct tape *log)
     return NULL;
 }
 
+/* Whether a log that begins with a state, as far as it goes, has this format
+ * and a state of the world whose checkpoint is `own`. Bytes that do not begin
+ * so pass. */
+static bool matches(const struct tape *log, const struct tape *own)
+{
+    const size_t head = sizeof(struct record_head);
+    const size_t family = sizeof RECORD_MAGIC - 2;
+    struct record_head h;
+    if (log->size < head || memcmp(log->data, RECORD_MAGIC, family) != 0)
+        return true;
+    memcpy(&h, log->data, sizeof h);
+    return begins(log, 0) &&
+           (h.kind != RECORD_STATE ||
+            damage_matches(log->data + head, log->size - head, own->data));
+}
+
 /* A world's own log gives the state that the recorded world had at its end. */
 static const char *play_own(drape_world *world, struct tape *log,
                             const struct tape *end)
@@ -161,28 +177,30 @@ static const char *play_own(drape_world *world, struct tape *log,
 const char *fuzz_replay(const char *name, const uint8_t *data, size_t size)
 {
     static struct small s;
-    struct tape unused = {.left = -1}, log = {.left = -1}, end = {.left = -1};
+    struct tape own = {.left = -1}, log = {.left = -1}, end = {.left = -1};
     const char *failed = "a world that could be made is not made again";
     (void)name;
     if (!size)
         return NULL;
     unsigned k = data[0] % DAMAGE_WORLDS;
-    drape_world *world = damage_world(&s, k, &unused);
+    drape_world *world = damage_world(&s, k, &own);
     if (world && size == 1) {
         failed = "a log of a world's own cannot be recorded";
         bool good = record(&s, k, world, &log, &end);
         drape_destroy(world);
-        unused.size = 0;
-        world = good ? damage_world(&s, k, &unused) : NULL;
+        own.size = 0;
+        world = good ? damage_world(&s, k, &own) : NULL;
         failed = world ? play_own(world, &log, &end) : failed;
     } else if (world) {
         tape_write(&log, data + 1, size - 1);
         if (!(data[0] & AS_IT_IS))
             repair(&log);
         failed = play(world, &log);
+        if (!failed && fuzz_kept && !matches(&log, &own))
+            failed = "the log is of another format or world";
     }
     drape_destroy(world);
-    free(unused.data);
+    free(own.data);
     free(log.data);
     free(end.data);
     if (!failed && (s.host.held || s.host.wrong))

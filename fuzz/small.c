@@ -123,7 +123,9 @@ static void draw_choices(struct bytes *b, drape_def *d)
     d->wind.density = pick(b, 2) ? 1.2 : 0;
     d->wind.velocity[0] = pick(b, 5);
     d->gravity[1] = pick(b, 4) == 3 ? -200 : -9.81;
-    d->newton = (int)pick(b, 4);
+    uint32_t how = pick(b, 16); /* one word, as inputs of corpora have it */
+    d->newton = (int)(how % 4);
+    d->response = how / 4 == 3 ? DRAPE_IMPULSES : DRAPE_SOLVE;
 }
 
 void small_make(struct small *s, struct bytes *b)

@@ -33,7 +33,9 @@ drape_world *damage_world(struct small *s, unsigned k, struct tape *tape)
             drape_step(world, NULL);
         if (k % 4 == 3)
             change(s, world);
-        if (tape_save(tape, world) && damage_repairs(tape->data, tape->size)) {
+        bool good =
+            tape_save(tape, world) && damage_repairs(tape->data, tape->size);
+        if (good && (k < DAMAGE_PRESSED || damage_kept(tape->data) > 0)) {
             seed[k] = try;
             return world;
         }

@@ -106,6 +106,12 @@ enum drape_solver {
     DRAPE_CUBLAS /* cuBLAS, as in the paper: it adds in an order of its own, so
                     the bits are not those of the reference */
 };
+/* What contacts do with an implicit integrator. contact/response.md */
+enum drape_response {
+    DRAPE_SOLVE,   /* they take part in the solve: contact/lagrange.md */
+    DRAPE_IMPULSES /* they act after it, as in the paper and always with an
+                      explicit integrator: repulsion, then rounds of impulses */
+};
 /* Where the stages run: on the CPU (ref/) or on an NVIDIA GPU (gpu/). The bits
  * are the same with DRAPE_EXACT. */
 enum drape_backend { DRAPE_REF, DRAPE_GPU };
@@ -274,16 +280,19 @@ typedef struct drape_def {
     int precond;        /* enum drape_precond */
     int matrix;         /* enum drape_matrix */
     int solver;         /* enum drape_solver; DRAPE_CUBLAS: backend gpu only */
-    double tolerance;   /* of a solve: relative residual, 1e-15 … 1 */
+    double tolerance;   /* of a solve: relative residual, 1e-15 … 1; where
+                           contacts take part, of what is not in balance
+                           (contact/lagrange.md §3.4) */
     int max_iterations; /* of the conjugate gradients in one solve, ≥ 1 */
 
     int self_collision; /* 1: cloth collides with cloth, its own and others'; 0:
                            with obstacles only */
+    int response;       /* enum drape_response */
     int max_rounds;     /* rounds of collision impulses in a slice before the
                            fail-safe, 0 … 10000 (contact/response.md §4) */
     /* Most slices of a step, a power of two, 1 … 64; 1: a step is never cut. A
-     * step is cut where things move far or where it ends badly
-     * (world/step.md §7). */
+     * step is cut where it ends badly, and where things move far and contacts
+     * are not solved with the cloths (world/step.md §7). */
     int max_slices;
     int allow_intersecting; /* 1: a start that intersects is accepted; 0: it is
                                DRAPE_ESTART */
@@ -323,7 +332,7 @@ enum drape_part {
     DRAPE_PART_INTEGRATION, /* forces and motion, without the solver */
     DRAPE_PART_SOLVER,      /* linear systems, those with contacts too */
     DRAPE_PART_BROAD,       /* queries of the broad phase */
-    DRAPE_PART_PROXIMITY,   /* repulsion, and how far candidates move */
+    DRAPE_PART_PROXIMITY,   /* pairs near, repulsion, how far candidates move */
     DRAPE_PART_PENETRATION, /* narrow phase, impulses and fail-safe */
     DRAPE_PART_COUNT
 };
@@ -358,12 +367,13 @@ typedef struct drape_step_report {
     int slices;         /* slices that make up the step, 1 … max_slices */
     int substeps;       /* most substeps of the integrator in a slice */
     int iterations;     /* * of the linear solver, all solves together */
-    double residual;    /* relative, the largest of the solves */
-    int rounds;         /* * detections of penetration after the turns of the
+    double residual;    /* relative, the largest: of solves without contacts,
+                           and of what those with contacts left undone */
+    int rounds;         /* * detections of penetration after the solves with
                            contacts, of which the last in a clean slice finds
                            no pair; 0 where nothing was near anything */
     int asleep;         /* cloths asleep at the end of the step */
-    int64_t contacts;   /* pairs in contact, contact/proximity.md, last slice */
+    int64_t contacts;   /* pairs near, contact/proximity.md, last slice */
     int64_t impacts;    /* pairs found to penetrate, all rounds */
     int64_t candidates; /* * pairs given to the narrow phase, all rounds */
     int64_t zone_vertices, rolled_back; /* vertices that the fail-safe moved in
@@ -519,8 +529,8 @@ typedef struct drape_contact_list {
                                      body got from contacts in all */
     double dt;                    /* s, length of the slice */
 } drape_contact_list;
-/* Lends the list of pairs that were closer than their thickness or met in the
- * last slice of the last step that was not skipped (control/control.md §8): n
+/* Lends the list of pairs that were near or met in the last slice of the last
+ * step that was not skipped; some push nothing (control/control.md §8): n
  * is 0 before the first step, after a step that failed, drape_load,
  * drape_set_positions or drape_set_velocities, or a change of bodies. The
  * memory belongs to the world and is valid until the next call of these two

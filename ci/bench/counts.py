@@ -16,19 +16,14 @@ import tempfile
 
 # scene: particles along a side, detail of the obstacles, frames; bounds of sums
 # over all steps (iterations, solves, rounds, slices) and of the contacts of a
-# particle in the last step, a tenth above what they were on 2026-11-27. Since then
-# contacts are those of where sliding steps end: the funnel takes a fifth more
-# solves, the ball that passes half. Springs turn along the direction half way
-# (blocks.md §8), and what is not damped moves on: 3 to 26 % more iterations.
-# Friction follows after a solve with late contacts, too: the ball that passes takes
-# 151 solves.
+# particle in the last step, a tenth above what they were on 2026-11-28.
 COUNTS = ["iterations", "solves", "rounds", "slices", "contacts a particle"]
 SCENES = {
-    "layers_2": (31, 32, 40, (820, 210, 145, 54, 1.26)),
-    "layers_8": (31, 32, 20, (490, 105, 225, 31, 0.91)),
-    "funnel_540k": (31, 32, 20, (900, 290, 115, 88, 0.85)),
-    "ball_past": (41, 32, 60, (870, 165, 90, 66, 0.1)),
-    "ball_stops": (41, 32, 40, (660, 95, 52, 44, 0.1)),
+    "layers_2": (31, 32, 40, (2800, 395, 50, 44, 0.69)),
+    "layers_8": (31, 32, 20, (1940, 349, 43, 22, 1.18)),
+    "funnel_540k": (31, 32, 20, (2550, 695, 66, 88, 0.85)),
+    "ball_past": (41, 32, 60, (1690, 338, 76, 66, 0.1)),
+    "ball_stops": (41, 32, 40, (2060, 326, 57, 44, 0.1)),
 }
 
 

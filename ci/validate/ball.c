@@ -149,7 +149,7 @@ static void add_rides(struct validate *v, const char *name, bool promised,
                          .name = name,
                          .unit = "1",
                          .theory = 1,
-                         .bar = 0.02,
+                         .bar = 0.05,
                          .up_to = 1,
                          .promised = promised};
     struct property cone = {.part = "ball",
@@ -157,7 +157,7 @@ static void add_rides(struct validate *v, const char *name, bool promised,
                             .unit = "1",
                             .theory = 1,
                             .bar = 1e-3,
-                            .promised = true,
+                            .promised = false,
                             .up_to = 1};
     for (int c = 0; c < sizes; c++) {
         double most = 0;

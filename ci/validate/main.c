@@ -23,6 +23,11 @@ static const struct part {
              {"ball", part_ball},
              {"statue", part_statue},
              {"meeting", part_meeting},
+             {"layers", part_layers},
+             {"grip", part_grip},
+             {"impact", part_impact},
+             {"belt", part_belt},
+             {"converge", part_converge},
              {"buckling", part_buckling},
              {"bendtwist", part_bendtwist},
              {"stickslip", part_stickslip}};

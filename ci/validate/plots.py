@@ -228,7 +228,127 @@ def meeting():
     save(figure, "meeting")
 
 
+def steps(axes, chosen, label, value=float):
+    """Values over steps in ms, a line a property."""
+    for k, (name, points) in enumerate(chosen):
+        axes.semilogx([1e3 * float(p["size"]) for p in points],
+                      [value(p["value"]) for p in points],
+                      "o-" if k < 8 else "s--", color=COLOURS[k % 8],
+                      markersize=4, linewidth=1, label=label(name))
+    axes.set_xlabel("step, ms")
+    if chosen:
+        axes.legend(fontsize=7)
+
+
+def layers():
+    found = series("layers")
+    if not found:
+        return
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.6))
+    for k, (what, label) in enumerate((
+            ("floor's share of all weights", "floor's share of all weights"),
+            ("share of a sheet in what lies on it", "worst sheet's share"),
+            ("least distance of two sheets; of the thickness",
+             "least distance over the thickness"))):
+        at = sorted((int(name.split()[0]), float(points[0]["value"]))
+                    for name, points in found.items()
+                    if re.fullmatch(r"\d+ sheets; " + what, name))
+        left.semilogx(*zip(*at), "o-", color=COLOURS[k], markersize=4,
+                      label=label)
+    left.set_xlabel("sheets")
+    left.set_ylim(0, 1.1)
+    left.legend(fontsize=8)
+    steps(right, [(n, p) for n, p in found.items()
+                  if n.endswith("Coulomb's") and "cells" not in n],
+          lambda name: name.replace("; way over Coulomb's", ""))
+    right.axhline(1, color="black", linewidth=0.8)
+    right.set_ylabel("way over Coulomb's")
+    right.legend(fontsize=6, loc="center left", bbox_to_anchor=(1, 0.5))
+    save(figure, "layers")
+
+
+def grip():
+    found = series("grip")
+    if not found:
+        return
+    figure, (left, right) = plt.subplots(1, 2, figsize=(9.5, 3.6))
+    for axes, by, label in ((left, "by cells", "cell, mm"),
+                            (right, "by steps", "step, ms")):
+        kinds = sorted({n.split(";")[0] for n in found if by in n})
+        for q, kind in enumerate(kinds):
+            for k, (name, points) in enumerate(
+                    (n, p) for n, p in found.items()
+                    if n.startswith(kind + "; " + by) and "way" in n and
+                    n.split("; ")[3] == "baraff-witkin"):
+                axes.loglog([1e3 * float(p["size"]) for p in points],
+                            [1e3 * max(float(p["value"]), 1e-9)
+                             for p in points], ("o-", "s--")[q],
+                            color=COLOURS[k], markersize=4, linewidth=1,
+                            label=kind + ", " + name.split("; ")[2].split()[0])
+        axes.axhline(1, color="black", linewidth=0.8)
+        axes.set_xlabel(label)
+        axes.set_ylabel("way in 0.5 s, mm")
+    right.legend(fontsize=6, loc="center left", bbox_to_anchor=(1, 0.5))
+    save(figure, "grip")
+
+
+def belt():
+    found = series("belt")
+    chosen = [(n, p) for n, p in found.items()
+              if "law" in n and "cells" not in n]
+    if not chosen:
+        return
+    figure, axes = plt.subplots(figsize=(6.5, 3.8))
+    steps(axes, chosen, lambda name: "; ".join(name.split("; ")[:3]).replace(
+        "; logarithm of tensions' quotient over the law's", ""))
+    axes.axhline(1, color="black", linewidth=0.8)
+    axes.set_ylabel("log of tensions' quotient over μ θ")
+    axes.legend(fontsize=6, loc="center left", bbox_to_anchor=(1, 0.5))
+    save(figure, "belt")
+
+
+def impact():
+    found = series("impact")
+    if not found:
+        return
+    figure, (left, right) = plt.subplots(1, 2, figsize=(10, 6))
+    steps(left, [(n, p) for n, p in found.items() if "restitution" in n],
+          lambda name: name.replace("; restitution", ""))
+    left.set_ylabel("restitution")
+    left.legend(fontsize=6, loc="upper center", bbox_to_anchor=(0.5, -0.13))
+    steps(right, [(n, p) for n, p in found.items() if "lost" in n],
+          lambda name: name.replace(" along the floor", "").replace(
+              "; speed lost over the law's", ""))
+    right.axhline(1, color="black", linewidth=0.8)
+    right.set_ylabel("speed lost over the law's")
+    right.legend(fontsize=6, loc="upper center", bbox_to_anchor=(0.5, -0.13))
+    save(figure, "impact")
+
+
+def converge():
+    found = series("converge")
+    if not found:
+        return
+    figure, all_axes = plt.subplots(1, 2, figsize=(9.5, 3.6))
+    for axes, by in zip(all_axes, ("by steps", "by cells")):
+        for k, (name, points) in enumerate(
+                (n, p) for n, p in found.items() if by in n and "rms" in n):
+            axes.loglog([1e3 * float(p["size"]) for p in points],
+                        [1e3 * float(p["value"]) for p in points], "o-",
+                        color=COLOURS[k], markersize=4, linewidth=1,
+                        label=name.replace(f"; {by}; rms error", ""))
+        axes.set_xlabel("step, ms" if by == "by steps" else "cell, mm")
+        axes.set_ylabel("rms error, mm")
+        axes.legend(fontsize=7)
+    save(figure, "converge")
+
+
 cantilever()
+layers()
+grip()
+belt()
+impact()
+converge()
 cylinder()
 strips()
 meeting()

@@ -9,7 +9,7 @@ set -u
 build=$1 out=ci/validate/$2 status=0
 mkdir -p "$out"
 # The longest first.
-parts=${PARTS-fabrics cusick meeting cantilever motion contact ball statue hung stickslip buckling bendtwist tension measured plane cylinder}
+parts=${PARTS-fabrics layers grip impact belt cusick meeting converge cantilever motion contact ball statue hung stickslip buckling bendtwist tension measured plane cylinder}
 # shellcheck disable=SC2086
 printf '%s\n' $parts | xargs -P 2 -I {} \
     "$build/validate" --backend "${BACKEND-ref}" "$out" {} || status=1

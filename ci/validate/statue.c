@@ -118,8 +118,8 @@ static void add(struct validate *v, const struct flank *f, double friction,
     property_end(v, &p);
 }
 
-/* All rows of a flank with one friction by Baraff–Witkin. Friction's work and
- * that no contact leaves its cone are promised everywhere. Of the smooth
+/* All rows of a flank with one friction by Baraff–Witkin. Friction's work is
+ * promised everywhere. Of the smooth
  * boulder its way is, with friction 0.2 by short steps, which is all of the
  * small form, and that it rests with 1.5. */
 static void add_rows(struct validate *v, const struct flank *f, double friction)
@@ -134,8 +134,9 @@ static void add_rows(struct validate *v, const struct flank *f, double friction)
         return;
     row.first = 0;
     for (row.which = 0; row.which < RIDE_CREEP && friction <= 1; row.which++) {
-        row.promised = row.which == RIDE_LAW || row.which == RIDE_CONE;
-        if (!is_of_points(row.which) && (!row.promised || friction > 0))
+        bool own = row.which == RIDE_LAW || row.which == RIDE_CONE;
+        row.promised = row.which == RIDE_LAW;
+        if (!is_of_points(row.which) && (!own || friction > 0))
             add(v, f, friction, &row, value);
     }
     row.which = RIDE_CREEP;
@@ -158,7 +159,7 @@ static void add_second(struct validate *v, const struct flank *f,
          row.which++)
         add(v, f, friction, &row, value);
     row.which = RIDE_CONE;
-    row.promised = true;
+    row.promised = false; /* limits.md: its load is of an earlier evaluation */
     if (friction > 0)
         add(v, f, friction, &row, value);
 }

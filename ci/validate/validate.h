@@ -96,5 +96,10 @@ void part_contact(struct validate *v);
 void part_ball(struct validate *v);
 void part_statue(struct validate *v);
 void part_meeting(struct validate *v);
+void part_layers(struct validate *v);
+void part_grip(struct validate *v);
+void part_belt(struct validate *v);
+void part_impact(struct validate *v);
+void part_converge(struct validate *v);
 
 #endif

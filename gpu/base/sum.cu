@@ -17,11 +17,14 @@ KERNEL sum_kernel(int64_t n, const real *a, real *chunk, int64_t *words)
         *(real *)(words + VALUE) = sum;
 }
 
-KERNEL dot_kernel(int64_t n, const vec *a, const vec *b, real *chunk,
-                  int64_t *words)
+/* The same of the dots of a and b, each with its weight. w: NULL, all are 1. */
+KERNEL dot_kernel(int64_t n, const vec *a, const vec *b, const real *w,
+                  real *chunk, int64_t *words)
 {
     int64_t item = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x;
     real value = item < n ? dot(a[item], b[item]) : 0, sum;
+    if (w && item < n)
+        value = w[item] * value;
     bool last = grid_sums<1>(&value, chunk, (unsigned *)(words + TICKET), &sum);
     if (last && threadIdx.x == 0)
         *(real *)(words + VALUE) = sum;
@@ -45,6 +48,6 @@ int gpu_dot(struct gpu *g, struct dot *s)
 {
     int64_t *words = gpu_words(g);
     LAUNCH_BLOCKS(g, sum_chunks(s->n), SUM_CHUNK, dot_kernel, s->n, s->a, s->b,
-                  s->chunk, words);
+                  s->n_w ? s->w : NULL, s->chunk, words);
     return read_value(g, &s->value);
 }

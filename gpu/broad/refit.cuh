@@ -12,7 +12,7 @@ extern "C" {
 
 /* Words of gpu_refit_queue: nonzero if a position is bad, and then no box is
  * written; the number of boxes made. */
-enum { REFIT_BAD, REFIT_MADE, REFIT_WORDS };
+enum { REFIT_BAD, REFIT_MADE, REFIT_WORDS }; /* late: before contacts' */
 
 /* Queues gpu_refit. Its status and `made` stay on the device in words, which
  * must be 0 before. */

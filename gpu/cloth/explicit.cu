@@ -138,7 +138,7 @@ static void force(struct walk_on *w, struct state at, int n,
         to.node[k] = use[k].node;
     }
     struct springs f = gpu_motion_springs(w->g, w->s, at.x, at.v, at.v);
-    springs_to(w->g, &f, to);
+    springs_to<0>(w->g, &f, to);
 }
 
 static void euler(struct walk_on *w)

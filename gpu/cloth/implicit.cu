@@ -98,10 +98,7 @@ KERNEL rhs_kernel(const struct rhs &s)
         if (inside && s.springs[p - step] >> o & 1)
             f = add(f, pull(block + (p - step), here, s.q[p - step]));
     }
-    vec force = s.force[p];
-    if (s.n_press)
-        force = add(force, s.press[p]);
-    s.b[p] = sub(scale(s.tau, force), f);
+    s.b[p] = sub(scale(s.tau, s.force[p]), f);
 }
 
 /* Thread k owns coordinate k of 3·count in every stream, and reads the mass of
@@ -111,12 +108,9 @@ KERNEL imbalance_kernel(const struct imbalance &s)
     ITEM(k, 3 * s.count);
     uint32_t p = (uint32_t)k / 3;
     real b = 0;
-    if (!s.fixed[p]) {
-        real force = flat(s.force)[k];
-        if (s.n_press)
-            force = force + flat(s.press)[k];
-        b = s.tau * force + -s.mass[p] * (flat(s.v)[k] - flat(s.star)[k]);
-    }
+    if (!s.fixed[p])
+        b = s.tau * flat(s.force)[k] +
+            -s.mass[p] * (flat(s.v)[k] - flat(s.star)[k]);
     flat(s.b)[k] = b;
 }
 
@@ -130,6 +124,8 @@ KERNEL history_kernel(const struct history &s)
 {
     ITEM(p, s.count);
     vec x = s.x[p], v = s.v[p], v1 = s.v1[p], xp = s.x0[p], vp = s.v0[p];
+    if (s.n_jump)
+        vp = axpy(vp, s.part, s.jump[p]);
     if (!same(x, s.x1[p]) || !same(v, v1)) {
         vp = add(vp, sub(v, v1));
         xp = axpy(x, R(-0.5) * s.dt, add(v, vp));

@@ -6,6 +6,7 @@
 
 extern "C" {
 #include "ref/cloth/force.h"
+#include "ref/cloth/motion.h"
 #include "ref/cloth/newton.h"
 }
 
@@ -191,19 +192,26 @@ int gpu_motion(struct gpu *g, struct sheet *s)
                       : gpu_motion_explicit(g, s));
 }
 
-int gpu_motion_open(struct gpu *g, struct sheet *s)
+/* The scratch of a part is lent between two parts. What one leaves to another,
+ * and the wind, is not: gpu/world/sheet.cu. */
+int gpu_motion_part(struct gpu *g, struct sheet *s, int part)
 {
     struct newton_stages run = stages_make();
     struct motion on = {g, s};
-    begin(s);
-    gpu_hand_over(g);
-    return newton_open(&s->dynamics, &run, &on);
-}
-
-int gpu_motion_close(struct gpu *g, struct sheet *s, vec *dv)
-{
-    struct newton_stages run = stages_make();
-    struct motion on = {g, s};
-    s->dynamics.dv = dv;
-    return finish(g, s, newton_close(&s->dynamics, &run, &on));
+    switch (part) {
+    case MOTION_OPEN:
+        begin(s);
+        gpu_hand_over(g);
+        return newton_open(&s->dynamics, &run, &on);
+    case MOTION_PLACE:
+        return newton_place(&s->dynamics, &run, &on);
+    case MOTION_BALANCE:
+        gpu_hand_over(g);
+        return newton_balance(&s->dynamics, &run, &on);
+    case MOTION_LINEARISE:
+        return newton_linearise(&s->dynamics, &run, &on);
+    case MOTION_END:
+        return finish(g, s, DRAPE_OK);
+    }
+    return DRAPE_EARG;
 }

@@ -25,10 +25,10 @@ static inline int64_t motion_spares(const struct dynamics *d)
     return d->method == DRAPE_RK4 ? 1 : 0;
 }
 
-/* ref_motion and motion_energy on the device. All but open wait for it. */
+/* ref_motion, ref_motion_part and motion_energy on the device. All but parts
+ * other than MOTION_END wait for it. part: enum motion_part. */
 int gpu_motion(struct gpu *g, struct sheet *s);
-int gpu_motion_open(struct gpu *g, struct sheet *s);
-int gpu_motion_close(struct gpu *g, struct sheet *s, vec *dv);
+int gpu_motion_part(struct gpu *g, struct sheet *s, int part);
 void gpu_motion_energy(struct gpu *g, struct sheet *s, const vec *x,
                        const vec *v, double value[3]);
 

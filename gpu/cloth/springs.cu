@@ -16,6 +16,9 @@ struct force_stream {
 
 int gpu_springs(struct gpu *g, struct springs *s)
 {
-    springs_to(g, s, force_stream{s->force});
+    if (s->n_u)
+        springs_to<1>(g, s, force_stream{s->force});
+    else
+        springs_to<0>(g, s, force_stream{s->force});
     return gpu_status(g);
 }

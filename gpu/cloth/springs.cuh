@@ -44,21 +44,23 @@ struct alignas(16) tile_way {
 };
 
 /* Shared memory of a block: the particles of the tile and its rim, row by row,
- * and the pull of each spring on the particle that the spring starts at. */
-template <int HIGH> struct tile {
+ * and the pull of each spring on the particle that the spring starts at. MOVED:
+ * 1: the particles are at x + span·u, §6. */
+template <int HIGH, int MOVED> struct tile {
     enum { PLACES = TILE_ACROSS * (HIGH + 2 * TILE_RIM) };
-    enum { PULLS = tile_pulls(HIGH).before[SPRINGS] };
+    enum { PULLS = tile_pulls(HIGH).before[SPRINGS], MOVES = MOVED };
     struct tile_way way[SPRINGS];
     struct law law[SPRINGS];
     const struct piece *piece;
-    vec x[PLACES], v[PLACES], pull[PULLS];
+    vec x[PLACES], v[PLACES], pull[PULLS], u[MOVED ? PLACES : 1];
+    real span;
     real triple[TRIPLES];
     uint8_t springs[PLACES], beside[PLACES]; /* 0 outside the grid */
 };
 
-template <int HIGH>
-static __device__ void tile_lead(const struct springs *s, struct tile<HIGH> *a,
-                                 int o)
+template <int HIGH, int MOVED>
+static __device__ void tile_lead(const struct springs *s,
+                                 struct tile<HIGH, MOVED> *a, int o)
 {
     constexpr struct tile_pulls pulls(HIGH);
     struct tile_way w = {};
@@ -73,9 +75,9 @@ static __device__ void tile_lead(const struct springs *s, struct tile<HIGH> *a,
 }
 
 /* Loads place k of the tile whose first particle is (i0, j0). */
-template <int HIGH>
-static __device__ void tile_fill(const struct springs *s, struct tile<HIGH> *a,
-                                 int i0, int j0, int k)
+template <class TILE>
+static __device__ void tile_fill(const struct springs *s, TILE *a, int i0,
+                                 int j0, int k)
 {
     int j = k / TILE_ACROSS, i = i0 - TILE_RIM + (k - j * TILE_ACROSS);
     j += j0 - TILE_RIM;
@@ -87,17 +89,26 @@ static __device__ void tile_fill(const struct springs *s, struct tile<HIGH> *a,
     if (s->triples)
         a->beside[k] = s->beside[p];
     a->x[k] = s->x[p];
+    if (TILE::MOVES)
+        a->u[k] = s->u[p];
     if (s->n_v)
         a->v[k] = s->v[p];
 }
 
-/* §1: the pull on place p of a spring to place q. */
-template <int HIGH>
-static __device__ vec tile_pull(const struct tile<HIGH> *a,
-                                const struct law *law, bool damped, real share,
-                                int p, int q)
+/* From place p to place q, §6. */
+template <class TILE>
+static __device__ vec tile_way_of(const TILE *a, int p, int q)
 {
     vec d = sub(a->x[q], a->x[p]);
+    return TILE::MOVES ? axpy(d, a->span, sub(a->u[q], a->u[p])) : d;
+}
+
+/* §1: the pull on place p of a spring to place q. */
+template <class TILE>
+static __device__ vec tile_pull(const TILE *a, const struct law *law,
+                                bool damped, real share, int p, int q)
+{
+    vec d = tile_way_of(a, p, q);
     real l = length(d);
     if (!(l > 0))
         return make(0, 0, 0);
@@ -110,21 +121,24 @@ static __device__ vec tile_pull(const struct tile<HIGH> *a,
 
 /* §5: the constant times the second difference of the triple of direction o, of
  * a single spring, that starts at place p. */
-template <int HIGH>
-static __device__ vec tile_triple(const struct tile<HIGH> *a, int o, int p)
+template <class TILE>
+static __device__ vec tile_triple(const TILE *a, int o, int p)
 {
     int step = forward_i(o) + forward_j(o) * TILE_ACROSS, at = p + step;
     real k = a->triple[CELL_MASKS * o + a->beside[at]];
     if (!(k > 0))
         return make(0, 0, 0);
-    return scale(k, triple_at(a->x[p], a->x[at], a->x[at + step]));
+    vec t = triple_at(a->x[p], a->x[at], a->x[at + step]);
+    if (TILE::MOVES)
+        t = axpy(t, a->span, triple_at(a->u[p], a->u[at], a->u[at + step]));
+    return scale(k, t);
 }
 
 /* Computes pull k of the tile, counted over all directions. With triples the
  * pulls of double springs are what tile_triple returns. */
-template <int HIGH>
-static __device__ vec tile_pull_of(const struct tile<HIGH> *a, bool damped,
-                                   bool triples, int k)
+template <int HIGH, int MOVED>
+static __device__ vec tile_pull_of(const struct tile<HIGH, MOVED> *a,
+                                   bool damped, bool triples, int k)
 {
     constexpr struct tile_pulls pulls(HIGH);
     int o = 0;
@@ -148,9 +162,9 @@ static __device__ vec tile_pull_of(const struct tile<HIGH> *a, bool damped,
  * exact negative of the pull on its start (§4). The sign of a zero may differ,
  * but no sum that starts from +0 shows this; hence a missing spring may also
  * add +0. */
-template <int HIGH>
-static __device__ vec tile_force(const struct tile<HIGH> *a, bool triples,
-                                 int i, int j)
+template <int HIGH, int MOVED>
+static __device__ vec tile_force(const struct tile<HIGH, MOVED> *a,
+                                 bool triples, int i, int j)
 {
     constexpr struct tile_pulls pulls(HIGH);
     vec f = make(0, 0, 0);
@@ -171,24 +185,28 @@ static __device__ vec tile_force(const struct tile<HIGH> *a, bool triples,
 
 /* Thread t of a block owns particle (t % TILE_WIDE, t / TILE_WIDE) of the tile,
  * if the tile has that particle, and hands its force to `to`. All threads
- * compute pulls. `to` must not write x or v, which other blocks still read. */
-template <int HIGH, int THREADS, class To>
+ * compute pulls. `to` must not write x, v or u, which other blocks still read.
+ */
+template <int HIGH, int MOVED, int THREADS, class To>
 KERNEL springs_kernel(const struct springs &s, int across, const To &to)
 {
-    __shared__ struct tile<HIGH> a;
+    typedef struct tile<HIGH, MOVED> part;
+    __shared__ part a;
     int t = (int)threadIdx.x, block = (int)blockIdx.x;
     int row = block / across, i0 = (block - row * across) * TILE_WIDE;
     int j0 = row * HIGH, i = t % TILE_WIDE, j = t / TILE_WIDE;
     if (t < SPRINGS)
         tile_lead(&s, &a, t);
-    if (t == 0)
+    if (t == 0) {
         a.piece = s.piece;
+        a.span = s.span;
+    }
     if (s.triples && t < TRIPLES)
         a.triple[t] = s.triple[t];
-    for (int k = t; k < tile<HIGH>::PLACES; k += THREADS)
+    for (int k = t; k < part::PLACES; k += THREADS)
         tile_fill(&s, &a, i0, j0, k);
     __syncthreads();
-    for (int k = t; k < tile<HIGH>::PULLS; k += THREADS)
+    for (int k = t; k < part::PULLS; k += THREADS)
         a.pull[k] = tile_pull_of(&a, s.n_v > 0, s.triples > 0, k);
     __syncthreads();
     if (j >= HIGH || i0 + i >= s.m || j0 + j >= s.n)
@@ -200,28 +218,32 @@ KERNEL springs_kernel(const struct springs &s, int across, const To &to)
     to.take(p, axpy(f, s.mass[p], s.gravity));
 }
 
-template <int HIGH, int THREADS, class To>
+template <int HIGH, int MOVED, int THREADS, class To>
 static void springs_in(struct gpu *g, const struct springs *s, To to)
 {
     int across = s->m / TILE_WIDE + (s->m % TILE_WIDE > 0);
     int64_t down = s->n / HIGH + (s->n % HIGH > 0);
     LAUNCH_BLOCKS(g, down * across, THREADS,
-                  (springs_kernel<HIGH, THREADS, To>), *s, across, to);
+                  (springs_kernel<HIGH, MOVED, THREADS, To>), *s, across, to);
 }
 
-/* Calls to.take(p, force) for each particle p. Small grids get small tiles,
- * since they have few blocks; in binary64 shared memory limits the tile. */
-template <class To>
+/* Calls to.take(p, force) for each particle p. MOVED: 1 if s->n_u is not 0.
+ * Small grids get small tiles, since they have few blocks; in binary64 shared
+ * memory limits the tile. */
+template <int MOVED, class To>
 static void springs_to(struct gpu *g, const struct springs *s, To to)
 {
-    if (s->count <= 1 << 16)
-        springs_in<4, 512>(g, s, to);
 #if REAL_BITS == 32
+    if (s->count <= 1 << 16)
+        springs_in<4, MOVED, 512>(g, s, to);
     else
-        springs_in<8, 512>(g, s, to);
+        springs_in<8, MOVED, 512>(g, s, to);
 #else
+    constexpr int high = MOVED ? 2 : 4;
+    if (s->count <= 1 << 16)
+        springs_in<high, MOVED, 512>(g, s, to);
     else
-        springs_in<4, 256>(g, s, to);
+        springs_in<high, MOVED, 256>(g, s, to);
 #endif
 }
 

@@ -58,17 +58,6 @@ static __device__ inline struct surface surface_of(const struct skin *s,
     return r;
 }
 
-/* Whether a side of the pair, A or B, has no free vertex. */
-static __device__ inline bool has_led(int kind, const int32_t v[4],
-                                      const real *w)
-{
-    int split = kind == CONTACT_VF ? 1 : 2;
-    bool led[2] = {true, true};
-    for (int j = 0; j < 4; j++)
-        led[j >= split] = led[j >= split] && !(w[v[j]] > 0);
-    return led[0] || led[1];
-}
-
 /* The weighted sum Σ c a in this order: ((c0 a0 + c1 a1) + c2 a2) + c3 a3. */
 static __device__ inline vec pair_sum(const struct contact *c, const vec *a)
 {
@@ -76,6 +65,15 @@ static __device__ inline vec pair_sum(const struct contact *c, const vec *a)
     for (int j = 1; j < 4; j++)
         r = axpy(r, c->c[j], a[c->v[j]]);
     return r;
+}
+
+/* A new contact's impulses, multipliers and matrix: none. */
+static __device__ inline void clear_contact(struct contact *c)
+{
+    c->held = CONTACT_APART;
+    c->impulse = c->lambda = c->load = c->kappa = c->rise = 0;
+    c->along = c->slide = 0;
+    c->tangent = c->lambda_t = c->way = make(0, 0, 0);
 }
 
 #endif

@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Proves cheaply, in the build's precision, that a candidate is not nearer than
- * its thickness, as most are not. Only the others are measured in binary64.
- * spec/contact/proximity.md §6 */
+ * its reach T, as most are not. Only the others are measured in binary64. The
+ * reach is `range` times the thickness, rounded: the number with which the
+ * measured distance is compared. So its rounding is no error of the proof,
+ * which holds for any T: spec/contact/proximity.md §6 */
 #ifndef GPU_FAR_CUH
 #define GPU_FAR_CUH
 
 #include "gpu/contact/contact.cuh"
 
-/* §6.2: whether the sides are further apart than the thickness along axis d. y:
- * the vertices relative to the first; side B begins at SPLIT; square: that of
- * the thickness. */
+/* §6.2: whether the sides are further apart than the reach along axis d. y: the
+ * vertices relative to the first; side B begins at SPLIT; square: that of the
+ * reach. */
 template <int SPLIT>
 static __device__ inline bool parted(const vec y[4], vec d, real square)
 {
@@ -43,13 +45,12 @@ static __device__ inline vec between_edges(const vec y[4])
 }
 
 /* §6: whether a pair of kind `kind` with vertices at x is certainly not nearer
- * than its thickness. */
-static __device__ inline bool surely_far(const vec x[4], int kind,
-                                         real thickness)
+ * than its reach. */
+static __device__ inline bool surely_far(const vec x[4], int kind, real reach)
 {
     vec y[4] = {make(0, 0, 0), sub(x[1], x[0]), sub(x[2], x[0]),
                 sub(x[3], x[0])};
-    real square = thickness * thickness;
+    real square = reach * reach;
     real size2 =
         max_of(max_of(dot(y[1], y[1]), dot(y[2], y[2])), dot(y[3], y[3]));
     if (!(square > R(0x1p-40) && size2 <= R(0x1p16) * square))

@@ -161,4 +161,30 @@ static __device__ inline bool foot_turn(const PLACES &x, const struct fan *fan,
     return found;
 }
 
+/* Whether a triangle's other vertices than f.v[0] are those of `face`. */
+static __device__ inline bool is_face(int32_t a, int32_t b,
+                                      const int32_t face[3])
+{
+    return (a == face[0] || a == face[1] || a == face[2]) &&
+           (b == face[0] || b == face[1] || b == face[2]);
+}
+
+/* Whether `face`, which has the foot, is the first triangle there that does not
+ * have the vertex `other`. */
+static __device__ inline bool foot_is_first_at(const struct fan *fan,
+                                               const struct foot *f,
+                                               const int32_t face[3],
+                                               int32_t other)
+{
+    if (!fan->n_start || f->vertices == 3)
+        return true;
+    int32_t end = fan->start[f->v[0] + 1];
+    for (int32_t k = fan->start[f->v[0]]; k < end; k++) {
+        int32_t a = fan->rim[k][0], b = fan->rim[k][1];
+        if (is_at(f, a, b) && a != other && b != other)
+            return is_face(a, b, face);
+    }
+    return true;
+}
+
 #endif

@@ -5,6 +5,7 @@
 #include "gpu/base/compact.cuh"
 #include "gpu/base/scan.cuh"
 #include "gpu/contact/foot.cuh"
+#include "gpu/contact/keys.cuh"
 
 extern "C" {
 #include "ref/contact/impulses.h"
@@ -15,30 +16,6 @@ enum { BAD, FOUND, TICKET, WORDS };
 
 /* §5: the key of what is left to a later round, and no first impact. */
 static const uint64_t NONE = ~0ull;
-
-/* §1: keys */
-
-static __device__ uint64_t join(int32_t a, int32_t b)
-{
-    return (uint64_t)(uint32_t)a << 32 | (uint32_t)b;
-}
-
-/* The key of a pair, the same in whatever order its vertices are named. */
-static __device__ struct key identity(const int32_t v[4], int64_t kind,
-                                      int64_t item)
-{
-    if (kind == CONTACT_EE) {
-        uint64_t a = join(min_of(v[0], v[1]), max_of(v[0], v[1]));
-        uint64_t b = join(min_of(v[2], v[3]), max_of(v[2], v[3]));
-        struct key r = {min_of(a, b) | 1ull << 63, max_of(a, b), item};
-        return r;
-    }
-    int32_t lo = min_of(v[1], v[2]), hi = max_of(v[1], v[2]);
-    int32_t first = min_of(lo, v[3]), last = max_of(hi, v[3]);
-    int32_t middle = max_of(lo, min_of(hi, v[3]));
-    struct key r = {join(v[0], first), join(middle, last), item};
-    return r;
-}
 
 /* §2: geometry */
 
@@ -136,9 +113,7 @@ static __device__ struct contact contact_of(const struct impulses *s, int64_t k)
     c.gap = (real)dot(n, weighted_sum(r.c, m.from));
     c.target = (s->margin * skin.thickness - c.gap) / s->dt;
     c.friction = skin.friction;
-    c.held = 0;
-    c.impulse = c.slide = c.along = 0;
-    c.tangent = make(0, 0, 0);
+    clear_contact(&c);
     return c;
 }
 
@@ -172,7 +147,7 @@ KERNEL impulses_first_kernel(const struct impulses &s)
     int32_t v[4];
     if (!is_sound(&s, j, v))
         return;
-    unsigned long long time = (unsigned long long)join((int32_t)s.toi[j], j);
+    unsigned long long time = key_join((int32_t)s.toi[j], j);
     for (int k = 0; k < 4; k++)
         if (s.w[v[k]] > 0)
             atomicMin((unsigned long long *)&s.first[v[k]], time);
@@ -224,7 +199,7 @@ KERNEL impulses_key_kernel(const struct impulses &s, int64_t *words)
     int64_t j = k - s.n_active;
     if (j < 0) {
         struct contact c = s.active[k];
-        s.key[k] = identity(c.v, c.kind, k);
+        s.key[k] = pair_key(c.v, c.kind, k);
         return;
     }
     int32_t v[4];
@@ -233,15 +208,48 @@ KERNEL impulses_key_kernel(const struct impulses &s, int64_t *words)
         words[BAD] = 1;
         s.key[k] = late;
     } else
-        s.key[k] = shadowed(&s, j, v) ? late : identity(v, s.kind[j], k);
+        s.key[k] = shadowed(&s, j, v) ? late : pair_key(v, s.kind[j], k);
+}
+
+static __device__ bool same(struct key a, struct key b)
+{
+    return a.hi == b.hi && a.lo == b.lo;
 }
 
 /* §1: of equal keys the newest, which is the last, stays. */
 static __device__ bool stays(const struct key *key, int64_t n, int64_t k)
 {
     return k < n && key[k].hi != NONE &&
-           (k + 1 == n || key[k].hi != key[k + 1].hi ||
-            key[k].lo != key[k + 1].lo);
+           (k + 1 == n || !same(key[k], key[k + 1]));
+}
+
+/* §1: the contact of a pair that the active set has as well goes on with its
+ * multipliers. */
+static __device__ void inherit(const struct contact *from, struct contact *c)
+{
+    bool swapped =
+        c->kind != CONTACT_VF && from->v[0] != c->v[0] && from->v[0] != c->v[1];
+    vec t = scale(swapped ? R(-1.0) : R(1.0), from->lambda_t);
+    c->lambda = from->lambda;
+    c->lambda_t = axpy(t, -dot(c->n, t), c->n);
+    c->load = from->load;
+    c->kappa = from->kappa;
+    c->rise = from->rise;
+}
+
+/* The contact of key k, which stays. The key before it is the same if the
+ * active set has the pair, too. */
+static __device__ struct contact joined(const struct impulses *s,
+                                        const struct key *key, int64_t k)
+{
+    int64_t item = key[k].item;
+    if (item < s->n_active)
+        return s->active[item];
+    struct contact c = contact_of(s, item - s->n_active);
+    bool again = k > 0 && same(key[k - 1], key[k]);
+    if (again && key[k - 1].item < s->n_active)
+        inherit(&s->active[key[k - 1].item], &c);
+    return c;
 }
 
 /* A block owns COMPACT_BLOCK sorted keys: counts those that stay. The block
@@ -269,13 +277,8 @@ KERNEL impulses_emit_kernel(const struct impulses &s, const struct key *key,
     bool stay = stays(key, s.n_all, k);
     int count;
     int64_t at = block_compact(stay, &count) + first[blockIdx.x];
-    if (!stay)
-        return;
-    int64_t item = key[k].item;
-    if (item < s.n_active)
-        s.contact[at] = s.active[item];
-    else
-        s.contact[at] = contact_of(&s, item - s.n_active);
+    if (stay)
+        s.contact[at] = joined(&s, key, k);
 }
 
 int gpu_impulses(struct gpu *g, struct impulses *s)

@@ -5,6 +5,25 @@
  * spec/contact/contacts.md §1 */
 #include "gpu/contact/incidence.cuh"
 
+extern "C" {
+#include "gpu/contact/queue.h"
+}
+
+/* Where the words lie among the late words: behind refit's. */
+enum { LATE_CONTACTS = 2 };
+static_assert(LATE_CONTACTS + (int)INCIDENCE_WORDS <= (int)GPU_LATE, "words");
+
+int64_t *gpu_queue_words(struct gpu *g)
+{
+    return gpu_late_words(g) + LATE_CONTACTS;
+}
+
+bool gpu_queue_bad(const struct gpu *g)
+{
+    const int64_t *seen = gpu_late_seen(g) + LATE_CONTACTS;
+    return seen[INCIDENCE_BAD] != 0;
+}
+
 /* Scratch. A vertex's word is its number of items, plus 2^32 if that is not 0.
  * One scan of the words then gives, for each vertex, the place of its first
  * item (low half) and the number of vertices in contact before it (high half).

@@ -8,7 +8,6 @@
 
 extern "C" {
 #include "ref/contact/incidence.h"
-#include "ref/contact/penalty.h"
 }
 
 /* Words that gpu_incidence writes. BAD: not 0 if a contact has a bad vertex;
@@ -21,10 +20,5 @@ enum { INCIDENCE_BAD, INCIDENCE_VERTICES, INCIDENCE_WORDS };
  * in slot 1; -1: the item is in no list. */
 int32_t *gpu_incidence(struct gpu *g, const struct incidence *s,
                        int64_t *words);
-
-/* As gpu_penalty, but without reading back: the words of gpu_incidence stay on
- * the device. If a contact is bad, force and hold are 0. */
-struct penalty;
-int gpu_penalty_queue(struct gpu *g, struct penalty *s, int64_t *words);
 
 #endif

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The joint solve of all cloths and their contacts on the device.
- * spec/contact/penalty.md §4 */
+ * spec/contact/lagrange.md §3.2 */
 #ifndef GPU_JOINT_H
 #define GPU_JOINT_H
 
-#include "gpu/cloth/rate.h"
+#include "gpu/run/gpu.h"
 #include "ref/solve/joint.h"
 #include "ref/solve/pcg.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+struct rate;
 
 /* One cloth in the joint solve. */
 struct joint_part {
@@ -46,8 +48,12 @@ struct joint_system {
     const real *w;         /* [nv] 1/kg, 0: fixed */
 };
 
-/* joint_solve on the device: sets the results of s->joint. DRAPE_OK however the
- * iteration ends, or the status of a stage. */
+/* ref/solve/joint.h on the device, for the joint of *s. DRAPE_OK however the
+ * iteration ends, or the status of a stage. What gpu_joint_set_up makes is not
+ * lent, so any stage may come between these functions. measure and solve wait
+ * for the device. */
+int gpu_joint_set_up(const struct joint_system *s);
+int gpu_joint_measure(const struct joint_system *s, const vec *r, real *value);
 int gpu_joint(const struct joint_system *s);
 
 #ifdef __cplusplus

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Stage links on the device: the contacts' own matrix times a vector.
- * spec/contact/penalty.md §3 */
+ * spec/contact/coulomb.md §3 */
 #include "gpu/contact/links.cuh"
 
 /* Blocks of the push kernel for each multiprocessor. */
@@ -25,9 +25,10 @@ KERNEL links_push_kernel(const struct linked *l, const vec *x,
         const struct contact *c = &s->contact[k];
         if (c->held != CONTACT_MUTUAL)
             continue;
-        vec v = pair_sum(c, x), n = c->n;
-        real a = c->along, b = c->slide * s->across;
-        s->push[k] = axpy(scale(b, v), (a - b) * dot(n, v), n);
+        vec v = pair_sum(c, x), n = c->n, way = c->way;
+        real a = c->along, b = c->slide;
+        vec y = axpy(scale(b, v), (a - b) * dot(n, v), n);
+        s->push[k] = axpy(y, -b * dot(way, v), way);
     }
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The contacts' own matrix times a vector, as part of a solve.
- * spec/contact/penalty.md §3 */
+ * spec/contact/coulomb.md §3 */
 #ifndef GPU_LINKS_CUH
 #define GPU_LINKS_CUH
 

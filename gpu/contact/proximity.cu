@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Finds the candidates closer than their thickness and makes them contacts: a
- * first kernel leaves out what is surely far, a second one measures the rest, a
- * third one emits. spec/contact/proximity.md */
+/* Finds the candidates that are close and makes them contacts: a first kernel
+ * leaves out what is surely far, a second one measures the rest, a third one
+ * emits. spec/contact/proximity.md */
 #include "gpu/base/cluster.cuh"
 #include "gpu/base/compact.cuh"
 #include "gpu/base/scan.cuh"
@@ -78,6 +78,12 @@ static __device__ bool find_normal(const struct proximity *s, int kind,
     return true;
 }
 
+/* The distance within which a pair of these vertices is a contact. */
+static __device__ real reach_of(const struct proximity *s, const int32_t v[4])
+{
+    return s->range * surface_of(&s->skin, v).thickness;
+}
+
 /* §6: whether candidate k must be measured: it is not surely far. Bad input is
  * told and is not measured. */
 static __device__ bool is_open(const struct proximity *s, int64_t k, int *bad)
@@ -96,7 +102,19 @@ static __device__ bool is_open(const struct proximity *s, int64_t k, int *bad)
         atomicOr(bad, (int)BAD_PLACE);
         return false;
     }
-    return !surely_far(x, kind, surface_of(&s->skin, v).thickness);
+    return !surely_far(x, kind, reach_of(s, v));
+}
+
+/* §3.4: whether a pair stands for its closest points. Where these are on an
+ * edge or at a vertex they are those of other pairs, too. */
+static __device__ bool stands(const struct proximity *s, int kind,
+                              const int32_t v[4], const struct wide x[4],
+                              const struct closest *r)
+{
+    if (kind == CONTACT_EE)
+        return r->c[0] != 0 && r->c[1] != 0 && r->c[2] != 0 && r->c[3] != 0;
+    struct foot f = foot_find_at(1, true, v, x, r->c, r->p);
+    return foot_is_first_at(&s->fan, &f, v + 1, v[0]);
 }
 
 static __device__ bool is_near(const struct proximity *s, int64_t k)
@@ -106,8 +124,8 @@ static __device__ bool is_near(const struct proximity *s, int64_t k)
     int kind = s->kind[k];
     load_pair(s->pair, k, v);
     struct closest r = measure(s, kind, v, x);
-    return sqrt(r.length2) < (double)surface_of(&s->skin, v).thickness &&
-           find_normal(s, kind, v, x, &r, &n);
+    return sqrt(r.length2) < (double)reach_of(s, v) &&
+           stands(s, kind, v, x, &r) && find_normal(s, kind, v, x, &r, &n);
 }
 
 /* §4: the target velocity, which the overlap and the repulsion spring give. */
@@ -137,9 +155,7 @@ static __device__ void emit(const struct proximity *s, int64_t k,
     c.gap = (real)dot(n, r.p);
     c.friction = skin.friction;
     c.target = push_target(s, &c, max_of(skin.thickness - c.gap, R(0)));
-    c.held = 0;
-    c.impulse = c.slide = c.along = 0;
-    c.tangent = make(0, 0, 0);
+    clear_contact(&c);
     *to = c;
 }
 
@@ -225,7 +241,8 @@ static struct groups groups_of(const struct gpu *g, int64_t n)
 
 int gpu_proximity(struct gpu *g, struct proximity *s)
 {
-    if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0))
+    if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0) ||
+        !(s->range > 0 && s->range <= REAL_BIG))
         return DRAPE_EARG;
     struct groups of = groups_of(g, s->n);
     of.base = (int64_t *)gpu_scratch(g, SLOT_STAGE, of.n + 1, sizeof *of.base);

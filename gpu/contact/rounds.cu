@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a round of collision response computes between its stages, on the
  * device: ref/contact/rounds.c. spec/contact/response.md */
-#include "gpu/base/compact.cuh"
 #include "gpu/contact/contact.cuh"
 
 extern "C" {
@@ -54,46 +53,6 @@ void gpu_rounds_touch(struct gpu *g, const struct response *s)
 {
     LAUNCH(g, 4 * s->hits, rounds_touch_kernel, *s,
            (const int32_t *)s->hit.data);
-}
-
-/* Words of the device: held contacts with a led side, and those that slip. */
-enum { HELD, SLIP, WORDS };
-
-/* Whether contact k is held and has a led side; *far: it slips by more than its
- * thickness. */
-static __device__ bool slips(const struct response *s, const struct contact *c,
-                             bool *far)
-{
-    *far = false;
-    if (!c->held || !has_led((int)c->kind, c->v, s->w))
-        return false;
-    vec v = pair_sum(c, s->u);
-    v = axpy(v, -dot(c->n, v), c->n);
-    *far = s->dt * length(v) > surface_of(&s->skin, c->v).thickness;
-    return true;
-}
-
-/* A block owns COMPACT_BLOCK contacts: counts them. */
-KERNEL rounds_slip_kernel(const struct response &s,
-                          const struct contact *contact, int64_t *words)
-{
-    int64_t k = compact_item();
-    bool far = false, held = k < s.active && slips(&s, &contact[k], &far);
-    int n[2];
-    block_compact(held, &n[HELD]);
-    block_compact(far, &n[SLIP]);
-    if (threadIdx.x < WORDS)
-        count_up(&words[threadIdx.x], n[threadIdx.x]);
-}
-
-bool gpu_rounds_slip(struct gpu *g, const struct response *s,
-                     const struct contact *contact)
-{
-    int64_t *words = gpu_words(g);
-    LAUNCH_PARTS(g, compact_blocks(s->active), COMPACT_BLOCK, 1,
-                 rounds_slip_kernel, *s, contact, words);
-    const int64_t *seen = gpu_read_back(g, WORDS);
-    return seen[SLIP] > 0 && ROUNDS_SLIPPING * seen[SLIP] >= seen[HELD];
 }
 
 /* Thread k owns contact k: caps its target at the impact margin. */

@@ -17,8 +17,6 @@ void gpu_rounds_start(struct gpu *g, const struct response *s);
 void gpu_rounds_advance(struct gpu *g, const struct response *s, int64_t n,
                         const int32_t *vertex, const uint8_t *moved, bool stop);
 void gpu_rounds_touch(struct gpu *g, const struct response *s);
-bool gpu_rounds_slip(struct gpu *g, const struct response *s,
-                     const struct contact *contact);
 void gpu_rounds_settle(struct gpu *g, const struct response *s,
                        struct contact *contact);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Conjugate gradients over all cloths and their contacts, on the device: the
  * host queues iterations, and the device decides when they end.
- * spec/contact/penalty.md §4 */
+ * spec/contact/lagrange.md §3.2 */
 #include "gpu/base/sum.cuh"
 #include "gpu/contact/links.cuh"
 #include "gpu/run/loop.cuh"
@@ -20,8 +20,8 @@ enum { FIRST = 4, NEXT = 2 };
 /* The state of a joint solve, with what differs from one solve to the next: no
  * captured kernel takes it as an argument, so that few graphs are captured. */
 struct joint_state : pcg_state {
-    real tolerance, exact; /* as in struct joint */
-    const vec *last;
+    real tolerance;         /* as in struct joint */
+    int32_t max_iterations; /* likewise */
 };
 
 static_assert(sizeof(struct joint_state) <= GPU_WORDS * sizeof(int64_t),
@@ -41,30 +41,31 @@ struct beginning {
 /* Of the last step, by Jacobi. */
 #define LAST_PART (R(2.0) / 3)
 
-/* What the launches of a solve depend on: the key of its graphs, too. The
+/* What a graph does: makes M, finds r·M⁻¹ r, or solves. */
+enum task { SET_UP, MEASURE, SOLVE };
+
+/* What the launches of a task depend on: the key of its graph, too. The
  * contacts are in device memory. */
 struct solve {
-    struct pcg rule;       /* energy and max_iterations of the whole */
     struct joint_state *c; /* device */
     struct linked *links;  /* device */
     int64_t nc, n_chunks;
     vec *r, *p[2], *q, *dv;
-    const vec *b;
+    const vec *b;  /* or the r of MEASURE */
     const real *w; /* [nv] 1/kg, 0: fixed */
-    const sym *wall;
+    const sym *hold, *wall;
     real *item, *chunk;
-    int32_t touch;   /* 1: there are contacts */
-    int32_t recalls; /* 1: begins along c->last */
-    int32_t weigh;   /* as in struct joint */
-    int32_t epoch;   /* likewise */
+    int32_t task;
+    int32_t touch; /* 1: there are contacts */
+    int32_t epoch; /* as in struct joint */
     struct beginning begin;
 };
 
-/* Block k of the kernels below owns chunk k of the particles, a thread each
- * particle; the block that ends last writes the next state. */
+/* Block k of the kernels below that have sums owns chunk k of the particles, a
+ * thread each particle; the block that ends last writes the next state. */
 #define PARTICLE(k) int64_t k = (int64_t)blockIdx.x * SUM_CHUNK + threadIdx.x
 
-/* One thread writes the state before the solve. */
+/* One thread writes the state before a task. */
 KERNEL joint_keep_kernel(struct joint_state *c, const struct joint_state &fresh)
 {
     *c = fresh;
@@ -81,35 +82,15 @@ static __device__ void begin_at(const struct beginning *b, int64_t k, vec r)
     b->item[k] = dot(r, z);
 }
 
-/* r = b and dv = 0, p[0] = c->last; the state before the first iteration. */
+/* Thread k owns particle k: r = b and dv = 0. */
 KERNEL joint_open_kernel(const struct solve &a)
 {
-    PARTICLE(k);
-    struct joint_state *c = a.c;
-    real value = 0, sum;
-    if (k < a.nc) {
-        vec r = a.b[k];
-        a.r[k] = r;
-        value = dot(r, r);
-        if (a.begin.with_r && (a.weigh || !a.recalls))
-            begin_at(&a.begin, k, r);
-        if (a.recalls)
-            a.p[0][k] = c->last[k];
-    }
-    if (!grid_sums<1>(&value, a.chunk, &c->ticket, &sum) || threadIdx.x)
-        return;
-    c->square = c->left = sum;
-    c->most = max_of(sum, c->most);
-    c->outcome = PCG_CONVERGED;
-    c->phase = PHASE_DONE;
-    if (sum == 0)
-        return;
-    c->first = c->go = 1;
-    c->phase = PHASE_ITERATE;
-    if (!positive(sum))
-        end(c, PCG_BREAKDOWN);
-    else if (a.rule.max_iterations <= 0)
-        end(c, PCG_LIMIT);
+    ITEM(k, a.nc);
+    vec r = a.b[k];
+    a.r[k] = r;
+    a.dv[k] = make(0, 0, 0);
+    if (a.begin.with_r)
+        begin_at(&a.begin, k, r);
 }
 
 /* Thread k owns particle k of one cloth. */
@@ -121,57 +102,50 @@ KERNEL joint_begin_kernel(const struct beginning &b, int64_t count,
         begin_at(&b, k, r[k]);
 }
 
+/* The sum of item: r·M⁻¹r, which is all that MEASURE asks for. */
+KERNEL joint_value_kernel(const struct solve &a)
+{
+    struct joint_state *c = a.c;
+    real sum;
+    if (item_sum(a.nc, a.item, a.chunk, &c->ticket, &sum) && threadIdx.x == 0)
+        c->from = sum;
+}
+
+/* Called after the preconditioner. next: r·M⁻¹r, which gives β. */
+static __device__ void enter_next(struct joint_state *c, real next)
+{
+    if (c->iterations >= c->max_iterations) {
+        end(c, PCG_LIMIT);
+        return;
+    }
+    c->first = c->iterations == 0;
+    if (c->first)
+        c->from = next;
+    if (next == 0 || root(next / c->from) <= c->tolerance) {
+        end(c, PCG_CONVERGED);
+    } else if (!positive(next)) {
+        end(c, PCG_BREAKDOWN);
+    } else {
+        c->beta = c->first ? 0 : next / c->rho;
+        c->rho = next;
+    }
+}
+
 /* The sum of item: r·M⁻¹r. */
 KERNEL joint_enter_kernel(const struct solve &a)
 {
     struct joint_state *c = a.c;
     real sum;
-    if (!c->go || !item_sum(a.nc, a.item, a.chunk, &c->ticket, &sum) ||
-        threadIdx.x)
-        return;
-    enter(&a.rule, c, sum, c->tolerance, c->exact);
-}
-
-/* The same of b: what the tolerance is relative to. */
-KERNEL joint_weigh_kernel(const struct solve &a)
-{
-    struct pcg_state *c = a.c;
-    real sum;
     if (c->go && item_sum(a.nc, a.item, a.chunk, &c->ticket, &sum) &&
         threadIdx.x == 0)
-        c->from = max_of(sum, c->from);
-}
-
-/* q = A p, 0 where fixed, gains what the contacts push; then p·q and p·r, which
- * give the α of a step along p, whatever it is. */
-KERNEL joint_recall_kernel(const struct solve &a, const vec *p)
-{
-    PARTICLE(k);
-    struct pcg_state *c = a.c;
-    real value[2] = {0, 0}, sum[2];
-    if (!c->go)
-        return;
-    if (k < a.nc && !(a.w[k] > 0))
-        a.q[k] = make(0, 0, 0);
-    __syncthreads();
-    if (a.touch)
-        gather_links(a.links, a.nc, a.q);
-    __syncthreads();
-    if (k < a.nc) {
-        value[0] = dot(p[k], a.q[k]);
-        value[1] = dot(p[k], a.r[k]);
-    }
-    if (!grid_sums<2>(value, a.chunk, &c->ticket, sum) || threadIdx.x)
-        return;
-    real alpha = positive(sum[0]) ? sum[1] / sum[0] : 0;
-    c->alpha = alpha - alpha == 0 ? alpha : 0;
+        enter_next(c, sum);
 }
 
 /* q gains what the contacts push; then p·q, which gives α. */
-KERNEL joint_measure_kernel(const struct solve &a, const vec *p)
+KERNEL joint_curvature_kernel(const struct solve &a, const vec *p)
 {
     PARTICLE(k);
-    struct pcg_state *c = a.c;
+    struct joint_state *c = a.c;
     real value = 0, sum;
     static_assert((int)LIST_BLOCK == (int)SUM_CHUNK, "a thread's particle");
     if (!c->go)
@@ -181,34 +155,27 @@ KERNEL joint_measure_kernel(const struct solve &a, const vec *p)
     __syncthreads();
     if (k < a.nc)
         value = dot(p[k], a.q[k]);
-    if (grid_sums<1>(&value, a.chunk, &c->ticket, &sum) && threadIdx.x == 0)
-        measure(c, sum);
-}
-
-/* dv += α p, r -= α q, and |r|². first: 1 if the next direction does not depend
- * on p. */
-KERNEL joint_update_kernel(const struct solve &a, const vec *p, int first)
-{
-    PARTICLE(k);
-    struct pcg_state *c = a.c;
-    real value = 0, sum, alpha = c->alpha;
-    if (!c->go)
-        return;
-    if (k < a.nc) {
-        vec r = a.r[k];
-        if (alpha != 0) { /* else p may not be finite */
-            r = axpy(r, -alpha, a.q[k]);
-            a.dv[k] = axpy(a.dv[k], alpha, p[k]);
-            a.r[k] = r;
-        }
-        value = dot(r, r);
-        if (a.begin.with_r)
-            begin_at(&a.begin, k, r);
-    }
     if (!grid_sums<1>(&value, a.chunk, &c->ticket, &sum) || threadIdx.x)
         return;
-    leave(&a.rule, c, sum);
-    c->first = first;
+    measure(c, sum);
+    c->iterations += c->go; /* the step along p follows */
+}
+
+/* Thread k owns particle k: dv += α p, r -= α q. */
+KERNEL joint_update_kernel(const struct solve &a, const vec *p)
+{
+    ITEM(k, a.nc);
+    real alpha = a.c->alpha;
+    if (!a.c->go)
+        return;
+    vec r = a.r[k];
+    if (alpha != 0) { /* else p may not be finite */
+        r = axpy(r, -alpha, a.q[k]);
+        a.dv[k] = axpy(a.dv[k], alpha, p[k]);
+        a.r[k] = r;
+    }
+    if (a.begin.with_r)
+        begin_at(&a.begin, k, r);
 }
 
 /* Thread k owns particle k of one cloth. */
@@ -220,30 +187,12 @@ KERNEL joint_improve_kernel(const struct pcg_state *c, int64_t count, vec *dv,
         dv[k] = axpy(dv[k], part, s[k]);
 }
 
-/* Thread k owns particle k: p[0] = wall dv. */
-KERNEL joint_walls_kernel(const struct solve &a)
+/* Thread k owns particle k: q is 0 where fixed. */
+KERNEL joint_conclude_kernel(const struct solve &a)
 {
     ITEM(k, a.nc);
-    a.p[0][k] = apply(a.wall[k], a.dv[k]);
-}
-
-/* The true residual: q = A dv, 0 where fixed, and `other` is the contacts'
- * part of the product. */
-KERNEL joint_conclude_kernel(const struct solve &a, const vec *other)
-{
-    PARTICLE(k);
-    struct pcg_state *c = a.c;
-    real value = 0, sum;
-    if (k < a.nc) {
-        vec q = a.w[k] > 0 ? a.q[k] : make(0, 0, 0);
-        vec r = sub(sub(a.b[k], q), other[k]);
-        a.q[k] = q;
-        a.r[k] = r;
-        value = dot(r, r);
-    }
-    if (!grid_sums<1>(&value, a.chunk, &c->ticket, &sum) || threadIdx.x)
-        return;
-    c->residual = c->square == 0 ? 0 : root(sum / c->most);
+    if (!(a.w[k] > 0))
+        a.q[k] = make(0, 0, 0);
 }
 
 /* The system of one cloth, whose residual is its part of the joint one. */
@@ -377,7 +326,7 @@ static void search(const struct joint_system *w, const struct solve *a,
     });
     if (a->touch)
         gpu_links_push(g, a->links, to, &a->c->go);
-    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_measure_kernel, *a, to);
+    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_curvature_kernel, *a, to);
 }
 
 static void iterate(const struct joint_system *w, const struct solve *a,
@@ -390,64 +339,8 @@ static void iterate(const struct joint_system *w, const struct solve *a,
         LAUNCH_BLOCKS(w->gpu, item_blocks(a->nc), SUM_CHUNK, joint_enter_kernel,
                       *a);
         search(w, a, from, to);
-        LAUNCH_BLOCKS(w->gpu, a->n_chunks, SUM_CHUNK, joint_update_kernel, *a,
-                      to, 0);
+        LAUNCH(w->gpu, a->nc, joint_update_kernel, *a, to);
     }
-}
-
-/* y = A x of each cloth, or (A + wall) x. */
-static void multiply(const struct joint_system *w, bool with_walls,
-                     const vec *x, vec *y)
-{
-    struct gpu *g = w->gpu;
-    each_cloth(w, [&](int k) {
-        const struct joint_part *s = &w->part[k];
-        const struct pcg *p = &s->pcg;
-        struct product m = {.m = p->m,
-                            .n = p->n,
-                            .count = p->count,
-                            .mass = p->mass,
-                            .n_extra = with_walls ? p->count : 0,
-                            .extra = w->joint->wall + s->first,
-                            .n_blocks = p->n_cdf ? 0 : p->n_blocks,
-                            .block = p->block,
-                            .n_cdf = p->n_cdf,
-                            .cdf = p->cdf,
-                            .x = x + s->first,
-                            .y = y + s->first};
-        return gpu_product(g, &m);
-    });
-}
-
-/* §4.5: a step along p[0] = last. */
-static void recall(const struct joint_system *w, const struct solve *a)
-{
-    struct gpu *g = w->gpu;
-    const vec *p = a->p[0];
-    if (a->weigh) {
-        cycle(w, a);
-        LAUNCH_BLOCKS(g, item_blocks(a->nc), SUM_CHUNK, joint_weigh_kernel, *a);
-    }
-    multiply(w, true, p, a->q);
-    if (a->touch)
-        gpu_links_push(g, a->links, p, &a->c->go);
-    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_recall_kernel, *a, p);
-    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_update_kernel, *a, p, 1);
-}
-
-/* Queues the preconditioners, the first residual and the first iterations. */
-static int begin(const struct joint_system *w, const struct solve *a)
-{
-    struct gpu *g = w->gpu;
-    int status = each_cloth(w, [&](int k) {
-        struct pcg p = part_of(w, &w->part[k]);
-        return gpu_pcg_set_up(g, &p);
-    });
-    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_open_kernel, *a);
-    if (a->recalls)
-        recall(w, a);
-    iterate(w, a, FIRST);
-    return status;
 }
 
 /* A last step along M⁻¹ r, which the test of the tolerance has left in s. */
@@ -464,17 +357,28 @@ static void improve(const struct joint_system *w, const struct solve *a)
     });
 }
 
-/* q = A dv and the true residual. */
-static void conclude(const struct joint_system *w, const struct solve *a)
+/* q = A dv of each cloth. */
+static void multiply(const struct joint_system *w, const struct solve *a)
 {
     struct gpu *g = w->gpu;
-    improve(w, a);
-    multiply(w, false, a->dv, a->q);
-    LAUNCH(g, a->nc, joint_walls_kernel, *a);
-    if (a->touch)
-        gpu_links_queue(g, a->links, a->nc, a->dv, a->p[0], NULL);
-    LAUNCH_BLOCKS(g, a->n_chunks, SUM_CHUNK, joint_conclude_kernel, *a,
-                  a->p[0]);
+    each_cloth(w, [&](int k) {
+        const struct joint_part *s = &w->part[k];
+        const struct pcg *p = &s->pcg;
+        struct product m = {.m = p->m,
+                            .n = p->n,
+                            .count = p->count,
+                            .mass = p->mass,
+                            .n_extra = 0,
+                            .extra = NULL,
+                            .n_blocks = p->n_cdf ? 0 : p->n_blocks,
+                            .block = p->block,
+                            .n_cdf = p->n_cdf,
+                            .cdf = p->cdf,
+                            .x = a->dv + s->first,
+                            .y = a->q + s->first};
+        return gpu_product(g, &m);
+    });
+    LAUNCH(g, a->nc, joint_conclude_kernel, *a);
 }
 
 static struct pcg_state read_state(struct gpu *g)
@@ -485,41 +389,77 @@ static struct pcg_state read_state(struct gpu *g)
     return seen;
 }
 
-/* Queues the whole solve as one graph; or runs it, if the host is to end the
- * iterations. */
+/* The three tasks: each queues its launches, as one graph unless the host is to
+ * launch them. */
+
+static int set_up(const struct joint_system *w, const struct solve *a)
+{
+    struct gpu *g = w->gpu;
+    auto all = [&] {
+        return each_cloth(w, [&](int k) {
+            struct pcg p = part_of(w, &w->part[k]);
+            return gpu_pcg_prepare(g, &p);
+        });
+    };
+    bool done = gpu_loop(g, loop_key{a, sizeof *a}, {NULL, all, {}, {}});
+    return done ? gpu_status(g) : all();
+}
+
+static int find_value(const struct joint_system *w, const struct solve *a)
+{
+    struct gpu *g = w->gpu;
+    auto all = [&] {
+        LAUNCH(g, a->nc, joint_open_kernel, *a);
+        cycle(w, a);
+        LAUNCH_BLOCKS(g, item_blocks(a->nc), SUM_CHUNK, joint_value_kernel, *a);
+        return (int)DRAPE_OK;
+    };
+    bool done = gpu_loop(g, loop_key{a, sizeof *a}, {NULL, all, {}, {}});
+    return done ? gpu_status(g) : all();
+}
+
 static int run(const struct joint_system *w, const struct solve *a)
 {
     struct gpu *g = w->gpu;
-    auto first = [&] { return begin(w, a); };
+    auto first = [&] {
+        LAUNCH(g, a->nc, joint_open_kernel, *a);
+        iterate(w, a, FIRST);
+        return (int)DRAPE_OK;
+    };
     auto next = [&] {
         iterate(w, a, NEXT);
         return (int)DRAPE_OK;
     };
     auto last = [&] {
-        conclude(w, a);
+        improve(w, a);
+        multiply(w, a);
         return (int)DRAPE_OK;
     };
     if (gpu_loop(g, loop_key{a, sizeof *a}, {&a->c->go, first, next, last}))
         return gpu_status(g);
-    int status = first();
-    while (status == DRAPE_OK && read_state(g).go) {
+    first();
+    while (gpu_status(g) == DRAPE_OK && read_state(g).go) {
         next();
         if (g->together) /* a look costs more there than idle kernels */
             next();
-        status = gpu_status(g);
     }
-    return status == DRAPE_OK ? last() : status;
+    last();
+    return gpu_status(g);
 }
 
-static void write_solve(struct solve *a, const struct joint_system *w)
+static void write_solve(struct solve *a, const struct joint_system *w,
+                        enum task task, const vec *b)
 {
     const struct joint *s = w->joint;
     memset((void *)a, 0, sizeof *a); /* padding, too: it is a key */
-    a->rule.energy = 1;
-    a->rule.max_iterations = s->max_iterations;
+    a->task = task;
+    a->touch = task == SOLVE && s->links.n > 0;
+    a->epoch = s->epoch;
+    a->hold = s->hold;
+    if (task == SET_UP)
+        return;
     a->c = (struct joint_state *)gpu_words(w->gpu);
     a->links = w->links;
-    a->touch = s->links.n > 0;
     a->nc = s->nc;
     a->n_chunks = s->n_chunks;
     a->r = s->r;
@@ -527,10 +467,7 @@ static void write_solve(struct solve *a, const struct joint_system *w)
     a->p[1] = s->p2;
     a->q = s->q;
     a->dv = s->dv;
-    a->b = s->b;
-    a->recalls = s->last != NULL;
-    a->weigh = s->weigh;
-    a->epoch = s->epoch;
+    a->b = b;
     a->w = w->w;
     a->wall = s->wall;
     a->item = s->item;
@@ -542,35 +479,53 @@ static void write_solve(struct solve *a, const struct joint_system *w)
     a->begin.with_r = 1;
 }
 
-static struct joint_state fresh_state(const struct joint *s)
+int gpu_joint_set_up(const struct joint_system *w)
 {
-    struct joint_state c = {};
-    c.from = s->scale;
-    c.most = s->square;
-    c.tolerance = s->tolerance;
-    c.exact = s->exact;
-    c.last = s->last;
-    return c;
+    struct solve a;
+    gpu_hand_over(w->gpu);
+    write_solve(&a, w, SET_UP, NULL);
+    int status = set_up(w, &a);
+    gpu_hand_over(w->gpu);
+    return status;
+}
+
+int gpu_joint_measure(const struct joint_system *w, const vec *r, real *value)
+{
+    struct gpu *g = w->gpu;
+    struct joint_state fresh = {};
+    struct solve a;
+    gpu_hand_over(g);
+    write_solve(&a, w, MEASURE, r);
+    fresh.go = 1;
+    LAUNCH(g, 1, joint_keep_kernel, a.c, fresh);
+    int status = find_value(w, &a);
+    if (status != DRAPE_OK)
+        return status;
+    *value = read_state(g).from;
+    gpu_hand_over(g);
+    return gpu_status(g);
 }
 
 int gpu_joint(const struct joint_system *w)
 {
     struct joint *s = w->joint;
     struct gpu *g = w->gpu;
+    struct joint_state fresh = {};
     struct solve a;
     gpu_hand_over(g);
-    write_solve(&a, w);
-    LAUNCH(g, 1, joint_keep_kernel, a.c, fresh_state(s));
+    write_solve(&a, w, SOLVE, s->b);
+    fresh.go = 1;
+    fresh.tolerance = s->tolerance;
+    fresh.max_iterations = s->max_iterations;
+    LAUNCH(g, 1, joint_keep_kernel, a.c, fresh);
     if (a.touch)
         gpu_links_keep(g, &s->links, s->nc, a.links, w->mutual_end, w->mutual);
     int status = run(w, &a);
     if (status != DRAPE_OK)
         return status;
     struct pcg_state c = read_state(g);
-    s->scale = c.from;
-    s->square = c.most;
     s->iterations = c.iterations;
     s->outcome = c.outcome;
-    s->residual = c.residual;
+    gpu_hand_over(g);
     return gpu_status(g);
 }

@@ -109,18 +109,17 @@ static __device__ inline void check_residual(const struct pcg *s,
     restart(s, c);
 }
 
-/* Called after the preconditioner. next: r·M⁻¹r, which gives β. tolerance and
- * exact: of the energy norm and of |r|. */
+/* Called after the preconditioner. next: r·M⁻¹r, which gives β. */
 static __device__ inline void enter(const struct pcg *s, struct pcg_state *c,
-                                    real next, real tolerance, real exact)
+                                    real next)
 {
     c->fresh = 0;
     if (s->energy) {
         if (c->first && !c->fell_back)
             c->from = max_of(next, c->from);
         c->recurrence = root(next / c->from);
-        bool near =
-            c->recurrence <= tolerance && root(c->left / c->most) <= exact;
+        bool near = c->recurrence <= s->tolerance &&
+                    root(c->left / c->most) <= s->tolerance;
         if (next == 0 || near) {
             end(c, PCG_CONVERGED);
             return;
@@ -194,8 +193,10 @@ static inline sym *lent_by(const struct pcg *s)
     return lies_before(s) ? (sym *)s->p : NULL;
 }
 
-/* Queues the matrix, its preconditioner M, and the start of dv and low. Returns
- * the status of these stages. */
+/* Queues the matrix and its preconditioner M. Returns the status of these
+ * stages. */
+int gpu_pcg_prepare(struct gpu *g, struct pcg *s);
+/* Queues them, and the start of dv and low. Likewise. */
 int gpu_pcg_set_up(struct gpu *g, struct pcg *s);
 
 /* §6: solves with cuBLAS, in gpu/compare, after pcg_open. DRAPE_EDEVICE if the

@@ -105,7 +105,7 @@ KERNEL pcg_jacobi_kernel(const struct pcg &s, struct pcg_state *c,
         value = begin_from(&s, &scratch, (int)k, s.r[k]);
     if (grid_sums<1>(&value, scratch.chunk, &c->ticket, &sum) &&
         threadIdx.x == 0)
-        enter(&s, c, sum, s.tolerance, s.tolerance);
+        enter(&s, c, sum);
 }
 
 /* The sum of item[k] of all particles: r·M⁻¹r by multigrid, or p·A p. */
@@ -120,7 +120,7 @@ KERNEL pcg_sum_kernel(const struct pcg &s, struct pcg_state *c,
     if (curvature)
         measure(c, sum);
     else
-        enter(&s, c, sum, s.tolerance, s.tolerance);
+        enter(&s, c, sum);
 }
 
 /* Updates dv + low of particle k by the steps that are outstanding, then by
@@ -167,7 +167,7 @@ KERNEL pcg_update_kernel(const struct pcg &s, struct pcg_state *c,
     c->waits = p ? 0 : c->waits + 1;
     leave(&s, c, sum[0]);
     if (scratch.jacobi && c->go)
-        enter(&s, c, sum[1], s.tolerance, s.tolerance);
+        enter(&s, c, sum[1]);
 }
 
 /* Updates dv and low by the steps that are outstanding when the iterations have

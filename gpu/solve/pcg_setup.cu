@@ -38,11 +38,16 @@ static int multigrid(void *to, struct multigrid *s)
                                lent_by(((struct on *)to)->s));
 }
 
-int gpu_pcg_set_up(struct gpu *g, struct pcg *s)
+int gpu_pcg_prepare(struct gpu *g, struct pcg *s)
 {
     static const struct pcg_stages stages = {matrix, jacobi, multigrid};
     struct on to = {g, s};
-    int status = pcg_set_up(s, &stages, &to);
+    return pcg_set_up(s, &stages, &to);
+}
+
+int gpu_pcg_set_up(struct gpu *g, struct pcg *s)
+{
+    int status = gpu_pcg_prepare(g, s);
     MERGE(g, s->count, (*s), pcg_start_kernel);
     return status;
 }

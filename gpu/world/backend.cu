@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The device as a backend: its table of functions, which queue launches and
  * wait only for counts and outcomes. ref/base/backend.h, spec/gpu.md §6 */
-#include "gpu/contact/incidence.cuh"
 #include "gpu/run/batch.cuh"
 
 extern "C" {
 #include "gpu/broad/broad.h"
 #include "gpu/cloth/motion.h"
+#include "gpu/contact/queue.h"
 #include "gpu/contact/rounds.h"
-#include "gpu/contact/turn.h"
+#include "gpu/contact/unknowns.h"
 #include "gpu/sleep/rouse.h"
 #include "gpu/world/backend.h"
 #include "gpu/world/led.h"
@@ -99,23 +99,27 @@ STAGE(travel)
 STAGE(narrow)
 STAGE(audit)
 STAGE(proximity)
-STAGE(ahead)
 STAGE(impacts)
 STAGE(impulses)
 STAGE(contacts)
-STAGE(warm)
 STAGE(zones)
 STAGE(rollback)
 
-/* Bad contacts set a late word, which the readback of the next solve brings. */
-static int penalty(void *on, struct penalty *s)
+/* Bad contacts set a late word, which the readback of the next solve brings:
+ * gpu/world/systems.cu. */
+static int coulomb(void *on, struct coulomb *s)
 {
-    return gpu_penalty_queue(gpu_of(on), s, gpu_late_words(gpu_of(on)));
+    return gpu_coulomb_queue(gpu_of(on), s, gpu_queue_words(gpu_of(on)));
 }
 
-static int penalty_status(void *on)
+static int carry(void *on, struct carry *s)
 {
-    return gpu_late_seen(gpu_of(on))[INCIDENCE_BAD] ? DRAPE_EARG : DRAPE_OK;
+    return gpu_carry_queue(gpu_of(on), s, gpu_queue_words(gpu_of(on)));
+}
+
+static int retain(void *on, struct retain *s)
+{
+    return gpu_retain_queue(gpu_of(on), s, gpu_queue_words(gpu_of(on)));
 }
 
 static int motion(void *on, struct sheet *s)
@@ -123,14 +127,9 @@ static int motion(void *on, struct sheet *s)
     return gpu_motion(gpu_of(on), s);
 }
 
-static int motion_open(void *on, struct sheet *s)
+static int motion_part(void *on, struct sheet *s, int part)
 {
-    return gpu_motion_open(gpu_of(on), s);
-}
-
-static int motion_close(void *on, struct sheet *s, vec *dv)
-{
-    return gpu_motion_close(gpu_of(on), s, dv);
+    return gpu_motion_part(gpu_of(on), s, part);
 }
 
 static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
@@ -167,41 +166,25 @@ static void touch(void *on, const struct response *s)
     gpu_rounds_touch(gpu_of(on), s);
 }
 
-static bool slips(void *on, const struct response *s,
-                  const struct contact *contact)
-{
-    return gpu_rounds_slip(gpu_of(on), s, contact);
-}
-
 static void cap_targets(void *on, const struct response *s,
                         struct contact *contact)
 {
     gpu_rounds_settle(gpu_of(on), s, contact);
 }
 
-static void first_turn(void *on, int64_t n, vec *g, const vec *press, real dt)
+static void shift(void *on, const struct shift *s)
 {
-    gpu_turn_begin(gpu_of(on), n, g, press, dt);
+    gpu_unknowns_shift(gpu_of(on), s);
 }
 
-static void carry(void *on, int64_t n, const vec *r, vec *g)
+static void jump(void *on, const struct jumps *s)
 {
-    gpu_turn_carry(gpu_of(on), n, r, g);
+    gpu_unknowns_jump(gpu_of(on), s);
 }
 
-static void load(void *on, const struct turn *s)
+static void lessen(void *on, int64_t n, real part, const vec *q, vec *r)
 {
-    gpu_turn_load(gpu_of(on), s);
-}
-
-static void move(void *on, const struct turn *s)
-{
-    gpu_turn_move(gpu_of(on), s);
-}
-
-static void hand_over(void *on)
-{
-    gpu_hand_over(gpu_of(on));
+    gpu_unknowns_lessen(gpu_of(on), n, part, q, r);
 }
 
 static void pin(void *on, int64_t n, const int32_t *pinned, const vec *x,
@@ -297,33 +280,30 @@ extern const struct backend backend_gpu = {.take = take,
                                            .narrow = narrow,
                                            .audit = audit,
                                            .proximity = proximity,
-                                           .ahead = ahead,
                                            .impacts = impacts,
                                            .impulses = impulses,
                                            .contacts = contacts,
-                                           .warm = warm,
                                            .zones = zones,
                                            .rollback = rollback,
-                                           .penalty = penalty,
-                                           .penalty_status = penalty_status,
+                                           .coulomb = coulomb,
+                                           .carry = carry,
+                                           .retain = retain,
                                            .motion = motion,
-                                           .motion_open = motion_open,
-                                           .motion_close = motion_close,
+                                           .motion_part = motion_part,
                                            .energy = energy,
+                                           .joint_set_up = gpu_systems_set_up,
+                                           .joint_measure = gpu_systems_measure,
                                            .joint = gpu_systems_joint,
                                            .broad_whole_apart = ask,
                                            .broad_query = query,
                                            .start = start,
                                            .advance = advance,
                                            .touch = touch,
-                                           .slips = slips,
                                            .cap_targets = cap_targets,
-                                           .turn_room = gpu_turn_room,
-                                           .turn_begin = first_turn,
-                                           .turn_carry = carry,
-                                           .turn_load = load,
-                                           .turn_move = move,
-                                           .turn_end = hand_over,
+                                           .slice_room = gpu_systems_room,
+                                           .shift = shift,
+                                           .jump = jump,
+                                           .lessen = lessen,
                                            .pin = pin,
                                            .blend = blend,
                                            .keep = keep,

@@ -7,7 +7,6 @@
 extern "C" {
 #include "gpu/broad/broad.h"
 #include "gpu/compare/blas.h"
-#include "gpu/contact/turn.h"
 #include "gpu/world/backend.h"
 #include "gpu/world/kinematics.h"
 #include "gpu/world/make.h"
@@ -34,11 +33,6 @@ static void give_state(struct gpu_world *d)
         GPU_TAKE_COPY(d->gpu, w->past_x, ARENA_STATE, h->past_x, h->nc);
         GPU_TAKE_COPY(d->gpu, w->past_v, ARENA_STATE, h->past_v, h->nc);
     }
-    if (h->plan.warm)
-        GPU_TAKE_COPY(d->gpu, w->press, ARENA_STATE, h->press, h->nc);
-    if (h->plan.turns)
-        GPU_TAKE_COPY(d->gpu, w->solved, ARENA_STATE, h->solved,
-                      COUPLE_ENDS * h->nc);
     if (h->def.sleep)
         GPU_TAKE_COPY(d->gpu, w->anchor, ARENA_STATE, NULL, h->nc);
     if (h->plan.history && h->plan.collides) {
@@ -67,8 +61,7 @@ static void give_motion(struct gpu_world *d)
     if (!h->plan.implicit)
         return;
     GPU_TAKE_COPY(d->gpu, d->star, ARENA_SOLVER, NULL, h->nc);
-    GPU_TAKE_COPY(d->gpu, d->b, ARENA_SOLVER, NULL,
-                  h->plan.collides ? h->nv : h->nc);
+    GPU_TAKE_COPY(d->gpu, d->b, ARENA_SOLVER, NULL, h->nc);
 }
 
 static void give_prop(struct gpu_world *d, int k)
@@ -99,7 +92,7 @@ static int give_response(struct gpu_world *d)
     GPU_TAKE_COPY(d->gpu, c->rolled, ARENA_RESPONSE, NULL, w->nv);
     GPU_TAKE_COPY(d->gpu, c->start, ARENA_RESPONSE, NULL, w->nv + 1);
     GPU_TAKE_COPY(d->gpu, c->first, ARENA_RESPONSE, NULL, w->nv);
-    return w->plan.implicit ? gpu_turn_make(d) : gpu_status(d->gpu);
+    return w->plan.solves ? gpu_systems_streams(d) : gpu_status(d->gpu);
 }
 
 /* Opens the device and makes *world, the world that is stepped: a copy of the
@@ -167,8 +160,7 @@ int gpu_make_heir(const drape_def *def, const struct heir *heir,
     give_state(d);
     give_motion(d);
     for (int k = 0; k < def->n_cloths; k++)
-        gpu_sheet_make(d->gpu, &h->sheet[k], w->posed, d->star, d->b,
-                       &w->sheet[k]);
+        gpu_sheet_make(d, k);
     for (int k = 0; k < def->n_obstacles; k++)
         give_prop(d, k);
     status = w->plan.wind ? air_take(w) : gpu_status(d->gpu);

@@ -6,6 +6,7 @@ extern "C" {
 #include "gpu/cloth/rate.h"
 #include "gpu/world/kinematics.h"
 #include "gpu/world/sheet.h"
+#include "gpu/world/state.h"
 #include "ref/base/sum.h"
 #include "ref/base/thin.h"
 #include "ref/solve/matrix.h"
@@ -28,29 +29,41 @@ static void *next_in(struct row *row, int64_t n, size_t size)
 #define NEXT(p, n) (p) = (decltype(p))next_in(&row, n, sizeof *(p))
 
 /* Lays out the streams of a cloth's solver in one block, or without a block
- * finds its size. r comes first, since the first contacts of a slice read it;
- * everything after r is lent between solves. pool of multigrid lacks the part
- * for the finest grid that p and q lend it. p and q lie before the
- * motion's streams, of which the first, the force, is only read by rhs. */
+ * finds its size. The preconditioner and the matrix come first, then the
+ * scratch of solves and of motions, of which the wind's sum is the last. pool
+ * of multigrid lacks the part for the finest grid that p and q lend it. */
 static struct row lay_out(struct sheet *s, int64_t vecs, char *block)
 {
     struct row row = {block, 0};
     struct pcg *p = &s->solver.pcg;
     int64_t lent = p->grid.n_pool ? p->count : 0;
-    NEXT(p->r, p->count);
+    NEXT(p->factor, p->count);
+    NEXT(p->grid.pool, p->grid.n_pool - lent);
+    NEXT(p->grid.live, p->grid.n_live);
     NEXT(p->cdf, p->n_cdf);
     NEXT(p->diagonal, p->n_cdf ? p->count : 0);
-    NEXT(p->factor, p->count);
     NEXT(p->low, p->count);
+    NEXT(p->r, p->count);
     NEXT(p->s, p->count);
-    NEXT(p->grid.pool, p->grid.n_pool - lent);
     NEXT(p->grid.room, p->grid.n_room);
-    NEXT(p->grid.live, p->grid.n_live);
     NEXT(p->p, (2 + vecs) * p->count);
     return row;
 }
 
-static void take_solver(struct gpu *g, struct sheet *s, int64_t vecs)
+/* Lends what a solve writes before it reads it. solves: contacts take part in
+ * solves, between which the preconditioner, the matrix and the wind stay. */
+static void lend(struct gpu *g, const struct sheet *s, int64_t vecs,
+                 bool solves)
+{
+    const struct pcg *p = &s->solver.pcg;
+    bool wind = solves && s->dynamics.windy;
+    char *from = solves ? (char *)p->low : (char *)p->factor;
+    vec *to = s->dynamics.work + (vecs - wind) * p->count;
+    gpu_lend(g, from, (size_t)((char *)to - from));
+}
+
+static void take_solver(struct gpu *g, struct sheet *s, int64_t vecs,
+                        bool solves)
 {
     struct pcg *p = &s->solver.pcg;
     char *block = NULL;
@@ -63,14 +76,14 @@ static void take_solver(struct gpu *g, struct sheet *s, int64_t vecs)
     lay_out(s, vecs, block);
     p->q = p->p + p->count;
     s->dynamics.work = p->q + p->count;
-    vec *from = p->r + p->count, *to = s->dynamics.work + vecs * p->count;
-    gpu_lend(g, from, (size_t)((char *)to - (char *)from));
+    lend(g, s, vecs, solves);
 }
 
-void gpu_sheet_make(struct gpu *g, const struct sheet *h,
-                    const struct pose *posed, vec *star, vec *b,
-                    struct sheet *s)
+void gpu_sheet_make(struct gpu_world *d, int k)
 {
+    struct gpu *g = d->gpu;
+    const struct sheet *h = &d->host->sheet[k];
+    struct sheet *s = &d->world.sheet[k];
     struct gpu_sheet *more = s->device;
     struct cloth *c = &s->cloth;
     struct dynamics *m = &s->dynamics;
@@ -87,7 +100,7 @@ void gpu_sheet_make(struct gpu *g, const struct sheet *h,
     GPU_TAKE_COPY(g, more->piece, ARENA_CLOTH, c->piece, PIECES);
     GPU_TAKE_COPY(g, more->triple, ARENA_CLOTH, c->triple, TRIPLES);
     GPU_TAKE_COPY(g, s->pinned, ARENA_CLOTH, h->pinned, h->pins.n);
-    gpu_kinematics_make(g, ARENA_CLOTH, &h->pins, posed, &s->pins);
+    gpu_kinematics_make(g, ARENA_CLOTH, &h->pins, d->world.posed, &s->pins);
     GPU_TAKE_COPY(g, s->pins.x, ARENA_CLOTH, h->pins.x, h->pins.n);
     m->cloth = c;
     int64_t vecs = motion_vecs(m);
@@ -97,8 +110,8 @@ void gpu_sheet_make(struct gpu *g, const struct sheet *h,
                       (vecs + motion_spares(m)) * c->count);
         return;
     }
-    more->star = star + s->first;
-    more->b = b + s->first;
+    more->star = d->star + s->first;
+    more->b = d->b + s->first;
     GPU_TAKE_COPY(g, m->block, ARENA_SOLVER, NULL, SPRINGS * c->count);
     if (m->newton > 1)
         GPU_TAKE_COPY(g, m->kept, ARENA_SOLVER, NULL, 2 * c->count);
@@ -108,5 +121,5 @@ void gpu_sheet_make(struct gpu *g, const struct sheet *h,
         GPU_TAKE_COPY(g, more->rate, ARENA_SOLVER, NULL, SPRINGS * c->count);
     p->mass = c->mass;
     p->fixed = c->fixed;
-    take_solver(g, s, vecs);
+    take_solver(g, s, vecs, d->world.plan.solves);
 }

@@ -10,13 +10,12 @@
 extern "C" {
 #endif
 
-/* Makes s, whose `device` is set, a copy of the host's sheet h with its streams
- * on the device. posed: the poses of the world's motions, there; star, b:
- * streams of all cloths, of implicit motion. A lack of memory shows in
- * gpu_status. */
-void gpu_sheet_make(struct gpu *g, const struct sheet *h,
-                    const struct pose *posed, vec *star, vec *b,
-                    struct sheet *s);
+struct gpu_world;
+
+/* Makes cloth k of the world that is stepped, whose `device` is set, a copy of
+ * the host's with its streams on the device. posed, star and b of the world are
+ * there. A lack of memory shows in gpu_status. */
+void gpu_sheet_make(struct gpu_world *d, int k);
 
 #ifdef __cplusplus
 }

@@ -17,12 +17,11 @@ struct gpu_world {
     struct world *host; /* made by ref/world/world.c and never stepped; its
                            streams are used to read, save and load a state */
     struct gpu *gpu;
-    vec *star, *b; /* device [nc] each, of implicit motion. When contact begins,
-                      star is couple's g, and b, which is [nv] if anything can
-                      collide, is couple's force */
+    vec *star, *b; /* device [nc] each, of implicit motion; b is lagrange's
+                      rest, too */
     struct linked *links; /* device [1] the contacts of the joint solve */
-    /* Device [nc], [4 couple.cap]: the contacts of each vertex that are mutual
-     * (gpu/contact/joint.h). */
+    /* Device [nc], [4 lagrange.cap]: the contacts of each vertex that are
+     * mutual (gpu/contact/joint.h). */
     int32_t *mutual_end;
     struct mutual *mutual;
     struct joint_part *part; /* host [n_cloths] the cloths in the joint solve */

@@ -44,15 +44,8 @@ static struct world staged(const struct world *w)
     all.v0 = h->v0;
     all.past_x = h->past_x;
     all.past_v = h->past_v;
-    all.press = h->press;
-    all.solved = h->solved;
     all.anchor = h->anchor;
     return all;
-}
-
-static size_t solved_bytes(const struct world *w)
-{
-    return w->solved ? COUPLE_ENDS * (size_t)w->nc * sizeof *w->solved : 0;
 }
 
 static size_t anchor_bytes(const struct world *w)
@@ -66,14 +59,11 @@ static int fetch(const struct world *w)
     struct gpu *g = w->device->gpu;
     size_t bytes = (size_t)w->nv * sizeof *w->x0;
     size_t past = w->past_x ? (size_t)w->nc * sizeof *w->past_x : 0;
-    size_t press = w->press ? (size_t)w->nc * sizeof *w->press : 0;
     gpu_begin(g);
     gpu_down(g, h->x0, w->x0, bytes);
     gpu_down(g, h->v0, w->v0, bytes);
     gpu_down(g, h->past_x, w->past_x, past);
     gpu_down(g, h->past_v, w->past_v, past);
-    gpu_down(g, h->press, w->press, press);
-    gpu_down(g, h->solved, w->solved, solved_bytes(w));
     gpu_down(g, h->anchor, w->anchor, anchor_bytes(w));
     return gpu_status(g);
 }
@@ -134,16 +124,16 @@ static int load(struct world *w, drape_read_bytes *read, void *user)
 {
     struct world all = staged(w), now = *w;
     struct gpu *g = w->device->gpu;
+    gpu_begin(g);
     int status = checkpoint_load(&all, read, user);
     w->told.from = all.told.from; /* streams that may have been taken */
     w->told.to = all.told.to;
     w->to = all.to;
+    w->lagrange = all.lagrange;
     if (status != DRAPE_OK)
         return status;
-    gpu_begin(g);
     size_t bytes = (size_t)w->nv * sizeof *w->x0;
     size_t past = w->past_x ? (size_t)w->nc * sizeof *w->past_x : 0;
-    size_t press = w->press ? (size_t)w->nc * sizeof *w->press : 0;
     gpu_up(g, w->x0, all.x0, bytes);
     gpu_up(g, w->v0, all.v0, bytes);
     /* no step writes x1 and v1 of what never moves */
@@ -151,8 +141,6 @@ static int load(struct world *w, drape_read_bytes *read, void *user)
     gpu_up(g, w->v1, all.v0, bytes);
     gpu_up(g, w->past_x, all.past_x, past);
     gpu_up(g, w->past_v, all.past_v, past);
-    gpu_up(g, w->press, all.press, press);
-    gpu_up(g, w->solved, all.solved, solved_bytes(w));
     gpu_up(g, w->anchor, all.anchor, anchor_bytes(w));
     gpu_wait(g);
     *w = all;
@@ -160,8 +148,6 @@ static int load(struct world *w, drape_read_bytes *read, void *user)
     w->v0 = now.v0;
     w->past_x = now.past_x;
     w->past_v = now.past_v;
-    w->press = now.press;
-    w->solved = now.solved;
     w->anchor = now.anchor;
     return gpu_status(g);
 }

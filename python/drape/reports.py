@@ -122,12 +122,13 @@ class StepReport:
         slices: slices that make up the step, 1 … max_slices
         substeps: most substeps of the integrator in a slice
         iterations: (*) of the linear solver, all solves together
-        residual: relative, the largest of the solves
-        rounds: (*) detections of penetration after the turns of the contacts,
-            of which the last in a clean slice finds no pair; 0 where nothing
-            was near anything
+        residual: relative, the largest: of solves without contacts, and of what
+            those with contacts left undone
+        rounds: (*) detections of penetration after the solves with contacts, of
+            which the last in a clean slice finds no pair; 0 where nothing was
+            near anything
         asleep: cloths asleep at the end of the step
-        contacts: pairs in contact, contact/proximity.md, last slice
+        contacts: pairs near, contact/proximity.md, last slice
         impacts: pairs found to penetrate, all rounds
         candidates: (*) pairs given to the narrow phase, all rounds
         zone_vertices, rolled_back: vertices that the fail-safe moved in zones,

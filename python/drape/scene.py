@@ -362,6 +362,7 @@ class Scene(Keys):
         newton: linear solves of a cloth's motion in a step at most, 0: by the
             integrator
         self_collision: whether cloth meets cloth
+        response: of contacts with an implicit integrator: "solve" or "impulses"
         max_rounds: of collision impulses; max_slices: into which a step is cut
         allow_intersecting: whether a start may intersect
         sleep: whether a scene at rest is skipped
@@ -391,6 +392,7 @@ class Scene(Keys):
     max_iterations: int | None = None
     newton: int | None = None
     self_collision: bool | None = None
+    response: str | None = None
     max_rounds: int | None = None
     max_slices: int | None = None
     allow_intersecting: bool | None = None

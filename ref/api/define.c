@@ -278,6 +278,7 @@ static void check_world(struct check *c, const drape_def *def)
     integer(c, "precond", def->precond, DRAPE_JACOBI, DRAPE_MULTIGRID);
     integer(c, "matrix", def->matrix, DRAPE_CDF, DRAPE_COMPACT);
     integer(c, "solver", def->solver, DRAPE_EXACT, DRAPE_CUBLAS);
+    integer(c, "response", def->response, DRAPE_SOLVE, DRAPE_IMPULSES);
     if (def->solver == DRAPE_CUBLAS && def->backend != DRAPE_GPU)
         fail(c, DRAPE_EARG, "solver cublas needs backend gpu");
     number(c, "tolerance", def->tolerance, 1e-15, 1);

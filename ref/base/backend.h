@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A backend: the table of functions by which the host's code calls stages. The
- * host's decisions (ref/world, ref/contact/response.c, failsafe.c and couple.c)
- * are written once. They use the table of the world's backend, which
- * ref/world/backend.c fills for the reference and gpu/world/backend.cu for a
- * device. spec/world/step.md §12 */
+ * host's decisions (ref/world, ref/contact/response.c, failsafe.c and
+ * lagrange.c) are written once. They use the table of the world's backend,
+ * which ref/world/backend.c fills for the reference and gpu/world/backend.cu
+ * for a device. spec/world/step.md §12 */
 #ifndef REF_BACKEND_H
 #define REF_BACKEND_H
 
@@ -11,31 +11,32 @@
 #include "ref/base/real.h"
 #include "ref/base/trace.h"
 
-struct ahead;
 struct audit;
 struct blend;
 struct broad;
+struct carry;
 struct contact;
 struct contacts;
+struct coulomb;
 struct dot;
 struct history;
 struct impacts;
 struct impulses;
 struct islands;
+struct jumps;
 struct kinematics;
 struct moments;
 struct narrow;
-struct penalty;
 struct proximity;
 struct response;
+struct retain;
 struct rollback;
 struct rouse;
 struct sheet;
+struct shift;
 struct spin;
 struct travel;
 struct joint;
-struct turn;
-struct warm;
 struct world;
 struct zones;
 
@@ -83,26 +84,25 @@ struct backend {
     int (*narrow)(void *on, struct narrow *s);
     int (*audit)(void *on, struct audit *s);
     int (*proximity)(void *on, struct proximity *s);
-    int (*ahead)(void *on, struct ahead *s);
     int (*impacts)(void *on, struct impacts *s);
     int (*impulses)(void *on, struct impulses *s);
     int (*contacts)(void *on, struct contacts *s);
-    int (*warm)(void *on, struct warm *s);
     int (*zones)(void *on, struct zones *s);
     int (*rollback)(void *on, struct rollback *s);
-    /* Bad contacts are reported by penalty_status after the next solve, so
-     * that the host need not wait for stage penalty. */
-    int (*penalty)(void *on, struct penalty *s);
-    int (*penalty_status)(void *on);
+    int (*coulomb)(void *on, struct coulomb *s);
+    int (*carry)(void *on, struct carry *s);
+    int (*retain)(void *on, struct retain *s);
 
     /* Run ref_motion and motion_energy on one cloth. */
     int (*motion)(void *on, struct sheet *s);
-    /* The parts of it before and after the solve, which gives dv. */
-    int (*motion_open)(void *on, struct sheet *s);
-    int (*motion_close)(void *on, struct sheet *s, vec *dv);
+    /* Runs a part of it, as ref_motion_part does: enum motion_part. */
+    int (*motion_part)(void *on, struct sheet *s, int part);
     void (*energy)(void *on, struct sheet *s, const vec *x, const vec *v,
                    double value[3]);
-    /* Solves the cloths and their contacts together (ref/solve/joint.h). */
+    /* Do what joint_X does (ref/solve/joint.h); joint: joint_solve. */
+    int (*joint_set_up)(struct world *w, struct joint *s);
+    int (*joint_measure)(struct world *w, struct joint *s, const vec *r,
+                         real *value);
     int (*joint)(struct world *w, struct joint *s);
     /* Do what the functions of these names in ref/broad/broad.h do. */
     int (*broad_whole_apart)(void *on, struct broad *b, const vec *x0,
@@ -114,20 +114,16 @@ struct backend {
     void (*advance)(void *on, struct response *s, int64_t n,
                     const int32_t *vertex, const uint8_t *moved, bool stop);
     void (*touch)(void *on, const struct response *s);
-    bool (*slips)(void *on, const struct response *s,
-                  const struct contact *contact);
     void (*cap_targets)(void *on, const struct response *s,
                         struct contact *contact);
 
-    /* Makes room for n contacts in the scratch of penalty and warm. DRAPE_OK or
-     * DRAPE_ENOMEM. */
-    int (*turn_room)(struct world *w, int64_t n);
-    void (*turn_begin)(void *on, int64_t n, vec *g, const vec *press, real dt);
-    void (*turn_carry)(void *on, int64_t n, const vec *r, vec *g);
-    void (*turn_load)(void *on, const struct turn *s);
-    void (*turn_move)(void *on, const struct turn *s);
-    /* Called when streams borrowed from a solver are not read any more. */
-    void (*turn_end)(void *on);
+    /* Do what unknowns_X does (ref/contact/unknowns.h); slice_room:
+     * unknowns_room. */
+    int (*slice_room)(struct world *w, int64_t n);
+    void (*shift)(void *on, const struct shift *s);
+    void (*jump)(void *on, const struct jumps *s);
+    /* r -= part·q, n items. */
+    void (*lessen)(void *on, int64_t n, real part, const vec *q, vec *r);
 
     void (*pin)(void *on, int64_t n, const int32_t *pinned, const vec *x,
                 vec *to);

@@ -36,6 +36,12 @@ int ref_sum(struct sum *s)
     return DRAPE_OK;
 }
 
+static real term_of(const struct dot *s, int64_t k)
+{
+    real term = vec_dot(s->a[k], s->b[k]);
+    return s->n_w ? s->w[k] * term : term;
+}
+
 int ref_dot(struct dot *s)
 {
     EACH_ITEM
@@ -43,7 +49,7 @@ int ref_dot(struct dot *s)
         real t[SUM_CHUNK];
         for (int64_t i = 0; i < SUM_CHUNK; i++) {
             int64_t item = SUM_CHUNK * k + i;
-            t[i] = item < s->n ? vec_dot(s->a[item], s->b[item]) : 0;
+            t[i] = item < s->n ? term_of(s, item) : 0;
         }
         s->chunk[k] = sum_tree(t);
     }

@@ -43,6 +43,8 @@ struct dot {
     int64_t n_chunks; /* sum_chunks(n) */
     real *chunk;      /* scratch: [n_chunks] */
     real value;       /* out: the sum of vec_dot(a[k], b[k]) */
+    int64_t n_w;      /* n, or 0: all weights are 1 */
+    const real *w;    /* [n_w] weights of the items */
 };
 
 /* Both return DRAPE_OK. A NaN or an overflow appears in the value. */

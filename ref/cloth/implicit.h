@@ -24,8 +24,7 @@ struct predict {
     vec *q;               /* out: [n_past] m/s, star - back */
 };
 
-/* §2: b = tau·(force + press) - Σ over the springs of p of
- * block·(q_p - q_other). */
+/* §2: b = tau·force - Σ over the springs of p of block·(q_p - q_other). */
 struct rhs {
     int64_t count;          /* particles */
     int32_t m, n;           /* along i and j */
@@ -34,8 +33,6 @@ struct rhs {
     int64_t n_blocks;       /* SPRINGS·count */
     const sym *block;       /* [n_blocks] kg, spring o of p at o·count + p */
     const vec *force;       /* [count] N */
-    int64_t n_press;        /* count, or 0: none */
-    const vec *press;       /* [n_press] N, forces of contacts; warm.md */
     const vec *q;           /* [count] m/s */
     real tau;               /* s */
     vec *b;                 /* out: [count] N·s, 0 where fixed */
@@ -55,14 +52,12 @@ struct update {
     vec *x1, *v1;         /* out: [count] m, m/s */
 };
 
-/* §6: b = tau·(force + press) - mass·(v - star). */
+/* §6: b = tau·force - mass·(v - star). */
 struct imbalance {
     int64_t count;        /* particles */
     const uint8_t *fixed; /* [count] */
     const real *mass;     /* [count] kg */
     const vec *force;     /* [count] N, at the end of the step */
-    int64_t n_press;      /* count, or 0: none */
-    const vec *press;     /* [n_press] N, forces of contacts; warm.md */
     const vec *v, *star;  /* [count] m/s, at the end, and for dv = 0 */
     real tau;             /* s */
     vec *b;               /* out: [count] N·s, 0 where fixed */
@@ -75,6 +70,9 @@ struct history {
     const vec *x0, *v0; /* [count] m, m/s, start of the step */
     const vec *x1, *v1; /* [count] m, m/s, results of update */
     const vec *x, *v;   /* [count] m, m/s, end of the step */
+    int64_t n_jump;     /* count, or 0: no contact struck */
+    const vec *jump;    /* [n_jump] m/s, what struck contacts changed */
+    real part;          /* of jump that the past gets */
     real dt;            /* s */
     vec *xp, *vp;       /* out: [count] m, m/s */
 };

@@ -146,14 +146,20 @@ int ref_motion(struct dynamics *s)
                                                   : explicit_steps(s));
 }
 
-int ref_motion_open(struct dynamics *s)
+int ref_motion_part(struct dynamics *s, enum motion_part part)
 {
-    begin(s);
-    return newton_open(s, &stages, s);
-}
-
-int ref_motion_close(struct dynamics *s, vec *dv)
-{
-    s->dv = dv;
-    return finish(s, newton_close(s, &stages, s));
+    switch (part) {
+    case MOTION_OPEN:
+        begin(s);
+        return newton_open(s, &stages, s);
+    case MOTION_PLACE:
+        return newton_place(s, &stages, s);
+    case MOTION_BALANCE:
+        return newton_balance(s, &stages, s);
+    case MOTION_LINEARISE:
+        return newton_linearise(s, &stages, s);
+    case MOTION_END:
+        return finish(s, DRAPE_OK);
+    }
+    return DRAPE_EARG;
 }

@@ -10,10 +10,17 @@
  * returned. An outcome with DRAPE_DIVERGED leaves x1 = x and v1 = v. */
 int ref_motion(struct dynamics *s);
 
-/* The same in two parts, of a linearly implicit motion whose system the caller
- * solves (newton.h): open sets the matrix and b, close takes dv [count]. */
-int ref_motion_open(struct dynamics *s);
-int ref_motion_close(struct dynamics *s, vec *dv);
+/* The parts of an implicit motion in which contacts take part and whose system
+ * the caller solves (newton.h). MOTION_END computes the energies and undoes a
+ * motion that is out of range. */
+enum motion_part {
+    MOTION_OPEN,
+    MOTION_PLACE,
+    MOTION_BALANCE,
+    MOTION_LINEARISE,
+    MOTION_END
+};
+int ref_motion_part(struct dynamics *s, enum motion_part part);
 
 /* Kinetic, elastic and gravitational energy of a state, J; uses chunk. */
 void motion_energy(const struct dynamics *s, const vec *x, const vec *v,

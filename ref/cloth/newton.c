@@ -66,6 +66,12 @@ static void springs(struct motion *a, const vec *x, const vec *damping)
 {
     struct springs f;
     force_springs(a->s, x, damping, &f);
+    if (a->s->met && x == a->s->x1) { /* springs.md §6: more exactly so */
+        f.x = a->s->x;
+        f.n_u = f.count;
+        f.u = a->s->u;
+        f.span = (real)a->s->dt;
+    }
     note(a, a->run->springs(a->on, &f));
     a->run->trace(a->on, "springs", f.force, bytes_of(a));
 }
@@ -79,7 +85,7 @@ static const vec *predicted(const struct motion *a)
 /* Whether the matrix has the directions of half way (blocks.md §8). */
 static bool turns(const struct motion *a)
 {
-    return !a->s->kept && a->tau < LONGEST;
+    return !a->s->kept && a->s->at == a->s->x && a->tau < LONGEST;
 }
 
 /* The matrix at s->at. */
@@ -122,8 +128,6 @@ static void rhs(struct motion *a)
                     .n_blocks = SPRINGS * c->count,
                     .block = s->block,
                     .force = s->force,
-                    .n_press = s->press ? c->count : 0,
-                    .press = s->press,
                     .q = predicted(a),
                     .tau = a->tau,
                     .b = s->b};
@@ -167,8 +171,6 @@ static void imbalance(struct motion *a)
                           .fixed = s->cloth->fixed,
                           .mass = dynamics_mass(s),
                           .force = s->force,
-                          .n_press = s->press ? s->cloth->count : 0,
-                          .press = s->press,
                           .v = s->v1,
                           .star = s->star,
                           .tau = a->tau,
@@ -231,8 +233,6 @@ static void iterate(struct motion *a, real tolerance)
         blocks(a);
         solve(a, real_max(tolerance, LATER));
     }
-    a->run->copy(a->on, v, s->b, bytes_of(a));
-    s->left = v;
     s->residual = first > 0 ? (double)(last / first) : 0;
 }
 
@@ -255,7 +255,6 @@ int newton_open(struct dynamics *s, const struct newton_stages *run, void *on)
     s->substeps = 1;
     s->solves = 0;
     s->at = s->x;
-    s->left = NULL;
     predict(&a);
     wind(&a);
     springs(&a, s->x, a.past ? s->back : NULL);
@@ -264,10 +263,27 @@ int newton_open(struct dynamics *s, const struct newton_stages *run, void *on)
     return a.status;
 }
 
-int newton_close(struct dynamics *s, const struct newton_stages *run, void *on)
+int newton_place(struct dynamics *s, const struct newton_stages *run, void *on)
 {
     struct motion a = motion_of(s, run, on);
-    update(&a, 1);
+    update(&a, 0);
+    return a.status;
+}
+
+int newton_balance(struct dynamics *s, const struct newton_stages *run,
+                   void *on)
+{
+    struct motion a = motion_of(s, run, on);
+    imbalance(&a);
+    return a.status;
+}
+
+int newton_linearise(struct dynamics *s, const struct newton_stages *run,
+                     void *on)
+{
+    struct motion a = motion_of(s, run, on);
+    s->at = s->x1;
+    blocks(&a);
     return a.status;
 }
 

@@ -33,10 +33,15 @@ struct newton_stages {
  * a stage returned. */
 int newton_move(struct dynamics *s, const struct newton_stages *run, void *on);
 
-/* The stages of a step without Newton's method before its solve, and those
- * after it, for a caller that solves the cloths of a scene together: open sets
- * the system, close moves by dv. DRAPE_OK or what a stage returned. */
+/* The parts of a step in which contacts take part, for a caller that solves the
+ * system (lagrange.md): open sets the matrix and b, the imbalance of star;
+ * place moves to star; balance sets b, the imbalance at x1, v1; linearise sets
+ * the matrix at x1. DRAPE_OK or what a stage returned. */
 int newton_open(struct dynamics *s, const struct newton_stages *run, void *on);
-int newton_close(struct dynamics *s, const struct newton_stages *run, void *on);
+int newton_place(struct dynamics *s, const struct newton_stages *run, void *on);
+int newton_balance(struct dynamics *s, const struct newton_stages *run,
+                   void *on);
+int newton_linearise(struct dynamics *s, const struct newton_stages *run,
+                     void *on);
 
 #endif

@@ -7,13 +7,20 @@
 #include "ref/cloth/law.h"
 #include "ref/cloth/triple.h"
 
+/* From particle p to q, §6. */
+static vec way_of(const struct springs *s, int64_t p, int64_t q)
+{
+    vec d = vec_sub(s->x[q], s->x[p]);
+    return s->n_u ? vec_axpy(d, s->span, vec_sub(s->u[q], s->u[p])) : d;
+}
+
 /* §1: the pull on p of a spring of direction o to q, of which `first` is the
  * first particle. §4: the pull on q is its exact negative. */
 static vec pull(const struct springs *s, int o, int64_t p, int64_t q,
                 int64_t first)
 {
     const struct law *a = &s->law[o];
-    vec d = vec_sub(s->x[q], s->x[p]);
+    vec d = way_of(s, p, q);
     real length = vec_length(d);
     if (!(length > 0))
         return vec_make(0, 0, 0);
@@ -65,7 +72,11 @@ static vec moment(const struct springs *s, int o, int32_t i, int32_t j)
     real k = triple_constant(s->triple, o, s->beside[p]);
     if (!(k > 0))
         return vec_make(0, 0, 0);
-    return vec_scale(k, triple_of(s->x[p - step], s->x[p], s->x[p + step]));
+    vec t = triple_of(s->x[p - step], s->x[p], s->x[p + step]);
+    if (s->n_u)
+        t = vec_axpy(t, s->span,
+                     triple_of(s->u[p - step], s->u[p], s->u[p + step]));
+    return vec_scale(k, t);
 }
 
 /* §5: the force of the triples of direction o on particle (i, j). */

@@ -19,6 +19,9 @@ struct springs {
     const uint8_t *beside;     /* [n_beside] bits of the cells about p */
     const real *mass;          /* [count] kg */
     const vec *x;              /* [count] m */
+    int64_t n_u;               /* count, or 0: the particles are at x */
+    const vec *u;              /* [n_u] m/s: they are at x + span·u, §6 */
+    real span;                 /* s */
     int64_t n_v;               /* count, or 0: no damping */
     const vec *v;              /* [n_v] m/s */
     int64_t n_wind;            /* count, or 0: no wind */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The contact: a constraint on the velocities of four vertices. Proximity and
- * impulses make contacts; penalty and contacts solve them.
+ * impulses make contacts; coulomb and contacts say what they push.
  * spec/contact/contacts.md */
 #ifndef REF_CONTACT_H
 #define REF_CONTACT_H
@@ -17,7 +17,7 @@ enum contact_held { CONTACT_APART, CONTACT_MUTUAL, CONTACT_WALL };
 struct contact {
     int32_t v[4];  /* vertices, as the pair names them */
     int32_t kind;  /* enum contact_kind */
-    int32_t held;  /* enum contact_held; penalty.md §1 */
+    int32_t held;  /* enum contact_held; coulomb.md §3 */
     real c[4];     /* weights: side A adds to 1, side B to -1 */
     vec n;         /* unit, from B to A */
     real gap;      /* m, n·Σ c x at the start of the step */
@@ -25,9 +25,15 @@ struct contact {
     real friction; /* Coulomb coefficient */
     real impulse;  /* N·s along n; ≥ 0 after stage contacts */
     vec tangent;   /* N·s across n, |tangent| ≤ friction · impulse */
-    real along;    /* kg, κ' of the turn; penalty.md §1 */
-    real slide;    /* kg, factor f of friction where it sticks, else 0;
-                      penalty.md §2 */
+    real lambda;   /* N·s, ≥ 0: multiplier along n; coulomb.md §1 */
+    vec lambda_t;  /* N·s, ⊥ n: multiplier across n; coulomb.md §2 */
+    real load;     /* N·s, ≥ 0: N, which limits friction; coulomb.md §2 */
+    real kappa;    /* kg, ≥ 0: κ; 0: carry.md has not set the contact up */
+    real rise;     /* N·s, by which lambda rose when it was last renewed */
+    real along;    /* kg, of its matrix along n; coulomb.md §3 */
+    real slide;    /* kg, likewise across n */
+    vec way;       /* unit, along the friction of a contact that slides, else
+                      0: no matrix this way */
 };
 
 /* Contact properties of a body's surface. A pair has the largest value of each
@@ -36,6 +42,16 @@ struct surface {
     real thickness; /* m, ≥ 0: distance at which contact begins */
     real friction;  /* ≥ 0 */
 };
+
+/* A new contact's impulses, multipliers and matrix: none. */
+static inline void contact_clear(struct contact *c)
+{
+    vec none = vec_make(0, 0, 0);
+    c->held = CONTACT_APART;
+    c->impulse = c->lambda = c->load = c->kappa = c->rise = 0;
+    c->along = c->slide = 0;
+    c->tangent = c->lambda_t = c->way = none;
+}
 
 /* The surface of each vertex. */
 struct skin {

@@ -137,9 +137,7 @@ static void emit(const struct impulses *s, int64_t k, struct contact *c)
     c->gap = (real)wide_dot(n, weighted_sum(r.c, m.from));
     c->target = (s->margin * skin.thickness - c->gap) / s->dt;
     c->friction = skin.friction;
-    c->held = 0;
-    c->impulse = c->slide = c->along = 0;
-    c->tangent = vec_make(0, 0, 0);
+    contact_clear(c);
 }
 
 /* §5: what a vertex meets first */
@@ -208,6 +206,34 @@ static bool same(const struct key *a, const struct key *b)
     return a->hi == b->hi && a->lo == b->lo;
 }
 
+/* §1: the contact of a pair that the active set has as well goes on with its
+ * multipliers. */
+static void inherit(const struct contact *from, struct contact *c)
+{
+    real order = from->v[0] == c->v[0] || from->v[0] == c->v[1] ? 1 : -1;
+    vec t = vec_scale(c->kind == CONTACT_VF ? 1 : order, from->lambda_t);
+    c->lambda = from->lambda;
+    c->lambda_t = vec_axpy(t, -vec_dot(c->n, t), c->n);
+    c->load = from->load;
+    c->kappa = from->kappa;
+    c->rise = from->rise;
+}
+
+/* §1: of equal keys the newest, which is the last, stays; before[k].item is the
+ * contact of the active set whose place key[k] takes, or -1. */
+static void merge(struct impulses *s, struct key *key, struct key *before)
+{
+    s->found = 0;
+    for (int64_t k = 0; k < s->n_all && key[k].hi != NONE; k++) {
+        bool again = k > 0 && same(&key[k - 1], &key[k]);
+        int64_t old = again ? key[k - 1].item : -1;
+        if (k + 1 < s->n_all && same(&key[k], &key[k + 1]))
+            continue;
+        before[s->found].item = old < s->n_active ? old : -1;
+        key[s->found++] = key[k];
+    }
+}
+
 int ref_impulses(struct impulses *s)
 {
     int status = check(s);
@@ -221,22 +247,21 @@ int ref_impulses(struct impulses *s)
     for (int64_t k = 0; k < s->n; k++)
         s->key[s->n_active + k] = key_of(s, k);
     struct key *key = keys_sort(s->n_all, s->key, s->spare);
-
-    /* §1: of equal keys the newest, which is the last, stays */
-    s->found = 0;
-    for (int64_t k = 0; k < s->n_all && key[k].hi != NONE; k++)
-        if (k + 1 == s->n_all || !same(&key[k], &key[k + 1]))
-            key[s->found++] = key[k];
+    struct key *before = key == s->key ? s->spare : s->key;
+    merge(s, key, before);
     if (s->found > s->cap)
         return DRAPE_EFULL;
 
     EACH_ITEM
     for (int64_t k = 0; k < s->found; k++) {
         int64_t item = key[k].item;
-        if (item < s->n_active)
+        if (item < s->n_active) {
             s->contact[k] = s->active[item];
-        else
-            emit(s, item - s->n_active, &s->contact[k]);
+            continue;
+        }
+        emit(s, item - s->n_active, &s->contact[k]);
+        if (before[k].item >= 0)
+            inherit(&s->active[before[k].item], &s->contact[k]);
     }
     return DRAPE_OK;
 }

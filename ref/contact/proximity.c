@@ -7,7 +7,8 @@
 
 static int check(const struct proximity *s)
 {
-    if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0))
+    if (!(s->dt > 0 && s->dt <= REAL_BIG && s->stiffness >= 0) ||
+        !(s->range > 0 && s->range <= REAL_BIG))
         return DRAPE_EARG;
     for (int64_t k = 0; k < s->n; k++)
         if (!pair_valid(s->pair + 4 * k, s->nv) || s->kind[k] > CONTACT_EE)
@@ -91,13 +92,26 @@ static bool find_normal(const struct proximity *s, int64_t k,
     return true;
 }
 
+/* §3.4: whether pair k stands for its closest points. Where these are on an
+ * edge or at a vertex they are those of other pairs, too. */
+static bool stands(const struct proximity *s, int64_t k, const struct wide x[4],
+                   const struct closest *r)
+{
+    const int32_t *v = s->pair + 4 * k;
+    if (s->kind[k] == CONTACT_EE)
+        return r->c[0] != 0 && r->c[1] != 0 && r->c[2] != 0 && r->c[3] != 0;
+    struct foot f = find_foot(s, k, SIDE_B, x, r);
+    return foot_is_first(&s->fan, &f, v + 1, v[0]);
+}
+
 static bool is_near(const struct proximity *s, int64_t k)
 {
     struct wide x[4], n;
     struct closest r;
-    real thickness = skin_pair(&s->skin, s->pair + 4 * k).thickness;
+    real reach = s->range * skin_pair(&s->skin, s->pair + 4 * k).thickness;
     measure(s, k, x, &r);
-    return sqrt(r.length2) < (double)thickness && find_normal(s, k, x, &r, &n);
+    return sqrt(r.length2) < (double)reach && stands(s, k, x, &r) &&
+           find_normal(s, k, x, &r, &n);
 }
 
 /* §4: the target velocity, which the overlap and the repulsion spring give. */
@@ -125,9 +139,7 @@ static void emit(const struct proximity *s, int64_t k, struct contact *c)
     c->gap = (real)wide_dot(n, r.p);
     c->friction = skin.friction;
     c->target = push_target(s, c, real_max(skin.thickness - c->gap, 0));
-    c->held = 0;
-    c->impulse = c->slide = c->along = 0;
-    c->tangent = vec_make(0, 0, 0);
+    contact_clear(c);
 }
 
 int ref_proximity(struct proximity *s)

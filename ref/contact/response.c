@@ -9,12 +9,9 @@
 #include "ref/contact/proximity.h"
 #include "ref/narrow/narrow.h"
 
-/* §2: so many new contacts are few. */
-enum { FEW = 16 };
-
 int response_start(struct response *s)
 {
-    if (!(s->dt > 0 && s->dt <= REAL_BIG && s->margin >= 0) ||
+    if (!(s->dt > 0 && s->dt <= REAL_BIG && s->margin >= 0 && s->range > 0) ||
         !(s->stiffness >= 0) || s->iterations < 0 || s->max_rounds < 0 ||
         s->zone_rounds < 0 || s->roll_rounds < 0)
         return DRAPE_EARG;
@@ -212,15 +209,6 @@ static int find_impulses(struct response *s)
     return DRAPE_OK;
 }
 
-/* The impacts join the active set. */
-static int join(struct response *s)
-{
-    int64_t held = s->active;
-    int status = find_impulses(s);
-    s->joined |= s->active > held;
-    return status;
-}
-
 /* The pairs that are nearer than their thickness at x, as contacts in a pool.
  */
 static int find_contacts(struct response *s, const struct pairs *near,
@@ -235,7 +223,8 @@ static int find_contacts(struct response *s, const struct pairs *near,
                           .skin = s->skin,
                           .fan = s->fan,
                           .dt = s->dt,
-                          .stiffness = s->stiffness};
+                          .stiffness = s->stiffness,
+                          .range = s->range};
     int status =
         response_grow(s, 1, &(struct pool_need){&s->at, near->n, sizeof *p.at});
     if (status != DRAPE_OK)
@@ -254,101 +243,27 @@ static int find_contacts(struct response *s, const struct pairs *near,
     return status;
 }
 
-/* §2.1: the active set becomes the contacts of where the slice ends, of which
- * n_new are in contact[after]. */
-static int move_ahead(struct response *s, int after, int64_t n_new)
+int response_detect(struct response *s)
 {
-    int64_t n = s->active, all = n + n_new;
-    int side = spare_side(s, after);
-    struct pool *to = &s->contact[side];
-    struct pool_need pool_need[] = {{&s->item, 4 * n, sizeof(int32_t)},
-                                    {&s->vertex, 4 * n, sizeof(int32_t)},
-                                    {&s->height, s->nv, sizeof(real)},
-                                    {&s->at, all, sizeof(int32_t)}};
-    int status = response_grow(s, 4, pool_need);
-    if (status == DRAPE_OK && all > to->cap)
-        status = grow_contacts(s, to, all);
-    if (status != DRAPE_OK)
-        return status;
-    struct ahead a = {.nv = s->nv,
-                      .n = n,
-                      .n_new = n_new,
-                      .w = s->w,
-                      .skin = s->skin,
-                      .u = s->u,
-                      .dt = s->dt,
-                      .met = s->touched,
-                      .before = s->contact[s->side].data,
-                      .after = s->contact[after].data,
-                      .nv1 = s->nv + 1,
-                      .n4 = 4 * n,
-                      .n_all = all,
-                      .start = s->start,
-                      .item = s->item.data,
-                      .vertex = s->vertex.data,
-                      .height = s->height.data,
-                      .at = s->at.data,
-                      .contact = to->data};
-    status = s->run->ahead(s->on, &a);
-    if (status != DRAPE_OK)
-        return status;
-    s->side = side;
-    s->active = a.found;
-    s->run->trace(s->on, s->trace, "ahead", a.contact,
-                  (size_t)a.found * sizeof *a.contact);
-    return DRAPE_OK;
+    return detect(s, NULL);
 }
 
-/* §2.1: looks where the slice ends by what is known so far. */
-static int look_ahead(struct response *s)
+int response_join(struct response *s)
 {
-    struct pairs near;
-    int64_t found = 0;
-    int after = spare_side(s, s->side);
-    int status = detect(s, NULL);
-    s->run->clear(s->on, s->touched, (size_t)s->nv);
-    s->run->touch(s->on, s);
-    if (status == DRAPE_OK)
-        status = s->broad_at(s->user, s->x1, &near);
-    if (status == DRAPE_OK && near.n > 0)
-        status = find_contacts(s, &near, s->x1, &s->contact[after], &found);
-    if (status == DRAPE_OK)
-        status = move_ahead(s, after, found);
-    if (status == DRAPE_OK && s->hits > 0)
-        status = join(s);
-    s->anew = s->waited = true;
-    return status;
+    return find_impulses(s);
 }
 
-static int solve(struct response *s)
+int response_near(struct response *s, const struct pairs *near)
 {
-    s->solved = s->side;
-    s->n_solved = s->active;
-    return s->solve(s->user, s->active, s->contact[s->side].data);
-}
-
-/* §2: solves with the contacts of repulsion. If the first turn finds that
- * something slips far, the others have the contacts of where the slice ends. If
- * the last turn waits, the pairs that touch by then join them. */
-static int take_turns(struct response *s)
-{
-    s->pauses = s->looks;
-    int status = solve(s);
-    s->pauses = false;
-    if (status == DRAPE_OK && s->looks) {
-        s->waits = false;
-        if (s->run->slips(s->on, s, s->contact[s->side].data))
-            status = look_ahead(s);
-        if (status == DRAPE_OK)
-            status = solve(s);
-    }
-    if (status != DRAPE_OK || !s->waits)
-        return status;
-    s->waited = true;
-    status = detect(s, NULL);
-    if (status == DRAPE_OK && s->hits > 0)
-        status = join(s);
-    return status == DRAPE_OK ? solve(s) : status;
+    s->near = near->n;
+    s->hits = 0;
+    if (!near->n)
+        return DRAPE_OK;
+    int status =
+        find_contacts(s, near, s->x0, &s->contact[s->side], &s->contacts);
+    s->active = s->contacts;
+    /* without impacts this orders them */
+    return status == DRAPE_OK && s->active ? find_impulses(s) : status;
 }
 
 int response_repel(struct response *s, const struct pairs *near)
@@ -358,34 +273,18 @@ int response_repel(struct response *s, const struct pairs *near)
         return DRAPE_OK;
     int status =
         find_contacts(s, near, s->x0, &s->contact[s->side], &s->contacts);
-    if (status != DRAPE_OK || !s->contacts)
-        return status;
-    if (!s->solve)
-        return solve_contacts(s, s->contacts, 0);
-    s->active = s->contacts; /* they go on through the rounds */
-    return take_turns(s);
+    return status == DRAPE_OK && s->contacts ? solve_contacts(s, s->contacts, 0)
+                                             : status;
 }
 
 /* §4 */
 
-/* §2: whether impacts brought so many contacts to the `held` ones that the
- * solve is to take them, too. */
-static bool are_many(const struct response *s, int64_t held)
+static int push(struct response *s)
 {
-    return FEW * (s->active - held) > held;
-}
-
-static int push(struct response *s, int round)
-{
-    int64_t held = s->active;
-    int status = round == 0 ? join(s) : find_impulses(s);
+    int status = find_impulses(s);
     if (status != DRAPE_OK)
         return status;
     struct contact *contact = s->contact[s->side].data;
-    if (round == 0 && s->solve && !s->waited && are_many(s, held)) {
-        s->foresee = false; /* what touches has just been found */
-        return solve(s);
-    }
     /* only impulses that contacts gave can it withdraw */
     bool warm = s->contacts_solved;
     if (!warm)
@@ -401,15 +300,18 @@ static int resolve(struct response *s, int round)
         return failsafe_rollback(s, rolls);
     s->run->clear(s->on, s->touched, (size_t)s->nv);
     s->run->touch(s->on, s);
-    return round < s->max_rounds ? push(s, round) : failsafe_zones(s);
+    return round < s->max_rounds ? push(s) : failsafe_zones(s);
 }
 
 int response_penetrate(struct response *s)
 {
-    if (!s->solve)
+    if (!s->solves)
         s->active = 0; /* what repulsion left there is done */
-    int status = detect(s, NULL);
+    s->solved = s->side;
+    s->n_solved = s->active;
     s->rounds = 1;
+    int status = s->done ? DRAPE_OK : detect(s, NULL);
+    s->hits = s->done ? 0 : s->hits;
     for (int round = 0; status == DRAPE_OK && s->hits > 0; round++) {
         if (s->stop_before_zones && round >= s->max_rounds) {
             s->outcome |= DRAPE_ZONES;

@@ -9,6 +9,13 @@
 /* Sets u and the counters for a step. DRAPE_EARG for a bad setting. */
 int response_start(struct response *s);
 
+/* Makes the active set of the pairs near at x0, by key. */
+int response_near(struct response *s, const struct pairs *near);
+/* Finds all pairs that touch between x0 and x1: hits. */
+int response_detect(struct response *s);
+/* The hits join the active set. */
+int response_join(struct response *s);
+
 /* Repulsion and friction of the candidates at x0; u, v, x1 change. */
 int response_repel(struct response *s, const struct pairs *near);
 

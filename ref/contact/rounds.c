@@ -34,27 +34,6 @@ void rounds_touch(const struct response *s)
         s->touched[hit[k]] = s->w[hit[k]] > 0;
 }
 
-/* Whether contact c slips by more than its thickness. */
-static bool slips(const struct response *s, const struct contact *c)
-{
-    vec v = pair_sum(c->v, c->c, s->u);
-    v = vec_axpy(v, -vec_dot(c->n, v), c->n);
-    return s->dt * vec_length(v) > skin_pair(&s->skin, c->v).thickness;
-}
-
-bool rounds_slip(const struct response *s, const struct contact *contact)
-{
-    int64_t held = 0, slip = 0;
-    for (int64_t k = 0; k < s->active; k++) {
-        const struct contact *c = &contact[k];
-        if (!c->held || led_side((int)c->kind, c->v, s->w) == SIDES)
-            continue;
-        held++;
-        slip += slips(s, c);
-    }
-    return slip > 0 && ROUNDS_SLIPPING * slip >= held;
-}
-
 void rounds_settle(const struct response *s, struct contact *contact)
 {
     EACH_ITEM

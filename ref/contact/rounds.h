@@ -30,6 +30,8 @@ struct response {
     vec *x1, *v;      /* in, out: [nv] m and m/s, end of the step */
     real dt;          /* s, > 0 */
     real stiffness;   /* N/m, ≥ 0, of the push apart in proximity */
+    real range;       /* > 0: pairs nearer than so many times their thickness
+                         are contacts */
     real margin;      /* of its thickness that an impact shall leave, ≥ 0 */
     int iterations;   /* of contacts in an early round, ≥ 0 */
     int max_rounds;   /* of impulses, ≥ 0 */
@@ -41,18 +43,9 @@ struct response {
     /* Every pair that may touch between x0 and x1 and has a vertex i with
      * touched[i] (NULL: every pair). DRAPE_OK or an error. */
     int (*broad)(void *user, const uint8_t *touched, struct pairs *out);
-    /* Every pair that may be nearer than its thickness where the vertices are
-     * at x. DRAPE_OK or an error. */
-    int (*broad_at)(void *user, const vec *x, struct pairs *out);
-    /* NULL, or moves u, v, x1 by contacts within an implicit solve and sets
-     * touched, in place of the repulsion's and of the first round's own solve:
-     * spec/contact/penalty.md. With `foresee` it may set `waits` and leave the
-     * last turn to its next call, and with `pauses` it sets `waits` after its
-     * first turn. DRAPE_OK or an error. */
-    int (*solve)(void *user, int64_t n, struct contact *contact);
     void *user;
-    bool foresee; /* the last turn is to wait for what touches before it, §2 */
-    bool looks;   /* the slice may look ahead, §2.1 */
+    bool solves; /* contacts of repulsion take part in an implicit solve
+                    (lagrange.md), and stay in the active set */
 
     struct trace *trace; /* NULL: none */
 
@@ -64,7 +57,7 @@ struct response {
 
     /* Pools, empty at first, kept from step to step. */
     struct pool at, toi, tier, hit, hit_kind, hit_toi;
-    struct pool contact[3], height, item, parts, lack, push, vertex, moved,
+    struct pool contact[3], item, parts, lack, push, vertex, moved,
         contact_awake;
     struct pool key[2], sum, zone, tangle[2];
 
@@ -86,13 +79,8 @@ struct response {
                                       solve left, as it left them */
     int64_t n_solved;              /* how many these are; 0: none */
     bool contacts_solved;          /* contacts has solved a round */
-    bool waits, waited;            /* the last turn is to come after a
-                                      detection; or it did */
-    bool pauses;                   /* all but the first turn wait, §2.1 */
-    bool anew;                     /* the next turn has other contacts than the
-                                      one before */
-    bool joined;                   /* impacts of round 1, or of that detection,
-                                      brought new contacts */
+    bool done;                     /* nothing touches on the way: no round is
+                                      needed */
 };
 
 /* §4: iterations of contacts in the round under way: as many more in each late
@@ -111,9 +99,11 @@ static inline void response_reset(struct response *s)
     s->started = s->led = 0;
     s->zone_vertices = s->rolled_back = 0;
     s->hits = s->active = s->n_solved = s->tangled = 0;
-    s->pauses = s->anew = s->contacts_solved = s->waits = s->waited =
-        s->joined = false;
+    s->contacts_solved = s->done = false;
 }
+
+/* The stiffness of repulsion, of the largest stretch of a cloth. */
+#define RESPONSE_SOFT R(0.1)
 
 /* What a pool must hold. */
 struct pool_need {
@@ -135,9 +125,6 @@ static inline int response_grow(const struct response *s, int n,
     return status;
 }
 
-/* §2.1: one of so many contacts slips where a slice looks ahead. */
-enum { ROUNDS_SLIPPING = 8 };
-
 /* §1: writes u, the mean velocity. */
 void rounds_start(struct response *s);
 
@@ -148,10 +135,6 @@ void rounds_advance(struct response *s, int64_t n, const int32_t *vertex,
 
 /* §3: touched is set for the free vertices of the hits. */
 void rounds_touch(const struct response *s);
-
-/* §2.1: whether an eighth of the held contacts with a led side slip farther
- * than their thickness. */
-bool rounds_slip(const struct response *s, const struct contact *contact);
 
 /* §4: caps the targets of the active contacts at the impact margin. */
 void rounds_settle(const struct response *s, struct contact *contact);

@@ -43,19 +43,15 @@ static void derive(struct world *w)
     const struct world *h = w->home;
     w->reach = w->response.stiffness = 0;
     w->mass = 0;
-    w->rubs = false;
-    for (int k = 0; k < w->def.n_cloths + w->def.n_obstacles; k++)
-        w->rubs |= h->surface[k].friction > 0;
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct cloth *c = &h->sheet[k].cloth;
         const drape_material *m = &w->sheet[k].made.material;
         w->reach = real_max(w->reach, h->surface[k].thickness);
         w->response.stiffness =
-            real_max(w->response.stiffness, COUPLE_SOFT * (real)m->stretch);
+            real_max(w->response.stiffness, RESPONSE_SOFT * (real)m->stretch);
         for (int64_t p = 0; p < c->count; p++)
             w->mass += (double)c->mass[p];
     }
-    w->couple.penalty.stiffness = w->response.stiffness;
 }
 
 void control_tell_cloth(struct world *w, int k)
@@ -115,14 +111,7 @@ int control_material(struct world *w, int cloth, const drape_material *m)
  * the state that it has. */
 static void restart(struct world *w)
 {
-    if (w->pressed)
-        w->run->clear(w->on, w->press, (size_t)w->nc * sizeof *w->press);
-    if (w->solved)
-        w->run->clear(w->on, w->solved,
-                      COUPLE_ENDS * (size_t)w->nc * sizeof *w->solved);
-    memset(w->watch, 0, (size_t)w->def.n_cloths * sizeof *w->watch);
-    w->caution = (struct caution){0};
-    w->pressed = false;
+    w->lagrange.n_kept[0] = w->lagrange.n_resting = 0;
     w->past = 0;
     w->near = NEAR_NONE;
     w->list.known = false;

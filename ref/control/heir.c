@@ -4,6 +4,7 @@
 #include "ref/control/heir.h"
 
 #include "ref/api/ops.h"
+#include "ref/contact/kept.h"
 #include "ref/control/control.h"
 #include "ref/world/ending.h"
 #include "ref/world/lead.h"
@@ -152,11 +153,6 @@ static void hand_over(struct world *w, int k, const struct world *old, int from)
     }
     if (w->anchor)
         w->run->copy(w->on, w->anchor + to, old->anchor + at, bytes);
-    if (w->press && old->press)
-        w->run->copy(w->on, w->press + to, old->press + at, bytes);
-    for (int t = 0; t < COUPLE_ENDS && w->solved && old->solved; t++)
-        w->run->copy(w->on, w->solved + t * w->nc + to,
-                     old->solved + t * old->nc + at, bytes);
 }
 
 /* §9.3: a new cloth has moved with its velocity until now. */
@@ -202,8 +198,6 @@ static int hand_over_numbers(struct world *w, const struct world *old)
     w->time = old->time;
     w->past = w->past_x ? old->past : 0;
     w->near = w->plan.collides ? old->near : NEAR_NONE;
-    w->pressed = w->press && old->pressed;
-    w->caution = old->caution;
     control_gravity(w, old->def.gravity);
     return control_wind(w, &old->def.wind);
 }
@@ -244,6 +238,8 @@ int heir_inherit(struct world *w, const struct heir *heir, drape_error *error)
             status = begin_obstacle(w, k - w->def.n_cloths);
     if (status == DRAPE_OK)
         status = control_inherit(w, heir);
+    if (status == DRAPE_OK)
+        status = kept_inherit(w, heir);
     if (status == DRAPE_OK)
         status = admit(w, heir, error);
     return status == DRAPE_OK ? w->run->status(w->on) : status;

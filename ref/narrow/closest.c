@@ -224,3 +224,27 @@ bool foot_turn(const struct places *s, const struct fan *fan,
     }
     return found;
 }
+
+/* Whether a triangle of the fan of f.v[0], whose other vertices are rim, is
+ * `face`. */
+static bool is_face(const int32_t rim[2], const int32_t face[3])
+{
+    for (int j = 0; j < 2; j++)
+        if (rim[j] != face[0] && rim[j] != face[1] && rim[j] != face[2])
+            return false;
+    return true;
+}
+
+bool foot_is_first(const struct fan *fan, const struct foot *f,
+                   const int32_t face[3], int32_t other)
+{
+    int32_t i = f->v[0];
+    if (!fan->n_start || f->vertices == 3)
+        return true;
+    for (int32_t k = fan->start[i]; k < fan->start[i + 1]; k++) {
+        const int32_t *rim = fan->rim[k];
+        if (is_at(f, rim) && rim[0] != other && rim[1] != other)
+            return is_face(rim, face);
+    }
+    return true;
+}

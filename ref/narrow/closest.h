@@ -63,4 +63,9 @@ bool foot_is_nearest(const struct places *s, const struct fan *fan,
 bool foot_turn(const struct places *s, const struct fan *fan,
                const struct foot *f, double least, struct wide *n);
 
+/* Whether `face`, which has the foot, is the first triangle there that does not
+ * have the vertex `other`. */
+bool foot_is_first(const struct fan *fan, const struct foot *f,
+                   const int32_t face[3], int32_t other);
+
 #endif

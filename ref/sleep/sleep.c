@@ -2,6 +2,7 @@
 /* Which cloths are asleep, on either backend. spec/sleep/sleep.md */
 #include "ref/sleep/sleep.h"
 
+#include "ref/contact/kept.h"
 #include "ref/momentum/momentum.h"
 #include "ref/sleep/rouse.h"
 #include "ref/world/led.h"
@@ -14,16 +15,6 @@ static const double DRIFT = 1e-3, SWAY = 0.25;
 static int bodies(const struct world *w)
 {
     return w->def.n_cloths + w->def.n_obstacles;
-}
-
-bool sleep_awake(const struct world *w, int k)
-{
-    return !w->sleep->rest[k].asleep;
-}
-
-bool sleep_all(const struct world *w)
-{
-    return w->sleep->n == w->def.n_cloths;
 }
 
 const double *sleep_energy(const struct world *w, int k)
@@ -129,9 +120,6 @@ static void hold(struct world *w, int k)
     int64_t first = c->first, n = c->cloth.count;
     w->run->clear(w->on, w->w + first, (size_t)n * sizeof *w->w);
     memset(w->home->w + first, 0, (size_t)n * sizeof *w->w);
-    for (int t = 0; t < COUPLE_ENDS && w->solved; t++)
-        w->run->clear(w->on, w->solved + t * w->nc + first,
-                      (size_t)n * sizeof *w->solved);
     w->sleep->held[k].on = true;
     w->broad.made = false; /* its boxes are of a motion */
 }
@@ -190,8 +178,10 @@ int sleep_hold(struct world *w)
         else
             release(w, k);
     }
-    if (changed)
+    if (changed) {
         send_mask(w);
+        status = kept_divide(w);
+    }
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++)
         if (!sleep_awake(w, k)) {
             stay(w, k);
@@ -204,7 +194,7 @@ int sleep_hold(struct world *w)
 
 /* Wakes the cloths whose islands are marked in flag. A past of another length
  * than this slice's is none. */
-static void wake_marked(struct world *w)
+static int wake_marked(struct world *w)
 {
     struct sleep *s = w->sleep;
     bool changed = false;
@@ -219,8 +209,10 @@ static void wake_marked(struct world *w)
         release(w, k);
         changed = true;
     }
-    if (changed)
-        send_mask(w);
+    if (!changed)
+        return DRAPE_OK;
+    send_mask(w);
+    return kept_divide(w);
 }
 
 /* Marks in `of` the islands of cloths that are asleep and have a flag. */
@@ -258,7 +250,7 @@ int sleep_look(struct world *w)
     for (int k = 0; k < w->def.n_cloths; k++)
         s->flag[k] = s->rest[k].asleep && pins_move(w, k);
     mark(w, s->flag);
-    wake_marked(w);
+    int status = wake_marked(w);
     for (int k = 0; k < w->def.n_cloths; k++)
         s->flag[k] = sleep_awake(w, k);
     for (int k = 0; k < w->def.n_obstacles; k++)
@@ -267,7 +259,7 @@ int sleep_look(struct world *w)
         w->run->send(w->on, s->lively, s->flag, (size_t)bodies(w));
         w->run->clear(w->on, s->near, (size_t)bodies(w));
     }
-    return w->run->status(w->on);
+    return status == DRAPE_OK ? w->run->status(w->on) : status;
 }
 
 int sleep_notice(struct world *w)
@@ -288,11 +280,11 @@ int sleep_notice(struct world *w)
     return status;
 }
 
-void sleep_end(struct world *w)
+int sleep_end(struct world *w)
 {
     mark(w, w->sleep->flag);
-    wake_marked(w);
     w->sleep->roused = false;
+    return wake_marked(w);
 }
 
 /* §1: who falls asleep. */

@@ -4,49 +4,12 @@
 #ifndef REF_SLEEP_H
 #define REF_SLEEP_H
 
-#include "ref/base/real.h"
-
-struct world;
+#include "ref/sleep/rest.h"
 
 enum { SLEEP_STEPS = 30, SLEEP_MOST = 1 << 20 };
 
-/* The rest of one cloth, part of the state. */
-struct rest {
-    int32_t steps; /* since its anchor was set, to SLEEP_MOST; 0: it has none */
-    int32_t asleep; /* 1: it is */
-    int32_t group;  /* the first of the cloths that it fell asleep with */
-    int32_t past;   /* the world's `past` when it fell asleep */
-    double far; /* m, the farthest of a particle from its anchor since then */
-};
-
-/* How the streams hold a cloth that is asleep. */
-struct held {
-    bool on;    /* its particles have w = 0 */
-    bool known; /* energy is that of its state */
-    double energy[3];
-};
-
-/* Arrays without a note lie on the host. */
-struct sleep {
-    struct rest *rest;      /* [n_cloths] */
-    struct held *held;      /* [n_cloths] */
-    real *most;             /* scratch: [n_cloths] */
-    int32_t *of;            /* scratch: [n_cloths] the island of each cloth */
-    uint8_t *flag;          /* scratch: [bodies] */
-    int n;                  /* cloths asleep */
-    int32_t epoch;          /* counts changes of who is held */
-    bool roused;            /* something came near a cloth that is asleep */
-    uint8_t *mask;          /* backend: [nv] 1: a query must look at it */
-    uint8_t *awake;         /* backend: [bodies] the same of bodies */
-    uint8_t *lively, *near; /* backend: [bodies] as in struct rouse */
-    int32_t *label;         /* backend: [n_cloths] */
-};
-
 /* Takes what lies on the host. DRAPE_OK or DRAPE_ENOMEM. */
 int sleep_make(struct world *w);
-/* Whether cloth k is awake; whether all cloths are asleep. */
-bool sleep_awake(const struct world *w, int k);
-bool sleep_all(const struct world *w);
 /* Gives the particles of cloth k the weights that they have when awake. */
 void sleep_weigh(struct world *w, int k);
 /* Wakes all. */
@@ -61,7 +24,7 @@ int sleep_look(struct world *w);
  * that moves and a cloth that is asleep. */
 int sleep_notice(struct world *w);
 /* Wakes the cloths that were roused, with those that fell asleep with them. */
-void sleep_end(struct world *w);
+int sleep_end(struct world *w);
 /* Ends a slice: counts steps at rest, and lets islands fall asleep. */
 void sleep_count(struct world *w, int outcome);
 /* The energies of cloth k that is held, [3] J; NULL: it is not. */

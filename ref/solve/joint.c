@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Conjugate gradients over all cloths and their contacts; each cloth's own
- * preconditioner takes its part. spec/contact/penalty.md §4 */
+ * preconditioner takes its part. spec/contact/lagrange.md §3.2 */
 #include "ref/solve/joint.h"
 
 #include "ref/base/sum.h"
@@ -25,7 +25,7 @@ static struct pcg part_of(const struct sheet *s, const struct joint *a)
     return p;
 }
 
-static int set_up(struct world *w, struct joint *a)
+int joint_set_up(struct world *w, struct joint *a)
 {
     int status = DRAPE_OK;
     for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++) {
@@ -41,7 +41,8 @@ static int set_up(struct world *w, struct joint *a)
 
 static real dot(struct joint *a, const vec *x, const vec *y)
 {
-    struct dot d = {a->nc, x, y, a->n_chunks, a->chunk, 0};
+    struct dot d = {
+        .n = a->nc, .a = x, .b = y, .n_chunks = a->n_chunks, .chunk = a->chunk};
     ref_dot(&d);
     return d.value;
 }
@@ -138,38 +139,31 @@ static bool step(struct world *w, struct joint *a, real next, real before)
     return true;
 }
 
-/* §4.5: a step along the solution of the slice before. None if the solution is
- * 0 or a product with it overflows. */
-static void recall(struct world *w, struct joint *a)
+/* The start of a solve: no motion, the residual is b. */
+static void take_residual(struct joint *a, const vec *b)
 {
     EACH_ITEM
-    for (int64_t i = 0; i < a->nc; i++)
-        a->p[i] = a->last[i];
-    real curvature = curvature_of(w, a), along = dot(a, a->p, a->r);
-    real alpha = pcg_positive(curvature) ? along / curvature : 0;
-    move(a, alpha - alpha == 0 ? alpha : 0);
+    for (int64_t i = 0; i < a->links.nv; i++) {
+        vec none = vec_make(0, 0, 0);
+        a->r[i] = i < a->nc ? b[i] : none;
+        a->dv[i] = a->p[i] = none;
+    }
 }
 
-/* pcg.md §4.1: whether r·M⁻¹r and |r|² have fallen below the tolerance. */
-static bool calm(const struct joint *a, real next, real square)
+int joint_measure(struct world *w, struct joint *a, const vec *r, real *value)
 {
-    return next == 0 || (real_sqrt(next / a->scale) <= a->tolerance &&
-                         real_sqrt(square / a->square) <= a->exact);
+    take_residual(a, r);
+    *value = precondition(w, a);
+    return DRAPE_OK;
 }
 
 static int iterate(struct world *w, struct joint *a)
 {
-    real before = 0;
-    if (a->last) {
-        if (a->weigh)
-            a->scale = real_max(precondition(w, a), a->scale);
-        recall(w, a);
-    }
+    real before = 0, first = 0;
     while (a->iterations < a->max_iterations) {
-        real square = dot(a, a->r, a->r), next = precondition(w, a);
-        if (!(before > 0))
-            a->scale = real_max(next, a->scale);
-        if (calm(a, next, square))
+        real next = precondition(w, a);
+        first = a->iterations == 0 ? next : first;
+        if (next == 0 || real_sqrt(next / first) <= a->tolerance)
             return PCG_CONVERGED;
         if (!pcg_positive(next) || !step(w, a, next, before))
             return PCG_BREAKDOWN;
@@ -178,7 +172,7 @@ static int iterate(struct world *w, struct joint *a)
     return PCG_LIMIT;
 }
 
-/* §4.2: a last step along M⁻¹ r, which the test of the tolerance has left in
+/* §3.2: a last step along M⁻¹ r, which the test of the tolerance has left in
  * q. */
 static void improve(const struct world *w, struct joint *a)
 {
@@ -189,39 +183,13 @@ static void improve(const struct world *w, struct joint *a)
         a->dv[i] = vec_axpy(a->dv[i], part, a->q[i]);
 }
 
-/* Sets q to A dv without contacts, and finds the true residual, which counts
- * them: b - A dv - wall dv - C dv. */
-static void conclude(struct world *w, struct joint *a)
-{
-    multiply(w, a, false, a->dv, a->q);
-    EACH_ITEM
-    for (int64_t i = 0; i < a->nc; i++)
-        a->p[i] = sym_apply(a->wall[i], a->dv[i]);
-    add_links(a, a->dv, a->p);
-    EACH_ITEM
-    for (int64_t i = 0; i < a->nc; i++)
-        a->r[i] = vec_sub(vec_sub(a->b[i], a->q[i]), a->p[i]);
-    a->residual = real_sqrt(dot(a, a->r, a->r) / a->square);
-}
-
 int joint_solve(struct world *w, struct joint *a)
 {
     a->iterations = 0;
-    a->residual = 0;
-    a->outcome = PCG_CONVERGED;
-    EACH_ITEM
-    for (int64_t i = 0; i < a->links.nv; i++) {
-        a->r[i] = i < a->nc ? a->b[i] : vec_make(0, 0, 0);
-        a->dv[i] = a->p[i] = vec_make(0, 0, 0);
-    }
-    int status = set_up(w, a);
-    real square = dot(a, a->r, a->r);
-    a->square = real_max(square, a->square);
-    if (status != DRAPE_OK || square == 0)
-        return status;
-    a->outcome = pcg_positive(square) ? iterate(w, a) : PCG_BREAKDOWN;
+    take_residual(a, a->b);
+    a->outcome = iterate(w, a);
     if (a->outcome == PCG_CONVERGED && a->iterations > 0)
         improve(w, a);
-    conclude(w, a);
+    multiply(w, a, false, a->dv, a->q);
     return DRAPE_OK;
 }

@@ -1,26 +1,21 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The system of all cloths and their contacts, which one solve takes together.
- * spec/contact/penalty.md §4 */
+ * spec/contact/lagrange.md §3.2 */
 #ifndef REF_JOINT_H
 #define REF_JOINT_H
 
-#include "ref/contact/penalty.h"
+#include "ref/contact/coulomb.h"
 
 struct world;
 
 struct joint {
-    int64_t nc;             /* particles of all cloths */
-    real tolerance;         /* ≥ 0, in the energy norm (pcg.md §4.1) */
-    real exact;             /* ≥ 0, in the norm of the residual, likewise */
+    int64_t nc;     /* particles of all cloths */
+    real tolerance; /* ≥ 0, in the energy norm, of the first residual */
     int32_t max_iterations; /* ≥ 0 */
-    real scale, square;     /* inout: pcg.md §4.1, of the step so far */
-    const sym *hold, *wall; /* [nv] kg, of penalty */
+    const sym *hold, *wall; /* [nv] kg, of coulomb; hold as M was made with */
     const vec *b;           /* [nc] N·s, 0 where fixed */
-    const vec *last;    /* [nc] m/s, 0 where fixed: a first direction, the dv of
-                           such a solve before; NULL: none */
-    int32_t epoch;      /* another one where other cloths are asleep */
-    bool weigh;         /* scale is found before that direction is taken */
-    struct links links; /* the contacts; x and y are set by the solve */
+    int32_t epoch;          /* another one where other cloths are asleep */
+    struct links links;     /* the contacts; x and y are set by the solve */
 
     vec *r, *p, *p2;  /* scratch: [nv], 0 where fixed; p2: the device's */
     real *item;       /* scratch: [nc], the device's */
@@ -28,14 +23,20 @@ struct joint {
     real *chunk;      /* scratch: [3·n_chunks] */
 
     vec *dv;            /* out: [nv] m/s, 0 where fixed */
-    vec *q;             /* out: [nv] N·s, A dv; undefined if iterations is 0 */
+    vec *q;             /* out: [nv] N·s, A dv without contacts; undefined if
+                           iterations is 0 */
     int32_t iterations; /* out: products with a search direction */
     int32_t outcome;    /* out: enum pcg_outcome */
-    real residual;      /* out: |b - (A + C) dv| / √square */
 };
 
-/* Runs the solve by the reference. DRAPE_OK however it ends, or the status of a
- * stage. */
+/* The three functions run by the reference. DRAPE_OK, also where a solve does
+ * not converge, or the status of a stage. */
+
+/* Makes the preconditioner M of A + hold. */
+int joint_set_up(struct world *w, struct joint *a);
+/* Sets *value to r·M⁻¹ r; r [nc], 0 where fixed. */
+int joint_measure(struct world *w, struct joint *a, const vec *r, real *value);
+/* Solves (A + wall + C) dv = b with M. */
 int joint_solve(struct world *w, struct joint *a);
 
 #endif

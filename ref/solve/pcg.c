@@ -28,7 +28,11 @@ int64_t ref_pcg_size(struct pcg *s)
 
 static real dot(struct pcg *s, const vec *a, const vec *b)
 {
-    struct dot d = {s->count, a, b, s->n_chunks, s->chunk, 0};
+    struct dot d = {.n = s->count,
+                    .a = a,
+                    .b = b,
+                    .n_chunks = s->n_chunks,
+                    .chunk = s->chunk};
     ref_dot(&d);
     return d.value;
 }

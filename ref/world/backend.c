@@ -5,7 +5,7 @@
 
 #include "ref/base/stages.h"
 #include "ref/cloth/motion.h"
-#include "ref/contact/turn.h"
+#include "ref/contact/unknowns.h"
 #include "ref/sleep/rouse.h"
 #include "ref/world/led.h"
 
@@ -86,20 +86,14 @@ STAGE(travel)
 STAGE(narrow)
 STAGE(audit)
 STAGE(proximity)
-STAGE(ahead)
 STAGE(impacts)
 STAGE(impulses)
 STAGE(contacts)
-STAGE(warm)
 STAGE(zones)
 STAGE(rollback)
-STAGE(penalty)
-
-static int penalty_status(void *on)
-{
-    (void)on;
-    return DRAPE_OK;
-}
+STAGE(coulomb)
+STAGE(carry)
+STAGE(retain)
 
 static int motion(void *on, struct sheet *s)
 {
@@ -107,16 +101,10 @@ static int motion(void *on, struct sheet *s)
     return ref_motion(&s->dynamics);
 }
 
-static int motion_open(void *on, struct sheet *s)
+static int motion_part(void *on, struct sheet *s, int part)
 {
     (void)on;
-    return ref_motion_open(&s->dynamics);
-}
-
-static int motion_close(void *on, struct sheet *s, vec *dv)
-{
-    (void)on;
-    return ref_motion_close(&s->dynamics, dv);
+    return ref_motion_part(&s->dynamics, (enum motion_part)part);
 }
 
 static void energy(void *on, struct sheet *s, const vec *x, const vec *v,
@@ -159,13 +147,6 @@ static void touch(void *on, const struct response *s)
     rounds_touch(s);
 }
 
-static bool slips(void *on, const struct response *s,
-                  const struct contact *contact)
-{
-    (void)on;
-    return rounds_slip(s, contact);
-}
-
 static void cap_targets(void *on, const struct response *s,
                         struct contact *contact)
 {
@@ -173,28 +154,22 @@ static void cap_targets(void *on, const struct response *s,
     rounds_settle(s, contact);
 }
 
-static void first_turn(void *on, int64_t n, vec *g, const vec *press, real dt)
+static void shift(void *on, const struct shift *s)
 {
     (void)on;
-    turn_begin(n, g, press, dt);
+    unknowns_shift(s);
 }
 
-static void carry(void *on, int64_t n, const vec *r, vec *g)
+static void jump(void *on, const struct jumps *s)
 {
     (void)on;
-    turn_carry(n, r, g);
+    unknowns_jump(s);
 }
 
-static void load(void *on, const struct turn *s)
+static void lessen(void *on, int64_t n, real part, const vec *q, vec *r)
 {
     (void)on;
-    turn_load(s);
-}
-
-static void move(void *on, const struct turn *s)
-{
-    (void)on;
-    turn_move(s);
+    unknowns_lessen(n, part, q, r);
 }
 
 static void pin(void *on, int64_t n, const int32_t *pinned, const vec *x,
@@ -300,33 +275,30 @@ const struct backend backend_ref = {.take = take,
                                     .narrow = narrow,
                                     .audit = audit,
                                     .proximity = proximity,
-                                    .ahead = ahead,
                                     .impacts = impacts,
                                     .impulses = impulses,
                                     .contacts = contacts,
-                                    .warm = warm,
                                     .zones = zones,
                                     .rollback = rollback,
-                                    .penalty = penalty,
-                                    .penalty_status = penalty_status,
+                                    .coulomb = coulomb,
+                                    .carry = carry,
+                                    .retain = retain,
                                     .motion = motion,
-                                    .motion_open = motion_open,
-                                    .motion_close = motion_close,
+                                    .motion_part = motion_part,
                                     .energy = energy,
+                                    .joint_set_up = joint_set_up,
+                                    .joint_measure = joint_measure,
                                     .joint = joint_solve,
                                     .broad_whole_apart = ask,
                                     .broad_query = query,
                                     .start = start,
                                     .advance = advance,
                                     .touch = touch,
-                                    .slips = slips,
                                     .cap_targets = cap_targets,
-                                    .turn_room = turn_room,
-                                    .turn_begin = first_turn,
-                                    .turn_carry = carry,
-                                    .turn_load = load,
-                                    .turn_move = move,
-                                    .turn_end = wait,
+                                    .slice_room = unknowns_room,
+                                    .shift = shift,
+                                    .jump = jump,
+                                    .lessen = lessen,
                                     .pin = pin,
                                     .blend = blend,
                                     .keep = keep,

@@ -8,6 +8,7 @@
 
 #include "ref/base/hash.h"
 #include "ref/cloth/table.h"
+#include "ref/contact/kept.h"
 #include "ref/control/air.h"
 #include "ref/control/control.h"
 #include "ref/sleep/sleep.h"
@@ -19,15 +20,14 @@ struct header {
     int64_t step, vertices, intersecting;
     double time;
     uint32_t near, past;
-    uint16_t level, again, calm, far, blind; /* struct caution */
-    uint16_t pressed;
+    int64_t kept; /* of struct kept, behind the streams */
     drape_wind wind;
 };
-static const char magic[8] = "drape-9";
+static const char magic[8] = "drape-a";
 /* A world that its caller has changed has another magic, and after the header
  * what follows from the changes: control.md §6. This part holds materials, so
  * its number is also that of the layout of drape_material. */
-static const char changed[8] = "drape+9";
+static const char changed[8] = "drape+a";
 struct changes {
     int64_t bytes;  /* of control_pack; 0 */
     uint64_t armed; /* 1: the targets of the next step follow the streams */
@@ -109,7 +109,8 @@ uint64_t checkpoint_fingerprint(const drape_def *d, uint64_t *print)
         d->precision, d->integrator,     d->max_substeps,       d->precond,
         d->matrix,    d->max_iterations, d->self_collision,     d->max_rounds,
         d->sleep,     d->n_cloths,       d->n_obstacles,        d->n_motions,
-        d->solver,    d->max_slices,     d->allow_intersecting, d->newton};
+        d->solver,    d->max_slices,     d->allow_intersecting, d->newton,
+        d->response};
     uint64_t h = hash_mix(HASH_SEED, choice, sizeof choice);
     h = hash_mix(h, &d->dt, sizeof d->dt);
     h = hash_mix(h, d->gravity, sizeof d->gravity);
@@ -129,22 +130,18 @@ uint64_t checkpoint_fingerprint(const drape_def *d, uint64_t *print)
 
 /* Lists the streams that are part of the state: the next step reads them. A
  * stream that the scene does not have has 0 bytes. */
-enum { PLACE, SPEED, WATCH, REST, PRESS = 6, STREAMS = 9 };
+enum { PLACE, SPEED, WATCH, REST, STREAMS = 7 };
 static void streams(const struct world *w, void *stream[STREAMS],
                     size_t bytes[STREAMS])
 {
     size_t n = (size_t)w->nv * sizeof(vec);
     size_t past = w->past_x ? (size_t)w->nc * sizeof(vec) : 0;
-    size_t press = w->press ? (size_t)w->nc * sizeof(vec) : 0;
-    size_t solved = w->solved ? COUPLE_ENDS * (size_t)w->nc * sizeof(vec) : 0;
     size_t watch = (size_t)w->def.n_cloths * sizeof *w->watch;
     size_t rest = (size_t)w->def.n_cloths * sizeof *w->sleep->rest;
     size_t anchor = w->anchor ? (size_t)w->nc * sizeof(vec) : 0;
-    void *s[STREAMS] = {w->x0,          w->v0,     w->watch,
-                        w->sleep->rest, w->past_x, w->past_v,
-                        w->press,       w->solved, w->anchor};
-    const size_t b[STREAMS] = {n,    n,     watch,  rest,  past,
-                               past, press, solved, anchor};
+    void *s[STREAMS] = {w->x0,     w->v0,     w->watch, w->sleep->rest,
+                        w->past_x, w->past_v, w->anchor};
+    const size_t b[STREAMS] = {n, n, watch, rest, past, past, anchor};
     memcpy(stream, s, sizeof s);
     memcpy(bytes, b, sizeof b);
 }
@@ -170,19 +167,13 @@ static struct header header_of(const struct world *w)
     h.time = w->time;
     h.near = (uint32_t)w->near;
     h.past = (uint32_t)w->past;
-    h.level = (uint16_t)w->caution.level;
-    h.again = (uint16_t)w->caution.again;
-    h.calm = (uint16_t)w->caution.calm;
-    h.far = (uint16_t)w->caution.far;
-    h.blind = (uint16_t)w->caution.blind;
-    h.pressed = (uint16_t)w->pressed;
     h.wind = w->def.wind;
     return h;
 }
 
 /* The parts of a checkpoint behind its header: the changes, what control_pack
- * gives, the streams, the targets. */
-enum { PARTS = 3 + STREAMS };
+ * gives, the streams, what contacts carry on, the targets. */
+enum { PARTS = 4 + STREAMS };
 struct parts {
     const void *data[PARTS];
     size_t bytes[PARTS];
@@ -222,13 +213,21 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     void *stream[STREAMS];
     size_t bytes[STREAMS];
     int n = 0;
+    struct kept *kept = NULL;
     struct changes c = {.bytes = control_pack(w, NULL), .armed = w->told.armed};
     memcpy(c.gravity, w->def.gravity, sizeof c.gravity);
     bool plain = c.bytes == 0 && same_gravity(w);
     memcpy(h.magic, plain ? magic : changed, sizeof magic);
     uint8_t *pack = NULL;
-    if (c.bytes > 0 && !(pack = arena_take(w->arena, ARENA_OTHER, c.bytes, 1)))
-        return DRAPE_ENOMEM;
+    w->run->begin(w->on); /* memory may be available again */
+    int status = kept_gather(w, &kept, &h.kept);
+    if (status == DRAPE_OK && c.bytes > 0 &&
+        !(pack = arena_take(w->arena, ARENA_OTHER, c.bytes, 1)))
+        status = DRAPE_ENOMEM;
+    if (status != DRAPE_OK) {
+        arena_give(w->arena, kept);
+        return status;
+    }
     if (!plain) {
         if (pack)
             control_pack(w, pack);
@@ -238,10 +237,12 @@ int checkpoint_save(const struct world *w, drape_write *write, void *user)
     streams(w, stream, bytes);
     for (int k = 0; k < STREAMS; k++)
         add_part(&p, &n, stream[k], bytes[k]);
+    add_part(&p, &n, kept, (size_t)h.kept * sizeof *kept);
     if (c.armed)
         add_part(&p, &n, w->told.to, (size_t)w->nv * sizeof(vec));
-    int status = write_parts(&h, &p, n, write, user);
+    status = write_parts(&h, &p, n, write, user);
     arena_give(w->arena, pack);
+    arena_give(w->arena, kept);
     return status;
 }
 
@@ -277,24 +278,18 @@ static bool good_wind(const drape_wind *wind)
            wind->lift <= most;
 }
 
-/* What earlier steps have taught: slice.h. A gain of energy raises the level to
- * 1 also where no slice may be shorter than a step. */
-static bool good_caution(const struct world *w, const struct header *h)
-{
-    int most = deepest(w);
-    return h->level <= (most > 1 ? most : 1) && h->far <= most &&
-           h->again <= 1 && h->calm < SLICE_CALM && h->blind <= SLICE_CALM;
-}
+/* Contacts of a world, at most: 4 n < 2^31. */
+enum { MOST_KEPT = 1 << 29 };
 
 /* What the last slice left. */
 static bool good_last(const struct world *w, const struct header *h)
 {
     int64_t pairs = w->plan.collides ? w->nt * (w->nt - 1) / 2 : 0;
-    uint32_t near = w->plan.collides ? NEAR_IMPACTS : NEAR_NONE;
+    uint32_t near = w->plan.collides ? NEAR_CONTACTS : NEAR_NONE;
     int past = w->past_x ? 1 + deepest(w) : 0;
     return h->intersecting >= 0 && h->intersecting <= pairs &&
            h->near <= near && h->past <= (uint32_t)past &&
-           h->pressed <= (w->press ? 1 : 0);
+           (h->kept == 0 || w->plan.solves);
 }
 
 static bool good_header(const struct world *w, const struct header *h)
@@ -302,7 +297,7 @@ static bool good_header(const struct world *w, const struct header *h)
     const int64_t most = (int64_t)1 << 53; /* steps that a double counts */
     return h->step >= 0 && h->step <= most &&
            h->time == (double)h->step * w->def.dt && good_last(w, h) &&
-           good_caution(w, h) && good_wind(&h->wind);
+           good_wind(&h->wind);
 }
 
 /* Whether n numbers are finite and at most `most` in size. They may be
@@ -343,17 +338,15 @@ static bool good_rests(const struct world *w, const uint8_t *at, size_t bytes)
     return true;
 }
 
-static bool good_stream(const struct world *w, const struct header *h, int k,
-                        const uint8_t *at, size_t bytes)
+static bool good_stream(const struct world *w, int k, const uint8_t *at,
+                        size_t bytes)
 {
     if (k == WATCH)
         return good_watch(at, bytes);
     if (k == REST)
         return good_rests(w, at, bytes);
-    real most = k == PLACE                  ? REAL_BIG
-                : k == PRESS && !h->pressed ? 0
-                                            : (real)FLT_MAX;
-    return good_reals(at, bytes / sizeof(real), most);
+    return good_reals(at, bytes / sizeof(real),
+                      k == PLACE ? REAL_BIG : (real)FLT_MAX);
 }
 
 /* A checkpoint as it was read, and checked but for what only applying it can
@@ -361,9 +354,11 @@ static bool good_stream(const struct world *w, const struct header *h, int k,
 struct read {
     struct header h;
     struct changes c;
-    uint8_t *pack;  /* [c.bytes] */
-    uint8_t *aside; /* the streams */
-    vec *to;        /* [nv]; NULL: no target is told */
+    uint8_t *pack;     /* [c.bytes] */
+    uint8_t *aside;    /* the streams */
+    struct kept *kept; /* [h.kept] */
+    struct kept *part; /* [h.kept], of kept_room */
+    vec *to;           /* [nv]; NULL: no target is told */
     size_t bytes[STREAMS];
     void *stream[STREAMS];
 };
@@ -405,6 +400,32 @@ static int read_changes(struct world *w, drape_read_bytes *read, void *user,
     return read_part(w, read, user, (size_t)r->c.bytes, &r->pack, check);
 }
 
+/* Reads what contacts carry on. Their number may be anything in a file that
+ * somebody made, so that memory is taken as bytes arrive. */
+static int read_kept(struct world *w, drape_read_bytes *read, void *user,
+                     struct read *r, uint64_t *check)
+{
+    int64_t n = 0, cap = 0, all = r->h.kept;
+    const size_t size = sizeof *r->kept;
+    while (n < all) {
+        cap = cap < 1024 ? 1024 : 2 * cap;
+        cap = cap < all ? cap : all;
+        struct kept *wide = arena_take(w->arena, ARENA_OTHER, cap, size);
+        if (!wide)
+            return DRAPE_ENOMEM;
+        if (n > 0)
+            memcpy(wide, r->kept, (size_t)n * size);
+        arena_give(w->arena, r->kept);
+        r->kept = wide;
+        if (read(user, wide + n, (size_t)(cap - n) * size))
+            return DRAPE_EIO;
+        n = cap;
+    }
+    if (n > 0)
+        *check = hash_mix(*check, r->kept, (size_t)n * size);
+    return DRAPE_OK;
+}
+
 static int read_streams(struct world *w, drape_read_bytes *read, void *user,
                         struct read *r, uint64_t *check)
 {
@@ -415,6 +436,8 @@ static int read_streams(struct world *w, drape_read_bytes *read, void *user,
     int status = read_part(w, read, user, all, &r->aside, &unused);
     for (int k = 0; k < STREAMS && status == DRAPE_OK; at += r->bytes[k++])
         *check = hash_mix(*check, r->aside + at, r->bytes[k]);
+    if (status == DRAPE_OK)
+        status = read_kept(w, read, user, r, check);
     if (status == DRAPE_OK && r->c.armed)
         status = read_part(w, read, user, (size_t)w->nv * sizeof *r->to, &r->to,
                            check);
@@ -446,8 +469,13 @@ static bool good_read(const struct world *w, const struct read *r)
     const uint8_t *at = r->aside;
     bool good = good_header(w, &r->h) &&
                 (!r->c.bytes || control_fits(w, r->pack, r->c.bytes));
+    for (int64_t k = 0; k < r->h.kept && good; k++)
+        good = kept_good(w, &r->kept[k]) &&
+               (k == 0 || r->kept[k - 1].hi < r->kept[k].hi ||
+                (r->kept[k - 1].hi == r->kept[k].hi &&
+                 r->kept[k - 1].lo < r->kept[k].lo));
     for (int k = 0; k < STREAMS && good; at += r->bytes[k++])
-        good = good_stream(w, &r->h, k, at, r->bytes[k]);
+        good = good_stream(w, k, at, r->bytes[k]);
     for (int k = 0; k < w->def.n_obstacles && good; k++)
         good = good_obstacle(w, r, k);
     return good && (!r->to || good_reals((const uint8_t *)r->to,
@@ -461,7 +489,7 @@ static int read_all(struct world *w, drape_read_bytes *read, void *user,
 {
     if (read(user, &r->h, sizeof r->h))
         return DRAPE_EIO;
-    if (!matches(w, &r->h))
+    if (!matches(w, &r->h) || r->h.kept < 0 || r->h.kept > MOST_KEPT)
         return DRAPE_EMATCH;
     uint64_t want = r->h.check, check = check_header(&r->h);
     int status = read_changes(w, read, user, r, &check);
@@ -472,7 +500,7 @@ static int read_all(struct world *w, drape_read_bytes *read, void *user,
     return status == DRAPE_OK && !good_read(w, r) ? DRAPE_EDATA : status;
 }
 
-static void apply(struct world *w, const struct read *r)
+static int apply(struct world *w, const struct read *r)
 {
     const struct header *h = &r->h;
     size_t at = 0;
@@ -492,27 +520,28 @@ static void apply(struct world *w, const struct read *r)
     sleep_forget(w);
     w->near = (enum nearness)h->near;
     w->past = (int)h->past;
-    w->pressed = h->pressed;
-    w->caution =
-        (struct caution){h->level, h->again, h->calm, h->far, h->blind};
+    return kept_spread(w, r->kept, h->kept, r->part);
 }
 
 int checkpoint_load(struct world *w, drape_read_bytes *read, void *user)
 {
     struct read r = {.pack = NULL};
     streams(w, r.stream, r.bytes);
+    w->run->begin(w->on);
     int status = read_all(w, read, user, &r);
-    if (status == DRAPE_OK && plan_windy(&r.h.wind)) {
-        w->run->begin(w->on);
+    if (status == DRAPE_OK && plan_windy(&r.h.wind))
         status = air_take(w);
-    }
+    if (status == DRAPE_OK)
+        status = kept_room(w, r.h.kept, &r.part);
     if (status == DRAPE_OK)
         status = control_unpack(w, r.pack, r.c.bytes, r.to,
                                 (const vec *)(const void *)r.aside);
     if (status == DRAPE_OK)
-        apply(w, &r);
+        status = apply(w, &r);
     arena_give(w->arena, r.pack);
     arena_give(w->arena, r.aside);
+    arena_give(w->arena, r.kept);
+    arena_give(w->arena, r.part);
     arena_give(w->arena, r.to);
     return status;
 }

@@ -10,6 +10,10 @@
 #include "ref/sleep/sleep.h"
 #include "ref/world/slice.h"
 
+/* §3.1: contacts whose pairs are so many times their thickness apart take part
+ * in a solve; a pair at rest is at its thickness, more or less. */
+static const real RANGE = R(1.25);
+
 static void give_pairs(const struct world *w, struct pairs *out)
 {
     out->n = w->sleep->roused ? 0 : w->broad.n; /* the slice is taken again */
@@ -30,27 +34,15 @@ int collide_broad(void *user, const uint8_t *touched, struct pairs *out)
     return status;
 }
 
-int collide_near(void *user, const vec *x, struct pairs *out)
-{
-    struct world *w = user;
-    double start = clock_now();
-    int status = w->run->broad_query(w->on, &w->broad, x, x, w->reach, NULL);
-    if (status == DRAPE_OK)
-        status = sleep_notice(w);
-    w->broad_seconds += clock_now() - start;
-    give_pairs(w, out);
-    return status;
-}
-
 /* Charges the time since *last to a part of the report. The time that the broad
  * phase and the solves with contacts took meanwhile goes to their own parts. */
 static void charge_contact(struct world *w, drape_step_report *r,
                            enum drape_part part, double *last)
 {
-    slice_charge(w, r, part, last, w->broad_seconds + w->couple.seconds);
+    slice_charge(w, r, part, last, w->broad_seconds + w->lagrange.seconds);
     r->seconds[DRAPE_PART_BROAD] += w->broad_seconds;
-    r->seconds[DRAPE_PART_SOLVER] += w->couple.seconds;
-    w->broad_seconds = w->couple.seconds = 0;
+    r->seconds[DRAPE_PART_SOLVER] += w->lagrange.seconds;
+    w->broad_seconds = w->lagrange.seconds = 0;
     slice_count(&r->work, &w->broad);
 }
 
@@ -123,29 +115,23 @@ static int start(struct world *w)
     c->dt = (real)w->dt;
     c->stop_before_zones = slice_can_retry(w);
     c->max_rounds = slice_rounds(w);
-    c->foresee = w->near == NEAR_IMPACTS;
-    c->looks = w->plan.implicit && w->def.n_obstacles > 0;
-    int status = response_start(c);
-    if (w->plan.implicit)
-        couple_start(w);
-    return status;
+    c->solves = w->plan.solves;
+    c->range = w->plan.solves ? RANGE : 1;
+    return response_start(c);
 }
 
-/* §3.1: pushes apart the pairs that are closer than the reach at the start of
- * the slice. If the motion was solved roughly and no contact led to a solve,
- * the system is solved to its tolerance here. */
+/* §3.1: the pairs that are close at the start of the slice are pushed apart:
+ * within the solve of all cloths, or by themselves. */
 static int repel(struct world *w)
 {
     int status = start(w);
     if (status == DRAPE_OK)
-        status = find_near(w, w->x0, w->reach);
+        status = find_near(w, w->x0, w->response.range * w->reach);
     struct pairs near = {w->broad.n, w->broad.pair.data, w->broad.kind.data};
     if (status != DRAPE_OK || w->sleep->roused)
         return status;
-    status = response_repel(&w->response, &near);
-    if (status == DRAPE_OK && w->couple.rough && w->couple.solves == 0)
-        status = couple_solve(w, 0, NULL);
-    return status;
+    return w->plan.solves ? lagrange_solve(w, &near)
+                          : response_repel(&w->response, &near);
 }
 
 /* Sets *alone if no pair comes within reach during the slice, so that the rest
@@ -157,14 +143,24 @@ static int test_alone(struct world *w, bool *alone)
     *alone = false;
     if (w->near != NEAR_NONE)
         return DRAPE_OK;
-    int status = find_near(w, w->x1, w->reach);
+    int status = find_near(w, w->x1, RANGE * w->reach);
     *alone = w->broad.n == 0;
     return status;
 }
 
+/* What the loop that solves contacts has done. */
+static void count_solves(const struct world *w, drape_step_report *r)
+{
+    const struct lagrange *a = &w->lagrange;
+    if (!a->solved)
+        return;
+    r->iterations += a->iterations;
+    r->work.solves += a->solves;
+    r->residual = fmax(r->residual, a->residual);
+}
+
 int collide(struct world *w, drape_step_report *r, double *last)
 {
-    struct response *c = &w->response;
     bool alone;
     int status = test_alone(w, &alone);
     if (status == DRAPE_OK && !alone)
@@ -173,13 +169,12 @@ int collide(struct world *w, drape_step_report *r, double *last)
     w->met = !alone;
     if (status != DRAPE_OK || alone || w->sleep->roused)
         return status;
-    status = response_penetrate(c);
+    r->outcome |= w->lagrange.solved ? w->lagrange.outcome : 0;
+    if (r->outcome & DRAPE_DIVERGED)
+        return status;
+    status = response_penetrate(&w->response);
     charge_contact(w, r, DRAPE_PART_PENETRATION, last);
-    count_contacts(c, r);
-    r->iterations += w->couple.iterations;
-    r->work.solves += w->couple.solves;
-    if (w->couple.rough || w->couple.residual > r->residual)
-        r->residual = w->couple.residual;
-    r->outcome |= w->couple.outcome;
+    count_contacts(&w->response, r);
+    count_solves(w, r);
     return status;
 }

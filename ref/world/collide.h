@@ -17,7 +17,5 @@ int collide(struct world *w, drape_step_report *r, double *last);
  * candidates that have a touched vertex, or all candidates if touched is NULL.
  */
 int collide_broad(void *user, const uint8_t *touched, struct pairs *out);
-/* Its broad_at: the pairs that are within reach at x. */
-int collide_near(void *user, const vec *x, struct pairs *out);
 
 #endif

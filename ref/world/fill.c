@@ -168,7 +168,6 @@ static int fill_cloth(struct world *w, const drape_cloth *def, int k,
         (struct surface){real_min((real)def->material.thickness, most),
                          (real)def->material.friction};
     w->reach = real_max(w->reach, w->surface[k].thickness);
-    w->rubs |= w->surface[k].friction > 0;
     real side = real_min(c->hu, c->hv);
     w->cell = k ? real_min(w->cell, side) : side;
     return DRAPE_OK;
@@ -245,7 +244,6 @@ static int fill_obstacle(struct world *w, const drape_obstacle *def, int k)
             w->tri[p->first_triangle + t][i] =
                 (int32_t)(p->first + def->tri[t][i]);
     w->surface[w->def.n_cloths + k].friction = (real)def->friction;
-    w->rubs |= def->friction > 0;
     p->place.rest = rest;
     p->place.motion = motion;
     p->place.pose = w->pose;
@@ -276,11 +274,6 @@ static int take_streams(struct world *w)
         w->past_x = take(w, ARENA_STATE, w->nc, sizeof *w->past_x);
         w->past_v = take(w, ARENA_STATE, w->nc, sizeof *w->past_v);
     }
-    if (p->warm)
-        w->press = take(w, ARENA_STATE, w->nc, sizeof *w->press);
-    if (p->turns)
-        w->solved =
-            take(w, ARENA_STATE, COUPLE_ENDS * w->nc, sizeof *w->solved);
     if (p->history && p->collides) {
         w->free_x = take(w, ARENA_STATE, w->nc, sizeof *w->free_x);
         w->free_v = take(w, ARENA_STATE, w->nc, sizeof *w->free_v);

@@ -37,8 +37,7 @@ struct plan plan_make(const drape_def *def)
     p.self = def->self_collision;
     p.obstacles = def->n_obstacles > 0;
     p.collides = p.self || p.obstacles;
-    p.turns = p.implicit && p.collides;
-    p.warm = p.turns && !p.history;
+    p.solves = p.implicit && p.collides && def->response == DRAPE_SOLVE;
     return p;
 }
 

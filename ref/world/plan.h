@@ -21,8 +21,7 @@ struct plan {
     bool self;      /* cloth can collide with cloth */
     bool obstacles; /* cloth can collide with an obstacle */
     bool collides;  /* self or obstacles */
-    bool warm;      /* contact forces start the next slice: warm.md */
-    bool turns;     /* contacts are part of the solve: penalty.md */
+    bool solves;    /* contacts take part in the solve: lagrange.md */
 };
 
 struct plan plan_make(const drape_def *def);

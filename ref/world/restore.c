@@ -3,6 +3,7 @@
  * a later slice or after its last. The memory is taken when a start is first
  * kept. spec/world/step.md §7 */
 #include "ref/world/restore.h"
+#include "ref/contact/carry.h"
 #include "ref/sleep/sleep.h"
 
 static vec *take(struct world *w, vec *had, int64_t n)
@@ -23,10 +24,6 @@ static int take_start(struct world *w)
     }
     if (w->anchor)
         s->anchor = take(w, s->anchor, w->nc);
-    if (w->press)
-        s->press = take(w, s->press, w->nc);
-    if (w->solved)
-        s->solved = take(w, s->solved, COUPLE_ENDS * w->nc);
     if (!s->watch)
         s->watch = arena_take(w->arena, ARENA_STATE, w->def.n_cloths,
                               sizeof *s->watch);
@@ -50,10 +47,6 @@ static void copy(const struct world *w, struct start *to,
     }
     if (w->anchor)
         w->run->copy(w->on, to->anchor, from->anchor, cloths);
-    if (w->press)
-        w->run->copy(w->on, to->press, from->press, cloths);
-    if (w->solved)
-        w->run->copy(w->on, to->solved, from->solved, COUPLE_ENDS * cloths);
     memcpy(to->watch, from->watch, (size_t)w->def.n_cloths * sizeof *to->watch);
     memcpy(to->rest, from->rest, (size_t)w->def.n_cloths * sizeof *to->rest);
 }
@@ -65,11 +58,24 @@ static struct start now(const struct world *w)
                           .v = w->v0,
                           .past_x = w->past_x,
                           .past_v = w->past_v,
-                          .press = w->press,
-                          .solved = w->solved,
                           .watch = w->watch,
                           .anchor = w->anchor,
                           .rest = w->sleep->rest};
+}
+
+/* Copies what contacts carry on. */
+static int copy_kept(const struct world *w, struct pool *to, int64_t *n_to,
+                     const struct pool *from, int64_t n)
+{
+    int status = DRAPE_OK;
+    *n_to = 0;
+    if (n > to->cap)
+        status = w->run->grow(w->on, to, n, sizeof(struct kept), true);
+    if (status != DRAPE_OK)
+        return status;
+    w->run->copy(w->on, to->data, from->data, (size_t)n * sizeof(struct kept));
+    *n_to = n;
+    return DRAPE_OK;
 }
 
 int restore_save(struct world *w)
@@ -79,10 +85,11 @@ int restore_save(struct world *w)
     if (status != DRAPE_OK)
         return status;
     copy(w, s, &from);
-    s->pressed = w->pressed;
     s->past = w->past;
     s->near = w->near;
-    return w->run->status(w->on);
+    status = copy_kept(w, &s->kept, &s->n_kept, &w->lagrange.kept[0],
+                       w->lagrange.n_kept[0]);
+    return status == DRAPE_OK ? w->run->status(w->on) : status;
 }
 
 void restore_start(struct world *w)
@@ -91,8 +98,10 @@ void restore_start(struct world *w)
     struct start to = now(w);
     w->run->begin(w->on); /* a recorded lack of memory would stop the copies */
     copy(w, &to, s);
-    w->pressed = s->pressed;
     w->past = s->past;
     w->near = s->near;
+    /* where there is no room they are forgotten: contacts begin anew */
+    copy_kept(w, &w->lagrange.kept[0], &w->lagrange.n_kept[0], &s->kept,
+              s->n_kept);
     sleep_forget(w);
 }

@@ -19,37 +19,12 @@ struct slicing {
     int deepest; /* the level of def.max_slices */
     int done;    /* the part of the step that is done, in 1/64 of it */
     int slices;  /* slices that are done */
-    int tries, energy_retries; /* slices taken again: after the fail-safe; for
-                                  a gain of energy, plus `began` */
-    int began;          /* the level of caution at which the step started,
-                           which counts as that many energy retries, §7.5 */
-    int cuts;           /* slices taken again, shorter, as they diverged */
-    bool gained;        /* §7.5: a slice gained at least half of the limit */
-    bool strict;        /* §7.2: more than the strict limit did harm in this
-                           step */
-    bool without_press; /* warm.md §5: the slice starts without press */
-    real travel;        /* m², bound of the squared relative displacement of
-                           candidates in the current slice, §7.2 */
+    int tries;   /* slices taken again after the fail-safe */
+    real travel; /* m², bound of the squared relative displacement of
+                    candidates in the current slice, §7.2 */
 };
 
-/* Steps after which a level of caution is lowered, and displacements are tried
- * anew. */
-enum { SLICE_CALM = 8 };
-
-/* What earlier steps have taught, §7.2 and §7.5. It is part of the state. */
-struct caution {
-    int level; /* the level at which steps start */
-    int again; /* 1: a step went wrong, and at level 0 none has gone well since
-                */
-    int calm;  /* consecutive steps that went well at this level, fewer than
-                  SLICE_CALM */
-    int far;   /* the level at which displacements of the last step were short
-                  enough, §7.2; 0: none was needed */
-    int blind; /* consecutive steps that started at level `far`, to SLICE_CALM
-                */
-};
-
-/* Starts the slicing of a step by what earlier steps have taught. */
+/* Starts the slicing of a step. */
 void slice_begin(struct world *w);
 /* Sets w->dt to the length of the current slice, s. Returns the time at the end
  * of the slice, s. */
@@ -73,21 +48,13 @@ static inline bool slice_failed(int outcome)
 bool slice_can_retry(const struct world *w);
 /* §7.3: returns the number of rounds of impulses before the fail-safe. */
 int slice_rounds(const struct world *w);
-/* §7.3: whether gains of energy are an error in this slice, since neither wind
- * nor prescribed motion adds energy. */
-bool slice_checks_energy(const struct world *w);
 /* §7.3: whether the slice must be taken again, shorter, because the fail-safe
- * ended it or because it gained energy. before, after [3]: kinetic, elastic and
- * gravity's energy at both ends of the slice, J. */
-bool slice_wrong(struct world *w, int outcome, const double before[3],
-                 const double after[3]);
-/* §7.6, §7.7: whether a slice that diverged is taken again: without press if it
- * had press, else shorter if that is allowed. */
+ * ended it. */
+bool slice_wrong(struct world *w, int outcome);
+/* §7.5: whether a slice that diverged is taken again, shorter. */
 bool slice_diverged(struct world *w);
 /* Records that the slice was kept, and chooses the level of the next, §7.4. */
 void slice_keep(struct world *w);
-/* Records at the end of a step what later steps should know, §7.2, §7.5. */
-void slice_end(struct world *w);
 /* Measures a part of the step: waits for the backend, then adds the seconds
  * since *last to this part of the report, less `within`, the seconds in between
  * that were added to other parts. Sets *last to now. Without a report from the

@@ -7,7 +7,7 @@
 #include "ref/base/arena.h"
 #include "ref/base/trace.h"
 #include "ref/broad/broad.h"
-#include "ref/contact/couple.h"
+#include "ref/contact/lagrange.h"
 #include "ref/contact/rounds.h"
 #include "ref/momentum/conserve.h"
 #include "ref/narrow/audit.h"
@@ -43,47 +43,33 @@ struct told {
 };
 
 /* How near things came in a slice: no candidate; candidates without contact;
- * contacts; contacts, and impacts that brought new ones. */
-enum nearness { NEAR_NONE, NEAR_PAIRS, NEAR_CONTACTS, NEAR_IMPACTS };
+ * contacts. */
+enum nearness { NEAR_NONE, NEAR_PAIRS, NEAR_CONTACTS };
 
 /* A copy of the state at the start of the current step. `watch` and `rest` lie
  * on the host, the other streams in the memory of the backend. */
 struct start {
     vec *x, *v;           /* [nv] */
     vec *past_x, *past_v; /* [nc] or NULL */
-    vec *press;           /* [nc] or NULL */
-    vec *solved;          /* [COUPLE_ENDS·nc] or NULL */
-    double (*watch)[2];   /* [n_cloths]; NULL: no start was kept yet */
-    vec *anchor;          /* [nc] or NULL */
-    struct rest *rest;    /* [n_cloths] */
+    struct pool kept;     /* struct kept */
+    int64_t n_kept;
+    double (*watch)[2]; /* [n_cloths]; NULL: no start was kept yet */
+    vec *anchor;        /* [nc] or NULL */
+    struct rest *rest;  /* [n_cloths] */
     int past;
-    bool pressed;
     enum nearness near;
-};
-
-/* Of a vertex, over its held contacts. spec/control/control.md §8.2 */
-struct list_vertex {
-    double weight, grip; /* the sums of |c|, and of friction's limits, N·s */
-    double rest[3];      /* N·s, what it got beside their loads */
 };
 
 /* The list of contacts that the caller asks for. All but the last three lie on
  * the host; all are NULL until they are needed. spec/control/control.md §8 */
 struct list {
-    bool known; /* response and couple hold the contacts of the last slice */
-    drape_contact *item;     /* [cap] */
-    struct contact *raw;     /* [cap] of a device */
+    bool known;          /* the response holds the contacts of the last slice */
+    drape_contact *item; /* [cap] */
+    struct contact *raw; /* [cap] of a device */
     struct key *key, *spare; /* [cap] */
     int64_t cap;
-    vec *g;                 /* [nc] N·s, what vertices got */
-    vec *given;             /* [nc] of a device */
-    sym *hold;              /* [nv] of a device */
-    vec *dv;                /* [nv] of a device */
-    real *share;            /* [cap] */
-    real *gave;             /* [cap] of a device */
-    struct list_vertex *at; /* [nc] */
-    double (*body)[3];      /* [bodies] N·s */
-    drape_contact *there;   /* [cap_there] in the memory of a device */
+    double (*body)[3];    /* [bodies] N·s */
+    drape_contact *there; /* [cap_there] in the memory of a device */
     int64_t cap_there;
     double (*body_there)[3];
 };
@@ -111,9 +97,6 @@ struct world {
     vec *x1, *v1;            /* [nv] m, m/s at its end */
     vec *free_x, *free_v;    /* [nc] m, m/s at its end without contact */
     vec *past_x, *past_v;    /* [nc] the slice before, for BDF2, or NULL */
-    vec *press;              /* [nc] N, contact forces of the slice before */
-    vec *solved;             /* [COUPLE_ENDS·nc] m/s, the solutions of the
-                                slice before; NULL: no contact is solved */
     vec *anchor;             /* [nc] m, where cloths were when they last had
                                 gone somewhere; NULL: none may sleep */
     vec *to;                 /* [nc] m, where pins end; NULL: not needed */
@@ -129,12 +112,12 @@ struct world {
     struct pose *pose;   /* [n_motions] at the end of the slice, on the host */
     struct pose *posed;  /* the same in the memory of the backend */
     real reach;          /* m, the largest thickness of a cloth */
-    bool rubs;           /* a body has friction */
     real cell;           /* m, the smallest side of a cell of any cloth */
     double mass;         /* kg, of all cloths together */
     struct broad broad;
     struct response response;
-    struct couple couple; /* solves with contacts, of implicit integrators */
+    struct lagrange lagrange; /* the motion with contacts, of implicit
+                                 integrators */
 
     double broad_seconds;         /* s of queries, not yet in a report */
     struct trace trace, *tracing; /* tracing: &trace, or NULL: no trace */
@@ -142,7 +125,6 @@ struct world {
     int64_t step;
     double time;
     enum nearness near;   /* how near things came in the slice before */
-    bool pressed;         /* press holds forces; false: it is all 0 */
     int64_t intersecting; /* intersecting pairs of the state: step.md §11 */
     int past;      /* 1 + level of the slice in past_x and past_v; 0: none */
     double dt;     /* s, length of the current slice */
@@ -150,7 +132,6 @@ struct world {
     bool met;      /* contact may have changed x1, v1 in this slice */
     bool reported; /* the caller gave a report to fill */
     struct slicing slicing;
-    struct caution caution;
     struct sleep *sleep;
     struct start start;
     struct told told;
@@ -164,13 +145,6 @@ struct world {
 static inline bool state_has_past(const struct world *w)
 {
     return w->past == 1 + w->slicing.level;
-}
-
-/* Whether this slice starts with the contact forces of the slice before:
- * warm.md §3, §5. */
-static inline bool state_warm(const struct world *w)
-{
-    return w->pressed && !w->slicing.without_press;
 }
 
 /* First vertex or triangle of a body, cloths first; of the body after the last:
@@ -222,8 +196,8 @@ static inline const double *state_gravity(const struct world *w)
 /* Returns how near things came in the slice that this response handled. */
 static inline enum nearness state_nearness(const struct response *c)
 {
-    if (c->contacts > 0)
-        return c->joined ? NEAR_IMPACTS : NEAR_CONTACTS;
+    if (c->contacts > 0 || c->active > 0)
+        return NEAR_CONTACTS;
     return c->near > 0 || c->candidates > 0 ? NEAR_PAIRS : NEAR_NONE;
 }
 

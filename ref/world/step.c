@@ -115,9 +115,8 @@ static void prepare_sheet(struct world *w, int k)
     d->iterations = 0;
     d->residual = 0;
     d->outcome = 0;
-    w->couple.rough = couple_prepare(w, &s->solver.pcg);
-    d->press = state_warm(w) ? w->press + s->first : NULL;
-    d->tolerance = s->solver.pcg.tolerance;
+    d->tolerance = s->solver.pcg.tolerance = (real)w->def.tolerance;
+    d->met = false;
     d->solves = 0;
     s->solver.seconds = 0;
 }
@@ -134,16 +133,18 @@ static void report_sheet(const struct world *w, int k, drape_step_report *r)
     r->seconds[DRAPE_PART_SOLVER] += s->solver.seconds;
 }
 
+/* §2: moves each cloth as if nothing were in its way; or, where contacts are to
+ * be expected, leaves this to the loop that solves them. */
 static int move_sheets(struct world *w, drape_step_report *r)
 {
-    size_t bytes = (size_t)w->nc * sizeof *w->x1;
-    int n = w->def.n_cloths;
-    w->couple.rough = false;
+    int n = w->def.n_cloths, status = DRAPE_OK;
     for (int k = 0; k < n; k++)
         if (sleep_awake(w, k))
             prepare_sheet(w, k);
-    int status = couple_move(w, r);
-    for (int k = 0; k < n && status == DRAPE_OK && !w->couple.moved; k++)
+    lagrange_forget(w);
+    if (w->plan.solves && w->near >= NEAR_CONTACTS)
+        return lagrange_begin(w);
+    for (int k = 0; k < n && status == DRAPE_OK; k++)
         if (sleep_awake(w, k))
             status = w->run->motion(w->on, &w->sheet[k]);
     if (status != DRAPE_OK)
@@ -151,12 +152,7 @@ static int move_sheets(struct world *w, drape_step_report *r)
     for (int k = 0; k < n; k++)
         if (sleep_awake(w, k))
             report_sheet(w, k, r);
-    if (w->plan.led)
-        lead_velocities(w);
-    if (w->plan.history && w->plan.collides) {
-        w->run->copy(w->on, w->free_x, w->x1, bytes);
-        w->run->copy(w->on, w->free_v, w->v1, bytes);
-    }
+    lagrange_note(w);
     return w->run->status(w->on);
 }
 
@@ -166,6 +162,8 @@ static void move(struct world *w, struct step *s)
 {
     if (goes_on(s))
         s->status = move_sheets(w, &s->r);
+    if (s->status == DRAPE_OK && w->plan.led)
+        lead_velocities(w);
     slice_charge(w, &s->r, DRAPE_PART_INTEGRATION, &s->last,
                  s->r.seconds[DRAPE_PART_SOLVER]);
     if (s->r.outcome & DRAPE_DIVERGED)
@@ -174,7 +172,7 @@ static void move(struct world *w, struct step *s)
 
 static void check_travel(struct world *w, struct step *s)
 {
-    if (goes_on(s) && w->plan.collides)
+    if (goes_on(s) && w->plan.collides && !w->plan.solves)
         s->status = collide_far(w, &s->r, &s->last, &s->again);
 }
 
@@ -185,11 +183,12 @@ static void handle_contact(struct world *w, struct step *s)
     if (!goes_on(s) || !w->plan.collides || w->sleep->roused)
         return;
     s->status = collide(w, &s->r, &s->last);
-    if (s->status != DRAPE_EDATA)
-        return;
-    s->status = DRAPE_OK;
-    s->r.outcome |= DRAPE_DIVERGED;
-    s->again = slice_diverged(w);
+    if (s->status == DRAPE_EDATA) {
+        s->status = DRAPE_OK;
+        s->r.outcome |= DRAPE_DIVERGED;
+    }
+    if (s->r.outcome & DRAPE_DIVERGED)
+        s->again = slice_diverged(w);
 }
 
 /* §6: what comes near a cloth that is asleep wakes it, and the slice is taken
@@ -198,7 +197,7 @@ static void rouse(struct world *w, struct step *s)
 {
     if (s->status != DRAPE_OK || !w->sleep->roused)
         return;
-    sleep_end(w);
+    s->status = sleep_end(w);
     s->again = true;
 }
 
@@ -209,33 +208,31 @@ static void conserve(struct world *w, struct step *s)
         s->status = conserve_momentum(w, s->r.outcome);
 }
 
-/* §7.3: checks the slice by its outcome and its energies. The energies that
+/* §7.3: checks the slice by its outcome, and reports its energies. Those that
  * dynamics computed are used if contact did not change the state; if contact
- * may have changed it they are computed again, but only if somebody needs them.
+ * may have changed it they are computed again, but only if somebody reads them.
  */
-static void check_energy(struct world *w, struct step *s)
+static void check(struct world *w, struct step *s)
 {
-    double before[3] = {0}, after[3] = {0};
-    bool anew = w->met && (w->reported || slice_checks_energy(w));
+    double after[3] = {0};
+    bool anew = w->met && w->reported;
     if (!goes_on(s))
         return;
     for (int k = 0; k < w->def.n_cloths; k++) {
         const struct dynamics *d = &w->sheet[k].dynamics;
         const double *still = sleep_energy(w, k);
-        for (int j = 0; j < 3; j++) {
-            before[j] += still ? still[j] : d->before[j];
+        for (int j = 0; j < 3; j++)
             after[j] += anew ? 0 : still ? still[j] : d->energy[j];
-        }
     }
     if (anew)
         add_energies(w, w->x1, w->v1, after);
     report_energy(&s->r, after);
-    s->again = w->plan.collides && slice_wrong(w, s->r.outcome, before, after);
+    s->again = w->plan.collides && slice_wrong(w, s->r.outcome);
 }
 
 static void remember_run(struct world *w, int64_t first, int64_t n)
 {
-    bool collides = w->plan.collides;
+    bool collides = w->plan.collides, struck = w->lagrange.struck;
     struct history h = {.count = n,
                         .x0 = w->x0 + first,
                         .v0 = w->v0 + first,
@@ -243,6 +240,9 @@ static void remember_run(struct world *w, int64_t first, int64_t n)
                         .v1 = (collides ? w->free_v : w->v1) + first,
                         .x = w->x1 + first,
                         .v = w->v1 + first,
+                        .n_jump = struck ? n : 0,
+                        .jump = struck ? w->lagrange.jump + first : NULL,
+                        .part = state_has_past(w) ? R(2.0) / 3 : 1,
                         .dt = (real)w->dt,
                         .xp = w->past_x + first,
                         .vp = w->past_v + first};
@@ -257,46 +257,13 @@ static void remember(struct world *w)
     w->past = 1 + w->slicing.level;
 }
 
-static void copy_press(struct world *w, int64_t first, int64_t n)
-{
-    w->run->copy(w->on, w->press + first, w->couple.press + first,
-                 (size_t)n * sizeof *w->press);
-}
-
-static void clear_press(struct world *w, int64_t first, int64_t n)
-{
-    w->run->clear(w->on, w->press + first, (size_t)n * sizeof *w->press);
-}
-
-/* What presses on cloths that are asleep stays. */
-static void keep_press(struct world *w, bool held)
-{
-    if (!w->plan.warm)
-        return;
-    if (held)
-        sleep_runs(w, copy_press);
-    else if (w->pressed)
-        sleep_runs(w, clear_press);
-    w->pressed = held || (w->pressed && w->sleep->n > 0);
-}
-
-static void keep_solved(struct world *w)
-{
-    const struct couple *c = &w->couple;
-    for (int k = 0; k < COUPLE_ENDS && w->solved; k++)
-        if (c->kept[k])
-            w->run->copy(w->on, w->solved + k * w->nc, c->found[k],
-                         (size_t)w->nc * sizeof *w->solved);
-}
-
 /* §4: makes the end of the slice the state. */
 static void commit(struct world *w, int outcome)
 {
     if (w->plan.history)
         remember(w);
     w->near = state_nearness(&w->response);
-    keep_press(w, !slice_failed(outcome) && w->near >= NEAR_CONTACTS);
-    keep_solved(w);
+    lagrange_commit(w);
     for (int k = 0; k < w->def.n_cloths; k++) {
         if (!sleep_awake(w, k))
             continue;
@@ -349,8 +316,6 @@ static int end(struct world *w, struct step *s)
     if (diverged)
         r->outcome &= ~DRAPE_TRAPPED; /* what the response met is undone */
     ending_tell(w, r);
-    if (!failed && !s->asleep)
-        slice_end(w);
     w->step += !failed;
     w->time = (double)w->step * w->def.dt;
     if (failed || s->asleep) {
@@ -382,10 +347,10 @@ int step_advance(struct world *w, drape_step_report *report)
         handle_contact(w, &s); /* §3: refit.md … response.md */
         rouse(w, &s);          /* §6: sleep.md */
         conserve(w, &s);       /* §3.4: momentum.md */
-        check_energy(w, &s);   /* §7.3: energy.md */
+        check(w, &s);          /* §7.3: energy.md */
         finish(w, &s);         /* step.md §4, §6, §7.4: implicit.md */
     }
-    int status = end(w, &s); /* step.md §11, §7.5: audit.md */
+    int status = end(w, &s); /* step.md §11: audit.md */
     if (!w->device)
         threads_end(&threads);
     return status;

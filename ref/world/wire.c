@@ -4,7 +4,7 @@
 
 #include "ref/base/sum.h"
 #include "ref/base/thin.h"
-#include "ref/contact/turn.h"
+#include "ref/contact/unknowns.h"
 #include "ref/world/collide.h"
 
 static void *take(struct world *w, enum arena_part part, int64_t n, size_t size)
@@ -91,8 +91,9 @@ static int make_response(struct world *w, const drape_def *def)
     c->skin.surface = w->surface;
     c->fan = w->broad.tree.fan;
     for (int k = 0; k < def->n_cloths; k++)
-        c->stiffness = real_max(
-            c->stiffness, COUPLE_SOFT * (real)def->cloths[k].material.stretch);
+        c->stiffness =
+            real_max(c->stiffness,
+                     RESPONSE_SOFT * (real)def->cloths[k].material.stretch);
     c->margin = R(0.125);
     c->iterations = 8;
     c->max_rounds = def->max_rounds;
@@ -101,10 +102,7 @@ static int make_response(struct world *w, const drape_def *def)
     c->run = w->run;
     c->on = w->on;
     c->broad = collide_broad;
-    c->broad_at = collide_near;
     c->user = w;
-    if (w->plan.implicit)
-        c->solve = couple_solve;
     if (w->def.backend != DRAPE_REF)
         return DRAPE_OK; /* the device has the streams */
     c->u = take(w, ARENA_RESPONSE, w->nv, sizeof *c->u);
@@ -114,7 +112,7 @@ static int make_response(struct world *w, const drape_def *def)
     c->first = take(w, ARENA_RESPONSE, w->nv, sizeof *c->first);
     if (w->arena->failed)
         return DRAPE_ENOMEM;
-    return w->plan.implicit ? turn_make(w) : DRAPE_OK;
+    return w->plan.solves ? unknowns_make(w) : DRAPE_OK;
 }
 
 int wire_stages(struct world *w, const drape_def *def)

@@ -93,10 +93,11 @@ const char *test_embed_explicit(void)
     return NULL;
 }
 
-/* Contact borrows the memory of the solver. That memory suffices for the scene,
- * and nothing that must survive a solve is stored there: the emulated device
- * overwrites it in each solve. */
-const char *test_embed_lent(void)
+/* Contact borrows the memory of the solver, and nothing that must survive a
+ * solve is stored there: the emulated device overwrites it in each solve. That
+ * memory suffices for the scene, unless contacts take part in solves: then the
+ * matrix and its preconditioner are not lent. */
+static const char *lend(int response)
 {
     uint64_t hash[2];
     for (int backend = DRAPE_REF; backend <= DRAPE_GPU; backend++) {
@@ -106,6 +107,7 @@ const char *test_embed_lent(void)
         drape_memory a, b;
         guest_make(&s, backend);
         s.cloth.m = s.cloth.n = 24;
+        s.def.response = response;
         s.def.matrix = DRAPE_CDF; /* this matrix lends most memory */
         s.def.precond = DRAPE_JACOBI;
         int status = drape_create(&s.def, &world, NULL);
@@ -116,7 +118,8 @@ const char *test_embed_lent(void)
         EXPECT(drape_step(world, &r) == DRAPE_OK && r.contacts > 0);
         EXPECT(drape_count(world, &b) == DRAPE_OK);
         /* the front, contacts, their lists, and what is too large */
-        EXPECT(b.device_allocations - a.device_allocations < LENT);
+        EXPECT(response == DRAPE_SOLVE ||
+               b.device_allocations - a.device_allocations < LENT);
         EXPECT(backend ? b.borrowed_bytes > a.borrowed_bytes
                        : b.borrowed_bytes == 0);
         hash[backend] = scene_hash(world);
@@ -125,6 +128,12 @@ const char *test_embed_lent(void)
     }
     EXPECT(hash[0] == hash[1]);
     return NULL;
+}
+
+const char *test_embed_lent(void)
+{
+    const char *failed = lend(DRAPE_SOLVE);
+    return failed ? failed : lend(DRAPE_IMPULSES);
 }
 
 /* Whichever allocation of drape_create fails, it returns a status and keeps no

@@ -7,9 +7,10 @@
 const struct field fields_sum[] = {IN(sum, a, n, 1),
                                    SCRATCH(sum, chunk, n_chunks, 1),
                                    OUT_VALUE(sum, value), FIELD_END};
-const struct field fields_dot[] = {IN(dot, a, n, 1), IN(dot, b, n, 1),
-                                   SCRATCH(dot, chunk, n_chunks, 1),
-                                   OUT_VALUE(dot, value), FIELD_END};
+const struct field fields_dot[] = {
+    IN(dot, a, n, 1),      IN(dot, b, n, 1),
+    IN(dot, w, n_w, 1),    SCRATCH(dot, chunk, n_chunks, 1),
+    OUT_VALUE(dot, value), FIELD_END};
 
 /* Sometimes returns a size at which the tree has a third level. */
 static int64_t size_of(struct bytes *b)
@@ -42,15 +43,22 @@ void gen_dot(struct bytes *b, struct dot *s)
     }
     s->a = x;
     s->b = y;
+    s->n_w = pick(b, 4) || for_bench(b) ? 0 : s->n;
+    real *w = take(b, s->n_w, sizeof *w);
+    for (int64_t k = 0; k < s->n_w; k++)
+        w[k] = pick_real(b, 1);
+    s->w = w;
 }
 
 /* An independent definition of §2 and §3, by recursion: item i of a chunk is
  * added to item i + h, and the items of a level are the chunk sums of the level
- * below. A leaf is the item one[k] of sum or x[k]·y[k] of dot. */
+ * below. A leaf is the item one[k] of sum, or x[k]·y[k] of dot, times w[k]
+ * where dot has weights. */
 struct leaves {
     int64_t n;
     const real *one;
     const vec *x, *y;
+    const real *w; /* NULL: none */
 };
 
 static int64_t items(const struct leaves *l, int depth)
@@ -75,7 +83,10 @@ static real level(const struct leaves *l, int depth, int64_t item)
 {
     if (depth > 0)
         return halves(l, depth - 1, SUM_CHUNK * item, 1);
-    return l->one ? l->one[item] : vec_dot(l->x[item], l->y[item]);
+    if (l->one)
+        return l->one[item];
+    real term = vec_dot(l->x[item], l->y[item]);
+    return l->w ? l->w[item] * term : term;
 }
 
 static real expected(const struct leaves *l)
@@ -93,7 +104,7 @@ static bool same_bits(real a, real b)
 
 const char *prop_sum(const struct sum *s)
 {
-    struct leaves l = {s->n, s->a, NULL, NULL};
+    struct leaves l = {s->n, s->a, NULL, NULL, NULL};
     EXPECT(same_bits(s->value, expected(&l)));
     /* §4: the error bound, with the rounding of the plain sum in binary64. */
     double exact = 0, size = 0;
@@ -109,7 +120,7 @@ const char *prop_sum(const struct sum *s)
 
 const char *prop_dot(const struct dot *s)
 {
-    struct leaves l = {s->n, NULL, s->a, s->b};
+    struct leaves l = {s->n, NULL, s->a, s->b, s->n_w ? s->w : NULL};
     EXPECT(same_bits(s->value, expected(&l)));
     return NULL;
 }

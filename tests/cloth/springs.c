@@ -5,17 +5,13 @@
 #include "ref/cloth/triple.h"
 #include "tests/cloth/sheet.h"
 
-const struct field fields_springs[] = {IN(springs, law, laws, 1),
-                                       IN(springs, piece, pieces, 1),
-                                       IN(springs, springs, count, 1),
-                                       IN(springs, triple, triples, 1),
-                                       IN(springs, beside, n_beside, 1),
-                                       IN(springs, mass, count, 1),
-                                       IN(springs, x, count, 1),
-                                       IN(springs, v, n_v, 1),
-                                       IN(springs, wind, n_wind, 1),
-                                       OUT(springs, force, count, 1),
-                                       FIELD_END};
+const struct field fields_springs[] = {
+    IN(springs, law, laws, 1),        IN(springs, piece, pieces, 1),
+    IN(springs, springs, count, 1),   IN(springs, triple, triples, 1),
+    IN(springs, beside, n_beside, 1), IN(springs, mass, count, 1),
+    IN(springs, x, count, 1),         IN(springs, u, n_u, 1),
+    IN(springs, v, n_v, 1),           IN(springs, wind, n_wind, 1),
+    OUT(springs, force, count, 1),    FIELD_END};
 
 void gen_springs(struct bytes *b, struct springs *s)
 {
@@ -31,6 +27,32 @@ void gen_springs(struct bytes *b, struct springs *s)
     s->n_wind = pick(b, 2) ? g.count : 0;
     s->wind = pick_vecs(b, s->n_wind, R(0.1));
     s->gravity = pick(b, 2) ? vec_make(0, 0, 0) : pick_vec(b, 10);
+    s->n_u = for_bench(b) || pick(b, 3) ? 0 : g.count;
+    s->u = pick_vecs(b, s->n_u, pick(b, 2) ? R(0.1) : 10);
+    s->span = pick_uniform(b, R(1e-3), R(0.1));
+}
+
+/* §6: coordinate k of the way from where particle p is to where q is. */
+static double way(const struct springs *s, int64_t p, int64_t q, int k)
+{
+    double d = (double)(&s->x[q].x)[k] - (double)(&s->x[p].x)[k];
+    double u = 0;
+    if (s->n_u)
+        u = (double)(&s->u[q].x)[k] - (double)(&s->u[p].x)[k];
+    return d + (double)s->span * u;
+}
+
+/* §6: the size of what the stage adds to get a difference of two places. */
+static double terms_of(const struct springs *s, int64_t p, int64_t q)
+{
+    double size = 0;
+    for (int k = 0; k < 3; k++) {
+        size += fabs((double)(&s->x[q].x)[k] - (double)(&s->x[p].x)[k]);
+        if (s->n_u)
+            size += (double)s->span *
+                    fabs((double)(&s->u[q].x)[k] - (double)(&s->u[p].x)[k]);
+    }
+    return size;
 }
 
 /* A particle's force in binary64, and a bound on the stage's error. */
@@ -44,10 +66,9 @@ struct exact {
 static void add_pull(const struct springs *s, const struct law *a, int64_t p,
                      int64_t q, double share, struct exact *e)
 {
-    const real *xp = &s->x[p].x, *xq = &s->x[q].x;
     double d[3], square = 0, rate = 0, speed = 0;
     for (int k = 0; k < 3; k++) {
-        d[k] = (double)xq[k] - (double)xp[k];
+        d[k] = way(s, p, q, k);
         square += d[k] * d[k];
     }
     double length = sqrt(square);
@@ -67,6 +88,14 @@ static void add_pull(const struct springs *s, const struct law *a, int64_t p,
     e->error += 8 * REAL_U * (double)a->stiff * (length + (double)a->rest) +
                 fabs(tension) * (LAW_ERROR + 50 * REAL_U) +
                 60 * REAL_U * (double)a->damp * speed;
+    if (!s->n_u)
+        return;
+    /* §6: the difference of places errs by four roundings of its terms, which
+     * turns the spring and changes its length */
+    double off = 4 * REAL_U * terms_of(s, p, q);
+    e->known &= off < 0x1p-10 * length;
+    e->error += off * ((double)a->stiff +
+                       2 * (fabs(tension) + (double)a->damp * speed) / length);
 }
 
 /* §5: adds `times` the force that the triple of direction o with its middle at
@@ -79,13 +108,15 @@ static void add_triple(const struct springs *s, int o, int64_t i, int64_t j,
     int64_t p = i + j * s->m, step = spring_step(s->m, o);
     double k = (double)triple_constant(s->triple, o, s->beside[p]);
     for (int c = 0; c < 3 && k > 0; c++) {
-        double x = (double)(&s->x[p].x)[c];
-        double before = (double)(&s->x[p - step].x)[c] - x;
-        double after = (double)(&s->x[p + step].x)[c] - x;
+        double before = way(s, p, p - step, c);
+        double after = way(s, p, p + step, c);
         e->f[c] -= times * k * (before + after);
         e->size += fabs(times) * k * (fabs(before) + fabs(after));
         e->error +=
             60 * REAL_U * fabs(times) * k * (fabs(before) + fabs(after));
+        if (s->n_u)
+            e->error += 8 * REAL_U * fabs(times) * k *
+                        (terms_of(s, p, p - step) + terms_of(s, p, p + step));
         e->known &= fabs(before) + fabs(after) < 1e15;
     }
 }
@@ -124,7 +155,8 @@ static struct exact force_of(const struct springs *s, int64_t p)
 const char *prop_springs(const struct springs *s)
 {
     double sum[3] = {0}, bound = 0;
-    bool all = !s->n_wind && vec_dot(s->gravity, s->gravity) == 0;
+    vec g = s->gravity;
+    bool all = !s->n_wind && g.x == 0 && g.y == 0 && g.z == 0;
     for (int64_t p = 0; p < s->count; p++) {
         struct exact e = force_of(s, p);
         all &= e.known;

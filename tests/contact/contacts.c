@@ -262,7 +262,8 @@ static int meet(struct bytes *b, struct contacts *s, const vec *x)
         for (int j = 0; j < 4; j++) /* four different vertices */
             pair[4 * k + j] = (int32_t)((at + j * (s->nv / 4)) % s->nv);
     }
-    struct proximity p = {.nv = s->nv,
+    struct proximity p = {.range = 1,
+                          .nv = s->nv,
                           .n = s->n,
                           .pair = pair,
                           .kind = kind,

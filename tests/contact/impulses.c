@@ -39,6 +39,11 @@ static struct contact *pick_active(struct bytes *b, const struct impulses *s)
         pick_names(b, s->nv, c[k].v);
         c[k].kind = pick(b, 2);
         c[k].gap = -(real)(k + 1); /* a value that no new contact has */
+        c[k].lambda = pick_uniform(b, 0, 1);
+        c[k].lambda_t = pick_vec(b, 1);
+        c[k].load = pick_uniform(b, 0, 1);
+        c[k].kappa = pick_uniform(b, 0, 1);
+        c[k].rise = pick_uniform(b, -1, 1);
     }
     return c;
 }
@@ -133,6 +138,55 @@ static const char *check_new(const struct impulses *s, const struct contact *c)
     return NULL;
 }
 
+static bool are_different(const int32_t v[4])
+{
+    for (int j = 0; j < 4; j++)
+        for (int k = 0; k < j; k++)
+            if (v[j] == v[k])
+                return false;
+    return true;
+}
+
+/* The active contact of the pair of c; NULL if there is none. *others: how
+ * often the pair is named in all. */
+static const struct contact *find_old(const struct impulses *s,
+                                      const struct contact *c, int *others)
+{
+    const struct contact *old = NULL;
+    *others = 0;
+    for (int64_t k = 0; k < s->n_active; k++)
+        if (s->active[k].kind == c->kind &&
+            same_pair(s->active[k].v, c->v, c->kind)) {
+            old = &s->active[k];
+            ++*others;
+        }
+    for (int64_t k = 0; k < s->n; k++)
+        *others +=
+            s->kind[k] == c->kind && same_pair(s->pair + 4 * k, c->v, c->kind);
+    return old;
+}
+
+/* §1: a contact that takes the place of an active one goes on with its
+ * multipliers, on its own side A and across its own normal. */
+static const char *check_heir(const struct impulses *s, const struct contact *c)
+{
+    int others;
+    const struct contact *old = find_old(s, c, &others);
+    if (!old) {
+        EXPECT(c->lambda == 0 && c->load == 0 && c->kappa == 0);
+        EXPECT(c->rise == 0 && vec_length(c->lambda_t) == 0);
+    }
+    if (!old || others != 2 || !are_different(c->v))
+        return NULL;
+    EXPECT(c->lambda == old->lambda && c->load == old->load);
+    EXPECT(c->kappa == old->kappa && c->rise == old->rise);
+    bool a = c->v[0] == old->v[0] || c->v[0] == old->v[1];
+    vec t = vec_scale(c->kind == CONTACT_VF || a ? 1 : -1, old->lambda_t);
+    vec off = vec_sub(vec_axpy(t, -vec_dot(c->n, t), c->n), c->lambda_t);
+    EXPECT(vec_length(off) <= R(0x1p-20) * vec_length(t));
+    return NULL;
+}
+
 /* The contact of impact k if it were the only one. */
 static struct contact alone(const struct impulses *s, int64_t k)
 {
@@ -223,6 +277,7 @@ const char *prop_impulses(const struct impulses *s)
         EXPECT(at >= 0);
         EXPECT(s->contact[at].impulse == 0 && s->contact[at].friction > 0);
         const char *failed = check_new(s, &s->contact[at]);
+        failed = failed ? failed : check_heir(s, &s->contact[at]);
         if (failed)
             return failed;
     }

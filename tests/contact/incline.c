@@ -46,7 +46,8 @@ static int64_t find_contacts(const struct incline *s, real dt,
                              struct contact *contact)
 {
     int32_t at[2 * BLOCK];
-    struct proximity p = {.nv = BLOCK + 4,
+    struct proximity p = {.range = 1,
+                          .nv = BLOCK + 4,
                           .n = 2 * BLOCK,
                           .pair = s->pair,
                           .kind = s->kind,

@@ -73,6 +73,7 @@ void gen_proximity(struct bytes *b, struct proximity *s)
     s->skin.n = 2;
     s->dt = R(1.0) / 60;
     s->stiffness = pick(b, 2) ? 0 : 100;
+    s->range = pick(b, 2) ? 1 : R(1.25);
     int32_t *pair = take(b, 4 * s->n, sizeof *pair);
     uint8_t *kind = take(b, s->n, 1);
     vec *x = take(b, s->nv, sizeof *x);
@@ -418,6 +419,36 @@ static struct fate free_fate(const struct proximity *s, int64_t k,
     return f;
 }
 
+/* §3.4: whether a pair is the one of those with its closest points that is a
+ * contact. Two edges: neither point is an end. A vertex and a face: of the
+ * triangles that have the point on their edge or at their vertex, and not the
+ * vertex itself, the first one is this face. Where the fan has no triangle
+ * there the face is a contact. */
+static bool has_place(const struct proximity *s, int64_t k,
+                      const struct wide x[4])
+{
+    struct closest r = points_of(x, s->kind[k]);
+    const int32_t *v = s->pair + 4 * k;
+    if (s->kind[k] == CONTACT_EE)
+        return r.c[0] != 0 && r.c[1] != 0 && r.c[2] != 0 && r.c[3] != 0;
+    struct spot q = find_spot(s, k, 1, x);
+    if (q.corners == 3 || !s->fan.n_start)
+        return true;
+    for (int32_t t = s->fan.start[q.i]; t < s->fan.start[q.i + 1]; t++) {
+        int32_t a = s->fan.rim[t][0], b = s->fan.rim[t][1];
+        bool there = q.j == q.i || q.j == a || q.j == b;
+        if (!there || a == v[0] || b == v[0])
+            continue;
+        bool has_a = false, has_b = false;
+        for (int j = 1; j < 4; j++) {
+            has_a |= v[j] == a;
+            has_b |= v[j] == b;
+        }
+        return has_a && has_b;
+    }
+    return true;
+}
+
 /* Pairs whose p has no direction are kept. In those below 2^-450 m it may have
  * one or not (§2.4); their gaps are less than the bound. */
 static struct fate find_fate(const struct proximity *s, int64_t k,
@@ -425,6 +456,8 @@ static struct fate find_fate(const struct proximity *s, int64_t k,
 {
     int side = led_of(s, k);
     struct closest r = points_of(x, s->kind[k]);
+    if (!has_place(s, k, x))
+        return (struct fate){.drop = true};
     if (size_of(x) < 0x1p-450)
         return (struct fate){true, true, 0, 1};
     if (length(r.p) <= 0x1p-40 * size_of(x))
@@ -440,7 +473,7 @@ const char *prop_proximity(const struct proximity *s)
         struct wide x[4];
         for (int j = 0; j < 4; j++)
             x[j] = wide_of(s->x[v[j]]);
-        double r = (double)skin_pair(&s->skin, v).thickness;
+        double r = (double)(s->range * skin_pair(&s->skin, v).thickness);
         const struct contact *c = &s->contact[at];
         bool kept = at < s->found && !memcmp(c->v, v, sizeof c->v) &&
                     c->kind == s->kind[k];
@@ -513,6 +546,7 @@ const char *test_proximity_tiny(void)
                               .skin = {1, of, &surface},
                               .fan = {6, 4, start, rim},
                               .dt = 1,
+                              .range = 1,
                               .at = &at,
                               .cap = 1,
                               .contact = &contact};

@@ -42,6 +42,7 @@ void tangle_make(struct tangle *t, int64_t nv, int64_t nt)
                              .v = t->v,
                              .dt = R(0.01),
                              .stiffness = 1000,
+                             .range = 1,
                              .margin = R(0.25),
                              .iterations = 16,
                              .max_rounds = 16,
@@ -151,6 +152,16 @@ void tangle_start(struct tangle *t, vec a)
     }
 }
 
+int tangle_respond(struct response *r, const struct pairs *near)
+{
+    if (!r->solves)
+        return response_repel(r, near);
+    int status = response_near(r, near);
+    if (status == DRAPE_OK)
+        status = response_detect(r);
+    return status == DRAPE_OK && r->hits > 0 ? response_join(r) : status;
+}
+
 int tangle_step(struct tangle *t, vec a)
 {
     struct pairs near;
@@ -160,7 +171,7 @@ int tangle_step(struct tangle *t, vec a)
     if (status == DRAPE_OK)
         status = tangle_broad(t, NULL, &near);
     if (status == DRAPE_OK)
-        status = response_repel(&t->r, &near);
+        status = tangle_respond(&t->r, &near);
     t->reach = 0;
     if (status == DRAPE_OK)
         status = response_penetrate(&t->r);

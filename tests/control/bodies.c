@@ -212,10 +212,10 @@ const char *test_bodies_changed(void)
     return what;
 }
 
-/* Where nothing meets anything each cloth moves by itself, and goes on with the
- * same bits as if the others had never been there. Where others meet something
- * one solve takes all cloths together (pcg.md §7), so that this holds no more.
- */
+/* Where nothing meets anything each cloth moves by itself (lagrange.md §1), and
+ * goes on with the same bits as if the others had never been there. Where
+ * others meet something one solve takes all cloths together, so that this holds
+ * no more. */
 const char *test_bodies_alone(void)
 {
     static double x[2][TROUPE_NV][3];

@@ -127,6 +127,44 @@ const char *test_edits_memory(void)
     return what;
 }
 
+/* A checkpoint for which there is no memory changes nothing, and a world whose
+ * memory has run out can still be saved. */
+static const char *check_load(int backend, bool there)
+{
+    static struct recall before, later, after;
+    struct guest s;
+    drape_world *a, *b;
+    guest_make(&s, backend);
+    EXPECT(drape_create(&s.def, &a, NULL) == DRAPE_OK);
+    EXPECT(guest_go(a, 8) == DRAPE_OK && recall_save(a, &later));
+    drape_destroy(a);
+    EXPECT(drape_create(&s.def, &b, NULL) == DRAPE_OK);
+    EXPECT(recall_save(b, &before) && before.size < later.size);
+    struct counting_allocator *p = there ? &s.device : &s.host;
+    const char *what = NULL;
+    int64_t fails = 0;
+    for (int status = DRAPE_ENOMEM; status < 0 && !what; fails++) {
+        p->most = p->calls + fails;
+        status = recall_load(b, &later);
+        p->most = INT64_MAX;
+        if (status >= 0)
+            break;
+        EXPECT(status == DRAPE_ENOMEM);
+        what = unchanged(b, &before);
+    }
+    EXPECT(what || (recall_save(b, &after) && recall_same(&later, &after)));
+    EXPECT(what || fails >= (there ? 1 : 4));
+    drape_destroy(b);
+    return what;
+}
+
+const char *test_checkpoint_memory(void)
+{
+    const char *what = check_load(DRAPE_REF, false);
+    what = what ? what : check_load(DRAPE_GPU, false);
+    return what ? what : check_load(DRAPE_GPU, true);
+}
+
 /* The log of a session in which bodies come and go. */
 struct session {
     struct troupe t;

@@ -72,8 +72,9 @@ struct design {
 /* Makes the system of a cloth of default cotton whose longest side is 1 m, at
  * rest in the shape, for dt = 1/60 s. free_system frees its memory. */
 void make_system(const struct design *design, struct system *s);
-/* Adds contacts that hold one particle in `every` with a stiffness about that
- * of penalty.md. The right-hand side is then only the push of the contacts. */
+/* Adds contacts that hold one particle in `every`, about as stiff as a contact
+ * may be (carry.md §1.2). The right-hand side is then only the push of the
+ * contacts. */
 void hold_system(struct system *a, uint32_t every);
 /* Returns the stage blocks that makes the system's blocks. */
 struct blocks blocks_of(const struct system *s);

@@ -249,7 +249,6 @@ static void spoil_host(struct run *r)
     spoil(h->v0, h->nv, sizeof *h->v0);
     spoil(h->past_x, h->nc, sizeof *h->past_x);
     spoil(h->past_v, h->nc, sizeof *h->past_v);
-    spoil(h->press, h->nc, sizeof *h->press);
     spoil(h->to, h->nc, sizeof *h->to);
     spoil(h->w, h->nv, sizeof *h->w);
     spoil(h->body, h->nv, sizeof *h->body);

@@ -182,6 +182,7 @@ const char *test_paired_random(void)
         struct bytes b = {.seed = seed, .size = -1};
         pick_pair(&p, &b);
         p.s.def.newton = seed % 3 == 0 ? 3 : 0;
+        p.s.def.response = seed % 2 ? DRAPE_IMPULSES : DRAPE_SOLVE;
         if (seed == 5)
             p.s.def.dt *= 8; /* so that steps are cut */
         if (seed == 6)
@@ -233,6 +234,7 @@ static void hold_cells(struct pair *p, bool last, drape_pin pin[2][4])
     p->s.def.cloths = p->cloth;
     p->s.def.n_cloths = 2;
     p->s.def.n_obstacles = 0;
+    p->s.def.response = DRAPE_IMPULSES; /* step.md §7.2 */
     p->s.def.max_slices = 8;
 }
 
@@ -267,6 +269,7 @@ static void throw_sheet(struct pair *p)
     p->s.cloth.origin[1] = 0.9;
     p->s.def.integrator = DRAPE_CK; /* keeps the step before in its state */
     p->s.def.precond = DRAPE_JACOBI;
+    p->s.def.response = DRAPE_IMPULSES; /* step.md §7.2 */
 }
 
 /* Makes the third step with k device allocations allowed; *failed: it needed

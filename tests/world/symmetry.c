@@ -136,7 +136,7 @@ const char *test_world_bystander(void)
 {
     const char *failed = NULL;
     for (int k = 0; k < 4 && !failed; k++) {
-        /* implicit methods solve all cloths together: penalty.md §4 */
+        /* implicit methods solve all cloths together: lagrange.md §3.2 */
         static const int some[] = {DRAPE_EULER, DRAPE_VERLET};
         failed = check_bystander(some[k / 2], k % 2);
     }

@@ -1,0 +1,297 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The impulses of contacts at given velocities, and their matrix, on the
+ * device: one kernel evaluates each contact, one writes what each item of a
+ * vertex adds to its sums, and one gathers these sums. spec/contact/coulomb.md
+ */
+#include "gpu/contact/incidence.cuh"
+#include "gpu/contact/lists.cuh"
+
+extern "C" {
+#include "gpu/contact/queue.h"
+#include "ref/contact/coulomb.h"
+}
+
+/* An item adds PARTS numbers to its vertex: PUSHES of force, as many of the
+ * force by renewed multipliers, and HOLDS of hold, which are also those of wall
+ * where the contact is CONTACT_WALL. In the gather a block owns GROUP vertices,
+ * a warp one number of each of them. */
+enum { PUSHES = 3, HOLDS = 6, PARTS = 2 * PUSHES + HOLDS, GROUP = 32 };
+enum { GROUP_BLOCK = PARTS * GROUP };
+
+/* §2.3: as STEADY and GROWTH of the reference. */
+#define STEADY R(0.9)
+#define GROWTH R(10.0)
+
+/* A vector cut to the length `most`. */
+static __device__ vec cut(vec a, real most)
+{
+    real size = length(a);
+    return size > most ? scale(most / size, a) : a;
+}
+
+/* §1: the compliance of contact c, 1/kg. */
+static __device__ real give_of(const struct coulomb *s, const struct contact *c)
+{
+    return s->give * min_of(max_of(c->gap, R(0.0)), s->reach);
+}
+
+/* §1: the normal impulse by multiplier lambda of contact c, which lacks so much
+ * of its target velocity. */
+static __device__ real push_of(const struct coulomb *s, const struct contact *c,
+                               real lambda, real lack)
+{
+    real push = (lambda + c->kappa * lack) / (1 + c->kappa * give_of(s, c));
+    return max_of(push, R(0.0));
+}
+
+/* §3.2: whether contact c moves one vertex alone. */
+static __device__ bool is_wall(const struct coulomb *s, const struct contact *c)
+{
+    int moving = 0;
+    for (int j = 0; j < 4; j++)
+        moving += s->w[c->v[j]] > 0 && c->c[j] != 0;
+    return moving == 1;
+}
+
+/* §2.3: the impulses that the call before found become the multipliers. */
+static __device__ void renew(const struct coulomb *s, struct contact *c)
+{
+    real rise = c->impulse - c->lambda;
+    bool steady = c->lambda > 0 && c->rise > 0 && rise > STEADY * c->rise;
+    if (steady && c->kappa < s->stiffest)
+        c->kappa = min_of(GROWTH * c->kappa, s->stiffest);
+    c->rise = rise;
+    c->lambda = c->load = c->impulse;
+    c->lambda_t = cut(c->tangent, c->friction * c->impulse);
+}
+
+/* §1, §2, §3.1. Thread k owns contact k: reads u of its vertices, writes its
+ * impulses, its matrix and next[k]; with `renews` its multipliers, too. */
+KERNEL coulomb_evaluate_kernel(const struct coulomb &s, int64_t *words)
+{
+    ITEM(k, s.n);
+    struct contact *c = &s.contact[k];
+    if (!in_range(c->v, s.nv))
+        words[INCIDENCE_BAD] = 1;
+    if (!in_range(c->v, s.nv) || (s.lists && words[INCIDENCE_BAD]))
+        return;
+    if (s.renews)
+        renew(&s, c);
+    vec n = c->n, v = scale(s.dt / s.tau, pair_sum(c, s.u));
+    real along = dot(n, v), lack = c->target * (s.dt / s.tau) - along;
+    vec slip = axpy(v, -along, n), z = axpy(c->lambda_t, -c->kappa, slip);
+    c->impulse = push_of(&s, c, c->lambda, lack);
+    if (s.closes)
+        c->load = c->impulse;
+    real most = c->friction * c->load, size = length(z);
+    bool slides = size > most;
+    c->tangent = slides ? scale(most / size, z) : z;
+    c->along =
+        c->impulse > 0 ? c->kappa / (1 + c->kappa * give_of(&s, c)) : R(0.0);
+    c->slide = slides ? c->kappa * (most / size) : most > 0 ? c->kappa : R(0.0);
+    c->way = slides ? scale(1 / size, z) : make(0, 0, 0);
+    c->held = !(c->along > 0 || c->slide > 0) ? CONTACT_APART
+              : is_wall(&s, c)                ? CONTACT_WALL
+                                              : CONTACT_MUTUAL;
+    real load = c->impulse, next = push_of(&s, c, load, lack);
+    vec drag = cut(c->tangent, c->friction * load);
+    drag = cut(axpy(drag, -c->kappa, slip), c->friction * load);
+    s.next[k] = axpy(drag, next, n);
+}
+
+/* §3.2: w_j of both sides: the smallest inverse masses of their free vertices;
+ * 0: a side has none. */
+static __device__ void find_sides(const struct coulomb *s,
+                                  const struct contact *c, real side[SIDES])
+{
+    int split = c->kind == CONTACT_VF ? 1 : 2;
+    side[SIDE_A] = side[SIDE_B] = 0;
+    for (int i = 0; i < 4; i++) {
+        real w = s->w[c->v[i]], *least = &side[i < split ? SIDE_A : SIDE_B];
+        if (w > 0 && (*least == 0 || w < *least))
+            *least = w;
+    }
+}
+
+/* §3.2: S/w_j·|c_j|, the factor of contact c in the hold of its vertex j. */
+static __device__ real part_of(const struct coulomb *s, const struct contact *c,
+                               int j)
+{
+    int split = c->kind == CONTACT_VF ? 1 : 2;
+    real side[SIDES], share = 0;
+    find_sides(s, c, side);
+    for (int i = 0; i < 4; i++)
+        if (s->w[c->v[i]] > 0)
+            share += magnitude(c->c[i]) * side[i < split ? SIDE_A : SIDE_B];
+    return share / side[j < split ? SIDE_A : SIDE_B] * magnitude(c->c[j]);
+}
+
+/* What an item adds, number by number, and whether its hold is of a wall.
+ * Number o of the item at place k is in part[o·n4 + k]. */
+struct items {
+    real *part;    /* [PARTS·n4] */
+    uint8_t *wall; /* [n4] */
+};
+
+/* §3.2: what contact c adds to the hold of its vertex j; 0 if it is apart. */
+static __device__ void find_hold(const struct coulomb *s,
+                                 const struct contact *c, int j,
+                                 real hold[HOLDS])
+{
+    bool held = c->held != CONTACT_APART;
+    real part = held ? part_of(s, c, j) : R(0.0);
+    real across = part * c->slide, d = part * c->along - across;
+    vec n = c->n, z = c->way;
+    real all[HOLDS] = {d * n.x * n.x + across - across * z.x * z.x,
+                       d * n.x * n.y - across * z.x * z.y,
+                       d * n.x * n.z - across * z.x * z.z,
+                       d * n.y * n.y + across - across * z.y * z.y,
+                       d * n.y * n.z - across * z.y * z.z,
+                       d * n.z * n.z + across - across * z.z * z.z};
+    for (int o = 0; o < HOLDS; o++)
+        hold[o] = held ? all[o] : R(0.0);
+}
+
+/* Thread k owns place k of all lists: reads its item's contact, writes the
+ * item's numbers. */
+KERNEL coulomb_item_kernel(const struct coulomb &s, struct items to,
+                           const int64_t *words)
+{
+    ITEM(k, s.n4);
+    if (words[INCIDENCE_BAD] || k >= s.start[s.nv])
+        return;
+    int32_t item = s.item[k], at = item / 4, j = item % 4;
+    const struct contact *c = &s.contact[at];
+    vec push = scale(c->c[j], axpy(c->tangent, c->impulse, c->n));
+    vec next = scale(c->c[j], s.next[at]);
+    real all[PARTS] = {push.x, push.y, push.z, next.x, next.y, next.z};
+    find_hold(&s, c, j, all + 2 * PUSHES);
+    UNROLL
+    for (int o = 0; o < PARTS; o++)
+        to.part[o * s.n4 + k] = all[o];
+    to.wall[k] = c->held == CONTACT_WALL;
+}
+
+/* A number of the items of all lists that is part of a force. */
+struct coulomb_push {
+    const real *part;
+    __device__ real value(int32_t at) const { return part[at]; }
+};
+
+/* One that is part of a hold: x without walls, y of walls. No sum is -0, so the
+ * zeros that the reference does not add change nothing. */
+struct coulomb_hold {
+    const real *part;
+    const uint8_t *wall;
+    __device__ vec value(int32_t at) const
+    {
+        real a = part[at], none = 0;
+        return wall[at] ? make(none, a, 0) : make(a, none, 0);
+    }
+};
+
+/* The sum of list i, from `none` on. row: a warp's, [WARP] in shared memory,
+ * where it sums a long list. */
+template <bool BY_WARP, class LIST, class T>
+static __device__ T total(const struct coulomb *s, const LIST &list, int32_t i,
+                          T none, T *row)
+{
+    int32_t from = s->start[i], end = s->start[i + 1];
+    return BY_WARP ? sum_by_warp(list, from, end, none, row)
+                   : sum_by_thread(list, from, end, none);
+}
+
+static __device__ real &number(vec *a, int64_t i, int o)
+{
+    return ((real *)&a[i])[o];
+}
+
+/* Writes number o of the forces of vertex i, and what is lacking with it. */
+static __device__ void put_push(const struct coulomb *s, int64_t i, int o,
+                                real sum)
+{
+    bool renewed = o >= PUSHES;
+    int at = o % PUSHES;
+    if (!renewed)
+        number(s->force, i, at) = sum;
+    if (i >= s->nc)
+        return;
+    real rest = ((const real *)&s->rest[i])[at];
+    number(renewed ? s->outer : s->inner, i, at) =
+        s->w[i] > 0 ? rest + sum : R(0.0);
+}
+
+/* Writes number o of vertex i. */
+template <bool BY_WARP>
+static __device__ void put_number(const struct coulomb *s, struct items from,
+                                  int32_t i, int o, vec *row)
+{
+    const real *part = from.part + o * s->n4;
+    if (o < 2 * PUSHES) {
+        put_push(s, i, o,
+                 total<BY_WARP>(s, coulomb_push{part}, i, R(0.0), &row->x));
+        return;
+    }
+    vec sum =
+        total<BY_WARP>(s, coulomb_hold{part, from.wall}, i, make(0, 0, 0), row);
+    ((real *)&s->wall[i])[o - 2 * PUSHES] = sum.y;
+    ((real *)&s->hold[i])[o - 2 * PUSHES] = sum.x + sum.y;
+}
+
+/* §3. A block owns GROUP vertices, warp o their number o: writes their force,
+ * hold and wall, which are 0 without contacts, inner and outer. */
+KERNEL coulomb_gather_kernel(const struct coulomb &s, struct items from,
+                             const int64_t *words)
+{
+    static_assert((int)GROUP == (int)WARP, "a warp sums a long list");
+    __shared__ int32_t longer[GROUP];
+    __shared__ vec row[PARTS][WARP];
+    __shared__ int n;
+    int t = (int)threadIdx.x, o = t / GROUP;
+    int64_t i = (int64_t)blockIdx.x * GROUP + t % GROUP;
+    bool good = i < s.nv && !words[INCIDENCE_BAD];
+    if (t == 0)
+        n = 0;
+    __syncthreads();
+    if (good && s.start[i + 1] - s.start[i] <= LIST_SHORT)
+        put_number<false>(&s, from, (int32_t)i, o, row[o]);
+    else if (good && o == 0)
+        longer[atomicAdd(&n, 1)] = (int32_t)i;
+    __syncthreads();
+    for (int l = 0; l < n; l++)
+        put_number<true>(&s, from, longer[l], o, row[o]);
+}
+
+static bool is_good(const struct coulomb *s)
+{
+    return s->dt > 0 && s->tau > 0 && s->give >= 0 && s->reach >= 0 &&
+           s->stiffest > 0 && s->nc <= s->nv && s->nv1 == s->nv + 1 &&
+           s->n4 == 4 * s->n && s->n4 <= INT32_MAX;
+}
+
+int gpu_coulomb_queue(struct gpu *g, struct coulomb *s, int64_t *words)
+{
+    if (!is_good(s))
+        return DRAPE_EARG;
+    struct incidence by = {s->nv,    s->n,    s->w,      s->contact,
+                           s->start, s->item, s->vertex, 0};
+    if (s->lists)
+        gpu_incidence(g, &by, words);
+    struct items to = {};
+    to.part = (real *)gpu_scratch(g, SLOT_STAGE, PARTS * s->n4, sizeof(real));
+    to.wall = (uint8_t *)gpu_scratch(g, SLOT_STAGE + 1, s->n4, 1);
+    LAUNCH(g, s->n, coulomb_evaluate_kernel, *s, words);
+    LAUNCH(g, s->n4, coulomb_item_kernel, *s, to, words);
+    LAUNCH_PARTS(g, (s->nv + GROUP - 1) / GROUP, GROUP_BLOCK, 1,
+                 coulomb_gather_kernel, *s, to, words);
+    return gpu_status(g);
+}
+
+int gpu_coulomb(struct gpu *g, struct coulomb *s)
+{
+    int status = gpu_coulomb_queue(g, s, gpu_words(g));
+    if (status != DRAPE_OK)
+        return status;
+    const int64_t *seen = gpu_read_back(g, INCIDENCE_WORDS);
+    return seen[INCIDENCE_BAD] ? DRAPE_EARG : gpu_status(g);
+}

@@ -1,0 +1,214 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Stages coulomb and links: the impulses of contacts at given velocities, their
+ * matrix, and this matrix times a vector. spec/contact/coulomb.md */
+#include "ref/contact/coulomb.h"
+
+#include "ref/contact/incidence.h"
+
+/* §2.3: λ rises steadily where it rises by more than this part of its last
+ * rise; κ is then multiplied. */
+static const real STEADY = R(0.9), GROWTH = R(10.0);
+
+static int check(const struct coulomb *s)
+{
+    if (!(s->dt > 0 && s->tau > 0 && s->give >= 0 && s->reach >= 0 &&
+          s->stiffest > 0) ||
+        s->nc > s->nv || s->nv1 != s->nv + 1 || s->n4 != 4 * s->n ||
+        s->n4 > INT32_MAX)
+        return DRAPE_EARG;
+    for (int64_t k = 0; k < s->n; k++)
+        if (!pair_valid(s->contact[k].v, s->nv))
+            return DRAPE_EARG;
+    return DRAPE_OK;
+}
+
+/* A vector cut to the length `most`. */
+static vec cut(vec a, real most)
+{
+    real size = vec_length(a);
+    return size > most ? vec_scale(most / size, a) : a;
+}
+
+/* §1: the compliance of contact c, 1/kg. */
+static real give_of(const struct coulomb *s, const struct contact *c)
+{
+    return s->give * real_min(real_max(c->gap, 0), s->reach);
+}
+
+/* §1: the normal impulse by multiplier lambda, where the contact lacks so much
+ * of its target velocity. */
+static real push_of(const struct coulomb *s, const struct contact *c,
+                    real lambda, real lack)
+{
+    return real_max((lambda + c->kappa * lack) / (1 + c->kappa * give_of(s, c)),
+                    0);
+}
+
+/* §3.2: whether contact c moves one vertex alone, so that its matrix is a
+ * block. */
+static bool is_wall(const struct coulomb *s, const struct contact *c)
+{
+    int moving = 0;
+    for (int j = 0; j < 4; j++)
+        moving += s->w[c->v[j]] > 0 && c->c[j] != 0;
+    return moving == 1;
+}
+
+/* §2.3: the impulses that the call before found become the multipliers. Where λ
+ * rises as much as before, κ is too small. */
+static void renew(const struct coulomb *s, struct contact *c)
+{
+    real rise = c->impulse - c->lambda;
+    bool steady = c->lambda > 0 && c->rise > 0 && rise > STEADY * c->rise;
+    if (steady && c->kappa < s->stiffest)
+        c->kappa = real_min(GROWTH * c->kappa, s->stiffest);
+    c->rise = rise;
+    c->lambda = c->load = c->impulse;
+    c->lambda_t = cut(c->tangent, c->friction * c->impulse);
+}
+
+/* §1, §2, §3.1: impulses and matrix of contact k. */
+static void evaluate(const struct coulomb *s, int64_t k)
+{
+    struct contact *c = &s->contact[k];
+    if (s->renews)
+        renew(s, c);
+    vec v = vec_scale(s->dt / s->tau, pair_sum(c->v, c->c, s->u));
+    real along = vec_dot(c->n, v);
+    real lack = c->target * (s->dt / s->tau) - along;
+    vec slip = vec_axpy(v, -along, c->n);
+    vec z = vec_axpy(c->lambda_t, -c->kappa, slip);
+    c->impulse = push_of(s, c, c->lambda, lack);
+    if (s->closes)
+        c->load = c->impulse;
+    real most = c->friction * c->load, size = vec_length(z);
+    bool slides = size > most;
+    c->tangent = slides ? vec_scale(most / size, z) : z;
+    c->along = c->impulse > 0 ? c->kappa / (1 + c->kappa * give_of(s, c)) : 0;
+    c->slide = slides ? c->kappa * (most / size) : most > 0 ? c->kappa : 0;
+    c->way = slides ? vec_scale(1 / size, z) : vec_make(0, 0, 0);
+    c->held = !(c->along > 0 || c->slide > 0) ? CONTACT_APART
+              : is_wall(s, c)                 ? CONTACT_WALL
+                                              : CONTACT_MUTUAL;
+    /* §2.3: what renewed multipliers would give */
+    real load = c->impulse, next = push_of(s, c, load, lack);
+    vec drag = cut(c->tangent, c->friction * load);
+    drag = cut(vec_axpy(drag, -c->kappa, slip), c->friction * load);
+    s->next[k] = vec_axpy(drag, next, c->n);
+}
+
+/* §3.2: the smallest inverse mass of the free vertices of vertex j's side. */
+static real side_of(const struct coulomb *s, const struct contact *c, int j)
+{
+    int split = side_start((int)c->kind, SIDE_B);
+    int from = j < split ? 0 : split, end = j < split ? split : 4;
+    real least = 0;
+    for (int i = from; i < end; i++) {
+        real w = s->w[c->v[i]];
+        if (w > 0 && (least == 0 || w < least))
+            least = w;
+    }
+    return least;
+}
+
+/* §3.2: S/w_j·|c_j|, the factor of contact c in the hold of its vertex j. */
+static real part_of(const struct coulomb *s, const struct contact *c, int j)
+{
+    real share = 0;
+    for (int i = 0; i < 4; i++)
+        if (s->w[c->v[i]] > 0)
+            share += real_abs(c->c[i]) * side_of(s, c, i);
+    return share / side_of(s, c, j) * real_abs(c->c[j]);
+}
+
+/* §3.2: what contact c adds to the hold of its vertex j. */
+static sym hold_of(const struct coulomb *s, const struct contact *c, int j)
+{
+    real part = part_of(s, c, j);
+    real across = part * c->slide, d = part * c->along - across;
+    vec n = c->n, z = c->way;
+    sym r = {d * n.x * n.x + across - across * z.x * z.x,
+             d * n.x * n.y - across * z.x * z.y,
+             d * n.x * n.z - across * z.x * z.z,
+             d * n.y * n.y + across - across * z.y * z.y,
+             d * n.y * n.z - across * z.y * z.z,
+             d * n.z * n.z + across - across * z.z * z.z};
+    return r;
+}
+
+/* The sums over the contacts of vertex i. */
+static void gather(const struct coulomb *s, int64_t i)
+{
+    vec force = vec_make(0, 0, 0), next = force, none = force;
+    sym sum[2] = {{0, 0, 0, 0, 0, 0}, {0, 0, 0, 0, 0, 0}};
+    for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+        int64_t at = s->item[k] / 4;
+        const struct contact *c = &s->contact[at];
+        int j = s->item[k] % 4;
+        vec push = vec_axpy(c->tangent, c->impulse, c->n);
+        force = vec_axpy(force, c->c[j], push);
+        next = vec_axpy(next, c->c[j], s->next[at]);
+        if (!c->held)
+            continue;
+        sym *to = &sum[c->held == CONTACT_WALL];
+        *to = sym_add(*to, hold_of(s, c, j));
+    }
+    s->force[i] = force;
+    s->wall[i] = sum[1];
+    s->hold[i] = sym_add(sum[0], sum[1]);
+    if (i >= s->nc)
+        return;
+    bool free = s->w[i] > 0;
+    s->inner[i] = free ? vec_add(s->rest[i], force) : none;
+    s->outer[i] = free ? vec_add(s->rest[i], next) : none;
+}
+
+int ref_coulomb(struct coulomb *s)
+{
+    int status = check(s);
+    if (status != DRAPE_OK)
+        return status;
+    struct incidence by = {.nv = s->nv,
+                           .n = s->n,
+                           .w = s->w,
+                           .contact = s->contact,
+                           .start = s->start,
+                           .item = s->item,
+                           .vertex = s->vertex};
+    if (s->lists)
+        ref_incidence(&by);
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        evaluate(s, k);
+    EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++)
+        gather(s, i);
+    return DRAPE_OK;
+}
+
+/* §3.1: the impulse of contact c in answer to the velocities x. */
+static vec answer(const struct links *s, const struct contact *c)
+{
+    vec v = pair_sum(c->v, c->c, s->x);
+    real a = c->along, b = c->slide;
+    vec y = vec_axpy(vec_scale(b, v), (a - b) * vec_dot(c->n, v), c->n);
+    return vec_axpy(y, -b * vec_dot(c->way, v), c->way);
+}
+
+int ref_links(struct links *s)
+{
+    if (s->nv1 != s->nv + 1 || s->n4 != 4 * s->n || s->n4 > INT32_MAX)
+        return DRAPE_EARG;
+    EACH_ITEM
+    for (int64_t k = 0; k < s->n; k++)
+        s->push[k] = s->contact[k].held == CONTACT_MUTUAL
+                         ? answer(s, &s->contact[k])
+                         : vec_make(0, 0, 0);
+    EACH_ITEM
+    for (int64_t i = 0; i < s->nv; i++)
+        for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+            int32_t at = s->item[k] / 4, j = s->item[k] % 4;
+            s->y[i] = vec_axpy(s->y[i], s->contact[at].c[j], s->push[at]);
+        }
+    return DRAPE_OK;
+}

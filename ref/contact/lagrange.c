@@ -1,0 +1,569 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The motion of all cloths with their contacts in one slice, on either backend.
+ * spec/contact/lagrange.md */
+#include "ref/contact/lagrange.h"
+
+#include "ref/base/clock.h"
+#include "ref/base/sum.h"
+#include "ref/cloth/motion.h"
+#include "ref/contact/carry.h"
+#include "ref/contact/response.h"
+#include "ref/contact/unknowns.h"
+#include "ref/sleep/sleep.h"
+#include "ref/world/state.h"
+
+/* §3: most linear systems of a slice, or of each of the two parts of one whose
+ * springs are linearised anew; most trials of a line search. */
+enum { SOLVES = 12, TRIALS = 12 };
+static const real FORCING = R(0.1); /* §3.2: tolerance of a linear system */
+static const real NESTED = R(0.3);  /* §3.3: the inner residual is this part of
+                                       the outer one where multipliers are
+                                       renewed */
+static const real SLOPE = R(0.1); /* §3.2: of the slope at a step's start, what
+                                     a line search may leave */
+static const real GROSS = 1;      /* §4: of the scale, what linear springs may
+                                     leave undone */
+static const real ANEW = R(0.1);  /* §4: of the scale, what such springs may
+                                     leave undone once they were too much so */
+static const real EARTH = R(9.81); /* §3.4: m/s², the least g of the scale */
+static const real STRUCK = R(0.5); /* §5: of g dt */
+static const real PRESS = R(1e4);  /* Pa, coulomb.md §1: the modulus of cloth
+                                      across  its thickness */
+
+/* The loop under way. */
+struct loop {
+    struct world *w;
+    struct lagrange *a;
+    real g_dt;  /* m/s, what gravity changes in the slice, at least Earth's */
+    real scale; /* §3.4 */
+    real outer; /* the last one */
+    int from;   /* linear systems when this part of the slice began */
+    int most;   /* linear systems */
+    bool fresh; /* the law was evaluated since M was made */
+    bool moved; /* since pairs were last looked for */
+    bool clean; /* nothing touches on the way to the iterate */
+    int status;
+};
+
+static void note(struct loop *s, int status)
+{
+    s->status = s->status == DRAPE_OK ? status : s->status;
+}
+
+static bool goes_on(const struct loop *s)
+{
+    return s->status == DRAPE_OK && !s->w->sleep->roused;
+}
+
+/* A part of the motion of all cloths that are awake. */
+static int move_cloths(struct world *w, enum motion_part part)
+{
+    int status = DRAPE_OK;
+    for (int k = 0; k < w->def.n_cloths && status == DRAPE_OK; k++)
+        if (sleep_awake(w, k))
+            status = w->run->motion_part(w->on, &w->sheet[k], part);
+    return status;
+}
+
+/* rest becomes what the motions of the cloths lack. */
+static void take_rest(struct world *w)
+{
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        const struct sheet *s = &w->sheet[k];
+        vec *to = w->lagrange.rest + s->first;
+        if (sleep_awake(w, k) && to != s->dynamics.b)
+            w->run->copy(w->on, to, s->dynamics.b,
+                         (size_t)s->cloth.count * sizeof *to);
+    }
+}
+
+static void meet(struct world *w, bool met)
+{
+    for (int k = 0; k < w->def.n_cloths; k++) {
+        w->sheet[k].dynamics.met = met;
+        w->sheet[k].dynamics.u = w->response.u + w->sheet[k].first;
+    }
+}
+
+int lagrange_begin(struct world *w)
+{
+    w->lagrange.begun = true;
+    meet(w, true);
+    int status = move_cloths(w, MOTION_OPEN);
+    if (status != DRAPE_OK)
+        return status;
+    take_rest(w);
+    for (int k = 0; k < w->def.n_cloths; k++)
+        if (sleep_awake(w, k))
+            w->run->clear(w->on, w->sheet[k].dynamics.dv,
+                          (size_t)w->sheet[k].cloth.count * sizeof(vec));
+    return move_cloths(w, MOTION_PLACE);
+}
+
+/* §3.1 */
+
+static struct contact *contacts_of(const struct loop *s)
+{
+    const struct response *c = &s->w->response;
+    return c->contact[c->side].data;
+}
+
+/* The contacts' law at the iterate. lists: the contacts are others than before;
+ * renews: multipliers are renewed first. */
+static void evaluate(struct loop *s, bool lists, bool renews)
+{
+    struct world *w = s->w;
+    struct coulomb *law = &s->a->law;
+    law->n = w->response.active;
+    law->n4 = 4 * law->n;
+    law->contact = contacts_of(s);
+    law->rest = s->a->rest;
+    law->hold = s->a->hold[!s->a->held];
+    law->lists = lists;
+    law->renews = renews;
+    s->fresh = true;
+    s->a->renewals += renews;
+    note(s, w->run->coulomb(w->on, law));
+    w->run->trace(w->on, w->tracing, "coulomb", law->force,
+                  (size_t)law->nv * sizeof *law->force);
+}
+
+/* §3.5 */
+static void close_contacts(struct loop *s)
+{
+    s->a->law.closes = 1;
+    if (goes_on(s))
+        evaluate(s, false, false);
+    s->a->law.closes = 0;
+}
+
+/* What a solve does not write of cloths that are asleep. */
+static void clear_asleep(const struct loop *s)
+{
+    struct joint *j = &s->a->joint;
+    vec *stream[] = {j->dv, j->r, j->p, j->p2, j->q};
+    for (int k = 0; k < 5; k++)
+        sleep_clear(s->w, stream[k], sizeof(vec));
+    sleep_clear(s->w, j->item, sizeof *j->item);
+}
+
+/* The preconditioner, of the matrix at the iterate, if it is of another one;
+ * §4: where springs are linearised anew, of theirs there. */
+static void precondition(struct loop *s)
+{
+    struct world *w = s->w;
+    struct joint *j = &s->a->joint;
+    struct coulomb *law = &s->a->law;
+    if (!s->fresh)
+        return;
+    s->fresh = false;
+    if (s->a->newton)
+        note(s, move_cloths(w, MOTION_LINEARISE));
+    clear_asleep(s);
+    s->a->held = !s->a->held;
+    j->hold = s->a->hold[s->a->held];
+    j->wall = law->wall;
+    j->epoch = w->sleep->epoch;
+    j->links = (struct links){.nv = law->nv,
+                              .n = law->n,
+                              .contact = law->contact,
+                              .nv1 = law->nv1,
+                              .n4 = law->n4,
+                              .start = law->start,
+                              .item = law->item,
+                              .push = j->links.push};
+    if (goes_on(s))
+        note(s, w->run->joint_set_up(w, j));
+}
+
+/* §3.4: the energy norm of a residual. */
+static real measure(struct loop *s, const vec *r)
+{
+    real value = 0;
+    if (goes_on(s))
+        note(s, s->w->run->joint_measure(s->w, &s->a->joint, r, &value));
+    if (!(value >= 0)) { /* rounding, or no number: the rounds go on */
+        s->a->outcome |= DRAPE_UNCONVERGED;
+        s->most = s->a->solves;
+    }
+    return value > 0 ? real_sqrt(value) : 0;
+}
+
+static real dot(struct loop *s, const vec *a, const vec *b, const real *weight)
+{
+    const struct joint *j = &s->a->joint;
+    struct dot d = {.n = s->w->nc,
+                    .a = a,
+                    .b = b,
+                    .n_chunks = j->n_chunks,
+                    .chunk = j->chunk,
+                    .n_w = weight ? s->w->nc : 0,
+                    .w = weight};
+    if (goes_on(s))
+        note(s, s->w->run->dot(s->w->on, &d));
+    return d.value;
+}
+
+/* §3.4: what residuals are relative to. */
+static void weigh(struct loop *s)
+{
+    const vec *force = s->a->law.force;
+    real net = dot(s, force, force, s->w->w);
+    real least = real_sqrt((real)s->w->mass) * s->g_dt;
+    s->scale = real_max(least, real_sqrt(net));
+}
+
+/* §3.2 */
+
+/* Moves along the solution by a part of it, to where `rest` and the law then
+ * are. */
+static void shift(struct loop *s, real part)
+{
+    struct world *w = s->w;
+    const struct joint *j = &s->a->joint;
+    const struct coulomb *law = &s->a->law;
+    struct shift m = {.count = w->nc,
+                      .w = w->w,
+                      .x0 = w->x0,
+                      .dv = j->dv,
+                      .part = part,
+                      .span = law->tau / law->dt,
+                      .dt = law->dt,
+                      .u = w->response.u,
+                      .v = w->v1,
+                      .x1 = w->x1,
+                      .touched = w->response.touched};
+    w->run->shift(w->on, &m);
+    s->moved = true;
+    s->clean = false;
+    if (s->a->newton) {
+        note(s, move_cloths(w, MOTION_BALANCE));
+        take_rest(w);
+    } else {
+        w->run->lessen(w->on, w->nc, part, j->q, s->a->rest);
+    }
+    if (goes_on(s))
+        evaluate(s, false, false);
+}
+
+/* The slope of the potential along the solution. */
+static real slope(struct loop *s)
+{
+    return -dot(s, s->a->law.inner, s->a->joint.dv, NULL);
+}
+
+/* A root of the slope between two places by regula falsi: where the whole step
+ * goes too far. */
+static void search(struct loop *s, real from, real to)
+{
+    real low = 0, high = 1, at = 1, below = from, above = to;
+    for (int k = 0; k < TRIALS && goes_on(s); k++) {
+        real part = -below / (above - below);
+        part = part > R(0.1) ? real_min(part, R(0.9)) : R(0.1);
+        real next = low + (high - low) * part;
+        shift(s, next - at);
+        at = next;
+        real value = slope(s);
+        if (!(real_abs(value) > SLOPE * -from))
+            break;
+        if (value > 0) {
+            high = at;
+            above = value;
+        } else {
+            low = at;
+            below = value;
+        }
+    }
+}
+
+static void solve(struct loop *s)
+{
+    struct lagrange *a = s->a;
+    struct joint *j = &a->joint;
+    precondition(s);
+    j->b = a->law.inner;
+    j->tolerance = FORCING;
+    j->max_iterations = s->w->def.max_iterations;
+    if (!goes_on(s))
+        return;
+    note(s, s->w->run->joint(s->w, j));
+    s->w->run->trace(s->w->on, s->w->tracing, "joint", j->dv,
+                     (size_t)s->w->nc * sizeof *j->dv);
+    a->solves++;
+    a->iterations += j->iterations;
+    if (j->outcome != PCG_CONVERGED)
+        a->outcome |= DRAPE_UNCONVERGED;
+    if (j->outcome == PCG_BREAKDOWN) {
+        s->most = a->solves; /* the rounds go on from here */
+        return;
+    }
+    real from = slope(s);
+    shift(s, 1);
+    real to = goes_on(s) ? slope(s) : 0;
+    if (to > SLOPE * -from)
+        search(s, from, to);
+}
+
+/* §2 */
+
+static struct carry carry_of(const struct loop *s)
+{
+    const struct world *w = s->w;
+    const struct coulomb *law = &s->a->law;
+    return (struct carry){.nv = w->nv,
+                          .n = w->response.active,
+                          .n_kept = s->a->n_kept[0],
+                          .w = w->w,
+                          .skin = w->response.skin,
+                          .dt = law->dt,
+                          .tau = law->tau,
+                          .stiffest = law->stiffest,
+                          .kept = s->a->kept[0].data,
+                          .contact = contacts_of(s)};
+}
+
+/* Sets up the contacts of the active set that are new. */
+static void carry(struct loop *s)
+{
+    struct world *w = s->w;
+    struct carry c = carry_of(s);
+    note(s, w->run->slice_room(w, c.n));
+    if (s->status == DRAPE_OK)
+        note(s, w->run->carry(w->on, &c));
+    if (s->status != DRAPE_OK)
+        return;
+    w->run->trace(w->on, w->tracing, "carry", c.contact,
+                  (size_t)c.n * sizeof *c.contact);
+}
+
+/* Whether pairs touch on the way to the iterate; they become contacts. */
+static bool find_met(struct loop *s)
+{
+    struct response *c = &s->w->response;
+    note(s, response_detect(c));
+    s->moved = false;
+    s->clean = goes_on(s) && c->hits == 0;
+    if (!goes_on(s) || s->clean)
+        return false;
+    note(s, response_join(c));
+    if (s->status == DRAPE_OK)
+        carry(s);
+    return goes_on(s);
+}
+
+static void take_contacts(struct loop *s)
+{
+    if (!goes_on(s))
+        return;
+    evaluate(s, true, false);
+    precondition(s);
+}
+
+/* §4: whether linear springs have left much undone. From here on they are
+ * linearised at each iterate. */
+static bool relinearises(struct loop *s)
+{
+    struct world *w = s->w;
+    if (s->a->newton || s->a->solves == 0 || !goes_on(s))
+        return false;
+    note(s, move_cloths(w, MOTION_BALANCE));
+    take_rest(w);
+    if (goes_on(s))
+        evaluate(s, false, false);
+    if (!(measure(s, s->a->law.inner) > GROSS * s->scale))
+        return false;
+    s->a->newton = true;
+    s->from = s->a->solves;
+    s->most = s->from + SOLVES;
+    return goes_on(s);
+}
+
+/* §3: false where the loop ends. */
+static bool iterate(struct loop *s)
+{
+    struct lagrange *a = s->a;
+    real tolerance = (real)s->w->def.tolerance;
+    bool loose = a->newton && s->w->plan.newton <= 1 && tolerance < ANEW;
+    if (loose)
+        tolerance = ANEW;
+    s->outer = measure(s, a->law.outer);
+    weigh(s);
+    bool last = a->solves >= s->most;
+    bool known = !loose || s->moved || s->clean;
+    bool done = known && s->outer <= tolerance * s->scale;
+    if (s->moved && (done || last || a->solves == s->from + 1) && find_met(s)) {
+        take_contacts(s);
+        if (!last)
+            return goes_on(s);
+    }
+    if (done || last)
+        return relinearises(s);
+    if (measure(s, a->law.inner) <= NESTED * s->outer)
+        evaluate(s, false, true);
+    if (goes_on(s))
+        solve(s);
+    return goes_on(s);
+}
+
+static struct loop loop_of(struct world *w)
+{
+    const double *g = w->def.gravity;
+    real size = (real)sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+    return (struct loop){.w = w,
+                         .a = &w->lagrange,
+                         .g_dt = real_max(size, EARTH) * (real)w->dt,
+                         .most = SOLVES,
+                         .moved = true};
+}
+
+static void start(struct loop *s)
+{
+    struct world *w = s->w;
+    struct lagrange *a = s->a;
+    bool past = w->plan.history && state_has_past(w);
+    a->law.dt = (real)w->dt;
+    a->law.tau = (real)(past ? w->dt * 2 / 3 : w->dt);
+    real column = PRESS * w->cell * w->cell * a->law.tau * a->law.tau;
+    column = real_max(R(1e-30), real_min(column, R(1e30))); /* of any scale */
+    a->law.reach = w->cell / 2;
+    a->law.give = CARRY_RISE / column;
+    a->law.stiffest = column / (CARRY_GIVE * a->law.reach);
+    a->newton = w->plan.newton > 1;
+    a->solves = a->iterations = a->renewals = a->outcome = 0;
+    a->residual = 0;
+}
+
+/* The contacts of the slice's start. True if there is something to solve. */
+static bool find_contacts(struct loop *s, const struct pairs *near)
+{
+    struct world *w = s->w;
+    struct response *c = &w->response;
+    note(s, response_near(c, near));
+    if (s->status == DRAPE_OK)
+        carry(s);
+    if (w->lagrange.begun || !goes_on(s))
+        return goes_on(s);
+    bool met = find_met(s); /* the cloths have moved already */
+    if (!goes_on(s) || (!met && c->active == 0))
+        return false;
+    meet(w, true);
+    note(s, move_cloths(w, MOTION_BALANCE));
+    take_rest(w);
+    return goes_on(s);
+}
+
+/* §5: the jump of what struck, and the velocities after it. The system is that
+ * of the cloths alone. */
+static void take_jump(struct loop *s, const struct retain *r)
+{
+    struct world *w = s->w;
+    struct lagrange *a = s->a;
+    struct joint *j = &a->joint;
+    struct jumps m = {.count = w->nc,
+                      .w = w->w,
+                      .contact = r->contact,
+                      .kept = r->kept,
+                      .start = a->law.start,
+                      .item = a->law.item,
+                      .push = a->jump};
+    w->run->jump(w->on, &m);
+    if (!(dot(s, a->jump, a->jump, NULL) > 0) || !goes_on(s))
+        return;
+    j->b = a->jump;
+    j->hold = j->wall = a->bare;
+    j->links.n = j->links.n4 = 0;
+    j->links.start = a->none;
+    j->tolerance = (real)w->def.tolerance;
+    j->max_iterations = w->def.max_iterations;
+    clear_asleep(s);
+    note(s, w->run->joint_set_up(w, j));
+    if (goes_on(s))
+        note(s, w->run->joint(w, j));
+    if (!goes_on(s))
+        return;
+    a->iterations += j->iterations;
+    w->run->copy(w->on, a->jump, j->dv, (size_t)w->nc * sizeof *a->jump);
+    if (state_has_past(w))
+        w->run->lessen(w->on, w->nc, R(1.0) / 3, a->jump, w->v1);
+}
+
+/* §5: what the next slice carries on, and the velocities after impacts. */
+static void finish(struct loop *s)
+{
+    struct world *w = s->w;
+    struct lagrange *a = s->a;
+    struct pool *kept = &a->kept[1];
+    int64_t n = w->response.active;
+    if (n > kept->cap)
+        note(s, w->run->grow(w->on, kept, n, sizeof(struct kept), true));
+    struct retain r = {.nv = w->nv,
+                       .n = n,
+                       .w = w->w,
+                       .u = w->response.u,
+                       .v = w->v0,
+                       .most = STRUCK * s->g_dt,
+                       .contact = contacts_of(s),
+                       .kept = kept->data};
+    if (s->status == DRAPE_OK)
+        note(s, w->run->retain(w->on, &r));
+    if (s->status != DRAPE_OK)
+        return;
+    w->run->trace(w->on, w->tracing, "retain", r.kept,
+                  (size_t)n * sizeof *r.kept);
+    a->n_kept[1] = n;
+    a->struck = a->jump && n > 0;
+    if (a->struck)
+        take_jump(s, &r);
+    lagrange_note(w);
+    note(s, move_cloths(w, MOTION_END));
+    for (int k = 0; k < w->def.n_cloths; k++)
+        if (sleep_awake(w, k))
+            a->outcome |= w->sheet[k].dynamics.outcome;
+}
+
+void lagrange_forget(struct world *w)
+{
+    struct lagrange *a = &w->lagrange;
+    a->begun = a->solved = a->struck = false;
+    a->n_kept[1] = 0;
+}
+
+void lagrange_note(struct world *w)
+{
+    size_t bytes = (size_t)w->nc * sizeof *w->x1;
+    if (!w->free_x)
+        return;
+    w->run->copy(w->on, w->free_x, w->x1, bytes);
+    w->run->copy(w->on, w->free_v, w->v1, bytes);
+}
+
+int lagrange_solve(void *user, const struct pairs *near)
+{
+    struct world *w = user;
+    struct loop s = loop_of(w);
+    double begin = clock_now(), broad = w->broad_seconds;
+    start(&s);
+    if (find_contacts(&s, near)) {
+        s.a->solved = true;
+        take_contacts(&s);
+        while (goes_on(&s) && iterate(&s))
+            ;
+        close_contacts(&s);
+        s.a->residual = s.scale > 0 ? (double)(s.outer / s.scale) : 0;
+    }
+    if (goes_on(&s) && s.a->solved)
+        finish(&s);
+    w->response.done = s.clean;
+    w->lagrange.seconds += clock_now() - begin - (w->broad_seconds - broad);
+    return s.status == DRAPE_OK ? w->run->status(w->on) : s.status;
+}
+
+void lagrange_commit(struct world *w)
+{
+    struct lagrange *a = &w->lagrange;
+    struct pool kept = a->kept[0];
+    a->kept[0] = a->kept[1];
+    a->kept[1] = kept;
+    a->n_kept[0] = a->n_kept[1];
+    a->n_kept[1] = 0;
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The motion of all cloths with their contacts in one slice: an augmented
+ * Lagrangian method, on either backend. spec/contact/lagrange.md */
+#ifndef REF_LAGRANGE_H
+#define REF_LAGRANGE_H
+
+#include "ref/base/backend.h"
+#include "ref/contact/coulomb.h"
+#include "ref/solve/joint.h"
+
+struct pairs;
+
+struct lagrange {
+    struct coulomb law;  /* its streams; contacts are the response's */
+    struct joint joint;  /* the linear systems */
+    vec *rest;           /* [nc] N·s, what the motion without contact lacks */
+    sym *hold[2];        /* [nv] kg, of law and of the preconditioner */
+    int held;            /* which of them is the preconditioner's */
+    vec *jump;           /* [nc] m/s, of struck contacts, §5; NULL: not kept */
+    sym *bare;           /* [nv] 0: no contact's part, for the system of jump */
+    int32_t *none;       /* [nv + 1] 0: no contact's lists, likewise */
+    struct pool kept[2]; /* struct kept: of the state, and of this slice */
+    int64_t n_kept[2];
+    struct pool resting; /* struct kept: of cloths that are asleep */
+    int64_t n_resting;
+    int64_t cap;     /* contacts that the scratch is for */
+    bool begun;      /* the cloths' motion of this slice is the loop's alone */
+    bool solved;     /* the loop has run in this slice */
+    bool struck;     /* jump holds what contacts struck */
+    bool newton;     /* springs are linearised anew at each iterate, §4 */
+    int solves;      /* out: linear systems of this slice */
+    int iterations;  /* out: of their solves */
+    int renewals;    /* out */
+    int outcome;     /* out: or of enum drape_outcome */
+    double residual; /* out: what is not in balance, relative, §3.4 */
+    double seconds;  /* out */
+};
+
+/* Of a slice that was tried before nothing stays: where the next one meets
+ * nothing there is no solve that would replace it. */
+void lagrange_forget(struct world *w);
+/* Begins a slice whose contacts take part from the start: the cloths are where
+ * they go by themselves, unsolved. DRAPE_OK or the status of a stage. */
+int lagrange_begin(struct world *w);
+/* Response's solve; user is the world. near: pairs near at the slice's start.
+ */
+int lagrange_solve(void *user, const struct pairs *near);
+/* Keeps the end of the motion for the past of BDF2 (implicit.md §4): what
+ * rounds of impulses change then is a jump. */
+void lagrange_note(struct world *w);
+/* The slice becomes the state. */
+void lagrange_commit(struct world *w);
+
+#endif

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The unknowns of a slice with contacts. spec/contact/lagrange.md */
+#include "ref/contact/unknowns.h"
+
+#include "ref/base/sum.h"
+#include "ref/world/state.h"
+
+static void *take(struct world *w, int64_t n, size_t size)
+{
+    return arena_take(w->arena, ARENA_RESPONSE, n, size);
+}
+
+static void make_joint(struct world *w, struct joint *s)
+{
+    s->nc = w->nc;
+    s->r = take(w, w->nv, sizeof *s->r);
+    s->q = take(w, w->nv, sizeof *s->q);
+    s->p = take(w, w->nv, sizeof *s->p);
+    s->dv = take(w, w->nv, sizeof *s->dv);
+    s->n_chunks = sum_chunks(w->nc);
+    s->chunk = take(w, 3 * s->n_chunks, sizeof *s->chunk);
+}
+
+int unknowns_make(struct world *w)
+{
+    struct lagrange *a = &w->lagrange;
+    struct coulomb *s = &a->law;
+    s->nv = w->nv;
+    s->nc = w->nc;
+    s->nv1 = w->nv + 1;
+    s->w = w->w;
+    s->u = w->response.u;
+    s->start = w->response.start;
+    s->force = take(w, w->nv, sizeof *s->force);
+    s->inner = take(w, w->nc, sizeof *s->inner);
+    s->outer = take(w, w->nc, sizeof *s->outer);
+    s->wall = take(w, w->nv, sizeof *s->wall);
+    a->rest = take(w, w->nc, sizeof *a->rest);
+    for (int k = 0; k < 2; k++)
+        a->hold[k] = take(w, w->nv, sizeof *a->hold[k]);
+    if (w->plan.history) {
+        a->jump = take(w, w->nc, sizeof *a->jump);
+        a->bare = take(w, w->nv, sizeof *a->bare);
+        a->none = take(w, w->nv + 1, sizeof *a->none);
+    }
+    make_joint(w, &a->joint);
+    return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+}
+
+int unknowns_room(struct world *w, int64_t n)
+{
+    struct lagrange *a = &w->lagrange;
+    struct coulomb *s = &a->law;
+    if (n <= a->cap)
+        return DRAPE_OK;
+    arena_give(w->arena, s->item);
+    arena_give(w->arena, s->vertex);
+    arena_give(w->arena, s->next);
+    arena_give(w->arena, a->joint.links.push);
+    int64_t cap = n + n / 4 + 64;
+    s->item = take(w, 4 * cap, sizeof *s->item);
+    s->vertex = take(w, 4 * cap, sizeof *s->vertex);
+    s->next = take(w, cap, sizeof *s->next);
+    a->joint.links.push = take(w, cap, sizeof(vec));
+    a->cap = w->arena->failed ? 0 : cap;
+    return w->arena->failed ? DRAPE_ENOMEM : DRAPE_OK;
+}
+
+void unknowns_shift(const struct shift *s)
+{
+    EACH_ITEM
+    for (int64_t i = 0; i < s->count; i++) {
+        if (!(s->w[i] > 0))
+            continue;
+        s->u[i] = vec_axpy(s->u[i], s->span * s->part, s->dv[i]);
+        s->v[i] = vec_axpy(s->v[i], s->part, s->dv[i]);
+        s->x1[i] = vec_axpy(s->x0[i], s->dt, s->u[i]);
+        s->touched[i] = 1;
+    }
+}
+
+void unknowns_jump(const struct jumps *s)
+{
+    EACH_ITEM
+    for (int64_t i = 0; i < s->count; i++) {
+        vec sum = vec_make(0, 0, 0);
+        for (int32_t k = s->start[i]; k < s->start[i + 1]; k++) {
+            int64_t at = s->item[k] / 4;
+            const struct contact *c = &s->contact[at];
+            if (c->impulse > 0 && s->kept[at].lambda == 0)
+                sum = vec_axpy(sum, c->c[s->item[k] % 4],
+                               vec_axpy(c->tangent, c->impulse, c->n));
+        }
+        s->push[i] = s->w[i] > 0 ? sum : vec_make(0, 0, 0);
+    }
+}
+
+void unknowns_lessen(int64_t n, real part, const vec *q, vec *r)
+{
+    EACH_ITEM
+    for (int64_t i = 0; i < n; i++)
+        r[i] = vec_axpy(r[i], -part, q[i]);
+}
