@@ -12,9 +12,9 @@
 #include "ref/sleep/sleep.h"
 #include "ref/world/state.h"
 
-/* §3: most linear systems of a slice, or of each of the two parts of one whose
- * springs are linearised anew; most trials of a line search. */
-enum { SOLVES = 12, TRIALS = 12 };
+/* §3: most linear systems of a slice; §4: of Newton's part after them, which
+ * has to find where springs go; most trials of a line search. */
+enum { SOLVES = 12, NEWTONS = 40, TRIALS = 12 };
 static const real FORCING = R(0.1); /* §3.2: tolerance of a linear system */
 static const real NESTED = R(0.3);  /* §3.3: the inner residual is this part of
                                        the outer one where multipliers are
@@ -23,8 +23,8 @@ static const real SLOPE = R(0.1); /* §3.2: of the slope at a step's start, what
                                      a line search may leave */
 static const real GROSS = 1;      /* §4: of the scale, what linear springs may
                                      leave undone */
-static const real ANEW = R(0.1);  /* §4: of the scale, what such springs may
-                                     leave undone once they were too much so */
+static const real ANEW = R(0.5);  /* §4: of the least scale, what Newton's part
+                                     may leave undone */
 static const real EARTH = R(9.81); /* §3.4: m/s², the least g of the scale */
 static const real STRUCK = R(0.5); /* §5: of g dt */
 static const real PRESS = R(1e4);  /* Pa, coulomb.md §1: the modulus of cloth
@@ -35,6 +35,7 @@ struct loop {
     struct world *w;
     struct lagrange *a;
     real g_dt;  /* m/s, what gravity changes in the slice, at least Earth's */
+    real least; /* §3.4: √m g dt */
     real scale; /* §3.4 */
     real outer; /* the last one */
     int from;   /* linear systems when this part of the slice began */
@@ -209,8 +210,8 @@ static void weigh(struct loop *s)
 {
     const vec *force = s->a->law.force;
     real net = dot(s, force, force, s->w->w);
-    real least = real_sqrt((real)s->w->mass) * s->g_dt;
-    s->scale = real_max(least, real_sqrt(net));
+    s->least = real_sqrt((real)s->w->mass) * s->g_dt;
+    s->scale = real_max(s->least, real_sqrt(net));
 }
 
 /* §3.2 */
@@ -374,7 +375,7 @@ static bool relinearises(struct loop *s)
         return false;
     s->a->newton = true;
     s->from = s->a->solves;
-    s->most = s->from + SOLVES;
+    s->most = s->from + NEWTONS;
     return goes_on(s);
 }
 
@@ -382,15 +383,15 @@ static bool relinearises(struct loop *s)
 static bool iterate(struct loop *s)
 {
     struct lagrange *a = s->a;
-    real tolerance = (real)s->w->def.tolerance;
-    bool loose = a->newton && s->w->plan.newton <= 1 && tolerance < ANEW;
-    if (loose)
-        tolerance = ANEW;
+    bool loose = a->newton && s->w->plan.newton <= 1;
     s->outer = measure(s, a->law.outer);
     weigh(s);
+    real enough = (real)s->w->def.tolerance * s->scale;
+    if (loose)
+        enough = real_max(enough, ANEW * s->least);
     bool last = a->solves >= s->most;
     bool known = !loose || s->moved || s->clean;
-    bool done = known && s->outer <= tolerance * s->scale;
+    bool done = known && s->outer <= enough;
     if (s->moved && (done || last || a->solves == s->from + 1) && find_met(s)) {
         take_contacts(s);
         if (!last)
@@ -412,7 +413,7 @@ static struct loop loop_of(struct world *w)
     return (struct loop){.w = w,
                          .a = &w->lagrange,
                          .g_dt = real_max(size, EARTH) * (real)w->dt,
-                         .most = SOLVES,
+                         .most = w->plan.newton > 1 ? NEWTONS : SOLVES,
                          .moved = true};
 }
 
