@@ -47,6 +47,42 @@ static const char *check_still(int how, int *asleep, int *woke)
     return failed;
 }
 
+/* §3: the energies of a cloth that sleeps are those of its state now, also
+ * where it slept before with others: its material changes while it sleeps.
+ * Alone the world sleeps as a whole, and beside the cloth that is led in part.
+ */
+static const char *check_twice(bool alone)
+{
+    enum { CHANGES = 36, END = 72 };
+    static struct ensemble e;
+    drape_world *world[2];
+    drape_step_report r[2];
+    int asleep[2] = {0, 0};
+    ensemble_make(&e, 0);
+    e.d.def.cloths = e.cloth + ENSEMBLE_RESTS;
+    e.d.def.n_cloths = alone ? 1 : 2;
+    e.cloth[ENSEMBLE_THROWN] = e.cloth[ENSEMBLE_LED];
+    drape_material m = e.cloth[ENSEMBLE_RESTS].material;
+    m.density *= 2;
+    m.stretch *= 3;
+    const char *failed = make_both(&e, world);
+    for (int k = 0; k < END && !failed; k++) {
+        for (int j = 0; j < 2; j++) {
+            EXPECT(k != CHANGES || !drape_set_material(world[j], 0, &m));
+            EXPECT(drape_step(world[j], &r[j]) == DRAPE_OK);
+        }
+        EXPECT(r[0].kinetic == r[1].kinetic && r[0].elastic == r[1].elastic);
+        EXPECT(r[0].potential == r[1].potential);
+        EXPECT(!(r[0].outcome & DRAPE_ASLEEP) || (alone && r[0].asleep));
+        asleep[k > CHANGES] += r[0].asleep;
+        ran(1);
+    }
+    EXPECT(failed || (asleep[0] > 3 && asleep[1] > 3));
+    drape_destroy(world[0]);
+    drape_destroy(world[1]);
+    return failed;
+}
+
 /* The farthest that a particle of the cloth that slides is in one world from
  * where it is in the other. */
 static double apart(drape_world *const world[2])
@@ -95,7 +131,8 @@ static const char *check_drift(int how, int *asleep)
 
 const char *test_sleep_beside(void)
 {
-    const char *failed = NULL;
+    const char *failed = check_twice(true);
+    failed = failed ? failed : check_twice(false);
     for (int how = 0; how < ENSEMBLE_HOWS - 1 && !failed; how++) {
         int asleep = 0, woke = 0, rested = 0;
         failed = check_still(how, &asleep, &woke);
