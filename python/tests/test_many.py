@@ -11,8 +11,10 @@ from typing import Any
 import pytest
 
 import drape
+from drape._core import ffi, lib
 
 STEPS = 8
+SIZE = ffi.sizeof("drape_step_report")
 
 
 def scene(k: int) -> dict[str, Any]:
@@ -97,6 +99,28 @@ def test_one_that_diverges_stops_no_other(bad: int) -> None:
         assert [r.step for r in world.reports if r.step] == [*range(1, done + 1)]
     assert worlds[bad].reports.outcome & drape.Outcome.DIVERGED
     assert (x == before).all()
+
+
+class Lacking:
+    """The library, in which the second world of each call lacks memory."""
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(lib, name)
+
+    def drape_step_many(self, worlds: Any, n: int, steps: int, *rest: Any) -> int:
+        assert lib.drape_step_many(worlds, n, steps, *rest) == lib.DRAPE_OK
+        _, made, status = rest
+        status[1] = lib.DRAPE_ENOMEM
+        ffi.memmove(made + steps, ffi.new("drape_step_report[]", steps), steps * SIZE)
+        return int(lib.DRAPE_ENOMEM)
+
+
+def test_one_that_lacks_memory_stops_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("drape.many.lib", Lacking())
+    worlds = [drape.World(scene(k)) for k in range(3)]
+    with pytest.raises(drape.OutOfMemoryError):
+        drape.step_many(worlds)
+    assert [len(world.reports) for world in worlds] == [1, 0, 1]
 
 
 def test_worlds_are_stepped_at_the_same_time() -> None:
