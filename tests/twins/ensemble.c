@@ -71,7 +71,7 @@ void ensemble_make(struct ensemble *e, int how)
 /* The slab goes to where it is now and a little further. */
 static int lift(drape_world *world, double by)
 {
-    static double x[ENSEMBLE_NC + ENSEMBLE_BOX][3];
+    static double x[ENSEMBLE_NV][3];
     drape_read(world, x, NULL);
     for (int k = 0; k < ENSEMBLE_BOX; k++)
         x[ENSEMBLE_NC + k][1] += by;
@@ -80,7 +80,7 @@ static int lift(drape_world *world, double by)
 
 static int lead(drape_world *world, double by)
 {
-    static double x[ENSEMBLE_NC + ENSEMBLE_BOX][3];
+    static double x[ENSEMBLE_NV][3];
     const int32_t list[2] = {1, COUNT - 1};
     double to[2][3];
     drape_read(world, x, NULL);

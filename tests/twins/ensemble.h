@@ -16,7 +16,8 @@ enum {
     ENSEMBLE_SIDE = 6,
     ENSEMBLE_COUNT = ENSEMBLE_SIDE * ENSEMBLE_SIDE,
     ENSEMBLE_NC = ENSEMBLE_CLOTHS * ENSEMBLE_COUNT,
-    ENSEMBLE_BOX = 8, /* vertices of the slab, the last of the scene */
+    ENSEMBLE_BOX = 8, /* vertices of the slab, the first obstacle */
+    ENSEMBLE_NV = ENSEMBLE_NC + 2 * ENSEMBLE_BOX, /* most of a scene */
     ENSEMBLE_STEPS = 64
 };
 /* A method of integration and a response: all pairs of them, but that an
