@@ -101,6 +101,15 @@ hint ', "position": [0, 1, 0]' '' 'did you mean "at" in "start"?'
 hint '' ', "Frames": 3' '"Frames"; did you mean "frames"?'
 hint '' ', "integrator": "BDF2"' '"BDF2": did you mean "bdf2"?'
 hint '' ', "integrator": "newmark"' '"newmark": expected one of "euler"'
+hint '' ', "backend": "cpu"' '"cpu": did you mean "ref"?'
+hint '' ', "backend": "CUDA"' '"CUDA": did you mean "gpu"?'
+hint '' ', "gpu": 0' '"gpu"; did you mean "backend"?'
+hint '' ', "mesh": "a.ply"' '"mesh"; did you mean "mesh" in "obstacles"?'
+hint '' ', "obstacles": [{"vertices": []}]' '"vertices"; did you mean "mesh"?'
+hint '' ', "obstacles": [{"type": "box"}]' '"type"; did you mean "shape"?'
+hint '' ', "obstacles": [{"velocity": [1, 0, 0]}]' '"velocity"; did you mean "motion"?'
+hint ', "color": [1, 0, 0]' '' '"color"; did you mean "colour" in "look"?'
+hint ', "Seams": []' '' '"Seams": drape cannot sew seams yet'
 hint ', "seams": []' '' '"seams": drape cannot sew seams yet (spec/limits.md)'
 hint ', "mesh": "a.obj"' '' 'drape cannot simulate a mesh of triangles as cloth yet'
 hint ', "file": "a.obj"' '' 'drape cannot simulate a mesh of triangles as cloth yet'
@@ -110,6 +119,7 @@ hint '' ', "device": 1' 'drape cannot choose a device by its number yet'
 refused 'the option -o' '-o: unknown option; did you mean --out?' run tiny.json -o refused
 refused 'the option --device' '--device: unknown option: drape cannot choose a device' \
     run tiny.json --device 1
+refused 'the command simulate' 'simulate: no such command; did you mean run?' simulate tiny.json
 : >empty.json
 refused 'empty scene' 'empty.json: empty' run empty.json
 printf '[1]' >list.json
