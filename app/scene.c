@@ -97,31 +97,12 @@ void scene_settings(FILE *out, const struct scene *scene)
     json_write(out, scene_keys, scene);
 }
 
-static bool is_named(const drape_def *def, int motion)
-{
-    for (int k = 0; k < def->n_obstacles; k++)
-        if (def->obstacles[k].motion == motion)
-            return true;
-    for (int k = 0; k < def->n_cloths; k++)
-        for (int i = 0; i < def->cloths[k].n_pins; i++)
-            if (def->cloths[k].pins[i].motion == motion)
-                return true;
-    return false;
-}
-
-/* Says which motions nothing follows, and which friction of obstacles is less
- * than that of all cloths, so that no pair takes it. */
-static void say_idle(struct json *json, json_t *root, const struct scene *scene)
+/* Says which friction of obstacles is less than that of all cloths, so that no
+ * pair takes it. */
+static void say_unused(struct json *json, json_t *root, const drape_def *def)
 {
     static const char *const friction[] = {"friction", NULL};
-    const drape_def *def = &scene->def;
     double least = INFINITY;
-    for (int k = 0; k < def->n_motions; k++)
-        if (!is_named(def, k))
-            complain(APP_OK,
-                     "%s: $.motions[%d]: note: has no effect: neither an "
-                     "obstacle nor a pin names it",
-                     scene->file, k);
     for (int k = 0; k < def->n_cloths; k++)
         least = fmin(least, def->cloths[k].material.friction);
     for (int k = 0; k < def->n_obstacles; k++) {
@@ -147,7 +128,7 @@ static int read_scene(struct json *json, json_t *root, struct scene *scene)
     json_idle(json, root, implicit ? of_substeps : of_solver,
               implicit ? "the integrator is implicit"
                        : "the integrator is explicit");
-    say_idle(json, root, scene);
+    say_unused(json, root, &scene->def);
     if (scene->def.precision != 32 && scene->def.precision != 64)
         return json_refuse(json, "precision: expected 32 or 64");
     if (scene->def.n_cloths < 1)
@@ -338,15 +319,6 @@ int scene_create(struct scene *scene, const struct overrides *overrides,
         def->block = overrides->block;
     if (overrides->allow_intersecting > 0)
         def->allow_intersecting = 1;
-    bool gpu = def->backend == DRAPE_GPU;
-    if (overrides->block < 0 && def->block > 0 && !gpu)
-        complain(APP_OK,
-                 "%s: $.block: note: has no effect: backend ref computes",
-                 scene->file);
-    if (overrides->threads < 0 && def->threads > 0 && gpu)
-        complain(APP_OK,
-                 "%s: $.threads: note: has no effect: backend gpu computes",
-                 scene->file);
     scene->budget.most = (size_t)(scene->memory * 1e9);
     def->allocator = (drape_allocator){allocate, release, &scene->budget};
     drape_error error = {""};
@@ -363,4 +335,36 @@ int scene_create(struct scene *scene, const struct overrides *overrides,
                         scene->file, scene->memory);
     return refuse_world(scene, code,
                         *error.text ? error.text : drape_status_text(status));
+}
+
+static bool is_named(const drape_def *def, int motion)
+{
+    for (int k = 0; k < def->n_obstacles; k++)
+        if (def->obstacles[k].motion == motion)
+            return true;
+    for (int k = 0; k < def->n_cloths; k++)
+        for (int i = 0; i < def->cloths[k].n_pins; i++)
+            if (def->cloths[k].pins[i].motion == motion)
+                return true;
+    return false;
+}
+
+void scene_idle(const struct scene *scene, const struct overrides *overrides)
+{
+    const drape_def *def = &scene->def;
+    bool gpu = def->backend == DRAPE_GPU;
+    if (overrides->block < 0 && def->block > 0 && !gpu)
+        complain(APP_OK,
+                 "%s: $.block: note: has no effect: backend ref computes",
+                 scene->file);
+    if (overrides->threads < 0 && def->threads > 0 && gpu)
+        complain(APP_OK,
+                 "%s: $.threads: note: has no effect: backend gpu computes",
+                 scene->file);
+    for (int k = 0; k < def->n_motions; k++)
+        if (!is_named(def, k))
+            complain(APP_OK,
+                     "%s: $.motions[%d]: note: has no effect: neither an "
+                     "obstacle nor a pin names it",
+                     scene->file, k);
 }
