@@ -98,7 +98,7 @@ def compare(definition: Any, x: np.ndarray[Any, Any], where: str) -> None:
     cloth = max(max(each.width, each.height) for each in cloths)
     x = x.reshape(-1, 3)
     size = float(np.ptp(x, axis=0).max()) if len(x) else 0
-    if size and not cloth <= TIMES * size <= TIMES**2 * cloth:
+    if 0 < size < np.inf and not cloth <= TIMES * size <= TIMES**2 * cloth:
         warn(
             f"{where}: note: the mesh is {size:.3g} m across, the largest cloth "
             f"{cloth:.3g} m; the vertices of a mesh are in metres"

@@ -205,6 +205,9 @@ def test_what_has_no_effect_on_a_world_is_told(sheet: dict[str, Any]) -> None:
         world.add_obstacle({**box, "motion": "up"})
         world.set_material(0, {"friction": 0.1})
         world.add_obstacle({**box, "friction": 0.2})
+        with pytest.raises(drape.SceneError, match="coordinate nan"):
+            x = np.full((3, 3), np.nan)
+            world.add_obstacle({"vertices": x, "triangles": [[0, 1, 2]]})
     with pytest.warns(UserWarning, match="friction: note: has no effect"):
         world.add_obstacle({**box, "friction": 0.05})
     x = np.array([[0, -9, 0], [3000, -9, 0], [0, -9, 3000]])
