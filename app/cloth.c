@@ -110,11 +110,17 @@ static int read_start(struct json *json, json_t *node, void *out)
         NUMBER_KEY("gap", START(gap), 1e-6, 1e3),
         {0}};
     static const char *const hung[] = {"folds", "depth", NULL};
+    static const char *const folds[] = {"folds", NULL};
+    static const char *const depth[] = {"depth", NULL};
     static const char *const rolled[] = {"radius", "gap", NULL};
     struct start *start = out;
     int status = json_fields(json, node, keys, start);
     if (status == APP_OK && start->shape != START_HUNG)
         json_idle(json, node, hung, "the cloth is not hung");
+    else if (status == APP_OK && start->folds == 0)
+        json_idle(json, node, depth, "there are no folds");
+    else if (status == APP_OK && start->depth == 0)
+        json_idle(json, node, folds, "they have no depth");
     if (status == APP_OK && start->shape != START_ROLLED)
         json_idle(json, node, rolled, "the cloth is not rolled");
     json_t *v = json_object_get(node, "v");

@@ -53,6 +53,16 @@ static int read_vector(struct json *json, json_t *node,
     return APP_OK;
 }
 
+/* The choice that a word of other programs goes by here, or NULL. */
+static const char *meant(const char *const *choices, const char *word)
+{
+    const char *name, *in;
+    for (int k = 0; (name = hint_name(word, &k, &in)) != NULL;)
+        if (json_choice(choices, name) >= 0)
+            return name;
+    return NULL;
+}
+
 static int read_choice(struct json *json, json_t *node,
                        const struct json_key *key, int *out)
 {
@@ -68,9 +78,10 @@ static int read_choice(struct json *json, json_t *node,
     if (!json_is_string(node))
         return json_refuse(json, "expected one of %s", names);
     *out = json_choice(key->choices, text);
-    if (*out < 0 && nearest.name)
-        return json_refuse(json, "\"%s\": did you mean \"%s\"?", text,
-                           nearest.name);
+    const char *name = meant(key->choices, text);
+    name = name ? name : nearest.name;
+    if (*out < 0 && name)
+        return json_refuse(json, "\"%s\": did you mean \"%s\"?", text, name);
     if (*out < 0)
         return json_refuse(json, "\"%s\": expected one of %s", text, names);
     return APP_OK;

@@ -118,6 +118,10 @@ static int unknown(const char *name)
     nearest_try(&nearest, "--version");
     nearest_try(&nearest, "--quiet");
     nearest_try(&nearest, "--help");
+    int row = 0;
+    const char *in, *other = hint_name(name, &row, &in);
+    if (other && find(other))
+        nearest.name = other;
     const char *what = *name == '-' ? "unknown option" : "no such command";
     if (nearest.name)
         return complain(APP_USAGE, "%s: %s; did you mean %s?", name, what,

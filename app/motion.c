@@ -53,6 +53,24 @@ static int read_keys(struct json *json, json_t *node, void *out)
     return status;
 }
 
+/* Says which keys are of a turn, where nothing turns. */
+static void say_idle(struct json *json, json_t *node, const struct motion *m)
+{
+    static const char *const axis[] = {"axis", NULL};
+    static const char *const pivot[] = {"pivot", NULL};
+    json_t *keys = json_object_get(node, "keys");
+    for (int k = 0; k < m->n_keys; k++)
+        if (m->keys[k].angle != 0)
+            return;
+    json_idle(json, node, pivot, "no key has an angle");
+    for (int k = 0; k < m->n_keys; k++) {
+        size_t length = json_enter(json, ".keys[%d]", k);
+        json_idle(json, json_array_get(keys, (size_t)k), axis,
+                  "no key has an angle");
+        json_leave(json, length);
+    }
+}
+
 static int read_motion(struct json *json, json_t *node, void *out)
 {
     static const struct json_key keys[] = {
@@ -64,6 +82,8 @@ static int read_motion(struct json *json, json_t *node, void *out)
     int status = json_fields(json, node, keys, motion);
     if (status == APP_OK && (!motion->name || motion->n_keys < 1))
         return json_refuse(json, "expected a name and at least one key");
+    if (status == APP_OK)
+        say_idle(json, node, motion);
     return status;
 }
 

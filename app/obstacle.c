@@ -225,9 +225,8 @@ static void compare(const struct json *json, const struct obstacle *o,
         json->file, json->where, size, cloth);
 }
 
-/* Says which keys are of another shape than this one. */
-static void say_idle(const struct json *json, json_t *node,
-                     const struct obstacle *o)
+/* Says which keys are of another shape than this one, or of no obstacle. */
+static void say_idle(struct json *json, json_t *node, const struct obstacle *o)
 {
     static const struct {
         const char *name[2];
@@ -242,11 +241,15 @@ static void say_idle(const struct json *json, json_t *node,
                  1 << SHAPE_SPHERE | 1 << SHAPE_CAPSULE | 1 << SHAPE_FUNNEL |
                      1 << SHAPE_STATUE}};
     static const char *const axis[] = {"axis", NULL};
+    static const char *const check[] = {"check", NULL};
     for (size_t k = 0; k < sizeof keys / sizeof *keys; k++)
         if (!(keys[k].shapes >> o->shape.kind & 1))
             json_idle(json, node, keys[k].name, "it is of other shapes");
     if (o->placement.angle == 0)
         json_idle(json, node, axis, "there is no angle");
+    size_t length = json_enter(json, ".look");
+    json_idle(json, json_object_get(node, "look"), check, "it is of cloths");
+    json_leave(json, length);
 }
 
 /* Makes the obstacle's mesh; exactly one of mesh, shape and frames is given. */

@@ -91,6 +91,7 @@ int command_plan(int argc, char **argv)
     if (status == APP_OK)
         status = scene_create(&scene, &overrides, &world);
     if (status == APP_OK) {
+        scene_idle(&scene, &overrides);
         print_plan(&scene, world);
         print_estimate(&scene, speeds, machines);
     }

@@ -131,6 +131,7 @@ static int make_world(struct run *run)
 static void say_idle(const struct run *run)
 {
     bool gpu = run->scene.def.backend == DRAPE_GPU;
+    scene_idle(&run->scene, &run->overrides);
     if (run->overrides.block >= 0 && !gpu)
         complain(0, "note: --block has no effect: backend ref computes");
     if (run->overrides.threads >= 0 && gpu)

@@ -4,6 +4,7 @@
 #include "app/app.h"
 #include "app/bodies.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,14 +19,15 @@ static int read_wind(struct json *json, json_t *node, void *out)
         NUMBER_KEY("drag", WIND(drag), 0, 1e3),
         NUMBER_KEY("lift", WIND(lift), 0, 1e3),
         {0}};
-    static const char *const velocity[] = {"velocity", NULL};
+    static const char *const of_air[] = {"velocity", "drag", "lift", NULL};
+    static const char *const of_force[] = {"velocity", "density", NULL};
     drape_wind *wind = out;
     wind->density = 1.2; /* a scene with a wind key has air */
     int status = json_fields(json, node, keys, wind);
-    bool windy = wind->density > 0 && (wind->drag > 0 || wind->lift > 0);
-    if (status == APP_OK && !windy)
-        json_idle(json, node, velocity,
-                  "there is no density, or neither drag nor lift");
+    if (status == APP_OK && wind->density == 0)
+        json_idle(json, node, of_air, "there is no density");
+    else if (status == APP_OK && wind->drag == 0 && wind->lift == 0)
+        json_idle(json, node, of_force, "there is neither drag nor lift");
     return status;
 }
 
@@ -40,8 +42,12 @@ static int read_camera(struct json *json, json_t *node, void *out)
         NUMBER_KEY("light", offsetof(struct camera, light), 0, 10),
         VECTOR_KEY("floor", offsetof(struct camera, floor), 0, 1, 3),
         {0}};
+    static const char *const sun[] = {"sun", NULL};
     struct camera *camera = out;
-    return json_fields(json, node, keys, camera);
+    int status = json_fields(json, node, keys, camera);
+    if (status == APP_OK && camera->light == 0)
+        json_idle(json, node, sun, "it has no light");
+    return status;
 }
 
 static const char *const backends[] = {"ref", "gpu", NULL};
@@ -91,11 +97,29 @@ void scene_settings(FILE *out, const struct scene *scene)
     json_write(out, scene_keys, scene);
 }
 
+/* Says which friction of obstacles is less than that of all cloths, so that no
+ * pair takes it. */
+static void say_unused(struct json *json, json_t *root, const drape_def *def)
+{
+    static const char *const friction[] = {"friction", NULL};
+    double least = INFINITY;
+    for (int k = 0; k < def->n_cloths; k++)
+        least = fmin(least, def->cloths[k].material.friction);
+    for (int k = 0; k < def->n_obstacles; k++) {
+        size_t length = json_enter(json, ".obstacles[%d]", k);
+        json_t *list = json_object_get(root, "obstacles");
+        if (def->obstacles[k].friction < least)
+            json_idle(json, json_array_get(list, (size_t)k), friction,
+                      "a pair takes the larger, which is a cloth's");
+        json_leave(json, length);
+    }
+}
+
 static int read_scene(struct json *json, json_t *root, struct scene *scene)
 {
     static const char *const of_solver[] = {
-        "precond",        "matrix", "solver", "tolerance",
-        "max_iterations", "newton", NULL};
+        "precond",        "matrix", "solver",   "tolerance",
+        "max_iterations", "newton", "response", NULL};
     static const char *const of_substeps[] = {"max_substeps", NULL};
     int status = json_fields(json, root, scene_keys, scene);
     if (status != APP_OK)
@@ -104,6 +128,7 @@ static int read_scene(struct json *json, json_t *root, struct scene *scene)
     json_idle(json, root, implicit ? of_substeps : of_solver,
               implicit ? "the integrator is implicit"
                        : "the integrator is explicit");
+    say_unused(json, root, &scene->def);
     if (scene->def.precision != 32 && scene->def.precision != 64)
         return json_refuse(json, "precision: expected 32 or 64");
     if (scene->def.n_cloths < 1)
@@ -310,4 +335,36 @@ int scene_create(struct scene *scene, const struct overrides *overrides,
                         scene->file, scene->memory);
     return refuse_world(scene, code,
                         *error.text ? error.text : drape_status_text(status));
+}
+
+static bool is_named(const drape_def *def, int motion)
+{
+    for (int k = 0; k < def->n_obstacles; k++)
+        if (def->obstacles[k].motion == motion)
+            return true;
+    for (int k = 0; k < def->n_cloths; k++)
+        for (int i = 0; i < def->cloths[k].n_pins; i++)
+            if (def->cloths[k].pins[i].motion == motion)
+                return true;
+    return false;
+}
+
+void scene_idle(const struct scene *scene, const struct overrides *overrides)
+{
+    const drape_def *def = &scene->def;
+    bool gpu = def->backend == DRAPE_GPU;
+    if (overrides->block < 0 && def->block > 0 && !gpu)
+        complain(APP_OK,
+                 "%s: $.block: note: has no effect: backend ref computes",
+                 scene->file);
+    if (overrides->threads < 0 && def->threads > 0 && gpu)
+        complain(APP_OK,
+                 "%s: $.threads: note: has no effect: backend gpu computes",
+                 scene->file);
+    for (int k = 0; k < def->n_motions; k++)
+        if (!is_named(def, k))
+            complain(APP_OK,
+                     "%s: $.motions[%d]: note: has no effect: neither an "
+                     "obstacle nor a pin names it",
+                     scene->file, k);
 }

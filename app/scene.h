@@ -65,5 +65,7 @@ struct overrides {
  * the exit code. */
 int scene_create(struct scene *scene, const struct overrides *overrides,
                  drape_world **world);
+/* Says what of a scene has no effect on the world that was made of it. */
+void scene_idle(const struct scene *scene, const struct overrides *overrides);
 
 #endif

@@ -8,6 +8,7 @@ usage: tests/maps.py          ends with `N passed, N failed`
 Each check gets the tree as a dictionary of texts and returns how much it looked
 at and the faults. Then a fault of each kind is planted, which the check must see.
 """
+import collections
 import os
 import re
 import sys
@@ -407,6 +408,38 @@ def check_targets(texts):
                             for name in sorted(functions - named)]
 
 
+# #define X number, enum { X = number }, static const type X = number.
+CONSTANT = re.compile(
+    r"^#define (?P<a>\w+) +(?:R\(|\()?-?\.?\d|\benum \{ (?P<b>\w+) = [^,}]*\}|"
+    r"^static const (?:real|double|int|int64_t|uint64_t) (?P<c>\w+) = ", re.M)
+# What a function asks of its callers, as its header says, and no code reads.
+ASKED = {"EXACT_LEAST"}
+
+
+def check_constants(texts):
+    """Each constant of ref/, gpu/ and app/ is read there: a bound that is proved,
+    or a number that a page has, is not if the code has another in its place."""
+    bare = {path: re.sub(r"/\*.*?\*/", " ", text, flags=re.S)
+            for path, text in texts.items()
+            if path.endswith(C) and path.split("/")[0] in ("ref", "gpu", "app")}
+    named = {path: collections.Counter(re.findall(r"[A-Za-z_]\w*", text))
+             for path, text in bare.items()}
+    everywhere = sum(named.values(), collections.Counter())
+    seen, faults = 0, []
+    for path, text in bare.items():
+        for m in CONSTANT.finditer(text):
+            name = m["a"] or m["b"] or m["c"]
+            own = path.endswith((".c", ".cu", ".cpp"))  # nobody else's
+            places = named[path] if own else everywhere
+            times = len(re.findall(rf"(?:#define|enum \{{|static const \w+) {name}\b",
+                                   text if own else "\n".join(
+                                       bare[p] for p in bare if named[p][name])))
+            seen += 1
+            if places[name] <= times and name not in ASKED:
+                faults.append(f"{path}: nothing reads {name}")
+    return seen, faults
+
+
 def check_commands(texts):
     """.ci/run types README's two commands, before any other."""
     block = re.search(r"^## Two commands\n.*?^```sh\n(.*?)^```", texts["README.md"],
@@ -419,7 +452,7 @@ def check_commands(texts):
 
 CHECKS = (check_diagram, check_stages, check_files, check_citations, check_rooms,
           check_circles, check_headers, check_banners, check_numbers,
-          check_equivalents, check_targets, check_commands)
+          check_equivalents, check_targets, check_constants, check_commands)
 
 
 def planted(texts):
@@ -466,6 +499,8 @@ def planted(texts):
     yield check_equivalents, edit("ref/base/thin.h", thin, thin.replace("(a)", "(b)"))
     yield check_equivalents, add("ci/mutants.equivalent", f"{home} | x | y | z\n")
     yield check_targets, add("spec/drape.h", "int drape_more(int many);\n")
+    yield check_constants, edit("ref/contact/carry.c", "LEAST / y", "R(30.0) / y")
+    yield check_constants, edit("ref/sleep/sleep.c", "* DRIFT *", "* 1e-3 *")
     yield check_commands, edit("README.md", "&& make demo", "&& make")
     yield check_commands, edit(".ci/run", "'make check'", "'make -k check'")
     yield check_targets, edit("fuzz/reads.c", "drape_borrow(", "borrow(")

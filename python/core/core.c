@@ -80,7 +80,10 @@ int core_create(struct scene *scene, drape_world **world)
     if (scene->degenerate)
         complain(0, "%s: note: obstacles have %lld triangles without area",
                  scene->file, (long long)scene->degenerate);
-    return scene_create(scene, &none, world);
+    int status = scene_create(scene, &none, world);
+    if (status == APP_OK)
+        scene_idle(scene, &none);
+    return status;
 }
 
 int core_ccd(int kind, int64_t n, const double (*x0)[4][3],

@@ -15,7 +15,9 @@ import numpy as np
 from . import scene as scenes
 from ._core import ffi, lib
 from ._library import Calls
-from .errors import SceneError, check_code
+from .errors import SceneError, check_code, warn
+
+TIMES = 100  # app/obstacle.c
 
 
 class Handle:
@@ -58,7 +60,8 @@ class Handle:
 
 def read_scene(text: scenes.Text) -> Any:
     """Returns what the tool's reader makes of a scene: a struct scene."""
-    data, out = text.text.encode(), ffi.new("struct scene **")
+    data = text.text.encode(errors="surrogateescape")
+    out = ffi.new("struct scene **")
     check_code(lib.core_read(data, len(data), os.fsencode(text.file), out))
     return ffi.gc(out[0], lib.core_free)
 
@@ -82,8 +85,24 @@ def put_arrays(definition: Any, text: scenes.Text) -> list[np.ndarray[Any, Any]]
                 setattr(cloth, field, at)
     for k, arrays in enumerate(text.obstacles):
         if arrays:
-            put_mesh(definition.obstacles[k], arrays, f"obstacles[{k}]", kept, pointer)
+            where = f"obstacles[{k}]"
+            put_mesh(definition.obstacles[k], arrays, where, kept, pointer)
+            compare(definition, kept[-1], where)
     return kept
+
+
+def compare(definition: Any, x: np.ndarray[Any, Any], where: str) -> None:
+    """Warns where vertices are so much farther apart, or nearer, than the sides of
+    all cloths are long that they probably have another unit than metres."""
+    cloths = [definition.cloths[k] for k in range(definition.n_cloths)]
+    cloth = max(max(each.width, each.height) for each in cloths)
+    x = x.reshape(-1, 3)
+    size = float(np.ptp(x, axis=0).max()) if len(x) else 0
+    if 0 < size < np.inf and not cloth <= TIMES * size <= TIMES**2 * cloth:
+        warn(
+            f"{where}: note: the mesh is {size:.3g} m across, the largest cloth "
+            f"{cloth:.3g} m; the vertices of a mesh are in metres"
+        )
 
 
 def put_mesh(
@@ -119,7 +138,29 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     if len(tree) != len(pairs):
         keys = [key for key, _ in pairs]
         twice = next(key for key in keys if keys.count(key) > 1)
-        raise SceneError(f"{twice}: the key is there twice")
+        raise ValueError(f"{twice}: the key is there twice")
+    return tree
+
+
+def _never(word: str) -> Any:
+    raise ValueError(f"{word} is no number of JSON")
+
+
+def tree_of(text: scenes.Text) -> dict[str, Any]:
+    """Returns a scene's keys, in containers that nobody else has. What is not JSON,
+    or has a key twice, is refused in the words of the scenes' reader."""
+    try:
+        text.text.encode()  # which bytes that are not UTF-8 do not let pass
+        tree = json.loads(
+            text.text.removeprefix("\ufeff"),
+            object_pairs_hook=_once,
+            parse_constant=_never,
+        )
+        if not isinstance(tree, dict):
+            raise ValueError("expected an object { … }")
+    except (ValueError, RecursionError) as error:
+        read_scene(text)  # which says in which line and column
+        raise SceneError(f"{text.file}: not a scene in JSON: {error}") from error
     return tree
 
 
@@ -127,11 +168,5 @@ def with_keys(text: scenes.Text, keys: Mapping[str, Any]) -> scenes.Text:
     """Returns the scene with some of its keys replaced."""
     if not keys:
         return text
-    try:
-        tree = json.loads(text.text, object_pairs_hook=_once)
-        tree.update(scenes.as_dict(dict(keys)))
-        return dataclasses.replace(text, text=json.dumps(tree))
-    except SceneError as error:
-        raise SceneError(f"{text.file}: {error}") from error
-    except (ValueError, AttributeError, TypeError) as error:
-        raise SceneError(f"{text.file}: not a scene in JSON: {error}") from error
+    tree = {**tree_of(text), **scenes.as_dict(dict(keys))}
+    return dataclasses.replace(text, text=scenes.as_text(tree, text.file))

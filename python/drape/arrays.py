@@ -38,7 +38,7 @@ class SharedArray:
     its memory is released: do not read it any more.
 
     A consumer that DLPack before version 1 cannot tell that the array is read-only
-    is refused on the host, where it takes ``numpy.asarray`` of it, and warned of on a
+    is refused on the host, where it takes a copy, ``numpy.array``, and warned of on a
     device. torch has no read-only tensors: what is written to one that shares these
     bytes changes the world without its knowledge. Write to a copy, and give that to
     `World.set_positions`.
@@ -163,7 +163,7 @@ def _tell_read_only(kind: int) -> None:
         "the array is read-only: "
     )
     if kind == CPU:
-        raise BufferError(f"{why}give it numpy.asarray(array), or a copy")
+        raise BufferError(f"{why}give it a copy, numpy.array(array)")
     warnings.warn(f"{why}write to a copy of it only", stacklevel=3)
 
 

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import reprlib
 import struct
@@ -18,7 +17,7 @@ from numpy.typing import NDArray
 
 from . import scene as scenes
 from ._core import ffi, lib
-from ._define import Handle, put_arrays, read_scene
+from ._define import Handle, put_arrays, read_scene, tree_of
 from ._library import Calls
 from ._signals import Held
 from .errors import Error, SceneError, check, check_code
@@ -50,9 +49,6 @@ class Body:
 HEAD = struct.Struct("=4sIqqQQ")
 MAGIC = b"drL2"
 CLOTH, MESH, REMOVE = 11, 12, 13
-
-# A scene must have a cloth; this one stands in where an obstacle is read.
-ANY_CLOTH = {"particles": [2, 2]}
 
 
 def means(body: object, number: int, each: Any) -> bool:
@@ -102,8 +98,22 @@ class Bodies:
     def add_obstacle(self, obstacle: scenes.Obstacle | Mapping[str, Any]) -> Body:
         """Adds an obstacle behind all other bodies, likewise. One that follows a
         motion of the scene, or has frames, is where these have it now."""
-        tree = {"cloths": [ANY_CLOTH], "obstacles": [scenes.as_dict(obstacle)]}
+        cloth = {"particles": [2, 2], **self._largest()}  # a scene must have one
+        tree = {"cloths": [cloth], "obstacles": [scenes.as_dict(obstacle)]}
         return self._add("obstacles", tree)
+
+    def _largest(self) -> dict[str, Any]:
+        """Returns what of the world's cloths an obstacle is compared with: their
+        largest side and their least friction."""
+        cloths = [each for each in self.bodies if each.kind == "cloth"]
+        side = max(max(each.size or (0, 0)) for each in cloths)
+        new, least = ffi.new("drape_material *"), []
+        handle = self._open()
+        with handle.lock:
+            for k in range(len(cloths)):
+                check(lib.drape_read_material(handle.world, k, new), "material")
+                least.append(new.friction)
+        return {"size": [side, side], "material": {"friction": min(least)}}
 
     def remove(self, body: int | str | Body) -> None:
         """Removes a body; those behind it move down, and keep their state. The
@@ -137,7 +147,7 @@ class Bodies:
         """Reads a scene of this one body, and adds it to the world."""
         self._may_change()
         handle = self._open()
-        motions = json.loads(self._text.text).get("motions")
+        motions = tree_of(self._text).get("motions")
         if motions:
             tree["motions"] = motions
         text = scenes.read(tree, os.path.dirname(self._text.file) or None)

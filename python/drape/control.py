@@ -20,7 +20,7 @@ from ._library import Calls
 from ._meshes import on_host
 from ._signals import Held
 from .arrays import address, order
-from .bodies import means
+from .bodies import Body, means
 from .contacts import ROW, Contacts
 from .errors import CheckpointError, Error, SceneError, check
 from .fabrics import materials
@@ -39,10 +39,10 @@ def _set_tables(new: Any, stretch: Mapping[str, Any]) -> None:
     and an array of shape (0, 2) takes a table away."""
     for key, value in stretch.items():
         if key == "modulus":
-            new.stretch = value
+            new.stretch = scenes.number(value, "material.stretch.modulus")
             continue
         if key not in scenes.TABLES:
-            raise SceneError(f"material.stretch: {key}: there is no such direction")
+            raise SceneError(fault_of("cloths", material={"stretch": {key: []}}))
         points = scenes.array(value, (None, 2), f"material.stretch.{key}")
         if len(points) > lib.DRAPE_POINTS:
             raise SceneError(
@@ -58,46 +58,52 @@ def _set_numbers(new: Any, given: Mapping[str, Any]) -> None:
     known = {f.name for f in dataclasses.fields(scenes.Material)} - {"name"}
     for key, value in given.items():
         if key not in known:
-            raise SceneError(f"material: {key}: there is no such number")
+            raise SceneError(fault_of("cloths", material={key: 0}))
         if key == "stretch" and isinstance(value, Mapping):
             _set_tables(new, value)
         elif key == "limit":
-            value = np.multiply(value, [1, 1, 2]) if np.ndim(value) == 0 else value
+            if np.ndim(value) == 0:
+                one = scenes.number(value, "material.limit")
+                value = [one, one, 2 * one]
             new.limit = scenes.array(value, (3,), "material.limit").tolist()
         else:
-            setattr(new, key, float(scenes.array(value, (), f"material.{key}")))
+            setattr(new, key, scenes.number(value, f"material.{key}"))
 
 
 def _set_fabric(new: Any, name: str) -> None:
     """Sets a material to a fabric's numbers. What nobody measured stays."""
     fabrics = materials()
     if name not in fabrics:
-        raise SceneError(
-            f"material: unknown fabric {name!r}; expected one of {', '.join(fabrics)}"
-        )
+        raise SceneError(fault_of("cloths", material=name))
     _set_tables(new, dict.fromkeys(scenes.TABLES, np.empty((0, 2))))
     given = scenes.as_dict(fabrics[name].material)
     _set_numbers(new, {key: given[key] for key in given if key != "name"})
 
 
+def fault_of(part: str, **keys: Any) -> str | None:
+    """Returns what the scenes' reader says of keys of "cloths" or of "wind", which
+    names the one that is wrong, its range and what was probably meant; None: they
+    are right."""
+    cloth = {"particles": [2, 2]}
+    tree = {"cloths": [{**cloth, **keys}]} if part == "cloths" else {part: keys}
+    try:
+        read_scene(scenes.read({"cloths": [cloth], **tree}))
+    except SceneError as error:
+        return str(error).removeprefix("scene: $.").removeprefix("cloths[0].")
+    return None
+
+
 def _material_fault(new: Any) -> str | None:
-    """Returns what a scene's reader says of a material that the library has refused,
-    which names the number and its range; None: nothing."""
+    """Returns what is wrong with a material that the library has refused."""
     given: dict[str, Any] = {
         field.name: getattr(new, field.name)
         for field in dataclasses.fields(scenes.Material)
         if field.name not in ("name", "limit")
     }
-    given["limit"] = list(new.limit)
-    tree = {"cloths": [{"particles": [2, 2], "material": given}]}
-    try:
-        read_scene(scenes.read(tree))
-    except SceneError as error:
-        return str(error).rpartition("$.cloths[0].")[2]
-    return None
+    return fault_of("cloths", material={**given, "limit": list(new.limit)})
 
 
-def _told(refused: SceneError, text: str | None) -> SceneError:
+def told(refused: SceneError, text: str | None) -> SceneError:
     """Returns what the library has refused with a text that says more."""
     told = SceneError(text) if text else refused
     told.status = refused.status
@@ -212,7 +218,13 @@ class Control:
     ) -> tuple[str, Any, int, int]:
         """Returns what an array of vectors of cloths is called, the array, and
         where in the scene and of how many rows it is."""
+        if first is not None:
+            first = scenes.whole(first, "first")
         if vectors is None:
+            if isinstance(cloth, (str, Body)):
+                raise SceneError(
+                    f"{what}: expected an array, as in set_{what}(cloth, array)"
+                )
             where, vectors, start = what, cloth, 0
             end = max(b.vertices.stop for b in self.bodies if b.kind == "cloth")
             whose = "the vertices of cloths are"
@@ -262,14 +274,16 @@ class Control:
         new = ffi.new("drape_material *")
         self._call("drape_read_material", "material", k, new)
         given = {"name": material} if isinstance(material, str) else material
-        given = dict(scenes.as_dict(given))
+        given = dict(
+            scenes.mapping(given, "material", "a fabric's name or its numbers")
+        )
         if (name := given.pop("name", None)) is not None:
             _set_fabric(new, name)
         _set_numbers(new, given)
         try:
             self._call("drape_set_material", "material", k, new)
         except SceneError as refused:
-            raise _told(refused, _material_fault(new)) from None
+            raise told(refused, _material_fault(new)) from None
 
     def set_positions(
         self, cloth: Any, positions: Any = None, *, first: int | None = None
@@ -292,7 +306,7 @@ class Control:
                 self._refresh()
         except SceneError as refused:
             text = ffi.string(error.text).decode(errors="replace")
-            raise _told(refused, text and f"{where}: {text}") from None
+            raise told(refused, text and f"{where}: {text}") from None
 
     def set_velocities(
         self, cloth: Any, velocities: Any = None, *, first: int | None = None
@@ -329,7 +343,7 @@ class Control:
         except SceneError as refused:
             c = self._open().definition.cloths[k]
             fault = f"{where}: {_pins_fault(who, c.m * c.n)}"
-            raise _told(
+            raise told(
                 refused, fault if refused.status == Status.EARG else None
             ) from None
 

@@ -62,12 +62,17 @@ def check(status: int, what: str) -> int:
     raise error
 
 
+def warn(text: str) -> None:
+    """Warns the caller outside of this package."""
+    warnings.warn(text, stacklevel=_outside())
+
+
 def check_code(code: int, status: int = 0) -> None:
     """Raises what a call of the tool's code has said before it failed, and
     warns of what it has noted. Call it in the thread that made the call. The
     library's status, if that is why the call failed, decides the exception."""
     for note in ffi.string(lib.core_notes()).decode(errors="replace").splitlines():
-        warnings.warn(note, stacklevel=_outside())
+        warn(note)
     text = ffi.string(lib.core_error()).decode(errors="replace")
     if code and status < 0:
         error = KINDS.get(Status(status), SceneError)(text)

@@ -13,6 +13,7 @@ from contextlib import ExitStack
 from ._core import ffi, lib
 from ._signals import Held
 from .errors import Error
+from .scene import whole
 from .world import Reports, World
 
 # s that a call of the library is to take, between which Ctrl-C is heard.
@@ -53,7 +54,8 @@ def step_many(
             how far the others that failed have come.
     """
     all_worlds = _listed(worlds)
-    if threads is not None and threads < 1:
+    n = whole(n, "step")
+    if threads is not None and whole(threads, "threads") < 1:
         raise ValueError(f"threads: expected 1 or more, got {threads}")
     if n < 0:
         raise ValueError(f"step: {n}: expected 0 or more")

@@ -12,9 +12,10 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import operator
 import os
 import reprlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
@@ -49,16 +50,52 @@ def _same(a: Any, b: Any) -> bool:
     return bool(a == b)
 
 
+# Where a scene has an object of a class whose keys are given.
+PLACES: dict[str, Callable[[Any], Any]] = {
+    "Scene": lambda keys: keys,
+    "Cloth": lambda keys: {"cloths": [keys]},
+    "Start": lambda keys: {"cloths": [{"start": keys}]},
+    "Material": lambda keys: {"cloths": [{"material": keys}]},
+    "Pin": lambda keys: {"cloths": [{"pins": [keys]}]},
+    "Region": lambda keys: {"cloths": [{"holes": [keys]}]},
+    "Look": lambda keys: {"cloths": [{"look": keys}]},
+    "Obstacle": lambda keys: {"obstacles": [keys]},
+    "Frames": lambda keys: {"obstacles": [{"frames": keys}]},
+    "Motion": lambda keys: {"motions": [keys]},
+    "Key": lambda keys: {"motions": [{"keys": [keys]}]},
+    "Wind": lambda keys: {"wind": keys},
+    "Camera": lambda keys: {"camera": keys},
+}
+
+
+def _unknown(kind: str, key: str) -> str:
+    """Returns what the scenes' reader says of a key that a class does not have."""
+    from ._define import read_scene
+
+    try:
+        read_scene(read(PLACES[kind]({key: 0})))
+    except SceneError as error:
+        _, word, rest = str(error).partition("unknown key ")
+        if word:
+            return word + rest
+    return f'unknown key "{key}"'
+
+
 T = TypeVar("T", bound="Keys")
 
 
 class Keys:
     """Keys of a scene, which are given by their names."""
 
-    def __new__(cls: type[T], *values: Any, **_: Any) -> T:
-        """Refuses values without names, which might be taken for other keys'."""
+    def __new__(cls: type[T], *values: Any, **keys: Any) -> T:
+        """Refuses values without names, which might be taken for other keys', and
+        keys that are none."""
+        name = cls.__name__
+        known = {key.name for key in dataclasses.fields(cls)}  # type: ignore[arg-type]
+        for key in keys.keys() - known:
+            raise TypeError(f"drape.{name}: {_unknown(name, key)}")
         if values:
-            name, given = cls.__name__, ", ".join(map(reprlib.repr, values))
+            given = ", ".join(map(reprlib.repr, values))
             example = EXAMPLES.get(name, "key=value")
             raise TypeError(
                 f"drape.{name}({given}): keys are given by their names, as in "
@@ -431,6 +468,29 @@ def as_dict(value: Any) -> Any:
     return value
 
 
+def mapping(value: Any, where: str, wanted: str) -> Mapping[str, Any]:
+    """Returns the keys of a scene's object or of a mapping."""
+    found = as_dict(value)
+    if not isinstance(found, Mapping):
+        raise SceneError(f"{where}: expected {wanted}, not {reprlib.repr(value)}")
+    return found
+
+
+def number(value: Any, where: str) -> float:
+    """Returns one number."""
+    return float(array(value, (), where))
+
+
+def whole(value: Any, where: str) -> int:
+    """Returns a whole number; a TypeError that names `where` if it is none."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise TypeError(
+            f"{where}: {reprlib.repr(value)}: expected a whole number"
+        ) from None
+
+
 def _plain(value: Any) -> Any:
     """What JSON is not able to hold: NumPy's numbers and arrays, and paths."""
     if isinstance(value, (np.ndarray, np.generic)):
@@ -524,12 +584,10 @@ def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text
         return scene
     if isinstance(scene, (str, os.PathLike)):
         file = os.fspath(scene)
-        try:
-            text = Path(file).read_text(encoding="utf-8")
+        try:  # the reader says what is wrong with bytes that are not UTF-8
+            text = Path(file).read_text(encoding="utf-8", errors="surrogateescape")
         except OSError as error:
             raise SceneError(f"{file}: {error.strerror}") from error
-        except UnicodeDecodeError as error:
-            raise SceneError(f"{file}: not a text in UTF-8") from error
         return Text(text, file, [], [])
     tree = as_dict(scene)
     if not isinstance(tree, dict):
@@ -538,16 +596,21 @@ def read(scene: SceneLike, folder: str | os.PathLike[str] | None = None) -> Text
     obstacles = [
         _take_obstacle(k, body) for k, body in enumerate(_bodies(tree, "obstacles"))
     ]
+    file = os.path.join(folder, "scene") if folder else "scene"
+    return Text(as_text(tree, "scene"), file, cloths, obstacles)
+
+
+def as_text(tree: Any, file: str) -> str:
+    """Returns a scene's keys as JSON; a SceneError, which calls the scene `file`,
+    where one of them has a value that JSON is not able to hold."""
     try:
-        text = json.dumps(tree, default=_plain, allow_nan=False)
+        return json.dumps(tree, default=_plain, allow_nan=False)
     except (TypeError, ValueError) as error:
         if isinstance(error, SceneError):
             raise
         where = _not_finite(tree, "$")
         what = f"{where}: the number is not finite" if where else str(error)
-        raise SceneError(f"scene: {what}") from error
-    file = os.path.join(folder, "scene") if folder else "scene"
-    return Text(text, file, cloths, obstacles)
+        raise SceneError(f"{file}: {what}") from error
 
 
 def _not_finite(value: Any, path: str) -> str | None:

@@ -21,10 +21,11 @@ from ._core import ffi, lib
 from ._define import Handle, with_keys
 from ._library import Calls, Log, Trace
 from ._signals import Held
+from ._stretch import Stretch
 from .arrays import SharedArray, address, order
 from .bodies import Bodies
-from .control import Control
-from .errors import CheckpointError, DivergedError, Error, SceneError, check
+from .control import Control, fault_of, told
+from .errors import CheckpointError, DivergedError, Error, SceneError, check, warn
 from .mesh import Audit, audit
 from .record import Recorder, picture
 from .reports import PARTS, Memory, Outcome, PlanRow, Status, StepReport, Work
@@ -86,6 +87,11 @@ def step_report(c: Any) -> StepReport:
     return StepReport(**fields)
 
 
+def _plain_wind(c: Any) -> dict[str, Any]:
+    """Returns a drape_wind as a scene has it."""
+    return {**_plain(c), "velocity": list(c.velocity)}
+
+
 class World(Bodies, Control, Closing):
     """A scene that was made, and its state, which `step` advances.
 
@@ -124,6 +130,7 @@ class World(Bodies, Control, Closing):
         self._recorder: Recorder | None = None
         self._report: StepReport | None = None
         self._reports = Reports()
+        self._stretch = Stretch()
         self._now = (0, 0.0)  # what the clock was after the last call
         self._handle: Handle | None = Handle(text, self._calls)
         self._calls.raise_kept()
@@ -248,6 +255,7 @@ class World(Bodies, Control, Closing):
             OutOfMemoryError: the next call may succeed
             DeviceError: the device has failed
         """
+        n = scenes.whole(n, "step")
         if n < 0:
             raise ValueError(f"step: {n}: expected 0 or more")
         with Held() as held:
@@ -262,7 +270,15 @@ class World(Bodies, Control, Closing):
                 self._step()
         finally:
             self._refresh()
+        self._look()
         return self._reports
+
+    def _look(self) -> None:
+        """Warns of cloths that are stretched too far. The state is not copied from a
+        device for it."""
+        if self.backend == "ref":
+            x = SharedArray(self._open(), "x")
+            self._stretch.look(self.steps, x, self._triangles, self.bodies)
 
     @property
     def _is_plain(self) -> bool:
@@ -283,6 +299,7 @@ class World(Bodies, Control, Closing):
                 check(status, "step")
         finally:
             self._refresh()
+        self._look()
 
     def wake(self) -> None:
         """Wakes all cloths that are asleep, from the next step on."""
@@ -292,10 +309,7 @@ class World(Bodies, Control, Closing):
     def set_wind(self, wind: scenes.Wind | Mapping[str, Any]) -> None:
         """Sets the wind from the next step on, and wakes the scene; what is not
         given stays as it is. Where there is no air yet, its density is 1.2 kg/m³."""
-        given = scenes.as_dict(wind)
-        unknown = sorted(set(given) - {"velocity", "density", "drag", "lift"})
-        if unknown:
-            raise SceneError(f"wind: {unknown[0]}: there is no such key")
+        given = scenes.mapping(wind, "wind", 'keys, as in {"velocity": [5, 0, 0]}')
         new = ffi.new("drape_wind *")
         self._call("drape_read_wind", "wind", new)
         if new.density == 0:
@@ -303,9 +317,19 @@ class World(Bodies, Control, Closing):
         for key, value in given.items():
             if key == "velocity":
                 new.velocity = scenes.array(value, (3,), "wind.velocity").tolist()
+            elif key in ("density", "drag", "lift"):
+                setattr(new, key, scenes.number(value, f"wind.{key}"))
             else:
-                setattr(new, key, float(value))
-        self._call("drape_set_wind", "wind", new)
+                raise SceneError(fault_of("wind", **{str(key): 0}))
+        try:
+            self._call("drape_set_wind", "wind", new)
+        except SceneError as refused:
+            raise told(refused, fault_of("wind", **_plain_wind(new))) from None
+        if "velocity" in given and not (new.density and (new.drag or new.lift)):
+            warn(
+                "wind.velocity: note: has no effect: there is no density, or neither "
+                "drag nor lift"
+            )
 
     # The state
 

@@ -121,8 +121,12 @@ def test_material(sheet: dict[str, Any]) -> None:
         world.step(30)
         ends.append(world.positions[:, 0].max())
     assert ends[1] > ends[0] + 1e-3
-    with pytest.raises(drape.SceneError, match="strech"):
+    with pytest.raises(drape.SceneError, match='"strech"; did you mean "stretch"'):
         world.set_material(0, {"strech": 1})
+    with pytest.raises(drape.SceneError, match='"mass"; did you mean "density"'):
+        world.set_material(0, {"mass": 1})
+    with pytest.raises(drape.SceneError, match=r"^material\.limit: expected numbers"):
+        world.set_material(0, {"limit": "soft"})
     with pytest.raises(drape.SceneError, match=r"stretch: -1: expected"):
         world.set_material(0, {"stretch": -1})
 
@@ -148,8 +152,10 @@ def test_a_fabric_by_name(sheet: dict[str, Any]) -> None:
     assert np.array_equal(ends[0], ends[1])
     assert not np.array_equal(ends[0], ends[2])
     assert not np.array_equal(ends[0], ends[3])
-    with pytest.raises(drape.SceneError, match=r"'denin'; expected one of denim"):
+    with pytest.raises(drape.SceneError, match='"denin"; did you mean "denim"'):
         world.set_material(0, "denin")
+    with pytest.raises(drape.SceneError, match=r"^material: expected a fabric's name"):
+        world.set_material(0, 5)  # type: ignore[arg-type]
 
 
 def test_what_was_wrong_is_told(sheet: dict[str, Any]) -> None:
@@ -175,6 +181,12 @@ def test_what_was_wrong_is_told(sheet: dict[str, Any]) -> None:
         world.set_pins(0, [17])
     with pytest.raises(drape.SceneError, match="finite"):
         world.set_pins(0, [0], [[np.nan, 0, 0]])
+    with pytest.raises(drape.SceneError, match=r"as in set_positions\(cloth, array"):
+        world.set_positions(world.bodies[0])
+    with pytest.raises(TypeError, match=r"^first: 1\.5: expected a whole number"):
+        world.set_positions(np.zeros((2, 3)), first=1.5)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"^step: '3': expected a whole number"):
+        world.step("3")  # type: ignore[arg-type]
     with pytest.raises(drape.SceneError, match="gravity: one number; expected 3"):
         world.set_gravity(9.81)
     assert world.checkpoint() == before

@@ -63,6 +63,35 @@ def test_every_function_of_the_header_is_there() -> None:
     assert not missing
 
 
+def report(step: int, outcome: reports.Outcome) -> reports.StepReport:
+    """A report of a step in which nothing but its outcome is not 0."""
+    zeros = {field.name: 0 for field in dataclasses.fields(reports.StepReport)}
+    return reports.StepReport(**{**zeros, "step": step, "outcome": outcome})
+
+
+# drape.h: after a step without TRAPPED nothing intersects, and PASSED and DIVERGED
+# tell of the way there. The other outcomes are no fault.
+FAULTS = {"TRAPPED", "PASSED", "DIVERGED"}
+
+
+@pytest.mark.parametrize("name", [each.name for each in reports.Outcome])
+def test_what_is_clean(name: str) -> None:
+    one = reports.Outcome[name]
+    everything = reports.Outcome(sum(reports.Outcome))
+    for at in range(3):  # whichever step it happened in
+        steps = [reports.Outcome(0)] * 3
+        steps[at] = one
+        made = drape.Reports(report(k + 1, each) for k, each in enumerate(steps))
+        assert made.clean is (name not in FAULTS)
+        assert made.outcome == one and name in repr(made)
+        steps[at] = everything & ~one
+        made = drape.Reports(report(k + 1, each) for k, each in enumerate(steps))
+        assert not made.clean
+        said = set(repr(made).rstrip(">").split(": ")[-1].split("|"))
+        assert said == {each.name for each in reports.Outcome if each is not one}
+    assert drape.Reports().clean and drape.Reports().outcome == 0
+
+
 def test_versions() -> None:
     text = (ROOT / "spec/drape.h").read_text(encoding="utf-8")
     found = re.search(r'DRAPE_VERSION "(.*)"', text)

@@ -8,6 +8,7 @@ import copy
 import dataclasses
 import json
 import re
+import warnings
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -159,10 +160,59 @@ def test_files_that_are_none(tmp_path: Path) -> None:
         drape.World(tmp_path / "a.json")
     (tmp_path / "a.json").write_text('{"dt": 1, "dt": 2, "cloths": [{}]}')
     for keys in ({}, {"threads": 1}):
-        with pytest.raises(drape.SceneError, match=r"duplicate object key|there twice"):
+        with pytest.raises(drape.SceneError, match=r"line 1, column 14: duplicate"):
             drape.World(tmp_path / "a.json", **keys)
+    with pytest.raises(drape.SceneError, match=r"line 1, column 14: duplicate"):
+        drape.grid(tmp_path / "a.json", {"frames": [1, 2]})
     with pytest.raises(drape.SceneError, match="expected a scene"):
         drape.World(3)  # type: ignore[arg-type]
+
+
+def test_a_file_is_read_as_the_tool_reads_it(tmp_path: Path) -> None:
+    file = tmp_path / "a.json"
+    for code, text in (("utf-16", "UTF-16"), ("utf-16-le", "UTF-16")):
+        file.write_bytes('{"cloths": [{}]}'.encode(code))
+        for keys in ({}, {"threads": 1}):
+            with pytest.raises(drape.SceneError, match=f"is in {text}"):
+                drape.World(file, **keys)
+    for data, text in (
+        (b"PXR-USDC\0\xff", "is a USD file"),
+        (b'{"name": "\xe9"}', "line 1, column 10: unable to decode byte 0xe9"),
+        (b'{"dt": NaN}', "line 1, column 10: invalid token"),
+        (b"[1]", "expected an object"),
+    ):
+        file.write_bytes(data)
+        for keys in ({}, {"threads": 1}):
+            with pytest.raises(drape.SceneError, match=text):
+                drape.World(file, **keys)
+    file.write_bytes(b'\xef\xbb\xbf{"cloths": [{"particles": [3, 3]}]}')
+    world = drape.World(file, threads=1)
+    world.add_obstacle({"shape": "box", "at": [0, -3, 0]})
+    with pytest.raises(drape.SceneError, match=r"\$\.dt: the number is not finite"):
+        drape.World(file, dt=float("nan"))
+    assert (drape.World(file, gravity=np.array([0, 1, 0])).gravity == [0, 1, 0]).all()
+
+
+def test_what_has_no_effect_on_a_world_is_told(sheet: dict[str, Any]) -> None:
+    up = {"name": "up", "keys": [{"time": 0}, {"time": 1, "move": [0, 1, 0]}]}
+    with pytest.warns(UserWarning, match=r"motions\[0\]: note: has no effect"):
+        world = drape.World(sheet, motions=[up])
+    with pytest.warns(UserWarning, match=r"\$\.block: note: has no effect"):
+        drape.World(sheet, block=64)
+    box = {"shape": "box", "at": [0, -3, 0]}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        world.add_obstacle({**box, "motion": "up"})
+        world.set_material(0, {"friction": 0.1})
+        world.add_obstacle({**box, "friction": 0.2})
+        with pytest.raises(drape.SceneError, match="coordinate nan"):
+            x = np.full((3, 3), np.nan)
+            world.add_obstacle({"vertices": x, "triangles": [[0, 1, 2]]})
+    with pytest.warns(UserWarning, match="friction: note: has no effect"):
+        world.add_obstacle({**box, "friction": 0.05})
+    x = np.array([[0, -9, 0], [3000, -9, 0], [0, -9, 3000]])
+    with pytest.warns(UserWarning, match=r"note: the mesh is 3e\+03 m across"):
+        world.add_obstacle({"vertices": x, "triangles": [[0, 1, 2]]})
 
 
 def test_arrays_of_a_mesh_are_that_mesh() -> None:
@@ -264,8 +314,17 @@ def test_keys_are_given_by_their_names() -> None:
     for kind in (drape.Scene, drape.Material, drape.Start, drape.Pin, drape.Key):
         with pytest.raises(TypeError, match="keys are given by their names"):
             kind(1)
-    with pytest.raises(TypeError, match="colour"):
-        drape.Cloth(colour=1)  # type: ignore[call-arg]
+    for kind, key, text in (
+        (drape.Cloth, "colour", '"colour"; did you mean "colour" in "look"'),
+        (drape.Cloth, "mass", '"mass"; did you mean "density" in "material"'),
+        (drape.Cloth, "mesh", "cannot simulate a mesh of triangles as cloth yet"),
+        (drape.Obstacle, "file", '"file"; did you mean "mesh"'),
+        (drape.Material, "weight", '"weight"; did you mean "density"'),
+        (drape.Pin, "egde", '"egde"; did you mean "edge"'),
+        (drape.Scene, "device", "cannot choose a device by its number yet"),
+    ):
+        with pytest.raises(TypeError, match=rf"drape\.{kind.__name__}: .*{text}"):
+            kind(**{key: 1})
 
 
 def test_scenes_are_compared() -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import copy
 import gc
 import pickle
+import warnings
 import weakref
 from pathlib import Path
 from typing import Any
@@ -104,12 +105,38 @@ def test_wind(sheet: dict[str, Any]) -> None:
     still.step(3)
     assert (still.positions == world.positions).all()
     still.set_wind({"density": 0})
-    with pytest.raises(drape.SceneError, match="speed"):
+    with pytest.warns(UserWarning, match="velocity: note: has no effect"):
+        world.set_wind({"velocity": [0, 5, 0], "density": 0})
+    with pytest.warns(UserWarning, match="velocity: note: has no effect"):
+        world.set_wind({"velocity": [0, 5, 0], "drag": 0, "lift": 0})
+    with pytest.raises(drape.SceneError, match='"speed"; did you mean "velocity"'):
         world.set_wind({"speed": 1})
+    with pytest.raises(drape.SceneError, match=r"wind\.density: expected numbers"):
+        world.set_wind({"density": "thin"})
+    with pytest.raises(drape.SceneError, match=r"wind: expected keys, .* not \[5, 0"):
+        world.set_wind([5, 0, 0])  # type: ignore[arg-type]
     with pytest.raises(drape.SceneError, match="3 numbers"):
         world.set_wind({"velocity": [1, 2]})
-    with pytest.raises(drape.SceneError, match="range"):
+    with pytest.raises(drape.SceneError, match=r"wind\.density: -1: expected .* 0 to"):
         world.set_wind({"density": -1})
+
+
+def test_a_cloth_that_no_fabric_bears_is_told(sheet: dict[str, Any]) -> None:
+    m, n = sheet["cloths"][0]["particles"]
+    sheet["cloths"][0] |= {"name": "b", "material": {"stretch": 1, "shear": 0.3}}
+    sheet["cloths"][0]["pins"] = [{"edge": "u0"}]
+    world = drape.World(sheet, gravity=[50, 0, 0])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        world.step(1)
+    with pytest.warns(UserWarning, match=r"^b: note: after step 60 it is stretched to"):
+        world.step(59)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # it is told once
+        world.step(60)
+    width = sheet["cloths"][0].get("size", [1, 1])[0] / (m - 1)
+    x = world.positions[: m * n].reshape(n, m, 3)
+    assert np.linalg.norm(np.diff(x, axis=1), axis=2).max() > 2 * width
 
 
 def test_plan_and_memory(tiny: Path) -> None:

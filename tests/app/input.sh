@@ -101,6 +101,15 @@ hint ', "position": [0, 1, 0]' '' 'did you mean "at" in "start"?'
 hint '' ', "Frames": 3' '"Frames"; did you mean "frames"?'
 hint '' ', "integrator": "BDF2"' '"BDF2": did you mean "bdf2"?'
 hint '' ', "integrator": "newmark"' '"newmark": expected one of "euler"'
+hint '' ', "backend": "cpu"' '"cpu": did you mean "ref"?'
+hint '' ', "backend": "CUDA"' '"CUDA": did you mean "gpu"?'
+hint '' ', "gpu": 0' '"gpu"; did you mean "backend"?'
+hint '' ', "mesh": "a.ply"' '"mesh"; did you mean "mesh" in "obstacles"?'
+hint '' ', "obstacles": [{"vertices": []}]' '"vertices"; did you mean "mesh"?'
+hint '' ', "obstacles": [{"type": "box"}]' '"type"; did you mean "shape"?'
+hint '' ', "obstacles": [{"velocity": [1, 0, 0]}]' '"velocity"; did you mean "motion"?'
+hint ', "color": [1, 0, 0]' '' '"color"; did you mean "colour" in "look"?'
+hint ', "Seams": []' '' '"Seams": drape cannot sew seams yet'
 hint ', "seams": []' '' '"seams": drape cannot sew seams yet (spec/limits.md)'
 hint ', "mesh": "a.obj"' '' 'drape cannot simulate a mesh of triangles as cloth yet'
 hint ', "file": "a.obj"' '' 'drape cannot simulate a mesh of triangles as cloth yet'
@@ -110,6 +119,7 @@ hint '' ', "device": 1' 'drape cannot choose a device by its number yet'
 refused 'the option -o' '-o: unknown option; did you mean --out?' run tiny.json -o refused
 refused 'the option --device' '--device: unknown option: drape cannot choose a device' \
     run tiny.json --device 1
+refused 'the command simulate' 'simulate: no such command; did you mean run?' simulate tiny.json
 : >empty.json
 refused 'empty scene' 'empty.json: empty' run empty.json
 printf '[1]' >list.json
@@ -160,7 +170,8 @@ is 'the count is there' grep -q '[1-9][0-9]*' err
 exits 'start that intersects, allowed' 0 plan start.json --allow-intersecting
 # Who is refused is told by the place in the file.
 cat >places.json <<'EOF'
-{"cloths": [{"particles": [3, 3]}, {"name": "b", "particles": [3, 3],
+{"cloths": [{"particles": [3, 3], "pins": [{"at": [0, 0], "motion": "a"},
+   {"at": [1, 0], "motion": "short"}]}, {"name": "b", "particles": [3, 3],
    "start": {"at": [0, 1, 0]}},
   {"name": "c", "particles": [3, 3], "start": {"at": [0.1, 1, 0.1], "v": [0, 1, 1]}}],
  "motions": [{"name": "a", "keys": [{}]}, {"name": "short", "keys": [{"time": 999999},
@@ -183,6 +194,7 @@ python3 - <<'EOT'
 import json
 scene = json.load(open("places.json"))
 scene["motions"].pop()
+scene["cloths"][0]["pins"].pop()
 scene["cloths"].pop()
 other = json.loads(json.dumps(scene))
 scene["obstacles"][1] = {"frames": {"files": "still_%d.off", "count": 1}, "motion": "a",
@@ -308,15 +320,29 @@ idle() {
     is "it is said of $3" grep -qxF "drape: idle.json: $3: note: has no effect: $4" err
     is "and of nothing else, $3" test "$(wc -l <err)" -eq 1
 }
-air='there is no density, or neither drag nor lift'
-idle '' ', "wind": {"velocity": [1, 0, 0], "density": 0}' '$.wind.velocity' "$air"
-idle '' ', "wind": {"velocity": [1, 0, 0], "drag": 0, "lift": 0}' '$.wind.velocity' "$air"
+for key in '"velocity": [1, 0, 0]' '"drag": 2' '"lift": 2'; do
+    name=${key%%:*} name=${name#?}
+    idle '' ", \"wind\": {$key, \"density\": 0}" "\$.wind.${name%?}" 'there is no density'
+done
+for key in '"velocity": [1, 0, 0]' '"density": 2'; do
+    name=${key%%:*} name=${name#?}
+    idle '' ", \"wind\": {$key, \"drag\": 0, \"lift\": 0}" "\$.wind.${name%?}" \
+        'there is neither drag nor lift'
+done
+idle '' ', "camera": {"sun": [0, 1, 0], "light": 0}' '$.camera.sun' 'it has no light'
+idle '' ', "block": 64' '$.block' 'backend ref computes'
+idle '' ', "integrator": "verlet", "response": "solve"' '$.response' \
+    'the integrator is explicit'
 idle '' ', "integrator": "verlet", "tolerance": 0.01' '$.tolerance' \
     'the integrator is explicit'
 idle '' ', "max_substeps": 9' '$.max_substeps' 'the integrator is implicit'
 idle ', "start": {"folds": 3}' '' '$.cloths[0].start.folds' 'the cloth is not hung'
 idle ', "start": {"shape": "hung", "gap": 0.1}' '' '$.cloths[0].start.gap' \
     'the cloth is not rolled'
+idle ', "start": {"shape": "hung", "folds": 2}' '' '$.cloths[0].start.folds' \
+    'they have no depth'
+idle ', "start": {"shape": "hung", "depth": 0.1}' '' '$.cloths[0].start.depth' \
+    'there are no folds'
 idle ', "pins": [{"at": [0, 0], "every": 1}]' '' '$.cloths[0].pins[0].every' \
     'the pin is a single particle'
 low='"at": [0, -2, 0]'
@@ -324,6 +350,16 @@ idle '' ", \"obstacles\": [{\"shape\": \"sphere\", \"extent\": [1, 1, 1], $low}]
     '$.obstacles[0].extent' 'it is of other shapes'
 idle '' ", \"obstacles\": [{\"shape\": \"box\", \"axis\": [1, 0, 0], $low}]" \
     '$.obstacles[0].axis' 'there is no angle'
+idle '' ", \"obstacles\": [{\"shape\": \"box\", \"look\": {\"check\": true}, $low}]" \
+    '$.obstacles[0].look.check' 'it is of cloths'
+idle '' ", \"obstacles\": [{\"shape\": \"box\", \"friction\": 0.1, $low}]" \
+    '$.obstacles[0].friction' "a pair takes the larger, which is a cloth's"
+up='"motions": [{"name": "up", "keys": [{"time": 0}, {"time": 1, "move": [0, 1, 0]}]}]'
+idle '' ", $up" '$.motions[0]' 'neither an obstacle nor a pin names it'
+led=', "pins": [{"edge": "u0", "motion": "up"}]'
+idle "$led" ", ${up%'}]'}, \"pivot\": [1, 0, 0]}]" '$.motions[0].pivot' 'no key has an angle'
+idle "$led" ", ${up%'}]}]'}, \"axis\": [1, 0, 0]}]}]" '$.motions[0].keys[1].axis' \
+    'no key has an angle'
 printf '{"cloths": [{"particles": [33, 9], "size": [1, 0.25], "pins": [{"edge": "u0", "every": 1}],
  "start": {"shape": "hung", "folds": 2, "depth": 0.05, "at": [0, 3, 0]}}],
  "wind": {"velocity": [0, 0, 0], "drag": 0}, "obstacles": [{"shape": "funnel",

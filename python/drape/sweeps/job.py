@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from .. import scene as scenes
 from .._core import ffi, lib
-from .._define import with_keys
+from .._define import tree_of, with_keys
 from .._meshes import on_host
 from ..errors import Error, SceneError
 from ..world import Reports, World
@@ -61,7 +61,7 @@ def grid(scene: scenes.SceneLike, axes: Mapping[str, Sequence[Any]]) -> list[Var
 def _tree(scene: scenes.SceneLike) -> Any:
     """Returns a scene's keys, in containers that nobody else has."""
     if isinstance(scene, (str, os.PathLike, scenes.Text)):
-        return json.loads(scenes.read(scene).text)
+        return tree_of(scenes.read(scene))
     return scenes.as_dict(scene)
 
 

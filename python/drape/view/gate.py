@@ -12,6 +12,7 @@ from __future__ import annotations
 import hmac
 import http
 import ipaddress
+import re
 import secrets
 import socket
 from collections.abc import Callable, Iterator
@@ -43,9 +44,15 @@ def is_loopback(host: str) -> bool:
     return all(ipaddress.ip_address(each[4][0]).is_loopback for each in found)
 
 
+# What browsers send: a name or an address, which may have a port behind it.
+HOST = re.compile(r"(?:\[([0-9a-f:.]+)\]|([a-z0-9._-]+))(?::\d{1,5})?", re.IGNORECASE)
+
+
 def _name(host: str) -> str:
-    """Returns the name or address in a Host header, without its port."""
-    return urlsplit(f"//{host}").hostname or ""
+    """Returns the name or address in a Host header, without its port; empty if the
+    header is none."""
+    found = HOST.fullmatch(host)
+    return (found[1] or found[2]).lower() if found else ""
 
 
 def _refused(status: http.HTTPStatus, text: str) -> Response:
@@ -75,9 +82,11 @@ class Gate:
             request.headers.get_all("Host"),
             request.headers.get_all("Origin"),
         )
-        if len(host) != 1 or (self.token is None and _name(host[0]) not in self.names):
+        name = _name(host[0]) if len(host) == 1 else ""
+        if not name or (self.token is None and name not in self.names):
             return _refused(forbidden, "This page has another host.\n")
-        if any(urlsplit(each).netloc != host[0] for each in origins):
+        own = (f"http://{host[0]}", f"https://{host[0]}")  # https: by a proxy
+        if any(each not in own for each in origins):
             return _refused(forbidden, "This page takes no other page's requests.\n")
         if self.token is None or self._is_token(self._cookie(request)):
             return None
