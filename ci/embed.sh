@@ -151,10 +151,13 @@ if command -v cmake >/dev/null; then
             "find_package(drape $1 REQUIRED)" >"$work/asks/CMakeLists.txt"
         cmake -S "$work/asks" -B "$work/asks/out" -DCMAKE_PREFIX_PATH="$usr"
     }
-    ok 'CMake: components' asks '0.1.0 COMPONENTS static shared'
+    number() { sed -n "s/^#define DRAPE_VERSION_$1 //p" spec/drape.h; }
+    major=$(number MAJOR) minor=$(number MINOR) patch=$(number PATCH)
+    ok 'CMake: components' asks "$major.$minor.$patch COMPONENTS static shared"
     ok 'CMake: no such component' refused 'no component fast' \
         asks 'COMPONENTS fast'
-    for version in 0.0.9 0.1.7 0.2 1.0; do
+    for version in 0.$((minor > 0 ? minor - 1 : 0)).9 $major.$minor.$((patch + 7)) \
+        $major.$((minor + 1)) $((major + 1)).0; do
         ok "CMake: not version $version" refused 'compatible with requested' \
             asks $version
     done
@@ -211,6 +214,14 @@ END
 ok 'the version, compiled' $CC -std=c17 $strict "$work/version.c" \
     -I"$usr/include" -o "$work/version"
 ok 'the version as numbers' "$work/version"
+# What CONTRIBUTING.md's recipe for a tag changes with it.
+version=$(sed -n 's/.*DRAPE_VERSION "\(.*\)"/\1/p' spec/drape.h)
+exact=$(echo "$version" | sed 's/[.]/[.]/g')
+for file in 'drape:app/drape.1' 'version =:app/blender/blender_manifest.toml' \
+    'version::CITATION.cff' '^##:CHANGELOG.md'; do
+    ok "the version in ${file##*:}" grep -qE "${file%:*} \"?$exact(\"| |$)" \
+        "${file##*:}"
+done
 
 # The library neither prints nor exits: it must not use such functions of libc.
 # shellcheck disable=SC2016

@@ -14,7 +14,7 @@
 #include <vector>
 
 static_assert(DRAPE_VERSION_MAJOR == 0 && DRAPE_VERSION_MINOR >= 1,
-              "written for drape 0.1");
+              "written for drape 0.1 and later");
 
 namespace
 {
