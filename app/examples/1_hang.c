@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* 1 of 5. A square metre of cotton hangs by its upper edge. New here: what
  * every program with drape does. A definition is filled, a world is made of it,
- * the world is stepped, and each step says how it ended. Built with cc 1_hang.c
- * $(pkg-config --cflags --libs drape) -o 1_hang
+ * the world is stepped, and each step says how it ended. Built with
+ *     cc 1_hang.c $(pkg-config --cflags --libs drape) -o 1_hang
  *
  * Theory: each row bears what hangs below it, so a sheet of density ρ and
- * height H is ρ g H² / (2 E) longer than at rest. E = stretch - shear² /
- * stretch, as the sides are free (spec/cloth/cloth.md §4). */
+ * height H is ρ g H² / (2 E) longer than at rest. As its sides are free,
+ * E is stretch - shear² / stretch (spec/cloth/cloth.md §4). */
 #include <drape.h>
 #include <stdio.h>
 
