@@ -225,11 +225,11 @@ $(BUILD)/drape: $(APP_O) $(LIB)
 
 $(BUILD)/app/%.o: DEFINES := -DEMBREE=$(EMBREE)
 
-# A program that shares the device with a world: app/examples/share.cu.
-$(BUILD)/share.o: app/examples/share.cu
+# A program that shares the device with a world: app/examples/5_share.cu.
+$(BUILD)/5_share.o: app/examples/5_share.cu
 	@mkdir -p $(@D)
 	$(NVCC_C) -c $< -o $@
-$(BUILD)/share: $(BUILD)/share.o $(LIB)
+$(BUILD)/5_share: $(BUILD)/5_share.o $(LIB)
 	$(C17) $^ -o $@ $(CUDA_L)
 
 include ci/install.mk ci/flavours.mk ci/fuzz.mk ci/upkeep.mk ci/python.mk \

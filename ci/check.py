@@ -41,7 +41,7 @@ PARTS = {
     "counts": ("what contact costs on small scenes, and its bounds", 25),
     "root": ("small scenes: every outcome, and any number of threads", 20),
     "rows": ("a certificate's faults are found", 20),
-    "embed": ("the installed library in programs of C, C++ and CMake", 15),
+    "embed": ("the installed library in programs of C, C++ and CMake", 35),
     "maps": ("README's pipeline, the table of stages and the files", 12),
     "accuracy": ("time against error, in a short form", 12),
     "prove": ("Gappa's proofs of the filters' constants", 12),

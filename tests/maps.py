@@ -108,6 +108,83 @@ def check_diagram(texts):
     return len(names), faults
 
 
+def fields(texts, room, file, name):
+    """The streams of a stage as its test has them: kind and extent of each."""
+    text = texts.get(f"tests/{room}/{file}.c", "")
+    body = re.search(rf"struct field fields_{name}\[\] = {{(.*?)FIELD_END", text, re.S)
+    body, found = re.sub(r"\s+", " ", body[1] if body else ""), {}
+    if "FABRIC_BVTT" in body:
+        found.update(box=("IN", "in.tree.n"), clear=("IN", "in.tree.n_cloth"))
+    for kind, of in re.findall(r"\b(INOUT|IN|OUT_USED|OUT_VALUE|OUT|SCRATCH)\((.*?)\)",
+                               body):
+        part = re.split(r", *", of)
+        extent = f"[{part[-1] if kind == 'OUT_USED' else part[2]}]" if part[2:] else ""
+        per = part[3] if part[3:] else "1"
+        found[part[1]] = kind, extent + (f"[{per}]" if per != "1" else "")
+    for at, used in re.findall(r"FIELD_\(FIELD_INOUT, \w+, (\w+), 1, .*?, "
+                               r"\(long\)offsetof\(struct \w+, (\w+)\), 0\)", body):
+        found[at] = "INOUT", f"[{used}]"
+    return found
+
+
+def fenced(texts, path, kind):
+    block = re.search(rf"^```{kind}\n(.*?)^```", texts[path], re.M | re.S)
+    return block[1] if block else ""
+
+
+def check_flow(texts):
+    """Rows of spec/README.md's streams: each stage once and in README's part, with
+    streams that it reads and writes, of these extents; what it reads was written
+    before. The picture has these streams and parts alone."""
+    page, faults, rows, part, seen = "spec/README.md", [], 0, "", set()
+    parts = {line.split()[0]: set(re.findall(r"[a-z_]+", line)[1:])
+             for line in diagram(texts).splitlines() if line.strip()}
+    parts["broad-phase"] = parts.get("broad-phase", set()) - {"phase"}
+    homes = {name: (room, file) for room, file, name in table(texts)}
+    known, drawn = {"start"}, fenced(texts, page, "streams")
+
+    def fault(text):
+        faults.append(f"{page}: the streams: {text}")
+    for line in drawn.splitlines():
+        reads, arrow, writes = line.partition("→")
+        words = reads.split()
+        if line[:1] != " ":
+            part = words.pop(0)
+        if not arrow:  # what is there before the first stage
+            known.update(word for word in re.split(r"  +", line[13:])[0].split())
+            continue
+        name, rows = words.pop(0), rows + 1
+        have = fields(texts, *homes[name], name) if name in homes else {}
+        if name in seen or name not in homes or name not in parts.get(part, ()):
+            fault(f"{name} is no stage of {part}, or is there twice")
+            continue
+        seen.add(name)
+        for word in words:
+            own, _, source = word.partition("=")
+            if have.get(own, "?")[0] not in ("IN", "INOUT"):
+                fault(f"{name} does not read {own}")
+            if (source or own) not in known:
+                fault(f"nothing before {name} writes {source or own}")
+        for group in re.findall(r"([^\[\],]+)((?:\[[\w.]+\])*)", writes):
+            for word in group[0].split():
+                own, _, target = word.partition("=")
+                kind, extent = have.get(own, ("?", ""))
+                if kind not in ("OUT", "OUT_USED", "OUT_VALUE", "INOUT"):
+                    fault(f"{name} does not write {own}")
+                elif extent != group[1]:
+                    fault(f"{name} writes {own} {extent}, not {group[1]}")
+                known.add(target or own)
+    for name in set(homes) - seen:
+        fault(f"{name} is not there")
+    picture = fenced(texts, page, "picture")
+    inside = set(" ".join(re.findall(r"\(([^)]*)\)", picture)).split())
+    outside = [word for line in picture.splitlines() if re.match("  [a-z]", line)
+               for word in re.split("   |◄", line[2:])[0].split()]
+    for word in sorted(inside - known) + sorted(set(outside) - set(parts)):
+        fault(f"the picture has {word}, which is no stream or part")
+    return rows + len(inside) + len(outside), faults
+
+
 def check_stages(texts):
     faults = []
     for room, file, name in table(texts):
@@ -450,7 +527,7 @@ def check_commands(texts):
                        for line, other in zip(told, typed) if line != other]
 
 
-CHECKS = (check_diagram, check_stages, check_files, check_citations, check_rooms,
+CHECKS = (check_diagram, check_flow, check_stages, check_files, check_citations, check_rooms,
           check_circles, check_headers, check_banners, check_numbers,
           check_equivalents, check_targets, check_constants, check_commands)
 
@@ -470,6 +547,16 @@ def planted(texts):
     yield check_diagram, edit("README.md", block, re.sub(
         r"\bimpulses\b", "", block))
     yield check_diagram, add("spec/stages.def", "STAGE(cloth, wind, gale, EXACT)\n")
+    for old, new in (("dv   ", "dw   "), ("→ toi tier [n]", "→ toi tier [nv]"),
+                     ("→ toi tier [n]", "→ toi pair [n]"), ("u rest=b", "u rest=r"),
+                     ("conserve     moments", "near         moments"),
+                     ("( front )", "( fronts )"), ("lead  move", "leads  move")):
+        yield check_flow, edit("spec/README.md", old, new)
+    for name in ("spin", "sum"):
+        yield check_flow, edit("spec/README.md", re.search(
+            rf"^.* {name} .*→.*\n", texts["spec/README.md"], re.M)[0], "")
+    yield check_flow, edit("tests/narrow/narrow.c", "OUT(narrow, tier,",
+                           "OUT(narrow, level,")
     yield check_stages, add("spec/stages.def", "STAGE(cloth, gale, wind, EXACT)\n")
     yield check_stages, add("spec/stages.def", "STAGE(cloth, wind, gale, EXACT)\n")
     for path in (page, home, "gpu/contact/impulses.cu",

@@ -81,10 +81,11 @@ ok 'compilers' in_image sh -c 'apt-get update && apt-get install -y \
     --no-install-recommends gcc g++ libc6-dev make cmake pkg-config'
 in_image sh -c 'cp -r /usr/share/doc/libdrape-dev/examples .' >"$log" 2>&1
 # shellcheck disable=SC2016
-ok 'hang.c by pkg-config' in_image sh -c \
-    'cc examples/hang.c $(pkg-config --cflags --libs drape) -o hang && ./hang'
-ok 'examples by CMake' in_image sh -c \
-    'cmake -S examples -B made && cmake --build made && made/hang && made/hang_cpp'
+ok '1_hang.c by pkg-config' in_image sh -c \
+    'cc examples/1_hang.c $(pkg-config --cflags --libs drape) -o hang && ./hang'
+ok 'examples by CMake' in_image sh -c 'cmake -S examples -B made &&
+    cmake --build made && for name in 1_hang 2_drop 3_pull 4_resume 5_share 1_hang_cpp
+    do made/$name || exit; done'
 
 # A fresh Debian with python3 alone, and the wheel. The tree is there, but cannot be
 # written to; pip trusts the certificates of this machine.
